@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The two questions of a planner: is this state valid, and is this motion? Both answered with a proof.
+#ifndef LEEWAY_CHECKER_H
+#define LEEWAY_CHECKER_H
+
+#include "leeway/robot.h"
+#include "leeway/scene.h"
+
+LW_EXTERN_C_BEGIN
+
+/// Contact between a link and an object that does not count.
+typedef struct lw_link_object_pair
+{
+	uint32_t link, object;
+} lw_link_object_pair;
+
+typedef struct lw_checker_def
+{
+	const lw_robot* robot; ///< a reference is taken
+	const lw_scene* scene; ///< a reference is taken; NULL = no environment
+	/// The group: robot variables that a state vector of this checker holds, in its order; NULL = all variables in robot
+	/// order. All variables of a planar or floating joint are in a group or none.
+	const uint32_t* variables;
+	uint32_t variable_count;
+	const double* reference; ///< [robot variable_count]: values of the variables outside the group; NULL = default state
+	const lw_link_object_pair* allowed; ///< [allowed_count]
+	uint32_t allowed_count;
+	uint32_t cookie;
+} lw_checker_def;
+
+LW_API lw_checker_def lw_checker_def_default( void );
+
+/// Everything needed to check one group of one robot in one scene. Immutable, shared by all threads, reference counted.
+/// Links that the group does not move are static: their distance to the scene is measured once, at creation, and is part
+/// of every environment interval. Self pairs are those whose relative pose the group can change and that are not allowed.
+typedef struct lw_checker lw_checker;
+
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag says which), LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_checker_create( const lw_checker_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_checker** out_checker );
+LW_API lw_checker* lw_checker_retain( const lw_checker* checker );
+LW_API void lw_checker_release( lw_checker* checker );
+
+LW_API const lw_robot* lw_checker_robot( const lw_checker* checker );
+LW_API const lw_scene* lw_checker_scene( const lw_checker* checker ); ///< NULL if none
+LW_API uint32_t lw_checker_variable_count( const lw_checker* checker );
+LW_API uint32_t lw_checker_variable( const lw_checker* checker, uint32_t index ); ///< robot variable of state entry `index`
+/// Writes the full robot state [robot variable_count] of a group state q [variable_count].
+LW_API void lw_checker_full_state( const lw_checker* checker, const double* q, double* full );
+
+/// What a checker keeps. Counts of bodies (shapes of links) and pairs.
+typedef struct lw_checker_info
+{
+	uint32_t moving_bodies;  ///< bodies on links that the group moves
+	uint32_t static_bodies;  ///< the others
+	uint32_t environment_pairs; ///< moving bodies x scene shapes, without allowed ones
+	uint32_t self_pairs;     ///< pairs of bodies to check for self-collision
+	lw_clearance static_environment; ///< of the static bodies; a = link, b = object; FAR with lower = +inf if there is nothing
+	size_t bytes;
+} lw_checker_info;
+LW_API lw_checker_info lw_checker_get_info( const lw_checker* checker );
+
+/// What a state or an edge turned out to be.
+typedef enum lw_verdict
+{
+	LW_VERDICT_UNKNOWN = 0, ///< an error
+	LW_VERDICT_FREE = 1,    ///< proved: every clearance asked for is > min_d
+	LW_VERDICT_BLOCKED = 2, ///< found: a clearance is <= min_d
+	LW_VERDICT_REFUSED = 3  ///< neither: within the stated band just above min_d
+} lw_verdict;
+
+/// "FREE", "BLOCKED", "REFUSED" or "UNKNOWN".
+LW_API const char* lw_verdict_name( lw_verdict verdict );
+
+/// Which clearances are asked for.
+typedef enum lw_what
+{
+	LW_WHAT_ENVIRONMENT = 1,
+	LW_WHAT_SELF = 2,
+	LW_WHAT_BOTH = 3
+} lw_what;
+
+typedef struct lw_state_result
+{
+	lw_verdict verdict;
+	lw_clearance environment; ///< a = link, b = object; FAR with lower = +inf if there is no scene; UNKNOWN if not asked
+	lw_clearance self;        ///< a, b = links; FAR with lower = +inf if there are no pairs; UNKNOWN if not asked
+} lw_state_result;
+
+/// Checks one state.
+/// With an exact range both intervals are always measured. If `stop_at_first` is set, the first violation found ends the
+/// whole query (the other interval may then be UNKNOWN): the fastest validity check is range {min_d, nextafter(min_d), 0}
+/// with stop_at_first.
+/// @param q [lw_checker_variable_count()]; a non-finite value is LW_ERROR_INVALID_ARGUMENT, verdict UNKNOWN, intervals
+/// [0, +inf]: an error never reads as free
+/// @param range NULL = exact
+LW_API lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_what what,
+	const lw_range* range, bool stop_at_first, lw_state_result* out );
+
+/// How an edge is validated.
+typedef enum lw_edge_method
+{
+	LW_EDGE_CERTIFIED = 1, ///< proved along the whole edge by clearance against motion bounds
+	LW_EDGE_STEPS = 2      ///< states at fixed steps between which no robot point moves further than max_d
+} lw_edge_method;
+
+typedef struct lw_edge_def
+{
+	lw_edge_method method;
+	lw_what what;
+	double min_d; ///< metres, >= 0: the edge must keep every clearance above it
+	double slack; ///< metres, > 0, CERTIFIED: clearances in (min_d, min_d + slack] may be refused; bounds the work near contact
+	double max_d; ///< metres, > 0, STEPS: bound of the motion of any robot point between two checked states
+	double alpha; ///< relative tolerance of the distances used, [0, 1)
+	/// Compute proved_until even when a violation was found early (t_last of OMPL's checkMotion). Costs extra queries.
+	bool want_proved_until;
+	uint32_t cookie;
+} lw_edge_def;
+
+LW_API lw_edge_def lw_edge_def_default( void );
+
+typedef struct lw_edge_result
+{
+	/// CERTIFIED: FREE is a proof for every t in [0, 1]. BLOCKED: a state with clearance <= min_d was found, at t. REFUSED: at
+	/// t the clearance is at most (min_d + slack) / (1 - alpha), and the proof was given up.
+	/// STEPS: FREE means that all checked states are > min_d, no more; see core/docs/edges.md for what follows from max_d.
+	lw_verdict verdict;
+	double t;            ///< of the violation or refusal; 1 if FREE
+	double proved_until; ///< all of [0, proved_until] is proved (STEPS: checked); 1 if FREE; 0 if not wanted
+	bool self;           ///< the pair below is a self pair
+	lw_clearance pair;   ///< the deciding clearance at t: a = link, b = object or link; UNKNOWN if FREE
+	double lower_bound;  ///< CERTIFIED and FREE: a proved lower bound of all clearances along the edge, > min_d; else 0
+	uint32_t queries;    ///< states at which distances were measured
+} lw_edge_result;
+
+/// Checks the straight edge from qa to qb (see lw_robot_interpolate): both ends and everything between.
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (verdict UNKNOWN)
+/// Cost: CERTIFIED: per pair fewer than 2 V / slack + 2 distance queries, V its motion bound over the edge; typically a
+/// handful. Method: Schwarzer, Saha, Latombe 2005; formulas and proof in core/docs/edges.md.
+LW_API lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
+	const lw_edge_def* def, lw_edge_result* out );
+
+LW_EXTERN_C_END
+
+#endif

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Distance of two shapes as a certified interval, within a range of interest.
+#ifndef LEEWAY_DISTANCE_H
+#define LEEWAY_DISTANCE_H
+
+#include "leeway/shape.h"
+
+LW_EXTERN_C_BEGIN
+
+/// The range of interest of a query (Steinbach et al. 2006): what is below min_d or above max_d needs no precise answer.
+typedef struct lw_range
+{
+	double min_d; ///< metres, >= 0: a distance at or below it is a violation; the search stops there
+	double max_d; ///< metres, > min_d, may be +inf: nothing beyond it needs a distance
+	double alpha; ///< relative tolerance in [0, 1): upper - lower <= alpha * upper (plus rounding)
+} lw_range;
+
+/// {0, +inf, 0}: the exact distance.
+LW_API lw_range lw_range_exact( void );
+
+/// What an interval says about its range.
+typedef enum lw_clearance_class
+{
+	LW_CLEARANCE_UNKNOWN = 0,   ///< an error, or a question that was not asked; interval is [0, +inf]
+	LW_CLEARANCE_NEAR = 1,      ///< in the range: lower > min_d, upper < max_d, relative width within alpha
+	LW_CLEARANCE_FAR = 2,       ///< proved >= max_d: lower = max_d, upper = +inf, no witness. With no geometry: lower = +inf
+	LW_CLEARANCE_VIOLATION = 3, ///< a pair of points at or below min_d was found: upper is their distance, lower is 0
+	LW_CLEARANCE_UNDECIDED = 4  ///< lower <= min_d < upper and the difference is below the rounding bound of doubles
+} lw_clearance_class;
+
+/// A certified answer: lower <= true distance <= upper. Metres; points in the world frame.
+typedef struct lw_clearance
+{
+	double lower;    ///< proven; 0 when contact cannot be excluded, and on every error
+	double upper;    ///< attained by the witness points (to rounding); +inf if none was found, and on every error
+	lw_vec3 point_a; ///< witness on a, valid only if upper is finite
+	lw_vec3 point_b; ///< witness on b, valid only if upper is finite
+	lw_clearance_class kind;
+	uint32_t a;      ///< body, object or link of point_a: see the function; LW_INVALID_INDEX if none
+	uint32_t b;      ///< the same of point_b
+} lw_clearance;
+
+/// The cautious answer [0, +inf], LW_CLEARANCE_UNKNOWN.
+LW_API lw_clearance lw_clearance_unknown( void );
+
+/// What a query did since lw_query_reset_stats().
+typedef struct lw_query_stats
+{
+	uint64_t queries;        ///< shape-pair searches begun
+	uint64_t node_tests;     ///< 8-wide sphere tests
+	uint64_t leaf_tests;     ///< leaf-pair stages
+	uint64_t triangle_tests; ///< triangle pairs measured by the float filter
+	uint64_t exact_tests;    ///< pairs measured in double
+	uint64_t center_transforms; ///< sphere centres moved into the other tree's frame
+} lw_query_stats;
+
+/// Scratch of one thread: stacks, poses, warm starts, statistics. Queries allocate nothing; everything is here. A query
+/// may be used with any shapes, scenes and checkers whose sizes it was made for, one call at a time.
+typedef struct lw_query lw_query;
+
+/// How a query works. Make it with lw_query_def_default().
+typedef struct lw_query_def
+{
+	lw_simd simd;           ///< cap of the kernel level
+	bool transform_caching; ///< keep the centre of the sphere that is not opened in the other tree's frame (paper II.C)
+	bool warm_start;        ///< try the last witness pair first: changes speed, never what is certified
+	uint32_t cookie;
+} lw_query_def;
+
+LW_API lw_query_def lw_query_def_default( void );
+
+struct lw_checker;
+struct lw_scene;
+
+/// @param scene sized for this scene; nullable. @param checker sized for this checker and its scene; nullable
+/// @param out_query owned by the caller: lw_query_destroy(). Set to NULL on failure.
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_query_create( const lw_query_def* def, const struct lw_scene* scene, const struct lw_checker* checker,
+	const lw_allocator* allocator, lw_query** out_query );
+LW_API void lw_query_destroy( lw_query* query );
+LW_API void lw_query_reset( lw_query* query ); ///< forgets warm starts: a run then repeats bit for bit
+LW_API lw_query_stats lw_query_get_stats( const lw_query* query );
+LW_API void lw_query_reset_stats( lw_query* query );
+LW_API size_t lw_query_bytes( const lw_query* query );
+
+/// Distance of two shapes at given poses.
+/// @param range NULL = exact. @param out out->a and out->b are the triangles (or points) of the witnesses, LW_INVALID_INDEX
+/// for solids
+/// @return LW_OK, or LW_ERROR_INVALID_ARGUMENT (non-finite pose, not a rotation, bad range): *out is then [0, +inf]
+/// Cost: O(k log n) sphere tests typically, O(n m) worst case. No allocation.
+/// Method: branch and bound over two sphere trees (Quinlan 1994; Steinbach et al. 2006); see core/docs/distance.md.
+LW_API lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,
+	const lw_transform* world_from_b, const lw_range* range, lw_query* query, lw_clearance* out );
+
+LW_EXTERN_C_END
+
+#endif

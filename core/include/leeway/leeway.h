@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway: certified clearance and collision queries for motion planning. This header includes all of the core.
+#ifndef LEEWAY_H
+#define LEEWAY_H
+
+#include "leeway/base.h"
+#include "leeway/checker.h"
+#include "leeway/distance.h"
+#include "leeway/math.h"
+#include "leeway/robot.h"
+#include "leeway/scene.h"
+#include "leeway/shape.h"
+#include "leeway/version.h"
+
+#endif

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scenes: named static obstacles, each one or more shapes at fixed poses.
+#ifndef LEEWAY_SCENE_H
+#define LEEWAY_SCENE_H
+
+#include "leeway/distance.h"
+
+LW_EXTERN_C_BEGIN
+
+typedef struct lw_scene_shape_def
+{
+	const lw_shape* shape; ///< a reference is taken
+	uint32_t object;       ///< index into object_names
+	lw_transform world_from_shape;
+} lw_scene_shape_def;
+
+typedef struct lw_scene_def
+{
+	const char* const* object_names; ///< [object_count]
+	uint32_t object_count;
+	const lw_scene_shape_def* shapes; ///< [shape_count]
+	uint32_t shape_count;
+	uint32_t cookie;
+} lw_scene_def;
+
+LW_API lw_scene_def lw_scene_def_default( void );
+
+/// Immutable once built; shared by threads and checkers; reference counted.
+typedef struct lw_scene lw_scene;
+
+/// An empty scene (no shapes) is valid: every distance to it is FAR.
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag.index = shape), LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_scene_create( const lw_scene_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_scene** out_scene );
+LW_API lw_scene* lw_scene_retain( const lw_scene* scene );
+LW_API void lw_scene_release( lw_scene* scene );
+
+LW_API uint32_t lw_scene_object_count( const lw_scene* scene );
+LW_API uint32_t lw_scene_shape_count( const lw_scene* scene );
+LW_API const char* lw_scene_object_name( const lw_scene* scene, uint32_t object );
+LW_API uint32_t lw_scene_find_object( const lw_scene* scene, const char* name ); ///< LW_INVALID_INDEX if none
+LW_API lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index ); ///< the shape stays the scene's
+
+/// Distance of one shape to the scene: nearest obstacle first, one running bound.
+/// @param out out->a is the triangle of `shape` or LW_INVALID_INDEX, out->b the object
+/// @return as lw_shape_distance(); LW_ERROR_INVALID_ARGUMENT also if the query was not made for a scene of this size
+LW_API lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const lw_transform* world_from_shape,
+	const lw_range* range, lw_query* query, lw_clearance* out );
+
+LW_EXTERN_C_END
+
+#endif

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Collision shapes: triangle meshes, point sets and primitives, each with its sphere tree.
+//
+// Meshes are surfaces: a body wholly inside a closed mesh does not touch it. Primitives are solids: whatever is inside
+// one touches it. No primitive is tessellated.
+#ifndef LEEWAY_SHAPE_H
+#define LEEWAY_SHAPE_H
+
+#include "leeway/math.h"
+
+LW_EXTERN_C_BEGIN
+
+/// An immutable collision shape and its hierarchy, reference counted (atomically); shared freely by threads, robots,
+/// scenes. One shape per distinct mesh: its instances only hold references.
+typedef struct lw_shape lw_shape;
+
+/// Values are stable. Dimensions are those of lw_primitive_def.
+typedef enum lw_shape_type
+{
+	LW_SHAPE_MESH = 1,
+	LW_SHAPE_POINTS = 2,
+	LW_SHAPE_BOX = 3,      ///< dimensions x, y, z: full edge lengths, centred
+	LW_SHAPE_SPHERE = 4,   ///< dimensions radius
+	LW_SHAPE_CYLINDER = 5, ///< dimensions radius, height; axis z, centred
+	LW_SHAPE_CAPSULE = 6,  ///< dimensions radius, height between the two cap centres; axis z, centred
+	LW_SHAPE_CONE = 7      ///< dimensions radius, height; axis z, base at -height/2, apex at +height/2
+} lw_shape_type;
+
+/// How the sphere of a tree node is fitted to the geometry under it.
+typedef enum lw_sphere_fit
+{
+	LW_FIT_GREEDY = 1,  ///< contains the spheres of its children (Quinlan 1994)
+	LW_FIT_COMPACT = 2, ///< contains the vertices under it: Algorithms 1 and 2 of Steinbach et al. 2006, mended
+	LW_FIT_MINIMAL = 3  ///< smallest enclosing ball of the vertices under it (Welzl 1991)
+} lw_sphere_fit;
+
+/// How a tree is built. Part of the defs below; lw_tree_def_default() gives the measured best.
+typedef struct lw_tree_def
+{
+	lw_sphere_fit fit;
+	uint32_t leaf_size; ///< triangles per leaf, 1 to 8
+	/// 0: a leaf bounds whole triangles. Above 0, metres: triangles are bounded by tiles of at most this radius (Quinlan's
+	/// leaf spheres; many more nodes, kept for comparison with the paper). Distances are those of the whole triangles.
+	double tile_radius;
+} lw_tree_def;
+
+LW_API lw_tree_def lw_tree_def_default( void );
+
+/// What lw_shape_create_mesh() needs. Make it with lw_mesh_def_default(); a zeroed def is rejected.
+typedef struct lw_mesh_def
+{
+	const double* vertices;  ///< [vertex_count][3], metres, mesh frame; copied
+	uint32_t vertex_count;
+	const uint32_t* indices; ///< [triangle_count][3]; winding does not matter; copied
+	uint32_t triangle_count;
+	double scale[3];         ///< applied to the vertices; non-zero, may be negative (mirror)
+	double weld_tolerance;   ///< metres, after scale; vertices closer than this may be merged. 0 = exact duplicates only
+	lw_tree_def tree;
+	uint32_t cookie;         ///< set by lw_mesh_def_default(); do not touch
+} lw_mesh_def;
+
+LW_API lw_mesh_def lw_mesh_def_default( void );
+
+/// Builds a mesh shape from any triangle soup: open, non-manifold, with duplicate and zero-area triangles (kept: they are
+/// segments or points of the surface). Welding moves no vertex by more than weld_tolerance.
+/// @param allocator NULL = malloc; remembered by the shape
+/// @param diag on LW_ERROR_BAD_GEOMETRY names the first non-finite vertex, out-of-range index, or "no triangles". Nullable.
+/// @param out_shape owned by the caller: lw_shape_release(). Set to NULL on failure.
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_BAD_GEOMETRY or LW_ERROR_OUT_OF_MEMORY
+/// Cost: O(n log n) time; see lw_shape_info for memory.
+LW_API lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_shape** out_shape );
+
+/// A set of points, each the centre of a solid ball of one radius (sensor clouds, user-given spheres of equal size).
+/// @param points [point_count][3], metres, shape frame; copied. @param radius metres, >= 0
+/// @return as lw_shape_create_mesh()
+LW_API lw_status lw_shape_create_points( const double* points, uint32_t point_count, double radius, const lw_tree_def* tree,
+	const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape );
+
+/// A solid primitive (BOX, SPHERE, CYLINDER, CAPSULE, CONE).
+/// @param dimensions as listed at lw_shape_type; each finite and > 0 (a capsule's height may be 0)
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (type), LW_ERROR_BAD_GEOMETRY (index = dimension) or LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions[3], const lw_allocator* allocator,
+	lw_diag* diag, lw_shape** out_shape );
+
+LW_API lw_shape* lw_shape_retain( const lw_shape* shape ); ///< adds a reference; NULL gives NULL
+LW_API void lw_shape_release( lw_shape* shape );           ///< drops a reference; NULL is ignored
+
+/// What a shape is made of and costs.
+typedef struct lw_shape_info
+{
+	lw_shape_type type;
+	uint32_t vertex_count;     ///< after welding
+	uint32_t triangle_count;   ///< 0 for primitives and points
+	uint32_t degenerate_count; ///< zero-area triangles, kept
+	uint32_t node_count;       ///< wide inner nodes of the sphere tree
+	uint32_t leaf_count;
+	uint32_t depth;            ///< inner levels; 0 for primitives
+	size_t bytes;              ///< everything the shape holds
+	double box_min[3], box_max[3]; ///< axis-aligned bounds, shape frame, metres
+	double sphere_center[3];       ///< bounding sphere, shape frame, metres
+	double sphere_radius;
+	double dimensions[3];          ///< of a primitive; radius of a point set in [0]
+} lw_shape_info;
+
+LW_API lw_shape_info lw_shape_get_info( const lw_shape* shape );
+
+/// Vertices of a mesh or point set: [vertex_count][3], owned by the shape; NULL for primitives.
+LW_API const double* lw_shape_vertices( const lw_shape* shape );
+/// Triangles of a mesh: [triangle_count][3], owned by the shape; NULL for others.
+LW_API const uint32_t* lw_shape_triangles( const lw_shape* shape );
+
+/// Checks the tree's invariants: every node sphere contains all the geometry under it, every triangle is in a leaf.
+/// @return LW_OK, or LW_ERROR_BAD_GEOMETRY with the first offending node in diag (a bug of this library)
+LW_API lw_status lw_shape_validate( const lw_shape* shape, lw_diag* diag );
+
+LW_EXTERN_C_END
+
+#endif

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The checker's tables and the single-pair questions that states (checker.c) and edges (edge.c) share.
+#ifndef LEEWAY_CHECKER_INTERNAL_H
+#define LEEWAY_CHECKER_INTERNAL_H
+
+#include "leeway/checker.h"
+#include "motion_bound.h"
+#include "robot_internal.h"
+
+/// Two bodies to check against each other; `a` < `b`.
+typedef struct lwi_self_pair
+{
+	uint32_t body_a, body_b; ///< robot bodies
+	uint32_t ancestor;       ///< lowest common ancestor link: only joints below it move the pair
+} lwi_self_pair;
+
+struct lw_checker
+{
+	atomic_uint references;
+	lw_allocator allocator;
+	lw_robot* robot;
+	lw_scene* scene; ///< NULL = none
+	uint32_t variable_count;
+	uint32_t* variables;   ///< [variable_count] robot variables of a state vector
+	double* reference;     ///< [robot variable_count]
+	lw_transform* reference_poses; ///< [link_count] world_from_link at the reference
+	uint32_t moving_link_count;
+	uint32_t* moving_links; ///< topological order
+	uint32_t moving_body_count;
+	uint32_t* moving_bodies; ///< [moving_body_count] robot bodies on moving links
+	uint32_t self_pair_count;
+	lwi_self_pair* self_pairs;
+	uint32_t word_count;     ///< 32-bit words per row of environment_allowed
+	uint32_t* environment_allowed; ///< [link_count][word_count]: bit = contact with this *object* is allowed
+	uint32_t environment_pair_count;
+	lwi_motion_table* motion;
+	lw_clearance static_environment;
+	size_t bytes;
+};
+
+/// Poses of a state for the pair questions below: fills the query's link and body poses.
+/// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite)
+lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q );
+
+/// Clearance of one moving body (index into moving_bodies) to the scene at the posed state: nearest obstacle first, one
+/// running bound, allowed objects skipped. out->a = link, out->b = object. FAR with lower = +inf if nothing is to be checked.
+void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t moving_body, const lw_range* range,
+	lw_clearance* out );
+
+/// Clearance of one self pair (index into self_pairs) at the posed state. out->a, out->b = links.
+void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t pair, const lw_range* range,
+	lw_clearance* out );
+
+/// Scratch for edges inside the query, sized for this checker: at least lwi_edge_scratch_size( checker ) bytes, 64-aligned.
+void* lwi_query_edge_scratch( lw_query* query );
+size_t lwi_edge_scratch_size( const lw_checker* checker ); ///< implemented by edge.c, asked by lw_query_create()
+
+#endif
