@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Model files: URDF, SRDF, meshes, MoveIt planning scenes and requests, read into core objects. No OMPL here.
+//
+// Everything that cannot be used is an Error that names file, element and remedy; everything that was changed or ignored on
+// the way is a Notice. Nothing is dropped silently. Units: metres, radians; quaternions x, y, z, w.
+#pragma once
+
+#include "leeway/handles.hpp"
+
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace leeway::io
+{
+
+/// Bad input. what() is "<file>: <element>: <problem>; <remedy>" on one line.
+class Error : public std::runtime_error
+{
+public:
+	Error( std::string file, std::string element, std::string problem, std::string remedy );
+	const std::string& file() const { return m_file; }
+	const std::string& element() const { return m_element; }
+	const std::string& problem() const { return m_problem; }
+	const std::string& remedy() const { return m_remedy; }
+
+private:
+	std::string m_file, m_element, m_problem, m_remedy;
+};
+
+/// Something the reader changed, assumed or ignored.
+struct Notice
+{
+	std::string file, element, text;
+};
+
+/// What one collision element became.
+struct LoadedShape
+{
+	std::string owner;       ///< link or object name
+	std::string source;      ///< "mesh package://...", "box 0.1 x 0.2 x 0.3", "inline mesh"
+	std::string file;        ///< resolved mesh file; empty for primitives
+	double scale[3] = { 1, 1, 1 };
+	bool shared = false;     ///< an instance of a shape that another element already built
+	double milliseconds = 0; ///< reading and tree building; 0 if shared
+};
+
+/// What loading did: one LoadedShape per collision element, the links without geometry, and all notices.
+struct LoadReport
+{
+	std::vector<LoadedShape> shapes;
+	std::vector<std::string> links_without_geometry;
+	std::vector<Notice> notices;
+};
+
+struct LoadOptions
+{
+	/// Where package://<name>/<path> is looked for: each entry is a folder that contains <name>, or is named <name>, or
+	/// "name=folder". Tried before ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders upwards from the file with the URI.
+	std::vector<std::string> package_paths;
+	lw_tree_def tree = lw_tree_def_default();
+	double weld_tolerance = 0; ///< metres
+};
+
+/// A collision shape at a pose in its owner's frame.
+struct PlacedShape
+{
+	Shape shape;
+	lw_transform pose;
+};
+
+struct LinkModel
+{
+	std::string name;
+	std::vector<PlacedShape> collision;
+};
+
+struct JointModel
+{
+	std::string name;
+	lw_joint_type type = LW_JOINT_FIXED;
+	std::string parent, child; ///< links
+	lw_transform parent_from_joint;
+	double axis[3] = { 1, 0, 0 };
+	double lower = 0, upper = 0; ///< as lw_joint_def
+	double velocity = 0;         ///< limit of the URDF; 0 if none
+	std::string mimic;           ///< joint name; empty if none
+	double mimic_multiplier = 1, mimic_offset = 0;
+};
+
+/// Two links whose contact the SRDF allows.
+struct DisabledPair
+{
+	std::string link1, link2, reason;
+};
+
+/// A planning group: its joints in SRDF / kinematic order, movable and not mimicking.
+struct Group
+{
+	std::string name;
+	std::vector<std::string> joints;
+	std::vector<std::string> links;
+};
+
+/// A named state of a group; values per joint (several for planar and floating joints).
+struct GroupState
+{
+	std::string name, group;
+	std::map<std::string, std::vector<double>> joints;
+};
+
+/// URDF + SRDF, with all shapes built. Plain data: attach, edit, then build.
+struct RobotModel
+{
+	std::string name, urdf_file, srdf_file;
+	std::string root_link;
+	std::string planning_frame; ///< parent frame of the SRDF's virtual joint, else the root link's name
+	std::vector<LinkModel> links;   ///< the virtual joint's parent frame, if any, is a link without geometry
+	std::vector<JointModel> joints; ///< URDF order; planar or floating virtual joint first
+	std::vector<DisabledPair> disabled;
+	std::vector<Group> groups;
+	std::vector<GroupState> group_states;
+	LoadReport report;
+
+	const Group* findGroup( const std::string& group ) const; ///< nullptr if none
+};
+
+/// @param srdf_file may be empty: no groups, no disabled pairs
+/// @throws Error
+RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options = {} );
+
+/// Joint values and multi-dof transforms as MoveIt's robot_state and start_state give them.
+struct JointState
+{
+	std::map<std::string, double> values; ///< by variable name: the joint's, or "<joint>/x", "/y", "/theta", "/trans_x", ... "/rot_w"
+};
+
+struct SceneObject
+{
+	std::string name;
+	std::string frame; ///< header.frame_id; empty = planning frame
+	std::vector<PlacedShape> shapes; ///< poses in `frame`, object pose applied
+};
+
+/// robot_state.attached_collision_objects
+struct AttachedObject
+{
+	SceneObject object;
+	std::string link; ///< poses of object.shapes are in this link's frame unless object.frame names another link
+	std::vector<std::string> touch_links;
+};
+
+/// A MoveIt planning scene.
+struct SceneModel
+{
+	std::string name, file;
+	std::vector<SceneObject> objects;
+	std::vector<AttachedObject> attached;
+	JointState state;                                ///< robot_state
+	std::vector<std::pair<std::string, std::string>> allowed; ///< pairs of the allowed collision matrix that are true
+	std::vector<std::string> default_allowed;        ///< names allowed with everything (default_entry_values)
+	std::map<std::string, std::pair<std::string, lw_transform>> fixed_frames; ///< child frame -> (parent frame, pose)
+	LoadReport report;
+};
+
+/// A planning scene YAML (lists or ROS-message maps), or a URDF (by its .urdf ending): its links at the zero pose.
+/// @throws Error
+SceneModel loadScene( const std::string& file, const LoadOptions& options = {} );
+
+struct JointGoal
+{
+	std::string joint; ///< variable name
+	double position = 0, tolerance_above = 0, tolerance_below = 0;
+};
+
+/// A motion plan request.
+struct Request
+{
+	std::string file, group, planner_id;
+	JointState start;
+	std::vector<JointGoal> goal; ///< joint constraints of goal_constraints[0]
+	double allowed_planning_time = 0;
+	std::vector<Notice> notices;
+};
+
+/// @throws Error
+Request loadRequest( const std::string& file );
+
+/// Everything put together for one group: robot with attached objects, scene in the world frame, reference state, checker.
+struct Problem
+{
+	Robot robot;
+	Scene scene; ///< empty handle if no scene was given
+	Checker checker;
+	std::string group;                       ///< empty = all variables
+	std::vector<uint32_t> variables;         ///< robot variables of a state vector
+	std::vector<std::string> variable_names; ///< of those, e.g. joint names
+	std::vector<double> reference;           ///< [robot variable_count]
+	std::vector<Notice> notices;
+};
+
+struct ProblemOptions
+{
+	std::string group;               ///< empty = all variables
+	const SceneModel* scene = nullptr;
+	const Request* request = nullptr; ///< its start state becomes the reference (over the scene's robot_state)
+	/// Values that override both, by variable name (columns of a file that are not in the group)
+	JointState overrides;
+};
+
+/// @throws Error (unknown group, unknown frame, start outside of what the robot has, ...)
+Problem buildProblem( const RobotModel& robot, const ProblemOptions& options );
+
+/// Name of a robot variable: the joint's name for one-variable joints, "<joint>/x" and so on for others.
+std::string variableName( const lw_robot* robot, uint32_t variable );
+
+/// Values of the group's variables in a request's start state (reference values where it is silent) or goal.
+std::vector<double> startState( const Problem& problem );
+/// @throws Error if the goal does not name every variable of the group, or names a joint outside of the group with another value
+std::vector<double> goalState( const Problem& problem, const Request& request );
+
+/// One line per variable outside its limits: "joint elbow: 2.9 is above its limit 2.6".
+std::vector<std::string> limitViolations( const Problem& problem, const std::vector<double>& state );
+
+} // namespace leeway::io
