@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets.
+#
+#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests]
+#
+# If nothing is missing nothing is touched and no network is needed. Root, or sudo, is needed only if something is missing.
+set -euo pipefail
+
+usage()
+{
+	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests]"
+	echo "Installs missing Debian packages by apt-get; without arguments those of all sets."
+}
+
+packages_of()
+{
+	case "$1" in
+	core) echo gcc g++ make cmake ninja-build pkg-config libc6-dev ;;
+	# omplConfig.cmake names the libraries of three Boost parts by file, but libompl-dev depends on headers only
+	bridge) echo libompl-dev libboost-serialization-dev libboost-filesystem-dev libboost-system-dev libeigen3-dev \
+		liburdfdom-dev liburdfdom-headers-dev libassimp-dev libyaml-cpp-dev libtinyxml2-dev libfmt-dev libcli11-dev \
+		nlohmann-json3-dev ;;
+	# xvfb-run is a script of xvfb that calls xauth, which is only recommended by it
+	examples) echo f3d xvfb xauth ;;
+	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev libbenchmark-dev ;;
+	tests) echo libgtest-dev libgmock-dev ;;
+	*) return 1 ;;
+	esac
+}
+
+# dpkg's own word on one package: "install ok installed" is the only state that counts.
+is_installed()
+{
+	[ "$( dpkg-query --show --showformat='${Status}' "$1" 2>/dev/null || true )" = "install ok installed" ]
+}
+
+sets=()
+for argument in "$@"; do
+	case "$argument" in
+	-h | --help)
+		usage
+		exit 0
+		;;
+	esac
+	if ! packages_of "$argument" >/dev/null; then
+		echo "$0: unknown set '$argument'" >&2
+		usage >&2
+		exit 2
+	fi
+	sets+=( "$argument" )
+done
+if [ "${#sets[@]}" -eq 0 ]; then
+	sets=( core bridge examples benchmarks tests )
+fi
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+	echo "$0: this is not a Debian machine (no dpkg-query, apt-get). Install by hand what the sets ${sets[*]} need:" >&2
+	for set in "${sets[@]}"; do echo "  $set: $( packages_of "$set" )" >&2; done
+	exit 1
+fi
+
+missing=()
+for set in "${sets[@]}"; do
+	for package in $( packages_of "$set" ); do
+		if ! is_installed "$package"; then
+			missing+=( "$package" )
+		fi
+	done
+done
+if [ "${#missing[@]}" -eq 0 ]; then
+	exit 0
+fi
+
+as_root=()
+if [ "$( id -u )" -ne 0 ]; then
+	if ! command -v sudo >/dev/null; then
+		echo "$0: missing packages: ${missing[*]}" >&2
+		echo "$0: run this as root: apt-get install --no-install-recommends ${missing[*]}" >&2
+		exit 1
+	fi
+	as_root=( sudo )
+fi
+
+# Quiet unless it fails; then the whole log is shown. The package manager asks nothing: no terminal, defaults kept.
+log=$( mktemp )
+trap 'rm -f "$log"' EXIT
+apt()
+{
+	"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 -o Acquire::Retries=3 \
+		-o DPkg::Lock::Timeout=300 "$@" </dev/null >>"$log" 2>&1
+}
+
+echo "installing ${#missing[@]} missing packages: ${missing[*]}"
+for attempt in 1 2; do
+	# An update may fail for a foreign repository of this machine; the installation decides.
+	apt update || true
+	if apt install -y --no-install-recommends "${missing[@]}"; then
+		exit 0
+	fi
+	echo "$0: apt-get failed (attempt $attempt of 2)" >&2
+	if [ "$attempt" -eq 1 ]; then
+		sleep 5
+	fi
+done
+cat "$log" >&2
+echo "$0: could not install: ${missing[*]}" >&2
+exit 1
