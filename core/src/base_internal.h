@@ -9,9 +9,9 @@
 #include <stdatomic.h>
 
 #if defined( __GNUC__ )
-#define LWI_PRINTF( format, first ) __attribute__( ( format( printf, format, first ) ) )
+#define LWI_PRINTF( text, first ) __attribute__( ( format( printf, text, first ) ) )
 #else
-#define LWI_PRINTF( format, first )
+#define LWI_PRINTF( text, first )
 #endif
 
 enum

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The float filters of the search: eight lanes at a time, one table per instruction set.
+//
+// Every gap is a certified lower bound up to rounding: it is the width of a slab between the two things along some
+// direction, and such a width never exceeds the distance whatever the direction. So degenerate triangles can make a gap
+// small, never too large. Pads give +INFINITY. A NaN (overflow) must be read as "not dropped": compare with !( gap >= limit ).
+//
+// Rounding, u = 2^-24, S = |translation| + 2 (extent of a + extent of b), S bounding every coordinate difference below:
+//   a point moved into the other frame: rounded matrix entries u, three products u, three sums 3u, translation u:
+//     <= sqrt(3) (5 u |c| + 2 u |t|) <= 9 u S;
+//   triangle vertices rounded to float: sqrt(3) u per side <= 2 u S;
+//   a gap from these: difference u, dot product 3u, both relative to |n| |p - v|, quotient and root 2u: <= 7 u S.
+// Sum 18 u S; LWI_GAP_SLACK = 32 leaves room. tests/core_query measures it.
+// Contract: every level gives the bits of the scalar one (tests/core_query/kernels_test.cpp).
+#ifndef LEEWAY_KERNELS_H
+#define LEEWAY_KERNELS_H
+
+#include "shape_internal.h"
+
+#define LWI_GAP_SLACK 32.0
+
+/// Eight axis-aligned boxes; pads have min = +INFINITY, max = -INFINITY.
+typedef struct lwi_box8
+{
+	float min[3][LWI_WIDTH], max[3][LWI_WIDTH];
+} lwi_box8;
+
+/// Eight triangles, [vertex][axis][lane].
+typedef float lwi_triangles8[3][3][LWI_WIDTH];
+
+/// A rigid motion in float: p -> r p + t, rows of r then t.
+typedef struct lwi_motion
+{
+	float r[9], t[3];
+} lwi_motion;
+
+/// A solid primitive for the filters: lw_shape_type and half sizes (box), radius and half height (cylinder, cone).
+typedef struct lwi_solid
+{
+	lw_shape_type type;
+	float size[3];
+} lwi_solid;
+
+typedef struct lwi_kernels
+{
+	lw_simd level;
+	/// |c - c_i| - (r + r_i) of a sphere (x, y, z, r) and eight: xyzr = float[4][8], as the head of lwi_node
+	void ( *sphere_gap )( const float* xyzr, const float sphere[4], float gap[LWI_WIDTH] );
+	/// distance of the sphere's centre to eight boxes, minus its radius
+	void ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float gap[LWI_WIDTH] );
+	/// distance of the sphere's centre to the eight triangles of a leaf, minus its radius; direction[axis][lane] is the slab's
+	/// direction (any length), from triangle to centre
+	void ( *leaf_gap )( const lwi_leaf* leaf, const float sphere[4], float gap[LWI_WIDTH], float direction[3][LWI_WIDTH] );
+	/// extent of the eight triangles of a leaf along `direction`: least and greatest direction . vertex
+	void ( *leaf_project )( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] );
+	/// the leaf's triangles moved
+	void ( *leaf_transform )( const lwi_leaf* leaf, const lwi_motion* motion, lwi_triangles8 out );
+	/// distances of eight pairs of triangles. Lanes that reach `limit` by a cheap direction may stop there.
+	void ( *triangle_gap )( lwi_triangles8 a, lwi_triangles8 b, float limit, float gap[LWI_WIDTH] );
+	/// distance of the centres of a node's spheres to a solid, minus their radii; motion = solid_from_tree
+	void ( *node_solid_gap )( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float gap[LWI_WIDTH] );
+	/// the same for spheres around the triangles of a leaf
+	void ( *leaf_solid_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float gap[LWI_WIDTH] );
+} lwi_kernels;
+
+/// The table of a level; levels that this build or machine lacks give the next lower one.
+const lwi_kernels* lwi_kernels_get( lw_simd level );
+
+extern const lwi_kernels lwi_kernels_scalar;
+extern const lwi_kernels lwi_kernels_sse2;
+extern const lwi_kernels lwi_kernels_avx2;
+
+#endif

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The one source of all kernels; kernels_<isa>.c includes it after simd_<isa>.h, with LWI_KERNELS naming the table.
+#include "kernels.h"
+
+#include <math.h>
+
+typedef struct v3
+{
+	f8 x, y, z;
+} v3;
+
+static inline v3 v3_set( const float p[3] ) { return ( v3 ){ f8_set( p[0] ), f8_set( p[1] ), f8_set( p[2] ) }; }
+static inline v3 v3_load( const float ( *p )[LWI_WIDTH] ) { return ( v3 ){ f8_load( p[0] ), f8_load( p[1] ), f8_load( p[2] ) }; }
+static inline void v3_store( float ( *p )[LWI_WIDTH], v3 a )
+{
+	f8_store( p[0], a.x );
+	f8_store( p[1], a.y );
+	f8_store( p[2], a.z );
+}
+static inline v3 v3_add( v3 a, v3 b ) { return ( v3 ){ f8_add( a.x, b.x ), f8_add( a.y, b.y ), f8_add( a.z, b.z ) }; }
+static inline v3 v3_sub( v3 a, v3 b ) { return ( v3 ){ f8_sub( a.x, b.x ), f8_sub( a.y, b.y ), f8_sub( a.z, b.z ) }; }
+static inline v3 v3_mul( f8 s, v3 a ) { return ( v3 ){ f8_mul( s, a.x ), f8_mul( s, a.y ), f8_mul( s, a.z ) }; }
+static inline f8 v3_dot( v3 a, v3 b )
+{
+	return f8_add( f8_add( f8_mul( a.x, b.x ), f8_mul( a.y, b.y ) ), f8_mul( a.z, b.z ) );
+}
+static inline v3 v3_cross( v3 a, v3 b )
+{
+	return ( v3 ){ f8_sub( f8_mul( a.y, b.z ), f8_mul( a.z, b.y ) ), f8_sub( f8_mul( a.z, b.x ), f8_mul( a.x, b.z ) ),
+		f8_sub( f8_mul( a.x, b.y ), f8_mul( a.y, b.x ) ) };
+}
+static inline v3 v3_select( m8 mask, v3 a, v3 b )
+{
+	return ( v3 ){ f8_select( mask, a.x, b.x ), f8_select( mask, a.y, b.y ), f8_select( mask, a.z, b.z ) };
+}
+static inline v3 v3_move( const lwi_motion* m, v3 p )
+{
+	const float* r = m->r;
+	f8 x = f8_add( f8_add( f8_mul( f8_set( r[0] ), p.x ), f8_mul( f8_set( r[1] ), p.y ) ), f8_mul( f8_set( r[2] ), p.z ) );
+	f8 y = f8_add( f8_add( f8_mul( f8_set( r[3] ), p.x ), f8_mul( f8_set( r[4] ), p.y ) ), f8_mul( f8_set( r[5] ), p.z ) );
+	f8 z = f8_add( f8_add( f8_mul( f8_set( r[6] ), p.x ), f8_mul( f8_set( r[7] ), p.y ) ), f8_mul( f8_set( r[8] ), p.z ) );
+	return ( v3 ){ f8_add( x, f8_set( m->t[0] ) ), f8_add( y, f8_set( m->t[1] ) ), f8_add( z, f8_set( m->t[2] ) ) };
+}
+static inline f8 f8_clamp01( f8 a ) { return f8_min( f8_max( a, f8_set( 0.0f ) ), f8_set( 1.0f ) ); }
+/// A divisor: zero lengths of degenerate triangles become the smallest normal float, so that no quotient is 0 / 0.
+static inline f8 f8_divisor( f8 a ) { return f8_max( a, f8_set( 1.17549435e-38f ) ); }
+
+static void sphere_gap( const float* xyzr, const float sphere[4], float gap[LWI_WIDTH] )
+{
+	f8 dx = f8_sub( f8_load( xyzr ), f8_set( sphere[0] ) );
+	f8 dy = f8_sub( f8_load( xyzr + 8 ), f8_set( sphere[1] ) );
+	f8 dz = f8_sub( f8_load( xyzr + 16 ), f8_set( sphere[2] ) );
+	f8 distance = f8_sqrt( f8_add( f8_add( f8_mul( dx, dx ), f8_mul( dy, dy ) ), f8_mul( dz, dz ) ) );
+	f8_store( gap, f8_sub( distance, f8_add( f8_load( xyzr + 24 ), f8_set( sphere[3] ) ) ) );
+}
+
+static void box_gap( const lwi_box8* boxes, const float sphere[4], float gap[LWI_WIDTH] )
+{
+	f8 sum = f8_set( 0.0f );
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		f8 c = f8_set( sphere[axis] );
+		f8 d = f8_max( f8_sub( f8_load( boxes->min[axis] ), c ), f8_sub( c, f8_load( boxes->max[axis] ) ) );
+		d = f8_max( d, f8_set( 0.0f ) );
+		sum = f8_add( sum, f8_mul( d, d ) );
+	}
+	f8_store( gap, f8_sub( f8_sqrt( sum ), f8_set( sphere[3] ) ) );
+}
+
+/// Width of the slab between the point p and the triangle v along n, least over the vertices of n . (p - v), over |n|.
+static inline f8 point_slab( v3 n, v3 p_v0, v3 p_v1, v3 p_v2 )
+{
+	f8 least = f8_min( f8_min( v3_dot( n, p_v0 ), v3_dot( n, p_v1 ) ), v3_dot( n, p_v2 ) );
+	return f8_div( least, f8_sqrt( f8_divisor( v3_dot( n, n ) ) ) );
+}
+
+static void leaf_gap( const lwi_leaf* leaf, const float sphere[4], float gap[LWI_WIDTH], float direction[3][LWI_WIDTH] )
+{
+	v3 p = v3_set( sphere );
+	v3 v0 = v3_load( leaf->v[0] ), v1 = v3_load( leaf->v[1] ), v2 = v3_load( leaf->v[2] );
+	v3 d0 = v3_sub( p, v0 ), d1 = v3_sub( p, v1 ), d2 = v3_sub( p, v2 );
+	const v3 from[3] = { d0, d1, d2 };
+	const v3 edge[3] = { v3_sub( v1, v0 ), v3_sub( v2, v1 ), v3_sub( v0, v2 ) };
+	// nearest point of the three edges
+	v3 best = d0;
+	f8 best_sq = v3_dot( d0, d0 );
+	for ( int i = 0; i < 3; ++i )
+	{
+		f8 t = f8_clamp01( f8_div( v3_dot( from[i], edge[i] ), f8_divisor( v3_dot( edge[i], edge[i] ) ) ) );
+		v3 d = v3_sub( from[i], v3_mul( t, edge[i] ) );
+		f8 sq = v3_dot( d, d );
+		m8 nearer = f8_lt( sq, best_sq );
+		best = v3_select( nearer, d, best );
+		best_sq = f8_select( nearer, sq, best_sq );
+	}
+	// along the normal, towards p
+	v3 normal = v3_cross( edge[0], edge[1] );
+	f8 side = v3_dot( normal, d0 );
+	f8 zero = f8_set( 0.0f );
+	normal = v3_select( f8_lt( side, zero ), v3_sub( ( v3 ){ zero, zero, zero }, normal ), normal );
+	f8 by_edge = point_slab( best, d0, d1, d2 );
+	f8 by_normal = point_slab( normal, d0, d1, d2 );
+	m8 normal_wins = f8_lt( by_edge, by_normal );
+	v3_store( direction, v3_select( normal_wins, normal, best ) );
+	f8_store( gap, f8_sub( f8_select( normal_wins, by_normal, by_edge ), f8_set( sphere[3] ) ) );
+}
+
+static void leaf_project( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] )
+{
+	v3 n = v3_set( direction );
+	f8 s0 = v3_dot( n, v3_load( leaf->v[0] ) );
+	f8 s1 = v3_dot( n, v3_load( leaf->v[1] ) );
+	f8 s2 = v3_dot( n, v3_load( leaf->v[2] ) );
+	f8_store( low, f8_min( f8_min( s0, s1 ), s2 ) );
+	f8_store( high, f8_max( f8_max( s0, s1 ), s2 ) );
+}
+
+static void leaf_transform( const lwi_leaf* leaf, const lwi_motion* motion, lwi_triangles8 out )
+{
+	for ( int vertex = 0; vertex < 3; ++vertex )
+	{
+		v3_store( out[vertex], v3_move( motion, v3_load( leaf->v[vertex] ) ) );
+	}
+}
+
+/// Width of the slab between two triangles along n, from a to b: (min over b - max over a of n . v) / |n|. All vertices are
+/// relative to one origin near both.
+static inline f8 triangle_slab( v3 n, const v3 a[3], const v3 b[3] )
+{
+	f8 high = f8_max( f8_max( v3_dot( n, a[0] ), v3_dot( n, a[1] ) ), v3_dot( n, a[2] ) );
+	f8 low = f8_min( f8_min( v3_dot( n, b[0] ), v3_dot( n, b[1] ) ), v3_dot( n, b[2] ) );
+	return f8_div( f8_sub( low, high ), f8_sqrt( f8_divisor( v3_dot( n, n ) ) ) );
+}
+
+/// Vector from segment a + s u to segment b + t v, shortest up to rounding (Ericson 2005, section 5.1.9). uu, vv: squared
+/// lengths, at least the smallest normal float.
+static inline v3 segment_vector( v3 a, v3 u, f8 uu, v3 b, v3 v, f8 vv )
+{
+	v3 r = v3_sub( a, b );
+	f8 uv = v3_dot( u, v ), ur = v3_dot( u, r ), vr = v3_dot( v, r );
+	f8 denominator = f8_sub( f8_mul( uu, vv ), f8_mul( uv, uv ) );
+	f8 s = f8_clamp01( f8_div( f8_sub( f8_mul( uv, vr ), f8_mul( ur, vv ) ), f8_divisor( denominator ) ) );
+	f8 t = f8_clamp01( f8_div( f8_add( f8_mul( uv, s ), vr ), vv ) );
+	s = f8_clamp01( f8_div( f8_sub( f8_mul( uv, t ), ur ), uu ) );
+	return v3_sub( v3_sub( v3_mul( t, v ), v3_mul( s, u ) ), r );
+}
+
+static void triangle_gap( lwi_triangles8 a_in, lwi_triangles8 b_in, float limit, float gap[LWI_WIDTH] )
+{
+	// relative to a vertex of a: the dot products of the slabs then cancel no large coordinates
+	v3 origin = v3_load( (const float( * )[LWI_WIDTH])a_in[0] );
+	v3 a[3], b[3], u[3], v[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		a[i] = v3_sub( v3_load( (const float( * )[LWI_WIDTH])a_in[i] ), origin );
+		b[i] = v3_sub( v3_load( (const float( * )[LWI_WIDTH])b_in[i] ), origin );
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		u[i] = v3_sub( a[( i + 1 ) % 3], a[i] );
+		v[i] = v3_sub( b[( i + 1 ) % 3], b[i] );
+	}
+	// both normals: the answer when a vertex is nearest to a face, and the usual way out
+	v3 zero = { f8_set( 0.0f ), f8_set( 0.0f ), f8_set( 0.0f ) };
+	v3 na = v3_cross( u[0], u[1] ), nb = v3_cross( v[0], v[1] );
+	v3 across = v3_sub( v3_add( v3_add( b[0], b[1] ), b[2] ), v3_add( v3_add( a[0], a[1] ), a[2] ) );
+	na = v3_select( f8_lt( v3_dot( na, across ), zero.x ), v3_sub( zero, na ), na );
+	nb = v3_select( f8_lt( v3_dot( nb, across ), zero.x ), v3_sub( zero, nb ), nb );
+	f8 best = f8_max( triangle_slab( na, a, b ), triangle_slab( nb, a, b ) );
+	best = f8_max( best, triangle_slab( across, a, b ) );
+	if ( m8_bits( f8_ge( best, f8_set( limit ) ) ) != 0xffu )
+	{
+		f8 uu[3], vv[3];
+		for ( int i = 0; i < 3; ++i )
+		{
+			uu[i] = f8_divisor( v3_dot( u[i], u[i] ) );
+			vv[i] = f8_divisor( v3_dot( v[i], v[i] ) );
+		}
+		v3 shortest = across;
+		f8 shortest_sq = f8_set( INFINITY );
+		for ( int i = 0; i < 3; ++i )
+		{
+			for ( int j = 0; j < 3; ++j )
+			{
+				v3 d = segment_vector( a[i], u[i], uu[i], b[j], v[j], vv[j] );
+				f8 sq = v3_dot( d, d );
+				m8 nearer = f8_lt( sq, shortest_sq );
+				shortest = v3_select( nearer, d, shortest );
+				shortest_sq = f8_select( nearer, sq, shortest_sq );
+			}
+		}
+		best = f8_max( best, triangle_slab( shortest, a, b ) );
+	}
+	f8_store( gap, best );
+}
+
+/// Distance of points in the solid's frame to the solid.
+static inline f8 solid_distance( v3 p, const lwi_solid* solid )
+{
+	f8 zero = f8_set( 0.0f );
+	f8 sx = f8_set( solid->size[0] ), sy = f8_set( solid->size[1] ), sz = f8_set( solid->size[2] );
+	if ( solid->type == LW_SHAPE_BOX )
+	{
+		f8 x = f8_max( f8_sub( f8_abs( p.x ), sx ), zero );
+		f8 y = f8_max( f8_sub( f8_abs( p.y ), sy ), zero );
+		f8 z = f8_max( f8_sub( f8_abs( p.z ), sz ), zero );
+		return f8_sqrt( f8_add( f8_add( f8_mul( x, x ), f8_mul( y, y ) ), f8_mul( z, z ) ) );
+	}
+	f8 radial = f8_sqrt( f8_add( f8_mul( p.x, p.x ), f8_mul( p.y, p.y ) ) );
+	if ( solid->type == LW_SHAPE_CYLINDER )
+	{
+		f8 x = f8_max( f8_sub( radial, sx ), zero );
+		f8 z = f8_max( f8_sub( f8_abs( p.z ), sy ), zero );
+		return f8_sqrt( f8_add( f8_mul( x, x ), f8_mul( z, z ) ) );
+	}
+	// A cone in the half plane (radial, z) is the triangle (0, -h), (R, -h), (0, h). Its distance is the greatest width of
+	// three slabs: below the base, along the slant's normal, and towards the nearest point of slant or base rim.
+	f8 from_x = f8_sub( radial, sx ), from_z = f8_add( p.z, sy );
+	f8 height = f8_add( sy, sy );
+	f8 length_sq = f8_divisor( f8_add( f8_mul( sx, sx ), f8_mul( height, height ) ) );
+	f8 below = f8_sub( zero, from_z );
+	f8 slant = f8_div( f8_add( f8_mul( height, from_x ), f8_mul( sx, from_z ) ), f8_sqrt( length_sq ) );
+	f8 t = f8_clamp01( f8_div( f8_sub( f8_mul( height, from_z ), f8_mul( sx, from_x ) ), length_sq ) );
+	f8 dx = f8_add( from_x, f8_mul( t, sx ) ), dz = f8_sub( from_z, f8_mul( t, height ) );
+	f8 norm = f8_sqrt( f8_divisor( f8_add( f8_mul( dx, dx ), f8_mul( dz, dz ) ) ) );
+	// width along (dx, dz): least over the triangle's corners (the rim's corner is the origin of from)
+	f8 to_rim = f8_add( f8_mul( dx, from_x ), f8_mul( dz, from_z ) );
+	f8 to_apex = f8_add( f8_mul( dx, radial ), f8_mul( dz, f8_sub( from_z, height ) ) );
+	f8 to_left_rim = f8_add( f8_mul( dx, f8_add( radial, sx ) ), f8_mul( dz, from_z ) );
+	f8 nearest = f8_div( f8_min( f8_min( to_rim, to_apex ), to_left_rim ), norm );
+	return f8_max( f8_max( f8_max( below, slant ), nearest ), zero );
+}
+
+static void node_solid_gap( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float gap[LWI_WIDTH] )
+{
+	v3 center = { f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) };
+	f8_store( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), f8_load( node->r ) ) );
+}
+
+static void leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float gap[LWI_WIDTH] )
+{
+	v3 v0 = v3_load( leaf->v[0] ), v1 = v3_load( leaf->v[1] ), v2 = v3_load( leaf->v[2] );
+	v3 center = v3_mul( f8_set( 1.0f / 3.0f ), v3_add( v3_add( v0, v1 ), v2 ) );
+	v3 d0 = v3_sub( v0, center ), d1 = v3_sub( v1, center ), d2 = v3_sub( v2, center );
+	f8 radius = f8_sqrt( f8_max( f8_max( v3_dot( d0, d0 ), v3_dot( d1, d1 ) ), v3_dot( d2, d2 ) ) );
+	f8_store( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), radius ) );
+}
+
+const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, leaf_gap, leaf_project, leaf_transform,
+	triangle_gap, node_solid_gap, leaf_solid_gap };
