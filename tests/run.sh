@@ -1,0 +1,144 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Everything that must hold before a change goes in, from nothing: installs what is missing (Debian 12), then
+#
+#   1. build-asan: the tests under the address and undefined-behaviour sanitizers, but for the long ground-truth sweeps
+#   2. build-tsan: the tests that start threads, under the thread sanitizer
+#   3. build:      release, warnings are errors; query tests at every SIMD level; last, all tests
+#
+# The cheap builds come first and the whole CTest run last, so that its summary closes the output. All tests of a stage
+# run; the first stage that fails ends the run with its status. May be called from any folder; reads no input.
+set -euo pipefail
+cd "$( dirname "${BASH_SOURCE[0]}" )/.."
+exec </dev/null
+
+jobs=$( nproc )
+# Tests are named for what they do: those that start threads say Thread in suite or test, the ground-truth sweeps begin
+# with Truth. The programs that hold such tests are built under the thread sanitizer.
+threaded_tests='[Tt]hread'
+long_tests='^Truth|^install'
+
+heading()
+{
+	printf '\n=== [%d:%02d] %s\n' $(( SECONDS / 60 )) $(( SECONDS % 60 )) "$1"
+}
+
+# stage NAME COMMAND...
+stage()
+{
+	local name=$1 status=0
+	shift
+	heading "$name"
+	"$@" || status=$?
+	if [ "$status" -ne 0 ]; then
+		heading "FAILED: $name (status $status)" >&2
+		exit "$status"
+	fi
+}
+
+# configure FOLDER [OPTIONS]: a folder that is configured already keeps its generator.
+configure()
+{
+	local folder=$1
+	shift
+	local options=( -DLEEWAY_WERROR=ON "$@" )
+	if [ ! -e "$folder/CMakeCache.txt" ]; then
+		options+=( -G Ninja )
+	fi
+	if command -v ccache >/dev/null; then
+		options+=( -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache )
+	fi
+	cmake -S . -B "$folder" "${options[@]}"
+}
+
+# configure_sanitized FOLDER SANITIZERS: -O1 keeps line numbers true and builds fast; tests are found when they are run,
+# because a program may need the runner below even to list its tests.
+configure_sanitized()
+{
+	configure "$1" -DLEEWAY_SANITIZE="$2" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1" \
+		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF \
+		-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
+}
+
+# build FOLDER [TARGETS]
+build()
+{
+	local folder=$1
+	shift
+	cmake --build "$folder" --parallel "$jobs" ${1:+--target "$@"}
+}
+
+# run_tests FOLDER [CTEST OPTIONS]
+run_tests()
+{
+	local folder=$1
+	shift
+	"${runner[@]}" ctest --test-dir "$folder" --no-tests=error --output-on-failure --parallel "$jobs" --timeout 900 "$@"
+}
+
+# The test programs whose sources name a threaded test.
+threaded_targets()
+{
+	local folder
+	for folder in tests/*/; do
+		if grep -qsE "^TEST(_F|_P)?\(.*$threaded_tests" "$folder"*.cpp; then
+			echo "test_$( basename "$folder" )"
+		fi
+	done
+}
+
+# True if a program built with the sanitizer $1 works here when run by the command in the other arguments. A kernel or a
+# container may forbid what a sanitizer needs; that says nothing about the code.
+sanitizer_works()
+{
+	local sanitizer=$1
+	shift
+	printf 'int main( void ) { return 0; }\n' >"$scratch/probe.c"
+	cc -fsanitize="$sanitizer" "$scratch/probe.c" -o "$scratch/probe" && "$@" "$scratch/probe" >/dev/null 2>&1
+}
+
+scratch=$( mktemp -d )
+trap 'rm -rf "$scratch"' EXIT
+notes=()
+runner=( env )
+
+stage "install missing packages" .ci/install.sh
+
+stage "address, undefined: configure" configure_sanitized build-asan address,undefined
+stage "address, undefined: build" build build-asan
+asan_options=strict_string_checks=1:detect_stack_use_after_return=1
+if ! sanitizer_works address env; then
+	# LeakSanitizer stops its process with ptrace, which some containers forbid.
+	asan_options+=:detect_leaks=0
+	notes+=( "the leak sanitizer does not work on this machine: leaks were not looked for" )
+fi
+runner=( env ASAN_OPTIONS="$asan_options" UBSAN_OPTIONS=print_stacktrace=1 )
+stage "address, undefined: test" run_tests build-asan --exclude-regex "$long_tests"
+
+# gcc's thread sanitizer cannot map its shadow where the kernel randomises too many address bits (vm.mmap_rnd_bits above
+# 28): without randomisation it can.
+runner=( env )
+if ! sanitizer_works thread "${runner[@]}"; then
+	runner=( setarch -R )
+fi
+if sanitizer_works thread "${runner[@]}"; then
+	mapfile -t targets < <( threaded_targets )
+	stage "thread: configure" configure_sanitized build-tsan thread
+	stage "thread: build ${targets[*]}" build build-tsan "${targets[@]}"
+	stage "thread: test" run_tests build-tsan --tests-regex "$threaded_tests"
+else
+	notes+=( "the thread sanitizer does not work on this machine, not even without address randomisation: stage left out" )
+fi
+
+runner=( env )
+stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release
+stage "release: build" build build
+for level in 1:scalar 2:SSE2 3:AVX2; do
+	runner=( env LW_CPU_MASK="${level%%:*}" )
+	stage "release: query tests, at most ${level##*:}" "${runner[@]}" build/bin/test_core_query --gtest_brief=1
+done
+for note in ${notes[@]+"${notes[@]}"}; do
+	heading "note: $note"
+done
+runner=( env )
+stage "release: all tests" run_tests build
