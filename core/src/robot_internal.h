@@ -1,16 +1,66 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the checker and the edges need of a robot beyond the public interface.
+// What kinematics, motion bounds, checker and edges need of a robot beyond the public interface.
 #ifndef LEEWAY_ROBOT_INTERNAL_H
 #define LEEWAY_ROBOT_INTERNAL_H
 
 #include "base_internal.h"
 #include "leeway/robot.h"
 
+/// Shape of a joint's rotation: about +x, +y, +z (two columns turn), or about any axis (Rodrigues).
+typedef enum lwi_axis_kind
+{
+	LWI_AXIS_X = 0,
+	LWI_AXIS_Y = 1,
+	LWI_AXIS_Z = 2,
+	LWI_AXIS_GENERAL = 3
+} lwi_axis_kind;
+
+/// A joint made ready for forward kinematics: chains of mimic joints composed, constant motions folded into its origin.
+typedef struct lwi_joint
+{
+	lw_joint_type type;
+	lwi_axis_kind axis_kind;
+	bool constant;           ///< no variable moves it; parent_from_joint is then the whole transform to the child
+	bool pure_translation;   ///< parent_from_joint has the identity as rotation
+	uint32_t parent, child;  ///< links
+	uint32_t driver;         ///< joint whose variable moves it: itself or the end of its mimic chain; none if constant
+	uint32_t mimic;          ///< the end of its mimic chain; LW_INVALID_INDEX if it mimics nothing
+	uint32_t own_variable;   ///< first variable of its own, or LW_INVALID_INDEX
+	uint32_t variable;       ///< first variable of its driver, or LW_INVALID_INDEX
+	double multiplier, offset; ///< its value = multiplier * q[variable] + offset; 1 and 0 for its own variable
+	double axis_sign;        ///< -1 for a rotation about -x, -y, -z; else 1
+	lw_transform parent_from_joint; ///< rotation orthonormal to rounding
+	double axis[3];          ///< unit
+	double plane[2][3];      ///< planar: the directions of x and y; x, y, axis are right-handed
+	double lower, upper;     ///< limits of a revolute or prismatic joint; infinite if none
+	double position_lower[3], position_upper[3];
+} lwi_joint;
+
+/// One block of memory; every pointer points into it.
+struct lw_robot
+{
+	atomic_uint references;
+	lw_allocator allocator;
+	size_t bytes;
+	const char* name;
+	uint32_t link_count, joint_count, body_count, variable_count;
+	const char** link_names;  ///< [link_count]
+	const char** joint_names; ///< [joint_count]
+	lwi_joint* joints;        ///< [joint_count]
+	lw_body_def* bodies;      ///< [body_count], each holds a reference to its shape
+	lw_variable_info* variables; ///< [variable_count]
+	uint32_t* link_joint;     ///< [link_count] joint whose child it is; LW_INVALID_INDEX for the root
+	uint32_t* link_order;     ///< [link_count] parents first
+	uint32_t* rigid_group;    ///< [link_count] equal for links rigidly attached to each other: the topmost of them
+	uint32_t* allowed;        ///< [link_count * link_count] bits, symmetric
+	lw_transform world_from_root;
+};
+
 /// Links in topological order (parents first): [link_count], owned by the robot.
 const uint32_t* lwi_robot_link_order( const lw_robot* robot );
 
-/// The joint whose variable drives this joint: itself, or the end of its mimic chain; LW_INVALID_INDEX for fixed joints and
-/// for mimic joints of a fixed joint.
+/// The joint whose variable drives this joint: itself, or the end of its mimic chain; LW_INVALID_INDEX for joints that no
+/// variable moves (fixed, mimic of a fixed joint, mimic with multiplier 0).
 uint32_t lwi_robot_joint_driver( const lw_robot* robot, uint32_t joint );
 
 /// Forward kinematics of some links only. @param links in topological order; the parent of each is in the list before it,
@@ -18,5 +68,19 @@ uint32_t lwi_robot_joint_driver( const lw_robot* robot, uint32_t joint );
 /// @return false for a zero or non-finite quaternion of a floating joint
 bool lwi_robot_fk_links( const lw_robot* robot, const double* q, const uint32_t* links, uint32_t count,
 	lw_transform* world_from_link );
+
+/// Moves m = anything_from_joint by the motion of the joint at q: m becomes anything_from_child. Not for constant joints,
+/// whose parent_from_joint is complete. @return false for a zero or non-finite quaternion
+bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m );
+
+/// Turns m by an angle about the joint's axis, on the right: m * rotation( axis, angle ).
+void lwi_joint_turn( const lwi_joint* joint, double angle, lw_transform* m );
+
+/// What lw_robot_interpolate adds from `from` to `to` for a variable that wraps: in [-pi, pi].
+double lwi_wrapped_difference( double from, double to );
+
+/// Angle between two quaternions of any non-zero length as *four-vectors*, the shorter way: in [0, pi / 2]. The rotation
+/// between them is twice this. NaN for a zero or non-finite quaternion.
+double lwi_quaternion_half_angle( const double a[4], const double b[4] );
 
 #endif
