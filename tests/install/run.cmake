@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Steps of the install test; any that fails is fatal. Variables: see CMakeLists.txt.
+function(run what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${what} failed (${status}): ${ARGN}\n${output}")
+  endif()
+  message(STATUS "${what}: ok")
+endfunction()
+
+# A prefix of an earlier run could hide a file that is no longer installed.
+file(REMOVE_RECURSE "${WORK}")
+set(prefix "${WORK}/prefix")
+run("install" "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${prefix}")
+
+# The tree is moved after installation: nothing in it may remember the place it was installed to.
+file(RENAME "${prefix}" "${WORK}/moved")
+set(prefix "${WORK}/moved")
+
+string(REPLACE ";" "\\;" component_list "${COMPONENTS}")
+run("configure" "${CMAKE_COMMAND}" -S "${SOURCE}" -B "${WORK}/build" -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${prefix}"
+  "-DCOMPONENTS=${component_list}" "-DSANITIZE=${SANITIZE}" "-DVERSION=${VERSION}" "-DCMAKE_C_COMPILER=${C_COMPILER}"
+  "-DCMAKE_CXX_COMPILER=${CXX_COMPILER}" -DCMAKE_BUILD_TYPE=Release)
+run("build" "${CMAKE_COMMAND}" --build "${WORK}/build")
+run("C program" "${WORK}/build/consumer_c")
+foreach(component ${COMPONENTS})
+  run("C++ program of ${component}" "${WORK}/build/consumer_${component}")
+endforeach()
+
+if(PKG_CONFIG)
+  set(ENV{PKG_CONFIG_PATH} "${prefix}/${LIBDIR}/pkgconfig")
+  execute_process(COMMAND "${PKG_CONFIG}" --static --cflags --libs "leeway = ${VERSION}" OUTPUT_VARIABLE flags
+    OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "pkg-config does not find leeway ${VERSION} in ${prefix}")
+  endif()
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  set(sanitize)
+  if(SANITIZE)
+    set(sanitize "-fsanitize=${SANITIZE}")
+  endif()
+  run("build by pkg-config" "${C_COMPILER}" -std=c11 ${sanitize} "${SOURCE}/core.c" -o "${WORK}/consumer_pkg_config" ${flags})
+  run("C program by pkg-config" "${WORK}/consumer_pkg_config")
+endif()
