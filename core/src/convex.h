@@ -6,6 +6,17 @@
 #include "leeway/math.h"
 #include "leeway/shape.h"
 
+#include <float.h>
+
+/// What lower is reduced by, relative to the extent of the question: radius of a + radius of b + distance of their
+/// reference points (a solid's centre, a triangle's first vertex). 48 roundings, counted in core/docs/convex_distance.md.
+#define LWI_CONVEX_ROUNDING ( 48.0 * ( DBL_EPSILON / 2 ) )
+
+/// Width that an interval has at most, relative to the same extent, unless it was stopped early or (never seen) ran into the
+/// iteration limit.
+#define LWI_CONVEX_WIDTH_POLYTOPE 1e-12
+#define LWI_CONVEX_WIDTH_CURVED 1e-10
+
 typedef enum lwi_convex_type
 {
 	LWI_CONVEX_TRIANGLE, ///< also segments and points: equal vertices
@@ -31,9 +42,16 @@ typedef struct lwi_convex_result
 } lwi_convex_result;
 
 /// Distance of two convex pieces; 0 if they touch. Never fails and never loops without end: at the iteration limit the
-/// interval is honest and wider. @param stop_above the caller does not care once lower >= stop_above (+inf: wants all);
+/// interval is honest and wider. b is the image of its piece under a_from_b as given, exactly, also where the rotation is
+/// orthogonal only to rounding. Finite input is the caller's duty; sizes from 1e-12 to 1e12.
+/// Pieces that overlap give lower = upper = 0 and one common point; lower > 0 proves that they do not.
+/// @param stop_above the caller does not care once lower >= stop_above (+inf: wants all);
 /// @param stop_below nor once upper <= stop_below (0: wants all)
 lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,
 	double stop_above, double stop_below );
+
+/// Distance of a point to a solid (BOX, CYLINDER, CONE) in the solid's frame: 0 inside. @param closest the nearest point of
+/// the solid, p itself inside. Closed form; wrong by at most LWI_CONVEX_ROUNDING * ( radius of the solid + |p| ).
+double lwi_convex_point_distance( const lwi_convex* solid, lw_vec3 p, lw_vec3* closest );
 
 #endif

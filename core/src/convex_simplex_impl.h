@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Template: the point of a simplex (1 to 4 points) nearest to the origin. Included once per number type.
+//
+// Papers: Ericson, "Real-Time Collision Detection", 2005, 5.1.5 and 5.1.6 (which faces can hold the nearest point);
+// Montanari, Petrinic, Barbieri, "Improving the GJK algorithm for faster and more reliable distance queries between convex
+// objects", 2017 (weights from volumes, not from Johnson's cofactors). All of it works on differences of the points, and the
+// nearest point of a triangle is taken along its normal: the direction then is as good as the triangle, even where the
+// distance is tiny.
+//
+// The includer defines real (a number), NAME( x ) (a suffix for the type), FROM, ADD, SUB, MUL, DIV, SIGN (of a number: a
+// double to compare with 0).
+
+typedef struct NAME( vec )
+{
+	real x, y, z;
+} NAME( vec );
+
+/// A point of the simplex and its weights; weight 0 = not needed.
+typedef struct NAME( nearest )
+{
+	NAME( vec ) v;
+	real sq; ///< |v|^2
+	real weight[4];
+} NAME( nearest );
+
+static inline NAME( vec ) NAME( sub )( NAME( vec ) a, NAME( vec ) b )
+{
+	return (NAME( vec )){ SUB( a.x, b.x ), SUB( a.y, b.y ), SUB( a.z, b.z ) };
+}
+
+static inline real NAME( dot )( NAME( vec ) a, NAME( vec ) b )
+{
+	return ADD( ADD( MUL( a.x, b.x ), MUL( a.y, b.y ) ), MUL( a.z, b.z ) );
+}
+
+static inline NAME( vec ) NAME( cross )( NAME( vec ) a, NAME( vec ) b )
+{
+	return (NAME( vec )){ SUB( MUL( a.y, b.z ), MUL( a.z, b.y ) ), SUB( MUL( a.z, b.x ), MUL( a.x, b.z ) ),
+		SUB( MUL( a.x, b.y ), MUL( a.y, b.x ) ) };
+}
+
+/// a + s b
+static inline NAME( vec ) NAME( add_scaled )( NAME( vec ) a, real s, NAME( vec ) b )
+{
+	return (NAME( vec )){ ADD( a.x, MUL( s, b.x ) ), ADD( a.y, MUL( s, b.y ) ), ADD( a.z, MUL( s, b.z ) ) };
+}
+
+static void NAME( offer )( NAME( nearest )* best, NAME( vec ) v, const int* index, const real* weight, int count )
+{
+	real sq = NAME( dot )( v, v );
+	if ( SIGN( best->sq ) >= 0.0 && !( SIGN( SUB( sq, best->sq ) ) < 0.0 ) )
+	{
+		return;
+	}
+	best->v = v;
+	best->sq = sq;
+	for ( int i = 0; i < 4; ++i )
+	{
+		best->weight[i] = FROM( 0.0 );
+	}
+	for ( int i = 0; i < count; ++i )
+	{
+		best->weight[index[i]] = weight[i];
+	}
+}
+
+static void NAME( segment )( const NAME( vec )* w, int i, int j, NAME( nearest )* best )
+{
+	NAME( vec ) e = NAME( sub )( w[j], w[i] );
+	real ee = NAME( dot )( e, e );
+	real top = SUB( FROM( 0.0 ), NAME( dot )( w[i], e ) );
+	int index[2] = { i, j };
+	real one = FROM( 1.0 );
+	if ( !( SIGN( ee ) > 0.0 ) || SIGN( top ) <= 0.0 )
+	{
+		NAME( offer )( best, w[i], index, &one, 1 );
+	}
+	else if ( SIGN( SUB( top, ee ) ) >= 0.0 )
+	{
+		NAME( offer )( best, w[j], index + 1, &one, 1 );
+	}
+	else
+	{
+		real t = DIV( top, ee );
+		real weight[2] = { SUB( one, t ), t };
+		NAME( vec ) v = NAME( add_scaled )( w[i], t, e );
+		// Once more: v is then orthogonal to e to rounding of its own length
+		v = NAME( add_scaled )( v, SUB( FROM( 0.0 ), DIV( NAME( dot )( v, e ), ee ) ), e );
+		NAME( offer )( best, v, index, weight, 2 );
+	}
+}
+
+/// The nearest point is inside, or on an edge whose opposite vertex has a negative weight.
+static void NAME( triangle )( const NAME( vec )* w, int i, int j, int k, NAME( nearest )* best )
+{
+	NAME( vec ) e = NAME( sub )( w[j], w[i] );
+	NAME( vec ) f = NAME( sub )( w[k], w[i] );
+	NAME( vec ) n = NAME( cross )( e, f );
+	real nn = NAME( dot )( n, n );
+	bool degenerate = !( SIGN( nn ) > 0.0 );
+	real wj = FROM( 0.0 ), wk = FROM( 0.0 ), wi = FROM( 0.0 );
+	if ( !degenerate )
+	{
+		// For r = -w[i] = wj e + wk f + (along n): r x f and e x r, along n.
+		wj = DIV( NAME( dot )( NAME( cross )( f, w[i] ), n ), nn );
+		wk = DIV( NAME( dot )( NAME( cross )( w[i], e ), n ), nn );
+		wi = SUB( SUB( FROM( 1.0 ), wj ), wk );
+		if ( SIGN( wi ) >= 0.0 && SIGN( wj ) >= 0.0 && SIGN( wk ) >= 0.0 )
+		{
+			int index[3] = { i, j, k };
+			real weight[3] = { wi, wj, wk };
+			real s = DIV( NAME( dot )( w[i], n ), nn );
+			NAME( vec ) v = { MUL( s, n.x ), MUL( s, n.y ), MUL( s, n.z ) };
+			NAME( offer )( best, v, index, weight, 3 );
+			return;
+		}
+	}
+	if ( degenerate || SIGN( wi ) < 0.0 )
+	{
+		NAME( segment )( w, j, k, best );
+	}
+	if ( degenerate || SIGN( wj ) < 0.0 )
+	{
+		NAME( segment )( w, i, k, best );
+	}
+	if ( degenerate || SIGN( wk ) < 0.0 )
+	{
+		NAME( segment )( w, i, j, best );
+	}
+}
+
+/// Weight of vertex `apex` = height of the origin over the opposite face by the height of the apex. Faces that do not have the
+/// origin on the apex's side can hold the nearest point; without any, the origin is inside.
+static bool NAME( tetrahedron )( const NAME( vec )* w, NAME( nearest )* best )
+{
+	static const int faces[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
+	real weight[4];
+	bool outside[4];
+	bool inside = true;
+	for ( int apex = 0; apex < 4; ++apex )
+	{
+		NAME( vec ) p = w[faces[apex][0]];
+		NAME( vec ) n = NAME( cross )( NAME( sub )( w[faces[apex][1]], p ), NAME( sub )( w[faces[apex][2]], p ) );
+		real height = NAME( dot )( NAME( sub )( w[apex], p ), n );
+		real origin = SUB( FROM( 0.0 ), NAME( dot )( p, n ) );
+		outside[apex] = SIGN( height ) == 0.0 || SIGN( origin ) * SIGN( height ) < 0.0;
+		weight[apex] = outside[apex] ? FROM( 0.0 ) : DIV( origin, height );
+		inside = inside && !outside[apex];
+	}
+	if ( inside )
+	{
+		real sum = ADD( ADD( weight[0], weight[1] ), ADD( weight[2], weight[3] ) );
+		for ( int i = 0; i < 4; ++i )
+		{
+			best->weight[i] = DIV( weight[i], sum );
+		}
+		best->v = (NAME( vec )){ FROM( 0.0 ), FROM( 0.0 ), FROM( 0.0 ) };
+		best->sq = FROM( 0.0 );
+		return true;
+	}
+	for ( int apex = 0; apex < 4; ++apex )
+	{
+		if ( outside[apex] )
+		{
+			NAME( triangle )( w, faces[apex][0], faces[apex][1], faces[apex][2], best );
+		}
+	}
+	return false;
+}
+
+/// @return true if the origin is inside (count 4 only)
+static bool NAME( nearest_to_origin )( const NAME( vec )* w, int count, NAME( nearest )* best )
+{
+	best->sq = FROM( -1.0 );
+	if ( count == 4 )
+	{
+		return NAME( tetrahedron )( w, best );
+	}
+	if ( count == 3 )
+	{
+		NAME( triangle )( w, 0, 1, 2, best );
+	}
+	else if ( count == 2 )
+	{
+		NAME( segment )( w, 0, 1, best );
+	}
+	else
+	{
+		int index = 0;
+		real one = FROM( 1.0 );
+		NAME( offer )( best, w[0], &index, &one, 1 );
+	}
+	return false;
+}
