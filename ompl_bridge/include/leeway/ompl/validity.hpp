@@ -3,7 +3,10 @@
 //
 //     auto space = leeway::ompl::makeStateSpace( checker );
 //     auto si = std::make_shared<ompl::base::SpaceInformation>( space );
-//     leeway::ompl::install( si, checker, { .min_d = 0.01 } );
+//     leeway::ompl::install( si, checker );
+//     si->setup();
+//
+// Works with OMPL 1.5.2 to 2.0. Everything const here may be called by any number of threads at once.
 #pragma once
 
 #include "leeway/handles.hpp"
@@ -14,9 +17,11 @@
 #include <ompl/base/StateValidityChecker.h>
 
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace leeway::ompl
@@ -25,92 +30,157 @@ namespace leeway::ompl
 /// How states and motions are judged.
 struct Options
 {
-	double min_d = 0;     ///< metres: smaller clearances are invalid
-	/// Clearances are not measured beyond this; clearance() never returns more. +inf = always the exact distance.
+	double min_d = 0;     ///< metres, >= 0: smaller clearances are invalid
+	/// Metres, > min_d. Clearances are not measured beyond this; clearance() never returns more than max_d - min_d. +inf =
+	/// always the exact distance. A cap makes plateaus: an objective that maximises clearance sees no gain above it.
 	double max_d = 0.5;
-	double alpha = 0;     ///< relative tolerance of clearance()
-	double slack = 0.001; ///< metres: certified edges may refuse clearances in (min_d, min_d + slack]
+	double alpha = 0;     ///< relative tolerance of clearance(), [0, 1)
+	double slack = 0.001; ///< metres, > 0: certified edges may refuse clearances in (min_d, min_d + slack]
 	lw_edge_method method = LW_EDGE_CERTIFIED;
-	double step = 0.01;   ///< metres: motion of any robot point per step, method LW_EDGE_STEPS
+	double step = 0.01;   ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
 	lw_what what = LW_WHAT_BOTH;
 };
 
-/// The state space of a checker's group: RealVector if all variables are bounded numbers, otherwise a compound of
-/// RealVector (bounded joints), SO2 (continuous joints), SE2 (planar) and SE3 (floating), subspaces named by joint.
-/// Infinite position limits are replaced by +-`unbounded` metres.
-/// @throws std::invalid_argument if a limit is unusable, naming the joint
+/// The state space of a checker's group, in the order of its state vector: RealVector if all variables are bounded numbers
+/// (dimensions named by joint), otherwise a compound of RealVector (each bounded joint), SO2 (continuous joints), SE2
+/// (planar) and SE3 (floating), subspaces named by joint, all of weight 1 so that a radian and a metre count the same.
+/// Infinite position limits are replaced by +-`unbounded` metres. A joint whose limits are equal gets a range of 1e-9 about
+/// them, because OMPL cannot set up a space without extent. A default projection (the first three numbers) is registered.
+/// @throws std::invalid_argument if a limit is unusable, or a planar or floating joint's variables are not together and in
+/// order, naming the joint
 std::shared_ptr<::ompl::base::StateSpace> makeStateSpace( const Checker& checker, double unbounded = 10.0 );
 
-/// Copies states of a space (made by makeStateSpace(), or any nesting of RealVector, SO2, SE2, SE3 and compound spaces whose
-/// dimensions fit, in order) to and from the checker's state vector. Understands constrained-space wrappers.
+/// Copies states of a space to and from the checker's state vector. The space is one made by makeStateSpace(), or any nesting
+/// of RealVector, SO2, SO3, SE2, SE3, compound and wrapper spaces (or of their subclasses with the same state layout) whose
+/// numbers, in order, are those of the state vector.
+///
+/// Certified edges follow lw_robot_interpolate(). Whether the space interpolates along the same curve is found out at
+/// construction, by type (spaces on a constraint manifold do not) and by comparing the space's interpolate() with the formulas
+/// below on random states (Dubins, Reeds-Shepp and other overrides do not). Spaces that do not can still be checked state
+/// by state; straight() is false then and MotionValidator refuses them.
 class StateAdapter
 {
 public:
-	/// @throws std::invalid_argument if the space does not fit the checker or interpolates differently (Dubins, Reeds-Shepp, ...)
+	/// @throws std::invalid_argument if the space does not fit the checker, saying where
 	StateAdapter( const ::ompl::base::StateSpacePtr& space, const Checker& checker );
+
 	void toVector( const ::ompl::base::State* state, double* q ) const;
+	/// Angles of SO2 subspaces are brought into [-pi, pi); everything else is copied as it is.
 	void fromVector( const double* q, ::ompl::base::State* state ) const;
 	std::size_t size() const { return m_size; }
 
+	bool straight() const { return m_curve_problem.empty(); }
+	const std::string& curveProblem() const { return m_curve_problem; } ///< why straight() is false
+
+	/// The state at t on OMPL's own curve from a to b: linear in RealVector, SO2 and SO3 as OMPL computes them.
+	/// @param out [size()], must not alias a or b
+	void interpolate( const double* a, const double* b, double t, double* out ) const;
+
+	/// Number of equal parts of OMPL's curve such that on each the curve and lw_robot_interpolate() cannot differ. Nearly always 1;
+	/// more where a wrapping angle moves by pi or more (the long way round in a RealVector dimension, or exactly opposite), or
+	/// two rotations are opposite: there, which way is shorter is a matter of rounding.
+	unsigned pieceCount( const double* a, const double* b ) const;
+
+	/// OMPL takes rotations with |<q1, q2>| > 1 - 1e-9 (less than 9e-5 rad apart) for equal: its curve keeps the first one and
+	/// jumps at the end. True if a and b have such rotations that are not identical; replaceCloseRotations() makes them so.
+	bool hasCloseRotations( const double* a, const double* b ) const;
+	/// Copies the rotations of `from` that are close to those of q into q.
+	void replaceCloseRotations( const double* from, double* q ) const;
+
+	/// Moves what rounding may have put outside of the space's bounds back onto them, and normalises quaternions.
+	void enforceBounds( double* q ) const;
+
 private:
+	enum class Kind
+	{
+		Vector,  ///< RealVectorStateSpace
+		Angle,   ///< SO2StateSpace
+		Rotation ///< SO3StateSpace
+	};
 	struct Part
 	{
-		int kind;                       ///< of the subspace
-		std::vector<std::size_t> path;  ///< subspace indices from the top
-		std::size_t first, count;       ///< entries of the state vector
+		Kind kind;
+		std::vector<unsigned> path;          ///< component indices from the top
+		std::size_t first, count;            ///< entries of the state vector
+		const ::ompl::base::StateSpace* leaf; ///< owned by m_space
 	};
+	void collect( const ::ompl::base::StateSpace* space, std::vector<unsigned>& path );
+	void match( const Checker& checker );
+	void compareCurves();
+	const ::ompl::base::State* component( const ::ompl::base::State* state, const Part& part ) const;
+
+	::ompl::base::StateSpacePtr m_space;
 	std::vector<Part> m_parts;
+	std::vector<std::size_t> m_wrapping; ///< entries that are angles without limits, in parts of any kind
 	std::size_t m_size = 0;
-	bool m_constrained = false;
+	unsigned m_wrappers = 0; ///< levels of WrapperStateSpace around the space
+	std::string m_curve_problem;
 };
 
 /// Totals of all threads since construction.
 struct Counters
 {
-	std::uint64_t states = 0, edges = 0, free = 0, blocked = 0, refused = 0, edge_queries = 0;
+	std::uint64_t states = 0;       ///< states checked
+	std::uint64_t edges = 0;        ///< motions checked: free + blocked + refused + errors
+	std::uint64_t free = 0;
+	std::uint64_t blocked = 0;
+	std::uint64_t refused = 0;
+	std::uint64_t edge_queries = 0; ///< states at which edges measured distances
 };
 
-/// What the checker and the validator share: checker, options, adapter, and a pool of queries, one per thread in use.
+/// What the checker and the validator share: checker, options, adapter, and a pool of queries, one per thread in use. The pool
+/// grows on first use by a thread and never shrinks; after that nothing is allocated and nobody waits.
 class Engine
 {
 public:
+	/// @throws std::invalid_argument (options, space), CoreError (no memory for the first query)
 	Engine( const ::ompl::base::StateSpacePtr& space, Checker checker, const Options& options );
 	~Engine();
-
-	/// A query of the pool for the lifetime of the lease; no allocation once every thread has had one.
-	class Lease
-	{
-	public:
-		explicit Lease( const Engine& engine );
-		~Lease();
-		Lease( const Lease& ) = delete;
-		Lease& operator=( const Lease& ) = delete;
-		lw_query* query() const;
-		double* a() const; ///< scratch state vectors of the adapter's size
-		double* b() const;
-
-	private:
-		const Engine& m_engine;
-		struct Slot* m_slot;
-		friend class Engine;
-	};
+	Engine( const Engine& ) = delete;
+	Engine& operator=( const Engine& ) = delete;
 
 	const Checker& checker() const { return m_checker; }
 	const Options& options() const { return m_options; }
 	const StateAdapter& adapter() const { return m_adapter; }
 	Counters counters() const;
+	/// Queries made so far: the largest number of threads that were inside at the same time.
+	std::size_t queryCount() const;
+
+private:
+	struct Slot;
+
+public:
+	/// A query of the pool for the lifetime of the lease.
+	class Lease
+	{
+	public:
+		explicit Lease( const Engine& engine ) : m_slot( engine.acquire() ) {}
+		~Lease();
+		Lease( const Lease& ) = delete;
+		Lease& operator=( const Lease& ) = delete;
+		/// False if there was no memory for another query: the question must then be answered "invalid".
+		explicit operator bool() const { return m_slot != nullptr; }
+		lw_query* query() const;
+		double* a() const; ///< scratch state vectors of the adapter's size; null without a slot
+		double* b() const;
+
+	private:
+		friend class StateValidityChecker;
+		friend class MotionValidator;
+		Slot* m_slot;
+	};
 
 private:
 	friend class StateValidityChecker;
 	friend class MotionValidator;
-	struct Slot* acquire() const;
-	void release( struct Slot* slot ) const;
+	Slot* acquire() const; ///< nullptr if out of memory
+	Slot* makeSlot() const;
 
 	Checker m_checker;
 	Options m_options;
 	StateAdapter m_adapter;
-	mutable std::atomic<struct Slot*> m_slots{ nullptr }; ///< all slots ever made, linked; each has a busy flag
-	mutable std::atomic<std::uint64_t> m_states{ 0 }, m_edges{ 0 }, m_free{ 0 }, m_blocked{ 0 }, m_refused{ 0 }, m_queries{ 0 };
+	std::uint64_t m_id;                              ///< never used twice: threads remember their last slot by it
+	mutable std::atomic<Slot*> m_slots{ nullptr };   ///< all slots ever made, linked; each has a busy flag
 };
 
 /// Valid = every clearance > min_d, proved, and the state is within the space's bounds. Errors are invalid.
@@ -129,25 +199,47 @@ public:
 	double clearance( const ::ompl::base::State* state, ::ompl::base::State* validState,
 		bool& validStateAvailable ) const override;
 
+	const std::shared_ptr<const Engine>& engine() const { return m_engine; }
+
 private:
+	bool evaluate( const ::ompl::base::State* state, double& dist ) const;
 	std::shared_ptr<const Engine> m_engine;
 };
 
-/// checkMotion() proved along the whole edge (or fixed steps), see lw_checker_edge().
+/// checkMotion() proved along the whole edge (or by fixed steps), see lw_checker_edge(). A motion whose ends are out of bounds, that
+/// is refused or that meets an error is invalid. What is certified is OMPL's own curve, the one that interpolate() of the space
+/// gives later (see StateAdapter for the cases where that needs care), up to rounding of single coordinates.
+/// Conditions of another state validity checker (set by the user besides leeway's) are not looked at.
 class MotionValidator : public ::ompl::base::MotionValidator
 {
 public:
+	/// @throws std::invalid_argument if the space's curves are not straight edges (StateAdapter::straight())
 	MotionValidator( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine );
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2 ) const override;
-	/// lastValid.first may alias s1 or s2; neither field is touched on success.
+	/// On failure lastValid.first, if not null, receives a state that was proved, and then checked by itself: the end of the
+	/// proved run, or s1 if even that fails the check; lastValid.second in [0, 1) is its place. It may alias s1 or s2. On
+	/// success neither field is touched.
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2,
 		std::pair<::ompl::base::State*, double>& lastValid ) const override;
 
+	const std::shared_ptr<const Engine>& engine() const { return m_engine; }
+
 private:
+	struct Run;
+	bool read( const Engine::Lease& lease, const ::ompl::base::State* s1, const ::ompl::base::State* s2 ) const;
+	Run prove( const Engine::Lease& lease, bool want_proved_until ) const;
+	Run proveMotion( const Engine::Lease& lease, bool want_proved_until ) const;
+	void proveCurve( const Engine::Lease& lease, const double* a, const double* b, Run& run ) const;
+	double writeLastValid( const Engine::Lease& lease, const Run& run, const ::ompl::base::State* s1,
+		::ompl::base::State* out ) const;
+	bool count( bool valid ) const;
 	std::shared_ptr<const Engine> m_engine;
+	lw_edge_def m_def;
 };
 
 /// Sets both on `si` and returns the shared engine. Call si->setup() afterwards as usual.
+/// @throws as Engine and MotionValidator. For spaces whose curves are not straight, make an Engine and set a StateValidityChecker
+/// alone: OMPL's own motion validator then asks it state by state.
 std::shared_ptr<const Engine> install( const ::ompl::base::SpaceInformationPtr& si, Checker checker, const Options& options = {} );
 
 } // namespace leeway::ompl

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pool of queries: a list of slots that only ever grows, each taken and given back by one atomic exchange.
+#include "slot.hpp"
+
+#include <cmath>
+#include <new>
+#include <stdexcept>
+
+namespace leeway::ompl
+{
+
+namespace
+{
+
+// Engines are numbered, not recognised by address: a new engine may be built where an old one was, and a thread that remembers a slot
+// of the old one must not take it for the new one's.
+std::atomic<std::uint64_t> next_engine_id{ 1 };
+
+void requireOption( bool condition, const char* what )
+{
+	// written as "condition holds" so that a NaN is refused
+	if ( !condition )
+	{
+		throw std::invalid_argument( std::string( "leeway::ompl::Options: " ) + what );
+	}
+}
+
+Options checkedOptions( const Options& options )
+{
+	requireOption( options.min_d >= 0 && std::isfinite( options.min_d ), "min_d must be finite and at least 0" );
+	requireOption( options.max_d > options.min_d, "max_d must be above min_d" );
+	requireOption( options.alpha >= 0 && options.alpha < 1, "alpha must be in [0, 1)" );
+	requireOption( options.slack > 0 && std::isfinite( options.slack ), "slack must be finite and above 0" );
+	requireOption( options.step > 0 && std::isfinite( options.step ), "step must be finite and above 0" );
+	requireOption( options.method == LW_EDGE_CERTIFIED || options.method == LW_EDGE_STEPS, "unknown edge method" );
+	requireOption( options.what >= LW_WHAT_ENVIRONMENT && options.what <= LW_WHAT_BOTH, "unknown choice of clearances" );
+	return options;
+}
+
+Checker checkedChecker( Checker checker )
+{
+	if ( !checker )
+	{
+		throw std::invalid_argument( "leeway::ompl::Engine: no checker" );
+	}
+	return checker;
+}
+
+} // namespace
+
+Engine::Engine( const ::ompl::base::StateSpacePtr& space, Checker checker, const Options& options )
+	: m_checker( checkedChecker( std::move( checker ) ) ), m_options( checkedOptions( options ) ), m_adapter( space, m_checker ),
+	  m_id( next_engine_id.fetch_add( 1, std::memory_order_relaxed ) )
+{
+	// the first slot is made here, so that a machine without memory for even one says so at once
+	Slot* slot = makeSlot();
+	if ( slot == nullptr )
+	{
+		throw CoreError( LW_ERROR_OUT_OF_MEMORY, "leeway::ompl::Engine: no memory for a query" );
+	}
+	slot->busy.store( false, std::memory_order_release );
+}
+
+Engine::~Engine()
+{
+	for ( Slot* slot = m_slots.load( std::memory_order_acquire ); slot != nullptr; )
+	{
+		Slot* next = slot->next;
+		delete slot;
+		slot = next;
+	}
+}
+
+Engine::Slot* Engine::makeSlot() const
+{
+	std::unique_ptr<Slot> slot( new ( std::nothrow ) Slot );
+	if ( !slot )
+	{
+		return nullptr;
+	}
+	const std::size_t size = m_adapter.size();
+	const std::size_t full_size = lw_robot_variable_count( lw_checker_robot( m_checker.get() ) );
+	slot->memory.reset( new ( std::nothrow ) double[6 * size + 3 * full_size]() );
+	lw_query* query = nullptr;
+	const lw_query_def def = lw_query_def_default();
+	if ( !slot->memory || lw_query_create( &def, nullptr, m_checker.get(), nullptr, &query ) != LW_OK )
+	{
+		return nullptr;
+	}
+	slot->query.reset( query );
+	double* memory = slot->memory.get();
+	for ( double** vector : { &slot->a, &slot->b, &slot->from, &slot->to, &slot->varied, &slot->result } )
+	{
+		*vector = memory;
+		memory += size;
+	}
+	for ( double** vector : { &slot->full_from, &slot->full_to, &slot->full_out } )
+	{
+		*vector = memory;
+		memory += full_size;
+	}
+
+	// Push: nothing is ever taken off the list, so there is no ABA problem and readers may walk it at any time.
+	slot->next = m_slots.load( std::memory_order_relaxed );
+	while ( !m_slots.compare_exchange_weak( slot->next, slot.get(), std::memory_order_release, std::memory_order_relaxed ) )
+	{
+	}
+	return slot.release();
+}
+
+Engine::Slot* Engine::acquire() const
+{
+	// The slot that this thread used last is tried first: its warm starts are those of the thread's own path.
+	struct Last
+	{
+		std::uint64_t engine = 0;
+		Slot* slot = nullptr;
+	};
+	thread_local Last last;
+
+	// the plain load keeps threads that walk past a busy slot from taking its cache line away from the owner
+	auto take = []( Slot* slot )
+	{ return !slot->busy.load( std::memory_order_relaxed ) && !slot->busy.exchange( true, std::memory_order_acquire ); };
+
+	if ( last.engine == m_id && take( last.slot ) )
+	{
+		return last.slot;
+	}
+	for ( Slot* slot = m_slots.load( std::memory_order_acquire ); slot != nullptr; slot = slot->next )
+	{
+		if ( take( slot ) )
+		{
+			last = { m_id, slot };
+			return slot;
+		}
+	}
+	Slot* slot = makeSlot();
+	if ( slot != nullptr )
+	{
+		last = { m_id, slot };
+	}
+	return slot;
+}
+
+Counters Engine::counters() const
+{
+	Counters total;
+	for ( const Slot* slot = m_slots.load( std::memory_order_acquire ); slot != nullptr; slot = slot->next )
+	{
+		total.states += slot->states.value();
+		total.edges += slot->edges.value();
+		total.free += slot->free.value();
+		total.blocked += slot->blocked.value();
+		total.refused += slot->refused.value();
+		total.edge_queries += slot->edge_queries.value();
+	}
+	return total;
+}
+
+std::size_t Engine::queryCount() const
+{
+	std::size_t count = 0;
+	for ( const Slot* slot = m_slots.load( std::memory_order_acquire ); slot != nullptr; slot = slot->next )
+	{
+		++count;
+	}
+	return count;
+}
+
+Engine::Lease::~Lease()
+{
+	if ( m_slot != nullptr )
+	{
+		m_slot->busy.store( false, std::memory_order_release );
+	}
+}
+
+lw_query* Engine::Lease::query() const
+{
+	return m_slot != nullptr ? m_slot->query.get() : nullptr;
+}
+
+double* Engine::Lease::a() const
+{
+	return m_slot != nullptr ? m_slot->a : nullptr;
+}
+
+double* Engine::Lease::b() const
+{
+	return m_slot != nullptr ? m_slot->b : nullptr;
+}
+
+} // namespace leeway::ompl
