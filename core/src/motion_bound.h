@@ -1,23 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far the points of a body can move along an edge: the displacement bounds rho of each joint and body.
+// How far the points of a body can move along an edge: an upper bound of their path lengths.
 #ifndef LEEWAY_MOTION_BOUND_H
 #define LEEWAY_MOTION_BOUND_H
 
 #include "robot_internal.h"
 
-/// Displacement bounds of a robot: for each joint j and body b under it, an upper bound over all configurations of the
-/// joints between them of the distance from any point of b to the axis of j. Immutable, kept by the checker.
+/// What is known of a robot's bodies before any edge: enclosing spheres, distances to the first joint axis, and for each
+/// joint j above body b the largest distance from b to the axis of j over *all* configurations. Immutable, kept by the
+/// checker, which also keeps the robot alive.
 typedef struct lwi_motion_table lwi_motion_table;
 
-/// @param fixed_variables [variable_count] true where the variable stays at reference[variable] in every edge (nullable)
+/// @param fixed_variables [variable_count] true where the variable stays at reference[variable] in every edge; NULL = none.
+/// All variables of a planar or floating joint are fixed or none.
+/// @param reference [variable_count]; finite. May be NULL if fixed_variables is
+/// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_INVALID_ARGUMENT (zero quaternion in the reference)
 lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_variables, const double* reference,
 	const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table );
-void lwi_motion_table_destroy( lwi_motion_table* table );
+void lwi_motion_table_destroy( lwi_motion_table* table ); ///< NULL is ignored
 size_t lwi_motion_table_bytes( const lwi_motion_table* table );
 
-/// Upper bound (rounded outward) of the path length of any point of `body` along the edge qa -> qb (full states; the motion
-/// of lw_robot_interpolate over t in [0, 1]), measured in the frame of `ancestor` (a link above the body's link, or
-/// LW_INVALID_INDEX for the world). Holds for states outside the joint limits too.
-double lwi_motion_bound( const lwi_motion_table* table, const double* qa, const double* qb, uint32_t body, uint32_t ancestor );
+/// Bytes of scratch, 64-aligned, that lwi_motion_measure() fills.
+size_t lwi_motion_scratch_size( const lwi_motion_table* table );
+
+/// Measures the edge qa -> qb (full states, finite; the motion of lw_robot_interpolate over t in [0, 1]) for all bodies.
+/// Holds for states outside the joint limits too. @return false for a zero quaternion or an edge whose length overflows
+bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+
+/// Upper bound (rounded outward) of the path length of any point of `body` along the measured edge, in the frame of
+/// `ancestor` (a link above the body's link or that link itself, or LW_INVALID_INDEX for the world). On any part [s, t] of
+/// the edge the path length is at most (t - s) times this. 0 exactly if no joint in between moves.
+double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+
+/// Upper bound of the distance between where a point of the body is at t and where double arithmetic puts it in the world.
+double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body );
 
 #endif
