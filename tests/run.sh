@@ -14,9 +14,9 @@ exec </dev/null
 
 jobs=$( nproc )
 # Tests are named for what they do: those that start threads say Thread in suite or test, the ground-truth sweeps begin
-# with Truth. The programs that hold such tests are built under the thread sanitizer.
+# with truth. The programs that hold such tests are built under the thread sanitizer.
 threaded_tests='[Tt]hread'
-long_tests='^Truth|^install'
+long_tests='^truth|^install'
 
 heading()
 {
