@@ -14,6 +14,14 @@ typedef struct lwi_self_pair
 	uint32_t ancestor;       ///< lowest common ancestor link: only joints below it move the pair
 } lwi_self_pair;
 
+/// A robot body as the queries want it.
+typedef struct lwi_checker_body
+{
+	const lw_shape* shape; ///< the robot's
+	uint32_t link;
+	lw_transform link_from_shape;
+} lwi_checker_body;
+
 struct lw_checker
 {
 	atomic_uint references;
@@ -26,13 +34,16 @@ struct lw_checker
 	lw_transform* reference_poses; ///< [link_count] world_from_link at the reference
 	uint32_t moving_link_count;
 	uint32_t* moving_links; ///< topological order
+	lwi_checker_body* bodies; ///< [robot body_count]
 	uint32_t moving_body_count;
-	uint32_t* moving_bodies; ///< [moving_body_count] robot bodies on moving links
+	uint32_t* moving_bodies; ///< [moving_body_count] robot bodies on moving links, ascending
 	uint32_t self_pair_count;
 	lwi_self_pair* self_pairs;
-	uint32_t word_count;     ///< 32-bit words per row of environment_allowed
-	uint32_t* environment_allowed; ///< [link_count][word_count]: bit = contact with this *object* is allowed
-	uint32_t environment_pair_count;
+	uint32_t body_block_count;  ///< of LWI_WIDTH robot bodies
+	uint8_t* self_mask;         ///< [body_count][body_block_count]: bit = this pair is in self_pairs (in the row of body_a)
+	uint32_t scene_block_count; ///< of LWI_WIDTH scene shapes
+	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
+	uint32_t environment_pair_count; ///< of moving bodies
 	lwi_motion_table* motion;
 	lw_clearance static_environment;
 	size_t bytes;
@@ -50,6 +61,13 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 /// Clearance of one self pair (index into self_pairs) at the posed state. out->a, out->b = links.
 void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t pair, const lw_range* range,
 	lw_clearance* out );
+
+/// Measures the static bodies once: fills static_environment. Called by lw_checker_create() with a query posed at the
+/// reference.
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query );
+
+/// True if the query was made for a checker at least as large.
+bool lwi_query_fits( const lw_query* query, const lw_checker* checker );
 
 /// Scratch for edges inside the query, sized for this checker: at least lwi_edge_scratch_size( checker ) bytes, 64-aligned.
 void* lwi_query_edge_scratch( lw_query* query );

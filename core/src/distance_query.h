@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search for the distance of one pair of shapes under a running bound, and the bound itself.
+#ifndef LEEWAY_DISTANCE_QUERY_H
+#define LEEWAY_DISTANCE_QUERY_H
+
+#include "kernels.h"
+#include "leeway/distance.h"
+
+/// The running bound of one question, shared by all pairs that belong to it. Method and proof: core/docs/distance.md.
+typedef struct lwi_bound
+{
+	lw_range range;
+	double upper; ///< least distance measured so far; +inf before the first below max_d
+	double prune; ///< what is proved to be this far or farther need not be opened; never grows
+	double floor; ///< least certified lower bound of what was measured in double
+	bool done;    ///< upper <= min_d: the question is answered
+	// the witness of `upper`
+	lw_vec3 point_a, point_b; ///< in a's shape frame
+	uint32_t triangle_a, triangle_b;
+	uint32_t pair;            ///< `current_pair` when it was found
+	uint32_t current_pair;    ///< set by the caller before each search
+} lwi_bound;
+
+void lwi_bound_init( lwi_bound* bound, const lw_range* range );
+
+/// True if min_d >= 0, max_d > min_d and alpha in [0, 1); all NaN-safe.
+bool lwi_range_is_valid( const lw_range* range );
+
+/// Takes in a pair whose distance is known: lower <= true <= upper. True if it is the new upper bound; the witness is then
+/// the caller's to set, `pair` is current_pair.
+bool lwi_bound_offer( lwi_bound* bound, double lower, double upper );
+
+/// Interval and class of an answered question; witness and names are left to the caller (kind tells if there is one).
+lw_clearance lwi_bound_result( const lwi_bound* bound );
+
+/// Lowers the bound to the distance of a and b where that is smaller.
+/// @param a_from_b shape frames; finite, a rotation
+void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+
+/// Measures one pair of triangles (of soups) or shapes (solids), for warm starts. Out-of-range indices are ignored.
+void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t triangle_a,
+	uint32_t triangle_b, lwi_bound* bound );
+
+/// A copy whose rotation is orthonormal to rounding; rotations that are so already keep their bits.
+lw_transform lwi_orthonormal( const lw_transform* transform );
+
+#endif

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a query holds. Made by query.c; the search uses the first part, scenes and checkers the rest.
+#ifndef LEEWAY_QUERY_INTERNAL_H
+#define LEEWAY_QUERY_INTERNAL_H
+
+#include "distance_query.h"
+#include "leeway/checker.h"
+
+enum
+{
+	/// One opening replaces an entry by at most LWI_WIDTH; a path has at most LWI_MAX_DEPTH + 1 openings per tree.
+	LWI_STACK_SIZE = ( LWI_WIDTH - 1 ) * 2 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
+};
+
+/// Two subtrees still to be compared.
+typedef struct lwi_entry
+{
+	float gap;                ///< lower bound of their distance, minus nothing: compare with the limit
+	lwi_ref a, b;
+	float center_a[3], radius_a; ///< a's tree frame
+	float center_b[3], radius_b; ///< b's tree frame
+	float moved[3];           ///< cached centre, see `cached`
+	enum
+	{
+		LWI_CACHED_NONE,
+		LWI_CACHED_A_IN_B, ///< moved = center_a in b's frame
+		LWI_CACHED_B_IN_A  ///< moved = center_b in a's frame
+	} cached;
+} lwi_entry;
+
+/// Triangle pairs waiting for the float filter.
+typedef struct lwi_batch
+{
+	lwi_triangles8 a, b; ///< a's tree frame
+	uint32_t triangle_a[LWI_WIDTH], triangle_b[LWI_WIDTH];
+	uint32_t count;
+} lwi_batch;
+
+/// Where the nearest pair of a question was: the first thing tried next time.
+typedef struct lwi_warm
+{
+	uint32_t pair, triangle_a, triangle_b;
+	bool valid;
+} lwi_warm;
+
+/// A pair of bodies whose bounds do not rule it out.
+typedef struct lwi_candidate
+{
+	float gap;
+	uint32_t pair; ///< row * row_stride + column of the gap table
+} lwi_candidate;
+
+struct lw_query
+{
+	lwi_batch batch;
+	lwi_entry stack[LWI_STACK_SIZE];
+	lw_allocator allocator;
+	lw_query_def def;
+	const lwi_kernels* kernels;
+	lw_query_stats stats;
+
+	// capacities, as created
+	uint32_t link_capacity, body_capacity, variable_capacity, scene_capacity;
+	uint32_t gap_capacity;        ///< floats in gaps
+	size_t edge_capacity;         ///< bytes in edge_scratch
+
+	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
+	double* state;                ///< [variable_capacity] full state
+	lw_transform* world_from_link; ///< [link_capacity]
+	lw_transform* world_from_body; ///< [body_capacity]
+	double* body_center;          ///< [body_capacity][3] bounding spheres, world
+	float* body_spheres;          ///< blocks of [4][8] relative to `origin`, padded with r = -INFINITY
+	double origin[3];
+	float* gaps;                  ///< [gap_capacity]
+	lwi_candidate* candidates;    ///< [gap_capacity]
+	lwi_warm warm_environment, warm_self, warm_scene;
+	void* edge_scratch;
+	size_t bytes;
+};
+
+/// Releases the checker whose poses the query holds, if any.
+void lwi_query_forget_checker( lw_query* query );
+
+/// Smallest gap first: a binary min-heap over candidates, built in place; order among equals by `pair`, so that answers
+/// repeat.
+void lwi_heap_build( lwi_candidate* heap, uint32_t count );
+/// Removes and returns the smallest; count > 0.
+lwi_candidate lwi_heap_pop( lwi_candidate* heap, uint32_t* count );
+
+#endif

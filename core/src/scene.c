@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scenes: static obstacles with their world bounds, and the nearest one to a shape.
+#include "scene_internal.h"
+
+#include "math_inline.h"
+
+#include <string.h>
+
+enum
+{
+	SCENE_COOKIE = 0x4c575343
+};
+
+lw_scene_def lw_scene_def_default( void )
+{
+	lw_scene_def def;
+	memset( &def, 0, sizeof( def ) );
+	def.cookie = SCENE_COOKIE;
+	return def;
+}
+
+/// Box of a soup's vertices, dilated, or of a solid's corners: exact bounds of what is really there, not of a moved box.
+void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		box_min[i] = INFINITY;
+		box_max[i] = -INFINITY;
+	}
+	uint32_t count = shape->solid ? 8 : shape->vertex_count;
+	double largest = 0;
+	for ( uint32_t k = 0; k < count; ++k )
+	{
+		lw_vec3 p = shape->solid ? lwi_v3( ( k & 1 ) ? shape->box_max[0] : shape->box_min[0],
+									   ( k & 2 ) ? shape->box_max[1] : shape->box_min[1],
+									   ( k & 4 ) ? shape->box_max[2] : shape->box_min[2] )
+								 : lwi_load( shape->vertices + 3 * (size_t)k );
+		largest = fmax( largest, fmax( fabs( p.x ), fmax( fabs( p.y ), fabs( p.z ) ) ) );
+		p = lwi_transform( world_from_shape, p );
+		const double w[3] = { p.x, p.y, p.z };
+		for ( int i = 0; i < 3; ++i )
+		{
+			box_min[i] = w[i] < box_min[i] ? w[i] : box_min[i];
+			box_max[i] = w[i] > box_max[i] ? w[i] : box_max[i];
+		}
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		// three products and sums of coordinates up to `largest`, one sum with the translation
+		double slack = shape->radius + 16 * LWI_U64 * ( 2 * largest + fabs( world_from_shape->t[i] ) );
+		box_min[i] -= slack;
+		box_max[i] += slack;
+	}
+}
+
+static void scene_free( lw_scene* scene )
+{
+	const lw_allocator allocator = scene->allocator;
+	if ( scene->object_names != NULL )
+	{
+		for ( uint32_t i = 0; i < scene->object_count; ++i )
+		{
+			lwi_string_free( &allocator, scene->object_names[i] );
+		}
+	}
+	if ( scene->shapes != NULL )
+	{
+		for ( uint32_t i = 0; i < scene->shape_count; ++i )
+		{
+			lw_shape_release( (lw_shape*)scene->shapes[i].shape );
+		}
+	}
+	lwi_free( &allocator, scene->object_names, scene->object_count * sizeof( char* ) );
+	lwi_free( &allocator, scene->shapes, scene->shape_count * sizeof( lw_scene_shape_def ) );
+	lwi_free( &allocator, scene->boxes, scene->block_count * sizeof( lwi_box8 ) );
+	lwi_free( &allocator, scene->box_min, scene->shape_count * sizeof( double[3] ) );
+	lwi_free( &allocator, scene->box_max, scene->shape_count * sizeof( double[3] ) );
+	lwi_free( &allocator, scene, sizeof( lw_scene ) );
+}
+
+static lw_status check_def( const lw_scene_def* def, lw_diag* diag )
+{
+	if ( def->cookie != SCENE_COOKIE )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX, "scene def was not made by lw_scene_def_default()" );
+	}
+	if ( ( def->object_count > 0 && def->object_names == NULL ) || ( def->shape_count > 0 && def->shapes == NULL ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "scene def: an array is NULL, its count is not 0" );
+	}
+	for ( uint32_t i = 0; i < def->object_count; ++i )
+	{
+		if ( def->object_names[i] == NULL )
+		{
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "scene object %u has no name", i );
+		}
+	}
+	for ( uint32_t i = 0; i < def->shape_count; ++i )
+	{
+		const lw_scene_shape_def* shape = &def->shapes[i];
+		if ( shape->shape == NULL || shape->object >= def->object_count )
+		{
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "scene shape %u: no shape, or object index out of range", i );
+		}
+		if ( !lw_transform_is_valid( &shape->world_from_shape ) )
+		{
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
+				"scene shape %u of object '%.80s': its pose is not finite or not a rotation; normalise its quaternion", i,
+				def->object_names[shape->object] );
+		}
+	}
+	return LW_OK;
+}
+
+/// World boxes, the common origin, and the float blocks about it.
+static void compute_bounds( lw_scene* scene )
+{
+	double all_min[3] = { INFINITY, INFINITY, INFINITY }, all_max[3] = { -INFINITY, -INFINITY, -INFINITY };
+	for ( uint32_t i = 0; i < scene->shape_count; ++i )
+	{
+		lwi_world_box( scene->shapes[i].shape, &scene->shapes[i].world_from_shape, scene->box_min[i], scene->box_max[i] );
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			all_min[axis] = fmin( all_min[axis], scene->box_min[i][axis] );
+			all_max[axis] = fmax( all_max[axis], scene->box_max[i][axis] );
+		}
+	}
+	for ( int axis = 0; axis < 3 && scene->shape_count > 0; ++axis )
+	{
+		scene->origin[axis] = 0.5 * all_min[axis] + 0.5 * all_max[axis];
+		scene->extent = fmax( scene->extent, all_max[axis] - all_min[axis] );
+	}
+	for ( uint32_t i = 0; i < scene->block_count * LWI_WIDTH; ++i )
+	{
+		lwi_box8* block = &scene->boxes[i / LWI_WIDTH];
+		uint32_t lane = i % LWI_WIDTH;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			bool real = i < scene->shape_count;
+			block->min[axis][lane] = real ? lwi_round_down( scene->box_min[i][axis] - scene->origin[axis] ) : INFINITY;
+			block->max[axis][lane] = real ? lwi_round_up( scene->box_max[i][axis] - scene->origin[axis] ) : -INFINITY;
+		}
+	}
+}
+
+lw_status lw_scene_create( const lw_scene_def* def, const lw_allocator* allocator_in, lw_diag* diag, lw_scene** out_scene )
+{
+	if ( out_scene == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_scene is NULL" );
+	}
+	*out_scene = NULL;
+	if ( def == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "scene def is NULL" );
+	}
+	lw_status status = check_def( def, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	lw_allocator allocator = lwi_allocator_or_default( allocator_in );
+	lw_scene* scene = lwi_alloc_zero( &allocator, 1, sizeof( lw_scene ) );
+	if ( scene == NULL )
+	{
+		return lwi_out_of_memory( diag, "a scene" );
+	}
+	atomic_init( &scene->references, 1u );
+	scene->allocator = allocator;
+	scene->object_count = def->object_count;
+	scene->shape_count = def->shape_count;
+	scene->block_count = def->shape_count / LWI_WIDTH + ( def->shape_count % LWI_WIDTH != 0 );
+	scene->object_names = lwi_alloc_zero( &allocator, scene->object_count, sizeof( char* ) );
+	scene->shapes = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( lw_scene_shape_def ) );
+	scene->boxes = lwi_alloc_zero( &allocator, scene->block_count, sizeof( lwi_box8 ) );
+	scene->box_min = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( double[3] ) );
+	scene->box_max = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( double[3] ) );
+	bool ok = scene->object_names != NULL && scene->shapes != NULL && scene->boxes != NULL && scene->box_min != NULL &&
+			  scene->box_max != NULL;
+	scene->bytes = sizeof( lw_scene ) + scene->block_count * sizeof( lwi_box8 ) +
+				   scene->shape_count * ( sizeof( lw_scene_shape_def ) + 2 * sizeof( double[3] ) );
+	for ( uint32_t i = 0; ok && i < def->object_count; ++i )
+	{
+		scene->object_names[i] = lwi_string_copy( &allocator, def->object_names[i] );
+		scene->bytes += strlen( def->object_names[i] ) + 1 + sizeof( char* );
+		ok = scene->object_names[i] != NULL;
+	}
+	if ( !ok )
+	{
+		scene_free( scene );
+		return lwi_out_of_memory( diag, "a scene" );
+	}
+	for ( uint32_t i = 0; i < def->shape_count; ++i )
+	{
+		scene->shapes[i] = def->shapes[i];
+		scene->shapes[i].shape = lw_shape_retain( def->shapes[i].shape );
+		scene->shapes[i].world_from_shape = lwi_orthonormal( &def->shapes[i].world_from_shape );
+	}
+	compute_bounds( scene );
+	*out_scene = scene;
+	return LW_OK;
+}
+
+lw_scene* lw_scene_retain( const lw_scene* scene )
+{
+	lw_scene* mine = (lw_scene*)scene;
+	if ( mine != NULL )
+	{
+		lwi_retain( &mine->references );
+	}
+	return mine;
+}
+
+void lw_scene_release( lw_scene* scene )
+{
+	if ( scene != NULL && lwi_release( &scene->references ) )
+	{
+		scene_free( scene );
+	}
+}
+
+uint32_t lw_scene_object_count( const lw_scene* scene )
+{
+	return scene->object_count;
+}
+
+uint32_t lw_scene_shape_count( const lw_scene* scene )
+{
+	return scene->shape_count;
+}
+
+const char* lw_scene_object_name( const lw_scene* scene, uint32_t object )
+{
+	return object < scene->object_count ? scene->object_names[object] : "";
+}
+
+uint32_t lw_scene_find_object( const lw_scene* scene, const char* name )
+{
+	for ( uint32_t i = 0; i < scene->object_count; ++i )
+	{
+		if ( strcmp( scene->object_names[i], name ) == 0 )
+		{
+			return i;
+		}
+	}
+	return LW_INVALID_INDEX;
+}
+
+lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index )
+{
+	lw_scene_shape_def none;
+	memset( &none, 0, sizeof( none ) );
+	none.object = LW_INVALID_INDEX;
+	return index < scene->shape_count ? scene->shapes[index] : none;
+}
+
+double lwi_scene_gaps( const lw_scene* scene, const lwi_kernels* kernels, const double center[3], double radius, float* gaps )
+{
+	float sphere[4];
+	double reach = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		double relative = center[i] - scene->origin[i];
+		sphere[i] = (float)relative;
+		reach = fmax( reach, fabs( relative ) );
+	}
+	sphere[3] = lwi_round_up( radius );
+	for ( uint32_t block = 0; block < scene->block_count; ++block )
+	{
+		kernels->box_gap( &scene->boxes[block], sphere, gaps + block * LWI_WIDTH );
+	}
+	// as in kernels.h; the centre is only rounded here, not moved
+	return LWI_GAP_SLACK * LWI_U32 * ( reach + scene->extent + radius );
+}
+
+/// Nearest first: the shape with the least gap is searched, then whatever the bound leaves.
+static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape* shape, const lw_transform* world_from_shape,
+	lwi_bound* bound )
+{
+	lw_vec3 center = lwi_transform( world_from_shape, lwi_load( shape->sphere_center ) );
+	double world_center[3] = { center.x, center.y, center.z };
+	double slack = lwi_scene_gaps( scene, query->kernels, world_center, shape->sphere_radius, query->gaps );
+	uint32_t count = 0;
+	float limit = lwi_round_up( bound->prune + slack );
+	for ( uint32_t i = 0; i < scene->shape_count; ++i )
+	{
+		if ( !( query->gaps[i] >= limit ) )
+		{
+			float gap = query->gaps[i];
+			query->candidates[count++] = (lwi_candidate){ gap == gap ? gap : -INFINITY, i }; // overflowed: look first
+		}
+	}
+	lwi_heap_build( query->candidates, count );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		{
+			break;
+		}
+		bound->current_pair = next.pair;
+		const lw_scene_shape_def* obstacle = &scene->shapes[next.pair];
+		lw_transform relative = lwi_relative( world_from_shape, &obstacle->world_from_shape );
+		lwi_search( query, shape, obstacle->shape, &relative, bound );
+	}
+}
+
+lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const lw_transform* world_from_shape,
+	const lw_range* range, lw_query* query, lw_clearance* out )
+{
+	if ( out == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	*out = lw_clearance_unknown();
+	lw_range wanted = range != NULL ? *range : lw_range_exact();
+	if ( scene == NULL || shape == NULL || world_from_shape == NULL || query == NULL || !lwi_range_is_valid( &wanted ) ||
+		 !lw_transform_is_valid( world_from_shape ) || query->scene_capacity < scene->shape_count )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	lw_transform pose = lwi_orthonormal( world_from_shape );
+	lwi_bound bound;
+	lwi_bound_init( &bound, &wanted );
+	lwi_warm* warm = &query->warm_scene;
+	if ( query->def.warm_start && warm->valid && warm->pair < scene->shape_count )
+	{
+		const lw_scene_shape_def* obstacle = &scene->shapes[warm->pair];
+		lw_transform relative = lwi_relative( &pose, &obstacle->world_from_shape );
+		bound.current_pair = warm->pair;
+		lwi_measure( query, shape, obstacle->shape, &relative, warm->triangle_a, warm->triangle_b, &bound );
+	}
+	if ( !bound.done )
+	{
+		search_scene( scene, query, shape, &pose, &bound );
+	}
+	*out = lwi_bound_result( &bound );
+	if ( out->upper < INFINITY )
+	{
+		out->point_a = lwi_transform( &pose, bound.point_a );
+		out->point_b = lwi_transform( &pose, bound.point_b );
+		out->a = bound.triangle_a;
+		out->b = scene->shapes[bound.pair].object;
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+	}
+	return LW_OK;
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a scene holds, and the search of one shape against all of it.
+#ifndef LEEWAY_SCENE_INTERNAL_H
+#define LEEWAY_SCENE_INTERNAL_H
+
+#include "base_internal.h"
+#include "kernels.h"
+#include "query_internal.h"
+
+struct lw_scene
+{
+	atomic_uint references;
+	lw_allocator allocator;
+	uint32_t object_count, shape_count;
+	uint32_t block_count;        ///< of LWI_WIDTH shapes
+	char** object_names;
+	lw_scene_shape_def* shapes;  ///< poses orthonormal
+	double origin[3];            ///< centre of everything: floats below are relative to it
+	double extent;               ///< largest |coordinate| of the boxes about the origin
+	lwi_box8* boxes;             ///< [block_count] world bounds of the shapes, rounded outward
+	double ( *box_min )[3];      ///< [shape_count] the same in double, world
+	double ( *box_max )[3];
+	size_t bytes;
+};
+
+/// World box of a shape at a pose, outward by a stated rounding.
+void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] );
+
+/// Gaps of a bounding sphere (world) to the boxes of the scene: gaps[block_count * LWI_WIDTH], pads +INFINITY. Returns what
+/// must be added to a limit before a gap may be compared with it (metres).
+double lwi_scene_gaps( const lw_scene* scene, const lwi_kernels* kernels, const double center[3], double radius, float* gaps );
+
+#endif
