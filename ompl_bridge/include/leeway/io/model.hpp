@@ -63,6 +63,8 @@ struct LoadOptions
 	std::vector<std::string> package_paths;
 	lw_tree_def tree = lw_tree_def_default();
 	double weld_tolerance = 0; ///< metres
+	/// A link without collision geometry uses its visual geometry, with a notice. Never done silently.
+	bool use_visual = false;
 };
 
 /// A collision shape at a pose in its owner's frame.
@@ -141,7 +143,7 @@ struct JointState
 struct SceneObject
 {
 	std::string name;
-	std::string frame; ///< header.frame_id; empty = planning frame
+	std::string frame; ///< header.frame_id; empty = planning frame, "/" too
 	std::vector<PlacedShape> shapes; ///< poses in `frame`, object pose applied
 };
 
@@ -162,7 +164,10 @@ struct SceneModel
 	JointState state;                                ///< robot_state
 	std::vector<std::pair<std::string, std::string>> allowed; ///< pairs of the allowed collision matrix that are true
 	std::vector<std::string> default_allowed;        ///< names allowed with everything (default_entry_values)
-	std::map<std::string, std::pair<std::string, lw_transform>> fixed_frames; ///< child frame -> (parent frame, pose)
+	std::vector<std::string> matrix_names; ///< names of the matrix: it decides on every pair of them, defaults on the others
+	/// child_frame_id -> (header.frame_id, transform). With the planning frame as child this is MoveIt's own spelling: it
+	/// places the header's frame in the planning frame. Otherwise, as in tf: it places the child in the header's frame.
+	std::multimap<std::string, std::pair<std::string, lw_transform>> fixed_frames;
 	LoadReport report;
 };
 

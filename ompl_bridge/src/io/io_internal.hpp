@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the readers share: text and numbers, package paths, mesh files, shapes built once per file and scale.
+#pragma once
+
+#include "leeway/io/model.hpp"
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+namespace leeway::io::detail
+{
+
+/// A quaternion whose length differs from 1 by more than this is worth a notice: 0.707 written for sqrt(1/2) gives 1.5e-4
+/// and turns nothing once normalised; more than 1e-3 is no rounding of a writer.
+constexpr double quaternion_notice_threshold = 1e-3;
+
+/// The whole file. @throws Error if it is missing, a folder or unreadable
+std::string readFile( const std::string& file );
+
+/// A decimal number that is the whole of `text` (blanks around it aside), in any locale; "nan" and "inf" are numbers here,
+/// so that a caller can tell "not a number at all" from "not finite".
+std::optional<double> parseNumber( std::string_view text );
+
+std::vector<std::string> splitBlanks( std::string_view text );
+
+/// "a, b, c"; at most `limit` of them, then "... (12 in all)".
+std::string joinNames( const std::vector<std::string>& names, std::size_t limit = 20 );
+
+/// Resolves a mesh URI named in `from_file`: package://, file://, absolute, or relative to the folder of `from_file`.
+/// @param tried every path that was looked at, in order
+/// @return the first that is a file; empty if none is
+std::string resolveUri( const std::string& uri, const std::string& from_file, const LoadOptions& options,
+	std::vector<std::string>& tried );
+
+/// Triangles of a mesh file, all nodes' transforms applied; nothing merged or removed.
+struct TriangleSoup
+{
+	std::vector<double> vertices;       ///< x, y, z, ...
+	std::vector<std::uint32_t> indices; ///< three per triangle
+	std::size_t dropped_faces = 0;      ///< points and lines: they have no surface
+};
+
+/// @param element what names the file, for errors
+/// @throws Error with `from_file` and `element` if the file cannot be read as a mesh
+TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from_file, const std::string& element );
+
+/// Builds core shapes during one load; a mesh file used several times at one scale becomes one shape.
+class ShapeLoader
+{
+public:
+	ShapeLoader( const LoadOptions& options, LoadReport& report ) : m_options( options ), m_report( report ) {}
+
+	/// Where a shape is asked for: the file, the element for errors, and the link or object that owns it.
+	struct Place
+	{
+		std::string file, element, owner;
+	};
+
+	Shape mesh( const Place& place, const std::string& uri, const std::array<double, 3>& scale );
+	Shape inlineMesh( const Place& place, const TriangleSoup& soup );
+	Shape primitive( const Place& place, lw_shape_type type, const std::array<double, 3>& dimensions );
+
+private:
+	Shape build( const Place& place, const std::string& mesh_file, const TriangleSoup& soup,
+		const std::array<double, 3>& scale );
+
+	using Key = std::tuple<std::string, double, double, double>;
+	const LoadOptions& m_options;
+	LoadReport& m_report;
+	std::map<Key, Shape> m_meshes;
+};
+
+/// URDF without SRDF.
+RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options );
+
+/// Adds groups, allowed pairs, virtual joint and states of an SRDF to a model.
+void readSrdf( const std::string& srdf_file, RobotModel& model );
+
+/// The core's robot for a model with extra bodies: `extra_links` are fixed to a link of the model. @throws Error
+struct ExtraLink
+{
+	std::string name, parent;
+	std::vector<PlacedShape> shapes; ///< poses in the parent link's frame
+};
+Robot createRobot( const RobotModel& model, const std::vector<ExtraLink>& extra_links,
+	const std::vector<std::pair<std::string, std::string>>& allowed );
+
+} // namespace leeway::io::detail

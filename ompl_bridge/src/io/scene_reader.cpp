@@ -1,0 +1,437 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// MoveIt planning scenes in YAML (MotionBenchMaker, robowflex, ROS messages as printed), and URDFs as scenes.
+//
+// Poses compose as in MoveIt: frame * object pose * shape pose. What cannot be used is an error, never left out: an obstacle
+// that silently disappears reads as free space.
+#include "yaml.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <set>
+
+namespace leeway::io
+{
+
+namespace
+{
+
+using detail::ShapeLoader;
+using detail::TriangleSoup;
+using detail::YamlNode;
+
+std::string lower( std::string text )
+{
+	std::transform( text.begin(), text.end(), text.begin(), []( unsigned char c ) { return std::tolower( c ); } );
+	return text;
+}
+
+class SceneReader
+{
+public:
+	SceneReader( const std::string& file, const LoadOptions& options, SceneModel& scene )
+		: m_root( YamlNode::load( file, scene.report.notices ) ), m_shapes( options, scene.report ), m_scene( scene )
+	{
+	}
+	void read();
+
+private:
+	void checkTop() const;
+	void readObjects();
+	SceneObject readObject( const YamlNode& node, bool may_be_empty );
+	void readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, SceneObject& out );
+	PlacedShape readPlaced( const YamlNode& shape, const YamlNode& poses, std::size_t index, const lw_transform& frame_from_object,
+		bool mesh, const std::string& owner );
+	Shape readPrimitive( const YamlNode& node, const std::string& owner );
+	Shape readMesh( const YamlNode& node, const std::string& owner );
+	TriangleSoup readInlineMesh( const YamlNode& node ) const;
+	void readAttached( const YamlNode& state );
+	void readMatrix();
+	void readDefaults( const YamlNode& matrix );
+	void readFixedFrames();
+	void noticePadding() const;
+	ShapeLoader::Place place( const YamlNode& node, const std::string& owner ) const
+	{
+		return { m_scene.file, node.place(), owner };
+	}
+
+	YamlNode m_root;
+	ShapeLoader m_shapes;
+	SceneModel& m_scene;
+	std::set<std::string> m_ids;
+};
+
+void SceneReader::checkTop() const
+{
+	bool is_scene = false;
+	for ( const char* key : { "world", "robot_state", "allowed_collision_matrix", "fixed_frame_transforms" } )
+	{
+		is_scene = is_scene || m_root[key].defined();
+	}
+	if ( !is_scene )
+	{
+		bool request = m_root["goal_constraints"].defined() || m_root["start_state"].defined();
+		throw Error( m_scene.file, "world", request ? "this is a request, not a planning scene" : "there is no world",
+			"give a planning scene with world.collision_objects" );
+	}
+	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms", "allowed_collision_matrix",
+		"link_padding", "link_scale", "object_colors", "world", "is_diff" } );
+	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap" } );
+	YamlNode octomap = m_root["world"]["octomap"];
+	YamlNode data = octomap["octomap"]["data"];
+	if ( octomap.defined() && ( octomap.isList() || octomap.isScalar() ? true : data.defined() && data.size() > 0 ) )
+	{
+		octomap.fail( "octomaps are not supported", "give the obstacles as collision_objects" );
+	}
+}
+
+Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner )
+{
+	node.noticeUnknownKeys( { "type", "dimensions" } );
+	std::string type = lower( node["type"].text() );
+	YamlNode dimensions = node["dimensions"];
+	if ( type == "box" || type == "1" )
+	{
+		std::vector<double> d = dimensions.vector( { "x", "y", "z" } );
+		return m_shapes.primitive( place( node, owner ), LW_SHAPE_BOX, { d[0], d[1], d[2] } );
+	}
+	if ( type == "sphere" || type == "2" )
+	{
+		std::vector<double> d = dimensions.vector( { "radius" } );
+		return m_shapes.primitive( place( node, owner ), LW_SHAPE_SPHERE, { d[0], 0, 0 } );
+	}
+	if ( type == "cylinder" || type == "3" || type == "cone" || type == "4" )
+	{
+		// shape_msgs/SolidPrimitive: height first
+		std::vector<double> d = dimensions.vector( { "height", "radius" } );
+		lw_shape_type shape = type == "cylinder" || type == "3" ? LW_SHAPE_CYLINDER : LW_SHAPE_CONE;
+		return m_shapes.primitive( place( node, owner ), shape, { d[1], d[0], 0 } );
+	}
+	node["type"].fail( fmt::format( "primitive type {} is not supported", type ),
+		"use box (1), sphere (2), cylinder (3) or cone (4)" );
+}
+
+TriangleSoup SceneReader::readInlineMesh( const YamlNode& node ) const
+{
+	TriangleSoup soup;
+	YamlNode vertices = node["vertices"], triangles = node["triangles"];
+	for ( std::size_t i = 0; i < vertices.size(); ++i )
+	{
+		std::vector<double> v = vertices[i].vector( { "x", "y", "z" } );
+		soup.vertices.insert( soup.vertices.end(), v.begin(), v.end() );
+	}
+	double vertex_count = static_cast<double>( vertices.size() );
+	for ( std::size_t i = 0; i < triangles.size(); ++i )
+	{
+		YamlNode triangle = triangles[i];
+		std::vector<double> indices = triangle.isMap() ? triangle["vertex_indices"].numberList() : triangle.numberList();
+		if ( indices.size() != 3 )
+		{
+			triangle.fail( fmt::format( "has {} vertices, not 3", indices.size() ), "write three vertex indices" );
+		}
+		for ( double index : indices )
+		{
+			if ( !( index >= 0 && index < vertex_count ) || index != static_cast<double>( static_cast<std::uint32_t>( index ) ) )
+			{
+				triangle.fail( fmt::format( "there is no vertex {}", index ),
+					fmt::format( "vertices are numbered 0 to {}", vertices.size() - 1 ) );
+			}
+			soup.indices.push_back( static_cast<std::uint32_t>( index ) );
+		}
+	}
+	if ( soup.indices.empty() )
+	{
+		node.fail( "the mesh has no triangles", "give vertices and triangles, or a resource" );
+	}
+	return soup;
+}
+
+Shape SceneReader::readMesh( const YamlNode& node, const std::string& owner )
+{
+	YamlNode resource = node.firstOf( { "resource", "mesh_resource" } );
+	if ( !resource.defined() )
+	{
+		node.noticeUnknownKeys( { "vertices", "triangles" } );
+		return m_shapes.inlineMesh( place( node, owner ), readInlineMesh( node ) );
+	}
+	if ( node["triangles"].size() > 0 )
+	{
+		node.fail( "has both a resource and triangles", "keep one of them" );
+	}
+	node.noticeUnknownKeys( { "resource", "mesh_resource", "scale", "dimensions", "vertices", "triangles" } );
+	std::array<double, 3> scale = { 1, 1, 1 };
+	YamlNode factor = node.firstOf( { "scale", "dimensions" } ); // robowflex calls the scale dimensions
+	if ( factor.isScalar() )
+	{
+		scale.fill( factor.number() );
+	}
+	else if ( factor.defined() )
+	{
+		std::vector<double> s = factor.vector( { "x", "y", "z" } );
+		scale = { s[0], s[1], s[2] };
+	}
+	return m_shapes.mesh( place( node, owner ), resource.text(), scale );
+}
+
+PlacedShape SceneReader::readPlaced( const YamlNode& shape, const YamlNode& poses, std::size_t index,
+	const lw_transform& frame_from_object, bool mesh, const std::string& owner )
+{
+	PlacedShape placed;
+	lw_transform object_from_shape = poses.size() > 0 ? poses[index].pose() : lw_transform_identity();
+	placed.pose = lw_transform_multiply( &frame_from_object, &object_from_shape );
+	placed.shape = mesh ? readMesh( shape, owner ) : readPrimitive( shape, owner );
+	return placed;
+}
+
+void SceneReader::readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, SceneObject& out )
+{
+	YamlNode shapes = object[shapes_key], poses = object[poses_key], object_pose = object["pose"];
+	std::size_t count = shapes.size();
+	// Only an object that has a pose of its own can leave out those of its shapes
+	bool poses_left_out = poses.size() == 0 && object_pose.defined();
+	if ( poses.size() != count && !poses_left_out )
+	{
+		( poses.defined() ? poses : object ).fail( fmt::format( "there are {} {} and {} {}", count, shapes_key, poses.size(), poses_key ),
+			"give one pose for each shape" );
+	}
+	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		out.shapes.push_back(
+			readPlaced( shapes[i], poses, i, frame_from_object, shapes_key[0] == 'm', out.name ) );
+	}
+}
+
+SceneObject SceneReader::readObject( const YamlNode& unnamed, bool may_be_empty )
+{
+	SceneObject object;
+	object.name = unnamed["id"].text();
+	if ( object.name.empty() )
+	{
+		unnamed["id"].fail( "is empty", "give every object a name" );
+	}
+	YamlNode node = unnamed.named( object.name );
+	if ( !m_ids.insert( object.name ).second )
+	{
+		node.fail( "an object of this id was defined before", "rename or remove one of them" );
+	}
+	node.noticeUnknownKeys( { "id", "header", "pose", "type", "primitives", "primitive_poses", "meshes", "mesh_poses", "planes",
+		"plane_poses", "subframe_names", "subframe_poses", "operation" } );
+	std::string operation = lower( node["operation"].textOr( "add" ) );
+	if ( operation != "add" && operation != "0" && operation != "\\0" && operation != std::string( 1, '\0' ) )
+	{
+		node["operation"].fail( fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
+	}
+	if ( node["planes"].size() > 0 )
+	{
+		node["planes"].fail( "planes are not supported", "use a large box" );
+	}
+	if ( node["subframe_names"].size() > 0 )
+	{
+		node["subframe_names"].notice( "subframes are ignored" );
+	}
+	object.frame = node.frame();
+	readShapes( node, "primitives", "primitive_poses", object );
+	readShapes( node, "meshes", "mesh_poses", object );
+	if ( object.shapes.empty() && !may_be_empty )
+	{
+		node.fail( "has no shape", "give it primitives or meshes, or remove it" );
+	}
+	return object;
+}
+
+void SceneReader::readObjects()
+{
+	YamlNode objects = m_root["world"]["collision_objects"];
+	for ( std::size_t i = 0; i < objects.size(); ++i )
+	{
+		m_scene.objects.push_back( readObject( objects[i], false ) );
+	}
+}
+
+void SceneReader::readAttached( const YamlNode& state )
+{
+	YamlNode list = state["attached_collision_objects"];
+	for ( std::size_t i = 0; i < list.size(); ++i )
+	{
+		YamlNode node = list[i];
+		node.noticeUnknownKeys( { "link_name", "object", "touch_links", "detach_posture", "weight" } );
+		AttachedObject attached;
+		attached.link = node["link_name"].text();
+		attached.touch_links = node["touch_links"].textList();
+		// An id of the world without shapes of its own: that object is picked up where it is, as MoveIt does
+		std::string id = node["object"]["id"].text();
+		auto in_world = std::find_if( m_scene.objects.begin(), m_scene.objects.end(),
+			[&]( const SceneObject& object ) { return object.name == id; } );
+		bool bare = node["object"]["primitives"].size() == 0 && node["object"]["meshes"].size() == 0;
+		if ( in_world != m_scene.objects.end() && bare )
+		{
+			attached.object = *in_world;
+			if ( attached.object.frame.empty() )
+			{
+				attached.object.frame = "/"; // empty would mean the link's frame here
+			}
+			m_scene.objects.erase( in_world );
+		}
+		else
+		{
+			attached.object = readObject( node["object"], false );
+		}
+		m_scene.attached.push_back( attached );
+	}
+}
+
+void SceneReader::readDefaults( const YamlNode& matrix )
+{
+	YamlNode names = matrix["default_entry_names"], values = matrix["default_entry_values"];
+	if ( names.size() != values.size() )
+	{
+		matrix.fail( fmt::format( "has {} default_entry_names and {} default_entry_values", names.size(), values.size() ),
+			"give one value for each name" );
+	}
+	for ( std::size_t i = 0; i < names.size(); ++i )
+	{
+		if ( values[i].boolean() )
+		{
+			m_scene.default_allowed.push_back( names[i].text() );
+		}
+	}
+}
+
+void SceneReader::readMatrix()
+{
+	YamlNode matrix = m_root["allowed_collision_matrix"];
+	matrix.noticeUnknownKeys( { "entry_names", "entry_values", "default_entry_names", "default_entry_values" } );
+	m_scene.matrix_names = matrix["entry_names"].textList();
+	const std::vector<std::string>& names = m_scene.matrix_names;
+	YamlNode rows = matrix["entry_values"];
+	if ( rows.size() != names.size() )
+	{
+		matrix.fail( fmt::format( "has {} entry_names and {} rows of entry_values", names.size(), rows.size() ),
+			"give one row for each name" );
+	}
+	std::vector<std::vector<bool>> values;
+	for ( std::size_t i = 0; i < rows.size(); ++i )
+	{
+		YamlNode row = rows[i].isMap() ? rows[i]["enabled"] : rows[i];
+		if ( row.size() != names.size() )
+		{
+			row.fail( fmt::format( "has {} values for {} names", row.size(), names.size() ), "give one value for each name" );
+		}
+		values.emplace_back();
+		for ( std::size_t k = 0; k < row.size(); ++k )
+		{
+			values.back().push_back( row[k].boolean() );
+		}
+	}
+	for ( std::size_t i = 0; i < names.size(); ++i )
+	{
+		for ( std::size_t k = i + 1; k < names.size(); ++k )
+		{
+			if ( values[i][k] != values[k][i] )
+			{
+				rows.notice( fmt::format( "the matrix is not symmetric for {} and {}: not allowed", names[i], names[k] ) );
+			}
+			else if ( values[i][k] )
+			{
+				m_scene.allowed.emplace_back( names[i], names[k] );
+			}
+		}
+	}
+	readDefaults( matrix );
+}
+
+void SceneReader::readFixedFrames()
+{
+	YamlNode frames = m_root["fixed_frame_transforms"];
+	for ( std::size_t i = 0; i < frames.size(); ++i )
+	{
+		YamlNode frame = frames[i];
+		std::string child = frame["child_frame_id"].text();
+		child = !child.empty() && child[0] == '/' ? child.substr( 1 ) : child;
+		m_scene.fixed_frames.emplace( child, std::pair( frame.frame(), frame["transform"].pose() ) );
+	}
+}
+
+/// Padding would make every distance smaller; leaving it out must be said.
+void SceneReader::noticePadding() const
+{
+	for ( auto [key, neutral] : { std::pair( "link_padding", 0.0 ), std::pair( "link_scale", 1.0 ) } )
+	{
+		YamlNode list = m_root[key];
+		for ( std::size_t i = 0; i < list.size(); ++i )
+		{
+			YamlNode value = list[i].firstOf( { "padding", "scale" } );
+			if ( value.defined() && value.number() != neutral )
+			{
+				list[i].notice( fmt::format( "{} {} of link {} is ignored: use a margin", key, value.number(),
+					list[i]["link_name"].textOr( "?" ) ) );
+			}
+		}
+	}
+}
+
+void SceneReader::read()
+{
+	checkTop();
+	m_scene.name = m_root["name"].textOr( "" );
+	readObjects();
+	YamlNode state = m_root["robot_state"];
+	state.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
+	m_scene.state = detail::readJointState( state );
+	readAttached( state );
+	readMatrix();
+	readFixedFrames();
+	noticePadding();
+}
+
+/// A URDF as a scene: each link with geometry becomes an object, where it is with all joints at zero.
+void readUrdfScene( const std::string& file, const LoadOptions& options, SceneModel& scene )
+{
+	RobotModel model = detail::readUrdf( file, options );
+	scene.name = model.name;
+	scene.report = model.report;
+	Robot robot = detail::createRobot( model, {}, {} );
+	std::vector<double> q( lw_robot_variable_count( robot.get() ), 0.0 );
+	for ( std::uint32_t i = 0; i < q.size(); ++i )
+	{
+		// A floating joint at zero is the unit quaternion
+		lw_variable_info info = lw_robot_variable( robot.get(), i );
+		bool floating = lw_robot_joint_type( robot.get(), info.joint ) == LW_JOINT_FLOATING;
+		q[i] = floating && info.component == 6 ? 1.0 : 0.0;
+	}
+	std::vector<lw_transform> world_from_link( lw_robot_link_count( robot.get() ) );
+	require( lw_robot_fk( robot.get(), q.data(), world_from_link.data() ), "lw_robot_fk" );
+	for ( const LinkModel& link : model.links )
+	{
+		SceneObject object;
+		object.name = link.name;
+		const lw_transform& pose = world_from_link[lw_robot_find_link( robot.get(), link.name.c_str() )];
+		for ( const PlacedShape& shape : link.collision )
+		{
+			object.shapes.push_back( { shape.shape, lw_transform_multiply( &pose, &shape.pose ) } );
+		}
+		if ( !object.shapes.empty() )
+		{
+			scene.objects.push_back( std::move( object ) );
+		}
+	}
+}
+
+} // namespace
+
+SceneModel loadScene( const std::string& file, const LoadOptions& options )
+{
+	SceneModel scene;
+	scene.file = file;
+	if ( lower( std::filesystem::path( file ).extension().string() ) == ".urdf" )
+	{
+		readUrdfScene( file, options, scene );
+		return scene;
+	}
+	SceneReader reader( file, options, scene );
+	reader.read();
+	return scene;
+}
+
+} // namespace leeway::io

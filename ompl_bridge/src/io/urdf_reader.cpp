@@ -1,0 +1,511 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// URDF: links, collision shapes and joints. urdfdom parses; the same document, checked beside it, keeps what urdfdom loses.
+//
+// urdfdom accepts some files that mean nothing (two joints moving one link, numbers it never looks at), refuses some that
+// mean something (capsules), forgets the order of the file and prints to the console. So the document is checked first, what
+// urdfdom need not see is taken out, and what it prints becomes part of the error or a notice.
+#include "xml.hpp"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <mutex>
+#include <set>
+
+namespace leeway::io
+{
+namespace detail
+{
+
+namespace
+{
+
+using tinyxml2::XMLElement;
+
+/// Collects what urdfdom says instead of printing it. console_bridge has one handler per process, hence the lock.
+class ConsoleCapture : public console_bridge::OutputHandler
+{
+public:
+	ConsoleCapture() : m_lock( mutex() ), m_previous( console_bridge::getOutputHandler() )
+	{
+		console_bridge::useOutputHandler( this );
+	}
+	~ConsoleCapture() override { console_bridge::useOutputHandler( m_previous ); }
+	void log( const std::string& text, console_bridge::LogLevel level, const char*, int ) override
+	{
+		if ( level >= console_bridge::CONSOLE_BRIDGE_LOG_WARN )
+		{
+			lines.push_back( text );
+		}
+	}
+
+	std::vector<std::string> lines;
+
+private:
+	static std::mutex& mutex()
+	{
+		static std::mutex lock;
+		return lock;
+	}
+	std::lock_guard<std::mutex> m_lock;
+	console_bridge::OutputHandler* m_previous;
+};
+
+/// Runs f( element ) for the children of that name.
+template <typename F>
+void forEach( const XMLElement& parent, const char* name, F f )
+{
+	for ( const XMLElement* e = parent.FirstChildElement( name ); e != nullptr; e = e->NextSiblingElement( name ) )
+	{
+		f( *e );
+	}
+}
+
+std::string collisionName( const std::string& link, std::size_t index )
+{
+	return fmt::format( "link {}, collision {}", link, index + 1 );
+}
+
+void checkOrigin( const XmlFile& xml, const XMLElement& parent, const std::string& what )
+{
+	forEach( parent, "origin", [&]( const XMLElement& origin ) {
+		for ( const char* attribute : { "xyz", "rpy", "quat_xyzw" } )
+		{
+			if ( origin.Attribute( attribute ) != nullptr )
+			{
+				xml.numbers( origin, what, attribute, std::strcmp( attribute, "quat_xyzw" ) == 0 ? 4 : 3 );
+			}
+		}
+	} );
+}
+
+/// The <origin> of a joint or collision; quat_xyzw (URDF 1.2) instead of rpy if it is there.
+lw_transform readOrigin( const XmlFile& xml, const XMLElement& parent, const std::string& what,
+	std::vector<Notice>& notices )
+{
+	lw_transform transform = lw_transform_identity();
+	const XMLElement* origin = parent.FirstChildElement( "origin" );
+	if ( origin == nullptr )
+	{
+		return transform;
+	}
+	std::vector<double> zero( 3, 0.0 );
+	std::vector<double> xyz = origin->Attribute( "xyz" ) != nullptr ? xml.numbers( *origin, what, "xyz", 3 ) : zero;
+	if ( origin->Attribute( "quat_xyzw" ) == nullptr )
+	{
+		std::vector<double> rpy = origin->Attribute( "rpy" ) != nullptr ? xml.numbers( *origin, what, "rpy", 3 ) : zero;
+		require( lw_transform_from_rpy( xyz.data(), rpy.data(), &transform ), "lw_transform_from_rpy" );
+		return transform;
+	}
+	std::vector<double> q = xml.numbers( *origin, what, "quat_xyzw", 4 );
+	double norm = std::sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
+	if ( lw_transform_from_quaternion( xyz.data(), q.data(), &transform ) != LW_OK )
+	{
+		xml.fail( *origin, what, "quat_xyzw is the zero quaternion", "write 0 0 0 1 for no rotation" );
+	}
+	if ( std::fabs( norm - 1 ) > quaternion_notice_threshold )
+	{
+		notices.push_back( { xml.path(), xml.place( *origin, what ),
+			fmt::format( "quaternion of length {:.6g} was normalised", norm ) } );
+	}
+	return transform;
+}
+
+void checkGeometry( const XmlFile& xml, const XMLElement& collision, const std::string& what )
+{
+	const XMLElement* geometry = collision.FirstChildElement( "geometry" );
+	const XMLElement* shape = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
+	if ( shape == nullptr )
+	{
+		xml.fail( collision, what, "has no shape", "add <geometry> with a box, sphere, cylinder, capsule or mesh" );
+	}
+	if ( shape->NextSiblingElement() != nullptr )
+	{
+		xml.fail( *geometry, what, "has several shapes in one <geometry>", "write one <collision> for each shape" );
+	}
+	std::string type = shape->Name();
+	if ( type == "box" )
+	{
+		xml.numbers( *shape, what, "size", 3 );
+	}
+	else if ( type == "sphere" )
+	{
+		xml.numbers( *shape, what, "radius", 1 );
+	}
+	else if ( type == "cylinder" || type == "capsule" )
+	{
+		xml.numbers( *shape, what, "radius", 1 );
+		xml.numbers( *shape, what, "length", 1 );
+	}
+	else if ( type == "mesh" )
+	{
+		xml.text( *shape, what, "filename" );
+		if ( shape->Attribute( "scale" ) != nullptr )
+		{
+			xml.numbers( *shape, what, "scale", 3 );
+		}
+	}
+	else
+	{
+		xml.fail( *shape, what, fmt::format( "shape <{}> is not supported", type ),
+			"use a box, sphere, cylinder, capsule or mesh" );
+	}
+	checkOrigin( xml, collision, what );
+}
+
+/// LoadOptions::use_visual: where there is no collision element, visual elements become collision elements.
+void useVisual( XmlFile& xml, std::vector<Notice>& notices )
+{
+	XMLElement* link = xml.document().RootElement()->FirstChildElement( "link" );
+	for ( ; link != nullptr; link = link->NextSiblingElement( "link" ) )
+	{
+		if ( link->FirstChildElement( "collision" ) != nullptr || link->FirstChildElement( "visual" ) == nullptr )
+		{
+			continue;
+		}
+		notices.push_back( { xml.path(), xml.place( *link, "link " + xml.text( *link, "link", "name" ) ),
+			"has no collision geometry: its visual geometry is used" } );
+		while ( XMLElement* visual = link->FirstChildElement( "visual" ) )
+		{
+			visual->SetName( "collision" );
+		}
+	}
+}
+
+void checkLinks( const XmlFile& xml, std::set<std::string>& links )
+{
+	forEach( xml.root(), "link", [&]( const XMLElement& link ) {
+		std::string name = xml.text( link, "link", "name" );
+		if ( !links.insert( name ).second )
+		{
+			xml.fail( link, "link " + name, "a link of this name was defined before", "rename or remove one of them" );
+		}
+		std::size_t index = 0;
+		forEach( link, "collision",
+			[&]( const XMLElement& collision ) { checkGeometry( xml, collision, collisionName( name, index++ ) ); } );
+	} );
+	if ( links.empty() )
+	{
+		throw Error( xml.path(), "<robot>", "has no links", "give a URDF with at least one <link>" );
+	}
+}
+
+void checkJoint( const XmlFile& xml, const XMLElement& joint, const std::string& what, const std::set<std::string>& links )
+{
+	std::string type = xml.text( joint, what, "type" );
+	for ( const char* end : { "parent", "child" } )
+	{
+		const XMLElement* e = joint.FirstChildElement( end );
+		if ( e == nullptr )
+		{
+			xml.fail( joint, what, fmt::format( "has no <{}>", end ), fmt::format( "add <{} link=\"...\"/>", end ) );
+		}
+		std::string link = xml.text( *e, what, "link" );
+		if ( links.count( link ) == 0 )
+		{
+			xml.fail( *e, what, fmt::format( "{} link {} is not defined", end, link ), "define the link or correct its name" );
+		}
+	}
+	checkOrigin( xml, joint, what );
+	bool has_axis = type == "revolute" || type == "continuous" || type == "prismatic" || type == "planar";
+	if ( const XMLElement* axis = joint.FirstChildElement( "axis" ); axis != nullptr && has_axis )
+	{
+		std::vector<double> xyz = xml.numbers( *axis, what, "xyz", 3 );
+		if ( xyz[0] == 0 && xyz[1] == 0 && xyz[2] == 0 )
+		{
+			xml.fail( *axis, what, "the axis is zero", "write a direction such as 0 0 1" );
+		}
+	}
+	const XMLElement* limit = joint.FirstChildElement( "limit" );
+	if ( limit == nullptr && ( type == "revolute" || type == "prismatic" ) )
+	{
+		xml.fail( joint, what, fmt::format( "is {} and has no <limit>", type ),
+			"add <limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>, or make it continuous" );
+	}
+	if ( limit != nullptr )
+	{
+		for ( const char* attribute : { "lower", "upper", "effort", "velocity" } )
+		{
+			if ( limit->Attribute( attribute ) != nullptr )
+			{
+				xml.numbers( *limit, what, attribute, 1 );
+			}
+		}
+	}
+	if ( const XMLElement* mimic = joint.FirstChildElement( "mimic" ) )
+	{
+		xml.text( *mimic, what, "joint" );
+		for ( const char* attribute : { "multiplier", "offset" } )
+		{
+			if ( mimic->Attribute( attribute ) != nullptr )
+			{
+				xml.numbers( *mimic, what, attribute, 1 );
+			}
+		}
+	}
+}
+
+void checkJoints( const XmlFile& xml, const std::set<std::string>& links )
+{
+	std::map<std::string, std::string> moved_by;
+	std::set<std::string> joints;
+	forEach( xml.root(), "joint", [&]( const XMLElement& joint ) {
+		std::string name = xml.text( joint, "joint", "name" );
+		if ( !joints.insert( name ).second )
+		{
+			xml.fail( joint, "joint " + name, "a joint of this name was defined before", "rename or remove one of them" );
+		}
+		checkJoint( xml, joint, "joint " + name, links );
+		std::string child = joint.FirstChildElement( "child" )->Attribute( "link" );
+		auto [other, first] = moved_by.emplace( child, name );
+		if ( !first )
+		{
+			xml.fail( joint, "joint " + name, fmt::format( "link {} is already the child of joint {}", child, other->second ),
+				"a link can be the child of one joint only" );
+		}
+	} );
+	forEach( xml.root(), "joint", [&]( const XMLElement& joint ) {
+		const XMLElement* mimic = joint.FirstChildElement( "mimic" );
+		if ( mimic != nullptr && joints.count( mimic->Attribute( "joint" ) ) == 0 )
+		{
+			xml.fail( *mimic, fmt::format( "joint {}", joint.Attribute( "name" ) ),
+				fmt::format( "mimics joint {}, which is not defined", mimic->Attribute( "joint" ) ), "correct the name" );
+		}
+	} );
+}
+
+/// What urdfdom is given: visual and inertial data of no interest taken out, capsules as cylinders (it knows none).
+std::string textForUrdfdom( const XmlFile& xml )
+{
+	tinyxml2::XMLDocument copy;
+	xml.document().DeepCopy( &copy );
+	XMLElement* robot = copy.RootElement();
+	for ( XMLElement* e = robot->FirstChildElement(); e != nullptr; )
+	{
+		XMLElement* next = e->NextSiblingElement();
+		if ( std::strcmp( e->Name(), "link" ) != 0 && std::strcmp( e->Name(), "joint" ) != 0 )
+		{
+			robot->DeleteChild( e );
+		}
+		e = next;
+	}
+	for ( XMLElement* link = robot->FirstChildElement( "link" ); link != nullptr; link = link->NextSiblingElement( "link" ) )
+	{
+		for ( const char* unused : { "visual", "inertial" } )
+		{
+			while ( XMLElement* e = link->FirstChildElement( unused ) )
+			{
+				link->DeleteChild( e );
+			}
+		}
+		for ( XMLElement* c = link->FirstChildElement( "collision" ); c != nullptr; c = c->NextSiblingElement( "collision" ) )
+		{
+			if ( XMLElement* capsule = c->FirstChildElement( "geometry" )->FirstChildElement( "capsule" ) )
+			{
+				capsule->SetName( "cylinder" );
+			}
+			if ( c->FirstChildElement( "material" ) != nullptr )
+			{
+				c->DeleteChild( c->FirstChildElement( "material" ) );
+			}
+		}
+	}
+	tinyxml2::XMLPrinter printer;
+	copy.Print( &printer );
+	return printer.CStr();
+}
+
+urdf::ModelInterfaceSharedPtr parseByUrdfdom( const XmlFile& xml, std::vector<Notice>& notices )
+{
+	ConsoleCapture console;
+	urdf::ModelInterfaceSharedPtr urdf;
+	try
+	{
+		urdf = urdf::parseURDF( textForUrdfdom( xml ) );
+	}
+	catch ( const std::exception& e )
+	{
+		console.lines.push_back( e.what() );
+	}
+	if ( !urdf )
+	{
+		throw Error( xml.path(), "<robot>",
+			fmt::format( "urdfdom cannot read it: {}", console.lines.empty() ? "no reason given" : joinNames( console.lines, 4 ) ),
+			"correct the element it names" );
+	}
+	for ( const std::string& line : console.lines )
+	{
+		notices.push_back( { xml.path(), "<robot>", "urdfdom says: " + line } );
+	}
+	return urdf;
+}
+
+Shape readShape( const XmlFile& xml, const XMLElement& collision, const std::string& what, const std::string& link,
+	const urdf::Geometry& geometry, ShapeLoader& shapes )
+{
+	ShapeLoader::Place place{ xml.path(), xml.place( collision, what ), link };
+	switch ( geometry.type )
+	{
+		case urdf::Geometry::SPHERE:
+			return shapes.primitive( place, LW_SHAPE_SPHERE, { static_cast<const urdf::Sphere&>( geometry ).radius, 0, 0 } );
+		case urdf::Geometry::BOX:
+		{
+			const urdf::Vector3& dim = static_cast<const urdf::Box&>( geometry ).dim;
+			return shapes.primitive( place, LW_SHAPE_BOX, { dim.x, dim.y, dim.z } );
+		}
+		case urdf::Geometry::CYLINDER:
+		{
+			const urdf::Cylinder& cylinder = static_cast<const urdf::Cylinder&>( geometry );
+			bool capsule = collision.FirstChildElement( "geometry" )->FirstChildElement( "capsule" ) != nullptr;
+			// Both give the length without the caps
+			return shapes.primitive( place, capsule ? LW_SHAPE_CAPSULE : LW_SHAPE_CYLINDER,
+				{ cylinder.radius, cylinder.length, 0 } );
+		}
+		case urdf::Geometry::MESH:
+		{
+			const urdf::Mesh& mesh = static_cast<const urdf::Mesh&>( geometry );
+			return shapes.mesh( place, mesh.filename, { mesh.scale.x, mesh.scale.y, mesh.scale.z } );
+		}
+	}
+	xml.fail( collision, what, "unknown geometry", "use a box, sphere, cylinder, capsule or mesh" );
+}
+
+lw_joint_type jointType( const urdf::Joint& joint )
+{
+	switch ( joint.type )
+	{
+		case urdf::Joint::REVOLUTE:
+			return LW_JOINT_REVOLUTE;
+		case urdf::Joint::CONTINUOUS:
+			return LW_JOINT_CONTINUOUS;
+		case urdf::Joint::PRISMATIC:
+			return LW_JOINT_PRISMATIC;
+		case urdf::Joint::FLOATING:
+			return LW_JOINT_FLOATING;
+		case urdf::Joint::PLANAR:
+			return LW_JOINT_PLANAR;
+		default:
+			return LW_JOINT_FIXED;
+	}
+}
+
+JointModel readJoint( const XmlFile& xml, const XMLElement& element, const urdf::Joint& joint, std::vector<Notice>& notices )
+{
+	std::string what = "joint " + joint.name;
+	JointModel model;
+	model.name = joint.name;
+	model.type = jointType( joint );
+	model.parent = joint.parent_link_name;
+	model.child = joint.child_link_name;
+	model.parent_from_joint = readOrigin( xml, element, what, notices );
+	if ( model.type != LW_JOINT_FIXED && model.type != LW_JOINT_FLOATING )
+	{
+		model.axis[0] = joint.axis.x;
+		model.axis[1] = joint.axis.y;
+		model.axis[2] = joint.axis.z;
+	}
+	if ( joint.limits )
+	{
+		model.velocity = joint.limits->velocity;
+		if ( model.type == LW_JOINT_REVOLUTE || model.type == LW_JOINT_PRISMATIC )
+		{
+			model.lower = joint.limits->lower;
+			model.upper = joint.limits->upper;
+		}
+	}
+	if ( model.lower > model.upper )
+	{
+		xml.fail( element, what, fmt::format( "lower limit {} is above upper limit {}", model.lower, model.upper ),
+			"swap or correct them" );
+	}
+	if ( joint.mimic && model.type != LW_JOINT_FIXED )
+	{
+		model.mimic = joint.mimic->joint_name;
+		model.mimic_multiplier = joint.mimic->multiplier;
+		model.mimic_offset = joint.mimic->offset;
+	}
+	return model;
+}
+
+void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const LoadOptions& options, RobotModel& model )
+{
+	ShapeLoader shapes( options, model.report );
+	bool any = false;
+	forEach( xml.root(), "link", [&]( const XMLElement& element ) {
+		LinkModel link;
+		link.name = element.Attribute( "name" );
+		const std::vector<urdf::CollisionSharedPtr>& collisions = urdf.getLink( link.name )->collision_array;
+		std::size_t index = 0;
+		forEach( element, "collision", [&]( const XMLElement& collision ) {
+			std::string what = collisionName( link.name, index );
+			if ( index >= collisions.size() || !collisions[index]->geometry )
+			{
+				xml.fail( collision, what, "urdfdom did not read it", "check its <geometry>" );
+			}
+			PlacedShape placed;
+			placed.pose = readOrigin( xml, collision, what, model.report.notices );
+			placed.shape = readShape( xml, collision, what, link.name, *collisions[index]->geometry, shapes );
+			link.collision.push_back( std::move( placed ) );
+			++index;
+		} );
+		any = any || !link.collision.empty();
+		if ( link.collision.empty() )
+		{
+			model.report.links_without_geometry.push_back( link.name );
+			if ( element.FirstChildElement( "visual" ) != nullptr )
+			{
+				model.report.notices.push_back( { xml.path(), xml.place( element, "link " + link.name ),
+					"has visual but no collision geometry: nothing is checked for this link" } );
+			}
+		}
+		model.links.push_back( std::move( link ) );
+	} );
+	if ( !any )
+	{
+		throw Error( xml.path(), "<robot>", "no link has collision geometry", "add <collision> elements to its links" );
+	}
+}
+
+} // namespace
+
+RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
+{
+	RobotModel model;
+	XmlFile xml( urdf_file, "URDF" );
+	if ( options.use_visual )
+	{
+		useVisual( xml, model.report.notices );
+	}
+	std::set<std::string> links;
+	checkLinks( xml, links );
+	checkJoints( xml, links );
+
+	model.urdf_file = urdf_file;
+	urdf::ModelInterfaceSharedPtr urdf = parseByUrdfdom( xml, model.report.notices );
+	model.name = urdf->getName();
+	model.root_link = urdf->getRoot()->name;
+	model.planning_frame = model.root_link;
+	forEach( xml.root(), "joint", [&]( const XMLElement& element ) {
+		urdf::JointConstSharedPtr joint = urdf->getJoint( element.Attribute( "name" ) );
+		model.joints.push_back( readJoint( xml, element, *joint, model.report.notices ) );
+	} );
+	readLinks( xml, *urdf, options, model );
+	return model;
+}
+
+} // namespace detail
+
+RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
+{
+	RobotModel model = detail::readUrdf( urdf_file, options );
+	if ( !srdf_file.empty() )
+	{
+		detail::readSrdf( srdf_file, model );
+	}
+	return model;
+}
+
+} // namespace leeway::io

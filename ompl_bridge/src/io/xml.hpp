@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// XML with strict numbers and errors that name file, element and line.
+#pragma once
+
+#include "io_internal.hpp"
+
+#include <tinyxml2.h>
+
+namespace leeway::io::detail
+{
+
+/// An XML file whose root is <robot>.
+class XmlFile
+{
+public:
+	/// @param kind "URDF" or "SRDF", for messages. @throws Error
+	XmlFile( const std::string& file, const char* kind );
+
+	const std::string& path() const { return m_path; }
+	const tinyxml2::XMLElement& root() const { return *m_doc.RootElement(); }
+	const tinyxml2::XMLDocument& document() const { return m_doc; }
+	tinyxml2::XMLDocument& document() { return m_doc; }
+
+	/// @param what the element in words, e.g. "link forearm"; the line is added
+	[[noreturn]] void fail( const tinyxml2::XMLElement& at, const std::string& what, const std::string& problem,
+		const std::string& remedy ) const;
+	std::string place( const tinyxml2::XMLElement& at, const std::string& what ) const;
+
+	/// A non-empty attribute. @throws Error
+	std::string text( const tinyxml2::XMLElement& at, const std::string& what, const char* attribute ) const;
+	/// `count` finite numbers in an attribute, separated by blanks (count 0: one or more). @throws Error
+	std::vector<double> numbers( const tinyxml2::XMLElement& at, const std::string& what, const char* attribute,
+		std::size_t count ) const;
+
+private:
+	std::string m_path;
+	tinyxml2::XMLDocument m_doc;
+};
+
+} // namespace leeway::io::detail
