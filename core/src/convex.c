@@ -219,7 +219,7 @@ static void triangles( const lwi_pair* pair, lwi_bounds* bounds )
 	}
 	lwi_tri_result r = lwi_tri_tri( pair->a.vertex, b );
 	double lower = r.distance - ( LWI_TRI_TRI_ERROR + LWI_CONVEX_ROUNDING ) * pair->extent;
-	*bounds = (lwi_bounds){ lower > 0.0 ? lower : 0.0, r.distance, r.point_a, r.point_b, 1 };
+	*bounds = (lwi_bounds){ lower, r.distance, r.point_a, r.point_b, 1 };
 }
 
 static lwi_convex solid_of( const lwi_piece* piece )
@@ -249,8 +249,7 @@ static void point_and_solid( const lwi_pair* pair, lwi_bounds* bounds )
 		bounds->point_b = is_same( p, closest ) ? bounds->point_a : lwi_transform( &pair->place, closest );
 		bounds->upper = lwi_length( bounds->point_b );
 	}
-	double lower = bounds->upper - LWI_CONVEX_ROUNDING * pair->extent;
-	bounds->lower = lower > 0.0 ? lower : 0.0;
+	bounds->lower = bounds->upper - LWI_CONVEX_ROUNDING * pair->extent;
 	bounds->iterations = 1;
 }
 
@@ -267,7 +266,7 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 	pair.place.t[2] = offset.z;
 	pair.extent = pair.a.radius + pair.b.radius + lwi_length( offset );
 
-	lwi_bounds bounds = { 0.0, INFINITY, { 0.0, 0.0, 0.0 }, offset, 0 };
+	lwi_bounds bounds = { -INFINITY, INFINITY, { 0.0, 0.0, 0.0 }, offset, 0 };
 	bool triangle_a = a->type == LWI_CONVEX_TRIANGLE, triangle_b = b->type == LWI_CONVEX_TRIANGLE;
 	if ( triangle_a && triangle_b )
 	{
@@ -286,10 +285,7 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 			lwi_convex_refine( &pair, &simplex, width, stop_above, stop_below, &bounds );
 		}
 	}
-	if ( bounds.lower > bounds.upper ) // both within rounding of the same distance
-	{
-		bounds.lower = bounds.upper;
-	}
-	return (lwi_convex_result){ bounds.lower, bounds.upper, lwi_add( bounds.point_a, origin_a ),
+	// Lower may exceed upper where both are the distance to rounding
+	return (lwi_convex_result){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper, lwi_add( bounds.point_a, origin_a ),
 		lwi_add( bounds.point_b, origin_a ), bounds.iterations };
 }

@@ -31,7 +31,7 @@ typedef struct lwi_simplex
 	double weight[4]; ///< of the closest point to the origin
 } lwi_simplex;
 
-/// What both stages improve: lower is proved, upper is attained by the weighted simplex points.
+/// What both stages improve: lower is proved (and may be below 0), upper is attained by the weighted simplex points.
 typedef struct lwi_bounds
 {
 	double lower, upper;
@@ -69,13 +69,14 @@ static inline lw_vec3 lwi_piece_support( const lwi_piece* piece, lw_vec3 n )
 	return d1 > 0.0 ? ( d2 > d1 ? piece->vertex[2] : piece->vertex[1] ) : d2 > 0.0 ? piece->vertex[2] : piece->vertex[0];
 }
 
-/// True if the bounds are what was asked for. An upper bound within the rounding of the lower one is contact: more digits of
-/// the same input say no more.
+/// True if the bounds are what was asked for. While contact is not excluded (lower <= 0) the full width is not enough: the
+/// search goes on until the bounds differ by not much more than the rounding that lower allows for, or upper is within it.
 static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, double width, double stop_above,
 	double stop_below )
 {
+	double difference = bounds->upper - bounds->lower;
 	return bounds->lower >= stop_above || bounds->upper <= stop_below || bounds->upper <= rounding ||
-		( bounds->lower > 0.0 && bounds->upper - bounds->lower <= width );
+		difference <= 1.5 * rounding || ( bounds->lower > 0.0 && difference <= width );
 }
 
 /// The same iteration in pairs of doubles, from the simplex of the double stage: where bodies nearly touch, the closest

@@ -58,7 +58,7 @@ static bool is_known( const lwi_simplex* s )
 	return false;
 }
 
-static void reduce( lwi_simplex* simplex, vec_dd* w, const nearest_dd* nearest )
+static void reduce( lwi_simplex* simplex, vec_dd* w, nearest_dd* nearest )
 {
 	int kept = 0;
 	for ( int i = 0; i < simplex->count; ++i )
@@ -68,28 +68,34 @@ static void reduce( lwi_simplex* simplex, vec_dd* w, const nearest_dd* nearest )
 			simplex->a[kept] = simplex->a[i];
 			simplex->b[kept] = simplex->b[i];
 			simplex->weight[kept] = nearest->weight[i].hi;
+			nearest->weight[kept] = nearest->weight[i];
 			w[kept++] = w[i];
 		}
 	}
 	simplex->count = kept;
 }
 
-/// The distance is that of the exact weighted points; as doubles they differ from it by rounding.
-static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, double upper, lwi_bounds* bounds )
+/// The weighted points, and the distance of the points that they are before they are rounded to double. v would not do: it
+/// comes from a triangle's normal, which may be wrong; a convex combination of points of the pieces cannot be.
+static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, const vec_dd* w, const nearest_dd* nearest,
+	bool inside, lwi_bounds* bounds )
 {
-	if ( !( upper < bounds->upper ) )
-	{
-		return;
-	}
 	lw_vec3 a = { 0.0, 0.0, 0.0 }, b = { 0.0, 0.0, 0.0 };
+	vec_dd sum = { FROM( 0.0 ), FROM( 0.0 ), FROM( 0.0 ) };
 	for ( int i = 0; i < simplex->count; ++i )
 	{
 		a = lwi_add_scaled( a, simplex->weight[i], simplex->a[i] );
 		b = lwi_add_scaled( b, simplex->weight[i], simplex->b[i] );
+		sum = add_scaled_dd( sum, nearest->weight[i], w[i] );
 	}
-	bounds->upper = upper;
-	bounds->point_a = a;
-	bounds->point_b = upper > 0.0 ? lwi_transform( &pair->place, b ) : a;
+	double upper = sqrt( dot_dd( sum, sum ).hi );
+	bool common = inside && upper <= LWI_CONVEX_ROUNDING * pair->extent;
+	if ( common || upper < bounds->upper )
+	{
+		bounds->upper = common ? 0.0 : upper;
+		bounds->point_a = a;
+		bounds->point_b = common ? a : lwi_transform( &pair->place, b );
+	}
 }
 
 void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width, double stop_above, double stop_below,
@@ -111,8 +117,8 @@ void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width
 		// v to unit length first: its square may underflow
 		double size = fmax( fabs( v.x ), fmax( fabs( v.y ), fabs( v.z ) ) );
 		lw_vec3 n = size > 0.0 ? lwi_scale( 1.0 / size, v ) : v;
-		offer_witness( pair, simplex, inside ? 0.0 : size * lwi_length( n ), bounds );
-		if ( inside || !( size > 1e-290 ) )
+		offer_witness( pair, simplex, w, &nearest, inside, bounds );
+		if ( inside || !( size > 0.0 ) )
 		{
 			return;
 		}

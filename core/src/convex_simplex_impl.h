@@ -45,6 +45,13 @@ static inline NAME( vec ) NAME( add_scaled )( NAME( vec ) a, real s, NAME( vec )
 	return (NAME( vec )){ ADD( a.x, MUL( s, b.x ) ), ADD( a.y, MUL( s, b.y ) ), ADD( a.z, MUL( s, b.z ) ) };
 }
 
+/// Squared distance to about double precision: to compare lengths.
+static inline double NAME( apart )( NAME( vec ) a, NAME( vec ) b )
+{
+	double x = SIGN( SUB( a.x, b.x ) ), y = SIGN( SUB( a.y, b.y ) ), z = SIGN( SUB( a.z, b.z ) );
+	return x * x + y * y + z * z;
+}
+
 static void NAME( offer )( NAME( nearest )* best, NAME( vec ) v, const int* index, const real* weight, int count )
 {
 	real sq = NAME( dot )( v, v );
@@ -90,9 +97,30 @@ static void NAME( segment )( const NAME( vec )* w, int i, int j, NAME( nearest )
 	}
 }
 
+/// Turns the triangle so that i is opposite its longest edge. The cross product of the two shorter edges loses least: with two
+/// long edges of a needle it would cancel by the ratio of its sides.
+static inline void NAME( turn )( const NAME( vec )* w, int* i, int* j, int* k )
+{
+	double ij = NAME( apart )( w[*i], w[*j] ), jk = NAME( apart )( w[*j], w[*k] ), ki = NAME( apart )( w[*k], w[*i] );
+	int first = *i;
+	if ( ki > jk && ki >= ij )
+	{
+		*i = *j;
+		*j = *k;
+		*k = first;
+	}
+	else if ( ij > jk )
+	{
+		*i = *k;
+		*k = *j;
+		*j = first;
+	}
+}
+
 /// The nearest point is inside, or on an edge whose opposite vertex has a negative weight.
 static void NAME( triangle )( const NAME( vec )* w, int i, int j, int k, NAME( nearest )* best )
 {
+	NAME( turn )( w, &i, &j, &k );
 	NAME( vec ) e = NAME( sub )( w[j], w[i] );
 	NAME( vec ) f = NAME( sub )( w[k], w[i] );
 	NAME( vec ) n = NAME( cross )( e, f );
@@ -115,18 +143,43 @@ static void NAME( triangle )( const NAME( vec )* w, int i, int j, int k, NAME( n
 			return;
 		}
 	}
-	if ( degenerate || SIGN( wi ) < 0.0 )
+	if ( degenerate || !( SIGN( wi ) >= 0.0 ) )
 	{
 		NAME( segment )( w, j, k, best );
 	}
-	if ( degenerate || SIGN( wj ) < 0.0 )
+	if ( degenerate || !( SIGN( wj ) >= 0.0 ) )
 	{
 		NAME( segment )( w, i, k, best );
 	}
-	if ( degenerate || SIGN( wk ) < 0.0 )
+	if ( degenerate || !( SIGN( wk ) >= 0.0 ) )
 	{
 		NAME( segment )( w, i, j, best );
 	}
+}
+
+/// Six times the volume, positive if vertex 0 is on the side of face 1 2 3 that its normal points to; from the vertex with
+/// the shortest edges, for the same reason as above.
+static real NAME( volume )( const NAME( vec )* w, const int faces[4][3] )
+{
+	int pivot = 0;
+	double shortest = INFINITY;
+	for ( int i = 0; i < 4; ++i )
+	{
+		double sum = 0.0;
+		for ( int j = 0; j < 3; ++j )
+		{
+			sum += NAME( apart )( w[i], w[faces[i][j]] );
+		}
+		if ( sum < shortest )
+		{
+			shortest = sum;
+			pivot = i;
+		}
+	}
+	const int* f = faces[pivot];
+	NAME( vec ) n = NAME( cross )( NAME( sub )( w[f[1]], w[pivot] ), NAME( sub )( w[f[2]], w[pivot] ) );
+	real v = NAME( dot )( NAME( sub )( w[f[0]], w[pivot] ), n );
+	return pivot % 2 == 0 ? SUB( FROM( 0.0 ), v ) : v;
 }
 
 /// Weight of vertex `apex` = height of the origin over the opposite face by the height of the apex. Faces that do not have the
@@ -137,15 +190,18 @@ static bool NAME( tetrahedron )( const NAME( vec )* w, NAME( nearest )* best )
 	real weight[4];
 	bool outside[4];
 	bool inside = true;
+	// Heights times the face's area are the volume for each apex, with alternating sign
+	real height = NAME( volume )( w, faces );
 	for ( int apex = 0; apex < 4; ++apex )
 	{
-		NAME( vec ) p = w[faces[apex][0]];
-		NAME( vec ) n = NAME( cross )( NAME( sub )( w[faces[apex][1]], p ), NAME( sub )( w[faces[apex][2]], p ) );
-		real height = NAME( dot )( NAME( sub )( w[apex], p ), n );
-		real origin = SUB( FROM( 0.0 ), NAME( dot )( p, n ) );
-		outside[apex] = SIGN( height ) == 0.0 || SIGN( origin ) * SIGN( height ) < 0.0;
+		int i = faces[apex][0], j = faces[apex][1], k = faces[apex][2];
+		NAME( turn )( w, &i, &j, &k );
+		NAME( vec ) n = NAME( cross )( NAME( sub )( w[j], w[i] ), NAME( sub )( w[k], w[i] ) );
+		real origin = SUB( FROM( 0.0 ), NAME( dot )( w[i], n ) );
+		outside[apex] = !( SIGN( height ) > 0.0 ? SIGN( origin ) >= 0.0 : SIGN( height ) < 0.0 && SIGN( origin ) <= 0.0 );
 		weight[apex] = outside[apex] ? FROM( 0.0 ) : DIV( origin, height );
 		inside = inside && !outside[apex];
+		height = SUB( FROM( 0.0 ), height );
 	}
 	if ( inside )
 	{

@@ -11,6 +11,8 @@
 // longest edge and the height upon it (not by two edges, which are nearly parallel in a sliver).
 #include "tri_tri.h"
 
+#include "math_inline.h"
+
 /// Coordinates beyond these are scaled by a power of two first, so that products of four lengths neither overflow nor
 /// vanish: 2^-100 to 2^100 metres.
 #define LARGEST 1.2676506002282294e30

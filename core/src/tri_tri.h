@@ -3,12 +3,14 @@
 #ifndef LEEWAY_TRI_TRI_H
 #define LEEWAY_TRI_TRI_H
 
-#include "math_inline.h"
+#include "leeway/math.h"
+
+#include <float.h>
 
 /// Error of lwi_tri_tri() relative to the extent of its input: |distance - exact| <= LWI_TRI_TRI_ERROR * extent, where
 /// extent is the largest |coordinate difference| between any two of the six vertices. Derived in
 /// core/docs/convex_distance.md; the test suite measures the worst error seen and asserts that it stays below.
-#define LWI_TRI_TRI_ERROR ( 64.0 * LWI_U64 )
+#define LWI_TRI_TRI_ERROR ( 64.0 * ( DBL_EPSILON / 2 ) )
 
 typedef struct lwi_tri_result
 {
