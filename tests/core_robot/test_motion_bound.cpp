@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Motion bounds hunted for counterexamples: path lengths of body points along random edges of random robots.
+#include "random_robot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+// The internal interface, declared here because its headers are C only.
+extern "C"
+{
+	struct lwi_motion_table;
+	lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_variables, const double* reference,
+		const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table );
+	void lwi_motion_table_destroy( lwi_motion_table* table );
+	size_t lwi_motion_scratch_size( const lwi_motion_table* table );
+	bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+	double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body );
+}
+
+namespace
+{
+
+struct Motion
+{
+	lwi_motion_table* table = nullptr;
+	std::vector<double> memory;
+	void* scratch = nullptr;
+
+	explicit Motion( const lw_robot* robot, const bool* fixed = nullptr, const double* reference = nullptr )
+	{
+		EXPECT_EQ( lwi_motion_table_create( robot, fixed, reference, nullptr, nullptr, &table ), LW_OK );
+		memory.resize( lwi_motion_scratch_size( table ) / sizeof( double ) + 16 );
+		std::size_t address = reinterpret_cast<std::size_t>( memory.data() );
+		scratch = reinterpret_cast<void*>( ( address + 63 ) / 64 * 64 );
+	}
+	Motion( const Motion& ) = delete;
+	Motion& operator=( const Motion& ) = delete;
+	~Motion() { lwi_motion_table_destroy( table ); }
+};
+
+lw_vec3 position( const lw_transform& ancestorPose, bool inWorld, const lw_transform& pose, const lw_body_def& body, lw_vec3 p )
+{
+	lw_vec3 world = lw_transform_point( &pose, lw_transform_point( &body.link_from_shape, p ) );
+	if ( inWorld )
+	{
+		return world;
+	}
+	lw_transform inverse = lw_transform_inverse( &ancestorPose );
+	return lw_transform_point( &inverse, world );
+}
+
+double distance( lw_vec3 a, lw_vec3 b )
+{
+	return std::sqrt( ( a.x - b.x ) * ( a.x - b.x ) + ( a.y - b.y ) * ( a.y - b.y ) + ( a.z - b.z ) * ( a.z - b.z ) );
+}
+
+std::uint32_t randomAncestor( SeededRng& rng, const lw_robot* robot, std::uint32_t link )
+{
+	std::vector<std::uint32_t> chain = { LW_INVALID_INDEX, link };
+	for ( std::uint32_t j = lw_robot_link_joint( robot, link ); j != LW_INVALID_INDEX; j = lw_robot_link_joint( robot, link ) )
+	{
+		link = lw_robot_joint_parent( robot, j );
+		chain.push_back( link );
+	}
+	return chain[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( chain.size() ) - 1 ) )];
+}
+
+/// Longest polyline through `steps` + 1 states of any point of the body; the true path is at least as long. Also checks
+/// that no step is longer than its share of the bound.
+double longestPath( const RobotModel& model, const std::vector<std::vector<lw_transform>>& poses, std::uint32_t body,
+	std::uint32_t ancestor, double bound, double slack )
+{
+	double longest = 0;
+	const lw_body_def& def = model.bodies[body];
+	std::size_t steps = poses.size() - 1;
+	for ( lw_vec3 p : model.bodyPoints[body] )
+	{
+		double path = 0;
+		for ( std::size_t i = 0; i < steps; ++i )
+		{
+			bool inWorld = ancestor == LW_INVALID_INDEX;
+			lw_vec3 from = position( poses[i][inWorld ? 0 : ancestor], inWorld, poses[i][def.link], def, p );
+			lw_vec3 to = position( poses[i + 1][inWorld ? 0 : ancestor], inWorld, poses[i + 1][def.link], def, p );
+			double step = distance( from, to );
+			EXPECT_LE( step, bound / static_cast<double>( steps ) + slack );
+			path += step;
+		}
+		longest = std::max( longest, path );
+	}
+	return longest;
+}
+
+} // namespace
+
+TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
+{
+	SeededRng rng;
+	int worldCases = 0, relativeCases = 0, outside = 0;
+	std::vector<double> shortRatios, longRatios;
+	for ( int i = 0; i < 700; ++i )
+	{
+		RandomRobotOptions options;
+		options.joints = rng.integer( 1, 9 );
+		RobotModel model = randomRobot( rng, options );
+		RobotPtr robot = model.create();
+		ASSERT_NE( robot, nullptr );
+		Motion motion( robot.get() );
+		bool isShort = rng.integer( 0, 1 ) == 1;
+		double excess = rng.integer( 0, 2 ) == 0 ? rng.decade( -1, 1 ) : 0;
+		outside += excess > 0 ? 1 : 0;
+		State a = randomState( rng, robot.get(), excess ), b = randomState( rng, robot.get(), excess );
+		if ( isShort )
+		{
+			lw_robot_interpolate( robot.get(), a.data(), b.data(), rng.decade( -3, -0.7 ), b.data() );
+		}
+		ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
+		const int steps = isShort ? 8 : 40;
+		std::vector<std::vector<lw_transform>> poses;
+		for ( int k = 0; k <= steps; ++k )
+		{
+			State q( a.size() );
+			lw_robot_interpolate( robot.get(), a.data(), b.data(), static_cast<double>( k ) / steps, q.data() );
+			poses.emplace_back( lw_robot_link_count( robot.get() ) );
+			ASSERT_EQ( lw_robot_fk( robot.get(), q.data(), poses.back().data() ), LW_OK );
+		}
+		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
+		{
+			std::uint32_t ancestor = rng.integer( 0, 1 ) ? LW_INVALID_INDEX : randomAncestor( rng, robot.get(), model.bodies[body].link );
+			++( ancestor == LW_INVALID_INDEX ? worldCases : relativeCases );
+			double bound = lwi_motion_bound( motion.table, motion.scratch, body, ancestor );
+			double rounding = lwi_motion_rounding( motion.table, motion.scratch, body );
+			EXPECT_LE( rounding, 1e-10 );
+			double longest = longestPath( model, poses, body, ancestor, bound, 4 * rounding );
+			EXPECT_LE( longest, bound + 4 * steps * rounding );
+			if ( longest > 1e-4 )
+			{
+				( isShort ? shortRatios : longRatios ).push_back( longest / bound );
+			}
+		}
+	}
+	std::sort( shortRatios.begin(), shortRatios.end() );
+	std::sort( longRatios.begin(), longRatios.end() );
+	ASSERT_GE( shortRatios.size(), 500u );
+	ASSERT_GE( longRatios.size(), 500u );
+	double shortMedian = shortRatios[shortRatios.size() / 2], longMedian = longRatios[longRatios.size() / 2];
+	std::printf( "path / bound: short edges median %.3f largest %.6f, long edges median %.3f largest %.6f\n", shortMedian,
+		shortRatios.back(), longMedian, longRatios.back() );
+	EXPECT_GE( shortMedian, 0.5 );
+	EXPECT_GE( longMedian, 0.25 );
+	EXPECT_GE( worldCases, 1000 );
+	EXPECT_GE( relativeCases, 1000 );
+	EXPECT_GE( outside, 100 );
+}
+
+// One revolute joint and a body far from the centre of its sphere: the bound is the arc of the farthest vertex.
+TEST( MotionBound, FirstJointSeesTheVerticesNotTheirSphere )
+{
+	RobotModel model;
+	model.link( "base" );
+	model.joint( "arm", LW_JOINT_REVOLUTE, 0 );
+	double rod[9] = { 0, 0.01, -1, 0, 0.01, 1, 0.01, 0, 0 };
+	std::uint32_t indices[3] = { 0, 1, 2 };
+	lw_mesh_def mesh = lw_mesh_def_default();
+	mesh.vertices = rod;
+	mesh.vertex_count = 3;
+	mesh.indices = indices;
+	mesh.triangle_count = 1;
+	lw_shape* shape = nullptr;
+	ASSERT_EQ( lw_shape_create_mesh( &mesh, nullptr, nullptr, &shape ), LW_OK );
+	model.body( 1, shape, lw_transform_identity() );
+	RobotPtr robot = model.create();
+	Motion motion( robot.get() );
+	State a = { -1 }, b = { 1.5 };
+	ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
+	double bound = lwi_motion_bound( motion.table, motion.scratch, 0, LW_INVALID_INDEX );
+	EXPECT_GE( bound, 2.5 * 0.01 );
+	EXPECT_LE( bound, 2.5 * 0.01 * ( 1 + 1e-9 ) );
+}
+
+TEST( MotionBound, OnlyJointsBelowTheAncestorCount )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 100; ++i )
+	{
+		RobotModel model = randomRobot( rng, {} );
+		RobotPtr robot = model.create();
+		Motion motion( robot.get() );
+		State a = randomState( rng, robot.get() ), b = randomState( rng, robot.get() );
+		ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
+		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
+		{
+			std::uint32_t link = model.bodies[body].link;
+			double last = lwi_motion_bound( motion.table, motion.scratch, body, link );
+			EXPECT_EQ( last, 0 );
+			for ( std::uint32_t j = lw_robot_link_joint( robot.get(), link ); j != LW_INVALID_INDEX;
+				  j = lw_robot_link_joint( robot.get(), link ) )
+			{
+				link = lw_robot_joint_parent( robot.get(), j );
+				double next = lwi_motion_bound( motion.table, motion.scratch, body, link );
+				EXPECT_GE( next, last );
+				last = next;
+			}
+			EXPECT_EQ( last, lwi_motion_bound( motion.table, motion.scratch, body, LW_INVALID_INDEX ) );
+		}
+		// nothing moves: exactly nothing
+		ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), a.data(), motion.scratch ) );
+		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
+		{
+			EXPECT_EQ( lwi_motion_bound( motion.table, motion.scratch, body, LW_INVALID_INDEX ), 0 );
+		}
+	}
+}
+
+// A table that knows which variables stand still gives valid bounds, mostly tighter ones.
+TEST( MotionBound, FixedVariablesKeepTheBoundValid )
+{
+	SeededRng rng;
+	int tighter = 0, looser = 0;
+	for ( int i = 0; i < 200; ++i )
+	{
+		RobotModel model = randomRobot( rng, {} );
+		RobotPtr robot = model.create();
+		std::uint32_t count = lw_robot_variable_count( robot.get() );
+		State reference = randomState( rng, robot.get() ), a = randomState( rng, robot.get() ), b = randomState( rng, robot.get() );
+		std::unique_ptr<bool[]> fixed( new bool[count + 1]() );
+		for ( std::uint32_t j = 0; j < lw_robot_joint_count( robot.get() ); ++j )
+		{
+			bool hold = rng.integer( 0, 1 ) == 1;
+			for ( std::uint32_t k = 0; k < lw_robot_joint_variable_count( robot.get(), j ); ++k )
+			{
+				std::uint32_t v = lw_robot_joint_variable( robot.get(), j ) + k;
+				fixed[v] = hold;
+				a[v] = hold ? reference[v] : a[v];
+				b[v] = hold ? reference[v] : b[v];
+			}
+		}
+		Motion general( robot.get() ), special( robot.get(), fixed.get(), reference.data() );
+		ASSERT_TRUE( lwi_motion_measure( general.table, a.data(), b.data(), general.scratch ) );
+		ASSERT_TRUE( lwi_motion_measure( special.table, a.data(), b.data(), special.scratch ) );
+		std::vector<std::vector<lw_transform>> poses;
+		for ( int k = 0; k <= 20; ++k )
+		{
+			State q( a.size() );
+			lw_robot_interpolate( robot.get(), a.data(), b.data(), k / 20.0, q.data() );
+			poses.emplace_back( lw_robot_link_count( robot.get() ) );
+			ASSERT_EQ( lw_robot_fk( robot.get(), q.data(), poses.back().data() ), LW_OK );
+		}
+		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
+		{
+			std::uint32_t ancestor = randomAncestor( rng, robot.get(), model.bodies[body].link );
+			double loose = lwi_motion_bound( general.table, general.scratch, body, ancestor );
+			double tight = lwi_motion_bound( special.table, special.scratch, body, ancestor );
+			tighter += tight < 0.99 * loose ? 1 : 0;
+			looser += tight > 1.01 * loose ? 1 : 0;
+			EXPECT_LE( longestPath( model, poses, body, ancestor, tight, 1e-11 ), tight + 1e-9 );
+		}
+	}
+	std::printf( "tighter %d, looser %d\n", tighter, looser );
+	EXPECT_GE( tighter, 5 );
+	EXPECT_LE( looser, tighter ); // the rings of the two tables have other centres, so that a few may be looser
+}
+
+TEST( MotionBound, OverflowAndZeroQuaternionAreRefused )
+{
+	SeededRng rng;
+	RobotModel model;
+	model.link( "base" );
+	model.joint( "lift", LW_JOINT_PRISMATIC, 0 );
+	model.joint( "drone", LW_JOINT_FLOATING, 1 );
+	model.body( 2, randomMesh( rng, 2, 0.1, nullptr ), lw_transform_identity() );
+	RobotPtr robot = model.create();
+	Motion motion( robot.get() );
+	State a = { 0, 0, 0, 0, 0, 0, 0, 1 }, b = a;
+	EXPECT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
+	a[0] = -1e308;
+	b[0] = 1e308;
+	EXPECT_FALSE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
+	a[0] = b[0] = 0;
+	b[7] = 0;
+	EXPECT_FALSE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
+}
