@@ -9,6 +9,7 @@
 
 #include "leeway/io/model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>
@@ -49,25 +50,47 @@ struct Subject
 	}
 };
 
-/// The tables' own terms: no allowed contacts with the scene, joints without a column at 0.
+/// The tables' own terms: no allowed contacts with the scene; joints outside of the group as in the first row.
 leeway::Checker makeChecker( const Subject& subject, const std::vector<uint32_t>* variables )
 {
-	std::vector<double> zeros( lw_robot_variable_count( subject.robot.get() ), 0.0 );
 	lw_checker_def def = lw_checker_def_default();
 	def.robot = subject.robot.get();
 	def.scene = subject.scene.get();
 	def.variables = variables != nullptr ? variables->data() : nullptr;
 	def.variable_count = variables != nullptr ? static_cast<uint32_t>( variables->size() ) : 0;
-	def.reference = zeros.data();
+	def.reference = subject.all_states[0].data();
 	lw_checker* checker = nullptr;
 	lw_diag diag;
 	leeway::require( lw_checker_create( &def, nullptr, &diag, &checker ), diag );
 	return leeway::Checker::adopt( checker );
 }
 
-uint32_t variableOf( const lw_robot* robot, const std::string& joint )
+/// Robot states of a table's rows: joints without a column are 0, a virtual joint is at the origin.
+std::vector<std::vector<double>> robotStates( const lw_robot* robot, const groundtruth::Table& table )
 {
-	return lw_robot_joint_variable( robot, lw_robot_find_joint( robot, joint.c_str() ) );
+	std::vector<double> neutral( lw_robot_variable_count( robot ) );
+	lw_robot_default_state( robot, neutral.data() );
+	std::vector<uint32_t> variable;
+	for ( const std::string& joint : table.joints )
+	{
+		variable.push_back( lw_robot_joint_variable( robot, lw_robot_find_joint( robot, joint.c_str() ) ) );
+	}
+	for ( uint32_t i = 0; i < neutral.size(); ++i )
+	{
+		bool has_column = std::find( variable.begin(), variable.end(), i ) != variable.end();
+		bool is_scalar = lw_robot_joint_variable_count( robot, lw_robot_variable( robot, i ).joint ) == 1;
+		EXPECT_TRUE( has_column || !is_scalar || neutral[i] == 0 ) << "variable " << i;
+	}
+	std::vector<std::vector<double>> states;
+	for ( const groundtruth::Row& row : table.rows )
+	{
+		states.push_back( neutral );
+		for ( std::size_t i = 0; i < variable.size(); ++i )
+		{
+			states.back().at( variable[i] ) = row.q[i];
+		}
+	}
+	return states;
 }
 
 std::unique_ptr<Subject> makeSubject( const std::filesystem::path& file )
@@ -83,6 +106,19 @@ std::unique_ptr<Subject> makeSubject( const std::filesystem::path& file )
 	leeway::io::Problem problem = leeway::io::buildProblem( model, options );
 	subject->robot = problem.robot;
 	subject->scene = problem.scene;
+	subject->all_states = robotStates( problem.robot.get(), table );
+	for ( const std::vector<double>& full : subject->all_states )
+	{
+		std::vector<double> state, rest = full;
+		for ( uint32_t variable : problem.variables )
+		{
+			state.push_back( full[variable] );
+			rest[variable] = subject->all_states[0][variable];
+		}
+		// What the group does not move is the same in all rows: one checker serves them all
+		EXPECT_EQ( rest, subject->all_states[0] ) << table.name;
+		subject->group_states.push_back( state );
+	}
 	subject->group = makeChecker( *subject, &problem.variables );
 	subject->all = makeChecker( *subject, nullptr );
 
@@ -97,20 +133,6 @@ std::unique_ptr<Subject> makeSubject( const std::filesystem::path& file )
 		{
 			subject->cylinder[shape.object] = true;
 		}
-	}
-	for ( const groundtruth::Row& row : table.rows )
-	{
-		std::vector<double> full( lw_robot_variable_count( subject->robot.get() ), 0.0 ), state;
-		for ( std::size_t i = 0; i < table.joints.size(); ++i )
-		{
-			full.at( variableOf( subject->robot.get(), table.joints[i] ) ) = row.q[i];
-		}
-		for ( uint32_t variable : problem.variables )
-		{
-			state.push_back( full[variable] );
-		}
-		subject->group_states.push_back( state );
-		subject->all_states.push_back( full );
 	}
 	return subject;
 }
