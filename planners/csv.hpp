@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Comma-separated tables with a header: spaces around cells, CR LF ends, a byte order mark, "quoted" cells, blank lines and
+// lines that start with # are understood.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace leeway::cli
+{
+
+struct CsvRow
+{
+	std::size_t line = 0; ///< in the file, from 1
+	std::vector<std::string> cells;
+};
+
+struct CsvTable
+{
+	std::string file;
+	std::vector<std::string> header;
+	std::vector<CsvRow> rows;
+
+	/// The number in a cell. Only finite decimal numbers are accepted.
+	/// @throws io::Error naming line and column
+	double value( std::size_t row, std::size_t column ) const;
+};
+
+/// @throws io::Error (unreadable, no header, repeated or empty column name, a row with another number of cells)
+CsvTable readCsv( const std::string& file );
+
+/// Cell text, quoted if it must be.
+std::string csvCell( const std::string& text );
+
+} // namespace leeway::cli

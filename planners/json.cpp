@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pieces of the JSON reports.
+#include "json.hpp"
+
+#include <cmath>
+
+namespace leeway::cli
+{
+
+Json jsonNumber( double value )
+{
+	return std::isfinite( value ) ? Json( value ) : Json( nullptr );
+}
+
+Json jsonClearance( const Named& clearance )
+{
+	if ( !clearance.asked )
+	{
+		return nullptr;
+	}
+	Json json;
+	json["lower"] = jsonNumber( clearance.lower );
+	json["upper"] = jsonNumber( clearance.upper );
+	json["pair"] = clearance.first.empty() ? Json( nullptr ) : Json{ clearance.first, clearance.second };
+	if ( clearance.has_points )
+	{
+		const auto point = []( const lw_vec3& p ) { return Json{ p.x, p.y, p.z }; };
+		json["points"] = Json{ point( clearance.point_a ), point( clearance.point_b ) };
+	}
+	return json;
+}
+
+} // namespace leeway::cli

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Options shared by the subcommands, and their domains.
+#include "options.hpp"
+
+#include "leeway/io/model.hpp"
+#include "output.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace leeway::cli
+{
+namespace
+{
+
+[[noreturn]] void wrong( const std::string& option, const std::string& problem, const std::string& remedy )
+{
+	throw io::Error( "command line", option, problem, remedy );
+}
+
+bool given( const CLI::App& app, const std::string& option )
+{
+	const CLI::Option* found = app.get_option_no_throw( option );
+	return found != nullptr && found->count() > 0;
+}
+
+} // namespace
+
+lw_what CommonOptions::what() const
+{
+	return what_name == "env" ? LW_WHAT_ENVIRONMENT : what_name == "self" ? LW_WHAT_SELF : LW_WHAT_BOTH;
+}
+
+void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
+{
+	const std::string model = "Model";
+	CLI::Option* robot = app.add_option( "--robot", options.robot, "robot description" )->type_name( "R.urdf" )->group( model );
+	if ( needs.robot )
+	{
+		robot->required();
+	}
+	app.add_option( "--srdf", options.srdf, "groups and pairs of links that may touch" )->type_name( "S.srdf" )->group( model );
+	app.add_option( "--scene", options.scene, "obstacles: MoveIt planning scene, or a URDF at its zero pose" )
+		->type_name( "Y.yaml|U.urdf" )
+		->group( model );
+	app.add_option( "--group", options.group, "planning group of the SRDF; without it all joints can move" )
+		->type_name( "NAME" )
+		->group( model );
+	if ( needs.request )
+	{
+		app.add_option( "--request", options.request, "its start state gives the joints that nothing else names" )
+			->type_name( "Q.yaml" )
+			->group( model );
+	}
+	app.add_option( "--package-path", options.package_paths,
+		   "where package://NAME/... is found: a folder that contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
+		->type_name( "DIR" )
+		->allow_extra_args( false )
+		->group( model );
+
+	const std::string question = "Question";
+	app.add_option( "--min-d", options.min_d, "safety margin in metres: this close or closer is BLOCKED (default 0)" )
+		->type_name( "M" )
+		->group( question );
+	if ( needs.range )
+	{
+		app.add_option( "--max-d", options.max_d,
+			   "metres; check: nothing beyond it needs a distance (default inf); steps: motion per step (default 0.01)" )
+			->type_name( "M" )
+			->group( question );
+		app.add_option( "--alpha", options.alpha, "relative tolerance of distances, in [0, 1) (default 0: exact)" )
+			->type_name( "A" )
+			->group( question );
+	}
+	app.add_option( "--what", options.what_name, "which clearances count (default both)" )
+		->check( CLI::IsMember( { "env", "self", "both" } ) )
+		->type_name( "env|self|both" )
+		->group( question );
+	app.add_option( "--simd", options.simd_name, "highest instruction set used; answers do not depend on it (default best)" )
+		->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ) )
+		->type_name( "scalar|sse2|avx2|best" )
+		->group( question );
+	app.add_flag( "--verbose", options.verbose, "all notices, and the planner's own messages" );
+}
+
+void addEdgeOptions( CLI::App& app, EdgeOptions& options )
+{
+	const std::string question = "Question";
+	app.add_option( "--validator", options.validator,
+		   "certified: the whole motion is proved; steps: states every --max-d of motion are tested (default certified)" )
+		->check( CLI::IsMember( { "certified", "steps" } ) )
+		->type_name( "certified|steps" )
+		->group( question );
+	app.add_option( "--slack", options.slack,
+		   "metres, certified: clearances up to min-d + slack may be REFUSED; bounds the work near contact (default 0.001)" )
+		->type_name( "M" )
+		->group( question );
+}
+
+void requirePositive( const std::string& option, double value )
+{
+	if ( !( value > 0 ) || !std::isfinite( value ) )
+	{
+		wrong( option, fmt::format( "{} is not a finite number above 0", value ), "give a positive number" );
+	}
+}
+
+void validate( const CLI::App& app, CommonOptions& options )
+{
+	options.min_d_given = given( app, "--min-d" );
+	options.max_d_given = given( app, "--max-d" );
+	if ( !( options.min_d >= 0 ) || !std::isfinite( options.min_d ) )
+	{
+		wrong( "--min-d", fmt::format( "{} is not a finite number of at least 0", options.min_d ), "give metres, 0 or more" );
+	}
+	if ( !( options.max_d > options.min_d ) )
+	{
+		wrong( "--max-d", fmt::format( "{} is not above --min-d {}", options.max_d, options.min_d ),
+			"give metres above the margin, or leave it out" );
+	}
+	if ( !( options.alpha >= 0 && options.alpha < 1 ) )
+	{
+		wrong( "--alpha", fmt::format( "{} is outside of [0, 1)", options.alpha ), "give for instance 0.1 for ten per cent" );
+	}
+	if ( options.srdf.empty() && !options.group.empty() && !options.robot.empty() )
+	{
+		wrong( "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ), "add --srdf FILE" );
+	}
+	const lw_simd wanted = options.simd_name == "scalar" ? LW_SIMD_SCALAR
+		: options.simd_name == "sse2"                    ? LW_SIMD_SSE2
+		: options.simd_name == "avx2"                    ? LW_SIMD_AVX2
+														 : LW_SIMD_BEST;
+	if ( wanted != LW_SIMD_BEST )
+	{
+		if ( lw_simd_available() < wanted )
+		{
+			wrong( "--simd", fmt::format( "this machine or build has no {}", options.simd_name ), "use --simd best" );
+		}
+		// The cap of every query of the process, those of the planner's threads included.
+		setenv( "LW_CPU_MASK", std::to_string( static_cast<int>( wanted ) ).c_str(), 1 );
+	}
+}
+
+void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& common )
+{
+	options.slack_given = given( app, "--slack" );
+	requirePositive( "--slack", options.slack );
+	if ( options.validator == "certified" && common.max_d_given )
+	{
+		wrong( "--max-d", "has no meaning for --validator certified, which proves the whole motion",
+			"leave it out, or add --validator steps" );
+	}
+	if ( options.validator == "steps" )
+	{
+		if ( options.slack_given )
+		{
+			wrong( "--slack", "has no meaning for --validator steps", "leave it out, or use --validator certified" );
+		}
+		requirePositive( "--max-d", stepLength( common ) );
+	}
+}
+
+double stepLength( const CommonOptions& common )
+{
+	return common.max_d_given ? common.max_d : 0.01;
+}
+
+} // namespace leeway::cli

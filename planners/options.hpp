@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command line of every subcommand, as plain structs.
+#pragma once
+
+#include "leeway/checker.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace leeway::cli
+{
+
+/// Exit statuses.
+enum Exit : int
+{
+	exit_yes = 0,   ///< done, and the answer is good
+	exit_no = 1,    ///< done, and the answer is negative
+	exit_error = 2, ///< not done
+};
+
+/// What every subcommand takes.
+struct CommonOptions
+{
+	std::string robot, srdf, scene, group, request;
+	std::vector<std::string> package_paths;
+	double min_d = 0, max_d = std::numeric_limits<double>::infinity(), alpha = 0;
+	bool min_d_given = false, max_d_given = false;
+	std::string what_name = "both", simd_name = "best";
+	bool verbose = false;
+
+	lw_what what() const;
+};
+
+struct EdgeOptions
+{
+	std::string validator = "certified";
+	double slack = 0.001;
+	bool slack_given = false;
+};
+
+struct InfoOptions
+{
+	CommonOptions common;
+	std::string json;
+};
+
+struct CheckOptions
+{
+	CommonOptions common;
+	std::string states, out;
+};
+
+struct EdgeCommandOptions
+{
+	CommonOptions common;
+	EdgeOptions edge;
+	std::string edges, out;
+};
+
+struct PlanOptions
+{
+	CommonOptions common;
+	EdgeOptions edge;
+	std::string planner = "RRTConnect", out, report;
+	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
+	std::uint32_t seed = 1;
+	bool simplify = true;
+	double resolution = 1e-4; ///< metres, of the audit
+	bool list_planners = false;
+};
+
+struct AuditOptions
+{
+	CommonOptions common;
+	std::string path, report, profile;
+	double resolution = 1e-4;
+};
+
+/// Option flags that differ between subcommands.
+struct CommonNeeds
+{
+	bool robot = true;   ///< --robot is required
+	bool range = true;   ///< --max-d and --alpha make sense
+	bool request = true; ///< --request is offered (not where it is required and added by the subcommand)
+};
+
+void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );
+void addEdgeOptions( CLI::App& app, EdgeOptions& options );
+
+/// After parsing: fills the *_given flags, rejects values out of their domain, applies --simd.
+/// @throws io::Error
+void validate( const CLI::App& app, CommonOptions& options );
+void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& common );
+
+/// @throws io::Error unless value is finite and > 0
+void requirePositive( const std::string& option, double value );
+
+/// Motion per step of --validator steps: --max-d, 0.01 m unless given.
+double stepLength( const CommonOptions& common );
+
+int runInfo( const InfoOptions& options );
+int runCheck( const CheckOptions& options );
+int runEdge( const EdgeCommandOptions& options );
+int runPlan( const PlanOptions& options );
+int runAudit( const AuditOptions& options );
+
+} // namespace leeway::cli

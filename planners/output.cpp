@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Notices, progress and all-or-nothing result files.
+#include "output.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace leeway::cli
+{
+namespace
+{
+
+constexpr double progress_after = 1.0;       // seconds: shorter work says nothing
+constexpr double progress_line_every = 4.0;  // seconds between lines where stderr is a file
+constexpr double progress_redraw_every = .2; // seconds between redraws on a terminal
+
+// Temporary files to remove on a signal. A handler may only touch plain static memory, hence fixed slots: the program never
+// has more than a few result files open.
+constexpr int temporary_slots = 8;
+constexpr std::size_t temporary_size = 4096;
+char temporary_names[temporary_slots][temporary_size];
+volatile std::sig_atomic_t temporary_used[temporary_slots];
+
+void onSignal( int number_ )
+{
+	for ( int i = 0; i < temporary_slots; ++i )
+	{
+		if ( temporary_used[i] != 0 )
+		{
+			unlink( temporary_names[i] );
+		}
+	}
+	_exit( 128 + number_ );
+}
+
+void rememberTemporary( const std::string& name )
+{
+	for ( int i = 0; i < temporary_slots; ++i )
+	{
+		if ( temporary_used[i] == 0 && name.size() < temporary_size )
+		{
+			std::memcpy( temporary_names[i], name.c_str(), name.size() + 1 );
+			temporary_used[i] = 1;
+			return;
+		}
+	}
+}
+
+void forgetTemporary( const std::string& name )
+{
+	for ( int i = 0; i < temporary_slots; ++i )
+	{
+		if ( temporary_used[i] != 0 && name == temporary_names[i] )
+		{
+			temporary_used[i] = 0;
+		}
+	}
+}
+
+[[noreturn]] void cannotWrite( const std::string& path, int error )
+{
+	throw io::Error(
+		path, "output file", std::string( "cannot be written: " ) + std::strerror( error ), "name a file in a writable folder" );
+}
+
+bool writeAll( int file, const std::string& text )
+{
+	std::size_t done = 0;
+	while ( done < text.size() )
+	{
+		const ssize_t count = ::write( file, text.data() + done, text.size() - done );
+		if ( count < 0 && errno != EINTR )
+		{
+			return false;
+		}
+		done += count > 0 ? static_cast<std::size_t>( count ) : 0;
+	}
+	return true;
+}
+
+} // namespace
+
+void installSignalHandlers()
+{
+	struct sigaction action = {};
+	action.sa_handler = onSignal;
+	sigemptyset( &action.sa_mask );
+	for ( int which : { SIGINT, SIGTERM, SIGHUP } )
+	{
+		sigaction( which, &action, nullptr );
+	}
+}
+
+double now()
+{
+	return std::chrono::duration<double>( std::chrono::steady_clock::now().time_since_epoch() ).count();
+}
+
+std::string number( double value )
+{
+	return fmt::format( "{}", value );
+}
+
+void Notices::add( const std::string& kind, const std::string& text )
+{
+	m_all.push_back( text );
+	if ( m_counts[kind]++ < m_limit )
+	{
+		fmt::print( stderr, "leeway: notice: {}\n", text );
+	}
+}
+
+void Notices::add( const std::string& kind, const std::vector<io::Notice>& notices )
+{
+	for ( const io::Notice& notice : notices )
+	{
+		std::string text;
+		for ( const std::string& part : { notice.file, notice.element } )
+		{
+			text += part.empty() ? "" : part + ": ";
+		}
+		add( kind, text + notice.text );
+	}
+}
+
+void Notices::flush()
+{
+	for ( auto& [kind, count] : m_counts )
+	{
+		if ( count > m_limit )
+		{
+			fmt::print( stderr, "leeway: notice: {} more about {} (--verbose shows all)\n", count - m_limit, kind );
+			count = m_limit;
+		}
+	}
+}
+
+Progress::Progress( std::string label, std::size_t total ) : m_label( std::move( label ) ), m_total( total )
+{
+	m_thread = std::thread( [this] { run(); } );
+}
+
+Progress::~Progress()
+{
+	{
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		m_stop = true;
+	}
+	m_wake.notify_one();
+	m_thread.join();
+}
+
+void Progress::run()
+{
+	const bool terminal = isatty( STDERR_FILENO ) != 0;
+	const double start = now();
+	double wait = progress_after;
+	bool shown = false;
+	std::unique_lock<std::mutex> lock( m_mutex );
+	while ( !m_wake.wait_for( lock, std::chrono::duration<double>( wait ), [this] { return m_stop; } ) )
+	{
+		const std::size_t done = m_done.load( std::memory_order_relaxed );
+		const std::string steps =
+			m_total == 0 ? "" : fmt::format( " {} of {} ({:.0f} %)", done, m_total, 100.0 * double( done ) / double( m_total ) );
+		fmt::print( stderr, "{}leeway: {} ...{} {:.0f} s{}", terminal ? "\r\x1b[K" : "", m_label, steps, now() - start,
+			terminal ? "" : "\n" );
+		std::fflush( stderr );
+		shown = true;
+		wait = terminal ? progress_redraw_every : progress_line_every;
+	}
+	if ( shown && terminal )
+	{
+		fmt::print( stderr, "\r\x1b[K" );
+	}
+}
+
+OutputFile::OutputFile( std::string path ) : m_path( std::move( path ) )
+{
+	struct stat status;
+	if ( m_path.empty() || m_path == "-" )
+	{
+		m_path.clear();
+		return;
+	}
+	if ( stat( m_path.c_str(), &status ) == 0 && !S_ISREG( status.st_mode ) )
+	{
+		// A device or a pipe is written in place; a folder cannot be written at all.
+		if ( S_ISDIR( status.st_mode ) )
+		{
+			cannotWrite( m_path, EISDIR );
+		}
+		return;
+	}
+	m_temporary = m_path + ".partial-XXXXXX";
+	m_file = mkstemp( m_temporary.data() );
+	if ( m_file < 0 )
+	{
+		m_temporary.clear();
+		cannotWrite( m_path, errno );
+	}
+	rememberTemporary( m_temporary );
+	const mode_t mask = umask( 0 );
+	umask( mask );
+	fchmod( m_file, 0666 & ~mask );
+}
+
+OutputFile::~OutputFile()
+{
+	discard();
+}
+
+void OutputFile::discard()
+{
+	if ( m_file >= 0 )
+	{
+		close( m_file );
+		m_file = -1;
+	}
+	if ( !m_temporary.empty() )
+	{
+		unlink( m_temporary.c_str() );
+		forgetTemporary( m_temporary );
+		m_temporary.clear();
+	}
+}
+
+void OutputFile::commit()
+{
+	if ( m_temporary.empty() )
+	{
+		std::FILE* file = m_path.empty() ? stdout : std::fopen( m_path.c_str(), "w" );
+		if ( file == nullptr || std::fwrite( text.data(), 1, text.size(), file ) != text.size() || std::fflush( file ) != 0 )
+		{
+			cannotWrite( m_path.empty() ? "standard output" : m_path, errno );
+		}
+		if ( file != stdout )
+		{
+			std::fclose( file );
+		}
+		return;
+	}
+	const bool written = writeAll( m_file, text );
+	const int error = errno;
+	const bool closed = close( m_file ) == 0;
+	m_file = -1;
+	if ( !written || !closed )
+	{
+		discard();
+		cannotWrite( m_path, written ? errno : error );
+	}
+	if ( std::rename( m_temporary.c_str(), m_path.c_str() ) != 0 )
+	{
+		const int rename_error = errno;
+		discard();
+		cannotWrite( m_path, rename_error );
+	}
+	forgetTemporary( m_temporary );
+	m_temporary.clear();
+}
+
+} // namespace leeway::cli

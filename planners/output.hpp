@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the program says and leaves: notices, progress, and result files that exist complete or not at all.
+#pragma once
+
+#include "leeway/io/model.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace leeway::cli
+{
+
+/// Notices on stderr. At most `limit` of a kind are printed; the destructor or flush() says how many more there were.
+class Notices
+{
+public:
+	explicit Notices( bool verbose = false ) : m_limit( verbose ? SIZE_MAX : 20 ) {}
+	~Notices() { flush(); }
+	/// @param kind groups notices that are alike, e.g. "joint limits"
+	void add( const std::string& kind, const std::string& text );
+	void add( const std::string& kind, const std::vector<io::Notice>& notices );
+	void flush();
+	/// Everything ever added, in order.
+	const std::vector<std::string>& all() const { return m_all; }
+
+private:
+	std::size_t m_limit;
+	std::map<std::string, std::size_t> m_counts;
+	std::vector<std::string> m_all;
+};
+
+/// "leeway: loading the robot ... 3 s" on stderr, only if the work lasts longer than a second: rewritten in place on a
+/// terminal, a line every few seconds elsewhere. Ends with the object.
+class Progress
+{
+public:
+	/// @param total steps of the work; 0 = unknown, only the time is shown
+	explicit Progress( std::string label, std::size_t total = 0 );
+	~Progress();
+	Progress( const Progress& ) = delete;
+	Progress& operator=( const Progress& ) = delete;
+	void step( std::size_t done ) { m_done.store( done, std::memory_order_relaxed ); }
+
+private:
+	void run();
+	std::string m_label;
+	std::size_t m_total;
+	std::atomic<std::size_t> m_done{ 0 };
+	std::mutex m_mutex;
+	std::condition_variable m_wake;
+	bool m_stop = false;
+	std::thread m_thread;
+};
+
+/// A result file: written beside its target under a temporary name and renamed by commit(), so that no error and no signal
+/// leaves a partial file. With an empty path the text goes to standard output at commit().
+class OutputFile
+{
+public:
+	/// Opens at once, so that an unwritable folder is found before the work, not after.
+	/// @throws io::Error
+	explicit OutputFile( std::string path );
+	~OutputFile();
+	OutputFile( const OutputFile& ) = delete;
+	OutputFile& operator=( const OutputFile& ) = delete;
+	std::string text; ///< what commit() writes
+	/// @throws io::Error
+	void commit();
+	const std::string& path() const { return m_path; }
+
+private:
+	void discard();
+	std::string m_path, m_temporary;
+	int m_file = -1;
+};
+
+/// Removes the temporary files of all open OutputFiles when the program is interrupted or terminated.
+void installSignalHandlers();
+
+/// Shortest text that reads back as the same double; "inf", "-inf", "nan".
+std::string number( double value );
+
+/// Seconds since `start`, both of now().
+double now();
+
+} // namespace leeway::cli

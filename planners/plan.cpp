@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway plan: a request solved with OMPL, simplified, certified again, and audited.
+#include "audit.hpp"
+#include "path_file.hpp"
+#include "planner_registry.hpp"
+
+#include "leeway/ompl/validity.hpp"
+
+#include <ompl/base/goals/GoalState.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/PathSimplifier.h>
+#include <ompl/util/Console.h>
+#include <ompl/util/Exception.h>
+#include <ompl/util/RandomNumbers.h>
+
+#include <fmt/format.h>
+
+#include <mutex>
+
+namespace leeway::cli
+{
+namespace
+{
+
+namespace ob = ::ompl::base;
+namespace og = ::ompl::geometric;
+
+// Simplification ends when a round gains less than this share of the length, or after this many rounds.
+constexpr double simplify_gain = 0.01;
+constexpr int simplify_rounds = 10;
+constexpr unsigned int simplify_attempts = 100; // shortcuts tried per round
+
+using Points = std::vector<std::vector<double>>;
+
+// OMPL's own messages: kept for error texts, shown with --verbose.
+class OmplMessages : public ::ompl::msg::OutputHandler
+{
+public:
+	OmplMessages( Notices& notices, bool verbose ) : m_notices( notices ), m_verbose( verbose )
+	{
+		::ompl::msg::useOutputHandler( this );
+		::ompl::msg::setLogLevel( verbose ? ::ompl::msg::LOG_INFO : ::ompl::msg::LOG_WARN );
+	}
+	~OmplMessages() override { ::ompl::msg::noOutputHandler(); }
+	void log( const std::string& text, ::ompl::msg::LogLevel level, const char*, int ) override
+	{
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		if ( level >= ::ompl::msg::LOG_WARN )
+		{
+			m_last = text;
+		}
+		if ( m_verbose )
+		{
+			m_notices.add( "OMPL", "OMPL: " + text );
+		}
+	}
+	std::string last()
+	{
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		return m_last;
+	}
+
+private:
+	Notices& m_notices;
+	bool m_verbose;
+	std::mutex m_mutex;
+	std::string m_last;
+};
+
+struct Seconds
+{
+	double plan = 0, simplify = 0, certify = 0, audit = 0;
+};
+
+struct Edges
+{
+	std::size_t free = 0, blocked = 0, refused = 0;
+	double lower_bound = 0; // of all clearances along all edges, proved; 0 if not all are FREE
+	bool all() const { return blocked + refused == 0; }
+};
+
+struct Solution
+{
+	bool solved = false, simplified = false;
+	std::string status;
+	Points points;
+	double raw_length = 0;
+	std::size_t raw_states = 0;
+	Edges edges;
+	Seconds seconds;
+	::leeway::ompl::Counters counters;
+};
+
+[[noreturn]] void wrong( const PlanOptions& options, const std::string& element, const std::string& problem, const std::string& remedy )
+{
+	throw io::Error( options.common.request, element, problem, remedy );
+}
+
+// An end of the request must be inside the limits and free, else no planner can help.
+void requireUsable( const PlanOptions& options, const Workbench& bench, const std::string& element, const std::vector<double>& q )
+{
+	const std::vector<std::string> violations = io::limitViolations( bench.problem(), q );
+	if ( !violations.empty() )
+	{
+		std::string all;
+		for ( const std::string& violation : violations )
+		{
+			all += ( all.empty() ? "" : "; " ) + violation;
+		}
+		wrong( options, element, all, "give a state inside the joint limits" );
+	}
+	const lw_what what = options.common.what();
+	const lw_state_result state = measure( bench, q, what, nullptr, options.common.request, element );
+	const double min_d = options.common.min_d;
+	const auto judge = [&]( const char* which, const Named& clearance, const std::string& remedy ) {
+		// A clearance that is not proved to be above the margin is not usable; NaN included.
+		if ( !( clearance.lower > min_d ) )
+		{
+			wrong( options, element,
+				clearance.lower > 0 ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m", which,
+										  clearance.first, clearance.second, clearance.lower, min_d )
+									: fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
+				remedy );
+		}
+	};
+	if ( ( what & LW_WHAT_ENVIRONMENT ) != 0 )
+	{
+		const lw_clearance fixed = lw_checker_get_info( bench.checker() ).static_environment;
+		judge( "environment", nameEnvironment( bench.checker(), fixed ),
+			fmt::format( "group {} cannot move this link: move the object, the robot's base, or a joint outside of the group",
+				bench.problem().group ) );
+		judge( "environment", nameEnvironment( bench.checker(), state.environment ),
+			"move the object, choose another state, or lower --min-d" );
+	}
+	if ( ( what & LW_WHAT_SELF ) != 0 )
+	{
+		judge( "self", nameSelf( bench.checker(), state.self ),
+			"choose another state, lower --min-d, or disable the pair in the SRDF if it may touch" );
+	}
+}
+
+lw_edge_def edgeDef( const PlanOptions& options )
+{
+	lw_edge_def def = lw_edge_def_default();
+	def.method = options.edge.validator == "steps" ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
+	def.what = options.common.what();
+	def.min_d = options.common.min_d;
+	def.slack = options.edge.slack;
+	def.max_d = stepLength( options.common );
+	return def;
+}
+
+// All edges once more, with a query of their own: nothing of the planner's is trusted.
+Edges certify( const Workbench& bench, const Points& points, const lw_edge_def& def )
+{
+	const Query query = makeQuery( bench.checker() );
+	Edges edges;
+	edges.lower_bound = HUGE_VAL;
+	for ( std::size_t k = 0; k + 1 < points.size(); ++k )
+	{
+		lw_edge_result edge;
+		require( lw_checker_edge( bench.checker(), query.get(), points[k].data(), points[k + 1].data(), &def, &edge ), "edge check" );
+		++( edge.verdict == LW_VERDICT_FREE ? edges.free : edge.verdict == LW_VERDICT_BLOCKED ? edges.blocked : edges.refused );
+		edges.lower_bound = std::min( edges.lower_bound, edge.verdict == LW_VERDICT_FREE ? edge.lower_bound : 0.0 );
+	}
+	return edges;
+}
+
+Points pointsOf( const og::PathGeometric& path, const ::leeway::ompl::Engine& engine )
+{
+	Points points;
+	for ( std::size_t i = 0; i < path.getStateCount(); ++i )
+	{
+		points.emplace_back( engine.adapter().size() );
+		engine.adapter().toVector( path.getState( static_cast<unsigned int>( i ) ), points.back().data() );
+	}
+	return points;
+}
+
+double lengthOf( const Workbench& bench, const Points& points )
+{
+	double length = 0;
+	for ( std::size_t k = 0; k + 1 < points.size(); ++k )
+	{
+		length += jointDistance( bench, points[k], points[k + 1] );
+	}
+	return length;
+}
+
+// Shortcuts only: the path stays a chain of straight edges, each judged by the motion validator. Rounds are counted, not
+// timed, so that equal seeds give equal paths.
+void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si )
+{
+	og::PathSimplifier simplifier( si );
+	double length = path.length();
+	for ( int round = 0; round < simplify_rounds && path.getStateCount() > 2; ++round )
+	{
+		simplifier.reduceVertices( path, simplify_attempts, simplify_attempts );
+		simplifier.shortcutPath( path, simplify_attempts, simplify_attempts );
+		simplifier.collapseCloseVertices( path );
+		const double shorter = path.length();
+		if ( length - shorter < simplify_gain * length )
+		{
+			break;
+		}
+		length = shorter;
+	}
+}
+
+class Planning
+{
+public:
+	Planning( const PlanOptions& options, const Workbench& bench, OmplMessages& messages )
+		: m_options( options ), m_bench( bench ), m_messages( messages )
+	{
+		::leeway::ompl::Options judge;
+		judge.min_d = options.common.min_d;
+		judge.alpha = options.common.alpha;
+		judge.max_d = std::max( judge.max_d, 2 * options.common.min_d );
+		judge.slack = options.edge.slack;
+		judge.method = options.edge.validator == "steps" ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
+		judge.step = stepLength( options.common );
+		judge.what = options.common.what();
+		m_space = ::leeway::ompl::makeStateSpace( bench.problem().checker );
+		ensureProjection( m_space );
+		m_si = std::make_shared<ob::SpaceInformation>( m_space );
+		m_engine = ::leeway::ompl::install( m_si, bench.problem().checker, judge );
+		m_si->setup();
+	}
+
+	Solution solve( const std::vector<double>& start, const std::vector<double>& goal, double time )
+	{
+		Solution solution;
+		auto definition = std::make_shared<ob::ProblemDefinition>( m_si );
+		definition->setStartAndGoalStates( state( start ), state( goal ) );
+		const ob::PlannerPtr planner = findPlanner( m_options.planner ).make( m_si );
+		{
+			const Progress progress( fmt::format( "planning with {}", planner->getName() ) );
+			const double begin = now();
+			planner->setProblemDefinition( definition );
+			planner->setup();
+			solution.status = planner->solve( ob::timedPlannerTerminationCondition( time ) ).asString();
+			solution.seconds.plan = now() - begin;
+		}
+		// An approximate solution ends somewhere else: it is none.
+		solution.solved = definition->hasExactSolution();
+		if ( solution.solved )
+		{
+			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
+		}
+		solution.counters = m_engine->counters();
+		return solution;
+	}
+
+private:
+	ob::ScopedState<> state( const std::vector<double>& q ) const
+	{
+		ob::ScopedState<> result( m_space );
+		m_engine->adapter().fromVector( q.data(), result.get() );
+		m_space->enforceBounds( result.get() ); // angles that wrap, to one turn; the others were found inside their limits
+		return result;
+	}
+
+	void finish( og::PathGeometric& path, Solution& solution )
+	{
+		const lw_edge_def def = edgeDef( m_options );
+		solution.points = pointsOf( path, *m_engine );
+		solution.raw_states = solution.points.size();
+		solution.raw_length = lengthOf( m_bench, solution.points );
+		const double begin = now();
+		solution.edges = certify( m_bench, solution.points, def );
+		solution.seconds.certify = now() - begin;
+		if ( !m_options.simplify )
+		{
+			return;
+		}
+		const Progress progress( "simplifying the path" );
+		const double simplify_begin = now();
+		simplify( path, m_si );
+		const Points shorter = pointsOf( path, *m_engine );
+		const Edges edges = certify( m_bench, shorter, def );
+		if ( edges.all() || !solution.edges.all() )
+		{
+			solution.points = shorter;
+			solution.edges = edges;
+			solution.simplified = true;
+		}
+		solution.seconds.simplify = now() - simplify_begin;
+	}
+
+	const PlanOptions& m_options;
+	const Workbench& m_bench;
+	OmplMessages& m_messages;
+	ob::StateSpacePtr m_space;
+	ob::SpaceInformationPtr m_si;
+	std::shared_ptr<const ::leeway::ompl::Engine> m_engine;
+};
+
+PathFile pathFile( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit )
+{
+	PathFile path;
+	path.robot = input.robot.name;
+	path.group = bench.problem().group;
+	path.scene = input.scene ? input.scene->name : "";
+	path.planner = findPlanner( options.planner ).name;
+	path.validator = options.edge.validator;
+	path.seed = options.seed;
+	path.min_d = options.common.min_d;
+	path.slack = options.edge.slack;
+	path.length = audit.length;
+	path.environment = audit.environment.clearance.lower;
+	path.self = audit.self.clearance.lower;
+	const std::vector<double> full = bench.fullState( solution.points.front() );
+	for ( std::size_t i = 0; i < full.size(); ++i )
+	{
+		path.start_state.emplace_back( bench.variableNames()[i], full[i] );
+	}
+	path.joint_names = bench.problem().variable_names;
+	path.points = solution.points;
+	return path;
+}
+
+Json reportJson( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution )
+{
+	Json json;
+	json["request"] = options.common.request;
+	json["robot"] = input.robot.name;
+	json["group"] = bench.problem().group;
+	json["planner"] = findPlanner( options.planner ).name;
+	json["validator"] = options.edge.validator;
+	json["seed"] = options.seed;
+	json["min_d"] = options.common.min_d;
+	json["slack"] = options.edge.slack;
+	json["solved"] = solution.solved;
+	json["status"] = solution.status;
+	json["seconds"] = { { "load_robot", input.robot_seconds }, { "load_scene", input.scene_seconds },
+		{ "build_checker", bench.buildSeconds() }, { "plan", solution.seconds.plan }, { "certify", solution.seconds.certify },
+		{ "simplify", solution.seconds.simplify }, { "audit", solution.seconds.audit } };
+	const ::leeway::ompl::Counters& c = solution.counters;
+	json["checks"] = { { "states", c.states }, { "edges", c.edges }, { "free", c.free }, { "blocked", c.blocked },
+		{ "refused", c.refused }, { "edge_queries", c.edge_queries } };
+	if ( solution.solved )
+	{
+		json["raw"] = { { "states", solution.raw_states }, { "length", solution.raw_length } };
+		json["path"] = { { "states", solution.points.size() }, { "length", lengthOf( bench, solution.points ) },
+			{ "simplified", solution.simplified }, { "edges_free", solution.edges.free },
+			{ "edges_blocked", solution.edges.blocked }, { "edges_refused", solution.edges.refused },
+			{ "proved_clearance", options.edge.validator == "certified" ? jsonNumber( solution.edges.lower_bound ) : Json( nullptr ) } };
+	}
+	return json;
+}
+
+std::string summary( const PlanOptions& options, const Solution& solution )
+{
+	const bool certified = options.edge.validator == "certified";
+	std::string text = fmt::format( "planner     {} (seed {}): {:.3f} s planning, {:.3f} s simplifying; {} states and {} edges checked\n",
+		findPlanner( options.planner ).name, options.seed, solution.seconds.plan, solution.seconds.simplify,
+		solution.counters.states, solution.counters.edges );
+	text += fmt::format( "edges       {} of {} {}", solution.edges.free,
+		solution.edges.free + solution.edges.blocked + solution.edges.refused,
+		certified ? "proved free" : "free at fixed steps (not a proof)" );
+	if ( certified && solution.edges.all() )
+	{
+		text += fmt::format( ", clearance proved to be at least {:.6f} m", solution.edges.lower_bound );
+	}
+	return text + fmt::format( "; before simplification {} states, length {:.6g}\n", solution.raw_states, solution.raw_length );
+}
+
+double timeLimit( const PlanOptions& options, const io::Request& request )
+{
+	return options.time > 0 ? options.time : request.allowed_planning_time > 0 ? request.allowed_planning_time : 60;
+}
+
+Solution solve( const PlanOptions& options, const Workbench& bench, const io::Request& request, Notices& notices )
+{
+	const std::vector<double> start = io::startState( bench.problem() ), goal = io::goalState( bench.problem(), request );
+	requireUsable( options, bench, "start_state", start );
+	requireUsable( options, bench, "goal_constraints", goal );
+	OmplMessages messages( notices, options.common.verbose );
+	try
+	{
+		::ompl::RNG::setSeed( options.seed );
+		return Planning( options, bench, messages ).solve( start, goal, timeLimit( options, request ) );
+	}
+	catch ( const ::ompl::Exception& error )
+	{
+		throw io::Error( options.common.request, "planner " + options.planner, error.what(), "choose another planner" );
+	}
+	catch ( const std::invalid_argument& error )
+	{
+		throw io::Error( options.common.robot, "group " + bench.problem().group, error.what(), "mend the joint's limits" );
+	}
+}
+
+} // namespace
+
+int runPlan( const PlanOptions& options )
+{
+	Notices notices( options.common.verbose );
+	findPlanner( options.planner );
+	OutputFile out( options.out ), report( options.report );
+	const Input input = loadInput( options.common, notices );
+	const std::string group = options.common.group.empty() ? input.request->group : options.common.group;
+	if ( group.empty() && !options.common.srdf.empty() )
+	{
+		wrong( options, "group_name", "is missing", "name the group in the request, or with --group" );
+	}
+	Workbench bench( input, group, {}, notices );
+	for ( const std::string& violation : limitViolations( bench.robot(), bench.variableNames(), bench.problem().reference ) )
+	{
+		notices.add( "joint limits", fmt::format( "{}: start_state: {}", options.common.request, violation ) );
+	}
+	Solution solution = solve( options, bench, *input.request, notices );
+
+	AuditSettings settings;
+	settings.min_d = options.common.min_d;
+	settings.resolution = options.resolution;
+	settings.what = options.common.what();
+	Audit audit;
+	if ( solution.solved )
+	{
+		audit = auditPath( bench, solution.points, settings, options.common.request );
+		auditEnds( bench, *input.request, solution.points, audit );
+		solution.seconds.audit = audit.seconds;
+	}
+	const bool good = solution.solved && audit.valid && solution.edges.all();
+	if ( !options.report.empty() )
+	{
+		Json json = reportJson( options, input, bench, solution );
+		json["audit"] = solution.solved ? toJson( audit, settings ) : Json( nullptr );
+		json["good"] = good;
+		report.text = json.dump( 2 ) + "\n";
+		report.commit();
+	}
+	if ( !solution.solved )
+	{
+		fmt::print( stderr, "leeway: no path found: {} after {:.1f} s ({} states and {} edges checked); try more --time, another --seed "
+							"or --planner, or a smaller --min-d\n",
+			solution.status, solution.seconds.plan, solution.counters.states, solution.counters.edges );
+		return exit_no;
+	}
+	if ( good )
+	{
+		out.text = writePath( pathFile( options, input, bench, solution, audit ) );
+		out.commit();
+	}
+	// The path itself goes to standard output if no file was named; the summary must not mix with it.
+	fmt::print( out.path().empty() ? stderr : stdout, "{}{}", summary( options, solution ),
+		describe( audit, settings, solution.points ) );
+	if ( !good )
+	{
+		fmt::print( stderr, "leeway: the path found does not stand: {}; it is not written\n",
+			audit.valid ? "not all of its edges are free" : "the audit found it not valid" );
+	}
+	return good ? exit_yes : exit_no;
+}
+
+} // namespace leeway::cli

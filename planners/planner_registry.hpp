@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// OMPL's geometric planners by name.
+#pragma once
+
+#include <ompl/base/Planner.h>
+
+#include <string>
+#include <vector>
+
+namespace leeway::cli
+{
+
+struct PlannerEntry
+{
+	const char* name;
+	const char* kind; ///< "tree", "roadmap", "optimising", "threads" ...
+	::ompl::base::PlannerPtr ( *make )( const ::ompl::base::SpaceInformationPtr& );
+};
+
+const std::vector<PlannerEntry>& planners();
+
+/// @param name upper and lower case do not matter
+/// @throws io::Error that lists the names
+const PlannerEntry& findPlanner( const std::string& name );
+
+/// Planners such as KPIECE1 and PDST look at states through a projection. Spaces made of several parts have no default one;
+/// this gives them a linear projection to the plane, the same for every run.
+void ensureProjection( const ::ompl::base::StateSpacePtr& space );
+
+} // namespace leeway::cli

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Loading, the reference state, and checkers that follow joints outside of the group.
+#include "setup.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace leeway::cli
+{
+namespace
+{
+
+std::string problemText( const io::RobotModel& robot )
+{
+	return robot.srdf_file.empty() ? robot.urdf_file : robot.urdf_file + " + " + robot.srdf_file;
+}
+
+} // namespace
+
+Input loadInput( const CommonOptions& options, Notices& notices )
+{
+	io::LoadOptions load;
+	load.package_paths = options.package_paths;
+	Input input;
+	input.robot_file = options.robot;
+	input.scene_file = options.scene;
+	input.request_file = options.request;
+	if ( !options.request.empty() )
+	{
+		input.request = io::loadRequest( options.request );
+		notices.add( "the request", input.request->notices );
+	}
+	{
+		const Progress progress( "reading the robot and building its trees" );
+		const double start = now();
+		input.robot = io::loadRobot( options.robot, options.srdf, load );
+		input.robot_seconds = now() - start;
+	}
+	notices.add( "the robot", input.robot.report.notices );
+	if ( !options.scene.empty() )
+	{
+		const Progress progress( "reading the scene and building its trees" );
+		const double start = now();
+		input.scene = io::loadScene( options.scene, load );
+		input.scene_seconds = now() - start;
+	}
+	if ( input.scene )
+	{
+		notices.add( "the scene", input.scene->report.notices );
+	}
+	return input;
+}
+
+Workbench::Workbench( const Input& input, std::string group, Values values, Notices& notices )
+	: m_input( input ), m_group( std::move( group ) ), m_notices( notices )
+{
+	// Zero where nobody says otherwise: the reader's own default is the limit nearest to zero, or the scene's robot_state.
+	for ( const io::JointModel& joint : input.robot.joints )
+	{
+		const bool single = joint.type == LW_JOINT_REVOLUTE || joint.type == LW_JOINT_CONTINUOUS || joint.type == LW_JOINT_PRISMATIC;
+		const bool in_request = input.request && input.request->start.values.count( joint.name ) != 0;
+		if ( single && joint.mimic.empty() && !in_request )
+		{
+			m_values[joint.name] = 0;
+		}
+	}
+	for ( const auto& [name, value] : values )
+	{
+		m_values[name] = value;
+	}
+	build( m_values );
+}
+
+void Workbench::build( const Values& values )
+{
+	const Progress progress( "building the checker" );
+	const double start = now();
+	io::ProblemOptions options;
+	options.group = m_group;
+	options.scene = m_input.scene ? &*m_input.scene : nullptr;
+	options.request = m_input.request ? &*m_input.request : nullptr;
+	options.overrides.values = values;
+	m_query.reset();
+	try
+	{
+		m_problem = io::buildProblem( m_input.robot, options );
+		m_query = makeQuery( m_problem.checker.get() );
+	}
+	catch ( const CoreError& error )
+	{
+		throw io::Error( problemText( m_input.robot ), m_group.empty() ? "robot" : "group " + m_group, error.what(),
+			"mend the named element of the description" );
+	}
+	m_seconds = now() - start;
+	if ( m_built )
+	{
+		return;
+	}
+	m_built = true;
+	m_notices.add( "the model", m_problem.notices );
+	const std::uint32_t count = lw_robot_variable_count( robot() );
+	m_in_group.assign( count, false );
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		m_names.push_back( io::variableName( robot(), i ) );
+	}
+	for ( std::uint32_t i : m_problem.variables )
+	{
+		m_in_group[i] = true;
+	}
+}
+
+bool Workbench::use( const std::vector<double>& full )
+{
+	bool same = true;
+	for ( std::uint32_t i = 0; i < full.size(); ++i )
+	{
+		same = same && ( m_in_group[i] || full[i] == m_problem.reference[i] );
+	}
+	if ( same )
+	{
+		return false;
+	}
+	Values values = m_values;
+	for ( std::uint32_t i = 0; i < full.size(); ++i )
+	{
+		values[m_names[i]] = full[i];
+	}
+	build( values );
+	return true;
+}
+
+std::vector<double> Workbench::groupState( const std::vector<double>& full ) const
+{
+	std::vector<double> q;
+	for ( std::uint32_t i : m_problem.variables )
+	{
+		q.push_back( full[i] );
+	}
+	return q;
+}
+
+std::vector<double> Workbench::fullState( const std::vector<double>& q ) const
+{
+	std::vector<double> full = m_problem.reference;
+	for ( std::size_t i = 0; i < q.size(); ++i )
+	{
+		full[m_problem.variables[i]] = q[i];
+	}
+	return full;
+}
+
+std::uint32_t Workbench::variable( const std::string& name ) const
+{
+	for ( std::uint32_t i = 0; i < m_names.size(); ++i )
+	{
+		if ( m_names[i] == name )
+		{
+			return i;
+		}
+	}
+	return LW_INVALID_INDEX;
+}
+
+std::vector<std::string> limitViolations(
+	const lw_robot* robot, const std::vector<std::string>& names, const std::vector<double>& full )
+{
+	std::vector<std::string> lines;
+	for ( std::uint32_t i = 0; i < full.size(); ++i )
+	{
+		const lw_variable_info info = lw_robot_variable( robot, i );
+		if ( info.wraps || ( full[i] >= info.lower && full[i] <= info.upper ) )
+		{
+			continue;
+		}
+		const bool below = full[i] < info.lower;
+		lines.push_back( fmt::format( "joint {}: {} is {} its limit {}", names[i], full[i], below ? "below" : "above",
+			below ? info.lower : info.upper ) );
+	}
+	return lines;
+}
+
+namespace
+{
+
+Named named( const lw_clearance& clearance, bool asked )
+{
+	Named result;
+	result.asked = asked;
+	result.lower = clearance.lower;
+	result.upper = clearance.upper;
+	result.has_points = std::isfinite( clearance.upper );
+	result.point_a = clearance.point_a;
+	result.point_b = clearance.point_b;
+	return result;
+}
+
+std::string text( const char* name )
+{
+	return name == nullptr ? "" : name;
+}
+
+} // namespace
+
+Named nameEnvironment( const lw_checker* checker, const lw_clearance& clearance, bool asked )
+{
+	Named result = named( clearance, asked );
+	if ( clearance.a != LW_INVALID_INDEX && clearance.b != LW_INVALID_INDEX && lw_checker_scene( checker ) != nullptr )
+	{
+		result.first = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.a ) );
+		result.second = text( lw_scene_object_name( lw_checker_scene( checker ), clearance.b ) );
+	}
+	return result;
+}
+
+Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool asked )
+{
+	Named result = named( clearance, asked );
+	if ( clearance.a != LW_INVALID_INDEX && clearance.b != LW_INVALID_INDEX )
+	{
+		result.first = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.a ) );
+		result.second = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.b ) );
+	}
+	return result;
+}
+
+lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_what what, const lw_range* range,
+	const std::string& file, const std::string& element )
+{
+	lw_state_result result;
+	const lw_status status = lw_checker_state( bench.checker(), bench.query(), q.data(), what, range, false, &result );
+	if ( status != LW_OK )
+	{
+		throw io::Error( file, element, std::string( "the state cannot be used (" ) + lw_status_name( status ) + ")",
+			"give finite joint values and quaternions that are not zero" );
+	}
+	return result;
+}
+
+} // namespace leeway::cli

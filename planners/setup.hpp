@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From file names to a checker: what all subcommands share.
+#pragma once
+
+#include "leeway/io/model.hpp"
+#include "options.hpp"
+#include "output.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace leeway::cli
+{
+
+/// The files, read.
+struct Input
+{
+	io::RobotModel robot;
+	std::optional<io::SceneModel> scene;
+	std::optional<io::Request> request;
+	double robot_seconds = 0, scene_seconds = 0;
+	std::string robot_file, scene_file, request_file;
+};
+
+/// Reads robot, scene and request, with progress, and passes their notices on.
+/// @throws io::Error
+Input loadInput( const CommonOptions& options, Notices& notices );
+
+/// Values by variable name.
+using Values = std::map<std::string, double>;
+
+/// A checker for one group, rebuilt only when a joint outside of the group moves.
+///
+/// Joints outside of the group stand where `values` puts them, else where the request starts, else at zero. (The
+/// robot_state of a scene is not used for them: a table of states must mean the same in every scene.)
+class Workbench
+{
+public:
+	/// @throws io::Error
+	Workbench( const Input& input, std::string group, Values values, Notices& notices );
+
+	const io::Problem& problem() const { return m_problem; }
+	const lw_robot* robot() const { return m_problem.robot.get(); }
+	const lw_checker* checker() const { return m_problem.checker.get(); }
+	lw_query* query() const { return m_query.get(); }
+	double buildSeconds() const { return m_seconds; }
+
+	/// Makes the checker stand for the variables outside of the group as the full state has them.
+	/// @param full [robot variable_count]
+	/// @return true if it had to be rebuilt
+	bool use( const std::vector<double>& full );
+
+	/// The group's part of a full state.
+	std::vector<double> groupState( const std::vector<double>& full ) const;
+	/// The full state of a group state.
+	std::vector<double> fullState( const std::vector<double>& q ) const;
+	/// Name of every robot variable.
+	const std::vector<std::string>& variableNames() const { return m_names; }
+	/// Index of a robot variable, or LW_INVALID_INDEX.
+	std::uint32_t variable( const std::string& name ) const;
+	/// True if the robot variable is in the group.
+	bool inGroup( std::uint32_t variable ) const { return m_in_group[variable]; }
+
+private:
+	void build( const Values& values );
+	const Input& m_input;
+	std::string m_group;
+	Notices& m_notices;
+	Values m_values;
+	io::Problem m_problem;
+	Query m_query;
+	std::vector<std::string> m_names;
+	std::vector<bool> m_in_group;
+	double m_seconds = 0;
+	bool m_built = false;
+};
+
+/// One line per variable of a full state that is outside its limits: "joint elbow: 2.9 is above its limit 2.6".
+std::vector<std::string> limitViolations( const lw_robot* robot, const std::vector<std::string>& names,
+	const std::vector<double>& full );
+
+/// A clearance with the names of its pair; names are empty where there is no witness.
+struct Named
+{
+	bool asked = true;
+	double lower = 0, upper = 0;
+	std::string first, second;
+	lw_vec3 point_a{}, point_b{};
+	bool has_points = false;
+};
+Named nameEnvironment( const lw_checker* checker, const lw_clearance& clearance, bool asked = true );
+Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool asked = true );
+
+/// Measures one state exactly.
+/// @throws io::Error naming `element` if the state has no meaning (a zero quaternion)
+lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_what what, const lw_range* range,
+	const std::string& file, const std::string& element );
+
+} // namespace leeway::cli

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Robot states from the columns of a table, and the columns of clearances that go out.
+#include "states.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace leeway::cli
+{
+
+const char* const clearance_header = "env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2";
+
+StateColumns::StateColumns( const CsvTable& table, const std::string& prefix, const Workbench& bench,
+	const io::RobotModel& robot, Notices& notices )
+	: m_table( table )
+{
+	for ( std::size_t column = 0; column < table.header.size(); ++column )
+	{
+		const std::string& title = table.header[column];
+		if ( title.rfind( prefix, 0 ) != 0 )
+		{
+			continue;
+		}
+		const std::string name = title.substr( prefix.size() );
+		const std::uint32_t variable = bench.variable( name );
+		if ( variable != LW_INVALID_INDEX )
+		{
+			m_used.emplace_back( column, variable );
+			continue;
+		}
+		std::string why = "is not a joint of the robot";
+		for ( const io::JointModel& joint : robot.joints )
+		{
+			if ( joint.name == name )
+			{
+				why = !joint.mimic.empty() ? "follows joint '" + joint.mimic + "'"
+					: joint.type == LW_JOINT_FIXED
+					? "is a fixed joint"
+					: "has several variables; name them one by one, e.g. '" + name + "/x'";
+			}
+		}
+		notices.add( "unused columns", fmt::format( "{}: column '{}': {}; it is ignored", table.file, title, why ) );
+	}
+}
+
+std::vector<double> StateColumns::full( std::size_t row, const std::vector<double>& base ) const
+{
+	std::vector<double> state = base;
+	for ( const auto& [column, variable] : m_used )
+	{
+		state[variable] = m_table.value( row, column );
+	}
+	return state;
+}
+
+std::string clearanceCells( const Named& environment, const Named& self )
+{
+	std::string cells;
+	for ( const Named* clearance : { &environment, &self } )
+	{
+		cells += cells.empty() ? "" : ",";
+		cells += !clearance->asked ? ",,,"
+								   : fmt::format( "{},{},{},{}", clearance->lower, clearance->upper, csvCell( clearance->first ),
+										 csvCell( clearance->second ) );
+	}
+	return cells;
+}
+
+void noteLimits( Notices& notices, const std::string& file, std::size_t row, const std::vector<std::string>& violations )
+{
+	for ( const std::string& violation : violations )
+	{
+		notices.add( "joint limits", fmt::format( "{}: row {}: {}; it is used as it is", file, row, violation ) );
+	}
+}
+
+std::pair<double, double> medianAndMean( std::vector<double> values )
+{
+	if ( values.empty() )
+	{
+		return { 0, 0 };
+	}
+	const double mean = std::accumulate( values.begin(), values.end(), 0.0 ) / double( values.size() );
+	std::sort( values.begin(), values.end() );
+	const std::size_t middle = values.size() / 2;
+	const double median = values.size() % 2 == 1 ? values[middle] : ( values[middle - 1] + values[middle] ) / 2;
+	return { median, mean };
+}
+
+} // namespace leeway::cli

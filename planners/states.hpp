@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Robot states from the columns of a table.
+#pragma once
+
+#include "csv.hpp"
+#include "setup.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace leeway::cli
+{
+
+/// Which column is which robot variable.
+class StateColumns
+{
+public:
+	/// @param prefix of the columns that are meant, e.g. "from:"; empty = all columns
+	/// @param notices gets a line for every column that is not a variable of the robot
+	StateColumns( const CsvTable& table, const std::string& prefix, const Workbench& bench, const io::RobotModel& robot,
+		Notices& notices );
+
+	/// The full state of a row: its columns over `base`.
+	/// @throws io::Error naming line and column of a cell that is not a finite number
+	std::vector<double> full( std::size_t row, const std::vector<double>& base ) const;
+
+	/// Columns in use: (column, robot variable).
+	const std::vector<std::pair<std::size_t, std::uint32_t>>& used() const { return m_used; }
+
+private:
+	const CsvTable& m_table;
+	std::vector<std::pair<std::size_t, std::uint32_t>> m_used;
+};
+
+/// The columns env_lower ... self_link2 that `check` and `edge` share.
+extern const char* const clearance_header;
+/// Their cells; those of a question that was not asked are empty.
+std::string clearanceCells( const Named& environment, const Named& self );
+
+/// Tells about values outside of joint limits: the first rows, then a count. Nothing is clamped.
+void noteLimits( Notices& notices, const std::string& file, std::size_t row, const std::vector<std::string>& violations );
+
+/// Median and mean of a sample, for a summary line.
+std::pair<double, double> medianAndMean( std::vector<double> values );
+
+} // namespace leeway::cli
