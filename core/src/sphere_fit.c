@@ -105,7 +105,8 @@ static lw_vec3 compact_update( lw_vec3 c, lw_vec3 v, lw_vec3 max )
 lwi_ball lwi_fit_compact( const double* points, size_t count )
 {
 	double d_sq;
-	lw_vec3 v1 = lwi_load( points );
+	// any two vertices may be first; a wide pair (Ritter 1990) leaves the fewest outside
+	lw_vec3 v1 = lwi_load( points + 3 * farthest( points, count, lwi_load( points ), &d_sq ) );
 	lw_vec3 v2 = lwi_load( points + 3 * farthest( points, count, v1, &d_sq ) );
 	lw_vec3 center = lwi_scale( 0.5, lwi_add( v1, v2 ) );
 	double radius_sq = 0.25 * d_sq;

