@@ -1,0 +1,618 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Clearance of ARMAR-III in the cluttered KIT kitchen: leeway against FCL in one run, the same states, interleaved state by
+// state, and leeway against itself with other fits, levels and switches. Exit status 1 if the answers differ.
+//
+// Each contender passes over a set of states several times; the time of a state is the median over the passes. Passes go
+// over the whole set, so that no contender sees the same state twice in a row and profits from what it just found.
+#include "configurations.hpp"
+#include "fcl_peer.hpp"
+#include "provenance.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <set>
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+constexpr double INFINITE = std::numeric_limits<double>::infinity();
+constexpr double AGREEMENT = 1e-6; ///< metres: both are exact, FCL's triangles are leeway's vertices in double
+constexpr double MARGIN = 0.01, ALPHA = 0.3;
+
+struct Settings
+{
+	std::string data = LEEWAY_DATA_DIR, json;
+	std::size_t states = 400;
+	int repetitions = 5;
+	std::uint64_t seed = 20260101;
+	bool quick = false;
+};
+
+/// An answer: an interval for distances, lower = upper = 0 or 1 for questions of yes and no.
+struct Answer
+{
+	double lower = 0, upper = 0;
+};
+
+/// Somebody who answers a question about a state.
+struct Contender
+{
+	std::string name;
+	std::function<Answer( const double* q )> ask;
+};
+
+/// What a contender did on a set: per state its answer (of the first pass) and its time.
+struct Run
+{
+	std::vector<Answer> answers;
+	std::vector<double> microseconds;
+};
+
+double median( std::vector<double> values )
+{
+	if ( values.empty() )
+	{
+		return 0;
+	}
+	const auto middle = values.begin() + static_cast<std::ptrdiff_t>( values.size() / 2 );
+	std::nth_element( values.begin(), middle, values.end() );
+	return *middle;
+}
+
+struct Summary
+{
+	double median = 0, mean = 0, p95 = 0;
+};
+
+Summary summarise( std::vector<double> values )
+{
+	Summary summary;
+	if ( values.empty() )
+	{
+		return summary;
+	}
+	std::sort( values.begin(), values.end() );
+	summary.median = median( values );
+	summary.p95 = values[std::min( values.size() - 1, values.size() * 95 / 100 )];
+	for ( double value : values )
+	{
+		summary.mean += value / static_cast<double>( values.size() );
+	}
+	return summary;
+}
+
+Json toJson( const Summary& summary )
+{
+	return Json{ { "median_us", summary.median }, { "mean_us", summary.mean }, { "p95_us", summary.p95 } };
+}
+
+std::vector<Run> race( const std::vector<Contender>& contenders, const ConfigurationSet& set, int repetitions )
+{
+	using Clock = std::chrono::steady_clock;
+	const std::size_t n = set.states.size();
+	std::vector<std::vector<std::vector<double>>> times( contenders.size(), std::vector<std::vector<double>>( n ) );
+	std::vector<Run> runs( contenders.size() );
+	for ( int pass = 0; pass < repetitions; ++pass )
+	{
+		for ( std::size_t i = 0; i < n; ++i )
+		{
+			for ( std::size_t k = 0; k < contenders.size(); ++k )
+			{
+				// Everybody is first as often: the first one finds the caches as another state left them
+				const std::size_t c = ( k + i + static_cast<std::size_t>( pass ) ) % contenders.size();
+				const Clock::time_point start = Clock::now();
+				const Answer answer = contenders[c].ask( set.states[i].data() );
+				const Clock::time_point end = Clock::now();
+				times[c][i].push_back( std::chrono::duration<double, std::micro>( end - start ).count() );
+				if ( pass == 0 )
+				{
+					runs[c].answers.push_back( answer );
+				}
+			}
+		}
+	}
+	for ( std::size_t c = 0; c < contenders.size(); ++c )
+	{
+		for ( const std::vector<double>& of_state : times[c] )
+		{
+			runs[c].microseconds.push_back( median( of_state ) );
+		}
+	}
+	return runs;
+}
+
+/// A checker with its own query.
+class Leeway
+{
+public:
+	Leeway( const leeway::io::Problem& problem, const lw_query_def& def )
+		: m_problem( problem ), m_query( leeway::makeQuery( problem.checker.get(), def ) )
+	{
+	}
+
+	Answer clearance( const double* q, lw_what what, const lw_range& range )
+	{
+		const lw_state_result result = ask( q, what, range, false );
+		const lw_clearance& c = what == LW_WHAT_SELF ? result.self : result.environment;
+		return { c.lower, c.upper };
+	}
+
+	/// Is any clearance <= min_d? Nothing more precise than that is asked for.
+	Answer violates( const double* q, lw_what what, double min_d )
+	{
+		const lw_state_result result = ask( q, what, { min_d, std::nextafter( min_d, INFINITE ), 0 }, true );
+		const double answer = result.verdict == LW_VERDICT_FREE ? 0 : 1;
+		return { answer, answer };
+	}
+
+private:
+	lw_state_result ask( const double* q, lw_what what, const lw_range& range, bool stop_at_first )
+	{
+		lw_state_result result;
+		leeway::require(
+			lw_checker_state( m_problem.checker.get(), m_query.get(), q, what, &range, stop_at_first, &result ), "a state" );
+		return result;
+	}
+
+	const leeway::io::Problem& m_problem;
+	leeway::Query m_query;
+};
+
+/// How two columns of answers compare.
+struct Agreement
+{
+	double largest_difference = 0;
+	std::size_t disagreements = 0;
+};
+
+/// Distances, or intervals around them: `exact` must be within `got`, widened by the tolerance.
+Agreement compareDistances( const Run& exact, const Run& got )
+{
+	Agreement agreement;
+	for ( std::size_t i = 0; i < exact.answers.size(); ++i )
+	{
+		const double truth = exact.answers[i].upper;
+		const double difference = std::max( { 0.0, got.answers[i].lower - truth, truth - got.answers[i].upper } );
+		agreement.largest_difference = std::max( agreement.largest_difference, difference );
+		agreement.disagreements += !( difference < AGREEMENT );
+	}
+	return agreement;
+}
+
+/// Yes or no: they may only differ where the exact distance is the threshold, to within the tolerance.
+Agreement compareVerdicts( const Run& one, const Run& other, const Run* exact, double threshold )
+{
+	Agreement agreement;
+	for ( std::size_t i = 0; i < one.answers.size(); ++i )
+	{
+		const bool undecidable = exact != nullptr && std::abs( exact->answers[i].upper - threshold ) < AGREEMENT;
+		agreement.disagreements += one.answers[i].upper != other.answers[i].upper && !undecidable;
+	}
+	return agreement;
+}
+
+/// States of a set by what they are.
+struct Class
+{
+	const char* name;
+	bool ( *contains )( double distance );
+};
+
+const Class CLASSES[] = {
+	{ "all", []( double ) { return true; } },
+	{ "free", []( double distance ) { return distance > 0; } },
+	{ "free < 50 mm", []( double distance ) { return distance > 0 && distance < 0.05; } },
+	{ "colliding", []( double distance ) { return distance <= 0; } },
+};
+
+std::vector<double> timesOf( const Run& run, const Run& exact, const Class& of )
+{
+	std::vector<double> times;
+	for ( std::size_t i = 0; i < run.microseconds.size(); ++i )
+	{
+		if ( of.contains( exact.answers[i].upper ) )
+		{
+			times.push_back( run.microseconds[i] );
+		}
+	}
+	return times;
+}
+
+/// One line of the table: FCL against leeway on a class of a set.
+Json printComparison( const char* query, const ConfigurationSet& set, const Class& of, const Run& fcl, const Run& leeway,
+	const Run& exact )
+{
+	const std::vector<double> fcl_times = timesOf( fcl, exact, of ), leeway_times = timesOf( leeway, exact, of );
+	const Summary f = summarise( fcl_times ), l = summarise( leeway_times );
+	if ( fcl_times.empty() )
+	{
+		return nullptr;
+	}
+	std::printf( "%-22s %-10s %-13s %5zu | %8.1f %8.1f %8.1f | %8.1f %8.1f %8.1f | %6.2f %6.2f\n", query, set.name.c_str(),
+		of.name, fcl_times.size(), f.median, f.mean, f.p95, l.median, l.mean, l.p95, f.median / l.median, f.mean / l.mean );
+	std::fflush( stdout );
+	return Json{ { "query", query }, { "set", set.name }, { "class", of.name }, { "states", fcl_times.size() },
+		{ "fcl", toJson( f ) }, { "leeway", toJson( l ) }, { "ratio_of_medians", f.median / l.median },
+		{ "ratio_of_means", f.mean / l.mean } };
+}
+
+class Comparison
+{
+public:
+	Comparison( const Settings& settings, const leeway::io::Problem& problem )
+		: m_settings( settings ), m_fcl( problem.checker.get() ), m_leeway( problem, lw_query_def_default() )
+	{
+		const lw_checker_info info = lw_checker_get_info( problem.checker.get() );
+		if ( m_fcl.environmentPairs() != info.environment_pairs || m_fcl.selfPairs() != info.self_pairs )
+		{
+			std::printf( "the contenders check different pairs: environment %zu and %u, self %zu and %u\n",
+				m_fcl.environmentPairs(), info.environment_pairs, m_fcl.selfPairs(), info.self_pairs );
+			m_disagreed = true;
+		}
+	}
+
+	static void printHeader()
+	{
+		std::printf( "\nmicroseconds per state%46s FCL %24s leeway %15s FCL / leeway\n", "|", "|", "|" );
+		std::printf( "%-22s %-10s %-13s %5s | %8s %8s %8s | %8s %8s %8s | %6s %6s\n", "query", "set", "class", "n", "median",
+			"mean", "p95", "median", "mean", "p95", "median", "mean" );
+	}
+
+	/// All queries over one set.
+	void compare( const ConfigurationSet& set, Json& rows )
+	{
+		const std::vector<Run> exact = race( environmentExact(), set, m_settings.repetitions );
+		for ( const Class& of : CLASSES )
+		{
+			add( rows, printComparison( "environment exact", set, of, exact[0], exact[1], exact[0] ) );
+		}
+		check( "environment exact", set, compareDistances( exact[0], exact[1] ), rows );
+		for ( const Answer& answer : exact[1].answers )
+		{
+			m_hash.add( std::llround( answer.upper * 1e9 ) );
+		}
+
+		const std::vector<Run> relative = race( environmentRelative(), set, m_settings.repetitions );
+		add( rows, printComparison( "environment alpha 0.3", set, CLASSES[0], relative[0], relative[1], exact[0] ) );
+		check( "environment alpha 0.3", set, compareDistances( exact[0], relative[1] ), rows );
+
+		const std::vector<Run> margin = race( environmentMargin(), set, m_settings.repetitions );
+		add( rows, printComparison( "environment > 10 mm?", set, CLASSES[0], margin[0], margin[1], exact[0] ) );
+		check( "environment > 10 mm?", set, compareVerdicts( margin[0], margin[1], &exact[0], MARGIN ), rows );
+
+		const std::vector<Run> collision = race( environmentCollision(), set, m_settings.repetitions );
+		add( rows, printComparison( "environment free?", set, CLASSES[0], collision[0], collision[1], exact[0] ) );
+		check( "environment free?", set, compareVerdicts( collision[0], collision[1], nullptr, 0 ), rows );
+
+		const std::vector<Run> self = race( selfExact(), set, m_settings.repetitions );
+		add( rows, printComparison( "self exact", set, CLASSES[0], self[0], self[1], exact[0] ) );
+		check( "self exact", set, compareDistances( self[0], self[1] ), rows );
+
+		const std::vector<Run> valid = race( validity(), set, m_settings.repetitions );
+		add( rows, printComparison( "valid (both)?", set, CLASSES[0], valid[0], valid[1], exact[0] ) );
+		check( "valid (both)?", set, compareVerdicts( valid[0], valid[1], nullptr, 0 ), rows );
+	}
+
+	const FclPeer& fcl() const { return m_fcl; }
+	bool disagreed() const { return m_disagreed; }
+	double largestDifference() const { return m_largest; }
+	std::string answerHash() const { return m_hash.text(); }
+
+private:
+	static Answer single( double value ) { return { value, value }; }
+
+	std::vector<Contender> environmentExact()
+	{
+		return { { "FCL", [this]( const double* q ) { m_fcl.pose( q ); return single( m_fcl.environmentDistance( INFINITE ) ); } },
+			{ "leeway", [this]( const double* q ) { return m_leeway.clearance( q, LW_WHAT_ENVIRONMENT, lw_range_exact() ); } } };
+	}
+
+	// FCL: found <= (1 + rel_err) true. leeway: (1 - alpha) found <= true. Hence rel_err = alpha / (1 - alpha).
+	std::vector<Contender> environmentRelative()
+	{
+		const lw_range range = { 0, INFINITE, ALPHA };
+		return { { "FCL", [this]( const double* q ) {
+					m_fcl.pose( q );
+					return single( m_fcl.environmentDistance( INFINITE, ALPHA / ( 1 - ALPHA ) ) );
+				} },
+			{ "leeway", [this, range]( const double* q ) { return m_leeway.clearance( q, LW_WHAT_ENVIRONMENT, range ); } } };
+	}
+
+	std::vector<Contender> environmentMargin()
+	{
+		return { { "FCL", [this]( const double* q ) {
+					m_fcl.pose( q );
+					return single( m_fcl.environmentDistance( MARGIN ) < MARGIN );
+				} },
+			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_WHAT_ENVIRONMENT, MARGIN ); } } };
+	}
+
+	std::vector<Contender> environmentCollision()
+	{
+		return { { "FCL", [this]( const double* q ) { m_fcl.pose( q ); return single( m_fcl.environmentCollides() ); } },
+			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_WHAT_ENVIRONMENT, 0 ); } } };
+	}
+
+	std::vector<Contender> selfExact()
+	{
+		return { { "FCL", [this]( const double* q ) { m_fcl.pose( q ); return single( m_fcl.selfDistance( INFINITE ) ); } },
+			{ "leeway", [this]( const double* q ) { return m_leeway.clearance( q, LW_WHAT_SELF, lw_range_exact() ); } } };
+	}
+
+	std::vector<Contender> validity()
+	{
+		return { { "FCL", [this]( const double* q ) {
+					m_fcl.pose( q );
+					return single( m_fcl.environmentCollides() || m_fcl.selfCollides() );
+				} },
+			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_WHAT_BOTH, 0 ); } } };
+	}
+
+	static void add( Json& rows, const Json& row )
+	{
+		if ( !row.is_null() )
+		{
+			rows.push_back( row );
+		}
+	}
+
+	void check( const char* query, const ConfigurationSet& set, const Agreement& agreement, Json& rows )
+	{
+		rows.back()["largest_difference_m"] = agreement.largest_difference;
+		rows.back()["disagreements"] = agreement.disagreements;
+		m_largest = std::max( m_largest, agreement.largest_difference );
+		if ( agreement.disagreements > 0 )
+		{
+			std::printf( "DISAGREEMENT: %s, set %s: %zu states, largest difference %g m\n", query, set.name.c_str(),
+				agreement.disagreements, agreement.largest_difference );
+			m_disagreed = true;
+		}
+	}
+
+	const Settings& m_settings;
+	FclPeer m_fcl;
+	Leeway m_leeway;
+	Hash m_hash;
+	double m_largest = 0;
+	bool m_disagreed = false;
+};
+
+/// What the trees cost: distinct meshes, built again from their vertices, the fastest of three.
+struct TreeCost
+{
+	double seconds = 0, bytes_per_triangle = 0;
+	std::size_t meshes = 0, triangles = 0, bytes = 0;
+};
+
+TreeCost measureTrees( const leeway::io::Problem& problem, const lw_tree_def& tree )
+{
+	std::set<const lw_shape*> shapes;
+	for ( uint32_t i = 0; i < lw_robot_body_count( problem.robot.get() ); ++i )
+	{
+		shapes.insert( lw_robot_body( problem.robot.get(), i ).shape );
+	}
+	for ( uint32_t i = 0; i < lw_scene_shape_count( problem.scene.get() ); ++i )
+	{
+		shapes.insert( lw_scene_shape( problem.scene.get(), i ).shape );
+	}
+	TreeCost cost;
+	cost.meshes = shapes.size();
+	cost.seconds = INFINITE;
+	for ( int pass = 0; pass < 3; ++pass )
+	{
+		std::vector<leeway::Shape> built;
+		const auto start = std::chrono::steady_clock::now();
+		for ( const lw_shape* shape : shapes )
+		{
+			const lw_shape_info info = lw_shape_get_info( shape );
+			lw_mesh_def def = lw_mesh_def_default();
+			def.vertices = lw_shape_vertices( shape );
+			def.vertex_count = info.vertex_count;
+			def.indices = lw_shape_triangles( shape );
+			def.triangle_count = info.triangle_count;
+			def.tree = tree;
+			lw_shape* out = nullptr;
+			lw_diag diag;
+			leeway::require( lw_shape_create_mesh( &def, nullptr, &diag, &out ), diag );
+			built.push_back( leeway::Shape::adopt( out ) );
+		}
+		const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+		cost.seconds = std::min( cost.seconds, elapsed.count() );
+		cost.triangles = cost.bytes = 0;
+		for ( const leeway::Shape& shape : built )
+		{
+			const lw_shape_info info = lw_shape_get_info( shape.get() );
+			cost.triangles += info.triangle_count;
+			cost.bytes += info.bytes;
+		}
+	}
+	cost.bytes_per_triangle = static_cast<double>( cost.bytes ) / static_cast<double>( cost.triangles );
+	return cost;
+}
+
+const std::pair<lw_sphere_fit, const char*> FITS[] = {
+	{ LW_FIT_GREEDY, "GREEDY" }, { LW_FIT_COMPACT, "COMPACT" }, { LW_FIT_MINIMAL, "MINIMAL" } };
+
+/// leeway against itself: exact environment clearance with one thing changed at a time. @return false if an answer changed
+bool compareVariants( const Settings& settings, const leeway::io::Problem& problem,
+	const std::vector<ConfigurationSet>& sets, Json& rows )
+{
+	std::vector<std::unique_ptr<leeway::io::Problem>> problems;
+	std::vector<std::unique_ptr<Leeway>> engines;
+	std::vector<Contender> contenders;
+	const auto enter = [&]( const std::string& name, const leeway::io::Problem& of, const lw_query_def& def ) {
+		engines.push_back( std::make_unique<Leeway>( of, def ) );
+		Leeway* engine = engines.back().get();
+		contenders.push_back(
+			{ name, [engine]( const double* q ) { return engine->clearance( q, LW_WHAT_ENVIRONMENT, lw_range_exact() ); } } );
+	};
+	enter( "default", problem, lw_query_def_default() );
+	lw_query_def def = lw_query_def_default();
+	def.transform_caching = false;
+	enter( "no transform caching", problem, def );
+	def = lw_query_def_default();
+	def.warm_start = false;
+	enter( "no warm start", problem, def );
+	static const char* const levels[] = { "", "scalar", "SSE2", "AVX2" };
+	for ( int level = LW_SIMD_SCALAR; level <= lw_simd_available(); ++level )
+	{
+		def = lw_query_def_default();
+		def.simd = static_cast<lw_simd>( level );
+		enter( std::string( "level " ) + levels[level], problem, def );
+	}
+	for ( const auto& [fit, name] : FITS )
+	{
+		lw_tree_def tree = lw_tree_def_default();
+		tree.fit = fit;
+		problems.push_back( std::make_unique<leeway::io::Problem>( loadKitchen( settings.data, tree ) ) );
+		enter( std::string( "fit " ) + name, *problems.back(), lw_query_def_default() );
+	}
+
+	std::printf( "\nleeway, environment exact, one thing changed at a time: microseconds per state\n" );
+	std::printf( "%-22s %-10s | %8s %8s %8s | %s\n", "variant", "set", "median", "mean", "p95", "mean / default" );
+	bool same = true;
+	for ( const ConfigurationSet& set : sets )
+	{
+		const std::vector<Run> runs = race( contenders, set, settings.repetitions );
+		const double reference = summarise( runs[0].microseconds ).mean;
+		for ( std::size_t c = 0; c < contenders.size(); ++c )
+		{
+			const Summary s = summarise( runs[c].microseconds );
+			const Agreement agreement = compareDistances( runs[0], runs[c] );
+			std::printf( "%-22s %-10s | %8.1f %8.1f %8.1f | %6.2f%s\n", contenders[c].name.c_str(), set.name.c_str(), s.median,
+				s.mean, s.p95, s.mean / reference, agreement.disagreements > 0 ? "  ANSWERS DIFFER" : "" );
+			same = same && agreement.disagreements == 0;
+			rows.push_back( Json{ { "variant", contenders[c].name }, { "set", set.name }, { "leeway", toJson( s ) },
+				{ "mean_over_default", s.mean / reference },
+				{ "largest_difference_m", agreement.largest_difference } } );
+		}
+		std::fflush( stdout );
+	}
+	return same;
+}
+
+void printTrees( const leeway::io::Problem& problem, const FclPeer& fcl, Json& rows )
+{
+	std::printf( "\ntrees of robot and scene: distinct meshes, fastest of three builds\n" );
+	std::printf( "%-16s %6s %9s | %9s %14s\n", "trees", "meshes", "triangles", "seconds", "bytes/triangle" );
+	TreeCost cost;
+	for ( const auto& [fit, name] : FITS )
+	{
+		lw_tree_def tree = lw_tree_def_default();
+		const bool is_default = tree.fit == fit;
+		tree.fit = fit;
+		cost = measureTrees( problem, tree );
+		std::printf( "leeway %-9s %6zu %9zu | %9.3f %14.1f%s\n", name, cost.meshes, cost.triangles, cost.seconds,
+			cost.bytes_per_triangle, is_default ? "  (default)" : "" );
+		rows.push_back( Json{ { "trees", std::string( "leeway " ) + name }, { "default", is_default }, { "meshes", cost.meshes },
+			{ "triangles", cost.triangles }, { "seconds", cost.seconds }, { "bytes_per_triangle", cost.bytes_per_triangle } } );
+	}
+	const double bytes = static_cast<double>( fcl.bytes() ) / static_cast<double>( cost.triangles );
+	std::printf( "%-16s %6zu %9zu | %9.3f %14.1f\n", "FCL OBBRSS", cost.meshes, cost.triangles, fcl.buildSeconds(), bytes );
+	rows.push_back( Json{ { "trees", "FCL OBBRSS" }, { "meshes", cost.meshes }, { "triangles", cost.triangles },
+		{ "seconds", fcl.buildSeconds() }, { "bytes_per_triangle", bytes } } );
+}
+
+int run( const Settings& settings )
+{
+	Json json = { { "benchmark", "bench_clearance" } };
+	json.update( provenance() );
+	json["seed"] = settings.seed;
+	json["repetitions"] = settings.repetitions;
+	json["states_per_set"] = settings.states;
+	json["data_hash"] = hashFiles( kitchenFiles( settings.data ) );
+
+	const leeway::io::Problem problem = loadKitchen( settings.data, lw_tree_def_default() );
+	const std::vector<ConfigurationSet> sets = makeConfigurations( problem, settings.data, settings.seed, settings.states );
+	std::printf( "%s, %s, leeway at %s, FCL %s; commit %s%s\n", json["processor"].get<std::string>().c_str(),
+		json["compiler"].get<std::string>().c_str(), json["simd"].get<std::string>().c_str(),
+		json["fcl_version"].get<std::string>().c_str(), json["commit"].get<std::string>().c_str(),
+		json["dirty"].get<bool>() ? " (changed)" : "" );
+	std::printf( "seed %llu, %d passes, median per state\n", static_cast<unsigned long long>( settings.seed ),
+		settings.repetitions );
+	for ( const ConfigurationSet& set : sets )
+	{
+		std::printf( "set %-10s %4zu states: %s\n", set.name.c_str(), set.states.size(), set.description.c_str() );
+		json["sets"].push_back(
+			Json{ { "name", set.name }, { "states", set.states.size() }, { "description", set.description } } );
+	}
+
+	Comparison comparison( settings, problem );
+	Comparison::printHeader();
+	json["comparison"] = Json::array();
+	for ( const ConfigurationSet& set : sets )
+	{
+		comparison.compare( set, json["comparison"] );
+	}
+	json["variants"] = Json::array();
+	const bool same = compareVariants( settings, problem, sets, json["variants"] );
+	json["trees"] = Json::array();
+	printTrees( problem, comparison.fcl(), json["trees"] );
+
+	json["largest_difference_m"] = comparison.largestDifference();
+	json["answer_hash"] = comparison.answerHash();
+	const bool agreed = !comparison.disagreed() && same;
+	json["agreed"] = agreed;
+	std::printf( "\nlargest difference of distances %.3g m, answer hash %s: %s\n", comparison.largestDifference(),
+		comparison.answerHash().c_str(), agreed ? "all answers agree" : "ANSWERS DIFFER" );
+	if ( !settings.json.empty() )
+	{
+		std::ofstream out( settings.json );
+		out << json.dump( 1, '\t' ) << "\n";
+		if ( !out.flush() )
+		{
+			throw std::runtime_error( settings.json + ": cannot be written" );
+		}
+	}
+	return agreed ? 0 : 1;
+}
+
+} // namespace
+
+int main( int argc, char** argv )
+{
+	Settings settings;
+	CLI::App app( "Clearance queries of ARMAR-III in a kitchen: leeway against FCL.\n"
+				  "Exit status: 0 answers agree, 1 answers differ, 2 error, 77 no data." );
+	app.add_option( "--data", settings.data, "folder with armar3 and kit_kitchen" )->capture_default_str();
+	app.add_option( "--states", settings.states, "states per set, at most" )
+		->capture_default_str()
+		->check( CLI::Range( 1, 100000 ) );
+	app.add_option( "--repetitions", settings.repetitions, "passes over each set" )
+		->capture_default_str()
+		->check( CLI::Range( 1, 1000 ) );
+	app.add_option( "--seed", settings.seed, "of the random states" )->capture_default_str();
+	app.add_option( "--json", settings.json, "write the figures and where they come from to this file" );
+	app.add_flag( "--quick", settings.quick, "40 states per set, one pass: for agreement, not for figures" );
+	CLI11_PARSE( app, argc, argv );
+	if ( settings.quick )
+	{
+		settings.states = std::min<std::size_t>( settings.states, 40 );
+		settings.repetitions = 1;
+	}
+	if ( !std::filesystem::exists( std::filesystem::path( settings.data ) / "kit_kitchen" ) )
+	{
+		std::cerr << settings.data << ": no folder kit_kitchen there; give the data folder with --data\n";
+		return 77;
+	}
+	try
+	{
+		return run( settings );
+	}
+	catch ( const std::exception& error )
+	{
+		std::cerr << "bench_clearance: " << error.what() << "\n";
+		return 2;
+	}
+}

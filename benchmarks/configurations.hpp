@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// States of ARMAR-III in the cluttered kitchen: what a planner asks about, near furniture.
+#pragma once
+
+#include "leeway/io/model.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+struct ConfigurationSet
+{
+	std::string name, description;
+	std::vector<std::vector<double>> states; ///< of the checker's group
+};
+
+/// Robot, scene and group of the comparison, from the data folder. Group: platform, torso and both arms.
+leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree );
+
+/// Files that the models and states come from.
+std::vector<std::string> kitchenFiles( const std::string& data );
+
+/// @param count states per set, at most; the ground truth has 400 near rows
+/// @throws std::exception if the data is not there
+std::vector<ConfigurationSet> makeConfigurations( const leeway::io::Problem& problem, const std::string& data,
+	std::uint64_t seed, std::size_t count );

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a figure comes from: what every result file says before its first number.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+/// FNV-1a, 64 bits: hashes of data and answers. Not for secrets, only to tell one from another.
+class Hash
+{
+public:
+	void add( const void* bytes, std::size_t count );
+	void add( std::int64_t value ) { add( &value, sizeof value ); }
+	std::string text() const;
+
+private:
+	std::uint64_t m_state = 14695981039346656037ull;
+};
+
+/// Hash over the contents of files, in the order given.
+/// @throws std::runtime_error if one cannot be read
+std::string hashFiles( const std::vector<std::string>& files );
+
+/// Commit and state of the sources ("unknown" without git), compiler and flags, processor and its frequency governor, SIMD
+/// level, library versions, date.
+nlohmann::ordered_json provenance();
