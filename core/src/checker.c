@@ -458,7 +458,7 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	}
 	*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
 	lw_range wanted = range != NULL ? *range : lw_range_exact();
-	if ( checker == NULL || query == NULL || q == NULL || !lwi_range_is_valid( &wanted ) || ( what & LW_WHAT_BOTH ) == 0 ||
+	if ( checker == NULL || query == NULL || ( q == NULL && checker->variable_count > 0 ) || !lwi_range_is_valid( &wanted ) || ( what & LW_WHAT_BOTH ) == 0 ||
 		 !lwi_query_fits( query, checker ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;

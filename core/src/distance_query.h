@@ -5,6 +5,7 @@
 
 #include "kernels.h"
 #include "leeway/distance.h"
+#include "shape_internal.h"
 
 /// The running bound of one question, shared by all pairs that belong to it. Method and proof: core/docs/distance.md.
 typedef struct lwi_bound

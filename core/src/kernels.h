@@ -15,7 +15,8 @@
 #ifndef LEEWAY_KERNELS_H
 #define LEEWAY_KERNELS_H
 
-#include "shape_internal.h"
+#include "leeway/shape.h"
+#include "tree_layout.h"
 
 #define LWI_GAP_SLACK 32.0
 

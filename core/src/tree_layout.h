@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The wide nodes and leaves of a sphere tree, as the kernels read them.
+#ifndef LEEWAY_TREE_LAYOUT_H
+#define LEEWAY_TREE_LAYOUT_H
+
+#include "leeway/base.h"
+
+enum
+{
+	LWI_WIDTH = 8,     ///< children per node, triangles per leaf, lanes of a kernel
+	LWI_MAX_DEPTH = 24 ///< inner levels of a tree; the builder guarantees it (8-wide, median splits as a fallback)
+};
+
+/// Reference to a subtree: bit 31 set = leaf, bits 28 to 30 = its triangle count - 1, bits 0 to 27 = leaf index.
+/// Otherwise a node index. LW_INVALID_INDEX = no child (pad lane).
+typedef uint32_t lwi_ref;
+#define LWI_LEAF_BIT 0x80000000u
+static inline bool lwi_ref_is_leaf( lwi_ref ref ) { return ( ref & LWI_LEAF_BIT ) != 0; }
+static inline uint32_t lwi_ref_index( lwi_ref ref ) { return lwi_ref_is_leaf( ref ) ? ref & 0x0fffffffu : ref; }
+static inline uint32_t lwi_ref_count( lwi_ref ref ) { return ( ( ref >> 28 ) & 7u ) + 1u; }
+static inline lwi_ref lwi_leaf_ref( uint32_t index, uint32_t count ) { return LWI_LEAF_BIT | ( ( count - 1u ) << 28 ) | index; }
+
+/// Spheres of the children, tree frame. Each contains all real geometry under it (double vertices *and* the rounded float
+/// triangles of its leaves), radius rounded outward. Pad lanes come last: x = y = z = 0, r = -INFINITY, LW_INVALID_INDEX.
+typedef struct lwi_node
+{
+	float x[LWI_WIDTH], y[LWI_WIDTH], z[LWI_WIDTH], r[LWI_WIDTH];
+	lwi_ref child[LWI_WIDTH];
+} lwi_node;
+
+/// Up to 8 triangles (or tiles of triangles), tree frame, rounded to nearest. Pad lanes repeat lane 0.
+typedef struct lwi_leaf
+{
+	float v[3][3][LWI_WIDTH];     ///< [vertex][axis][lane]
+	uint32_t triangle[LWI_WIDTH]; ///< index into lw_shape.indices / 3: the original triangle
+} lwi_leaf;
+
+#endif

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kernels: every level against the scalar one bit for bit, and every gap against an exact distance in double.
+#include "seeded_rng.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+extern "C"
+{
+#include "convex.h"
+#include "kernels.h"
+#include "tri_tri.h"
+}
+
+namespace
+{
+
+std::vector<const lwi_kernels*> levels()
+{
+	std::vector<const lwi_kernels*> tables;
+	for ( lw_simd level : { LW_SIMD_SCALAR, LW_SIMD_SSE2, LW_SIMD_AVX2 } )
+	{
+		const lwi_kernels* table = lwi_kernels_get( level );
+		if ( table->level == level )
+		{
+			tables.push_back( table );
+		}
+	}
+	return tables;
+}
+
+struct Input
+{
+	lwi_node node;
+	lwi_leaf leaf, other;
+	lwi_box8 boxes;
+	lwi_motion motion;
+	lwi_solid solid;
+	float sphere[4];
+	double scale;
+};
+
+float value( SeededRng& rng, double scale )
+{
+	return static_cast<float>( rng.uniform( -scale, scale ) );
+}
+
+/// Triangles from well shaped to needles, segments and points.
+void fill_leaf( SeededRng& rng, double scale, lwi_leaf& leaf )
+{
+	for ( int lane = 0; lane < 8; ++lane )
+	{
+		double shape = rng.uniform( 0, 1 );
+		float base[3] = { value( rng, scale ), value( rng, scale ), value( rng, scale ) };
+		double size = scale * ( shape < 0.2 ? 1.0 : shape < 0.6 ? 0.1 : 0.001 );
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			float along = value( rng, size ), across = value( rng, size ) * ( shape > 0.8 ? 1e-5f : 1.0f );
+			leaf.v[0][axis][lane] = base[axis];
+			leaf.v[1][axis][lane] = shape > 0.95 ? base[axis] : base[axis] + along;
+			leaf.v[2][axis][lane] = shape > 0.9 ? leaf.v[1][axis][lane] : base[axis] + 0.5f * along + across;
+		}
+		leaf.triangle[lane] = static_cast<uint32_t>( lane );
+	}
+}
+
+Input random_input( SeededRng& rng )
+{
+	Input in;
+	std::memset( &in, 0, sizeof( in ) );
+	in.scale = rng.decade( -6, 6 );
+	for ( int lane = 0; lane < 8; ++lane )
+	{
+		in.node.x[lane] = value( rng, in.scale );
+		in.node.y[lane] = value( rng, in.scale );
+		in.node.z[lane] = value( rng, in.scale );
+		in.node.r[lane] = lane == 7 ? -INFINITY : std::abs( value( rng, in.scale ) );
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			float a = value( rng, in.scale ), b = value( rng, in.scale );
+			in.boxes.min[axis][lane] = lane == 7 ? INFINITY : std::min( a, b );
+			in.boxes.max[axis][lane] = lane == 7 ? -INFINITY : std::max( a, b );
+		}
+	}
+	fill_leaf( rng, in.scale, in.leaf );
+	fill_leaf( rng, in.scale, in.other );
+	double q[4], p[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
+	rng.quaternion( q );
+	lw_transform m;
+	lw_transform_from_quaternion( p, q, &m );
+	for ( int i = 0; i < 9; ++i )
+	{
+		in.motion.r[i] = static_cast<float>( m.r[i / 3][i % 3] );
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		in.motion.t[i] = static_cast<float>( 2 * in.scale * m.t[i] );
+		in.solid.size[i] = static_cast<float>( in.scale * rng.uniform( 0.01, 1 ) );
+		in.sphere[i] = value( rng, 2 * in.scale );
+	}
+	in.sphere[3] = std::abs( value( rng, in.scale ) );
+	const lw_shape_type types[3] = { LW_SHAPE_BOX, LW_SHAPE_CYLINDER, LW_SHAPE_CONE };
+	in.solid.type = types[rng.integer( 0, 2 )];
+	return in;
+}
+
+/// Everything all kernels say about one input, one after the other.
+std::vector<float> outputs( const lwi_kernels* k, const Input& in )
+{
+	std::vector<float> out( 8 * 20, 0.0f );
+	lwi_triangles8 a, b;
+	k->sphere_gap( in.node.x, in.sphere, &out[0] );
+	k->box_gap( &in.boxes, in.sphere, &out[8] );
+	float direction[3][8];
+	k->leaf_gap( &in.leaf, in.sphere, &out[16], direction );
+	std::memcpy( &out[24], direction, sizeof( direction ) );
+	k->leaf_project( &in.leaf, in.sphere, &out[48], &out[56] );
+	k->leaf_transform( &in.leaf, &in.motion, a );
+	std::memcpy( b, in.other.v, sizeof( b ) );
+	std::memcpy( &out[64], a, 3 * 8 * sizeof( float ) );
+	k->triangle_gap( a, b, INFINITY, &out[88] );
+	k->triangle_gap( a, b, 0.1f * static_cast<float>( in.scale ), &out[96] );
+	k->node_solid_gap( &in.node, &in.motion, &in.solid, &out[104] );
+	k->leaf_solid_gap( &in.leaf, &in.motion, &in.solid, &out[112] );
+	return out;
+}
+
+lw_vec3 vertex( const float v[3][3][8], int k, int lane )
+{
+	return { v[k][0][lane], v[k][1][lane], v[k][2][lane] };
+}
+
+double largest( std::initializer_list<lw_vec3> points )
+{
+	double size = 0;
+	for ( lw_vec3 p : points )
+	{
+		size = std::max( { size, std::abs( p.x ), std::abs( p.y ), std::abs( p.z ) } );
+	}
+	return size;
+}
+
+} // namespace
+
+TEST( Kernels, level_differs_from_scalar )
+{
+	SeededRng rng;
+	auto tables = levels();
+	ASSERT_FALSE( tables.empty() );
+	for ( int i = 0; i < 20000; ++i )
+	{
+		Input in = random_input( rng );
+		std::vector<float> want = outputs( &lwi_kernels_scalar, in );
+		for ( const lwi_kernels* table : tables )
+		{
+			std::vector<float> got = outputs( table, in );
+			ASSERT_EQ( 0, std::memcmp( want.data(), got.data(), want.size() * sizeof( float ) ) )
+				<< "level " << table->level << ", input " << i;
+		}
+	}
+}
+
+TEST( Kernels, pads_are_not_infinitely_far )
+{
+	SeededRng rng;
+	Input in = random_input( rng );
+	float gap[8];
+	lwi_kernels_scalar.sphere_gap( in.node.x, in.sphere, gap );
+	EXPECT_EQ( gap[7], INFINITY );
+	lwi_kernels_scalar.box_gap( &in.boxes, in.sphere, gap );
+	EXPECT_EQ( gap[7], INFINITY );
+	lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, gap );
+	EXPECT_EQ( gap[7], INFINITY );
+}
+
+// The slack of kernels.h: a gap never exceeds the exact distance by more than LWI_GAP_SLACK roundoffs of the size involved,
+// and for separated triangles it is the distance itself to about as much.
+TEST( Kernels, triangle_gap_exceeds_distance )
+{
+	SeededRng rng;
+	double worst = 0;
+	int tight = 0, separated = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		Input in = random_input( rng );
+		float gap[8];
+		lwi_triangles8 a, b;
+		std::memcpy( a, in.leaf.v, sizeof( a ) );
+		std::memcpy( b, in.other.v, sizeof( b ) );
+		lwi_kernels_scalar.triangle_gap( a, b, INFINITY, gap );
+		for ( int lane = 0; lane < 8; ++lane )
+		{
+			lw_vec3 ta[3] = { vertex( a, 0, lane ), vertex( a, 1, lane ), vertex( a, 2, lane ) };
+			lw_vec3 tb[3] = { vertex( b, 0, lane ), vertex( b, 1, lane ), vertex( b, 2, lane ) };
+			double exact = lwi_tri_tri( ta, tb ).distance;
+			double size = 2 * largest( { ta[0], ta[1], ta[2], tb[0], tb[1], tb[2] } );
+			worst = std::max( worst, ( gap[lane] - exact ) / ( size * 0x1p-24 ) );
+			if ( exact > 0.01 * size )
+			{
+				++separated;
+				tight += gap[lane] > 0.99 * exact;
+			}
+		}
+	}
+	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
+	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
+	EXPECT_GE( separated, 50000 );
+	EXPECT_GT( tight, separated * 0.99 );
+}
+
+TEST( Kernels, point_triangle_gap_exceeds_distance )
+{
+	SeededRng rng;
+	double worst = 0;
+	int tight = 0, separated = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		Input in = random_input( rng );
+		in.sphere[3] = 0;
+		float gap[8], direction[3][8];
+		lwi_kernels_scalar.leaf_gap( &in.leaf, in.sphere, gap, direction );
+		lw_vec3 p = { in.sphere[0], in.sphere[1], in.sphere[2] };
+		for ( int lane = 0; lane < 8; ++lane )
+		{
+			lw_vec3 t[3] = { vertex( in.leaf.v, 0, lane ), vertex( in.leaf.v, 1, lane ), vertex( in.leaf.v, 2, lane ) };
+			lw_vec3 point[3] = { p, p, p };
+			double exact = lwi_tri_tri( t, point ).distance;
+			double size = 2 * largest( { t[0], t[1], t[2], p } );
+			worst = std::max( worst, ( gap[lane] - exact ) / ( size * 0x1p-24 ) );
+			if ( exact > 0.01 * size )
+			{
+				++separated;
+				tight += gap[lane] > 0.99 * exact;
+			}
+		}
+	}
+	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
+	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
+	EXPECT_GT( tight, separated * 0.99 );
+}
+
+TEST( Kernels, solid_gap_exceeds_distance )
+{
+	SeededRng rng;
+	double worst = 0;
+	int tight = 0, separated = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		Input in = random_input( rng );
+		float gap[8];
+		lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, gap );
+		lwi_convex solid = {};
+		solid.type = in.solid.type == LW_SHAPE_BOX		? LWI_CONVEX_BOX
+					 : in.solid.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE
+														: LWI_CONVEX_CYLINDER;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			solid.size[axis] = in.solid.size[axis];
+		}
+		for ( int lane = 0; lane < 7; ++lane )
+		{
+			const double c[3] = { in.node.x[lane], in.node.y[lane], in.node.z[lane] };
+			double m[3];
+			for ( int axis = 0; axis < 3; ++axis )
+			{
+				const float* r = in.motion.r + 3 * axis;
+				m[axis] = double( r[0] ) * c[0] + double( r[1] ) * c[1] + double( r[2] ) * c[2] + in.motion.t[axis];
+			}
+			lw_vec3 p = { m[0], m[1], m[2] }, closest;
+			double exact = lwi_convex_point_distance( &solid, p, &closest ) - double( in.node.r[lane] );
+			double size = 2 * largest( { p, { solid.size[0], solid.size[1], solid.size[2] }, { c[0], c[1], c[2] } } ) +
+						  in.node.r[lane];
+			worst = std::max( worst, ( gap[lane] - exact ) / ( size * 0x1p-24 ) );
+			if ( exact > 0.01 * size )
+			{
+				++separated;
+				tight += gap[lane] > 0.99 * exact;
+			}
+		}
+	}
+	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
+	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
+	EXPECT_GT( tight, separated * 0.99 );
+}
+
+// Huge and tiny coordinates overflow or vanish in float: the answer may be NaN or small, it may not say "far".
+TEST( Kernels, overflow_reads_as_far )
+{
+	SeededRng rng;
+	for ( double scale : { 1e-30, 1e-20, 1e-12, 1e12, 1e20, 1e30 } )
+	{
+		for ( int i = 0; i < 200; ++i )
+		{
+			lwi_leaf a, b;
+			fill_leaf( rng, scale, a );
+			fill_leaf( rng, scale, b );
+			float gap[8];
+			lwi_kernels_scalar.triangle_gap( a.v, b.v, INFINITY, gap );
+			for ( int lane = 0; lane < 8; ++lane )
+			{
+				lw_vec3 ta[3] = { vertex( a.v, 0, lane ), vertex( a.v, 1, lane ), vertex( a.v, 2, lane ) };
+				lw_vec3 tb[3] = { vertex( b.v, 0, lane ), vertex( b.v, 1, lane ), vertex( b.v, 2, lane ) };
+				double exact = lwi_tri_tri( ta, tb ).distance;
+				EXPECT_FALSE( gap[lane] > exact + 1e-4 * scale ) << "scale " << scale << " gap " << gap[lane] << " exact " << exact;
+			}
+		}
+	}
+}
