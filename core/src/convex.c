@@ -136,7 +136,7 @@ static void reduce( lwi_simplex* simplex, vec_d* w, const nearest_d* nearest )
 }
 
 /// The weighted points, and the upper bound that they attain.
-static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, bool inside, lwi_bounds* bounds )
+static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, lwi_bounds* bounds )
 {
 	lw_vec3 a = { 0.0, 0.0, 0.0 }, b = { 0.0, 0.0, 0.0 };
 	for ( int i = 0; i < simplex->count; ++i )
@@ -146,11 +146,6 @@ static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, boo
 	}
 	b = lwi_transform( &pair->place, b );
 	double upper = lwi_distance( a, b );
-	if ( inside && upper <= LWI_CONVEX_ROUNDING * pair->extent )
-	{
-		upper = 0.0;
-		b = a;
-	}
 	if ( upper < bounds->upper )
 	{
 		bounds->upper = upper;
@@ -191,8 +186,8 @@ static bool gjk( const lwi_pair* pair, double width, double stop_above, double s
 		bool inside = nearest_to_origin_d( w, simplex->count, &nearest );
 		reduce( simplex, w, &nearest );
 		double before = bounds->upper;
-		offer_witness( pair, simplex, inside, bounds );
-		if ( bounds->upper <= rounding || bounds->upper <= stop_below )
+		offer_witness( pair, simplex, bounds );
+		if ( bounds->upper <= 0.5 * rounding || bounds->upper <= stop_below )
 		{
 			return true;
 		}
@@ -284,6 +279,11 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 		{
 			lwi_convex_refine( &pair, &simplex, width, stop_above, stop_below, &bounds );
 		}
+	}
+	if ( bounds.upper <= 0.5 * LWI_CONVEX_ROUNDING * pair.extent ) // contact: one common point
+	{
+		bounds.upper = 0.0;
+		bounds.point_b = bounds.point_a;
 	}
 	// Lower may exceed upper where both are the distance to rounding
 	return (lwi_convex_result){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper, lwi_add( bounds.point_a, origin_a ),

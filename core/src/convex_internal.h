@@ -70,12 +70,13 @@ static inline lw_vec3 lwi_piece_support( const lwi_piece* piece, lw_vec3 n )
 }
 
 /// True if the bounds are what was asked for. While contact is not excluded (lower <= 0) the full width is not enough: the
-/// search goes on until the bounds differ by not much more than the rounding that lower allows for, or upper is within it.
+/// search goes on until the bounds differ by not much more than the rounding that lower allows for, or upper is within half of it, which
+/// is contact.
 static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, double width, double stop_above,
 	double stop_below )
 {
 	double difference = bounds->upper - bounds->lower;
-	return bounds->lower >= stop_above || bounds->upper <= stop_below || bounds->upper <= rounding ||
+	return bounds->lower >= stop_above || bounds->upper <= stop_below || bounds->upper <= 0.5 * rounding ||
 		difference <= 1.5 * rounding || ( bounds->lower > 0.0 && difference <= width );
 }
 

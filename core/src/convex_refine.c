@@ -78,7 +78,7 @@ static void reduce( lwi_simplex* simplex, vec_dd* w, nearest_dd* nearest )
 /// The weighted points, and the distance of the points that they are before they are rounded to double. v would not do: it
 /// comes from a triangle's normal, which may be wrong; a convex combination of points of the pieces cannot be.
 static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, const vec_dd* w, const nearest_dd* nearest,
-	bool inside, lwi_bounds* bounds )
+	lwi_bounds* bounds )
 {
 	lw_vec3 a = { 0.0, 0.0, 0.0 }, b = { 0.0, 0.0, 0.0 };
 	vec_dd sum = { FROM( 0.0 ), FROM( 0.0 ), FROM( 0.0 ) };
@@ -89,12 +89,11 @@ static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, con
 		sum = add_scaled_dd( sum, nearest->weight[i], w[i] );
 	}
 	double upper = sqrt( dot_dd( sum, sum ).hi );
-	bool common = inside && upper <= LWI_CONVEX_ROUNDING * pair->extent;
-	if ( common || upper < bounds->upper )
+	if ( upper < bounds->upper )
 	{
-		bounds->upper = common ? 0.0 : upper;
+		bounds->upper = upper;
 		bounds->point_a = a;
-		bounds->point_b = common ? a : lwi_transform( &pair->place, b );
+		bounds->point_b = lwi_transform( &pair->place, b );
 	}
 }
 
@@ -117,7 +116,7 @@ void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width
 		// v to unit length first: its square may underflow
 		double size = fmax( fabs( v.x ), fmax( fabs( v.y ), fabs( v.z ) ) );
 		lw_vec3 n = size > 0.0 ? lwi_scale( 1.0 / size, v ) : v;
-		offer_witness( pair, simplex, w, &nearest, inside, bounds );
+		offer_witness( pair, simplex, w, &nearest, bounds );
 		if ( inside || !( size > 0.0 ) )
 		{
 			return;

@@ -156,7 +156,7 @@ struct Tally
 {
 	std::map<std::string, int> features;
 	int touching = 0, near = 0, separated = 0;
-	real worst_width = 0, worst_lower = 0, worst_upper = 0;
+	real worst_width = 0, rounding_used = 0, worst_upper = 0;
 	uint32_t most_iterations = 0;
 	uint64_t iterations = 0;
 };
@@ -178,7 +178,10 @@ void one_contact( SeededRng& rng, int ta, int tb, Tally& tally )
 	tally.features[std::string( fa.name ) + "-" + fb.name]++;
 	( regime == 0 ? tally.touching : regime == 1 ? tally.near : tally.separated )++;
 	tally.worst_width = std::max( tally.worst_width, width );
-	tally.worst_lower = std::max( tally.worst_lower, ( r.lower - gap ) / scale );
+	if ( r.lower > 0 )
+	{
+		tally.rounding_used = std::max( tally.rounding_used, ( r.lower - gap ) / scale + LWI_CONVEX_ROUNDING );
+	}
 	tally.worst_upper = std::max( tally.worst_upper, ( gap - r.upper ) / scale );
 	tally.most_iterations = std::max( tally.most_iterations, r.iterations );
 	tally.iterations += r.iterations;
@@ -208,10 +211,10 @@ TEST_P( ConvexContact, known_gap_between_features )
 		one_contact( rng, ta, tb, tally );
 		ASSERT_FALSE( HasFatalFailure() ) << "pair " << i;
 	}
-	std::printf( "%s-%s: %d pairs, %d touching, %d within 1e-7, %d feature pairs; worst: width %.2Lg, lower above truth %.2Lg, upper "
-		"below truth %.2Lg (of the extent), iterations %u (mean %.1f)\n", names[ta], names[tb], count, tally.touching, tally.near,
-		(int)tally.features.size(), tally.worst_width, tally.worst_lower, tally.worst_upper, tally.most_iterations,
-		(double)tally.iterations / count );
+	std::printf( "%s-%s: %d pairs, %d touching, %d within 1e-7, %d feature pairs; worst: width %.2Lg, rounding used %.2Lg of "
+		"%.2g, upper below truth %.2Lg (of the extent), iterations %u (mean %.1f)\n", names[ta], names[tb], count, tally.touching, tally.near,
+		(int)tally.features.size(), tally.worst_width, tally.rounding_used, LWI_CONVEX_ROUNDING, tally.worst_upper,
+		tally.most_iterations, (double)tally.iterations / count );
 	EXPECT_GT( tally.touching, count / 6 );
 	EXPECT_GT( tally.near, count / 6 );
 	EXPECT_GT( tally.separated, count / 3 );
