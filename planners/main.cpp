@@ -20,17 +20,12 @@ namespace
 const char* const about =
 	R"(leeway: how much room does this robot have here, and along this motion? Proved, in metres.
 
-Subcommands, with an example each (leeway SUBCOMMAND --help explains one):
-  info    what was read, built, kept and dropped: links, triangles, trees, pairs
-            leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
-  check   verdict and clearances of the states in a table
-            leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
-  edge    verdicts over whole straight motions, proved and not sampled
-            leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
-  plan    solve a request with OMPL, simplify the path, prove its edges, audit it
-            leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
-  audit   measure a path again, densely and without certificates
-            leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml)";
+Examples (leeway SUBCOMMAND --help explains one):
+  leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
+  leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
+  leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
+  leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
+  leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml)";
 
 const char* const footer =
 	R"(Files: URDF and SRDF; MoveIt planning-scene and request YAML; CSV tables titled with joint names. Metres, radians, seconds.
@@ -107,7 +102,8 @@ struct Commands
 
 CLI::App* addInfo( CLI::App& app, InfoOptions& options )
 {
-	CLI::App* command = app.add_subcommand( "info", info_about );
+	CLI::App* command = app.add_subcommand( "info", "what was read, built, kept and dropped" );
+	command->footer( info_about );
 	addCommonOptions( *command, options.common, { true, false, true } );
 	command->add_option( "--json", options.json, "the same for programs" )->type_name( "FILE" );
 	return command;
@@ -115,7 +111,8 @@ CLI::App* addInfo( CLI::App& app, InfoOptions& options )
 
 CLI::App* addCheck( CLI::App& app, CheckOptions& options )
 {
-	CLI::App* command = app.add_subcommand( "check", check_about );
+	CLI::App* command = app.add_subcommand( "check", "verdict and clearances of states" );
+	command->footer( check_about );
 	addCommonOptions( *command, options.common, { true, true, true } );
 	command->add_option( "--states", options.states, "table of states" )->type_name( "states.csv" )->required();
 	command->add_option( "--out", options.out, "table of answers; without it, standard output" )->type_name( "out.csv" );
@@ -124,7 +121,8 @@ CLI::App* addCheck( CLI::App& app, CheckOptions& options )
 
 CLI::App* addEdge( CLI::App& app, EdgeCommandOptions& options )
 {
-	CLI::App* command = app.add_subcommand( "edge", edge_about );
+	CLI::App* command = app.add_subcommand( "edge", "verdicts over whole straight motions" );
+	command->footer( edge_about );
 	addCommonOptions( *command, options.common, { true, true, true } );
 	addEdgeOptions( *command, options.edge );
 	command->add_option( "--edges", options.edges, "table of motions" )->type_name( "edges.csv" )->required();
@@ -134,7 +132,7 @@ CLI::App* addEdge( CLI::App& app, EdgeCommandOptions& options )
 
 CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 {
-	CLI::App* command = app.add_subcommand( "plan", plan_about );
+	CLI::App* command = app.add_subcommand( "plan", "solve a request, prove the path's edges, audit it" );
 	addCommonOptions( *command, options.common, { true, true, false } );
 	addEdgeOptions( *command, options.edge );
 	command->add_option( "--request", options.common.request, "start and goal" )->type_name( "Q.yaml" )->required();
@@ -142,11 +140,14 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	command->add_option( "--time", options.time, "seconds for planning (default: the request's allowed_planning_time, else 60)" )
 		->type_name( "S" );
 	command->add_option( "--seed", options.seed, "of the random numbers, 1 or more (default 1)" )->type_name( "N" );
-	command->add_flag( "--simplify,!--no-simplify", options.simplify, "shorten the path that was found (default)" );
+	command->add_flag_function(
+		"--simplify", [&options]( std::int64_t ) { options.simplify = true; }, "shorten the path that was found (default)" );
+	command->add_flag_function(
+		"--no-simplify", [&options]( std::int64_t ) { options.simplify = false; }, "keep the path as it was found" );
 	command->add_option( "--resolution", options.resolution, "metres, of the audit (default 0.0001)" )->type_name( "M" );
 	command->add_option( "--out", options.out, "the path; without it, standard output" )->type_name( "path.yaml" );
 	command->add_option( "--report", options.report, "times, counts, clearances and the audit, for programs" )->type_name( "report.json" );
-	std::string names = "Planners:\n";
+	std::string names = std::string( plan_about ) + "\n\nPlanners:\n";
 	for ( const PlannerEntry& entry : planners() )
 	{
 		names += fmt::format( "  {:<22} {}\n", entry.name, entry.kind );
@@ -157,7 +158,8 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 
 CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 {
-	CLI::App* command = app.add_subcommand( "audit", audit_about );
+	CLI::App* command = app.add_subcommand( "audit", "measure a path again, densely and without certificates" );
+	command->footer( audit_about );
 	addCommonOptions( *command, options.common, { true, false, true } );
 	command->add_option( "--path", options.path, "the path" )->type_name( "path.yaml" )->required();
 	command->add_option( "--resolution", options.resolution, "metres (default 0.0001)" )->type_name( "M" );

@@ -75,11 +75,11 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 			->group( question );
 	}
 	app.add_option( "--what", options.what_name, "which clearances count (default both)" )
-		->check( CLI::IsMember( { "env", "self", "both" } ) )
+		->check( CLI::IsMember( { "env", "self", "both" } ).description( "" ) )
 		->type_name( "env|self|both" )
 		->group( question );
 	app.add_option( "--simd", options.simd_name, "highest instruction set used; answers do not depend on it (default best)" )
-		->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ) )
+		->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ).description( "" ) )
 		->type_name( "scalar|sse2|avx2|best" )
 		->group( question );
 	app.add_flag( "--verbose", options.verbose, "all notices, and the planner's own messages" );
@@ -90,7 +90,7 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options )
 	const std::string question = "Question";
 	app.add_option( "--validator", options.validator,
 		   "certified: the whole motion is proved; steps: states every --max-d of motion are tested (default certified)" )
-		->check( CLI::IsMember( { "certified", "steps" } ) )
+		->check( CLI::IsMember( { "certified", "steps" } ).description( "" ) )
 		->type_name( "certified|steps" )
 		->group( question );
 	app.add_option( "--slack", options.slack,

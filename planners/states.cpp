@@ -12,10 +12,31 @@ namespace leeway::cli
 
 const char* const clearance_header = "env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2";
 
+namespace
+{
+
+// Why a joint of the robot cannot be a column; empty if there is no such joint.
+std::string whyUnused( const std::string& name, const io::RobotModel& robot )
+{
+	for ( const io::JointModel& joint : robot.joints )
+	{
+		if ( joint.name == name )
+		{
+			return !joint.mimic.empty()                ? "the joint follows joint " + joint.mimic
+				: joint.type == LW_JOINT_FIXED ? "the joint is fixed"
+											   : "the joint has several variables, to be named one by one, e.g. " + name + "/x";
+		}
+	}
+	return "";
+}
+
+} // namespace
+
 StateColumns::StateColumns( const CsvTable& table, const std::string& prefix, const Workbench& bench,
 	const io::RobotModel& robot, Notices& notices )
 	: m_table( table )
 {
+	std::string unknown;
 	for ( std::size_t column = 0; column < table.header.size(); ++column )
 	{
 		const std::string& title = table.header[column];
@@ -30,18 +51,17 @@ StateColumns::StateColumns( const CsvTable& table, const std::string& prefix, co
 			m_used.emplace_back( column, variable );
 			continue;
 		}
-		std::string why = "is not a joint of the robot";
-		for ( const io::JointModel& joint : robot.joints )
+		const std::string why = whyUnused( name, robot );
+		if ( why.empty() )
 		{
-			if ( joint.name == name )
-			{
-				why = !joint.mimic.empty() ? "follows joint '" + joint.mimic + "'"
-					: joint.type == LW_JOINT_FIXED
-					? "is a fixed joint"
-					: "has several variables; name them one by one, e.g. '" + name + "/x'";
-			}
+			unknown += ( unknown.empty() ? "" : ", " ) + title;
+			continue;
 		}
-		notices.add( "unused columns", fmt::format( "{}: column '{}': {}; it is ignored", table.file, title, why ) );
+		notices.add( "unused columns", fmt::format( "{}: column {}: {}; it is ignored", table.file, title, why ) );
+	}
+	if ( !unknown.empty() )
+	{
+		notices.add( "unused columns", fmt::format( "{}: columns that are no joints of the robot are ignored: {}", table.file, unknown ) );
 	}
 }
 
