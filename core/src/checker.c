@@ -318,7 +318,7 @@ static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* n
 			float* row = gaps + block * LWI_WIDTH;
 			if ( mask[block] != 0 )
 			{
-				query->kernels->sphere_gap( query->body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere, row );
+				query->kernels->sphere_gap( query->body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere, INFINITY, row );
 			}
 			for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
 			{

@@ -183,16 +183,13 @@ static void sphere_b_in_a( search* s, lwi_entry* e, float sphere[4] )
 	sphere[3] = e->radius_b;
 }
 
-/// Lanes whose gap does not reach the limit (NaN stays), in ascending order of gap. Returns their count.
-static uint32_t sorted_lanes( const float gap[LWI_WIDTH], float limit, uint32_t lanes[LWI_WIDTH] )
+/// The lanes of a mask in ascending order of gap. Returns their count.
+static uint32_t sorted_lanes( const float gap[LWI_WIDTH], uint32_t mask, uint32_t lanes[LWI_WIDTH] )
 {
 	uint32_t count = 0;
-	for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
+	for ( ; mask != 0; mask &= mask - 1 )
 	{
-		if ( gap[lane] >= limit )
-		{
-			continue;
-		}
+		uint32_t lane = lwi_lowest_bit( mask );
 		uint32_t at = count++;
 		while ( at > 0 && gap[lanes[at - 1]] > gap[lane] )
 		{
@@ -210,10 +207,10 @@ static uint32_t open_b( search* s, lwi_entry* e, uint32_t height )
 	const lwi_node* node = &s->b->nodes[e->b];
 	float sphere[4], gap[LWI_WIDTH];
 	sphere_a_in_b( s, e, sphere );
-	s->kernels->sphere_gap( node->x, sphere, gap );
+	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
 	s->query->stats.node_tests++;
 	uint32_t lanes[LWI_WIDTH];
-	uint32_t count = sorted_lanes( gap, s->limit, lanes );
+	uint32_t count = sorted_lanes( gap, mask, lanes );
 	for ( uint32_t i = count; i-- > 0; )
 	{
 		uint32_t lane = lanes[i];
@@ -234,10 +231,10 @@ static uint32_t open_a( search* s, lwi_entry* e, uint32_t height )
 	const lwi_node* node = &s->a->nodes[e->a];
 	float sphere[4], gap[LWI_WIDTH];
 	sphere_b_in_a( s, e, sphere );
-	s->kernels->sphere_gap( node->x, sphere, gap );
+	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
 	s->query->stats.node_tests++;
 	uint32_t lanes[LWI_WIDTH];
-	uint32_t count = sorted_lanes( gap, s->limit, lanes );
+	uint32_t count = sorted_lanes( gap, mask, lanes );
 	for ( uint32_t i = count; i-- > 0; )
 	{
 		uint32_t lane = lanes[i];
@@ -264,18 +261,15 @@ static void flush_batch( search* s )
 	uint32_t used = batch->count;
 	batch->count = 0;
 	float gap[LWI_WIDTH];
-	s->kernels->triangle_gap( batch->a, batch->b, s->limit, gap );
+	// lanes from `used` on are stale pairs of an earlier batch
+	uint32_t mask = s->kernels->triangle_gap( batch->a, batch->b, s->limit, gap ) & lwi_low_bits( used );
 	s->query->stats.triangle_tests += used;
-	for ( uint32_t lane = used; lane < LWI_WIDTH; ++lane )
-	{
-		gap[lane] = INFINITY; // stale pairs of an earlier batch
-	}
 	uint32_t lanes[LWI_WIDTH];
-	uint32_t count = sorted_lanes( gap, s->limit, lanes );
+	uint32_t count = sorted_lanes( gap, mask, lanes );
 	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
 	{
 		uint32_t lane = lanes[i];
-		if ( lane < used && !( gap[lane] >= s->limit ) )
+		if ( !( gap[lane] >= s->limit ) )
 		{
 			measure_triangles( s, batch->triangle_a[lane], batch->triangle_b[lane] );
 		}
@@ -334,7 +328,7 @@ static void project_leaves( search* s, const lwi_leaf* a, const lwi_leaf* b, con
 	}
 }
 
-/// All triangle pairs of two leaves: spheres against triangles, then a slab common to all pairs, then the batch.
+/// All triangle pairs of two leaves: spheres against triangles, then two slabs common to all pairs, then the batch.
 static void compare_leaves( search* s, lwi_entry* e )
 {
 	const lwi_leaf* a = &s->a->leaves[lwi_ref_index( e->a )];
@@ -344,52 +338,46 @@ static void compare_leaves( search* s, lwi_entry* e )
 
 	float sphere[4], gap_a[LWI_WIDTH], gap_b[LWI_WIDTH], direction_a[3][LWI_WIDTH], direction_b[3][LWI_WIDTH];
 	sphere_b_in_a( s, e, sphere );
-	s->kernels->leaf_gap( a, sphere, gap_a, direction_a );
-	uint32_t nearest_a = least_lane( gap_a, count_a );
-	if ( gap_a[nearest_a] >= s->limit )
+	uint32_t mask_a = s->kernels->leaf_gap( a, sphere, s->limit, gap_a, direction_a ) & lwi_low_bits( count_a );
+	if ( mask_a == 0 )
 	{
 		return;
 	}
 	sphere_a_in_b( s, e, sphere );
-	s->kernels->leaf_gap( b, sphere, gap_b, direction_b );
-	uint32_t nearest_b = least_lane( gap_b, count_b );
-	if ( gap_b[nearest_b] >= s->limit )
+	uint32_t mask_b = s->kernels->leaf_gap( b, sphere, s->limit, gap_b, direction_b ) & lwi_low_bits( count_b );
+	if ( mask_b == 0 )
 	{
 		return;
 	}
-	float high_a[LWI_WIDTH], low_b[LWI_WIDTH];
-	float along[3] = { direction_a[0][nearest_a], direction_a[1][nearest_a], direction_a[2][nearest_a] };
-	project_leaves( s, a, b, along, high_a, low_b );
-	// the same from b's side: its direction points from b to a, so it is turned around
-	float high_a2[LWI_WIDTH], low_b2[LWI_WIDTH];
-	float back[3] = { -direction_b[0][nearest_b], -direction_b[1][nearest_b], -direction_b[2][nearest_b] };
-	float along2[3];
+	float high_a[2][LWI_WIDTH], low_b[2][LWI_WIDTH];
+	uint32_t nearest = least_lane( gap_a, count_a );
+	float along[3] = { direction_a[0][nearest], direction_a[1][nearest], direction_a[2][nearest] };
+	project_leaves( s, a, b, along, high_a[0], low_b[0] );
+	// from b's side the direction points from b to a: turned around, and into a's frame
+	nearest = least_lane( gap_b, count_b );
+	float back[3] = { -direction_b[0][nearest], -direction_b[1][nearest], -direction_b[2][nearest] };
 	const lwi_motion* m = &s->tree_a_from_b;
 	for ( int i = 0; i < 3; ++i )
 	{
-		along2[i] = m->r[3 * i] * back[0] + m->r[3 * i + 1] * back[1] + m->r[3 * i + 2] * back[2];
+		along[i] = m->r[3 * i] * back[0] + m->r[3 * i + 1] * back[1] + m->r[3 * i + 2] * back[2];
 	}
-	project_leaves( s, a, b, along2, high_a2, low_b2 );
+	project_leaves( s, a, b, along, high_a[1], low_b[1] );
 
 	lwi_triangles8 moved;
 	bool have_moved = false;
-	for ( uint32_t i = 0; i < count_a && !s->bound->done; ++i )
+	for ( ; mask_a != 0 && !s->bound->done; mask_a &= mask_a - 1 )
 	{
-		if ( gap_a[i] >= s->limit )
+		uint32_t i = lwi_lowest_bit( mask_a );
+		float high[2] = { high_a[0][i], high_a[1][i] };
+		uint32_t mask = s->kernels->slab_gap( (const float( * )[LWI_WIDTH])low_b, high, s->limit ) & mask_b;
+		if ( mask != 0 && !have_moved )
 		{
-			continue;
+			s->kernels->leaf_transform( b, &s->tree_a_from_b, moved );
+			have_moved = true;
 		}
-		for ( uint32_t j = 0; j < count_b; ++j )
+		for ( ; mask != 0; mask &= mask - 1 )
 		{
-			if ( gap_b[j] >= s->limit || low_b[j] - high_a[i] >= s->limit || low_b2[j] - high_a2[i] >= s->limit )
-			{
-				continue;
-			}
-			if ( !have_moved )
-			{
-				s->kernels->leaf_transform( b, &s->tree_a_from_b, moved );
-				have_moved = true;
-			}
+			uint32_t j = lwi_lowest_bit( mask );
 			add_to_batch( s, a, i, moved, j, b->triangle[j] );
 		}
 	}
@@ -403,12 +391,10 @@ static bool leaf_side_rules_out( search* s, lwi_entry* e )
 	if ( lwi_ref_is_leaf( e->a ) )
 	{
 		sphere_b_in_a( s, e, sphere );
-		s->kernels->leaf_gap( &s->a->leaves[lwi_ref_index( e->a )], sphere, gap, direction );
-		return gap[least_lane( gap, lwi_ref_count( e->a ) )] >= s->limit;
+		return s->kernels->leaf_gap( &s->a->leaves[lwi_ref_index( e->a )], sphere, s->limit, gap, direction ) == 0;
 	}
 	sphere_a_in_b( s, e, sphere );
-	s->kernels->leaf_gap( &s->b->leaves[lwi_ref_index( e->b )], sphere, gap, direction );
-	return gap[least_lane( gap, lwi_ref_count( e->b ) )] >= s->limit;
+	return s->kernels->leaf_gap( &s->b->leaves[lwi_ref_index( e->b )], sphere, s->limit, gap, direction ) == 0;
 }
 
 static void search_soups( search* s )
@@ -521,12 +507,12 @@ static void search_solid( search* s )
 		if ( lwi_ref_is_leaf( e.a ) )
 		{
 			const lwi_leaf* leaf = &soup->leaves[lwi_ref_index( e.a )];
-			s->kernels->leaf_solid_gap( leaf, motion, &solid, gap );
+			uint32_t mask = s->kernels->leaf_solid_gap( leaf, motion, &solid, s->limit, gap );
 			query->stats.leaf_tests++;
-			uint32_t count = sorted_lanes( gap, s->limit, lanes );
+			uint32_t count = sorted_lanes( gap, mask & lwi_low_bits( lwi_ref_count( e.a ) ), lanes );
 			for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
 			{
-				if ( lanes[i] < lwi_ref_count( e.a ) && !( gap[lanes[i]] >= s->limit ) )
+				if ( !( gap[lanes[i]] >= s->limit ) )
 				{
 					uint32_t triangle = leaf->triangle[lanes[i]];
 					measure_convex( s, solid_is_a ? LW_INVALID_INDEX : triangle, solid_is_a ? triangle : LW_INVALID_INDEX );
@@ -535,9 +521,9 @@ static void search_solid( search* s )
 			continue;
 		}
 		const lwi_node* node = &soup->nodes[e.a];
-		s->kernels->node_solid_gap( node, motion, &solid, gap );
+		uint32_t mask = s->kernels->node_solid_gap( node, motion, &solid, s->limit, gap );
 		query->stats.node_tests++;
-		for ( uint32_t i = sorted_lanes( gap, s->limit, lanes ); i-- > 0; )
+		for ( uint32_t i = sorted_lanes( gap, mask, lanes ); i-- > 0; )
 		{
 			lwi_entry* child = &query->stack[height++];
 			child->a = node->child[lanes[i]];

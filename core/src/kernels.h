@@ -45,23 +45,30 @@ typedef struct lwi_solid
 typedef struct lwi_kernels
 {
 	lw_simd level;
+	// Those that return uint32_t: bit i is set where lane i does not reach `limit`, NaN included.
+
 	/// |c - c_i| - (r + r_i) of a sphere (x, y, z, r) and eight: xyzr = float[4][8], as the head of lwi_node
-	void ( *sphere_gap )( const float* xyzr, const float sphere[4], float gap[LWI_WIDTH] );
+	uint32_t ( *sphere_gap )( const float* xyzr, const float sphere[4], float limit, float gap[LWI_WIDTH] );
 	/// distance of the sphere's centre to eight boxes, minus its radius
 	void ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float gap[LWI_WIDTH] );
 	/// distance of the sphere's centre to the eight triangles of a leaf, minus its radius; direction[axis][lane] is the slab's
 	/// direction (any length), from triangle to centre
-	void ( *leaf_gap )( const lwi_leaf* leaf, const float sphere[4], float gap[LWI_WIDTH], float direction[3][LWI_WIDTH] );
+	uint32_t ( *leaf_gap )( const lwi_leaf* leaf, const float sphere[4], float limit, float gap[LWI_WIDTH],
+		float direction[3][LWI_WIDTH] );
+	/// low - high of eight lanes against one high, along two directions; a lane is dropped if either reaches `limit`
+	uint32_t ( *slab_gap )( const float low[2][LWI_WIDTH], const float high[2], float limit );
 	/// extent of the eight triangles of a leaf along `direction`: least and greatest direction . vertex
 	void ( *leaf_project )( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] );
 	/// the leaf's triangles moved
 	void ( *leaf_transform )( const lwi_leaf* leaf, const lwi_motion* motion, lwi_triangles8 out );
 	/// distances of eight pairs of triangles. Lanes that reach `limit` by a cheap direction may stop there.
-	void ( *triangle_gap )( lwi_triangles8 a, lwi_triangles8 b, float limit, float gap[LWI_WIDTH] );
+	uint32_t ( *triangle_gap )( lwi_triangles8 a, lwi_triangles8 b, float limit, float gap[LWI_WIDTH] );
 	/// distance of the centres of a node's spheres to a solid, minus their radii; motion = solid_from_tree
-	void ( *node_solid_gap )( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float gap[LWI_WIDTH] );
+	uint32_t ( *node_solid_gap )( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float limit,
+		float gap[LWI_WIDTH] );
 	/// the same for spheres around the triangles of a leaf
-	void ( *leaf_solid_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float gap[LWI_WIDTH] );
+	uint32_t ( *leaf_solid_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
+		float gap[LWI_WIDTH] );
 } lwi_kernels;
 
 /// The table of a level; levels that this build or machine lacks give the next lower one.

@@ -45,13 +45,20 @@ static inline f8 f8_clamp01( f8 a ) { return f8_min( f8_max( a, f8_set( 0.0f ) )
 /// A divisor: zero lengths of degenerate triangles become the smallest normal float, so that no quotient is 0 / 0.
 static inline f8 f8_divisor( f8 a ) { return f8_max( a, f8_set( 1.17549435e-38f ) ); }
 
-static void sphere_gap( const float* xyzr, const float sphere[4], float gap[LWI_WIDTH] )
+/// Stores the gaps; bit i of the result is set where lane i does not reach the limit.
+static inline uint32_t store_gap( float gap[LWI_WIDTH], f8 value, float limit )
+{
+	f8_store( gap, value );
+	return ~m8_bits( f8_ge( value, f8_set( limit ) ) ) & 0xffu;
+}
+
+static uint32_t sphere_gap( const float* xyzr, const float sphere[4], float limit, float gap[LWI_WIDTH] )
 {
 	f8 dx = f8_sub( f8_load( xyzr ), f8_set( sphere[0] ) );
 	f8 dy = f8_sub( f8_load( xyzr + 8 ), f8_set( sphere[1] ) );
 	f8 dz = f8_sub( f8_load( xyzr + 16 ), f8_set( sphere[2] ) );
 	f8 distance = f8_sqrt( f8_add( f8_add( f8_mul( dx, dx ), f8_mul( dy, dy ) ), f8_mul( dz, dz ) ) );
-	f8_store( gap, f8_sub( distance, f8_add( f8_load( xyzr + 24 ), f8_set( sphere[3] ) ) ) );
+	return store_gap( gap, f8_sub( distance, f8_add( f8_load( xyzr + 24 ), f8_set( sphere[3] ) ) ), limit );
 }
 
 static void box_gap( const lwi_box8* boxes, const float sphere[4], float gap[LWI_WIDTH] )
@@ -74,7 +81,8 @@ static inline f8 point_slab( v3 n, v3 p_v0, v3 p_v1, v3 p_v2 )
 	return f8_div( least, f8_sqrt( f8_divisor( v3_dot( n, n ) ) ) );
 }
 
-static void leaf_gap( const lwi_leaf* leaf, const float sphere[4], float gap[LWI_WIDTH], float direction[3][LWI_WIDTH] )
+static uint32_t leaf_gap( const lwi_leaf* leaf, const float sphere[4], float limit, float gap[LWI_WIDTH],
+	float direction[3][LWI_WIDTH] )
 {
 	v3 p = v3_set( sphere );
 	v3 v0 = v3_load( leaf->v[0] ), v1 = v3_load( leaf->v[1] ), v2 = v3_load( leaf->v[2] );
@@ -102,7 +110,14 @@ static void leaf_gap( const lwi_leaf* leaf, const float sphere[4], float gap[LWI
 	f8 by_normal = point_slab( normal, d0, d1, d2 );
 	m8 normal_wins = f8_lt( by_edge, by_normal );
 	v3_store( direction, v3_select( normal_wins, normal, best ) );
-	f8_store( gap, f8_sub( f8_select( normal_wins, by_normal, by_edge ), f8_set( sphere[3] ) ) );
+	return store_gap( gap, f8_sub( f8_select( normal_wins, by_normal, by_edge ), f8_set( sphere[3] ) ), limit );
+}
+
+static uint32_t slab_gap( const float low[2][LWI_WIDTH], const float high[2], float limit )
+{
+	f8 first = f8_sub( f8_load( low[0] ), f8_set( high[0] ) ), second = f8_sub( f8_load( low[1] ), f8_set( high[1] ) );
+	f8 at = f8_set( limit );
+	return ~( m8_bits( f8_ge( first, at ) ) | m8_bits( f8_ge( second, at ) ) ) & 0xffu;
 }
 
 static void leaf_project( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] )
@@ -145,7 +160,7 @@ static inline v3 segment_vector( v3 a, v3 u, f8 uu, v3 b, v3 v, f8 vv )
 	return v3_sub( v3_sub( v3_mul( t, v ), v3_mul( s, u ) ), r );
 }
 
-static void triangle_gap( lwi_triangles8 a_in, lwi_triangles8 b_in, float limit, float gap[LWI_WIDTH] )
+static uint32_t triangle_gap( lwi_triangles8 a_in, lwi_triangles8 b_in, float limit, float gap[LWI_WIDTH] )
 {
 	// relative to a vertex of a: the dot products of the slabs then cancel no large coordinates
 	v3 origin = v3_load( (const float( * )[LWI_WIDTH])a_in[0] );
@@ -191,7 +206,7 @@ static void triangle_gap( lwi_triangles8 a_in, lwi_triangles8 b_in, float limit,
 		}
 		best = f8_max( best, triangle_slab( shortest, a, b ) );
 	}
-	f8_store( gap, best );
+	return store_gap( gap, best, limit );
 }
 
 /// Distance of points in the solid's frame to the solid.
@@ -231,20 +246,22 @@ static inline f8 solid_distance( v3 p, const lwi_solid* solid )
 	return f8_max( f8_max( f8_max( below, slant ), nearest ), zero );
 }
 
-static void node_solid_gap( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float gap[LWI_WIDTH] )
+static uint32_t node_solid_gap( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float limit,
+	float gap[LWI_WIDTH] )
 {
 	v3 center = { f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) };
-	f8_store( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), f8_load( node->r ) ) );
+	return store_gap( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), f8_load( node->r ) ), limit );
 }
 
-static void leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float gap[LWI_WIDTH] )
+static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
+	float gap[LWI_WIDTH] )
 {
 	v3 v0 = v3_load( leaf->v[0] ), v1 = v3_load( leaf->v[1] ), v2 = v3_load( leaf->v[2] );
 	v3 center = v3_mul( f8_set( 1.0f / 3.0f ), v3_add( v3_add( v0, v1 ), v2 ) );
 	v3 d0 = v3_sub( v0, center ), d1 = v3_sub( v1, center ), d2 = v3_sub( v2, center );
 	f8 radius = f8_sqrt( f8_max( f8_max( v3_dot( d0, d0 ), v3_dot( d1, d1 ) ), v3_dot( d2, d2 ) ) );
-	f8_store( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), radius ) );
+	return store_gap( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), radius ), limit );
 }
 
-const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, leaf_gap, leaf_project, leaf_transform,
+const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, leaf_gap, slab_gap, leaf_project, leaf_transform,
 	triangle_gap, node_solid_gap, leaf_solid_gap };

@@ -35,4 +35,22 @@ typedef struct lwi_leaf
 	uint32_t triangle[LWI_WIDTH]; ///< index into lw_shape.indices / 3: the original triangle
 } lwi_leaf;
 
+/// Index of the lowest set bit of a lane mask; mask != 0.
+static inline uint32_t lwi_lowest_bit( uint32_t mask )
+{
+#if defined( __GNUC__ )
+	return (uint32_t)__builtin_ctz( mask );
+#else
+	uint32_t index = 0;
+	for ( ; ( mask & 1u ) == 0; mask >>= 1 )
+	{
+		++index;
+	}
+	return index;
+#endif
+}
+
+/// The lowest `count` bits, count <= LWI_WIDTH.
+static inline uint32_t lwi_low_bits( uint32_t count ) { return ( 1u << count ) - 1u; }
+
 #endif

@@ -113,19 +113,23 @@ std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 {
 	std::vector<float> out( 8 * 20, 0.0f );
 	lwi_triangles8 a, b;
-	k->sphere_gap( in.node.x, in.sphere, &out[0] );
+	float limit = 0.1f * static_cast<float>( in.scale );
+	out[120] = static_cast<float>( k->sphere_gap( in.node.x, in.sphere, limit, &out[0] ) );
 	k->box_gap( &in.boxes, in.sphere, &out[8] );
 	float direction[3][8];
-	k->leaf_gap( &in.leaf, in.sphere, &out[16], direction );
+	out[121] = static_cast<float>( k->leaf_gap( &in.leaf, in.sphere, limit, &out[16], direction ) );
 	std::memcpy( &out[24], direction, sizeof( direction ) );
 	k->leaf_project( &in.leaf, in.sphere, &out[48], &out[56] );
 	k->leaf_transform( &in.leaf, &in.motion, a );
 	std::memcpy( b, in.other.v, sizeof( b ) );
 	std::memcpy( &out[64], a, 3 * 8 * sizeof( float ) );
 	k->triangle_gap( a, b, INFINITY, &out[88] );
-	k->triangle_gap( a, b, 0.1f * static_cast<float>( in.scale ), &out[96] );
-	k->node_solid_gap( &in.node, &in.motion, &in.solid, &out[104] );
-	k->leaf_solid_gap( &in.leaf, &in.motion, &in.solid, &out[112] );
+	out[122] = static_cast<float>( k->triangle_gap( a, b, limit, &out[96] ) );
+	out[123] = static_cast<float>( k->node_solid_gap( &in.node, &in.motion, &in.solid, limit, &out[104] ) );
+	out[124] = static_cast<float>( k->leaf_solid_gap( &in.leaf, &in.motion, &in.solid, limit, &out[112] ) );
+	float low[2][8];
+	std::memcpy( low, &out[48], sizeof( low ) );
+	out[125] = static_cast<float>( k->slab_gap( low, in.sphere, limit ) );
 	return out;
 }
 
@@ -169,11 +173,11 @@ TEST( Kernels, pads_are_not_infinitely_far )
 	SeededRng rng;
 	Input in = random_input( rng );
 	float gap[8];
-	lwi_kernels_scalar.sphere_gap( in.node.x, in.sphere, gap );
+	EXPECT_EQ( 0u, lwi_kernels_scalar.sphere_gap( in.node.x, in.sphere, INFINITY, gap ) & 0x80u );
 	EXPECT_EQ( gap[7], INFINITY );
 	lwi_kernels_scalar.box_gap( &in.boxes, in.sphere, gap );
 	EXPECT_EQ( gap[7], INFINITY );
-	lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, gap );
+	lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, INFINITY, gap );
 	EXPECT_EQ( gap[7], INFINITY );
 }
 
@@ -222,7 +226,7 @@ TEST( Kernels, point_triangle_gap_exceeds_distance )
 		Input in = random_input( rng );
 		in.sphere[3] = 0;
 		float gap[8], direction[3][8];
-		lwi_kernels_scalar.leaf_gap( &in.leaf, in.sphere, gap, direction );
+		lwi_kernels_scalar.leaf_gap( &in.leaf, in.sphere, INFINITY, gap, direction );
 		lw_vec3 p = { in.sphere[0], in.sphere[1], in.sphere[2] };
 		for ( int lane = 0; lane < 8; ++lane )
 		{
@@ -252,7 +256,7 @@ TEST( Kernels, solid_gap_exceeds_distance )
 	{
 		Input in = random_input( rng );
 		float gap[8];
-		lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, gap );
+		lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, INFINITY, gap );
 		lwi_convex solid = {};
 		solid.type = in.solid.type == LW_SHAPE_BOX		? LWI_CONVEX_BOX
 					 : in.solid.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE
