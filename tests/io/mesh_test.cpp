@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Mesh files of every format: the same tetrahedron, with the units, transforms and faults that each format allows.
+#include "files.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+using namespace leeway::io;
+
+namespace
+{
+
+class MeshTest : public FileTest
+{
+protected:
+	/// The shape of a robot of one link with this mesh.
+	lw_shape_info load( const std::string& mesh, const std::string& scale = "", RobotModel* model = nullptr )
+	{
+		std::string attribute = scale.empty() ? "" : " scale=\"" + scale + "\"";
+		std::string urdf = write( "robot.urdf", "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"" + mesh +
+				"\"" + attribute + "/></geometry></collision></link></robot>" );
+		m_model = loadRobot( urdf, "" );
+		if ( model != nullptr )
+		{
+			*model = m_model;
+		}
+		return lw_shape_get_info( m_model.links[0].collision[0].shape.get() );
+	}
+	void expectBox( const lw_shape_info& info, std::vector<double> low, std::vector<double> high )
+	{
+		for ( std::size_t i = 0; i < 3; ++i )
+		{
+			EXPECT_NEAR( info.box_min[i], low[i], 1e-6 ) << "axis " << i;
+			EXPECT_NEAR( info.box_max[i], high[i], 1e-6 ) << "axis " << i;
+		}
+	}
+	RobotModel m_model;
+};
+
+const float corners[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 2, 0 }, { 0, 0, 3 } };
+const std::uint32_t faces[4][3] = { { 0, 1, 2 }, { 0, 1, 3 }, { 0, 2, 3 }, { 1, 2, 3 } };
+
+std::string number( float value )
+{
+	return std::to_string( value );
+}
+
+std::string asciiStl( const std::string& first = "" )
+{
+	std::string text = "solid tetrahedron\n";
+	for ( const auto& face : faces )
+	{
+		text += "facet normal 0 0 0\nouter loop\n";
+		for ( std::uint32_t v : face )
+		{
+			bool replace = !first.empty() && &face == &faces[0] && v == 0;
+			text += "vertex " + ( replace ? first : number( corners[v][0] ) ) + " " + number( corners[v][1] ) + " " +
+				number( corners[v][2] ) + "\n";
+		}
+		text += "endloop\nendfacet\n";
+	}
+	return text + "endsolid tetrahedron\n";
+}
+
+template <typename T>
+void append( std::string& bytes, const T& value )
+{
+	bytes.append( reinterpret_cast<const char*>( &value ), sizeof value );
+}
+
+std::string binaryStl( float first_x = 0 )
+{
+	std::string bytes( 80, ' ' );
+	append( bytes, std::uint32_t{ 4 } );
+	for ( const auto& face : faces )
+	{
+		bytes.append( 12, '\0' );
+		for ( std::uint32_t v : face )
+		{
+			append( bytes, v == 0 ? first_x : corners[v][0] );
+			append( bytes, corners[v][1] );
+			append( bytes, corners[v][2] );
+		}
+		bytes.append( 2, '\0' );
+	}
+	return bytes;
+}
+
+std::string collada( const std::string& unit, const std::string& up, const std::string& node_matrix )
+{
+	std::string positions, indices;
+	for ( const auto& c : corners )
+	{
+		positions += number( c[0] ) + " " + number( c[1] ) + " " + number( c[2] ) + " ";
+	}
+	for ( const auto& f : faces )
+	{
+		indices += std::to_string( f[0] ) + " " + std::to_string( f[1] ) + " " + std::to_string( f[2] ) + " ";
+	}
+	return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>" + unit +
+		"<up_axis>" + up + "</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" "
+		"count=\"12\">" + positions + "</float_array><technique_common><accessor source=\"#a\" count=\"4\" stride=\"3\"><param "
+		"name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common>"
+		"</source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"4\"><input "
+		"semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" + indices + "</p></triangles></mesh></geometry></library_geometries>"
+		"<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><matrix>" + node_matrix + "</matrix><instance_geometry "
+		"url=\"#g\"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
+}
+
+const char* identity_matrix = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
+
+std::string gltfBuffer()
+{
+	std::string bytes;
+	for ( const auto& c : corners )
+	{
+		bytes.append( reinterpret_cast<const char*>( c ), sizeof c );
+	}
+	for ( const auto& f : faces )
+	{
+		bytes.append( reinterpret_cast<const char*>( f ), sizeof f );
+	}
+	return bytes;
+}
+
+std::string base64( const std::string& bytes )
+{
+	const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+	std::string text;
+	for ( std::size_t i = 0; i < bytes.size(); i += 3 )
+	{
+		std::uint32_t group = 0;
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			group = group << 8 | ( i + k < bytes.size() ? static_cast<unsigned char>( bytes[i + k] ) : 0U );
+		}
+		for ( std::size_t k = 0; k < 4; ++k )
+		{
+			text += i + k <= bytes.size() ? digits[group >> ( 18 - 6 * k ) & 63] : '=';
+		}
+	}
+	return text;
+}
+
+std::string gltfJson( const std::string& buffer )
+{
+	return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"translation":[10,0,0],"children":[1]},)"
+		R"({"mesh":0,"scale":[2,2,2]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[)" + buffer +
+		R"(],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":48}],"accessors":[)"
+		R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,2,3]},)"
+		R"({"bufferView":1,"componentType":5125,"count":12,"type":"SCALAR"}]})";
+}
+
+} // namespace
+
+TEST_F( MeshTest, AsciiStl )
+{
+	write( "m.stl", asciiStl() );
+	lw_shape_info info = load( "m.stl" );
+	EXPECT_EQ( info.triangle_count, 4u );
+	expectBox( info, { 0, 0, 0 }, { 1, 2, 3 } );
+}
+
+TEST_F( MeshTest, BinaryStlWhateverItsHeaderSays )
+{
+	std::string bytes = binaryStl();
+	write( "m.STL", bytes );
+	expectBox( load( "m.STL" ), { 0, 0, 0 }, { 1, 2, 3 } );
+	bytes.replace( 0, 5, "solid" );
+	write( "n.stl", bytes );
+	EXPECT_EQ( load( "n.stl" ).triangle_count, 4u );
+}
+
+TEST_F( MeshTest, ObjWithQuadsKeepsEveryTriangle )
+{
+	write( "m.obj", "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nf 1 2 3 4\nf 1 2 5\n" );
+	lw_shape_info info = load( "m.obj" );
+	EXPECT_EQ( info.triangle_count, 3u );
+	expectBox( info, { 0, 0, 0 }, { 1, 2, 3 } );
+}
+
+TEST_F( MeshTest, DegenerateAndDuplicateTrianglesStay )
+{
+	write( "m.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\nf 1 2 3\nf 1 2 2\nf 1 1 1\n" );
+	lw_shape_info info = load( "m.obj" );
+	EXPECT_EQ( info.triangle_count, 4u );
+	EXPECT_EQ( info.degenerate_count, 2u );
+}
+
+TEST_F( MeshTest, LinesAndPointsAreDroppedWithANotice )
+{
+	write( "m.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\nl 1 2\n" );
+	RobotModel model;
+	EXPECT_EQ( load( "m.obj", "", &model ).triangle_count, 1u );
+	EXPECT_NOTICE( model.report.notices, "1 points and lines" );
+}
+
+TEST_F( MeshTest, Ply )
+{
+	write( "m.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
+		"property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 2 0\n0 0 3\n3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 3\n" );
+	lw_shape_info info = load( "m.ply" );
+	EXPECT_EQ( info.triangle_count, 4u );
+	expectBox( info, { 0, 0, 0 }, { 1, 2, 3 } );
+}
+
+TEST_F( MeshTest, ColladaUnitIsApplied )
+{
+	write( "m.dae", collada( "<unit name=\"centimeter\" meter=\"0.01\"/>", "Z_UP", identity_matrix ) );
+	expectBox( load( "m.dae" ), { 0, 0, 0 }, { 0.01, 0.02, 0.03 } );
+}
+
+TEST_F( MeshTest, ColladaUpAxisIsNot )
+{
+	for ( const char* up : { "X_UP", "Y_UP", "Z_UP" } )
+	{
+		write( "m.dae", collada( "<unit meter=\"1\"/>", up, identity_matrix ) );
+		expectBox( load( "m.dae" ), { 0, 0, 0 }, { 1, 2, 3 } );
+	}
+}
+
+TEST_F( MeshTest, ColladaNodeTransformIsApplied )
+{
+	write( "m.dae", collada( "<unit meter=\"0.1\"/>", "Y_UP", "0 -1 0 5 1 0 0 0 0 0 1 0 0 0 0 1" ) );
+	expectBox( load( "m.dae" ), { 0.3, 0, 0 }, { 0.5, 0.1, 0.3 } );
+}
+
+TEST_F( MeshTest, GltfNodesAreApplied )
+{
+	write( "m.gltf", gltfJson( "{\"byteLength\":96,\"uri\":\"data:application/octet-stream;base64," + base64( gltfBuffer() ) + "\"}" ) );
+	lw_shape_info info = load( "m.gltf" );
+	EXPECT_EQ( info.triangle_count, 4u );
+	expectBox( info, { 10, 0, 0 }, { 12, 4, 6 } );
+}
+
+TEST_F( MeshTest, Glb )
+{
+	std::string json = gltfJson( "{\"byteLength\":96}" ), buffer = gltfBuffer();
+	json.resize( ( json.size() + 3 ) / 4 * 4, ' ' );
+	std::string bytes = "glTF";
+	append( bytes, std::uint32_t{ 2 } );
+	append( bytes, static_cast<std::uint32_t>( 12 + 8 + json.size() + 8 + buffer.size() ) );
+	append( bytes, static_cast<std::uint32_t>( json.size() ) );
+	bytes += "JSON" + json;
+	append( bytes, static_cast<std::uint32_t>( buffer.size() ) );
+	bytes += std::string( "BIN\0", 4 ) + buffer;
+	write( "m.glb", bytes );
+	expectBox( load( "m.glb" ), { 10, 0, 0 }, { 12, 4, 6 } );
+}
+
+TEST_F( MeshTest, ScaleAndMirror )
+{
+	write( "m.stl", asciiStl() );
+	expectBox( load( "m.stl", "0.001 0.001 -0.002" ), { 0, 0, -0.006 }, { 0.001, 0.002, 0 } );
+	EXPECT_DOUBLE_EQ( m_model.report.shapes[0].scale[2], -0.002 );
+	expectError( [&] { load( "m.stl", "1 0 1" ); }, { "robot.urdf", "link base, collision 1", "scale 1 0 1" } );
+}
+
+TEST_F( MeshTest, OneShapePerFileAndScale )
+{
+	write( "m.stl", asciiStl() );
+	std::string collision = "<collision><geometry><mesh filename=\"m.stl\" scale=\"1 1 1\"/></geometry></collision>";
+	std::string other = "<collision><geometry><mesh filename=\"./m.stl\" scale=\"2 1 1\"/></geometry></collision>";
+	std::string urdf = write( "robot.urdf", "<robot name=\"r\"><link name=\"base\">" + collision + other + collision +
+			"<collision><geometry><mesh filename=\"./m.stl\"/></geometry></collision></link></robot>" );
+	RobotModel model = loadRobot( urdf, "" );
+	const std::vector<PlacedShape>& shapes = model.links[0].collision;
+	EXPECT_EQ( shapes[0].shape.get(), shapes[2].shape.get() );
+	EXPECT_EQ( shapes[0].shape.get(), shapes[3].shape.get() ) << "no scale is scale 1, and ./m.stl is m.stl";
+	EXPECT_NE( shapes[0].shape.get(), shapes[1].shape.get() );
+	ASSERT_EQ( model.report.shapes.size(), 4u );
+	EXPECT_FALSE( model.report.shapes[0].shared );
+	EXPECT_FALSE( model.report.shapes[1].shared );
+	EXPECT_TRUE( model.report.shapes[2].shared );
+	EXPECT_TRUE( model.report.shapes[3].shared );
+	EXPECT_EQ( model.report.shapes[2].file, path( "m.stl" ) );
+	EXPECT_EQ( model.report.shapes[2].owner, "base" );
+}
+
+TEST_F( MeshTest, NotFiniteVertices )
+{
+	write( "nan.stl", binaryStl( std::nanf( "" ) ) );
+	expectError( [&] { load( "nan.stl" ); }, { "robot.urdf", "link base, collision 1", "nan.stl" } );
+	write( "inf.stl", binaryStl( INFINITY ) );
+	expectError( [&] { load( "inf.stl" ); }, { "robot.urdf", "inf.stl" } );
+	write( "text.stl", asciiStl( "nan" ) );
+	expectError( [&] { load( "text.stl" ); }, { "robot.urdf", "text.stl" } );
+	write( "nan.obj", "v nan 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n" );
+	expectError( [&] { load( "nan.obj" ); }, { "robot.urdf", "nan.obj" } );
+	write( "inf.obj", "v 1e300 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n" );
+	expectError( [&] { load( "inf.obj" ); }, { "robot.urdf", "inf.obj" } );
+	write( "nan.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+		"property list uchar int vertex_indices\nend_header\n0 nan 0\n1 0 0\n0 2 0\n3 0 1 2\n" );
+	expectError( [&] { load( "nan.ply" ); }, { "robot.urdf", "nan.ply" } );
+	write( "nan.dae", collada( "<unit meter=\"1\"/>", "Z_UP", "nan 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1" ) );
+	expectError( [&] { load( "nan.dae" ); }, { "robot.urdf", "nan.dae" } );
+}
+
+TEST_F( MeshTest, EmptyBrokenAndUnknownFiles )
+{
+	write( "empty.stl", "" );
+	expectError( [&] { load( "empty.stl" ); }, { "robot.urdf", "link base, collision 1", "empty.stl" } );
+	write( "none.stl", "solid a\nendsolid a\n" );
+	expectError( [&] { load( "none.stl" ); }, { "robot.urdf", "none.stl" } );
+	write( "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n" );
+	expectError( [&] { load( "points.obj" ); }, { "robot.urdf", "points.obj" } );
+	write( "cut.stl", binaryStl().substr( 0, 150 ) );
+	expectError( [&] { load( "cut.stl" ); }, { "robot.urdf", "cut.stl" } );
+	write( "cut.dae", collada( "", "Z_UP", identity_matrix ).substr( 0, 700 ) );
+	expectError( [&] { load( "cut.dae" ); }, { "robot.urdf", "cut.dae" } );
+	write( "what.xyzzy", "hello" );
+	expectError( [&] { load( "what.xyzzy" ); }, { "robot.urdf", "what.xyzzy", "convert" } );
+}
