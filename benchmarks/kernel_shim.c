@@ -2,6 +2,7 @@
 // The core's kernels for a C++ program: see kernel_shim.h.
 #include "kernel_shim.h"
 
+#include "base_internal.h"
 #include "kernels.h"
 
 #include <math.h>
