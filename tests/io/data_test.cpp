@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -74,7 +75,14 @@ void expectProblem( const RobotModel& robot, const SceneModel& scene, const Requ
 	EXPECT_EQ( lw_scene_object_count( problem.scene.get() ), scene.objects.size() );
 	EXPECT_EQ( startState( problem ).size(), problem.variables.size() );
 	EXPECT_EQ( goalState( problem, request ).size(), problem.variables.size() );
-	EXPECT_TRUE( limitViolations( problem, goalState( problem, request ) ).empty() ) << request.file;
+	// The goals of MotionBenchMaker reach pi where the URDF says 3.14159: out of limits by rounding, and by no more
+	std::vector<double> goal = goalState( problem, request );
+	for ( std::size_t i = 0; i < goal.size(); ++i )
+	{
+		lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[i] );
+		goal[i] = std::clamp( goal[i], std::min( goal[i] + 3e-6, info.lower ), std::max( goal[i] - 3e-6, info.upper ) );
+	}
+	EXPECT_TRUE( limitViolations( problem, goal ).empty() ) << request.file;
 }
 
 void expectMotionBenchMaker( const std::string& robot_name, std::size_t links_with_geometry, std::size_t robot_triangles )
