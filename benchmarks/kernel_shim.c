@@ -73,17 +73,18 @@ float bench_kernel_run( void* work, int kernel )
 	uint32_t i = w->next;
 	w->next = ( i + 1 ) % INPUTS;
 	float gap[LWI_WIDTH], direction[3][LWI_WIDTH];
+	uint32_t lanes;
 	switch ( kernel )
 	{
 	case 0:
-		w->kernels->sphere_gap( w->nodes[i].x, w->spheres[i], gap );
+		lanes = w->kernels->sphere_gap( w->nodes[i].x, w->spheres[i], INFINITY, gap );
 		break;
 	case 1:
-		w->kernels->leaf_gap( &w->leaves[i], w->spheres[i], gap, direction );
+		lanes = w->kernels->leaf_gap( &w->leaves[i], w->spheres[i], INFINITY, gap, direction );
 		break;
 	default:
-		w->kernels->triangle_gap( w->leaves[i].v, w->leaves[w->next].v, INFINITY, gap );
+		lanes = w->kernels->triangle_gap( w->leaves[i].v, w->leaves[w->next].v, INFINITY, gap );
 		break;
 	}
-	return gap[0];
+	return lanes != 0 ? gap[0] : 0;
 }

@@ -10,7 +10,7 @@ void* bench_kernel_create( lw_simd level );
 void bench_kernel_destroy( void* work );
 
 /// One call, eight lanes: kernel 0 sphere against spheres, 1 sphere against triangles, 2 triangles against triangles.
-/// @return one of the gaps
+/// @return one of the gaps, or 0
 float bench_kernel_run( void* work, int kernel );
 
 #endif
