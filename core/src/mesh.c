@@ -178,8 +178,8 @@ static void weld_all( const lw_mesh_def* def, welder* w, uint32_t* remap, uint32
 	}
 }
 
-/// A tolerance far below the spacing of doubles at these coordinates welds exact duplicates only, and its cell numbers would not
-/// be exact.
+/// A tolerance far below the spacing of doubles at these coordinates welds exact duplicates only, and its cell numbers
+/// would not be exact.
 static double usable_tolerance( const lw_mesh_def* def )
 {
 	double largest = 0.0;

@@ -196,7 +196,9 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 	}
 	if ( ( def->vertices == NULL && def->vertex_count > 0 ) || ( def->indices == NULL && def->triangle_count > 0 ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "mesh def has a count without an array" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"mesh def has a %s count but no %s array; set both", def->vertices == NULL ? "vertex" : "triangle",
+			def->vertices == NULL ? "vertex" : "index" );
 	}
 	lw_status status = check_tree_def( &def->tree, diag );
 	if ( status != LW_OK )
@@ -231,9 +233,10 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 	return LW_OK;
 }
 
-/// A soup of `count` degenerate triangles over the given points: single points, or one segment if count is 1 and there are two.
-static lw_status create_dilated( lw_shape_type type, const double* points, uint32_t point_count, uint32_t count, double radius,
-	const lw_tree_def* tree, const double dimensions[3], const lw_allocator* memory, lw_diag* diag, lw_shape** out_shape )
+/// A soup of `count` degenerate triangles over the given points: each point, or one segment if there are two points for it.
+static lw_status create_dilated( lw_shape_type type, const double* points, uint32_t point_count, uint32_t count,
+	double radius, const lw_tree_def* tree, const double dimensions[3], const lw_allocator* memory, lw_diag* diag,
+	lw_shape** out_shape )
 {
 	lw_shape* shape = new_shape( type, memory );
 	if ( shape == NULL )

@@ -242,8 +242,8 @@ lwi_ball lwi_fit_minimal( const double* points, size_t count )
 
 // Certificates
 
-/// Rounding of the distances below, u = 2^-53: each difference u, doubled by the square, product u, two sums 2u, all halved by
-/// the root, root u: below 4u relative. Squares below 2^-1022 underflow: less than 1e-150 metres, added outright.
+/// Rounding of the distances below, u = 2^-53: each difference u, doubled by the square, product u, two sums 2u, all halved
+/// by the root, root u: below 4u relative. Squares below 2^-1022 underflow: less than 1e-150 metres, added outright.
 #define DISTANCE_FACTOR ( 1.0 + 8 * LWI_U64 )
 #define DISTANCE_UNDERFLOW 1e-150
 

@@ -2,7 +2,7 @@
 // Tiling of triangles by small spheres, as Quinlan's leaf spheres want it.
 //
 // Quinlan, "Efficient distance computation between non-convex objects", 1994 (leaf spheres of one size). Rivara, "Algorithms
-// for refining triangular grids", 1984 (longest-edge bisection: angles do not degenerate, so tiles stay few).
+//   for refining triangular grids", 1984 (longest-edge bisection: angles do not degenerate, so tiles stay few).
 #include "sphere_tree_build.h"
 
 #include "math_inline.h"
@@ -45,7 +45,8 @@ static double tile_radius_of( const tile* t, int* longest )
 
 /// Tiles of one triangle, depth first. With `out` the tiles and new points are appended to it; without, only counted.
 /// @return false if more than `limit` tiles were met
-static bool tile_triangle( const tile* triangle, uint32_t index, double radius, size_t limit, lwi_tiles* count, lwi_tiles* out )
+static bool tile_triangle(
+	const tile* triangle, uint32_t index, double radius, size_t limit, lwi_tiles* count, lwi_tiles* out )
 {
 	tile stack[MAX_BISECTIONS + 2];
 	size_t top = 0;
@@ -100,8 +101,8 @@ static tile tile_of( const double* points, const uint32_t* corners )
 	return t;
 }
 
-/// A lower bound of the number of tiles, so that a hopeless radius is refused at once: a sphere covers at most the area of its
-/// largest inscribed triangle, 3 sqrt(3) / 4 r^2, and 2 r of an edge.
+/// A lower bound of the number of tiles, so that a hopeless radius is refused at once: a tile's area is at most that of the
+/// largest triangle in its sphere, 3 sqrt(3) / 4 r^2 < 1.3 r^2, and it covers at most 2 r of an edge.
 static double least_tiles( const double* points, const uint32_t* corners, size_t triangle_count, double radius )
 {
 	double sum = 0.0;
@@ -131,8 +132,8 @@ lw_status lwi_tiles_create( const double* points, size_t point_count, const uint
 	if ( !counted )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
-			"tile_radius %g m needs %s %.3g tiles, at most %zu are possible; enlarge it (0 bounds whole triangles)", tile_radius,
-			"at least", fmax( least, (double)total.tile_count ), LWI_MAX_ITEMS );
+			"tile_radius %g m needs at least %.3g tiles, at most %zu are possible; enlarge it (0 bounds whole triangles)",
+			tile_radius, fmax( least, (double)total.tile_count ), LWI_MAX_ITEMS );
 	}
 	lwi_tiles at = { .point_count = point_count };
 	out->points_size = 3 * total.point_count * sizeof( double );

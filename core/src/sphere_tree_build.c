@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Top-down construction of the 8-wide sphere trees.
 //
-// Quinlan, "Efficient distance computation between non-convex objects", 1994 (sphere trees). Goldsmith and Salmon, "Automatic
-//   creation of object hierarchies for ray tracing", 1987, and Wald, "On fast construction of SAH-based bounding volume
-//   hierarchies", 2007 (binned splits by cost). Wald, Benthin, Boulos, "Getting rid of packets", 2008 (wide nodes by opening).
+// Quinlan, "Efficient distance computation between non-convex objects", 1994 (sphere trees).
+// Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", 1987, and Wald, "On fast construction
+//   of SAH-based bounding volume hierarchies", 2007 (binned splits by cost).
+// Wald, Benthin, Boulos, "Getting rid of packets", 2008 (wide nodes by opening).
 //
 // A range of items is split in two by least cost; a node opens its largest child again until it has eight. The cost of a
 // split is the sum over both sides of (diagonal of the box)^2, which is what a sphere around it costs, times the number
@@ -111,8 +112,8 @@ static inline uint32_t ordered_bits( float f )
 	return ( bits & 0x80000000u ) != 0 ? ~bits : bits | 0x80000000u;
 }
 
-/// Partition around the middle by centre along the longest axis, in whole leaves: the guarantee of the depth. Linear time for
-/// any input: the middle key is found by a radix search over its bits, then items are dealt out less, equal, greater.
+/// Partition around the middle by centre along the longest axis, in whole leaves: the guarantee of the depth. Linear time
+/// for any input: the middle key is found by a radix search over its bits, then items are dealt out less, equal, greater.
 static size_t split_balanced( builder* b, size_t begin, size_t end )
 {
 	box centers = center_box( b, begin, end );

@@ -21,7 +21,8 @@ using Point = std::array<double, 3>;
 
 inline double distance( const Point& a, const Point& b )
 {
-	return std::sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) + ( a[2] - b[2] ) * ( a[2] - b[2] ) );
+	double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+	return std::sqrt( x * x + y * y + z * z );
 }
 
 struct ShapeRelease
@@ -233,6 +234,13 @@ inline TreeStats expectSoundTree( const lw_shape* shape, bool tiled = false )
 	EXPECT_EQ( walk.stats.leaves, info.leaf_count );
 	EXPECT_EQ( walk.stats.depth, info.depth );
 	EXPECT_LE( walk.stats.depth, static_cast<std::uint32_t>( PROBE_MAX_DEPTH ) );
+	probe_shape probe = probe_open( shape );
+	for ( std::size_t i = 0; i < 3 * static_cast<std::size_t>( probe.triangle_count ); ++i )
+	{
+		const double* v = probe.vertices + 3 * static_cast<std::size_t>( probe.indices[i] );
+		Point p = { v[0] - probe.origin[0], v[1] - probe.origin[1], v[2] - probe.origin[2] };
+		EXPECT_LE( distance( p, { 0, 0, 0 } ), static_cast<double>( probe.extent ) );
+	}
 	for ( std::uint32_t count : walk.stats.seen )
 	{
 		EXPECT_TRUE( tiled ? count >= 1 : count == 1 );

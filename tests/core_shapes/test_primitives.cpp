@@ -130,7 +130,8 @@ TEST( Primitives, BadDimensionsAreNamed )
 	}
 	double d[3] = { 1, 1, 1 };
 	EXPECT_EQ( lw_shape_create_primitive( LW_SHAPE_MESH, d, nullptr, &diag, &shape ), LW_ERROR_INVALID_ARGUMENT );
-	EXPECT_EQ( lw_shape_create_primitive( static_cast<lw_shape_type>( 99 ), d, nullptr, &diag, &shape ), LW_ERROR_INVALID_ARGUMENT );
+	auto unknown = static_cast<lw_shape_type>( 99 );
+	EXPECT_EQ( lw_shape_create_primitive( unknown, d, nullptr, &diag, &shape ), LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_EQ( lw_shape_create_primitive( LW_SHAPE_BOX, nullptr, nullptr, &diag, &shape ), LW_ERROR_INVALID_ARGUMENT );
 }
 

@@ -25,8 +25,8 @@ double reach( const Point& center, const std::vector<Point>& points )
 	return r;
 }
 
-/// Centre of the sphere through the chosen points in their affine hull, by elimination with pivoting in long double; false if
-/// they are dependent.
+/// Centre of the sphere through the chosen points in their affine hull, by elimination with pivoting in long double; false
+/// if they are dependent.
 bool circumcenter( const std::vector<Point>& p, Point& center )
 {
 	std::size_t n = p.size() - 1;
@@ -209,14 +209,13 @@ TEST( SphereFit, CompactAndMinimalOfCube )
 	}
 }
 
-// One update of Algorithm 2, by hand: v1 = (-1,0,0), v2 = (1,0,0), then v = (0,3,0) is outside. Both used vertices are equally
-// far; the ray from v through the centre (0,0,0) meets the equidistant point at (0,4/3,0), radius 5/3.
+// One update of Algorithm 2, by hand: the widest pair is (-2,0,0) and (2,0,0), then v = (0,3,0) is outside. Both used
+// vertices are equally far from v, |m|^2 = 13; the ray from v through the centre goes down, d.m = 3, so t = 13 / 6.
+// The printed factor tan(theta)^2 in place of tan(theta) = 2/3 puts the centre elsewhere.
 TEST( SphereFit, CompactUpdateIsEquidistantFromNewVertexAndFarthest )
 {
-	// the base is the widest pair of the first two choices only if v comes last and is nearer than the base is wide
 	std::vector<Point> points = { { -2, 0, 0 }, { 2, 0, 0 }, { 0, 3, 0 } };
 	lwi_ball ball = lwi_fit_compact( points[0].data(), 3 );
-	// circumscribed: t = |m|^2 / (2 d.m) = 13 / 6 from v down the ray
 	EXPECT_NEAR( ball.center.y, 3 - 13.0 / 6, 1e-12 );
 	EXPECT_NEAR( ball.radius, 13.0 / 6, 1e-12 );
 }
