@@ -17,9 +17,10 @@ packages_of()
 {
 	case "$1" in
 	core) echo gcc g++ make cmake ninja-build pkg-config libc6-dev ;;
-	# omplConfig.cmake names the libraries of three Boost parts by file, but libompl-dev depends on headers only
+	# omplConfig.cmake and assimpConfig.cmake name the libraries of three Boost parts and of zlib by file, but their
+	# packages do not depend on those
 	bridge) echo libompl-dev libboost-serialization-dev libboost-filesystem-dev libboost-system-dev libeigen3-dev \
-		liburdfdom-dev liburdfdom-headers-dev libassimp-dev libyaml-cpp-dev libtinyxml2-dev libfmt-dev libcli11-dev \
+		zlib1g-dev liburdfdom-dev liburdfdom-headers-dev libassimp-dev libyaml-cpp-dev libtinyxml2-dev libfmt-dev libcli11-dev \
 		nlohmann-json3-dev ;;
 	# xvfb-run is a script of xvfb that calls xauth, which is only recommended by it
 	examples) echo f3d xvfb xauth ;;
