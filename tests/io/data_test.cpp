@@ -90,7 +90,8 @@ void expectMotionBenchMaker( const std::string& robot_name, std::size_t links_wi
 	std::string folder = "mbm/" + robot_name + "/";
 	RobotModel robot = loadRobot( file( folder + robot_name + ".urdf" ), file( folder + robot_name + ".srdf" ) );
 	EXPECT_EQ( robot.links.size() - robot.report.links_without_geometry.size(),
-		links_with_geometry + ( robot.planning_frame != robot.root_link ? 1 : 0 ) ) << "the virtual joint's frame has no geometry";
+	    links_with_geometry + ( robot.planning_frame != robot.root_link ? 1 : 0 ) )
+	    << "the virtual joint's frame has no geometry";
 	EXPECT_EQ( triangles( robot ), robot_triangles );
 	std::size_t count = 0;
 	for ( const fs::directory_entry& entry : fs::recursive_directory_iterator( data / folder / "problems" ) )
@@ -132,8 +133,8 @@ TEST_F( DataTest, ArmarInItsThreeDetails )
 		std::size_t links, triangles, pairs;
 	};
 	for ( const Case& c : { Case{ "armar3/armar3.urdf", "armar3/armar3.srdf", 54, 32258, 71 },
-			  Case{ "armar3/armar3_coarse.urdf", "armar3/armar3_coarse.srdf", 47, 1016, 75 },
-			  Case{ "armar3/armar3_convex.urdf", "armar3/armar3.srdf", 47, 1676, 71 } } )
+	          Case{ "armar3/armar3_coarse.urdf", "armar3/armar3_coarse.srdf", 47, 1016, 75 },
+	          Case{ "armar3/armar3_convex.urdf", "armar3/armar3.srdf", 47, 1676, 71 } } )
 	{
 		SCOPED_TRACE( c.urdf );
 		RobotModel robot = loadRobot( file( c.urdf ), file( c.srdf ) );

@@ -39,7 +39,8 @@ protected:
 	std::string writeTetrahedron( const std::string& name, double size = 1 ) const
 	{
 		std::string s = std::to_string( size );
-		return write( name, "v 0 0 0\nv " + s + " 0 0\nv 0 " + s + " 0\nv 0 0 " + s + "\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n" );
+		return write(
+		    name, "v 0 0 0\nv " + s + " 0 0\nv 0 " + s + " 0\nv 0 0 " + s + "\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n" );
 	}
 
 private:
@@ -47,8 +48,7 @@ private:
 };
 
 /// The call throws an io::Error whose text has every one of these parts, and a remedy.
-template <typename F>
-void expectError( F call, const std::vector<std::string>& parts )
+template <typename F> void expectError( F call, const std::vector<std::string>& parts )
 {
 	try
 	{

@@ -18,8 +18,9 @@ protected:
 	lw_shape_info load( const std::string& mesh, const std::string& scale = "", RobotModel* model = nullptr )
 	{
 		std::string attribute = scale.empty() ? "" : " scale=\"" + scale + "\"";
-		std::string urdf = write( "robot.urdf", "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"" + mesh +
-				"\"" + attribute + "/></geometry></collision></link></robot>" );
+		std::string urdf =
+		    write( "robot.urdf", "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"" + mesh +
+		                             "\"" + attribute + "/></geometry></collision></link></robot>" );
 		m_model = loadRobot( urdf, "" );
 		if ( model != nullptr )
 		{
@@ -56,15 +57,14 @@ std::string asciiStl( const std::string& first = "" )
 		{
 			bool replace = !first.empty() && &face == &faces[0] && v == 0;
 			text += "vertex " + ( replace ? first : number( corners[v][0] ) ) + " " + number( corners[v][1] ) + " " +
-				number( corners[v][2] ) + "\n";
+			        number( corners[v][2] ) + "\n";
 		}
 		text += "endloop\nendfacet\n";
 	}
 	return text + "endsolid tetrahedron\n";
 }
 
-template <typename T>
-void append( std::string& bytes, const T& value )
+template <typename T> void append( std::string& bytes, const T& value )
 {
 	bytes.append( reinterpret_cast<const char*>( &value ), sizeof value );
 }
@@ -98,14 +98,25 @@ std::string collada( const std::string& unit, const std::string& up, const std::
 	{
 		indices += std::to_string( f[0] ) + " " + std::to_string( f[1] ) + " " + std::to_string( f[2] ) + " ";
 	}
-	return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>" + unit +
-		"<up_axis>" + up + "</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" "
-		"count=\"12\">" + positions + "</float_array><technique_common><accessor source=\"#a\" count=\"4\" stride=\"3\"><param "
-		"name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common>"
-		"</source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"4\"><input "
-		"semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" + indices + "</p></triangles></mesh></geometry></library_geometries>"
-		"<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><matrix>" + node_matrix + "</matrix><instance_geometry "
-		"url=\"#g\"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
+	return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+	       "version=\"1.4.1\"><asset>" +
+	       unit + "<up_axis>" + up +
+	       "</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" "
+	       "count=\"12\">" +
+	       positions +
+	       "</float_array><technique_common><accessor source=\"#a\" count=\"4\" stride=\"3\"><param "
+	       "name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" "
+	       "type=\"float\"/></accessor></technique_common>"
+	       "</source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles "
+	       "count=\"4\"><input "
+	       "semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" +
+	       indices +
+	       "</p></triangles></mesh></geometry></library_geometries>"
+	       "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><matrix>" +
+	       node_matrix +
+	       "</matrix><instance_geometry "
+	       "url=\"#g\"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene "
+	       "url=\"#s\"/></scene></COLLADA>";
 }
 
 const char* identity_matrix = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
@@ -146,10 +157,11 @@ std::string base64( const std::string& bytes )
 std::string gltfJson( const std::string& buffer )
 {
 	return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"translation":[10,0,0],"children":[1]},)"
-		R"({"mesh":0,"scale":[2,2,2]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[)" + buffer +
-		R"(],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":48}],"accessors":[)"
-		R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,2,3]},)"
-		R"({"bufferView":1,"componentType":5125,"count":12,"type":"SCALAR"}]})";
+	       R"({"mesh":0,"scale":[2,2,2]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[)" +
+	       buffer +
+	       R"(],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":48}],"accessors":[)"
+	       R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,2,3]},)"
+	       R"({"bufferView":1,"componentType":5125,"count":12,"type":"SCALAR"}]})";
 }
 
 } // namespace
@@ -198,8 +210,10 @@ TEST_F( MeshTest, LinesAndPointsAreDroppedWithANotice )
 
 TEST_F( MeshTest, Ply )
 {
-	write( "m.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
-		"property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 2 0\n0 0 3\n3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 3\n" );
+	write( "m.ply",
+	    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
+	    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 2 0\n0 0 3\n3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 "
+	    "3\n" );
 	lw_shape_info info = load( "m.ply" );
 	EXPECT_EQ( info.triangle_count, 4u );
 	expectBox( info, { 0, 0, 0 }, { 1, 2, 3 } );
@@ -228,7 +242,8 @@ TEST_F( MeshTest, ColladaNodeTransformIsApplied )
 
 TEST_F( MeshTest, GltfNodesAreApplied )
 {
-	write( "m.gltf", gltfJson( "{\"byteLength\":96,\"uri\":\"data:application/octet-stream;base64," + base64( gltfBuffer() ) + "\"}" ) );
+	write( "m.gltf",
+	    gltfJson( "{\"byteLength\":96,\"uri\":\"data:application/octet-stream;base64," + base64( gltfBuffer() ) + "\"}" ) );
 	lw_shape_info info = load( "m.gltf" );
 	EXPECT_EQ( info.triangle_count, 4u );
 	expectBox( info, { 10, 0, 0 }, { 12, 4, 6 } );
@@ -262,8 +277,9 @@ TEST_F( MeshTest, OneShapePerFileAndScale )
 	write( "m.stl", asciiStl() );
 	std::string collision = "<collision><geometry><mesh filename=\"m.stl\" scale=\"1 1 1\"/></geometry></collision>";
 	std::string other = "<collision><geometry><mesh filename=\"./m.stl\" scale=\"2 1 1\"/></geometry></collision>";
-	std::string urdf = write( "robot.urdf", "<robot name=\"r\"><link name=\"base\">" + collision + other + collision +
-			"<collision><geometry><mesh filename=\"./m.stl\"/></geometry></collision></link></robot>" );
+	std::string urdf =
+	    write( "robot.urdf", "<robot name=\"r\"><link name=\"base\">" + collision + other + collision +
+	                             "<collision><geometry><mesh filename=\"./m.stl\"/></geometry></collision></link></robot>" );
 	RobotModel model = loadRobot( urdf, "" );
 	const std::vector<PlacedShape>& shapes = model.links[0].collision;
 	EXPECT_EQ( shapes[0].shape.get(), shapes[2].shape.get() );
@@ -290,8 +306,9 @@ TEST_F( MeshTest, NotFiniteVertices )
 	expectError( [&] { load( "nan.obj" ); }, { "robot.urdf", "nan.obj" } );
 	write( "inf.obj", "v 1e300 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n" );
 	expectError( [&] { load( "inf.obj" ); }, { "robot.urdf", "inf.obj" } );
-	write( "nan.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-		"property list uchar int vertex_indices\nend_header\n0 nan 0\n1 0 0\n0 2 0\n3 0 1 2\n" );
+	write( "nan.ply",
+	    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+	    "property list uchar int vertex_indices\nend_header\n0 nan 0\n1 0 0\n0 2 0\n3 0 1 2\n" );
 	expectError( [&] { load( "nan.ply" ); }, { "robot.urdf", "nan.ply" } );
 	write( "nan.dae", collada( "<unit meter=\"1\"/>", "Z_UP", "nan 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1" ) );
 	expectError( [&] { load( "nan.dae" ); }, { "robot.urdf", "nan.dae" } );

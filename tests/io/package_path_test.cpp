@@ -18,8 +18,9 @@ protected:
 	/// The file that a URI in <folder>/robot.urdf resolves to.
 	std::string resolve( const std::string& folder, const std::string& uri, const LoadOptions& options = {} )
 	{
-		std::string urdf = write( folder + "/robot.urdf", "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"" +
-				uri + "\"/></geometry></collision></link></robot>" );
+		std::string urdf =
+		    write( folder + "/robot.urdf", "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"" +
+		                                       uri + "\"/></geometry></collision></link></robot>" );
 		return loadRobot( urdf, "", options ).report.shapes.at( 0 ).file;
 	}
 };
@@ -83,8 +84,8 @@ TEST_F( PackagePathTest, MissingMeshNamesEveryPathTried )
 	options.package_paths = { path( "given" ) };
 	setenv( "ROS_PACKAGE_PATH", path( "ros" ).c_str(), 1 );
 	expectError( [&] { resolve( "urdf", "package://arm/m.obj", options ); },
-		{ "robot.urdf", "link base, collision 1 (line 1)", "package://arm/m.obj", path( "given/arm/m.obj" ), path( "ros/arm/m.obj" ),
-			path( "urdf/arm/m.obj" ), "ROS_PACKAGE_PATH" } );
+	    { "robot.urdf", "link base, collision 1 (line 1)", "package://arm/m.obj", path( "given/arm/m.obj" ),
+	        path( "ros/arm/m.obj" ), path( "urdf/arm/m.obj" ), "ROS_PACKAGE_PATH" } );
 	expectError( [&] { resolve( "urdf", "m.obj" ); }, { path( "urdf/m.obj" ) } );
 	expectError( [&] { resolve( "urdf", "package://arm" ); }, { "package://arm" } );
 	writeTetrahedron( "urdf/folder.obj/inside.obj" );

@@ -12,9 +12,15 @@ namespace
 class SceneTest : public FileTest
 {
 protected:
-	SceneModel load( const std::string& text, const LoadOptions& options = {} ) { return loadScene( write( "scene.yaml", text ), options ); }
+	SceneModel load( const std::string& text, const LoadOptions& options = {} )
+	{
+		return loadScene( write( "scene.yaml", text ), options );
+	}
 	/// A scene of one object with this content, in flow style without the braces.
-	SceneModel object( const std::string& content ) { return load( "world: {collision_objects: [{id: thing, " + content + "}]}\n" ); }
+	SceneModel object( const std::string& content )
+	{
+		return load( "world: {collision_objects: [{id: thing, " + content + "}]}\n" );
+	}
 	void expectBad( const std::string& text, std::vector<std::string> parts )
 	{
 		parts.push_back( "scene.yaml" );
@@ -42,11 +48,11 @@ lw_shape_info info( const SceneModel& scene, std::size_t shape = 0 )
 TEST_F( SceneTest, BothSpellingsOfPosesInAnyOrder )
 {
 	const char* spellings[] = {
-		"{position: [1, 2, 3], orientation: [0, 0, 0.6, 0.8]}",
-		"{orientation: {w: 0.8, x: 0, y: 0, z: 0.6}, position: {z: 3, x: 1, y: 2}}",
-		"{translation: [1, 2, 3], rotation: [0, 0, 0.6, 0.8]}",
-		"{rotation: {x: 0, y: 0, z: 0.6, w: 0.8}, translation: {x: 1, y: 2, z: 3}}",
-		"{rotation: [0, 0, 0.6, 0.8], position: {x: 1, y: 2, z: 3}}",
+	    "{position: [1, 2, 3], orientation: [0, 0, 0.6, 0.8]}",
+	    "{orientation: {w: 0.8, x: 0, y: 0, z: 0.6}, position: {z: 3, x: 1, y: 2}}",
+	    "{translation: [1, 2, 3], rotation: [0, 0, 0.6, 0.8]}",
+	    "{rotation: {x: 0, y: 0, z: 0.6, w: 0.8}, translation: {x: 1, y: 2, z: 3}}",
+	    "{rotation: [0, 0, 0.6, 0.8], position: {x: 1, y: 2, z: 3}}",
 	};
 	for ( const char* spelling : spellings )
 	{
@@ -69,19 +75,20 @@ TEST_F( SceneTest, PrimitivesByNameOrNumberWithHeightFirst )
 		double dimensions[3];
 	};
 	const Case cases[] = {
-		{ "{type: box, dimensions: [1, 2, 3]}", LW_SHAPE_BOX, { 1, 2, 3 } },
-		{ "{dimensions: {z: 3, y: 2, x: 1}, type: 1}", LW_SHAPE_BOX, { 1, 2, 3 } },
-		{ "{type: sphere, dimensions: [0.5]}", LW_SHAPE_SPHERE, { 0.5, 0, 0 } },
-		{ "{type: 2, dimensions: {radius: 0.5}}", LW_SHAPE_SPHERE, { 0.5, 0, 0 } },
-		{ "{type: CYLINDER, dimensions: [2, 0.5]}", LW_SHAPE_CYLINDER, { 0.5, 2, 0 } },
-		{ "{type: 3, dimensions: {radius: 0.5, height: 2}}", LW_SHAPE_CYLINDER, { 0.5, 2, 0 } },
-		{ "{type: cone, dimensions: [2, 0.5]}", LW_SHAPE_CONE, { 0.5, 2, 0 } },
-		{ "{type: 4, dimensions: [2, 0.5]}", LW_SHAPE_CONE, { 0.5, 2, 0 } },
+	    { "{type: box, dimensions: [1, 2, 3]}", LW_SHAPE_BOX, { 1, 2, 3 } },
+	    { "{dimensions: {z: 3, y: 2, x: 1}, type: 1}", LW_SHAPE_BOX, { 1, 2, 3 } },
+	    { "{type: sphere, dimensions: [0.5]}", LW_SHAPE_SPHERE, { 0.5, 0, 0 } },
+	    { "{type: 2, dimensions: {radius: 0.5}}", LW_SHAPE_SPHERE, { 0.5, 0, 0 } },
+	    { "{type: CYLINDER, dimensions: [2, 0.5]}", LW_SHAPE_CYLINDER, { 0.5, 2, 0 } },
+	    { "{type: 3, dimensions: {radius: 0.5, height: 2}}", LW_SHAPE_CYLINDER, { 0.5, 2, 0 } },
+	    { "{type: cone, dimensions: [2, 0.5]}", LW_SHAPE_CONE, { 0.5, 2, 0 } },
+	    { "{type: 4, dimensions: [2, 0.5]}", LW_SHAPE_CONE, { 0.5, 2, 0 } },
 	};
 	for ( const Case& c : cases )
 	{
 		SCOPED_TRACE( c.text );
-		lw_shape_info shape = info( object( "primitives: [" + std::string( c.text ) + "], primitive_poses: [" + pose + "]" ) );
+		lw_shape_info shape =
+		    info( object( "primitives: [" + std::string( c.text ) + "], primitive_poses: [" + pose + "]" ) );
 		EXPECT_EQ( shape.type, c.type );
 		for ( std::size_t i = 0; i < ( c.type == LW_SHAPE_BOX ? 3u : c.type == LW_SHAPE_SPHERE ? 1u : 2u ); ++i )
 		{
@@ -93,8 +100,9 @@ TEST_F( SceneTest, PrimitivesByNameOrNumberWithHeightFirst )
 TEST_F( SceneTest, InlineMeshesInBothSpellings )
 {
 	for ( const char* mesh : { "{vertices: [[0,0,0],[1,0,0],[0,2,0],[0,0,3]], triangles: [[0,1,2],[0,1,3]]}",
-			  "{triangles: [{vertex_indices: [0,1,2]}, {vertex_indices: [0,1,3]}], vertices: [{x: 0, y: 0, z: 0}, {x: 1, y: 0, z: 0}, "
-			  "{x: 0, y: 2, z: 0}, {x: 0, y: 0, z: 3}]}" } )
+	          "{triangles: [{vertex_indices: [0,1,2]}, {vertex_indices: [0,1,3]}], vertices: [{x: 0, y: 0, z: 0}, {x: 1, y: "
+	          "0, z: 0}, "
+	          "{x: 0, y: 2, z: 0}, {x: 0, y: 0, z: 3}]}" } )
 	{
 		SCOPED_TRACE( mesh );
 		SceneModel scene = object( "meshes: [" + std::string( mesh ) + "], mesh_poses: [" + pose + "]" );
@@ -107,15 +115,17 @@ TEST_F( SceneTest, InlineMeshesInBothSpellings )
 TEST_F( SceneTest, MeshResourcesAreSharedAndScaled )
 {
 	writeTetrahedron( "kit/m.obj" );
-	SceneModel scene = object( "meshes: [{resource: 'package://kit/m.obj'}, {mesh_resource: 'kit/m.obj', scale: [2, 2, 2]}, {resource: "
-		"kit/m.obj, dimensions: {x: 1, y: 1, z: 1}}, {resource: kit/m.obj, scale: 2}], mesh_poses: [" + pose + ", " + pose + ", " + pose +
-		", " + pose + "]" );
+	SceneModel scene =
+	    object( "meshes: [{resource: 'package://kit/m.obj'}, {mesh_resource: 'kit/m.obj', scale: [2, 2, 2]}, {resource: "
+	            "kit/m.obj, dimensions: {x: 1, y: 1, z: 1}}, {resource: kit/m.obj, scale: 2}], mesh_poses: [" +
+	            pose + ", " + pose + ", " + pose + ", " + pose + "]" );
 	const std::vector<PlacedShape>& shapes = scene.objects.at( 0 ).shapes;
 	EXPECT_EQ( shapes[0].shape.get(), shapes[2].shape.get() );
 	EXPECT_EQ( shapes[1].shape.get(), shapes[3].shape.get() );
 	EXPECT_DOUBLE_EQ( info( scene, 1 ).box_max[0], 2 );
 	EXPECT_TRUE( scene.report.shapes.at( 2 ).shared );
-	expectBadObject( "meshes: [{resource: 'package://kit/gone.obj'}], mesh_poses: [" + pose + "]", { "meshes[0]", path( "kit/gone.obj" ) } );
+	expectBadObject( "meshes: [{resource: 'package://kit/gone.obj'}], mesh_poses: [" + pose + "]",
+	    { "meshes[0]", path( "kit/gone.obj" ) } );
 	expectBadObject( "meshes: [{resource: kit/m.obj, scale: [1, 0, 1]}], mesh_poses: [" + pose + "]", { "scale" } );
 	expectBadObject( "meshes: [{resource: kit/m.obj, triangles: [[0,1,2]]}], mesh_poses: [" + pose + "]", { "both" } );
 }
@@ -133,15 +143,19 @@ TEST_F( SceneTest, FewerPosesThanShapes )
 {
 	expectBadObject( box, { "1 primitives and 0 primitive_poses" } );
 	expectBadObject( box + ", primitive_poses: [" + pose + ", " + pose + "]", { "1 primitives and 2 primitive_poses" } );
-	expectBadObject( "pose: " + pose + ", primitives: [{type: sphere, dimensions: [1]}, {type: sphere, dimensions: [1]}], primitive_poses: [" +
-			pose + "]", { "2 primitives and 1 primitive_poses" } );
+	expectBadObject(
+	    "pose: " + pose +
+	        ", primitives: [{type: sphere, dimensions: [1]}, {type: sphere, dimensions: [1]}], primitive_poses: [" + pose +
+	        "]",
+	    { "2 primitives and 1 primitive_poses" } );
 	expectBadObject( "primitive_poses: [" + pose + "]", { "0 primitives and 1 primitive_poses" } );
 	expectBadObject( "pose: " + pose, { "no shape" } );
 }
 
 TEST_F( SceneTest, Quaternions )
 {
-	auto with = [&]( const std::string& q ) { return box + ", primitive_poses: [{position: [0, 0, 0], orientation: " + q + "}]"; };
+	auto with = [&]( const std::string& q )
+	{ return box + ", primitive_poses: [{position: [0, 0, 0], orientation: " + q + "}]"; };
 	SceneModel scene = object( with( "[0, 0, 0.707, 0.707]" ) );
 	EXPECT_NEAR( scene.objects.at( 0 ).shapes.at( 0 ).pose.r[1][0], 1, 1e-15 ) << "renormalised";
 	EXPECT_TRUE( scene.report.notices.empty() ) << "0.707 is how people write it";
@@ -163,17 +177,23 @@ TEST_F( SceneTest, NumbersThatAreNone )
 		std::string n = bad;
 		expectBadObject( box + ", primitive_poses: [{position: [0, " + n + ", 0]}]", { "position[1]" } );
 		expectBadObject( box + ", primitive_poses: [{position: {x: 0, y: 0, z: " + n + "}}]", { "position.z" } );
-		expectBadObject( "primitives: [{type: sphere, dimensions: [" + n + "]}], primitive_poses: [" + pose + "]", { "dimensions[0]" } );
-		expectBadObject( "meshes: [{vertices: [[0,0,0],[1,0,0],[0," + n + ",0]], triangles: [[0,1,2]]}], mesh_poses: [" + pose + "]",
-			{ "vertices[2][1]" } );
+		expectBadObject(
+		    "primitives: [{type: sphere, dimensions: [" + n + "]}], primitive_poses: [" + pose + "]", { "dimensions[0]" } );
+		expectBadObject(
+		    "meshes: [{vertices: [[0,0,0],[1,0,0],[0," + n + ",0]], triangles: [[0,1,2]]}], mesh_poses: [" + pose + "]",
+		    { "vertices[2][1]" } );
 	}
-	expectBad( "world:\n  collision_objects:\n    - id: thing\n      primitives:\n        - type: box\n          dimensions: [1, 1, .nan]\n"
-			   "      primitive_poses: [" + pose + "]\n", { "thing.primitives[0].dimensions[2] (line 6)" } );
+	expectBad( "world:\n  collision_objects:\n    - id: thing\n      primitives:\n        - type: box\n          "
+	           "dimensions: [1, 1, .nan]\n"
+	           "      primitive_poses: [" +
+	               pose + "]\n",
+	    { "thing.primitives[0].dimensions[2] (line 6)" } );
 }
 
 TEST_F( SceneTest, ShapesThatAreNone )
 {
-	auto primitive = [&]( const std::string& text ) { return "primitives: [" + text + "], primitive_poses: [" + pose + "]"; };
+	auto primitive = [&]( const std::string& text )
+	{ return "primitives: [" + text + "], primitive_poses: [" + pose + "]"; };
 	expectBadObject( primitive( "{type: sphere, dimensions: [0]}" ), { "sphere radius 0" } );
 	expectBadObject( primitive( "{type: box, dimensions: [1, -1, 1]}" ), { "box 1 x -1 x 1" } );
 	expectBadObject( primitive( "{type: box, dimensions: [1, 1]}" ), { "2 numbers, not 3" } );
@@ -184,7 +204,8 @@ TEST_F( SceneTest, ShapesThatAreNone )
 	auto mesh = [&]( const std::string& text ) { return "meshes: [" + text + "], mesh_poses: [" + pose + "]"; };
 	expectBadObject( mesh( "{}" ), { "no triangles" } );
 	expectBadObject( mesh( "{vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: []}" ), { "no triangles" } );
-	expectBadObject( mesh( "{vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: [[0,1,3]]}" ), { "triangles[0]", "no vertex 3" } );
+	expectBadObject(
+	    mesh( "{vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: [[0,1,3]]}" ), { "triangles[0]", "no vertex 3" } );
 	expectBadObject( mesh( "{vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: [[0,1,-1]]}" ), { "no vertex -1" } );
 	expectBadObject( mesh( "{vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: [[0,1,1.5]]}" ), { "no vertex 1.5" } );
 	expectBadObject( mesh( "{vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: [[0,1]]}" ), { "2 vertices, not 3" } );
@@ -205,7 +226,8 @@ TEST_F( SceneTest, NamesMissingOrTwice )
 {
 	expectBad( "world: {collision_objects: [{" + posed_box + "}]}\n", { "collision_objects[0].id", "missing" } );
 	expectBad( "world: {collision_objects: [{id: '', " + posed_box + "}]}\n", { "id", "empty" } );
-	expectBad( "world: {collision_objects: [{id: a, " + posed_box + "}, {id: a, " + posed_box + "}]}\n", { "collision_objects[1] a", "before" } );
+	expectBad( "world: {collision_objects: [{id: a, " + posed_box + "}, {id: a, " + posed_box + "}]}\n",
+	    { "collision_objects[1] a", "before" } );
 	expectBad( "world: {collision_objects: [{id: a, id: b, " + posed_box + "}]}\n", { "id", "twice" } );
 }
 
@@ -227,7 +249,8 @@ TEST_F( SceneTest, HeadersAndUnknownKeys )
 	SceneModel scene = object( "header: {frame_id: /base}, colour: red, " + posed_box );
 	EXPECT_EQ( scene.objects.at( 0 ).frame, "base" );
 	EXPECT_NOTICE( scene.report.notices, "colour" );
-	scene = load( "name: n\nworld: {collision_objects: []}\nlink_padding: [{link_name: hand, padding: 0.01}]\nsurprise: 1\n" );
+	scene =
+	    load( "name: n\nworld: {collision_objects: []}\nlink_padding: [{link_name: hand, padding: 0.01}]\nsurprise: 1\n" );
 	EXPECT_EQ( scene.name, "n" );
 	EXPECT_NOTICE( scene.report.notices, "link_padding 0.01 of link hand" );
 	EXPECT_NOTICE( scene.report.notices, "surprise" );
@@ -236,10 +259,11 @@ TEST_F( SceneTest, HeadersAndUnknownKeys )
 TEST_F( SceneTest, MatrixInBothSpellings )
 {
 	for ( const char* values : { "[[false, true, false], [true, false, false], [false, false, false]]",
-			  "[{enabled: [0, 1, 0]}, {enabled: [1, 0, 0]}, {enabled: [0, 0, 0]}]" } )
+	          "[{enabled: [0, 1, 0]}, {enabled: [1, 0, 0]}, {enabled: [0, 0, 0]}]" } )
 	{
-		SceneModel scene = load( "allowed_collision_matrix:\n  entry_values: " + std::string( values ) +
-			"\n  entry_names: [a, b, c]\n  default_entry_names: [d, e]\n  default_entry_values: [true, false]\n" );
+		SceneModel scene =
+		    load( "allowed_collision_matrix:\n  entry_values: " + std::string( values ) +
+		          "\n  entry_names: [a, b, c]\n  default_entry_names: [d, e]\n  default_entry_values: [true, false]\n" );
 		ASSERT_EQ( scene.allowed.size(), 1u );
 		EXPECT_EQ( scene.allowed[0], ( std::pair<std::string, std::string>( "a", "b" ) ) );
 		EXPECT_EQ( scene.default_allowed, std::vector<std::string>{ "d" } );
@@ -256,8 +280,10 @@ TEST_F( SceneTest, MatrixInBothSpellings )
 
 TEST_F( SceneTest, FixedFramesAndState )
 {
-	SceneModel scene = load( "fixed_frame_transforms:\n  - child_frame_id: /camera\n    header: {frame_id: hand}\n    transform: {translation: "
-		"{x: 1, y: 2, z: 3}, rotation: {x: 0, y: 0, z: 0, w: 1}}\nrobot_state:\n  joint_state: {name: [a], position: [0.5]}\n" );
+	SceneModel scene = load(
+	    "fixed_frame_transforms:\n  - child_frame_id: /camera\n    header: {frame_id: hand}\n    transform: {translation: "
+	    "{x: 1, y: 2, z: 3}, rotation: {x: 0, y: 0, z: 0, w: 1}}\nrobot_state:\n  joint_state: {name: [a], position: "
+	    "[0.5]}\n" );
 	auto found = scene.fixed_frames.find( "camera" );
 	ASSERT_NE( found, scene.fixed_frames.end() );
 	EXPECT_EQ( found->second.first, "hand" );
@@ -281,15 +307,19 @@ TEST_F( SceneTest, AttachedObjects )
 	EXPECT_TRUE( scene.objects.empty() );
 	EXPECT_EQ( scene.attached[0].object.frame, "/" );
 	expectBad( head + "{id: cup}}]}\n", { "cup", "no shape" } );
-	expectBad( "world: {collision_objects: [{id: cup, " + posed_box + "}]}\n" + head + "{id: cup, " + posed_box + "}}]}\n", { "cup", "before" } );
+	expectBad( "world: {collision_objects: [{id: cup, " + posed_box + "}]}\n" + head + "{id: cup, " + posed_box + "}}]}\n",
+	    { "cup", "before" } );
 }
 
 TEST_F( SceneTest, UrdfAsScene )
 {
-	std::string urdf = write( "kitchen.urdf", "<robot name=\"kitchen\"><link name=\"wall\"/><link name=\"door\"><collision><origin xyz=\"0 1 0\"/>"
-		"<geometry><box size=\"1 1 1\"/></geometry></collision></link><joint name=\"hinge\" type=\"revolute\"><origin xyz=\"5 0 0\" "
-		"rpy=\"0 0 1.5707963267948966\"/><parent link=\"wall\"/><child link=\"door\"/><axis xyz=\"0 0 1\"/><limit lower=\"0.5\" upper=\"1\" "
-		"effort=\"1\" velocity=\"1\"/></joint></robot>" );
+	std::string urdf = write( "kitchen.urdf",
+	    "<robot name=\"kitchen\"><link name=\"wall\"/><link name=\"door\"><collision><origin xyz=\"0 1 0\"/>"
+	    "<geometry><box size=\"1 1 1\"/></geometry></collision></link><joint name=\"hinge\" type=\"revolute\"><origin "
+	    "xyz=\"5 0 0\" "
+	    "rpy=\"0 0 1.5707963267948966\"/><parent link=\"wall\"/><child link=\"door\"/><axis xyz=\"0 0 1\"/><limit "
+	    "lower=\"0.5\" upper=\"1\" "
+	    "effort=\"1\" velocity=\"1\"/></joint></robot>" );
 	SceneModel scene = loadScene( urdf );
 	EXPECT_EQ( scene.name, "kitchen" );
 	ASSERT_EQ( scene.objects.size(), 1u );

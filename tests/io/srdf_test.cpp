@@ -18,12 +18,15 @@ protected:
 		std::string urdf = "<robot name=\"r\">";
 		for ( const char* name : { "base", "torso", "l1", "l2", "l_tip", "r1", "r2" } )
 		{
-			urdf += "<link name=\"" + std::string( name ) + "\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>";
+			urdf += "<link name=\"" + std::string( name ) +
+			        "\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>";
 		}
-		auto joint = [&]( const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
-						 const std::string& more = "" ) {
-			urdf += "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child +
-				"\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>" + more + "</joint>";
+		auto joint = [&]( const std::string& name, const std::string& type, const std::string& parent,
+		                 const std::string& child, const std::string& more = "" )
+		{
+			urdf += "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" +
+			        child + "\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>" + more +
+			        "</joint>";
 		};
 		joint( "j_l2", "revolute", "l1", "l2" );
 		joint( "j_lift", "prismatic", "base", "torso" );
@@ -35,7 +38,10 @@ protected:
 		write( "r.srdf", "<?xml version=\"1.0\"?>\n<robot name=\"r\">\n" + srdf + "</robot>" );
 		return loadRobot( path( "r.urdf" ), path( "r.srdf" ) );
 	}
-	Names joints( const std::string& content ) { return load( "<group name=\"g\">" + content + "</group>" ).findGroup( "g" )->joints; }
+	Names joints( const std::string& content )
+	{
+		return load( "<group name=\"g\">" + content + "</group>" ).findGroup( "g" )->joints;
+	}
 	void expectBad( const std::string& srdf, std::vector<std::string> parts )
 	{
 		parts.push_back( "r.srdf" );
@@ -56,14 +62,17 @@ TEST_F( SrdfTest, ChainFromBaseToTip )
 
 TEST_F( SrdfTest, ChainOverACommonAncestor )
 {
-	EXPECT_EQ( joints( "<chain base_link=\"l_tip\" tip_link=\"r2\"/>" ), ( Names{ "j_l2", "j_l1", "j_r1" } ) ) << "r2 mimics";
+	EXPECT_EQ( joints( "<chain base_link=\"l_tip\" tip_link=\"r2\"/>" ), ( Names{ "j_l2", "j_l1", "j_r1" } ) )
+	    << "r2 mimics";
 	EXPECT_EQ( joints( "<chain base_link=\"l2\" tip_link=\"torso\"/>" ), ( Names{ "j_l2", "j_l1" } ) );
 }
 
 TEST_F( SrdfTest, JointListsKeepTheirOrder )
 {
-	EXPECT_EQ( joints( "<joint name=\"j_l2\"/><joint name=\"j_tip\"/><joint name=\"j_lift\"/><joint name=\"j_r2\"/><joint name=\"j_l2\"/>" ),
-		( Names{ "j_l2", "j_lift" } ) ) << "no fixed, no mimic, none twice";
+	EXPECT_EQ( joints( "<joint name=\"j_l2\"/><joint name=\"j_tip\"/><joint name=\"j_lift\"/><joint name=\"j_r2\"/><joint "
+	                   "name=\"j_l2\"/>" ),
+	    ( Names{ "j_l2", "j_lift" } ) )
+	    << "no fixed, no mimic, none twice";
 }
 
 TEST_F( SrdfTest, LinksStandForTheirParentJoints )
@@ -73,8 +82,9 @@ TEST_F( SrdfTest, LinksStandForTheirParentJoints )
 
 TEST_F( SrdfTest, SubgroupsInAnyOrder )
 {
-	RobotModel model = load( "<group name=\"all\"><group name=\"two\"/><joint name=\"j_lift\"/></group><group name=\"two\"><group "
-		"name=\"l\"/><joint name=\"j_r1\"/></group><group name=\"l\"><chain base_link=\"torso\" tip_link=\"l2\"/></group>" );
+	RobotModel model = load(
+	    "<group name=\"all\"><group name=\"two\"/><joint name=\"j_lift\"/></group><group name=\"two\"><group "
+	    "name=\"l\"/><joint name=\"j_r1\"/></group><group name=\"l\"><chain base_link=\"torso\" tip_link=\"l2\"/></group>" );
 	EXPECT_EQ( model.findGroup( "all" )->joints, ( Names{ "j_l1", "j_l2", "j_r1", "j_lift" } ) );
 	EXPECT_EQ( model.groups.size(), 3u );
 	EXPECT_EQ( model.groups[0].name, "all" ) << "in the order of the file";
@@ -82,7 +92,8 @@ TEST_F( SrdfTest, SubgroupsInAnyOrder )
 
 TEST_F( SrdfTest, GroupsThatAreWrong )
 {
-	expectBad( "<group name=\"a\"><group name=\"b\"/></group><group name=\"b\"><group name=\"a\"/></group>", { "group a", "contains itself" } );
+	expectBad( "<group name=\"a\"><group name=\"b\"/></group><group name=\"b\"><group name=\"a\"/></group>",
+	    { "group a", "contains itself" } );
 	expectBad( "<group name=\"a\"><group name=\"a\"/></group>", { "contains itself" } );
 	expectBad( "<group name=\"a\"><group name=\"b\"/></group>", { "group a", "no group b", "use one of a" } );
 	expectBad( "<group name=\"a\"><joint name=\"elbow\"/></group>", { "group a (line 3)", "no joint elbow" } );
@@ -95,8 +106,9 @@ TEST_F( SrdfTest, GroupsThatAreWrong )
 
 TEST_F( SrdfTest, DisabledPairs )
 {
-	RobotModel model = load( "<disable_collisions link1=\"base\" link2=\"l1\" reason=\"Never\"/><disable_collisions link1=\"l1\" "
-		"link2=\"base\"/><disable_collisions link1=\"wheel\" link2=\"l1\" reason=\"Never\"/>" );
+	RobotModel model =
+	    load( "<disable_collisions link1=\"base\" link2=\"l1\" reason=\"Never\"/><disable_collisions link1=\"l1\" "
+	          "link2=\"base\"/><disable_collisions link1=\"wheel\" link2=\"l1\" reason=\"Never\"/>" );
 	ASSERT_EQ( model.disabled.size(), 1u );
 	EXPECT_EQ( model.disabled[0].link1, "base" );
 	EXPECT_EQ( model.disabled[0].reason, "Never" );
@@ -106,7 +118,8 @@ TEST_F( SrdfTest, DisabledPairs )
 
 TEST_F( SrdfTest, DefaultsDisabledAndEnabledAgain )
 {
-	RobotModel model = load( "<disable_default_collisions link=\"torso\"/><enable_collisions link1=\"r1\" link2=\"torso\"/>" );
+	RobotModel model =
+	    load( "<disable_default_collisions link=\"torso\"/><enable_collisions link1=\"r1\" link2=\"torso\"/>" );
 	EXPECT_EQ( model.disabled.size(), 5u ) << "six other links, one enabled again";
 	for ( const DisabledPair& pair : model.disabled )
 	{
@@ -129,25 +142,31 @@ TEST_F( SrdfTest, VirtualJoints )
 	RobotModel fixed = load( head + "fixed\"/><group name=\"g\"><joint name=\"v\"/><joint name=\"j_lift\"/></group>" );
 	EXPECT_EQ( fixed.planning_frame, "odom" );
 	EXPECT_EQ( fixed.findGroup( "g" )->joints, Names{ "j_lift" } );
-	expectBad( "<virtual_joint name=\"v\" parent_frame=\"odom\" child_link=\"torso\" type=\"fixed\"/>", { "virtual_joint v", "root link base" } );
+	expectBad( "<virtual_joint name=\"v\" parent_frame=\"odom\" child_link=\"torso\" type=\"fixed\"/>",
+	    { "virtual_joint v", "root link base" } );
 	expectBad( head + "ball\"/>", { "virtual_joint v", "ball" } );
-	expectBad( "<virtual_joint name=\"v\" parent_frame=\"l1\" child_link=\"base\" type=\"floating\"/>", { "is a link of the robot" } );
+	expectBad( "<virtual_joint name=\"v\" parent_frame=\"l1\" child_link=\"base\" type=\"floating\"/>",
+	    { "is a link of the robot" } );
 	expectBad( head + "planar\"/>" + head + "planar\"/>", { "second virtual joint" } );
-	expectBad( "<virtual_joint name=\"j_r1\" parent_frame=\"odom\" child_link=\"base\" type=\"planar\"/>", { "of this name" } );
+	expectBad(
+	    "<virtual_joint name=\"j_r1\" parent_frame=\"odom\" child_link=\"base\" type=\"planar\"/>", { "of this name" } );
 }
 
 TEST_F( SrdfTest, GroupStates )
 {
-	std::string group = "<virtual_joint name=\"v\" parent_frame=\"odom\" child_link=\"base\" type=\"planar\"/><group name=\"g\"><joint "
-		"name=\"j_lift\"/></group>";
-	RobotModel model = load( group + "<group_state name=\"up\" group=\"g\"><joint name=\"j_lift\" value=\"0.5\"/><joint name=\"v\" value=\"1 2 "
-		"0.3\"/><joint name=\"gone\" value=\"1\"/></group_state><group_state name=\"x\" group=\"h\"/>" );
+	std::string group =
+	    "<virtual_joint name=\"v\" parent_frame=\"odom\" child_link=\"base\" type=\"planar\"/><group name=\"g\"><joint "
+	    "name=\"j_lift\"/></group>";
+	RobotModel model = load(
+	    group + "<group_state name=\"up\" group=\"g\"><joint name=\"j_lift\" value=\"0.5\"/><joint name=\"v\" value=\"1 2 "
+	            "0.3\"/><joint name=\"gone\" value=\"1\"/></group_state><group_state name=\"x\" group=\"h\"/>" );
 	ASSERT_EQ( model.group_states.size(), 1u );
 	EXPECT_EQ( model.group_states[0].joints.at( "j_lift" ), std::vector<double>{ 0.5 } );
 	EXPECT_EQ( model.group_states[0].joints.at( "v" ).size(), 3u );
 	EXPECT_NOTICE( model.report.notices, "no joint gone" );
 	EXPECT_NOTICE( model.report.notices, "no group h" );
-	expectBad( group + "<group_state name=\"up\" group=\"g\"><joint name=\"j_lift\" value=\"nan\"/></group_state>", { "group_state up", "nan" } );
+	expectBad( group + "<group_state name=\"up\" group=\"g\"><joint name=\"j_lift\" value=\"nan\"/></group_state>",
+	    { "group_state up", "nan" } );
 }
 
 TEST_F( SrdfTest, OtherRobotsAndFiles )
@@ -155,6 +174,8 @@ TEST_F( SrdfTest, OtherRobotsAndFiles )
 	RobotModel model = load( "<end_effector name=\"e\" parent_link=\"l2\" group=\"g\"/><passive_joint name=\"j_r2\"/>" );
 	EXPECT_TRUE( model.report.notices.empty() ) << allNotices( model.report.notices );
 	expectError( [&] { loadRobot( path( "r.urdf" ), path( "none.srdf" ) ); }, { "none.srdf", "no such file" } );
-	expectError( [&] { loadRobot( path( "r.urdf" ), write( "b.srdf", "<robot name=\"r\"><group" ) ); }, { "b.srdf", "XML" } );
-	EXPECT_NOTICE( loadRobot( path( "r.urdf" ), write( "o.srdf", "<robot name=\"other\"/>" ) ).report.notices, "robot other" );
+	expectError(
+	    [&] { loadRobot( path( "r.urdf" ), write( "b.srdf", "<robot name=\"r\"><group" ) ); }, { "b.srdf", "XML" } );
+	EXPECT_NOTICE(
+	    loadRobot( path( "r.urdf" ), write( "o.srdf", "<robot name=\"other\"/>" ) ).report.notices, "robot other" );
 }

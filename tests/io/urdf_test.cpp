@@ -17,10 +17,10 @@ std::string linkXml( const std::string& name, const std::string& content = box )
 }
 
 std::string jointXml( const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
-	const std::string& content = "" )
+    const std::string& content = "" )
 {
-	return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child + "\"/>" +
-		content + "</joint>\n";
+	return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child +
+	       "\"/>" + content + "</joint>\n";
 }
 
 const std::string limit = "<limit lower=\"-1\" upper=\"2\" effort=\"1\" velocity=\"3\"/>";
@@ -30,7 +30,8 @@ class UrdfTest : public FileTest
 protected:
 	RobotModel load( const std::string& content, const LoadOptions& options = {} )
 	{
-		return loadRobot( write( "robot.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"r\">\n" + content + "</robot>\n" ), "", options );
+		return loadRobot(
+		    write( "robot.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"r\">\n" + content + "</robot>\n" ), "", options );
 	}
 	void expectBad( const std::string& content, std::vector<std::string> parts )
 	{
@@ -48,13 +49,14 @@ protected:
 TEST_F( UrdfTest, EveryGeometryAndSeveralPerLink )
 {
 	writeTetrahedron( "m.obj" );
-	RobotModel model = load( linkXml( "base",
-		"<collision><origin xyz=\"1 2 3\" rpy=\"0 0 1.5707963267948966\"/><geometry><box size=\"0.1 0.2 0.3\"/></geometry></collision>"
-		"<visual><geometry><sphere radius=\"9\"/></geometry></visual>"
-		"<collision><geometry><sphere radius=\"0.4\"/></geometry></collision>"
-		"<collision><geometry><capsule radius=\"0.5\" length=\"2\"/></geometry></collision>"
-		"<collision><geometry><cylinder radius=\"0.6\" length=\"3\"/></geometry></collision>"
-		"<collision><geometry><mesh filename=\"m.obj\"/></geometry></collision>" ) );
+	RobotModel model =
+	    load( linkXml( "base", "<collision><origin xyz=\"1 2 3\" rpy=\"0 0 1.5707963267948966\"/><geometry><box size=\"0.1 "
+	                           "0.2 0.3\"/></geometry></collision>"
+	                           "<visual><geometry><sphere radius=\"9\"/></geometry></visual>"
+	                           "<collision><geometry><sphere radius=\"0.4\"/></geometry></collision>"
+	                           "<collision><geometry><capsule radius=\"0.5\" length=\"2\"/></geometry></collision>"
+	                           "<collision><geometry><cylinder radius=\"0.6\" length=\"3\"/></geometry></collision>"
+	                           "<collision><geometry><mesh filename=\"m.obj\"/></geometry></collision>" ) );
 	ASSERT_EQ( model.links.at( 0 ).collision.size(), 5u );
 	const lw_shape_type types[5] = { LW_SHAPE_BOX, LW_SHAPE_SPHERE, LW_SHAPE_CAPSULE, LW_SHAPE_CYLINDER, LW_SHAPE_MESH };
 	const double dimensions[4][3] = { { 0.1, 0.2, 0.3 }, { 0.4, 0, 0 }, { 0.5, 2, 0 }, { 0.6, 3, 0 } };
@@ -77,9 +79,11 @@ TEST_F( UrdfTest, EveryGeometryAndSeveralPerLink )
 
 TEST_F( UrdfTest, JointsKeepTheOrderOfTheFile )
 {
-	RobotModel model = load( linkXml( "d" ) + jointXml( "z", "prismatic", "a", "b", limit + "<axis xyz=\"0 0 2\"/>" ) + linkXml( "a" ) +
-		jointXml( "m", "revolute", "b", "c", limit + "<mimic joint=\"a1\" multiplier=\"-2\" offset=\"0.5\"/>" ) + linkXml( "c" ) + linkXml( "b" ) +
-		jointXml( "a1", "continuous", "c", "d", "<origin xyz=\"1 0 0\" quat_xyzw=\"0 0 2 2\"/>" + limit ) );
+	RobotModel model =
+	    load( linkXml( "d" ) + jointXml( "z", "prismatic", "a", "b", limit + "<axis xyz=\"0 0 2\"/>" ) + linkXml( "a" ) +
+	          jointXml( "m", "revolute", "b", "c", limit + "<mimic joint=\"a1\" multiplier=\"-2\" offset=\"0.5\"/>" ) +
+	          linkXml( "c" ) + linkXml( "b" ) +
+	          jointXml( "a1", "continuous", "c", "d", "<origin xyz=\"1 0 0\" quat_xyzw=\"0 0 2 2\"/>" + limit ) );
 	ASSERT_EQ( model.joints.size(), 3u );
 	EXPECT_EQ( model.joints[0].name, "z" );
 	EXPECT_EQ( model.joints[1].name, "m" );
@@ -103,8 +107,9 @@ TEST_F( UrdfTest, JointsKeepTheOrderOfTheFile )
 
 TEST_F( UrdfTest, VisualGeometryIsNeverUsedSilently )
 {
-	std::string content = linkXml( "base" ) + linkXml( "hand", "<visual><geometry><sphere radius=\"0.5\"/></geometry></visual>" ) +
-		linkXml( "frame", "" ) + jointXml( "j", "fixed", "base", "hand" ) + jointXml( "k", "fixed", "base", "frame" );
+	std::string content =
+	    linkXml( "base" ) + linkXml( "hand", "<visual><geometry><sphere radius=\"0.5\"/></geometry></visual>" ) +
+	    linkXml( "frame", "" ) + jointXml( "j", "fixed", "base", "hand" ) + jointXml( "k", "fixed", "base", "frame" );
 	RobotModel model = load( content );
 	EXPECT_EQ( model.report.links_without_geometry, ( std::vector<std::string>{ "hand", "frame" } ) );
 	EXPECT_NOTICE( model.report.notices, "hand" );
@@ -119,7 +124,8 @@ TEST_F( UrdfTest, VisualGeometryIsNeverUsedSilently )
 
 TEST_F( UrdfTest, RobotWithoutCollisionGeometry )
 {
-	expectBad( linkXml( "base", "<visual><geometry><sphere radius=\"1\"/></geometry></visual>" ), { "no link has collision geometry" } );
+	expectBad( linkXml( "base", "<visual><geometry><sphere radius=\"1\"/></geometry></visual>" ),
+	    { "no link has collision geometry" } );
 	expectBad( "", { "no links" } );
 }
 
@@ -128,7 +134,8 @@ TEST_F( UrdfTest, FilesThatAreNoUrdf )
 	expectError( [&] { loadRobot( path( "missing.urdf" ), "" ); }, { "missing.urdf", "no such file" } );
 	expectError( [&] { loadRobot( path( "" ), "" ); }, { "folder" } );
 	expectError( [&] { loadRobot( write( "e.urdf", "" ), "" ); }, { "e.urdf" } );
-	expectError( [&] { loadRobot( write( "x.urdf", "<robot name=\"r\">\n<link name=\"a\">\n</robot>" ), "" ); }, { "x.urdf", "XML" } );
+	expectError( [&] { loadRobot( write( "x.urdf", "<robot name=\"r\">\n<link name=\"a\">\n</robot>" ), "" ); },
+	    { "x.urdf", "XML" } );
 	expectError( [&] { loadRobot( write( "s.urdf", "<sdf version=\"1.6\"/>" ), "" ); }, { "<sdf>", "<robot>" } );
 	expectError( [&] { loadRobot( write( "y.urdf", "name: yaml" ), "" ); }, { "y.urdf" } );
 }
@@ -136,37 +143,47 @@ TEST_F( UrdfTest, FilesThatAreNoUrdf )
 TEST_F( UrdfTest, XacroIsNamed )
 {
 	std::string head = "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">";
-	expectError( [&] { loadRobot( write( "r.urdf.xacro", head + "<xacro:property name=\"a\" value=\"1\"/></robot>" ), "" ); },
-		{ "run xacro first", "r.urdf.xacro" } );
-	expectError( [&] { loadRobot( write( "r.urdf", head + linkXml( "${name}" ) + "</robot>" ), "" ); }, { "run xacro first" } );
+	expectError( [&]
+	    { loadRobot( write( "r.urdf.xacro", head + "<xacro:property name=\"a\" value=\"1\"/></robot>" ), "" ); },
+	    { "run xacro first", "r.urdf.xacro" } );
+	expectError(
+	    [&] { loadRobot( write( "r.urdf", head + linkXml( "${name}" ) + "</robot>" ), "" ); }, { "run xacro first" } );
 	EXPECT_EQ( loadRobot( write( "done.urdf", head + linkXml( "base" ) + "</robot>" ), "" ).links.size(), 1u )
-		<< "the namespace alone is no xacro: xacro leaves it in what it writes";
+	    << "the namespace alone is no xacro: xacro leaves it in what it writes";
 }
 
 TEST_F( UrdfTest, NamesMissingOrTwice )
 {
 	expectBad( linkXml( "a" ) + linkXml( "a" ), { "link a (line 4)", "before" } );
 	expectBad( linkXml( "" ), { "no name" } );
-	expectBad( linkXml( "a" ) + linkXml( "b" ) + linkXml( "c" ) + jointXml( "j", "fixed", "a", "b" ) + jointXml( "j", "fixed", "a", "c" ), { "joint j" } );
+	expectBad( linkXml( "a" ) + linkXml( "b" ) + linkXml( "c" ) + jointXml( "j", "fixed", "a", "b" ) +
+	               jointXml( "j", "fixed", "a", "c" ),
+	    { "joint j" } );
 	expectBad( linkXml( "a" ) + jointXml( "j", "fixed", "a", "b" ), { "joint j", "child link b is not defined" } );
-	expectBad( linkXml( "a" ) + "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/></joint>", { "joint j", "no <child>" } );
-	expectBad( linkXml( "a" ) + linkXml( "b" ) + "<joint name=\"j\"><parent link=\"a\"/><child link=\"b\"/></joint>", { "joint j", "type" } );
+	expectBad(
+	    linkXml( "a" ) + "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/></joint>", { "joint j", "no <child>" } );
+	expectBad( linkXml( "a" ) + linkXml( "b" ) + "<joint name=\"j\"><parent link=\"a\"/><child link=\"b\"/></joint>",
+	    { "joint j", "type" } );
 	expectBad( linkXml( "a" ) + linkXml( "b" ) + jointXml( "j", "hinge", "a", "b" ), { "hinge" } );
 }
 
 TEST_F( UrdfTest, TreesThatAreNone )
 {
 	std::string links = linkXml( "a" ) + linkXml( "b" ) + linkXml( "c" );
-	expectBad( links + jointXml( "j", "fixed", "a", "b" ) + jointXml( "k", "fixed", "c", "b" ), { "joint k", "already the child of joint j" } );
+	expectBad( links + jointXml( "j", "fixed", "a", "b" ) + jointXml( "k", "fixed", "c", "b" ),
+	    { "joint k", "already the child of joint j" } );
 	expectBad( links + jointXml( "j", "fixed", "a", "b" ), { "root" } );
-	expectBad( links + jointXml( "j", "fixed", "a", "b" ) + jointXml( "k", "fixed", "b", "c" ) + jointXml( "l", "fixed", "c", "a" ), { "root" } );
+	expectBad(
+	    links + jointXml( "j", "fixed", "a", "b" ) + jointXml( "k", "fixed", "b", "c" ) + jointXml( "l", "fixed", "c", "a" ),
+	    { "root" } );
 	RobotModel islands;
 	expectError(
-		[&] {
-			islands = load( links + jointXml( "k", "fixed", "b", "c" ) + jointXml( "l", "fixed", "c", "b" ) );
-			buildProblem( islands, {} );
-		},
-		{ "robot.urdf" } );
+	    [&]
+	    {
+		    islands = load( links + jointXml( "k", "fixed", "b", "c" ) + jointXml( "l", "fixed", "c", "b" ) );
+		    buildProblem( islands, {} );
+	    },
+	    { "robot.urdf" } );
 }
 
 TEST_F( UrdfTest, LimitsMissingOrReversed )
@@ -174,10 +191,13 @@ TEST_F( UrdfTest, LimitsMissingOrReversed )
 	std::string links = linkXml( "a" ) + linkXml( "b" );
 	expectBad( links + jointXml( "j", "revolute", "a", "b" ), { "joint j", "no <limit>" } );
 	expectBad( links + jointXml( "j", "prismatic", "a", "b" ), { "joint j", "no <limit>" } );
-	expectBad( links + jointXml( "j", "revolute", "a", "b", "<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>" ),
-		{ "joint j", "lower limit 1 is above upper limit -1" } );
-	expectBad( links + jointXml( "j", "revolute", "a", "b", limit + "<axis xyz=\"0 0 0\"/>" ), { "joint j", "axis is zero" } );
-	expectBad( links + jointXml( "j", "revolute", "a", "b", limit + "<mimic joint=\"k\"/>" ), { "joint j", "mimics joint k" } );
+	expectBad(
+	    links + jointXml( "j", "revolute", "a", "b", "<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>" ),
+	    { "joint j", "lower limit 1 is above upper limit -1" } );
+	expectBad(
+	    links + jointXml( "j", "revolute", "a", "b", limit + "<axis xyz=\"0 0 0\"/>" ), { "joint j", "axis is zero" } );
+	expectBad(
+	    links + jointXml( "j", "revolute", "a", "b", limit + "<mimic joint=\"k\"/>" ), { "joint j", "mimics joint k" } );
 }
 
 TEST_F( UrdfTest, NumbersThatAreNone )
@@ -189,34 +209,46 @@ TEST_F( UrdfTest, NumbersThatAreNone )
 		SCOPED_TRACE( n );
 		expectBad( links + jointXml( "j", "fixed", "a", "b", "<origin xyz=\"0 " + n + " 0\"/>" ), { "joint j", "xyz" } );
 		expectBad( links + jointXml( "j", "fixed", "a", "b", "<origin rpy=\"0 0 " + n + "\"/>" ), { "joint j", "rpy" } );
-		expectBad( links + jointXml( "j", "revolute", "a", "b", "<limit lower=\"" + n + "\" upper=\"1\" effort=\"1\" velocity=\"1\"/>" ),
-			{ "joint j", "lower" } );
-		expectBad( links + jointXml( "j", "revolute", "a", "b", limit + "<axis xyz=\"" + n + " 0 1\"/>" ), { "joint j", "axis" } );
-		expectBad( linkXml( "a", "<collision><geometry><sphere radius=\"" + n + "\"/></geometry></collision>" ), { "link a, collision 1", "radius" } );
+		expectBad( links + jointXml( "j", "revolute", "a", "b",
+		                       "<limit lower=\"" + n + "\" upper=\"1\" effort=\"1\" velocity=\"1\"/>" ),
+		    { "joint j", "lower" } );
+		expectBad(
+		    links + jointXml( "j", "revolute", "a", "b", limit + "<axis xyz=\"" + n + " 0 1\"/>" ), { "joint j", "axis" } );
+		expectBad( linkXml( "a", "<collision><geometry><sphere radius=\"" + n + "\"/></geometry></collision>" ),
+		    { "link a, collision 1", "radius" } );
 		expectBad( linkXml( "a", "<collision><geometry><box size=\"1 1 " + n + "\"/></geometry></collision>" ), { "size" } );
-		expectBad( linkXml( "a", "<collision><origin xyz=\"" + n + " 0 0\"/><geometry><sphere radius=\"1\"/></geometry></collision>" ), { "xyz" } );
+		expectBad( linkXml( "a",
+		               "<collision><origin xyz=\"" + n + " 0 0\"/><geometry><sphere radius=\"1\"/></geometry></collision>" ),
+		    { "xyz" } );
 	}
-	EXPECT_EQ( load( linkXml( "a", "<collision><geometry><sphere radius=\"+1.5e0\"/></geometry></collision>" ) ).links.size(), 1u );
+	EXPECT_EQ(
+	    load( linkXml( "a", "<collision><geometry><sphere radius=\"+1.5e0\"/></geometry></collision>" ) ).links.size(), 1u );
 }
 
 TEST_F( UrdfTest, GeometryThatIsNone )
 {
 	expectBad( linkXml( "a", "<collision/>" ), { "link a, collision 1", "no shape" } );
 	expectBad( linkXml( "a", box + "<collision><geometry/></collision>" ), { "link a, collision 2", "no shape" } );
-	expectBad( linkXml( "a", "<collision><geometry><torus radius=\"1\"/></geometry></collision>" ), { "<torus> is not supported" } );
+	expectBad( linkXml( "a", "<collision><geometry><torus radius=\"1\"/></geometry></collision>" ),
+	    { "<torus> is not supported" } );
 	expectBad( linkXml( "a", "<collision><geometry><mesh/></geometry></collision>" ), { "no filename" } );
 	expectBad( linkXml( "a", "<collision><geometry><mesh filename=\"\"/></geometry></collision>" ), { "no filename" } );
-	expectBad( linkXml( "a", "<collision><geometry><sphere radius=\"0\"/></geometry></collision>" ), { "link a, collision 1", "sphere radius 0" } );
-	expectBad( linkXml( "a", "<collision><geometry><sphere radius=\"-1\"/></geometry></collision>" ), { "sphere radius -1" } );
-	expectBad( linkXml( "a", "<collision><geometry><box size=\"1 1 1\"/><sphere radius=\"1\"/></geometry></collision>" ), { "several shapes" } );
-	expectBad( linkXml( "a", "<collision><origin quat_xyzw=\"0 0 0 0\"/><geometry><box size=\"1 1 1\"/></geometry></collision>" ),
-		{ "zero quaternion" } );
+	expectBad( linkXml( "a", "<collision><geometry><sphere radius=\"0\"/></geometry></collision>" ),
+	    { "link a, collision 1", "sphere radius 0" } );
+	expectBad(
+	    linkXml( "a", "<collision><geometry><sphere radius=\"-1\"/></geometry></collision>" ), { "sphere radius -1" } );
+	expectBad( linkXml( "a", "<collision><geometry><box size=\"1 1 1\"/><sphere radius=\"1\"/></geometry></collision>" ),
+	    { "several shapes" } );
+	expectBad(
+	    linkXml( "a", "<collision><origin quat_xyzw=\"0 0 0 0\"/><geometry><box size=\"1 1 1\"/></geometry></collision>" ),
+	    { "zero quaternion" } );
 }
 
 TEST_F( UrdfTest, WhatOtherToolsAddIsNoObstacle )
 {
-	RobotModel model = load( "<gazebo reference=\"base\"><sensor/></gazebo><transmission name=\"t\"/><material name=\"m\"/>" +
-		linkXml( "base", box + "<inertial><mass value=\"1\"/></inertial>" ) );
+	RobotModel model =
+	    load( "<gazebo reference=\"base\"><sensor/></gazebo><transmission name=\"t\"/><material name=\"m\"/>" +
+	          linkXml( "base", box + "<inertial><mass value=\"1\"/></inertial>" ) );
 	EXPECT_EQ( model.links.size(), 1u );
 	EXPECT_TRUE( model.report.notices.empty() ) << allNotices( model.report.notices );
 }

@@ -15,8 +15,8 @@ namespace
 {
 
 /// "<file>: <element>: <problem>; <remedy>" with empty parts left out and line breaks made blanks.
-std::string oneLine( const std::string& file, const std::string& element, const std::string& problem,
-	const std::string& remedy )
+std::string oneLine(
+    const std::string& file, const std::string& element, const std::string& problem, const std::string& remedy )
 {
 	std::string line;
 	for ( const std::string* part : { &file, &element } )
@@ -41,8 +41,8 @@ std::string oneLine( const std::string& file, const std::string& element, const 
 } // namespace
 
 Error::Error( std::string file, std::string element, std::string problem, std::string remedy )
-	: std::runtime_error( oneLine( file, element, problem, remedy ) ), m_file( std::move( file ) ),
-	  m_element( std::move( element ) ), m_problem( std::move( problem ) ), m_remedy( std::move( remedy ) )
+    : std::runtime_error( oneLine( file, element, problem, remedy ) ), m_file( std::move( file ) ),
+      m_element( std::move( element ) ), m_problem( std::move( problem ) ), m_remedy( std::move( remedy ) )
 {
 }
 

@@ -34,8 +34,8 @@ std::string joinNames( const std::vector<std::string>& names, std::size_t limit 
 /// Resolves a mesh URI named in `from_file`: package://, file://, absolute, or relative to the folder of `from_file`.
 /// @param tried every path that was looked at, in order
 /// @return the first that is a file; empty if none is
-std::string resolveUri( const std::string& uri, const std::string& from_file, const LoadOptions& options,
-	std::vector<std::string>& tried );
+std::string resolveUri(
+    const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried );
 
 /// Triangles of a mesh file, all nodes' transforms applied; nothing merged or removed.
 struct TriangleSoup
@@ -66,8 +66,8 @@ public:
 	Shape primitive( const Place& place, lw_shape_type type, const std::array<double, 3>& dimensions );
 
 private:
-	Shape build( const Place& place, const std::string& mesh_file, const TriangleSoup& soup,
-		const std::array<double, 3>& scale );
+	Shape build(
+	    const Place& place, const std::string& mesh_file, const TriangleSoup& soup, const std::array<double, 3>& scale );
 
 	using Key = std::tuple<std::string, double, double, double>;
 	const LoadOptions& m_options;
@@ -88,6 +88,6 @@ struct ExtraLink
 	std::vector<PlacedShape> shapes; ///< poses in the parent link's frame
 };
 Robot createRobot( const RobotModel& model, const std::vector<ExtraLink>& extra_links,
-	const std::vector<std::pair<std::string, std::string>>& allowed );
+    const std::vector<std::pair<std::string, std::string>>& allowed );
 
 } // namespace leeway::io::detail

@@ -48,7 +48,7 @@ void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, TriangleSoup&
 		for ( const std::array<double, 4>& row : { root_from_mesh[0], root_from_mesh[1], root_from_mesh[2] } )
 		{
 			soup.vertices.push_back( row[0] * static_cast<double>( v.x ) + row[1] * static_cast<double>( v.y ) +
-				row[2] * static_cast<double>( v.z ) + row[3] );
+			                         row[2] * static_cast<double>( v.z ) + row[3] );
 		}
 	}
 	for ( unsigned i = 0; i < mesh.mNumFaces; ++i )
@@ -88,14 +88,14 @@ TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from
 	if ( !extension.empty() && !importer.IsExtensionSupported( extension ) )
 	{
 		throw Error( from_file, element, fmt::format( "mesh {} is of a type that cannot be read", mesh_file ),
-			"convert it to STL, OBJ, DAE, PLY or glTF" );
+		    "convert it to STL, OBJ, DAE, PLY or glTF" );
 	}
 	importer.SetPropertyBool( AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true );
 	const aiScene* scene = importer.ReadFile( mesh_file, aiProcess_Triangulate );
 	if ( scene == nullptr || scene->mRootNode == nullptr )
 	{
 		throw Error( from_file, element, fmt::format( "mesh {} cannot be read: {}", mesh_file, importer.GetErrorString() ),
-			"repair the mesh file, or export it again" );
+		    "repair the mesh file, or export it again" );
 	}
 	TriangleSoup soup;
 	Matrix identity{};
@@ -107,7 +107,7 @@ TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from
 	if ( soup.indices.empty() )
 	{
 		throw Error( from_file, element, fmt::format( "mesh {} has no triangles", mesh_file ),
-			"export it with its faces, or remove the element" );
+		    "export it with its faces, or remove the element" );
 	}
 	return soup;
 }

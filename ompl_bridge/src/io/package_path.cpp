@@ -31,8 +31,8 @@ void addEntry( const fs::path& entry, const std::string& package, const std::str
 	out.push_back( entry / package / path );
 }
 
-void addEnvironment( const char* variable, const std::string& package, const std::string& path, bool ament,
-	std::vector<fs::path>& out )
+void addEnvironment(
+    const char* variable, const std::string& package, const std::string& path, bool ament, std::vector<fs::path>& out )
 {
 	const char* value = std::getenv( variable );
 	std::istringstream entries( value != nullptr ? value : "" );
@@ -53,8 +53,8 @@ void addEnvironment( const char* variable, const std::string& package, const std
 	}
 }
 
-std::vector<fs::path> packageCandidates( const std::string& package, const std::string& path, const fs::path& from_folder,
-	const LoadOptions& options )
+std::vector<fs::path> packageCandidates(
+    const std::string& package, const std::string& path, const fs::path& from_folder, const LoadOptions& options )
 {
 	std::vector<fs::path> candidates;
 	for ( const std::string& entry : options.package_paths )
@@ -84,8 +84,8 @@ std::vector<fs::path> packageCandidates( const std::string& package, const std::
 
 } // namespace
 
-std::string resolveUri( const std::string& uri, const std::string& from_file, const LoadOptions& options,
-	std::vector<std::string>& tried )
+std::string resolveUri(
+    const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried )
 {
 	const std::string package_scheme = "package://", file_scheme = "file://";
 	fs::path from_folder = fs::absolute( from_file ).lexically_normal().parent_path();

@@ -2,8 +2,8 @@
 // A problem from its parts: robot with attached objects, scene in the planning frame, reference state, allowed contacts.
 //
 // Who decides on the contact of two links: the SRDF allows what it lists; a planning scene's matrix can allow more. Its
-// "false" does not forbid what the SRDF allows: the MotionBenchMaker matrices were written for other link sets than the SRDFs
-// beside them, and ground truth made with the SRDF agrees with this reading only. Such entries are told in a notice.
+// "false" does not forbid what the SRDF allows: the MotionBenchMaker matrices were written for other link sets than the
+// SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. Such entries are told in a notice.
 #include "io_internal.hpp"
 
 #include <algorithm>
@@ -18,12 +18,13 @@ namespace detail
 {
 
 Robot createRobot( const RobotModel& model, const std::vector<ExtraLink>& extra_links,
-	const std::vector<std::pair<std::string, std::string>>& allowed )
+    const std::vector<std::pair<std::string, std::string>>& allowed )
 {
 	std::vector<const char*> names;
 	std::map<std::string, std::uint32_t> link_index, joint_index;
 	std::vector<lw_body_def> bodies;
-	auto add_link = [&]( const std::string& name, const std::vector<PlacedShape>& shapes ) {
+	auto add_link = [&]( const std::string& name, const std::vector<PlacedShape>& shapes )
+	{
 		std::uint32_t index = static_cast<std::uint32_t>( names.size() );
 		link_index.emplace( name, index );
 		names.push_back( name.c_str() );
@@ -44,7 +45,8 @@ Robot createRobot( const RobotModel& model, const std::vector<ExtraLink>& extra_
 	{
 		joint_index.emplace( joint.name, static_cast<std::uint32_t>( joint_index.size() ) );
 	}
-	auto link_of = [&]( const JointModel& joint, const std::string& link ) {
+	auto link_of = [&]( const JointModel& joint, const std::string& link )
+	{
 		auto found = link_index.find( link );
 		if ( found == link_index.end() )
 		{
@@ -67,8 +69,8 @@ Robot createRobot( const RobotModel& model, const std::vector<ExtraLink>& extra_
 		auto mimic = joint_index.find( joint.mimic );
 		if ( !joint.mimic.empty() && mimic == joint_index.end() )
 		{
-			throw Error( model.urdf_file, "joint " + joint.name, fmt::format( "mimics joint {}, which is not defined", joint.mimic ),
-				"correct the name" );
+			throw Error( model.urdf_file, "joint " + joint.name,
+			    fmt::format( "mimics joint {}, which is not defined", joint.mimic ), "correct the name" );
 		}
 		def.mimic = joint.mimic.empty() ? LW_INVALID_INDEX : mimic->second;
 		def.mimic_multiplier = joint.mimic_multiplier;
@@ -107,7 +109,7 @@ Robot createRobot( const RobotModel& model, const std::vector<ExtraLink>& extra_
 	if ( status != LW_OK )
 	{
 		throw Error( model.urdf_file, "robot " + model.name,
-			diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the URDF" );
+		    diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the URDF" );
 	}
 	return Robot::adopt( robot );
 }
@@ -125,12 +127,12 @@ std::vector<std::string> jointSuffixes( lw_joint_type type )
 {
 	switch ( type )
 	{
-		case LW_JOINT_PLANAR:
-			return { "/x", "/y", "/theta" };
-		case LW_JOINT_FLOATING:
-			return { "/trans_x", "/trans_y", "/trans_z", "/rot_x", "/rot_y", "/rot_z", "/rot_w" };
-		default:
-			return { "" };
+	case LW_JOINT_PLANAR:
+		return { "/x", "/y", "/theta" };
+	case LW_JOINT_FLOATING:
+		return { "/trans_x", "/trans_y", "/trans_z", "/rot_x", "/rot_y", "/rot_z", "/rot_w" };
+	default:
+		return { "" };
 	}
 }
 
@@ -140,7 +142,7 @@ std::vector<std::string> jointSuffixes( lw_joint_type type )
 class StateWriter
 {
 public:
-	StateWriter( const RobotModel& model, const lw_robot* robot, std::vector<double>& q ) : m_model( model ), m_robot( robot ), m_q( q )
+	StateWriter( const RobotModel& model, const lw_robot* robot, std::vector<double>& q ) : m_model( model ), m_q( q )
 	{
 		for ( std::uint32_t i = 0; i < lw_robot_variable_count( robot ); ++i )
 		{
@@ -153,19 +155,18 @@ public:
 private:
 	/// A planar joint takes x, y and the yaw of a multi_dof transform; true if `joint` is planar.
 	bool applyPlanar( const std::string& joint, const JointState& state, const std::string& file, const std::string& element,
-		std::vector<Notice>& notices );
+	    std::vector<Notice>& notices );
 
 	const RobotModel& m_model;
-	const lw_robot* m_robot;
 	std::vector<double>& m_q;
 	std::map<std::string, std::uint32_t> m_index;
 };
 
 bool StateWriter::applyPlanar( const std::string& joint, const JointState& state, const std::string& file,
-	const std::string& element, std::vector<Notice>& notices )
+    const std::string& element, std::vector<Notice>& notices )
 {
 	auto model = std::find_if( m_model.joints.begin(), m_model.joints.end(),
-		[&]( const JointModel& candidate ) { return candidate.name == joint && candidate.type == LW_JOINT_PLANAR; } );
+	    [&]( const JointModel& candidate ) { return candidate.name == joint && candidate.type == LW_JOINT_PLANAR; } );
 	if ( model == m_model.joints.end() || !model->mimic.empty() )
 	{
 		return false;
@@ -173,9 +174,10 @@ bool StateWriter::applyPlanar( const std::string& joint, const JointState& state
 	if ( model->axis[0] != 0 || model->axis[1] != 0 || !( model->axis[2] > 0 ) )
 	{
 		throw Error( file, element, fmt::format( "a transform cannot set the planar joint {}, whose axis is not z", joint ),
-			fmt::format( "give {0}/x, {0}/y and {0}/theta", joint ) );
+		    fmt::format( "give {0}/x, {0}/y and {0}/theta", joint ) );
 	}
-	auto value = [&]( const char* suffix, double fallback ) {
+	auto value = [&]( const char* suffix, double fallback )
+	{
 		auto found = state.values.find( joint + suffix );
 		return found != state.values.end() ? found->second : fallback;
 	};
@@ -187,13 +189,14 @@ bool StateWriter::applyPlanar( const std::string& joint, const JointState& state
 	// A planar joint cannot follow the rest of the transform; below a micrometre or microradian it is rounding
 	if ( std::fabs( z ) > 1e-6 || std::hypot( x_turn, y_turn ) > 1e-6 )
 	{
-		notices.push_back( { file, element, fmt::format( "planar joint {} takes only x, y and yaw of its transform", joint ) } );
+		notices.push_back(
+		    { file, element, fmt::format( "planar joint {} takes only x, y and yaw of its transform", joint ) } );
 	}
 	return true;
 }
 
-void StateWriter::apply( const JointState& state, const std::string& file, const std::string& element,
-	std::vector<Notice>& notices )
+void StateWriter::apply(
+    const JointState& state, const std::string& file, const std::string& element, std::vector<Notice>& notices )
 {
 	std::vector<std::string> ignored;
 	std::set<std::string> planar;
@@ -222,7 +225,8 @@ void StateWriter::apply( const JointState& state, const std::string& file, const
 	if ( !ignored.empty() )
 	{
 		notices.push_back( { file, element,
-			fmt::format( "joints that the robot lacks, fixes or drives by another joint were ignored: {}", joinNames( ignored ) ) } );
+		    fmt::format(
+		        "joints that the robot lacks, fixes or drives by another joint were ignored: {}", joinNames( ignored ) ) } );
 	}
 }
 
@@ -233,7 +237,7 @@ class Frames
 {
 public:
 	Frames( const RobotModel& model, const lw_robot* robot, const std::vector<double>& q, const SceneModel* scene,
-		std::vector<Notice>& notices );
+	    std::vector<Notice>& notices );
 	/// @param wanted_by the file and element that name the frame, for the error
 	lw_transform planningFrom( const std::string& name, const std::string& file, const std::string& wanted_by ) const;
 
@@ -248,12 +252,13 @@ private:
 };
 
 Frames::Frames( const RobotModel& model, const lw_robot* robot, const std::vector<double>& q, const SceneModel* scene,
-	std::vector<Notice>& notices )
-	: m_model( model ), m_robot( robot ), m_links( lw_robot_link_count( robot ) )
+    std::vector<Notice>& notices )
+    : m_model( model ), m_robot( robot ), m_links( lw_robot_link_count( robot ) )
 {
 	if ( lw_robot_fk( robot, q.data(), m_links.data() ) != LW_OK )
 	{
-		throw Error( model.urdf_file, "reference state", "holds a non-finite value or a zero quaternion", "correct the start state" );
+		throw Error(
+		    model.urdf_file, "reference state", "holds a non-finite value or a zero quaternion", "correct the start state" );
 	}
 	if ( scene == nullptr )
 	{
@@ -267,7 +272,7 @@ Frames::Frames( const RobotModel& model, const lw_robot* robot, const std::vecto
 			m_fixed[child] = value;
 		}
 		else if ( !parent.empty() && !isPlanning( parent ) && isPlanning( child ) &&
-			lw_robot_find_link( robot, parent.c_str() ) == LW_INVALID_INDEX )
+		          lw_robot_find_link( robot, parent.c_str() ) == LW_INVALID_INDEX )
 		{
 			m_fixed[parent] = { child, pose }; // MoveIt's spelling
 		}
@@ -286,7 +291,7 @@ Frames::Frames( const RobotModel& model, const lw_robot* robot, const std::vecto
 			if ( difference > 0 )
 			{
 				notices.push_back( { scene->file, "fixed_frame_transforms",
-					fmt::format( "{} has its place by the robot: this transform is ignored", child ) } );
+				    fmt::format( "{} has its place by the robot: this transform is ignored", child ) } );
 			}
 		}
 	}
@@ -295,7 +300,7 @@ Frames::Frames( const RobotModel& model, const lw_robot* robot, const std::vecto
 bool Frames::isPlanning( const std::string& name ) const
 {
 	return name.empty() || name == m_model.planning_frame ||
-		( name == "world" && lw_robot_find_link( m_robot, "world" ) == LW_INVALID_INDEX && m_fixed.count( name ) == 0 );
+	       ( name == "world" && lw_robot_find_link( m_robot, "world" ) == LW_INVALID_INDEX && m_fixed.count( name ) == 0 );
 }
 
 std::vector<std::string> Frames::known() const
@@ -315,7 +320,8 @@ std::vector<std::string> Frames::known() const
 	return names;
 }
 
-lw_transform Frames::planningFrom( const std::string& full_name, const std::string& file, const std::string& wanted_by ) const
+lw_transform Frames::planningFrom(
+    const std::string& full_name, const std::string& file, const std::string& wanted_by ) const
 {
 	std::string name = !full_name.empty() && full_name[0] == '/' ? full_name.substr( 1 ) : full_name;
 	lw_transform pose = lw_transform_identity();
@@ -334,7 +340,7 @@ lw_transform Frames::planningFrom( const std::string& full_name, const std::stri
 		if ( found == m_fixed.end() )
 		{
 			throw Error( file, wanted_by, fmt::format( "frame {} is not known", name ),
-				fmt::format( "use one of {}", joinNames( known(), 12 ) ) );
+			    fmt::format( "use one of {}", joinNames( known(), 12 ) ) );
 		}
 		pose = lw_transform_multiply( &found->second.second, &pose );
 		name = found->second.first;
@@ -409,7 +415,7 @@ std::vector<std::string> Contacts::unknown( const std::vector<std::string>& name
 {
 	std::vector<std::string> result;
 	std::copy_if( names.begin(), names.end(), std::back_inserter( result ),
-		[&]( const std::string& name ) { return !isLink( name ) && !isObject( name ); } );
+	    [&]( const std::string& name ) { return !isLink( name ) && !isObject( name ); } );
 	return result;
 }
 
@@ -448,7 +454,7 @@ void Contacts::allowMatrix( const RobotModel& model, const SceneModel& scene, st
 	if ( !forbidden.empty() )
 	{
 		notices.push_back( { scene.file, "allowed_collision_matrix",
-			fmt::format( "pairs that the SRDF allows and the matrix does not stay allowed: {}", joinNames( forbidden ) ) } );
+		    fmt::format( "pairs that the SRDF allows and the matrix does not stay allowed: {}", joinNames( forbidden ) ) } );
 	}
 	std::vector<std::string> names = scene.matrix_names;
 	names.insert( names.end(), scene.default_allowed.begin(), scene.default_allowed.end() );
@@ -456,14 +462,14 @@ void Contacts::allowMatrix( const RobotModel& model, const SceneModel& scene, st
 	if ( !strangers.empty() )
 	{
 		notices.push_back( { scene.file, "allowed_collision_matrix",
-			fmt::format( "names of no link or object were ignored: {}", joinNames( strangers ) ) } );
+		    fmt::format( "names of no link or object were ignored: {}", joinNames( strangers ) ) } );
 	}
 }
 
 // ---- assembly
 
-std::vector<detail::ExtraLink> attachedLinks( const RobotModel& model, const SceneModel& scene, const lw_robot* robot,
-	const Frames& frames )
+std::vector<detail::ExtraLink> attachedLinks(
+    const RobotModel& model, const SceneModel& scene, const lw_robot* robot, const Frames& frames )
 {
 	std::vector<detail::ExtraLink> links;
 	for ( const AttachedObject& attached : scene.attached )
@@ -472,7 +478,7 @@ std::vector<detail::ExtraLink> attachedLinks( const RobotModel& model, const Sce
 		if ( lw_robot_find_link( robot, attached.link.c_str() ) == LW_INVALID_INDEX )
 		{
 			throw Error( scene.file, element, fmt::format( "robot {} has no link {}", model.name, attached.link ),
-				"attach it to a link of the robot" );
+			    "attach it to a link of the robot" );
 		}
 		if ( lw_robot_find_link( robot, attached.object.name.c_str() ) != LW_INVALID_INDEX )
 		{
@@ -523,7 +529,8 @@ Scene createScene( const SceneModel& model, const Frames& frames )
 	if ( status != LW_OK )
 	{
 		std::string element = diag.index < shape_owner.size() ? "object " + shape_owner[diag.index] : "world";
-		throw Error( model.file, element, diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the scene" );
+		throw Error(
+		    model.file, element, diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the scene" );
 	}
 	return Scene::adopt( scene );
 }
@@ -546,9 +553,10 @@ void selectGroup( const RobotModel& model, const std::string& group_name, Proble
 		{
 			std::vector<std::string> names;
 			std::transform( model.groups.begin(), model.groups.end(), std::back_inserter( names ),
-				[]( const Group& candidate ) { return candidate.name; } );
-			throw Error( model.srdf_file.empty() ? model.urdf_file : model.srdf_file, "group " + group_name, "there is no such group",
-				model.srdf_file.empty() ? "give an SRDF that defines it" : "use one of " + joinNames( names ) );
+			    []( const Group& candidate ) { return candidate.name; } );
+			throw Error( model.srdf_file.empty() ? model.urdf_file : model.srdf_file, "group " + group_name,
+			    "there is no such group",
+			    model.srdf_file.empty() ? "give an SRDF that defines it" : "use one of " + joinNames( names ) );
 		}
 		for ( const std::string& joint_name : group->joints )
 		{
@@ -564,8 +572,8 @@ void selectGroup( const RobotModel& model, const std::string& group_name, Proble
 	if ( problem.variables.empty() )
 	{
 		throw Error( group_name.empty() ? model.urdf_file : model.srdf_file,
-			group_name.empty() ? "robot " + model.name : "group " + group_name, "has no movable joint",
-			"use a group with joints that are neither fixed nor mimicking" );
+		    group_name.empty() ? "robot " + model.name : "group " + group_name, "has no movable joint",
+		    "use a group with joints that are neither fixed nor mimicking" );
 	}
 	for ( std::uint32_t variable : problem.variables )
 	{
@@ -579,7 +587,7 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 	for ( const auto& [link, object] : contacts.link_objects )
 	{
 		allowed.push_back( { lw_robot_find_link( problem.robot.get(), link.c_str() ),
-			lw_scene_find_object( problem.scene.get(), object.c_str() ) } );
+		    lw_scene_find_object( problem.scene.get(), object.c_str() ) } );
 	}
 	lw_checker_def def = lw_checker_def_default();
 	def.robot = problem.robot.get();
@@ -595,8 +603,8 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 	if ( status != LW_OK )
 	{
 		throw Error( scene != nullptr ? scene->file : model.urdf_file,
-			problem.group.empty() ? "robot " + model.name : "group " + problem.group,
-			diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the robot, the group or the state" );
+		    problem.group.empty() ? "robot " + model.name : "group " + problem.group,
+		    diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the robot, the group or the state" );
 	}
 	problem.checker = Checker::adopt( checker );
 }
@@ -620,7 +628,8 @@ void noticeGoalJoints( const Request& request, const lw_robot* robot, std::vecto
 	if ( !ignored.empty() )
 	{
 		notices.push_back( { request.file, "goal_constraints[0]",
-			fmt::format( "joints that the robot lacks, fixes or drives by another joint were ignored: {}", joinNames( ignored ) ) } );
+		    fmt::format(
+		        "joints that the robot lacks, fixes or drives by another joint were ignored: {}", joinNames( ignored ) ) } );
 	}
 }
 
@@ -666,7 +675,7 @@ Problem buildProblem( const RobotModel& model, const ProblemOptions& options )
 		if ( !strangers.empty() )
 		{
 			problem.notices.push_back( { scene->file, "attached object " + object.object.name,
-				fmt::format( "touch_links that are no links were ignored: {}", joinNames( strangers ) ) } );
+			    fmt::format( "touch_links that are no links were ignored: {}", joinNames( strangers ) ) } );
 		}
 	}
 	if ( scene != nullptr )
@@ -682,7 +691,8 @@ Problem buildProblem( const RobotModel& model, const ProblemOptions& options )
 std::string variableName( const lw_robot* robot, std::uint32_t variable )
 {
 	lw_variable_info info = lw_robot_variable( robot, variable );
-	return lw_robot_joint_name( robot, info.joint ) + jointSuffixes( lw_robot_joint_type( robot, info.joint ) ).at( info.component );
+	return lw_robot_joint_name( robot, info.joint ) +
+	       jointSuffixes( lw_robot_joint_type( robot, info.joint ) ).at( info.component );
 }
 
 std::vector<double> startState( const Problem& problem )
@@ -723,8 +733,9 @@ std::vector<double> goalState( const Problem& problem, const Request& request )
 		if ( group.count( variable ) == 0 && std::fabs( difference ) > tolerance )
 		{
 			throw Error( request.file, "goal_constraints[0] " + goal.joint,
-				fmt::format( "is to move from {} to {}, but is not in group {}", problem.reference[variable], goal.position, problem.group ),
-				"remove it or plan for a group that has it" );
+			    fmt::format( "is to move from {} to {}, but is not in group {}", problem.reference[variable], goal.position,
+			        problem.group ),
+			    "remove it or plan for a group that has it" );
 		}
 		full[variable] = goal.position;
 		given.insert( variable );
@@ -742,7 +753,7 @@ std::vector<double> goalState( const Problem& problem, const Request& request )
 	if ( !missing.empty() )
 	{
 		throw Error( request.file, "goal_constraints[0]", fmt::format( "names no goal for {}", joinNames( missing ) ),
-			"give one joint constraint for each joint of the group" );
+		    "give one joint constraint for each joint of the group" );
 	}
 	return state;
 }
@@ -761,11 +772,13 @@ std::vector<std::string> limitViolations( const Problem& problem, const std::vec
 		}
 		if ( !( state[i] <= info.upper ) )
 		{
-			lines.push_back( fmt::format( "joint {}: {} is above its limit {}", problem.variable_names[i], state[i], info.upper ) );
+			lines.push_back(
+			    fmt::format( "joint {}: {} is above its limit {}", problem.variable_names[i], state[i], info.upper ) );
 		}
 		else if ( !( state[i] >= info.lower ) )
 		{
-			lines.push_back( fmt::format( "joint {}: {} is below its limit {}", problem.variable_names[i], state[i], info.lower ) );
+			lines.push_back(
+			    fmt::format( "joint {}: {} is below its limit {}", problem.variable_names[i], state[i], info.lower ) );
 		}
 	}
 	return lines;

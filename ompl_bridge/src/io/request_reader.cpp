@@ -32,7 +32,7 @@ JointGoal readJointGoal( const YamlNode& node )
 	YamlNode constraint = node.named( goal.joint );
 	goal.position = constraint["position"].number();
 	for ( auto [key, value] :
-		{ std::pair( "tolerance_above", &goal.tolerance_above ), std::pair( "tolerance_below", &goal.tolerance_below ) } )
+	    { std::pair( "tolerance_above", &goal.tolerance_above ), std::pair( "tolerance_below", &goal.tolerance_below ) } )
 	{
 		YamlNode tolerance = constraint[key];
 		if ( tolerance.defined() )
@@ -61,7 +61,7 @@ std::vector<JointGoal> readGoal( const YamlNode& root )
 	}
 	YamlNode first = constraints[std::size_t{ 0 }];
 	refuseConstraints( first, { "position_constraints", "orientation_constraints", "visibility_constraints" },
-		"only joint goals are: give joint_constraints" );
+	    "only joint goals are: give joint_constraints" );
 	YamlNode joints = first["joint_constraints"];
 	if ( joints.size() == 0 )
 	{
@@ -80,7 +80,7 @@ std::vector<JointGoal> readGoal( const YamlNode& root )
 		}
 	}
 	first.noticeUnknownKeys(
-		{ "name", "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" } );
+	    { "name", "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" } );
 	return goal;
 }
 
@@ -94,12 +94,12 @@ Request loadRequest( const std::string& file )
 	if ( !root["goal_constraints"].defined() && ( root["world"].defined() || root["robot_state"].defined() ) )
 	{
 		throw Error( file, "goal_constraints", "this is a planning scene, not a request",
-			"give a file with start_state and goal_constraints" );
+		    "give a file with start_state and goal_constraints" );
 	}
 	root.noticeUnknownKeys( { "workspace_parameters", "start_state", "goal_constraints", "path_constraints",
-		"trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name", "num_planning_attempts",
-		"allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor", "cartesian_speed_limited_link",
-		"max_cartesian_speed" } );
+	    "trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name",
+	    "num_planning_attempts", "allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor",
+	    "cartesian_speed_limited_link", "max_cartesian_speed" } );
 	request.group = root["group_name"].text();
 	if ( request.group.empty() )
 	{
@@ -116,13 +116,13 @@ Request loadRequest( const std::string& file )
 	if ( start["attached_collision_objects"].size() > 0 )
 	{
 		start["attached_collision_objects"].fail(
-			"attached objects are not read from requests", "put them into robot_state of the planning scene" );
+		    "attached objects are not read from requests", "put them into robot_state of the planning scene" );
 	}
 	start.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
 	request.start = detail::readJointState( start );
 	refuseConstraints( root["path_constraints"],
-		{ "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },
-		"remove them from path_constraints" );
+	    { "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },
+	    "remove them from path_constraints" );
 	refuseConstraints( root["trajectory_constraints"], { "constraints" }, "remove them from trajectory_constraints" );
 	request.goal = readGoal( root );
 	return request;

@@ -30,7 +30,7 @@ class SceneReader
 {
 public:
 	SceneReader( const std::string& file, const LoadOptions& options, SceneModel& scene )
-		: m_root( YamlNode::load( file, scene.report.notices ) ), m_shapes( options, scene.report ), m_scene( scene )
+	    : m_root( YamlNode::load( file, scene.report.notices ) ), m_shapes( options, scene.report ), m_scene( scene )
 	{
 	}
 	void read();
@@ -40,8 +40,8 @@ private:
 	void readObjects();
 	SceneObject readObject( const YamlNode& node, bool may_be_empty );
 	void readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, SceneObject& out );
-	PlacedShape readPlaced( const YamlNode& shape, const YamlNode& poses, std::size_t index, const lw_transform& frame_from_object,
-		bool mesh, const std::string& owner );
+	PlacedShape readPlaced( const YamlNode& shape, const YamlNode& poses, std::size_t index,
+	    const lw_transform& frame_from_object, bool mesh, const std::string& owner );
 	Shape readPrimitive( const YamlNode& node, const std::string& owner );
 	Shape readMesh( const YamlNode& node, const std::string& owner );
 	TriangleSoup readInlineMesh( const YamlNode& node ) const;
@@ -72,10 +72,10 @@ void SceneReader::checkTop() const
 	{
 		bool request = m_root["goal_constraints"].defined() || m_root["start_state"].defined();
 		throw Error( m_scene.file, "world", request ? "this is a request, not a planning scene" : "there is no world",
-			"give a planning scene with world.collision_objects" );
+		    "give a planning scene with world.collision_objects" );
 	}
-	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms", "allowed_collision_matrix",
-		"link_padding", "link_scale", "object_colors", "world", "is_diff" } );
+	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms",
+	    "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff" } );
 	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap" } );
 	YamlNode octomap = m_root["world"]["octomap"];
 	YamlNode data = octomap["octomap"]["data"];
@@ -107,8 +107,8 @@ Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner
 		lw_shape_type shape = type == "cylinder" || type == "3" ? LW_SHAPE_CYLINDER : LW_SHAPE_CONE;
 		return m_shapes.primitive( place( node, owner ), shape, { d[1], d[0], 0 } );
 	}
-	node["type"].fail( fmt::format( "primitive type {} is not supported", type ),
-		"use box (1), sphere (2), cylinder (3) or cone (4)" );
+	node["type"].fail(
+	    fmt::format( "primitive type {} is not supported", type ), "use box (1), sphere (2), cylinder (3) or cone (4)" );
 }
 
 TriangleSoup SceneReader::readInlineMesh( const YamlNode& node ) const
@@ -131,10 +131,11 @@ TriangleSoup SceneReader::readInlineMesh( const YamlNode& node ) const
 		}
 		for ( double index : indices )
 		{
-			if ( !( index >= 0 && index < vertex_count ) || index != static_cast<double>( static_cast<std::uint32_t>( index ) ) )
+			if ( !( index >= 0 && index < vertex_count ) ||
+			     index != static_cast<double>( static_cast<std::uint32_t>( index ) ) )
 			{
 				triangle.fail( fmt::format( "there is no vertex {}", index ),
-					fmt::format( "vertices are numbered 0 to {}", vertices.size() - 1 ) );
+				    fmt::format( "vertices are numbered 0 to {}", vertices.size() - 1 ) );
 			}
 			soup.indices.push_back( static_cast<std::uint32_t>( index ) );
 		}
@@ -174,7 +175,7 @@ Shape SceneReader::readMesh( const YamlNode& node, const std::string& owner )
 }
 
 PlacedShape SceneReader::readPlaced( const YamlNode& shape, const YamlNode& poses, std::size_t index,
-	const lw_transform& frame_from_object, bool mesh, const std::string& owner )
+    const lw_transform& frame_from_object, bool mesh, const std::string& owner )
 {
 	PlacedShape placed;
 	lw_transform object_from_shape = poses.size() > 0 ? poses[index].pose() : lw_transform_identity();
@@ -191,14 +192,14 @@ void SceneReader::readShapes( const YamlNode& object, const char* shapes_key, co
 	bool poses_left_out = poses.size() == 0 && object_pose.defined();
 	if ( poses.size() != count && !poses_left_out )
 	{
-		( poses.defined() ? poses : object ).fail( fmt::format( "there are {} {} and {} {}", count, shapes_key, poses.size(), poses_key ),
-			"give one pose for each shape" );
+		( poses.defined() ? poses : object )
+		    .fail( fmt::format( "there are {} {} and {} {}", count, shapes_key, poses.size(), poses_key ),
+		        "give one pose for each shape" );
 	}
 	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();
 	for ( std::size_t i = 0; i < count; ++i )
 	{
-		out.shapes.push_back(
-			readPlaced( shapes[i], poses, i, frame_from_object, shapes_key[0] == 'm', out.name ) );
+		out.shapes.push_back( readPlaced( shapes[i], poses, i, frame_from_object, shapes_key[0] == 'm', out.name ) );
 	}
 }
 
@@ -215,12 +216,13 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed, bool may_be_empty 
 	{
 		node.fail( "an object of this id was defined before", "rename or remove one of them" );
 	}
-	node.noticeUnknownKeys( { "id", "header", "pose", "type", "primitives", "primitive_poses", "meshes", "mesh_poses", "planes",
-		"plane_poses", "subframe_names", "subframe_poses", "operation" } );
+	node.noticeUnknownKeys( { "id", "header", "pose", "type", "primitives", "primitive_poses", "meshes", "mesh_poses",
+	    "planes", "plane_poses", "subframe_names", "subframe_poses", "operation" } );
 	std::string operation = lower( node["operation"].textOr( "add" ) );
 	if ( operation != "add" && operation != "0" && operation != "\\0" && operation != std::string( 1, '\0' ) )
 	{
-		node["operation"].fail( fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
+		node["operation"].fail(
+		    fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
 	}
 	if ( node["planes"].size() > 0 )
 	{
@@ -261,8 +263,8 @@ void SceneReader::readAttached( const YamlNode& state )
 		attached.touch_links = node["touch_links"].textList();
 		// An id of the world without shapes of its own: that object is picked up where it is, as MoveIt does
 		std::string id = node["object"]["id"].text();
-		auto in_world = std::find_if( m_scene.objects.begin(), m_scene.objects.end(),
-			[&]( const SceneObject& object ) { return object.name == id; } );
+		auto in_world = std::find_if(
+		    m_scene.objects.begin(), m_scene.objects.end(), [&]( const SceneObject& object ) { return object.name == id; } );
 		bool bare = node["object"]["primitives"].size() == 0 && node["object"]["meshes"].size() == 0;
 		if ( in_world != m_scene.objects.end() && bare )
 		{
@@ -287,7 +289,7 @@ void SceneReader::readDefaults( const YamlNode& matrix )
 	if ( names.size() != values.size() )
 	{
 		matrix.fail( fmt::format( "has {} default_entry_names and {} default_entry_values", names.size(), values.size() ),
-			"give one value for each name" );
+		    "give one value for each name" );
 	}
 	for ( std::size_t i = 0; i < names.size(); ++i )
 	{
@@ -308,7 +310,7 @@ void SceneReader::readMatrix()
 	if ( rows.size() != names.size() )
 	{
 		matrix.fail( fmt::format( "has {} entry_names and {} rows of entry_values", names.size(), rows.size() ),
-			"give one row for each name" );
+		    "give one row for each name" );
 	}
 	std::vector<std::vector<bool>> values;
 	for ( std::size_t i = 0; i < rows.size(); ++i )
@@ -316,7 +318,8 @@ void SceneReader::readMatrix()
 		YamlNode row = rows[i].isMap() ? rows[i]["enabled"] : rows[i];
 		if ( row.size() != names.size() )
 		{
-			row.fail( fmt::format( "has {} values for {} names", row.size(), names.size() ), "give one value for each name" );
+			row.fail(
+			    fmt::format( "has {} values for {} names", row.size(), names.size() ), "give one value for each name" );
 		}
 		values.emplace_back();
 		for ( std::size_t k = 0; k < row.size(); ++k )
@@ -364,8 +367,8 @@ void SceneReader::noticePadding() const
 			YamlNode value = list[i].firstOf( { "padding", "scale" } );
 			if ( value.defined() && value.number() != neutral )
 			{
-				list[i].notice( fmt::format( "{} {} of link {} is ignored: use a margin", key, value.number(),
-					list[i]["link_name"].textOr( "?" ) ) );
+				list[i].notice( fmt::format(
+				    "{} {} of link {} is ignored: use a margin", key, value.number(), list[i]["link_name"].textOr( "?" ) ) );
 			}
 		}
 	}

@@ -29,18 +29,18 @@ const char* primitiveName( lw_shape_type type )
 {
 	switch ( type )
 	{
-		case LW_SHAPE_BOX:
-			return "box";
-		case LW_SHAPE_SPHERE:
-			return "sphere";
-		case LW_SHAPE_CYLINDER:
-			return "cylinder";
-		case LW_SHAPE_CAPSULE:
-			return "capsule";
-		case LW_SHAPE_CONE:
-			return "cone";
-		default:
-			return "shape";
+	case LW_SHAPE_BOX:
+		return "box";
+	case LW_SHAPE_SPHERE:
+		return "sphere";
+	case LW_SHAPE_CYLINDER:
+		return "cylinder";
+	case LW_SHAPE_CAPSULE:
+		return "capsule";
+	case LW_SHAPE_CONE:
+		return "cone";
+	default:
+		return "shape";
 	}
 }
 
@@ -49,19 +49,19 @@ std::string primitiveText( lw_shape_type type, const std::array<double, 3>& d )
 {
 	switch ( type )
 	{
-		case LW_SHAPE_BOX:
-			return fmt::format( "box {} x {} x {}", d[0], d[1], d[2] );
-		case LW_SHAPE_SPHERE:
-			return fmt::format( "sphere radius {}", d[0] );
-		default:
-			return fmt::format( "{} radius {} height {}", primitiveName( type ), d[0], d[1] );
+	case LW_SHAPE_BOX:
+		return fmt::format( "box {} x {} x {}", d[0], d[1], d[2] );
+	case LW_SHAPE_SPHERE:
+		return fmt::format( "sphere radius {}", d[0] );
+	default:
+		return fmt::format( "{} radius {} height {}", primitiveName( type ), d[0], d[1] );
 	}
 }
 
 } // namespace
 
-Shape ShapeLoader::build( const Place& place, const std::string& mesh_file, const TriangleSoup& soup,
-	const std::array<double, 3>& scale )
+Shape ShapeLoader::build(
+    const Place& place, const std::string& mesh_file, const TriangleSoup& soup, const std::array<double, 3>& scale )
 {
 	lw_mesh_def def = lw_mesh_def_default();
 	def.vertices = soup.vertices.data();
@@ -81,8 +81,8 @@ Shape ShapeLoader::build( const Place& place, const std::string& mesh_file, cons
 	{
 		std::string mesh = mesh_file.empty() ? "the inline mesh" : "mesh " + mesh_file;
 		throw Error( place.file, place.element,
-			fmt::format( "{} cannot be used: {}", mesh, diag.message[0] != '\0' ? diag.message : lw_status_name( status ) ),
-			"repair the mesh" );
+		    fmt::format( "{} cannot be used: {}", mesh, diag.message[0] != '\0' ? diag.message : lw_status_name( status ) ),
+		    "repair the mesh" );
 	}
 	return Shape::adopt( shape );
 }
@@ -94,8 +94,9 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 	{
 		if ( !std::isfinite( factor ) || factor == 0 )
 		{
-			throw Error( place.file, place.element, fmt::format( "scale {} {} {} is not usable", scale[0], scale[1], scale[2] ),
-				"give three finite factors other than 0" );
+			throw Error( place.file, place.element,
+			    fmt::format( "scale {} {} {} is not usable", scale[0], scale[1], scale[2] ),
+			    "give three finite factors other than 0" );
 		}
 	}
 	std::vector<std::string> tried;
@@ -103,11 +104,12 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 	if ( file.empty() )
 	{
 		throw Error( place.file, place.element,
-			tried.empty() ? fmt::format( "\"{}\" names no file", uri )
-						  : fmt::format( "mesh {} was not found, tried {}", uri, joinNames( tried, 12 ) ),
-			uri.compare( 0, 10, "package://" ) == 0 ? "put the package beside the file, name its folder as a package path, or "
-													  "set ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
-													: "correct the path" );
+		    tried.empty() ? fmt::format( "\"{}\" names no file", uri )
+		                  : fmt::format( "mesh {} was not found, tried {}", uri, joinNames( tried, 12 ) ),
+		    uri.compare( 0, 10, "package://" ) == 0
+		        ? "put the package beside the file, name its folder as a package path, or "
+		          "set ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
+		        : "correct the path" );
 	}
 	LoadedShape line;
 	line.owner = place.owner;
@@ -126,7 +128,8 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 		if ( soup.dropped_faces > 0 )
 		{
 			m_report.notices.push_back( { place.file, place.element,
-				fmt::format( "{} points and lines of mesh {} have no surface and were left out", soup.dropped_faces, file ) } );
+			    fmt::format(
+			        "{} points and lines of mesh {} have no surface and were left out", soup.dropped_faces, file ) } );
 		}
 		found = m_meshes.emplace( key, build( place, file, soup, scale ) ).first;
 		line.milliseconds = watch.milliseconds();
@@ -156,9 +159,9 @@ Shape ShapeLoader::primitive( const Place& place, lw_shape_type type, const std:
 	if ( status != LW_OK )
 	{
 		throw Error( place.file, place.element,
-			fmt::format( "{} is not a solid: {}", primitiveText( type, dimensions ),
-				diag.message[0] != '\0' ? diag.message : lw_status_name( status ) ),
-			"give finite dimensions above 0" );
+		    fmt::format( "{} is not a solid: {}", primitiveText( type, dimensions ),
+		        diag.message[0] != '\0' ? diag.message : lw_status_name( status ) ),
+		    "give finite dimensions above 0" );
 	}
 	LoadedShape line;
 	line.owner = place.owner;

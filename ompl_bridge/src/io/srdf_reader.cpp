@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // SRDF: groups, allowed pairs, virtual joint and named states, added to a model that a URDF gave.
 //
-// Semantics follow MoveIt: a chain is the joints from base to tip (through their common ancestor if the base is no ancestor of
-// the tip), a link stands for the joint above it, subgroups are included as they are. Fixed and mimic joints have no value
-// of their own and are left out of groups. Passive joints and end effectors do not matter to collision checking.
+// Semantics follow MoveIt: a chain is the joints from base to tip (through their common ancestor if the base is no ancestor
+// of the tip), a link stands for the joint above it, subgroups are included as they are. Fixed and mimic joints have no
+// value of their own and are left out of groups. Passive joints and end effectors do not matter to collision checking.
 #include "xml.hpp"
 
 #include <algorithm>
@@ -100,7 +100,8 @@ std::string SrdfReader::requireLink( const XMLElement& at, const std::string& wh
 	std::string link = m_xml.text( at, what, attribute );
 	if ( m_links.count( link ) == 0 )
 	{
-		m_xml.fail( at, what, fmt::format( "the URDF has no link {}", link ), "correct the name, or give the URDF it belongs to" );
+		m_xml.fail(
+		    at, what, fmt::format( "the URDF has no link {}", link ), "correct the name, or give the URDF it belongs to" );
 	}
 	return link;
 }
@@ -115,7 +116,7 @@ void SrdfReader::readVirtualJoint( const XMLElement& element )
 	if ( child != m_model.root_link )
 	{
 		m_xml.fail( element, what, fmt::format( "child_link {} is not the root link {}", child, m_model.root_link ),
-			"attach the root link to the world" );
+		    "attach the root link to the world" );
 	}
 	if ( type != "fixed" && type != "planar" && type != "floating" )
 	{
@@ -125,15 +126,16 @@ void SrdfReader::readVirtualJoint( const XMLElement& element )
 	{
 		m_xml.fail( element, what, "a second virtual joint", "keep one" );
 	}
-	bool parent_is_link = std::any_of( m_model.links.begin(), m_model.links.end(),
-		[&]( const LinkModel& link ) { return link.name == parent; } );
+	bool parent_is_link = std::any_of(
+	    m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& link ) { return link.name == parent; } );
 	if ( parent_is_link && type == "fixed" && parent == child )
 	{
 		return; // a root link called "world", fixed to the world: nothing to add
 	}
 	if ( parent_is_link )
 	{
-		m_xml.fail( element, what, fmt::format( "parent_frame {} is a link of the robot", parent ), "give the frame another name" );
+		m_xml.fail(
+		    element, what, fmt::format( "parent_frame {} is a link of the robot", parent ), "give the frame another name" );
 	}
 	for ( const JointModel& joint : m_model.joints )
 	{
@@ -171,7 +173,7 @@ std::vector<const JointModel*> SrdfReader::pathToRoot( const std::string& link )
 {
 	std::vector<const JointModel*> path;
 	for ( auto above = m_joint_above.find( link ); above != m_joint_above.end();
-		above = m_joint_above.find( above->second->parent ) )
+	      above = m_joint_above.find( above->second->parent ) )
 	{
 		path.push_back( above->second );
 	}
@@ -230,7 +232,7 @@ const Group& SrdfReader::group( const std::string& name )
 			if ( joint == nullptr )
 			{
 				m_xml.fail( *e, what, fmt::format( "the URDF has no joint {}", joint_name ),
-					"correct the name, or give the URDF it belongs to" );
+				    "correct the name, or give the URDF it belongs to" );
 			}
 			addJoint( *joint, result );
 		}
@@ -250,11 +252,12 @@ const Group& SrdfReader::group( const std::string& name )
 			if ( m_definitions.count( subgroup ) == 0 )
 			{
 				m_xml.fail( *e, what, fmt::format( "there is no group {}", subgroup ),
-					fmt::format( "use one of {}", joinNames( m_group_order ) ) );
+				    fmt::format( "use one of {}", joinNames( m_group_order ) ) );
 			}
 			const Group& sub = group( subgroup );
 			std::for_each( sub.links.begin(), sub.links.end(), [&]( const std::string& n ) { addOnce( result.links, n ); } );
-			std::for_each( sub.joints.begin(), sub.joints.end(), [&]( const std::string& n ) { addOnce( result.joints, n ); } );
+			std::for_each(
+			    sub.joints.begin(), sub.joints.end(), [&]( const std::string& n ) { addOnce( result.joints, n ); } );
 		}
 		else if ( kind != "passive_joint" )
 		{
@@ -301,7 +304,7 @@ void SrdfReader::readPairs()
 {
 	std::set<std::pair<std::string, std::string>> enabled;
 	for ( const XMLElement* e = m_xml.root().FirstChildElement( "enable_collisions" ); e != nullptr;
-		e = e->NextSiblingElement( "enable_collisions" ) )
+	      e = e->NextSiblingElement( "enable_collisions" ) )
 	{
 		std::string a = m_xml.text( *e, "enable_collisions", "link1" ), b = m_xml.text( *e, "enable_collisions", "link2" );
 		knownLink( a );
@@ -309,14 +312,15 @@ void SrdfReader::readPairs()
 		enabled.insert( std::minmax( a, b ) );
 	}
 	std::set<std::pair<std::string, std::string>> disabled;
-	auto add = [&]( const std::string& a, const std::string& b, const std::string& reason ) {
+	auto add = [&]( const std::string& a, const std::string& b, const std::string& reason )
+	{
 		if ( disabled.insert( std::minmax( a, b ) ).second )
 		{
 			m_model.disabled.push_back( { a, b, reason } );
 		}
 	};
 	for ( const XMLElement* e = m_xml.root().FirstChildElement( "disable_collisions" ); e != nullptr;
-		e = e->NextSiblingElement( "disable_collisions" ) )
+	      e = e->NextSiblingElement( "disable_collisions" ) )
 	{
 		std::string a = m_xml.text( *e, "disable_collisions", "link1" ), b = m_xml.text( *e, "disable_collisions", "link2" );
 		bool known = knownLink( a );
@@ -327,7 +331,7 @@ void SrdfReader::readPairs()
 		}
 	}
 	for ( const XMLElement* e = m_xml.root().FirstChildElement( "disable_default_collisions" ); e != nullptr;
-		e = e->NextSiblingElement( "disable_default_collisions" ) )
+	      e = e->NextSiblingElement( "disable_default_collisions" ) )
 	{
 		std::string a = m_xml.text( *e, "disable_default_collisions", "link" );
 		if ( !knownLink( a ) )
@@ -345,7 +349,7 @@ void SrdfReader::readPairs()
 	if ( !m_unknown.empty() )
 	{
 		m_model.report.notices.push_back( { m_xml.path(), "disable_collisions",
-			fmt::format( "pairs of links that the URDF lacks were ignored: {}", joinNames( m_unknown ) ) } );
+		    fmt::format( "pairs of links that the URDF lacks were ignored: {}", joinNames( m_unknown ) ) } );
 	}
 }
 
@@ -387,7 +391,7 @@ void SrdfReader::read()
 		notice( m_xml.root(), "<robot>", fmt::format( "is for robot {}, the URDF is {}", name, m_model.name ) );
 	}
 	for ( const XMLElement* e = m_xml.root().FirstChildElement( "virtual_joint" ); e != nullptr;
-		e = e->NextSiblingElement( "virtual_joint" ) )
+	      e = e->NextSiblingElement( "virtual_joint" ) )
 	{
 		readVirtualJoint( *e );
 	}

@@ -55,8 +55,7 @@ private:
 };
 
 /// Runs f( element ) for the children of that name.
-template <typename F>
-void forEach( const XMLElement& parent, const char* name, F f )
+template <typename F> void forEach( const XMLElement& parent, const char* name, F f )
 {
 	for ( const XMLElement* e = parent.FirstChildElement( name ); e != nullptr; e = e->NextSiblingElement( name ) )
 	{
@@ -71,20 +70,22 @@ std::string collisionName( const std::string& link, std::size_t index )
 
 void checkOrigin( const XmlFile& xml, const XMLElement& parent, const std::string& what )
 {
-	forEach( parent, "origin", [&]( const XMLElement& origin ) {
-		for ( const char* attribute : { "xyz", "rpy", "quat_xyzw" } )
-		{
-			if ( origin.Attribute( attribute ) != nullptr )
-			{
-				xml.numbers( origin, what, attribute, std::strcmp( attribute, "quat_xyzw" ) == 0 ? 4 : 3 );
-			}
-		}
-	} );
+	forEach( parent, "origin",
+	    [&]( const XMLElement& origin )
+	    {
+		    for ( const char* attribute : { "xyz", "rpy", "quat_xyzw" } )
+		    {
+			    if ( origin.Attribute( attribute ) != nullptr )
+			    {
+				    xml.numbers( origin, what, attribute, std::strcmp( attribute, "quat_xyzw" ) == 0 ? 4 : 3 );
+			    }
+		    }
+	    } );
 }
 
 /// The <origin> of a joint or collision; quat_xyzw (URDF 1.2) instead of rpy if it is there.
-lw_transform readOrigin( const XmlFile& xml, const XMLElement& parent, const std::string& what,
-	std::vector<Notice>& notices )
+lw_transform readOrigin(
+    const XmlFile& xml, const XMLElement& parent, const std::string& what, std::vector<Notice>& notices )
 {
 	lw_transform transform = lw_transform_identity();
 	const XMLElement* origin = parent.FirstChildElement( "origin" );
@@ -108,8 +109,8 @@ lw_transform readOrigin( const XmlFile& xml, const XMLElement& parent, const std
 	}
 	if ( std::fabs( norm - 1 ) > quaternion_notice_threshold )
 	{
-		notices.push_back( { xml.path(), xml.place( *origin, what ),
-			fmt::format( "quaternion of length {:.6g} was normalised", norm ) } );
+		notices.push_back(
+		    { xml.path(), xml.place( *origin, what ), fmt::format( "quaternion of length {:.6g} was normalised", norm ) } );
 	}
 	return transform;
 }
@@ -151,7 +152,7 @@ void checkGeometry( const XmlFile& xml, const XMLElement& collision, const std::
 	else
 	{
 		xml.fail( *shape, what, fmt::format( "shape <{}> is not supported", type ),
-			"use a box, sphere, cylinder, capsule or mesh" );
+		    "use a box, sphere, cylinder, capsule or mesh" );
 	}
 	checkOrigin( xml, collision, what );
 }
@@ -167,7 +168,7 @@ void useVisual( XmlFile& xml, std::vector<Notice>& notices )
 			continue;
 		}
 		notices.push_back( { xml.path(), xml.place( *link, "link " + xml.text( *link, "link", "name" ) ),
-			"has no collision geometry: its visual geometry is used" } );
+		    "has no collision geometry: its visual geometry is used" } );
 		while ( XMLElement* visual = link->FirstChildElement( "visual" ) )
 		{
 			visual->SetName( "collision" );
@@ -177,16 +178,18 @@ void useVisual( XmlFile& xml, std::vector<Notice>& notices )
 
 void checkLinks( const XmlFile& xml, std::set<std::string>& links )
 {
-	forEach( xml.root(), "link", [&]( const XMLElement& link ) {
-		std::string name = xml.text( link, "link", "name" );
-		if ( !links.insert( name ).second )
-		{
-			xml.fail( link, "link " + name, "a link of this name was defined before", "rename or remove one of them" );
-		}
-		std::size_t index = 0;
-		forEach( link, "collision",
-			[&]( const XMLElement& collision ) { checkGeometry( xml, collision, collisionName( name, index++ ) ); } );
-	} );
+	forEach( xml.root(), "link",
+	    [&]( const XMLElement& link )
+	    {
+		    std::string name = xml.text( link, "link", "name" );
+		    if ( !links.insert( name ).second )
+		    {
+			    xml.fail( link, "link " + name, "a link of this name was defined before", "rename or remove one of them" );
+		    }
+		    std::size_t index = 0;
+		    forEach( link, "collision",
+		        [&]( const XMLElement& collision ) { checkGeometry( xml, collision, collisionName( name, index++ ) ); } );
+	    } );
 	if ( links.empty() )
 	{
 		throw Error( xml.path(), "<robot>", "has no links", "give a URDF with at least one <link>" );
@@ -206,7 +209,8 @@ void checkJoint( const XmlFile& xml, const XMLElement& joint, const std::string&
 		std::string link = xml.text( *e, what, "link" );
 		if ( links.count( link ) == 0 )
 		{
-			xml.fail( *e, what, fmt::format( "{} link {} is not defined", end, link ), "define the link or correct its name" );
+			xml.fail(
+			    *e, what, fmt::format( "{} link {} is not defined", end, link ), "define the link or correct its name" );
 		}
 	}
 	checkOrigin( xml, joint, what );
@@ -223,7 +227,7 @@ void checkJoint( const XmlFile& xml, const XMLElement& joint, const std::string&
 	if ( limit == nullptr && ( type == "revolute" || type == "prismatic" ) )
 	{
 		xml.fail( joint, what, fmt::format( "is {} and has no <limit>", type ),
-			"add <limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>, or make it continuous" );
+		    "add <limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>, or make it continuous" );
 	}
 	if ( limit != nullptr )
 	{
@@ -252,29 +256,36 @@ void checkJoints( const XmlFile& xml, const std::set<std::string>& links )
 {
 	std::map<std::string, std::string> moved_by;
 	std::set<std::string> joints;
-	forEach( xml.root(), "joint", [&]( const XMLElement& joint ) {
-		std::string name = xml.text( joint, "joint", "name" );
-		if ( !joints.insert( name ).second )
-		{
-			xml.fail( joint, "joint " + name, "a joint of this name was defined before", "rename or remove one of them" );
-		}
-		checkJoint( xml, joint, "joint " + name, links );
-		std::string child = joint.FirstChildElement( "child" )->Attribute( "link" );
-		auto [other, first] = moved_by.emplace( child, name );
-		if ( !first )
-		{
-			xml.fail( joint, "joint " + name, fmt::format( "link {} is already the child of joint {}", child, other->second ),
-				"a link can be the child of one joint only" );
-		}
-	} );
-	forEach( xml.root(), "joint", [&]( const XMLElement& joint ) {
-		const XMLElement* mimic = joint.FirstChildElement( "mimic" );
-		if ( mimic != nullptr && joints.count( mimic->Attribute( "joint" ) ) == 0 )
-		{
-			xml.fail( *mimic, fmt::format( "joint {}", joint.Attribute( "name" ) ),
-				fmt::format( "mimics joint {}, which is not defined", mimic->Attribute( "joint" ) ), "correct the name" );
-		}
-	} );
+	forEach( xml.root(), "joint",
+	    [&]( const XMLElement& joint )
+	    {
+		    std::string name = xml.text( joint, "joint", "name" );
+		    if ( !joints.insert( name ).second )
+		    {
+			    xml.fail(
+			        joint, "joint " + name, "a joint of this name was defined before", "rename or remove one of them" );
+		    }
+		    checkJoint( xml, joint, "joint " + name, links );
+		    std::string child = joint.FirstChildElement( "child" )->Attribute( "link" );
+		    auto [other, first] = moved_by.emplace( child, name );
+		    if ( !first )
+		    {
+			    xml.fail( joint, "joint " + name,
+			        fmt::format( "link {} is already the child of joint {}", child, other->second ),
+			        "a link can be the child of one joint only" );
+		    }
+	    } );
+	forEach( xml.root(), "joint",
+	    [&]( const XMLElement& joint )
+	    {
+		    const XMLElement* mimic = joint.FirstChildElement( "mimic" );
+		    if ( mimic != nullptr && joints.count( mimic->Attribute( "joint" ) ) == 0 )
+		    {
+			    xml.fail( *mimic, fmt::format( "joint {}", joint.Attribute( "name" ) ),
+			        fmt::format( "mimics joint {}, which is not defined", mimic->Attribute( "joint" ) ),
+			        "correct the name" );
+		    }
+	    } );
 }
 
 /// What urdfdom is given: visual and inertial data of no interest taken out, capsules as cylinders (it knows none).
@@ -301,7 +312,8 @@ std::string textForUrdfdom( const XmlFile& xml )
 				link->DeleteChild( e );
 			}
 		}
-		for ( XMLElement* c = link->FirstChildElement( "collision" ); c != nullptr; c = c->NextSiblingElement( "collision" ) )
+		for ( XMLElement* c = link->FirstChildElement( "collision" ); c != nullptr;
+		      c = c->NextSiblingElement( "collision" ) )
 		{
 			if ( XMLElement* capsule = c->FirstChildElement( "geometry" )->FirstChildElement( "capsule" ) )
 			{
@@ -333,8 +345,9 @@ urdf::ModelInterfaceSharedPtr parseByUrdfdom( const XmlFile& xml, std::vector<No
 	if ( !urdf )
 	{
 		throw Error( xml.path(), "<robot>",
-			fmt::format( "urdfdom cannot read it: {}", console.lines.empty() ? "no reason given" : joinNames( console.lines, 4 ) ),
-			"correct the element it names" );
+		    fmt::format(
+		        "urdfdom cannot read it: {}", console.lines.empty() ? "no reason given" : joinNames( console.lines, 4 ) ),
+		    "correct the element it names" );
 	}
 	for ( const std::string& line : console.lines )
 	{
@@ -344,31 +357,31 @@ urdf::ModelInterfaceSharedPtr parseByUrdfdom( const XmlFile& xml, std::vector<No
 }
 
 Shape readShape( const XmlFile& xml, const XMLElement& collision, const std::string& what, const std::string& link,
-	const urdf::Geometry& geometry, ShapeLoader& shapes )
+    const urdf::Geometry& geometry, ShapeLoader& shapes )
 {
 	ShapeLoader::Place place{ xml.path(), xml.place( collision, what ), link };
 	switch ( geometry.type )
 	{
-		case urdf::Geometry::SPHERE:
-			return shapes.primitive( place, LW_SHAPE_SPHERE, { static_cast<const urdf::Sphere&>( geometry ).radius, 0, 0 } );
-		case urdf::Geometry::BOX:
-		{
-			const urdf::Vector3& dim = static_cast<const urdf::Box&>( geometry ).dim;
-			return shapes.primitive( place, LW_SHAPE_BOX, { dim.x, dim.y, dim.z } );
-		}
-		case urdf::Geometry::CYLINDER:
-		{
-			const urdf::Cylinder& cylinder = static_cast<const urdf::Cylinder&>( geometry );
-			bool capsule = collision.FirstChildElement( "geometry" )->FirstChildElement( "capsule" ) != nullptr;
-			// Both give the length without the caps
-			return shapes.primitive( place, capsule ? LW_SHAPE_CAPSULE : LW_SHAPE_CYLINDER,
-				{ cylinder.radius, cylinder.length, 0 } );
-		}
-		case urdf::Geometry::MESH:
-		{
-			const urdf::Mesh& mesh = static_cast<const urdf::Mesh&>( geometry );
-			return shapes.mesh( place, mesh.filename, { mesh.scale.x, mesh.scale.y, mesh.scale.z } );
-		}
+	case urdf::Geometry::SPHERE:
+		return shapes.primitive( place, LW_SHAPE_SPHERE, { static_cast<const urdf::Sphere&>( geometry ).radius, 0, 0 } );
+	case urdf::Geometry::BOX:
+	{
+		const urdf::Vector3& dim = static_cast<const urdf::Box&>( geometry ).dim;
+		return shapes.primitive( place, LW_SHAPE_BOX, { dim.x, dim.y, dim.z } );
+	}
+	case urdf::Geometry::CYLINDER:
+	{
+		const urdf::Cylinder& cylinder = static_cast<const urdf::Cylinder&>( geometry );
+		bool capsule = collision.FirstChildElement( "geometry" )->FirstChildElement( "capsule" ) != nullptr;
+		// Both give the length without the caps
+		return shapes.primitive(
+		    place, capsule ? LW_SHAPE_CAPSULE : LW_SHAPE_CYLINDER, { cylinder.radius, cylinder.length, 0 } );
+	}
+	case urdf::Geometry::MESH:
+	{
+		const urdf::Mesh& mesh = static_cast<const urdf::Mesh&>( geometry );
+		return shapes.mesh( place, mesh.filename, { mesh.scale.x, mesh.scale.y, mesh.scale.z } );
+	}
 	}
 	xml.fail( collision, what, "unknown geometry", "use a box, sphere, cylinder, capsule or mesh" );
 }
@@ -377,18 +390,18 @@ lw_joint_type jointType( const urdf::Joint& joint )
 {
 	switch ( joint.type )
 	{
-		case urdf::Joint::REVOLUTE:
-			return LW_JOINT_REVOLUTE;
-		case urdf::Joint::CONTINUOUS:
-			return LW_JOINT_CONTINUOUS;
-		case urdf::Joint::PRISMATIC:
-			return LW_JOINT_PRISMATIC;
-		case urdf::Joint::FLOATING:
-			return LW_JOINT_FLOATING;
-		case urdf::Joint::PLANAR:
-			return LW_JOINT_PLANAR;
-		default:
-			return LW_JOINT_FIXED;
+	case urdf::Joint::REVOLUTE:
+		return LW_JOINT_REVOLUTE;
+	case urdf::Joint::CONTINUOUS:
+		return LW_JOINT_CONTINUOUS;
+	case urdf::Joint::PRISMATIC:
+		return LW_JOINT_PRISMATIC;
+	case urdf::Joint::FLOATING:
+		return LW_JOINT_FLOATING;
+	case urdf::Joint::PLANAR:
+		return LW_JOINT_PLANAR;
+	default:
+		return LW_JOINT_FIXED;
 	}
 }
 
@@ -419,7 +432,7 @@ JointModel readJoint( const XmlFile& xml, const XMLElement& element, const urdf:
 	if ( model.lower > model.upper )
 	{
 		xml.fail( element, what, fmt::format( "lower limit {} is above upper limit {}", model.lower, model.upper ),
-			"swap or correct them" );
+		    "swap or correct them" );
 	}
 	if ( joint.mimic && model.type != LW_JOINT_FIXED )
 	{
@@ -434,35 +447,39 @@ void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const Load
 {
 	ShapeLoader shapes( options, model.report );
 	bool any = false;
-	forEach( xml.root(), "link", [&]( const XMLElement& element ) {
-		LinkModel link;
-		link.name = element.Attribute( "name" );
-		const std::vector<urdf::CollisionSharedPtr>& collisions = urdf.getLink( link.name )->collision_array;
-		std::size_t index = 0;
-		forEach( element, "collision", [&]( const XMLElement& collision ) {
-			std::string what = collisionName( link.name, index );
-			if ( index >= collisions.size() || !collisions[index]->geometry )
-			{
-				xml.fail( collision, what, "urdfdom did not read it", "check its <geometry>" );
-			}
-			PlacedShape placed;
-			placed.pose = readOrigin( xml, collision, what, model.report.notices );
-			placed.shape = readShape( xml, collision, what, link.name, *collisions[index]->geometry, shapes );
-			link.collision.push_back( std::move( placed ) );
-			++index;
-		} );
-		any = any || !link.collision.empty();
-		if ( link.collision.empty() )
-		{
-			model.report.links_without_geometry.push_back( link.name );
-			if ( element.FirstChildElement( "visual" ) != nullptr )
-			{
-				model.report.notices.push_back( { xml.path(), xml.place( element, "link " + link.name ),
-					"has visual but no collision geometry: nothing is checked for this link" } );
-			}
-		}
-		model.links.push_back( std::move( link ) );
-	} );
+	forEach( xml.root(), "link",
+	    [&]( const XMLElement& element )
+	    {
+		    LinkModel link;
+		    link.name = element.Attribute( "name" );
+		    const std::vector<urdf::CollisionSharedPtr>& collisions = urdf.getLink( link.name )->collision_array;
+		    std::size_t index = 0;
+		    forEach( element, "collision",
+		        [&]( const XMLElement& collision )
+		        {
+			        std::string what = collisionName( link.name, index );
+			        if ( index >= collisions.size() || !collisions[index]->geometry )
+			        {
+				        xml.fail( collision, what, "urdfdom did not read it", "check its <geometry>" );
+			        }
+			        PlacedShape placed;
+			        placed.pose = readOrigin( xml, collision, what, model.report.notices );
+			        placed.shape = readShape( xml, collision, what, link.name, *collisions[index]->geometry, shapes );
+			        link.collision.push_back( std::move( placed ) );
+			        ++index;
+		        } );
+		    any = any || !link.collision.empty();
+		    if ( link.collision.empty() )
+		    {
+			    model.report.links_without_geometry.push_back( link.name );
+			    if ( element.FirstChildElement( "visual" ) != nullptr )
+			    {
+				    model.report.notices.push_back( { xml.path(), xml.place( element, "link " + link.name ),
+				        "has visual but no collision geometry: nothing is checked for this link" } );
+			    }
+		    }
+		    model.links.push_back( std::move( link ) );
+	    } );
 	if ( !any )
 	{
 		throw Error( xml.path(), "<robot>", "no link has collision geometry", "add <collision> elements to its links" );
@@ -488,10 +505,12 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 	model.name = urdf->getName();
 	model.root_link = urdf->getRoot()->name;
 	model.planning_frame = model.root_link;
-	forEach( xml.root(), "joint", [&]( const XMLElement& element ) {
-		urdf::JointConstSharedPtr joint = urdf->getJoint( element.Attribute( "name" ) );
-		model.joints.push_back( readJoint( xml, element, *joint, model.report.notices ) );
-	} );
+	forEach( xml.root(), "joint",
+	    [&]( const XMLElement& element )
+	    {
+		    urdf::JointConstSharedPtr joint = urdf->getJoint( element.Attribute( "name" ) );
+		    model.joints.push_back( readJoint( xml, element, *joint, model.report.notices ) );
+	    } );
 	readLinks( xml, *urdf, options, model );
 	return model;
 }

@@ -44,20 +44,21 @@ XmlFile::XmlFile( const std::string& file, const char* kind ) : m_path( file )
 	if ( m_doc.Parse( content.data(), content.size() ) != tinyxml2::XML_SUCCESS )
 	{
 		throw Error( file, fmt::format( "line {}", m_doc.ErrorLineNum() ),
-			fmt::format( "not well-formed XML ({})", tinyxml2::XMLDocument::ErrorIDToName( m_doc.ErrorID() ) ),
-			"correct the file at that line" );
+		    fmt::format( "not well-formed XML ({})", tinyxml2::XMLDocument::ErrorIDToName( m_doc.ErrorID() ) ),
+		    "correct the file at that line" );
 	}
 	if ( m_doc.RootElement() == nullptr || std::strcmp( m_doc.RootElement()->Name(), "robot" ) != 0 )
 	{
 		std::string name = m_doc.RootElement() != nullptr ? m_doc.RootElement()->Name() : "nothing";
 		throw Error( file, fmt::format( "<{}>", name ), fmt::format( "the root element of a {} is <robot>", kind ),
-			fmt::format( "give a {} file", kind ) );
+		    fmt::format( "give a {} file", kind ) );
 	}
 	// An expanded file may still declare the xacro namespace; only what xacro would have replaced tells
 	if ( const tinyxml2::XMLElement* xacro = findXacro( root() ) )
 	{
 		fail( *xacro, fmt::format( "<{}>", xacro->Name() ), "this is a xacro file",
-			fmt::format( "run xacro first: xacro {} > robot.{}", file, std::strcmp( kind, "URDF" ) == 0 ? "urdf" : "srdf" ) );
+		    fmt::format(
+		        "run xacro first: xacro {} > robot.{}", file, std::strcmp( kind, "URDF" ) == 0 ? "urdf" : "srdf" ) );
 	}
 }
 
@@ -66,8 +67,8 @@ std::string XmlFile::place( const tinyxml2::XMLElement& at, const std::string& w
 	return fmt::format( "{} (line {})", what, at.GetLineNum() );
 }
 
-void XmlFile::fail( const tinyxml2::XMLElement& at, const std::string& what, const std::string& problem,
-	const std::string& remedy ) const
+void XmlFile::fail(
+    const tinyxml2::XMLElement& at, const std::string& what, const std::string& problem, const std::string& remedy ) const
 {
 	throw Error( m_path, place( at, what ), problem, remedy );
 }
@@ -78,13 +79,13 @@ std::string XmlFile::text( const tinyxml2::XMLElement& at, const std::string& wh
 	if ( value == nullptr || *value == '\0' )
 	{
 		fail( at, what, fmt::format( "<{}> has no {}", at.Name(), attribute ),
-			fmt::format( "add {}=\"...\" to it", attribute ) );
+		    fmt::format( "add {}=\"...\" to it", attribute ) );
 	}
 	return value;
 }
 
-std::vector<double> XmlFile::numbers( const tinyxml2::XMLElement& at, const std::string& what, const char* attribute,
-	std::size_t count ) const
+std::vector<double> XmlFile::numbers(
+    const tinyxml2::XMLElement& at, const std::string& what, const char* attribute, std::size_t count ) const
 {
 	std::string value = text( at, what, attribute );
 	std::vector<std::string> words = splitBlanks( value );
@@ -95,18 +96,18 @@ std::vector<double> XmlFile::numbers( const tinyxml2::XMLElement& at, const std:
 		if ( !number || !std::isfinite( *number ) )
 		{
 			fail( at, what,
-				fmt::format( "{}=\"{}\" of <{}>: \"{}\" is not {}", attribute, value, at.Name(), word,
-					number ? "finite" : "a number" ),
-				"write a finite decimal number" );
+			    fmt::format( "{}=\"{}\" of <{}>: \"{}\" is not {}", attribute, value, at.Name(), word,
+			        number ? "finite" : "a number" ),
+			    "write a finite decimal number" );
 		}
 		numbers.push_back( *number );
 	}
 	if ( count != 0 ? numbers.size() != count : numbers.empty() )
 	{
 		fail( at, what,
-			fmt::format( "{}=\"{}\" of <{}> has {} numbers, not {}", attribute, value, at.Name(), numbers.size(),
-				count != 0 ? std::to_string( count ) : "one or more" ),
-			"correct their number" );
+		    fmt::format( "{}=\"{}\" of <{}> has {} numbers, not {}", attribute, value, at.Name(), numbers.size(),
+		        count != 0 ? std::to_string( count ) : "one or more" ),
+		    "correct their number" );
 	}
 	return numbers;
 }

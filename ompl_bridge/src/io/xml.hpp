@@ -23,14 +23,14 @@ public:
 
 	/// @param what the element in words, e.g. "link forearm"; the line is added
 	[[noreturn]] void fail( const tinyxml2::XMLElement& at, const std::string& what, const std::string& problem,
-		const std::string& remedy ) const;
+	    const std::string& remedy ) const;
 	std::string place( const tinyxml2::XMLElement& at, const std::string& what ) const;
 
 	/// A non-empty attribute. @throws Error
 	std::string text( const tinyxml2::XMLElement& at, const std::string& what, const char* attribute ) const;
 	/// `count` finite numbers in an attribute, separated by blanks (count 0: one or more). @throws Error
-	std::vector<double> numbers( const tinyxml2::XMLElement& at, const std::string& what, const char* attribute,
-		std::size_t count ) const;
+	std::vector<double> numbers(
+	    const tinyxml2::XMLElement& at, const std::string& what, const char* attribute, std::size_t count ) const;
 
 private:
 	std::string m_path;

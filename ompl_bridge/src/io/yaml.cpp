@@ -39,7 +39,7 @@ void refuseDuplicateKeys( const std::string& file, const YAML::Node& node )
 		if ( entry.first.IsScalar() && !keys.insert( key ).second )
 		{
 			throw Error( file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ), "the key is there twice",
-				"remove one of them" );
+			    "remove one of them" );
 		}
 		refuseDuplicateKeys( file, entry.second );
 	}
@@ -66,7 +66,7 @@ YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
 	catch ( const YAML::Exception& e )
 	{
 		throw Error( file, fmt::format( "line {}", e.mark.line + 1 ), fmt::format( "not well-formed YAML: {}", e.msg ),
-			"correct the file at that line" );
+		    "correct the file at that line" );
 	}
 	if ( !root.isMap() )
 	{
@@ -298,7 +298,7 @@ lw_transform YamlNode::pose() const
 		if ( !entry.first.IsScalar() || known.count( entry.first.Scalar() ) == 0 )
 		{
 			fail( fmt::format( "a pose has no key {}", entry.first.IsScalar() ? entry.first.Scalar() : "like this" ),
-				"write position and orientation, or translation and rotation" );
+			    "write position and orientation, or translation and rotation" );
 		}
 	}
 	YamlNode position = firstOf( { "position", "translation" } );
@@ -338,7 +338,7 @@ JointState readJointState( const YamlNode& state )
 	if ( names.size() != positions.size() )
 	{
 		joints.fail( fmt::format( "has {} names and {} positions", names.size(), positions.size() ),
-			"give one position for each name" );
+		    "give one position for each name" );
 	}
 	for ( std::size_t i = 0; i < names.size(); ++i )
 	{
@@ -353,11 +353,12 @@ JointState readJointState( const YamlNode& state )
 	if ( multi_names.size() != transforms.size() )
 	{
 		multi.fail( fmt::format( "has {} joint_names and {} transforms", multi_names.size(), transforms.size() ),
-			"give one transform for each joint" );
+		    "give one transform for each joint" );
 	}
 	for ( std::size_t i = 0; i < multi_names.size(); ++i )
 	{
-		// Kept as the seven variables of a floating joint; a planar joint takes its three from them when it is known to be one
+		// Kept as the seven variables of a floating joint; a planar joint takes its three from them when it is known to be
+		// one
 		lw_transform pose = transforms[i].pose();
 		double q[4];
 		lw_transform_to_quaternion( &pose, q );

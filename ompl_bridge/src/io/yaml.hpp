@@ -45,11 +45,11 @@ public:
 	/// A notice for every key that is not in the list.
 	void noticeUnknownKeys( std::initializer_list<const char*> known, const char* consequence = "ignored" ) const;
 
-	double number() const;                    ///< a finite number
-	std::string text() const;                 ///< a scalar
+	double number() const;    ///< a finite number
+	std::string text() const; ///< a scalar
 	std::string textOr( const char* fallback ) const;
-	bool boolean() const;                     ///< true, false, 1, 0
-	std::vector<double> numberList() const;   ///< finite numbers
+	bool boolean() const;                   ///< true, false, 1, 0
+	std::vector<double> numberList() const; ///< finite numbers
 	std::vector<std::string> textList() const;
 	/// [a, b, c] or {x: a, y: b, z: c} with the given keys. @throws Error if one is missing or there are more
 	std::vector<double> vector( std::initializer_list<const char*> keys ) const;
