@@ -186,19 +186,15 @@ static edge_sample measure( edge_work* w, uint32_t item, double t, double half_w
 	return s;
 }
 
-/// A proof for a piece of the edge: two certified intervals overlap by `overlap` (in t), so halfway the clearance is still
-/// min_d + V * overlap / 2; at an end of the edge, which one interval passes by `overlap`, it is min_d + V * overlap.
-/// @return false if nothing is left of it after rounding
-static bool prove( edge_work* w, uint32_t item, double overlap, double share )
+/// Notes what a proof for a piece of the edge leaves: where two certified intervals overlap by `overlap` (in t), the
+/// clearance halfway is still min_d + V * overlap / 2 (share 1/2); at an end of the edge that one interval passes by
+/// `overlap` it is min_d + V * overlap (share 1). It is never min_d itself: the rounding taken off every surplus holds
+/// more than an ulp of min_d, and half-widths are shrunk.
+static void note_proof( edge_work* w, uint32_t item, double overlap, double share )
 {
-	double clearance = w->def->min_d + w->bound[item] * overlap * share * INWARD;
-	clearance = nextafter( clearance, 0 );
-	if ( !( overlap > 0 && clearance > w->def->min_d ) )
-	{
-		return false;
-	}
+	double clearance = nextafter( w->def->min_d + w->bound[item] * overlap * share * INWARD, 0 );
+	clearance = fmax( clearance, nextafter( w->def->min_d, INFINITY ) );
 	w->out->lower_bound = fmin( w->out->lower_bound, clearance );
-	return true;
 }
 
 /// The verdict for a sample that ends the proof. A refusal never replaces a collision found elsewhere.
@@ -260,17 +256,17 @@ static bool halve( edge_work* w, const edge_gap* gap, edge_gap rest[2], int* cou
 	double half = 0.5 * ( gap->b - gap->a );
 	edge_sample s = measure( w, gap->item, t, half );
 	*count = 0;
-	if ( !s.blocked && s.half_width >= half && prove( w, gap->item, s.half_width - half, 0.5 ) )
+	if ( s.half_width >= half ) // negative if blocked
 	{
+		note_proof( w, gap->item, s.half_width - half, 0.5 );
 		return true;
 	}
 	if ( s.low )
 	{
 		return fail( w, gap->item, t, &s );
 	}
-	// should rounding alone stand against the proof, gaps of no width remain, which the next samples close
-	rest[0] = make_gap( w, gap->item, gap->a, fmax( gap->a, t - s.half_width ) );
-	rest[1] = make_gap( w, gap->item, fmin( gap->b, t + s.half_width ), gap->b );
+	rest[0] = make_gap( w, gap->item, gap->a, t - s.half_width );
+	rest[1] = make_gap( w, gap->item, t + s.half_width, gap->b );
 	*count = 2;
 	return true;
 }
@@ -410,16 +406,17 @@ static bool check_ends( edge_work* w )
 		{
 			proved = fail( w, i, 1, &s );
 		}
-		else if ( s.half_width == INFINITY && w->bound[i] == 0 )
+		else if ( w->bound[i] == 0 )
 		{
-			w->out->lower_bound = fmin( w->out->lower_bound, s.pair.lower - w->rounding[i] );
+			w->out->lower_bound = fmin( w->out->lower_bound, fmax( s.pair.lower - w->rounding[i], nextafter( w->def->min_d, INFINITY ) ) );
 			w->from_left[i] = 1;
 		}
-		else if ( w->from_right[i] < 0 && prove( w, i, -w->from_right[i], 1 ) )
+		else if ( w->from_right[i] <= 0 )
 		{
+			note_proof( w, i, -w->from_right[i], 1 );
 			w->from_left[i] = 1;
 		}
-		// low at the end, and the other end cannot make up for it: asked below, refused there
+		// an end within the slack is no refusal yet: its surroundings may make up for it
 	}
 	for ( uint32_t i = 0; i < w->item_count && proved; ++i )
 	{
@@ -427,19 +424,19 @@ static bool check_ends( edge_work* w )
 		{
 			continue;
 		}
-		edge_sample s = measure( w, i, 0, fmin( fmax( w->from_right[i], 0 ), 0.5 ) );
+		edge_sample s = measure( w, i, 0, fmin( w->from_right[i], 0.5 ) );
 		w->from_left[i] = s.half_width;
 		if ( s.blocked || w->failed || !( s.half_width >= 0 ) )
 		{
 			return fail( w, i, 0, &s );
 		}
-		if ( s.half_width > w->from_right[i] && prove( w, i, s.half_width - w->from_right[i], 0.5 ) )
+		if ( s.half_width >= w->from_right[i] )
 		{
+			note_proof( w, i, s.half_width - w->from_right[i], 0.5 );
 			w->from_left[i] = 1;
 			continue;
 		}
-		double a = fmin( s.half_width, 1 ), b = fmax( w->from_right[i], 0 );
-		heap_push( w, make_gap( w, i, fmin( a, b ), fmax( a, b ) ) );
+		heap_push( w, make_gap( w, i, s.half_width, w->from_right[i] ) );
 	}
 	return proved;
 }
@@ -473,7 +470,7 @@ static double prove_from_left( edge_work* w, uint32_t item, double until )
 		double t = 0.5 * gap.a + 0.5 * gap.b, half = 0.5 * ( gap.b - gap.a );
 		covered = fmax( covered, gap.a ); // everything left of the leftmost gap is proved
 		edge_sample s = measure( w, item, t, half );
-		if ( !s.blocked && s.half_width >= half )
+		if ( s.half_width >= half )
 		{
 			covered = fmax( covered, fmin( t + s.half_width, until ) );
 			continue;

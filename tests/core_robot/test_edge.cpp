@@ -131,10 +131,8 @@ struct World
 		} );
 	}
 
-	double shapeDistance( const lw_body_def& a, const lw_transform& worldFromA, const lw_shape* b, const lw_transform& worldFromB,
-		const lw_transform* poses ) const
+	double shapeDistance( const lw_body_def& a, const lw_transform& worldFromA, const lw_shape* b, const lw_transform& worldFromB ) const
 	{
-		(void)poses;
 		lw_transform poseA = lw_transform_multiply( &worldFromA, &a.link_from_shape );
 		lw_clearance c;
 		EXPECT_EQ( lw_shape_distance( a.shape, &poseA, b, &worldFromB, nullptr, plain, &c ), LW_OK );
@@ -155,7 +153,7 @@ struct World
 				if ( !objectAllowed( bodyI.link, k ) && ( a == LW_INVALID_INDEX || ( a == bodyI.link && b == k ) ) )
 				{
 					least = std::min( least,
-						shapeDistance( bodyI, poses[bodyI.link], objects[k].shape, objects[k].pose, poses.data() ) );
+						shapeDistance( bodyI, poses[bodyI.link], objects[k].shape, objects[k].pose ) );
 				}
 			}
 			for ( std::size_t k = 0; ( what & LW_WHAT_SELF ) != 0 && k < i; ++k )
@@ -165,7 +163,7 @@ struct World
 				if ( asked && !lw_robot_pair_allowed( robot.get(), bodyI.link, bodyK.link ) && groupMoves( bodyI.link, bodyK.link ) )
 				{
 					lw_transform poseK = lw_transform_multiply( &poses[bodyK.link], &bodyK.link_from_shape );
-					least = std::min( least, shapeDistance( bodyI, poses[bodyI.link], bodyK.shape, poseK, poses.data() ) );
+					least = std::min( least, shapeDistance( bodyI, poses[bodyI.link], bodyK.shape, poseK ) );
 				}
 			}
 		}
@@ -467,6 +465,31 @@ TEST( Edge, ShortEdgeBetweenFreeStatesInsideTheSlackIsProvedFromBothEnds )
 	EXPECT_EQ( r.queries, 1u );
 	r = world.edge( { 0 }, { 0.1 }, def );
 	EXPECT_EQ( r.verdict, LW_VERDICT_REFUSED );
+}
+
+// A ball that goes straight for a wall and stops short of it: the least clearance is that of the end. With a slack that
+// asks for more than there is, the bound found is that clearance itself.
+TEST( Edge, LowerBoundIsNotAboveWhatIsAttained )
+{
+	for ( double end : { 1e-4, 1e-3, 2e-2 } )
+	{
+		World world;
+		world.model.link( "rail" );
+		world.model.joint( "ball", LW_JOINT_PRISMATIC, 0 );
+		world.model.body( 1, primitive( LW_SHAPE_SPHERE, 0.1, 0, 0 ), lw_transform_identity() );
+		world.object( primitive( LW_SHAPE_BOX, 1, 1, 1 ), at( 0, 0, -0.6 ) );
+		world.open();
+		lw_edge_def def = lw_edge_def_default();
+		def.alpha = 0;
+		def.slack = 10 * end;
+		for ( bool forward : { true, false } )
+		{
+			lw_edge_result r = world.edge( { forward ? 0.3 : end }, { forward ? end : 0.3 }, def );
+			EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
+			EXPECT_LE( r.lower_bound, end );
+			EXPECT_GE( r.lower_bound, 0.9 * end );
+		}
+	}
 }
 
 // A link that no joint of the group moves and that touches the scene makes every edge impossible, at t = 0.
