@@ -6,9 +6,10 @@
 // Detection in Interactive 3D Environments", 2004, 4.3 (lower bound from the support point).
 //
 // What makes the answer certain is apart from what makes it sharp. The upper bound is the distance of two points that are
-// convex combinations of points of the pieces; the lower bound is the gap that a direction leaves between the pieces' support
-// planes, less the rounding of its own computation (LWI_CONVEX_ROUNDING). Both hold for any simplex and any direction, however
-// badly computed; a bad one only makes the interval wide, and then convex_refine.c takes over with twice the digits.
+// convex combinations of points of the pieces; the lower bound is the gap that a direction leaves between the pieces'
+// support planes, less the rounding of its own computation (LWI_CONVEX_ROUNDING). Both hold for any simplex and any
+// direction, however badly computed; a bad one only makes the interval wide, and then convex_refine.c takes over with
+// twice the digits.
 #include "convex_internal.h"
 #include "double_double.h"
 #include "tri_tri.h"
@@ -21,6 +22,7 @@
 #define MUL( a, b ) ( ( a ) * ( b ) )
 #define DIV( a, b ) ( ( a ) / ( b ) )
 #define SIGN( a ) ( a )
+#define ALL_FACES 0
 #include "convex_simplex_impl.h"
 
 enum
@@ -217,6 +219,11 @@ static void triangles( const lwi_pair* pair, lwi_bounds* bounds )
 	*bounds = (lwi_bounds){ lower, r.distance, r.point_a, r.point_b, 1 };
 }
 
+static bool is_curved( const lwi_piece* piece )
+{
+	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
+}
+
 static lwi_convex solid_of( const lwi_piece* piece )
 {
 	lwi_convex solid = { .type = piece->type, .size = { piece->size[0], piece->size[1], piece->size[2] } };
@@ -273,7 +280,9 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 	}
 	else
 	{
-		double width = LWI_CONVEX_WIDTH_POLYTOPE * pair.extent;
+		// Polytopes end within rounding by themselves mostly; for curved pieces each further digit is two iterations
+		bool curved = is_curved( &pair.a ) || is_curved( &pair.b );
+		double width = ( curved ? 0.1 * LWI_CONVEX_WIDTH_CURVED : LWI_CONVEX_WIDTH_POLYTOPE ) * pair.extent;
 		lwi_simplex simplex;
 		if ( !gjk( &pair, width, stop_above, stop_below, &simplex, &bounds ) )
 		{
@@ -286,6 +295,6 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 		bounds.point_b = bounds.point_a;
 	}
 	// Lower may exceed upper where both are the distance to rounding
-	return (lwi_convex_result){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper, lwi_add( bounds.point_a, origin_a ),
-		lwi_add( bounds.point_b, origin_a ), bounds.iterations };
+	return (lwi_convex_result){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
+		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations };
 }

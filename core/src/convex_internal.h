@@ -70,8 +70,8 @@ static inline lw_vec3 lwi_piece_support( const lwi_piece* piece, lw_vec3 n )
 }
 
 /// True if the bounds are what was asked for. While contact is not excluded (lower <= 0) the full width is not enough: the
-/// search goes on until the bounds differ by not much more than the rounding that lower allows for, or upper is within half of it, which
-/// is contact.
+/// search goes on until the bounds differ by not much more than the rounding that lower allows for, or upper is within
+/// half of it, which is contact.
 static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, double width, double stop_above,
 	double stop_below )
 {

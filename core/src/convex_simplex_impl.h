@@ -8,7 +8,7 @@
 // distance is tiny.
 //
 // The includer defines real (a number), NAME( x ) (a suffix for the type), FROM, ADD, SUB, MUL, DIV, SIGN (of a number: a
-// double to compare with 0).
+// double to compare with 0), ALL_FACES (1: distrust the order in which points came).
 
 typedef struct NAME( vec )
 {
@@ -97,8 +97,8 @@ static void NAME( segment )( const NAME( vec )* w, int i, int j, NAME( nearest )
 	}
 }
 
-/// Turns the triangle so that i is opposite its longest edge. The cross product of the two shorter edges loses least: with two
-/// long edges of a needle it would cancel by the ratio of its sides.
+/// Turns the triangle so that i is opposite its longest edge. The cross product of the two shorter edges loses least: with
+/// two long edges of a needle it would cancel by the ratio of its sides.
 static inline void NAME( turn )( const NAME( vec )* w, int* i, int* j, int* k )
 {
 	double ij = NAME( apart )( w[*i], w[*j] ), jk = NAME( apart )( w[*j], w[*k] ), ki = NAME( apart )( w[*k], w[*i] );
@@ -182,8 +182,8 @@ static real NAME( volume )( const NAME( vec )* w, const int faces[4][3] )
 	return pivot % 2 == 0 ? SUB( FROM( 0.0 ), v ) : v;
 }
 
-/// Weight of vertex `apex` = height of the origin over the opposite face by the height of the apex. Faces that do not have the
-/// origin on the apex's side can hold the nearest point; without any, the origin is inside.
+/// Weight of vertex `apex` = height of the origin over the opposite face by the height of the apex. Faces that do not have
+/// the origin on the apex's side can hold the nearest point; without any, the origin is inside.
 static bool NAME( tetrahedron )( const NAME( vec )* w, NAME( nearest )* best )
 {
 	static const int faces[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
@@ -192,7 +192,9 @@ static bool NAME( tetrahedron )( const NAME( vec )* w, NAME( nearest )* best )
 	bool inside = true;
 	// Heights times the face's area are the volume for each apex, with alternating sign
 	real height = NAME( volume )( w, faces );
-	for ( int apex = 0; apex < 4; ++apex )
+	outside[3] = false;
+	// The last face is the old one, with the new point on the origin's side: it matters only if the origin may be inside
+	for ( int apex = 0; apex < ( inside || ALL_FACES ? 4 : 3 ); ++apex )
 	{
 		int i = faces[apex][0], j = faces[apex][1], k = faces[apex][2];
 		NAME( turn )( w, &i, &j, &k );

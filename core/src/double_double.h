@@ -2,8 +2,8 @@
 // Numbers with 106 bits as unevaluated sums of two doubles, for the few places where a double's 53 are not enough.
 //
 // Papers: Dekker, "A floating-point technique for extending the available precision", 1971; Hida, Li, Bailey, "Library for
-// double-double and quad-double arithmetic", 2001. Needs round-to-nearest doubles without contraction or reassociation, which
-// is how the library is compiled. Sums and products are right to 2^-104 relative to the result (sums: also after
+// double-double and quad-double arithmetic", 2001. Needs round-to-nearest doubles without contraction or reassociation,
+// which is how the library is compiled. Sums and products are right to 2^-104 relative to the result (sums: also after
 // cancellation of the operands' high parts), quotients to 2^-102.
 #ifndef LEEWAY_DOUBLE_DOUBLE_H
 #define LEEWAY_DOUBLE_DOUBLE_H

@@ -35,6 +35,17 @@ typedef struct best_pair
 	lw_vec3 a, b;
 } best_pair;
 
+/// fmax() without its care for NaN, which costs a call.
+static inline double larger( double a, double b )
+{
+	return a > b ? a : b;
+}
+
+static inline double largest_coordinate( lw_vec3 v )
+{
+	return larger( fabs( v.x ), larger( fabs( v.y ), fabs( v.z ) ) );
+}
+
 static inline double reciprocal( double v )
 {
 	return v > 0.0 ? 1.0 / v : 0.0;
@@ -157,12 +168,12 @@ static bool pierces( const tri* a, const tri* b, const double h[3], double toler
 	return false;
 }
 
-/// True if the plane normal to the current best pair separates the triangles by that pair's distance: then no pair is closer.
-/// The slack, at most 8 u |r| size, is what the dot products may be wrong by; it costs 16 u size of the distance.
+/// True if the plane normal to the current best pair separates the triangles by that pair's distance: then no pair is
+/// closer. The slack, at most 8 u |r| size, is what the dot products may be wrong by; it costs 16 u size of the distance.
 static inline bool is_optimal( const tri* a, const tri* b, const best_pair* best, double size )
 {
 	lw_vec3 r = lwi_sub( best->b, best->a );
-	double slack = 8.0 * LWI_U64 * size * fmax( fabs( r.x ), fmax( fabs( r.y ), fabs( r.z ) ) );
+	double slack = 8.0 * LWI_U64 * size * largest_coordinate( r );
 	for ( int i = 0; i < 3; ++i )
 	{
 		if ( lwi_dot( r, lwi_sub( a->v[i], best->a ) ) > slack || lwi_dot( r, lwi_sub( b->v[i], best->b ) ) < -slack )
@@ -179,8 +190,7 @@ static double extent( const tri* a, const tri* b )
 	double m = 0.0;
 	for ( int i = 0; i < 3; ++i )
 	{
-		m = fmax( m, fmax( fabs( a->v[i].x ), fmax( fabs( a->v[i].y ), fabs( a->v[i].z ) ) ) );
-		m = fmax( m, fmax( fabs( b->v[i].x ), fmax( fabs( b->v[i].y ), fabs( b->v[i].z ) ) ) );
+		m = larger( larger( m, largest_coordinate( a->v[i] ) ), largest_coordinate( b->v[i] ) );
 	}
 	return m;
 }

@@ -19,9 +19,9 @@ typedef struct lwi_tri_result
 } lwi_tri_result;
 
 /// Distance of triangles a and b: 3 vertices each, any order, same frame. Vertices may coincide or be collinear: a triangle
-/// is then the segment or point that it is. distance = |point_a - point_b| to rounding; where an edge of one pierces the other
-/// it is 0 and the points are equal. Finite input never gives a NaN. No absolute tolerance: scaling the input by a power of
-/// two scales the result.
+/// is then the segment or point that it is. distance = |point_a - point_b| to rounding; where an edge of one pierces the
+/// other it is 0 and the points are equal. Finite input never gives a NaN. No absolute tolerance: scaling the input by a
+/// power of two scales the result.
 lwi_tri_result lwi_tri_tri( const lw_vec3 a[3], const lw_vec3 b[3] );
 
 #endif

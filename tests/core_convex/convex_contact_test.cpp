@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Convex distance where the truth is known by construction: a boundary point of each piece, their outward normals opposed,
-// the points set a known gap apart along them. The planes through the points then separate the pieces by exactly that gap, so it is
-// the distance: also at 10^-15 of the size, where every iterative oracle gives up.
+// the points set a known gap apart along them. The planes through the points then separate the pieces by exactly that gap,
+// so it is the distance: also at 10^-15 of the size, where every iterative oracle gives up.
 #include "convex_oracle.hpp"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,8 @@ Feature cylinder_feature( SeededRng& rng, real r, real h )
 	case 1:
 		return { { r * c, r * s, h * (real)rng.uniform( -1, 1 ) }, { c, s, 0 }, "side" };
 	default:
-		return { { r * c, r * s, side * h }, { std::cos( tilt ) * c, std::cos( tilt ) * s, side * std::sin( tilt ) }, "rim" };
+		return { { r * c, r * s, side * h }, { std::cos( tilt ) * c, std::cos( tilt ) * s, side * std::sin( tilt ) },
+			"rim" };
 	}
 }
 
@@ -132,7 +133,8 @@ lw_transform place( SeededRng& rng, const Feature& a, const Feature& b, real gap
 	Vec k = -1.0L * b.normal, x[2], y[2];
 	frame( rng, a.normal, x );
 	frame( rng, k, y );
-	const real rows[3][3] = { { x[0].x, x[1].x, a.normal.x }, { x[0].y, x[1].y, a.normal.y }, { x[0].z, x[1].z, a.normal.z } };
+	const Vec n = a.normal;
+	const real rows[3][3] = { { x[0].x, x[1].x, n.x }, { x[0].y, x[1].y, n.y }, { x[0].z, x[1].z, n.z } };
 	const real columns[3][3] = { { y[0].x, y[0].y, y[0].z }, { y[1].x, y[1].y, y[1].z }, { k.x, k.y, k.z } };
 	lw_transform m = {};
 	for ( int i = 0; i < 3; ++i )
@@ -211,8 +213,9 @@ TEST_P( ConvexContact, known_gap_between_features )
 		one_contact( rng, ta, tb, tally );
 		ASSERT_FALSE( HasFatalFailure() ) << "pair " << i;
 	}
-	std::printf( "%s-%s: %d pairs, %d touching, %d within 1e-7, %d feature pairs; worst: width %.2Lg, rounding used %.2Lg of "
-		"%.2g, upper below truth %.2Lg (of the extent), iterations %u (mean %.1f)\n", names[ta], names[tb], count, tally.touching, tally.near,
+	std::printf( "%s-%s: %d pairs, %d touching, %d within 1e-7, %d feature pairs; worst: width %.2Lg, rounding used "
+		"%.2Lg of %.2g, upper below truth %.2Lg (of the extent), iterations %u (mean %.1f)\n",
+		names[ta], names[tb], count, tally.touching, tally.near,
 		(int)tally.features.size(), tally.worst_width, tally.rounding_used, LWI_CONVEX_ROUNDING, tally.worst_upper,
 		tally.most_iterations, (double)tally.iterations / count );
 	EXPECT_GT( tally.touching, count / 6 );
@@ -227,7 +230,5 @@ TEST_P( ConvexContact, known_gap_between_features )
 }
 
 INSTANTIATE_TEST_SUITE_P( combinations, ConvexContact,
-	::testing::Values( std::make_pair( 0, 0 ), std::make_pair( 0, 1 ), std::make_pair( 0, 2 ), std::make_pair( 0, 3 ),
-		std::make_pair( 1, 1 ), std::make_pair( 1, 2 ), std::make_pair( 1, 3 ), std::make_pair( 2, 2 ), std::make_pair( 2, 3 ),
-		std::make_pair( 3, 3 ) ),
+	::testing::ValuesIn( combinations ),
 	[]( const auto& pair ) { return std::string( names[pair.param.first] ) + "_" + names[pair.param.second]; } );

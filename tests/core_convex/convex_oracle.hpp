@@ -13,6 +13,7 @@ extern "C"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace oracle
 {
@@ -292,5 +293,8 @@ inline double width_target( const lwi_convex& a, const lwi_convex& b )
 	return curved ? LWI_CONVEX_WIDTH_CURVED : LWI_CONVEX_WIDTH_POLYTOPE;
 }
 
+/// Every two types of piece.
+constexpr std::pair<int, int> combinations[10] = { { 0, 0 }, { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 1 }, { 1, 2 }, { 1, 3 },
+	{ 2, 2 }, { 2, 3 }, { 3, 3 } };
 constexpr const char* names[4] = { "triangle", "box", "cylinder", "cone" };
 } // namespace oracle
