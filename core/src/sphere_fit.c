@@ -13,8 +13,11 @@
 
 enum
 {
-	COMPACT_ROUNDS = 32, ///< updates of the compact sphere; 3 to 8 is usual, the best centre seen is kept in any case
-	MINIMAL_ROUNDS = 256 ///< pivots of the minimal sphere; 3 to 12 is usual, each one strictly enlarges the radius
+	/// Updates of the compact sphere. On real meshes 3 of 4 need at most 4; one in six goes round among a few vertices that
+	/// take turns falling out, and ends here with the best centre seen.
+	COMPACT_ROUNDS = 16,
+	/// Pivots of the minimal sphere. On real meshes 9 of 10 need at most 2, none more than 8.
+	MINIMAL_ROUNDS = 256
 };
 
 /// Squared distances within this factor of the radius count as contained while searching: a dozen roundings of doubles.

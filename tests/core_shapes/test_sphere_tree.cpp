@@ -279,6 +279,37 @@ TEST( SphereTree, DepthIsBoundedForGeometricRows )
 	EXPECT_GE( deepest, 8u ) << "the input is not adversarial any more";
 }
 
+// Made against the builder: clusters that shrink towards the centre of the box. Each node spends all its lanes on the outermost
+// cluster and leaves the rest to one child. Without the balanced fallback this tree is 30 levels deep.
+TEST( SphereTree, DepthIsBoundedForShrinkingClusters )
+{
+	SeededRng rng;
+	Soup soup;
+	double size = 5e8;
+	for ( double side : { -1.0, 1.0 } )
+	{
+		double x = side * 1.5 * size, w = 0.2 * size; // exactly opposite: the tree's origin is exactly 0
+		soup.add( { x, -w, -w }, { x, w, w }, { x, 0, 0 } );
+	}
+	for ( int i = 0; i < 28; ++i, size *= 0.1 )
+	{
+		for ( int j = 0; j < 60; ++j )
+		{
+			Point p[3];
+			for ( Point& q : p )
+			{
+				q = { size * rng.uniform( 1.0, 1.4 ), size * rng.uniform( -0.2, 0.2 ), size * rng.uniform( -0.2, 0.2 ) };
+			}
+			soup.add( p[0], p[1], p[2] );
+		}
+	}
+	for ( lw_sphere_fit fit : all_fits )
+	{
+		TreeStats stats = expectSoundTree( makeMesh( soup, fit, 1 ).get() );
+		EXPECT_GE( stats.depth, 22u ) << "the input is not adversarial any more";
+	}
+}
+
 TEST( SphereTree, CollinearAndExtremeShapes )
 {
 	SeededRng rng;
