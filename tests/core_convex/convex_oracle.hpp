@@ -251,14 +251,15 @@ inline Interval distance( const lwi_convex& sa, const lwi_convex& sb, const lw_t
 	return out;
 }
 
-/// Random pieces and poses.
+/// Random pieces and poses. A quarter of the solids are plates, wires or needles.
 inline lwi_convex random_piece( SeededRng& rng, lwi_convex_type type, double size )
 {
 	lwi_convex piece = {};
 	piece.type = type;
+	double thinnest = rng.integer( 0, 3 ) == 0 ? -6 : -0.7;
 	for ( int i = 0; i < 3; ++i )
 	{
-		piece.size[i] = size * rng.decade( -0.7, 0.0 );
+		piece.size[i] = size * rng.decade( thinnest, 0.0 );
 		piece.vertex[i] = { size * rng.uniform( -1, 1 ), size * rng.uniform( -1, 1 ), size * rng.uniform( -1, 1 ) };
 	}
 	return piece;

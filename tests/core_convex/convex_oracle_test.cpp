@@ -101,7 +101,7 @@ TEST_P( ConvexOracle, interval_contains_the_minimised_distance )
 		tally.worst_width, tally.worst_low, tally.worst_high, tally.worst_outside );
 	EXPECT_GT( tally.separated, 1000 );
 	EXPECT_GT( tally.close, 1000 );
-	EXPECT_GT( tally.overlapping, 50 );
+	EXPECT_GT( tally.overlapping, 25 );
 	EXPECT_GT( tally.first_smaller, 1000 );
 	EXPECT_GT( tally.second_smaller, 1000 );
 	EXPECT_GT( tally.decided, 9000 ) << "the oracle has lost its teeth";
