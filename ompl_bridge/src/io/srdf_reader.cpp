@@ -217,28 +217,27 @@ const Group& SrdfReader::group( const std::string& name )
 	definition.state = Definition::OPEN;
 	Group result;
 	result.name = name;
-	const XMLElement* e = definition.element->FirstChildElement();
-	for ( ; e != nullptr; e = e->NextSiblingElement() )
+	for ( const XMLElement& e : children( *definition.element, nullptr ) )
 	{
-		std::string kind = e->Name();
+		std::string kind = e.Name();
 		if ( kind == "chain" )
 		{
-			addChain( *e, what, result );
+			addChain( e, what, result );
 		}
 		else if ( kind == "joint" )
 		{
-			std::string joint_name = m_xml.text( *e, what, "name" );
+			std::string joint_name = m_xml.text( e, what, "name" );
 			const JointModel* joint = findJoint( joint_name );
 			if ( joint == nullptr )
 			{
-				m_xml.fail( *e, what, fmt::format( "the URDF has no joint {}", joint_name ),
+				m_xml.fail( e, what, fmt::format( "the URDF has no joint {}", joint_name ),
 				    "correct the name, or give the URDF it belongs to" );
 			}
 			addJoint( *joint, result );
 		}
 		else if ( kind == "link" )
 		{
-			std::string link = requireLink( *e, what, "name" );
+			std::string link = requireLink( e, what, "name" );
 			auto above = m_joint_above.find( link );
 			addOnce( result.links, link );
 			if ( above != m_joint_above.end() )
@@ -248,10 +247,10 @@ const Group& SrdfReader::group( const std::string& name )
 		}
 		else if ( kind == "group" )
 		{
-			std::string subgroup = m_xml.text( *e, what, "name" );
+			std::string subgroup = m_xml.text( e, what, "name" );
 			if ( m_definitions.count( subgroup ) == 0 )
 			{
-				m_xml.fail( *e, what, fmt::format( "there is no group {}", subgroup ),
+				m_xml.fail( e, what, fmt::format( "there is no group {}", subgroup ),
 				    fmt::format( "use one of {}", joinNames( m_group_order ) ) );
 			}
 			const Group& sub = group( subgroup );
@@ -261,7 +260,7 @@ const Group& SrdfReader::group( const std::string& name )
 		}
 		else if ( kind != "passive_joint" )
 		{
-			notice( *e, what, fmt::format( "<{}> is not known in a group and was ignored", kind ) );
+			notice( e, what, fmt::format( "<{}> is not known in a group and was ignored", kind ) );
 		}
 	}
 	definition.group = result;
@@ -271,15 +270,14 @@ const Group& SrdfReader::group( const std::string& name )
 
 void SrdfReader::readGroups()
 {
-	const XMLElement* e = m_xml.root().FirstChildElement( "group" );
-	for ( ; e != nullptr; e = e->NextSiblingElement( "group" ) )
+	for ( const XMLElement& e : children( m_xml.root(), "group" ) )
 	{
-		std::string name = m_xml.text( *e, "group", "name" );
+		std::string name = m_xml.text( e, "group", "name" );
 		Definition definition{};
-		definition.element = e;
+		definition.element = &e;
 		if ( !m_definitions.emplace( name, definition ).second )
 		{
-			m_xml.fail( *e, "group " + name, "a group of this name was defined before", "rename or remove one of them" );
+			m_xml.fail( e, "group " + name, "a group of this name was defined before", "rename or remove one of them" );
 		}
 		m_group_order.push_back( name );
 	}
@@ -303,10 +301,9 @@ bool SrdfReader::knownLink( const std::string& link )
 void SrdfReader::readPairs()
 {
 	std::set<std::pair<std::string, std::string>> enabled;
-	for ( const XMLElement* e = m_xml.root().FirstChildElement( "enable_collisions" ); e != nullptr;
-	      e = e->NextSiblingElement( "enable_collisions" ) )
+	for ( const XMLElement& e : children( m_xml.root(), "enable_collisions" ) )
 	{
-		std::string a = m_xml.text( *e, "enable_collisions", "link1" ), b = m_xml.text( *e, "enable_collisions", "link2" );
+		std::string a = m_xml.text( e, "enable_collisions", "link1" ), b = m_xml.text( e, "enable_collisions", "link2" );
 		knownLink( a );
 		knownLink( b );
 		enabled.insert( std::minmax( a, b ) );
@@ -319,21 +316,19 @@ void SrdfReader::readPairs()
 			m_model.disabled.push_back( { a, b, reason } );
 		}
 	};
-	for ( const XMLElement* e = m_xml.root().FirstChildElement( "disable_collisions" ); e != nullptr;
-	      e = e->NextSiblingElement( "disable_collisions" ) )
+	for ( const XMLElement& e : children( m_xml.root(), "disable_collisions" ) )
 	{
-		std::string a = m_xml.text( *e, "disable_collisions", "link1" ), b = m_xml.text( *e, "disable_collisions", "link2" );
+		std::string a = m_xml.text( e, "disable_collisions", "link1" ), b = m_xml.text( e, "disable_collisions", "link2" );
 		bool known = knownLink( a );
 		known = knownLink( b ) && known;
 		if ( known && a != b )
 		{
-			add( a, b, e->Attribute( "reason" ) != nullptr ? e->Attribute( "reason" ) : "" );
+			add( a, b, e.Attribute( "reason" ) != nullptr ? e.Attribute( "reason" ) : "" );
 		}
 	}
-	for ( const XMLElement* e = m_xml.root().FirstChildElement( "disable_default_collisions" ); e != nullptr;
-	      e = e->NextSiblingElement( "disable_default_collisions" ) )
+	for ( const XMLElement& e : children( m_xml.root(), "disable_default_collisions" ) )
 	{
-		std::string a = m_xml.text( *e, "disable_default_collisions", "link" );
+		std::string a = m_xml.text( e, "disable_default_collisions", "link" );
 		if ( !knownLink( a ) )
 		{
 			continue;
@@ -355,26 +350,24 @@ void SrdfReader::readPairs()
 
 void SrdfReader::readStates()
 {
-	const XMLElement* e = m_xml.root().FirstChildElement( "group_state" );
-	for ( ; e != nullptr; e = e->NextSiblingElement( "group_state" ) )
+	for ( const XMLElement& e : children( m_xml.root(), "group_state" ) )
 	{
 		GroupState state;
-		state.name = m_xml.text( *e, "group_state", "name" );
+		state.name = m_xml.text( e, "group_state", "name" );
 		std::string what = "group_state " + state.name;
-		state.group = m_xml.text( *e, what, "group" );
+		state.group = m_xml.text( e, what, "group" );
 		if ( m_model.findGroup( state.group ) == nullptr )
 		{
-			notice( *e, what, fmt::format( "there is no group {}: ignored", state.group ) );
+			notice( e, what, fmt::format( "there is no group {}: ignored", state.group ) );
 			continue;
 		}
-		const XMLElement* j = e->FirstChildElement( "joint" );
-		for ( ; j != nullptr; j = j->NextSiblingElement( "joint" ) )
+		for ( const XMLElement& j : children( e, "joint" ) )
 		{
-			std::string joint = m_xml.text( *j, what, "name" );
-			std::vector<double> values = m_xml.numbers( *j, what, "value", 0 );
+			std::string joint = m_xml.text( j, what, "name" );
+			std::vector<double> values = m_xml.numbers( j, what, "value", 0 );
 			if ( findJoint( joint ) == nullptr )
 			{
-				notice( *j, what, fmt::format( "the URDF has no joint {}: ignored", joint ) );
+				notice( j, what, fmt::format( "the URDF has no joint {}: ignored", joint ) );
 				continue;
 			}
 			state.joints[joint] = values;
@@ -390,10 +383,9 @@ void SrdfReader::read()
 	{
 		notice( m_xml.root(), "<robot>", fmt::format( "is for robot {}, the URDF is {}", name, m_model.name ) );
 	}
-	for ( const XMLElement* e = m_xml.root().FirstChildElement( "virtual_joint" ); e != nullptr;
-	      e = e->NextSiblingElement( "virtual_joint" ) )
+	for ( const XMLElement& e : children( m_xml.root(), "virtual_joint" ) )
 	{
-		readVirtualJoint( *e );
+		readVirtualJoint( e );
 	}
 	index();
 	readGroups();

@@ -54,15 +54,6 @@ private:
 	console_bridge::OutputHandler* m_previous;
 };
 
-/// Runs f( element ) for the children of that name.
-template <typename F> void forEach( const XMLElement& parent, const char* name, F f )
-{
-	for ( const XMLElement* e = parent.FirstChildElement( name ); e != nullptr; e = e->NextSiblingElement( name ) )
-	{
-		f( *e );
-	}
-}
-
 std::string collisionName( const std::string& link, std::size_t index )
 {
 	return fmt::format( "link {}, collision {}", link, index + 1 );
@@ -70,17 +61,16 @@ std::string collisionName( const std::string& link, std::size_t index )
 
 void checkOrigin( const XmlFile& xml, const XMLElement& parent, const std::string& what )
 {
-	forEach( parent, "origin",
-	    [&]( const XMLElement& origin )
-	    {
-		    for ( const char* attribute : { "xyz", "rpy", "quat_xyzw" } )
-		    {
-			    if ( origin.Attribute( attribute ) != nullptr )
-			    {
-				    xml.numbers( origin, what, attribute, std::strcmp( attribute, "quat_xyzw" ) == 0 ? 4 : 3 );
-			    }
-		    }
-	    } );
+	for ( const XMLElement& origin : children( parent, "origin" ) )
+	{
+		for ( const char* attribute : { "xyz", "rpy", "quat_xyzw" } )
+		{
+			if ( origin.Attribute( attribute ) != nullptr )
+			{
+				xml.numbers( origin, what, attribute, std::strcmp( attribute, "quat_xyzw" ) == 0 ? 4 : 3 );
+			}
+		}
+	}
 }
 
 /// The <origin> of a joint or collision; quat_xyzw (URDF 1.2) instead of rpy if it is there.
@@ -178,18 +168,19 @@ void useVisual( XmlFile& xml, std::vector<Notice>& notices )
 
 void checkLinks( const XmlFile& xml, std::set<std::string>& links )
 {
-	forEach( xml.root(), "link",
-	    [&]( const XMLElement& link )
-	    {
-		    std::string name = xml.text( link, "link", "name" );
-		    if ( !links.insert( name ).second )
-		    {
-			    xml.fail( link, "link " + name, "a link of this name was defined before", "rename or remove one of them" );
-		    }
-		    std::size_t index = 0;
-		    forEach( link, "collision",
-		        [&]( const XMLElement& collision ) { checkGeometry( xml, collision, collisionName( name, index++ ) ); } );
-	    } );
+	for ( const XMLElement& link : children( xml.root(), "link" ) )
+	{
+		std::string name = xml.text( link, "link", "name" );
+		if ( !links.insert( name ).second )
+		{
+			xml.fail( link, "link " + name, "a link of this name was defined before", "rename or remove one of them" );
+		}
+		std::size_t index = 0;
+		for ( const XMLElement& collision : children( link, "collision" ) )
+		{
+			checkGeometry( xml, collision, collisionName( name, index++ ) );
+		}
+	}
 	if ( links.empty() )
 	{
 		throw Error( xml.path(), "<robot>", "has no links", "give a URDF with at least one <link>" );
@@ -256,36 +247,32 @@ void checkJoints( const XmlFile& xml, const std::set<std::string>& links )
 {
 	std::map<std::string, std::string> moved_by;
 	std::set<std::string> joints;
-	forEach( xml.root(), "joint",
-	    [&]( const XMLElement& joint )
-	    {
-		    std::string name = xml.text( joint, "joint", "name" );
-		    if ( !joints.insert( name ).second )
-		    {
-			    xml.fail(
-			        joint, "joint " + name, "a joint of this name was defined before", "rename or remove one of them" );
-		    }
-		    checkJoint( xml, joint, "joint " + name, links );
-		    std::string child = joint.FirstChildElement( "child" )->Attribute( "link" );
-		    auto [other, first] = moved_by.emplace( child, name );
-		    if ( !first )
-		    {
-			    xml.fail( joint, "joint " + name,
-			        fmt::format( "link {} is already the child of joint {}", child, other->second ),
-			        "a link can be the child of one joint only" );
-		    }
-	    } );
-	forEach( xml.root(), "joint",
-	    [&]( const XMLElement& joint )
-	    {
-		    const XMLElement* mimic = joint.FirstChildElement( "mimic" );
-		    if ( mimic != nullptr && joints.count( mimic->Attribute( "joint" ) ) == 0 )
-		    {
-			    xml.fail( *mimic, fmt::format( "joint {}", joint.Attribute( "name" ) ),
-			        fmt::format( "mimics joint {}, which is not defined", mimic->Attribute( "joint" ) ),
-			        "correct the name" );
-		    }
-	    } );
+	for ( const XMLElement& joint : children( xml.root(), "joint" ) )
+	{
+		std::string name = xml.text( joint, "joint", "name" );
+		if ( !joints.insert( name ).second )
+		{
+			xml.fail( joint, "joint " + name, "a joint of this name was defined before", "rename or remove one of them" );
+		}
+		checkJoint( xml, joint, "joint " + name, links );
+		std::string child = joint.FirstChildElement( "child" )->Attribute( "link" );
+		auto [other, first] = moved_by.emplace( child, name );
+		if ( !first )
+		{
+			xml.fail( joint, "joint " + name,
+			    fmt::format( "link {} is already the child of joint {}", child, other->second ),
+			    "a link can be the child of one joint only" );
+		}
+	}
+	for ( const XMLElement& joint : children( xml.root(), "joint" ) )
+	{
+		const XMLElement* mimic = joint.FirstChildElement( "mimic" );
+		if ( mimic != nullptr && joints.count( mimic->Attribute( "joint" ) ) == 0 )
+		{
+			xml.fail( *mimic, fmt::format( "joint {}", joint.Attribute( "name" ) ),
+			    fmt::format( "mimics joint {}, which is not defined", mimic->Attribute( "joint" ) ), "correct the name" );
+		}
+	}
 }
 
 /// What urdfdom is given: visual and inertial data of no interest taken out, capsules as cylinders (it knows none).
@@ -420,13 +407,22 @@ JointModel readJoint( const XmlFile& xml, const XMLElement& element, const urdf:
 		model.axis[1] = joint.axis.y;
 		model.axis[2] = joint.axis.z;
 	}
+	bool limited = model.type == LW_JOINT_REVOLUTE || model.type == LW_JOINT_PRISMATIC;
 	if ( joint.limits )
 	{
 		model.velocity = joint.limits->velocity;
-		if ( model.type == LW_JOINT_REVOLUTE || model.type == LW_JOINT_PRISMATIC )
+		if ( limited )
 		{
 			model.lower = joint.limits->lower;
 			model.upper = joint.limits->upper;
+		}
+	}
+	for ( const char* end : { "lower", "upper" } )
+	{
+		if ( limited && element.FirstChildElement( "limit" )->Attribute( end ) == nullptr )
+		{
+			notices.push_back(
+			    { xml.path(), xml.place( element, what ), fmt::format( "has no {} limit: it is 0, as in any URDF", end ) } );
 		}
 	}
 	if ( model.lower > model.upper )
@@ -443,43 +439,53 @@ JointModel readJoint( const XmlFile& xml, const XMLElement& element, const urdf:
 	return model;
 }
 
+/// The two XML parsers may differ on odd characters; a name that urdfdom does not know must not be looked into.
+void requireRead( const XmlFile& xml, const XMLElement& element, bool known )
+{
+	if ( !known )
+	{
+		xml.fail( element, fmt::format( "{} {}", element.Name(), element.Attribute( "name" ) ), "urdfdom did not read it",
+		    "use letters, digits and _ in names" );
+	}
+}
+
 void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const LoadOptions& options, RobotModel& model )
 {
 	ShapeLoader shapes( options, model.report );
 	bool any = false;
-	forEach( xml.root(), "link",
-	    [&]( const XMLElement& element )
-	    {
-		    LinkModel link;
-		    link.name = element.Attribute( "name" );
-		    const std::vector<urdf::CollisionSharedPtr>& collisions = urdf.getLink( link.name )->collision_array;
-		    std::size_t index = 0;
-		    forEach( element, "collision",
-		        [&]( const XMLElement& collision )
-		        {
-			        std::string what = collisionName( link.name, index );
-			        if ( index >= collisions.size() || !collisions[index]->geometry )
-			        {
-				        xml.fail( collision, what, "urdfdom did not read it", "check its <geometry>" );
-			        }
-			        PlacedShape placed;
-			        placed.pose = readOrigin( xml, collision, what, model.report.notices );
-			        placed.shape = readShape( xml, collision, what, link.name, *collisions[index]->geometry, shapes );
-			        link.collision.push_back( std::move( placed ) );
-			        ++index;
-		        } );
-		    any = any || !link.collision.empty();
-		    if ( link.collision.empty() )
-		    {
-			    model.report.links_without_geometry.push_back( link.name );
-			    if ( element.FirstChildElement( "visual" ) != nullptr )
-			    {
-				    model.report.notices.push_back( { xml.path(), xml.place( element, "link " + link.name ),
-				        "has visual but no collision geometry: nothing is checked for this link" } );
-			    }
-		    }
-		    model.links.push_back( std::move( link ) );
-	    } );
+	for ( const XMLElement& element : children( xml.root(), "link" ) )
+	{
+		LinkModel link;
+		link.name = element.Attribute( "name" );
+		urdf::LinkConstSharedPtr urdf_link = urdf.getLink( link.name );
+		requireRead( xml, element, urdf_link != nullptr );
+		const std::vector<urdf::CollisionSharedPtr>& collisions = urdf_link->collision_array;
+		std::size_t index = 0;
+		for ( const XMLElement& collision : children( element, "collision" ) )
+		{
+			std::string what = collisionName( link.name, index );
+			if ( index >= collisions.size() || !collisions[index]->geometry )
+			{
+				xml.fail( collision, what, "urdfdom did not read it", "check its <geometry>" );
+			}
+			PlacedShape placed;
+			placed.pose = readOrigin( xml, collision, what, model.report.notices );
+			placed.shape = readShape( xml, collision, what, link.name, *collisions[index]->geometry, shapes );
+			link.collision.push_back( std::move( placed ) );
+			++index;
+		}
+		any = any || !link.collision.empty();
+		if ( link.collision.empty() )
+		{
+			model.report.links_without_geometry.push_back( link.name );
+			if ( element.FirstChildElement( "visual" ) != nullptr )
+			{
+				model.report.notices.push_back( { xml.path(), xml.place( element, "link " + link.name ),
+				    "has visual but no collision geometry: nothing is checked for this link" } );
+			}
+		}
+		model.links.push_back( std::move( link ) );
+	}
 	if ( !any )
 	{
 		throw Error( xml.path(), "<robot>", "no link has collision geometry", "add <collision> elements to its links" );
@@ -505,12 +511,11 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 	model.name = urdf->getName();
 	model.root_link = urdf->getRoot()->name;
 	model.planning_frame = model.root_link;
-	forEach( xml.root(), "joint",
-	    [&]( const XMLElement& element )
-	    {
-		    urdf::JointConstSharedPtr joint = urdf->getJoint( element.Attribute( "name" ) );
-		    model.joints.push_back( readJoint( xml, element, *joint, model.report.notices ) );
-	    } );
+	for ( const XMLElement& element : children( xml.root(), "joint" ) )
+	{
+		urdf::JointConstSharedPtr joint = urdf->getJoint( element.Attribute( "name" ) );
+		model.joints.push_back( readJoint( xml, element, *joint, model.report.notices ) );
+	}
 	readLinks( xml, *urdf, options, model );
 	return model;
 }

@@ -9,6 +9,41 @@
 namespace leeway::io::detail
 {
 
+/// The child elements of one name (nullptr: of any), for a range-based for.
+class Children
+{
+public:
+	class Iterator
+	{
+	public:
+		Iterator( const tinyxml2::XMLElement* element, const char* name ) : m_element( element ), m_name( name ) {}
+		const tinyxml2::XMLElement& operator*() const { return *m_element; }
+		Iterator& operator++()
+		{
+			m_element = m_element->NextSiblingElement( m_name );
+			return *this;
+		}
+		bool operator!=( const Iterator& other ) const { return m_element != other.m_element; }
+
+	private:
+		const tinyxml2::XMLElement* m_element;
+		const char* m_name;
+	};
+
+	Children( const tinyxml2::XMLElement& parent, const char* name ) : m_parent( parent ), m_name( name ) {}
+	Iterator begin() const { return { m_parent.FirstChildElement( m_name ), m_name }; }
+	Iterator end() const { return { nullptr, m_name }; }
+
+private:
+	const tinyxml2::XMLElement& m_parent;
+	const char* m_name;
+};
+
+inline Children children( const tinyxml2::XMLElement& parent, const char* name )
+{
+	return { parent, name };
+}
+
 /// An XML file whose root is <robot>.
 class XmlFile
 {

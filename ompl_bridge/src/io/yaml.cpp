@@ -19,13 +19,20 @@ std::string lower( std::string text )
 	return text;
 }
 
-void refuseDuplicateKeys( const std::string& file, const YAML::Node& node )
+/// Also ends on a document that contains itself by an alias.
+void refuseDuplicateKeys( const std::string& file, const YAML::Node& node, int depth = 0 )
 {
+	const int deepest = 64; // messages nest about ten levels
+	if ( depth > deepest )
+	{
+		throw Error( file, fmt::format( "line {}", node.Mark().line + 1 ), "is nested too deeply, or contains itself",
+		    "give a MoveIt message in YAML" );
+	}
 	if ( node.IsSequence() )
 	{
 		for ( const YAML::Node& entry : node )
 		{
-			refuseDuplicateKeys( file, entry );
+			refuseDuplicateKeys( file, entry, depth + 1 );
 		}
 	}
 	if ( !node.IsMap() )
@@ -41,7 +48,7 @@ void refuseDuplicateKeys( const std::string& file, const YAML::Node& node )
 			throw Error( file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ), "the key is there twice",
 			    "remove one of them" );
 		}
-		refuseDuplicateKeys( file, entry.second );
+		refuseDuplicateKeys( file, entry.second, depth + 1 );
 	}
 }
 
