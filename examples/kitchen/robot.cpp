@@ -26,7 +26,7 @@ Link makeBase()
 	Mesh dark = loft( { { 0.095, 0.297, 0.267, 0, 0, 3.2 }, { 0.10, 0.308, 0.278, 0, 0, 3.2 }, { 0.14, 0.309, 0.279, 0, 0, 3.2 },
 						  { 0.145, 0.299, 0.269, 0, 0, 3.2 } },
 		36, false ); // bumper
-	const Mesh wheel = lathe( { { 0, -0.018 }, { 0.050, -0.016 }, { 0.056, -0.010 }, { 0.056, 0.010 }, { 0.050, 0.016 }, { 0, 0.018 } }, 16 );
+	const Mesh wheel = lathe( { { 0, -0.018 }, { 0.050, -0.016 }, { 0.056, -0.010 }, { 0.056, 0.010 }, { 0.050, 0.016 }, { 0, 0.018 } }, 14 );
 	for ( int i = 0; i < 4; ++i )
 		dark.add( wheel, at( i & 1 ? 0.17 : -0.17, i & 2 ? 0.17 : -0.17, 0.0565 ) * alongY );
 	dark.add( drum( 0.045, 0, 0.045, 0.006, 24 ), at( 0.215, 0, 0.365 ) ); // laser scanner
@@ -54,12 +54,12 @@ std::vector<Link> makeTorso()
 											{ 0.54, 0.060, 0.070, -0.010, 0, 2.1 } },
 								 2 ),
 						   0.018, 0, 3 ),
-		38 );
+		34 );
 	const Mesh plate = loft( domed( { { -0.045, 0.060, 0.030, 0, 0, 3 }, { 0.035, 0.078, 0.030, 0, 0, 3 } }, 0.015, 0.020, 4 ), 26 );
 	Mesh trim = plate.placed( at( 0.1235, 0, 0.345, 0, 0, 0.5 * pi ) ); // chest plate
 	Mesh pack = roundedBox( { 0.085, 0.22, 0.27 }, 0.03, 3 ).placed( at( -0.118, 0, 0.30, 0, 0.06 ) );
 	for ( int side = -1; side <= 1; side += 2 )
-		pack.add( drum( 0.066, 0.11, 0.172, 0.010, 26 ), at( 0, 0, 0.43 ) * ( side > 0 ? alongY : at( 0, 0, 0, 0.5 * pi ) ) );
+		pack.add( drum( 0.066, 0.11, 0.172, 0.010, 22 ), at( 0, 0, 0.43 ) * ( side > 0 ? alongY : at( 0, 0, 0, 0.5 * pi ) ) );
 	Mesh light = drum( 0.018, 0, 0.008, 0.003, 20 ).placed( at( 0.1500, 0, 0.345 ) * alongX );
 	return { { "torso_yaw_link", { { "hip.stl", hip, "graphite" } } },
 		{ "torso_pitch_link", { { "waist.stl", waist, "grey" } } },
@@ -78,18 +78,18 @@ std::vector<Link> makeHead()
 											{ 0.10, 0.098, 0.078, 0.010, 0, 2.4 }, { 0.155, 0.098, 0.078, 0.002, 0, 2.4 } },
 								 2 ),
 						   0.006, 0.062, 5 ),
-		30 );
+		28 );
 	// visor: a slice of a slightly larger head, pushed forward
 	Mesh visor = loft( domed( { { 0.085, 0.082, 0.070, 0.032, 0, 2.8 }, { 0.10, 0.0885, 0.0745, 0.0315, 0, 2.8 },
 								  { 0.150, 0.0885, 0.0745, 0.0265, 0, 2.8 } },
 						   0.012, 0.018, 3 ),
-		32 );
+		28 );
 	Mesh trim;
 	for ( int side = -1; side <= 1; side += 2 )
 		trim.add( drum( 0.034, 0.064, 0.092, 0.007, 20 ), at( -0.008, 0, 0.115 ) * ( side > 0 ? alongY : at( 0, 0, 0, 0.5 * pi ) ) );
 	Mesh eyes;
 	for ( int side = -1; side <= 1; side += 2 )
-		eyes.add( sphere( 0.0135, 14, 8 ), at( 0.1125, 0.030 * side, 0.126 ) );
+		eyes.add( sphere( 0.0135, 12, 6 ), at( 0.1125, 0.030 * side, 0.126 ) );
 	return { { "neck_yaw_link", { { "neck.stl", neck, "graphite" } } }, { "neck_pitch_link", { { "nod.stl", nod, "graphite" } } },
 		{ "head",
 			{ { "head_shell.stl", skull, "shell" }, { "head_visor.stl", visor, "visor" }, { "head_trim.stl", trim, "accent" },
@@ -108,25 +108,25 @@ Mesh phalanx( double length, double radius, double taper )
 std::vector<Link> makeArm()
 {
 	// shoulder_pitch: from the chest's side outwards, a cap over the roll axis at y = 0.085
-	Mesh cap = loft( domed( { { 0.0, 0.056, 0.056 }, { 0.012, 0.064, 0.064 }, { 0.030, 0.070, 0.070 }, { 0.085, 0.072, 0.072 } }, 0, 0.060, 4 ), 26 );
+	Mesh cap = loft( domed( { { 0.0, 0.056, 0.056 }, { 0.012, 0.064, 0.064 }, { 0.030, 0.070, 0.070 }, { 0.085, 0.072, 0.072 } }, 0, 0.060, 4 ), 24 );
 	Mesh shoulder = cap.placed( alongY );
 	// shoulder_roll: axle along x inside the cap's fork, and the cuff below
-	Mesh cuff = loft( smoothed( { { -0.035, 0.050, 0.050 }, { -0.062, 0.063, 0.063 }, { -0.085, 0.060, 0.060 }, { -0.100, 0.048, 0.048 } }, 2 ), 24 );
-	cuff.add( drum( 0.032, -0.078, 0.078, 0.006, 20 ).placed( alongX ) );
+	Mesh cuff = loft( smoothed( { { -0.035, 0.050, 0.050 }, { -0.062, 0.063, 0.063 }, { -0.085, 0.060, 0.060 }, { -0.100, 0.048, 0.048 } }, 2 ), 22 );
+	cuff.add( drum( 0.032, -0.078, 0.078, 0.006, 16 ).placed( alongX ) );
 	Mesh upper = loft( domed( smoothed( { { -0.168, 0.040, 0.043, 0.002, 0, 2.3 }, { -0.12, 0.047, 0.050, 0.003, 0, 2.2 },
 											{ -0.06, 0.055, 0.056, 0.004, 0, 2.1 }, { -0.005, 0.047, 0.047, 0, 0, 2 } },
 								 2 ),
 						   0.012, 0, 2 ),
-		24 );
+		22 );
 	Mesh upperBand = lathe( { { 0.0525, -0.042 }, { 0.0605, -0.038 }, { 0.0605, -0.026 }, { 0.0515, -0.022 } }, 24, false ).placed( at( 0.003, 0, 0 ) );
-	Mesh elbow = drum( 0.042, -0.048, 0.048, 0.010, 24 ).placed( alongY );
-	Mesh elbowCuff = loft( smoothed( { { -0.030, 0.036, 0.040 }, { -0.060, 0.046, 0.047 }, { -0.090, 0.041, 0.041 } }, 2 ), 24 );
+	Mesh elbow = drum( 0.042, -0.048, 0.048, 0.010, 22 ).placed( alongY );
+	Mesh elbowCuff = loft( smoothed( { { -0.030, 0.036, 0.040 }, { -0.060, 0.046, 0.047 }, { -0.090, 0.041, 0.041 } }, 2 ), 22 );
 	Mesh forearm = loft( domed( smoothed( { { -0.140, 0.027, 0.030 }, { -0.105, 0.033, 0.037 }, { -0.045, 0.045, 0.047, 0.002 },
 											  { -0.004, 0.039, 0.039 } },
 								  2 ),
 							 0.012, 0, 2 ),
-		24 );
-	Mesh wrist = sphere( 0.0245, 16, 10 );
+		22 );
+	Mesh wrist = sphere( 0.0245, 14, 8 );
 	// palm: broad along x, thin along y, knuckles at z = -0.105
 	Mesh palm = loft( domed( smoothed( { { -0.100, 0.042, 0.014, 0, 0.001, 2.8 }, { -0.070, 0.043, 0.0165, 0, 0.001, 2.8 },
 										   { -0.040, 0.036, 0.018, 0, 0, 2.5 }, { -0.022, 0.024, 0.017, 0, 0, 2.2 } },
