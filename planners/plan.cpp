@@ -26,9 +26,9 @@ namespace ob = ::ompl::base;
 namespace og = ::ompl::geometric;
 
 // Simplification ends when a round gains less than this share of the length, or after this many rounds.
-constexpr double simplify_gain = 0.01;
+constexpr double simplify_gain = 0.02;
 constexpr int simplify_rounds = 10;
-constexpr unsigned int simplify_attempts = 100; // shortcuts tried per round
+constexpr unsigned int simplify_attempts = 30; // shortcuts tried per round
 
 using Points = std::vector<std::vector<double>>;
 
@@ -222,10 +222,10 @@ public:
 		judge.step = stepLength( options.common );
 		judge.what = options.common.what();
 		m_space = ::leeway::ompl::makeStateSpace( bench.problem().checker );
-		ensureProjection( m_space );
 		m_si = std::make_shared<ob::SpaceInformation>( m_space );
 		m_engine = ::leeway::ompl::install( m_si, bench.problem().checker, judge );
 		m_si->setup();
+		ensureProjection( m_space ); // after setup(), which registers the space's own
 	}
 
 	Solution solve( const std::vector<double>& start, const std::vector<double>& goal, double time )

@@ -159,7 +159,9 @@ const PlannerEntry& findPlanner( const std::string& name )
 
 void ensureProjection( const ob::StateSpacePtr& space )
 {
-	if ( !space->hasDefaultProjection() )
+	// The default of vector spaces of one and two dimensions, the identity, is broken in OMPL 1.5.2: it assigns a vector of
+	// another size to the projection, and the program aborts.
+	if ( !space->hasDefaultProjection() || space->getDimension() <= 2 )
 	{
 		space->registerDefaultProjection( std::make_shared<PlaneProjection>( space.get() ) );
 	}

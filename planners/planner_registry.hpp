@@ -23,8 +23,8 @@ const std::vector<PlannerEntry>& planners();
 /// @throws io::Error that lists the names
 const PlannerEntry& findPlanner( const std::string& name );
 
-/// Planners such as KPIECE1 and PDST look at states through a projection. Spaces made of several parts have no default one;
-/// this gives them a linear projection to the plane, the same for every run.
+/// Planners such as KPIECE1 and PDST look at states through a projection. Spaces made of several parts have no default one,
+/// and that of the smallest spaces does not work; this gives them a linear projection to the plane, the same for every run.
 void ensureProjection( const ::ompl::base::StateSpacePtr& space );
 
 } // namespace leeway::cli

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway plan and leeway audit.
+#include "cli_fixture.hpp"
+
+#include <nlohmann/json.hpp>
+#include <yaml-cpp/yaml.h>
+
+using CliPlan = Cli;
+using CliAudit = Cli;
+
+namespace
+{
+const std::vector<std::string> around_the_post = { "--request", "request.yaml", "--out", "path.yaml", "--report", "report.json" };
+}
+
+TEST_F( CliPlan, FindsTheWayAroundAPostAndAuditsIt )
+{
+	const Outcome plan = runModel( "plan", around_the_post, "blocked.yaml" );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_TRUE( contains( plan.out, "VALID" ) && contains( plan.out, "profile" ) ) << plan.out;
+	const auto report = nlohmann::json::parse( readFile( path( "report.json" ) ) );
+	EXPECT_TRUE( report["solved"] );
+	EXPECT_TRUE( report["good"] );
+	EXPECT_TRUE( report["audit"]["valid"] );
+	EXPECT_EQ( report["path"]["edges_blocked"], 0 );
+	EXPECT_EQ( report["path"]["edges_refused"], 0 );
+	EXPECT_GT( report["path"]["proved_clearance"], 0 );
+	EXPECT_GT( report["path"]["length"], 2.0 ); // longer than the straight line
+	const YAML::Node file = YAML::LoadFile( path( "path.yaml" ) );
+	EXPECT_EQ( file["robot"].as<std::string>(), "planar_arm" );
+	EXPECT_EQ( file["group"].as<std::string>(), "arm" );
+	EXPECT_EQ( file["joint_names"].as<std::vector<std::string>>(), ( std::vector<std::string>{ "shoulder", "elbow" } ) );
+	ASSERT_GE( file["points"].size(), 3u );
+	EXPECT_EQ( file["points"][0]["positions"].as<std::vector<double>>(), ( std::vector<double>{ -1, 0 } ) );
+	EXPECT_EQ( file["points"][file["points"].size() - 1]["positions"].as<std::vector<double>>(), ( std::vector<double>{ 1, 0 } ) );
+	EXPECT_GT( file["clearance"]["environment"].as<double>(), 0 );
+
+	const Outcome audit = runModel( "audit", { "--path", "path.yaml", "--request", "request.yaml" }, "blocked.yaml" );
+	EXPECT_EQ( audit.status, 0 ) << audit.out << audit.err;
+}
+
+TEST_F( CliPlan, TheSameSeedGivesTheSamePath )
+{
+	std::string first;
+	for ( int i = 0; i < 3; ++i )
+	{
+		const Outcome plan = runModel( "plan", { "--request", "request.yaml", "--seed", "7" }, "blocked.yaml" );
+		ASSERT_EQ( plan.status, 0 ) << plan.err;
+		first = first.empty() ? plan.out : first;
+		EXPECT_EQ( plan.out, first );
+	}
+	const Outcome other = runModel( "plan", { "--request", "request.yaml", "--seed", "8" }, "blocked.yaml" );
+	EXPECT_NE( other.out, first );
+}
+
+TEST_F( CliPlan, KeepsTheMarginItIsAskedFor )
+{
+	const Outcome plan =
+		runModel( "plan", { "--request", "request.yaml", "--min-d", "0.05", "--out", "path.yaml", "--report", "r.json" }, "blocked.yaml" );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
+	EXPECT_GT( report["audit"]["environment"]["lower"], 0.05 );
+	EXPECT_GT( report["path"]["proved_clearance"], 0.05 );
+	// The path file carries its margin: audit uses it unless told otherwise.
+	EXPECT_EQ( runModel( "audit", { "--path", "path.yaml" }, "blocked.yaml" ).status, 0 );
+	EXPECT_EQ( runModel( "audit", { "--path", "path.yaml", "--min-d", "0.3" }, "blocked.yaml" ).status, 1 );
+}
+
+TEST_F( CliPlan, PlannersOfManyKindsAreFoundByName )
+{
+	for ( const char* planner : { "rrt", "KPIECE1", "EST", "PRM", "BITstar", "pRRT", "SBL" } )
+	{
+		const Outcome plan =
+			runModel( "plan", { "--request", "request.yaml", "--planner", planner, "--time", "1", "--report", "r.json" }, "blocked.yaml" );
+		EXPECT_LT( plan.status, 2 ) << planner << "\n" << plan.err;
+		EXPECT_EQ( nlohmann::json::parse( readFile( path( "r.json" ) ) )["solved"], plan.status == 0 ) << planner;
+	}
+}
+
+TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
+{
+	// A wall all around the goal side: the tip passes x = 0.8 nowhere, and the arm cannot fold below 0.4.
+	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.7, 0.1, 1]" );
+	const Outcome plan = runModel( "plan", { "--request", "request.yaml", "--time", "0.5", "--out", "path.yaml", "--report", "r.json" }, "blocked.yaml" );
+	EXPECT_EQ( plan.status, 1 ) << plan.err;
+	EXPECT_TRUE( contains( plan.err, "no path found" ) ) << plan.err;
+	EXPECT_EQ( readFile( path( "path.yaml" ) ), "" );
+	EXPECT_FALSE( nlohmann::json::parse( readFile( path( "r.json" ) ) )["solved"] );
+}
+
+TEST_F( CliPlan, APathThatTheAuditRejectsIsNotWritten )
+{
+	// Steps of half a metre plan straight through a thin fin; the audit must see it.
+	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.1, 0.002, 1]" );
+	edit( "request.yaml", "[-1, 0]", "[-0.9, 0]" );
+	edit( "request.yaml", "position: 1\n", "position: 1.1\n" );
+	const Outcome plan =
+		runModel( "plan", { "--request", "request.yaml", "--validator", "steps", "--max-d", "0.5", "--out", "path.yaml" }, "blocked.yaml" );
+	EXPECT_EQ( plan.status, 1 ) << plan.out << plan.err;
+	EXPECT_TRUE( contains( plan.out, "NOT VALID" ) && contains( plan.out, "fore - post" ) ) << plan.out;
+	EXPECT_EQ( readFile( path( "path.yaml" ) ), "" );
+}
+
+TEST_F( CliAudit, CatchesABadPath )
+{
+	ASSERT_EQ( runModel( "plan", around_the_post, "blocked.yaml" ).status, 0 );
+	write( "straight.yaml",
+		"group: arm\nmin_d: 0\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [1, 0]\n" );
+	const Outcome audit = runModel( "audit", { "--path", "straight.yaml", "--report", "a.json", "--profile", "p.csv" }, "blocked.yaml" );
+	EXPECT_EQ( audit.status, 1 ) << audit.err;
+	EXPECT_TRUE( contains( audit.out, "NOT VALID" ) && contains( audit.out, "fore - post" ) ) << audit.out;
+	const auto report = nlohmann::json::parse( readFile( path( "a.json" ) ) );
+	EXPECT_FALSE( report["audit"]["valid"] );
+	EXPECT_EQ( report["audit"]["environment"]["lower"], 0 );
+	EXPECT_NEAR( report["audit"]["environment"]["t"], 0.5, 0.1 );
+	EXPECT_GT( parseTable( readFile( path( "p.csv" ) ) ).rows.size(), 20u );
+}
+
+TEST_F( CliAudit, SeesAFinThinnerThanAStepOfThePlanner )
+{
+	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.1, 0.0005, 1]" );
+	write( "straight.yaml", "joint_names: [elbow, shoulder]\npoints:\n  - positions: [0, -1]\n  - positions: [0, 1.01]\n" );
+	EXPECT_EQ( runModel( "audit", { "--group", "arm", "--path", "straight.yaml" }, "blocked.yaml" ).status, 1 );
+	EXPECT_EQ( runModel( "audit", { "--group", "arm", "--path", "straight.yaml" } ).status, 0 );
+}
+
+TEST_F( CliAudit, CatchesLimitsAndOtherEnds )
+{
+	write( "far.yaml", "group: arm\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [-1, 2.9]\n" );
+	const Outcome limits = runModel( "audit", { "--path", "far.yaml" } );
+	EXPECT_EQ( limits.status, 1 );
+	EXPECT_TRUE( contains( limits.out, "above its limit 2.8" ) ) << limits.out;
+	write( "short.yaml", "group: arm\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [0.9, 0]\n" );
+	EXPECT_EQ( runModel( "audit", { "--path", "short.yaml" } ).status, 0 );
+	const Outcome ends = runModel( "audit", { "--path", "short.yaml", "--request", "request.yaml" } );
+	EXPECT_EQ( ends.status, 1 );
+	EXPECT_TRUE( contains( ends.out, "goal" ) ) << ends.out;
+}
+
+TEST_F( CliAudit, JointsOutsideOfTheGroupStandWhereThePathSays )
+{
+	// With the elbow folded the shoulder may pass the post.
+	const std::string points = "joint_names: [shoulder]\npoints:\n  - positions: [-1]\n  - positions: [1]\n";
+	write( "folded.yaml", "group: shoulder_only\nstart_state:\n  joint_state:\n    name: [elbow]\n    position: [2.5]\n" + points );
+	write( "stretched.yaml", "group: shoulder_only\n" + points );
+	EXPECT_EQ( runModel( "audit", { "--path", "folded.yaml" }, "blocked.yaml" ).status, 0 );
+	EXPECT_EQ( runModel( "audit", { "--path", "stretched.yaml" }, "blocked.yaml" ).status, 1 );
+}
