@@ -408,7 +408,8 @@ static bool check_ends( edge_work* w )
 		}
 		else if ( w->bound[i] == 0 )
 		{
-			w->out->lower_bound = fmin( w->out->lower_bound, fmax( s.pair.lower - w->rounding[i], nextafter( w->def->min_d, INFINITY ) ) );
+			w->out->lower_bound = fmin( w->out->lower_bound, fmax( s.pair.lower - w->rounding[i],
+				nextafter( w->def->min_d, INFINITY ) ) );
 			w->from_left[i] = 1;
 		}
 		else if ( w->from_right[i] <= 0 )

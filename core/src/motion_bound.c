@@ -180,7 +180,8 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const bool* fixe
 	b->center = lwi_transform( &def->link_from_shape, lwi_load( shape->sphere_center ) );
 	b->radius = shape->sphere_radius * OUTWARD;
 	b->first_ring = INFINITY;
-	b->length = lwi_length( lwi_load( def->link_from_shape.t ) ) + lwi_length( lwi_load( shape->sphere_center ) ) + b->radius;
+	b->length = b->radius + lwi_length( lwi_load( shape->sphere_center ) );
+	b->length += lwi_length( lwi_load( def->link_from_shape.t ) );
 
 	lw_vec3 center = b->center;
 	double radius = b->radius;
@@ -198,8 +199,8 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const bool* fixe
 			e->joint = index;
 			if ( entry == b->first_entry && rotates( joint->type ) )
 			{
-				b->first_ring =
-					OUTWARD * geometry_distance( shape, &link_from_shape, joint->type == LW_JOINT_FLOATING ? NULL : joint->axis );
+				const double* axis = joint->type == LW_JOINT_FLOATING ? NULL : joint->axis;
+				b->first_ring = OUTWARD * geometry_distance( shape, &link_from_shape, axis );
 			}
 			sweep( robot, joint, e, &center, &radius );
 			++entry;
@@ -350,8 +351,7 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	bool planar = joint->type == LW_JOINT_PLANAR;
 	lw_vec3 pa = lwi_v3( a[0], a[1], planar ? 0 : a[2] ), pb = lwi_v3( b[0], b[1], planar ? 0 : b[2] );
 	lw_vec3 center = lwi_v3( entry->center[0], entry->center[1], planar ? 0 : entry->center[2] );
-	m.turn = planar ? fabs( robot->variables[joint->variable + 2].wraps ? lwi_wrapped_difference( a[2], b[2] ) : b[2] - a[2] )
-					: 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
+	m.turn = planar ? fabs( lwi_wrapped_difference( a[2], b[2] ) ) : 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
 	m.shift = lwi_distance( pa, pb );
 	m.excess = fmax( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // of a straight way the ends are farthest
 	m.reach = fmax( lwi_length( pa ), lwi_length( pb ) );
@@ -364,7 +364,8 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 /// In the child frame of joint j, where its axis stands still, a point of the body moves only by the joints between j and
 /// the body: from its place at the edge's middle by at most half of their path length. So along the whole edge its distance
 /// to the axis is at most (distance of the centre at the middle) + radius + (path length below j) / 2, and at most the ring.
-static bool measure_body( const lwi_motion_table* table, uint32_t body, const double* qa, const double* qb, motion_scratch* s )
+static bool measure_body( const lwi_motion_table* table, uint32_t body, const double* qa, const double* qb,
+	motion_scratch* s )
 {
 	const lw_robot* robot = table->robot;
 	const motion_body* b = &table->bodies[body];

@@ -121,19 +121,20 @@ static lw_status check_joint_numbers( const lw_robot_def* def, uint32_t i, lw_di
 	if ( has_axis( j->type ) && ( !axis_finite || !( longest > 0 ) ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"joint '%s': its axis is %s; give a direction in the joint frame", j->name, axis_finite ? "zero" : "not finite" );
+			"joint '%s': its axis is %s; give a direction in the joint frame", j->name,
+			axis_finite ? "zero" : "not finite" );
 	}
 	bool follows = j->mimic != LW_INVALID_INDEX;
 	if ( j->type == LW_JOINT_REVOLUTE && !limits_valid( j->lower, j->upper, follows ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"joint '%s': limits [%g, %g] need lower <= upper, both finite; a revolute joint without limits is continuous", j->name,
-			j->lower, j->upper );
+			"joint '%s': limits [%g, %g] need lower <= upper, both finite; a revolute joint without limits is continuous",
+			j->name, j->lower, j->upper );
 	}
 	if ( j->type == LW_JOINT_PRISMATIC && !limits_valid( j->lower, j->upper, true ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': limits [%g, %g] need lower <= upper", j->name, j->lower,
-			j->upper );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': limits [%g, %g] need lower <= upper", j->name,
+			j->lower, j->upper );
 	}
 	int positions = j->type == LW_JOINT_PLANAR ? 2 : j->type == LW_JOINT_FLOATING ? 3 : 0;
 	for ( int k = 0; k < positions; ++k )
@@ -161,7 +162,8 @@ static lw_status check_mimic( const lw_robot_def* def, uint32_t i, lw_diag* diag
 	}
 	if ( !isfinite( j->mimic_multiplier ) || !isfinite( j->mimic_offset ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': its mimic multiplier or offset is not finite", j->name );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': its mimic multiplier or offset is not finite",
+			j->name );
 	}
 	uint32_t at = i;
 	for ( uint32_t steps = 0; def->joints[at].mimic != LW_INVALID_INDEX && def->joints[at].type != LW_JOINT_FIXED; ++steps )
@@ -198,7 +200,8 @@ static lw_status check_joints( const lw_robot_def* def, lw_diag* diag )
 		}
 		if ( j->parent >= def->link_count || j->child >= def->link_count )
 		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': its %s link %u is not one of the %u links", j->name,
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
+				"joint '%s': its %s link %u is not one of the %u links", j->name,
 				j->parent >= def->link_count ? "parent" : "child",
 				j->parent >= def->link_count ? j->parent : j->child, def->link_count );
 		}
@@ -244,11 +247,11 @@ static lw_status check_bodies_and_pairs( const lw_robot_def* def, lw_diag* diag 
 	}
 	for ( uint32_t i = 0; i < def->allowed_pair_count; ++i )
 	{
-		if ( def->allowed_pairs[i].link_a >= def->link_count || def->allowed_pairs[i].link_b >= def->link_count )
+		uint32_t a = def->allowed_pairs[i].link_a, b = def->allowed_pairs[i].link_b;
+		if ( a >= def->link_count || b >= def->link_count )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "allowed pair %u names link %u; there are only %u links", i,
-				def->allowed_pairs[i].link_a >= def->link_count ? def->allowed_pairs[i].link_a : def->allowed_pairs[i].link_b,
-				def->link_count );
+				a >= def->link_count ? a : b, def->link_count );
 		}
 	}
 	return LW_OK;
@@ -463,14 +466,16 @@ static lw_status build_tree( lw_robot* robot, const lw_robot_def* def, lw_diag* 
 	{
 		lost = def->joints[robot->link_joint[lost]].parent;
 	}
-	return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, robot->link_joint[lost], "the joints form a cycle through link '%s' (joint '%s')",
+	return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, robot->link_joint[lost],
+		"the joints form a cycle through link '%s' (joint '%s')",
 		def->link_names[lost], def->joints[robot->link_joint[lost]].name );
 }
 
 static void build_axis( lwi_joint* joint, const double axis[3] )
 {
 	double largest = fmax( fabs( axis[0] ), fmax( fabs( axis[1] ), fabs( axis[2] ) ) );
-	lw_vec3 a = lwi_v3( axis[0] / largest, axis[1] / largest, axis[2] / largest ); // squares stay within the range of doubles
+	// squares stay within the range of doubles
+	lw_vec3 a = lwi_v3( axis[0] / largest, axis[1] / largest, axis[2] / largest );
 	double length = lwi_length( a );
 	a = lwi_v3( a.x / length, a.y / length, a.z / length );
 	joint->axis[0] = a.x;
@@ -654,7 +659,8 @@ lw_status lw_robot_create( const lw_robot_def* def, const lw_allocator* allocato
 	*out_robot = NULL;
 	if ( def == NULL || def->cookie != ROBOT_COOKIE )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX, "the robot def was not made by lw_robot_def_default()" );
+		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX,
+			"the robot def was not made by lw_robot_def_default()" );
 	}
 	lw_status status = check_def( def, diag );
 	if ( status != LW_OK )
@@ -829,7 +835,8 @@ void lw_robot_default_state( const lw_robot* robot, double* q )
 bool lw_robot_pair_allowed( const lw_robot* robot, uint32_t link_a, uint32_t link_b )
 {
 	size_t bit = (size_t)link_a * robot->link_count + link_b;
-	return robot->rigid_group[link_a] == robot->rigid_group[link_b] || ( ( robot->allowed[bit / 32] >> ( bit % 32 ) ) & 1u ) != 0;
+	return robot->rigid_group[link_a] == robot->rigid_group[link_b] ||
+		( ( robot->allowed[bit / 32] >> ( bit % 32 ) ) & 1u ) != 0;
 }
 
 const uint32_t* lwi_robot_link_order( const lw_robot* robot )

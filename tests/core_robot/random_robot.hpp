@@ -160,13 +160,13 @@ inline lw_shape* randomPrimitive( SeededRng& rng, double size, std::vector<lw_ve
 		switch ( type )
 		{
 			case LW_SHAPE_BOX:
-				points->push_back( { ( i & 1 ? 0.5 : -0.5 ) * d[0], ( i & 2 ? 0.5 : -0.5 ) * d[1], ( i & 4 ? 0.5 : -0.5 ) * d[2] } );
+				points->push_back( { i & 1 ? d[0] / 2 : -d[0] / 2, i & 2 ? d[1] / 2 : -d[1] / 2, z * d[2] } );
 				break;
 			case LW_SHAPE_SPHERE:
 				points->push_back( { c * d[0], s * d[0], 0 } );
 				break;
 			case LW_SHAPE_CAPSULE:
-				points->push_back( i < 6 ? lw_vec3{ c * d[0], s * d[0], z * d[1] } : lw_vec3{ 0, 0, z * d[1] + 2 * z * d[0] } );
+				points->push_back( { i < 6 ? c * d[0] : 0, i < 6 ? s * d[0] : 0, z * d[1] + ( i < 6 ? 0 : 2 * z * d[0] ) } );
 				break;
 			case LW_SHAPE_CONE:
 				points->push_back( i < 9 ? lw_vec3{ c * d[0], s * d[0], -0.5 * d[1] } : lw_vec3{ 0, 0, 0.5 * d[1] } );
@@ -374,7 +374,8 @@ inline Matrix oracleMotion( const RobotModel& model, const lw_robot* robot, std:
 		in[0][3] = v[0];
 		in[1][3] = sign * v[1];
 		Matrix moved = product( tilt, in );
-		Matrix turn = rodrigues( axis, std::sin( static_cast<long double>( v[2] ) ), std::cos( static_cast<long double>( v[2] ) ) );
+		Matrix turn = rodrigues( axis, std::sin( static_cast<long double>( v[2] ) ),
+			std::cos( static_cast<long double>( v[2] ) ) );
 		for ( int i = 0; i < 3; ++i )
 		{
 			turn[i][3] = moved[i][3];

@@ -124,14 +124,16 @@ struct World
 		std::sort( b.begin(), b.end() );
 		std::set_symmetric_difference( a.begin(), a.end(), b.begin(), b.end(), std::back_inserter( between ) );
 		return std::any_of( between.begin(), between.end(), [&]( std::uint32_t j ) {
-			std::uint32_t leader = lw_robot_joint_mimic( robot.get(), j ) != LW_INVALID_INDEX ? lw_robot_joint_mimic( robot.get(), j ) : j;
+			std::uint32_t followed = lw_robot_joint_mimic( robot.get(), j );
+			std::uint32_t leader = followed != LW_INVALID_INDEX ? followed : j;
 			std::uint32_t v = lw_robot_joint_variable( robot.get(), leader );
 			return v != LW_INVALID_INDEX &&
 				   ( variables.empty() || std::find( variables.begin(), variables.end(), v ) != variables.end() );
 		} );
 	}
 
-	double shapeDistance( const lw_body_def& a, const lw_transform& worldFromA, const lw_shape* b, const lw_transform& worldFromB ) const
+	double shapeDistance( const lw_body_def& a, const lw_transform& worldFromA, const lw_shape* b,
+		const lw_transform& worldFromB ) const
 	{
 		lw_transform poseA = lw_transform_multiply( &worldFromA, &a.link_from_shape );
 		lw_clearance c;
@@ -140,7 +142,8 @@ struct World
 	}
 
 	/// Least distance at a full state, pair by pair, without the checker. With links given only that pair.
-	double clearance( const State& fullState, lw_what what, std::uint32_t a = LW_INVALID_INDEX, std::uint32_t b = LW_INVALID_INDEX ) const
+	double clearance( const State& fullState, lw_what what, std::uint32_t a = LW_INVALID_INDEX,
+		std::uint32_t b = LW_INVALID_INDEX ) const
 	{
 		std::vector<lw_transform> poses( lw_robot_link_count( robot.get() ) );
 		EXPECT_EQ( lw_robot_fk( robot.get(), fullState.data(), poses.data() ), LW_OK );
@@ -159,8 +162,9 @@ struct World
 			for ( std::size_t k = 0; ( what & LW_WHAT_SELF ) != 0 && k < i; ++k )
 			{
 				lw_body_def bodyK = lw_robot_body( robot.get(), static_cast<std::uint32_t>( k ) );
-				bool asked = a == LW_INVALID_INDEX || ( a == bodyI.link && b == bodyK.link ) || ( b == bodyI.link && a == bodyK.link );
-				if ( asked && !lw_robot_pair_allowed( robot.get(), bodyI.link, bodyK.link ) && groupMoves( bodyI.link, bodyK.link ) )
+				std::uint32_t linkI = bodyI.link, linkK = bodyK.link;
+				bool asked = a == LW_INVALID_INDEX || ( a == linkI && b == linkK ) || ( b == linkI && a == linkK );
+				if ( asked && !lw_robot_pair_allowed( robot.get(), linkI, linkK ) && groupMoves( linkI, linkK ) )
 				{
 					lw_transform poseK = lw_transform_multiply( &poses[bodyK.link], &bodyK.link_from_shape );
 					least = std::min( least, shapeDistance( bodyI, poses[bodyI.link], bodyK.shape, poseK ) );
@@ -233,7 +237,9 @@ void randomWorld( SeededRng& rng, World& world, State* start )
 	int objects = rng.integer( 0, 3 ) ? rng.integer( 5, 25 ) : 0;
 	for ( int i = 0; i < objects; ++i )
 	{
-		lw_shape* shape = rng.integer( 0, 1 ) ? randomMesh( rng, rng.integer( 1, 20 ), 0.15, nullptr ) : randomPrimitive( rng, 0.2, nullptr );
+		bool mesh = rng.integer( 0, 1 ) == 1;
+		int triangles = rng.integer( 1, 20 );
+		lw_shape* shape = mesh ? randomMesh( rng, triangles, 0.15, nullptr ) : randomPrimitive( rng, 0.2, nullptr );
 		lw_transform pose = randomTransform( rng, 0.7 );
 		for ( int k = 0; k < 3; ++k )
 		{
@@ -274,7 +280,8 @@ State randomEnd( SeededRng& rng, const World& world, const State& start )
 {
 	State full = randomState( rng, world.robot.get(), rng.integer( 0, 4 ) == 0 ? 0.7 : 0.0 );
 	State near = world.full( start );
-	lw_robot_interpolate( world.robot.get(), near.data(), full.data(), rng.integer( 0, 2 ) ? rng.decade( -1.5, 0 ) : 1.0, full.data() );
+	double share = rng.integer( 0, 2 ) ? rng.decade( -1.5, 0 ) : 1.0;
+	lw_robot_interpolate( world.robot.get(), near.data(), full.data(), share, full.data() );
 	State end;
 	for ( std::uint32_t i = 0; i < lw_checker_variable_count( world.checker ); ++i )
 	{
@@ -348,7 +355,8 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 			ASSERT_NE( r.verdict, LW_VERDICT_UNKNOWN );
 			++( r.self ? selfFailures : environmentFailures );
 			EXPECT_EQ( r.lower_bound, 0 );
-			double there = world.clearanceAt( start, end, r.t, r.self ? LW_WHAT_SELF : LW_WHAT_ENVIRONMENT, r.pair.a, r.pair.b );
+			double there = world.clearanceAt( start, end, r.t, r.self ? LW_WHAT_SELF : LW_WHAT_ENVIRONMENT, r.pair.a,
+				r.pair.b );
 			double top = r.verdict == LW_VERDICT_BLOCKED ? def.min_d : ( def.min_d + def.slack ) / ( 1 - def.alpha );
 			EXPECT_LE( there, top + 1e-10 ) << lw_verdict_name( r.verdict );
 			if ( def.want_proved_until )
@@ -371,8 +379,8 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 			}
 		}
 	}
-	std::printf( "FREE %d (with halving %d), BLOCKED %d, REFUSED %d; self %d, environment %d; partly proved %d\n", verdicts[1], deepProofs,
-		verdicts[2], verdicts[3], selfFailures, environmentFailures, partial );
+	std::printf( "FREE %d (with halving %d), BLOCKED %d, REFUSED %d; self %d, environment %d; partly proved %d\n",
+		verdicts[1], deepProofs, verdicts[2], verdicts[3], selfFailures, environmentFailures, partial );
 	EXPECT_GE( verdicts[LW_VERDICT_FREE], 200 );
 	EXPECT_GE( deepProofs, 80 );
 	EXPECT_GE( verdicts[LW_VERDICT_BLOCKED], 150 );
@@ -413,7 +421,8 @@ TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 		const double travel = 0.25;
 		lw_query_reset_stats( world.query );
 		lw_edge_result r = world.edge( { -0.1 }, { -0.1 + travel }, def );
-		std::printf( "gap %g min_d %g slack %g: %s after %u states\n", c.gap, c.min_d, c.slack, lw_verdict_name( r.verdict ), r.queries );
+		std::printf( "gap %g min_d %g slack %g: %s after %u states\n", c.gap, c.min_d, c.slack,
+			lw_verdict_name( r.verdict ), r.queries );
 		if ( c.gap == 0 ) // 0 to rounding: contact or refused, never free
 		{
 			EXPECT_NE( r.verdict, LW_VERDICT_FREE );
@@ -542,7 +551,8 @@ TEST( Edge, EndsAgreeWithStates )
 		{
 			State end = randomEnd( rng, world, start );
 			lw_state_result state;
-			ASSERT_EQ( lw_checker_state( world.checker, world.query, end.data(), LW_WHAT_BOTH, nullptr, false, &state ), LW_OK );
+			ASSERT_EQ( lw_checker_state( world.checker, world.query, end.data(), LW_WHAT_BOTH, nullptr, false, &state ),
+				LW_OK );
 			for ( lw_edge_method method : { LW_EDGE_CERTIFIED, LW_EDGE_STEPS } )
 			{
 				lw_edge_def def = lw_edge_def_default();
@@ -590,7 +600,8 @@ TEST( Edge, StepsKeepWhatTheyPromise )
 				}
 				continue;
 			}
-			double there = world.clearanceAt( start, end, r.t, r.self ? LW_WHAT_SELF : LW_WHAT_ENVIRONMENT, r.pair.a, r.pair.b );
+			double there = world.clearanceAt( start, end, r.t, r.self ? LW_WHAT_SELF : LW_WHAT_ENVIRONMENT, r.pair.a,
+				r.pair.b );
 			EXPECT_LE( there, def.min_d + 1e-10 );
 			EXPECT_TRUE( r.proved_until < r.t || r.t == 0 );
 			partial += r.proved_until > 0 ? 1 : 0;

@@ -40,7 +40,8 @@ struct Motion
 	~Motion() { lwi_motion_table_destroy( table ); }
 };
 
-lw_vec3 position( const lw_transform& ancestorPose, bool inWorld, const lw_transform& pose, const lw_body_def& body, lw_vec3 p )
+lw_vec3 position( const lw_transform& ancestorPose, bool inWorld, const lw_transform& pose, const lw_body_def& body,
+	lw_vec3 p )
 {
 	lw_vec3 world = lw_transform_point( &pose, lw_transform_point( &body.link_from_shape, p ) );
 	if ( inWorld )
@@ -59,7 +60,8 @@ double distance( lw_vec3 a, lw_vec3 b )
 std::uint32_t randomAncestor( SeededRng& rng, const lw_robot* robot, std::uint32_t link )
 {
 	std::vector<std::uint32_t> chain = { LW_INVALID_INDEX, link };
-	for ( std::uint32_t j = lw_robot_link_joint( robot, link ); j != LW_INVALID_INDEX; j = lw_robot_link_joint( robot, link ) )
+	for ( std::uint32_t j = lw_robot_link_joint( robot, link ); j != LW_INVALID_INDEX;
+		  j = lw_robot_link_joint( robot, link ) )
 	{
 		link = lw_robot_joint_parent( robot, j );
 		chain.push_back( link );
@@ -127,7 +129,11 @@ TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
 		}
 		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
 		{
-			std::uint32_t ancestor = rng.integer( 0, 1 ) ? LW_INVALID_INDEX : randomAncestor( rng, robot.get(), model.bodies[body].link );
+			std::uint32_t ancestor = LW_INVALID_INDEX;
+			if ( rng.integer( 0, 1 ) == 1 )
+			{
+				ancestor = randomAncestor( rng, robot.get(), model.bodies[body].link );
+			}
 			++( ancestor == LW_INVALID_INDEX ? worldCases : relativeCases );
 			double bound = lwi_motion_bound( motion.table, motion.scratch, body, ancestor );
 			double rounding = lwi_motion_rounding( motion.table, motion.scratch, body );
@@ -223,7 +229,8 @@ TEST( MotionBound, FixedVariablesKeepTheBoundValid )
 		RobotModel model = randomRobot( rng, {} );
 		RobotPtr robot = model.create();
 		std::uint32_t count = lw_robot_variable_count( robot.get() );
-		State reference = randomState( rng, robot.get() ), a = randomState( rng, robot.get() ), b = randomState( rng, robot.get() );
+		State reference = randomState( rng, robot.get() );
+		State a = randomState( rng, robot.get() ), b = randomState( rng, robot.get() );
 		std::unique_ptr<bool[]> fixed( new bool[count + 1]() );
 		for ( std::uint32_t j = 0; j < lw_robot_joint_count( robot.get() ); ++j )
 		{
