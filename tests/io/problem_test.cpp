@@ -164,6 +164,19 @@ TEST_F( ProblemTest, FixedFramesInBothConventions )
 	                     "[0, 0, 0, 1]}}]\n";
 	expectPoint( placed( build( model, boxScene( "map", "[1, 0, 0]", moveit ) ) ), -1, 0, 1 );
 	expectPoint( placed( build( model, boxScene( "odom", "[1, 0, 0]", moveit ) ) ), 8, 0, 0 );
+	std::string world = "fixed_frame_transforms: [{child_frame_id: world, header: {frame_id: tool}, " + pose + "}]\n";
+	expectPoint( placed( build( model, boxScene( "world", "[1, 0, 0]", world ) ) ), 1, 0, 1 );
+	world = "fixed_frame_transforms: [{child_frame_id: base, header: {frame_id: world}, " + pose + "}]\n";
+	expectPoint( placed( build( model, boxScene( "world", "[1, 0, 0]", world ) ) ), -1, 0, 1 );
+	world = "fixed_frame_transforms: [{child_frame_id: world, header: {frame_id: map}, " + pose + "}]\n";
+	expectPoint( placed( build( model, boxScene( "map", "[1, 0, 0]", world ) ) ), -1, 0, 1 );
+	expectError(
+	    [&]
+	    {
+		    build( model, scene( "fixed_frame_transforms: [{child_frame_id: a, " + pose + "}, {child_frame_id: a, " + pose +
+		                         "}]\n" ) );
+	    },
+	    { "scene.yaml", "frame a is placed twice" } );
 	std::string cycle = "fixed_frame_transforms: [{child_frame_id: a, header: {frame_id: b}, " + pose +
 	                    "}, {child_frame_id: b, header: {frame_id: a}, " + pose + "}]\n";
 	expectError( [&] { build( model, boxScene( "a", "[1, 0, 0]", cycle ) ); }, { "scene.yaml", "frame a", "itself" } );

@@ -251,6 +251,12 @@ private:
 	std::map<std::string, std::pair<std::string, lw_transform>> m_fixed; ///< frame -> parent, pose
 };
 
+bool isIdentity( const lw_transform& pose )
+{
+	lw_transform identity = lw_transform_identity();
+	return std::equal( pose.t, pose.t + 3, identity.t ) && std::equal( &pose.r[0][0], &pose.r[0][0] + 9, &identity.r[0][0] );
+}
+
 Frames::Frames( const RobotModel& model, const lw_robot* robot, const std::vector<double>& q, const SceneModel* scene,
     std::vector<Notice>& notices )
     : m_model( model ), m_robot( robot ), m_links( lw_robot_link_count( robot ) )
@@ -264,35 +270,26 @@ Frames::Frames( const RobotModel& model, const lw_robot* robot, const std::vecto
 	{
 		return;
 	}
+	auto is_link = [&]( const std::string& name ) { return lw_robot_find_link( robot, name.c_str() ) != LW_INVALID_INDEX; };
 	for ( const auto& [child, value] : scene->fixed_frames )
 	{
+		// MoveIt's spelling has the planning frame as child; where no link is called so, a file may call it "world"
 		const auto& [parent, pose] = value;
-		if ( lw_robot_find_link( robot, child.c_str() ) == LW_INVALID_INDEX && !isPlanning( child ) )
+		bool places_parent = !parent.empty() && !is_link( parent ) && ( child == model.planning_frame || child == "world" );
+		std::string placed = places_parent ? parent : child;
+		if ( !is_link( placed ) )
 		{
-			m_fixed[child] = value;
-		}
-		else if ( !parent.empty() && !isPlanning( parent ) && isPlanning( child ) &&
-		          lw_robot_find_link( robot, parent.c_str() ) == LW_INVALID_INDEX )
-		{
-			m_fixed[parent] = { child, pose }; // MoveIt's spelling
-		}
-		else
-		{
-			lw_transform identity = lw_transform_identity();
-			double difference = 0;
-			for ( int i = 0; i < 3; ++i )
+			bool first = m_fixed.emplace( placed, std::pair( places_parent ? std::string() : parent, pose ) ).second;
+			if ( !first )
 			{
-				difference = std::fmax( difference, std::fabs( pose.t[i] ) );
-				for ( int k = 0; k < 3; ++k )
-				{
-					difference = std::fmax( difference, std::fabs( pose.r[i][k] - identity.r[i][k] ) );
-				}
+				throw Error( scene->file, "fixed_frame_transforms", fmt::format( "frame {} is placed twice", placed ),
+				    "keep one of them" );
 			}
-			if ( difference > 0 )
-			{
-				notices.push_back( { scene->file, "fixed_frame_transforms",
-				    fmt::format( "{} has its place by the robot: this transform is ignored", child ) } );
-			}
+		}
+		else if ( !isIdentity( pose ) )
+		{
+			notices.push_back( { scene->file, "fixed_frame_transforms",
+			    fmt::format( "{} has its place by the robot: this transform is ignored", placed ) } );
 		}
 	}
 }

@@ -78,11 +78,11 @@ void SceneReader::checkTop() const
 	    "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff" } );
 	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap" } );
 	YamlNode octomap = m_root["world"]["octomap"];
-	YamlNode data = octomap["octomap"]["data"];
-	if ( octomap.defined() && ( octomap.isList() || octomap.isScalar() ? true : data.defined() && data.size() > 0 ) )
+	if ( octomap["octomap"]["data"].size() > 0 )
 	{
 		octomap.fail( "octomaps are not supported", "give the obstacles as collision_objects" );
 	}
+	octomap.noticeUnknownKeys( { "header", "origin", "octomap" } );
 }
 
 Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner )
@@ -219,7 +219,7 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed, bool may_be_empty 
 	node.noticeUnknownKeys( { "id", "header", "pose", "type", "primitives", "primitive_poses", "meshes", "mesh_poses",
 	    "planes", "plane_poses", "subframe_names", "subframe_poses", "operation" } );
 	std::string operation = lower( node["operation"].textOr( "add" ) );
-	if ( operation != "add" && operation != "0" && operation != "\\0" && operation != std::string( 1, '\0' ) )
+	if ( operation != "add" && operation != "0" && operation != std::string( 1, '\0' ) )
 	{
 		node["operation"].fail(
 		    fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
