@@ -432,7 +432,7 @@ TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 			EXPECT_EQ( r.verdict, c.expected );
 		}
 		EXPECT_LT( r.queries, 2 * travel / c.slack + 4 );
-		EXPECT_LE( lw_query_get_stats( world.query ).queries, r.queries );
+		EXPECT_LE( lw_query_get_stats( world.query ).queries, r.queries + 1u ); // the far end is looked at twice
 	}
 }
 
