@@ -61,3 +61,11 @@ void probe_set_triangle( lw_shape* shape, uint32_t leaf, uint32_t lane, uint32_t
 {
 	shape->leaves[leaf].triangle[lane] = triangle;
 }
+
+void probe_set_vertex( lw_shape* shape, uint32_t leaf, uint32_t lane, int vertex, const float position[3] )
+{
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		shape->leaves[leaf].v[vertex][axis][lane] = position[axis];
+	}
+}

@@ -39,9 +39,10 @@ bool probe_is_leaf( uint32_t ref, uint32_t* index, uint32_t* count );
 /* Original triangle of a lane of a leaf, and its float vertices [3][3]. */
 uint32_t probe_triangle( const lw_shape* shape, uint32_t leaf, uint32_t lane, float vertices[9] );
 
-/* Damages a shape: multiplies a child's radius; moves a leaf triangle to another index. */
+/* Damages a shape: multiplies a child's radius; gives a leaf triangle another index; moves a vertex of a leaf triangle. */
 void probe_scale_radius( lw_shape* shape, uint32_t node, uint32_t lane, float factor );
 void probe_set_triangle( lw_shape* shape, uint32_t leaf, uint32_t lane, uint32_t triangle );
+void probe_set_vertex( lw_shape* shape, uint32_t leaf, uint32_t lane, int vertex, const float position[3] );
 
 LW_EXTERN_C_END
 

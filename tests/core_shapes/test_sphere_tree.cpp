@@ -279,8 +279,8 @@ TEST( SphereTree, DepthIsBoundedForGeometricRows )
 	EXPECT_GE( deepest, 8u ) << "the input is not adversarial any more";
 }
 
-// Made against the builder: clusters that shrink towards the centre of the box. Each node spends all its lanes on the outermost
-// cluster and leaves the rest to one child. Without the balanced fallback this tree is 30 levels deep.
+// Made against the builder: clusters that shrink towards the centre of the box. Each node spends all its lanes on the
+// outermost cluster and leaves the rest to one child. Without the balanced fallback this tree is 30 levels deep.
 TEST( SphereTree, DepthIsBoundedForShrinkingClusters )
 {
 	SeededRng rng;
@@ -374,4 +374,21 @@ TEST( SphereTree, ValidationSeesDamage )
 		probe_set_triangle( shape.get(), 3, 0, other ); // one triangle twice, or one that does not exist; another missing
 		EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
 	}
+	// a float triangle that sticks out of its sphere while the original does not
+	ShapePtr shape = makeMesh( soup );
+	const float far[3] = { 9, 9, 9 };
+	probe_set_vertex( shape.get(), 3, 1, 2, far );
+	lw_diag diag = {};
+	EXPECT_EQ( lw_shape_validate( shape.get(), &diag ), LW_ERROR_BAD_GEOMETRY );
+	EXPECT_NE( std::strstr( diag.message, "leaf triangle" ), nullptr ) << diag.message;
+	// half a segment: inside its sphere, and of the right area
+	Soup segment;
+	segment.add( { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 2 } );
+	shape = makeMesh( segment );
+	const float middle[3] = { 0, 0, 0 };
+	for ( std::uint32_t lane = 0; lane < PROBE_WIDTH; ++lane )
+	{
+		probe_set_vertex( shape.get(), 0, lane, 2, middle );
+	}
+	EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
 }
