@@ -64,7 +64,9 @@ LW_API lw_mesh_def lw_mesh_def_default( void );
 /// Builds a mesh shape from any triangle soup: open, non-manifold, with duplicate and zero-area triangles (kept: they are
 /// segments or points of the surface). Welding moves no vertex by more than weld_tolerance.
 /// @param allocator NULL = malloc; remembered by the shape
-/// @param diag on LW_ERROR_BAD_GEOMETRY names the first non-finite vertex, out-of-range index, or "no triangles". Nullable.
+/// Coordinates after scale are at most 1e9 m: products of four lengths must fit a float.
+/// @param diag on LW_ERROR_BAD_GEOMETRY names the first non-finite or too large vertex, out-of-range index, or "no
+/// triangles". Nullable.
 /// @param out_shape owned by the caller: lw_shape_release(). Set to NULL on failure.
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_BAD_GEOMETRY or LW_ERROR_OUT_OF_MEMORY
 /// Cost: O(n log n) time; see lw_shape_info for memory.
@@ -111,7 +113,8 @@ LW_API const double* lw_shape_vertices( const lw_shape* shape );
 LW_API const uint32_t* lw_shape_triangles( const lw_shape* shape );
 
 /// Checks the tree's invariants: every node sphere contains all the geometry under it, every triangle is in a leaf.
-/// @return LW_OK, or LW_ERROR_BAD_GEOMETRY with the first offending node in diag (a bug of this library)
+/// @return LW_OK; LW_ERROR_BAD_GEOMETRY with the first offending node in diag (a bug of this library);
+/// LW_ERROR_INVALID_ARGUMENT for NULL; LW_ERROR_OUT_OF_MEMORY (it keeps a mark per triangle)
 LW_API lw_status lw_shape_validate( const lw_shape* shape, lw_diag* diag );
 
 LW_EXTERN_C_END
