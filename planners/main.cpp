@@ -4,6 +4,7 @@
 #include "output.hpp"
 #include "planner_registry.hpp"
 
+#include <CLI/CLI.hpp>
 #include "leeway/io/model.hpp"
 
 #include <fmt/format.h>

@@ -2,6 +2,7 @@
 // Options shared by the subcommands, and their domains.
 #include "options.hpp"
 
+#include <CLI/CLI.hpp>
 #include "leeway/io/model.hpp"
 #include "output.hpp"
 
