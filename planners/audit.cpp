@@ -148,7 +148,7 @@ private:
 
 	void limits( const std::vector<double>& q, std::size_t point )
 	{
-		for ( const std::string& violation : io::limitViolations( m_bench.problem(), q ) )
+		for ( const std::string& violation : groupLimitViolations( m_bench, q, limit_tolerance ) )
 		{
 			problem( fmt::format( "point {}: {}", point, violation ) );
 		}

@@ -40,7 +40,7 @@ int runCheck( const CheckOptions& options )
 	for ( std::size_t row = 0; row < table.rows.size(); ++row )
 	{
 		states.push_back( columns.full( row, base ) );
-		noteLimits( notices, options.states, row, limitViolations( bench.robot(), bench.variableNames(), states.back() ) );
+		noteLimits( notices, options.states, row, limitViolations( bench, states.back() ) );
 	}
 
 	const lw_what what = options.common.what();

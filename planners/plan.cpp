@@ -7,6 +7,7 @@
 #include "leeway/ompl/validity.hpp"
 
 #include <ompl/base/goals/GoalState.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/PathSimplifier.h>
 #include <ompl/util/Console.h>
@@ -32,7 +33,7 @@ constexpr unsigned int simplify_attempts = 30; // shortcuts tried per round
 
 using Points = std::vector<std::vector<double>>;
 
-// OMPL's own messages: kept for error texts, shown with --verbose.
+// OMPL's own messages: silent, or notices with --verbose.
 class OmplMessages : public ::ompl::msg::OutputHandler
 {
 public:
@@ -42,29 +43,18 @@ public:
 		::ompl::msg::setLogLevel( verbose ? ::ompl::msg::LOG_INFO : ::ompl::msg::LOG_WARN );
 	}
 	~OmplMessages() override { ::ompl::msg::noOutputHandler(); }
-	void log( const std::string& text, ::ompl::msg::LogLevel level, const char*, int ) override
+	void log( const std::string& text, ::ompl::msg::LogLevel, const char*, int ) override
 	{
 		const std::lock_guard<std::mutex> lock( m_mutex );
-		if ( level >= ::ompl::msg::LOG_WARN )
-		{
-			m_last = text;
-		}
 		if ( m_verbose )
 		{
 			m_notices.add( "OMPL", "OMPL: " + text );
 		}
 	}
-	std::string last()
-	{
-		const std::lock_guard<std::mutex> lock( m_mutex );
-		return m_last;
-	}
-
 private:
 	Notices& m_notices;
 	bool m_verbose;
 	std::mutex m_mutex;
-	std::string m_last;
 };
 
 struct Seconds
@@ -99,7 +89,7 @@ struct Solution
 // An end of the request must be inside the limits and free, else no planner can help.
 void requireUsable( const PlanOptions& options, const Workbench& bench, const std::string& element, const std::vector<double>& q )
 {
-	const std::vector<std::string> violations = io::limitViolations( bench.problem(), q );
+	const std::vector<std::string> violations = groupLimitViolations( bench, q, limit_tolerance );
 	if ( !violations.empty() )
 	{
 		std::string all;
@@ -207,11 +197,37 @@ void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si )
 	}
 }
 
+// Makes room in the bounds for a state that lies beyond them by a rounding (see limit_tolerance): planners take only ends
+// inside the bounds, and moving the end would answer another question.
+void widen( ob::StateSpace& space, const ob::State& state )
+{
+	if ( space.isCompound() )
+	{
+		auto& compound = *space.as<ob::CompoundStateSpace>();
+		for ( unsigned int i = 0; i < compound.getSubspaceCount(); ++i )
+		{
+			widen( *compound.getSubspace( i ), *state.as<ob::CompoundState>()->components[i] );
+		}
+	}
+	else if ( space.getType() == ob::STATE_SPACE_REAL_VECTOR )
+	{
+		auto& vector = *space.as<ob::RealVectorStateSpace>();
+		ob::RealVectorBounds bounds = vector.getBounds();
+		for ( unsigned int i = 0; i < vector.getDimension(); ++i )
+		{
+			const double value = state.as<ob::RealVectorStateSpace::StateType>()->values[i];
+			bounds.low[i] = std::min( bounds.low[i], value );
+			bounds.high[i] = std::max( bounds.high[i], value );
+		}
+		vector.setBounds( bounds );
+	}
+}
+
 class Planning
 {
 public:
-	Planning( const PlanOptions& options, const Workbench& bench, OmplMessages& messages )
-		: m_options( options ), m_bench( bench ), m_messages( messages )
+	Planning( const PlanOptions& options, const Workbench& bench, std::vector<double> start, std::vector<double> goal )
+		: m_options( options ), m_bench( bench ), m_start( std::move( start ) ), m_goal( std::move( goal ) )
 	{
 		::leeway::ompl::Options judge;
 		judge.min_d = options.common.min_d;
@@ -222,17 +238,24 @@ public:
 		judge.step = stepLength( options.common );
 		judge.what = options.common.what();
 		m_space = ::leeway::ompl::makeStateSpace( bench.problem().checker );
+		const ::leeway::ompl::StateAdapter adapter( m_space, bench.problem().checker );
+		ob::ScopedState<> state( m_space );
+		for ( const std::vector<double>* end : { &m_start, &m_goal } )
+		{
+			adapter.fromVector( end->data(), state.get() );
+			widen( *m_space, *state.get() );
+		}
 		m_si = std::make_shared<ob::SpaceInformation>( m_space );
 		m_engine = ::leeway::ompl::install( m_si, bench.problem().checker, judge );
 		m_si->setup();
 		ensureProjection( m_space ); // after setup(), which registers the space's own
 	}
 
-	Solution solve( const std::vector<double>& start, const std::vector<double>& goal, double time )
+	Solution solve( double time )
 	{
 		Solution solution;
 		auto definition = std::make_shared<ob::ProblemDefinition>( m_si );
-		definition->setStartAndGoalStates( state( start ), state( goal ) );
+		definition->setStartAndGoalStates( state( m_start ), state( m_goal ) );
 		const ob::PlannerPtr planner = findPlanner( m_options.planner ).make( m_si );
 		{
 			const Progress progress( fmt::format( "planning with {}", planner->getName() ) );
@@ -290,7 +313,7 @@ private:
 
 	const PlanOptions& m_options;
 	const Workbench& m_bench;
-	OmplMessages& m_messages;
+	const std::vector<double> m_start, m_goal;
 	ob::StateSpacePtr m_space;
 	ob::SpaceInformationPtr m_si;
 	std::shared_ptr<const ::leeway::ompl::Engine> m_engine;
@@ -376,11 +399,19 @@ Solution solve( const PlanOptions& options, const Workbench& bench, const io::Re
 	const std::vector<double> start = io::startState( bench.problem() ), goal = io::goalState( bench.problem(), request );
 	requireUsable( options, bench, "start_state", start );
 	requireUsable( options, bench, "goal_constraints", goal );
-	OmplMessages messages( notices, options.common.verbose );
+	for ( const std::string& violation : limitViolations( bench, bench.fullState( start ) ) )
+	{
+		notices.add( "joint limits", fmt::format( "{}: start_state: {}; it is used as it is", options.common.request, violation ) );
+	}
+	for ( const std::string& violation : groupLimitViolations( bench, goal ) )
+	{
+		notices.add( "joint limits", fmt::format( "{}: goal_constraints: {}; it is used as it is", options.common.request, violation ) );
+	}
+	const OmplMessages messages( notices, options.common.verbose );
 	try
 	{
 		::ompl::RNG::setSeed( options.seed );
-		return Planning( options, bench, messages ).solve( start, goal, timeLimit( options, request ) );
+		return Planning( options, bench, start, goal ).solve( timeLimit( options, request ) );
 	}
 	catch ( const ::ompl::Exception& error )
 	{
@@ -406,10 +437,6 @@ int runPlan( const PlanOptions& options )
 		wrong( options, "group_name", "is missing", "name the group in the request, or with --group" );
 	}
 	Workbench bench( input, group, {}, notices );
-	for ( const std::string& violation : limitViolations( bench.robot(), bench.variableNames(), bench.problem().reference ) )
-	{
-		notices.add( "joint limits", fmt::format( "{}: start_state: {}", options.common.request, violation ) );
-	}
 	Solution solution = solve( options, bench, *input.request, notices );
 
 	AuditSettings settings;

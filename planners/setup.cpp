@@ -164,20 +164,38 @@ std::uint32_t Workbench::variable( const std::string& name ) const
 	return LW_INVALID_INDEX;
 }
 
-std::vector<std::string> limitViolations(
-	const lw_robot* robot, const std::vector<std::string>& names, const std::vector<double>& full )
+namespace
+{
+
+void addViolation( const Workbench& bench, std::uint32_t variable, double value, double tolerance, std::vector<std::string>& lines )
+{
+	const lw_variable_info info = lw_robot_variable( bench.robot(), variable );
+	if ( !info.wraps && !( value >= info.lower - tolerance && value <= info.upper + tolerance ) )
+	{
+		const bool below = value < info.lower;
+		lines.push_back( fmt::format( "joint {}: {} is {} its limit {}", bench.variableNames()[variable], value,
+			below ? "below" : "above", below ? info.lower : info.upper ) );
+	}
+}
+
+} // namespace
+
+std::vector<std::string> limitViolations( const Workbench& bench, const std::vector<double>& full, double tolerance )
 {
 	std::vector<std::string> lines;
 	for ( std::uint32_t i = 0; i < full.size(); ++i )
 	{
-		const lw_variable_info info = lw_robot_variable( robot, i );
-		if ( info.wraps || ( full[i] >= info.lower && full[i] <= info.upper ) )
-		{
-			continue;
-		}
-		const bool below = full[i] < info.lower;
-		lines.push_back( fmt::format( "joint {}: {} is {} its limit {}", names[i], full[i], below ? "below" : "above",
-			below ? info.lower : info.upper ) );
+		addViolation( bench, i, full[i], tolerance, lines );
+	}
+	return lines;
+}
+
+std::vector<std::string> groupLimitViolations( const Workbench& bench, const std::vector<double>& q, double tolerance )
+{
+	std::vector<std::string> lines;
+	for ( std::size_t i = 0; i < q.size(); ++i )
+	{
+		addViolation( bench, bench.problem().variables[i], q[i], tolerance, lines );
 	}
 	return lines;
 }

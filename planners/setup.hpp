@@ -77,9 +77,14 @@ private:
 	bool m_built = false;
 };
 
+/// Descriptions print limits with few digits (3.14159) and requests reach them with many: this much beyond a limit, radians
+/// or metres, is told but does not make a state unusable.
+constexpr double limit_tolerance = 1e-5;
+
 /// One line per variable of a full state that is outside its limits: "joint elbow: 2.9 is above its limit 2.6".
-std::vector<std::string> limitViolations( const lw_robot* robot, const std::vector<std::string>& names,
-	const std::vector<double>& full );
+std::vector<std::string> limitViolations( const Workbench& bench, const std::vector<double>& full, double tolerance = 0 );
+/// The same for the variables of a group state.
+std::vector<std::string> groupLimitViolations( const Workbench& bench, const std::vector<double>& q, double tolerance = 0 );
 
 /// A clearance with the names of its pair; names are empty where there is no witness.
 struct Named

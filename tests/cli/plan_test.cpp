@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <yaml-cpp/yaml.h>
 
+#include <cstdlib>
+
 using CliPlan = Cli;
 using CliAudit = Cli;
 
@@ -99,6 +101,26 @@ TEST_F( CliPlan, APathThatTheAuditRejectsIsNotWritten )
 	EXPECT_EQ( plan.status, 1 ) << plan.out << plan.err;
 	EXPECT_TRUE( contains( plan.out, "NOT VALID" ) && contains( plan.out, "fore - post" ) ) << plan.out;
 	EXPECT_EQ( readFile( path( "path.yaml" ) ), "" );
+}
+
+TEST_F( CliPlan, AStartBeyondALimitByARoundingIsUsedAsItIs )
+{
+	edit( "request.yaml", "[-1, 0]", "[-2.000002, 0]" );
+	const Outcome plan = runModel( "plan", { "--request", "request.yaml", "--out", "path.yaml" } );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_TRUE( contains( plan.err, "below its limit -2" ) ) << plan.err;
+	const YAML::Node file = YAML::LoadFile( path( "path.yaml" ) );
+	EXPECT_EQ( file["points"][0]["positions"][0].as<double>(), -2.000002 ); // not clamped
+}
+
+TEST_F( CliPlan, AnInterruptLeavesNoPartialFile )
+{
+	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.7, 0.1, 1]" ); // no way: the planner runs until it is stopped
+	const std::vector<std::string> before = files();
+	const std::string command = "cd '" + m_folder + "' && timeout -s INT 1 '" LEEWAY_PROGRAM "' plan --robot arm.urdf --srdf arm.srdf "
+								"--scene blocked.yaml --request request.yaml --time 30 --out path.yaml --report r.json 2>.stderr";
+	EXPECT_NE( std::system( command.c_str() ), 0 );
+	EXPECT_EQ( files(), before );
 }
 
 TEST_F( CliAudit, CatchesABadPath )
