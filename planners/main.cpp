@@ -4,9 +4,9 @@
 #include "output.hpp"
 #include "planner_registry.hpp"
 
-#include <CLI/CLI.hpp>
 #include "leeway/io/model.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <exception>

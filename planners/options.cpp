@@ -2,10 +2,10 @@
 // Options shared by the subcommands, and their domains.
 #include "options.hpp"
 
-#include <CLI/CLI.hpp>
 #include "leeway/io/model.hpp"
 #include "output.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <cmath>
