@@ -243,9 +243,42 @@ void checkJoint( const XmlFile& xml, const XMLElement& joint, const std::string&
 	}
 }
 
+/// One root, and every link hangs on it. urdfdom would find several roots too, but it builds a cycle before it sees it and
+/// never frees it.
+/// @param joint_above the joint that moves each link but the root
+void checkTree(
+    const XmlFile& xml, const std::set<std::string>& links, const std::map<std::string, const XMLElement*>& joint_above )
+{
+	std::vector<std::string> roots;
+	for ( const std::string& link : links )
+	{
+		if ( joint_above.count( link ) == 0 )
+		{
+			roots.push_back( link );
+		}
+		std::string at = link;
+		for ( std::size_t steps = 0; joint_above.count( at ) != 0; ++steps )
+		{
+			const XMLElement& joint = *joint_above.at( at );
+			if ( steps > links.size() )
+			{
+				xml.fail( joint, fmt::format( "joint {}", joint.Attribute( "name" ) ), "is part of a cycle of joints",
+				    "a robot is a tree of links: remove one joint of the cycle" );
+			}
+			at = joint.FirstChildElement( "parent" )->Attribute( "link" );
+		}
+	}
+	if ( roots.size() > 1 )
+	{
+		throw Error( xml.path(), "<robot>",
+		    fmt::format( "has {} root links (links that no joint moves): {}", roots.size(), joinNames( roots ) ),
+		    "connect all but one to a parent by a joint" );
+	}
+}
+
 void checkJoints( const XmlFile& xml, const std::set<std::string>& links )
 {
-	std::map<std::string, std::string> moved_by;
+	std::map<std::string, const XMLElement*> joint_above;
 	std::set<std::string> joints;
 	for ( const XMLElement& joint : children( xml.root(), "joint" ) )
 	{
@@ -256,11 +289,11 @@ void checkJoints( const XmlFile& xml, const std::set<std::string>& links )
 		}
 		checkJoint( xml, joint, "joint " + name, links );
 		std::string child = joint.FirstChildElement( "child" )->Attribute( "link" );
-		auto [other, first] = moved_by.emplace( child, name );
+		auto [other, first] = joint_above.emplace( child, &joint );
 		if ( !first )
 		{
 			xml.fail( joint, "joint " + name,
-			    fmt::format( "link {} is already the child of joint {}", child, other->second ),
+			    fmt::format( "link {} is already the child of joint {}", child, other->second->Attribute( "name" ) ),
 			    "a link can be the child of one joint only" );
 		}
 	}
@@ -273,6 +306,7 @@ void checkJoints( const XmlFile& xml, const std::set<std::string>& links )
 			    fmt::format( "mimics joint {}, which is not defined", mimic->Attribute( "joint" ) ), "correct the name" );
 		}
 	}
+	checkTree( xml, links, joint_above );
 }
 
 /// What urdfdom is given: visual and inertial data of no interest taken out, capsules as cylinders (it knows none).
