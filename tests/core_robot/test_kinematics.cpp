@@ -140,10 +140,8 @@ TEST( Kinematics, PlanarPlaneIsNormalToItsAxisAndRightHanded )
 		model.joints[0].axis[1] = n.y;
 		model.joints[0].axis[2] = n.z;
 		RobotPtr robot = model.create();
-		const double* u = fk( robot.get(), { 1, 0, 0 } )[1].t;
-		std::array<double, 3> x = { u[0], u[1], u[2] };
-		std::vector<lw_transform> second = fk( robot.get(), { 0, 1, 0 } );
-		const double* y = second[1].t;
+		lw_transform alongX = fk( robot.get(), { 1, 0, 0 } )[1], alongY = fk( robot.get(), { 0, 1, 0 } )[1];
+		const double *x = alongX.t, *y = alongY.t;
 		EXPECT_NEAR( x[1] * y[2] - x[2] * y[1], n.x / length, 1e-14 );
 		EXPECT_NEAR( x[2] * y[0] - x[0] * y[2], n.y / length, 1e-14 );
 		EXPECT_NEAR( x[0] * y[1] - x[1] * y[0], n.z / length, 1e-14 );
