@@ -171,6 +171,27 @@ int Gltf::addMesh( int geometry, int material )
 	return static_cast<int>( m_json["meshes"].size() ) - 1;
 }
 
+int Gltf::addTranslucentMesh( int geometry, int material )
+{
+	// COLOR_0 is multiplied with the base colour, whose factor therefore moves into the vertices
+	nlohmann::json& factor = m_json["materials"][static_cast<size_t>( material )]["pbrMetallicRoughness"]["baseColorFactor"];
+	nlohmann::json& rest = m_json["materials"][static_cast<size_t>( material )]["extras"];
+	if ( rest.is_null() )
+	{
+		rest = { { "colour", factor } };
+		factor = { 1.0, 1.0, 1.0, 1.0 };
+	}
+	const std::vector<float> colour = rest["colour"].get<std::vector<float>>();
+	const int count = m_json["accessors"][static_cast<size_t>( geometry )]["count"];
+	std::vector<float> data;
+	for ( int i = 0; i < count; ++i )
+		data.insert( data.end(), colour.begin(), colour.end() );
+	const int accessor = addAccessor( data.data(), 4 * data.size(), count, float_component, "VEC4", array_target, nullptr, nullptr );
+	const int mesh = addMesh( geometry, material );
+	m_json["meshes"][static_cast<size_t>( mesh )]["primitives"][0]["attributes"]["COLOR_0"] = accessor;
+	return mesh;
+}
+
 int Gltf::addNode( const std::string& name, int parent, const Vec& translation, const Quat& rotation, int mesh )
 {
 	nlohmann::json node = { { "name", name }, { "translation", translation }, { "rotation", rotation } };

@@ -41,6 +41,8 @@ public:
 	/// Vertex data, shared by all meshes made of it.
 	int addGeometry( const ShadedMesh& mesh );
 	int addMesh( int geometry, int material );
+	/// The same with the material's opacity in the vertices as well: VTK 9.1 (and f3d 1.3 with it) looks for it only there.
+	int addTranslucentMesh( int geometry, int material );
 	/// @param parent -1: the z-up world
 	/// @param mesh -1: none
 	int addNode( const std::string& name, int parent, const Vec& translation, const Quat& rotation, int mesh = -1 );

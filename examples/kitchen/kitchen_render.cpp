@@ -27,7 +27,8 @@ struct Options
 
 constexpr double crease = 0.7;           ///< radians: edges sharper than this are drawn sharp
 constexpr double speed = 0.9;            ///< radians (or metres) per second of the fastest joint in the animation
-constexpr double ghost_opacity = 0.16;
+constexpr double ghost_opacity = 0.30;
+constexpr double ghost_distance = 0.06;  ///< metres: a link nearer to its goal than this has no ghost
 constexpr double trail_radius = 0.006;   ///< metres
 
 struct Path
@@ -71,6 +72,7 @@ public:
 	Colours( const std::string& file, Gltf& gltf ) : m_gltf( gltf )
 	{
 		m_surfaces["plain"] = { "plain", { 0.75, 0.75, 0.77, 1 }, 0.5, 0 };
+		m_surfaces["ghost"] = { "ghost", { 1.0, 0.55, 0.18, 1 }, 0.6, 0 };
 		if ( file.empty() )
 			return;
 		try
@@ -179,7 +181,7 @@ class Meshes
 public:
 	explicit Meshes( Gltf& gltf ) : m_gltf( gltf ) {}
 
-	int of( const lw_shape* shape, int material )
+	int of( const lw_shape* shape, int material, bool translucent = false )
 	{
 		auto geometry = m_geometry.find( shape );
 		if ( geometry == m_geometry.end() )
@@ -199,7 +201,7 @@ public:
 		}
 		const auto key = std::make_pair( shape, material );
 		const auto mesh = m_meshes.find( key );
-		return mesh != m_meshes.end() ? mesh->second : m_meshes[key] = m_gltf.addMesh( geometry->second, material );
+		return mesh != m_meshes.end() ? mesh->second : m_meshes[key] = translucent ? m_gltf.addTranslucentMesh( geometry->second, material ) : m_gltf.addMesh( geometry->second, material );
 	}
 
 private:
@@ -218,6 +220,11 @@ Gltf::Quat rotation( const lw_transform& t )
 	Gltf::Quat q;
 	lw_transform_to_quaternion( &t, q.data() );
 	return q;
+}
+
+double distance( const lw_transform& a, const lw_transform& b )
+{
+	return std::hypot( b.t[0] - a.t[0], b.t[1] - a.t[1], b.t[2] - a.t[2] );
 }
 
 /// One owner's shapes with the surface of each.
@@ -260,20 +267,33 @@ public:
 
 	void add( const std::string& name, int parent, const Painted& painted, double opacity )
 	{
-		const int mesh = meshes.of( painted.shape->shape.get(), colours.material( painted.surface, opacity ) );
+		const int mesh = meshes.of( painted.shape->shape.get(), colours.material( painted.surface, opacity ), opacity < 1 );
 		gltf.addNode( name, parent, translation( painted.shape->pose ), rotation( painted.shape->pose ), mesh );
 	}
 
-	/// Robot at a state; with `moving` only these links.
-	void addRobot( const std::vector<lw_transform>& poses, double opacity, const std::set<uint32_t>* moving )
+	void addRobot( const std::vector<lw_transform>& poses )
 	{
 		for ( const auto& [link, painted] : links )
-			if ( !moving || moving->count( link ) )
-				for ( const Painted& shape : painted )
+		{
+			const int node = gltf.addNode( lw_robot_link_name( robot, link ), -1, translation( poses[link] ), rotation( poses[link] ) );
+			for ( const Painted& shape : painted )
+				add( "shape", node, shape, 1 );
+		}
+	}
+
+	/// The links that are well away from where they end.
+	void addGhost( const std::vector<lw_transform>& poses, const std::vector<lw_transform>& end )
+	{
+		for ( const auto& [link, painted] : links )
+			if ( distance( poses[link], end[link] ) > ghost_distance )
+			{
+				const int node = gltf.addNode( "ghost", -1, translation( poses[link] ), rotation( poses[link] ) );
+				for ( Painted shape : painted )
 				{
-					const int node = gltf.addNode( lw_robot_link_name( robot, link ), -1, translation( poses[link] ), rotation( poses[link] ) );
-					add( "shape", node, shape, opacity );
+					shape.surface = "ghost";
+					add( "shape", node, shape, ghost_opacity );
 				}
+			}
 	}
 
 	const lw_robot* robot;
@@ -388,8 +408,7 @@ std::vector<size_t> ghostFrames( const Motion& motion, const std::set<uint32_t>&
 		double farthest = 0;
 		for ( uint32_t link : moving )
 		{
-			const lw_transform &a = motion.poses[k - 1][link], &b = motion.poses[k][link];
-			farthest = std::max( farthest, std::hypot( b.t[0] - a.t[0], b.t[1] - a.t[1], b.t[2] - a.t[2] ) );
+			farthest = std::max( farthest, distance( motion.poses[k - 1][link], motion.poses[k][link] ) );
 		}
 		way.push_back( way.back() + farthest );
 	}
@@ -428,8 +447,8 @@ std::string lightImage()
 				const double across = std::remainder( around - at_around, 2 * M_PI ) * std::sqrt( std::max( 0.05, 1 - up * up ) );
 				return power * std::exp( -( across * across + ( up - at_up ) * ( up - at_up ) ) / ( size * size ) );
 			};
-			const double sky = 0.55 + 0.55 * std::max( 0.0, up ), ground = up < 0 ? 0.45 * up : 0;
-			const double key = lamp( 0.65, 0.9, 0.45, 5.0 ), fill = lamp( 0.35, 3.6, 0.7, 1.1 );
+			const double sky = 0.36 + 0.40 * std::max( 0.0, up ), ground = up < 0 ? 0.26 * up : 0;
+			const double key = lamp( 0.65, 0.9, 0.45, 4.2 ), fill = lamp( 0.35, 3.6, 0.7, 0.9 );
 			put( sky + ground * 0.8 + key * 1.00 + fill * 0.85, sky + ground * 0.9 + key * 0.95 + fill * 0.93, sky + ground + key * 0.86 + fill * 1.05 );
 		}
 	return bytes;
@@ -476,9 +495,9 @@ void run( const Options& options )
 	if ( !options.still.empty() )
 	{
 		Stage stage( robot, scene, problem, options.colours );
-		stage.addRobot( motion.poses.back(), 1, nullptr );
+		stage.addRobot( motion.poses.back() );
 		for ( size_t frame : ghostFrames( motion, moving, options.ghosts ) )
-			stage.addRobot( motion.poses[frame], ghost_opacity, &moving );
+			stage.addGhost( motion.poses[frame], motion.poses.back() );
 		addTrails( stage, motion, moving );
 		writeFile( options.still, stage.gltf.bytes() );
 	}

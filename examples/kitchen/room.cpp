@@ -550,7 +550,7 @@ void addThings( Builder& b )
 		stand( "shelf_cup", { i % 2 ? cup : red_cup }, 0.115, 0.72 + 0.13 * i, 1.407, 0.4 * i );
 	stand( "shelf_jar", { jar, lid }, 0.115, 1.26, 1.407 );
 	stand( "plant", { plant_pot, leaves }, 1.55, 3.535, 1.324, 0.5 );
-	b.object( "pendant_lamp", { b.part( "pendant.obj", makePendant(), "yellow" ) }, at( 2.75, 1.02, 1.80 ) );
+	b.object( "pendant_lamp", { b.part( "pendant.obj", makePendant(), "yellow" ) }, at( 2.75, 1.02, 1.95 ) );
 	// rolling pin and a post of a coat rack: solid cylinders
 	b.object( "rolling_pin", {} );
 	b.cylinder( 0.26, 0.024, "oak", at( 3.52, 3.10, c + 0.0245, 0, 0.5 * pi, 0 ) * at( 0, 0, 0 ) );

@@ -1,0 +1,105 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# From nothing to planned motions: installs what is missing (Debian 12), builds a release in build/, writes the kitchen demo,
+# plans every reach in it with certified edges, and draws one.
+#
+# Leaves in build/kitchen: the demo (robot.urdf, robot.srdf, scene.yaml, reach/, meshes/), paths/*.yaml with a report each,
+# motions/*.glb (animated glTF; for instance f3d or Blender play them) and kitchen.png. Exit status 0 if every reach was
+# solved, proved and audited. May be called from any folder; reads no input.
+set -euo pipefail
+cd "$( dirname "${BASH_SOURCE[0]}" )/.."
+exec </dev/null
+
+build=build
+demo=$build/kitchen
+margin=0.003  # metres that every motion keeps from everything
+seed=1
+pictured=04_table
+
+heading()
+{
+	printf '\n=== [%d:%02d] %s\n' $(( SECONDS / 60 )) $(( SECONDS % 60 )) "$1"
+}
+
+# value KEY FILE: the first number, word or text of that key in a JSON report, one key a line
+value()
+{
+	sed -n "s/^ *\"$1\": \"\{0,1\}\([^\",]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$2" | head -n 1
+}
+
+heading "install missing packages"
+.ci/install.sh  # all sets, so that tests/run.sh can use the same build folder
+
+heading "build"
+options=( -DCMAKE_BUILD_TYPE=Release )
+if [ ! -e "$build/CMakeCache.txt" ]; then
+	options+=( -G Ninja )
+fi
+if command -v ccache >/dev/null; then
+	options+=( -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache )
+fi
+cmake -S . -B "$build" "${options[@]}" >"$build.configure.log" 2>&1 || { cat "$build.configure.log" >&2; exit 1; }
+mv "$build.configure.log" "$build/configure.log"
+cmake --build "$build" --parallel "$( nproc )" --target leeway examples
+
+for program in "$build"/bin/0[1-9]_*; do
+	if [ -x "$program" ]; then
+		heading "$( basename "$program" )"
+		"$program"
+	fi
+done
+
+heading "write the kitchen"
+rm -rf "$demo"
+mkdir -p "$demo/paths" "$demo/motions"
+"$build/bin/kitchen_demo" "$demo"
+model=( --robot "$demo/robot.urdf" --srdf "$demo/robot.srdf" --scene "$demo/scene.yaml" )
+
+heading "plan every reach: RRTConnect, certified edges, margin $margin m, seed $seed"
+printf '%-20s %-16s %-7s %9s %9s %7s %9s %9s  %s\n' request group solved 'plan ms' 'short. ms' states 'clear mm' edges audit
+failed=0
+for request in "$demo"/reach/*.yaml; do
+	name=$( basename "$request" .yaml )
+	path=$demo/paths/$name.yaml
+	report=$demo/paths/$name.json
+	log=$demo/paths/$name.log
+	status=0
+	"$build/bin/leeway" plan "${model[@]}" --request "$request" --min-d "$margin" --validator certified --simplify --seed "$seed" \
+		--out "$path" --report "$report" >"$log" 2>&1 || status=$?
+	if [ "$status" -ne 0 ]; then
+		printf '%-20s FAILED (status %d):\n' "$name" "$status"
+		cat "$log"
+		failed=$(( failed + 1 ))
+		continue
+	fi
+	# the lesser of the audited clearances to the environment and to itself, from the path file
+	clearance=$( awk '/^  (environment|self): [0-9]/ { if ( !seen || $2 < least ) { least = $2; seen = 1 } } END { printf "%.2f", 1000 * least }' "$path" )
+	states=$( grep -c '^  - positions' "$path" )
+	audit=$( value valid "$report" )
+	printf '%-20s %-16s %-7s %9.0f %9.0f %7d %9s %9s  %s\n' "$name" "$( value group "$report" )" yes \
+		"$( value plan "$report" | awk '{ print 1000 * $1 }' )" "$( value simplify "$report" | awk '{ print 1000 * $1 }' )" \
+		"$states" "$clearance" "$( value edges_free "$report" )/$(( states - 1 ))" "$( [ "$audit" = true ] && echo valid || echo "NOT VALID" )"
+done
+
+heading "draw"
+draw=( "$build/bin/kitchen_render" --robot "$demo/robot.urdf" --scene "$demo/scene.yaml" --colours "$demo/colours.yaml" )
+for path in "$demo"/paths/*.yaml; do
+	[ -e "$path" ] || continue
+	"${draw[@]}" --path "$path" --animation "$demo/motions/$( basename "$path" .yaml ).glb"
+done
+if [ -e "$demo/paths/$pictured.yaml" ]; then
+	"${draw[@]}" --path "$demo/paths/$pictured.yaml" --still "$demo/still.glb" --ghosts 5 --light "$demo/light.hdr"
+	xvfb-run -a f3d "$demo/still.glb" --output "$demo/kitchen.png" --dry-run --quiet --resolution 1200,780 \
+		--hdri "$demo/light.hdr" --ssao --fxaa --tone-mapping --depth-peeling \
+		--camera-position 4.9,2.15,1.3 --camera-focal-point 2.2,0.98,-1.75 --camera-view-up 0,1,0 --camera-view-angle 35
+	if [ ! -s "$demo/kitchen.png" ]; then
+		echo "f3d drew no picture" >&2
+		failed=$(( failed + 1 ))
+	fi
+fi
+
+heading "done: $demo/kitchen.png, $demo/motions/*.glb, $demo/paths/*.yaml"
+if [ "$failed" -ne 0 ]; then
+	echo "$failed failed" >&2
+	exit 1
+fi
