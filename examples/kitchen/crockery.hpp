@@ -15,17 +15,17 @@ Mesh makeWineBottle();
 Mesh makeMilkBottle();
 Mesh makeJar();
 Mesh makeJarLid();
-Mesh makePan();       ///< its handle points to +x
-Mesh makePot();       ///< two handles along x
+Mesh makePan(); ///< its handle points to +x
+Mesh makePot(); ///< two handles along x
 Mesh makePotLid();
 Mesh makeKettle();
 Mesh makeFruit( double radius, double squash );
-Mesh makeSpoon();     ///< lies along x
+Mesh makeSpoon(); ///< lies along x
 Mesh makeFork();
 Mesh makeKnife();
-Mesh makeLeaves();    ///< of a plant whose pot is 0.12 m high
+Mesh makeLeaves(); ///< of a plant whose pot is 0.12 m high
 Mesh makePlantPot();
-Mesh makePendant();   ///< lamp shade, hollow, opening downwards at z = 0
+Mesh makePendant(); ///< lamp shade, hollow, opening downwards at z = 0
 Mesh makeTableLamp();
 Mesh makeLampShade();
 Mesh makeDishRack();

@@ -32,8 +32,8 @@ Pose turned( Vec3 u, double angle )
 	const double c = std::cos( angle ), s = std::sin( angle ), k = 1 - c;
 	Pose pose;
 	const double r[3][3] = { { c + u.x * u.x * k, u.x * u.y * k - u.z * s, u.x * u.z * k + u.y * s },
-		{ u.y * u.x * k + u.z * s, c + u.y * u.y * k, u.y * u.z * k - u.x * s },
-		{ u.z * u.x * k - u.y * s, u.z * u.y * k + u.x * s, c + u.z * u.z * k } };
+	    { u.y * u.x * k + u.z * s, c + u.y * u.y * k, u.y * u.z * k - u.x * s },
+	    { u.z * u.x * k - u.y * s, u.z * u.y * k + u.x * s, c + u.z * u.z * k } };
 	std::memcpy( pose.r, r, sizeof r );
 	return pose;
 }
@@ -58,8 +58,8 @@ Pose operator*( const Pose& a, const Pose& b )
 Vec3 operator*( const Pose& a, Vec3 p )
 {
 	return { a.r[0][0] * p.x + a.r[0][1] * p.y + a.r[0][2] * p.z + a.t.x,
-		a.r[1][0] * p.x + a.r[1][1] * p.y + a.r[1][2] * p.z + a.t.y,
-		a.r[2][0] * p.x + a.r[2][1] * p.y + a.r[2][2] * p.z + a.t.z };
+	    a.r[1][0] * p.x + a.r[1][1] * p.y + a.r[1][2] * p.z + a.t.y,
+	    a.r[2][0] * p.x + a.r[2][1] * p.y + a.r[2][2] * p.z + a.t.z };
 }
 
 std::array<double, 4> quaternion( const Pose& pose )
@@ -67,7 +67,7 @@ std::array<double, 4> quaternion( const Pose& pose )
 	// the largest of the four squared components is the safe divisor
 	const auto& r = pose.r;
 	const double squares[4] = { 1 + r[0][0] - r[1][1] - r[2][2], 1 - r[0][0] + r[1][1] - r[2][2],
-		1 - r[0][0] - r[1][1] + r[2][2], 1 + r[0][0] + r[1][1] + r[2][2] };
+	    1 - r[0][0] - r[1][1] + r[2][2], 1 + r[0][0] + r[1][1] + r[2][2] };
 	const int largest = static_cast<int>( std::max_element( squares, squares + 4 ) - squares );
 	const double s = 0.5 / std::sqrt( squares[largest] ), big = 0.5 * std::sqrt( squares[largest] );
 	std::array<double, 4> q;
@@ -126,20 +126,23 @@ Mesh loft( const std::vector<Ring>& rings, int segments, bool caps )
 		for ( int i = 0; i < segments; ++i )
 		{
 			const double c = std::cos( 2 * pi * i / segments ), s = std::sin( 2 * pi * i / segments );
-			const double scale = std::pow( std::pow( std::fabs( c ), ring.exponent ) + std::pow( std::fabs( s ), ring.exponent ),
-				-1 / ring.exponent );
+			const double scale = std::pow(
+			    std::pow( std::fabs( c ), ring.exponent ) + std::pow( std::fabs( s ), ring.exponent ), -1 / ring.exponent );
 			mesh.vertices.push_back( { ring.cx + ring.rx * scale * c, ring.cy + ring.ry * scale * s, ring.z } );
 		}
 	}
 	const auto n = static_cast<uint32_t>( segments );
-	auto fan = [&]( uint32_t centre, uint32_t ring, bool up ) {
+	auto fan = [&]( uint32_t centre, uint32_t ring, bool up )
+	{
 		for ( uint32_t i = 0; i < n; ++i )
 		{
 			const uint32_t a = ring + i, b = ring + ( i + 1 ) % n;
-			mesh.triangles.push_back( up ? std::array<uint32_t, 3>{ centre, a, b } : std::array<uint32_t, 3>{ centre, b, a } );
+			mesh.triangles.push_back(
+			    up ? std::array<uint32_t, 3>{ centre, a, b } : std::array<uint32_t, 3>{ centre, b, a } );
 		}
 	};
-	auto cap = [&]( size_t ring, bool up ) {
+	auto cap = [&]( size_t ring, bool up )
+	{
 		const Ring& end = rings[ring];
 		mesh.vertices.push_back( { end.cx, end.cy, end.z } );
 		fan( static_cast<uint32_t>( mesh.vertices.size() - 1 ), first[ring], up );
@@ -178,13 +181,14 @@ std::vector<Ring> smoothed( const std::vector<Ring>& keys, int steps )
 	std::vector<Ring> rings;
 	for ( size_t k = 0; k + 1 < keys.size(); ++k )
 	{
-		const Ring &a = keys[k > 0 ? k - 1 : k], &b = keys[k], &c = keys[k + 1], &d = keys[std::min( k + 2, keys.size() - 1 )];
+		const Ring &a = keys[k > 0 ? k - 1 : k], &b = keys[k], &c = keys[k + 1],
+		           &d = keys[std::min( k + 2, keys.size() - 1 )];
 		for ( int i = 0; i < steps; ++i )
 		{
 			const double t = static_cast<double>( i ) / steps;
 			auto mix = [&]( double Ring::*m ) { return catmullRom( a.*m, b.*m, c.*m, d.*m, t ); };
 			rings.push_back( { mix( &Ring::z ), std::max( 0.0, mix( &Ring::rx ) ), std::max( 0.0, mix( &Ring::ry ) ),
-				mix( &Ring::cx ), mix( &Ring::cy ), std::max( 1.5, mix( &Ring::exponent ) ) } );
+			    mix( &Ring::cx ), mix( &Ring::cy ), std::max( 1.5, mix( &Ring::exponent ) ) } );
 		}
 	}
 	rings.push_back( keys.back() );
@@ -193,12 +197,14 @@ std::vector<Ring> smoothed( const std::vector<Ring>& keys, int steps )
 
 std::vector<Ring> domed( std::vector<Ring> rings, double bottom, double top, int steps )
 {
-	auto dome = [steps]( const Ring& end, double height ) {
+	auto dome = [steps]( const Ring& end, double height )
+	{
 		std::vector<Ring> out; // from next to the end ring to the pole
 		for ( int i = 1; i <= steps; ++i )
 		{
 			const double angle = 0.5 * pi * i / steps, shrink = i == steps ? 0 : std::cos( angle );
-			out.push_back( { end.z + height * std::sin( angle ), end.rx * shrink, end.ry * shrink, end.cx, end.cy, end.exponent } );
+			out.push_back(
+			    { end.z + height * std::sin( angle ), end.rx * shrink, end.ry * shrink, end.cx, end.cy, end.exponent } );
 		}
 		return out;
 	};
@@ -239,8 +245,10 @@ Mesh box( Vec3 size )
 {
 	Mesh mesh;
 	for ( int i = 0; i < 8; ++i )
-		mesh.vertices.push_back( { ( i & 1 ? 0.5 : -0.5 ) * size.x, ( i & 2 ? 0.5 : -0.5 ) * size.y, ( i & 4 ? 0.5 : -0.5 ) * size.z } );
-	const uint32_t faces[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
+		mesh.vertices.push_back(
+		    { ( i & 1 ? 0.5 : -0.5 ) * size.x, ( i & 2 ? 0.5 : -0.5 ) * size.y, ( i & 4 ? 0.5 : -0.5 ) * size.z } );
+	const uint32_t faces[6][4] = {
+	    { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
 	for ( auto& f : faces )
 	{
 		mesh.triangles.push_back( { f[0], f[1], f[2] } );
@@ -254,7 +262,8 @@ Mesh roundedBox( Vec3 size, double radius, int steps )
 	// Grid lines on each cube face: `steps` in each rim, placed so that the projected angles are equal; every grid point
 	// is pushed out to `radius` from the inner box.
 	const double half[3] = { 0.5 * size.x, 0.5 * size.y, 0.5 * size.z };
-	auto line = [&]( int axis ) {
+	auto line = [&]( int axis )
+	{
 		std::vector<double> at_;
 		for ( int i = 0; i <= steps; ++i )
 			at_.push_back( -half[axis] + radius * ( 1 - std::tan( 0.25 * pi * ( steps - i ) / steps ) ) );
@@ -312,12 +321,15 @@ Mesh chamferedBox( Vec3 size, double chamfer )
 			mesh.vertices.push_back( { p[0], p[1], p[2] } );
 		}
 	auto vertex = []( int corner, int axis ) { return static_cast<uint32_t>( 3 * corner + axis ); };
-	auto triangle = [&mesh]( uint32_t a, uint32_t b, uint32_t c ) {
+	auto triangle = [&mesh]( uint32_t a, uint32_t b, uint32_t c )
+	{
 		// the box is convex around the origin, which tells outside from inside
 		const Vec3 p = mesh.vertices[a], normal = cross( mesh.vertices[b] - p, mesh.vertices[c] - p );
-		mesh.triangles.push_back( dot( normal, p ) > 0 ? std::array<uint32_t, 3>{ a, b, c } : std::array<uint32_t, 3>{ a, c, b } );
+		mesh.triangles.push_back(
+		    dot( normal, p ) > 0 ? std::array<uint32_t, 3>{ a, b, c } : std::array<uint32_t, 3>{ a, c, b } );
 	};
-	auto quad = [&triangle]( uint32_t a, uint32_t b, uint32_t c, uint32_t d ) {
+	auto quad = [&triangle]( uint32_t a, uint32_t b, uint32_t c, uint32_t d )
+	{
 		triangle( a, b, c );
 		triangle( a, c, d );
 	};
@@ -327,7 +339,8 @@ Mesh chamferedBox( Vec3 size, double chamfer )
 		for ( int side : { 0, w } ) // faces
 			quad( vertex( side, axis ), vertex( side | u, axis ), vertex( side | u | v, axis ), vertex( side | v, axis ) );
 		for ( int other : { 0, u, v, u | v } ) // edges along the axis
-			quad( vertex( other, ( axis + 1 ) % 3 ), vertex( other | w, ( axis + 1 ) % 3 ), vertex( other | w, ( axis + 2 ) % 3 ), vertex( other, ( axis + 2 ) % 3 ) );
+			quad( vertex( other, ( axis + 1 ) % 3 ), vertex( other | w, ( axis + 1 ) % 3 ),
+			    vertex( other | w, ( axis + 2 ) % 3 ), vertex( other, ( axis + 2 ) % 3 ) );
 	}
 	for ( int corner = 0; corner < 8; ++corner )
 		triangle( vertex( corner, 0 ), vertex( corner, 1 ), vertex( corner, 2 ) );
@@ -354,8 +367,9 @@ Mesh sphere( double radius, int segments, int rings )
 
 Mesh drum( double radius, double z0, double z1, double bevel, int segments )
 {
-	return lathe( { { 0, z0 }, { radius - bevel, z0 }, { radius, z0 + bevel }, { radius, z1 - bevel }, { radius - bevel, z1 }, { 0, z1 } },
-		segments );
+	return lathe( { { 0, z0 }, { radius - bevel, z0 }, { radius, z0 + bevel }, { radius, z1 - bevel },
+	                  { radius - bevel, z1 }, { 0, z1 } },
+	    segments );
 }
 
 Mesh tube( const std::vector<Vec3>& path, double radius, int segments, bool closed )
@@ -366,7 +380,8 @@ Mesh tube( const std::vector<Vec3>& path, double radius, int segments, bool clos
 	Vec3 side;
 	for ( size_t k = 0; k < count; ++k )
 	{
-		const Vec3 before = path[k > 0 ? k - 1 : ( closed ? count - 1 : 0 )], after = path[k + 1 < count ? k + 1 : ( closed ? 0 : k )];
+		const Vec3 before = path[k > 0 ? k - 1 : ( closed ? count - 1 : 0 )],
+		           after = path[k + 1 < count ? k + 1 : ( closed ? 0 : k )];
 		const Vec3 in = normalised( path[k] - before ), out = normalised( after - path[k] ), along = normalised( in + out );
 		if ( k == 0 )
 			side = normalised( cross( along, std::fabs( along.z ) < 0.9 ? Vec3{ 0, 0, 1 } : Vec3{ 1, 0, 0 } ) );
@@ -382,7 +397,8 @@ Mesh tube( const std::vector<Vec3>& path, double radius, int segments, bool clos
 	for ( uint32_t k = 0; k + ( closed ? 0 : 1 ) < rows; ++k )
 		for ( uint32_t i = 0; i < n; ++i )
 		{
-			const uint32_t a = k * n + i, b = k * n + ( i + 1 ) % n, c = ( k + 1 ) % rows * n + i, d = ( k + 1 ) % rows * n + ( i + 1 ) % n;
+			const uint32_t a = k * n + i, b = k * n + ( i + 1 ) % n, c = ( k + 1 ) % rows * n + i,
+			               d = ( k + 1 ) % rows * n + ( i + 1 ) % n;
 			mesh.triangles.push_back( { a, b, d } );
 			mesh.triangles.push_back( { a, d, c } );
 		}
@@ -401,7 +417,8 @@ std::vector<Vec3> rounded( const std::vector<Vec3>& path, double fillet, int ste
 	std::vector<Vec3> out = { path.front() };
 	for ( size_t k = 1; k + 1 < path.size(); ++k )
 	{
-		const Vec3 p = path[k], a = p + fillet * normalised( path[k - 1] - p ), b = p + fillet * normalised( path[k + 1] - p );
+		const Vec3 p = path[k], a = p + fillet * normalised( path[k - 1] - p ),
+		           b = p + fillet * normalised( path[k + 1] - p );
 		for ( int i = 0; i <= steps; ++i )
 		{
 			const double t = static_cast<double>( i ) / steps;
@@ -426,7 +443,8 @@ std::string toStl( const Mesh& mesh )
 	std::string bytes = "leeway kitchen demo";
 	bytes.resize( 80, ' ' );
 	auto put = [&bytes]( const void* data, size_t size ) { bytes.append( static_cast<const char*>( data ), size ); };
-	auto putVec = [&put]( Vec3 v ) {
+	auto putVec = [&put]( Vec3 v )
+	{
 		const float f[3] = { static_cast<float>( v.x ), static_cast<float>( v.y ), static_cast<float>( v.z ) };
 		put( f, sizeof f );
 	};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Modelling in code: vectors, poses, triangle meshes and the handful of builders that the demo's robot and kitchen are made of.
+// Modelling in code: vectors, poses, triangle meshes and the handful of builders that the demo's robot and kitchen are made
+// of.
 #pragma once
 
 #include <array>
@@ -17,10 +18,22 @@ struct Vec3
 	double x = 0, y = 0, z = 0;
 };
 
-inline Vec3 operator+( Vec3 a, Vec3 b ) { return { a.x + b.x, a.y + b.y, a.z + b.z }; }
-inline Vec3 operator-( Vec3 a, Vec3 b ) { return { a.x - b.x, a.y - b.y, a.z - b.z }; }
-inline Vec3 operator*( double s, Vec3 a ) { return { s * a.x, s * a.y, s * a.z }; }
-inline double dot( Vec3 a, Vec3 b ) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3 operator+( Vec3 a, Vec3 b )
+{
+	return { a.x + b.x, a.y + b.y, a.z + b.z };
+}
+inline Vec3 operator-( Vec3 a, Vec3 b )
+{
+	return { a.x - b.x, a.y - b.y, a.z - b.z };
+}
+inline Vec3 operator*( double s, Vec3 a )
+{
+	return { s * a.x, s * a.y, s * a.z };
+}
+inline double dot( Vec3 a, Vec3 b )
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 Vec3 cross( Vec3 a, Vec3 b );
 double length( Vec3 a );
 Vec3 normalised( Vec3 a );
@@ -50,7 +63,8 @@ struct Mesh
 	Mesh mirroredY() const; ///< y -> -y, winding turned
 };
 
-/// One cross-section of a loft: a superellipse in a plane z = const. Exponent 2 is an ellipse, 4 and above a rounded rectangle.
+/// One cross-section of a loft: a superellipse in a plane z = const. Exponent 2 is an ellipse, 4 and above a rounded
+/// rectangle.
 struct Ring
 {
 	double z, rx, ry;
@@ -58,8 +72,8 @@ struct Ring
 	double exponent = 2;
 };
 
-/// Skin over the rings, in order; ends with zero radius become poles, others flat caps (or stay open). Rings may run back (hollow bodies): a
-/// path that goes up on the outside and down on the inside is a vessel.
+/// Skin over the rings, in order; ends with zero radius become poles, others flat caps (or stay open). Rings may run back
+/// (hollow bodies): a path that goes up on the outside and down on the inside is a vessel.
 Mesh loft( const std::vector<Ring>& rings, int segments, bool caps = true );
 /// Catmull-Rom rings in between, `steps` per span: organic shapes from a few key sections.
 std::vector<Ring> smoothed( const std::vector<Ring>& keys, int steps );

@@ -44,13 +44,16 @@ constexpr int float_component = 5126, uint_component = 5125, array_target = 3496
 
 } // namespace
 
-ShadedMesh shade( const double* vertices, size_t vertex_count, const uint32_t* triangles, size_t triangle_count, double crease )
+ShadedMesh shade(
+    const double* vertices, size_t vertex_count, const uint32_t* triangles, size_t triangle_count, double crease )
 {
 	// one id per position
 	std::map<Double3, uint32_t> ids;
 	std::vector<uint32_t> id( vertex_count );
 	for ( size_t v = 0; v < vertex_count; ++v )
-		id[v] = ids.emplace( Double3{ vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2] }, static_cast<uint32_t>( ids.size() ) ).first->second;
+		id[v] = ids.emplace( Double3{ vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2] },
+		               static_cast<uint32_t>( ids.size() ) )
+		            .first->second;
 	std::vector<Double3> point( ids.size() );
 	for ( const auto& [p, i] : ids )
 		point[i] = p;
@@ -64,12 +67,14 @@ ShadedMesh shade( const double* vertices, size_t vertex_count, const uint32_t* t
 	std::vector<Double3> face( triangle_count );
 	for ( size_t t = 0; t < triangle_count; ++t )
 	{
-		const Double3 p[3] = { point[id[triangles[3 * t]]], point[id[triangles[3 * t + 1]]], point[id[triangles[3 * t + 2]]] };
+		const Double3 p[3] = {
+		    point[id[triangles[3 * t]]], point[id[triangles[3 * t + 1]]], point[id[triangles[3 * t + 2]]] };
 		face[t] = unit( cross3( sub( p[1], p[0] ), sub( p[2], p[0] ) ) );
 		for ( int c = 0; c < 3; ++c )
 		{
 			const Double3 a = unit( sub( p[( c + 1 ) % 3], p[c] ) ), b = unit( sub( p[( c + 2 ) % 3], p[c] ) );
-			around[id[triangles[3 * t + static_cast<size_t>( c )]]].push_back( { t, std::acos( std::clamp( dot3( a, b ), -1.0, 1.0 ) ) } );
+			around[id[triangles[3 * t + static_cast<size_t>( c )]]].push_back(
+			    { t, std::acos( std::clamp( dot3( a, b ), -1.0, 1.0 ) ) } );
 		}
 	}
 
@@ -117,17 +122,20 @@ Gltf::Gltf()
 		m_json[list] = nlohmann::json::array();
 	// glTF's y is up, ours is z
 	const double h = std::sqrt( 0.5 );
-	m_json["nodes"].push_back( { { "name", "z_up" }, { "rotation", { -h, 0, 0, h } }, { "children", nlohmann::json::array() } } );
+	m_json["nodes"].push_back(
+	    { { "name", "z_up" }, { "rotation", { -h, 0, 0, h } }, { "children", nlohmann::json::array() } } );
 }
 
-int Gltf::addAccessor( const void* data, size_t bytes, int count, int component, const char* type, int target, const nlohmann::json& low, const nlohmann::json& high )
+int Gltf::addAccessor( const void* data, size_t bytes, int count, int component, const char* type, int target,
+    const nlohmann::json& low, const nlohmann::json& high )
 {
 	nlohmann::json view = { { "buffer", 0 }, { "byteOffset", m_binary.size() }, { "byteLength", bytes } };
 	if ( target )
 		view["target"] = target;
 	m_binary.append( static_cast<const char*>( data ), bytes );
 	m_json["bufferViews"].push_back( view );
-	nlohmann::json accessor = { { "bufferView", m_json["bufferViews"].size() - 1 }, { "componentType", component }, { "count", count }, { "type", type } };
+	nlohmann::json accessor = { { "bufferView", m_json["bufferViews"].size() - 1 }, { "componentType", component },
+	    { "count", count }, { "type", type } };
 	if ( !low.is_null() )
 	{
 		accessor["min"] = low;
@@ -140,9 +148,9 @@ int Gltf::addAccessor( const void* data, size_t bytes, int count, int component,
 int Gltf::addMaterial( const Surface& surface )
 {
 	nlohmann::json material = { { "name", surface.name },
-		{ "pbrMetallicRoughness",
-			{ { "baseColorFactor", { linear( surface.colour[0] ), linear( surface.colour[1] ), linear( surface.colour[2] ), surface.colour[3] } },
-				{ "metallicFactor", surface.metallic }, { "roughnessFactor", surface.roughness } } } };
+	    { "pbrMetallicRoughness", { { "baseColorFactor", { linear( surface.colour[0] ), linear( surface.colour[1] ),
+	                                                         linear( surface.colour[2] ), surface.colour[3] } },
+	                                  { "metallicFactor", surface.metallic }, { "roughnessFactor", surface.roughness } } } };
 	if ( surface.colour[3] < 1 )
 		material["alphaMode"] = "BLEND";
 	m_json["materials"].push_back( material );
@@ -158,16 +166,20 @@ int Gltf::addGeometry( const ShadedMesh& mesh )
 		high[i % 3] = i < 3 ? mesh.positions[i] : std::max( high[i % 3], mesh.positions[i] );
 	}
 	const int count = static_cast<int>( mesh.positions.size() / 3 );
-	const int first = addAccessor( mesh.positions.data(), 4 * mesh.positions.size(), count, float_component, "VEC3", array_target, low, high );
-	addAccessor( mesh.normals.data(), 4 * mesh.normals.size(), count, float_component, "VEC3", array_target, nullptr, nullptr );
-	addAccessor( mesh.indices.data(), 4 * mesh.indices.size(), static_cast<int>( mesh.indices.size() ), uint_component, "SCALAR", index_target, nullptr, nullptr );
+	const int first = addAccessor(
+	    mesh.positions.data(), 4 * mesh.positions.size(), count, float_component, "VEC3", array_target, low, high );
+	addAccessor(
+	    mesh.normals.data(), 4 * mesh.normals.size(), count, float_component, "VEC3", array_target, nullptr, nullptr );
+	addAccessor( mesh.indices.data(), 4 * mesh.indices.size(), static_cast<int>( mesh.indices.size() ), uint_component,
+	    "SCALAR", index_target, nullptr, nullptr );
 	return first;
 }
 
 int Gltf::addMesh( int geometry, int material )
 {
-	m_json["meshes"].push_back( { { "primitives",
-		{ { { "attributes", { { "POSITION", geometry }, { "NORMAL", geometry + 1 } } }, { "indices", geometry + 2 }, { "material", material } } } } } );
+	m_json["meshes"].push_back(
+	    { { "primitives", { { { "attributes", { { "POSITION", geometry }, { "NORMAL", geometry + 1 } } },
+	                          { "indices", geometry + 2 }, { "material", material } } } } } );
 	return static_cast<int>( m_json["meshes"].size() ) - 1;
 }
 
@@ -186,7 +198,8 @@ int Gltf::addTranslucentMesh( int geometry, int material )
 	std::vector<float> data;
 	for ( int i = 0; i < count; ++i )
 		data.insert( data.end(), colour.begin(), colour.end() );
-	const int accessor = addAccessor( data.data(), 4 * data.size(), count, float_component, "VEC4", array_target, nullptr, nullptr );
+	const int accessor =
+	    addAccessor( data.data(), 4 * data.size(), count, float_component, "VEC4", array_target, nullptr, nullptr );
 	const int mesh = addMesh( geometry, material );
 	m_json["meshes"][static_cast<size_t>( mesh )]["primitives"][0]["attributes"]["COLOR_0"] = accessor;
 	return mesh;
@@ -209,14 +222,17 @@ int Gltf::addTimes( const std::vector<double>& times )
 		return m_times_accessor;
 	const std::vector<float> data( times.begin(), times.end() );
 	m_times = times;
-	m_times_accessor = addAccessor( data.data(), 4 * data.size(), static_cast<int>( data.size() ), float_component, "SCALAR", 0, { data.front() }, { data.back() } );
+	m_times_accessor = addAccessor( data.data(), 4 * data.size(), static_cast<int>( data.size() ), float_component, "SCALAR",
+	    0, { data.front() }, { data.back() } );
 	return m_times_accessor;
 }
 
-void Gltf::animate( int node, const std::vector<double>& times, const std::vector<Vec>& translations, const std::vector<Quat>& rotations )
+void Gltf::animate(
+    int node, const std::vector<double>& times, const std::vector<Vec>& translations, const std::vector<Quat>& rotations )
 {
 	if ( !m_json.contains( "animations" ) )
-		m_json["animations"] = { { { "name", "path" }, { "samplers", nlohmann::json::array() }, { "channels", nlohmann::json::array() } } };
+		m_json["animations"] = {
+		    { { "name", "path" }, { "samplers", nlohmann::json::array() }, { "channels", nlohmann::json::array() } } };
 	std::vector<float> moves, turns;
 	Quat last = rotations.front();
 	for ( size_t i = 0; i < times.size(); ++i )
@@ -231,14 +247,15 @@ void Gltf::animate( int node, const std::vector<double>& times, const std::vecto
 		turns.insert( turns.end(), last.begin(), last.end() );
 	}
 	const int input = addTimes( times ), count = static_cast<int>( times.size() );
-	const int outputs[2] = { addAccessor( moves.data(), 4 * moves.size(), count, float_component, "VEC3", 0, nullptr, nullptr ),
-		addAccessor( turns.data(), 4 * turns.size(), count, float_component, "VEC4", 0, nullptr, nullptr ) };
+	const int outputs[2] = {
+	    addAccessor( moves.data(), 4 * moves.size(), count, float_component, "VEC3", 0, nullptr, nullptr ),
+	    addAccessor( turns.data(), 4 * turns.size(), count, float_component, "VEC4", 0, nullptr, nullptr ) };
 	nlohmann::json& animation = m_json["animations"][0];
 	for ( int i = 0; i < 2; ++i )
 	{
 		animation["samplers"].push_back( { { "input", input }, { "output", outputs[i] }, { "interpolation", "LINEAR" } } );
-		animation["channels"].push_back(
-			{ { "sampler", animation["samplers"].size() - 1 }, { "target", { { "node", node }, { "path", i ? "rotation" : "translation" } } } } );
+		animation["channels"].push_back( { { "sampler", animation["samplers"].size() - 1 },
+		    { "target", { { "node", node }, { "path", i ? "rotation" : "translation" } } } } );
 	}
 }
 

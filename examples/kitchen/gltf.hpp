@@ -21,7 +21,8 @@ struct ShadedMesh
 
 /// Normals weighted by corner angle; edges sharper than `crease` (radians) stay sharp.
 /// @param vertices [vertex_count][3]; equal positions count as one vertex
-ShadedMesh shade( const double* vertices, size_t vertex_count, const uint32_t* triangles, size_t triangle_count, double crease );
+ShadedMesh shade(
+    const double* vertices, size_t vertex_count, const uint32_t* triangles, size_t triangle_count, double crease );
 
 struct Surface
 {
@@ -47,13 +48,14 @@ public:
 	/// @param mesh -1: none
 	int addNode( const std::string& name, int parent, const Vec& translation, const Quat& rotation, int mesh = -1 );
 	/// Samples of a node's pose at the given times, seconds, increasing.
-	void animate( int node, const std::vector<double>& times, const std::vector<Vec>& translations, const std::vector<Quat>& rotations );
+	void animate( int node, const std::vector<double>& times, const std::vector<Vec>& translations,
+	    const std::vector<Quat>& rotations );
 	/// The bytes of the .glb file.
 	std::string bytes() const;
 
 private:
-	int addAccessor( const void* data, size_t bytes, int count, int component, const char* type, int target, const nlohmann::json& low,
-		const nlohmann::json& high );
+	int addAccessor( const void* data, size_t bytes, int count, int component, const char* type, int target,
+	    const nlohmann::json& low, const nlohmann::json& high );
 	int addTimes( const std::vector<double>& times );
 
 	nlohmann::json m_json;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // kitchen_reaches: finds goals for the reach tasks and writes reach_goals.cpp. Run it by hand after a change of the model.
 //
-// Damped least squares (Levenberg 1944, Marquardt 1963) from seeded random poses, kept within the joint limits; of the solutions
-// that are clear of everything, the one that best combines clearance with a relaxed pose wins.
+// Damped least squares (Levenberg 1944, Marquardt 1963) from seeded random poses, kept within the joint limits; of the
+// solutions that are clear of everything, the one that best combines clearance with a relaxed pose wins.
 #include "model.hpp"
 
 #include "leeway/handles.hpp"
@@ -67,7 +67,7 @@ leeway::Robot buildRobot( const Robot& model )
 		}
 	}
 	const std::map<std::string, lw_joint_type> types = { { "fixed", LW_JOINT_FIXED }, { "revolute", LW_JOINT_REVOLUTE },
-		{ "continuous", LW_JOINT_CONTINUOUS }, { "prismatic", LW_JOINT_PRISMATIC } };
+	    { "continuous", LW_JOINT_CONTINUOUS }, { "prismatic", LW_JOINT_PRISMATIC } };
 	std::vector<lw_joint_def> joints;
 	for ( const Joint& joint : model.joints )
 	{
@@ -76,7 +76,8 @@ leeway::Robot buildRobot( const Robot& model )
 		def.type = types.at( joint.type );
 		def.parent = index.at( joint.parent );
 		def.child = index.at( joint.child );
-		def.parent_from_joint = transform( at( joint.xyz.x, joint.xyz.y, joint.xyz.z, joint.rpy.x, joint.rpy.y, joint.rpy.z ) );
+		def.parent_from_joint =
+		    transform( at( joint.xyz.x, joint.xyz.y, joint.xyz.z, joint.rpy.x, joint.rpy.y, joint.rpy.z ) );
 		if ( joint.type != "fixed" )
 		{
 			def.axis[0] = joint.axis.x;
@@ -124,7 +125,9 @@ leeway::Scene buildScene( const Room& room )
 				const double cylinder[3] = { placed.dimensions[1], placed.dimensions[0], 0 };
 				lw_diag diag = {};
 				lw_shape* primitive = nullptr;
-				require( lw_shape_create_primitive( is_box ? LW_SHAPE_BOX : LW_SHAPE_CYLINDER, is_box ? placed.dimensions.data() : cylinder, nullptr, &diag, &primitive ), diag );
+				require( lw_shape_create_primitive( is_box ? LW_SHAPE_BOX : LW_SHAPE_CYLINDER,
+				             is_box ? placed.dimensions.data() : cylinder, nullptr, &diag, &primitive ),
+				    diag );
 				primitives.push_back( leeway::Shape::adopt( primitive ) );
 				shape = primitive;
 			}
@@ -147,7 +150,8 @@ leeway::Scene buildScene( const Room& room )
 class Search
 {
 public:
-	Search( const lw_robot* robot, const lw_scene* scene, const Robot& model, const Reach& task ) : m_robot( robot ), m_task( task )
+	Search( const lw_robot* robot, const lw_scene* scene, const Robot& model, const Reach& task )
+	    : m_robot( robot ), m_task( task )
 	{
 		std::map<std::string, double> values = tuckedPose();
 		for ( const auto& [joint, value] : task.start )
@@ -193,7 +197,8 @@ public:
 		const lw_clearance& least = self ? result.self : result.environment;
 		if ( where && least.a != LW_INVALID_INDEX && least.b != LW_INVALID_INDEX )
 			*where = fmt::format( "{} - {}", lw_robot_link_name( m_robot, least.a ),
-				self ? lw_robot_link_name( m_robot, least.b ) : lw_scene_object_name( lw_checker_scene( checker.get() ), least.b ) );
+			    self ? lw_robot_link_name( m_robot, least.b )
+			         : lw_scene_object_name( lw_checker_scene( checker.get() ), least.b ) );
 		return least.lower;
 	}
 
@@ -210,7 +215,9 @@ public:
 			const lw_transform& tcp = m_poses[lw_robot_find_link( m_robot, ( hand.side + "_tcp" ).c_str() )];
 			const Vec3 off = Vec3{ tcp.t[0], tcp.t[1], tcp.t[2] } - hand.tcp;
 			worst = std::max( worst, length( off ) );
-			auto push = [&out]( Vec3 v, double weight ) { out.insert( out.end(), { weight * v.x, weight * v.y, weight * v.z } ); };
+			auto push = [&out]( Vec3 v, double weight ) {
+				out.insert( out.end(), { weight * v.x, weight * v.y, weight * v.z } );
+			};
 			push( off, 50 );
 			auto column = [&tcp]( int c, double sign ) { return sign * Vec3{ tcp.r[0][c], tcp.r[1][c], tcp.r[2][c] }; };
 			push( column( 2, -1 ) - normalised( hand.fingers ), 2 );
@@ -272,7 +279,8 @@ public:
 		*nearest = INFINITY;
 		std::mt19937_64 random( 20060815 );
 		// 53 bits to [0, 1): the standard's distributions differ between libraries
-		auto uniform = [&random]( double low, double high ) { return low + ( high - low ) * static_cast<double>( random() >> 11 ) / 9007199254740992.0; };
+		auto uniform = [&random]( double low, double high )
+		{ return low + ( high - low ) * static_cast<double>( random() >> 11 ) / 9007199254740992.0; };
 		std::vector<double> best;
 		double best_score = INFINITY;
 		for ( int i = 0; i < restarts; ++i )
@@ -386,7 +394,8 @@ int run( const std::string& file )
 			continue;
 		}
 		search.clearance( goal, &where );
-		fmt::print( "goal {:.1f} mm ({}), straight line {:.1f} mm\n", 1e3 * at_goal, where, 1e3 * search.straightLine( goal ) );
+		fmt::print(
+		    "goal {:.1f} mm ({}), straight line {:.1f} mm\n", 1e3 * at_goal, where, 1e3 * search.straightLine( goal ) );
 		std::fflush( stdout );
 		std::string values;
 		for ( double value : goal )
@@ -397,13 +406,14 @@ int run( const std::string& file )
 	if ( !out )
 		throw std::runtime_error( file + ": cannot be written" );
 	fmt::print( out,
-		"// SPDX-License-Identifier: BSD-3-Clause\n"
-		"// Written by kitchen_reaches: goals of the reach tasks, in the order of the group's joints.\n"
-		"#include \"model.hpp\"\n\nnamespace kitchen\n{{\n\n"
-		"std::vector<double> storedGoal( const std::string& reach )\n{{\n"
-		"\tstatic const std::map<std::string, std::vector<double>> goals = {{\n{}\t}};\n"
-		"\tconst auto it = goals.find( reach );\n\treturn it == goals.end() ? std::vector<double>() : it->second;\n}}\n\n}} // namespace kitchen\n",
-		rows );
+	    "// SPDX-License-Identifier: BSD-3-Clause\n"
+	    "// Written by kitchen_reaches: goals of the reach tasks, in the order of the group's joints.\n"
+	    "#include \"model.hpp\"\n\nnamespace kitchen\n{{\n\n"
+	    "std::vector<double> storedGoal( const std::string& reach )\n{{\n"
+	    "\tstatic const std::map<std::string, std::vector<double>> goals = {{\n{}\t}};\n"
+	    "\tconst auto it = goals.find( reach );\n\treturn it == goals.end() ? std::vector<double>() : it->second;\n}}\n\n}} "
+	    "// namespace kitchen\n",
+	    rows );
 	std::fclose( out );
 	return missing ? 1 : 0;
 }

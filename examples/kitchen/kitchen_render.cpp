@@ -25,11 +25,11 @@ struct Options
 	int ghosts = 6;
 };
 
-constexpr double crease = 0.7;           ///< radians: edges sharper than this are drawn sharp
-constexpr double speed = 0.9;            ///< radians (or metres) per second of the fastest joint in the animation
+constexpr double crease = 0.7; ///< radians: edges sharper than this are drawn sharp
+constexpr double speed = 0.9;  ///< radians (or metres) per second of the fastest joint in the animation
 constexpr double ghost_opacity = 0.30;
-constexpr double ghost_distance = 0.06;  ///< metres: a link nearer to its goal than this has no ghost
-constexpr double trail_radius = 0.006;   ///< metres
+constexpr double ghost_distance = 0.06; ///< metres: a link nearer to its goal than this has no ghost
+constexpr double trail_radius = 0.006;  ///< metres
 
 struct Path
 {
@@ -59,7 +59,8 @@ Path readPath( const std::string& file )
 	}
 	for ( const auto& point : path.points )
 		if ( point.size() != path.joints.size() )
-			throw io::Error( file, "points", "has a point of the wrong length", "give one position for every name in joint_names" );
+			throw io::Error(
+			    file, "points", "has a point of the wrong length", "give one position for every name in joint_names" );
 	if ( path.points.empty() )
 		throw io::Error( file, "points", "is empty", "plan first" );
 	return path;
@@ -98,7 +99,8 @@ public:
 	std::string ofMesh( const std::string& file ) const
 	{
 		for ( const auto& [name, surface] : m_meshes )
-			if ( file.size() > name.size() && file.compare( file.size() - name.size() - 1, std::string::npos, "/" + name ) == 0 )
+			if ( file.size() > name.size() &&
+			     file.compare( file.size() - name.size() - 1, std::string::npos, "/" + name ) == 0 )
 				return surface;
 		return "plain";
 	}
@@ -123,10 +125,7 @@ public:
 		return m_materials[key] = m_gltf.addMaterial( surface );
 	}
 
-	int trail()
-	{
-		return m_gltf.addMaterial( { "trail", { 0.98, 0.36, 0.06, 1 }, 0.4, 0 } );
-	}
+	int trail() { return m_gltf.addMaterial( { "trail", { 0.98, 0.36, 0.06, 1 }, 0.4, 0 } ); }
 
 private:
 	Gltf& m_gltf;
@@ -140,17 +139,21 @@ private:
 void tessellate( const lw_shape_info& info, std::vector<double>& vertices, std::vector<uint32_t>& triangles )
 {
 	const double* d = info.dimensions;
-	auto ring = [&]( double radius, double z, int n ) {
+	auto ring = [&]( double radius, double z, int n )
+	{
 		for ( int i = 0; i < n; ++i )
-			vertices.insert( vertices.end(), { radius * std::cos( 2 * M_PI * i / n ), radius * std::sin( 2 * M_PI * i / n ), z } );
+			vertices.insert(
+			    vertices.end(), { radius * std::cos( 2 * M_PI * i / n ), radius * std::sin( 2 * M_PI * i / n ), z } );
 	};
 	const uint32_t n = 48;
 	std::vector<std::pair<double, double>> profile; // radius, z
 	if ( info.type == LW_SHAPE_BOX )
 	{
 		for ( int i = 0; i < 8; ++i )
-			vertices.insert( vertices.end(), { ( i & 1 ? 0.5 : -0.5 ) * d[0], ( i & 2 ? 0.5 : -0.5 ) * d[1], ( i & 4 ? 0.5 : -0.5 ) * d[2] } );
-		triangles = { 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5 };
+			vertices.insert( vertices.end(),
+			    { ( i & 1 ? 0.5 : -0.5 ) * d[0], ( i & 2 ? 0.5 : -0.5 ) * d[1], ( i & 4 ? 0.5 : -0.5 ) * d[2] } );
+		triangles = {
+		    0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5 };
 		return;
 	}
 	if ( info.type == LW_SHAPE_CYLINDER )
@@ -191,7 +194,8 @@ public:
 			std::vector<uint32_t> triangles;
 			ShadedMesh mesh;
 			if ( info.type == LW_SHAPE_MESH )
-				mesh = shade( lw_shape_vertices( shape ), info.vertex_count, lw_shape_triangles( shape ), info.triangle_count, crease );
+				mesh = shade( lw_shape_vertices( shape ), info.vertex_count, lw_shape_triangles( shape ),
+				    info.triangle_count, crease );
 			else
 			{
 				tessellate( info, vertices, triangles );
@@ -201,7 +205,9 @@ public:
 		}
 		const auto key = std::make_pair( shape, material );
 		const auto mesh = m_meshes.find( key );
-		return mesh != m_meshes.end() ? mesh->second : m_meshes[key] = translucent ? m_gltf.addTranslucentMesh( geometry->second, material ) : m_gltf.addMesh( geometry->second, material );
+		return mesh != m_meshes.end() ? mesh->second
+		                              : m_meshes[key] = translucent ? m_gltf.addTranslucentMesh( geometry->second, material )
+		                                                            : m_gltf.addMesh( geometry->second, material );
 	}
 
 private:
@@ -240,7 +246,8 @@ std::map<std::string, std::vector<std::string>> surfaces( const io::LoadReport& 
 	std::map<std::string, std::vector<std::string>> result;
 	std::map<std::string, size_t> primitives;
 	for ( const io::LoadedShape& shape : report.shapes )
-		result[shape.owner].push_back( shape.file.empty() ? colours.ofPrimitive( shape.owner, primitives[shape.owner]++ ) : colours.ofMesh( shape.file ) );
+		result[shape.owner].push_back( shape.file.empty() ? colours.ofPrimitive( shape.owner, primitives[shape.owner]++ )
+		                                                  : colours.ofMesh( shape.file ) );
 	return result;
 }
 
@@ -248,8 +255,9 @@ std::map<std::string, std::vector<std::string>> surfaces( const io::LoadReport& 
 class Stage
 {
 public:
-	Stage( const io::RobotModel& robot_model, const io::SceneModel& scene_model, const io::Problem& problem, const std::string& colour_file )
-		: robot( problem.robot.get() ), colours( colour_file, gltf ), meshes( gltf )
+	Stage( const io::RobotModel& robot_model, const io::SceneModel& scene_model, const io::Problem& problem,
+	    const std::string& colour_file )
+	    : robot( problem.robot.get() ), colours( colour_file, gltf ), meshes( gltf )
 	{
 		const auto robot_surfaces = surfaces( robot_model.report, colours );
 		for ( const io::LinkModel& link : robot_model.links )
@@ -275,7 +283,8 @@ public:
 	{
 		for ( const auto& [link, painted] : links )
 		{
-			const int node = gltf.addNode( lw_robot_link_name( robot, link ), -1, translation( poses[link] ), rotation( poses[link] ) );
+			const int node =
+			    gltf.addNode( lw_robot_link_name( robot, link ), -1, translation( poses[link] ), rotation( poses[link] ) );
 			for ( const Painted& shape : painted )
 				add( "shape", node, shape, 1 );
 		}
@@ -344,7 +353,8 @@ Motion sample( const io::Problem& problem, const Path& path )
 		if ( states.size() == 1 )
 			state = states.front();
 		else
-			lw_robot_interpolate( robot, states[k].data(), states[k + 1].data(), std::clamp( ( t - arrival[k] ) / ( arrival[k + 1] - arrival[k] ), 0.0, 1.0 ), state.data() );
+			lw_robot_interpolate( robot, states[k].data(), states[k + 1].data(),
+			    std::clamp( ( t - arrival[k] ) / ( arrival[k + 1] - arrival[k] ), 0.0, 1.0 ), state.data() );
 		motion.poses.emplace_back( lw_robot_link_count( robot ) );
 		leeway::require( lw_robot_fk( robot, state.data(), motion.poses.back().data() ), "forward kinematics" );
 		motion.times.push_back( i / 30.0 );
@@ -391,7 +401,10 @@ void addTrails( Stage& stage, const Motion& motion, const std::set<uint32_t>& mo
 			for ( int i = 1; i <= steps; ++i )
 			{
 				const double s = static_cast<double>( i ) / steps;
-				stage.gltf.addNode( "trail", -1, { last[0] + s * ( to[0] - last[0] ), last[1] + s * ( to[1] - last[1] ), last[2] + s * ( to[2] - last[2] ) }, { 0, 0, 0, 1 }, mesh );
+				stage.gltf.addNode( "trail", -1,
+				    { last[0] + s * ( to[0] - last[0] ), last[1] + s * ( to[1] - last[1] ),
+				        last[2] + s * ( to[2] - last[2] ) },
+				    { 0, 0, 0, 1 }, mesh );
 			}
 			if ( steps > 0 )
 				last = to;
@@ -414,7 +427,8 @@ std::vector<size_t> ghostFrames( const Motion& motion, const std::set<uint32_t>&
 	}
 	std::vector<size_t> frames;
 	for ( int i = 0; i < ghosts; ++i )
-		frames.push_back( static_cast<size_t>( std::lower_bound( way.begin(), way.end(), way.back() * i / ghosts ) - way.begin() ) );
+		frames.push_back(
+		    static_cast<size_t>( std::lower_bound( way.begin(), way.end(), way.back() * i / ghosts ) - way.begin() ) );
 	return frames;
 }
 
@@ -432,7 +446,8 @@ std::string lightImage()
 {
 	const int width = 256, height = 128;
 	std::string bytes = fmt::format( "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", height, width );
-	auto put = [&bytes]( double r, double g, double b ) {
+	auto put = [&bytes]( double r, double g, double b )
+	{
 		int exponent = 0;
 		const double scale = std::frexp( std::max( { r, g, b, 1e-9 } ), &exponent ) * 256 / std::max( { r, g, b, 1e-9 } );
 		for ( double v : { r, g, b } )
@@ -443,13 +458,16 @@ std::string lightImage()
 		for ( int x = 0; x < width; ++x )
 		{
 			const double up = std::cos( M_PI * ( y + 0.5 ) / height ), around = 2 * M_PI * ( x + 0.5 ) / width;
-			auto lamp = [&]( double at_up, double at_around, double size, double power ) {
-				const double across = std::remainder( around - at_around, 2 * M_PI ) * std::sqrt( std::max( 0.05, 1 - up * up ) );
+			auto lamp = [&]( double at_up, double at_around, double size, double power )
+			{
+				const double across =
+				    std::remainder( around - at_around, 2 * M_PI ) * std::sqrt( std::max( 0.05, 1 - up * up ) );
 				return power * std::exp( -( across * across + ( up - at_up ) * ( up - at_up ) ) / ( size * size ) );
 			};
 			const double sky = 0.36 + 0.40 * std::max( 0.0, up ), ground = up < 0 ? 0.26 * up : 0;
 			const double key = lamp( 0.65, 0.9, 0.45, 4.2 ), fill = lamp( 0.35, 3.6, 0.7, 0.9 );
-			put( sky + ground * 0.8 + key * 1.00 + fill * 0.85, sky + ground * 0.9 + key * 0.95 + fill * 0.93, sky + ground + key * 0.86 + fill * 1.05 );
+			put( sky + ground * 0.8 + key * 1.00 + fill * 0.85, sky + ground * 0.9 + key * 0.95 + fill * 0.93,
+			    sky + ground + key * 0.86 + fill * 1.05 );
 		}
 	return bytes;
 }
@@ -504,17 +522,19 @@ void run( const Options& options )
 	fmt::print( "{}: {:.1f} s of motion, {} links move\n", options.path, motion.times.back(), moving.size() );
 }
 
-const char* usage = "usage: kitchen_render --robot R.urdf --scene S.yaml --path P.yaml [--colours C.yaml]\n"
-					"                      [--animation OUT.glb] [--still OUT.glb] [--ghosts N] [--light OUT.hdr]\n"
-					"Writes the motion as animated glTF, the goal with ghosts of the motion as still glTF, and a light for viewers.\n";
+const char* usage =
+    "usage: kitchen_render --robot R.urdf --scene S.yaml --path P.yaml [--colours C.yaml]\n"
+    "                      [--animation OUT.glb] [--still OUT.glb] [--ghosts N] [--light OUT.hdr]\n"
+    "Writes the motion as animated glTF, the goal with ghosts of the motion as still glTF, and a light for viewers.\n";
 
 } // namespace
 
 int main( int argc, char** argv )
 {
 	Options options;
-	const std::map<std::string, std::string Options::*> texts = { { "--robot", &Options::robot }, { "--scene", &Options::scene }, { "--path", &Options::path },
-		{ "--colours", &Options::colours }, { "--animation", &Options::animation }, { "--still", &Options::still }, { "--light", &Options::light } };
+	const std::map<std::string, std::string Options::*> texts = { { "--robot", &Options::robot },
+	    { "--scene", &Options::scene }, { "--path", &Options::path }, { "--colours", &Options::colours },
+	    { "--animation", &Options::animation }, { "--still", &Options::still }, { "--light", &Options::light } };
 	for ( int i = 1; i < argc; ++i )
 	{
 		const std::string key = argv[i];
@@ -537,7 +557,8 @@ int main( int argc, char** argv )
 			options.ghosts = std::clamp( std::atoi( value.c_str() ), 0, 100 );
 	}
 	const bool draws = !options.animation.empty() || !options.still.empty();
-	if ( ( !draws && options.light.empty() ) || ( draws && ( options.robot.empty() || options.scene.empty() || options.path.empty() ) ) )
+	if ( ( !draws && options.light.empty() ) ||
+	     ( draws && ( options.robot.empty() || options.scene.empty() || options.path.empty() ) ) )
 	{
 		fmt::print( stderr, "{}", usage );
 		return 2;

@@ -55,7 +55,8 @@ std::string content( const fs::path& file )
 /// The demo read by leeway.
 struct Loaded
 {
-	io::RobotModel robot = io::loadRobot( ( written( "first" ) / "robot.urdf" ).string(), ( written( "first" ) / "robot.srdf" ).string() );
+	io::RobotModel robot =
+	    io::loadRobot( ( written( "first" ) / "robot.urdf" ).string(), ( written( "first" ) / "robot.srdf" ).string() );
 	io::SceneModel scene = io::loadScene( ( written( "first" ) / "scene.yaml" ).string() );
 };
 
@@ -130,7 +131,8 @@ double clearance( const io::Problem& problem, const std::vector<double>& state )
 	const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 	const lw_range range = lw_range_exact();
 	lw_state_result result;
-	if ( lw_checker_state( problem.checker.get(), query.get(), state.data(), LW_WHAT_BOTH, &range, false, &result ) != LW_OK )
+	if ( lw_checker_state( problem.checker.get(), query.get(), state.data(), LW_WHAT_BOTH, &range, false, &result ) !=
+	     LW_OK )
 		return 0;
 	return std::min( result.environment.lower, result.self.lower );
 }

@@ -104,7 +104,7 @@ struct Reach
 	std::string name, group, what;
 	std::map<std::string, double> start; ///< joints that are not at the tucked pose
 	std::vector<HandTarget> hands;
-	std::vector<double> goal;            ///< of the group's joints, in its order
+	std::vector<double> goal; ///< of the group's joints, in its order
 };
 
 /// The pose in which the robot drives: arms folded before the chest.

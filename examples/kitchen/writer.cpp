@@ -22,7 +22,8 @@ void writeFile( const fs::path& path, const std::string& bytes )
 	file.write( bytes.data(), static_cast<std::streamsize>( bytes.size() ) );
 	file.close();
 	if ( !file )
-		throw std::runtime_error( fmt::format( "{}: cannot be written; check the folder's permissions and free space", path.string() ) );
+		throw std::runtime_error(
+		    fmt::format( "{}: cannot be written; check the folder's permissions and free space", path.string() ) );
 }
 
 /// At most nine decimals, no trailing zeros, no negative zero.
@@ -40,8 +41,7 @@ std::string spaced( Vec3 v )
 	return number( v.x ) + " " + number( v.y ) + " " + number( v.z );
 }
 
-template <typename Range>
-std::string listed( const Range& values )
+template <typename Range> std::string listed( const Range& values )
 {
 	std::string text;
 	for ( double value : values )
@@ -56,12 +56,13 @@ std::string meshBytes( const Part& part )
 
 std::string urdf( const Robot& robot, const std::string& package )
 {
-	std::string text = "<?xml version=\"1.0\"?>\n<!-- written by kitchen_demo; metres, radians -->\n<robot name=\"kitchen_humanoid\">\n";
+	std::string text =
+	    "<?xml version=\"1.0\"?>\n<!-- written by kitchen_demo; metres, radians -->\n<robot name=\"kitchen_humanoid\">\n";
 	for ( const char* name : { "shell", "grey", "graphite", "accent", "visor", "eye" } )
 	{
 		const Material& m = material( name );
-		text += fmt::format( "  <material name=\"{}\"><color rgba=\"{} {} {} {}\"/></material>\n", m.name, number( m.red ), number( m.green ),
-			number( m.blue ), number( m.alpha ) );
+		text += fmt::format( "  <material name=\"{}\"><color rgba=\"{} {} {} {}\"/></material>\n", m.name, number( m.red ),
+		    number( m.green ), number( m.blue ), number( m.alpha ) );
 	}
 	for ( const Link& link : robot.links )
 	{
@@ -73,20 +74,23 @@ std::string urdf( const Robot& robot, const std::string& package )
 		text += fmt::format( "  <link name=\"{}\">\n", link.name );
 		for ( const Part& part : link.parts )
 		{
-			const std::string geometry = fmt::format( "<geometry><mesh filename=\"package://{}/meshes/robot/{}\"/></geometry>", package, part.file );
-			text += fmt::format( "    <visual>{}<material name=\"{}\"/></visual>\n    <collision>{}</collision>\n", geometry, part.material, geometry );
+			const std::string geometry =
+			    fmt::format( "<geometry><mesh filename=\"package://{}/meshes/robot/{}\"/></geometry>", package, part.file );
+			text += fmt::format( "    <visual>{}<material name=\"{}\"/></visual>\n    <collision>{}</collision>\n", geometry,
+			    part.material, geometry );
 		}
 		text += "  </link>\n";
 	}
 	for ( const Joint& joint : robot.joints )
 	{
-		text += fmt::format( "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n", joint.name, joint.type,
-			joint.parent, joint.child );
+		text += fmt::format( "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n",
+		    joint.name, joint.type, joint.parent, joint.child );
 		text += fmt::format( "    <origin xyz=\"{}\" rpy=\"{}\"/>\n", spaced( joint.xyz ), spaced( joint.rpy ) );
 		if ( joint.type != "fixed" )
 			text += fmt::format( "    <axis xyz=\"{}\"/>\n", spaced( joint.axis ) );
 		if ( joint.type == "revolute" || joint.type == "prismatic" )
-			text += fmt::format( "    <limit lower=\"{}\" upper=\"{}\" effort=\"100\" velocity=\"1\"/>\n", number( joint.lower ), number( joint.upper ) );
+			text += fmt::format( "    <limit lower=\"{}\" upper=\"{}\" effort=\"100\" velocity=\"1\"/>\n",
+			    number( joint.lower ), number( joint.upper ) );
 		else if ( joint.type == "continuous" )
 			text += "    <limit effort=\"100\" velocity=\"1\"/>\n";
 		text += "  </joint>\n";
@@ -110,14 +114,15 @@ std::string srdf( const Robot& robot )
 		text += fmt::format( "    <joint name=\"{}\" value=\"{}\"/>\n", joint, number( tucked.at( joint ) ) );
 	text += "  </group_state>\n";
 	for ( const auto& pair : robot.allowed )
-		text += fmt::format( "  <disable_collisions link1=\"{}\" link2=\"{}\" reason=\"{}\"/>\n", pair[0], pair[1], pair[2] );
+		text +=
+		    fmt::format( "  <disable_collisions link1=\"{}\" link2=\"{}\" reason=\"{}\"/>\n", pair[0], pair[1], pair[2] );
 	return text + "</robot>\n";
 }
 
 std::string poseYaml( const Pose& pose, const char* indent )
 {
-	return fmt::format( "{0}- position: {1}\n{0}  orientation: {2}\n", indent, listed( std::array<double, 3>{ pose.t.x, pose.t.y, pose.t.z } ),
-		listed( quaternion( pose ) ) );
+	return fmt::format( "{0}- position: {1}\n{0}  orientation: {2}\n", indent,
+	    listed( std::array<double, 3>{ pose.t.x, pose.t.y, pose.t.z } ), listed( quaternion( pose ) ) );
 }
 
 std::string objectYaml( const Room& room, const Object& object, const std::string& package )
@@ -126,12 +131,14 @@ std::string objectYaml( const Room& room, const Object& object, const std::strin
 	for ( const Placed& shape : object.shapes )
 		if ( shape.part >= 0 )
 		{
-			meshes += fmt::format( "        - resource: \"package://{}/meshes/{}\"\n", package, room.parts[static_cast<size_t>( shape.part )].file );
+			meshes += fmt::format( "        - resource: \"package://{}/meshes/{}\"\n", package,
+			    room.parts[static_cast<size_t>( shape.part )].file );
 			mesh_poses += poseYaml( shape.pose, "        " );
 		}
 		else
 		{
-			primitives += fmt::format( "        - type: {}\n          dimensions: {}\n", shape.type, listed( shape.dimensions ) );
+			primitives +=
+			    fmt::format( "        - type: {}\n          dimensions: {}\n", shape.type, listed( shape.dimensions ) );
 			primitive_poses += poseYaml( shape.pose, "        " );
 		}
 	std::string text = fmt::format( "    - id: {}\n", object.id );
@@ -145,11 +152,11 @@ std::string objectYaml( const Room& room, const Object& object, const std::strin
 std::string sceneYaml( const Room& room, const std::string& package )
 {
 	std::string text = "# A kitchen, written by kitchen_demo. Metres, z up, floor at z = 0; orientation is x y z w.\n"
-					   "name: kitchen\nrobot_model_name: kitchen_humanoid\n"
-					   "fixed_frame_transforms:\n  - child_frame_id: world\n    transform:\n      translation: [0, 0, 0]\n"
-					   "      rotation: [0, 0, 0, 1]\n"
-					   "allowed_collision_matrix: # the wheels stand on the floor\n  entry_names: [base, floor]\n"
-					   "  entry_values:\n    - [false, true]\n    - [true, false]\nworld:\n  collision_objects:\n";
+	                   "name: kitchen\nrobot_model_name: kitchen_humanoid\n"
+	                   "fixed_frame_transforms:\n  - child_frame_id: world\n    transform:\n      translation: [0, 0, 0]\n"
+	                   "      rotation: [0, 0, 0, 1]\n"
+	                   "allowed_collision_matrix: # the wheels stand on the floor\n  entry_names: [base, floor]\n"
+	                   "  entry_values:\n    - [false, true]\n    - [true, false]\nworld:\n  collision_objects:\n";
 	for ( const Object& object : room.objects )
 		text += objectYaml( room, object, package );
 	return text;
@@ -160,7 +167,8 @@ std::string coloursYaml( const Demo& demo )
 {
 	std::string text = "# Colours for pictures: base colour (sRGB and alpha), roughness, metallic.\nmaterials:\n";
 	for ( const Material& m : materials() )
-		text += fmt::format( "  {}: {}\n", m.name, listed( std::array<double, 6>{ m.red, m.green, m.blue, m.alpha, m.roughness, m.metallic } ) );
+		text += fmt::format( "  {}: {}\n", m.name,
+		    listed( std::array<double, 6>{ m.red, m.green, m.blue, m.alpha, m.roughness, m.metallic } ) );
 	text += "meshes: # by file\n";
 	for ( const Link& link : demo.robot.links )
 		for ( const Part& part : link.parts )
@@ -194,15 +202,17 @@ std::string requestYaml( const Demo& demo, const Reach& reach )
 		}
 	const Group& group = demo.robot.group( reach.group );
 	if ( group.joints.size() != reach.goal.size() )
-		throw std::runtime_error( fmt::format( "reach {}: {} goal values for the {} joints of {}", reach.name, reach.goal.size(), group.joints.size(), group.name ) );
+		throw std::runtime_error( fmt::format( "reach {}: {} goal values for the {} joints of {}", reach.name,
+		    reach.goal.size(), group.joints.size(), group.name ) );
 	for ( size_t i = 0; i < group.joints.size(); ++i )
 		goals += fmt::format( "      - joint_name: {}\n        position: {}\n", group.joints[i], number( reach.goal[i] ) );
-	return fmt::format( "# {}; scene: scene.yaml, robot: robot.urdf + robot.srdf\n"
-						"start_state:\n  joint_state:\n    name: [{}]\n    position: [{}]\n"
-						"goal_constraints:\n  - joint_constraints:\n{}"
-						"workspace_parameters:\n  header:\n    frame_id: world\n  min_corner: [0, 0, 0]\n  max_corner: [4.4, 3.6, 2.5]\n"
-						"planner_id: RRTConnect\ngroup_name: {}\nnum_planning_attempts: 1\nallowed_planning_time: 60\n",
-		reach.what, names, values, goals, reach.group );
+	return fmt::format(
+	    "# {}; scene: scene.yaml, robot: robot.urdf + robot.srdf\n"
+	    "start_state:\n  joint_state:\n    name: [{}]\n    position: [{}]\n"
+	    "goal_constraints:\n  - joint_constraints:\n{}"
+	    "workspace_parameters:\n  header:\n    frame_id: world\n  min_corner: [0, 0, 0]\n  max_corner: [4.4, 3.6, 2.5]\n"
+	    "planner_id: RRTConnect\ngroup_name: {}\nnum_planning_attempts: 1\nallowed_planning_time: 60\n",
+	    reach.what, names, values, goals, reach.group );
 }
 
 } // namespace
