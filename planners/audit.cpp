@@ -96,10 +96,10 @@ class Auditor
 {
 public:
 	Auditor( const Workbench& bench, const AuditSettings& settings, const std::string& file )
-		: m_bench( bench ), m_settings( settings ), m_file( file ), m_meter( bench ),
-		  m_query( makeQuery( bench.checker() ) )
+	    : m_bench( bench ), m_settings( settings ), m_file( file ), m_meter( bench ), m_query( makeQuery( bench.checker() ) )
 	{
-		m_audit.environment.clearance = { ( settings.what & LW_WHAT_ENVIRONMENT ) != 0, infinity, infinity, "", "", {}, {}, false };
+		m_audit.environment.clearance = {
+		    ( settings.what & LW_WHAT_ENVIRONMENT ) != 0, infinity, infinity, "", "", {}, {}, false };
 		m_audit.self.clearance = { ( settings.what & LW_WHAT_SELF ) != 0, infinity, infinity, "", "", {}, {}, false };
 		m_audit.environment_between = m_audit.self_between = infinity;
 	}
@@ -166,7 +166,7 @@ private:
 		if ( !( clearance.lower > m_settings.min_d ) )
 		{
 			problem( fmt::format( "{} clearance {} m of {} - {} on edge {} at t {:.6f} is not above min-d {}", which,
-				clearance.lower, clearance.first, clearance.second, place.edge, place.t, m_settings.min_d ) );
+			    clearance.lower, clearance.first, clearance.second, place.edge, place.t, m_settings.min_d ) );
 		}
 		return clearance.lower;
 	}
@@ -177,17 +177,18 @@ private:
 		const std::vector<double> q = m_bench.groupState( m_full );
 		lw_state_result state;
 		const lw_status status =
-			lw_checker_state( m_bench.checker(), m_query.get(), q.data(), m_settings.what, nullptr, false, &state );
+		    lw_checker_state( m_bench.checker(), m_query.get(), q.data(), m_settings.what, nullptr, false, &state );
 		if ( status != LW_OK )
 		{
 			throw io::Error( m_file, fmt::format( "edge {}", place.edge ),
-				std::string( "a state cannot be measured (" ) + lw_status_name( status ) + ")", "check the points of the path" );
+			    std::string( "a state cannot be measured (" ) + lw_status_name( status ) + ")",
+			    "check the points of the path" );
 		}
 		AuditSample now_ = { place, infinity, infinity };
 		if ( m_audit.environment.clearance.asked )
 		{
-			now_.environment = take(
-				"environment", nameEnvironment( m_bench.checker(), state.environment ), place, m_audit.environment );
+			now_.environment =
+			    take( "environment", nameEnvironment( m_bench.checker(), state.environment ), place, m_audit.environment );
 		}
 		if ( m_audit.self.clearance.asked )
 		{
@@ -197,7 +198,7 @@ private:
 		{
 			const AuditSample& last = m_audit.samples.back();
 			m_audit.environment_between =
-				std::min( m_audit.environment_between, ( last.environment + now_.environment - motion ) / 2 );
+			    std::min( m_audit.environment_between, ( last.environment + now_.environment - motion ) / 2 );
 			m_audit.self_between = std::min( m_audit.self_between, ( last.self + now_.self - 2 * motion ) / 2 );
 		}
 		m_audit.samples.push_back( now_ );
@@ -211,7 +212,8 @@ private:
 		return std::max( m_settings.resolution, step_share * room );
 	}
 
-	void edge( std::size_t index, const std::vector<double>& qa, const std::vector<double>& qb, double before, double length )
+	void edge(
+	    std::size_t index, const std::vector<double>& qa, const std::vector<double>& qb, double before, double length )
 	{
 		const std::vector<double> a = m_bench.fullState( qa ), b = m_bench.fullState( qb );
 		double travel = 0;
@@ -275,7 +277,7 @@ std::string leastLine( const char* which, const AuditLeast& least, double betwee
 		return fmt::format( "{:<12}nothing near, clearance {} m\n", which, least.clearance.lower );
 	}
 	return fmt::format( "{:<12}least {:.6f} m, {} - {}, on {}; between the measured states at least {:.6f} m\n", which,
-		least.clearance.lower, least.clearance.first, least.clearance.second, place( least.place ), between );
+	    least.clearance.lower, least.clearance.first, least.clearance.second, place( least.place ), between );
 }
 
 Json leastJson( const AuditLeast& least, double between )
@@ -305,25 +307,26 @@ double jointDistance( const Workbench& bench, const std::vector<double>& a, cons
 }
 
 Audit auditPath( const Workbench& bench, const std::vector<std::vector<double>>& points, const AuditSettings& settings,
-	const std::string& file )
+    const std::string& file )
 {
 	return Auditor( bench, settings, file ).run( points );
 }
 
-void auditEnds( const Workbench& bench, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit )
+void auditEnds(
+    const Workbench& bench, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit )
 {
 	// Ends are compared as a planner keeps them: angles that wrap may come back a turn and some roundings away.
 	constexpr double tolerance = 1e-9;
 	const std::vector<double> start = io::startState( bench.problem() ), goal = io::goalState( bench.problem(), request );
 	for ( const auto& [name, wanted, given] :
-		{ std::make_tuple( "start", &start, &points.front() ), std::make_tuple( "goal", &goal, &points.back() ) } )
+	    { std::make_tuple( "start", &start, &points.front() ), std::make_tuple( "goal", &goal, &points.back() ) } )
 	{
 		const double difference = jointDistance( bench, *wanted, *given );
 		if ( !( difference <= tolerance ) )
 		{
 			audit.valid = false;
 			audit.problems.push_back(
-				fmt::format( "the path's {} is {:.3g} (joint space) away from the request's", name, difference ) );
+			    fmt::format( "the path's {} is {:.3g} (joint space) away from the request's", name, difference ) );
 		}
 	}
 }
@@ -334,7 +337,7 @@ std::vector<AuditSample> profile( const Audit& audit, std::size_t stretches )
 	for ( const AuditSample& sample : audit.samples )
 	{
 		const std::size_t stretch =
-			std::min( stretches - 1, static_cast<std::size_t>( sample.place.s * double( stretches ) ) );
+		    std::min( stretches - 1, static_cast<std::size_t>( sample.place.s * double( stretches ) ) );
 		while ( least.size() <= stretch )
 		{
 			least.push_back( { sample.place, infinity, infinity } );
@@ -349,9 +352,10 @@ std::vector<AuditSample> profile( const Audit& audit, std::size_t stretches )
 std::string describe( const Audit& audit, const AuditSettings& settings, const std::vector<std::vector<double>>& points )
 {
 	std::string text = fmt::format( "path        {} states, length {:.6g}\n", points.size(), audit.length );
-	text += fmt::format( "audit       {}: {} exact states in {:.2f} s; between two of them no robot point moves more than {:g} mm "
-						 "or a quarter of the room above min-d {:g} m\n",
-		audit.valid ? "VALID" : "NOT VALID", audit.states, audit.seconds, 1000 * settings.resolution, settings.min_d );
+	text += fmt::format(
+	    "audit       {}: {} exact states in {:.2f} s; between two of them no robot point moves more than {:g} mm "
+	    "or a quarter of the room above min-d {:g} m\n",
+	    audit.valid ? "VALID" : "NOT VALID", audit.states, audit.seconds, 1000 * settings.resolution, settings.min_d );
 	for ( const std::string& problem : audit.problems )
 	{
 		text += fmt::format( "            {}\n", problem );
@@ -385,8 +389,8 @@ Json toJson( const Audit& audit, const AuditSettings& settings )
 	json["profile"] = Json::array();
 	for ( const AuditSample& part : profile( audit, 100 ) )
 	{
-		json["profile"].push_back(
-			{ { "s", part.place.s }, { "environment", jsonNumber( part.environment ) }, { "self", jsonNumber( part.self ) } } );
+		json["profile"].push_back( { { "s", part.place.s }, { "environment", jsonNumber( part.environment ) },
+		    { "self", jsonNumber( part.self ) } } );
 	}
 	return json;
 }
@@ -397,7 +401,7 @@ std::string profileCsv( const Audit& audit )
 	for ( const AuditSample& sample : audit.samples )
 	{
 		fmt::format_to( std::back_inserter( text ), "{},{},{},{},{}\n", sample.place.s, sample.place.edge, sample.place.t,
-			sample.environment, sample.self );
+		    sample.environment, sample.self );
 	}
 	return text;
 }

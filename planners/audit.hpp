@@ -61,10 +61,11 @@ double jointDistance( const Workbench& bench, const std::vector<double>& a, cons
 /// @param points group states
 /// @throws io::Error naming `file`
 Audit auditPath( const Workbench& bench, const std::vector<std::vector<double>>& points, const AuditSettings& settings,
-	const std::string& file );
+    const std::string& file );
 
 /// Adds to the audit's problems if the path does not run from the request's start to its goal.
-void auditEnds( const Workbench& bench, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit );
+void auditEnds(
+    const Workbench& bench, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit );
 
 /// Least clearances in equal stretches of the path's length.
 std::vector<AuditSample> profile( const Audit& audit, std::size_t stretches );

@@ -19,16 +19,19 @@ Values startValues( const PathFile& path, const io::RobotModel& robot, Notices& 
 	for ( const auto& [name, value] : path.start_state )
 	{
 		const std::string joint_name = name.substr( 0, name.find( '/' ) );
-		const bool known = std::any_of( robot.joints.begin(), robot.joints.end(), [&]( const io::JointModel& joint ) {
-			return joint.type != LW_JOINT_FIXED && joint.mimic.empty() && ( joint.name == name || joint.name == joint_name );
-		} );
+		const bool known = std::any_of( robot.joints.begin(), robot.joints.end(),
+		    [&]( const io::JointModel& joint ) {
+			    return joint.type != LW_JOINT_FIXED && joint.mimic.empty() &&
+			           ( joint.name == name || joint.name == joint_name );
+		    } );
 		if ( known )
 		{
 			values[name] = value;
 		}
 		else
 		{
-			notices.add( "unused joints", fmt::format( "{}: start_state: joint '{}': the robot cannot move it; it is ignored", path.file, name ) );
+			notices.add( "unused joints",
+			    fmt::format( "{}: start_state: joint '{}': the robot cannot move it; it is ignored", path.file, name ) );
 		}
 	}
 	return values;
@@ -44,8 +47,9 @@ std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbe
 		const auto found = std::find( path.joint_names.begin(), path.joint_names.end(), name );
 		if ( found == path.joint_names.end() )
 		{
-			throw io::Error( path.file, "joint_names", fmt::format( "lacks joint '{}' of group '{}'", name, bench.problem().group ),
-				"audit with the group the path was planned for (--group)" );
+			throw io::Error( path.file, "joint_names",
+			    fmt::format( "lacks joint '{}' of group '{}'", name, bench.problem().group ),
+			    "audit with the group the path was planned for (--group)" );
 		}
 		column.push_back( static_cast<std::size_t>( found - path.joint_names.begin() ) );
 	}
@@ -53,8 +57,9 @@ std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbe
 	{
 		if ( std::find( wanted.begin(), wanted.end(), name ) == wanted.end() )
 		{
-			throw io::Error( path.file, "joint_names", fmt::format( "joint '{}' is not in group '{}'", name, bench.problem().group ),
-				"audit with the group the path was planned for (--group)" );
+			throw io::Error( path.file, "joint_names",
+			    fmt::format( "joint '{}' is not in group '{}'", name, bench.problem().group ),
+			    "audit with the group the path was planned for (--group)" );
 		}
 	}
 	std::vector<std::vector<double>> points;
@@ -79,7 +84,8 @@ int runAudit( const AuditOptions& options )
 	const Input input = loadInput( options.common, notices );
 	if ( !path.robot.empty() && path.robot != input.robot.name )
 	{
-		notices.add( "the path", fmt::format( "{}: it was planned for robot '{}', this is '{}'", path.file, path.robot, input.robot.name ) );
+		notices.add( "the path",
+		    fmt::format( "{}: it was planned for robot '{}', this is '{}'", path.file, path.robot, input.robot.name ) );
 	}
 	const std::string group = options.common.group.empty() ? path.group : options.common.group;
 	Workbench bench( input, group, startValues( path, input.robot, notices ), notices );

@@ -32,7 +32,8 @@ int runCheck( const CheckOptions& options )
 	const StateColumns columns( table, "", bench, input.robot, notices );
 	if ( columns.used().empty() )
 	{
-		throw io::Error( options.states, "header", "names no joint of the robot", "give one column per joint, titled with its name" );
+		throw io::Error(
+		    options.states, "header", "names no joint of the robot", "give one column per joint, titled with its name" );
 	}
 	const std::vector<double> base = bench.problem().reference;
 	// All rows are read before the first is checked, so that a bad cell costs no waiting.
@@ -56,19 +57,20 @@ int runCheck( const CheckOptions& options )
 		const std::vector<double> q = bench.groupState( states[row] );
 		const double start = now();
 		const lw_state_result result =
-			measure( bench, q, what, &range, options.states, fmt::format( "line {}", table.rows[row].line ) );
+		    measure( bench, q, what, &range, options.states, fmt::format( "line {}", table.rows[row].line ) );
 		microseconds.push_back( 1e6 * ( now() - start ) );
 		fmt::format_to( std::back_inserter( out.text ), "{},{},{},{:.3f}\n", row, lw_verdict_name( result.verdict ),
-			clearanceCells( nameEnvironment( bench.checker(), result.environment, environment ),
-				nameSelf( bench.checker(), result.self, self ) ),
-			microseconds.back() );
+		    clearanceCells( nameEnvironment( bench.checker(), result.environment, environment ),
+		        nameSelf( bench.checker(), result.self, self ) ),
+		    microseconds.back() );
 		counts.count( result.verdict );
 		progress.step( row + 1 );
 	}
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
-	fmt::print( stderr, "leeway: {} states: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per state\n",
-		states.size(), counts.free, counts.blocked, counts.refused, median, mean );
+	fmt::print( stderr,
+	    "leeway: {} states: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per state\n",
+	    states.size(), counts.free, counts.blocked, counts.refused, median, mean );
 	return counts.free == states.size() ? exit_yes : exit_no;
 }
 

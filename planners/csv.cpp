@@ -56,7 +56,8 @@ std::vector<std::string> split( const std::string& file, std::size_t line, const
 	}
 	if ( quoted )
 	{
-		throw io::Error( file, fmt::format( "line {}", line ), "a quoted cell does not end", "close the quote on the same line" );
+		throw io::Error(
+		    file, fmt::format( "line {}", line ), "a quoted cell does not end", "close the quote on the same line" );
 	}
 	cells.push_back( was_quoted ? cell : trimmed( cell ) );
 	return cells;
@@ -70,11 +71,12 @@ void checkHeader( const CsvTable& table, std::size_t line )
 		if ( name.empty() )
 		{
 			throw io::Error( table.file, fmt::format( "line {}", line ), "a column of the header has no name",
-				"name every column, or remove the extra comma" );
+			    "name every column, or remove the extra comma" );
 		}
 		if ( !seen.insert( name ).second )
 		{
-			throw io::Error( table.file, fmt::format( "column '{}'", name ), "appears twice in the header", "keep one of them" );
+			throw io::Error(
+			    table.file, fmt::format( "column '{}'", name ), "appears twice in the header", "keep one of them" );
 		}
 	}
 }
@@ -112,15 +114,15 @@ CsvTable readCsv( const std::string& file )
 		if ( cells.size() != table.header.size() )
 		{
 			throw io::Error( file, fmt::format( "line {}", line ),
-				fmt::format( "has {} cells where the header has {} columns", cells.size(), table.header.size() ),
-				"give one value for every column" );
+			    fmt::format( "has {} cells where the header has {} columns", cells.size(), table.header.size() ),
+			    "give one value for every column" );
 		}
 		table.rows.push_back( { line, std::move( cells ) } );
 	}
 	if ( stream.bad() || table.header.empty() )
 	{
 		throw io::Error( file, "table", stream.bad() ? "cannot be read" : "is empty",
-			"give a header line of column names, then one line per row" );
+		    "give a header line of column names, then one line per row" );
 	}
 	return table;
 }
@@ -131,12 +133,13 @@ double CsvTable::value( std::size_t row, std::size_t column ) const
 	char* end = nullptr;
 	const double number = std::strtod( cell.c_str(), &end );
 	// strtod also takes hexadecimal, "inf" and "nan"; none is a joint value.
-	const bool decimal = !cell.empty() && end == cell.c_str() + cell.size() && cell.find_first_of( "xX" ) == std::string::npos;
+	const bool decimal =
+	    !cell.empty() && end == cell.c_str() + cell.size() && cell.find_first_of( "xX" ) == std::string::npos;
 	if ( !decimal || !std::isfinite( number ) )
 	{
 		throw io::Error( file, fmt::format( "line {}, column '{}'", rows[row].line, header[column] ),
-			cell.empty() ? "the value is missing" : fmt::format( "'{}' is not a finite number", cell ),
-			"give a finite number in radians or metres" );
+		    cell.empty() ? "the value is missing" : fmt::format( "'{}' is not a finite number", cell ),
+		    "give a finite number in radians or metres" );
 	}
 	return number;
 }

@@ -28,20 +28,21 @@ void requirePairs( const CsvTable& table )
 		}
 	}
 	for ( const auto& [present, other, missing] :
-		{ std::make_tuple( &from, &to, "to:" ), std::make_tuple( &to, &from, "from:" ) } )
+	    { std::make_tuple( &from, &to, "to:" ), std::make_tuple( &to, &from, "from:" ) } )
 	{
 		for ( const std::string& name : *present )
 		{
 			if ( other->count( name ) == 0 )
 			{
 				throw io::Error( table.file, "header", fmt::format( "there is no column '{}{}'", missing, name ),
-					"give both ends of every joint: from:" + name + " and to:" + name );
+				    "give both ends of every joint: from:" + name + " and to:" + name );
 			}
 		}
 	}
 	if ( from.empty() )
 	{
-		throw io::Error( table.file, "header", "has no columns from:<joint> and to:<joint>", "give both ends of every joint" );
+		throw io::Error(
+		    table.file, "header", "has no columns from:<joint> and to:<joint>", "give both ends of every joint" );
 	}
 }
 
@@ -58,7 +59,7 @@ std::vector<Ends> readEnds( const CsvTable& table, const Workbench& bench, const
 		if ( title.rfind( "from:", 0 ) != 0 && title.rfind( "to:", 0 ) != 0 )
 		{
 			notices.add( "unused columns",
-				fmt::format( "{}: column '{}': begins with neither from: nor to:; it is ignored", table.file, title ) );
+			    fmt::format( "{}: column '{}': begins with neither from: nor to:; it is ignored", table.file, title ) );
 		}
 	}
 	if ( from.used().empty() )
@@ -75,8 +76,8 @@ std::vector<Ends> readEnds( const CsvTable& table, const Workbench& bench, const
 			if ( !bench.inGroup( i ) && edges.back().from[i] != edges.back().to[i] )
 			{
 				throw io::Error( table.file, fmt::format( "line {}", table.rows[row].line ),
-					fmt::format( "joint {} moves but is not in group {}", bench.variableNames()[i], bench.problem().group ),
-					"give it the same value at both ends, or choose a group that has it" );
+				    fmt::format( "joint {} moves but is not in group {}", bench.variableNames()[i], bench.problem().group ),
+				    "give it the same value at both ends, or choose a group that has it" );
 			}
 		}
 		for ( const std::vector<double>* end : { &edges.back().from, &edges.back().to } )
@@ -102,7 +103,7 @@ lw_edge_def edgeDef( const EdgeCommandOptions& options )
 
 // Both intervals at the deciding state; for a certified edge what the proof says about every state of it.
 std::string intervals( const Workbench& bench, const std::vector<double>& qa, const std::vector<double>& qb,
-	const lw_edge_def& def, const lw_edge_result& edge, const std::string& file, std::size_t line )
+    const lw_edge_def& def, const lw_edge_result& edge, const std::string& file, std::size_t line )
 {
 	const bool environment = ( def.what & LW_WHAT_ENVIRONMENT ) != 0, self = ( def.what & LW_WHAT_SELF ) != 0;
 	if ( edge.verdict == LW_VERDICT_FREE )
@@ -119,9 +120,9 @@ std::string intervals( const Workbench& bench, const std::vector<double>& qa, co
 	std::vector<double> full( bench.problem().reference.size() );
 	lw_robot_interpolate( bench.robot(), bench.fullState( qa ).data(), bench.fullState( qb ).data(), edge.t, full.data() );
 	const lw_state_result state =
-		measure( bench, bench.groupState( full ), def.what, nullptr, file, fmt::format( "line {}", line ) );
-	return clearanceCells( nameEnvironment( bench.checker(), state.environment, environment ),
-		nameSelf( bench.checker(), state.self, self ) );
+	    measure( bench, bench.groupState( full ), def.what, nullptr, file, fmt::format( "line {}", line ) );
+	return clearanceCells(
+	    nameEnvironment( bench.checker(), state.environment, environment ), nameSelf( bench.checker(), state.self, self ) );
 }
 
 std::string pairCell( const Workbench& bench, const lw_edge_result& edge )
@@ -162,19 +163,21 @@ int runEdge( const EdgeCommandOptions& options )
 		if ( status != LW_OK )
 		{
 			throw io::Error( options.edges, fmt::format( "line {}", table.rows[row].line ),
-				std::string( "the edge cannot be used (" ) + lw_status_name( status ) + ")",
-				"give finite joint values and quaternions that are not zero" );
+			    std::string( "the edge cannot be used (" ) + lw_status_name( status ) + ")",
+			    "give finite joint values and quaternions that are not zero" );
 		}
-		fmt::format_to( std::back_inserter( out.text ), "{},{},{},{},{},{},{},{:.3f}\n", row, lw_verdict_name( edge.verdict ),
-			edge.t, edge.proved_until, intervals( bench, qa, qb, def, edge, options.edges, table.rows[row].line ),
-			pairCell( bench, edge ), edge.queries, microseconds.back() );
+		fmt::format_to( std::back_inserter( out.text ), "{},{},{},{},{},{},{},{:.3f}\n", row,
+		    lw_verdict_name( edge.verdict ), edge.t, edge.proved_until,
+		    intervals( bench, qa, qb, def, edge, options.edges, table.rows[row].line ), pairCell( bench, edge ),
+		    edge.queries, microseconds.back() );
 		++( edge.verdict == LW_VERDICT_FREE ? free : edge.verdict == LW_VERDICT_BLOCKED ? blocked : refused );
 		progress.step( row + 1 );
 	}
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
-	fmt::print( stderr, "leeway: {} edges: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per edge\n",
-		edges.size(), free, blocked, refused, median, mean );
+	fmt::print( stderr,
+	    "leeway: {} edges: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per edge\n",
+	    edges.size(), free, blocked, refused, median, mean );
 	return free == edges.size() ? exit_yes : exit_no;
 }
 

@@ -28,7 +28,8 @@ struct Totals
 	double milliseconds = 0;
 };
 
-void add( std::vector<ShapeLine>& lines, const std::string& owner, const std::vector<io::PlacedShape>& shapes, const io::LoadReport& report )
+void add( std::vector<ShapeLine>& lines, const std::string& owner, const std::vector<io::PlacedShape>& shapes,
+    const io::LoadReport& report )
 {
 	// The report has one line per collision element, in order, for every owner.
 	std::vector<const io::LoadedShape*> loaded;
@@ -86,7 +87,8 @@ std::vector<std::uint32_t> rigidLabels( const Workbench& bench, bool group_only 
 {
 	const lw_robot* robot = bench.robot();
 	std::vector<std::uint32_t> label( lw_robot_link_count( robot ) );
-	const auto moves = [&]( std::uint32_t joint ) {
+	const auto moves = [&]( std::uint32_t joint )
+	{
 		const std::uint32_t leader = lw_robot_joint_mimic( robot, joint );
 		const std::uint32_t variable = lw_robot_joint_variable( robot, leader == LW_INVALID_INDEX ? joint : leader );
 		return variable != LW_INVALID_INDEX && ( !group_only || bench.inGroup( variable ) );
@@ -95,7 +97,7 @@ std::vector<std::uint32_t> rigidLabels( const Workbench& bench, bool group_only 
 	{
 		std::uint32_t root = link;
 		for ( std::uint32_t joint = lw_robot_link_joint( robot, root ); joint != LW_INVALID_INDEX && !moves( joint );
-			  joint = lw_robot_link_joint( robot, root ) )
+		      joint = lw_robot_link_joint( robot, root ) )
 		{
 			root = lw_robot_joint_parent( robot, joint );
 		}
@@ -119,10 +121,10 @@ PairCounts countPairs( const Workbench& bench, const io::RobotModel& model )
 		for ( auto b = std::next( a ); b != links.end(); ++b )
 		{
 			++counts.all;
-			++( rigid[*a] == rigid[*b]                         ? counts.rigid
-					: lw_robot_pair_allowed( robot, *a, *b ) ? counts.disabled
-					: still[*a] == still[*b]                   ? counts.still
-															   : counts.checked );
+			++( rigid[*a] == rigid[*b]                   ? counts.rigid
+			    : lw_robot_pair_allowed( robot, *a, *b ) ? counts.disabled
+			    : still[*a] == still[*b]                 ? counts.still
+			                                             : counts.checked );
 		}
 	}
 	for ( const io::DisabledPair& pair : model.disabled )
@@ -140,31 +142,34 @@ std::string shapeTable( const std::vector<ShapeLine>& lines )
 		owner_width = std::max( owner_width, line.owner.size() );
 		source_width = std::max( source_width, line.source.size() );
 	}
-	std::string text = fmt::format( "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}\n", "owner", owner_width, "source", source_width,
-		"triangles", "nodes", "bytes", "ms" );
+	std::string text = fmt::format( "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}\n", "owner", owner_width, "source",
+	    source_width, "triangles", "nodes", "bytes", "ms" );
 	for ( const ShapeLine& line : lines )
 	{
 		fmt::format_to( std::back_inserter( text ), "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}\n", line.owner, owner_width,
-			line.source, source_width, line.info.triangle_count, line.shared ? "" : std::to_string( line.info.node_count ),
-			line.shared ? "" : std::to_string( line.info.bytes ), line.shared ? "shared" : fmt::format( "{:.2f}", line.milliseconds ) );
+		    line.source, source_width, line.info.triangle_count, line.shared ? "" : std::to_string( line.info.node_count ),
+		    line.shared ? "" : std::to_string( line.info.bytes ),
+		    line.shared ? "shared" : fmt::format( "{:.2f}", line.milliseconds ) );
 	}
 	return text;
 }
 
 std::string totalLine( const char* what, const Totals& totals )
 {
-	const double per_triangle = totals.distinct_triangles == 0 ? 0 : double( totals.bytes ) / double( totals.distinct_triangles );
-	return fmt::format( "{}: {} collision elements with {} triangles from {} distinct shapes ({} triangles, {} tree nodes, {} leaves, {} "
-						"bytes, {:.0f} bytes per triangle); read and built in {:.1f} ms\n",
-		what, totals.elements, totals.triangles, totals.shapes, totals.distinct_triangles, totals.nodes, totals.leaves,
-		totals.bytes, per_triangle, totals.milliseconds );
+	const double per_triangle =
+	    totals.distinct_triangles == 0 ? 0 : double( totals.bytes ) / double( totals.distinct_triangles );
+	return fmt::format(
+	    "{}: {} collision elements with {} triangles from {} distinct shapes ({} triangles, {} tree nodes, {} leaves, {} "
+	    "bytes, {:.0f} bytes per triangle); read and built in {:.1f} ms\n",
+	    what, totals.elements, totals.triangles, totals.shapes, totals.distinct_triangles, totals.nodes, totals.leaves,
+	    totals.bytes, per_triangle, totals.milliseconds );
 }
 
 Json totalJson( const Totals& totals )
 {
 	return { { "elements", totals.elements }, { "triangles", totals.triangles }, { "distinct_shapes", totals.shapes },
-		{ "distinct_triangles", totals.distinct_triangles }, { "nodes", totals.nodes }, { "leaves", totals.leaves },
-		{ "bytes", totals.bytes }, { "milliseconds", totals.milliseconds } };
+	    { "distinct_triangles", totals.distinct_triangles }, { "nodes", totals.nodes }, { "leaves", totals.leaves },
+	    { "bytes", totals.bytes }, { "milliseconds", totals.milliseconds } };
 }
 
 Json shapesJson( const std::vector<ShapeLine>& lines )
@@ -173,9 +178,9 @@ Json shapesJson( const std::vector<ShapeLine>& lines )
 	for ( const ShapeLine& line : lines )
 	{
 		json.push_back( { { "owner", line.owner }, { "source", line.source }, { "triangles", line.info.triangle_count },
-			{ "degenerate", line.info.degenerate_count }, { "nodes", line.info.node_count }, { "leaves", line.info.leaf_count },
-			{ "depth", line.info.depth }, { "bytes", line.info.bytes }, { "milliseconds", line.milliseconds },
-			{ "shared", line.shared } } );
+		    { "degenerate", line.info.degenerate_count }, { "nodes", line.info.node_count },
+		    { "leaves", line.info.leaf_count }, { "depth", line.info.depth }, { "bytes", line.info.bytes },
+		    { "milliseconds", line.milliseconds }, { "shared", line.shared } } );
 	}
 	return json;
 }
@@ -200,9 +205,10 @@ std::string robotText( const io::RobotModel& model, const Workbench& bench, cons
 	}
 	std::string text = fmt::format( "robot {} ({})\n", model.name, model.urdf_file );
 	text += fmt::format( "  {} links, {} of them without collision geometry; {} joints: {} movable, {} mimic, {} fixed\n",
-		model.links.size(), model.report.links_without_geometry.size(), model.joints.size(),
-		model.joints.size() - mimic - fixed, mimic, fixed );
-	text += fmt::format( "  {} variables; root {}, planning frame {}\n", bench.variableNames().size(), model.root_link, model.planning_frame );
+	    model.links.size(), model.report.links_without_geometry.size(), model.joints.size(),
+	    model.joints.size() - mimic - fixed, mimic, fixed );
+	text += fmt::format( "  {} variables; root {}, planning frame {}\n", bench.variableNames().size(), model.root_link,
+	    model.planning_frame );
 	for ( const io::Group& group : model.groups )
 	{
 		text += fmt::format( "  group {}: {} joints\n", group.name, group.joints.size() );
@@ -213,7 +219,7 @@ std::string robotText( const io::RobotModel& model, const Workbench& bench, cons
 std::string sceneText( const io::SceneModel& scene, const std::vector<ShapeLine>& shapes )
 {
 	std::string text = fmt::format( "scene {} ({})\n  {} objects, {} attached to the robot\n", scene.name, scene.file,
-		scene.objects.size(), scene.attached.size() );
+	    scene.objects.size(), scene.attached.size() );
 	return text + shapeTable( shapes ) + "  " + totalLine( "total", total( shapes ) );
 }
 
@@ -222,24 +228,28 @@ std::string checkerText( const Workbench& bench, const PairCounts& pairs, const 
 	const io::Problem& problem = bench.problem();
 	std::string text = fmt::format( "checker for {}\n", problem.group.empty() ? "all joints" : "group " + problem.group );
 	text += fmt::format( "  state: {}\n", joined( problem.variable_names ) );
-	text += fmt::format( "  kept: {} moving and {} static bodies, {} environment pairs, {} self pairs of bodies; {} bytes, built in {:.1f} ms\n",
-		info.moving_bodies, info.static_bodies, info.environment_pairs, info.self_pairs, info.bytes, 1000 * bench.buildSeconds() );
-	text += fmt::format( "  pairs of links with geometry: {}; checked {}; dropped: {} rigidly attached, {} disabled, {} that this group cannot "
-						 "move against each other\n",
-		pairs.all, pairs.checked, pairs.rigid, pairs.disabled, pairs.still );
+	text += fmt::format( "  kept: {} moving and {} static bodies, {} environment pairs, {} self pairs of bodies; {} bytes, "
+	                     "built in {:.1f} ms\n",
+	    info.moving_bodies, info.static_bodies, info.environment_pairs, info.self_pairs, info.bytes,
+	    1000 * bench.buildSeconds() );
+	text += fmt::format( "  pairs of links with geometry: {}; checked {}; dropped: {} rigidly attached, {} disabled, {} "
+	                     "that this group cannot "
+	                     "move against each other\n",
+	    pairs.all, pairs.checked, pairs.rigid, pairs.disabled, pairs.still );
 	for ( const auto& [reason, count] : pairs.reasons )
 	{
 		text += fmt::format( "  disabled in the SRDF: {} pairs, reason {}\n", count, reason );
 	}
 	const Named fixed = nameEnvironment( bench.checker(), info.static_environment );
 	return text + ( fixed.first.empty() ? "  static bodies: nothing near\n"
-										: fmt::format( "  static bodies: environment clearance {} m, {} - {}\n", fixed.lower, fixed.first, fixed.second ) );
+	                                    : fmt::format( "  static bodies: environment clearance {} m, {} - {}\n", fixed.lower,
+	                                          fixed.first, fixed.second ) );
 }
 
 Json pairsJson( const PairCounts& pairs )
 {
 	return { { "all", pairs.all }, { "checked", pairs.checked }, { "rigid", pairs.rigid }, { "disabled", pairs.disabled },
-		{ "group_cannot_move", pairs.still }, { "srdf_reasons", pairs.reasons } };
+	    { "group_cannot_move", pairs.still }, { "srdf_reasons", pairs.reasons } };
 }
 
 } // namespace
@@ -275,26 +285,29 @@ int runInfo( const InfoOptions& options )
 	text += input.scene ? sceneText( *input.scene, scene_shapes ) : "no scene\n";
 	text += checkerText( bench, pairs, info );
 	text += totalLine( "all", total( all ) );
-	text += fmt::format( "files read and trees built in {:.3f} s; {} notices\n", input.robot_seconds + input.scene_seconds, notices.all().size() );
+	text += fmt::format( "files read and trees built in {:.3f} s; {} notices\n", input.robot_seconds + input.scene_seconds,
+	    notices.all().size() );
 	if ( !options.json.empty() )
 	{
 		Json json;
-		json["robot"] = { { "name", input.robot.name }, { "file", input.robot.urdf_file }, { "links", input.robot.links.size() },
-			{ "joints", input.robot.joints.size() }, { "variables", bench.variableNames() },
-			{ "links_without_geometry", input.robot.report.links_without_geometry }, { "shapes", shapesJson( robot_shapes ) },
-			{ "total", totalJson( total( robot_shapes ) ) }, { "seconds", input.robot_seconds } };
+		json["robot"] = { { "name", input.robot.name }, { "file", input.robot.urdf_file },
+		    { "links", input.robot.links.size() }, { "joints", input.robot.joints.size() },
+		    { "variables", bench.variableNames() }, { "links_without_geometry", input.robot.report.links_without_geometry },
+		    { "shapes", shapesJson( robot_shapes ) }, { "total", totalJson( total( robot_shapes ) ) },
+		    { "seconds", input.robot_seconds } };
 		json["scene"] = nullptr;
 		if ( input.scene )
 		{
-			json["scene"] = { { "name", input.scene->name }, { "file", input.scene->file }, { "objects", input.scene->objects.size() },
-				{ "attached", input.scene->attached.size() }, { "shapes", shapesJson( scene_shapes ) },
-				{ "total", totalJson( total( scene_shapes ) ) }, { "seconds", input.scene_seconds } };
+			json["scene"] = { { "name", input.scene->name }, { "file", input.scene->file },
+			    { "objects", input.scene->objects.size() }, { "attached", input.scene->attached.size() },
+			    { "shapes", shapesJson( scene_shapes ) }, { "total", totalJson( total( scene_shapes ) ) },
+			    { "seconds", input.scene_seconds } };
 		}
 		json["checker"] = { { "group", bench.problem().group }, { "variables", bench.problem().variable_names },
-			{ "moving_bodies", info.moving_bodies }, { "static_bodies", info.static_bodies },
-			{ "environment_pairs", info.environment_pairs }, { "self_pairs", info.self_pairs }, { "bytes", info.bytes },
-			{ "seconds", bench.buildSeconds() }, { "link_pairs", pairsJson( pairs ) },
-			{ "static_environment", jsonClearance( nameEnvironment( bench.checker(), info.static_environment ) ) } };
+		    { "moving_bodies", info.moving_bodies }, { "static_bodies", info.static_bodies },
+		    { "environment_pairs", info.environment_pairs }, { "self_pairs", info.self_pairs }, { "bytes", info.bytes },
+		    { "seconds", bench.buildSeconds() }, { "link_pairs", pairsJson( pairs ) },
+		    { "static_environment", jsonClearance( nameEnvironment( bench.checker(), info.static_environment ) ) } };
 		json["total"] = totalJson( total( all ) );
 		json["notices"] = notices.all();
 		json_file.text = json.dump( 2 ) + "\n";

@@ -19,7 +19,7 @@ namespace
 {
 
 const char* const about =
-	R"(leeway: how much room does this robot have here, and along this motion? Proved, in metres.
+    R"(leeway: how much room does this robot have here, and along this motion? Proved, in metres.
 
 Examples (leeway SUBCOMMAND --help explains one):
   leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
@@ -29,17 +29,20 @@ Examples (leeway SUBCOMMAND --help explains one):
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml)";
 
 const char* const footer =
-	R"(Files: URDF and SRDF; MoveIt planning-scene and request YAML; CSV tables titled with joint names. Metres, radians, seconds.
+    R"(Files: URDF and SRDF; MoveIt planning-scene and request YAML; CSV tables titled with joint names. Metres,
+radians, seconds.
 Result files are written whole or not at all. Without --out a result goes to standard output; notices, progress and errors go
 to standard error.
 
-Verdicts: FREE is proved; BLOCKED: a clearance at or below --min-d was found; REFUSED: neither could be shown, the clearance is
+Verdicts: FREE is proved; BLOCKED: a clearance at or below --min-d was found; REFUSED: neither could be shown, the
+clearance is
 within a stated band just above --min-d.
 
 Exit status: 0 = done, good answer; 1 = done, negative answer (a state or edge that is not FREE, no path, a path that is not
 valid); 2 = error, with a line "leeway: error: <file>: <element>: <problem>; <remedy>".)";
 
-const char* const info_about = R"(Reads robot, SRDF and scene, builds everything a check would use, and says what became of it.
+const char* const info_about =
+    R"(Reads robot, SRDF and scene, builds everything a check would use, and says what became of it.
 
 Example: leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --json info.json
 
@@ -53,7 +56,8 @@ Example: leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --gr
 states.csv: a header of joint names ("<joint>/x" and so on for joints with several variables), one state per line. Joints
 without a column stand where the request starts, else at zero. Columns that are no movable joint are ignored with a notice.
 Columns of joints outside of --group are honoured; self pairs are those that the group (without --group: any joint) can move
-against each other. Values outside of joint limits are told and used as they are; a cell that is no finite number is an error.
+against each other. Values outside of joint limits are told and used as they are; a cell that is no finite number is an
+error.
 
 out.csv: index,verdict,env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2,microseconds
 Intervals are certified: lower <= true distance <= upper; numbers read back exactly; index counts data rows from 0; names are
@@ -63,30 +67,37 @@ const char* const edge_about = R"(Is each straight joint-space motion free, all 
 
 Example: leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv --out out.csv
 
-edges.csv: columns from:<joint> and to:<joint> for each joint that is named; other joints stand where the request starts, else at
+edges.csv: columns from:<joint> and to:<joint> for each joint that is named; other joints stand where the request
+starts, else at
 zero. Angles without limits take the shorter way.
 
 out.csv: index,verdict,t,proved_until, the eight clearance columns of `leeway check`, pair,queries,microseconds
-t is where the motion was found BLOCKED or REFUSED, and the clearances are the exact ones there; pair (link:object or link:link)
-decided. For a FREE motion t is 1, pair is empty, and both lower columns hold the clearance that is proved along the whole motion,
+t is where the motion was found BLOCKED or REFUSED, and the clearances are the exact ones there; pair (link:object or
+link:link)
+decided. For a FREE motion t is 1, pair is empty, and both lower columns hold the clearance that is proved along the
+whole motion,
 both upper ones inf. [0, proved_until] is free, proved. queries counts the states measured.
 With --validator steps states at most --max-d of motion apart are tested instead: FREE is then no proof.)";
 
-const char* const plan_about = R"(Finds a path for a request with a planner of OMPL, every edge judged by the chosen validator.
+const char* const plan_about =
+    R"(Finds a path for a request with a planner of OMPL, every edge judged by the chosen validator.
 
 Example: leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out path.yaml
 
 The path is simplified by shortcuts, all its edges are checked once more (if one fails, the path before simplification is
 kept), and it is audited: exact states so dense that near contact no robot point moves further than --resolution between two.
 A path that fails is not written. start_state and goal joints must be inside their limits and free, else it is an error.
-The request's planner_id is not used. The same seed gives the same path, unless the planner uses threads or all of its time.)";
+The request's planner_id is not used. The same seed gives the same path, unless the planner uses threads or all of its
+time.)";
 
 const char* const audit_about = R"(Measures a path again, without the certificates it was planned with.
 
 Example: leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
 
-Exact states so dense that between two of them no robot point moves further than --resolution, or a quarter of the room there is.
-Joint limits are checked, and with --request that the path joins the request's start and goal. Joints outside of the group stand
+Exact states so dense that between two of them no robot point moves further than --resolution, or a quarter of the room
+there is.
+Joint limits are checked, and with --request that the path joins the request's start and goal. Joints outside of the
+group stand
 where the path file's start_state puts them. --min-d defaults to the path file's.
 
 path.yaml: as written by leeway plan: group, min_d, start_state, joint_names, points (a list of positions); a MoveIt
@@ -137,17 +148,21 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	addCommonOptions( *command, options.common, { true, true, false } );
 	addEdgeOptions( *command, options.edge );
 	command->add_option( "--request", options.common.request, "start and goal" )->type_name( "Q.yaml" )->required();
-	command->add_option( "--planner", options.planner, "a planner of OMPL by name (default RRTConnect)" )->type_name( "NAME" );
-	command->add_option( "--time", options.time, "seconds for planning (default: the request's allowed_planning_time, else 60)" )
-		->type_name( "S" );
+	command->add_option( "--planner", options.planner, "a planner of OMPL by name (default RRTConnect)" )
+	    ->type_name( "NAME" );
+	command
+	    ->add_option(
+	        "--time", options.time, "seconds for planning (default: the request's allowed_planning_time, else 60)" )
+	    ->type_name( "S" );
 	command->add_option( "--seed", options.seed, "of the random numbers, 1 or more (default 1)" )->type_name( "N" );
 	command->add_flag_function(
-		"--simplify", [&options]( std::int64_t ) { options.simplify = true; }, "shorten the path that was found (default)" );
+	    "--simplify", [&options]( std::int64_t ) { options.simplify = true; }, "shorten the path that was found (default)" );
 	command->add_flag_function(
-		"--no-simplify", [&options]( std::int64_t ) { options.simplify = false; }, "keep the path as it was found" );
+	    "--no-simplify", [&options]( std::int64_t ) { options.simplify = false; }, "keep the path as it was found" );
 	command->add_option( "--resolution", options.resolution, "metres, of the audit (default 0.0001)" )->type_name( "M" );
 	command->add_option( "--out", options.out, "the path; without it, standard output" )->type_name( "path.yaml" );
-	command->add_option( "--report", options.report, "times, counts, clearances and the audit, for programs" )->type_name( "report.json" );
+	command->add_option( "--report", options.report, "times, counts, clearances and the audit, for programs" )
+	    ->type_name( "report.json" );
 	std::string names = std::string( plan_about ) + "\n\nPlanners:\n";
 	for ( const PlannerEntry& entry : planners() )
 	{
@@ -165,7 +180,8 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	command->add_option( "--path", options.path, "the path" )->type_name( "path.yaml" )->required();
 	command->add_option( "--resolution", options.resolution, "metres (default 0.0001)" )->type_name( "M" );
 	command->add_option( "--report", options.report, "the audit, for programs" )->type_name( "report.json" );
-	command->add_option( "--profile", options.profile, "all measured clearances: s,edge,t,environment,self" )->type_name( "FILE.csv" );
+	command->add_option( "--profile", options.profile, "all measured clearances: s,edge,t,environment,self" )
+	    ->type_name( "FILE.csv" );
 	return command;
 }
 
@@ -209,7 +225,8 @@ int dispatch( const CLI::App& app, Commands& commands )
 // Every failure becomes one line and exit status 2.
 int guarded( const std::function<int()>& run )
 {
-	const auto fail = []( const std::string& text ) {
+	const auto fail = []( const std::string& text )
+	{
 		fmt::print( stderr, "leeway: error: {}\n", text );
 		return static_cast<int>( exit_error );
 	};
@@ -242,7 +259,8 @@ int main( int argc, char** argv )
 	CLI::App app( about, "leeway" );
 	app.footer( footer );
 	app.require_subcommand( 1 );
-	app.set_version_flag( "--version", fmt::format( "leeway {}.{}.{}", lw_version() / 10000, lw_version() / 100 % 100, lw_version() % 100 ) );
+	app.set_version_flag(
+	    "--version", fmt::format( "leeway {}.{}.{}", lw_version() / 10000, lw_version() / 100 % 100, lw_version() % 100 ) );
 	addInfo( app, commands.info );
 	addCheck( app, commands.check );
 	addEdge( app, commands.edge );
@@ -258,7 +276,9 @@ int main( int argc, char** argv )
 	}
 	catch ( const CLI::ParseError& error )
 	{
-		const std::string help = app.get_subcommands().empty() ? "leeway --help" : "leeway " + app.get_subcommands().front()->get_name() + " --help";
+		const std::string help = app.get_subcommands().empty()
+		                             ? "leeway --help"
+		                             : "leeway " + app.get_subcommands().front()->get_name() + " --help";
 		fmt::print( stderr, "leeway: error: command line: {}; see {}\n", error.what(), help );
 		return exit_error;
 	}

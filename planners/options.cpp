@@ -37,52 +37,55 @@ lw_what CommonOptions::what() const
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
 {
 	const std::string model = "Model";
-	CLI::Option* robot = app.add_option( "--robot", options.robot, "robot description" )->type_name( "R.urdf" )->group( model );
+	CLI::Option* robot =
+	    app.add_option( "--robot", options.robot, "robot description" )->type_name( "R.urdf" )->group( model );
 	if ( needs.robot )
 	{
 		robot->required();
 	}
-	app.add_option( "--srdf", options.srdf, "groups and pairs of links that may touch" )->type_name( "S.srdf" )->group( model );
+	app.add_option( "--srdf", options.srdf, "groups and pairs of links that may touch" )
+	    ->type_name( "S.srdf" )
+	    ->group( model );
 	app.add_option( "--scene", options.scene, "obstacles: MoveIt planning scene, or a URDF at its zero pose" )
-		->type_name( "Y.yaml|U.urdf" )
-		->group( model );
+	    ->type_name( "Y.yaml|U.urdf" )
+	    ->group( model );
 	app.add_option( "--group", options.group, "planning group of the SRDF; without it all joints can move" )
-		->type_name( "NAME" )
-		->group( model );
+	    ->type_name( "NAME" )
+	    ->group( model );
 	if ( needs.request )
 	{
 		app.add_option( "--request", options.request, "its start state gives the joints that nothing else names" )
-			->type_name( "Q.yaml" )
-			->group( model );
+		    ->type_name( "Q.yaml" )
+		    ->group( model );
 	}
 	app.add_option( "--package-path", options.package_paths,
-		   "where package://NAME/... is found: a folder that contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
-		->type_name( "DIR" )
-		->allow_extra_args( false )
-		->group( model );
+	       "where package://NAME/... is found: a folder that contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
+	    ->type_name( "DIR" )
+	    ->allow_extra_args( false )
+	    ->group( model );
 
 	const std::string question = "Question";
 	app.add_option( "--min-d", options.min_d, "safety margin in metres: this close or closer is BLOCKED (default 0)" )
-		->type_name( "M" )
-		->group( question );
+	    ->type_name( "M" )
+	    ->group( question );
 	if ( needs.range )
 	{
 		app.add_option( "--max-d", options.max_d,
-			   "metres; check: nothing beyond it needs a distance (default inf); steps: motion per step (default 0.01)" )
-			->type_name( "M" )
-			->group( question );
+		       "metres; check: nothing beyond it needs a distance (default inf); steps: motion per step (default 0.01)" )
+		    ->type_name( "M" )
+		    ->group( question );
 		app.add_option( "--alpha", options.alpha, "relative tolerance of distances, in [0, 1) (default 0: exact)" )
-			->type_name( "A" )
-			->group( question );
+		    ->type_name( "A" )
+		    ->group( question );
 	}
 	app.add_option( "--what", options.what_name, "which clearances count (default both)" )
-		->check( CLI::IsMember( { "env", "self", "both" } ).description( "" ) )
-		->type_name( "env|self|both" )
-		->group( question );
+	    ->check( CLI::IsMember( { "env", "self", "both" } ).description( "" ) )
+	    ->type_name( "env|self|both" )
+	    ->group( question );
 	app.add_option( "--simd", options.simd_name, "highest instruction set used; answers do not depend on it (default best)" )
-		->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ).description( "" ) )
-		->type_name( "scalar|sse2|avx2|best" )
-		->group( question );
+	    ->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ).description( "" ) )
+	    ->type_name( "scalar|sse2|avx2|best" )
+	    ->group( question );
 	app.add_flag( "--verbose", options.verbose, "all notices, and the planner's own messages" );
 }
 
@@ -90,14 +93,14 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options )
 {
 	const std::string question = "Question";
 	app.add_option( "--validator", options.validator,
-		   "certified: the whole motion is proved; steps: states every --max-d of motion are tested (default certified)" )
-		->check( CLI::IsMember( { "certified", "steps" } ).description( "" ) )
-		->type_name( "certified|steps" )
-		->group( question );
+	       "certified: the whole motion is proved; steps: states every --max-d of motion are tested (default certified)" )
+	    ->check( CLI::IsMember( { "certified", "steps" } ).description( "" ) )
+	    ->type_name( "certified|steps" )
+	    ->group( question );
 	app.add_option( "--slack", options.slack,
-		   "metres, certified: clearances up to min-d + slack may be REFUSED; bounds the work near contact (default 0.001)" )
-		->type_name( "M" )
-		->group( question );
+	       "metres, certified: clearances up to min-d + slack may be REFUSED; bounds the work near contact (default 0.001)" )
+	    ->type_name( "M" )
+	    ->group( question );
 }
 
 void requirePositive( const std::string& option, double value )
@@ -114,25 +117,27 @@ void validate( const CLI::App& app, CommonOptions& options )
 	options.max_d_given = given( app, "--max-d" );
 	if ( !( options.min_d >= 0 ) || !std::isfinite( options.min_d ) )
 	{
-		wrong( "--min-d", fmt::format( "{} is not a finite number of at least 0", options.min_d ), "give metres, 0 or more" );
+		wrong(
+		    "--min-d", fmt::format( "{} is not a finite number of at least 0", options.min_d ), "give metres, 0 or more" );
 	}
 	if ( !( options.max_d > options.min_d ) )
 	{
 		wrong( "--max-d", fmt::format( "{} is not above --min-d {}", options.max_d, options.min_d ),
-			"give metres above the margin, or leave it out" );
+		    "give metres above the margin, or leave it out" );
 	}
 	if ( !( options.alpha >= 0 && options.alpha < 1 ) )
 	{
-		wrong( "--alpha", fmt::format( "{} is outside of [0, 1)", options.alpha ), "give for instance 0.1 for ten per cent" );
+		wrong(
+		    "--alpha", fmt::format( "{} is outside of [0, 1)", options.alpha ), "give for instance 0.1 for ten per cent" );
 	}
 	if ( options.srdf.empty() && !options.group.empty() && !options.robot.empty() )
 	{
 		wrong( "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ), "add --srdf FILE" );
 	}
 	const lw_simd wanted = options.simd_name == "scalar" ? LW_SIMD_SCALAR
-		: options.simd_name == "sse2"                    ? LW_SIMD_SSE2
-		: options.simd_name == "avx2"                    ? LW_SIMD_AVX2
-														 : LW_SIMD_BEST;
+	                       : options.simd_name == "sse2" ? LW_SIMD_SSE2
+	                       : options.simd_name == "avx2" ? LW_SIMD_AVX2
+	                                                     : LW_SIMD_BEST;
 	if ( wanted != LW_SIMD_BEST )
 	{
 		if ( lw_simd_available() < wanted )
@@ -151,7 +156,7 @@ void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& c
 	if ( options.validator == "certified" && common.max_d_given )
 	{
 		wrong( "--max-d", "has no meaning for --validator certified, which proves the whole motion",
-			"leave it out, or add --validator steps" );
+		    "leave it out, or add --validator steps" );
 	}
 	if ( options.validator == "steps" )
 	{

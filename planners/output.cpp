@@ -68,8 +68,8 @@ void forgetTemporary( const std::string& name )
 
 [[noreturn]] void cannotWrite( const std::string& path, int error )
 {
-	throw io::Error(
-		path, "output file", std::string( "cannot be written: " ) + std::strerror( error ), "name a file in a writable folder" );
+	throw io::Error( path, "output file", std::string( "cannot be written: " ) + std::strerror( error ),
+	    "name a file in a writable folder" );
 }
 
 bool writeAll( int file, const std::string& text )
@@ -170,9 +170,10 @@ void Progress::run()
 	{
 		const std::size_t done = m_done.load( std::memory_order_relaxed );
 		const std::string steps =
-			m_total == 0 ? "" : fmt::format( " {} of {} ({:.0f} %)", done, m_total, 100.0 * double( done ) / double( m_total ) );
+		    m_total == 0 ? ""
+		                 : fmt::format( " {} of {} ({:.0f} %)", done, m_total, 100.0 * double( done ) / double( m_total ) );
 		fmt::print( stderr, "{}leeway: {} ...{} {:.0f} s{}", terminal ? "\r\x1b[K" : "", m_label, steps, now() - start,
-			terminal ? "" : "\n" );
+		    terminal ? "" : "\n" );
 		std::fflush( stderr );
 		shown = true;
 		wait = terminal ? progress_redraw_every : progress_line_every;

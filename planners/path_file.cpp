@@ -106,7 +106,7 @@ void readPoints( PathFile& path, const YAML::Node& root )
 		if ( !positions.IsDefined() || !positions.IsSequence() || positions.size() != path.joint_names.size() )
 		{
 			throw io::Error( path.file, element, fmt::format( "is not a list of {} numbers", path.joint_names.size() ),
-				"give one position for every name in joint_names" );
+			    "give one position for every name in joint_names" );
 		}
 		std::vector<double> point;
 		for ( std::size_t k = 0; k < positions.size(); ++k )
@@ -120,7 +120,8 @@ void readPoints( PathFile& path, const YAML::Node& root )
 void readStart( PathFile& path, const YAML::Node& root )
 {
 	const YAML::Node state = root["start_state"];
-	const YAML::Node joints = state.IsDefined() && state.IsMap() ? state["joint_state"] : YAML::Node( YAML::NodeType::Undefined );
+	const YAML::Node joints =
+	    state.IsDefined() && state.IsMap() ? state["joint_state"] : YAML::Node( YAML::NodeType::Undefined );
 	if ( !joints.IsDefined() || !joints.IsMap() )
 	{
 		return;
@@ -131,12 +132,12 @@ void readStart( PathFile& path, const YAML::Node& root )
 	if ( !positions.IsDefined() || !positions.IsSequence() || positions.size() != joint_names.size() )
 	{
 		throw io::Error( path.file, element + ".position", fmt::format( "is not a list of {} numbers", joint_names.size() ),
-			"give one position for every name" );
+		    "give one position for every name" );
 	}
 	for ( std::size_t i = 0; i < joint_names.size(); ++i )
 	{
 		path.start_state.emplace_back(
-			joint_names[i], finite( path, positions[i], fmt::format( "{}.position[{}]", element, i ) ) );
+		    joint_names[i], finite( path, positions[i], fmt::format( "{}.position[{}]", element, i ) ) );
 	}
 }
 
@@ -144,7 +145,8 @@ void readStart( PathFile& path, const YAML::Node& root )
 
 std::string writePath( const PathFile& path )
 {
-	std::string out = "# A path of straight joint-space edges, radians and metres. Check it with: leeway audit --path FILE\n";
+	std::string out =
+	    "# A path of straight joint-space edges, radians and metres. Check it with: leeway audit --path FILE\n";
 	const auto line = [&out]( const char* key, const std::string& value ) { out += fmt::format( "{}: {}\n", key, value ); };
 	line( "robot", quoted( path.robot ) );
 	line( "group", quoted( path.group ) );
@@ -156,11 +158,11 @@ std::string writePath( const PathFile& path )
 	line( "slack", yamlNumber( path.slack ) );
 	line( "length", yamlNumber( path.length ) );
 	out += fmt::format(
-		"clearance:\n  environment: {}\n  self: {}\n", yamlNumber( path.environment ), yamlNumber( path.self ) );
+	    "clearance:\n  environment: {}\n  self: {}\n", yamlNumber( path.environment ), yamlNumber( path.self ) );
 	const auto by_name = []( const std::pair<std::string, double>& joint ) { return quoted( joint.first ); };
 	const auto by_value = []( const std::pair<std::string, double>& joint ) { return yamlNumber( joint.second ); };
 	out += fmt::format( "start_state:\n  joint_state:\n    name: {}\n    position: {}\n", list( path.start_state, by_name ),
-		list( path.start_state, by_value ) );
+	    list( path.start_state, by_value ) );
 	out += fmt::format( "joint_names: {}\npoints:\n", list( path.joint_names, quoted ) );
 	for ( const std::vector<double>& point : path.points )
 	{
@@ -184,11 +186,13 @@ PathFile readPath( const std::string& file )
 	}
 	catch ( const YAML::Exception& error )
 	{
-		throw io::Error( file, fmt::format( "line {}", error.mark.line + 1 ), "is not valid YAML: " + error.msg, "mend the file" );
+		throw io::Error(
+		    file, fmt::format( "line {}", error.mark.line + 1 ), "is not valid YAML: " + error.msg, "mend the file" );
 	}
 	if ( !root.IsMap() )
 	{
-		throw io::Error( file, "path", "is not a YAML map", "give joint_names and points, as `leeway plan --out` writes them" );
+		throw io::Error(
+		    file, "path", "is not a YAML map", "give joint_names and points, as `leeway plan --out` writes them" );
 	}
 	const auto text = [&root]( const char* key )
 	{

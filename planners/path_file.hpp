@@ -10,16 +10,16 @@
 namespace leeway::cli
 {
 
-/// A path of straight joint-space edges, with all that is needed to audit it: where the joints outside of the group stood and
-/// the margin it was planned for.
+/// A path of straight joint-space edges, with all that is needed to audit it: where the joints outside of the group stood
+/// and the margin it was planned for.
 struct PathFile
 {
 	std::string file;
 	std::string robot, group, scene, planner, validator;
 	std::uint32_t seed = 0;
 	double min_d = 0, slack = 0;
-	double length = 0; ///< joint space, the planner's metric
-	double environment = 0, self = 0; ///< least clearances that the audit measured
+	double length = 0;                                       ///< joint space, the planner's metric
+	double environment = 0, self = 0;                        ///< least clearances that the audit measured
 	std::vector<std::pair<std::string, double>> start_state; ///< every variable of the robot
 	std::vector<std::string> joint_names;                    ///< variables of the points
 	std::vector<std::vector<double>> points;

@@ -51,6 +51,7 @@ public:
 			m_notices.add( "OMPL", "OMPL: " + text );
 		}
 	}
+
 private:
 	Notices& m_notices;
 	bool m_verbose;
@@ -81,13 +82,15 @@ struct Solution
 	::leeway::ompl::Counters counters;
 };
 
-[[noreturn]] void wrong( const PlanOptions& options, const std::string& element, const std::string& problem, const std::string& remedy )
+[[noreturn]] void wrong(
+    const PlanOptions& options, const std::string& element, const std::string& problem, const std::string& remedy )
 {
 	throw io::Error( options.common.request, element, problem, remedy );
 }
 
 // An end of the request must be inside the limits and free, else no planner can help.
-void requireUsable( const PlanOptions& options, const Workbench& bench, const std::string& element, const std::vector<double>& q )
+void requireUsable(
+    const PlanOptions& options, const Workbench& bench, const std::string& element, const std::vector<double>& q )
 {
 	const std::vector<std::string> violations = groupLimitViolations( bench, q, limit_tolerance );
 	if ( !violations.empty() )
@@ -102,30 +105,32 @@ void requireUsable( const PlanOptions& options, const Workbench& bench, const st
 	const lw_what what = options.common.what();
 	const lw_state_result state = measure( bench, q, what, nullptr, options.common.request, element );
 	const double min_d = options.common.min_d;
-	const auto judge = [&]( const char* which, const Named& clearance, const std::string& remedy ) {
+	const auto judge = [&]( const char* which, const Named& clearance, const std::string& remedy )
+	{
 		// A clearance that is not proved to be above the margin is not usable; NaN included.
 		if ( !( clearance.lower > min_d ) )
 		{
 			wrong( options, element,
-				clearance.lower > 0 ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m", which,
-										  clearance.first, clearance.second, clearance.lower, min_d )
-									: fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
-				remedy );
+			    clearance.lower > 0 ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m", which,
+			                              clearance.first, clearance.second, clearance.lower, min_d )
+			                        : fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
+			    remedy );
 		}
 	};
 	if ( ( what & LW_WHAT_ENVIRONMENT ) != 0 )
 	{
 		const lw_clearance fixed = lw_checker_get_info( bench.checker() ).static_environment;
 		judge( "environment", nameEnvironment( bench.checker(), fixed ),
-			fmt::format( "group {} cannot move this link: move the object, the robot's base, or a joint outside of the group",
-				bench.problem().group ) );
+		    fmt::format(
+		        "group {} cannot move this link: move the object, the robot's base, or a joint outside of the group",
+		        bench.problem().group ) );
 		judge( "environment", nameEnvironment( bench.checker(), state.environment ),
-			"move the object, choose another state, or lower --min-d" );
+		    "move the object, choose another state, or lower --min-d" );
 	}
 	if ( ( what & LW_WHAT_SELF ) != 0 )
 	{
 		judge( "self", nameSelf( bench.checker(), state.self ),
-			"choose another state, lower --min-d, or disable the pair in the SRDF if it may touch" );
+		    "choose another state, lower --min-d, or disable the pair in the SRDF if it may touch" );
 	}
 }
 
@@ -149,8 +154,11 @@ Edges certify( const Workbench& bench, const Points& points, const lw_edge_def& 
 	for ( std::size_t k = 0; k + 1 < points.size(); ++k )
 	{
 		lw_edge_result edge;
-		require( lw_checker_edge( bench.checker(), query.get(), points[k].data(), points[k + 1].data(), &def, &edge ), "edge check" );
-		++( edge.verdict == LW_VERDICT_FREE ? edges.free : edge.verdict == LW_VERDICT_BLOCKED ? edges.blocked : edges.refused );
+		require( lw_checker_edge( bench.checker(), query.get(), points[k].data(), points[k + 1].data(), &def, &edge ),
+		    "edge check" );
+		++( edge.verdict == LW_VERDICT_FREE      ? edges.free
+		    : edge.verdict == LW_VERDICT_BLOCKED ? edges.blocked
+		                                         : edges.refused );
 		edges.lower_bound = std::min( edges.lower_bound, edge.verdict == LW_VERDICT_FREE ? edge.lower_bound : 0.0 );
 	}
 	return edges;
@@ -227,7 +235,7 @@ class Planning
 {
 public:
 	Planning( const PlanOptions& options, const Workbench& bench, std::vector<double> start, std::vector<double> goal )
-		: m_options( options ), m_bench( bench ), m_start( std::move( start ) ), m_goal( std::move( goal ) )
+	    : m_options( options ), m_bench( bench ), m_start( std::move( start ) ), m_goal( std::move( goal ) )
 	{
 		::leeway::ompl::Options judge;
 		judge.min_d = options.common.min_d;
@@ -319,7 +327,8 @@ private:
 	std::shared_ptr<const ::leeway::ompl::Engine> m_engine;
 };
 
-PathFile pathFile( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit )
+PathFile pathFile(
+    const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit )
 {
 	PathFile path;
 	path.robot = input.robot.name;
@@ -357,18 +366,20 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 	json["solved"] = solution.solved;
 	json["status"] = solution.status;
 	json["seconds"] = { { "load_robot", input.robot_seconds }, { "load_scene", input.scene_seconds },
-		{ "build_checker", bench.buildSeconds() }, { "plan", solution.seconds.plan }, { "certify", solution.seconds.certify },
-		{ "simplify", solution.seconds.simplify }, { "audit", solution.seconds.audit } };
+	    { "build_checker", bench.buildSeconds() }, { "plan", solution.seconds.plan },
+	    { "certify", solution.seconds.certify }, { "simplify", solution.seconds.simplify },
+	    { "audit", solution.seconds.audit } };
 	const ::leeway::ompl::Counters& c = solution.counters;
 	json["checks"] = { { "states", c.states }, { "edges", c.edges }, { "free", c.free }, { "blocked", c.blocked },
-		{ "refused", c.refused }, { "edge_queries", c.edge_queries } };
+	    { "refused", c.refused }, { "edge_queries", c.edge_queries } };
 	if ( solution.solved )
 	{
 		json["raw"] = { { "states", solution.raw_states }, { "length", solution.raw_length } };
 		json["path"] = { { "states", solution.points.size() }, { "length", lengthOf( bench, solution.points ) },
-			{ "simplified", solution.simplified }, { "edges_free", solution.edges.free },
-			{ "edges_blocked", solution.edges.blocked }, { "edges_refused", solution.edges.refused },
-			{ "proved_clearance", options.edge.validator == "certified" ? jsonNumber( solution.edges.lower_bound ) : Json( nullptr ) } };
+		    { "simplified", solution.simplified }, { "edges_free", solution.edges.free },
+		    { "edges_blocked", solution.edges.blocked }, { "edges_refused", solution.edges.refused },
+		    { "proved_clearance",
+		        options.edge.validator == "certified" ? jsonNumber( solution.edges.lower_bound ) : Json( nullptr ) } };
 	}
 	return json;
 }
@@ -376,17 +387,19 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 std::string summary( const PlanOptions& options, const Solution& solution )
 {
 	const bool certified = options.edge.validator == "certified";
-	std::string text = fmt::format( "planner     {} (seed {}): {:.3f} s planning, {:.3f} s simplifying; {} states and {} edges checked\n",
-		findPlanner( options.planner ).name, options.seed, solution.seconds.plan, solution.seconds.simplify,
-		solution.counters.states, solution.counters.edges );
+	std::string text =
+	    fmt::format( "planner     {} (seed {}): {:.3f} s planning, {:.3f} s simplifying; {} states and {} edges checked\n",
+	        findPlanner( options.planner ).name, options.seed, solution.seconds.plan, solution.seconds.simplify,
+	        solution.counters.states, solution.counters.edges );
 	text += fmt::format( "edges       {} of {} {}", solution.edges.free,
-		solution.edges.free + solution.edges.blocked + solution.edges.refused,
-		certified ? "proved free" : "free at fixed steps (not a proof)" );
+	    solution.edges.free + solution.edges.blocked + solution.edges.refused,
+	    certified ? "proved free" : "free at fixed steps (not a proof)" );
 	if ( certified && solution.edges.all() )
 	{
 		text += fmt::format( ", clearance proved to be at least {:.6f} m", solution.edges.lower_bound );
 	}
-	return text + fmt::format( "; before simplification {} states, length {:.6g}\n", solution.raw_states, solution.raw_length );
+	return text +
+	       fmt::format( "; before simplification {} states, length {:.6g}\n", solution.raw_states, solution.raw_length );
 }
 
 double timeLimit( const PlanOptions& options, const io::Request& request )
@@ -401,11 +414,13 @@ Solution solve( const PlanOptions& options, const Workbench& bench, const io::Re
 	requireUsable( options, bench, "goal_constraints", goal );
 	for ( const std::string& violation : limitViolations( bench, bench.fullState( start ) ) )
 	{
-		notices.add( "joint limits", fmt::format( "{}: start_state: {}; it is used as it is", options.common.request, violation ) );
+		notices.add(
+		    "joint limits", fmt::format( "{}: start_state: {}; it is used as it is", options.common.request, violation ) );
 	}
 	for ( const std::string& violation : groupLimitViolations( bench, goal ) )
 	{
-		notices.add( "joint limits", fmt::format( "{}: goal_constraints: {}; it is used as it is", options.common.request, violation ) );
+		notices.add( "joint limits",
+		    fmt::format( "{}: goal_constraints: {}; it is used as it is", options.common.request, violation ) );
 	}
 	const OmplMessages messages( notices, options.common.verbose );
 	try
@@ -461,9 +476,10 @@ int runPlan( const PlanOptions& options )
 	}
 	if ( !solution.solved )
 	{
-		fmt::print( stderr, "leeway: no path found: {} after {:.1f} s ({} states and {} edges checked); try more --time, another --seed "
-							"or --planner, or a smaller --min-d\n",
-			solution.status, solution.seconds.plan, solution.counters.states, solution.counters.edges );
+		fmt::print( stderr,
+		    "leeway: no path found: {} after {:.1f} s ({} states and {} edges checked); try more --time, another --seed "
+		    "or --planner, or a smaller --min-d\n",
+		    solution.status, solution.seconds.plan, solution.counters.states, solution.counters.edges );
 		return exit_no;
 	}
 	if ( good )
@@ -473,11 +489,11 @@ int runPlan( const PlanOptions& options )
 	}
 	// The path itself goes to standard output if no file was named; the summary must not mix with it.
 	fmt::print( out.path().empty() ? stderr : stdout, "{}{}", summary( options, solution ),
-		describe( audit, settings, solution.points ) );
+	    describe( audit, settings, solution.points ) );
 	if ( !good )
 	{
 		fmt::print( stderr, "leeway: the path found does not stand: {}; it is not written\n",
-			audit.valid ? "not all of its edges are free" : "the audit found it not valid" );
+		    audit.valid ? "not all of its edges are free" : "the audit found it not valid" );
 	}
 	return good ? exit_yes : exit_no;
 }

@@ -54,12 +54,13 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 }
 
 Workbench::Workbench( const Input& input, std::string group, Values values, Notices& notices )
-	: m_input( input ), m_group( std::move( group ) ), m_notices( notices )
+    : m_input( input ), m_group( std::move( group ) ), m_notices( notices )
 {
 	// Zero where nobody says otherwise: the reader's own default is the limit nearest to zero, or the scene's robot_state.
 	for ( const io::JointModel& joint : input.robot.joints )
 	{
-		const bool single = joint.type == LW_JOINT_REVOLUTE || joint.type == LW_JOINT_CONTINUOUS || joint.type == LW_JOINT_PRISMATIC;
+		const bool single =
+		    joint.type == LW_JOINT_REVOLUTE || joint.type == LW_JOINT_CONTINUOUS || joint.type == LW_JOINT_PRISMATIC;
 		const bool in_request = input.request && input.request->start.values.count( joint.name ) != 0;
 		if ( single && joint.mimic.empty() && !in_request )
 		{
@@ -91,7 +92,7 @@ void Workbench::build( const Values& values )
 	catch ( const CoreError& error )
 	{
 		throw io::Error( problemText( m_input.robot ), m_group.empty() ? "robot" : "group " + m_group, error.what(),
-			"mend the named element of the description" );
+		    "mend the named element of the description" );
 	}
 	m_seconds = now() - start;
 	if ( m_built )
@@ -167,14 +168,15 @@ std::uint32_t Workbench::variable( const std::string& name ) const
 namespace
 {
 
-void addViolation( const Workbench& bench, std::uint32_t variable, double value, double tolerance, std::vector<std::string>& lines )
+void addViolation(
+    const Workbench& bench, std::uint32_t variable, double value, double tolerance, std::vector<std::string>& lines )
 {
 	const lw_variable_info info = lw_robot_variable( bench.robot(), variable );
 	if ( !info.wraps && !( value >= info.lower - tolerance && value <= info.upper + tolerance ) )
 	{
 		const bool below = value < info.lower;
 		lines.push_back( fmt::format( "joint {}: {} is {} its limit {}", bench.variableNames()[variable], value,
-			below ? "below" : "above", below ? info.lower : info.upper ) );
+		    below ? "below" : "above", below ? info.lower : info.upper ) );
 	}
 }
 
@@ -245,14 +247,14 @@ Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool a
 }
 
 lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_what what, const lw_range* range,
-	const std::string& file, const std::string& element )
+    const std::string& file, const std::string& element )
 {
 	lw_state_result result;
 	const lw_status status = lw_checker_state( bench.checker(), bench.query(), q.data(), what, range, false, &result );
 	if ( status != LW_OK )
 	{
 		throw io::Error( file, element, std::string( "the state cannot be used (" ) + lw_status_name( status ) + ")",
-			"give finite joint values and quaternions that are not zero" );
+		    "give finite joint values and quaternions that are not zero" );
 	}
 	return result;
 }

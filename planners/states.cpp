@@ -22,9 +22,10 @@ std::string whyUnused( const std::string& name, const io::RobotModel& robot )
 	{
 		if ( joint.name == name )
 		{
-			return !joint.mimic.empty()                ? "the joint follows joint " + joint.mimic
-				: joint.type == LW_JOINT_FIXED ? "the joint is fixed"
-											   : "the joint has several variables, to be named one by one, e.g. " + name + "/x";
+			return !joint.mimic.empty() ? "the joint follows joint " + joint.mimic
+			       : joint.type == LW_JOINT_FIXED
+			           ? "the joint is fixed"
+			           : "the joint has several variables, to be named one by one, e.g. " + name + "/x";
 		}
 	}
 	return "";
@@ -32,9 +33,9 @@ std::string whyUnused( const std::string& name, const io::RobotModel& robot )
 
 } // namespace
 
-StateColumns::StateColumns( const CsvTable& table, const std::string& prefix, const Workbench& bench,
-	const io::RobotModel& robot, Notices& notices )
-	: m_table( table )
+StateColumns::StateColumns(
+    const CsvTable& table, const std::string& prefix, const Workbench& bench, const io::RobotModel& robot, Notices& notices )
+    : m_table( table )
 {
 	std::string unknown;
 	for ( std::size_t column = 0; column < table.header.size(); ++column )
@@ -61,7 +62,8 @@ StateColumns::StateColumns( const CsvTable& table, const std::string& prefix, co
 	}
 	if ( !unknown.empty() )
 	{
-		notices.add( "unused columns", fmt::format( "{}: columns that are no joints of the robot are ignored: {}", table.file, unknown ) );
+		notices.add( "unused columns",
+		    fmt::format( "{}: columns that are no joints of the robot are ignored: {}", table.file, unknown ) );
 	}
 }
 
@@ -82,8 +84,8 @@ std::string clearanceCells( const Named& environment, const Named& self )
 	{
 		cells += cells.empty() ? "" : ",";
 		cells += !clearance->asked ? ",,,"
-								   : fmt::format( "{},{},{},{}", clearance->lower, clearance->upper, csvCell( clearance->first ),
-										 csvCell( clearance->second ) );
+		                           : fmt::format( "{},{},{},{}", clearance->lower, clearance->upper,
+		                                 csvCell( clearance->first ), csvCell( clearance->second ) );
 	}
 	return cells;
 }

@@ -19,7 +19,7 @@ public:
 	/// @param prefix of the columns that are meant, e.g. "from:"; empty = all columns
 	/// @param notices gets a line for every column that is not a variable of the robot
 	StateColumns( const CsvTable& table, const std::string& prefix, const Workbench& bench, const io::RobotModel& robot,
-		Notices& notices );
+	    Notices& notices );
 
 	/// The full state of a row: its columns over `base`.
 	/// @throws io::Error naming line and column of a cell that is not a finite number

@@ -58,7 +58,7 @@ TEST_F( CliCheck, ClearanceOfAKnownState )
 	EXPECT_EQ( check.out, "" );
 	const std::string text = readFile( path( "out.csv" ) );
 	EXPECT_EQ( text.substr( 0, text.find( '\n' ) ),
-		"index,verdict,env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2,microseconds" );
+	    "index,verdict,env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2,microseconds" );
 	const Table table = parseTable( text );
 	ASSERT_EQ( table.rows.size(), 1u );
 	EXPECT_EQ( table.rows[0].at( "index" ), "0" );
@@ -93,7 +93,8 @@ TEST_F( CliCheck, CellsOfAQuestionThatWasNotAskedAreEmpty )
 	EXPECT_EQ( table.rows.at( 0 ).at( "self_lower" ), "" );
 	EXPECT_EQ( table.rows.at( 0 ).at( "self_link1" ), "" );
 	EXPECT_NE( table.rows.at( 0 ).at( "env_lower" ), "" );
-	const Table self = parseTable( runModel( "check", { "--group", "arm", "--states", "states.csv", "--what", "self" } ).out );
+	const Table self =
+	    parseTable( runModel( "check", { "--group", "arm", "--states", "states.csv", "--what", "self" } ).out );
 	EXPECT_EQ( self.rows.at( 0 ).at( "env_upper" ), "" );
 	EXPECT_NE( self.rows.at( 0 ).at( "self_upper" ), "" );
 }
@@ -112,7 +113,8 @@ TEST_F( CliCheck, BeyondMaxDIsInfinityWithoutNames )
 TEST_F( CliCheck, SpacesCrLfCommentsBlankLinesAndQuotesAreUnderstood )
 {
 	write( "plain.csv", "shoulder,elbow\n0.25,-0.5\n1,0.125\n" );
-	write( "odd.csv", "\xef\xbb\xbf# a comment\r\n\r\n \"elbow\" , shoulder \r\n -0.5 ,\t0.25 \r\n# another\r\n\"0.125\",1\r\n\r\n" );
+	write( "odd.csv",
+	    "\xef\xbb\xbf# a comment\r\n\r\n \"elbow\" , shoulder \r\n -0.5 ,\t0.25 \r\n# another\r\n\"0.125\",1\r\n\r\n" );
 	const Table plain = parseTable( runModel( "check", { "--group", "arm", "--states", "plain.csv" } ).out );
 	const Table odd = parseTable( runModel( "check", { "--group", "arm", "--states", "odd.csv" } ).out );
 	ASSERT_EQ( plain.rows.size(), 2u );
@@ -169,9 +171,9 @@ TEST_F( CliCheck, ColumnsOutsideOfTheGroupAreHonouredRowByRow )
 TEST_F( CliCheck, JointsWithoutAColumnStandWhereTheRequestStartsElseAtZero )
 {
 	write( "states.csv", "shoulder\n0\n" );
-	write( "start.yaml",
-		"group_name: arm\nstart_state:\n  joint_state:\n    name: [elbow, not_a_joint]\n    position: [1.5707963267948966, 3]\n"
-		"goal_constraints:\n  - joint_constraints:\n      - joint_name: shoulder\n        position: 0\n" );
+	write( "start.yaml", "group_name: arm\nstart_state:\n  joint_state:\n    name: [elbow, not_a_joint]\n    position: "
+	                     "[1.5707963267948966, 3]\n"
+	                     "goal_constraints:\n  - joint_constraints:\n      - joint_name: shoulder\n        position: 0\n" );
 	const Table zero = parseTable( runModel( "check", { "--group", "arm", "--states", "states.csv" } ).out );
 	EXPECT_NEAR( zero.number( 0, "env_lower" ), 0.1, 1e-6 );
 	const Outcome request = runModel( "check", { "--group", "arm", "--states", "states.csv", "--request", "start.yaml" } );
@@ -213,7 +215,8 @@ TEST_F( CliCheck, AFloodOfNoticesIsCounted )
 
 TEST_F( CliCheck, EveryInstructionSetGivesTheSameAnswer )
 {
-	const auto answers = [&]( const char* simd ) {
+	const auto answers = [&]( const char* simd )
+	{
 		const Outcome check = runModel( "check", { "--group", "arm", "--states", "states.csv", "--simd", simd } );
 		if ( check.status == 2 )
 		{

@@ -50,16 +50,17 @@ const char* const srdf = R"(<?xml version="1.0"?>
 std::string sceneWith( const std::string& id, const std::string& position, const std::string& size )
 {
 	return "name: test_scene\nworld:\n  collision_objects:\n    - id: " + id + "\n      primitives:\n        - type: box\n" +
-		"          dimensions: " + size + "\n      primitive_poses:\n        - position: " + position +
-		"\n          orientation: [0, 0, 0, 1]\n";
+	       "          dimensions: " + size + "\n      primitive_poses:\n        - position: " + position +
+	       "\n          orientation: [0, 0, 0, 1]\n";
 }
 
 std::string requestWith( double from, double to )
 {
 	std::ostringstream text;
-	text << "group_name: arm\nplanner_id: RRTConnectkConfigDefault\nallowed_planning_time: 30\nstart_state:\n  joint_state:\n"
-		 << "    name: [shoulder, elbow]\n    position: [" << from << ", 0]\ngoal_constraints:\n  - joint_constraints:\n"
-		 << "      - joint_name: shoulder\n        position: " << to << "\n      - joint_name: elbow\n        position: 0\n";
+	text
+	    << "group_name: arm\nplanner_id: RRTConnectkConfigDefault\nallowed_planning_time: 30\nstart_state:\n  joint_state:\n"
+	    << "    name: [shoulder, elbow]\n    position: [" << from << ", 0]\ngoal_constraints:\n  - joint_constraints:\n"
+	    << "      - joint_name: shoulder\n        position: " << to << "\n      - joint_name: elbow\n        position: 0\n";
 	return text.str();
 }
 
@@ -67,7 +68,7 @@ std::string requestWith( double from, double to )
 std::string boxStl( const std::array<double, 3>& low, const std::array<double, 3>& high )
 {
 	const int faces[12][3] = { { 0, 1, 3 }, { 0, 3, 2 }, { 4, 6, 7 }, { 4, 7, 5 }, { 0, 4, 5 }, { 0, 5, 1 }, { 2, 3, 7 },
-		{ 2, 7, 6 }, { 0, 2, 6 }, { 0, 6, 4 }, { 1, 5, 7 }, { 1, 7, 3 } };
+	    { 2, 7, 6 }, { 0, 2, 6 }, { 0, 6, 4 }, { 1, 5, 7 }, { 1, 7, 3 } };
 	std::ostringstream text;
 	text << "solid box\n";
 	for ( const auto& face : faces )
@@ -76,7 +77,7 @@ std::string boxStl( const std::array<double, 3>& low, const std::array<double, 3
 		for ( int corner : face )
 		{
 			text << "vertex " << ( corner & 1 ? high : low )[0] << " " << ( corner & 2 ? high : low )[1] << " "
-				 << ( corner & 4 ? high : low )[2] << "\n";
+			     << ( corner & 4 ? high : low )[2] << "\n";
 		}
 		text << "endloop\nendfacet\n";
 	}

@@ -30,10 +30,11 @@ Table parseTable( const std::string& text );
 std::string readFile( const std::string& path );
 bool contains( const std::string& text, const std::string& part );
 
-/// A planar arm: post `base` (box, disc-like), `upper` (0.4 m box from the z axis along +x), `fore` (0.4 m mesh box beyond it), a
-/// fixed `tool` and a `finger` that mimics the elbow, both without geometry. Joints shoulder and elbow turn about z; at zero the
-/// arm's tip is at x = 0.8. The scene's wall has its face at x = 0.9, so the clearance at zero is 0.1. The post of the scene
-/// `blocked.yaml` stands at x = 0.6: the straight way from shoulder -1 to 1 is blocked, with a folded elbow there is one.
+/// A planar arm: post `base` (box, disc-like), `upper` (0.4 m box from the z axis along +x), `fore` (0.4 m mesh box beyond
+/// it), a fixed `tool` and a `finger` that mimics the elbow, both without geometry. Joints shoulder and elbow turn about z;
+/// at zero the arm's tip is at x = 0.8. The scene's wall has its face at x = 0.9, so the clearance at zero is 0.1. The post
+/// of the scene `blocked.yaml` stands at x = 0.6: the straight way from shoulder -1 to 1 is blocked, with a folded elbow
+/// there is one.
 class Cli : public testing::Test
 {
 protected:
@@ -46,7 +47,8 @@ protected:
 	void edit( const std::string& name, const std::string& from, const std::string& to ) const;
 	Outcome run( const std::vector<std::string>& arguments ) const { return runLeeway( m_folder, arguments ); }
 	/// subcommand --robot arm.urdf --srdf arm.srdf --scene scene.yaml + more
-	Outcome runModel( const std::string& subcommand, const std::vector<std::string>& more, const std::string& scene = "scene.yaml" ) const;
+	Outcome runModel(
+	    const std::string& subcommand, const std::vector<std::string>& more, const std::string& scene = "scene.yaml" ) const;
 	std::vector<std::string> files() const;
 
 	std::string m_folder;

@@ -22,8 +22,10 @@ protected:
 	void planAndAudit( const std::string& robot, const std::string& scene, const std::string& request, bool goal_named )
 	{
 		const std::string data = LEEWAY_DATA_DIR "/";
-		const std::vector<std::string> model = { "--robot", data + robot + ".urdf", "--srdf", data + robot + ".srdf", "--scene", data + scene };
-		std::vector<std::string> plan = { "plan", "--request", data + request, "--out", "path.yaml", "--report", "report.json" };
+		const std::vector<std::string> model = {
+		    "--robot", data + robot + ".urdf", "--srdf", data + robot + ".srdf", "--scene", data + scene };
+		std::vector<std::string> plan = {
+		    "plan", "--request", data + request, "--out", "path.yaml", "--report", "report.json" };
 		plan.insert( plan.end(), model.begin(), model.end() );
 		const Outcome planned = run( plan );
 		ASSERT_EQ( planned.status, 0 ) << planned.err;
@@ -44,7 +46,7 @@ protected:
 TEST_F( CliData, PandaPicksFromTheTable )
 {
 	planAndAudit( "mbm/panda/panda", "mbm/panda/problems/table_pick_panda/scene0001.yaml",
-		"mbm/panda/problems/table_pick_panda/request0001.yaml", true );
+	    "mbm/panda/problems/table_pick_panda/request0001.yaml", true );
 }
 
 TEST_F( CliData, ArmarReachesIntoTheFridge )

@@ -9,12 +9,13 @@ using CliEdge = Cli;
 namespace
 {
 const char* const edge_header = "index,verdict,t,proved_until,env_lower,env_upper,env_link,env_object,self_lower,self_upper,"
-								"self_link1,self_link2,pair,queries,microseconds";
+                                "self_link1,self_link2,pair,queries,microseconds";
 }
 
 TEST_F( CliEdge, AMotionThroughAPostIsBlockedAndSaysWhere )
 {
-	const Outcome edge = runModel( "edge", { "--group", "arm", "--edges", "edges.csv", "--out", "out.csv" }, "blocked.yaml" );
+	const Outcome edge =
+	    runModel( "edge", { "--group", "arm", "--edges", "edges.csv", "--out", "out.csv" }, "blocked.yaml" );
 	ASSERT_EQ( edge.status, 1 ) << edge.err;
 	const std::string text = readFile( path( "out.csv" ) );
 	EXPECT_EQ( text.substr( 0, text.find( '\n' ) ), edge_header );
@@ -40,7 +41,8 @@ TEST_F( CliEdge, AFreeMotionIsProvedWithALowerBound )
 	EXPECT_EQ( table.number( 0, "proved_until" ), 1 );
 	EXPECT_EQ( table.rows.at( 0 ).at( "pair" ), "" );
 	EXPECT_EQ( table.rows.at( 0 ).at( "env_upper" ), "inf" );
-	// The true least clearance is just below 0.1 (a corner of fore leads slightly); what is proved lies above 0 and below it.
+	// The true least clearance is just below 0.1 (a corner of fore leads slightly); what is proved lies above 0 and below
+	// it.
 	EXPECT_GT( table.number( 0, "env_lower" ), 0 );
 	EXPECT_LT( table.number( 0, "env_lower" ), 0.1 );
 }
@@ -50,13 +52,13 @@ TEST_F( CliEdge, FixedStepsMissWhatTheyStepOverAndCertifiedEdgesDoNot )
 	// A thin fin that steps of half a metre jump over.
 	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.1, 0.002, 1]" );
 	write( "edges.csv", "from:shoulder,to:shoulder\n-0.9,1.1\n" );
-	const Outcome steps =
-		runModel( "edge", { "--group", "arm", "--edges", "edges.csv", "--validator", "steps", "--max-d", "0.5" }, "blocked.yaml" );
+	const Outcome steps = runModel(
+	    "edge", { "--group", "arm", "--edges", "edges.csv", "--validator", "steps", "--max-d", "0.5" }, "blocked.yaml" );
 	EXPECT_EQ( steps.status, 0 ) << steps.out << steps.err;
 	const Outcome certified = runModel( "edge", { "--group", "arm", "--edges", "edges.csv" }, "blocked.yaml" );
 	EXPECT_EQ( certified.status, 1 ) << certified.err;
-	const Outcome fine =
-		runModel( "edge", { "--group", "arm", "--edges", "edges.csv", "--validator", "steps", "--max-d", "0.01" }, "blocked.yaml" );
+	const Outcome fine = runModel(
+	    "edge", { "--group", "arm", "--edges", "edges.csv", "--validator", "steps", "--max-d", "0.01" }, "blocked.yaml" );
 	EXPECT_EQ( fine.status, 1 ) << fine.err;
 }
 
@@ -64,7 +66,8 @@ TEST_F( CliEdge, NearContactIsRefusedNotCalledFree )
 {
 	// Sliding past the wall at 0.1 m minus a hair above the margin.
 	write( "edges.csv", "from:shoulder,to:shoulder\n-0.02,0.02\n" );
-	const Outcome edge = runModel( "edge", { "--group", "arm", "--edges", "edges.csv", "--min-d", "0.0995", "--slack", "0.01" } );
+	const Outcome edge =
+	    runModel( "edge", { "--group", "arm", "--edges", "edges.csv", "--min-d", "0.0995", "--slack", "0.01" } );
 	const Table table = parseTable( edge.out );
 	EXPECT_NE( table.rows.at( 0 ).at( "verdict" ), "BLOCKED" );
 	EXPECT_EQ( edge.status, table.rows.at( 0 ).at( "verdict" ) == "FREE" ? 0 : 1 );

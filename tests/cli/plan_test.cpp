@@ -12,7 +12,8 @@ using CliAudit = Cli;
 
 namespace
 {
-const std::vector<std::string> around_the_post = { "--request", "request.yaml", "--out", "path.yaml", "--report", "report.json" };
+const std::vector<std::string> around_the_post = {
+    "--request", "request.yaml", "--out", "path.yaml", "--report", "report.json" };
 }
 
 TEST_F( CliPlan, FindsTheWayAroundAPostAndAuditsIt )
@@ -34,7 +35,8 @@ TEST_F( CliPlan, FindsTheWayAroundAPostAndAuditsIt )
 	EXPECT_EQ( file["joint_names"].as<std::vector<std::string>>(), ( std::vector<std::string>{ "shoulder", "elbow" } ) );
 	ASSERT_GE( file["points"].size(), 3u );
 	EXPECT_EQ( file["points"][0]["positions"].as<std::vector<double>>(), ( std::vector<double>{ -1, 0 } ) );
-	EXPECT_EQ( file["points"][file["points"].size() - 1]["positions"].as<std::vector<double>>(), ( std::vector<double>{ 1, 0 } ) );
+	EXPECT_EQ(
+	    file["points"][file["points"].size() - 1]["positions"].as<std::vector<double>>(), ( std::vector<double>{ 1, 0 } ) );
 	EXPECT_GT( file["clearance"]["environment"].as<double>(), 0 );
 
 	const Outcome audit = runModel( "audit", { "--path", "path.yaml", "--request", "request.yaml" }, "blocked.yaml" );
@@ -57,8 +59,8 @@ TEST_F( CliPlan, TheSameSeedGivesTheSamePath )
 
 TEST_F( CliPlan, KeepsTheMarginItIsAskedFor )
 {
-	const Outcome plan =
-		runModel( "plan", { "--request", "request.yaml", "--min-d", "0.05", "--out", "path.yaml", "--report", "r.json" }, "blocked.yaml" );
+	const Outcome plan = runModel( "plan",
+	    { "--request", "request.yaml", "--min-d", "0.05", "--out", "path.yaml", "--report", "r.json" }, "blocked.yaml" );
 	ASSERT_EQ( plan.status, 0 ) << plan.err;
 	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
 	EXPECT_GT( report["audit"]["environment"]["lower"], 0.05 );
@@ -72,8 +74,8 @@ TEST_F( CliPlan, PlannersOfManyKindsAreFoundByName )
 {
 	for ( const char* planner : { "rrt", "KPIECE1", "EST", "PRM", "BITstar", "pRRT", "SBL" } )
 	{
-		const Outcome plan =
-			runModel( "plan", { "--request", "request.yaml", "--planner", planner, "--time", "1", "--report", "r.json" }, "blocked.yaml" );
+		const Outcome plan = runModel( "plan",
+		    { "--request", "request.yaml", "--planner", planner, "--time", "1", "--report", "r.json" }, "blocked.yaml" );
 		EXPECT_LT( plan.status, 2 ) << planner << "\n" << plan.err;
 		EXPECT_EQ( nlohmann::json::parse( readFile( path( "r.json" ) ) )["solved"], plan.status == 0 ) << planner;
 	}
@@ -83,7 +85,8 @@ TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
 {
 	// A wall all around the goal side: the tip passes x = 0.8 nowhere, and the arm cannot fold below 0.4.
 	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.7, 0.1, 1]" );
-	const Outcome plan = runModel( "plan", { "--request", "request.yaml", "--time", "0.5", "--out", "path.yaml", "--report", "r.json" }, "blocked.yaml" );
+	const Outcome plan = runModel( "plan",
+	    { "--request", "request.yaml", "--time", "0.5", "--out", "path.yaml", "--report", "r.json" }, "blocked.yaml" );
 	EXPECT_EQ( plan.status, 1 ) << plan.err;
 	EXPECT_TRUE( contains( plan.err, "no path found" ) ) << plan.err;
 	EXPECT_EQ( readFile( path( "path.yaml" ) ), "" );
@@ -96,8 +99,8 @@ TEST_F( CliPlan, APathThatTheAuditRejectsIsNotWritten )
 	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.1, 0.002, 1]" );
 	edit( "request.yaml", "[-1, 0]", "[-0.9, 0]" );
 	edit( "request.yaml", "position: 1\n", "position: 1.1\n" );
-	const Outcome plan =
-		runModel( "plan", { "--request", "request.yaml", "--validator", "steps", "--max-d", "0.5", "--out", "path.yaml" }, "blocked.yaml" );
+	const Outcome plan = runModel( "plan",
+	    { "--request", "request.yaml", "--validator", "steps", "--max-d", "0.5", "--out", "path.yaml" }, "blocked.yaml" );
 	EXPECT_EQ( plan.status, 1 ) << plan.out << plan.err;
 	EXPECT_TRUE( contains( plan.out, "NOT VALID" ) && contains( plan.out, "fore - post" ) ) << plan.out;
 	EXPECT_EQ( readFile( path( "path.yaml" ) ), "" );
@@ -117,8 +120,10 @@ TEST_F( CliPlan, AnInterruptLeavesNoPartialFile )
 {
 	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.7, 0.1, 1]" ); // no way: the planner runs until it is stopped
 	const std::vector<std::string> before = files();
-	const std::string command = "cd '" + m_folder + "' && timeout -s INT 1 '" LEEWAY_PROGRAM "' plan --robot arm.urdf --srdf arm.srdf "
-								"--scene blocked.yaml --request request.yaml --time 30 --out path.yaml --report r.json 2>.stderr";
+	const std::string command =
+	    "cd '" + m_folder +
+	    "' && timeout -s INT 1 '" LEEWAY_PROGRAM "' plan --robot arm.urdf --srdf arm.srdf "
+	    "--scene blocked.yaml --request request.yaml --time 30 --out path.yaml --report r.json 2>.stderr";
 	EXPECT_NE( std::system( command.c_str() ), 0 );
 	EXPECT_EQ( files(), before );
 }
@@ -127,8 +132,9 @@ TEST_F( CliAudit, CatchesABadPath )
 {
 	ASSERT_EQ( runModel( "plan", around_the_post, "blocked.yaml" ).status, 0 );
 	write( "straight.yaml",
-		"group: arm\nmin_d: 0\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [1, 0]\n" );
-	const Outcome audit = runModel( "audit", { "--path", "straight.yaml", "--report", "a.json", "--profile", "p.csv" }, "blocked.yaml" );
+	    "group: arm\nmin_d: 0\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [1, 0]\n" );
+	const Outcome audit =
+	    runModel( "audit", { "--path", "straight.yaml", "--report", "a.json", "--profile", "p.csv" }, "blocked.yaml" );
 	EXPECT_EQ( audit.status, 1 ) << audit.err;
 	EXPECT_TRUE( contains( audit.out, "NOT VALID" ) && contains( audit.out, "fore - post" ) ) << audit.out;
 	const auto report = nlohmann::json::parse( readFile( path( "a.json" ) ) );
@@ -138,21 +144,28 @@ TEST_F( CliAudit, CatchesABadPath )
 	EXPECT_GT( parseTable( readFile( path( "p.csv" ) ) ).rows.size(), 20u );
 }
 
-TEST_F( CliAudit, SeesAFinThinnerThanAStepOfThePlanner )
+TEST_F( CliAudit, SeesACornerThatGrazesForAHundredthOfARadian )
 {
-	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.1, 0.0005, 1]" );
-	write( "straight.yaml", "joint_names: [elbow, shoulder]\npoints:\n  - positions: [0, -1]\n  - positions: [0, 1.01]\n" );
-	EXPECT_EQ( runModel( "audit", { "--group", "arm", "--path", "straight.yaml" }, "blocked.yaml" ).status, 1 );
-	EXPECT_EQ( runModel( "audit", { "--group", "arm", "--path", "straight.yaml" } ).status, 0 );
+	// A fin 0.15 mm beyond the tip: only the corners of the tip, 0.39 mm further out, touch it, each for 0.012 rad. Steps of a
+	// tenth of a radian pass -0.1, 0 and 0.1 and see nothing but a small clearance.
+	edit( "blocked.yaml", "[0.6, 0, 0]", "[0.81015, 0, 0]" );
+	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.02, 0.0005, 1]" );
+	write( "graze.yaml", "joint_names: [elbow, shoulder]\npoints:\n  - positions: [0, -1]\n  - positions: [0, 1]\n" );
+	const Outcome audit = runModel( "audit", { "--group", "arm", "--path", "graze.yaml" }, "blocked.yaml" );
+	EXPECT_EQ( audit.status, 1 ) << audit.out;
+	EXPECT_TRUE( contains( audit.out, "fore - post" ) ) << audit.out;
+	EXPECT_EQ( runModel( "audit", { "--group", "arm", "--path", "graze.yaml" } ).status, 0 );
 }
 
 TEST_F( CliAudit, CatchesLimitsAndOtherEnds )
 {
-	write( "far.yaml", "group: arm\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [-1, 2.9]\n" );
+	write( "far.yaml",
+	    "group: arm\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [-1, 2.9]\n" );
 	const Outcome limits = runModel( "audit", { "--path", "far.yaml" } );
 	EXPECT_EQ( limits.status, 1 );
 	EXPECT_TRUE( contains( limits.out, "above its limit 2.8" ) ) << limits.out;
-	write( "short.yaml", "group: arm\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [0.9, 0]\n" );
+	write( "short.yaml",
+	    "group: arm\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [-1, 0]\n  - positions: [0.9, 0]\n" );
 	EXPECT_EQ( runModel( "audit", { "--path", "short.yaml" } ).status, 0 );
 	const Outcome ends = runModel( "audit", { "--path", "short.yaml", "--request", "request.yaml" } );
 	EXPECT_EQ( ends.status, 1 );
@@ -163,7 +176,8 @@ TEST_F( CliAudit, JointsOutsideOfTheGroupStandWhereThePathSays )
 {
 	// With the elbow folded the shoulder may pass the post.
 	const std::string points = "joint_names: [shoulder]\npoints:\n  - positions: [-1]\n  - positions: [1]\n";
-	write( "folded.yaml", "group: shoulder_only\nstart_state:\n  joint_state:\n    name: [elbow]\n    position: [2.5]\n" + points );
+	write( "folded.yaml",
+	    "group: shoulder_only\nstart_state:\n  joint_state:\n    name: [elbow]\n    position: [2.5]\n" + points );
 	write( "stretched.yaml", "group: shoulder_only\n" + points );
 	EXPECT_EQ( runModel( "audit", { "--path", "folded.yaml" }, "blocked.yaml" ).status, 0 );
 	EXPECT_EQ( runModel( "audit", { "--path", "stretched.yaml" }, "blocked.yaml" ).status, 1 );
