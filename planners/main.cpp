@@ -29,76 +29,71 @@ Examples (leeway SUBCOMMAND --help explains one):
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml)";
 
 const char* const footer =
-    R"(Files: URDF and SRDF; MoveIt planning-scene and request YAML; CSV tables titled with joint names. Metres,
-radians, seconds.
-Result files are written whole or not at all. Without --out a result goes to standard output; notices, progress and errors go
-to standard error.
+    R"(Files: URDF and SRDF; MoveIt planning-scene and request YAML; CSV tables titled with joint names. Metres, radians,
+seconds. Result files are written whole or not at all. Without --out a result goes to standard output; notices,
+progress and errors go to standard error.
 
 Verdicts: FREE is proved; BLOCKED: a clearance at or below --min-d was found; REFUSED: neither could be shown, the
-clearance is
-within a stated band just above --min-d.
+clearance is within a stated band just above --min-d.
 
-Exit status: 0 = done, good answer; 1 = done, negative answer (a state or edge that is not FREE, no path, a path that is not
-valid); 2 = error, with a line "leeway: error: <file>: <element>: <problem>; <remedy>".)";
+Exit status: 0 = done, good answer; 1 = done, negative answer (a state or edge that is not FREE, no path, a path that
+is not valid); 2 = error, with a line "leeway: error: <file>: <element>: <problem>; <remedy>".)";
 
 const char* const info_about =
     R"(Reads robot, SRDF and scene, builds everything a check would use, and says what became of it.
 
 Example: leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --json info.json
 
-Standard output: per collision element its owner, source, triangles, tree nodes, bytes and milliseconds; totals; what the
-checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why.)";
+Standard output: per collision element its owner, source, triangles, tree nodes, bytes and milliseconds; totals; what
+the checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why.)";
 
 const char* const check_about = R"(Is each state free, and how far away are obstacles and the robot's other links?
 
-Example: leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
+Example: leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out
+out.csv
 
-states.csv: a header of joint names ("<joint>/x" and so on for joints with several variables), one state per line. Joints
-without a column stand where the request starts, else at zero. Columns that are no movable joint are ignored with a notice.
-Columns of joints outside of --group are honoured; self pairs are those that the group (without --group: any joint) can move
-against each other. Values outside of joint limits are told and used as they are; a cell that is no finite number is an
-error.
+states.csv: a header of joint names ("<joint>/x" and so on for joints with several variables), one state per line.
+Joints without a column stand where the request starts, else at zero. Columns that are no movable joint are ignored
+with a notice. Columns of joints outside of --group are honoured; self pairs are those that the group (without
+--group: any joint) can move against each other. Values outside of joint limits are told and used as they are; a cell
+that is no finite number is an error.
 
 out.csv: index,verdict,env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2,microseconds
-Intervals are certified: lower <= true distance <= upper; numbers read back exactly; index counts data rows from 0; names are
-empty where nothing was near; cells of a clearance that --what leaves out are empty.)";
+Intervals are certified: lower <= true distance <= upper; numbers read back exactly; index counts data rows from 0;
+names are empty where nothing was near; cells of a clearance that --what leaves out are empty.)";
 
 const char* const edge_about = R"(Is each straight joint-space motion free, all along?
 
 Example: leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv --out out.csv
 
 edges.csv: columns from:<joint> and to:<joint> for each joint that is named; other joints stand where the request
-starts, else at
-zero. Angles without limits take the shorter way.
+starts, else at zero. Angles without limits take the shorter way.
 
 out.csv: index,verdict,t,proved_until, the eight clearance columns of `leeway check`, pair,queries,microseconds
 t is where the motion was found BLOCKED or REFUSED, and the clearances are the exact ones there; pair (link:object or
-link:link)
-decided. For a FREE motion t is 1, pair is empty, and both lower columns hold the clearance that is proved along the
-whole motion,
-both upper ones inf. [0, proved_until] is free, proved. queries counts the states measured.
+link:link) decided. For a FREE motion t is 1, pair is empty, and both lower columns hold the clearance that is proved
+along the whole motion, both upper ones inf. [0, proved_until] is free, proved. queries counts the states measured.
 With --validator steps states at most --max-d of motion apart are tested instead: FREE is then no proof.)";
 
 const char* const plan_about =
     R"(Finds a path for a request with a planner of OMPL, every edge judged by the chosen validator.
 
-Example: leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out path.yaml
+Example: leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out
+path.yaml
 
-The path is simplified by shortcuts, all its edges are checked once more (if one fails, the path before simplification is
-kept), and it is audited: exact states so dense that near contact no robot point moves further than --resolution between two.
-A path that fails is not written. start_state and goal joints must be inside their limits and free, else it is an error.
-The request's planner_id is not used. The same seed gives the same path, unless the planner uses threads or all of its
-time.)";
+The path is simplified by shortcuts, all its edges are checked once more (if one fails, the path before simplification
+is kept), and it is audited: exact states so dense that near contact no robot point moves further than --resolution
+between two. A path that fails is not written. start_state and goal joints must be inside their limits and free, else
+it is an error. The request's planner_id is not used. The same seed gives the same path, unless the planner uses
+threads or all of its time.)";
 
 const char* const audit_about = R"(Measures a path again, without the certificates it was planned with.
 
 Example: leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
 
-Exact states so dense that between two of them no robot point moves further than --resolution, or a quarter of the room
-there is.
-Joint limits are checked, and with --request that the path joins the request's start and goal. Joints outside of the
-group stand
-where the path file's start_state puts them. --min-d defaults to the path file's.
+Exact states so dense that between two of them no robot point moves further than --resolution, or a quarter of the
+room there is. Joint limits are checked, and with --request that the path joins the request's start and goal. Joints
+outside of the group stand where the path file's start_state puts them. --min-d defaults to the path file's.
 
 path.yaml: as written by leeway plan: group, min_d, start_state, joint_names, points (a list of positions); a MoveIt
 joint_trajectory is read as well. Exit status 0: valid; 1: not valid.)";
