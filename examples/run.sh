@@ -38,22 +38,21 @@ fi
 if command -v ccache >/dev/null; then
 	options+=( -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache )
 fi
-cmake -S . -B "$build" "${options[@]}" >"$build.configure.log" 2>&1 || { cat "$build.configure.log" >&2; exit 1; }
-mv "$build.configure.log" "$build/configure.log"
+mkdir -p "$build"
+cmake -S . -B "$build" "${options[@]}" >"$build/configure.log" 2>&1 || { cat "$build/configure.log" >&2; exit 1; }
 cmake --build "$build" --parallel "$( nproc )" --target leeway examples
 
-for program in "$build"/bin/0[1-9]_*; do
-	if [ -x "$program" ]; then
-		heading "$( basename "$program" )"
-		"$program"
-	fi
-done
+heading "examples/01_core: the distance of two shapes"
+"$build/bin/01_clearance"
 
 heading "write the kitchen"
 rm -rf "$demo"
 mkdir -p "$demo/paths" "$demo/motions"
 "$build/bin/kitchen_demo" "$demo"
 model=( --robot "$demo/robot.urdf" --srdf "$demo/robot.srdf" --scene "$demo/scene.yaml" )
+
+heading "examples/02_ompl: one reach by OMPL alone"
+"$build/bin/02_plan" "$demo/robot.urdf" "$demo/robot.srdf" "$demo/scene.yaml" "$demo/reach/07_drawer.yaml"
 
 heading "plan every reach: RRTConnect, certified edges, margin $margin m, seed $seed"
 printf '%-20s %-16s %-7s %9s %9s %7s %9s %9s  %s\n' request group solved 'plan ms' 'short. ms' states 'clear mm' edges audit

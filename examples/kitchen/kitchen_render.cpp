@@ -26,7 +26,7 @@ struct Options
 };
 
 constexpr double crease = 0.7; ///< radians: edges sharper than this are drawn sharp
-constexpr double speed = 0.9;  ///< radians (or metres) per second of the fastest joint in the animation
+constexpr double speed = 0.6;  ///< radians (or metres) per second of the fastest joint in the animation
 constexpr double ghost_opacity = 0.30;
 constexpr double ghost_distance = 0.06; ///< metres: a link nearer to its goal than this has no ghost
 constexpr double trail_radius = 0.006;  ///< metres
