@@ -16,8 +16,9 @@ namespace
 Values startValues( const PathFile& path, const io::RobotModel& robot, Notices& notices )
 {
 	Values values;
-	for ( const auto& [name, value] : path.start_state )
+	for ( const std::pair<std::string, double>& entry : path.start_state )
 	{
+		const std::string& name = entry.first;
 		const std::string joint_name = name.substr( 0, name.find( '/' ) );
 		const bool known = std::any_of( robot.joints.begin(), robot.joints.end(),
 		    [&]( const io::JointModel& joint ) {
@@ -26,7 +27,7 @@ Values startValues( const PathFile& path, const io::RobotModel& robot, Notices& 
 		    } );
 		if ( known )
 		{
-			values[name] = value;
+			values[name] = entry.second;
 		}
 		else
 		{

@@ -49,8 +49,7 @@ the checker of the group keeps (moving and static bodies, pairs) and which pairs
 
 const char* const check_about = R"(Is each state free, and how far away are obstacles and the robot's other links?
 
-Example: leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out
-out.csv
+Example: leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
 
 states.csv: a header of joint names ("<joint>/x" and so on for joints with several variables), one state per line.
 Joints without a column stand where the request starts, else at zero. Columns that are no movable joint are ignored
@@ -78,8 +77,7 @@ With --validator steps states at most --max-d of motion apart are tested instead
 const char* const plan_about =
     R"(Finds a path for a request with a planner of OMPL, every edge judged by the chosen validator.
 
-Example: leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out
-path.yaml
+Example: leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out path.yaml
 
 The path is simplified by shortcuts, all its edges are checked once more (if one fails, the path before simplification
 is kept), and it is audited: exact states so dense that near contact no robot point moves further than --resolution
