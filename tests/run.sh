@@ -76,13 +76,13 @@ run_tests()
 	"${runner[@]}" ctest --test-dir "$folder" --no-tests=error --output-on-failure --parallel "$jobs" --timeout 900 "$@"
 }
 
-# The test programs whose sources name a threaded test.
+# The test programs of the folders in which a threaded test is.
 threaded_targets()
 {
 	local folder
 	for folder in tests/*/; do
 		if grep -qsE "^TEST(_F|_P)?\(.*$threaded_tests" "$folder"*.cpp; then
-			echo "test_$( basename "$folder" )"
+			sed -nE 's/^ *add_executable\( *([A-Za-z_0-9]+).*/\1/p' "$folder/CMakeLists.txt"
 		fi
 	done
 }
