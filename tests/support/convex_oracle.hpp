@@ -207,8 +207,9 @@ struct Interval
 
 /// Distance by accelerated alternating projections (Nesterov 1983 with restarts, on half the squared distance to b over the
 /// points of a): upper from the points, lower from the support planes across them.
-/// @param width to stop at, metres
-inline Interval distance( const lwi_convex& sa, const lwi_convex& sb, const lw_transform& m, real width, int limit )
+/// @param width to stop at, metres. @param enough a lower bound to stop at, metres
+inline Interval distance( const lwi_convex& sa, const lwi_convex& sb, const lw_transform& m, real width, int limit,
+	real enough = INFINITY )
 {
 	Body a{ sa }, b{ sb };
 	auto on_b = [&]( Vec p ) { return rotate( m, b.nearest( unrotate( m, p - offset( m ) ) ) ) + offset( m ); };
@@ -233,7 +234,7 @@ inline Interval distance( const lwi_convex& sa, const lwi_convex& sb, const lw_t
 			Vec minus = unrotate( m, -1.0L * n );
 			real lower = dot( n, offset( m ) ) - b.reach( minus ) - a.reach( n );
 			out.lower = std::max( out.lower, lower );
-			if ( out.upper - out.lower <= width )
+			if ( out.upper - out.lower <= width || out.lower >= enough )
 			{
 				return out;
 			}
