@@ -451,47 +451,16 @@ TreeCost measureTrees( const leeway::io::Problem& problem, const lw_tree_def& tr
 const std::pair<lw_sphere_fit, const char*> FITS[] = {
 	{ LW_FIT_GREEDY, "GREEDY" }, { LW_FIT_COMPACT, "COMPACT" }, { LW_FIT_MINIMAL, "MINIMAL" } };
 
-/// leeway against itself: exact environment clearance with one thing changed at a time. @return false if an answer changed
-bool compareVariants( const Settings& settings, const leeway::io::Problem& problem,
-	const std::vector<ConfigurationSet>& sets, Json& rows )
+/// Races of leeway against itself over all sets; the first contender is the reference. @return false if an answer changed
+bool raceVariants( const char* title, const std::vector<Contender>& contenders, const std::vector<ConfigurationSet>& sets,
+	int repetitions, Json& rows )
 {
-	std::vector<std::unique_ptr<leeway::io::Problem>> problems;
-	std::vector<std::unique_ptr<Leeway>> engines;
-	std::vector<Contender> contenders;
-	const auto enter = [&]( const std::string& name, const leeway::io::Problem& of, const lw_query_def& def ) {
-		engines.push_back( std::make_unique<Leeway>( of, def ) );
-		Leeway* engine = engines.back().get();
-		contenders.push_back(
-			{ name, [engine]( const double* q ) { return engine->clearance( q, LW_WHAT_ENVIRONMENT, lw_range_exact() ); } } );
-	};
-	enter( "default", problem, lw_query_def_default() );
-	lw_query_def def = lw_query_def_default();
-	def.transform_caching = false;
-	enter( "no transform caching", problem, def );
-	def = lw_query_def_default();
-	def.warm_start = false;
-	enter( "no warm start", problem, def );
-	static const char* const levels[] = { "", "scalar", "SSE2", "AVX2" };
-	for ( int level = LW_SIMD_SCALAR; level <= lw_simd_available(); ++level )
-	{
-		def = lw_query_def_default();
-		def.simd = static_cast<lw_simd>( level );
-		enter( std::string( "level " ) + levels[level], problem, def );
-	}
-	for ( const auto& [fit, name] : FITS )
-	{
-		lw_tree_def tree = lw_tree_def_default();
-		tree.fit = fit;
-		problems.push_back( std::make_unique<leeway::io::Problem>( loadKitchen( settings.data, tree ) ) );
-		enter( std::string( "fit " ) + name, *problems.back(), lw_query_def_default() );
-	}
-
-	std::printf( "\nleeway, environment exact, one thing changed at a time: microseconds per state\n" );
+	std::printf( "\nleeway, environment exact, %s: microseconds per state\n", title );
 	std::printf( "%-22s %-10s | %8s %8s %8s | %s\n", "variant", "set", "median", "mean", "p95", "mean / default" );
 	bool same = true;
 	for ( const ConfigurationSet& set : sets )
 	{
-		const std::vector<Run> runs = race( contenders, set, settings.repetitions );
+		const std::vector<Run> runs = race( contenders, set, repetitions );
 		const double reference = summarise( runs[0].microseconds ).mean;
 		for ( std::size_t c = 0; c < contenders.size(); ++c )
 		{
@@ -507,6 +476,54 @@ bool compareVariants( const Settings& settings, const leeway::io::Problem& probl
 		std::fflush( stdout );
 	}
 	return same;
+}
+
+/// leeway against itself: exact environment clearance with one thing changed at a time. Fits race by themselves, because
+/// each has trees of its own, which the caches must hold in turn. @return false if an answer changed
+bool compareVariants( const Settings& settings, const leeway::io::Problem& problem,
+	const std::vector<ConfigurationSet>& sets, Json& rows )
+{
+	std::vector<std::unique_ptr<leeway::io::Problem>> problems;
+	std::vector<std::unique_ptr<Leeway>> engines;
+	const auto enter = [&engines]( const std::string& name, const leeway::io::Problem& of, const lw_query_def& def ) {
+		engines.push_back( std::make_unique<Leeway>( of, def ) );
+		Leeway* engine = engines.back().get();
+		return Contender{ name,
+			[engine]( const double* q ) { return engine->clearance( q, LW_WHAT_ENVIRONMENT, lw_range_exact() ); } };
+	};
+	std::vector<Contender> switches = { enter( "default", problem, lw_query_def_default() ) };
+	lw_query_def def = lw_query_def_default();
+	def.transform_caching = !def.transform_caching;
+	switches.push_back( enter( def.transform_caching ? "transform caching" : "no transform caching", problem, def ) );
+	def = lw_query_def_default();
+	def.warm_start = !def.warm_start;
+	switches.push_back( enter( def.warm_start ? "warm start" : "no warm start", problem, def ) );
+	static const char* const levels[] = { "", "level scalar", "level SSE2", "level AVX2" };
+	for ( int level = LW_SIMD_SCALAR; level <= lw_simd_available(); ++level )
+	{
+		def = lw_query_def_default();
+		def.simd = static_cast<lw_simd>( level );
+		switches.push_back( enter( levels[level], problem, def ) );
+	}
+
+	const lw_sphere_fit default_fit = lw_tree_def_default().fit;
+	std::vector<Contender> fits = { enter( "default fit", problem, lw_query_def_default() ) };
+	for ( const auto& [fit, name] : FITS )
+	{
+		if ( fit != default_fit )
+		{
+			lw_tree_def tree = lw_tree_def_default();
+			tree.fit = fit;
+			problems.push_back( std::make_unique<leeway::io::Problem>( loadKitchen( settings.data, tree ) ) );
+			fits.push_back( enter( std::string( "fit " ) + name, *problems.back(), lw_query_def_default() ) );
+		}
+		else
+		{
+			fits[0].name = std::string( "fit " ) + name;
+		}
+	}
+	const bool same = raceVariants( "one thing changed at a time", switches, sets, settings.repetitions, rows );
+	return raceVariants( "fits", fits, sets, settings.repetitions, rows ) && same;
 }
 
 void printTrees( const leeway::io::Problem& problem, const FclPeer& fcl, Json& rows )
