@@ -12,8 +12,8 @@ namespace leeway::ompl
 namespace
 {
 
-// Engines are numbered, not recognised by address: a new engine may be built where an old one was, and a thread that remembers a slot
-// of the old one must not take it for the new one's.
+// Engines are numbered, not recognised by address: a new engine may be built where an old one was, and a thread that
+// remembers a slot of the old one must not take it for the new one's.
 std::atomic<std::uint64_t> next_engine_id{ 1 };
 
 void requireOption( bool condition, const char* what )
@@ -49,8 +49,8 @@ Checker checkedChecker( Checker checker )
 } // namespace
 
 Engine::Engine( const ::ompl::base::StateSpacePtr& space, Checker checker, const Options& options )
-	: m_checker( checkedChecker( std::move( checker ) ) ), m_options( checkedOptions( options ) ), m_adapter( space, m_checker ),
-	  m_id( next_engine_id.fetch_add( 1, std::memory_order_relaxed ) )
+	: m_checker( checkedChecker( std::move( checker ) ) ), m_options( checkedOptions( options ) ),
+	  m_adapter( space, m_checker ), m_id( next_engine_id.fetch_add( 1, std::memory_order_relaxed ) )
 {
 	// the first slot is made here, so that a machine without memory for even one says so at once
 	Slot* slot = makeSlot();
@@ -79,8 +79,7 @@ Engine::Slot* Engine::makeSlot() const
 		return nullptr;
 	}
 	const std::size_t size = m_adapter.size();
-	const std::size_t full_size = lw_robot_variable_count( lw_checker_robot( m_checker.get() ) );
-	slot->memory.reset( new ( std::nothrow ) double[6 * size + 3 * full_size]() );
+	slot->memory.reset( new ( std::nothrow ) double[6 * size]() );
 	lw_query* query = nullptr;
 	const lw_query_def def = lw_query_def_default();
 	if ( !slot->memory || lw_query_create( &def, nullptr, m_checker.get(), nullptr, &query ) != LW_OK )
@@ -93,11 +92,6 @@ Engine::Slot* Engine::makeSlot() const
 	{
 		*vector = memory;
 		memory += size;
-	}
-	for ( double** vector : { &slot->full_from, &slot->full_to, &slot->full_out } )
-	{
-		*vector = memory;
-		memory += full_size;
 	}
 
 	// Push: nothing is ever taken off the list, so there is no ABA problem and readers may walk it at any time.

@@ -32,7 +32,6 @@ struct alignas( 64 ) Engine::Slot
 	double *a, *b;           ///< the ends of the motion (or the state), as read; [adapter size]
 	double *from, *to;       ///< the piece that is being proved; [adapter size]
 	double *varied, *result; ///< [adapter size]
-	double *full_from, *full_to, *full_out; ///< [robot variable count]
 	SlotCounter states, edges, free, blocked, refused, edge_queries;
 };
 

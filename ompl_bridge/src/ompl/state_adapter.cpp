@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // States of OMPL spaces as state vectors, and OMPL's interpolation on state vectors.
 //
-// What makes a motion certified is that core and planner mean the same curve. The core's is lw_robot_interpolate(): linear, the shorter
-// way for wrapping angles, slerp for quaternions. OMPL's, by subspace, from a to b with d = b - a:
+// What makes a motion certified is that core and planner mean the same curve. The core's is lw_robot_interpolate(): linear,
+// the shorter way for wrapping angles, slerp for quaternions. OMPL's, by subspace, from a to b with d = b - a:
 //
-//   RealVector  a + d t. Equal to the core's; for a wrapping angle only while |d| < pi: pieces of at most pi / 2 are certified.
-//   SO2         the shorter way, and a + d t if |d| = pi exactly. Which way is shorter is a matter of rounding near |d| = pi: pieces.
-//   SO3         slerp with the sign of b chosen so that <a, b> >= 0, angle theta = acos <a, b>. The quaternions of OMPL may be
-//               off unit length by 1e-9, which makes theta slightly wrong, but every value is a combination of a and +-b with
-//               non-negative weights, so it lies on the same great arc: the set of rotations passed through is the same, only t is
-//               shifted (by less than 1e-8). The sign is ambiguous near <a, b> = 0: pieces.
+//   RealVector  a + d t. Equal to the core's; for a wrapping angle only while |d| < pi: pieces of at most pi / 2 are
+//   certified. SO2         the shorter way, and a + d t if |d| = pi exactly. Which way is shorter is a matter of rounding
+//   near |d| = pi:
+//               pieces.
+//   SO3         slerp with the sign of b chosen so that <a, b> >= 0, angle theta = acos <a, b>. The quaternions of OMPL may
+//   be
+//               off unit length by 1e-9, which makes theta slightly wrong, but every value is a combination of a and +-b
+//               with non-negative weights, so it lies on the same great arc: the set of rotations passed through is the
+//               same, only t is shifted (by less than 1e-8). The sign is ambiguous near <a, b> = 0: pieces.
 //               For <a, b> > 1 - 1e-9 OMPL keeps a for all t: see hasCloseRotations().
 #include "leeway/ompl/validity.hpp"
 
@@ -36,8 +39,8 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// Nearer than this to a tie (radians of an angle, scalar product of quaternions) the shorter way is not left to rounding. Far above
-// the rounding of either side (1e-15), far below anything that would cost a planner an edge.
+// Nearer than this to a tie (radians of an angle, scalar product of quaternions) the shorter way is not left to rounding.
+// Far above the rounding of either side (1e-15), far below anything that would cost a planner an edge.
 constexpr double tie_band = 1e-9;
 
 // OMPL's own threshold is 1 - 1e-9; a little wider, so that differences in rounding never miss a case.
@@ -198,7 +201,8 @@ void StateAdapter::match( const Checker& checker )
 	{
 		for ( std::size_t i = 0; i < part.count; ++i )
 		{
-			const std::uint32_t variable = lw_checker_variable( checker.get(), static_cast<std::uint32_t>( part.first + i ) );
+			const auto entry = static_cast<std::uint32_t>( part.first + i );
+			const std::uint32_t variable = lw_checker_variable( checker.get(), entry );
 			const lw_variable_info info = lw_robot_variable( robot, variable );
 			const bool quaternion = lw_robot_joint_type( robot, info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
 			const bool fits = part.kind == Kind::Rotation ? quaternion && info.component == 3 + i : !quaternion;
@@ -214,15 +218,15 @@ void StateAdapter::match( const Checker& checker )
 			}
 			else if ( part.kind == Kind::Angle )
 			{
-				m_curve_problem = variableText( robot, variable ) + " has limits and cannot take the shorter way round that subspace " +
-					part.leaf->getName() + " takes";
+				m_curve_problem = variableText( robot, variable ) +
+					" does not wrap and cannot take the shorter way round that subspace " + part.leaf->getName() + " takes";
 			}
 		}
 	}
 }
 
-// Types tell the layout; whether interpolate() is what the layout suggests is tried out, because any of the classes may be derived from.
-// 200 random motions: an override that agrees with the formulas on all of them is one that means them.
+// Types tell the layout; whether interpolate() is what the layout suggests is tried out, because any of the classes may be
+// derived from. 200 random motions: an override that agrees with the formulas on all of them is one that means them.
 void StateAdapter::compareCurves()
 {
 	constexpr int motions = 200;
@@ -245,7 +249,7 @@ void StateAdapter::compareCurves()
 				for ( std::size_t i = 0; i < part.count; ++i )
 				{
 					const double low = bounds.low[i], high = bounds.high[i];
-					if ( high > low )
+					if ( high > low && std::isfinite( high - low ) )
 					{
 						q[part.first + i] = low + ( high - low ) * ( 0.5 + 0.5 * q[part.first + i] );
 					}
@@ -272,7 +276,8 @@ void StateAdapter::compareCurves()
 				const double scale = std::max( { 1.0, std::fabs( a[k] ), std::fabs( b[k] ) } );
 				if ( !( std::fabs( got[k] - expected[k] ) <= tolerance * scale ) )
 				{
-					m_curve_problem = "space " + m_space->getName() + " does not interpolate straight (Dubins, Reeds-Shepp, ...)";
+					m_curve_problem =
+						"space " + m_space->getName() + " does not interpolate straight (Dubins, Reeds-Shepp, ...)";
 					return;
 				}
 			}

@@ -20,16 +20,19 @@ namespace ob = ::ompl::base;
 namespace
 {
 
-// Range given to a joint whose limits are equal, metres or radians. OMPL wants a hundredth of the extent of each subspace to be above
-// 2e-16; a nanometre moves nothing that any clearance could notice.
+// Range given to a joint whose limits are equal, metres or radians. OMPL wants a hundredth of the extent of each subspace to
+// be above 2e-16; a nanometre moves nothing that any clearance could notice.
 constexpr double locked_range = 1e-9;
 
-// The planners that keep a grid over a projection (KPIECE, PDST, EST, ...) need one, and OMPL has no default for compound spaces. The
-// first numbers are those of the joints next to the root, which move the most.
+// The planners that keep a grid over a projection (KPIECE, PDST, EST, ...) need one, and OMPL has no default for compound
+// spaces. The first numbers are those of the joints next to the root, which move the most.
 class LeadingNumbers : public ob::ProjectionEvaluator
 {
 public:
-	LeadingNumbers( const ob::StateSpace* space, unsigned dimension ) : ob::ProjectionEvaluator( space ), m_dimension( dimension ) {}
+	LeadingNumbers( const ob::StateSpace* space, unsigned dimension )
+		: ob::ProjectionEvaluator( space ), m_dimension( dimension )
+	{
+	}
 	unsigned int getDimension() const override { return m_dimension; }
 	void project( const ob::State* state, Eigen::Ref<Eigen::VectorXd> projection ) const override
 	{
@@ -83,7 +86,8 @@ void setBounds( ob::RealVectorBounds& bounds, unsigned index, const Variable& va
 	if ( !( low <= high ) )
 	{
 		throw std::invalid_argument( "leeway::ompl::makeStateSpace: joint " + variable.joint + " has no range between " +
-			std::to_string( low ) + " and " + std::to_string( high ) + "; give it both limits or pass a larger `unbounded`" );
+			std::to_string( low ) + " and " + std::to_string( high ) +
+			"; give it both limits or pass a larger `unbounded`" );
 	}
 	if ( high - low < locked_range )
 	{
@@ -132,7 +136,8 @@ std::shared_ptr<ob::StateSpace> makeVectorSpace( const std::vector<Variable>& va
 }
 
 // The subspace of the joint whose variables begin at `first`; advances `first` past them.
-std::shared_ptr<ob::StateSpace> makeJointSpace( const std::vector<Variable>& variables, std::size_t& first, double unbounded )
+std::shared_ptr<ob::StateSpace> makeJointSpace( const std::vector<Variable>& variables, std::size_t& first,
+	double unbounded )
 {
 	const Variable& variable = variables[first];
 	std::shared_ptr<ob::StateSpace> result;

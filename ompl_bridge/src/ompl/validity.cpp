@@ -82,7 +82,8 @@ bool StateValidityChecker::evaluate( const ob::State* state, double& dist ) cons
 	const Options& options = m_engine->options();
 	const lw_range range = { options.min_d, options.max_d, options.alpha };
 	lw_state_result result;
-	if ( lw_checker_state( m_engine->checker().get(), lease.query(), lease.a(), options.what, &range, true, &result ) != LW_OK ||
+	const lw_checker* checker = m_engine->checker().get();
+	if ( lw_checker_state( checker, lease.query(), lease.a(), options.what, &range, true, &result ) != LW_OK ||
 		result.verdict != LW_VERDICT_FREE )
 	{
 		return false;
@@ -127,12 +128,11 @@ double StateValidityChecker::clearance( const ob::State* state, ob::State*, bool
 
 // ---- motions ----
 
-/// How far a motion was proved: on piece [t_from, t_to] of the curve, from slot.from to slot.to, up to `local` in [0, 1].
+/// How far a motion was proved.
 struct MotionValidator::Run
 {
 	lw_verdict verdict = LW_VERDICT_UNKNOWN;
-	double t_from = 0, t_to = 1;
-	double local = 0;
+	double proved_until = 0; ///< place on the whole motion; 0 if not wanted
 	bool want_proved_until = false;
 };
 
@@ -152,7 +152,7 @@ MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared
 	m_def.max_d = options.step;
 }
 
-// Proves OMPL's curve from a to b, piece by piece. On failure slot.from and slot.to are left as the ends of the failing piece.
+// Proves OMPL's curve from a to b, piece by piece.
 void MotionValidator::proveCurve( const Engine::Lease& lease, const double* a, const double* b, Run& run ) const
 {
 	const StateAdapter& adapter = m_engine->adapter();
@@ -163,21 +163,19 @@ void MotionValidator::proveCurve( const Engine::Lease& lease, const double* a, c
 	std::copy( a, a + adapter.size(), slot.from );
 	for ( unsigned piece = 0; piece < pieces; ++piece )
 	{
-		run.t_from = double( piece ) / pieces;
-		run.t_to = double( piece + 1 ) / pieces;
 		if ( piece + 1 == pieces )
 		{
 			std::copy( b, b + adapter.size(), slot.to );
 		}
 		else
 		{
-			adapter.interpolate( a, b, run.t_to, slot.to );
+			adapter.interpolate( a, b, double( piece + 1 ) / pieces, slot.to );
 		}
 		lw_edge_result result;
 		const lw_status status =
 			lw_checker_edge( m_engine->checker().get(), slot.query.get(), slot.from, slot.to, &def, &result );
 		run.verdict = status == LW_OK ? result.verdict : LW_VERDICT_UNKNOWN;
-		run.local = status == LW_OK ? result.proved_until : 0;
+		run.proved_until = ( piece + ( status == LW_OK ? result.proved_until : 0 ) ) / pieces;
 		slot.edge_queries.add( status == LW_OK ? result.queries : 0 );
 		if ( run.verdict != LW_VERDICT_FREE )
 		{
@@ -189,9 +187,10 @@ void MotionValidator::proveCurve( const Engine::Lease& lease, const double* a, c
 
 // Proves the motion from slot.a to slot.b.
 //
-// Rotations that OMPL takes for equal (StateAdapter::hasCloseRotations()) make three curves of one motion: OMPL's own from a (rotation of
-// a throughout), OMPL's own from b, for planners that walk the edge backwards, and the slerp between. All three are proved; together
-// they also cover OMPL's jump at the end. Planners sample such pairs about never, so the price does not matter.
+// Rotations that OMPL takes for equal (StateAdapter::hasCloseRotations()) make three curves of one motion: OMPL's own from a
+// (rotation of a throughout), OMPL's own from b, for planners that walk the edge backwards, and the slerp between. All three
+// are proved; together they also cover OMPL's jump at the end. Planners sample such pairs about never, so the price does not
+// matter.
 MotionValidator::Run MotionValidator::proveMotion( const Engine::Lease& lease, bool want_proved_until ) const
 {
 	const StateAdapter& adapter = m_engine->adapter();
@@ -221,9 +220,7 @@ MotionValidator::Run MotionValidator::proveMotion( const Engine::Lease& lease, b
 	if ( run.verdict != LW_VERDICT_FREE )
 	{
 		// proved along one curve but not along another: nothing but the start counts
-		std::copy( slot.a, slot.a + adapter.size(), slot.from );
-		std::copy( slot.a, slot.a + adapter.size(), slot.to );
-		run.t_from = run.t_to = run.local = 0;
+		run.proved_until = 0;
 	}
 	return run;
 }
@@ -239,32 +236,23 @@ MotionValidator::Run MotionValidator::prove( const Engine::Lease& lease, bool wa
 	return run;
 }
 
-// Writes the last valid state and returns its t. All inputs are in the slot by now, so `out` may be s1 or s2.
-double MotionValidator::writeLastValid( const Engine::Lease& lease, const Run& run, const ob::State* s1, ob::State* out ) const
+// Writes the last valid state and returns its t. Both ends are in the slot by now, so `out` may be s1 or s2.
+double MotionValidator::writeLastValid( const Engine::Lease& lease, const Run& run, const ob::State* s1,
+	ob::State* out ) const
 {
 	const StateAdapter& adapter = m_engine->adapter();
-	const lw_checker* checker = m_engine->checker().get();
-	const lw_robot* robot = lw_checker_robot( checker );
 	Engine::Slot& slot = *lease.m_slot;
-	lw_checker_full_state( checker, slot.from, slot.full_from );
-	lw_checker_full_state( checker, slot.to, slot.full_to );
 
 	// The end of the proved run can lie so near to min_d that rounding decides: a second candidate lies a little before it.
 	constexpr double candidates[] = { 1.0, 1.0 - 0x1p-10 };
 	for ( double factor : candidates )
 	{
-		const double local = run.local * factor;
-		const double t = std::min( run.t_from + ( run.t_to - run.t_from ) * local, std::nextafter( 1.0, 0.0 ) );
-		if ( !( local >= 0 && t > 0 ) )
+		const double t = std::min( run.proved_until * factor, std::nextafter( 1.0, 0.0 ) );
+		if ( !( t > 0 ) )
 		{
 			break;
 		}
-		// the second candidate needs full_from again, so the state is not computed in place
-		lw_robot_interpolate( robot, slot.full_from, slot.full_to, local, slot.full_out );
-		for ( std::uint32_t i = 0; i < adapter.size(); ++i )
-		{
-			slot.result[i] = slot.full_out[lw_checker_variable( checker, i )];
-		}
+		adapter.interpolate( slot.a, slot.b, t, slot.result );
 		adapter.enforceBounds( slot.result );
 		if ( !clear( *m_engine, slot.query.get(), slot.result ) )
 		{
@@ -298,7 +286,8 @@ bool MotionValidator::count( bool valid ) const
 	return valid;
 }
 
-// Both ends within the bounds: then all states between are, because bounds of RealVector are convex and the others have none.
+// Both ends within the bounds: then all states between are, because bounds of RealVector are convex and the others have
+// none.
 bool MotionValidator::read( const Engine::Lease& lease, const ob::State* s1, const ob::State* s2 ) const
 {
 	if ( !lease || !si_->satisfiesBounds( s1 ) || !si_->satisfiesBounds( s2 ) )

@@ -35,7 +35,9 @@ struct Options
 	/// always the exact distance. A cap makes plateaus: an objective that maximises clearance sees no gain above it.
 	double max_d = 0.5;
 	double alpha = 0;     ///< relative tolerance of clearance(), [0, 1)
-	double slack = 0.001; ///< metres, > 0: certified edges may refuse clearances in (min_d, min_d + slack]
+	/// Metres, > 0: certified edges may refuse clearances from min_d up to (min_d + slack) / 0.9; it bounds the work near
+	/// contact.
+	double slack = 0.001;
 	lw_edge_method method = LW_EDGE_CERTIFIED;
 	double step = 0.01;   ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
 	lw_what what = LW_WHAT_BOTH;
@@ -50,14 +52,14 @@ struct Options
 /// order, naming the joint
 std::shared_ptr<::ompl::base::StateSpace> makeStateSpace( const Checker& checker, double unbounded = 10.0 );
 
-/// Copies states of a space to and from the checker's state vector. The space is one made by makeStateSpace(), or any nesting
-/// of RealVector, SO2, SO3, SE2, SE3, compound and wrapper spaces (or of their subclasses with the same state layout) whose
-/// numbers, in order, are those of the state vector.
+/// Copies states of a space to and from the checker's state vector. The space is one made by makeStateSpace(), or any
+/// nesting of RealVector, SO2, SO3, SE2, SE3, compound and wrapper spaces (or of their subclasses with the same state
+/// layout) whose numbers, in order, are those of the state vector.
 ///
 /// Certified edges follow lw_robot_interpolate(). Whether the space interpolates along the same curve is found out at
-/// construction, by type (spaces on a constraint manifold do not) and by comparing the space's interpolate() with the formulas
-/// below on random states (Dubins, Reeds-Shepp and other overrides do not). Spaces that do not can still be checked state
-/// by state; straight() is false then and MotionValidator refuses them.
+/// construction, by type (spaces on a constraint manifold do not) and by comparing the space's interpolate() with the
+/// formulas below on random states (Dubins, Reeds-Shepp and other overrides do not). Spaces that do not can still be checked
+/// state by state; straight() is false then and MotionValidator refuses them.
 class StateAdapter
 {
 public:
@@ -76,13 +78,14 @@ public:
 	/// @param out [size()], must not alias a or b
 	void interpolate( const double* a, const double* b, double t, double* out ) const;
 
-	/// Number of equal parts of OMPL's curve such that on each the curve and lw_robot_interpolate() cannot differ. Nearly always 1;
-	/// more where a wrapping angle moves by pi or more (the long way round in a RealVector dimension, or exactly opposite), or
-	/// two rotations are opposite: there, which way is shorter is a matter of rounding.
+	/// Number of equal parts of OMPL's curve such that on each the curve and lw_robot_interpolate() cannot differ. Nearly
+	/// always 1; more where a wrapping angle moves by pi or more (the long way round in a RealVector dimension, or exactly
+	/// opposite), or two rotations are opposite: there, which way is shorter is a matter of rounding.
 	unsigned pieceCount( const double* a, const double* b ) const;
 
-	/// OMPL takes rotations with |<q1, q2>| > 1 - 1e-9 (less than 9e-5 rad apart) for equal: its curve keeps the first one and
-	/// jumps at the end. True if a and b have such rotations that are not identical; replaceCloseRotations() makes them so.
+	/// OMPL takes rotations with |<q1, q2>| > 1 - 1e-9 (less than 9e-5 rad apart) for equal: its curve keeps the first one
+	/// and jumps at the end. True if a and b have such rotations that are not identical; replaceCloseRotations() makes them
+	/// so.
 	bool hasCloseRotations( const double* a, const double* b ) const;
 	/// Copies the rotations of `from` that are close to those of q into q.
 	void replaceCloseRotations( const double* from, double* q ) const;
@@ -128,8 +131,8 @@ struct Counters
 	std::uint64_t edge_queries = 0; ///< states at which edges measured distances
 };
 
-/// What the checker and the validator share: checker, options, adapter, and a pool of queries, one per thread in use. The pool
-/// grows on first use by a thread and never shrinks; after that nothing is allocated and nobody waits.
+/// What the checker and the validator share: checker, options, adapter, and a pool of queries, one per thread in use. The
+/// pool grows on first use by a thread and never shrinks; after that nothing is allocated and nobody waits.
 class Engine
 {
 public:
@@ -187,6 +190,7 @@ private:
 class StateValidityChecker : public ::ompl::base::StateValidityChecker
 {
 public:
+	/// @param si of the space that the engine was made with
 	StateValidityChecker( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine );
 	bool isValid( const ::ompl::base::State* state ) const override;
 	/// One evaluation for both answers.
@@ -206,13 +210,14 @@ private:
 	std::shared_ptr<const Engine> m_engine;
 };
 
-/// checkMotion() proved along the whole edge (or by fixed steps), see lw_checker_edge(). A motion whose ends are out of bounds, that
-/// is refused or that meets an error is invalid. What is certified is OMPL's own curve, the one that interpolate() of the space
-/// gives later (see StateAdapter for the cases where that needs care), up to rounding of single coordinates.
-/// Conditions of another state validity checker (set by the user besides leeway's) are not looked at.
+/// checkMotion() proved along the whole edge (or by fixed steps), see lw_checker_edge(). A motion whose ends are out of
+/// bounds, that is refused or that meets an error is invalid. What is certified is OMPL's own curve, the one that
+/// interpolate() of the space gives later (see StateAdapter for the cases where that needs care), up to rounding of single
+/// coordinates. Conditions of another state validity checker (set by the user besides leeway's) are not looked at.
 class MotionValidator : public ::ompl::base::MotionValidator
 {
 public:
+	/// @param si of the space that the engine was made with
 	/// @throws std::invalid_argument if the space's curves are not straight edges (StateAdapter::straight())
 	MotionValidator( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine );
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2 ) const override;
@@ -238,8 +243,9 @@ private:
 };
 
 /// Sets both on `si` and returns the shared engine. Call si->setup() afterwards as usual.
-/// @throws as Engine and MotionValidator. For spaces whose curves are not straight, make an Engine and set a StateValidityChecker
-/// alone: OMPL's own motion validator then asks it state by state.
-std::shared_ptr<const Engine> install( const ::ompl::base::SpaceInformationPtr& si, Checker checker, const Options& options = {} );
+/// @throws as Engine and MotionValidator. For spaces whose curves are not straight, make an Engine and set a
+/// StateValidityChecker alone: OMPL's own motion validator then asks it state by state.
+std::shared_ptr<const Engine> install( const ::ompl::base::SpaceInformationPtr& si, Checker checker,
+	const Options& options = {} );
 
 } // namespace leeway::ompl
