@@ -24,8 +24,10 @@ namespace
 // be above 2e-16; a nanometre moves nothing that any clearance could notice.
 constexpr double locked_range = 1e-9;
 
-// The planners that keep a grid over a projection (KPIECE, PDST, EST, ...) need one, and OMPL has no default for compound
-// spaces. The first numbers are those of the joints next to the root, which move the most.
+// The planners that keep a grid over a projection (KPIECE, PDST, EST, ...) need one. OMPL has no default for compound
+// spaces, and that for RealVector spaces of one or two dimensions reads eight times as many numbers as there are, which
+// aborts in builds with assertions such as Debian's (ompl/ompl#915, in 2.0.2 too): this one stands in for both. The first
+// numbers are those of the joints next to the root, which move the most.
 class LeadingNumbers : public ob::ProjectionEvaluator
 {
 public:
@@ -58,6 +60,22 @@ public:
 
 private:
 	unsigned m_dimension;
+};
+
+// The same for RealVector. Above two dimensions OMPL's own default, a random linear projection, is sound.
+class JointSpace : public ob::RealVectorStateSpace
+{
+public:
+	using ob::RealVectorStateSpace::RealVectorStateSpace;
+	void registerProjections() override
+	{
+		if ( dimension_ > 2 )
+		{
+			ob::RealVectorStateSpace::registerProjections();
+			return;
+		}
+		registerDefaultProjection( std::make_shared<LeadingNumbers>( this, dimension_ ) );
+	}
 };
 
 struct Variable
@@ -126,7 +144,7 @@ void requireTogether( const std::vector<Variable>& variables, std::size_t first,
 std::shared_ptr<ob::StateSpace> makeVectorSpace( const std::vector<Variable>& variables, double unbounded )
 {
 	const auto count = static_cast<unsigned>( variables.size() );
-	auto space = std::make_shared<ob::RealVectorStateSpace>( count );
+	auto space = std::make_shared<JointSpace>( count );
 	space->setBounds( boundsOf( variables, 0, count, unbounded ) );
 	for ( unsigned i = 0; i < count; ++i )
 	{

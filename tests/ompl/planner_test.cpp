@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// OMPL's planners on certified edges: each uses the two interfaces in its own way, several from many threads. Every path is
+// then measured densely, by exact queries that know nothing of edges.
+#include "world.hpp"
+
+#include <ompl/base/goals/GoalLazySamples.h>
+#include <ompl/base/objectives/PathLengthOptimizationObjective.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/PathSimplifier.h>
+#include <ompl/geometric/planners/AnytimePathShortening.h>
+#include <ompl/geometric/planners/cforest/CForest.h>
+#include <ompl/geometric/planners/kpiece/BKPIECE1.h>
+#include <ompl/geometric/planners/kpiece/KPIECE1.h>
+#include <ompl/geometric/planners/kpiece/LBKPIECE1.h>
+#include <ompl/geometric/planners/pdst/PDST.h>
+#include <ompl/geometric/planners/prm/PRM.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/geometric/planners/rrt/RRTstar.h>
+#include <ompl/geometric/planners/rrt/pRRT.h>
+#include <ompl/geometric/planners/sbl/pSBL.h>
+#include <ompl/geometric/planners/stride/STRIDE.h>
+
+#include <atomic>
+
+namespace og = ::ompl::geometric;
+
+namespace
+{
+
+constexpr double min_d = 0.005;
+
+// A limit for planners that have gone astray, far above what any needs even with sanitizers on; none is asserted.
+constexpr double patience = 60;
+
+struct Problem
+{
+	World world;
+	std::vector<double> start, goal;
+};
+
+// From one side of the wall or pillars to the other.
+const std::vector<Problem>& problems()
+{
+	static const std::vector<Problem> all = {
+		{ { "Gantry", gantryWorld }, { -0.8, -0.8 }, { 0.8, -0.8 } },
+		{ { "Arm", armWorld }, { 0.2, 0.3, 0.3 }, { 1.6, -0.5, 0.4 } },
+		{ { "Cart", cartWorld }, { -0.7, -0.5, pi / 2 }, { 0.7, -0.5, -pi / 2 } },
+		{ { "Drone", droneWorld }, { -0.7, 0, -0.4, 0, 0, 0, 1 },
+			{ 0.7, -0.5, -0.4, 0, 0, std::sqrt( 0.5 ), std::sqrt( 0.5 ) } },
+	};
+	return all;
+}
+
+struct NamedPlanner
+{
+	const char* name;
+	ob::PlannerPtr ( *make )( const ob::SpaceInformationPtr& si );
+};
+
+template <typename Planner>
+ob::PlannerPtr make( const ob::SpaceInformationPtr& si )
+{
+	return std::make_shared<Planner>( si );
+}
+
+template <typename Planner>
+ob::PlannerPtr makeWithThreads( const ob::SpaceInformationPtr& si )
+{
+	auto planner = std::make_shared<Planner>( si );
+	planner->setThreadCount( 4 );
+	return planner;
+}
+
+ob::PlannerPtr makeForest( const ob::SpaceInformationPtr& si )
+{
+	auto planner = std::make_shared<og::CForest>( si );
+	planner->setNumThreads( 4 ); // of RRTstar
+	planner->setFocusSearch( false ); // OMPL's informed samplers know no compound spaces
+	return planner;
+}
+
+ob::PlannerPtr makeShortening( const ob::SpaceInformationPtr& si )
+{
+	auto planner = std::make_shared<og::AnytimePathShortening>( si );
+	for ( int i = 0; i < 3; ++i )
+	{
+		ob::PlannerPtr part = std::make_shared<og::RRTConnect>( si );
+		planner->addPlanner( part );
+	}
+	return planner;
+}
+
+// RRTs and PRM ask by two states; the KPIECE family, PDST and STRIDE for the last valid state; pRRT, pSBL, CForest and
+// AnytimePathShortening from several threads.
+const std::vector<NamedPlanner> planners = { { "RRTConnect", make<og::RRTConnect> }, { "RRTstar", make<og::RRTstar> },
+	{ "PRM", make<og::PRM> }, { "KPIECE1", make<og::KPIECE1> }, { "BKPIECE1", make<og::BKPIECE1> },
+	{ "LBKPIECE1", make<og::LBKPIECE1> }, { "PDST", make<og::PDST> }, { "STRIDE", make<og::STRIDE> },
+	{ "pRRT", makeWithThreads<og::pRRT> }, { "pSBL", makeWithThreads<og::pSBL> }, { "CForest", makeForest },
+	{ "AnytimePathShortening", makeShortening } };
+
+leeway::ompl::Options plannerOptions()
+{
+	leeway::ompl::Options options;
+	options.min_d = min_d;
+	return options;
+}
+
+/// Measures the path at states at most a few millimetres apart.
+void audit( const Rig& rig, const og::PathGeometric& path )
+{
+	const leeway::Query query = leeway::makeQuery( rig.checker.get() );
+	ob::ScopedState<> between( rig.space );
+	for ( std::size_t i = 0; i + 1 < path.getStateCount(); ++i )
+	{
+		const ob::State *s1 = path.getState( i ), *s2 = path.getState( i + 1 );
+		const int count = 1 + static_cast<int>( rig.space->distance( s1, s2 ) / 0.005 );
+		for ( int k = 0; k <= count; ++k )
+		{
+			rig.space->interpolate( s1, s2, double( k ) / count, between.get() );
+			ASSERT_GT( exactClearance( rig, query.get(), between.get() ), min_d - 1e-9 )
+				<< "edge " << i << " at " << k << "/" << count;
+		}
+	}
+}
+
+class Planners : public testing::TestWithParam<std::tuple<Problem, NamedPlanner>>
+{
+};
+
+TEST_P( Planners, PathsAreFreeAllTheWay )
+{
+	const Problem& problem = std::get<0>( GetParam() );
+	const Rig rig( problem.world.make(), plannerOptions() );
+	ob::ScopedState<> start( rig.space ), goal( rig.space );
+	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
+	rig.engine->adapter().fromVector( problem.goal.data(), goal.get() );
+	ASSERT_TRUE( rig.si->isValid( start.get() ) );
+	ASSERT_TRUE( rig.si->isValid( goal.get() ) );
+	ASSERT_FALSE( rig.si->checkMotion( start.get(), goal.get() ) ) << "nothing to plan";
+
+	auto definition = std::make_shared<ob::ProblemDefinition>( rig.si );
+	// a radius: planners with one tree meet a point about never
+	definition->setStartAndGoalStates( start, goal, 0.1 );
+	// any length will do: RRT* and CForest would go on shortening
+	auto length_objective = std::make_shared<ob::PathLengthOptimizationObjective>( rig.si );
+	length_objective->setCostThreshold( ob::Cost( inf ) );
+	definition->setOptimizationObjective( length_objective );
+	const ob::PlannerPtr planner = std::get<1>( GetParam() ).make( rig.si );
+	planner->setProblemDefinition( definition );
+	planner->setup();
+	const ob::PlannerTerminationCondition enough = ob::plannerOrTerminationCondition(
+		ob::timedPlannerTerminationCondition( patience ), ob::exactSolnPlannerTerminationCondition( definition ) );
+	ASSERT_EQ( planner->solve( enough ), ob::PlannerStatus::EXACT_SOLUTION );
+
+	auto path = std::dynamic_pointer_cast<og::PathGeometric>( definition->getSolutionPath() );
+	ASSERT_NE( path, nullptr );
+	ASSERT_GE( path->getStateCount(), 3u );
+	EXPECT_TRUE( rig.space->equalStates( path->getState( 0 ), start.get() ) );
+	EXPECT_LE( rig.space->distance( path->getStates().back(), goal.get() ), 0.1 + 1e-9 );
+	audit( rig, *path );
+
+	// what OMPL makes of it afterwards goes through the same validator
+	const double length = path->length();
+	og::PathSimplifier( rig.si ).simplifyMax( *path );
+	EXPECT_LE( path->length(), length * ( 1 + 1e-9 ) );
+	audit( rig, *path );
+	EXPECT_EQ( rig.engine->counters().edges,
+		rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().refused );
+}
+
+INSTANTIATE_TEST_SUITE_P( All, Planners, testing::Combine( testing::ValuesIn( problems() ), testing::ValuesIn( planners ) ),
+	[]( const testing::TestParamInfo<std::tuple<Problem, NamedPlanner>>& test )
+	{ return std::string( std::get<0>( test.param ).world.name ) + std::get<1>( test.param ).name; } );
+
+TEST( PlannerThreads, AGoalSamplerAsksWhileThePlannerRuns )
+{
+	// a "single-threaded" planner with lazy goal samples: OMPL checks them from a thread of its own
+	const Problem& problem = problems()[0];
+	const Rig rig( problem.world.make(), plannerOptions() );
+	SeededRng rng;
+	ob::ScopedState<> start( rig.space );
+	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
+	std::atomic<int> sampled{ 0 };
+	const ob::GoalSamplingFn sample = [&]( const ob::GoalLazySamples*, ob::State* state )
+	{
+		auto* values = state->as<ob::RealVectorStateSpace::StateType>()->values;
+		values[0] = problem.goal[0] + rng.uniform( -0.15, 0.15 );
+		values[1] = problem.goal[1] + rng.uniform( -0.15, 0.15 );
+		return ++sampled < 500;
+	};
+	auto definition = std::make_shared<ob::ProblemDefinition>( rig.si );
+	definition->addStartState( start );
+	definition->setGoal( std::make_shared<ob::GoalLazySamples>( rig.si, sample ) );
+	og::RRTConnect planner( rig.si );
+	planner.setProblemDefinition( definition );
+	planner.setup();
+	ASSERT_EQ( planner.solve( ob::timedPlannerTerminationCondition( patience ) ), ob::PlannerStatus::EXACT_SOLUTION );
+	definition->getGoal()->as<ob::GoalLazySamples>()->stopSampling();
+	audit( rig, *std::dynamic_pointer_cast<og::PathGeometric>( definition->getSolutionPath() ) );
+	EXPECT_GT( sampled, 0 );
+}
+
+TEST( PlannerSteps, StepsAreTheTradeThatTheyAre )
+{
+	// fixed steps of 1 cm of motion see a wall of 10 cm: the same planner solves the same problem with them
+	const Problem& problem = problems()[0];
+	leeway::ompl::Options options = plannerOptions();
+	options.method = LW_EDGE_STEPS;
+	const Rig rig( problem.world.make(), options );
+	ob::ScopedState<> start( rig.space ), goal( rig.space );
+	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
+	rig.engine->adapter().fromVector( problem.goal.data(), goal.get() );
+	auto definition = std::make_shared<ob::ProblemDefinition>( rig.si );
+	definition->setStartAndGoalStates( start, goal );
+	og::RRTConnect planner( rig.si );
+	planner.setProblemDefinition( definition );
+	planner.setup();
+	ASSERT_EQ( planner.solve( ob::timedPlannerTerminationCondition( patience ) ), ob::PlannerStatus::EXACT_SOLUTION );
+	const auto path = std::dynamic_pointer_cast<og::PathGeometric>( definition->getSolutionPath() );
+	const leeway::Query query = leeway::makeQuery( rig.checker.get() );
+	path->interpolate( 2000 );
+	for ( const ob::State* state : path->getStates() )
+	{
+		// half a step is all that can be missed
+		ASSERT_GT( exactClearance( rig, query.get(), state ), min_d - options.step / 2 );
+	}
+}
+
+} // namespace
