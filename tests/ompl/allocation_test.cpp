@@ -11,11 +11,23 @@ namespace
 {
 
 std::atomic<std::uint64_t> allocations{ 0 };
+thread_local bool out_of_memory = false;      ///< C++, this thread
+thread_local bool core_out_of_memory = false; ///< C, this thread
 
+/// @return nullptr while the test lets memory run out
 void* allocate( std::size_t size, std::size_t align )
 {
-	void* memory = align > alignof( std::max_align_t ) ? std::aligned_alloc( align, ( size + align - 1 ) / align * align )
-													   : std::malloc( size > 0 ? size : 1 );
+	if ( out_of_memory )
+	{
+		return nullptr;
+	}
+	return align > alignof( std::max_align_t ) ? std::aligned_alloc( align, ( size + align - 1 ) / align * align )
+											   : std::malloc( size > 0 ? size : 1 );
+}
+
+void* allocateOrThrow( std::size_t size, std::size_t align )
+{
+	void* memory = allocate( size, align );
 	if ( memory == nullptr )
 	{
 		throw std::bad_alloc();
@@ -41,35 +53,68 @@ void* __wrap_aligned_alloc( std::size_t align, std::size_t size );
 void* __wrap_malloc( std::size_t size )
 {
 	allocations.fetch_add( 1, std::memory_order_relaxed );
-	return __real_malloc( size );
+	return core_out_of_memory ? nullptr : __real_malloc( size );
 }
 void* __wrap_calloc( std::size_t count, std::size_t size )
 {
 	allocations.fetch_add( 1, std::memory_order_relaxed );
-	return __real_calloc( count, size );
+	return core_out_of_memory ? nullptr : __real_calloc( count, size );
 }
 void* __wrap_realloc( void* memory, std::size_t size )
 {
 	allocations.fetch_add( 1, std::memory_order_relaxed );
-	return __real_realloc( memory, size );
+	return core_out_of_memory ? nullptr : __real_realloc( memory, size );
 }
 void* __wrap_aligned_alloc( std::size_t align, std::size_t size )
 {
 	allocations.fetch_add( 1, std::memory_order_relaxed );
-	return __real_aligned_alloc( align, size );
+	return core_out_of_memory ? nullptr : __real_aligned_alloc( align, size );
 }
 }
 
-// Those of C++, here and in OMPL; the array and nothrow forms come to these.
-void* operator new( std::size_t size ) { return allocate( size, 0 ); }
+// Those of C++, here and in OMPL. All forms: the library's default for one form calls another, but a sanitizer's does not.
+void* operator new( std::size_t size )
+{
+	return allocateOrThrow( size, 0 );
+}
+void* operator new[]( std::size_t size )
+{
+	return allocateOrThrow( size, 0 );
+}
 void* operator new( std::size_t size, std::align_val_t align )
+{
+	return allocateOrThrow( size, static_cast<std::size_t>( align ) );
+}
+void* operator new[]( std::size_t size, std::align_val_t align )
+{
+	return allocateOrThrow( size, static_cast<std::size_t>( align ) );
+}
+void* operator new( std::size_t size, const std::nothrow_t& ) noexcept
+{
+	return allocate( size, 0 );
+}
+void* operator new[]( std::size_t size, const std::nothrow_t& ) noexcept
+{
+	return allocate( size, 0 );
+}
+void* operator new( std::size_t size, std::align_val_t align, const std::nothrow_t& ) noexcept
 {
 	return allocate( size, static_cast<std::size_t>( align ) );
 }
+void* operator new[]( std::size_t size, std::align_val_t align, const std::nothrow_t& ) noexcept
+{
+	return allocate( size, static_cast<std::size_t>( align ) );
+}
+// clang-format off
 void operator delete( void* memory ) noexcept { std::free( memory ); }
+void operator delete[]( void* memory ) noexcept { std::free( memory ); }
 void operator delete( void* memory, std::size_t ) noexcept { std::free( memory ); }
+void operator delete[]( void* memory, std::size_t ) noexcept { std::free( memory ); }
 void operator delete( void* memory, std::align_val_t ) noexcept { std::free( memory ); }
+void operator delete[]( void* memory, std::align_val_t ) noexcept { std::free( memory ); }
 void operator delete( void* memory, std::size_t, std::align_val_t ) noexcept { std::free( memory ); }
+void operator delete[]( void* memory, std::size_t, std::align_val_t ) noexcept { std::free( memory ); }
+// clang-format on
 
 namespace
 {
@@ -159,6 +204,41 @@ TEST( Allocations, ThreadsFindTheQueriesOfThreadsThatAreGone )
 	for ( ob::State* state : states )
 	{
 		rig.si->freeState( state );
+	}
+}
+
+TEST( Allocations, WithoutMemoryNothingIsValid )
+{
+	// a second thread needs a second query, and there is no memory for one: on whatever allocation it fails
+	SeededRng rng;
+	for ( bool in_the_core : { false, true } )
+	{
+		const Rig rig( gantryWorld() );
+		ob::ScopedState<> s1( rig.space ), s2( rig.space ), last( rig.space );
+		rig.sampleValid( rng, s1.get() );
+		s2 = s1;
+		ASSERT_TRUE( rig.si->isValid( s1.get() ) );
+		ASSERT_TRUE( rig.si->checkMotion( s1.get(), s2.get() ) );
+		const leeway::ompl::Engine::Lease only( *rig.engine );
+		ASSERT_TRUE( only );
+		bool& exhausted = in_the_core ? core_out_of_memory : out_of_memory;
+		exhausted = true;
+		double dist = 1;
+		std::pair<ob::State*, double> last_valid( last.get(), 0.4 );
+		const bool valid = rig.si->isValid( s1.get() );
+		const bool valid_too = rig.si->getStateValidityChecker()->isValid( s1.get(), dist );
+		const double clearance = rig.si->getStateValidityChecker()->clearance( s1.get() );
+		const bool free = rig.si->checkMotion( s1.get(), s2.get() );
+		const bool free_too = rig.si->checkMotion( s1.get(), s2.get(), last_valid );
+		exhausted = false;
+		EXPECT_FALSE( valid || valid_too || free || free_too );
+		EXPECT_EQ( dist, 0 );
+		EXPECT_EQ( clearance, 0 );
+		EXPECT_EQ( last_valid.second, 0 );
+		EXPECT_TRUE( last == s1 );
+		EXPECT_EQ( rig.engine->queryCount(), 1u );
+		EXPECT_TRUE( rig.si->isValid( s1.get() ) ) << "memory is back";
+		EXPECT_EQ( rig.engine->queryCount(), 2u );
 	}
 }
 

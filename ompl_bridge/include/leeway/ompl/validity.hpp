@@ -47,7 +47,8 @@ struct Options
 /// (dimensions named by joint), otherwise a compound of RealVector (each bounded joint), SO2 (continuous joints), SE2
 /// (planar) and SE3 (floating), subspaces named by joint, all of weight 1 so that a radian and a metre count the same.
 /// Infinite position limits are replaced by +-`unbounded` metres. A joint whose limits are equal gets a range of 1e-9 about
-/// them, because OMPL cannot set up a space without extent. A default projection (the first three numbers) is registered.
+/// them, because OMPL cannot set up a space without extent. A default projection is registered (the first three numbers;
+/// OMPL's own above two dimensions of RealVector).
 /// @throws std::invalid_argument if a limit is unusable, or a planar or floating joint's variables are not together and in
 /// order, naming the joint
 std::shared_ptr<::ompl::base::StateSpace> makeStateSpace( const Checker& checker, double unbounded = 10.0 );
