@@ -182,6 +182,14 @@ enum class Validator
 	steps
 };
 
+const char* nameOf( Validator validator )
+{
+	const char* const names[] = { "Discrete", "Certified", "Steps" };
+	return names[static_cast<int>( validator )];
+}
+
+void PrintTo( Validator validator, std::ostream* out ) { *out << nameOf( validator ); }
+
 class MotionContract : public testing::TestWithParam<std::tuple<World, Validator>>
 {
 protected:
@@ -208,8 +216,7 @@ protected:
 
 std::string motionName( const testing::TestParamInfo<std::tuple<World, Validator>>& info )
 {
-	const char* const names[] = { "Discrete", "Certified", "Steps" };
-	return std::string( std::get<0>( info.param ).name ) + names[static_cast<int>( std::get<1>( info.param ) )];
+	return std::string( std::get<0>( info.param ).name ) + nameOf( std::get<1>( info.param ) );
 }
 
 TEST_P( MotionContract, LastValidIsWrittenOnFailureOnly )

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -224,6 +225,8 @@ struct World
 	const char* name;
 	leeway::Checker ( *make )();
 };
+
+inline void PrintTo( const World& world, std::ostream* out ) { *out << world.name; }
 
 inline const std::vector<World>& worlds()
 {
