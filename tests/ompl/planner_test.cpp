@@ -1,211 +1,256 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// OMPL's planners on the shim, each path audited state by state with the core's exact query.
+// OMPL's planners on certified edges: each uses the two interfaces in its own way, several from many threads. Every path is
+// then measured densely, by exact queries that know nothing of edges.
 #include "world.hpp"
 
 #include <ompl/base/goals/GoalLazySamples.h>
+#include <ompl/base/objectives/PathLengthOptimizationObjective.h>
 #include <ompl/base/samplers/MaximizeClearanceValidStateSampler.h>
-#include <ompl/geometric/SimpleSetup.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/PathSimplifier.h>
 #include <ompl/geometric/planners/AnytimePathShortening.h>
 #include <ompl/geometric/planners/cforest/CForest.h>
 #include <ompl/geometric/planners/kpiece/BKPIECE1.h>
 #include <ompl/geometric/planners/kpiece/KPIECE1.h>
+#include <ompl/geometric/planners/kpiece/LBKPIECE1.h>
 #include <ompl/geometric/planners/pdst/PDST.h>
 #include <ompl/geometric/planners/prm/PRM.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 #include <ompl/geometric/planners/rrt/pRRT.h>
+#include <ompl/geometric/planners/stride/STRIDE.h>
 
 #include <atomic>
-#include <functional>
+
+namespace og = ::ompl::geometric;
 
 namespace
 {
 
-namespace og = ::ompl::geometric;
+constexpr double min_d = 0.005;
 
-/// A world with a start and a goal that no straight motion joins.
+// A limit for planners that have gone astray, far above what any needs even with sanitizers on; none is asserted.
+constexpr double patience = 60;
+
 struct Problem
 {
-	const char* name;
-	leeway::Checker ( *make )();
+	World world;
 	std::vector<double> start, goal;
 };
 
-const Problem& gantryProblem()
+void PrintTo( const Problem& problem, std::ostream* out ) { *out << problem.world.name; }
+
+// From one side of the wall or pillars to the other.
+const std::vector<Problem>& problems()
 {
-	static const Problem problem = { "Gantry", gantryWorld, { -0.7, -0.7 }, { 0.7, -0.7 } };
-	return problem;
+	static const std::vector<Problem> all = {
+		{ { "Gantry", gantryWorld }, { -0.8, -0.8 }, { 0.8, -0.8 } },
+		{ { "Arm", armWorld }, { 0.2, 0.3, 0.3 }, { 1.6, -0.5, 0.4 } },
+		{ { "Cart", cartWorld }, { -0.7, -0.5, pi / 2 }, { 0.7, -0.5, -pi / 2 } },
+		{ { "Drone", droneWorld }, { -0.7, 0, -0.4, 0, 0, 0, 1 },
+			{ 0.7, -0.5, -0.4, 0, 0, std::sqrt( 0.5 ), std::sqrt( 0.5 ) } },
+	};
+	return all;
 }
-const Problem& armProblem()
+
+struct NamedPlanner
 {
-	static const Problem problem = { "Arm", armWorld, { 0.1, 0.2, 0.1 }, { 1.3, -0.2, -0.1 } };
-	return problem;
-}
-const Problem& cartProblem()
+	const char* name;
+	ob::PlannerPtr ( *make )( const ob::SpaceInformationPtr& si );
+};
+
+void PrintTo( const NamedPlanner& planner, std::ostream* out ) { *out << planner.name; }
+
+template <typename Planner>
+ob::PlannerPtr make( const ob::SpaceInformationPtr& si )
 {
-	static const Problem problem = { "Cart", cartWorld, { -0.6, -0.6, 1.5 }, { 0.6, 0.8, 1.5 } };
-	return problem;
+	return std::make_shared<Planner>( si );
 }
-const Problem& droneProblem()
+
+ob::PlannerPtr makeParallel( const ob::SpaceInformationPtr& si )
 {
-	static const Problem problem = { "Drone", droneWorld, { -0.6, -0.5, -0.6, 0, 0, 0, 1 }, { 0.6, -0.5, -0.6, 0, 0, 0, 1 } };
-	return problem;
+	auto planner = std::make_shared<og::pRRT>( si );
+	planner->setThreadCount( 4 );
+	return planner;
 }
+
+ob::PlannerPtr makeForest( const ob::SpaceInformationPtr& si )
+{
+	auto planner = std::make_shared<og::CForest>( si );
+	planner->setNumThreads( 4 ); // of RRTstar
+	planner->setFocusSearch( false ); // OMPL's informed samplers know no compound spaces
+	return planner;
+}
+
+ob::PlannerPtr makeShortening( const ob::SpaceInformationPtr& si )
+{
+	auto planner = std::make_shared<og::AnytimePathShortening>( si );
+	for ( int i = 0; i < 3; ++i )
+	{
+		ob::PlannerPtr part = std::make_shared<og::RRTConnect>( si );
+		planner->addPlanner( part );
+	}
+	return planner;
+}
+
+// RRTs and PRM ask by two states; the KPIECE family, PDST and STRIDE for the last valid state.
+const std::vector<NamedPlanner> planners = { { "RRTConnect", make<og::RRTConnect> }, { "RRTstar", make<og::RRTstar> },
+	{ "PRM", make<og::PRM> }, { "KPIECE1", make<og::KPIECE1> }, { "BKPIECE1", make<og::BKPIECE1> },
+	{ "LBKPIECE1", make<og::LBKPIECE1> }, { "PDST", make<og::PDST> }, { "STRIDE", make<og::STRIDE> } };
+
+// pSBL is not among them: its threads free each other's motions, in OMPL 1.5.2.
+const std::vector<NamedPlanner> planners_with_threads = { { "pRRT", makeParallel }, { "CForest", makeForest },
+	{ "AnytimePathShortening", makeShortening } };
 
 leeway::ompl::Options plannerOptions()
 {
 	leeway::ompl::Options options;
-	options.min_d = 0.01;
+	options.min_d = min_d;
 	return options;
 }
 
-/// No state of the path, sampled densely along the space's own interpolation, may come within min_d.
-void audit( const Setup& setup, const og::PathGeometric& path )
+/// Measures the path at states at most a few millimetres apart.
+void audit( const Rig& rig, const og::PathGeometric& path )
 {
-	const leeway::Query query = leeway::makeQuery( setup.checker.get() );
-	ob::ScopedState<> between( setup.space );
-	double lowest = inf;
-	ASSERT_GE( path.getStateCount(), 2u );
+	const leeway::Query query = leeway::makeQuery( rig.checker.get() );
+	ob::ScopedState<> between( rig.space );
 	for ( std::size_t i = 0; i + 1 < path.getStateCount(); ++i )
 	{
-		for ( int k = 0; k <= 500; ++k )
+		const ob::State *s1 = path.getState( i ), *s2 = path.getState( i + 1 );
+		const int count = 1 + static_cast<int>( rig.space->distance( s1, s2 ) / 0.005 );
+		for ( int k = 0; k <= count; ++k )
 		{
-			setup.space->interpolate( path.getState( i ), path.getState( i + 1 ), k / 500.0, between.get() );
-			ASSERT_TRUE( setup.space->satisfiesBounds( between.get() ) );
-			lowest = std::min( lowest, exactClearance( setup, query.get(), between.get() ) );
+			rig.space->interpolate( s1, s2, double( k ) / count, between.get() );
+			ASSERT_GT( exactClearance( rig, query.get(), between.get() ), min_d - 1e-9 )
+				<< "edge " << i << " at " << k << "/" << count;
 		}
 	}
-	EXPECT_GT( lowest, setup.engine->options().min_d - 1e-9 );
 }
 
-/// Solves, audits, simplifies, audits again. Planners that go on improving get a little time, and more only until solved.
-void solve( const Problem& problem, const std::function<ob::PlannerPtr( const ob::SpaceInformationPtr& )>& make )
+class Planners : public testing::TestWithParam<std::tuple<Problem, NamedPlanner>>
 {
-	const Setup setup( problem.make(), plannerOptions() );
-	og::SimpleSetup simple( setup.si );
-	ob::ScopedState<> start( setup.space ), goal( setup.space );
-	setup.engine->adapter().fromVector( problem.start.data(), start.get() );
-	setup.engine->adapter().fromVector( problem.goal.data(), goal.get() );
-	ASSERT_TRUE( setup.si->isValid( start.get() ) );
-	ASSERT_TRUE( setup.si->isValid( goal.get() ) );
-	ASSERT_FALSE( setup.si->checkMotion( start.get(), goal.get() ) ) << "nothing to plan";
-	simple.setStartAndGoalStates( start, goal, 0.01 );
-	const ob::PlannerPtr planner = make( setup.si );
-	simple.setPlanner( planner );
-	for ( int i = 0; i < 60 && !simple.haveExactSolutionPath(); ++i )
-	{
-		simple.solve( 0.5 );
-	}
-	ASSERT_TRUE( simple.haveExactSolutionPath() ) << planner->getName();
-	audit( setup, simple.getSolutionPath() );
-	simple.simplifySolution( 0.5 );
-	audit( setup, simple.getSolutionPath() );
-	EXPECT_TRUE( simple.getSolutionPath().check() );
-	EXPECT_GT( setup.si->getMotionValidator()->getCheckedMotionCount(), 0u );
+};
+
+TEST_P( Planners, PathsAreFreeAllTheWay )
+{
+	const Problem& problem = std::get<0>( GetParam() );
+	const Rig rig( problem.world.make(), plannerOptions() );
+	ob::ScopedState<> start( rig.space ), goal( rig.space );
+	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
+	rig.engine->adapter().fromVector( problem.goal.data(), goal.get() );
+	ASSERT_TRUE( rig.si->isValid( start.get() ) );
+	ASSERT_TRUE( rig.si->isValid( goal.get() ) );
+	ASSERT_FALSE( rig.si->checkMotion( start.get(), goal.get() ) ) << "nothing to plan";
+
+	auto definition = std::make_shared<ob::ProblemDefinition>( rig.si );
+	// a radius: planners with one tree meet a point about never
+	definition->setStartAndGoalStates( start, goal, 0.1 );
+	// any length will do: RRT* and CForest would go on shortening
+	auto length_objective = std::make_shared<ob::PathLengthOptimizationObjective>( rig.si );
+	length_objective->setCostThreshold( ob::Cost( inf ) );
+	definition->setOptimizationObjective( length_objective );
+	const ob::PlannerPtr planner = std::get<1>( GetParam() ).make( rig.si );
+	planner->setProblemDefinition( definition );
+	planner->setup();
+	const ob::PlannerTerminationCondition enough = ob::plannerOrTerminationCondition(
+		ob::timedPlannerTerminationCondition( patience ), ob::exactSolnPlannerTerminationCondition( definition ) );
+	ASSERT_EQ( planner->solve( enough ), ob::PlannerStatus::EXACT_SOLUTION );
+
+	auto path = std::dynamic_pointer_cast<og::PathGeometric>( definition->getSolutionPath() );
+	ASSERT_NE( path, nullptr );
+	ASSERT_GE( path->getStateCount(), 3u );
+	EXPECT_TRUE( rig.space->equalStates( path->getState( 0 ), start.get() ) );
+	EXPECT_LE( rig.space->distance( path->getStates().back(), goal.get() ), 0.1 + 1e-9 );
+	audit( rig, *path );
+
+	// what OMPL makes of it afterwards goes through the same validator
+	const double length = path->length();
+	og::PathSimplifier( rig.si ).simplifyMax( *path );
+	EXPECT_LE( path->length(), length * ( 1 + 1e-9 ) );
+	audit( rig, *path );
+	EXPECT_EQ( rig.engine->counters().edges,
+		rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().refused );
 }
 
-template <typename Planner>
-void solveWith( const Problem& problem )
+std::string plannerName( const testing::TestParamInfo<std::tuple<Problem, NamedPlanner>>& info )
 {
-	solve( problem, []( const ob::SpaceInformationPtr& si ) { return std::make_shared<Planner>( si ); } );
+	return std::string( std::get<0>( info.param ).world.name ) + std::get<1>( info.param ).name;
 }
 
-TEST( Planners, RRTConnect )
-{
-	for ( const Problem& problem : { gantryProblem(), armProblem(), cartProblem(), droneProblem() } )
-	{
-		SCOPED_TRACE( problem.name );
-		solveWith<og::RRTConnect>( problem );
-	}
-}
+INSTANTIATE_TEST_SUITE_P( All, Planners,
+	testing::Combine( testing::ValuesIn( problems() ), testing::ValuesIn( planners ) ), plannerName );
+INSTANTIATE_TEST_SUITE_P( Threads, Planners,
+	testing::Combine( testing::ValuesIn( problems() ), testing::ValuesIn( planners_with_threads ) ), plannerName );
 
-// These use the last valid state of every failed motion.
-TEST( Planners, KPIECE1 )
+TEST( PlannerThreads, AGoalSamplerAsksWhileThePlannerRuns )
 {
-	solveWith<og::KPIECE1>( gantryProblem() );
-	solveWith<og::KPIECE1>( armProblem() );
-}
-TEST( Planners, BKPIECE1 )
-{
-	solveWith<og::BKPIECE1>( gantryProblem() );
-	solveWith<og::BKPIECE1>( armProblem() );
-	solveWith<og::BKPIECE1>( cartProblem() );
-}
-TEST( Planners, PDST ) { solveWith<og::PDST>( gantryProblem() ); }
-
-TEST( Planners, RRTstar ) { solveWith<og::RRTstar>( gantryProblem() ); }
-
-// PRM watches for solutions in a second thread; the others plan in several.
-TEST( PlannerThreads, PRM ) { solveWith<og::PRM>( armProblem() ); }
-TEST( PlannerThreads, pRRT )
-{
-	solve( gantryProblem(), []( const ob::SpaceInformationPtr& si )
-		{
-			const auto planner = std::make_shared<og::pRRT>( si );
-			planner->setThreadCount( 4 );
-			return planner;
-		} );
-}
-TEST( PlannerThreads, CForest )
-{
-	solve( gantryProblem(), []( const ob::SpaceInformationPtr& si )
-		{
-			const auto planner = std::make_shared<og::CForest>( si );
-			planner->addPlannerInstances<og::RRTstar>( 4 );
-			return planner;
-		} );
-}
-TEST( PlannerThreads, AnytimePathShortening )
-{
-	solve( armProblem(), []( const ob::SpaceInformationPtr& si )
-		{ return og::AnytimePathShortening::createPlanner<og::RRTConnect, og::RRTConnect, og::KPIECE1>( si ); } );
-}
-
-// A goal that is sampled in a thread of its own makes every planner a user of two threads.
-TEST( PlannerThreads, GoalLazySamples )
-{
-	const Setup setup( cartWorld(), plannerOptions() );
-	og::SimpleSetup simple( setup.si );
-	ob::ScopedState<> start( setup.space );
-	const Problem& problem = cartProblem();
-	setup.engine->adapter().fromVector( problem.start.data(), start.get() );
-	simple.setStartState( start );
+	// a "single-threaded" planner with lazy goal samples: OMPL checks them from a thread of its own
+	const Problem& problem = problems()[0];
+	const Rig rig( problem.world.make(), plannerOptions() );
 	SeededRng rng;
-	std::atomic<int> asked{ 0 };
-	const auto goal = std::make_shared<ob::GoalLazySamples>( setup.si,
-		[&]( const ob::GoalLazySamples*, ob::State* state )
-		{
-			const std::vector<double> q = { rng.uniform( 0.4, 0.9 ), rng.uniform( -0.9, 0.9 ), rng.uniform( -3, 3 ) };
-			setup.engine->adapter().fromVector( q.data(), state );
-			// refused samples end the thread unless "more" is answered: the goal's own validity check comes after this one
-			setup.si->isValid( state );
-			return ++asked < 1000;
-		} );
-	simple.setGoal( goal );
-	simple.setPlanner( std::make_shared<og::RRTConnect>( setup.si ) );
-	for ( int i = 0; i < 60 && !simple.haveExactSolutionPath(); ++i )
+	ob::ScopedState<> start( rig.space );
+	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
+	std::atomic<int> sampled{ 0 };
+	const ob::GoalSamplingFn sample = [&]( const ob::GoalLazySamples*, ob::State* state )
 	{
-		simple.solve( 0.5 );
+		auto* values = state->as<ob::RealVectorStateSpace::StateType>()->values;
+		values[0] = problem.goal[0] + rng.uniform( -0.15, 0.15 );
+		values[1] = problem.goal[1] + rng.uniform( -0.15, 0.15 );
+		return ++sampled < 500;
+	};
+	auto definition = std::make_shared<ob::ProblemDefinition>( rig.si );
+	definition->addStartState( start );
+	definition->setGoal( std::make_shared<ob::GoalLazySamples>( rig.si, sample ) );
+	og::RRTConnect planner( rig.si );
+	planner.setProblemDefinition( definition );
+	planner.setup();
+	ASSERT_EQ( planner.solve( ob::timedPlannerTerminationCondition( patience ) ), ob::PlannerStatus::EXACT_SOLUTION );
+	definition->getGoal()->as<ob::GoalLazySamples>()->stopSampling();
+	audit( rig, *std::dynamic_pointer_cast<og::PathGeometric>( definition->getSolutionPath() ) );
+	EXPECT_GT( sampled, 0 );
+}
+
+TEST( PlannerSteps, StepsAreTheTradeThatTheyAre )
+{
+	// fixed steps of 1 cm of motion see a wall of 10 cm: the same planner solves the same problem with them
+	const Problem& problem = problems()[0];
+	leeway::ompl::Options options = plannerOptions();
+	options.method = LW_EDGE_STEPS;
+	const Rig rig( problem.world.make(), options );
+	ob::ScopedState<> start( rig.space ), goal( rig.space );
+	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
+	rig.engine->adapter().fromVector( problem.goal.data(), goal.get() );
+	auto definition = std::make_shared<ob::ProblemDefinition>( rig.si );
+	definition->setStartAndGoalStates( start, goal );
+	og::RRTConnect planner( rig.si );
+	planner.setProblemDefinition( definition );
+	planner.setup();
+	ASSERT_EQ( planner.solve( ob::timedPlannerTerminationCondition( patience ) ), ob::PlannerStatus::EXACT_SOLUTION );
+	const auto path = std::dynamic_pointer_cast<og::PathGeometric>( definition->getSolutionPath() );
+	const leeway::Query query = leeway::makeQuery( rig.checker.get() );
+	path->interpolate( 2000 );
+	for ( const ob::State* state : path->getStates() )
+	{
+		// half a step is all that can be missed
+		ASSERT_GT( exactClearance( rig, query.get(), state ), min_d - options.step / 2 );
 	}
-	goal->stopSampling();
-	ASSERT_TRUE( simple.haveExactSolutionPath() );
-	audit( setup, simple.getSolutionPath() );
 }
 
 TEST( Samplers, MaximizeClearanceGainsRoom )
 {
 	// the sampler that lives on isValid( state, dist )
-	const Setup setup( armWorld(), plannerOptions() );
-	ob::MaximizeClearanceValidStateSampler best( setup.si.get() );
+	const Rig rig( armWorld(), plannerOptions() );
+	ob::MaximizeClearanceValidStateSampler best( rig.si.get() );
 	best.setNrImproveAttempts( 20 );
-	const ob::StateValidityChecker& checker = *setup.si->getStateValidityChecker();
-	const ob::ValidStateSamplerPtr plain = setup.si->allocValidStateSampler();
-	ob::ScopedState<> state( setup.space );
+	const ob::StateValidityChecker& checker = *rig.si->getStateValidityChecker();
+	const ob::ValidStateSamplerPtr plain = rig.si->allocValidStateSampler();
+	ob::ScopedState<> state( rig.space );
 	double improved = 0, ordinary = 0;
 	for ( int i = 0; i < 100; ++i )
 	{
 		ASSERT_TRUE( best.sample( state.get() ) );
-		ASSERT_TRUE( setup.si->isValid( state.get() ) );
+		ASSERT_TRUE( rig.si->isValid( state.get() ) );
 		improved += checker.clearance( state.get() );
 		ASSERT_TRUE( plain->sample( state.get() ) );
 		ordinary += checker.clearance( state.get() );
