@@ -74,7 +74,8 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 		       "metres; check: nothing beyond it needs a distance (default inf); steps: motion per step (default 0.01)" )
 		    ->type_name( "M" )
 		    ->group( question );
-		app.add_option( "--alpha", options.alpha, "relative tolerance of distances, in [0, 1) (default 0: exact)" )
+		app.add_option( "--alpha", options.alpha,
+		       fmt::format( "relative tolerance of distances, in [0, 1); 0 is exact (default {})", options.alpha ) )
 		    ->type_name( "A" )
 		    ->group( question );
 	}

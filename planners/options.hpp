@@ -61,6 +61,7 @@ struct CheckOptions
 struct EdgeCommandOptions
 {
 	CommonOptions common;
+	EdgeCommandOptions() { common.alpha = lw_edge_def_default().alpha; } // coarser distances prove edges faster
 	EdgeOptions edge;
 	std::string edges, out;
 };

@@ -39,6 +39,12 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		input.robot_seconds = now() - start;
 	}
 	notices.add( "the robot", input.robot.report.notices );
+	if ( options.srdf.empty() )
+	{
+		notices.add( "the robot", { { options.robot, "no SRDF",
+		                              "neighbouring links are checked against each other too; where they overlap by design, give "
+		                              "an SRDF that disables these pairs" } } );
+	}
 	if ( !options.scene.empty() )
 	{
 		const Progress progress( "reading the scene and building its trees" );
