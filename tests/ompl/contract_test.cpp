@@ -4,6 +4,7 @@
 #include "world.hpp"
 
 #include <ompl/base/DiscreteMotionValidator.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
 
 #include <thread>
 
@@ -144,6 +145,20 @@ TEST( CheckerSpecs, ClearanceIsALowerBound )
 	const ob::StateValidityCheckerSpecs& specs = rig.si->getStateValidityChecker()->getSpecs();
 	EXPECT_EQ( specs.clearanceComputationType, ob::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE );
 	EXPECT_FALSE( specs.hasValidDirectionComputation );
+}
+
+TEST( CheckerSpecs, NothingToTouchIsAsFarAsMaxD )
+{
+	leeway::ompl::Options options;
+	options.min_d = 0.1;
+	options.max_d = 0.7;
+	const Rig rig( makeChecker( { slider( "rail", 0, 0, 1, makeBall( 0.1 ) ) }, {} ), options );
+	ob::ScopedState<> state( rig.space );
+	state[0] = 0.5;
+	double dist = 0;
+	EXPECT_TRUE( rig.si->getStateValidityChecker()->isValid( state.get(), dist ) );
+	EXPECT_DOUBLE_EQ( dist, 0.6 );
+	EXPECT_TRUE( rig.si->checkMotion( state.get(), state.get() ) );
 }
 
 TEST( CheckerSpecs, OnlyWhatIsAskedForCounts )
@@ -411,6 +426,35 @@ TEST_P( CertifiedMotion, EverythingUpToLastValidIsFree )
 
 INSTANTIATE_TEST_SUITE_P( Worlds, CertifiedMotion, testing::ValuesIn( worlds() ), worldName );
 
+/// Two rails without the neighbourhood of a point, as a user may derive a space with a hole.
+struct RailsWithAHole : ob::RealVectorStateSpace
+{
+	RailsWithAHole() : ob::RealVectorStateSpace( 2 ) { setBounds( -1, 1 ); }
+	bool satisfiesBounds( const ob::State* state ) const override
+	{
+		const double* q = state->as<StateType>()->values;
+		return std::hypot( q[0] + 0.1, q[1] + 0.5 ) > 0.1 && ob::RealVectorStateSpace::satisfiesBounds( state );
+	}
+};
+
+TEST( MotionBounds, LastValidInAHoleOfTheSpaceIsNotTaken )
+{
+	// the proved run ends before the wall, in the hole
+	const Rig rig( gantryWorld(), {}, std::make_shared<RailsWithAHole>() );
+	ob::ScopedState<> s1( rig.space ), s2( rig.space ), last( rig.space );
+	s1[0] = -0.5;
+	s1[1] = s2[1] = -0.5;
+	s2[0] = 0.5;
+	const ob::ScopedState<> s1_before( s1 );
+	for ( ob::State* out : { last.get(), s1.get() } )
+	{
+		std::pair<ob::State*, double> last_valid( out, 0.3 );
+		EXPECT_FALSE( rig.si->checkMotion( s1.get(), s2.get(), last_valid ) );
+		EXPECT_EQ( last_valid.second, 0 );
+		EXPECT_TRUE( rig.space->equalStates( out, s1_before.get() ) );
+	}
+}
+
 TEST( MotionCounters, EngineTotalsAddUp )
 {
 	SeededRng rng;
@@ -525,6 +569,33 @@ TEST( CheckerThreads, EightThreadsGetTheAnswersOfOne )
 			rig.si->freeState( state );
 		}
 	}
+}
+
+TEST( MotionCounters, ThreadsLoseNone )
+{
+	// motions out of bounds are answered at once: nothing but counting
+	constexpr unsigned threads = 4, count = 200000;
+	const Rig rig( gantryWorld() );
+	ob::ScopedState<> good( rig.space ), bad( rig.space );
+	good[0] = good[1] = -0.8;
+	bad[0] = bad[1] = 2;
+	rig.si->getMotionValidator()->resetMotionCounter();
+	std::vector<std::thread> pool;
+	for ( unsigned i = 0; i < threads; ++i )
+	{
+		pool.emplace_back( [&]
+			{
+				for ( unsigned k = 0; k < count; ++k )
+				{
+					rig.si->checkMotion( good.get(), bad.get() );
+				}
+			} );
+	}
+	for ( std::thread& thread : pool )
+	{
+		thread.join();
+	}
+	EXPECT_EQ( rig.si->getMotionValidator()->getInvalidMotionCount(), threads * count );
 }
 
 } // namespace

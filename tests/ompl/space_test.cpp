@@ -322,6 +322,60 @@ TEST( Curves, RotationsThatOmplTakesForEqualAreProvedAsOmplMoves )
 	}
 }
 
+TEST( Curves, OppositeRotationsAreProvedOnTheSideThatOmplTakes )
+{
+	// half a turn about a random axis: the sign of a scalar product that is zero but for rounding decides the way. A boom
+	// swings to the one side or to the other of the plane of its ends; one of the sides is full.
+	SeededRng rng;
+	const Rig rig( makeChecker( { vehicle( "fly", LW_JOINT_FLOATING, 1, makeBall( 0.1 ), at( 1, 0, 0 ) ) },
+		{ { makeBall( 0.5 ), at( 0, 1, 0 ) } } ) );
+	ob::ScopedState<> s1( rig.space ), s2( rig.space ), between( rig.space );
+	int free = 0, blocked = 0, negative = 0;
+	for ( int i = 0; i < 4000; ++i )
+	{
+		// q2 = (axis, 0) q1 is orthogonal to q1: half a turn about the axis, near z
+		double q[4], axis[3] = { 0.2 * rng.normal(), 0.2 * rng.normal(), 1 };
+		rng.quaternion( q );
+		const double length = std::sqrt( axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2] );
+		const double ax = axis[0] / length, ay = axis[1] / length, az = axis[2] / length;
+		const std::vector<double> from = { 0, 0, 0, q[0], q[1], q[2], q[3] };
+		const std::vector<double> to = { 0, 0, 0, ax * q[3] + ay * q[2] - az * q[1], ay * q[3] + az * q[0] - ax * q[2],
+			az * q[3] + ax * q[1] - ay * q[0], -ax * q[0] - ay * q[1] - az * q[2] };
+		rig.engine->adapter().fromVector( from.data(), s1.get() );
+		rig.engine->adapter().fromVector( to.data(), s2.get() );
+		if ( !rig.si->isValid( s1.get() ) || !rig.si->isValid( s2.get() ) )
+		{
+			continue;
+		}
+		double product = 0;
+		bool clear = true;
+		for ( int k = 0; k < 4; ++k )
+		{
+			product += from[3 + k] * to[3 + k];
+		}
+		ASSERT_LT( std::fabs( product ), 1e-15 );
+		negative += product < 0;
+		double lowest = inf;
+		const leeway::Query query = leeway::makeQuery( rig.checker.get() );
+		for ( int k = 0; k <= 100; ++k )
+		{
+			rig.space->interpolate( s1.get(), s2.get(), k / 100.0, between.get() );
+			const double clearance = exactClearance( rig, query.get(), between.get() );
+			clear = clear && clearance > 0;
+			lowest = std::min( lowest, clearance );
+		}
+		if ( clear && lowest < 0.01 )
+		{
+			continue; // near the band where a proof may be refused
+		}
+		ASSERT_EQ( rig.si->checkMotion( s1.get(), s2.get() ), clear ) << "product " << product;
+		( clear ? free : blocked )++;
+	}
+	EXPECT_GT( free, 100 );
+	EXPECT_GT( blocked, 100 );
+	EXPECT_GT( negative, 100 );
+}
+
 TEST( Curves, QuaternionSignsDoNotMatter )
 {
 	SeededRng rng;
