@@ -105,15 +105,16 @@ void* operator new[]( std::size_t size, std::align_val_t align, const std::nothr
 {
 	return allocate( size, static_cast<std::size_t>( align ) );
 }
+// Never inlined: with the free in sight but not the malloc, GCC takes them for a mismatched pair.
 // clang-format off
-void operator delete( void* memory ) noexcept { std::free( memory ); }
-void operator delete[]( void* memory ) noexcept { std::free( memory ); }
-void operator delete( void* memory, std::size_t ) noexcept { std::free( memory ); }
-void operator delete[]( void* memory, std::size_t ) noexcept { std::free( memory ); }
-void operator delete( void* memory, std::align_val_t ) noexcept { std::free( memory ); }
-void operator delete[]( void* memory, std::align_val_t ) noexcept { std::free( memory ); }
-void operator delete( void* memory, std::size_t, std::align_val_t ) noexcept { std::free( memory ); }
-void operator delete[]( void* memory, std::size_t, std::align_val_t ) noexcept { std::free( memory ); }
+[[gnu::noinline]] void operator delete( void* memory ) noexcept { std::free( memory ); }
+[[gnu::noinline]] void operator delete[]( void* memory ) noexcept { std::free( memory ); }
+[[gnu::noinline]] void operator delete( void* memory, std::size_t ) noexcept { std::free( memory ); }
+[[gnu::noinline]] void operator delete[]( void* memory, std::size_t ) noexcept { std::free( memory ); }
+[[gnu::noinline]] void operator delete( void* memory, std::align_val_t ) noexcept { std::free( memory ); }
+[[gnu::noinline]] void operator delete[]( void* memory, std::align_val_t ) noexcept { std::free( memory ); }
+[[gnu::noinline]] void operator delete( void* memory, std::size_t, std::align_val_t ) noexcept { std::free( memory ); }
+[[gnu::noinline]] void operator delete[]( void* memory, std::size_t, std::align_val_t ) noexcept { std::free( memory ); }
 // clang-format on
 
 namespace
