@@ -119,6 +119,12 @@ const char* lw_status_name( lw_status status )
 			return "LW_ERROR_BAD_GEOMETRY";
 		case LW_ERROR_UNSUPPORTED:
 			return "LW_ERROR_UNSUPPORTED";
+		case LW_ERROR_CANCELLED:
+			return "LW_ERROR_CANCELLED";
+		case LW_ERROR_DAMAGED:
+			return "LW_ERROR_DAMAGED";
+		case LW_ERROR_STALE:
+			return "LW_ERROR_STALE";
 	}
 	return "unknown status";
 }

@@ -19,6 +19,7 @@ lw_query_def lw_query_def_default( void )
 	def.simd = LW_SIMD_BEST;
 	def.transform_caching = true;
 	def.warm_start = true;
+	def.hierarchy = true;
 	def.cookie = QUERY_COOKIE;
 	return def;
 }

@@ -40,7 +40,10 @@ typedef enum lw_status
 	LW_ERROR_INVALID_DEF = -2,      ///< the def was not made by its lw_*_def_default()
 	LW_ERROR_OUT_OF_MEMORY = -3,    ///< the allocator returned NULL; nothing was leaked or changed
 	LW_ERROR_BAD_GEOMETRY = -4,     ///< see lw_diag.index for the offending vertex, triangle or element
-	LW_ERROR_UNSUPPORTED = -5       ///< a valid request this build cannot answer
+	LW_ERROR_UNSUPPORTED = -5,      ///< a valid request this build cannot answer
+	LW_ERROR_CANCELLED = -6,        ///< a progress callback said stop
+	LW_ERROR_DAMAGED = -7,          ///< saved bytes that are cut short, changed, or no blob at all
+	LW_ERROR_STALE = -8             ///< saved bytes of another version, machine or content
 } lw_status;
 
 /// Where and why a call failed. Caller-owned; NULL is accepted wherever one is taken.

@@ -3,7 +3,7 @@
 #ifndef LEEWAY_CHECKER_H
 #define LEEWAY_CHECKER_H
 
-#include "leeway/robot.h"
+#include "leeway/reach.h"
 #include "leeway/scene.h"
 
 LW_EXTERN_C_BEGIN
@@ -25,6 +25,9 @@ typedef struct lw_checker_def
 	const double* reference; ///< [robot variable_count]: values of the variables outside the group; NULL = default state
 	const lw_link_object_pair* allowed; ///< [allowed_count]
 	uint32_t allowed_count;
+	/// Motion hulls and pair tables of this robot, or of an equal one; a reference is taken. NULL = none. They make queries
+	/// faster and change no answer: a pair is passed over only where its proved separation is beyond what was found already.
+	const lw_reach* reach;
 	uint32_t cookie;
 } lw_checker_def;
 

@@ -64,6 +64,7 @@ typedef struct lw_query_def
 	lw_simd simd;           ///< cap of the kernel level
 	bool transform_caching; ///< keep the centre of the sphere that is not opened in the other tree's frame (paper II.C)
 	bool warm_start;        ///< try the last witness pair first: changes speed, never what is certified
+	bool hierarchy;         ///< checkers with a reach descend its R and M spheres; otherwise all pairs are gone through
 	uint32_t cookie;
 } lw_query_def;
 

@@ -4,9 +4,11 @@
 #define LEEWAY_H
 
 #include "leeway/base.h"
+#include "leeway/blob.h"
 #include "leeway/checker.h"
 #include "leeway/distance.h"
 #include "leeway/math.h"
+#include "leeway/reach.h"
 #include "leeway/robot.h"
 #include "leeway/scene.h"
 #include "leeway/shape.h"

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Saving what is costly to build: sphere trees, motion hulls and pair tables, as bytes to keep in a file.
+//
+// A blob is versioned, tied to a key that its owner computes from the content it was made of, and checksummed. Reading one
+// refuses what is damaged, of another version or machine, or stale. It is no defence against an attacker's blob.
+#ifndef LEEWAY_BLOB_H
+#define LEEWAY_BLOB_H
+
+#include "leeway/reach.h"
+
+LW_EXTERN_C_BEGIN
+
+/// 128 bits that differ if the content differs (not a cryptographic hash).
+typedef struct lw_digest
+{
+	uint64_t word[2];
+} lw_digest;
+
+/// Digest of `size` bytes, continuing from `from` ({0} to begin): one digest of several parts, in order.
+LW_API lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size );
+LW_API bool lw_digest_equal( lw_digest a, lw_digest b );
+
+/// Digest of all that a shape's answers depend on: type, geometry, dimensions, tree.
+LW_API lw_digest lw_shape_digest( const lw_shape* shape );
+/// Digest of all that a robot's answers depend on: links, joints, bodies with their shapes, allowed pairs, root pose.
+LW_API lw_digest lw_robot_digest( const lw_robot* robot );
+
+/// What a blob holds: shapes, or a reach, or both. Make it with lw_blob_def_default().
+typedef struct lw_blob_def
+{
+	lw_digest key; ///< of the content that it was made of (files, options)
+	const lw_shape* const* shapes; ///< [shape_count]
+	uint32_t shape_count;
+	const lw_reach* reach; ///< nullable
+	uint32_t cookie;
+} lw_blob_def;
+
+LW_API lw_blob_def lw_blob_def_default( void );
+
+/// @param out_bytes owned by the caller: lw_blob_free() with the same allocator and size. NULL on failure.
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_blob_write( const lw_blob_def* def, const lw_allocator* allocator, lw_diag* diag, void** out_bytes,
+	size_t* out_size );
+LW_API void lw_blob_free( const lw_allocator* allocator, void* bytes, size_t size );
+
+typedef struct lw_blob_info
+{
+	uint32_t version;     ///< of the format
+	lw_digest key;
+	uint32_t shape_count;
+	bool has_reach;
+} lw_blob_info;
+
+/// Checks header and checksum and says what is inside.
+/// @return LW_OK, LW_ERROR_DAMAGED (not a blob, cut short, changed), LW_ERROR_STALE (another version, byte order or layout)
+LW_API lw_status lw_blob_get_info( const void* bytes, size_t size, lw_diag* diag, lw_blob_info* out );
+
+/// Reads the shapes.
+/// @param key what the blob must have been made of
+/// @param out_shapes [shape_count], written; each owned by the caller. All NULL on failure.
+/// @return as lw_blob_get_info(); LW_ERROR_STALE also for another key, LW_ERROR_DAMAGED for contents that make no sense,
+/// LW_ERROR_INVALID_ARGUMENT if shape_count is not the blob's, LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_blob_read_shapes( const void* bytes, size_t size, lw_digest key, const lw_allocator* allocator,
+	lw_diag* diag, lw_shape** out_shapes, uint32_t shape_count );
+
+/// Reads the reach of a robot that must be equal to the one it was made of (lw_robot_digest()), else LW_ERROR_STALE.
+LW_API lw_status lw_blob_read_reach( const void* bytes, size_t size, lw_digest key, const lw_robot* robot,
+	const lw_allocator* allocator, lw_diag* diag, lw_reach** out_reach );
+
+LW_EXTERN_C_END
+
+#endif
