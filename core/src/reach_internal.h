@@ -43,10 +43,19 @@ static inline size_t lwi_reach_pair_index( uint32_t a, uint32_t b )
 	return high * ( high - 1 ) / 2 + low;
 }
 
+/// True if contact of the pair counts: both links have geometry, move against each other, and contact is not allowed.
+/// Adjacent links count unless they are allowed too.
+static inline bool lwi_reach_is_checked( const lw_reach_pair* pair )
+{
+	return pair->kind != LW_PAIR_NONE && pair->kind != LW_PAIR_RIGID && !pair->allowed;
+}
+
 /// Everything allocated by lw_reach_create() or by reading a blob, sizes as given in `reach`. NULL members are ignored.
 void lwi_reach_free( lw_reach* reach );
 
-/// Allocates the arrays whose sizes follow from the robot (all but points and evidence), zeroed, and fills lower and upper.
+/// Allocates the arrays whose sizes follow from reach->robot (all but points and evidence), fills lower and upper with the
+/// limits widened by reach->limit_margin; pairs have nothing measured and no state. What it allocated before it failed is
+/// left to lwi_reach_free().
 lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag );
 
 /// Progress of a creation, and its clock.
