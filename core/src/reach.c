@@ -116,7 +116,7 @@ lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag )
 	return LW_OK;
 }
 
-static size_t bytes_of( const lw_reach* reach )
+size_t lwi_reach_count_bytes( const lw_reach* reach )
 {
 	return sizeof( lw_reach ) + 2 * (size_t)reach->variable_count * sizeof( double ) +
 		   reach->link_count * ( sizeof( lwi_reach_link ) + sizeof( double ) ) +
@@ -155,7 +155,7 @@ static lw_status build( const lwi_reach_job* job )
 	if ( status == LW_OK )
 	{
 		lwi_reach_build_tables( job->reach );
-		job->reach->bytes = bytes_of( job->reach );
+		job->reach->bytes = lwi_reach_count_bytes( job->reach );
 	}
 	return status;
 }

@@ -58,6 +58,9 @@ void lwi_reach_free( lw_reach* reach );
 /// left to lwi_reach_free().
 lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag );
 
+/// Bytes of all that a finished reach holds, the robot left out.
+size_t lwi_reach_count_bytes( const lw_reach* reach );
+
 /// Progress of a creation, and its clock.
 typedef struct lwi_reach_job
 {
