@@ -447,7 +447,7 @@ static void search_soups( search* s )
 
 static lwi_convex convex_of_solid( const lw_shape* shape )
 {
-	lwi_convex convex = { LWI_CONVEX_BOX, { 0, 0, 0 }, { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } } };
+	lwi_convex convex = { .type = LWI_CONVEX_BOX };
 	if ( shape->type == LW_SHAPE_BOX )
 	{
 		for ( int i = 0; i < 3; ++i )
@@ -464,7 +464,7 @@ static lwi_convex convex_of_solid( const lw_shape* shape )
 
 static lwi_convex convex_of_triangle( const lw_shape* shape, uint32_t triangle )
 {
-	lwi_convex convex = { LWI_CONVEX_TRIANGLE, { 0, 0, 0 }, { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } } };
+	lwi_convex convex = { .type = LWI_CONVEX_TRIANGLE };
 	load_triangle( shape, triangle, convex.vertex );
 	return convex;
 }
@@ -692,8 +692,8 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 	{
 		out->point_a = lwi_transform( &pose_a, bound.point_a );
 		out->point_b = lwi_transform( &pose_a, bound.point_b );
-		out->a = bound.triangle_a;
-		out->b = bound.triangle_b;
+		out->a = lwi_named_element( a, bound.triangle_a );
+		out->b = lwi_named_element( b, bound.triangle_b );
 	}
 	return LW_OK;
 }

@@ -42,6 +42,13 @@ void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw
 void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t triangle_a,
 	uint32_t triangle_b, lwi_bound* bound );
 
+/// What a caller is told of a witness: the triangle or point of a mesh or point set. The one point of a sphere and the segment
+/// of a capsule are inner matters, as a solid's nothing: LW_INVALID_INDEX.
+static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t element )
+{
+	return shape->type == LW_SHAPE_MESH || shape->type == LW_SHAPE_POINTS ? element : LW_INVALID_INDEX;
+}
+
 /// A copy whose rotation is orthonormal to rounding; rotations that are so already keep their bits.
 lw_transform lwi_orthonormal( const lw_transform* transform );
 

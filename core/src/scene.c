@@ -339,7 +339,7 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 	{
 		out->point_a = lwi_transform( &pose, bound.point_a );
 		out->point_b = lwi_transform( &pose, bound.point_b );
-		out->a = bound.triangle_a;
+		out->a = lwi_named_element( shape, bound.triangle_a );
 		out->b = scene->shapes[bound.pair].object;
 		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
 	}

@@ -234,6 +234,8 @@ TEST( Range, meshes_are_surfaces_and_primitives_are_solids )
 	lw_clearance out;
 	lw_shape_distance( shell.get(), &still, ball.get(), &still, nullptr, query.get(), &out );
 	EXPECT_NEAR( out.upper, 1.5, 1e-12 );
+	EXPECT_LT( out.a, 12u ) << "a triangle of the shell";
+	EXPECT_EQ( out.b, LW_INVALID_INDEX ) << "a ball has no triangles";
 	lw_shape_distance( shell.get(), &still, box.get(), &still, nullptr, query.get(), &out );
 	EXPECT_EQ( out.kind, LW_CLEARANCE_VIOLATION );
 	EXPECT_EQ( out.upper, 0 );
