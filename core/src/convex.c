@@ -37,6 +37,39 @@ static bool is_same( lw_vec3 a, lw_vec3 b )
 	return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
+lw_vec3 lwi_points_support( const lwi_piece* piece, lw_vec3 n )
+{
+	const double* p = piece->points;
+	lw_vec3 origin = lwi_load( p ), best = { 0.0, 0.0, 0.0 };
+	double most = 0.0; // the first point's
+	for ( uint32_t i = 1; i < piece->point_count; ++i )
+	{
+		lw_vec3 v = lwi_sub( lwi_load( p + 3 * (size_t)i ), origin );
+		double d = lwi_dot( n, v );
+		if ( d > most )
+		{
+			most = d;
+			best = v;
+		}
+	}
+	return best;
+}
+
+/// Radius and mean of a point set about its first point.
+static void measure_points( lwi_piece* piece )
+{
+	lw_vec3 origin = lwi_load( piece->points ), sum = { 0.0, 0.0, 0.0 };
+	double most = 0.0;
+	for ( uint32_t i = 1; i < piece->point_count; ++i )
+	{
+		lw_vec3 v = lwi_sub( lwi_load( piece->points + 3 * (size_t)i ), origin );
+		sum = lwi_add( sum, v );
+		most = fmax( most, lwi_length_sq( v ) );
+	}
+	piece->vertex[1] = lwi_scale( 1.0 / piece->point_count, sum );
+	piece->radius = sqrt( most );
+}
+
 /// Local copy of a shape about its reference point, which is returned.
 static lw_vec3 make_piece( const lwi_convex* shape, lwi_piece* piece )
 {
@@ -51,6 +84,13 @@ static lw_vec3 make_piece( const lwi_convex* shape, lwi_piece* piece )
 		double r1 = lwi_length_sq( piece->vertex[1] ), r2 = lwi_length_sq( piece->vertex[2] );
 		piece->radius = sqrt( r1 > r2 ? r1 : r2 );
 		return origin;
+	}
+	if ( shape->type == LWI_CONVEX_POINTS )
+	{
+		piece->points = shape->points;
+		piece->point_count = shape->point_count;
+		measure_points( piece );
+		return lwi_load( shape->points );
 	}
 	const double* s = shape->size;
 	piece->size[0] = s[0];
@@ -92,7 +132,7 @@ static lw_vec3 centroid( const lwi_piece* piece )
 {
 	if ( piece->type != LWI_CONVEX_TRIANGLE )
 	{
-		return lwi_v3( 0.0, 0.0, 0.0 );
+		return piece->type == LWI_CONVEX_POINTS ? piece->vertex[1] : lwi_v3( 0.0, 0.0, 0.0 );
 	}
 	return lwi_scale( 1.0 / 3.0, lwi_add( piece->vertex[1], piece->vertex[2] ) );
 }
@@ -206,6 +246,11 @@ static bool is_point( const lwi_piece* piece )
 	return piece->type == LWI_CONVEX_TRIANGLE && piece->radius == 0.0;
 }
 
+static bool is_solid( const lwi_piece* piece )
+{
+	return piece->type != LWI_CONVEX_TRIANGLE && piece->type != LWI_CONVEX_POINTS;
+}
+
 /// Both pieces are triangles.
 static void triangles( const lwi_pair* pair, lwi_bounds* bounds )
 {
@@ -274,7 +319,7 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 	{
 		triangles( &pair, &bounds );
 	}
-	else if ( is_point( &pair.a ) || is_point( &pair.b ) )
+	else if ( ( is_point( &pair.a ) && is_solid( &pair.b ) ) || ( is_solid( &pair.a ) && is_point( &pair.b ) ) )
 	{
 		point_and_solid( &pair, &bounds );
 	}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Certified distance of convex pieces: the solids of a scene against each other and against triangles.
+// Certified distance of convex pieces: solids, triangles and hulls of points, each against each other.
 #ifndef LEEWAY_CONVEX_H
 #define LEEWAY_CONVEX_H
 
@@ -9,7 +9,7 @@
 #include <float.h>
 
 /// What lower is reduced by, relative to the extent of the question: radius of a + radius of b + distance of their
-/// reference points (a solid's centre, a triangle's first vertex). 48 roundings, counted in core/docs/convex_distance.md.
+/// reference points (a solid's centre, a triangle's first vertex, the first of a point set). 48 roundings, counted in core/docs/convex_distance.md.
 #define LWI_CONVEX_ROUNDING ( 48.0 * ( DBL_EPSILON / 2 ) )
 
 /// Width that an interval has at most, relative to the same extent, unless it was stopped early or (never seen) ran into the
@@ -22,7 +22,8 @@ typedef enum lwi_convex_type
 	LWI_CONVEX_TRIANGLE, ///< also segments and points: equal vertices
 	LWI_CONVEX_BOX,      ///< size: half edges
 	LWI_CONVEX_CYLINDER, ///< size: radius, half height
-	LWI_CONVEX_CONE      ///< size: radius, half height; apex at +z
+	LWI_CONVEX_CONE,     ///< size: radius, half height; apex at +z
+	LWI_CONVEX_POINTS    ///< the convex hull of points, in any order, inner ones and repetitions allowed
 } lwi_convex_type;
 
 /// A convex piece in its own frame.
@@ -31,6 +32,8 @@ typedef struct lwi_convex
 	lwi_convex_type type;
 	double size[3];
 	lw_vec3 vertex[3]; ///< of a triangle
+	const double* points; ///< [point_count][3] of POINTS, the caller's
+	uint32_t point_count; ///< >= 1
 } lwi_convex;
 
 /// lower <= true distance <= upper; upper = |point_a - point_b| up to rounding, points in frame a.

@@ -6,12 +6,14 @@
 #include "convex.h"
 #include "math_inline.h"
 
-/// A piece relative to its reference point: the centre of a solid, vertex 0 of a triangle.
+/// A piece relative to its reference point: the centre of a solid, vertex 0 of a triangle, point 0 of a point set.
 typedef struct lwi_piece
 {
 	lwi_convex_type type;
 	double size[3];
-	lw_vec3 vertex[3]; ///< vertex[0] = 0
+	lw_vec3 vertex[3]; ///< vertex[0] = 0. Of POINTS: [1] is their mean
+	const double* points; ///< of POINTS: in the shape's frame, about points[0]
+	uint32_t point_count;
 	double radius;     ///< >= |x| for all its points
 } lwi_piece;
 
@@ -39,6 +41,9 @@ typedef struct lwi_bounds
 	uint32_t iterations;
 } lwi_bounds;
 
+/// The same for POINTS. Cost: O(count).
+lw_vec3 lwi_points_support( const lwi_piece* piece, lw_vec3 n );
+
 /// A point of the piece that is farthest in direction n (any length > 0).
 static inline lw_vec3 lwi_piece_support( const lwi_piece* piece, lw_vec3 n )
 {
@@ -62,6 +67,8 @@ static inline lw_vec3 lwi_piece_support( const lwi_piece* piece, lw_vec3 n )
 		}
 		return lwi_v3( f * n.x, f * n.y, -piece->size[1] );
 	}
+	case LWI_CONVEX_POINTS:
+		return lwi_points_support( piece, n );
 	case LWI_CONVEX_TRIANGLE:
 		break;
 	}

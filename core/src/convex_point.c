@@ -56,7 +56,8 @@ double lwi_convex_point_distance( const lwi_convex* solid, lw_vec3 p, lw_vec3* c
 		q = nearest_of_cone( solid->size[0], solid->size[1], p );
 		break;
 	case LWI_CONVEX_TRIANGLE:
-		assert( false && "a triangle is not a solid" );
+	case LWI_CONVEX_POINTS:
+		assert( false && "not a solid" );
 		break;
 	}
 	*closest = q;

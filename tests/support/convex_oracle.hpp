@@ -135,6 +135,7 @@ struct Body
 			return { f * p.x, f * p.y, q.y };
 		}
 		case LWI_CONVEX_TRIANGLE:
+		case LWI_CONVEX_POINTS: // has tests of its own
 			break;
 		}
 		Vec v[3] = { vertex( 0 ), vertex( 1 ), vertex( 2 ) };
@@ -154,6 +155,7 @@ struct Body
 		case LWI_CONVEX_CONE:
 			return std::max( s[1] * n.z, s[0] * std::hypot( n.x, n.y ) - s[1] * n.z );
 		case LWI_CONVEX_TRIANGLE:
+		case LWI_CONVEX_POINTS: // has tests of its own
 			break;
 		}
 		return std::max( dot( n, vertex( 0 ) ), std::max( dot( n, vertex( 1 ) ), dot( n, vertex( 2 ) ) ) );
