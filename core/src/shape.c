@@ -44,8 +44,7 @@ static lw_status check_tree_def( const lw_tree_def* def, lw_diag* diag )
 	return LW_OK;
 }
 
-/// An empty shape with one reference, or NULL.
-static lw_shape* new_shape( lw_shape_type type, const lw_allocator* allocator )
+lw_shape* lwi_shape_new( lw_shape_type type, const lw_allocator* allocator )
 {
 	lw_shape* shape = lwi_alloc_zero( allocator, 1, sizeof( lw_shape ) );
 	if ( shape != NULL )
@@ -71,8 +70,7 @@ static void free_shape( lw_shape* shape )
 
 // Bounds
 
-/// The box of the undilated vertices, the origin of the tree frame in its centre, and the extent about it.
-static void set_frame( lw_shape* shape )
+void lwi_shape_set_frame( lw_shape* shape )
 {
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -89,6 +87,14 @@ static void set_frame( lw_shape* shape )
 	{
 		shape->origin[k] = shape->box_min[k] + 0.5 * ( shape->box_max[k] - shape->box_min[k] );
 	}
+	double largest_sq = 0.0;
+	for ( size_t i = 0; i < shape->vertex_count; ++i )
+	{
+		lw_vec3 p = lwi_sub( lwi_load( shape->vertices + 3 * i ), lwi_load( shape->origin ) );
+		largest_sq = fmax( largest_sq, lwi_length_sq( p ) );
+	}
+	// the factor covers the roundings of the norm, the summand squares that underflow
+	shape->extent = lwi_round_up( sqrt( largest_sq ) * ( 1.0 + 16 * LWI_U64 ) + 1e-150 );
 }
 
 /// Adds the dilation: outward to the next double, since a sum rounds either way.
@@ -114,30 +120,35 @@ static void set_bounding_sphere( lw_shape* shape )
 	shape->sphere_radius = ( (double)shape->root_sphere[3] + shape->radius ) * ( 1.0 + 4 * LWI_U64 ) + 4 * LWI_U64 * largest;
 }
 
+void lwi_shape_finish( lw_shape* shape )
+{
+	dilate_box( shape );
+	set_bounding_sphere( shape );
+	shape->bytes = sizeof( lw_shape ) + 3 * (size_t)shape->vertex_count * sizeof( double ) +
+		3 * (size_t)shape->triangle_count * sizeof( uint32_t ) + shape->node_count * sizeof( lwi_node ) +
+		shape->leaf_count * sizeof( lwi_leaf );
+}
+
 // Soups
 
-/// Vertices in the tree frame, [vertex_count][3] from lwi_alloc, and the extent; NULL on failure.
-static double* tree_points( lw_shape* shape, size_t size )
+/// Vertices in the tree frame, [vertex_count][3] from lwi_alloc; NULL on failure.
+static double* tree_points( const lw_shape* shape, size_t size )
 {
 	double* points = lwi_alloc( &shape->allocator, size );
-	double largest_sq = 0.0;
 	for ( size_t i = 0; points != NULL && i < shape->vertex_count; ++i )
 	{
 		for ( size_t k = 0; k < 3; ++k )
 		{
 			points[3 * i + k] = shape->vertices[3 * i + k] - shape->origin[k];
 		}
-		largest_sq = fmax( largest_sq, lwi_length_sq( lwi_load( points + 3 * i ) ) );
 	}
-	// the factor covers the roundings of the norm, the summand squares that underflow
-	shape->extent = lwi_round_up( sqrt( largest_sq ) * ( 1.0 + 16 * LWI_U64 ) + 1e-150 );
 	return points;
 }
 
 /// Bounds and tree of a shape whose vertices, indices and radius are set.
 static lw_status finish_soup( lw_shape* shape, const lw_tree_def* def, lw_diag* diag )
 {
-	set_frame( shape );
+	lwi_shape_set_frame( shape );
 	size_t points_size = 3 * (size_t)shape->vertex_count * sizeof( double );
 	double* points = tree_points( shape, points_size );
 	if ( points == NULL )
@@ -175,10 +186,7 @@ static lw_status finish_soup( lw_shape* shape, const lw_tree_def* def, lw_diag* 
 	shape->depth = tree.depth;
 	shape->nodes = tree.nodes;
 	shape->leaves = tree.leaves;
-	shape->bytes = sizeof( lw_shape ) + points_size + 3 * (size_t)shape->triangle_count * sizeof( uint32_t ) +
-		tree.node_count * sizeof( lwi_node ) + tree.leaf_count * sizeof( lwi_leaf );
-	dilate_box( shape );
-	set_bounding_sphere( shape );
+	lwi_shape_finish( shape );
 	return LW_OK;
 }
 
@@ -212,7 +220,7 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 	{
 		return status;
 	}
-	lw_shape* shape = new_shape( LW_SHAPE_MESH, &memory );
+	lw_shape* shape = lwi_shape_new( LW_SHAPE_MESH, &memory );
 	if ( shape == NULL )
 	{
 		lwi_mesh_free( &memory, &mesh );
@@ -238,7 +246,7 @@ static lw_status create_dilated( lw_shape_type type, const double* points, uint3
 	double radius, const lw_tree_def* tree, const double dimensions[3], const lw_allocator* memory, lw_diag* diag,
 	lw_shape** out_shape )
 {
-	lw_shape* shape = new_shape( type, memory );
+	lw_shape* shape = lwi_shape_new( type, memory );
 	if ( shape == NULL )
 	{
 		return lwi_out_of_memory( diag, "a shape" );
@@ -405,7 +413,7 @@ lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions
 	{
 		return create_dilated( type, ends, 2, 1, kept[0], &tree, kept, &memory, diag, out_shape );
 	}
-	lw_shape* shape = new_shape( type, &memory );
+	lw_shape* shape = lwi_shape_new( type, &memory );
 	if ( shape == NULL )
 	{
 		return lwi_out_of_memory( diag, "a primitive" );

@@ -41,4 +41,15 @@ struct lw_shape
 	size_t bytes;
 };
 
+// Steps of making a shape, for those who bring the tree along (blob_shape.c).
+
+/// An empty shape with one reference, or NULL.
+lw_shape* lwi_shape_new( lw_shape_type type, const lw_allocator* allocator );
+
+/// From the vertices of a soup: its undilated box, the origin of the tree frame in its centre, the extent about it.
+void lwi_shape_set_frame( lw_shape* shape );
+
+/// The last step, after tree and root sphere: the bounds, dilated, and the bytes.
+void lwi_shape_finish( lw_shape* shape );
+
 #endif
