@@ -450,3 +450,80 @@ double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, 
 {
 	return scratch_layout( table, scratch, NULL ).rounding[body];
 }
+
+// ---- a cell ----------------------------------------------------------------------------------------------------------
+
+/// What a joint does at most on a straight way from the cell's centre to any state of the cell.
+static joint_motion motion_in_cell( const motion_entry* entry, const lwi_joint* joint, const double* center,
+	const double* half_width )
+{
+	const double* c = center + joint->variable;
+	const double* h = half_width + joint->variable;
+	joint_motion m = { 0 };
+	if ( joint->type == LW_JOINT_PLANAR )
+	{
+		m.turn = h[2];
+		m.shift = sqrt( h[0] * h[0] + h[1] * h[1] );
+		m.excess = hypot( c[0] - entry->center[0], c[1] - entry->center[1] ) + m.shift;
+		return m;
+	}
+	double change = fabs( joint->multiplier ) * h[0];
+	bool prismatic = joint->type == LW_JOINT_PRISMATIC;
+	m.turn = prismatic ? 0 : change;
+	m.shift = prismatic ? change : 0;
+	m.excess = prismatic ? fabs( joint->multiplier * c[0] + joint->offset - entry->center[0] ) + change : 0;
+	return m;
+}
+
+/// As measure_body(), with two differences. Lengths are counted from the centre, so that what moved below a joint is not
+/// halved. And the way may turn downward at an ancestor: the joints after it are passed from their parent's side. A rotation
+/// looks the same from both sides; a planar joint seen from its parent has an axis that the joint's own shift moves.
+void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count, uint32_t upward,
+	const double* center, const double* half_width, const lw_transform* poses, double rounding, double* lengths )
+{
+	const lw_robot* robot = table->robot;
+	const motion_body* b = &table->bodies[body];
+	const motion_entry nowhere = { 0 };
+	double radius = b->radius + rounding;
+	lw_vec3 middle_point = lwi_transform( &poses[b->link], b->center );
+	double length = 0, excess = 0;
+	for ( uint32_t k = 0; k < count; ++k )
+	{
+		bool up = k < upward;
+		const motion_entry* entry = up ? &table->entries[b->first_entry + k] : &nowhere;
+		const lwi_joint* joint = &robot->joints[way[k]];
+		assert( joint->type != LW_JOINT_FLOATING && !joint->constant && ( !up || entry->joint == way[k] ) );
+		joint_motion m = motion_in_cell( entry, joint, center, half_width );
+		double ring = up ? entry->ring + excess + rounding : INFINITY; // rings hold from below only
+		ring = up && k == 0 ? fmin( ring, b->first_ring + rounding ) : ring;
+		if ( m.turn > 0 )
+		{
+			const lw_transform* pose = &poses[joint->child];
+			lw_vec3 offset = lwi_sub( middle_point, lwi_load( pose->t ) );
+			lw_vec3 axis = lwi_rotate( pose, lwi_load( joint->axis ) );
+			double moved = length + ( up ? 0 : m.shift );
+			ring = fmin( distance_to_axis( axis, offset ) + radius + moved, ring );
+			length += ring * m.turn;
+		}
+		length = ( length + m.shift ) * OUTWARD;
+		excess = ( excess + m.excess ) * OUTWARD;
+		lengths[k + 1] = fmax( lengths[k + 1], length );
+	}
+}
+
+/// The sums of measure_body() with the largest values of the box. Every ring is at most the whole length.
+double lwi_motion_box_rounding( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count,
+	const double* lower, const double* upper )
+{
+	const motion_body* b = &table->bodies[body];
+	double length = b->length, angles = 0;
+	for ( uint32_t k = 0; k < count; ++k )
+	{
+		const motion_entry entry = { .joint = way[k] };
+		joint_motion m = motion_of( table->robot, &entry, lower, upper );
+		length += 2 * m.reach; // a planar joint's farthest corner may be one of the other two: by at most sqrt( 2 )
+		length += lwi_length( lwi_load( table->robot->joints[way[k]].parent_from_joint.t ) );
+		angles += rotates( table->robot->joints[way[k]].type ) ? m.value : 1;
+	}
+	return ( 64 * LWI_U64 * ( b->joint_count + count + 2 ) + 8 * LWI_U64 * angles ) * length * OUTWARD;
+}

@@ -34,4 +34,21 @@ double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uin
 /// Upper bound of the distance between where a point of the body is at t and where double arithmetic puts it in the world.
 double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body );
 
+// --- cells of the joint space, seen from one of two links ----------------------------------------------------------------
+//
+// A *way* leads from the link of a body to another link: the joints that a variable moves, in order, constant ones left out;
+// the first `upward` of them lead towards the root. None is a floating joint. Derivation: core/docs/self_collision.md.
+
+/// Raises lengths[k], k = 0 .. count, to how far any point of `body` may be from its place at `center`, in any state whose
+/// variables differ from `center` by at most half_width, seen from behind the first k joints of the way. Rounded outward.
+/// @param center, half_width [variable_count] @param table made without fixed variables
+/// @param poses [link_count] of the links next to the way's joints and of the body's link at `center`, in one frame
+/// @param rounding bounds the rounding of those poses, see lwi_motion_box_rounding()
+void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count, uint32_t upward,
+	const double* center, const double* half_width, const lw_transform* poses, double rounding, double* lengths );
+
+/// Upper bound of lwi_motion_rounding() for poses relative to any link of the way, at all states in a finite box.
+double lwi_motion_box_rounding( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count,
+	const double* lower, const double* upper );
+
 #endif

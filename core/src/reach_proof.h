@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One pair of links under the magnifying glass: measured at many states, searched for contact, proved apart.
+#ifndef LEEWAY_REACH_PROOF_H
+#define LEEWAY_REACH_PROOF_H
+
+#include "motion_bound.h"
+#include "query_internal.h"
+#include "reach_internal.h"
+
+/// Scratch for questions about pairs, one pair at a time. Memory is taken once, for the largest pair of the robot.
+typedef struct lwi_prober
+{
+	const lwi_reach_job* job;
+	const lw_robot* robot;
+	lw_allocator allocator;
+	lw_query* query;
+	lwi_motion_table* motion;
+	uint32_t* body_order; ///< [body_count] bodies sorted by link
+	uint32_t* first_body; ///< [link_count + 1] into body_order
+	double* centers;      ///< [body_count][3] of enclosing spheres, link frame
+	double* sample_lower; ///< [variable_count] where random states come from: the limits, or a window where there are none
+	double* sample_upper;
+
+	// the pair in hand
+	uint32_t link_a, link_b, ancestor;
+	uint32_t chain_count;
+	uint32_t* chain;      ///< links below the ancestor on the ways to both, parents first
+	uint32_t way_count, way_up;
+	uint32_t* way_a;      ///< joints that move, from a to b; the first way_up lead upwards
+	uint32_t* way_b;      ///< the same from b to a
+	uint32_t variable_count;
+	uint32_t* variables;  ///< that move the two against each other, ascending
+	bool bounded;         ///< `lower` and `upper` are finite and no floating joint is in between: can be subdivided
+	double* lower;        ///< [robot variable_count] entries of `variables`: the range to be proved, one turn where it is endless
+	double* upper;
+	double rounding;      ///< metres, of both links' poses over the whole box
+
+	lw_transform* poses;  ///< [link_count] of the chain, in the ancestor's frame
+	double* state;        ///< [variable_count] each of the following
+	double* best;
+	double* trial;
+	double* previous;
+	double* half_width;
+	double* shares;
+	double* lengths_a;    ///< [joint_count + 1]
+	double* lengths_b;
+	double* cells;        ///< stack of the subdivision: [LWI_CELL_DEPTH + 1][2 * variable_count + 2]
+
+	const char* stage;    ///< what progress reports
+	double share;         ///< the same, unless the stage has a time budget
+	double stage_begin, stage_seconds, last_report;
+} lwi_prober;
+
+enum
+{
+	LWI_CELL_DEPTH = 300 ///< cuts above each other; 43 halvings bring a full turn below 1e-12 rad
+};
+
+lw_status lwi_prober_create( const lwi_reach_job* job, lwi_prober** out_prober );
+void lwi_prober_destroy( lwi_prober* prober ); ///< NULL is ignored
+
+/// Takes two different links in hand.
+void lwi_prober_select( lwi_prober* prober, uint32_t link_a, uint32_t link_b );
+
+/// Begins a stage of progress. @param seconds its time budget; 0 = none, lwi_prober::share tells how far it is
+void lwi_prober_stage( lwi_prober* prober, const char* stage, double seconds );
+/// To be called often; reports a few times a second. False if the user gave up.
+bool lwi_prober_progress( lwi_prober* prober );
+/// Seconds of a clock that never goes back.
+double lwi_monotonic_seconds( void );
+
+/// Distance of two links whose poses are known, in one frame.
+void lwi_prober_measure_links( lwi_prober* prober, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
+	const lw_range* range, lwi_bound* out_bound );
+
+/// Puts the chain of the pair in hand at q (full state) into `poses`. False for a zero quaternion.
+bool lwi_prober_pose( lwi_prober* prober, const double* q );
+
+/// Upper bound of the distance of the pair in hand at q if it is below `limit`, else +inf.
+double lwi_prober_distance( lwi_prober* prober, const double* q, double limit );
+
+/// splitmix64 (Steele, Lea, Flood 2014).
+static inline uint64_t lwi_random( uint64_t* state )
+{
+	uint64_t z = ( *state += 0x9e3779b97f4a7c15u );
+	z = ( z ^ ( z >> 30 ) ) * 0xbf58476d1ce4e5b9u;
+	z = ( z ^ ( z >> 27 ) ) * 0x94d049bb133111ebu;
+	return z ^ ( z >> 31 );
+}
+
+/// Uniform in [lower, upper].
+static inline double lwi_random_in( uint64_t* state, double lower, double upper )
+{
+	double t = (double)( lwi_random( state ) >> 11 ) * 0x1p-53;
+	double v = lower + t * ( upper - lower );
+	return v < lower ? lower : v > upper ? upper : v;
+}
+
+/// Fills the listed variables of q (all if the list is NULL) at random; quaternions as a whole, uniform over rotations.
+void lwi_prober_random_state( const lwi_prober* prober, uint64_t* random, const uint32_t* variables, uint32_t count,
+	double* q );
+
+// --- reach_search.c --------------------------------------------------------------------------------------------------
+
+/// Looks for a state of the pair in hand that is nearer than *closest, inside the limits. @param q full state where *closest
+/// was found; both are updated. Deterministic; at most about `budget` measurements.
+void lwi_prober_search( lwi_prober* prober, uint64_t seed, uint32_t budget, double* closest, double* q );
+
+// --- reach_subdivide.c -----------------------------------------------------------------------------------------------
+
+typedef enum lwi_proof_outcome
+{
+	LWI_PROOF_PROVED,
+	LWI_PROOF_HOPELESS,  ///< contact inside the range that was to be proved
+	LWI_PROOF_EXHAUSTED, ///< cells or time are used up
+	LWI_PROOF_CANCELLED
+} lwi_proof_outcome;
+
+typedef struct lwi_proof
+{
+	lwi_proof_outcome outcome;
+	double separation; ///< proved; 0 unless PROVED
+	double share;      ///< of the box's volume that was certified: with `cells` it tells how far off the end is
+	uint64_t cells;
+} lwi_proof;
+
+/// Tries to prove the pair in hand (which is `bounded`) apart by at least `fraction` of the least distance found, at most
+/// `budget` cells and not after `deadline`. *closest and q are updated if a nearer state inside the limits is met.
+lwi_proof lwi_prober_subdivide( lwi_prober* prober, double fraction, uint64_t budget, double deadline, double* closest,
+	double* q );
+
+#endif

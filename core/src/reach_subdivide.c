@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Proves two links apart over a whole box of joint values: cells are cut until each has more clearance at its centre than
+// its states can lose against it.
+//
+// The motion bound is that of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple
+// articulated robots in complex environments", IEEE T-RO 21(3), 2005, for boxes instead of edges. Branch and bound with a
+// Lipschitz bound: S. A. Piyavskii, "An algorithm for finding the absolute extremum of a function", 1972.
+// Derivation: core/docs/self_collision.md.
+#include "math_inline.h"
+#include "reach_proof.h"
+
+#include <string.h>
+
+enum
+{
+	CELLS_PER_LOOK = 32 ///< cells between two looks at the clock
+};
+
+/// One proof under way. The stack's entries are [lower, upper] of each variable of the pair, then the cell's share of the
+/// box's volume, then an estimate from above of the distance at its centre.
+typedef struct subdivision
+{
+	lwi_prober* prober;
+	double target; ///< metres, to be proved; shrinks with `least`
+	double least;  ///< least distance met at a centre
+	double fraction;
+	uint32_t dimension, stride, height;
+	double* closest;
+	double* q;
+	lwi_proof proof;
+} subdivision;
+
+static double* cell_at( const subdivision* s, uint32_t index )
+{
+	return s->prober->cells + (size_t)index * s->stride;
+}
+
+/// Sets prober->state to the centre of a cell and half_width to what covers the cell from there.
+static void set_center( subdivision* s, const double* cell )
+{
+	lwi_prober* p = s->prober;
+	for ( uint32_t i = 0; i < s->dimension; ++i )
+	{
+		uint32_t v = p->variables[i];
+		double low = cell[2 * i], high = cell[2 * i + 1];
+		p->state[v] = 0.5 * low + 0.5 * high;
+		p->half_width[v] = nextafter( fmax( high - p->state[v], p->state[v] - low ), INFINITY );
+	}
+}
+
+static void motion_of_side( lwi_prober* p, uint32_t link, const uint32_t* way, uint32_t up, double* lengths )
+{
+	memset( lengths, 0, ( p->way_count + 1 ) * sizeof( double ) );
+	for ( uint32_t i = p->first_body[link]; i < p->first_body[link + 1]; ++i )
+	{
+		lwi_motion_cell( p->motion, p->body_order[i], way, p->way_count, up, p->state, p->half_width, p->poses, p->rounding,
+			lengths );
+	}
+}
+
+/// Adds what one joint contributes to the bound to the shares of its variables.
+static void add_share( lwi_prober* p, uint32_t joint_index, double length )
+{
+	const lwi_joint* joint = &p->robot->joints[joint_index];
+	const double* h = p->half_width + joint->variable;
+	double* share = p->shares + joint->variable;
+	if ( joint->type != LW_JOINT_PLANAR )
+	{
+		share[0] += length;
+		return;
+	}
+	double shift = sqrt( h[0] * h[0] + h[1] * h[1] );
+	share[0] += h[0];
+	share[1] += h[1];
+	share[2] += length > shift ? length - shift : 0;
+}
+
+/// By how much the distance of the two links may differ between the centre (posed) and any state of the cell, and what each
+/// variable contributes. The motion is looked at from whichever link between the two makes it least: joints before it move
+/// a, joints behind it b.
+static double motion_bound( subdivision* s )
+{
+	lwi_prober* p = s->prober;
+	uint32_t n = p->way_count, from = 0;
+	motion_of_side( p, p->link_a, p->way_a, p->way_up, p->lengths_a );
+	motion_of_side( p, p->link_b, p->way_b, n - p->way_up, p->lengths_b );
+	for ( uint32_t k = 1; k <= n; ++k )
+	{
+		if ( p->lengths_a[k] + p->lengths_b[n - k] < p->lengths_a[from] + p->lengths_b[n - from] )
+		{
+			from = k;
+		}
+	}
+	for ( uint32_t i = 0; i < s->dimension; ++i )
+	{
+		p->shares[p->variables[i]] = 0;
+	}
+	for ( uint32_t k = 0; k < n; ++k )
+	{
+		bool moves_a = k < from;
+		uint32_t m = n - 1 - k; // the same joint seen from b
+		add_share( p, p->way_a[k],
+			moves_a ? p->lengths_a[k + 1] - p->lengths_a[k] : p->lengths_b[m + 1] - p->lengths_b[m] );
+	}
+	return ( p->lengths_a[from] + p->lengths_b[n - from] ) * ( 1 + 4 * LWI_U64 );
+}
+
+/// A centre was measured nearer than all before: the proof aims lower, and the state may be new evidence. Centres may lie in
+/// the margin outside the limits; evidence may not.
+static void note_distance( subdivision* s, double distance )
+{
+	lwi_prober* p = s->prober;
+	if ( distance < s->least )
+	{
+		s->least = distance;
+		s->target = fmin( s->target, s->fraction * distance );
+	}
+	if ( !( distance < *s->closest ) )
+	{
+		return;
+	}
+	bool moved = false;
+	memcpy( p->trial, s->q, p->robot->variable_count * sizeof( double ) );
+	for ( uint32_t i = 0; i < s->dimension; ++i )
+	{
+		uint32_t v = p->variables[i];
+		p->trial[v] = lwi_clamp( p->state[v], p->sample_lower[v], p->sample_upper[v] );
+		moved = moved || p->trial[v] != p->state[v];
+	}
+	double inside = moved ? lwi_prober_distance( p, p->trial, *s->closest ) : distance;
+	if ( inside < *s->closest )
+	{
+		*s->closest = inside;
+		memcpy( s->q, p->trial, p->robot->variable_count * sizeof( double ) );
+	}
+}
+
+/// True if the cell is certified. Otherwise *out_distance is (about) the distance at its centre.
+static bool certify( subdivision* s, const double* cell, double* out_distance )
+{
+	lwi_prober* p = s->prober;
+	set_center( s, cell );
+	if ( !lwi_prober_pose( p, p->state ) )
+	{
+		*out_distance = INFINITY;
+		return false;
+	}
+	double motion = motion_bound( s );
+	double needed = ( s->target + motion + p->rounding ) * ( 1 + 16 * LWI_U64 );
+	*out_distance = cell[2 * s->dimension + 1];
+	if ( !isfinite( needed ) || *out_distance < needed )
+	{
+		return false; // the parent's distance says so: no need to measure
+	}
+	lw_range range = { 0, needed, 0 };
+	lwi_bound bound;
+	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &bound );
+	lw_clearance clearance = lwi_bound_result( &bound );
+	if ( clearance.kind == LW_CLEARANCE_FAR )
+	{
+		return true;
+	}
+	*out_distance = clearance.upper;
+	note_distance( s, clearance.upper );
+	return false;
+}
+
+/// Replaces the topmost cell by its two halves along the variable that contributes most. False if the cell cannot be cut
+/// or the stack is full.
+static bool cut( subdivision* s, double distance )
+{
+	lwi_prober* p = s->prober;
+	uint32_t widest = 0;
+	for ( uint32_t i = 1; i < s->dimension; ++i )
+	{
+		widest = p->shares[p->variables[i]] > p->shares[p->variables[widest]] ? i : widest;
+	}
+	double* low_half = cell_at( s, s->height - 1 );
+	double middle = p->state[p->variables[widest]];
+	if ( s->height > LWI_CELL_DEPTH || !( middle > low_half[2 * widest] && middle < low_half[2 * widest + 1] ) )
+	{
+		return false;
+	}
+	double* high_half = cell_at( s, s->height++ );
+	low_half[2 * s->dimension] *= 0.5;
+	low_half[2 * s->dimension + 1] = distance + 0.5 * p->shares[p->variables[widest]];
+	memcpy( high_half, low_half, s->stride * sizeof( double ) );
+	low_half[2 * widest + 1] = middle;
+	high_half[2 * widest] = middle;
+	return true;
+}
+
+static void begin( subdivision* s )
+{
+	lwi_prober* p = s->prober;
+	double* box = cell_at( s, 0 );
+	for ( uint32_t i = 0; i < s->dimension; ++i )
+	{
+		box[2 * i] = p->lower[p->variables[i]];
+		box[2 * i + 1] = p->upper[p->variables[i]];
+	}
+	box[2 * s->dimension] = 1;
+	box[2 * s->dimension + 1] = INFINITY;
+	s->height = 1;
+	memcpy( p->state, s->q, p->robot->variable_count * sizeof( double ) );
+}
+
+lwi_proof lwi_prober_subdivide( lwi_prober* p, double fraction, uint64_t budget, double deadline, double* closest, double* q )
+{
+	subdivision s = { .prober = p, .target = fraction * *closest, .least = *closest, .fraction = fraction,
+		.dimension = p->variable_count, .stride = 2 * p->variable_count + 2, .closest = closest, .q = q };
+	assert( p->bounded && fraction > 0 && fraction < 1 );
+	begin( &s );
+	s.proof.outcome = LWI_PROOF_EXHAUSTED;
+	while ( s.height > 0 )
+	{
+		if ( s.proof.cells % CELLS_PER_LOOK == 0 && !lwi_prober_progress( p ) )
+		{
+			s.proof.outcome = LWI_PROOF_CANCELLED;
+			return s.proof;
+		}
+		bool late = s.proof.cells % CELLS_PER_LOOK == 0 && lwi_monotonic_seconds() >= deadline;
+		if ( late || s.proof.cells >= budget )
+		{
+			return s.proof;
+		}
+		++s.proof.cells;
+		double distance;
+		const double* cell = cell_at( &s, s.height - 1 );
+		if ( certify( &s, cell, &distance ) )
+		{
+			s.proof.share += cell[2 * s.dimension];
+			--s.height;
+		}
+		else if ( !( s.target > 0 ) )
+		{
+			s.proof.outcome = LWI_PROOF_HOPELESS;
+			return s.proof;
+		}
+		else if ( !cut( &s, distance ) )
+		{
+			return s.proof;
+		}
+	}
+	s.proof.outcome = LWI_PROOF_PROVED;
+	s.proof.separation = s.target;
+	return s.proof;
+}
