@@ -75,7 +75,10 @@ typedef enum lw_pair_class
 {
 	LW_PAIR_NONE = 0,     ///< the same link, or one has no geometry
 	LW_PAIR_RIGID = 1,    ///< no joint between them moves: they never move against each other
-	LW_PAIR_ADJACENT = 2, ///< one moving joint between them (links without geometry in between are skipped)
+	/// Neighbours: one of the two is the nearest link above the other that has geometry, whatever moves in between. (MoveIt's
+	/// Setup Assistant says the same, and also joins all neighbours of a link without geometry to each other; that would
+	/// take siblings for adjacent, which can collide.)
+	LW_PAIR_ADJACENT = 2,
 	LW_PAIR_ALLOWED = 3,  ///< allowed by the robot's list (SRDF)
 	LW_PAIR_NEVER = 4,    ///< proved: apart in every state, see `proof`
 	LW_PAIR_ALWAYS = 5,   ///< in contact in every state that was looked at. Evidence, not a proof
@@ -95,7 +98,8 @@ typedef struct lw_reach_pair
 {
 	lw_pair_class kind;
 	lw_pair_proof proof; ///< also of adjacent and allowed pairs, if there is one
-	bool adjacent, allowed;
+	bool adjacent; ///< as LW_PAIR_ADJACENT says; also of rigid pairs
+	bool allowed;  ///< listed by the robot
 	double separation;   ///< proved, metres: in no state are the two links closer. 0 = nothing is proved
 	double closest;      ///< the least distance found in any state looked at; 0 = contact; +inf if none was measured
 	double contact_share; ///< share of the random states in contact
