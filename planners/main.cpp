@@ -23,6 +23,7 @@ const char* const about =
 
 Examples (leeway SUBCOMMAND --help explains one):
   leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
+  leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf
   leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
   leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
@@ -46,6 +47,21 @@ Example: leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --gro
 
 Standard output: per collision element its owner, source, triangles, tree nodes, bytes and milliseconds; totals; what
 the checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why.)";
+
+const char* const pairs_about = R"(Which pairs of links can ever meet, within the joint limits?
+
+Example: leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf --budget 60
+
+Standard output: a table of classes; the findings about the SRDF; the pairs of each class (twenty of a class, all with
+--verbose). adjacent: one moving joint between the two; allowed: disabled by the SRDF; never: proved to stay apart, by
+the hulls of their motion or by cutting the joint box into certified cells, with the distance they keep at least;
+always: in contact in every state looked at, which is no proof; check: the rest.
+
+A finding is a pair that the SRDF disables although a state in contact was found: the joint values are given. Pairs that
+were always in contact, and adjacent ones, are told apart. --out writes the SRDF again: pairs with the reasons Adjacent,
+Never, Default and Always are computed anew, pairs with any other reason stay, as does everything else in the file.
+
+Exit status 0: no finding; 1: the SRDF disables pairs that can collide; 2: error.)";
 
 const char* const check_about = R"(Is each state free, and how far away are obstacles and the robot's other links?
 
@@ -99,6 +115,7 @@ joint_trajectory is read as well. Exit status 0: valid; 1: not valid.)";
 struct Commands
 {
 	InfoOptions info;
+	PairsOptions pairs;
 	CheckOptions check;
 	EdgeCommandOptions edge;
 	PlanOptions plan;
@@ -110,7 +127,29 @@ CLI::App* addInfo( CLI::App& app, InfoOptions& options )
 	CLI::App* command = app.add_subcommand( "info", "what was read, built, kept and dropped" );
 	command->footer( info_about );
 	addCommonOptions( *command, options.common, { true, false, true } );
+	command->add_flag( "--hierarchy", options.hierarchy, "also how far each link and what hangs on it can get" );
 	command->add_option( "--json", options.json, "the same for programs" )->type_name( "FILE" );
+	return command;
+}
+
+CLI::App* addPairs( CLI::App& app, PairsOptions& options )
+{
+	const lw_reach_def def = lw_reach_def_default();
+	options.samples = def.samples;
+	options.seed = def.seed;
+	CLI::App* command = app.add_subcommand( "pairs", "which pairs of links can meet; writes an SRDF" );
+	command->footer( pairs_about );
+	addCommonOptions( *command, options.common, { true, false, false, false } );
+	command->add_option( "--budget", options.budget, "seconds for proofs, 0 or more; 0: by hulls only (default 20)" )
+	    ->type_name( "S" );
+	command
+	    ->add_option( "--samples", options.samples,
+	        fmt::format( "random states at which all pairs are measured (default {})", options.samples ) )
+	    ->type_name( "N" );
+	command->add_option( "--seed", options.seed, fmt::format( "of the random states (default {})", options.seed ) )
+	    ->type_name( "N" );
+	command->add_option( "--out", options.out, "the SRDF with its pairs computed anew" )->type_name( "new.srdf" );
+	command->add_option( "--json", options.json, "all pairs and findings, for programs" )->type_name( "FILE" );
 	return command;
 }
 
@@ -187,6 +226,12 @@ int dispatch( const CLI::App& app, Commands& commands )
 		validate( *chosen, commands.info.common );
 		return runInfo( commands.info );
 	}
+	if ( name == "pairs" )
+	{
+		validate( *chosen, commands.pairs.common );
+		requireNotNegative( "--budget", commands.pairs.budget );
+		return runPairs( commands.pairs );
+	}
 	if ( name == "check" )
 	{
 		validate( *chosen, commands.check.common );
@@ -255,6 +300,7 @@ int main( int argc, char** argv )
 	app.set_version_flag(
 	    "--version", fmt::format( "leeway {}.{}.{}", lw_version() / 10000, lw_version() / 100 % 100, lw_version() % 100 ) );
 	addInfo( app, commands.info );
+	addPairs( app, commands.pairs );
 	addCheck( app, commands.check );
 	addEdge( app, commands.edge );
 	addPlan( app, commands.plan );

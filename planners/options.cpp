@@ -27,43 +27,18 @@ bool given( const CLI::App& app, const std::string& option )
 	return found != nullptr && found->count() > 0;
 }
 
-} // namespace
-
-lw_what CommonOptions::what() const
+void addWorldOptions( CLI::App& app, CommonOptions& options, const std::string& group )
 {
-	return what_name == "env" ? LW_WHAT_ENVIRONMENT : what_name == "self" ? LW_WHAT_SELF : LW_WHAT_BOTH;
-}
-
-void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
-{
-	const std::string model = "Model";
-	CLI::Option* robot =
-	    app.add_option( "--robot", options.robot, "robot description" )->type_name( "R.urdf" )->group( model );
-	if ( needs.robot )
-	{
-		robot->required();
-	}
-	app.add_option( "--srdf", options.srdf, "groups and pairs of links that may touch" )
-	    ->type_name( "S.srdf" )
-	    ->group( model );
 	app.add_option( "--scene", options.scene, "obstacles: MoveIt planning scene, or a URDF at its zero pose" )
 	    ->type_name( "Y.yaml|U.urdf" )
-	    ->group( model );
+	    ->group( group );
 	app.add_option( "--group", options.group, "planning group of the SRDF; without it all joints can move" )
 	    ->type_name( "NAME" )
-	    ->group( model );
-	if ( needs.request )
-	{
-		app.add_option( "--request", options.request, "its start state gives the joints that nothing else names" )
-		    ->type_name( "Q.yaml" )
-		    ->group( model );
-	}
-	app.add_option( "--package-path", options.package_paths,
-	       "where package://NAME/... is found: a folder that contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
-	    ->type_name( "DIR" )
-	    ->allow_extra_args( false )
-	    ->group( model );
+	    ->group( group );
+}
 
+void addQuestionOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
+{
 	const std::string question = "Question";
 	app.add_option( "--min-d", options.min_d, "safety margin in metres: this close or closer is BLOCKED (default 0)" )
 	    ->type_name( "M" )
@@ -87,6 +62,51 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	    ->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ).description( "" ) )
 	    ->type_name( "scalar|sse2|avx2|best" )
 	    ->group( question );
+}
+
+} // namespace
+
+lw_what CommonOptions::what() const
+{
+	return what_name == "env" ? LW_WHAT_ENVIRONMENT : what_name == "self" ? LW_WHAT_SELF : LW_WHAT_BOTH;
+}
+
+void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
+{
+	const std::string model = "Model";
+	CLI::Option* robot =
+	    app.add_option( "--robot", options.robot, "robot description" )->type_name( "R.urdf" )->group( model );
+	if ( needs.robot )
+	{
+		robot->required();
+	}
+	app.add_option( "--srdf", options.srdf, "groups and pairs of links that may touch" )
+	    ->type_name( "S.srdf" )
+	    ->group( model );
+	if ( needs.world )
+	{
+		addWorldOptions( app, options, model );
+	}
+	if ( needs.request )
+	{
+		app.add_option( "--request", options.request, "its start state gives the joints that nothing else names" )
+		    ->type_name( "Q.yaml" )
+		    ->group( model );
+	}
+	app.add_option( "--package-path", options.package_paths,
+	       "where package://NAME/... is found: a folder that contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
+	    ->type_name( "DIR" )
+	    ->allow_extra_args( false )
+	    ->group( model );
+
+	app.add_option( "--cache", options.cache,
+	       "folder of sphere trees, motion hulls and pair tables of earlier runs; made if it is missing" )
+	    ->type_name( "DIR" )
+	    ->group( model );
+	if ( needs.world )
+	{
+		addQuestionOptions( app, options, needs );
+	}
 	app.add_flag( "--verbose", options.verbose, "all notices, and the planner's own messages" );
 }
 
@@ -109,6 +129,14 @@ void requirePositive( const std::string& option, double value )
 	if ( !( value > 0 ) || !std::isfinite( value ) )
 	{
 		wrong( option, fmt::format( "{} is not a finite number above 0", value ), "give a positive number" );
+	}
+}
+
+void requireNotNegative( const std::string& option, double value )
+{
+	if ( !( value >= 0 ) || !std::isfinite( value ) )
+	{
+		wrong( option, fmt::format( "{} is not a finite number of at least 0", value ), "give 0 or more" );
 	}
 }
 

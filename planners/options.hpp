@@ -29,7 +29,7 @@ enum Exit : int
 /// What every subcommand takes.
 struct CommonOptions
 {
-	std::string robot, srdf, scene, group, request;
+	std::string robot, srdf, scene, group, request, cache;
 	std::vector<std::string> package_paths;
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity(), alpha = 0;
 	bool min_d_given = false, max_d_given = false;
@@ -49,7 +49,17 @@ struct EdgeOptions
 struct InfoOptions
 {
 	CommonOptions common;
+	bool hierarchy = false;
 	std::string json;
+};
+
+struct PairsOptions
+{
+	CommonOptions common;
+	double budget = 20; ///< seconds
+	std::uint32_t samples = 0;
+	std::uint64_t seed = 0;
+	std::string out, json;
 };
 
 struct CheckOptions
@@ -91,6 +101,7 @@ struct CommonNeeds
 	bool robot = true;   ///< --robot is required
 	bool range = true;   ///< --max-d and --alpha make sense
 	bool request = true; ///< --request is offered (not where it is required and added by the subcommand)
+	bool world = true;   ///< --scene, --group, --min-d, --what and --simd make sense
 };
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );
@@ -104,10 +115,14 @@ void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& c
 /// @throws io::Error unless value is finite and > 0
 void requirePositive( const std::string& option, double value );
 
+/// @throws io::Error unless value is finite and >= 0
+void requireNotNegative( const std::string& option, double value );
+
 /// Motion per step of --validator steps: --max-d, 0.01 m unless given.
 double stepLength( const CommonOptions& common );
 
 int runInfo( const InfoOptions& options );
+int runPairs( const PairsOptions& options );
 int runCheck( const CheckOptions& options );
 int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );

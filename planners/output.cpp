@@ -159,6 +159,13 @@ Progress::~Progress()
 	m_thread.join();
 }
 
+void Progress::stage( const std::string& name, double share )
+{
+	const std::string text = fmt::format( " {}, {:.0f} %", name, 100 * share );
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	m_stage = text;
+}
+
 void Progress::run()
 {
 	const bool terminal = isatty( STDERR_FILENO ) != 0;
@@ -170,7 +177,7 @@ void Progress::run()
 	{
 		const std::size_t done = m_done.load( std::memory_order_relaxed );
 		const std::string steps =
-		    m_total == 0 ? ""
+		    m_total == 0 ? m_stage
 		                 : fmt::format( " {} of {} ({:.0f} %)", done, m_total, 100.0 * double( done ) / double( m_total ) );
 		fmt::print( stderr, "{}leeway: {} ...{} {:.0f} s{}", terminal ? "\r\x1b[K" : "", m_label, steps, now() - start,
 		    terminal ? "" : "\n" );

@@ -26,6 +26,7 @@ public:
 	void add( const std::string& kind, const std::string& text );
 	void add( const std::string& kind, const std::vector<io::Notice>& notices );
 	void flush();
+	bool verbose() const { return m_limit == SIZE_MAX; }
 	/// Everything ever added, in order.
 	const std::vector<std::string>& all() const { return m_all; }
 
@@ -46,10 +47,12 @@ public:
 	Progress( const Progress& ) = delete;
 	Progress& operator=( const Progress& ) = delete;
 	void step( std::size_t done ) { m_done.store( done, std::memory_order_relaxed ); }
+	/// What is being done now, and which share of it, instead of steps.
+	void stage( const std::string& name, double share );
 
 private:
 	void run();
-	std::string m_label;
+	std::string m_label, m_stage;
 	std::size_t m_total;
 	std::atomic<std::size_t> m_done{ 0 };
 	std::mutex m_mutex;

@@ -23,7 +23,14 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 {
 	io::LoadOptions load;
 	load.package_paths = options.package_paths;
+	load.cache = options.cache;
 	Input input;
+	if ( !options.cache.empty() )
+	{
+		input.reach = io::ReachOptions();
+		input.reach->cache = options.cache;
+		input.reach->def.seconds = quick_budget;
+	}
 	input.robot_file = options.robot;
 	input.scene_file = options.scene;
 	input.request_file = options.request;
@@ -59,6 +66,25 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	return input;
 }
 
+void ReachProgress::attach( lw_reach_def& def )
+{
+	def.progress = report;
+	def.progress_user = this;
+}
+
+bool ReachProgress::report( void* self, const char* stage, double share )
+{
+	ReachProgress& progress = *static_cast<ReachProgress*>( self );
+	if ( !progress.m_told )
+	{
+		fmt::print( stderr, "leeway: building motion hulls and pair tables of the robot; {} s for proofs\n",
+		    progress.m_budget );
+		progress.m_told = true;
+	}
+	progress.m_progress.stage( stage, share );
+	return true;
+}
+
 Workbench::Workbench( const Input& input, std::string group, Values values, Notices& notices )
     : m_input( input ), m_group( std::move( group ) ), m_notices( notices )
 {
@@ -89,6 +115,14 @@ void Workbench::build( const Values& values )
 	options.scene = m_input.scene ? &*m_input.scene : nullptr;
 	options.request = m_input.request ? &*m_input.request : nullptr;
 	options.overrides.values = values;
+	options.reach = m_reach.reach;
+	options.find_reach = m_input.reach;
+	std::optional<ReachProgress> reach_progress;
+	if ( options.find_reach )
+	{
+		reach_progress.emplace( options.find_reach->def.seconds );
+		reach_progress->attach( options.find_reach->def );
+	}
 	m_query.reset();
 	try
 	{
@@ -106,7 +140,12 @@ void Workbench::build( const Values& values )
 		return;
 	}
 	m_built = true;
+	m_reach = m_problem.reach;
 	m_notices.add( "the model", m_problem.notices );
+	if ( m_input.reach && m_notices.verbose() && options.scene != nullptr && !options.scene->attached.empty() )
+	{
+		m_notices.add( "the model", "motion hulls are not used: with what it holds the robot is another one" );
+	}
 	const std::uint32_t count = lw_robot_variable_count( robot() );
 	m_in_group.assign( count, false );
 	for ( std::uint32_t i = 0; i < count; ++i )

@@ -20,6 +20,8 @@ struct Input
 	io::RobotModel robot;
 	std::optional<io::SceneModel> scene;
 	std::optional<io::Request> request;
+	/// With --cache: where motion hulls and pair tables are, and what to build in a few seconds if there are none.
+	std::optional<io::ReachOptions> reach;
 	double robot_seconds = 0, scene_seconds = 0;
 	std::string robot_file, scene_file, request_file;
 };
@@ -27,6 +29,24 @@ struct Input
 /// Reads robot, scene and request, with progress, and passes their notices on.
 /// @throws io::Error
 Input loadInput( const CommonOptions& options, Notices& notices );
+
+/// Seconds that subcommands other than `pairs` spend on proofs if the cache has no tables of a robot.
+constexpr double quick_budget = 2;
+
+/// Tells about the building of motion hulls and pair tables, if there is any: what is built, then how far it is.
+class ReachProgress
+{
+public:
+	explicit ReachProgress( double budget ) : m_budget( budget ), m_progress( "motion hulls and pair tables:" ) {}
+	/// Makes `def` report here; this must outlive the building.
+	void attach( lw_reach_def& def );
+
+private:
+	static bool report( void* self, const char* stage, double share );
+	double m_budget;
+	bool m_told = false;
+	Progress m_progress;
+};
 
 /// Values by variable name.
 using Values = std::map<std::string, double>;
@@ -46,6 +66,8 @@ public:
 	const lw_checker* checker() const { return m_problem.checker.get(); }
 	lw_query* query() const { return m_query.get(); }
 	double buildSeconds() const { return m_seconds; }
+	/// Motion hulls and pair tables that the checker uses; empty without a cache.
+	const io::LoadedReach& reach() const { return m_reach; }
 
 	/// Makes the checker stand for the variables outside of the group as the full state has them.
 	/// @param full [robot variable_count]
@@ -70,6 +92,7 @@ private:
 	Notices& m_notices;
 	Values m_values;
 	io::Problem m_problem;
+	io::LoadedReach m_reach;
 	Query m_query;
 	std::vector<std::string> m_names;
 	std::vector<bool> m_in_group;

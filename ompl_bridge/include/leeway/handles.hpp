@@ -73,6 +73,7 @@ using Shape = Ref<lw_shape, lw_shape_retain, lw_shape_release>;
 using Robot = Ref<lw_robot, lw_robot_retain, lw_robot_release>;
 using Scene = Ref<lw_scene, lw_scene_retain, lw_scene_release>;
 using Checker = Ref<lw_checker, lw_checker_retain, lw_checker_release>;
+using Reach = Ref<lw_reach, lw_reach_retain, lw_reach_release>;
 
 struct QueryDeleter
 {

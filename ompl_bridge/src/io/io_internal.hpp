@@ -5,6 +5,7 @@
 #include "leeway/io/model.hpp"
 
 #include <array>
+#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
@@ -37,6 +38,19 @@ std::string joinNames( const std::vector<std::string>& names, std::size_t limit 
 std::string resolveUri(
     const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried );
 
+/// Wall time since it was made.
+class Stopwatch
+{
+public:
+	double milliseconds() const
+	{
+		return std::chrono::duration<double, std::milli>( std::chrono::steady_clock::now() - m_start ).count();
+	}
+
+private:
+	std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
+};
+
 /// Triangles of a mesh file, all nodes' transforms applied; nothing merged or removed.
 struct TriangleSoup
 {
@@ -48,6 +62,18 @@ struct TriangleSoup
 /// @param element what names the file, for errors
 /// @throws Error with `from_file` and `element` if the file cannot be read as a mesh
 TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from_file, const std::string& element );
+
+/// A mesh file at one scale.
+using MeshKey = std::tuple<std::string, double, double, double>;
+/// Two URIs may be one file, and the same file may be reached through a link.
+MeshKey meshKey( const std::string& file, const std::array<double, 3>& scale );
+
+/// A mesh shape, and what its file had beside triangles.
+struct BuiltMesh
+{
+	Shape shape;
+	std::size_t dropped_faces = 0;
+};
 
 /// Builds core shapes during one load; a mesh file used several times at one scale becomes one shape.
 class ShapeLoader
@@ -64,15 +90,17 @@ public:
 	Shape mesh( const Place& place, const std::string& uri, const std::array<double, 3>& scale );
 	Shape inlineMesh( const Place& place, const TriangleSoup& soup );
 	Shape primitive( const Place& place, lw_shape_type type, const std::array<double, 3>& dimensions );
+	/// Shapes from the cache, which mesh() takes instead of reading and building; and all that it gave so far.
+	void setCached( std::map<MeshKey, BuiltMesh> cached ) { m_cached = std::move( cached ); }
+	const std::map<MeshKey, BuiltMesh>& used() const { return m_meshes; }
 
 private:
 	Shape build(
 	    const Place& place, const std::string& mesh_file, const TriangleSoup& soup, const std::array<double, 3>& scale );
 
-	using Key = std::tuple<std::string, double, double, double>;
 	const LoadOptions& m_options;
 	LoadReport& m_report;
-	std::map<Key, Shape> m_meshes;
+	std::map<MeshKey, BuiltMesh> m_cached, m_meshes;
 };
 
 /// URDF without SRDF.

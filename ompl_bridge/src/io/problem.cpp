@@ -492,6 +492,7 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 	def.reference = problem.reference.data();
 	def.allowed = allowed.data();
 	def.allowed_count = static_cast<std::uint32_t>( allowed.size() );
+	def.reach = problem.reach.reach.get();
 	lw_checker* checker = nullptr;
 	lw_diag diag{};
 	lw_status status = lw_checker_create( &def, nullptr, &diag, &checker );
@@ -502,6 +503,24 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 		    diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the robot, the group or the state" );
 	}
 	problem.checker = Checker::adopt( checker );
+}
+
+void findReach( const ProblemOptions& options, Problem& problem )
+{
+	if ( options.scene != nullptr && !options.scene->attached.empty() )
+	{
+		return;
+	}
+	if ( options.reach )
+	{
+		problem.reach.reach = options.reach;
+	}
+	else if ( options.find_reach )
+	{
+		problem.reach = loadReach( problem.robot, *options.find_reach );
+		problem.notices.insert(
+		    problem.notices.end(), problem.reach.notices.begin(), problem.reach.notices.end() );
+	}
 }
 
 /// Goal joints that the robot has no variable for are ignored by goalState(); said once here.
@@ -529,6 +548,11 @@ void noticeGoalJoints( const Request& request, const lw_robot* robot, std::vecto
 }
 
 } // namespace
+
+Robot buildRobot( const RobotModel& model )
+{
+	return detail::createRobot( model, {}, Contacts( model, {}, nullptr ).links );
+}
 
 Problem buildProblem( const RobotModel& model, const ProblemOptions& options )
 {
@@ -579,6 +603,7 @@ Problem buildProblem( const RobotModel& model, const ProblemOptions& options )
 	}
 	problem.robot = detail::createRobot( model, attached, contacts.links );
 	selectGroup( model, options.group, problem );
+	findReach( options, problem );
 	createChecker( model, scene, contacts, problem );
 	return problem;
 }

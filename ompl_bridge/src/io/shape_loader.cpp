@@ -2,7 +2,6 @@
 // Collision shapes of the core from mesh files, inline meshes and primitives; one line of the load report for each.
 #include "io_internal.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
@@ -12,18 +11,6 @@ namespace leeway::io::detail
 
 namespace
 {
-
-class Stopwatch
-{
-public:
-	double milliseconds() const
-	{
-		return std::chrono::duration<double, std::milli>( std::chrono::steady_clock::now() - m_start ).count();
-	}
-
-private:
-	std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
-};
 
 const char* primitiveName( lw_shape_type type )
 {
@@ -59,6 +46,13 @@ std::string primitiveText( lw_shape_type type, const std::array<double, 3>& d )
 }
 
 } // namespace
+
+MeshKey meshKey( const std::string& file, const std::array<double, 3>& scale )
+{
+	std::error_code error;
+	std::filesystem::path canonical = std::filesystem::canonical( file, error );
+	return { error ? file : canonical.string(), scale[0], scale[1], scale[2] };
+}
 
 Shape ShapeLoader::build(
     const Place& place, const std::string& mesh_file, const TriangleSoup& soup, const std::array<double, 3>& scale )
@@ -116,26 +110,33 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 	line.source = "mesh " + uri;
 	line.file = file;
 	std::copy( scale.begin(), scale.end(), line.scale );
-	// Two URIs may be one file; the same file through a link is read once too
-	std::error_code error;
-	std::filesystem::path canonical = std::filesystem::canonical( file, error );
-	Key key( error ? file : canonical.string(), scale[0], scale[1], scale[2] );
+	MeshKey key = meshKey( file, scale );
 	auto found = m_meshes.find( key );
 	line.shared = found != m_meshes.end();
 	if ( !line.shared )
 	{
-		TriangleSoup soup = readMeshFile( file, place.file, place.element );
-		if ( soup.dropped_faces > 0 )
+		auto cached = m_cached.find( key );
+		line.cached = cached != m_cached.end();
+		if ( line.cached )
+		{
+			found = m_meshes.emplace( key, cached->second ).first;
+		}
+		else
+		{
+			TriangleSoup soup = readMeshFile( file, place.file, place.element );
+			BuiltMesh built{ build( place, file, soup, scale ), soup.dropped_faces };
+			found = m_meshes.emplace( key, std::move( built ) ).first;
+			line.milliseconds = watch.milliseconds();
+		}
+		if ( found->second.dropped_faces > 0 )
 		{
 			m_report.notices.push_back( { place.file, place.element,
-			    fmt::format(
-			        "{} points and lines of mesh {} have no surface and were left out", soup.dropped_faces, file ) } );
+			    fmt::format( "{} points and lines of mesh {} have no surface and were left out",
+			        found->second.dropped_faces, file ) } );
 		}
-		found = m_meshes.emplace( key, build( place, file, soup, scale ) ).first;
-		line.milliseconds = watch.milliseconds();
 	}
 	m_report.shapes.push_back( line );
-	return found->second;
+	return found->second.shape;
 }
 
 Shape ShapeLoader::inlineMesh( const Place& place, const TriangleSoup& soup )

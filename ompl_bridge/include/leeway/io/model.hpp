@@ -45,7 +45,8 @@ struct LoadedShape
 	std::string file;        ///< resolved mesh file; empty for primitives
 	double scale[3] = { 1, 1, 1 };
 	bool shared = false;     ///< an instance of a shape that another element already built
-	double milliseconds = 0; ///< reading and tree building; 0 if shared
+	bool cached = false;     ///< read from the cache, tree and all
+	double milliseconds = 0; ///< reading and tree building; 0 if shared or cached
 };
 
 /// What loading did: one LoadedShape per collision element, the links without geometry, and all notices.
@@ -54,6 +55,8 @@ struct LoadReport
 	std::vector<LoadedShape> shapes;
 	std::vector<std::string> links_without_geometry;
 	std::vector<Notice> notices;
+	std::string cache_file;        ///< where the mesh shapes are kept; empty if they are not
+	double cache_milliseconds = 0; ///< digesting the files, and reading or writing cache_file; in no shape's milliseconds
 };
 
 struct LoadOptions
@@ -65,6 +68,9 @@ struct LoadOptions
 	double weld_tolerance = 0; ///< metres
 	/// A link without collision geometry uses its visual geometry, with a notice. Never done silently.
 	bool use_visual = false;
+	/// A folder, made if it is missing; empty = none. loadRobot() keeps mesh shapes there, in one file named for the robot and
+	/// a digest of all that they are made of: URDF, mesh files, options, version. Answers do not depend on it.
+	std::string cache;
 };
 
 /// A collision shape at a pose in its owner's frame.
@@ -133,6 +139,47 @@ struct RobotModel
 /// @param srdf_file may be empty: no groups, no disabled pairs
 /// @throws Error
 RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options = {} );
+
+/// The robot as buildProblem() makes it without a scene: allowed pairs are those of the SRDF. @throws Error
+Robot buildRobot( const RobotModel& model );
+
+/// True for reasons that say what can be computed: Adjacent, Never, Default, Always, alone or followed by " (...)". Any other
+/// reason of a disabled pair, or none, is somebody's decision.
+bool isComputedReason( const std::string& reason );
+
+struct WrittenSrdf
+{
+	std::string text;
+	std::vector<DisabledPair> kept;    ///< elements that were kept as they are
+	std::vector<DisabledPair> written; ///< of the new pairs, those that no kept element covers, in the order of the text
+};
+/// The model's SRDF with its computed disable_collisions replaced by `pairs`, in alphabetical order, and everything else,
+/// comments included, as it was; without an SRDF a document with nothing but `pairs`. What somebody decided stays: other
+/// reasons, disable_default_collisions, and pairs of links that the URDF lacks.
+/// @throws Error
+WrittenSrdf writeSrdf( const RobotModel& model, const std::vector<DisabledPair>& pairs );
+
+/// Motion hulls and pair tables (lw_reach): where they are kept, and what to build.
+struct ReachOptions
+{
+	/// A folder, made if it is missing; empty = none. One file per robot (lw_robot_digest) and version.
+	std::string cache;
+	bool build = true;       ///< build one if the cache has none, and keep it there
+	bool accept_less = true; ///< one from the cache will do even if less time or fewer samples than in `def` were spent on it
+	lw_reach_def def = lw_reach_def_default(); ///< what to build; the robot is filled in
+};
+
+struct LoadedReach
+{
+	Reach reach; ///< empty if the cache has none and none was to be built
+	bool cached = false;
+	double seconds_spent = 0; ///< the budget it was built with
+	double milliseconds = 0;  ///< reading or building
+	std::string file;         ///< in the cache; empty without one
+	std::vector<Notice> notices;
+};
+/// @throws Error (a cache that is no folder), CoreError
+LoadedReach loadReach( const Robot& robot, const ReachOptions& options );
 
 /// Joint values and multi-dof transforms as MoveIt's robot_state and start_state give them.
 struct JointState
@@ -204,6 +251,7 @@ struct Problem
 	std::vector<uint32_t> variables;         ///< robot variables of a state vector
 	std::vector<std::string> variable_names; ///< of those, e.g. joint names
 	std::vector<double> reference;           ///< [robot variable_count]
+	LoadedReach reach;                       ///< what the checker uses; empty if none
 	std::vector<Notice> notices;
 };
 
@@ -214,6 +262,10 @@ struct ProblemOptions
 	const Request* request = nullptr; ///< its start state becomes the reference (over the scene's robot_state)
 	/// Values that override both, by variable name (columns of a file that are not in the group)
 	JointState overrides;
+	/// Motion hulls and pair tables for the checker: found or built by these options, unless `reach` is given. Attached objects
+	/// make another robot, for which none is looked for: its hulls would hold for one grasp only.
+	std::optional<ReachOptions> find_reach;
+	Reach reach; ///< of an equal robot, from an earlier problem
 };
 
 /// @throws Error (unknown group, unknown frame, start outside of what the robot has, ...)

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files of a cache folder: a blob of the core, and a few words of its owner beside it.
+#pragma once
+
+#include "io_internal.hpp"
+
+#include <cstdint>
+#include <functional>
+
+namespace leeway::io::detail
+{
+
+/// Makes the folder if it is missing. @throws Error if it is no folder and cannot be made one
+void prepareCacheFolder( const std::string& folder );
+
+/// "<folder>/<name>-<key as 32 hex digits>.<ending>"; characters of the name that are unfit for file names become _.
+std::string cacheFileName( const std::string& folder, const std::string& name, lw_digest key, const char* ending );
+
+/// The digest of a text or a file's bytes, continued.
+lw_digest digestText( lw_digest from, const std::string& text );
+lw_digest digestWords( lw_digest from, const std::vector<std::uint64_t>& words );
+
+struct CacheFile
+{
+	std::string blob;
+	std::vector<std::uint64_t> words;
+};
+
+/// Reads a cache file, and has `use` make something of it.
+/// @param use returns a status of the core; its diag is told
+/// @return true if the file was there and good. A file that is not good is a notice: it will be replaced.
+bool readCacheFile( const std::string& file, lw_digest key, std::vector<Notice>& notices,
+    const std::function<lw_status( const CacheFile&, lw_diag& )>& use );
+
+/// Writes under a temporary name and renames. A cache that cannot be written costs time, no more: that is a notice.
+void writeCacheFile( const std::string& file, lw_digest key, const lw_blob_def& content,
+    const std::vector<std::uint64_t>& words, std::vector<Notice>& notices );
+
+} // namespace leeway::io::detail
