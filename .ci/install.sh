@@ -16,7 +16,7 @@ usage()
 packages_of()
 {
 	case "$1" in
-	core) echo gcc g++ make cmake ninja-build pkg-config libc6-dev ;;
+	core) echo gcc g++ make cmake ninja-build pkg-config libc6-dev libqhull-dev ;;
 	# omplConfig.cmake and assimpConfig.cmake name the libraries of three Boost parts and of zlib by file, but their
 	# packages do not depend on those
 	bridge) echo libompl-dev libboost-serialization-dev libboost-filesystem-dev libboost-system-dev libeigen3-dev \
