@@ -11,8 +11,10 @@
 
 /// Relative error of the tests below and metres per metre of extent; distances here round up to 8u, see sphere_fit.c.
 #define EXACT_TOLERANCE ( 16 * LWI_U64 )
-/// Corners of tiles are rounded to float: per coordinate half an ulp, in length less than two units of the extent.
+/// Corners of tiles are rounded to float: per coordinate half an ulp, in length less than two units of the extent. Where
+/// floats are subnormal (shapes below 1e-38 m) an ulp is 1.4e-45 m whatever the extent.
 #define FLOAT_TOLERANCE ( 4 * LWI_U32 )
+#define FLOAT_TOLERANCE_METRES 3e-45
 
 /// What the leaves hold of one original triangle.
 typedef struct coverage
@@ -62,7 +64,7 @@ static bool check_lane( walker* w, const lwi_leaf* leaf, uint32_t lane, uint32_t
 {
 	uint32_t triangle = leaf->triangle[lane];
 	double exact_slack = EXACT_TOLERANCE * (double)w->shape->extent;
-	double float_slack = FLOAT_TOLERANCE * (double)w->shape->extent;
+	double float_slack = FLOAT_TOLERANCE * (double)w->shape->extent + FLOAT_TOLERANCE_METRES;
 	if ( triangle >= w->shape->triangle_count )
 	{
 		return fail( w, where, "a leaf refers to a triangle that does not exist" );
