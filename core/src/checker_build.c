@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Building a checker: what the group moves, what it can touch, and the static part measured once.
 #include "checker_internal.h"
+#include "checker_tree.h"
+#include "leeway/blob.h"
 #include "math_inline.h"
 #include "query_internal.h"
 #include "scene_internal.h"
@@ -40,6 +42,8 @@ static void checker_free( lw_checker* c )
 	lwi_free( &allocator, c->self_mask, (size_t)bodies * c->body_block_count );
 	lwi_free( &allocator, c->environment_mask, (size_t)bodies * c->scene_block_count );
 	lwi_motion_table_destroy( c->motion );
+	lwi_checker_tree_destroy( c->tree, c->variable_count );
+	lw_reach_release( c->reach );
 	lw_scene_release( c->scene );
 	lw_robot_release( c->robot );
 	lwi_free( &allocator, c, sizeof( lw_checker ) );
@@ -103,6 +107,13 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "the reference value of variable %u is not finite", i );
 		}
+	}
+	if ( def->reach != NULL && lw_reach_robot( def->reach ) != def->robot &&
+		 !lw_digest_equal( lw_robot_digest( lw_reach_robot( def->reach ) ), lw_robot_digest( def->robot ) ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"the reach was made for robot '%.60s', which differs from this checker's robot '%.60s'; make one for this robot",
+			lw_robot_name( lw_reach_robot( def->reach ) ), lw_robot_name( def->robot ) );
 	}
 	uint32_t objects = def->scene != NULL ? lw_scene_object_count( def->scene ) : 0;
 	for ( uint32_t i = 0; i < def->allowed_count; ++i )
@@ -210,13 +221,36 @@ static uint32_t list_self_pairs( const lw_checker* c, const draft* d, lwi_self_p
 			{
 				if ( pairs != NULL )
 				{
-					pairs[count] = (lwi_self_pair){ a, b, ancestor };
+					pairs[count] = (lwi_self_pair){ a, b, ancestor, 0 };
 				}
 				++count;
 			}
 		}
 	}
 	return count;
+}
+
+/// The tree, and what the reach proves of the self pairs where that holds.
+static lw_status build_tree( lw_checker* c, const draft* d, lw_diag* diag )
+{
+	if ( c->reach == NULL )
+	{
+		return LW_OK;
+	}
+	lw_status status = lwi_checker_tree_create( c, d->joint_moves, diag, &c->tree );
+	if ( status != LW_OK || c->tree == NULL )
+	{
+		return status;
+	}
+	c->bytes += c->tree->bytes;
+	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
+	{
+		lwi_self_pair* pair = &c->self_pairs[i];
+		uint32_t a = c->bodies[pair->body_a].link, b = c->bodies[pair->body_b].link;
+		pair->separation = lwi_usable_separation( lw_reach_get_pair( c->reach, a, b ).separation );
+		c->never_pair_count += pair->separation > 0 ? 1u : 0u;
+	}
+	return LW_OK;
 }
 
 static void fill_masks( lw_checker* c, const lw_checker_def* def, const draft* d )
@@ -359,6 +393,11 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, draft* d, lw_d
 		return status;
 	}
 	c->bytes += pairs * sizeof( lwi_self_pair ) + lwi_motion_table_bytes( c->motion );
+	status = build_tree( c, d, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
 	return measure_static( c, diag );
 }
 
@@ -385,6 +424,7 @@ lw_status lw_checker_create( const lw_checker_def* def, const lw_allocator* allo
 	c->allocator = allocator;
 	c->robot = lw_robot_retain( def->robot );
 	c->scene = lw_scene_retain( def->scene );
+	c->reach = lw_reach_retain( def->reach );
 	c->variable_count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
 	draft d;
 	memset( &d, 0, sizeof( d ) );
@@ -455,6 +495,8 @@ lw_checker_info lw_checker_get_info( const lw_checker* checker )
 	info.static_bodies = lw_robot_body_count( checker->robot ) - checker->moving_body_count;
 	info.environment_pairs = checker->environment_pair_count;
 	info.self_pairs = checker->self_pair_count;
+	info.never_pairs = checker->never_pair_count;
+	info.hierarchy = checker->tree != NULL;
 	info.static_environment = checker->static_environment;
 	info.bytes = checker->bytes;
 	return info;

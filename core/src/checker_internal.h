@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The checker's tables and the single-pair questions that states (checker.c) and edges (edge.c) share.
+// The checker's tables, and the questions about a posed state that states (checker.c) and edges (edge.c) are made of.
 #ifndef LEEWAY_CHECKER_INTERNAL_H
 #define LEEWAY_CHECKER_INTERNAL_H
 
@@ -12,6 +12,7 @@ typedef struct lwi_self_pair
 {
 	uint32_t body_a, body_b; ///< robot bodies
 	uint32_t ancestor;       ///< lowest common ancestor link: only joints below it move the pair
+	float separation;        ///< proved for states that the tree covers, see lwi_usable_separation(); 0: nothing is proved
 } lwi_self_pair;
 
 /// A robot body as the queries want it.
@@ -45,13 +46,26 @@ struct lw_checker
 	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
 	uint32_t environment_pair_count; ///< of moving bodies
 	lwi_motion_table* motion;
+	lw_reach* reach;         ///< NULL = none
+	struct lwi_checker_tree* tree; ///< NULL without a reach, or if the reference state is not covered by it
+	uint32_t never_pair_count;
 	lw_clearance static_environment;
 	size_t bytes;
 };
 
-/// Poses of a state for the pair questions below: fills the query's link and body poses.
-/// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite)
+/// Takes a state over for the questions below. With a tree, and a query that uses it, poses are computed when they are
+/// asked for, else all at once.
+/// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite, zero quaternion)
 lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q );
+
+/// Clearance of the robot to the scene at the posed state, static bodies included.
+void lwi_checker_environment( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out );
+
+/// Clearance of the robot to itself at the posed state.
+void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out );
+
+/// True if `separation` of the self pairs holds in both states and everywhere between them, and the query may use it.
+bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb );
 
 /// Clearance of one moving body (index into moving_bodies) to the scene at the posed state: nearest obstacle first, one
 /// running bound, allowed objects skipped. out->a = link, out->b = object. FAR with lower = +inf if nothing is to be checked.

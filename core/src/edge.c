@@ -56,6 +56,7 @@ typedef struct edge_work
 	edge_gap* heap;      ///< [items + SPARE_GAPS] largest urgency first
 	uint32_t item_count, body_items, gap_count, gap_capacity;
 	double static_rounding; ///< of the poses of static bodies
+	double apart;        ///< least separation of the items that need no proof; +inf if there are none
 	double posed_t;      ///< the state the query is posed at; NaN if none
 	bool failed;         ///< a state could not be posed
 } edge_work;
@@ -354,6 +355,22 @@ static bool close_all_gaps( edge_work* w )
 
 // ---- certified -------------------------------------------------------------------------------------------------------
 
+/// Is it proved for all states of the robot that this item has as much clearance as a certificate would look for?
+static bool is_apart( const edge_work* w, uint32_t item )
+{
+	return item >= w->body_items &&
+		   w->checker->self_pairs[item - w->body_items].separation > w->def->min_d + 0.25 * w->def->slack;
+}
+
+/// Nothing is left to be proved of an item that is apart in all states; what is known enters the lower bound.
+static void settle( edge_work* w, uint32_t item )
+{
+	w->bound[item] = w->rounding[item] = 0;
+	w->from_left[item] = 1;
+	w->from_right[item] = 0;
+	w->apart = fmin( w->apart, w->checker->self_pairs[item - w->body_items].separation );
+}
+
 /// Fills items with their motion bounds. @return false for an edge that cannot be measured
 static bool list_items( edge_work* w )
 {
@@ -365,6 +382,7 @@ static bool list_items( edge_work* w )
 		return false;
 	}
 	w->static_rounding = 0;
+	w->apart = INFINITY;
 	for ( uint32_t i = 0; i < lw_robot_body_count( c->robot ); ++i )
 	{
 		w->static_rounding = fmax( w->static_rounding, lwi_motion_rounding( c->motion, w->motion, i ) );
@@ -372,8 +390,14 @@ static bool list_items( edge_work* w )
 	bool environment = ( w->def->what & LW_WHAT_ENVIRONMENT ) != 0 && c->environment_pair_count > 0;
 	w->body_items = environment ? c->moving_body_count : 0;
 	w->item_count = w->body_items + ( ( w->def->what & LW_WHAT_SELF ) != 0 ? c->self_pair_count : 0 );
+	bool covered = lwi_checker_covers( c, w->query, w->qa, w->qb );
 	for ( uint32_t i = 0; i < w->item_count; ++i )
 	{
+		if ( covered && is_apart( w, i ) )
+		{
+			settle( w, i );
+			continue;
+		}
 		if ( i < w->body_items )
 		{
 			uint32_t body = c->moving_bodies[i];
@@ -412,6 +436,7 @@ static bool check_static( edge_work* w )
 	w->out->lower_bound = static_lower( w );
 	if ( w->out->lower_bound > w->def->min_d )
 	{
+		w->out->lower_bound = fmin( w->out->lower_bound, w->apart );
 		return true;
 	}
 	const lw_clearance* fixed = &w->checker->static_environment;
@@ -454,6 +479,10 @@ static bool check_ends( edge_work* w )
 	}
 	for ( uint32_t i = 0; i < w->item_count; ++i )
 	{
+		if ( w->from_left[i] >= 1 )
+		{
+			continue;
+		}
 		edge_sample s = measure( w, i, 1, 0.5 );
 		if ( s.blocked || w->failed )
 		{

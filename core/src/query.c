@@ -43,10 +43,16 @@ static size_t lay_out( lw_query* q, char* base )
 	size_t used = lwi_align_up( sizeof( lw_query ) );
 	q->state = take( base, &used, q->variable_capacity, sizeof( double ) );
 	q->world_from_link = take( base, &used, q->link_capacity, sizeof( lw_transform ) );
+	q->node_stamp = take( base, &used, q->link_capacity, sizeof( uint64_t ) );
+	q->sphere_stamp = take( base, &used, q->link_capacity, sizeof( uint64_t[2] ) );
+	q->body_stamp = take( base, &used, q->body_capacity, sizeof( uint64_t ) );
+	q->node_extent = take( base, &used, q->link_capacity, sizeof( double ) );
+	q->spheres = take( base, &used, q->link_capacity, sizeof( double[2][4] ) );
 	q->world_from_body = take( base, &used, q->body_capacity, sizeof( lw_transform ) );
 	q->body_center = take( base, &used, q->body_capacity, sizeof( double[3] ) );
 	q->body_spheres = take( base, &used, 4 * (size_t)padded( q->body_capacity ), sizeof( float ) );
 	q->gaps = take( base, &used, q->gap_capacity, sizeof( float ) );
+	q->row = take( base, &used, padded( q->scene_capacity ), sizeof( float ) );
 	q->candidates = take( base, &used, q->gap_capacity, sizeof( lwi_candidate ) );
 	q->edge_scratch = take( base, &used, q->edge_capacity, 1 );
 	return used;
@@ -191,6 +197,17 @@ void lwi_heap_build( lwi_candidate* heap, uint32_t count )
 	}
 }
 
+void lwi_heap_push( lwi_candidate* heap, uint32_t* count, lwi_candidate fresh )
+{
+	uint32_t at = ( *count )++;
+	while ( at > 0 && before( fresh, heap[( at - 1 ) / 2] ) )
+	{
+		heap[at] = heap[( at - 1 ) / 2];
+		at = ( at - 1 ) / 2;
+	}
+	heap[at] = fresh;
+}
+
 lwi_candidate lwi_heap_pop( lwi_candidate* heap, uint32_t* count )
 {
 	lwi_candidate top = heap[0];
@@ -201,4 +218,18 @@ lwi_candidate lwi_heap_pop( lwi_candidate* heap, uint32_t* count )
 		sift_down( heap, 0, *count );
 	}
 	return top;
+}
+
+uint32_t lwi_collect( lw_query* query, uint32_t entries, float limit, uint32_t skip )
+{
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < entries; ++i )
+	{
+		if ( query->gaps[i] < limit && i != skip )
+		{
+			query->candidates[count++] = (lwi_candidate){ query->gaps[i], i };
+		}
+	}
+	lwi_heap_build( query->candidates, count );
+	return count;
 }

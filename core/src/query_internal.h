@@ -47,7 +47,7 @@ typedef struct lwi_warm
 typedef struct lwi_candidate
 {
 	float gap;
-	uint32_t pair; ///< row * row_stride + column of the gap table
+	uint32_t pair; ///< row * row_stride + column of the gap table; above those, what a hierarchical query still opens
 } lwi_candidate;
 
 struct lw_query
@@ -65,6 +65,14 @@ struct lw_query
 	size_t edge_capacity;         ///< bytes in edge_scratch
 
 	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
+	bool lazy;                    ///< poses are computed when asked for: see checker_pose.h
+	bool covered;                 ///< lazy, and the state is within the reach's ranges: its spheres and tables hold
+	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid
+	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
+	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
+	uint64_t* body_stamp;         ///< [body_capacity]
+	double* node_extent;          ///< [link_capacity] largest coordinates on the way to a node
+	double* spheres;              ///< [2 * link_capacity][4] R and M of nodes, world
 	double* state;                ///< [variable_capacity] full state
 	lw_transform* world_from_link; ///< [link_capacity]
 	lw_transform* world_from_body; ///< [body_capacity]
@@ -72,6 +80,7 @@ struct lw_query
 	float* body_spheres;          ///< blocks of [4][8] relative to `origin`, padded with r = -INFINITY
 	double origin[3];
 	float* gaps;                  ///< [gap_capacity]
+	float* row;                   ///< [scene_capacity, padded] gaps of a node's sphere
 	lwi_candidate* candidates;    ///< [gap_capacity]
 	lwi_warm warm_environment, warm_self, warm_scene;
 	void* edge_scratch;
@@ -84,7 +93,10 @@ void lwi_query_forget_checker( lw_query* query );
 /// Smallest gap first: a binary min-heap over candidates, built in place; order among equals by `pair`, so that answers
 /// repeat.
 void lwi_heap_build( lwi_candidate* heap, uint32_t count );
+void lwi_heap_push( lwi_candidate* heap, uint32_t* count, lwi_candidate fresh );
 /// Removes and returns the smallest; count > 0.
 lwi_candidate lwi_heap_pop( lwi_candidate* heap, uint32_t* count );
+/// The first `entries` gaps that are below the limit, except `skip`, as a heap. Returns their count.
+uint32_t lwi_collect( lw_query* query, uint32_t entries, float limit, uint32_t skip );
 
 #endif

@@ -25,8 +25,9 @@ typedef struct lw_checker_def
 	const double* reference; ///< [robot variable_count]: values of the variables outside the group; NULL = default state
 	const lw_link_object_pair* allowed; ///< [allowed_count]
 	uint32_t allowed_count;
-	/// Motion hulls and pair tables of this robot, or of an equal one; a reference is taken. NULL = none. They make queries
-	/// faster and change no answer: a pair is passed over only where its proved separation is beyond what was found already.
+	/// Motion hulls and pair tables of this robot, or of an equal one (lw_robot_digest()); a reference is taken. NULL = none.
+	/// They make queries faster and change no answer: what is passed over is proved to be beyond what was found already.
+	/// States outside of lw_reach_variable_range() are asked as without them. See core/docs/self_collision.md.
 	const lw_reach* reach;
 	uint32_t cookie;
 } lw_checker_def;
@@ -58,6 +59,8 @@ typedef struct lw_checker_info
 	uint32_t static_bodies;  ///< the others
 	uint32_t environment_pairs; ///< moving bodies x scene shapes, without allowed ones
 	uint32_t self_pairs;     ///< pairs of bodies to check for self-collision
+	uint32_t never_pairs;    ///< of these: proved apart by the reach, never searched where only contact is asked for
+	bool hierarchy;          ///< queries can use the reach: there is one, and it covers the variables outside of the group
 	lw_clearance static_environment; ///< of the static bodies; a = link, b = object; FAR with lower = +inf if there is nothing
 	size_t bytes;
 } lw_checker_info;

@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The robot against the scene: all bodies at once, or node by node where motion hulls are known.
+// Paper: Steinbach et al. 2006, section III.B. One running bound, nearest pair first, either way.
+#include "checker_pose.h"
+#include "math_inline.h"
+#include "scene_internal.h"
+
+/// `pair` of a bound whose upper bound came from the static bodies.
+#define STATIC_PAIR 0xfffffffeu
+
+/// Candidates at or above this are bodies of whose row only the nearest obstacle is known yet: ROW + body.
+#define ROW 0x80000000u
+
+static lw_clearance nothing_to_check( void )
+{
+	lw_clearance out = lw_clearance_unknown();
+	out.kind = LW_CLEARANCE_FAR;
+	out.lower = INFINITY;
+	return out;
+}
+
+static void search_environment_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape, lwi_bound* bound )
+{
+	const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
+	lw_transform relative = lwi_relative( &query->world_from_body[body], &obstacle->world_from_shape );
+	lwi_search( query, checker->bodies[body].shape, obstacle->shape, &relative, bound );
+}
+
+/// Gaps of a posed body to the scene; pairs that do not count get +INFINITY. Returns the slack; *nearest is the least gap's
+/// index.
+static double row_gaps( const lw_checker* checker, lw_query* query, uint32_t body, float* gaps, uint32_t* nearest )
+{
+	const lw_scene* scene = checker->scene;
+	double slack = lwi_scene_gaps( scene, query->kernels, query->body_center + 3 * (size_t)body,
+		checker->bodies[body].shape->sphere_radius, gaps );
+	const uint8_t* mask = checker->environment_mask + (size_t)body * scene->block_count;
+	float least = INFINITY;
+	*nearest = 0;
+	for ( uint32_t i = 0; i < scene->block_count * LWI_WIDTH; ++i )
+	{
+		if ( ( ( mask[i / LWI_WIDTH] >> ( i % LWI_WIDTH ) ) & 1 ) == 0 )
+		{
+			gaps[i] = INFINITY;
+		}
+		else if ( !( gaps[i] >= least ) )
+		{
+			gaps[i] = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: look first
+			least = gaps[i];
+			*nearest = i;
+		}
+	}
+	return slack;
+}
+
+// --- all pairs -------------------------------------------------------------------------------------------------------
+
+/// Gaps of all of some bodies, row by row in query->gaps. Returns the slack of all rows; *nearest is the least gap's index.
+static double environment_gaps( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
+	uint32_t* nearest )
+{
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	double slack = 0;
+	float least = INFINITY;
+	*nearest = 0;
+	for ( uint32_t row = 0; row < body_count; ++row )
+	{
+		uint32_t in_row;
+		float* gaps = query->gaps + (size_t)row * stride;
+		double mine = row_gaps( checker, query, bodies[row], gaps, &in_row );
+		slack = mine > slack ? mine : slack;
+		if ( gaps[in_row] < least )
+		{
+			least = gaps[in_row];
+			*nearest = row * stride + in_row;
+		}
+	}
+	return slack;
+}
+
+static void search_environment( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
+	lwi_bound* bound )
+{
+	if ( checker->scene == NULL || checker->scene->shape_count == 0 || body_count == 0 )
+	{
+		return;
+	}
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	uint32_t entries = body_count * stride;
+	uint32_t nearest;
+	double slack = environment_gaps( checker, query, bodies, body_count, &nearest );
+	if ( !( query->gaps[nearest] < lwi_round_up( bound->prune + slack ) ) )
+	{
+		return;
+	}
+	bound->current_pair = bodies[nearest / stride] * stride + nearest % stride;
+	search_environment_pair( checker, query, bodies[nearest / stride], nearest % stride, bound );
+	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->prune + slack ), nearest );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		{
+			break;
+		}
+		uint32_t body = bodies[next.pair / stride];
+		bound->current_pair = body * stride + next.pair % stride;
+		search_environment_pair( checker, query, body, next.pair % stride, bound );
+	}
+}
+
+// --- by nodes --------------------------------------------------------------------------------------------------------
+
+/// Where a body's row of gaps is kept: bodies of node 0 come first in the tree, they are not asked and have no row.
+static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place )
+{
+	uint32_t row = place - checker->tree->nodes[0].body_count;
+	return query->gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
+}
+
+/// True if some obstacle is nearer to a sphere of the tree than the bound asks for. Which objects are allowed to whom is not
+/// looked at: that could only make it true more often.
+static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sphere, const lwi_bound* bound )
+{
+	const double* world = lwi_sphere( checker, query, sphere );
+	if ( !( world[3] < INFINITY ) )
+	{
+		return true;
+	}
+	const lw_scene* scene = checker->scene;
+	double slack = lwi_scene_gaps( scene, query->kernels, world, world[3], query->row );
+	float limit = lwi_round_up( bound->prune + slack );
+	uint32_t far = 0;
+	for ( uint32_t i = 0; i < scene->block_count * LWI_WIDTH; ++i )
+	{
+		far += query->row[i] >= limit; // not a number: near
+	}
+	return far < scene->block_count * LWI_WIDTH;
+}
+
+/// The row of gaps of a body, given by its place in the tree; the nearest obstacle becomes a candidate.
+static double add_row( const lw_checker* checker, lw_query* query, uint32_t place, const lwi_bound* bound, uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	uint32_t body = tree->bodies[place], nearest;
+	lwi_pose_body( checker, query, body );
+	float* gaps = row_of( checker, query, place );
+	double slack = row_gaps( checker, query, body, gaps, &nearest );
+	if ( gaps[nearest] < lwi_round_up( bound->prune + slack ) )
+	{
+		lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
+	}
+	return slack;
+}
+
+/// Descends the nodes. A subtree whose M is out of reach is neither posed nor looked at, nor are the bodies of a node whose R
+/// is. Returns the slack of all rows.
+static double descend( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	double slack = 0;
+	for ( uint32_t i = 1; i < tree->node_count; )
+	{
+		const lwi_checker_node* node = &tree->nodes[i];
+		if ( !node->in_environment || !meets_scene( checker, query, 2 * i + 1, bound ) )
+		{
+			i = node->end;
+			continue;
+		}
+		if ( node->body_count == 1 || ( node->body_count > 1 && meets_scene( checker, query, 2 * i, bound ) ) )
+		{
+			for ( uint32_t k = 0; k < node->body_count; ++k )
+			{
+				double mine = add_row( checker, query, node->first_body + k, bound, count );
+				slack = mine > slack ? mine : slack;
+			}
+		}
+		++i;
+	}
+	return slack;
+}
+
+/// Searches the nearest pair of a row at once, the rest of it becomes candidates as far as the bound leaves it.
+static void open_row( const lw_checker* checker, lw_query* query, lwi_candidate row, double slack, lwi_bound* bound,
+	uint32_t* count )
+{
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	uint32_t place = row.pair - ROW, body = checker->tree->bodies[place], nearest = 0;
+	const float* gaps = row_of( checker, query, place );
+	while ( gaps[nearest] != row.gap )
+	{
+		++nearest;
+	}
+	bound->current_pair = body * stride + nearest;
+	search_environment_pair( checker, query, body, nearest, bound );
+	float limit = lwi_round_up( bound->prune + slack );
+	for ( uint32_t i = 0; i < stride && !bound->done; ++i )
+	{
+		if ( i != nearest && gaps[i] < limit )
+		{
+			lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[i], body * stride + i } );
+		}
+	}
+}
+
+static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+{
+	if ( checker->scene == NULL || checker->scene->shape_count == 0 )
+	{
+		return;
+	}
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	uint32_t count = 0;
+	double slack = descend( checker, query, bound, &count );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		{
+			break;
+		}
+		if ( next.pair < ROW )
+		{
+			bound->current_pair = next.pair;
+			search_environment_pair( checker, query, next.pair / stride, next.pair % stride, bound );
+			continue;
+		}
+		open_row( checker, query, next, slack, bound, &count );
+	}
+}
+
+// --- questions -------------------------------------------------------------------------------------------------------
+
+/// The answer of an environment bound, with names and world points.
+static void environment_result( const lw_checker* checker, const lw_query* query, const lwi_bound* bound, lw_clearance* out )
+{
+	*out = lwi_bound_result( bound );
+	if ( !( out->upper < INFINITY ) )
+	{
+		return;
+	}
+	if ( bound->pair == STATIC_PAIR )
+	{
+		out->point_a = checker->static_environment.point_a;
+		out->point_b = checker->static_environment.point_b;
+		out->a = checker->static_environment.a;
+		out->b = checker->static_environment.b;
+		return;
+	}
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	uint32_t body = bound->pair / stride;
+	out->point_a = lwi_transform( &query->world_from_body[body], bound->point_a );
+	out->point_b = lwi_transform( &query->world_from_body[body], bound->point_b );
+	out->a = checker->bodies[body].link;
+	out->b = checker->scene->shapes[bound->pair % stride].object;
+}
+
+void lwi_checker_environment( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out )
+{
+	if ( checker->environment_pair_count == 0 && checker->static_environment.lower == INFINITY )
+	{
+		*out = nothing_to_check();
+		return;
+	}
+	lwi_bound bound;
+	lwi_bound_init( &bound, range );
+	const lw_clearance* fixed = &checker->static_environment;
+	bound.current_pair = STATIC_PAIR;
+	lwi_bound_offer( &bound, fixed->lower, fixed->upper );
+	lwi_warm* warm = &query->warm_environment;
+	if ( !bound.done && query->def.warm_start && warm->valid && checker->scene != NULL )
+	{
+		uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+		uint32_t body = stride > 0 ? warm->pair / stride : UINT32_MAX;
+		uint32_t shape = stride > 0 ? warm->pair % stride : 0;
+		if ( body < lw_robot_body_count( checker->robot ) && shape < checker->scene->shape_count &&
+			 ( checker->environment_mask[(size_t)body * checker->scene->block_count + shape / LWI_WIDTH] >>
+				 ( shape % LWI_WIDTH ) & 1 ) != 0 )
+		{
+			lwi_pose_body( checker, query, body );
+			lw_transform relative =
+				lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
+			bound.current_pair = warm->pair;
+			lwi_measure( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, warm->triangle_a,
+				warm->triangle_b, &bound );
+		}
+	}
+	if ( !bound.done && query->covered )
+	{
+		search_tree( checker, query, &bound );
+	}
+	else if ( !bound.done )
+	{
+		lwi_pose_all( checker, query );
+		search_environment( checker, query, checker->moving_bodies, checker->moving_body_count, &bound );
+	}
+	environment_result( checker, query, &bound, out );
+	if ( out->upper < INFINITY && bound.pair != STATIC_PAIR )
+	{
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+	}
+}
+
+void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t moving_body, const lw_range* range,
+	lw_clearance* out )
+{
+	if ( checker->environment_pair_count == 0 )
+	{
+		*out = nothing_to_check();
+		return;
+	}
+	lwi_bound bound;
+	lwi_bound_init( &bound, range );
+	lwi_pose_body( checker, query, checker->moving_bodies[moving_body] );
+	search_environment( checker, query, checker->moving_bodies + moving_body, 1, &bound );
+	environment_result( checker, query, &bound, out );
+}
+
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query )
+{
+	checker->static_environment = nothing_to_check();
+	uint32_t count = 0;
+	const lw_robot* robot = checker->robot;
+	uint32_t bodies = lw_robot_body_count( robot );
+	bool any = false;
+	lwi_bound bound;
+	lw_range exact = lw_range_exact();
+	lwi_bound_init( &bound, &exact );
+	for ( uint32_t body = 0; body < bodies; ++body )
+	{
+		if ( count < checker->moving_body_count && checker->moving_bodies[count] == body )
+		{
+			++count;
+			continue;
+		}
+		for ( uint32_t block = 0; block < checker->scene_block_count; ++block )
+		{
+			any = any || checker->environment_mask[(size_t)body * checker->scene_block_count + block] != 0;
+		}
+		if ( !bound.done )
+		{
+			search_environment( checker, query, &body, 1, &bound );
+		}
+	}
+	if ( any )
+	{
+		environment_result( checker, query, &bound, &checker->static_environment );
+	}
+	return LW_OK;
+}
+

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Poses of a state, as far as a question needs them: nodes, bodies and spheres are taken to the world when asked for.
+//
+// A stamp says for which state something was computed; a new state makes all stamps old at once. Without a tree, or with a
+// query that has its hierarchy switched off, everything is posed at once instead.
+#ifndef LEEWAY_CHECKER_POSE_H
+#define LEEWAY_CHECKER_POSE_H
+
+#include "checker_internal.h"
+#include "checker_tree.h"
+#include "query_internal.h"
+
+void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t node );
+void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t body );
+void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere );
+
+/// Everything, for those who go through all pairs.
+void lwi_pose_all( const lw_checker* checker, lw_query* query );
+
+/// Makes world_from_body and body_center of a robot body valid.
+static inline void lwi_pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
+{
+	if ( query->lazy && query->body_stamp[body] != query->state_stamp )
+	{
+		lwi_pose_body_now( checker, query, body );
+	}
+}
+
+/// Sphere 2 * node (R) or 2 * node + 1 (M) in the world: x, y, z, radius, the rounding of poses included. Only in lazy mode.
+static inline const double* lwi_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
+{
+	if ( query->sphere_stamp[sphere] != query->state_stamp )
+	{
+		lwi_pose_sphere( checker, query, sphere );
+	}
+	return query->spheres + 4 * (size_t)sphere;
+}
+
+#endif

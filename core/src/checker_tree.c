@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Building the nodes of a checker: links merged where the group does not move them, spheres around them.
+// Paper: Steinbach et al. 2006, section III. The M spheres are those of the reach: they hold for all joints below, so also
+// for the joints of the group alone.
+#include "checker_tree.h"
+
+#include "checker_internal.h"
+#include "math_inline.h"
+#include "reach_internal.h"
+#include "shape_internal.h"
+#include "sphere_fit.h"
+
+#include <string.h>
+
+/// Metres taken off every separation: poses in double are better than this within 1000 km of the world's origin.
+#define POSE_MARGIN 1e-9
+
+float lwi_usable_separation( double proved )
+{
+	double usable = proved * ( 1 - 0x1p-20 ) - POSE_MARGIN;
+	return usable > 0 ? lwi_round_down( usable ) : 0;
+}
+
+void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
+{
+	if ( t == NULL )
+	{
+		return;
+	}
+	lw_allocator allocator = t->allocator;
+	lwi_free( &allocator, t->lower, variable_count * sizeof( double ) );
+	lwi_free( &allocator, t->upper, variable_count * sizeof( double ) );
+	lwi_free( &allocator, t->floating, variable_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->nodes, t->link_count * sizeof( lwi_checker_node ) );
+	lwi_free( &allocator, t->links, t->link_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
+	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
+	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
+	lwi_free( &allocator, t, sizeof( lwi_checker_tree ) );
+}
+
+static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, uint32_t bodies )
+{
+	t->link_count = links;
+	t->body_count = bodies;
+	t->lower = lwi_alloc_zero( &t->allocator, variables, sizeof( double ) );
+	t->upper = lwi_alloc_zero( &t->allocator, variables, sizeof( double ) );
+	t->floating = lwi_alloc_zero( &t->allocator, variables, sizeof( uint32_t ) );
+	t->nodes = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_checker_node ) );
+	t->links = lwi_alloc_zero( &t->allocator, links, sizeof( uint32_t ) );
+	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
+	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
+	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
+			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) ) + 2 * bodies * sizeof( uint32_t );
+	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->links != NULL &&
+		   t->bodies != NULL && t->body_node != NULL;
+}
+
+/// Ranges of the group's variables. @return false if a variable outside of the group is outside of its range
+static bool fill_ranges( lwi_checker_tree* t, const lw_checker* c, const bool* in_group )
+{
+	for ( uint32_t i = 0; i < c->variable_count; ++i )
+	{
+		lw_reach_variable_range( c->reach, c->variables[i], &t->lower[i], &t->upper[i] );
+		const lw_variable_info* info = &c->robot->variables[c->variables[i]];
+		if ( c->robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 0 )
+		{
+			t->floating[t->floating_count++] = c->variables[i];
+		}
+	}
+	for ( uint32_t i = 0; i < c->robot->variable_count; ++i )
+	{
+		double lower, upper;
+		lw_reach_variable_range( c->reach, i, &lower, &upper );
+		if ( !in_group[i] && !( c->reference[i] >= lower && c->reference[i] <= upper ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+// --- nodes -----------------------------------------------------------------------------------------------------------
+
+/// Scratch of the numbering: link_node[link] and lists of links by the node they head or belong to.
+typedef struct numbering
+{
+	uint32_t* node_top; ///< [links] the top link of each link's node
+	uint32_t* node_of;  ///< [links] node of a top link
+	uint32_t* next;     ///< [links] chains of top links that hang on the same node; newest first
+	uint32_t* child;    ///< [links] first of the chain, by top link
+} numbering;
+
+/// Numbers the nodes depth first. Chains are as deep as the robot, so there is no recursion: the way back is in `parent`.
+static void number_nodes( lwi_checker_tree* t, const lw_robot* robot, const bool* joint_moves, numbering* n )
+{
+	for ( uint32_t i = 0; i < robot->link_count; ++i )
+	{
+		n->next[i] = n->child[i] = LW_INVALID_INDEX;
+	}
+	for ( uint32_t i = 0; i < robot->link_count; ++i )
+	{
+		uint32_t link = robot->link_order[i], joint = robot->link_joint[link];
+		bool head = joint == LW_INVALID_INDEX || joint_moves[joint];
+		n->node_top[link] = head ? link : n->node_top[robot->joints[joint].parent];
+		if ( head && joint != LW_INVALID_INDEX )
+		{
+			uint32_t above = n->node_top[robot->joints[joint].parent];
+			n->next[link] = n->child[above];
+			n->child[above] = link;
+		}
+	}
+	uint32_t top = robot->link_order[0], node = LW_INVALID_INDEX;
+	while ( top != LW_INVALID_INDEX )
+	{
+		uint32_t joint = robot->link_joint[top];
+		lwi_checker_node* fresh = &t->nodes[t->node_count];
+		fresh->parent = node;
+		fresh->top = top;
+		fresh->parent_link = joint != LW_INVALID_INDEX ? robot->joints[joint].parent : LW_INVALID_INDEX;
+		n->node_of[top] = node = t->node_count++;
+		top = n->child[top];
+		while ( top == LW_INVALID_INDEX && node != LW_INVALID_INDEX )
+		{
+			t->nodes[node].end = t->node_count;
+			top = n->next[t->nodes[node].top];
+			node = t->nodes[node].parent;
+		}
+	}
+}
+
+/// Links and bodies by node: counting sort, so that within a node they keep their order.
+static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numbering* n )
+{
+	const lw_robot* robot = c->robot;
+	for ( uint32_t i = 0; i < t->link_count; ++i )
+	{
+		t->nodes[n->node_of[n->node_top[i]]].link_count++;
+	}
+	for ( uint32_t i = 0; i < t->body_count; ++i )
+	{
+		t->body_node[i] = n->node_of[n->node_top[c->bodies[i].link]];
+		t->nodes[t->body_node[i]].body_count++;
+	}
+	uint32_t links = 0, bodies = 0;
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		node->first_link = links;
+		node->first_body = bodies;
+		links += node->link_count;
+		bodies += node->body_count;
+		node->link_count = node->body_count = 0;
+	}
+	for ( uint32_t i = 0; i < t->link_count; ++i )
+	{
+		uint32_t link = robot->link_order[i];
+		lwi_checker_node* node = &t->nodes[n->node_of[n->node_top[link]]];
+		t->links[node->first_link + node->link_count++] = link;
+	}
+	for ( uint32_t body = 0; body < t->body_count; ++body )
+	{
+		lwi_checker_node* node = &t->nodes[t->body_node[body]];
+		t->bodies[node->first_body + node->body_count++] = body;
+		bool any = false;
+		for ( uint32_t block = 0; block < c->scene_block_count; ++block )
+		{
+			any = any || c->environment_mask[(size_t)body * c->scene_block_count + block] != 0;
+		}
+		node->in_environment = node->in_environment || any;
+	}
+	for ( uint32_t i = t->node_count; i-- > 1; )
+	{
+		lwi_checker_node* above = &t->nodes[t->nodes[i].parent];
+		above->in_environment = above->in_environment || t->nodes[i].in_environment;
+	}
+}
+
+static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
+{
+	uint32_t links = t->link_count;
+	uint32_t* memory = lwi_alloc_zero( &t->allocator, links, 4 * sizeof( uint32_t ) );
+	if ( memory == NULL )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links };
+	number_nodes( t, c->robot, joint_moves, &n );
+	fill_nodes( t, c, &n );
+	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
+	return LW_OK;
+}
+
+// --- spheres ---------------------------------------------------------------------------------------------------------
+
+/// Points whose ball of radius *dilation contains the shape: vertices of a soup, else the corners of its box.
+static uint32_t shape_points( const lw_shape* shape, double* dilation )
+{
+	*dilation = shape->solid ? 0 : shape->radius;
+	return shape->solid ? 8 : shape->vertex_count;
+}
+
+static lw_vec3 shape_point( const lw_shape* shape, uint32_t index )
+{
+	if ( !shape->solid )
+	{
+		return lwi_load( shape->vertices + 3 * (size_t)index );
+	}
+	const double *low = shape->box_min, *high = shape->box_max;
+	return lwi_v3( index & 1 ? high[0] : low[0], index & 2 ? high[1] : low[1], index & 4 ? high[2] : low[2] );
+}
+
+/// top_from_shape at the reference, and thereby in every state.
+static lw_transform body_in_node( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
+{
+	const lwi_checker_body* b = &c->bodies[body];
+	lw_transform top_from_link = lwi_relative( &c->reference_poses[node->top], &c->reference_poses[b->link] );
+	return lwi_multiply( &top_from_link, &b->link_from_shape );
+}
+
+/// The R of a node of one body is the body's own sphere, carried over.
+static lw_sphere sphere_of_body( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
+{
+	const lw_shape* shape = c->bodies[body].shape;
+	lw_transform pose = body_in_node( c, node, body );
+	lw_vec3 center = lwi_transform( &pose, lwi_load( shape->sphere_center ) );
+	return (lw_sphere){ { center.x, center.y, center.z }, shape->sphere_radius };
+}
+
+/// Minimal sphere around the points of all bodies. The centre is free to choose; the radius is measured from it.
+static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* t, const lwi_checker_node* node,
+	double* points )
+{
+	size_t count = 0;
+	for ( uint32_t i = 0; i < node->body_count; ++i )
+	{
+		uint32_t body = t->bodies[node->first_body + i];
+		lw_transform pose = body_in_node( c, node, body );
+		double dilation;
+		uint32_t n = shape_points( c->bodies[body].shape, &dilation );
+		for ( uint32_t k = 0; k < n; ++k )
+		{
+			lw_vec3 p = lwi_transform( &pose, shape_point( c->bodies[body].shape, k ) );
+			double* out = points + 3 * count++;
+			out[0] = p.x;
+			out[1] = p.y;
+			out[2] = p.z;
+		}
+	}
+	lwi_ball ball = lwi_fit_minimal( points, count );
+	double radius = 0;
+	count = 0;
+	for ( uint32_t i = 0; i < node->body_count; ++i )
+	{
+		double dilation;
+		uint32_t n = shape_points( c->bodies[t->bodies[node->first_body + i]].shape, &dilation );
+		for ( uint32_t k = 0; k < n; ++k )
+		{
+			radius = fmax( radius, lwi_distance( ball.center, lwi_load( points + 3 * count++ ) ) + dilation );
+		}
+	}
+	return (lw_sphere){ { ball.center.x, ball.center.y, ball.center.z }, radius };
+}
+
+/// R and M of all nodes. Their own rounding is far below what poses add when a query takes them to the world (lwi_sphere()).
+static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_diag* diag )
+{
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		const lw_sphere nothing = { { 0, 0, 0 }, -1 };
+		node->m = i > 0 ? lw_reach_get_node( c->reach, node->top ).m : nothing;
+		node->r = nothing;
+		if ( node->body_count == 1 )
+		{
+			node->r = sphere_of_body( c, node, t->bodies[node->first_body] );
+		}
+		else if ( node->body_count > 1 )
+		{
+			size_t count = 0;
+			for ( uint32_t k = 0; k < node->body_count; ++k )
+			{
+				double dilation;
+				count += shape_points( c->bodies[t->bodies[node->first_body + k]].shape, &dilation );
+			}
+			double* points = lwi_alloc( &t->allocator, count * sizeof( double[3] ) );
+			if ( points == NULL )
+			{
+				return lwi_out_of_memory( diag, "a checker" );
+			}
+			node->r = sphere_of_bodies( c, t, node, points );
+			lwi_free( &t->allocator, points, count * sizeof( double[3] ) );
+		}
+	}
+	return LW_OK;
+}
+
+lw_status lwi_checker_tree_create( const lw_checker* c, const bool* joint_moves, lw_diag* diag, lwi_checker_tree** out_tree )
+{
+	*out_tree = NULL;
+	lwi_checker_tree* t = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_checker_tree ) );
+	bool* in_group = lwi_alloc_zero( &c->allocator, c->robot->variable_count, sizeof( bool ) );
+	lw_status status = LW_OK;
+	bool holds = false;
+	if ( t != NULL )
+	{
+		t->allocator = c->allocator;
+	}
+	if ( t == NULL || in_group == NULL ||
+		 !allocate( t, c->variable_count, c->robot->link_count, c->robot->body_count ) )
+	{
+		status = lwi_out_of_memory( diag, "a checker" );
+	}
+	else
+	{
+		for ( uint32_t i = 0; i < c->variable_count; ++i )
+		{
+			in_group[c->variables[i]] = true;
+		}
+		holds = fill_ranges( t, c, in_group );
+	}
+	if ( status == LW_OK && holds )
+	{
+		status = build_nodes( t, c, joint_moves, diag );
+		status = status == LW_OK ? build_spheres( t, c, diag ) : status;
+		status = status == LW_OK ? lwi_checker_plan_self( c, t, diag ) : status;
+	}
+	lwi_free( &c->allocator, in_group, c->robot->variable_count * sizeof( bool ) );
+	if ( status == LW_OK && holds )
+	{
+		*out_tree = t;
+	}
+	else
+	{
+		lwi_checker_tree_destroy( t, c->variable_count );
+	}
+	return status;
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The robot as one group sees it: nodes of links that move as one, their spheres, and the self query as a list of steps.
+//
+// Paper: Steinbach et al. 2006, sections III.B and IV. Derivations: core/docs/self_collision.md. Immutable, kept by the
+// checker; what changes from state to state (poses, spheres in the world) is in the query.
+#ifndef LEEWAY_CHECKER_TREE_H
+#define LEEWAY_CHECKER_TREE_H
+
+#include "leeway/checker.h"
+
+/// Links that the group cannot move against each other, e.g. a whole hand if the group is the arm.
+typedef struct lwi_checker_node
+{
+	uint32_t parent;      ///< node; LW_INVALID_INDEX for node 0, which the group does not move
+	uint32_t end;         ///< nodes are in depth-first order: the subtree is [this node, end)
+	uint32_t top;         ///< the link nearest to the root
+	uint32_t parent_link; ///< the link that `top` hangs on, in the parent node; LW_INVALID_INDEX for node 0
+	uint32_t first_link, link_count; ///< range of links, parents first
+	uint32_t first_body, body_count; ///< range of bodies
+	lw_sphere r;          ///< frame of `top`: contains all bodies of the node; radius < 0: there are none
+	lw_sphere m;          ///< frame of `parent_link`: contains all bodies of the subtree in every state within the ranges
+	bool in_environment;  ///< some body of the subtree is checked against some obstacle
+} lwi_checker_node;
+
+/// The bodies of two nodes, all against all.
+typedef struct lwi_node_pair
+{
+	uint32_t node_a, node_b;
+	size_t first; ///< index into separations: [bodies of a][bodies of b]
+} lwi_node_pair;
+
+/// One test of the self query. If it rules its pairs out the next step is `skip`, else the one behind it.
+typedef struct lwi_self_step
+{
+	float separation;            ///< least proved separation of all pairs that the step stands for; +inf is never stored
+	uint32_t sphere_a, sphere_b; ///< 2 * node for its R, 2 * node + 1 for its M; LW_INVALID_INDEX: only the table is asked
+	uint32_t skip;
+	uint32_t pair; ///< index into node_pairs of a step that is a pair of nodes; LW_INVALID_INDEX of one above such steps
+} lwi_self_step;
+
+typedef struct lwi_checker_tree
+{
+	lw_allocator allocator;
+	size_t bytes;
+	double* lower; ///< [group variables] where reach and tables hold
+	double* upper;
+	uint32_t floating_count;
+	uint32_t* floating;      ///< [floating_count] first robot variable of each floating joint in the group
+	uint32_t node_count;
+	lwi_checker_node* nodes; ///< [node_count] depth first, parents before children
+	uint32_t link_count, body_count;
+	uint32_t* links;         ///< [link_count] by node, parents first
+	uint32_t* bodies;        ///< [body_count] robot bodies by node
+	uint32_t* body_node;     ///< [body_count] node of a robot body
+	uint32_t pair_count;
+	lwi_node_pair* pairs;    ///< [pair_count]
+	size_t separation_count;
+	float* separations;      ///< +INFINITY for pairs that are not to be checked
+	uint32_t step_count;
+	lwi_self_step* steps;    ///< [step_count]
+} lwi_checker_tree;
+
+/// @param joint_moves [joint count] driven by a variable of the group
+/// @param out_tree NULL if the reference state is outside of what the reach covers: nothing holds then
+lw_status lwi_checker_tree_create( const lw_checker* checker, const bool* joint_moves, lw_diag* diag,
+	lwi_checker_tree** out_tree );
+void lwi_checker_tree_destroy( lwi_checker_tree* tree, uint32_t variable_count ); ///< NULL is ignored
+
+/// Fills pairs, separations and steps. Part of lwi_checker_tree_create().
+lw_status lwi_checker_plan_self( const lw_checker* checker, lwi_checker_tree* tree, lw_diag* diag );
+
+/// A separation as queries use it: rounded down, and less by what poses in double may be off by, so that a pair that is
+/// passed over could not have changed a digit of the answer.
+float lwi_usable_separation( double proved );
+
+#endif
