@@ -9,7 +9,7 @@
 // as a convex combination of the centre c (the mean of the kept ones) and the corners v0 v1 v2 of the facet that the ray
 // from c to p leaves through,
 //     p' = c + sum w_k ( v_k - c ),  w_k >= 0,  sum w_k <= 1,
-// and |p - p'| bounds how far p is outside. A wrong facet gives a larger bound, never a false one. Where that bound is
+// p itself where that is possible, and |p - p'| bounds how far p is outside. A wrong facet gives a larger bound, never a false one. Where that bound is
 // larger than others', the distance of convex.h decides (its upper bound is attained by a point of the hull too).
 #include "convex_hull.h"
 
@@ -57,26 +57,27 @@ typedef struct hull_work
 	const double* points;
 	size_t count, kept_count;
 	unsigned char* kept; ///< [count]
+	size_t source_count; ///< what qhull is given: all points, or those that it kept with a smaller width
+	uint32_t* source;    ///< [count] indices
+	double* copy;        ///< [count][3] of the source
 	lw_vec3 center;      ///< mean of the kept points
 	size_t facet_count;
 	hull_facet* facets;
-	double* hull;     ///< [kept_count][3]
-	hull_rest* rests; ///< [count - kept_count]
+	size_t allocated; ///< kept_count of the attempt that hull and rests are for
+	double* hull;     ///< [allocated][3]
+	hull_rest* rests; ///< [count - allocated]
 } hull_work;
 
+/// What belongs to one attempt: all but kept, source and copy.
 static void free_attempt( hull_work* w )
 {
 	lwi_free( w->allocator, w->facets, w->facet_count * sizeof( hull_facet ) );
+	lwi_free( w->allocator, w->hull, 3 * w->allocated * sizeof( double ) );
+	lwi_free( w->allocator, w->rests, ( w->count - w->allocated ) * sizeof( hull_rest ) );
 	w->facets = NULL;
 	w->facet_count = 0;
-}
-
-static void free_work( hull_work* w )
-{
-	free_attempt( w );
-	lwi_free( w->allocator, w->kept, w->count );
-	lwi_free( w->allocator, w->hull, 3 * w->kept_count * sizeof( double ) );
-	lwi_free( w->allocator, w->rests, ( w->count - w->kept_count ) * sizeof( hull_rest ) );
+	w->hull = NULL;
+	w->rests = NULL;
 }
 
 // ---- qhull -----------------------------------------------------------------------------------------------------------
@@ -94,6 +95,16 @@ static void find_center( hull_work* w )
 		}
 	}
 	w->center = lwi_scale( 1.0 / (double)w->kept_count, sum );
+}
+
+static double farthest_from_center( const hull_work* w )
+{
+	double most = 0;
+	for ( size_t i = 0; i < w->count; ++i )
+	{
+		most = fmax( most, lwi_distance( lwi_load( w->points + 3 * i ), w->center ) );
+	}
+	return most;
 }
 
 static void copy_facet( hull_work* w, const facetT* from, hull_facet* to )
@@ -120,7 +131,7 @@ static bool copy_hull( hull_work* w, qhT* qh )
 	memset( w->kept, 0, w->count );
 	FORALLvertices
 	{
-		w->kept[( vertex->point - w->points ) / 3] = 1;
+		w->kept[w->source[( vertex->point - w->copy ) / 3]] = 1;
 	}
 	find_center( w );
 	unsigned int number = 0;
@@ -155,9 +166,13 @@ static FILE* open_nowhere( void )
 static lw_status run_qhull( hull_work* w, double tolerance, bool* out_refused )
 {
 	*out_refused = true;
-	if ( w->count < 5 || w->count > INT32_MAX / 4 )
+	if ( w->source_count < 5 || w->source_count > INT32_MAX / 4 )
 	{
 		return LW_OK;
+	}
+	for ( size_t i = 0; i < w->source_count; ++i )
+	{
+		memcpy( w->copy + 3 * i, w->points + 3 * (size_t)w->source[i], 3 * sizeof( double ) );
 	}
 	FILE* nowhere = open_nowhere();
 	qhT* qh = lwi_alloc( w->allocator, sizeof( qhT ) );
@@ -179,9 +194,9 @@ static lw_status run_qhull( hull_work* w, double tolerance, bool* out_refused )
 	{
 		snprintf( command, sizeof( command ), "qhull Qt Pp" );
 	}
-	// errors inside end in its own setjmp and come back as an exit code; points are not written to
+	// errors inside end in its own setjmp and come back as an exit code
 	qh_zero( qh, nowhere );
-	int code = qh_new_qhull( qh, 3, (int)w->count, (coordT*)w->points, False, command, nowhere, nowhere );
+	int code = qh_new_qhull( qh, 3, (int)w->source_count, w->copy, False, command, nowhere, nowhere );
 	lw_status status = LW_OK;
 	if ( code == 0 )
 	{
@@ -227,49 +242,6 @@ static void keep_extremes( hull_work* w, size_t max_points )
 	find_center( w );
 }
 
-/// Chooses the kept points. Afterwards kept_count is what the arrays are allocated for.
-static lw_status choose( hull_work* w, double tolerance, size_t max_points )
-{
-	for ( int attempt = 0; attempt < MAX_ATTEMPTS; ++attempt )
-	{
-		bool refused;
-		lw_status status = run_qhull( w, tolerance, &refused );
-		if ( status != LW_OK )
-		{
-			return status;
-		}
-		if ( refused )
-		{
-			break;
-		}
-		if ( w->kept_count <= max_points )
-		{
-			return LW_OK;
-		}
-		if ( !( tolerance > 0 ) )
-		{
-			double extent = 0;
-			for ( size_t i = 0; i < w->count; ++i )
-			{
-				extent = fmax( extent, lwi_distance( lwi_load( w->points + 3 * i ), w->center ) );
-			}
-			tolerance = 1e-6 * extent;
-		}
-		// on smooth surfaces the number of vertices goes with 1 / tolerance
-		tolerance *= fmax( 1.25, 1.1 * (double)w->kept_count / (double)max_points );
-		free_attempt( w );
-	}
-	free_attempt( w );
-	if ( w->count <= max_points )
-	{
-		memset( w->kept, 1, w->count );
-		find_center( w );
-		return LW_OK;
-	}
-	keep_extremes( w, max_points );
-	return LW_OK;
-}
-
 // ---- proof -----------------------------------------------------------------------------------------------------------
 
 /// The facet that the ray from the centre along v leaves through, from `start` across the edge that v is farthest beyond.
@@ -301,6 +273,22 @@ static uint32_t walk( const hull_work* w, lw_vec3 v, uint32_t start )
 	return at;
 }
 
+/// Weights of the foot of the perpendicular on the facet: nearer than where the ray leaves. @return false if it is beside it
+static bool weights_of_foot( const hull_facet* f, lw_vec3 v, double weight[3] )
+{
+	lw_vec3 e1 = lwi_sub( f->corner[1], f->corner[0] ), e2 = lwi_sub( f->corner[2], f->corner[0] );
+	lw_vec3 n = lwi_cross( e1, e2 ), w = lwi_sub( v, f->corner[0] );
+	double nn = lwi_length_sq( n );
+	if ( !( nn > 0 ) )
+	{
+		return false;
+	}
+	weight[1] = lwi_dot( lwi_cross( w, e2 ), n ) / nn;
+	weight[2] = lwi_dot( lwi_cross( e1, w ), n ) / nn;
+	weight[0] = 1 - weight[1] - weight[2];
+	return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
+}
+
 /// |p - p'| of the combination at the top of this file; v = p - c.
 static double outside_of_facet( const hull_facet* f, lw_vec3 v )
 {
@@ -318,11 +306,23 @@ static double outside_of_facet( const hull_facet* f, lw_vec3 v )
 	{
 		return INFINITY;
 	}
-	double scale = sum > 1 ? 1 / sum : 1;
+	if ( sum > 1 )
+	{
+		double scale = 1 / sum, foot[3];
+		if ( weights_of_foot( f, v, foot ) )
+		{
+			memcpy( weight, foot, sizeof( foot ) );
+			scale = 1;
+		}
+		for ( int k = 0; k < 3; ++k )
+		{
+			weight[k] *= scale;
+		}
+	}
 	lw_vec3 inside = { 0, 0, 0 };
 	for ( int k = 0; k < 3; ++k )
 	{
-		inside = lwi_add_scaled( inside, scale * weight[k], f->corner[k] );
+		inside = lwi_add_scaled( inside, weight[k], f->corner[k] );
 	}
 	return lwi_distance( v, inside );
 }
@@ -341,6 +341,7 @@ static int by_bound( const void* a, const void* b )
 /// Largest distance of a dropped point from the hull of the kept ones, without rounding.
 static double prove( hull_work* w )
 {
+	double floor = ROUNDING * farthest_from_center( w ); // nobody asks which of the inner points is closest to the surface
 	size_t rest_count = 0, hull_count = 0;
 	uint32_t facet = 0;
 	for ( size_t i = 0; i < w->count; ++i )
@@ -358,12 +359,15 @@ static double prove( hull_work* w )
 			facet = walk( w, v, facet );
 			bound = outside_of_facet( &w->facets[facet], v );
 		}
-		w->rests[rest_count++] = (hull_rest){ bound, i };
+		if ( bound > floor )
+		{
+			w->rests[rest_count++] = (hull_rest){ bound, i };
+		}
 	}
 	qsort( w->rests, rest_count, sizeof( hull_rest ), by_bound );
 	lwi_convex hull = { .type = LWI_CONVEX_POINTS, .points = w->hull, .point_count = (uint32_t)w->kept_count };
 	lw_transform identity = lw_transform_identity();
-	double most = 0;
+	double most = floor;
 	for ( size_t i = 0; i < rest_count && w->rests[i].bound > most; ++i )
 	{
 		lw_vec3 p = lwi_load( w->points + 3 * w->rests[i].point );
@@ -372,6 +376,90 @@ static double prove( hull_work* w )
 		most = fmax( most, fmin( r.upper, w->rests[i].bound ) );
 	}
 	return most;
+}
+
+// ---- attempts --------------------------------------------------------------------------------------------------------
+
+/// Proves what kept[] says; the kept points are then in w->hull. @param out_outside without rounding
+static lw_status prove_attempt( hull_work* w, double* out_outside )
+{
+	w->allocated = w->kept_count;
+	w->hull = lwi_alloc( w->allocator, 3 * w->kept_count * sizeof( double ) );
+	w->rests = lwi_alloc( w->allocator, ( w->count - w->kept_count ) * sizeof( hull_rest ) );
+	if ( w->hull == NULL || w->rests == NULL )
+	{
+		return LW_ERROR_OUT_OF_MEMORY;
+	}
+	*out_outside = prove( w );
+	return LW_OK;
+}
+
+/// Without qhull: all points if they are few, else extreme ones.
+static lw_status attempt_extremes( hull_work* w, size_t max_points, double* out_outside )
+{
+	free_attempt( w );
+	if ( w->count <= max_points )
+	{
+		memset( w->kept, 1, w->count );
+		find_center( w );
+	}
+	else
+	{
+		keep_extremes( w, max_points );
+	}
+	return prove_attempt( w, out_outside );
+}
+
+/// All points, or what is kept now: all others are close to its hull already.
+static void choose_source( hull_work* w, bool only_kept )
+{
+	w->source_count = 0;
+	for ( size_t i = 0; i < w->count; ++i )
+	{
+		if ( !only_kept || w->kept[i] )
+		{
+			w->source[w->source_count++] = (uint32_t)i;
+		}
+	}
+}
+
+/// Finds how much qhull may leave out. Too many points: more. What it leaves out of a thin set within its tolerance of two
+/// opposite facets may be far outside beyond their rims: less, and once that happened never again more than then.
+static lw_status attempt_all( hull_work* w, double tolerance, size_t max_points, double* out_outside )
+{
+	double width = tolerance, limit = INFINITY;
+	choose_source( w, false );
+	for ( int attempt = 0; attempt < MAX_ATTEMPTS; ++attempt )
+	{
+		bool refused;
+		free_attempt( w );
+		lw_status status = run_qhull( w, width, &refused );
+		if ( status != LW_OK || refused )
+		{
+			return status == LW_OK ? attempt_extremes( w, max_points, out_outside ) : status;
+		}
+		if ( w->kept_count > max_points )
+		{
+			// on smooth surfaces the number of vertices goes with 1 / width
+			double more = fmax( 1.25, 1.1 * (double)w->kept_count / (double)max_points );
+			width = width > 0 ? width * more : 1e-6 * farthest_from_center( w );
+			if ( width >= limit )
+			{
+				return attempt_extremes( w, max_points, out_outside );
+			}
+			choose_source( w, true );
+			continue;
+		}
+		status = prove_attempt( w, out_outside );
+		if ( status != LW_OK || !( *out_outside > 2 * width ) || !( width > 0 ) )
+		{
+			return status;
+		}
+		limit = width;
+		choose_source( w, false );
+		width = width > 1e-9 * farthest_from_center( w ) ? 0.1 * width : 0;
+	}
+	return attempt_extremes( w, max_points, out_outside );
 }
 
 bool lwi_hulls_available( void )
@@ -389,28 +477,24 @@ lw_status lwi_reduce_points( double* points, size_t* count, double tolerance, si
 	}
 	hull_work w = { .allocator = allocator, .points = points, .count = *count };
 	w.kept = lwi_alloc_zero( allocator, w.count, 1 );
-	lw_status status = w.kept != NULL ? choose( &w, tolerance, max_points ) : LW_ERROR_OUT_OF_MEMORY;
+	w.source = lwi_alloc( allocator, w.count * sizeof( uint32_t ) );
+	w.copy = lwi_alloc( allocator, 3 * w.count * sizeof( double ) );
+	bool ready = w.kept != NULL && w.source != NULL && w.copy != NULL;
+	double outside = 0;
+	lw_status status = ready ? attempt_all( &w, tolerance, max_points, &outside ) : LW_ERROR_OUT_OF_MEMORY;
 	if ( status == LW_OK )
 	{
-		w.hull = lwi_alloc( allocator, 3 * w.kept_count * sizeof( double ) );
-		w.rests = lwi_alloc( allocator, ( w.count - w.kept_count ) * sizeof( hull_rest ) );
-		status = w.hull != NULL && w.rests != NULL ? LW_OK : LW_ERROR_OUT_OF_MEMORY;
-	}
-	if ( status == LW_OK )
-	{
-		double extent = lwi_length( w.center );
-		for ( size_t i = 0; i < w.count; ++i )
-		{
-			extent = fmax( extent, lwi_length( lwi_load( points + 3 * i ) ) );
-		}
-		double outside = prove( &w );
+		double extent = lwi_length( w.center ) + farthest_from_center( &w );
 		// the centre is the mean of the kept points to one rounding for each of them
 		double rounding = ( ROUNDING + LWI_U64 * (double)w.kept_count ) * 2 * extent;
 		*out_outside = w.kept_count < w.count ? ( outside + rounding ) * ( 1 + ROUNDING ) : 0;
 		memcpy( points, w.hull, 3 * w.kept_count * sizeof( double ) );
 		*count = w.kept_count;
 	}
-	free_work( &w );
+	free_attempt( &w );
+	lwi_free( allocator, w.kept, w.count );
+	lwi_free( allocator, w.source, w.count * sizeof( uint32_t ) );
+	lwi_free( allocator, w.copy, 3 * w.count * sizeof( double ) );
 	return status;
 }
 

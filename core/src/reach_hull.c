@@ -11,39 +11,25 @@
 
 enum
 {
-	MAX_POINTS = 640 ///< of one hull. Where that binds, more is dropped than the budget has for it: `dilation` says so
+	/// Points of one hull. Where that binds, more is dropped than the budget has for it, and `dilation` says so.
+	MAX_POINTS = 1500,
+	/// The same of a link swept up to an ancestor: there are ten times as many of these, and what they are too coarse to
+	/// prove is left to the subdivision.
+	MAX_SWEEP_POINTS = 320
 };
 
 // ---- plan ------------------------------------------------------------------------------------------------------------
 
+/// What a link's hull and its children's are thinned by together, before the joint: nearly nothing, only to be quick.
+#define UNION_SHARE 0.125
+
 /// The longest chain from the root, as lengths and as counts.
 typedef struct chain
 {
-	double length;   ///< metres, upper bound of the distance of the geometry at its end from the root
+	double length;   ///< metres, from joint to joint to the end of the geometry. Shifts do not count: a rail is no robot
 	uint32_t moving; ///< joints
-	uint32_t hulls;  ///< hulls that are reduced on the way
+	double shares;   ///< of the budget for dropping points, that are used on the way
 } chain;
-
-/// Largest finite shift of a joint.
-static double longest_shift( const lwi_hull_plan* plan, const lwi_joint* joint )
-{
-	double sum = 0;
-	if ( joint->constant )
-	{
-		return sum;
-	}
-	if ( joint->type == LW_JOINT_PRISMATIC )
-	{
-		lwi_joint_range range = lwi_joint_value_range( plan, joint );
-		sum = fmax( fabs( range.lower ), fabs( range.upper ) );
-	}
-	uint32_t count = joint->type == LW_JOINT_PLANAR ? 2 : joint->type == LW_JOINT_FLOATING ? 3 : 0;
-	for ( uint32_t k = 0; k < count; ++k )
-	{
-		sum += fmax( fabs( plan->lower[joint->variable + k] ), fabs( plan->upper[joint->variable + k] ) );
-	}
-	return isfinite( sum ) ? sum : 0;
-}
 
 static lw_status measure_chains( const lwi_hull_plan* plan, chain* longest )
 {
@@ -58,21 +44,21 @@ static lw_status measure_chains( const lwi_hull_plan* plan, chain* longest )
 	{
 		uint32_t link = robot->link_order[k], index = robot->link_joint[link];
 		chain* c = &chains[link];
-		c->hulls = 2; // of the link: its geometry, and that with the children's
+		c->shares = UNION_SHARE;
 		if ( index != LW_INVALID_INDEX )
 		{
 			const lwi_joint* joint = &robot->joints[index];
 			const chain* above = &chains[joint->parent];
-			c->length = above->length + lwi_length( lwi_load( joint->parent_from_joint.t ) ) + longest_shift( plan, joint );
+			c->length = above->length + lwi_length( lwi_load( joint->parent_from_joint.t ) );
 			c->moving = above->moving + ( joint->constant ? 0u : 1u );
-			c->hulls = above->hulls + ( joint->constant ? 1u : 2u );
+			c->shares += above->shares + ( joint->constant ? 0 : 1 );
 		}
 		double radius = lwi_link_radius( robot, link, lwi_v3( 0, 0, 0 ) );
 		if ( radius >= 0 )
 		{
 			longest->length = fmax( longest->length, c->length + radius );
 			longest->moving = c->moving > longest->moving ? c->moving : longest->moving;
-			longest->hulls = c->hulls > longest->hulls ? c->hulls : longest->hulls;
+			longest->shares = fmax( longest->shares, c->shares );
 		}
 	}
 	lwi_free( &plan->allocator, chains, size );
@@ -96,7 +82,7 @@ static lw_status make_plan( const lwi_reach_job* job, lwi_hull_plan* plan )
 		reach->hull_error = longest.length > 0 ? 0.01 * longest.length : 1e-3; // nothing, or points at the root's origin
 	}
 	plan->sampling = 0.5 * reach->hull_error / ( longest.moving + 1 ); // balls and circles of the geometry take one share
-	plan->reduction = 0.5 * reach->hull_error / ( longest.hulls + 1 );
+	plan->reduction = 0.5 * reach->hull_error / ( longest.shares + 1 ); // one share for the geometry
 	return LW_OK;
 }
 
@@ -180,7 +166,7 @@ static lw_status build_link( builder* b, uint32_t link )
 	size_t own = mr.count;
 	status = status == LW_OK ? add_children( b, link, &mr ) : status;
 	node->mr = exact_sphere( b, link, &mr, true );
-	status = status == LW_OK && mr.count > own ? lwi_hull_reduce( &b->plan, &mr ) : status;
+	status = status == LW_OK && mr.count > own ? lwi_hull_reduce( &b->plan, UNION_SHARE, &mr ) : status;
 	lwi_hull* m = &b->m[link];
 	if ( status == LW_OK )
 	{
@@ -324,6 +310,7 @@ lw_status lwi_sweeps_create( const lwi_reach_job* job, lwi_sweeps** out_sweeps )
 	}
 	s->job = job;
 	lw_status status = make_plan( job, &s->plan );
+	s->plan.max_points = MAX_SWEEP_POINTS;
 	status = status == LW_OK ? allocate_sweeps( s ) : status;
 	if ( status != LW_OK )
 	{

@@ -21,6 +21,11 @@ static const double two_pi = 6.28318530717958647692;
 /// metre of chain (core/docs/kinematics.md), doubled for what is computed here.
 #define ROUNDING ( 128.0 * LWI_U64 )
 
+/// Small hulls do not take their whole share of the budget: fingers would be lost in what is nothing to an arm. Shares of
+/// the radius: of the turn for sampling (a step is then 16 degrees at most), of the hull for dropping points.
+#define SAMPLING_SHARE 0.01
+#define REDUCTION_SHARE 0.001
+
 enum
 {
 	BALL_STEPS_MIN = 8, ///< corners of the polygons that stand for circles
@@ -99,15 +104,20 @@ static void dilate( lwi_hull* hull, double by )
 	hull->excess = ( hull->excess + by ) * ( 1 + 4 * LWI_U64 );
 }
 
-lw_status lwi_hull_reduce( const lwi_hull_plan* plan, lwi_hull* hull )
+lw_status lwi_hull_reduce( const lwi_hull_plan* plan, double share, lwi_hull* hull )
 {
 	if ( hull->count == 0 )
 	{
 		return LW_OK;
 	}
-	double outside;
+	double radius = 0;
+	for ( size_t i = 1; i < hull->count; ++i )
+	{
+		radius = fmax( radius, lwi_distance( point_of( hull, 0 ), point_of( hull, i ) ) );
+	}
+	double tolerance = share * fmin( plan->reduction, REDUCTION_SHARE * radius ), outside;
 	lw_status status =
-		lwi_reduce_points( hull->points, &hull->count, plan->reduction, plan->max_points, &plan->allocator, &outside );
+		lwi_reduce_points( hull->points, &hull->count, tolerance, plan->max_points, &plan->allocator, &outside );
 	if ( status == LW_OK )
 	{
 		dilate( hull, outside );
@@ -237,9 +247,9 @@ static lw_status add_soup( const lwi_hull_plan* plan, const lw_shape* shape, con
 	{
 		push( &vertices, lwi_load( shape->vertices + 3 * i ) );
 	}
-	status = status == LW_OK ? lwi_hull_reduce( plan, &vertices ) : status;
+	status = status == LW_OK ? lwi_hull_reduce( plan, 0.5, &vertices ) : status;
 	bool thick = shape->radius > 0;
-	uint32_t steps = thick ? ball_steps( shape->radius, plan->sampling ) : 0;
+	uint32_t steps = thick ? ball_steps( shape->radius, fmin( plan->sampling, SAMPLING_SHARE * shape->radius ) ) : 0;
 	status = status == LW_OK ? reserve( plan, hull, vertices.count * ( thick ? ball_count( steps ) : 1 ) ) : status;
 	for ( size_t i = 0; status == LW_OK && i < vertices.count; ++i )
 	{
@@ -276,7 +286,7 @@ static lw_status add_box( const lwi_hull_plan* plan, const lw_shape* shape, cons
 static lw_status add_round( const lwi_hull_plan* plan, const lw_shape* shape, const lw_transform* m, lwi_hull* hull )
 {
 	double radius = shape->dimensions[0], half = 0.5 * shape->dimensions[1];
-	uint32_t steps = circle_steps( radius, plan->sampling, CIRCLE_STEPS_MAX );
+	uint32_t steps = circle_steps( radius, fmin( plan->sampling, SAMPLING_SHARE * radius ), CIRCLE_STEPS_MAX );
 	lw_status status = reserve( plan, hull, 2 * (size_t)steps + 1 );
 	if ( status != LW_OK )
 	{
@@ -328,7 +338,7 @@ lw_status lwi_hull_of_link( const lwi_hull_plan* plan, uint32_t link, lwi_hull* 
 	if ( status == LW_OK && out->count > 0 )
 	{
 		dilate( out, ROUNDING * extent );
-		status = lwi_hull_reduce( plan, out );
+		status = lwi_hull_reduce( plan, 0.5, out );
 	}
 	return status;
 }
@@ -396,14 +406,17 @@ typedef struct turn_steps
 	double step;    ///< radians
 } turn_steps;
 
-static turn_steps steps_of( const lwi_hull_plan* plan, lwi_joint_range range, double radius )
+static turn_steps steps_of( lwi_joint_range range, double radius, double error )
 {
 	double width = range.upper - range.lower;
 	bool full = !( width < two_pi );
 	width = full ? two_pi : width;
 	// r ( 1 / cos( a / 2 ) - 1 ) <= error, and a third of a circle at most: the middle is then at 2 r
-	double step = 2 * acos( radius / ( radius + plan->sampling ) );
-	step = fmin( step, two_pi / 3 );
+	double step = two_pi / 3;
+	if ( radius > 0 )
+	{
+		step = fmin( step, 2 * acos( radius / ( radius + error ) ) );
+	}
 	double count = ceil( width / step );
 	uint32_t steps = count < 1 ? 1u : count > 100000 ? 100000u : (uint32_t)count;
 	return (turn_steps){ steps, !full, width / steps };
@@ -439,10 +452,16 @@ static lw_vec3 turned( const turned_point* t, double angle, double grow )
 static lw_status sweep_turn( const lwi_hull_plan* plan, const lwi_joint* joint, lwi_joint_range range, const lwi_hull* in,
 	lwi_hull* out )
 {
+	double largest = 0;
+	for ( size_t i = 0; i < in->count; ++i )
+	{
+		largest = fmax( largest, about_axis( joint, point_of( in, i ) ).radius );
+	}
+	double error = fmin( plan->sampling, SAMPLING_SHARE * largest );
 	size_t total = 0;
 	for ( size_t i = 0; i < in->count; ++i )
 	{
-		total += copies_of( steps_of( plan, range, about_axis( joint, point_of( in, i ) ).radius ) );
+		total += copies_of( steps_of( range, about_axis( joint, point_of( in, i ) ).radius, error ) );
 	}
 	lw_status status = reserve( plan, out, total );
 	if ( status != LW_OK )
@@ -453,7 +472,7 @@ static lw_status sweep_turn( const lwi_hull_plan* plan, const lwi_joint* joint, 
 	for ( size_t i = 0; i < in->count; ++i )
 	{
 		turned_point p = about_axis( joint, point_of( in, i ) );
-		turn_steps t = steps_of( plan, range, p.radius );
+		turn_steps t = steps_of( range, p.radius, error );
 		if ( t.ends )
 		{
 			push( out, turned( &p, range.lower, 1 ) );
@@ -474,8 +493,8 @@ static lw_status sweep_turn( const lwi_hull_plan* plan, const lwi_joint* joint, 
 		excess = fmax( excess, p.radius * ( grow - 1 ) );
 	}
 	// angles are right to a few u of themselves
-	double largest = range.upper - range.lower < two_pi ? fmax( fabs( range.lower ), fabs( range.upper ) ) : two_pi;
-	dilate( out, ROUNDING * ( 1 + largest ) * farthest( in ) );
+	double angle = range.upper - range.lower < two_pi ? fmax( fabs( range.lower ), fabs( range.upper ) ) : two_pi;
+	dilate( out, ROUNDING * ( 1 + angle ) * farthest( in ) );
 	out->excess += excess;
 	return LW_OK;
 }
@@ -605,5 +624,5 @@ lw_status lwi_hull_sweep( const lwi_hull_plan* plan, uint32_t joint_index, const
 	lw_status status = sweep_joint( plan, joint, in, &moved );
 	status = status == LW_OK ? lwi_hull_move( plan, &joint->parent_from_joint, &moved, out ) : status;
 	lwi_hull_free( plan, &moved );
-	return status == LW_OK ? lwi_hull_reduce( plan, out ) : status;
+	return status == LW_OK ? lwi_hull_reduce( plan, 1, out ) : status;
 }

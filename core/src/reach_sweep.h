@@ -41,8 +41,9 @@ lwi_joint_range lwi_joint_value_range( const lwi_hull_plan* plan, const lwi_join
 
 void lwi_hull_free( const lwi_hull_plan* plan, lwi_hull* hull );
 
-/// Drops what is inside, or nearly. @return LW_OK or an error of lwi_reduce_points()
-lw_status lwi_hull_reduce( const lwi_hull_plan* plan, lwi_hull* hull );
+/// Drops what is inside, or nearly. @param share of plan->reduction that this may cost
+/// @return LW_OK or an error of lwi_reduce_points()
+lw_status lwi_hull_reduce( const lwi_hull_plan* plan, double share, lwi_hull* hull );
 
 /// hull becomes the hull of both. @return LW_OK or LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_hull_add( const lwi_hull_plan* plan, lwi_hull* hull, const lwi_hull* other );
