@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway info: what was read, what was built, what the checker keeps, what it leaves out and why.
+#include "hierarchy.hpp"
 #include "json.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +18,7 @@ namespace
 struct ShapeLine
 {
 	std::string owner, source;
-	bool shared = false;
+	bool shared = false, cached = false;
 	double milliseconds = 0;
 	lw_shape_info info{};
 };
@@ -49,15 +50,18 @@ void add( std::vector<ShapeLine>& lines, const std::string& owner, const std::ve
 		{
 			line.source = loaded[i]->source;
 			line.shared = loaded[i]->shared;
+			line.cached = loaded[i]->cached;
 			line.milliseconds = loaded[i]->milliseconds;
 		}
 		lines.push_back( line );
 	}
 }
 
-Totals total( const std::vector<ShapeLine>& lines )
+// @param report whose time for the cache counts too; may be nullptr
+Totals total( const std::vector<ShapeLine>& lines, const io::LoadReport* report = nullptr )
 {
 	Totals totals;
+	totals.milliseconds = report != nullptr ? report->cache_milliseconds : 0;
 	for ( const ShapeLine& line : lines )
 	{
 		++totals.elements;
@@ -149,7 +153,9 @@ std::string shapeTable( const std::vector<ShapeLine>& lines )
 		fmt::format_to( std::back_inserter( text ), "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}\n", line.owner, owner_width,
 		    line.source, source_width, line.info.triangle_count, line.shared ? "" : std::to_string( line.info.node_count ),
 		    line.shared ? "" : std::to_string( line.info.bytes ),
-		    line.shared ? "shared" : fmt::format( "{:.2f}", line.milliseconds ) );
+		    line.shared   ? "shared"
+		    : line.cached ? "cached"
+		                  : fmt::format( "{:.2f}", line.milliseconds ) );
 	}
 	return text;
 }
@@ -180,7 +186,7 @@ Json shapesJson( const std::vector<ShapeLine>& lines )
 		json.push_back( { { "owner", line.owner }, { "source", line.source }, { "triangles", line.info.triangle_count },
 		    { "degenerate", line.info.degenerate_count }, { "nodes", line.info.node_count },
 		    { "leaves", line.info.leaf_count }, { "depth", line.info.depth }, { "bytes", line.info.bytes },
-		    { "milliseconds", line.milliseconds }, { "shared", line.shared } } );
+		    { "milliseconds", line.milliseconds }, { "shared", line.shared }, { "cached", line.cached } } );
 	}
 	return json;
 }
@@ -213,7 +219,13 @@ std::string robotText( const io::RobotModel& model, const Workbench& bench, cons
 	{
 		text += fmt::format( "  group {}: {} joints\n", group.name, group.joints.size() );
 	}
-	return text + shapeTable( shapes ) + "  " + totalLine( "total", total( shapes ) );
+	text += shapeTable( shapes ) + "  " + totalLine( "total", total( shapes, &model.report ) );
+	if ( !model.report.cache_file.empty() )
+	{
+		text += fmt::format( "  cache {}: {:.1f} ms of these for digests, reading and writing\n", model.report.cache_file,
+		    model.report.cache_milliseconds );
+	}
+	return text;
 }
 
 std::string sceneText( const io::SceneModel& scene, const std::vector<ShapeLine>& shapes )
@@ -258,7 +270,11 @@ int runInfo( const InfoOptions& options )
 {
 	Notices notices( options.common.verbose );
 	OutputFile json_file( options.json );
-	const Input input = loadInput( options.common, notices );
+	Input input = loadInput( options.common, notices );
+	if ( input.reach )
+	{
+		input.reach->build = false; // tells what there is
+	}
 	const Workbench bench( input, options.common.group, {}, notices );
 	std::vector<ShapeLine> robot_shapes, scene_shapes;
 	for ( const io::LinkModel& link : input.robot.links )
@@ -284,7 +300,10 @@ int runInfo( const InfoOptions& options )
 	std::string text = robotText( input.robot, bench, robot_shapes );
 	text += input.scene ? sceneText( *input.scene, scene_shapes ) : "no scene\n";
 	text += checkerText( bench, pairs, info );
-	text += totalLine( "all", total( all ) );
+	text += bench.reach().reach ? pairClassText( bench.reach() ) : "";
+	const io::LoadedReach hulls = options.hierarchy ? findHulls( bench ) : io::LoadedReach();
+	text += options.hierarchy ? hierarchyText( hulls ) : "";
+	text += totalLine( "all", total( all, &input.robot.report ) );
 	text += fmt::format( "files read and trees built in {:.3f} s; {} notices\n", input.robot_seconds + input.scene_seconds,
 	    notices.all().size() );
 	if ( !options.json.empty() )
@@ -293,7 +312,7 @@ int runInfo( const InfoOptions& options )
 		json["robot"] = { { "name", input.robot.name }, { "file", input.robot.urdf_file },
 		    { "links", input.robot.links.size() }, { "joints", input.robot.joints.size() },
 		    { "variables", bench.variableNames() }, { "links_without_geometry", input.robot.report.links_without_geometry },
-		    { "shapes", shapesJson( robot_shapes ) }, { "total", totalJson( total( robot_shapes ) ) },
+		    { "shapes", shapesJson( robot_shapes ) }, { "total", totalJson( total( robot_shapes, &input.robot.report ) ) },
 		    { "seconds", input.robot_seconds } };
 		json["scene"] = nullptr;
 		if ( input.scene )
@@ -308,7 +327,10 @@ int runInfo( const InfoOptions& options )
 		    { "environment_pairs", info.environment_pairs }, { "self_pairs", info.self_pairs }, { "bytes", info.bytes },
 		    { "seconds", bench.buildSeconds() }, { "link_pairs", pairsJson( pairs ) },
 		    { "static_environment", jsonClearance( nameEnvironment( bench.checker(), info.static_environment ) ) } };
-		json["total"] = totalJson( total( all ) );
+		json["cache"] = { { "file", input.robot.report.cache_file }, { "milliseconds", input.robot.report.cache_milliseconds } };
+		json["pair_classes"] = bench.reach().reach ? pairClassJson( bench.reach() ) : Json( nullptr );
+		json["hierarchy"] = options.hierarchy ? hierarchyJson( hulls ) : Json( nullptr );
+		json["total"] = totalJson( total( all, &input.robot.report ) );
 		json["notices"] = notices.all();
 		json_file.text = json.dump( 2 ) + "\n";
 		json_file.commit();

@@ -46,16 +46,19 @@ const char* const info_about =
 Example: leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --json info.json
 
 Standard output: per collision element its owner, source, triangles, tree nodes, bytes and milliseconds; totals; what
-the checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why.)";
+the checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why. With --cache also the
+classes of pairs, if their tables are in it. --hierarchy adds the tree of links: R bounds a link, M what it and all
+that hangs on it can reach, seen from the parent link, MR the link with the M of its children; hulls not in the cache
+are built for it.)";
 
 const char* const pairs_about = R"(Which pairs of links can ever meet, within the joint limits?
 
 Example: leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf --budget 60
 
 Standard output: a table of classes; the findings about the SRDF; the pairs of each class (twenty of a class, all with
---verbose). adjacent: one moving joint between the two; allowed: disabled by the SRDF; never: proved to stay apart, by
-the hulls of their motion or by cutting the joint box into certified cells, with the distance they keep at least;
-always: in contact in every state looked at, which is no proof; check: the rest.
+--verbose). adjacent: one hangs on the other, without geometry in between; allowed: disabled by the SRDF; never: proved
+to stay apart, by the hulls of their motion or by cutting the joint box into certified cells, with the distance they
+keep at least; always: in contact in every state looked at, which is no proof; check: the rest.
 
 A finding is a pair that the SRDF disables although a state in contact was found: the joint values are given. Pairs that
 were always in contact, and adjacent ones, are told apart. --out writes the SRDF again: pairs with the reasons Adjacent,

@@ -100,7 +100,6 @@ PairTable::PairTable( const io::RobotModel& model, Robot robot, Reach reach )
 			row.reason = row.disabled ? found->second : "";
 			row.always =
 			    row.pair.kind == LW_PAIR_ALWAYS || ( row.pair.contact_share >= 1 && !( row.pair.closest > 0 ) );
-			row.neighbours = neighbours( a, b );
 			row.opinion = judge( row, !model.srdf_file.empty() );
 			m_rows.push_back( std::move( row ) );
 		}
@@ -137,22 +136,6 @@ std::vector<std::uint32_t> PairTable::pathToRoot( std::uint32_t link ) const
 		path.push_back( lw_robot_joint_parent( m_robot.get(), joint ) );
 	}
 	return path;
-}
-
-bool PairTable::neighbours( std::uint32_t link_a, std::uint32_t link_b ) const
-{
-	std::vector<std::uint32_t> up = pathToRoot( link_a ), down = pathToRoot( link_b );
-	std::uint32_t common = LW_INVALID_INDEX;
-	while ( !up.empty() && !down.empty() && up.back() == down.back() )
-	{
-		common = up.back();
-		up.pop_back();
-		down.pop_back();
-	}
-	up.insert( up.end(), down.begin(), down.end() );
-	up.push_back( common );
-	return std::none_of( up.begin(), up.end(),
-	    [&]( std::uint32_t link ) { return link != link_a && link != link_b && m_geometry[link]; } );
 }
 
 std::vector<std::uint32_t> PairTable::variablesBetween( std::uint32_t link_a, std::uint32_t link_b ) const

@@ -34,7 +34,6 @@ struct PairRow
 	std::string reason;    ///< of the SRDF
 	Opinion opinion = Opinion::NOTHING;
 	bool always = false;   ///< in contact in every state looked at
-	bool neighbours = false; ///< no link with geometry between the two
 };
 
 /// Values by variable name.
@@ -61,7 +60,6 @@ public:
 
 private:
 	std::vector<std::uint32_t> variablesBetween( std::uint32_t link_a, std::uint32_t link_b ) const;
-	bool neighbours( std::uint32_t link_a, std::uint32_t link_b ) const;
 	std::vector<std::uint32_t> pathToRoot( std::uint32_t link ) const;
 
 	Robot m_robot;

@@ -26,7 +26,7 @@ const char* classMeaning( lw_pair_class kind )
 	case LW_PAIR_RIGID:
 		return "no joint between the two moves";
 	case LW_PAIR_ADJACENT:
-		return "one moving joint between the two";
+		return "one hangs on the other, no geometry in between";
 	case LW_PAIR_ALLOWED:
 		return "disabled by the SRDF";
 	case LW_PAIR_NEVER:
@@ -90,7 +90,7 @@ std::string factsText( const PairRow& row )
 	{
 		facts.push_back( fmt::format( "closest seen {:.2f} mm", 1000 * row.pair.closest ) );
 	}
-	if ( row.opinion != Opinion::NOTHING )
+	if ( row.opinion != Opinion::NOTHING && row.opinion != Opinion::ALWAYS )
 	{
 		facts.push_back( opinionName( row.opinion ) );
 	}
@@ -102,12 +102,13 @@ std::string factsText( const PairRow& row )
 	return text;
 }
 
+// Short enough to read; the JSON file has all digits.
 std::string evidenceText( const PairTable& table, const PairRow& row )
 {
 	std::string text;
 	for ( const auto& [name, value] : table.evidence( row ) )
 	{
-		text += fmt::format( "{}{}={}", text.empty() ? "" : " ", name, value );
+		text += fmt::format( "{}{}={:.6g}", text.empty() ? "" : " ", name, value );
 	}
 	return text.empty() ? "" : ", at " + text;
 }
@@ -199,13 +200,13 @@ struct NewSrdf
 // Empty: the pair is to be checked.
 std::string newReason( const PairTable& table, const PairRow& row )
 {
-	if ( row.pair.kind == LW_PAIR_RIGID )
-	{
-		return row.neighbours ? "Adjacent" : "Never (rigidly attached)";
-	}
 	if ( row.pair.adjacent )
 	{
 		return "Adjacent";
+	}
+	if ( row.pair.kind == LW_PAIR_RIGID )
+	{
+		return "Never (rigidly attached)";
 	}
 	if ( row.pair.separation > 0 )
 	{

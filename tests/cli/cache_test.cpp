@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// --cache: the same answers, faster; files that are damaged, stale or cannot be written.
+#include "pairs_fixture.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <tuple>
+
+namespace fs = std::filesystem;
+
+class Cache : public Pairs
+{
+protected:
+	/// The files in the cache with this ending.
+	std::vector<fs::path> cached( const std::string& ending ) const
+	{
+		std::vector<fs::path> result;
+		for ( const fs::directory_entry& entry : fs::directory_iterator( path( "cache" ) ) )
+		{
+			if ( entry.path().extension() == ending )
+			{
+				result.push_back( entry.path() );
+			}
+		}
+		return result;
+	}
+	fs::path only( const std::string& ending ) const
+	{
+		const std::vector<fs::path> all = cached( ending );
+		EXPECT_EQ( all.size(), 1u ) << ending;
+		return all.empty() ? fs::path() : all[0];
+	}
+	/// Standard output of a run, without the time of each row.
+	static std::string withoutTime( const Outcome& result )
+	{
+		std::string text;
+		for ( const auto& row : parseTable( result.out ).rows )
+		{
+			for ( const auto& [column, cell] : row )
+			{
+				text += column == "microseconds" || column == "queries" ? "" : column + "=" + cell + " ";
+			}
+			text += "\n";
+		}
+		return text;
+	}
+	Outcome check( const std::vector<std::string>& more = { "--cache", "cache" } ) const
+	{
+		std::vector<std::string> arguments = { "--group", "arm", "--states", "states.csv" };
+		arguments.insert( arguments.end(), more.begin(), more.end() );
+		return runModel( "check", arguments );
+	}
+	/// Changes one byte in the middle.
+	static void damage( const fs::path& file )
+	{
+		std::string bytes = readFile( file.string() );
+		bytes.at( bytes.size() / 2 ) = static_cast<char>( ~bytes.at( bytes.size() / 2 ) );
+		std::ofstream( file, std::ios::binary ) << bytes;
+	}
+};
+
+TEST_F( Cache, AnswersAreTheSameWithAndWithout )
+{
+	const std::string plain = withoutTime( check( {} ) );
+	ASSERT_FALSE( plain.empty() );
+	const Outcome cold = check();
+	EXPECT_EQ( withoutTime( cold ), plain ) << cold.err;
+	EXPECT_TRUE( contains( cold.err, "building motion hulls" ) ) << cold.err;
+	const Outcome warm = check();
+	EXPECT_EQ( withoutTime( warm ), plain ) << warm.err;
+	EXPECT_FALSE( contains( warm.err, "building motion hulls" ) ) << warm.err;
+	EXPECT_FALSE( contains( warm.err, "notice" ) ) << warm.err;
+	EXPECT_EQ( cached( ".trees" ).size() + cached( ".reach" ).size(), 2u );
+	EXPECT_EQ( std::distance( fs::directory_iterator( path( "cache" ) ), fs::directory_iterator() ), 2 );
+}
+
+TEST_F( Cache, EdgesPlansAndAuditsReadItToo )
+{
+	const std::vector<std::string> edge = { "--group", "arm", "--edges", "edges.csv" };
+	const std::string plain = withoutTime( runModel( "edge", edge ) );
+	std::vector<std::string> with = edge;
+	with.insert( with.end(), { "--cache", "cache" } );
+	EXPECT_EQ( withoutTime( runModel( "edge", with ) ), plain );
+	EXPECT_EQ( withoutTime( runModel( "edge", with ) ), plain );
+	const Outcome plan = runModel(
+	    "plan", { "--request", "request.yaml", "--out", "path.yaml", "--cache", "cache" }, "blocked.yaml" );
+	EXPECT_EQ( plan.status, 0 ) << plan.err;
+	const Outcome audit = runModel( "audit", { "--path", "path.yaml", "--cache", "cache" }, "blocked.yaml" );
+	EXPECT_EQ( audit.status, 0 ) << audit.out << audit.err;
+	EXPECT_EQ( cached( ".trees" ).size(), 1u );
+	EXPECT_EQ( cached( ".reach" ).size(), 1u );
+}
+
+TEST_F( Cache, InfoSaysWhatCameFromIt )
+{
+	check();
+	const Outcome result = runModel( "info", { "--group", "arm", "--cache", "cache", "--json", "info.json", "--hierarchy" } );
+	ASSERT_EQ( result.status, 0 ) << result.err;
+	const nlohmann::json info = json( "info.json" );
+	std::size_t from_cache = 0;
+	for ( const nlohmann::json& shape : info["robot"]["shapes"] )
+	{
+		from_cache += shape["cached"] ? 1 : 0;
+		EXPECT_EQ( shape["cached"], shape["source"] == "mesh fore.stl" ) << shape;
+	}
+	EXPECT_EQ( from_cache, 1u );
+	EXPECT_EQ( info["pair_classes"]["adjacent"], 2 );
+	EXPECT_TRUE( info["hierarchy"]["cached"] );
+	EXPECT_EQ( info["hierarchy"]["links"].size(), 5u );
+	EXPECT_TRUE( contains( result.out, "from the cache" ) ) << result.out;
+}
+
+TEST_F( Cache, InfoShowsTheHierarchyWithoutOneAndBuildsNoTables )
+{
+	const Outcome result = runModel( "info", { "--hierarchy", "--json", "info.json" } );
+	ASSERT_EQ( result.status, 0 ) << result.err;
+	const nlohmann::json info = json( "info.json" );
+	EXPECT_FALSE( info["hierarchy"]["cached"] );
+	EXPECT_TRUE( info["pair_classes"].is_null() );
+	const nlohmann::json& fore = info["hierarchy"]["links"][2];
+	EXPECT_EQ( fore["link"], "fore" );
+	EXPECT_EQ( fore["joint"], "elbow" );
+	EXPECT_EQ( fore["joint_type"], "revolute" );
+	EXPECT_EQ( fore["depth"], 2 );
+	EXPECT_GT( fore["m"]["radius"], fore["r"]["radius"] );
+	EXPECT_GT( fore["hull_points"], 8 );
+	EXPECT_TRUE( info["hierarchy"]["links"][4]["r"].is_null() ) << "the finger has no geometry";
+	const Outcome empty = runModel( "info", { "--cache", "cache" } );
+	EXPECT_EQ( empty.status, 0 );
+	EXPECT_FALSE( contains( empty.out, "pair tables" ) ) << empty.out;
+	EXPECT_TRUE( cached( ".reach" ).empty() );
+}
+
+TEST_F( Cache, DamagedFilesAreToldAndReplaced )
+{
+	const std::string plain = withoutTime( check() );
+	for ( const char* ending : { ".trees", ".reach" } )
+	{
+		const fs::path file = only( ending );
+		const std::string good = readFile( file.string() );
+		damage( file );
+		const Outcome damaged = check();
+		EXPECT_EQ( withoutTime( damaged ), plain ) << damaged.err;
+		EXPECT_TRUE( contains( damaged.err, "notice: " + ( fs::path( "cache" ) / file.filename() ).string() ) )
+		    << damaged.err;
+		EXPECT_EQ( readFile( file.string() ).size(), good.size() ) << ending;
+		std::ofstream( file, std::ios::binary ) << good.substr( 0, good.size() - 100 );
+		EXPECT_TRUE( contains( check().err, "built anew" ) ) << ending << " cut short";
+		std::ofstream( file, std::ios::binary ) << good << "x";
+		EXPECT_TRUE( contains( check().err, "built anew" ) ) << ending << " with a byte more";
+		std::ofstream( file, std::ios::binary ) << "";
+		EXPECT_TRUE( contains( check().err, "built anew" ) ) << ending << " empty";
+		EXPECT_FALSE( contains( check().err, "notice" ) ) << ending << " replaced";
+	}
+}
+
+TEST_F( Cache, AFileOfAnotherRobotUnderThisNameIsStale )
+{
+	check();
+	const fs::path trees = only( ".trees" ), reach = only( ".reach" );
+	const std::string old_trees = readFile( trees.string() ), old_reach = readFile( reach.string() );
+	edit( "fore.stl", "vertex 0.4", "vertex 0.45" );
+	const std::string plain = withoutTime( check( {} ) );
+	EXPECT_EQ( withoutTime( check() ), plain );
+	ASSERT_EQ( cached( ".trees" ).size(), 2u );
+	for ( const auto& [ending, old, content] :
+	    { std::tuple( ".trees", trees, old_trees ), std::tuple( ".reach", reach, old_reach ) } )
+	{
+		for ( const fs::path& file : cached( ending ) )
+		{
+			if ( file != old )
+			{
+				std::ofstream( file, std::ios::binary ) << content;
+			}
+		}
+		const Outcome result = check();
+		EXPECT_EQ( withoutTime( result ), plain ) << ending;
+		EXPECT_TRUE( contains( result.err, "built anew" ) ) << ending << result.err;
+	}
+}
+
+TEST_F( Cache, AChangedMeshIsSeen )
+{
+	const std::string before = withoutTime( check() );
+	edit( "fore.stl", "vertex 0.4", "vertex 0.45" );
+	const std::string plain = withoutTime( check( {} ) );
+	ASSERT_NE( plain, before );
+	EXPECT_EQ( withoutTime( check() ), plain );
+}
+
+TEST_F( Cache, AFileThatCannotBeReplacedCostsOnlyTime )
+{
+	check();
+	for ( const char* ending : { ".trees", ".reach" } )
+	{
+		const fs::path file = only( ending );
+		fs::remove( file );
+		fs::create_directories( file / "full" ); // a folder that is not empty cannot be renamed over
+	}
+	const Outcome result = check();
+	EXPECT_EQ( withoutTime( result ), withoutTime( check( {} ) ) );
+	EXPECT_TRUE( contains( result.err, "cannot be written" ) ) << result.err;
+	EXPECT_EQ( std::distance( fs::directory_iterator( path( "cache" ) ), fs::directory_iterator() ), 2 )
+	    << "temporary files are left";
+}
+
+TEST_F( Cache, PairsKeepsItsTablesForALaterRun )
+{
+	const Outcome first = pairs( { "--cache", "cache", "--json", "first.json" } );
+	EXPECT_TRUE( contains( first.out, "tables built" ) ) << first.out;
+	const Outcome second = pairs( { "--cache", "cache", "--json", "second.json" } );
+	EXPECT_TRUE( contains( second.out, "of an earlier run (1 s for proofs)" ) ) << second.out;
+	EXPECT_EQ( json( "first.json" )["pairs"], json( "second.json" )["pairs"] );
+	EXPECT_TRUE( contains( pairs( { "--cache", "cache", "--seed", "7" } ).out, "tables built" ) );
+	// a larger budget is not answered with what a smaller one found; a smaller one is
+	EXPECT_TRUE( contains( run( { "pairs", "--robot", "many.urdf", "--cache", "cache", "--budget", "3", "--samples", "200" } ).out,
+	    "tables built" ) );
+	EXPECT_TRUE( contains( run( { "pairs", "--robot", "many.urdf", "--cache", "cache", "--budget", "0", "--samples", "100" } ).out,
+	    "of an earlier run (3 s" ) );
+}
+
+TEST_F( Cache, WhatTheRobotHoldsNeedsNoTables )
+{
+	const std::string attached = "robot_state:\n  attached_collision_objects:\n    - link_name: tool\n      object:\n"
+	                             "        id: cup\n        primitives:\n          - {type: box, dimensions: [0.02, 0.02, 0.02]}\n"
+	                             "        primitive_poses:\n          - {position: [0.05, 0, 0], orientation: [0, 0, 0, 1]}\n"
+	                             "      touch_links: [fore]\n";
+	write( "scene.yaml", readFile( path( "scene.yaml" ) ) + attached );
+	const Outcome plain = check( {} );
+	const Outcome result = check( { "--cache", "cache", "--verbose" } );
+	EXPECT_EQ( withoutTime( result ), withoutTime( plain ) ) << result.err;
+	EXPECT_TRUE( contains( result.err, "motion hulls are not used" ) ) << result.err;
+	EXPECT_TRUE( cached( ".reach" ).empty() );
+	EXPECT_FALSE( contains( check().err, "motion hulls" ) ) << "only with --verbose";
+}
+
+TEST_F( Cache, StatesBeyondTheLimitsHaveTheSameAnswer )
+{
+	write( "states.csv", "shoulder,elbow\n1.9,2.79\n2.5,-3.1\n-2.5,3.14\n2.0001,2.8001\n" );
+	check();
+	EXPECT_EQ( withoutTime( check() ), withoutTime( check( {} ) ) );
+}
+
+class CacheData : public Cache
+{
+protected:
+	void SetUp() override
+	{
+		Cache::SetUp();
+		if ( !fs::exists( LEEWAY_DATA_DIR "/README.md" ) )
+		{
+			GTEST_SKIP() << "no data in " LEEWAY_DATA_DIR;
+		}
+	}
+};
+
+TEST_F( CacheData, ArmarStatesHaveTheSameRows )
+{
+	const std::string data = LEEWAY_DATA_DIR "/", armar = data + "armar3/armar3";
+	std::vector<std::string> arguments = { "check", "--robot", armar + ".urdf", "--srdf", armar + ".srdf", "--scene",
+		data + "kit_kitchen/scene_cluttered.yaml", "--group", "torso_both_arms", "--states",
+		data + "armar3/groundtruth/groundtruth_armar3_scene_cluttered_parked.csv" };
+	const std::string plain = withoutTime( run( arguments ) );
+	ASSERT_EQ( std::count( plain.begin(), plain.end(), '\n' ), 700 );
+	arguments.insert( arguments.end(), { "--cache", "cache" } );
+	EXPECT_EQ( withoutTime( run( arguments ) ), plain ) << "built";
+	EXPECT_EQ( withoutTime( run( arguments ) ), plain ) << "read";
+}
