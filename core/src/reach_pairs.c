@@ -16,6 +16,8 @@ enum
 {
 	SEARCH_PER_VARIABLE = 100, ///< measurements of a search for contact, per variable of the pair and one more
 	FIRST_CELLS = 500,         ///< of the first round of subdivisions; each round has ten times more
+	SEARCH_SHARE = 20,         ///< a round's search for contact has this many times fewer measurements than its proof cells
+	LONGEST_SEARCH = 2500,     ///< measurements; a search does not look at the clock
 	OUT_OF_SIGHT = 1000        ///< a pair waits for a later round if it seems to need this many times the round's cells
 };
 
@@ -232,24 +234,29 @@ static lw_status prove_by_hulls( work* w )
 	return status;
 }
 
+/// Looks for contact of one pair. @param round makes the seed another one
+static void search_pair( work* w, active_pair* active, uint64_t round, uint32_t budget )
+{
+	lwi_prober_select( w->prober, active->link_a, active->link_b );
+	// a seed of its own: what one pair finds does not depend on the others
+	uint64_t seed = w->job->def->seed + round +
+					lwi_reach_pair_index( active->link_a, active->link_b ) * 0x9e3779b97f4a7c15u;
+	lwi_prober_search( w->prober, seed, budget, &active->pair->closest, active->state );
+}
+
 static lw_status search_contacts( work* w )
 {
 	lwi_prober_stage( w->prober, "search for contact", 0 );
 	for ( uint32_t i = 0; i < w->count; ++i )
 	{
 		active_pair* active = &w->active[i];
-		lw_reach_pair* pair = active->pair;
 		if ( !progress( w, (double)i / w->count ) )
 		{
 			return cancelled( w );
 		}
-		if ( pair->closest > 0 && pair->separation <= 0 )
+		if ( active->pair->closest > 0 && active->pair->separation <= 0 )
 		{
-			lwi_prober_select( w->prober, active->link_a, active->link_b );
-			// a seed of its own: what one pair finds does not depend on the others
-			uint64_t seed = w->job->def->seed + lwi_reach_pair_index( active->link_a, active->link_b ) * 0x9e3779b97f4a7c15u;
-			uint32_t budget = SEARCH_PER_VARIABLE * ( active->variable_count + 1 );
-			lwi_prober_search( w->prober, seed, budget, &pair->closest, active->state );
+			search_pair( w, active, 0, SEARCH_PER_VARIABLE * ( active->variable_count + 1 ) );
 		}
 	}
 	return LW_OK;
@@ -320,12 +327,26 @@ static lwi_proof_outcome attempt( work* w, active_pair* active, double fraction,
 	return proof.outcome;
 }
 
+/// From the second round on, pairs that are still open are searched on: contact may be all that there is to find.
+static void search_on( work* w, active_pair* active, uint64_t budget )
+{
+	uint64_t measurements = budget / SEARCH_SHARE;
+	if ( active->pair->separation <= 0 && budget > FIRST_CELLS )
+	{
+		search_pair( w, active, budget, measurements < LONGEST_SEARCH ? (uint32_t)measurements : LONGEST_SEARCH );
+	}
+}
+
 /// One pass over all pairs. *out_left is set if a pair needs more cells than this round gives.
 static lw_status run_pass( work* w, pass kind, uint64_t budget, double deadline, bool* out_left )
 {
 	for ( uint32_t i = 0; i < w->count && lwi_monotonic_seconds() < deadline; ++i )
 	{
 		active_pair* active = &w->active[i];
+		if ( next_fraction( active, kind ) > 0 )
+		{
+			search_on( w, active, budget );
+		}
 		double fraction = next_fraction( active, kind );
 		if ( fraction > 0 && active->expected_cells < (double)OUT_OF_SIGHT * (double)budget &&
 			 attempt( w, active, fraction, budget, deadline ) == LWI_PROOF_CANCELLED )
