@@ -69,8 +69,7 @@ static const char* check_counts( const lw_shape* shape, size_t left )
 	{
 		return "more or fewer points than point triangles";
 	}
-	if ( shape->leaf_count == 0 || shape->leaf_count > LWI_MAX_ITEMS || shape->node_count > LWI_MAX_ITEMS ||
-		 shape->depth > LWI_MAX_DEPTH )
+	if ( shape->leaf_count == 0 || shape->leaf_count > LWI_MAX_ITEMS || shape->node_count > LWI_MAX_ITEMS )
 	{
 		return "impossible counts of nodes or leaves";
 	}
@@ -109,7 +108,7 @@ static const char* check_indices( const lw_shape* shape )
 {
 	for ( size_t i = 0; i < 3 * (size_t)shape->triangle_count; ++i )
 	{
-		if ( shape->indices[i] >= shape->vertex_count || ( shape->type == LW_SHAPE_POINTS && shape->indices[i] != i / 3 ) )
+		if ( shape->indices[i] >= shape->vertex_count )
 		{
 			return "a triangle of vertices that do not exist";
 		}

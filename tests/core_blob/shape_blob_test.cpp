@@ -472,6 +472,7 @@ TEST( ShapeBlobNonsense, ImpossibleContentsAreRefused )
 		refused( "root", [&]( Bytes& b ) { b.put( good.counts + 24, root ); } );
 	}
 	refused( "radius of a mesh", [&]( Bytes& b ) { b.put( good.radius, 1.0 ); } );
+	refused( "radius of a mesh", [&]( Bytes& b ) { b.put( good.radius, 1.0 ), b.put( good.dimensions, 1.0 ); } );
 	refused( "dimension of a mesh", [&]( Bytes& b ) { b.put( good.dimensions + 8, 1.0 ); } );
 	for ( float value : { nan, inf, -1.0f, 0.0f } )
 	{
@@ -571,6 +572,66 @@ TEST( ShapeBlobNonsense, TablesThatMakeNoSenseAreRefused )
 	{
 		refused( fields.table + 2 * fields.table_entry + 4, dimension, 2 );
 	}
+}
+
+// Sizes that wrap around, tables past the end, bytes that nothing asks for.
+TEST( ShapeBlobNonsense, SizesThatDoNotAddUpAreRefused )
+{
+	const probe_header fields = probe_header_fields();
+	auto expectDamaged = []( Bytes& bytes, const char* what ) {
+		bytes.seal();
+		lw_blob_info info = {};
+		lw_diag diag = {};
+		EXPECT_EQ( readStatus( bytes, 1, &diag ), LW_ERROR_DAMAGED ) << what;
+		EXPECT_NE( lw_blob_get_info( bytes.begin(), bytes.size(), &diag, &info ), LW_ERROR_STALE ) << diag.message;
+	};
+	auto extended = []( const Bytes& blob, std::size_t extra ) {
+		std::vector<unsigned char> longer( blob.begin(), blob.begin() + blob.size() );
+		longer.resize( longer.size() + extra, 0 );
+		return Bytes( longer.data(), longer.size() );
+	};
+	const Bytes empty = writeBlob( std::vector<const lw_shape*>() );
+	Bytes noTable( empty.begin(), empty.size() );
+	noTable.put( fields.section_count, std::uint32_t( 1 ) );
+	expectDamaged( noTable, "a table past the end" );
+	Bytes wraps = extended( empty, fields.table_entry );
+	wraps.put( fields.size, std::uint64_t( wraps.size() ) );
+	wraps.put( fields.section_count, std::uint32_t( 1 ) );
+	wraps.put( fields.table, std::uint32_t( 1 ) );
+	wraps.put( fields.table + 8, UINT64_MAX );
+	expectDamaged( wraps, "a size that rounds up to 0" );
+
+	SeededRng rng;
+	ShapePtr shape = randomSoup( rng, 20, 1.0 );
+	const Bytes blob = writeBlob( { shape.get() } );
+	Bytes unsaid = extended( blob, 8 );
+	expectDamaged( unsaid, "more bytes than the header says" );
+	Bytes said = extended( blob, 8 );
+	said.put( fields.size, std::uint64_t( said.size() ) );
+	expectDamaged( said, "bytes behind the last section" );
+	said.put( fields.table + 8, said.get<std::uint64_t>( fields.table + 8 ) + 8 );
+	expectDamaged( said, "bytes behind the last array" );
+}
+
+TEST( ShapeBlobNonsense, PointSetsAreCheckedToo )
+{
+	SeededRng rng;
+	ShapePtr shape = randomPoints( rng, 20, 0.1 );
+	const MeshBlob good( shape.get() );
+	auto refused = [&]( auto edit ) {
+		MeshBlob blob( shape.get() );
+		edit( blob.bytes );
+		blob.bytes.seal();
+		EXPECT_EQ( readStatus( blob.bytes, 1 ), LW_ERROR_DAMAGED );
+	};
+	for ( double radius : { -0.1, 2e9, std::numeric_limits<double>::quiet_NaN() } )
+	{
+		refused( [&]( Bytes& b ) { b.put( good.radius, radius ), b.put( good.dimensions, radius ); } );
+	}
+	refused( [&]( Bytes& b ) { b.put( good.radius, 0.2 ); } );
+	refused( [&]( Bytes& b ) { b.put( good.indices, 1u ); } );
+	refused( [&]( Bytes& b ) { b.put( good.indices + 12, 20u ); } );
+	refused( [&]( Bytes& b ) { b.put( good.type, std::uint32_t( LW_SHAPE_MESH ) ); } );
 }
 
 // Whatever is inside: refused, or a sound shape that answers. Bounds, cycles and stacks are watched by the sanitizers.
