@@ -26,6 +26,7 @@ struct RobotOptions
 	double limit = 2.0;  ///< of the first joint
 	double size = 0.1;   ///< of the first box
 	bool allowed = true; ///< links 1 and 3 may touch
+	bool limited = true; ///< the sliding joint has limits
 	const char* name = "arm";
 };
 
@@ -51,6 +52,11 @@ RobotPtr makeRobot( const RobotOptions& o = {} )
 			joint.parent_from_joint.t[0] = 0.3;
 			joint.lower = -1;
 			joint.upper = i == 1 ? o.limit : 1;
+			if ( joint.type == LW_JOINT_PRISMATIC && !o.limited )
+			{
+				joint.lower = -INFINITY;
+				joint.upper = INFINITY;
+			}
 			joint.axis[i % 2] = 1;
 			joints.push_back( joint );
 		}
@@ -188,26 +194,31 @@ TEST( ReachBlob, TheProbeSeesDifferences )
 
 TEST( ReachBlob, AReachThatWasComputedComesBack )
 {
-	RobotPtr robot = makeRobot();
-	lw_reach_def def = lw_reach_def_default();
-	def.robot = robot.get();
-	def.seconds = 0.2;
-	def.samples = 200;
-	lw_reach* created = nullptr;
-	lw_diag diag = {};
-	lw_status status = lw_reach_create( &def, nullptr, &diag, &created );
-	if ( status == LW_ERROR_UNSUPPORTED )
+	for ( bool limited : { true, false } )
 	{
-		GTEST_SKIP() << diag.message;
+		RobotOptions options;
+		options.limited = limited; // without, hulls are unbounded
+		RobotPtr robot = makeRobot( options );
+		lw_reach_def def = lw_reach_def_default();
+		def.robot = robot.get();
+		def.seconds = 0.2;
+		def.samples = 200;
+		lw_reach* created = nullptr;
+		lw_diag diag = {};
+		lw_status status = lw_reach_create( &def, nullptr, &diag, &created );
+		if ( status == LW_ERROR_UNSUPPORTED )
+		{
+			GTEST_SKIP() << diag.message;
+		}
+		ASSERT_EQ( status, LW_OK ) << diag.message;
+		ReachPtr reach( created );
+		Bytes blob = writeBlob( {}, reach.get() );
+		ReachPtr loaded = readReach( blob, robot.get(), &status, &diag );
+		ASSERT_EQ( status, LW_OK ) << diag.message;
+		const char* difference = probe_difference( reach.get(), loaded.get() );
+		EXPECT_EQ( difference, nullptr ) << difference;
+		expectUsable( loaded.get() );
 	}
-	ASSERT_EQ( status, LW_OK ) << diag.message;
-	ReachPtr reach( created );
-	Bytes blob = writeBlob( {}, reach.get() );
-	ReachPtr loaded = readReach( blob, robot.get(), &status, &diag );
-	ASSERT_EQ( status, LW_OK ) << diag.message;
-	const char* difference = probe_difference( reach.get(), loaded.get() );
-	EXPECT_EQ( difference, nullptr ) << difference;
-	expectUsable( loaded.get() );
 }
 
 TEST( ReachBlob, ShapesAndReachTogether )

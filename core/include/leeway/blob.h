@@ -22,7 +22,8 @@ LW_API bool lw_digest_equal( lw_digest a, lw_digest b );
 
 /// Digest of all that a shape's answers depend on: type, geometry, dimensions, tree.
 LW_API lw_digest lw_shape_digest( const lw_shape* shape );
-/// Digest of all that a robot's answers depend on: links, joints, bodies with their shapes, allowed pairs, root pose.
+/// Digest of all that a robot's answers depend on: links, joints, bodies with their shapes, allowed pairs, root pose. Names
+/// do not count. Cost: a pass over all geometry, 0.1 ms for 32,000 triangles.
 LW_API lw_digest lw_robot_digest( const lw_robot* robot );
 
 /// What a blob holds: shapes, or a reach, or both. Make it with lw_blob_def_default().
@@ -64,6 +65,8 @@ LW_API lw_status lw_blob_read_shapes( const void* bytes, size_t size, lw_digest 
 	lw_diag* diag, lw_shape** out_shapes, uint32_t shape_count );
 
 /// Reads the reach of a robot that must be equal to the one it was made of (lw_robot_digest()), else LW_ERROR_STALE.
+/// @param out_reach owned by the caller: lw_reach_release(). Set to NULL on failure.
+/// @return as lw_blob_read_shapes(); LW_ERROR_INVALID_ARGUMENT if the blob holds no reach
 LW_API lw_status lw_blob_read_reach( const void* bytes, size_t size, lw_digest key, const lw_robot* robot,
 	const lw_allocator* allocator, lw_diag* diag, lw_reach** out_reach );
 
