@@ -112,8 +112,9 @@ io::LoadedReach findHulls( const Workbench& bench )
 	io::ReachOptions options;
 	options.def.seconds = 0;
 	options.def.samples = 0;
-	ReachProgress progress( 0 );
-	progress.attach( options.def );
+	Progress progress( "motion hulls" );
+	ReachProgress report( progress );
+	report.attach( options.def );
 	return io::loadReach( bench.problem().robot, options );
 }
 

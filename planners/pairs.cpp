@@ -341,8 +341,9 @@ io::LoadedReach findReach( const PairsOptions& options, const Robot& robot, Noti
 	reach.def.seconds = options.budget;
 	reach.def.samples = options.samples;
 	reach.def.seed = options.seed;
-	ReachProgress progress( options.budget );
-	progress.attach( reach.def );
+	Progress progress( "motion hulls and pair tables" );
+	ReachProgress report( progress );
+	report.attach( reach.def );
 	io::LoadedReach loaded = io::loadReach( robot, reach );
 	notices.add( "the cache", loaded.notices );
 	return loaded;

@@ -70,6 +70,7 @@ void ReachProgress::attach( lw_reach_def& def )
 {
 	def.progress = report;
 	def.progress_user = this;
+	m_budget = def.seconds;
 }
 
 bool ReachProgress::report( void* self, const char* stage, double share )
@@ -108,7 +109,7 @@ Workbench::Workbench( const Input& input, std::string group, Values values, Noti
 
 void Workbench::build( const Values& values )
 {
-	const Progress progress( "building the checker" );
+	Progress progress( "building the checker" );
 	const double start = now();
 	io::ProblemOptions options;
 	options.group = m_group;
@@ -117,11 +118,10 @@ void Workbench::build( const Values& values )
 	options.overrides.values = values;
 	options.reach = m_reach.reach;
 	options.find_reach = m_input.reach;
-	std::optional<ReachProgress> reach_progress;
+	ReachProgress reach_progress( progress );
 	if ( options.find_reach )
 	{
-		reach_progress.emplace( options.find_reach->def.seconds );
-		reach_progress->attach( options.find_reach->def );
+		reach_progress.attach( options.find_reach->def );
 	}
 	m_query.reset();
 	try

@@ -37,15 +37,15 @@ constexpr double quick_budget = 2;
 class ReachProgress
 {
 public:
-	explicit ReachProgress( double budget ) : m_budget( budget ), m_progress( "motion hulls and pair tables:" ) {}
+	explicit ReachProgress( Progress& progress ) : m_progress( progress ) {}
 	/// Makes `def` report here; this must outlive the building.
 	void attach( lw_reach_def& def );
 
 private:
 	static bool report( void* self, const char* stage, double share );
-	double m_budget;
+	double m_budget = 0;
 	bool m_told = false;
-	Progress m_progress;
+	Progress& m_progress;
 };
 
 /// Values by variable name.
