@@ -26,16 +26,13 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 	lwi_search( query, checker->bodies[body].shape, obstacle->shape, &relative, bound );
 }
 
-/// Gaps of a posed body to the scene; pairs that do not count get +INFINITY. Returns the slack; *nearest is the least gap's
-/// index.
-static double row_gaps( const lw_checker* checker, lw_query* query, uint32_t body, float* gaps, uint32_t* nearest )
+/// Sets the gaps of pairs that do not count to +INFINITY. Returns the index of the least gap.
+static uint32_t mask_row( const lw_checker* checker, uint32_t body, float* gaps )
 {
 	const lw_scene* scene = checker->scene;
-	double slack = lwi_scene_gaps( scene, query->kernels, query->body_center + 3 * (size_t)body,
-		checker->bodies[body].shape->sphere_radius, gaps );
 	const uint8_t* mask = checker->environment_mask + (size_t)body * scene->block_count;
 	float least = INFINITY;
-	*nearest = 0;
+	uint32_t nearest = 0;
 	for ( uint32_t i = 0; i < scene->block_count * LWI_WIDTH; ++i )
 	{
 		if ( ( ( mask[i / LWI_WIDTH] >> ( i % LWI_WIDTH ) ) & 1 ) == 0 )
@@ -46,10 +43,10 @@ static double row_gaps( const lw_checker* checker, lw_query* query, uint32_t bod
 		{
 			gaps[i] = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: look first
 			least = gaps[i];
-			*nearest = i;
+			nearest = i;
 		}
 	}
-	return slack;
+	return nearest;
 }
 
 // --- all pairs -------------------------------------------------------------------------------------------------------
@@ -64,9 +61,10 @@ static double environment_gaps( const lw_checker* checker, lw_query* query, cons
 	*nearest = 0;
 	for ( uint32_t row = 0; row < body_count; ++row )
 	{
-		uint32_t in_row;
 		float* gaps = query->gaps + (size_t)row * stride;
-		double mine = row_gaps( checker, query, bodies[row], gaps, &in_row );
+		double mine = lwi_scene_gaps( checker->scene, query->kernels, query->body_center + 3 * (size_t)bodies[row],
+			checker->bodies[bodies[row]].shape->sphere_radius, gaps );
+		uint32_t in_row = mask_row( checker, bodies[row], gaps );
 		slack = mine > slack ? mine : slack;
 		if ( gaps[in_row] < least )
 		{
@@ -117,24 +115,33 @@ static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place
 	return query->gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
 }
 
+/// True if no gap is below the limit.
+static bool all_reach( const float* gaps, uint32_t blocks, double limit )
+{
+	float rounded = lwi_round_up( limit );
+	uint32_t far = 0;
+	for ( uint32_t i = 0; i < blocks * LWI_WIDTH; ++i )
+	{
+		far += gaps[i] >= rounded; // not a number: near
+	}
+	return far == blocks * LWI_WIDTH;
+}
+
 /// True if some obstacle is nearer to a sphere of the tree than the bound asks for. Which objects are allowed to whom is not
 /// looked at: that could only make it true more often.
 static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sphere, const lwi_bound* bound )
 {
+	if ( bound->prune == INFINITY )
+	{
+		return true; // whatever it is
+	}
 	const double* world = lwi_sphere( checker, query, sphere );
 	if ( !( world[3] < INFINITY ) )
 	{
 		return true;
 	}
-	const lw_scene* scene = checker->scene;
-	double slack = lwi_scene_gaps( scene, query->kernels, world, world[3], query->row );
-	float limit = lwi_round_up( bound->prune + slack );
-	uint32_t far = 0;
-	for ( uint32_t i = 0; i < scene->block_count * LWI_WIDTH; ++i )
-	{
-		far += query->row[i] >= limit; // not a number: near
-	}
-	return far < scene->block_count * LWI_WIDTH;
+	double slack = lwi_scene_gaps( checker->scene, query->kernels, world, world[3], query->row );
+	return !all_reach( query->row, checker->scene->block_count, bound->prune + slack );
 }
 
 /// The row of gaps of a body, given by its place in the tree; the nearest obstacle becomes a candidate.
@@ -144,7 +151,13 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	uint32_t body = tree->bodies[place], nearest;
 	lwi_pose_body( checker, query, body );
 	float* gaps = row_of( checker, query, place );
-	double slack = row_gaps( checker, query, body, gaps, &nearest );
+	double slack = lwi_scene_gaps( checker->scene, query->kernels, query->body_center + 3 * (size_t)body,
+		checker->bodies[body].shape->sphere_radius, gaps );
+	if ( all_reach( gaps, checker->scene->block_count, bound->prune + slack ) )
+	{
+		return slack;
+	}
+	nearest = mask_row( checker, body, gaps );
 	if ( gaps[nearest] < lwi_round_up( bound->prune + slack ) )
 	{
 		lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
@@ -161,7 +174,8 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 	for ( uint32_t i = 1; i < tree->node_count; )
 	{
 		const lwi_checker_node* node = &tree->nodes[i];
-		if ( !node->in_environment || !meets_scene( checker, query, 2 * i + 1, bound ) )
+		bool one_body = node->end == i + 1 && node->body_count == 1; // asking its M first would cost as much as asking it
+		if ( !node->in_environment || ( !one_body && !meets_scene( checker, query, 2 * i + 1, bound ) ) )
 		{
 			i = node->end;
 			continue;

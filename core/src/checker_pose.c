@@ -31,7 +31,8 @@ static double node_extent( const lw_checker* checker, const lw_query* query, uin
 	for ( uint32_t i = 0; i < node->link_count; ++i )
 	{
 		const double* t = query->world_from_link[checker->tree->links[node->first_link + i]].t;
-		extent = fmax( extent, fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] ) );
+		double sum = fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] );
+		extent = sum > extent ? sum : extent;
 	}
 	return extent;
 }
@@ -80,6 +81,35 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 	query->sphere_stamp[sphere] = query->state_stamp;
 }
 
+void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index )
+{
+	const lwi_checker_node* node = &checker->tree->nodes[index];
+	const double* r = lwi_sphere( checker, query, 2 * index );
+	const lw_transform* pose = &query->world_from_link[node->top];
+	double rounding = r[3] - node->r.radius; // each body lies within R: what that was enlarged by is enough for it
+	float* out = query->blocks + (size_t)node->first_block * 4 * LWI_WIDTH;
+	uint32_t padded = ( node->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH * LWI_WIDTH;
+	for ( uint32_t i = 0; i < padded; ++i )
+	{
+		float* lane = out + (size_t)( i / LWI_WIDTH ) * 4 * LWI_WIDTH + i % LWI_WIDTH;
+		lw_vec3 center = lwi_v3( r[0], r[1], r[2] );
+		if ( i < node->body_count )
+		{
+			center = lwi_transform( pose, lwi_load( checker->tree->body_spheres[node->first_body + i].center ) );
+		}
+		lane[0] = (float)( center.x - r[0] );
+		lane[LWI_WIDTH] = (float)( center.y - r[1] );
+		lane[2 * LWI_WIDTH] = (float)( center.z - r[2] );
+		lane[3 * LWI_WIDTH] = -INFINITY;
+		if ( i < node->body_count )
+		{
+			double radius = checker->tree->body_spheres[node->first_body + i].radius + rounding;
+			lane[3 * LWI_WIDTH] = (float)( radius * ( 1 + 0x1p-22 ) );
+		}
+	}
+	query->block_stamp[index] = query->state_stamp;
+}
+
 void lwi_pose_all( const lw_checker* checker, lw_query* query )
 {
 	if ( !query->lazy )
@@ -109,7 +139,11 @@ static void bind_query( const lw_checker* checker, lw_query* query )
 	}
 	if ( query->lazy )
 	{
+		// node 0 never moves: what is known of it is stamped anew for every state
 		query->node_extent[0] = node_extent( checker, query, 0 );
+		query->node_stamp[0] = query->state_stamp;
+		lwi_pose_sphere( checker, query, 0 );
+		lwi_pose_blocks( checker, query, 0 );
 	}
 	query->posed = lw_checker_retain( checker );
 }
@@ -154,7 +188,7 @@ static bool pose_lazily( const lw_checker* checker, lw_query* query, const doubl
 		return false;
 	}
 	query->covered = within_ranges( checker, q );
-	query->node_stamp[0] = query->state_stamp;
+	query->node_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
 	for ( uint32_t i = 0; i < tree->nodes[0].body_count; ++i )
 	{
 		query->body_stamp[tree->bodies[i]] = query->state_stamp;

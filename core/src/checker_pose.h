@@ -14,6 +14,8 @@ void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t node );
 void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t body );
 void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere );
 
+void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t node );
+
 /// Everything, for those who go through all pairs.
 void lwi_pose_all( const lw_checker* checker, lw_query* query );
 
@@ -34,6 +36,16 @@ static inline const double* lwi_sphere( const lw_checker* checker, lw_query* que
 		lwi_pose_sphere( checker, query, sphere );
 	}
 	return query->spheres + 4 * (size_t)sphere;
+}
+
+/// The spheres of a node's bodies by LWI_WIDTH, [4][LWI_WIDTH] each, relative to the centre of the node's R. Only in lazy mode.
+static inline const float* lwi_blocks( const lw_checker* checker, lw_query* query, uint32_t node )
+{
+	if ( query->block_stamp[node] != query->state_stamp )
+	{
+		lwi_pose_blocks( checker, query, node );
+	}
+	return query->blocks + (size_t)checker->tree->nodes[node].first_block * 4 * LWI_WIDTH;
 }
 
 #endif

@@ -127,13 +127,27 @@ static double gap_below( const double* a, const double* b, double limit )
 	{
 		return -INFINITY;
 	}
-	return square >= reach * reach ? INFINITY : sqrt( square ) - radii;
+	return square > reach * reach ? INFINITY : sqrt( square ) - radii; // contact at one point, 0 > 0, is near
 }
 
-/// A float no larger than v, without the function call of lwi_round_down(). Infinities keep their values.
+/// A float no larger than v, quicker than lwi_round_down(). Infinities keep their values.
 static float below( double v )
 {
 	return fabs( v ) < INFINITY ? (float)( v - fabs( v ) * 0x1p-22 ) : (float)v;
+}
+
+/// A float no smaller than v >= 0.
+static float above( double v )
+{
+	return (float)( v + v * 0x1p-22 + FLT_MIN );
+}
+
+/// What is known of a pair: the key of its candidate. Sorting by it rather than by the gap alone has pairs that are known to
+/// stay apart wait behind those that may be nearer.
+static float lower_bound( double gap, float separation )
+{
+	float low = below( gap );
+	return low > separation ? low : separation;
 }
 
 /// The candidate of a pair of bodies.
@@ -147,7 +161,7 @@ static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t 
 static uint32_t walk( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
 	const lwi_checker_tree* tree = checker->tree;
-	float limit = lwi_round_up( bound->prune );
+	double limit = bound->prune;
 	uint32_t count = 0;
 	for ( uint32_t i = 0; i < tree->step_count; )
 	{
@@ -167,7 +181,7 @@ static uint32_t walk( const lw_checker* checker, lw_query* query, const lwi_boun
 		{
 			const lwi_node_pair* pair = &tree->pairs[step->pair];
 			const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
-			float key = below( gap ) > step->separation ? below( gap ) : step->separation;
+			float key = lower_bound( gap, step->separation );
 			// the R of a node of one body is the body's: nothing to open
 			query->candidates[count++] = a->body_count == 1 && b->body_count == 1
 											 ? body_pair( checker, tree->bodies[a->first_body], tree->bodies[b->first_body], key )
@@ -178,43 +192,95 @@ static uint32_t walk( const lw_checker* checker, lw_query* query, const lwi_boun
 	return count;
 }
 
-/// Bounding sphere of a body, rounding of its pose included as lwi_pose_sphere() does it.
-static void body_sphere( const lw_checker* checker, lw_query* query, uint32_t node, uint32_t body, double sphere[4] )
+/// A sphere (x, y, z, r) of the world, asked against the bodies of a node by LWI_WIDTH.
+typedef struct probe
 {
-	lwi_pose_body( checker, query, body );
+	const float* blocks;
+	float sphere[4];
+	double slack; ///< what the float gaps may be too large by
+	float limit;  ///< of these gaps
+} probe;
+
+static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t node, const double sphere[4],
+	const lwi_bound* bound )
+{
 	const double* r = lwi_sphere( checker, query, 2 * node );
-	memcpy( sphere, query->body_center + 3 * (size_t)body, sizeof( double[3] ) );
-	// a body lies within R: the rounding of R is more than its own
-	sphere[3] = checker->bodies[body].shape->sphere_radius + ( r[3] - checker->tree->nodes[node].r.radius );
+	probe p = { .blocks = lwi_blocks( checker, query, node ) };
+	double largest = 0;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		double relative = sphere[axis] - r[axis];
+		p.sphere[axis] = (float)relative;
+		largest = fabs( relative ) > largest ? fabs( relative ) : largest;
+	}
+	p.sphere[3] = above( sphere[3] );
+	p.slack = LWI_GAP_SLACK * LWI_U32 * 2 * ( largest + sphere[3] + r[3] ); // as for all pairs
+	p.limit = above( bound->prune + p.slack );
+	return p;
 }
 
-/// The pairs of bodies of two nodes.
+/// Bodies number `rank_a` of node a and `rank_b` of node b become a candidate, unless their separation rules them out.
+static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, uint32_t rank_a, uint32_t rank_b,
+	double gap, const lwi_bound* bound, uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
+	float separation = tree->separations[pair->first + (size_t)rank_a * b->body_count + rank_b];
+	if ( separation < bound->prune )
+	{
+		lwi_heap_push( query->candidates, count,
+			body_pair( checker, tree->bodies[a->first_body + rank_a], tree->bodies[b->first_body + rank_b],
+				lower_bound( gap, separation ) ) );
+	}
+}
+
+/// One body of a pair of nodes against the bodies of the other node. @param of_a it is a body of node a
+static void open_body( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, bool of_a, uint32_t rank,
+	const lwi_bound* bound, uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	uint32_t mine = of_a ? pair->node_a : pair->node_b, other = of_a ? pair->node_b : pair->node_a;
+	const lw_sphere* local = &tree->body_spheres[tree->nodes[mine].first_body + rank];
+	lw_vec3 center = lwi_transform( &query->world_from_link[tree->nodes[mine].top], lwi_load( local->center ) );
+	double rounding = lwi_sphere( checker, query, 2 * mine )[3] - tree->nodes[mine].r.radius;
+	const double sphere[4] = { center.x, center.y, center.z, local->radius + rounding };
+	probe p = make_probe( checker, query, other, sphere, bound );
+	for ( uint32_t i = 0; i < tree->nodes[other].body_count; i += LWI_WIDTH )
+	{
+		float gap[LWI_WIDTH];
+		uint32_t near = query->kernels->sphere_gap( p.blocks + 4 * (size_t)i, p.sphere, p.limit, gap );
+		for ( ; near != 0; near &= near - 1 )
+		{
+			uint32_t lane = lwi_lowest_bit( near );
+			add_pair( checker, query, pair, of_a ? rank : i + lane, of_a ? i + lane : rank, gap[lane] - p.slack, bound, count );
+		}
+	}
+}
+
+/// The bodies of a pair of nodes that come near each other. The node with more bodies is opened first, against the R of the
+/// other one: most of it is out of the way then (a hand against all that the group does not move).
 static void open_pair( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, const lwi_bound* bound,
 	uint32_t* count )
 {
 	const lwi_checker_tree* tree = checker->tree;
-	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
-	const float* separations = tree->separations + pair->first;
-	float limit = lwi_round_up( bound->prune );
-	for ( uint32_t i = 0; i < a->body_count; ++i )
+	bool a_first = tree->nodes[pair->node_a].body_count >= tree->nodes[pair->node_b].body_count;
+	uint32_t many = a_first ? pair->node_a : pair->node_b, few = a_first ? pair->node_b : pair->node_a;
+	probe outer = make_probe( checker, query, many, lwi_sphere( checker, query, 2 * few ), bound );
+	for ( uint32_t i = 0; i < tree->nodes[many].body_count; i += LWI_WIDTH )
 	{
-		uint32_t body_a = tree->bodies[a->first_body + i];
-		double sphere_a[4], sphere_b[4];
-		body_sphere( checker, query, pair->node_a, body_a, sphere_a );
-		for ( uint32_t k = 0; k < b->body_count; ++k )
+		float gap[LWI_WIDTH];
+		uint32_t near = query->kernels->sphere_gap( outer.blocks + 4 * (size_t)i, outer.sphere, outer.limit, gap );
+		for ( ; near != 0; near &= near - 1 )
 		{
-			float separation = separations[(size_t)i * b->body_count + k];
-			if ( separation >= limit )
+			uint32_t lane = lwi_lowest_bit( near );
+			if ( tree->nodes[few].body_count == 1 )
 			{
-				continue;
+				add_pair( checker, query, pair, a_first ? i + lane : 0, a_first ? 0 : i + lane, gap[lane] - outer.slack, bound,
+					count );
 			}
-			uint32_t body_b = tree->bodies[b->first_body + k];
-			body_sphere( checker, query, pair->node_b, body_b, sphere_b );
-			double gap = gap_below( sphere_a, sphere_b, limit );
-			if ( gap < INFINITY )
+			else
 			{
-				float key = below( gap ) > separation ? below( gap ) : separation;
-				lwi_heap_push( query->candidates, count, body_pair( checker, body_a, body_b, key ) );
+				open_body( checker, query, pair, a_first, i + lane, bound, count );
 			}
 		}
 	}
@@ -228,7 +294,7 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
-		if ( next.gap >= lwi_round_up( bound->prune ) )
+		if ( next.gap >= bound->prune )
 		{
 			break;
 		}

@@ -35,6 +35,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->links, t->link_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
 	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
 	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
@@ -52,10 +53,11 @@ static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, u
 	t->links = lwi_alloc_zero( &t->allocator, links, sizeof( uint32_t ) );
 	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
+	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
 	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
-			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) ) + 2 * bodies * sizeof( uint32_t );
+			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) ) + bodies * ( 2 * sizeof( uint32_t ) + sizeof( lw_sphere ) );
 	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->links != NULL &&
-		   t->bodies != NULL && t->body_node != NULL;
+		   t->bodies != NULL && t->body_node != NULL && t->body_spheres != NULL;
 }
 
 /// Ranges of the group's variables. @return false if a variable outside of the group is outside of its range
@@ -144,7 +146,7 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 		t->body_node[i] = n->node_of[n->node_top[c->bodies[i].link]];
 		t->nodes[t->body_node[i]].body_count++;
 	}
-	uint32_t links = 0, bodies = 0;
+	uint32_t links = 0, bodies = 0, blocks = 0;
 	for ( uint32_t i = 0; i < t->node_count; ++i )
 	{
 		lwi_checker_node* node = &t->nodes[i];
@@ -152,6 +154,8 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 		node->first_body = bodies;
 		links += node->link_count;
 		bodies += node->body_count;
+		node->first_block = blocks;
+		blocks += ( node->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
 		node->link_count = node->body_count = 0;
 	}
 	for ( uint32_t i = 0; i < t->link_count; ++i )
@@ -220,7 +224,7 @@ static lw_transform body_in_node( const lw_checker* c, const lwi_checker_node* n
 	return lwi_multiply( &top_from_link, &b->link_from_shape );
 }
 
-/// The R of a node of one body is the body's own sphere, carried over.
+/// A body's own sphere, carried over. It is the R of a node of one body.
 static lw_sphere sphere_of_body( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
 {
 	const lw_shape* shape = c->bodies[body].shape;
@@ -273,9 +277,13 @@ static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_dia
 		const lw_sphere nothing = { { 0, 0, 0 }, -1 };
 		node->m = i > 0 ? lw_reach_get_node( c->reach, node->top ).m : nothing;
 		node->r = nothing;
+		for ( uint32_t k = 0; k < node->body_count; ++k )
+		{
+			t->body_spheres[node->first_body + k] = sphere_of_body( c, node, t->bodies[node->first_body + k] );
+		}
 		if ( node->body_count == 1 )
 		{
-			node->r = sphere_of_body( c, node, t->bodies[node->first_body] );
+			node->r = t->body_spheres[node->first_body];
 		}
 		else if ( node->body_count > 1 )
 		{

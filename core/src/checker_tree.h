@@ -17,6 +17,7 @@ typedef struct lwi_checker_node
 	uint32_t parent_link; ///< the link that `top` hangs on, in the parent node; LW_INVALID_INDEX for node 0
 	uint32_t first_link, link_count; ///< range of links, parents first
 	uint32_t first_body, body_count; ///< range of bodies
+	uint32_t first_block; ///< of LWI_WIDTH bodies, in the query
 	lw_sphere r;          ///< frame of `top`: contains all bodies of the node; radius < 0: there are none
 	lw_sphere m;          ///< frame of `parent_link`: contains all bodies of the subtree in every state within the ranges
 	bool in_environment;  ///< some body of the subtree is checked against some obstacle
@@ -52,6 +53,7 @@ typedef struct lwi_checker_tree
 	uint32_t* links;         ///< [link_count] by node, parents first
 	uint32_t* bodies;        ///< [body_count] robot bodies by node
 	uint32_t* body_node;     ///< [body_count] node of a robot body
+	lw_sphere* body_spheres; ///< [body_count] by node: bounding spheres, frame of the node's `top`
 	uint32_t pair_count;
 	lwi_node_pair* pairs;    ///< [pair_count]
 	size_t separation_count;

@@ -48,6 +48,9 @@ static size_t lay_out( lw_query* q, char* base )
 	q->body_stamp = take( base, &used, q->body_capacity, sizeof( uint64_t ) );
 	q->node_extent = take( base, &used, q->link_capacity, sizeof( double ) );
 	q->spheres = take( base, &used, q->link_capacity, sizeof( double[2][4] ) );
+	q->block_stamp = take( base, &used, q->link_capacity, sizeof( uint64_t ) );
+	// each node begins a block of its own
+	q->blocks = take( base, &used, q->body_capacity + LWI_WIDTH * (size_t)q->link_capacity, sizeof( float[4] ) );
 	q->world_from_body = take( base, &used, q->body_capacity, sizeof( lw_transform ) );
 	q->body_center = take( base, &used, q->body_capacity, sizeof( double[3] ) );
 	q->body_spheres = take( base, &used, 4 * (size_t)padded( q->body_capacity ), sizeof( float ) );

@@ -73,6 +73,8 @@ struct lw_query
 	uint64_t* body_stamp;         ///< [body_capacity]
 	double* node_extent;          ///< [link_capacity] largest coordinates on the way to a node
 	double* spheres;              ///< [2 * link_capacity][4] R and M of nodes, world
+	uint64_t* block_stamp;        ///< [link_capacity]
+	float* blocks;                ///< body spheres of nodes as [4][8], relative to the centre of the node's R
 	double* state;                ///< [variable_capacity] full state
 	lw_transform* world_from_link; ///< [link_capacity]
 	lw_transform* world_from_body; ///< [body_capacity]
