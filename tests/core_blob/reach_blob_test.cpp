@@ -386,6 +386,25 @@ TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 	refused( "exempt as allowed", pairs + 8, 2u );
 }
 
+// Fewer bytes than links and pairs take, and a point count that fits what is left of 2^64.
+TEST( ReachBlobNonsense, CountsThatWrapAroundAreRefused )
+{
+	RobotPtr robot = makeRobot();
+	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	const Bytes blob = writeBlob( {}, reach.get() );
+	const probe_header fields = probe_header_fields();
+	const std::size_t begin = fields.table + fields.table_entry, counts = begin + 32, missing = 16;
+	const std::size_t size = counts + 20 + 124u * 7u + 44u * 21u - missing;
+	Bytes cut( blob.begin(), ( size + 7 ) / 8 * 8 );
+	cut.put( fields.size, std::uint64_t( cut.size() ) );
+	cut.put( fields.table + 8, std::uint64_t( size - begin ) );
+	cut.put( counts, ( std::uint64_t( 0 ) - missing ) / 24 );
+	cut.put( counts + 16, std::uint32_t( 0 ) );
+	cut.seal();
+	ASSERT_EQ( ( std::uint64_t( 0 ) - missing ) % 24, 0u );
+	EXPECT_EQ( readStatus( cut, robot.get() ), LW_ERROR_DAMAGED );
+}
+
 TEST( ReachBlobNonsense, RandomEditsNeverGiveAnUnusableReach )
 {
 	SeededRng rng;
