@@ -15,7 +15,7 @@ enum
 	MAX_POINTS = 1500,
 	/// The same of a link swept up to an ancestor: there are ten times as many of these, and what they are too coarse to
 	/// prove is left to the subdivision.
-	MAX_SWEEP_POINTS = 320
+	MAX_SWEEP_POINTS = 480
 };
 
 // ---- plan ------------------------------------------------------------------------------------------------------------
