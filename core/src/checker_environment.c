@@ -135,6 +135,7 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 	{
 		return true; // whatever it is
 	}
+	query->stats.robot_tests++;
 	const double* world = lwi_sphere( checker, query, sphere );
 	if ( !( world[3] < INFINITY ) )
 	{

@@ -50,6 +50,7 @@ void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t node )
 		// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
 		lwi_robot_fk_links( checker->robot, query->state, tree->links + tree->nodes[highest].first_link,
 			tree->nodes[highest].link_count, query->world_from_link );
+		query->stats.links_posed += tree->nodes[highest].link_count;
 		query->node_extent[highest] = node_extent( checker, query, highest );
 		query->node_stamp[highest] = query->state_stamp;
 	}
@@ -199,6 +200,7 @@ static bool pose_lazily( const lw_checker* checker, lw_query* query, const doubl
 static bool pose_at_once( const lw_checker* checker, lw_query* query )
 {
 	query->covered = false;
+	query->stats.links_posed += checker->moving_link_count;
 	if ( !lwi_robot_fk_links( checker->robot, query->state, checker->moving_links, checker->moving_link_count,
 			 query->world_from_link ) )
 	{

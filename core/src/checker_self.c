@@ -162,10 +162,11 @@ static uint32_t walk( const lw_checker* checker, lw_query* query, const lwi_boun
 {
 	const lwi_checker_tree* tree = checker->tree;
 	double limit = bound->prune;
-	uint32_t count = 0;
+	uint32_t count = 0, tests = 0;
 	for ( uint32_t i = 0; i < tree->step_count; )
 	{
 		const lwi_self_step* step = &tree->steps[i];
+		++tests;
 		double gap = step->separation >= limit ? INFINITY : -INFINITY;
 		if ( gap < 0 && step->sphere_a != LW_INVALID_INDEX )
 		{
@@ -189,6 +190,7 @@ static uint32_t walk( const lw_checker* checker, lw_query* query, const lwi_boun
 		}
 		++i;
 	}
+	query->stats.robot_tests += tests;
 	return count;
 }
 

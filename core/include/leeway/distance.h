@@ -52,6 +52,8 @@ typedef struct lw_query_stats
 	uint64_t triangle_tests; ///< triangle pairs measured by the float filter
 	uint64_t exact_tests;    ///< pairs measured in double
 	uint64_t center_transforms; ///< sphere centres moved into the other tree's frame
+	uint64_t robot_tests;    ///< hierarchical queries: tests of a node's R or M, or of a table entry that stands for several pairs
+	uint64_t links_posed;    ///< links whose pose was computed, by checkers
 } lw_query_stats;
 
 /// Scratch of one thread: stacks, poses, warm starts, statistics. Queries allocate nothing; everything is here. A query
@@ -64,7 +66,8 @@ typedef struct lw_query_def
 	lw_simd simd;           ///< cap of the kernel level
 	bool transform_caching; ///< keep the centre of the sphere that is not opened in the other tree's frame (paper II.C)
 	bool warm_start;        ///< try the last witness pair first: changes speed, never what is certified
-	bool hierarchy;         ///< checkers with a reach descend its R and M spheres; otherwise all pairs are gone through
+	bool hierarchy;         ///< checkers with a reach use it: its spheres, its tables, and poses only where they are needed;
+	                        ///< otherwise all pairs are gone through: the same answers
 	uint32_t cookie;
 } lw_query_def;
 

@@ -1,0 +1,630 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Checkers with motion hulls and pair tables against the same checkers without: random robots with joints of every type,
+// random groups, states inside and outside of what the tables cover. The answers must not differ.
+#include "leeway/checker.h"
+#include "random_robot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <thread>
+
+namespace
+{
+
+const double inf = std::numeric_limits<double>::infinity();
+
+template <typename T, void ( *release )( T* )>
+struct Releaser
+{
+	void operator()( T* object ) const { release( object ); }
+};
+using ReachPtr = std::unique_ptr<lw_reach, Releaser<lw_reach, lw_reach_release>>;
+using ScenePtr = std::unique_ptr<lw_scene, Releaser<lw_scene, lw_scene_release>>;
+using CheckerPtr = std::unique_ptr<lw_checker, Releaser<lw_checker, lw_checker_release>>;
+using QueryPtr = std::unique_ptr<lw_query, Releaser<lw_query, lw_query_destroy>>;
+
+/// Coarse hulls: a tenth of what they cost by default.
+ReachPtr makeReach( const lw_robot* robot, double seconds, uint32_t samples = 100 )
+{
+	lw_reach_def def = lw_reach_def_default();
+	def.robot = robot;
+	def.seconds = seconds;
+	def.samples = samples;
+	def.hull_error = 0.3;
+	lw_reach* reach = nullptr;
+	lw_diag diag = {};
+	EXPECT_EQ( LW_OK, lw_reach_create( &def, nullptr, &diag, &reach ) ) << diag.message;
+	return ReachPtr( reach );
+}
+
+QueryPtr makeQuery( const lw_checker* checker, bool hierarchy, bool warm_start )
+{
+	lw_query_def def = lw_query_def_default();
+	def.hierarchy = hierarchy;
+	def.warm_start = warm_start;
+	lw_query* query = nullptr;
+	EXPECT_EQ( LW_OK, lw_query_create( &def, nullptr, checker, nullptr, &query ) );
+	return QueryPtr( query );
+}
+
+ScenePtr randomScene( SeededRng& rng, int objects, double spread )
+{
+	std::vector<ShapePtr> shapes;
+	std::vector<std::string> names;
+	std::vector<const char*> pointers;
+	std::vector<lw_scene_shape_def> placed;
+	for ( int i = 0; i < objects; ++i )
+	{
+		names.push_back( "object" + std::to_string( i ) );
+		shapes.emplace_back( i % 2 == 0 ? randomPrimitive( rng, 0.3, nullptr ) : randomMesh( rng, 20, 0.2, nullptr ) );
+		placed.push_back( { shapes.back().get(), static_cast<uint32_t>( i ), randomTransform( rng, spread ) } );
+	}
+	for ( const std::string& name : names )
+	{
+		pointers.push_back( name.c_str() );
+	}
+	lw_scene_def def = lw_scene_def_default();
+	def.object_names = pointers.data();
+	def.object_count = static_cast<uint32_t>( objects );
+	def.shapes = placed.data();
+	def.shape_count = static_cast<uint32_t>( placed.size() );
+	lw_scene* scene = nullptr;
+	EXPECT_EQ( LW_OK, lw_scene_create( &def, nullptr, nullptr, &scene ) );
+	return ScenePtr( scene );
+}
+
+/// A robot in a scene, a group of its variables, and what is proved of it.
+struct World
+{
+	RobotPtr robot;
+	ScenePtr scene;
+	ReachPtr reach;
+	State reference;
+	std::vector<uint32_t> group;
+	CheckerPtr checker;
+
+	lw_status build( lw_diag* diag, const lw_allocator* allocator = nullptr )
+	{
+		lw_checker_def def = lw_checker_def_default();
+		const uint32_t none = 0;
+		def.robot = robot.get();
+		def.scene = scene.get();
+		def.variables = group.empty() ? &none : group.data();
+		def.variable_count = static_cast<uint32_t>( group.size() );
+		def.reference = reference.data();
+		def.reach = reach.get();
+		lw_checker* made = nullptr;
+		lw_status status = lw_checker_create( &def, allocator, diag, &made );
+		checker.reset( made );
+		return status;
+	}
+
+	void build()
+	{
+		lw_diag diag = {};
+		ASSERT_EQ( LW_OK, build( &diag ) ) << diag.message;
+	}
+};
+
+/// Joints in the group with a chance of two in three; all variables of a joint or none.
+std::vector<uint32_t> randomGroup( SeededRng& rng, const lw_robot* robot )
+{
+	std::vector<uint32_t> group;
+	bool chosen = false;
+	for ( uint32_t i = 0; i < lw_robot_variable_count( robot ); ++i )
+	{
+		if ( lw_robot_variable( robot, i ).component == 0 )
+		{
+			chosen = rng.integer( 0, 2 ) > 0;
+		}
+		if ( chosen )
+		{
+			group.push_back( i );
+		}
+	}
+	return group;
+}
+
+World randomWorld( SeededRng& rng )
+{
+	World world;
+	RandomRobotOptions options;
+	options.joints = rng.integer( 3, 14 );
+	options.floating = rng.integer( 0, 2 ) == 0;
+	options.size = rng.integer( 0, 1 ) != 0 ? 0.05 : 0.15;
+	RobotModel model = randomRobot( rng, options );
+	for ( int i = rng.integer( 0, 3 ); i > 0; --i ) // links with several bodies
+	{
+		uint32_t link = static_cast<uint32_t>( rng.integer( 0, options.joints ) );
+		model.body( link, randomPrimitive( rng, options.size, nullptr ), randomTransform( rng, 0.2 ) );
+	}
+	for ( uint32_t i = 0; i < model.joints.size(); ++i )
+	{
+		model.allowed.push_back( { model.joints[i].parent, model.joints[i].child } );
+	}
+	world.robot = model.create();
+	world.reach = makeReach( world.robot.get(), 0.05 );
+	world.scene = randomScene( rng, rng.integer( 0, 12 ), 2 );
+	world.reference = randomState( rng, world.robot.get() );
+	world.group = randomGroup( rng, world.robot.get() );
+	world.build();
+	return world;
+}
+
+State groupState( SeededRng& rng, const World& world, double excess )
+{
+	State full = randomState( rng, world.robot.get(), excess ), q;
+	for ( uint32_t variable : world.group )
+	{
+		q.push_back( full[variable] );
+	}
+	return q;
+}
+
+/// Questions with one exact answer: alpha is 0. Then come the others.
+const lw_range exact_ranges[] = { { 0, inf, 0 }, { 0, 0.01, 0 }, { 0, 0.2, 0 }, { 0.01, 0.05, 0 }, { 0, 5e-324, 0 },
+	{ 0.02, std::nextafter( 0.02, 1.0 ), 0 } };
+const lw_range wide_ranges[] = { { 0, inf, 0.3 }, { 0.01, 0.3, 0.3 } };
+
+void expectSame( const lw_clearance& plain, const lw_clearance& got, const char* which )
+{
+	EXPECT_EQ( plain.kind, got.kind ) << which << ' ' << plain.upper << ' ' << got.upper;
+	if ( plain.kind != LW_CLEARANCE_VIOLATION ) // there any pair at or below min_d will do
+	{
+		EXPECT_EQ( plain.upper, got.upper ) << which;
+		if ( plain.lower != got.lower )
+		{
+			EXPECT_NEAR( plain.lower, got.lower, 1e-12 ) << which;
+		}
+	}
+}
+
+void expectContains( const lw_clearance& exact, const lw_clearance& got, const lw_range& range, const char* which )
+{
+	if ( got.kind == LW_CLEARANCE_VIOLATION )
+	{
+		EXPECT_LE( exact.upper, range.min_d ) << which;
+		return;
+	}
+	EXPECT_LE( got.lower, exact.upper ) << which;
+	EXPECT_GE( got.upper, exact.lower ) << which;
+	if ( got.upper < inf )
+	{
+		EXPECT_LE( got.upper - got.lower, range.alpha * got.upper + 1e-12 ) << which;
+	}
+}
+
+lw_state_result ask( const World& world, lw_query* query, const State& q, const lw_range* range, bool stop_at_first = false )
+{
+	lw_state_result out;
+	EXPECT_EQ( LW_OK, lw_checker_state( world.checker.get(), query, q.data(), LW_WHAT_BOTH, range, stop_at_first, &out ) );
+	return out;
+}
+
+/// All questions about one state, by all kinds of queries.
+void compareState( const World& world, lw_query* plain, const std::vector<QueryPtr>& queries, const State& q )
+{
+	lw_state_result exact = ask( world, plain, q, nullptr );
+	for ( const QueryPtr& query : queries )
+	{
+		for ( const lw_range& range : exact_ranges )
+		{
+			lw_state_result want = ask( world, plain, q, &range ), got = ask( world, query.get(), q, &range );
+			EXPECT_EQ( want.verdict, got.verdict ) << "min_d " << range.min_d << " max_d " << range.max_d;
+			expectSame( want.environment, got.environment, "environment" );
+			expectSame( want.self, got.self, "self" );
+			EXPECT_EQ( want.verdict, ask( world, query.get(), q, &range, true ).verdict ) << "stop at first";
+		}
+		for ( const lw_range& range : wide_ranges )
+		{
+			lw_state_result want = ask( world, plain, q, &range ), got = ask( world, query.get(), q, &range );
+			EXPECT_EQ( want.verdict, got.verdict );
+			expectContains( exact.environment, got.environment, range, "environment" );
+			expectContains( exact.self, got.self, range, "self" );
+		}
+	}
+}
+
+std::vector<QueryPtr> hierarchicalQueries( const World& world )
+{
+	std::vector<QueryPtr> queries;
+	queries.push_back( makeQuery( world.checker.get(), true, true ) );
+	queries.push_back( makeQuery( world.checker.get(), true, false ) );
+	return queries;
+}
+
+/// A base, a slider on it that can come 0.3 m near to a post on the far side, and cannot within its limits come nearer.
+World sliderWorld( double lower, double upper )
+{
+	World world;
+	RobotModel model;
+	uint32_t base = model.link( "base" );
+	model.joint( "carriage", LW_JOINT_PRISMATIC, base );
+	model.joints.back().axis[0] = 1;
+	model.joints.back().axis[2] = 0;
+	model.joints.back().lower = lower;
+	model.joints.back().upper = upper;
+	model.joint( "tool", LW_JOINT_REVOLUTE, 1 );
+	model.joints.back().lower = -1;
+	model.joints.back().upper = 1;
+	const double box[3] = { 0.2, 0.2, 0.2 }, ball[3] = { 0.1, 0, 0 };
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_BOX, box, nullptr, nullptr, &shape ) );
+	lw_transform at = lw_transform_identity();
+	at.t[0] = 2;
+	model.body( base, shape, at );
+	EXPECT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, ball, nullptr, nullptr, &shape ) );
+	model.body( 2, shape, lw_transform_identity() );
+	world.robot = model.create();
+	world.reach = makeReach( world.robot.get(), 0.5 );
+	world.reference = { 0, 0 };
+	world.group = { 0, 1 };
+	return world;
+}
+
+} // namespace
+
+TEST( Hierarchy, changes_an_answer )
+{
+	SeededRng rng;
+	int covered = 0, ruled_out = 0, blocked = 0, free = 0;
+	for ( int i = 0; i < 100; ++i )
+	{
+		SCOPED_TRACE( ::testing::Message() << "world " << i );
+		World world = randomWorld( rng );
+		const lw_checker_info info = lw_checker_get_info( world.checker.get() );
+		covered += info.hierarchy;
+		ruled_out += info.never_pairs > 0;
+		QueryPtr plain = makeQuery( world.checker.get(), false, false );
+		std::vector<QueryPtr> queries = hierarchicalQueries( world );
+		for ( int k = 0; k < 12 && !HasFailure(); ++k )
+		{
+			SCOPED_TRACE( ::testing::Message() << "state " << k );
+			State q = groupState( rng, world, k % 4 == 3 ? 1.5 : 0 );
+			compareState( world, plain.get(), queries, q );
+			++( ask( world, plain.get(), q, nullptr ).verdict == LW_VERDICT_FREE ? free : blocked );
+		}
+	}
+	EXPECT_GE( covered, 80 );
+	EXPECT_GE( ruled_out, 20 );
+	EXPECT_GE( std::min( free, blocked ), 60 );
+}
+
+// Without reach the same checker must say the same: a reach is no part of a checker's meaning.
+TEST( Hierarchy, reach_changes_a_checker )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 20; ++i )
+	{
+		World world = randomWorld( rng ), bare = randomWorld( rng );
+		bare.robot.reset( lw_robot_retain( world.robot.get() ) );
+		bare.scene.reset( lw_scene_retain( world.scene.get() ) );
+		bare.reference = world.reference;
+		bare.group = world.group;
+		bare.reach.reset();
+		bare.build();
+		lw_checker_info with = lw_checker_get_info( world.checker.get() ), without = lw_checker_get_info( bare.checker.get() );
+		EXPECT_EQ( with.self_pairs, without.self_pairs );
+		EXPECT_EQ( with.environment_pairs, without.environment_pairs );
+		EXPECT_EQ( with.static_environment.upper, without.static_environment.upper );
+		EXPECT_EQ( without.never_pairs, 0u );
+		EXPECT_FALSE( without.hierarchy );
+		QueryPtr one = makeQuery( world.checker.get(), true, true ), other = makeQuery( bare.checker.get(), true, true );
+		for ( int k = 0; k < 10; ++k )
+		{
+			State q = groupState( rng, world, 0 );
+			lw_state_result a = ask( world, one.get(), q, nullptr ), b = ask( bare, other.get(), q, nullptr );
+			expectSame( b.environment, a.environment, "environment" );
+			expectSame( b.self, a.self, "self" );
+		}
+	}
+}
+
+TEST( Hierarchy, one_query_mixes_up_two_checkers )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 10; ++i )
+	{
+		World world = randomWorld( rng ), other;
+		other.robot.reset( lw_robot_retain( world.robot.get() ) );
+		other.scene.reset( lw_scene_retain( world.scene.get() ) );
+		other.reach.reset( lw_reach_retain( world.reach.get() ) );
+		other.reference = randomState( rng, world.robot.get() );
+		other.group = randomGroup( rng, world.robot.get() );
+		other.build();
+		// a query must be large enough for both
+		const World& large = world.group.size() > other.group.size() ? world : other;
+		QueryPtr shared = makeQuery( large.checker.get(), true, false );
+		QueryPtr fresh[2] = { makeQuery( world.checker.get(), false, false ), makeQuery( other.checker.get(), false, false ) };
+		for ( int k = 0; k < 10; ++k )
+		{
+			const World& asked = k % 2 == 0 ? world : other;
+			State q = groupState( rng, asked, 0 );
+			lw_state_result want = ask( asked, fresh[k % 2].get(), q, nullptr ), got;
+			lw_status status =
+				lw_checker_state( asked.checker.get(), shared.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &got );
+			if ( status == LW_OK ) // else it was too small
+			{
+				expectSame( want.environment, got.environment, "environment" );
+				expectSame( want.self, got.self, "self" );
+			}
+		}
+	}
+}
+
+TEST( Hierarchy, tables_are_used_outside_their_ranges )
+{
+	World world = sliderWorld( -1, 1.5 );
+	world.build();
+	lw_checker_info info = lw_checker_get_info( world.checker.get() );
+	ASSERT_TRUE( info.hierarchy );
+	ASSERT_EQ( info.never_pairs, 1u ) << "the case is pointless if nothing is proved";
+	QueryPtr query = makeQuery( world.checker.get(), true, true );
+	const lw_range boolean = { 0, 5e-324, 0 };
+	EXPECT_EQ( ask( world, query.get(), { 1.5, 0 }, &boolean, true ).verdict, LW_VERDICT_FREE );
+	EXPECT_EQ( ask( world, query.get(), { 1.95, 0 }, &boolean, true ).verdict, LW_VERDICT_BLOCKED );
+	EXPECT_EQ( ask( world, query.get(), { 1.95, 0 }, nullptr ).verdict, LW_VERDICT_BLOCKED );
+	EXPECT_NEAR( ask( world, query.get(), { 1.75, 0 }, nullptr ).self.upper, 0.05, 1e-9 );
+	EXPECT_NEAR( ask( world, query.get(), { 1.5, 0 }, nullptr ).self.upper, 0.3, 1e-9 );
+
+	// an edge out of the ranges and back into them would pass if its ends were looked at one by one
+	lw_edge_def edge = lw_edge_def_default();
+	lw_edge_result out;
+	const double inside[2] = { 1.2, 0 }, outside[2] = { 1.95, 0 };
+	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), inside, outside, &edge, &out ) );
+	EXPECT_EQ( out.verdict, LW_VERDICT_BLOCKED );
+	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), outside, inside, &edge, &out ) );
+	EXPECT_EQ( out.verdict, LW_VERDICT_BLOCKED );
+}
+
+TEST( Hierarchy, tables_are_used_for_a_reference_outside_their_ranges )
+{
+	World world = sliderWorld( -1, 1.5 );
+	world.group = { 1 };
+	world.reference = { 1.95, 0 }; // the slider is not in the group, and further out than its limits
+	world.build();
+	lw_checker_info info = lw_checker_get_info( world.checker.get() );
+	EXPECT_FALSE( info.hierarchy );
+	EXPECT_EQ( info.never_pairs, 0u );
+	QueryPtr query = makeQuery( world.checker.get(), true, true );
+	const lw_range boolean = { 0, 5e-324, 0 };
+	EXPECT_EQ( ask( world, query.get(), { 0.5 }, &boolean, true ).verdict, LW_VERDICT_BLOCKED );
+}
+
+TEST( Hierarchy, edge_lower_bound_forgets_pairs_that_need_no_proof )
+{
+	World world = sliderWorld( -1, 1.5 );
+	world.build();
+	QueryPtr query = makeQuery( world.checker.get(), true, true ), plain = makeQuery( world.checker.get(), false, true );
+	lw_edge_def edge = lw_edge_def_default();
+	edge.what = LW_WHAT_SELF;
+	lw_edge_result got, want;
+	const double from[2] = { 0, -1 }, to[2] = { 1.5, 1 };
+	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), from, to, &edge, &got ) );
+	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), plain.get(), from, to, &edge, &want ) );
+	EXPECT_EQ( got.verdict, LW_VERDICT_FREE );
+	EXPECT_EQ( want.verdict, LW_VERDICT_FREE );
+	EXPECT_GT( got.lower_bound, 0 );
+	EXPECT_LE( got.lower_bound, 0.3 ) << "the true clearance at the end is 0.3";
+	EXPECT_LT( got.queries, want.queries + 1 );
+	edge.min_d = 0.31;
+	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), from, to, &edge, &got ) );
+	EXPECT_EQ( got.verdict, LW_VERDICT_BLOCKED );
+}
+
+TEST( Hierarchy, edge_contradicts_its_states )
+{
+	SeededRng rng;
+	int free = 0, blocked = 0, ruled_out = 0;
+	for ( int i = 0; i < 40; ++i )
+	{
+		World world = randomWorld( rng );
+		if ( world.group.empty() )
+		{
+			continue; // no edges without variables
+		}
+		ruled_out += lw_checker_get_info( world.checker.get() ).never_pairs > 0;
+		QueryPtr query = makeQuery( world.checker.get(), true, true ), plain = makeQuery( world.checker.get(), false, true );
+		for ( int k = 0; k < 6; ++k )
+		{
+			SCOPED_TRACE( ::testing::Message() << "world " << i << " edge " << k );
+			State a = groupState( rng, world, 0 ), b = groupState( rng, world, k == 5 ? 0.5 : 0 );
+			for ( std::size_t v = 0; k % 2 == 0 && v < a.size(); ++v )
+			{
+				b[v] = a[v] + 0.2 * ( b[v] - a[v] ); // short ones are free more often
+			}
+			lw_edge_def edge = lw_edge_def_default();
+			edge.min_d = k % 3 == 0 ? 0.005 : 0;
+			lw_edge_result got, want;
+			ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), a.data(), b.data(), &edge, &got ) );
+			ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), plain.get(), a.data(), b.data(), &edge, &want ) );
+			EXPECT_FALSE( got.verdict == LW_VERDICT_FREE && want.verdict == LW_VERDICT_BLOCKED );
+			EXPECT_FALSE( got.verdict == LW_VERDICT_BLOCKED && want.verdict == LW_VERDICT_FREE );
+			free += got.verdict == LW_VERDICT_FREE;
+			blocked += got.verdict == LW_VERDICT_BLOCKED;
+			State fa( lw_robot_variable_count( world.robot.get() ) ), fb = fa, ft = fa, q( a.size() );
+			lw_checker_full_state( world.checker.get(), a.data(), fa.data() );
+			lw_checker_full_state( world.checker.get(), b.data(), fb.data() );
+			for ( int s = 0; s <= 40 && got.verdict == LW_VERDICT_FREE; ++s )
+			{
+				lw_robot_interpolate( world.robot.get(), fa.data(), fb.data(), s / 40.0, ft.data() );
+				for ( std::size_t v = 0; v < q.size(); ++v )
+				{
+					q[v] = ft[world.group[v]];
+				}
+				lw_state_result state = ask( world, plain.get(), q, nullptr );
+				EXPECT_GE( std::min( state.environment.upper, state.self.upper ), got.lower_bound - 1e-9 );
+				EXPECT_EQ( state.verdict, LW_VERDICT_FREE );
+			}
+		}
+	}
+	EXPECT_GE( std::min( free, blocked ), 20 );
+	EXPECT_GE( ruled_out, 10 );
+}
+
+// The paper's promise: what is far away costs one test, however many links it has.
+TEST( Hierarchy, distant_arm_is_posed )
+{
+	SeededRng rng;
+	World world;
+	RobotModel model;
+	uint32_t parent = model.link( "root" );
+	for ( int i = 0; i < 12; ++i )
+	{
+		model.joint( "l" + std::to_string( i ), i % 7 == 3 ? LW_JOINT_FIXED : LW_JOINT_REVOLUTE, parent );
+		model.joints.back().parent_from_joint.t[0] = 0.05;
+		parent = model.joints.back().child;
+		model.body( parent, randomMesh( rng, 10, 0.02, nullptr ), lw_transform_identity() );
+	}
+	world.robot = model.create();
+	world.reach = makeReach( world.robot.get(), 0, 10 );
+	world.reference = randomState( rng, world.robot.get() );
+	for ( uint32_t i = 0; i < lw_robot_variable_count( world.robot.get() ); ++i )
+	{
+		world.group.push_back( i );
+	}
+	std::vector<ShapePtr> shapes;
+	shapes.emplace_back( randomPrimitive( rng, 0.3, nullptr ) );
+	const char* name = "far";
+	lw_scene_shape_def placed = { shapes[0].get(), 0, lw_transform_identity() };
+	placed.world_from_shape.t[1] = 10;
+	lw_scene_def def = lw_scene_def_default();
+	def.object_names = &name;
+	def.object_count = 1;
+	def.shapes = &placed;
+	def.shape_count = 1;
+	lw_scene* scene = nullptr;
+	ASSERT_EQ( LW_OK, lw_scene_create( &def, nullptr, nullptr, &scene ) );
+	world.scene.reset( scene );
+	world.build();
+	QueryPtr query = makeQuery( world.checker.get(), true, true );
+	const lw_range range = { 0, 0.5, 0 };
+	State q = groupState( rng, world, 0 );
+	lw_state_result out;
+	ASSERT_EQ( LW_OK,
+		lw_checker_state( world.checker.get(), query.get(), q.data(), LW_WHAT_ENVIRONMENT, &range, false, &out ) );
+	EXPECT_EQ( out.environment.kind, LW_CLEARANCE_FAR );
+	EXPECT_EQ( lw_query_get_stats( query.get() ).robot_tests, 1u );
+	EXPECT_EQ( lw_query_get_stats( query.get() ).links_posed, 0u );
+}
+
+TEST( Hierarchy, reach_of_another_robot_is_accepted )
+{
+	World world = sliderWorld( -1, 1.5 ), twin = sliderWorld( -1, 1.5 ), other = sliderWorld( -1, 1.6 );
+	lw_diag diag = {};
+	std::swap( world.reach, other.reach );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, world.build( &diag ) );
+	EXPECT_NE( std::string( diag.message ).find( "reach" ), std::string::npos ) << diag.message;
+	world.reach = std::move( twin.reach ); // made from an equal robot, another object
+	EXPECT_EQ( LW_OK, world.build( &diag ) ) << diag.message;
+	EXPECT_TRUE( lw_checker_get_info( world.checker.get() ).hierarchy );
+}
+
+TEST( Hierarchy, zero_quaternion_is_posed )
+{
+	RobotModel model;
+	uint32_t root = model.link( "root" );
+	model.joint( "flyer", LW_JOINT_FLOATING, root );
+	SeededRng rng;
+	model.body( root, randomPrimitive( rng, 0.1, nullptr ), lw_transform_identity() );
+	model.body( 1, randomPrimitive( rng, 0.1, nullptr ), lw_transform_identity() );
+	World world;
+	world.robot = model.create();
+	world.reach = makeReach( world.robot.get(), 0 );
+	world.reference = randomState( rng, world.robot.get() );
+	world.group = { 0, 1, 2, 3, 4, 5, 6 };
+	world.build();
+	ASSERT_TRUE( lw_checker_get_info( world.checker.get() ).hierarchy );
+	QueryPtr query = makeQuery( world.checker.get(), true, true );
+	State q = { 1, 2, 3, 0, 0, 0, 0 };
+	lw_state_result out;
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+		lw_checker_state( world.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
+	EXPECT_EQ( out.verdict, LW_VERDICT_UNKNOWN );
+	q[6] = 1;
+	EXPECT_EQ( LW_OK, lw_checker_state( world.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
+	EXPECT_EQ( out.verdict, LW_VERDICT_FREE );
+}
+
+namespace
+{
+
+/// Fails at one call; what it gave and did not get back is in `live`.
+struct FailingAllocator
+{
+	std::size_t calls = 0, fail_at = 0, live = 0;
+	lw_allocator allocator{ alloc, release, this };
+
+	static void* alloc( void* user, std::size_t size, std::size_t align )
+	{
+		auto* self = static_cast<FailingAllocator*>( user );
+		if ( ++self->calls == self->fail_at )
+		{
+			return nullptr;
+		}
+		self->live += size;
+		return std::aligned_alloc( align, ( size / align + 1 ) * align );
+	}
+	static void release( void* user, void* memory, std::size_t size )
+	{
+		static_cast<FailingAllocator*>( user )->live -= size;
+		std::free( memory );
+	}
+};
+
+} // namespace
+
+TEST( Hierarchy, failed_allocation_leaks )
+{
+	SeededRng rng;
+	World world = randomWorld( rng );
+	bool done = false;
+	for ( std::size_t at = 1; !done; ++at )
+	{
+		FailingAllocator memory;
+		memory.fail_at = at;
+		lw_diag diag = {};
+		lw_status status = world.build( &diag, &memory.allocator );
+		done = status == LW_OK;
+		EXPECT_TRUE( done || status == LW_ERROR_OUT_OF_MEMORY ) << lw_status_name( status );
+		world.checker.reset();
+		EXPECT_EQ( memory.live, 0u ) << "allocation " << at;
+	}
+}
+
+TEST( HierarchyThread, threads_share_more_than_they_should )
+{
+	SeededRng rng;
+	World world = randomWorld( rng );
+	std::vector<State> states;
+	std::vector<lw_state_result> want;
+	QueryPtr plain = makeQuery( world.checker.get(), false, false );
+	for ( int i = 0; i < 200; ++i )
+	{
+		states.push_back( groupState( rng, world, i % 5 == 0 ? 1 : 0 ) );
+		want.push_back( ask( world, plain.get(), states.back(), nullptr ) );
+	}
+	std::atomic<int> wrong{ 0 };
+	std::vector<std::thread> threads;
+	for ( int t = 0; t < 4; ++t )
+	{
+		threads.emplace_back( [&world, &states, &want, &wrong] {
+			QueryPtr query = makeQuery( world.checker.get(), true, true );
+			for ( std::size_t i = 0; i < states.size(); ++i )
+			{
+				lw_state_result got;
+				lw_checker_state( world.checker.get(), query.get(), states[i].data(), LW_WHAT_BOTH, nullptr, false, &got );
+				wrong += got.verdict != want[i].verdict || got.environment.kind != want[i].environment.kind ||
+						 got.self.kind != want[i].self.kind;
+			}
+		} );
+	}
+	for ( std::thread& thread : threads )
+	{
+		thread.join();
+	}
+	EXPECT_EQ( wrong, 0 );
+}
