@@ -14,6 +14,9 @@
 /// All sums below have fewer than 2^10 terms, each with fewer than 2^5 roundings: 2^15 * 2^-53 relative at most.
 #define OUTWARD ( 1.0 + 0x1p-37 )
 
+/// A little below pi, where the chord is the diameter to rounding.
+#define HALF_TURN 3.14159265
+
 /// A joint that moves a body.
 typedef struct motion_entry
 {
@@ -453,7 +456,7 @@ double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, 
 
 // ---- a cell ----------------------------------------------------------------------------------------------------------
 
-/// What a joint does at most on a straight way from the cell's centre to any state of the cell.
+/// What a joint does at most between the cell's centre and any state of the cell; `excess` is that of the centre.
 static joint_motion motion_in_cell( const motion_entry* entry, const lwi_joint* joint, const double* center,
 	const double* half_width )
 {
@@ -464,27 +467,27 @@ static joint_motion motion_in_cell( const motion_entry* entry, const lwi_joint* 
 	{
 		m.turn = h[2];
 		m.shift = sqrt( h[0] * h[0] + h[1] * h[1] );
-		m.excess = hypot( c[0] - entry->center[0], c[1] - entry->center[1] ) + m.shift;
+		m.excess = hypot( c[0] - entry->center[0], c[1] - entry->center[1] );
 		return m;
 	}
 	double change = fabs( joint->multiplier ) * h[0];
 	bool prismatic = joint->type == LW_JOINT_PRISMATIC;
 	m.turn = prismatic ? 0 : change;
 	m.shift = prismatic ? change : 0;
-	m.excess = prismatic ? fabs( joint->multiplier * c[0] + joint->offset - entry->center[0] ) + change : 0;
+	m.excess = prismatic ? fabs( joint->multiplier * c[0] + joint->offset - entry->center[0] ) : 0;
 	return m;
 }
 
-/// As measure_body(), with two differences. Lengths are counted from the centre, so that what moved below a joint is not
-/// halved. And the way may turn downward at an ancestor: the joints after it are passed from their parent's side. A rotation
-/// looks the same from both sides; a planar joint seen from its parent has an axis that the joint's own shift moves.
+/// Let E_1 .. E_n be the motions of the joints, the outermost first, and change them from centre to state one after the other,
+/// beginning with the outermost: E_1 .. E_(k-1) have changed already, but they are isometries, and what E_k moves is still at
+/// its place of the centre. So each joint adds the chord of its turn about its axis, at the distance of the *centre*, and its
+/// shift, whatever the others do. From its parent's side a joint is the inverse isometry: the same chord.
 void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count, uint32_t upward,
 	const double* center, const double* half_width, const lw_transform* poses, double rounding, double* lengths )
 {
 	const lw_robot* robot = table->robot;
 	const motion_body* b = &table->bodies[body];
 	const motion_entry nowhere = { 0 };
-	double radius = b->radius + rounding;
 	lw_vec3 middle_point = lwi_transform( &poses[b->link], b->center );
 	double length = 0, excess = 0;
 	for ( uint32_t k = 0; k < count; ++k )
@@ -494,16 +497,14 @@ void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32
 		const lwi_joint* joint = &robot->joints[way[k]];
 		assert( joint->type != LW_JOINT_FLOATING && !joint->constant && ( !up || entry->joint == way[k] ) );
 		joint_motion m = motion_in_cell( entry, joint, center, half_width );
-		double ring = up ? entry->ring + excess + rounding : INFINITY; // rings hold from below only
-		ring = up && k == 0 ? fmin( ring, b->first_ring + rounding ) : ring;
 		if ( m.turn > 0 )
 		{
 			const lw_transform* pose = &poses[joint->child];
 			lw_vec3 offset = lwi_sub( middle_point, lwi_load( pose->t ) );
-			lw_vec3 axis = lwi_rotate( pose, lwi_load( joint->axis ) );
-			double moved = length + ( up ? 0 : m.shift );
-			ring = fmin( distance_to_axis( axis, offset ) + radius + moved, ring );
-			length += ring * m.turn;
+			double ring = distance_to_axis( lwi_rotate( pose, lwi_load( joint->axis ) ), offset ) + b->radius;
+			ring = up ? fmin( ring, entry->ring + excess ) : ring; // these rings are of joints below
+			ring = up && k == 0 ? fmin( ring, b->first_ring ) : ring;
+			length += ( ring + rounding ) * ( m.turn < HALF_TURN ? 2 * sin( 0.5 * m.turn ) : 2.0 );
 		}
 		length = ( length + m.shift ) * OUTWARD;
 		excess = ( excess + m.excess ) * OUTWARD;
