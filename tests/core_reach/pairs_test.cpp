@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pairs of links: no separation that an attack can undercut, good separations where the truth is known, honest classes.
+#include "pair_probe.h"
 #include "random_robot.hpp"
 #include "reach_attack.hpp"
 
@@ -201,6 +202,40 @@ TEST( ReachPairs, PlanarArmSeparationIsGood )
 		proved += pair.separation > 0;
 	}
 	EXPECT_EQ( proved, 5 );
+}
+
+// With a first guess of a hundred metres nothing but the cells' own centres tells where the pair is near: a part of the box
+// that is not covered shows as a separation above the truth.
+TEST( ReachPairs, SubdivisionAloneFindsTheLeastDistance )
+{
+	uint64_t cells = 0;
+	for ( auto limits : { std::pair<double, double>{ 0.5, 0.5 }, { 1.0, 1.5 }, { 2.5, 1.0 }, { 1.2, 1.9 }, { 1.5, 2.6 } } )
+	{
+		PlanarArm arm( limits.first, limits.second );
+		double truth = PlanarArm::truth( limits.first, limits.second );
+		RobotPtr robot = arm.model.create();
+		ReachPtr reach = makeReach( robot.get(), 0, 0 );
+		double separation = pair_probe_subdivide( reach.get(), arm.base, arm.tip, 0.9, 100, 1000000, &cells );
+		EXPECT_GE( separation, 0.8 * truth );
+		EXPECT_LE( separation, truth );
+		EXPECT_EQ( pair_probe_subdivide( reach.get(), arm.tip, arm.base, 0.9, 100, cells / 2, &cells ), 0.0 )
+			<< "half of the cells prove nothing";
+	}
+	// A wheel without limits: one place of the rim is nearest, wherever that is
+	for ( int place = 0; place < 12; ++place )
+	{
+		RobotModel model;
+		model.link( "base" );
+		addBall( model, 0, 0.1 );
+		addJoint( model, "wheel", LW_JOINT_CONTINUOUS, 0, 1, 0, 0 );
+		double angle = place * M_PI / 6 + 0.1;
+		addBall( model, 1, 0.1, 0.5 * std::cos( angle ), 0.5 * std::sin( angle ) );
+		RobotPtr robot = model.create();
+		ReachPtr reach = makeReach( robot.get(), 0, 0 );
+		double separation = pair_probe_subdivide( reach.get(), 0, 1, 0.99, 100, 1000000, &cells );
+		EXPECT_GE( separation, 0.95 * 0.3 ) << place;
+		EXPECT_LE( separation, 0.3 ) << place;
+	}
 }
 
 TEST( ReachPairs, ContactInACornerOfTheBoxIsFound )
@@ -615,6 +650,7 @@ TEST( ReachPairs, EveryFailingAllocationIsReportedAndNothingLeaks )
 	lw_reach_def def = lw_reach_def_default();
 	def.robot = robot.get();
 	def.samples = 5;
+	def.hull_error = 0.2; // small hulls: the loop below makes many
 	def.seconds = 0.01;
 	std::size_t failures = 0;
 	for ( lw_status status = LW_ERROR_OUT_OF_MEMORY; status != LW_OK; )

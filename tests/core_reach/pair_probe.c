@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The inside of proofs for C++ tests.
+#include "pair_probe.h"
+
+#include "reach_proof.h"
+
+#include <stdlib.h>
+
+double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, double fraction, double first_guess,
+	uint64_t budget, uint64_t* cells )
+{
+	lw_reach_def def = lw_reach_def_default();
+	lwi_reach_job job = { &def, reach, NULL };
+	lwi_prober* prober;
+	double* q = calloc( reach->variable_count + 1u, sizeof( double ) );
+	*cells = 0;
+	if ( q == NULL || lwi_prober_create( &job, &prober ) != LW_OK )
+	{
+		free( q );
+		return 0;
+	}
+	lwi_prober_stage( prober, "probe", 0 );
+	lwi_prober_select( prober, link_a, link_b );
+	double separation = 0;
+	if ( prober->bounded )
+	{
+		double closest = first_guess;
+		lwi_proof proof = lwi_prober_subdivide( prober, fraction, budget, lwi_monotonic_seconds() + 60, &closest, q );
+		separation = proof.separation;
+		*cells = proof.cells;
+	}
+	lwi_prober_destroy( prober );
+	free( q );
+	return separation;
+}
