@@ -478,10 +478,10 @@ static joint_motion motion_in_cell( const motion_entry* entry, const lwi_joint* 
 	return m;
 }
 
-/// Let E_1 .. E_n be the motions of the joints, the outermost first, and change them from centre to state one after the other,
-/// beginning with the outermost: E_1 .. E_(k-1) have changed already, but they are isometries, and what E_k moves is still at
-/// its place of the centre. So each joint adds the chord of its turn about its axis, at the distance of the *centre*, and its
-/// shift, whatever the others do. From its parent's side a joint is the inverse isometry: the same chord.
+/// Let E_1 .. E_n be the motions of the joints, the outermost first, and change them from centre to state one after the
+/// other, the outermost first: E_1 .. E_(k-1) have changed already, but they are isometries, and what E_k moves is still at
+/// its place of the centre. So each joint adds the chord of its turn about its axis, at the distance of the *centre*, and
+/// its shift, whatever the others do. From its parent's side a joint is the inverse isometry: the same chord.
 void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count, uint32_t upward,
 	const double* center, const double* half_width, const lw_transform* poses, double rounding, double* lengths )
 {

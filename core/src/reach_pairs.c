@@ -2,7 +2,8 @@
 // What is known of each pair of links: contact found, proved apart, or to be checked. Samples first, since what touches
 // needs no proof; then proofs by hulls; a search for contact; and proofs by subdivision for as long as time is given.
 //
-// Classes as MoveIt's Setup Assistant names them (adjacent, never, always, default), but "never" is proved here, not sampled.
+// Classes as MoveIt's Setup Assistant names them (adjacent, never, always, default), but "never" is proved here, not
+// sampled.
 #include "math_inline.h"
 #include "reach_proof.h"
 

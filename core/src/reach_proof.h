@@ -31,7 +31,7 @@ typedef struct lwi_prober
 	uint32_t variable_count;
 	uint32_t* variables;  ///< that move the two against each other, ascending
 	bool bounded;         ///< `lower` and `upper` are finite and no floating joint is in between: can be subdivided
-	double* lower;        ///< [robot variable_count] entries of `variables`: the range to be proved, one turn where it is endless
+	double* lower;        ///< [robot variable_count] of `variables`: the range to be proved, one turn where it is endless
 	double* upper;
 	double rounding;      ///< metres, of both links' poses over the whole box
 

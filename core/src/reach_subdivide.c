@@ -205,7 +205,8 @@ static void begin( subdivision* s )
 	memcpy( p->state, s->q, p->robot->variable_count * sizeof( double ) );
 }
 
-lwi_proof lwi_prober_subdivide( lwi_prober* p, double fraction, uint64_t budget, double deadline, double* closest, double* q )
+lwi_proof lwi_prober_subdivide( lwi_prober* p, double fraction, uint64_t budget, double deadline, double* closest,
+	double* q )
 {
 	subdivision s = { .prober = p, .target = fraction * *closest, .least = *closest, .fraction = fraction,
 		.dimension = p->variable_count, .stride = 2 * p->variable_count + 2, .closest = closest, .q = q };

@@ -150,8 +150,9 @@ TEST( MotionCell, NoPointLeavesItsBound )
 				{
 					for ( lw_vec3 p : model.bodyPoints[body] )
 					{
-						double moved = distance( seen( middle, way.seenFrom[k], def, p ), seen( poses, way.seenFrom[k], def, p ) );
-						EXPECT_LE( moved, lengths[k] + 2 * rounding ) << "round " << round << ", step " << k << " of " << count;
+						std::uint32_t from = way.seenFrom[k];
+						double moved = distance( seen( middle, from, def, p ), seen( poses, from, def, p ) );
+						EXPECT_LE( moved, lengths[k] + 2 * rounding ) << "round " << round << ", step " << k << "/" << count;
 						largest[k] = std::max( largest[k], moved );
 					}
 				}

@@ -177,7 +177,8 @@ TEST( ReachPairs, RandomRobotsNoStateIsNearerThanTheSeparation )
 			}
 		}
 	}
-	std::printf( "%d proved, %d of them by subdivision; %d in contact, %d open\n", proved, bySubdivision, contacts, unproved );
+	std::printf( "%d proved, %d of them by subdivision; %d in contact, %d open\n", proved, bySubdivision, contacts,
+		unproved );
 	EXPECT_GE( proved, 100 );
 	EXPECT_GE( bySubdivision, 5 ); // few: it depends on the machine
 	EXPECT_GE( contacts, 40 );
@@ -386,7 +387,8 @@ TEST( ReachPairs, ZeroLengthLinksAndJointsThatCannotMove )
 	const double axes[3][3] = { { 0, 0, 1 }, { 0, 1, 0 }, { 1, 0, 0 } };
 	for ( std::uint32_t i = 0; i < 3; ++i )
 	{
-		lw_joint_def& joint = addJoint( model, i == 0 ? "a" : i == 1 ? "b" : "c", LW_JOINT_REVOLUTE, i, i == 0 ? 0.5 : 0, -2, 2 );
+		const char* names[3] = { "a", "b", "c" };
+		lw_joint_def& joint = addJoint( model, names[i], LW_JOINT_REVOLUTE, i, i == 0 ? 0.5 : 0, -2, 2 );
 		std::copy( axes[i], axes[i] + 3, joint.axis );
 	}
 	addBall( model, 3, 0.1, 0.2 );
