@@ -68,9 +68,7 @@ const char* jointTypeName( lw_joint_type type )
 
 std::string radiusText( const lw_sphere& sphere )
 {
-	return sphere.radius < 0             ? "-"
-	       : std::isinf( sphere.radius ) ? "unbounded"
-	                                     : fmt::format( "{:.4f}", sphere.radius );
+	return sphere.radius < 0 ? "-" : std::isinf( sphere.radius ) ? "unbounded" : fmt::format( "{:.4f}", sphere.radius );
 }
 
 // JSON has no infinity: an unbounded sphere has the radius null, an empty one is null itself.
@@ -80,7 +78,8 @@ Json sphereJson( const lw_sphere& sphere )
 	{
 		return nullptr;
 	}
-	return { { "center", { jsonNumber( sphere.center[0] ), jsonNumber( sphere.center[1] ), jsonNumber( sphere.center[2] ) } },
+	return {
+	    { "center", { jsonNumber( sphere.center[0] ), jsonNumber( sphere.center[1] ), jsonNumber( sphere.center[2] ) } },
 	    { "radius", jsonNumber( sphere.radius ) } };
 }
 
@@ -127,10 +126,10 @@ std::string hierarchyText( const io::LoadedReach& hulls )
 	{
 		width = std::max( width, 2 * line.depth + std::string( lw_robot_link_name( robot, line.link ) ).size() );
 	}
-	std::string text = fmt::format( "hierarchy, {} in {:.1f} ms; radii in metres\n", hulls.cached ? "from the cache" : "built",
-	    hulls.milliseconds );
-	text += fmt::format(
-	    "  {:<{}} {:>9} {:>9} {:>9} {:>7} {:>8}  joint\n", "link", width, "R", "M", "MR", "points", "excess" );
+	std::string text = fmt::format(
+	    "hierarchy, {} in {:.1f} ms; radii in metres\n", hulls.cached ? "from the cache" : "built", hulls.milliseconds );
+	text +=
+	    fmt::format( "  {:<{}} {:>9} {:>9} {:>9} {:>7} {:>8}  joint\n", "link", width, "R", "M", "MR", "points", "excess" );
 	for ( const TreeLine& line : lines )
 	{
 		const lw_reach_node node = lw_reach_get_node( hulls.reach.get(), line.link );
@@ -172,10 +171,11 @@ std::string pairClassText( const io::LoadedReach& tables )
 	std::string text;
 	for ( const lw_pair_class kind : classes )
 	{
-		text += fmt::format( "{}{} {}", text.empty() ? "" : ", ", pairsOf( tables.reach.get(), kind ),
-		    lw_pair_class_name( kind ) );
+		text += fmt::format(
+		    "{}{} {}", text.empty() ? "" : ", ", pairsOf( tables.reach.get(), kind ), lw_pair_class_name( kind ) );
 	}
-	return fmt::format( "pair tables of all joints, from the cache ({} s were spent on proofs): {}\n", tables.seconds_spent, text );
+	return fmt::format(
+	    "pair tables of all joints, from the cache ({} s were spent on proofs): {}\n", tables.seconds_spent, text );
 }
 
 Json pairClassJson( const io::LoadedReach& tables )

@@ -327,7 +327,8 @@ int runInfo( const InfoOptions& options )
 		    { "environment_pairs", info.environment_pairs }, { "self_pairs", info.self_pairs }, { "bytes", info.bytes },
 		    { "seconds", bench.buildSeconds() }, { "link_pairs", pairsJson( pairs ) },
 		    { "static_environment", jsonClearance( nameEnvironment( bench.checker(), info.static_environment ) ) } };
-		json["cache"] = { { "file", input.robot.report.cache_file }, { "milliseconds", input.robot.report.cache_milliseconds } };
+		json["cache"] = {
+		    { "file", input.robot.report.cache_file }, { "milliseconds", input.robot.report.cache_milliseconds } };
 		json["pair_classes"] = bench.reach().reach ? pairClassJson( bench.reach() ) : Json( nullptr );
 		json["hierarchy"] = options.hierarchy ? hierarchyJson( hulls ) : Json( nullptr );
 		json["total"] = totalJson( total( all, &input.robot.report ) );

@@ -38,7 +38,7 @@ Verdicts: FREE is proved; BLOCKED: a clearance at or below --min-d was found; RE
 clearance is within a stated band just above --min-d.
 
 Exit status: 0 = done, good answer; 1 = done, negative answer (a state or edge that is not FREE, no path, a path that
-is not valid); 2 = error, with a line "leeway: error: <file>: <element>: <problem>; <remedy>".)";
+is not valid, an SRDF that disables pairs that can collide); 2 = error, with a line "leeway: error: <file>: <element>: <problem>; <remedy>".)";
 
 const char* const info_about =
     R"(Reads robot, SRDF and scene, builds everything a check would use, and says what became of it.

@@ -107,7 +107,7 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	{
 		addQuestionOptions( app, options, needs );
 	}
-	app.add_flag( "--verbose", options.verbose, "all notices, and the planner's own messages" );
+	app.add_flag( "--verbose", options.verbose, "all notices and pairs, and the planner's own messages" );
 }
 
 void addEdgeOptions( CLI::App& app, EdgeOptions& options )

@@ -98,14 +98,13 @@ PairTable::PairTable( const io::RobotModel& model, Robot robot, Reach reach )
 			const auto found = reasons.find( { row.first, row.second } );
 			row.disabled = found != reasons.end();
 			row.reason = row.disabled ? found->second : "";
-			row.always =
-			    row.pair.kind == LW_PAIR_ALWAYS || ( row.pair.contact_share >= 1 && !( row.pair.closest > 0 ) );
+			row.always = row.pair.kind == LW_PAIR_ALWAYS || ( row.pair.contact_share >= 1 && !( row.pair.closest > 0 ) );
 			row.opinion = judge( row, !model.srdf_file.empty() );
 			m_rows.push_back( std::move( row ) );
 		}
 	}
-	std::sort( m_rows.begin(), m_rows.end(), []( const PairRow& x, const PairRow& y )
-	    { return std::tie( x.first, x.second ) < std::tie( y.first, y.second ); } );
+	std::sort( m_rows.begin(), m_rows.end(),
+	    []( const PairRow& x, const PairRow& y ) { return std::tie( x.first, x.second ) < std::tie( y.first, y.second ); } );
 
 	std::vector<double> state( lw_robot_variable_count( r ) );
 	lw_robot_default_state( r, state.data() );

@@ -33,7 +33,7 @@ struct PairRow
 	bool disabled = false; ///< by the SRDF
 	std::string reason;    ///< of the SRDF
 	Opinion opinion = Opinion::NOTHING;
-	bool always = false;   ///< in contact in every state looked at
+	bool always = false; ///< in contact in every state looked at
 };
 
 /// Values by variable name.

@@ -64,10 +64,10 @@ std::string millimetresBelow( double metres )
 
 std::string contactText( const PairRow& row )
 {
-	return row.always                        ? "in contact in every state looked at"
-	       : row.pair.contact_share > 0 ? fmt::format( "in contact in {:.3g} % of the random states",
-	                                          100 * row.pair.contact_share )
-	                                    : "in contact where the search led";
+	return row.always ? "in contact in every state looked at"
+	       : row.pair.contact_share > 0
+	           ? fmt::format( "in contact in {:.3g} % of the random states", 100 * row.pair.contact_share )
+	           : "in contact where the search led";
 }
 
 std::string factsText( const PairRow& row )
@@ -159,8 +159,8 @@ std::string findings( const PairTable& table, Opinion opinion, const char* headi
 	std::string text = rows.empty() ? "" : fmt::format( "{}\n", heading );
 	for ( const PairRow* row : rows )
 	{
-		text += fmt::format(
-		    "  {} ({}): {}{}\n", pairText( *row ), reasonText( *row ), contactText( *row ), evidenceText( table, *row ) );
+		text += fmt::format( "  {} ({}): {}{}\n", pairText( *row ), reasonText( *row ), contactText( *row ),
+		    row->always ? "" : evidenceText( table, *row ) );
 	}
 	return text;
 }
@@ -322,8 +322,8 @@ Json toJson( const PairTable& table, const io::RobotModel& model, const lw_robot
 	json["pairs"] = Json::array();
 	for ( const PairRow& row : table.rows() )
 	{
-		const bool touched = row.opinion == Opinion::FINDING || row.opinion == Opinion::ADJACENT_CONTACT ||
-		                     row.opinion == Opinion::ALWAYS;
+		const bool touched =
+		    row.opinion == Opinion::FINDING || row.opinion == Opinion::ADJACENT_CONTACT || row.opinion == Opinion::ALWAYS;
 		if ( touched )
 		{
 			json["findings"].push_back( findingJson( table, row ) );
@@ -370,8 +370,8 @@ int runPairs( const PairsOptions& options )
 		text += comparison( table, input.robot );
 		text += findings( table, Opinion::FINDING, "findings: the SRDF disables these, but a state in contact was found" );
 		text += findings( table, Opinion::ALWAYS, "disabled, and in contact in every state looked at" );
-		text += findings( table, Opinion::ADJACENT_CONTACT,
-		    "disabled neighbours for which a state in contact was found (usually meant)" );
+		text += findings(
+		    table, Opinion::ADJACENT_CONTACT, "disabled neighbours for which a state in contact was found (usually meant)" );
 	}
 	text += classLists( table, options.common.verbose );
 	Json json;

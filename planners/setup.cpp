@@ -48,9 +48,10 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	notices.add( "the robot", input.robot.report.notices );
 	if ( options.srdf.empty() )
 	{
-		notices.add( "the robot", { { options.robot, "no SRDF",
-		                              "neighbouring links are checked against each other too; where they overlap by design, give "
-		                              "an SRDF that disables these pairs" } } );
+		notices.add(
+		    "the robot", { { options.robot, "no SRDF",
+		                     "neighbouring links are checked against each other too; where they overlap by design, give "
+		                     "an SRDF that disables these pairs" } } );
 	}
 	if ( !options.scene.empty() )
 	{
@@ -78,8 +79,8 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 	ReachProgress& progress = *static_cast<ReachProgress*>( self );
 	if ( !progress.m_told )
 	{
-		fmt::print( stderr, "leeway: building motion hulls and pair tables of the robot; {} s for proofs\n",
-		    progress.m_budget );
+		fmt::print(
+		    stderr, "leeway: building motion hulls and pair tables of the robot; {} s for proofs\n", progress.m_budget );
 		progress.m_told = true;
 	}
 	progress.m_progress.stage( stage, share );

@@ -103,8 +103,8 @@ TEST_F( Cache, EdgesPlansAndAuditsReadItToo )
 	with.insert( with.end(), { "--cache", "cache" } );
 	EXPECT_EQ( verdicts( runModel( "edge", with ) ), plain );
 	EXPECT_EQ( verdicts( runModel( "edge", with ) ), plain );
-	const Outcome plan = runModel(
-	    "plan", { "--request", "request.yaml", "--out", "path.yaml", "--cache", "cache" }, "blocked.yaml" );
+	const Outcome plan =
+	    runModel( "plan", { "--request", "request.yaml", "--out", "path.yaml", "--cache", "cache" }, "blocked.yaml" );
 	EXPECT_EQ( plan.status, 0 ) << plan.err;
 	const Outcome audit = runModel( "audit", { "--path", "path.yaml", "--cache", "cache" }, "blocked.yaml" );
 	EXPECT_EQ( audit.status, 0 ) << audit.out << audit.err;
@@ -115,7 +115,8 @@ TEST_F( Cache, EdgesPlansAndAuditsReadItToo )
 TEST_F( Cache, InfoSaysWhatCameFromIt )
 {
 	check();
-	const Outcome result = runModel( "info", { "--group", "arm", "--cache", "cache", "--json", "info.json", "--hierarchy" } );
+	const Outcome result =
+	    runModel( "info", { "--group", "arm", "--cache", "cache", "--json", "info.json", "--hierarchy" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	const nlohmann::json info = json( "info.json" );
 	std::size_t from_cache = 0;
@@ -234,18 +235,21 @@ TEST_F( Cache, PairsKeepsItsTablesForALaterRun )
 	EXPECT_EQ( json( "first.json" )["pairs"], json( "second.json" )["pairs"] );
 	EXPECT_TRUE( contains( pairs( { "--cache", "cache", "--seed", "7" } ).out, "tables built" ) );
 	// a larger budget is not answered with what a smaller one found; a smaller one is
-	EXPECT_TRUE( contains( run( { "pairs", "--robot", "many.urdf", "--cache", "cache", "--budget", "3", "--samples", "200" } ).out,
-	    "tables built" ) );
-	EXPECT_TRUE( contains( run( { "pairs", "--robot", "many.urdf", "--cache", "cache", "--budget", "0", "--samples", "100" } ).out,
-	    "of an earlier run (3 s" ) );
+	EXPECT_TRUE(
+	    contains( run( { "pairs", "--robot", "many.urdf", "--cache", "cache", "--budget", "3", "--samples", "200" } ).out,
+	        "tables built" ) );
+	EXPECT_TRUE(
+	    contains( run( { "pairs", "--robot", "many.urdf", "--cache", "cache", "--budget", "0", "--samples", "100" } ).out,
+	        "of an earlier run (3 s" ) );
 }
 
 TEST_F( Cache, WhatTheRobotHoldsNeedsNoTables )
 {
-	const std::string attached = "robot_state:\n  attached_collision_objects:\n    - link_name: tool\n      object:\n"
-	                             "        id: cup\n        primitives:\n          - {type: box, dimensions: [0.02, 0.02, 0.02]}\n"
-	                             "        primitive_poses:\n          - {position: [0.05, 0, 0], orientation: [0, 0, 0, 1]}\n"
-	                             "      touch_links: [fore]\n";
+	const std::string attached =
+	    "robot_state:\n  attached_collision_objects:\n    - link_name: tool\n      object:\n"
+	    "        id: cup\n        primitives:\n          - {type: box, dimensions: [0.02, 0.02, 0.02]}\n"
+	    "        primitive_poses:\n          - {position: [0.05, 0, 0], orientation: [0, 0, 0, 1]}\n"
+	    "      touch_links: [fore]\n";
 	write( "scene.yaml", readFile( path( "scene.yaml" ) ) + attached );
 	const Outcome plain = check( {} );
 	const Outcome result = check( { "--cache", "cache", "--verbose" } );
@@ -279,8 +283,8 @@ TEST_F( CacheData, ArmarStatesHaveTheSameRows )
 {
 	const std::string data = LEEWAY_DATA_DIR "/", armar = data + "armar3/armar3";
 	std::vector<std::string> arguments = { "check", "--robot", armar + "_convex.urdf", "--srdf", armar + ".srdf", "--scene",
-		data + "kit_kitchen/scene_cluttered.yaml", "--group", "torso_both_arms", "--states",
-		data + "armar3/groundtruth/groundtruth_armar3_scene_cluttered_parked.csv" };
+	    data + "kit_kitchen/scene_cluttered.yaml", "--group", "torso_both_arms", "--states",
+	    data + "armar3/groundtruth/groundtruth_armar3_scene_cluttered_parked.csv" };
 	const std::string plain = withoutTime( run( arguments ) );
 	ASSERT_EQ( std::count( plain.begin(), plain.end(), '\n' ), 700 );
 	arguments.insert( arguments.end(), { "--cache", "cache" } );

@@ -3,6 +3,7 @@
 #include "pairs_fixture.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 TEST_F( Pairs, EveryClassIsFound )
 {
@@ -282,7 +283,8 @@ TEST_F( Pairs, AMimicOfAMimicFollowsTheFirst )
 {
 	// pot follows gear_b, which follows gear_a: the lid's height and gear_a move pot against lid
 	edit( "many.urdf", R"(<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-  <joint name="lid_joint")", R"(<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="gear_b_joint"/></joint>
+  <joint name="lid_joint")",
+	    R"(<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="gear_b_joint"/></joint>
   <joint name="lid_joint")" );
 	const Outcome result = pairs( { "--srdf", "many.srdf", "--json", "pairs.json" } );
 	ASSERT_EQ( result.status, 1 ) << result.err;
@@ -297,10 +299,57 @@ TEST_F( Pairs, ZeroLengthLinksAndUnlimitedSlidesAreCovered )
 {
 	// jaw_b's origin on jaw_a's; left may go anywhere along y
 	edit( "many.urdf", "<origin xyz=\"0.5 2 0\"/>", "<origin xyz=\"0 2 0\"/>" );
-	edit( "many.urdf", R"(<axis xyz="0 1 0"/><limit lower="0" upper="0.2")", R"(<axis xyz="0 1 0"/><limit lower="0" upper="1e6")" );
+	edit( "many.urdf", R"(<axis xyz="0 1 0"/><limit lower="0" upper="0.2")",
+	    R"(<axis xyz="0 1 0"/><limit lower="0" upper="1e6")" );
 	const Outcome result = pairs( { "--json", "pairs.json" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	const nlohmann::json all = json( "pairs.json" );
 	EXPECT_EQ( entry( all["pairs"], "jaw_a", "jaw_b" )["closest"], 0 );
 	EXPECT_EQ( entry( all["pairs"], "left", "right" )["class"], "never" );
+}
+
+class PairsData : public Pairs
+{
+protected:
+	void SetUp() override
+	{
+		Pairs::SetUp();
+		if ( !std::filesystem::exists( LEEWAY_DATA_DIR "/README.md" ) )
+		{
+			GTEST_SKIP() << "no data in " LEEWAY_DATA_DIR;
+		}
+	}
+};
+
+// Panda's SRDF calls a pair Never that can collide. Where all other pairs are disabled, the state that is shown for it must
+// be blocked by it.
+TEST_F( PairsData, TheEvidenceOfAFindingIsAContact )
+{
+	const std::string panda = LEEWAY_DATA_DIR "/mbm/panda/panda";
+	const Outcome result =
+	    run( { "pairs", "--robot", panda + ".urdf", "--srdf", panda + ".srdf", "--budget", "1", "--json", "pairs.json" } );
+	ASSERT_EQ( result.status, 1 ) << result.err;
+	const nlohmann::json all = json( "pairs.json" );
+	const nlohmann::json finding = entry( all["findings"], "panda_link2", "panda_link6" );
+	ASSERT_FALSE( finding.is_null() ) << result.out;
+	EXPECT_EQ( finding["reason"], "Never" );
+	std::string header, row, srdf = "<robot name=\"panda\">\n";
+	for ( std::size_t i = 0; i < all["variables"].size(); ++i )
+	{
+		header += ( i > 0 ? "," : "" ) + all["variables"][i].get<std::string>();
+		row += ( i > 0 ? "," : "" ) + finding["state"][i].dump();
+	}
+	write( "evidence.csv", header + "\n" + row + "\n" );
+	for ( const nlohmann::json& pair : all["pairs"] )
+	{
+		if ( pair["link1"] != finding["link1"] || pair["link2"] != finding["link2"] )
+		{
+			srdf += "<disable_collisions link1=" + pair["link1"].dump() + " link2=" + pair["link2"].dump() + "/>\n";
+		}
+	}
+	write( "only.srdf", srdf + "</robot>" );
+	const Outcome blocked =
+	    run( { "check", "--robot", panda + ".urdf", "--srdf", "only.srdf", "--states", "evidence.csv", "--what", "self" } );
+	EXPECT_EQ( blocked.status, 1 ) << blocked.out << blocked.err;
+	EXPECT_EQ( parseTable( blocked.out ).rows.at( 0 ).at( "self_upper" ), "0" ) << blocked.out;
 }

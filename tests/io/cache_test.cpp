@@ -23,13 +23,17 @@ protected:
 	/// Two meshes, one of them twice and once more at half the size; a box.
 	void writeUrdf( const std::string& more )
 	{
-		std::string urdf = "<robot name=\"cached/robot\">" + link( "base", mesh( "a.obj" ) ) + link( "one", mesh( "b.obj" ) ) +
+		std::string urdf = "<robot name=\"cached/robot\">" + link( "base", mesh( "a.obj" ) ) +
+		                   link( "one", mesh( "b.obj" ) ) +
 		                   link( "two", mesh( "b.obj" ) + mesh( "b.obj\" scale=\"0.5 0.5 0.5" ) ) +
 		                   link( "three", "<collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision>" );
 		for ( const char* child : { "one", "two", "three" } )
 		{
-			urdf += "<joint name=\"" + std::string( child ) + "_joint\" type=\"revolute\"><parent link=\"base\"/><child link=\"" +
-			        child + "\"/><origin xyz=\"" + std::to_string( child[1] == 'n' ? 1 : child[1] == 'w' ? 2 : 3 ) +
+			urdf += "<joint name=\"" + std::string( child ) +
+			        "_joint\" type=\"revolute\"><parent link=\"base\"/><child link=\"" + child + "\"/><origin xyz=\"" +
+			        std::to_string( child[1] == 'n'   ? 1
+			                        : child[1] == 'w' ? 2
+			                                          : 3 ) +
 			        " 0 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>";
 		}
 		write( "r.urdf", urdf + more + "</robot>" );
@@ -54,7 +58,8 @@ protected:
 	}
 	std::size_t files() const
 	{
-		return static_cast<std::size_t>( std::distance( fs::directory_iterator( path( "cache" ) ), fs::directory_iterator() ) );
+		return static_cast<std::size_t>(
+		    std::distance( fs::directory_iterator( path( "cache" ) ), fs::directory_iterator() ) );
 	}
 
 	LoadOptions options;

@@ -20,8 +20,8 @@ protected:
 			        "\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>";
 			if ( name[0] != 'a' )
 			{
-				urdf += "<joint name=\"j" + std::string( name ) + "\" type=\"continuous\"><parent link=\"a\"/><child link=\"" +
-				        name + "\"/></joint>";
+				urdf += "<joint name=\"j" + std::string( name ) +
+				        "\" type=\"continuous\"><parent link=\"a\"/><child link=\"" + name + "\"/></joint>";
 			}
 		}
 		write( "r.urdf", urdf + "</robot>" );
@@ -97,8 +97,8 @@ TEST_F( SrdfWriter, DecisionsCoverComputedPairs )
 	           "<disable_collisions link1=\"a\" link2=\"b\" reason=\"Bolted by hand\"/>"
 	           "<disable_collisions link1=\"a\" link2=\"c\"/><disable_default_collisions link=\"d\"/>"
 	           "<enable_collisions link1=\"d\" link2=\"b\"/></robot>" );
-	const WrittenSrdf srdf = writeSrdf( model,
-	    { { "a", "b", "Never" }, { "a", "c", "Adjacent" }, { "c", "d", "Never" }, { "b", "d", "Never" }, { "b", "c", "Never" } } );
+	const WrittenSrdf srdf = writeSrdf( model, { { "a", "b", "Never" }, { "a", "c", "Adjacent" }, { "c", "d", "Never" },
+	                                               { "b", "d", "Never" }, { "b", "c", "Never" } } );
 	ASSERT_EQ( srdf.written.size(), 2u ) << srdf.text;
 	EXPECT_EQ( srdf.written[0].link2, "c" );
 	EXPECT_EQ( srdf.written[1].link2, "d" );

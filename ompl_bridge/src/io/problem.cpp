@@ -518,8 +518,7 @@ void findReach( const ProblemOptions& options, Problem& problem )
 	else if ( options.find_reach )
 	{
 		problem.reach = loadReach( problem.robot, *options.find_reach );
-		problem.notices.insert(
-		    problem.notices.end(), problem.reach.notices.begin(), problem.reach.notices.end() );
+		problem.notices.insert( problem.notices.end(), problem.reach.notices.begin(), problem.reach.notices.end() );
 	}
 }
 

@@ -72,10 +72,9 @@ LoadedReach loadReach( const Robot& robot, const ReachOptions& options )
 		bool good = detail::readCacheFile( loaded.file, key, loaded.notices,
 		    [&]( const detail::CacheFile& content, lw_diag& diag )
 		    {
-			    return !spent.set( content.words )
-			               ? LW_ERROR_DAMAGED
-			               : lw_blob_read_reach(
-			                     content.blob.data(), content.blob.size(), key, robot.get(), nullptr, &diag, &reach );
+			    return !spent.set( content.words ) ? LW_ERROR_DAMAGED
+			                                       : lw_blob_read_reach( content.blob.data(), content.blob.size(), key,
+			                                             robot.get(), nullptr, &diag, &reach );
 		    } );
 		Reach cached = Reach::adopt( good ? reach : nullptr );
 		if ( good && ( options.accept_less || spent.covers( wanted ) ) )

@@ -47,7 +47,8 @@ ShapeCache::ShapeCache( const LoadOptions& options, const std::string& robot, co
 	prepareCacheFolder( options.cache );
 	for ( const MeshKey& mesh : meshes )
 	{
-		if ( isSelfContained( std::get<0>( mesh ) ) && std::find( m_meshes.begin(), m_meshes.end(), mesh ) == m_meshes.end() )
+		if ( isSelfContained( std::get<0>( mesh ) ) &&
+		     std::find( m_meshes.begin(), m_meshes.end(), mesh ) == m_meshes.end() )
 		{
 			m_meshes.push_back( mesh );
 		}

@@ -131,8 +131,8 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 		if ( found->second.dropped_faces > 0 )
 		{
 			m_report.notices.push_back( { place.file, place.element,
-			    fmt::format( "{} points and lines of mesh {} have no surface and were left out",
-			        found->second.dropped_faces, file ) } );
+			    fmt::format( "{} points and lines of mesh {} have no surface and were left out", found->second.dropped_faces,
+			        file ) } );
 		}
 	}
 	m_report.shapes.push_back( line );

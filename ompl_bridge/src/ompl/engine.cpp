@@ -147,6 +147,9 @@ Counters Engine::counters() const
 		total.blocked += slot->blocked.value();
 		total.refused += slot->refused.value();
 		total.edge_queries += slot->edge_queries.value();
+		total.motion_costs += slot->motion_costs.value();
+		total.cost_edges += slot->cost_edges.value();
+		total.cost_queries += slot->cost_queries.value();
 	}
 	return total;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // OMPL's two questions, answered by the core: isValid() and checkMotion(), with the whole of their contracts.
-#include "slot.hpp"
+#include "edge_prover.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,11 +15,17 @@ namespace ob = ::ompl::base;
 namespace
 {
 
-std::shared_ptr<const Engine> checkedEngine( std::shared_ptr<const Engine> engine )
+// States carry no type: those of another space would be read as numbers of this one.
+std::shared_ptr<const Engine> checkedEngine( const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine )
 {
-	if ( !engine )
+	if ( !si || !engine )
 	{
-		throw std::invalid_argument( "leeway::ompl: no engine" );
+		throw std::invalid_argument( "leeway::ompl: no space information or no engine" );
+	}
+	if ( si->getStateSpace() != engine->adapter().space() )
+	{
+		throw std::invalid_argument( "leeway::ompl: the space information is of space " + si->getStateSpace()->getName() +
+			", the engine was made for another one, " + engine->adapter().space()->getName() + "; make an engine for each" );
 	}
 	return engine;
 }
@@ -45,7 +51,7 @@ void increment( unsigned int& counter )
 // ---- states ----
 
 StateValidityChecker::StateValidityChecker( const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine )
-	: ob::StateValidityChecker( si ), m_engine( checkedEngine( std::move( engine ) ) )
+	: ob::StateValidityChecker( si ), m_engine( checkedEngine( si, std::move( engine ) ) )
 {
 	// a lower bound: alpha, max_d and the rounding bound all err on that side
 	specs_.clearanceComputationType = ob::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE;
@@ -128,16 +134,8 @@ double StateValidityChecker::clearance( const ob::State* state, ob::State*, bool
 
 // ---- motions ----
 
-/// How far a motion was proved.
-struct MotionValidator::Run
-{
-	lw_verdict verdict = LW_VERDICT_UNKNOWN;
-	double proved_until = 0; ///< place on the whole motion; 0 if not wanted
-	bool want_proved_until = false;
-};
-
 MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine )
-	: ob::MotionValidator( si ), m_engine( checkedEngine( std::move( engine ) ) ), m_def( lw_edge_def_default() )
+	: ob::MotionValidator( si ), m_engine( checkedEngine( si, std::move( engine ) ) ), m_def( lw_edge_def_default() )
 {
 	if ( !m_engine->adapter().straight() )
 	{
@@ -152,83 +150,12 @@ MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared
 	m_def.max_d = options.step;
 }
 
-// Proves OMPL's curve from a to b, piece by piece.
-void MotionValidator::proveCurve( const Engine::Lease& lease, const double* a, const double* b, Run& run ) const
+ProvedMotion MotionValidator::prove( const EdgeProver& prover, bool want_proved_until ) const
 {
-	const StateAdapter& adapter = m_engine->adapter();
-	Engine::Slot& slot = *lease.m_slot;
 	lw_edge_def def = m_def;
-	def.want_proved_until = run.want_proved_until;
-	const unsigned pieces = adapter.pieceCount( a, b );
-	std::copy( a, a + adapter.size(), slot.from );
-	for ( unsigned piece = 0; piece < pieces; ++piece )
-	{
-		if ( piece + 1 == pieces )
-		{
-			std::copy( b, b + adapter.size(), slot.to );
-		}
-		else
-		{
-			adapter.interpolate( a, b, double( piece + 1 ) / pieces, slot.to );
-		}
-		lw_edge_result result;
-		const lw_status status =
-			lw_checker_edge( m_engine->checker().get(), slot.query.get(), slot.from, slot.to, &def, &result );
-		run.verdict = status == LW_OK ? result.verdict : LW_VERDICT_UNKNOWN;
-		run.proved_until = ( piece + ( status == LW_OK ? result.proved_until : 0 ) ) / pieces;
-		slot.edge_queries.add( status == LW_OK ? result.queries : 0 );
-		if ( run.verdict != LW_VERDICT_FREE )
-		{
-			return;
-		}
-		std::copy( slot.to, slot.to + adapter.size(), slot.from );
-	}
-}
-
-// Proves the motion from slot.a to slot.b.
-//
-// Rotations that OMPL takes for equal (StateAdapter::hasCloseRotations()) make three curves of one motion: OMPL's own from a
-// (rotation of a throughout), OMPL's own from b, for planners that walk the edge backwards, and the slerp between. All three
-// are proved; together they also cover OMPL's jump at the end. Planners sample such pairs about never, so the price does not
-// matter.
-MotionValidator::Run MotionValidator::proveMotion( const Engine::Lease& lease, bool want_proved_until ) const
-{
-	const StateAdapter& adapter = m_engine->adapter();
-	Engine::Slot& slot = *lease.m_slot;
-	Run run;
-	run.want_proved_until = want_proved_until;
-	if ( !adapter.hasCloseRotations( slot.a, slot.b ) )
-	{
-		proveCurve( lease, slot.a, slot.b, run );
-		return run;
-	}
-	std::copy( slot.b, slot.b + adapter.size(), slot.varied );
-	adapter.replaceCloseRotations( slot.a, slot.varied );
-	proveCurve( lease, slot.a, slot.varied, run );
-	if ( run.verdict != LW_VERDICT_FREE )
-	{
-		return run;
-	}
-	run.want_proved_until = false;
-	std::copy( slot.a, slot.a + adapter.size(), slot.varied );
-	adapter.replaceCloseRotations( slot.b, slot.varied );
-	proveCurve( lease, slot.varied, slot.b, run );
-	if ( run.verdict == LW_VERDICT_FREE )
-	{
-		proveCurve( lease, slot.a, slot.b, run );
-	}
-	if ( run.verdict != LW_VERDICT_FREE )
-	{
-		// proved along one curve but not along another: nothing but the start counts
-		run.proved_until = 0;
-	}
-	return run;
-}
-
-MotionValidator::Run MotionValidator::prove( const Engine::Lease& lease, bool want_proved_until ) const
-{
-	const Run run = proveMotion( lease, want_proved_until );
-	Engine::Slot& slot = *lease.m_slot;
+	def.want_proved_until = want_proved_until;
+	Engine::Slot& slot = prover.slot();
+	const ProvedMotion run = prover.prove( def, slot.edge_queries );
 	slot.edges.add( 1 );
 	slot.free.add( run.verdict == LW_VERDICT_FREE );
 	slot.blocked.add( run.verdict == LW_VERDICT_BLOCKED );
@@ -237,17 +164,15 @@ MotionValidator::Run MotionValidator::prove( const Engine::Lease& lease, bool wa
 }
 
 // Writes the last valid state and returns its t. Both ends are in the slot by now, so `out` may be s1 or s2.
-double MotionValidator::writeLastValid( const Engine::Lease& lease, const Run& run, const ob::State* s1,
-	ob::State* out ) const
+double MotionValidator::writeLastValid( Engine::Slot& slot, double proved_until, const ob::State* s1, ob::State* out ) const
 {
 	const StateAdapter& adapter = m_engine->adapter();
-	Engine::Slot& slot = *lease.m_slot;
 
 	// The end of the proved run can lie so near to min_d that rounding decides: a second candidate lies a little before it.
 	constexpr double candidates[] = { 1.0, 1.0 - 0x1p-10 };
 	for ( double factor : candidates )
 	{
-		const double t = std::min( run.proved_until * factor, std::nextafter( 1.0, 0.0 ) );
+		const double t = std::min( proved_until * factor, std::nextafter( 1.0, 0.0 ) );
 		if ( !( t > 0 ) )
 		{
 			break;
@@ -286,29 +211,20 @@ bool MotionValidator::count( bool valid ) const
 	return valid;
 }
 
-// Both ends within the bounds: then all states between are, because bounds of RealVector are convex and the others have
-// none.
-bool MotionValidator::read( const Engine::Lease& lease, const ob::State* s1, const ob::State* s2 ) const
-{
-	if ( !lease || !si_->satisfiesBounds( s1 ) || !si_->satisfiesBounds( s2 ) )
-	{
-		return false;
-	}
-	m_engine->adapter().toVector( s1, lease.a() );
-	m_engine->adapter().toVector( s2, lease.b() );
-	return true;
-}
-
 bool MotionValidator::checkMotion( const ob::State* s1, const ob::State* s2 ) const
 {
 	const Engine::Lease lease( *m_engine );
-	return count( read( lease, s1, s2 ) && prove( lease, false ).verdict == LW_VERDICT_FREE );
+	if ( !lease )
+	{
+		return count( false );
+	}
+	const EdgeProver prover( *m_engine, lease );
+	return count( prover.read( *si_, s1, s2 ) && prove( prover, false ).verdict == LW_VERDICT_FREE );
 }
 
 bool MotionValidator::checkMotion( const ob::State* s1, const ob::State* s2, std::pair<ob::State*, double>& lastValid ) const
 {
-	const Engine::Lease lease( *m_engine );
-	if ( !read( lease, s1, s2 ) )
+	auto keepStart = [&]
 	{
 		if ( lastValid.first != nullptr && lastValid.first != s1 )
 		{
@@ -316,17 +232,31 @@ bool MotionValidator::checkMotion( const ob::State* s1, const ob::State* s2, std
 		}
 		lastValid.second = 0;
 		return count( false );
+	};
+	const Engine::Lease lease( *m_engine );
+	if ( !lease )
+	{
+		return keepStart();
 	}
-	const Run run = prove( lease, true );
+	const EdgeProver prover( *m_engine, lease );
+	if ( !prover.read( *si_, s1, s2 ) )
+	{
+		return keepStart();
+	}
+	const ProvedMotion run = prove( prover, true );
 	if ( run.verdict != LW_VERDICT_FREE )
 	{
-		lastValid.second = writeLastValid( lease, run, s1, lastValid.first );
+		lastValid.second = writeLastValid( prover.slot(), run.proved_until, s1, lastValid.first );
 	}
 	return count( run.verdict == LW_VERDICT_FREE );
 }
 
 std::shared_ptr<const Engine> install( const ob::SpaceInformationPtr& si, Checker checker, const Options& options )
 {
+	if ( !si )
+	{
+		throw std::invalid_argument( "leeway::ompl::install: no space information" );
+	}
 	auto engine = std::make_shared<const Engine>( si->getStateSpace(), std::move( checker ), options );
 	// made before either is set: a refusal leaves `si` as it was
 	auto motions = std::make_shared<MotionValidator>( si, engine );

@@ -68,8 +68,8 @@ struct LoadOptions
 	double weld_tolerance = 0; ///< metres
 	/// A link without collision geometry uses its visual geometry, with a notice. Never done silently.
 	bool use_visual = false;
-	/// A folder, made if it is missing; empty = none. loadRobot() keeps mesh shapes there, in one file named for the robot and
-	/// a digest of all that they are made of: URDF, mesh files, options, version. Answers do not depend on it.
+	/// A folder, made if it is missing; empty = none. loadRobot() keeps mesh shapes there, in one file named for the robot
+	/// and a digest of all that they are made of: URDF, mesh files, options, version. Answers do not depend on it.
 	std::string cache;
 };
 
@@ -143,8 +143,8 @@ RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file
 /// The robot as buildProblem() makes it without a scene: allowed pairs are those of the SRDF. @throws Error
 Robot buildRobot( const RobotModel& model );
 
-/// True for reasons that say what can be computed: Adjacent, Never, Default, Always, alone or followed by " (...)". Any other
-/// reason of a disabled pair, or none, is somebody's decision.
+/// True for reasons that say what can be computed: Adjacent, Never, Default, Always, alone or followed by " (...)". Any
+/// other reason of a disabled pair, or none, is somebody's decision.
 bool isComputedReason( const std::string& reason );
 
 struct WrittenSrdf
@@ -165,7 +165,7 @@ struct ReachOptions
 	/// A folder, made if it is missing; empty = none. One file per robot (lw_robot_digest) and version.
 	std::string cache;
 	bool build = true;       ///< build one if the cache has none, and keep it there
-	bool accept_less = true; ///< one from the cache will do even if less time or fewer samples than in `def` were spent on it
+	bool accept_less = true; ///< one from the cache will do even if it took less time, or fewer samples, than `def` gives
 	lw_reach_def def = lw_reach_def_default(); ///< what to build; the robot is filled in
 };
 
@@ -262,8 +262,8 @@ struct ProblemOptions
 	const Request* request = nullptr; ///< its start state becomes the reference (over the scene's robot_state)
 	/// Values that override both, by variable name (columns of a file that are not in the group)
 	JointState overrides;
-	/// Motion hulls and pair tables for the checker: found or built by these options, unless `reach` is given. Attached objects
-	/// make another robot, for which none is looked for: its hulls would hold for one grasp only.
+	/// Motion hulls and pair tables for the checker: found or built by these options, unless `reach` is given. Attached
+	/// objects make another robot, for which none is looked for: its hulls would hold for one grasp only.
 	std::optional<ReachOptions> find_reach;
 	Reach reach; ///< of an equal robot, from an earlier problem
 };

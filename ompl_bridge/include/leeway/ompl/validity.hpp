@@ -71,6 +71,7 @@ public:
 	/// Angles of SO2 subspaces are brought into [-pi, pi); everything else is copied as it is.
 	void fromVector( const double* q, ::ompl::base::State* state ) const;
 	std::size_t size() const { return m_size; }
+	const ::ompl::base::StateSpacePtr& space() const { return m_space; }
 
 	bool straight() const { return m_curve_problem.empty(); }
 	const std::string& curveProblem() const { return m_curve_problem; } ///< why straight() is false
@@ -121,6 +122,9 @@ private:
 	std::string m_curve_problem;
 };
 
+class EdgeProver;     // one motion's proof, private
+struct ProvedMotion;
+
 /// Totals of all threads since construction.
 struct Counters
 {
@@ -130,6 +134,9 @@ struct Counters
 	std::uint64_t blocked = 0;
 	std::uint64_t refused = 0;
 	std::uint64_t edge_queries = 0; ///< states at which edges measured distances
+	std::uint64_t motion_costs = 0; ///< motions whose clearance a ClearanceObjective was asked for
+	std::uint64_t cost_edges = 0;   ///< edge checks made for them
+	std::uint64_t cost_queries = 0; ///< states at which distances were measured for them
 };
 
 /// What the checker and the validator share: checker, options, adapter, and a pool of queries, one per thread in use. The
@@ -170,13 +177,14 @@ public:
 
 	private:
 		friend class StateValidityChecker;
-		friend class MotionValidator;
+		friend class EdgeProver;
 		Slot* m_slot;
 	};
 
 private:
 	friend class StateValidityChecker;
 	friend class MotionValidator;
+	friend class EdgeProver;
 	Slot* acquire() const; ///< nullptr if out of memory
 	Slot* makeSlot() const;
 
@@ -191,7 +199,8 @@ private:
 class StateValidityChecker : public ::ompl::base::StateValidityChecker
 {
 public:
-	/// @param si of the space that the engine was made with
+	/// @param si of the space that the engine was made with, the same object
+	/// @throws std::invalid_argument if it is another one
 	StateValidityChecker( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine );
 	bool isValid( const ::ompl::base::State* state ) const override;
 	/// One evaluation for both answers.
@@ -218,8 +227,8 @@ private:
 class MotionValidator : public ::ompl::base::MotionValidator
 {
 public:
-	/// @param si of the space that the engine was made with
-	/// @throws std::invalid_argument if the space's curves are not straight edges (StateAdapter::straight())
+	/// @param si of the space that the engine was made with, the same object
+	/// @throws std::invalid_argument if it is another one, or if its curves are not straight edges (StateAdapter::straight())
 	MotionValidator( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine );
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2 ) const override;
 	/// On failure lastValid.first, if not null, receives a state that was proved, and then checked by itself: the end of the
@@ -231,12 +240,8 @@ public:
 	const std::shared_ptr<const Engine>& engine() const { return m_engine; }
 
 private:
-	struct Run;
-	bool read( const Engine::Lease& lease, const ::ompl::base::State* s1, const ::ompl::base::State* s2 ) const;
-	Run prove( const Engine::Lease& lease, bool want_proved_until ) const;
-	Run proveMotion( const Engine::Lease& lease, bool want_proved_until ) const;
-	void proveCurve( const Engine::Lease& lease, const double* a, const double* b, Run& run ) const;
-	double writeLastValid( const Engine::Lease& lease, const Run& run, const ::ompl::base::State* s1,
+	ProvedMotion prove( const EdgeProver& prover, bool want_proved_until ) const;
+	double writeLastValid( Engine::Slot& slot, double proved_until, const ::ompl::base::State* s1,
 		::ompl::base::State* out ) const;
 	bool count( bool valid ) const;
 	std::shared_ptr<const Engine> m_engine;
