@@ -7,13 +7,13 @@
 #include "configurations.hpp"
 #include "fcl_peer.hpp"
 #include "provenance.hpp"
+#include "race.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -39,105 +39,6 @@ struct Settings
 	std::uint64_t seed = 20260101;
 	bool quick = false;
 };
-
-/// An answer: an interval for distances, lower = upper = 0 or 1 for questions of yes and no.
-struct Answer
-{
-	double lower = 0, upper = 0;
-};
-
-/// Somebody who answers a question about a state.
-struct Contender
-{
-	std::string name;
-	std::function<Answer( const double* q )> ask;
-};
-
-/// What a contender did on a set: per state its answer (of the first pass) and its time.
-struct Run
-{
-	std::vector<Answer> answers;
-	std::vector<double> microseconds;
-};
-
-double median( std::vector<double> values )
-{
-	if ( values.empty() )
-	{
-		return 0;
-	}
-	const auto middle = values.begin() + static_cast<std::ptrdiff_t>( values.size() / 2 );
-	std::nth_element( values.begin(), middle, values.end() );
-	return *middle;
-}
-
-struct Summary
-{
-	double median = 0, mean = 0, p95 = 0;
-};
-
-Summary summarise( std::vector<double> values )
-{
-	Summary summary;
-	if ( values.empty() )
-	{
-		return summary;
-	}
-	std::sort( values.begin(), values.end() );
-	summary.median = median( values );
-	summary.p95 = values[std::min( values.size() - 1, values.size() * 95 / 100 )];
-	for ( double value : values )
-	{
-		summary.mean += value / static_cast<double>( values.size() );
-	}
-	return summary;
-}
-
-Json toJson( const Summary& summary )
-{
-	return Json{ { "median_us", summary.median }, { "mean_us", summary.mean }, { "p95_us", summary.p95 } };
-}
-
-/// Processor time of this thread: what others do on the machine meanwhile lengthens no query, least of all the long ones.
-double threadMicroseconds()
-{
-	timespec now;
-	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &now );
-	return 1e6 * static_cast<double>( now.tv_sec ) + 1e-3 * static_cast<double>( now.tv_nsec );
-}
-
-std::vector<Run> race( const std::vector<Contender>& contenders, const ConfigurationSet& set, int repetitions )
-{
-	const std::size_t n = set.states.size();
-	std::vector<std::vector<std::vector<double>>> times( contenders.size(), std::vector<std::vector<double>>( n ) );
-	std::vector<Run> runs( contenders.size() );
-	for ( int pass = 0; pass < repetitions; ++pass )
-	{
-		for ( std::size_t i = 0; i < n; ++i )
-		{
-			for ( std::size_t k = 0; k < contenders.size(); ++k )
-			{
-				// Everybody is first as often: the first one finds the caches as another state left them
-				const std::size_t c = ( k + i + static_cast<std::size_t>( pass ) ) % contenders.size();
-				const double start = threadMicroseconds();
-				const Answer answer = contenders[c].ask( set.states[i].data() );
-				times[c][i].push_back( threadMicroseconds() - start );
-				if ( pass == 0 )
-				{
-					runs[c].answers.push_back( answer );
-				}
-			}
-		}
-	}
-	for ( std::size_t c = 0; c < contenders.size(); ++c )
-	{
-		for ( const std::vector<double>& of_state : times[c] )
-		{
-			runs[c].microseconds.push_back( median( of_state ) );
-		}
-	}
-	return runs;
-}
 
 /// A checker with its own query.
 class Leeway

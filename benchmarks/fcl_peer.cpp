@@ -134,7 +134,7 @@ FclPeer::FclPeer( const lw_checker* checker ) : m_checker( checker ), m_robot( l
 	}
 	const lw_scene* scene = lw_checker_scene( checker );
 	const lw_transform identity = lw_transform_identity();
-	for ( uint32_t i = 0; i < lw_scene_shape_count( scene ); ++i )
+	for ( uint32_t i = 0; scene != nullptr && i < lw_scene_shape_count( scene ); ++i )
 	{
 		const lw_scene_shape_def def = lw_scene_shape( scene, i );
 		m_obstacles.push_back( makeBody( def.shape, def.world_from_shape, LW_INVALID_INDEX ) );
