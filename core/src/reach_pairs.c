@@ -16,10 +16,11 @@
 enum
 {
 	SEARCH_PER_VARIABLE = 100, ///< measurements of a search for contact, per variable of the pair and one more
-	FIRST_CELLS = 500,         ///< of the first round of subdivisions; each round has ten times more
+	FIRST_CELLS = 500,         ///< of the first round of subdivisions
+	ROUND_GROWTH = 4,          ///< each round has as many times more
 	SEARCH_SHARE = 20,         ///< a round's search for contact has this many times fewer measurements than its proof cells
-	LONGEST_SEARCH = 2500,     ///< measurements; a search does not look at the clock
-	OUT_OF_SIGHT = 1000        ///< a pair waits for a later round if it seems to need this many times the round's cells
+	LONGEST_SEARCH = 1000,     ///< measurements; a search does not look at the clock
+	IN_REACH = 2               ///< a proof is tried if it is expected to take at most this many times the round's cells
 };
 
 /// Proofs first aim at a tenth of the closest distance found: cells are cut until their motion fits into what is left, so a
@@ -39,7 +40,7 @@ typedef struct active_pair
 	uint32_t variable_count;
 	uint32_t order;    ///< position in the list, for a stable sort
 	bool bounded, hopeless, contact_at_default;
-	double expected_cells; ///< of the proof last given up, extrapolated
+	double expected_cells; ///< of the next proof; 0 = not known
 	double closest;        ///< copies, for sorting
 	lw_reach_pair* pair;
 	double* state;     ///< the evidence: in reach->evidence
@@ -318,7 +319,8 @@ static lwi_proof_outcome attempt( work* w, active_pair* active, double fraction,
 	lwi_prober_select( w->prober, active->link_a, active->link_b );
 	lwi_proof proof =
 		lwi_prober_subdivide( w->prober, fraction, budget, deadline, &pair->closest, active->state );
-	active->expected_cells = proof.outcome == LWI_PROOF_EXHAUSTED ? (double)proof.cells / fmax( proof.share, 1e-300 ) : 0;
+	bool forecast_failed = proof.outcome == LWI_PROOF_EXHAUSTED && budget > FIRST_CELLS;
+	active->expected_cells = forecast_failed ? fmax( active->expected_cells, 2.0 * (double)budget ) : 0;
 	active->hopeless = proof.outcome == LWI_PROOF_HOPELESS;
 	if ( proof.separation > pair->separation )
 	{
@@ -338,6 +340,18 @@ static void search_on( work* w, active_pair* active, uint64_t budget )
 	}
 }
 
+/// The first round tries everything; later ones ask for a forecast before they spend cells.
+static bool is_in_reach( work* w, active_pair* active, double fraction, uint64_t budget )
+{
+	if ( budget > FIRST_CELLS && active->expected_cells <= 0 )
+	{
+		lwi_prober_select( w->prober, active->link_a, active->link_b );
+		uint64_t seed = w->job->def->seed + lwi_reach_pair_index( active->link_a, active->link_b );
+		active->expected_cells = lwi_prober_forecast( w->prober, fraction, seed, &active->pair->closest, active->state );
+	}
+	return active->expected_cells <= (double)IN_REACH * (double)budget && active->pair->closest > 0;
+}
+
 /// One pass over all pairs. *out_left is set if a pair needs more cells than this round gives.
 static lw_status run_pass( work* w, pass kind, uint64_t budget, double deadline, bool* out_left )
 {
@@ -349,7 +363,7 @@ static lw_status run_pass( work* w, pass kind, uint64_t budget, double deadline,
 			search_on( w, active, budget );
 		}
 		double fraction = next_fraction( active, kind );
-		if ( fraction > 0 && active->expected_cells < (double)OUT_OF_SIGHT * (double)budget &&
+		if ( fraction > 0 && is_in_reach( w, active, fraction, budget ) &&
 			 attempt( w, active, fraction, budget, deadline ) == LWI_PROOF_CANCELLED )
 		{
 			return cancelled( w );
@@ -374,7 +388,7 @@ static lw_status prove_by_subdivision( work* w )
 	lwi_prober_stage( w->prober, "subdivision", seconds );
 	double deadline = lwi_monotonic_seconds() + seconds;
 	bool left = true;
-	for ( uint64_t budget = FIRST_CELLS; left && budget < UINT64_MAX / 10; budget *= 10 )
+	for ( uint64_t budget = FIRST_CELLS; left && budget < UINT64_MAX / ROUND_GROWTH; budget *= ROUND_GROWTH )
 	{
 		left = false;
 		for ( int kind = 0; kind < PASS_COUNT; ++kind )

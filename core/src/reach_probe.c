@@ -52,7 +52,7 @@ static size_t lay_out( lwi_prober* p, char* base )
 	}
 	p->lengths_a = take( &l, joints + 1, sizeof( double ) );
 	p->lengths_b = take( &l, joints + 1, sizeof( double ) );
-	p->cells = take( &l, (size_t)( LWI_CELL_DEPTH + 1 ) * ( 2 * variables + 2 ), sizeof( double ) );
+	p->cells = take( &l, (size_t)( LWI_CELL_DEPTH + 1 ) * ( 2 * variables + 1 ), sizeof( double ) );
 	return l.used;
 }
 

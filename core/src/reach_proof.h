@@ -44,7 +44,7 @@ typedef struct lwi_prober
 	double* shares;
 	double* lengths_a;    ///< [joint_count + 1]
 	double* lengths_b;
-	double* cells;        ///< stack of the subdivision: [LWI_CELL_DEPTH + 1][2 * variable_count + 2]
+	double* cells;        ///< stack of the subdivision: [LWI_CELL_DEPTH + 1][2 * variable_count + 1]
 
 	const char* stage;    ///< what progress reports
 	double share;         ///< the same, unless the stage has a time budget
@@ -120,9 +120,12 @@ typedef struct lwi_proof
 {
 	lwi_proof_outcome outcome;
 	double separation; ///< proved; 0 unless PROVED
-	double share;      ///< of the box's volume that was certified: with `cells` it tells how far off the end is
 	uint64_t cells;
 } lwi_proof;
+
+/// Estimates how many cells lwi_prober_subdivide() would need, from a few random ways down its tree; +inf if there is no end in
+/// sight. Rough: within some powers of ten of the truth, but it costs a few hundred cells.
+double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, double* closest, double* q );
 
 /// Tries to prove the pair in hand (which is `bounded`) apart by at least `fraction` of the least distance found, at most
 /// `budget` cells and not after `deadline`. *closest and q are updated if a nearer state inside the limits is met.

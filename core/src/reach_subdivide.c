@@ -4,7 +4,8 @@
 //
 // The motion bound is that of Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple
 // articulated robots in complex environments", IEEE T-RO 21(3), 2005, for boxes instead of edges. Branch and bound with a
-// Lipschitz bound: S. A. Piyavskii, "An algorithm for finding the absolute extremum of a function", 1972.
+// Lipschitz bound: S. A. Piyavskii, "An algorithm for finding the absolute extremum of a function", 1972. Forecast of the
+// size of a search tree: D. E. Knuth, "Estimating the efficiency of backtrack programs", Math. Comp. 29, 1975.
 // Derivation: core/docs/self_collision.md.
 #include "math_inline.h"
 #include "reach_proof.h"
@@ -13,11 +14,12 @@
 
 enum
 {
-	CELLS_PER_LOOK = 32 ///< cells between two looks at the clock
+	CELLS_PER_LOOK = 32, ///< cells between two looks at the clock
+	DIVES = 16           ///< ways down the tree for a forecast
 };
 
-/// One proof under way. The stack's entries are [lower, upper] of each variable of the pair, then the cell's share of the
-/// box's volume, then an estimate from above of the distance at its centre.
+/// One proof under way. The stack's entries are [lower, upper] of each variable of the pair, then an estimate from above of
+/// the distance at the cell's centre.
 typedef struct subdivision
 {
 	lwi_prober* prober;
@@ -147,7 +149,7 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 	}
 	double motion = motion_bound( s );
 	double needed = ( s->target + motion + p->rounding ) * ( 1 + 16 * LWI_U64 );
-	*out_distance = cell[2 * s->dimension + 1];
+	*out_distance = cell[2 * s->dimension];
 	if ( !isfinite( needed ) || *out_distance < needed )
 	{
 		return false; // the parent's distance says so: no need to measure
@@ -182,14 +184,14 @@ static bool cut( subdivision* s, double distance )
 		return false;
 	}
 	double* high_half = cell_at( s, s->height++ );
-	low_half[2 * s->dimension] *= 0.5;
-	low_half[2 * s->dimension + 1] = distance + 0.5 * p->shares[p->variables[widest]];
+	low_half[2 * s->dimension] = distance + 0.5 * p->shares[p->variables[widest]];
 	memcpy( high_half, low_half, s->stride * sizeof( double ) );
 	low_half[2 * widest + 1] = middle;
 	high_half[2 * widest] = middle;
 	return true;
 }
 
+/// Makes the whole box the only cell.
 static void begin( subdivision* s )
 {
 	lwi_prober* p = s->prober;
@@ -199,18 +201,61 @@ static void begin( subdivision* s )
 		box[2 * i] = p->lower[p->variables[i]];
 		box[2 * i + 1] = p->upper[p->variables[i]];
 	}
-	box[2 * s->dimension] = 1;
-	box[2 * s->dimension + 1] = INFINITY;
+	box[2 * s->dimension] = INFINITY;
 	s->height = 1;
 	memcpy( p->state, s->q, p->robot->variable_count * sizeof( double ) );
+}
+
+static subdivision make( lwi_prober* p, double fraction, double* closest, double* q )
+{
+	assert( p->bounded && fraction > 0 && fraction < 1 );
+	return (subdivision){ .prober = p, .target = fraction * *closest, .least = *closest, .fraction = fraction,
+		.dimension = p->variable_count, .stride = 2 * p->variable_count + 1, .closest = closest, .q = q };
+}
+
+/// Cells of a tree that is like the one way down it which `random` takes: at each depth twice as many as at the one above.
+static double dive( subdivision* s, uint64_t* random )
+{
+	double cells = 0, at_depth = 1;
+	begin( s );
+	for ( ;; )
+	{
+		double distance;
+		double* cell = cell_at( s, 0 );
+		cells += at_depth;
+		if ( certify( s, cell, &distance ) )
+		{
+			return cells;
+		}
+		if ( !( s->target > 0 ) || at_depth > 1e18 || !cut( s, distance ) )
+		{
+			return INFINITY;
+		}
+		if ( lwi_random( random ) >> 63 )
+		{
+			memcpy( cell, cell_at( s, 1 ), s->stride * sizeof( double ) );
+		}
+		s->height = 1;
+		at_depth *= 2;
+	}
+}
+
+double lwi_prober_forecast( lwi_prober* p, double fraction, uint64_t seed, double* closest, double* q )
+{
+	subdivision s = make( p, fraction, closest, q );
+	uint64_t random = seed;
+	double sum = 0;
+	for ( int i = 0; i < DIVES && sum < INFINITY; ++i )
+	{
+		sum += dive( &s, &random );
+	}
+	return sum / DIVES;
 }
 
 lwi_proof lwi_prober_subdivide( lwi_prober* p, double fraction, uint64_t budget, double deadline, double* closest,
 	double* q )
 {
-	subdivision s = { .prober = p, .target = fraction * *closest, .least = *closest, .fraction = fraction,
-		.dimension = p->variable_count, .stride = 2 * p->variable_count + 2, .closest = closest, .q = q };
-	assert( p->bounded && fraction > 0 && fraction < 1 );
+	subdivision s = make( p, fraction, closest, q );
 	begin( &s );
 	s.proof.outcome = LWI_PROOF_EXHAUSTED;
 	while ( s.height > 0 )
@@ -230,7 +275,6 @@ lwi_proof lwi_prober_subdivide( lwi_prober* p, double fraction, uint64_t budget,
 		const double* cell = cell_at( &s, s.height - 1 );
 		if ( certify( &s, cell, &distance ) )
 		{
-			s.proof.share += cell[2 * s.dimension];
 			--s.height;
 		}
 		else if ( !( s.target > 0 ) )
