@@ -102,7 +102,7 @@ constexpr lw_pair_class classes[] = {
 
 } // namespace
 
-io::LoadedReach findHulls( const Workbench& bench )
+io::LoadedReach findHulls( const Workbench& bench, const std::string& robot_file )
 {
 	if ( bench.reach().reach )
 	{
@@ -114,7 +114,9 @@ io::LoadedReach findHulls( const Workbench& bench )
 	Progress progress( "motion hulls" );
 	ReachProgress report( progress );
 	report.attach( options.def );
-	return io::loadReach( bench.problem().robot, options );
+	io::LoadedReach loaded = io::loadReach( bench.problem().robot, options );
+	requireReach( loaded, robot_file );
+	return loaded;
 }
 
 std::string hierarchyText( const io::LoadedReach& hulls )

@@ -301,7 +301,7 @@ int runInfo( const InfoOptions& options )
 	text += input.scene ? sceneText( *input.scene, scene_shapes ) : "no scene\n";
 	text += checkerText( bench, pairs, info );
 	text += bench.reach().reach ? pairClassText( bench.reach() ) : "";
-	const io::LoadedReach hulls = options.hierarchy ? findHulls( bench ) : io::LoadedReach();
+	const io::LoadedReach hulls = options.hierarchy ? findHulls( bench, input.robot_file ) : io::LoadedReach();
 	text += options.hierarchy ? hierarchyText( hulls ) : "";
 	text += totalLine( "all", total( all, &input.robot.report ) );
 	text += fmt::format( "files read and trees built in {:.3f} s; {} notices\n", input.robot_seconds + input.scene_seconds,

@@ -358,6 +358,7 @@ int runPairs( const PairsOptions& options )
 	const Input input = loadInput( options.common, notices );
 	const Robot robot = io::buildRobot( input.robot );
 	const io::LoadedReach reach = findReach( options, robot, notices );
+	requireReach( reach, options.common.robot );
 	const PairTable table( input.robot, robot, reach.reach );
 
 	std::string text = fmt::format( "robot {} ({}): {} links with geometry, {} pairs; tables {} in {:.2f} s\n",

@@ -87,6 +87,14 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 	return true;
 }
 
+void requireReach( const io::LoadedReach& loaded, const std::string& robot_file )
+{
+	if ( !loaded.reach )
+	{
+		throw io::Error( robot_file, "motion hulls", "this build of leeway cannot make them", "build it with qhull" );
+	}
+}
+
 Workbench::Workbench( const Input& input, std::string group, Values values, Notices& notices )
     : m_input( input ), m_group( std::move( group ) ), m_notices( notices )
 {

@@ -48,6 +48,10 @@ private:
 	Progress& m_progress;
 };
 
+/// What a subcommand cannot do without.
+/// @throws io::Error if `loaded` is empty
+void requireReach( const io::LoadedReach& loaded, const std::string& robot_file );
+
 /// Values by variable name.
 using Values = std::map<std::string, double>;
 

@@ -138,6 +138,8 @@ TEST_F( IoCache, AMissingMeshIsTheSameError )
 	load();
 	fs::remove( path( "b.obj" ) );
 	expectError( [&] { load(); }, { "r.urdf", "b.obj", "was not found" } );
+	write( "b.obj", "" );
+	expectError( [&] { load(); }, { "r.urdf", "link one", "b.obj" } );
 }
 
 TEST_F( IoCache, AFileInPlaceOfTheFolderIsNamed )

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <limits>
 #include <sstream>
 #include <system_error>
 
@@ -74,13 +76,22 @@ std::string readFile( const std::string& file )
 		throw Error( file, "", "is a folder, not a file", "name the file in it" );
 	}
 	std::ifstream stream( file, std::ios::binary );
-	std::ostringstream text;
-	text << stream.rdbuf();
-	if ( !stream )
+	std::string text;
+	if ( status.type() == std::filesystem::file_type::regular )
+	{
+		std::uintmax_t size = std::filesystem::file_size( file, error );
+		text.resize( error ? 0 : static_cast<std::size_t>( size ) );
+		stream.read( text.data(), static_cast<std::streamsize>( text.size() ) );
+	}
+	else
+	{
+		text.assign( std::istreambuf_iterator<char>( stream ), {} ); // a pipe: its size is not known before its end
+	}
+	if ( !stream || error || text.empty() )
 	{
 		throw Error( file, "", "cannot be read", "check its permissions, and that it is not empty" );
 	}
-	return text.str();
+	return text;
 }
 
 std::optional<double> parseNumber( std::string_view text )

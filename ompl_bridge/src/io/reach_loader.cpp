@@ -45,12 +45,19 @@ lw_digest keyOf( const lw_robot* robot )
 	return detail::digestWords( lw_robot_digest( robot ), { lw_version() } );
 }
 
-Reach build( const Robot& robot, lw_reach_def def )
+/// Empty, with a notice, if this build of the library cannot make hulls: they are there for speed only.
+Reach build( const Robot& robot, lw_reach_def def, std::vector<Notice>& notices )
 {
 	lw_reach* reach = nullptr;
 	lw_diag diag{};
 	def.robot = robot.get();
-	require( lw_reach_create( &def, nullptr, &diag, &reach ), diag );
+	lw_status status = lw_reach_create( &def, nullptr, &diag, &reach );
+	if ( status == LW_ERROR_UNSUPPORTED )
+	{
+		notices.push_back( { "", "motion hulls", std::string( "are not used: " ) + diag.message } );
+		return Reach();
+	}
+	require( status, diag );
 	return Reach::adopt( reach );
 }
 
@@ -86,9 +93,9 @@ LoadedReach loadReach( const Robot& robot, const ReachOptions& options )
 	}
 	if ( !loaded.reach && options.build )
 	{
-		loaded.reach = build( robot, options.def );
+		loaded.reach = build( robot, options.def, loaded.notices );
 		loaded.seconds_spent = wanted.seconds;
-		if ( !loaded.file.empty() )
+		if ( loaded.reach && !loaded.file.empty() )
 		{
 			lw_blob_def def = lw_blob_def_default();
 			def.key = key;

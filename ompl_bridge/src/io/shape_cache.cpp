@@ -31,6 +31,19 @@ bool isSelfContained( const std::string& file )
 	return false;
 }
 
+/// Continued with the file's bytes. A file that cannot be read adds nothing: whoever needs it will say so.
+lw_digest digestFile( lw_digest from, const std::string& file )
+{
+	try
+	{
+		return digestText( from, readFile( file ) );
+	}
+	catch ( const Error& )
+	{
+		return from;
+	}
+}
+
 std::uint64_t bitsOf( double value )
 {
 	std::uint64_t bits;
@@ -67,7 +80,7 @@ ShapeCache::ShapeCache( const LoadOptions& options, const std::string& robot, co
 		const auto& [file, x, y, z] = mesh;
 		m_key = digestWords( m_key, { bitsOf( x ), bitsOf( y ), bitsOf( z ) } );
 		m_key = digestText( m_key, std::filesystem::path( file ).extension().string() ); // says how it is read
-		m_key = digestText( m_key, readFile( file ) );
+		m_key = digestFile( m_key, file );
 	}
 	m_file = cacheFileName( options.cache, robot, m_key, "trees" );
 	m_report.cache_file = m_file;

@@ -171,7 +171,7 @@ struct ReachOptions
 
 struct LoadedReach
 {
-	Reach reach; ///< empty if the cache has none and none was to be built
+	Reach reach; ///< empty if the cache has none and none was to be built, or this build has no qhull (a notice)
 	bool cached = false;
 	double seconds_spent = 0; ///< the budget it was built with
 	double milliseconds = 0;  ///< reading or building
