@@ -366,6 +366,50 @@ TEST( MotionHull, RoundBodiesAreInsideAndHardlyExceeded )
 	}
 }
 
+TEST( MotionHull, PlanarAndFloatingJointsWithLimits )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 8; ++i )
+	{
+		RobotModel model;
+		model.worldFromRoot = randomTransform( rng, 1 );
+		model.link( "base" );
+		for ( std::uint32_t k = 0; k < 2; ++k )
+		{
+			lw_joint_type type = ( i + k ) % 2 ? LW_JOINT_FLOATING : LW_JOINT_PLANAR;
+			lw_joint_def& joint = model.joint( "l" + std::to_string( k ), type, k );
+			joint.parent_from_joint = randomTransform( rng, 1 );
+			joint.axis[0] = rng.uniform( -1, 1 );
+			for ( int c = 0; c < 3; ++c )
+			{
+				joint.position_lower[c] = rng.uniform( -0.5, 0.2 );
+				joint.position_upper[c] = joint.position_lower[c] + rng.uniform( 0, 0.5 );
+			}
+		}
+		std::vector<lw_vec3> points;
+		lw_shape* shape = randomMesh( rng, 5, 0.2, &points );
+		model.body( 2, shape, randomTransform( rng, 0.1 ), points );
+		RobotPtr robot = model.create();
+		ReachPtr reach = build( robot.get() );
+		Directions directions( rng, reach.get(), 300 );
+		int bounded = 0;
+		for ( int s = 0; s < 3000 && !HasFailure(); ++s )
+		{
+			State q = coveredState( rng, reach.get(), s % 2 == 0 );
+			bounded += expectContained( rng, model, reach.get(), directions, q, { {}, {}, linkPoints( model, 2 ) } );
+		}
+		EXPECT_GT( bounded, 8000 );
+
+		// one limit less, of either side of either direction, and nothing holds it
+		lw_joint_def& joint = model.joints[1];
+		int last = joint.type == LW_JOINT_FLOATING ? 2 : 1;
+		( i & 4 ? joint.position_upper : joint.position_lower )[last] = i & 4 ? inf : -inf;
+		robot = model.create();
+		EXPECT_EQ( lw_reach_get_node( build( robot.get() ).get(), 2 ).m.radius, inf );
+		EXPECT_EQ( lw_reach_get_node( build( robot.get() ).get(), 0 ).m.radius, inf );
+	}
+}
+
 TEST( MotionHull, UnlimitedJointsAreUnboundedUpToTheRoot )
 {
 	RobotModel model;
