@@ -326,7 +326,7 @@ private:
 		{
 			edges.push_back( makeEdge( near, length ) );
 		}
-		const std::vector<Run> runs = race( contenders(), edges, m_settings.repetitions );
+		const std::vector<Run> runs = race( contenders(), { near ? "near" : "any", "edges", edges }, m_settings.repetitions );
 		for ( std::size_t i = 0; i < edges.size(); ++i )
 		{
 			const bool proved = runs[2].answers[i].lower == LW_VERDICT_FREE || runs[3].answers[i].lower == LW_VERDICT_FREE;
