@@ -9,7 +9,8 @@
 #include <float.h>
 
 /// What lower is reduced by, relative to the extent of the question: radius of a + radius of b + distance of their
-/// reference points (a solid's centre, a triangle's first vertex, the first of a point set). 48 roundings, counted in core/docs/convex_distance.md.
+/// reference points (a solid's centre, the first vertex of a triangle or point set). 48 roundings, counted in
+/// core/docs/convex_distance.md.
 #define LWI_CONVEX_ROUNDING ( 48.0 * ( DBL_EPSILON / 2 ) )
 
 /// Width that an interval has at most, relative to the same extent, unless it was stopped early or (never seen) ran into the

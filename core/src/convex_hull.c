@@ -9,8 +9,9 @@
 // as a convex combination of the centre c (the mean of the kept ones) and the corners v0 v1 v2 of the facet that the ray
 // from c to p leaves through,
 //     p' = c + sum w_k ( v_k - c ),  w_k >= 0,  sum w_k <= 1,
-// p itself where that is possible, and |p - p'| bounds how far p is outside. A wrong facet gives a larger bound, never a false one. Where that bound is
-// larger than others', the distance of convex.h decides (its upper bound is attained by a point of the hull too).
+// p itself where that is possible, and |p - p'| bounds how far p is outside. A wrong facet gives a larger bound, never a
+// false one. Where that bound is larger than others', the distance of convex.h decides (its upper bound is attained by a
+// point of the hull too).
 #include "convex_hull.h"
 
 #include "convex.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Hulls of links swept by joints. Paper: Steinbach et al. 2006, section III; the sampling is circumscribed, not inscribed.
 //
-// A rotation by angles of [l, u] is cut into n steps of a = ( u - l ) / n. The arc of a point at the distance r from the axis
-// lies in the polygon of its two ends and, at the middle angle of each step, the point at r / cos( a / 2 ): there the
+// A rotation by angles of [l, u] is cut into n steps of a = ( u - l ) / n. The arc of a point at the distance r from the
+// axis lies in the polygon of its two ends and, at the middle angle of each step, the point at r / cos( a / 2 ): there the
 // tangents at the step's ends meet. Each point may have steps of its own: if p = sum w_i p_i with weights of a convex
 // combination, then R p = sum w_i R p_i for every rotation R, and each R p_i is in the hull of its own polygon. So a hull is
 // swept by sweeping its points, and contains all that the hull of the points sweeps. A dilation by d stays d: R turns the
