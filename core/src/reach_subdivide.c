@@ -18,6 +18,10 @@ enum
 	DIVES = 16           ///< ways down the tree for a forecast
 };
 
+/// Relative tolerance of a cell's distance. Whether a cell is certified does not depend on it, since FAR means beyond
+/// `needed` in any case; a cell that is not needs no more than a rough distance. Fetch's proofs take 0.55 of the time.
+#define CELL_ALPHA 0.5
+
 /// One proof under way. The stack's entries are [lower, upper] of each variable of the pair, then an estimate from above of
 /// the distance at the cell's centre.
 typedef struct subdivision
@@ -154,7 +158,7 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 	{
 		return false; // the parent's distance says so: no need to measure
 	}
-	lw_range range = { 0, needed, 0 };
+	lw_range range = { 0, needed, CELL_ALPHA };
 	lwi_bound bound;
 	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &bound );
 	lw_clearance clearance = lwi_bound_result( &bound );
