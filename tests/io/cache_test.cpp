@@ -206,7 +206,8 @@ TEST_F( IoCache, AProblemUsesWhatItIsTold )
 {
 	const RobotModel model = load();
 	ProblemOptions problem;
-	EXPECT_FALSE( buildProblem( model, problem ).reach.reach );
+	const Problem plain = buildProblem( model, problem );
+	EXPECT_FALSE( plain.reach.reach );
 	problem.find_reach = ReachOptions();
 	problem.find_reach->cache = options.cache;
 	problem.find_reach->def.seconds = 0;
@@ -215,6 +216,8 @@ TEST_F( IoCache, AProblemUsesWhatItIsTold )
 	ASSERT_TRUE( built.reach.reach );
 	EXPECT_FALSE( built.reach.cached );
 	EXPECT_TRUE( buildProblem( model, problem ).reach.cached );
+	// the checker keeps a hierarchy of its own for it
+	EXPECT_GT( lw_checker_get_info( built.checker.get() ).bytes, lw_checker_get_info( plain.checker.get() ).bytes );
 	problem.find_reach->cache.clear();
 	problem.find_reach->build = false;
 	problem.reach = built.reach.reach;
