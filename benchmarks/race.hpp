@@ -11,6 +11,8 @@
 #include <ctime>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -85,14 +87,20 @@ inline std::vector<Run> race( const std::vector<Contender>& contenders, const Co
 	const std::size_t n = set.states.size();
 	std::vector<std::vector<std::vector<double>>> times( contenders.size(), std::vector<std::vector<double>>( n ) );
 	std::vector<Run> runs( contenders.size() );
+	std::mt19937_64 random; // its default seed
+	std::vector<std::size_t> order( contenders.size() );
+	std::iota( order.begin(), order.end(), std::size_t{ 0 } );
 	for ( int pass = 0; pass < repetitions; ++pass )
 	{
 		for ( std::size_t i = 0; i < n; ++i )
 		{
-			for ( std::size_t k = 0; k < contenders.size(); ++k )
+			// In a new order each time: who comes after somebody with much memory finds the caches cold
+			for ( std::size_t k = order.size(); k-- > 1; )
 			{
-				// Everybody is first as often: the first one finds the caches as another state left them
-				const std::size_t c = ( k + i + static_cast<std::size_t>( pass ) ) % contenders.size();
+				std::swap( order[k], order[random() % ( k + 1 )] );
+			}
+			for ( const std::size_t c : order )
+			{
 				const double start = threadMicroseconds();
 				const Answer answer = contenders[c].ask( set.states[i].data() );
 				times[c][i].push_back( threadMicroseconds() - start );
