@@ -133,6 +133,24 @@ TEST_F( IoCache, FacesThatWereLeftOutAreToldEachTime )
 	EXPECT_EQ( cold.report.notices.size(), warm.report.notices.size() );
 }
 
+TEST_F( IoCache, WordsBesideTheBlobAreCheckedToo )
+{
+	const std::string file = load().report.cache_file;
+	std::ifstream stream( file, std::ios::binary );
+	const std::string good( std::istreambuf_iterator<char>( stream ), {} );
+	// the file ends with a word for each shape, their count and a digest
+	for ( const std::size_t from_end : { 1u, 16u, 24u, 25u, 48u } )
+	{
+		std::string bad = good;
+		bad[bad.size() - from_end] = static_cast<char>( bad[bad.size() - from_end] ^ 4 );
+		std::ofstream( file, std::ios::binary ) << bad;
+		const RobotModel model = load();
+		EXPECT_EQ( cachedShapes( model ), 0u ) << from_end;
+		EXPECT_NOTICE( model.report.notices, "built anew" );
+		EXPECT_EQ( cachedShapes( load() ), 3u ) << "replaced";
+	}
+}
+
 TEST_F( IoCache, AMissingMeshIsTheSameError )
 {
 	load();
