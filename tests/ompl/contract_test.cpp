@@ -1,17 +1,146 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What OMPL asks of a state validity checker and of a motion validator, word by word. Where the contract is OMPL's own,
-// OMPL's DiscreteMotionValidator goes through the same checks: a test that it fails misreads the contract.
+// OMPL's two interfaces: the conformance tests, run on leeway's classes and on OMPL's own (a test that those fail misreads
+// the contract), and what leeway promises beyond them.
+#include "conformance.hpp"
 #include "world.hpp"
 
 #include <ompl/base/DiscreteMotionValidator.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/base/spaces/WrapperStateSpace.h>
 
 #include <thread>
 
 namespace
 {
 
-// ---- states ----
+// ---- conformance ----
+
+enum class Kind
+{
+	ompl,      ///< OMPL's DiscreteMotionValidator, and a checker that says no more than OMPL demands: is the state valid
+	mixed,     ///< OMPL's DiscreteMotionValidator on leeway's checker
+	certified,
+	steps,
+	wrapped    ///< certified, in a space wrapped once more
+};
+
+/// All but isValid( state ) is OMPL's default.
+class PlainChecker : public ob::StateValidityChecker
+{
+public:
+	PlainChecker( const ob::SpaceInformationPtr& si, ob::StateValidityCheckerPtr judge )
+		: ob::StateValidityChecker( si ), m_judge( std::move( judge ) )
+	{
+	}
+	bool isValid( const ob::State* state ) const override { return m_judge->isValid( state ); }
+
+private:
+	ob::StateValidityCheckerPtr m_judge;
+};
+
+/// Moves a bounded variable out of its limits.
+void leaveBounds( const Rig& rig, SeededRng& rng, ob::State* state )
+{
+	const lw_robot* robot = lw_checker_robot( rig.checker.get() );
+	std::vector<double> q = rig.vector( state );
+	for ( ;; )
+	{
+		const auto i = static_cast<std::uint32_t>( rng.integer( 0, int( q.size() ) - 1 ) );
+		const lw_variable_info info = lw_robot_variable( robot, lw_checker_variable( rig.checker.get(), i ) );
+		if ( !info.wraps && std::isfinite( info.upper ) && info.component < 3 )
+		{
+			q[i] = rng.integer( 0, 1 ) == 0 ? info.lower - 0.01 : info.upper + 0.01;
+			rig.engine->adapter().fromVector( q.data(), state );
+			return;
+		}
+	}
+}
+
+conformance::Instance makeInstance( const World& world, Kind kind )
+{
+	leeway::ompl::Options options;
+	options.min_d = 0.01;
+	options.method = kind == Kind::steps ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
+	const leeway::Checker checker = world.make();
+	ob::StateSpacePtr space = leeway::ompl::makeStateSpace( checker );
+	if ( kind == Kind::wrapped )
+	{
+		space = std::make_shared<ob::WrapperStateSpace>( space );
+	}
+	const auto rig = std::make_shared<Rig>( checker, options, space );
+	if ( kind == Kind::ompl || kind == Kind::mixed )
+	{
+		if ( kind == Kind::ompl )
+		{
+			rig->si->setStateValidityChecker(
+				std::make_shared<PlainChecker>( rig->si, rig->si->getStateValidityChecker() ) );
+		}
+		rig->si->setMotionValidator( std::make_shared<ob::DiscreteMotionValidator>( rig->si ) );
+		rig->si->setup();
+	}
+
+	conformance::Instance instance;
+	instance.si = rig->si;
+	instance.sample = [rig]( SeededRng& rng, ob::State* state ) { rig->sample( rng, state ); };
+	const auto query = std::make_shared<leeway::Query>( leeway::makeQuery( rig->checker.get() ) );
+	instance.room = [rig, query, options]( const ob::State* state )
+	{ return exactClearance( *rig, query->get(), state ) - options.min_d; };
+	instance.leave_bounds = [rig]( SeededRng& rng, ob::State* state ) { leaveBounds( *rig, rng, state ); };
+	instance.valid = { world.start, world.goal };
+	instance.invalid = { world.inside };
+	ob::ScopedState<> start( rig->space ), goal( rig->space ), near_start( rig->space );
+	rig->engine->adapter().fromVector( world.start.data(), start.get() );
+	rig->engine->adapter().fromVector( world.goal.data(), goal.get() );
+	rig->space->interpolate( start.get(), goal.get(), 0.02, near_start.get() );
+	instance.motions = { { world.start, world.goal, false }, { world.start, rig->vector( near_start.get() ), true } };
+	return instance;
+}
+
+conformance::Exceptions exceptionsOf( Kind kind )
+{
+	conformance::Exceptions exceptions;
+	if ( kind == Kind::steps )
+	{
+		exceptions.whole_motion = "fixed steps: nothing is looked at in between";
+	}
+	if ( kind == Kind::ompl )
+	{
+		exceptions.clearance = "OMPL's default for clearance() is 0, everywhere";
+	}
+	if ( kind == Kind::ompl || kind == Kind::mixed )
+	{
+		exceptions.bounds = "DiscreteMotionValidator takes the start for valid and has no bounds of its own";
+		exceptions.non_finite = "DiscreteMotionValidator makes an integer of the distance, which is undefined for a NaN";
+		exceptions.start = "DiscreteMotionValidator takes the start for valid";
+		exceptions.whole_motion = "DiscreteMotionValidator looks at states of a resolution, at nothing in between";
+		exceptions.thread_counts = "DiscreteMotionValidator counts in plain integers";
+	}
+	return exceptions;
+}
+
+std::vector<conformance::Subject> subjects()
+{
+	std::vector<conformance::Subject> result;
+	auto add = [&]( const World& world, Kind kind, const char* kind_name )
+	{
+		result.push_back( { std::string( world.name ) + kind_name, [world, kind] { return makeInstance( world, kind ); },
+			exceptionsOf( kind ) } );
+	};
+	for ( const World& world : worlds() )
+	{
+		add( world, Kind::ompl, "Ompl" );
+		add( world, Kind::certified, "Certified" );
+		add( world, Kind::steps, "Steps" );
+	}
+	add( worlds()[1], Kind::mixed, "OmplOnLeeway" );
+	add( worlds()[3], Kind::wrapped, "Wrapped" );
+	add( worlds()[4], Kind::wrapped, "Wrapped" );
+	return result;
+}
+
+INSTANTIATE_TEST_SUITE_P( Worlds, Conformance, testing::ValuesIn( subjects() ), conformance::name );
+
+// ---- more than OMPL asks: states ----
 
 class CheckerContract : public testing::TestWithParam<World>
 {
@@ -19,13 +148,13 @@ class CheckerContract : public testing::TestWithParam<World>
 
 std::string worldName( const testing::TestParamInfo<World>& info ) { return info.param.name; }
 
-TEST_P( CheckerContract, AllAnswersAboutAStateAgree )
+TEST_P( CheckerContract, ClearanceIsAsTightAsAlphaSays )
 {
 	SeededRng rng;
 	leeway::ompl::Options options;
 	options.min_d = 0.02;
 	options.max_d = 0.2;
-	int valid = 0, invalid = 0, capped = 0;
+	int valid = 0, capped = 0;
 	for ( double alpha : { 0.0, 0.3 } )
 	{
 		options.alpha = alpha;
@@ -33,27 +162,15 @@ TEST_P( CheckerContract, AllAnswersAboutAStateAgree )
 		const ob::StateValidityChecker& checker = *rig.si->getStateValidityChecker();
 		const leeway::Query query = leeway::makeQuery( rig.checker.get() );
 		const double cap = options.max_d - options.min_d;
-		ob::ScopedState<> state( rig.space ), other( rig.space ), other_before( rig.space );
-		rig.sample( rng, other.get() );
-		other_before = other;
+		ob::ScopedState<> state( rig.space );
 		for ( int i = 0; i < 1000; ++i )
 		{
 			rig.sample( rng, state.get() );
 			const double exact = exactClearance( rig, query.get(), state.get() );
-			double dist = -1, dist_with_state = -1;
-			bool available = true, available_too = true;
-			const bool is_valid = checker.isValid( state.get() );
-			ASSERT_EQ( is_valid, checker.isValid( state.get(), dist ) ) << exact;
-			ASSERT_EQ( is_valid, checker.isValid( state.get(), dist_with_state, other.get(), available ) );
-			const double clearance = checker.clearance( state.get() );
-			ASSERT_NEAR( clearance, checker.clearance( state.get(), other.get(), available_too ), 1e-12 + alpha );
-			ASSERT_FALSE( available );
-			ASSERT_FALSE( available_too );
-			ASSERT_TRUE( other == other_before ) << "no state is offered, so none may be written";
-
-			// a lower bound, and a useful one: not below what alpha permits
+			double dist = -1;
+			const bool is_valid = checker.isValid( state.get(), dist );
 			ASSERT_EQ( is_valid, exact > options.min_d ) << exact;
-			for ( double value : { dist, dist_with_state, clearance } )
+			for ( double value : { dist, checker.clearance( state.get() ) } )
 			{
 				if ( !is_valid )
 				{
@@ -65,43 +182,11 @@ TEST_P( CheckerContract, AllAnswersAboutAStateAgree )
 				ASSERT_GE( value, std::min( ( 1 - alpha ) * exact - options.min_d, cap ) - 1e-12 );
 			}
 			valid += is_valid;
-			invalid += !is_valid;
-			capped += clearance == cap;
+			capped += dist == cap;
 		}
 	}
 	EXPECT_GT( valid, 100 );
-	EXPECT_GT( invalid, 100 );
 	EXPECT_GT( capped, 10 ) << "max_d never played a part";
-}
-
-TEST_P( CheckerContract, NonFiniteStatesAreInvalid )
-{
-	SeededRng rng;
-	const Rig rig( GetParam().make() );
-	ob::ScopedState<> good( rig.space ), bad( rig.space ), last( rig.space );
-	const ob::MotionValidator& motions = *rig.si->getMotionValidator();
-	rig.sampleValid( rng, good.get() );
-	std::vector<double> values;
-	rig.space->copyToReals( values, good.get() );
-	for ( std::size_t i = 0; i < values.size(); ++i )
-	{
-		for ( double wrong : { nan_value, inf, -inf } )
-		{
-			bad = good;
-			*rig.space->getValueAddressAtIndex( bad.get(), static_cast<unsigned>( i ) ) = wrong;
-			double dist = -1;
-			EXPECT_FALSE( rig.si->isValid( bad.get() ) ) << i << " " << wrong;
-			EXPECT_FALSE( rig.si->getStateValidityChecker()->isValid( bad.get(), dist ) ) << i << " " << wrong;
-			EXPECT_EQ( dist, 0 );
-			EXPECT_EQ( rig.si->getStateValidityChecker()->clearance( bad.get() ), 0 );
-			EXPECT_FALSE( motions.checkMotion( good.get(), bad.get() ) );
-			EXPECT_FALSE( motions.checkMotion( bad.get(), good.get() ) );
-			std::pair<ob::State*, double> last_valid( last.get(), 0.3 );
-			EXPECT_FALSE( motions.checkMotion( good.get(), bad.get(), last_valid ) );
-			EXPECT_EQ( last_valid.second, 0 );
-			EXPECT_TRUE( last == good );
-		}
-	}
 }
 
 TEST_P( CheckerContract, StatesOutOfBoundsAreInvalidWithRoomToSpare )
@@ -109,42 +194,16 @@ TEST_P( CheckerContract, StatesOutOfBoundsAreInvalidWithRoomToSpare )
 	// no obstacles: the bounds alone decide
 	SeededRng rng;
 	const Rig rig( GetParam().make() );
-	ob::ScopedState<> good( rig.space ), bad( rig.space ), last( rig.space );
-	const ob::MotionValidator& motions = *rig.si->getMotionValidator();
-	const lw_robot* robot = lw_checker_robot( rig.checker.get() );
+	ob::ScopedState<> bad( rig.space );
 	int seen = 0;
 	for ( int round = 0; round < 200; ++round )
 	{
-		rig.sampleValid( rng, good.get() );
-		const std::uint32_t count = lw_checker_variable_count( rig.checker.get() );
-		const auto i = static_cast<std::uint32_t>( rng.integer( 0, int( count ) - 1 ) );
-		const lw_variable_info info = lw_robot_variable( robot, lw_checker_variable( rig.checker.get(), i ) );
-		if ( info.wraps || std::isinf( info.upper ) || info.component >= 3 )
-		{
-			continue;
-		}
-		std::vector<double> q = rig.vector( good.get() );
-		q[i] = rng.integer( 0, 1 ) == 0 ? info.lower - 0.01 : info.upper + 0.01;
-		rig.engine->adapter().fromVector( q.data(), bad.get() );
-		seen += rig.si->getStateValidityChecker()->clearance( bad.get() ) > 0;
-		double dist;
+		rig.sampleValid( rng, bad.get() );
+		leaveBounds( rig, rng, bad.get() );
 		EXPECT_FALSE( rig.si->isValid( bad.get() ) );
-		EXPECT_FALSE( rig.si->getStateValidityChecker()->isValid( bad.get(), dist ) );
-		EXPECT_FALSE( motions.checkMotion( good.get(), bad.get() ) );
-		EXPECT_FALSE( motions.checkMotion( bad.get(), good.get() ) );
-		std::pair<ob::State*, double> last_valid( last.get(), 0.3 );
-		EXPECT_FALSE( motions.checkMotion( good.get(), bad.get(), last_valid ) );
-		EXPECT_TRUE( rig.si->isValid( last.get() ) );
+		seen += rig.si->getStateValidityChecker()->clearance( bad.get() ) > 0;
 	}
 	EXPECT_GT( seen, 10 ) << "no state was out of bounds and clear of everything";
-}
-
-TEST( CheckerSpecs, ClearanceIsALowerBound )
-{
-	const Rig rig( gantryWorld() );
-	const ob::StateValidityCheckerSpecs& specs = rig.si->getStateValidityChecker()->getSpecs();
-	EXPECT_EQ( specs.clearanceComputationType, ob::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE );
-	EXPECT_FALSE( specs.hasValidDirectionComputation );
 }
 
 TEST( CheckerSpecs, NothingToTouchIsAsFarAsMaxD )
@@ -188,196 +247,7 @@ TEST( CheckerSpecs, OnlyWhatIsAskedForCounts )
 
 INSTANTIATE_TEST_SUITE_P( Worlds, CheckerContract, testing::ValuesIn( worlds() ), worldName );
 
-// ---- motions ----
-
-enum class Validator
-{
-	discrete,
-	certified,
-	steps
-};
-
-const char* nameOf( Validator validator )
-{
-	const char* const names[] = { "Discrete", "Certified", "Steps" };
-	return names[static_cast<int>( validator )];
-}
-
-void PrintTo( Validator validator, std::ostream* out ) { *out << nameOf( validator ); }
-
-class MotionContract : public testing::TestWithParam<std::tuple<World, Validator>>
-{
-protected:
-	MotionContract() : rig( std::get<0>( GetParam() ).make(), options() )
-	{
-		if ( std::get<1>( GetParam() ) == Validator::discrete )
-		{
-			rig.si->setMotionValidator( std::make_shared<ob::DiscreteMotionValidator>( rig.si ) );
-			rig.si->setup();
-		}
-	}
-	static leeway::ompl::Options options()
-	{
-		leeway::ompl::Options result;
-		result.min_d = 0.01;
-		result.method = std::get<1>( GetParam() ) == Validator::steps ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
-		return result;
-	}
-	const ob::MotionValidator& motions() const { return *rig.si->getMotionValidator(); }
-
-	SeededRng rng;
-	Rig rig;
-};
-
-std::string motionName( const testing::TestParamInfo<std::tuple<World, Validator>>& info )
-{
-	return std::string( std::get<0>( info.param ).name ) + nameOf( std::get<1>( info.param ) );
-}
-
-TEST_P( MotionContract, LastValidIsWrittenOnFailureOnly )
-{
-	ob::ScopedState<> s1( rig.space ), s2( rig.space ), first( rig.space ), untouched( rig.space );
-	ob::ScopedState<> on_curve( rig.space );
-	rig.sample( rng, untouched.get() );
-	int free = 0, stopped_on_the_way = 0;
-	for ( int i = 0; i < 300; ++i )
-	{
-		rig.sampleValid( rng, s1.get() );
-		rig.sample( rng, s2.get() );
-		if ( i % 2 == 0 )
-		{
-			// shorter ones, or none would be free
-			rig.space->interpolate( s1.get(), s2.get(), 0.2, s2.get() );
-		}
-		const ob::ScopedState<> s1_before( s1 ), s2_before( s2 );
-		const bool valid = motions().checkMotion( s1.get(), s2.get() );
-
-		first = untouched;
-		std::pair<ob::State*, double> last_valid( first.get(), 0.37 );
-		ASSERT_EQ( valid, motions().checkMotion( s1.get(), s2.get(), last_valid ) );
-		ASSERT_EQ( last_valid.first, first.get() );
-		ASSERT_TRUE( s1 == s1_before );
-		ASSERT_TRUE( s2 == s2_before );
-		std::pair<ob::State*, double> time_only( nullptr, 0.37 );
-		ASSERT_EQ( valid, motions().checkMotion( s1.get(), s2.get(), time_only ) );
-		ASSERT_EQ( time_only.first, nullptr );
-		if ( valid )
-		{
-			++free;
-			ASSERT_TRUE( first == untouched );
-			ASSERT_EQ( last_valid.second, 0.37 );
-			ASSERT_EQ( time_only.second, 0.37 );
-			continue;
-		}
-		ASSERT_GE( last_valid.second, 0 );
-		ASSERT_LT( last_valid.second, 1 );
-		ASSERT_GE( time_only.second, 0 );
-		ASSERT_LT( time_only.second, 1 );
-		ASSERT_TRUE( rig.si->isValid( first.get() ) );
-		rig.space->interpolate( s1.get(), s2.get(), last_valid.second, on_curve.get() );
-		// for rotations OMPL's distance is an arc cosine: its noise is the root of the rounding
-		ASSERT_LT( rig.space->distance( first.get(), on_curve.get() ), 1e-6 ) << last_valid.second;
-		stopped_on_the_way += last_valid.second > 0;
-	}
-	EXPECT_GT( free, 30 );
-	EXPECT_GT( stopped_on_the_way, 30 );
-}
-
-TEST_P( MotionContract, LastValidMayBeEitherEnd )
-{
-	ob::ScopedState<> s1( rig.space ), s2( rig.space ), separate( rig.space );
-	ob::ScopedState<> copy1( rig.space ), copy2( rig.space );
-	int free = 0, failed = 0;
-	for ( int i = 0; i < 200; ++i )
-	{
-		rig.sampleValid( rng, s1.get() );
-		rig.sample( rng, s2.get() );
-		if ( i % 2 == 0 )
-		{
-			rig.space->interpolate( s1.get(), s2.get(), 0.2, s2.get() );
-		}
-		std::pair<ob::State*, double> apart( separate.get(), 0.37 );
-		const bool valid = motions().checkMotion( s1.get(), s2.get(), apart );
-		free += valid;
-		failed += !valid;
-		for ( bool start : { true, false } )
-		{
-			copy1 = s1;
-			copy2 = s2;
-			std::pair<ob::State*, double> alias( start ? copy1.get() : copy2.get(), 0.37 );
-			ASSERT_EQ( valid, motions().checkMotion( copy1.get(), copy2.get(), alias ) );
-			ASSERT_TRUE( ( start ? copy2 : copy1 ) == ( start ? s2 : s1 ) ) << "the other end was written";
-			ob::ScopedState<>& result = start ? copy1 : copy2;
-			if ( valid )
-			{
-				ASSERT_TRUE( result == ( start ? s1 : s2 ) );
-				ASSERT_EQ( alias.second, 0.37 );
-				continue;
-			}
-			ASSERT_TRUE( rig.si->isValid( result.get() ) );
-			rig.space->interpolate( s1.get(), s2.get(), alias.second, separate.get() );
-			ASSERT_LT( rig.space->distance( result.get(), separate.get() ), 1e-6 );
-		}
-	}
-	EXPECT_GT( free, 20 );
-	EXPECT_GT( failed, 20 );
-}
-
-TEST_P( MotionContract, EveryCheckIsCounted )
-{
-	rig.si->getMotionValidator()->resetMotionCounter();
-	ob::ScopedState<> s1( rig.space ), s2( rig.space ), first( rig.space );
-	unsigned valid = 0, invalid = 0;
-	for ( int i = 0; i < 200; ++i )
-	{
-		rig.sampleValid( rng, s1.get() );
-		rig.sample( rng, s2.get() );
-		if ( i % 4 == 3 && rig.space->getType() == ob::STATE_SPACE_REAL_VECTOR )
-		{
-			s2[0] = 5; // out of bounds counts as well
-		}
-		std::pair<ob::State*, double> last_valid( first.get(), 0 );
-		const bool answer = i % 2 == 0 ? motions().checkMotion( s1.get(), s2.get() )
-									   : motions().checkMotion( s1.get(), s2.get(), last_valid );
-		++( answer ? valid : invalid );
-		ASSERT_EQ( motions().getValidMotionCount(), valid );
-		ASSERT_EQ( motions().getInvalidMotionCount(), invalid );
-	}
-	EXPECT_GT( valid, 0u );
-	EXPECT_GT( invalid, 0u );
-}
-
-TEST_P( MotionContract, LastValidOfAnInvalidEndIsNotTheEnd )
-{
-	// the end alone is invalid, by a hair: what is returned must be valid all the same
-	ob::ScopedState<> s1( rig.space ), s2( rig.space ), low( rig.space ), high( rig.space ), middle( rig.space );
-	for ( int i = 0; i < 30; ++i )
-	{
-		do
-		{
-			rig.sampleValid( rng, s1.get() );
-			rig.sample( rng, s2.get() );
-		} while ( rig.si->isValid( s2.get() ) );
-		low = s1;
-		high = s2;
-		for ( int k = 0; k < 60; ++k )
-		{
-			rig.space->interpolate( low.get(), high.get(), 0.5, middle.get() );
-			( rig.si->isValid( middle.get() ) ? low : high ) = middle;
-		}
-		std::pair<ob::State*, double> last_valid( middle.get(), 0.37 );
-		ASSERT_FALSE( motions().checkMotion( s1.get(), high.get(), last_valid ) );
-		ASSERT_LT( last_valid.second, 1 );
-		ASSERT_TRUE( rig.si->isValid( middle.get() ) ) << last_valid.second;
-	}
-}
-
-INSTANTIATE_TEST_SUITE_P( Worlds, MotionContract,
-	testing::Combine( testing::ValuesIn( worlds() ),
-		testing::Values( Validator::discrete, Validator::certified, Validator::steps ) ),
-	motionName );
-
-// ---- more than OMPL asks ----
+// ---- more than OMPL asks: motions ----
 
 class CertifiedMotion : public testing::TestWithParam<World>
 {
@@ -569,33 +439,6 @@ TEST( CheckerThreads, EightThreadsGetTheAnswersOfOne )
 			rig.si->freeState( state );
 		}
 	}
-}
-
-TEST( MotionCounters, ThreadsLoseNone )
-{
-	// motions out of bounds are answered at once: nothing but counting
-	constexpr unsigned threads = 4, count = 200000;
-	const Rig rig( gantryWorld() );
-	ob::ScopedState<> good( rig.space ), bad( rig.space );
-	good[0] = good[1] = -0.8;
-	bad[0] = bad[1] = 2;
-	rig.si->getMotionValidator()->resetMotionCounter();
-	std::vector<std::thread> pool;
-	for ( unsigned i = 0; i < threads; ++i )
-	{
-		pool.emplace_back( [&]
-			{
-				for ( unsigned k = 0; k < count; ++k )
-				{
-					rig.si->checkMotion( good.get(), bad.get() );
-				}
-			} );
-	}
-	for ( std::thread& thread : pool )
-	{
-		thread.join();
-	}
-	EXPECT_EQ( rig.si->getMotionValidator()->getInvalidMotionCount(), threads * count );
 }
 
 } // namespace

@@ -19,6 +19,7 @@
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 #include <ompl/geometric/planners/rrt/pRRT.h>
+#include <ompl/geometric/planners/sbl/pSBL.h>
 #include <ompl/geometric/planners/stride/STRIDE.h>
 
 #include <atomic>
@@ -32,27 +33,6 @@ constexpr double min_d = 0.005;
 
 // A limit for planners that have gone astray, far above what any needs even with sanitizers on; none is asserted.
 constexpr double patience = 60;
-
-struct Problem
-{
-	World world;
-	std::vector<double> start, goal;
-};
-
-void PrintTo( const Problem& problem, std::ostream* out ) { *out << problem.world.name; }
-
-// From one side of the wall or pillars to the other.
-const std::vector<Problem>& problems()
-{
-	static const std::vector<Problem> all = {
-		{ { "Gantry", gantryWorld }, { -0.8, -0.8 }, { 0.8, -0.8 } },
-		{ { "Arm", armWorld }, { 0.2, 0.3, 0.3 }, { 1.6, -0.5, 0.4 } },
-		{ { "Cart", cartWorld }, { -0.7, -0.5, pi / 2 }, { 0.7, -0.5, -pi / 2 } },
-		{ { "Drone", droneWorld }, { -0.7, 0, -0.4, 0, 0, 0, 1 },
-			{ 0.7, -0.5, -0.4, 0, 0, std::sqrt( 0.5 ), std::sqrt( 0.5 ) } },
-	};
-	return all;
-}
 
 struct NamedPlanner
 {
@@ -71,6 +51,13 @@ ob::PlannerPtr make( const ob::SpaceInformationPtr& si )
 ob::PlannerPtr makeParallel( const ob::SpaceInformationPtr& si )
 {
 	auto planner = std::make_shared<og::pRRT>( si );
+	planner->setThreadCount( 4 );
+	return planner;
+}
+
+ob::PlannerPtr makeParallelTrees( const ob::SpaceInformationPtr& si )
+{
+	auto planner = std::make_shared<og::pSBL>( si );
 	planner->setThreadCount( 4 );
 	return planner;
 }
@@ -100,7 +87,7 @@ const std::vector<NamedPlanner> planners = { { "RRTConnect", make<og::RRTConnect
 	{ "LBKPIECE1", make<og::LBKPIECE1> }, { "PDST", make<og::PDST> }, { "STRIDE", make<og::STRIDE> } };
 
 // pSBL is not among them: its threads free each other's motions, in OMPL 1.5.2.
-const std::vector<NamedPlanner> planners_with_threads = { { "pRRT", makeParallel }, { "CForest", makeForest },
+const std::vector<NamedPlanner> planners_with_threads = { { "pRRT", makeParallel }, { "pSBL", makeParallelTrees }, { "CForest", makeForest },
 	{ "AnytimePathShortening", makeShortening } };
 
 leeway::ompl::Options plannerOptions()
@@ -128,14 +115,14 @@ void audit( const Rig& rig, const og::PathGeometric& path )
 	}
 }
 
-class Planners : public testing::TestWithParam<std::tuple<Problem, NamedPlanner>>
+class Planners : public testing::TestWithParam<std::tuple<World, NamedPlanner>>
 {
 };
 
 TEST_P( Planners, PathsAreFreeAllTheWay )
 {
-	const Problem& problem = std::get<0>( GetParam() );
-	const Rig rig( problem.world.make(), plannerOptions() );
+	const World& problem = std::get<0>( GetParam() );
+	const Rig rig( problem.make(), plannerOptions() );
 	ob::ScopedState<> start( rig.space ), goal( rig.space );
 	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
 	rig.engine->adapter().fromVector( problem.goal.data(), goal.get() );
@@ -173,21 +160,21 @@ TEST_P( Planners, PathsAreFreeAllTheWay )
 		rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().refused );
 }
 
-std::string plannerName( const testing::TestParamInfo<std::tuple<Problem, NamedPlanner>>& info )
+std::string plannerName( const testing::TestParamInfo<std::tuple<World, NamedPlanner>>& info )
 {
-	return std::string( std::get<0>( info.param ).world.name ) + std::get<1>( info.param ).name;
+	return std::string( std::get<0>( info.param ).name ) + std::get<1>( info.param ).name;
 }
 
 INSTANTIATE_TEST_SUITE_P( All, Planners,
-	testing::Combine( testing::ValuesIn( problems() ), testing::ValuesIn( planners ) ), plannerName );
+	testing::Combine( testing::ValuesIn( worlds() ), testing::ValuesIn( planners ) ), plannerName );
 INSTANTIATE_TEST_SUITE_P( Threads, Planners,
-	testing::Combine( testing::ValuesIn( problems() ), testing::ValuesIn( planners_with_threads ) ), plannerName );
+	testing::Combine( testing::ValuesIn( worlds() ), testing::ValuesIn( planners_with_threads ) ), plannerName );
 
 TEST( PlannerThreads, AGoalSamplerAsksWhileThePlannerRuns )
 {
 	// a "single-threaded" planner with lazy goal samples: OMPL checks them from a thread of its own
-	const Problem& problem = problems()[0];
-	const Rig rig( problem.world.make(), plannerOptions() );
+	const World& problem = worlds()[0];
+	const Rig rig( problem.make(), plannerOptions() );
 	SeededRng rng;
 	ob::ScopedState<> start( rig.space );
 	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
@@ -214,10 +201,10 @@ TEST( PlannerThreads, AGoalSamplerAsksWhileThePlannerRuns )
 TEST( PlannerSteps, StepsAreTheTradeThatTheyAre )
 {
 	// fixed steps of 1 cm of motion see a wall of 10 cm: the same planner solves the same problem with them
-	const Problem& problem = problems()[0];
+	const World& problem = worlds()[0];
 	leeway::ompl::Options options = plannerOptions();
 	options.method = LW_EDGE_STEPS;
-	const Rig rig( problem.world.make(), options );
+	const Rig rig( problem.make(), options );
 	ob::ScopedState<> start( rig.space ), goal( rig.space );
 	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
 	rig.engine->adapter().fromVector( problem.goal.data(), goal.get() );

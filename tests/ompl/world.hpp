@@ -220,18 +220,26 @@ inline leeway::Checker carrierWorld()
 		{ { makeBox( 0.2, 0.2, 1 ), at( 0.5, 0, 0 ) }, { makeBall( 0.2 ), at( -0.4, 0.5, 0.4 ) } } );
 }
 
+/// A checker, and states of it: two that are valid with something between them, one in the midst of an obstacle.
 struct World
 {
 	const char* name;
 	leeway::Checker ( *make )();
+	std::vector<double> start, goal, inside;
 };
 
 inline void PrintTo( const World& world, std::ostream* out ) { *out << world.name; }
 
 inline const std::vector<World>& worlds()
 {
-	static const std::vector<World> all = { { "Gantry", gantryWorld }, { "Arm", armWorld }, { "Cart", cartWorld },
-		{ "Drone", droneWorld }, { "Carrier", carrierWorld } };
+	static const std::vector<World> all = {
+		{ "Gantry", gantryWorld, { -0.8, -0.8 }, { 0.8, -0.8 }, { 0, -0.3 } },
+		{ "Arm", armWorld, { 0.2, 0.3, 0.3 }, { 1.6, -0.5, 0.4 }, { 0.62, 0, 0 } },
+		{ "Cart", cartWorld, { -0.7, -0.5, pi / 2 }, { 0.7, -0.5, -pi / 2 }, { 0, -0.6, 0 } },
+		{ "Drone", droneWorld, { -0.7, 0, -0.4, 0, 0, 0, 1 },
+			{ 0.7, -0.5, -0.4, 0, 0, std::sqrt( 0.5 ), std::sqrt( 0.5 ) }, { 0, 0, -0.6, 0, 0, 0, 1 } },
+		{ "Carrier", carrierWorld, { -0.4, -0.3, 0, 0, 0.1 }, { 0.95, 0, 0, 0, 0.1 }, { 0.5, 0, 0, 0, 0.2 } },
+	};
 	return all;
 }
 
