@@ -81,6 +81,24 @@ TEST_F( CliPlan, PlannersOfManyKindsAreFoundByName )
 	}
 }
 
+TEST_F( CliPlan, ThreadsReachThePlannersThatHaveThem )
+{
+	for ( const char* planner : { "pRRT", "pSBL", "CForest", "AnytimePathShortening" } )
+	{
+		const Outcome plan = runModel( "plan",
+		    { "--request", "request.yaml", "--planner", planner, "--threads", "3", "--time", "1", "--report", "r.json" },
+		    "blocked.yaml" );
+		EXPECT_LT( plan.status, 2 ) << planner << "\n" << plan.err;
+		EXPECT_EQ( nlohmann::json::parse( readFile( path( "r.json" ) ) )["threads"], 3 ) << planner;
+	}
+	const Outcome one = runModel( "plan", { "--request", "request.yaml", "--threads", "1" }, "blocked.yaml" );
+	EXPECT_EQ( one.status, 0 ) << one.err;
+	const Outcome two = runModel( "plan", { "--request", "request.yaml", "--threads", "2" }, "blocked.yaml" );
+	EXPECT_EQ( two.status, 2 );
+	EXPECT_NE( two.err.find( "--threads: RRTConnect plans with one thread" ), std::string::npos ) << two.err;
+	EXPECT_NE( two.err.find( "AnytimePathShortening" ), std::string::npos ) << two.err;
+}
+
 TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
 {
 	// A wall all around the goal side: the tip passes x = 0.8 nowhere, and the arm cannot fold below 0.4.

@@ -179,6 +179,8 @@ TEST_F( IoCache, APrimitiveRobotNeedsNoFile )
 	EXPECT_EQ( files(), 0u );
 }
 
+#ifdef LEEWAY_HULLS
+
 TEST_F( IoCache, AReachIsFoundByItsRobotAndEffort )
 {
 	const Robot robot = buildRobot( load() );
@@ -241,3 +243,16 @@ TEST_F( IoCache, AProblemUsesWhatItIsTold )
 	problem.reach = built.reach.reach;
 	EXPECT_EQ( buildProblem( model, problem ).reach.reach.get(), built.reach.reach.get() );
 }
+
+#else
+
+TEST_F( IoCache, WithoutQhullAProblemHasNoReachAndANotice )
+{
+	ProblemOptions problem;
+	problem.find_reach = ReachOptions();
+	const Problem built = buildProblem( load(), problem );
+	EXPECT_FALSE( built.reach.reach );
+	EXPECT_NOTICE( built.notices, "motion hulls" );
+}
+
+#endif
