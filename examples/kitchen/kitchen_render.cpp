@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // kitchen_render: a robot, a scene and a planned path as binary glTF: animated, and as a still with ghosts of the motion.
-#include "gltf.hpp"
-
-#include "leeway/io/model.hpp"
+#include "stage.hpp"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <set>
 
 namespace
 {
 
 using namespace kitchen;
-namespace io = leeway::io;
 
 struct Options
 {
@@ -25,7 +20,6 @@ struct Options
 	int ghosts = 6;
 };
 
-constexpr double crease = 0.7; ///< radians: edges sharper than this are drawn sharp
 constexpr double speed = 0.6;  ///< radians (or metres) per second of the fastest joint in the animation
 constexpr double ghost_opacity = 0.30;
 constexpr double ghost_distance = 0.06; ///< metres: a link nearer to its goal than this has no ghost
@@ -66,251 +60,25 @@ Path readPath( const std::string& file )
 	return path;
 }
 
-/// Surfaces by mesh file and by primitive, from the table that kitchen_demo writes; a plain grey for what it does not name.
-class Colours
-{
-public:
-	Colours( const std::string& file, Gltf& gltf ) : m_gltf( gltf )
-	{
-		m_surfaces["plain"] = { "plain", { 0.75, 0.75, 0.77, 1 }, 0.5, 0 };
-		m_surfaces["ghost"] = { "ghost", { 1.0, 0.55, 0.18, 1 }, 0.6, 0 };
-		if ( file.empty() )
-			return;
-		try
-		{
-			const YAML::Node root = YAML::LoadFile( file );
-			for ( const auto& entry : root["materials"] )
-			{
-				const auto v = entry.second.as<std::vector<double>>();
-				const std::string name = entry.first.as<std::string>();
-				m_surfaces[name] = { name, { v.at( 0 ), v.at( 1 ), v.at( 2 ), v.at( 3 ) }, v.at( 4 ), v.at( 5 ) };
-			}
-			for ( const auto& entry : root["meshes"] )
-				m_meshes[entry.first.as<std::string>()] = entry.second.as<std::string>();
-			for ( const auto& entry : root["primitives"] )
-				m_primitives[entry.first.as<std::string>()] = entry.second.as<std::vector<std::string>>();
-		}
-		catch ( const std::exception& error )
-		{
-			throw io::Error( file, "colours", error.what(), "give the colours.yaml that kitchen_demo writes" );
-		}
-	}
-
-	std::string ofMesh( const std::string& file ) const
-	{
-		for ( const auto& [name, surface] : m_meshes )
-			if ( file.size() > name.size() &&
-			     file.compare( file.size() - name.size() - 1, std::string::npos, "/" + name ) == 0 )
-				return surface;
-		return "plain";
-	}
-
-	std::string ofPrimitive( const std::string& owner, size_t index ) const
-	{
-		const auto it = m_primitives.find( owner );
-		return it != m_primitives.end() && index < it->second.size() ? it->second[index] : "plain";
-	}
-
-	/// glTF material of a surface, made at first use; with an opacity below 1 its ghost.
-	int material( const std::string& name, double opacity = 1 )
-	{
-		const std::string key = opacity < 1 ? name + " ghost" : name;
-		const auto it = m_materials.find( key );
-		if ( it != m_materials.end() )
-			return it->second;
-		const auto known = m_surfaces.find( name );
-		Surface surface = known == m_surfaces.end() ? m_surfaces.at( "plain" ) : known->second;
-		surface.name = key;
-		surface.colour[3] *= opacity;
-		return m_materials[key] = m_gltf.addMaterial( surface );
-	}
-
-	int trail() { return m_gltf.addMaterial( { "trail", { 0.98, 0.36, 0.06, 1 }, 0.4, 0 } ); }
-
-private:
-	Gltf& m_gltf;
-	std::map<std::string, Surface> m_surfaces;
-	std::map<std::string, std::string> m_meshes;
-	std::map<std::string, std::vector<std::string>> m_primitives;
-	std::map<std::string, int> m_materials;
-};
-
-/// Primitives are solids without triangles: here they get some.
-void tessellate( const lw_shape_info& info, std::vector<double>& vertices, std::vector<uint32_t>& triangles )
-{
-	const double* d = info.dimensions;
-	auto ring = [&]( double radius, double z, int n )
-	{
-		for ( int i = 0; i < n; ++i )
-			vertices.insert(
-			    vertices.end(), { radius * std::cos( 2 * M_PI * i / n ), radius * std::sin( 2 * M_PI * i / n ), z } );
-	};
-	const uint32_t n = 48;
-	std::vector<std::pair<double, double>> profile; // radius, z
-	if ( info.type == LW_SHAPE_BOX )
-	{
-		for ( int i = 0; i < 8; ++i )
-			vertices.insert( vertices.end(),
-			    { ( i & 1 ? 0.5 : -0.5 ) * d[0], ( i & 2 ? 0.5 : -0.5 ) * d[1], ( i & 4 ? 0.5 : -0.5 ) * d[2] } );
-		triangles = {
-		    0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5 };
-		return;
-	}
-	if ( info.type == LW_SHAPE_CYLINDER )
-		profile = { { 0, -0.5 * d[1] }, { d[0], -0.5 * d[1] }, { d[0], 0.5 * d[1] }, { 0, 0.5 * d[1] } };
-	else if ( info.type == LW_SHAPE_CONE )
-		profile = { { 0, -0.5 * d[1] }, { d[0], -0.5 * d[1] }, { 0, 0.5 * d[1] } };
-	else // sphere and capsule: two domes
-		for ( int i = 0; i <= 24; ++i )
-		{
-			const double a = M_PI * ( i / 24.0 - 0.5 ), h = info.type == LW_SHAPE_CAPSULE ? 0.5 * d[1] : 0;
-			if ( i == 12 && h > 0 )
-				profile.emplace_back( d[0], -h );
-			profile.emplace_back( d[0] * std::cos( a ), d[0] * std::sin( a ) + ( i < 12 ? -h : h ) );
-		}
-	for ( const auto& [radius, z] : profile )
-		ring( radius, z, static_cast<int>( n ) );
-	for ( uint32_t k = 0; k + 1 < profile.size(); ++k )
-		for ( uint32_t i = 0; i < n; ++i )
-		{
-			const uint32_t a = k * n + i, b = k * n + ( i + 1 ) % n;
-			triangles.insert( triangles.end(), { a, b, b + n, a, b + n, a + n } );
-		}
-}
-
-/// glTF meshes of shapes: vertex data once per shape, one mesh per shape and material.
-class Meshes
-{
-public:
-	explicit Meshes( Gltf& gltf ) : m_gltf( gltf ) {}
-
-	int of( const lw_shape* shape, int material, bool translucent = false )
-	{
-		auto geometry = m_geometry.find( shape );
-		if ( geometry == m_geometry.end() )
-		{
-			const lw_shape_info info = lw_shape_get_info( shape );
-			std::vector<double> vertices;
-			std::vector<uint32_t> triangles;
-			ShadedMesh mesh;
-			if ( info.type == LW_SHAPE_MESH )
-				mesh = shade( lw_shape_vertices( shape ), info.vertex_count, lw_shape_triangles( shape ),
-				    info.triangle_count, crease );
-			else
-			{
-				tessellate( info, vertices, triangles );
-				mesh = shade( vertices.data(), vertices.size() / 3, triangles.data(), triangles.size() / 3, crease );
-			}
-			geometry = m_geometry.emplace( shape, m_gltf.addGeometry( mesh ) ).first;
-		}
-		const auto key = std::make_pair( shape, material );
-		const auto mesh = m_meshes.find( key );
-		return mesh != m_meshes.end() ? mesh->second
-		                              : m_meshes[key] = translucent ? m_gltf.addTranslucentMesh( geometry->second, material )
-		                                                            : m_gltf.addMesh( geometry->second, material );
-	}
-
-private:
-	Gltf& m_gltf;
-	std::map<const lw_shape*, int> m_geometry;
-	std::map<std::pair<const lw_shape*, int>, int> m_meshes;
-};
-
-Gltf::Vec translation( const lw_transform& t )
-{
-	return { t.t[0], t.t[1], t.t[2] };
-}
-
-Gltf::Quat rotation( const lw_transform& t )
-{
-	Gltf::Quat q;
-	lw_transform_to_quaternion( &t, q.data() );
-	return q;
-}
-
 double distance( const lw_transform& a, const lw_transform& b )
 {
 	return std::hypot( b.t[0] - a.t[0], b.t[1] - a.t[1], b.t[2] - a.t[2] );
 }
 
-/// One owner's shapes with the surface of each.
-struct Painted
+/// The links that are well away from where they end.
+void addGhost( Stage& stage, const std::vector<lw_transform>& poses, const std::vector<lw_transform>& end )
 {
-	const io::PlacedShape* shape;
-	std::string surface;
-};
-
-/// @param report in the order of the shapes of each owner
-std::map<std::string, std::vector<std::string>> surfaces( const io::LoadReport& report, const Colours& colours )
-{
-	std::map<std::string, std::vector<std::string>> result;
-	std::map<std::string, size_t> primitives;
-	for ( const io::LoadedShape& shape : report.shapes )
-		result[shape.owner].push_back( shape.file.empty() ? colours.ofPrimitive( shape.owner, primitives[shape.owner]++ )
-		                                                  : colours.ofMesh( shape.file ) );
-	return result;
-}
-
-/// A world to draw: everything that both pictures share.
-class Stage
-{
-public:
-	Stage( const io::RobotModel& robot_model, const io::SceneModel& scene_model, const io::Problem& problem,
-	    const std::string& colour_file )
-	    : robot( problem.robot.get() ), colours( colour_file, gltf ), meshes( gltf )
-	{
-		const auto robot_surfaces = surfaces( robot_model.report, colours );
-		for ( const io::LinkModel& link : robot_model.links )
+	for ( const auto& [link, painted] : stage.links )
+		if ( distance( poses[link], end[link] ) > ghost_distance )
 		{
-			std::vector<Painted>& painted = links[lw_robot_find_link( robot, link.name.c_str() )];
-			for ( size_t i = 0; i < link.collision.size(); ++i )
-				painted.push_back( { &link.collision[i], robot_surfaces.at( link.name ).at( i ) } );
-		}
-		const auto scene_surfaces = surfaces( scene_model.report, colours );
-		const int root = gltf.addNode( "scene", -1, { 0, 0, 0 }, { 0, 0, 0, 1 } );
-		for ( const io::SceneObject& object : scene_model.objects )
-			for ( size_t i = 0; i < object.shapes.size(); ++i )
-				add( object.name, root, { &object.shapes[i], scene_surfaces.at( object.name ).at( i ) }, 1 );
-	}
-
-	void add( const std::string& name, int parent, const Painted& painted, double opacity )
-	{
-		const int mesh = meshes.of( painted.shape->shape.get(), colours.material( painted.surface, opacity ), opacity < 1 );
-		gltf.addNode( name, parent, translation( painted.shape->pose ), rotation( painted.shape->pose ), mesh );
-	}
-
-	void addRobot( const std::vector<lw_transform>& poses )
-	{
-		for ( const auto& [link, painted] : links )
-		{
-			const int node =
-			    gltf.addNode( lw_robot_link_name( robot, link ), -1, translation( poses[link] ), rotation( poses[link] ) );
-			for ( const Painted& shape : painted )
-				add( "shape", node, shape, 1 );
-		}
-	}
-
-	/// The links that are well away from where they end.
-	void addGhost( const std::vector<lw_transform>& poses, const std::vector<lw_transform>& end )
-	{
-		for ( const auto& [link, painted] : links )
-			if ( distance( poses[link], end[link] ) > ghost_distance )
+			const int node = stage.gltf.addNode( "ghost", -1, translation( poses[link] ), rotation( poses[link] ) );
+			for ( Painted shape : painted )
 			{
-				const int node = gltf.addNode( "ghost", -1, translation( poses[link] ), rotation( poses[link] ) );
-				for ( Painted shape : painted )
-				{
-					shape.surface = "ghost";
-					add( "shape", node, shape, ghost_opacity );
-				}
+				shape.surface = "ghost";
+				stage.add( "shape", node, shape, ghost_opacity );
 			}
-	}
-
-	const lw_robot* robot;
-	Gltf gltf;
-	Colours colours;
-	Meshes meshes;
-	std::map<uint32_t, std::vector<Painted>> links;
-};
+		}
+}
 
 /// States along the path at equal times, none of whose joints moves faster than `speed`.
 struct Motion
@@ -386,7 +154,7 @@ void addTrails( Stage& stage, const Motion& motion, const std::set<uint32_t>& mo
 	const double dimensions[3] = { trail_radius, 0, 0 };
 	leeway::require( lw_shape_create_primitive( LW_SHAPE_SPHERE, dimensions, nullptr, nullptr, &made ), "sphere" );
 	const leeway::Shape bead = leeway::Shape::adopt( made );
-	const int mesh = stage.meshes.of( bead.get(), stage.colours.trail() );
+	const int mesh = stage.meshes.of( bead.get(), stage.colours.material( "trail" ) );
 	for ( uint32_t link : moving )
 	{
 		const std::string name = lw_robot_link_name( stage.robot, link );
@@ -432,46 +200,6 @@ std::vector<size_t> ghostFrames( const Motion& motion, const std::set<uint32_t>&
 	return frames;
 }
 
-void writeFile( const std::string& file, const std::string& bytes )
-{
-	std::ofstream out( file, std::ios::binary );
-	out.write( bytes.data(), static_cast<std::streamsize>( bytes.size() ) );
-	out.close();
-	if ( !out )
-		throw io::Error( file, "file", "cannot be written", "check the folder and its free space" );
-}
-
-/// A softly lit room as a light source: Radiance RGBE, latitude by longitude, bright above and from the window side.
-std::string lightImage()
-{
-	const int width = 256, height = 128;
-	std::string bytes = fmt::format( "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", height, width );
-	auto put = [&bytes]( double r, double g, double b )
-	{
-		int exponent = 0;
-		const double scale = std::frexp( std::max( { r, g, b, 1e-9 } ), &exponent ) * 256 / std::max( { r, g, b, 1e-9 } );
-		for ( double v : { r, g, b } )
-			bytes += static_cast<char>( static_cast<unsigned char>( v * scale ) );
-		bytes += static_cast<char>( static_cast<unsigned char>( exponent + 128 ) );
-	};
-	for ( int y = 0; y < height; ++y )
-		for ( int x = 0; x < width; ++x )
-		{
-			const double up = std::cos( M_PI * ( y + 0.5 ) / height ), around = 2 * M_PI * ( x + 0.5 ) / width;
-			auto lamp = [&]( double at_up, double at_around, double size, double power )
-			{
-				const double across =
-				    std::remainder( around - at_around, 2 * M_PI ) * std::sqrt( std::max( 0.05, 1 - up * up ) );
-				return power * std::exp( -( across * across + ( up - at_up ) * ( up - at_up ) ) / ( size * size ) );
-			};
-			const double sky = 0.36 + 0.40 * std::max( 0.0, up ), ground = up < 0 ? 0.26 * up : 0;
-			const double key = lamp( 0.65, 0.9, 0.45, 4.2 ), fill = lamp( 0.35, 3.6, 0.7, 0.9 );
-			put( sky + ground * 0.8 + key * 1.00 + fill * 0.85, sky + ground * 0.9 + key * 0.95 + fill * 0.93,
-			    sky + ground + key * 0.86 + fill * 1.05 );
-		}
-	return bytes;
-}
-
 void run( const Options& options )
 {
 	if ( !options.light.empty() )
@@ -490,7 +218,8 @@ void run( const Options& options )
 
 	if ( !options.animation.empty() )
 	{
-		Stage stage( robot, scene, problem, options.colours );
+		Stage stage( robot, problem.robot.get(), options.colours );
+		stage.addScene( scene );
 		for ( const auto& [link, painted] : stage.links )
 		{
 			std::vector<Gltf::Vec> moves;
@@ -512,10 +241,13 @@ void run( const Options& options )
 	}
 	if ( !options.still.empty() )
 	{
-		Stage stage( robot, scene, problem, options.colours );
+		Stage stage( robot, problem.robot.get(), options.colours );
+		stage.addScene( scene );
+		stage.colours.define( { "ghost", { 1.0, 0.55, 0.18, 1 }, 0.6, 0 } );
+		stage.colours.define( { "trail", { 0.98, 0.36, 0.06, 1 }, 0.4, 0 } );
 		stage.addRobot( motion.poses.back() );
 		for ( size_t frame : ghostFrames( motion, moving, options.ghosts ) )
-			stage.addGhost( motion.poses[frame], motion.poses.back() );
+			addGhost( stage, motion.poses[frame], motion.poses.back() );
 		addTrails( stage, motion, moving );
 		writeFile( options.still, stage.gltf.bytes() );
 	}
