@@ -114,7 +114,7 @@ ShadedMesh shade(
 
 Gltf::Gltf()
 {
-	m_json["asset"] = { { "version", "2.0" }, { "generator", "leeway kitchen_render" } };
+	m_json["asset"] = { { "version", "2.0" }, { "generator", "leeway examples/kitchen" } };
 	m_json["scene"] = 0;
 	m_json["scenes"] = { { { "nodes", { 0 } } } };
 	m_json["buffers"] = nlohmann::json::array();
