@@ -190,6 +190,10 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	        "--time", options.time, "seconds for planning (default: the request's allowed_planning_time, else 60)" )
 	    ->type_name( "S" );
 	command->add_option( "--seed", options.seed, "of the random numbers, 1 or more (default 1)" )->type_name( "N" );
+	command
+	    ->add_option( "--threads", options.threads,
+	        "of planners that can use several: 'threads' in the list below (default: the planner's own choice)" )
+	    ->type_name( "N" );
 	command->add_flag_function(
 	    "--simplify", [&options]( std::int64_t ) { options.simplify = true; }, "shorten the path that was found (default)" );
 	command->add_flag_function(
@@ -255,6 +259,10 @@ int dispatch( const CLI::App& app, Commands& commands )
 		if ( chosen->get_option( "--time" )->count() > 0 )
 		{
 			requirePositive( "--time", commands.plan.time );
+		}
+		if ( chosen->get_option( "--threads" )->count() > 0 )
+		{
+			requirePositive( "--threads", commands.plan.threads );
 		}
 		return runPlan( commands.plan );
 	}

@@ -83,6 +83,7 @@ struct PlanOptions
 	std::string planner = "RRTConnect", out, report;
 	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
 	std::uint32_t seed = 1;
+	std::uint32_t threads = 0; ///< of the planner; 0 = its own choice
 	bool simplify = true;
 	double resolution = 1e-4; ///< metres, of the audit
 	bool list_planners = false;

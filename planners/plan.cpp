@@ -79,6 +79,7 @@ struct Solution
 	std::size_t raw_states = 0;
 	Edges edges;
 	Seconds seconds;
+	unsigned threads = 1; // of the planner
 	::leeway::ompl::Counters counters;
 };
 
@@ -264,7 +265,18 @@ public:
 		Solution solution;
 		auto definition = std::make_shared<ob::ProblemDefinition>( m_si );
 		definition->setStartAndGoalStates( state( m_start ), state( m_goal ) );
-		const ob::PlannerPtr planner = findPlanner( m_options.planner ).make( m_si );
+		const PlannerEntry& entry = findPlanner( m_options.planner );
+		const ob::PlannerPtr planner = entry.make( m_si );
+		if ( entry.threads != nullptr )
+		{
+			if ( m_options.threads > 0 )
+			{
+				planner->params().setParam( entry.threads, std::to_string( m_options.threads ) );
+			}
+			std::string threads;
+			planner->params().getParam( entry.threads, threads );
+			solution.threads = static_cast<unsigned>( std::stoul( threads ) );
+		}
 		{
 			const Progress progress( fmt::format( "planning with {}", planner->getName() ) );
 			const double begin = now();
@@ -361,6 +373,7 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 	json["planner"] = findPlanner( options.planner ).name;
 	json["validator"] = options.edge.validator;
 	json["seed"] = options.seed;
+	json["threads"] = solution.threads;
 	json["min_d"] = options.common.min_d;
 	json["slack"] = options.edge.slack;
 	json["solved"] = solution.solved;
@@ -388,9 +401,10 @@ std::string summary( const PlanOptions& options, const Solution& solution )
 {
 	const bool certified = options.edge.validator == "certified";
 	std::string text =
-	    fmt::format( "planner     {} (seed {}): {:.3f} s planning, {:.3f} s simplifying; {} states and {} edges checked\n",
-	        findPlanner( options.planner ).name, options.seed, solution.seconds.plan, solution.seconds.simplify,
-	        solution.counters.states, solution.counters.edges );
+	    fmt::format( "planner     {} (seed {}{}): {:.3f} s planning, {:.3f} s simplifying; {} states and {} edges checked\n",
+	        findPlanner( options.planner ).name, options.seed,
+	        solution.threads > 1 ? fmt::format( ", {} threads", solution.threads ) : "", solution.seconds.plan,
+	        solution.seconds.simplify, solution.counters.states, solution.counters.edges );
 	text += fmt::format( "edges       {} of {} {}", solution.edges.free,
 	    solution.edges.free + solution.edges.blocked + solution.edges.refused,
 	    certified ? "proved free" : "free at fixed steps (not a proof)" );
@@ -443,7 +457,7 @@ Solution solve( const PlanOptions& options, const Workbench& bench, const io::Re
 int runPlan( const PlanOptions& options )
 {
 	Notices notices( options.common.verbose );
-	findPlanner( options.planner );
+	requireThreads( findPlanner( options.planner ), options.threads );
 	OutputFile out( options.out ), report( options.report );
 	const Input input = loadInput( options.common, notices );
 	const std::string group = options.common.group.empty() ? input.request->group : options.common.group;

@@ -135,10 +135,10 @@ const std::vector<PlannerEntry>& planners()
 	    { "ABITstar", "uses all the time", make<og::ABITstar> },
 	    { "AITstar", "uses all the time", make<og::AITstar> },
 	    { "SST", "uses all the time", make<og::SST> },
-	    { "pRRT", "threads", make<og::pRRT> },
-	    { "pSBL", "threads", make<og::pSBL> },
-	    { "CForest", "threads", make<og::CForest> },
-	    { "AnytimePathShortening", "threads", make<og::AnytimePathShortening> },
+	    { "pRRT", "threads", make<og::pRRT>, "thread_count" },
+	    { "pSBL", "threads", make<og::pSBL>, "thread_count" },
+	    { "CForest", "threads", make<og::CForest>, "num_threads" },
+	    { "AnytimePathShortening", "threads", make<og::AnytimePathShortening>, "num_planners" },
 	};
 	return entries;
 }
@@ -156,6 +156,26 @@ const PlannerEntry& findPlanner( const std::string& name )
 	}
 	throw io::Error(
 	    "command line", "--planner", fmt::format( "there is no planner '{}'", name ), "choose one of: " + names );
+}
+
+void requireThreads( const PlannerEntry& planner, unsigned threads )
+{
+	if ( threads > most_threads )
+	{
+		throw io::Error( "command line", "--threads", fmt::format( "{} is more than {}", threads, most_threads ),
+		    "give as many as the machine has cores" );
+	}
+	if ( threads <= 1 || planner.threads != nullptr )
+	{
+		return;
+	}
+	std::string names;
+	for ( const PlannerEntry& entry : planners() )
+	{
+		names += entry.threads == nullptr ? "" : ( names.empty() ? "" : ", " ) + std::string( entry.name );
+	}
+	throw io::Error( "command line", "--threads", fmt::format( "{} plans with one thread", planner.name ),
+	    "leave it out, or choose a --planner of: " + names );
 }
 
 void ensureProjection( const ob::StateSpacePtr& space )

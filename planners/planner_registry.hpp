@@ -15,13 +15,20 @@ struct PlannerEntry
 	const char* name;
 	const char* kind; ///< "tree", "roadmap", "optimising", "threads" ...
 	::ompl::base::PlannerPtr ( *make )( const ::ompl::base::SpaceInformationPtr& );
+	const char* threads = nullptr; ///< OMPL's parameter for the number of threads; null: it plans with one
 };
+
+constexpr unsigned most_threads = 64; ///< that OMPL's planners declare
 
 const std::vector<PlannerEntry>& planners();
 
 /// @param name upper and lower case do not matter
 /// @throws io::Error that lists the names
 const PlannerEntry& findPlanner( const std::string& name );
+
+/// Is the planner able to use this many threads? 0 = its own choice.
+/// @throws io::Error that lists those that can
+void requireThreads( const PlannerEntry& planner, unsigned threads );
 
 /// Planners such as KPIECE1 and PDST look at states through a projection. Spaces made of several parts have no default one,
 /// and that of the smallest spaces does not work; this gives them a linear projection to the plane, the same for every run.
