@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // OMPL's planners on certified edges: each uses the two interfaces in its own way, several from many threads. Every path is
 // then measured densely, by exact queries that know nothing of edges.
-#include "world.hpp"
+#include "planning.hpp"
 
 #include <ompl/base/goals/GoalLazySamples.h>
-#include <ompl/base/objectives/PathLengthOptimizationObjective.h>
 #include <ompl/base/samplers/MaximizeClearanceValidStateSampler.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
-#include <ompl/geometric/PathGeometric.h>
-#include <ompl/geometric/PathSimplifier.h>
 #include <ompl/geometric/planners/AnytimePathShortening.h>
 #include <ompl/geometric/planners/cforest/CForest.h>
 #include <ompl/geometric/planners/kpiece/BKPIECE1.h>
@@ -19,20 +16,12 @@
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 #include <ompl/geometric/planners/rrt/pRRT.h>
-#include <ompl/geometric/planners/sbl/pSBL.h>
 #include <ompl/geometric/planners/stride/STRIDE.h>
 
 #include <atomic>
 
-namespace og = ::ompl::geometric;
-
 namespace
 {
-
-constexpr double min_d = 0.005;
-
-// A limit for planners that have gone astray, far above what any needs even with sanitizers on; none is asserted.
-constexpr double patience = 60;
 
 struct NamedPlanner
 {
@@ -51,13 +40,6 @@ ob::PlannerPtr make( const ob::SpaceInformationPtr& si )
 ob::PlannerPtr makeParallel( const ob::SpaceInformationPtr& si )
 {
 	auto planner = std::make_shared<og::pRRT>( si );
-	planner->setThreadCount( 4 );
-	return planner;
-}
-
-ob::PlannerPtr makeParallelTrees( const ob::SpaceInformationPtr& si )
-{
-	auto planner = std::make_shared<og::pSBL>( si );
 	planner->setThreadCount( 4 );
 	return planner;
 }
@@ -86,34 +68,9 @@ const std::vector<NamedPlanner> planners = { { "RRTConnect", make<og::RRTConnect
 	{ "PRM", make<og::PRM> }, { "KPIECE1", make<og::KPIECE1> }, { "BKPIECE1", make<og::BKPIECE1> },
 	{ "LBKPIECE1", make<og::LBKPIECE1> }, { "PDST", make<og::PDST> }, { "STRIDE", make<og::STRIDE> } };
 
-// pSBL is not among them: its threads free each other's motions, in OMPL 1.5.2.
-const std::vector<NamedPlanner> planners_with_threads = { { "pRRT", makeParallel }, { "pSBL", makeParallelTrees }, { "CForest", makeForest },
+// pSBL is in a program of its own, psbl_test.cpp.
+const std::vector<NamedPlanner> planners_with_threads = { { "pRRT", makeParallel }, { "CForest", makeForest },
 	{ "AnytimePathShortening", makeShortening } };
-
-leeway::ompl::Options plannerOptions()
-{
-	leeway::ompl::Options options;
-	options.min_d = min_d;
-	return options;
-}
-
-/// Measures the path at states at most a few millimetres apart.
-void audit( const Rig& rig, const og::PathGeometric& path )
-{
-	const leeway::Query query = leeway::makeQuery( rig.checker.get() );
-	ob::ScopedState<> between( rig.space );
-	for ( std::size_t i = 0; i + 1 < path.getStateCount(); ++i )
-	{
-		const ob::State *s1 = path.getState( i ), *s2 = path.getState( i + 1 );
-		const int count = 1 + static_cast<int>( rig.space->distance( s1, s2 ) / 0.005 );
-		for ( int k = 0; k <= count; ++k )
-		{
-			rig.space->interpolate( s1, s2, double( k ) / count, between.get() );
-			ASSERT_GT( exactClearance( rig, query.get(), between.get() ), min_d - 1e-9 )
-				<< "edge " << i << " at " << k << "/" << count;
-		}
-	}
-}
 
 class Planners : public testing::TestWithParam<std::tuple<World, NamedPlanner>>
 {
@@ -121,43 +78,7 @@ class Planners : public testing::TestWithParam<std::tuple<World, NamedPlanner>>
 
 TEST_P( Planners, PathsAreFreeAllTheWay )
 {
-	const World& problem = std::get<0>( GetParam() );
-	const Rig rig( problem.make(), plannerOptions() );
-	ob::ScopedState<> start( rig.space ), goal( rig.space );
-	rig.engine->adapter().fromVector( problem.start.data(), start.get() );
-	rig.engine->adapter().fromVector( problem.goal.data(), goal.get() );
-	ASSERT_TRUE( rig.si->isValid( start.get() ) );
-	ASSERT_TRUE( rig.si->isValid( goal.get() ) );
-	ASSERT_FALSE( rig.si->checkMotion( start.get(), goal.get() ) ) << "nothing to plan";
-
-	auto definition = std::make_shared<ob::ProblemDefinition>( rig.si );
-	// a radius: planners with one tree meet a point about never
-	definition->setStartAndGoalStates( start, goal, 0.1 );
-	// any length will do: RRT* and CForest would go on shortening
-	auto length_objective = std::make_shared<ob::PathLengthOptimizationObjective>( rig.si );
-	length_objective->setCostThreshold( ob::Cost( inf ) );
-	definition->setOptimizationObjective( length_objective );
-	const ob::PlannerPtr planner = std::get<1>( GetParam() ).make( rig.si );
-	planner->setProblemDefinition( definition );
-	planner->setup();
-	const ob::PlannerTerminationCondition enough = ob::plannerOrTerminationCondition(
-		ob::timedPlannerTerminationCondition( patience ), ob::exactSolnPlannerTerminationCondition( definition ) );
-	ASSERT_EQ( planner->solve( enough ), ob::PlannerStatus::EXACT_SOLUTION );
-
-	auto path = std::dynamic_pointer_cast<og::PathGeometric>( definition->getSolutionPath() );
-	ASSERT_NE( path, nullptr );
-	ASSERT_GE( path->getStateCount(), 3u );
-	EXPECT_TRUE( rig.space->equalStates( path->getState( 0 ), start.get() ) );
-	EXPECT_LE( rig.space->distance( path->getStates().back(), goal.get() ), 0.1 + 1e-9 );
-	audit( rig, *path );
-
-	// what OMPL makes of it afterwards goes through the same validator
-	const double length = path->length();
-	og::PathSimplifier( rig.si ).simplifyMax( *path );
-	EXPECT_LE( path->length(), length * ( 1 + 1e-9 ) );
-	audit( rig, *path );
-	EXPECT_EQ( rig.engine->counters().edges,
-		rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().refused );
+	solveAndAudit( std::get<0>( GetParam() ), std::get<1>( GetParam() ).make );
 }
 
 std::string plannerName( const testing::TestParamInfo<std::tuple<World, NamedPlanner>>& info )
