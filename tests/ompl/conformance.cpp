@@ -259,6 +259,26 @@ TEST_P( Conformance, LastValidIsWrittenOnFailureOnly )
 	EXPECT_GT( stopped_on_the_way, 30 );
 }
 
+TEST_P( Conformance, TheMotionToTheLastValidStateIsValid )
+{
+	// KPIECE1 and its like keep it as an edge of their path, and do not ask again
+	PROMISED( again );
+	ob::State *s1 = state(), *s2 = state(), *last = state();
+	int stopped_on_the_way = 0;
+	for ( int i = 0; i < 300; ++i )
+	{
+		samplePair( i, s1, s2 );
+		std::pair<ob::State*, double> last_valid( last, 0 );
+		if ( !motions().checkMotion( s1, s2, last_valid ) && last_valid.second > 0 )
+		{
+			ASSERT_TRUE( motions().checkMotion( s1, last ) ) << last_valid.second;
+			ASSERT_TRUE( motions().checkMotion( last, s1 ) ) << last_valid.second;
+			++stopped_on_the_way;
+		}
+	}
+	EXPECT_GT( stopped_on_the_way, 30 );
+}
+
 TEST_P( Conformance, LastValidMayBeEitherEnd )
 {
 	ob::State *s1 = state(), *s2 = state(), *separate = state();

@@ -30,6 +30,7 @@ struct Exceptions
 	const char* non_finite = nullptr;   ///< so are those with a number that is not finite
 	const char* start = nullptr;        ///< a motion from an invalid state is invalid (OMPL lets validators assume it valid)
 	const char* whole_motion = nullptr; ///< nothing of a motion found valid is invalid, nor before the last valid state
+	const char* again = nullptr;        ///< the motion from the start to the last valid state is valid
 	const char* thread_counts = nullptr; ///< the motion counters lose nothing when threads share the validator
 };
 

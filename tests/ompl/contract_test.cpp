@@ -102,6 +102,7 @@ conformance::Exceptions exceptionsOf( Kind kind )
 	if ( kind == Kind::steps )
 	{
 		exceptions.whole_motion = "fixed steps: nothing is looked at in between";
+		exceptions.again = "the steps of a shorter motion are at other places";
 	}
 	if ( kind == Kind::ompl )
 	{
@@ -113,6 +114,7 @@ conformance::Exceptions exceptionsOf( Kind kind )
 		exceptions.non_finite = "DiscreteMotionValidator makes an integer of the distance, which is undefined for a NaN";
 		exceptions.start = "DiscreteMotionValidator takes the start for valid";
 		exceptions.whole_motion = "DiscreteMotionValidator looks at states of a resolution, at nothing in between";
+		exceptions.again = "DiscreteMotionValidator divides a shorter motion at other places";
 		exceptions.thread_counts = "DiscreteMotionValidator counts in plain integers";
 	}
 	return exceptions;

@@ -135,7 +135,7 @@ double StateValidityChecker::clearance( const ob::State* state, ob::State*, bool
 // ---- motions ----
 
 MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine )
-	: ob::MotionValidator( si ), m_engine( checkedEngine( si, std::move( engine ) ) ), m_def( lw_edge_def_default() )
+	: ob::MotionValidator( si ), m_engine( checkedEngine( si, std::move( engine ) ) ), m_def( lw_edge_def_default() ), m_last_def( m_def )
 {
 	if ( !m_engine->adapter().straight() )
 	{
@@ -148,12 +148,16 @@ MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared
 	m_def.min_d = options.min_d;
 	m_def.slack = options.slack;
 	m_def.max_d = options.step;
+
+	// An edge all of whose clearances are above (min_d + slack) / (1 - alpha) is never refused (core/docs/edges.md): the run is
+	// proved at that margin, and a millionth more for the rounding of the state at its end.
+	m_last_def = m_def;
+	m_last_def.want_proved_until = true;
+	m_last_def.min_d = ( m_def.min_d + m_def.slack ) / ( 1 - m_def.alpha ) * ( 1 + 1e-6 );
 }
 
-ProvedMotion MotionValidator::prove( const EdgeProver& prover, bool want_proved_until ) const
+ProvedMotion MotionValidator::prove( const EdgeProver& prover, const lw_edge_def& def ) const
 {
-	lw_edge_def def = m_def;
-	def.want_proved_until = want_proved_until;
 	Engine::Slot& slot = prover.slot();
 	const ProvedMotion run = prover.prove( def, slot.edge_queries );
 	slot.edges.add( 1 );
@@ -219,7 +223,7 @@ bool MotionValidator::checkMotion( const ob::State* s1, const ob::State* s2 ) co
 		return count( false );
 	}
 	const EdgeProver prover( *m_engine, lease );
-	return count( prover.read( *si_, s1, s2 ) && prove( prover, false ).verdict == LW_VERDICT_FREE );
+	return count( prover.read( *si_, s1, s2 ) && prove( prover, m_def ).verdict == LW_VERDICT_FREE );
 }
 
 bool MotionValidator::checkMotion( const ob::State* s1, const ob::State* s2, std::pair<ob::State*, double>& lastValid ) const
@@ -243,12 +247,20 @@ bool MotionValidator::checkMotion( const ob::State* s1, const ob::State* s2, std
 	{
 		return keepStart();
 	}
-	const ProvedMotion run = prove( prover, true );
-	if ( run.verdict != LW_VERDICT_FREE )
+	Engine::Slot& slot = prover.slot();
+	lw_edge_def def = m_def;
+	def.want_proved_until = def.method == LW_EDGE_STEPS;
+	ProvedMotion run = prove( prover, def );
+	const bool free = run.verdict == LW_VERDICT_FREE;
+	if ( !free )
 	{
-		lastValid.second = writeLastValid( prover.slot(), run.proved_until, s1, lastValid.first );
+		if ( def.method == LW_EDGE_CERTIFIED )
+		{
+			run = prover.prove( m_last_def, slot.edge_queries );
+		}
+		lastValid.second = writeLastValid( slot, run.proved_until, s1, lastValid.first );
 	}
-	return count( run.verdict == LW_VERDICT_FREE );
+	return count( free );
 }
 
 std::shared_ptr<const Engine> install( const ob::SpaceInformationPtr& si, Checker checker, const Options& options )

@@ -234,18 +234,22 @@ public:
 	/// On failure lastValid.first, if not null, receives a state that was proved, and then checked by itself: the end of the
 	/// proved run, or s1 if even that fails the check; lastValid.second in [0, 1) is its place. It may alias s1 or s2. On
 	/// success neither field is touched.
+	///
+	/// Certified: the run ends before the first clearance of (min_d + slack) / 0.9 or less. The motion from s1 to the last
+	/// valid state is then never refused when it is checked again: planners such as KPIECE1 keep it as an edge, unchecked.
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2,
 		std::pair<::ompl::base::State*, double>& lastValid ) const override;
 
 	const std::shared_ptr<const Engine>& engine() const { return m_engine; }
 
 private:
-	ProvedMotion prove( const EdgeProver& prover, bool want_proved_until ) const;
+	ProvedMotion prove( const EdgeProver& prover, const lw_edge_def& def ) const;
 	double writeLastValid( Engine::Slot& slot, double proved_until, const ::ompl::base::State* s1,
 		::ompl::base::State* out ) const;
 	bool count( bool valid ) const;
 	std::shared_ptr<const Engine> m_engine;
 	lw_edge_def m_def;
+	lw_edge_def m_last_def; ///< for the run up to the last valid state
 };
 
 /// Sets both on `si` and returns the shared engine. Call si->setup() afterwards as usual.
