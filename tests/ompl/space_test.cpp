@@ -4,6 +4,7 @@
 #include "world.hpp"
 
 #include <ompl/base/Constraint.h>
+#include <ompl/base/ConstrainedSpaceInformation.h>
 #include <ompl/base/spaces/DiscreteStateSpace.h>
 #include <ompl/base/spaces/DubinsStateSpace.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
@@ -490,16 +491,57 @@ TEST( Refusals, CurvesThatAreNotStraight )
 	EXPECT_TRUE( si->checkMotion( state.get(), state.get() ) );
 }
 
+/// The diagonal of the gantry's rails.
+struct Diagonal : ob::Constraint
+{
+	Diagonal() : ob::Constraint( 2, 1 ) {}
+	void function( const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> out ) const override
+	{
+		out[0] = x[0] - x[1];
+	}
+};
+
+TEST( ConstrainedSpaces, StatesAreSeenThroughToTheNumbers )
+{
+	const leeway::Checker checker = gantryWorld();
+	const Rig plain( checker );
+	const auto constraint = std::make_shared<Diagonal>();
+	const auto space = std::make_shared<ob::ProjectedStateSpace>( leeway::ompl::makeStateSpace( checker ), constraint );
+	const auto si = std::make_shared<ob::ConstrainedSpaceInformation>( space );
+	const auto engine = std::make_shared<const leeway::ompl::Engine>( space, checker, leeway::ompl::Options() );
+	const auto states = std::make_shared<leeway::ompl::StateValidityChecker>( si, engine );
+	si->setStateValidityChecker( states );
+	si->setup();
+	ob::ScopedState<> constrained( space ), same( plain.space );
+	int valid = 0;
+	for ( int i = 0; i <= 100; ++i )
+	{
+		const double q[2] = { -1 + 0.02 * i, -1 + 0.02 * i };
+		engine->adapter().fromVector( q, constrained.get() );
+		plain.engine->adapter().fromVector( q, same.get() );
+		const auto& unwrapped = *constrained->as<ob::ConstrainedStateSpace::StateType>();
+		ASSERT_EQ( unwrapped[0], q[0] );
+		ASSERT_EQ( unwrapped[1], q[1] );
+		ASSERT_EQ( si->isValid( constrained.get() ), plain.si->isValid( same.get() ) );
+		ASSERT_NEAR( states->clearance( constrained.get() ),
+			plain.si->getStateValidityChecker()->clearance( same.get() ), 1e-12 );
+		valid += si->isValid( constrained.get() );
+	}
+	EXPECT_GT( valid, 20 );
+	EXPECT_LT( valid, 90 );
+	// and OMPL's own validator for such spaces asks the checker along the manifold
+	const double start[2] = { -0.9, -0.9 }, near_start[2] = { -0.8, -0.8 }, beyond[2] = { 0.9, 0.9 };
+	ob::ScopedState<> goal( space );
+	engine->adapter().fromVector( start, constrained.get() );
+	engine->adapter().fromVector( near_start, goal.get() );
+	EXPECT_TRUE( si->checkMotion( constrained.get(), goal.get() ) );
+	engine->adapter().fromVector( beyond, goal.get() );
+	ASSERT_TRUE( si->isValid( goal.get() ) );
+	EXPECT_FALSE( si->checkMotion( constrained.get(), goal.get() ) ) << "the wall is in between";
+}
+
 TEST( Refusals, ConstraintManifolds )
 {
-	struct Diagonal : ob::Constraint
-	{
-		Diagonal() : ob::Constraint( 2, 1 ) {}
-		void function( const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> out ) const override
-		{
-			out[0] = x[0] - x[1];
-		}
-	};
 	const leeway::Checker checker = gantryWorld();
 	const auto space = std::make_shared<ob::ProjectedStateSpace>( leeway::ompl::makeStateSpace( checker ),
 		std::make_shared<Diagonal>() );
@@ -542,6 +584,20 @@ TEST( Refusals, JointsTornApart )
 	}
 }
 
+TEST( Refusals, EnginesOfAnotherSpace )
+{
+	// states carry no type: the numbers of one space would be read as those of another
+	const Rig gantry( gantryWorld() ), arm( armWorld() );
+	const Rig twin( gantry.checker );
+	expectRefusal( [&] { leeway::ompl::StateValidityChecker( gantry.si, arm.engine ); }, "another" );
+	expectRefusal( [&] { leeway::ompl::MotionValidator( gantry.si, arm.engine ); }, "another" );
+	expectRefusal( [&] { leeway::ompl::MotionValidator( gantry.si, twin.engine ); }, "another" );
+	// one engine may serve several space informations of its space
+	const auto second = std::make_shared<ob::SpaceInformation>( gantry.space );
+	EXPECT_NO_THROW( leeway::ompl::StateValidityChecker( second, gantry.engine ) );
+	EXPECT_NO_THROW( leeway::ompl::MotionValidator( second, gantry.engine ) );
+}
+
 TEST( Refusals, NothingGiven )
 {
 	const leeway::Checker checker = gantryWorld();
@@ -552,6 +608,10 @@ TEST( Refusals, NothingGiven )
 	EXPECT_THROW( leeway::ompl::Engine( nullptr, checker, {} ), std::invalid_argument );
 	EXPECT_THROW( leeway::ompl::StateValidityChecker( si, nullptr ), std::invalid_argument );
 	EXPECT_THROW( leeway::ompl::MotionValidator( si, nullptr ), std::invalid_argument );
+	const auto engine = std::make_shared<const leeway::ompl::Engine>( space, checker, leeway::ompl::Options() );
+	EXPECT_THROW( leeway::ompl::StateValidityChecker( nullptr, engine ), std::invalid_argument );
+	EXPECT_THROW( leeway::ompl::MotionValidator( nullptr, engine ), std::invalid_argument );
+	EXPECT_THROW( leeway::ompl::install( nullptr, checker ), std::invalid_argument );
 }
 
 TEST( Refusals, Options )
