@@ -184,6 +184,36 @@ TEST( ObjectiveRules, WhatIsPassedCountsNotOnlyTheEnds )
 	}
 }
 
+TEST( ObjectiveRules, ANarrowDipIsFoundInFewChecks )
+{
+	// a small ball passes small obstacles: a failed proof shows a place below its margin, seldom the lowest one
+	SeededRng rng;
+	leeway::ompl::Options options;
+	options.min_d = 0;
+	options.slack = 1e-5;
+	options.max_d = 1;
+	for ( int i = 0; i < 20; ++i )
+	{
+		const double clearance = rng.uniform( 0.001, 0.02 );
+		const Rig rig( makeChecker( { slider( "rail", 0, -1, 1, makeBall( 0.01 ) ) },
+						   { { makeBall( 0.01 ), at( rng.uniform( -0.9, 0.9 ), 0.02 + clearance, 0 ) } } ),
+			options );
+		ob::ScopedState<> s1( rig.space ), s2( rig.space );
+		s1[0] = -1;
+		s2[0] = 1;
+		for ( double tolerance : { 0.1, 0.01, 0.001 } )
+		{
+			const ClearanceObjective objective( rig.si, rig.engine, tolerance );
+			const leeway::ompl::Counters before = rig.engine->counters();
+			const double cost = objective.motionCost( s1.get(), s2.get() ).value();
+			EXPECT_LE( cost, clearance + 1e-12 );
+			EXPECT_GE( cost, clearance / ( 1 + tolerance ) - 1e-9 );
+			EXPECT_LE( double( rig.engine->counters().cost_edges - before.cost_edges ),
+				8 + std::log2( std::log( options.max_d / options.slack ) / std::log1p( tolerance ) ) );
+		}
+	}
+}
+
 TEST( ObjectiveRules, WhatPlannersRelyOn )
 {
 	SeededRng rng;
