@@ -185,21 +185,21 @@ static uint32_t link_depth( const lw_robot* robot, uint32_t link )
 	return depth;
 }
 
-/// Lowest common ancestor of two links; *moves = a joint of the group lies on the path between them.
-static uint32_t common_ancestor( const lw_robot* robot, const draft* d, uint32_t a, uint32_t b, bool* moves )
+/// True if a joint of the group lies between two links.
+static bool group_moves( const lw_robot* robot, const draft* d, uint32_t a, uint32_t b )
 {
 	uint32_t depth_a = link_depth( robot, a ), depth_b = link_depth( robot, b );
-	*moves = false;
+	bool moves = false;
 	while ( a != b )
 	{
 		uint32_t* deeper = depth_a >= depth_b ? &a : &b;
 		uint32_t* depth = depth_a >= depth_b ? &depth_a : &depth_b;
 		uint32_t joint = lw_robot_link_joint( robot, *deeper );
-		*moves = *moves || d->joint_moves[joint];
+		moves = moves || d->joint_moves[joint];
 		*deeper = lw_robot_joint_parent( robot, joint );
 		--*depth;
 	}
-	return a;
+	return moves;
 }
 
 /// Visits the self pairs; `pairs` NULL only counts.
@@ -211,17 +211,11 @@ static uint32_t list_self_pairs( const lw_checker* c, const draft* d, lwi_self_p
 		for ( uint32_t b = a + 1; b < bodies; ++b )
 		{
 			uint32_t link_a = c->bodies[a].link, link_b = c->bodies[b].link;
-			bool moves;
-			if ( lw_robot_pair_allowed( c->robot, link_a, link_b ) )
-			{
-				continue;
-			}
-			uint32_t ancestor = common_ancestor( c->robot, d, link_a, link_b, &moves );
-			if ( moves )
+			if ( !lw_robot_pair_allowed( c->robot, link_a, link_b ) && group_moves( c->robot, d, link_a, link_b ) )
 			{
 				if ( pairs != NULL )
 				{
-					pairs[count] = (lwi_self_pair){ a, b, ancestor, 0 };
+					pairs[count] = (lwi_self_pair){ a, b };
 				}
 				++count;
 			}
@@ -230,27 +224,29 @@ static uint32_t list_self_pairs( const lw_checker* c, const draft* d, lwi_self_p
 	return count;
 }
 
-/// The tree, and what the reach proves of the self pairs where that holds.
-static lw_status build_tree( lw_checker* c, const draft* d, lw_diag* diag )
+/// The tree, how its nodes move, and how much the reach proves of the self pairs.
+static lw_status build_tree( lw_checker* c, draft* d, lw_diag* diag )
 {
-	if ( c->reach == NULL )
-	{
-		return LW_OK;
-	}
 	lw_status status = lwi_checker_tree_create( c, d->joint_moves, diag, &c->tree );
-	if ( status != LW_OK || c->tree == NULL )
+	if ( status != LW_OK )
 	{
 		return status;
 	}
-	c->bytes += c->tree->bytes;
-	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
+	for ( uint32_t i = 0; c->tree->proves && i < c->self_pair_count; ++i )
 	{
-		lwi_self_pair* pair = &c->self_pairs[i];
-		uint32_t a = c->bodies[pair->body_a].link, b = c->bodies[pair->body_b].link;
-		pair->separation = lwi_usable_separation( lw_reach_get_pair( c->reach, a, b ).separation );
-		c->never_pair_count += pair->separation > 0 ? 1u : 0u;
+		uint32_t a = c->bodies[c->self_pairs[i].body_a].link, b = c->bodies[c->self_pairs[i].body_b].link;
+		c->never_pair_count += lwi_usable_separation( lw_reach_get_pair( c->reach, a, b ).separation ) > 0 ? 1u : 0u;
 	}
-	return LW_OK;
+	for ( uint32_t i = 0; i < d->variables; ++i )
+	{
+		d->variable_moves[i] = !d->variable_moves[i]; // from here on: fixed
+	}
+	status = lwi_checker_tree_motion( c, d->variable_moves, diag, &c->motion );
+	if ( status == LW_OK )
+	{
+		c->bytes += c->tree->bytes + lwi_motion_table_bytes( c->motion );
+	}
+	return status;
 }
 
 static void fill_masks( lw_checker* c, const lw_checker_def* def, const draft* d )
@@ -383,16 +379,7 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, draft* d, lw_d
 	c->self_pair_count = pairs;
 	list_self_pairs( c, d, c->self_pairs );
 	fill_masks( c, def, d );
-	for ( uint32_t i = 0; i < d->variables; ++i )
-	{
-		d->variable_moves[i] = !d->variable_moves[i]; // from here on: fixed
-	}
-	status = lwi_motion_table_create( c->robot, d->variable_moves, c->reference, &c->allocator, diag, &c->motion );
-	if ( status != LW_OK )
-	{
-		return status;
-	}
-	c->bytes += pairs * sizeof( lwi_self_pair ) + lwi_motion_table_bytes( c->motion );
+	c->bytes += pairs * sizeof( lwi_self_pair );
 	status = build_tree( c, d, diag );
 	if ( status != LW_OK )
 	{
@@ -496,7 +483,7 @@ lw_checker_info lw_checker_get_info( const lw_checker* checker )
 	info.environment_pairs = checker->environment_pair_count;
 	info.self_pairs = checker->self_pair_count;
 	info.never_pairs = checker->never_pair_count;
-	info.hierarchy = checker->tree != NULL;
+	info.hierarchy = checker->tree->proves;
 	info.static_environment = checker->static_environment;
 	info.bytes = checker->bytes;
 	return info;

@@ -269,6 +269,27 @@ static void environment_result( const lw_checker* checker, const lw_query* query
 	out->b = checker->scene->shapes[bound->pair % stride].object;
 }
 
+/// Measures the nearest pair of the last time, if it is still one that counts.
+static void measure_warm( const lw_checker* checker, lw_query* query, const lwi_warm* warm, lwi_bound* bound )
+{
+	uint32_t stride = checker->scene != NULL ? checker->scene->block_count * LWI_WIDTH : 0;
+	if ( !query->def.warm_start || !warm->valid || stride == 0 )
+	{
+		return;
+	}
+	uint32_t body = warm->pair / stride, shape = warm->pair % stride;
+	if ( body < lw_robot_body_count( checker->robot ) && shape < checker->scene->shape_count &&
+		 ( checker->environment_mask[(size_t)body * checker->scene->block_count + shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) &
+			 1 ) != 0 )
+	{
+		lwi_pose_body( checker, query, body );
+		lw_transform relative = lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
+		bound->current_pair = warm->pair;
+		lwi_measure( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, warm->triangle_a,
+			warm->triangle_b, bound );
+	}
+}
+
 void lwi_checker_environment( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out )
 {
 	if ( checker->environment_pair_count == 0 && checker->static_environment.lower == INFINITY )
@@ -282,22 +303,9 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	bound.current_pair = STATIC_PAIR;
 	lwi_bound_offer( &bound, fixed->lower, fixed->upper );
 	lwi_warm* warm = &query->warm_environment;
-	if ( !bound.done && query->def.warm_start && warm->valid && checker->scene != NULL )
+	if ( !bound.done )
 	{
-		uint32_t stride = checker->scene->block_count * LWI_WIDTH;
-		uint32_t body = stride > 0 ? warm->pair / stride : UINT32_MAX;
-		uint32_t shape = stride > 0 ? warm->pair % stride : 0;
-		if ( body < lw_robot_body_count( checker->robot ) && shape < checker->scene->shape_count &&
-			 ( checker->environment_mask[(size_t)body * checker->scene->block_count + shape / LWI_WIDTH] >>
-				 ( shape % LWI_WIDTH ) & 1 ) != 0 )
-		{
-			lwi_pose_body( checker, query, body );
-			lw_transform relative =
-				lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
-			bound.current_pair = warm->pair;
-			lwi_measure( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, warm->triangle_a,
-				warm->triangle_b, &bound );
-		}
+		measure_warm( checker, query, warm, &bound );
 	}
 	if ( !bound.done && query->covered )
 	{
@@ -315,19 +323,30 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	}
 }
 
-void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t moving_body, const lw_range* range,
-	lw_clearance* out )
+void lwi_checker_node_environment( const lw_checker* checker, lw_query* query, uint32_t index, const lw_range* range,
+	lwi_warm* warm, lw_clearance* out )
 {
-	if ( checker->environment_pair_count == 0 )
-	{
-		*out = nothing_to_check();
-		return;
-	}
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_checker_node* node = &tree->nodes[index];
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
-	lwi_pose_body( checker, query, checker->moving_bodies[moving_body] );
-	search_environment( checker, query, checker->moving_bodies + moving_body, 1, &bound );
+	if ( node->own_environment && ( node->body_count == 1 || meets_scene( checker, query, 2 * index, &bound ) ) )
+	{
+		for ( uint32_t i = 0; i < node->body_count; ++i )
+		{
+			lwi_pose_body( checker, query, tree->bodies[node->first_body + i] );
+		}
+		measure_warm( checker, query, warm, &bound );
+		if ( !bound.done )
+		{
+			search_environment( checker, query, tree->bodies + node->first_body, node->body_count, &bound );
+		}
+	}
 	environment_result( checker, query, &bound, out );
+	if ( out->upper < INFINITY )
+	{
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+	}
 }
 
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query )

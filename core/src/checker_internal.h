@@ -7,12 +7,12 @@
 #include "motion_bound.h"
 #include "robot_internal.h"
 
+struct lwi_warm;
+
 /// Two bodies to check against each other; `a` < `b`.
 typedef struct lwi_self_pair
 {
 	uint32_t body_a, body_b; ///< robot bodies
-	uint32_t ancestor;       ///< lowest common ancestor link: only joints below it move the pair
-	float separation;        ///< proved for states that the tree covers, see lwi_usable_separation(); 0: nothing is proved
 } lwi_self_pair;
 
 /// A robot body as the queries want it.
@@ -45,9 +45,9 @@ struct lw_checker
 	uint32_t scene_block_count; ///< of LWI_WIDTH scene shapes
 	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
 	uint32_t environment_pair_count; ///< of moving bodies
-	lwi_motion_table* motion;
+	lwi_motion_table* motion; ///< of the tree's nodes
 	lw_reach* reach;         ///< NULL = none
-	struct lwi_checker_tree* tree; ///< NULL without a reach, or if the reference state is not covered by it
+	struct lwi_checker_tree* tree; ///< the robot as nodes, with what the reach proves of them
 	uint32_t never_pair_count;
 	lw_clearance static_environment;
 	size_t bytes;
@@ -67,14 +67,15 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 /// True if `separation` of the self pairs holds in both states and everywhere between them, and the query may use it.
 bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb );
 
-/// Clearance of one moving body (index into moving_bodies) to the scene at the posed state: nearest obstacle first, one
-/// running bound, allowed objects skipped. out->a = link, out->b = object. FAR with lower = +inf if nothing is to be checked.
-void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t moving_body, const lw_range* range,
-	lw_clearance* out );
+/// Clearance of the bodies of one node to the scene at the posed state: nearest obstacle first, one running bound, allowed
+/// objects skipped. out->a = link, out->b = object. FAR if nothing is to be checked.
+/// @param warm where the nearest pair of this node was; written if one was found
+void lwi_checker_node_environment( const lw_checker* checker, lw_query* query, uint32_t node, const lw_range* range,
+	struct lwi_warm* warm, lw_clearance* out );
 
-/// Clearance of one self pair (index into self_pairs) at the posed state. out->a, out->b = links.
-void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t pair, const lw_range* range,
-	lw_clearance* out );
+/// Clearance of one pair of nodes (index into the tree's pairs) at the posed state. out->a, out->b = links.
+void lwi_checker_node_pair( const lw_checker* checker, lw_query* query, uint32_t pair, const lw_range* range,
+	struct lwi_warm* warm, lw_clearance* out );
 
 /// Measures the static bodies once: fills static_environment. Called by lw_checker_create() with a query posed at the
 /// reference.
@@ -85,6 +86,8 @@ bool lwi_query_fits( const lw_query* query, const lw_checker* checker );
 
 /// Scratch for edges inside the query, sized for this checker: at least lwi_edge_scratch_size( checker ) bytes, 64-aligned.
 void* lwi_query_edge_scratch( lw_query* query );
-size_t lwi_edge_scratch_size( const lw_checker* checker ); ///< implemented by edge.c, asked by lw_query_create()
+/// Forgets the nearest pairs of earlier edges: they were another checker's.
+void lwi_edge_forget( const lw_checker* checker, lw_query* query );
+size_t lwi_edge_scratch_size( const lw_checker* checker ); ///< implemented by edge_item.c, asked by lw_query_create()
 
 #endif

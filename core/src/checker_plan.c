@@ -51,10 +51,20 @@ static uint32_t least( uint32_t a, uint32_t b )
 	return a < b ? a : b;
 }
 
-static float separation_of( const lw_checker* c, const lwi_self_pair* pair )
+static float separation_of( const lwi_checker_tree* t, const lw_checker* c, const lwi_self_pair* pair )
 {
-	return lwi_usable_separation(
-		lw_reach_get_pair( c->reach, c->bodies[pair->body_a].link, c->bodies[pair->body_b].link ).separation );
+	return t->proves ? lwi_usable_separation( lw_reach_get_pair( c->reach, c->bodies[pair->body_a].link,
+												  c->bodies[pair->body_b].link ).separation )
+					 : 0;
+}
+
+static uint32_t common_ancestor( const lwi_checker_tree* t, uint32_t a, uint32_t b )
+{
+	while ( b >= t->nodes[a].end || b < a )
+	{
+		a = t->nodes[a].parent;
+	}
+	return a;
 }
 
 /// The pairs of nodes that hold self pairs, in base and pairs.
@@ -71,7 +81,7 @@ static void find_pairs( plan* p, const lw_checker* c )
 	{
 		const lwi_self_pair* pair = &c->self_pairs[i];
 		uint32_t a = t->body_node[pair->body_a], b = t->body_node[pair->body_b];
-		share both = { separation_of( c, pair ), 1 };
+		share both = { separation_of( t, c, pair ), 1 };
 		share* forth = &p->base[entry( p, a, b )];
 		if ( forth->count == 0 )
 		{
@@ -248,7 +258,7 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 			uint32_t index = p->pairs[entry( p, a, b )];
 			if ( index != LW_INVALID_INDEX )
 			{
-				t->pairs[index] = (lwi_node_pair){ a, b, used };
+				t->pairs[index] = (lwi_node_pair){ a, b, common_ancestor( t, a, b ), p->base[entry( p, a, b )].separation, used };
 				used += (size_t)t->nodes[a].body_count * t->nodes[b].body_count;
 			}
 		}
@@ -276,7 +286,7 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 		}
 		const lwi_node_pair* pair = &t->pairs[p->pairs[entry( p, t->body_node[a], t->body_node[b] )]];
 		t->separations[pair->first + (size_t)rank[a] * t->nodes[pair->node_b].body_count + rank[b]] =
-			separation_of( c, &c->self_pairs[i] );
+			separation_of( t, c, &c->self_pairs[i] );
 	}
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of a state: all at once, or node by node when a query gets there.
+// Poses of a state, node by node when a question gets there.
 //
-// Both ways use lwi_robot_fk_links() on the same parents with the same state, so a pose has the same bits however it came
-// about, and so have the distances measured with it.
+// lwi_robot_fk_links() is asked for the same links with the same parents and state in whatever order, so a pose has the same
+// bits however it came about, and so have the distances measured with it.
 #include "checker_pose.h"
 #include "math_inline.h"
 
@@ -113,10 +113,6 @@ void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index
 
 void lwi_pose_all( const lw_checker* checker, lw_query* query )
 {
-	if ( !query->lazy )
-	{
-		return;
-	}
 	for ( uint32_t i = 0; i < checker->moving_body_count; ++i )
 	{
 		lwi_pose_body( checker, query, checker->moving_bodies[i] );
@@ -131,21 +127,18 @@ static void bind_query( const lw_checker* checker, lw_query* query )
 	const lw_robot* robot = checker->robot;
 	memcpy( query->state, checker->reference, robot->variable_count * sizeof( double ) );
 	memcpy( query->world_from_link, checker->reference_poses, robot->link_count * sizeof( lw_transform ) );
-	query->lazy = checker->tree != NULL && query->def.hierarchy;
 	// stamps of another checker are no good: its nodes were others
 	++query->state_stamp;
 	for ( uint32_t i = 0; i < robot->body_count; ++i )
 	{
 		pose_body( checker, query, i ); // static ones stay there, the others are posed again by every state
 	}
-	if ( query->lazy )
-	{
-		// node 0 never moves: what is known of it is stamped anew for every state
-		query->node_extent[0] = node_extent( checker, query, 0 );
-		query->node_stamp[0] = query->state_stamp;
-		lwi_pose_sphere( checker, query, 0 );
-		lwi_pose_blocks( checker, query, 0 );
-	}
+	// node 0 never moves: what is known of it is stamped anew for every state
+	query->node_extent[0] = node_extent( checker, query, 0 );
+	query->node_stamp[0] = query->state_stamp;
+	lwi_pose_sphere( checker, query, 0 );
+	lwi_pose_blocks( checker, query, 0 );
+	lwi_edge_forget( checker, query );
 	query->posed = lw_checker_retain( checker );
 }
 
@@ -178,37 +171,22 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 {
 	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions, have
 	// no limits.
-	return checker->tree != NULL && query->def.hierarchy && within_ranges( checker, qa ) && within_ranges( checker, qb );
+	return checker->tree->proves && query->def.hierarchy && within_ranges( checker, qa ) && within_ranges( checker, qb );
 }
 
-static bool pose_lazily( const lw_checker* checker, lw_query* query, const double* q )
+/// A new state: everything is to be posed again but for what never moves.
+static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
 {
 	const lwi_checker_tree* tree = checker->tree;
 	if ( !quaternions_are_valid( tree, query->state ) )
 	{
 		return false;
 	}
-	query->covered = within_ranges( checker, q );
+	query->covered = tree->proves && query->def.hierarchy && within_ranges( checker, q );
 	query->node_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
 	for ( uint32_t i = 0; i < tree->nodes[0].body_count; ++i )
 	{
 		query->body_stamp[tree->bodies[i]] = query->state_stamp;
-	}
-	return true;
-}
-
-static bool pose_at_once( const lw_checker* checker, lw_query* query )
-{
-	query->covered = false;
-	query->stats.links_posed += checker->moving_link_count;
-	if ( !lwi_robot_fk_links( checker->robot, query->state, checker->moving_links, checker->moving_link_count,
-			 query->world_from_link ) )
-	{
-		return false;
-	}
-	for ( uint32_t i = 0; i < checker->moving_body_count; ++i )
-	{
-		pose_body( checker, query, checker->moving_bodies[i] );
 	}
 	return true;
 }
@@ -231,7 +209,7 @@ lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const do
 	{
 		query->state[checker->variables[i]] = q[i];
 	}
-	if ( !( query->lazy ? pose_lazily( checker, query, q ) : pose_at_once( checker, query ) ) )
+	if ( !begin_state( checker, query, q ) )
 	{
 		lwi_query_forget_checker( query );
 		return LW_ERROR_INVALID_ARGUMENT;

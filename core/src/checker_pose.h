@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Poses of a state, as far as a question needs them: nodes, bodies and spheres are taken to the world when asked for.
 //
-// A stamp says for which state something was computed; a new state makes all stamps old at once. Without a tree, or with a
-// query that has its hierarchy switched off, everything is posed at once instead.
+// A stamp says for which state something was computed; a new state makes all stamps old at once.
 #ifndef LEEWAY_CHECKER_POSE_H
 #define LEEWAY_CHECKER_POSE_H
 
@@ -22,13 +21,13 @@ void lwi_pose_all( const lw_checker* checker, lw_query* query );
 /// Makes world_from_body and body_center of a robot body valid.
 static inline void lwi_pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
 {
-	if ( query->lazy && query->body_stamp[body] != query->state_stamp )
+	if ( query->body_stamp[body] != query->state_stamp )
 	{
 		lwi_pose_body_now( checker, query, body );
 	}
 }
 
-/// Sphere 2 * node (R) or 2 * node + 1 (M) in the world: x, y, z, radius, the rounding of poses included. Only in lazy mode.
+/// Sphere 2 * node (R) or 2 * node + 1 (M) in the world: x, y, z, radius, the rounding of poses included.
 static inline const double* lwi_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
 {
 	if ( query->sphere_stamp[sphere] != query->state_stamp )
@@ -38,7 +37,7 @@ static inline const double* lwi_sphere( const lw_checker* checker, lw_query* que
 	return query->spheres + 4 * (size_t)sphere;
 }
 
-/// The spheres of a node's bodies by LWI_WIDTH, [4][LWI_WIDTH] each, relative to the centre of the node's R. Only in lazy mode.
+/// The spheres of a node's bodies by LWI_WIDTH, [4][LWI_WIDTH] each, relative to the centre of the node's R.
 static inline const float* lwi_blocks( const lw_checker* checker, lw_query* query, uint32_t node )
 {
 	if ( query->block_stamp[node] != query->state_stamp )

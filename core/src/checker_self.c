@@ -228,6 +228,10 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node
 	const lwi_checker_tree* tree = checker->tree;
 	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
 	float separation = tree->separations[pair->first + (size_t)rank_a * b->body_count + rank_b];
+	if ( !query->covered && separation < INFINITY )
+	{
+		separation = 0; // proved for other states than this one
+	}
 	if ( separation < bound->prune )
 	{
 		lwi_heap_push( query->candidates, count,
@@ -288,11 +292,10 @@ static void open_pair( const lw_checker* checker, lw_query* query, const lwi_nod
 	}
 }
 
-static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+/// Takes the least lower bound until none is left below the running bound.
+static void search_candidates( const lw_checker* checker, lw_query* query, uint32_t count, lwi_bound* bound )
 {
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
-	uint32_t count = walk( checker, query, bound );
-	lwi_heap_build( query->candidates, count );
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
@@ -310,6 +313,13 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 	}
 }
 
+static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+{
+	uint32_t count = walk( checker, query, bound );
+	lwi_heap_build( query->candidates, count );
+	search_candidates( checker, query, count, bound );
+}
+
 // --- questions -------------------------------------------------------------------------------------------------------
 
 static void self_result( const lw_checker* checker, const lw_query* query, const lwi_bound* bound, uint32_t body_a,
@@ -325,6 +335,24 @@ static void self_result( const lw_checker* checker, const lw_query* query, const
 	}
 }
 
+/// Measures the nearest pair of the last time, if it is still one that counts.
+static void measure_warm( const lw_checker* checker, lw_query* query, const lwi_warm* warm, lwi_bound* bound )
+{
+	uint32_t bodies = lw_robot_body_count( checker->robot );
+	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	uint32_t a = warm->pair / stride, b = warm->pair % stride;
+	if ( query->def.warm_start && warm->valid && a < bodies && b < bodies &&
+		 ( checker->self_mask[(size_t)a * checker->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) & 1 ) != 0 )
+	{
+		lwi_pose_body( checker, query, a );
+		lwi_pose_body( checker, query, b );
+		lw_transform relative = lwi_relative( &query->world_from_body[a], &query->world_from_body[b] );
+		bound->current_pair = warm->pair;
+		lwi_measure( query, checker->bodies[a].shape, checker->bodies[b].shape, &relative, warm->triangle_a, warm->triangle_b,
+			bound );
+	}
+}
+
 void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out )
 {
 	if ( checker->self_pair_count == 0 )
@@ -334,21 +362,9 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	}
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
-	uint32_t bodies = lw_robot_body_count( checker->robot );
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	lwi_warm* warm = &query->warm_self;
-	uint32_t warm_a = warm->pair / stride, warm_b = warm->pair % stride;
-	if ( query->def.warm_start && warm->valid && warm_a < bodies && warm_b < bodies &&
-		 ( checker->self_mask[(size_t)warm_a * checker->body_block_count + warm_b / LWI_WIDTH] >> ( warm_b % LWI_WIDTH ) & 1 ) !=
-			 0 )
-	{
-		lwi_pose_body( checker, query, warm_a );
-		lwi_pose_body( checker, query, warm_b );
-		lw_transform relative = lwi_relative( &query->world_from_body[warm_a], &query->world_from_body[warm_b] );
-		bound.current_pair = warm->pair;
-		lwi_measure( query, checker->bodies[warm_a].shape, checker->bodies[warm_b].shape, &relative, warm->triangle_a,
-			warm->triangle_b, &bound );
-	}
+	measure_warm( checker, query, warm, &bound );
 	if ( !bound.done && query->covered )
 	{
 		search_tree( checker, query, &bound );
@@ -365,26 +381,28 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	}
 }
 
-void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t pair, const lw_range* range, lw_clearance* out )
+void lwi_checker_node_pair( const lw_checker* checker, lw_query* query, uint32_t index, const lw_range* range,
+	lwi_warm* warm, lw_clearance* out )
 {
-	const lwi_self_pair* p = &checker->self_pairs[pair];
-	uint32_t a = p->body_a, b = p->body_b;
+	const lwi_node_pair* pair = &checker->tree->pairs[index];
+	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
-	if ( !( query->covered && p->separation >= range->max_d ) )
+	const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
+	if ( !( query->covered && pair->separation >= bound.prune ) &&
+		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), bound.prune ) < INFINITY )
 	{
-		lwi_pose_body( checker, query, a );
-		lwi_pose_body( checker, query, b );
-		lw_vec3 center_a = lwi_load( query->body_center + 3 * (size_t)a );
-		lw_vec3 center_b = lwi_load( query->body_center + 3 * (size_t)b );
-		double radii = checker->bodies[a].shape->sphere_radius + checker->bodies[b].shape->sphere_radius;
-		double apart = lwi_distance( center_a, center_b );
-		// the centres carry the rounding of their poses: a few roundoffs of their coordinates
-		double slack = 64 * LWI_U64 * ( apart + radii + fabs( center_a.x ) + fabs( center_a.y ) + fabs( center_a.z ) );
-		if ( !( apart - radii - slack >= range->max_d ) )
+		uint32_t count = 0;
+		measure_warm( checker, query, warm, &bound );
+		if ( !bound.done )
 		{
-			search_self_pair( checker, query, a, b, &bound );
+			open_pair( checker, query, pair, &bound, &count );
+			search_candidates( checker, query, count, &bound );
 		}
 	}
-	self_result( checker, query, &bound, a, b, out );
+	self_result( checker, query, &bound, bound.pair / stride, bound.pair % stride, out );
+	if ( out->upper < INFINITY )
+	{
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+	}
 }

@@ -60,19 +60,10 @@ static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, u
 		   t->bodies != NULL && t->body_node != NULL && t->body_spheres != NULL;
 }
 
-/// Ranges of the group's variables. @return false if a variable outside of the group is outside of its range
-static bool fill_ranges( lwi_checker_tree* t, const lw_checker* c, const bool* in_group )
+/// True if there is a reach and every variable outside of the group is inside of its range.
+static bool reach_covers( const lw_checker* c, const bool* in_group )
 {
-	for ( uint32_t i = 0; i < c->variable_count; ++i )
-	{
-		lw_reach_variable_range( c->reach, c->variables[i], &t->lower[i], &t->upper[i] );
-		const lw_variable_info* info = &c->robot->variables[c->variables[i]];
-		if ( c->robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 0 )
-		{
-			t->floating[t->floating_count++] = c->variables[i];
-		}
-	}
-	for ( uint32_t i = 0; i < c->robot->variable_count; ++i )
+	for ( uint32_t i = 0; c->reach != NULL && i < c->robot->variable_count; ++i )
 	{
 		double lower, upper;
 		lw_reach_variable_range( c->reach, i, &lower, &upper );
@@ -81,7 +72,26 @@ static bool fill_ranges( lwi_checker_tree* t, const lw_checker* c, const bool* i
 			return false;
 		}
 	}
-	return true;
+	return c->reach != NULL;
+}
+
+/// Ranges of the group's variables, and its floating joints.
+static void fill_variables( lwi_checker_tree* t, const lw_checker* c )
+{
+	for ( uint32_t i = 0; i < c->variable_count; ++i )
+	{
+		t->lower[i] = -INFINITY;
+		t->upper[i] = INFINITY;
+		if ( t->proves )
+		{
+			lw_reach_variable_range( c->reach, c->variables[i], &t->lower[i], &t->upper[i] );
+		}
+		const lw_variable_info* info = &c->robot->variables[c->variables[i]];
+		if ( c->robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 0 )
+		{
+			t->floating[t->floating_count++] = c->variables[i];
+		}
+	}
 }
 
 // --- nodes -----------------------------------------------------------------------------------------------------------
@@ -173,7 +183,8 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 		{
 			any = any || c->environment_mask[(size_t)body * c->scene_block_count + block] != 0;
 		}
-		node->in_environment = node->in_environment || any;
+		node->own_environment = node->own_environment || any;
+		node->in_environment = node->own_environment;
 	}
 	for ( uint32_t i = t->node_count; i-- > 1; )
 	{
@@ -275,7 +286,8 @@ static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_dia
 	{
 		lwi_checker_node* node = &t->nodes[i];
 		const lw_sphere nothing = { { 0, 0, 0 }, -1 };
-		node->m = i > 0 ? lw_reach_get_node( c->reach, node->top ).m : nothing;
+		const lw_sphere anywhere = { { 0, 0, 0 }, INFINITY };
+		node->m = i == 0 ? nothing : t->proves ? lw_reach_get_node( c->reach, node->top ).m : anywhere;
 		node->r = nothing;
 		for ( uint32_t k = 0; k < node->body_count; ++k )
 		{
@@ -311,7 +323,6 @@ lw_status lwi_checker_tree_create( const lw_checker* c, const bool* joint_moves,
 	lwi_checker_tree* t = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_checker_tree ) );
 	bool* in_group = lwi_alloc_zero( &c->allocator, c->robot->variable_count, sizeof( bool ) );
 	lw_status status = LW_OK;
-	bool holds = false;
 	if ( t != NULL )
 	{
 		t->allocator = c->allocator;
@@ -327,16 +338,14 @@ lw_status lwi_checker_tree_create( const lw_checker* c, const bool* joint_moves,
 		{
 			in_group[c->variables[i]] = true;
 		}
-		holds = fill_ranges( t, c, in_group );
-	}
-	if ( status == LW_OK && holds )
-	{
+		t->proves = reach_covers( c, in_group );
+		fill_variables( t, c );
 		status = build_nodes( t, c, joint_moves, diag );
 		status = status == LW_OK ? build_spheres( t, c, diag ) : status;
 		status = status == LW_OK ? lwi_checker_plan_self( c, t, diag ) : status;
 	}
 	lwi_free( &c->allocator, in_group, c->robot->variable_count * sizeof( bool ) );
-	if ( status == LW_OK && holds )
+	if ( status == LW_OK )
 	{
 		*out_tree = t;
 	}
@@ -344,5 +353,44 @@ lw_status lwi_checker_tree_create( const lw_checker* c, const bool* joint_moves,
 	{
 		lwi_checker_tree_destroy( t, c->variable_count );
 	}
+	return status;
+}
+
+lw_status lwi_checker_tree_motion( const lw_checker* c, const bool* fixed_variables, lw_diag* diag,
+	lwi_motion_table** out_motion )
+{
+	const lwi_checker_tree* t = c->tree;
+	lwi_motion_piece* pieces = lwi_alloc_zero( &c->allocator, t->node_count, sizeof( lwi_motion_piece ) );
+	const lw_shape** shapes = lwi_alloc_zero( &c->allocator, t->body_count, sizeof( lw_shape* ) );
+	lw_transform* poses = lwi_alloc_zero( &c->allocator, t->body_count, sizeof( lw_transform ) );
+	lw_status status = LW_OK;
+	*out_motion = NULL;
+	if ( pieces == NULL || shapes == NULL || poses == NULL )
+	{
+		status = lwi_out_of_memory( diag, "a checker" );
+	}
+	for ( uint32_t i = 0; status == LW_OK && i < t->node_count; ++i )
+	{
+		const lwi_checker_node* node = &t->nodes[i];
+		for ( uint32_t k = node->first_body; k < node->first_body + node->body_count; ++k )
+		{
+			shapes[k] = c->bodies[t->bodies[k]].shape;
+			poses[k] = body_in_node( c, node, t->bodies[k] );
+		}
+		const lw_sphere point = { { 0, 0, 0 }, 0 };
+		pieces[i] = (lwi_motion_piece){ .link = node->top,
+			.sphere = node->body_count > 0 ? node->r : point,
+			.count = node->body_count,
+			.shapes = shapes + node->first_body,
+			.link_from_shape = poses + node->first_body };
+	}
+	if ( status == LW_OK )
+	{
+		status = lwi_motion_table_create_pieces( c->robot, pieces, t->node_count, fixed_variables, c->reference, &c->allocator,
+			diag, out_motion );
+	}
+	lwi_free( &c->allocator, pieces, t->node_count * sizeof( lwi_motion_piece ) );
+	lwi_free( &c->allocator, shapes, t->body_count * sizeof( lw_shape* ) );
+	lwi_free( &c->allocator, poses, t->body_count * sizeof( lw_transform ) );
 	return status;
 }

@@ -7,6 +7,7 @@
 #define LEEWAY_CHECKER_TREE_H
 
 #include "leeway/checker.h"
+#include "motion_bound.h"
 
 /// Links that the group cannot move against each other, e.g. a whole hand if the group is the arm.
 typedef struct lwi_checker_node
@@ -21,12 +22,15 @@ typedef struct lwi_checker_node
 	lw_sphere r;          ///< frame of `top`: contains all bodies of the node; radius < 0: there are none
 	lw_sphere m;          ///< frame of `parent_link`: contains all bodies of the subtree in every state within the ranges
 	bool in_environment;  ///< some body of the subtree is checked against some obstacle
+	bool own_environment; ///< some body of the node itself is
 } lwi_checker_node;
 
 /// The bodies of two nodes, all against all.
 typedef struct lwi_node_pair
 {
 	uint32_t node_a, node_b;
+	uint32_t ancestor; ///< lowest common ancestor node
+	float separation;  ///< least of all its pairs
 	size_t first; ///< index into separations: [bodies of a][bodies of b]
 } lwi_node_pair;
 
@@ -43,7 +47,8 @@ typedef struct lwi_checker_tree
 {
 	lw_allocator allocator;
 	size_t bytes;
-	double* lower; ///< [group variables] where reach and tables hold
+	bool proves;   ///< M spheres and separations are those of a reach; else they are infinite and 0, and states are asked all pairs
+	double* lower; ///< [group variables] where reach and tables hold; infinite without
 	double* upper;
 	uint32_t floating_count;
 	uint32_t* floating;      ///< [floating_count] first robot variable of each floating joint in the group
@@ -63,10 +68,14 @@ typedef struct lwi_checker_tree
 } lwi_checker_tree;
 
 /// @param joint_moves [joint count] driven by a variable of the group
-/// @param out_tree NULL if the reference state is outside of what the reach covers: nothing holds then
+/// The reach proves nothing if the reference state is outside of what it covers: the tree is then as without one.
 lw_status lwi_checker_tree_create( const lw_checker* checker, const bool* joint_moves, lw_diag* diag,
 	lwi_checker_tree** out_tree );
 void lwi_checker_tree_destroy( lwi_checker_tree* tree, uint32_t variable_count ); ///< NULL is ignored
+
+/// How the nodes move along edges: one piece per node, in their order. For a checker with its tree.
+lw_status lwi_checker_tree_motion( const lw_checker* checker, const bool* fixed_variables, lw_diag* diag,
+	lwi_motion_table** out_motion );
 
 /// Fills pairs, separations and steps. Part of lwi_checker_tree_create().
 lw_status lwi_checker_plan_self( const lw_checker* checker, lwi_checker_tree* tree, lw_diag* diag );

@@ -41,8 +41,8 @@ struct lwi_motion_table
 	lw_allocator allocator;
 	size_t bytes;
 	const lw_robot* robot;
-	uint32_t entry_count, moving_link_count;
-	motion_body* bodies;           ///< [body_count]
+	uint32_t body_count, entry_count, moving_link_count;
+	motion_body* bodies;           ///< [body_count] or pieces
 	motion_entry* entries;         ///< [entry_count]
 	uint32_t* moving_depth;        ///< [link_count] moving joints between link and root
 	uint32_t* moving_links;        ///< [moving_link_count] parents first
@@ -55,28 +55,55 @@ typedef struct motion_scratch
 	lw_transform* poses; ///< [link_count] at the middle of the edge
 	double* state;       ///< [variable_count] the middle
 	double* lengths;     ///< [entry_count] path length by the entry's joint and all joints between it and the body
+	double* moves;       ///< [entry_count] displacement from the middle by the same joints
+	double* caps;        ///< [entry_count] largest distance to the entry's axis anywhere on the edge
 	double* rounding;    ///< [body_count]
+	double* pose_rounding; ///< [body_count] the part of it that poses have
+	double* totals;        ///< [body_count] path length over all of the edge, from the caps
+	struct joint_motion* motions; ///< [joint_count] of the joints that entries name
 } motion_scratch;
+
+/// What an edge does at one joint.
+typedef struct joint_motion
+{
+	double turn;   ///< radians
+	double shift;  ///< metres
+	double excess; ///< largest distance of the shift from the centre that the rings assume
+	double reach;  ///< largest distance of the shift from zero
+	double value;  ///< largest |angle|: its rounding is proportional to it
+	double rate;   ///< of a rotation about the joint's axis, signed; its magnitude is `turn`
+	double along[2]; ///< signed shift: prismatic along the axis; planar along x and y
+	bool steady;   ///< turn and shift are those of `rate` and `along`
+} joint_motion;
 
 static motion_scratch scratch_layout( const lwi_motion_table* table, const void* memory, size_t* out_size )
 {
 	const lw_robot* robot = table->robot;
-	size_t poses = lwi_align_up( robot->link_count * sizeof( lw_transform ) );
-	size_t state = lwi_align_up( robot->variable_count * sizeof( double ) );
-	size_t lengths = lwi_align_up( table->entry_count * sizeof( double ) );
-	size_t rounding = lwi_align_up( robot->body_count * sizeof( double ) );
+	const size_t sizes[] = { robot->link_count * sizeof( lw_transform ), robot->variable_count * sizeof( double ),
+		table->entry_count * sizeof( double ), table->entry_count * sizeof( double ), table->entry_count * sizeof( double ), table->body_count * sizeof( double ),
+		table->body_count * sizeof( double ), table->body_count * sizeof( double ), robot->joint_count * sizeof( joint_motion ) };
+	size_t at[sizeof( sizes ) / sizeof( sizes[0] ) + 1] = { 0 };
+	for ( size_t i = 0; i < sizeof( sizes ) / sizeof( sizes[0] ); ++i )
+	{
+		at[i + 1] = at[i] + lwi_align_up( sizes[i] );
+	}
 	if ( out_size != NULL )
 	{
-		*out_size = poses + state + lengths + rounding;
+		*out_size = at[sizeof( sizes ) / sizeof( sizes[0] )];
 	}
 	char* base = (char*)memory;
 	motion_scratch s = { 0 };
 	if ( base != NULL )
 	{
-		s.poses = (lw_transform*)base;
-		s.state = (double*)( base + poses );
-		s.lengths = (double*)( base + poses + state );
-		s.rounding = (double*)( base + poses + state + lengths );
+		s.poses = (lw_transform*)( base + at[0] );
+		s.state = (double*)( base + at[1] );
+		s.lengths = (double*)( base + at[2] );
+		s.moves = (double*)( base + at[3] );
+		s.caps = (double*)( base + at[4] );
+		s.rounding = (double*)( base + at[5] );
+		s.pose_rounding = (double*)( base + at[6] );
+		s.totals = (double*)( base + at[7] );
+		s.motions = (joint_motion*)( base + at[8] );
 	}
 	return s;
 }
@@ -172,25 +199,40 @@ static void sweep( const lw_robot* robot, const lwi_joint* joint, motion_entry* 
 	*center = lwi_transform( &joint->parent_from_joint, *center );
 }
 
+/// Largest distance of a piece's geometry to an axis of frame f (see geometry_distance()).
+static double piece_distance( const lwi_motion_piece* piece, const lw_transform* f_from_link, const double* axis )
+{
+	double largest = 0;
+	for ( uint32_t i = 0; i < piece->count; ++i )
+	{
+		lw_transform f_from_shape = lwi_multiply( f_from_link, &piece->link_from_shape[i] );
+		largest = fmax( largest, geometry_distance( piece->shapes[i], &f_from_shape, axis ) );
+	}
+	return largest;
+}
+
 /// Walks from the body to the root and fills its entries.
-static bool build_body( lwi_motion_table* table, uint32_t body, const bool* fixed_variables, const double* reference )
+static bool build_body( lwi_motion_table* table, uint32_t body, const lwi_motion_piece* piece, const bool* fixed_variables,
+	const double* reference )
 {
 	const lw_robot* robot = table->robot;
-	const lw_body_def* def = &robot->bodies[body];
 	motion_body* b = &table->bodies[body];
-	const lw_shape* shape = def->shape;
-	b->link = def->link;
-	b->center = lwi_transform( &def->link_from_shape, lwi_load( shape->sphere_center ) );
-	b->radius = shape->sphere_radius * OUTWARD;
+	b->link = piece->link;
+	b->center = lwi_load( piece->sphere.center );
+	b->radius = piece->sphere.radius * OUTWARD;
 	b->first_ring = INFINITY;
-	b->length = b->radius + lwi_length( lwi_load( shape->sphere_center ) );
-	b->length += lwi_length( lwi_load( def->link_from_shape.t ) );
+	b->length = b->radius + lwi_length( b->center );
+	for ( uint32_t i = 0; i < piece->count; ++i )
+	{
+		double detour = lwi_length( lwi_load( piece->shapes[i]->sphere_center ) ) + piece->shapes[i]->sphere_radius;
+		b->length = fmax( b->length, detour + lwi_length( lwi_load( piece->link_from_shape[i].t ) ) );
+	}
 
 	lw_vec3 center = b->center;
 	double radius = b->radius;
-	lw_transform link_from_shape = def->link_from_shape; // of the link that the walk has reached, while nothing moved yet
+	lw_transform here_from_link = lw_transform_identity(); // of the link that the walk has reached, while nothing moved yet
 	uint32_t entry = b->first_entry;
-	for ( uint32_t link = def->link; robot->link_joint[link] != LW_INVALID_INDEX; )
+	for ( uint32_t link = piece->link; robot->link_joint[link] != LW_INVALID_INDEX; )
 	{
 		uint32_t index = robot->link_joint[link];
 		const lwi_joint* joint = &robot->joints[index];
@@ -203,7 +245,7 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const bool* fixe
 			if ( entry == b->first_entry && rotates( joint->type ) )
 			{
 				const double* axis = joint->type == LW_JOINT_FLOATING ? NULL : joint->axis;
-				b->first_ring = OUTWARD * geometry_distance( shape, &link_from_shape, axis );
+				b->first_ring = OUTWARD * piece_distance( piece, &here_from_link, axis );
 			}
 			sweep( robot, joint, e, &center, &radius );
 			++entry;
@@ -218,7 +260,7 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const bool* fixe
 			double shift = lwi_distance( lwi_load( parent_from_link.t ), lwi_load( joint->parent_from_joint.t ) );
 			b->length += shift; // constant joints carry their whole transform already
 			center = lwi_transform( &parent_from_link, center );
-			link_from_shape = lwi_multiply( &parent_from_link, &link_from_shape );
+			here_from_link = lwi_multiply( &parent_from_link, &here_from_link );
 		}
 		link = joint->parent;
 	}
@@ -227,7 +269,8 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const bool* fixe
 	return true;
 }
 
-static bool build_table( lwi_motion_table* table, const bool* fixed_variables, const double* reference )
+static bool build_table( lwi_motion_table* table, const lwi_motion_piece* pieces, const bool* fixed_variables,
+	const double* reference )
 {
 	const lw_robot* robot = table->robot;
 	for ( uint32_t k = 0; k < robot->link_count; ++k )
@@ -247,10 +290,10 @@ static bool build_table( lwi_motion_table* table, const bool* fixed_variables, c
 		}
 	}
 	uint32_t first = 0;
-	for ( uint32_t i = 0; i < robot->body_count; ++i )
+	for ( uint32_t i = 0; i < table->body_count; ++i )
 	{
 		table->bodies[i].first_entry = first;
-		if ( !build_body( table, i, fixed_variables, reference ) )
+		if ( !build_body( table, i, &pieces[i], fixed_variables, reference ) )
 		{
 			return false;
 		}
@@ -259,15 +302,16 @@ static bool build_table( lwi_motion_table* table, const bool* fixed_variables, c
 	return true;
 }
 
-lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_variables, const double* reference,
-	const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table )
+lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motion_piece* pieces, uint32_t piece_count,
+	const bool* fixed_variables, const double* reference, const lw_allocator* allocator, lw_diag* diag,
+	lwi_motion_table** out_table )
 {
 	*out_table = NULL;
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	size_t entry_count = 0;
-	for ( uint32_t i = 0; i < robot->body_count; ++i )
+	for ( uint32_t i = 0; i < piece_count; ++i )
 	{
-		uint32_t link = robot->bodies[i].link;
+		uint32_t link = pieces[i].link;
 		for ( uint32_t joint = robot->link_joint[link]; joint != LW_INVALID_INDEX; joint = robot->link_joint[link] )
 		{
 			entry_count += is_moving( robot, joint, fixed_variables ) ? 1u : 0u;
@@ -275,7 +319,7 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 		}
 	}
 	size_t bodies = lwi_align_up( sizeof( lwi_motion_table ) );
-	size_t entries = bodies + lwi_align_up( robot->body_count * sizeof( motion_body ) );
+	size_t entries = bodies + lwi_align_up( piece_count * sizeof( motion_body ) );
 	size_t depth = entries + lwi_align_up( entry_count * sizeof( motion_entry ) );
 	size_t links = depth + lwi_align_up( robot->link_count * sizeof( uint32_t ) );
 	size_t poses = links + lwi_align_up( robot->link_count * sizeof( uint32_t ) );
@@ -289,19 +333,53 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 	table->allocator = memory;
 	table->bytes = total;
 	table->robot = robot;
+	table->body_count = piece_count;
 	table->entry_count = (uint32_t)entry_count;
 	table->bodies = (motion_body*)( block + bodies );
 	table->entries = (motion_entry*)( block + entries );
 	table->moving_depth = (uint32_t*)( block + depth );
 	table->moving_links = (uint32_t*)( block + links );
 	table->reference_poses = (lw_transform*)( block + poses );
-	if ( !build_table( table, fixed_variables, reference ) )
+	if ( !build_table( table, pieces, fixed_variables, reference ) )
 	{
 		lwi_free( &memory, block, total );
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a quaternion of the reference state is zero" );
 	}
 	*out_table = table;
 	return LW_OK;
+}
+
+lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_variables, const double* reference,
+	const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table )
+{
+	*out_table = NULL;
+	lw_allocator memory = lwi_allocator_or_default( allocator );
+	uint32_t count = robot->body_count;
+	lwi_motion_piece* pieces = lwi_alloc( &memory, count * sizeof( lwi_motion_piece ) );
+	const lw_shape** shapes = lwi_alloc( &memory, count * sizeof( lw_shape* ) );
+	lw_status status = LW_ERROR_OUT_OF_MEMORY;
+	if ( pieces == NULL || shapes == NULL )
+	{
+		lwi_out_of_memory( diag, "motion bounds" );
+	}
+	else
+	{
+		for ( uint32_t i = 0; i < count; ++i )
+		{
+			const lw_body_def* def = &robot->bodies[i];
+			lw_vec3 center = lwi_transform( &def->link_from_shape, lwi_load( def->shape->sphere_center ) );
+			shapes[i] = def->shape;
+			pieces[i] = (lwi_motion_piece){ .link = def->link,
+				.sphere = { { center.x, center.y, center.z }, def->shape->sphere_radius },
+				.count = 1,
+				.shapes = &shapes[i],
+				.link_from_shape = &def->link_from_shape };
+		}
+		status = lwi_motion_table_create_pieces( robot, pieces, count, fixed_variables, reference, allocator, diag, out_table );
+	}
+	lwi_free( &memory, pieces, count * sizeof( lwi_motion_piece ) );
+	lwi_free( &memory, shapes, count * sizeof( lw_shape* ) );
+	return status;
 }
 
 void lwi_motion_table_destroy( lwi_motion_table* table )
@@ -319,16 +397,6 @@ size_t lwi_motion_table_bytes( const lwi_motion_table* table )
 }
 
 // ---- an edge ---------------------------------------------------------------------------------------------------------
-
-/// What an edge does at one joint.
-typedef struct joint_motion
-{
-	double turn;   ///< radians
-	double shift;  ///< metres
-	double excess; ///< largest distance of the shift from the centre that the rings assume
-	double reach;  ///< largest distance of the shift from zero
-	double value;  ///< largest |angle|: its rounding is proportional to it
-} joint_motion;
 
 static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry, const double* qa, const double* qb )
 {
@@ -349,6 +417,9 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 		m.reach = prismatic ? fmax( fabs( va ), fabs( vb ) ) : 0;
 		// the wrapped way passes angles up to |a| + pi; the offset and the two products round too
 		m.value = prismatic ? 0 : fabs( joint->multiplier ) * ( fabs( a[0] ) + fabs( b[0] ) + 4 ) + fabs( joint->offset );
+		m.rate = prismatic ? 0 : joint->multiplier * difference;
+		m.along[0] = prismatic ? joint->multiplier * difference : 0;
+		m.steady = true;
 		return m;
 	}
 	bool planar = joint->type == LW_JOINT_PLANAR;
@@ -359,51 +430,125 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	m.excess = fmax( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // of a straight way the ends are farthest
 	m.reach = fmax( lwi_length( pa ), lwi_length( pb ) );
 	m.value = planar ? fabs( a[2] ) + fabs( b[2] ) + 4 : 4;
+	m.rate = planar ? lwi_wrapped_difference( a[2], b[2] ) : 0;
+	m.along[0] = planar ? b[0] - a[0] : 0;
+	m.along[1] = planar ? b[1] - a[1] : 0;
+	m.steady = planar || !( m.turn > 0 || m.shift > 0 ); // the axis of a slerp is not looked at
 	return m;
 }
 
-/// Path lengths of one body by the joints from the body upwards.
-///
-/// In the child frame of joint j, where its axis stands still, a point of the body moves only by the joints between j and
-/// the body: from its place at the edge's middle by at most half of their path length. So along the whole edge its distance
-/// to the axis is at most (distance of the centre at the middle) + radius + (path length below j) / 2, and at most the ring.
-static bool measure_body( const lwi_motion_table* table, uint32_t body, const double* qa, const double* qb,
-	motion_scratch* s )
+/// What holds for a body on all of the edge: roundings, and the largest distances to the axes that rings and shifts allow.
+static bool begin_body( const lwi_motion_table* table, uint32_t body, motion_scratch* s )
 {
-	const lw_robot* robot = table->robot;
 	const motion_body* b = &table->bodies[body];
+	const motion_entry* entries = &table->entries[b->first_entry];
 	double length = b->length;
 	for ( uint32_t k = 0; k < b->entry_count; ++k )
 	{
-		length += motion_of( robot, &table->entries[b->first_entry + k], qa, qb ).reach;
+		length += s->motions[entries[k].joint].reach;
 	}
 	// core/docs/kinematics.md: 64 u per joint and metre of chain
 	double rounding = 64 * LWI_U64 * ( b->joint_count + 2 ) * length;
-	double radius = b->radius + rounding;
-	lw_vec3 center = lwi_transform( &s->poses[b->link], b->center );
-	double below = 0, excess = 0, value_rounding = 0;
+	double excess = 0, value_rounding = 0, total = 0;
 	for ( uint32_t k = 0; k < b->entry_count; ++k )
 	{
-		const motion_entry* entry = &table->entries[b->first_entry + k];
-		const lwi_joint* joint = &robot->joints[entry->joint];
-		joint_motion m = motion_of( robot, entry, qa, qb );
-		double ring = entry->ring + excess + rounding;
+		const joint_motion* m = &s->motions[entries[k].joint];
+		double ring = entries[k].ring + excess + rounding;
 		ring = k == 0 ? fmin( ring, b->first_ring + rounding ) : ring;
-		value_rounding += 8 * LWI_U64 * ( rotates( joint->type ) ? m.value * ring : m.reach );
-		if ( m.turn > 0 )
+		value_rounding += 8 * LWI_U64 * ( rotates( table->robot->joints[entries[k].joint].type ) ? m->value * ring : m->reach );
+		excess = ( excess + m->excess ) * OUTWARD;
+		s->caps[b->first_entry + k] = ring;
+		total += ring * m->turn + m->shift;
+	}
+	s->totals[body] = total * OUTWARD;
+	s->pose_rounding[body] = rounding;
+	s->rounding[body] = ( rounding + value_rounding ) * OUTWARD;
+	return isfinite( s->totals[body] ) && isfinite( s->rounding[body] );
+}
+
+/// Velocity of a body's points at the middle of a part, and how fast it can change, by the joints walked so far (per unit of
+/// t). Sums over joints are sums of vectors here: motions of several joints that cancel each other do.
+typedef struct velocity
+{
+	lw_vec3 turn;       ///< angular velocity
+	lw_vec3 at_center;  ///< of the centre of the body's sphere
+	double turns;       ///< sum of all |rates|
+	double change;      ///< bound of the acceleration of any point, anywhere on the part
+	bool known;         ///< false above a joint that is not steady
+} velocity;
+
+/// Adds a joint above those so far, whose shift is seen from its parent. @param offset from the axis to the body's centre
+/// @param path_rate path length of the body per unit of t by the joints so far @param ring largest distance of the body to
+/// the joint's axis on the part
+static void add_velocity( velocity* v, const lwi_joint* joint, const joint_motion* m, const lw_transform* poses, lw_vec3 axis,
+	lw_vec3 offset, double path_rate, double ring )
+{
+	// a rotation turns all velocities below it, and those of its own
+	v->change += m->turn * ( 2 * path_rate + ring * m->turn );
+	v->turn = lwi_add_scaled( v->turn, m->rate, axis );
+	v->at_center = lwi_add_scaled( v->at_center, m->rate, lwi_cross( axis, offset ) );
+	v->turns += m->turn;
+	v->known = v->known && m->steady;
+	if ( joint->type == LW_JOINT_PRISMATIC )
+	{
+		v->at_center = lwi_add_scaled( v->at_center, m->along[0], axis );
+	}
+	if ( joint->type == LW_JOINT_PLANAR )
+	{
+		lw_vec3 shift = lwi_add_scaled( lwi_scale( m->along[0], lwi_load( joint->plane[0] ) ), m->along[1],
+			lwi_load( joint->plane[1] ) );
+		shift = lwi_rotate( &poses[joint->parent], lwi_rotate( &joint->parent_from_joint, shift ) );
+		v->at_center = lwi_add_scaled( v->at_center, 1, shift );
+	}
+}
+
+/// How far a point of the body gets from its place at the middle within half of the part: by its path length at most, and by
+/// Taylor's theorem at most by its velocity there and half of its largest acceleration.
+static double displacement( const velocity* v, double radius, double rounding, double path_rate, double width )
+{
+	double half = 0.5 * width, path = path_rate * half * OUTWARD;
+	if ( !v->known )
+	{
+		return path;
+	}
+	// offsets carry the rounding of poses; products and sums a few roundoffs of what they add up
+	double speed = lwi_length( v->at_center ) + lwi_length( v->turn ) * radius + 2 * v->turns * rounding;
+	double taylor = half * ( speed + 0.5 * half * v->change ) * OUTWARD + path * 0x1p-40;
+	return fmin( path, taylor );
+}
+
+/// Path lengths of one body by the joints from the body upwards, on a part of the edge.
+///
+/// In the child frame of joint j, where its axis stands still, a point of the body moves only by the joints between j and
+/// the body: from its place at the part's middle by at most half of their path length. So along the whole part its distance
+/// to the axis is at most (distance of the centre at the middle) + radius + (path length below j) / 2, and at most the cap.
+void lwi_motion_measure_part( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
+	double width )
+{
+	motion_scratch s = scratch_layout( table, scratch, NULL );
+	const motion_body* b = &table->bodies[body];
+	double rounding = s.pose_rounding[body], radius = b->radius + rounding;
+	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
+	velocity v = { .known = true };
+	double rate = 0; // path length per unit of t
+	for ( uint32_t k = 0; k < b->entry_count; ++k )
+	{
+		const lwi_joint* joint = &table->robot->joints[table->entries[b->first_entry + k].joint];
+		const joint_motion* m = &s.motions[table->entries[b->first_entry + k].joint];
+		double ring = s.caps[b->first_entry + k];
+		if ( m->turn > 0 || m->shift > 0 )
 		{
-			const lw_transform* pose = &s->poses[joint->child];
+			const lw_transform* pose = &poses[joint->child];
 			lw_vec3 offset = lwi_sub( center, lwi_load( pose->t ) );
 			lw_vec3 axis = lwi_rotate( pose, lwi_load( joint->axis ) );
 			double away = joint->type == LW_JOINT_FLOATING ? lwi_length( offset ) : distance_to_axis( axis, offset );
-			ring = fmin( away + radius + 0.5 * below, ring );
+			ring = fmin( away + radius + 0.5 * width * rate, ring );
+			add_velocity( &v, joint, m, poses, axis, offset, rate, ring );
 		}
-		below += ( ring * m.turn + m.shift ) * OUTWARD;
-		excess = ( excess + m.excess ) * OUTWARD;
-		s->lengths[b->first_entry + k] = below;
+		rate += ( ring * m->turn + m->shift ) * OUTWARD;
+		s.lengths[b->first_entry + k] = rate * width * OUTWARD;
+		s.moves[b->first_entry + k] = displacement( &v, radius, rounding, rate, width );
 	}
-	s->rounding[body] = ( rounding + value_rounding ) * OUTWARD;
-	return isfinite( below ) && isfinite( s->rounding[body] );
 }
 
 size_t lwi_motion_scratch_size( const lwi_motion_table* table )
@@ -411,6 +556,28 @@ size_t lwi_motion_scratch_size( const lwi_motion_table* table )
 	size_t size;
 	scratch_layout( table, NULL, &size );
 	return size;
+}
+
+bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
+{
+	motion_scratch s = scratch_layout( table, scratch, NULL );
+	for ( uint32_t i = 0; i < table->moving_link_count; ++i )
+	{
+		uint32_t index = table->robot->link_joint[table->moving_links[i]];
+		const lwi_joint* joint = &table->robot->joints[index];
+		if ( !joint->constant )
+		{
+			motion_entry entry = { .joint = index };
+			center_of_shift( table->robot, joint, entry.center );
+			s.motions[index] = motion_of( table->robot, &entry, qa, qb );
+		}
+	}
+	bool finite = true;
+	for ( uint32_t i = 0; i < table->body_count; ++i )
+	{
+		finite = begin_body( table, i, &s ) && finite;
+	}
+	return finite;
 }
 
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
@@ -426,16 +593,14 @@ bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const 
 			return false;
 		}
 	}
-	if ( !lwi_robot_fk_links( robot, s.state, table->moving_links, table->moving_link_count, s.poses ) )
+	if ( !lwi_robot_fk_links( robot, s.state, table->moving_links, table->moving_link_count, s.poses ) ||
+		 !lwi_motion_begin( table, qa, qb, scratch ) )
 	{
 		return false;
 	}
-	for ( uint32_t i = 0; i < robot->body_count; ++i )
+	for ( uint32_t i = 0; i < table->body_count; ++i )
 	{
-		if ( !measure_body( table, i, qa, qb, &s ) )
-		{
-			return false;
-		}
+		lwi_motion_measure_part( table, scratch, i, s.poses, 1 );
 	}
 	return true;
 }
@@ -447,6 +612,20 @@ double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uin
 	uint32_t above = ancestor == LW_INVALID_INDEX ? 0 : table->moving_depth[ancestor];
 	uint32_t count = table->moving_depth[b->link] - above;
 	return count == 0 ? 0 : s.lengths[b->first_entry + count - 1];
+}
+
+double lwi_motion_displacement( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
+{
+	const motion_body* b = &table->bodies[body];
+	motion_scratch s = scratch_layout( table, scratch, NULL );
+	uint32_t above = ancestor == LW_INVALID_INDEX ? 0 : table->moving_depth[ancestor];
+	uint32_t count = table->moving_depth[b->link] - above;
+	return count == 0 ? 0 : s.moves[b->first_entry + count - 1];
+}
+
+double lwi_motion_total( const lwi_motion_table* table, const void* scratch, uint32_t body )
+{
+	return scratch_layout( table, scratch, NULL ).totals[body];
 }
 
 double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body )

@@ -3,6 +3,7 @@
 #ifndef LEEWAY_MOTION_BOUND_H
 #define LEEWAY_MOTION_BOUND_H
 
+#include "leeway/reach.h"
 #include "robot_internal.h"
 
 /// What is known of a robot's bodies before any edge: enclosing spheres, distances to the first joint axis, and for each
@@ -10,6 +11,22 @@
 /// checker, which also keeps the robot alive.
 typedef struct lwi_motion_table lwi_motion_table;
 
+/// What moves as one: bodies on links between which no joint of the edges moves, and a sphere around them.
+typedef struct lwi_motion_piece
+{
+	uint32_t link;     ///< the frame of what follows
+	lw_sphere sphere;  ///< contains the bodies
+	uint32_t count;    ///< of shapes, where they are
+	const lw_shape* const* shapes;
+	const lw_transform* link_from_shape;
+} lwi_motion_piece;
+
+/// A table over pieces instead of bodies: below, `body` is then a piece. Nothing of `pieces` is kept.
+lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motion_piece* pieces, uint32_t piece_count,
+	const bool* fixed_variables, const double* reference, const lw_allocator* allocator, lw_diag* diag,
+	lwi_motion_table** out_table );
+
+/// Each body is a piece.
 /// @param fixed_variables [variable_count] true where the variable stays at reference[variable] in every edge; NULL = none.
 /// All variables of a planar or floating joint are fixed or none.
 /// @param reference [variable_count]; finite. May be NULL if fixed_variables is
@@ -26,10 +43,25 @@ size_t lwi_motion_scratch_size( const lwi_motion_table* table );
 /// Holds for states outside the joint limits too. @return false for a zero quaternion or an edge whose length overflows
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
 
-/// Upper bound (rounded outward) of the path length of any point of `body` along the measured edge, in the frame of
+/// The same in two steps: first what holds for all parts of the edge, then, body by body, a part of it of width `width` (in t)
+/// around a state whose poses are given. The shorter the part, the tighter the bound.
+/// @param poses [link_count] world_from_link of the body's link and of the links above it
+bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+void lwi_motion_measure_part( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
+	double width );
+
+/// Upper bound (rounded outward) of the path length of any point of `body` along the measured edge or part of it, in the frame of
 /// `ancestor` (a link above the body's link or that link itself, or LW_INVALID_INDEX for the world). On any part [s, t] of
-/// the edge the path length is at most (t - s) times this. 0 exactly if no joint in between moves.
+/// the edge (or part of that width) the path length is at most (t - s) / width times this. 0 exactly if no joint in between moves.
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+
+/// Upper bound of the distance of any point of `body`, at any state of the measured edge or part of it, from its place at the
+/// middle, in the frame of `ancestor`: at most half of lwi_motion_bound(), and much less where the joints' motions cancel each
+/// other. For the part of it within a share x of the width, x times this holds.
+double lwi_motion_displacement( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+
+/// Upper bound of the path length in the world along the whole edge, once it was begun: looser than that of any of its parts.
+double lwi_motion_total( const lwi_motion_table* table, const void* scratch, uint32_t body );
 
 /// Upper bound of the distance between where a point of the body is at t and where double arithmetic puts it in the world.
 double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body );

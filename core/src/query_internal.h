@@ -65,8 +65,7 @@ struct lw_query
 	size_t edge_capacity;         ///< bytes in edge_scratch
 
 	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
-	bool lazy;                    ///< poses are computed when asked for: see checker_pose.h
-	bool covered;                 ///< lazy, and the state is within the reach's ranges: its spheres and tables hold
+	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, and may be used
 	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid
 	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
 	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
@@ -85,6 +84,8 @@ struct lw_query
 	float* row;                   ///< [scene_capacity, padded] gaps of a node's sphere
 	lwi_candidate* candidates;    ///< [gap_capacity]
 	lwi_warm warm_environment, warm_self, warm_scene;
+	uint32_t last_edge_item;      ///< node, or pair of nodes, that ended the last proof of an edge: tried first. Any value will do
+	bool last_edge_self;          ///< it was a pair of nodes
 	void* edge_scratch;
 	size_t bytes;
 };

@@ -15,6 +15,10 @@ extern "C"
 	void lwi_motion_table_destroy( lwi_motion_table* table );
 	size_t lwi_motion_scratch_size( const lwi_motion_table* table );
 	bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+	bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+	void lwi_motion_measure_part( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
+		double width );
+	double lwi_motion_displacement( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body );
 }
@@ -158,6 +162,118 @@ TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
 	EXPECT_GE( worldCases, 1000 );
 	EXPECT_GE( relativeCases, 1000 );
 	EXPECT_GE( outside, 100 );
+}
+
+namespace
+{
+
+std::vector<lw_transform> posesAt( const lw_robot* robot, const State& a, const State& b, double t )
+{
+	State q( a.size() );
+	lw_robot_interpolate( robot, a.data(), b.data(), t, q.data() );
+	std::vector<lw_transform> poses( lw_robot_link_count( robot ) );
+	EXPECT_EQ( lw_robot_fk( robot, q.data(), poses.data() ), LW_OK );
+	return poses;
+}
+
+} // namespace
+
+// Around the middle of a part of an edge, by velocity and acceleration: joints whose motions cancel each other move little,
+// which the path length does not see. Also over shares of the part, down to where velocity is all.
+TEST( MotionBound, NoPointGetsFurtherFromTheMiddleThanItsVelocityAndAccelerationAllow )
+{
+	SeededRng rng;
+	std::vector<double> ratios, gains;
+	for ( int i = 0; i < 700; ++i )
+	{
+		RandomRobotOptions options;
+		options.joints = rng.integer( 1, 9 );
+		RobotModel model = randomRobot( rng, options );
+		RobotPtr robot = model.create();
+		ASSERT_NE( robot, nullptr );
+		Motion motion( robot.get() );
+		double excess = rng.integer( 0, 2 ) == 0 ? rng.decade( -1, 1 ) : 0;
+		State a = randomState( rng, robot.get(), excess ), b = randomState( rng, robot.get(), excess );
+		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
+		double width = rng.decade( -3, 0 ), middle = rng.uniform( 0.5 * width, 1 - 0.5 * width );
+		std::vector<lw_transform> center = posesAt( robot.get(), a, b, middle );
+		std::vector<std::vector<lw_transform>> others;
+		std::vector<double> shares;
+		for ( int k = 0; k < 12; ++k )
+		{
+			shares.push_back( k < 2 ? 1 : rng.decade( -2, 0 ) );
+			double side = k == 0 || ( k > 1 && rng.integer( 0, 1 ) == 0 ) ? -0.5 : 0.5;
+			others.push_back( posesAt( robot.get(), a, b, middle + side * width * shares.back() ) );
+		}
+		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
+		{
+			std::uint32_t ancestor = randomAncestor( rng, robot.get(), model.bodies[body].link );
+			lwi_motion_measure_part( motion.table, motion.scratch, body, center.data(), width );
+			double bound = lwi_motion_displacement( motion.table, motion.scratch, body, ancestor );
+			double path = lwi_motion_bound( motion.table, motion.scratch, body, ancestor );
+			double rounding = lwi_motion_rounding( motion.table, motion.scratch, body );
+			EXPECT_LE( bound, 0.5 * path * ( 1 + 1e-9 ) );
+			double furthest = 0;
+			bool inWorld = ancestor == LW_INVALID_INDEX;
+			for ( lw_vec3 p : model.bodyPoints[body] )
+			{
+				const lw_body_def& def = model.bodies[body];
+				lw_vec3 here = position( center[inWorld ? 0 : ancestor], inWorld, center[def.link], def, p );
+				for ( std::size_t k = 0; k < others.size(); ++k )
+				{
+					lw_vec3 there = position( others[k][inWorld ? 0 : ancestor], inWorld, others[k][def.link], def, p );
+					ASSERT_LE( distance( here, there ), bound * shares[k] + 4 * rounding ) << "share " << shares[k];
+					furthest = std::max( furthest, distance( here, there ) );
+				}
+			}
+			if ( furthest > 1e-6 )
+			{
+				ratios.push_back( furthest / bound );
+				gains.push_back( 0.5 * path / bound );
+			}
+		}
+	}
+	std::sort( ratios.begin(), ratios.end() );
+	std::sort( gains.begin(), gains.end() );
+	std::printf( "moved / bound: median %.3f, largest %.6f; path / bound: median %.2f, largest %.1f\n", ratios[ratios.size() / 2],
+		ratios.back(), gains[gains.size() / 2], gains.back() );
+	ASSERT_GE( ratios.size(), 1000u );
+	EXPECT_GE( ratios[ratios.size() / 2], 0.5 );
+	EXPECT_GE( gains.back(), 5 ) << "never any better than the path length";
+}
+
+// A slide that undoes the velocity of two turns at the middle: all motion there is acceleration, in which the two turns and
+// their product have equal parts. The bound is then exact up to third order: anything missing in it shows.
+TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
+{
+	const double upper_arm = 0.5, forearm = 0.3, radius = 1e-9;
+	RobotModel model;
+	model.link( "base" );
+	model.joint( "slide", LW_JOINT_PRISMATIC, 0 ).axis[2] = 0;
+	model.joints.back().axis[1] = 1;
+	model.joint( "upper_arm", LW_JOINT_REVOLUTE, 1 );
+	model.joint( "forearm", LW_JOINT_REVOLUTE, 2 ).parent_from_joint.t[0] = upper_arm;
+	lw_shape* ball = nullptr;
+	const double dimensions[3] = { radius, 0, 0 };
+	ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, dimensions, nullptr, nullptr, &ball ), LW_OK );
+	lw_transform pose = lw_transform_identity();
+	pose.t[0] = forearm;
+	model.body( 3, ball, pose );
+	RobotPtr robot = model.create();
+	ASSERT_NE( robot, nullptr );
+	Motion motion( robot.get() );
+	for ( double rate_2 : { 0.0, 0.02, 0.03 } )
+	{
+		double rate_1 = 0.02, slide = -rate_1 * ( upper_arm + forearm ) - rate_2 * forearm;
+		State a = { -0.5 * slide, -0.5 * rate_1, -0.5 * rate_2 }, b = { 0.5 * slide, 0.5 * rate_1, 0.5 * rate_2 };
+		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
+		std::vector<lw_transform> center = posesAt( robot.get(), a, b, 0.5 ), end = posesAt( robot.get(), a, b, 1 );
+		lwi_motion_measure_part( motion.table, motion.scratch, 0, center.data(), 1 );
+		double bound = lwi_motion_displacement( motion.table, motion.scratch, 0, LW_INVALID_INDEX );
+		double moved = distance( lw_transform_point( &center[3], { forearm, 0, 0 } ), lw_transform_point( &end[3], { forearm, 0, 0 } ) );
+		EXPECT_LE( moved, bound );
+		EXPECT_GE( moved, 0.95 * bound ) << "rate " << rate_2;
+	}
 }
 
 // One revolute joint and a body far from the centre of its sphere: the bound is the arc of the farthest vertex.
