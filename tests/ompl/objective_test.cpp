@@ -389,7 +389,9 @@ double pathClearance( const Rig& rig, const og::PathGeometric& path )
 
 constexpr double wanted = 0.1;
 
-void expectRoom( const std::function<std::shared_ptr<og::PathGeometric>( const Rig&, const ob::OptimizationObjectivePtr& )>& run )
+using Run = std::function<std::shared_ptr<og::PathGeometric>( const Rig&, const ob::OptimizationObjectivePtr& )>;
+
+void expectRoom( const Run& run )
 {
 	const Rig rig( gantryWorld(), objectiveOptions() );
 	// any short path: the shortest, along the corners of the gap, has 3.03; at 10 cm from the corners it is 3.25

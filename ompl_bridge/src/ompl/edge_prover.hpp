@@ -23,9 +23,10 @@ public:
 	EdgeProver( const Engine& engine, const Engine::Lease& lease ) : m_engine( engine ), m_slot( *lease.m_slot ) {}
 	Engine::Slot& slot() const { return m_slot; }
 
-	/// Reads both ends into the slot. False if one is out of the bounds. Both ends within the bounds: then all states between
-	/// are, because bounds of RealVector are convex and the others have none.
-	bool read( const ::ompl::base::SpaceInformation& si, const ::ompl::base::State* s1, const ::ompl::base::State* s2 ) const;
+	/// Reads both ends into the slot. False if one is out of the bounds. Both ends within the bounds: then all states
+	/// between are, because bounds of RealVector are convex and the others have none.
+	bool read( const ::ompl::base::SpaceInformation& si, const ::ompl::base::State* s1,
+		const ::ompl::base::State* s2 ) const;
 
 	/// Proves the motion from slot.a to slot.b. Whatever else the slot holds is overwritten.
 	/// @param queries receives the number of states at which distances were measured

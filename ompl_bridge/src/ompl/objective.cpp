@@ -32,8 +32,8 @@ constexpr int most_checks = 64;
 // clearance is at most (c + s) / (1 - alpha). With alpha = tolerance / 4 and s = alpha c that is below c (1 + tolerance),
 // because (1 + x / 4) / (1 - x / 4) < 1 + x for 0 < x < 2: a failure at c = high / (1 + tolerance) or below lowers `high`.
 //
-// Number of checks: let R = log( high / low ) / log( 1 + tolerance ); the search ends at R <= 1. A halving leaves R / 2 or, if
-// it fails, at most R / 2 + 0.7; below R = 2 a failure takes 0.3 at least. Hence log2 R + 4, the trusted failures, the cap
+// Number of checks: let R = log( high / low ) / log( 1 + tolerance ); the search ends at R <= 1. A halving leaves R / 2 or,
+// if it fails, at most R / 2 + 0.7; below R = 2 a failure takes 0.3 at least. Hence log2 R + 4, the trusted failures, the cap
 // and the last check: no more than 8 + log2 R.
 class ClearanceSearch
 {
@@ -101,7 +101,8 @@ private:
 		auto& slot = m_prover.slot();
 		lw_state_result state;
 		slot.cost_queries.add( 1 );
-		if ( lw_checker_state( m_engine.checker().get(), slot.query.get(), q, options.what, &range, true, &state ) != LW_OK ||
+		const lw_checker* checker = m_engine.checker().get();
+		if ( lw_checker_state( checker, slot.query.get(), q, options.what, &range, true, &state ) != LW_OK ||
 			state.verdict != LW_VERDICT_FREE )
 		{
 			return false;

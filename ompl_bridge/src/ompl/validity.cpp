@@ -135,7 +135,8 @@ double StateValidityChecker::clearance( const ob::State* state, ob::State*, bool
 // ---- motions ----
 
 MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine )
-	: ob::MotionValidator( si ), m_engine( checkedEngine( si, std::move( engine ) ) ), m_def( lw_edge_def_default() ), m_last_def( m_def )
+	: ob::MotionValidator( si ), m_engine( checkedEngine( si, std::move( engine ) ) ), m_def( lw_edge_def_default() ),
+	  m_last_def( m_def )
 {
 	if ( !m_engine->adapter().straight() )
 	{
@@ -149,8 +150,8 @@ MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared
 	m_def.slack = options.slack;
 	m_def.max_d = options.step;
 
-	// An edge all of whose clearances are above (min_d + slack) / (1 - alpha) is never refused (core/docs/edges.md): the run is
-	// proved at that margin, and a millionth more for the rounding of the state at its end.
+	// An edge all of whose clearances are above (min_d + slack) / (1 - alpha) is never refused (core/docs/edges.md): the run
+	// is proved at that margin, and a millionth more for the rounding of the state at its end.
 	m_last_def = m_def;
 	m_last_def.want_proved_until = true;
 	m_last_def.min_d = ( m_def.min_d + m_def.slack ) / ( 1 - m_def.alpha ) * ( 1 + 1e-6 );

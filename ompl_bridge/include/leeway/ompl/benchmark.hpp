@@ -20,8 +20,8 @@ Counters difference( const Counters& later, const Counters& earlier );
 /// INTEGER", "leeway cost queries INTEGER". The last word is the column's type, for ompl_benchmark_statistics.py.
 std::map<std::string, std::string> runProperties( const Counters& counters );
 
-/// Adds those of each run to its properties. Sets the benchmark's pre-run and post-run events, because Benchmark keeps one of
-/// each and gives none back: events of your own go in here, and are called after leeway's. Call it before benchmark().
+/// Adds those of each run to its properties. Sets the benchmark's pre-run and post-run events, because Benchmark keeps one
+/// of each and gives none back: events of your own go in here, and are called after leeway's. Call it before benchmark().
 ///
 /// OMPL calls the post-run event last: the numbers include what it asks about the solution (a second check of the path, its
 /// clearance) and the simplification of it.

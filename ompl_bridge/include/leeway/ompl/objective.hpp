@@ -28,8 +28,8 @@ namespace leeway::ompl
 /// failures the margin is halved in logarithm between what is proved and the bound.
 ///
 /// Cost: 2 states and usually 1 to 4 certified edge checks, with a state for each that fails; never more than
-/// 8 + log2( log( max_d / (min_d + slack) ) / log( 1 + tolerance ) ) checks, 14 for the defaults. Each is dearer than a check of
-/// validity: near the minimum its steps are about tolerance * D long. A low max_d makes everything quicker. Planners ask for
+/// 8 + log2( log( max_d / (min_d + slack) ) / log( 1 + tolerance ) ) checks, 14 for the defaults. Each is dearer than a
+/// check of validity: near the minimum its steps are about tolerance * D long. A low max_d makes everything quicker. Planners ask for
 /// the costs of all neighbours of a state, also of motions that turn out to be blocked.
 ///
 /// Plateaus: everything beyond max_d is equal. Planners go on until their time is over unless the objective is satisfied:

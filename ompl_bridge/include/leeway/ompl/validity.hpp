@@ -228,7 +228,8 @@ class MotionValidator : public ::ompl::base::MotionValidator
 {
 public:
 	/// @param si of the space that the engine was made with, the same object
-	/// @throws std::invalid_argument if it is another one, or if its curves are not straight edges (StateAdapter::straight())
+	/// @throws std::invalid_argument if it is another one, or if its curves are not straight edges
+	/// (StateAdapter::straight())
 	MotionValidator( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine );
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2 ) const override;
 	/// On failure lastValid.first, if not null, receives a state that was proved, and then checked by itself: the end of the
