@@ -7,6 +7,15 @@
 #include "edge_internal.h"
 #include "math_inline.h"
 
+enum
+{
+	PROBE_PARTS = 4,  ///< see probe(); more parts find few more collisions, and all free edges pay for them
+	SEARCH_PARTS = 16 ///< the same after a refusal
+};
+
+/// Metres of motion from which on whole states go before a proof; shorter edges are proved as quickly as they are looked at.
+#define PROBE_STEP 0.5
+
 /// The least clearance that a proof holds with becomes the edge's lower bound.
 static void note_proof( lwi_edge* e, const lwi_edge_sample* s )
 {
@@ -180,22 +189,31 @@ static bool check_static( lwi_edge* e )
 	return false;
 }
 
-/// An edge that is refused at one place may be blocked at another, and that is worth knowing: a few whole states, coarse
-/// ones first.
-static void look_for_collision( lwi_edge* e )
+/// Whole states in halving order, parts / 2 of them at a time: most edges of a planner that are not free are blocked in their
+/// middle, and a whole state costs a small part of what the proof spends there. @return false if one is not free
+static bool probe( lwi_edge* e, double step, int most_parts )
 {
-	for ( int parts = 2; parts <= 16; parts *= 2 )
+	double furthest = 0;
+	for ( uint32_t i = 0; i < e->item_count; ++i )
 	{
-		for ( int i = 1; i < parts && e->out->verdict == LW_VERDICT_REFUSED; i += 2 )
+		furthest = fmax( furthest, e->bound[i] );
+	}
+	for ( int parts = 2; parts <= most_parts && furthest > step * ( parts / 2 ); parts *= 2 )
+	{
+		for ( int i = 1; i < parts; i += 2 )
 		{
-			lwi_edge_state_is_free( e, (double)i / parts );
+			if ( !lwi_edge_state_is_free( e, (double)i / parts ) )
+			{
+				return false;
+			}
 		}
 	}
+	return true;
 }
 
 bool lwi_edge_prove( lwi_edge* e )
 {
-	if ( !check_static( e ) || !lwi_edge_state_is_free( e, 1 ) )
+	if ( !check_static( e ) || !lwi_edge_state_is_free( e, 1 ) || !probe( e, PROBE_STEP, PROBE_PARTS ) )
 	{
 		return false;
 	}
@@ -203,7 +221,10 @@ bool lwi_edge_prove( lwi_edge* e )
 	{
 		return true;
 	}
-	look_for_collision( e );
+	if ( e->out->verdict == LW_VERDICT_REFUSED )
+	{
+		probe( e, 0, SEARCH_PARTS ); // refused at one place it may be blocked at another, and that is worth knowing
+	}
 	return false;
 }
 
