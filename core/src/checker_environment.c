@@ -11,14 +11,6 @@
 /// Candidates at or above this are bodies of whose row only the nearest obstacle is known yet: ROW + body.
 #define ROW 0x80000000u
 
-static lw_clearance nothing_to_check( void )
-{
-	lw_clearance out = lw_clearance_unknown();
-	out.kind = LW_CLEARANCE_FAR;
-	out.lower = INFINITY;
-	return out;
-}
-
 static void search_environment_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape, lwi_bound* bound )
 {
 	const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
@@ -294,7 +286,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 {
 	if ( checker->environment_pair_count == 0 && checker->static_environment.lower == INFINITY )
 	{
-		*out = nothing_to_check();
+		*out = lwi_nothing_to_check();
 		return;
 	}
 	lwi_bound bound;
@@ -351,7 +343,7 @@ void lwi_checker_node_environment( const lw_checker* checker, lw_query* query, u
 
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query )
 {
-	checker->static_environment = nothing_to_check();
+	checker->static_environment = lwi_nothing_to_check();
 	uint32_t count = 0;
 	const lw_robot* robot = checker->robot;
 	uint32_t bodies = lw_robot_body_count( robot );

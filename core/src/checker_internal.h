@@ -7,6 +7,8 @@
 #include "motion_bound.h"
 #include "robot_internal.h"
 
+#include <math.h>
+
 struct lwi_warm;
 
 /// Two bodies to check against each other; `a` < `b`.
@@ -57,6 +59,15 @@ struct lw_checker
 /// asked for, else all at once.
 /// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite, zero quaternion)
 lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q );
+
+/// The answer where there is nothing to measure: FAR with lower = +inf.
+static inline lw_clearance lwi_nothing_to_check( void )
+{
+	lw_clearance out = lw_clearance_unknown();
+	out.kind = LW_CLEARANCE_FAR;
+	out.lower = INFINITY;
+	return out;
+}
 
 /// Clearance of the robot to the scene at the posed state, static bodies included.
 void lwi_checker_environment( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out );

@@ -12,14 +12,6 @@
 /// Candidates at or above this are pairs of nodes still to be opened: OPEN + index.
 #define OPEN 0x80000000u
 
-static lw_clearance nothing_to_check( void )
-{
-	lw_clearance out = lw_clearance_unknown();
-	out.kind = LW_CLEARANCE_FAR;
-	out.lower = INFINITY;
-	return out;
-}
-
 static void search_self_pair( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, lwi_bound* bound )
 {
 	lwi_pose_body( checker, query, body_a );
@@ -357,7 +349,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 {
 	if ( checker->self_pair_count == 0 )
 	{
-		*out = nothing_to_check();
+		*out = lwi_nothing_to_check();
 		return;
 	}
 	lwi_bound bound;

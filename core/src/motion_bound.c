@@ -605,22 +605,23 @@ bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const 
 	return true;
 }
 
-double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
+/// Of an array over the entries: the value that sums up the joints between a body and an ancestor; 0 if none moves.
+static double value_below( const lwi_motion_table* table, const double* values, uint32_t body, uint32_t ancestor )
 {
 	const motion_body* b = &table->bodies[body];
-	motion_scratch s = scratch_layout( table, scratch, NULL );
 	uint32_t above = ancestor == LW_INVALID_INDEX ? 0 : table->moving_depth[ancestor];
 	uint32_t count = table->moving_depth[b->link] - above;
-	return count == 0 ? 0 : s.lengths[b->first_entry + count - 1];
+	return count == 0 ? 0 : values[b->first_entry + count - 1];
+}
+
+double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
+{
+	return value_below( table, scratch_layout( table, scratch, NULL ).lengths, body, ancestor );
 }
 
 double lwi_motion_displacement( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
 {
-	const motion_body* b = &table->bodies[body];
-	motion_scratch s = scratch_layout( table, scratch, NULL );
-	uint32_t above = ancestor == LW_INVALID_INDEX ? 0 : table->moving_depth[ancestor];
-	uint32_t count = table->moving_depth[b->link] - above;
-	return count == 0 ? 0 : s.moves[b->first_entry + count - 1];
+	return value_below( table, scratch_layout( table, scratch, NULL ).moves, body, ancestor );
 }
 
 double lwi_motion_total( const lwi_motion_table* table, const void* scratch, uint32_t body )

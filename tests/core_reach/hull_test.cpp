@@ -3,6 +3,7 @@
 //
 // The oracle of membership is the support function: a point is outside of a dilated convex set exactly if along some
 // direction it is farther than the farthest of the set. Directions are many and random; forward kinematics place the points.
+#include "counting_allocator.hpp"
 #include "hull_probe.h"
 #include "leeway/leeway.h"
 #include "random_robot.hpp"
@@ -188,35 +189,6 @@ lw_transform at( double x, double y, double z )
 	m.t[2] = z;
 	return m;
 }
-
-/// Fails when none are left; counts what is live.
-struct CountingAllocator
-{
-	int left = 1 << 30;
-	int live = 0;
-	std::size_t bytes = 0;
-
-	lw_allocator get()
-	{
-		return { []( void* user, std::size_t size, std::size_t align ) -> void* {
-					auto* self = static_cast<CountingAllocator*>( user );
-					if ( self->left-- <= 0 )
-					{
-						return nullptr;
-					}
-					++self->live;
-					self->bytes += size;
-					return std::aligned_alloc( align, ( size + align - 1 ) / align * align );
-				},
-			[]( void* user, void* memory, std::size_t size ) {
-				auto* self = static_cast<CountingAllocator*>( user );
-				--self->live;
-				self->bytes -= size;
-				std::free( memory );
-			},
-			this };
-	}
-};
 
 lw_shape* primitive( lw_shape_type type, double x, double y, double z )
 {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What lw_robot_create accepts, rejects and says; variables, pairs, memory.
+#include "counting_allocator.hpp"
 #include "random_robot.hpp"
 
 #include <gtest/gtest.h>
@@ -24,34 +25,6 @@ RobotModel arm()
 	right.mimic = 3;
 	return model;
 }
-
-struct CountingAllocator
-{
-	int left = 1 << 30;
-	int live = 0;
-	std::size_t bytes = 0;
-
-	lw_allocator get()
-	{
-		return { []( void* user, std::size_t size, std::size_t align ) -> void* {
-					auto* self = static_cast<CountingAllocator*>( user );
-					if ( self->left-- <= 0 )
-					{
-						return nullptr;
-					}
-					++self->live;
-					self->bytes += size;
-					return std::aligned_alloc( align, ( size + align - 1 ) / align * align );
-				},
-			[]( void* user, void* memory, std::size_t size ) {
-				auto* self = static_cast<CountingAllocator*>( user );
-				--self->live;
-				self->bytes -= size;
-				std::free( memory );
-			},
-			this };
-	}
-};
 
 } // namespace
 
