@@ -5,25 +5,19 @@
 // The discrete contenders do what ompl::base::DiscreteMotionValidator does (the end first, then halving, breadth first), in
 // joint vectors without OMPL around them. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for
 // the edges that are free, and for the others.
-#include "configurations.hpp"
-#include "fcl_peer.hpp"
+#include "edge_worlds.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <memory>
-#include <queue>
-#include <random>
 
 namespace
 {
 
 using Json = nlohmann::ordered_json;
-namespace io = leeway::io;
 
 struct Settings
 {
@@ -34,107 +28,18 @@ struct Settings
 	double budget = 2, resolution = 0.01;
 };
 
-/// A robot and scene with the joints outside of its group where they stand, and everybody's own data for it.
-struct World
-{
-	io::Problem problem;
-	leeway::Checker with_tables; ///< the same checker with motion hulls and pair tables
-	leeway::Query query, table_query, audit_query;
-	std::unique_ptr<FclPeer> fcl;
-};
-
-/// The numbers of one edge: world, from, to.
-using Edge = std::vector<double>;
-
-double uniform( std::mt19937_64& random )
-{
-	return static_cast<double>( random() >> 11 ) * 0x1p-53;
-}
-
-/// Longest edge of the group's joint box, which OMPL's resolution is a fraction of.
-double extentOf( const io::Problem& problem )
-{
-	double sum = 0;
-	for ( std::uint32_t variable : problem.variables )
-	{
-		const lw_variable_info info = lw_robot_variable( problem.robot.get(), variable );
-		sum += ( info.upper - info.lower ) * ( info.upper - info.lower );
-	}
-	return std::sqrt( sum );
-}
-
-double lengthOf( const double* a, const double* b, std::size_t size )
-{
-	double sum = 0;
-	for ( std::size_t i = 0; i < size; ++i )
-	{
-		sum += ( b[i] - a[i] ) * ( b[i] - a[i] );
-	}
-	return std::sqrt( sum );
-}
-
-/// As DiscreteMotionValidator::checkMotion( s1, s2 ): s1 is taken for valid.
-template <typename IsValid>
-bool discrete( const double* a, const double* b, std::size_t size, double step, const IsValid& is_valid )
-{
-	if ( !is_valid( b ) )
-	{
-		return false;
-	}
-	const int count = static_cast<int>( std::ceil( lengthOf( a, b, size ) / step ) );
-	std::vector<double> state( size );
-	std::queue<std::pair<int, int>> parts;
-	if ( count >= 2 )
-	{
-		parts.emplace( 1, count - 1 );
-	}
-	while ( !parts.empty() )
-	{
-		const auto [first, last] = parts.front();
-		parts.pop();
-		const int middle = ( first + last ) / 2;
-		for ( std::size_t i = 0; i < size; ++i )
-		{
-			state[i] = a[i] + ( b[i] - a[i] ) * middle / count;
-		}
-		if ( !is_valid( state.data() ) )
-		{
-			return false;
-		}
-		if ( first < middle )
-		{
-			parts.emplace( first, middle - 1 );
-		}
-		if ( middle < last )
-		{
-			parts.emplace( middle + 1, last );
-		}
-	}
-	return true;
-}
-
 class Comparison
 {
 public:
-	explicit Comparison( const Settings& settings ) : m_settings( settings ), m_random( settings.seed )
+	explicit Comparison( const Settings& settings )
+		: m_settings( settings ), m_random( settings.seed ), m_worlds( settings.data, settings.budget )
 	{
-		const std::string armar = settings.data + "/armar3/armar3";
-		m_robot = io::loadRobot( armar + ".urdf", armar + ".srdf" );
-		m_scene = io::loadScene( settings.data + "/kit_kitchen/scene_cluttered.yaml" );
-		for ( int i = 1; i <= 12; ++i )
-		{
-			char name[64];
-			std::snprintf( name, sizeof name, "/armar3/reach/%02d.yaml", i );
-			addWorld( settings.data + name );
-		}
-		m_size = m_worlds[0].problem.variables.size();
-		m_extent = extentOf( m_worlds[0].problem );
 	}
 
 	int run()
 	{
-		std::printf( "ARMAR-III, group %s, %zu joints, extent %.3f; step of the discrete contenders %.4f\n", GROUP, m_size, m_extent,
-			m_settings.resolution * m_extent );
+		std::printf( "ARMAR-III, group %s, %zu joints, extent %.3f; step of the discrete contenders %.4f\n", m_worlds.group(), m_worlds.size(), m_worlds.extent(),
+			m_settings.resolution * m_worlds.extent() );
 		std::printf( "microseconds per edge\n%-5s %-6s %-8s %5s | %8s %8s | %8s %8s | %8s %8s %7s | %8s %8s %7s | %7s %7s %7s\n", "set", "rad",
 			"verdict", "n", "FCL 1 %", "mean", "own 1 %", "mean", "certif.", "mean", "queries", "tables", "mean", "queries", "FCL/c",
 			"own/c", "own/t" );
@@ -151,150 +56,29 @@ public:
 		if ( !m_settings.json.empty() )
 		{
 			std::ofstream( m_settings.json ) << Json{ { "provenance", provenance() }, { "seed", m_settings.seed },
-				{ "edges", m_settings.edges }, { "resolution", m_settings.resolution }, { "extent", m_extent }, { "rows", rows } }.dump( 2 )
+				{ "edges", m_settings.edges }, { "resolution", m_settings.resolution }, { "extent", m_worlds.extent() }, { "rows", rows } }.dump( 2 )
 											 << "\n";
 		}
 		return m_refuted + m_contradicted > 0 ? 1 : 0;
 	}
 
 private:
-	static constexpr const char* GROUP = "torso_right_arm";
-
-	void addWorld( const std::string& request_file )
-	{
-		const io::Request request = io::loadRequest( request_file );
-		io::ProblemOptions options;
-		options.group = GROUP;
-		options.scene = &m_scene;
-		options.request = &request;
-		World world;
-		world.problem = io::buildProblem( m_robot, options );
-		if ( !m_reach )
-		{
-			lw_reach_def def = lw_reach_def_default();
-			def.robot = world.problem.robot.get();
-			def.seconds = m_settings.budget;
-			lw_diag diag{};
-			lw_reach* reach = nullptr;
-			leeway::require( lw_reach_create( &def, nullptr, &diag, &reach ), diag );
-			m_reach = leeway::Reach::adopt( reach );
-		}
-		lw_checker_def def = lw_checker_def_default();
-		def.robot = world.problem.robot.get();
-		def.scene = world.problem.scene.get();
-		def.variables = world.problem.variables.data();
-		def.variable_count = static_cast<std::uint32_t>( world.problem.variables.size() );
-		def.reference = world.problem.reference.data();
-		def.reach = m_reach.get();
-		lw_diag diag{};
-		lw_checker* checker = nullptr;
-		leeway::require( lw_checker_create( &def, nullptr, &diag, &checker ), diag );
-		world.with_tables = leeway::Checker::adopt( checker );
-		world.query = leeway::makeQuery( world.problem.checker.get() );
-		world.table_query = leeway::makeQuery( world.with_tables.get() );
-		world.audit_query = leeway::makeQuery( world.problem.checker.get() );
-		world.fcl = std::make_unique<FclPeer>( world.problem.checker.get() );
-		m_worlds.push_back( std::move( world ) );
-	}
-
-	bool isFree( const World& world, lw_query* query, const lw_checker* checker, const double* q ) const
-	{
-		(void)world;
-		const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
-		lw_state_result result;
-		leeway::require( lw_checker_state( checker, query, q, LW_WHAT_BOTH, &range, true, &result ), "a state" );
-		return result.verdict == LW_VERDICT_FREE;
-	}
-
-	/// A random free state of a random base; near: within 50 mm of the environment.
-	Edge start( bool near )
-	{
-		while ( true )
-		{
-			const std::size_t w = m_random() % m_worlds.size();
-			const World& world = m_worlds[w];
-			Edge edge = { static_cast<double>( w ) };
-			for ( std::uint32_t variable : world.problem.variables )
-			{
-				const lw_variable_info info = lw_robot_variable( world.problem.robot.get(), variable );
-				edge.push_back( info.lower + uniform( m_random ) * ( info.upper - info.lower ) );
-			}
-			const lw_range range = { 0, 0.05, 0 };
-			lw_state_result result;
-			leeway::require( lw_checker_state( world.problem.checker.get(), world.audit_query.get(), edge.data() + 1, LW_WHAT_BOTH, &range,
-								 false, &result ),
-				"a state" );
-			if ( result.verdict == LW_VERDICT_FREE && ( !near || result.environment.kind == LW_CLEARANCE_NEAR ) )
-			{
-				return edge;
-			}
-		}
-	}
-
-	/// To a free state in a random direction, inside the limits.
-	Edge makeEdge( bool near, double length )
-	{
-		std::normal_distribution<double> normal;
-		while ( true )
-		{
-			Edge edge = start( near );
-			const World& world = m_worlds[static_cast<std::size_t>( edge[0] )];
-			for ( int attempt = 0; attempt < 20; ++attempt )
-			{
-				std::vector<double> direction( m_size ), end( m_size );
-				double norm = 0;
-				for ( double& d : direction )
-				{
-					d = normal( m_random );
-					norm += d * d;
-				}
-				bool inside = true;
-				for ( std::size_t i = 0; i < m_size; ++i )
-				{
-					const lw_variable_info info = lw_robot_variable( world.problem.robot.get(), world.problem.variables[i] );
-					end[i] = edge[1 + i] + direction[i] * length / std::sqrt( norm );
-					inside = inside && end[i] >= info.lower && end[i] <= info.upper;
-				}
-				if ( inside && isFree( world, world.audit_query.get(), world.problem.checker.get(), end.data() ) )
-				{
-					edge.insert( edge.end(), end.begin(), end.end() );
-					return edge;
-				}
-			}
-		}
-	}
-
-	World& worldOf( const double* edge ) { return m_worlds[static_cast<std::size_t>( edge[0] )]; }
-
 	/// lower = verdict, upper = states measured.
 	Answer certify( const double* edge, bool tables )
 	{
-		World& world = worldOf( edge );
-		const lw_edge_def def = lw_edge_def_default();
 		lw_edge_result result;
-		leeway::require( lw_checker_edge( tables ? world.with_tables.get() : world.problem.checker.get(),
-							 tables ? world.table_query.get() : world.query.get(), edge + 1, edge + 1 + m_size, &def, &result ),
-			"an edge" );
+		m_worlds.judgedByCertificate( edge, tables, result );
 		return { static_cast<double>( result.verdict ), static_cast<double>( result.queries ) };
 	}
 
 	std::vector<Contender> contenders()
 	{
-		const double step = m_settings.resolution * m_extent;
-		return { { "FCL", [this, step]( const double* edge ) {
-					FclPeer& fcl = *worldOf( edge ).fcl;
-					const bool free = discrete( edge + 1, edge + 1 + m_size, m_size, step, [&fcl]( const double* q ) {
-						fcl.pose( q );
-						return !fcl.environmentCollides() && !fcl.selfCollides();
-					} );
-					return Answer{ free ? 1.0 : 0.0, 0 };
+		const double resolution = m_settings.resolution;
+		return { { "FCL", [this, resolution]( const double* edge ) {
+					return Answer{ m_worlds.judgedByFcl( edge, resolution ) ? 1.0 : 0.0, 0 };
 				} },
-			{ "own", [this, step]( const double* edge ) {
-				 World& world = worldOf( edge );
-				 const bool free = discrete( edge + 1, edge + 1 + m_size, m_size, step, [&]( const double* q ) {
-					 return isFree( world, world.table_query.get(), world.with_tables.get(), q );
-				 } );
-				 return Answer{ free ? 1.0 : 0.0, 0 };
+			{ "own", [this, resolution]( const double* edge ) {
+				 return Answer{ m_worlds.judgedByStates( edge, resolution ) ? 1.0 : 0.0, 0 };
 			 } },
 			{ "certified", [this]( const double* edge ) { return certify( edge, false ); } },
 			{ "tables", [this]( const double* edge ) { return certify( edge, true ); } } };
@@ -303,15 +87,9 @@ private:
 	/// A few hundred exact states of an edge that was proved free.
 	bool refuted( const Edge& edge )
 	{
-		World& world = worldOf( edge.data() );
-		std::vector<double> state( m_size );
 		for ( int k = 0; k <= 200; ++k )
 		{
-			for ( std::size_t i = 0; i < m_size; ++i )
-			{
-				state[i] = edge[1 + i] + ( edge[1 + m_size + i] - edge[1 + i] ) * k / 200;
-			}
-			if ( !isFree( world, world.audit_query.get(), world.problem.checker.get(), state.data() ) )
+			if ( !m_worlds.isFree( m_worlds.of( edge.data() ), m_worlds.at( edge.data(), k / 200.0 ).data() ) )
 			{
 				return true;
 			}
@@ -324,7 +102,7 @@ private:
 		std::vector<Edge> edges;
 		for ( std::size_t i = 0; i < m_settings.edges; ++i )
 		{
-			edges.push_back( makeEdge( near, length ) );
+			edges.push_back( m_worlds.random( near, length, m_random ) );
 		}
 		const std::vector<Run> runs = race( contenders(), { near ? "near" : "any", "edges", edges }, m_settings.repetitions );
 		for ( std::size_t i = 0; i < edges.size(); ++i )
@@ -368,12 +146,7 @@ private:
 
 	const Settings& m_settings;
 	std::mt19937_64 m_random;
-	io::RobotModel m_robot;
-	io::SceneModel m_scene;
-	leeway::Reach m_reach;
-	std::vector<World> m_worlds;
-	std::size_t m_size = 0;
-	double m_extent = 0;
+	EdgeWorlds m_worlds;
 	std::size_t m_refuted = 0, m_contradicted = 0;
 };
 
