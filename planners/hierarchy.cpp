@@ -102,21 +102,18 @@ constexpr lw_pair_class classes[] = {
 
 } // namespace
 
-io::LoadedReach findHulls( const Workbench& bench, const std::string& robot_file )
+io::LoadedReach findHulls( const Workbench& bench )
 {
 	if ( bench.reach().reach )
 	{
 		return bench.reach();
 	}
 	io::ReachOptions options;
-	options.def.seconds = 0;
-	options.def.samples = 0;
+	options.def.hulls_only = true;
 	Progress progress( "motion hulls" );
 	ReachProgress report( progress );
 	report.attach( options.def );
-	io::LoadedReach loaded = io::loadReach( bench.problem().robot, options );
-	requireReach( loaded, robot_file );
-	return loaded;
+	return io::loadReach( bench.problem().robot, options );
 }
 
 std::string hierarchyText( const io::LoadedReach& hulls )

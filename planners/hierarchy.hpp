@@ -8,7 +8,7 @@ namespace leeway::cli
 {
 
 /// The bench's own motion hulls, else new ones, for which no time is spent on pairs. @throws io::Error
-io::LoadedReach findHulls( const Workbench& bench, const std::string& robot_file );
+io::LoadedReach findHulls( const Workbench& bench );
 
 std::string hierarchyText( const io::LoadedReach& hulls );
 Json hierarchyJson( const io::LoadedReach& hulls );

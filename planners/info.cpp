@@ -301,8 +301,9 @@ int runInfo( const InfoOptions& options )
 	text += input.scene ? sceneText( *input.scene, scene_shapes ) : "no scene\n";
 	text += checkerText( bench, pairs, info );
 	text += bench.reach().reach ? pairClassText( bench.reach() ) : "";
-	const io::LoadedReach hulls = options.hierarchy ? findHulls( bench, input.robot_file ) : io::LoadedReach();
-	text += options.hierarchy ? hierarchyText( hulls ) : "";
+	const io::LoadedReach hulls = findHulls( bench );
+	notices.add( "motion hulls", hulls.notices );
+	text += hulls.reach ? hierarchyText( hulls ) : "";
 	text += totalLine( "all", total( all, &input.robot.report ) );
 	text += fmt::format( "files read and trees built in {:.3f} s; {} notices\n", input.robot_seconds + input.scene_seconds,
 	    notices.all().size() );
@@ -330,7 +331,7 @@ int runInfo( const InfoOptions& options )
 		json["cache"] = {
 		    { "file", input.robot.report.cache_file }, { "milliseconds", input.robot.report.cache_milliseconds } };
 		json["pair_classes"] = bench.reach().reach ? pairClassJson( bench.reach() ) : Json( nullptr );
-		json["hierarchy"] = options.hierarchy ? hierarchyJson( hulls ) : Json( nullptr );
+		json["hierarchy"] = hulls.reach ? hierarchyJson( hulls ) : Json( nullptr );
 		json["total"] = totalJson( total( all, &input.robot.report ) );
 		json["notices"] = notices.all();
 		json_file.text = json.dump( 2 ) + "\n";

@@ -47,9 +47,8 @@ Example: leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --gro
 
 Standard output: per collision element its owner, source, triangles, tree nodes, bytes and milliseconds; totals; what
 the checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why. With --cache also the
-classes of pairs, if their tables are in it. --hierarchy adds the tree of links: R bounds a link, M what it and all
-that hangs on it can reach, seen from the parent link, MR the link with the M of its children; hulls not in the cache
-are built for it.)";
+classes of pairs, if their tables are in it. Then the tree of links: R bounds a link, M what it and all that hangs on it
+can reach, seen from the parent link, MR the link with the M of its children.)";
 
 const char* const pairs_about = R"(Which pairs of links can ever meet, within the joint limits?
 
@@ -130,7 +129,6 @@ CLI::App* addInfo( CLI::App& app, InfoOptions& options )
 	CLI::App* command = app.add_subcommand( "info", "what was read, built, kept and dropped" );
 	command->footer( info_about );
 	addCommonOptions( *command, options.common, { true, false, true } );
-	command->add_flag( "--hierarchy", options.hierarchy, "also how far each link and what hangs on it can get" );
 	command->add_option( "--json", options.json, "the same for programs" )->type_name( "FILE" );
 	return command;
 }

@@ -49,7 +49,6 @@ struct EdgeOptions
 struct InfoOptions
 {
 	CommonOptions common;
-	bool hierarchy = false;
 	std::string json;
 };
 

@@ -294,7 +294,7 @@ bool lw_reach_closest_state( const lw_reach* reach, uint32_t link_a, uint32_t li
 {
 	assert( link_a < reach->link_count && link_b < reach->link_count );
 	uint32_t state = link_a == link_b ? LW_INVALID_INDEX : reach->states[lwi_reach_pair_index( link_a, link_b )];
-	if ( state == LW_INVALID_INDEX )
+	if ( state == LW_INVALID_INDEX || reach->pairs[lwi_reach_pair_index( link_a, link_b )].closest == INFINITY )
 	{
 		return false;
 	}

@@ -499,13 +499,20 @@ lw_status lwi_reach_build_pairs( const lwi_reach_job* job )
 		find_geometry( &w );
 		status = fill_active( &w );
 	}
-	status = status == LW_OK ? take_samples( &w ) : status;
-	status = status == LW_OK ? prove_by_hulls( &w ) : status;
-	status = status == LW_OK ? search_contacts( &w ) : status;
-	status = status == LW_OK ? prove_by_subdivision( &w ) : status;
+	bool measured = !job->def->hulls_only;
+	if ( measured )
+	{
+		status = status == LW_OK ? take_samples( &w ) : status;
+		status = status == LW_OK ? prove_by_hulls( &w ) : status;
+		status = status == LW_OK ? search_contacts( &w ) : status;
+		status = status == LW_OK ? prove_by_subdivision( &w ) : status;
+	}
 	for ( uint32_t i = 0; i < w.count && status == LW_OK; ++i )
 	{
-		finish_evidence( &w, &w.active[i] );
+		if ( measured )
+		{
+			finish_evidence( &w, &w.active[i] );
+		}
 		classify( &w, &w.active[i] );
 	}
 	release( &w );

@@ -116,7 +116,7 @@ TEST_F( Cache, InfoSaysWhatCameFromIt )
 {
 	check();
 	const Outcome result =
-	    runModel( "info", { "--group", "arm", "--cache", "cache", "--json", "info.json", "--hierarchy" } );
+	    runModel( "info", { "--group", "arm", "--cache", "cache", "--json", "info.json" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	const nlohmann::json info = json( "info.json" );
 	std::size_t from_cache = 0;
@@ -134,7 +134,7 @@ TEST_F( Cache, InfoSaysWhatCameFromIt )
 
 TEST_F( Cache, InfoShowsTheHierarchyWithoutOneAndBuildsNoTables )
 {
-	const Outcome result = runModel( "info", { "--hierarchy", "--json", "info.json" } );
+	const Outcome result = runModel( "info", { "--json", "info.json" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	const nlohmann::json info = json( "info.json" );
 	EXPECT_FALSE( info["hierarchy"]["cached"] );

@@ -709,6 +709,51 @@ TEST( ReachDef, HullsOfARobotWithoutGeometry )
 	EXPECT_LT( lw_reach_get_node( reach.get(), 0 ).mr.radius, 0 );
 }
 
+TEST( ReachDef, HullsOnlyProvesNothingAboutPairs )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 5; ++i )
+	{
+		RobotModel model = randomRobot( rng, {} );
+		RobotPtr robot = model.create();
+		lw_reach_def def = lw_reach_def_default();
+		def.robot = robot.get();
+		def.hull_error = 0.3;
+		def.seconds = 0;
+		def.samples = 50;
+		lw_reach *reach = nullptr, *hulls = nullptr;
+		ASSERT_EQ( lw_reach_create( &def, nullptr, nullptr, &reach ), LW_OK );
+		def.hulls_only = true;
+		ASSERT_EQ( lw_reach_create( &def, nullptr, nullptr, &hulls ), LW_OK );
+		ReachPtr whole( reach ), bare( hulls );
+		for ( std::uint32_t a = 0; a < lw_robot_link_count( robot.get() ); ++a )
+		{
+			EXPECT_EQ( lw_reach_get_node( hulls, a ).m.radius, lw_reach_get_node( reach, a ).m.radius );
+			for ( std::uint32_t b = 0; b < a; ++b )
+			{
+				lw_reach_pair pair = lw_reach_get_pair( hulls, a, b );
+				lw_pair_class other = lw_reach_get_pair( reach, a, b ).kind;
+				bool judged = other == LW_PAIR_NEVER || other == LW_PAIR_ALWAYS || other == LW_PAIR_CHECK;
+				EXPECT_EQ( pair.kind, judged ? LW_PAIR_CHECK : other );
+				EXPECT_EQ( pair.separation, 0 );
+				EXPECT_EQ( pair.closest, inf );
+				State q( lw_robot_variable_count( robot.get() ) );
+				EXPECT_FALSE( lw_reach_closest_state( hulls, a, b, q.data() ) );
+			}
+		}
+		lw_blob_def blob = lw_blob_def_default();
+		blob.reach = hulls;
+		void* bytes = nullptr;
+		std::size_t size = 0;
+		ASSERT_EQ( lw_blob_write( &blob, nullptr, nullptr, &bytes, &size ), LW_OK );
+		lw_reach* read = nullptr;
+		lw_diag diag{};
+		EXPECT_EQ( lw_blob_read_reach( bytes, size, blob.key, robot.get(), nullptr, &diag, &read ), LW_OK ) << diag.message;
+		lw_reach_release( read );
+		lw_blob_free( nullptr, bytes, size );
+	}
+}
+
 TEST( ReachDef, GivingUpDuringHullsIsReported )
 {
 	SeededRng rng;

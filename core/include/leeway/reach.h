@@ -23,6 +23,7 @@ typedef struct lw_reach_def
 	double limit_margin;
 	double seconds;   ///< budget for proofs by subdivision, >= 0; 0 = proofs by hulls only. What is proved stays proved: less
 	                  ///< time leaves more pairs to check, never a wrong answer
+	bool hulls_only;  ///< no pair is measured or proved: all that are not rigid, adjacent or allowed are to be checked
 	uint32_t samples; ///< random states at which all pairs are measured first: contact found needs no proof attempt
 	uint64_t seed;
 	/// Called now and then with the share done in [0, 1]; return false to give up (LW_ERROR_CANCELLED). Nullable.
