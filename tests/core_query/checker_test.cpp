@@ -474,7 +474,7 @@ TEST( Checker, threads_disagree )
 TEST( Checker, query_keeps_poses_of_another_checker )
 {
 	SeededRng rng;
-	World one( rng, 9, 8 ), two( rng, 9, 8 );
+	World one( rng, 14, 12 ), two( rng, 5, 4 ); // what fits the one fits the other
 	lw_query_def def = lw_query_def_default();
 	def.warm_start = false;
 	// made for the larger, used for both in turn
