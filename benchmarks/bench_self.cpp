@@ -30,6 +30,7 @@ constexpr double AGREEMENT = 1e-6; ///< metres, FCL against leeway; leeway again
 struct Settings
 {
 	std::string data = LEEWAY_DATA_DIR, json, cache;
+	std::vector<std::string> robots; ///< URDF,SRDF,GROUP
 	std::size_t states = 400, identity = 100000;
 	int repetitions = 5;
 	double budget = 20;
@@ -55,17 +56,35 @@ const Question QUESTIONS[] = {
 
 struct Model
 {
-	const char *name, *urdf, *srdf, *tables;
-	std::vector<const char*> groups;
+	std::string name, urdf, srdf;
+	std::string tables; ///< folder of the ground truth; empty: none, random states only
+	std::vector<std::string> groups;
 	bool meshes_only; ///< FCL is asked then; its boxes and spheres are other shapes than its meshes
 };
 
-const Model MODELS[] = {
-	{ "ARMAR-III", "/armar3/armar3.urdf", "/armar3/armar3.srdf", "/armar3",
-		{ "right_arm", "torso_both_arms", "platform_torso_both_arms" }, true },
-	{ "Fetch", "/mbm/fetch/fetch.urdf", "/mbm/fetch/fetch.srdf", "/mbm/fetch", { "arm_with_torso" }, false },
-	{ "Panda", "/mbm/panda/panda.urdf", "/mbm/panda/panda.srdf", "/mbm/panda", { "panda_arm" }, true },
-};
+/// The three robots of the data folder, or those that were named.
+std::vector<Model> models( const Settings& settings )
+{
+	const std::string armar = settings.data + "/armar3", fetch = settings.data + "/mbm/fetch", panda = settings.data + "/mbm/panda";
+	if ( settings.robots.empty() )
+	{
+		return { { "ARMAR-III", armar + "/armar3.urdf", armar + "/armar3.srdf", armar,
+					 { "right_arm", "torso_both_arms", "platform_torso_both_arms" }, true },
+			{ "Fetch", fetch + "/fetch.urdf", fetch + "/fetch.srdf", fetch, { "arm_with_torso" }, false },
+			{ "Panda", panda + "/panda.urdf", panda + "/panda.srdf", panda, { "panda_arm" }, true } };
+	}
+	std::vector<Model> named;
+	for ( const std::string& text : settings.robots )
+	{
+		const std::vector<std::string> parts = groundtruth::splitLine( text );
+		if ( parts.size() != 3 )
+		{
+			throw std::runtime_error( "--robot " + text + ": give URDF,SRDF,GROUP" );
+		}
+		named.push_back( { std::filesystem::path( parts[0] ).stem().string(), parts[0], parts[1], "", { parts[2] }, false } );
+	}
+	return named;
+}
 
 /// A robot, and what is proved of it with and without subdivision.
 struct Subject
@@ -86,7 +105,7 @@ leeway::io::Problem makeProblem( const Subject& subject, const char* group, cons
 
 Subject makeSubject( const Settings& settings, const Model& model )
 {
-	Subject subject{ &model, leeway::io::loadRobot( settings.data + model.urdf, settings.data + model.srdf ), {}, {} };
+	Subject subject{ &model, leeway::io::loadRobot( model.urdf, model.srdf ), {}, {} };
 	leeway::io::ProblemOptions none;
 	const leeway::io::Problem whole = leeway::io::buildProblem( subject.robot, none );
 	leeway::io::ReachOptions options;
@@ -123,7 +142,7 @@ ConfigurationSet tableStates( const Settings& settings, const Subject& subject, 
 {
 	ConfigurationSet set{ "table", "rows of the ground truth tables", {} };
 	std::vector<std::vector<double>> states;
-	for ( const auto& file : groundtruth::findTables( settings.data + subject.model->tables ) )
+	for ( const auto& file : groundtruth::findTables( subject.model->tables ) )
 	{
 		const groundtruth::Table table = groundtruth::readTable( file, settings.data );
 		for ( const groundtruth::Row& row : table.rows )
@@ -210,7 +229,7 @@ public:
 		const leeway::io::Problem hulls = makeProblem( subject, group, subject.hulls.reach );
 		const leeway::io::Problem tables = makeProblem( subject, group, subject.tables.reach );
 		const lw_checker_info info = lw_checker_get_info( tables.checker.get() );
-		std::printf( "\n%s %s: %u bodies moving, %u static, %u self pairs, %u proved apart (%u by hulls)\n", subject.model->name,
+		std::printf( "\n%s %s: %u bodies moving, %u static, %u self pairs, %u proved apart (%u by hulls)\n", subject.model->name.c_str(),
 			group, info.moving_bodies, info.static_bodies, info.self_pairs, info.never_pairs,
 			lw_checker_get_info( hulls.checker.get() ).never_pairs );
 		std::unique_ptr<FclPeer> fcl;
@@ -229,6 +248,10 @@ public:
 		}
 		for ( const ConfigurationSet& set : { tableStates( m_settings, subject, tables ), random } )
 		{
+			if ( set.states.empty() )
+			{
+				continue; // no ground truth of this robot
+			}
 			for ( const Question& question : QUESTIONS )
 			{
 				compare( subject, group, set, question, fcl.get() );
@@ -339,17 +362,17 @@ int run( const Settings& settings )
 	Bench bench( settings );
 	json["reach"] = Json::array();
 	Bench::printHeader();
-	for ( const Model& model : MODELS )
+	for ( const Model& model : models( settings ) )
 	{
 		const Subject subject = makeSubject( settings, model );
-		std::printf( "\n%s: hulls and their proofs %.1f s, with %.0f s of subdivision %s %.3f s\n", model.name,
+		std::printf( "\n%s: hulls and their proofs %.1f s, with %.0f s of subdivision %s %.3f s\n", model.name.c_str(),
 			1e-3 * subject.hulls.milliseconds, settings.budget, subject.tables.cached ? "read from the cache in" : "built in",
 			1e-3 * subject.tables.milliseconds );
 		json["reach"].push_back( Json{ { "robot", model.name }, { "hulls_ms", subject.hulls.milliseconds },
 			{ "tables_ms", subject.tables.milliseconds }, { "cached", subject.tables.cached } } );
-		for ( const char* group : model.groups )
+		for ( const std::string& group : model.groups )
 		{
-			bench.run( subject, group );
+			bench.run( subject, group.c_str() );
 		}
 	}
 	json["comparison"] = bench.rows();
@@ -377,6 +400,7 @@ int main( int argc, char** argv )
 	CLI::App app( "Self clearance of robots: FCL, all pairs, motion hulls and pair tables.\n"
 				  "Exit status: 0 answers agree, 1 answers differ, 2 error, 77 no data." );
 	app.add_option( "--data", settings.data, "folder with armar3 and mbm" )->capture_default_str();
+	app.add_option( "--robot", settings.robots, "URDF,SRDF,GROUP instead of the robots of the data folder; FCL is not asked" );
 	app.add_option( "--states", settings.states, "states per set, at most" )
 		->capture_default_str()
 		->check( CLI::Range( 1, 100000 ) );
@@ -399,7 +423,7 @@ int main( int argc, char** argv )
 		settings.budget = std::min( settings.budget, 2.0 );
 		settings.repetitions = 1;
 	}
-	if ( !std::filesystem::exists( std::filesystem::path( settings.data ) / "mbm" ) )
+	if ( settings.robots.empty() && !std::filesystem::exists( std::filesystem::path( settings.data ) / "mbm" ) )
 	{
 		std::cerr << settings.data << ": no folder mbm there; give the data folder with --data\n";
 		return 77;
