@@ -19,7 +19,7 @@ try
 	leeway::io::RobotModel robot = leeway::io::loadRobot( argv[1], argv[2] );
 	leeway::io::SceneModel scene = leeway::io::loadScene( argv[3] );
 	leeway::io::Request request = leeway::io::loadRequest( argv[4] );
-	leeway::io::Problem problem = leeway::io::buildProblem( robot, { request.group, &scene, &request, {} } );
+	leeway::io::Problem problem = leeway::io::buildProblem( robot, { request.group, &scene, &request } );
 
 	ompl::geometric::SimpleSetup setup( leeway::ompl::makeStateSpace( problem.checker ) );
 	auto engine = leeway::ompl::install( setup.getSpaceInformation(), problem.checker );

@@ -261,11 +261,11 @@ struct ProblemOptions
 	const SceneModel* scene = nullptr;
 	const Request* request = nullptr; ///< its start state becomes the reference (over the scene's robot_state)
 	/// Values that override both, by variable name (columns of a file that are not in the group)
-	JointState overrides;
+	JointState overrides{};
 	/// Motion hulls and pair tables for the checker: found or built by these options, unless `reach` is given. Attached
 	/// objects make another robot, for which none is looked for: its hulls would hold for one grasp only.
-	std::optional<ReachOptions> find_reach;
-	Reach reach; ///< of an equal robot, from an earlier problem
+	std::optional<ReachOptions> find_reach = std::nullopt;
+	Reach reach{}; ///< of an equal robot, from an earlier problem
 };
 
 /// @throws Error (unknown group, unknown frame, start outside of what the robot has, ...)
