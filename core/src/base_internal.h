@@ -50,6 +50,18 @@ static inline bool lwi_release( atomic_uint* count )
 	return atomic_fetch_sub_explicit( count, 1u, memory_order_acq_rel ) == 1u;
 }
 
+/// The finaliser of MurmurHash3 (Appleby 2011) over a running value: a bijection of h and of v, in which every bit changes
+/// every other with a probability near one half.
+static inline uint64_t lwi_mix( uint64_t h, uint64_t v )
+{
+	h ^= v;
+	h ^= h >> 33;
+	h *= 0xff51afd7ed558ccdull;
+	h ^= h >> 33;
+	h *= 0xc4ceb9fe1a85ec53ull;
+	return h ^ h >> 33;
+}
+
 /// Rounds a byte count up to LWI_ALIGNMENT, for objects laid out as one block with parts behind each other.
 static inline size_t lwi_align_up( size_t size )
 {

@@ -35,7 +35,6 @@ static void checker_free( lw_checker* c )
 	lwi_free( &allocator, c->variables, c->variable_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, c->reference, variables * sizeof( double ) );
 	lwi_free( &allocator, c->reference_poses, links * sizeof( lw_transform ) );
-	lwi_free( &allocator, c->moving_links, links * sizeof( uint32_t ) );
 	lwi_free( &allocator, c->bodies, bodies * sizeof( lwi_checker_body ) );
 	lwi_free( &allocator, c->moving_bodies, bodies * sizeof( uint32_t ) );
 	lwi_free( &allocator, c->self_pairs, c->self_pair_count * sizeof( lwi_self_pair ) );
@@ -166,10 +165,6 @@ static lw_status mark_group( lw_checker* c, const lw_checker_def* def, draft* d,
 		{
 			d->link_moves[order[i]] = d->joint_moves[joint] || d->link_moves[lw_robot_joint_parent( robot, joint )];
 		}
-		if ( d->link_moves[order[i]] )
-		{
-			c->moving_links[c->moving_link_count++] = order[i];
-		}
 	}
 	return LW_OK;
 }
@@ -287,15 +282,14 @@ static bool allocate_tables( lw_checker* c )
 	c->variables = lwi_alloc_zero( allocator, c->variable_count, sizeof( uint32_t ) );
 	c->reference = lwi_alloc_zero( allocator, lw_robot_variable_count( c->robot ), sizeof( double ) );
 	c->reference_poses = lwi_alloc_zero( allocator, links, sizeof( lw_transform ) );
-	c->moving_links = lwi_alloc_zero( allocator, links, sizeof( uint32_t ) );
 	c->bodies = lwi_alloc_zero( allocator, bodies, sizeof( lwi_checker_body ) );
 	c->moving_bodies = lwi_alloc_zero( allocator, bodies, sizeof( uint32_t ) );
 	c->self_mask = lwi_alloc_zero( allocator, bodies, c->body_block_count );
 	c->environment_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
 	c->bytes = sizeof( lw_checker ) + c->variable_count * sizeof( uint32_t ) +
-			   lw_robot_variable_count( c->robot ) * sizeof( double ) + links * ( sizeof( lw_transform ) + sizeof( uint32_t ) ) +
+			   lw_robot_variable_count( c->robot ) * sizeof( double ) + links * sizeof( lw_transform ) +
 			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + c->body_block_count + c->scene_block_count );
-	return c->variables != NULL && c->reference != NULL && c->reference_poses != NULL && c->moving_links != NULL &&
+	return c->variables != NULL && c->reference != NULL && c->reference_poses != NULL &&
 		   c->bodies != NULL && c->moving_bodies != NULL && c->self_mask != NULL && c->environment_mask != NULL;
 }
 

@@ -35,8 +35,6 @@ struct lw_checker
 	uint32_t* variables;   ///< [variable_count] robot variables of a state vector
 	double* reference;     ///< [robot variable_count]
 	lw_transform* reference_poses; ///< [link_count] world_from_link at the reference
-	uint32_t moving_link_count;
-	uint32_t* moving_links; ///< topological order
 	lwi_checker_body* bodies; ///< [robot body_count]
 	uint32_t moving_body_count;
 	uint32_t* moving_bodies; ///< [moving_body_count] robot bodies on moving links, ascending

@@ -42,17 +42,6 @@ static uint64_t take_in( uint64_t lane, uint64_t word )
 	return rotate_left( lane + word * prime_2, 31 ) * prime_1;
 }
 
-/// A bijection of h and of v, in which every bit changes every other with a probability near one half.
-static uint64_t mix( uint64_t h, uint64_t v )
-{
-	h ^= v;
-	h ^= h >> 33;
-	h *= 0xff51afd7ed558ccdull;
-	h ^= h >> 33;
-	h *= 0xc4ceb9fe1a85ec53ull;
-	return h ^ h >> 33;
-}
-
 lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size )
 {
 	const unsigned char* p = bytes;
@@ -82,8 +71,8 @@ lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size )
 	}
 	uint64_t length = (uint64_t)size * prime_1;
 	lw_digest out;
-	out.word[0] = mix( mix( mix( mix( half_start[0] ^ length, a ), b ), c ), d );
-	out.word[1] = mix( mix( mix( mix( half_start[1] ^ length, d ), c ), b ), a );
+	out.word[0] = lwi_mix( lwi_mix( lwi_mix( lwi_mix( half_start[0] ^ length, a ), b ), c ), d );
+	out.word[1] = lwi_mix( lwi_mix( lwi_mix( lwi_mix( half_start[1] ^ length, d ), c ), b ), a );
 	return out;
 }
 

@@ -73,10 +73,6 @@ static bool check_steps_in_order( lwi_edge* e, uint32_t n )
 
 static lw_status check_steps( lwi_edge* e )
 {
-	if ( !lwi_edge_list_items( e ) )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
 	const lw_checker* c = e->checker;
 	if ( !lwi_motion_measure( c->motion, e->full_a, e->full_b, e->motion ) )
 	{
@@ -151,7 +147,7 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 		}
 	}
 	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .qa = qa, .qb = qb, .posed_t = NAN };
-	lwi_edge_lay_out( &e, lwi_query_edge_scratch( query ) );
+	lwi_edge_begin( &e, lwi_query_edge_scratch( query ) );
 	lw_status status = def->method == LW_EDGE_CERTIFIED ? check_certified( &e ) : check_steps( &e );
 	if ( status != LW_OK )
 	{

@@ -72,8 +72,8 @@ typedef struct lwi_edge_sample
 	lw_clearance pair;
 } lwi_edge_sample;
 
-/// Lays the scratch of the query out. `edge` has its checker.
-void lwi_edge_lay_out( lwi_edge* edge, void* scratch );
+/// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, qa and qb.
+void lwi_edge_begin( lwi_edge* edge, void* scratch );
 
 /// Fills items with their motion bounds. Pairs that are apart in all states are left out. @return false for an edge that
 /// cannot be measured

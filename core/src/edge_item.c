@@ -53,9 +53,11 @@ static size_t lay_out( lwi_edge* e, char* memory )
 	return used;
 }
 
-void lwi_edge_lay_out( lwi_edge* edge, void* scratch )
+void lwi_edge_begin( lwi_edge* edge, void* scratch )
 {
 	lay_out( edge, scratch );
+	lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
+	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
 }
 
 size_t lwi_edge_scratch_size( const lw_checker* checker )
@@ -146,8 +148,6 @@ static bool list_pairs( lwi_edge* e )
 bool lwi_edge_list_items( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	lw_checker_full_state( c, e->qa, e->full_a );
-	lw_checker_full_state( c, e->qb, e->full_b );
 	e->static_rounding = 0;
 	e->apart = INFINITY;
 	e->item_count = 0;

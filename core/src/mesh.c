@@ -21,22 +21,11 @@ typedef struct welder
 	uint32_t count;
 } welder;
 
-static uint64_t mix( uint64_t h, uint64_t v )
-{
-	// the finaliser of MurmurHash3 (Appleby 2011) over a running value
-	h ^= v;
-	h ^= h >> 33;
-	h *= 0xff51afd7ed558ccdull;
-	h ^= h >> 33;
-	h *= 0xc4ceb9fe1a85ec53ull;
-	return h ^ h >> 33;
-}
-
 static uint32_t bucket_of( const welder* w, const double key[3] )
 {
 	uint64_t bits[3];
 	memcpy( bits, key, sizeof( bits ) );
-	return (uint32_t)mix( mix( mix( 0x9e3779b97f4a7c15ull, bits[0] ), bits[1] ), bits[2] ) & w->mask;
+	return (uint32_t)lwi_mix( lwi_mix( lwi_mix( 0x9e3779b97f4a7c15ull, bits[0] ), bits[1] ), bits[2] ) & w->mask;
 }
 
 static uint32_t add_representative( welder* w, const double p[3], uint32_t bucket )
