@@ -38,6 +38,11 @@ std::string joinNames( const std::vector<std::string>& names, std::size_t limit 
 std::string resolveUri(
     const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried );
 
+/// As resolveUri(), for a file that has to be there. @param kind "point cloud", for the error
+/// @throws Error with `from_file` and `element` and every path that was tried
+std::string findResource( const char* kind, const std::string& uri, const std::string& from_file, const std::string& element,
+    const LoadOptions& options );
+
 /// Wall time since it was made.
 class Stopwatch
 {

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fmt/format.h>
 #include <sstream>
 
 namespace leeway::io::detail
@@ -119,6 +120,24 @@ std::string resolveUri(
 		}
 	}
 	return "";
+}
+
+std::string findResource( const char* kind, const std::string& uri, const std::string& from_file, const std::string& element,
+    const LoadOptions& options )
+{
+	std::vector<std::string> tried;
+	std::string file = resolveUri( uri, from_file, options, tried );
+	if ( !file.empty() )
+	{
+		return file;
+	}
+	bool package = uri.compare( 0, 10, "package://" ) == 0;
+	throw Error( from_file, element,
+	    tried.empty() ? fmt::format( "\"{}\" names no file", uri )
+	                  : fmt::format( "{} {} was not found, tried {}", kind, uri, joinNames( tried, 12 ) ),
+	    package ? "put the package beside the file, name its folder as a package path, or set ROS_PACKAGE_PATH or "
+	              "AMENT_PREFIX_PATH"
+	            : "correct the path" );
 }
 
 } // namespace leeway::io::detail

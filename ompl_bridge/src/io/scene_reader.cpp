@@ -3,6 +3,7 @@
 //
 // Poses compose as in MoveIt: frame * object pose * shape pose. What cannot be used is an error, never left out: an obstacle
 // that silently disappears reads as free space.
+#include "geometry_loader.hpp"
 #include "yaml.hpp"
 
 #include <algorithm>
@@ -16,6 +17,7 @@ namespace leeway::io
 namespace
 {
 
+using detail::GeometryLoader;
 using detail::ShapeLoader;
 using detail::TriangleSoup;
 using detail::YamlNode;
@@ -30,7 +32,8 @@ class SceneReader
 {
 public:
 	SceneReader( const std::string& file, const LoadOptions& options, SceneModel& scene )
-	    : m_root( YamlNode::load( file, scene.report.notices ) ), m_shapes( options, scene.report ), m_scene( scene )
+	    : m_root( YamlNode::load( file, scene.report.notices ) ), m_shapes( options, scene.report ),
+	      m_geometry( options, scene.report ), m_scene( scene )
 	{
 	}
 	void read();
@@ -45,6 +48,8 @@ private:
 	Shape readPrimitive( const YamlNode& node, const std::string& owner );
 	Shape readMesh( const YamlNode& node, const std::string& owner );
 	TriangleSoup readInlineMesh( const YamlNode& node ) const;
+	void readOtherShapes( const YamlNode& object, SceneObject& out );
+	Shape readOtherShape( const YamlNode& node, const std::string& owner );
 	void readAttached( const YamlNode& state );
 	void readMatrix();
 	void readDefaults( const YamlNode& matrix );
@@ -57,6 +62,7 @@ private:
 
 	YamlNode m_root;
 	ShapeLoader m_shapes;
+	GeometryLoader m_geometry;
 	SceneModel& m_scene;
 	std::set<std::string> m_ids;
 };
@@ -203,6 +209,36 @@ void SceneReader::readShapes( const YamlNode& object, const char* shapes_key, co
 	}
 }
 
+Shape SceneReader::readOtherShape( const YamlNode& node, const std::string& owner )
+{
+	std::string type = lower( node["type"].text() );
+	if ( type == "point_cloud" )
+	{
+		node.refuseUnknownKeys( { "type", "pose", "resource", "radius" } );
+		double radius = node["radius"].number();
+		if ( radius < 0 )
+		{
+			node["radius"].fail( fmt::format( "{} is negative", radius ), "give the radius of a ball around each point" );
+		}
+		return m_geometry.pointCloud( place( node, owner ), node["resource"].text(), radius );
+	}
+	node["type"].fail( fmt::format( "shape type {} is not known", type ), "use point_cloud" );
+}
+
+/// leeway_shapes: what MoveIt's messages have no place for.
+void SceneReader::readOtherShapes( const YamlNode& object, SceneObject& out )
+{
+	YamlNode shapes = object["leeway_shapes"], object_pose = object["pose"];
+	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();
+	for ( std::size_t i = 0; i < shapes.size(); ++i )
+	{
+		YamlNode pose = shapes[i]["pose"];
+		lw_transform object_from_shape = pose.defined() ? pose.pose() : lw_transform_identity();
+		Shape shape = readOtherShape( shapes[i], out.name );
+		out.shapes.push_back( { std::move( shape ), lw_transform_multiply( &frame_from_object, &object_from_shape ) } );
+	}
+}
+
 SceneObject SceneReader::readObject( const YamlNode& unnamed, bool may_be_empty )
 {
 	SceneObject object;
@@ -217,7 +253,7 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed, bool may_be_empty 
 		node.fail( "an object of this id was defined before", "rename or remove one of them" );
 	}
 	node.noticeUnknownKeys( { "id", "header", "pose", "type", "primitives", "primitive_poses", "meshes", "mesh_poses",
-	    "planes", "plane_poses", "subframe_names", "subframe_poses", "operation" } );
+	    "planes", "plane_poses", "subframe_names", "subframe_poses", "operation", "leeway_shapes" } );
 	std::string operation = lower( node["operation"].textOr( "add" ) );
 	if ( operation != "add" && operation != "0" && operation != std::string( 1, '\0' ) )
 	{
@@ -235,6 +271,7 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed, bool may_be_empty 
 	object.frame = node.frame();
 	readShapes( node, "primitives", "primitive_poses", object );
 	readShapes( node, "meshes", "mesh_poses", object );
+	readOtherShapes( node, object );
 	if ( object.shapes.empty() && !may_be_empty )
 	{
 		node.fail( "has no shape", "give it primitives or meshes, or remove it" );
@@ -265,7 +302,8 @@ void SceneReader::readAttached( const YamlNode& state )
 		std::string id = node["object"]["id"].text();
 		auto in_world = std::find_if(
 		    m_scene.objects.begin(), m_scene.objects.end(), [&]( const SceneObject& object ) { return object.name == id; } );
-		bool bare = node["object"]["primitives"].size() == 0 && node["object"]["meshes"].size() == 0;
+		bool bare = node["object"]["primitives"].size() == 0 && node["object"]["meshes"].size() == 0 &&
+		            node["object"]["leeway_shapes"].size() == 0;
 		if ( in_world != m_scene.objects.end() && bare )
 		{
 			attached.object = *in_world;

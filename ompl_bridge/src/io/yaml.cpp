@@ -161,6 +161,19 @@ YamlNode YamlNode::named( const std::string& name ) const
 	return child( m_node, m_path + " " + name );
 }
 
+void YamlNode::refuseUnknownKeys( std::initializer_list<const char*> known ) const
+{
+	for ( auto entry = m_node.begin(); isMap() && entry != m_node.end(); ++entry )
+	{
+		std::string key = entry->first.IsScalar() ? entry->first.Scalar() : "?";
+		if ( std::find( known.begin(), known.end(), key ) == known.end() )
+		{
+			std::vector<std::string> names( known.begin(), known.end() );
+			( *this )[key.c_str()].fail( "this key is not known", fmt::format( "use {}", joinNames( names ) ) );
+		}
+	}
+}
+
 void YamlNode::noticeUnknownKeys( std::initializer_list<const char*> known, const char* consequence ) const
 {
 	if ( !isMap() )
@@ -172,6 +185,11 @@ void YamlNode::noticeUnknownKeys( std::initializer_list<const char*> known, cons
 		std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
 		if ( std::find( known.begin(), known.end(), key ) == known.end() )
 		{
+			if ( key.compare( 0, 7, "leeway_" ) == 0 )
+			{
+				( *this )[key.c_str()].fail(
+				    "there is no such extension here", "see ompl_bridge/docs/scenes.md for those there are" );
+			}
 			( *this )[key.c_str()].notice( fmt::format( "this key is not known: {}", consequence ) );
 		}
 	}

@@ -42,7 +42,10 @@ public:
 	std::string place() const; ///< path and line
 	const std::string& file() const { return *m_file; }
 
-	/// A notice for every key that is not in the list.
+	/// @throws Error for a key that is not in the list. For elements of our own: a key of theirs that nobody reads is a
+	/// misspelt one, and what it asks for is missing.
+	void refuseUnknownKeys( std::initializer_list<const char*> known ) const;
+	/// A notice for every key that is not in the list. @throws Error for one that begins with leeway_, as above
 	void noticeUnknownKeys( std::initializer_list<const char*> known, const char* consequence = "ignored" ) const;
 
 	double number() const;    ///< a finite number
