@@ -3,6 +3,7 @@
 //
 // Poses compose as in MoveIt: frame * object pose * shape pose. What cannot be used is an error, never left out: an obstacle
 // that silently disappears reads as free space.
+#include "articulation.hpp"
 #include "geometry_loader.hpp"
 #include "yaml.hpp"
 
@@ -32,7 +33,7 @@ class SceneReader
 {
 public:
 	SceneReader( const std::string& file, const LoadOptions& options, SceneModel& scene )
-	    : m_root( YamlNode::load( file, scene.report.notices ) ), m_shapes( options, scene.report ),
+	    : m_root( YamlNode::load( file, scene.report.notices ) ), m_options( options ), m_shapes( options, scene.report ),
 	      m_geometry( options, scene.report ), m_scene( scene )
 	{
 	}
@@ -50,6 +51,7 @@ private:
 	TriangleSoup readInlineMesh( const YamlNode& node ) const;
 	void readOtherShapes( const YamlNode& object, SceneObject& out );
 	Shape readOtherShape( const YamlNode& node, const std::string& owner );
+	void readArticulations();
 	void readAttached( const YamlNode& state );
 	void readMatrix();
 	void readDefaults( const YamlNode& matrix );
@@ -61,6 +63,7 @@ private:
 	}
 
 	YamlNode m_root;
+	const LoadOptions& m_options;
 	ShapeLoader m_shapes;
 	GeometryLoader m_geometry;
 	SceneModel& m_scene;
@@ -82,7 +85,7 @@ void SceneReader::checkTop() const
 	}
 	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms",
 	    "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff" } );
-	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap" } );
+	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap", "leeway_articulations" } );
 	YamlNode octomap = m_root["world"]["octomap"];
 	if ( octomap["octomap"]["data"].size() > 0 )
 	{
@@ -288,6 +291,51 @@ void SceneReader::readObjects()
 	}
 }
 
+/// Appends what a reader of another file reported.
+void append( const LoadReport& report, LoadReport& out )
+{
+	out.shapes.insert( out.shapes.end(), report.shapes.begin(), report.shapes.end() );
+	out.links_without_geometry.insert(
+	    out.links_without_geometry.end(), report.links_without_geometry.begin(), report.links_without_geometry.end() );
+	out.notices.insert( out.notices.end(), report.notices.begin(), report.notices.end() );
+	out.cache_milliseconds += report.cache_milliseconds;
+}
+
+/// leeway_articulations: URDFs as objects.
+void SceneReader::readArticulations()
+{
+	YamlNode list = m_root["world"]["leeway_articulations"];
+	for ( std::size_t i = 0; i < list.size(); ++i )
+	{
+		std::string name = list[i]["id"].text();
+		YamlNode node = list[i].named( name );
+		node.refuseUnknownKeys( { "id", "header", "pose", "resource", "joint_values" } );
+		if ( name.empty() || !m_ids.insert( name ).second )
+		{
+			node["id"].fail(
+			    name.empty() ? "is empty" : "an object of this id was defined before", "give it a name of its own" );
+		}
+		std::string file = detail::findResource( "URDF", node["resource"].text(), m_scene.file, node.place(), m_options );
+		Articulation articulation = detail::readArticulation(
+		    file, name, name + "/", node["joint_values"].numberMap(), place( node, name ), m_options );
+		articulation.frame = node.frame();
+		if ( node["pose"].defined() )
+		{
+			articulation.pose = node["pose"].pose();
+		}
+		for ( SceneObject& object : detail::articulatedObjects( articulation ) )
+		{
+			if ( !m_ids.insert( object.name ).second )
+			{
+				node.fail( fmt::format( "there is an object {} already", object.name ), "rename one of them" );
+			}
+			m_scene.objects.push_back( std::move( object ) );
+		}
+		append( articulation.model.report, m_scene.report );
+		m_scene.articulations.push_back( std::move( articulation ) );
+	}
+}
+
 void SceneReader::readAttached( const YamlNode& state )
 {
 	YamlNode list = state["attached_collision_objects"];
@@ -417,6 +465,7 @@ void SceneReader::read()
 	checkTop();
 	m_scene.name = m_root["name"].textOr( "" );
 	readObjects();
+	readArticulations();
 	YamlNode state = m_root["robot_state"];
 	state.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
 	m_scene.state = detail::readJointState( state );
@@ -429,34 +478,11 @@ void SceneReader::read()
 /// A URDF as a scene: each link with geometry becomes an object, where it is with all joints at zero.
 void readUrdfScene( const std::string& file, const LoadOptions& options, SceneModel& scene )
 {
-	RobotModel model = detail::readUrdf( file, options );
-	scene.name = model.name;
-	scene.report = model.report;
-	Robot robot = detail::createRobot( model, {}, {} );
-	std::vector<double> q( lw_robot_variable_count( robot.get() ), 0.0 );
-	for ( std::uint32_t i = 0; i < q.size(); ++i )
-	{
-		// A floating joint at zero is the unit quaternion
-		lw_variable_info info = lw_robot_variable( robot.get(), i );
-		bool floating = lw_robot_joint_type( robot.get(), info.joint ) == LW_JOINT_FLOATING;
-		q[i] = floating && info.component == 6 ? 1.0 : 0.0;
-	}
-	std::vector<lw_transform> world_from_link( lw_robot_link_count( robot.get() ) );
-	require( lw_robot_fk( robot.get(), q.data(), world_from_link.data() ), "lw_robot_fk" );
-	for ( const LinkModel& link : model.links )
-	{
-		SceneObject object;
-		object.name = link.name;
-		const lw_transform& pose = world_from_link[lw_robot_find_link( robot.get(), link.name.c_str() )];
-		for ( const PlacedShape& shape : link.collision )
-		{
-			object.shapes.push_back( { shape.shape, lw_transform_multiply( &pose, &shape.pose ) } );
-		}
-		if ( !object.shapes.empty() )
-		{
-			scene.objects.push_back( std::move( object ) );
-		}
-	}
+	Articulation articulation = detail::readArticulation( file, "", "", {}, { file, "<robot>", "" }, options );
+	scene.name = articulation.name;
+	scene.report = articulation.model.report;
+	scene.objects = detail::articulatedObjects( articulation );
+	scene.articulations.push_back( std::move( articulation ) );
 }
 
 } // namespace

@@ -263,6 +263,25 @@ std::vector<std::string> YamlNode::textList() const
 	return values;
 }
 
+std::map<std::string, double> YamlNode::numberMap() const
+{
+	std::map<std::string, double> values;
+	if ( defined() && !isMap() )
+	{
+		fail( "is not a map of names and numbers", "write {name: number, ...}" );
+	}
+	for ( auto entry = m_node.begin(); defined() && entry != m_node.end(); ++entry )
+	{
+		if ( !entry->first.IsScalar() )
+		{
+			fail( "has a key that is no name", "write {name: number, ...}" );
+		}
+		std::string name = entry->first.Scalar();
+		values.emplace( name, ( *this )[name.c_str()].number() );
+	}
+	return values;
+}
+
 std::vector<double> YamlNode::vector( std::initializer_list<const char*> keys ) const
 {
 	std::string expected;

@@ -54,6 +54,7 @@ public:
 	bool boolean() const;                   ///< true, false, 1, 0
 	std::vector<double> numberList() const; ///< finite numbers
 	std::vector<std::string> textList() const;
+	std::map<std::string, double> numberMap() const; ///< {name: number, ...}; empty if undefined
 	/// [a, b, c] or {x: a, y: b, z: c} with the given keys. @throws Error if one is missing or there are more
 	std::vector<double> vector( std::initializer_list<const char*> keys ) const;
 	/// A quaternion x, y, z, w of length 1: others are normalised with a notice, zero is an error.

@@ -40,9 +40,9 @@ struct Notice
 /// What one collision element became.
 struct LoadedShape
 {
-	std::string owner;       ///< link or object name
-	std::string source;      ///< "mesh package://...", "box 0.1 x 0.2 x 0.3", "inline mesh"
-	std::string file;        ///< resolved mesh file; empty for primitives
+	std::string owner;  ///< link or object name
+	std::string source; ///< "mesh package://...", "box 0.1 x 0.2 x 0.3", "inline mesh"
+	std::string file;   ///< resolved mesh file; empty for primitives
 	double scale[3] = { 1, 1, 1 };
 	bool shared = false;     ///< an instance of a shape that another element already built
 	bool cached = false;     ///< read from the cache, tree and all
@@ -125,7 +125,7 @@ struct RobotModel
 {
 	std::string name, urdf_file, srdf_file;
 	std::string root_link;
-	std::string planning_frame; ///< parent frame of the SRDF's virtual joint, else the root link's name
+	std::string planning_frame;     ///< parent frame of the SRDF's virtual joint, else the root link's name
 	std::vector<LinkModel> links;   ///< the virtual joint's parent frame, if any, is a link without geometry
 	std::vector<JointModel> joints; ///< URDF order; planar or floating virtual joint first
 	std::vector<DisabledPair> disabled;
@@ -184,13 +184,14 @@ LoadedReach loadReach( const Robot& robot, const ReachOptions& options );
 /// Joint values and multi-dof transforms as MoveIt's robot_state and start_state give them.
 struct JointState
 {
-	std::map<std::string, double> values; ///< by variable name: the joint's, or "<joint>/x", "/y", "/theta", "/trans_x", ... "/rot_w"
+	std::map<std::string, double>
+	    values; ///< by variable name: the joint's, or "<joint>/x", "/y", "/theta", "/trans_x", ... "/rot_w"
 };
 
 struct SceneObject
 {
 	std::string name;
-	std::string frame; ///< header.frame_id; empty = planning frame, "/" too
+	std::string frame;               ///< header.frame_id; empty = planning frame, "/" too
 	std::vector<PlacedShape> shapes; ///< poses in `frame`, object pose applied
 };
 
@@ -202,15 +203,28 @@ struct AttachedObject
 	std::vector<std::string> touch_links;
 };
 
-/// A MoveIt planning scene.
+/// A URDF that stands in a scene, such as a kitchen with doors: each of its links with geometry is an object of the scene.
+struct Articulation
+{
+	std::string name;
+	std::string frame; ///< as SceneObject::frame
+	lw_transform pose; ///< of the root link, in `frame`
+	RobotModel model;
+	Robot robot;                      ///< its kinematics
+	std::vector<double> values;       ///< [robot variable_count], by which its objects are placed
+	std::vector<std::string> objects; ///< for each link of the model its object, "<name>/<link>"; empty without geometry
+};
+
+/// A MoveIt planning scene, with what ompl_bridge/docs/scenes.md adds to it.
 struct SceneModel
 {
 	std::string name, file;
-	std::vector<SceneObject> objects;
+	std::vector<SceneObject> objects; ///< those of articulations too
+	std::vector<Articulation> articulations;
 	std::vector<AttachedObject> attached;
-	JointState state;                                ///< robot_state
+	JointState state;                                         ///< robot_state
 	std::vector<std::pair<std::string, std::string>> allowed; ///< pairs of the allowed collision matrix that are true
-	std::vector<std::string> default_allowed;        ///< names allowed with everything (default_entry_values)
+	std::vector<std::string> default_allowed;                 ///< names allowed with everything (default_entry_values)
 	std::vector<std::string> matrix_names; ///< names of the matrix: it decides on every pair of them, defaults on the others
 	/// child_frame_id -> (header.frame_id, transform). With the planning frame as child this is MoveIt's own spelling: it
 	/// places the header's frame in the planning frame. Otherwise, as in tf: it places the child in the header's frame.
@@ -218,9 +232,16 @@ struct SceneModel
 	LoadReport report;
 };
 
-/// A planning scene YAML (lists or ROS-message maps), or a URDF (by its .urdf ending): its links at the zero pose.
+/// A planning scene YAML (lists or ROS-message maps), or a URDF (by its .urdf ending): an articulation of the robot's name
+/// whose objects are called as its links, at the zero pose.
 /// @throws Error
 SceneModel loadScene( const std::string& file, const LoadOptions& options = {} );
+
+/// The scene with an articulation's joints at other values: the same shapes at other poses, nothing is read or built. Joints
+/// that are not named stay; an object that was attached to the robot, or removed, stays so.
+/// @param values by variable name (variableName()); limits are the caller's business
+/// @throws Error (no such articulation or joint, a value that is not finite)
+SceneModel setArticulation( const SceneModel& scene, const std::string& name, const std::map<std::string, double>& values );
 
 struct JointGoal
 {
@@ -257,7 +278,7 @@ struct Problem
 
 struct ProblemOptions
 {
-	std::string group;               ///< empty = all variables
+	std::string group; ///< empty = all variables
 	const SceneModel* scene = nullptr;
 	const Request* request = nullptr; ///< its start state becomes the reference (over the scene's robot_state)
 	/// Values that override both, by variable name (columns of a file that are not in the group)
@@ -276,7 +297,8 @@ std::string variableName( const lw_robot* robot, uint32_t variable );
 
 /// Values of the group's variables in a request's start state (reference values where it is silent) or goal.
 std::vector<double> startState( const Problem& problem );
-/// @throws Error if the goal does not name every variable of the group, or names a joint outside of the group with another value
+/// @throws Error if the goal does not name every variable of the group, or names a joint outside of the group with another
+/// value
 std::vector<double> goalState( const Problem& problem, const Request& request );
 
 /// One line per variable outside its limits: "joint elbow: 2.9 is above its limit 2.6".
