@@ -252,7 +252,7 @@ TEST_F( SceneTest, HeadersAndUnknownKeys )
 	scene =
 	    load( "name: n\nworld: {collision_objects: []}\nlink_padding: [{link_name: hand, padding: 0.01}]\nsurprise: 1\n" );
 	EXPECT_EQ( scene.name, "n" );
-	EXPECT_NOTICE( scene.report.notices, "link_padding 0.01 of link hand" );
+	EXPECT_EQ( scene.link_padding, ( std::map<std::string, double>{ { "hand", 0.01 } } ) );
 	EXPECT_NOTICE( scene.report.notices, "surprise" );
 }
 

@@ -4,7 +4,7 @@
 // Who decides on the contact of two links: the SRDF allows what it lists; a planning scene's matrix can allow more. Its
 // "false" does not forbid what the SRDF allows: the MotionBenchMaker matrices were written for other link sets than the
 // SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. Such entries are told in a notice.
-#include "io_internal.hpp"
+#include "padding.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -553,9 +553,16 @@ Robot buildRobot( const RobotModel& model )
 	return detail::createRobot( model, {}, Contacts( model, {}, nullptr ).links );
 }
 
-Problem buildProblem( const RobotModel& model, const ProblemOptions& options )
+Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options )
 {
 	Problem problem;
+	problem.padding = detail::paddingOf( unscaled, options, problem.notices );
+	std::optional<RobotModel> scaled;
+	if ( !problem.padding.link_scale.empty() )
+	{
+		scaled = detail::scaledRobot( unscaled, problem.padding );
+	}
+	const RobotModel& model = scaled ? *scaled : unscaled;
 	// First without attached objects: they add no variable, and where they are may depend on the state
 	problem.robot = detail::createRobot( model, {}, {} );
 	const lw_robot* bare = problem.robot.get();

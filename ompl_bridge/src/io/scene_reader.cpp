@@ -5,6 +5,7 @@
 // that silently disappears reads as free space.
 #include "articulation.hpp"
 #include "geometry_loader.hpp"
+#include "padding.hpp"
 #include "yaml.hpp"
 
 #include <algorithm>
@@ -56,7 +57,7 @@ private:
 	void readMatrix();
 	void readDefaults( const YamlNode& matrix );
 	void readFixedFrames();
-	void noticePadding() const;
+	void readPadding();
 	ShapeLoader::Place place( const YamlNode& node, const std::string& owner ) const
 	{
 		return { m_scene.file, node.place(), owner };
@@ -442,19 +443,23 @@ void SceneReader::readFixedFrames()
 	}
 }
 
-/// Padding would make every distance smaller; leaving it out must be said.
-void SceneReader::noticePadding() const
+/// link_padding and link_scale: lists of {link_name, padding or scale}.
+void SceneReader::readPadding()
 {
-	for ( auto [key, neutral] : { std::pair( "link_padding", 0.0 ), std::pair( "link_scale", 1.0 ) } )
+	for ( bool scale : { false, true } )
 	{
-		YamlNode list = m_root[key];
+		const char* value_key = scale ? "scale" : "padding";
+		std::map<std::string, double>& values = scale ? m_scene.link_scale : m_scene.link_padding;
+		YamlNode list = m_root[scale ? "link_scale" : "link_padding"];
 		for ( std::size_t i = 0; i < list.size(); ++i )
 		{
-			YamlNode value = list[i].firstOf( { "padding", "scale" } );
-			if ( value.defined() && value.number() != neutral )
+			std::string link = list[i]["link_name"].text();
+			YamlNode node = list[i].named( link );
+			node.noticeUnknownKeys( { "link_name", value_key } );
+			detail::checkPadding( node[value_key], scale );
+			if ( !values.emplace( link, node[value_key].number() ).second )
 			{
-				list[i].notice( fmt::format(
-				    "{} {} of link {} is ignored: use a margin", key, value.number(), list[i]["link_name"].textOr( "?" ) ) );
+				node.fail( "the link is there twice", "remove one of them" );
 			}
 		}
 	}
@@ -472,7 +477,7 @@ void SceneReader::read()
 	readAttached( state );
 	readMatrix();
 	readFixedFrames();
-	noticePadding();
+	readPadding();
 }
 
 /// A URDF as a scene: each link with geometry becomes an object, where it is with all joints at zero.

@@ -263,6 +263,20 @@ std::vector<std::string> YamlNode::textList() const
 	return values;
 }
 
+std::vector<std::string> YamlNode::keys() const
+{
+	std::vector<std::string> names;
+	for ( auto entry = m_node.begin(); isMap() && entry != m_node.end(); ++entry )
+	{
+		if ( !entry->first.IsScalar() )
+		{
+			fail( "has a key that is no name", "write names and values" );
+		}
+		names.push_back( entry->first.Scalar() );
+	}
+	return names;
+}
+
 std::map<std::string, double> YamlNode::numberMap() const
 {
 	std::map<std::string, double> values;
@@ -270,13 +284,8 @@ std::map<std::string, double> YamlNode::numberMap() const
 	{
 		fail( "is not a map of names and numbers", "write {name: number, ...}" );
 	}
-	for ( auto entry = m_node.begin(); defined() && entry != m_node.end(); ++entry )
+	for ( const std::string& name : keys() )
 	{
-		if ( !entry->first.IsScalar() )
-		{
-			fail( "has a key that is no name", "write {name: number, ...}" );
-		}
-		std::string name = entry->first.Scalar();
 		values.emplace( name, ( *this )[name.c_str()].number() );
 	}
 	return values;

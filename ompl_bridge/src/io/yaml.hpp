@@ -54,6 +54,7 @@ public:
 	bool boolean() const;                   ///< true, false, 1, 0
 	std::vector<double> numberList() const; ///< finite numbers
 	std::vector<std::string> textList() const;
+	std::vector<std::string> keys() const;           ///< of a map; none of anything else
 	std::map<std::string, double> numberMap() const; ///< {name: number, ...}; empty if undefined
 	/// [a, b, c] or {x: a, y: b, z: c} with the given keys. @throws Error if one is missing or there are more
 	std::vector<double> vector( std::initializer_list<const char*> keys ) const;

@@ -181,6 +181,20 @@ struct LoadedReach
 /// @throws Error (a cache that is no folder), CoreError
 LoadedReach loadReach( const Robot& robot, const ReachOptions& options );
 
+/// MoveIt's enlarged geometry, as planning scenes and parameter files give it. Padding is metres added around a geometry, a
+/// scale is a factor of it: of each primitive and ball about its centre, of each mesh about the mean of its vertices.
+struct Padding
+{
+	double robot = 0, robot_scale = 1; ///< of links that the maps do not name
+	double object = 0, attached = 0;   ///< of the scene's objects, and of those attached to the robot
+	std::map<std::string, double> link_padding, link_scale;
+};
+
+/// MoveIt's parameters default_robot_padding, default_robot_scale, default_object_padding, default_attached_padding,
+/// default_robot_link_padding and default_robot_link_scale, wherever they are in a YAML file of parameters (ROS 1 or 2).
+/// @throws Error (none of them is there, or one is there twice; a negative padding, a scale that is not above 0)
+Padding loadPadding( const std::string& file );
+
 /// Joint values and multi-dof transforms as MoveIt's robot_state and start_state give them.
 struct JointState
 {
@@ -229,6 +243,7 @@ struct SceneModel
 	/// child_frame_id -> (header.frame_id, transform). With the planning frame as child this is MoveIt's own spelling: it
 	/// places the header's frame in the planning frame. Otherwise, as in tf: it places the child in the header's frame.
 	std::multimap<std::string, std::pair<std::string, lw_transform>> fixed_frames;
+	std::map<std::string, double> link_padding, link_scale; ///< of the links they name, over ProblemOptions::padding
 	LoadReport report;
 };
 
@@ -273,6 +288,8 @@ struct Problem
 	std::vector<std::string> variable_names; ///< of those, e.g. joint names
 	std::vector<double> reference;           ///< [robot variable_count]
 	LoadedReach reach;                       ///< what the checker uses; empty if none
+	/// Of the options and the scene. The scales are in the robot. Padding is in no distance: it is for margins.
+	Padding padding;
 	std::vector<Notice> notices;
 };
 
@@ -286,7 +303,8 @@ struct ProblemOptions
 	/// Motion hulls and pair tables for the checker: found or built by these options, unless `reach` is given. Attached
 	/// objects make another robot, for which none is looked for: its hulls would hold for one grasp only.
 	std::optional<ReachOptions> find_reach = std::nullopt;
-	Reach reach{}; ///< of an equal robot, from an earlier problem
+	Reach reach{};     ///< of an equal robot, from an earlier problem
+	Padding padding{}; ///< loadPadding(), or of your own; what the scene says of a link is stronger
 };
 
 /// @throws Error (unknown group, unknown frame, start outside of what the robot has, ...)
