@@ -101,6 +101,14 @@ static lw_status check_def( const lw_blob_def* def, void** out_bytes, size_t* ou
 				def->shape_count );
 		}
 	}
+	for ( uint32_t i = 0; i < def->shape_count; ++i )
+	{
+		lw_status status = lw_shape_complete( def->shapes[i], diag );
+		if ( status != LW_OK )
+		{
+			return status;
+		}
+	}
 	return LW_OK;
 }
 

@@ -33,6 +33,7 @@ static array_sizes sizes_of( const lw_shape* shape )
 
 void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 {
+	shape = lwi_shape_now( shape ); // lw_blob_write() has completed it
 	lwi_write_u32( w, (uint32_t)shape->type );
 	lwi_write( w, shape->dimensions, sizeof( shape->dimensions ) );
 	if ( !has_stored_tree( shape->type ) )

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The answer for one state: environment, self, and what they say together.
 #include "checker_internal.h"
-#include "distance_query.h"
+#include "query_internal.h"
 
 const char* lw_verdict_name( lw_verdict verdict )
 {
@@ -38,6 +38,7 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
+	query->failure = LW_OK;
 	lw_status status = lwi_checker_pose( checker, query, q );
 	if ( status != LW_OK )
 	{
@@ -53,6 +54,11 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	{
 		lwi_checker_self( checker, query, &wanted, &out->self );
 		violated = violated || out->self.kind == LW_CLEARANCE_VIOLATION;
+	}
+	if ( query->failure != LW_OK )
+	{
+		*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
+		return query->failure;
 	}
 	bool free = ( !ask_environment || is_proved_free( &out->environment, wanted.min_d ) ) &&
 				( !ask_self || is_proved_free( &out->self, wanted.min_d ) );

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Building a checker: what the group moves, what it can touch, and the static part measured once.
 #include "checker_internal.h"
+#include "checker_require.h"
 #include "checker_tree.h"
 #include "leeway/blob.h"
 #include "math_inline.h"
@@ -18,6 +19,7 @@ lw_checker_def lw_checker_def_default( void )
 {
 	lw_checker_def def;
 	memset( &def, 0, sizeof( def ) );
+	def.max_d = INFINITY;
 	def.cookie = CHECKER_COOKIE;
 	return def;
 }
@@ -40,6 +42,10 @@ static void checker_free( lw_checker* c )
 	lwi_free( &allocator, c->self_pairs, c->self_pair_count * sizeof( lwi_self_pair ) );
 	lwi_free( &allocator, c->self_mask, (size_t)bodies * c->body_block_count );
 	lwi_free( &allocator, c->environment_mask, (size_t)bodies * c->scene_block_count );
+	lwi_free( &allocator, c->near_mask, (size_t)bodies * c->scene_block_count );
+	lwi_free( &allocator, c->obstacle_distance, c->scene_block_count * sizeof( double[LWI_WIDTH] ) );
+	lwi_free( &allocator, c->near_lower, c->variable_count * sizeof( double ) );
+	lwi_free( &allocator, c->near_upper, c->variable_count * sizeof( double ) );
 	lwi_motion_table_destroy( c->motion );
 	lwi_checker_tree_destroy( c->tree, c->variable_count );
 	lw_reach_release( c->reach );
@@ -86,6 +92,11 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 	if ( def->robot == NULL )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "checker def has no robot" );
+	}
+	if ( !( def->max_d > 0 ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "checker def: max_d is %g; give metres > 0, or INFINITY",
+			def->max_d );
 	}
 	if ( def->allowed_count > 0 && def->allowed == NULL )
 	{
@@ -286,24 +297,35 @@ static bool allocate_tables( lw_checker* c )
 	c->moving_bodies = lwi_alloc_zero( allocator, bodies, sizeof( uint32_t ) );
 	c->self_mask = lwi_alloc_zero( allocator, bodies, c->body_block_count );
 	c->environment_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
-	c->bytes = sizeof( lw_checker ) + c->variable_count * sizeof( uint32_t ) +
+	c->near_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
+	c->obstacle_distance = lwi_alloc_zero( allocator, c->scene_block_count, sizeof( double[LWI_WIDTH] ) );
+	c->near_lower = lwi_alloc_zero( allocator, c->variable_count, sizeof( double ) );
+	c->near_upper = lwi_alloc_zero( allocator, c->variable_count, sizeof( double ) );
+	c->bytes = sizeof( lw_checker ) + c->scene_block_count * sizeof( double[LWI_WIDTH] ) +
+			   c->variable_count * sizeof( double[2] ) + c->variable_count * sizeof( uint32_t ) +
 			   lw_robot_variable_count( c->robot ) * sizeof( double ) + links * sizeof( lw_transform ) +
-			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + c->body_block_count + c->scene_block_count );
-	return c->variables != NULL && c->reference != NULL && c->reference_poses != NULL &&
+			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + c->body_block_count + 2 * c->scene_block_count );
+	return c->near_mask != NULL && c->obstacle_distance != NULL && c->near_lower != NULL && c->near_upper != NULL &&
+		   c->variables != NULL && c->reference != NULL && c->reference_poses != NULL &&
 		   c->bodies != NULL && c->moving_bodies != NULL && c->self_mask != NULL && c->environment_mask != NULL;
 }
 
-static void fill_bodies( lw_checker* c, const draft* d )
+/// Bodies that move are needed whole, for motion bounds if for nothing else; of the others bounds will do for the time being.
+static lw_status fill_bodies( lw_checker* c, const draft* d, lw_diag* diag )
 {
-	for ( uint32_t body = 0; body < lw_robot_body_count( c->robot ); ++body )
+	lw_status status = LW_OK;
+	for ( uint32_t body = 0; body < lw_robot_body_count( c->robot ) && status == LW_OK; ++body )
 	{
 		lw_body_def def = lw_robot_body( c->robot, body );
-		c->bodies[body] = (lwi_checker_body){ def.shape, def.link, def.link_from_shape };
-		if ( d->link_moves[def.link] )
+		const bool moves = d->link_moves[def.link];
+		const lw_shape* shape = moves ? lwi_shape_made( def.shape, &status, diag ) : lwi_shape_now( def.shape );
+		c->bodies[body] = (lwi_checker_body){ shape, def.link, def.link_from_shape };
+		if ( moves )
 		{
 			c->moving_bodies[c->moving_body_count++] = body;
 		}
 	}
+	return status;
 }
 
 static lw_status measure_static( lw_checker* c, lw_diag* diag )
@@ -328,6 +350,11 @@ static lw_status measure_static( lw_checker* c, lw_diag* diag )
 		if ( status == LW_OK )
 		{
 			status = lwi_checker_measure_static( c, query );
+			if ( status != LW_OK )
+			{
+				lwi_fail( diag, status, LW_INVALID_INDEX, "a deferred mesh next to the links that do not move cannot be made: %s",
+					lw_status_name( status ) );
+			}
 		}
 		else
 		{
@@ -363,7 +390,11 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, draft* d, lw_d
 	{
 		return lwi_fail( diag, status, LW_INVALID_INDEX, "the reference state has a zero quaternion" );
 	}
-	fill_bodies( c, d );
+	status = fill_bodies( c, d, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
 	uint32_t pairs = list_self_pairs( c, d, NULL );
 	c->self_pairs = lwi_alloc_zero( &c->allocator, pairs, sizeof( lwi_self_pair ) );
 	if ( c->self_pairs == NULL )
@@ -379,7 +410,12 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, draft* d, lw_d
 	{
 		return status;
 	}
-	return measure_static( c, diag );
+	status = measure_static( c, diag );
+	if ( status == LW_OK )
+	{
+		lwi_checker_require( c, def->max_d, d->joint_moves );
+	}
+	return status;
 }
 
 lw_status lw_checker_create( const lw_checker_def* def, const lw_allocator* allocator_in, lw_diag* diag,
@@ -478,7 +514,14 @@ lw_checker_info lw_checker_get_info( const lw_checker* checker )
 	info.self_pairs = checker->self_pair_count;
 	info.never_pairs = checker->never_pair_count;
 	info.hierarchy = checker->tree->proves;
+	info.horizon = checker->horizon;
+	info.near_shapes = checker->near_shape_count;
 	info.static_environment = checker->static_environment;
 	info.bytes = checker->bytes;
 	return info;
+}
+
+double lw_checker_obstacle_distance( const lw_checker* checker, uint32_t scene_shape )
+{
+	return checker->scene != NULL && scene_shape < checker->scene->shape_count ? checker->obstacle_distance[scene_shape] : 0;
 }

@@ -18,11 +18,26 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 	lwi_search( query, checker->bodies[body].shape, obstacle->shape, &relative, bound );
 }
 
+/// Decides what the questions below look at: all obstacles, or those near enough for this range in this state.
+/// @param whole everything is asked, static bodies included
+static void choose_obstacles( const lw_checker* checker, lw_query* query, const lw_range* range, bool whole )
+{
+	bool enough = range->max_d <= checker->horizon || ( whole && checker->horizon_is_complete );
+	query->near = query->within && enough;
+}
+
+/// Blocks of obstacles that are looked at.
+static uint32_t block_count( const lw_checker* checker, const lw_query* query )
+{
+	return query->near ? checker->near_block_count : checker->scene->block_count;
+}
+
 /// Sets the gaps of pairs that do not count to +INFINITY. Returns the index of the least gap.
-static uint32_t mask_row( const lw_checker* checker, uint32_t body, float* gaps )
+static uint32_t mask_row( const lw_checker* checker, const lw_query* query, uint32_t body, float* gaps )
 {
 	const lw_scene* scene = checker->scene;
-	const uint8_t* mask = checker->environment_mask + (size_t)body * scene->block_count;
+	const uint8_t* mask =
+		( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * scene->block_count;
 	float least = INFINITY;
 	uint32_t nearest = 0;
 	for ( uint32_t i = 0; i < scene->block_count * LWI_WIDTH; ++i )
@@ -54,9 +69,9 @@ static double environment_gaps( const lw_checker* checker, lw_query* query, cons
 	for ( uint32_t row = 0; row < body_count; ++row )
 	{
 		float* gaps = query->gaps + (size_t)row * stride;
-		double mine = lwi_scene_gaps( checker->scene, query->kernels, query->body_center + 3 * (size_t)bodies[row],
-			checker->bodies[bodies[row]].shape->sphere_radius, gaps );
-		uint32_t in_row = mask_row( checker, bodies[row], gaps );
+		double mine = lwi_scene_gaps( checker->scene, block_count( checker, query ), query->kernels,
+			query->body_center + 3 * (size_t)bodies[row], checker->bodies[bodies[row]].shape->sphere_radius, gaps );
+		uint32_t in_row = mask_row( checker, query, bodies[row], gaps );
 		slack = mine > slack ? mine : slack;
 		if ( gaps[in_row] < least )
 		{
@@ -133,8 +148,9 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 	{
 		return true;
 	}
-	double slack = lwi_scene_gaps( checker->scene, query->kernels, world, world[3], query->row );
-	return !all_reach( query->row, checker->scene->block_count, bound->prune + slack );
+	uint32_t blocks = block_count( checker, query );
+	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, world, world[3], query->row );
+	return !all_reach( query->row, blocks, bound->prune + slack );
 }
 
 /// The row of gaps of a body, given by its place in the tree; the nearest obstacle becomes a candidate.
@@ -144,13 +160,14 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	uint32_t body = tree->bodies[place], nearest;
 	lwi_pose_body( checker, query, body );
 	float* gaps = row_of( checker, query, place );
-	double slack = lwi_scene_gaps( checker->scene, query->kernels, query->body_center + 3 * (size_t)body,
+	uint32_t blocks = block_count( checker, query );
+	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, query->body_center + 3 * (size_t)body,
 		checker->bodies[body].shape->sphere_radius, gaps );
-	if ( all_reach( gaps, checker->scene->block_count, bound->prune + slack ) )
+	if ( all_reach( gaps, blocks, bound->prune + slack ) )
 	{
 		return slack;
 	}
-	nearest = mask_row( checker, body, gaps );
+	nearest = mask_row( checker, query, body, gaps );
 	if ( gaps[nearest] < lwi_round_up( bound->prune + slack ) )
 	{
 		lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
@@ -289,6 +306,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 		*out = lwi_nothing_to_check();
 		return;
 	}
+	choose_obstacles( checker, query, range, true );
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
 	const lw_clearance* fixed = &checker->static_environment;
@@ -320,6 +338,7 @@ void lwi_checker_node_environment( const lw_checker* checker, lw_query* query, u
 {
 	const lwi_checker_tree* tree = checker->tree;
 	const lwi_checker_node* node = &tree->nodes[index];
+	choose_obstacles( checker, query, range, false );
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
 	if ( node->own_environment && ( node->body_count == 1 || meets_scene( checker, query, 2 * index, &bound ) ) )
@@ -344,33 +363,36 @@ void lwi_checker_node_environment( const lw_checker* checker, lw_query* query, u
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query )
 {
 	checker->static_environment = lwi_nothing_to_check();
-	uint32_t count = 0;
-	const lw_robot* robot = checker->robot;
-	uint32_t bodies = lw_robot_body_count( robot );
+	const lwi_checker_tree* tree = checker->tree;
+	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
+	uint32_t left = stride > 0 ? tree->nodes[0].body_count : 0;
 	bool any = false;
 	lwi_bound bound;
 	lw_range exact = lw_range_exact();
 	lwi_bound_init( &bound, &exact );
-	for ( uint32_t body = 0; body < bodies; ++body )
+	query->failure = LW_OK;
+	query->near = false;
+	// As many bodies at a time as the query has rows for: the nearest of all pairs comes first, and what that leaves out of
+	// reach of deferred meshes is not made for this.
+	for ( uint32_t first = 0; left > 0; )
 	{
-		if ( count < checker->moving_body_count && checker->moving_bodies[count] == body )
+		uint32_t count = query->gap_capacity / stride < left ? query->gap_capacity / stride : left;
+		for ( uint32_t i = 0; i < count * checker->scene_block_count; ++i )
 		{
-			++count;
-			continue;
-		}
-		for ( uint32_t block = 0; block < checker->scene_block_count; ++block )
-		{
-			any = any || checker->environment_mask[(size_t)body * checker->scene_block_count + block] != 0;
+			uint32_t body = tree->bodies[first + i / checker->scene_block_count];
+			any = any || checker->environment_mask[(size_t)body * checker->scene_block_count + i % checker->scene_block_count] != 0;
 		}
 		if ( !bound.done )
 		{
-			search_environment( checker, query, &body, 1, &bound );
+			search_environment( checker, query, tree->bodies + first, count, &bound );
 		}
+		first += count;
+		left -= count;
 	}
 	if ( any )
 	{
 		environment_result( checker, query, &bound, &checker->static_environment );
 	}
-	return LW_OK;
+	return query->failure;
 }
 

@@ -20,7 +20,7 @@ typedef struct lwi_self_pair
 /// A robot body as the queries want it.
 typedef struct lwi_checker_body
 {
-	const lw_shape* shape; ///< the robot's
+	const lw_shape* shape; ///< the robot's; complete if the body moves, perhaps deferred if not
 	uint32_t link;
 	lw_transform link_from_shape;
 } lwi_checker_body;
@@ -45,6 +45,14 @@ struct lw_checker
 	uint32_t scene_block_count; ///< of LWI_WIDTH scene shapes
 	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
 	uint32_t environment_pair_count; ///< of moving bodies
+	// What the group can come near to: checker_require.c. The rest is passed over where that changes no answer.
+	double horizon;           ///< metres: no moving body gets this near to what near_mask leaves out, in the states below
+	bool horizon_is_complete; ///< static_environment is nearer than that: no state's clearance is beyond the horizon
+	uint8_t* near_mask;       ///< as environment_mask, which it is a part of; rows of moving bodies
+	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
+	double* obstacle_distance; ///< [shape_count] what is proved of all moving bodies; +INFINITY if none is checked against it
+	double* near_lower;       ///< [variable_count] the states for which all this holds
+	double* near_upper;
 	lwi_motion_table* motion; ///< of the tree's nodes
 	lw_reach* reach;         ///< NULL = none
 	struct lwi_checker_tree* tree; ///< the robot as nodes, with what the reach proves of them

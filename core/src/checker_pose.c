@@ -157,14 +157,19 @@ static bool quaternions_are_valid( const lwi_checker_tree* tree, const double* s
 	return true;
 }
 
-static bool within_ranges( const lw_checker* checker, const double* q )
+static bool within_box( uint32_t count, const double* lower, const double* q, const double* upper )
 {
 	bool within = true;
-	for ( uint32_t i = 0; i < checker->variable_count; ++i )
+	for ( uint32_t i = 0; i < count; ++i )
 	{
-		within = within && q[i] >= checker->tree->lower[i] && q[i] <= checker->tree->upper[i];
+		within = within && q[i] >= lower[i] && q[i] <= upper[i];
 	}
 	return within;
+}
+
+static bool within_ranges( const lw_checker* checker, const double* q )
+{
+	return within_box( checker->variable_count, checker->tree->lower, q, checker->tree->upper );
 }
 
 bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb )
@@ -183,6 +188,7 @@ static bool begin_state( const lw_checker* checker, lw_query* query, const doubl
 		return false;
 	}
 	query->covered = tree->proves && query->def.hierarchy && within_ranges( checker, q );
+	query->within = within_box( checker->variable_count, checker->near_lower, q, checker->near_upper );
 	query->node_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
 	for ( uint32_t i = 0; i < tree->nodes[0].body_count; ++i )
 	{

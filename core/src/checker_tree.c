@@ -210,16 +210,22 @@ static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bo
 
 // --- spheres ---------------------------------------------------------------------------------------------------------
 
+/// True for soups whose vertices are there.
+static bool has_vertices( const lw_shape* shape )
+{
+	return !shape->solid && shape->deferred == NULL;
+}
+
 /// Points whose ball of radius *dilation contains the shape: vertices of a soup, else the corners of its box.
 static uint32_t shape_points( const lw_shape* shape, double* dilation )
 {
 	*dilation = shape->solid ? 0 : shape->radius;
-	return shape->solid ? 8 : shape->vertex_count;
+	return has_vertices( shape ) ? shape->vertex_count : 8;
 }
 
 static lw_vec3 shape_point( const lw_shape* shape, uint32_t index )
 {
-	if ( !shape->solid )
+	if ( has_vertices( shape ) )
 	{
 		return lwi_load( shape->vertices + 3 * (size_t)index );
 	}

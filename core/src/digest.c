@@ -108,6 +108,16 @@ _Static_assert( sizeof( lwi_leaf ) == LWI_WIDTH * ( 9 * sizeof( float ) + sizeof
 
 lw_digest lw_shape_digest( const lw_shape* shape )
 {
+	lw_status status;
+	if ( shape->deferred != NULL && shape->deferred->def.has_digest )
+	{
+		return shape->deferred->def.digest;
+	}
+	shape = lwi_shape_made( shape, &status, NULL );
+	if ( shape == NULL )
+	{
+		return (lw_digest){ { 0, 0 } };
+	}
 	const uint32_t counts[] = { (uint32_t)shape->type, shape->solid ? 1u : 0u, shape->vertex_count, shape->triangle_count,
 		shape->degenerate_count, shape->root, shape->node_count, shape->leaf_count, shape->depth };
 	lw_digest d = add_indices( (lw_digest){ { 0, 0 } }, counts, sizeof( counts ) / sizeof( counts[0] ) );

@@ -70,6 +70,10 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 lw_clearance lwi_bound_result( const lwi_bound* bound )
 {
 	lw_clearance out = lw_clearance_unknown();
+	if ( bound->failed )
+	{
+		return out;
+	}
 	if ( bound->upper == INFINITY )
 	{
 		out.kind = LW_CLEARANCE_FAR;
@@ -591,8 +595,27 @@ static search search_begin( lw_query* query, const lw_shape* a, const lw_shape* 
 	return s;
 }
 
+/// The shape with its geometry; NULL ends the question.
+static const lw_shape* geometry_of( lw_query* query, const lw_shape* shape, lwi_bound* bound )
+{
+	lw_status status;
+	const lw_shape* made = lwi_shape_made( shape, &status, NULL );
+	if ( made == NULL )
+	{
+		query->failure = status;
+		bound->failed = bound->done = true;
+	}
+	return made;
+}
+
 void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
 {
+	a = geometry_of( query, a, bound );
+	b = geometry_of( query, b, bound );
+	if ( a == NULL || b == NULL )
+	{
+		return;
+	}
 	search s = search_begin( query, a, b, a_from_b, bound );
 	query->stats.queries++;
 	if ( a->solid && b->solid )
@@ -612,6 +635,8 @@ void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw
 void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t triangle_a,
 	uint32_t triangle_b, lwi_bound* bound )
 {
+	a = lwi_shape_now( a );
+	b = lwi_shape_now( b );
 	if ( ( !a->solid && triangle_a >= a->triangle_count ) || ( !b->solid && triangle_b >= b->triangle_count ) )
 	{
 		return;
@@ -686,8 +711,13 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 	lw_transform a_from_b = lwi_relative( &pose_a, &pose_b );
 	lwi_bound bound;
 	lwi_bound_init( &bound, &wanted );
+	query->failure = LW_OK;
 	lwi_search( query, a, b, &a_from_b, &bound );
 	*out = lwi_bound_result( &bound );
+	if ( bound.failed )
+	{
+		return query->failure;
+	}
 	if ( out->upper < INFINITY )
 	{
 		out->point_a = lwi_transform( &pose_a, bound.point_a );

@@ -151,6 +151,7 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 	lw_status status = def->method == LW_EDGE_CERTIFIED ? check_certified( &e ) : check_steps( &e );
 	if ( status != LW_OK )
 	{
+		status = e.failure != LW_OK ? e.failure : status;
 		uint32_t queries = out->queries;
 		*out = unknown;
 		out->queries = queries;

@@ -57,7 +57,8 @@ typedef struct lwi_edge
 	double static_rounding; ///< of the poses of static bodies
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
-	bool failed;            ///< a state could not be posed
+	bool failed;            ///< a state could not be posed or asked
+	lw_status failure;      ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
 
 /// What one measurement of an item says.

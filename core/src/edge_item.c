@@ -254,12 +254,19 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, uint32_t item, double t, double w
 	lw_range range = { min_d, min_d + rounding + loss + 0.25 * slack, e->def->alpha };
 	double coarse = fmin( COARSE, 1 - 2 * min_d / range.max_d ); // less where the margin itself is most of the distance
 	range.alpha = fmax( e->def->alpha, coarse );
+	e->query->failure = LW_OK;
 	ask( e, item, &range, &s.pair );
 	bool undecided = !( s.pair.lower > min_d + slack ) || s.pair.upper > min_d + rounding + loss;
 	if ( s.pair.kind == LW_CLEARANCE_NEAR && undecided && range.alpha > e->def->alpha )
 	{
 		range.alpha = e->def->alpha; // it may be proved after all, or be refused, and that only at the caller's tolerance
 		ask( e, item, &range, &s.pair );
+	}
+	if ( e->query->failure != LW_OK )
+	{
+		e->failed = true;
+		e->failure = e->query->failure;
+		return s;
 	}
 	s.blocked = s.pair.upper <= min_d;
 	double surplus = s.pair.lower - min_d - rounding;
@@ -307,6 +314,7 @@ bool lwi_edge_state_is_free( lwi_edge* e, double t )
 	if ( lw_checker_state( e->checker, e->query, lwi_edge_state( e, t ), e->def->what, &range, true, &state ) != LW_OK )
 	{
 		e->failed = true;
+		e->failure = e->query->failure;
 		return false;
 	}
 	e->posed_t = t; // lw_checker_state has posed the query

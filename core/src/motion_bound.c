@@ -367,10 +367,10 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 		for ( uint32_t i = 0; i < count; ++i )
 		{
 			const lw_body_def* def = &robot->bodies[i];
-			lw_vec3 center = lwi_transform( &def->link_from_shape, lwi_load( def->shape->sphere_center ) );
-			shapes[i] = def->shape;
+			shapes[i] = lwi_shape_now( def->shape );
+			lw_vec3 center = lwi_transform( &def->link_from_shape, lwi_load( shapes[i]->sphere_center ) );
 			pieces[i] = (lwi_motion_piece){ .link = def->link,
-				.sphere = { { center.x, center.y, center.z }, def->shape->sphere_radius },
+				.sphere = { { center.x, center.y, center.z }, shapes[i]->sphere_radius },
 				.count = 1,
 				.shapes = &shapes[i],
 				.link_from_shape = &def->link_from_shape };

@@ -58,6 +58,7 @@ struct lw_query
 	lw_query_def def;
 	const lwi_kernels* kernels;
 	lw_query_stats stats;
+	lw_status failure; ///< why the last question has no answer: what making a deferred mesh returned
 
 	// capacities, as created
 	uint32_t link_capacity, body_capacity, variable_capacity, scene_capacity;
@@ -66,6 +67,8 @@ struct lw_query
 
 	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
 	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, and may be used
+	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
+	bool near;                    ///< the question at hand looks at that mask only
 	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid
 	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
 	uint64_t* sphere_stamp;       ///< [2 * link_capacity]

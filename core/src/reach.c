@@ -184,7 +184,11 @@ lw_status lw_reach_create( const lw_reach_def* def, const lw_allocator* allocato
 	reach->hull_error = def->hull_error;
 	reach->limit_margin = def->limit_margin;
 	lwi_reach_job job = { def, reach, diag };
-	status = build( &job );
+	for ( uint32_t i = 0; i < def->robot->body_count && status == LW_OK; ++i )
+	{
+		status = lw_shape_complete( def->robot->bodies[i].shape, diag ); // all that follows looks at its geometry
+	}
+	status = status == LW_OK ? build( &job ) : status;
 	if ( status != LW_OK )
 	{
 		lwi_reach_free( reach );

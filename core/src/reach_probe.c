@@ -75,7 +75,7 @@ static void sort_bodies( lwi_prober* p )
 	for ( uint32_t body = 0; body < robot->body_count; ++body )
 	{
 		const lw_body_def* def = &robot->bodies[body];
-		lw_vec3 center = lwi_transform( &def->link_from_shape, lwi_load( def->shape->sphere_center ) );
+		lw_vec3 center = lwi_transform( &def->link_from_shape, lwi_load( lwi_shape_now( def->shape )->sphere_center ) );
 		p->centers[3 * body] = center.x;
 		p->centers[3 * body + 1] = center.y;
 		p->centers[3 * body + 2] = center.z;
@@ -308,7 +308,7 @@ void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_
 		{
 			const lw_body_def* b = &robot->bodies[p->body_order[j]];
 			lw_vec3 center_b = lwi_transform( &poses[link_b], lwi_load( p->centers + 3 * (size_t)p->body_order[j] ) );
-			double radii = a->shape->sphere_radius + b->shape->sphere_radius;
+			double radii = lwi_shape_now( a->shape )->sphere_radius + lwi_shape_now( b->shape )->sphere_radius;
 			double apart = lwi_distance( center_a, center_b );
 			// the centres carry the rounding of two transforms: a few roundoffs of their coordinates
 			double slack = 64 * LWI_U64 * ( apart + radii + lwi_length( center_a ) + lwi_length( center_b ) );

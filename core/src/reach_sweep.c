@@ -313,7 +313,7 @@ static lw_status add_round( const lwi_hull_plan* plan, const lw_shape* shape, co
 /// What is added below about the largest coordinate of a body, its pose included.
 static double body_extent( const lw_body_def* body )
 {
-	const lw_shape* shape = body->shape;
+	const lw_shape* shape = lwi_shape_now( body->shape );
 	return lwi_length( lwi_load( shape->sphere_center ) ) + shape->sphere_radius +
 		   lwi_length( lwi_load( body->link_from_shape.t ) );
 }
@@ -329,7 +329,7 @@ lw_status lwi_hull_of_link( const lwi_hull_plan* plan, uint32_t link, lwi_hull* 
 		{
 			continue;
 		}
-		const lw_shape* shape = body->shape;
+		const lw_shape* shape = lwi_shape_now( body->shape );
 		extent = fmax( extent, body_extent( body ) );
 		status = !shape->solid                  ? add_soup( plan, shape, &body->link_from_shape, out )
 				 : shape->type == LW_SHAPE_BOX ? add_box( plan, shape, &body->link_from_shape, out )
@@ -376,7 +376,7 @@ double lwi_link_radius( const lw_robot* robot, uint32_t link, lw_vec3 center )
 		const lw_body_def* body = &robot->bodies[i];
 		if ( body->link == link )
 		{
-			double radius = shape_radius( body->shape, lwi_untransform( &body->link_from_shape, center ) );
+			double radius = shape_radius( lwi_shape_now( body->shape ), lwi_untransform( &body->link_from_shape, center ) );
 			most = fmax( most, radius + ROUNDING * ( lwi_length( center ) + body_extent( body ) ) );
 		}
 	}

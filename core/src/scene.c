@@ -19,7 +19,8 @@ lw_scene_def lw_scene_def_default( void )
 	return def;
 }
 
-/// Box of a soup's vertices, dilated, or of a solid's corners: exact bounds of what is really there, not of a moved box.
+/// Box of a soup's vertices, dilated, or of a solid's or a deferred mesh's corners: where it can be had, exact bounds of what is
+/// really there, not of a moved box.
 void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] )
 {
 	for ( int i = 0; i < 3; ++i )
@@ -27,14 +28,16 @@ void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape,
 		box_min[i] = INFINITY;
 		box_max[i] = -INFINITY;
 	}
-	uint32_t count = shape->solid ? 8 : shape->vertex_count;
+	shape = lwi_shape_now( shape );
+	const bool corners = shape->solid || shape->deferred != NULL;
+	uint32_t count = corners ? 8 : shape->vertex_count;
 	double largest = 0;
 	for ( uint32_t k = 0; k < count; ++k )
 	{
-		lw_vec3 p = shape->solid ? lwi_v3( ( k & 1 ) ? shape->box_max[0] : shape->box_min[0],
-									   ( k & 2 ) ? shape->box_max[1] : shape->box_min[1],
-									   ( k & 4 ) ? shape->box_max[2] : shape->box_min[2] )
-								 : lwi_load( shape->vertices + 3 * (size_t)k );
+		lw_vec3 p = corners ? lwi_v3( ( k & 1 ) ? shape->box_max[0] : shape->box_min[0],
+								  ( k & 2 ) ? shape->box_max[1] : shape->box_min[1],
+								  ( k & 4 ) ? shape->box_max[2] : shape->box_min[2] )
+							: lwi_load( shape->vertices + 3 * (size_t)k );
 		largest = fmax( largest, fmax( fabs( p.x ), fmax( fabs( p.y ), fabs( p.z ) ) ) );
 		p = lwi_transform( world_from_shape, p );
 		const double w[3] = { p.x, p.y, p.z };
@@ -254,7 +257,8 @@ lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index )
 	return index < scene->shape_count ? scene->shapes[index] : none;
 }
 
-double lwi_scene_gaps( const lw_scene* scene, const lwi_kernels* kernels, const double center[3], double radius, float* gaps )
+double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
+	float* gaps )
 {
 	float sphere[4];
 	double reach = 0;
@@ -265,7 +269,7 @@ double lwi_scene_gaps( const lw_scene* scene, const lwi_kernels* kernels, const 
 		reach = fmax( reach, fabs( relative ) );
 	}
 	sphere[3] = lwi_round_up( radius );
-	for ( uint32_t block = 0; block < scene->block_count; ++block )
+	for ( uint32_t block = 0; block < blocks; ++block )
 	{
 		kernels->box_gap( &scene->boxes[block], sphere, gaps + block * LWI_WIDTH );
 	}
@@ -279,7 +283,7 @@ static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape
 {
 	lw_vec3 center = lwi_transform( world_from_shape, lwi_load( shape->sphere_center ) );
 	double world_center[3] = { center.x, center.y, center.z };
-	double slack = lwi_scene_gaps( scene, query->kernels, world_center, shape->sphere_radius, query->gaps );
+	double slack = lwi_scene_gaps( scene, scene->block_count, query->kernels, world_center, shape->sphere_radius, query->gaps );
 	uint32_t count = 0;
 	float limit = lwi_round_up( bound->prune + slack );
 	for ( uint32_t i = 0; i < scene->shape_count; ++i )
@@ -320,6 +324,7 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	lw_transform pose = lwi_orthonormal( world_from_shape );
+	query->failure = LW_OK;
 	lwi_bound bound;
 	lwi_bound_init( &bound, &wanted );
 	lwi_warm* warm = &query->warm_scene;
@@ -335,6 +340,10 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 		search_scene( scene, query, shape, &pose, &bound );
 	}
 	*out = lwi_bound_result( &bound );
+	if ( bound.failed )
+	{
+		return query->failure;
+	}
 	if ( out->upper < INFINITY )
 	{
 		out->point_a = lwi_transform( &pose, bound.point_a );

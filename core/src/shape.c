@@ -61,6 +61,7 @@ lw_shape* lwi_shape_new( lw_shape_type type, const lw_allocator* allocator )
 static void free_shape( lw_shape* shape )
 {
 	lw_allocator allocator = shape->allocator;
+	lwi_deferred_free( &allocator, shape->deferred );
 	lwi_free( &allocator, shape->vertices, 3 * (size_t)shape->vertex_count * sizeof( double ) );
 	lwi_free( &allocator, shape->indices, 3 * (size_t)shape->triangle_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, shape->nodes, shape->node_count * sizeof( lwi_node ) );
@@ -448,18 +449,26 @@ void lw_shape_release( lw_shape* shape )
 
 lw_shape_info lw_shape_get_info( const lw_shape* shape )
 {
+	const lw_shape* made = lwi_shape_now( shape );
+	if ( made != shape )
+	{
+		lw_shape_info info = lw_shape_get_info( made );
+		info.bytes += shape->bytes;
+		return info;
+	}
 	bool mesh = shape->type == LW_SHAPE_MESH;
 	bool public_vertices = mesh || shape->type == LW_SHAPE_POINTS;
 	lw_shape_info info = {
 		.type = shape->type,
 		.vertex_count = public_vertices ? shape->vertex_count : 0,
-		.triangle_count = mesh ? shape->triangle_count : 0,
+		.triangle_count = shape->deferred != NULL ? shape->deferred->def.triangle_count : mesh ? shape->triangle_count : 0,
 		.degenerate_count = shape->degenerate_count,
 		.node_count = shape->node_count,
 		.leaf_count = shape->leaf_count,
 		.depth = shape->depth,
 		.bytes = shape->bytes,
 		.sphere_radius = shape->sphere_radius,
+		.deferred = shape->deferred != NULL,
 	};
 	memcpy( info.box_min, shape->box_min, sizeof( info.box_min ) );
 	memcpy( info.box_max, shape->box_max, sizeof( info.box_max ) );
@@ -470,10 +479,14 @@ lw_shape_info lw_shape_get_info( const lw_shape* shape )
 
 const double* lw_shape_vertices( const lw_shape* shape )
 {
-	return shape->type == LW_SHAPE_MESH || shape->type == LW_SHAPE_POINTS ? shape->vertices : NULL;
+	lw_status status;
+	shape = lwi_shape_made( shape, &status, NULL );
+	return shape != NULL && ( shape->type == LW_SHAPE_MESH || shape->type == LW_SHAPE_POINTS ) ? shape->vertices : NULL;
 }
 
 const uint32_t* lw_shape_triangles( const lw_shape* shape )
 {
-	return shape->type == LW_SHAPE_MESH ? shape->indices : NULL;
+	lw_status status;
+	shape = lwi_shape_made( shape, &status, NULL );
+	return shape != NULL && shape->type == LW_SHAPE_MESH ? shape->indices : NULL;
 }

@@ -11,11 +11,19 @@
 #include "leeway/shape.h"
 #include "tree_layout.h"
 
+/// What a mesh is made from when it is needed.
+typedef struct lwi_deferred
+{
+	lw_deferred_def def;
+	_Atomic( lw_shape* ) made; ///< NULL until then; a reference
+} lwi_deferred;
+
 struct lw_shape
 {
 	atomic_uint references;
 	lw_allocator allocator;
 	lw_shape_type type;
+	lwi_deferred* deferred; ///< NULL: everything is there. Else box, sphere and bytes are all that is
 	bool solid;            ///< box, cylinder, cone: no triangles, no tree
 	double radius;         ///< dilation of a soup: points, sphere, capsule; 0 for meshes
 	double dimensions[3];  ///< of primitives, as given
@@ -40,6 +48,21 @@ struct lw_shape
 	lwi_leaf* leaves;
 	size_t bytes;
 };
+
+/// The shape with its geometry, made now if it was not. NULL with a status if it cannot be. For deferred shapes only.
+const lw_shape* lwi_shape_make( const lw_shape* shape, lw_status* out_status, lw_diag* diag );
+
+/// The shape with its geometry, whatever it takes. NULL with a status if it cannot be had.
+static inline const lw_shape* lwi_shape_made( const lw_shape* shape, lw_status* out_status, lw_diag* diag )
+{
+	*out_status = LW_OK;
+	return shape->deferred == NULL ? shape : lwi_shape_make( shape, out_status, diag );
+}
+
+/// The shape with its geometry if that is there already, else the shape as it is: bounds only.
+const lw_shape* lwi_shape_now( const lw_shape* shape );
+
+void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred ); ///< NULL is ignored
 
 // Steps of making a shape, for those who bring the tree along (blob_shape.c).
 

@@ -203,9 +203,11 @@ lw_status lw_shape_validate( const lw_shape* shape, lw_diag* diag )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "shape is NULL" );
 	}
-	if ( shape->solid )
+	lw_status status;
+	shape = lwi_shape_made( shape, &status, diag );
+	if ( shape == NULL || shape->solid )
 	{
-		return LW_OK;
+		return status;
 	}
 	walker w = { .shape = shape };
 	memcpy( w.spheres[0], shape->root_sphere, sizeof( w.spheres[0] ) );

@@ -77,6 +77,12 @@ typedef enum lw_simd
 /// number) lowers it, so that one binary tests every level.
 LW_API lw_simd lw_simd_available( void );
 
+/// 128 bits that differ if the content differs (not a cryptographic hash); see blob.h.
+typedef struct lw_digest
+{
+	uint64_t word[2];
+} lw_digest;
+
 /// Library version as major * 10000 + minor * 100 + patch; compare with LW_VERSION of the headers.
 LW_API uint32_t lw_version( void );
 

@@ -10,17 +10,12 @@
 
 LW_EXTERN_C_BEGIN
 
-/// 128 bits that differ if the content differs (not a cryptographic hash).
-typedef struct lw_digest
-{
-	uint64_t word[2];
-} lw_digest;
-
 /// Digest of `size` bytes, continuing from `from` ({0} to begin): one digest of several parts, in order.
 LW_API lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size );
 LW_API bool lw_digest_equal( lw_digest a, lw_digest b );
 
-/// Digest of all that a shape's answers depend on: type, geometry, dimensions, tree.
+/// Digest of all that a shape's answers depend on: type, geometry, dimensions, tree. Makes a deferred mesh whose digest was not
+/// told; {0} if that fails.
 LW_API lw_digest lw_shape_digest( const lw_shape* shape );
 /// Digest of all that a robot's answers depend on: links, joints, bodies with their shapes, allowed pairs, root pose. Names
 /// do not count. Cost: a pass over all geometry, 0.1 ms for 32,000 triangles.

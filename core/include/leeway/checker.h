@@ -29,6 +29,11 @@ typedef struct lw_checker_def
 	/// They make queries faster and change no answer: what is passed over is proved to be beyond what was found already.
 	/// States outside of lw_reach_variable_range() are asked as without them. See core/docs/self_collision.md.
 	const lw_reach* reach;
+	/// Metres, > 0: the largest distance that queries will ask for (range.max_d, or clearance worth a number); INFINITY if any.
+	/// Obstacles that the group cannot come this near to within its limits are passed over at once, and those that are deferred
+	/// (lw_shape_create_deferred()) are never made for it. No answer depends on it: queries that ask for more, and states outside
+	/// of the limits, are asked with everything there is.
+	double max_d;
 	uint32_t cookie;
 } lw_checker_def;
 
@@ -61,10 +66,18 @@ typedef struct lw_checker_info
 	uint32_t self_pairs;     ///< pairs of bodies to check for self-collision
 	uint32_t never_pairs;    ///< of these: proved apart by the reach, never searched where only contact is asked for
 	bool hierarchy;          ///< queries can use the reach: there is one, and it covers the variables outside of the group
+	/// Metres: obstacles that the group cannot come this near to within its limits are passed over. The least of max_d and what
+	/// the static bodies have already: no state has more.
+	double horizon;
+	uint32_t near_shapes;    ///< scene shapes that are not passed over
 	lw_clearance static_environment; ///< of the static bodies; a = link, b = object; FAR with lower = +inf if there is nothing
 	size_t bytes;
 } lw_checker_info;
 LW_API lw_checker_info lw_checker_get_info( const lw_checker* checker );
+
+/// Metres: a proved lower bound of the distance of all moving bodies to a scene shape, in all states within the limits; 0 if
+/// nothing is proved, +inf if no moving body is checked against it. At or above the horizon it is passed over.
+LW_API double lw_checker_obstacle_distance( const lw_checker* checker, uint32_t scene_shape );
 
 /// What a state or an edge turned out to be.
 typedef enum lw_verdict

@@ -85,6 +85,38 @@ LW_API lw_status lw_shape_create_points( const double* points, uint32_t point_co
 LW_API lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions[3], const lw_allocator* allocator,
 	lw_diag* diag, lw_shape** out_shape );
 
+/// A mesh of which only a box is known until a query needs more. Make it with lw_deferred_def_default().
+typedef struct lw_deferred_def
+{
+	double box_min[3], box_max[3]; ///< contains the mesh; shape frame, metres
+	uint32_t triangle_count;       ///< what lw_shape_get_info() says until the mesh is there
+	/// Of the mesh (lw_shape_digest()), if it is known from an earlier run: lw_shape_digest() then need not make it.
+	bool has_digest;
+	lw_digest digest;
+	/// Makes the mesh: a reference to a shape of lw_shape_create_mesh() or a blob goes to out_shape. Called by whichever thread
+	/// needs it first, by several at once where they meet there; each gets the same geometry. Until it is LW_OK it is called again
+	/// whenever the mesh is needed. Once it was LW_OK it is not called any more by those who come later.
+	lw_status ( *make )( void* user, lw_diag* diag, lw_shape** out_shape );
+	void ( *release )( void* user ); ///< called once, with the last reference to the shape. Nullable
+	void* user;
+	uint32_t cookie;
+} lw_deferred_def;
+
+LW_API lw_deferred_def lw_deferred_def_default( void );
+
+/// A mesh that is made when a query first gets near it: what is out of everybody's reach is never read, and gets no tree. It is
+/// used like any other mesh, and answers are the same. The first query near it pays for it: it calls make, which may read files
+/// and take memory; lw_shape_complete() does that beforehand. Where make fails, whoever needed the mesh gets its status, and
+/// no distance.
+/// @param out_shape owned by the caller: lw_shape_release(). Set to NULL on failure; def->release is then not called.
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (no make), LW_ERROR_BAD_GEOMETRY (the box), LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_shape_create_deferred( const lw_deferred_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_shape** out_shape );
+
+/// Makes a deferred mesh that is not there yet; for other shapes there is nothing to do. From any thread.
+/// @return LW_OK, what make returned, or LW_ERROR_BAD_GEOMETRY (the mesh reaches beyond the box that was told)
+LW_API lw_status lw_shape_complete( const lw_shape* shape, lw_diag* diag );
+
 LW_API lw_shape* lw_shape_retain( const lw_shape* shape ); ///< adds a reference; NULL gives NULL
 LW_API void lw_shape_release( lw_shape* shape );           ///< drops a reference; NULL is ignored
 
@@ -103,13 +135,15 @@ typedef struct lw_shape_info
 	double sphere_center[3];       ///< bounding sphere, shape frame, metres
 	double sphere_radius;
 	double dimensions[3];          ///< of a primitive; radius of a point set in [0]
+	bool deferred;                 ///< not made yet: counts but for triangles are 0, the bounds are those of the box that was told
 } lw_shape_info;
 
 LW_API lw_shape_info lw_shape_get_info( const lw_shape* shape );
 
-/// Vertices of a mesh or point set: [vertex_count][3], owned by the shape; NULL for primitives.
+/// Vertices of a mesh or point set: [vertex_count][3], owned by the shape; NULL for primitives. Makes a deferred mesh; NULL if
+/// that fails.
 LW_API const double* lw_shape_vertices( const lw_shape* shape );
-/// Triangles of a mesh: [triangle_count][3], owned by the shape; NULL for others.
+/// Triangles of a mesh: [triangle_count][3], owned by the shape; NULL for others. Makes a deferred mesh; NULL if that fails.
 LW_API const uint32_t* lw_shape_triangles( const lw_shape* shape );
 
 /// Checks the tree's invariants: every node sphere contains all the geometry under it, every triangle is in a leaf.
