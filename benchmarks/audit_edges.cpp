@@ -1,192 +1,568 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// audit_edges: who calls a colliding edge free? Certificates and discrete validators at several resolutions, over leeway's
-// states and FCL's, against a dense look that knows nothing of certificates. Exit status 1 if a certificate is wrong.
+// audit_edges: who calls a colliding edge free? Certificates, with and without pair tables, and discrete validators at several
+// resolutions over leeway's states and FCL's, against a dense look that knows nothing of certificates
+// (tests/support/edge_auditor.hpp). Exit status 1 if a certificate is wrong.
 //
-// The dense look takes exact distances at states so close that no robot point moves further between two of them than
-// --resolution or, away from contact, a quarter of the room there is. Motion is measured from forward kinematics: how far a
-// body's bounding sphere went, and how far it turned.
+// Every verdict of a certificate is put to the auditor: FREE by a look at the whole edge, its lower bound with it; BLOCKED and
+// REFUSED by the distance of the named pair at t, and by FCL; what is proved from the start by a look at that part.
+// A discrete validator cannot stumble over a free edge, so it is asked about the colliding ones.
+#include "edge_judges.hpp"
+#include "edge_truth.hpp"
 #include "edge_worlds.hpp"
+#include "planner_edges.hpp"
 #include "provenance.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
-#include <functional>
+#include <iterator>
+#include <mutex>
+#include <sstream>
+#include <thread>
 
 namespace
 {
 
-using Json = nlohmann::ordered_json;
-
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, json;
+	std::string data = LEEWAY_DATA_DIR, json, record, edges_file, robot, scene, request, only;
 	std::size_t edges = 2000;
-	double resolution = 1e-4, budget = 2;
+	double resolution = 1e-4, budget = 2, plan_seconds = 1;
+	unsigned threads = 1;
 	std::uint64_t seed = 20260101;
 };
 
-/// Poses of all links at one state of an edge.
-std::vector<lw_transform> posesAt( const EdgeWorld& world, const std::vector<double>& state )
-{
-	const lw_robot* robot = world.problem.robot.get();
-	std::vector<double> full( lw_robot_variable_count( robot ) );
-	lw_checker_full_state( world.problem.checker.get(), state.data(), full.data() );
-	std::vector<lw_transform> poses( lw_robot_link_count( robot ) );
-	leeway::require( lw_robot_fk( robot, full.data(), poses.data() ), "forward kinematics" );
-	return poses;
-}
+constexpr std::array<double, 3> FRACTIONS = { 0.01, 0.005, 0.001 };
 
-/// No point of the robot is further from where it was than this: its sphere's centre moved, and it turned about it. The chord
-/// of a turn of at most 0.2 rad is its arc to 0.2 %.
-double motionBetween( const lw_robot* robot, const std::vector<lw_transform>& from, const std::vector<lw_transform>& to )
+/// One edge to judge: a motion that was asked for, or one to be made up.
+struct Task
 {
-	double most = 0;
-	for ( std::uint32_t i = 0; i < lw_robot_body_count( robot ); ++i )
+	std::size_t world;
+	std::uint64_t number; ///< seeds what is made up
+	bool given = false;
+	Motion motion;
+};
+
+/// What came of a set of worlds.
+struct Tally
+{
+	std::size_t edges = 0, colliding = 0;
+	std::array<std::size_t, 2> free{}, refused{}, wrong{};        ///< certified; certified with tables
+	std::array<std::size_t, FRACTIONS.size()> missed_own{}, missed_fcl{};
+	std::size_t fcl_differs = 0; ///< states at which FCL's word on contact is not the auditor's
+	std::uint64_t distances = 0;
+	double audit_ms = 0, all_ms = 0;
+
+	void add( const Tally& o )
 	{
-		const lw_body_def body = lw_robot_body( robot, i );
-		const lw_shape_info info = lw_shape_get_info( body.shape );
-		const lw_vec3 local = { info.sphere_center[0], info.sphere_center[1], info.sphere_center[2] };
-		const lw_vec3 center = lw_transform_point( &body.link_from_shape, local );
-		const lw_transform &f = from[body.link], &t = to[body.link];
-		const lw_vec3 a = lw_transform_point( &f, center ), b = lw_transform_point( &t, center );
-		double turned = 0; // Frobenius norm of the difference of the rotations: sqrt( 2 ) times the chord of the turn
-		for ( int row = 0; row < 3; ++row )
+		edges += o.edges;
+		colliding += o.colliding;
+		for ( std::size_t i = 0; i < 2; ++i )
 		{
-			for ( int column = 0; column < 3; ++column )
-			{
-				const double d = t.r[row][column] - f.r[row][column];
-				turned += d * d;
-			}
+			free[i] += o.free[i];
+			refused[i] += o.refused[i];
+			wrong[i] += o.wrong[i];
 		}
-		const double moved = std::sqrt( ( a.x - b.x ) * ( a.x - b.x ) + ( a.y - b.y ) * ( a.y - b.y ) + ( a.z - b.z ) * ( a.z - b.z ) );
-		most = std::max( most, moved + std::sqrt( turned / 2 ) * info.sphere_radius );
+		for ( std::size_t i = 0; i < FRACTIONS.size(); ++i )
+		{
+			missed_own[i] += o.missed_own[i];
+			missed_fcl[i] += o.missed_fcl[i];
+		}
+		fcl_differs += o.fcl_differs;
+		distances += o.distances;
+		audit_ms += o.audit_ms;
+		all_ms += o.all_ms;
 	}
-	return 1.002 * most;
+};
+
+double threadMilliseconds()
+{
+	timespec now;
+	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &now );
+	return 1e3 * static_cast<double>( now.tv_sec ) + 1e-6 * static_cast<double>( now.tv_nsec );
 }
 
-struct Judge
+/// Everybody who works in one world, for one thread.
+struct Seat
 {
-	std::string name;
-	std::function<bool( const double* edge )> is_free;
-	std::size_t free = 0, missed = 0, alarms = 0;
+	EdgeJudges judges;
+	EdgeAuditor auditor;
+
+	Seat( const EdgeWorld& world, const std::shared_ptr<FclModels>& models, double resolution )
+		: judges( world, models ),
+		  auditor( world.robot.get(), world.scene.get(), world.variables, world.reference.data(), world.allowed, resolution )
+	{
+	}
 };
 
 class Audit
 {
 public:
 	explicit Audit( const Settings& settings )
-		: m_settings( settings ), m_random( settings.seed ), m_worlds( settings.data, settings.budget )
+		: m_settings( settings ), m_worlds( settings.data, settings.budget ), m_models( std::make_shared<FclModels>() )
 	{
-		lw_edge_result* result = &m_result;
-		m_judges.push_back( { "certified", [this, result]( const double* e ) { return m_worlds.judgedByCertificate( e, false, *result ); } } );
-		m_judges.push_back( { "certified, tables", [this, result]( const double* e ) { return m_worlds.judgedByCertificate( e, true, *result ); } } );
-		for ( const double resolution : { 0.01, 0.005, 0.001 } )
+		if ( !settings.record.empty() )
 		{
-			char name[32];
-			std::snprintf( name, sizeof name, "own states %.1f %%", 100 * resolution );
-			m_judges.push_back( { name, [this, resolution]( const double* e ) { return m_worlds.judgedByStates( e, resolution ); } } );
-			std::snprintf( name, sizeof name, "FCL %.1f %%", 100 * resolution );
-			m_judges.push_back( { name, [this, resolution]( const double* e ) { return m_worlds.judgedByFcl( e, resolution ); } } );
+			m_record.open( settings.record );
+			if ( !m_record )
+			{
+				throw std::runtime_error( settings.record + ": cannot be written" );
+			}
 		}
 	}
 
 	int run()
 	{
-		for ( std::size_t i = 0; i < m_settings.edges; ++i )
+		if ( !m_settings.edges_file.empty() )
 		{
-			static const double lengths[] = { 0.1, 0.5, 2 };
-			audit( m_worlds.random( i % 2 == 0, lengths[i % 3], m_random ) );
-			if ( ( i + 1 ) % 50 == 0 )
-			{
-				std::fprintf( stderr, "\r%zu of %zu edges", i + 1, m_settings.edges );
-			}
+			readEdges();
 		}
-		std::fprintf( stderr, "\r" );
-		std::printf( "ARMAR-III, %s: %zu edges of 0.1, 0.5 and 2 rad between free states, every second one near furniture; %zu collide, %.1f million "
-					 "states measured\n",
-			m_worlds.group(), m_settings.edges, m_colliding, m_states / 1e6 );
-		std::printf( "%-20s %10s %22s %22s\n", "judge", "calls free", "of them colliding", "free, but not called" );
-		Json rows = Json::array();
-		for ( const Judge& judge : m_judges )
+		else if ( !m_settings.robot.empty() )
 		{
-			std::printf( "%-20s %10zu %22zu %22zu\n", judge.name.c_str(), judge.free, judge.missed, judge.alarms );
-			rows.push_back( { { "judge", judge.name }, { "calls_free", judge.free }, { "missed_collisions", judge.missed },
-				{ "free_but_not_called", judge.alarms } } );
+			makeUp( { addNamedWorld() } );
 		}
-		std::printf( "blocked verdicts not reproduced: %zu\n", m_unfounded );
-		if ( !m_settings.json.empty() )
+		else
 		{
-			std::ofstream( m_settings.json ) << Json{ { "provenance", provenance() }, { "seed", m_settings.seed },
-				{ "edges", m_settings.edges }, { "colliding", m_colliding }, { "states", m_states },
-				{ "unfounded_blocked", m_unfounded }, { "judges", rows } }.dump( 2 )
-											 << "\n";
+			listWorlds();
 		}
-		return m_judges[0].missed + m_judges[1].missed + m_unfounded > 0 ? 1 : 0;
+		recordWorlds();
+		const auto start = std::chrono::steady_clock::now();
+		std::vector<std::thread> threads;
+		for ( unsigned i = 0; i < m_settings.threads; ++i )
+		{
+			threads.emplace_back( [this] { work(); } );
+		}
+		while ( m_done < m_tasks.size() && m_error.empty() )
+		{
+			std::this_thread::sleep_for( std::chrono::milliseconds( 500 ) );
+			const double seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
+			const double done = static_cast<double>( m_done ), all = static_cast<double>( m_tasks.size() );
+			std::fprintf( stderr, "\r%.0f of %.0f edges, %.0f s left   ", done, all, done > 0 ? seconds * ( all - done ) / done : 0.0 );
+		}
+		std::fprintf( stderr, "\r%60s\r", "" );
+		for ( std::thread& thread : threads )
+		{
+			thread.join();
+		}
+		if ( !m_error.empty() )
+		{
+			throw std::runtime_error( m_error );
+		}
+		m_seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
+		return report();
 	}
 
 private:
-	/// True if some state of the edge is in contact.
-	bool collides( const Edge& edge )
+	// ---- which edges ------------------------------------------------------------------------------------------------
+
+	/// Edges made up, evenly over the groups of worlds.
+	void makeUp( const std::vector<std::vector<std::size_t>>& groups )
 	{
-		EdgeWorld& world = m_worlds.of( edge.data() );
-		const lw_robot* robot = world.problem.robot.get();
-		double t = 0, step = 0.01;
-		std::vector<lw_transform> here = posesAt( world, m_worlds.at( edge.data(), 0 ) );
-		while ( true )
+		std::mt19937_64 random( m_settings.seed );
+		for ( std::size_t i = 0; m_tasks.size() < m_settings.edges; ++i )
 		{
-			lw_state_result result;
-			leeway::require( lw_checker_state( world.problem.checker.get(), world.audit_query.get(), m_worlds.at( edge.data(), t ).data(),
-								 LW_WHAT_BOTH, nullptr, false, &result ),
-				"a state" );
-			++m_states;
-			const double room = std::min( result.environment.upper, result.self.upper );
-			if ( result.verdict != LW_VERDICT_FREE || t >= 1 )
-			{
-				return result.verdict != LW_VERDICT_FREE;
-			}
-			// within the motion from here nothing can touch before half of the room is used up: a quarter leaves a reserve
-			const double allowed = std::max( m_settings.resolution, room / 4 );
-			std::vector<lw_transform> there;
-			for ( step = std::min( 2 * step, 1 - t );; step /= 2 )
-			{
-				there = posesAt( world, m_worlds.at( edge.data(), std::min( t + step, 1.0 ) ) );
-				if ( motionBetween( robot, here, there ) <= allowed )
-				{
-					break;
-				}
-			}
-			t = std::min( t + step, 1.0 );
-			here = there;
+			const std::vector<std::size_t>& group = groups[i % groups.size()];
+			m_tasks.push_back( { group[random() % group.size()], i, false, {} } );
 		}
 	}
 
-	void audit( const Edge& edge )
+	/// Calls `add`. @return the worlds that it added
+	template <typename Add>
+	std::vector<std::size_t> added( const Add& add )
 	{
-		const bool truth = collides( edge );
-		m_colliding += truth;
-		for ( std::size_t i = 0; i < m_judges.size(); ++i )
+		const std::size_t before = m_worlds.size();
+		add();
+		std::vector<std::size_t> list;
+		for ( std::size_t i = before; i < m_worlds.size(); ++i )
 		{
-			const bool free = m_judges[i].is_free( edge.data() );
-			m_judges[i].free += free;
-			m_judges[i].missed += free && truth;
-			m_judges[i].alarms += !free && !truth;
-			if ( i < 2 && m_result.verdict == LW_VERDICT_BLOCKED )
+			list.push_back( i );
+		}
+		std::fprintf( stderr, "\r%zu worlds ", m_worlds.size() );
+		return list;
+	}
+
+	bool wanted( const std::string& set ) const { return set.find( m_settings.only ) != std::string::npos; }
+
+	void listWorlds()
+	{
+		std::vector<std::vector<std::size_t>> groups;
+		for ( const char* base : { "", "torso_", "platform+torso_" } )
+		{
+			for ( const char* arm : { "left_arm", "right_arm", "both_arms" } )
 			{
-				EdgeWorld& world = m_worlds.of( edge.data() );
-				m_unfounded += m_worlds.isFree( world, m_worlds.at( edge.data(), m_result.t ).data() );
+				const std::string group = std::string( base ) + arm;
+				if ( wanted( "armar3 " + group ) )
+				{
+					groups.push_back( added( [&] { m_worlds.addArmar( group ); } ) );
+				}
 			}
 		}
+		const std::vector<int> numbers = { 1, 13 };
+		for ( const auto& [robot, group] : { std::pair( "fetch", "arm_with_torso" ), std::pair( "fetch", "arm" ), std::pair( "panda", "panda_arm" ) } )
+		{
+			if ( wanted( std::string( robot ) + " " + group ) )
+			{
+				groups.push_back( added( [&, r = robot, g = group] { m_worlds.addMbm( r, g, numbers ); } ) );
+			}
+		}
+		if ( wanted( "random robots" ) )
+		{
+			const std::size_t count = std::max<std::size_t>( 10, m_settings.edges / 1000 );
+			groups.push_back( added( [&] { m_worlds.addRandom( m_settings.seed, count ); } ) );
+			groups.push_back( groups.back() ); // twice the share of any other set
+		}
+		if ( wanted( "planner" ) )
+		{
+			plan( m_settings.edges / ( groups.size() + 3 ) * 3 );
+		}
+		if ( groups.empty() && m_tasks.empty() )
+		{
+			throw std::runtime_error( "--only " + m_settings.only + ": no set of worlds has that in its name" );
+		}
+		if ( !groups.empty() )
+		{
+			makeUp( groups );
+		}
+	}
+
+	/// About so many edges that a planner asks for: ARMAR-III's problems, Fetch's and Panda's.
+	void plan( std::size_t edges )
+	{
+		std::vector<std::size_t> problems = added( [this] { m_worlds.addArmarProblems(); } );
+		for ( std::size_t i = 0; i < m_worlds.size(); ++i )
+		{
+			const std::string& set = m_worlds.world( i ).set;
+			if ( ( set == "fetch arm_with_torso" || set == "panda panda_arm" ) && !m_worlds.entry( i ).goal.empty() )
+			{
+				problems.push_back( i );
+			}
+		}
+		for ( const std::size_t i : problems )
+		{
+			const EdgeWorldEntry& entry = m_worlds.entry( i );
+			std::size_t from = m_worlds.world( i ).set == "armar3 planner" ? i : m_worlds.add( plannerSource( entry.source ) );
+			for ( Motion& motion : motionsOfPlanner( entry, m_settings.plan_seconds, edges / problems.size() + 1, m_settings.seed + i ) )
+			{
+				m_tasks.push_back( { from, m_tasks.size(), true, std::move( motion ) } );
+			}
+			std::fprintf( stderr, "\r%zu motions of planners ", m_tasks.size() );
+		}
+	}
+
+	/// The same world in a set of its own.
+	static Json plannerSource( Json source )
+	{
+		source["set"] = source.at( "set" ).get<std::string>() + ", planner";
+		source["name"] = source.at( "name" ).get<std::string>() + ", planner";
+		return source;
+	}
+
+	std::vector<std::size_t> addNamedWorld()
+	{
+		std::stringstream parts( m_settings.robot );
+		std::vector<std::string> names;
+		for ( std::string part; std::getline( parts, part, ',' ); )
+		{
+			names.push_back( part );
+		}
+		if ( names.size() != 3 )
+		{
+			throw std::runtime_error( "--robot " + m_settings.robot + ": give URDF,SRDF,GROUP" );
+		}
+		Json source = { { "set", names[2] }, { "name", names[2] }, { "robot", names[0] }, { "srdf", names[1] }, { "group", names[2] } };
+		if ( !m_settings.scene.empty() )
+		{
+			source["scene"] = m_settings.scene;
+		}
+		if ( !m_settings.request.empty() )
+		{
+			source["request"] = m_settings.request;
+		}
+		return { m_worlds.add( source ) };
+	}
+
+	/// Lines of JSON: worlds, then edges that name one. An edge without a world belongs to that of --robot.
+	void readEdges()
+	{
+		std::ifstream file( m_settings.edges_file );
+		if ( !file )
+		{
+			throw std::runtime_error( m_settings.edges_file + ": cannot be read" );
+		}
+		std::map<std::string, std::size_t> worlds;
+		if ( !m_settings.robot.empty() )
+		{
+			worlds[""] = addNamedWorld()[0];
+		}
+		std::string line;
+		for ( std::size_t number = 1; std::getline( file, line ); ++number )
+		{
+			try
+			{
+				readLine( Json::parse( line ), worlds );
+			}
+			catch ( const std::exception& error )
+			{
+				throw std::runtime_error( m_settings.edges_file + ": line " + std::to_string( number ) + ": " + error.what() );
+			}
+		}
+	}
+
+	void readLine( const Json& line, std::map<std::string, std::size_t>& worlds )
+	{
+		if ( !line.contains( "from" ) )
+		{
+			worlds[line.at( "name" ).get<std::string>()] = m_worlds.add( line );
+			return;
+		}
+		const auto world = worlds.find( line.value( "world", "" ) );
+		if ( world == worlds.end() )
+		{
+			throw std::runtime_error( "no line before names this edge's world; give it one, or the option --robot" );
+		}
+		Task task = { world->second, m_tasks.size(), true,
+			{ line.at( "from" ).get<std::vector<double>>(), line.at( "to" ).get<std::vector<double>>() } };
+		const std::size_t size = m_worlds.world( task.world ).size();
+		if ( task.motion.from.size() != size || task.motion.to.size() != size )
+		{
+			throw std::runtime_error( "\"from\" and \"to\" need " + std::to_string( size ) + " numbers, as the group has variables" );
+		}
+		m_tasks.push_back( std::move( task ) );
+	}
+
+	void recordWorlds()
+	{
+		std::vector<bool> used( m_worlds.size(), false );
+		for ( const Task& task : m_tasks )
+		{
+			used[task.world] = true;
+		}
+		for ( std::size_t i = 0; i < m_worlds.size() && m_record.is_open(); ++i )
+		{
+			if ( used[i] )
+			{
+				m_record << m_worlds.entry( i ).source.dump() << '\n';
+			}
+		}
+	}
+
+	// ---- judging ----------------------------------------------------------------------------------------------------
+
+	void work()
+	{
+		std::map<std::size_t, std::unique_ptr<Seat>> seats;
+		std::map<std::string, Tally> tallies;
+		try
+		{
+			for ( std::size_t i = m_next++; i < m_tasks.size(); i = m_next++ )
+			{
+				const Task& task = m_tasks[i];
+				std::unique_ptr<Seat>& seat = seats[task.world];
+				if ( !seat )
+				{
+					seat = std::make_unique<Seat>( m_worlds.world( task.world ), m_models, m_settings.resolution );
+				}
+				judge( task, *seat, tallies[m_worlds.world( task.world ).set] );
+				++m_done;
+			}
+		}
+		catch ( const std::exception& error )
+		{
+			const std::lock_guard<std::mutex> lock( m_mutex );
+			m_error = error.what();
+		}
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		for ( const auto& [set, tally] : tallies )
+		{
+			m_tallies[set].add( tally );
+		}
+	}
+
+	/// Half of the starts near the environment; three lengths; for random robots also any two states.
+	Motion makeUpMotion( const Task& task, Seat& seat, std::mt19937_64& random ) const
+	{
+		static const double lengths[] = { 0.1, 0.5, 2 };
+		const EdgeWorld& world = seat.judges.world();
+		if ( !world.home.empty() && random() % 4 == 0 )
+		{
+			return { world.randomState( random ), world.randomState( random ) };
+		}
+		(void)task;
+		const bool near = random() % 2 == 0;
+		return world.randomMotion( near, lengths[random() % 3], random, seat.judges.spare() );
+	}
+
+	void judge( const Task& task, Seat& seat, Tally& tally )
+	{
+		const double start = threadMilliseconds();
+		std::mt19937_64 random( m_settings.seed + 0x9e3779b97f4a7c15u * ( task.number + 1 ) );
+		const Motion motion = task.given ? task.motion : makeUpMotion( task, seat, random );
+		EdgeTruth truth( seat.judges.world(), seat.auditor, motion, 0 );
+		lw_edge_def def = lw_edge_def_default();
+		def.want_proved_until = random() % 4 == 0;
+		std::array<lw_edge_result, 2> results;
+		double audit = 0;
+		for ( std::size_t i = 0; i < 2; ++i )
+		{
+			seat.judges.byCertificate( motion, i == 1, def, results[i] );
+			tally.free[i] += results[i].verdict == LW_VERDICT_FREE;
+			tally.refused[i] += results[i].verdict == LW_VERDICT_REFUSED;
+			const double before = threadMilliseconds();
+			complain( truth.refute( def, results[i] ), task, motion, i, def, tally );
+			audit += threadMilliseconds() - before;
+		}
+		const double before = threadMilliseconds();
+		const bool blocked = truth.isBlocked();
+		audit += threadMilliseconds() - before;
+		if ( random() % 8 == 0 )
+		{
+			askForMore( task, seat, motion, random, tally );
+		}
+		askOthers( seat, motion, truth, results, blocked, tally );
+		++tally.edges;
+		tally.colliding += blocked;
+		tally.distances += truth.distances();
+		tally.audit_ms += audit;
+		tally.all_ms += threadMilliseconds() - start;
+		if ( m_record.is_open() )
+		{
+			record( task, seat.judges.world(), motion, results, blocked );
+		}
+	}
+
+	/// The same edge with a margin, and with another slack: claims that the table does not count.
+	void askForMore( const Task& task, Seat& seat, const Motion& motion, std::mt19937_64& random, Tally& tally )
+	{
+		lw_edge_def def = lw_edge_def_default();
+		def.min_d = std::pow( 10.0, -4 + 2.5 * EdgeWorld::uniform( random ) );
+		def.slack = std::pow( 10.0, -4 + 2 * EdgeWorld::uniform( random ) );
+		def.want_proved_until = random() % 2 == 0;
+		EdgeTruth truth( seat.judges.world(), seat.auditor, motion, def.min_d );
+		for ( std::size_t i = 0; i < 2; ++i )
+		{
+			lw_edge_result result;
+			seat.judges.byCertificate( motion, i == 1, def, result );
+			complain( truth.refute( def, result ), task, motion, i, def, tally );
+		}
+	}
+
+	void askOthers( Seat& seat, const Motion& motion, EdgeTruth& truth, const std::array<lw_edge_result, 2>& results, bool blocked, Tally& tally )
+	{
+		for ( std::size_t i = 0; blocked && i < FRACTIONS.size(); ++i )
+		{
+			tally.missed_own[i] += seat.judges.byStates( motion, FRACTIONS[i] );
+			tally.missed_fcl[i] += seat.judges.byFcl( motion, FRACTIONS[i] );
+		}
+		// FCL's word on the nearest state that the look found, and on the state that blocks
+		const EdgeWorld& world = seat.judges.world();
+		if ( !blocked && truth.whole().least > 1e-6 )
+		{
+			tally.fcl_differs += seat.judges.fclCollides( world.at( motion, truth.whole().t ) );
+		}
+		for ( const lw_edge_result& result : results )
+		{
+			if ( result.verdict == LW_VERDICT_BLOCKED )
+			{
+				const std::vector<double> state = world.at( motion, result.t );
+				tally.fcl_differs += !seat.judges.fclCollides( state ) && seat.judges.fclDistance( state, 1 ) > 1e-6;
+			}
+		}
+	}
+
+	void complain( const std::string& why, const Task& task, const Motion& motion, std::size_t judge, const lw_edge_def& def, Tally& tally )
+	{
+		if ( why.empty() )
+		{
+			return;
+		}
+		++tally.wrong[judge];
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		const Json source = m_worlds.entry( task.world ).source;
+		m_wrong.push_back( { { "why", why }, { "tables", judge == 1 }, { "min_d", def.min_d }, { "slack", def.slack },
+			{ "want_proved_until", def.want_proved_until }, { "world", source }, { "from", motion.from }, { "to", motion.to } } );
+		std::printf( "WRONG: %s\n", m_wrong.back().dump().c_str() );
+		std::fflush( stdout );
+	}
+
+	void record( const Task& task, const EdgeWorld& world, const Motion& motion, const std::array<lw_edge_result, 2>& results, bool blocked )
+	{
+		const Json line = { { "world", world.name }, { "edge", task.number }, { "from", motion.from }, { "to", motion.to },
+			{ "certified", lw_verdict_name( results[0].verdict ) }, { "certified_t", results[0].t },
+			{ "tables", lw_verdict_name( results[1].verdict ) }, { "tables_t", results[1].t }, { "collides", blocked } };
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		m_record << line.dump() << '\n';
+	}
+
+	// ---- what came of it --------------------------------------------------------------------------------------------
+
+	static Json print( const std::string& set, const Tally& t )
+	{
+		const double n = static_cast<double>( std::max<std::size_t>( t.edges, 1 ) );
+		std::printf( "%-36s %7zu %7zu | %7zu %6zu %5zu | %7zu %6zu %5zu | %5zu %5zu %5zu | %5zu %5zu %5zu | %7.0f %6.2f\n", set.c_str(), t.edges,
+			t.colliding, t.free[0], t.refused[0], t.wrong[0], t.free[1], t.refused[1], t.wrong[1], t.missed_own[0], t.missed_own[1],
+			t.missed_own[2], t.missed_fcl[0], t.missed_fcl[1], t.missed_fcl[2], static_cast<double>( t.distances ) / n, t.audit_ms / n );
+		Json row = { { "set", set }, { "edges", t.edges }, { "colliding", t.colliding } };
+		for ( std::size_t i = 0; i < 2; ++i )
+		{
+			row[i == 0 ? "certified" : "certified_tables"] = { { "free", t.free[i] }, { "refused", t.refused[i] }, { "wrong", t.wrong[i] } };
+		}
+		row["missed_by_own_states"] = t.missed_own;
+		row["missed_by_fcl"] = t.missed_fcl;
+		row["fcl_differs"] = t.fcl_differs;
+		row["distances_per_edge"] = static_cast<double>( t.distances ) / n;
+		row["audit_ms_per_edge"] = t.audit_ms / n;
+		row["all_ms_per_edge"] = t.all_ms / n;
+		return row;
+	}
+
+	int report()
+	{
+		std::printf( "edges judged, those that collide; certificates without and with tables: called free, refused, wrong; colliding edges that discrete\n"
+			"validation calls free; distances and milliseconds of processor time per audit\n"
+			"%-36s %7s %7s | %7s %6s %5s | %7s %6s %5s | %5s %5s %5s | %5s %5s %5s | %7s %6s\n", "", "edges", "collide", "free", "ref.", "wrong",
+			"free", "ref.", "wrong", "own1%", ".5%", ".1%", "FCL1%", ".5%", ".1%", "dist.", "ms" );
+		Tally total;
+		Json rows = Json::array();
+		for ( const auto& [set, tally] : m_tallies )
+		{
+			rows.push_back( print( set, tally ) );
+			total.add( tally );
+		}
+		rows.push_back( print( "all", total ) );
+		std::printf( "states at which FCL and the auditor disagree on contact: %zu; %.0f s, %.2f ms of processor time per edge\n", total.fcl_differs,
+			m_seconds, total.all_ms / static_cast<double>( std::max<std::size_t>( total.edges, 1 ) ) );
+		if ( !m_settings.json.empty() )
+		{
+			const Json result = { { "provenance", provenance() }, { "seed", m_settings.seed }, { "edges", m_tasks.size() },
+				{ "resolution", m_settings.resolution }, { "discrete_fractions", FRACTIONS }, { "threads", m_settings.threads },
+				{ "seconds", m_seconds }, { "wrong", m_wrong }, { "rows", rows } };
+			std::ofstream file( m_settings.json );
+			file << result.dump( 2 ) << "\n";
+			if ( !file )
+			{
+				throw std::runtime_error( m_settings.json + ": cannot be written" );
+			}
+		}
+		return total.wrong[0] + total.wrong[1] > 0 ? 1 : 0;
 	}
 
 	const Settings& m_settings;
-	std::mt19937_64 m_random;
 	EdgeWorlds m_worlds;
-	lw_edge_result m_result{};
-	std::vector<Judge> m_judges;
-	std::size_t m_colliding = 0, m_states = 0, m_unfounded = 0;
+	std::shared_ptr<FclModels> m_models;
+	std::vector<Task> m_tasks;
+	std::atomic<std::size_t> m_next{ 0 }, m_done{ 0 };
+	std::mutex m_mutex; ///< of all below
+	std::map<std::string, Tally> m_tallies;
+	Json m_wrong = Json::array();
+	std::ofstream m_record;
+	std::string m_error;
+	double m_seconds = 0;
 };
 
 } // namespace
@@ -196,9 +572,17 @@ int main( int argc, char** argv )
 	CLI::App app{ "Who calls a colliding edge free?" };
 	Settings settings;
 	app.add_option( "--data", settings.data, "folder of robots and scenes" );
-	app.add_option( "--edges", settings.edges )->capture_default_str();
+	app.add_option( "--count", settings.edges, "how many edges to judge" )->capture_default_str();
+	app.add_option( "--only", settings.only, "only sets of worlds with this in their name, such as 'armar3 torso' or 'random'" );
+	app.add_option( "--robot", settings.robot, "URDF,SRDF,GROUP: this robot instead; GROUP may be joints and groups joined by +" );
+	app.add_option( "--scene", settings.scene, "with --robot: planning scene" )->check( CLI::ExistingFile );
+	app.add_option( "--request", settings.request, "with --robot: its start state places the other joints" )->check( CLI::ExistingFile );
+	app.add_option( "--edges", settings.edges_file, "judge the edges of this file instead" )->check( CLI::ExistingFile );
+	app.add_option( "--record", settings.record, "write edges and verdicts to this file" );
+	app.add_option( "--plan-seconds", settings.plan_seconds, "for each problem whose planner's motions are judged" )->capture_default_str();
 	app.add_option( "--resolution", settings.resolution, "metres of motion between two states near contact" )->capture_default_str();
-	app.add_option( "--budget", settings.budget, "seconds for pair proofs" )->capture_default_str();
+	app.add_option( "--budget", settings.budget, "seconds for pair proofs, per robot" )->capture_default_str();
+	app.add_option( "--threads", settings.threads )->capture_default_str()->check( CLI::Range( 1, 64 ) );
 	app.add_option( "--seed", settings.seed )->capture_default_str();
 	app.add_option( "--json", settings.json, "result file" );
 	CLI11_PARSE( app, argc, argv );

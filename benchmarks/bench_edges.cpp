@@ -5,91 +5,102 @@
 // The discrete contenders do what ompl::base::DiscreteMotionValidator does (the end first, then halving, breadth first), in
 // joint vectors without OMPL around them. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for
 // the edges that are free, and for the others.
+#include "edge_judges.hpp"
 #include "edge_worlds.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
 
 #include <CLI/CLI.hpp>
 
+#include <array>
 #include <cstdio>
 #include <fstream>
 
 namespace
 {
 
-using Json = nlohmann::ordered_json;
-
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, json;
+	std::string data = LEEWAY_DATA_DIR, json, only;
 	std::size_t edges = 300;
 	int repetitions = 3;
 	std::uint64_t seed = 20260101;
 	double budget = 2, resolution = 0.01;
 };
 
-class Comparison
+/// One robot and group in all its scenes.
+class Subject
 {
 public:
-	explicit Comparison( const Settings& settings )
-		: m_settings( settings ), m_random( settings.seed ), m_worlds( settings.data, settings.budget )
+	Subject( const Settings& settings, const std::string& name, const EdgeWorlds& worlds, std::size_t first )
+		: m_settings( settings ), m_name( name )
 	{
+		for ( std::size_t i = first; i < worlds.size(); ++i )
+		{
+			m_judges.push_back( std::make_unique<EdgeJudges>( worlds.world( i ), m_models ) );
+		}
+		std::printf( "\n%s: %zu scenes, %zu variables, discrete contenders at %.2g %% of the extent; microseconds per edge\n", name.c_str(),
+			m_judges.size(), worlds.world( first ).size(), 100 * settings.resolution );
+		std::printf( "%-5s %-6s %-8s %5s | %8s %8s | %8s %8s | %8s %8s %7s | %8s %8s %7s | %7s %7s %7s\n", "set", "rad", "verdict", "n", "FCL",
+			"mean", "own", "mean", "certif.", "mean", "queries", "tables", "mean", "queries", "FCL/c", "own/c", "own/t" );
 	}
 
-	int run()
+	void run( std::mt19937_64& random, Json& rows )
 	{
-		std::printf( "ARMAR-III, group %s, %zu joints, extent %.3f; step of the discrete contenders %.4f\n", m_worlds.group(), m_worlds.size(), m_worlds.extent(),
-			m_settings.resolution * m_worlds.extent() );
-		std::printf( "microseconds per edge\n%-5s %-6s %-8s %5s | %8s %8s | %8s %8s | %8s %8s %7s | %8s %8s %7s | %7s %7s %7s\n", "set", "rad",
-			"verdict", "n", "FCL 1 %", "mean", "own 1 %", "mean", "certif.", "mean", "queries", "tables", "mean", "queries", "FCL/c",
-			"own/c", "own/t" );
-		Json rows = Json::array();
 		for ( const bool near : { true, false } )
 		{
 			for ( const double length : { 0.1, 0.5, 2.0 } )
 			{
-				compare( near, length, rows );
+				compare( near, length, random, rows );
 			}
 		}
-		std::printf( "certificates that a dense look refutes: %zu; free by the certificate and blocked by a discrete contender: %zu\n",
-			m_refuted, m_contradicted );
-		if ( !m_settings.json.empty() )
-		{
-			std::ofstream( m_settings.json ) << Json{ { "provenance", provenance() }, { "seed", m_settings.seed },
-				{ "edges", m_settings.edges }, { "resolution", m_settings.resolution }, { "extent", m_worlds.extent() }, { "rows", rows } }.dump( 2 )
-											 << "\n";
-		}
-		return m_refuted + m_contradicted > 0 ? 1 : 0;
 	}
 
+	std::size_t refuted() const { return m_refuted; }
+	std::size_t contradicted() const { return m_contradicted; }
+
 private:
-	/// lower = verdict, upper = states measured.
-	Answer certify( const double* edge, bool tables )
+	struct Edge
 	{
+		EdgeJudges* judges;
+		Motion motion;
+	};
+
+	/// lower = verdict, upper = states measured.
+	static Answer certify( const Edge& edge, bool tables )
+	{
+		const lw_edge_def def = lw_edge_def_default();
 		lw_edge_result result;
-		m_worlds.judgedByCertificate( edge, tables, result );
+		edge.judges->byCertificate( edge.motion, tables, def, result );
 		return { static_cast<double>( result.verdict ), static_cast<double>( result.queries ) };
 	}
 
-	std::vector<Contender> contenders()
+	/// Everybody is asked with the number of an edge.
+	std::vector<Contender> contenders() const
 	{
-		const double resolution = m_settings.resolution;
-		return { { "FCL", [this, resolution]( const double* edge ) {
-					return Answer{ m_worlds.judgedByFcl( edge, resolution ) ? 1.0 : 0.0, 0 };
+		const double fraction = m_settings.resolution;
+		const auto edge = [this]( const double* number ) -> const Edge& { return m_edges[static_cast<std::size_t>( *number )]; };
+		return { { "FCL",
+					 [edge, fraction]( const double* number ) {
+						 const Edge& e = edge( number );
+						 return Answer{ e.judges->byFcl( e.motion, fraction ) ? 1.0 : 0.0, 0 };
+					 } },
+			{ "own",
+				[edge, fraction]( const double* number ) {
+					const Edge& e = edge( number );
+					return Answer{ e.judges->byStates( e.motion, fraction ) ? 1.0 : 0.0, 0 };
 				} },
-			{ "own", [this, resolution]( const double* edge ) {
-				 return Answer{ m_worlds.judgedByStates( edge, resolution ) ? 1.0 : 0.0, 0 };
-			 } },
-			{ "certified", [this]( const double* edge ) { return certify( edge, false ); } },
-			{ "tables", [this]( const double* edge ) { return certify( edge, true ); } } };
+			{ "certified", [edge]( const double* number ) { return certify( edge( number ), false ); } },
+			{ "tables", [edge]( const double* number ) { return certify( edge( number ), true ); } } };
 	}
 
 	/// A few hundred exact states of an edge that was proved free.
-	bool refuted( const Edge& edge )
+	static bool refuted( const Edge& edge )
 	{
+		const EdgeWorld& world = edge.judges->world();
 		for ( int k = 0; k <= 200; ++k )
 		{
-			if ( !m_worlds.isFree( m_worlds.of( edge.data() ), m_worlds.at( edge.data(), k / 200.0 ).data() ) )
+			if ( !world.isFree( world.at( edge.motion, k / 200.0 ), edge.judges->spare() ) )
 			{
 				return true;
 			}
@@ -97,18 +108,21 @@ private:
 		return false;
 	}
 
-	void compare( bool near, double length, Json& rows )
+	void compare( bool near, double length, std::mt19937_64& random, Json& rows )
 	{
-		std::vector<Edge> edges;
+		m_edges.clear();
+		ConfigurationSet set{ near ? "near" : "any", "edges", {} };
 		for ( std::size_t i = 0; i < m_settings.edges; ++i )
 		{
-			edges.push_back( m_worlds.random( near, length, m_random ) );
+			EdgeJudges* judges = m_judges[random() % m_judges.size()].get();
+			m_edges.push_back( { judges, judges->world().randomMotion( near, length, random, judges->spare() ) } );
+			set.states.push_back( { static_cast<double>( i ) } );
 		}
-		const std::vector<Run> runs = race( contenders(), { near ? "near" : "any", "edges", edges }, m_settings.repetitions );
-		for ( std::size_t i = 0; i < edges.size(); ++i )
+		const std::vector<Run> runs = race( contenders(), set, m_settings.repetitions );
+		for ( std::size_t i = 0; i < m_edges.size(); ++i )
 		{
 			const bool proved = runs[2].answers[i].lower == LW_VERDICT_FREE || runs[3].answers[i].lower == LW_VERDICT_FREE;
-			m_refuted += proved && refuted( edges[i] );
+			m_refuted += proved && refuted( m_edges[i] );
 			m_contradicted += proved && ( runs[0].answers[i].lower == 0 || runs[1].answers[i].lower == 0 );
 		}
 		for ( const lw_verdict verdict : { LW_VERDICT_FREE, LW_VERDICT_BLOCKED, LW_VERDICT_REFUSED } )
@@ -117,9 +131,9 @@ private:
 		}
 	}
 
-	void print( bool near, double length, lw_verdict verdict, const std::vector<Run>& runs, Json& rows )
+	void print( bool near, double length, lw_verdict verdict, const std::vector<Run>& runs, Json& rows ) const
 	{
-		std::vector<std::vector<double>> times( runs.size() ), queries( runs.size() );
+		std::array<std::vector<double>, 4> times, queries;
 		for ( std::size_t i = 0; i < runs[0].answers.size(); ++i )
 		{
 			for ( std::size_t c = 0; c < runs.size() && runs[2].answers[i].lower == verdict; ++c )
@@ -138,17 +152,64 @@ private:
 			certified.median, certified.mean, median( queries[2] ), tables.median, tables.mean, median( queries[3] ),
 			fcl.mean / certified.mean, own.mean / certified.mean, own.mean / tables.mean );
 		std::fflush( stdout );
-		rows.push_back( { { "set", near ? "near" : "any" }, { "length", length }, { "verdict", lw_verdict_name( verdict ) },
+		rows.push_back( { { "robot", m_name }, { "set", near ? "near" : "any" }, { "length", length }, { "verdict", lw_verdict_name( verdict ) },
 			{ "edges", times[0].size() }, { "fcl_discrete", toJson( fcl ) }, { "own_discrete", toJson( own ) },
 			{ "certified", toJson( certified ) }, { "certified_queries_median", median( queries[2] ) },
 			{ "certified_tables", toJson( tables ) }, { "certified_tables_queries_median", median( queries[3] ) } } );
 	}
 
 	const Settings& m_settings;
-	std::mt19937_64 m_random;
-	EdgeWorlds m_worlds;
+	const std::string m_name;
+	const std::shared_ptr<FclModels> m_models = std::make_shared<FclModels>();
+	std::vector<std::unique_ptr<EdgeJudges>> m_judges;
+	std::vector<Edge> m_edges;
 	std::size_t m_refuted = 0, m_contradicted = 0;
 };
+
+int run( const Settings& settings )
+{
+	EdgeWorlds worlds( settings.data, settings.budget );
+	const std::vector<int> numbers = { 1, 13 };
+	const std::pair<std::string, std::function<void()>> subjects[] = {
+		{ "armar3 right_arm", [&] { worlds.addArmar( "right_arm" ); } },
+		{ "armar3 torso_right_arm", [&] { worlds.addArmar( "torso_right_arm" ); } },
+		{ "fetch arm_with_torso", [&] { worlds.addMbm( "fetch", "arm_with_torso", numbers ); } },
+		{ "panda panda_arm", [&] { worlds.addMbm( "panda", "panda_arm", numbers ); } },
+	};
+	Json rows = Json::array();
+	std::size_t refuted = 0, contradicted = 0;
+	std::mt19937_64 random( settings.seed );
+	for ( const auto& [name, add] : subjects )
+	{
+		if ( name.find( settings.only ) == std::string::npos )
+		{
+			continue;
+		}
+		const std::size_t first = worlds.size();
+		add();
+		Subject subject( settings, name, worlds, first );
+		subject.run( random, rows );
+		refuted += subject.refuted();
+		contradicted += subject.contradicted();
+	}
+	if ( rows.empty() )
+	{
+		throw std::runtime_error( "--only " + settings.only + ": no robot and group has that in its name" );
+	}
+	std::printf( "\ncertificates that a dense look refutes: %zu; free by the certificate and blocked by a discrete contender: %zu\n", refuted,
+		contradicted );
+	if ( !settings.json.empty() )
+	{
+		std::ofstream file( settings.json );
+		file << Json{ { "provenance", provenance() }, { "seed", settings.seed }, { "edges", settings.edges },
+			{ "repetitions", settings.repetitions }, { "resolution", settings.resolution }, { "rows", rows } }.dump( 2 ) << "\n";
+		if ( !file )
+		{
+			throw std::runtime_error( settings.json + ": cannot be written" );
+		}
+	}
+	return refuted + contradicted > 0 ? 1 : 0;
+}
 
 } // namespace
 
@@ -157,16 +218,19 @@ int main( int argc, char** argv )
 	CLI::App app{ "Certified edges against discrete validation" };
 	Settings settings;
 	app.add_option( "--data", settings.data, "folder of robots and scenes" );
-	app.add_option( "--edges", settings.edges, "per set and length" )->capture_default_str();
+	app.add_option( "--only", settings.only, "only robots and groups with this in their name, such as 'armar3' or 'fetch'" );
+	app.add_option( "--edges", settings.edges, "per robot, set and length" )->capture_default_str()->check( CLI::PositiveNumber );
 	app.add_option( "--repetitions", settings.repetitions )->capture_default_str()->check( CLI::PositiveNumber );
-	app.add_option( "--resolution", settings.resolution, "of the discrete contenders, a fraction of the extent" )->capture_default_str();
+	app.add_option( "--resolution", settings.resolution, "of the discrete contenders, a fraction of the extent" )
+		->capture_default_str()
+		->check( CLI::PositiveNumber );
 	app.add_option( "--budget", settings.budget, "seconds for pair proofs" )->capture_default_str();
 	app.add_option( "--seed", settings.seed )->capture_default_str();
 	app.add_option( "--json", settings.json, "result file" );
 	CLI11_PARSE( app, argc, argv );
 	try
 	{
-		return Comparison( settings ).run();
+		return run( settings );
 	}
 	catch ( const std::exception& error )
 	{

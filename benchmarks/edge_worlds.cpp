@@ -1,237 +1,257 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Worlds and judges of edges: see edge_worlds.hpp.
+// Worlds of edges from their sources: see edge_worlds.hpp.
 #include "edge_worlds.hpp"
 
+#include "random_world.hpp"
+
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <numeric>
+#include <sstream>
 
 namespace io = leeway::io;
 
 namespace
 {
 
-double uniform( std::mt19937_64& random )
+std::vector<std::string> armarRequests( std::vector<int> numbers = {} )
 {
-	return static_cast<double>( random() >> 11 ) * 0x1p-53;
+	if ( numbers.empty() )
+	{
+		numbers.resize( 12 );
+		std::iota( numbers.begin(), numbers.end(), 1 );
+	}
+	std::vector<std::string> files;
+	for ( const int number : numbers )
+	{
+		char name[64];
+		std::snprintf( name, sizeof name, "armar3/reach/%02d.yaml", number );
+		files.push_back( name );
+	}
+	return files;
 }
 
-double extentOf( const io::Problem& problem )
+Json armarSource( const std::string& set, const std::string& name, const std::string& group )
 {
-	double sum = 0;
-	for ( std::uint32_t variable : problem.variables )
-	{
-		const lw_variable_info info = lw_robot_variable( problem.robot.get(), variable );
-		sum += ( info.upper - info.lower ) * ( info.upper - info.lower );
-	}
-	return std::sqrt( sum );
+	return { { "set", set }, { "name", set + "/" + name }, { "robot", "armar3/armar3.urdf" }, { "srdf", "armar3/armar3.srdf" },
+		{ "scene", "kit_kitchen/scene_cluttered.yaml" }, { "group", group } };
 }
 
-double lengthOf( const double* a, const double* b, std::size_t size )
+/// Adds "a+b", the joints of both, to the groups of the model. A part may also be a joint.
+void joinGroups( io::RobotModel& model, const std::string& name )
 {
-	double sum = 0;
-	for ( std::size_t i = 0; i < size; ++i )
+	if ( name.empty() || model.findGroup( name ) != nullptr )
 	{
-		sum += ( b[i] - a[i] ) * ( b[i] - a[i] );
+		return;
 	}
-	return std::sqrt( sum );
-}
-
-/// As DiscreteMotionValidator::checkMotion( s1, s2 ): s1 is taken for valid.
-template <typename IsValid>
-bool discrete( const double* a, const double* b, std::size_t size, double step, const IsValid& is_valid )
-{
-	if ( !is_valid( b ) )
+	io::Group joined;
+	joined.name = name;
+	std::stringstream parts( name );
+	for ( std::string part; std::getline( parts, part, '+' ); )
 	{
-		return false;
-	}
-	const int count = static_cast<int>( std::ceil( lengthOf( a, b, size ) / step ) );
-	std::vector<double> state( size );
-	std::queue<std::pair<int, int>> parts;
-	if ( count >= 2 )
-	{
-		parts.emplace( 1, count - 1 );
-	}
-	while ( !parts.empty() )
-	{
-		const auto [first, last] = parts.front();
-		parts.pop();
-		const int middle = ( first + last ) / 2;
-		for ( std::size_t i = 0; i < size; ++i )
+		const io::Group* group = model.findGroup( part );
+		if ( group != nullptr )
 		{
-			state[i] = a[i] + ( b[i] - a[i] ) * middle / count;
+			joined.joints.insert( joined.joints.end(), group->joints.begin(), group->joints.end() );
+			continue;
 		}
-		if ( !is_valid( state.data() ) )
+		joined.joints.push_back( part );
+		if ( std::none_of( model.joints.begin(), model.joints.end(), [&]( const io::JointModel& j ) { return j.name == part; } ) )
 		{
-			return false;
-		}
-		if ( first < middle )
-		{
-			parts.emplace( first, middle - 1 );
-		}
-		if ( middle < last )
-		{
-			parts.emplace( middle + 1, last );
+			throw std::runtime_error( "group " + name + ": '" + part + "' is neither a group nor a joint of " + model.urdf_file );
 		}
 	}
-	return true;
-}
-
-bool isFreeFor( const lw_checker* checker, lw_query* query, const double* q )
-{
-	const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
-	lw_state_result result;
-	leeway::require( lw_checker_state( checker, query, q, LW_WHAT_BOTH, &range, true, &result ), "a state" );
-	return result.verdict == LW_VERDICT_FREE;
+	model.groups.push_back( joined );
 }
 
 } // namespace
 
-EdgeWorlds::EdgeWorlds( const std::string& data, double budget )
+std::string EdgeWorlds::path( const Json& name ) const
 {
-	const std::string armar = data + "/armar3/armar3";
-	m_robot = io::loadRobot( armar + ".urdf", armar + ".srdf" );
-	m_scene = io::loadScene( data + "/kit_kitchen/scene_cluttered.yaml" );
-	for ( int i = 1; i <= 12; ++i )
-	{
-		char name[64];
-		std::snprintf( name, sizeof name, "/armar3/reach/%02d.yaml", i );
-		add( data + name, budget );
-	}
-	m_size = m_worlds[0].problem.variables.size();
-	m_extent = extentOf( m_worlds[0].problem );
+	const std::filesystem::path file = name.get<std::string>();
+	const bool is_here = file.is_absolute() || !std::filesystem::exists( m_data / file );
+	return is_here ? file.string() : ( m_data / file ).string();
 }
 
-void EdgeWorlds::add( const std::string& request_file, double budget )
+io::RobotModel& EdgeWorlds::robot( const Json& source )
 {
-	const io::Request request = io::loadRequest( request_file );
+	const std::string urdf = path( source.at( "robot" ) ), srdf = source.contains( "srdf" ) ? path( source.at( "srdf" ) ) : "";
+	const auto [place, is_new] = m_robots.try_emplace( urdf + "," + srdf );
+	if ( is_new )
+	{
+		place->second = io::loadRobot( urdf, srdf );
+	}
+	return place->second;
+}
+
+const io::SceneModel& EdgeWorlds::scene( const std::string& file )
+{
+	const auto [place, is_new] = m_scenes.try_emplace( file );
+	if ( is_new )
+	{
+		place->second = io::loadScene( file );
+	}
+	return place->second;
+}
+
+void EdgeWorlds::addArmar( const std::string& group, const std::vector<int>& problems )
+{
+	const std::vector<std::string> requests = armarRequests( problems );
+	if ( group.find( "platform" ) != std::string::npos )
+	{
+		Json source = armarSource( "armar3 " + group, "kitchen", group );
+		source["request"] = requests[0];
+		source["anchors"] = requests;
+		source["anchored"] = { "X_Platform_joint", "Y_Platform_joint", "Yaw_Platform_joint" };
+		add( source );
+		return;
+	}
+	for ( const std::string& request : requests )
+	{
+		Json source = armarSource( "armar3 " + group, std::filesystem::path( request ).stem(), group );
+		source["request"] = request;
+		add( source );
+	}
+}
+
+void EdgeWorlds::addArmarProblems()
+{
+	for ( const std::string& request : armarRequests() )
+	{
+		const std::string group = io::loadRequest( path( request ) ).group;
+		Json source = armarSource( "armar3 planner", std::filesystem::path( request ).stem(), group );
+		source["request"] = request;
+		add( source );
+	}
+}
+
+void EdgeWorlds::addMbm( const std::string& robot_name, const std::string& group, const std::vector<int>& numbers )
+{
+	const std::string folder = "mbm/" + robot_name;
+	std::vector<std::string> sets;
+	for ( const auto& item : std::filesystem::directory_iterator( path( folder + "/problems" ) ) )
+	{
+		sets.push_back( item.path().filename() );
+	}
+	std::sort( sets.begin(), sets.end() );
+	for ( const std::string& set : sets )
+	{
+		for ( const int number : numbers )
+		{
+			char digits[16];
+			std::snprintf( digits, sizeof digits, "%04d.yaml", number );
+			const std::string name = robot_name + " " + group;
+			add( { { "set", name }, { "name", name + "/" + set + "/" + std::to_string( number ) },
+				{ "robot", folder + "/" + robot_name + ".urdf" }, { "srdf", folder + "/" + robot_name + ".srdf" },
+				{ "scene", folder + "/problems/" + set + "/scene" + digits },
+				{ "request", folder + "/problems/" + set + "/request" + digits }, { "group", group } } );
+		}
+	}
+}
+
+void EdgeWorlds::addRandom( std::uint64_t seed, std::size_t count )
+{
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		const std::uint64_t own = seed * 1000003 + i;
+		add( { { "set", "random robots" }, { "name", "random/" + std::to_string( own ) }, { "random", own } } );
+	}
+}
+
+std::size_t EdgeWorlds::add( const Json& source )
+{
+	for ( std::size_t i = 0; i < m_entries.size(); ++i )
+	{
+		if ( m_entries[i]->source == source )
+		{
+			return i;
+		}
+	}
+	auto entry = std::make_unique<EdgeWorldEntry>();
+	entry->source = source;
+	if ( source.contains( "random" ) )
+	{
+		entry->world = randomWorld( source.at( "random" ).get<std::uint64_t>() );
+	}
+	else
+	{
+		makeFromFiles( *entry );
+	}
+	entry->world.set = source.at( "set" ).get<std::string>();
+	entry->world.name = source.at( "name" ).get<std::string>();
+	m_entries.push_back( std::move( entry ) );
+	return m_entries.size() - 1;
+}
+
+void EdgeWorlds::makeFromFiles( EdgeWorldEntry& entry )
+{
+	const Json& source = entry.source;
+	io::RobotModel& model = robot( source );
 	io::ProblemOptions options;
-	options.group = group();
-	options.scene = &m_scene;
-	options.request = &request;
-	EdgeWorld world;
-	world.problem = io::buildProblem( m_robot, options );
-	if ( !m_reach )
+	options.group = source.value( "group", "" );
+	joinGroups( model, options.group );
+	io::Request request;
+	if ( source.contains( "request" ) )
 	{
-		lw_reach_def def = lw_reach_def_default();
-		def.robot = world.problem.robot.get();
-		def.seconds = budget;
-		lw_diag diag{};
-		lw_reach* reach = nullptr;
-		leeway::require( lw_reach_create( &def, nullptr, &diag, &reach ), diag );
-		m_reach = leeway::Reach::adopt( reach );
+		request = io::loadRequest( path( source.at( "request" ) ) );
+		options.request = &request;
 	}
-	lw_checker_def def = lw_checker_def_default();
-	def.robot = world.problem.robot.get();
-	def.scene = world.problem.scene.get();
-	def.variables = world.problem.variables.data();
-	def.variable_count = static_cast<std::uint32_t>( world.problem.variables.size() );
-	def.reference = world.problem.reference.data();
-	def.reach = m_reach.get();
-	lw_diag diag{};
-	lw_checker* checker = nullptr;
-	leeway::require( lw_checker_create( &def, nullptr, &diag, &checker ), diag );
-	world.with_tables = leeway::Checker::adopt( checker );
-	world.query = leeway::makeQuery( world.problem.checker.get() );
-	world.table_query = leeway::makeQuery( world.with_tables.get() );
-	world.audit_query = leeway::makeQuery( world.problem.checker.get() );
-	world.fcl = std::make_unique<FclPeer>( world.problem.checker.get() );
-	m_worlds.push_back( std::move( world ) );
-}
-
-/// A random free state of a random base; near: within 50 mm of the environment.
-Edge EdgeWorlds::start( bool near, std::mt19937_64& random )
-{
-	while ( true )
+	if ( source.contains( "scene" ) )
 	{
-		const std::size_t w = random() % m_worlds.size();
-		const EdgeWorld& world = m_worlds[w];
-		Edge edge = { static_cast<double>( w ) };
-		for ( std::uint32_t variable : world.problem.variables )
-		{
-			const lw_variable_info info = lw_robot_variable( world.problem.robot.get(), variable );
-			edge.push_back( info.lower + uniform( random ) * ( info.upper - info.lower ) );
-		}
-		const lw_range range = { 0, 0.05, 0 };
-		lw_state_result result;
-		leeway::require( lw_checker_state( world.problem.checker.get(), world.audit_query.get(), edge.data() + 1, LW_WHAT_BOTH, &range,
-							 false, &result ),
-			"a state" );
-		if ( result.verdict == LW_VERDICT_FREE && ( !near || result.environment.kind == LW_CLEARANCE_NEAR ) )
-		{
-			return edge;
-		}
+		options.scene = &scene( path( source.at( "scene" ) ) );
+	}
+	if ( options.scene != nullptr && !options.scene->attached.empty() )
+	{
+		throw std::runtime_error( options.scene->file + ": robot_state: attached objects cannot be audited; make them links of the robot" );
+	}
+	const io::Problem problem = io::buildProblem( model, options );
+	leeway::Reach& reach = m_reaches[model.urdf_file + "," + model.srdf_file];
+	if ( !reach )
+	{
+		io::ReachOptions reach_options;
+		reach_options.def.seconds = m_budget;
+		reach = io::loadReach( problem.robot, reach_options ).reach;
+	}
+	options.reach = reach;
+	EdgeWorld& world = entry.world;
+	world.robot = problem.robot;
+	world.scene = problem.scene;
+	world.checker = problem.checker;
+	world.with_tables = io::buildProblem( model, options ).checker;
+	world.variables = problem.variables;
+	world.reference = problem.reference;
+	const lw_checker_info info = lw_checker_get_info( problem.checker.get() );
+	if ( problem.scene && info.environment_pairs != info.moving_bodies * lw_scene_shape_count( problem.scene.get() ) )
+	{
+		throw std::runtime_error( options.scene->file + ": allowed_collision_matrix: it allows contact of links and objects, which the audit "
+			"would count; remove these entries" );
+	}
+	if ( options.request != nullptr && request.group == options.group )
+	{
+		entry.start = io::startState( problem );
+		entry.goal = io::goalState( problem, request );
+	}
+	if ( source.contains( "anchors" ) )
+	{
+		anchor( entry, problem.variable_names );
 	}
 }
 
-Edge EdgeWorlds::random( bool near, double length, std::mt19937_64& random )
+void EdgeWorlds::anchor( EdgeWorldEntry& entry, const std::vector<std::string>& names ) const
 {
-	std::normal_distribution<double> normal;
-	while ( true )
+	for ( const Json& file : entry.source.at( "anchors" ) )
 	{
-		Edge edge = start( near, random );
-		EdgeWorld& world = of( edge.data() );
-		for ( int attempt = 0; attempt < 20; ++attempt )
+		const io::Request request = io::loadRequest( path( file ) );
+		std::vector<double> state( names.size(), NAN );
+		for ( std::size_t i = 0; i < names.size(); ++i )
 		{
-			std::vector<double> direction( m_size ), end( m_size );
-			double norm = 0;
-			for ( double& d : direction )
+			const Json& anchored = entry.source.at( "anchored" );
+			if ( std::find( anchored.begin(), anchored.end(), names[i] ) != anchored.end() )
 			{
-				d = normal( random );
-				norm += d * d;
-			}
-			bool inside = true;
-			for ( std::size_t i = 0; i < m_size; ++i )
-			{
-				const lw_variable_info info = lw_robot_variable( world.problem.robot.get(), world.problem.variables[i] );
-				end[i] = edge[1 + i] + direction[i] * length / std::sqrt( norm );
-				inside = inside && end[i] >= info.lower && end[i] <= info.upper;
-			}
-			if ( inside && isFree( world, end.data() ) )
-			{
-				edge.insert( edge.end(), end.begin(), end.end() );
-				return edge;
+				state[i] = request.start.values.at( names[i] );
 			}
 		}
+		entry.world.anchors.push_back( state );
 	}
-}
-
-std::vector<double> EdgeWorlds::at( const double* edge, double t ) const
-{
-	std::vector<double> state( m_size );
-	for ( std::size_t i = 0; i < m_size; ++i )
-	{
-		state[i] = edge[1 + i] + ( edge[1 + m_size + i] - edge[1 + i] ) * t;
-	}
-	return state;
-}
-
-bool EdgeWorlds::isFree( EdgeWorld& world, const double* q )
-{
-	return isFreeFor( world.problem.checker.get(), world.audit_query.get(), q );
-}
-
-bool EdgeWorlds::judgedByCertificate( const double* edge, bool tables, lw_edge_result& result )
-{
-	EdgeWorld& world = of( edge );
-	const lw_edge_def def = lw_edge_def_default();
-	leeway::require( lw_checker_edge( tables ? world.with_tables.get() : world.problem.checker.get(),
-						 tables ? world.table_query.get() : world.query.get(), edge + 1, edge + 1 + m_size, &def, &result ),
-		"an edge" );
-	return result.verdict == LW_VERDICT_FREE;
-}
-
-bool EdgeWorlds::judgedByStates( const double* edge, double resolution )
-{
-	EdgeWorld& world = of( edge );
-	return discrete( edge + 1, edge + 1 + m_size, m_size, resolution * m_extent, [&]( const double* q ) {
-		return isFreeFor( world.with_tables.get(), world.table_query.get(), q );
-	} );
-}
-
-bool EdgeWorlds::judgedByFcl( const double* edge, double resolution )
-{
-	FclPeer& fcl = *of( edge ).fcl;
-	return discrete( edge + 1, edge + 1 + m_size, m_size, resolution * m_extent, [&fcl]( const double* q ) {
-		fcl.pose( q );
-		return !fcl.environmentCollides() && !fcl.selfCollides();
-	} );
 }

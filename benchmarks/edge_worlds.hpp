@@ -1,63 +1,62 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Edges of ARMAR-III's torso and right arm in the cluttered kitchen, with everybody who can judge them.
+// The worlds in which edges are judged: robots and scenes of the data folder, of files, and random ones. Each is made from a
+// source, a few names in JSON, so that recorded edges can be judged again (README.md describes the file).
 #pragma once
 
-#include "fcl_peer.hpp"
+#include "edge_world.hpp"
 
 #include "leeway/io/model.hpp"
 
-#include <cmath>
+#include <functional>
+#include <map>
 #include <memory>
-#include <queue>
-#include <random>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-/// A robot and scene with the joints outside of the group where they stand, and everybody's own data for it.
-struct EdgeWorld
+using Json = nlohmann::ordered_json;
+
+struct EdgeWorldEntry
 {
-	leeway::io::Problem problem;
-	leeway::Checker with_tables; ///< the same checker with motion hulls and pair tables
-	leeway::Query query, table_query, audit_query;
-	std::unique_ptr<FclPeer> fcl;
+	EdgeWorld world;
+	Json source;
+	std::vector<double> start, goal; ///< of the request, if it is for this group; otherwise empty
 };
 
-/// The numbers of one edge: world, from, to.
-using Edge = std::vector<double>;
-
-/// The worlds of the twelve reach problems: the base parked in front of furniture, the left arm tucked.
 class EdgeWorlds
 {
 public:
-	/// @param budget seconds for the pair tables
-	EdgeWorlds( const std::string& data, double budget );
+	/// @param data folder of robots and scenes; relative file names start there. @param budget seconds for pair tables per robot
+	EdgeWorlds( const std::string& data, double budget ) : m_data( data ), m_budget( budget ) {}
 
-	const char* group() const { return "torso_right_arm"; }
-	std::size_t size() const { return m_size; }  ///< joints of a state
-	double extent() const { return m_extent; }   ///< longest edge in the joint box: OMPL's resolution is a fraction of it
-	EdgeWorld& of( const double* edge ) { return m_worlds[static_cast<std::size_t>( edge[0] )]; }
+	/// ARMAR-III in the cluttered kitchen, where reach problems park it, other joints as they have them. A group that holds
+	/// "platform" is one world, and edges start near those places. @param group SRDF groups joined by "+"
+	/// @param problems numbers from 1 to 12; none = all
+	void addArmar( const std::string& group, const std::vector<int>& problems = {} );
+	/// ARMAR-III's reach problems, each with its own group.
+	void addArmarProblems();
+	/// Scenes of MotionBenchMaker: of each of the robot's problem sets those of these numbers.
+	void addMbm( const std::string& robot, const std::string& group, const std::vector<int>& numbers );
+	void addRandom( std::uint64_t seed, std::size_t count );
+	/// From its source; a world that is there already is not made again. @return its index
+	/// @throws leeway::io::Error, std::runtime_error
+	std::size_t add( const Json& source );
 
-	/// From a random free state (near: within 50 mm of the environment) in a random direction to a free state in the limits.
-	Edge random( bool near, double length, std::mt19937_64& random );
-
-	/// The state at t in [0, 1].
-	std::vector<double> at( const double* edge, double t ) const;
-
-	bool judgedByCertificate( const double* edge, bool tables, lw_edge_result& result );
-	/// As OMPL's DiscreteMotionValidator over leeway's states, or FCL's. @param resolution fraction of the extent
-	bool judgedByStates( const double* edge, double resolution );
-	bool judgedByFcl( const double* edge, double resolution );
-	/// Is one state of an edge's world free, by a query that nobody else uses?
-	bool isFree( EdgeWorld& world, const double* q );
+	std::size_t size() const { return m_entries.size(); }
+	const EdgeWorldEntry& entry( std::size_t i ) const { return *m_entries[i]; }
+	const EdgeWorld& world( std::size_t i ) const { return m_entries[i]->world; }
 
 private:
-	void add( const std::string& request_file, double budget );
-	Edge start( bool near, std::mt19937_64& random );
+	std::string path( const Json& name ) const;
+	leeway::io::RobotModel& robot( const Json& source );
+	const leeway::io::SceneModel& scene( const std::string& file );
+	void makeFromFiles( EdgeWorldEntry& entry );
+	void anchor( EdgeWorldEntry& entry, const std::vector<std::string>& names ) const;
 
-	leeway::io::RobotModel m_robot;
-	leeway::io::SceneModel m_scene;
-	leeway::Reach m_reach;
-	std::vector<EdgeWorld> m_worlds;
-	std::size_t m_size = 0;
-	double m_extent = 0;
+	std::string m_data;
+	double m_budget;
+	std::map<std::string, leeway::io::RobotModel> m_robots;
+	std::map<std::string, leeway::io::SceneModel> m_scenes;
+	std::map<std::string, leeway::Reach> m_reaches;
+	std::vector<std::unique_ptr<EdgeWorldEntry>> m_entries;
 };

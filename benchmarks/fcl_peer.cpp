@@ -5,10 +5,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/cone.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace
 {
@@ -31,18 +37,46 @@ fcl::Transform3d toFcl( const lw_transform& t )
 
 } // namespace
 
-std::shared_ptr<FclPeer::Model> FclPeer::modelOf( const lw_shape* shape )
+std::shared_ptr<fcl::CollisionGeometryd> FclPeer::modelOf( const lw_shape* shape )
 {
-	std::shared_ptr<Model>& model = m_models[shape];
-	if ( model )
+	const std::lock_guard<std::mutex> lock( m_models->mutex );
+	FclModels::Entry& entry = m_models->entries[shape];
+	if ( !entry.geometry )
 	{
-		return model;
+		const lw_shape_info info = lw_shape_get_info( shape );
+		const double* d = info.dimensions;
+		switch ( info.type )
+		{
+		case LW_SHAPE_MESH:
+			entry.geometry = makeMesh( shape );
+			break;
+		case LW_SHAPE_BOX:
+			entry.geometry = std::make_shared<fcl::Boxd>( d[0], d[1], d[2] );
+			break;
+		case LW_SHAPE_SPHERE:
+			entry.geometry = std::make_shared<fcl::Sphered>( d[0] );
+			break;
+		case LW_SHAPE_CYLINDER:
+			entry.geometry = std::make_shared<fcl::Cylinderd>( d[0], d[1] );
+			break;
+		case LW_SHAPE_CAPSULE:
+			entry.geometry = std::make_shared<fcl::Capsuled>( d[0], d[1] );
+			break;
+		case LW_SHAPE_CONE:
+			entry.geometry = std::make_shared<fcl::Coned>( d[0], d[1] );
+			break;
+		default:
+			throw std::runtime_error( "FCL knows no sets of balls; this model holds one" );
+		}
+		entry.geometry->computeLocalAABB();
+		entry.shape = leeway::Shape::adopt( lw_shape_retain( shape ) );
 	}
+	return entry.geometry;
+}
+
+std::shared_ptr<fcl::CollisionGeometryd> FclPeer::makeMesh( const lw_shape* shape )
+{
 	const lw_shape_info info = lw_shape_get_info( shape );
-	if ( info.type != LW_SHAPE_MESH )
-	{
-		throw std::runtime_error( "the comparison is made for meshes; this model holds another shape" );
-	}
 	const double* v = lw_shape_vertices( shape );
 	const uint32_t* t = lw_shape_triangles( shape );
 	std::vector<fcl::Vector3d> vertices;
@@ -56,7 +90,7 @@ std::shared_ptr<FclPeer::Model> FclPeer::modelOf( const lw_shape* shape )
 		triangles.emplace_back( t[3 * i], t[3 * i + 1], t[3 * i + 2] );
 	}
 	const auto start = std::chrono::steady_clock::now();
-	model = std::make_shared<Model>();
+	const auto model = std::make_shared<Model>();
 	model->beginModel( static_cast<int>( triangles.size() ), static_cast<int>( vertices.size() ) );
 	model->addSubModel( vertices, triangles );
 	model->endModel();
@@ -125,8 +159,14 @@ void FclPeer::findMoving( const lw_checker* checker, std::vector<bool>& joint_mo
 	}
 }
 
-FclPeer::FclPeer( const lw_checker* checker ) : m_checker( checker ), m_robot( lw_checker_robot( checker ) )
+FclPeer::FclPeer( const lw_checker* checker, std::shared_ptr<FclModels> models, const std::vector<lw_link_object_pair>& allowed )
+	: m_checker( checker ), m_robot( lw_checker_robot( checker ) ),
+	  m_models( models ? std::move( models ) : std::make_shared<FclModels>() )
 {
+	const auto isAllowed = [&allowed]( uint32_t link, uint32_t object ) {
+		return std::any_of( allowed.begin(), allowed.end(),
+			[=]( const lw_link_object_pair& p ) { return p.link == link && p.object == object; } );
+	};
 	for ( uint32_t i = 0; i < lw_robot_body_count( m_robot ); ++i )
 	{
 		const lw_body_def def = lw_robot_body( m_robot, i );
@@ -138,6 +178,7 @@ FclPeer::FclPeer( const lw_checker* checker ) : m_checker( checker ), m_robot( l
 	{
 		const lw_scene_shape_def def = lw_scene_shape( scene, i );
 		m_obstacles.push_back( makeBody( def.shape, def.world_from_shape, LW_INVALID_INDEX ) );
+		m_obstacles.back().object = def.object;
 		placeBody( m_obstacles.back(), identity );
 	}
 	m_full.resize( lw_robot_variable_count( m_robot ) );
@@ -151,6 +192,13 @@ FclPeer::FclPeer( const lw_checker* checker ) : m_checker( checker ), m_robot( l
 		if ( link_moves[m_bodies[i].link] )
 		{
 			m_moving.push_back( i );
+			for ( uint32_t k = 0; k < m_obstacles.size(); ++k )
+			{
+				if ( !isAllowed( m_bodies[i].link, m_obstacles[k].object ) )
+				{
+					m_environment_pairs.emplace_back( i, k );
+				}
+			}
 		}
 	}
 	// The relative pose of two links can change if a joint that moves is above exactly one of them.
@@ -176,8 +224,13 @@ FclPeer::FclPeer( const lw_checker* checker ) : m_checker( checker ), m_robot( l
 		}
 	}
 
-	// Bodies that never move: once, at the reference state.
-	std::vector<double> q( lw_checker_variable_count( checker ), 0.0 );
+	// Bodies that never move: once, the others in their neutral state.
+	std::vector<double> neutral( m_full.size() ), q;
+	lw_robot_default_state( m_robot, neutral.data() );
+	for ( uint32_t i = 0; i < lw_checker_variable_count( checker ); ++i )
+	{
+		q.push_back( neutral[lw_checker_variable( checker, i )] );
+	}
 	pose( q.data() );
 	m_heap.clear();
 	for ( Body& body : m_bodies )
@@ -185,7 +238,7 @@ FclPeer::FclPeer( const lw_checker* checker ) : m_checker( checker ), m_robot( l
 		placeBody( body, m_link_poses[body.link] );
 		for ( const Body& obstacle : m_obstacles )
 		{
-			if ( !link_moves[body.link] )
+			if ( !link_moves[body.link] && !isAllowed( body.link, obstacle.object ) )
 			{
 				addCandidate( body, obstacle, INFINITE );
 			}
@@ -248,12 +301,9 @@ double FclPeer::environmentDistance( double bound, double relative_error )
 {
 	bound = std::min( bound, m_static_distance );
 	m_heap.clear();
-	for ( uint32_t i : m_moving )
+	for ( const auto& [body, obstacle] : m_environment_pairs )
 	{
-		for ( const Body& obstacle : m_obstacles )
-		{
-			addCandidate( m_bodies[i], obstacle, bound );
-		}
+		addCandidate( m_bodies[body], m_obstacles[obstacle], bound );
 	}
 	return nearest( bound, relative_error );
 }
@@ -290,15 +340,12 @@ bool boxesMeet( const Body& a, const Body& b )
 
 bool FclPeer::environmentCollides()
 {
-	for ( uint32_t i : m_moving )
+	for ( const auto& [body, obstacle] : m_environment_pairs )
 	{
-		const Body& a = m_bodies[i];
-		for ( const Body& b : m_obstacles )
+		const Body &a = m_bodies[body], &b = m_obstacles[obstacle];
+		if ( boxesMeet( a, b ) && collides( a.model.get(), a.pose, b.model.get(), b.pose ) )
 		{
-			if ( boxesMeet( a, b ) && collides( a.model.get(), a.pose, b.model.get(), b.pose ) )
-			{
-				return true;
-			}
+			return true;
 		}
 	}
 	return m_static_distance <= 0;

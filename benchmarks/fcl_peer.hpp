@@ -7,21 +7,37 @@
 // No nearest points are asked for. This is faster than FCL's own broadphase managers on these scenes.
 #pragma once
 
-#include "leeway/leeway.h"
+#include "leeway/handles.hpp"
 
 #include <cstdint>
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <vector>
+
+/// FCL's geometry of shapes, for peers of several worlds and threads: big trees are built once.
+struct FclModels
+{
+	struct Entry
+	{
+		leeway::Shape shape; ///< kept, so that no other shape gets its address
+		std::shared_ptr<fcl::CollisionGeometryd> geometry;
+	};
+	std::map<const lw_shape*, Entry> entries;
+	std::mutex mutex;
+};
 
 class FclPeer
 {
 public:
 	/// Bodies that the checker's group moves against the scene, and pairs of bodies whose relative pose it can change.
-	/// @throws std::runtime_error if a shape is not a mesh
-	explicit FclPeer( const lw_checker* checker );
+	/// @param models shared with other peers; none = its own
+	/// @param allowed contacts that the checker was told not to count
+	/// @throws std::runtime_error for a point set
+	explicit FclPeer( const lw_checker* checker, std::shared_ptr<FclModels> models = nullptr,
+		const std::vector<lw_link_object_pair>& allowed = {} );
 
 	/// Poses and boxes of the moving bodies at a group state. Everything below is about the last state posed.
 	void pose( const double* q );
@@ -34,7 +50,7 @@ public:
 	double selfDistance( double bound );
 	bool selfCollides();
 
-	std::size_t environmentPairs() const { return m_moving.size() * m_obstacles.size(); }
+	std::size_t environmentPairs() const { return m_environment_pairs.size(); }
 	std::size_t selfPairs() const { return m_self_pairs.size(); }
 	double buildSeconds() const { return m_build_seconds; }
 	std::size_t bytes() const { return m_bytes; } ///< of the trees: boxes, triangles, vertices
@@ -43,9 +59,9 @@ private:
 	using Model = fcl::BVHModel<fcl::OBBRSSd>;
 	struct Body
 	{
-		std::shared_ptr<Model> model;
+		std::shared_ptr<fcl::CollisionGeometryd> model;
 		lw_transform parent_from_shape; ///< link or world
-		uint32_t link = LW_INVALID_INDEX;
+		uint32_t link = LW_INVALID_INDEX, object = LW_INVALID_INDEX;
 		double box_center[3], box_half[3]; ///< shape frame
 		fcl::Transform3d pose;
 		double low[3], high[3]; ///< world
@@ -56,7 +72,8 @@ private:
 		const Body *a, *b;
 	};
 
-	std::shared_ptr<Model> modelOf( const lw_shape* shape );
+	std::shared_ptr<fcl::CollisionGeometryd> modelOf( const lw_shape* shape );
+	std::shared_ptr<fcl::CollisionGeometryd> makeMesh( const lw_shape* shape );
 	Body makeBody( const lw_shape* shape, const lw_transform& parent_from_shape, uint32_t link );
 	static void placeBody( Body& body, const lw_transform& world_from_parent );
 	void addCandidate( const Body& a, const Body& b, double bound );
@@ -65,10 +82,11 @@ private:
 
 	const lw_checker* m_checker;
 	const lw_robot* m_robot;
-	std::map<const lw_shape*, std::shared_ptr<Model>> m_models;
+	std::shared_ptr<FclModels> m_models;
 	std::vector<Body> m_bodies;    ///< of the robot, in its order
 	std::vector<Body> m_obstacles; ///< shapes of the scene
 	std::vector<uint32_t> m_moving;
+	std::vector<std::pair<uint32_t, uint32_t>> m_environment_pairs; ///< moving body, obstacle
 	std::vector<std::pair<uint32_t, uint32_t>> m_self_pairs;
 	std::vector<Candidate> m_heap;
 	std::vector<double> m_full;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Digests: what must differ differs, what is equal does not, and the values never change unnoticed.
-#include "../core_robot/random_robot.hpp"
+#include "random_robot.hpp"
 
 #include "leeway/blob.h"
 

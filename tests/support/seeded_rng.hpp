@@ -19,6 +19,9 @@ public:
 		m_engine.seed( seed );
 	}
 
+	/// Goes on with an engine whose seed somebody else tells.
+	explicit SeededRng( const std::mt19937_64& engine ) : m_engine( engine ) {}
+
 	double uniform( double low, double high ) { return std::uniform_real_distribution<double>( low, high )( m_engine ); }
 	int integer( int low, int high ) { return std::uniform_int_distribution<int>( low, high )( m_engine ); }
 	double normal() { return std::normal_distribution<double>()( m_engine ); }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Everybody who can judge an edge of a world: certificates, and what OMPL's DiscreteMotionValidator does, over leeway's
+// states and over FCL's. For one thread.
+#pragma once
+
+#include "edge_world.hpp"
+#include "fcl_peer.hpp"
+
+#include <memory>
+
+class EdgeJudges
+{
+public:
+	EdgeJudges( const EdgeWorld& world, std::shared_ptr<FclModels> models );
+
+	const EdgeWorld& world() const { return m_world; }
+
+	/// Each is true for FREE. @param fraction of the space's extent per step, as OMPL's longest valid segment
+	bool byCertificate( const Motion& motion, bool tables, const lw_edge_def& def, lw_edge_result& result );
+	bool byStates( const Motion& motion, double fraction );
+	bool byFcl( const Motion& motion, double fraction );
+
+	/// FCL's word on one state: is it in contact, and how far is it from it (no further than `bound`)?
+	bool fclCollides( const std::vector<double>& q );
+	double fclDistance( const std::vector<double>& q, double bound );
+
+	/// A query without a part in any of that.
+	lw_query* spare() { return m_spare.get(); }
+
+private:
+	template <typename IsValid>
+	bool discrete( const Motion& motion, double fraction, const IsValid& is_valid );
+
+	const EdgeWorld& m_world;
+	leeway::Query m_query, m_table_query, m_state_query, m_spare;
+	FclPeer m_fcl;
+	std::vector<double> m_from, m_to, m_at;
+};

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Both certificates of an edge, with and without tables, put to the auditor.
+#pragma once
+
+#include "edge_truth.hpp"
+#include "seeded_rng.hpp"
+
+#include <gtest/gtest.h>
+
+/// Sanitizers are 5 to 20 times slower and look for other mistakes: they get few edges.
+inline int edgesUnlessSanitized( int many, [[maybe_unused]] int few )
+{
+#if defined( __SANITIZE_ADDRESS__ ) || defined( __SANITIZE_THREAD__ )
+	return few;
+#else
+	return many;
+#endif
+}
+
+struct AuditTally
+{
+	int free = 0, blocked = 0, refused = 0, partial = 0;
+
+	/// A test in which one of these never happened tests nothing.
+	void expectVariety() const
+	{
+		std::printf( "%d free, %d blocked, %d refused, %d proved in part\n", free, blocked, refused, partial );
+		EXPECT_GT( free, 5 );
+		EXPECT_GT( blocked, 2 );
+		EXPECT_GT( partial, 0 );
+	}
+};
+
+/// One world with its queries and its auditor.
+struct AuditBench
+{
+	const EdgeWorld& world;
+	leeway::Query plain, tables, audit;
+	EdgeAuditor auditor;
+
+	explicit AuditBench( const EdgeWorld& w )
+		: world( w ), plain( leeway::makeQuery( w.checker.get() ) ), tables( leeway::makeQuery( w.with_tables.get() ) ),
+		  audit( leeway::makeQuery( w.checker.get() ) ),
+		  auditor( w.robot.get(), w.scene.get(), w.variables, w.reference.data(), w.allowed )
+	{
+	}
+
+	void judge( const Motion& motion, SeededRng& rng, AuditTally& tally )
+	{
+		lw_edge_def def = lw_edge_def_default();
+		def.min_d = rng.integer( 0, 3 ) ? 0 : rng.decade( -4, -2 );
+		def.slack = rng.integer( 0, 3 ) ? 1e-3 : rng.decade( -4, -2 );
+		def.want_proved_until = rng.integer( 0, 1 ) == 1;
+		EdgeTruth truth( world, auditor, motion, def.min_d );
+		for ( const bool with_tables : { false, true } )
+		{
+			lw_edge_result r;
+			ASSERT_EQ( lw_checker_edge( with_tables ? world.with_tables.get() : world.checker.get(),
+						   with_tables ? tables.get() : plain.get(), motion.from.data(), motion.to.data(), &def, &r ),
+				LW_OK );
+			tally.free += r.verdict == LW_VERDICT_FREE;
+			tally.blocked += r.verdict == LW_VERDICT_BLOCKED;
+			tally.refused += r.verdict == LW_VERDICT_REFUSED;
+			tally.partial += r.verdict != LW_VERDICT_FREE && r.proved_until > 0;
+			EXPECT_EQ( truth.refute( def, r ), "" ) << describe( motion, def, with_tables );
+		}
+	}
+
+private:
+	std::string describe( const Motion& motion, const lw_edge_def& def, bool with_tables ) const
+	{
+		char text[64];
+		std::string out = world.name + ( with_tables ? ", tables" : "" );
+		std::snprintf( text, sizeof text, ", min_d %.17g, slack %.17g", def.min_d, def.slack );
+		out += text;
+		for ( const std::vector<double>* state : { &motion.from, &motion.to } )
+		{
+			out += state == &motion.from ? "\nfrom" : "\nto";
+			for ( const double v : *state )
+			{
+				std::snprintf( text, sizeof text, " %.17g", v );
+				out += text;
+			}
+		}
+		return out;
+	}
+};
