@@ -81,6 +81,13 @@ struct Tally
 	}
 };
 
+lw_reach_def reachDef( double seconds )
+{
+	lw_reach_def def = lw_reach_def_default();
+	def.seconds = seconds;
+	return def;
+}
+
 double threadMilliseconds()
 {
 	timespec now;
@@ -105,7 +112,7 @@ class Audit
 {
 public:
 	explicit Audit( const Settings& settings )
-		: m_settings( settings ), m_worlds( settings.data, settings.budget ), m_models( std::make_shared<FclModels>() )
+		: m_settings( settings ), m_worlds( settings.data, reachDef( settings.budget ) ), m_models( std::make_shared<FclModels>() )
 	{
 		if ( !settings.record.empty() )
 		{

@@ -168,7 +168,9 @@ private:
 
 int run( const Settings& settings )
 {
-	EdgeWorlds worlds( settings.data, settings.budget );
+	lw_reach_def reach = lw_reach_def_default();
+	reach.seconds = settings.budget;
+	EdgeWorlds worlds( settings.data, reach );
 	const std::vector<int> numbers = { 1, 13 };
 	const std::pair<std::string, std::function<void()>> subjects[] = {
 		{ "armar3 right_arm", [&] { worlds.addArmar( "right_arm" ); } },

@@ -210,7 +210,7 @@ void EdgeWorlds::makeFromFiles( EdgeWorldEntry& entry )
 	if ( !reach )
 	{
 		io::ReachOptions reach_options;
-		reach_options.def.seconds = m_budget;
+		reach_options.def = m_reach_def;
 		reach = io::loadReach( problem.robot, reach_options ).reach;
 	}
 	options.reach = reach;

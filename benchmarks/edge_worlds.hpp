@@ -26,8 +26,9 @@ struct EdgeWorldEntry
 class EdgeWorlds
 {
 public:
-	/// @param data folder of robots and scenes; relative file names start there. @param budget seconds for pair tables per robot
-	EdgeWorlds( const std::string& data, double budget ) : m_data( data ), m_budget( budget ) {}
+	/// @param data folder of robots and scenes; relative file names start there
+	/// @param reach how motion hulls and pair tables of robots from files are made; the robot is filled in
+	EdgeWorlds( const std::string& data, const lw_reach_def& reach ) : m_data( data ), m_reach_def( reach ) {}
 
 	/// ARMAR-III in the cluttered kitchen, where reach problems park it, other joints as they have them. A group that holds
 	/// "platform" is one world, and edges start near those places. @param group SRDF groups joined by "+"
@@ -54,7 +55,7 @@ private:
 	void anchor( EdgeWorldEntry& entry, const std::vector<std::string>& names ) const;
 
 	std::string m_data;
-	double m_budget;
+	lw_reach_def m_reach_def;
 	std::map<std::string, leeway::io::RobotModel> m_robots;
 	std::map<std::string, leeway::io::SceneModel> m_scenes;
 	std::map<std::string, leeway::Reach> m_reaches;
