@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Shapes in blobs: what cannot be computed again quickly is stored, the rest is computed; everything is checked.
 //
-// Primitives are their dimensions. Meshes and point sets are their vertices, triangles and sphere tree; bounds and the frame
+// Primitives are their dimensions. Meshes and sets are their vertices, triangles, radii and sphere tree; bounds and the frame
 // of the tree follow from the vertices. Before a query may see a shape, all indices and references are in range, the tree is
 // a tree of bounded depth, numbers are finite, and every sphere contains what is under it (lw_shape_validate()).
 #include "blob_internal.h"
@@ -13,22 +13,35 @@
 _Static_assert( sizeof( lwi_node ) == LWI_WIDTH * ( 4 * sizeof( float ) + sizeof( lwi_ref ) ), "nodes have no padding" );
 _Static_assert( sizeof( lwi_leaf ) == LWI_WIDTH * ( 9 * sizeof( float ) + sizeof( uint32_t ) ), "leaves have no padding" );
 
+_Static_assert( sizeof( lwi_box_leaf ) == LWI_WIDTH * ( 6 * sizeof( float ) + sizeof( uint32_t ) ), "leaves have no padding" );
+
 static bool has_stored_tree( lw_shape_type type )
 {
-	return type == LW_SHAPE_MESH || type == LW_SHAPE_POINTS;
+	return type == LW_SHAPE_MESH || type == LW_SHAPE_POINTS || type == LW_SHAPE_SPHERES || type == LW_SHAPE_BOXES;
 }
 
-/// Bytes of the four arrays of a soup.
+/// Bytes of the arrays of a shape with a tree.
 typedef struct array_sizes
 {
-	size_t vertices, indices, nodes, leaves;
+	size_t vertices, indices, radii, nodes, leaves;
 } array_sizes;
 
 static array_sizes sizes_of( const lw_shape* shape )
 {
+	size_t leaf = shape->family == LWI_BALLS ? sizeof( lwi_ball_leaf )
+		: shape->family == LWI_BOXES ? sizeof( lwi_box_leaf )
+									 : sizeof( lwi_leaf );
 	return (array_sizes){ 3 * (size_t)shape->vertex_count * sizeof( double ),
-		3 * (size_t)shape->triangle_count * sizeof( uint32_t ), shape->node_count * sizeof( lwi_node ),
-		shape->leaf_count * sizeof( lwi_leaf ) };
+		shape->type == LW_SHAPE_MESH ? 3 * (size_t)shape->item_count * sizeof( uint32_t ) : 0,
+		shape->type == LW_SHAPE_SPHERES ? shape->item_count * sizeof( double ) : 0, shape->node_count * sizeof( lwi_node ),
+		shape->leaf_count * leaf };
+}
+
+static const void* leaves_of( const lw_shape* shape )
+{
+	return shape->family == LWI_BALLS ? (const void*)shape->ball_leaves
+		: shape->family == LWI_BOXES  ? (const void*)shape->box_leaves
+									  : (const void*)shape->leaves;
 }
 
 void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
@@ -41,7 +54,7 @@ void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 		return;
 	}
 	lwi_write_u32( w, shape->vertex_count );
-	lwi_write_u32( w, shape->triangle_count );
+	lwi_write_u32( w, shape->item_count );
 	lwi_write_u32( w, shape->degenerate_count );
 	lwi_write_u32( w, shape->node_count );
 	lwi_write_u32( w, shape->leaf_count );
@@ -52,8 +65,9 @@ void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 	array_sizes sizes = sizes_of( shape );
 	lwi_write( w, shape->vertices, sizes.vertices );
 	lwi_write( w, shape->indices, sizes.indices );
+	lwi_write( w, shape->radii, sizes.radii );
 	lwi_write( w, shape->nodes, sizes.nodes );
-	lwi_write( w, shape->leaves, sizes.leaves );
+	lwi_write( w, leaves_of( shape ), sizes.leaves );
 }
 
 // ---- checks: each returns what is wrong, or NULL --------------------------------------------------------------------
@@ -61,28 +75,33 @@ void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 /// Counts, before memory is taken for them. @param left bytes that follow in the section
 static const char* check_counts( const lw_shape* shape, size_t left )
 {
-	if ( shape->triangle_count == 0 || shape->triangle_count > LWI_MAX_ITEMS || shape->vertex_count == 0 ||
-		 shape->vertex_count > 3 * (size_t)shape->triangle_count || shape->degenerate_count > shape->triangle_count )
+	if ( shape->item_count == 0 || shape->item_count > LWI_MAX_ITEMS || shape->vertex_count == 0 )
 	{
 		return "impossible counts of vertices or triangles";
 	}
-	if ( shape->type == LW_SHAPE_POINTS && shape->vertex_count != shape->triangle_count )
+	bool mesh = shape->type == LW_SHAPE_MESH;
+	if ( mesh && ( shape->vertex_count > 3 * (size_t)shape->item_count || shape->degenerate_count > shape->item_count ) )
 	{
-		return "more or fewer points than point triangles";
+		return "impossible counts of vertices or triangles";
+	}
+	if ( !mesh && ( shape->vertex_count != ( shape->type == LW_SHAPE_BOXES ? 2 : 1 ) * (size_t)shape->item_count ||
+					  shape->degenerate_count != 0 ) )
+	{
+		return "more or fewer points, spheres or boxes than it says";
 	}
 	if ( shape->leaf_count == 0 || shape->leaf_count > LWI_MAX_ITEMS || shape->node_count > LWI_MAX_ITEMS )
 	{
 		return "impossible counts of nodes or leaves";
 	}
 	array_sizes sizes = sizes_of( shape );
-	return sizes.vertices + sizes.indices + sizes.nodes + sizes.leaves != left ? "arrays longer or shorter than their counts"
+	return sizes.vertices + sizes.indices + sizes.radii + sizes.nodes + sizes.leaves != left ? "arrays longer or shorter than their counts"
 																				: NULL;
 }
 
 static const char* check_numbers( const lw_shape* shape )
 {
-	bool is_mesh = shape->type == LW_SHAPE_MESH;
-	bool radius_valid = shape->radius >= 0.0 && shape->radius <= ( is_mesh ? 0.0 : LWI_MAX_COORDINATE );
+	bool has_radius = shape->type == LW_SHAPE_POINTS;
+	bool radius_valid = shape->radius >= 0.0 && shape->radius <= ( has_radius ? LWI_MAX_COORDINATE : 0.0 );
 	if ( !radius_valid || !( shape->dimensions[0] == shape->radius ) || !( shape->dimensions[1] == 0.0 ) ||
 		 !( shape->dimensions[2] == 0.0 ) )
 	{
@@ -93,6 +112,21 @@ static const char* check_numbers( const lw_shape* shape )
 		if ( !lwi_coordinates_valid( shape->vertices + 3 * i ) )
 		{
 			return "a vertex that is not finite or too far away";
+		}
+	}
+	for ( size_t i = 0; shape->radii != NULL && i < shape->item_count; ++i )
+	{
+		if ( !( shape->radii[i] >= 0.0 && shape->radii[i] <= LWI_MAX_COORDINATE ) )
+		{
+			return "a radius or dimension out of range";
+		}
+	}
+	for ( size_t i = 0; shape->type == LW_SHAPE_BOXES && i < shape->item_count; ++i )
+	{
+		const double* b = shape->vertices + 6 * i;
+		if ( !( b[0] <= b[3] && b[1] <= b[4] && b[2] <= b[5] ) )
+		{
+			return "a box whose least corner is not the least";
 		}
 	}
 	for ( int k = 0; k < 4; ++k )
@@ -107,7 +141,7 @@ static const char* check_numbers( const lw_shape* shape )
 
 static const char* check_indices( const lw_shape* shape )
 {
-	for ( size_t i = 0; i < 3 * (size_t)shape->triangle_count; ++i )
+	for ( size_t i = 0; shape->indices != NULL && i < 3 * (size_t)shape->item_count; ++i )
 	{
 		if ( shape->indices[i] >= shape->vertex_count )
 		{
@@ -137,10 +171,10 @@ static void* read_array( lwi_reader* r, const lw_allocator* memory, size_t size,
 }
 
 /// Fills a new shape from the rest of its section, and checks it.
-static lw_status read_soup( lwi_reader* r, lw_shape* shape, uint32_t index, lw_diag* diag )
+static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_diag* diag )
 {
 	shape->vertex_count = lwi_read_u32( r );
-	shape->triangle_count = lwi_read_u32( r );
+	shape->item_count = lwi_read_u32( r );
 	shape->degenerate_count = lwi_read_u32( r );
 	shape->node_count = lwi_read_u32( r );
 	shape->leaf_count = lwi_read_u32( r );
@@ -157,8 +191,12 @@ static lw_status read_soup( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	bool failed = false;
 	shape->vertices = read_array( r, &shape->allocator, sizes.vertices, &failed );
 	shape->indices = read_array( r, &shape->allocator, sizes.indices, &failed );
+	shape->radii = read_array( r, &shape->allocator, sizes.radii, &failed );
 	shape->nodes = read_array( r, &shape->allocator, sizes.nodes, &failed );
-	shape->leaves = read_array( r, &shape->allocator, sizes.leaves, &failed );
+	void* leaves = read_array( r, &shape->allocator, sizes.leaves, &failed );
+	shape->leaves = shape->family == LWI_TRIANGLES ? leaves : NULL;
+	shape->ball_leaves = shape->family == LWI_BALLS ? leaves : NULL;
+	shape->box_leaves = shape->family == LWI_BOXES ? leaves : NULL;
 	if ( failed )
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );
@@ -201,7 +239,7 @@ lw_status lwi_blob_read_shape( lwi_reader* r, uint32_t index, const lw_allocator
 	uint32_t number = lwi_read_u32( r );
 	double dimensions[3];
 	lwi_read( r, dimensions, sizeof( dimensions ) );
-	if ( r->failed || number < LW_SHAPE_MESH || number > LW_SHAPE_CONE )
+	if ( r->failed || number < LW_SHAPE_MESH || number > LW_SHAPE_PLANE )
 	{
 		return damaged( diag, index, "no known type" );
 	}
@@ -217,7 +255,7 @@ lw_status lwi_blob_read_shape( lwi_reader* r, uint32_t index, const lw_allocator
 		return lwi_out_of_memory( diag, "a shape from a blob" );
 	}
 	memcpy( shape->dimensions, dimensions, sizeof( dimensions ) );
-	lw_status status = read_soup( r, shape, index, diag );
+	lw_status status = read_tree( r, shape, index, diag );
 	if ( status != LW_OK )
 	{
 		lw_shape_release( shape );

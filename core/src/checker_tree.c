@@ -210,29 +210,6 @@ static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bo
 
 // --- spheres ---------------------------------------------------------------------------------------------------------
 
-/// True for soups whose vertices are there.
-static bool has_vertices( const lw_shape* shape )
-{
-	return !shape->solid && shape->deferred == NULL;
-}
-
-/// Points whose ball of radius *dilation contains the shape: vertices of a soup, else the corners of its box.
-static uint32_t shape_points( const lw_shape* shape, double* dilation )
-{
-	*dilation = shape->solid ? 0 : shape->radius;
-	return has_vertices( shape ) ? shape->vertex_count : 8;
-}
-
-static lw_vec3 shape_point( const lw_shape* shape, uint32_t index )
-{
-	if ( has_vertices( shape ) )
-	{
-		return lwi_load( shape->vertices + 3 * (size_t)index );
-	}
-	const double *low = shape->box_min, *high = shape->box_max;
-	return lwi_v3( index & 1 ? high[0] : low[0], index & 2 ? high[1] : low[1], index & 4 ? high[2] : low[2] );
-}
-
 /// top_from_shape at the reference, and thereby in every state.
 static lw_transform body_in_node( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
 {
@@ -259,11 +236,10 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* 
 	{
 		uint32_t body = t->bodies[node->first_body + i];
 		lw_transform pose = body_in_node( c, node, body );
-		double dilation;
-		uint32_t n = shape_points( c->bodies[body].shape, &dilation );
-		for ( uint32_t k = 0; k < n; ++k )
+		size_t n = lwi_hull_count( c->bodies[body].shape );
+		for ( size_t k = 0; k < n; ++k )
 		{
-			lw_vec3 p = lwi_transform( &pose, shape_point( c->bodies[body].shape, k ) );
+			lw_vec3 p = lwi_transform( &pose, lwi_hull_point( c->bodies[body].shape, k ) );
 			double* out = points + 3 * count++;
 			out[0] = p.x;
 			out[1] = p.y;
@@ -275,11 +251,12 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* 
 	count = 0;
 	for ( uint32_t i = 0; i < node->body_count; ++i )
 	{
-		double dilation;
-		uint32_t n = shape_points( c->bodies[t->bodies[node->first_body + i]].shape, &dilation );
-		for ( uint32_t k = 0; k < n; ++k )
+		const lw_shape* shape = c->bodies[t->bodies[node->first_body + i]].shape;
+		size_t n = lwi_hull_count( shape );
+		for ( size_t k = 0; k < n; ++k )
 		{
-			radius = fmax( radius, lwi_distance( ball.center, lwi_load( points + 3 * count++ ) ) + dilation );
+			double distance = lwi_distance( ball.center, lwi_load( points + 3 * count++ ) );
+			radius = fmax( radius, distance + lwi_hull_radius( shape, k ) );
 		}
 	}
 	return (lw_sphere){ { ball.center.x, ball.center.y, ball.center.z }, radius };
@@ -308,8 +285,7 @@ static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_dia
 			size_t count = 0;
 			for ( uint32_t k = 0; k < node->body_count; ++k )
 			{
-				double dilation;
-				count += shape_points( c->bodies[t->bodies[node->first_body + k]].shape, &dilation );
+				count += lwi_hull_count( c->bodies[t->bodies[node->first_body + k]].shape );
 			}
 			double* points = lwi_alloc( &t->allocator, count * sizeof( double[3] ) );
 			if ( points == NULL )

@@ -118,7 +118,7 @@ lw_digest lw_shape_digest( const lw_shape* shape )
 	{
 		return (lw_digest){ { 0, 0 } };
 	}
-	const uint32_t counts[] = { (uint32_t)shape->type, shape->solid ? 1u : 0u, shape->vertex_count, shape->triangle_count,
+	const uint32_t counts[] = { (uint32_t)shape->type, shape->solid ? 1u : 0u, shape->vertex_count, shape->item_count,
 		shape->degenerate_count, shape->root, shape->node_count, shape->leaf_count, shape->depth };
 	lw_digest d = add_indices( (lw_digest){ { 0, 0 } }, counts, sizeof( counts ) / sizeof( counts[0] ) );
 	d = add_doubles( d, &shape->radius, 1 );
@@ -131,8 +131,20 @@ lw_digest lw_shape_digest( const lw_shape* shape )
 	d = add_floats( d, &shape->extent, 1 );
 	d = add_floats( d, shape->root_sphere, 4 );
 	d = add_doubles( d, shape->vertices, 3 * (size_t)shape->vertex_count );
-	d = add_indices( d, shape->indices, 3 * (size_t)shape->triangle_count );
+	d = shape->indices != NULL ? add_indices( d, shape->indices, 3 * (size_t)shape->item_count ) : d;
+	d = shape->radii != NULL ? add_doubles( d, shape->radii, shape->item_count ) : d;
 	d = lw_digest_bytes( d, shape->nodes, shape->node_count * sizeof( lwi_node ) );
+	switch ( shape->family )
+	{
+	case LWI_BALLS:
+		return lw_digest_bytes( d, shape->ball_leaves, shape->leaf_count * sizeof( lwi_ball_leaf ) );
+	case LWI_BOXES:
+		return lw_digest_bytes( d, shape->box_leaves, shape->leaf_count * sizeof( lwi_box_leaf ) );
+	case LWI_TRIANGLES:
+	case LWI_CONVEX:
+	case LWI_UNBOUNDED:
+		break;
+	}
 	return lw_digest_bytes( d, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
 }
 

@@ -39,15 +39,15 @@ lw_clearance lwi_bound_result( const lwi_bound* bound );
 /// @param a_from_b shape frames; finite, a rotation
 void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 
-/// Measures one pair of triangles (of soups) or shapes (solids), for warm starts. Out-of-range indices are ignored.
-void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t triangle_a,
-	uint32_t triangle_b, lwi_bound* bound );
+/// Measures one pair of items, or of solids, for warm starts. Out-of-range indices are ignored.
+void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
+	uint32_t item_b, lwi_bound* bound );
 
-/// What a caller is told of a witness: the triangle or point of a mesh or point set. The one point of a sphere and the segment
-/// of a capsule are inner matters, as a solid's nothing: LW_INVALID_INDEX.
+/// What a caller is told of a witness: the triangle, point, sphere or box. The one point of a sphere and the segment of a
+/// capsule are inner matters, as a solid's nothing: LW_INVALID_INDEX.
 static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t element )
 {
-	return shape->type == LW_SHAPE_MESH || shape->type == LW_SHAPE_POINTS ? element : LW_INVALID_INDEX;
+	return shape->type == LW_SHAPE_SPHERE || shape->type == LW_SHAPE_CAPSULE ? LW_INVALID_INDEX : element;
 }
 
 /// A copy whose rotation is orthonormal to rounding; rotations that are so already keep their bits.

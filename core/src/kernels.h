@@ -20,12 +20,6 @@
 
 #define LWI_GAP_SLACK 32.0
 
-/// Eight axis-aligned boxes; pads have min = +INFINITY, max = -INFINITY.
-typedef struct lwi_box8
-{
-	float min[3][LWI_WIDTH], max[3][LWI_WIDTH];
-} lwi_box8;
-
 /// Eight triangles, [vertex][axis][lane].
 typedef float lwi_triangles8[3][3][LWI_WIDTH];
 
@@ -51,6 +45,8 @@ typedef struct lwi_kernels
 	uint32_t ( *sphere_gap )( const float* xyzr, const float sphere[4], float limit, float gap[LWI_WIDTH] );
 	/// distance of the sphere's centre to eight boxes, minus its radius
 	void ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float gap[LWI_WIDTH] );
+	/// distance of eight boxes to one in the same frame
+	uint32_t ( *box_pair_gap )( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] );
 	/// distance of the sphere's centre to the eight triangles of a leaf, minus its radius; direction[axis][lane] is the slab's
 	/// direction (any length), from triangle to centre
 	uint32_t ( *leaf_gap )( const lwi_leaf* leaf, const float sphere[4], float limit, float gap[LWI_WIDTH],

@@ -74,6 +74,19 @@ static void box_gap( const lwi_box8* boxes, const float sphere[4], float gap[LWI
 	f8_store( gap, f8_sub( f8_sqrt( sum ), f8_set( sphere[3] ) ) );
 }
 
+static uint32_t box_pair_gap( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] )
+{
+	f8 sum = f8_set( 0.0f );
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		f8 d = f8_max( f8_sub( f8_load( boxes->min[axis] ), f8_set( max[axis] ) ),
+			f8_sub( f8_set( min[axis] ), f8_load( boxes->max[axis] ) ) );
+		d = f8_max( d, f8_set( 0.0f ) );
+		sum = f8_add( sum, f8_mul( d, d ) );
+	}
+	return store_gap( gap, f8_sqrt( sum ), limit );
+}
+
 /// Width of the slab between the point p and the triangle v along n, least over the vertices of n . (p - v), over |n|.
 static inline f8 point_slab( v3 n, v3 p_v0, v3 p_v1, v3 p_v2 )
 {
@@ -263,5 +276,5 @@ static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, 
 	return store_gap( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), radius ), limit );
 }
 
-const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, leaf_gap, slab_gap, leaf_project, leaf_transform,
+const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, leaf_project, leaf_transform,
 	triangle_gap, node_solid_gap, leaf_solid_gap };

@@ -127,21 +127,18 @@ static double distance_to_axis( lw_vec3 axis, lw_vec3 offset )
 // ---- table -----------------------------------------------------------------------------------------------------------
 
 /// Largest distance of a body's geometry to the line through the origin of frame f along `axis`, or to the origin itself if
-/// axis is NULL: from the vertices of a soup, from the corners of the box around a solid (which contain it).
+/// axis is NULL: from points whose hull contains it.
 static double geometry_distance( const lw_shape* shape, const lw_transform* f_from_shape, const double* axis )
 {
 	double largest = 0;
-	uint32_t count = shape->solid ? 8u : shape->vertex_count;
-	for ( uint32_t i = 0; i < count; ++i )
+	size_t count = lwi_hull_count( shape );
+	for ( size_t i = 0; i < count; ++i )
 	{
-		lw_vec3 p = shape->solid ? lwi_v3( ( i & 1u ) ? shape->box_max[0] : shape->box_min[0],
-									   ( i & 2u ) ? shape->box_max[1] : shape->box_min[1],
-									   ( i & 4u ) ? shape->box_max[2] : shape->box_min[2] )
-								 : lwi_load( shape->vertices + 3 * (size_t)i );
-		p = lwi_transform( f_from_shape, p );
-		largest = fmax( largest, axis != NULL ? distance_to_axis( lwi_load( axis ), p ) : lwi_length( p ) );
+		lw_vec3 p = lwi_transform( f_from_shape, lwi_hull_point( shape, i ) );
+		double distance = axis != NULL ? distance_to_axis( lwi_load( axis ), p ) : lwi_length( p );
+		largest = fmax( largest, distance + lwi_hull_radius( shape, i ) );
 	}
-	return largest + ( shape->solid ? 0.0 : shape->radius );
+	return largest;
 }
 
 /// The middle of the range of one shift, or the finite value nearest to 0 if the range has no middle.

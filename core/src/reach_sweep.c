@@ -30,7 +30,8 @@ enum
 {
 	BALL_STEPS_MIN = 8, ///< corners of the polygons that stand for circles
 	BALL_STEPS_MAX = 32,
-	CIRCLE_STEPS_MAX = 128
+	CIRCLE_STEPS_MAX = 128,
+	REDUCE_COUNT = 1 << 16 ///< points of a hull that is reduced before more are added
 };
 
 // ---- hulls -----------------------------------------------------------------------------------------------------------
@@ -238,14 +239,42 @@ static double ball_excess( uint32_t steps )
 	return ( 1 + polygon_excess( steps ) ) * ( 1 + polygon_excess( steps ) ) - 1;
 }
 
-/// Vertices of a mesh; of points, spheres and capsules (soups with a radius) balls around the hull of their vertices.
+/// Balls of different radii, each by its polyhedron; reduced now and then, so that thousands of them fit.
+static lw_status add_balls( const lwi_hull_plan* plan, const lw_shape* shape, const lw_transform* m, lwi_hull* hull )
+{
+	lw_status status = LW_OK;
+	for ( size_t i = 0; status == LW_OK && i < shape->vertex_count; ++i )
+	{
+		double radius = shape->radii[i];
+		lw_vec3 center = lwi_load( shape->vertices + 3 * i );
+		uint32_t steps = radius > 0 ? ball_steps( radius, fmin( plan->sampling, SAMPLING_SHARE * radius ) ) : 0;
+		if ( hull->count > REDUCE_COUNT )
+		{
+			status = lwi_hull_reduce( plan, 0.5, hull );
+		}
+		status = status == LW_OK ? reserve( plan, hull, steps > 0 ? ball_count( steps ) : 1 ) : status;
+		if ( status == LW_OK && steps > 0 )
+		{
+			push_ball( hull, m, center, radius, steps );
+			hull->excess = fmax( hull->excess, radius * ball_excess( steps ) );
+		}
+		else if ( status == LW_OK )
+		{
+			push( hull, lwi_transform( m, center ) );
+		}
+	}
+	return status;
+}
+
+/// Vertices of a mesh, corners of boxes; of points, spheres and capsules (one radius) balls around the hull of their vertices.
 static lw_status add_soup( const lwi_hull_plan* plan, const lw_shape* shape, const lw_transform* m, lwi_hull* hull )
 {
 	lwi_hull vertices = { 0 };
-	lw_status status = reserve( plan, &vertices, shape->vertex_count );
-	for ( size_t i = 0; status == LW_OK && i < shape->vertex_count; ++i )
+	size_t count = lwi_hull_count( shape );
+	lw_status status = reserve( plan, &vertices, count );
+	for ( size_t i = 0; status == LW_OK && i < count; ++i )
 	{
-		push( &vertices, lwi_load( shape->vertices + 3 * i ) );
+		push( &vertices, lwi_hull_point( shape, i ) );
 	}
 	status = status == LW_OK ? lwi_hull_reduce( plan, 0.5, &vertices ) : status;
 	bool thick = shape->radius > 0;
@@ -331,7 +360,8 @@ lw_status lwi_hull_of_link( const lwi_hull_plan* plan, uint32_t link, lwi_hull* 
 		}
 		const lw_shape* shape = lwi_shape_now( body->shape );
 		extent = fmax( extent, body_extent( body ) );
-		status = !shape->solid                  ? add_soup( plan, shape, &body->link_from_shape, out )
+		status = shape->radii != NULL           ? add_balls( plan, shape, &body->link_from_shape, out )
+				 : !shape->solid                ? add_soup( plan, shape, &body->link_from_shape, out )
 				 : shape->type == LW_SHAPE_BOX ? add_box( plan, shape, &body->link_from_shape, out )
 											   : add_round( plan, shape, &body->link_from_shape, out );
 	}
@@ -349,11 +379,12 @@ static double shape_radius( const lw_shape* shape, lw_vec3 c )
 	double most = 0;
 	if ( !shape->solid )
 	{
-		for ( size_t i = 0; i < shape->vertex_count; ++i )
+		size_t count = lwi_hull_count( shape );
+		for ( size_t i = 0; i < count; ++i )
 		{
-			most = fmax( most, lwi_distance( c, lwi_load( shape->vertices + 3 * i ) ) );
+			most = fmax( most, lwi_distance( c, lwi_hull_point( shape, i ) ) + lwi_hull_radius( shape, i ) );
 		}
-		return most + shape->radius;
+		return most;
 	}
 	const double* d = shape->dimensions;
 	if ( shape->type == LW_SHAPE_BOX )

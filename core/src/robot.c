@@ -5,6 +5,7 @@
 // revisited. Journal of Computer Graphics Techniques 6(1), 2017.
 #include "math_inline.h"
 #include "robot_internal.h"
+#include "shape_internal.h"
 
 #include <string.h>
 
@@ -236,6 +237,12 @@ static lw_status check_bodies_and_pairs( const lw_robot_def* def, lw_diag* diag 
 		if ( b->shape == NULL )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "body %u of link '%s' has no shape", i,
+				def->link_names[b->link] );
+		}
+		if ( b->shape->family == LWI_UNBOUNDED )
+		{
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
+				"body %u of link '%s' is a half-space or plane; these have no bounds and can only be obstacles: use a box", i,
 				def->link_names[b->link] );
 		}
 		if ( !lw_transform_is_valid( &b->link_from_shape ) )

@@ -19,8 +19,8 @@ lw_scene_def lw_scene_def_default( void )
 	return def;
 }
 
-/// Box of a soup's vertices, dilated, or of a solid's or a deferred mesh's corners: where it can be had, exact bounds of what is
-/// really there, not of a moved box.
+/// Box of what is really there: vertices, balls, corners of boxes; of a convex solid or a deferred mesh the corners of its
+/// box, moved.
 void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] )
 {
 	for ( int i = 0; i < 3; ++i )
@@ -29,22 +29,19 @@ void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape,
 		box_max[i] = -INFINITY;
 	}
 	shape = lwi_shape_now( shape );
-	const bool corners = shape->solid || shape->deferred != NULL;
-	uint32_t count = corners ? 8 : shape->vertex_count;
+	size_t count = lwi_hull_count( shape );
 	double largest = 0;
-	for ( uint32_t k = 0; k < count; ++k )
+	for ( size_t k = 0; k < count; ++k )
 	{
-		lw_vec3 p = corners ? lwi_v3( ( k & 1 ) ? shape->box_max[0] : shape->box_min[0],
-								  ( k & 2 ) ? shape->box_max[1] : shape->box_min[1],
-								  ( k & 4 ) ? shape->box_max[2] : shape->box_min[2] )
-							: lwi_load( shape->vertices + 3 * (size_t)k );
-		largest = fmax( largest, fmax( fabs( p.x ), fmax( fabs( p.y ), fabs( p.z ) ) ) );
+		lw_vec3 p = lwi_hull_point( shape, k );
+		double r = shape->radii != NULL ? shape->radii[k] : 0;
+		largest = fmax( largest, fmax( fabs( p.x ), fmax( fabs( p.y ), fabs( p.z ) ) ) + r );
 		p = lwi_transform( world_from_shape, p );
 		const double w[3] = { p.x, p.y, p.z };
 		for ( int i = 0; i < 3; ++i )
 		{
-			box_min[i] = w[i] < box_min[i] ? w[i] : box_min[i];
-			box_max[i] = w[i] > box_max[i] ? w[i] : box_max[i];
+			box_min[i] = w[i] - r < box_min[i] ? w[i] - r : box_min[i];
+			box_max[i] = w[i] + r > box_max[i] ? w[i] + r : box_max[i];
 		}
 	}
 	for ( int i = 0; i < 3; ++i )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shapes: creation from meshes, points and dimensions, bounds, lifetime, accessors.
+// Shapes: creation from meshes and dimensions, bounds, lifetime, accessors. Sets of points, spheres, boxes: shape_sets.c.
 #include "shape_internal.h"
 
 #include "math_inline.h"
@@ -24,7 +24,7 @@ lw_mesh_def lw_mesh_def_default( void )
 	return (lw_mesh_def){ .scale = { 1.0, 1.0, 1.0 }, .tree = lw_tree_def_default(), .cookie = MESH_DEF_COOKIE };
 }
 
-static lw_status check_tree_def( const lw_tree_def* def, lw_diag* diag )
+lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag )
 {
 	if ( def->fit != LW_FIT_GREEDY && def->fit != LW_FIT_COMPACT && def->fit != LW_FIT_MINIMAL )
 	{
@@ -52,6 +52,8 @@ lw_shape* lwi_shape_new( lw_shape_type type, const lw_allocator* allocator )
 		atomic_init( &shape->references, 1u );
 		shape->allocator = *allocator;
 		shape->type = type;
+		shape->family = lwi_family_of( type );
+		shape->solid = shape->family == LWI_CONVEX || shape->family == LWI_UNBOUNDED;
 		shape->root = LW_INVALID_INDEX;
 		shape->bytes = sizeof( lw_shape );
 	}
@@ -63,9 +65,12 @@ static void free_shape( lw_shape* shape )
 	lw_allocator allocator = shape->allocator;
 	lwi_deferred_free( &allocator, shape->deferred );
 	lwi_free( &allocator, shape->vertices, 3 * (size_t)shape->vertex_count * sizeof( double ) );
-	lwi_free( &allocator, shape->indices, 3 * (size_t)shape->triangle_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, shape->indices, 3 * (size_t)shape->item_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, shape->radii, shape->item_count * sizeof( double ) );
 	lwi_free( &allocator, shape->nodes, shape->node_count * sizeof( lwi_node ) );
 	lwi_free( &allocator, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
+	lwi_free( &allocator, shape->ball_leaves, shape->leaf_count * sizeof( lwi_ball_leaf ) );
+	lwi_free( &allocator, shape->box_leaves, shape->leaf_count * sizeof( lwi_box_leaf ) );
 	lwi_free( &allocator, shape, sizeof( lw_shape ) );
 }
 
@@ -78,30 +83,43 @@ void lwi_shape_set_frame( lw_shape* shape )
 		shape->box_min[k] = INFINITY;
 		shape->box_max[k] = -INFINITY;
 	}
-	for ( size_t i = 0; i < 3 * (size_t)shape->vertex_count; ++i )
+	for ( size_t i = 0; i < shape->vertex_count; ++i )
 	{
-		double value = shape->vertices[i];
-		shape->box_min[i % 3] = fmin( shape->box_min[i % 3], value );
-		shape->box_max[i % 3] = fmax( shape->box_max[i % 3], value );
+		const double* v = shape->vertices + 3 * i;
+		double r = shape->radii != NULL ? shape->radii[i] : 0.0;
+		for ( int k = 0; k < 3; ++k )
+		{
+			shape->box_min[k] = v[k] - r < shape->box_min[k] ? v[k] - r : shape->box_min[k];
+			shape->box_max[k] = v[k] + r > shape->box_max[k] ? v[k] + r : shape->box_max[k];
+		}
 	}
 	for ( int k = 0; k < 3; ++k )
 	{
 		shape->origin[k] = shape->box_min[k] + 0.5 * ( shape->box_max[k] - shape->box_min[k] );
 	}
-	double largest_sq = 0.0;
-	for ( size_t i = 0; i < shape->vertex_count; ++i )
+	double largest = 0.0;
+	size_t step = shape->family == LWI_BOXES ? 2 : 1;
+	for ( size_t i = 0; i < shape->vertex_count; i += step )
 	{
 		lw_vec3 p = lwi_sub( lwi_load( shape->vertices + 3 * i ), lwi_load( shape->origin ) );
-		largest_sq = fmax( largest_sq, lwi_length_sq( p ) );
+		if ( step == 2 )
+		{
+			lw_vec3 q = lwi_sub( lwi_load( shape->vertices + 3 * i + 3 ), lwi_load( shape->origin ) );
+			p = lwi_v3( fmax( fabs( p.x ), fabs( q.x ) ), fmax( fabs( p.y ), fabs( q.y ) ), fmax( fabs( p.z ), fabs( q.z ) ) );
+		}
+		double r = shape->family == LWI_BALLS ? lwi_hull_radius( shape, i ) : 0.0;
+		double reach = lwi_length( p ) + r;
+		largest = reach > largest ? reach : largest;
 	}
 	// the factor covers the roundings of the norm, the summand squares that underflow
-	shape->extent = lwi_round_up( sqrt( largest_sq ) * ( 1.0 + 16 * LWI_U64 ) + 1e-150 );
+	shape->extent = lwi_round_up( largest * ( 1.0 + 16 * LWI_U64 ) + 1e-150 );
 }
 
-/// Adds the dilation: outward to the next double, since a sum rounds either way.
+/// Adds the dilation by one radius, and where radii were added already makes up for it: outward to the next double, since a
+/// sum rounds either way.
 static void dilate_box( lw_shape* shape )
 {
-	for ( int k = 0; k < 3 && shape->radius > 0.0; ++k )
+	for ( int k = 0; k < 3 && ( shape->radius > 0.0 || shape->radii != NULL ); ++k )
 	{
 		shape->box_min[k] = nextafter( shape->box_min[k] - shape->radius, -INFINITY );
 		shape->box_max[k] = nextafter( shape->box_max[k] + shape->radius, INFINITY );
@@ -118,19 +136,24 @@ static void set_bounding_sphere( lw_shape* shape )
 		shape->sphere_center[k] = shape->origin[k] + (double)shape->root_sphere[k];
 		largest = fmax( largest, fabs( shape->sphere_center[k] ) );
 	}
-	shape->sphere_radius = ( (double)shape->root_sphere[3] + shape->radius ) * ( 1.0 + 4 * LWI_U64 ) + 4 * LWI_U64 * largest;
+	double dilation = shape->family == LWI_TRIANGLES ? shape->radius : 0.0;
+	shape->sphere_radius = ( (double)shape->root_sphere[3] + dilation ) * ( 1.0 + 4 * LWI_U64 ) + 4 * LWI_U64 * largest;
 }
 
 void lwi_shape_finish( lw_shape* shape )
 {
 	dilate_box( shape );
 	set_bounding_sphere( shape );
+	size_t leaf_size = shape->family == LWI_BALLS ? sizeof( lwi_ball_leaf )
+		: shape->family == LWI_BOXES ? sizeof( lwi_box_leaf )
+									 : sizeof( lwi_leaf );
 	shape->bytes = sizeof( lw_shape ) + 3 * (size_t)shape->vertex_count * sizeof( double ) +
-		3 * (size_t)shape->triangle_count * sizeof( uint32_t ) + shape->node_count * sizeof( lwi_node ) +
-		shape->leaf_count * sizeof( lwi_leaf );
+		( shape->indices != NULL ? 3 * (size_t)shape->item_count * sizeof( uint32_t ) : 0 ) +
+		( shape->radii != NULL ? shape->item_count * sizeof( double ) : 0 ) + shape->node_count * sizeof( lwi_node ) +
+		shape->leaf_count * leaf_size;
 }
 
-// Soups
+// Trees
 
 /// Vertices in the tree frame, [vertex_count][3] from lwi_alloc; NULL on failure.
 static double* tree_points( const lw_shape* shape, size_t size )
@@ -146,8 +169,7 @@ static double* tree_points( const lw_shape* shape, size_t size )
 	return points;
 }
 
-/// Bounds and tree of a shape whose vertices, indices and radius are set.
-static lw_status finish_soup( lw_shape* shape, const lw_tree_def* def, lw_diag* diag )
+lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag )
 {
 	lwi_shape_set_frame( shape );
 	size_t points_size = 3 * (size_t)shape->vertex_count * sizeof( double );
@@ -159,15 +181,25 @@ static lw_status finish_soup( lw_shape* shape, const lw_tree_def* def, lw_diag* 
 	// Tree points are off by u per coordinate from the shifted vertices; midpoints of tiles by another u per bisection,
 	// of which there are at most 120, and each only moves with the mean of two points: 256u covers both.
 	bool tiled = def->tile_radius > 0.0 && shape->type == LW_SHAPE_MESH;
-	lwi_tree_input input = { points, shape->vertex_count, shape->indices, NULL, shape->triangle_count,
-		( tiled ? 256 : 4 ) * LWI_U64 * (double)shape->extent };
+	lwi_tree_input input = { .family = shape->family,
+		.points = points,
+		.point_count = shape->vertex_count,
+		.corners = shape->indices,
+		.radii = shape->radii,
+		.radius = shape->family == LWI_BALLS ? shape->radius : 0.0,
+		.item_count = shape->item_count,
+		.slack = ( tiled ? 256 : shape->family == LWI_BOXES ? 16 : 4 ) * LWI_U64 * (double)shape->extent };
 	lwi_tiles tiles = { 0 };
 	lw_status status = LW_OK;
 	if ( tiled )
 	{
-		status = lwi_tiles_create( points, shape->vertex_count, shape->indices, shape->triangle_count, def->tile_radius,
+		status = lwi_tiles_create( points, shape->vertex_count, shape->indices, shape->item_count, def->tile_radius,
 			&shape->allocator, diag, &tiles );
-		input = (lwi_tree_input){ tiles.points, tiles.point_count, tiles.corners, tiles.triangles, tiles.tile_count, input.slack };
+		input.points = tiles.points;
+		input.point_count = tiles.point_count;
+		input.corners = tiles.corners;
+		input.triangles = tiles.triangles;
+		input.item_count = tiles.tile_count;
 	}
 	lwi_tree tree = { 0 };
 	if ( status == LW_OK )
@@ -187,6 +219,8 @@ static lw_status finish_soup( lw_shape* shape, const lw_tree_def* def, lw_diag* 
 	shape->depth = tree.depth;
 	shape->nodes = tree.nodes;
 	shape->leaves = tree.leaves;
+	shape->ball_leaves = tree.ball_leaves;
+	shape->box_leaves = tree.box_leaves;
 	lwi_shape_finish( shape );
 	return LW_OK;
 }
@@ -209,7 +243,7 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 			"mesh def has a %s count but no %s array; set both", def->vertices == NULL ? "vertex" : "triangle",
 			def->vertices == NULL ? "vertex" : "index" );
 	}
-	lw_status status = check_tree_def( &def->tree, diag );
+	lw_status status = lwi_check_tree_def( &def->tree, diag );
 	if ( status != LW_OK )
 	{
 		return status;
@@ -228,11 +262,11 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 		return lwi_out_of_memory( diag, "a mesh shape" );
 	}
 	shape->vertex_count = mesh.vertex_count;
-	shape->triangle_count = mesh.triangle_count;
+	shape->item_count = mesh.triangle_count;
 	shape->degenerate_count = mesh.degenerate_count;
 	shape->vertices = mesh.vertices;
 	shape->indices = mesh.indices;
-	status = finish_soup( shape, &def->tree, diag );
+	status = lwi_shape_build( shape, &def->tree, diag );
 	if ( status != LW_OK )
 	{
 		free_shape( shape );
@@ -240,91 +274,6 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 	}
 	*out_shape = shape;
 	return LW_OK;
-}
-
-/// A soup of `count` degenerate triangles over the given points: each point, or one segment if there are two points for it.
-static lw_status create_dilated( lw_shape_type type, const double* points, uint32_t point_count, uint32_t count,
-	double radius, const lw_tree_def* tree, const double dimensions[3], const lw_allocator* memory, lw_diag* diag,
-	lw_shape** out_shape )
-{
-	lw_shape* shape = lwi_shape_new( type, memory );
-	if ( shape == NULL )
-	{
-		return lwi_out_of_memory( diag, "a shape" );
-	}
-	memcpy( shape->dimensions, dimensions, sizeof( shape->dimensions ) );
-	shape->radius = radius;
-	shape->vertex_count = point_count;
-	shape->triangle_count = count;
-	size_t points_size = 3 * (size_t)point_count * sizeof( double );
-	shape->vertices = lwi_alloc( memory, points_size );
-	shape->indices = lwi_alloc( memory, 3 * (size_t)count * sizeof( uint32_t ) );
-	lw_status status = LW_ERROR_OUT_OF_MEMORY;
-	if ( shape->vertices != NULL && shape->indices != NULL )
-	{
-		memcpy( shape->vertices, points, points_size );
-		for ( uint32_t i = 0; i < count; ++i )
-		{
-			shape->indices[3 * (size_t)i] = i;
-			shape->indices[3 * (size_t)i + 1] = point_count - count + i;
-			shape->indices[3 * (size_t)i + 2] = point_count - count + i;
-		}
-		status = finish_soup( shape, tree, diag );
-	}
-	else
-	{
-		lwi_out_of_memory( diag, "a shape" );
-	}
-	if ( status != LW_OK )
-	{
-		free_shape( shape );
-		return status;
-	}
-	*out_shape = shape;
-	return LW_OK;
-}
-
-lw_status lw_shape_create_points( const double* points, uint32_t point_count, double radius, const lw_tree_def* tree,
-	const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape )
-{
-	if ( out_shape == NULL )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_shape is NULL; pass where to store the shape" );
-	}
-	*out_shape = NULL;
-	if ( points == NULL && point_count > 0 )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "points is NULL but point_count is %u", point_count );
-	}
-	lw_tree_def tree_def = tree != NULL ? *tree : lw_tree_def_default();
-	lw_status status = check_tree_def( &tree_def, diag );
-	if ( status != LW_OK )
-	{
-		return status;
-	}
-	if ( point_count == 0 || point_count > LWI_MAX_ITEMS )
-	{
-		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, LW_INVALID_INDEX, "%u points; a point set has 1 to %zu", point_count,
-			LWI_MAX_ITEMS );
-	}
-	if ( !( radius >= 0.0 && radius <= LWI_MAX_COORDINATE ) )
-	{
-		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, LW_INVALID_INDEX, "radius is %g; give metres from 0 to %g", radius,
-			LWI_MAX_COORDINATE );
-	}
-	for ( uint32_t i = 0; i < point_count; ++i )
-	{
-		const double* p = points + 3 * (size_t)i;
-		if ( !lwi_coordinates_valid( p ) )
-		{
-			return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, i,
-				"point %u is (%g, %g, %g); coordinates must be finite and within %g m: drop invalid sensor readings", i, p[0], p[1],
-				p[2], LWI_MAX_COORDINATE );
-		}
-	}
-	lw_allocator memory = lwi_allocator_or_default( allocator );
-	return create_dilated( LW_SHAPE_POINTS, points, point_count, point_count, radius, &tree_def, ( double[3] ){ radius, 0, 0 },
-		&memory, diag, out_shape );
 }
 
 // Primitives
@@ -343,9 +292,51 @@ static int dimension_count( lw_shape_type type )
 			return 2;
 		case LW_SHAPE_MESH:
 		case LW_SHAPE_POINTS:
+		case LW_SHAPE_SPHERES:
+		case LW_SHAPE_BOXES:
+		case LW_SHAPE_HALFSPACE:
+		case LW_SHAPE_PLANE:
 			break;
 	}
 	return 0;
+}
+
+static void set_no_bounds( lw_shape* shape )
+{
+	for ( int k = 0; k < 3; ++k )
+	{
+		shape->box_min[k] = -INFINITY;
+		shape->box_max[k] = INFINITY;
+	}
+	shape->box_max[2] = 0.0;
+	shape->box_min[2] = shape->type == LW_SHAPE_PLANE ? 0.0 : -INFINITY;
+	shape->sphere_radius = INFINITY;
+}
+
+/// A sphere is a set of one ball, a capsule a degenerate triangle, dilated.
+static lw_status build_dilated( lw_shape* shape, lw_diag* diag )
+{
+	uint32_t points = shape->type == LW_SHAPE_CAPSULE ? 2 : 1;
+	shape->radius = shape->dimensions[0];
+	shape->vertex_count = points;
+	shape->item_count = 1;
+	shape->vertices = lwi_alloc_zero( &shape->allocator, points, 3 * sizeof( double ) );
+	if ( points == 2 )
+	{
+		shape->indices = lwi_alloc( &shape->allocator, 3 * sizeof( uint32_t ) );
+	}
+	if ( shape->vertices == NULL || ( points == 2 && shape->indices == NULL ) )
+	{
+		return lwi_out_of_memory( diag, "a primitive" );
+	}
+	if ( points == 2 )
+	{
+		shape->vertices[2] = -0.5 * shape->dimensions[1];
+		shape->vertices[5] = 0.5 * shape->dimensions[1];
+		memcpy( shape->indices, ( uint32_t[3] ){ 0, 1, 1 }, 3 * sizeof( uint32_t ) );
+	}
+	lw_tree_def tree = lw_tree_def_default();
+	return lwi_shape_build( shape, &tree, diag );
 }
 
 /// Bounds of a box, cylinder or cone: box, and the smallest sphere. 16u cover the few roundings of each.
@@ -376,21 +367,14 @@ static void set_solid_bounds( lw_shape* shape )
 	shape->sphere_radius = radius * ( 1.0 + 16 * LWI_U64 );
 }
 
-lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions[3], const lw_allocator* allocator,
-	lw_diag* diag, lw_shape** out_shape )
+/// Checks and copies the dimensions of a primitive.
+static lw_status take_dimensions( lw_shape_type type, const double* dimensions, double kept[3], lw_diag* diag )
 {
-	if ( out_shape == NULL || dimensions == NULL )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "dimensions or out_shape is NULL" );
-	}
-	*out_shape = NULL;
 	int count = dimension_count( type );
-	if ( count == 0 )
+	if ( count > 0 && dimensions == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
-			"type %d is not a primitive; use BOX, SPHERE, CYLINDER, CAPSULE or CONE", (int)type );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "dimensions is NULL" );
 	}
-	double kept[3] = { 0, 0, 0 };
 	for ( int k = 0; k < count; ++k )
 	{
 		bool may_be_zero = type == LW_SHAPE_CAPSULE && k == 1;
@@ -403,25 +387,53 @@ lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions
 		}
 		kept[k] = dimensions[k];
 	}
+	return LW_OK;
+}
+
+lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions[3], const lw_allocator* allocator,
+	lw_diag* diag, lw_shape** out_shape )
+{
+	if ( out_shape == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_shape is NULL; pass where to store the shape" );
+	}
+	*out_shape = NULL;
+	bool unbounded = lwi_family_of( type ) == LWI_UNBOUNDED;
+	if ( dimension_count( type ) == 0 && !unbounded )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"type %d is not a primitive; use BOX, SPHERE, CYLINDER, CAPSULE, CONE, HALFSPACE or PLANE", (int)type );
+	}
+	double kept[3] = { 0, 0, 0 };
+	lw_status status = take_dimensions( type, dimensions, kept, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
 	lw_allocator memory = lwi_allocator_or_default( allocator );
-	lw_tree_def tree = lw_tree_def_default();
-	double ends[6] = { 0, 0, -0.5 * kept[1], 0, 0, 0.5 * kept[1] };
-	if ( type == LW_SHAPE_SPHERE )
-	{
-		return create_dilated( type, ( double[3] ){ 0, 0, 0 }, 1, 1, kept[0], &tree, kept, &memory, diag, out_shape );
-	}
-	if ( type == LW_SHAPE_CAPSULE )
-	{
-		return create_dilated( type, ends, 2, 1, kept[0], &tree, kept, &memory, diag, out_shape );
-	}
 	lw_shape* shape = lwi_shape_new( type, &memory );
 	if ( shape == NULL )
 	{
 		return lwi_out_of_memory( diag, "a primitive" );
 	}
-	shape->solid = true;
 	memcpy( shape->dimensions, kept, sizeof( kept ) );
-	set_solid_bounds( shape );
+	if ( unbounded )
+	{
+		set_no_bounds( shape );
+	}
+	else if ( shape->solid )
+	{
+		set_solid_bounds( shape );
+	}
+	else
+	{
+		status = build_dilated( shape, diag );
+	}
+	if ( status != LW_OK )
+	{
+		free_shape( shape );
+		return status;
+	}
 	*out_shape = shape;
 	return LW_OK;
 }
@@ -447,6 +459,13 @@ void lw_shape_release( lw_shape* shape )
 	}
 }
 
+/// True if the vertices are the caller's geometry, not an inner matter.
+static bool has_public_vertices( const lw_shape* shape )
+{
+	return shape->type == LW_SHAPE_MESH || shape->type == LW_SHAPE_POINTS || shape->type == LW_SHAPE_SPHERES ||
+		   shape->type == LW_SHAPE_BOXES;
+}
+
 lw_shape_info lw_shape_get_info( const lw_shape* shape )
 {
 	const lw_shape* made = lwi_shape_now( shape );
@@ -456,12 +475,11 @@ lw_shape_info lw_shape_get_info( const lw_shape* shape )
 		info.bytes += shape->bytes;
 		return info;
 	}
-	bool mesh = shape->type == LW_SHAPE_MESH;
-	bool public_vertices = mesh || shape->type == LW_SHAPE_POINTS;
+	uint32_t triangles = shape->deferred != NULL ? shape->deferred->def.triangle_count : shape->item_count;
 	lw_shape_info info = {
 		.type = shape->type,
-		.vertex_count = public_vertices ? shape->vertex_count : 0,
-		.triangle_count = shape->deferred != NULL ? shape->deferred->def.triangle_count : mesh ? shape->triangle_count : 0,
+		.vertex_count = has_public_vertices( shape ) ? shape->vertex_count : 0,
+		.triangle_count = shape->type == LW_SHAPE_MESH ? triangles : 0,
 		.degenerate_count = shape->degenerate_count,
 		.node_count = shape->node_count,
 		.leaf_count = shape->leaf_count,
@@ -481,7 +499,12 @@ const double* lw_shape_vertices( const lw_shape* shape )
 {
 	lw_status status;
 	shape = lwi_shape_made( shape, &status, NULL );
-	return shape != NULL && ( shape->type == LW_SHAPE_MESH || shape->type == LW_SHAPE_POINTS ) ? shape->vertices : NULL;
+	return shape != NULL && has_public_vertices( shape ) ? shape->vertices : NULL;
+}
+
+const double* lw_shape_radii( const lw_shape* shape )
+{
+	return shape->radii;
 }
 
 const uint32_t* lw_shape_triangles( const lw_shape* shape )

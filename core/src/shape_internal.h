@@ -1,15 +1,51 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a shape is made of. Built by shape.c (with mesh.c, sphere_fit.c, sphere_tree_build.c), read by the queries.
 //
-// Two families. A *soup* is a set of triangles (possibly degenerate: segments, points) dilated by one radius: meshes
-// (radius 0), point sets (each point a triangle of three equal vertices), spheres (one point), capsules (one segment).
-// A *solid* is a box, cylinder or cone, measured by convex.c.
+// Families. *Triangles*, possibly degenerate (segments, points), dilated by one radius: meshes (radius 0), capsules (one
+// segment). *Balls*: point sets (one radius for all), spheres, sets of spheres (a radius each). *Boxes*: sets of axis-aligned
+// boxes. *Convex*: a box, cylinder or cone, measured by convex.c. *Unbounded*: a half-space or a plane. The first three have a
+// sphere tree over their items; that of triangles is about the undilated geometry, that of balls and boxes about all of it.
 #ifndef LEEWAY_SHAPE_INTERNAL_H
 #define LEEWAY_SHAPE_INTERNAL_H
 
 #include "base_internal.h"
 #include "leeway/shape.h"
+#include "math_inline.h"
 #include "tree_layout.h"
+
+typedef enum lwi_family
+{
+	LWI_TRIANGLES,
+	LWI_BALLS,
+	LWI_BOXES,
+	LWI_CONVEX,
+	LWI_UNBOUNDED
+} lwi_family;
+
+/// The family of a type; LWI_CONVEX for what is no type.
+static inline lwi_family lwi_family_of( lw_shape_type type )
+{
+	switch ( type )
+	{
+	case LW_SHAPE_MESH:
+	case LW_SHAPE_CAPSULE:
+		return LWI_TRIANGLES;
+	case LW_SHAPE_POINTS:
+	case LW_SHAPE_SPHERE:
+	case LW_SHAPE_SPHERES:
+		return LWI_BALLS;
+	case LW_SHAPE_BOXES:
+		return LWI_BOXES;
+	case LW_SHAPE_HALFSPACE:
+	case LW_SHAPE_PLANE:
+		return LWI_UNBOUNDED;
+	case LW_SHAPE_BOX:
+	case LW_SHAPE_CYLINDER:
+	case LW_SHAPE_CONE:
+		break;
+	}
+	return LWI_CONVEX;
+}
 
 /// What a mesh is made from when it is needed.
 typedef struct lwi_deferred
@@ -23,29 +59,33 @@ struct lw_shape
 	atomic_uint references;
 	lw_allocator allocator;
 	lw_shape_type type;
+	lwi_family family;
 	lwi_deferred* deferred; ///< NULL: everything is there. Else box, sphere and bytes are all that is
-	bool solid;            ///< box, cylinder, cone: no triangles, no tree
-	double radius;         ///< dilation of a soup: points, sphere, capsule; 0 for meshes
+	bool solid;            ///< convex or unbounded: no items, no tree
+	double radius;         ///< of a capsule, a sphere, all points of a set; else 0
 	double dimensions[3];  ///< of primitives, as given
 
 	// Bounds of the whole shape, dilation included, shape frame.
 	double box_min[3], box_max[3];
 	double sphere_center[3], sphere_radius;
 
-	// Soups only. Original geometry in double, shape frame (what results are computed from).
-	uint32_t vertex_count, triangle_count;
-	double* vertices;  ///< [vertex_count][3]
-	uint32_t* indices; ///< [triangle_count][3]; also for points, spheres and capsules
+	// Triangles, balls, boxes: the original geometry in double, shape frame (what results are computed from).
+	uint32_t vertex_count, item_count;
+	double* vertices;  ///< [vertex_count][3]; least and greatest corner of box i are 2i and 2i + 1
+	uint32_t* indices; ///< [item_count][3] of triangles, else NULL
+	double* radii;     ///< [item_count] of LW_SHAPE_SPHERES, else NULL
 	uint32_t degenerate_count;
 
-	// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin. Undilated geometry.
+	// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin.
 	double origin[3];   ///< centre of the vertices' box
-	float extent;       ///< >= largest |p_tree| over all vertices, rounded up: scale of float rounding errors
+	float extent;       ///< >= largest |p_tree| over all geometry, rounded up: scale of float rounding errors
 	lwi_ref root;       ///< a node, or a leaf if everything fits into one
 	float root_sphere[4]; ///< x, y, z, r: contains everything, tree frame
 	uint32_t node_count, leaf_count, depth;
 	lwi_node* nodes;
-	lwi_leaf* leaves;
+	lwi_leaf* leaves;           ///< of triangles
+	lwi_ball_leaf* ball_leaves; ///< of balls
+	lwi_box_leaf* box_leaves;   ///< of boxes
 	size_t bytes;
 };
 
@@ -64,15 +104,49 @@ const lw_shape* lwi_shape_now( const lw_shape* shape );
 
 void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred ); ///< NULL is ignored
 
-// Steps of making a shape, for those who bring the tree along (blob_shape.c).
+/// Radius of a ball, dilation of any other item.
+static inline double lwi_item_radius( const lw_shape* shape, uint32_t item )
+{
+	return shape->radii != NULL ? shape->radii[item] : shape->radius;
+}
+
+/// Points whose balls (lwi_hull_radius()) have the same convex hull as a bounded shape, or one that contains it: vertices,
+/// centres, corners of boxes; corners of the box around a convex solid or a deferred mesh.
+static inline size_t lwi_hull_count( const lw_shape* shape )
+{
+	bool one_box = shape->solid || shape->deferred != NULL;
+	return one_box ? 8 : shape->family == LWI_BOXES ? 8 * (size_t)shape->item_count : shape->vertex_count;
+}
+static inline lw_vec3 lwi_hull_point( const lw_shape* shape, size_t index )
+{
+	bool one_box = shape->solid || shape->deferred != NULL;
+	if ( !one_box && shape->family != LWI_BOXES )
+	{
+		return lwi_load( shape->vertices + 3 * index );
+	}
+	const double* low = one_box ? shape->box_min : shape->vertices + 6 * ( index / 8 );
+	const double* high = one_box ? shape->box_max : low + 3;
+	return lwi_v3( index & 1 ? high[0] : low[0], index & 2 ? high[1] : low[1], index & 4 ? high[2] : low[2] );
+}
+static inline double lwi_hull_radius( const lw_shape* shape, size_t index )
+{
+	return shape->radii != NULL ? shape->radii[index] : shape->radius;
+}
+
+// Steps of making a shape.
 
 /// An empty shape with one reference, or NULL.
 lw_shape* lwi_shape_new( lw_shape_type type, const lw_allocator* allocator );
 
-/// From the vertices of a soup: its undilated box, the origin of the tree frame in its centre, the extent about it.
+/// From the items: the box, the origin of the tree frame in its centre (of triangles without the dilation), the extent.
 void lwi_shape_set_frame( lw_shape* shape );
 
-/// The last step, after tree and root sphere: the bounds, dilated, and the bytes.
+/// The last step, after tree and root sphere: the bounds and the bytes.
 void lwi_shape_finish( lw_shape* shape );
+
+/// All steps, for a shape whose vertices, indices, radii and counts are set.
+lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );
+
+lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag );
 
 #endif

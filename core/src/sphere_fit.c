@@ -11,6 +11,8 @@
 
 #include "math_inline.h"
 
+#include <string.h>
+
 enum
 {
 	/// Updates of the compact sphere. On real meshes 3 of 4 need at most 4; one in six goes round among a few vertices that
@@ -243,6 +245,62 @@ lwi_ball lwi_fit_minimal( const double* points, size_t count )
 	return (lwi_ball){ best, sqrt( best_sq ) };
 }
 
+// Balls
+
+enum
+{
+	BALL_ROUNDS = 24 ///< points on the boundary that are tried at most
+};
+
+/// The ball that reaches farthest from c: its far point, and the distance of that.
+static lw_vec3 far_point( const double* centers, const double* radii, size_t count, lw_vec3 c, double* reach )
+{
+	double most = -1.0;
+	size_t best = 0;
+	for ( size_t i = 0; i < count; ++i )
+	{
+		double d = lwi_distance( lwi_load( centers + 3 * i ), c ) + radii[i];
+		if ( d > most )
+		{
+			most = d;
+			best = i;
+		}
+	}
+	*reach = most;
+	lw_vec3 p = lwi_load( centers + 3 * best ), d = lwi_sub( p, c );
+	double length = lwi_length( d );
+	return length > 0.0 ? lwi_add_scaled( p, radii[best] / length, d ) : lwi_v3( p.x + radii[best], p.y, p.z );
+}
+
+/// Core sets (Badoiu, Clarkson, "Smaller core-sets for balls", 2003): the smallest sphere of the far points met so far has at
+/// most the radius sought; its far point is added until it is hardly outside. The best centre is kept.
+lwi_ball lwi_fit_balls( const double* centers, const double* radii, size_t count )
+{
+	double core[3 * BALL_ROUNDS];
+	lw_vec3 c = lwi_load( centers );
+	lwi_ball best = { c, INFINITY };
+	for ( size_t n = 0; n < BALL_ROUNDS; ++n )
+	{
+		double reach;
+		lw_vec3 far = far_point( centers, radii, count, c, &reach );
+		if ( reach < best.radius )
+		{
+			best = (lwi_ball){ c, reach };
+		}
+		core[3 * n] = far.x;
+		core[3 * n + 1] = far.y;
+		core[3 * n + 2] = far.z;
+		lwi_ball around = lwi_fit_minimal( core, n + 1 );
+		if ( n > 0 && best.radius <= around.radius * 1.001 )
+		{
+			break;
+		}
+		// one far point: halfway to the other side of the farthest ball is better than on its boundary
+		c = n == 0 ? lwi_add_scaled( c, 0.5, lwi_sub( far, c ) ) : around.center;
+	}
+	return best;
+}
+
 // Certificates
 
 /// Rounding of the distances below, u = 2^-53: each difference u, doubled by the square, product u, two sums 2u, all halved
@@ -271,6 +329,21 @@ void lwi_ball_around_points( lw_vec3 center, const double* points, size_t count,
 	sphere[1] = cy;
 	sphere[2] = cz;
 	sphere[3] = lwi_round_up( sqrt( largest_sq ) * DISTANCE_FACTOR + DISTANCE_UNDERFLOW + slack );
+}
+
+void lwi_ball_around_balls( lw_vec3 center, const double* centers, const double* radii, size_t count, double radius,
+	double slack, float sphere[4] )
+{
+	float c[3] = { (float)center.x, (float)center.y, (float)center.z };
+	double largest = 0.0;
+	for ( size_t i = 0; i < count; ++i )
+	{
+		double x = centers[3 * i] - (double)c[0], y = centers[3 * i + 1] - (double)c[1], z = centers[3 * i + 2] - (double)c[2];
+		double reach = sqrt( x * x + y * y + z * z ) + ( radii != NULL ? radii[i] : radius );
+		largest = reach > largest ? reach : largest;
+	}
+	memcpy( sphere, c, sizeof( c ) );
+	sphere[3] = lwi_round_up( largest * DISTANCE_FACTOR + DISTANCE_UNDERFLOW + slack );
 }
 
 void lwi_ball_around_spheres( lw_vec3 center, const float ( *spheres )[4], size_t count, float sphere[4] )

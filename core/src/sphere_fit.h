@@ -22,9 +22,18 @@ lwi_ball lwi_fit_compact( const double* points, size_t count );
 /// Smallest enclosing sphere of `count` >= 1 points [count][3]. Exact up to rounding. Cost: O(count), a few passes.
 lwi_ball lwi_fit_minimal( const double* points, size_t count );
 
+/// A small enclosing sphere of `count` >= 1 balls: centres [count][3], radii [count]. Within 0.1 % of the smallest as a rule.
+/// Cost: O(count), a few passes.
+lwi_ball lwi_fit_balls( const double* centers, const double* radii, size_t count );
+
 /// Writes the float sphere (x, y, z, r) about the rounded `center` that contains all points [count][3] *and* all points
 /// rounded to float, the radius rounded outward. @param slack metres added, for the error of the points themselves
 void lwi_ball_around_points( lw_vec3 center, const double* points, size_t count, double slack, float sphere[4] );
+
+/// The same around balls: radii [count], or NULL if all have `radius`. Balls whose centres are rounded to float are not
+/// contained, which no query needs: their rounding is part of LWI_GAP_SLACK.
+void lwi_ball_around_balls( lw_vec3 center, const double* centers, const double* radii, size_t count, double radius,
+	double slack, float sphere[4] );
 
 /// The same around float spheres [count][4].
 void lwi_ball_around_spheres( lw_vec3 center, const float ( *spheres )[4], size_t count, float sphere[4] );

@@ -18,11 +18,12 @@
 
 enum
 {
-	BIN_COUNT = 32,  ///< bins per axis of large ranges
-	SWEEP_COUNT = 96 ///< ranges up to this many items are sorted and every split is tried
+	BIN_COUNT = 32,   ///< bins per axis of large ranges
+	SWEEP_COUNT = 96, ///< ranges up to this many items are sorted and every split is tried
+	CORNER_COUNT = 64 ///< ranges up to this many boxes are fitted by their corners, larger ones by the balls around them
 };
 
-/// A triangle or tile on its way into a leaf. The box is only used to choose splits, so float will do.
+/// A triangle, tile, ball or box on its way into a leaf. The box is only used to choose splits, so float will do.
 typedef struct item
 {
 	float lo[3], hi[3];
@@ -48,9 +49,11 @@ typedef struct builder
 	lw_sphere_fit fit;
 	size_t leaf_size;
 	item* items;      ///< [item_count]
-	uint32_t* stamp;  ///< [point_count] last gathering that met the point
+	uint32_t* stamp;  ///< [point_count] last gathering that met the point; of triangles
 	uint32_t gathering;
-	double* gathered; ///< [point_count][3]
+	double* gathered;       ///< [gather_capacity][3]
+	double* gathered_radii; ///< [gather_capacity] of balls with radii and of boxes
+	size_t gather_capacity;
 	lwi_tree tree;
 	size_t node_capacity, leaf_capacity;
 	bool out_of_memory;
@@ -346,8 +349,8 @@ static size_t split_binned( builder* b, size_t begin, size_t end )
 
 // Spheres
 
-/// Distinct points of the items of a range, into b->gathered.
-static size_t gather( builder* b, size_t begin, size_t end )
+/// Distinct corners of the triangles of a range, into b->gathered.
+static size_t gather_corners( builder* b, size_t begin, size_t end )
 {
 	uint32_t mark = ++b->gathering;
 	size_t count = 0;
@@ -366,11 +369,72 @@ static size_t gather( builder* b, size_t begin, size_t end )
 	return count;
 }
 
-static void fit_points( builder* b, size_t begin, size_t end, lw_sphere_fit fit, float sphere[4] )
+static size_t gather_centers( builder* b, size_t begin, size_t end )
 {
-	size_t count = gather( b, begin, end );
-	lwi_ball ball = fit == LW_FIT_COMPACT ? lwi_fit_compact( b->gathered, count ) : lwi_fit_minimal( b->gathered, count );
-	lwi_ball_around_points( ball.center, b->gathered, count, b->input->slack, sphere );
+	for ( size_t i = begin; i < end; ++i )
+	{
+		size_t index = b->items[i].index;
+		memcpy( b->gathered + 3 * ( i - begin ), b->input->points + 3 * index, 3 * sizeof( double ) );
+		if ( b->input->radii != NULL )
+		{
+			b->gathered_radii[i - begin] = b->input->radii[index];
+		}
+	}
+	return end - begin;
+}
+
+/// Corners of a few boxes, or the balls around many. Rounding: a midpoint and a half diagonal, 4u of the coordinates, which
+/// the slack of the input covers.
+static size_t gather_boxes( builder* b, size_t begin, size_t end )
+{
+	size_t count = 0;
+	for ( size_t i = begin; i < end; ++i )
+	{
+		const double* low = b->input->points + 6 * (size_t)b->items[i].index;
+		const double* high = low + 3;
+		if ( end - begin > CORNER_COUNT )
+		{
+			double half[3];
+			for ( int k = 0; k < 3; ++k )
+			{
+				half[k] = 0.5 * ( high[k] - low[k] );
+				b->gathered[3 * count + (size_t)k] = low[k] + half[k];
+			}
+			b->gathered_radii[count++] = sqrt( half[0] * half[0] + half[1] * half[1] + half[2] * half[2] );
+			continue;
+		}
+		for ( unsigned corner = 0; corner < 8; ++corner )
+		{
+			for ( unsigned k = 0; k < 3; ++k )
+			{
+				b->gathered[3 * count + k] = ( corner >> k & 1u ) != 0 ? high[k] : low[k];
+			}
+			b->gathered_radii[count++] = 0.0;
+		}
+	}
+	return count;
+}
+
+/// The sphere of a range, straight from its geometry.
+static void fit_range( builder* b, size_t begin, size_t end, lw_sphere_fit fit, float sphere[4] )
+{
+	lwi_family family = b->input->family;
+	size_t count = family == LWI_TRIANGLES ? gather_corners( b, begin, end )
+		: family == LWI_BALLS ? gather_centers( b, begin, end )
+							  : gather_boxes( b, begin, end );
+	bool corners = family == LWI_BOXES && end - begin <= CORNER_COUNT;
+	const double* radii = b->input->radii != NULL || ( family == LWI_BOXES && !corners ) ? b->gathered_radii : NULL;
+	lwi_ball ball = radii != NULL ? lwi_fit_balls( b->gathered, radii, count )
+		: fit == LW_FIT_COMPACT ? lwi_fit_compact( b->gathered, count )
+								: lwi_fit_minimal( b->gathered, count );
+	if ( family == LWI_TRIANGLES )
+	{
+		lwi_ball_around_points( ball.center, b->gathered, count, b->input->slack, sphere );
+	}
+	else
+	{
+		lwi_ball_around_balls( ball.center, b->gathered, radii, count, b->input->radius, b->input->slack, sphere );
+	}
 }
 
 static lwi_ball ball_of( const float sphere[4] )
@@ -386,7 +450,7 @@ static void fit_leaf_greedy( builder* b, size_t begin, size_t end, float sphere[
 	size_t count = end - begin;
 	for ( size_t i = 0; i < count; ++i )
 	{
-		fit_points( b, begin + i, begin + i + 1, LW_FIT_MINIMAL, spheres[i] );
+		fit_range( b, begin + i, begin + i + 1, LW_FIT_MINIMAL, spheres[i] );
 		balls[i] = ball_of( spheres[i] );
 	}
 	for ( size_t step = 1; step < count; step *= 2 )
@@ -424,15 +488,8 @@ static void* reserve( builder* b, void* array, size_t count, size_t* capacity, s
 	return larger;
 }
 
-static lwi_ref make_leaf( builder* b, size_t begin, size_t end, float sphere[4] )
+static void fill_triangle_leaf( const builder* b, size_t begin, size_t count, lwi_leaf* leaf )
 {
-	b->tree.leaves = reserve( b, b->tree.leaves, b->tree.leaf_count, &b->leaf_capacity, sizeof( lwi_leaf ) );
-	if ( b->out_of_memory )
-	{
-		return LW_INVALID_INDEX;
-	}
-	lwi_leaf* leaf = &b->tree.leaves[b->tree.leaf_count];
-	size_t count = end - begin;
 	for ( size_t lane = 0; lane < LWI_WIDTH; ++lane )
 	{
 		uint32_t index = b->items[begin + ( lane < count ? lane : 0 )].index;
@@ -446,15 +503,82 @@ static lwi_ref make_leaf( builder* b, size_t begin, size_t end, float sphere[4] 
 		}
 		leaf->triangle[lane] = b->input->triangles != NULL ? b->input->triangles[index] : index;
 	}
+}
+
+static void fill_ball_leaf( const builder* b, size_t begin, size_t count, lwi_ball_leaf* leaf )
+{
+	for ( size_t lane = 0; lane < LWI_WIDTH; ++lane )
+	{
+		bool pad = lane >= count;
+		size_t index = pad ? 0 : b->items[begin + lane].index;
+		const double* p = b->input->points + 3 * index;
+		leaf->x[lane] = pad ? 0.0f : (float)p[0];
+		leaf->y[lane] = pad ? 0.0f : (float)p[1];
+		leaf->z[lane] = pad ? 0.0f : (float)p[2];
+		leaf->r[lane] = pad ? -INFINITY : lwi_round_up( b->input->radii != NULL ? b->input->radii[index] : b->input->radius );
+		leaf->child[lane] = pad ? LW_INVALID_INDEX : (uint32_t)index;
+	}
+}
+
+static void fill_box_leaf( const builder* b, size_t begin, size_t count, lwi_box_leaf* leaf )
+{
+	for ( size_t lane = 0; lane < LWI_WIDTH; ++lane )
+	{
+		bool pad = lane >= count;
+		size_t index = b->items[begin + ( pad ? 0 : lane )].index;
+		const double* p = b->input->points + 6 * index;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			leaf->boxes.min[axis][lane] = pad ? INFINITY : lwi_round_down( p[axis] );
+			leaf->boxes.max[axis][lane] = pad ? -INFINITY : lwi_round_up( p[3 + axis] );
+		}
+		leaf->box[lane] = (uint32_t)index;
+	}
+}
+
+static lwi_ref make_leaf( builder* b, size_t begin, size_t end, float sphere[4] )
+{
+	lwi_tree* t = &b->tree;
+	size_t count = end - begin;
+	switch ( b->input->family )
+	{
+	case LWI_BALLS:
+		t->ball_leaves = reserve( b, t->ball_leaves, t->leaf_count, &b->leaf_capacity, sizeof( lwi_ball_leaf ) );
+		break;
+	case LWI_BOXES:
+		t->box_leaves = reserve( b, t->box_leaves, t->leaf_count, &b->leaf_capacity, sizeof( lwi_box_leaf ) );
+		break;
+	case LWI_TRIANGLES:
+	case LWI_CONVEX:
+	case LWI_UNBOUNDED:
+		t->leaves = reserve( b, t->leaves, t->leaf_count, &b->leaf_capacity, sizeof( lwi_leaf ) );
+		break;
+	}
+	if ( b->out_of_memory )
+	{
+		return LW_INVALID_INDEX;
+	}
+	if ( t->ball_leaves != NULL )
+	{
+		fill_ball_leaf( b, begin, count, &t->ball_leaves[t->leaf_count] );
+	}
+	else if ( t->box_leaves != NULL )
+	{
+		fill_box_leaf( b, begin, count, &t->box_leaves[t->leaf_count] );
+	}
+	else
+	{
+		fill_triangle_leaf( b, begin, count, &t->leaves[t->leaf_count] );
+	}
 	if ( b->fit == LW_FIT_GREEDY )
 	{
 		fit_leaf_greedy( b, begin, end, sphere );
 	}
 	else
 	{
-		fit_points( b, begin, end, b->fit, sphere );
+		fit_range( b, begin, end, b->fit, sphere );
 	}
-	return lwi_leaf_ref( b->tree.leaf_count++, (uint32_t)count );
+	return lwi_leaf_ref( t->leaf_count++, (uint32_t)count );
 }
 
 /// The child that a node opens next, or LWI_WIDTH if none should be. Largest box first, or most items first if balanced;
@@ -572,21 +696,25 @@ static lwi_ref make_subtree( builder* b, size_t begin, size_t end, uint32_t dept
 	}
 	else
 	{
-		fit_points( b, begin, end, b->fit, sphere );
+		fit_range( b, begin, end, b->fit, sphere );
 	}
 	return node_index;
 }
 
 static void fill_items( builder* b )
 {
-	for ( size_t i = 0; i < b->input->item_count; ++i )
+	const lwi_tree_input* in = b->input;
+	for ( size_t i = 0; i < in->item_count; ++i )
 	{
 		box bounds = empty_box;
-		for ( int k = 0; k < 3; ++k )
+		size_t points = in->family == LWI_TRIANGLES ? 3 : in->family == LWI_BOXES ? 2 : 1;
+		float r = in->radii != NULL ? (float)in->radii[i] : 0.0f; // one radius for all changes no split
+		for ( size_t k = 0; k < points; ++k )
 		{
-			const double* p = b->input->points + 3 * (size_t)b->input->corners[3 * i + (size_t)k];
-			float f[3] = { (float)p[0], (float)p[1], (float)p[2] };
-			grow( &bounds, f, f );
+			const double* p = in->points + 3 * ( in->family == LWI_TRIANGLES ? (size_t)in->corners[3 * i + k] : points * i + k );
+			float low[3] = { (float)p[0] - r, (float)p[1] - r, (float)p[2] - r };
+			float high[3] = { (float)p[0] + r, (float)p[1] + r, (float)p[2] + r };
+			grow( &bounds, low, high );
 		}
 		memcpy( b->items[i].lo, bounds.lo, sizeof( bounds.lo ) );
 		memcpy( b->items[i].hi, bounds.hi, sizeof( bounds.hi ) );
@@ -614,25 +742,51 @@ static void* trim( builder* b, void* array, size_t count, size_t capacity, size_
 	return exact;
 }
 
+/// Scratch for fit_range().
+static bool reserve_scratch( builder* b )
+{
+	const lwi_tree_input* in = b->input;
+	bool triangles = in->family == LWI_TRIANGLES;
+	b->gather_capacity = triangles ? in->point_count : in->item_count;
+	if ( in->family == LWI_BOXES && b->gather_capacity < 8 * (size_t)CORNER_COUNT )
+	{
+		b->gather_capacity = 8 * (size_t)CORNER_COUNT;
+	}
+	b->items = lwi_alloc( b->allocator, in->item_count * sizeof( item ) );
+	b->gathered = lwi_alloc( b->allocator, 3 * b->gather_capacity * sizeof( double ) );
+	if ( triangles )
+	{
+		b->stamp = lwi_alloc_zero( b->allocator, in->point_count, sizeof( uint32_t ) );
+		return b->items != NULL && b->gathered != NULL && b->stamp != NULL;
+	}
+	b->gathered_radii = lwi_alloc( b->allocator, b->gather_capacity * sizeof( double ) );
+	return b->items != NULL && b->gathered != NULL && b->gathered_radii != NULL;
+}
+
+static void free_scratch( builder* b )
+{
+	lwi_free( b->allocator, b->gathered_radii, b->gather_capacity * sizeof( double ) );
+	lwi_free( b->allocator, b->stamp, b->input->point_count * sizeof( uint32_t ) );
+	lwi_free( b->allocator, b->gathered, 3 * b->gather_capacity * sizeof( double ) );
+	lwi_free( b->allocator, b->items, b->input->item_count * sizeof( item ) );
+}
+
 lw_status lwi_tree_build( const lwi_tree_input* input, const lw_tree_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lwi_tree* out )
 {
 	builder b = { .input = input, .allocator = allocator, .fit = def->fit, .leaf_size = def->leaf_size };
-	size_t gathered_size = 3 * input->point_count * sizeof( double );
-	b.items = lwi_alloc( allocator, input->item_count * sizeof( item ) );
-	b.stamp = lwi_alloc_zero( allocator, input->point_count, sizeof( uint32_t ) );
-	b.gathered = lwi_alloc( allocator, gathered_size );
-	b.out_of_memory = b.items == NULL || b.stamp == NULL || b.gathered == NULL;
+	b.out_of_memory = !reserve_scratch( &b );
 	if ( !b.out_of_memory )
 	{
 		fill_items( &b );
 		b.tree.root = make_subtree( &b, 0, input->item_count, 0, b.tree.root_sphere );
 	}
-	lwi_free( allocator, b.gathered, gathered_size );
-	lwi_free( allocator, b.stamp, input->point_count * sizeof( uint32_t ) );
-	lwi_free( allocator, b.items, input->item_count * sizeof( item ) );
-	b.tree.nodes = trim( &b, b.tree.nodes, b.tree.node_count, b.node_capacity, sizeof( lwi_node ) );
-	b.tree.leaves = trim( &b, b.tree.leaves, b.tree.leaf_count, b.leaf_capacity, sizeof( lwi_leaf ) );
+	free_scratch( &b );
+	lwi_tree* t = &b.tree;
+	t->nodes = trim( &b, t->nodes, t->node_count, b.node_capacity, sizeof( lwi_node ) );
+	t->leaves = trim( &b, t->leaves, t->leaf_count, b.leaf_capacity, sizeof( lwi_leaf ) );
+	t->ball_leaves = trim( &b, t->ball_leaves, t->leaf_count, b.leaf_capacity, sizeof( lwi_ball_leaf ) );
+	t->box_leaves = trim( &b, t->box_leaves, t->leaf_count, b.leaf_capacity, sizeof( lwi_box_leaf ) );
 	if ( b.out_of_memory )
 	{
 		// what trim() left is exact in size
@@ -648,5 +802,7 @@ void lwi_tree_free( const lw_allocator* allocator, lwi_tree* tree )
 {
 	lwi_free( allocator, tree->nodes, tree->node_count * sizeof( lwi_node ) );
 	lwi_free( allocator, tree->leaves, tree->leaf_count * sizeof( lwi_leaf ) );
+	lwi_free( allocator, tree->ball_leaves, tree->leaf_count * sizeof( lwi_ball_leaf ) );
+	lwi_free( allocator, tree->box_leaves, tree->leaf_count * sizeof( lwi_box_leaf ) );
 	memset( tree, 0, sizeof( *tree ) );
 }

@@ -5,13 +5,16 @@
 
 #include "shape_internal.h"
 
-/// What a tree is built over: triangles, or tiles of triangles.
+/// What a tree is built over: triangles or tiles of triangles, balls, or boxes.
 typedef struct lwi_tree_input
 {
-	const double* points; ///< [point_count][3], tree frame
+	lwi_family family;
+	const double* points; ///< [point_count][3], tree frame: vertices; centres of balls; least and greatest corners of boxes
 	size_t point_count;
-	const uint32_t* corners;   ///< [item_count][3] points of each item
-	const uint32_t* triangles; ///< [item_count] original triangle of each item; NULL = its own index
+	const uint32_t* corners;   ///< [item_count][3] points of each triangle or tile
+	const uint32_t* triangles; ///< [item_count] original triangle of each tile; NULL = its own index
+	const double* radii;       ///< [item_count] of balls; NULL = all have `radius`
+	double radius;
 	size_t item_count;         ///< 1 to LWI_MAX_ITEMS
 	double slack;              ///< metres: error of the points against the geometry they stand for
 } lwi_tree_input;
@@ -23,11 +26,14 @@ typedef struct lwi_tree
 	float root_sphere[4];
 	uint32_t node_count, leaf_count, depth;
 	lwi_node* nodes;  ///< [node_count], depth-first, parents before children; NULL if the root is a leaf
-	lwi_leaf* leaves; ///< [leaf_count], depth-first
+	// [leaf_count], depth-first: those of the family, the others are NULL
+	lwi_leaf* leaves;
+	lwi_ball_leaf* ball_leaves;
+	lwi_box_leaf* box_leaves;
 } lwi_tree;
 
 /// Builds a tree of at most LWI_MAX_DEPTH inner levels, whatever the input. Deterministic.
-/// Cost: O(n log n) time; about 60 temporary bytes per item and 50 per point besides the tree.
+/// Cost: O(n log n) time; about 60 temporary bytes per item and 30 per point besides the tree.
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY, *out is then zeroed and nothing is leaked
 lw_status lwi_tree_build( const lwi_tree_input* input, const lw_tree_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lwi_tree* out );

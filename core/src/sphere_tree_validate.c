@@ -3,7 +3,7 @@
 //
 // Walks the tree from the root with the spheres of all ancestors at hand. Each must contain the float triangles of the
 // leaf, and the double vertices of the original triangle where the leaf holds it whole. Tiles are checked as a cover: their
-// areas add up to that of the triangle, and each of its corners is a corner of a tile.
+// areas add up to that of the triangle, and each of its corners is a corner of a tile. Balls and boxes are in one lane each.
 #include "math_inline.h"
 #include "shape_internal.h"
 
@@ -16,7 +16,7 @@
 #define FLOAT_TOLERANCE ( 4 * LWI_U32 )
 #define FLOAT_TOLERANCE_METRES 3e-45
 
-/// What the leaves hold of one original triangle.
+/// What the leaves hold of one original triangle, ball or box.
 typedef struct coverage
 {
 	uint32_t lanes;   ///< triangles or tiles met
@@ -28,7 +28,7 @@ typedef struct coverage
 typedef struct walker
 {
 	const lw_shape* shape;
-	coverage* covered; ///< [triangle_count]
+	coverage* covered; ///< [item_count]
 	uint32_t nodes, leaves, depth;
 	const char* problem;
 	uint32_t where;
@@ -65,7 +65,7 @@ static bool check_lane( walker* w, const lwi_leaf* leaf, uint32_t lane, uint32_t
 	uint32_t triangle = leaf->triangle[lane];
 	double exact_slack = EXACT_TOLERANCE * (double)w->shape->extent;
 	double float_slack = FLOAT_TOLERANCE * (double)w->shape->extent + FLOAT_TOLERANCE_METRES;
-	if ( triangle >= w->shape->triangle_count )
+	if ( triangle >= w->shape->item_count )
 	{
 		return fail( w, where, "a leaf refers to a triangle that does not exist" );
 	}
@@ -104,6 +104,101 @@ static bool check_lane( walker* w, const lwi_leaf* leaf, uint32_t lane, uint32_t
 	return true;
 }
 
+/// Counts an item that is in one lane only.
+static bool meet_item( walker* w, uint32_t item, uint32_t where )
+{
+	if ( item >= w->shape->item_count || w->covered[item].lanes++ > 0 )
+	{
+		return fail( w, where, "a leaf refers to an item that does not exist, or is in another lane too" );
+	}
+	return true;
+}
+
+static lw_vec3 tree_point( const lw_shape* shape, size_t vertex )
+{
+	return lwi_sub( lwi_load( shape->vertices + 3 * vertex ), lwi_load( shape->origin ) );
+}
+
+static bool check_ball( walker* w, const lwi_ball_leaf* leaf, uint32_t lane, uint32_t level, uint32_t where )
+{
+	uint32_t item = leaf->child[lane];
+	if ( !meet_item( w, item, where ) )
+	{
+		return false;
+	}
+	double float_slack = FLOAT_TOLERANCE * (double)w->shape->extent + FLOAT_TOLERANCE_METRES;
+	double radius = lwi_item_radius( w->shape, item );
+	lw_vec3 center = tree_point( w->shape, item );
+	lw_vec3 rounded = lwi_v3( (double)leaf->x[lane], (double)leaf->y[lane], (double)leaf->z[lane] );
+	if ( !( lwi_distance( center, rounded ) <= float_slack ) || !( (double)leaf->r[lane] >= radius ) ||
+		 !isfinite( leaf->r[lane] ) )
+	{
+		return fail( w, where, "a leaf holds another ball than it says" );
+	}
+	double slack = EXACT_TOLERANCE * (double)w->shape->extent - radius;
+	for ( uint32_t l = 0; l <= level; ++l )
+	{
+		if ( !contains( w->spheres[l], center, slack ) )
+		{
+			return fail( w, where, "a sphere does not contain a ball under it" );
+		}
+	}
+	return true;
+}
+
+static bool check_box( walker* w, const lwi_box_leaf* leaf, uint32_t lane, uint32_t level, uint32_t where )
+{
+	uint32_t item = leaf->box[lane];
+	if ( !meet_item( w, item, where ) )
+	{
+		return false;
+	}
+	double float_slack = FLOAT_TOLERANCE * (double)w->shape->extent + FLOAT_TOLERANCE_METRES;
+	lw_vec3 low = tree_point( w->shape, 2 * (size_t)item ), high = tree_point( w->shape, 2 * (size_t)item + 1 );
+	const double bounds[2][3] = { { low.x, low.y, low.z }, { high.x, high.y, high.z } };
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		double under = bounds[0][axis] - (double)leaf->boxes.min[axis][lane];
+		double over = (double)leaf->boxes.max[axis][lane] - bounds[1][axis];
+		if ( !( under >= 0 && under <= float_slack && over >= 0 && over <= float_slack ) )
+		{
+			return fail( w, where, "a leaf holds another box than it says" );
+		}
+	}
+	for ( uint32_t i = 0; i < 8 * ( level + 1 ); ++i )
+	{
+		lw_vec3 corner = lwi_v3( bounds[i & 1u][0], bounds[i >> 1 & 1u][1], bounds[i >> 2 & 1u][2] );
+		if ( !contains( w->spheres[i / 8], corner, EXACT_TOLERANCE * (double)w->shape->extent ) )
+		{
+			return fail( w, where, "a sphere does not contain a box under it" );
+		}
+	}
+	return true;
+}
+
+static bool check_pad( walker* w, uint32_t index, uint32_t lane )
+{
+	bool neutral = true;
+	if ( w->shape->family == LWI_BALLS )
+	{
+		const lwi_ball_leaf* leaf = &w->shape->ball_leaves[index];
+		neutral = leaf->child[lane] == LW_INVALID_INDEX && leaf->r[lane] == -INFINITY && leaf->x[lane] == 0.0f &&
+				  leaf->y[lane] == 0.0f && leaf->z[lane] == 0.0f;
+	}
+	for ( int axis = 0; axis < 3 && w->shape->family == LWI_BOXES; ++axis )
+	{
+		const lwi_box_leaf* leaf = &w->shape->box_leaves[index];
+		neutral = neutral && leaf->box[lane] == leaf->box[0] && leaf->boxes.min[axis][lane] == INFINITY &&
+				  leaf->boxes.max[axis][lane] == -INFINITY;
+	}
+	for ( int k = 0; k < 9 && w->shape->family == LWI_TRIANGLES; ++k )
+	{
+		const lwi_leaf* leaf = &w->shape->leaves[index];
+		neutral = neutral && leaf->v[k / 3][k % 3][lane] == leaf->v[k / 3][k % 3][0] && leaf->triangle[lane] == leaf->triangle[0];
+	}
+	return neutral || fail( w, index, "a pad lane of a leaf is not neutral" );
+}
+
 /// @param level number of the sphere above the leaf in w->spheres
 static bool check_leaf( walker* w, lwi_ref ref, uint32_t level )
 {
@@ -113,23 +208,15 @@ static bool check_leaf( walker* w, lwi_ref ref, uint32_t level )
 		return fail( w, index, "a reference to a leaf that does not exist" );
 	}
 	++w->leaves;
-	const lwi_leaf* leaf = &w->shape->leaves[index];
 	for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
 	{
-		if ( lane < count )
+		bool valid = lane >= count ? check_pad( w, index, lane )
+			: w->shape->family == LWI_BALLS ? check_ball( w, &w->shape->ball_leaves[index], lane, level, index )
+			: w->shape->family == LWI_BOXES ? check_box( w, &w->shape->box_leaves[index], lane, level, index )
+											: check_lane( w, &w->shape->leaves[index], lane, level, index );
+		if ( !valid )
 		{
-			if ( !check_lane( w, leaf, lane, level, index ) )
-			{
-				return false;
-			}
-			continue;
-		}
-		for ( int k = 0; k < 9; ++k )
-		{
-			if ( leaf->v[k / 3][k % 3][lane] != leaf->v[k / 3][k % 3][0] || leaf->triangle[lane] != leaf->triangle[0] )
-			{
-				return fail( w, index, "a pad lane of a leaf differs from lane 0" );
-			}
+			return false;
 		}
 	}
 	return true;
@@ -179,9 +266,17 @@ static bool check_node( walker* w, lwi_ref ref, uint32_t level )
 /// Each triangle is there, whole or fully tiled.
 static bool check_coverage( walker* w )
 {
-	for ( uint32_t t = 0; t < w->shape->triangle_count; ++t )
+	for ( uint32_t t = 0; t < w->shape->item_count; ++t )
 	{
 		const coverage* c = &w->covered[t];
+		if ( w->shape->family != LWI_TRIANGLES )
+		{
+			if ( c->lanes != 1 )
+			{
+				return fail( w, t, "an item is not in the leaves" );
+			}
+			continue;
+		}
 		lw_vec3 p[3];
 		for ( int k = 0; k < 3; ++k )
 		{
@@ -211,7 +306,7 @@ lw_status lw_shape_validate( const lw_shape* shape, lw_diag* diag )
 	}
 	walker w = { .shape = shape };
 	memcpy( w.spheres[0], shape->root_sphere, sizeof( w.spheres[0] ) );
-	w.covered = lwi_alloc_zero( &shape->allocator, shape->triangle_count, sizeof( coverage ) );
+	w.covered = lwi_alloc_zero( &shape->allocator, shape->item_count, sizeof( coverage ) );
 	if ( w.covered == NULL )
 	{
 		return lwi_out_of_memory( diag, "the validation of a shape" );
@@ -221,6 +316,6 @@ lw_status lw_shape_validate( const lw_shape* shape, lw_diag* diag )
 	{
 		valid = fail( &w, LW_INVALID_INDEX, "counts or depth do not match the tree" );
 	}
-	lwi_free( &shape->allocator, w.covered, shape->triangle_count * sizeof( coverage ) );
+	lwi_free( &shape->allocator, w.covered, shape->item_count * sizeof( coverage ) );
 	return valid ? LW_OK : lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, w.where, "sphere tree: %s", w.problem );
 }

@@ -7,11 +7,11 @@
 
 enum
 {
-	LWI_WIDTH = 8,     ///< children per node, triangles per leaf, lanes of a kernel
+	LWI_WIDTH = 8,     ///< children per node, items per leaf, lanes of a kernel
 	LWI_MAX_DEPTH = 24 ///< inner levels of a tree; the builder guarantees it (8-wide, median splits as a fallback)
 };
 
-/// Reference to a subtree: bit 31 set = leaf, bits 28 to 30 = its triangle count - 1, bits 0 to 27 = leaf index.
+/// Reference to a subtree: bit 31 set = leaf, bits 28 to 30 = its item count - 1, bits 0 to 27 = leaf index.
 /// Otherwise a node index. LW_INVALID_INDEX = no child (pad lane).
 typedef uint32_t lwi_ref;
 #define LWI_LEAF_BIT 0x80000000u
@@ -34,6 +34,23 @@ typedef struct lwi_leaf
 	float v[3][3][LWI_WIDTH];     ///< [vertex][axis][lane]
 	uint32_t triangle[LWI_WIDTH]; ///< index into lw_shape.indices / 3: the original triangle
 } lwi_leaf;
+
+/// Up to 8 balls: centres in the tree frame, rounded to nearest, radii rounded up; `child` is the ball. So whatever is asked of
+/// the spheres of a node can be asked of the balls of a leaf. Pads as in a node.
+typedef lwi_node lwi_ball_leaf;
+
+/// Eight axis-aligned boxes; pads have min = +INFINITY, max = -INFINITY.
+typedef struct lwi_box8
+{
+	float min[3][LWI_WIDTH], max[3][LWI_WIDTH];
+} lwi_box8;
+
+/// Up to 8 boxes, tree frame, rounded outward. Pads repeat the number of lane 0.
+typedef struct lwi_box_leaf
+{
+	lwi_box8 boxes;
+	uint32_t box[LWI_WIDTH];
+} lwi_box_leaf;
 
 /// Index of the lowest set bit of a lane mask; mask != 0.
 static inline uint32_t lwi_lowest_bit( uint32_t mask )

@@ -111,11 +111,13 @@ Input random_input( SeededRng& rng )
 /// Everything all kernels say about one input, one after the other.
 std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 {
-	std::vector<float> out( 8 * 20, 0.0f );
+	std::vector<float> out( 8 * 22, 0.0f );
 	lwi_triangles8 a, b;
 	float limit = 0.1f * static_cast<float>( in.scale );
 	out[120] = static_cast<float>( k->sphere_gap( in.node.x, in.sphere, limit, &out[0] ) );
 	k->box_gap( &in.boxes, in.sphere, &out[8] );
+	const float corner[3] = { in.sphere[0] + in.sphere[3], in.sphere[1] + in.sphere[3], in.sphere[2] + in.sphere[3] };
+	out[160] = static_cast<float>( k->box_pair_gap( &in.boxes, in.sphere, corner, limit, &out[161] ) );
 	float direction[3][8];
 	out[121] = static_cast<float>( k->leaf_gap( &in.leaf, in.sphere, limit, &out[16], direction ) );
 	std::memcpy( &out[24], direction, sizeof( direction ) );

@@ -194,6 +194,10 @@ inline std::vector<std::pair<Vec, Vec>> edges_of( const Piece& piece )
 			edges.push_back( { p, { p.x, p.y, -p.z } } );
 		}
 	}
+	if ( edges.empty() )
+	{
+		edges.push_back( { { 0, 0, 0 }, { 0, 0, 0 } } ); // a box that is a point
+	}
 	return edges;
 }
 

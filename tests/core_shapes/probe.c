@@ -14,7 +14,7 @@ probe_shape probe_open( const lw_shape* shape )
 		.radius = shape->radius,
 		.extent = shape->extent,
 		.root = shape->root,
-		.triangle_count = shape->triangle_count,
+		.triangle_count = shape->item_count,
 		.vertices = shape->vertices,
 		.indices = shape->indices,
 		.nodes = shape->nodes,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Collision shapes: triangle meshes, point sets and primitives, each with its sphere tree.
+// Collision shapes: triangle meshes; sets of points, spheres and boxes; primitives; half-spaces and planes.
 //
-// Meshes are surfaces: a body wholly inside a closed mesh does not touch it. Primitives are solids: whatever is inside
-// one touches it. No primitive is tessellated.
+// Meshes are surfaces: a body wholly inside a closed mesh does not touch it. Everything else but the plane is solid: whatever
+// is inside touches it. No primitive is tessellated.
 #ifndef LEEWAY_SHAPE_H
 #define LEEWAY_SHAPE_H
 
@@ -23,7 +23,11 @@ typedef enum lw_shape_type
 	LW_SHAPE_SPHERE = 4,   ///< dimensions radius
 	LW_SHAPE_CYLINDER = 5, ///< dimensions radius, height; axis z, centred
 	LW_SHAPE_CAPSULE = 6,  ///< dimensions radius, height between the two cap centres; axis z, centred
-	LW_SHAPE_CONE = 7      ///< dimensions radius, height; axis z, base at -height/2, apex at +height/2
+	LW_SHAPE_CONE = 7,     ///< dimensions radius, height; axis z, base at -height/2, apex at +height/2
+	LW_SHAPE_SPHERES = 8,  ///< solid balls, each of its own radius
+	LW_SHAPE_BOXES = 9,    ///< solid boxes along the axes of the shape frame
+	LW_SHAPE_HALFSPACE = 10, ///< no dimensions: everything at z <= 0, solid
+	LW_SHAPE_PLANE = 11    ///< no dimensions: z = 0, without thickness; both sides are free
 } lw_shape_type;
 
 /// How the sphere of a tree node is fitted to the geometry under it.
@@ -79,8 +83,21 @@ LW_API lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocato
 LW_API lw_status lw_shape_create_points( const double* points, uint32_t point_count, double radius, const lw_tree_def* tree,
 	const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape );
 
-/// A solid primitive (BOX, SPHERE, CYLINDER, CAPSULE, CONE).
-/// @param dimensions as listed at lw_shape_type; each finite and > 0 (a capsule's height may be 0)
+/// A set of solid balls of different radii: robots and objects given as spheres. Balls may overlap.
+/// @param spheres [sphere_count][4]: x, y, z, radius; metres, shape frame; radii >= 0; copied
+/// @return as lw_shape_create_mesh(); diag.index = sphere
+LW_API lw_status lw_shape_create_spheres( const double* spheres, uint32_t sphere_count, const lw_tree_def* tree,
+	const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape );
+
+/// A set of solid axis-aligned boxes: occupied cells of an octree or grid, of any sizes. Boxes may overlap.
+/// @param boxes [box_count][6]: least x, y, z, greatest x, y, z; metres, shape frame; least <= greatest; copied
+/// @return as lw_shape_create_mesh(); diag.index = box
+LW_API lw_status lw_shape_create_boxes( const double* boxes, uint32_t box_count, const lw_tree_def* tree,
+	const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape );
+
+/// A solid primitive (BOX, SPHERE, CYLINDER, CAPSULE, CONE), a HALFSPACE or a PLANE. The last two have no bounds: box and
+/// sphere of lw_shape_info are infinite. They may be obstacles, not parts of a robot.
+/// @param dimensions as listed at lw_shape_type; each finite and > 0 (a capsule's height may be 0); NULL if there are none
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (type), LW_ERROR_BAD_GEOMETRY (index = dimension) or LW_ERROR_OUT_OF_MEMORY
 LW_API lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions[3], const lw_allocator* allocator,
 	lw_diag* diag, lw_shape** out_shape );
@@ -124,8 +141,8 @@ LW_API void lw_shape_release( lw_shape* shape );           ///< drops a referenc
 typedef struct lw_shape_info
 {
 	lw_shape_type type;
-	uint32_t vertex_count;     ///< after welding
-	uint32_t triangle_count;   ///< 0 for primitives and points
+	uint32_t vertex_count;     ///< of a mesh after welding; points; centres of spheres; corners of boxes, two each; else 0
+	uint32_t triangle_count;   ///< of a mesh, else 0
 	uint32_t degenerate_count; ///< zero-area triangles, kept
 	uint32_t node_count;       ///< wide inner nodes of the sphere tree
 	uint32_t leaf_count;
@@ -140,9 +157,11 @@ typedef struct lw_shape_info
 
 LW_API lw_shape_info lw_shape_get_info( const lw_shape* shape );
 
-/// Vertices of a mesh or point set: [vertex_count][3], owned by the shape; NULL for primitives. Makes a deferred mesh; NULL if
-/// that fails.
+/// Vertices of a mesh or point set, centres of spheres, least and greatest corners of boxes: [vertex_count][3], owned by the
+/// shape; NULL for primitives. Makes a deferred mesh; NULL if that fails.
 LW_API const double* lw_shape_vertices( const lw_shape* shape );
+/// Radii of LW_SHAPE_SPHERES: [vertex_count], owned by the shape; NULL for others.
+LW_API const double* lw_shape_radii( const lw_shape* shape );
 /// Triangles of a mesh: [triangle_count][3], owned by the shape; NULL for others. Makes a deferred mesh; NULL if that fails.
 LW_API const uint32_t* lw_shape_triangles( const lw_shape* shape );
 

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search of one pair of shapes, as its three files share it: traversal (distance_query.c), leaves against leaves
+// (distance_leaves.c), what is measured in double (distance_measure.c).
+#ifndef LEEWAY_DISTANCE_INTERNAL_H
+#define LEEWAY_DISTANCE_INTERNAL_H
+
+#include "convex.h"
+#include "math_inline.h"
+#include "query_internal.h"
+
+#include <string.h>
+
+/// What a search of one pair needs at hand.
+typedef struct lwi_searching
+{
+	lw_query* query;
+	const lwi_kernels* kernels;
+	const lw_shape* a;
+	const lw_shape* b;
+	const lw_transform* a_from_b; ///< shape frames, double
+	lwi_motion tree_a_from_b, tree_b_from_a;
+	lwi_bound* bound;
+	double radii; ///< dilation that the trees do not contain: of capsules
+	double slack; ///< metres: what a float gap may be too large by
+	double error; ///< metres: what a distance in double may be off by
+	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
+} lwi_searching;
+
+static inline void lwi_update_limit( lwi_searching* s )
+{
+	s->limit = lwi_round_up( s->bound->prune + s->radii + s->slack );
+}
+
+static inline void lwi_move_center( const lwi_motion* m, const float p[3], float out[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		out[i] = m->r[3 * i] * p[0] + m->r[3 * i + 1] * p[1] + m->r[3 * i + 2] * p[2] + m->t[i];
+	}
+}
+
+/// The sphere of a in b's frame, from the cache where it is there.
+static inline void lwi_sphere_a_in_b( lwi_searching* s, lwi_entry* e, float sphere[4] )
+{
+	if ( e->cached != LWI_CACHED_A_IN_B || !s->query->def.transform_caching )
+	{
+		lwi_move_center( &s->tree_b_from_a, e->center_a, e->moved );
+		e->cached = LWI_CACHED_A_IN_B;
+		s->query->stats.center_transforms++;
+	}
+	memcpy( sphere, e->moved, 3 * sizeof( float ) );
+	sphere[3] = e->radius_a;
+}
+
+static inline void lwi_sphere_b_in_a( lwi_searching* s, lwi_entry* e, float sphere[4] )
+{
+	if ( e->cached != LWI_CACHED_B_IN_A || !s->query->def.transform_caching )
+	{
+		lwi_move_center( &s->tree_a_from_b, e->center_b, e->moved );
+		e->cached = LWI_CACHED_B_IN_A;
+		s->query->stats.center_transforms++;
+	}
+	memcpy( sphere, e->moved, 3 * sizeof( float ) );
+	sphere[3] = e->radius_b;
+}
+
+/// The lanes of a mask in ascending order of gap. Returns their count.
+static inline uint32_t lwi_sorted_lanes( const float gap[LWI_WIDTH], uint32_t mask, uint32_t lanes[LWI_WIDTH] )
+{
+	uint32_t count = 0;
+	for ( ; mask != 0; mask &= mask - 1 )
+	{
+		uint32_t lane = lwi_lowest_bit( mask );
+		uint32_t at = count++;
+		while ( at > 0 && gap[lanes[at - 1]] > gap[lane] )
+		{
+			lanes[at] = lanes[at - 1];
+			--at;
+		}
+		lanes[at] = lane;
+	}
+	return count;
+}
+
+// --- distance_measure.c ----------------------------------------------------------------------------------------------
+
+/// Measures one item of a against one of b in double and offers the result. LW_INVALID_INDEX for shapes without items.
+void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
+
+/// A box, cylinder or cone as the convex routine wants it.
+lwi_convex lwi_convex_of_solid( const lw_shape* shape );
+
+// --- distance_leaves.c -----------------------------------------------------------------------------------------------
+
+/// Items of a leaf that a sphere (the leaf's tree frame) does not rule out: lanes, with their gaps.
+/// @param direction of triangles: see kernels.h; not written for others
+uint32_t lwi_leaf_mask( const lwi_searching* s, const lw_shape* shape, lwi_ref leaf, const float sphere[4],
+	float gap[LWI_WIDTH], float direction[3][LWI_WIDTH] );
+
+/// The original item of a lane.
+uint32_t lwi_leaf_item( const lw_shape* shape, lwi_ref leaf, uint32_t lane );
+
+/// The spheres around the boxes of a leaf, as a node: eight lanes, pads of no meaning.
+void lwi_box_leaf_spheres( const lwi_box_leaf* leaf, lwi_node* spheres );
+
+/// All pairs of items of two leaves; triangle pairs may wait in the query's batch.
+void lwi_compare_leaves( lwi_searching* s, lwi_entry* e );
+
+/// Filters the waiting triangle pairs and measures what is left, most promising first.
+void lwi_flush_batch( lwi_searching* s );
+
+#endif
