@@ -75,6 +75,29 @@ double farthest( Direction n, const double* points, std::size_t count )
 	return best;
 }
 
+double farthestBall( Direction n, const double* centers, const double* radii, std::uint32_t count )
+{
+	double best = -INFINITY;
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		const double* p = centers + 3 * i;
+		best = std::max( best, n.x * p[0] + n.y * p[1] + n.z * p[2] + radii[i] * std::hypot( n.x, n.y, n.z ) );
+	}
+	return best;
+}
+
+double farthestBox( Direction n, const double* corners, std::uint32_t count )
+{
+	double best = -INFINITY;
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		const double *low = corners + 6 * i, *high = low + 3;
+		best = std::max( best, std::max( n.x * low[0], n.x * high[0] ) + std::max( n.y * low[1], n.y * high[1] ) +
+								   std::max( n.z * low[2], n.z * high[2] ) );
+	}
+	return best;
+}
+
 /// How far a shape reaches in direction n of its own frame.
 double support( const lw_shape* shape, Direction n )
 {
@@ -97,6 +120,14 @@ double support( const lw_shape* shape, Direction n )
 			return d[0] * length + std::abs( n.z ) * d[1] / 2;
 		case LW_SHAPE_CONE:
 			return std::max( n.z * d[1] / 2, d[0] * flat - n.z * d[1] / 2 );
+		case LW_SHAPE_BOXES:
+
+			return farthestBox( n, lw_shape_vertices( shape ), info.vertex_count / 2 );
+		case LW_SHAPE_SPHERES:
+			return farthestBall( n, lw_shape_vertices( shape ), lw_shape_radii( shape ), info.vertex_count );
+		case LW_SHAPE_HALFSPACE:
+		case LW_SHAPE_PLANE:
+			break; // robots have none
 	}
 	return INFINITY;
 }

@@ -331,7 +331,9 @@ static double box_distance( const lw_scene_shape_def* obstacle, const ball* b )
 	{
 		double outside = fmax( 0, fmax( shape->box_min[k] - at[k], at[k] - shape->box_max[k] ) );
 		sum_sq += outside * outside;
-		size += fabs( shape->box_min[k] ) + fabs( shape->box_max[k] );
+		// the box of a half-space or plane is infinite in its frame, and so exact
+		size += shape->box_min[k] > -INFINITY ? fabs( shape->box_min[k] ) : 0;
+		size += shape->box_max[k] < INFINITY ? fabs( shape->box_max[k] ) : 0;
 	}
 	return sqrt( sum_sq ) - b->r - rounding * size;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What becomes a result: items measured in double from the original geometry.
+#include "convex_internal.h"
 #include "distance_internal.h"
 #include "tri_tri.h"
 
@@ -72,6 +73,10 @@ static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_
 lwi_convex lwi_convex_of_solid( const lw_shape* shape )
 {
 	lwi_convex convex = { .type = LWI_CONVEX_BOX };
+	if ( shape->family == LWI_UNBOUNDED )
+	{
+		return convex; // no size
+	}
 	if ( shape->type == LW_SHAPE_BOX )
 	{
 		for ( int i = 0; i < 3; ++i )
@@ -128,11 +133,108 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	offer( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a, item_b );
 }
 
+/// Points of a piece that are lowest and highest above a plane.
+typedef struct span
+{
+	double low, high;
+	lw_vec3 lowest, highest;
+} span;
+
+static void widen( span* s, double z, lw_vec3 p )
+{
+	if ( z < s->low )
+	{
+		s->low = z;
+		s->lowest = p;
+	}
+	if ( z > s->high )
+	{
+		s->high = z;
+		s->highest = p;
+	}
+}
+
+/// @param n, on_plane normal and a point of the plane in the frame of the piece
+/// Corners one by one; of solids only the two that the support function names.
+static span span_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, lw_vec3 on_plane )
+{
+	span s = { INFINITY, -INFINITY, { 0, 0, 0 }, { 0, 0, 0 } };
+	if ( shape->family == LWI_CONVEX )
+	{
+		lwi_convex solid = lwi_convex_of_solid( shape );
+		lwi_piece piece = { .type = solid.type, .size = { solid.size[0], solid.size[1], solid.size[2] } };
+		for ( int sign = -1; sign <= 1; sign += 2 )
+		{
+			lw_vec3 p = lwi_piece_support( &piece, lwi_scale( sign, n ) );
+			widen( &s, lwi_dot( n, lwi_sub( p, on_plane ) ), p );
+		}
+		return s;
+	}
+	lw_vec3 corners[8];
+	int count = shape->family == LWI_BOXES ? 8 : shape->family == LWI_BALLS ? 1 : 3;
+	if ( shape->family == LWI_BOXES )
+	{
+		for ( unsigned i = 0; i < 8; ++i )
+		{
+			corners[i] = lwi_hull_point( shape, 8 * (size_t)item + i );
+		}
+	}
+	else
+	{
+		load_corners( shape, item, corners );
+	}
+	for ( int i = 0; i < count; ++i )
+	{
+		widen( &s, lwi_dot( n, lwi_sub( corners[i], on_plane ) ), corners[i] );
+	}
+	return s;
+}
+
+/// A half-space or plane and an item of the other shape. A convex piece and a plane are nearest at an extreme point of the
+/// piece: z is linear, so its least and greatest values are attained at corners, and if they have opposite signs, the piece
+/// being connected, it is 0 somewhere: on the straight line between them.
+static void measure_unbounded( lwi_searching* s, uint32_t item_a, uint32_t item_b )
+{
+	bool plane_is_a = s->a->family == LWI_UNBOUNDED;
+	const lw_shape* plane = plane_is_a ? s->a : s->b;
+	const lw_transform* m = s->a_from_b;
+	// normal and a point of the plane in the other's frame
+	lw_vec3 n = plane_is_a ? lwi_load( m->r[2] ) : lwi_v3( m->r[0][2], m->r[1][2], m->r[2][2] );
+	lw_vec3 on_plane = plane_is_a ? lwi_unrotate( m, lwi_scale( -1, lwi_load( m->t ) ) ) : lwi_load( m->t );
+	span z = span_of_item( plane_is_a ? s->b : s->a, plane_is_a ? item_b : item_a, n, on_plane );
+	bool two_sided = plane->type == LW_SHAPE_PLANE;
+	double height = z.low;
+	lw_vec3 p = z.lowest;
+	if ( two_sided && z.low < 0 && z.high > 0 )
+	{
+		p = lwi_add_scaled( z.lowest, -z.low / ( z.high - z.low ), lwi_sub( z.highest, z.lowest ) );
+		height = 0;
+	}
+	else if ( two_sided && z.high <= 0 )
+	{
+		p = z.highest;
+		height = z.high;
+	}
+	height = two_sided || height > 0 ? height : 0;
+	lw_vec3 q = lwi_add_scaled( p, -height, n );
+	if ( plane_is_a )
+	{
+		p = lwi_transform( m, p );
+		q = height != 0 ? lwi_transform( m, q ) : p;
+	}
+	double distance = fabs( height );
+	offer( s, distance - s->error, distance, plane_is_a ? q : p, plane_is_a ? p : q, item_a, item_b );
+}
+
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
 	lwi_family a = s->a->family, b = s->b->family;
 	s->query->stats.exact_tests++;
-	if ( a == LWI_BALLS && b == LWI_BALLS )
+	if ( a == LWI_UNBOUNDED || b == LWI_UNBOUNDED )
+	{
+		measure_unbounded( s, item_a, item_b );
+	}
+	else if ( a == LWI_BALLS && b == LWI_BALLS )
 	{
 		measure_balls( s, item_a, item_b );
 	}

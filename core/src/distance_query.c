@@ -258,6 +258,10 @@ static double max_abs3( const double v[3] )
 /// Reach of the geometry about the tree's origin, or about the shape's if it is solid.
 static double extent_of( const lw_shape* shape )
 {
+	if ( shape->family == LWI_UNBOUNDED )
+	{
+		return 0; // distances from it are those of the other's points along its normal
+	}
 	return shape->solid ? shape->sphere_radius + max_abs3( shape->sphere_center ) : (double)shape->extent;
 }
 
@@ -410,6 +414,10 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 		 !lwi_range_is_valid( &wanted ) || !lw_transform_is_valid( world_from_a ) || !lw_transform_is_valid( world_from_b ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	if ( a->family == LWI_UNBOUNDED && b->family == LWI_UNBOUNDED )
+	{
+		return LW_ERROR_UNSUPPORTED;
 	}
 	lw_transform pose_a = lwi_orthonormal( world_from_a ), pose_b = lwi_orthonormal( world_from_b );
 	lw_transform a_from_b = lwi_relative( &pose_a, &pose_b );

@@ -29,7 +29,8 @@ typedef struct lwi_motion
 	float r[9], t[3];
 } lwi_motion;
 
-/// A solid primitive for the filters: lw_shape_type and half sizes (box), radius and half height (cylinder, cone).
+/// A solid primitive for the filters: lw_shape_type and half sizes (box), radius and half height (cylinder, cone); nothing
+/// (half-space, plane).
 typedef struct lwi_solid
 {
 	lw_shape_type type;

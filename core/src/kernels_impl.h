@@ -222,11 +222,15 @@ static uint32_t triangle_gap( lwi_triangles8 a_in, lwi_triangles8 b_in, float li
 	return store_gap( gap, best, limit );
 }
 
-/// Distance of points in the solid's frame to the solid.
+/// Distance of points in the solid's frame to the solid; of a half-space less than 0 inside.
 static inline f8 solid_distance( v3 p, const lwi_solid* solid )
 {
 	f8 zero = f8_set( 0.0f );
 	f8 sx = f8_set( solid->size[0] ), sy = f8_set( solid->size[1] ), sz = f8_set( solid->size[2] );
+	if ( solid->type == LW_SHAPE_HALFSPACE || solid->type == LW_SHAPE_PLANE )
+	{
+		return solid->type == LW_SHAPE_PLANE ? f8_abs( p.z ) : p.z;
+	}
 	if ( solid->type == LW_SHAPE_BOX )
 	{
 		f8 x = f8_max( f8_sub( f8_abs( p.x ), sx ), zero );
@@ -270,6 +274,13 @@ static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, 
 	float gap[LWI_WIDTH] )
 {
 	v3 v0 = v3_load( leaf->v[0] ), v1 = v3_load( leaf->v[1] ), v2 = v3_load( leaf->v[2] );
+	if ( solid->type == LW_SHAPE_HALFSPACE || solid->type == LW_SHAPE_PLANE )
+	{
+		f8 z0 = v3_move( motion, v0 ).z, z1 = v3_move( motion, v1 ).z, z2 = v3_move( motion, v2 ).z;
+		f8 above = f8_min( f8_min( z0, z1 ), z2 );
+		f8 below = f8_sub( f8_set( 0.0f ), f8_max( f8_max( z0, z1 ), z2 ) );
+		return store_gap( gap, solid->type == LW_SHAPE_PLANE ? f8_max( above, below ) : above, limit );
+	}
 	v3 center = v3_mul( f8_set( 1.0f / 3.0f ), v3_add( v3_add( v0, v1 ), v2 ) );
 	v3 d0 = v3_sub( v0, center ), d1 = v3_sub( v1, center ), d2 = v3_sub( v2, center );
 	f8 radius = f8_sqrt( f8_max( f8_max( v3_dot( d0, d0 ), v3_dot( d1, d1 ) ), v3_dot( d2, d2 ) ) );

@@ -29,6 +29,15 @@ void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape,
 		box_max[i] = -INFINITY;
 	}
 	shape = lwi_shape_now( shape );
+	if ( shape->family == LWI_UNBOUNDED )
+	{
+		for ( int i = 0; i < 3; ++i )
+		{
+			box_min[i] = -INFINITY;
+			box_max[i] = INFINITY;
+		}
+		return;
+	}
 	size_t count = lwi_hull_count( shape );
 	double largest = 0;
 	for ( size_t k = 0; k < count; ++k )
@@ -75,6 +84,7 @@ static void scene_free( lw_scene* scene )
 	lwi_free( &allocator, scene->boxes, scene->block_count * sizeof( lwi_box8 ) );
 	lwi_free( &allocator, scene->box_min, scene->shape_count * sizeof( double[3] ) );
 	lwi_free( &allocator, scene->box_max, scene->shape_count * sizeof( double[3] ) );
+	lwi_free( &allocator, scene->unbounded, scene->shape_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, scene, sizeof( lw_scene ) );
 }
 
@@ -119,13 +129,18 @@ static void compute_bounds( lw_scene* scene )
 	for ( uint32_t i = 0; i < scene->shape_count; ++i )
 	{
 		lwi_world_box( scene->shapes[i].shape, &scene->shapes[i].world_from_shape, scene->box_min[i], scene->box_max[i] );
+		if ( scene->shapes[i].shape->family == LWI_UNBOUNDED )
+		{
+			scene->unbounded[scene->unbounded_count++] = i;
+			continue;
+		}
 		for ( int axis = 0; axis < 3; ++axis )
 		{
 			all_min[axis] = fmin( all_min[axis], scene->box_min[i][axis] );
 			all_max[axis] = fmax( all_max[axis], scene->box_max[i][axis] );
 		}
 	}
-	for ( int axis = 0; axis < 3 && scene->shape_count > 0; ++axis )
+	for ( int axis = 0; axis < 3 && scene->shape_count > scene->unbounded_count; ++axis )
 	{
 		scene->origin[axis] = 0.5 * all_min[axis] + 0.5 * all_max[axis];
 		scene->extent = fmax( scene->extent, all_max[axis] - all_min[axis] );
@@ -175,10 +190,11 @@ lw_status lw_scene_create( const lw_scene_def* def, const lw_allocator* allocato
 	scene->boxes = lwi_alloc_zero( &allocator, scene->block_count, sizeof( lwi_box8 ) );
 	scene->box_min = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( double[3] ) );
 	scene->box_max = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( double[3] ) );
+	scene->unbounded = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( uint32_t ) );
 	bool ok = scene->object_names != NULL && scene->shapes != NULL && scene->boxes != NULL && scene->box_min != NULL &&
-			  scene->box_max != NULL;
+			  scene->box_max != NULL && scene->unbounded != NULL;
 	scene->bytes = sizeof( lw_scene ) + scene->block_count * sizeof( lwi_box8 ) +
-				   scene->shape_count * ( sizeof( lw_scene_shape_def ) + 2 * sizeof( double[3] ) );
+				   scene->shape_count * ( sizeof( lw_scene_shape_def ) + 2 * sizeof( double[3] ) + sizeof( uint32_t ) );
 	for ( uint32_t i = 0; ok && i < def->object_count; ++i )
 	{
 		scene->object_names[i] = lwi_string_copy( &allocator, def->object_names[i] );
@@ -254,6 +270,21 @@ lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index )
 	return index < scene->shape_count ? scene->shapes[index] : none;
 }
 
+/// Distance of a sphere to a half-space or plane, rounded down: boxes say nothing of these. Rounding: three differences,
+/// products and sums, and a normal that is of unit length to 8 roundoffs.
+static float unbounded_gap( const lw_scene_shape_def* obstacle, const double center[3], double radius )
+{
+	const lw_transform* m = &obstacle->world_from_shape;
+	double z = 0, size = radius;
+	for ( int i = 0; i < 3; ++i )
+	{
+		z += ( center[i] - m->t[i] ) * m->r[i][2];
+		size += fabs( center[i] ) + fabs( m->t[i] );
+	}
+	double gap = obstacle->shape->type == LW_SHAPE_PLANE ? fabs( z ) - radius : z - radius;
+	return lwi_round_down( gap - 32 * LWI_U64 * size );
+}
+
 double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
 	float* gaps )
 {
@@ -269,6 +300,10 @@ double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels
 	for ( uint32_t block = 0; block < blocks; ++block )
 	{
 		kernels->box_gap( &scene->boxes[block], sphere, gaps + block * LWI_WIDTH );
+	}
+	for ( uint32_t i = 0; i < scene->unbounded_count && scene->unbounded[i] < blocks * LWI_WIDTH; ++i )
+	{
+		gaps[scene->unbounded[i]] = unbounded_gap( &scene->shapes[scene->unbounded[i]], center, radius );
 	}
 	// as in kernels.h; the centre is only rounded here, not moved
 	return LWI_GAP_SLACK * LWI_U32 * ( reach + scene->extent + radius );

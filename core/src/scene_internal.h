@@ -20,13 +20,15 @@ struct lw_scene
 	lwi_box8* boxes;             ///< [block_count] world bounds of the shapes, rounded outward
 	double ( *box_min )[3];      ///< [shape_count] the same in double, world
 	double ( *box_max )[3];
+	uint32_t* unbounded;         ///< [unbounded_count] half-spaces and planes, ascending: their boxes are infinite
+	uint32_t unbounded_count;
 	size_t bytes;
 };
 
 /// World box of a shape at a pose, outward by a stated rounding.
 void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] );
 
-/// Gaps of a bounding sphere (world) to the boxes of the first blocks of the scene: gaps[blocks * LWI_WIDTH], pads +INFINITY. Returns what
+/// Gaps of a bounding sphere (world) to the boxes, half-spaces and planes of the first blocks of the scene: gaps[blocks * LWI_WIDTH], pads +INFINITY. Returns what
 /// must be added to a limit before a gap may be compared with it (metres).
 double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
 	float* gaps );

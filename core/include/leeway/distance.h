@@ -88,9 +88,10 @@ LW_API void lw_query_reset_stats( lw_query* query );
 LW_API size_t lw_query_bytes( const lw_query* query );
 
 /// Distance of two shapes at given poses.
-/// @param range NULL = exact. @param out out->a and out->b are the triangles (or points) of the witnesses, LW_INVALID_INDEX
-/// for primitives
-/// @return LW_OK, or LW_ERROR_INVALID_ARGUMENT (non-finite pose, not a rotation, bad range): *out is then [0, +inf]
+/// @param range NULL = exact. @param out out->a and out->b are the triangles, points, spheres or boxes of the witnesses,
+/// LW_INVALID_INDEX for primitives
+/// @return LW_OK, or LW_ERROR_INVALID_ARGUMENT (non-finite pose, not a rotation, bad range), LW_ERROR_UNSUPPORTED (both shapes
+/// are half-spaces or planes): *out is then [0, +inf]
 /// Cost: O(k log n) sphere tests typically, O(n m) worst case. No allocation.
 /// Method: branch and bound over two sphere trees (Quinlan 1994; Steinbach et al. 2006); see core/docs/distance.md.
 LW_API lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,

@@ -42,8 +42,8 @@ LW_API uint32_t lw_scene_find_object( const lw_scene* scene, const char* name );
 LW_API lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index ); ///< the shape stays the scene's
 
 /// Distance of one shape to the scene: nearest obstacle first, one running bound.
-/// @param out out->a is the triangle of `shape` or LW_INVALID_INDEX, out->b the object
-/// @return as lw_shape_distance(); LW_ERROR_INVALID_ARGUMENT also if the query was not made for a scene of this size
+/// @param out out->a is the triangle, point, sphere or box of `shape` or LW_INVALID_INDEX, out->b the object
+/// @return as lw_shape_distance(); LW_ERROR_UNSUPPORTED if `shape` is a half-space or plane; LW_ERROR_INVALID_ARGUMENT also if the query was not made for a scene of this size
 LW_API lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const lw_transform* world_from_shape,
 	const lw_range* range, lw_query* query, lw_clearance* out );
 
