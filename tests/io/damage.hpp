@@ -32,11 +32,11 @@ template <typename F> void tryDamaged( F read, const std::string& bytes, DamageC
 	}
 }
 
-/// Every file that is the beginning of this one, in steps of at most 1 + size / 100 bytes, is refused.
+/// Every file that is the beginning of this one, in steps of at most 1 + size / 60 bytes, is refused.
 template <typename F> void expectCutsRefused( F read, const std::string& bytes, std::size_t last )
 {
 	DamageCount count;
-	for ( std::size_t size = 0; size < last; size += 1 + bytes.size() / 100 )
+	for ( std::size_t size = 0; size < last; size += 1 + bytes.size() / 60 )
 	{
 		int before = count.read;
 		tryDamaged( read, bytes.substr( 0, size ), count );
@@ -46,12 +46,12 @@ template <typename F> void expectCutsRefused( F read, const std::string& bytes, 
 	EXPECT_GT( count.refused, 10 );
 }
 
-/// One to four flipped bits in each of 150 copies.
+/// One to four flipped bits in each of 100 copies.
 template <typename F> DamageCount tryFlippedBits( F read, const std::string& bytes )
 {
 	DamageCount count;
 	SeededRng rng;
-	for ( int i = 0; i < 150; ++i )
+	for ( int i = 0; i < 100; ++i )
 	{
 		std::string damaged = bytes;
 		for ( int flips = rng.integer( 1, 4 ); flips > 0; --flips )

@@ -213,12 +213,12 @@ TEST_F( SceneTest, ShapesThatAreNone )
 
 TEST_F( SceneTest, WhatIsNotSupportedIsAnError )
 {
-	expectBadObject( "planes: [{coef: [0, 0, 1, 0]}], plane_poses: [" + pose + "]", { "planes are not supported" } );
 	expectBadObject( posed_box + ", operation: REMOVE", { "operation remove" } );
 	expectBadObject( posed_box + ", operation: 1", { "operation 1" } );
 	EXPECT_EQ( object( posed_box + ", operation: ADD, planes: []" ).objects.size(), 1u );
 	EXPECT_EQ( object( posed_box + ", operation: 0" ).objects.size(), 1u );
-	expectBad( "world: {octomap: {octomap: {id: OcTree, data: [1, 2]}}}\n", { "octomap", "not supported" } );
+	expectBad( "world: {octomap: {octomap: {id: ProjectedMap, binary: true, resolution: 1, data: [1, 2]}}}\n",
+	    { "octomap", "ProjectedMap" } );
 	EXPECT_NO_THROW( load( "world: {octomap: {octomap: {id: '', data: []}}}\n" ) );
 }
 

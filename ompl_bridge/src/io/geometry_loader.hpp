@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shapes that are neither mesh nor primitive: point clouds, octomaps, height maps, planes, sets of balls.
+// Shapes that are neither mesh nor primitive: point clouds, octomaps, planes, sets of balls.
 #pragma once
 
-#include "io_internal.hpp"
+#include "octomap_reader.hpp"
 
 namespace leeway::io::detail
 {
@@ -17,10 +17,19 @@ public:
 
 	/// @param radius metres, >= 0, of the ball around each point
 	Shape pointCloud( const Place& place, const std::string& uri, double radius );
+	/// An empty handle, with a notice, if the map has nothing that is occupied.
+	Shape octomapFile( const Place& place, const std::string& uri, const OctomapUse& use );
+	Shape octomapMessage( const Place& place, const OctomapData& data, const OctomapUse& use );
+	/// @param spheres [n][4]: x, y, z, radius
+	Shape spheres( const Place& place, const std::vector<double>& spheres );
+	/// The plane a x + b y + c z + d = 0; with `solid` all that is <= 0.
+	PlacedShape plane( const Place& place, const std::array<double, 4>& coefficients, bool solid );
 
 private:
 	std::string find( const Place& place, const char* kind, const std::string& uri ) const;
 	void notice( const Place& place, const std::string& text );
+	Shape octomap( const Place& place, const std::string& name, const std::string& file, const Stopwatch& watch,
+	    const OctomapBoxes& map );
 	/// Takes over `shape`, or says why there is none.
 	Shape adopt( const Place& place, const std::string& source, const std::string& file, const Stopwatch& watch,
 	    lw_status status, const lw_diag& diag, lw_shape* shape );

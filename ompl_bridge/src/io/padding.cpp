@@ -103,6 +103,11 @@ void requireUsable( double value, bool scale, const std::string& file, const std
 
 PlacedShape scaledMesh( const PlacedShape& placed, double scale, const std::string& file, const std::string& element )
 {
+	lw_diag diag{};
+	if ( lw_shape_complete( placed.shape.get(), &diag ) != LW_OK )
+	{
+		throw Error( file, element, fmt::format( "a mesh cannot be made: {}", diag.message ), "repair the mesh" );
+	}
 	lw_shape_info info = lw_shape_get_info( placed.shape.get() );
 	lw_mesh_def def = lw_mesh_def_default();
 	def.vertices = lw_shape_vertices( placed.shape.get() );
@@ -111,7 +116,6 @@ PlacedShape scaledMesh( const PlacedShape& placed, double scale, const std::stri
 	def.triangle_count = info.triangle_count;
 	std::fill( def.scale, def.scale + 3, scale );
 	lw_shape* shape = nullptr;
-	lw_diag diag{};
 	if ( lw_shape_create_mesh( &def, nullptr, &diag, &shape ) != LW_OK )
 	{
 		throw Error(
@@ -129,6 +133,27 @@ PlacedShape scaledMesh( const PlacedShape& placed, double scale, const std::stri
 	return { Shape::adopt( shape ), lw_transform_multiply( &placed.pose, &shift ) };
 }
 
+/// Each about its own centre, as if it were an element of its own.
+PlacedShape scaledSpheres( const PlacedShape& placed, double scale, const std::string& file, const std::string& element )
+{
+	std::vector<double> spheres;
+	const double* centres = lw_shape_vertices( placed.shape.get() );
+	const double* radii = lw_shape_radii( placed.shape.get() );
+	std::uint32_t count = lw_shape_get_info( placed.shape.get() ).vertex_count;
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		spheres.insert( spheres.end(), { centres[3 * i], centres[3 * i + 1], centres[3 * i + 2], scale * radii[i] } );
+	}
+	lw_shape* shape = nullptr;
+	lw_diag diag{};
+	if ( lw_shape_create_spheres( spheres.data(), count, nullptr, nullptr, &diag, &shape ) != LW_OK )
+	{
+		throw Error(
+		    file, element, fmt::format( "spheres cannot be scaled by {}: {}", scale, diag.message ), "change the scale" );
+	}
+	return { Shape::adopt( shape ), placed.pose };
+}
+
 PlacedShape scaledShape( const PlacedShape& placed, double scale, const std::string& file, const std::string& element )
 {
 	lw_shape_info info = lw_shape_get_info( placed.shape.get() );
@@ -136,6 +161,8 @@ PlacedShape scaledShape( const PlacedShape& placed, double scale, const std::str
 	{
 	case LW_SHAPE_MESH:
 		return scaledMesh( placed, scale, file, element );
+	case LW_SHAPE_SPHERES:
+		return scaledSpheres( placed, scale, file, element );
 	case LW_SHAPE_BOX:
 	case LW_SHAPE_SPHERE:
 	case LW_SHAPE_CYLINDER:

@@ -43,15 +43,25 @@ public:
 private:
 	void checkTop() const;
 	void readObjects();
-	SceneObject readObject( const YamlNode& node, bool may_be_empty );
-	void readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, SceneObject& out );
-	PlacedShape readPlaced( const YamlNode& shape, const YamlNode& poses, std::size_t index,
-	    const lw_transform& frame_from_object, bool mesh, const std::string& owner );
+	SceneObject readObject( const YamlNode& node );
+	enum class Kind
+	{
+		primitive,
+		mesh,
+		plane
+	};
+	void readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, Kind kind, SceneObject& out );
+	PlacedShape readShape( const YamlNode& shape, Kind kind, const std::string& owner );
+	PlacedShape readPlane( const YamlNode& node, const std::string& owner );
 	Shape readPrimitive( const YamlNode& node, const std::string& owner );
 	Shape readMesh( const YamlNode& node, const std::string& owner );
 	TriangleSoup readInlineMesh( const YamlNode& node ) const;
 	void readOtherShapes( const YamlNode& object, SceneObject& out );
 	Shape readOtherShape( const YamlNode& node, const std::string& owner );
+	Shape readCloud( const YamlNode& node, const std::string& owner );
+	Shape readOctomapShape( const YamlNode& node, const std::string& owner );
+	Shape readSpheres( const YamlNode& node, const std::string& owner );
+	void readOctomapMessage();
 	void readArticulations();
 	void readAttached( const YamlNode& state );
 	void readMatrix();
@@ -87,12 +97,6 @@ void SceneReader::checkTop() const
 	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms",
 	    "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff" } );
 	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap", "leeway_articulations" } );
-	YamlNode octomap = m_root["world"]["octomap"];
-	if ( octomap["octomap"]["data"].size() > 0 )
-	{
-		octomap.fail( "octomaps are not supported", "give the obstacles as collision_objects" );
-	}
-	octomap.noticeUnknownKeys( { "header", "origin", "octomap" } );
 }
 
 Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner )
@@ -184,17 +188,31 @@ Shape SceneReader::readMesh( const YamlNode& node, const std::string& owner )
 	return m_shapes.mesh( place( node, owner ), resource.text(), scale );
 }
 
-PlacedShape SceneReader::readPlaced( const YamlNode& shape, const YamlNode& poses, std::size_t index,
-    const lw_transform& frame_from_object, bool mesh, const std::string& owner )
+/// shape_msgs/Plane: a x + b y + c z + d = 0. It has no inside; leeway_solid makes everything behind it solid.
+PlacedShape SceneReader::readPlane( const YamlNode& node, const std::string& owner )
 {
-	PlacedShape placed;
-	lw_transform object_from_shape = poses.size() > 0 ? poses[index].pose() : lw_transform_identity();
-	placed.pose = lw_transform_multiply( &frame_from_object, &object_from_shape );
-	placed.shape = mesh ? readMesh( shape, owner ) : readPrimitive( shape, owner );
-	return placed;
+	node.noticeUnknownKeys( { "coef", "leeway_solid" } );
+	std::vector<double> c = node["coef"].vector( { "a", "b", "c", "d" } );
+	YamlNode solid = node["leeway_solid"];
+	return m_geometry.plane( place( node, owner ), { c[0], c[1], c[2], c[3] }, solid.defined() && solid.boolean() );
 }
 
-void SceneReader::readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, SceneObject& out )
+PlacedShape SceneReader::readShape( const YamlNode& shape, Kind kind, const std::string& owner )
+{
+	switch ( kind )
+	{
+	case Kind::primitive:
+		return { readPrimitive( shape, owner ), lw_transform_identity() };
+	case Kind::mesh:
+		return { readMesh( shape, owner ), lw_transform_identity() };
+	case Kind::plane:
+		break;
+	}
+	return readPlane( shape, owner );
+}
+
+void SceneReader::readShapes(
+    const YamlNode& object, const char* shapes_key, const char* poses_key, Kind kind, SceneObject& out )
 {
 	YamlNode shapes = object[shapes_key], poses = object[poses_key], object_pose = object["pose"];
 	std::size_t count = shapes.size();
@@ -209,8 +227,85 @@ void SceneReader::readShapes( const YamlNode& object, const char* shapes_key, co
 	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();
 	for ( std::size_t i = 0; i < count; ++i )
 	{
-		out.shapes.push_back( readPlaced( shapes[i], poses, i, frame_from_object, shapes_key[0] == 'm', out.name ) );
+		lw_transform object_from_shape = poses.size() > 0 ? poses[i].pose() : lw_transform_identity();
+		lw_transform frame_from_shape = lw_transform_multiply( &frame_from_object, &object_from_shape );
+		PlacedShape placed = readShape( shapes[i], kind, out.name );
+		placed.pose = lw_transform_multiply( &frame_from_shape, &placed.pose );
+		out.shapes.push_back( std::move( placed ) );
 	}
+}
+
+Shape SceneReader::readCloud( const YamlNode& node, const std::string& owner )
+{
+	node.refuseUnknownKeys( { "type", "pose", "resource", "radius" } );
+	double radius = node["radius"].number();
+	if ( radius < 0 )
+	{
+		node["radius"].fail( fmt::format( "{} is negative", radius ), "give the radius of a ball around each point" );
+	}
+	return m_geometry.pointCloud( place( node, owner ), node["resource"].text(), radius );
+}
+
+/// "free" or "occupied".
+bool readUnknown( const YamlNode& node )
+{
+	std::string text = lower( node.text() );
+	if ( text != "free" && text != "occupied" )
+	{
+		node.fail( fmt::format( "{} is neither free nor occupied", text ), "write free or occupied" );
+	}
+	return text == "occupied";
+}
+
+detail::OctomapUse readOctomapUse( const YamlNode& unknown, const YamlNode& bounds )
+{
+	detail::OctomapUse use;
+	use.unknown_is_occupied = unknown.defined() && readUnknown( unknown );
+	if ( bounds.defined() )
+	{
+		bounds.refuseUnknownKeys( { "min", "max" } );
+		std::vector<double> low = bounds["min"].vector( { "x", "y", "z" } ),
+		                    high = bounds["max"].vector( { "x", "y", "z" } );
+		use.bounds = { low[0], low[1], low[2], high[0], high[1], high[2] };
+	}
+	if ( bounds.defined() && !use.unknown_is_occupied )
+	{
+		bounds.fail( "has no meaning where unknown is free", "remove it, or make unknown occupied" );
+	}
+	return use;
+}
+
+Shape SceneReader::readOctomapShape( const YamlNode& node, const std::string& owner )
+{
+	node.refuseUnknownKeys( { "type", "pose", "resource", "unknown", "bounds" } );
+	if ( !node["unknown"].defined() )
+	{
+		node["unknown"].fail(
+		    "is missing: what are cells that nobody has seen?", "write unknown: free or unknown: occupied" );
+	}
+	return m_geometry.octomapFile(
+	    place( node, owner ), node["resource"].text(), readOctomapUse( node["unknown"], node["bounds"] ) );
+}
+
+Shape SceneReader::readSpheres( const YamlNode& node, const std::string& owner )
+{
+	node.refuseUnknownKeys( { "type", "pose", "spheres" } );
+	YamlNode list = node["spheres"];
+	std::vector<double> spheres;
+	for ( std::size_t i = 0; i < list.size(); ++i )
+	{
+		std::vector<double> sphere = list[i].vector( { "x", "y", "z", "radius" } );
+		if ( !( sphere[3] > 0 ) )
+		{
+			list[i].fail( fmt::format( "radius {} is not above 0", sphere[3] ), "give x, y, z and a radius above 0" );
+		}
+		spheres.insert( spheres.end(), sphere.begin(), sphere.end() );
+	}
+	if ( spheres.empty() )
+	{
+		list.fail( "there are no spheres", "give a list of [x, y, z, radius]" );
+	}
+	return m_geometry.spheres( place( node, owner ), spheres );
 }
 
 Shape SceneReader::readOtherShape( const YamlNode& node, const std::string& owner )
@@ -218,15 +313,17 @@ Shape SceneReader::readOtherShape( const YamlNode& node, const std::string& owne
 	std::string type = lower( node["type"].text() );
 	if ( type == "point_cloud" )
 	{
-		node.refuseUnknownKeys( { "type", "pose", "resource", "radius" } );
-		double radius = node["radius"].number();
-		if ( radius < 0 )
-		{
-			node["radius"].fail( fmt::format( "{} is negative", radius ), "give the radius of a ball around each point" );
-		}
-		return m_geometry.pointCloud( place( node, owner ), node["resource"].text(), radius );
+		return readCloud( node, owner );
 	}
-	node["type"].fail( fmt::format( "shape type {} is not known", type ), "use point_cloud" );
+	if ( type == "octomap" )
+	{
+		return readOctomapShape( node, owner );
+	}
+	if ( type == "spheres" )
+	{
+		return readSpheres( node, owner );
+	}
+	node["type"].fail( fmt::format( "shape type {} is not known", type ), "use point_cloud, octomap or spheres" );
 }
 
 /// leeway_shapes: what MoveIt's messages have no place for.
@@ -239,11 +336,14 @@ void SceneReader::readOtherShapes( const YamlNode& object, SceneObject& out )
 		YamlNode pose = shapes[i]["pose"];
 		lw_transform object_from_shape = pose.defined() ? pose.pose() : lw_transform_identity();
 		Shape shape = readOtherShape( shapes[i], out.name );
-		out.shapes.push_back( { std::move( shape ), lw_transform_multiply( &frame_from_object, &object_from_shape ) } );
+		if ( shape ) // else a map without anything in it, which was told
+		{
+			out.shapes.push_back( { std::move( shape ), lw_transform_multiply( &frame_from_object, &object_from_shape ) } );
+		}
 	}
 }
 
-SceneObject SceneReader::readObject( const YamlNode& unnamed, bool may_be_empty )
+SceneObject SceneReader::readObject( const YamlNode& unnamed )
 {
 	SceneObject object;
 	object.name = unnamed["id"].text();
@@ -264,21 +364,19 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed, bool may_be_empty 
 		node["operation"].fail(
 		    fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
 	}
-	if ( node["planes"].size() > 0 )
-	{
-		node["planes"].fail( "planes are not supported", "use a large box" );
-	}
 	if ( node["subframe_names"].size() > 0 )
 	{
 		node["subframe_names"].notice( "subframes are ignored" );
 	}
 	object.frame = node.frame();
-	readShapes( node, "primitives", "primitive_poses", object );
-	readShapes( node, "meshes", "mesh_poses", object );
+	readShapes( node, "primitives", "primitive_poses", Kind::primitive, object );
+	readShapes( node, "meshes", "mesh_poses", Kind::mesh, object );
+	readShapes( node, "planes", "plane_poses", Kind::plane, object );
 	readOtherShapes( node, object );
-	if ( object.shapes.empty() && !may_be_empty )
+	// Shapes of leeway may be empty maps
+	if ( object.shapes.empty() && node["leeway_shapes"].size() == 0 )
 	{
-		node.fail( "has no shape", "give it primitives or meshes, or remove it" );
+		node.fail( "has no shape", "give it primitives, meshes, planes or leeway_shapes, or remove it" );
 	}
 	return object;
 }
@@ -288,7 +386,43 @@ void SceneReader::readObjects()
 	YamlNode objects = m_root["world"]["collision_objects"];
 	for ( std::size_t i = 0; i < objects.size(); ++i )
 	{
-		m_scene.objects.push_back( readObject( objects[i], false ) );
+		m_scene.objects.push_back( readObject( objects[i] ) );
+	}
+}
+
+/// octomap_msgs/OctomapWithPose. MoveIt's name of the object is <octomap>, and what is unknown to it is free.
+void SceneReader::readOctomapMessage()
+{
+	YamlNode node = m_root["world"]["octomap"], map = node["octomap"];
+	node.noticeUnknownKeys( { "header", "origin", "octomap", "leeway_unknown", "leeway_bounds" } );
+	map.noticeUnknownKeys( { "header", "binary", "id", "resolution", "data" } );
+	std::string bytes = map["data"].bytes();
+	if ( bytes.empty() )
+	{
+		return; // a scene without an octomap has an empty message
+	}
+	detail::OctomapData data;
+	data.id = map["id"].text();
+	data.resolution = map["resolution"].number();
+	data.binary = map["binary"].boolean();
+	data.bytes = bytes;
+	SceneObject object;
+	object.name = "<octomap>";
+	object.frame = node.frame();
+	detail::OctomapUse use = readOctomapUse( node["leeway_unknown"], node["leeway_bounds"] );
+	if ( !node["leeway_unknown"].defined() )
+	{
+		node.notice( "cells that nobody has seen are free, as in MoveIt; leeway_unknown: occupied makes them obstacles" );
+	}
+	Shape shape = m_geometry.octomapMessage( place( map, object.name ), data, use );
+	if ( shape )
+	{
+		object.shapes.push_back( { shape, node["origin"].defined() ? node["origin"].pose() : lw_transform_identity() } );
+		if ( !m_ids.insert( object.name ).second )
+		{
+			node.fail( "there is an object <octomap> already", "rename that one" );
+		}
+		m_scene.objects.push_back( std::move( object ) );
 	}
 }
 
@@ -351,8 +485,11 @@ void SceneReader::readAttached( const YamlNode& state )
 		std::string id = node["object"]["id"].text();
 		auto in_world = std::find_if(
 		    m_scene.objects.begin(), m_scene.objects.end(), [&]( const SceneObject& object ) { return object.name == id; } );
-		bool bare = node["object"]["primitives"].size() == 0 && node["object"]["meshes"].size() == 0 &&
-		            node["object"]["leeway_shapes"].size() == 0;
+		bool bare = true;
+		for ( const char* key : { "primitives", "meshes", "planes", "leeway_shapes" } )
+		{
+			bare = bare && node["object"][key].size() == 0;
+		}
 		if ( in_world != m_scene.objects.end() && bare )
 		{
 			attached.object = *in_world;
@@ -364,7 +501,7 @@ void SceneReader::readAttached( const YamlNode& state )
 		}
 		else
 		{
-			attached.object = readObject( node["object"], false );
+			attached.object = readObject( node["object"] );
 		}
 		m_scene.attached.push_back( attached );
 	}
@@ -471,6 +608,7 @@ void SceneReader::read()
 	m_scene.name = m_root["name"].textOr( "" );
 	readObjects();
 	readArticulations();
+	readOctomapMessage();
 	YamlNode state = m_root["robot_state"];
 	state.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
 	m_scene.state = detail::readJointState( state );

@@ -4,12 +4,14 @@
 // urdfdom accepts some files that mean nothing (two joints moving one link, numbers it never looks at), refuses some that
 // mean something (capsules), forgets the order of the file and prints to the console. So the document is checked first, what
 // urdfdom need not see is taken out, and what it prints becomes part of the error or a notice.
+#include "geometry_loader.hpp"
 #include "shape_cache.hpp"
 #include "xml.hpp"
 
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
@@ -514,9 +516,50 @@ std::vector<MeshKey> meshesOf( const XmlFile& xml, const LoadOptions& options )
 	return meshes;
 }
 
+/// Links given as spheres have dozens of them: from two on they are one shape of one tree.
+class SphereCollector
+{
+public:
+	/// @return whether the element is left to finish()
+	bool take( const urdf::LinkConstSharedPtr& link, const XmlFile& xml, const XMLElement& collision,
+	    const std::string& what, const urdf::Geometry& geometry, std::vector<Notice>& notices )
+	{
+		if ( geometry.type != urdf::Geometry::SPHERE || !hasSeveral( *link ) )
+		{
+			return false;
+		}
+		double radius = static_cast<const urdf::Sphere&>( geometry ).radius;
+		if ( !( radius > 0 ) )
+		{
+			xml.fail( collision, what, fmt::format( "sphere radius {} is not a solid", radius ), "give a radius above 0" );
+		}
+		lw_transform pose = readOrigin( xml, collision, what, notices );
+		m_spheres.insert( m_spheres.end(), { pose.t[0], pose.t[1], pose.t[2], radius } );
+		return true;
+	}
+	void finish( const ShapeLoader::Place& place, GeometryLoader& geometry, LinkModel& link )
+	{
+		if ( !m_spheres.empty() )
+		{
+			link.collision.push_back( { geometry.spheres( place, m_spheres ), lw_transform_identity() } );
+		}
+	}
+
+private:
+	static bool hasSeveral( const urdf::Link& link )
+	{
+		return std::count_if( link.collision_array.begin(), link.collision_array.end(),
+		           []( const urdf::CollisionSharedPtr& c )
+		           { return c->geometry && c->geometry->type == urdf::Geometry::SPHERE; } ) > 1;
+	}
+
+	std::vector<double> m_spheres; ///< x, y, z, radius in the link's frame
+};
+
 void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const LoadOptions& options, RobotModel& model )
 {
 	ShapeLoader shapes( options, model.report );
+	GeometryLoader geometry( options, model.report );
 	std::optional<ShapeCache> cache;
 	if ( !options.cache.empty() )
 	{
@@ -531,6 +574,7 @@ void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const Load
 		urdf::LinkConstSharedPtr urdf_link = urdf.getLink( link.name );
 		requireRead( xml, element, urdf_link != nullptr );
 		const std::vector<urdf::CollisionSharedPtr>& collisions = urdf_link->collision_array;
+		SphereCollector spheres;
 		std::size_t index = 0;
 		for ( const XMLElement& collision : children( element, "collision" ) )
 		{
@@ -539,12 +583,17 @@ void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const Load
 			{
 				xml.fail( collision, what, "urdfdom did not read it", "check its <geometry>" );
 			}
+			const urdf::Geometry& given = *collisions[index++]->geometry;
+			if ( spheres.take( urdf_link, xml, collision, what, given, model.report.notices ) )
+			{
+				continue;
+			}
 			PlacedShape placed;
 			placed.pose = readOrigin( xml, collision, what, model.report.notices );
-			placed.shape = readShape( xml, collision, what, link.name, *collisions[index]->geometry, shapes );
+			placed.shape = readShape( xml, collision, what, link.name, given, shapes );
 			link.collision.push_back( std::move( placed ) );
-			++index;
 		}
+		spheres.finish( { xml.path(), xml.place( element, "link " + link.name ), link.name }, geometry, link );
 		any = any || !link.collision.empty();
 		if ( link.collision.empty() )
 		{

@@ -263,6 +263,33 @@ std::vector<std::string> YamlNode::textList() const
 	return values;
 }
 
+std::string YamlNode::bytes() const
+{
+	if ( isScalar() && m_node.Tag() == "tag:yaml.org,2002:binary" )
+	{
+		std::vector<unsigned char> bytes = YAML::DecodeBase64( m_node.Scalar() );
+		if ( bytes.empty() && !m_node.Scalar().empty() )
+		{
+			fail( "is not base64", "write !!binary and base64, or a list of numbers" );
+		}
+		return std::string( bytes.begin(), bytes.end() );
+	}
+	std::string bytes;
+	bytes.reserve( size() );
+	// Maps have millions of them: no path for each but the bad one
+	std::size_t index = 0;
+	for ( auto entry = m_node.begin(); defined() && entry != m_node.end(); ++entry, ++index )
+	{
+		std::optional<double> value = entry->IsScalar() ? parseNumber( entry->Scalar() ) : std::nullopt;
+		if ( !value || !( *value >= -128 && *value <= 255 ) || *value != std::floor( *value ) )
+		{
+			( *this )[index].fail( "is no byte", "write whole numbers from -128 to 255" );
+		}
+		bytes.push_back( static_cast<char>( static_cast<int>( *value ) ) );
+	}
+	return bytes;
+}
+
 std::vector<std::string> YamlNode::keys() const
 {
 	std::vector<std::string> names;

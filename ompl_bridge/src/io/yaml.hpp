@@ -54,6 +54,7 @@ public:
 	bool boolean() const;                   ///< true, false, 1, 0
 	std::vector<double> numberList() const; ///< finite numbers
 	std::vector<std::string> textList() const;
+	std::string bytes() const;                       ///< a list of numbers from -128 to 255, or !!binary; empty if undefined
 	std::vector<std::string> keys() const;           ///< of a map; none of anything else
 	std::map<std::string, double> numberMap() const; ///< {name: number, ...}; empty if undefined
 	/// [a, b, c] or {x: a, y: b, z: c} with the given keys. @throws Error if one is missing or there are more

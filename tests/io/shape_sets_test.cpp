@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planes, half-spaces, sets of spheres, solids: from scenes and URDFs to the right shapes at the right places.
+#include "files.hpp"
+#include "seeded_rng.hpp"
+
+#include <array>
+#include <cmath>
+
+using namespace leeway::io;
+
+namespace
+{
+
+class ShapeSetsTest : public FileTest
+{
+protected:
+	SceneModel object( const std::string& content )
+	{
+		return loadScene( write( "scene.yaml", "world: {collision_objects: [{id: thing, " + content + "}]}\n" ) );
+	}
+	void expectBad( const std::string& content, std::vector<std::string> parts )
+	{
+		parts.insert( parts.end(), { "scene.yaml", "thing" } );
+		expectError( [&] { object( content ); }, parts );
+	}
+	static lw_shape_info info( const PlacedShape& placed ) { return lw_shape_get_info( placed.shape.get() ); }
+};
+
+} // namespace
+
+TEST_F( ShapeSetsTest, PlanesOfAnyDirection )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 200; ++i )
+	{
+		// Also straight up and down, where a turn from z is nothing or half a circle
+		double n[3] = { i < 2 ? 0 : rng.normal(), i < 2 ? 0 : rng.normal(), i == 0 ? 1 : i == 1 ? -1 : rng.normal() };
+		double d = rng.normal(), length = std::hypot( n[0], n[1], n[2] );
+		bool solid = rng.integer( 0, 1 ) == 0;
+		char text[300];
+		std::snprintf( text, sizeof text, "pose: {position: [0, 0, 0]}, planes: [{coef: [%.17g, %.17g, %.17g, %.17g]%s}]",
+		    n[0], n[1], n[2], d, solid ? ", leeway_solid: true" : "" );
+		SceneModel scene = object( text );
+		const PlacedShape& placed = scene.objects.at( 0 ).shapes.at( 0 );
+		EXPECT_EQ( info( placed ).type, solid ? LW_SHAPE_HALFSPACE : LW_SHAPE_PLANE );
+		double foot = d;
+		for ( int k = 0; k < 3; ++k )
+		{
+			EXPECT_NEAR( placed.pose.r[k][2], n[k] / length, 1e-12 ) << "z of the shape is the normal";
+			foot += n[k] * placed.pose.t[k];
+		}
+		EXPECT_NEAR( foot, 0, 1e-12 ) << "its origin is in the plane";
+	}
+}
+
+TEST_F( ShapeSetsTest, PlanesHavePosesAndNames )
+{
+	SceneModel scene =
+	    object( "pose: {position: [0, 0, 5], orientation: [1, 0, 0, 0]}, planes: [{coef: {a: 0, b: 0, c: 2, d: -2}}], "
+	            "plane_poses: [{position: [1, 0, 0]}]" );
+	const PlacedShape& placed = scene.objects.at( 0 ).shapes.at( 0 );
+	expectPoint( placed.pose, 1, 0, 4 ); // z = 1 of a frame that hangs upside down from 5
+	EXPECT_NEAR( placed.pose.r[2][2], -1, 1e-12 );
+	EXPECT_EQ( scene.report.shapes.at( 0 ).source, "plane 0 x + 0 y + 2 z + -2" );
+	expectBad( "planes: [{coef: [0, 0, 1, 0]}]", { "1 planes and 0 plane_poses" } );
+	expectBad( "pose: {position: [0, 0, 0]}, planes: [{coef: [0, 0, 0, 1]}]", { "planes[0]", "no normal" } );
+	expectBad( "pose: {position: [0, 0, 0]}, planes: [{coef: [0, 0, 1]}]", { "planes[0].coef", "3 numbers, not 4" } );
+	expectBad( "pose: {position: [0, 0, 0]}, planes: [{coef: [0, 0, 1, .inf]}]", { "planes[0].coef[3]", "not finite" } );
+	expectBad( "pose: {position: [0, 0, 0]}, planes: [{coef: [0, 0, 1, 0], leeway_sold: true}]", { "leeway_sold" } );
+}
+
+TEST_F( ShapeSetsTest, SpheresOfAScene )
+{
+	SceneModel scene =
+	    object( "leeway_shapes: [{type: spheres, spheres: [[1, 2, 3, 0.5], {x: 4, y: 5, z: 6, radius: 0.25}]}]" );
+	const PlacedShape& placed = scene.objects.at( 0 ).shapes.at( 0 );
+	ASSERT_EQ( info( placed ).type, LW_SHAPE_SPHERES );
+	ASSERT_EQ( info( placed ).vertex_count, 2u );
+	EXPECT_EQ( lw_shape_radii( placed.shape.get() )[0] + lw_shape_radii( placed.shape.get() )[1], 0.75 );
+	expectBad( "leeway_shapes: [{type: spheres}]", { "no spheres" } );
+	expectBad( "leeway_shapes: [{type: spheres, spheres: [[1, 2, 3, -0.5]]}]", { "spheres[0]", "radius -0.5" } );
+	expectBad( "leeway_shapes: [{type: spheres, spheres: [[1, 2, 3, 0]]}]", { "spheres[0]", "radius 0" } );
+	expectBad( "leeway_shapes: [{type: spheres, spheres: [[1, 2, 3]]}]", { "spheres[0]", "3 numbers, not 4" } );
+}
+
+TEST_F( ShapeSetsTest, LinksGivenAsSpheresAreOneShape )
+{
+	auto sphere = []( const std::string& xyz, const std::string& radius ) {
+		return "<collision><origin xyz=\"" + xyz + "\"/><geometry><sphere radius=\"" + radius +
+		       "\"/></geometry></collision>";
+	};
+	std::string box = "<collision><origin xyz=\"9 0 0\"/><geometry><box size=\"1 1 1\"/></geometry></collision>";
+	std::string urdf =
+	    "<robot name=\"r\"><link name=\"many\">" + sphere( "1 2 3", "0.1" ) + box + sphere( "4 5 6", "0.2" ) +
+	    sphere( "7 8 9", "0.3" ) + "</link><link name=\"one\">" + sphere( "1 2 3", "0.1" ) +
+	    "</link><joint name=\"j\" type=\"fixed\"><parent link=\"many\"/><child link=\"one\"/></joint></robot>";
+	RobotModel robot = loadRobot( write( "r.urdf", urdf ), "" );
+	const std::vector<PlacedShape>& many = robot.links.at( 0 ).collision;
+	ASSERT_EQ( many.size(), 2u );
+	EXPECT_EQ( info( many[0] ).type, LW_SHAPE_BOX );
+	EXPECT_EQ( info( many[1] ).type, LW_SHAPE_SPHERES );
+	EXPECT_EQ( info( many[1] ).vertex_count, 3u );
+	for ( std::uint32_t i = 0; i < 3; ++i )
+	{
+		const double* centre = lw_shape_vertices( many[1].shape.get() ) + 3 * i;
+		EXPECT_DOUBLE_EQ( lw_shape_radii( many[1].shape.get() )[i], centre[0] == 1 ? 0.1 : centre[0] == 4 ? 0.2 : 0.3 );
+		EXPECT_DOUBLE_EQ( centre[2] - centre[0], 2 );
+	}
+	EXPECT_EQ( info( robot.links.at( 1 ).collision.at( 0 ) ).type, LW_SHAPE_SPHERE );
+	ASSERT_EQ( robot.report.shapes.size(), 3u );
+	EXPECT_EQ( robot.report.shapes[1].source, "3 spheres" );
+	EXPECT_EQ( robot.report.shapes[1].owner, "many" );
+	urdf.replace( urdf.find( "radius=\"0.2\"" ), 12, "radius=\"-1\"" );
+	expectError(
+	    [&] { loadRobot( write( "r.urdf", urdf ), "" ); }, { "r.urdf", "link many, collision 3", "sphere radius -1" } );
+}
+
+TEST_F( ShapeSetsTest, ScaledSpheresKeepTheirCentres )
+{
+	std::string sphere = "<geometry><sphere radius=\"0.5\"/></geometry></collision>";
+	RobotModel robot =
+	    loadRobot( write( "r.urdf", "<robot name=\"r\"><link name=\"a\"><collision>" + sphere +
+	                                    "<collision><origin xyz=\"2 0 0\"/>" + sphere +
+	                                    "</link><link name=\"b\"/><joint name=\"j\" type=\"continuous\"><parent "
+	                                    "link=\"b\"/><child link=\"a\"/></joint></robot>" ),
+	        "" );
+	ProblemOptions options;
+	options.padding.link_scale["a"] = 2;
+	Problem problem = buildProblem( robot, options );
+	lw_shape_info i = lw_shape_get_info( lw_robot_body( problem.robot.get(), 0 ).shape );
+	EXPECT_NEAR( i.box_min[0], -1, 1e-6 );
+	EXPECT_NEAR( i.box_max[0], 3, 1e-6 );
+}
