@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// audit_edges: who calls a colliding edge free? Certificates, with and without pair tables, and discrete validators at several
-// resolutions over leeway's states and FCL's, against a dense look that knows nothing of certificates
+// audit_edges: who calls a colliding edge free? Certificates, with and without pair tables, and discrete validators at
+// several resolutions over leeway's states and FCL's, against a dense look that knows nothing of certificates
 // (tests/support/edge_auditor.hpp). Exit status 1 if a certificate is wrong.
 //
-// Every verdict of a certificate is put to the auditor: FREE by a look at the whole edge, its lower bound with it; BLOCKED and
-// REFUSED by the distance of the named pair at t, and by FCL; what is proved from the start by a look at that part.
-// A discrete validator cannot stumble over a free edge, so it is asked about the colliding ones.
+// Every verdict of a certificate is put to the auditor: FREE by a look at the whole edge, its lower bound with it; BLOCKED
+// and REFUSED by the distance of the named pair at t, and by FCL; what is proved from the start by a look at that part. A
+// discrete validator cannot stumble over a free edge, so it is asked about the colliding ones.
 #include "edge_judges.hpp"
 #include "edge_truth.hpp"
 #include "edge_worlds.hpp"
@@ -53,7 +53,7 @@ struct Task
 struct Tally
 {
 	std::size_t edges = 0, colliding = 0;
-	std::array<std::size_t, 2> free{}, refused{}, wrong{};        ///< certified; certified with tables
+	std::array<std::size_t, 2> free{}, refused{}, wrong{}; ///< certified; certified with tables
 	std::array<std::size_t, FRACTIONS.size()> missed_own{}, missed_fcl{};
 	std::size_t fcl_differs = 0; ///< states at which FCL's word on contact is not the auditor's
 	std::uint64_t distances = 0;
@@ -112,7 +112,8 @@ class Audit
 {
 public:
 	explicit Audit( const Settings& settings )
-		: m_settings( settings ), m_worlds( settings.data, reachDef( settings.budget ) ), m_models( std::make_shared<FclModels>() )
+		: m_settings( settings ), m_worlds( settings.data, reachDef( settings.budget ) ),
+		  m_models( std::make_shared<FclModels>() )
 	{
 		if ( !settings.record.empty() )
 		{
@@ -147,10 +148,11 @@ public:
 		}
 		while ( m_done < m_tasks.size() && m_error.empty() )
 		{
-			std::this_thread::sleep_for( std::chrono::milliseconds( 500 ) );
+			std::this_thread::sleep_for( std::chrono::seconds( 1 ) );
 			const double seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 			const double done = static_cast<double>( m_done ), all = static_cast<double>( m_tasks.size() );
-			std::fprintf( stderr, "\r%.0f of %.0f edges, %.0f s left   ", done, all, done > 0 ? seconds * ( all - done ) / done : 0.0 );
+			std::fprintf( stderr, "\r%.0f of %.0f edges, %.0f s left   ", done, all,
+				done > 0 ? seconds * ( all - done ) / done : 0.0 );
 		}
 		std::fprintf( stderr, "\r%60s\r", "" );
 		for ( std::thread& thread : threads )
@@ -211,7 +213,8 @@ private:
 			}
 		}
 		const std::vector<int> numbers = { 1, 13 };
-		for ( const auto& [robot, group] : { std::pair( "fetch", "arm_with_torso" ), std::pair( "fetch", "arm" ), std::pair( "panda", "panda_arm" ) } )
+		for ( const auto& [robot, group] :
+			{ std::pair( "fetch", "arm_with_torso" ), std::pair( "fetch", "arm" ), std::pair( "panda", "panda_arm" ) } )
 		{
 			if ( wanted( std::string( robot ) + " " + group ) )
 			{
@@ -253,8 +256,10 @@ private:
 		for ( const std::size_t i : problems )
 		{
 			const EdgeWorldEntry& entry = m_worlds.entry( i );
-			std::size_t from = m_worlds.world( i ).set == "armar3 planner" ? i : m_worlds.add( plannerSource( entry.source ) );
-			for ( Motion& motion : motionsOfPlanner( entry, m_settings.plan_seconds, edges / problems.size() + 1, m_settings.seed + i ) )
+			std::size_t from =
+				m_worlds.world( i ).set == "armar3 planner" ? i : m_worlds.add( plannerSource( entry.source ) );
+			for ( Motion& motion :
+				motionsOfPlanner( entry, m_settings.plan_seconds, edges / problems.size() + 1, m_settings.seed + i ) )
 			{
 				m_tasks.push_back( { from, m_tasks.size(), true, std::move( motion ) } );
 			}
@@ -282,7 +287,8 @@ private:
 		{
 			throw std::runtime_error( "--robot " + m_settings.robot + ": give URDF,SRDF,GROUP" );
 		}
-		Json source = { { "set", names[2] }, { "name", names[2] }, { "robot", names[0] }, { "srdf", names[1] }, { "group", names[2] } };
+		Json source = {
+			{ "set", names[2] }, { "name", names[2] }, { "robot", names[0] }, { "srdf", names[1] }, { "group", names[2] } };
 		if ( !m_settings.scene.empty() )
 		{
 			source["scene"] = m_settings.scene;
@@ -316,7 +322,8 @@ private:
 			}
 			catch ( const std::exception& error )
 			{
-				throw std::runtime_error( m_settings.edges_file + ": line " + std::to_string( number ) + ": " + error.what() );
+				throw std::runtime_error(
+					m_settings.edges_file + ": line " + std::to_string( number ) + ": " + error.what() );
 			}
 		}
 	}
@@ -338,7 +345,8 @@ private:
 		const std::size_t size = m_worlds.world( task.world ).size();
 		if ( task.motion.from.size() != size || task.motion.to.size() != size )
 		{
-			throw std::runtime_error( "\"from\" and \"to\" need " + std::to_string( size ) + " numbers, as the group has variables" );
+			throw std::runtime_error(
+				"\"from\" and \"to\" need " + std::to_string( size ) + " numbers, as the group has variables" );
 		}
 		m_tasks.push_back( std::move( task ) );
 	}
@@ -392,7 +400,7 @@ private:
 	}
 
 	/// Half of the starts near the environment; three lengths; for random robots also any two states.
-	Motion makeUpMotion( const Task& task, Seat& seat, std::mt19937_64& random ) const
+	static Motion makeUpMotion( Seat& seat, std::mt19937_64& random )
 	{
 		static const double lengths[] = { 0.1, 0.5, 2 };
 		const EdgeWorld& world = seat.judges.world();
@@ -400,7 +408,6 @@ private:
 		{
 			return { world.randomState( random ), world.randomState( random ) };
 		}
-		(void)task;
 		const bool near = random() % 2 == 0;
 		return world.randomMotion( near, lengths[random() % 3], random, seat.judges.spare() );
 	}
@@ -409,7 +416,7 @@ private:
 	{
 		const double start = threadMilliseconds();
 		std::mt19937_64 random( m_settings.seed + 0x9e3779b97f4a7c15u * ( task.number + 1 ) );
-		const Motion motion = task.given ? task.motion : makeUpMotion( task, seat, random );
+		const Motion motion = task.given ? task.motion : makeUpMotion( seat, random );
 		EdgeTruth truth( seat.judges.world(), seat.auditor, motion, 0 );
 		lw_edge_def def = lw_edge_def_default();
 		def.want_proved_until = random() % 4 == 0;
@@ -459,7 +466,8 @@ private:
 		}
 	}
 
-	void askOthers( Seat& seat, const Motion& motion, EdgeTruth& truth, const std::array<lw_edge_result, 2>& results, bool blocked, Tally& tally )
+	void askOthers( Seat& seat, const Motion& motion, EdgeTruth& truth, const std::array<lw_edge_result, 2>& results,
+		bool blocked, Tally& tally )
 	{
 		for ( std::size_t i = 0; blocked && i < FRACTIONS.size(); ++i )
 		{
@@ -482,7 +490,8 @@ private:
 		}
 	}
 
-	void complain( const std::string& why, const Task& task, const Motion& motion, std::size_t judge, const lw_edge_def& def, Tally& tally )
+	void complain( const std::string& why, const Task& task, const Motion& motion, std::size_t judge, const lw_edge_def& def,
+		Tally& tally )
 	{
 		if ( why.empty() )
 		{
@@ -492,12 +501,14 @@ private:
 		const std::lock_guard<std::mutex> lock( m_mutex );
 		const Json source = m_worlds.entry( task.world ).source;
 		m_wrong.push_back( { { "why", why }, { "tables", judge == 1 }, { "min_d", def.min_d }, { "slack", def.slack },
-			{ "want_proved_until", def.want_proved_until }, { "world", source }, { "from", motion.from }, { "to", motion.to } } );
+			{ "want_proved_until", def.want_proved_until }, { "world", source }, { "from", motion.from },
+			{ "to", motion.to } } );
 		std::printf( "WRONG: %s\n", m_wrong.back().dump().c_str() );
 		std::fflush( stdout );
 	}
 
-	void record( const Task& task, const EdgeWorld& world, const Motion& motion, const std::array<lw_edge_result, 2>& results, bool blocked )
+	void record( const Task& task, const EdgeWorld& world, const Motion& motion,
+		const std::array<lw_edge_result, 2>& results, bool blocked )
 	{
 		const Json line = { { "world", world.name }, { "edge", task.number }, { "from", motion.from }, { "to", motion.to },
 			{ "certified", lw_verdict_name( results[0].verdict ) }, { "certified_t", results[0].t },
@@ -511,13 +522,15 @@ private:
 	static Json print( const std::string& set, const Tally& t )
 	{
 		const double n = static_cast<double>( std::max<std::size_t>( t.edges, 1 ) );
-		std::printf( "%-36s %7zu %7zu | %7zu %6zu %5zu | %7zu %6zu %5zu | %5zu %5zu %5zu | %5zu %5zu %5zu | %7.0f %6.2f\n", set.c_str(), t.edges,
-			t.colliding, t.free[0], t.refused[0], t.wrong[0], t.free[1], t.refused[1], t.wrong[1], t.missed_own[0], t.missed_own[1],
-			t.missed_own[2], t.missed_fcl[0], t.missed_fcl[1], t.missed_fcl[2], static_cast<double>( t.distances ) / n, t.audit_ms / n );
+		std::printf( "%-36s %7zu %7zu | %7zu %6zu %5zu | %7zu %6zu %5zu | %5zu %5zu %5zu | %5zu %5zu %5zu | %7.0f %6.2f\n",
+			set.c_str(), t.edges, t.colliding, t.free[0], t.refused[0], t.wrong[0], t.free[1], t.refused[1], t.wrong[1],
+			t.missed_own[0], t.missed_own[1], t.missed_own[2], t.missed_fcl[0], t.missed_fcl[1], t.missed_fcl[2],
+			static_cast<double>( t.distances ) / n, t.audit_ms / n );
 		Json row = { { "set", set }, { "edges", t.edges }, { "colliding", t.colliding } };
 		for ( std::size_t i = 0; i < 2; ++i )
 		{
-			row[i == 0 ? "certified" : "certified_tables"] = { { "free", t.free[i] }, { "refused", t.refused[i] }, { "wrong", t.wrong[i] } };
+			row[i == 0 ? "certified" : "certified_tables"] = {
+				{ "free", t.free[i] }, { "refused", t.refused[i] }, { "wrong", t.wrong[i] } };
 		}
 		row["missed_by_own_states"] = t.missed_own;
 		row["missed_by_fcl"] = t.missed_fcl;
@@ -530,10 +543,12 @@ private:
 
 	int report()
 	{
-		std::printf( "edges judged, those that collide; certificates without and with tables: called free, refused, wrong; colliding edges that discrete\n"
-			"validation calls free; distances and milliseconds of processor time per audit\n"
-			"%-36s %7s %7s | %7s %6s %5s | %7s %6s %5s | %5s %5s %5s | %5s %5s %5s | %7s %6s\n", "", "edges", "collide", "free", "ref.", "wrong",
-			"free", "ref.", "wrong", "own1%", ".5%", ".1%", "FCL1%", ".5%", ".1%", "dist.", "ms" );
+		std::printf( "edges judged, those that collide; certificates without and with tables: called free, refused, wrong; "
+					 "colliding edges that discrete\n"
+					 "validation calls free; distances and milliseconds of processor time per audit\n"
+					 "%-36s %7s %7s | %7s %6s %5s | %7s %6s %5s | %5s %5s %5s | %5s %5s %5s | %7s %6s\n",
+			"", "edges", "collide", "free", "ref.", "wrong", "free", "ref.", "wrong", "own1%", ".5%", ".1%", "FCL1%", ".5%",
+			".1%", "dist.", "ms" );
 		Tally total;
 		Json rows = Json::array();
 		for ( const auto& [set, tally] : m_tallies )
@@ -542,13 +557,14 @@ private:
 			total.add( tally );
 		}
 		rows.push_back( print( "all", total ) );
-		std::printf( "states at which FCL and the auditor disagree on contact: %zu; %.0f s, %.2f ms of processor time per edge\n", total.fcl_differs,
-			m_seconds, total.all_ms / static_cast<double>( std::max<std::size_t>( total.edges, 1 ) ) );
+		std::printf(
+			"states at which FCL and the auditor disagree on contact: %zu; %.0f s, %.2f ms of processor time per edge\n",
+			total.fcl_differs, m_seconds, total.all_ms / static_cast<double>( std::max<std::size_t>( total.edges, 1 ) ) );
 		if ( !m_settings.json.empty() )
 		{
 			const Json result = { { "provenance", provenance() }, { "seed", m_settings.seed }, { "edges", m_tasks.size() },
-				{ "resolution", m_settings.resolution }, { "discrete_fractions", FRACTIONS }, { "threads", m_settings.threads },
-				{ "seconds", m_seconds }, { "wrong", m_wrong }, { "rows", rows } };
+				{ "resolution", m_settings.resolution }, { "discrete_fractions", FRACTIONS },
+				{ "threads", m_settings.threads }, { "seconds", m_seconds }, { "wrong", m_wrong }, { "rows", rows } };
 			std::ofstream file( m_settings.json );
 			file << result.dump( 2 ) << "\n";
 			if ( !file )
@@ -580,14 +596,19 @@ int main( int argc, char** argv )
 	Settings settings;
 	app.add_option( "--data", settings.data, "folder of robots and scenes" );
 	app.add_option( "--count", settings.edges, "how many edges to judge" )->capture_default_str();
-	app.add_option( "--only", settings.only, "only sets of worlds with this in their name, such as 'armar3 torso' or 'random'" );
-	app.add_option( "--robot", settings.robot, "URDF,SRDF,GROUP: this robot instead; GROUP may be joints and groups joined by +" );
+	app.add_option(
+		"--only", settings.only, "only sets of worlds with this in their name, such as 'armar3 torso' or 'random'" );
+	app.add_option(
+		"--robot", settings.robot, "URDF,SRDF,GROUP: this robot instead; GROUP may be joints and groups joined by +" );
 	app.add_option( "--scene", settings.scene, "with --robot: planning scene" )->check( CLI::ExistingFile );
-	app.add_option( "--request", settings.request, "with --robot: its start state places the other joints" )->check( CLI::ExistingFile );
+	app.add_option( "--request", settings.request, "with --robot: its start state places the other joints" )
+		->check( CLI::ExistingFile );
 	app.add_option( "--edges", settings.edges_file, "judge the edges of this file instead" )->check( CLI::ExistingFile );
 	app.add_option( "--record", settings.record, "write edges and verdicts to this file" );
-	app.add_option( "--plan-seconds", settings.plan_seconds, "for each problem whose planner's motions are judged" )->capture_default_str();
-	app.add_option( "--resolution", settings.resolution, "metres of motion between two states near contact" )->capture_default_str();
+	app.add_option( "--plan-seconds", settings.plan_seconds, "for each problem whose planner's motions are judged" )
+		->capture_default_str();
+	app.add_option( "--resolution", settings.resolution, "metres of motion between two states near contact" )
+		->capture_default_str();
 	app.add_option( "--budget", settings.budget, "seconds for pair proofs, per robot" )->capture_default_str();
 	app.add_option( "--threads", settings.threads )->capture_default_str()->check( CLI::Range( 1, 64 ) );
 	app.add_option( "--seed", settings.seed )->capture_default_str();

@@ -39,10 +39,12 @@ public:
 		{
 			m_judges.push_back( std::make_unique<EdgeJudges>( worlds.world( i ), m_models ) );
 		}
-		std::printf( "\n%s: %zu scenes, %zu variables, discrete contenders at %.2g %% of the extent; microseconds per edge\n", name.c_str(),
-			m_judges.size(), worlds.world( first ).size(), 100 * settings.resolution );
-		std::printf( "%-5s %-6s %-8s %5s | %8s %8s | %8s %8s | %8s %8s %7s | %8s %8s %7s | %7s %7s %7s\n", "set", "rad", "verdict", "n", "FCL",
-			"mean", "own", "mean", "certif.", "mean", "queries", "tables", "mean", "queries", "FCL/c", "own/c", "own/t" );
+		std::printf(
+			"\n%s: %zu scenes, %zu variables, discrete contenders at %.2g %% of the extent; microseconds per edge\n",
+			name.c_str(), m_judges.size(), worlds.world( first ).size(), 100 * settings.resolution );
+		std::printf( "%-5s %-6s %-8s %5s | %8s %8s | %8s %8s | %8s %8s %7s | %8s %8s %7s | %7s %7s %7s\n", "set", "rad",
+			"verdict", "n", "FCL", "mean", "own", "mean", "certif.", "mean", "queries", "tables", "mean", "queries", "FCL/c",
+			"own/c", "own/t" );
 	}
 
 	void run( std::mt19937_64& random, Json& rows )
@@ -79,14 +81,17 @@ private:
 	std::vector<Contender> contenders() const
 	{
 		const double fraction = m_settings.resolution;
-		const auto edge = [this]( const double* number ) -> const Edge& { return m_edges[static_cast<std::size_t>( *number )]; };
+		const auto edge = [this]( const double* number ) -> const Edge&
+		{ return m_edges[static_cast<std::size_t>( *number )]; };
 		return { { "FCL",
-					 [edge, fraction]( const double* number ) {
+					 [edge, fraction]( const double* number )
+					 {
 						 const Edge& e = edge( number );
 						 return Answer{ e.judges->byFcl( e.motion, fraction ) ? 1.0 : 0.0, 0 };
 					 } },
 			{ "own",
-				[edge, fraction]( const double* number ) {
+				[edge, fraction]( const double* number )
+				{
 					const Edge& e = edge( number );
 					return Answer{ e.judges->byStates( e.motion, fraction ) ? 1.0 : 0.0, 0 };
 				} },
@@ -146,16 +151,19 @@ private:
 		{
 			return;
 		}
-		const Summary fcl = summarise( times[0] ), own = summarise( times[1] ), certified = summarise( times[2] ), tables = summarise( times[3] );
-		std::printf( "%-5s %-6.1f %-8s %5zu | %8.1f %8.1f | %8.1f %8.1f | %8.1f %8.1f %7.0f | %8.1f %8.1f %7.0f | %7.2f %7.2f %7.2f\n",
-			near ? "near" : "any", length, lw_verdict_name( verdict ), times[0].size(), fcl.median, fcl.mean, own.median, own.mean,
-			certified.median, certified.mean, median( queries[2] ), tables.median, tables.mean, median( queries[3] ),
-			fcl.mean / certified.mean, own.mean / certified.mean, own.mean / tables.mean );
+		const Summary fcl = summarise( times[0] ), own = summarise( times[1] ), certified = summarise( times[2] ),
+					  tables = summarise( times[3] );
+		std::printf( "%-5s %-6.1f %-8s %5zu | %8.1f %8.1f | %8.1f %8.1f | %8.1f %8.1f %7.0f | %8.1f %8.1f %7.0f | %7.2f "
+					 "%7.2f %7.2f\n",
+			near ? "near" : "any", length, lw_verdict_name( verdict ), times[0].size(), fcl.median, fcl.mean, own.median,
+			own.mean, certified.median, certified.mean, median( queries[2] ), tables.median, tables.mean,
+			median( queries[3] ), fcl.mean / certified.mean, own.mean / certified.mean, own.mean / tables.mean );
 		std::fflush( stdout );
-		rows.push_back( { { "robot", m_name }, { "set", near ? "near" : "any" }, { "length", length }, { "verdict", lw_verdict_name( verdict ) },
-			{ "edges", times[0].size() }, { "fcl_discrete", toJson( fcl ) }, { "own_discrete", toJson( own ) },
-			{ "certified", toJson( certified ) }, { "certified_queries_median", median( queries[2] ) },
-			{ "certified_tables", toJson( tables ) }, { "certified_tables_queries_median", median( queries[3] ) } } );
+		rows.push_back( { { "robot", m_name }, { "set", near ? "near" : "any" }, { "length", length },
+			{ "verdict", lw_verdict_name( verdict ) }, { "edges", times[0].size() }, { "fcl_discrete", toJson( fcl ) },
+			{ "own_discrete", toJson( own ) }, { "certified", toJson( certified ) },
+			{ "certified_queries_median", median( queries[2] ) }, { "certified_tables", toJson( tables ) },
+			{ "certified_tables_queries_median", median( queries[3] ) } } );
 	}
 
 	const Settings& m_settings;
@@ -198,13 +206,16 @@ int run( const Settings& settings )
 	{
 		throw std::runtime_error( "--only " + settings.only + ": no robot and group has that in its name" );
 	}
-	std::printf( "\ncertificates that a dense look refutes: %zu; free by the certificate and blocked by a discrete contender: %zu\n", refuted,
-		contradicted );
+	std::printf(
+		"\ncertificates that a dense look refutes: %zu; free by the certificate and blocked by a discrete contender: %zu\n",
+		refuted, contradicted );
 	if ( !settings.json.empty() )
 	{
 		std::ofstream file( settings.json );
 		file << Json{ { "provenance", provenance() }, { "seed", settings.seed }, { "edges", settings.edges },
-			{ "repetitions", settings.repetitions }, { "resolution", settings.resolution }, { "rows", rows } }.dump( 2 ) << "\n";
+					{ "repetitions", settings.repetitions }, { "resolution", settings.resolution }, { "rows", rows } }
+					.dump( 2 )
+			 << "\n";
 		if ( !file )
 		{
 			throw std::runtime_error( settings.json + ": cannot be written" );
@@ -221,7 +232,9 @@ int main( int argc, char** argv )
 	Settings settings;
 	app.add_option( "--data", settings.data, "folder of robots and scenes" );
 	app.add_option( "--only", settings.only, "only robots and groups with this in their name, such as 'armar3' or 'fetch'" );
-	app.add_option( "--edges", settings.edges, "per robot, set and length" )->capture_default_str()->check( CLI::PositiveNumber );
+	app.add_option( "--edges", settings.edges, "per robot, set and length" )
+		->capture_default_str()
+		->check( CLI::PositiveNumber );
 	app.add_option( "--repetitions", settings.repetitions )->capture_default_str()->check( CLI::PositiveNumber );
 	app.add_option( "--resolution", settings.resolution, "of the discrete contenders, a fraction of the extent" )
 		->capture_default_str()

@@ -5,7 +5,8 @@
 #include <queue>
 
 EdgeJudges::EdgeJudges( const EdgeWorld& world, std::shared_ptr<FclModels> models )
-	: m_world( world ), m_query( leeway::makeQuery( world.checker.get() ) ), m_table_query( leeway::makeQuery( world.with_tables.get() ) ),
+	: m_world( world ), m_query( leeway::makeQuery( world.checker.get() ) ),
+	  m_table_query( leeway::makeQuery( world.with_tables.get() ) ),
 	  m_state_query( leeway::makeQuery( world.with_tables.get() ) ), m_spare( leeway::makeQuery( world.checker.get() ) ),
 	  m_fcl( world.checker.get(), std::move( models ), world.allowed )
 {
@@ -15,8 +16,8 @@ EdgeJudges::EdgeJudges( const EdgeWorld& world, std::shared_ptr<FclModels> model
 
 bool EdgeJudges::byCertificate( const Motion& motion, bool tables, const lw_edge_def& def, lw_edge_result& result )
 {
-	leeway::require( lw_checker_edge( tables ? m_world.with_tables.get() : m_world.checker.get(), tables ? m_table_query.get() : m_query.get(),
-						 motion.from.data(), motion.to.data(), &def, &result ),
+	leeway::require( lw_checker_edge( tables ? m_world.with_tables.get() : m_world.checker.get(),
+						 tables ? m_table_query.get() : m_query.get(), motion.from.data(), motion.to.data(), &def, &result ),
 		"an edge" );
 	return result.verdict == LW_VERDICT_FREE;
 }
@@ -43,7 +44,8 @@ bool EdgeJudges::discrete( const Motion& motion, double fraction, const IsValid&
 		const auto [first, last] = parts.front();
 		parts.pop();
 		const int middle = ( first + last ) / 2;
-		lw_robot_interpolate( m_world.robot.get(), m_from.data(), m_to.data(), static_cast<double>( middle ) / count, m_at.data() );
+		lw_robot_interpolate(
+			m_world.robot.get(), m_from.data(), m_to.data(), static_cast<double>( middle ) / count, m_at.data() );
 		for ( std::size_t i = 0; i < state.size(); ++i )
 		{
 			state[i] = m_at[m_world.variables[i]];
@@ -66,20 +68,26 @@ bool EdgeJudges::discrete( const Motion& motion, double fraction, const IsValid&
 
 bool EdgeJudges::byStates( const Motion& motion, double fraction )
 {
-	return discrete( motion, fraction, [this]( const double* q ) {
-		const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
-		lw_state_result result;
-		leeway::require( lw_checker_state( m_world.with_tables.get(), m_state_query.get(), q, LW_WHAT_BOTH, &range, true, &result ), "a state" );
-		return result.verdict == LW_VERDICT_FREE;
-	} );
+	return discrete( motion, fraction,
+		[this]( const double* q )
+		{
+			const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
+			lw_state_result result;
+			leeway::require(
+				lw_checker_state( m_world.with_tables.get(), m_state_query.get(), q, LW_WHAT_BOTH, &range, true, &result ),
+				"a state" );
+			return result.verdict == LW_VERDICT_FREE;
+		} );
 }
 
 bool EdgeJudges::byFcl( const Motion& motion, double fraction )
 {
-	return discrete( motion, fraction, [this]( const double* q ) {
-		m_fcl.pose( q );
-		return !m_fcl.environmentCollides() && !m_fcl.selfCollides();
-	} );
+	return discrete( motion, fraction,
+		[this]( const double* q )
+		{
+			m_fcl.pose( q );
+			return !m_fcl.environmentCollides() && !m_fcl.selfCollides();
+		} );
 }
 
 bool EdgeJudges::fclCollides( const std::vector<double>& q )

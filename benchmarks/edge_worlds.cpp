@@ -34,8 +34,8 @@ std::vector<std::string> armarRequests( std::vector<int> numbers = {} )
 
 Json armarSource( const std::string& set, const std::string& name, const std::string& group )
 {
-	return { { "set", set }, { "name", set + "/" + name }, { "robot", "armar3/armar3.urdf" }, { "srdf", "armar3/armar3.srdf" },
-		{ "scene", "kit_kitchen/scene_cluttered.yaml" }, { "group", group } };
+	return { { "set", set }, { "name", set + "/" + name }, { "robot", "armar3/armar3.urdf" },
+		{ "srdf", "armar3/armar3.srdf" }, { "scene", "kit_kitchen/scene_cluttered.yaml" }, { "group", group } };
 }
 
 /// Adds "a+b", the joints of both, to the groups of the model. A part may also be a joint.
@@ -57,9 +57,11 @@ void joinGroups( io::RobotModel& model, const std::string& name )
 			continue;
 		}
 		joined.joints.push_back( part );
-		if ( std::none_of( model.joints.begin(), model.joints.end(), [&]( const io::JointModel& j ) { return j.name == part; } ) )
+		if ( std::none_of(
+				 model.joints.begin(), model.joints.end(), [&]( const io::JointModel& j ) { return j.name == part; } ) )
 		{
-			throw std::runtime_error( "group " + name + ": '" + part + "' is neither a group nor a joint of " + model.urdf_file );
+			throw std::runtime_error(
+				"group " + name + ": '" + part + "' is neither a group nor a joint of " + model.urdf_file );
 		}
 	}
 	model.groups.push_back( joined );
@@ -76,7 +78,8 @@ std::string EdgeWorlds::path( const Json& name ) const
 
 io::RobotModel& EdgeWorlds::robot( const Json& source )
 {
-	const std::string urdf = path( source.at( "robot" ) ), srdf = source.contains( "srdf" ) ? path( source.at( "srdf" ) ) : "";
+	const std::string urdf = path( source.at( "robot" ) ),
+					  srdf = source.contains( "srdf" ) ? path( source.at( "srdf" ) ) : "";
 	const auto [place, is_new] = m_robots.try_emplace( urdf + "," + srdf );
 	if ( is_new )
 	{
@@ -203,7 +206,8 @@ void EdgeWorlds::makeFromFiles( EdgeWorldEntry& entry )
 	}
 	if ( options.scene != nullptr && !options.scene->attached.empty() )
 	{
-		throw std::runtime_error( options.scene->file + ": robot_state: attached objects cannot be audited; make them links of the robot" );
+		throw std::runtime_error(
+			options.scene->file + ": robot_state: attached objects cannot be audited; make them links of the robot" );
 	}
 	const io::Problem problem = io::buildProblem( model, options );
 	leeway::Reach& reach = m_reaches[model.urdf_file + "," + model.srdf_file];
@@ -224,8 +228,9 @@ void EdgeWorlds::makeFromFiles( EdgeWorldEntry& entry )
 	const lw_checker_info info = lw_checker_get_info( problem.checker.get() );
 	if ( problem.scene && info.environment_pairs != info.moving_bodies * lw_scene_shape_count( problem.scene.get() ) )
 	{
-		throw std::runtime_error( options.scene->file + ": allowed_collision_matrix: it allows contact of links and objects, which the audit "
-			"would count; remove these entries" );
+		throw std::runtime_error( options.scene->file +
+								  ": allowed_collision_matrix: it allows contact of links and objects, which the audit "
+								  "would count; remove these entries" );
 	}
 	if ( options.request != nullptr && request.group == options.group )
 	{

@@ -43,6 +43,8 @@ std::shared_ptr<fcl::CollisionGeometryd> FclPeer::modelOf( const lw_shape* shape
 	FclModels::Entry& entry = m_models->entries[shape];
 	if ( !entry.geometry )
 	{
+		lw_diag diag{};
+		leeway::require( lw_shape_complete( shape, &diag ), diag ); // a deferred mesh has no counts before
 		const lw_shape_info info = lw_shape_get_info( shape );
 		const double* d = info.dimensions;
 		switch ( info.type )
@@ -159,7 +161,8 @@ void FclPeer::findMoving( const lw_checker* checker, std::vector<bool>& joint_mo
 	}
 }
 
-FclPeer::FclPeer( const lw_checker* checker, std::shared_ptr<FclModels> models, const std::vector<lw_link_object_pair>& allowed )
+FclPeer::FclPeer( const lw_checker* checker, std::shared_ptr<FclModels> models,
+	const std::vector<lw_link_object_pair>& allowed )
 	: m_checker( checker ), m_robot( lw_checker_robot( checker ) ),
 	  m_models( models ? std::move( models ) : std::make_shared<FclModels>() )
 {

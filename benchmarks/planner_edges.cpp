@@ -9,6 +9,7 @@
 #include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
 
+#include <mutex>
 #include <random>
 
 namespace ob = ::ompl::base;
@@ -57,7 +58,8 @@ private:
 std::vector<Motion> motionsOfPlanner( const EdgeWorldEntry& entry, double seconds, std::size_t most, std::uint64_t seed )
 {
 	::ompl::msg::setLogLevel( ::ompl::msg::LOG_ERROR );
-	::ompl::RNG::setSeed( static_cast<std::uint_fast32_t>( seed % 0x7fffffff + 1 ) );
+	static std::once_flag seeded; // OMPL takes a seed only before its first random number
+	std::call_once( seeded, [seed] { ::ompl::RNG::setSeed( static_cast<std::uint_fast32_t>( seed % 0x7fffffff + 1 ) ); } );
 	::ompl::geometric::SimpleSetup setup( leeway::ompl::makeStateSpace( entry.world.with_tables ) );
 	const ob::SpaceInformationPtr& si = setup.getSpaceInformation();
 	const auto engine = leeway::ompl::install( si, entry.world.with_tables );

@@ -29,7 +29,8 @@ void judgeEdges( const EdgeWorlds& worlds, int count )
 		for ( int k = 0; k < std::max( 1, count / static_cast<int>( worlds.size() ) ); ++k )
 		{
 			const double lengths[] = { 0.1, 0.5, 2 };
-			bench.judge( bench.world.randomMotion( k % 2 == 0, lengths[k % 3], rng.engine(), bench.audit.get() ), rng, tally );
+			bench.judge(
+				bench.world.randomMotion( k % 2 == 0, lengths[k % 3], rng.engine(), bench.audit.get() ), rng, tally );
 		}
 	}
 	tally.expectVariety();

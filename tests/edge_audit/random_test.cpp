@@ -44,3 +44,61 @@ TEST( EdgeAudit, VerdictsOnRandomRobotsSurviveADenseLook )
 	}
 	tally.expectVariety();
 }
+
+// An auditor that steps over contacts would agree with every certificate. A ball at the end of an arm sweeps past the tip of
+// a needle: contact is 0.25 mm of its way of 2 m, or misses it by a nanometre.
+TEST( EdgeAudit, TheAuditorFindsAContactOfAQuarterMillimetre )
+{
+	SeededRng rng;
+	const double ball = 0.1, way = 0.25e-3;
+	for ( int i = 0; i < 40; ++i )
+	{
+		const bool touches = i % 2 == 0;
+		RobotModel model;
+		model.link( "base" );
+		lw_joint_def& joint = model.joint( "arm", LW_JOINT_REVOLUTE, 0 );
+		joint.axis[0] = joint.axis[1] = 0;
+		joint.axis[2] = 1;
+		lw_transform at_end = lw_transform_identity();
+		at_end.t[0] = 1;
+		const double radius[3] = { ball, 0, 0 };
+		lw_shape* sphere = nullptr;
+		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &sphere ), LW_OK );
+		model.body( 1, sphere, at_end );
+		const RobotPtr robot = model.create();
+
+		// the needle ends below the ball's lowest point, so much higher that the ball is over it for `way`
+		const double overlap = touches ? way * way / ( 8 * ball ) : -1e-9;
+		const double angle = rng.uniform( -0.9, 0.9 );
+		const double tip[3] = { std::cos( angle ), std::sin( angle ), -ball + overlap };
+		const double corners[9] = {
+			tip[0], tip[1], tip[2], tip[0] + 1e-3, tip[1], tip[2] - 0.5, tip[0], tip[1] + 1e-3, tip[2] - 0.5 };
+		const std::uint32_t indices[3] = { 0, 1, 2 };
+		lw_mesh_def mesh = lw_mesh_def_default();
+		mesh.vertices = corners;
+		mesh.vertex_count = 3;
+		mesh.indices = indices;
+		mesh.triangle_count = 1;
+		lw_shape* needle = nullptr;
+		ASSERT_EQ( lw_shape_create_mesh( &mesh, nullptr, nullptr, &needle ), LW_OK );
+		const ShapePtr keep( needle );
+		const char* name = "needle";
+		const lw_scene_shape_def shape = { needle, 0, lw_transform_identity() };
+		lw_scene_def def = lw_scene_def_default();
+		def.object_names = &name;
+		def.object_count = 1;
+		def.shapes = &shape;
+		def.shape_count = 1;
+		lw_scene* made = nullptr;
+		ASSERT_EQ( lw_scene_create( &def, nullptr, nullptr, &made ), LW_OK );
+		const leeway::Scene scene = leeway::Scene::adopt( made );
+
+		const double from = -1, to = 1;
+		EdgeAuditor auditor( robot.get(), scene.get(), { 0 }, &from );
+		const EdgeAuditor::Look look = auditor.look( &from, &to );
+		EXPECT_EQ( look.contact, touches ) << "needle at " << angle << ", least distance " << look.least << " at " << look.t;
+		EXPECT_NEAR( from + ( to - from ) * look.t, angle, touches ? way : 1e-3 );
+		EXPECT_EQ( auditor.look( &from, &to, 0, ( angle + 0.99 ) / 2 ).contact, false )
+			<< "this part ends before the needle";
+	}
+}

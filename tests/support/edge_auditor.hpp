@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A dense look at an edge that knows nothing of certificates, motion bounds, checkers or their tables.
 //
-// Every pair of bodies that counts is followed along the edge by exact distances of the two shapes. Samples are so close that
-// between two of them no point of one body moves further, seen from the other, than half of the room that the pair has, or
-// than `resolution` where that is more: contact between two samples would have to use up twice the measured motion.
+// Every pair of bodies that counts is followed along the edge by exact distances of the two shapes. Samples are so close
+// that between two of them no point of one body moves further, seen from the other, than half of the room that the pair has,
+// or than `resolution` where that is more: contact between two samples would have to use up twice the measured motion.
 //
-// Motion is measured, not bounded: forward kinematics at states between which nothing turns by more than 0.2 rad; how far the
-// centre of a sphere around the body went, and how far it turned about it. Bodies that are rigid to each other are a cluster and
-// move as one. Where the boxes of the shapes are far enough apart for an interval no distance is taken.
+// Motion is measured, not bounded: forward kinematics at states between which nothing turns by more than 0.2 rad; how far
+// the centre of a sphere around the body went, and how far it turned about it. Bodies that are rigid to each other are a
+// cluster and move as one. Where the boxes of the shapes are far enough apart for an interval no distance is taken.
 #pragma once
 
 #include "leeway/leeway.h"
@@ -32,9 +32,9 @@ public:
 	struct Look
 	{
 		bool contact = false;
-		double t = 0;              ///< of the contact, otherwise of the least distance measured
-		double least = INFINITY;   ///< of all distances measured
-		bool self = false;         ///< what it was between: two links, or link and object
+		double t = 0;            ///< of the contact, otherwise of the least distance measured
+		double least = INFINITY; ///< of all distances measured
+		bool self = false;       ///< what it was between: two links, or link and object
 		std::uint32_t link = LW_INVALID_INDEX, other = LW_INVALID_INDEX;
 		std::uint64_t distances = 0, poses = 0;
 	};
@@ -92,10 +92,13 @@ public:
 	}
 	double clearance( const double* full, bool self, std::uint32_t link, std::uint32_t other )
 	{
-		return clearanceOf( full, [this, self, link, other]( const Pair& pair ) {
-			const std::uint32_t a = m_bodies[pair.body].link;
-			return pair.self == self && ( ( a == link && otherName( pair ) == other ) || ( self && a == other && otherName( pair ) == link ) );
-		} );
+		return clearanceOf( full,
+			[this, self, link, other]( const Pair& pair )
+			{
+				const std::uint32_t a = m_bodies[pair.body].link;
+				return pair.self == self && ( ( a == link && otherName( pair ) == other ) ||
+												( self && a == other && otherName( pair ) == link ) );
+			} );
 	}
 
 	std::size_t pairCount() const
@@ -116,10 +119,10 @@ private:
 	struct Body
 	{
 		const lw_shape* shape;
-		std::uint32_t link;         ///< LW_INVALID_INDEX: an obstacle, `pose` in the world
-		lw_transform pose;          ///< in the link
+		std::uint32_t link; ///< LW_INVALID_INDEX: an obstacle, `pose` in the world
+		lw_transform pose;  ///< in the link
 		lw_shape_info info;
-		lw_vec3 center;             ///< of the bounding sphere, in the link
+		lw_vec3 center; ///< of the bounding sphere, in the link
 		std::uint32_t object = LW_INVALID_INDEX;
 	};
 	struct Pair
@@ -287,7 +290,8 @@ private:
 		if ( is_new )
 		{
 			Item item = { LW_INVALID_INDEX, LW_INVALID_INDEX, pair.self, cluster, other, {} };
-			const std::uint32_t frame = pair.self ? commonLink( m_clusters[cluster].link, m_clusters[other].link ) : LW_INVALID_INDEX;
+			const std::uint32_t frame =
+				pair.self ? commonLink( m_clusters[cluster].link, m_clusters[other].link ) : LW_INVALID_INDEX;
 			item.mover = moverOf( cluster, frame );
 			item.other_mover = pair.self ? moverOf( other, frame ) : LW_INVALID_INDEX;
 			m_items.push_back( item );
@@ -310,9 +314,9 @@ private:
 			const Cluster& cluster = m_clusters[m_cluster_of[a]];
 			for ( std::uint32_t k = 0; k < m_obstacles.size(); ++k )
 			{
-				const bool counts = std::none_of( allowed.begin(), allowed.end(), [&]( const lw_link_object_pair& p ) {
-					return p.link == m_bodies[a].link && p.object == m_obstacles[k].object;
-				} );
+				const bool counts = std::none_of( allowed.begin(), allowed.end(),
+					[&]( const lw_link_object_pair& p )
+					{ return p.link == m_bodies[a].link && p.object == m_obstacles[k].object; } );
 				if ( counts && cluster.above.empty() )
 				{
 					m_still.push_back( { a, k, false } );
@@ -324,7 +328,8 @@ private:
 			}
 			for ( std::uint32_t b = a + 1; b < m_bodies.size(); ++b )
 			{
-				if ( cluster.above != m_clusters[m_cluster_of[b]].above && !lw_robot_pair_allowed( m_robot, m_bodies[a].link, m_bodies[b].link ) )
+				if ( cluster.above != m_clusters[m_cluster_of[b]].above &&
+					 !lw_robot_pair_allowed( m_robot, m_bodies[a].link, m_bodies[b].link ) )
 				{
 					addPair( { a, b, true }, m_cluster_of[b] );
 				}
@@ -409,7 +414,7 @@ private:
 			const double d = std::abs( m_to[i] - m_from[i] );
 			const lw_joint_type type = lw_robot_joint_type( m_robot, info.joint );
 			const bool is_shift = type == LW_JOINT_PRISMATIC || ( type == LW_JOINT_PLANAR && info.component < 2 ) ||
-				( type == LW_JOINT_FLOATING && info.component < 3 );
+								  ( type == LW_JOINT_FLOATING && info.component < 3 );
 			turns += is_shift ? 0 : info.wraps ? std::min( d, 2 * M_PI ) : d;
 		}
 		m_cells = 4;

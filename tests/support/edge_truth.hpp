@@ -17,7 +17,8 @@ public:
 	static constexpr double rounding = 1e-10;
 
 	EdgeTruth( const EdgeWorld& world, EdgeAuditor& auditor, const Motion& motion, double min_d )
-		: m_world( world ), m_auditor( auditor ), m_from( world.full( motion.from ) ), m_to( world.full( motion.to ) ), m_min_d( min_d )
+		: m_world( world ), m_auditor( auditor ), m_from( world.full( motion.from ) ), m_to( world.full( motion.to ) ),
+		  m_min_d( min_d )
 	{
 	}
 
@@ -30,7 +31,8 @@ public:
 		return *m_whole;
 	}
 
-	/// Is some state of the edge at min_d or closer? A reproduced BLOCKED verdict answers as well as a look at the whole edge.
+	/// Is some state of the edge at min_d or closer? A reproduced BLOCKED verdict answers as well as a look at the whole
+	/// edge.
 	bool isBlocked() { return m_reproduced || whole().contact; }
 	std::uint64_t distances() const { return m_distances; }
 
@@ -43,11 +45,13 @@ public:
 		case LW_VERDICT_FREE:
 			if ( whole().contact )
 			{
-				std::snprintf( text, sizeof text, "FREE, but the distance is %.9g m at t = %.17g (%s)", whole().least, whole().t, names( whole() ).c_str() );
+				std::snprintf( text, sizeof text, "FREE, but the distance is %.9g m at t = %.17g (%s)", whole().least,
+					whole().t, names( whole() ).c_str() );
 			}
 			else if ( whole().least < r.lower_bound - rounding )
 			{
-				std::snprintf( text, sizeof text, "FREE with at least %.9g m, but it is %.9g m at t = %.17g", r.lower_bound, whole().least, whole().t );
+				std::snprintf( text, sizeof text, "FREE with at least %.9g m, but it is %.9g m at t = %.17g", r.lower_bound,
+					whole().least, whole().t );
 			}
 			break;
 		case LW_VERDICT_BLOCKED:
@@ -75,7 +79,8 @@ private:
 			return "bodies that never move";
 		}
 		return std::string( lw_robot_link_name( m_world.robot.get(), at.link ) ) + " - " +
-			( at.self ? lw_robot_link_name( m_world.robot.get(), at.other ) : lw_scene_object_name( m_world.scene.get(), at.other ) );
+			   ( at.self ? lw_robot_link_name( m_world.robot.get(), at.other )
+						 : lw_scene_object_name( m_world.scene.get(), at.other ) );
 	}
 
 	void refuteFailure( const lw_edge_def& def, const lw_edge_result& r, char* text, std::size_t size )
@@ -87,7 +92,8 @@ private:
 		const double most = blocked ? m_min_d : ( m_min_d + def.slack ) / ( 1 - def.alpha );
 		if ( !( d <= most + rounding ) )
 		{
-			std::snprintf( text, size, "%s at t = %.17g, but the distance of the pair is %.9g m", lw_verdict_name( r.verdict ), r.t, d );
+			std::snprintf( text, size, "%s at t = %.17g, but the distance of the pair is %.9g m",
+				lw_verdict_name( r.verdict ), r.t, d );
 			return;
 		}
 		m_reproduced = m_reproduced || ( blocked && d <= m_min_d );
@@ -96,7 +102,8 @@ private:
 			const EdgeAuditor::Look part = look( r.proved_until );
 			if ( part.contact )
 			{
-				std::snprintf( text, size, "proved until %.17g, but the distance is %.9g m at t = %.17g", r.proved_until, part.least, part.t );
+				std::snprintf( text, size, "proved until %.17g, but the distance is %.9g m at t = %.17g", r.proved_until,
+					part.least, part.t );
 			}
 		}
 	}

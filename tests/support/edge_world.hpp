@@ -29,8 +29,8 @@ struct EdgeWorld
 	/// Group states near which an edge starts, NAN = anywhere in the limits; empty = all anywhere.
 	std::vector<std::vector<double>> anchors;
 	double anchor_spread = 0.3;
-	/// A free state. If given, edges start between it and a random state, mostly near it: in a narrow world few random states
-	/// are free.
+	/// A free state. If given, edges start between it and a random state, mostly near it: in a narrow world few random
+	/// states are free.
 	std::vector<double> home;
 
 	std::size_t size() const { return variables.size(); }
@@ -100,15 +100,16 @@ struct EdgeWorld
 				{
 					dot += motion.from[k] * motion.to[k];
 				}
-				most = std::max( most, std::ceil( std::acos( std::min( 1.0, std::abs( dot ) ) ) / ( 0.5 * M_PI * fraction ) ) );
+				most =
+					std::max( most, std::ceil( std::acos( std::min( 1.0, std::abs( dot ) ) ) / ( 0.5 * M_PI * fraction ) ) );
 				i += 4;
 			}
 		}
 		return static_cast<unsigned>( plain && extent > 0 ? std::ceil( std::sqrt( squared / extent ) / fraction ) : most );
 	}
 
-	/// From a random free state (near: within 50 mm of the environment, if such states can be found) in a random direction to a
-	/// free state within the limits. Shorter where the limits leave no room for that length.
+	/// From a random free state (near: within 50 mm of the environment, if such states can be found) in a random direction
+	/// to a free state within the limits. Shorter where the limits leave no room for that length.
 	Motion randomMotion( bool near, double length, std::mt19937_64& random, lw_query* query ) const
 	{
 		for ( int round = 0; round < 1000; ++round )
@@ -132,7 +133,8 @@ struct EdgeWorld
 	{
 		const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
 		lw_state_result result;
-		leeway::require( lw_checker_state( checker.get(), query, q.data(), LW_WHAT_BOTH, &range, true, &result ), "a state" );
+		leeway::require(
+			lw_checker_state( checker.get(), query, q.data(), LW_WHAT_BOTH, &range, true, &result ), "a state" );
 		return result.verdict == LW_VERDICT_FREE;
 	}
 
@@ -181,7 +183,8 @@ private:
 		{
 			if ( isRotation( i ) )
 			{
-				const double norm = std::sqrt( q[i] * q[i] + q[i + 1] * q[i + 1] + q[i + 2] * q[i + 2] + q[i + 3] * q[i + 3] );
+				const double norm =
+					std::sqrt( q[i] * q[i] + q[i + 1] * q[i + 1] + q[i + 2] * q[i + 2] + q[i + 3] * q[i + 3] );
 				for ( std::size_t k = i; k < i + 4; ++k )
 				{
 					q[k] /= norm;
@@ -199,7 +202,8 @@ private:
 			const std::vector<double> q = randomState( random );
 			const lw_range range = { 0, 0.05, 0 };
 			lw_state_result result;
-			leeway::require( lw_checker_state( checker.get(), query, q.data(), LW_WHAT_BOTH, &range, false, &result ), "a state" );
+			leeway::require(
+				lw_checker_state( checker.get(), query, q.data(), LW_WHAT_BOTH, &range, false, &result ), "a state" );
 			if ( result.verdict != LW_VERDICT_FREE )
 			{
 				continue;

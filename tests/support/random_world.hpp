@@ -52,8 +52,8 @@ inline leeway::Scene makeScene( SeededRng& rng, const lw_transform& around, int 
 }
 
 /// Contacts, and all but contacts, of a state are allowed from now on.
-inline void allowContacts( RobotModel& model, const lw_scene* scene, const std::vector<std::uint32_t>& variables, const State& state,
-	std::vector<lw_link_object_pair>& allowed )
+inline void allowContacts( RobotModel& model, const lw_scene* scene, const std::vector<std::uint32_t>& variables,
+	const State& state, std::vector<lw_link_object_pair>& allowed )
 {
 	const double close = 0.002;
 	const RobotPtr robot = model.create();
