@@ -472,7 +472,11 @@ private:
 		for ( std::size_t i = 0; blocked && i < FRACTIONS.size(); ++i )
 		{
 			tally.missed_own[i] += seat.judges.byStates( motion, FRACTIONS[i] );
-			tally.missed_fcl[i] += seat.judges.byFcl( motion, FRACTIONS[i] );
+			tally.missed_fcl[i] += seat.judges.hasFcl() && seat.judges.byFcl( motion, FRACTIONS[i] );
+		}
+		if ( !seat.judges.hasFcl() )
+		{
+			return;
 		}
 		// FCL's word on the nearest state that the look found, and on the state that blocks
 		const EdgeWorld& world = seat.judges.world();

@@ -2,14 +2,23 @@
 // Judges of edges: see edge_judges.hpp.
 #include "edge_judges.hpp"
 
+#include <cstdio>
 #include <queue>
+#include <stdexcept>
 
 EdgeJudges::EdgeJudges( const EdgeWorld& world, std::shared_ptr<FclModels> models )
 	: m_world( world ), m_query( leeway::makeQuery( world.checker.get() ) ),
 	  m_table_query( leeway::makeQuery( world.with_tables.get() ) ),
-	  m_state_query( leeway::makeQuery( world.with_tables.get() ) ), m_spare( leeway::makeQuery( world.checker.get() ) ),
-	  m_fcl( world.checker.get(), std::move( models ), world.allowed )
+	  m_state_query( leeway::makeQuery( world.with_tables.get() ) ), m_spare( leeway::makeQuery( world.checker.get() ) )
 {
+	try
+	{
+		m_fcl = std::make_unique<FclPeer>( world.checker.get(), std::move( models ), world.allowed );
+	}
+	catch ( const std::runtime_error& error )
+	{
+		std::fprintf( stderr, "\r%s: judged without FCL: %s\n", world.name.c_str(), error.what() );
+	}
 	m_from.resize( lw_robot_variable_count( world.robot.get() ) );
 	m_to = m_at = m_from;
 }
@@ -85,19 +94,19 @@ bool EdgeJudges::byFcl( const Motion& motion, double fraction )
 	return discrete( motion, fraction,
 		[this]( const double* q )
 		{
-			m_fcl.pose( q );
-			return !m_fcl.environmentCollides() && !m_fcl.selfCollides();
+			m_fcl->pose( q );
+			return !m_fcl->environmentCollides() && !m_fcl->selfCollides();
 		} );
 }
 
 bool EdgeJudges::fclCollides( const std::vector<double>& q )
 {
-	m_fcl.pose( q.data() );
-	return m_fcl.environmentCollides() || m_fcl.selfCollides();
+	m_fcl->pose( q.data() );
+	return m_fcl->environmentCollides() || m_fcl->selfCollides();
 }
 
 double EdgeJudges::fclDistance( const std::vector<double>& q, double bound )
 {
-	m_fcl.pose( q.data() );
-	return m_fcl.selfDistance( m_fcl.environmentDistance( bound ) );
+	m_fcl->pose( q.data() );
+	return m_fcl->selfDistance( m_fcl->environmentDistance( bound ) );
 }

@@ -20,6 +20,8 @@ public:
 	bool byStates( const Motion& motion, double fraction );
 	bool byFcl( const Motion& motion, double fraction );
 
+	/// False if the world holds shapes that FCL does not have; then nothing may be asked of it.
+	bool hasFcl() const { return m_fcl != nullptr; }
 	/// FCL's word on one state: is it in contact, and how far is it from it (no further than `bound`)?
 	bool fclCollides( const std::vector<double>& q );
 	double fclDistance( const std::vector<double>& q, double bound );
@@ -33,6 +35,6 @@ private:
 
 	const EdgeWorld& m_world;
 	leeway::Query m_query, m_table_query, m_state_query, m_spare;
-	FclPeer m_fcl;
+	std::unique_ptr<FclPeer> m_fcl;
 	std::vector<double> m_from, m_to, m_at;
 };

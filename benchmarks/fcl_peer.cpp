@@ -68,7 +68,7 @@ std::shared_ptr<fcl::CollisionGeometryd> FclPeer::modelOf( const lw_shape* shape
 			entry.geometry = std::make_shared<fcl::Coned>( d[0], d[1] );
 			break;
 		default:
-			throw std::runtime_error( "FCL knows no sets of balls; this model holds one" );
+			throw std::runtime_error( "FCL has no shape like one of this model's (sets of points, spheres or boxes, half-spaces)" );
 		}
 		entry.geometry->computeLocalAABB();
 		entry.shape = leeway::Shape::adopt( lw_shape_retain( shape ) );

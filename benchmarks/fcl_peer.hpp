@@ -35,7 +35,7 @@ public:
 	/// Bodies that the checker's group moves against the scene, and pairs of bodies whose relative pose it can change.
 	/// @param models shared with other peers; none = its own
 	/// @param allowed contacts that the checker was told not to count
-	/// @throws std::runtime_error for a point set
+	/// @throws std::runtime_error for shapes that FCL does not have: sets of points, spheres or boxes, half-spaces
 	explicit FclPeer( const lw_checker* checker, std::shared_ptr<FclModels> models = nullptr,
 		const std::vector<lw_link_object_pair>& allowed = {} );
 
