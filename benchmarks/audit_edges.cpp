@@ -18,6 +18,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -37,6 +38,9 @@ struct Settings
 	unsigned threads = 1;
 	std::uint64_t seed = 20260101;
 };
+
+/// Set by Ctrl-C: what was judged so far is reported.
+volatile std::sig_atomic_t interrupted = 0;
 
 constexpr std::array<double, 3> FRACTIONS = { 0.01, 0.005, 0.001 };
 
@@ -146,7 +150,7 @@ public:
 		{
 			threads.emplace_back( [this] { work(); } );
 		}
-		while ( m_done < m_tasks.size() && m_error.empty() )
+		while ( m_done < m_tasks.size() && !m_failed && interrupted == 0 )
 		{
 			std::this_thread::sleep_for( std::chrono::seconds( 1 ) );
 			const double seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
@@ -375,7 +379,7 @@ private:
 		std::map<std::string, Tally> tallies;
 		try
 		{
-			for ( std::size_t i = m_next++; i < m_tasks.size(); i = m_next++ )
+			for ( std::size_t i = m_next++; i < m_tasks.size() && interrupted == 0; i = m_next++ )
 			{
 				const Task& task = m_tasks[i];
 				std::unique_ptr<Seat>& seat = seats[task.world];
@@ -391,6 +395,7 @@ private:
 		{
 			const std::lock_guard<std::mutex> lock( m_mutex );
 			m_error = error.what();
+			m_failed = true;
 		}
 		const std::lock_guard<std::mutex> lock( m_mutex );
 		for ( const auto& [set, tally] : tallies )
@@ -566,7 +571,7 @@ private:
 			total.fcl_differs, m_seconds, total.all_ms / static_cast<double>( std::max<std::size_t>( total.edges, 1 ) ) );
 		if ( !m_settings.json.empty() )
 		{
-			const Json result = { { "provenance", provenance() }, { "seed", m_settings.seed }, { "edges", m_tasks.size() },
+			const Json result = { { "provenance", m_provenance }, { "seed", m_settings.seed }, { "edges", total.edges },
 				{ "resolution", m_settings.resolution }, { "discrete_fractions", FRACTIONS },
 				{ "threads", m_settings.threads }, { "seconds", m_seconds }, { "wrong", m_wrong }, { "rows", rows } };
 			std::ofstream file( m_settings.json );
@@ -583,7 +588,9 @@ private:
 	EdgeWorlds m_worlds;
 	std::shared_ptr<FclModels> m_models;
 	std::vector<Task> m_tasks;
+	const Json m_provenance = provenance(); ///< of what runs: sources may change before it ends
 	std::atomic<std::size_t> m_next{ 0 }, m_done{ 0 };
+	std::atomic<bool> m_failed{ false };
 	std::mutex m_mutex; ///< of all below
 	std::map<std::string, Tally> m_tallies;
 	Json m_wrong = Json::array();
@@ -618,6 +625,7 @@ int main( int argc, char** argv )
 	app.add_option( "--seed", settings.seed )->capture_default_str();
 	app.add_option( "--json", settings.json, "result file" );
 	CLI11_PARSE( app, argc, argv );
+	std::signal( SIGINT, []( int ) { interrupted = 1; } );
 	try
 	{
 		return Audit( settings ).run();
