@@ -82,17 +82,12 @@ static double environment_gaps( const lw_checker* checker, lw_query* query, cons
 	return slack;
 }
 
-static void search_environment( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
-	lwi_bound* bound )
+/// Searches the rows of gaps of some bodies, the nearest pair first.
+static void search_rows( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count, double slack,
+	uint32_t nearest, lwi_bound* bound )
 {
-	if ( checker->scene == NULL || checker->scene->shape_count == 0 || body_count == 0 )
-	{
-		return;
-	}
 	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
 	uint32_t entries = body_count * stride;
-	uint32_t nearest;
-	double slack = environment_gaps( checker, query, bodies, body_count, &nearest );
 	if ( !( query->gaps[nearest] < lwi_round_up( bound->prune + slack ) ) )
 	{
 		return;
@@ -110,6 +105,17 @@ static void search_environment( const lw_checker* checker, lw_query* query, cons
 		uint32_t body = bodies[next.pair / stride];
 		bound->current_pair = body * stride + next.pair % stride;
 		search_environment_pair( checker, query, body, next.pair % stride, bound );
+	}
+}
+
+static void search_environment( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
+	lwi_bound* bound )
+{
+	if ( checker->scene != NULL && checker->scene->shape_count > 0 && body_count > 0 )
+	{
+		uint32_t nearest;
+		double slack = environment_gaps( checker, query, bodies, body_count, &nearest );
+		search_rows( checker, query, bodies, body_count, slack, nearest, bound );
 	}
 }
 
@@ -333,24 +339,31 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	}
 }
 
-void lwi_checker_node_environment( const lw_checker* checker, lw_query* query, uint32_t index, const lw_range* range,
+bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit )
+{
+	const lwi_bound bound = { .prune = limit };
+	const lw_range range = { 0, limit, 0 };
+	choose_obstacles( checker, query, &range, false );
+	return checker->tree->nodes[node].own_environment && meets_scene( checker, query, 2 * node, &bound );
+}
+
+void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
 	lwi_warm* warm, lw_clearance* out )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	const lwi_checker_node* node = &tree->nodes[index];
-	choose_obstacles( checker, query, range, false );
 	lwi_bound bound;
-	lwi_bound_init( &bound, range );
-	if ( node->own_environment && ( node->body_count == 1 || meets_scene( checker, query, 2 * index, &bound ) ) )
+	lwi_bound_init( &bound, &threshold->range );
+	bound.give_up_above = threshold->give_up_above;
+	bound.give_up_below = threshold->give_up_below;
+	choose_obstacles( checker, query, &threshold->range, false );
+	lwi_pose_body( checker, query, body );
+	uint32_t nearest;
+	double slack = environment_gaps( checker, query, &body, 1, &nearest );
+	if ( query->gaps[nearest] < lwi_round_up( bound.prune + slack ) )
 	{
-		for ( uint32_t i = 0; i < node->body_count; ++i )
-		{
-			lwi_pose_body( checker, query, tree->bodies[node->first_body + i] );
-		}
 		measure_warm( checker, query, warm, &bound );
 		if ( !bound.done )
 		{
-			search_environment( checker, query, tree->bodies + node->first_body, node->body_count, &bound );
+			search_rows( checker, query, &body, 1, slack, nearest, &bound );
 		}
 	}
 	environment_result( checker, query, &bound, out );

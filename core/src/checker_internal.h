@@ -5,6 +5,7 @@
 
 #include "leeway/checker.h"
 #include "motion_bound.h"
+#include "tree_layout.h"
 #include "robot_internal.h"
 
 #include <math.h>
@@ -84,15 +85,39 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 /// True if `separation` of the self pairs holds in both states and everywhere between them, and the query may use it.
 bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb );
 
-/// Clearance of the bodies of one node to the scene at the posed state: nearest obstacle first, one running bound, allowed
-/// objects skipped. out->a = link, out->b = object. FAR if nothing is to be checked.
-/// @param warm where the nearest pair of this node was; written if one was found
-void lwi_checker_node_environment( const lw_checker* checker, lw_query* query, uint32_t node, const lw_range* range,
+// --- parts of the robot, at the posed state --------------------------------------------------------------------------
+
+/// A question whose answer is of no use if it is between two distances: then the first such distance found ends it.
+typedef struct lwi_threshold
+{
+	lw_range range;
+	double give_up_above, give_up_below; ///< out->upper between them: UNDECIDED, lower 0; never if below <= above
+} lwi_threshold;
+
+/// False if all bodies of a node are `limit` or farther from the scene by their common sphere.
+bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit );
+
+/// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
+/// out->b = object. FAR if nothing is to be checked.
+/// @param warm where its nearest pair was; written if one was found
+void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
 	struct lwi_warm* warm, lw_clearance* out );
 
-/// Clearance of one pair of nodes (index into the tree's pairs) at the posed state. out->a, out->b = links.
-void lwi_checker_node_pair( const lw_checker* checker, lw_query* query, uint32_t pair, const lw_range* range,
+/// The pairs of bodies of a pair of nodes (index into the tree's pairs) that spheres and separations do not prove `limit`
+/// apart: the first entries of query->candidates, each lwi_body_pair_id(). Returns their count.
+uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t pair, double limit );
+
+/// Names a pair of robot bodies; body_a < body_b.
+static inline uint32_t lwi_body_pair_id( const lw_checker* checker, uint32_t body_a, uint32_t body_b )
+{
+	return body_a * ( checker->body_block_count * LWI_WIDTH ) + body_b;
+}
+
+/// Clearance of one pair of bodies. out->a, out->b = links.
+void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
 	struct lwi_warm* warm, lw_clearance* out );
+
+// ---------------------------------------------------------------------------------------------------------------------
 
 /// Measures the static bodies once: fills static_environment. Called by lw_checker_create() with a query posed at the
 /// reference.

@@ -8,10 +8,6 @@
 
 #include <string.h>
 
-/// Relative to the coordinates that a sphere's pose went through: thousands of joints' worth of roundoffs (each turns a few
-/// of 2^-53), and still only 0.15 nm for a robot 10 m across.
-#define POSE_ROUNDING 0x1p-36
-
 static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
 {
 	const lwi_checker_body* b = &checker->bodies[body];
@@ -78,7 +74,7 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 	out[0] = center.x;
 	out[1] = center.y;
 	out[2] = center.z;
-	out[3] = local->radius + POSE_ROUNDING * ( coordinates + fabs( local->radius ) );
+	out[3] = local->radius + LWI_POSE_ROUNDING * ( coordinates + fabs( local->radius ) );
 	query->sphere_stamp[sphere] = query->state_stamp;
 }
 

@@ -373,28 +373,52 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	}
 }
 
-void lwi_checker_node_pair( const lw_checker* checker, lw_query* query, uint32_t index, const lw_range* range,
-	lwi_warm* warm, lw_clearance* out )
+uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t index, double limit )
 {
 	const lwi_node_pair* pair = &checker->tree->pairs[index];
-	uint32_t stride = checker->body_block_count * LWI_WIDTH;
-	lwi_bound bound;
-	lwi_bound_init( &bound, range );
+	const lwi_bound bound = { .prune = limit };
+	uint32_t count = 0;
 	const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
-	if ( !( query->covered && pair->separation >= bound.prune ) &&
-		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), bound.prune ) < INFINITY )
+	if ( !( query->covered && pair->separation >= limit ) &&
+		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), limit ) < INFINITY )
 	{
-		uint32_t count = 0;
-		measure_warm( checker, query, warm, &bound );
+		open_pair( checker, query, pair, &bound, &count );
+	}
+	return count;
+}
+
+void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
+	lwi_warm* warm, lw_clearance* out )
+{
+	uint32_t stride = checker->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
+	lwi_bound bound;
+	lwi_bound_init( &bound, &threshold->range );
+	bound.give_up_above = threshold->give_up_above;
+	bound.give_up_below = threshold->give_up_below;
+	lwi_pose_body( checker, query, a );
+	lwi_pose_body( checker, query, b );
+	const double *center_a = query->body_center + 3 * (size_t)a, *center_b = query->body_center + 3 * (size_t)b;
+	// poses of bodies are rounded as those of nodes are
+	double coordinates = query->node_extent[checker->tree->body_node[a]] + query->node_extent[checker->tree->body_node[b]];
+	double rounding = LWI_POSE_ROUNDING * ( coordinates + fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
+											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
+	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
+	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2], checker->bodies[b].shape->sphere_radius + rounding };
+	if ( gap_below( sphere_a, sphere_b, bound.prune ) < INFINITY )
+	{
+		if ( warm->pair == id )
+		{
+			measure_warm( checker, query, warm, &bound );
+		}
 		if ( !bound.done )
 		{
-			open_pair( checker, query, pair, &bound, &count );
-			search_candidates( checker, query, count, &bound );
+			bound.current_pair = id;
+			search_self_pair( checker, query, a, b, &bound );
 		}
 	}
-	self_result( checker, query, &bound, bound.pair / stride, bound.pair % stride, out );
+	self_result( checker, query, &bound, a, b, out );
 	if ( out->upper < INFINITY )
 	{
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+		*warm = (lwi_warm){ id, bound.triangle_a, bound.triangle_b, true };
 	}
 }

@@ -35,6 +35,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->links, t->link_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->body_place, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
 	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
 	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
@@ -53,11 +54,12 @@ static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, u
 	t->links = lwi_alloc_zero( &t->allocator, links, sizeof( uint32_t ) );
 	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
+	t->body_place = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
 	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
-			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) ) + bodies * ( 2 * sizeof( uint32_t ) + sizeof( lw_sphere ) );
+			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) ) + bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) );
 	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->links != NULL &&
-		   t->bodies != NULL && t->body_node != NULL && t->body_spheres != NULL;
+		   t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL;
 }
 
 /// True if there is a reach and every variable outside of the group is inside of its range.
@@ -143,6 +145,22 @@ static void number_nodes( lwi_checker_tree* t, const lw_robot* robot, const bool
 	}
 }
 
+/// Where the nodes hang on each other, the same in all states.
+static void fill_hooks( lwi_checker_tree* t, const lw_checker* c )
+{
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		node->hook = lw_transform_identity();
+		if ( node->parent != LW_INVALID_INDEX )
+		{
+			const lw_transform* top = &c->reference_poses[t->nodes[node->parent].top];
+			lw_transform top_from_link = lwi_relative( top, &c->reference_poses[node->parent_link] );
+			node->hook = lwi_multiply( &top_from_link, &c->robot->joints[c->robot->link_joint[node->top]].parent_from_joint );
+		}
+	}
+}
+
 /// Links and bodies by node: counting sort, so that within a node they keep their order.
 static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numbering* n )
 {
@@ -177,6 +195,7 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 	for ( uint32_t body = 0; body < t->body_count; ++body )
 	{
 		lwi_checker_node* node = &t->nodes[t->body_node[body]];
+		t->body_place[body] = node->first_body + node->body_count;
 		t->bodies[node->first_body + node->body_count++] = body;
 		bool any = false;
 		for ( uint32_t block = 0; block < c->scene_block_count; ++block )
@@ -203,6 +222,7 @@ static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bo
 	}
 	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links };
 	number_nodes( t, c->robot, joint_moves, &n );
+	fill_hooks( t, c );
 	fill_nodes( t, c, &n );
 	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
 	return LW_OK;

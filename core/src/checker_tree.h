@@ -16,6 +16,7 @@ typedef struct lwi_checker_node
 	uint32_t end;         ///< nodes are in depth-first order: the subtree is [this node, end)
 	uint32_t top;         ///< the link nearest to the root
 	uint32_t parent_link; ///< the link that `top` hangs on, in the parent node; LW_INVALID_INDEX for node 0
+	lw_transform hook;    ///< frame of the parent's `top` to where the joint above this node begins
 	uint32_t first_link, link_count; ///< range of links, parents first
 	uint32_t first_body, body_count; ///< range of bodies
 	uint32_t first_block; ///< of LWI_WIDTH bodies, in the query
@@ -58,6 +59,7 @@ typedef struct lwi_checker_tree
 	uint32_t* links;         ///< [link_count] by node, parents first
 	uint32_t* bodies;        ///< [body_count] robot bodies by node
 	uint32_t* body_node;     ///< [body_count] node of a robot body
+	uint32_t* body_place;    ///< [body_count] where a robot body is in `bodies`
 	lw_sphere* body_spheres; ///< [body_count] by node: bounding spheres, frame of the node's `top`
 	uint32_t pair_count;
 	lwi_node_pair* pairs;    ///< [pair_count]

@@ -6,6 +6,7 @@
 // Floats filter, doubles decide: nodes and triangle pairs are dropped by float gaps plus their stated slack (kernels.h);
 // whatever becomes a result is measured in double from the original vertices.
 #include "distance_internal.h"
+#include "separation.h"
 
 /// Rounding of a distance measured in double, in units of roundoff times the largest coordinate involved: lwi_tri_tri's 64
 /// (tri_tri.h), plus 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding).
@@ -35,7 +36,7 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 		return false;
 	}
 	bound->upper = upper;
-	bound->done = upper <= bound->range.min_d;
+	bound->done = upper <= bound->range.min_d || ( upper > bound->give_up_above && upper < bound->give_up_below );
 	// Within alpha of the best is good enough, but not at or below min_d while the best is above: the verdict needs that.
 	double prune = ( 1 - bound->range.alpha ) * upper;
 	double decisive = nextafter( bound->range.min_d, INFINITY );
@@ -62,7 +63,7 @@ lw_clearance lwi_bound_result( const lwi_bound* bound )
 	out.upper = bound->upper;
 	if ( bound->done )
 	{
-		out.kind = LW_CLEARANCE_VIOLATION;
+		out.kind = bound->upper <= bound->range.min_d ? LW_CLEARANCE_VIOLATION : LW_CLEARANCE_UNDECIDED;
 		return out;
 	}
 	double lower = bound->floor < bound->prune ? bound->floor : bound->prune;
@@ -136,8 +137,63 @@ static bool leaf_side_rules_out( lwi_searching* s, lwi_entry* e )
 	return lwi_leaf_mask( s, s->b, e->b, sphere, gap, direction ) == 0;
 }
 
+// --- planes ----------------------------------------------------------------------------------------------------------
+
+enum
+{
+	LEAVES_BEFORE_PLANE = 4, ///< comparisons of leaves after which a plane is looked for: most searches need fewer
+	PLANE_STEPS_KNOWN = 3,
+	PLANE_STEPS_NEW = 8
+};
+
+static lwi_hint* hint_of( lwi_searching* s )
+{
+	uint64_t shapes = (uint64_t)(uintptr_t)s->a * 0x9e3779b97f4a7c15u ^ (uint64_t)(uintptr_t)s->b * 0xc2b2ae3d27d4eb4fu;
+	uint32_t key = (uint32_t)( shapes >> 32 ) ^ s->bound->current_pair * 0x85ebca6bu;
+	key = key != 0 ? key : 1;
+	lwi_hint* hint = &s->query->hints[key >> ( 32 - LWI_HINT_BITS )];
+	if ( hint->key != key )
+	{
+		*hint = (lwi_hint){ .key = key };
+	}
+	return hint;
+}
+
+/// True if the plane that separated the two last time does so again, or one near it.
+static bool old_plane_rules_out( lwi_searching* s, lwi_hint* hint )
+{
+	return hint->known &&
+		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_STEPS_KNOWN );
+}
+
+/// Looks for a new plane, seldom where that is in vain.
+static bool new_plane_rules_out( lwi_searching* s, lwi_hint* hint )
+{
+	if ( hint->wait > 0 )
+	{
+		--hint->wait;
+		return false;
+	}
+	hint->plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
+	hint->known = lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_STEPS_NEW );
+	if ( hint->known )
+	{
+		hint->failures = 0;
+		return true;
+	}
+	hint->failures = (uint16_t)( hint->failures < 6 ? hint->failures + 1 : 6 );
+	hint->wait = (uint16_t)( 1u << hint->failures );
+	return false;
+}
+
 static void search_trees( lwi_searching* s )
 {
+	bool bounded = s->limit < INFINITY;
+	lwi_hint* hint = hint_of( s );
+	if ( bounded && old_plane_rules_out( s, hint ) )
+	{
+		return;
+	}
 	lw_query* query = s->query;
 	lwi_entry root;
 	memset( &root, 0, sizeof( root ) );
@@ -149,7 +205,7 @@ static void search_trees( lwi_searching* s )
 	root.radius_b = s->b->root_sphere[3];
 	query->batch.count = 0;
 	query->stack[0] = root;
-	uint32_t height = 1;
+	uint32_t height = 1, leaves = 0;
 	while ( height > 0 && !s->bound->done )
 	{
 		lwi_entry e = query->stack[--height];
@@ -160,6 +216,11 @@ static void search_trees( lwi_searching* s )
 		bool leaf_a = lwi_ref_is_leaf( e.a ), leaf_b = lwi_ref_is_leaf( e.b );
 		if ( leaf_a && leaf_b )
 		{
+			if ( ++leaves == LEAVES_BEFORE_PLANE && bounded && new_plane_rules_out( s, hint ) )
+			{
+				query->batch.count = 0; // none of the pairs that wait can be below the limit
+				return;
+			}
 			lwi_compare_leaves( s, &e );
 			continue;
 		}

@@ -14,7 +14,8 @@ typedef struct lwi_bound
 	double upper; ///< least distance measured so far; +inf before the first below max_d
 	double prune; ///< what is proved to be this far or farther need not be opened; never grows
 	double floor; ///< least certified lower bound of what was measured in double
-	bool done;    ///< upper <= min_d: the question is answered; or it failed
+	double give_up_above, give_up_below; ///< a distance between them ends the search: only `upper` holds then; none by default
+	bool done;    ///< upper <= min_d, given up, or failed: there is nothing more to find out
 	bool failed;  ///< a deferred mesh could not be made: no answer
 	// the witness of `upper`
 	lw_vec3 point_a, point_b; ///< in a's shape frame

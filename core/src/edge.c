@@ -23,7 +23,7 @@ lw_edge_def lw_edge_def_default( void )
 
 static lw_status check_certified( lwi_edge* e )
 {
-	if ( !lwi_edge_list_items( e ) )
+	if ( !lwi_edge_measure_motion( e ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}

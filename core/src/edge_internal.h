@@ -1,29 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Everything about the edge at hand: its items, samples of them, and the state the query is posed at.
+// Everything about the edge at hand: its motion, its items, and the cells of it that are not proved yet.
 //
-// An *item* is a node of the checker's tree (links that the group does not move against each other) against the scene, or a
-// pair of nodes. A sample of an item at t proves it on a window around t; an item is proved when windows cover [0, 1].
+// The edge is cut into dyadic *cells*. At the middle of a cell the robot is measured as far as the motion in the cell asks for:
+// first by nodes of the checker's tree (links that the group does not move against each other), then, where that is not enough,
+// by *items*: one body against the scene, or two bodies. A cell is proved for an item, or its halves are looked at.
 #ifndef LEEWAY_EDGE_INTERNAL_H
 #define LEEWAY_EDGE_INTERNAL_H
 
 #include "checker_internal.h"
 #include "checker_tree.h"
+#include "query_internal.h"
 
 enum
 {
-	LWI_EDGE_MAX_DEPTH = 64 ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
+	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
+	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
+	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
-/// Shrinks a half-width or a surplus of clearance, 2^-40 relative: far above its dozen roundings, far below any slack.
+/// Shrinks a surplus of clearance, 2^-40 relative: far above its dozen roundings, far below any slack.
 #define LWI_EDGE_INWARD ( 1.0 - 0x1p-40 )
 
-/// Part of an edge not proved for an item.
+/// A body against the scene, or two bodies; how they move is bounded for the whole edge.
+typedef struct lwi_edge_item
+{
+	uint32_t body_a, body_b; ///< robot bodies; body_b = LW_INVALID_INDEX: the scene
+	uint32_t ancestor;       ///< node in whose frame both are seen; 0 for the scene
+	lwi_motion_rate rate_a, rate_b;
+	double rounding; ///< error of poses and states, metres; a lower bound counts less by it
+	uint32_t warm;   ///< index into `warm`
+} lwi_edge_item;
+
+/// A cell that is not proved for an item.
 typedef struct lwi_edge_gap
 {
-	double a, b;
+	uint64_t cell; ///< [cell, cell + 1] / 2^level
 	uint32_t item;
-	uint32_t skip; ///< levels to pass through without a sample
-	uint64_t cell; ///< at its level: the gap lies in [cell, cell + 1] / 2^level
+	uint8_t skip;  ///< levels to pass through without a sample
+	bool open;     ///< not proved yet
 } lwi_edge_gap;
 
 /// The gaps of one level, by cell.
@@ -41,20 +55,22 @@ typedef struct lwi_edge
 	lw_edge_result* out;
 	const double* qa;
 	const double* qb;
-	void* motion;          ///< scratch of the motion table
-	double* full_a;        ///< [robot variable_count]
+	void* motion;   ///< scratch of the motion table
+	double* full_a; ///< [robot variable_count]
 	double* full_b;
 	double* full_t;
 	double* group_t;       ///< [variable_count]
-	uint32_t* items;       ///< [item_capacity] nodes, then pairs of the tree
-	double* bound;         ///< [item_capacity] V: path length over the whole edge
-	double* rounding;      ///< [item_capacity] error of poses and states, metres; a lower bound counts less by it
-	struct lwi_warm* warm; ///< [item_capacity] by node, then by pair: nearest pairs of the last edges
-	double* node_t;        ///< [nodes] where its motion was measured last; NaN if nowhere
-	double* node_width;    ///< [nodes] and for which width
+	struct lwi_warm* warm; ///< [LWI_EDGE_WARM]: nearest pairs of this edge and the ones before
+	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose node poses are kept; NaN: unused
+	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
+	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
+	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
+	lwi_edge_item* items;  ///< [item_capacity]
 	lwi_edge_level levels[2];
-	uint32_t item_count, environment_items, gap_capacity;
+	uint32_t item_count, item_capacity, gap_capacity;
+	double longest;         ///< V: the largest path length of a node along the edge
 	double static_rounding; ///< of the poses of static bodies
+	double spare;           ///< everything that is proved is proved to be min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
 	bool failed;            ///< a state could not be posed or asked
@@ -64,31 +80,54 @@ typedef struct lwi_edge
 /// What one measurement of an item says.
 typedef struct lwi_edge_sample
 {
-	bool proved;       ///< for all that was needed
-	bool low;          ///< clearance within the slack: looking closer is not worth it
+	bool proved;  ///< on all of the window
+	bool low;     ///< clearance within the slack: looking closer is not worth it
 	bool blocked;
-	double half_width; ///< proved for |u - t| <= half_width; negative: not even at t itself
-	double spare;      ///< clearance is min_d + spare at least where it is proved
-	uint32_t skip;     ///< levels below on which the item need not be looked at: their cells would be too wide
+	uint8_t skip; ///< levels below on which the item need not be looked at: their cells would be too wide
 	lw_clearance pair;
 } lwi_edge_sample;
+
+/// Part of the edge: |u - t| <= half.
+typedef struct lwi_edge_window
+{
+	double t, half;
+} lwi_edge_window;
+
+// --- edge_motion.c ---------------------------------------------------------------------------------------------------
 
 /// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, qa and qb.
 void lwi_edge_begin( lwi_edge* edge, void* scratch );
 
-/// Fills items with their motion bounds. Pairs that are apart in all states are left out. @return false for an edge that
-/// cannot be measured
-bool lwi_edge_list_items( lwi_edge* edge );
+/// Measures the motion of the edge. @return false for an edge that cannot be measured
+bool lwi_edge_measure_motion( lwi_edge* edge );
 
 /// The state at t; the ends are the given states themselves.
 const double* lwi_edge_state( lwi_edge* edge, double t );
 
-/// Measures an item at t, no further than needed to prove |u - t| <= needed and a little more.
-/// @param window motion is bounded for |u - t| <= window; at least `needed`
-lwi_edge_sample lwi_edge_measure( lwi_edge* edge, uint32_t item, double t, double window, double needed );
+/// Poses the query at t. @return false if that failed; edge->failed is set
+bool lwi_edge_pose( lwi_edge* edge, double t );
+
+/// How far a sphere carried by a node gets at most from its place at the middle of a window, within it, in the frame of another
+/// node above it.
+/// @param local frame of the node's `top`
+double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, const lw_sphere* local,
+	lwi_motion_rate rate, lwi_edge_window window );
+
+// --- edge_item.c -----------------------------------------------------------------------------------------------------
+
+/// Measures an item at window.t, no further than needed to prove the window and a little more.
+/// @param may_give_up a distance too small for that ends it
+lwi_edge_sample lwi_edge_measure( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up );
+
+/// Measures everything at window.t, nodes first. What is not proved is added to edge->items and, as an open gap of cell 0, to
+/// `level`. @return false if the proof ends here: something is blocked or refused
+bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level );
+
+/// Is an item above min_d at t? Only a collision, which ends the proof, is false.
+bool lwi_edge_item_is_free( lwi_edge* edge, const lwi_edge_item* item, double t );
 
 /// The verdict for a sample that ends the proof; always false. A refusal never replaces a collision found elsewhere.
-bool lwi_edge_fail( lwi_edge* edge, uint32_t item, double t, const lwi_edge_sample* sample );
+bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_item* item, double t, const lwi_edge_sample* sample );
 
 /// Is one state above min_d or not? The whole robot at once, nearest pair first. A failure is reported; a refusal never
 /// replaces a collision found elsewhere. @return true if it is free

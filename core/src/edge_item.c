@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Items of an edge and what one measurement proves of them: clearance against the motion bound around the sample.
+// What one measurement proves: clearance against motion, for items, and for everything at once by nodes.
 //
 // Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
 // environments. IEEE Transactions on Robotics 21(3), 2005. Proofs, cost and rounding: core/docs/edges.md.
@@ -7,299 +7,309 @@
 #include "edge_internal.h"
 #include "math_inline.h"
 
-#include <string.h>
-
-/// Relative tolerance of the distances that certificates are made of: coarse ones prove less each, but cost far less.
-#define COARSE 0.5
-
-/// Samples on a level where the motion is more than this many times the clearance at hand are left out.
-#define HOPELESS 2.0
-
-enum
-{
-	SPARE_GAPS = 1024 ///< places on a level beyond four per item
-};
-
-// ---- scratch ---------------------------------------------------------------------------------------------------------
-
-/// Takes `count * size` bytes of the scratch (NULL while measuring).
-static void* take( char* base, size_t* used, size_t count, size_t size )
-{
-	void* part = base != NULL ? base + *used : NULL;
-	*used += lwi_align_up( count * size );
-	return part;
-}
-
-/// Lays the scratch out from `memory`; returns its size. Called with NULL to measure, then to place.
-static size_t lay_out( lwi_edge* e, char* memory )
-{
-	const lw_checker* c = e->checker;
-	size_t used = 0, items = (size_t)c->tree->node_count + c->tree->pair_count;
-	uint32_t variables = c->robot->variable_count;
-	e->warm = take( memory, &used, items, sizeof( lwi_warm ) ); // first: cleared where the query changes its checker
-	e->motion = take( memory, &used, lwi_motion_scratch_size( c->motion ), 1 );
-	e->full_a = take( memory, &used, variables, sizeof( double ) );
-	e->full_b = take( memory, &used, variables, sizeof( double ) );
-	e->full_t = take( memory, &used, variables, sizeof( double ) );
-	e->group_t = take( memory, &used, c->variable_count, sizeof( double ) );
-	e->items = take( memory, &used, items, sizeof( uint32_t ) );
-	e->bound = take( memory, &used, items, sizeof( double ) );
-	e->rounding = take( memory, &used, items, sizeof( double ) );
-	e->node_t = take( memory, &used, c->tree->node_count, sizeof( double ) );
-	e->node_width = take( memory, &used, c->tree->node_count, sizeof( double ) );
-	e->gap_capacity = (uint32_t)( 4 * items + SPARE_GAPS );
-	e->levels[0].gaps = take( memory, &used, e->gap_capacity, sizeof( lwi_edge_gap ) );
-	e->levels[1].gaps = take( memory, &used, e->gap_capacity, sizeof( lwi_edge_gap ) );
-	return used;
-}
-
-void lwi_edge_begin( lwi_edge* edge, void* scratch )
-{
-	lay_out( edge, scratch );
-	lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
-	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
-}
-
-size_t lwi_edge_scratch_size( const lw_checker* checker )
-{
-	lwi_edge edge = { .checker = checker };
-	return lay_out( &edge, NULL );
-}
+/// Levels are passed through while the motion in a cell would be more than this share of the clearance at hand.
+#define HOPEFUL 0.7
 
 // ---- items -----------------------------------------------------------------------------------------------------------
 
-static const lwi_node_pair* pair_of( const lwi_edge* e, uint32_t item )
+static bool is_pair( const lwi_edge_item* item )
 {
-	return &e->checker->tree->pairs[e->items[item]];
+	return item->body_b != LW_INVALID_INDEX;
 }
 
-/// Adds an item, measured later. @return false if it overflows
-static bool add_item( lwi_edge* e, uint32_t index, double bound, double rounding )
+/// Names an item, for its place among the nearest pairs and for the memory of the last failure.
+static uint32_t item_id( const lw_checker* c, const lwi_edge_item* item )
 {
-	uint32_t item = e->item_count++;
-	e->items[item] = index;
-	e->bound[item] = bound;
-	// t itself is rounded (2^-53, times V), and so is the surplus (2^-53 of min_d, a few times)
-	e->rounding[item] = rounding + 0x1p-48 * ( bound + e->def->min_d );
-	return isfinite( e->bound[item] ) && isfinite( e->rounding[item] );
+	return is_pair( item ) ? lwi_body_pair_id( c, item->body_a, item->body_b ) : item->body_a;
 }
 
-/// The item that ended the last proof comes first: planners ask for edges near each other.
-static void put_last_failure_first( lwi_edge* e, uint32_t first, uint32_t end )
+/// The sphere of a body, frame of its node's `top`.
+static const lw_sphere* sphere_of( const lw_checker* c, uint32_t body )
 {
-	for ( uint32_t i = first; i < end; ++i )
-	{
-		bool self = first > 0 || e->environment_items == 0;
-		if ( e->items[i] == e->query->last_edge_item && self == e->query->last_edge_self )
-		{
-			uint32_t index = e->items[i];
-			double bound = e->bound[i], rounding = e->rounding[i];
-			e->items[i] = e->items[first];
-			e->bound[i] = e->bound[first];
-			e->rounding[i] = e->rounding[first];
-			e->items[first] = index;
-			e->bound[first] = bound;
-			e->rounding[first] = rounding;
-			return;
-		}
-	}
+	return &c->tree->body_spheres[c->tree->body_place[body]];
 }
 
-static bool list_environment( lwi_edge* e )
+/// What lower bounds of a node's clearances count less by: poses and states are rounded, t itself is (2^-53 of the way), and
+/// so is the surplus (2^-53 of min_d, a few times).
+static double rounding_of( const lwi_edge* e, uint32_t node_a, uint32_t node_b )
 {
 	const lw_checker* c = e->checker;
-	bool asked = ( e->def->what & LW_WHAT_ENVIRONMENT ) != 0 && c->environment_pair_count > 0;
-	bool finite = true;
-	for ( uint32_t i = 1; asked && i < c->tree->node_count; ++i )
-	{
-		if ( c->tree->nodes[i].own_environment )
-		{
-			finite = add_item( e, i, lwi_motion_total( c->motion, e->motion, i ), lwi_motion_rounding( c->motion, e->motion, i ) ) &&
-					 finite;
-		}
-	}
-	e->environment_items = e->item_count;
-	return finite;
+	return lwi_motion_rounding( c->motion, e->motion, node_a ) +
+		   ( node_b != LW_INVALID_INDEX ? lwi_motion_rounding( c->motion, e->motion, node_b ) : 0 ) +
+		   0x1p-47 * ( e->longest + e->def->min_d );
 }
 
-static bool list_pairs( lwi_edge* e )
+/// Motion of a body's own sphere; tighter than that of its node.
+/// @param share as for lwi_motion_of_sphere(), of the state that the query is posed at
+static lwi_motion_rate rate_of( lwi_edge* e, uint32_t body, uint32_t ancestor, double share )
 {
 	const lw_checker* c = e->checker;
-	bool covered = lwi_checker_covers( c, e->query, e->qa, e->qb ), finite = true;
-	uint32_t count = ( e->def->what & LW_WHAT_SELF ) != 0 ? c->tree->pair_count : 0;
-	for ( uint32_t i = 0; i < count; ++i )
+	uint32_t node = c->tree->body_node[body], top = c->tree->nodes[node].top;
+	if ( node == ancestor )
 	{
-		const lwi_node_pair* pair = &c->tree->pairs[i];
-		// as much clearance as a certificate would look for, in all states
-		if ( covered && pair->separation > e->def->min_d + 0.25 * e->def->slack )
-		{
-			e->apart = fmin( e->apart, pair->separation );
-			continue;
-		}
-		double total = lwi_motion_total( c->motion, e->motion, pair->node_a ) +
-					   lwi_motion_total( c->motion, e->motion, pair->node_b );
-		double rounding = lwi_motion_rounding( c->motion, e->motion, pair->node_a ) +
-						  lwi_motion_rounding( c->motion, e->motion, pair->node_b );
-		finite = add_item( e, i, total / LWI_EDGE_INWARD, rounding ) && finite;
+		return (lwi_motion_rate){ 0, 0 };
 	}
-	return finite;
+	lwi_pose_node( c, e->query, node );
+	const lw_sphere* sphere = sphere_of( c, body );
+	lw_vec3 center = lwi_transform( &e->query->world_from_link[top], lwi_load( sphere->center ) );
+	return lwi_motion_of_sphere( c->motion, e->motion, node, c->tree->nodes[ancestor].top, center, sphere->radius,
+		e->query->world_from_link, share );
 }
 
-bool lwi_edge_list_items( lwi_edge* e )
+/// How much the clearance of an item may lose within a window.
+static double loss_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
 {
 	const lw_checker* c = e->checker;
-	e->static_rounding = 0;
-	e->apart = INFINITY;
-	e->item_count = 0;
-	if ( !lwi_motion_begin( c->motion, e->full_a, e->full_b, e->motion ) )
+	double loss = lwi_edge_displacement( e, c->tree->body_node[item->body_a], item->ancestor, sphere_of( c, item->body_a ),
+		item->rate_a, window );
+	if ( is_pair( item ) )
 	{
-		return false;
+		loss += lwi_edge_displacement( e, c->tree->body_node[item->body_b], item->ancestor, sphere_of( c, item->body_b ),
+			item->rate_b, window );
 	}
-	for ( uint32_t i = 0; i < c->tree->node_count; ++i )
-	{
-		e->static_rounding = fmax( e->static_rounding, lwi_motion_rounding( c->motion, e->motion, i ) );
-		e->node_t[i] = NAN;
-	}
-	bool finite = list_environment( e ) && list_pairs( e );
-	put_last_failure_first( e, 0, e->environment_items );
-	put_last_failure_first( e, e->environment_items, e->item_count );
-	return finite;
+	return loss / LWI_EDGE_INWARD;
+}
+
+/// The least clearance, on top of min_d, that anything was proved with.
+static void note_proof( lwi_edge* e, double spare )
+{
+	e->spare = spare < e->spare ? spare : e->spare;
 }
 
 // ---- samples ---------------------------------------------------------------------------------------------------------
 
-const double* lwi_edge_state( lwi_edge* e, double t )
+/// The def's slack, unless rounding is coarser.
+static double slack_of( const lwi_edge* e, double rounding )
 {
-	if ( t == 0 || t == 1 )
-	{
-		return t == 0 ? e->qa : e->qb;
-	}
-	lw_robot_interpolate( e->checker->robot, e->full_a, e->full_b, t, e->full_t );
-	for ( uint32_t i = 0; i < e->checker->variable_count; ++i )
-	{
-		e->group_t[i] = e->full_t[e->checker->variables[i]];
-	}
-	return e->group_t;
+	return fmax( e->def->slack, 4 * rounding );
 }
 
-static bool pose_at( lwi_edge* e, double t )
+/// As much clearance as proves a loss, and a quarter of the slack more: the proof then holds with something to spare, which
+/// becomes lower_bound.
+static double enough( const lwi_edge* e, double rounding, double loss )
 {
-	if ( t == e->posed_t )
-	{
-		return true;
-	}
-	e->posed_t = NAN;
-	if ( lwi_checker_pose( e->checker, e->query, lwi_edge_state( e, t ) ) != LW_OK )
-	{
-		e->failed = true;
-		return false;
-	}
-	e->posed_t = t;
-	++e->out->queries;
-	return true;
+	return e->def->min_d + rounding + loss + 0.25 * slack_of( e, rounding );
 }
 
-/// How far a node's points get, below node `ancestor`, from their places at t within the window around it.
-static double displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, double t, double width )
+/// Clearance of an item at the posed state. @return false if there is no answer
+static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* threshold, lw_clearance* out )
 {
-	const lw_checker* c = e->checker;
-	if ( e->node_t[node] != t || e->node_width[node] != width )
+	uint32_t id = item_id( e->checker, item );
+	e->query->failure = LW_OK;
+	if ( is_pair( item ) )
 	{
-		lwi_pose_node( c, e->query, node );
-		lwi_motion_measure_part( c->motion, e->motion, node, e->query->world_from_link, width );
-		e->node_t[node] = t;
-		e->node_width[node] = width;
-	}
-	return lwi_motion_displacement( c->motion, e->motion, node, c->tree->nodes[ancestor].top );
-}
-
-/// How far the clearance of an item may differ at most between t and any state of the window.
-static double motion_in_window( lwi_edge* e, uint32_t item, double t, double window )
-{
-	if ( item < e->environment_items )
-	{
-		return displacement( e, e->items[item], 0, t, 2 * window );
-	}
-	const lwi_node_pair* pair = pair_of( e, item );
-	return ( displacement( e, pair->node_a, pair->ancestor, t, 2 * window ) +
-			   displacement( e, pair->node_b, pair->ancestor, t, 2 * window ) ) / LWI_EDGE_INWARD;
-}
-
-/// Clearance of an item at the posed state.
-static void ask( lwi_edge* e, uint32_t item, const lw_range* range, lw_clearance* out )
-{
-	uint32_t index = e->items[item];
-	if ( item < e->environment_items )
-	{
-		lwi_checker_node_environment( e->checker, e->query, index, range, &e->warm[index], out );
+		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->warm[item->warm], out );
 	}
 	else
 	{
-		lwi_checker_node_pair( e->checker, e->query, index, range, &e->warm[e->checker->tree->node_count + index], out );
+		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->warm[item->warm], out );
 	}
+	e->failure = e->query->failure;
+	e->failed = e->failed || e->failure != LW_OK;
+	return !e->failed;
 }
 
-lwi_edge_sample lwi_edge_measure( lwi_edge* e, uint32_t item, double t, double window, double needed )
+lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up )
 {
-	lwi_edge_sample s = { .half_width = -1, .low = true, .pair = lw_clearance_unknown() };
-	if ( !pose_at( e, t ) )
+	lwi_edge_sample s = { .low = true, .pair = lw_clearance_unknown() };
+	if ( !lwi_edge_pose( e, window.t ) )
 	{
 		return s;
 	}
-	double min_d = e->def->min_d, rounding = e->rounding[item];
-	double slack = fmax( e->def->slack, 4 * rounding ); // the def's, unless rounding is coarser
-	double motion = motion_in_window( e, item, t, window );
-	double loss = motion * ( needed / window ) / LWI_EDGE_INWARD;
-	// a quarter of the slack more than needed: the proof then holds with something to spare, which becomes lower_bound
-	lw_range range = { min_d, min_d + rounding + loss + 0.25 * slack, e->def->alpha };
-	double coarse = fmin( COARSE, 1 - 2 * min_d / range.max_d ); // less where the margin itself is most of the distance
-	range.alpha = fmax( e->def->alpha, coarse );
-	e->query->failure = LW_OK;
-	ask( e, item, &range, &s.pair );
-	bool undecided = !( s.pair.lower > min_d + slack ) || s.pair.upper > min_d + rounding + loss;
-	if ( s.pair.kind == LW_CLEARANCE_NEAR && undecided && range.alpha > e->def->alpha )
+	double min_d = e->def->min_d, slack = slack_of( e, item->rounding ), loss = loss_of( e, item, window );
+	lwi_threshold threshold = { { min_d, enough( e, item->rounding, loss ), e->def->alpha }, min_d + slack,
+		may_give_up ? min_d + item->rounding + loss : 0 };
+	if ( !ask( e, item, &threshold, &s.pair ) )
 	{
-		range.alpha = e->def->alpha; // it may be proved after all, or be refused, and that only at the caller's tolerance
-		ask( e, item, &range, &s.pair );
-	}
-	if ( e->query->failure != LW_OK )
-	{
-		e->failed = true;
-		e->failure = e->query->failure;
 		return s;
 	}
 	s.blocked = s.pair.upper <= min_d;
-	double surplus = s.pair.lower - min_d - rounding;
-	if ( s.blocked || !( surplus > 0 ) ) // also if lower is not a number
+	bool given_up = s.pair.upper > threshold.give_up_above && s.pair.upper < threshold.give_up_below;
+	s.low = !given_up && !( s.pair.lower > min_d + slack ); // also if lower is not a number
+	double left = ( s.pair.lower - min_d - item->rounding ) * LWI_EDGE_INWARD - loss;
+	s.proved = left > 0;
+	if ( s.proved )
 	{
-		return s;
+		note_proof( e, left * LWI_EDGE_INWARD );
 	}
-	s.low = !( s.pair.lower > min_d + slack );
-	s.proved = surplus * LWI_EDGE_INWARD >= loss && surplus > loss;
-	double kept = s.proved ? surplus - loss : fmin( surplus, slack ) * 0x1p-20;
-	s.spare = kept * LWI_EDGE_INWARD;
-	double half_width = motion > 0 ? ( surplus - kept ) / motion * window * LWI_EDGE_INWARD : window;
-	s.half_width = s.proved ? needed : fmin( half_width, window );
-	for ( double reach = 0.5 * motion; !s.proved && reach > HOPELESS * surplus && s.skip < 16; reach *= 0.5 )
+	for ( double reach = 0.5 * loss; reach > HOPEFUL * ( s.pair.upper - min_d ) && s.skip < 16; reach *= 0.5 )
 	{
 		++s.skip;
 	}
 	return s;
 }
 
-bool lwi_edge_fail( lwi_edge* e, uint32_t item, double t, const lwi_edge_sample* s )
+bool lwi_edge_fail( lwi_edge* e, const lwi_edge_item* item, double t, const lwi_edge_sample* s )
 {
 	lw_edge_result* out = e->out;
 	if ( out->verdict != LW_VERDICT_BLOCKED || s->blocked )
 	{
 		out->verdict = s->blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_REFUSED;
 		out->t = t;
-		out->self = item >= e->environment_items;
+		out->self = is_pair( item );
 		out->pair = s->pair;
-		e->query->last_edge_item = e->items[item];
+		e->query->last_edge_body = item->body_a;
 		e->query->last_edge_self = out->self;
 	}
 	return false;
+}
+
+bool lwi_edge_item_is_free( lwi_edge* e, const lwi_edge_item* item, double t )
+{
+	double min_d = e->def->min_d;
+	lwi_edge_sample s = { .pair = lw_clearance_unknown() };
+	const lwi_threshold collision = { { min_d, nextafter( min_d, INFINITY ), 0 }, 0, 0 };
+	if ( !lwi_edge_pose( e, t ) )
+	{
+		return false;
+	}
+	if ( !ask( e, item, &collision, &s.pair ) )
+	{
+		return false;
+	}
+	s.blocked = s.pair.upper <= min_d;
+	return !s.blocked || lwi_edge_fail( e, item, t, &s );
+}
+
+// ---- everything ------------------------------------------------------------------------------------------------------
+
+/// What a screening is about.
+typedef struct screening
+{
+	lwi_edge* edge;
+	lwi_edge_window window;
+	double share; ///< of the edge, on the longer side of the window's middle
+	lwi_edge_level* level;
+} screening;
+
+/// Measures an item of the screening; what is not proved goes to the items. @return false if the proof ends here
+static bool screen_item( screening* s, lwi_edge_item item )
+{
+	lwi_edge* e = s->edge;
+	item.rate_a = rate_of( e, item.body_a, item.ancestor, s->share );
+	item.rate_b = is_pair( &item ) ? rate_of( e, item.body_b, item.ancestor, s->share ) : (lwi_motion_rate){ 0, 0 };
+	item.warm = ( item_id( e->checker, &item ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
+	lwi_edge_sample sample = lwi_edge_measure( e, &item, s->window, true );
+	if ( !sample.proved && sample.low )
+	{
+		return lwi_edge_fail( e, &item, s->window.t, &sample );
+	}
+	if ( !sample.proved )
+	{
+		s->level->gaps[s->level->count++] = (lwi_edge_gap){ 0, e->item_count, sample.skip, true };
+		e->items[e->item_count++] = item;
+	}
+	return true;
+}
+
+/// How far a node gets within the window, in the frame of another one.
+static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	lwi_motion_rate rate = lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top );
+	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
+}
+
+static bool screen_environment( screening* s, uint32_t node )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	const lwi_checker_node* n = &c->tree->nodes[node];
+	double rounding = rounding_of( e, node, LW_INVALID_INDEX );
+	double limit = enough( e, rounding, node_loss( s, node, 0 ) );
+	if ( !n->own_environment || !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
+	{
+		note_proof( e, n->own_environment ? 0.25 * slack_of( e, rounding ) : INFINITY );
+		return true;
+	}
+	for ( uint32_t i = 0; i < n->body_count; ++i )
+	{
+		lwi_edge_item item = { .body_a = c->tree->bodies[n->first_body + i], .body_b = LW_INVALID_INDEX, .rounding = rounding };
+		if ( !screen_item( s, item ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+static bool screen_pair( screening* s, uint32_t index )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	const lwi_node_pair* pair = &c->tree->pairs[index];
+	double rounding = rounding_of( e, pair->node_a, pair->node_b );
+	double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
+	double limit = enough( e, rounding, loss / LWI_EDGE_INWARD );
+	uint32_t count = lwi_checker_near_pairs( c, e->query, index, limit );
+	note_proof( e, 0.25 * slack_of( e, rounding ) ); // of the pairs that are not near
+	uint32_t stride = c->body_block_count * LWI_WIDTH;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		uint32_t id = e->query->candidates[i].pair;
+		lwi_edge_item item = { .body_a = id / stride, .body_b = id % stride, .ancestor = pair->ancestor, .rounding = rounding };
+		if ( !screen_item( s, item ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// The node of the last failure comes first: planners ask for edges near each other.
+static bool screen_environments( screening* s )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	if ( ( e->def->what & LW_WHAT_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
+	{
+		return true;
+	}
+	uint32_t last = e->query->last_edge_body;
+	uint32_t first = !e->query->last_edge_self && last < c->tree->body_count ? c->tree->body_node[last] : 0;
+	bool go_on = first == 0 || screen_environment( s, first );
+	for ( uint32_t i = c->tree->node_count; go_on && i-- > 1; ) // hands move most
+	{
+		go_on = i == first || screen_environment( s, i );
+	}
+	return go_on;
+}
+
+static bool screen_pairs( screening* s )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	bool covered = lwi_checker_covers( c, e->query, e->qa, e->qb ), go_on = true;
+	uint32_t count = ( e->def->what & LW_WHAT_SELF ) != 0 ? c->tree->pair_count : 0;
+	for ( uint32_t i = 0; go_on && i < count; ++i )
+	{
+		// as much clearance as a certificate would look for, in all states
+		if ( covered && c->tree->pairs[i].separation > e->def->min_d + 0.25 * e->def->slack )
+		{
+			e->apart = fmin( e->apart, c->tree->pairs[i].separation );
+			continue;
+		}
+		go_on = screen_pair( s, i );
+	}
+	return go_on;
+}
+
+bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level )
+{
+	const lw_checker* c = e->checker;
+	screening s = { e, window, fmax( window.t, 1 - window.t ), level };
+	level->count = e->item_count = 0;
+	if ( !lwi_edge_pose( e, window.t ) )
+	{
+		return false;
+	}
+	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	{
+		lwi_pose_node( c, e->query, i );
+		lwi_motion_measure_body( c->motion, e->motion, i, e->query->world_from_link, s.share );
+	}
+	return screen_environments( &s ) && screen_pairs( &s );
 }
 
 // ---- whole states ----------------------------------------------------------------------------------------------------
@@ -336,9 +346,4 @@ double lwi_edge_static_lower( const lwi_edge* e )
 {
 	bool asked = ( e->def->what & LW_WHAT_ENVIRONMENT ) != 0;
 	return asked ? e->checker->static_environment.lower - e->static_rounding : INFINITY;
-}
-
-void lwi_edge_forget( const lw_checker* checker, lw_query* query )
-{
-	memset( lwi_query_edge_scratch( query ), 0, ( (size_t)checker->tree->node_count + checker->tree->pair_count ) * sizeof( lwi_warm ) );
 }

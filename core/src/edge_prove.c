@@ -1,55 +1,48 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The proof of an edge: cells halved level by level, all items that a cell still has open measured at one state.
+// The proof of an edge: everything is measured at its middle, what is left over in cells halved level by level.
 //
-// Schwarzer, Saha, Latombe, IEEE T-RO 21(3), 2005, with shared samples: poses cost as much as the distances of an item, so
-// the places of samples are the middles of dyadic cells for all items alike. A sample that does not close an item leaves
-// gaps on both sides; they go to the halves of the cell. Proofs and work: core/docs/edges.md.
+// Schwarzer, Saha, Latombe, IEEE T-RO 21(3), 2005, with shared samples: the places of samples are the middles of dyadic cells for
+// all items alike, so that a posed state serves many. Proofs and work: core/docs/edges.md.
 #include "edge_internal.h"
 #include "math_inline.h"
 
 enum
 {
-	PROBE_PARTS = 4,  ///< see probe(); more parts find few more collisions, and all free edges pay for them
-	SEARCH_PARTS = 16 ///< the same after a refusal
+	SEARCH_PARTS = 16 ///< see search_collision()
 };
-
-/// Metres of motion from which on whole states go before a proof; shorter edges are proved as quickly as they are looked at.
-#define PROBE_STEP 0.5
-
-/// The least clearance that a proof holds with becomes the edge's lower bound.
-static void note_proof( lwi_edge* e, const lwi_edge_sample* s )
-{
-	double clearance = fmax( nextafter( e->def->min_d + s->spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
-	e->out->lower_bound = fmin( e->out->lower_bound, clearance );
-}
 
 // ---- one gap ---------------------------------------------------------------------------------------------------------
 
+/// Part of an edge that is still to be proved.
 typedef struct piece
 {
 	double a, b;
 } piece;
 
+static lwi_edge_window window_of( piece p )
+{
+	return (lwi_edge_window){ 0.5 * p.a + 0.5 * p.b, 0.5 * ( p.b - p.a ) };
+}
+
 /// Closes one gap by halving it, left parts first.
-static bool close_gap( lwi_edge* e, const lwi_edge_gap* gap )
+static bool close_gap( lwi_edge* e, const lwi_edge_item* item, piece gap )
 {
 	piece stack[LWI_EDGE_MAX_DEPTH + 2];
 	int depth = 0;
-	stack[depth++] = (piece){ gap->a, gap->b };
+	stack[depth++] = gap;
 	while ( depth > 0 )
 	{
 		piece next = stack[--depth];
-		double t = 0.5 * next.a + 0.5 * next.b, half = 0.5 * ( next.b - next.a );
-		lwi_edge_sample s = lwi_edge_measure( e, gap->item, t, half, half );
+		lwi_edge_window window = window_of( next );
+		lwi_edge_sample s = lwi_edge_measure( e, item, window, true );
 		if ( !s.proved && ( s.low || depth > LWI_EDGE_MAX_DEPTH ) )
 		{
-			return lwi_edge_fail( e, gap->item, t, &s );
+			return lwi_edge_fail( e, item, window.t, &s );
 		}
-		note_proof( e, &s );
 		if ( !s.proved )
 		{
-			stack[depth++] = (piece){ t + s.half_width, next.b };
-			stack[depth++] = (piece){ next.a, t - s.half_width };
+			stack[depth++] = (piece){ window.t, next.b };
+			stack[depth++] = (piece){ next.a, window.t };
 		}
 	}
 	return true;
@@ -57,57 +50,54 @@ static bool close_gap( lwi_edge* e, const lwi_edge_gap* gap )
 
 // ---- cells -----------------------------------------------------------------------------------------------------------
 
-/// Hands what is open of a gap between a and b to the next level; where there is no room it is closed at once.
-static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* from, double a, double b, uint64_t cell )
+/// Hands half a cell down to the next level; where there is no room it is closed at once.
+static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* from, uint64_t cell, double width )
 {
-	if ( !( a < b ) )
-	{
-		return true;
-	}
-	lwi_edge_gap gap = { a, b, from->item, from->skip, cell };
 	if ( next->count == e->gap_capacity )
 	{
-		return close_gap( e, &gap );
+		return close_gap( e, &e->items[from->item], (piece){ (double)cell * width, (double)( cell + 1 ) * width } );
 	}
-	next->gaps[next->count++] = gap;
+	next->gaps[next->count++] = (lwi_edge_gap){ cell, from->item, from->skip, true };
 	return true;
 }
 
-/// Measures the gaps of one cell at its middle, as far as they reach there. What is proved of them is cut out.
-static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, double width, lwi_edge_level* next )
+/// Measures the gaps of one cell at its middle and hands down the halves that are not proved.
+static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, double width )
 {
 	uint64_t cell = gaps[0].cell;
-	double low = (double)cell * width, middle = low + 0.5 * width;
+	lwi_edge_window window = { ( (double)cell + 0.5 ) * width, 0.5 * width };
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		lwi_edge_gap* g = &gaps[i];
-		double left = fmin( middle, g->b ), right = fmax( middle, g->a ); // the gap is [a, left] and [right, b]
 		if ( g->skip > 0 )
 		{
 			--g->skip;
+			continue;
 		}
-		else if ( left < g->b && right > g->a )
+		lwi_edge_sample s = lwi_edge_measure( e, &e->items[g->item], window, true );
+		if ( !s.proved && s.low )
 		{
-			double needed = fmax( middle - g->a, g->b - middle );
-			lwi_edge_sample s = lwi_edge_measure( e, g->item, middle, 0.5 * width, needed );
-			if ( !s.proved && s.low )
-			{
-				return lwi_edge_fail( e, g->item, middle, &s );
-			}
-			note_proof( e, &s );
-			g->skip = s.skip;
-			left = s.proved ? g->a : middle - s.half_width;
-			right = s.proved ? g->b : middle + s.half_width;
+			return lwi_edge_fail( e, &e->items[g->item], window.t, &s );
 		}
-		if ( !hand_down( e, next, g, g->a, left, 2 * cell ) )
+		g->skip = s.skip;
+		g->open = !s.proved;
+	}
+	return true;
+}
+
+/// The halves of a cell's gaps that are open, left ones first.
+static bool hand_down_cell( lwi_edge* e, const lwi_edge_gap* gaps, uint32_t count, double width, lwi_edge_level* next )
+{
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell, 0.5 * width ) )
 		{
 			return false;
 		}
-		g->a = right; // the right part waits until all left ones are handed down
 	}
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		if ( !hand_down( e, next, &gaps[i], gaps[i].a, gaps[i].b, 2 * cell + 1 ) )
+		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell + 1, 0.5 * width ) )
 		{
 			return false;
 		}
@@ -115,21 +105,26 @@ static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, doubl
 	return true;
 }
 
+/// From the gaps that the screening left, level by level.
 static bool prove_levels( lwi_edge* e )
 {
 	lwi_edge_level *now = &e->levels[0], *next = &e->levels[1];
-	now->count = next->count = 0;
-	for ( uint32_t i = 0; i < e->item_count; ++i )
+	next->count = 0;
+	if ( !hand_down_cell( e, now->gaps, now->count, 1, next ) )
 	{
-		now->gaps[now->count++] = (lwi_edge_gap){ 0, 1, i, 0, 0 };
+		return false;
 	}
-	double width = 1;
-	for ( int level = 0; now->count > 0; ++level, width *= 0.5 )
+	double width = 0.5;
+	for ( int level = 1; next->count > 0; ++level, width *= 0.5 )
 	{
+		lwi_edge_level* swap = now;
+		now = next;
+		next = swap;
 		if ( level > LWI_EDGE_MAX_DEPTH )
 		{
-			lwi_edge_sample given_up = { .half_width = -1, .low = true, .pair = lw_clearance_unknown() };
-			return lwi_edge_fail( e, now->gaps[0].item, now->gaps[0].a, &given_up );
+			const lwi_edge_sample given_up = { .pair = lw_clearance_unknown() };
+			const lwi_edge_gap* gap = &now->gaps[0];
+			return lwi_edge_fail( e, &e->items[gap->item], (double)gap->cell * width, &given_up );
 		}
 		next->count = 0;
 		for ( uint32_t first = 0, end; first < now->count; first = end )
@@ -137,49 +132,20 @@ static bool prove_levels( lwi_edge* e )
 			for ( end = first + 1; end < now->count && now->gaps[end].cell == now->gaps[first].cell; ++end )
 			{
 			}
-			if ( !measure_cell( e, now->gaps + first, end - first, width, next ) )
+			if ( !measure_cell( e, now->gaps + first, end - first, width ) ||
+				 !hand_down_cell( e, now->gaps + first, end - first, width, next ) )
 			{
 				return false;
 			}
 		}
-		lwi_edge_level* swap = now;
-		now = next;
-		next = swap;
 	}
 	return true;
-}
-
-/// Nothing moves: one state, the one that was looked at as a whole.
-static bool prove_still( lwi_edge* e )
-{
-	for ( uint32_t i = 0; i < e->item_count; ++i )
-	{
-		lwi_edge_sample s = lwi_edge_measure( e, i, 1, 1, 1 );
-		if ( !s.proved )
-		{
-			return lwi_edge_fail( e, i, 1, &s );
-		}
-		note_proof( e, &s );
-	}
-	return true;
-}
-
-static bool is_still( const lwi_edge* e )
-{
-	bool still = true;
-	for ( uint32_t i = 0; i < e->item_count; ++i )
-	{
-		still = still && e->bound[i] == 0;
-	}
-	return still;
 }
 
 static bool check_static( lwi_edge* e )
 {
-	e->out->lower_bound = lwi_edge_static_lower( e );
-	if ( e->out->lower_bound > e->def->min_d )
+	if ( lwi_edge_static_lower( e ) > e->def->min_d )
 	{
-		e->out->lower_bound = fmin( e->out->lower_bound, e->apart );
 		return true;
 	}
 	const lw_clearance* fixed = &e->checker->static_environment;
@@ -189,41 +155,51 @@ static bool check_static( lwi_edge* e )
 	return false;
 }
 
-/// Whole states in halving order, parts / 2 of them at a time: most edges of a planner that are not free are blocked in their
-/// middle, and a whole state costs a small part of what the proof spends there. @return false if one is not free
-static bool probe( lwi_edge* e, double step, int most_parts )
+/// Looks for a collision where it is most likely: edges that are not free mostly end in one.
+static bool end_is_free( lwi_edge* e )
 {
-	double furthest = 0;
 	for ( uint32_t i = 0; i < e->item_count; ++i )
 	{
-		furthest = fmax( furthest, e->bound[i] );
-	}
-	for ( int parts = 2; parts <= most_parts && furthest > step * ( parts / 2 ); parts *= 2 )
-	{
-		for ( int i = 1; i < parts; i += 2 )
+		if ( !lwi_edge_item_is_free( e, &e->items[i], 1 ) )
 		{
-			if ( !lwi_edge_state_is_free( e, (double)i / parts ) )
-			{
-				return false;
-			}
+			return false;
 		}
 	}
 	return true;
 }
 
+/// Refused at one place an edge may be blocked at another, and that is worth knowing: whole states in halving order.
+static void search_collision( lwi_edge* e )
+{
+	for ( int parts = 2; parts <= SEARCH_PARTS; parts *= 2 )
+	{
+		for ( int i = 1; i < parts; i += 2 )
+		{
+			if ( !lwi_edge_state_is_free( e, (double)i / parts ) )
+			{
+				return;
+			}
+		}
+	}
+}
+
 bool lwi_edge_prove( lwi_edge* e )
 {
-	if ( !check_static( e ) || !lwi_edge_state_is_free( e, 1 ) || !probe( e, PROBE_STEP, PROBE_PARTS ) )
+	// nothing moves: one state, the given one
+	const lwi_edge_window whole = e->longest > 0 ? (lwi_edge_window){ 0.5, 0.5 } : (lwi_edge_window){ 1, 0 };
+	if ( !check_static( e ) )
 	{
 		return false;
 	}
-	if ( is_still( e ) ? prove_still( e ) : prove_levels( e ) )
+	if ( lwi_edge_screen( e, whole, &e->levels[0] ) && end_is_free( e ) && prove_levels( e ) )
 	{
+		double proved = fmax( nextafter( e->def->min_d + e->spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
+		e->out->lower_bound = fmin( fmin( lwi_edge_static_lower( e ), e->apart ), proved );
 		return true;
 	}
-	if ( e->out->verdict == LW_VERDICT_REFUSED )
+	if ( e->out->verdict == LW_VERDICT_REFUSED && e->longest > 0 )
 	{
-		probe( e, 0, SEARCH_PARTS ); // refused at one place it may be blocked at another, and that is worth knowing
+		search_collision( e );
 	}
 	return false;
 }
@@ -231,59 +207,41 @@ bool lwi_edge_prove( lwi_edge* e )
 // ---- from the left ---------------------------------------------------------------------------------------------------
 
 /// Extends the proof of one item from the left as far as it goes, not beyond `until`. @return the end of what is proved
-static double prove_from_left( lwi_edge* e, uint32_t item, double until )
+static double prove_from_left( lwi_edge* e, const lwi_edge_item* item, double until )
 {
-	lwi_edge_sample start = lwi_edge_measure( e, item, 0, until, until ); // one state for all items: ask for the whole run
-	if ( start.half_width < 0 )
-	{
-		if ( start.blocked )
-		{
-			lwi_edge_fail( e, item, 0, &start );
-		}
-		return 0;
-	}
-	double covered = fmin( start.half_width, until ); // [0, covered] is proved
 	piece stack[LWI_EDGE_MAX_DEPTH + 2];
 	int depth = 0;
-	if ( covered < until )
-	{
-		stack[depth++] = (piece){ covered, until };
-	}
+	stack[depth++] = (piece){ 0, until };
 	while ( depth > 0 )
 	{
-		piece gap = stack[--depth];
-		double t = 0.5 * gap.a + 0.5 * gap.b, half = 0.5 * ( gap.b - gap.a );
-		covered = fmax( covered, gap.a ); // everything left of the leftmost gap is proved
-		lwi_edge_sample s = lwi_edge_measure( e, item, t, half, half );
+		piece gap = stack[--depth]; // everything left of it is proved
+		lwi_edge_window window = window_of( gap );
+		lwi_edge_sample s = lwi_edge_measure( e, item, window, false );
 		if ( s.proved )
 		{
-			covered = fmax( covered, gap.b );
 			continue;
+		}
+		if ( s.blocked )
+		{
+			lwi_edge_fail( e, item, window.t, &s );
+		}
+		// look closer, down to the width that a slack would prove
+		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH || !( e->longest * ( window.t - gap.a ) > 0.5 * e->def->slack ) )
+		{
+			return gap.a;
 		}
 		if ( s.low )
 		{
-			// nothing is proved from here on; look closer on the left, down to the width that a slack would prove
-			if ( s.blocked )
-			{
-				lwi_edge_fail( e, item, t, &s );
-			}
-			until = t;
+			until = window.t; // nothing is proved from here on
 			depth = 0;
-			if ( e->failed || !( e->bound[item] * ( t - gap.a ) > e->def->slack ) )
-			{
-				return covered;
-			}
-			stack[depth++] = (piece){ gap.a, t };
-			continue;
 		}
-		if ( depth > LWI_EDGE_MAX_DEPTH )
+		else
 		{
-			return covered;
+			stack[depth++] = (piece){ window.t, gap.b };
 		}
-		stack[depth++] = (piece){ t + s.half_width, gap.b };
-		stack[depth++] = (piece){ gap.a, t - s.half_width };
+		stack[depth++] = (piece){ gap.a, window.t };
 	}
-	return fmin( covered, until );
+	return until;
 }
 
 /// A state not free, as far left before `until` as a look at eighths and six halvings finds: without it most items would be
@@ -311,9 +269,14 @@ double lwi_edge_proved_run( lwi_edge* e )
 		return 0;
 	}
 	double until = e->out->t > 0 ? nextafter( locate_failure( e, e->out->t ), 0 ) : 0;
+	while ( until > 0 && !e->failed && !lwi_edge_screen( e, window_of( (piece){ 0, until } ), &e->levels[0] ) )
+	{
+		// something is too near at the middle already
+		until = e->longest * until > e->def->slack ? nextafter( 0.5 * until, 0 ) : 0;
+	}
 	for ( uint32_t i = 0; i < e->item_count && until > 0 && !e->failed; ++i )
 	{
-		until = fmin( until, prove_from_left( e, i, until ) );
+		until = fmin( until, prove_from_left( e, &e->items[i], until ) );
 	}
 	return e->failed ? 0 : until;
 }

@@ -54,6 +54,9 @@ typedef struct lwi_kernels
 		float direction[3][LWI_WIDTH] );
 	/// low - high of eight lanes against one high, along two directions; a lane is dropped if either reaches `limit`
 	uint32_t ( *slab_gap )( const float low[2][LWI_WIDTH], const float high[2], float limit );
+	/// how far the spheres of a node reach along a unit direction: direction . center + radius; bit i is set where lane i reaches
+	/// farther than `least`
+	uint32_t ( *node_project )( const lwi_node* node, const float direction[3], float least, float high[LWI_WIDTH] );
 	/// extent of the eight triangles of a leaf along `direction`: least and greatest direction . vertex
 	void ( *leaf_project )( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] );
 	/// the leaf's triangles moved

@@ -126,6 +126,14 @@ static uint32_t leaf_gap( const lwi_leaf* leaf, const float sphere[4], float lim
 	return store_gap( gap, f8_sub( f8_select( normal_wins, by_normal, by_edge ), f8_set( sphere[3] ) ), limit );
 }
 
+static uint32_t node_project( const lwi_node* node, const float direction[3], float least, float high[LWI_WIDTH] )
+{
+	v3 center = { f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) };
+	f8 value = f8_add( v3_dot( v3_set( direction ), center ), f8_load( node->r ) );
+	f8_store( high, value );
+	return m8_bits( f8_lt( f8_set( least ), value ) );
+}
+
 static uint32_t slab_gap( const float low[2][LWI_WIDTH], const float high[2], float limit )
 {
 	f8 first = f8_sub( f8_load( low[0] ), f8_set( high[0] ) ), second = f8_sub( f8_load( low[1] ), f8_set( high[1] ) );
@@ -287,5 +295,5 @@ static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, 
 	return store_gap( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), radius ), limit );
 }
 
-const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, leaf_project, leaf_transform,
-	triangle_gap, node_solid_gap, leaf_solid_gap };
+const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
+	leaf_project, leaf_transform, triangle_gap, node_solid_gap, leaf_solid_gap };

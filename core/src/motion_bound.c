@@ -55,7 +55,7 @@ typedef struct motion_scratch
 	lw_transform* poses; ///< [link_count] at the middle of the edge
 	double* state;       ///< [variable_count] the middle
 	double* lengths;     ///< [entry_count] path length by the entry's joint and all joints between it and the body
-	double* moves;       ///< [entry_count] displacement from the middle by the same joints
+	double* changes;     ///< [entry_count] acceleration by the same joints, per squared unit of t
 	double* caps;        ///< [entry_count] largest distance to the entry's axis anywhere on the edge
 	double* rounding;    ///< [body_count]
 	double* pose_rounding; ///< [body_count] the part of it that poses have
@@ -71,9 +71,6 @@ typedef struct joint_motion
 	double excess; ///< largest distance of the shift from the centre that the rings assume
 	double reach;  ///< largest distance of the shift from zero
 	double value;  ///< largest |angle|: its rounding is proportional to it
-	double rate;   ///< of a rotation about the joint's axis, signed; its magnitude is `turn`
-	double along[2]; ///< signed shift: prismatic along the axis; planar along x and y
-	bool steady;   ///< turn and shift are those of `rate` and `along`
 } joint_motion;
 
 static motion_scratch scratch_layout( const lwi_motion_table* table, const void* memory, size_t* out_size )
@@ -98,7 +95,7 @@ static motion_scratch scratch_layout( const lwi_motion_table* table, const void*
 		s.poses = (lw_transform*)( base + at[0] );
 		s.state = (double*)( base + at[1] );
 		s.lengths = (double*)( base + at[2] );
-		s.moves = (double*)( base + at[3] );
+		s.changes = (double*)( base + at[3] );
 		s.caps = (double*)( base + at[4] );
 		s.rounding = (double*)( base + at[5] );
 		s.pose_rounding = (double*)( base + at[6] );
@@ -414,9 +411,6 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 		m.reach = prismatic ? fmax( fabs( va ), fabs( vb ) ) : 0;
 		// the wrapped way passes angles up to |a| + pi; the offset and the two products round too
 		m.value = prismatic ? 0 : fabs( joint->multiplier ) * ( fabs( a[0] ) + fabs( b[0] ) + 4 ) + fabs( joint->offset );
-		m.rate = prismatic ? 0 : joint->multiplier * difference;
-		m.along[0] = prismatic ? joint->multiplier * difference : 0;
-		m.steady = true;
 		return m;
 	}
 	bool planar = joint->type == LW_JOINT_PLANAR;
@@ -427,10 +421,6 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	m.excess = fmax( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // of a straight way the ends are farthest
 	m.reach = fmax( lwi_length( pa ), lwi_length( pb ) );
 	m.value = planar ? fabs( a[2] ) + fabs( b[2] ) + 4 : 4;
-	m.rate = planar ? lwi_wrapped_difference( a[2], b[2] ) : 0;
-	m.along[0] = planar ? b[0] - a[0] : 0;
-	m.along[1] = planar ? b[1] - a[1] : 0;
-	m.steady = planar || !( m.turn > 0 || m.shift > 0 ); // the axis of a slerp is not looked at
 	return m;
 }
 
@@ -463,89 +453,72 @@ static bool begin_body( const lwi_motion_table* table, uint32_t body, motion_scr
 	return isfinite( s->totals[body] ) && isfinite( s->rounding[body] );
 }
 
-/// Velocity of a body's points at the middle of a part, and how fast it can change, by the joints walked so far (per unit of
-/// t). Sums over joints are sums of vectors here: motions of several joints that cancel each other do.
-typedef struct velocity
-{
-	lw_vec3 turn;       ///< angular velocity
-	lw_vec3 at_center;  ///< of the centre of the body's sphere
-	double turns;       ///< sum of all |rates|
-	double change;      ///< bound of the acceleration of any point, anywhere on the part
-	bool known;         ///< false above a joint that is not steady
-} velocity;
-
-/// Adds a joint above those so far, whose shift is seen from its parent. @param offset from the axis to the body's centre
-/// @param path_rate path length of the body per unit of t by the joints so far @param ring largest distance of the body to
-/// the joint's axis on the part
-static void add_velocity( velocity* v, const lwi_joint* joint, const joint_motion* m, const lw_transform* poses, lw_vec3 axis,
-	lw_vec3 offset, double path_rate, double ring )
-{
-	// a rotation turns all velocities below it, and those of its own
-	v->change += m->turn * ( 2 * path_rate + ring * m->turn );
-	v->turn = lwi_add_scaled( v->turn, m->rate, axis );
-	v->at_center = lwi_add_scaled( v->at_center, m->rate, lwi_cross( axis, offset ) );
-	v->turns += m->turn;
-	v->known = v->known && m->steady;
-	if ( joint->type == LW_JOINT_PRISMATIC )
-	{
-		v->at_center = lwi_add_scaled( v->at_center, m->along[0], axis );
-	}
-	if ( joint->type == LW_JOINT_PLANAR )
-	{
-		lw_vec3 shift = lwi_add_scaled( lwi_scale( m->along[0], lwi_load( joint->plane[0] ) ), m->along[1],
-			lwi_load( joint->plane[1] ) );
-		shift = lwi_rotate( &poses[joint->parent], lwi_rotate( &joint->parent_from_joint, shift ) );
-		v->at_center = lwi_add_scaled( v->at_center, 1, shift );
-	}
-}
-
-/// How far a point of the body gets from its place at the middle within half of the part: by its path length at most, and by
-/// Taylor's theorem at most by its velocity there and half of its largest acceleration.
-static double displacement( const velocity* v, double radius, double rounding, double path_rate, double width )
-{
-	double half = 0.5 * width, path = path_rate * half * OUTWARD;
-	if ( !v->known )
-	{
-		return path;
-	}
-	// offsets carry the rounding of poses; products and sums a few roundoffs of what they add up
-	double speed = lwi_length( v->at_center ) + lwi_length( v->turn ) * radius + 2 * v->turns * rounding;
-	double taylor = half * ( speed + 0.5 * half * v->change ) * OUTWARD + path * 0x1p-40;
-	return fmin( path, taylor );
-}
-
-/// Path lengths of one body by the joints from the body upwards, on a part of the edge.
+/// Bounds along the whole edge of what moves with a body, by its first `count` joints upwards: path length, and acceleration
+/// per squared unit of t. Both are sums over the joints so far; lengths and changes, where given, get all of them.
 ///
-/// In the child frame of joint j, where its axis stands still, a point of the body moves only by the joints between j and
-/// the body: from its place at the part's middle by at most half of their path length. So along the whole part its distance
-/// to the axis is at most (distance of the centre at the middle) + radius + (path length below j) / 2, and at most the cap.
-void lwi_motion_measure_part( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
-	double width )
+/// In the child frame of joint j, where its axis stands still, a point moves only by the joints between j and the body: from
+/// where it is in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
+/// centre in the poses) + radius + share (path length below j), and at most the cap. A rotation turns the velocities below it
+/// (Coriolis, twice) and its own; shifts are at constant speed.
+static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, uint32_t count,
+	lw_vec3 center, double radius, const lw_transform* poses, double share, double* lengths, double* changes )
 {
-	motion_scratch s = scratch_layout( table, scratch, NULL );
-	const motion_body* b = &table->bodies[body];
-	double rounding = s.pose_rounding[body], radius = b->radius + rounding;
-	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
-	velocity v = { .known = true };
-	double rate = 0; // path length per unit of t
-	for ( uint32_t k = 0; k < b->entry_count; ++k )
+	uint32_t first = table->bodies[body].first_entry;
+	lwi_motion_rate rate = { 0, 0 };
+	for ( uint32_t k = 0; k < count; ++k )
 	{
-		const lwi_joint* joint = &table->robot->joints[table->entries[b->first_entry + k].joint];
-		const joint_motion* m = &s.motions[table->entries[b->first_entry + k].joint];
-		double ring = s.caps[b->first_entry + k];
-		if ( m->turn > 0 || m->shift > 0 )
+		const lwi_joint* joint = &table->robot->joints[table->entries[first + k].joint];
+		const joint_motion* m = &s->motions[table->entries[first + k].joint];
+		if ( m->turn > 0 )
 		{
 			const lw_transform* pose = &poses[joint->child];
 			lw_vec3 offset = lwi_sub( center, lwi_load( pose->t ) );
-			lw_vec3 axis = lwi_rotate( pose, lwi_load( joint->axis ) );
-			double away = joint->type == LW_JOINT_FLOATING ? lwi_length( offset ) : distance_to_axis( axis, offset );
-			ring = fmin( away + radius + 0.5 * width * rate, ring );
-			add_velocity( &v, joint, m, poses, axis, offset, rate, ring );
+			bool any_axis = joint->type == LW_JOINT_FLOATING;
+			double away = any_axis ? lwi_length( offset ) : distance_to_axis( lwi_rotate( pose, lwi_load( joint->axis ) ), offset );
+			double ring = fmin( away + radius + share * rate.path, s->caps[first + k] );
+			rate.change = ( rate.change + m->turn * ( 2 * rate.path + ring * m->turn ) ) * OUTWARD;
+			rate.path += ring * m->turn;
 		}
-		rate += ( ring * m->turn + m->shift ) * OUTWARD;
-		s.lengths[b->first_entry + k] = rate * width * OUTWARD;
-		s.moves[b->first_entry + k] = displacement( &v, radius, rounding, rate, width );
+		rate.path = ( rate.path + m->shift ) * OUTWARD;
+		if ( lengths != NULL )
+		{
+			lengths[k] = rate.path;
+			changes[k] = rate.change;
+		}
 	}
+	return rate;
+}
+
+/// Joints that move a body below an ancestor.
+static uint32_t joints_below( const lwi_motion_table* table, uint32_t body, uint32_t ancestor )
+{
+	uint32_t above = ancestor == LW_INVALID_INDEX ? 0 : table->moving_depth[ancestor];
+	return table->moving_depth[table->bodies[body].link] - above;
+}
+
+void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
+	double share )
+{
+	motion_scratch s = scratch_layout( table, scratch, NULL );
+	const motion_body* b = &table->bodies[body];
+	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
+	rates( table, &s, body, b->entry_count, center, b->radius + s.pose_rounding[body], poses, share, s.lengths + b->first_entry,
+		s.changes + b->first_entry );
+}
+
+lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
+{
+	motion_scratch s = scratch_layout( table, scratch, NULL );
+	uint32_t count = joints_below( table, body, ancestor ), last = table->bodies[body].first_entry + count - 1;
+	return count == 0 ? (lwi_motion_rate){ 0, 0 } : (lwi_motion_rate){ s.lengths[last], s.changes[last] };
+}
+
+lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
+	lw_vec3 center, double radius, const lw_transform* poses, double share )
+{
+	motion_scratch s = scratch_layout( table, scratch, NULL );
+	return rates( table, &s, body, joints_below( table, body, ancestor ), center, radius + s.pose_rounding[body], poses, share, NULL,
+		NULL );
 }
 
 size_t lwi_motion_scratch_size( const lwi_motion_table* table )
@@ -597,28 +570,23 @@ bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const 
 	}
 	for ( uint32_t i = 0; i < table->body_count; ++i )
 	{
-		lwi_motion_measure_part( table, scratch, i, s.poses, 1 );
+		lwi_motion_measure_body( table, scratch, i, s.poses, 0.5 );
 	}
 	return true;
 }
 
-/// Of an array over the entries: the value that sums up the joints between a body and an ancestor; 0 if none moves.
-static double value_below( const lwi_motion_table* table, const double* values, uint32_t body, uint32_t ancestor )
+/// Between s = 0 and 1 a point is within s (1 - s) a of where the straight line from end to end has it, a = h^2 change / 2
+/// (linear interpolation): at most max over s of s chord + s (1 - s) a away from its place at 0. Nor is it further than the path.
+double lwi_motion_between( double chord, lwi_motion_rate rate, double h )
 {
-	const motion_body* b = &table->bodies[body];
-	uint32_t above = ancestor == LW_INVALID_INDEX ? 0 : table->moving_depth[ancestor];
-	uint32_t count = table->moving_depth[b->link] - above;
-	return count == 0 ? 0 : values[b->first_entry + count - 1];
+	double a = 0.5 * h * h * rate.change;
+	double bound = chord >= a ? chord : ( a + chord ) * ( a + chord ) / ( 4 * a );
+	return fmin( bound, h * rate.path ) * OUTWARD;
 }
 
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
 {
-	return value_below( table, scratch_layout( table, scratch, NULL ).lengths, body, ancestor );
-}
-
-double lwi_motion_displacement( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
-{
-	return value_below( table, scratch_layout( table, scratch, NULL ).moves, body, ancestor );
+	return lwi_motion_of( table, scratch, body, ancestor ).path;
 }
 
 double lwi_motion_total( const lwi_motion_table* table, const void* scratch, uint32_t body )

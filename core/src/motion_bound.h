@@ -43,22 +43,34 @@ size_t lwi_motion_scratch_size( const lwi_motion_table* table );
 /// Holds for states outside the joint limits too. @return false for a zero quaternion or an edge whose length overflows
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
 
-/// The same in two steps: first what holds for all parts of the edge, then, body by body, a part of it of width `width` (in t)
-/// around a state whose poses are given. The shorter the part, the tighter the bound.
-/// @param poses [link_count] world_from_link of the body's link and of the links above it
+/// Bounds of the motion of a body's points along the whole edge, rounded outward. On any part [s, t] of the edge a point's way is
+/// at most (t - s) * path long, and its velocity changes by at most (t - s) * change.
+typedef struct lwi_motion_rate
+{
+	double path;   ///< metres per unit of t. 0 exactly if no joint in between moves
+	double change; ///< largest acceleration, metres per squared unit of t
+} lwi_motion_rate;
+
+/// lwi_motion_measure() in two steps: first what holds without any pose, then body by body.
+/// @param poses [link_count] world_from_link at some state of the edge, of the body's link and of the links above it
+/// @param share of the edge, on the longer side of that state: 0.5 for its middle
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
-void lwi_motion_measure_part( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
-	double width );
+void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
+	double share );
 
-/// Upper bound (rounded outward) of the path length of any point of `body` along the measured edge or part of it, in the frame of
-/// `ancestor` (a link above the body's link or that link itself, or LW_INVALID_INDEX for the world). On any part [s, t] of
-/// the edge (or part of that width) the path length is at most (t - s) / width times this. 0 exactly if no joint in between moves.
-double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+/// Motion of a measured body in the frame of `ancestor`: a link above the body's link or that link itself, or LW_INVALID_INDEX
+/// for the world.
+lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< its path
 
-/// Upper bound of the distance of any point of `body`, at any state of the measured edge or part of it, from its place at the
-/// middle, in the frame of `ancestor`: at most half of lwi_motion_bound(), and much less where the joints' motions cancel each
-/// other. For the part of it within a share x of the width, x times this holds.
-double lwi_motion_displacement( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+/// Upper bound of the distance of a point from where it is at one end of a part of the edge, anywhere on the part.
+/// @param chord of its places at both ends, or more @param h the part's length in t
+double lwi_motion_between( double chord, lwi_motion_rate rate, double h );
+
+/// lwi_motion_of() for a part of a begun body's geometry: what lies in a sphere, given in the world at the state of the poses. The smaller
+/// the sphere, the tighter the bounds.
+lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
+	lw_vec3 center, double radius, const lw_transform* poses, double share );
 
 /// Upper bound of the path length in the world along the whole edge, once it was begun: looser than that of any of its parts.
 double lwi_motion_total( const lwi_motion_table* table, const void* scratch, uint32_t body );

@@ -5,10 +5,12 @@
 
 #include "distance_query.h"
 #include "leeway/checker.h"
+#include "separation.h"
 
 enum
 {
 	/// One opening replaces an entry by at most LWI_WIDTH; a path has at most LWI_MAX_DEPTH + 1 openings per tree.
+	LWI_HINT_BITS = 10,
 	LWI_STACK_SIZE = ( LWI_WIDTH - 1 ) * 2 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
 };
 
@@ -54,6 +56,7 @@ struct lw_query
 {
 	lwi_batch batch;
 	lwi_entry stack[LWI_STACK_SIZE];
+	lwi_hint hints[1 << LWI_HINT_BITS]; ///< planes that separated pairs of shapes, by a hash
 	lw_allocator allocator;
 	lw_query_def def;
 	const lwi_kernels* kernels;
@@ -87,8 +90,8 @@ struct lw_query
 	float* row;                   ///< [scene_capacity, padded] gaps of a node's sphere
 	lwi_candidate* candidates;    ///< [gap_capacity]
 	lwi_warm warm_environment, warm_self, warm_scene;
-	uint32_t last_edge_item;      ///< node, or pair of nodes, that ended the last proof of an edge: tried first. Any value will do
-	bool last_edge_self;          ///< it was a pair of nodes
+	uint32_t last_edge_body;      ///< of the item that ended the last proof of an edge: tried first. Any value will do
+	bool last_edge_self;          ///< it was a pair
 	void* edge_scratch;
 	size_t bytes;
 };

@@ -384,7 +384,7 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 	EXPECT_GE( verdicts[LW_VERDICT_FREE], 200 );
 	EXPECT_GE( deepProofs, 80 );
 	EXPECT_GE( verdicts[LW_VERDICT_BLOCKED], 150 );
-	EXPECT_GE( verdicts[LW_VERDICT_REFUSED], 20 );
+	EXPECT_GE( verdicts[LW_VERDICT_REFUSED], 10 );
 	EXPECT_GE( selfFailures, 40 );
 	EXPECT_GE( environmentFailures, 40 );
 	EXPECT_GE( partial, 60 );
@@ -458,6 +458,31 @@ TEST( Edge, ThinObstacleBetweenSamplesIsFound )
 		EXPECT_NEAR( r.t, x, 1e-3 );
 		EXPECT_NEAR( r.proved_until, x, 2e-3 );
 		EXPECT_LT( r.proved_until, x - 1e-4 );
+	}
+}
+
+// A turn that two slides all but undo in one half of the edge: what is proved of that half says nothing of the other one. A small
+// ball in the way anywhere must be found, on the way there and back.
+TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
+{
+	const double reach = 0.5, turn = 2;
+	for ( double t : { 0.55, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95 } )
+	{
+		World world;
+		world.model.link( "base" );
+		world.model.joint( "x", LW_JOINT_PRISMATIC, 0 ).axis[2] = 0;
+		world.model.joints.back().axis[0] = 1;
+		world.model.joint( "y", LW_JOINT_PRISMATIC, 1 ).axis[2] = 0;
+		world.model.joints.back().axis[1] = 1;
+		world.model.joint( "turn", LW_JOINT_REVOLUTE, 2 );
+		world.model.body( 3, primitive( LW_SHAPE_SPHERE, 0.01, 0, 0 ), at( reach, 0, 0 ) );
+		const double slide_x = 2 * reach * ( 1 - std::cos( 0.5 * turn ) ), slide_y = -2 * reach * std::sin( 0.5 * turn );
+		world.object( primitive( LW_SHAPE_SPHERE, 0.01, 0, 0 ),
+			at( t * slide_x + reach * std::cos( t * turn ), t * slide_y + reach * std::sin( t * turn ), 0 ) );
+		world.open();
+		const State start = { 0, 0, 0 }, end = { slide_x, slide_y, turn };
+		EXPECT_NE( world.edge( start, end, lw_edge_def_default() ).verdict, LW_VERDICT_FREE ) << "ball at t = " << t;
+		EXPECT_NE( world.edge( end, start, lw_edge_def_default() ).verdict, LW_VERDICT_FREE ) << "ball at t = " << 1 - t;
 	}
 }
 
@@ -562,7 +587,7 @@ TEST( Edge, EndsAgreeWithStates )
 				{
 					++blockedEnds;
 					EXPECT_EQ( r.verdict, LW_VERDICT_BLOCKED );
-					EXPECT_EQ( r.t, 1 );
+					EXPECT_TRUE( r.t == 1 || method == LW_EDGE_CERTIFIED ) << "proofs may find another one first";
 				}
 			}
 		}

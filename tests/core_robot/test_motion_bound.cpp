@@ -16,9 +16,16 @@ extern "C"
 	size_t lwi_motion_scratch_size( const lwi_motion_table* table );
 	bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
 	bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
-	void lwi_motion_measure_part( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
-		double width );
-	double lwi_motion_displacement( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+	struct lwi_motion_rate
+	{
+		double path, change;
+	};
+	void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
+		double share );
+	lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+	lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
+		lw_vec3 center, double radius, const lw_transform* poses, double share );
+	double lwi_motion_between( double chord, lwi_motion_rate rate, double h );
 	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body );
 }
@@ -178,9 +185,10 @@ std::vector<lw_transform> posesAt( const lw_robot* robot, const State& a, const 
 
 } // namespace
 
-// Around the middle of a part of an edge, by velocity and acceleration: joints whose motions cancel each other move little,
-// which the path length does not see. Also over shares of the part, down to where velocity is all.
-TEST( MotionBound, NoPointGetsFurtherFromTheMiddleThanItsVelocityAndAccelerationAllow )
+// Between two states of an edge, from where a point is at both and how fast its velocity can change: joints whose motions cancel
+// each other move little, which the path length does not see. Rates are those of the body's sphere or of a point in it, and
+// measured anywhere on the edge.
+TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 {
 	SeededRng rng;
 	std::vector<double> ratios, gains;
@@ -195,41 +203,46 @@ TEST( MotionBound, NoPointGetsFurtherFromTheMiddleThanItsVelocityAndAcceleration
 		double excess = rng.integer( 0, 2 ) == 0 ? rng.decade( -1, 1 ) : 0;
 		State a = randomState( rng, robot.get(), excess ), b = randomState( rng, robot.get(), excess );
 		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
-		double width = rng.decade( -3, 0 ), middle = rng.uniform( 0.5 * width, 1 - 0.5 * width );
-		std::vector<lw_transform> center = posesAt( robot.get(), a, b, middle );
-		std::vector<std::vector<lw_transform>> others;
-		std::vector<double> shares;
-		for ( int k = 0; k < 12; ++k )
+		double h = rng.decade( -3, 0 ), from = rng.uniform( 0, 1 - h ), measured = rng.uniform( 0, 1 );
+		double share = std::max( measured, 1 - measured );
+		std::vector<lw_transform> reference = posesAt( robot.get(), a, b, measured );
+		std::vector<std::vector<lw_transform>> between;
+		for ( int k = 0; k <= 12; ++k )
 		{
-			shares.push_back( k < 2 ? 1 : rng.decade( -2, 0 ) );
-			double side = k == 0 || ( k > 1 && rng.integer( 0, 1 ) == 0 ) ? -0.5 : 0.5;
-			others.push_back( posesAt( robot.get(), a, b, middle + side * width * shares.back() ) );
+			between.push_back( posesAt( robot.get(), a, b, from + h * k / 12 ) );
 		}
 		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
 		{
-			std::uint32_t ancestor = randomAncestor( rng, robot.get(), model.bodies[body].link );
-			lwi_motion_measure_part( motion.table, motion.scratch, body, center.data(), width );
-			double bound = lwi_motion_displacement( motion.table, motion.scratch, body, ancestor );
-			double path = lwi_motion_bound( motion.table, motion.scratch, body, ancestor );
+			const lw_body_def& def = model.bodies[body];
+			std::uint32_t ancestor = randomAncestor( rng, robot.get(), def.link );
+			lwi_motion_measure_body( motion.table, motion.scratch, body, reference.data(), share );
+			lwi_motion_rate whole = lwi_motion_of( motion.table, motion.scratch, body, ancestor );
 			double rounding = lwi_motion_rounding( motion.table, motion.scratch, body );
-			EXPECT_LE( bound, 0.5 * path * ( 1 + 1e-9 ) );
-			double furthest = 0;
 			bool inWorld = ancestor == LW_INVALID_INDEX;
 			for ( lw_vec3 p : model.bodyPoints[body] )
 			{
-				const lw_body_def& def = model.bodies[body];
-				lw_vec3 here = position( center[inWorld ? 0 : ancestor], inWorld, center[def.link], def, p );
-				for ( std::size_t k = 0; k < others.size(); ++k )
+				lw_vec3 there = position( lw_transform_identity(), true, reference[def.link], def, p );
+				lwi_motion_rate own = lwi_motion_of_sphere( motion.table, motion.scratch, body, ancestor, there, 0, reference.data(), share );
+				EXPECT_LE( own.path, whole.path * ( 1 + 1e-9 ) );
+				EXPECT_LE( own.change, whole.change * ( 1 + 1e-9 ) );
+				std::vector<lw_vec3> at;
+				for ( const std::vector<lw_transform>& poses : between )
 				{
-					lw_vec3 there = position( others[k][inWorld ? 0 : ancestor], inWorld, others[k][def.link], def, p );
-					ASSERT_LE( distance( here, there ), bound * shares[k] + 4 * rounding ) << "share " << shares[k];
-					furthest = std::max( furthest, distance( here, there ) );
+					at.push_back( position( poses[inWorld ? 0 : ancestor], inWorld, poses[def.link], def, p ) );
 				}
-			}
-			if ( furthest > 1e-6 )
-			{
-				ratios.push_back( furthest / bound );
-				gains.push_back( 0.5 * path / bound );
+				double chord = distance( at.front(), at.back() ), furthest = 0;
+				for ( const lw_vec3& x : at )
+				{
+					furthest = std::max( furthest, distance( at.front(), x ) );
+				}
+				double bound = lwi_motion_between( chord + 4 * rounding, own, h );
+				ASSERT_LE( furthest, bound + 4 * rounding ) << "part of length " << h << " from " << from;
+				ASSERT_LE( furthest, lwi_motion_between( chord + 4 * rounding, whole, h ) + 4 * rounding );
+				if ( furthest > 1e-6 )
+				{
+					ratios.push_back( furthest / bound );
+					gains.push_back( h * whole.path / bound );
+				}
 			}
 		}
 	}
@@ -242,8 +255,9 @@ TEST( MotionBound, NoPointGetsFurtherFromTheMiddleThanItsVelocityAndAcceleration
 	EXPECT_GE( gains.back(), 5 ) << "never any better than the path length";
 }
 
-// A slide that undoes the velocity of two turns at the middle: all motion there is acceleration, in which the two turns and
-// their product have equal parts. The bound is then exact up to third order: anything missing in it shows.
+// A slide that undoes the velocity of two turns: there and back again, both ends are one place and all that is left is
+// acceleration, in which the two turns and their product have equal parts. The bound is then exact up to third order: anything
+// missing in it shows.
 TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
 {
 	const double upper_arm = 0.5, forearm = 0.3, radius = 1e-9;
@@ -267,10 +281,14 @@ TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
 		double rate_1 = 0.02, slide = -rate_1 * ( upper_arm + forearm ) - rate_2 * forearm;
 		State a = { -0.5 * slide, -0.5 * rate_1, -0.5 * rate_2 }, b = { 0.5 * slide, 0.5 * rate_1, 0.5 * rate_2 };
 		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
-		std::vector<lw_transform> center = posesAt( robot.get(), a, b, 0.5 ), end = posesAt( robot.get(), a, b, 1 );
-		lwi_motion_measure_part( motion.table, motion.scratch, 0, center.data(), 1 );
-		double bound = lwi_motion_displacement( motion.table, motion.scratch, 0, LW_INVALID_INDEX );
-		double moved = distance( lw_transform_point( &center[3], { forearm, 0, 0 } ), lw_transform_point( &end[3], { forearm, 0, 0 } ) );
+		std::vector<lw_transform> start = posesAt( robot.get(), a, b, 0 ), center = posesAt( robot.get(), a, b, 0.5 ),
+								  end = posesAt( robot.get(), a, b, 1 );
+		lwi_motion_measure_body( motion.table, motion.scratch, 0, center.data(), 0.5 );
+		const lw_vec3 tip = { forearm, 0, 0 };
+		double chord = distance( lw_transform_point( &start[3], tip ), lw_transform_point( &end[3], tip ) );
+		double moved = distance( lw_transform_point( &start[3], tip ), lw_transform_point( &center[3], tip ) );
+		EXPECT_LT( chord, 0.05 * moved );
+		double bound = lwi_motion_between( chord, lwi_motion_of( motion.table, motion.scratch, 0, LW_INVALID_INDEX ), 1 );
 		EXPECT_LE( moved, bound );
 		EXPECT_GE( moved, 0.95 * bound ) << "rate " << rate_2;
 	}

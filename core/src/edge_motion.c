@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the robot moves along an edge: states, poses of nodes at the ends of cells, and what bodies do in between.
+//
+// A point's way is bounded by where it is at both ends and how fast its velocity can change in between (linear interpolation),
+// which beats path lengths by far where joints' motions cancel or cells are short. Derivation: core/docs/edges.md.
+#include "edge_internal.h"
+#include "math_inline.h"
+
+#include <string.h>
+
+enum
+{
+	SPARE_GAPS = 1024 ///< places on a level beyond four per item
+};
+
+// ---- scratch ---------------------------------------------------------------------------------------------------------
+
+/// Takes `count * size` bytes of the scratch (NULL while measuring).
+static void* take( char* base, size_t* used, size_t count, size_t size )
+{
+	void* part = base != NULL ? base + *used : NULL;
+	*used += lwi_align_up( count * size );
+	return part;
+}
+
+/// Lays the scratch out from `memory`; returns its size. Called with NULL to measure, then to place.
+static size_t lay_out( lwi_edge* e, char* memory )
+{
+	const lw_checker* c = e->checker;
+	size_t used = 0, nodes = c->tree->node_count;
+	uint32_t variables = c->robot->variable_count;
+	e->warm = take( memory, &used, LWI_EDGE_WARM, sizeof( lwi_warm ) ); // first: cleared where the query changes its checker
+	e->motion = take( memory, &used, lwi_motion_scratch_size( c->motion ), 1 );
+	e->full_a = take( memory, &used, variables, sizeof( double ) );
+	e->full_b = take( memory, &used, variables, sizeof( double ) );
+	e->full_t = take( memory, &used, variables, sizeof( double ) );
+	e->group_t = take( memory, &used, c->variable_count, sizeof( double ) );
+	e->frame_t = take( memory, &used, LWI_EDGE_FRAMES, sizeof( double ) );
+	e->frame_states = take( memory, &used, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
+	e->frame_known = take( memory, &used, LWI_EDGE_FRAMES * nodes, sizeof( bool ) );
+	e->frame_poses = take( memory, &used, LWI_EDGE_FRAMES * nodes, sizeof( lw_transform ) );
+	e->item_capacity = c->moving_body_count + c->self_pair_count;
+	e->gap_capacity = 4 * e->item_capacity + SPARE_GAPS;
+	e->items = take( memory, &used, e->item_capacity, sizeof( lwi_edge_item ) );
+	e->levels[0].gaps = take( memory, &used, e->gap_capacity, sizeof( lwi_edge_gap ) );
+	e->levels[1].gaps = take( memory, &used, e->gap_capacity, sizeof( lwi_edge_gap ) );
+	return used;
+}
+
+void lwi_edge_begin( lwi_edge* edge, void* scratch )
+{
+	lay_out( edge, scratch );
+	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
+	{
+		edge->frame_t[i] = NAN;
+	}
+	lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
+	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
+}
+
+size_t lwi_edge_scratch_size( const lw_checker* checker )
+{
+	lwi_edge edge = { .checker = checker };
+	return lay_out( &edge, NULL );
+}
+
+void lwi_edge_forget( const lw_checker* checker, lw_query* query )
+{
+	(void)checker;
+	memset( lwi_query_edge_scratch( query ), 0, LWI_EDGE_WARM * sizeof( lwi_warm ) );
+}
+
+// ---- states ----------------------------------------------------------------------------------------------------------
+
+bool lwi_edge_measure_motion( lwi_edge* e )
+{
+	const lw_checker* c = e->checker;
+	e->static_rounding = e->longest = 0;
+	e->apart = e->spare = INFINITY;
+	if ( !lwi_motion_begin( c->motion, e->full_a, e->full_b, e->motion ) )
+	{
+		return false;
+	}
+	for ( uint32_t i = 0; i < c->tree->node_count; ++i )
+	{
+		e->static_rounding = fmax( e->static_rounding, lwi_motion_rounding( c->motion, e->motion, i ) );
+		double length = c->tree->nodes[i].body_count > 0 ? lwi_motion_total( c->motion, e->motion, i ) : 0;
+		e->longest = fmax( e->longest, length );
+	}
+	return true;
+}
+
+const double* lwi_edge_state( lwi_edge* e, double t )
+{
+	if ( t == 0 || t == 1 )
+	{
+		return t == 0 ? e->qa : e->qb;
+	}
+	lw_robot_interpolate( e->checker->robot, e->full_a, e->full_b, t, e->full_t );
+	for ( uint32_t i = 0; i < e->checker->variable_count; ++i )
+	{
+		e->group_t[i] = e->full_t[e->checker->variables[i]];
+	}
+	return e->group_t;
+}
+
+bool lwi_edge_pose( lwi_edge* e, double t )
+{
+	if ( t == e->posed_t )
+	{
+		return true;
+	}
+	e->posed_t = NAN;
+	if ( lwi_checker_pose( e->checker, e->query, lwi_edge_state( e, t ) ) != LW_OK )
+	{
+		e->failed = true;
+		return false;
+	}
+	e->posed_t = t;
+	++e->out->queries;
+	return true;
+}
+
+// ---- poses of nodes --------------------------------------------------------------------------------------------------
+
+/// The place of a state's poses: by a multiplicative hash, so that neighbours on all levels get along (Knuth, TAOCP 6.4).
+static size_t frame_at( lwi_edge* e, double t )
+{
+	uint64_t bits;
+	memcpy( &bits, &t, sizeof( bits ) );
+	size_t frame = (size_t)( ( bits * 0x9e3779b97f4a7c15u ) >> ( 64 - LWI_EDGE_FRAME_BITS ) );
+	if ( e->frame_t[frame] != t )
+	{
+		size_t nodes = e->checker->tree->node_count, variables = e->checker->robot->variable_count;
+		e->frame_t[frame] = t;
+		memset( e->frame_known + frame * nodes, 0, nodes * sizeof( bool ) );
+		lw_robot_interpolate( e->checker->robot, e->full_a, e->full_b, t, e->frame_states + frame * variables );
+	}
+	return frame;
+}
+
+/// World_from_top of a node at t. What can fail, a zero quaternion, was ruled out when the motion was measured.
+static const lw_transform* node_pose( lwi_edge* e, double t, uint32_t node )
+{
+	const lw_checker* c = e->checker;
+	const lwi_checker_node* nodes = c->tree->nodes;
+	if ( node == 0 )
+	{
+		return &c->reference_poses[nodes[0].top];
+	}
+	size_t frame = frame_at( e, t );
+	const double* state = e->frame_states + frame * c->robot->variable_count;
+	bool* known = e->frame_known + frame * c->tree->node_count;
+	lw_transform* poses = e->frame_poses + frame * c->tree->node_count;
+	while ( !known[node] )
+	{
+		uint32_t next = node;
+		while ( nodes[next].parent != 0 && !known[nodes[next].parent] )
+		{
+			next = nodes[next].parent;
+		}
+		uint32_t parent = nodes[next].parent;
+		const lw_transform* above = parent == 0 ? &c->reference_poses[nodes[0].top] : &poses[parent];
+		poses[next] = lwi_multiply( above, &nodes[next].hook );
+		lwi_joint_move( &c->robot->joints[c->robot->link_joint[nodes[next].top]], state, &poses[next] );
+		known[next] = true;
+	}
+	return &poses[node];
+}
+
+/// Pose of a node in the frame of one above it.
+static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t ancestor )
+{
+	const lw_transform* pose = node_pose( e, t, node );
+	return ancestor == 0 ? *pose : lwi_relative( node_pose( e, t, ancestor ), pose );
+}
+
+// ---- displacements ---------------------------------------------------------------------------------------------------
+
+/// How far a point of the sphere is at most from one pose to another: its centre's way and the chord of the turn. Of two
+/// rotations by an angle a from each other, the difference has the Frobenius norm 2 sqrt( 2 ) sin( a / 2 ).
+static double chord( const lw_transform* from, const lw_transform* to, const lw_sphere* local )
+{
+	double turn = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			double d = to->r[i][j] - from->r[i][j];
+			turn += d * d;
+		}
+	}
+	lw_vec3 center = lwi_load( local->center );
+	double way = lwi_distance( lwi_transform( from, center ), lwi_transform( to, center ) );
+	return way + local->radius * sqrt( 0.5 * turn );
+}
+
+double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	if ( rate.path == 0 || window.half == 0 )
+	{
+		return 0;
+	}
+	double rounding = 4 * ( lwi_motion_rounding( e->checker->motion, e->motion, node ) +
+							  lwi_motion_rounding( e->checker->motion, e->motion, ancestor ) );
+	lw_transform middle = pose_below( e, window.t, node, ancestor );
+	lw_transform left = pose_below( e, window.t - window.half, node, ancestor );
+	lw_transform right = pose_below( e, window.t + window.half, node, ancestor );
+	double furthest = fmax( chord( &middle, &left, local ), chord( &middle, &right, local ) );
+	return lwi_motion_between( furthest + rounding, rate, window.half );
+}

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planes between shapes with trees: GJK on their convex hulls, with support points from the sphere trees.
+//
+// Papers: Gilbert, Johnson, Keerthi 1988 (see convex.c); support points by branch and bound as in Ehmann, Lin, "Accurate and fast
+// proximity queries between polyhedra using convex surface decomposition", 2001 (hierarchies over hulls). Whatever direction comes
+// out, its gap is that of all geometry: a bad one proves less, never something wrong.
+#include "separation.h"
+
+#include <math.h>
+#include <string.h>
+
+#define real double
+#define NAME( x ) x##_s
+#define FROM( x ) ( x )
+#define ADD( a, b ) ( ( a ) + ( b ) )
+#define SUB( a, b ) ( ( a ) - ( b ) )
+#define MUL( a, b ) ( ( a ) * ( b ) )
+#define DIV( a, b ) ( ( a ) / ( b ) )
+#define SIGN( a ) ( a )
+#define ALL_FACES 1
+#include "convex_simplex_impl.h"
+
+/// A subtree still to be looked at, and how far it may reach.
+typedef struct candidate
+{
+	float high;
+	lwi_ref ref;
+} candidate;
+
+static float dot( const float a[3], const float b[3] )
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static uint32_t greatest( const float value[LWI_WIDTH], uint32_t count )
+{
+	uint32_t lane = 0;
+	for ( uint32_t i = 1; i < count; ++i )
+	{
+		lane = value[i] > value[lane] ? i : lane;
+	}
+	return lane;
+}
+
+/// Takes the point of a leaf of triangles that is farthest along n, if it is farther than `best`. Returns how far.
+static float take_triangles( const lwi_kernels* kernels, const lwi_leaf* leaf, uint32_t count, const float n[3], float best,
+	float point[3] )
+{
+	float low[LWI_WIDTH], high[LWI_WIDTH], farthest = -INFINITY;
+	kernels->leaf_project( leaf, n, low, high );
+	uint32_t lane = greatest( high, count );
+	if ( !( high[lane] > best ) )
+	{
+		return best;
+	}
+	for ( int v = 0; v < 3; ++v )
+	{
+		const float p[3] = { leaf->v[v][0][lane], leaf->v[v][1][lane], leaf->v[v][2][lane] };
+		if ( dot( n, p ) > farthest )
+		{
+			farthest = dot( n, p );
+			memcpy( point, p, sizeof( p ) );
+		}
+	}
+	return high[lane];
+}
+
+static float take_balls( const lwi_kernels* kernels, const lwi_ball_leaf* leaf, uint32_t count, const float n[3], float best,
+	float point[3] )
+{
+	float high[LWI_WIDTH];
+	kernels->node_project( leaf, n, best, high );
+	uint32_t lane = greatest( high, count );
+	if ( !( high[lane] > best ) )
+	{
+		return best;
+	}
+	point[0] = leaf->x[lane] + leaf->r[lane] * n[0];
+	point[1] = leaf->y[lane] + leaf->r[lane] * n[1];
+	point[2] = leaf->z[lane] + leaf->r[lane] * n[2];
+	return high[lane];
+}
+
+static float take_boxes( const lwi_box_leaf* leaf, uint32_t count, const float n[3], float best, float point[3] )
+{
+	for ( uint32_t lane = 0; lane < count; ++lane )
+	{
+		float corner[3];
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			corner[axis] = n[axis] > 0 ? leaf->boxes.max[axis][lane] : leaf->boxes.min[axis][lane];
+		}
+		if ( dot( n, corner ) > best )
+		{
+			best = dot( n, corner );
+			memcpy( point, corner, sizeof( corner ) );
+		}
+	}
+	return best;
+}
+
+static float take_leaf( const lwi_kernels* kernels, const lw_shape* shape, lwi_ref ref, const float n[3], float best,
+	float point[3] )
+{
+	uint32_t index = lwi_ref_index( ref ), count = lwi_ref_count( ref );
+	switch ( shape->family )
+	{
+	case LWI_BALLS:
+		return take_balls( kernels, &shape->ball_leaves[index], count, n, best, point );
+	case LWI_BOXES:
+		return take_boxes( &shape->box_leaves[index], count, n, best, point );
+	case LWI_TRIANGLES:
+	case LWI_CONVEX:
+	case LWI_UNBOUNDED:
+		break;
+	}
+	return take_triangles( kernels, &shape->leaves[index], count, n, best, point );
+}
+
+/// How far a shape with a tree reaches along a unit direction, and where, in its tree frame. It never says less than what is true,
+/// whatever `point` is to begin with; the nearer that is to the answer, the less is looked at.
+static float support( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float point[3] )
+{
+	candidate stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
+	uint32_t height = 0;
+	float best = dot( n, point );
+	stack[height++] = (candidate){ INFINITY, shape->root };
+	while ( height > 0 )
+	{
+		candidate next = stack[--height];
+		if ( !( next.high > best ) )
+		{
+			continue;
+		}
+		if ( lwi_ref_is_leaf( next.ref ) )
+		{
+			best = take_leaf( kernels, shape, next.ref, n, best, point );
+			continue;
+		}
+		const lwi_node* node = &shape->nodes[next.ref];
+		float high[LWI_WIDTH], farthest = -INFINITY;
+		for ( uint32_t mask = kernels->node_project( node, n, best, high ); mask != 0; mask &= mask - 1 )
+		{
+			uint32_t lane = lwi_lowest_bit( mask ), place = height++;
+			if ( high[lane] < farthest ) // the farthest stays on top
+			{
+				stack[place] = stack[place - 1];
+				--place;
+			}
+			else
+			{
+				farthest = high[lane];
+			}
+			stack[place] = (candidate){ high[lane], node->child[lane] };
+		}
+	}
+	return best;
+}
+
+static void turn( const lwi_motion* m, const float v[3], float out[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		out[i] = m->r[3 * i] * v[0] + m->r[3 * i + 1] * v[1] + m->r[3 * i + 2] * v[2];
+	}
+}
+
+static void turn_back( const lwi_motion* m, const float v[3], float out[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		out[i] = m->r[i] * v[0] + m->r[3 + i] * v[1] + m->r[6 + i] * v[2];
+	}
+}
+
+static bool normalize( float n[3] )
+{
+	float length = sqrtf( dot( n, n ) );
+	for ( int i = 0; i < 3; ++i )
+	{
+		n[i] /= length;
+	}
+	return length > 0 && length < INFINITY;
+}
+
+/// The gap of a and b along n (a's frame, unit), and the difference of their support points: b's less a's.
+static float gap_along( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* m, const float n[3],
+	lwi_plane* plane, vec_s* difference )
+{
+	float n_b[3], moved[3];
+	turn_back( m, n, n_b );
+	const float back[3] = { -n_b[0], -n_b[1], -n_b[2] };
+	float high_a = support( kernels, a, n, plane->point_a );
+	float low_b = -support( kernels, b, back, plane->point_b ) + dot( n, m->t );
+	turn( m, plane->point_b, moved );
+	*difference = (vec_s){ (double)( moved[0] + m->t[0] - plane->point_a[0] ), (double)( moved[1] + m->t[1] - plane->point_a[1] ),
+		(double)( moved[2] + m->t[2] - plane->point_a[2] ) };
+	return low_b - high_a;
+}
+
+/// Keeps the points with weight.
+static int reduce( vec_s* w, int count, const nearest_s* nearest )
+{
+	int kept = 0;
+	for ( int i = 0; i < count; ++i )
+	{
+		if ( nearest->weight[i] > 0 )
+		{
+			w[kept++] = w[i];
+		}
+	}
+	return kept;
+}
+
+lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a )
+{
+	lwi_plane plane;
+	float moved[3];
+	turn( b_from_a, a->root_sphere, moved );
+	for ( int i = 0; i < 3; ++i )
+	{
+		plane.direction[i] = b->root_sphere[i] - ( moved[i] + b_from_a->t[i] );
+		plane.point_a[i] = a->root_sphere[i];
+		plane.point_b[i] = b->root_sphere[i];
+	}
+	return plane;
+}
+
+bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* m, float limit,
+	lwi_plane* plane, int steps )
+{
+	vec_s w[4];
+	int count = 0;
+	float n[3];
+	turn( m, plane->direction, n );
+	for ( int step = 0; step < steps && normalize( n ); ++step )
+	{
+		float gap = gap_along( kernels, a, b, m, n, plane, &w[count] );
+		if ( gap >= limit )
+		{
+			turn_back( m, n, plane->direction );
+			return true;
+		}
+		++count;
+		nearest_s nearest;
+		bool inside = nearest_to_origin_s( w, count, &nearest );
+		if ( inside || !( nearest.sq >= (double)limit * (double)limit ) )
+		{
+			return false; // the hulls are nearer than that
+		}
+		count = reduce( w, count, &nearest );
+		n[0] = (float)nearest.v.x;
+		n[1] = (float)nearest.v.y;
+		n[2] = (float)nearest.v.z;
+		if ( count == 4 )
+		{
+			return false;
+		}
+	}
+	return false;
+}
