@@ -259,6 +259,10 @@ private:
 		}
 		for ( const std::size_t i : problems )
 		{
+			if ( interrupted != 0 )
+			{
+				break;
+			}
 			const EdgeWorldEntry& entry = m_worlds.entry( i );
 			std::size_t from =
 				m_worlds.world( i ).set == "armar3 planner" ? i : m_worlds.add( plannerSource( entry.source ) );

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 /// Sanitizers are 5 to 20 times slower and look for other mistakes: they get few edges.
-inline int edgesUnlessSanitized( int many, [[maybe_unused]] int few )
+inline int edgesUnlessSanitized( [[maybe_unused]] int many, [[maybe_unused]] int few )
 {
 #if defined( __SANITIZE_ADDRESS__ ) || defined( __SANITIZE_THREAD__ )
 	return few;

@@ -23,7 +23,7 @@ TEST( EdgeAudit, VerdictsOnRandomRobotsSurviveADenseLook )
 {
 	SeededRng rng;
 	AuditTally tally;
-	for ( int i = 0; i < edgesUnlessSanitized( 100, 10 ); ++i )
+	for ( int i = 0; i < edgesUnlessSanitized( 100, 40 ); ++i )
 	{
 		const EdgeWorld world = randomWorld( rng.engine()(), worldOptions() );
 		AuditBench bench( world );
