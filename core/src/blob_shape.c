@@ -7,6 +7,7 @@
 #include "blob_internal.h"
 #include "mesh.h"
 #include "shape_internal.h"
+#include "solid_mesh.h"
 
 #include <math.h>
 
@@ -60,6 +61,7 @@ void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 	lwi_write_u32( w, shape->leaf_count );
 	lwi_write_u32( w, shape->depth );
 	lwi_write_u32( w, shape->root );
+	lwi_write_u32( w, shape->filled ? 1u : 0u );
 	lwi_write_double( w, shape->radius );
 	lwi_write( w, shape->root_sphere, sizeof( shape->root_sphere ) );
 	array_sizes sizes = sizes_of( shape );
@@ -180,9 +182,11 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	shape->leaf_count = lwi_read_u32( r );
 	shape->depth = lwi_read_u32( r );
 	shape->root = lwi_read_u32( r );
+	uint32_t filled = lwi_read_u32( r );
 	shape->radius = lwi_read_double( r );
 	lwi_read( r, shape->root_sphere, sizeof( shape->root_sphere ) );
 	const char* problem = check_counts( shape, lwi_reader_left( r ) );
+	problem = filled > ( shape->type == LW_SHAPE_MESH ? 1u : 0u ) ? "an unknown kind of solid" : problem;
 	if ( r->failed || problem != NULL )
 	{
 		return damaged( diag, index, r->failed ? "too few bytes" : problem );
@@ -207,12 +211,19 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	{
 		return damaged( diag, index, problem );
 	}
+	shape->filled = filled != 0;
+	lw_diag inner = { 0 };
+	lw_status status = LW_OK;
+	if ( shape->type == LW_SHAPE_MESH )
+	{
+		status = filled != 0 ? lwi_mesh_close( shape, &inner ) : LW_OK;
+		status = status == LW_OK ? lwi_mesh_find_parts( shape, &inner ) : status;
+	}
 	lwi_shape_set_frame( shape );
 	lwi_shape_finish( shape );
 	// The walk of the validation is bounded whatever the tree holds: it stops at a reference out of range, below
 	// LWI_MAX_DEPTH, and once it has met more nodes than there are. A query's walk is a part of it.
-	lw_diag inner = { 0 };
-	lw_status status = lw_shape_validate( shape, &inner );
+	status = status == LW_OK ? lw_shape_validate( shape, &inner ) : status;
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );

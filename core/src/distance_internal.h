@@ -109,4 +109,12 @@ void lwi_compare_leaves( lwi_searching* s, lwi_entry* e );
 /// Filters the waiting triangle pairs and measures what is left, most promising first.
 void lwi_flush_batch( lwi_searching* s );
 
+// --- distance_solid.c ------------------------------------------------------------------------------------------------
+
+/// Contact if one shape is a solid mesh and something of the other is inside it; to be asked when the surfaces were searched.
+void lwi_search_inside( lwi_searching* s );
+
+/// The same for one item that was inside before; LW_INVALID_INDEX on the side of the mesh.
+void lwi_measure_inside( lwi_searching* s, uint32_t item_a, uint32_t item_b );
+
 #endif

@@ -407,6 +407,10 @@ void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw
 	{
 		search_trees( &s );
 	}
+	if ( a->filled || b->filled )
+	{
+		lwi_search_inside( &s );
+	}
 }
 
 void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
@@ -418,6 +422,11 @@ void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const l
 	{
 		lwi_searching s = search_begin( query, a, b, a_from_b, bound );
 		lwi_measure_items( &s, item_a, item_b );
+	}
+	else if ( a->filled || b->filled )
+	{
+		lwi_searching s = search_begin( query, a, b, a_from_b, bound );
+		lwi_measure_inside( &s, item_a, item_b );
 	}
 }
 

@@ -355,6 +355,10 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
+	if ( shape->family == LWI_UNBOUNDED )
+	{
+		return LW_ERROR_UNSUPPORTED;
+	}
 	lw_transform pose = lwi_orthonormal( world_from_shape );
 	query->failure = LW_OK;
 	lwi_bound bound;

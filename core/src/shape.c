@@ -4,6 +4,7 @@
 
 #include "math_inline.h"
 #include "mesh.h"
+#include "solid_mesh.h"
 #include "sphere_fit.h"
 #include "sphere_tree_build.h"
 
@@ -66,6 +67,7 @@ static void free_shape( lw_shape* shape )
 	lwi_deferred_free( &allocator, shape->deferred );
 	lwi_free( &allocator, shape->vertices, 3 * (size_t)shape->vertex_count * sizeof( double ) );
 	lwi_free( &allocator, shape->indices, 3 * (size_t)shape->item_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, shape->sheets, shape->item_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, shape->radii, shape->item_count * sizeof( double ) );
 	lwi_free( &allocator, shape->nodes, shape->node_count * sizeof( lwi_node ) );
 	lwi_free( &allocator, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
@@ -149,6 +151,7 @@ void lwi_shape_finish( lw_shape* shape )
 									 : sizeof( lwi_leaf );
 	shape->bytes = sizeof( lw_shape ) + 3 * (size_t)shape->vertex_count * sizeof( double ) +
 		( shape->indices != NULL ? 3 * (size_t)shape->item_count * sizeof( uint32_t ) : 0 ) +
+		( shape->sheets != NULL ? shape->item_count * sizeof( uint32_t ) : 0 ) +
 		( shape->radii != NULL ? shape->item_count * sizeof( double ) : 0 ) + shape->node_count * sizeof( lwi_node ) +
 		shape->leaf_count * leaf_size;
 }
@@ -248,6 +251,10 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 	{
 		return status;
 	}
+	if ( def->solid && def->tree.tile_radius > 0.0 )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a solid mesh cannot be tiled: set tree.tile_radius to 0" );
+	}
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	lwi_mesh mesh;
 	status = lwi_mesh_create( def, &memory, diag, &mesh );
@@ -266,7 +273,10 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 	shape->degenerate_count = mesh.degenerate_count;
 	shape->vertices = mesh.vertices;
 	shape->indices = mesh.indices;
-	status = lwi_shape_build( shape, &def->tree, diag );
+	shape->filled = def->solid;
+	status = def->solid ? lwi_mesh_close( shape, diag ) : LW_OK;
+	status = status == LW_OK ? lwi_mesh_find_parts( shape, diag ) : status;
+	status = status == LW_OK ? lwi_shape_build( shape, &def->tree, diag ) : status;
 	if ( status != LW_OK )
 	{
 		free_shape( shape );
@@ -487,6 +497,7 @@ lw_shape_info lw_shape_get_info( const lw_shape* shape )
 		.bytes = shape->bytes,
 		.sphere_radius = shape->sphere_radius,
 		.deferred = shape->deferred != NULL,
+		.solid = shape->filled || ( shape->type != LW_SHAPE_MESH && shape->type != LW_SHAPE_PLANE ),
 	};
 	memcpy( info.box_min, shape->box_min, sizeof( info.box_min ) );
 	memcpy( info.box_max, shape->box_max, sizeof( info.box_max ) );

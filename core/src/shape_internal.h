@@ -13,6 +13,15 @@
 #include "math_inline.h"
 #include "tree_layout.h"
 
+enum
+{
+	LWI_MAX_PARTS = 16 ///< connected parts of a mesh that are known one by one
+};
+
+/// Flags of lw_shape.sheets, below the number of the sheet.
+#define LWI_SHEET_TURNED 1u ///< this triangle is against the orientation of its sheet
+#define LWI_SHEET_MIXED 2u  ///< the sheet has no orientation
+
 typedef enum lwi_family
 {
 	LWI_TRIANGLES,
@@ -75,6 +84,13 @@ struct lw_shape
 	uint32_t* indices; ///< [item_count][3] of triangles, else NULL
 	double* radii;     ///< [item_count] of LW_SHAPE_SPHERES, else NULL
 	uint32_t degenerate_count;
+
+	// Meshes only.
+	uint32_t part_count;            ///< connected parts
+	uint32_t parts[LWI_MAX_PARTS];  ///< a triangle of each, if there are no more than these
+	bool filled;                    ///< declared solid: closed, and whatever is inside touches it
+	uint32_t sheet_count;           ///< closed surfaces of a filled mesh
+	uint32_t* sheets;               ///< [item_count] of a filled mesh: number << 2 | flags; LW_INVALID_INDEX: degenerate
 
 	// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin.
 	double origin[3];   ///< centre of the vertices' box

@@ -210,6 +210,18 @@ TEST( ShapeDigest, EqualShapesAreEqualOthersAreNot )
 			add( primitive( static_cast<lw_shape_type>( type ), std::nextafter( 1.0, 2 ), 1 ) );
 		}
 		add( primitive( LW_SHAPE_CAPSULE, 1, 0.5 ) );
+		add( primitive( LW_SHAPE_HALFSPACE, 0, 0 ) );
+		add( primitive( LW_SHAPE_PLANE, 0, 0 ) );
+		const double balls[8] = { 0, 0, 0, 0.1, 1, 2, 3, 0.1 }, larger[8] = { 0, 0, 0, 0.1, 1, 2, 3, 0.2 };
+		const double box[6] = { 0, 0, 0, 1, 1, 1 }, longer[6] = { 0, 0, 0, 1, 1, 1.5 };
+		for ( int i = 0; i < 2; ++i )
+		{
+			lw_shape* shape = nullptr;
+			lw_shape_create_spheres( i == 0 ? balls : larger, 2, nullptr, nullptr, nullptr, &shape );
+			add( shape );
+			lw_shape_create_boxes( i == 0 ? box : longer, 1, nullptr, nullptr, nullptr, &shape );
+			add( shape );
+		}
 	}
 	std::size_t half = all.size() / 2;
 	EXPECT_TRUE( std::equal( all.begin(), all.begin() + static_cast<std::ptrdiff_t>( half ),

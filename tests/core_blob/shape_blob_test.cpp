@@ -26,6 +26,42 @@ ShapePtr randomPoints( SeededRng& rng, int count, double radius )
 	return ShapePtr( shape );
 }
 
+/// Spheres of different radii, or boxes.
+ShapePtr randomSet( SeededRng& rng, bool boxes, std::uint32_t count, const lw_tree_def* tree = nullptr )
+{
+	std::vector<double> numbers;
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		double center[3] = { rng.normal(), rng.normal(), rng.normal() }, size = rng.decade( -3, 0 );
+		numbers.insert( numbers.end(), center, center + 3 );
+		numbers.push_back( boxes ? center[0] + size : size );
+		if ( boxes )
+		{
+			numbers.insert( numbers.end(), { center[1] + 0.5 * size, center[2] } );
+		}
+	}
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( LW_OK, boxes ? lw_shape_create_boxes( numbers.data(), count, tree, nullptr, nullptr, &shape )
+							: lw_shape_create_spheres( numbers.data(), count, tree, nullptr, nullptr, &shape ) );
+	return ShapePtr( shape );
+}
+
+/// An octahedron, solid or a surface.
+ShapePtr octahedron( bool solid )
+{
+	const double vertices[18] = { 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1 };
+	const std::uint32_t indices[24] = { 0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5 };
+	lw_mesh_def def = lw_mesh_def_default();
+	def.vertices = vertices;
+	def.vertex_count = 6;
+	def.indices = indices;
+	def.triangle_count = 8;
+	def.solid = solid;
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( LW_OK, lw_shape_create_mesh( &def, nullptr, nullptr, &shape ) );
+	return ShapePtr( shape );
+}
+
 /// Every kind of shape, every fit, one leaf and many levels.
 std::vector<ShapePtr> manyShapes( SeededRng& rng )
 {
@@ -49,6 +85,16 @@ std::vector<ShapePtr> manyShapes( SeededRng& rng )
 		shapes.push_back( makePrimitive( static_cast<lw_shape_type>( type ), rng.decade( -2, 2 ), rng.decade( -2, 2 ),
 			rng.decade( -2, 2 ) ) );
 	}
+	for ( lw_sphere_fit fit : { LW_FIT_GREEDY, LW_FIT_COMPACT, LW_FIT_MINIMAL } )
+	{
+		lw_tree_def tree = treeDef( fit, static_cast<std::uint32_t>( rng.integer( 1, 8 ) ), 0 );
+		shapes.push_back( randomSet( rng, false, fit == LW_FIT_COMPACT ? 3 : 700, &tree ) );
+		shapes.push_back( randomSet( rng, true, fit == LW_FIT_GREEDY ? 1 : 600, &tree ) );
+	}
+	shapes.push_back( octahedron( true ) );
+	shapes.push_back( octahedron( false ) );
+	shapes.push_back( makePrimitive( LW_SHAPE_HALFSPACE, 0 ) );
+	shapes.push_back( makePrimitive( LW_SHAPE_PLANE, 0 ) );
 	shapes.push_back( makePrimitive( LW_SHAPE_CAPSULE, 1.0, 0.0 ) );
 	shapes.push_back( makePrimitive( LW_SHAPE_CAPSULE, 1.0, 1e-42 ) ); // subnormal in the tree's floats
 	return shapes;
@@ -66,6 +112,7 @@ void expectSameInfo( const lw_shape* a, const lw_shape* b )
 	EXPECT_EQ( x.depth, y.depth );
 	EXPECT_EQ( x.bytes, y.bytes );
 	EXPECT_EQ( x.sphere_radius, y.sphere_radius );
+	EXPECT_EQ( x.solid, y.solid );
 	for ( int k = 0; k < 3; ++k )
 	{
 		EXPECT_EQ( x.box_min[k], y.box_min[k] );
@@ -79,7 +126,8 @@ void expectSameInfo( const lw_shape* a, const lw_shape* b )
 void expectSameAnswers( SeededRng& rng, const lw_shape* a, const lw_shape* b, const lw_shape* probe )
 {
 	QueryPtr query = makeQuery();
-	double reach = lw_shape_get_info( a ).sphere_radius + lw_shape_get_info( probe ).sphere_radius;
+	double own = lw_shape_get_info( a ).sphere_radius;
+	double reach = ( std::isfinite( own ) ? own : 1.0 ) + lw_shape_get_info( probe ).sphere_radius;
 	lw_transform origin = lw_transform_identity();
 	for ( int i = 0; i < 8; ++i )
 	{

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Collision shapes: triangle meshes; sets of points, spheres and boxes; primitives; half-spaces and planes.
 //
-// Meshes are surfaces: a body wholly inside a closed mesh does not touch it. Everything else but the plane is solid: whatever
-// is inside touches it. No primitive is tessellated.
+// Meshes are surfaces (a body wholly inside a closed mesh does not touch it) unless they are declared solid. Everything else but
+// the plane is solid: whatever is inside touches it. No primitive is tessellated.
 #ifndef LEEWAY_SHAPE_H
 #define LEEWAY_SHAPE_H
 
@@ -59,6 +59,10 @@ typedef struct lw_mesh_def
 	uint32_t triangle_count;
 	double scale[3];         ///< applied to the vertices; non-zero, may be negative (mirror)
 	double weld_tolerance;   ///< metres, after scale; vertices closer than this may be merged. 0 = exact duplicates only
+	/// The mesh is the boundary of a solid: whatever is inside touches it, distance 0. It must be closed after welding: an even
+	/// number of triangles at every edge, two as a rule; winding does not matter. Several closed surfaces are several solids,
+	/// also one inside of the other: a void that is enclosed on all sides counts as inside. Not with tree.tile_radius.
+	bool solid;
 	lw_tree_def tree;
 	uint32_t cookie;         ///< set by lw_mesh_def_default(); do not touch
 } lw_mesh_def;
@@ -69,8 +73,8 @@ LW_API lw_mesh_def lw_mesh_def_default( void );
 /// segments or points of the surface). Welding moves no vertex by more than weld_tolerance.
 /// @param allocator NULL = malloc; remembered by the shape
 /// Coordinates after scale are at most 1e9 m: products of four lengths must fit a float.
-/// @param diag on LW_ERROR_BAD_GEOMETRY names the first non-finite or too large vertex, out-of-range index, or "no
-/// triangles". Nullable.
+/// @param diag on LW_ERROR_BAD_GEOMETRY names the first non-finite or too large vertex, out-of-range index, an open edge of a
+/// solid mesh (index = its triangle), or "no triangles". Nullable.
 /// @param out_shape owned by the caller: lw_shape_release(). Set to NULL on failure.
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_BAD_GEOMETRY or LW_ERROR_OUT_OF_MEMORY
 /// Cost: O(n log n) time; see lw_shape_info for memory.
@@ -152,6 +156,7 @@ typedef struct lw_shape_info
 	double sphere_center[3];       ///< bounding sphere, shape frame, metres
 	double sphere_radius;
 	double dimensions[3];          ///< of a primitive; radius of a point set in [0]
+	bool solid;                    ///< whatever is inside touches it: of a mesh lw_mesh_def.solid, of all others but planes true
 	bool deferred;                 ///< not made yet: counts but for triangles are 0, the bounds are those of the box that was told
 } lw_shape_info;
 
