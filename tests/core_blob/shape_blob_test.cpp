@@ -449,12 +449,12 @@ struct MeshBlob
 		type = fields.table + fields.table_entry;
 		dimensions = type + 4;
 		counts = dimensions + 24;
-		radius = counts + 28;
+		radius = counts + 32; // six counts, the root, solid or not
 		sphere = radius + 8;
 		vertices = sphere + 16;
 		indices = vertices + std::size_t( 24 ) * info.vertex_count;
-		std::uint32_t triangles = info.type == LW_SHAPE_POINTS ? info.vertex_count : info.triangle_count;
-		nodes = indices + std::size_t( 12 ) * triangles;
+		std::size_t radii = info.type == LW_SHAPE_SPHERES ? std::size_t( 8 ) * info.vertex_count : 0;
+		nodes = indices + std::size_t( 12 ) * info.triangle_count + radii;
 		leaves = nodes + std::size_t( 160 ) * info.node_count;
 	}
 };
@@ -478,7 +478,7 @@ TEST( ShapeBlobNonsense, PlacesAreRight )
 	SeededRng rng;
 	ShapePtr shape = randomSoup( rng, 100, 1.0 );
 	MeshBlob blob( shape.get() );
-	EXPECT_EQ( blob.leaves + std::size_t( 320 ) * blob.info.leaf_count, blob.bytes.size() );
+	EXPECT_EQ( ( blob.leaves + std::size_t( 320 ) * blob.info.leaf_count + 7 ) / 8 * 8, blob.bytes.size() );
 	EXPECT_EQ( blob.bytes.get<std::uint32_t>( blob.type ), std::uint32_t( LW_SHAPE_MESH ) );
 	EXPECT_EQ( blob.bytes.get<std::uint32_t>( blob.counts ), blob.info.vertex_count );
 	EXPECT_EQ( blob.bytes.get<double>( blob.vertices ), lw_shape_vertices( shape.get() )[0] );
@@ -677,9 +677,37 @@ TEST( ShapeBlobNonsense, PointSetsAreCheckedToo )
 		refused( [&]( Bytes& b ) { b.put( good.radius, radius ), b.put( good.dimensions, radius ); } );
 	}
 	refused( [&]( Bytes& b ) { b.put( good.radius, 0.2 ); } );
-	refused( [&]( Bytes& b ) { b.put( good.indices, 1u ); } );
-	refused( [&]( Bytes& b ) { b.put( good.indices + 12, 20u ); } );
-	refused( [&]( Bytes& b ) { b.put( good.type, std::uint32_t( LW_SHAPE_MESH ) ); } );
+	for ( lw_shape_type type : { LW_SHAPE_MESH, LW_SHAPE_SPHERES, LW_SHAPE_BOXES } )
+	{
+		refused( [&]( Bytes& b ) { b.put( good.type, std::uint32_t( type ) ); } );
+	}
+	refused( [&]( Bytes& b ) { b.put( good.radius - 4, 1u ); } ); // points are no solid mesh
+	refused( [&]( Bytes& b ) { b.put( good.leaves + 128, 20u ); } );
+	refused( [&]( Bytes& b ) { b.put( good.leaves + 128, b.get<std::uint32_t>( good.leaves + 132 ) ); } );
+	refused( [&]( Bytes& b ) { b.put( good.leaves + 96, 0.05f ); } );
+}
+
+TEST( ShapeBlobNonsense, SetsAndSolidsAreCheckedToo )
+{
+	SeededRng rng;
+	auto refused = []( const lw_shape* shape, auto edit ) {
+		MeshBlob blob( shape );
+		edit( blob.bytes, blob );
+		blob.bytes.seal();
+		EXPECT_EQ( readStatus( blob.bytes, 1 ), LW_ERROR_DAMAGED );
+	};
+	ShapePtr spheres = randomSet( rng, false, 20 ), boxes = randomSet( rng, true, 20 );
+	for ( double radius : { -0.1, 2e9, 5.0, std::numeric_limits<double>::quiet_NaN() } )
+	{
+		refused( spheres.get(), [&]( Bytes& b, const MeshBlob& at ) { b.put( at.indices, radius ); } );
+	}
+	refused( boxes.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.vertices, 1e3 ); } );
+	refused( boxes.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.leaves, -1e3f ); } );
+	refused( boxes.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.leaves + 192, 20u ); } );
+	// an open surface cannot become a solid by one bit; a closed one can
+	ShapePtr open = randomSoup( rng, 8, 1.0 ), closed = octahedron( false );
+	refused( open.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.radius - 4, 1u ); } );
+	refused( closed.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.radius - 4, 2u ); } );
 }
 
 // Whatever is inside: refused, or a sound shape that answers. Bounds, cycles and stacks are watched by the sanitizers.
@@ -693,6 +721,9 @@ TEST( ShapeBlobNonsense, RandomEditsNeverGiveAnUnsoundShape )
 	shapes.push_back( randomSoup( rng, 40, 1.0, treeDef( LW_FIT_GREEDY, 2, 0 ) ) );
 	shapes.push_back( randomSoup( rng, 4, 1.0, treeDef( LW_FIT_COMPACT, 8, 0.2 ) ) );
 	shapes.push_back( randomPoints( rng, 40, 0.1 ) );
+	shapes.push_back( randomSet( rng, false, 30 ) );
+	shapes.push_back( randomSet( rng, true, 30 ) );
+	shapes.push_back( octahedron( true ) );
 	shapes.push_back( makePrimitive( LW_SHAPE_CAPSULE, 0.2, 1 ) );
 	int accepted = 0, refused = 0;
 	for ( const ShapePtr& shape : shapes )
