@@ -67,6 +67,7 @@ TEST_F( BadSceneTest, MissingResources )
 		expectBadObject( pose + "meshes: [{" + resource + "}]", parts );
 		expectBadObject( other( "type: point_cloud, radius: 0, " + resource ), parts );
 		expectBadObject( other( "type: octomap, unknown: free, " + resource ), parts );
+		expectBadObject( other( "type: height_map, resolution: 1, z_scale: 1, " + resource ), parts );
 		expectBad( "leeway_articulations: [{id: thing, " + resource + "}]", parts );
 	}
 	expectBadObject( other( "type: point_cloud, radius: 0, resource: 'package://'" ), { "names no file" } );

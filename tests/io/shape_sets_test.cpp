@@ -131,3 +131,106 @@ TEST_F( ShapeSetsTest, ScaledSpheresKeepTheirCentres )
 	EXPECT_NEAR( i.box_min[0], -1, 1e-6 );
 	EXPECT_NEAR( i.box_max[0], 3, 1e-6 );
 }
+
+namespace
+{
+
+/// Distance of a small ball to a shape, 0 in contact.
+double distanceTo( const lw_shape* shape, const std::array<double, 3>& p )
+{
+	double radius[3] = { 0.01, 0, 0 };
+	lw_shape* raw = nullptr;
+	EXPECT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &raw ), LW_OK );
+	leeway::Shape ball = leeway::Shape::adopt( raw );
+	lw_query_def def = lw_query_def_default();
+	lw_query* raw_query = nullptr;
+	EXPECT_EQ( lw_query_create( &def, nullptr, nullptr, nullptr, &raw_query ), LW_OK );
+	leeway::Query query( raw_query );
+	lw_transform at = lw_transform_identity(), origin = lw_transform_identity();
+	std::copy( p.begin(), p.end(), at.t );
+	lw_clearance c;
+	EXPECT_EQ( lw_shape_distance( shape, &origin, ball.get(), &at, nullptr, query.get(), &c ), LW_OK );
+	return c.upper;
+}
+
+const std::string tetrahedron = "vertices: [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]], triangles: [[0, 2, 1], [0, 1, 3], "
+                                "[0, 3, 2], [1, 2, 3]]";
+
+} // namespace
+
+TEST_F( ShapeSetsTest, SolidMeshesOfScenes )
+{
+	writeTetrahedron( "m.obj", 4 );
+	const std::array<double, 3> inside = { 0.5, 0.5, 0.5 };
+	std::string pose = "pose: {position: [0, 0, 0]}, ";
+	for ( const char* mesh : { "resource: m.obj", "inline" } )
+	{
+		std::string text = std::string( mesh ) == "inline" ? tetrahedron : mesh;
+		SceneModel hollow = object( pose + "meshes: [{" + text + ", leeway_solid: false}]" );
+		EXPECT_GT( distanceTo( hollow.objects.at( 0 ).shapes.at( 0 ).shape.get(), inside ), 0.4 );
+		SceneModel solid = object( pose + "meshes: [{" + text + ", leeway_solid: true}]" );
+		EXPECT_EQ( distanceTo( solid.objects.at( 0 ).shapes.at( 0 ).shape.get(), inside ), 0 );
+		EXPECT_EQ( solid.report.shapes.at( 0 ).source.substr( 0, 6 ), "solid " );
+	}
+	// The same file, hollow, solid, and solid once more
+	SceneModel scene = object( pose + "meshes: [{resource: m.obj}, {resource: m.obj, leeway_solid: true}, {resource: m.obj, "
+	                                  "leeway_solid: true}]" );
+	const std::vector<PlacedShape>& shapes = scene.objects.at( 0 ).shapes;
+	EXPECT_NE( shapes[0].shape.get(), shapes[1].shape.get() );
+	EXPECT_EQ( shapes[1].shape.get(), shapes[2].shape.get() );
+	EXPECT_TRUE( scene.report.shapes.at( 2 ).shared );
+}
+
+TEST_F( ShapeSetsTest, OpenMeshesAreNoSolids )
+{
+	std::string pose = "pose: {position: [0, 0, 0]}, ";
+	write( "open.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 2 3\nf 1 2 4\nf 1 3 4\n" );
+	expectBad( pose + "meshes: [{resource: open.obj, leeway_solid: true}]", { "meshes[0]", "open.obj", "surface" } );
+	expectBad( pose + "meshes: [{vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles: [[0, 1, 2]], leeway_solid: true}]",
+	    { "meshes[0]", "solid inline mesh" } );
+	expectBad( pose + "meshes: [{resource: gone.obj, leeway_solid: true}]", { "meshes[0]", "gone.obj was not found" } );
+	expectBad( pose + "meshes: [{resource: open.obj, scale: 0, leeway_solid: true}]", { "scale 0 0 0" } );
+	expectBad( pose + "meshes: [{resource: open.obj, leeway_solid: perhaps}]", { "leeway_solid", "true nor false" } );
+}
+
+TEST_F( ShapeSetsTest, SolidLinks )
+{
+	writeTetrahedron( "m.obj", 4 );
+	auto link = []( const std::string& name )
+	{ return "<link name=\"" + name + "\"><collision><geometry><mesh filename=\"m.obj\"/></geometry></collision></link>"; };
+	write( "r.urdf", "<robot name=\"r\">" + link( "a" ) + link( "b" ) +
+	                     "<joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>" );
+	const std::array<double, 3> inside = { 0.5, 0.5, 0.5 };
+	auto at = [&]( const RobotModel& robot, std::size_t i )
+	{ return distanceTo( robot.links.at( i ).collision.at( 0 ).shape.get(), inside ); };
+	LoadOptions options;
+	options.cache = path( "cache" );
+	for ( int round = 0; round < 2; ++round ) // the second with a cache
+	{
+		options.solid = { "b" };
+		RobotModel robot = loadRobot( path( "r.urdf" ), "", options );
+		EXPECT_GT( at( robot, 0 ), 0.4 );
+		EXPECT_EQ( at( robot, 1 ), 0 );
+		options.solid = { "*" };
+		robot = loadRobot( path( "r.urdf" ), "", options );
+		EXPECT_EQ( at( robot, 0 ) + at( robot, 1 ), 0 );
+		EXPECT_EQ( robot.links[0].collision[0].shape.get(), robot.links[1].collision[0].shape.get() );
+		options.solid = {};
+		EXPECT_GT( at( loadRobot( path( "r.urdf" ), "", options ), 1 ), 0.4 );
+	}
+	options.solid = { "c" };
+	expectError( [&] { loadRobot( path( "r.urdf" ), "", options ); }, { "r.urdf", "no link c to be solid" } );
+	// Scaled links stay solid
+	options.solid = { "b" };
+	RobotModel robot = loadRobot( path( "r.urdf" ), "", options );
+	ProblemOptions scaled;
+	scaled.padding.link_scale["b"] = 2;
+	Problem problem = buildProblem( robot, scaled );
+	EXPECT_TRUE( lw_shape_get_info( lw_robot_body( problem.robot.get(), 1 ).shape ).solid );
+	EXPECT_FALSE( lw_shape_get_info( lw_robot_body( problem.robot.get(), 0 ).shape ).solid );
+	// An articulation's links
+	SceneModel scene =
+	    loadScene( write( "scene.yaml", "world: {leeway_articulations: [{id: k, resource: r.urdf, solid: [a]}]}\n" ) );
+	EXPECT_EQ( distanceTo( scene.objects.at( 0 ).shapes.at( 0 ).shape.get(), inside ), 0 );
+	EXPECT_GT( distanceTo( scene.objects.at( 1 ).shapes.at( 0 ).shape.get(), inside ), 0.4 );
+}

@@ -28,6 +28,14 @@ template <typename F> auto readFor( const ShapeLoader::Place& place, F read )
 	}
 }
 
+LoadedShape lineOf( const std::string& source, const std::string& file )
+{
+	LoadedShape line;
+	line.source = source;
+	line.file = file;
+	return line;
+}
+
 /// A frame whose z axis is `normal`, in the plane at `distance` from the origin. With w = 1 + normal.z the turn from z to
 /// the normal is (-normal.y, normal.x, 0, w), normalised; a normal near -z is turned about x first, where w would vanish.
 lw_transform planePose( const std::array<double, 3>& normal, double distance )
@@ -55,23 +63,76 @@ void GeometryLoader::notice( const Place& place, const std::string& text )
 	m_report.notices.push_back( { place.file, place.element, text } );
 }
 
-Shape GeometryLoader::adopt( const Place& place, const std::string& source, const std::string& file, const Stopwatch& watch,
-    lw_status status, const lw_diag& diag, lw_shape* shape )
+Shape GeometryLoader::adopt( const Place& place, LoadedShape line, const Stopwatch& watch, lw_status status,
+    const lw_diag& diag, lw_shape* shape, const char* remedy )
 {
 	if ( status != LW_OK )
 	{
 		throw Error( place.file, place.element,
 		    fmt::format(
-		        "{} cannot be used: {}", source, diag.message[0] != '\0' ? diag.message : lw_status_name( status ) ),
-		    "correct its numbers" );
+		        "{} cannot be used: {}", line.source, diag.message[0] != '\0' ? diag.message : lw_status_name( status ) ),
+		    remedy );
 	}
-	LoadedShape line;
 	line.owner = place.owner;
-	line.source = source;
-	line.file = file;
 	line.milliseconds = watch.milliseconds();
 	m_report.shapes.push_back( line );
 	return Shape::adopt( shape );
+}
+
+/// The soup as the boundary of a solid.
+Shape GeometryLoader::solidOf(
+    const Place& place, LoadedShape line, const Stopwatch& watch, const TriangleSoup& soup, double weld_tolerance )
+{
+	lw_mesh_def def = lw_mesh_def_default();
+	def.vertices = soup.vertices.data();
+	def.vertex_count = static_cast<std::uint32_t>( soup.vertices.size() / 3 );
+	def.indices = soup.indices.data();
+	def.triangle_count = static_cast<std::uint32_t>( soup.indices.size() / 3 );
+	std::copy( line.scale, line.scale + 3, def.scale );
+	def.weld_tolerance = weld_tolerance;
+	def.tree = m_options.tree;
+	def.solid = true;
+	lw_shape* shape = nullptr;
+	lw_diag diag{};
+	lw_status status = lw_shape_create_mesh( &def, nullptr, &diag, &shape );
+	return adopt( place, std::move( line ), watch, status, diag, shape, "repair the mesh, or let it be a surface" );
+}
+
+Shape GeometryLoader::solidMesh( const Place& place, const std::string& uri, const std::array<double, 3>& scale )
+{
+	Stopwatch watch;
+	for ( double factor : scale )
+	{
+		if ( !std::isfinite( factor ) || factor == 0 )
+		{
+			throw Error( place.file, place.element,
+			    fmt::format( "scale {} {} {} is not usable", scale[0], scale[1], scale[2] ),
+			    "give three finite factors other than 0" );
+		}
+	}
+	LoadedShape line = lineOf( "solid mesh " + uri, find( place, "mesh", uri ) );
+	std::copy( scale.begin(), scale.end(), line.scale );
+	MeshKey key = meshKey( line.file, scale );
+	auto known = m_solids.find( key );
+	if ( known != m_solids.end() )
+	{
+		line.owner = place.owner;
+		line.shared = true;
+		m_report.shapes.push_back( line );
+		return known->second;
+	}
+	TriangleSoup soup = readMeshFile( line.file, place.file, place.element );
+	if ( soup.dropped_faces > 0 )
+	{
+		notice( place, fmt::format( "{} points and lines of mesh {} have no surface and were left out", soup.dropped_faces,
+		                   line.file ) );
+	}
+	return m_solids.emplace( key, solidOf( place, line, watch, soup, m_options.weld_tolerance ) ).first->second;
+}
+
+Shape GeometryLoader::solidInlineMesh( const Place& place, const TriangleSoup& soup )
+{
+	return solidOf( place, lineOf( "solid inline mesh", "" ), Stopwatch(), soup, m_options.weld_tolerance );
 }
 
 Shape GeometryLoader::pointCloud( const Place& place, const std::string& uri, double radius )
@@ -93,8 +154,8 @@ Shape GeometryLoader::pointCloud( const Place& place, const std::string& uri, do
 	lw_diag diag{};
 	lw_status status = lw_shape_create_points(
 	    cloud.points.data(), static_cast<std::uint32_t>( count ), radius, &m_options.tree, nullptr, &diag, &shape );
-	return adopt( place, fmt::format( "point cloud {}, {} points of radius {}", uri, count, radius ), file, watch, status,
-	    diag, shape );
+	std::string source = fmt::format( "point cloud {}, {} points of radius {}", uri, count, radius );
+	return adopt( place, lineOf( source, file ), watch, status, diag, shape );
 }
 
 Shape GeometryLoader::octomap(
@@ -110,9 +171,9 @@ Shape GeometryLoader::octomap(
 	lw_diag diag{};
 	lw_status status = lw_shape_create_boxes( map.boxes.data(), count, &m_options.tree, nullptr, &diag, &shape );
 	std::string unknown = map.unknown > 0 ? fmt::format( " and {} unknown", map.unknown ) : "";
-	return adopt( place,
-	    fmt::format( "{}, {} occupied{} cells of {} m and more", name, map.occupied, unknown, map.resolution ), file, watch,
-	    status, diag, shape );
+	std::string source =
+	    fmt::format( "{}, {} occupied{} cells of {} m and more", name, map.occupied, unknown, map.resolution );
+	return adopt( place, lineOf( source, file ), watch, status, diag, shape );
 }
 
 Shape GeometryLoader::octomapFile( const Place& place, const std::string& uri, const OctomapUse& use )
@@ -137,6 +198,27 @@ Shape GeometryLoader::octomapMessage( const Place& place, const OctomapData& dat
 	return octomap( place, "octomap", "", watch, map );
 }
 
+Shape GeometryLoader::heightMap( const Place& place, const std::string& uri, const HeightMapUse& use )
+{
+	Stopwatch watch;
+	std::string file = find( place, "height map", uri );
+	HeightGrid grid;
+	TriangleSoup soup = readFor( place,
+	    [&]
+	    {
+		    grid = readHeightGrid( file );
+		    return groundMesh( grid, use, file );
+	    } );
+	if ( grid.unknown > 0 )
+	{
+		notice( place, fmt::format( "{} of {} places of {} have no height: {}", grid.unknown, grid.values.size(), file,
+		                   *use.unknown_is_ground ? "as high as the highest" : "no ground there" ) );
+	}
+	std::string source =
+	    fmt::format( "height map {}, {} x {} places of {} m", uri, grid.columns, grid.rows, use.resolution );
+	return solidOf( place, lineOf( source, file ), watch, soup, 0 );
+}
+
 Shape GeometryLoader::spheres( const Place& place, const std::vector<double>& spheres )
 {
 	Stopwatch watch;
@@ -145,7 +227,7 @@ Shape GeometryLoader::spheres( const Place& place, const std::vector<double>& sp
 	std::size_t count = spheres.size() / 4;
 	lw_status status = lw_shape_create_spheres(
 	    spheres.data(), static_cast<std::uint32_t>( count ), &m_options.tree, nullptr, &diag, &shape );
-	return adopt( place, fmt::format( "{} spheres", count ), "", watch, status, diag, shape );
+	return adopt( place, lineOf( fmt::format( "{} spheres", count ), "" ), watch, status, diag, shape );
 }
 
 PlacedShape GeometryLoader::plane( const Place& place, const std::array<double, 4>& coefficients, bool solid )
@@ -165,8 +247,8 @@ PlacedShape GeometryLoader::plane( const Place& place, const std::array<double, 
 	lw_status status =
 	    lw_shape_create_primitive( solid ? LW_SHAPE_HALFSPACE : LW_SHAPE_PLANE, nullptr, nullptr, &diag, &shape );
 	const char* kind = solid ? "half-space" : "plane";
-	placed.shape =
-	    adopt( place, fmt::format( "{} {} x + {} y + {} z + {}", kind, a, b, c, d ), "", watch, status, diag, shape );
+	LoadedShape line = lineOf( fmt::format( "{} {} x + {} y + {} z + {}", kind, a, b, c, d ), "" );
+	placed.shape = adopt( place, line, watch, status, diag, shape );
 	return placed;
 }
 

@@ -115,6 +115,7 @@ PlacedShape scaledMesh( const PlacedShape& placed, double scale, const std::stri
 	def.indices = lw_shape_triangles( placed.shape.get() );
 	def.triangle_count = info.triangle_count;
 	std::fill( def.scale, def.scale + 3, scale );
+	def.solid = info.solid;
 	lw_shape* shape = nullptr;
 	if ( lw_shape_create_mesh( &def, nullptr, &diag, &shape ) != LW_OK )
 	{

@@ -60,6 +60,7 @@ private:
 	Shape readOtherShape( const YamlNode& node, const std::string& owner );
 	Shape readCloud( const YamlNode& node, const std::string& owner );
 	Shape readOctomapShape( const YamlNode& node, const std::string& owner );
+	Shape readHeightMap( const YamlNode& node, const std::string& owner );
 	Shape readSpheres( const YamlNode& node, const std::string& owner );
 	void readOctomapMessage();
 	void readArticulations();
@@ -163,17 +164,21 @@ TriangleSoup SceneReader::readInlineMesh( const YamlNode& node ) const
 
 Shape SceneReader::readMesh( const YamlNode& node, const std::string& owner )
 {
-	YamlNode resource = node.firstOf( { "resource", "mesh_resource" } );
+	YamlNode resource = node.firstOf( { "resource", "mesh_resource" } ), solid_node = node["leeway_solid"];
+	bool solid = solid_node.defined() && solid_node.boolean();
 	if ( !resource.defined() )
 	{
-		node.noticeUnknownKeys( { "vertices", "triangles" } );
-		return m_shapes.inlineMesh( place( node, owner ), readInlineMesh( node ) );
+		node.noticeUnknownKeys( { "vertices", "triangles", "leeway_solid" } );
+		TriangleSoup soup = readInlineMesh( node );
+		return solid ? m_geometry.solidInlineMesh( place( node, owner ), soup )
+		             : m_shapes.inlineMesh( place( node, owner ), soup );
 	}
 	if ( node["triangles"].size() > 0 )
 	{
 		node.fail( "has both a resource and triangles", "keep one of them" );
 	}
-	node.noticeUnknownKeys( { "resource", "mesh_resource", "scale", "dimensions", "vertices", "triangles" } );
+	node.noticeUnknownKeys(
+	    { "resource", "mesh_resource", "scale", "dimensions", "vertices", "triangles", "leeway_solid" } );
 	std::array<double, 3> scale = { 1, 1, 1 };
 	YamlNode factor = node.firstOf( { "scale", "dimensions" } ); // robowflex calls the scale dimensions
 	if ( factor.isScalar() )
@@ -185,7 +190,8 @@ Shape SceneReader::readMesh( const YamlNode& node, const std::string& owner )
 		std::vector<double> s = factor.vector( { "x", "y", "z" } );
 		scale = { s[0], s[1], s[2] };
 	}
-	return m_shapes.mesh( place( node, owner ), resource.text(), scale );
+	return solid ? m_geometry.solidMesh( place( node, owner ), resource.text(), scale )
+	             : m_shapes.mesh( place( node, owner ), resource.text(), scale );
 }
 
 /// shape_msgs/Plane: a x + b y + c z + d = 0. It has no inside; leeway_solid makes everything behind it solid.
@@ -287,6 +293,34 @@ Shape SceneReader::readOctomapShape( const YamlNode& node, const std::string& ow
 	    place( node, owner ), node["resource"].text(), readOctomapUse( node["unknown"], node["bounds"] ) );
 }
 
+Shape SceneReader::readHeightMap( const YamlNode& node, const std::string& owner )
+{
+	node.refuseUnknownKeys( { "type", "pose", "resource", "resolution", "z_scale", "origin", "depth", "unknown" } );
+	detail::HeightMapUse use;
+	auto positive = [&]( const char* key, double fallback )
+	{
+		double value = node[key].defined() || fallback == 0 ? node[key].number() : fallback;
+		if ( !( value > 0 ) )
+		{
+			node[key].fail( fmt::format( "{} is not above 0", value ), "give metres above 0" );
+		}
+		return value;
+	};
+	use.resolution = positive( "resolution", 0 );
+	use.depth = positive( "depth", use.depth );
+	use.z_scale = node["z_scale"].number();
+	if ( node["origin"].defined() )
+	{
+		std::vector<double> origin = node["origin"].vector( { "x", "y", "z" } );
+		use.origin = { origin[0], origin[1], origin[2] };
+	}
+	if ( node["unknown"].defined() )
+	{
+		use.unknown_is_ground = readUnknown( node["unknown"] );
+	}
+	return m_geometry.heightMap( place( node, owner ), node["resource"].text(), use );
+}
+
 Shape SceneReader::readSpheres( const YamlNode& node, const std::string& owner )
 {
 	node.refuseUnknownKeys( { "type", "pose", "spheres" } );
@@ -319,11 +353,16 @@ Shape SceneReader::readOtherShape( const YamlNode& node, const std::string& owne
 	{
 		return readOctomapShape( node, owner );
 	}
+	if ( type == "height_map" )
+	{
+		return readHeightMap( node, owner );
+	}
 	if ( type == "spheres" )
 	{
 		return readSpheres( node, owner );
 	}
-	node["type"].fail( fmt::format( "shape type {} is not known", type ), "use point_cloud, octomap or spheres" );
+	node["type"].fail(
+	    fmt::format( "shape type {} is not known", type ), "use point_cloud, octomap, height_map or spheres" );
 }
 
 /// leeway_shapes: what MoveIt's messages have no place for.
@@ -444,15 +483,17 @@ void SceneReader::readArticulations()
 	{
 		std::string name = list[i]["id"].text();
 		YamlNode node = list[i].named( name );
-		node.refuseUnknownKeys( { "id", "header", "pose", "resource", "joint_values" } );
+		node.refuseUnknownKeys( { "id", "header", "pose", "resource", "joint_values", "solid" } );
 		if ( name.empty() || !m_ids.insert( name ).second )
 		{
 			node["id"].fail(
 			    name.empty() ? "is empty" : "an object of this id was defined before", "give it a name of its own" );
 		}
 		std::string file = detail::findResource( "URDF", node["resource"].text(), m_scene.file, node.place(), m_options );
+		LoadOptions options = m_options;
+		options.solid = node["solid"].textList();
 		Articulation articulation = detail::readArticulation(
-		    file, name, name + "/", node["joint_values"].numberMap(), place( node, name ), m_options );
+		    file, name, name + "/", node["joint_values"].numberMap(), place( node, name ), options );
 		articulation.frame = node.frame();
 		if ( node["pose"].defined() )
 		{

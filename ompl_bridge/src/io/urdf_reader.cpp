@@ -381,7 +381,7 @@ urdf::ModelInterfaceSharedPtr parseByUrdfdom( const XmlFile& xml, std::vector<No
 }
 
 Shape readShape( const XmlFile& xml, const XMLElement& collision, const std::string& what, const std::string& link,
-    const urdf::Geometry& geometry, ShapeLoader& shapes )
+    const urdf::Geometry& geometry, bool solid, ShapeLoader& shapes, GeometryLoader& solids )
 {
 	ShapeLoader::Place place{ xml.path(), xml.place( collision, what ), link };
 	switch ( geometry.type )
@@ -404,7 +404,8 @@ Shape readShape( const XmlFile& xml, const XMLElement& collision, const std::str
 	case urdf::Geometry::MESH:
 	{
 		const urdf::Mesh& mesh = static_cast<const urdf::Mesh&>( geometry );
-		return shapes.mesh( place, mesh.filename, { mesh.scale.x, mesh.scale.y, mesh.scale.z } );
+		std::array<double, 3> scale = { mesh.scale.x, mesh.scale.y, mesh.scale.z };
+		return solid ? solids.solidMesh( place, mesh.filename, scale ) : shapes.mesh( place, mesh.filename, scale );
 	}
 	}
 	xml.fail( collision, what, "unknown geometry", "use a box, sphere, cylinder, capsule or mesh" );
@@ -486,6 +487,12 @@ void requireRead( const XmlFile& xml, const XMLElement& element, bool known )
 	}
 }
 
+bool isSolid( const LoadOptions& options, const std::string& link )
+{
+	return std::any_of(
+	    options.solid.begin(), options.solid.end(), [&]( const std::string& name ) { return name == link || name == "*"; } );
+}
+
 /// Files and scales of all meshes, in order. What is not found is left out: reading the link will say so.
 std::vector<MeshKey> meshesOf( const XmlFile& xml, const LoadOptions& options )
 {
@@ -495,9 +502,9 @@ std::vector<MeshKey> meshesOf( const XmlFile& xml, const LoadOptions& options )
 		for ( const XMLElement& collision : children( link, "collision" ) )
 		{
 			const XMLElement* mesh = collision.FirstChildElement( "geometry" )->FirstChildElement( "mesh" );
-			if ( mesh == nullptr )
+			if ( mesh == nullptr || isSolid( options, link.Attribute( "name" ) ) )
 			{
-				continue;
+				continue; // solids are built each time
 			}
 			std::array<double, 3> scale = { 1, 1, 1 };
 			if ( mesh->Attribute( "scale" ) != nullptr )
@@ -514,6 +521,19 @@ std::vector<MeshKey> meshesOf( const XmlFile& xml, const LoadOptions& options )
 		}
 	}
 	return meshes;
+}
+
+/// A name that is none would leave a link hollow.
+void checkSolid( const XmlFile& xml, const LoadOptions& options, const std::set<std::string>& links )
+{
+	for ( const std::string& name : options.solid )
+	{
+		if ( name != "*" && links.count( name ) == 0 )
+		{
+			throw Error(
+			    xml.path(), "<robot>", fmt::format( "there is no link {} to be solid", name ), "name a link, or * for all" );
+		}
+	}
 }
 
 /// Links given as spheres have dozens of them: from two on they are one shape of one tree.
@@ -590,7 +610,8 @@ void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const Load
 			}
 			PlacedShape placed;
 			placed.pose = readOrigin( xml, collision, what, model.report.notices );
-			placed.shape = readShape( xml, collision, what, link.name, given, shapes );
+			placed.shape =
+			    readShape( xml, collision, what, link.name, given, isSolid( options, link.name ), shapes, geometry );
 			link.collision.push_back( std::move( placed ) );
 		}
 		spheres.finish( { xml.path(), xml.place( element, "link " + link.name ), link.name }, geometry, link );
@@ -629,6 +650,7 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 	std::set<std::string> links;
 	checkLinks( xml, links );
 	checkJoints( xml, links );
+	checkSolid( xml, options, links );
 
 	model.urdf_file = urdf_file;
 	urdf::ModelInterfaceSharedPtr urdf = parseByUrdfdom( xml, model.report.notices );

@@ -68,6 +68,9 @@ struct LoadOptions
 	double weld_tolerance = 0; ///< metres
 	/// A link without collision geometry uses its visual geometry, with a notice. Never done silently.
 	bool use_visual = false;
+	/// Links of the URDF whose meshes are closed and solid: whatever is inside touches them. "*" = all. A mesh that is not
+	/// closed is an error. (Planning scenes say it of each mesh themselves: leeway_solid.)
+	std::vector<std::string> solid;
 	/// A folder, made if it is missing; empty = none. loadRobot() keeps mesh shapes there, in one file named for the robot
 	/// and a digest of all that they are made of: URDF, mesh files, options, version. Answers do not depend on it.
 	std::string cache;
