@@ -2,10 +2,12 @@
 // Height maps in scenes: ground where the numbers say, solid below, from pictures and texts; damage is refused.
 #include "damage.hpp"
 
+#include <octomap/OcTree.h>
 #include <png.h>
 
 #include <array>
 #include <cmath>
+#include <sstream>
 
 using namespace leeway::io;
 
@@ -241,4 +243,43 @@ TEST_F( HeightMapTest, CutAndFlipped )
 	std::string huge = picture( { { 1, 2 }, { 3, 4 } }, 8 );
 	huge.replace( 16, 8, std::string( "\0\0\x80\0\0\0\x80\0", 8 ) );
 	expectBad( "g.png", huge, { "g.png" } );
+}
+
+TEST_F( HeightMapTest, TheExampleOfTheScenesPageLoads )
+{
+	std::ifstream page( LEEWAY_SCENES_PAGE );
+	std::string text( std::istreambuf_iterator<char>( page ), {} );
+	std::size_t first = text.find( "```yaml\n" ) + 8;
+	ASSERT_LT( first, text.size() );
+	write( "scene.yaml", text.substr( first, text.find( "```", first ) - first ) );
+	std::string shape = "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>";
+	auto pair = [&]( const std::string& a, const std::string& b, const std::string& joint )
+	{
+		return "<robot name=\"r\"><link name=\"" + a + "\">" + shape + "<link name=\"" + b + "\">" + shape +
+		       "<joint name=\"" + joint + "\" type=\"continuous\"><parent link=\"" + a + "\"/><child link=\"" + b +
+		       "\"/></joint></robot>";
+	};
+	write( "kitchen/kitchen.urdf", pair( "body", "door", "fridge_door" ) );
+	write( "workshop/vice.stl",
+	    "solid vice\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 9 0\nvertex 9 0 0\n"
+	    "endloop\nendfacet\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 0 9\n"
+	    "endloop\nendfacet\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 9\nvertex 0 9 0\n"
+	    "endloop\nendfacet\nfacet normal 0 0 0\nouter loop\nvertex 9 0 0\nvertex 0 9 0\nvertex 0 0 9\n"
+	    "endloop\nendfacet\nendsolid vice\n" );
+	write( "shelf.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n1 2 3\n" );
+	write( "yard.png", picture( { { 1, 2 }, { 3, 4 } }, 16 ) );
+	octomap::OcTree tree( 0.1 );
+	tree.updateNode( 0.05, 0.05, 0.05, true );
+	std::ostringstream map;
+	tree.writeBinaryConst( map );
+	write( "room.bt", map.str() );
+	RobotModel robot = loadRobot( write( "r.urdf", pair( "hand", "finger", "elbow" ) ), "" );
+	SceneModel scene = loadScene( path( "scene.yaml" ) );
+	EXPECT_TRUE( scene.report.notices.empty() ) << allNotices( scene.report.notices );
+	EXPECT_EQ( scene.objects.size(), 5u );
+	EXPECT_EQ( scene.objects.at( 2 ).shapes.size(), 4u );
+	EXPECT_EQ( scene.attached.size(), 1u );
+	ProblemOptions options;
+	options.scene = &scene;
+	EXPECT_NO_THROW( buildProblem( robot, options ) );
 }
