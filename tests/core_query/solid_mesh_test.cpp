@@ -492,3 +492,91 @@ TEST( SolidMesh, tiles_are_refused_and_allocations_may_fail )
 	def.tree.tile_radius = 0.1;
 	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_shape_create_mesh( &def, nullptr, &diag, &shape ) );
 }
+
+namespace
+{
+/// A body that slides along x, an obstacle at the origin.
+struct Slide
+{
+	lw_robot* robot = nullptr;
+	lw_scene* scene = nullptr;
+	lw_checker* checker = nullptr;
+
+	Slide( const lw_shape* body_shape, const lw_shape* obstacle )
+	{
+		const char* links[2] = { "rail", "body" };
+		lw_joint_def joint = lw_joint_def_default();
+		joint.name = "slide";
+		joint.type = LW_JOINT_PRISMATIC;
+		joint.parent = 0;
+		joint.child = 1;
+		joint.lower = -5;
+		joint.upper = 5;
+		lw_body_def body = { body_shape, 1, lw_transform_identity() };
+		lw_robot_def def = lw_robot_def_default();
+		def.name = "slide";
+		def.link_names = links;
+		def.link_count = 2;
+		def.joints = &joint;
+		def.joint_count = 1;
+		def.bodies = &body;
+		def.body_count = 1;
+		def.world_from_root = lw_transform_identity();
+		EXPECT_EQ( LW_OK, lw_robot_create( &def, nullptr, nullptr, &robot ) );
+		const char* objects[1] = { "obstacle" };
+		lw_scene_shape_def shape = { obstacle, 0, lw_transform_identity() };
+		lw_scene_def scene_def = lw_scene_def_default();
+		scene_def.object_names = objects;
+		scene_def.object_count = 1;
+		scene_def.shapes = &shape;
+		scene_def.shape_count = 1;
+		EXPECT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
+		lw_checker_def checker_def = lw_checker_def_default();
+		checker_def.robot = robot;
+		checker_def.scene = scene;
+		EXPECT_EQ( LW_OK, lw_checker_create( &checker_def, nullptr, nullptr, &checker ) );
+	}
+	~Slide()
+	{
+		lw_checker_release( checker );
+		lw_scene_release( scene );
+		lw_robot_release( robot );
+	}
+};
+} // namespace
+
+// A ball of 0.1 m and a cube of half edge 1 m, either of them the robot: what is inside is found by states and edges.
+TEST( SolidMesh, checker_drives_through_a_solid )
+{
+	Solid s;
+	add_box( s, 3, { 1, 1, 1 }, { 0, 0, 0 }, lw_transform_identity() );
+	lw_diag diag = {};
+	ShapePtr cube, ball = makePrimitive( LW_SHAPE_SPHERE, 0.1 );
+	ASSERT_EQ( LW_OK, make_solid( s, 0, &diag, cube ) ) << diag.message;
+	for ( bool robot_is_cube : { false, true } )
+	{
+		Slide slide( robot_is_cube ? cube.get() : ball.get(), robot_is_cube ? ball.get() : cube.get() );
+		QueryPtr query = makeQuery( nullptr, slide.checker );
+		lw_edge_def edge = lw_edge_def_default();
+		edge.what = LW_WHAT_ENVIRONMENT;
+		for ( double q = -3; q <= 3; q += 0.0625 )
+		{
+			double truth = std::max( 0.0, std::abs( q ) - 1.1 );
+			lw_state_result state;
+			ASSERT_EQ( LW_OK, lw_checker_state( slide.checker, query.get(), &q, LW_WHAT_ENVIRONMENT, nullptr, false, &state ) );
+			ASSERT_NEAR( truth, state.environment.upper, 1e-13 ) << q;
+			ASSERT_LE( state.environment.lower, truth + 1e-15 ) << q;
+			double to = q + 0.01;
+			lw_edge_result result;
+			ASSERT_EQ( LW_OK, lw_checker_edge( slide.checker, query.get(), &q, &to, &edge, &result ) );
+			if ( std::abs( std::abs( q ) - 1.1 ) > 0.1 )
+			{
+				ASSERT_EQ( truth > 0 ? LW_VERDICT_FREE : LW_VERDICT_BLOCKED, result.verdict ) << q;
+			}
+		}
+		double from = -3, to = 3;
+		lw_edge_result result;
+		ASSERT_EQ( LW_OK, lw_checker_edge( slide.checker, query.get(), &from, &to, &edge, &result ) );
+		EXPECT_EQ( LW_VERDICT_BLOCKED, result.verdict );
+	}
+}

@@ -171,6 +171,53 @@ TEST( Points, AreBallsOfOneRadius )
 	}
 }
 
+// What would make clouds slow or large.
+TEST( Points, LargeCloudsAreShallowAndSmall )
+{
+	SeededRng rng;
+	std::vector<double> points;
+	const uint32_t count = 200000;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		double x = rng.uniform( -3, 3 ), y = rng.uniform( -3, 3 );
+		points.insert( points.end(), { x, y, i % 3 == 0 ? 0.0 : 0.2 * std::sin( 3 * x ) + 0.001 * rng.normal() } );
+	}
+	lw_shape* raw = nullptr;
+	ASSERT_EQ( lw_shape_create_points( points.data(), count, 0.005, nullptr, nullptr, nullptr, &raw ), LW_OK );
+	ShapePtr shape( raw );
+	lw_diag diag = {};
+	EXPECT_EQ( lw_shape_validate( raw, &diag ), LW_OK ) << diag.message;
+	lw_shape_info info = lw_shape_get_info( raw );
+	EXPECT_LE( info.depth, 12u );
+	EXPECT_LT( static_cast<double>( info.bytes ) / count, 60.0 );
+}
+
+TEST( Sets, BadInputIsNamed )
+{
+	lw_diag diag = {};
+	lw_shape* shape = nullptr;
+	const double nan = std::nan( "" );
+	const double spheres[8] = { 0, 0, 0, 1, 1, 1, 1, -0.5 }, lost[8] = { 0, 0, 0, 1, nan, 1, 1, 0.5 };
+	EXPECT_EQ( lw_shape_create_spheres( spheres, 2, nullptr, nullptr, &diag, &shape ), LW_ERROR_BAD_GEOMETRY );
+	EXPECT_EQ( diag.index, 1u );
+	EXPECT_NE( std::strstr( diag.message, "sphere 1" ), nullptr ) << diag.message;
+	EXPECT_EQ( lw_shape_create_spheres( lost, 2, nullptr, nullptr, &diag, &shape ), LW_ERROR_BAD_GEOMETRY );
+	EXPECT_EQ( diag.index, 1u );
+	const double boxes[12] = { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1, -1, 1 };
+	EXPECT_EQ( lw_shape_create_boxes( boxes, 2, nullptr, nullptr, &diag, &shape ), LW_ERROR_BAD_GEOMETRY );
+	EXPECT_EQ( diag.index, 1u );
+	EXPECT_EQ( lw_shape_create_boxes( nullptr, 2, nullptr, nullptr, &diag, &shape ), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_EQ( lw_shape_create_spheres( spheres, 0, nullptr, nullptr, &diag, &shape ), LW_ERROR_BAD_GEOMETRY );
+	EXPECT_EQ( shape, nullptr );
+	EXPECT_EQ( lw_shape_create_boxes( boxes, 1, nullptr, nullptr, &diag, &shape ), LW_OK );
+	EXPECT_EQ( lw_shape_get_info( shape ).vertex_count, 2u );
+	EXPECT_EQ( lw_shape_radii( shape ), nullptr );
+	lw_shape_release( shape );
+	EXPECT_EQ( lw_shape_create_spheres( spheres, 1, nullptr, nullptr, &diag, &shape ), LW_OK );
+	EXPECT_EQ( lw_shape_radii( shape )[0], 1.0 );
+	lw_shape_release( shape );
+}
+
 TEST( Points, BadInputIsNamed )
 {
 	lw_diag diag = {};
