@@ -27,7 +27,8 @@ int runCheck( const CheckOptions& options )
 	Notices notices( options.common.verbose );
 	const CsvTable table = readCsv( options.states );
 	OutputFile out( options.out );
-	const Input input = loadInput( options.common, notices );
+	Input input = loadInput( options.common, notices );
+	input.max_d = options.common.max_d;
 	Workbench bench( input, options.common.group, {}, notices );
 	const StateColumns columns( table, "", bench, input.robot, notices );
 	if ( columns.used().empty() )

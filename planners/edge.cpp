@@ -143,7 +143,8 @@ int runEdge( const EdgeCommandOptions& options )
 	const CsvTable table = readCsv( options.edges );
 	requirePairs( table );
 	OutputFile out( options.out );
-	const Input input = loadInput( options.common, notices );
+	Input input = loadInput( options.common, notices );
+	input.max_d = options.common.min_d + planning_horizon;
 	Workbench bench( input, options.common.group, {}, notices );
 	const std::vector<Ends> edges = readEnds( table, bench, input.robot, notices );
 	const lw_edge_def def = edgeDef( options );

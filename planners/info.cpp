@@ -2,6 +2,7 @@
 // leeway info: what was read, what was built, what the checker keeps, what it leaves out and why.
 #include "hierarchy.hpp"
 #include "json.hpp"
+#include "required.hpp"
 
 #include <fmt/format.h>
 
@@ -51,7 +52,7 @@ void add( std::vector<ShapeLine>& lines, const std::string& owner, const std::ve
 			line.source = loaded[i]->source;
 			line.shared = loaded[i]->shared;
 			line.cached = loaded[i]->cached;
-			line.milliseconds = loaded[i]->milliseconds;
+			line.milliseconds = loaded[i]->totalMilliseconds();
 		}
 		lines.push_back( line );
 	}
@@ -220,9 +221,9 @@ std::string robotText( const io::RobotModel& model, const Workbench& bench, cons
 		text += fmt::format( "  group {}: {} joints\n", group.name, group.joints.size() );
 	}
 	text += shapeTable( shapes ) + "  " + totalLine( "total", total( shapes, &model.report ) );
-	if ( !model.report.cache_file.empty() )
+	if ( !model.report.cache.empty() )
 	{
-		text += fmt::format( "  cache {}: {:.1f} ms of these for digests, reading and writing\n", model.report.cache_file,
+		text += fmt::format( "  cache {}: {:.1f} ms of these for digests and looking files up\n", model.report.cache,
 		    model.report.cache_milliseconds );
 	}
 	return text;
@@ -232,7 +233,7 @@ std::string sceneText( const io::SceneModel& scene, const std::vector<ShapeLine>
 {
 	std::string text = fmt::format( "scene {} ({})\n  {} objects, {} attached to the robot\n", scene.name, scene.file,
 	    scene.objects.size(), scene.attached.size() );
-	return text + shapeTable( shapes ) + "  " + totalLine( "total", total( shapes ) );
+	return text + shapeTable( shapes ) + "  " + totalLine( "total", total( shapes, &scene.report ) );
 }
 
 std::string checkerText( const Workbench& bench, const PairCounts& pairs, const lw_checker_info& info )
@@ -275,7 +276,9 @@ int runInfo( const InfoOptions& options )
 	{
 		input.reach->build = false; // tells what there is
 	}
+	input.max_d = options.common.max_d;
 	const Workbench bench( input, options.common.group, {}, notices );
+	const Required required = findRequired( bench, input ); // from here on everything is made
 	std::vector<ShapeLine> robot_shapes, scene_shapes;
 	for ( const io::LinkModel& link : input.robot.links )
 	{
@@ -299,13 +302,13 @@ int runInfo( const InfoOptions& options )
 
 	std::string text = robotText( input.robot, bench, robot_shapes );
 	text += input.scene ? sceneText( *input.scene, scene_shapes ) : "no scene\n";
-	text += checkerText( bench, pairs, info );
+	text += checkerText( bench, pairs, info ) + requiredText( bench, required );
 	text += bench.reach().reach ? pairClassText( bench.reach() ) : "";
 	const io::LoadedReach hulls = findHulls( bench );
 	notices.add( "motion hulls", hulls.notices );
 	text += hulls.reach ? hierarchyText( hulls ) : "";
 	text += totalLine( "all", total( all, &input.robot.report ) );
-	text += fmt::format( "files read and trees built in {:.3f} s; {} notices\n", input.robot_seconds + input.scene_seconds,
+	text += fmt::format( "files read in {:.3f} s; {} notices\n", input.robot_seconds + input.scene_seconds,
 	    notices.all().size() );
 	if ( !options.json.empty() )
 	{
@@ -320,7 +323,7 @@ int runInfo( const InfoOptions& options )
 		{
 			json["scene"] = { { "name", input.scene->name }, { "file", input.scene->file },
 			    { "objects", input.scene->objects.size() }, { "attached", input.scene->attached.size() },
-			    { "shapes", shapesJson( scene_shapes ) }, { "total", totalJson( total( scene_shapes ) ) },
+			    { "shapes", shapesJson( scene_shapes ) }, { "total", totalJson( total( scene_shapes, &input.scene->report ) ) },
 			    { "seconds", input.scene_seconds } };
 		}
 		json["checker"] = { { "group", bench.problem().group }, { "variables", bench.problem().variable_names },
@@ -328,8 +331,9 @@ int runInfo( const InfoOptions& options )
 		    { "environment_pairs", info.environment_pairs }, { "self_pairs", info.self_pairs }, { "bytes", info.bytes },
 		    { "seconds", bench.buildSeconds() }, { "link_pairs", pairsJson( pairs ) },
 		    { "static_environment", jsonClearance( nameEnvironment( bench.checker(), info.static_environment ) ) } };
+		json["required"] = requiredJson( required );
 		json["cache"] = {
-		    { "file", input.robot.report.cache_file }, { "milliseconds", input.robot.report.cache_milliseconds } };
+		    { "folder", input.robot.report.cache }, { "milliseconds", input.robot.report.cache_milliseconds } };
 		json["pair_classes"] = bench.reach().reach ? pairClassJson( bench.reach() ) : Json( nullptr );
 		json["hierarchy"] = hulls.reach ? hierarchyJson( hulls ) : Json( nullptr );
 		json["total"] = totalJson( total( all, &input.robot.report ) );

@@ -24,6 +24,7 @@ const char* const about =
 Examples (leeway SUBCOMMAND --help explains one):
   leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
   leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf
+  leeway cache --cache cache --limit 200
   leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
   leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
@@ -46,7 +47,8 @@ const char* const info_about =
 Example: leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --json info.json
 
 Standard output: per collision element its owner, source, triangles, tree nodes, bytes and milliseconds; totals; what
-the checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why. With --cache also the
+the checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why; for each link and
+obstacle whether it is kept or dropped, and why; what was modelled up to the first answer, and what that saved. With --cache also the
 classes of pairs, if their tables are in it. Then the tree of links: R bounds a link, M what it and all that hangs on it
 can reach, seen from the parent link, MR the link with the M of its children.)";
 
@@ -64,6 +66,15 @@ were always in contact, and adjacent ones, are told apart. --out writes the SRDF
 Never, Default and Always are computed anew, pairs with any other reason stay, as does everything else in the file.
 
 Exit status 0: no finding; 1: the SRDF disables pairs that can collide; 2: error.)";
+
+const char* const cache_about = R"(What is in the folder of --cache, and keeping it small.
+
+Example: leeway cache --cache cache --limit 200
+
+Standard output: for each file, most recently used first, what it is (tree: the sphere tree of a mesh; reach: motion hulls
+and pair tables of a robot; leftover; foreign: not leeway's), its bytes, when it was used last, and what it is of; damaged files
+and those of another version are said to be so. With --clean or --limit what was removed. Files that leeway did not name are
+never touched. Other runs may use the folder at the same time: what they miss they build again.)";
 
 const char* const check_about = R"(Is each state free, and how far away are obstacles and the robot's other links?
 
@@ -117,12 +128,24 @@ joint_trajectory is read as well. Exit status 0: valid; 1: not valid.)";
 struct Commands
 {
 	InfoOptions info;
+	CacheOptions cache;
 	PairsOptions pairs;
 	CheckOptions check;
 	EdgeCommandOptions edge;
 	PlanOptions plan;
 	AuditOptions audit;
 };
+
+CLI::App* addCache( CLI::App& app, CacheOptions& options )
+{
+	CLI::App* command = app.add_subcommand( "cache", "what is kept between runs, and keeping it small" );
+	command->footer( cache_about );
+	command->add_option( "--cache", options.folder, "the folder" )->type_name( "DIR" )->required();
+	command->add_flag( "--clean", options.clean, "remove everything that leeway keeps there" );
+	command->add_option( "--limit", options.limit, "megabytes to leave: what was used longest ago is removed" )->type_name( "MB" );
+	command->add_option( "--json", options.json, "the list, for programs" )->type_name( "FILE" );
+	return command;
+}
 
 CLI::App* addInfo( CLI::App& app, InfoOptions& options )
 {
@@ -237,6 +260,14 @@ int dispatch( const CLI::App& app, Commands& commands )
 		requireNotNegative( "--budget", commands.pairs.budget );
 		return runPairs( commands.pairs );
 	}
+	if ( name == "cache" )
+	{
+		if ( chosen->get_option( "--limit" )->count() > 0 )
+		{
+			requireNotNegative( "--limit", commands.cache.limit );
+		}
+		return runCache( commands.cache );
+	}
 	if ( name == "check" )
 	{
 		validate( *chosen, commands.check.common );
@@ -310,6 +341,7 @@ int main( int argc, char** argv )
 	    "--version", fmt::format( "leeway {}.{}.{}", lw_version() / 10000, lw_version() / 100 % 100, lw_version() % 100 ) );
 	addInfo( app, commands.info );
 	addPairs( app, commands.pairs );
+	addCache( app, commands.cache );
 	addCheck( app, commands.check );
 	addEdge( app, commands.edge );
 	addPlan( app, commands.plan );

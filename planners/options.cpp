@@ -103,6 +103,11 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	       "folder of sphere trees, motion hulls and pair tables of earlier runs; made if it is missing" )
 	    ->type_name( "DIR" )
 	    ->group( model );
+	app.add_option( "--cache-limit", options.cache_limit,
+	       fmt::format( "megabytes of that folder: beyond it, what was used longest ago is removed (default {:.0f})",
+	           options.cache_limit ) )
+	    ->type_name( "MB" )
+	    ->group( model );
 	if ( needs.world )
 	{
 		addQuestionOptions( app, options, needs );
@@ -153,6 +158,11 @@ void validate( const CLI::App& app, CommonOptions& options )
 	{
 		wrong( "--max-d", fmt::format( "{} is not above --min-d {}", options.max_d, options.min_d ),
 		    "give metres above the margin, or leave it out" );
+	}
+	requireNotNegative( "--cache-limit", options.cache_limit );
+	if ( options.cache.empty() && given( app, "--cache-limit" ) )
+	{
+		wrong( "--cache-limit", "has no meaning without a cache", "add --cache DIR, or leave it out" );
 	}
 	if ( !( options.alpha >= 0 && options.alpha < 1 ) )
 	{

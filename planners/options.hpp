@@ -3,6 +3,7 @@
 #pragma once
 
 #include "leeway/checker.h"
+#include "leeway/io/model.hpp"
 
 #include <cstdint>
 #include <limits>
@@ -34,6 +35,7 @@ struct CommonOptions
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity(), alpha = 0;
 	bool min_d_given = false, max_d_given = false;
 	std::string what_name = "both", simd_name = "best";
+	double cache_limit = 1e-6 * double( io::default_cache_limit ); ///< megabytes
 	bool verbose = false;
 
 	lw_what what() const;
@@ -59,6 +61,13 @@ struct PairsOptions
 	std::uint32_t samples = 0;
 	std::uint64_t seed = 0;
 	std::string out, json;
+};
+
+struct CacheOptions
+{
+	std::string folder, json;
+	bool clean = false;
+	double limit = -1; ///< megabytes; negative: none was given
 };
 
 struct CheckOptions
@@ -123,6 +132,7 @@ double stepLength( const CommonOptions& common );
 
 int runInfo( const InfoOptions& options );
 int runPairs( const PairsOptions& options );
+int runCache( const CacheOptions& options );
 int runCheck( const CheckOptions& options );
 int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );

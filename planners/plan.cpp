@@ -459,7 +459,8 @@ int runPlan( const PlanOptions& options )
 	Notices notices( options.common.verbose );
 	requireThreads( findPlanner( options.planner ), options.threads );
 	OutputFile out( options.out ), report( options.report );
-	const Input input = loadInput( options.common, notices );
+	Input input = loadInput( options.common, notices );
+	input.max_d = options.common.min_d + planning_horizon;
 	const std::string group = options.common.group.empty() ? input.request->group : options.common.group;
 	if ( group.empty() && !options.common.srdf.empty() )
 	{

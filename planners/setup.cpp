@@ -24,13 +24,16 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	io::LoadOptions load;
 	load.package_paths = options.package_paths;
 	load.cache = options.cache;
+	load.cache_limit = static_cast<std::uint64_t>( options.cache_limit * 1e6 );
 	Input input;
 	if ( !options.cache.empty() )
 	{
 		input.reach = io::ReachOptions();
 		input.reach->cache = options.cache;
+		input.reach->cache_limit = load.cache_limit;
 		input.reach->def.seconds = quick_budget;
 	}
+	input.min_d = options.min_d;
 	input.robot_file = options.robot;
 	input.scene_file = options.scene;
 	input.request_file = options.request;
@@ -127,6 +130,8 @@ void Workbench::build( const Values& values )
 	options.overrides.values = values;
 	options.reach = m_reach.reach;
 	options.find_reach = m_input.reach;
+	options.min_d = m_input.min_d;
+	options.max_d = m_input.max_d;
 	ReachProgress reach_progress( progress );
 	if ( options.find_reach )
 	{

@@ -6,6 +6,7 @@
 #include "options.hpp"
 #include "output.hpp"
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -23,8 +24,14 @@ struct Input
 	/// With --cache: where motion hulls and pair tables are, and what to build in a few seconds if there are none.
 	std::optional<io::ReachOptions> reach;
 	double robot_seconds = 0, scene_seconds = 0;
+	/// The margin, and the largest distance that is asked for: what the checker may leave out (io::ProblemOptions).
+	double min_d = 0, max_d = std::numeric_limits<double>::infinity();
 	std::string robot_file, scene_file, request_file;
 };
+
+/// Metres beyond the margin: obstacles that the group cannot come this near to are passed over where a proof of a motion
+/// needs no more clearance than this. Where it needs more, it is asked for.
+constexpr double planning_horizon = 0.25;
 
 /// Reads robot, scene and request, with progress, and passes their notices on.
 /// @throws io::Error

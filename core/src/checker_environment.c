@@ -373,6 +373,43 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	}
 }
 
+/// As many bodies at a time as the query has room for, nearest boxes first: this is done once, and so that few deferred
+/// meshes are made for it boxes are worth their cost. Returns whether there is anything to check.
+static bool search_static( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
+	lwi_bound* bound )
+{
+	const lw_scene* scene = checker->scene;
+	uint32_t stride = checker->scene_block_count * LWI_WIDTH, count = 0;
+	bool any = false;
+	for ( uint32_t i = 0; i < body_count * scene->shape_count; ++i )
+	{
+		uint32_t body = bodies[i / scene->shape_count], shape = i % scene->shape_count;
+		const uint8_t* mask = checker->environment_mask + (size_t)body * checker->scene_block_count;
+		if ( ( mask[shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) & 1 ) != 0 )
+		{
+			any = true;
+			lw_transform relative = lwi_relative( &query->world_from_body[body], &scene->shapes[shape].world_from_shape );
+			double gap = lwi_box_gap( checker->bodies[body].shape, scene->shapes[shape].shape, &relative );
+			if ( gap < bound->prune )
+			{
+				query->candidates[count++] = (lwi_candidate){ lwi_round_down( gap ), body * stride + shape };
+			}
+		}
+	}
+	lwi_heap_build( query->candidates, count );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= bound->prune )
+		{
+			break;
+		}
+		bound->current_pair = next.pair;
+		search_environment_pair( checker, query, next.pair / stride, next.pair % stride, bound );
+	}
+	return any;
+}
+
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query )
 {
 	checker->static_environment = lwi_nothing_to_check();
@@ -384,21 +421,10 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query )
 	lw_range exact = lw_range_exact();
 	lwi_bound_init( &bound, &exact );
 	query->failure = LW_OK;
-	query->near = false;
-	// As many bodies at a time as the query has rows for: the nearest of all pairs comes first, and what that leaves out of
-	// reach of deferred meshes is not made for this.
 	for ( uint32_t first = 0; left > 0; )
 	{
 		uint32_t count = query->gap_capacity / stride < left ? query->gap_capacity / stride : left;
-		for ( uint32_t i = 0; i < count * checker->scene_block_count; ++i )
-		{
-			uint32_t body = tree->bodies[first + i / checker->scene_block_count];
-			any = any || checker->environment_mask[(size_t)body * checker->scene_block_count + i % checker->scene_block_count] != 0;
-		}
-		if ( !bound.done )
-		{
-			search_environment( checker, query, tree->bodies + first, count, &bound );
-		}
+		any = search_static( checker, query, tree->bodies + first, count, &bound ) || any;
 		first += count;
 		left -= count;
 	}

@@ -387,6 +387,11 @@ static const lw_shape* geometry_of( lw_query* query, const lw_shape* shape, lwi_
 
 void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
 {
+	bool deferred = lwi_shape_now( a )->deferred != NULL || lwi_shape_now( b )->deferred != NULL;
+	if ( deferred && lwi_box_gap( a, b, a_from_b ) >= bound->prune )
+	{
+		return; // not worth making it
+	}
 	a = geometry_of( query, a, bound );
 	b = geometry_of( query, b, bound );
 	if ( a == NULL || b == NULL )

@@ -478,10 +478,17 @@ static bool has_public_vertices( const lw_shape* shape )
 
 lw_shape_info lw_shape_get_info( const lw_shape* shape )
 {
+	lw_status status;
+	(void)lwi_shape_made( shape, &status, NULL );
+	return lw_shape_peek_info( shape );
+}
+
+lw_shape_info lw_shape_peek_info( const lw_shape* shape )
+{
 	const lw_shape* made = lwi_shape_now( shape );
 	if ( made != shape )
 	{
-		lw_shape_info info = lw_shape_get_info( made );
+		lw_shape_info info = lw_shape_peek_info( made );
 		info.bytes += shape->bytes;
 		return info;
 	}

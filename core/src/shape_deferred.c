@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Deferred meshes: a box now, the triangles and their tree when a query first gets there.
 //
-// The shape that is made in the end is an ordinary one, owned by the deferred one. Whichever thread is first publishes its own by
-// one compare-and-swap and the others drop theirs, so that nothing is locked here and every reader sees one shape for good.
+// The shape that is made in the end is an ordinary one, owned by the deferred one. Whichever thread is first publishes its
+// own by one compare-and-swap and the others drop theirs: nothing is locked here, and every reader sees one shape for good.
 #include "math_inline.h"
 #include "mesh.h"
 #include "shape_internal.h"
@@ -148,6 +148,35 @@ const lw_shape* lwi_shape_now( const lw_shape* shape )
 	const lw_shape* made =
 		shape->deferred != NULL ? atomic_load_explicit( &shape->deferred->made, memory_order_acquire ) : NULL;
 	return made != NULL ? made : shape;
+}
+
+/// Distance of a's box from the box around b's in a's frame.
+static double gap_in_frame( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b )
+{
+	double sum_sq = 0, size = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		double center = a_from_b->t[i], half = 0;
+		for ( int k = 0; k < 3; ++k )
+		{
+			center += a_from_b->r[i][k] * ( 0.5 * b->box_min[k] + 0.5 * b->box_max[k] );
+			half += fabs( a_from_b->r[i][k] ) * ( 0.5 * b->box_max[k] - 0.5 * b->box_min[k] );
+			size += fabs( b->box_min[k] ) + fabs( b->box_max[k] );
+		}
+		double outside = fmax( 0, fmax( a->box_min[i] - ( center + half ), center - half - a->box_max[i] ) );
+		sum_sq += outside * outside;
+		size += fabs( a->box_min[i] ) + fabs( a->box_max[i] ) + fabs( a_from_b->t[i] );
+	}
+	// a few dozen roundings of coordinates up to `size`; written so that what is not a number is no gap
+	double gap = sqrt( sum_sq ) - 128 * LWI_U64 * size;
+	return gap > 0 ? gap : 0;
+}
+
+double lwi_box_gap( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b )
+{
+	lw_transform identity = lw_transform_identity();
+	lw_transform b_from_a = lwi_relative( a_from_b, &identity );
+	return fmax( gap_in_frame( a, b, a_from_b ), gap_in_frame( b, a, &b_from_a ) );
 }
 
 lw_status lw_shape_complete( const lw_shape* shape, lw_diag* diag )

@@ -118,6 +118,9 @@ static inline const lw_shape* lwi_shape_made( const lw_shape* shape, lw_status* 
 /// The shape with its geometry if that is there already, else the shape as it is: bounds only.
 const lw_shape* lwi_shape_now( const lw_shape* shape );
 
+/// Lower bound of the distance of two shapes from their boxes alone, rounded down; 0 if they may touch.
+double lwi_box_gap( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b );
+
 void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred ); ///< NULL is ignored
 
 /// Radius of a ball, dilation of any other item.

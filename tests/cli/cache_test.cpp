@@ -90,7 +90,7 @@ TEST_F( Cache, AnswersAreTheSameWithAndWithout )
 	EXPECT_EQ( withoutTime( warm ), plain ) << warm.err;
 	EXPECT_FALSE( contains( warm.err, "building motion hulls" ) ) << warm.err;
 	EXPECT_FALSE( contains( warm.err, "notice" ) ) << warm.err;
-	EXPECT_EQ( cached( ".trees" ).size() + cached( ".reach" ).size(), 2u );
+	EXPECT_EQ( cached( ".tree" ).size() + cached( ".reach" ).size(), 2u );
 	EXPECT_EQ( std::distance( fs::directory_iterator( path( "cache" ) ), fs::directory_iterator() ), 2 );
 }
 
@@ -108,7 +108,7 @@ TEST_F( Cache, EdgesPlansAndAuditsReadItToo )
 	EXPECT_EQ( plan.status, 0 ) << plan.err;
 	const Outcome audit = runModel( "audit", { "--path", "path.yaml", "--cache", "cache" }, "blocked.yaml" );
 	EXPECT_EQ( audit.status, 0 ) << audit.out << audit.err;
-	EXPECT_EQ( cached( ".trees" ).size(), 1u );
+	EXPECT_EQ( cached( ".tree" ).size(), 1u );
 	EXPECT_EQ( cached( ".reach" ).size(), 1u );
 }
 
@@ -156,7 +156,7 @@ TEST_F( Cache, InfoShowsTheHierarchyWithoutOneAndBuildsNoTables )
 TEST_F( Cache, DamagedFilesAreToldAndReplaced )
 {
 	const std::string plain = withoutTime( check() );
-	for ( const char* ending : { ".trees", ".reach" } )
+	for ( const char* ending : { ".tree", ".reach" } )
 	{
 		const fs::path file = only( ending );
 		const std::string good = readFile( file.string() );
@@ -179,14 +179,14 @@ TEST_F( Cache, DamagedFilesAreToldAndReplaced )
 TEST_F( Cache, AFileOfAnotherRobotUnderThisNameIsStale )
 {
 	check();
-	const fs::path trees = only( ".trees" ), reach = only( ".reach" );
+	const fs::path trees = only( ".tree" ), reach = only( ".reach" );
 	const std::string old_trees = readFile( trees.string() ), old_reach = readFile( reach.string() );
 	edit( "fore.stl", "vertex 0.4", "vertex 0.45" );
 	const std::string plain = withoutTime( check( {} ) );
 	EXPECT_EQ( withoutTime( check() ), plain );
-	ASSERT_EQ( cached( ".trees" ).size(), 2u );
+	ASSERT_EQ( cached( ".tree" ).size(), 2u );
 	for ( const auto& [ending, old, content] :
-	    { std::tuple( ".trees", trees, old_trees ), std::tuple( ".reach", reach, old_reach ) } )
+	    { std::tuple( ".tree", trees, old_trees ), std::tuple( ".reach", reach, old_reach ) } )
 	{
 		for ( const fs::path& file : cached( ending ) )
 		{
@@ -213,7 +213,7 @@ TEST_F( Cache, AChangedMeshIsSeen )
 TEST_F( Cache, AFileThatCannotBeReplacedCostsOnlyTime )
 {
 	check();
-	for ( const char* ending : { ".trees", ".reach" } )
+	for ( const char* ending : { ".tree", ".reach" } )
 	{
 		const fs::path file = only( ending );
 		fs::remove( file );

@@ -313,7 +313,7 @@ TEST( Required, less_changes_an_answer )
 			}
 		}
 		bool all_made = std::all_of( lazy.shapes.begin(), lazy.shapes.end(),
-			[]( const ShapePtr& shape ) { return !lw_shape_get_info( shape.get() ).deferred; } );
+			[]( const ShapePtr& shape ) { return !lw_shape_peek_info( shape.get() ).deferred; } );
 		unmade += !all_made;
 		less.reset();
 		other.reset();
@@ -509,7 +509,7 @@ TEST( Required, deferred_mesh_says_what_it_knows )
 	ShapePtr mesh( randomMesh( rng, 10, 0.2, nullptr ) );
 	Counts counts;
 	ShapePtr later = defer( mesh.get(), counts );
-	lw_shape_info info = lw_shape_get_info( later.get() );
+	lw_shape_info info = lw_shape_peek_info( later.get() );
 	EXPECT_TRUE( info.deferred );
 	EXPECT_EQ( 10u, info.triangle_count );
 	EXPECT_EQ( 0u, info.node_count );

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Shapes and motion hulls kept between loads: what makes another file, and what is told again.
 #include "files.hpp"
+#include "leeway/io/cache.hpp"
+
+#include <atomic>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <thread>
 
 using namespace leeway;
 using namespace leeway::io;
@@ -46,6 +52,17 @@ protected:
 	{
 		return "<collision><geometry><mesh filename=\"" + file + "\"/></geometry></collision>";
 	}
+	/// Makes all that is deferred.
+	static void complete( const RobotModel& model )
+	{
+		for ( const LinkModel& link : model.links )
+		{
+			for ( const PlacedShape& shape : link.collision )
+			{
+				EXPECT_EQ( lw_shape_complete( shape.shape.get(), nullptr ), LW_OK );
+			}
+		}
+	}
 	RobotModel load() { return loadRobot( path( "r.urdf" ), "", options ); }
 	std::size_t cachedShapes( const RobotModel& model )
 	{
@@ -69,23 +86,28 @@ protected:
 
 TEST_F( IoCache, ShapesFromItAreTheSame )
 {
-	const RobotModel cold = load(), warm = load();
+	const RobotModel cold = load(), late = load();
+	complete( cold );
+	const RobotModel warm = load();
 	EXPECT_EQ( cachedShapes( cold ), 0u );
+	EXPECT_EQ( cachedShapes( late ), 0u ) << "nothing was built yet that could have been kept";
 	EXPECT_EQ( cachedShapes( warm ), 3u ); // a, b, half of b; the other b is shared, the box is built
-	EXPECT_EQ( cold.report.cache_file, warm.report.cache_file );
-	EXPECT_NE( fs::path( warm.report.cache_file ).filename().string().find( "cached_robot-" ), std::string::npos );
+	EXPECT_EQ( warm.report.cache, options.cache );
 	EXPECT_GT( warm.report.cache_milliseconds, 0 );
-	EXPECT_EQ( files(), 1u );
+	EXPECT_EQ( files(), 3u );
 	ASSERT_EQ( cold.links.size(), warm.links.size() );
 	for ( std::size_t i = 0; i < cold.links.size(); ++i )
 	{
 		ASSERT_EQ( cold.links[i].collision.size(), warm.links[i].collision.size() );
 		for ( std::size_t k = 0; k < cold.links[i].collision.size(); ++k )
 		{
-			EXPECT_TRUE( lw_digest_equal( lw_shape_digest( cold.links[i].collision[k].shape.get() ),
-			    lw_shape_digest( warm.links[i].collision[k].shape.get() ) ) )
-			    << cold.links[i].name;
-			EXPECT_EQ( lw_shape_validate( warm.links[i].collision[k].shape.get(), nullptr ), LW_OK );
+			const lw_shape *want = cold.links[i].collision[k].shape.get(), *got = warm.links[i].collision[k].shape.get();
+			EXPECT_TRUE( lw_digest_equal( lw_shape_digest( want ), lw_shape_digest( got ) ) ) << cold.links[i].name;
+			EXPECT_EQ( lw_shape_peek_info( want ).triangle_count, lw_shape_peek_info( got ).triangle_count );
+			EXPECT_TRUE( lw_shape_peek_info( got ).deferred || i != 0 ) << "counts and digest come from beside the tree";
+			EXPECT_EQ( lw_shape_validate( got, nullptr ), LW_OK );
+			EXPECT_FALSE( lw_shape_peek_info( got ).deferred );
+			EXPECT_TRUE( lw_digest_equal( lw_shape_digest( want ), lw_shape_digest( got ) ) ) << cold.links[i].name;
 		}
 		EXPECT_EQ( cold.report.shapes[i].shared, warm.report.shapes[i].shared );
 	}
@@ -95,13 +117,11 @@ TEST_F( IoCache, ShapesFromItAreTheSame )
 
 TEST_F( IoCache, OptionsAndFilesThatMatterMakeAnotherFile )
 {
-	const std::string first = load().report.cache_file;
-	EXPECT_EQ( load().report.cache_file, first );
-	const auto differs = [&]( const char* what )
+	complete( load() );
+	EXPECT_EQ( cachedShapes( load() ), 3u );
+	const auto differs = [&]( const char* what, std::size_t same = 0 )
 	{
-		const RobotModel model = load();
-		EXPECT_NE( model.report.cache_file, first ) << what;
-		EXPECT_EQ( cachedShapes( model ), 0u ) << what;
+		EXPECT_EQ( cachedShapes( load() ), same ) << what;
 	};
 	options.tree.leaf_size = options.tree.leaf_size == 4 ? 2 : 4;
 	differs( "leaf size" );
@@ -112,48 +132,189 @@ TEST_F( IoCache, OptionsAndFilesThatMatterMakeAnotherFile )
 	options.weld_tolerance = 1e-3;
 	differs( "weld tolerance" );
 	options.weld_tolerance = 0;
-	options.use_visual = true;
-	differs( "visual" );
-	options.use_visual = false;
 	writeTetrahedron( "b.obj", 0.11 );
-	differs( "a mesh" );
+	differs( "a mesh", 1 );
 	writeTetrahedron( "b.obj", 0.1 );
-	EXPECT_EQ( load().report.cache_file, first );
+	differs( "as before", 3 );
 	writeUrdf( "<!-- changed -->" );
-	differs( "the URDF" );
+	differs( "the URDF does not matter to a mesh", 3 );
 }
 
 TEST_F( IoCache, FacesThatWereLeftOutAreToldEachTime )
 {
 	write( "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\nl 1 2\n" );
-	const RobotModel cold = load(), warm = load();
+	const RobotModel cold = load();
+	complete( cold );
+	const RobotModel warm = load();
 	EXPECT_EQ( cachedShapes( warm ), 3u );
 	EXPECT_NOTICE( cold.report.notices, "have no surface" );
 	EXPECT_NOTICE( warm.report.notices, "have no surface" );
 	EXPECT_EQ( cold.report.notices.size(), warm.report.notices.size() );
 }
 
-TEST_F( IoCache, WordsBesideTheBlobAreCheckedToo )
+// Every byte of a file that stands for something must matter: none may be changed unseen.
+TEST_F( IoCache, ChangedBytesAreSeen )
 {
-	const std::string file = load().report.cache_file;
-	std::ifstream stream( file, std::ios::binary );
-	const std::string good( std::istreambuf_iterator<char>( stream ), {} );
-	// the file ends with a word for each shape, their count and a digest
-	for ( const std::size_t from_end : { 1u, 16u, 24u, 25u, 48u } )
+	complete( load() );
+	for ( const fs::directory_entry& entry : fs::directory_iterator( options.cache ) )
 	{
-		std::string bad = good;
-		bad[bad.size() - from_end] = static_cast<char>( bad[bad.size() - from_end] ^ 4 );
-		std::ofstream( file, std::ios::binary ) << bad;
+		std::ifstream stream( entry.path(), std::ios::binary );
+		const std::string good( std::istreambuf_iterator<char>( stream ), {} );
+		for ( std::size_t at = 0; at < good.size(); at += 1 + good.size() / 150 )
+		{
+			std::string bad = good;
+			bad[at] = static_cast<char>( bad[at] ^ 4 );
+			std::ofstream( entry.path(), std::ios::binary ) << bad;
+			const RobotModel model = load();
+			EXPECT_EQ( cachedShapes( model ), 2u ) << at << " of " << good.size();
+			EXPECT_NOTICE( model.report.notices, "built anew" );
+		}
 		const RobotModel model = load();
-		EXPECT_EQ( cachedShapes( model ), 0u ) << from_end;
-		EXPECT_NOTICE( model.report.notices, "built anew" );
+		complete( model );
 		EXPECT_EQ( cachedShapes( load() ), 3u ) << "replaced";
+	}
+}
+
+TEST_F( IoCache, AFileThatChangesMeanwhileChangesNothing )
+{
+	const RobotModel before = load();
+	complete( load() );
+	const RobotModel warm = load();
+	writeTetrahedron( "a.obj", 0.4 );
+	writeTetrahedron( "b.obj", 0.3 );
+	fs::remove_all( options.cache );
+	complete( before );
+	complete( warm );
+	for ( std::size_t i = 0; i < 3; ++i )
+	{
+		EXPECT_TRUE( lw_digest_equal( lw_shape_digest( before.links[i].collision[0].shape.get() ),
+		    lw_shape_digest( warm.links[i].collision[0].shape.get() ) ) );
+	}
+}
+
+TEST_F( IoCache, TheLeastRecentlyUsedGoFirst )
+{
+	complete( load() );
+	std::vector<CacheEntry> all = listCache( options.cache );
+	ASSERT_EQ( all.size(), 3u );
+	std::uint64_t bytes = 0;
+	for ( const CacheEntry& entry : all )
+	{
+		EXPECT_EQ( entry.kind, CacheEntry::tree );
+		EXPECT_TRUE( entry.good ) << entry.problem;
+		EXPECT_EQ( entry.triangles, 4u );
+		EXPECT_TRUE( entry.name == "a" || entry.name == "b" ) << entry.name;
+		bytes += entry.bytes;
+	}
+	const std::string oldest = all[1].file;
+	const timespec times[2] = { { 1000000000, 0 }, { 1000000000, 0 } };
+	ASSERT_EQ( utimensat( AT_FDCWD, oldest.c_str(), times, 0 ), 0 );
+	EXPECT_EQ( listCache( options.cache ).back().file, oldest );
+	const TrimmedCache trimmed = trimCache( options.cache, bytes - 1 );
+	EXPECT_EQ( trimmed.files, 1u );
+	EXPECT_FALSE( fs::exists( oldest ) );
+	EXPECT_EQ( trimmed.remaining + trimmed.bytes, bytes );
+	EXPECT_EQ( cachedShapes( load() ), 2u );
+	// what was read is the last to go
+	all = listCache( options.cache );
+	for ( const CacheEntry& entry : all )
+	{
+		ASSERT_EQ( utimensat( AT_FDCWD, entry.file.c_str(), times, 0 ), 0 );
+	}
+	EXPECT_EQ( listCache( options.cache ).back().used, 1000000000 );
+	EXPECT_EQ( cachedShapes( load() ), 2u );
+	EXPECT_GT( listCache( options.cache ).back().used, 1000000000 ) << "reading counts as use";
+	EXPECT_EQ( trimCache( options.cache, 0 ).remaining, 0u );
+	EXPECT_EQ( files(), 0u );
+}
+
+TEST_F( IoCache, ForeignFilesAreLeftAlone )
+{
+	complete( load() );
+	const std::string digits( 32, 'a' );
+	const std::string foreign[] = { "notes.txt", "a.tree", "a-" + digits + ".txt", "a-" + std::string( 32, 'x' ) + ".tree",
+		"." + digits + ".reach" };
+	const std::string ours[] = { "r-" + digits + ".trees", "a-" + digits + ".tree.partial-abc123" };
+	for ( const std::string& name : foreign )
+	{
+		write( "cache/" + name, "mine" );
+	}
+	for ( const std::string& name : ours )
+	{
+		write( "cache/" + name, "left" );
+	}
+	fs::create_directories( path( "cache/folder-" + digits + ".tree" ) );
+	const std::vector<CacheEntry> list = listCache( options.cache );
+	const auto count = [&]( CacheEntry::Kind kind )
+	{
+		return std::count_if( list.begin(), list.end(), [&]( const CacheEntry& entry ) { return entry.kind == kind; } );
+	};
+	EXPECT_EQ( count( CacheEntry::foreign ), 5 );
+	EXPECT_EQ( count( CacheEntry::leftover ), 2 );
+	trimCache( options.cache, 0 );
+	for ( const std::string& name : foreign )
+	{
+		EXPECT_TRUE( fs::exists( path( "cache/" + name ) ) ) << name;
+	}
+	EXPECT_FALSE( fs::exists( path( "cache/" + ours[0] ) ) );
+	EXPECT_TRUE( fs::exists( path( "cache/" + ours[1] ) ) ) << "somebody may be writing it";
+	const timespec times[2] = { { 1000000000, 0 }, { 1000000000, 0 } };
+	ASSERT_EQ( utimensat( AT_FDCWD, path( "cache/" + ours[1] ).c_str(), times, 0 ), 0 );
+	trimCache( options.cache, UINT64_MAX );
+	EXPECT_FALSE( fs::exists( path( "cache/" + ours[1] ) ) ) << "an hour later nobody is";
+	EXPECT_EQ( files(), 6u );
+	expectError( [&] { listCache( path( "nowhere" ) ); }, { "nowhere", "cannot be read" } );
+}
+
+TEST_F( IoCache, TheLimitHolds )
+{
+	options.cache_limit = 1; // no file fits
+	complete( load() );
+	EXPECT_LE( files(), 1u ) << "each write makes room, for itself at most";
+	options.cache_limit = default_cache_limit;
+	complete( load() );
+	EXPECT_EQ( files(), 3u );
+}
+
+TEST_F( IoCache, ThreadsShareAFolder )
+{
+	std::vector<std::thread> threads;
+	std::atomic<int> wrong{ 0 };
+	for ( int t = 0; t < 4; ++t )
+	{
+		threads.emplace_back(
+		    [&, t]
+		    {
+			    for ( int i = 0; i < 10; ++i )
+			    {
+				    RobotModel model = loadRobot( path( "r.urdf" ), "", options );
+				    complete( model );
+				    wrong += lw_shape_get_info( model.links[0].collision[0].shape.get() ).triangle_count != 4;
+				    if ( t == 0 )
+				    {
+					    trimCache( options.cache, static_cast<std::uint64_t>( i % 2 ) * 1000 );
+				    }
+				    for ( const Notice& notice : model.report.notices )
+				    {
+					    wrong += notice.text.find( "damaged" ) != std::string::npos;
+				    }
+			    }
+		    } );
+	}
+	for ( std::thread& thread : threads )
+	{
+		thread.join();
+	}
+	EXPECT_EQ( wrong, 0 );
+	for ( const CacheEntry& entry : listCache( options.cache ) )
+	{
+		EXPECT_TRUE( entry.kind == CacheEntry::tree && entry.good ) << entry.file << ' ' << entry.problem;
 	}
 }
 
 TEST_F( IoCache, AMissingMeshIsTheSameError )
 {
-	load();
+	complete( load() );
 	fs::remove( path( "b.obj" ) );
 	expectError( [&] { load(); }, { "r.urdf", "b.obj", "was not found" } );
 	write( "b.obj", "" );
@@ -175,7 +336,7 @@ TEST_F( IoCache, APrimitiveRobotNeedsNoFile )
 	write( "r.urdf", "<robot name=\"r\">" +
 	                     link( "base", "<collision><geometry><sphere radius=\"1\"/></geometry></collision>" ) + "</robot>" );
 	const RobotModel model = load();
-	EXPECT_EQ( model.report.cache_file, "" );
+	(void)model;
 	EXPECT_EQ( files(), 0u );
 }
 

@@ -110,7 +110,7 @@ LW_API lw_status lw_shape_create_primitive( lw_shape_type type, const double dim
 typedef struct lw_deferred_def
 {
 	double box_min[3], box_max[3]; ///< contains the mesh; shape frame, metres
-	uint32_t triangle_count;       ///< what lw_shape_get_info() says until the mesh is there
+	uint32_t triangle_count;       ///< what lw_shape_peek_info() says until the mesh is there
 	/// Of the mesh (lw_shape_digest()), if it is known from an earlier run: lw_shape_digest() then need not make it.
 	bool has_digest;
 	lw_digest digest;
@@ -160,7 +160,10 @@ typedef struct lw_shape_info
 	bool deferred;                 ///< not made yet: counts but for triangles are 0, the bounds are those of the box that was told
 } lw_shape_info;
 
+/// Makes a deferred mesh; if that fails, as lw_shape_peek_info().
 LW_API lw_shape_info lw_shape_get_info( const lw_shape* shape );
+/// The same without making anything: `deferred` tells if there is more to know.
+LW_API lw_shape_info lw_shape_peek_info( const lw_shape* shape );
 
 /// Vertices of a mesh or point set, centres of spheres, least and greatest corners of boxes: [vertex_count][3], owned by the
 /// shape; NULL for primitives. Makes a deferred mesh; NULL if that fails.

@@ -4,11 +4,15 @@
 // Everything is in the machine's byte order; a file from a machine with the other one has no digest that fits.
 #include "cache_file.hpp"
 
+#include "leeway/io/cache.hpp"
+
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fcntl.h>
 #include <fstream>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -23,28 +27,24 @@ constexpr std::size_t word_bytes = sizeof( std::uint64_t );
 constexpr std::size_t tail_words = 3;          ///< count and digest
 constexpr std::size_t longest_name_part = 100; ///< of the robot's name in a file name: file systems stop at 255
 
-/// Splits the bytes of a file; false if they are none of ours.
-bool splitCacheFile( std::string bytes, lw_digest key, CacheFile& out )
+/// A folder is looked through when this process has written a sixteenth of the limit, and before that when it writes its first
+/// file: it outgrows the limit by no more than that for each process.
+void trimAfterWriting( const std::string& folder, std::size_t size, std::uint64_t limit )
 {
-	std::uint64_t tail[tail_words];
-	if ( bytes.size() < sizeof( tail ) )
+	static std::atomic<std::uint64_t> written{ UINT64_MAX / 2 };
+	if ( written.fetch_add( size ) + size < limit / 16 )
 	{
-		return false;
+		return;
 	}
-	std::memcpy( tail, bytes.data() + bytes.size() - sizeof( tail ), sizeof( tail ) );
-	if ( tail[0] > ( bytes.size() - sizeof( tail ) ) / word_bytes )
+	written = 0;
+	try
 	{
-		return false;
+		(void)trimCache( folder, limit );
 	}
-	std::size_t count = static_cast<std::size_t>( tail[0] ), blob_size = bytes.size() - sizeof( tail ) - count * word_bytes;
-	out.words.resize( count );
-	if ( count > 0 )
+	catch ( const Error& )
 	{
-		std::memcpy( out.words.data(), bytes.data() + blob_size, count * word_bytes );
+		// it is no folder any more: the next one who needs it will say so
 	}
-	bytes.resize( blob_size );
-	out.blob = std::move( bytes );
-	return lw_digest_equal( digestWords( key, out.words ), lw_digest{ { tail[1], tail[2] } } );
 }
 
 /// @return an error in words, empty if all went well
@@ -84,6 +84,29 @@ std::string writeBytes( const std::string& file, const std::vector<std::pair<con
 
 } // namespace
 
+bool splitCacheFile( std::string bytes, lw_digest key, CacheFile& out )
+{
+	std::uint64_t tail[tail_words];
+	if ( bytes.size() < sizeof( tail ) )
+	{
+		return false;
+	}
+	std::memcpy( tail, bytes.data() + bytes.size() - sizeof( tail ), sizeof( tail ) );
+	if ( tail[0] > ( bytes.size() - sizeof( tail ) ) / word_bytes )
+	{
+		return false;
+	}
+	std::size_t count = static_cast<std::size_t>( tail[0] ), blob_size = bytes.size() - sizeof( tail ) - count * word_bytes;
+	out.words.resize( count );
+	if ( count > 0 )
+	{
+		std::memcpy( out.words.data(), bytes.data() + blob_size, count * word_bytes );
+	}
+	bytes.resize( blob_size );
+	out.blob = std::move( bytes );
+	return lw_digest_equal( digestWords( key, out.words ), lw_digest{ { tail[1], tail[2] } } );
+}
+
 void prepareCacheFolder( const std::string& folder )
 {
 	std::error_code error;
@@ -121,7 +144,7 @@ lw_digest digestWords( lw_digest from, const std::vector<std::uint64_t>& words )
 }
 
 bool readCacheFile( const std::string& file, lw_digest key, std::vector<Notice>& notices,
-    const std::function<lw_status( const CacheFile&, lw_diag& )>& use )
+    const std::function<lw_status( CacheFile&, lw_diag& )>& use )
 {
 	std::error_code error;
 	if ( !std::filesystem::exists( file, error ) )
@@ -140,6 +163,10 @@ bool readCacheFile( const std::string& file, lw_digest key, std::vector<Notice>&
 		}
 		if ( status == LW_OK )
 		{
+			// trimCache() goes by the time of the last change: that of the last read depends on how the file system is mounted,
+			// and looking into a file is no use of it. The content is in the name, so that no other change has to be told.
+			const timespec times[2] = { { 0, UTIME_OMIT }, { 0, UTIME_NOW } };
+			(void)utimensat( AT_FDCWD, file.c_str(), times, 0 );
 			return true;
 		}
 		reason = diag.message[0] != '\0' ? diag.message : status == LW_ERROR_STALE ? "it is stale" : "it is damaged";
@@ -153,7 +180,7 @@ bool readCacheFile( const std::string& file, lw_digest key, std::vector<Notice>&
 }
 
 void writeCacheFile( const std::string& file, lw_digest key, const lw_blob_def& content,
-    const std::vector<std::uint64_t>& words, std::vector<Notice>& notices )
+    const std::vector<std::uint64_t>& words, std::uint64_t limit, std::vector<Notice>& notices )
 {
 	void* blob = nullptr;
 	std::size_t size = 0;
@@ -169,6 +196,7 @@ void writeCacheFile( const std::string& file, lw_digest key, const lw_blob_def& 
 		notices.push_back(
 		    { file, "cache", fmt::format( "cannot be written ({}): the next start builds it again", problem ) } );
 	}
+	trimAfterWriting( std::filesystem::path( file ).parent_path().string(), size, limit );
 }
 
 } // namespace leeway::io::detail

@@ -26,14 +26,22 @@ struct CacheFile
 	std::vector<std::uint64_t> words;
 };
 
+/// What the words of a mesh's file say of its size; 0 if they say nothing. Of a robot's: seconds spent on proofs.
+std::uint32_t treeTriangles( const std::vector<std::uint64_t>& words );
+double reachSeconds( const std::vector<std::uint64_t>& words );
+
 /// Reads a cache file, and has `use` make something of it.
 /// @param use returns a status of the core; its diag is told
 /// @return true if the file was there and good. A file that is not good is a notice: it will be replaced.
 bool readCacheFile( const std::string& file, lw_digest key, std::vector<Notice>& notices,
-    const std::function<lw_status( const CacheFile&, lw_diag& )>& use );
+    const std::function<lw_status( CacheFile&, lw_diag& )>& use );
 
-/// Writes under a temporary name and renames. A cache that cannot be written costs time, no more: that is a notice.
+/// Splits the bytes of a file; false if they are none of ours.
+bool splitCacheFile( std::string bytes, lw_digest key, CacheFile& out );
+
+/// Writes under a temporary name and renames. Now and then it removes what was used longest ago, down to `limit` bytes of
+/// the folder. A cache that cannot be written costs time, no more: that is a notice.
 void writeCacheFile( const std::string& file, lw_digest key, const lw_blob_def& content,
-    const std::vector<std::uint64_t>& words, std::vector<Notice>& notices );
+    const std::vector<std::uint64_t>& words, std::uint64_t limit, std::vector<Notice>& notices );
 
 } // namespace leeway::io::detail

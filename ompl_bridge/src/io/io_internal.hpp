@@ -6,6 +6,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <string>
@@ -68,23 +69,39 @@ struct TriangleSoup
 /// @throws Error with `from_file` and `element` if the file cannot be read as a mesh
 TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from_file, const std::string& element );
 
+/// True for the bytes of a binary STL file with at least one triangle.
+bool isBinaryStl( const std::string& bytes );
+
+/// Calls f( const double[3] ) for each corner of each triangle of a binary STL file. @return how many there were
+template <typename F> std::uint32_t forEachStlVertex( const std::string& bytes, F f )
+{
+	constexpr std::size_t header = 84, record = 50, normal = 12;
+	std::uint32_t count = 0;
+	for ( std::size_t at = header; at + record <= bytes.size(); at += record )
+	{
+		for ( std::size_t corner = 0; corner < 3; ++corner, ++count )
+		{
+			float xyz[3];
+			std::memcpy( xyz, bytes.data() + at + normal + corner * sizeof( xyz ), sizeof( xyz ) );
+			// + 0.0: no negative zeros, as other readers have it
+			const double p[3] = { double( xyz[0] ) + 0.0, double( xyz[1] ) + 0.0, double( xyz[2] ) + 0.0 };
+			f( p );
+		}
+	}
+	return count;
+}
+
 /// A mesh file at one scale.
 using MeshKey = std::tuple<std::string, double, double, double>;
 /// Two URIs may be one file, and the same file may be reached through a link.
 MeshKey meshKey( const std::string& file, const std::array<double, 3>& scale );
 
-/// A mesh shape, and what its file had beside triangles.
-struct BuiltMesh
-{
-	Shape shape;
-	std::size_t dropped_faces = 0;
-};
-
 /// Builds core shapes during one load; a mesh file used several times at one scale becomes one shape.
 class ShapeLoader
 {
 public:
-	ShapeLoader( const LoadOptions& options, LoadReport& report ) : m_options( options ), m_report( report ) {}
+	/// @throws Error if there is to be a cache and its folder cannot be made
+	ShapeLoader( const LoadOptions& options, LoadReport& report );
 
 	/// Where a shape is asked for: the file, the element for errors, and the link or object that owns it.
 	struct Place
@@ -95,17 +112,18 @@ public:
 	Shape mesh( const Place& place, const std::string& uri, const std::array<double, 3>& scale );
 	Shape inlineMesh( const Place& place, const TriangleSoup& soup );
 	Shape primitive( const Place& place, lw_shape_type type, const std::array<double, 3>& dimensions );
-	/// Shapes from the cache, which mesh() takes instead of reading and building; and all that it gave so far.
-	void setCached( std::map<MeshKey, BuiltMesh> cached ) { m_cached = std::move( cached ); }
-	const std::map<MeshKey, BuiltMesh>& used() const { return m_meshes; }
 
 private:
-	Shape build(
-	    const Place& place, const std::string& mesh_file, const TriangleSoup& soup, const std::array<double, 3>& scale );
+	/// A mesh that was opened before, and what the report says of it.
+	struct Known
+	{
+		Shape shape;
+		std::size_t dropped_faces = 0;
+	};
 
 	const LoadOptions& m_options;
 	LoadReport& m_report;
-	std::map<MeshKey, BuiltMesh> m_cached, m_meshes;
+	std::map<MeshKey, Known> m_meshes;
 };
 
 /// URDF without SRDF.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files by assimp (STL, OBJ, DAE, PLY, glTF): the triangles as they are, in metres.
+// Mesh files by assimp (STL, OBJ, DAE, PLY, glTF): the triangles as they are, in metres. Binary STL, which most robots
+// come in, is a list of numbers: it is read without.
 //
 // Conventions are those of RViz and MoveIt (geometric_shapes): a COLLADA file's <unit> is applied, its <up_axis> is not,
 // because robot descriptions place the mesh as it is drawn; glTF nodes are applied, its y-up convention is not turned.
@@ -80,6 +81,18 @@ void appendNode( const aiScene& scene, const aiNode& node, const Matrix& root_fr
 }
 
 } // namespace
+
+bool isBinaryStl( const std::string& bytes )
+{
+	constexpr std::size_t header = 80;
+	std::uint32_t count = 0;
+	if ( bytes.size() < header + sizeof( count ) || __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__ )
+	{
+		return false;
+	}
+	std::memcpy( &count, bytes.data() + header, sizeof( count ) );
+	return count > 0 && bytes.size() == header + sizeof( count ) + 50 * static_cast<std::size_t>( count );
+}
 
 TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from_file, const std::string& element )
 {

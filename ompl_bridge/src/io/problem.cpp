@@ -7,9 +7,12 @@
 #include "padding.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <fmt/format.h>
 #include <set>
+#include <system_error>
+#include <thread>
 
 namespace leeway::io
 {
@@ -476,7 +479,22 @@ void selectGroup( const RobotModel& model, const std::string& group_name, Proble
 	}
 }
 
-void createChecker( const RobotModel& model, const SceneModel* scene, const Contacts& contacts, Problem& problem )
+/// Contact between what stands still makes every state invalid: that is worth a word, once.
+void noticeStaticContact(
+    const RobotModel& model, const SceneModel* scene, const ProblemOptions& options, Problem& problem )
+{
+	lw_clearance fixed = lw_checker_get_info( problem.checker.get() ).static_environment;
+	if ( scene != nullptr && fixed.upper <= options.min_d )
+	{
+		problem.notices.push_back( { scene->file, problem.group.empty() ? "robot " + model.name : "group " + problem.group,
+		    fmt::format( "no state is valid: link {}, which stands still, is {} m from {}",
+		        lw_robot_link_name( problem.robot.get(), fixed.a ), fixed.upper,
+		        lw_scene_object_name( problem.scene.get(), fixed.b ) ) } );
+	}
+}
+
+void createChecker( const RobotModel& model, const SceneModel* scene, const Contacts& contacts,
+    const ProblemOptions& options, Problem& problem )
 {
 	std::vector<lw_link_object_pair> allowed;
 	for ( const auto& [link, object] : contacts.link_objects )
@@ -493,6 +511,7 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 	def.allowed = allowed.data();
 	def.allowed_count = static_cast<std::uint32_t>( allowed.size() );
 	def.reach = problem.reach.reach.get();
+	def.max_d = options.max_d;
 	lw_checker* checker = nullptr;
 	lw_diag diag{};
 	lw_status status = lw_checker_create( &def, nullptr, &diag, &checker );
@@ -503,6 +522,7 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 		    diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the robot, the group or the state" );
 	}
 	problem.checker = Checker::adopt( checker );
+	noticeStaticContact( model, scene, options, problem );
 }
 
 void findReach( const ProblemOptions& options, Problem& problem )
@@ -519,6 +539,68 @@ void findReach( const ProblemOptions& options, Problem& problem )
 	{
 		problem.reach = loadReach( problem.robot, *options.find_reach );
 		problem.notices.insert( problem.notices.end(), problem.reach.notices.begin(), problem.reach.notices.end() );
+	}
+}
+
+/// True if a variable of the group moves the link.
+bool groupMoves( const lw_robot* robot, const std::set<std::uint32_t>& group, std::uint32_t link )
+{
+	for ( std::uint32_t joint = lw_robot_link_joint( robot, link ); joint != LW_INVALID_INDEX;
+	      joint = lw_robot_link_joint( robot, link ) )
+	{
+		std::uint32_t leader = lw_robot_joint_mimic( robot, joint );
+		if ( group.count( lw_robot_joint_variable( robot, leader == LW_INVALID_INDEX ? joint : leader ) ) != 0 )
+		{
+			return true;
+		}
+		link = lw_robot_joint_parent( robot, joint );
+	}
+	return false;
+}
+
+/// What the group moves is needed whole. What fails here fails again when the checker asks for it, which says so.
+void completeMovingShapes( const Problem& problem, unsigned threads )
+{
+	const lw_robot* robot = problem.robot.get();
+	std::set<std::uint32_t> group( problem.variables.begin(), problem.variables.end() );
+	std::set<const lw_shape*> shapes;
+	for ( std::uint32_t i = 0; i < lw_robot_body_count( robot ); ++i )
+	{
+		lw_body_def body = lw_robot_body( robot, i );
+		if ( lw_shape_peek_info( body.shape ).deferred && groupMoves( robot, group, body.link ) )
+		{
+			shapes.insert( body.shape );
+		}
+	}
+	std::vector<const lw_shape*> list( shapes.begin(), shapes.end() );
+	// Those that take longest first
+	std::sort( list.begin(), list.end(),
+	    []( const lw_shape* a, const lw_shape* b )
+	    { return lw_shape_peek_info( a ).triangle_count > lw_shape_peek_info( b ).triangle_count; } );
+	std::atomic<std::size_t> next{ 0 };
+	const auto work = [&]
+	{
+		for ( std::size_t i = next++; i < list.size(); i = next++ )
+		{
+			(void)lw_shape_complete( list[i], nullptr );
+		}
+	};
+	std::vector<std::thread> others;
+	for ( std::size_t i = 1; i < std::min<std::size_t>( threads, list.size() ); ++i )
+	{
+		try
+		{
+			others.emplace_back( work );
+		}
+		catch ( const std::system_error& )
+		{
+			break; // no more threads to be had: this one does it
+		}
+	}
+	work();
+	for ( std::thread& thread : others )
+	{
+		thread.join();
 	}
 }
 
@@ -610,7 +692,8 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	problem.robot = detail::createRobot( model, attached, contacts.links );
 	selectGroup( model, options.group, problem );
 	findReach( options, problem );
-	createChecker( model, scene, contacts, problem );
+	completeMovingShapes( problem, options.threads );
+	createChecker( model, scene, contacts, options, problem );
 	return problem;
 }
 

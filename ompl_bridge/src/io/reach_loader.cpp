@@ -63,6 +63,12 @@ Reach build( const Robot& robot, lw_reach_def def, std::vector<Notice>& notices 
 
 } // namespace
 
+double detail::reachSeconds( const std::vector<std::uint64_t>& words )
+{
+	Effort effort;
+	return effort.set( words ) ? effort.seconds : 0;
+}
+
 LoadedReach loadReach( const Robot& robot, const ReachOptions& options )
 {
 	detail::Stopwatch watch;
@@ -77,7 +83,7 @@ LoadedReach loadReach( const Robot& robot, const ReachOptions& options )
 		Effort spent;
 		lw_reach* reach = nullptr;
 		bool good = detail::readCacheFile( loaded.file, key, loaded.notices,
-		    [&]( const detail::CacheFile& content, lw_diag& diag )
+		    [&]( detail::CacheFile& content, lw_diag& diag )
 		    {
 			    return !spent.set( content.words ) ? LW_ERROR_DAMAGED
 			                                       : lw_blob_read_reach( content.blob.data(), content.blob.size(), key,
@@ -100,7 +106,7 @@ LoadedReach loadReach( const Robot& robot, const ReachOptions& options )
 			lw_blob_def def = lw_blob_def_default();
 			def.key = key;
 			def.reach = loaded.reach.get();
-			detail::writeCacheFile( loaded.file, key, def, wanted.words(), loaded.notices );
+			detail::writeCacheFile( loaded.file, key, def, wanted.words(), options.cache_limit, loaded.notices );
 		}
 	}
 	loaded.milliseconds = watch.milliseconds();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Collision shapes of the core from mesh files, inline meshes and primitives; one line of the load report for each.
-#include "io_internal.hpp"
+// Collision shapes of the core from mesh files (mesh_source.cpp), inline meshes and primitives; one line of the load
+// report for each.
+#include "mesh_source.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -54,36 +55,17 @@ MeshKey meshKey( const std::string& file, const std::array<double, 3>& scale )
 	return { error ? file : canonical.string(), scale[0], scale[1], scale[2] };
 }
 
-Shape ShapeLoader::build(
-    const Place& place, const std::string& mesh_file, const TriangleSoup& soup, const std::array<double, 3>& scale )
+ShapeLoader::ShapeLoader( const LoadOptions& options, LoadReport& report ) : m_options( options ), m_report( report )
 {
-	lw_mesh_def def = lw_mesh_def_default();
-	def.vertices = soup.vertices.data();
-	def.vertex_count = static_cast<std::uint32_t>( soup.vertices.size() / 3 );
-	def.indices = soup.indices.data();
-	def.triangle_count = static_cast<std::uint32_t>( soup.indices.size() / 3 );
-	for ( std::size_t i = 0; i < 3; ++i )
+	if ( !options.cache.empty() )
 	{
-		def.scale[i] = scale[i];
+		prepareCacheFolder( options.cache );
+		report.cache = options.cache;
 	}
-	def.weld_tolerance = m_options.weld_tolerance;
-	def.tree = m_options.tree;
-	lw_shape* shape = nullptr;
-	lw_diag diag{};
-	lw_status status = lw_shape_create_mesh( &def, nullptr, &diag, &shape );
-	if ( status != LW_OK )
-	{
-		std::string mesh = mesh_file.empty() ? "the inline mesh" : "mesh " + mesh_file;
-		throw Error( place.file, place.element,
-		    fmt::format( "{} cannot be used: {}", mesh, diag.message[0] != '\0' ? diag.message : lw_status_name( status ) ),
-		    "repair the mesh" );
-	}
-	return Shape::adopt( shape );
 }
 
 Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::array<double, 3>& scale )
 {
-	Stopwatch watch;
 	for ( double factor : scale )
 	{
 		if ( !std::isfinite( factor ) || factor == 0 )
@@ -115,25 +97,18 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 	line.shared = found != m_meshes.end();
 	if ( !line.shared )
 	{
-		auto cached = m_cached.find( key );
-		line.cached = cached != m_cached.end();
-		if ( line.cached )
-		{
-			found = m_meshes.emplace( key, cached->second ).first;
-		}
-		else
-		{
-			TriangleSoup soup = readMeshFile( file, place.file, place.element );
-			BuiltMesh built{ build( place, file, soup, scale ), soup.dropped_faces };
-			found = m_meshes.emplace( key, std::move( built ) ).first;
-			line.milliseconds = watch.milliseconds();
-		}
-		if ( found->second.dropped_faces > 0 )
-		{
-			m_report.notices.push_back( { place.file, place.element,
-			    fmt::format( "{} points and lines of mesh {} have no surface and were left out", found->second.dropped_faces,
-			        file ) } );
-		}
+		OpenedMesh mesh = MeshSource::open( m_options, file, scale, place.file, place.element, m_report.notices );
+		line.cached = mesh.cached;
+		line.milliseconds = mesh.milliseconds - mesh.cache_milliseconds;
+		line.built = mesh.built;
+		m_report.cache_milliseconds += mesh.cache_milliseconds;
+		found = m_meshes.emplace( key, Known{ std::move( mesh.shape ), mesh.dropped_faces } ).first;
+	}
+	if ( !line.shared && found->second.dropped_faces > 0 )
+	{
+		m_report.notices.push_back( { place.file, place.element,
+		    fmt::format(
+		        "{} points and lines of mesh {} have no surface and were left out", found->second.dropped_faces, file ) } );
 	}
 	m_report.shapes.push_back( line );
 	return found->second.shape;
@@ -142,13 +117,29 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 Shape ShapeLoader::inlineMesh( const Place& place, const TriangleSoup& soup )
 {
 	Stopwatch watch;
-	Shape shape = build( place, "", soup, { 1, 1, 1 } );
+	lw_mesh_def def = lw_mesh_def_default();
+	def.vertices = soup.vertices.data();
+	def.vertex_count = static_cast<std::uint32_t>( soup.vertices.size() / 3 );
+	def.indices = soup.indices.data();
+	def.triangle_count = static_cast<std::uint32_t>( soup.indices.size() / 3 );
+	def.weld_tolerance = m_options.weld_tolerance;
+	def.tree = m_options.tree;
+	lw_shape* shape = nullptr;
+	lw_diag diag{};
+	lw_status status = lw_shape_create_mesh( &def, nullptr, &diag, &shape );
+	if ( status != LW_OK )
+	{
+		throw Error( place.file, place.element,
+		    fmt::format(
+		        "the inline mesh cannot be used: {}", diag.message[0] != '\0' ? diag.message : lw_status_name( status ) ),
+		    "repair the mesh" );
+	}
 	LoadedShape line;
 	line.owner = place.owner;
 	line.source = "inline mesh";
 	line.milliseconds = watch.milliseconds();
 	m_report.shapes.push_back( line );
-	return shape;
+	return Shape::adopt( shape );
 }
 
 Shape ShapeLoader::primitive( const Place& place, lw_shape_type type, const std::array<double, 3>& dimensions )

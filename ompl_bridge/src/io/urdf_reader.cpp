@@ -5,7 +5,6 @@
 // mean something (capsules), forgets the order of the file and prints to the console. So the document is checked first, what
 // urdfdom need not see is taken out, and what it prints becomes part of the error or a notice.
 #include "geometry_loader.hpp"
-#include "shape_cache.hpp"
 #include "xml.hpp"
 
 #include <console_bridge/console.h>
@@ -493,36 +492,6 @@ bool isSolid( const LoadOptions& options, const std::string& link )
 	    options.solid.begin(), options.solid.end(), [&]( const std::string& name ) { return name == link || name == "*"; } );
 }
 
-/// Files and scales of all meshes, in order. What is not found is left out: reading the link will say so.
-std::vector<MeshKey> meshesOf( const XmlFile& xml, const LoadOptions& options )
-{
-	std::vector<MeshKey> meshes;
-	for ( const XMLElement& link : children( xml.root(), "link" ) )
-	{
-		for ( const XMLElement& collision : children( link, "collision" ) )
-		{
-			const XMLElement* mesh = collision.FirstChildElement( "geometry" )->FirstChildElement( "mesh" );
-			if ( mesh == nullptr || isSolid( options, link.Attribute( "name" ) ) )
-			{
-				continue; // solids are built each time
-			}
-			std::array<double, 3> scale = { 1, 1, 1 };
-			if ( mesh->Attribute( "scale" ) != nullptr )
-			{
-				std::vector<double> factors = xml.numbers( *mesh, "mesh", "scale", 3 );
-				std::copy( factors.begin(), factors.end(), scale.begin() );
-			}
-			std::vector<std::string> tried;
-			std::string file = resolveUri( mesh->Attribute( "filename" ), xml.path(), options, tried );
-			if ( !file.empty() )
-			{
-				meshes.push_back( meshKey( file, scale ) );
-			}
-		}
-	}
-	return meshes;
-}
-
 /// A name that is none would leave a link hollow.
 void checkSolid( const XmlFile& xml, const LoadOptions& options, const std::set<std::string>& links )
 {
@@ -580,12 +549,6 @@ void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const Load
 {
 	ShapeLoader shapes( options, model.report );
 	GeometryLoader geometry( options, model.report );
-	std::optional<ShapeCache> cache;
-	if ( !options.cache.empty() )
-	{
-		cache.emplace( options, model.name, readFile( xml.path() ), meshesOf( xml, options ), model.report );
-		shapes.setCached( cache->shapes() );
-	}
 	bool any = false;
 	for ( const XMLElement& element : children( xml.root(), "link" ) )
 	{
@@ -630,10 +593,6 @@ void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const Load
 	if ( !any )
 	{
 		throw Error( xml.path(), "<robot>", "no link has collision geometry", "add <collision> elements to its links" );
-	}
-	if ( cache )
-	{
-		cache->save( shapes.used() );
 	}
 }
 

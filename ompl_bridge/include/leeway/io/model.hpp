@@ -7,7 +7,11 @@
 
 #include "leeway/handles.hpp"
 
+#include <atomic>
+#include <cstdint>
+#include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -45,8 +49,13 @@ struct LoadedShape
 	std::string file;   ///< resolved mesh file; empty for primitives
 	double scale[3] = { 1, 1, 1 };
 	bool shared = false;     ///< an instance of a shape that another element already built
-	bool cached = false;     ///< read from the cache, tree and all
-	double milliseconds = 0; ///< reading and tree building; 0 if shared or cached
+	bool cached = false;     ///< the tree comes from the cache, when it is needed
+	double milliseconds = 0; ///< of loading: reading, and building what is not deferred; 0 if shared
+	/// Milliseconds of making the tree of a mesh that is deferred (LoadOptions::defer); negative until a query needed it. Empty
+	/// for primitives and shared shapes.
+	std::shared_ptr<const std::atomic<double>> built;
+	/// Of both, so far.
+	double totalMilliseconds() const { return milliseconds + ( built && *built > 0 ? built->load() : 0 ); }
 };
 
 /// What loading did: one LoadedShape per collision element, the links without geometry, and all notices.
@@ -55,9 +64,12 @@ struct LoadReport
 	std::vector<LoadedShape> shapes;
 	std::vector<std::string> links_without_geometry;
 	std::vector<Notice> notices;
-	std::string cache_file;        ///< where the mesh shapes are kept; empty if they are not
-	double cache_milliseconds = 0; ///< digesting the files, and reading or writing cache_file; in no shape's milliseconds
+	std::string cache;             ///< the folder where the trees of meshes are kept; empty if they are not
+	double cache_milliseconds = 0; ///< digesting the files and looking them up there; in no shape's milliseconds
 };
+
+/// What the files of a cache folder may take together before those that were used longest ago are removed.
+constexpr std::uint64_t default_cache_limit = std::uint64_t( 1 ) << 30;
 
 struct LoadOptions
 {
@@ -71,9 +83,13 @@ struct LoadOptions
 	/// Links of the URDF whose meshes are closed and solid: whatever is inside touches them. "*" = all. A mesh that is not
 	/// closed is an error. (Planning scenes say it of each mesh themselves: leeway_solid.)
 	std::vector<std::string> solid;
-	/// A folder, made if it is missing; empty = none. loadRobot() keeps mesh shapes there, in one file named for the robot
-	/// and a digest of all that they are made of: URDF, mesh files, options, version. Answers do not depend on it.
+	/// Meshes are looked at when they are loaded (whether they are usable, their box) and get their tree when a query first
+	/// comes near them, on the thread that does: lw_shape_create_deferred(). What is wrong with them is told at once either way.
+	bool defer = true;
+	/// A folder, made if it is missing; empty = none. Sphere trees of meshes are kept there, one file for each mesh, named for
+	/// it and a digest of all that it is made of: the file's bytes, scale, options, version. Answers do not depend on it.
 	std::string cache;
+	std::uint64_t cache_limit = default_cache_limit; ///< bytes, see leeway/io/cache.hpp
 };
 
 /// A collision shape at a pose in its owner's frame.
@@ -167,6 +183,7 @@ struct ReachOptions
 {
 	/// A folder, made if it is missing; empty = none. One file per robot (lw_robot_digest) and version.
 	std::string cache;
+	std::uint64_t cache_limit = default_cache_limit; ///< bytes, see leeway/io/cache.hpp
 	bool build = true;       ///< build one if the cache has none, and keep it there
 	bool accept_less = true; ///< one from the cache will do even if it took less time, or fewer samples, than `def` gives
 	lw_reach_def def = lw_reach_def_default(); ///< what to build; the robot is filled in
@@ -308,6 +325,12 @@ struct ProblemOptions
 	std::optional<ReachOptions> find_reach = std::nullopt;
 	Reach reach{};     ///< of an equal robot, from an earlier problem
 	Padding padding{}; ///< loadPadding(), or of your own; what the scene says of a link is stronger
+	/// Metres: the margin, and the largest distance that the caller cares about. Neither changes an answer: obstacles that the
+	/// group cannot come within max_d of are passed over where nothing more is asked (lw_checker_def::max_d), and links that
+	/// stand still within min_d of an obstacle are told once, in a notice.
+	double min_d = 0, max_d = std::numeric_limits<double>::infinity();
+	/// Threads that make the meshes of links that the group moves, as far as they are deferred.
+	unsigned threads = 2;
 };
 
 /// @throws Error (unknown group, unknown frame, start outside of what the robot has, ...)
