@@ -25,6 +25,7 @@ Examples (leeway SUBCOMMAND --help explains one):
   leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
   leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf
   leeway cache --cache cache --limit 200
+  leeway spherize --robot arm.urdf --srdf arm.srdf --excess 10 --out spheres
   leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
   leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
@@ -75,6 +76,17 @@ Standard output: for each file, most recently used first, what it is (tree: the 
 and pair tables of a robot; leftover; foreign: not leeway's), its bytes, when it was used last, and what it is of; damaged files
 and those of another version are said to be so. With --clean or --limit what was removed. Files that leeway did not name are
 never touched. Other runs may use the folder at the same time: what they miss they build again.)";
+
+const char* const spherize_about = R"(Encloses each link in spheres, for programs that know only spheres.
+
+Example: leeway spherize --robot arm.urdf --srdf arm.srdf --excess 10 --out spheres
+
+Written to the folder: R_spheres.urdf (the URDF, with spheres for collision geometry), R_spheres.srdf (the SRDF, with
+link_sphere_approximation), R_spheres.yml (collision_spheres, as cuRobo reads them) and R_spheres.json (the figures).
+
+It is proved, for the numbers as written, that no point of a link is outside of its spheres, and that no point of a
+sphere is farther than the printed excess from its link. The inside of closed surfaces belongs to the link. A surface
+with holes has no inside unless --close-holes says how wide a hole may be; whole sheets take many spheres.)";
 
 const char* const check_about = R"(Is each state free, and how far away are obstacles and the robot's other links?
 
@@ -130,6 +142,7 @@ struct Commands
 	InfoOptions info;
 	CacheOptions cache;
 	PairsOptions pairs;
+	SpherizeOptions spherize;
 	CheckOptions check;
 	EdgeCommandOptions edge;
 	PlanOptions plan;
@@ -174,6 +187,25 @@ CLI::App* addPairs( CLI::App& app, PairsOptions& options )
 	    ->type_name( "N" );
 	command->add_option( "--out", options.out, "the SRDF with its pairs computed anew" )->type_name( "new.srdf" );
 	command->add_option( "--json", options.json, "all pairs and findings, for programs" )->type_name( "FILE" );
+	return command;
+}
+
+CLI::App* addSpherize( CLI::App& app, SpherizeOptions& options )
+{
+	CLI::App* command = app.add_subcommand( "spherize", "spheres that enclose the links, for other programs" );
+	command->footer( spherize_about );
+	addCommonOptions( *command, options.common, { true, false, false, false } );
+	CLI::Option* excess = command
+	    ->add_option( "--excess", options.excess, "millimetres that a sphere may reach beyond its link at most" )
+	    ->type_name( "MM" );
+	command->add_option( "--spheres", options.spheres, "at most so many for the whole robot; the excess is then made small" )
+	    ->type_name( "N" )
+	    ->excludes( excess );
+	command
+	    ->add_option( "--close-holes", options.close_holes,
+	        "millimetres: a surface with holes up to this wide is taken for closed (default 0)" )
+	    ->type_name( "MM" );
+	command->add_option( "--out", options.out, "folder, made if it is missing" )->type_name( "FOLDER" )->required();
 	return command;
 }
 
@@ -268,6 +300,25 @@ int dispatch( const CLI::App& app, Commands& commands )
 		}
 		return runCache( commands.cache );
 	}
+	if ( name == "spherize" )
+	{
+		SpherizeOptions& spherize = commands.spherize;
+		validate( *chosen, spherize.common );
+		requireNotNegative( "--close-holes", spherize.close_holes );
+		if ( chosen->get_option( "--spheres" )->count() > 0 )
+		{
+			requirePositive( "--spheres", spherize.spheres );
+		}
+		else if ( chosen->get_option( "--excess" )->count() > 0 )
+		{
+			requirePositive( "--excess", spherize.excess );
+		}
+		else
+		{
+			throw io::Error( "command line", "--excess", "is missing", "give --excess MM or --spheres N" );
+		}
+		return runSpherize( spherize );
+	}
 	if ( name == "check" )
 	{
 		validate( *chosen, commands.check.common );
@@ -342,6 +393,7 @@ int main( int argc, char** argv )
 	addInfo( app, commands.info );
 	addPairs( app, commands.pairs );
 	addCache( app, commands.cache );
+	addSpherize( app, commands.spherize );
 	addCheck( app, commands.check );
 	addEdge( app, commands.edge );
 	addPlan( app, commands.plan );

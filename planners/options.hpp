@@ -70,6 +70,15 @@ struct CacheOptions
 	double limit = -1; ///< megabytes; negative: none was given
 };
 
+struct SpherizeOptions
+{
+	CommonOptions common;
+	double excess = 0; ///< millimetres; 0: by number
+	std::uint32_t spheres = 0;
+	double close_holes = 0; ///< millimetres
+	std::string out;
+};
+
 struct CheckOptions
 {
 	CommonOptions common;
@@ -133,6 +142,7 @@ double stepLength( const CommonOptions& common );
 int runInfo( const InfoOptions& options );
 int runPairs( const PairsOptions& options );
 int runCache( const CacheOptions& options );
+int runSpherize( const SpherizeOptions& options );
 int runCheck( const CheckOptions& options );
 int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );

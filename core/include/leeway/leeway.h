@@ -12,6 +12,7 @@
 #include "leeway/robot.h"
 #include "leeway/scene.h"
 #include "leeway/shape.h"
+#include "leeway/spheres.h"
 #include "leeway/version.h"
 
 #endif

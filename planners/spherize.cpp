@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway spherize: enclosing spheres of the links, for programs that know only spheres.
+#include "json.hpp"
+
+#include "leeway/io/spheres.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+
+namespace leeway::cli
+{
+namespace
+{
+
+namespace fs = std::filesystem;
+
+/// The folder, made if it is missing.
+void makeFolder( const std::string& folder )
+{
+	std::error_code error;
+	fs::create_directories( folder, error );
+	if ( error || !fs::is_directory( folder ) )
+	{
+		throw io::Error( folder, "--out", error ? error.message() : "is no folder", "name a folder that can be written" );
+	}
+}
+
+std::string linkTable( const std::vector<io::LinkSpheres>& links )
+{
+	std::size_t width = 4;
+	for ( const io::LinkSpheres& link : links )
+	{
+		width = std::max( width, link.link.size() );
+	}
+	std::string text = fmt::format( "  {:<{}} {:>8} {:>12} {:>12} {:>7} {:>6} {:>9}\n", "link", width, "spheres",
+	    "excess mm",
+	    "attained mm", "closed", "open", "ms" );
+	for ( const io::LinkSpheres& link : links )
+	{
+		fmt::format_to( std::back_inserter( text ), "  {:<{}} {:>8} {:>12.3f} {:>12.3f} {:>7} {:>6} {:>9.1f}\n", link.link,
+		    width,
+		    link.count(), 1000 * link.report.excess, 1000 * link.report.excess_attained, link.report.shells,
+		    link.report.open_shells, link.milliseconds );
+	}
+	return text;
+}
+
+/// Links whose inside does not count, with what would make it count.
+void tellOpenShells( const std::vector<io::LinkSpheres>& links, const std::string& robot, Notices& notices )
+{
+	for ( const io::LinkSpheres& link : links )
+	{
+		if ( link.report.open_shells > 0 && link.report.widest_open_hole > 0 )
+		{
+			notices.add( "open shells",
+			    fmt::format( "{}: link {}: {} of its surfaces have holes, up to {:.1f} mm wide: their inside counts "
+			                 "as outside, which takes more spheres; --close-holes takes them for closed",
+			        robot, link.link, link.report.open_shells, 1000 * link.report.widest_open_hole ) );
+		}
+	}
+}
+
+Json toJson( const std::vector<io::LinkSpheres>& links, const io::RobotModel& robot )
+{
+	Json json = { { "robot", robot.name }, { "links", Json::array() } };
+	for ( const io::LinkSpheres& link : links )
+	{
+		json["links"].push_back( { { "link", link.link }, { "spheres", link.count() }, { "excess", link.report.excess },
+		    { "excess_attained", link.report.excess_attained }, { "encloses", link.report.encloses },
+		    { "shells", link.report.shells }, { "open_shells", link.report.open_shells }, { "holes_closed",
+		        link.report.holes },
+		    { "widest_hole_closed", link.report.widest_hole }, { "widest_open_hole", link.report.widest_open_hole },
+		    { "milliseconds", link.milliseconds } } );
+	}
+	return json;
+}
+
+} // namespace
+
+int runSpherize( const SpherizeOptions& options )
+{
+	Notices notices( options.common.verbose );
+	makeFolder( options.out );
+	const Input input = loadInput( options.common, notices );
+	const std::string stem = ( fs::path( options.out ) / fs::path( options.common.robot ).stem() ).string() + "_spheres";
+	OutputFile urdf( stem + ".urdf" ), srdf( stem + ".srdf" ), yaml( stem + ".yml" ), report( stem + ".json" );
+	io::SpherizeOptions how;
+	how.excess = options.excess / 1000;
+	how.sphere_count = options.spheres;
+	how.close_holes = options.close_holes / 1000;
+	const double start = now();
+	std::vector<io::LinkSpheres> links;
+	{
+		Progress progress( "spheres" );
+		how.progress = [&progress]( const std::string& link, double share ) { progress.stage( link, share ); };
+		links = io::spherize( input.robot, how );
+	}
+	const double seconds = now() - start;
+	tellOpenShells( links, input.robot.urdf_file, notices );
+
+	std::size_t count = 0;
+	double excess = 0;
+	for ( const io::LinkSpheres& link : links )
+	{
+		count += link.count();
+		excess = std::max( excess, link.report.excess );
+	}
+	urdf.text = io::writeSpheresUrdf( input.robot, links );
+	srdf.text = io::writeSpheresSrdf( input.robot, links );
+	yaml.text = io::writeSpheresYaml( input.robot, links );
+	Json json = toJson( links, input.robot );
+	json["spheres"] = count;
+	json["excess"] = excess;
+	json["close_holes"] = how.close_holes;
+	json["seconds"] = seconds;
+	json["notices"] = notices.all();
+	report.text = json.dump( 2 ) + "\n";
+	std::string text = fmt::format( "robot {} ({})\n", input.robot.name, input.robot.urdf_file );
+	text += linkTable( links );
+	text += fmt::format( "{} spheres around {} links, proved to enclose them and to reach at most {:.3f} mm beyond; "
+	                     "{:.2f} s\n",
+	    count, links.size(), 1000 * excess, seconds );
+	for ( OutputFile* file : { &urdf, &srdf, &yaml, &report } )
+	{
+		file->commit();
+		text += fmt::format( "written: {}\n", file->path() );
+	}
+	fmt::print( "{}", text );
+	return exit_yes;
+}
+
+} // namespace leeway::cli
