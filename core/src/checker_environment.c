@@ -356,10 +356,12 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	bound.give_up_below = threshold->give_up_below;
 	choose_obstacles( checker, query, &threshold->range, false );
 	lwi_pose_body( checker, query, body );
-	uint32_t nearest;
-	double slack = environment_gaps( checker, query, &body, 1, &nearest );
-	if ( query->gaps[nearest] < lwi_round_up( bound.prune + slack ) )
+	uint32_t blocks = block_count( checker, query );
+	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, query->body_center + 3 * (size_t)body,
+		checker->bodies[body].shape->sphere_radius, query->gaps );
+	if ( !all_reach( query->gaps, blocks, bound.prune + slack ) ) // mostly that is all
 	{
+		uint32_t nearest = mask_row( checker, query, body, query->gaps );
 		measure_warm( checker, query, warm, &bound );
 		if ( !bound.done )
 		{

@@ -105,6 +105,7 @@ typedef struct numbering
 	uint32_t* node_of;  ///< [links] node of a top link
 	uint32_t* next;     ///< [links] chains of top links that hang on the same node; newest first
 	uint32_t* child;    ///< [links] first of the chain, by top link
+	uint32_t* needed;   ///< [links] 1 if anything asks for its pose
 } numbering;
 
 /// Numbers the nodes depth first. Chains are as deep as the robot, so there is no recursion: the way back is in `parent`.
@@ -161,13 +162,35 @@ static void fill_hooks( lwi_checker_tree* t, const lw_checker* c )
 	}
 }
 
+/// Links with bodies, tops of nodes, and what is above them. Frames for cameras and tools are none of these.
+static void mark_needed( const lwi_checker_tree* t, const lw_checker* c, const numbering* n )
+{
+	const lw_robot* robot = c->robot;
+	for ( uint32_t link = 0; link < t->link_count; ++link )
+	{
+		n->needed[link] = n->node_top[link] == link;
+	}
+	for ( uint32_t body = 0; body < t->body_count; ++body )
+	{
+		n->needed[c->bodies[body].link] = 1;
+	}
+	for ( uint32_t i = t->link_count; i-- > 0; )
+	{
+		uint32_t link = robot->link_order[i], joint = robot->link_joint[link];
+		if ( n->needed[link] != 0 && joint != LW_INVALID_INDEX )
+		{
+			n->needed[robot->joints[joint].parent] = 1;
+		}
+	}
+}
+
 /// Links and bodies by node: counting sort, so that within a node they keep their order.
 static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numbering* n )
 {
 	const lw_robot* robot = c->robot;
 	for ( uint32_t i = 0; i < t->link_count; ++i )
 	{
-		t->nodes[n->node_of[n->node_top[i]]].link_count++;
+		t->nodes[n->node_of[n->node_top[i]]].link_count += n->needed[i];
 	}
 	for ( uint32_t i = 0; i < t->body_count; ++i )
 	{
@@ -190,7 +213,10 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 	{
 		uint32_t link = robot->link_order[i];
 		lwi_checker_node* node = &t->nodes[n->node_of[n->node_top[link]]];
-		t->links[node->first_link + node->link_count++] = link;
+		if ( n->needed[link] != 0 )
+		{
+			t->links[node->first_link + node->link_count++] = link;
+		}
 	}
 	for ( uint32_t body = 0; body < t->body_count; ++body )
 	{
@@ -215,16 +241,18 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
 {
 	uint32_t links = t->link_count;
-	uint32_t* memory = lwi_alloc_zero( &t->allocator, links, 4 * sizeof( uint32_t ) );
+	uint32_t* memory = lwi_alloc_zero( &t->allocator, links, 5 * sizeof( uint32_t ) );
 	if ( memory == NULL )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links };
+	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links,
+		memory + 4 * (size_t)links };
 	number_nodes( t, c->robot, joint_moves, &n );
 	fill_hooks( t, c );
+	mark_needed( t, c, &n );
 	fill_nodes( t, c, &n );
-	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
+	lwi_free( &t->allocator, memory, links * 5 * sizeof( uint32_t ) );
 	return LW_OK;
 }
 

@@ -141,7 +141,7 @@ static bool leaf_side_rules_out( lwi_searching* s, lwi_entry* e )
 
 enum
 {
-	LEAVES_BEFORE_PLANE = 4, ///< comparisons of leaves after which a plane is looked for: most searches need fewer
+	LEAVES_BEFORE_PLANE = 2, ///< comparisons of leaves after which a plane is looked for: most searches need fewer
 	PLANE_STEPS_KNOWN = 3,
 	PLANE_STEPS_NEW = 8
 };
@@ -186,14 +186,15 @@ static bool new_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 	return false;
 }
 
+static bool plane_rules_out( lwi_searching* s )
+{
+	lwi_hint* hint = hint_of( s );
+	return old_plane_rules_out( s, hint ) || new_plane_rules_out( s, hint );
+}
+
 static void search_trees( lwi_searching* s )
 {
 	bool bounded = s->limit < INFINITY;
-	lwi_hint* hint = hint_of( s );
-	if ( bounded && old_plane_rules_out( s, hint ) )
-	{
-		return;
-	}
 	lw_query* query = s->query;
 	lwi_entry root;
 	memset( &root, 0, sizeof( root ) );
@@ -216,7 +217,7 @@ static void search_trees( lwi_searching* s )
 		bool leaf_a = lwi_ref_is_leaf( e.a ), leaf_b = lwi_ref_is_leaf( e.b );
 		if ( leaf_a && leaf_b )
 		{
-			if ( ++leaves == LEAVES_BEFORE_PLANE && bounded && new_plane_rules_out( s, hint ) )
+			if ( ++leaves == LEAVES_BEFORE_PLANE && bounded && plane_rules_out( s ) )
 			{
 				query->batch.count = 0; // none of the pairs that wait can be below the limit
 				return;
@@ -264,14 +265,16 @@ static void search_solid( lwi_searching* s )
 	lw_query* query = s->query;
 	bool solid_is_a = s->a->solid;
 	const lw_shape* tree = solid_is_a ? s->b : s->a;
-	lwi_convex convex = lwi_convex_of_solid( solid_is_a ? s->a : s->b );
-	lwi_solid solid = { ( solid_is_a ? s->a : s->b )->type,
+	const lw_shape* solid_shape = solid_is_a ? s->a : s->b;
+	lwi_convex convex = lwi_convex_of_solid( solid_shape );
+	lwi_solid solid = { solid_shape->type,
 		{ lwi_round_up( convex.size[0] ), lwi_round_up( convex.size[1] ), lwi_round_up( convex.size[2] ) } };
 	const lwi_motion* motion = solid_is_a ? &s->tree_a_from_b : &s->tree_b_from_a;
 	lwi_entry root;
 	memset( &root, 0, sizeof( root ) );
 	root.a = tree->root;
 	query->stack[0] = root;
+	bool plane_is_open = s->limit < INFINITY && solid_shape->family == LWI_CONVEX;
 	uint32_t height = 1;
 	while ( height > 0 && !s->bound->done )
 	{
@@ -284,6 +287,11 @@ static void search_solid( lwi_searching* s )
 		uint32_t lanes[LWI_WIDTH];
 		if ( lwi_ref_is_leaf( e.a ) )
 		{
+			if ( plane_is_open && plane_rules_out( s ) ) // before anything is measured: that costs as much
+			{
+				return;
+			}
+			plane_is_open = false;
 			uint32_t mask = solid_leaf_mask( s, tree, e.a, motion, &solid, gap );
 			query->stats.leaf_tests++;
 			uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
@@ -358,8 +366,15 @@ static lwi_searching search_begin( lw_query* query, const lw_shape* a, const lw_
 	tree.t[0] = origin_b.x - a->origin[0];
 	tree.t[1] = origin_b.y - a->origin[1];
 	tree.t[2] = origin_b.z - a->origin[2];
-	lw_transform identity = lw_transform_identity();
-	lw_transform inverse = lwi_relative( &tree, &identity );
+	lw_transform inverse;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			inverse.r[i][j] = tree.r[j][i];
+		}
+		inverse.t[i] = -( tree.r[0][i] * tree.t[0] + tree.r[1][i] * tree.t[1] + tree.r[2][i] * tree.t[2] );
+	}
 	s.tree_a_from_b = motion_of( &tree );
 	s.tree_b_from_a = motion_of( &inverse );
 	double size = lwi_length( lwi_load( tree.t ) ) + 2 * ( extent_of( a ) + extent_of( b ) );

@@ -47,6 +47,21 @@ typedef struct lwi_edge_level
 	uint32_t count;
 } lwi_edge_level;
 
+/// Part of the edge: |u - t| <= half.
+typedef struct lwi_edge_window
+{
+	double t, half;
+} lwi_edge_window;
+
+/// Where a node is, seen from another one above it, in the middle of a window and at its ends.
+typedef struct lwi_edge_swing
+{
+	uint32_t node, ancestor; ///< LW_INVALID_INDEX: nothing yet
+	lwi_edge_window window;
+	lw_transform middle, left, right;
+	double turn_left, turn_right; ///< chords of the turns, of a point at distance 1
+} lwi_edge_swing;
+
 typedef struct lwi_edge
 {
 	const lw_checker* checker;
@@ -65,6 +80,7 @@ typedef struct lwi_edge
 	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
 	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
 	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
+	lwi_edge_swing swing;  ///< the last one that was asked for
 	lwi_edge_item* items;  ///< [item_capacity]
 	lwi_edge_level levels[2];
 	uint32_t item_count, item_capacity, gap_capacity;
@@ -86,12 +102,6 @@ typedef struct lwi_edge_sample
 	uint8_t skip; ///< levels below on which the item need not be looked at: their cells would be too wide
 	lw_clearance pair;
 } lwi_edge_sample;
-
-/// Part of the edge: |u - t| <= half.
-typedef struct lwi_edge_window
-{
-	double t, half;
-} lwi_edge_window;
 
 // --- edge_motion.c ---------------------------------------------------------------------------------------------------
 

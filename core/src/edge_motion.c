@@ -50,6 +50,7 @@ static size_t lay_out( lwi_edge* e, char* memory )
 void lwi_edge_begin( lwi_edge* edge, void* scratch )
 {
 	lay_out( edge, scratch );
+	edge->swing.node = edge->swing.ancestor = LW_INVALID_INDEX;
 	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
 	{
 		edge->frame_t[i] = NAN;
@@ -177,22 +178,38 @@ static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t a
 
 // ---- displacements ---------------------------------------------------------------------------------------------------
 
-/// How far a point of the sphere is at most from one pose to another: its centre's way and the chord of the turn. Of two
-/// rotations by an angle a from each other, the difference has the Frobenius norm 2 sqrt( 2 ) sin( a / 2 ).
-static double chord( const lw_transform* from, const lw_transform* to, const lw_sphere* local )
+/// How far a point at distance 1 gets by the turn from one pose to another. Of two rotations by an angle a from each other, the
+/// difference has the Frobenius norm 2 sqrt( 2 ) sin( a / 2 ).
+static double turn_between( const lw_transform* from, const lw_transform* to )
 {
-	double turn = 0;
+	double sum = 0;
 	for ( int i = 0; i < 3; ++i )
 	{
 		for ( int j = 0; j < 3; ++j )
 		{
 			double d = to->r[i][j] - from->r[i][j];
-			turn += d * d;
+			sum += d * d;
 		}
 	}
-	lw_vec3 center = lwi_load( local->center );
-	double way = lwi_distance( lwi_transform( from, center ), lwi_transform( to, center ) );
-	return way + local->radius * sqrt( 0.5 * turn );
+	return sqrt( 0.5 * sum );
+}
+
+/// Bodies of one node are asked for one after the other: what they have in common is kept.
+static const lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+{
+	lwi_edge_swing* s = &e->swing;
+	if ( s->node != node || s->ancestor != ancestor || s->window.t != window.t || s->window.half != window.half )
+	{
+		s->node = node;
+		s->ancestor = ancestor;
+		s->window = window;
+		s->middle = pose_below( e, window.t, node, ancestor );
+		s->left = pose_below( e, window.t - window.half, node, ancestor );
+		s->right = pose_below( e, window.t + window.half, node, ancestor );
+		s->turn_left = turn_between( &s->middle, &s->left );
+		s->turn_right = turn_between( &s->middle, &s->right );
+	}
+	return s;
 }
 
 double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
@@ -202,11 +219,11 @@ double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, con
 	{
 		return 0;
 	}
+	const lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+	lw_vec3 center = lwi_load( local->center ), middle = lwi_transform( &s->middle, center );
+	double left = lwi_distance( middle, lwi_transform( &s->left, center ) ) + local->radius * s->turn_left;
+	double right = lwi_distance( middle, lwi_transform( &s->right, center ) ) + local->radius * s->turn_right;
 	double rounding = 4 * ( lwi_motion_rounding( e->checker->motion, e->motion, node ) +
 							  lwi_motion_rounding( e->checker->motion, e->motion, ancestor ) );
-	lw_transform middle = pose_below( e, window.t, node, ancestor );
-	lw_transform left = pose_below( e, window.t - window.half, node, ancestor );
-	lw_transform right = pose_below( e, window.t + window.half, node, ancestor );
-	double furthest = fmax( chord( &middle, &left, local ), chord( &middle, &right, local ) );
-	return lwi_motion_between( furthest + rounding, rate, window.half );
+	return lwi_motion_between( fmax( left, right ) + rounding, rate, window.half );
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Planes between shapes with trees: GJK on their convex hulls, with support points from the sphere trees.
+// Planes between bounded shapes: GJK on their convex hulls, with support points from the sphere trees.
 //
 // Papers: Gilbert, Johnson, Keerthi 1988 (see convex.c); support points by branch and bound as in Ehmann, Lin, "Accurate and fast
 // proximity queries between polyhedra using convex surface decomposition", 2001 (hierarchies over hulls). Whatever direction comes
@@ -117,10 +117,39 @@ static float take_leaf( const lwi_kernels* kernels, const lw_shape* shape, lwi_r
 	return take_triangles( kernels, &shape->leaves[index], count, n, best, point );
 }
 
-/// How far a shape with a tree reaches along a unit direction, and where, in its tree frame. It never says less than what is true,
+/// The farthest point of a box, cylinder or cone along n.
+static float support_solid( const lw_shape* shape, const float n[3], float point[3] )
+{
+	float half[3];
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		half[axis] = lwi_round_up( 0.5 * shape->dimensions[axis] );
+	}
+	if ( shape->type == LW_SHAPE_BOX )
+	{
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			point[axis] = n[axis] > 0 ? half[axis] : -half[axis];
+		}
+		return dot( n, point );
+	}
+	float radius = lwi_round_up( shape->dimensions[0] ), height = half[1]; // half the height
+	float across = sqrtf( n[0] * n[0] + n[1] * n[1] ), share = across > 0 ? radius / across : 0;
+	bool apex = shape->type == LW_SHAPE_CONE && 2 * height * n[2] >= radius * across;
+	point[0] = apex ? 0 : share * n[0];
+	point[1] = apex ? 0 : share * n[1];
+	point[2] = apex || ( shape->type == LW_SHAPE_CYLINDER && n[2] > 0 ) ? height : -height;
+	return dot( n, point );
+}
+
+/// How far a shape with a tree, or a solid, reaches along a unit direction, and where, in its tree frame. It never says less than what is true,
 /// whatever `point` is to begin with; the nearer that is to the answer, the less is looked at.
 static float support( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float point[3] )
 {
+	if ( shape->family == LWI_CONVEX )
+	{
+		return support_solid( shape, n, point );
+	}
 	candidate stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
 	uint32_t height = 0;
 	float best = dot( n, point );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A plane between two shapes with trees: the quickest proof that they are far from each other.
+// A plane between two bounded shapes: the quickest proof that they are far from each other.
 #ifndef LEEWAY_SEPARATION_H
 #define LEEWAY_SEPARATION_H
 
