@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Planes between bounded shapes: GJK on their convex hulls, with support points from the sphere trees.
 //
-// Papers: Gilbert, Johnson, Keerthi 1988 (see convex.c); support points by branch and bound as in Ehmann, Lin, "Accurate and fast
-// proximity queries between polyhedra using convex surface decomposition", 2001 (hierarchies over hulls). Whatever direction comes
-// out, its gap is that of all geometry: a bad one proves less, never something wrong.
+// Papers: Gilbert, Johnson, Keerthi 1988 (see convex.c); support points by branch and bound as in Ehmann, Lin, "Accurate
+// and fast proximity queries between polyhedra using convex surface decomposition", 2001 (hierarchies over hulls). Whatever
+// direction comes out, its gap is that of all geometry: a bad one proves less, never something wrong.
 #include "separation.h"
 
 #include <math.h>
@@ -142,8 +142,8 @@ static float support_solid( const lw_shape* shape, const float n[3], float point
 	return dot( n, point );
 }
 
-/// How far a shape with a tree, or a solid, reaches along a unit direction, and where, in its tree frame. It never says less than what is true,
-/// whatever `point` is to begin with; the nearer that is to the answer, the less is looked at.
+/// How far a shape with a tree, or a solid, reaches along a unit direction, and where, in its tree frame. It never says less
+/// than what is true, whatever `point` is to begin with; the nearer that is to the answer, the less is looked at.
 static float support( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float point[3] )
 {
 	if ( shape->family == LWI_CONVEX )

@@ -6,7 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
-#include <regex>
+#include <sstream>
 
 namespace
 {
@@ -27,17 +27,22 @@ std::map<std::string, Spheres> fromYaml( const std::string& text )
 	return out;
 }
 
-// The spheres between an element's start and end, in documents as the program writes them.
-Spheres fromXml( const std::string& text, const std::string& start, const std::string& end, const char* pattern )
+// The spheres between an element's start and end, in documents as the program writes them: each begins with `element`, its
+// centre is the attribute `center`, its radius the next `radius`.
+Spheres fromXml( const std::string& text, const std::string& start, const std::string& end, const std::string& element,
+	const std::string& center )
 {
 	Spheres out;
 	const std::size_t from = text.find( start );
 	EXPECT_NE( from, std::string::npos ) << start;
 	const std::string part = text.substr( from, text.find( end, from ) - from );
-	const std::regex sphere( pattern );
-	for ( std::sregex_iterator i( part.begin(), part.end(), sphere ), last; i != last; ++i )
+	for ( std::size_t at = part.find( element ); at != std::string::npos; at = part.find( element, at + 1 ) )
 	{
-		out.push_back( { std::stod( ( *i )[1] ), std::stod( ( *i )[2] ), std::stod( ( *i )[3] ), std::stod( ( *i )[4] ) } );
+		std::istringstream xyz( part.substr( part.find( center + "=\"", at ) + center.size() + 2 ) );
+		std::array<double, 4> sphere{};
+		xyz >> sphere[0] >> sphere[1] >> sphere[2];
+		sphere[3] = std::stod( part.substr( part.find( "radius=\"", at ) + 8 ) );
+		out.push_back( sphere );
 	}
 	return out;
 }
@@ -67,10 +72,10 @@ TEST_F( Cli, SpheresOfTheFilesDifferOrMissPoints )
 	for ( const auto& [name, spheres] : links )
 	{
 		EXPECT_EQ( fromXml( urdf, "<link name=\"" + name + "\"", "</link>",
-		               "xyz=\"(\\S+) (\\S+) (\\S+)\" rpy=\"0 0 0\"/>\\s*<geometry>\\s*<sphere radius=\"(\\S+)\"" ),
+		               "<collision", "xyz" ),
 		    spheres );
 		EXPECT_EQ( fromXml( srdf, "<link_sphere_approximation link=\"" + name + "\"", "</link_sphere_approximation>",
-		               "<sphere center=\"(\\S+) (\\S+) (\\S+)\" radius=\"(\\S+)\"" ),
+		               "<sphere ", "center" ),
 		    spheres );
 	}
 	// the boxes of `base` and `upper` are solids: their inside must be covered as well
@@ -112,7 +117,7 @@ TEST_F( Cli, SpheresOfTheFilesDifferOrMissPoints )
 	    "--out", "." } );
 	ASSERT_EQ( again.status, 0 ) << again.err;
 	const std::string twice = readFile( path( "arm_spheres.srdf" ) );
-	EXPECT_EQ( fromXml( twice, "<robot", "</robot>", "<sphere center=\"(\\S+) (\\S+) (\\S+)\" radius=\"(\\S+)\"" ).size(),
+	EXPECT_EQ( fromXml( twice, "<robot", "</robot>", "<sphere ", "center" ).size(),
 	    nlohmann::json::parse( readFile( path( "arm_spheres.json" ) ) )["spheres"].get<std::size_t>() );
 }
 
