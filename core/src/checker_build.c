@@ -497,7 +497,10 @@ uint32_t lw_checker_variable( const lw_checker* checker, uint32_t index )
 
 void lw_checker_full_state( const lw_checker* checker, const double* q, double* full )
 {
-	memcpy( full, checker->reference, lw_robot_variable_count( checker->robot ) * sizeof( double ) );
+	for ( uint32_t i = 0; i < checker->robot->variable_count; ++i )
+	{
+		full[i] = checker->reference[i];
+	}
 	for ( uint32_t i = 0; i < checker->variable_count; ++i )
 	{
 		full[checker->variables[i]] = q[i];

@@ -193,7 +193,11 @@ bool lwi_edge_prove( lwi_edge* e )
 	}
 	if ( lwi_edge_screen( e, whole, &e->levels[0] ) && end_is_free( e ) && prove_levels( e ) )
 	{
-		double proved = fmax( nextafter( e->def->min_d + e->spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
+		double proved = INFINITY; // nothing was to be measured
+		if ( e->spare < INFINITY )
+		{
+			proved = fmax( nextafter( e->def->min_d + e->spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
+		}
 		e->out->lower_bound = fmin( fmin( lwi_edge_static_lower( e ), e->apart ), proved );
 		return true;
 	}
