@@ -280,12 +280,12 @@ std::string YamlNode::bytes() const
 	std::size_t index = 0;
 	for ( auto entry = m_node.begin(); defined() && entry != m_node.end(); ++entry, ++index )
 	{
-		std::optional<double> value = entry->IsScalar() ? parseNumber( entry->Scalar() ) : std::nullopt;
-		if ( !value || !( *value >= -128 && *value <= 255 ) || *value != std::floor( *value ) )
+		const double value = entry->IsScalar() ? parseNumber( entry->Scalar() ).value_or( NAN ) : NAN;
+		if ( !( value >= -128 && value <= 255 && value == std::floor( value ) ) )
 		{
 			( *this )[index].fail( "is no byte", "write whole numbers from -128 to 255" );
 		}
-		bytes.push_back( static_cast<char>( static_cast<int>( *value ) ) );
+		bytes.push_back( static_cast<char>( static_cast<int>( value ) ) );
 	}
 	return bytes;
 }
