@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Building a checker: what the group moves, what it can touch, and the static part measured once.
-#include "checker_internal.h"
-#include "checker_require.h"
-#include "checker_tree.h"
+// Building a checker: its base (checker_base.c), what it is checked against, and the static part measured once.
+#include "checker_base.h"
+#include "checker_edit.h"
 #include "leeway/blob.h"
 #include "math_inline.h"
 #include "query_internal.h"
@@ -27,60 +26,21 @@ lw_checker_def lw_checker_def_default( void )
 static void checker_free( lw_checker* c )
 {
 	const lw_allocator allocator = c->allocator;
-	uint32_t bodies = 0, links = 0, variables = 0;
-	if ( c->robot != NULL )
+	uint32_t bodies = 0, nodes = 0, shapes = c->scene != NULL ? c->scene->shape_count : 0;
+	if ( c->base != NULL && c->tree != NULL )
 	{
 		bodies = lw_robot_body_count( c->robot );
-		links = lw_robot_link_count( c->robot );
-		variables = lw_robot_variable_count( c->robot );
+		nodes = c->tree->node_count;
 	}
-	lwi_free( &allocator, c->variables, c->variable_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, c->reference, variables * sizeof( double ) );
-	lwi_free( &allocator, c->reference_poses, links * sizeof( lw_transform ) );
-	lwi_free( &allocator, c->bodies, bodies * sizeof( lwi_checker_body ) );
-	lwi_free( &allocator, c->moving_bodies, bodies * sizeof( uint32_t ) );
-	lwi_free( &allocator, c->self_pairs, c->self_pair_count * sizeof( lwi_self_pair ) );
-	lwi_free( &allocator, c->self_mask, (size_t)bodies * c->body_block_count );
+	lwi_free( &allocator, c->allowed, c->allowed_count * sizeof( lw_link_object_pair ) );
 	lwi_free( &allocator, c->environment_mask, (size_t)bodies * c->scene_block_count );
 	lwi_free( &allocator, c->near_mask, (size_t)bodies * c->scene_block_count );
+	lwi_free( &allocator, c->node_environment, nodes );
 	lwi_free( &allocator, c->obstacle_distance, c->scene_block_count * sizeof( double[LWI_WIDTH] ) );
-	lwi_free( &allocator, c->near_lower, c->variable_count * sizeof( double ) );
-	lwi_free( &allocator, c->near_upper, c->variable_count * sizeof( double ) );
-	lwi_motion_table_destroy( c->motion );
-	lwi_checker_tree_destroy( c->tree, c->variable_count );
-	lw_reach_release( c->reach );
+	lwi_free( &allocator, c->node_distance, (size_t)nodes * shapes * sizeof( double ) );
+	lwi_checker_base_release( c->base );
 	lw_scene_release( c->scene );
-	lw_robot_release( c->robot );
 	lwi_free( &allocator, c, sizeof( lw_checker ) );
-}
-
-/// What is known while building: per joint and link, freed before lw_checker_create() returns.
-typedef struct draft
-{
-	const lw_allocator* allocator;
-	uint32_t joints, links, variables;
-	bool* variable_moves; ///< [variables]: in the group
-	bool* joint_moves;    ///< [joints]: driven by a variable of the group
-	bool* link_moves;     ///< [links]: in the world
-} draft;
-
-static bool draft_create( draft* d, const lw_robot* robot, const lw_allocator* allocator )
-{
-	d->allocator = allocator;
-	d->joints = lw_robot_joint_count( robot );
-	d->links = lw_robot_link_count( robot );
-	d->variables = lw_robot_variable_count( robot );
-	d->variable_moves = lwi_alloc_zero( allocator, d->variables, sizeof( bool ) );
-	d->joint_moves = lwi_alloc_zero( allocator, d->joints, sizeof( bool ) );
-	d->link_moves = lwi_alloc_zero( allocator, d->links, sizeof( bool ) );
-	return d->variable_moves != NULL && d->joint_moves != NULL && d->link_moves != NULL;
-}
-
-static void draft_destroy( draft* d )
-{
-	lwi_free( d->allocator, d->variable_moves, d->variables * sizeof( bool ) );
-	lwi_free( d->allocator, d->joint_moves, d->joints * sizeof( bool ) );
-	lwi_free( d->allocator, d->link_moves, d->links * sizeof( bool ) );
 }
 
 static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
@@ -118,7 +78,8 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "the reference value of variable %u is not finite", i );
 		}
 	}
-	if ( def->reach != NULL && lw_reach_robot( def->reach ) != def->robot &&
+	bool known = def->previous != NULL && def->previous->robot == def->robot && def->previous->reach == def->reach;
+	if ( def->reach != NULL && !known && lw_reach_robot( def->reach ) != def->robot &&
 		 !lw_digest_equal( lw_robot_digest( lw_reach_robot( def->reach ) ), lw_robot_digest( def->robot ) ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
@@ -136,199 +97,82 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 	return LW_OK;
 }
 
-static lw_status mark_group( lw_checker* c, const lw_checker_def* def, draft* d, lw_diag* diag )
-{
-	const lw_robot* robot = c->robot;
-	for ( uint32_t i = 0; i < c->variable_count; ++i )
-	{
-		uint32_t variable = def->variables != NULL ? def->variables[i] : i;
-		if ( d->variable_moves[variable] )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "variable %u is in the group twice", variable );
-		}
-		d->variable_moves[variable] = true;
-		c->variables[i] = variable;
-	}
-	for ( uint32_t joint = 0; joint < d->joints; ++joint )
-	{
-		uint32_t driver = lwi_robot_joint_driver( robot, joint );
-		if ( driver == LW_INVALID_INDEX )
-		{
-			continue;
-		}
-		uint32_t first = lw_robot_joint_variable( robot, driver ), count = lw_robot_joint_variable_count( robot, driver );
-		for ( uint32_t k = 0; k < count; ++k )
-		{
-			if ( d->variable_moves[first + k] != d->variable_moves[first] )
-			{
-				return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, driver,
-					"the group holds some but not all variables of joint '%.80s'; list all or none",
-					lw_robot_joint_name( robot, driver ) );
-			}
-		}
-		d->joint_moves[joint] = count > 0 && d->variable_moves[first];
-	}
-	const uint32_t* order = lwi_robot_link_order( robot );
-	for ( uint32_t i = 0; i < d->links; ++i )
-	{
-		uint32_t joint = lw_robot_link_joint( robot, order[i] );
-		if ( joint != LW_INVALID_INDEX )
-		{
-			d->link_moves[order[i]] = d->joint_moves[joint] || d->link_moves[lw_robot_joint_parent( robot, joint )];
-		}
-	}
-	return LW_OK;
-}
-
-static uint32_t link_depth( const lw_robot* robot, uint32_t link )
-{
-	uint32_t depth = 0;
-	for ( uint32_t joint = lw_robot_link_joint( robot, link ); joint != LW_INVALID_INDEX;
-		  joint = lw_robot_link_joint( robot, lw_robot_joint_parent( robot, joint ) ) )
-	{
-		++depth;
-	}
-	return depth;
-}
-
-/// True if a joint of the group lies between two links.
-static bool group_moves( const lw_robot* robot, const draft* d, uint32_t a, uint32_t b )
-{
-	uint32_t depth_a = link_depth( robot, a ), depth_b = link_depth( robot, b );
-	bool moves = false;
-	while ( a != b )
-	{
-		uint32_t* deeper = depth_a >= depth_b ? &a : &b;
-		uint32_t* depth = depth_a >= depth_b ? &depth_a : &depth_b;
-		uint32_t joint = lw_robot_link_joint( robot, *deeper );
-		moves = moves || d->joint_moves[joint];
-		*deeper = lw_robot_joint_parent( robot, joint );
-		--*depth;
-	}
-	return moves;
-}
-
-/// Visits the self pairs; `pairs` NULL only counts.
-static uint32_t list_self_pairs( const lw_checker* c, const draft* d, lwi_self_pair* pairs )
-{
-	uint32_t bodies = lw_robot_body_count( c->robot ), count = 0;
-	for ( uint32_t a = 0; a < bodies; ++a )
-	{
-		for ( uint32_t b = a + 1; b < bodies; ++b )
-		{
-			uint32_t link_a = c->bodies[a].link, link_b = c->bodies[b].link;
-			if ( !lw_robot_pair_allowed( c->robot, link_a, link_b ) && group_moves( c->robot, d, link_a, link_b ) )
-			{
-				if ( pairs != NULL )
-				{
-					pairs[count] = (lwi_self_pair){ a, b };
-				}
-				++count;
-			}
-		}
-	}
-	return count;
-}
-
-/// The tree, how its nodes move, and how much the reach proves of the self pairs.
-static lw_status build_tree( lw_checker* c, draft* d, lw_diag* diag )
-{
-	lw_status status = lwi_checker_tree_create( c, d->joint_moves, diag, &c->tree );
-	if ( status != LW_OK )
-	{
-		return status;
-	}
-	for ( uint32_t i = 0; c->tree->proves && i < c->self_pair_count; ++i )
-	{
-		uint32_t a = c->bodies[c->self_pairs[i].body_a].link, b = c->bodies[c->self_pairs[i].body_b].link;
-		c->never_pair_count += lwi_usable_separation( lw_reach_get_pair( c->reach, a, b ).separation ) > 0 ? 1u : 0u;
-	}
-	for ( uint32_t i = 0; i < d->variables; ++i )
-	{
-		d->variable_moves[i] = !d->variable_moves[i]; // from here on: fixed
-	}
-	status = lwi_checker_tree_motion( c, d->variable_moves, diag, &c->motion );
-	if ( status == LW_OK )
-	{
-		c->bytes += c->tree->bytes + lwi_motion_table_bytes( c->motion );
-	}
-	return status;
-}
-
-static void fill_masks( lw_checker* c, const lw_checker_def* def, const draft* d )
-{
-	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
-	{
-		uint32_t b = c->self_pairs[i].body_b;
-		uint8_t* row = c->self_mask + (size_t)c->self_pairs[i].body_a * c->body_block_count;
-		row[b / LWI_WIDTH] = (uint8_t)( row[b / LWI_WIDTH] | ( 1u << ( b % LWI_WIDTH ) ) );
-	}
-	uint32_t bodies = lw_robot_body_count( c->robot ), shapes = c->scene != NULL ? c->scene->shape_count : 0;
-	for ( uint32_t body = 0; body < bodies; ++body )
-	{
-		uint32_t link = c->bodies[body].link;
-		uint8_t* row = c->environment_mask + (size_t)body * c->scene_block_count;
-		for ( uint32_t shape = 0; shape < shapes; ++shape )
-		{
-			bool allowed = false;
-			for ( uint32_t i = 0; i < def->allowed_count && !allowed; ++i )
-			{
-				allowed = def->allowed[i].link == link && def->allowed[i].object == c->scene->shapes[shape].object;
-			}
-			if ( !allowed )
-			{
-				row[shape / LWI_WIDTH] = (uint8_t)( row[shape / LWI_WIDTH] | ( 1u << ( shape % LWI_WIDTH ) ) );
-				c->environment_pair_count += d->link_moves[link] ? 1u : 0u;
-			}
-		}
-	}
-}
-
 static bool allocate_tables( lw_checker* c )
 {
 	const lw_allocator* allocator = &c->allocator;
-	uint32_t bodies = lw_robot_body_count( c->robot ), links = lw_robot_link_count( c->robot );
-	c->body_block_count = ( bodies + LWI_WIDTH - 1 ) / LWI_WIDTH;
+	uint32_t bodies = lw_robot_body_count( c->robot ), nodes = c->tree->node_count;
+	uint32_t shapes = c->scene != NULL ? c->scene->shape_count : 0;
 	c->scene_block_count = c->scene != NULL ? c->scene->block_count : 0;
-	c->variables = lwi_alloc_zero( allocator, c->variable_count, sizeof( uint32_t ) );
-	c->reference = lwi_alloc_zero( allocator, lw_robot_variable_count( c->robot ), sizeof( double ) );
-	c->reference_poses = lwi_alloc_zero( allocator, links, sizeof( lw_transform ) );
-	c->bodies = lwi_alloc_zero( allocator, bodies, sizeof( lwi_checker_body ) );
-	c->moving_bodies = lwi_alloc_zero( allocator, bodies, sizeof( uint32_t ) );
-	c->self_mask = lwi_alloc_zero( allocator, bodies, c->body_block_count );
 	c->environment_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
 	c->near_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
+	c->node_environment = lwi_alloc_zero( allocator, nodes, 1 );
 	c->obstacle_distance = lwi_alloc_zero( allocator, c->scene_block_count, sizeof( double[LWI_WIDTH] ) );
-	c->near_lower = lwi_alloc_zero( allocator, c->variable_count, sizeof( double ) );
-	c->near_upper = lwi_alloc_zero( allocator, c->variable_count, sizeof( double ) );
-	c->bytes = sizeof( lw_checker ) + c->scene_block_count * sizeof( double[LWI_WIDTH] ) +
-			   c->variable_count * sizeof( double[2] ) + c->variable_count * sizeof( uint32_t ) +
-			   lw_robot_variable_count( c->robot ) * sizeof( double ) + links * sizeof( lw_transform ) +
-			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + c->body_block_count + 2 * c->scene_block_count );
-	return c->near_mask != NULL && c->obstacle_distance != NULL && c->near_lower != NULL && c->near_upper != NULL &&
-		   c->variables != NULL && c->reference != NULL && c->reference_poses != NULL &&
-		   c->bodies != NULL && c->moving_bodies != NULL && c->self_mask != NULL && c->environment_mask != NULL;
+	c->node_distance = lwi_alloc_zero( allocator, (size_t)nodes * shapes, sizeof( double ) );
+	c->allowed = lwi_alloc_zero( allocator, c->allowed_count, sizeof( lw_link_object_pair ) );
+	c->bytes = sizeof( lw_checker ) + c->scene_block_count * ( sizeof( double[LWI_WIDTH] ) + (size_t)2 * bodies ) + nodes +
+			   (size_t)nodes * shapes * sizeof( double ) + c->allowed_count * sizeof( lw_link_object_pair );
+	return c->environment_mask != NULL && c->near_mask != NULL && c->node_environment != NULL && c->obstacle_distance != NULL &&
+		   c->node_distance != NULL && c->allowed != NULL;
 }
 
-/// Bodies that move are needed whole, for motion bounds if for nothing else; of the others bounds will do for the time being.
-static lw_status fill_bodies( lw_checker* c, const draft* d, lw_diag* diag )
+/// Everything is checked against everything but what is allowed.
+static void fill_masks( lw_checker* c )
 {
-	lw_status status = LW_OK;
-	for ( uint32_t body = 0; body < lw_robot_body_count( c->robot ) && status == LW_OK; ++body )
+	const uint32_t bodies = lw_robot_body_count( c->robot ), shapes = c->scene != NULL ? c->scene->shape_count : 0;
+	for ( uint32_t body = 0; body < bodies; ++body )
 	{
-		lw_body_def def = lw_robot_body( c->robot, body );
-		const bool moves = d->link_moves[def.link];
-		const lw_shape* shape = moves ? lwi_shape_made( def.shape, &status, diag ) : lwi_shape_now( def.shape );
-		c->bodies[body] = (lwi_checker_body){ shape, def.link, def.link_from_shape };
-		if ( moves )
+		uint8_t* row = c->environment_mask + (size_t)body * c->scene_block_count;
+		for ( uint32_t block = 0; block < c->scene_block_count; ++block )
 		{
-			c->moving_bodies[c->moving_body_count++] = body;
+			uint32_t left = shapes - block * LWI_WIDTH;
+			row[block] = (uint8_t)( left < LWI_WIDTH ? ( 1u << left ) - 1 : 0xffu );
 		}
 	}
-	return status;
+	for ( uint32_t i = 0; i < c->allowed_count; ++i )
+	{
+		for ( uint32_t shape = 0; shape < shapes; ++shape )
+		{
+			for ( uint32_t body = 0; c->scene->shapes[shape].object == c->allowed[i].object && body < bodies; ++body )
+			{
+				uint8_t* entry = c->environment_mask + (size_t)body * c->scene_block_count + shape / LWI_WIDTH;
+				uint32_t bit = c->bodies[body].link == c->allowed[i].link ? 1u << ( shape % LWI_WIDTH ) : 0;
+				*entry = (uint8_t)( *entry & ~bit );
+			}
+		}
+	}
 }
 
-static lw_status measure_static( lw_checker* c, lw_diag* diag )
+/// What the masks say of whole nodes, and how many pairs there are.
+static void count_masks( lw_checker* c )
+{
+	const lwi_checker_tree* t = c->tree;
+	for ( uint32_t i = t->node_count; i-- > 0; )
+	{
+		const lwi_checker_node* node = &t->nodes[i];
+		uint32_t pairs = 0;
+		for ( uint32_t k = 0; k < node->body_count; ++k )
+		{
+			const uint8_t* row = c->environment_mask + (size_t)t->bodies[node->first_body + k] * c->scene_block_count;
+			for ( uint32_t block = 0; block < c->scene_block_count; ++block )
+			{
+				for ( uint32_t bits = row[block]; bits != 0; bits &= bits - 1 )
+				{
+					++pairs;
+				}
+			}
+		}
+		c->environment_pair_count += i > 0 ? pairs : 0;
+		uint32_t mine = c->node_environment[i] | ( pairs > 0 ? LWI_NODE_ASKS | LWI_SUBTREE_ASKS : 0u );
+		c->node_environment[i] = (uint8_t)mine;
+		if ( i > 1 && node->parent > 0 )
+		{
+			c->node_environment[node->parent] = (uint8_t)( c->node_environment[node->parent] | ( mine & LWI_SUBTREE_ASKS ) );
+		}
+	}
+}
+
+/// Measures what stands still against the shapes whose bit is set, NULL for all.
+static lw_status measure_static( lw_checker* c, const uint8_t* fresh, double known, lw_diag* diag )
 {
 	lw_query_def query_def = lw_query_def_default();
 	lw_query* query = NULL;
@@ -349,7 +193,7 @@ static lw_status measure_static( lw_checker* c, lw_diag* diag )
 		status = lwi_checker_pose( c, query, group );
 		if ( status == LW_OK )
 		{
-			status = lwi_checker_measure_static( c, query );
+			status = lwi_checker_measure_static( c, query, fresh, known );
 			if ( status != LW_OK )
 			{
 				lwi_fail( diag, status, LW_INVALID_INDEX, "a deferred mesh next to the links that do not move cannot be made: %s",
@@ -366,55 +210,75 @@ static lw_status measure_static( lw_checker* c, lw_diag* diag )
 	return status;
 }
 
-static lw_status build( lw_checker* c, const lw_checker_def* def, draft* d, lw_diag* diag )
+/// The static environment: what the previous checker measured still holds for shapes that it had too.
+static lw_status find_static( lw_checker* c, const lwi_kept* kept, lw_diag* diag )
 {
-	if ( !allocate_tables( c ) || !draft_create( d, c->robot, &c->allocator ) )
+	c->static_environment = lwi_nothing_to_check();
+	c->static_body = c->static_shape = LW_INVALID_INDEX;
+	if ( c->scene_block_count == 0 || c->tree->nodes[0].body_count == 0 )
+	{
+		return LW_OK;
+	}
+	uint8_t* fresh = lwi_alloc_zero( &c->allocator, c->scene_block_count, 1 );
+	if ( fresh == NULL )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	lw_status status = mark_group( c, def, d, diag );
-	if ( status != LW_OK )
+	lw_status status = LW_OK;
+	if ( !lwi_keep_static( c, kept, fresh ) )
 	{
-		return status;
-	}
-	if ( def->reference != NULL )
-	{
-		memcpy( c->reference, def->reference, lw_robot_variable_count( c->robot ) * sizeof( double ) );
+		status = measure_static( c, NULL, INFINITY, diag );
 	}
 	else
 	{
-		lw_robot_default_state( c->robot, c->reference );
+		double known = c->static_environment.upper, lower = c->static_environment.lower;
+		bool any = false;
+		for ( uint32_t block = 0; block < c->scene_block_count; ++block )
+		{
+			any = any || fresh[block] != 0;
+		}
+		status = any ? measure_static( c, fresh, known, diag ) : LW_OK;
+		// Both bounds hold; they differ in order only where the two nearest pairs are equally far to rounding
+		c->static_environment.lower = fmin( c->static_environment.lower, lower );
 	}
-	status = lw_robot_fk( c->robot, c->reference, c->reference_poses );
-	if ( status != LW_OK )
+	lwi_free( &c->allocator, fresh, c->scene_block_count );
+	return status;
+}
+
+static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag )
+{
+	if ( def->previous == NULL || !lwi_checker_base_share( c, def, def->previous ) )
 	{
-		return lwi_fail( diag, status, LW_INVALID_INDEX, "the reference state has a zero quaternion" );
+		lw_status status = lwi_checker_base_create( c, def, diag );
+		if ( status != LW_OK )
+		{
+			return status;
+		}
 	}
-	status = fill_bodies( c, d, diag );
-	if ( status != LW_OK )
-	{
-		return status;
-	}
-	uint32_t pairs = list_self_pairs( c, d, NULL );
-	c->self_pairs = lwi_alloc_zero( &c->allocator, pairs, sizeof( lwi_self_pair ) );
-	if ( c->self_pairs == NULL )
+	c->allowed_count = def->allowed_count;
+	if ( !allocate_tables( c ) )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	c->self_pair_count = pairs;
-	list_self_pairs( c, d, c->self_pairs );
-	fill_masks( c, def, d );
-	c->bytes += pairs * sizeof( lwi_self_pair );
-	status = build_tree( c, d, diag );
-	if ( status != LW_OK )
+	if ( def->allowed_count > 0 )
 	{
-		return status;
+		memcpy( c->allowed, def->allowed, def->allowed_count * sizeof( lw_link_object_pair ) );
 	}
-	status = measure_static( c, diag );
+	fill_masks( c );
+	count_masks( c );
+	uint32_t shapes = c->scene != NULL ? c->scene->shape_count : 0;
+	lwi_kept kept = { def->previous, lwi_alloc_zero( &c->allocator, shapes, sizeof( uint32_t ) ) };
+	if ( kept.source == NULL )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	lwi_match_scenes( def->previous != NULL ? def->previous->scene : NULL, c->scene, kept.source );
+	lw_status status = find_static( c, &kept, diag );
 	if ( status == LW_OK )
 	{
-		lwi_checker_require( c, def->max_d, d->joint_moves );
+		lwi_checker_require( c, &kept );
 	}
+	lwi_free( &c->allocator, kept.source, shapes * sizeof( uint32_t ) );
 	return status;
 }
 
@@ -439,15 +303,9 @@ lw_status lw_checker_create( const lw_checker_def* def, const lw_allocator* allo
 	}
 	atomic_init( &c->references, 1u );
 	c->allocator = allocator;
-	c->robot = lw_robot_retain( def->robot );
 	c->scene = lw_scene_retain( def->scene );
-	c->reach = lw_reach_retain( def->reach );
-	c->variable_count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
-	draft d;
-	memset( &d, 0, sizeof( d ) );
-	d.allocator = &c->allocator;
-	status = build( c, def, &d, diag );
-	draft_destroy( &d );
+	c->max_d = def->max_d;
+	status = build( c, def, diag );
 	if ( status != LW_OK )
 	{
 		checker_free( c );
@@ -520,7 +378,7 @@ lw_checker_info lw_checker_get_info( const lw_checker* checker )
 	info.horizon = checker->horizon;
 	info.near_shapes = checker->near_shape_count;
 	info.static_environment = checker->static_environment;
-	info.bytes = checker->bytes;
+	info.bytes = checker->bytes + checker->base->bytes;
 	return info;
 }
 

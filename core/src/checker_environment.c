@@ -191,7 +191,7 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 	{
 		const lwi_checker_node* node = &tree->nodes[i];
 		bool one_body = node->end == i + 1 && node->body_count == 1; // asking its M first would cost as much as asking it
-		if ( !node->in_environment || ( !one_body && !meets_scene( checker, query, 2 * i + 1, bound ) ) )
+		if ( ( checker->node_environment[i] & LWI_SUBTREE_ASKS ) == 0 || ( !one_body && !meets_scene( checker, query, 2 * i + 1, bound ) ) )
 		{
 			i = node->end;
 			continue;
@@ -344,7 +344,7 @@ bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, u
 	const lwi_bound bound = { .prune = limit };
 	const lw_range range = { 0, limit, 0 };
 	choose_obstacles( checker, query, &range, false );
-	return checker->tree->nodes[node].own_environment && meets_scene( checker, query, 2 * node, &bound );
+	return ( checker->node_environment[node] & LWI_NODE_ASKS ) != 0 && meets_scene( checker, query, 2 * node, &bound );
 }
 
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
@@ -376,20 +376,19 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 }
 
 /// As many bodies at a time as the query has room for, nearest boxes first: this is done once, and so that few deferred
-/// meshes are made for it boxes are worth their cost. Returns whether there is anything to check.
-static bool search_static( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
-	lwi_bound* bound )
+/// meshes are made for it boxes are worth their cost.
+static void search_static( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
+	const uint8_t* fresh, lwi_bound* bound )
 {
 	const lw_scene* scene = checker->scene;
 	uint32_t stride = checker->scene_block_count * LWI_WIDTH, count = 0;
-	bool any = false;
 	for ( uint32_t i = 0; i < body_count * scene->shape_count; ++i )
 	{
 		uint32_t body = bodies[i / scene->shape_count], shape = i % scene->shape_count;
-		const uint8_t* mask = checker->environment_mask + (size_t)body * checker->scene_block_count;
-		if ( ( mask[shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) & 1 ) != 0 )
+		uint32_t bits = checker->environment_mask[(size_t)body * checker->scene_block_count + shape / LWI_WIDTH];
+		bits &= fresh != NULL ? fresh[shape / LWI_WIDTH] : 0xffu;
+		if ( ( bits >> ( shape % LWI_WIDTH ) & 1 ) != 0 )
 		{
-			any = true;
 			lw_transform relative = lwi_relative( &query->world_from_body[body], &scene->shapes[shape].world_from_shape );
 			double gap = lwi_box_gap( checker->bodies[body].shape, scene->shapes[shape].shape, &relative );
 			if ( gap < bound->prune )
@@ -409,31 +408,29 @@ static bool search_static( const lw_checker* checker, lw_query* query, const uin
 		bound->current_pair = next.pair;
 		search_environment_pair( checker, query, next.pair / stride, next.pair % stride, bound );
 	}
-	return any;
 }
 
-lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query )
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known )
 {
-	checker->static_environment = lwi_nothing_to_check();
 	const lwi_checker_tree* tree = checker->tree;
 	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
 	uint32_t left = stride > 0 ? tree->nodes[0].body_count : 0;
-	bool any = false;
 	lwi_bound bound;
-	lw_range exact = lw_range_exact();
-	lwi_bound_init( &bound, &exact );
+	const lw_range nearer = { 0, known, 0 };
+	lwi_bound_init( &bound, &nearer );
 	query->failure = LW_OK;
 	for ( uint32_t first = 0; left > 0; )
 	{
 		uint32_t count = query->gap_capacity / stride < left ? query->gap_capacity / stride : left;
-		any = search_static( checker, query, tree->bodies + first, count, &bound ) || any;
+		search_static( checker, query, tree->bodies + first, count, fresh, &bound );
 		first += count;
 		left -= count;
 	}
-	if ( any )
+	if ( bound.upper < INFINITY )
 	{
 		environment_result( checker, query, &bound, &checker->static_environment );
+		checker->static_body = bound.pair / stride;
+		checker->static_shape = bound.pair % stride;
 	}
 	return query->failure;
 }
-

@@ -30,8 +30,11 @@ struct lw_checker
 {
 	atomic_uint references;
 	lw_allocator allocator;
-	lw_robot* robot;
 	lw_scene* scene; ///< NULL = none
+	// Shared with checkers that differ in their scene only, and owned by the base: what it has is immutable
+	struct lwi_checker_base* base;
+	lw_robot* robot;
+	lw_reach* reach; ///< NULL = none
 	uint32_t variable_count;
 	uint32_t* variables;   ///< [variable_count] robot variables of a state vector
 	double* reference;     ///< [robot variable_count]
@@ -43,8 +46,18 @@ struct lw_checker
 	lwi_self_pair* self_pairs;
 	uint32_t body_block_count;  ///< of LWI_WIDTH robot bodies
 	uint8_t* self_mask;         ///< [body_count][body_block_count]: bit = this pair is in self_pairs (in the row of body_a)
+	double* near_lower;         ///< [variable_count] the states for which near_mask holds
+	double* near_upper;
+	lwi_motion_table* motion;   ///< of the tree's nodes
+	struct lwi_checker_tree* tree; ///< the robot as nodes, with what the reach proves of them
+	uint32_t never_pair_count;
+	// This scene's
+	uint32_t allowed_count;
+	lw_link_object_pair* allowed; ///< [allowed_count] as given
+	double max_d;               ///< as given
 	uint32_t scene_block_count; ///< of LWI_WIDTH scene shapes
 	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
+	uint8_t* node_environment;  ///< [node_count] bits of lwi_node_asks
 	uint32_t environment_pair_count; ///< of moving bodies
 	// What the group can come near to: checker_require.c. The rest is passed over where that changes no answer.
 	double horizon;           ///< metres: no moving body gets this near to what near_mask leaves out, in the states below
@@ -52,14 +65,17 @@ struct lw_checker
 	uint8_t* near_mask;       ///< as environment_mask, which it is a part of; rows of moving bodies
 	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
 	double* obstacle_distance; ///< [shape_count] what is proved of all moving bodies; +INFINITY if none is checked against it
-	double* near_lower;       ///< [variable_count] the states for which all this holds
-	double* near_upper;
-	lwi_motion_table* motion; ///< of the tree's nodes
-	lw_reach* reach;         ///< NULL = none
-	struct lwi_checker_tree* tree; ///< the robot as nodes, with what the reach proves of them
-	uint32_t never_pair_count;
+	double* node_distance;    ///< [shape_count][node_count] what is proved of a node's bodies; NaN where none is checked against it
 	lw_clearance static_environment;
-	size_t bytes;
+	uint32_t static_body, static_shape; ///< where it is attained; LW_INVALID_INDEX if there is nothing
+	size_t bytes;             ///< of this checker alone
+};
+
+/// What a node has to do with the scene.
+enum lwi_node_asks
+{
+	LWI_NODE_ASKS = 1,   ///< some body of the node itself is checked against some obstacle
+	LWI_SUBTREE_ASKS = 2 ///< some body of its subtree is
 };
 
 /// Takes a state over for the questions below. With a tree, and a query that uses it, poses are computed when they are
@@ -119,9 +135,11 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// Measures the static bodies once: fills static_environment. Called by lw_checker_create() with a query posed at the
-/// reference.
-lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query );
+/// Measures the static bodies: fills static_environment, static_body and static_shape with the nearest pair, if it is nearer
+/// than `known`; else leaves them alone. Called by lw_checker_create() with a query posed at the reference.
+/// @param fresh [scene_block_count] bits of the shapes that are looked at; NULL: all
+/// @param known metres, INFINITY if nothing is known
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known );
 
 /// True if the query was made for a checker at least as large.
 bool lwi_query_fits( const lw_query* query, const lw_checker* checker );

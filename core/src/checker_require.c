@@ -7,6 +7,7 @@
 // Derivation: core/docs/required.md.
 #include "checker_require.h"
 
+#include "checker_base.h"
 #include "checker_tree.h"
 #include "math_inline.h"
 #include "scene_internal.h"
@@ -15,8 +16,7 @@
 
 enum
 {
-	MAX_BALLS = 16, ///< of a cover between two joints
-	MAX_STEPS = 8   ///< that a joint's range is cut into
+	MAX_STEPS = 8 ///< that a joint's range is cut into
 };
 
 /// Radians or metres by which the ranges are widened: limits in files are rounded, and states stand on them.
@@ -28,15 +28,12 @@ static const double pi = 3.14159265358979323846;
 /// joints' worth, and 0.15 nm for a robot 10 m across.
 static const double rounding = 0x1p-36;
 
-typedef struct ball
-{
-	double c[3], r;
-} ball;
+typedef lwi_cover_ball ball;
 
 /// What one node sweeps, seen from one frame on the way to the world.
 typedef struct cover
 {
-	ball balls[MAX_BALLS * MAX_STEPS];
+	ball balls[LWI_COVER_BALLS * MAX_STEPS];
 	uint32_t count;
 	ball chain;    ///< about the origin of the last joint that moves; r < 0 before there was one
 	double extent; ///< sum of all lengths on the way
@@ -66,7 +63,7 @@ static ball enclose( const ball* balls, uint32_t count )
 	return out;
 }
 
-/// Sorts by one coordinate of the centres; there are at most MAX_BALLS * MAX_STEPS.
+/// Sorts by one coordinate of the centres; there are at most LWI_COVER_BALLS * MAX_STEPS.
 static void sort_balls( ball* balls, uint32_t count, int axis )
 {
 	for ( uint32_t gap = count / 2; gap > 0; gap /= 2 )
@@ -105,16 +102,16 @@ static int widest_axis( const ball* balls, uint32_t count )
 	return widest;
 }
 
-/// Leaves at most MAX_BALLS, around the ones there are: halves along the widest axis, as often as there is room for.
+/// Leaves at most LWI_COVER_BALLS, around the ones there are: halves along the widest axis, as often as there is room for.
 static void merge( cover* c )
 {
-	uint32_t first[MAX_BALLS + 1] = { 0 }, parts = 1;
+	uint32_t first[LWI_COVER_BALLS + 1] = { 0 }, parts = 1;
 	first[1] = c->count;
-	if ( c->count <= MAX_BALLS )
+	if ( c->count <= LWI_COVER_BALLS )
 	{
 		return;
 	}
-	for ( ; parts < MAX_BALLS; parts *= 2 )
+	for ( ; parts < LWI_COVER_BALLS; parts *= 2 )
 	{
 		for ( uint32_t i = parts; i-- > 0; )
 		{
@@ -153,7 +150,7 @@ static void turn( cover* c, const lwi_joint* joint, double lower, double upper )
 	double from = width < 2 * pi ? lower : -pi;
 	uint32_t count = c->count;
 	_Static_assert( MAX_STEPS >= 2, "a full turn takes arcs of at most half a turn" );
-	ball old[MAX_BALLS];
+	ball old[LWI_COVER_BALLS];
 	memcpy( old, c->balls, count * sizeof( ball ) );
 	c->count = 0;
 	lw_vec3 axis = lwi_load( joint->axis );
@@ -179,7 +176,7 @@ static void turn( cover* c, const lwi_joint* joint, double lower, double upper )
 static void slide( cover* c, const lwi_joint* joint, double lower, double upper )
 {
 	uint32_t count = c->count, steps = 4;
-	ball old[MAX_BALLS];
+	ball old[LWI_COVER_BALLS];
 	memcpy( old, c->balls, count * sizeof( ball ) );
 	c->count = 0;
 	double half = 0.5 * ( upper - lower ) / steps;
@@ -283,11 +280,18 @@ static void move( cover* c, const lw_transform* m )
 	c->extent += lwi_length( lwi_load( m->t ) );
 }
 
-/// All that the bodies of a node sweep, in the world.
-static void cover_node( const lw_checker* checker, const lwi_checker_node* node, const bool* joint_moves, cover* c )
+void lwi_cover_node( const lw_checker* checker, const lwi_checker_node* node, const bool* joint_moves, lwi_cover* out )
 {
 	const lw_robot* robot = checker->robot;
-	memset( c, 0, sizeof( *c ) );
+	cover work;
+	cover* c = &work;
+	c->extent = 0;
+	c->unbounded = false;
+	memset( out, 0, sizeof( *out ) );
+	if ( node->body_count == 0 )
+	{
+		return;
+	}
 	memcpy( c->balls[0].c, node->r.center, sizeof( c->balls[0].c ) );
 	c->balls[0].r = node->r.radius;
 	c->count = 1;
@@ -316,6 +320,10 @@ static void cover_node( const lw_checker* checker, const lwi_checker_node* node,
 		ball* b = i < c->count ? &c->balls[i] : &c->chain;
 		b->r += slack + rounding * lwi_length( lwi_load( b->c ) );
 	}
+	memcpy( out->balls, c->balls, c->count * sizeof( ball ) );
+	out->count = c->count;
+	out->chain = c->chain;
+	out->unbounded = c->unbounded;
 }
 
 // --- obstacles -------------------------------------------------------------------------------------------------------
@@ -338,7 +346,7 @@ static double box_distance( const lw_scene_shape_def* obstacle, const ball* b )
 	return sqrt( sum_sq ) - b->r - rounding * size;
 }
 
-static double proved_distance( const lw_scene_shape_def* obstacle, const cover* c )
+static double proved_distance( const lw_scene_shape_def* obstacle, const lwi_cover* c )
 {
 	double nearest = INFINITY;
 	for ( uint32_t i = 0; i < c->count; ++i )
@@ -346,33 +354,6 @@ static double proved_distance( const lw_scene_shape_def* obstacle, const cover* 
 		nearest = fmin( nearest, box_distance( obstacle, &c->balls[i] ) );
 	}
 	return c->unbounded ? 0 : fmax( 0, fmax( nearest, box_distance( obstacle, &c->chain ) ) );
-}
-
-/// Marks the obstacles that some body of the node is checked against and that are not proved to stay beyond the horizon.
-static void mark_near( lw_checker* checker, const lwi_checker_node* node, const cover* c )
-{
-	uint32_t blocks = checker->scene_block_count;
-	for ( uint32_t shape = 0; shape < checker->scene->shape_count; ++shape )
-	{
-		uint8_t bit = (uint8_t)( 1u << ( shape % LWI_WIDTH ) );
-		bool asked = false;
-		for ( uint32_t i = 0; i < node->body_count && !asked; ++i )
-		{
-			uint32_t body = checker->tree->bodies[node->first_body + i];
-			asked = ( checker->environment_mask[(size_t)body * blocks + shape / LWI_WIDTH] & bit ) != 0;
-		}
-		if ( !asked )
-		{
-			continue;
-		}
-		double distance = proved_distance( &checker->scene->shapes[shape], c );
-		checker->obstacle_distance[shape] = fmin( checker->obstacle_distance[shape], distance );
-		for ( uint32_t i = 0; i < node->body_count && !( distance >= checker->horizon ); ++i )
-		{
-			size_t at = (size_t)checker->tree->bodies[node->first_body + i] * blocks + shape / LWI_WIDTH;
-			checker->near_mask[at] = (uint8_t)( checker->near_mask[at] | ( checker->environment_mask[at] & bit ) );
-		}
-	}
 }
 
 void lwi_required_range( const lw_robot* robot, uint32_t variable, double* out_lower, double* out_upper )
@@ -383,29 +364,66 @@ void lwi_required_range( const lw_robot* robot, uint32_t variable, double* out_l
 	*out_upper = info->wraps || info->component >= 3 ? INFINITY : info->upper + margin;
 }
 
-void lwi_checker_require( lw_checker* checker, double max_d, const bool* joint_moves )
+/// Marks the obstacles that some body of a node is checked against and that are not proved to stay beyond the horizon.
+static void mark_near( lw_checker* checker, const lwi_kept* kept, uint32_t index )
 {
-	for ( uint32_t i = 0; i < checker->variable_count; ++i )
+	const lwi_checker_node* node = &checker->tree->nodes[index];
+	const uint32_t blocks = checker->scene_block_count, nodes = checker->tree->node_count;
+	const lw_checker* old = kept->previous;
+	bool same_cover = old != NULL && index < old->tree->node_count &&
+		memcmp( &checker->base->covers[index], &old->base->covers[index], sizeof( lwi_cover ) ) == 0;
+	for ( uint32_t block = 0; block < blocks; ++block )
 	{
-		lwi_required_range( checker->robot, checker->variables[i], &checker->near_lower[i], &checker->near_upper[i] );
+		uint32_t asked = 0, near = 0;
+		for ( uint32_t i = 0; i < node->body_count; ++i )
+		{
+			asked |= checker->environment_mask[(size_t)checker->tree->bodies[node->first_body + i] * blocks + block];
+		}
+		for ( uint32_t lane = 0; lane < LWI_WIDTH && asked >> lane != 0; ++lane )
+		{
+			uint32_t shape = block * LWI_WIDTH + lane;
+			if ( ( asked >> lane & 1 ) == 0 )
+			{
+				continue;
+			}
+			uint32_t source = same_cover ? kept->source[shape] : LW_INVALID_INDEX;
+			double distance = source != LW_INVALID_INDEX ? old->node_distance[(size_t)source * old->tree->node_count + index] : NAN;
+			if ( isnan( distance ) )
+			{
+				distance = proved_distance( &checker->scene->shapes[shape], &checker->base->covers[index] );
+			}
+			checker->node_distance[(size_t)shape * nodes + index] = distance;
+			checker->obstacle_distance[shape] = fmin( checker->obstacle_distance[shape], distance );
+			near |= distance >= checker->horizon ? 0 : 1u << lane;
+		}
+		for ( uint32_t i = 0; i < node->body_count; ++i )
+		{
+			size_t at = (size_t)checker->tree->bodies[node->first_body + i] * blocks + block;
+			checker->near_mask[at] = (uint8_t)( checker->environment_mask[at] & near );
+		}
 	}
+}
+
+void lwi_checker_require( lw_checker* checker, const lwi_kept* kept )
+{
 	uint32_t shapes = checker->scene != NULL ? checker->scene->shape_count : 0;
 	// No state is further from the scene than what stands still is. (The excess is for ties.)
 	double fixed = checker->static_environment.upper;
-	checker->horizon = fixed < max_d ? fixed * ( 1 + 1e-9 ) + 1e-9 : max_d;
+	checker->horizon = fixed < checker->max_d ? fixed * ( 1 + 1e-9 ) + 1e-9 : checker->max_d;
 	checker->horizon_is_complete = fixed < checker->horizon;
 	for ( uint32_t i = 0; i < shapes; ++i )
 	{
 		checker->obstacle_distance[i] = INFINITY;
 	}
+	for ( size_t i = 0; i < (size_t)shapes * checker->tree->node_count; ++i )
+	{
+		checker->node_distance[i] = NAN;
+	}
 	for ( uint32_t i = 1; i < checker->tree->node_count && shapes > 0; ++i )
 	{
-		const lwi_checker_node* node = &checker->tree->nodes[i];
-		if ( node->own_environment )
+		if ( ( checker->node_environment[i] & LWI_NODE_ASKS ) != 0 )
 		{
-			cover c;
-			cover_node( checker, node, joint_moves, &c );
-			mark_near( checker, node, &c );
+			mark_near( checker, kept, i );
 		}
 	}
 	checker->near_block_count = 0;

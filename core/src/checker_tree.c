@@ -223,18 +223,6 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 		lwi_checker_node* node = &t->nodes[t->body_node[body]];
 		t->body_place[body] = node->first_body + node->body_count;
 		t->bodies[node->first_body + node->body_count++] = body;
-		bool any = false;
-		for ( uint32_t block = 0; block < c->scene_block_count; ++block )
-		{
-			any = any || c->environment_mask[(size_t)body * c->scene_block_count + block] != 0;
-		}
-		node->own_environment = node->own_environment || any;
-		node->in_environment = node->own_environment;
-	}
-	for ( uint32_t i = t->node_count; i-- > 1; )
-	{
-		lwi_checker_node* above = &t->nodes[t->nodes[i].parent];
-		above->in_environment = above->in_environment || t->nodes[i].in_environment;
 	}
 }
 

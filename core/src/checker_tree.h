@@ -22,8 +22,6 @@ typedef struct lwi_checker_node
 	uint32_t first_block; ///< of LWI_WIDTH bodies, in the query
 	lw_sphere r;          ///< frame of `top`: contains all bodies of the node; radius < 0: there are none
 	lw_sphere m;          ///< frame of `parent_link`: contains all bodies of the subtree in every state within the ranges
-	bool in_environment;  ///< some body of the subtree is checked against some obstacle
-	bool own_environment; ///< some body of the node itself is
 } lwi_checker_node;
 
 /// The bodies of two nodes, all against all.

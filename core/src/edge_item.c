@@ -218,9 +218,10 @@ static bool screen_environment( screening* s, uint32_t node )
 	const lwi_checker_node* n = &c->tree->nodes[node];
 	double rounding = rounding_of( e, node, LW_INVALID_INDEX );
 	double limit = enough( e, rounding, node_loss( s, node, 0 ) );
-	if ( !n->own_environment || !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
+	bool asks = ( c->node_environment[node] & LWI_NODE_ASKS ) != 0;
+	if ( !asks || !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
 	{
-		note_proof( e, n->own_environment ? 0.25 * slack_of( e, rounding ) : INFINITY );
+		note_proof( e, asks ? 0.25 * slack_of( e, rounding ) : INFINITY );
 		return true;
 	}
 	for ( uint32_t i = 0; i < n->body_count; ++i )

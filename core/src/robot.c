@@ -829,13 +829,18 @@ lw_variable_info lw_robot_variable( const lw_robot* robot, uint32_t variable )
 	return robot->variables[variable];
 }
 
+double lwi_robot_default_value( const lw_robot* robot, uint32_t variable )
+{
+	const lw_variable_info* info = &robot->variables[variable];
+	bool quaternion_w = robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 6;
+	return quaternion_w ? 1.0 : lwi_clamp( 0.0, info->lower, info->upper );
+}
+
 void lw_robot_default_state( const lw_robot* robot, double* q )
 {
 	for ( uint32_t i = 0; i < robot->variable_count; ++i )
 	{
-		const lw_variable_info* info = &robot->variables[i];
-		bool quaternion_w = robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 6;
-		q[i] = quaternion_w ? 1.0 : lwi_clamp( 0.0, info->lower, info->upper );
+		q[i] = lwi_robot_default_value( robot, i );
 	}
 }
 

@@ -59,6 +59,9 @@ struct lw_robot
 /// Links in topological order (parents first): [link_count], owned by the robot.
 const uint32_t* lwi_robot_link_order( const lw_robot* robot );
 
+/// One value of lw_robot_default_state().
+double lwi_robot_default_value( const lw_robot* robot, uint32_t variable );
+
 /// The joint whose variable drives this joint: itself, or the end of its mimic chain; LW_INVALID_INDEX for joints that no
 /// variable moves (fixed, mimic of a fixed joint, mimic with multiplier 0).
 uint32_t lwi_robot_joint_driver( const lw_robot* robot, uint32_t joint );

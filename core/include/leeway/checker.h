@@ -34,6 +34,10 @@ typedef struct lw_checker_def
 	/// (lw_shape_create_deferred()) are never made for it. No answer depends on it: queries that ask for more, and states outside
 	/// of the limits, are asked with everything there is.
 	double max_d;
+	/// A checker that this one differs little from: another pose of an obstacle, one more, one less. What is the same is shared
+	/// with it (the robot and its group, when robot, reach, variables and reference are the same) or copied, and only the rest is
+	/// computed: microseconds instead of milliseconds. No answer depends on it. No reference is taken; NULL = none.
+	const struct lw_checker* previous;
 	uint32_t cookie;
 } lw_checker_def;
 
