@@ -147,7 +147,7 @@ bool lwi_query_fits( const lw_query* query, const lw_checker* checker );
 /// Scratch for edges inside the query, sized for this checker: at least lwi_edge_scratch_size( checker ) bytes, 64-aligned.
 void* lwi_query_edge_scratch( lw_query* query );
 /// Forgets the nearest pairs of earlier edges: they were another checker's.
-void lwi_edge_forget( const lw_checker* checker, lw_query* query );
+void lwi_edge_forget( lw_query* query );
 size_t lwi_edge_scratch_size( const lw_checker* checker ); ///< implemented by edge_item.c, asked by lw_query_create()
 
 #endif

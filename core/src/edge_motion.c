@@ -65,9 +65,8 @@ size_t lwi_edge_scratch_size( const lw_checker* checker )
 	return lay_out( &edge, NULL );
 }
 
-void lwi_edge_forget( const lw_checker* checker, lw_query* query )
+void lwi_edge_forget( lw_query* query )
 {
-	(void)checker;
 	memset( lwi_query_edge_scratch( query ), 0, LWI_EDGE_WARM * sizeof( lwi_warm ) );
 }
 

@@ -61,7 +61,7 @@ static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* fr
 	return true;
 }
 
-/// Measures the gaps of one cell at its middle and hands down the halves that are not proved.
+/// Measures the gaps of one cell at its middle.
 static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, double width )
 {
 	uint64_t cell = gaps[0].cell;
@@ -85,7 +85,7 @@ static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, doubl
 	return true;
 }
 
-/// The halves of a cell's gaps that are open, left ones first.
+/// Both halves of a cell's gaps that are still open, left ones first.
 static bool hand_down_cell( lwi_edge* e, const lwi_edge_gap* gaps, uint32_t count, double width, lwi_edge_level* next )
 {
 	for ( uint32_t i = 0; i < count; ++i )

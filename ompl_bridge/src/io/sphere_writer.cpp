@@ -39,13 +39,6 @@ const LinkSpheres* find( const std::vector<LinkSpheres>& links, const char* name
 	return nullptr;
 }
 
-std::string print( tinyxml2::XMLDocument& xml )
-{
-	tinyxml2::XMLPrinter printer;
-	xml.Print( &printer );
-	return printer.CStr();
-}
-
 void removeAll( XMLElement& parent, const char* name )
 {
 	while ( XMLElement* e = parent.FirstChildElement( name ) )
@@ -84,25 +77,13 @@ std::string writeSpheresUrdf( const RobotModel& model, const std::vector<LinkSph
 			link->InsertEndChild( collision );
 		}
 	}
-	return print( xml );
+	return detail::printed( xml );
 }
 
 std::string writeSpheresSrdf( const RobotModel& model, const std::vector<LinkSpheres>& links )
 {
-	tinyxml2::XMLDocument fresh;
-	std::optional<detail::XmlFile> file;
-	if ( !model.srdf_file.empty() )
-	{
-		file.emplace( model.srdf_file, "SRDF" );
-	}
-	else
-	{
-		fresh.InsertEndChild( fresh.NewDeclaration() );
-		XMLElement* root = fresh.NewElement( "robot" );
-		root->SetAttribute( "name", model.name.c_str() );
-		fresh.InsertEndChild( root );
-	}
-	tinyxml2::XMLDocument& xml = file ? file->document() : fresh;
+	detail::SrdfDraft draft( model );
+	tinyxml2::XMLDocument& xml = draft.document();
 	XMLElement* root = xml.RootElement();
 	for ( XMLElement* e = root->FirstChildElement( "link_sphere_approximation" ); e != nullptr; )
 	{
@@ -126,7 +107,7 @@ std::string writeSpheresSrdf( const RobotModel& model, const std::vector<LinkSph
 		}
 		root->InsertEndChild( approximation );
 	}
-	return print( xml );
+	return detail::printed( xml );
 }
 
 std::string writeSpheresYaml( const RobotModel& model, const std::vector<LinkSpheres>& links )

@@ -131,20 +131,8 @@ bool isComputedReason( const std::string& reason )
 
 WrittenSrdf writeSrdf( const RobotModel& model, const std::vector<DisabledPair>& pairs )
 {
-	tinyxml2::XMLDocument fresh;
-	std::optional<detail::XmlFile> file;
-	if ( !model.srdf_file.empty() )
-	{
-		file.emplace( model.srdf_file, "SRDF" );
-	}
-	else
-	{
-		fresh.InsertEndChild( fresh.NewDeclaration() );
-		XMLElement* root = fresh.NewElement( "robot" );
-		root->SetAttribute( "name", model.name.c_str() );
-		fresh.InsertEndChild( root );
-	}
-	tinyxml2::XMLDocument& xml = file ? file->document() : fresh;
+	detail::SrdfDraft draft( model );
+	tinyxml2::XMLDocument& xml = draft.document();
 	Document document( xml, model );
 	document.removeComputed();
 
@@ -164,9 +152,7 @@ WrittenSrdf writeSrdf( const RobotModel& model, const std::vector<DisabledPair>&
 	}
 	document.insert( result.written );
 	result.kept = document.kept();
-	tinyxml2::XMLPrinter printer;
-	xml.Print( &printer );
-	result.text = printer.CStr();
+	result.text = detail::printed( xml );
 	return result;
 }
 

@@ -112,4 +112,24 @@ std::vector<double> XmlFile::numbers(
 	return numbers;
 }
 
+SrdfDraft::SrdfDraft( const RobotModel& model )
+{
+	if ( !model.srdf_file.empty() )
+	{
+		m_file.emplace( model.srdf_file, "SRDF" );
+		return;
+	}
+	m_fresh.InsertEndChild( m_fresh.NewDeclaration() );
+	tinyxml2::XMLElement* root = m_fresh.NewElement( "robot" );
+	root->SetAttribute( "name", model.name.c_str() );
+	m_fresh.InsertEndChild( root );
+}
+
+std::string printed( const tinyxml2::XMLDocument& document )
+{
+	tinyxml2::XMLPrinter printer;
+	document.Print( &printer );
+	return printer.CStr();
+}
+
 } // namespace leeway::io::detail

@@ -72,4 +72,20 @@ private:
 	tinyxml2::XMLDocument m_doc;
 };
 
+/// The SRDF that a model was loaded with, to be changed, or else an empty one of the model's name.
+class SrdfDraft
+{
+public:
+	/// @throws Error
+	explicit SrdfDraft( const RobotModel& model );
+	tinyxml2::XMLDocument& document() { return m_file ? m_file->document() : m_fresh; }
+
+private:
+	std::optional<XmlFile> m_file;
+	tinyxml2::XMLDocument m_fresh;
+};
+
+/// The document as text, indented.
+std::string printed( const tinyxml2::XMLDocument& document );
+
 } // namespace leeway::io::detail
