@@ -99,7 +99,7 @@ static lw_status fill_bodies( lwi_checker_base* b, const draft* d, lw_diag* diag
 		lw_body_def def = lw_robot_body( b->robot, body );
 		const bool moves = d->link_moves[def.link];
 		const lw_shape* shape = moves ? lwi_shape_made( def.shape, &status, diag ) : lwi_shape_now( def.shape );
-		b->bodies[body] = (lwi_checker_body){ shape, def.link, def.link_from_shape };
+		b->bodies[body] = (lwi_checker_body){ .shape = shape, .link = def.link, .link_from_shape = def.link_from_shape };
 		if ( moves )
 		{
 			b->moving_bodies[b->moving_body_count++] = body;
@@ -189,6 +189,7 @@ static void refer( lw_checker* c, lwi_checker_base* b )
 	c->self_pairs = b->self_pairs;
 	c->body_block_count = b->body_block_count;
 	c->self_mask = b->self_mask;
+	c->self_margins = b->margins;
 	c->near_lower = b->near_lower;
 	c->near_upper = b->near_upper;
 	c->tree = b->tree;
@@ -206,8 +207,8 @@ static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_di
 	}
 	for ( uint32_t i = 0; b->tree->proves && i < b->self_pair_count; ++i )
 	{
-		uint32_t link_a = b->bodies[b->self_pairs[i].body_a].link, link_b = b->bodies[b->self_pairs[i].body_b].link;
-		b->never_pair_count += lwi_usable_separation( lw_reach_get_pair( b->reach, link_a, link_b ).separation ) > 0 ? 1u : 0u;
+		uint32_t body_a = b->self_pairs[i].body_a, body_b = b->self_pairs[i].body_b;
+		b->never_pair_count += lwi_checker_separation( c, b->tree, body_a, body_b ) > 0 ? 1u : 0u;
 	}
 	for ( uint32_t i = 0; i < d->variables; ++i )
 	{
@@ -261,17 +262,26 @@ static lw_status build( lwi_checker_base* b, lw_checker* c, const lw_checker_def
 		return lwi_fail( diag, status, LW_INVALID_INDEX, "the reference state has a zero quaternion" );
 	}
 	status = fill_bodies( b, d, diag );
+	uint32_t bodies = lw_robot_body_count( b->robot );
+	if ( status == LW_OK && b->margins != NULL &&
+		 !lwi_self_margins_apply( b->margins, b->bodies, bodies, b->body_block_count * LWI_WIDTH ) )
+	{
+		return lwi_out_of_memory( diag, "margins" );
+	}
+	b->bytes += b->margins != NULL ? b->margins->bytes : 0;
 	status = status == LW_OK ? fill_self_pairs( b, d, diag ) : status;
 	return status == LW_OK ? build_tree( b, c, d, diag ) : status;
 }
 
-lw_status lwi_checker_base_create( lw_checker* c, const lw_checker_def* def, lw_diag* diag )
+lw_status lwi_checker_base_create( lw_checker* c, const lw_checker_def* def, lwi_self_margins* margins, lw_diag* diag )
 {
 	lwi_checker_base* b = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_checker_base ) );
 	if ( b == NULL )
 	{
+		lwi_self_margins_destroy( margins );
 		return lwi_out_of_memory( diag, "a checker" );
 	}
+	b->margins = margins;
 	atomic_init( &b->references, 1u );
 	b->allocator = c->allocator;
 	b->robot = lw_robot_retain( def->robot );
@@ -286,11 +296,13 @@ lw_status lwi_checker_base_create( lw_checker* c, const lw_checker_def* def, lw_
 	return status;
 }
 
-bool lwi_checker_base_share( lw_checker* c, const lw_checker_def* def, const lw_checker* other )
+bool lwi_checker_base_share( lw_checker* c, const lw_checker_def* def, const lwi_self_margins* margins,
+	const lw_checker* other )
 {
 	lwi_checker_base* b = other->base;
 	uint32_t count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
-	if ( b->robot != def->robot || b->reach != def->reach || b->variable_count != count )
+	if ( b->robot != def->robot || b->reach != def->reach || b->variable_count != count ||
+		 !lwi_self_margins_equal( b->margins, margins ) )
 	{
 		return false;
 	}
@@ -332,6 +344,7 @@ void lwi_checker_base_release( lwi_checker_base* b )
 	lwi_free( &allocator, b->near_lower, b->variable_count * sizeof( double ) );
 	lwi_free( &allocator, b->near_upper, b->variable_count * sizeof( double ) );
 	lwi_free( &allocator, b->covers, b->tree != NULL ? b->tree->node_count * sizeof( lwi_cover ) : 0 );
+	lwi_self_margins_destroy( b->margins );
 	lwi_motion_table_destroy( b->motion );
 	lwi_checker_tree_destroy( b->tree, b->variable_count );
 	lw_reach_release( b->reach );

@@ -25,6 +25,7 @@ typedef struct lwi_checker_base
 	lwi_self_pair* self_pairs;
 	uint32_t body_block_count;
 	uint8_t* self_mask;
+	lwi_self_margins* margins; ///< NULL = none
 	double *near_lower, *near_upper; ///< [variable_count]
 	struct lwi_checker_tree* tree;
 	lwi_motion_table* motion;
@@ -32,10 +33,14 @@ typedef struct lwi_checker_base
 } lwi_checker_base;
 
 /// For a def that was checked. `checker` has its allocator; it gets the base and the pointers to what is in it.
+/// @param margins the base's from now on, also after a failure. NULL = none
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_OUT_OF_MEMORY, what making a deferred mesh returned
-lw_status lwi_checker_base_create( lw_checker* checker, const lw_checker_def* def, lw_diag* diag );
-/// Takes over what another checker has, if it is what this def asks for: the same robot, reach, group and reference.
-bool lwi_checker_base_share( lw_checker* checker, const lw_checker_def* def, const lw_checker* other );
+lw_status lwi_checker_base_create( lw_checker* checker, const lw_checker_def* def, lwi_self_margins* margins,
+	lw_diag* diag );
+/// Takes over what another checker has, if it is what this def asks for: the same robot, reach, group, reference
+/// and margins of self pairs.
+bool lwi_checker_base_share( lw_checker* checker, const lw_checker_def* def, const lwi_self_margins* margins,
+	const lw_checker* other );
 void lwi_checker_base_release( lwi_checker_base* base ); ///< NULL is ignored
 
 #endif

@@ -38,6 +38,7 @@ static void checker_free( lw_checker* c )
 	lwi_free( &allocator, c->node_environment, nodes );
 	lwi_free( &allocator, c->obstacle_distance, c->scene_block_count * sizeof( double[LWI_WIDTH] ) );
 	lwi_free( &allocator, c->node_distance, (size_t)nodes * shapes * sizeof( double ) );
+	lwi_margins_destroy( c->margins );
 	lwi_checker_base_release( c->base );
 	lw_scene_release( c->scene );
 	lwi_free( &allocator, c, sizeof( lw_checker ) );
@@ -247,13 +248,23 @@ static lw_status find_static( lw_checker* c, const lwi_kept* kept, lw_diag* diag
 
 static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag )
 {
-	if ( def->previous == NULL || !lwi_checker_base_share( c, def, def->previous ) )
+	lwi_self_margins* self = NULL;
+	lw_status status = lwi_self_margins_create( &def->margins, def->robot, &c->allocator, diag, &self );
+	if ( status != LW_OK )
 	{
-		lw_status status = lwi_checker_base_create( c, def, diag );
-		if ( status != LW_OK )
-		{
-			return status;
-		}
+		return status;
+	}
+	if ( def->previous != NULL && lwi_checker_base_share( c, def, self, def->previous ) )
+	{
+		lwi_self_margins_destroy( self );
+	}
+	else
+	{
+		status = lwi_checker_base_create( c, def, self, diag );
+	}
+	if ( status != LW_OK )
+	{
+		return status;
 	}
 	c->allowed_count = def->allowed_count;
 	if ( !allocate_tables( c ) )
@@ -266,6 +277,12 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 	}
 	fill_masks( c );
 	count_masks( c );
+	status = lwi_margins_create( &def->margins, c, diag, &c->margins );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	c->bytes += c->margins != NULL ? c->margins->bytes : 0;
 	uint32_t shapes = c->scene != NULL ? c->scene->shape_count : 0;
 	lwi_kept kept = { def->previous, lwi_alloc_zero( &c->allocator, shapes, sizeof( uint32_t ) ) };
 	if ( kept.source == NULL )
@@ -273,7 +290,7 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 		return lwi_out_of_memory( diag, "a checker" );
 	}
 	lwi_match_scenes( def->previous != NULL ? def->previous->scene : NULL, c->scene, kept.source );
-	lw_status status = find_static( c, &kept, diag );
+	status = find_static( c, &kept, diag );
 	if ( status == LW_OK )
 	{
 		lwi_checker_require( c, &kept );
@@ -377,6 +394,8 @@ lw_checker_info lw_checker_get_info( const lw_checker* checker )
 	info.hierarchy = checker->tree->proves;
 	info.horizon = checker->horizon;
 	info.near_shapes = checker->near_shape_count;
+	info.environment_margin = 0 - lwi_lowest_environment( checker ); // not -0
+	info.self_margin = 0 - lwi_lowest_self( checker );
 	info.static_environment = checker->static_environment;
 	info.bytes = checker->bytes + checker->base->bytes;
 	return info;

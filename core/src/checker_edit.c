@@ -72,19 +72,26 @@ static bool is_checked( const lw_checker* c, uint32_t body, uint32_t shape )
 	return ( c->environment_mask[(size_t)body * c->scene_block_count + shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) & 1 ) != 0;
 }
 
-/// True if a shape is to be measured against a static body: it was not before, and may be nearer than what is known.
+static double margin_of( const lw_checker* c, uint32_t body, uint32_t shape )
+{
+	return lwi_environment_margin( c, body, c->scene->shapes[shape].object );
+}
+
+/// True if a shape is to be measured against a static body: it was not before, or with another margin, and may be nearer than
+/// what is known.
 static bool may_be_nearer( const lw_checker* c, const lw_checker* old, uint32_t place, uint32_t shape, uint32_t source )
 {
-	uint32_t body = c->tree->bodies[place];
+	uint32_t body = c->tree->bodies[place], before = old->tree->bodies[place];
+	double margin = margin_of( c, body, shape );
 	if ( !is_checked( c, body, shape ) ||
-		 ( source != LW_INVALID_INDEX && is_checked( old, old->tree->bodies[place], source ) ) )
+		 ( source != LW_INVALID_INDEX && is_checked( old, before, source ) && margin_of( old, before, source ) == margin ) )
 	{
 		return false;
 	}
 	const lwi_checker_body* b = &c->bodies[body];
 	lw_transform world_from_body = lwi_multiply( &c->reference_poses[b->link], &b->link_from_shape );
 	lw_transform relative = lwi_relative( &world_from_body, &c->scene->shapes[shape].world_from_shape );
-	return lwi_box_gap( b->shape, c->scene->shapes[shape].shape, &relative ) < c->static_environment.upper;
+	return lwi_box_gap( b->shape, c->scene->shapes[shape].shape, &relative ) - margin < c->static_environment.upper;
 }
 
 bool lwi_keep_static( lw_checker* c, const lwi_kept* kept, uint8_t* fresh )
@@ -100,13 +107,16 @@ bool lwi_keep_static( lw_checker* c, const lwi_kept* kept, uint8_t* fresh )
 		uint32_t place = old->tree->body_place[old->static_body], body = c->tree->bodies[place], found = LW_INVALID_INDEX;
 		for ( uint32_t i = 0; i < shapes; ++i )
 		{
-			found = kept->source[i] == old->static_shape && is_checked( c, body, i ) ? i : found;
+			bool same = kept->source[i] == old->static_shape && is_checked( c, body, i ) &&
+						margin_of( c, body, i ) == margin_of( old, old->static_body, old->static_shape );
+			found = same ? i : found;
 		}
 		if ( found == LW_INVALID_INDEX )
 		{
 			return false; // the nearest one is gone
 		}
 		c->static_environment = old->static_environment;
+		c->static_environment.lower = fmax( c->static_environment.lower, lwi_lowest_environment( c ) );
 		c->static_environment.b = c->scene->shapes[found].object;
 		c->static_body = body;
 		c->static_shape = found;

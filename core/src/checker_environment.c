@@ -15,6 +15,7 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 {
 	const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
 	lw_transform relative = lwi_relative( &query->world_from_body[body], &obstacle->world_from_shape );
+	bound->margin = lwi_environment_margin( checker, body, obstacle->object );
 	lwi_search( query, checker->bodies[body].shape, obstacle->shape, &relative, bound );
 }
 
@@ -30,6 +31,18 @@ static void choose_obstacles( const lw_checker* checker, lw_query* query, const 
 static uint32_t block_count( const lw_checker* checker, const lw_query* query )
 {
 	return query->near ? checker->near_block_count : checker->scene->block_count;
+}
+
+/// Gaps of a posed body to the obstacles that are looked at, margins taken off. Returns their slack.
+static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, float* gaps )
+{
+	const lwi_margins* m = checker->margins;
+	double radius = checker->bodies[body].shape->sphere_radius + ( m != NULL ? m->bodies[body] : 0 );
+	uint32_t blocks = block_count( checker, query );
+	double slack =
+		lwi_scene_gaps( checker->scene, blocks, query->kernels, query->body_center + 3 * (size_t)body, radius, gaps );
+	lwi_subtract_margins( gaps, m != NULL ? m->body_row[body] : NULL, blocks * LWI_WIDTH );
+	return slack;
 }
 
 /// Sets the gaps of pairs that do not count to +INFINITY. Returns the index of the least gap.
@@ -69,8 +82,7 @@ static double environment_gaps( const lw_checker* checker, lw_query* query, cons
 	for ( uint32_t row = 0; row < body_count; ++row )
 	{
 		float* gaps = query->gaps + (size_t)row * stride;
-		double mine = lwi_scene_gaps( checker->scene, block_count( checker, query ), query->kernels,
-			query->body_center + 3 * (size_t)bodies[row], checker->bodies[bodies[row]].shape->sphere_radius, gaps );
+		double mine = row_of_gaps( checker, query, bodies[row], gaps );
 		uint32_t in_row = mask_row( checker, query, bodies[row], gaps );
 		slack = mine > slack ? mine : slack;
 		if ( gaps[in_row] < least )
@@ -154,8 +166,11 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 	{
 		return true;
 	}
+	const lwi_margins* m = checker->margins;
 	uint32_t blocks = block_count( checker, query );
-	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, world, world[3], query->row );
+	double radius = world[3] + ( m != NULL ? m->nodes[sphere] : 0 );
+	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, world, radius, query->row );
+	lwi_subtract_margins( query->row, m != NULL ? m->objects : NULL, blocks * LWI_WIDTH );
 	return !all_reach( query->row, blocks, bound->prune + slack );
 }
 
@@ -166,10 +181,8 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	uint32_t body = tree->bodies[place], nearest;
 	lwi_pose_body( checker, query, body );
 	float* gaps = row_of( checker, query, place );
-	uint32_t blocks = block_count( checker, query );
-	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, query->body_center + 3 * (size_t)body,
-		checker->bodies[body].shape->sphere_radius, gaps );
-	if ( all_reach( gaps, blocks, bound->prune + slack ) )
+	double slack = row_of_gaps( checker, query, body, gaps );
+	if ( all_reach( gaps, block_count( checker, query ), bound->prune + slack ) )
 	{
 		return slack;
 	}
@@ -300,6 +313,7 @@ static void measure_warm( const lw_checker* checker, lw_query* query, const lwi_
 		lwi_pose_body( checker, query, body );
 		lw_transform relative = lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
 		bound->current_pair = warm->pair;
+		bound->margin = lwi_environment_margin( checker, body, checker->scene->shapes[shape].object );
 		lwi_measure( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, warm->triangle_a,
 			warm->triangle_b, bound );
 	}
@@ -315,6 +329,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	choose_obstacles( checker, query, range, true );
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
+	bound.lowest = lwi_lowest_environment( checker );
 	const lw_clearance* fixed = &checker->static_environment;
 	bound.current_pair = STATIC_PAIR;
 	lwi_bound_offer( &bound, fixed->lower, fixed->upper );
@@ -352,14 +367,13 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 {
 	lwi_bound bound;
 	lwi_bound_init( &bound, &threshold->range );
+	bound.lowest = lwi_lowest_environment( checker );
 	bound.give_up_above = threshold->give_up_above;
 	bound.give_up_below = threshold->give_up_below;
 	choose_obstacles( checker, query, &threshold->range, false );
 	lwi_pose_body( checker, query, body );
-	uint32_t blocks = block_count( checker, query );
-	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, query->body_center + 3 * (size_t)body,
-		checker->bodies[body].shape->sphere_radius, query->gaps );
-	if ( !all_reach( query->gaps, blocks, bound.prune + slack ) ) // mostly that is all
+	double slack = row_of_gaps( checker, query, body, query->gaps );
+	if ( !all_reach( query->gaps, block_count( checker, query ), bound.prune + slack ) ) // mostly that is all
 	{
 		uint32_t nearest = mask_row( checker, query, body, query->gaps );
 		measure_warm( checker, query, warm, &bound );
@@ -390,7 +404,8 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 		if ( ( bits >> ( shape % LWI_WIDTH ) & 1 ) != 0 )
 		{
 			lw_transform relative = lwi_relative( &query->world_from_body[body], &scene->shapes[shape].world_from_shape );
-			double gap = lwi_box_gap( checker->bodies[body].shape, scene->shapes[shape].shape, &relative );
+			double gap = lwi_box_gap( checker->bodies[body].shape, scene->shapes[shape].shape, &relative ) -
+						 lwi_environment_margin( checker, body, scene->shapes[shape].object );
 			if ( gap < bound->prune )
 			{
 				query->candidates[count++] = (lwi_candidate){ lwi_round_down( gap ), body * stride + shape };
@@ -418,6 +433,7 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, cons
 	lwi_bound bound;
 	const lw_range nearer = { 0, known, 0 };
 	lwi_bound_init( &bound, &nearer );
+	bound.lowest = lwi_lowest_environment( checker );
 	query->failure = LW_OK;
 	for ( uint32_t first = 0; left > 0; )
 	{

@@ -3,6 +3,7 @@
 #ifndef LEEWAY_CHECKER_INTERNAL_H
 #define LEEWAY_CHECKER_INTERNAL_H
 
+#include "checker_margin.h"
 #include "leeway/checker.h"
 #include "motion_bound.h"
 #include "tree_layout.h"
@@ -24,6 +25,8 @@ typedef struct lwi_checker_body
 	const lw_shape* shape; ///< the robot's; complete if the body moves, perhaps deferred if not
 	uint32_t link;
 	lw_transform link_from_shape;
+	double self_margin;    ///< its share of margins to other bodies, but for `self_row`
+	const float* self_row; ///< [body_block_count * LWI_WIDTH] what listed margins add to these shares, rounded up; NULL = nothing
 } lwi_checker_body;
 
 struct lw_checker
@@ -51,7 +54,9 @@ struct lw_checker
 	lwi_motion_table* motion;   ///< of the tree's nodes
 	struct lwi_checker_tree* tree; ///< the robot as nodes, with what the reach proves of them
 	uint32_t never_pair_count;
+	lwi_self_margins* self_margins; ///< NULL = none
 	// This scene's
+	lwi_margins* margins;       ///< NULL = none
 	uint32_t allowed_count;
 	lw_link_object_pair* allowed; ///< [allowed_count] as given
 	double max_d;               ///< as given
@@ -64,7 +69,7 @@ struct lw_checker
 	bool horizon_is_complete; ///< static_environment is nearer than that: no state's clearance is beyond the horizon
 	uint8_t* near_mask;       ///< as environment_mask, which it is a part of; rows of moving bodies
 	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
-	double* obstacle_distance; ///< [shape_count] what is proved of all moving bodies; +INFINITY if none is checked against it
+	double* obstacle_distance; ///< [shape_count] what is proved of all moving bodies, less margins; +INFINITY if none is checked against it
 	double* node_distance;    ///< [shape_count][node_count] what is proved of a node's bodies; NaN where none is checked against it
 	lw_clearance static_environment;
 	uint32_t static_body, static_shape; ///< where it is attained; LW_INVALID_INDEX if there is nothing
@@ -77,6 +82,30 @@ enum lwi_node_asks
 	LWI_NODE_ASKS = 1,   ///< some body of the node itself is checked against some obstacle
 	LWI_SUBTREE_ASKS = 2 ///< some body of its subtree is
 };
+
+/// Margin of a body to an object.
+static inline double lwi_environment_margin( const lw_checker* checker, uint32_t body, uint32_t object )
+{
+	return checker->margins != NULL ? lwi_margin_to_object( checker->margins, checker->bodies[body].link, object ) : 0;
+}
+
+/// Margin of two bodies.
+static inline double lwi_self_margin( const lw_checker* checker, uint32_t body_a, uint32_t body_b )
+{
+	return checker->self_margins != NULL
+			   ? lwi_margin_of_links( checker->self_margins, checker->bodies[body_a].link, checker->bodies[body_b].link )
+			   : 0;
+}
+
+/// No clearance is below this; 0 without margins.
+static inline double lwi_lowest_environment( const lw_checker* checker )
+{
+	return checker->margins != NULL ? -checker->margins->largest : 0;
+}
+static inline double lwi_lowest_self( const lw_checker* checker )
+{
+	return checker->self_margins != NULL ? -checker->self_margins->largest : 0;
+}
 
 /// Takes a state over for the questions below. With a tree, and a query that uses it, poses are computed when they are
 /// asked for, else all at once.

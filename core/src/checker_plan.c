@@ -7,7 +7,7 @@
 //   3. each child on its own.
 // A test of two subtrees opens the one whose M is larger; what is left in the end are pairs of nodes, R against R. Every
 // test carries the least separation of the pairs it stands for: entries of rigid (3), motion (4) and scfree (12), but of
-// these nodes and of the pairs that this checker checks, hence never less than the reach's own.
+// these nodes and of the pairs that this checker checks, hence never less than the reach's own, but for margins.
 #include "checker_internal.h"
 #include "checker_tree.h"
 #include "math_inline.h"
@@ -15,10 +15,10 @@
 
 #include <string.h>
 
-/// A test's worth: the least separation of the pairs below, and how many pairs of nodes these are.
+/// A test's worth: the least separation and the largest margin of the pairs below, and how many pairs of nodes these are.
 typedef struct share
 {
-	float separation;
+	float separation, margin;
 	uint32_t count;
 } share;
 
@@ -34,11 +34,12 @@ typedef struct plan
 	uint32_t step_count;
 } plan;
 
-static const share nothing = { INFINITY, 0 };
+static const share nothing = { INFINITY, 0, 0 };
 
 static share joined( share a, share b )
 {
-	return (share){ a.separation < b.separation ? a.separation : b.separation, a.count + b.count };
+	return (share){ a.separation < b.separation ? a.separation : b.separation, a.margin > b.margin ? a.margin : b.margin,
+		a.count + b.count };
 }
 
 static size_t entry( const plan* p, uint32_t a, uint32_t b )
@@ -49,13 +50,6 @@ static size_t entry( const plan* p, uint32_t a, uint32_t b )
 static uint32_t least( uint32_t a, uint32_t b )
 {
 	return a < b ? a : b;
-}
-
-static float separation_of( const lwi_checker_tree* t, const lw_checker* c, const lwi_self_pair* pair )
-{
-	return t->proves ? lwi_usable_separation( lw_reach_get_pair( c->reach, c->bodies[pair->body_a].link,
-												  c->bodies[pair->body_b].link ).separation )
-					 : 0;
 }
 
 static uint32_t common_ancestor( const lwi_checker_tree* t, uint32_t a, uint32_t b )
@@ -81,7 +75,8 @@ static void find_pairs( plan* p, const lw_checker* c )
 	{
 		const lwi_self_pair* pair = &c->self_pairs[i];
 		uint32_t a = t->body_node[pair->body_a], b = t->body_node[pair->body_b];
-		share both = { separation_of( t, c, pair ), 1 };
+		double margin = lwi_self_margin( c, pair->body_a, pair->body_b );
+		share both = { lwi_checker_separation( c, p->tree, pair->body_a, pair->body_b ), margin > 0 ? lwi_round_up( margin ) : 0, 1 };
 		share* forth = &p->base[entry( p, a, b )];
 		if ( forth->count == 0 )
 		{
@@ -89,6 +84,7 @@ static void find_pairs( plan* p, const lw_checker* c )
 			t->separation_count += (size_t)t->nodes[a].body_count * t->nodes[b].body_count;
 		}
 		both.separation = both.separation < forth->separation ? both.separation : forth->separation;
+		both.margin = both.margin > forth->margin ? both.margin : forth->margin;
 		*forth = p->base[entry( p, b, a )] = both;
 	}
 }
@@ -159,7 +155,8 @@ static uint32_t open( plan* p, share stands_for, uint32_t sphere_a, uint32_t sph
 	{
 		return LW_INVALID_INDEX;
 	}
-	return emit( p, (lwi_self_step){ stands_for.separation, sphere_a, sphere_b, 0, LW_INVALID_INDEX } );
+	return emit( p,
+		(lwi_self_step){ stands_for.separation, stands_for.margin, sphere_a, sphere_b, 0, LW_INVALID_INDEX } );
 }
 
 static void close( plan* p, uint32_t step )
@@ -176,7 +173,8 @@ static void plan_pair( plan* p, uint32_t a, uint32_t b )
 	if ( base.count > 0 )
 	{
 		uint32_t low = least( a, b ), high = a < b ? b : a;
-		close( p, emit( p, (lwi_self_step){ base.separation, 2 * low, 2 * high, 0, p->pairs[entry( p, low, high )] } ) );
+		close( p,
+			emit( p, (lwi_self_step){ base.separation, base.margin, 2 * low, 2 * high, 0, p->pairs[entry( p, low, high )] } ) );
 	}
 }
 
@@ -258,7 +256,8 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 			uint32_t index = p->pairs[entry( p, a, b )];
 			if ( index != LW_INVALID_INDEX )
 			{
-				t->pairs[index] = (lwi_node_pair){ a, b, common_ancestor( t, a, b ), p->base[entry( p, a, b )].separation, used };
+				share base = p->base[entry( p, a, b )];
+				t->pairs[index] = (lwi_node_pair){ a, b, common_ancestor( t, a, b ), base.separation, base.margin, used };
 				used += (size_t)t->nodes[a].body_count * t->nodes[b].body_count;
 			}
 		}
@@ -286,7 +285,7 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 		}
 		const lwi_node_pair* pair = &t->pairs[p->pairs[entry( p, t->body_node[a], t->body_node[b] )]];
 		t->separations[pair->first + (size_t)rank[a] * t->nodes[pair->node_b].body_count + rank[b]] =
-			separation_of( t, c, &c->self_pairs[i] );
+			lwi_checker_separation( c, t, c->self_pairs[i].body_a, c->self_pairs[i].body_b );
 	}
 }
 

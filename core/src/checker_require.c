@@ -364,6 +364,18 @@ void lwi_required_range( const lw_robot* robot, uint32_t variable, double* out_l
 	*out_upper = info->wraps || info->component >= 3 ? INFINITY : info->upper + margin;
 }
 
+/// A node's clearance given its distance from a shape; rounded down.
+static double less_margin( const lw_checker* checker, uint32_t node, uint32_t shape, double distance )
+{
+	const lwi_margins* m = checker->margins;
+	if ( m == NULL )
+	{
+		return distance;
+	}
+	double largest = m->nodes[2 * node] + m->object[checker->scene->shapes[shape].object];
+	return distance - largest - rounding * largest;
+}
+
 /// Marks the obstacles that some body of a node is checked against and that are not proved to stay beyond the horizon.
 static void mark_near( lw_checker* checker, const lwi_kept* kept, uint32_t index )
 {
@@ -393,8 +405,9 @@ static void mark_near( lw_checker* checker, const lwi_kept* kept, uint32_t index
 				distance = proved_distance( &checker->scene->shapes[shape], &checker->base->covers[index] );
 			}
 			checker->node_distance[(size_t)shape * nodes + index] = distance;
-			checker->obstacle_distance[shape] = fmin( checker->obstacle_distance[shape], distance );
-			near |= distance >= checker->horizon ? 0 : 1u << lane;
+			double clearance = less_margin( checker, index, shape, distance );
+			checker->obstacle_distance[shape] = fmin( checker->obstacle_distance[shape], clearance );
+			near |= clearance >= checker->horizon ? 0 : 1u << lane;
 		}
 		for ( uint32_t i = 0; i < node->body_count; ++i )
 		{
@@ -409,7 +422,7 @@ void lwi_checker_require( lw_checker* checker, const lwi_kept* kept )
 	uint32_t shapes = checker->scene != NULL ? checker->scene->shape_count : 0;
 	// No state is further from the scene than what stands still is. (The excess is for ties.)
 	double fixed = checker->static_environment.upper;
-	checker->horizon = fixed < checker->max_d ? fixed * ( 1 + 1e-9 ) + 1e-9 : checker->max_d;
+	checker->horizon = fixed < checker->max_d ? fixed + 1e-9 * fabs( fixed ) + 1e-9 : checker->max_d;
 	checker->horizon_is_complete = fixed < checker->horizon;
 	for ( uint32_t i = 0; i < shapes; ++i )
 	{

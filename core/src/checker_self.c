@@ -17,12 +17,13 @@ static void search_self_pair( const lw_checker* checker, lw_query* query, uint32
 	lwi_pose_body( checker, query, body_a );
 	lwi_pose_body( checker, query, body_b );
 	lw_transform relative = lwi_relative( &query->world_from_body[body_a], &query->world_from_body[body_b] );
+	bound->margin = lwi_self_margin( checker, body_a, body_b );
 	lwi_search( query, checker->bodies[body_a].shape, checker->bodies[body_b].shape, &relative, bound );
 }
 
 // --- all pairs -------------------------------------------------------------------------------------------------------
 
-/// Bounding spheres of all bodies in float about the first one. Returns the slack of gaps between them.
+/// Bounding spheres of all bodies, enlarged by their shares of margins, in float about the first one. Returns the slack of gaps between them.
 static double body_spheres( const lw_checker* checker, lw_query* query )
 {
 	uint32_t bodies = lw_robot_body_count( checker->robot );
@@ -37,7 +38,7 @@ static double body_spheres( const lw_checker* checker, lw_query* query )
 			block[axis * LWI_WIDTH] = (float)relative;
 			reach = fmax( reach, fabs( relative ) );
 		}
-		double radius = i < bodies ? checker->bodies[i].shape->sphere_radius : 0;
+		double radius = i < bodies ? checker->bodies[i].shape->sphere_radius + checker->bodies[i].self_margin : 0;
 		block[3 * LWI_WIDTH] = i < bodies ? lwi_round_up( radius ) : -INFINITY;
 		largest = fmax( largest, radius );
 	}
@@ -63,6 +64,8 @@ static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* n
 			if ( mask[block] != 0 )
 			{
 				query->kernels->sphere_gap( query->body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere, INFINITY, row );
+				const float* listed = checker->bodies[a].self_row;
+				lwi_subtract_margins( row, listed != NULL ? listed + block * LWI_WIDTH : NULL, LWI_WIDTH );
 			}
 			for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
 			{
@@ -109,12 +112,12 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 
 // --- by nodes --------------------------------------------------------------------------------------------------------
 
-/// Gap of two spheres (x, y, z, r), if it is below the limit, else +INFINITY. What overflows is near: -INFINITY.
-static double gap_below( const double* a, const double* b, double limit )
+/// Gap of two spheres (x, y, z, r) less a margin, if it is below the limit, else +INFINITY. What overflows is near: -INFINITY.
+static double gap_below( const double* a, const double* b, double margin, double limit )
 {
 	double d[3] = { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
 	double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-	double radii = a[3] + b[3], reach = limit + radii;
+	double radii = a[3] + b[3] + margin * ( 1 + LWI_POSE_ROUNDING ), reach = limit + radii;
 	if ( !( square < INFINITY ) )
 	{
 		return -INFINITY;
@@ -163,7 +166,7 @@ static uint32_t walk( const lw_checker* checker, lw_query* query, const lwi_boun
 		if ( gap < 0 && step->sphere_a != LW_INVALID_INDEX )
 		{
 			const double* a = lwi_sphere( checker, query, step->sphere_a );
-			gap = gap_below( a, lwi_sphere( checker, query, step->sphere_b ), limit );
+			gap = gap_below( a, lwi_sphere( checker, query, step->sphere_b ), step->margin, limit );
 		}
 		if ( gap == INFINITY )
 		{
@@ -195,7 +198,8 @@ typedef struct probe
 	float limit;  ///< of these gaps
 } probe;
 
-static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t node, const double sphere[4],
+/// @param margin the largest of the pairs that it is asked for
+static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t node, const double sphere[4], double margin,
 	const lwi_bound* bound )
 {
 	const double* r = lwi_sphere( checker, query, 2 * node );
@@ -209,11 +213,12 @@ static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t no
 	}
 	p.sphere[3] = above( sphere[3] );
 	p.slack = LWI_GAP_SLACK * LWI_U32 * 2 * ( largest + sphere[3] + r[3] ); // as for all pairs
-	p.limit = above( bound->prune + p.slack );
+	p.limit = above( bound->prune + margin + p.slack );
 	return p;
 }
 
 /// Bodies number `rank_a` of node a and `rank_b` of node b become a candidate, unless their separation rules them out.
+/// @param gap of their spheres
 static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, uint32_t rank_a, uint32_t rank_b,
 	double gap, const lwi_bound* bound, uint32_t* count )
 {
@@ -222,13 +227,14 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node
 	float separation = tree->separations[pair->first + (size_t)rank_a * b->body_count + rank_b];
 	if ( !query->covered && separation < INFINITY )
 	{
-		separation = 0; // proved for other states than this one
+		separation = 0 - pair->margin; // proved for other states than this one
 	}
 	if ( separation < bound->prune )
 	{
+		uint32_t body_a = tree->bodies[a->first_body + rank_a], body_b = tree->bodies[b->first_body + rank_b];
+		double clearance = gap - lwi_self_margin( checker, body_a, body_b );
 		lwi_heap_push( query->candidates, count,
-			body_pair( checker, tree->bodies[a->first_body + rank_a], tree->bodies[b->first_body + rank_b],
-				lower_bound( gap, separation ) ) );
+			body_pair( checker, body_a, body_b, lower_bound( clearance, separation ) ) );
 	}
 }
 
@@ -242,7 +248,7 @@ static void open_body( const lw_checker* checker, lw_query* query, const lwi_nod
 	lw_vec3 center = lwi_transform( &query->world_from_link[tree->nodes[mine].top], lwi_load( local->center ) );
 	double rounding = lwi_sphere( checker, query, 2 * mine )[3] - tree->nodes[mine].r.radius;
 	const double sphere[4] = { center.x, center.y, center.z, local->radius + rounding };
-	probe p = make_probe( checker, query, other, sphere, bound );
+	probe p = make_probe( checker, query, other, sphere, pair->margin, bound );
 	for ( uint32_t i = 0; i < tree->nodes[other].body_count; i += LWI_WIDTH )
 	{
 		float gap[LWI_WIDTH];
@@ -263,7 +269,7 @@ static void open_pair( const lw_checker* checker, lw_query* query, const lwi_nod
 	const lwi_checker_tree* tree = checker->tree;
 	bool a_first = tree->nodes[pair->node_a].body_count >= tree->nodes[pair->node_b].body_count;
 	uint32_t many = a_first ? pair->node_a : pair->node_b, few = a_first ? pair->node_b : pair->node_a;
-	probe outer = make_probe( checker, query, many, lwi_sphere( checker, query, 2 * few ), bound );
+	probe outer = make_probe( checker, query, many, lwi_sphere( checker, query, 2 * few ), pair->margin, bound );
 	for ( uint32_t i = 0; i < tree->nodes[many].body_count; i += LWI_WIDTH )
 	{
 		float gap[LWI_WIDTH];
@@ -340,6 +346,7 @@ static void measure_warm( const lw_checker* checker, lw_query* query, const lwi_
 		lwi_pose_body( checker, query, b );
 		lw_transform relative = lwi_relative( &query->world_from_body[a], &query->world_from_body[b] );
 		bound->current_pair = warm->pair;
+		bound->margin = lwi_self_margin( checker, a, b );
 		lwi_measure( query, checker->bodies[a].shape, checker->bodies[b].shape, &relative, warm->triangle_a, warm->triangle_b,
 			bound );
 	}
@@ -354,6 +361,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	}
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
+	bound.lowest = lwi_lowest_self( checker );
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	lwi_warm* warm = &query->warm_self;
 	measure_warm( checker, query, warm, &bound );
@@ -380,7 +388,7 @@ uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uin
 	uint32_t count = 0;
 	const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
 	if ( !( query->covered && pair->separation >= limit ) &&
-		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), limit ) < INFINITY )
+		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, limit ) < INFINITY )
 	{
 		open_pair( checker, query, pair, &bound, &count );
 	}
@@ -393,6 +401,7 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 	uint32_t stride = checker->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
 	lwi_bound bound;
 	lwi_bound_init( &bound, &threshold->range );
+	bound.lowest = lwi_lowest_self( checker );
 	bound.give_up_above = threshold->give_up_above;
 	bound.give_up_below = threshold->give_up_below;
 	lwi_pose_body( checker, query, a );
@@ -404,7 +413,7 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
 	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
 	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2], checker->bodies[b].shape->sphere_radius + rounding };
-	if ( gap_below( sphere_a, sphere_b, bound.prune ) < INFINITY )
+	if ( gap_below( sphere_a, sphere_b, lwi_self_margin( checker, a, b ), bound.prune ) < INFINITY )
 	{
 		if ( warm->pair == id )
 		{

@@ -15,10 +15,16 @@
 /// Metres taken off every separation: poses in double are better than this within 1000 km of the world's origin.
 #define POSE_MARGIN 1e-9
 
-float lwi_usable_separation( double proved )
+float lwi_checker_separation( const lw_checker* c, const lwi_checker_tree* t, uint32_t body_a, uint32_t body_b )
 {
+	double proved = 0, margin = lwi_self_margin( c, body_a, body_b );
+	if ( t->proves )
+	{
+		proved = lw_reach_get_pair( c->reach, c->bodies[body_a].link, c->bodies[body_b].link ).separation;
+	}
 	double usable = proved * ( 1 - 0x1p-20 ) - POSE_MARGIN;
-	return usable > 0 ? lwi_round_down( usable ) : 0;
+	usable = usable > 0 ? usable : 0;
+	return usable > 0 || margin > 0 ? lwi_round_down( usable - margin ) : 0;
 }
 
 void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )

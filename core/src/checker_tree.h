@@ -9,6 +9,8 @@
 #include "leeway/checker.h"
 #include "motion_bound.h"
 
+/// Separations here are of clearance: what the reach proves of a pair, less its margin.
+
 /// Links that the group cannot move against each other, e.g. a whole hand if the group is the arm.
 typedef struct lwi_checker_node
 {
@@ -30,6 +32,7 @@ typedef struct lwi_node_pair
 	uint32_t node_a, node_b;
 	uint32_t ancestor; ///< lowest common ancestor node
 	float separation;  ///< least of all its pairs
+	float margin;      ///< largest of all its pairs, rounded up
 	size_t first; ///< index into separations: [bodies of a][bodies of b]
 } lwi_node_pair;
 
@@ -37,6 +40,7 @@ typedef struct lwi_node_pair
 typedef struct lwi_self_step
 {
 	float separation;            ///< least proved separation of all pairs that the step stands for; +inf is never stored
+	float margin;                ///< largest margin of these, rounded up
 	uint32_t sphere_a, sphere_b; ///< 2 * node for its R, 2 * node + 1 for its M; LW_INVALID_INDEX: only the table is asked
 	uint32_t skip;
 	uint32_t pair; ///< index into node_pairs of a step that is a pair of nodes; LW_INVALID_INDEX of one above such steps
@@ -80,8 +84,8 @@ lw_status lwi_checker_tree_motion( const lw_checker* checker, const bool* fixed_
 /// Fills pairs, separations and steps. Part of lwi_checker_tree_create().
 lw_status lwi_checker_plan_self( const lw_checker* checker, lwi_checker_tree* tree, lw_diag* diag );
 
-/// A separation as queries use it: rounded down, and less by what poses in double may be off by, so that a pair that is
-/// passed over could not have changed a digit of the answer.
-float lwi_usable_separation( double proved );
+/// The separation of two bodies as queries use it: that of the reach, if it holds here, else 0; less what poses in double may
+/// be off by, so that a pair that is passed over could not have changed a digit of the answer, and less the margin. Rounded down.
+float lwi_checker_separation( const lw_checker* checker, const lwi_checker_tree* tree, uint32_t body_a, uint32_t body_b );
 
 #endif

@@ -20,7 +20,7 @@ typedef struct lwi_searching
 	const lw_transform* a_from_b; ///< shape frames, double
 	lwi_motion tree_a_from_b, tree_b_from_a;
 	lwi_bound* bound;
-	double radii; ///< dilation that the trees do not contain: of capsules
+	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
 	double slack; ///< metres: what a float gap may be too large by
 	double error; ///< metres: what a distance in double may be off by
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up

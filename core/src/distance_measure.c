@@ -128,6 +128,7 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	place.t[1] += shift.y;
 	place.t[2] += shift.z;
 	double radii = ( s->a->solid ? 0 : lwi_item_radius( s->a, item_a ) ) + ( s->b->solid ? 0 : lwi_item_radius( s->b, item_b ) );
+	radii += s->bound->margin;
 	double stop_below = s->bound->range.min_d + radii;
 	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, s->bound->prune + radii, stop_below );
 	offer( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a, item_b );

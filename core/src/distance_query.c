@@ -30,6 +30,10 @@ void lwi_bound_init( lwi_bound* bound, const lw_range* range )
 
 bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 {
+	// the margin is exact, the differences are rounded: lower by half a roundoff of their size, of which the distance's own
+	// bound has room for its part
+	lower = lower - bound->margin - 0x1p-52 * bound->margin;
+	upper = upper - bound->margin;
 	bound->floor = lower < bound->floor ? lower : bound->floor;
 	if ( !( upper < bound->upper && lower < bound->range.max_d ) )
 	{
@@ -61,13 +65,14 @@ lw_clearance lwi_bound_result( const lwi_bound* bound )
 		return out;
 	}
 	out.upper = bound->upper;
+	out.lower = bound->lowest;
 	if ( bound->done )
 	{
 		out.kind = bound->upper <= bound->range.min_d ? LW_CLEARANCE_VIOLATION : LW_CLEARANCE_UNDECIDED;
 		return out;
 	}
 	double lower = bound->floor < bound->prune ? bound->floor : bound->prune;
-	out.lower = lower > 0 ? lower : 0;
+	out.lower = lower > out.lower ? lower : out.lower;
 	out.kind = out.lower > bound->range.min_d ? LW_CLEARANCE_NEAR : LW_CLEARANCE_UNDECIDED;
 	return out;
 }
@@ -359,7 +364,7 @@ static lwi_searching search_begin( lw_query* query, const lw_shape* a, const lw_
 	s.b = b;
 	s.a_from_b = a_from_b;
 	s.bound = bound;
-	s.radii = ( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 );
+	s.radii = ( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
 	// tree frames are the shape frames shifted by `origin` (zero for solids)
 	lw_transform tree = *a_from_b;
 	lw_vec3 origin_b = lwi_transform( a_from_b, lwi_load( b->origin ) );
@@ -403,7 +408,7 @@ static const lw_shape* geometry_of( lw_query* query, const lw_shape* shape, lwi_
 void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
 {
 	bool deferred = lwi_shape_now( a )->deferred != NULL || lwi_shape_now( b )->deferred != NULL;
-	if ( deferred && lwi_box_gap( a, b, a_from_b ) >= bound->prune )
+	if ( deferred && lwi_box_gap( a, b, a_from_b ) >= bound->prune + bound->margin )
 	{
 		return; // not worth making it
 	}

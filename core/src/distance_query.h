@@ -8,15 +8,18 @@
 #include "shape_internal.h"
 
 /// The running bound of one question, shared by all pairs that belong to it. Method and proof: core/docs/distance.md.
+/// Everything in it is clearance: distance less the margin of the pair, which may make it negative (core/docs/margins.md).
 typedef struct lwi_bound
 {
 	lw_range range;
-	double upper; ///< least distance measured so far; +inf before the first below max_d
+	double upper; ///< least clearance measured so far; +inf before the first below max_d
 	double prune; ///< what is proved to be this far or farther need not be opened; never grows
 	double floor; ///< least certified lower bound of what was measured in double
 	double give_up_above, give_up_below; ///< a distance between them ends the search: only `upper` holds then; none by default
 	bool done;    ///< upper <= min_d, given up, or failed: there is nothing more to find out
 	bool failed;  ///< a deferred mesh could not be made: no answer
+	double lowest; ///< no clearance is below it: minus the largest margin
+	double margin; ///< of `current_pair`: set by the caller before each search
 	// the witness of `upper`
 	lw_vec3 point_a, point_b; ///< in a's shape frame
 	uint32_t triangle_a, triangle_b;
@@ -29,14 +32,14 @@ void lwi_bound_init( lwi_bound* bound, const lw_range* range );
 /// True if min_d >= 0, max_d > min_d and alpha in [0, 1); all NaN-safe.
 bool lwi_range_is_valid( const lw_range* range );
 
-/// Takes in a pair whose distance is known: lower <= true <= upper. True if it is the new upper bound; the witness is then
+/// Takes in a distance of the current pair: lower <= true <= upper, the margin not yet taken off. True if it is the new upper bound; the witness is then
 /// the caller's to set, `pair` is current_pair.
 bool lwi_bound_offer( lwi_bound* bound, double lower, double upper );
 
 /// Interval and class of an answered question; witness and names are left to the caller (kind tells if there is one).
 lw_clearance lwi_bound_result( const lwi_bound* bound );
 
-/// Lowers the bound to the distance of a and b where that is smaller.
+/// Lowers the bound to the distance of a and b, less the bound's margin, where that is smaller.
 /// @param a_from_b shape frames; finite, a rotation
 void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 

@@ -202,9 +202,9 @@ void lwi_search_inside( lwi_searching* s )
 	}
 	// A point that is inside by less than the rounding of its move may have been taken for outside. The surface is then
 	// as near, and was measured, or dropped because the bound was: nothing is proved.
-	if ( !found && ( s->a->filled || s->b->filled ) && s->bound->prune <= s->error )
+	if ( !found && ( s->a->filled || s->b->filled ) && s->bound->prune + s->bound->margin <= s->error )
 	{
-		s->bound->floor = 0;
+		s->bound->floor = s->bound->lowest;
 	}
 }
 

@@ -14,6 +14,33 @@ typedef struct lw_link_object_pair
 	uint32_t link, object;
 } lw_link_object_pair;
 
+/// The margin of one pair, in place of the sum of its parts.
+typedef struct lw_pair_margin
+{
+	uint32_t a;    ///< link
+	uint32_t b;    ///< object; of a self pair the other link
+	double margin; ///< metres, >= 0
+} lw_pair_margin;
+
+/// How much of a distance does not count: the *clearance* of a pair is its distance less its margin. Metres, finite and >= 0;
+/// zeroed: no margins.
+///   link to object:  environment + link_environment[link] + object[object], summed in this order
+///   link to link:    self + link_self[lower index] + link_self[higher index], in this order
+/// and of a pair that is listed what is listed, larger or smaller. Everything that a checker answers is clearance in these
+/// terms, for states and edges alike: core/docs/margins.md.
+typedef struct lw_margins
+{
+	double environment;
+	double self;
+	const double* link_environment; ///< [robot link_count]; NULL = all 0
+	const double* link_self;        ///< [robot link_count]; NULL = all 0
+	const double* object;           ///< [scene object_count]; NULL = all 0
+	const lw_pair_margin* environment_pairs; ///< [environment_pair_count] link, object; each pair once
+	uint32_t environment_pair_count;
+	const lw_pair_margin* self_pairs; ///< [self_pair_count] two different links in either order; each pair once
+	uint32_t self_pair_count;
+} lw_margins;
+
 typedef struct lw_checker_def
 {
 	const lw_robot* robot; ///< a reference is taken
@@ -25,11 +52,12 @@ typedef struct lw_checker_def
 	const double* reference; ///< [robot variable_count]: values of the variables outside the group; NULL = default state
 	const lw_link_object_pair* allowed; ///< [allowed_count]
 	uint32_t allowed_count;
+	lw_margins margins; ///< copied. Contact that is allowed stays so, whatever its margin
 	/// Motion hulls and pair tables of this robot, or of an equal one (lw_robot_digest()); a reference is taken. NULL = none.
 	/// They make queries faster and change no answer: what is passed over is proved to be beyond what was found already.
 	/// States outside of lw_reach_variable_range() are asked as without them. See core/docs/self_collision.md.
 	const lw_reach* reach;
-	/// Metres, > 0: the largest distance that queries will ask for (range.max_d, or clearance worth a number); INFINITY if any.
+	/// Metres, > 0: the largest clearance that queries will ask for (range.max_d, or clearance worth a number); INFINITY if any.
 	/// Obstacles that the group cannot come this near to within its limits are passed over at once, and those that are deferred
 	/// (lw_shape_create_deferred()) are never made for it. No answer depends on it: queries that ask for more, and states outside
 	/// of the limits, are asked with everything there is.
@@ -44,6 +72,10 @@ typedef struct lw_checker_def
 LW_API lw_checker_def lw_checker_def_default( void );
 
 /// Everything needed to check one group of one robot in one scene. Immutable, shared by all threads, reference counted.
+/// All its answers are clearances, distances less margins: lower and upper of an interval, min_d, max_d and slack of a
+/// question. Where a pair is nearer than its margin they are negative, no lower than minus the margin; alpha is relative to
+/// clearances above min_d, and so to positive ones. Witness points are on the geometry itself: the distance of the pair is
+/// upper + its margin. A lower of 0 "when contact cannot be excluded" is minus the largest margin where there are any.
 /// Links that the group does not move are static: their distance to the scene is measured once, at creation, and is part
 /// of every environment interval. Self pairs are those whose relative pose the group can change and that are not allowed.
 typedef struct lw_checker lw_checker;
@@ -56,6 +88,9 @@ LW_API void lw_checker_release( lw_checker* checker );
 
 LW_API const lw_robot* lw_checker_robot( const lw_checker* checker );
 LW_API const lw_scene* lw_checker_scene( const lw_checker* checker ); ///< NULL if none
+/// Margin of a link to an object, or of two links: what is taken off the distance of the pair. 0 for indices out of range.
+LW_API double lw_checker_environment_margin( const lw_checker* checker, uint32_t link, uint32_t object );
+LW_API double lw_checker_self_margin( const lw_checker* checker, uint32_t link_a, uint32_t link_b );
 LW_API uint32_t lw_checker_variable_count( const lw_checker* checker );
 LW_API uint32_t lw_checker_variable( const lw_checker* checker, uint32_t index ); ///< robot variable of state entry `index`
 /// Writes the full robot state [robot variable_count] of a group state q [variable_count].
@@ -70,17 +105,18 @@ typedef struct lw_checker_info
 	uint32_t self_pairs;     ///< pairs of bodies to check for self-collision
 	uint32_t never_pairs;    ///< of these: proved apart by the reach, never searched where only contact is asked for
 	bool hierarchy;          ///< queries can use the reach: there is one, and it covers the variables outside of the group
-	/// Metres: obstacles that the group cannot come this near to within its limits are passed over. The least of max_d and what
+	/// Metres of clearance: obstacles that the group cannot come this near to within its limits are passed over. The least of max_d and what
 	/// the static bodies have already: no state has more.
 	double horizon;
 	uint32_t near_shapes;    ///< scene shapes that are not passed over
+	double environment_margin, self_margin; ///< metres: the largest of any pair, or more
 	lw_clearance static_environment; ///< of the static bodies; a = link, b = object; FAR with lower = +inf if there is nothing
 	size_t bytes;
 } lw_checker_info;
 LW_API lw_checker_info lw_checker_get_info( const lw_checker* checker );
 
-/// Metres: a proved lower bound of the distance of all moving bodies to a scene shape, in all states within the limits; 0 if
-/// nothing is proved, +inf if no moving body is checked against it. At or above the horizon it is passed over.
+/// Metres: a proved lower bound of the clearance of all moving bodies to a scene shape, in all states within the limits; 0 less
+/// the margin if nothing is proved, +inf if no moving body is checked against it. At or above the horizon it is passed over.
 LW_API double lw_checker_obstacle_distance( const lw_checker* checker, uint32_t scene_shape );
 
 /// What a state or an edge turned out to be.

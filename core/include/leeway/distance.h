@@ -28,7 +28,8 @@ typedef enum lw_clearance_class
 	LW_CLEARANCE_UNDECIDED = 4  ///< lower <= min_d < upper and the difference is below the rounding bound of doubles
 } lw_clearance_class;
 
-/// A certified answer: lower <= true distance <= upper. Metres; points in the world frame.
+/// A certified answer: lower <= true distance <= upper. Metres; points in the world frame. Checkers answer with clearances,
+/// distances less margins, which may be negative: see lw_checker.
 typedef struct lw_clearance
 {
 	double lower;    ///< proven; 0 when contact cannot be excluded, and on every error
