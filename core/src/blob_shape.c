@@ -62,7 +62,9 @@ void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 	lwi_write_u32( w, shape->depth );
 	lwi_write_u32( w, shape->root );
 	lwi_write_u32( w, shape->filled ? 1u : 0u );
+	lwi_write_u32( w, shape->original_count );
 	lwi_write_double( w, shape->radius );
+	lwi_write_double( w, shape->excess );
 	lwi_write( w, shape->root_sphere, sizeof( shape->root_sphere ) );
 	array_sizes sizes = sizes_of( shape );
 	lwi_write( w, shape->vertices, sizes.vertices );
@@ -102,12 +104,21 @@ static const char* check_counts( const lw_shape* shape, size_t left )
 
 static const char* check_numbers( const lw_shape* shape )
 {
-	bool has_radius = shape->type == LW_SHAPE_POINTS;
+	// a mesh is thick if it stands for another one, and is no solid then
+	bool has_radius = shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 && !shape->filled );
 	bool radius_valid = shape->radius >= 0.0 && shape->radius <= ( has_radius ? LWI_MAX_COORDINATE : 0.0 );
 	if ( !radius_valid || !( shape->dimensions[0] == shape->radius ) || !( shape->dimensions[1] == 0.0 ) ||
 		 !( shape->dimensions[2] == 0.0 ) )
 	{
 		return "a radius or dimension out of range";
+	}
+	if ( !( shape->excess >= 0.0 && shape->excess <= ( shape->original_count > 0 ? LWI_MAX_COORDINATE : 0.0 ) ) )
+	{
+		return "an impossible excess";
+	}
+	if ( shape->original_count > 0 && shape->original_count < shape->item_count )
+	{
+		return "more items than it stands for";
 	}
 	for ( size_t i = 0; i < shape->vertex_count; ++i )
 	{
@@ -183,7 +194,9 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	shape->depth = lwi_read_u32( r );
 	shape->root = lwi_read_u32( r );
 	uint32_t filled = lwi_read_u32( r );
+	shape->original_count = lwi_read_u32( r );
 	shape->radius = lwi_read_double( r );
+	shape->excess = lwi_read_double( r );
 	lwi_read( r, shape->root_sphere, sizeof( shape->root_sphere ) );
 	const char* problem = check_counts( shape, lwi_reader_left( r ) );
 	problem = filled > ( shape->type == LW_SHAPE_MESH ? 1u : 0u ) ? "an unknown kind of solid" : problem;
@@ -205,13 +218,13 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );
 	}
+	shape->filled = filled != 0;
 	problem = check_numbers( shape );
 	problem = problem == NULL ? check_indices( shape ) : problem;
 	if ( problem != NULL )
 	{
 		return damaged( diag, index, problem );
 	}
-	shape->filled = filled != 0;
 	lw_diag inner = { 0 };
 	lw_status status = LW_OK;
 	if ( shape->type == LW_SHAPE_MESH )

@@ -69,6 +69,13 @@ typedef struct lwi_nearest
 lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bool certified, const uint32_t* skip,
 	uint32_t only );
 
+/// True if some triangle is (by the fast distance) nearer than that.
+bool lwi_shape_is_near( const lw_shape* shape, lw_vec3 p, double distance );
+
+/// Nearest point of a triangle: within 16u of the coordinates' size of being on it, but among slivers there may be a nearer one
+/// (lwi_tri_tri() does not have that weakness).
+lw_vec3 lwi_nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p );
+
 /// True if a closed shell is proved to have p inside. False where it has not, or rounding leaves it open.
 bool lwi_body_encloses( lwi_body* body, lw_vec3 p );
 

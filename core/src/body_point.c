@@ -31,8 +31,7 @@ static lw_vec3 nearer( lw_vec3 a, lw_vec3 b, lw_vec3 p )
 	return lwi_length_sq( lwi_sub( a, p ) ) <= lwi_length_sq( lwi_sub( b, p ) ) ? a : b;
 }
 
-/// Nearest point of a triangle, for searches: slivers may cost accuracy (lwi_tri_tri does not have that weakness).
-static lw_vec3 nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p )
+lw_vec3 lwi_nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p )
 {
 	lw_vec3 ab = lwi_sub( v[1], v[0] ), ac = lwi_sub( v[2], v[0] ), ap = lwi_sub( p, v[0] );
 	double aa = lwi_dot( ab, ab ), bb = lwi_dot( ac, ac ), c = lwi_dot( ab, ac );
@@ -60,7 +59,7 @@ static void offer_triangle( const lw_shape* shape, uint32_t triangle, lw_vec3 p,
 {
 	lw_vec3 v[3];
 	load_corners( shape, triangle, v );
-	lw_vec3 x = nearest_on_triangle( v, p );
+	lw_vec3 x = lwi_nearest_on_triangle( v, p );
 	double distance = lwi_distance( x, p );
 	if ( certified )
 	{
@@ -106,7 +105,8 @@ static uint32_t push_children( const lwi_node* node, lw_vec3 p, double limit, en
 	return height;
 }
 
-lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bool certified, const uint32_t* skip,
+/// @param enough the first triangle at or below it ends the search
+static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double enough, bool certified, const uint32_t* skip,
 	uint32_t only )
 {
 	lwi_nearest best = { stop, LW_INVALID_INDEX, p };
@@ -137,12 +137,27 @@ lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bo
 				offer_triangle( shape, triangle, p, certified, &best );
 			}
 		}
+		if ( best.triangle != LW_INVALID_INDEX && best.distance <= enough )
+		{
+			return best;
+		}
 	}
 	if ( best.triangle == LW_INVALID_INDEX )
 	{
 		best.distance = INFINITY;
 	}
 	return best;
+}
+
+lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bool certified, const uint32_t* skip,
+	uint32_t only )
+{
+	return search( shape, p, stop, 0, certified, skip, only );
+}
+
+bool lwi_shape_is_near( const lw_shape* shape, lw_vec3 p, double distance )
+{
+	return search( shape, p, distance, distance, false, NULL, 0 ).triangle != LW_INVALID_INDEX;
 }
 
 // --- rays ------------------------------------------------------------------------------------------------------------

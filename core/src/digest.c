@@ -121,6 +121,8 @@ lw_digest lw_shape_digest( const lw_shape* shape )
 	const uint32_t counts[] = { (uint32_t)shape->type, shape->solid ? 1u : 0u, shape->vertex_count, shape->item_count,
 		shape->degenerate_count, shape->root, shape->node_count, shape->leaf_count, shape->depth, shape->filled ? 1u : 0u };
 	lw_digest d = add_indices( (lw_digest){ { 0, 0 } }, counts, sizeof( counts ) / sizeof( counts[0] ) );
+	d = add_indices( d, &shape->original_count, 1 );
+	d = add_doubles( d, &shape->excess, 1 );
 	d = add_doubles( d, &shape->radius, 1 );
 	d = add_doubles( d, shape->dimensions, 3 );
 	d = add_doubles( d, shape->box_min, 3 );

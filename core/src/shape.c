@@ -230,6 +230,12 @@ lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* dia
 
 lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape )
 {
+	return lwi_mesh_shape( def, 0.0, allocator, diag, out_shape );
+}
+
+lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_allocator* allocator, lw_diag* diag,
+	lw_shape** out_shape )
+{
 	if ( out_shape == NULL )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_shape is NULL; pass where to store the shape" );
@@ -274,6 +280,7 @@ lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allo
 	shape->vertices = mesh.vertices;
 	shape->indices = mesh.indices;
 	shape->filled = def->solid;
+	shape->radius = shape->dimensions[0] = radius;
 	status = def->solid ? lwi_mesh_close( shape, diag ) : LW_OK;
 	status = status == LW_OK ? lwi_mesh_find_parts( shape, diag ) : status;
 	status = status == LW_OK ? lwi_shape_build( shape, &def->tree, diag ) : status;
@@ -503,6 +510,8 @@ lw_shape_info lw_shape_peek_info( const lw_shape* shape )
 		.depth = shape->depth,
 		.bytes = shape->bytes,
 		.sphere_radius = shape->sphere_radius,
+		.excess = shape->excess,
+		.original_count = shape->original_count > 0 ? shape->original_count : has_public_vertices( shape ) ? triangles : 0,
 		.deferred = shape->deferred != NULL,
 		.solid = shape->filled || ( shape->type != LW_SHAPE_MESH && shape->type != LW_SHAPE_PLANE ),
 	};

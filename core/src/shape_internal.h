@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a shape is made of. Built by shape.c (with mesh.c, sphere_fit.c, sphere_tree_build.c), read by the queries.
 //
-// Families. *Triangles*, possibly degenerate (segments, points), dilated by one radius: meshes (radius 0), capsules (one
-// segment). *Balls*: point sets (one radius for all), spheres, sets of spheres (a radius each). *Boxes*: sets of axis-aligned
+// Families. *Triangles*, possibly degenerate (segments, points), dilated by one radius: meshes (radius 0 but
+// for coarser ones), capsules (one segment). *Balls*: point sets (one radius for all), spheres, sets of spheres (a radius each). *Boxes*: sets of axis-aligned
 // boxes. *Convex*: a box, cylinder or cone, measured by convex.c. *Unbounded*: a half-space or a plane. The first three have a
 // sphere tree over their items; that of triangles is about the undilated geometry, that of balls and boxes about all of it.
 #ifndef LEEWAY_SHAPE_INTERNAL_H
@@ -71,8 +71,10 @@ struct lw_shape
 	lwi_family family;
 	lwi_deferred* deferred; ///< NULL: everything is there. Else box, sphere and bytes are all that is
 	bool solid;            ///< convex or unbounded: no items, no tree
-	double radius;         ///< of a capsule, a sphere, all points of a set; else 0
-	double dimensions[3];  ///< of primitives, as given
+	double radius;         ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
+	double dimensions[3];  ///< of primitives, as given; [0] of the radius of a set or mesh
+	double excess;           ///< metres: of a coarser shape, what it may reach beyond the one it stands for
+	uint32_t original_count; ///< items of that; 0 if there is none
 
 	// Bounds of the whole shape, dilation included, shape frame.
 	double box_min[3], box_max[3];
@@ -165,6 +167,10 @@ void lwi_shape_finish( lw_shape* shape );
 
 /// All steps, for a shape whose vertices, indices, radii and counts are set.
 lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );
+
+/// lw_shape_create_mesh() for a surface that is `radius` thick.
+lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_allocator* allocator, lw_diag* diag,
+	lw_shape** out_shape );
 
 lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag );
 

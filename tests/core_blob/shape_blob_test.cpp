@@ -62,6 +62,26 @@ ShapePtr octahedron( bool solid )
 	return ShapePtr( shape );
 }
 
+/// A coarser mesh that is thick: of a wavy sheet.
+ShapePtr coarserSheet()
+{
+	std::vector<double> vertices;
+	std::vector<std::uint32_t> indices;
+	for ( std::uint32_t i = 0; i < 400; ++i )
+	{
+		vertices.insert( vertices.end(), { 0.1 * ( i % 20 ), 0.1 * ( i / 20 ), 0.02 * std::sin( 0.3 * ( i % 20 ) ) } );
+		if ( i % 20 < 19 && i / 20 < 19 )
+		{
+			indices.insert( indices.end(), { i, i + 1, i + 20, i + 20, i + 1, i + 21 } );
+		}
+	}
+	ShapePtr fine = makeMesh( vertices, indices );
+	lw_shape* coarse = nullptr;
+	EXPECT_EQ( LW_OK, lw_shape_create_detail( fine.get(), 0.02, nullptr, nullptr, nullptr, &coarse ) );
+	EXPECT_GT( lw_shape_get_info( coarse ).dimensions[0], 0.0 );
+	return ShapePtr( coarse );
+}
+
 /// Every kind of shape, every fit, one leaf and many levels.
 std::vector<ShapePtr> manyShapes( SeededRng& rng )
 {
@@ -93,6 +113,7 @@ std::vector<ShapePtr> manyShapes( SeededRng& rng )
 	}
 	shapes.push_back( octahedron( true ) );
 	shapes.push_back( octahedron( false ) );
+	shapes.push_back( coarserSheet() );
 	shapes.push_back( makePrimitive( LW_SHAPE_HALFSPACE, 0 ) );
 	shapes.push_back( makePrimitive( LW_SHAPE_PLANE, 0 ) );
 	shapes.push_back( makePrimitive( LW_SHAPE_CAPSULE, 1.0, 0.0 ) );
@@ -113,6 +134,8 @@ void expectSameInfo( const lw_shape* a, const lw_shape* b )
 	EXPECT_EQ( x.bytes, y.bytes );
 	EXPECT_EQ( x.sphere_radius, y.sphere_radius );
 	EXPECT_EQ( x.solid, y.solid );
+	EXPECT_EQ( x.excess, y.excess );
+	EXPECT_EQ( x.original_count, y.original_count );
 	for ( int k = 0; k < 3; ++k )
 	{
 		EXPECT_EQ( x.box_min[k], y.box_min[k] );
@@ -449,8 +472,8 @@ struct MeshBlob
 		type = fields.table + fields.table_entry;
 		dimensions = type + 4;
 		counts = dimensions + 24;
-		radius = counts + 32; // six counts, the root, solid or not
-		sphere = radius + 8;
+		radius = counts + 36; // six counts, the root, solid or not, what it stands for
+		sphere = radius + 16; // the excess before it
 		vertices = sphere + 16;
 		indices = vertices + std::size_t( 24 ) * info.vertex_count;
 		std::size_t radii = info.type == LW_SHAPE_SPHERES ? std::size_t( 8 ) * info.vertex_count : 0;
@@ -521,6 +544,18 @@ TEST( ShapeBlobNonsense, ImpossibleContentsAreRefused )
 	}
 	refused( "radius of a mesh", [&]( Bytes& b ) { b.put( good.radius, 1.0 ); } );
 	refused( "radius of a mesh", [&]( Bytes& b ) { b.put( good.radius, 1.0 ), b.put( good.dimensions, 1.0 ); } );
+	for ( double excess : { 1.0, -1.0, double( nan ) } )
+	{
+		refused( "excess of a mesh that stands for itself", [&]( Bytes& b ) { b.put( good.radius + 8, excess ); } );
+	}
+	for ( double radius : { -1.0, 2e9, double( nan ) } )
+	{
+		refused( "radius of a mesh that stands for another", [&]( Bytes& b ) {
+			b.put( good.counts + 32, 1000u );
+			b.put( good.radius, radius );
+			b.put( good.dimensions, radius );
+		} );
+	}
 	refused( "dimension of a mesh", [&]( Bytes& b ) { b.put( good.dimensions + 8, 1.0 ); } );
 	for ( float value : { nan, inf, -1.0f, 0.0f } )
 	{
@@ -681,7 +716,7 @@ TEST( ShapeBlobNonsense, PointSetsAreCheckedToo )
 	{
 		refused( [&]( Bytes& b ) { b.put( good.type, std::uint32_t( type ) ); } );
 	}
-	refused( [&]( Bytes& b ) { b.put( good.radius - 4, 1u ); } ); // points are no solid mesh
+	refused( [&]( Bytes& b ) { b.put( good.radius - 8, 1u ); } ); // points are no solid mesh
 	refused( [&]( Bytes& b ) { b.put( good.leaves + 128, 20u ); } );
 	refused( [&]( Bytes& b ) { b.put( good.leaves + 128, b.get<std::uint32_t>( good.leaves + 132 ) ); } );
 	refused( [&]( Bytes& b ) { b.put( good.leaves + 96, 0.05f ); } );
@@ -706,8 +741,8 @@ TEST( ShapeBlobNonsense, SetsAndSolidsAreCheckedToo )
 	refused( boxes.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.leaves + 192, 20u ); } );
 	// an open surface cannot become a solid by one bit; a closed one can
 	ShapePtr open = randomSoup( rng, 8, 1.0 ), closed = octahedron( false );
-	refused( open.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.radius - 4, 1u ); } );
-	refused( closed.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.radius - 4, 2u ); } );
+	refused( open.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.radius - 8, 1u ); } );
+	refused( closed.get(), []( Bytes& b, const MeshBlob& at ) { b.put( at.radius - 8, 2u ); } );
 }
 
 // Whatever is inside: refused, or a sound shape that answers. Bounds, cycles and stacks are watched by the sanitizers.

@@ -155,7 +155,10 @@ typedef struct lw_shape_info
 	double box_min[3], box_max[3]; ///< axis-aligned bounds, shape frame, metres
 	double sphere_center[3];       ///< bounding sphere, shape frame, metres
 	double sphere_radius;
-	double dimensions[3];          ///< of a primitive; radius of a point set in [0]
+	double dimensions[3];          ///< of a primitive; radius of a point set, or of a coarser mesh, in [0]
+	/// Of a coarser shape (detail.h): metres, certified: none of its points is farther from the shape it stands for. Else 0.
+	double excess;
+	uint32_t original_count;       ///< triangles, points or balls of the shape it stands for; else those it has
 	bool solid;                    ///< whatever is inside touches it: of a mesh lw_mesh_def.solid, of all others but planes true
 	bool deferred;                 ///< not made yet: counts but for triangles are 0, the bounds are those of the box that was told
 } lw_shape_info;
