@@ -263,6 +263,16 @@ void FclPeer::pose( const double* q )
 	}
 }
 
+std::vector<std::pair<std::shared_ptr<fcl::CollisionGeometryd>, fcl::Transform3d>> FclPeer::movingBodies() const
+{
+	std::vector<std::pair<std::shared_ptr<fcl::CollisionGeometryd>, fcl::Transform3d>> bodies;
+	for ( const std::uint32_t i : m_moving )
+	{
+		bodies.emplace_back( m_bodies[i].model, m_bodies[i].pose );
+	}
+	return bodies;
+}
+
 void FclPeer::addCandidate( const Body& a, const Body& b, double bound )
 {
 	double squared = 0;

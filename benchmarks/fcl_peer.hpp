@@ -15,9 +15,11 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
-/// FCL's geometry of shapes, for peers of several worlds and threads: big trees are built once.
+/// FCL's geometry of shapes, for peers of several worlds and threads: big trees are built once. An entry that is there already
+/// is taken as it is, for shapes that FCL has in another form (an octree for its boxes).
 struct FclModels
 {
 	struct Entry
@@ -49,6 +51,11 @@ public:
 	bool environmentCollides();
 	double selfDistance( double bound );
 	bool selfCollides();
+
+	/// Of the bodies that stand still to the scene: part of every environment answer.
+	double staticDistance() const { return m_static_distance; }
+	/// Bodies that the group moves, where they are now: for other ways of using FCL.
+	std::vector<std::pair<std::shared_ptr<fcl::CollisionGeometryd>, fcl::Transform3d>> movingBodies() const;
 
 	std::size_t environmentPairs() const { return m_environment_pairs.size(); }
 	std::size_t selfPairs() const { return m_self_pairs.size(); }
