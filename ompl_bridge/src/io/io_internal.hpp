@@ -72,26 +72,21 @@ TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from
 /// True for the bytes of a binary STL file with at least one triangle.
 bool isBinaryStl( const std::string& bytes );
 
-/// Calls f( const double[3] ) for each corner of each triangle of a binary STL file. @return how many there were
-template <typename F> std::uint32_t forEachStlVertex( const std::string& bytes, F f )
+/// Calls f( const float[9] ) with the corners of each triangle of a binary STL file. @return how many there were
+template <typename F> std::uint32_t forEachStlTriangle( const std::string& bytes, F f )
 {
 	constexpr std::size_t header = 84, record = 50, normal = 12;
 	std::uint32_t count = 0;
-	for ( std::size_t at = header; at + record <= bytes.size(); at += record )
+	for ( std::size_t at = header; at + record <= bytes.size(); at += record, ++count )
 	{
-		for ( std::size_t corner = 0; corner < 3; ++corner, ++count )
-		{
-			float xyz[3];
-			std::memcpy( xyz, bytes.data() + at + normal + corner * sizeof( xyz ), sizeof( xyz ) );
-			// + 0.0: no negative zeros, as other readers have it
-			const double p[3] = { double( xyz[0] ) + 0.0, double( xyz[1] ) + 0.0, double( xyz[2] ) + 0.0 };
-			f( p );
-		}
+		float corners[9];
+		std::memcpy( corners, bytes.data() + at + normal, sizeof( corners ) );
+		f( corners );
 	}
 	return count;
 }
 
-/// A mesh file at one scale.
+/// A mesh file, by device and number of its inode, at one scale.
 using MeshKey = std::tuple<std::string, double, double, double>;
 /// Two URIs may be one file, and the same file may be reached through a link.
 MeshKey meshKey( const std::string& file, const std::array<double, 3>& scale );

@@ -4,10 +4,12 @@
 // A file of the cache is a blob of one shape; its words say what the first pass would have found (layout: see `Words`).
 #include "mesh_source.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
+#include <limits>
 
 namespace leeway::io::detail
 {
@@ -75,15 +77,58 @@ lw_digest keyOf( const LoadOptions& options, const std::string& extension, const
 	return digestText( digestText( key, extension ), bytes ); // the extension says how it is read
 }
 
-void extend( lw_deferred_def& def, const double p[3], const std::array<double, 3>& scale )
+/// The box of vertices as a file has them, before their scale: a product rounds monotonically, so that box and scale may change
+/// places. Many files are only looked at, so this is most of what they cost: comparisons that compilers make into minima of several
+/// lanes (not std::fmin, a call), and one sum that is not finite if any number was not.
+template <typename T, std::size_t lanes> class BoxFinder
 {
-	for ( std::size_t k = 0; k < 3; ++k )
+public:
+	void take( const T* values )
 	{
-		double value = p[k] * scale[k]; // as lw_shape_create_mesh() does it
-		def.box_min[k] = std::fmin( def.box_min[k], value );
-		def.box_max[k] = std::fmax( def.box_max[k], value );
+		for ( std::size_t k = 0; k < lanes; ++k )
+		{
+			m_min[k] = values[k] < m_min[k] ? values[k] : m_min[k];
+			m_max[k] = values[k] > m_max[k] ? values[k] : m_max[k];
+			m_not_finite[k] += values[k] * T( 0 );
+		}
 	}
-}
+
+	/// @return false if some number is not finite, or too large after its scale
+	bool finish( const std::array<double, 3>& scale, double box_min[3], double box_max[3] ) const
+	{
+		bool good = true;
+		for ( std::size_t axis = 0; axis < 3; ++axis )
+		{
+			double low = HUGE_VAL, high = -HUGE_VAL;
+			for ( std::size_t k = axis; k < lanes; k += 3 )
+			{
+				good = good && m_not_finite[k] == T( 0 );
+				low = std::min( low, static_cast<double>( m_min[k] ) );
+				high = std::max( high, static_cast<double>( m_max[k] ) );
+			}
+			// + 0.0: no negative zeros, as the vertices have it
+			box_min[axis] = ( scale[axis] > 0 ? low : high ) * scale[axis] + 0.0;
+			box_max[axis] = ( scale[axis] > 0 ? high : low ) * scale[axis] + 0.0;
+			good = good && box_min[axis] >= -largest_coordinate && box_max[axis] <= largest_coordinate;
+		}
+		return good;
+	}
+
+private:
+	static constexpr std::array<T, lanes> filled( T value )
+	{
+		std::array<T, lanes> array{};
+		for ( T& one : array )
+		{
+			one = value;
+		}
+		return array;
+	}
+
+	std::array<T, lanes> m_min = filled( std::numeric_limits<T>::infinity() );
+	std::array<T, lanes> m_max = filled( -std::numeric_limits<T>::infinity() );
+	std::array<T, lanes> m_not_finite{};
+};
 
 } // namespace
 
@@ -95,32 +140,19 @@ std::uint32_t treeTriangles( const std::vector<std::uint64_t>& words )
 /// @return false if some vertex is not usable: building it will say which
 bool MeshSource::findBox()
 {
-	lw_deferred_def& def = m_def;
-	std::fill( def.box_min, def.box_min + 3, HUGE_VAL );
-	std::fill( def.box_max, def.box_max + 3, -HUGE_VAL );
-	bool good = true;
-	const auto take = [&]( const double p[3] )
-	{
-		good = good && std::isfinite( p[0] ) && std::isfinite( p[1] ) && std::isfinite( p[2] );
-		extend( def, p, m_scale );
-	};
 	if ( !m_stl.empty() )
 	{
-		def.triangle_count = forEachStlVertex( m_stl, take ) / 3;
+		BoxFinder<float, 9> finder;
+		m_def.triangle_count = forEachStlTriangle( m_stl, [&]( const float corners[9] ) { finder.take( corners ); } );
+		return finder.finish( m_scale, m_def.box_min, m_def.box_max );
 	}
-	else
+	BoxFinder<double, 3> finder;
+	for ( std::size_t i = 0; i + 2 < m_soup.vertices.size(); i += 3 )
 	{
-		for ( std::size_t i = 0; i + 2 < m_soup.vertices.size(); i += 3 )
-		{
-			take( &m_soup.vertices[i] );
-		}
-		def.triangle_count = static_cast<std::uint32_t>( m_soup.indices.size() / 3 );
+		finder.take( &m_soup.vertices[i] );
 	}
-	for ( std::size_t k = 0; k < 3; ++k )
-	{
-		good = good && def.box_min[k] >= -largest_coordinate && def.box_max[k] <= largest_coordinate;
-	}
-	return good;
+	m_def.triangle_count = static_cast<std::uint32_t>( m_soup.indices.size() / 3 );
+	return finder.finish( m_scale, m_def.box_min, m_def.box_max );
 }
 
 bool MeshSource::readCache( std::vector<Notice>& notices )
@@ -184,7 +216,16 @@ lw_status MeshSource::build( lw_diag* diag, lw_shape** out )
 	TriangleSoup from_stl;
 	if ( !m_stl.empty() )
 	{
-		forEachStlVertex( m_stl, [&]( const double p[3] ) { from_stl.vertices.insert( from_stl.vertices.end(), p, p + 3 ); } );
+		from_stl.vertices.reserve( 9 * ( m_stl.size() / 50 ) );
+		forEachStlTriangle( m_stl,
+		    [&]( const float corners[9] )
+		    {
+			    for ( int k = 0; k < 9; ++k )
+			    {
+				    // + 0.0: no negative zeros, as other readers have it
+				    from_stl.vertices.push_back( static_cast<double>( corners[k] ) + 0.0 );
+			    }
+		    } );
 		from_stl.indices.resize( from_stl.vertices.size() / 3 );
 		for ( std::size_t i = 0; i < from_stl.indices.size(); ++i )
 		{

@@ -22,18 +22,39 @@ std::string folderName( const fs::path& folder )
 	return normal.has_filename() ? normal.filename().string() : normal.parent_path().filename().string();
 }
 
-/// A search entry either is the package or contains it.
-void addEntry( const fs::path& entry, const std::string& package, const std::string& path, std::vector<fs::path>& out )
+/// Looks at one place after the other, and remembers which.
+class Search
 {
-	if ( folderName( entry ) == package )
-	{
-		out.push_back( entry / path );
-	}
-	out.push_back( entry / package / path );
-}
+public:
+	explicit Search( std::vector<std::string>& tried ) : m_tried( tried ) {}
 
-void addEnvironment(
-    const char* variable, const std::string& package, const std::string& path, bool ament, std::vector<fs::path>& out )
+	/// @return true if it is a file
+	bool at( const fs::path& candidate )
+	{
+		std::string path = candidate.lexically_normal().string();
+		std::error_code error;
+		if ( fs::is_regular_file( path, error ) )
+		{
+			m_found = path;
+		}
+		m_tried.push_back( std::move( path ) );
+		return !m_found.empty();
+	}
+
+	/// A search entry either is the package or contains it.
+	bool inEntry( const fs::path& entry, const std::string& package, const std::string& path )
+	{
+		return ( folderName( entry ) == package && at( entry / path ) ) || at( entry / package / path );
+	}
+
+	const std::string& found() const { return m_found; }
+
+private:
+	std::vector<std::string>& m_tried;
+	std::string m_found;
+};
+
+bool searchEnvironment( const char* variable, const std::string& package, const std::string& path, bool ament, Search& search )
 {
 	const char* value = std::getenv( variable );
 	std::istringstream entries( value != nullptr ? value : "" );
@@ -43,43 +64,41 @@ void addEnvironment(
 		{
 			continue;
 		}
-		if ( ament )
+		if ( ament ? search.at( fs::path( entry ) / "share" / package / path ) : search.inEntry( entry, package, path ) )
 		{
-			out.push_back( fs::path( entry ) / "share" / package / path );
-		}
-		else
-		{
-			addEntry( entry, package, path, out );
+			return true;
 		}
 	}
+	return false;
 }
 
-std::vector<fs::path> packageCandidates(
-    const std::string& package, const std::string& path, const fs::path& from_folder, const LoadOptions& options )
+void searchPackage( const std::string& package, const std::string& path, const fs::path& from_folder, const LoadOptions& options,
+    Search& search )
 {
-	std::vector<fs::path> candidates;
 	for ( const std::string& entry : options.package_paths )
 	{
 		std::size_t equals = entry.find( '=' );
 		std::error_code error;
 		if ( equals == std::string::npos || fs::is_directory( entry, error ) )
 		{
-			addEntry( entry, package, path, candidates );
+			if ( search.inEntry( entry, package, path ) )
+			{
+				return;
+			}
 		}
-		else if ( entry.substr( 0, equals ) == package )
+		else if ( entry.substr( 0, equals ) == package && search.at( fs::path( entry.substr( equals + 1 ) ) / path ) )
 		{
-			candidates.push_back( fs::path( entry.substr( equals + 1 ) ) / path );
+			return;
 		}
 	}
-	addEnvironment( "ROS_PACKAGE_PATH", package, path, false, candidates );
-	addEnvironment( "AMENT_PREFIX_PATH", package, path, true, candidates );
-	for ( fs::path folder = from_folder;; folder = folder.parent_path() )
+	if ( searchEnvironment( "ROS_PACKAGE_PATH", package, path, false, search ) ||
+	     searchEnvironment( "AMENT_PREFIX_PATH", package, path, true, search ) )
 	{
-		addEntry( folder, package, path, candidates );
-		if ( folder == folder.parent_path() )
-		{
-			return candidates;
-		}
+		return;
+	}
+	for ( fs::path folder = from_folder; !search.inEntry( folder, package, path ) && folder != folder.parent_path(); )
+	{
+		folder = folder.parent_path();
 	}
 }
 
@@ -90,7 +109,7 @@ std::string resolveUri(
 {
 	const std::string package_scheme = "package://", file_scheme = "file://";
 	fs::path from_folder = fs::absolute( from_file ).lexically_normal().parent_path();
-	std::vector<fs::path> candidates;
+	Search search( tried );
 	if ( uri.compare( 0, package_scheme.size(), package_scheme ) == 0 )
 	{
 		std::string rest = uri.substr( package_scheme.size() );
@@ -99,27 +118,17 @@ std::string resolveUri(
 		{
 			return ""; // no package name, or nothing in it
 		}
-		candidates = packageCandidates( rest.substr( 0, slash ), rest.substr( slash + 1 ), from_folder, options );
+		searchPackage( rest.substr( 0, slash ), rest.substr( slash + 1 ), from_folder, options, search );
 	}
 	else if ( uri.compare( 0, file_scheme.size(), file_scheme ) == 0 )
 	{
-		candidates.push_back( from_folder / uri.substr( file_scheme.size() ) );
+		search.at( from_folder / uri.substr( file_scheme.size() ) );
 	}
 	else
 	{
-		candidates.push_back( from_folder / uri ); // an absolute path replaces the folder
+		search.at( from_folder / uri ); // an absolute path replaces the folder
 	}
-	for ( const fs::path& candidate : candidates )
-	{
-		std::string path = candidate.lexically_normal().string();
-		tried.push_back( path );
-		std::error_code error;
-		if ( fs::is_regular_file( path, error ) )
-		{
-			return path;
-		}
-	}
-	return "";
+	return search.found();
 }
 
 std::string findResource( const char* kind, const std::string& uri, const std::string& from_file, const std::string& element,

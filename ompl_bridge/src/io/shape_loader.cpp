@@ -4,8 +4,8 @@
 #include "mesh_source.hpp"
 
 #include <cmath>
-#include <filesystem>
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 namespace leeway::io::detail
 {
@@ -50,9 +50,12 @@ std::string primitiveText( lw_shape_type type, const std::array<double, 3>& d )
 
 MeshKey meshKey( const std::string& file, const std::array<double, 3>& scale )
 {
-	std::error_code error;
-	std::filesystem::path canonical = std::filesystem::canonical( file, error );
-	return { error ? file : canonical.string(), scale[0], scale[1], scale[2] };
+	struct stat status;
+	if ( stat( file.c_str(), &status ) != 0 )
+	{
+		return { file, scale[0], scale[1], scale[2] };
+	}
+	return { fmt::format( "{}:{}", status.st_dev, status.st_ino ), scale[0], scale[1], scale[2] };
 }
 
 ShapeLoader::ShapeLoader( const LoadOptions& options, LoadReport& report ) : m_options( options ), m_report( report )
