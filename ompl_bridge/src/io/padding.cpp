@@ -212,7 +212,7 @@ void checkPadding( const YamlNode& node, bool scale )
 	requireUsable( node.number(), scale, node.file(), node.place() );
 }
 
-Padding paddingOf( const RobotModel& robot, const ProblemOptions& options, std::vector<Notice>& notices )
+Padding paddingOf( const RobotModel& robot, const ProblemOptions& options )
 {
 	const std::map<std::string, double> none;
 	const SceneModel* scene = options.scene;
@@ -243,16 +243,6 @@ Padding paddingOf( const RobotModel& robot, const ProblemOptions& options, std::
 	}
 	requireUsable( given.object, false, robot.urdf_file, "padding of objects" );
 	requireUsable( given.attached, false, robot.urdf_file, "padding of attached objects" );
-	double most = std::max( given.object, given.attached );
-	for ( const auto& entry : result.link_padding )
-	{
-		most = std::max( most, entry.second );
-	}
-	if ( most > 0 )
-	{
-		notices.push_back( { scene_file, "link_padding",
-		    fmt::format( "padding of up to {} m is in no distance: ask for it as a margin", most ) } );
-	}
 	return result;
 }
 

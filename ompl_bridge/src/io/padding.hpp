@@ -11,7 +11,7 @@ namespace leeway::io::detail
 void checkPadding( const YamlNode& node, bool scale );
 
 /// What holds for this robot: an entry for each link that is not as it is. @throws Error for links that the robot lacks
-Padding paddingOf( const RobotModel& robot, const ProblemOptions& options, std::vector<Notice>& notices );
+Padding paddingOf( const RobotModel& robot, const ProblemOptions& options );
 
 /// The robot with each link's shapes at their scale; shapes at scale 1 are the same ones. @throws Error
 RobotModel scaledRobot( const RobotModel& robot, const Padding& padding );

@@ -4,6 +4,7 @@
 // Who decides on the contact of two links: the SRDF allows what it lists; a planning scene's matrix can allow more. Its
 // "false" does not forbid what the SRDF allows: the MotionBenchMaker matrices were written for other link sets than the
 // SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. Such entries are told in a notice.
+#include "margins.hpp"
 #include "padding.hpp"
 
 #include <algorithm>
@@ -486,10 +487,12 @@ void noticeStaticContact(
 	lw_clearance fixed = lw_checker_get_info( problem.checker.get() ).static_environment;
 	if ( scene != nullptr && fixed.upper <= options.min_d )
 	{
+		const double margin = lw_checker_environment_margin( problem.checker.get(), fixed.a, fixed.b );
 		problem.notices.push_back( { scene->file, problem.group.empty() ? "robot " + model.name : "group " + problem.group,
-		    fmt::format( "no state is valid: link {}, which stands still, is {} m from {}",
-		        lw_robot_link_name( problem.robot.get(), fixed.a ), fixed.upper,
-		        lw_scene_object_name( problem.scene.get(), fixed.b ) ) } );
+		    fmt::format( "no state is valid: link {}, which stands still, is {} m from {}{}",
+		        lw_robot_link_name( problem.robot.get(), fixed.a ), std::fmax( 0, fixed.upper + margin ),
+		        lw_scene_object_name( problem.scene.get(), fixed.b ),
+		        margin > 0 ? fmt::format( ", and their margin is {} m", margin ) : "" ) } );
 	}
 }
 
@@ -502,7 +505,15 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 		allowed.push_back( { lw_robot_find_link( problem.robot.get(), link.c_str() ),
 		    lw_scene_find_object( problem.scene.get(), object.c_str() ) } );
 	}
+	std::set<std::string> attached;
+	for ( std::size_t i = 0; scene != nullptr && i < scene->attached.size(); ++i )
+	{
+		attached.insert( scene->attached[i].object.name );
+	}
+	const detail::BoundMargins margins =
+	    detail::bindMargins( options.margins, problem, attached, contacts.link_objects, problem.notices );
 	lw_checker_def def = lw_checker_def_default();
+	def.margins = margins.def();
 	def.robot = problem.robot.get();
 	def.scene = problem.scene.get();
 	def.variables = problem.variables.data();
@@ -638,7 +649,7 @@ Robot buildRobot( const RobotModel& model )
 Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options )
 {
 	Problem problem;
-	problem.padding = detail::paddingOf( unscaled, options, problem.notices );
+	problem.padding = detail::paddingOf( unscaled, options );
 	std::optional<RobotModel> scaled;
 	if ( !problem.padding.link_scale.empty() )
 	{

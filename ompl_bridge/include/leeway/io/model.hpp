@@ -201,8 +201,9 @@ struct LoadedReach
 /// @throws Error (a cache that is no folder), CoreError
 LoadedReach loadReach( const Robot& robot, const ReachOptions& options );
 
-/// MoveIt's enlarged geometry, as planning scenes and parameter files give it. Padding is metres added around a geometry, a
-/// scale is a factor of it: of each primitive and ball about its centre, of each mesh about the mean of its vertices.
+/// MoveIt's enlarged geometry, as planning scenes and parameter files give it. A scale is a factor of a geometry: of each
+/// primitive and ball about its centre, of each mesh about the mean of its vertices. Padding is metres that are kept around it:
+/// a margin to the scene (lw_margins::link_environment and object), as MoveIt checks a robot against itself without padding.
 struct Padding
 {
 	double robot = 0, robot_scale = 1; ///< of links that the maps do not name
@@ -214,6 +215,20 @@ struct Padding
 /// default_robot_link_padding and default_robot_link_scale, wherever they are in a YAML file of parameters (ROS 1 or 2).
 /// @throws Error (none of them is there, or one is there twice; a negative padding, a scale that is not above 0)
 Padding loadPadding( const std::string& file );
+
+/// By how much pairs have to be further apart than by min_d, metres, >= 0: lw_margins by names. Objects that are attached to
+/// the robot are links. A link's or object's padding is added; pairs in the list have what is there and nothing else.
+struct Margins
+{
+	std::string file; ///< for errors
+	double environment = 0, self = 0;                    ///< of every link to every object, of every two links
+	std::map<std::string, double> links, self_links;     ///< of these links to objects, and to other links
+	std::map<std::string, double> objects;
+	std::map<std::pair<std::string, std::string>, double> pairs; ///< link and object, or two links, in either order
+};
+
+/// YAML: ompl_bridge/docs/scenes.md. @throws Error (an unknown key, a negative margin, a pair that is there twice)
+Margins loadMargins( const std::string& file );
 
 /// Joint values and multi-dof transforms as MoveIt's robot_state and start_state give them.
 struct JointState
@@ -308,7 +323,7 @@ struct Problem
 	std::vector<std::string> variable_names; ///< of those, e.g. joint names
 	std::vector<double> reference;           ///< [robot variable_count]
 	LoadedReach reach;                       ///< what the checker uses; empty if none
-	/// Of the options and the scene. The scales are in the robot. Padding is in no distance: it is for margins.
+	/// Of the options and the scene. The scales are in the robot, padding is in the checker's margins.
 	Padding padding;
 	std::vector<Notice> notices;
 };
@@ -325,7 +340,8 @@ struct ProblemOptions
 	std::optional<ReachOptions> find_reach = std::nullopt;
 	Reach reach{};     ///< of an equal robot, from an earlier problem
 	Padding padding{}; ///< loadPadding(), or of your own; what the scene says of a link is stronger
-	/// Metres: the margin, and the largest distance that the caller cares about. Neither changes an answer: obstacles that the
+	Margins margins{}; ///< loadMargins(), or of your own
+	/// Metres of clearance: the least that is wanted, and the largest that the caller cares about. Neither changes an answer: obstacles that the
 	/// group cannot come within max_d of are passed over where nothing more is asked (lw_checker_def::max_d), and links that
 	/// stand still within min_d of an obstacle are told once, in a notice.
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity();
