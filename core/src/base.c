@@ -79,25 +79,6 @@ lw_status lwi_out_of_memory( lw_diag* diag, const char* what )
 	return lwi_fail( diag, LW_ERROR_OUT_OF_MEMORY, LW_INVALID_INDEX, "out of memory while building %s", what );
 }
 
-char* lwi_string_copy( const lw_allocator* allocator, const char* text )
-{
-	size_t size = strlen( text ) + 1;
-	char* copy = lwi_alloc( allocator, size );
-	if ( copy != NULL )
-	{
-		memcpy( copy, text, size );
-	}
-	return copy;
-}
-
-void lwi_string_free( const lw_allocator* allocator, char* text )
-{
-	if ( text != NULL )
-	{
-		lwi_free( allocator, text, strlen( text ) + 1 );
-	}
-}
-
 uint32_t lw_version( void )
 {
 	return LW_VERSION;

@@ -34,10 +34,6 @@ lw_status lwi_fail( lw_diag* diag, lw_status status, uint32_t index, const char*
 /// LW_ERROR_OUT_OF_MEMORY with a message that names what was being built.
 lw_status lwi_out_of_memory( lw_diag* diag, const char* what );
 
-/// An allocation that also takes a copy of a string; NULL on failure.
-char* lwi_string_copy( const lw_allocator* allocator, const char* text );
-void lwi_string_free( const lw_allocator* allocator, char* text );
-
 /// Reference counts of immutable objects: incremented relaxed, the last decrement synchronises.
 static inline void lwi_retain( atomic_uint* count )
 {

@@ -44,6 +44,20 @@ static void checker_free( lw_checker* c )
 	lwi_free( &allocator, c, sizeof( lw_checker ) );
 }
 
+/// True if a reach was made for this robot, for an equal one, or for this one without what is attached to it.
+static bool serves( const lw_reach* reach, const lw_robot* robot )
+{
+	const lw_robot* made_for = lw_reach_robot( reach );
+	const lw_robot* bare = lw_robot_bare( robot );
+	if ( made_for == robot || made_for == bare )
+	{
+		return true;
+	}
+	const lw_digest digest = lw_robot_digest( made_for );
+	return lw_digest_equal( digest, lw_robot_digest( robot ) ) ||
+		   ( bare != robot && lw_digest_equal( digest, lw_robot_digest( bare ) ) );
+}
+
 static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 {
 	if ( def == NULL || def->cookie != CHECKER_COOKIE )
@@ -79,9 +93,9 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "the reference value of variable %u is not finite", i );
 		}
 	}
-	bool known = def->previous != NULL && def->previous->robot == def->robot && def->previous->reach == def->reach;
-	if ( def->reach != NULL && !known && lw_reach_robot( def->reach ) != def->robot &&
-		 !lw_digest_equal( lw_robot_digest( lw_reach_robot( def->reach ) ), lw_robot_digest( def->robot ) ) )
+	bool known = def->previous != NULL && def->previous->reach == def->reach &&
+		( def->previous->robot == def->robot || lw_robot_bare( def->previous->robot ) == lw_robot_bare( def->robot ) );
+	if ( def->reach != NULL && !known && !serves( def->reach, def->robot ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
 			"the reach was made for robot '%.60s', which differs from this checker's robot '%.60s'; make one for this robot",

@@ -177,6 +177,7 @@ bool lwi_query_fits( const lw_query* query, const lw_checker* checker );
 void* lwi_query_edge_scratch( lw_query* query );
 /// Forgets the nearest pairs of earlier edges: they were another checker's.
 void lwi_edge_forget( lw_query* query );
-size_t lwi_edge_scratch_size( const lw_checker* checker ); ///< implemented by edge_item.c, asked by lw_query_create()
+/// Implemented by edge_motion.c. @param spare_bodies that the robot may have beyond those it has, and as many links
+size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
 
 #endif

@@ -18,9 +18,10 @@
 float lwi_checker_separation( const lw_checker* c, const lwi_checker_tree* t, uint32_t body_a, uint32_t body_b )
 {
 	double proved = 0, margin = lwi_self_margin( c, body_a, body_b );
-	if ( t->proves )
+	uint32_t link_a = c->bodies[body_a].link, link_b = c->bodies[body_b].link;
+	if ( t->proves && link_a < c->reach->link_count && link_b < c->reach->link_count ) // nothing of what was attached later
 	{
-		proved = lw_reach_get_pair( c->reach, c->bodies[body_a].link, c->bodies[body_b].link ).separation;
+		proved = lw_reach_get_pair( c->reach, link_a, link_b ).separation;
 	}
 	double usable = proved * ( 1 - 0x1p-20 ) - POSE_MARGIN;
 	usable = usable > 0 ? usable : 0;
@@ -304,6 +305,61 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* 
 	return (lw_sphere){ { ball.center.x, ball.center.y, ball.center.z }, radius };
 }
 
+/// A point of the convex hull of a body: the mean of its points, or of the corners of its box if it is a convex solid.
+static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
+{
+	const lw_shape* shape = c->bodies[body].shape;
+	lw_vec3 sum = lwi_v3( 0, 0, 0 );
+	size_t count = lwi_hull_count( shape );
+	for ( size_t i = 0; i < count; ++i )
+	{
+		sum = lwi_add( sum, lwi_hull_point( shape, i ) );
+	}
+	lw_transform pose = body_in_node( c, node, body );
+	return lwi_transform( &pose, lwi_scale( 1.0 / (double)count, sum ) );
+}
+
+/// How far an attached body gets beyond what the reach knows of its node: all of it is this near to a point that every M
+/// contains. Infinite if the reach knows nothing of the node.
+static double attached_excess( const lw_checker* c, const lwi_checker_tree* t, uint32_t body )
+{
+	const lwi_checker_node* node = &t->nodes[t->body_node[body]];
+	const lw_sphere* mine = &t->body_spheres[t->body_place[body]];
+	double nearest = INFINITY;
+	uint32_t anchor = LW_INVALID_INDEX;
+	for ( uint32_t k = node->first_body; k < node->first_body + node->body_count; ++k )
+	{
+		double distance = lwi_distance( lwi_load( t->body_spheres[k].center ), lwi_load( mine->center ) );
+		if ( c->bodies[t->bodies[k]].link < c->reach->link_count && distance < nearest )
+		{
+			nearest = distance;
+			anchor = t->bodies[k];
+		}
+	}
+	return anchor == LW_INVALID_INDEX
+			   ? INFINITY
+			   : lwi_distance( inner_point( c, node, anchor ), lwi_load( mine->center ) ) + mine->radius;
+}
+
+/// M spheres of a reach, enlarged by what was attached to the robot since it was made.
+static void cover_attached( lwi_checker_tree* t, const lw_checker* c )
+{
+	for ( uint32_t i = t->node_count; i-- > 1; )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		double excess = 0;
+		for ( uint32_t k = 0; k < t->body_count; ++k ) // its own and those of the nodes below
+		{
+			uint32_t body = t->bodies[k];
+			if ( c->bodies[body].link >= c->reach->link_count && t->body_node[body] >= i && t->body_node[body] < node->end )
+			{
+				excess = fmax( excess, attached_excess( c, t, body ) );
+			}
+		}
+		node->m.radius = excess > 0 && node->m.radius < 0 ? INFINITY : node->m.radius + excess;
+	}
+}
+
 /// R and M of all nodes. Their own rounding is far below what poses add when a query takes them to the world (lwi_sphere()).
 static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_diag* diag )
 {
@@ -337,6 +393,10 @@ static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_dia
 			node->r = sphere_of_bodies( c, t, node, points );
 			lwi_free( &t->allocator, points, count * sizeof( double[3] ) );
 		}
+	}
+	if ( t->proves && c->robot->link_count > c->reach->link_count )
+	{
+		cover_attached( t, c );
 	}
 	return LW_OK;
 }

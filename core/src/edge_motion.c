@@ -59,10 +59,14 @@ void lwi_edge_begin( lwi_edge* edge, void* scratch )
 	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
 }
 
-size_t lwi_edge_scratch_size( const lw_checker* checker )
+size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 {
 	lwi_edge edge = { .checker = checker };
-	return lay_out( &edge, NULL );
+	// Each more may move, and meet all others: what lay_out() would take for as many items, and its rounding of three arrays
+	size_t items = spare_bodies * ( 1 + (size_t)checker->robot->body_count + spare_bodies );
+	size_t more = items * ( sizeof( lwi_edge_item ) + 2 * 4 * sizeof( lwi_edge_gap ) ) + 3 * LWI_ALIGNMENT +
+				  lwi_motion_scratch_spare( spare_bodies );
+	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );
 }
 
 void lwi_edge_forget( lw_query* query )

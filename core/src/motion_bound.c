@@ -528,6 +528,11 @@ size_t lwi_motion_scratch_size( const lwi_motion_table* table )
 	return size;
 }
 
+size_t lwi_motion_scratch_spare( uint32_t links )
+{
+	return links * ( sizeof( lw_transform ) + sizeof( joint_motion ) ) + (size_t)2 * LWI_ALIGNMENT; // and their rounding
+}
+
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
 {
 	motion_scratch s = scratch_layout( table, scratch, NULL );

@@ -38,6 +38,8 @@ size_t lwi_motion_table_bytes( const lwi_motion_table* table );
 
 /// Bytes of scratch, 64-aligned, that lwi_motion_measure() fills.
 size_t lwi_motion_scratch_size( const lwi_motion_table* table );
+/// How much more that may be for a robot with this many more links on fixed joints.
+size_t lwi_motion_scratch_spare( uint32_t links );
 
 /// Measures the edge qa -> qb (full states, finite; the motion of lw_robot_interpolate over t in [0, 1]) for all bodies.
 /// Holds for states outside the joint limits too. @return false for a zero quaternion or an edge whose length overflows

@@ -9,7 +9,8 @@
 
 enum
 {
-	QUERY_COOKIE = 0x4c575155
+	QUERY_COOKIE = 0x4c575155,
+	MAX_SPARE = 1 << 24 ///< beyond that nothing would fit
 };
 
 lw_query_def lw_query_def_default( void )
@@ -75,23 +76,31 @@ lw_status lw_query_create( const lw_query_def* def, const struct lw_scene* scene
 	}
 	lw_query sizes;
 	memset( &sizes, 0, sizeof( sizes ) );
+	if ( def->spare_shapes > MAX_SPARE || def->spare_bodies > MAX_SPARE )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
 	sizes.scene_capacity = scene != NULL ? scene->shape_count : 0;
+	if ( checker != NULL && checker->scene != NULL && checker->scene->shape_count > sizes.scene_capacity )
+	{
+		sizes.scene_capacity = checker->scene->shape_count;
+	}
+	sizes.scene_capacity += def->spare_shapes;
 	size_t gaps = padded( sizes.scene_capacity );
 	if ( checker != NULL )
 	{
-		uint32_t in_scene = checker->scene != NULL ? checker->scene->shape_count : 0;
-		sizes.scene_capacity = in_scene > sizes.scene_capacity ? in_scene : sizes.scene_capacity;
 		sizes.variable_capacity = lw_robot_variable_count( checker->robot );
-		sizes.link_capacity = lw_robot_link_count( checker->robot );
-		sizes.body_capacity = lw_robot_body_count( checker->robot );
-		size_t rows = checker->moving_body_count > 0 ? checker->moving_body_count : 1;
-		size_t environment = rows * padded( sizes.scene_capacity );
+		// an attached object is a link with a body at least
+		sizes.link_capacity = lw_robot_link_count( checker->robot ) + def->spare_bodies;
+		sizes.body_capacity = lw_robot_body_count( checker->robot ) + def->spare_bodies;
+		size_t rows = (size_t)checker->moving_body_count + def->spare_bodies;
+		size_t environment = ( rows > 0 ? rows : 1 ) * padded( sizes.scene_capacity );
 		size_t self = sizes.body_capacity * (size_t)padded( sizes.body_capacity );
 		gaps = environment > gaps ? environment : gaps;
 		gaps = self > gaps ? self : gaps;
-		sizes.edge_capacity = lwi_edge_scratch_size( checker );
+		sizes.edge_capacity = lwi_edge_scratch_size( checker, def->spare_bodies );
 	}
-	if ( gaps > UINT32_MAX / 2 )
+	if ( gaps > UINT32_MAX / 2 || sizes.body_capacity > UINT32_MAX / 2 )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
@@ -157,6 +166,11 @@ void* lwi_query_edge_scratch( lw_query* query )
 	return query->edge_scratch;
 }
 
+bool lw_query_fits( const lw_query* query, const lw_checker* checker )
+{
+	return query != NULL && checker != NULL && lwi_query_fits( query, checker );
+}
+
 bool lwi_query_fits( const lw_query* query, const lw_checker* checker )
 {
 	size_t columns = padded( checker->scene != NULL ? checker->scene->shape_count : 0 );
@@ -165,7 +179,7 @@ bool lwi_query_fits( const lw_query* query, const lw_checker* checker )
 	return query->variable_capacity >= lw_robot_variable_count( checker->robot ) &&
 		   query->link_capacity >= lw_robot_link_count( checker->robot ) && query->body_capacity >= bodies &&
 		   query->gap_capacity >= rows * columns && query->gap_capacity >= bodies * padded( (uint32_t)bodies ) &&
-		   query->edge_capacity >= lwi_edge_scratch_size( checker );
+		   query->edge_capacity >= lwi_edge_scratch_size( checker, 0 );
 }
 
 static bool before( lwi_candidate x, lwi_candidate y )

@@ -224,6 +224,25 @@ static lw_status check_joints( const lw_robot_def* def, lw_diag* diag )
 	return LW_OK;
 }
 
+lw_status lwi_robot_check_body( const lw_body_def* b, uint32_t i, const char* link, lw_diag* diag )
+{
+	if ( b->shape == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "body %u of link '%s' has no shape", i, link );
+	}
+	if ( b->shape->family == LWI_UNBOUNDED )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
+			"body %u of link '%s' is a half-space or plane; these have no bounds and can only be obstacles: use a box", i, link );
+	}
+	if ( !lw_transform_is_valid( &b->link_from_shape ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
+			"body %u of link '%s': its pose is not a rigid transform (finite numbers, rotation matrix)", i, link );
+	}
+	return LW_OK;
+}
+
 static lw_status check_bodies_and_pairs( const lw_robot_def* def, lw_diag* diag )
 {
 	for ( uint32_t i = 0; i < def->body_count; ++i )
@@ -234,22 +253,10 @@ static lw_status check_bodies_and_pairs( const lw_robot_def* def, lw_diag* diag 
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "body %u: link %u is not one of the %u links", i, b->link,
 				def->link_count );
 		}
-		if ( b->shape == NULL )
+		lw_status status = lwi_robot_check_body( b, i, def->link_names[b->link], diag );
+		if ( status != LW_OK )
 		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "body %u of link '%s' has no shape", i,
-				def->link_names[b->link] );
-		}
-		if ( b->shape->family == LWI_UNBOUNDED )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-				"body %u of link '%s' is a half-space or plane; these have no bounds and can only be obstacles: use a box", i,
-				def->link_names[b->link] );
-		}
-		if ( !lw_transform_is_valid( &b->link_from_shape ) )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-				"body %u of link '%s': its pose is not a rigid transform (finite numbers, rotation matrix)", i,
-				def->link_names[b->link] );
+			return status;
 		}
 	}
 	for ( uint32_t i = 0; i < def->allowed_pair_count; ++i )
@@ -336,7 +343,7 @@ static size_t text_size( const lw_robot_def* def )
 	return size;
 }
 
-static const char* append_text( char** end, const char* text )
+const char* lwi_append_text( char** end, const char* text )
 {
 	char* at = *end;
 	size_t size = strlen( text ) + 1;
@@ -345,30 +352,19 @@ static const char* append_text( char** end, const char* text )
 	return at;
 }
 
-static size_t allowed_words( uint32_t link_count )
+lw_robot* lwi_robot_allocate( const lwi_robot_counts* counts, const lw_allocator* allocator, char** out_text )
 {
-	return ( (size_t)link_count * link_count + 31 ) / 32;
-}
-
-/// The robot as one block with all names and counts in place; NULL without memory.
-static lw_robot* allocate_robot( const lw_robot_def* def, const lw_allocator* allocator )
-{
-	uint32_t variable_count = 0;
-	for ( uint32_t i = 0; i < def->joint_count; ++i )
-	{
-		variable_count += own_variable_count( &def->joints[i] );
-	}
 	size_t total = lwi_align_up( sizeof( lw_robot ) );
-	size_t link_names = place( &total, def->link_count, sizeof( char* ) );
-	size_t joint_names = place( &total, def->joint_count, sizeof( char* ) );
-	size_t joints = place( &total, def->joint_count, sizeof( lwi_joint ) );
-	size_t bodies = place( &total, def->body_count, sizeof( lw_body_def ) );
-	size_t variables = place( &total, variable_count, sizeof( lw_variable_info ) );
-	size_t link_joint = place( &total, def->link_count, sizeof( uint32_t ) );
-	size_t link_order = place( &total, def->link_count, sizeof( uint32_t ) );
-	size_t rigid_group = place( &total, def->link_count, sizeof( uint32_t ) );
-	size_t allowed = place( &total, allowed_words( def->link_count ), sizeof( uint32_t ) );
-	size_t text = place( &total, text_size( def ), 1 );
+	size_t link_names = place( &total, counts->links, sizeof( char* ) );
+	size_t joint_names = place( &total, counts->joints, sizeof( char* ) );
+	size_t joints = place( &total, counts->joints, sizeof( lwi_joint ) );
+	size_t bodies = place( &total, counts->bodies, sizeof( lw_body_def ) );
+	size_t variables = place( &total, counts->variables, sizeof( lw_variable_info ) );
+	size_t link_joint = place( &total, counts->links, sizeof( uint32_t ) );
+	size_t link_order = place( &total, counts->links, sizeof( uint32_t ) );
+	size_t rigid_group = place( &total, counts->links, sizeof( uint32_t ) );
+	size_t allowed = place( &total, lwi_allowed_words( counts->links ), sizeof( uint32_t ) );
+	size_t text = place( &total, counts->text, 1 );
 
 	char* block = lwi_alloc_zero( allocator, total, 1 );
 	if ( block == NULL )
@@ -379,10 +375,10 @@ static lw_robot* allocate_robot( const lw_robot_def* def, const lw_allocator* al
 	atomic_init( &robot->references, 1u );
 	robot->allocator = *allocator;
 	robot->bytes = total;
-	robot->link_count = def->link_count;
-	robot->joint_count = def->joint_count;
-	robot->body_count = def->body_count;
-	robot->variable_count = variable_count;
+	robot->link_count = counts->links;
+	robot->joint_count = counts->joints;
+	robot->body_count = counts->bodies;
+	robot->variable_count = counts->variables;
 	robot->link_names = (const char**)( block + link_names );
 	robot->joint_names = (const char**)( block + joint_names );
 	robot->joints = (lwi_joint*)( block + joints );
@@ -392,19 +388,52 @@ static lw_robot* allocate_robot( const lw_robot_def* def, const lw_allocator* al
 	robot->link_order = (uint32_t*)( block + link_order );
 	robot->rigid_group = (uint32_t*)( block + rigid_group );
 	robot->allowed = (uint32_t*)( block + allowed );
-	robot->world_from_root = orthonormalized( &def->world_from_root );
+	*out_text = block + text;
+	return robot;
+}
 
-	char* end = block + text;
-	robot->name = append_text( &end, def->name != NULL ? def->name : "" );
+/// The robot as one block with all names and counts in place; NULL without memory.
+static lw_robot* allocate_robot( const lw_robot_def* def, const lw_allocator* allocator )
+{
+	lwi_robot_counts counts = { def->link_count, def->joint_count, def->body_count, 0, text_size( def ) };
+	for ( uint32_t i = 0; i < def->joint_count; ++i )
+	{
+		counts.variables += own_variable_count( &def->joints[i] );
+	}
+	char* end;
+	lw_robot* robot = lwi_robot_allocate( &counts, allocator, &end );
+	if ( robot == NULL )
+	{
+		return NULL;
+	}
+	robot->world_from_root = orthonormalized( &def->world_from_root );
+	robot->name = lwi_append_text( &end, def->name != NULL ? def->name : "" );
 	for ( uint32_t i = 0; i < def->link_count; ++i )
 	{
-		robot->link_names[i] = append_text( &end, def->link_names[i] );
+		robot->link_names[i] = lwi_append_text( &end, def->link_names[i] );
 	}
 	for ( uint32_t i = 0; i < def->joint_count; ++i )
 	{
-		robot->joint_names[i] = append_text( &end, def->joints[i].name );
+		robot->joint_names[i] = lwi_append_text( &end, def->joints[i].name );
 	}
 	return robot;
+}
+
+uint32_t lwi_robot_order_links( lw_robot* robot, uint32_t root )
+{
+	uint32_t placed = 0;
+	robot->link_order[placed++] = root;
+	for ( uint32_t done = 0; done < placed; ++done )
+	{
+		for ( uint32_t i = 0; i < robot->joint_count; ++i )
+		{
+			if ( robot->joints[i].parent == robot->link_order[done] )
+			{
+				robot->link_order[placed++] = robot->joints[i].child;
+			}
+		}
+	}
+	return placed;
 }
 
 /// Fills link_joint and link_order: one root, one parent each, everything reachable.
@@ -439,21 +468,12 @@ static lw_status build_tree( lw_robot* robot, const lw_robot_def* def, lw_diag* 
 		}
 		root = i;
 	}
-	uint32_t placed = 0;
-	if ( root != LW_INVALID_INDEX )
+	for ( uint32_t i = 0; i < def->joint_count; ++i )
 	{
-		robot->link_order[placed++] = root;
+		robot->joints[i].parent = def->joints[i].parent;
+		robot->joints[i].child = def->joints[i].child;
 	}
-	for ( uint32_t done = 0; done < placed; ++done )
-	{
-		for ( uint32_t i = 0; i < def->joint_count; ++i )
-		{
-			if ( def->joints[i].parent == robot->link_order[done] )
-			{
-				robot->link_order[placed++] = def->joints[i].child;
-			}
-		}
-	}
+	uint32_t placed = root != LW_INVALID_INDEX ? lwi_robot_order_links( robot, root ) : 0;
 	if ( placed == robot->link_count )
 	{
 		return LW_OK;
@@ -628,7 +648,7 @@ static void build_variables( lw_robot* robot )
 	}
 }
 
-static void set_allowed( lw_robot* robot, uint32_t a, uint32_t b )
+void lwi_robot_allow( lw_robot* robot, uint32_t a, uint32_t b )
 {
 	size_t ab = (size_t)a * robot->link_count + b;
 	size_t ba = (size_t)b * robot->link_count + a;
@@ -636,7 +656,7 @@ static void set_allowed( lw_robot* robot, uint32_t a, uint32_t b )
 	robot->allowed[ba / 32] |= 1u << ( ba % 32 );
 }
 
-static void build_bodies_and_pairs( lw_robot* robot, const lw_robot_def* def )
+void lwi_robot_group_links( lw_robot* robot )
 {
 	for ( uint32_t k = 0; k < robot->link_count; ++k )
 	{
@@ -645,15 +665,23 @@ static void build_bodies_and_pairs( lw_robot* robot, const lw_robot_def* def )
 		bool attached = joint != LW_INVALID_INDEX && robot->joints[joint].constant;
 		robot->rigid_group[link] = attached ? robot->rigid_group[robot->joints[joint].parent] : link;
 	}
+}
+
+lw_body_def lwi_robot_take_body( const lw_body_def* def )
+{
+	return (lw_body_def){ lw_shape_retain( def->shape ), def->link, orthonormalized( &def->link_from_shape ) };
+}
+
+static void build_bodies_and_pairs( lw_robot* robot, const lw_robot_def* def )
+{
+	lwi_robot_group_links( robot );
 	for ( uint32_t i = 0; i < def->allowed_pair_count; ++i )
 	{
-		set_allowed( robot, def->allowed_pairs[i].link_a, def->allowed_pairs[i].link_b );
+		lwi_robot_allow( robot, def->allowed_pairs[i].link_a, def->allowed_pairs[i].link_b );
 	}
 	for ( uint32_t i = 0; i < robot->body_count; ++i )
 	{
-		robot->bodies[i] = def->bodies[i];
-		robot->bodies[i].shape = lw_shape_retain( def->bodies[i].shape );
-		robot->bodies[i].link_from_shape = orthonormalized( &def->bodies[i].link_from_shape );
+		robot->bodies[i] = lwi_robot_take_body( &def->bodies[i] );
 	}
 }
 
@@ -716,6 +744,7 @@ void lw_robot_release( lw_robot* robot )
 	{
 		lw_shape_release( (lw_shape*)robot->bodies[i].shape );
 	}
+	lw_robot_release( robot->bare );
 	lw_allocator memory = robot->allocator;
 	lwi_free( &memory, robot, robot->bytes );
 }

@@ -54,7 +54,35 @@ struct lw_robot
 	uint32_t* rigid_group;    ///< [link_count] equal for links rigidly attached to each other: the topmost of them
 	uint32_t* allowed;        ///< [link_count * link_count] bits, symmetric
 	lw_transform world_from_root;
+	/// Without what is attached (a reference): its links, joints and bodies come first here. NULL if nothing is.
+	lw_robot* bare;
 };
+
+// --- parts of the building, for robots that are made from others -------------------------------------------------------
+
+typedef struct lwi_robot_counts
+{
+	uint32_t links, joints, bodies, variables;
+	size_t text; ///< bytes of all names
+} lwi_robot_counts;
+
+/// A robot of these sizes, everything else 0; NULL without memory. @param out_text room for the names
+lw_robot* lwi_robot_allocate( const lwi_robot_counts* counts, const lw_allocator* allocator, char** out_text );
+/// Copies a name to *end, which it moves behind it.
+const char* lwi_append_text( char** end, const char* text );
+static inline size_t lwi_allowed_words( uint32_t link_count )
+{
+	return ( (size_t)link_count * link_count + 31 ) / 32;
+}
+void lwi_robot_allow( lw_robot* robot, uint32_t a, uint32_t b );
+/// Fills link_order from the joints' parents and children, breadth first. Returns how many links hang on the root.
+uint32_t lwi_robot_order_links( lw_robot* robot, uint32_t root );
+/// Fills rigid_group, for a robot with its order and joints.
+void lwi_robot_group_links( lw_robot* robot );
+/// LW_OK, or what is wrong with body i, of a link of this name.
+lw_status lwi_robot_check_body( const lw_body_def* body, uint32_t i, const char* link, lw_diag* diag );
+/// A body as robots keep it: with a reference to its shape.
+lw_body_def lwi_robot_take_body( const lw_body_def* def );
 
 /// Links in topological order (parents first): [link_count], owned by the robot.
 const uint32_t* lwi_robot_link_order( const lw_robot* robot );

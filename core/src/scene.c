@@ -62,14 +62,62 @@ void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape,
 	}
 }
 
-static void scene_free( lw_scene* scene )
+// --- names, shared by the scenes that are edited from one another -----------------------------------------------------
+
+typedef struct shared_name
+{
+	atomic_uint references;
+	lw_allocator allocator;
+	size_t bytes;
+	char text[];
+} shared_name;
+
+static shared_name* name_of( const char* text )
+{
+	return (shared_name*)( text - offsetof( shared_name, text ) );
+}
+
+char* lwi_name_create( const lw_allocator* allocator, const char* text )
+{
+	size_t length = strlen( text ) + 1, bytes = sizeof( shared_name ) + length;
+	shared_name* made = lwi_alloc( allocator, bytes );
+	if ( made == NULL )
+	{
+		return NULL;
+	}
+	atomic_init( &made->references, 1u );
+	made->allocator = *allocator;
+	made->bytes = bytes;
+	memcpy( made->text, text, length );
+	return made->text;
+}
+
+char* lwi_name_retain( const char* text )
+{
+	shared_name* mine = name_of( text );
+	lwi_retain( &mine->references );
+	return mine->text;
+}
+
+static void name_release( char* text )
+{
+	if ( text != NULL && lwi_release( &name_of( text )->references ) )
+	{
+		const lw_allocator allocator = name_of( text )->allocator;
+		lwi_free( &allocator, name_of( text ), name_of( text )->bytes );
+	}
+}
+
+// --- creation --------------------------------------------------------------------------------------------------------
+
+void lwi_scene_free( lw_scene* scene )
 {
 	const lw_allocator allocator = scene->allocator;
 	if ( scene->object_names != NULL )
 	{
 		for ( uint32_t i = 0; i < scene->object_count; ++i )
 		{
-			lwi_string_free( &allocator, scene->object_names[i] );
+			name_release( scene->object_names[i] );
 		}
 	}
 	if ( scene->shapes != NULL )
@@ -122,13 +170,11 @@ static lw_status check_def( const lw_scene_def* def, lw_diag* diag )
 	return LW_OK;
 }
 
-/// World boxes, the common origin, and the float blocks about it.
-static void compute_bounds( lw_scene* scene )
+void lwi_scene_bound( lw_scene* scene )
 {
 	double all_min[3] = { INFINITY, INFINITY, INFINITY }, all_max[3] = { -INFINITY, -INFINITY, -INFINITY };
 	for ( uint32_t i = 0; i < scene->shape_count; ++i )
 	{
-		lwi_world_box( scene->shapes[i].shape, &scene->shapes[i].world_from_shape, scene->box_min[i], scene->box_max[i] );
 		if ( scene->shapes[i].shape->family == LWI_UNBOUNDED )
 		{
 			scene->unbounded[scene->unbounded_count++] = i;
@@ -158,6 +204,33 @@ static void compute_bounds( lw_scene* scene )
 	}
 }
 
+lw_scene* lwi_scene_allocate( uint32_t object_count, uint32_t shape_count, const lw_allocator* allocator )
+{
+	lw_scene* scene = lwi_alloc_zero( allocator, 1, sizeof( lw_scene ) );
+	if ( scene == NULL )
+	{
+		return NULL;
+	}
+	atomic_init( &scene->references, 1u );
+	scene->allocator = *allocator;
+	scene->object_count = object_count;
+	scene->shape_count = shape_count;
+	scene->block_count = shape_count / LWI_WIDTH + ( shape_count % LWI_WIDTH != 0 );
+	scene->object_names = lwi_alloc_zero( allocator, object_count, sizeof( char* ) );
+	scene->shapes = lwi_alloc_zero( allocator, shape_count, sizeof( lw_scene_shape_def ) );
+	scene->boxes = lwi_alloc_zero( allocator, scene->block_count, sizeof( lwi_box8 ) );
+	scene->box_min = lwi_alloc_zero( allocator, shape_count, sizeof( double[3] ) );
+	scene->box_max = lwi_alloc_zero( allocator, shape_count, sizeof( double[3] ) );
+	scene->unbounded = lwi_alloc_zero( allocator, shape_count, sizeof( uint32_t ) );
+	if ( scene->object_names == NULL || scene->shapes == NULL || scene->boxes == NULL || scene->box_min == NULL ||
+		 scene->box_max == NULL || scene->unbounded == NULL )
+	{
+		lwi_scene_free( scene );
+		return NULL;
+	}
+	return scene;
+}
+
 lw_status lw_scene_create( const lw_scene_def* def, const lw_allocator* allocator_in, lw_diag* diag, lw_scene** out_scene )
 {
 	if ( out_scene == NULL )
@@ -175,35 +248,16 @@ lw_status lw_scene_create( const lw_scene_def* def, const lw_allocator* allocato
 		return status;
 	}
 	lw_allocator allocator = lwi_allocator_or_default( allocator_in );
-	lw_scene* scene = lwi_alloc_zero( &allocator, 1, sizeof( lw_scene ) );
-	if ( scene == NULL )
-	{
-		return lwi_out_of_memory( diag, "a scene" );
-	}
-	atomic_init( &scene->references, 1u );
-	scene->allocator = allocator;
-	scene->object_count = def->object_count;
-	scene->shape_count = def->shape_count;
-	scene->block_count = def->shape_count / LWI_WIDTH + ( def->shape_count % LWI_WIDTH != 0 );
-	scene->object_names = lwi_alloc_zero( &allocator, scene->object_count, sizeof( char* ) );
-	scene->shapes = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( lw_scene_shape_def ) );
-	scene->boxes = lwi_alloc_zero( &allocator, scene->block_count, sizeof( lwi_box8 ) );
-	scene->box_min = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( double[3] ) );
-	scene->box_max = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( double[3] ) );
-	scene->unbounded = lwi_alloc_zero( &allocator, scene->shape_count, sizeof( uint32_t ) );
-	bool ok = scene->object_names != NULL && scene->shapes != NULL && scene->boxes != NULL && scene->box_min != NULL &&
-			  scene->box_max != NULL && scene->unbounded != NULL;
-	scene->bytes = sizeof( lw_scene ) + scene->block_count * sizeof( lwi_box8 ) +
-				   scene->shape_count * ( sizeof( lw_scene_shape_def ) + 2 * sizeof( double[3] ) + sizeof( uint32_t ) );
+	lw_scene* scene = lwi_scene_allocate( def->object_count, def->shape_count, &allocator );
+	bool ok = scene != NULL;
 	for ( uint32_t i = 0; ok && i < def->object_count; ++i )
 	{
-		scene->object_names[i] = lwi_string_copy( &allocator, def->object_names[i] );
-		scene->bytes += strlen( def->object_names[i] ) + 1 + sizeof( char* );
+		scene->object_names[i] = lwi_name_create( &allocator, def->object_names[i] );
 		ok = scene->object_names[i] != NULL;
 	}
 	if ( !ok )
 	{
-		scene_free( scene );
+		lw_scene_release( scene );
 		return lwi_out_of_memory( diag, "a scene" );
 	}
 	for ( uint32_t i = 0; i < def->shape_count; ++i )
@@ -211,8 +265,9 @@ lw_status lw_scene_create( const lw_scene_def* def, const lw_allocator* allocato
 		scene->shapes[i] = def->shapes[i];
 		scene->shapes[i].shape = lw_shape_retain( def->shapes[i].shape );
 		scene->shapes[i].world_from_shape = lwi_orthonormal( &def->shapes[i].world_from_shape );
+		lwi_world_box( scene->shapes[i].shape, &scene->shapes[i].world_from_shape, scene->box_min[i], scene->box_max[i] );
 	}
-	compute_bounds( scene );
+	lwi_scene_bound( scene );
 	*out_scene = scene;
 	return LW_OK;
 }
@@ -231,7 +286,7 @@ void lw_scene_release( lw_scene* scene )
 {
 	if ( scene != NULL && lwi_release( &scene->references ) )
 	{
-		scene_free( scene );
+		lwi_scene_free( scene );
 	}
 }
 

@@ -22,8 +22,17 @@ struct lw_scene
 	double ( *box_max )[3];
 	uint32_t* unbounded;         ///< [unbounded_count] half-spaces and planes, ascending: their boxes are infinite
 	uint32_t unbounded_count;
-	size_t bytes;
 };
+
+/// Arrays of these sizes, all 0 but the counts; NULL without memory. What is put into object_names and shapes is released with it.
+lw_scene* lwi_scene_allocate( uint32_t object_count, uint32_t shape_count, const lw_allocator* allocator );
+void lwi_scene_free( lw_scene* scene );
+/// The origin, and the float blocks about it: for a scene with its shapes and their boxes in double.
+void lwi_scene_bound( lw_scene* scene );
+
+/// Names of objects: reference counted.
+char* lwi_name_create( const lw_allocator* allocator, const char* text );
+char* lwi_name_retain( const char* text );
 
 /// World box of a shape at a pose, outward by a stated rounding.
 void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] );

@@ -83,6 +83,36 @@ typedef struct lw_checker lw_checker;
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag says which), LW_ERROR_OUT_OF_MEMORY
 LW_API lw_status lw_checker_create( const lw_checker_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lw_checker** out_checker );
+
+/// What is to be different. Make it with lw_checker_edit_def_default(): nothing.
+typedef struct lw_checker_edit_def
+{
+	const lw_scene* scene; ///< NULL = the same. From lw_scene_edit(), or any other: what is the same to the bit is recognised
+	const lw_robot* robot; ///< NULL = the same. From lw_robot_attach() and lw_robot_detach()
+	const lw_link_object_pair* allowed; ///< [allowed_count], indices of the robot and the scene as they are to be
+	uint32_t allowed_count;
+	/// False: what was allowed stays so, for links and objects that are still there by name; `allowed` comes on top. True: only
+	/// `allowed` counts.
+	bool replace_allowed;
+	/// NULL: each link, object and pair that is still there by name keeps its margin, what is new has none of its own. Otherwise
+	/// these count, and nothing of what was.
+	const lw_margins* margins;
+	double max_d; ///< as lw_checker_def::max_d; NaN = the same
+	uint32_t cookie;
+} lw_checker_edit_def;
+
+LW_API lw_checker_edit_def lw_checker_edit_def_default( void );
+
+/// A snapshot: the checker with another scene, or with something in its hand. The checker itself stays as it is; queries that
+/// use it keep it, with its scene. Answers are those of a checker made from nothing, and it shares or copies what is the same.
+/// Queries made for one snapshot serve the others as long as they are large enough: lw_query_fits(), and the spare_... of
+/// lw_query_def.
+/// @return as lw_checker_create(); LW_ERROR_INVALID_ARGUMENT also for a robot of other origin
+/// Cost: another scene: microseconds, plus a few for each shape that changed; more only if what stands still may have got another
+/// nearest obstacle. Another robot: what depends on bodies is computed again. Figures in core/docs/edits.md.
+LW_API lw_status lw_checker_edit( const lw_checker* checker, const lw_checker_edit_def* def, const lw_allocator* allocator,
+	lw_diag* diag, lw_checker** out_checker );
+
 LW_API lw_checker* lw_checker_retain( const lw_checker* checker );
 LW_API void lw_checker_release( lw_checker* checker );
 

@@ -58,7 +58,8 @@ typedef struct lw_query_stats
 } lw_query_stats;
 
 /// Scratch of one thread: stacks, poses, warm starts, statistics. Queries allocate nothing; everything is here. A query
-/// may be used with any shapes, scenes and checkers whose sizes it was made for, one call at a time.
+/// may be used with any shapes, scenes and checkers whose sizes it was made for, one call at a time. It holds a reference to
+/// the last checker it was used with, until it is used with another one, reset or destroyed.
 typedef struct lw_query lw_query;
 
 /// How a query works. Make it with lw_query_def_default().
@@ -69,6 +70,9 @@ typedef struct lw_query_def
 	bool warm_start;        ///< try the last witness pair first: changes speed, never what is certified
 	bool hierarchy;         ///< checkers with a reach use it: its spheres, its tables, and poses only where they are needed;
 	                        ///< otherwise all pairs are gone through: the same answers
+	/// Room for scenes and robots that grow: this many more shapes than the scene has, bodies than the robot (those of attached
+	/// objects too). With none, a query serves checkers that are no larger.
+	uint32_t spare_shapes, spare_bodies;
 	uint32_t cookie;
 } lw_query_def;
 
@@ -79,9 +83,12 @@ struct lw_scene;
 
 /// @param scene sized for this scene; nullable. @param checker sized for this checker and its scene; nullable
 /// @param out_query owned by the caller: lw_query_destroy(). Set to NULL on failure.
-/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_OUT_OF_MEMORY
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (too many bodies times shapes), LW_ERROR_OUT_OF_MEMORY
 LW_API lw_status lw_query_create( const lw_query_def* def, const struct lw_scene* scene, const struct lw_checker* checker,
 	const lw_allocator* allocator, lw_query** out_query );
+/// True if the query is large enough for this checker, and thereby for lw_checker_state() and lw_checker_edge(). If not, these
+/// are LW_ERROR_INVALID_ARGUMENT: make one that is.
+LW_API bool lw_query_fits( const lw_query* query, const struct lw_checker* checker );
 LW_API void lw_query_destroy( lw_query* query );
 LW_API void lw_query_reset( lw_query* query ); ///< forgets warm starts: a run then repeats bit for bit
 LW_API lw_query_stats lw_query_get_stats( const lw_query* query );

@@ -79,6 +79,37 @@ typedef struct lw_robot lw_robot;
 /// LW_ERROR_OUT_OF_MEMORY
 LW_API lw_status lw_robot_create( const lw_robot_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lw_robot** out_robot );
+
+/// What a robot holds: shapes that move with one of its links. Make it with lw_attachment_def_default().
+typedef struct lw_attachment_def
+{
+	const char* name; ///< of the link that it becomes: none that the robot has
+	uint32_t link;    ///< that it hangs on; contact with it, and with links rigidly attached to it, does not count
+	const lw_shape* const* shapes; ///< [shape_count], references are taken
+	const lw_transform* link_from_shape; ///< [shape_count], frame of `link`
+	uint32_t shape_count;
+	const uint32_t* touch_links; ///< [touch_link_count] links whose contact with it does not count either, such as fingers
+	uint32_t touch_link_count;
+	uint32_t cookie;
+} lw_attachment_def;
+
+LW_API lw_attachment_def lw_attachment_def_default( void );
+
+/// The robot with an object attached: one more link, behind all others, whose frame is that of the link it hangs on, by a fixed
+/// joint "<name>/attached". Variables and the indices of everything else stay; shapes are shared, the robot itself stays as
+/// it is. It is what lw_robot_create() would make of a def with that link, joint, bodies and pairs behind the rest.
+/// lw_checker_edit() makes a checker for it; a reach of the robot without the object serves for it too.
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (a name that is taken, no such link, a shape, a pose), LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_robot_attach( const lw_robot* robot, const lw_attachment_def* def, const lw_allocator* allocator,
+	lw_diag* diag, lw_robot** out_robot );
+/// The robot without an attached object: links, joints and bodies behind it get an index less. Without the last one it is the
+/// very robot that there was before.
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (nothing of this name is attached, or something is attached to it), LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_robot_detach( const lw_robot* robot, const char* name, const lw_allocator* allocator, lw_diag* diag,
+	lw_robot** out_robot );
+LW_API bool lw_robot_is_attached( const lw_robot* robot, uint32_t link ); ///< by lw_robot_attach()
+LW_API const lw_robot* lw_robot_bare( const lw_robot* robot ); ///< without all that is attached: perhaps itself; the robot's
+
 LW_API lw_robot* lw_robot_retain( const lw_robot* robot );
 LW_API void lw_robot_release( lw_robot* robot );
 
