@@ -97,7 +97,8 @@ static bool may_be_nearer( const lw_checker* c, const lw_checker* old, uint32_t 
 bool lwi_keep_static( lw_checker* c, const lwi_kept* kept, uint8_t* fresh )
 {
 	const lw_checker* old = kept->previous;
-	if ( old == NULL || !same_static_bodies( c, old ) )
+	// Of a violation only the first pair was found, whatever else there is: that cannot be gone on from
+	if ( old == NULL || old->static_environment.kind == LW_CLEARANCE_VIOLATION || !same_static_bodies( c, old ) )
 	{
 		return false;
 	}

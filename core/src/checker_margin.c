@@ -346,7 +346,7 @@ static lw_status fill_given( lwi_margins* m, const lw_margins* def, const naming
 		return lwi_out_of_memory( diag, "margins" );
 	}
 	lw_status status = copy_pairs( &m->listed, def->environment_pairs, def->environment_pair_count, n, &m->allocator, diag );
-	if ( status == LW_OK && m->object_count > 0 )
+	if ( status == LW_OK ) // without objects too: what is given is kept for scenes that have some
 	{
 		double sum = m->all + largest_of( m->link, m->link_count ) + largest_of( m->object, m->object_count );
 		m->largest = fmax( sum, largest_listed( &m->listed ) );

@@ -48,11 +48,25 @@ public:
 	std::vector<ChangingObject> objects, attached;
 	std::set<std::pair<std::string, std::string>> allowed; ///< link, object; only of those that are there
 	double max_d = INFINITY;
+	double environment_margin = 0, self_margin = 0;
+	std::map<std::string, double> link_environment, link_self, object_margin; ///< of those that are there
+	std::map<std::pair<std::string, std::string>, double> environment_pairs, self_pairs;
 
 private:
+	/// lw_margins and what it points to.
+	struct Margins
+	{
+		std::vector<double> link_environment, link_self, object;
+		std::vector<lw_pair_margin> environment_pairs, self_pairs;
+		lw_margins def{};
+	};
+	void fillMargins( const lw_robot* of_robot, const lw_scene* of_scene, Margins& out ) const;
+	void forget( const std::string& name, bool object ); ///< what is known of an object, or of a link, that goes away
+	std::string margin( SeededRng& rng );
 	ChangingObject randomObject( SeededRng& rng );
 	lw_transform randomPose( SeededRng& rng ) const;
-	void edit( const std::vector<lw_scene_change>& changes, const leeway::Robot& next_robot );
+	/// @param anew all that is allowed and all margins are given again; otherwise they are carried over
+	void edit( const std::vector<lw_scene_change>& changes, const leeway::Robot& next_robot, bool anew = false );
 	std::string move( SeededRng& rng );
 	std::string add( SeededRng& rng );
 	std::string drop( SeededRng& rng );
@@ -75,6 +89,15 @@ inline const lw_shape* const* pointers( const ChangingObject& object, std::vecto
 		out.push_back( shape.get() );
 	}
 	return out.data();
+}
+
+inline const std::pair<std::string, std::string>& key( const std::pair<std::string, std::string>& pair )
+{
+	return pair;
+}
+inline const std::pair<std::string, std::string>& key( const std::pair<const std::pair<std::string, std::string>, double>& pair )
+{
+	return pair.first;
 }
 
 } // namespace changing_world
@@ -235,6 +258,9 @@ inline leeway::Checker ChangingWorld::checkerFromNothing( const leeway::Robot& o
 	def.allowed_count = static_cast<std::uint32_t>( pairs.size() );
 	def.reach = tables.get();
 	def.max_d = max_d;
+	Margins margins;
+	fillMargins( of_robot.get(), of_scene.get(), margins );
+	def.margins = margins.def;
 	lw_checker* made = nullptr;
 	lw_diag diag = {};
 	leeway::require( lw_checker_create( &def, nullptr, &diag, &made ), diag );
@@ -254,7 +280,107 @@ inline State ChangingWorld::randomGroupState( SeededRng& rng, double excess ) co
 
 // --- edits -----------------------------------------------------------------------------------------------------------
 
-inline void ChangingWorld::edit( const std::vector<lw_scene_change>& changes, const leeway::Robot& next_robot )
+inline void ChangingWorld::fillMargins( const lw_robot* of_robot, const lw_scene* of_scene, Margins& out ) const
+{
+	const auto value = []( const std::map<std::string, double>& values, const char* name )
+	{
+		auto found = values.find( name );
+		return found != values.end() ? found->second : 0;
+	};
+	for ( std::uint32_t i = 0; i < lw_robot_link_count( of_robot ); ++i )
+	{
+		out.link_environment.push_back( value( link_environment, lw_robot_link_name( of_robot, i ) ) );
+		out.link_self.push_back( value( link_self, lw_robot_link_name( of_robot, i ) ) );
+	}
+	for ( std::uint32_t i = 0; i < lw_scene_object_count( of_scene ); ++i )
+	{
+		out.object.push_back( value( object_margin, lw_scene_object_name( of_scene, i ) ) );
+	}
+	for ( const auto& [pair, m] : environment_pairs )
+	{
+		out.environment_pairs.push_back( { lw_robot_find_link( of_robot, pair.first.c_str() ),
+			lw_scene_find_object( of_scene, pair.second.c_str() ), m } );
+	}
+	for ( const auto& [pair, m] : self_pairs )
+	{
+		out.self_pairs.push_back(
+			{ lw_robot_find_link( of_robot, pair.first.c_str() ), lw_robot_find_link( of_robot, pair.second.c_str() ), m } );
+	}
+	out.def.environment = environment_margin;
+	out.def.self = self_margin;
+	out.def.link_environment = out.link_environment.data();
+	out.def.link_self = out.link_self.data();
+	out.def.object = out.object.data();
+	out.def.environment_pairs = out.environment_pairs.data();
+	out.def.environment_pair_count = static_cast<std::uint32_t>( out.environment_pairs.size() );
+	out.def.self_pairs = out.self_pairs.data();
+	out.def.self_pair_count = static_cast<std::uint32_t>( out.self_pairs.size() );
+}
+
+inline void ChangingWorld::forget( const std::string& name, bool object )
+{
+	const auto drop_pairs = [&]( auto& pairs, bool first, bool second )
+	{
+		for ( auto pair = pairs.begin(); pair != pairs.end(); )
+		{
+			bool gone = ( first && changing_world::key( *pair ).first == name ) || ( second && changing_world::key( *pair ).second == name );
+			pair = gone ? pairs.erase( pair ) : std::next( pair );
+		}
+	};
+	drop_pairs( allowed, !object, object );
+	drop_pairs( environment_pairs, !object, object );
+	drop_pairs( self_pairs, !object, !object );
+	( object ? object_margin : link_environment ).erase( name );
+	if ( !object )
+	{
+		link_self.erase( name );
+	}
+}
+
+/// Another margin of something.
+inline std::string ChangingWorld::margin( SeededRng& rng )
+{
+	const auto any_link = [&]() -> std::string
+	{
+		const int links = static_cast<int>( lw_robot_link_count( robot.get() ) );
+		return lw_robot_link_name( robot.get(), static_cast<std::uint32_t>( rng.integer( 0, links - 1 ) ) );
+	};
+	const double value = rng.integer( 0, 3 ) > 0 ? rng.uniform( 0, 0.05 ) : 0;
+	const std::string link = any_link(), other = any_link();
+	const std::string object =
+		objects.empty() ? "" : objects[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) )].name;
+	switch ( rng.integer( 0, objects.empty() ? 4 : 6 ) )
+	{
+		case 0:
+			environment_margin = value;
+			break;
+		case 1:
+			self_margin = value;
+			break;
+		case 2:
+			link_environment[link] = value;
+			break;
+		case 3:
+			link_self[link] = value;
+			break;
+		case 4:
+			if ( link != other )
+			{
+				self_pairs[std::minmax( link, other )] = value;
+			}
+			break;
+		case 5:
+			object_margin[object] = value;
+			break;
+		default:
+			environment_pairs[{ link, object }] = value;
+			break;
+	}
+	edit( {}, robot, true );
+	return "margin";
+}
+
+inline void ChangingWorld::edit( const std::vector<lw_scene_change>& changes, const leeway::Robot& next_robot, bool anew )
 {
 	lw_diag diag = {};
 	lw_scene* next_scene = nullptr;
@@ -267,9 +393,15 @@ inline void ChangingWorld::edit( const std::vector<lw_scene_change>& changes, co
 	lw_checker_edit_def def = lw_checker_edit_def_default();
 	def.scene = scene.get();
 	def.robot = robot.get();
-	def.allowed = pairs.data();
-	def.allowed_count = static_cast<std::uint32_t>( pairs.size() );
-	def.replace_allowed = true;
+	Margins margins;
+	fillMargins( robot.get(), scene.get(), margins );
+	if ( anew )
+	{
+		def.allowed = pairs.data();
+		def.allowed_count = static_cast<std::uint32_t>( pairs.size() );
+		def.replace_allowed = true;
+		def.margins = &margins.def;
+	}
 	def.max_d = max_d;
 	lw_checker* next = nullptr;
 	leeway::require( lw_checker_edit( checker.get(), &def, nullptr, &diag, &next ), diag );
@@ -312,10 +444,7 @@ inline std::string ChangingWorld::drop( SeededRng& rng )
 	const std::size_t at = static_cast<std::size_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) );
 	const std::string name = objects[at].name;
 	objects.erase( objects.begin() + static_cast<std::ptrdiff_t>( at ) );
-	for ( auto pair = allowed.begin(); pair != allowed.end(); )
-	{
-		pair = pair->second == name ? allowed.erase( pair ) : std::next( pair );
-	}
+	forget( name, true );
 	edit( { { LW_SCENE_REMOVE, name.c_str(), nullptr, nullptr, 0 } }, robot );
 	return "remove";
 }
@@ -334,10 +463,7 @@ inline std::string ChangingWorld::attach( SeededRng& rng )
 	}
 	ChangingObject object = *found;
 	objects.erase( found );
-	for ( auto pair = allowed.begin(); pair != allowed.end(); )
-	{
-		pair = pair->second == object.name ? allowed.erase( pair ) : std::next( pair );
-	}
+	forget( object.name, true );
 	object.link = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( lw_robot_link_count( bare.get() ) ) - 1 ) );
 	std::vector<std::uint32_t> touch;
 	for ( std::uint32_t link = 0; link < lw_robot_link_count( robot.get() ); ++link )
@@ -382,10 +508,7 @@ inline std::string ChangingWorld::detach( SeededRng& rng )
 	{
 		other.touch.erase( std::remove( other.touch.begin(), other.touch.end(), object.name ), other.touch.end() );
 	}
-	for ( auto pair = allowed.begin(); pair != allowed.end(); )
-	{
-		pair = pair->first == object.name ? allowed.erase( pair ) : std::next( pair );
-	}
+	forget( object.name, false );
 	object.link = LW_INVALID_INDEX;
 	object.touch.clear();
 	for ( lw_transform& pose : object.poses )
@@ -424,7 +547,7 @@ inline std::string ChangingWorld::allow( SeededRng& rng )
 	{
 		allowed.insert( pair );
 	}
-	edit( {}, robot );
+	edit( {}, robot, true );
 	return "allow";
 }
 
@@ -443,6 +566,8 @@ inline std::string ChangingWorld::change( SeededRng& rng )
 			return detach( rng );
 		case 5:
 			return allow( rng );
+		case 6:
+			return margin( rng );
 		default:
 			return move( rng );
 	}

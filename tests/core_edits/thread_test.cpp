@@ -22,7 +22,7 @@ struct Published
 bool sameAnswer( const lw_clearance& a, const lw_clearance& b )
 {
 	return std::memcmp( &a.lower, &b.lower, sizeof( double ) ) == 0 && std::memcmp( &a.upper, &b.upper, sizeof( double ) ) == 0 &&
-		   a.kind == b.kind && ( a.upper == 0 || ( a.a == b.a && a.b == b.b ) );
+		   a.kind == b.kind && a.a == b.a && a.b == b.b;
 }
 
 std::shared_ptr<const Published> publish( const ChangingWorld& world, SeededRng& rng )
