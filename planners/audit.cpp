@@ -2,7 +2,7 @@
 // The independent audit of a path.
 //
 // Between two measured states whose clearances are c1 and c2, and between which no robot point travels further than m, the
-// distance to a fixed obstacle stays above (c1 + c2 - m) / 2: a distance cannot change faster than the point moves. Both
+// clearance to a fixed obstacle stays above (c1 + c2 - m) / 2: a distance cannot change faster than the point moves. Both
 // bodies of a self pair may move, so there it is (c1 + c2 - 2 m) / 2. The audit measures m and reports the least of these
 // bounds; it uses nothing of what the certified edges are made of but the exact distance of a single state.
 #include "audit.hpp"
@@ -157,7 +157,7 @@ private:
 	// One clearance of a sample: keeps the least, tells violations, returns what was measured.
 	double take( const char* which, const Named& clearance, const PathPlace& place, AuditLeast& least )
 	{
-		if ( clearance.lower < least.clearance.lower )
+		if ( clearance.least() < least.clearance.least() )
 		{
 			least.clearance = clearance;
 			least.place = place;
@@ -165,10 +165,11 @@ private:
 		// Written so that NaN is a violation.
 		if ( !( clearance.lower > m_settings.min_d ) )
 		{
-			problem( fmt::format( "{} clearance {} m of {} - {} on edge {} at t {:.6f} is not above min-d {}", which,
-			    clearance.lower, clearance.first, clearance.second, place.edge, place.t, m_settings.min_d ) );
+			problem( fmt::format( "{} clearance {} m of {} - {} on edge {} at t {:.6f} is not above min-d {}{}", which,
+			    clearance.least(), clearance.first, clearance.second, place.edge, place.t, m_settings.min_d,
+			    clearance.marginText() ) );
 		}
-		return clearance.lower;
+		return clearance.least();
 	}
 
 	// Measures the current state. `motion` is how far points moved since the last sample.
@@ -184,23 +185,25 @@ private:
 			    std::string( "a state cannot be measured (" ) + lw_status_name( status ) + ")",
 			    "check the points of the path" );
 		}
-		AuditSample now_ = { place, infinity, infinity };
+		AuditSample now_ = { place, infinity, infinity }, proved = now_;
 		if ( m_audit.environment.clearance.asked )
 		{
 			now_.environment =
 			    take( "environment", nameEnvironment( m_bench.checker(), state.environment ), place, m_audit.environment );
+			proved.environment = state.environment.lower;
 		}
 		if ( m_audit.self.clearance.asked )
 		{
 			now_.self = take( "self", nameSelf( m_bench.checker(), state.self ), place, m_audit.self );
+			proved.self = state.self.lower;
 		}
 		if ( !m_audit.samples.empty() )
 		{
-			const AuditSample& last = m_audit.samples.back();
 			m_audit.environment_between =
-			    std::min( m_audit.environment_between, ( last.environment + now_.environment - motion ) / 2 );
-			m_audit.self_between = std::min( m_audit.self_between, ( last.self + now_.self - 2 * motion ) / 2 );
+			    std::min( m_audit.environment_between, ( m_proved.environment + proved.environment - motion ) / 2 );
+			m_audit.self_between = std::min( m_audit.self_between, ( m_proved.self + proved.self - 2 * motion ) / 2 );
 		}
+		m_proved = proved;
 		m_audit.samples.push_back( now_ );
 		++m_audit.states;
 	}
@@ -256,6 +259,7 @@ private:
 	MotionMeter m_meter;
 	Query m_query;
 	Audit m_audit;
+	AuditSample m_proved;    // lower bounds of the last sample
 	std::size_t m_count = 0; // problems
 	std::vector<double> m_full;
 	std::vector<lw_transform> m_poses;
@@ -276,8 +280,9 @@ std::string leastLine( const char* which, const AuditLeast& least, double betwee
 	{
 		return fmt::format( "{:<12}nothing near, clearance {} m\n", which, least.clearance.lower );
 	}
-	return fmt::format( "{:<12}least {:.6f} m, {} - {}, on {}; between the measured states at least {:.6f} m\n", which,
-	    least.clearance.lower, least.clearance.first, least.clearance.second, place( least.place ), between );
+	return fmt::format( "{:<12}least {:.6f} m, {} - {}{}, on {}; between the measured states at least {:.6f} m\n", which,
+	    least.clearance.least(), least.clearance.first, least.clearance.second, least.clearance.marginText(),
+	    place( least.place ), between );
 }
 
 Json leastJson( const AuditLeast& least, double between )

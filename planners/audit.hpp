@@ -22,7 +22,8 @@ struct PathPlace
 struct AuditSample
 {
 	PathPlace place;
-	double environment = 0, self = 0; ///< metres, exact; +inf if not asked
+	/// Metres, exact; +inf if not asked. Inside of a margin: of the first pair found at or below 0.
+	double environment = 0, self = 0;
 };
 
 struct AuditLeast

@@ -48,7 +48,8 @@ int runCheck( const CheckOptions& options )
 	const lw_what what = options.common.what();
 	const bool environment = ( what & LW_WHAT_ENVIRONMENT ) != 0, self = ( what & LW_WHAT_SELF ) != 0;
 	const lw_range range = { options.common.min_d, options.common.max_d, options.common.alpha };
-	out.text = fmt::format( "index,verdict,{},microseconds\n", clearance_header );
+	const bool margins = hasMargins( bench.checker() );
+	out.text = fmt::format( "index,verdict,{},microseconds\n", clearanceHeader( margins ) );
 	Counts counts;
 	std::vector<double> microseconds;
 	Progress progress( "checking states", states.size() );
@@ -62,7 +63,7 @@ int runCheck( const CheckOptions& options )
 		microseconds.push_back( 1e6 * ( now() - start ) );
 		fmt::format_to( std::back_inserter( out.text ), "{},{},{},{:.3f}\n", row, lw_verdict_name( result.verdict ),
 		    clearanceCells( nameEnvironment( bench.checker(), result.environment, environment ),
-		        nameSelf( bench.checker(), result.self, self ) ),
+		        nameSelf( bench.checker(), result.self, self ), margins ),
 		    microseconds.back() );
 		counts.count( result.verdict );
 		progress.step( row + 1 );

@@ -106,6 +106,7 @@ std::string intervals( const Workbench& bench, const std::vector<double>& qa, co
     const lw_edge_def& def, const lw_edge_result& edge, const std::string& file, std::size_t line )
 {
 	const bool environment = ( def.what & LW_WHAT_ENVIRONMENT ) != 0, self = ( def.what & LW_WHAT_SELF ) != 0;
+	const bool margins = hasMargins( bench.checker() );
 	if ( edge.verdict == LW_VERDICT_FREE )
 	{
 		Named bound;
@@ -114,7 +115,7 @@ std::string intervals( const Workbench& bench, const std::vector<double>& qa, co
 		Named other = bound;
 		bound.asked = environment;
 		other.asked = self;
-		return clearanceCells( bound, other );
+		return clearanceCells( bound, other, margins );
 	}
 	// Interpolated as the core does, in the full space, where variables that wrap take the shorter way.
 	std::vector<double> full( bench.problem().reference.size() );
@@ -122,7 +123,8 @@ std::string intervals( const Workbench& bench, const std::vector<double>& qa, co
 	const lw_state_result state =
 	    measure( bench, bench.groupState( full ), def.what, nullptr, file, fmt::format( "line {}", line ) );
 	return clearanceCells(
-	    nameEnvironment( bench.checker(), state.environment, environment ), nameSelf( bench.checker(), state.self, self ) );
+	    nameEnvironment( bench.checker(), state.environment, environment ), nameSelf( bench.checker(), state.self, self ),
+	    margins );
 }
 
 std::string pairCell( const Workbench& bench, const lw_edge_result& edge )
@@ -149,7 +151,8 @@ int runEdge( const EdgeCommandOptions& options )
 	const std::vector<Ends> edges = readEnds( table, bench, input.robot, notices );
 	const lw_edge_def def = edgeDef( options );
 
-	out.text = fmt::format( "index,verdict,t,proved_until,{},pair,queries,microseconds\n", clearance_header );
+	out.text = fmt::format( "index,verdict,t,proved_until,{},pair,queries,microseconds\n",
+	    clearanceHeader( hasMargins( bench.checker() ) ) );
 	std::size_t free = 0, blocked = 0, refused = 0;
 	std::vector<double> microseconds;
 	Progress progress( "checking edges", edges.size() );

@@ -253,10 +253,15 @@ std::string checkerText( const Workbench& bench, const PairCounts& pairs, const 
 	{
 		text += fmt::format( "  disabled in the SRDF: {} pairs, reason {}\n", count, reason );
 	}
+	if ( hasMargins( bench.checker() ) )
+	{
+		text += fmt::format( "  margins: up to {} m to obstacles, {} m between links; clearances are distances less margins\n",
+		    info.environment_margin, info.self_margin );
+	}
 	const Named fixed = nameEnvironment( bench.checker(), info.static_environment );
 	return text + ( fixed.first.empty() ? "  static bodies: nothing near\n"
-	                                    : fmt::format( "  static bodies: environment clearance {} m, {} - {}\n", fixed.lower,
-	                                          fixed.first, fixed.second ) );
+	                                    : fmt::format( "  static bodies: environment clearance {} m, {} - {}{}\n",
+	                                          fixed.least(), fixed.first, fixed.second, fixed.marginText() ) );
 }
 
 Json pairsJson( const PairCounts& pairs )
@@ -328,7 +333,9 @@ int runInfo( const InfoOptions& options )
 		}
 		json["checker"] = { { "group", bench.problem().group }, { "variables", bench.problem().variable_names },
 		    { "moving_bodies", info.moving_bodies }, { "static_bodies", info.static_bodies },
-		    { "environment_pairs", info.environment_pairs }, { "self_pairs", info.self_pairs }, { "bytes", info.bytes },
+		    { "environment_pairs", info.environment_pairs }, { "self_pairs", info.self_pairs },
+		    { "largest_margin", { { "environment", info.environment_margin }, { "self", info.self_margin } } },
+		    { "bytes", info.bytes },
 		    { "seconds", bench.buildSeconds() }, { "link_pairs", pairsJson( pairs ) },
 		    { "static_environment", jsonClearance( nameEnvironment( bench.checker(), info.static_environment ) ) } };
 		json["required"] = requiredJson( required );

@@ -22,6 +22,10 @@ Json jsonClearance( const Named& clearance )
 	json["lower"] = jsonNumber( clearance.lower );
 	json["upper"] = jsonNumber( clearance.upper );
 	json["pair"] = clearance.first.empty() ? Json( nullptr ) : Json{ clearance.first, clearance.second };
+	if ( clearance.margin > 0 )
+	{
+		json["margin"] = clearance.margin;
+	}
 	if ( clearance.has_points )
 	{
 		const auto point = []( const lw_vec3& p ) { return Json{ p.x, p.y, p.z }; };

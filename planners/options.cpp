@@ -40,8 +40,23 @@ void addWorldOptions( CLI::App& app, CommonOptions& options, const std::string& 
 void addQuestionOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
 {
 	const std::string question = "Question";
-	app.add_option( "--min-d", options.min_d, "safety margin in metres: this close or closer is BLOCKED (default 0)" )
+	app.add_option( "--min-d", options.min_d, "metres of clearance: this close or closer is BLOCKED (default 0)" )
 	    ->type_name( "M" )
+	    ->group( question );
+	app.add_option( "--margins", options.margins,
+	       "margins of links, objects and pairs: clearance is distance less the pair's margin" )
+	    ->type_name( "M.yaml" )
+	    ->group( question );
+	app.add_option( "--margin", options.margin, "metres, the margin of every link to every object (default: the file's, or 0)" )
+	    ->type_name( "M" )
+	    ->group( question );
+	app.add_option( "--self-margin", options.self_margin,
+	       "metres, the margin of every two links that can move against each other (default: the file's, or 0)" )
+	    ->type_name( "M" )
+	    ->group( question );
+	app.add_option( "--padding", options.padding,
+	       "MoveIt's parameters of padding and scale; link_padding and link_scale of the scene are stronger" )
+	    ->type_name( "P.yaml" )
 	    ->group( question );
 	if ( needs.range )
 	{
@@ -159,6 +174,10 @@ void validate( const CLI::App& app, CommonOptions& options )
 		wrong( "--max-d", fmt::format( "{} is not above --min-d {}", options.max_d, options.min_d ),
 		    "give metres above the margin, or leave it out" );
 	}
+	options.margin_given = given( app, "--margin" );
+	options.self_margin_given = given( app, "--self-margin" );
+	requireNotNegative( "--margin", options.margin );
+	requireNotNegative( "--self-margin", options.self_margin );
 	requireNotNegative( "--cache-limit", options.cache_limit );
 	if ( options.cache.empty() && given( app, "--cache-limit" ) )
 	{

@@ -34,6 +34,9 @@ struct CommonOptions
 	std::vector<std::string> package_paths;
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity(), alpha = 0;
 	bool min_d_given = false, max_d_given = false;
+	std::string margins, padding;       ///< files
+	double margin = 0, self_margin = 0; ///< over those of the file, if given
+	bool margin_given = false, self_margin_given = false;
 	std::string what_name = "both", simd_name = "best";
 	double cache_limit = 1e-6 * double( io::default_cache_limit ); ///< megabytes
 	bool verbose = false;

@@ -112,9 +112,10 @@ void requireUsable(
 		if ( !( clearance.lower > min_d ) )
 		{
 			wrong( options, element,
-			    clearance.lower > 0 ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m", which,
-			                              clearance.first, clearance.second, clearance.lower, min_d )
-			                        : fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
+			    clearance.least() > 0 || clearance.margin > 0
+			        ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m{}", which, clearance.first,
+			              clearance.second, clearance.least(), min_d, clearance.marginText() )
+			        : fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
 			    remedy );
 		}
 	};

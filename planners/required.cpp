@@ -81,6 +81,7 @@ std::vector<RequiredLine> obstacleLines( const Workbench& bench, const lw_checke
 		RequiredLine& line = lines[i];
 		line.name = lw_scene_object_name( scene, i );
 		line.kept = !( distance[i] >= info.horizon );
+		// less margins, as everything
 		line.why = line.kept && distance[i] > 0 ? fmt::format( "may come within {:.3f} m", distance[i] )
 		           : line.kept                  ? "may be touched"
 		           : std::isinf( distance[i] )  ? "no moving link is checked against it"

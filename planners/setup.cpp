@@ -34,6 +34,10 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		input.reach->def.seconds = quick_budget;
 	}
 	input.min_d = options.min_d;
+	input.margins = options.margins.empty() ? io::Margins() : io::loadMargins( options.margins );
+	input.margins.environment = options.margin_given ? options.margin : input.margins.environment;
+	input.margins.self = options.self_margin_given ? options.self_margin : input.margins.self;
+	input.padding = options.padding.empty() ? io::Padding() : io::loadPadding( options.padding );
 	input.robot_file = options.robot;
 	input.scene_file = options.scene;
 	input.request_file = options.request;
@@ -130,6 +134,8 @@ void Workbench::build( const Values& values )
 	options.overrides.values = values;
 	options.reach = m_reach.reach;
 	options.find_reach = m_input.reach;
+	options.margins = m_input.margins;
+	options.padding = m_input.padding;
 	options.min_d = m_input.min_d;
 	options.max_d = m_input.max_d;
 	ReachProgress reach_progress( progress );
@@ -283,6 +289,17 @@ std::string text( const char* name )
 
 } // namespace
 
+std::string Named::marginText() const
+{
+	return margin > 0 ? fmt::format( ", margin {} m", margin ) : "";
+}
+
+bool hasMargins( const lw_checker* checker )
+{
+	const lw_checker_info info = lw_checker_get_info( checker );
+	return info.environment_margin > 0 || info.self_margin > 0;
+}
+
 Named nameEnvironment( const lw_checker* checker, const lw_clearance& clearance, bool asked )
 {
 	Named result = named( clearance, asked );
@@ -290,6 +307,7 @@ Named nameEnvironment( const lw_checker* checker, const lw_clearance& clearance,
 	{
 		result.first = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.a ) );
 		result.second = text( lw_scene_object_name( lw_checker_scene( checker ), clearance.b ) );
+		result.margin = lw_checker_environment_margin( checker, clearance.a, clearance.b );
 	}
 	return result;
 }
@@ -301,6 +319,7 @@ Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool a
 	{
 		result.first = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.a ) );
 		result.second = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.b ) );
+		result.margin = lw_checker_self_margin( checker, clearance.a, clearance.b );
 	}
 	return result;
 }

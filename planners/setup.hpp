@@ -24,9 +24,11 @@ struct Input
 	/// With --cache: where motion hulls and pair tables are, and what to build in a few seconds if there are none.
 	std::optional<io::ReachOptions> reach;
 	double robot_seconds = 0, scene_seconds = 0;
-	/// The margin, and the largest distance that is asked for: what the checker may leave out (io::ProblemOptions).
+	/// The clearance wanted, and the largest that is asked for: what the checker may leave out (io::ProblemOptions).
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity();
 	std::string robot_file, scene_file, request_file;
+	io::Margins margins;
+	io::Padding padding;
 };
 
 /// Metres beyond the margin: obstacles that the group cannot come this near to are passed over where a proof of a motion
@@ -128,7 +130,15 @@ struct Named
 	std::string first, second;
 	lw_vec3 point_a{}, point_b{};
 	bool has_points = false;
+	double margin = 0; ///< of this pair: what its distance is more than its clearance
+
+	/// For reports: the least known. Inside of a margin the search stops at what it finds, and proves no more than the largest margin.
+	double least() const { return has_points && upper <= 0 ? upper : lower; }
+	/// ", margin 0.02 m", or nothing without one.
+	std::string marginText() const;
 };
+/// True if some pair of the checker has a margin.
+bool hasMargins( const lw_checker* checker );
 Named nameEnvironment( const lw_checker* checker, const lw_clearance& clearance, bool asked = true );
 Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool asked = true );
 

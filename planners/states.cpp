@@ -10,8 +10,6 @@
 namespace leeway::cli
 {
 
-const char* const clearance_header = "env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2";
-
 namespace
 {
 
@@ -77,7 +75,13 @@ std::vector<double> StateColumns::full( std::size_t row, const std::vector<doubl
 	return state;
 }
 
-std::string clearanceCells( const Named& environment, const Named& self )
+std::string clearanceHeader( bool margins )
+{
+	const std::string header = "env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2";
+	return margins ? header + ",env_margin,self_margin" : header;
+}
+
+std::string clearanceCells( const Named& environment, const Named& self, bool margins )
 {
 	std::string cells;
 	for ( const Named* clearance : { &environment, &self } )
@@ -86,6 +90,10 @@ std::string clearanceCells( const Named& environment, const Named& self )
 		cells += !clearance->asked ? ",,,"
 		                           : fmt::format( "{},{},{},{}", clearance->lower, clearance->upper,
 		                                 csvCell( clearance->first ), csvCell( clearance->second ) );
+	}
+	for ( const Named* clearance : { &environment, &self } )
+	{
+		cells += !margins ? "" : clearance->first.empty() ? "," : "," + number( clearance->margin );
 	}
 	return cells;
 }

@@ -33,10 +33,10 @@ private:
 	std::vector<std::pair<std::size_t, std::uint32_t>> m_used;
 };
 
-/// The columns env_lower ... self_link2 that `check` and `edge` share.
-extern const char* const clearance_header;
+/// The columns env_lower ... self_link2 that `check` and `edge` share, and the margins of the two pairs if there are any.
+std::string clearanceHeader( bool margins );
 /// Their cells; those of a question that was not asked are empty.
-std::string clearanceCells( const Named& environment, const Named& self );
+std::string clearanceCells( const Named& environment, const Named& self, bool margins );
 
 /// Tells about values outside of joint limits: the first rows, then a count. Nothing is clamped.
 void noteLimits( Notices& notices, const std::string& file, std::size_t row, const std::vector<std::string>& violations );
