@@ -41,7 +41,8 @@ struct AuditBench
 	explicit AuditBench( const EdgeWorld& w )
 		: world( w ), plain( leeway::makeQuery( w.checker.get() ) ), tables( leeway::makeQuery( w.with_tables.get() ) ),
 		  audit( leeway::makeQuery( w.checker.get() ) ),
-		  auditor( w.robot.get(), w.scene.get(), w.variables, w.reference.data(), w.allowed )
+		  auditor( w.robot.get(), w.scene.get(), w.variables, w.reference.data(), w.allowed, 1e-4,
+			  [&w]( bool self, std::uint32_t link, std::uint32_t other ) { return w.margins.of( self, link, other ); } )
 	{
 	}
 

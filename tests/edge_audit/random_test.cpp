@@ -8,24 +8,23 @@
 namespace
 {
 
-RandomWorldOptions worldOptions()
+RandomWorldOptions worldOptions( bool margins )
 {
 	RandomWorldOptions options;
+	options.margins = margins;
 #ifndef LEEWAY_HULLS
 	options.tables = 0;
 #endif
 	return options;
 }
 
-} // namespace
-
-TEST( EdgeAudit, VerdictsOnRandomRobotsSurviveADenseLook )
+void auditWorlds( int count, bool margins )
 {
 	SeededRng rng;
 	AuditTally tally;
-	for ( int i = 0; i < edgesUnlessSanitized( 100, 40 ); ++i )
+	for ( int i = 0; i < count; ++i )
 	{
-		const EdgeWorld world = randomWorld( rng.engine()(), worldOptions() );
+		const EdgeWorld world = randomWorld( rng.engine()(), worldOptions( margins ) );
 		AuditBench bench( world );
 		for ( int k = 0; k < 10; ++k )
 		{
@@ -43,6 +42,19 @@ TEST( EdgeAudit, VerdictsOnRandomRobotsSurviveADenseLook )
 		}
 	}
 	tally.expectVariety();
+}
+
+} // namespace
+
+TEST( EdgeAudit, VerdictsOnRandomRobotsSurviveADenseLook )
+{
+	auditWorlds( edgesUnlessSanitized( 100, 40 ), false );
+}
+
+// The same with margins of links, objects and pairs, which the auditor takes off by itself.
+TEST( EdgeAudit, VerdictsWithMarginsSurviveADenseLook )
+{
+	auditWorlds( edgesUnlessSanitized( 60, 20 ), true );
 }
 
 // An auditor that steps over contacts would agree with every certificate. A ball at the end of an arm sweeps past the tip of

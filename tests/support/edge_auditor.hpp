@@ -7,7 +7,7 @@
 //
 // Motion is measured, not bounded: forward kinematics at states between which nothing turns by more than 0.2 rad; how far
 // the centre of a sphere around the body went, and how far it turned about it. Bodies that are rigid to each other are a
-// cluster and move as one. Where the boxes of the shapes are far enough apart for an interval no distance is taken.
+// cluster and move as one. With margins a distance counts less by that of its pair. Where the boxes of the shapes are far enough apart for an interval no distance is taken.
 #pragma once
 
 #include "leeway/leeway.h"
@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -39,10 +40,15 @@ public:
 		std::uint64_t distances = 0, poses = 0;
 	};
 
+	/// What is taken off the distance of two links, or of a link and an object.
+	using Margin = std::function<double( bool self, std::uint32_t link, std::uint32_t other )>;
+
 	/// @param variables of the group; everything else stands. @param resolution metres
+	/// @param margin none if empty; all distances below are then distances less margins
 	EdgeAuditor( const lw_robot* robot, const lw_scene* scene, const std::vector<std::uint32_t>& variables,
-		const double* reference, const std::vector<lw_link_object_pair>& allowed = {}, double resolution = 1e-4 )
-		: m_robot( robot ), m_scene( scene ), m_resolution( resolution )
+		const double* reference, const std::vector<lw_link_object_pair>& allowed = {}, double resolution = 1e-4,
+		Margin margin = {} )
+		: m_robot( robot ), m_scene( scene ), m_resolution( resolution ), m_margin( std::move( margin ) )
 	{
 		const lw_query_def def = lw_query_def_default();
 		lw_query* query = nullptr;
@@ -129,6 +135,7 @@ private:
 	{
 		std::uint32_t body, other; ///< other: a body if self, otherwise an obstacle
 		bool self;
+		double margin = 0;
 	};
 	/// Links that are rigid to each other, with a sphere around their bodies, in the frame of the first one.
 	struct Cluster
@@ -153,6 +160,7 @@ private:
 		bool self;
 		std::uint32_t cluster, other; ///< cluster or obstacle
 		std::vector<std::uint32_t> pairs;
+		double margin = 0; ///< the largest of them
 	};
 	/// A pair that is not settled on an interval, with its last sample (distance < 0: none yet).
 	struct Open
@@ -282,21 +290,24 @@ private:
 		return b;
 	}
 
-	void addPair( const Pair& pair, std::uint32_t other )
+	void addPair( Pair pair, std::uint32_t other )
 	{
+		setMargin( pair );
 		const std::uint32_t cluster = m_cluster_of[pair.body];
 		const auto key = std::make_tuple( pair.self, cluster, other );
 		const auto [place, is_new] = m_item_of.emplace( key, m_items.size() );
 		if ( is_new )
 		{
-			Item item = { LW_INVALID_INDEX, LW_INVALID_INDEX, pair.self, cluster, other, {} };
+			Item item = { LW_INVALID_INDEX, LW_INVALID_INDEX, pair.self, cluster, other, {}, 0 };
 			const std::uint32_t frame =
 				pair.self ? commonLink( m_clusters[cluster].link, m_clusters[other].link ) : LW_INVALID_INDEX;
 			item.mover = moverOf( cluster, frame );
 			item.other_mover = pair.self ? moverOf( other, frame ) : LW_INVALID_INDEX;
 			m_items.push_back( item );
 		}
-		m_items[place->second].pairs.push_back( static_cast<std::uint32_t>( m_pairs.size() ) );
+		Item& item = m_items[place->second];
+		item.margin = std::max( item.margin, pair.margin );
+		item.pairs.push_back( static_cast<std::uint32_t>( m_pairs.size() ) );
 		m_pairs.push_back( pair );
 	}
 
@@ -320,6 +331,7 @@ private:
 				if ( counts && cluster.above.empty() )
 				{
 					m_still.push_back( { a, k, false } );
+					setMargin( m_still.back() );
 				}
 				else if ( counts )
 				{
@@ -335,6 +347,11 @@ private:
 				}
 			}
 		}
+	}
+
+	void setMargin( Pair& pair ) const
+	{
+		pair.margin = m_margin ? m_margin( pair.self, m_bodies[pair.body].link, otherName( pair ) ) : 0;
 	}
 
 	std::uint32_t otherName( const Pair& pair ) const
@@ -509,11 +526,11 @@ private:
 		const lw_vec3 ca = lw_transform_point( &at[a.link], a.center );
 		if ( !item.self )
 		{
-			return toBox( ca, m_obstacles[item.other].pose, m_obstacles[item.other].info ) - a.radius;
+			return toBox( ca, m_obstacles[item.other].pose, m_obstacles[item.other].info ) - a.radius - item.margin;
 		}
 		const Cluster& b = m_clusters[item.other];
 		const lw_vec3 cb = lw_transform_point( &at[b.link], b.center );
-		return norm( ca.x - cb.x, ca.y - cb.y, ca.z - cb.z ) - a.radius - b.radius;
+		return norm( ca.x - cb.x, ca.y - cb.y, ca.z - cb.z ) - a.radius - b.radius - item.margin;
 	}
 
 	double gap( const Pair& pair, const Poses& at ) const
@@ -522,15 +539,18 @@ private:
 		const lw_vec3 ca = lw_transform_point( &at[a.link], a.center );
 		const double gap_a = toBox( ca, worldPose( b, at ), b.info ) - a.info.sphere_radius;
 		const lw_vec3 cb = b.link == LW_INVALID_INDEX ? b.center : lw_transform_point( &at[b.link], b.center );
-		return std::max( gap_a, toBox( cb, worldPose( a, at ), a.info ) - b.info.sphere_radius );
+		return std::max( gap_a, toBox( cb, worldPose( a, at ), a.info ) - b.info.sphere_radius ) - pair.margin;
 	}
 
 	lw_clearance distance( const Pair& pair, const Poses& at, const lw_range& range )
 	{
 		const Body &a = m_bodies[pair.body], &b = pair.self ? m_bodies[pair.other] : m_obstacles[pair.other];
 		const lw_transform pa = worldPose( a, at ), pb = worldPose( b, at );
+		const lw_range farther = { range.min_d + pair.margin, range.max_d + pair.margin, range.alpha };
 		lw_clearance out;
-		require( lw_shape_distance( a.shape, &pa, b.shape, &pb, &range, m_query.get(), &out ) );
+		require( lw_shape_distance( a.shape, &pa, b.shape, &pb, &farther, m_query.get(), &out ) );
+		out.lower -= pair.margin;
+		out.upper -= pair.margin;
 		++m_look.distances;
 		return out;
 	}
@@ -634,6 +654,7 @@ private:
 	const lw_robot* m_robot;
 	const lw_scene* m_scene;
 	const double m_resolution;
+	const Margin m_margin;
 	std::unique_ptr<lw_query, QueryDeleter> m_query;
 	Poses m_reference;
 	std::vector<Body> m_bodies, m_obstacles;

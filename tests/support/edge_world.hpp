@@ -4,6 +4,7 @@
 
 #include "leeway/handles.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -13,6 +14,44 @@
 struct Motion
 {
 	std::vector<double> from, to;
+};
+
+/// Margins that own their arrays.
+struct EdgeMargins
+{
+	double environment = 0, self = 0;
+	std::vector<double> links, self_links, objects; ///< empty, or one each
+	std::vector<lw_pair_margin> pairs, self_pairs;  ///< each pair once, self pairs with their lower link first
+
+	lw_margins def() const
+	{
+		lw_margins out = {};
+		out.environment = environment;
+		out.self = self;
+		out.link_environment = links.empty() ? nullptr : links.data();
+		out.link_self = self_links.empty() ? nullptr : self_links.data();
+		out.object = objects.empty() ? nullptr : objects.data();
+		out.environment_pairs = pairs.data();
+		out.environment_pair_count = static_cast<std::uint32_t>( pairs.size() );
+		out.self_pairs = self_pairs.data();
+		out.self_pair_count = static_cast<std::uint32_t>( self_pairs.size() );
+		return out;
+	}
+
+	double of( bool is_self, std::uint32_t link, std::uint32_t other ) const
+	{
+		const std::uint32_t a = is_self ? std::min( link, other ) : link, b = is_self ? std::max( link, other ) : other;
+		for ( const lw_pair_margin& pair : is_self ? self_pairs : pairs )
+		{
+			if ( pair.a == a && pair.b == b )
+			{
+				return pair.margin;
+			}
+		}
+		const auto part = []( const std::vector<double>& values, std::uint32_t i ) { return values.empty() ? 0 : values[i]; };
+		return is_self ? self + part( self_links, a ) + part( self_links, b )
+					   : environment + part( links, a ) + part( objects, b );
+	}
 };
 
 struct EdgeWorld
@@ -26,6 +65,7 @@ struct EdgeWorld
 	std::vector<std::uint32_t> variables;
 	std::vector<double> reference; ///< full state; joints outside the group stand there
 	std::vector<lw_link_object_pair> allowed;
+	EdgeMargins margins;
 	/// Group states near which an edge starts, NAN = anywhere in the limits; empty = all anywhere.
 	std::vector<std::vector<double>> anchors;
 	double anchor_spread = 0.3;

@@ -11,6 +11,7 @@ struct RandomWorldOptions
 	int least_joints = 2, most_joints = 8;
 	int most_triangles = 30; ///< per mesh
 	double tables = 1;       ///< share of worlds whose second checker has motion hulls and pair tables (0 without qhull)
+	bool margins = false;
 };
 
 namespace random_world
@@ -53,11 +54,12 @@ inline leeway::Scene makeScene( SeededRng& rng, const lw_transform& around, int 
 
 /// Contacts, and all but contacts, of a state are allowed from now on.
 inline void allowContacts( RobotModel& model, const lw_scene* scene, const std::vector<std::uint32_t>& variables,
-	const State& state, std::vector<lw_link_object_pair>& allowed )
+	const State& state, const EdgeMargins& margins, std::vector<lw_link_object_pair>& allowed )
 {
 	const double close = 0.002;
 	const RobotPtr robot = model.create();
-	EdgeAuditor auditor( robot.get(), scene, variables, state.data() );
+	EdgeAuditor auditor( robot.get(), scene, variables, state.data(), {}, 1e-4,
+		[&]( bool self, std::uint32_t link, std::uint32_t other ) { return margins.of( self, link, other ); } );
 	const std::uint32_t links = lw_robot_link_count( robot.get() );
 	for ( std::uint32_t a = 0; a < links; ++a )
 	{
@@ -76,6 +78,37 @@ inline void allowContacts( RobotModel& model, const lw_scene* scene, const std::
 			}
 		}
 	}
+}
+
+/// Of all kinds, millimetres to centimetres, and many zeros; some objects want much.
+inline EdgeMargins randomMargins( SeededRng& rng, std::uint32_t links, std::uint32_t objects )
+{
+	EdgeMargins out;
+	const auto some = [&] { return rng.integer( 0, 1 ) ? 0.0 : rng.decade( -3, -1.5 ); };
+	out.environment = some();
+	out.self = some();
+	for ( std::uint32_t i = 0; i < links; ++i )
+	{
+		out.links.push_back( some() );
+		out.self_links.push_back( 0.3 * some() );
+	}
+	for ( std::uint32_t i = 0; i < objects; ++i )
+	{
+		out.objects.push_back( rng.integer( 0, 5 ) ? some() : 0.1 );
+	}
+	for ( std::uint32_t a = 0; a < links; ++a ) // one of each at most
+	{
+		if ( objects > 0 && rng.integer( 0, 2 ) == 0 )
+		{
+			out.pairs.push_back( { a, static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( objects ) - 1 ) ), some() } );
+		}
+		if ( a + 1 < links && rng.integer( 0, 2 ) == 0 )
+		{
+			const int low = static_cast<int>( a ) + 1, high = static_cast<int>( links ) - 1;
+			out.self_pairs.push_back( { a, static_cast<std::uint32_t>( rng.integer( low, high ) ), some() } );
+		}
+	}
+	return out;
 }
 
 /// All variables, or those of most joints.
@@ -104,6 +137,7 @@ inline leeway::Checker makeChecker( const EdgeWorld& world, const lw_reach* reac
 	def.reference = world.reference.data();
 	def.allowed = world.allowed.data();
 	def.allowed_count = static_cast<std::uint32_t>( world.allowed.size() );
+	def.margins = world.margins.def();
 	def.reach = reach;
 	lw_checker* checker = nullptr;
 	lw_diag diag = {};
@@ -141,7 +175,12 @@ inline EdgeWorld randomWorld( std::uint64_t seed, const RandomWorldOptions& opti
 	// rotations of random states have any length: edges start from states with unit ones
 	lw_robot_interpolate( robot.get(), world.reference.data(), world.reference.data(), 0, world.reference.data() );
 	world.scene = random_world::makeScene( rng, model.worldFromRoot, options.most_triangles );
-	random_world::allowContacts( model, world.scene.get(), variables, world.reference, world.allowed );
+	if ( options.margins )
+	{
+		world.margins = random_world::randomMargins(
+			rng, lw_robot_link_count( robot.get() ), lw_scene_object_count( world.scene.get() ) );
+	}
+	random_world::allowContacts( model, world.scene.get(), variables, world.reference, world.margins, world.allowed );
 	world.robot = leeway::Robot::adopt( model.create().release() );
 	world.home = world.group( world.reference );
 	world.checker = random_world::makeChecker( world, nullptr );
