@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot against the scene: all bodies at once, or node by node where motion hulls are known.
+// The robot against the scene: node by node, by subtrees where motion hulls are known; or all bodies at once.
 // Paper: Steinbach et al. 2006, section III.B. One running bound, nearest pair first, either way.
 #include "checker_pose.h"
 #include "math_inline.h"
@@ -194,8 +194,8 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	return slack;
 }
 
-/// Descends the nodes. A subtree whose M is out of reach is neither posed nor looked at, nor are the bodies of a node whose R
-/// is. Returns the slack of all rows.
+/// Descends the nodes. A subtree whose M is known and out of reach is neither posed nor looked at, nor are the bodies of a node
+/// whose R is. Returns the slack of all rows.
 static double descend( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -204,7 +204,8 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 	{
 		const lwi_checker_node* node = &tree->nodes[i];
 		bool one_body = node->end == i + 1 && node->body_count == 1; // asking its M first would cost as much as asking it
-		if ( ( checker->node_environment[i] & LWI_SUBTREE_ASKS ) == 0 || ( !one_body && !meets_scene( checker, query, 2 * i + 1, bound ) ) )
+		bool asks = ( checker->node_environment[i] & LWI_SUBTREE_ASKS ) != 0;
+		if ( !asks || ( query->covered && !one_body && !meets_scene( checker, query, 2 * i + 1, bound ) ) )
 		{
 			i = node->end;
 			continue;
@@ -298,10 +299,10 @@ static void environment_result( const lw_checker* checker, const lw_query* query
 }
 
 /// Measures the nearest pair of the last time, if it is still one that counts.
-static void measure_warm( const lw_checker* checker, lw_query* query, const lwi_warm* warm, lwi_bound* bound )
+static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
 {
 	uint32_t stride = checker->scene != NULL ? checker->scene->block_count * LWI_WIDTH : 0;
-	if ( !query->def.warm_start || !warm->valid || stride == 0 )
+	if ( stride == 0 || !lwi_warm_pays( query, warm, bound ) )
 	{
 		return;
 	}
@@ -314,8 +315,7 @@ static void measure_warm( const lw_checker* checker, lw_query* query, const lwi_
 		lw_transform relative = lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
 		bound->current_pair = warm->pair;
 		bound->margin = lwi_environment_margin( checker, body, checker->scene->shapes[shape].object );
-		lwi_measure( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, warm->triangle_a,
-			warm->triangle_b, bound );
+		lwi_measure_warm( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, warm, bound );
 	}
 }
 
@@ -338,7 +338,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	{
 		measure_warm( checker, query, warm, &bound );
 	}
-	if ( !bound.done && query->covered )
+	if ( !bound.done && query->def.hierarchy )
 	{
 		search_tree( checker, query, &bound );
 	}
@@ -350,7 +350,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	environment_result( checker, query, &bound, out );
 	if ( out->upper < INFINITY && bound.pair != STATIC_PAIR )
 	{
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }
 
@@ -360,6 +360,15 @@ bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, u
 	const lw_range range = { 0, limit, 0 };
 	choose_obstacles( checker, query, &range, false );
 	return ( checker->node_environment[node] & LWI_NODE_ASKS ) != 0 && meets_scene( checker, query, 2 * node, &bound );
+}
+
+bool lwi_checker_body_nears_scene( const lw_checker* checker, lw_query* query, uint32_t body, double limit )
+{
+	const lw_range range = { 0, limit, 0 };
+	choose_obstacles( checker, query, &range, false );
+	lwi_pose_body( checker, query, body );
+	double slack = row_of_gaps( checker, query, body, query->gaps );
+	return !all_reach( query->gaps, block_count( checker, query ), limit + slack );
 }
 
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
@@ -385,7 +394,7 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	environment_result( checker, query, &bound, out );
 	if ( out->upper < INFINITY )
 	{
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }
 

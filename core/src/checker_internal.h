@@ -141,6 +141,8 @@ typedef struct lwi_threshold
 
 /// False if all bodies of a node are `limit` or farther from the scene by their common sphere.
 bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit );
+/// The same for one body.
+bool lwi_checker_body_nears_scene( const lw_checker* checker, lw_query* query, uint32_t body, double limit );
 
 /// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
 /// out->b = object. FAR if nothing is to be checked.

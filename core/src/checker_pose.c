@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Poses of a state, node by node when a question gets there.
 //
-// lwi_robot_fk_links() is asked for the same links with the same parents and state in whatever order, so a pose has the same
-// bits however it came about, and so have the distances measured with it.
+// A pose follows from the pose of the node above in one way only, whatever is asked for first, so it has the same bits however it
+// came about, and so have the distances measured with it.
 #include "checker_pose.h"
 #include "math_inline.h"
 
@@ -33,6 +33,19 @@ static double node_extent( const lw_checker* checker, const lw_query* query, uin
 	return extent;
 }
 
+/// The top of a node by its joint, the others where they always are.
+static void pose_links( const lw_checker* checker, lw_query* query, const lwi_checker_node* node )
+{
+	const uint32_t* links = checker->tree->links + node->first_link;
+	// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
+	lwi_robot_fk_links( checker->robot, query->state, links, 1, query->world_from_link );
+	const lw_transform* top = &query->world_from_link[links[0]];
+	for ( uint32_t i = 1; i < node->link_count; ++i )
+	{
+		query->world_from_link[links[i]] = lwi_multiply( top, &checker->tree->top_from_link[node->first_link + i] );
+	}
+}
+
 void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t node )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -43,9 +56,7 @@ void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t node )
 		{
 			highest = tree->nodes[highest].parent;
 		}
-		// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
-		lwi_robot_fk_links( checker->robot, query->state, tree->links + tree->nodes[highest].first_link,
-			tree->nodes[highest].link_count, query->world_from_link );
+		pose_links( checker, query, &tree->nodes[highest] );
 		query->stats.links_posed += tree->nodes[highest].link_count;
 		query->node_extent[highest] = node_extent( checker, query, highest );
 		query->node_stamp[highest] = query->state_stamp;

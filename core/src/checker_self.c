@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot against itself: all pairs at once, or by the steps of the paper where motion hulls and tables are known.
+// The robot against itself: by nodes, along the steps of the paper where motion hulls and tables are known; or all pairs at once.
 //
 // Paper: Steinbach et al. 2006, section IV. A step is passed over, with all pairs below it, if their proved separation or the
 // gap of two spheres reaches the running bound; both are lower bounds, so the answer is that of all pairs. What is left is
@@ -152,8 +152,39 @@ static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t 
 	return (lwi_candidate){ gap, a < b ? a * stride + b : b * stride + a };
 }
 
+/// A pair of nodes as a candidate.
+static lwi_candidate node_pair( const lw_checker* checker, uint32_t index, float key )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_node_pair* pair = &tree->pairs[index];
+	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
+	// the R of a node of one body is the body's: nothing to open
+	return a->body_count == 1 && b->body_count == 1
+			   ? body_pair( checker, tree->bodies[a->first_body], tree->bodies[b->first_body], key )
+			   : (lwi_candidate){ key, OPEN + index };
+}
+
+/// All pairs of nodes by their R, where nothing is proved of this state: what they do not rule out becomes a candidate.
+static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < tree->pair_count; ++i )
+	{
+		const lwi_node_pair* pair = &tree->pairs[i];
+		const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
+		double gap = gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, bound->prune );
+		if ( gap < INFINITY )
+		{
+			query->candidates[count++] = node_pair( checker, i, below( gap ) );
+		}
+	}
+	query->stats.robot_tests += tree->pair_count;
+	return count;
+}
+
 /// Walks the steps: what no test rules out becomes a candidate.
-static uint32_t walk( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
 	const lwi_checker_tree* tree = checker->tree;
 	double limit = bound->prune;
@@ -175,13 +206,7 @@ static uint32_t walk( const lw_checker* checker, lw_query* query, const lwi_boun
 		}
 		if ( step->pair != LW_INVALID_INDEX )
 		{
-			const lwi_node_pair* pair = &tree->pairs[step->pair];
-			const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
-			float key = lower_bound( gap, step->separation );
-			// the R of a node of one body is the body's: nothing to open
-			query->candidates[count++] = a->body_count == 1 && b->body_count == 1
-											 ? body_pair( checker, tree->bodies[a->first_body], tree->bodies[b->first_body], key )
-											 : (lwi_candidate){ key, OPEN + step->pair };
+			query->candidates[count++] = node_pair( checker, step->pair, lower_bound( gap, step->separation ) );
 		}
 		++i;
 	}
@@ -313,7 +338,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
-	uint32_t count = walk( checker, query, bound );
+	uint32_t count = query->covered ? walk_steps( checker, query, bound ) : walk_pairs( checker, query, bound );
 	lwi_heap_build( query->candidates, count );
 	search_candidates( checker, query, count, bound );
 }
@@ -334,12 +359,12 @@ static void self_result( const lw_checker* checker, const lw_query* query, const
 }
 
 /// Measures the nearest pair of the last time, if it is still one that counts.
-static void measure_warm( const lw_checker* checker, lw_query* query, const lwi_warm* warm, lwi_bound* bound )
+static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
 {
 	uint32_t bodies = lw_robot_body_count( checker->robot );
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	uint32_t a = warm->pair / stride, b = warm->pair % stride;
-	if ( query->def.warm_start && warm->valid && a < bodies && b < bodies &&
+	if ( lwi_warm_pays( query, warm, bound ) && a < bodies && b < bodies &&
 		 ( checker->self_mask[(size_t)a * checker->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) & 1 ) != 0 )
 	{
 		lwi_pose_body( checker, query, a );
@@ -347,8 +372,7 @@ static void measure_warm( const lw_checker* checker, lw_query* query, const lwi_
 		lw_transform relative = lwi_relative( &query->world_from_body[a], &query->world_from_body[b] );
 		bound->current_pair = warm->pair;
 		bound->margin = lwi_self_margin( checker, a, b );
-		lwi_measure( query, checker->bodies[a].shape, checker->bodies[b].shape, &relative, warm->triangle_a, warm->triangle_b,
-			bound );
+		lwi_measure_warm( query, checker->bodies[a].shape, checker->bodies[b].shape, &relative, warm, bound );
 	}
 }
 
@@ -365,7 +389,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	lwi_warm* warm = &query->warm_self;
 	measure_warm( checker, query, warm, &bound );
-	if ( !bound.done && query->covered )
+	if ( !bound.done && query->def.hierarchy )
 	{
 		search_tree( checker, query, &bound );
 	}
@@ -377,7 +401,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	self_result( checker, query, &bound, bound.pair / stride, bound.pair % stride, out );
 	if ( out->upper < INFINITY )
 	{
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }
 
@@ -428,6 +452,6 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 	self_result( checker, query, &bound, a, b, out );
 	if ( out->upper < INFINITY )
 	{
-		*warm = (lwi_warm){ id, bound.triangle_a, bound.triangle_b, true };
+		*warm = (lwi_warm){ id, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }

@@ -40,6 +40,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->floating, variable_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->nodes, t->link_count * sizeof( lwi_checker_node ) );
 	lwi_free( &allocator, t->links, t->link_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->top_from_link, t->link_count * sizeof( lw_transform ) );
 	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_place, t->body_count * sizeof( uint32_t ) );
@@ -59,14 +60,16 @@ static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, u
 	t->floating = lwi_alloc_zero( &t->allocator, variables, sizeof( uint32_t ) );
 	t->nodes = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_checker_node ) );
 	t->links = lwi_alloc_zero( &t->allocator, links, sizeof( uint32_t ) );
+	t->top_from_link = lwi_alloc_zero( &t->allocator, links, sizeof( lw_transform ) );
 	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_place = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
 	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
-			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) ) + bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) );
+			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) + sizeof( lw_transform ) ) +
+			   bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) );
 	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->links != NULL &&
-		   t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL;
+		   t->top_from_link != NULL && t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL;
 }
 
 /// True if there is a reach and every variable outside of the group is inside of its range.
@@ -233,6 +236,19 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 	}
 }
 
+/// Where the links of a node are in it, the same in all states.
+static void fill_links( lwi_checker_tree* t, const lw_checker* c )
+{
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		const lwi_checker_node* node = &t->nodes[i];
+		for ( uint32_t k = node->first_link; k < node->first_link + node->link_count; ++k )
+		{
+			t->top_from_link[k] = lwi_relative( &c->reference_poses[node->top], &c->reference_poses[t->links[k]] );
+		}
+	}
+}
+
 static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
 {
 	uint32_t links = t->link_count;
@@ -247,6 +263,7 @@ static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bo
 	fill_hooks( t, c );
 	mark_needed( t, c, &n );
 	fill_nodes( t, c, &n );
+	fill_links( t, c );
 	lwi_free( &t->allocator, memory, links * 5 * sizeof( uint32_t ) );
 	return LW_OK;
 }

@@ -58,7 +58,8 @@ typedef struct lwi_checker_tree
 	uint32_t node_count;
 	lwi_checker_node* nodes; ///< [node_count] depth first, parents before children
 	uint32_t link_count, body_count;
-	uint32_t* links;         ///< [link_count] by node, parents first: those whose pose something depends on
+	uint32_t* links;         ///< [link_count] by node, the top first, parents first: those whose pose something depends on
+	lw_transform* top_from_link; ///< [link_count] of `links`: constant within a node
 	uint32_t* bodies;        ///< [body_count] robot bodies by node
 	uint32_t* body_node;     ///< [body_count] node of a robot body
 	uint32_t* body_place;    ///< [body_count] where a robot body is in `bodies`

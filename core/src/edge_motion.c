@@ -3,6 +3,7 @@
 //
 // A point's way is bounded by where it is at both ends and how fast its velocity can change in between (linear interpolation),
 // which beats path lengths by far where joints' motions cancel or cells are short. Derivation: core/docs/edges.md.
+#include "checker_pose.h"
 #include "edge_internal.h"
 #include "math_inline.h"
 
@@ -172,11 +173,22 @@ static const lw_transform* node_pose( lwi_edge* e, double t, uint32_t node )
 	return &poses[node];
 }
 
+/// The query's own pose where it is at t.
+static const lw_transform* pose_at( lwi_edge* e, double t, uint32_t node )
+{
+	if ( t != e->posed_t )
+	{
+		return node_pose( e, t, node );
+	}
+	lwi_pose_node( e->checker, e->query, node );
+	return &e->query->world_from_link[e->checker->tree->nodes[node].top];
+}
+
 /// Pose of a node in the frame of one above it.
 static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t ancestor )
 {
-	const lw_transform* pose = node_pose( e, t, node );
-	return ancestor == 0 ? *pose : lwi_relative( node_pose( e, t, ancestor ), pose );
+	const lw_transform* pose = pose_at( e, t, node );
+	return ancestor == 0 ? *pose : lwi_relative( pose_at( e, t, ancestor ), pose );
 }
 
 // ---- displacements ---------------------------------------------------------------------------------------------------

@@ -42,6 +42,7 @@ typedef struct lwi_batch
 typedef struct lwi_warm
 {
 	uint32_t pair, triangle_a, triangle_b;
+	double clearance; ///< of these two when they were last measured
 	bool valid;
 } lwi_warm;
 
@@ -95,6 +96,24 @@ struct lw_query
 	void* edge_scratch;
 	size_t bytes;
 };
+
+/// Only what was near enough to bear on a question the last time is likely to do so again: where all that is asked for is contact
+/// or a margin, measuring what is farther only costs.
+static inline bool lwi_warm_pays( const lw_query* query, const lwi_warm* warm, const lwi_bound* bound )
+{
+	return query->def.warm_start && warm->valid && warm->clearance < bound->prune;
+}
+
+/// lwi_measure() of the pair that was nearest last time, which is then known to be as far as it is now.
+static inline void lwi_measure_warm( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_warm* warm, lwi_bound* bound )
+{
+	double floor = bound->floor;
+	bound->floor = INFINITY;
+	lwi_measure( query, a, b, a_from_b, warm->triangle_a, warm->triangle_b, bound );
+	warm->clearance = bound->floor;
+	bound->floor = floor < bound->floor ? floor : bound->floor;
+}
 
 /// Releases the checker whose poses the query holds, if any.
 void lwi_query_forget_checker( lw_query* query );

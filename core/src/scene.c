@@ -419,12 +419,12 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 	lwi_bound bound;
 	lwi_bound_init( &bound, &wanted );
 	lwi_warm* warm = &query->warm_scene;
-	if ( query->def.warm_start && warm->valid && warm->pair < scene->shape_count )
+	if ( lwi_warm_pays( query, warm, &bound ) && warm->pair < scene->shape_count )
 	{
 		const lw_scene_shape_def* obstacle = &scene->shapes[warm->pair];
 		lw_transform relative = lwi_relative( &pose, &obstacle->world_from_shape );
 		bound.current_pair = warm->pair;
-		lwi_measure( query, shape, obstacle->shape, &relative, warm->triangle_a, warm->triangle_b, &bound );
+		lwi_measure_warm( query, shape, obstacle->shape, &relative, warm, &bound );
 	}
 	if ( !bound.done )
 	{
@@ -441,7 +441,7 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 		out->point_b = lwi_transform( &pose, bound.point_b );
 		out->a = lwi_named_element( shape, bound.triangle_a );
 		out->b = scene->shapes[bound.pair].object;
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, true };
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 	return LW_OK;
 }

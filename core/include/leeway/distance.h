@@ -68,8 +68,9 @@ typedef struct lw_query_def
 	lw_simd simd;           ///< cap of the kernel level
 	bool transform_caching; ///< keep the centre of the sphere that is not opened in the other tree's frame (paper II.C)
 	bool warm_start;        ///< try the last witness pair first: changes speed, never what is certified
-	bool hierarchy;         ///< checkers with a reach use it: its spheres, its tables, and poses only where they are needed;
-	                        ///< otherwise all pairs are gone through: the same answers
+	bool hierarchy;         ///< checkers are asked by groups of links that move as one, with poses only where they are needed, and
+	                        ///< with the spheres and tables of a reach if there is one; otherwise all pairs are gone through: the same
+	                        ///< answers
 	/// Room for scenes and robots that grow: this many more shapes than the scene has, bodies than the robot (those of attached
 	/// objects too). With none, a query serves checkers that are no larger.
 	uint32_t spare_shapes, spare_bodies;

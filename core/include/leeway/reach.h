@@ -47,7 +47,7 @@ LW_API void lw_reach_release( lw_reach* reach );
 LW_API const lw_robot* lw_reach_robot( const lw_reach* reach );
 LW_API size_t lw_reach_bytes( const lw_reach* reach );
 /// The ranges of a variable for which everything here holds: its limits widened by limit_margin. A state outside is not
-/// covered; checkers then ask all pairs.
+/// covered; checkers then ask without it.
 LW_API void lw_reach_variable_range( const lw_reach* reach, uint32_t variable, double* out_lower, double* out_upper );
 
 /// A sphere; radius < 0: contains nothing; +inf: unbounded (a joint without limits).
