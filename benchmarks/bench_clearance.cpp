@@ -8,10 +8,10 @@
 #include "fcl_peer.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
+#include "tree_cost.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -20,7 +20,6 @@
 #include <iostream>
 #include <limits>
 #include <memory>
-#include <set>
 
 namespace
 {
@@ -296,59 +295,6 @@ private:
 	bool m_disagreed = false;
 };
 
-/// What the trees cost: distinct meshes, built again from their vertices, the fastest of three.
-struct TreeCost
-{
-	double seconds = 0, bytes_per_triangle = 0;
-	std::size_t meshes = 0, triangles = 0, bytes = 0;
-};
-
-TreeCost measureTrees( const leeway::io::Problem& problem, const lw_tree_def& tree )
-{
-	std::set<const lw_shape*> shapes;
-	for ( uint32_t i = 0; i < lw_robot_body_count( problem.robot.get() ); ++i )
-	{
-		shapes.insert( lw_robot_body( problem.robot.get(), i ).shape );
-	}
-	for ( uint32_t i = 0; i < lw_scene_shape_count( problem.scene.get() ); ++i )
-	{
-		shapes.insert( lw_scene_shape( problem.scene.get(), i ).shape );
-	}
-	TreeCost cost;
-	cost.meshes = shapes.size();
-	cost.seconds = INFINITE;
-	for ( int pass = 0; pass < 3; ++pass )
-	{
-		std::vector<leeway::Shape> built;
-		const auto start = std::chrono::steady_clock::now();
-		for ( const lw_shape* shape : shapes )
-		{
-			const lw_shape_info info = lw_shape_get_info( shape );
-			lw_mesh_def def = lw_mesh_def_default();
-			def.vertices = lw_shape_vertices( shape );
-			def.vertex_count = info.vertex_count;
-			def.indices = lw_shape_triangles( shape );
-			def.triangle_count = info.triangle_count;
-			def.tree = tree;
-			lw_shape* out = nullptr;
-			lw_diag diag;
-			leeway::require( lw_shape_create_mesh( &def, nullptr, &diag, &out ), diag );
-			built.push_back( leeway::Shape::adopt( out ) );
-		}
-		const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-		cost.seconds = std::min( cost.seconds, elapsed.count() );
-		cost.triangles = cost.bytes = 0;
-		for ( const leeway::Shape& shape : built )
-		{
-			const lw_shape_info info = lw_shape_get_info( shape.get() );
-			cost.triangles += info.triangle_count;
-			cost.bytes += info.bytes;
-		}
-	}
-	cost.bytes_per_triangle = static_cast<double>( cost.bytes ) / static_cast<double>( cost.triangles );
-	return cost;
-}
-
 const std::pair<lw_sphere_fit, const char*> FITS[] = {
 	{ LW_FIT_GREEDY, "GREEDY" }, { LW_FIT_COMPACT, "COMPACT" }, { LW_FIT_MINIMAL, "MINIMAL" } };
 
@@ -437,16 +383,16 @@ void printTrees( const leeway::io::Problem& problem, const FclPeer& fcl, Json& r
 		lw_tree_def tree = lw_tree_def_default();
 		const bool is_default = tree.fit == fit;
 		tree.fit = fit;
-		cost = measureTrees( problem, tree );
+		cost = measureTrees( distinctMeshes( problem ), tree );
 		std::printf( "leeway %-9s %6zu %9zu | %9.3f %14.1f%s\n", name, cost.meshes, cost.triangles, cost.seconds,
 			cost.bytes_per_triangle, is_default ? "  (default)" : "" );
 		rows.push_back( Json{ { "trees", std::string( "leeway " ) + name }, { "default", is_default }, { "meshes", cost.meshes },
 			{ "triangles", cost.triangles }, { "seconds", cost.seconds }, { "bytes_per_triangle", cost.bytes_per_triangle } } );
 	}
-	const double bytes = static_cast<double>( fcl.bytes() ) / static_cast<double>( cost.triangles );
-	std::printf( "%-16s %6zu %9zu | %9.3f %14.1f\n", "FCL OBBRSS", cost.meshes, cost.triangles, fcl.buildSeconds(), bytes );
+	const double bytes = static_cast<double>( fcl.engine().bytes() ) / static_cast<double>( cost.triangles );
+	std::printf( "%-16s %6zu %9zu | %9.3f %14.1f\n", "FCL OBBRSS", cost.meshes, cost.triangles, fcl.engine().buildSeconds(), bytes );
 	rows.push_back( Json{ { "trees", "FCL OBBRSS" }, { "meshes", cost.meshes }, { "triangles", cost.triangles },
-		{ "seconds", fcl.buildSeconds() }, { "bytes_per_triangle", bytes } } );
+		{ "seconds", fcl.engine().buildSeconds() }, { "bytes_per_triangle", bytes } } );
 }
 
 int run( const Settings& settings )

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A cloud of a million points against the octomap of the same cloud in FCL: building, and clearance of an arm among them.
 //
-// Panda in a scene of MotionBenchMaker whose surfaces are sampled. leeway gets all points, each a ball of half a cell; FCL the
-// octree of their cells, as fcl::OcTree and as boxes in its managers. leeway on the boxes of the octree is the same geometry as
-// FCL's: their distances must agree. A ball's point is in a cell, which bounds the cloud's distances by those of the cells.
-// Exit status 1 if an answer is outside of that.
+// Panda in a scene of MotionBenchMaker whose surfaces are sampled. leeway gets all points, each a ball of half a cell; FCL
+// the octree of their cells, as fcl::OcTree and as boxes in its managers. leeway on the boxes of the octree is the same
+// geometry as FCL's: their distances must agree. A ball's point is in a cell, which bounds the cloud's distances by those of
+// the cells. Exit status 1 if an answer is outside of that.
 #include "fcl_peer.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
@@ -126,14 +126,15 @@ std::vector<Patch> patchesOf( const lw_scene* scene )
 			for ( const double side : { -0.5, 0.5 } )
 			{
 				patches.push_back(
-					{ Patch::CAP, def.world_from_shape, { 0, 0, side * d[1] }, { d[0], 0, 0 }, {}, PI * d[0] * d[0] } );
+				    { Patch::CAP, def.world_from_shape, { 0, 0, side * d[1] }, { d[0], 0, 0 }, {}, PI * d[0] * d[0] } );
 			}
 			break;
 		case LW_SHAPE_MESH:
 			addMesh( def.shape, def.world_from_shape, patches );
 			break;
 		default:
-			throw std::runtime_error( "the scene has shapes whose surfaces are not sampled here: take one of boxes, cylinders, meshes" );
+			throw std::runtime_error(
+			    "the scene has shapes whose surfaces are not sampled here: take one of boxes, cylinders, meshes" );
 		}
 	}
 	return patches;
@@ -207,7 +208,7 @@ class Leeway
 {
 public:
 	Leeway( const io::RobotModel& robot, const leeway::Shape& shape, const io::Request& request )
-		: m_problem( problemWith( robot, shape, request ) ), m_query( leeway::makeQuery( m_problem.checker.get() ) )
+	    : m_problem( problemWith( robot, shape, request ) ), m_query( leeway::makeQuery( m_problem.checker.get() ) )
 	{
 	}
 
@@ -230,8 +231,8 @@ private:
 	{
 		lw_state_result result;
 		leeway::require( lw_checker_state( m_problem.checker.get(), m_query.get(), q, LW_WHAT_ENVIRONMENT, &range,
-							 stop_at_first, &result ),
-			"a state" );
+		                     stop_at_first, &result ),
+		    "a state" );
 		return result;
 	}
 
@@ -257,9 +258,9 @@ public:
 			m_cells.registerObject( m_objects.back().get() );
 		}
 		m_cells.setup();
-		for ( const auto& [geometry, pose] : m_peer.movingBodies() )
+		for ( const std::uint32_t number : m_peer.movingBodies() )
 		{
-			m_objects.push_back( std::make_unique<fcl::CollisionObjectd>( geometry, pose ) );
+			m_objects.push_back( std::make_unique<fcl::CollisionObjectd>( body( number ).model, body( number ).pose ) );
 			m_moving.push_back( m_objects.back().get() );
 			m_links.registerObject( m_moving.back() );
 		}
@@ -269,10 +270,9 @@ public:
 	void pose( const double* q )
 	{
 		m_peer.pose( q );
-		const auto bodies = m_peer.movingBodies();
-		for ( std::size_t i = 0; i < bodies.size(); ++i )
+		for ( std::size_t i = 0; i < m_moving.size(); ++i )
 		{
-			m_moving[i]->setTransform( bodies[i].second );
+			m_moving[i]->setTransform( body( m_peer.movingBodies()[i] ).pose );
 			m_moving[i]->computeAABB();
 		}
 		m_links.update();
@@ -282,31 +282,39 @@ public:
 	{
 		double best = bound;
 		m_links.distance( &m_cells, &best,
-			[]( fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data, double& nearest ) {
-				double& least = *static_cast<double*>( data );
-				fcl::DistanceResultd result;
-				result.min_distance = least;
-				fcl::distance( a, b, fcl::DistanceRequestd( false, false ), result );
-				least = std::min( least, std::max( 0.0, result.min_distance ) );
-				nearest = least;
-				return least <= 0;
-			} );
+		    []( fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data, double& nearest )
+		    {
+			    double& least = *static_cast<double*>( data );
+			    fcl::DistanceResultd result;
+			    result.min_distance = least;
+			    fcl::distance( a, b, fcl::DistanceRequestd( false, false ), result );
+			    least = std::min( least, std::max( 0.0, result.min_distance ) );
+			    nearest = least;
+			    return least <= 0;
+		    } );
 		return best;
 	}
 
 	bool collides()
 	{
 		bool found = false;
-		m_links.collide( &m_cells, &found, []( fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data ) {
-			fcl::CollisionResultd result;
-			bool& yes = *static_cast<bool*>( data );
-			yes = fcl::collide( a, b, fcl::CollisionRequestd( 1, false ), result ) > 0;
-			return yes;
-		} );
+		m_links.collide( &m_cells, &found,
+		    []( fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data )
+		    {
+			    fcl::CollisionResultd result;
+			    bool& yes = *static_cast<bool*>( data );
+			    yes = fcl::collide( a, b, fcl::CollisionRequestd( 1, false ), result ) > 0;
+			    return yes;
+		    } );
 		return found;
 	}
 
 private:
+	const FclEngine::Body& body( std::uint32_t number ) const
+	{
+		return static_cast<const FclEngine&>( m_peer.engine() ).body( number );
+	}
+
 	FclPeer& m_peer;
 	std::vector<std::unique_ptr<fcl::CollisionObjectd>> m_objects;
 	std::vector<fcl::CollisionObjectd*> m_moving;
@@ -316,8 +324,7 @@ private:
 // --- the comparison --------------------------------------------------------------------------------------------------
 
 /// Processor time of this thread: nothing here is built by several, and what else runs on the machine does not count.
-template <typename Work>
-double seconds( const Work& work )
+template <typename Work> double seconds( const Work& work )
 {
 	const double start = threadMicroseconds();
 	work();
@@ -357,7 +364,8 @@ std::vector<double> boxesOf( const octomap::OcTree& tree )
 }
 
 /// Half of them anywhere within the limits, half near the start or the goal of the problem.
-ConfigurationSet makeStates( const io::Problem& problem, const io::Request& request, std::size_t count, std::mt19937_64& random )
+ConfigurationSet makeStates(
+    const io::Problem& problem, const io::Request& request, std::size_t count, std::mt19937_64& random )
 {
 	ConfigurationSet set{ "states", "half uniform, half within 0.5 rad of start or goal", {} };
 	const std::vector<double> ends[2] = { io::startState( problem ), io::goalState( problem, request ) };
@@ -369,7 +377,7 @@ ConfigurationSet makeStates( const io::Problem& problem, const io::Request& requ
 			const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[k] );
 			const double share = uniform( random );
 			state[k] = i % 2 == 0 ? info.lower + share * ( info.upper - info.lower )
-								  : std::clamp( state[k] + share - 0.5, info.lower, info.upper );
+			                      : std::clamp( state[k] + share - 0.5, info.lower, info.upper );
 		}
 		set.states.push_back( state );
 	}
@@ -402,15 +410,15 @@ public:
 
 	Json run()
 	{
-		std::printf( "\nmicroseconds per state\n%-12s %-10s %5s | %-22s %8s %8s %8s | %s\n", "query", "states", "n", "library",
-			"median", "mean", "p95", "mean / leeway cloud" );
+		std::printf( "\nmicroseconds per state\n%-12s %-10s %5s | %-22s %8s %8s %8s | %s\n", "query", "states", "n",
+		    "library", "median", "mean", "p95", "mean / leeway cloud" );
 		m_exact = race( distanceContenders(), m_set, m_settings.repetitions );
 		report( "exact", m_exact, distanceContenders(), "" );
 		for ( const double margin : { MARGIN, 0.0 } )
 		{
 			const std::vector<Contender> contenders = booleanContenders( margin );
 			report( margin > 0 ? "margin 10 mm" : "boolean", race( contenders, m_set, m_settings.repetitions ), contenders,
-				margin > 0 ? "margin" : "boolean" );
+			    margin > 0 ? "margin" : "boolean" );
 		}
 		m_json["rows"] = m_rows;
 		m_json["disagreements"] = m_disagreements;
@@ -426,41 +434,47 @@ private:
 	{
 		lw_diag diag{};
 		const double radius = 0.5 * m_settings.cell;
-		const double cloud_seconds = seconds( [&] {
-			lw_shape* shape = nullptr;
-			leeway::require( lw_shape_create_points( points[0].data(), static_cast<std::uint32_t>( points.size() ), radius, nullptr,
-								 nullptr, &diag, &shape ),
-				diag );
-			m_cloud_shape = leeway::Shape::adopt( shape );
-		} );
+		const double cloud_seconds = seconds(
+		    [&]
+		    {
+			    lw_shape* shape = nullptr;
+			    leeway::require( lw_shape_create_points( points[0].data(), static_cast<std::uint32_t>( points.size() ),
+			                         radius, nullptr, nullptr, &diag, &shape ),
+			        diag );
+			    m_cloud_shape = leeway::Shape::adopt( shape );
+		    } );
 		std::shared_ptr<octomap::OcTree> octree;
 		const double octree_seconds = seconds( [&] { octree = makeOctree( points, m_settings.cell ); } );
 		const std::vector<double> boxes = boxesOf( *octree );
-		const double boxes_seconds = seconds( [&] {
-			lw_shape* shape = nullptr;
-			leeway::require( lw_shape_create_boxes( boxes.data(), static_cast<std::uint32_t>( boxes.size() / 6 ), nullptr, nullptr,
-								 &diag, &shape ),
-				diag );
-			m_boxes_shape = leeway::Shape::adopt( shape );
-		} );
+		const double boxes_seconds = seconds(
+		    [&]
+		    {
+			    lw_shape* shape = nullptr;
+			    leeway::require( lw_shape_create_boxes( boxes.data(), static_cast<std::uint32_t>( boxes.size() / 6 ),
+			                         nullptr, nullptr, &diag, &shape ),
+			        diag );
+			    m_boxes_shape = leeway::Shape::adopt( shape );
+		    } );
 		m_cloud = std::make_unique<Leeway>( robot, m_cloud_shape, request );
 		m_boxes = std::make_unique<Leeway>( robot, m_boxes_shape, request );
 		const auto models = std::make_shared<FclModels>();
 		const auto fcl_octree = std::make_shared<fcl::OcTreed>( std::shared_ptr<const octomap::OcTree>( octree ) );
 		fcl_octree->computeLocalAABB();
-		models->entries[m_boxes_shape.get()] = { m_boxes_shape, fcl_octree };
+		models->entries[m_boxes_shape.get()] = fcl_octree;
 		m_fcl = std::make_unique<FclPeer>( m_boxes->problem().checker.get(), models );
 		m_managers = std::make_unique<FclManagers>( *m_fcl, boxes );
 
 		const auto bytes = []( const leeway::Shape& shape ) { return lw_shape_get_info( shape.get() ).bytes; };
 		std::printf( "%zu points of radius %g m: built in %.3f s, %zu bytes each\n", points.size(), radius, cloud_seconds,
-			bytes( m_cloud_shape ) / points.size() );
-		std::printf( "octomap of cells of %g m: %zu boxes, built in %.3f s, %zu bytes; leeway's tree over the boxes %.3f s, %zu bytes\n",
-			m_settings.cell, boxes.size() / 6, octree_seconds, octree->memoryUsage(), boxes_seconds, bytes( m_boxes_shape ) );
+		    bytes( m_cloud_shape ) / points.size() );
+		std::printf( "octomap of cells of %g m: %zu boxes, built in %.3f s, %zu bytes; leeway's tree over the boxes %.3f s, "
+		             "%zu bytes\n",
+		    m_settings.cell, boxes.size() / 6, octree_seconds, octree->memoryUsage(), boxes_seconds,
+		    bytes( m_boxes_shape ) );
 		m_json["build"] = { { "points", points.size() }, { "radius_m", radius }, { "cloud_cpu_seconds", cloud_seconds },
-			{ "cloud_bytes", bytes( m_cloud_shape ) }, { "octomap_boxes", boxes.size() / 6 }, { "octomap_cpu_seconds", octree_seconds },
-			{ "octomap_bytes", octree->memoryUsage() }, { "boxes_cpu_seconds", boxes_seconds },
-			{ "boxes_bytes", bytes( m_boxes_shape ) } };
+		    { "cloud_bytes", bytes( m_cloud_shape ) }, { "octomap_boxes", boxes.size() / 6 },
+		    { "octomap_cpu_seconds", octree_seconds }, { "octomap_bytes", octree->memoryUsage() },
+		    { "boxes_cpu_seconds", boxes_seconds }, { "boxes_bytes", bytes( m_boxes_shape ) } };
 	}
 
 	static Answer single( double value ) { return { value, value }; }
@@ -468,32 +482,38 @@ private:
 	std::vector<Contender> distanceContenders()
 	{
 		return { { "leeway cloud", [this]( const double* q ) { return m_cloud->distance( q ); } },
-			{ "leeway boxes", [this]( const double* q ) { return m_boxes->distance( q ); } },
-			{ "FCL OcTree",
-				[this]( const double* q ) {
-					m_fcl->pose( q );
-					return single( m_fcl->environmentDistance( INFINITE ) );
-				} },
-			{ "FCL managers", [this]( const double* q ) {
-				 m_managers->pose( q );
-				 return single( m_managers->distance( m_fcl->staticDistance() ) );
-			 } } };
+		    { "leeway boxes", [this]( const double* q ) { return m_boxes->distance( q ); } },
+		    { "FCL OcTree",
+		        [this]( const double* q )
+		        {
+			        m_fcl->pose( q );
+			        return single( m_fcl->environmentDistance( INFINITE ) );
+		        } },
+		    { "FCL managers", [this]( const double* q )
+		        {
+			        m_managers->pose( q );
+			        return single( m_managers->distance( m_fcl->staticDistance() ) );
+		        } } };
 	}
 
 	std::vector<Contender> booleanContenders( double margin )
 	{
 		return { { "leeway cloud", [this, margin]( const double* q ) { return m_cloud->violates( q, margin ); } },
-			{ "leeway boxes", [this, margin]( const double* q ) { return m_boxes->violates( q, margin ); } },
-			{ "FCL OcTree",
-				[this, margin]( const double* q ) {
-					m_fcl->pose( q );
-					return single( margin > 0 ? m_fcl->environmentDistance( margin ) < margin : m_fcl->environmentCollides() );
-				} },
-			{ "FCL managers", [this, margin]( const double* q ) {
-				 m_managers->pose( q );
-				 const bool resting = m_fcl->staticDistance() <= margin;
-				 return single( resting || ( margin > 0 ? m_managers->distance( margin ) < margin : m_managers->collides() ) );
-			 } } };
+		    { "leeway boxes", [this, margin]( const double* q ) { return m_boxes->violates( q, margin ); } },
+		    { "FCL OcTree",
+		        [this, margin]( const double* q )
+		        {
+			        m_fcl->pose( q );
+			        return single(
+			            margin > 0 ? m_fcl->environmentDistance( margin ) < margin : m_fcl->environmentCollides() );
+		        } },
+		    { "FCL managers", [this, margin]( const double* q )
+		        {
+			        m_managers->pose( q );
+			        const bool resting = m_fcl->staticDistance() <= margin;
+			        return single(
+			            resting || ( margin > 0 ? m_managers->distance( margin ) < margin : m_managers->collides() ) );
+		        } } };
 	}
 
 	/// By how far an answer is outside of what the others say it must be; 0 if it is right.
@@ -511,10 +531,12 @@ private:
 			return std::max( { 0.0, got.lower - boxes, boxes - got.upper } );
 		}
 		const double radius = 0.5 * m_settings.cell, diagonal = std::sqrt( 3.0 ) * m_settings.cell;
-		return std::max( { 0.0, got.upper - std::max( 0.0, boxes + diagonal - radius ), std::max( 0.0, boxes - radius ) - got.upper } );
+		return std::max(
+		    { 0.0, got.upper - std::max( 0.0, boxes + diagonal - radius ), std::max( 0.0, boxes - radius ) - got.upper } );
 	}
 
-	void report( const char* name, const std::vector<Run>& runs, const std::vector<Contender>& contenders, const char* question )
+	void report(
+	    const char* name, const std::vector<Run>& runs, const std::vector<Contender>& contenders, const char* question )
 	{
 		for ( const char* kind : { "free", "colliding" } )
 		{
@@ -545,9 +567,10 @@ private:
 				reference = c == 0 ? s.mean : reference;
 				m_disagreements += disagreements;
 				std::printf( "%-12s %-10s %5zu | %-22s %8.1f %8.1f %8.1f | %6.2f%s\n", name, kind, members.size(),
-					contenders[c].name.c_str(), s.median, s.mean, s.p95, s.mean / reference, disagreements > 0 ? "  DISAGREES" : "" );
+				    contenders[c].name.c_str(), s.median, s.mean, s.p95, s.mean / reference,
+				    disagreements > 0 ? "  DISAGREES" : "" );
 				Json row = { { "workload", std::string( "cloud " ) + name + ", " + kind }, { "library", contenders[c].name },
-					{ "states", members.size() } };
+				    { "states", members.size() } };
 				row.update( toJson( s ) );
 				row["answers_hash"] = hash.text();
 				row["disagreements"] = disagreements;
@@ -598,18 +621,20 @@ int main( int argc, char** argv )
 {
 	Settings settings;
 	CLI::App app( "A million points in leeway, their octomap in FCL.\n"
-				  "Exit status: 0 answers agree, 1 answers differ, 2 error, 77 no data." );
+	              "Exit status: 0 answers agree, 1 answers differ, 2 error, 77 no data." );
 	app.add_option( "--data", settings.data, "folder with mbm" )->capture_default_str();
 	app.add_option( "--set", settings.set, "of Panda's problems" )->capture_default_str();
 	app.add_option( "--problem", settings.problem, "its number" )->capture_default_str();
-	app.add_option( "--points", settings.points, "of the cloud" )->capture_default_str()->check( CLI::Range( 1, 100000000 ) );
+	app.add_option( "--points", settings.points, "of the cloud" )
+	    ->capture_default_str()
+	    ->check( CLI::Range( 1, 100000000 ) );
 	app.add_option( "--cell", settings.cell, "edge of the octomap's cells, metres; points get half of it as radius" )
-		->capture_default_str()
-		->check( CLI::Range( 1e-4, 1.0 ) );
+	    ->capture_default_str()
+	    ->check( CLI::Range( 1e-4, 1.0 ) );
 	app.add_option( "--states", settings.states, "states" )->capture_default_str()->check( CLI::Range( 1, 100000 ) );
 	app.add_option( "--repetitions", settings.repetitions, "passes over the states" )
-		->capture_default_str()
-		->check( CLI::Range( 1, 1000 ) );
+	    ->capture_default_str()
+	    ->check( CLI::Range( 1, 1000 ) );
 	app.add_option( "--seed", settings.seed, "of points and states" )->capture_default_str();
 	app.add_option( "--json", settings.json, "write the figures and where they come from to this file" );
 	app.add_flag( "--quick", settings.quick, "100,000 points, 40 states, one pass: for agreement, not for figures" );

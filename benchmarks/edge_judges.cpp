@@ -89,14 +89,19 @@ bool EdgeJudges::byStates( const Motion& motion, double fraction )
 		} );
 }
 
-bool EdgeJudges::byFcl( const Motion& motion, double fraction )
+bool EdgeJudges::byPeer( PairPeer& peer, const Motion& motion, double fraction )
 {
 	return discrete( motion, fraction,
-		[this]( const double* q )
+		[&peer]( const double* q )
 		{
-			m_fcl->pose( q );
-			return !m_fcl->environmentCollides() && !m_fcl->selfCollides();
+			peer.pose( q );
+			return !peer.environmentCollides() && !peer.selfCollides();
 		} );
+}
+
+bool EdgeJudges::byFcl( const Motion& motion, double fraction )
+{
+	return byPeer( *m_fcl, motion, fraction );
 }
 
 bool EdgeJudges::fclCollides( const std::vector<double>& q )

@@ -19,6 +19,8 @@ public:
 	bool byCertificate( const Motion& motion, bool tables, const lw_edge_def& def, lw_edge_result& result );
 	bool byStates( const Motion& motion, double fraction );
 	bool byFcl( const Motion& motion, double fraction );
+	/// As byFcl(), by another library over the same world.
+	bool byPeer( PairPeer& peer, const Motion& motion, double fraction );
 
 	/// False if the world holds shapes that FCL does not have; then nothing may be asked of it.
 	bool hasFcl() const { return m_fcl != nullptr; }

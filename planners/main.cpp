@@ -29,7 +29,8 @@ Examples (leeway SUBCOMMAND --help explains one):
   leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
   leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
-  leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml)";
+  leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
+  leeway bench peers --quick --json peers.json)";
 
 const char* const footer =
     R"(Files: URDF and SRDF; MoveIt planning-scene and request YAML; CSV tables titled with joint names. Metres, radians,
@@ -398,6 +399,11 @@ int main( int argc, char** argv )
 	addEdge( app, commands.edge );
 	addPlan( app, commands.plan );
 	addAudit( app, commands.audit );
+	app.add_subcommand( "bench", "Against other libraries, in one run: hands over to leeway-bench" );
+	if ( argc > 1 && std::string( argv[1] ) == "bench" )
+	{
+		return runBench( argc, argv );
+	}
 	try
 	{
 		app.parse( argc, argv );

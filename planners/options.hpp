@@ -150,5 +150,6 @@ int runCheck( const CheckOptions& options );
 int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
+int runBench( int argc, char** argv ); ///< becomes leeway-bench; returns if that cannot be
 
 } // namespace leeway::cli

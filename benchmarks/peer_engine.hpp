@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What another collision library must do to be compared with: the adapter's interface.
+//
+// An engine knows bodies by number: geometry at a pose. Which pairs are asked about, in which order and with which bound is
+// not its business (pair_peer.hpp), so that all are used equally well. Engines of libraries that cannot be linked with the
+// rest (their own versions of assimp, octomap, boost) live in modules that are loaded at run time; so this header needs
+// nothing but the core's headers, and an engine calls none of the core's functions. README.md tells how to add one.
+#pragma once
+
+#include "leeway/shape.h"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+/// A shape, as a library's own constructors want it. Pointers are valid during the call.
+struct PeerGeometry
+{
+	lw_shape_type type;
+	double dimensions[3]; ///< of a primitive, as lw_shape_type has them
+	const double* vertices = nullptr;
+	std::uint32_t vertex_count = 0;
+	const std::uint32_t* triangles = nullptr;
+	std::uint32_t triangle_count = 0;
+};
+
+class PeerEngine
+{
+public:
+	PeerEngine() = default;
+	PeerEngine( const PeerEngine& ) = delete;
+	PeerEngine& operator=( const PeerEngine& ) = delete;
+	virtual ~PeerEngine() = default;
+
+	virtual std::string name() const = 0;        ///< "FCL"
+	virtual std::string description() const = 0; ///< version, volume, how it was built
+
+	/// @param key equal keys are equal geometry, which is then shared, also by engines that another() made
+	/// @return the body's number, from 0 on
+	/// @throws std::runtime_error for shapes that the library does not have
+	virtual std::size_t add( const void* key, const PeerGeometry& geometry ) = 0;
+	virtual void place( std::size_t body, const lw_transform& world_from_shape ) = 0;
+
+	/// Smallest distance of two bodies, or `bound` if it is not below that.
+	/// @param relative_error the distance may be too large by this factor, if the library can make use of that
+	virtual double distance( std::size_t a, std::size_t b, double bound, double relative_error ) = 0;
+	virtual bool collides( std::size_t a, std::size_t b ) = 0;
+	/// Is their distance below the margin? In the library's fastest way.
+	virtual bool within( std::size_t a, std::size_t b, double margin ) { return distance( a, b, margin, 0 ) < margin; }
+
+	/// An engine without bodies that shares the geometry of this one.
+	virtual std::unique_ptr<PeerEngine> another() const = 0;
+
+	virtual double buildSeconds() const = 0; ///< processor time spent on trees by this engine
+	virtual std::size_t bytes() const = 0;   ///< of the trees it built: volumes, triangles, vertices
+};
+
+/// What a module exports, by this name.
+extern "C" PeerEngine* leeway_peer_engine();
