@@ -668,7 +668,8 @@ TEST( Margins, part_of_a_robot_is_ruled_out_by_less_than_its_margin )
 		Oracle oracle( world );
 		const CheckerPtr plain = world.build( nullptr, 1e9 ), tables = world.build( world.reach.get(), 1e9 );
 		EXPECT_EQ( lw_checker_get_info( tables.get() ).hierarchy, world.reach != nullptr );
-		const QueryPtr one = makeQuery( plain.get(), false, false ), other = makeQuery( tables.get() );
+		const QueryPtr one = makeQuery( plain.get(), false, false );
+		const QueryPtr other = makeQuery( tables.get(), true, false ); // a warm start would find what the spheres hide
 		for ( int k = 0; k < 4; ++k )
 		{
 			judgeState( world, oracle, { { plain.get(), one.get() }, { tables.get(), other.get() } },
