@@ -162,10 +162,6 @@ void Workbench::build( const Values& values )
 	m_built = true;
 	m_reach = m_problem.reach;
 	m_notices.add( "the model", m_problem.notices );
-	if ( m_input.reach && m_notices.verbose() && options.scene != nullptr && !options.scene->attached.empty() )
-	{
-		m_notices.add( "the model", "motion hulls are not used: with what it holds the robot is another one" );
-	}
 	const std::uint32_t count = lw_robot_variable_count( robot() );
 	m_in_group.assign( count, false );
 	for ( std::uint32_t i = 0; i < count; ++i )

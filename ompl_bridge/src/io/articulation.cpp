@@ -104,7 +104,7 @@ Articulation readArticulation( const std::string& urdf_file, const std::string& 
 	RobotModel& model = articulation.model;
 	articulation.name = name.empty() ? model.name : name;
 	articulation.pose = lw_transform_identity();
-	articulation.robot = createRobot( model, {}, {} );
+	articulation.robot = createRobot( model, {} );
 	articulation.values = zeroState( articulation.robot.get() );
 	setValues( values, place.file, place.element, articulation );
 	noticeLimits( articulation, place, model.report.notices );

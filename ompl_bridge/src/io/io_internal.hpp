@@ -127,13 +127,7 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options );
 /// Adds groups, allowed pairs, virtual joint and states of an SRDF to a model.
 void readSrdf( const std::string& srdf_file, RobotModel& model );
 
-/// The core's robot for a model with extra bodies: `extra_links` are fixed to a link of the model. @throws Error
-struct ExtraLink
-{
-	std::string name, parent;
-	std::vector<PlacedShape> shapes; ///< poses in the parent link's frame
-};
-Robot createRobot( const RobotModel& model, const std::vector<ExtraLink>& extra_links,
-    const std::vector<std::pair<std::string, std::string>>& allowed );
+/// The core's robot for a model. @param allowed names of links whose contact is allowed @throws Error
+Robot createRobot( const RobotModel& model, const std::vector<std::pair<std::string, std::string>>& allowed );
 
 } // namespace leeway::io::detail

@@ -249,11 +249,18 @@ lw_transform Frames::planningFrom(
 
 // ---- allowed contacts
 
+/// An attached object: shapes in the frame of the link it hangs on.
+struct AttachedLink
+{
+	std::string name, parent;
+	std::vector<PlacedShape> shapes;
+};
+
 /// Collects allowed pairs by name; each name is a link (attached objects are links) or an object of the scene.
 class Contacts
 {
 public:
-	Contacts( const RobotModel& model, const std::vector<detail::ExtraLink>& attached, const SceneModel* scene );
+	Contacts( const RobotModel& model, const std::vector<AttachedLink>& attached, const SceneModel* scene );
 	void allow( const std::string& a, const std::string& b );
 	/// Names that are neither link nor object.
 	std::vector<std::string> unknown( const std::vector<std::string>& names ) const;
@@ -269,13 +276,13 @@ private:
 	std::set<std::string> m_links, m_objects;
 };
 
-Contacts::Contacts( const RobotModel& model, const std::vector<detail::ExtraLink>& attached, const SceneModel* scene )
+Contacts::Contacts( const RobotModel& model, const std::vector<AttachedLink>& attached, const SceneModel* scene )
 {
 	for ( const LinkModel& link : model.links )
 	{
 		m_links.insert( link.name );
 	}
-	for ( const detail::ExtraLink& link : attached )
+	for ( const AttachedLink& link : attached )
 	{
 		m_links.insert( link.name );
 	}
@@ -367,10 +374,11 @@ void Contacts::allowMatrix( const RobotModel& model, const SceneModel& scene, st
 
 // ---- assembly
 
-std::vector<detail::ExtraLink> attachedLinks(
-    const RobotModel& model, const SceneModel& scene, const lw_robot* robot, const Frames& frames )
+std::vector<AttachedLink> attachedLinks(
+    const RobotModel& model, const SceneModel& scene, const lw_robot* robot, const Frames& frames,
+    std::map<std::string, lw_transform>& object_poses )
 {
-	std::vector<detail::ExtraLink> links;
+	std::vector<AttachedLink> links;
 	for ( const AttachedObject& attached : scene.attached )
 	{
 		std::string element = "attached object " + attached.object.name;
@@ -383,7 +391,8 @@ std::vector<detail::ExtraLink> attachedLinks(
 		{
 			throw Error( scene.file, element, "a link of the robot has this name", "rename the object" );
 		}
-		detail::ExtraLink link{ attached.object.name, attached.link, attached.object.shapes };
+		AttachedLink link{ attached.object.name, attached.link, attached.object.shapes };
+		lw_transform link_from_object = attached.object.pose;
 		if ( !attached.object.frame.empty() && attached.object.frame != attached.link )
 		{
 			lw_transform planning_from_link = frames.planningFrom( attached.link, scene.file, element );
@@ -394,13 +403,73 @@ std::vector<detail::ExtraLink> attachedLinks(
 			{
 				shape.pose = lw_transform_multiply( &link_from_frame, &shape.pose );
 			}
+			link_from_object = lw_transform_multiply( &link_from_frame, &link_from_object );
 		}
+		object_poses.emplace( attached.object.name, link_from_object );
 		links.push_back( std::move( link ) );
 	}
 	return links;
 }
 
-Scene createScene( const SceneModel& model, const Frames& frames )
+/// The robot as it is without attached objects.
+Robot createBareRobot( const RobotModel& model, const Contacts& contacts )
+{
+	std::set<std::string> names;
+	for ( const LinkModel& link : model.links )
+	{
+		names.insert( link.name );
+	}
+	std::vector<std::pair<std::string, std::string>> allowed;
+	std::copy_if( contacts.links.begin(), contacts.links.end(), std::back_inserter( allowed ),
+	    [&]( const std::pair<std::string, std::string>& pair )
+	    { return names.count( pair.first ) != 0 && names.count( pair.second ) != 0; } );
+	return detail::createRobot( model, allowed );
+}
+
+/// Attaches the objects one after the other: their meshes are shared, and tables of the bare robot serve on.
+void attachAll( const std::vector<AttachedLink>& attached, const Contacts& contacts, const SceneModel* scene, Problem& problem )
+{
+	for ( const AttachedLink& object : attached )
+	{
+		const lw_robot* robot = problem.robot.get();
+		std::vector<std::uint32_t> touch;
+		for ( const auto& [a, b] : contacts.links )
+		{
+			const std::string& other = a == object.name ? b : a;
+			const std::uint32_t link = lw_robot_find_link( robot, other.c_str() );
+			if ( ( a == object.name || b == object.name ) && link != LW_INVALID_INDEX ) // one that comes later sees to it itself
+			{
+				touch.push_back( link );
+			}
+		}
+		std::vector<const lw_shape*> shapes;
+		std::vector<lw_transform> poses;
+		for ( const PlacedShape& shape : object.shapes )
+		{
+			shapes.push_back( shape.shape.get() );
+			poses.push_back( shape.pose );
+		}
+		lw_attachment_def def = lw_attachment_def_default();
+		def.name = object.name.c_str();
+		def.link = lw_robot_find_link( robot, object.parent.c_str() );
+		def.shapes = shapes.data();
+		def.link_from_shape = poses.data();
+		def.shape_count = static_cast<std::uint32_t>( shapes.size() );
+		def.touch_links = touch.data();
+		def.touch_link_count = static_cast<std::uint32_t>( touch.size() );
+		lw_robot* with = nullptr;
+		lw_diag diag{};
+		lw_status status = lw_robot_attach( robot, &def, nullptr, &diag, &with );
+		if ( status != LW_OK )
+		{
+			throw Error( scene->file, "attached object " + object.name, diag.message[0] != '\0' ? diag.message : lw_status_name( status ),
+			    "correct the object" );
+		}
+		problem.robot = Robot::adopt( with );
+	}
+}
+
+Scene createScene( const SceneModel& model, const Frames& frames, std::map<std::string, lw_transform>& object_poses )
 {
 	std::vector<const char*> names;
 	std::vector<lw_scene_shape_def> shapes;
@@ -410,6 +479,7 @@ Scene createScene( const SceneModel& model, const Frames& frames )
 		std::uint32_t index = static_cast<std::uint32_t>( names.size() );
 		names.push_back( object.name.c_str() );
 		lw_transform planning_from_frame = frames.planningFrom( object.frame, model.file, "object " + object.name );
+		object_poses.emplace( object.name, lw_transform_multiply( &planning_from_frame, &object.pose ) );
 		for ( const PlacedShape& shape : object.shapes )
 		{
 			shapes.push_back( { shape.shape.get(), index, lw_transform_multiply( &planning_from_frame, &shape.pose ) } );
@@ -538,10 +608,6 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 
 void findReach( const ProblemOptions& options, Problem& problem )
 {
-	if ( options.scene != nullptr && !options.scene->attached.empty() )
-	{
-		return;
-	}
 	if ( options.reach )
 	{
 		problem.reach.reach = options.reach;
@@ -643,7 +709,7 @@ void noticeGoalJoints( const Request& request, const lw_robot* robot, std::vecto
 
 Robot buildRobot( const RobotModel& model )
 {
-	return detail::createRobot( model, {}, Contacts( model, {}, nullptr ).links );
+	return detail::createRobot( model, Contacts( model, {}, nullptr ).links );
 }
 
 Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options )
@@ -657,7 +723,7 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	}
 	const RobotModel& model = scaled ? *scaled : unscaled;
 	// First without attached objects: they add no variable, and where they are may depend on the state
-	problem.robot = detail::createRobot( model, {}, {} );
+	problem.robot = detail::createRobot( model, {} );
 	const lw_robot* bare = problem.robot.get();
 	problem.reference.resize( lw_robot_variable_count( bare ) );
 	lw_robot_default_state( bare, problem.reference.data() );
@@ -675,11 +741,11 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	writer.apply( options.overrides, "", "joint values", problem.notices );
 
 	Frames frames( model, bare, problem.reference, scene, problem.notices );
-	std::vector<detail::ExtraLink> attached;
+	std::vector<AttachedLink> attached;
 	if ( scene != nullptr )
 	{
-		attached = attachedLinks( model, *scene, bare, frames );
-		problem.scene = createScene( *scene, frames );
+		attached = attachedLinks( model, *scene, bare, frames, problem.object_poses );
+		problem.scene = createScene( *scene, frames, problem.object_poses );
 	}
 	Contacts contacts( model, attached, scene );
 	for ( std::size_t i = 0; scene != nullptr && i < scene->attached.size(); ++i )
@@ -700,9 +766,10 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	{
 		contacts.allowMatrix( model, *scene, problem.notices );
 	}
-	problem.robot = detail::createRobot( model, attached, contacts.links );
-	selectGroup( model, options.group, problem );
+	problem.robot = createBareRobot( model, contacts );
 	findReach( options, problem );
+	attachAll( attached, contacts, scene, problem );
+	selectGroup( model, options.group, problem );
 	completeMovingShapes( problem, options.threads );
 	createChecker( model, scene, contacts, options, problem );
 	return problem;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The core's robot from a model: names become indices, attached objects become links fixed to theirs.
+// The core's robot from a model: names become indices.
 #include "io_internal.hpp"
 
 #include <algorithm>
@@ -18,7 +18,6 @@ public:
 	explicit RobotBuilder( const RobotModel& model ) : m_model( model ) {}
 	void addLink( const std::string& name, const std::vector<PlacedShape>& shapes );
 	void addJoint( const JointModel& joint );
-	void addFixedJoint( const std::string& name, const std::string& parent, const std::string& child );
 	void allow( const std::string& a, const std::string& b ) { m_pairs.push_back( { m_links.at( a ), m_links.at( b ) } ); }
 	Robot create() const;
 
@@ -89,16 +88,6 @@ void RobotBuilder::addJoint( const JointModel& joint )
 	m_joints.push_back( def );
 }
 
-/// @param name must outlive the builder
-void RobotBuilder::addFixedJoint( const std::string& name, const std::string& parent, const std::string& child )
-{
-	lw_joint_def def = lw_joint_def_default();
-	def.name = name.c_str();
-	def.parent = linkOf( name, parent );
-	def.child = linkOf( name, child );
-	m_joints.push_back( def );
-}
-
 Robot RobotBuilder::create() const
 {
 	lw_robot_def def = lw_robot_def_default();
@@ -124,28 +113,16 @@ Robot RobotBuilder::create() const
 
 } // namespace
 
-Robot createRobot( const RobotModel& model, const std::vector<ExtraLink>& extra_links,
-    const std::vector<std::pair<std::string, std::string>>& allowed )
+Robot createRobot( const RobotModel& model, const std::vector<std::pair<std::string, std::string>>& allowed )
 {
 	RobotBuilder builder( model );
 	for ( const LinkModel& link : model.links )
 	{
 		builder.addLink( link.name, link.collision );
 	}
-	for ( const ExtraLink& link : extra_links )
-	{
-		builder.addLink( link.name, link.shapes );
-	}
 	for ( const JointModel& joint : model.joints )
 	{
 		builder.addJoint( joint );
-	}
-	std::vector<std::string> joint_names;
-	joint_names.reserve( extra_links.size() ); // the builder points into it
-	for ( const ExtraLink& link : extra_links )
-	{
-		joint_names.push_back( link.name + "/attached" );
-		builder.addFixedJoint( joint_names.back(), link.parent, link.name );
 	}
 	for ( const auto& [a, b] : allowed )
 	{

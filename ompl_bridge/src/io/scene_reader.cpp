@@ -408,6 +408,10 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed )
 		node["subframe_names"].notice( "subframes are ignored" );
 	}
 	object.frame = node.frame();
+	if ( node["pose"].defined() )
+	{
+		object.pose = node["pose"].pose();
+	}
 	readShapes( node, "primitives", "primitive_poses", Kind::primitive, object );
 	readShapes( node, "meshes", "mesh_poses", Kind::mesh, object );
 	readShapes( node, "planes", "plane_poses", Kind::plane, object );

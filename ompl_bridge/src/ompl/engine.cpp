@@ -3,6 +3,7 @@
 #include "slot.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <new>
 #include <stdexcept>
 
@@ -46,6 +47,34 @@ Checker checkedChecker( Checker checker )
 	return checker;
 }
 
+/// Both checkers are asked with the same state vectors.
+void requireSameStates( const lw_checker* now, const lw_checker* next )
+{
+	const auto refuse = []( const std::string& what )
+	{ throw std::invalid_argument( "leeway::ompl::Engine::update: " + what + "; make an engine for the other group or robot" ); };
+	const std::uint32_t count = lw_checker_variable_count( now );
+	if ( lw_checker_variable_count( next ) != count )
+	{
+		refuse( "the state vector has " + std::to_string( lw_checker_variable_count( next ) ) + " entries instead of " +
+			std::to_string( count ) );
+	}
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		const lw_variable_info x = lw_robot_variable( lw_checker_robot( now ), lw_checker_variable( now, i ) );
+		const lw_variable_info y = lw_robot_variable( lw_checker_robot( next ), lw_checker_variable( next, i ) );
+		const std::string name = lw_robot_joint_name( lw_checker_robot( now ), x.joint );
+		const std::string other = lw_robot_joint_name( lw_checker_robot( next ), y.joint );
+		if ( name != other || x.component != y.component )
+		{
+			refuse( "entry " + std::to_string( i ) + " of the state vector is joint " + other + " instead of " + name );
+		}
+		if ( x.lower != y.lower || x.upper != y.upper || x.wraps != y.wraps )
+		{
+			refuse( "joint " + name + " has other limits" );
+		}
+	}
+}
+
 } // namespace
 
 Engine::Engine( const ::ompl::base::StateSpacePtr& space, Checker checker, const Options& options )
@@ -71,6 +100,62 @@ Engine::~Engine()
 	}
 }
 
+Checker Engine::checker() const
+{
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	return m_checker;
+}
+
+void Engine::update( Checker checker )
+{
+	checker = checkedChecker( std::move( checker ) );
+	requireSameStates( this->checker().get(), checker.get() );
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	std::swap( m_checker, checker ); // the old one is released when the lock is
+	m_version.fetch_add( 1, std::memory_order_release );
+}
+
+Query Engine::makeQuery( const lw_checker* checker ) const
+{
+	lw_query_def def = lw_query_def_default();
+	if ( m_version.load( std::memory_order_relaxed ) > 1 ) // a world that changes: room for a little more of it
+	{
+		def.spare_shapes = 8;
+		def.spare_bodies = 2;
+	}
+	lw_query* query = nullptr;
+	lw_status status = lw_query_create( &def, nullptr, checker, nullptr, &query );
+	if ( status != LW_OK && def.spare_shapes > 0 )
+	{
+		def.spare_shapes = def.spare_bodies = 0;
+		status = lw_query_create( &def, nullptr, checker, nullptr, &query );
+	}
+	return Query( status == LW_OK ? query : nullptr );
+}
+
+bool Engine::refresh( Slot& slot ) const
+{
+	Checker next;
+	std::uint64_t version;
+	{
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		next = m_checker;
+		version = m_version.load( std::memory_order_relaxed );
+	}
+	if ( !lw_query_fits( slot.query.get(), next.get() ) )
+	{
+		Query query = makeQuery( next.get() );
+		if ( !query )
+		{
+			return false;
+		}
+		slot.query = std::move( query );
+	}
+	slot.checker = std::move( next );
+	slot.version = version;
+	return true;
+}
+
 Engine::Slot* Engine::makeSlot() const
 {
 	std::unique_ptr<Slot> slot( new ( std::nothrow ) Slot );
@@ -80,13 +165,10 @@ Engine::Slot* Engine::makeSlot() const
 	}
 	const std::size_t size = m_adapter.size();
 	slot->memory.reset( new ( std::nothrow ) double[6 * size]() );
-	lw_query* query = nullptr;
-	const lw_query_def def = lw_query_def_default();
-	if ( !slot->memory || lw_query_create( &def, nullptr, m_checker.get(), nullptr, &query ) != LW_OK )
+	if ( !slot->memory || !refresh( *slot ) )
 	{
 		return nullptr;
 	}
-	slot->query.reset( query );
 	double* memory = slot->memory.get();
 	for ( double** vector : { &slot->a, &slot->b, &slot->from, &slot->to, &slot->varied, &slot->result } )
 	{
@@ -116,16 +198,25 @@ Engine::Slot* Engine::acquire() const
 	auto take = []( Slot* slot )
 	{ return !slot->busy.load( std::memory_order_relaxed ) && !slot->busy.exchange( true, std::memory_order_acquire ); };
 
+	auto current = [this]( Slot* slot ) -> Slot*
+	{
+		if ( slot->version == m_version.load( std::memory_order_acquire ) || refresh( *slot ) )
+		{
+			return slot;
+		}
+		slot->busy.store( false, std::memory_order_release );
+		return nullptr;
+	};
 	if ( last.engine == m_id && take( last.slot ) )
 	{
-		return last.slot;
+		return current( last.slot );
 	}
 	for ( Slot* slot = m_slots.load( std::memory_order_acquire ); slot != nullptr; slot = slot->next )
 	{
 		if ( take( slot ) )
 		{
 			last = { m_id, slot };
-			return slot;
+			return current( slot );
 		}
 	}
 	Slot* slot = makeSlot();
@@ -175,6 +266,11 @@ Engine::Lease::~Lease()
 lw_query* Engine::Lease::query() const
 {
 	return m_slot != nullptr ? m_slot->query.get() : nullptr;
+}
+
+const lw_checker* Engine::Lease::checker() const
+{
+	return m_slot != nullptr ? m_slot->checker.get() : nullptr;
 }
 
 double* Engine::Lease::a() const

@@ -101,7 +101,7 @@ private:
 		auto& slot = m_prover.slot();
 		lw_state_result state;
 		slot.cost_queries.add( 1 );
-		const lw_checker* checker = m_engine.checker().get();
+		const lw_checker* checker = slot.checker.get();
 		if ( lw_checker_state( checker, slot.query.get(), q, options.what, &range, true, &state ) != LW_OK ||
 			state.verdict != LW_VERDICT_FREE )
 		{

@@ -31,12 +31,11 @@ std::shared_ptr<const Engine> checkedEngine( const ob::SpaceInformationPtr& si, 
 }
 
 // Is the clearance of q above min_d? Nothing beyond min_d is measured: the quickest question there is.
-bool clear( const Engine& engine, lw_query* query, const double* q )
+bool clear( const Options& options, const lw_checker* checker, lw_query* query, const double* q )
 {
-	const Options& options = engine.options();
 	const lw_range range = { options.min_d, std::nextafter( options.min_d, std::numeric_limits<double>::infinity() ), 0 };
 	lw_state_result result;
-	return lw_checker_state( engine.checker().get(), query, q, options.what, &range, true, &result ) == LW_OK &&
+	return lw_checker_state( checker, query, q, options.what, &range, true, &result ) == LW_OK &&
 		result.verdict == LW_VERDICT_FREE;
 }
 
@@ -72,7 +71,7 @@ bool StateValidityChecker::isValid( const ob::State* state ) const
 	}
 	lease.m_slot->states.add( 1 );
 	m_engine->adapter().toVector( state, lease.a() );
-	return clear( *m_engine, lease.query(), lease.a() );
+	return clear( m_engine->options(), lease.checker(), lease.query(), lease.a() );
 }
 
 bool StateValidityChecker::evaluate( const ob::State* state, double& dist ) const
@@ -88,8 +87,7 @@ bool StateValidityChecker::evaluate( const ob::State* state, double& dist ) cons
 	const Options& options = m_engine->options();
 	const lw_range range = { options.min_d, options.max_d, options.alpha };
 	lw_state_result result;
-	const lw_checker* checker = m_engine->checker().get();
-	if ( lw_checker_state( checker, lease.query(), lease.a(), options.what, &range, true, &result ) != LW_OK ||
+	if ( lw_checker_state( lease.checker(), lease.query(), lease.a(), options.what, &range, true, &result ) != LW_OK ||
 		result.verdict != LW_VERDICT_FREE )
 	{
 		return false;
@@ -184,7 +182,7 @@ double MotionValidator::writeLastValid( Engine::Slot& slot, double proved_until,
 		}
 		adapter.interpolate( slot.a, slot.b, t, slot.result );
 		adapter.enforceBounds( slot.result );
-		if ( !clear( *m_engine, slot.query.get(), slot.result ) )
+		if ( !clear( m_engine->options(), slot.checker.get(), slot.query.get(), slot.result ) )
 		{
 			continue;
 		}
@@ -264,13 +262,13 @@ bool MotionValidator::checkMotion( const ob::State* s1, const ob::State* s2, std
 	return count( free );
 }
 
-std::shared_ptr<const Engine> install( const ob::SpaceInformationPtr& si, Checker checker, const Options& options )
+std::shared_ptr<Engine> install( const ob::SpaceInformationPtr& si, Checker checker, const Options& options )
 {
 	if ( !si )
 	{
 		throw std::invalid_argument( "leeway::ompl::install: no space information" );
 	}
-	auto engine = std::make_shared<const Engine>( si->getStateSpace(), std::move( checker ), options );
+	auto engine = std::make_shared<Engine>( si->getStateSpace(), std::move( checker ), options );
 	// made before either is set: a refusal leaves `si` as it was
 	auto motions = std::make_shared<MotionValidator>( si, engine );
 	si->setStateValidityChecker( std::make_shared<StateValidityChecker>( si, engine ) );

@@ -242,6 +242,7 @@ struct SceneObject
 	std::string name;
 	std::string frame;               ///< header.frame_id; empty = planning frame, "/" too
 	std::vector<PlacedShape> shapes; ///< poses in `frame`, object pose applied
+	lw_transform pose = lw_transform_identity(); ///< of the object, in `frame`
 };
 
 /// robot_state.attached_collision_objects
@@ -322,6 +323,8 @@ struct Problem
 	std::vector<uint32_t> variables;         ///< robot variables of a state vector
 	std::vector<std::string> variable_names; ///< of those, e.g. joint names
 	std::vector<double> reference;           ///< [robot variable_count]
+	/// Of each object its frame (SceneObject::pose) in the planning frame; of attached ones in that of their link.
+	std::map<std::string, lw_transform> object_poses;
 	LoadedReach reach;                       ///< what the checker uses; empty if none
 	/// Of the options and the scene. The scales are in the robot, padding is in the checker's margins.
 	Padding padding;
@@ -335,8 +338,8 @@ struct ProblemOptions
 	const Request* request = nullptr; ///< its start state becomes the reference (over the scene's robot_state)
 	/// Values that override both, by variable name (columns of a file that are not in the group)
 	JointState overrides{};
-	/// Motion hulls and pair tables for the checker: found or built by these options, unless `reach` is given. Attached
-	/// objects make another robot, for which none is looked for: its hulls would hold for one grasp only.
+	/// Motion hulls and pair tables for the checker: found or built by these options, unless `reach` is given. They are those of
+	/// the robot without attached objects, and hold for its links whatever is attached; of attached objects nothing is proved.
 	std::optional<ReachOptions> find_reach = std::nullopt;
 	Reach reach{};     ///< of an equal robot, from an earlier problem
 	Padding padding{}; ///< loadPadding(), or of your own; what the scene says of a link is stronger

@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -140,7 +141,8 @@ struct Counters
 };
 
 /// What the checker and the validator share: checker, options, adapter, and a pool of queries, one per thread in use. The
-/// pool grows on first use by a thread and never shrinks; after that nothing is allocated and nobody waits.
+/// pool grows on first use by a thread and never shrinks; after that nothing is allocated and nobody waits, but for the first
+/// question of a thread after update().
 class Engine
 {
 public:
@@ -150,7 +152,13 @@ public:
 	Engine( const Engine& ) = delete;
 	Engine& operator=( const Engine& ) = delete;
 
-	const Checker& checker() const { return m_checker; }
+	Checker checker() const; ///< that new questions are asked
+	/// Another snapshot of the same group: lw_checker_edit(), io::World. Questions that are being answered keep the one they began
+	/// with, each as a whole; those that begin later are asked of this one. From any thread, at any time; it waits for nobody who asks,
+	/// and they do not wait for it. Threads that ask no more keep their last snapshot in memory until they do.
+	/// What planners keep is theirs: edges that they proved before are not proved in this one.
+	/// @throws std::invalid_argument if its state vector is another one, saying where
+	void update( Checker checker );
 	const Options& options() const { return m_options; }
 	const StateAdapter& adapter() const { return m_adapter; }
 	Counters counters() const;
@@ -172,6 +180,7 @@ public:
 		/// False if there was no memory for another query: the question must then be answered "invalid".
 		explicit operator bool() const { return m_slot != nullptr; }
 		lw_query* query() const;
+		const lw_checker* checker() const; ///< what this lease asks, for as long as it lives
 		double* a() const; ///< scratch state vectors of the adapter's size; null without a slot
 		double* b() const;
 
@@ -187,8 +196,12 @@ private:
 	friend class EdgeProver;
 	Slot* acquire() const; ///< nullptr if out of memory
 	Slot* makeSlot() const;
+	bool refresh( Slot& slot ) const; ///< the slot gets the snapshot of now; false if out of memory
+	Query makeQuery( const lw_checker* checker ) const; ///< null if out of memory
 
+	mutable std::mutex m_mutex; ///< of m_checker
 	Checker m_checker;
+	std::atomic<std::uint64_t> m_version{ 1 }; ///< of m_checker: slots with another one are out of date
 	Options m_options;
 	StateAdapter m_adapter;
 	std::uint64_t m_id;                              ///< never used twice: threads remember their last slot by it
@@ -256,7 +269,7 @@ private:
 /// Sets both on `si` and returns the shared engine. Call si->setup() afterwards as usual.
 /// @throws as Engine and MotionValidator. For spaces whose curves are not straight, make an Engine and set a
 /// StateValidityChecker alone: OMPL's own motion validator then asks it state by state.
-std::shared_ptr<const Engine> install( const ::ompl::base::SpaceInformationPtr& si, Checker checker,
+std::shared_ptr<Engine> install( const ::ompl::base::SpaceInformationPtr& si, Checker checker,
 	const Options& options = {} );
 
 } // namespace leeway::ompl
