@@ -178,7 +178,8 @@ bool lwi_query_fits( const lw_query* query, const lw_checker* checker )
 	size_t bodies = lw_robot_body_count( checker->robot );
 	return query->variable_capacity >= lw_robot_variable_count( checker->robot ) &&
 		   query->link_capacity >= lw_robot_link_count( checker->robot ) && query->body_capacity >= bodies &&
-		   query->gap_capacity >= rows * columns && query->gap_capacity >= bodies * padded( (uint32_t)bodies ) &&
+		   padded( query->scene_capacity ) >= columns && query->gap_capacity >= rows * columns &&
+		   query->gap_capacity >= bodies * padded( (uint32_t)bodies ) &&
 		   query->edge_capacity >= lwi_edge_scratch_size( checker, 0 );
 }
 

@@ -197,6 +197,10 @@ TEST( Edits, query_with_room_does_not_serve_later_snapshots )
 		{
 			const std::string kind = world.change( rng );
 			ASSERT_TRUE( lw_query_fits( query.get(), world.checker.get() ) ) << kind;
+			if ( lw_scene_shape_count( world.scene.get() ) > ( shapes + 7 ) / 8 * 8 ) // however many bodies it has room for
+			{
+				EXPECT_FALSE( lw_query_fits( tight.get(), world.checker.get() ) );
+			}
 			const bool larger = lw_scene_shape_count( world.scene.get() ) > ( shapes + 7 ) / 8 * 8 ||
 								lw_robot_body_count( world.robot.get() ) > bodies;
 			if ( larger && lw_checker_get_info( world.checker.get() ).environment_pairs > 0 )
