@@ -2,6 +2,7 @@
 // OMPL's two interfaces: the conformance tests, run on leeway's classes and on OMPL's own (a test that those fail misreads
 // the contract), and what leeway promises beyond them.
 #include "conformance.hpp"
+#include "leeway/ompl/objective.hpp"
 #include "world.hpp"
 
 #include <ompl/base/DiscreteMotionValidator.h>
@@ -220,6 +221,40 @@ TEST( CheckerSpecs, NothingToTouchIsAsFarAsMaxD )
 	EXPECT_TRUE( rig.si->getStateValidityChecker()->isValid( state.get(), dist ) );
 	EXPECT_DOUBLE_EQ( dist, 0.6 );
 	EXPECT_TRUE( rig.si->checkMotion( state.get(), state.get() ) );
+}
+
+// A ball on a rail before a wall, 1.4 m from it at 0: what a planner is told is less by the margin, all along a motion too.
+TEST( CheckerSpecs, MarginsCountForStatesMotionsAndCosts )
+{
+	const double of_object = 0.2;
+	lw_margins margins = {};
+	margins.environment = 0.05;
+	margins.object = &of_object;
+	const std::vector<Obstacle> wall = { { makeBox( 1, 2, 2 ), at( 2, 0, 0 ) } };
+	leeway::ompl::Options options;
+	options.max_d = 10;
+	const Rig rig( makeChecker( { slider( "rail", 0, 0, 1.3, makeBall( 0.1 ) ) }, wall, {}, margins ), options );
+	const auto checker = rig.si->getStateValidityChecker();
+	ob::ScopedState<> from( rig.space ), to( rig.space );
+	double dist = 0;
+	for ( const double x : { 0.0, 0.7, 1.1, 1.14, 1.16, 1.25 } )
+	{
+		from[0] = x;
+		const double clearance = 1.4 - x - 0.25;
+		EXPECT_EQ( checker->isValid( from.get(), dist ), clearance > 0 ) << x;
+		EXPECT_NEAR( dist, std::max( 0.0, clearance ), 1e-9 );
+		EXPECT_NEAR( checker->clearance( from.get() ), std::max( 0.0, clearance ), 1e-9 );
+	}
+	from[0] = 0;
+	to[0] = 1;
+	EXPECT_TRUE( rig.si->checkMotion( from.get(), to.get() ) );
+	const leeway::ompl::ClearanceObjective objective( rig.si, rig.engine );
+	EXPECT_NEAR( objective.motionCost( from.get(), to.get() ).value(), 0.15, 0.15 * 0.1 );
+	to[0] = 1.25;
+	std::pair<ob::State*, double> last( nullptr, 0 );
+	EXPECT_FALSE( rig.si->checkMotion( from.get(), to.get(), last ) );
+	EXPECT_LE( last.second, 1.15 / 1.25 );
+	EXPECT_GT( last.second, 1.1 / 1.25 );
 }
 
 TEST( CheckerSpecs, OnlyWhatIsAskedForCounts )

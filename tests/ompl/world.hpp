@@ -108,7 +108,7 @@ inline Segment vehicle( const char* name, lw_joint_type type, double range, leew
 
 /// @param group robot variables in the order of the state vector; empty = all
 inline leeway::Checker makeChecker( const std::vector<Segment>& chain, const std::vector<Obstacle>& obstacles,
-	const std::vector<std::uint32_t>& group = {} )
+	const std::vector<std::uint32_t>& group = {}, const lw_margins& margins = {} )
 {
 	std::vector<std::string> names = { "base" };
 	std::vector<lw_joint_def> joints;
@@ -171,6 +171,7 @@ inline leeway::Checker makeChecker( const std::vector<Segment>& chain, const std
 	def.scene = scene;
 	def.variables = group.empty() ? nullptr : group.data();
 	def.variable_count = static_cast<std::uint32_t>( group.size() );
+	def.margins = margins;
 	lw_checker* checker = nullptr;
 	leeway::require( lw_checker_create( &def, nullptr, &diag, &checker ), diag );
 	return leeway::Checker::adopt( checker );
