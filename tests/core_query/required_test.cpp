@@ -88,6 +88,7 @@ struct World
 	std::vector<lw_scene_shape_def> placed;
 	std::vector<uint32_t> group;
 	State reference;
+	double margin = 0; ///< of all pairs
 };
 
 ScenePtr makeScene( const std::vector<lw_scene_shape_def>& placed )
@@ -123,6 +124,7 @@ CheckerPtr makeChecker( const lw_robot* robot, const lw_scene* scene, const Worl
 	def.variable_count = static_cast<uint32_t>( world.group.size() );
 	def.reference = world.reference.data();
 	def.max_d = max_d;
+	def.margins.environment = def.margins.self = world.margin;
 	lw_checker* checker = nullptr;
 	lw_diag diag = {};
 	EXPECT_EQ( want, lw_checker_create( &def, nullptr, &diag, &checker ) ) << diag.message;
@@ -178,6 +180,7 @@ World deferred( const World& world, Counts& counts )
 {
 	World out;
 	out.group = world.group;
+	out.margin = world.margin;
 	out.reference = world.reference;
 	out.model.linkNames = world.model.linkNames;
 	out.model.jointNames = world.model.jointNames;
@@ -259,7 +262,9 @@ TEST( Required, less_changes_an_answer )
 	{
 		SCOPED_TRACE( ::testing::Message() << "world " << i );
 		Counts counts;
-		World world = randomWorld( rng ), lazy = deferred( world, counts );
+		World world = randomWorld( rng );
+		world.margin = i % 2 == 0 ? 0 : rng.decade( -2, 0 );
+		World lazy = deferred( world, counts );
 		ScenePtr scene = makeScene( world.placed ), lazy_scene = makeScene( lazy.placed );
 		// beyond everything: nothing is passed over
 		CheckerPtr whole = makeChecker( world.robot.get(), scene.get(), world, 1e9 );
