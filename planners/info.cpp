@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <set>
@@ -27,6 +28,8 @@ struct ShapeLine
 struct Totals
 {
 	std::size_t elements = 0, shapes = 0, triangles = 0, distinct_triangles = 0, nodes = 0, leaves = 0, bytes = 0;
+	std::size_t stands_for = 0; // triangles, points and balls of the shapes before --detail
+	double excess = 0;          // metres, the largest
 	double milliseconds = 0;
 };
 
@@ -67,6 +70,8 @@ Totals total( const std::vector<ShapeLine>& lines, const io::LoadReport* report 
 	{
 		++totals.elements;
 		totals.triangles += line.info.triangle_count;
+		totals.stands_for += line.info.original_count;
+		totals.excess = std::max( totals.excess, line.info.excess );
 		totals.milliseconds += line.milliseconds;
 		if ( !line.shared )
 		{
@@ -147,16 +152,19 @@ std::string shapeTable( const std::vector<ShapeLine>& lines )
 		owner_width = std::max( owner_width, line.owner.size() );
 		source_width = std::max( source_width, line.source.size() );
 	}
-	std::string text = fmt::format( "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}\n", "owner", owner_width, "source",
-	    source_width, "triangles", "nodes", "bytes", "ms" );
+	const bool coarser = std::any_of( lines.begin(), lines.end(), []( const ShapeLine& line ) { return line.info.excess > 0; } );
+	std::string text = fmt::format( "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}{}\n", "owner", owner_width, "source",
+	    source_width, "triangles", "nodes", "bytes", "ms", coarser ? "  stands for  excess mm" : "" );
 	for ( const ShapeLine& line : lines )
 	{
-		fmt::format_to( std::back_inserter( text ), "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}\n", line.owner, owner_width,
+		const bool own = line.info.excess > 0;
+		fmt::format_to( std::back_inserter( text ), "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}{}\n", line.owner, owner_width,
 		    line.source, source_width, line.info.triangle_count, line.shared ? "" : std::to_string( line.info.node_count ),
 		    line.shared ? "" : std::to_string( line.info.bytes ),
 		    line.shared   ? "shared"
 		    : line.cached ? "cached"
-		                  : fmt::format( "{:.2f}", line.milliseconds ) );
+		                  : fmt::format( "{:.2f}", line.milliseconds ),
+		    own ? fmt::format( "  {:>10}  {:>9.3f}", line.info.original_count, 1000 * line.info.excess ) : "" );
 	}
 	return text;
 }
@@ -165,16 +173,20 @@ std::string totalLine( const char* what, const Totals& totals )
 {
 	const double per_triangle =
 	    totals.distinct_triangles == 0 ? 0 : double( totals.bytes ) / double( totals.distinct_triangles );
+	const std::string coarser = totals.excess > 0
+	    ? fmt::format( "; they stand for {} triangles or points, with an excess of at most {:.3f} mm", totals.stands_for, 1000 * totals.excess )
+	    : "";
 	return fmt::format(
 	    "{}: {} collision elements with {} triangles from {} distinct shapes ({} triangles, {} tree nodes, {} leaves, {} "
-	    "bytes, {:.0f} bytes per triangle); read and built in {:.1f} ms\n",
+	    "bytes, {:.0f} bytes per triangle); read and built in {:.1f} ms{}\n",
 	    what, totals.elements, totals.triangles, totals.shapes, totals.distinct_triangles, totals.nodes, totals.leaves,
-	    totals.bytes, per_triangle, totals.milliseconds );
+	    totals.bytes, per_triangle, totals.milliseconds, coarser );
 }
 
 Json totalJson( const Totals& totals )
 {
-	return { { "elements", totals.elements }, { "triangles", totals.triangles }, { "distinct_shapes", totals.shapes },
+	return { { "elements", totals.elements }, { "triangles", totals.triangles },
+	    { "stands_for", totals.stands_for }, { "excess", totals.excess }, { "distinct_shapes", totals.shapes },
 	    { "distinct_triangles", totals.distinct_triangles }, { "nodes", totals.nodes }, { "leaves", totals.leaves },
 	    { "bytes", totals.bytes }, { "milliseconds", totals.milliseconds } };
 }
@@ -187,7 +199,8 @@ Json shapesJson( const std::vector<ShapeLine>& lines )
 		json.push_back( { { "owner", line.owner }, { "source", line.source }, { "triangles", line.info.triangle_count },
 		    { "degenerate", line.info.degenerate_count }, { "nodes", line.info.node_count },
 		    { "leaves", line.info.leaf_count }, { "depth", line.info.depth }, { "bytes", line.info.bytes },
-		    { "milliseconds", line.milliseconds }, { "shared", line.shared }, { "cached", line.cached } } );
+		    { "milliseconds", line.milliseconds }, { "shared", line.shared }, { "cached", line.cached },
+		    { "stands_for", line.info.original_count }, { "excess", line.info.excess } } );
 	}
 	return json;
 }

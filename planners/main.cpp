@@ -165,7 +165,7 @@ CLI::App* addInfo( CLI::App& app, InfoOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "info", "what was read, built, kept and dropped" );
 	command->footer( info_about );
-	addCommonOptions( *command, options.common, { true, false, true } );
+	addCommonOptions( *command, options.common, { true, false, true, true, true } );
 	command->add_option( "--json", options.json, "the same for programs" )->type_name( "FILE" );
 	return command;
 }
@@ -214,7 +214,7 @@ CLI::App* addCheck( CLI::App& app, CheckOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "check", "verdict and clearances of states" );
 	command->footer( check_about );
-	addCommonOptions( *command, options.common, { true, true, true } );
+	addCommonOptions( *command, options.common, { true, true, true, true, true } );
 	command->add_option( "--states", options.states, "table of states" )->type_name( "states.csv" )->required();
 	command->add_option( "--out", options.out, "table of answers; without it, standard output" )->type_name( "out.csv" );
 	return command;
@@ -224,7 +224,7 @@ CLI::App* addEdge( CLI::App& app, EdgeCommandOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "edge", "verdicts over whole straight motions" );
 	command->footer( edge_about );
-	addCommonOptions( *command, options.common, { true, true, true } );
+	addCommonOptions( *command, options.common, { true, true, true, true, true } );
 	addEdgeOptions( *command, options.edge );
 	command->add_option( "--edges", options.edges, "table of motions" )->type_name( "edges.csv" )->required();
 	command->add_option( "--out", options.out, "table of answers; without it, standard output" )->type_name( "out.csv" );
@@ -234,7 +234,7 @@ CLI::App* addEdge( CLI::App& app, EdgeCommandOptions& options )
 CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "plan", "solve a request, prove the path's edges, audit it" );
-	addCommonOptions( *command, options.common, { true, true, false } );
+	addCommonOptions( *command, options.common, { true, true, false, true, true } );
 	addEdgeOptions( *command, options.edge );
 	command->add_option( "--request", options.common.request, "start and goal" )->type_name( "Q.yaml" )->required();
 	command->add_option( "--planner", options.planner, "a planner of OMPL by name (default RRTConnect)" )

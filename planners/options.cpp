@@ -127,6 +127,13 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	{
 		addQuestionOptions( app, options, needs );
 	}
+	if ( needs.detail )
+	{
+		app.add_option( "--detail", options.detail,
+		       "millimetres: coarser shapes stand for robot and scene; they contain them and reach at most so far beyond (default 0)" )
+		    ->type_name( "MM" )
+		    ->group( model );
+	}
 	app.add_flag( "--verbose", options.verbose, "all notices and pairs, and the planner's own messages" );
 }
 
@@ -178,6 +185,7 @@ void validate( const CLI::App& app, CommonOptions& options )
 	options.self_margin_given = given( app, "--self-margin" );
 	requireNotNegative( "--margin", options.margin );
 	requireNotNegative( "--self-margin", options.self_margin );
+	requireNotNegative( "--detail", options.detail );
 	requireNotNegative( "--cache-limit", options.cache_limit );
 	if ( options.cache.empty() && given( app, "--cache-limit" ) )
 	{

@@ -38,6 +38,7 @@ struct CommonOptions
 	double margin = 0, self_margin = 0; ///< over those of the file, if given
 	bool margin_given = false, self_margin_given = false;
 	std::string what_name = "both", simd_name = "best";
+	double detail = 0; ///< millimetres
 	double cache_limit = 1e-6 * double( io::default_cache_limit ); ///< megabytes
 	bool verbose = false;
 
@@ -123,6 +124,7 @@ struct CommonNeeds
 	bool range = true;   ///< --max-d and --alpha make sense
 	bool request = true; ///< --request is offered (not where it is required and added by the subcommand)
 	bool world = true;   ///< --scene, --group, --min-d, --what and --simd make sense
+	bool detail = false; ///< --detail is offered
 };
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );

@@ -24,6 +24,7 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	io::LoadOptions load;
 	load.package_paths = options.package_paths;
 	load.cache = options.cache;
+	load.detail = 1e-3 * options.detail;
 	load.cache_limit = static_cast<std::uint64_t>( options.cache_limit * 1e6 );
 	Input input;
 	if ( !options.cache.empty() )

@@ -74,6 +74,47 @@ TEST_F( CliCheck, ClearanceOfAKnownState )
 	EXPECT_GT( table.number( 0, "microseconds" ), 0 );
 }
 
+// A tolerance that were read as metres, or not passed on to the reader, shows in the excess.
+TEST_F( CliCheck, ACoarserShapeIsNearerByNoMoreThanWasAllowed )
+{
+	std::string ball;
+	constexpr int rings = 24, sectors = 48;
+	for ( int i = 0; i <= rings; ++i )
+	{
+		for ( int k = 0; k < sectors; ++k )
+		{
+			const double a = M_PI * i / rings, b = 2 * M_PI * k / sectors;
+			ball += "v " + std::to_string( 0.3 + 0.1 * std::sin( a ) * std::cos( b ) ) + " " +
+			        std::to_string( 0.1 * std::sin( a ) * std::sin( b ) ) + " " + std::to_string( 0.1 * std::cos( a ) ) + "\n";
+		}
+	}
+	for ( int i = 0; i < rings * sectors; ++i )
+	{
+		const auto id = [i]( int ring, int k )
+		{ return " " + std::to_string( ( i / sectors + ring ) * sectors + ( i + k ) % sectors + 1 ); };
+		ball += "f" + id( 0, 0 ) + id( 1, 0 ) + id( 1, 1 ) + "\nf" + id( 0, 0 ) + id( 1, 1 ) + id( 0, 1 ) + "\n";
+	}
+	write( "ball.obj", ball );
+	edit( "arm.urdf", "fore.stl", "ball.obj" );
+	write( "states.csv", "shoulder,elbow\n0,0\n" );
+	const std::vector<std::string> base = { "--group", "arm", "--states", "states.csv" };
+	std::vector<std::string> coarser = base;
+	coarser.insert( coarser.end(), { "--detail", "4" } );
+	const double exact = parseTable( runModel( "check", base ).out ).number( 0, "env_upper" );
+	const double lower = parseTable( runModel( "check", coarser ).out ).number( 0, "env_upper" );
+	EXPECT_LT( lower, exact );
+	EXPECT_GE( lower, exact - 0.004 );
+	const Outcome info = runModel( "info", { "--group", "arm", "--detail", "4", "--json", "info.json" } );
+	ASSERT_EQ( info.status, 0 ) << info.err;
+	EXPECT_TRUE( contains( info.out, "excess mm" ) );
+	const auto total = nlohmann::json::parse( readFile( path( "info.json" ) ) )["robot"]["total"];
+	EXPECT_LE( total["excess"].get<double>(), 0.004 );
+	EXPECT_GT( total["excess"].get<double>(), 0.001 );
+	EXPECT_LT( total["triangles"].get<int>(), 1000 );
+	EXPECT_GT( total["stands_for"].get<int>(), 2000 );
+	EXPECT_EQ( runModel( "check", { "--states", "states.csv", "--detail", "-1" } ).status, 2 );
+}
+
 TEST_F( CliCheck, OneStateThatIsNotFreeMakesTheAnswerNegative )
 {
 	const Outcome good = runModel( "check", { "--group", "arm", "--states", "states.csv" } );

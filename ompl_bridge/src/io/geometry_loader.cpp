@@ -64,8 +64,12 @@ void GeometryLoader::notice( const Place& place, const std::string& text )
 }
 
 Shape GeometryLoader::adopt( const Place& place, LoadedShape line, const Stopwatch& watch, lw_status status,
-    const lw_diag& diag, lw_shape* shape, const char* remedy )
+    lw_diag diag, lw_shape* shape, const char* remedy )
 {
+	if ( status == LW_OK )
+	{
+		status = atDetail( m_options, &diag, &shape );
+	}
 	if ( status != LW_OK )
 	{
 		throw Error( place.file, place.element,

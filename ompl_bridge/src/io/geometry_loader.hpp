@@ -38,8 +38,8 @@ private:
 	    const Place& place, LoadedShape line, const Stopwatch& watch, const TriangleSoup& soup, double weld_tolerance );
 	Shape octomap( const Place& place, const std::string& name, const std::string& file, const Stopwatch& watch,
 	    const OctomapBoxes& map );
-	/// Takes over `shape`, or says why there is none. @param line source and file are filled in
-	Shape adopt( const Place& place, LoadedShape line, const Stopwatch& watch, lw_status status, const lw_diag& diag,
+	/// Takes over `shape`, at the detail of the options, or says why there is none. @param line source and file are filled in
+	Shape adopt( const Place& place, LoadedShape line, const Stopwatch& watch, lw_status status, lw_diag diag,
 	    lw_shape* shape, const char* remedy = "correct its numbers" );
 
 	const LoadOptions& m_options;

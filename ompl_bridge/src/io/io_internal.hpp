@@ -91,11 +91,15 @@ using MeshKey = std::tuple<std::string, double, double, double>;
 /// Two URIs may be one file, and the same file may be reached through a link.
 MeshKey meshKey( const std::string& file, const std::array<double, 3>& scale );
 
+/// A shape as the options want it: the coarser one of LoadOptions::detail, or itself.
+/// @param shape a reference that is passed on, or dropped on failure
+lw_status atDetail( const LoadOptions& options, lw_diag* diag, lw_shape** shape );
+
 /// Builds core shapes during one load; a mesh file used several times at one scale becomes one shape.
 class ShapeLoader
 {
 public:
-	/// @throws Error if there is to be a cache and its folder cannot be made
+	/// @throws Error if there is to be a cache and its folder cannot be made, or LoadOptions::detail is no tolerance
 	ShapeLoader( const LoadOptions& options, LoadReport& report );
 
 	/// Where a shape is asked for: the file, the element for errors, and the link or object that owns it.

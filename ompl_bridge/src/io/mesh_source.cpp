@@ -72,7 +72,7 @@ lw_digest keyOf( const LoadOptions& options, const std::string& extension, const
 {
 	lw_digest key = digestWords( lw_digest{},
 	    { lw_version(), static_cast<std::uint64_t>( options.tree.fit ), options.tree.leaf_size,
-	        bitsOf( options.tree.tile_radius ), bitsOf( options.weld_tolerance ), bitsOf( scale[0] ), bitsOf( scale[1] ),
+	        bitsOf( options.tree.tile_radius ), bitsOf( options.weld_tolerance ), bitsOf( options.detail ), bitsOf( scale[0] ), bitsOf( scale[1] ),
 	        bitsOf( scale[2] ) } );
 	return digestText( digestText( key, extension ), bytes ); // the extension says how it is read
 }
@@ -153,6 +153,20 @@ bool MeshSource::findBox()
 	}
 	m_def.triangle_count = static_cast<std::uint32_t>( m_soup.indices.size() / 3 );
 	return finder.finish( m_scale, m_def.box_min, m_def.box_max );
+}
+
+/// What a coarser mesh may reach beyond: its excess, and how its own box was rounded.
+void MeshSource::widenBox()
+{
+	for ( std::size_t k = 0; k < 3; ++k )
+	{
+		for ( int i = 0; i < 4; ++i )
+		{
+			double reach = i == 0 ? m_options.detail : 0;
+			m_def.box_min[k] = std::nextafter( m_def.box_min[k] - reach, -HUGE_VAL );
+			m_def.box_max[k] = std::nextafter( m_def.box_max[k] + reach, HUGE_VAL );
+		}
+	}
 }
 
 bool MeshSource::readCache( std::vector<Notice>& notices )
@@ -241,7 +255,8 @@ lw_status MeshSource::build( lw_diag* diag, lw_shape** out )
 	std::copy( m_scale.begin(), m_scale.end(), def.scale );
 	def.weld_tolerance = m_options.weld_tolerance;
 	def.tree = m_options.tree;
-	return lw_shape_create_mesh( &def, nullptr, diag, out );
+	lw_status status = lw_shape_create_mesh( &def, nullptr, diag, out );
+	return status == LW_OK ? atDetail( m_options, diag, out ) : status;
 }
 
 lw_status MeshSource::make( lw_diag* diag, lw_shape** out )
@@ -355,6 +370,10 @@ void MeshSource::look( const std::string& from_file, const std::string& element,
 		}
 	}
 	m_usable = m_cached || findBox();
+	if ( m_usable && !m_cached && m_options.detail > 0 )
+	{
+		widenBox();
+	}
 }
 
 OpenedMesh MeshSource::open( const LoadOptions& options, const std::string& file, const std::array<double, 3>& scale,

@@ -39,6 +39,7 @@ private:
 	void look( const std::string& from_file, const std::string& element, std::vector<Notice>& notices );
 	bool readCache( std::vector<Notice>& notices );
 	bool findBox();
+	void widenBox();
 	lw_status build( lw_diag* diag, lw_shape** out );
 	lw_status make( lw_diag* diag, lw_shape** out );
 	void save( const lw_shape* shape );

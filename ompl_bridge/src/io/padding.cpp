@@ -158,6 +158,11 @@ PlacedShape scaledSpheres( const PlacedShape& placed, double scale, const std::s
 PlacedShape scaledShape( const PlacedShape& placed, double scale, const std::string& file, const std::string& element )
 {
 	lw_shape_info info = lw_shape_get_info( placed.shape.get() );
+	if ( info.excess > 0 )
+	{
+		// the mean of a coarser mesh's vertices is not that of the mesh, about which it would have to be scaled
+		throw Error( file, element, "a coarser shape cannot be scaled", "load the robot without a level of detail, or remove the scale" );
+	}
 	switch ( info.type )
 	{
 	case LW_SHAPE_MESH:

@@ -58,8 +58,22 @@ MeshKey meshKey( const std::string& file, const std::array<double, 3>& scale )
 	return { fmt::format( "{}:{}", status.st_dev, status.st_ino ), scale[0], scale[1], scale[2] };
 }
 
+lw_status atDetail( const LoadOptions& options, lw_diag* diag, lw_shape** shape )
+{
+	if ( !( options.detail > 0 ) )
+	{
+		return LW_OK;
+	}
+	Shape whole = Shape::adopt( *shape );
+	return lw_shape_create_detail( whole.get(), options.detail, &options.tree, nullptr, diag, shape );
+}
+
 ShapeLoader::ShapeLoader( const LoadOptions& options, LoadReport& report ) : m_options( options ), m_report( report )
 {
+	if ( !( options.detail >= 0 ) || !std::isfinite( options.detail ) )
+	{
+		throw Error( "options", "detail", fmt::format( "{} is no tolerance", options.detail ), "give metres, 0 or more" );
+	}
 	if ( !options.cache.empty() )
 	{
 		prepareCacheFolder( options.cache );
@@ -130,6 +144,7 @@ Shape ShapeLoader::inlineMesh( const Place& place, const TriangleSoup& soup )
 	lw_shape* shape = nullptr;
 	lw_diag diag{};
 	lw_status status = lw_shape_create_mesh( &def, nullptr, &diag, &shape );
+	status = status == LW_OK ? atDetail( m_options, &diag, &shape ) : status;
 	if ( status != LW_OK )
 	{
 		throw Error( place.file, place.element,

@@ -78,6 +78,10 @@ struct LoadOptions
 	std::vector<std::string> package_paths;
 	lw_tree_def tree = lw_tree_def_default();
 	double weld_tolerance = 0; ///< metres
+	/// Metres: meshes, point clouds and sets of spheres may be replaced by coarser shapes that contain them and reach at most this
+	/// far beyond (lw_shape_create_detail()). 0 = none. Answers are those of the coarser shapes: cautious ones. Each shape's
+	/// excess is in its lw_shape_info. What has them cannot be scaled (Padding).
+	double detail = 0;
 	/// A link without collision geometry uses its visual geometry, with a notice. Never done silently.
 	bool use_visual = false;
 	/// Links of the URDF whose meshes are closed and solid: whatever is inside touches them. "*" = all. A mesh that is not
