@@ -11,6 +11,11 @@
 
 #include <string.h>
 
+enum
+{
+	MAX_PIECES = 4000 ///< of one triangle in a proof
+};
+
 /// Share of the tolerance that the search may use on either side: the proof may take half of it.
 #define SEARCH_SHARE 0.499
 
@@ -46,7 +51,7 @@ static void drop_strays( detailing* d )
 	{
 		lw_vec3 v[3];
 		corners_of( d->soup.vertices, d->soup.indices + 3 * t, v );
-		double distance = lwi_detail_distance( d->shape, (const lw_vec3*)v, d->away, d->half, &hint );
+		double distance = lwi_detail_distance( d->shape, (const lw_vec3*)v, d->away, d->half, MAX_PIECES, &hint );
 		if ( distance <= d->half )
 		{
 			d->away = fmax( d->away, distance );
@@ -65,7 +70,7 @@ static void find_uncovered( detailing* d, const lw_shape* coarser )
 		lw_vec3 v[3];
 		corners_of( d->shape->vertices, d->shape->indices + 3 * (size_t)t, v );
 		double distance =
-			coarser != NULL ? lwi_detail_distance( coarser, (const lw_vec3*)v, d->radius, d->half, &hint ) : INFINITY;
+			coarser != NULL ? lwi_detail_distance( coarser, (const lw_vec3*)v, d->radius, d->half, MAX_PIECES, &hint ) : INFINITY;
 		if ( distance <= d->half )
 		{
 			d->radius = fmax( d->radius, distance );

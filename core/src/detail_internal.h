@@ -30,10 +30,25 @@ lw_status lwi_detail_balls( const lw_shape* set, double tolerance, const lw_allo
 
 /// A bound of the distance to the mesh of all points of a triangle, proved; +inf if none up to `limit` was.
 /// @param known a smaller bound than this is not looked for: the largest so far, where that is what is wanted
+/// @param pieces most that the triangle is cut into; what takes more is given up
 /// @param hint a triangle of the mesh that may be near, or LW_INVALID_INDEX; replaced by the last one that was
-double lwi_detail_distance( const lw_shape* mesh, const lw_vec3 triangle[3], double known, double limit, uint32_t* hint );
+double lwi_detail_distance( const lw_shape* mesh, const lw_vec3 triangle[3], double known, double limit, uint32_t pieces,
+	uint32_t* hint );
 
-/// The same against a few triangles, for searches: roundings are not counted.
-bool lwi_detail_is_near( const lw_vec3 ( *few )[3], uint32_t count, const lw_vec3 triangle[3], double limit );
+/// A triangle with a ball around it, so that points far from it are told at once.
+typedef struct lwi_candidate
+{
+	lw_vec3 v[3], center;
+	double radius;
+} lwi_candidate;
+
+void lwi_candidate_set( lwi_candidate* out ); ///< center and radius, from v
+
+/// The nearest of a few triangles if one is within the limit, else LW_INVALID_INDEX.
+uint32_t lwi_nearest_candidate( const lwi_candidate* few, uint32_t count, lw_vec3 p, double limit );
+
+/// As lwi_detail_distance() against a few triangles, for searches: is a triangle within the limit? Roundings are not counted.
+bool lwi_detail_is_near( const lwi_candidate* few, uint32_t count, const lw_vec3 triangle[3], double limit, uint32_t pieces,
+	uint32_t* hint );
 
 #endif

@@ -14,8 +14,7 @@ enum
 {
 	MAX_CORNERS = 16,
 	MANY_CORNERS = 9,  ///< polygons with more are halved
-	MAX_CUTS = 64,     ///< one after the other
-	MAX_PIECES = 4000  ///< of one triangle; what takes more is given up
+	MAX_CUTS = 64      ///< one after the other
 };
 
 /// Share of the limit by which the prism over a triangle is widened, so that what is left beside it is no sliver.
@@ -23,6 +22,33 @@ enum
 
 /// Pieces of this share of the limit that are still near to no single triangle are not worth halving.
 #define LEAST_PIECE 1e-3
+
+void lwi_candidate_set( lwi_candidate* out )
+{
+	out->center = lwi_scale( 1.0 / 3, lwi_add( out->v[0], lwi_add( out->v[1], out->v[2] ) ) );
+	out->radius = 0;
+	for ( int k = 0; k < 3; ++k )
+	{
+		out->radius = fmax( out->radius, lwi_distance( out->center, out->v[k] ) );
+	}
+}
+
+uint32_t lwi_nearest_candidate( const lwi_candidate* few, uint32_t count, lw_vec3 p, double limit )
+{
+	double best = limit;
+	uint32_t nearest = LW_INVALID_INDEX;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		double reach = best + few[i].radius;
+		if ( lwi_length_sq( lwi_sub( p, few[i].center ) ) <= reach * reach )
+		{
+			double distance = lwi_distance( lwi_nearest_on_triangle( few[i].v, p ), p );
+			nearest = distance < best ? i : nearest;
+			best = fmin( best, distance );
+		}
+	}
+	return nearest;
+}
 
 typedef struct polygon
 {
@@ -33,11 +59,11 @@ typedef struct polygon
 typedef struct prover
 {
 	const lw_shape* mesh; ///< NULL: the few triangles
-	const lw_vec3 ( *few )[3];
+	const lwi_candidate* few;
 	uint32_t few_count;
 	double limit;      ///< what distances of computed corners may reach
 	double bound;      ///< largest so far; less is not looked for
-	uint32_t pieces;
+	uint32_t pieces, most_pieces;
 	uint32_t nearest;  ///< triangle that the last piece was near to
 } prover;
 
@@ -46,7 +72,7 @@ static void load( const prover* s, uint32_t triangle, lw_vec3 v[3] )
 	const lw_shape* mesh = s->mesh;
 	for ( size_t k = 0; k < 3; ++k )
 	{
-		v[k] = mesh == NULL ? s->few[triangle][k]
+		v[k] = mesh == NULL ? s->few[triangle].v[k]
 							: lwi_load( mesh->vertices + 3 * (size_t)mesh->indices[3 * (size_t)triangle + k] );
 	}
 }
@@ -58,15 +84,7 @@ static uint32_t nearest_to( const prover* s, lw_vec3 p )
 	{
 		return lwi_shape_nearest( s->mesh, p, s->limit, false, NULL, 0 ).triangle;
 	}
-	double best_sq = s->limit * s->limit;
-	uint32_t best = LW_INVALID_INDEX;
-	for ( uint32_t i = 0; i < s->few_count; ++i )
-	{
-		double distance_sq = lwi_length_sq( lwi_sub( lwi_nearest_on_triangle( s->few[i], p ), p ) );
-		best = distance_sq < best_sq ? i : best;
-		best_sq = fmin( best_sq, distance_sq );
-	}
-	return best;
+	return lwi_nearest_candidate( s->few, s->few_count, p, s->limit );
 }
 
 /// The distance of the farthest corner to one triangle; +inf if it is beyond the limit.
@@ -192,7 +210,7 @@ static bool prove( prover* s, const polygon* p, uint32_t hint, uint32_t cuts )
 		s->nearest = hint;
 		return true;
 	}
-	if ( ++s->pieces > MAX_PIECES || cuts + 4 > MAX_CUTS )
+	if ( ++s->pieces > s->most_pieces || cuts + 4 > MAX_CUTS )
 	{
 		return false;
 	}
@@ -237,7 +255,8 @@ static bool prove( prover* s, const polygon* p, uint32_t hint, uint32_t cuts )
 	return prove( s, &a, LW_INVALID_INDEX, cuts + 1 ) && prove( s, &b, LW_INVALID_INDEX, cuts + 1 );
 }
 
-double lwi_detail_distance( const lw_shape* mesh, const lw_vec3 triangle[3], double known, double limit, uint32_t* hint )
+double lwi_detail_distance( const lw_shape* mesh, const lw_vec3 triangle[3], double known, double limit, uint32_t pieces,
+	uint32_t* hint )
 {
 	double largest = lwi_length( lwi_load( mesh->origin ) ) + (double)mesh->extent;
 	polygon p = { .count = 3 };
@@ -249,7 +268,7 @@ double lwi_detail_distance( const lw_shape* mesh, const lw_vec3 triangle[3], dou
 	// A cut puts a corner off its side by less than 4u of the coordinates' size, MAX_CUTS in a row by as much more; nearest
 	// points are off their triangles, and distances wrong, by less than 32u of it.
 	double slack = ( 4 * MAX_CUTS + 64 ) * LWI_U64 * largest;
-	prover s = { .mesh = mesh, .limit = limit - slack, .bound = fmax( known - slack, 0 ), .nearest = *hint };
+	prover s = { .mesh = mesh, .limit = limit - slack, .bound = fmax( known - slack, 0 ), .most_pieces = pieces, .nearest = *hint };
 	if ( !( s.limit > 0 ) || !prove( &s, &p, *hint, 0 ) )
 	{
 		return INFINITY;
@@ -258,10 +277,13 @@ double lwi_detail_distance( const lw_shape* mesh, const lw_vec3 triangle[3], dou
 	return s.bound + slack;
 }
 
-bool lwi_detail_is_near( const lw_vec3 ( *few )[3], uint32_t count, const lw_vec3 triangle[3], double limit )
+bool lwi_detail_is_near( const lwi_candidate* few, uint32_t count, const lw_vec3 triangle[3], double limit, uint32_t pieces,
+	uint32_t* hint )
 {
 	polygon p = { { triangle[0], triangle[1], triangle[2] }, 3 };
 	// anything up to the limit will do, so the first that is near ends the search
-	prover s = { .few = few, .few_count = count, .limit = limit, .bound = limit, .nearest = LW_INVALID_INDEX };
-	return prove( &s, &p, LW_INVALID_INDEX, 0 );
+	prover s = { .few = few, .few_count = count, .limit = limit, .bound = limit, .most_pieces = pieces, .nearest = *hint };
+	bool near = prove( &s, &p, *hint, 0 );
+	*hint = s.nearest;
+	return near;
 }

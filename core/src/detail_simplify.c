@@ -16,6 +16,7 @@ enum
 {
 	MAX_STAR = 96,    ///< triangles around an edge; busier ones stay
 	MAX_NEAR = 256,   ///< of these and around them
+	MAX_PIECES = 60,  ///< of a triangle in a proof: more gain nothing, and half of the time goes into those that fail
 	LEVELS = 8,       ///< rounds of growing error, each twice the one before
 	MAX_PASSES = 12   ///< in one round
 };
@@ -254,12 +255,12 @@ static bool folds( const simplifier* s, const star* st, uint32_t i, const lw_vec
 }
 
 /// True if some moved triangle is not near the original.
-static bool strays( const simplifier* s, const star* st, const lw_vec3 ( *triangles )[3] )
+static bool strays( const simplifier* s, const star* st, const lwi_candidate* triangles )
 {
 	uint32_t hint = LW_INVALID_INDEX;
 	for ( uint32_t i = 0; i < st->kept; ++i )
 	{
-		if ( !( lwi_detail_distance( s->mesh, triangles[i], s->deviation, s->deviation, &hint ) <= s->deviation ) )
+		if ( !( lwi_detail_distance( s->mesh, triangles[i].v, s->deviation, s->deviation, MAX_PIECES, &hint ) <= s->deviation ) )
 		{
 			return true;
 		}
@@ -268,7 +269,7 @@ static bool strays( const simplifier* s, const star* st, const lw_vec3 ( *triang
 }
 
 /// Triangles around the star follow those of the star, as many as there is room for; their count.
-static uint32_t add_ring( simplifier* s, const star* st, uint32_t u, uint32_t v, lw_vec3 ( *triangles )[3] )
+static uint32_t add_ring( simplifier* s, const star* st, uint32_t u, uint32_t v, lwi_candidate* triangles )
 {
 	uint32_t count = st->kept;
 	++s->stamp;
@@ -288,9 +289,9 @@ static uint32_t add_ring( simplifier* s, const star* st, uint32_t u, uint32_t v,
 				s->seen[t] = s->stamp;
 				for ( int k = 0; k < 3; ++k )
 				{
-					triangles[count][k] = at( s, corners( s, t )[k] );
+					triangles[count].v[k] = at( s, corners( s, t )[k] );
 				}
-				++count;
+				lwi_candidate_set( &triangles[count++] );
 			}
 		}
 	}
@@ -298,15 +299,16 @@ static uint32_t add_ring( simplifier* s, const star* st, uint32_t u, uint32_t v,
 }
 
 /// Are all triangles of the original that the star stands for near the moved star and what is around it?
-static bool covers( const simplifier* s, const star* st, const lw_vec3 ( *near )[3], uint32_t count )
+static bool covers( const simplifier* s, const star* st, const lwi_candidate* near, uint32_t count )
 {
+	uint32_t hint = LW_INVALID_INDEX;
 	for ( uint32_t i = 0; i < st->count; ++i )
 	{
 		for ( uint32_t t = s->own_head[st->triangles[i]]; t != LW_INVALID_INDEX; t = s->own_next[t] )
 		{
 			lw_vec3 own[3];
 			load_original( s, t, own );
-			if ( !lwi_detail_is_near( near, count, (const lw_vec3*)own, s->deviation ) )
+			if ( !lwi_detail_is_near( near, count, (const lw_vec3*)own, s->deviation, MAX_PIECES, &hint ) )
 			{
 				return false;
 			}
@@ -316,7 +318,7 @@ static bool covers( const simplifier* s, const star* st, const lw_vec3 ( *near )
 }
 
 /// What the star stands for goes to the triangles that are nearest now.
-static void hand_over( simplifier* s, const star* st, const lw_vec3 ( *triangles )[3] )
+static void hand_over( simplifier* s, const star* st, const lwi_candidate* triangles )
 {
 	uint32_t all = LW_INVALID_INDEX;
 	for ( uint32_t i = 0; i < st->count; ++i )
@@ -332,18 +334,12 @@ static void hand_over( simplifier* s, const star* st, const lw_vec3 ( *triangles
 	}
 	while ( all != LW_INVALID_INDEX )
 	{
-		uint32_t t = all, best = 0;
+		uint32_t t = all;
 		all = s->own_next[t];
 		lw_vec3 own[3];
 		load_original( s, t, own );
 		lw_vec3 middle = lwi_scale( 1.0 / 3, lwi_add( own[0], lwi_add( own[1], own[2] ) ) );
-		double least = INFINITY;
-		for ( uint32_t i = 0; i < st->kept; ++i )
-		{
-			double distance = lwi_length_sq( lwi_sub( lwi_nearest_on_triangle( triangles[i], middle ), middle ) );
-			best = distance < least ? i : best;
-			least = fmin( least, distance );
-		}
+		uint32_t best = lwi_nearest_candidate( triangles, st->kept, middle, INFINITY );
 		uint32_t to = st->triangles[best];
 		s->own_next[t] = s->own_head[to];
 		s->own_head[to] = t;
@@ -415,7 +411,7 @@ static lw_vec3 place_of( const simplifier* s, uint32_t u, uint32_t v, double* co
 static bool collapse( simplifier* s, uint32_t u, uint32_t v )
 {
 	star st;
-	lw_vec3 triangles[MAX_NEAR][3];
+	lwi_candidate triangles[MAX_NEAR];
 	if ( !gather( s, u, v, &st ) || st.kept == 0 )
 	{
 		return false;
@@ -424,8 +420,9 @@ static bool collapse( simplifier* s, uint32_t u, uint32_t v )
 	st.w = place_of( s, u, v, &cost );
 	for ( uint32_t i = 0; i < st.kept; ++i )
 	{
-		moved( s, &st, i, u, v, triangles[i] );
-		if ( folds( s, &st, i, (const lw_vec3*)triangles[i] ) )
+		moved( s, &st, i, u, v, triangles[i].v );
+		lwi_candidate_set( &triangles[i] );
+		if ( folds( s, &st, i, triangles[i].v ) )
 		{
 			return false;
 		}
@@ -435,11 +432,11 @@ static bool collapse( simplifier* s, uint32_t u, uint32_t v )
 		s->star_corners[i] = corners( s, st.triangles[i / 3] )[i % 3];
 	}
 	uint32_t near = add_ring( s, &st, u, v, triangles );
-	if ( !covers( s, &st, (const lw_vec3( * )[3])triangles, near ) || strays( s, &st, (const lw_vec3( * )[3])triangles ) )
+	if ( !covers( s, &st, triangles, near ) || strays( s, &st, triangles ) )
 	{
 		return false;
 	}
-	hand_over( s, &st, (const lw_vec3( * )[3])triangles );
+	hand_over( s, &st, triangles );
 	unite( s, &st, u, v );
 	return true;
 }

@@ -26,7 +26,7 @@ LW_EXTERN_C_BEGIN
 /// @param diag nullable
 /// @param out_shape owned by the caller: lw_shape_release(). Set to NULL on failure.
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_OUT_OF_MEMORY, or what made a deferred mesh fail
-/// Cost: some ten microseconds per triangle; keep the outcome (blob.h). Deterministic.
+/// Cost: a tenth of a millisecond per triangle; keep the outcome (blob.h). Deterministic.
 /// Method: edges collapse by quadric error (Garland, Heckbert 1997) while samples stay near; then both sides of the Hausdorff
 /// distance are proved triangle by triangle, and what is not proved is put back. Derivation: core/docs/detail.md.
 LW_API lw_status lw_shape_create_detail( const lw_shape* shape, double tolerance, const lw_tree_def* tree,
