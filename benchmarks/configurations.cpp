@@ -150,10 +150,11 @@ ConfigurationSet furnitureBases( const leeway::io::Problem& problem, std::mt1993
 
 } // namespace
 
-leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree )
+leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree, double detail )
 {
 	leeway::io::LoadOptions load;
 	load.tree = tree;
+	load.detail = detail;
 	const leeway::io::RobotModel robot =
 		leeway::io::loadRobot( data + "/armar3/armar3.urdf", data + "/armar3/armar3.srdf", load );
 	const leeway::io::SceneModel scene = leeway::io::loadScene( data + "/kit_kitchen/scene_cluttered.yaml", load );

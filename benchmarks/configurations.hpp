@@ -15,7 +15,8 @@ struct ConfigurationSet
 };
 
 /// Robot, scene and group of the comparison, from the data folder. Group: platform, torso and both arms.
-leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree );
+/// @param detail metres, leeway::io::LoadOptions::detail
+leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree, double detail = 0 );
 
 /// Files that the models and states come from.
 std::vector<std::string> kitchenFiles( const std::string& data );
