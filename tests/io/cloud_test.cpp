@@ -328,6 +328,14 @@ TEST_F( CloudTest, PosesAndRadius )
 	EXPECT_DOUBLE_EQ( lw_shape_get_info( object.shapes[1].shape.get() ).dimensions[0], 0 );
 }
 
+// An error is one line of text: bytes of a file that is none must not get into it.
+TEST_F( CloudTest, AHeaderThatIsNoTextIsNotRepeated )
+{
+	expectError( [&] { load( "a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty fl\x1b[2J x\nend_header\n" ); },
+	    { "a.ply", "header line 4", "is no text" } );
+	expectError( [&] { load( "a.pcd", "# a comment\n\nFIE\x1b[2JLDS x y z\n" ); }, { "a.pcd", "header line 3", "is no text" } );
+}
+
 TEST_F( CloudTest, WhatTheSceneMustSay )
 {
 	std::string good = pcd( plain, { { 1, 2, 3 } }, "binary" );

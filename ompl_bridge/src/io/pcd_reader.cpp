@@ -7,7 +7,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <fmt/format.h>
 
 extern "C"
@@ -36,17 +35,13 @@ struct Field
 	std::size_t column = 0; ///< values before it in a point
 };
 
-class PcdReader
+class PcdReader : CloudReader
 {
 public:
-	explicit PcdReader( const std::string& file ) : m_file( file ), m_text( readFile( file ) ), m_bytes( m_text ) {}
+	explicit PcdReader( const std::string& file ) : CloudReader( file ) {}
 	PointCloud read();
 
 private:
-	[[noreturn]] void fail( const std::string& place, const std::string& problem, const std::string& remedy ) const
-	{
-		throw Error( m_file, place, problem, remedy );
-	}
 	void readHeader();
 	void readHeaderLine( const std::string& key, const std::vector<std::string>& words );
 	std::size_t count( const std::string& key, const std::string& word ) const;
@@ -58,14 +53,11 @@ private:
 	void readCompressed();
 	void requireNothingAfter( std::size_t used, std::string_view data ) const;
 
-	std::string m_file, m_text;
-	ByteReader m_bytes;
 	std::vector<std::string> m_names, m_types, m_sizes, m_counts;
 	std::optional<std::size_t> m_width, m_height, m_points;
 	std::string m_format;
 	std::vector<Field> m_fields;
 	std::size_t m_point_size = 0, m_point_values = 0;
-	PointCloud m_cloud;
 };
 
 std::size_t PcdReader::count( const std::string& key, const std::string& word ) const
@@ -141,29 +133,17 @@ void PcdReader::readHeaderLine( const std::string& key, const std::vector<std::s
 
 void PcdReader::readHeader()
 {
-	for ( std::size_t line_number = 1; m_format.empty(); ++line_number )
+	while ( m_format.empty() )
 	{
-		std::optional<std::string_view> line = m_bytes.line();
-		if ( !line )
+		std::optional<std::vector<std::string>> words =
+		    headerLine( []( const std::string& word ) { return word[0] == '#'; } );
+		if ( !words )
 		{
 			fail( "header", "ends before its DATA line", "the file was cut short: write it again" );
 		}
-		std::vector<std::string> words = splitBlanks( *line );
-		if ( words.empty() || words[0][0] == '#' )
-		{
-			continue;
-		}
-		std::string key = words[0];
-		// What is no text is no header; it must not get into an error's line
-		for ( char c : *line )
-		{
-			if ( static_cast<unsigned char>( c ) < 0x20 && c != '\t' )
-			{
-				fail( fmt::format( "header line {}", line_number ), "is no text", "give a PCD file" );
-			}
-		}
-		words.erase( words.begin() );
-		readHeaderLine( key, words );
+		std::string key = words->front();
+		words->erase( words->begin() );
+		readHeaderLine( key, *words );
 	}
 }
 
@@ -396,39 +376,9 @@ PointCloud PcdReader::read()
 
 } // namespace
 
-void PointCloud::add( double x, double y, double z )
-{
-	if ( !std::isfinite( x ) || !std::isfinite( y ) || !std::isfinite( z ) )
-	{
-		++dropped;
-		return;
-	}
-	points.insert( points.end(), { x, y, z } );
-}
-
 PointCloud readPcd( const std::string& file )
 {
 	return PcdReader( file ).read();
-}
-
-PointCloud readPointCloud( const std::string& file )
-{
-	std::string extension = std::filesystem::path( file ).extension().string();
-	for ( char& c : extension )
-	{
-		c = static_cast<char>( std::tolower( static_cast<unsigned char>( c ) ) );
-	}
-	if ( extension != ".pcd" && extension != ".ply" )
-	{
-		throw Error( file, "", "is of a type that holds no point cloud known here", "give a .pcd or .ply file" );
-	}
-	PointCloud cloud = extension == ".pcd" ? readPcd( file ) : readPlyPoints( file );
-	if ( cloud.points.empty() )
-	{
-		throw Error( file, "", fmt::format( "none of its {} points is finite", cloud.dropped ),
-		    "give a cloud with points, or remove it" );
-	}
-	return cloud;
 }
 
 } // namespace leeway::io::detail

@@ -35,17 +35,13 @@ enum class Format
 	big_endian
 };
 
-class PlyReader
+class PlyReader : CloudReader
 {
 public:
-	explicit PlyReader( const std::string& file ) : m_file( file ), m_text( readFile( file ) ), m_bytes( m_text ) {}
+	explicit PlyReader( const std::string& file ) : CloudReader( file ) {}
 	PointCloud read();
 
 private:
-	[[noreturn]] void fail( const std::string& place, const std::string& problem, const std::string& remedy ) const
-	{
-		throw Error( m_file, place, problem, remedy );
-	}
 	void readHeader();
 	void readHeaderLine( const std::vector<std::string>& words, const std::string& place );
 	ScalarType typeOf( const std::string& name, const std::string& place ) const;
@@ -53,11 +49,8 @@ private:
 	double value( ScalarType type, const std::string& place );
 	void readElement( const Element& element );
 
-	std::string m_file, m_text;
-	ByteReader m_bytes;
 	Format m_format = Format::none;
 	std::vector<Element> m_elements;
-	PointCloud m_cloud;
 };
 
 ScalarType PlyReader::typeOf( const std::string& name, const std::string& place ) const
@@ -98,7 +91,7 @@ void PlyReader::readHeaderLine( const std::vector<std::string>& words, const std
 	{
 		m_elements.back().properties.push_back( { words[4], typeOf( words[3], place ), typeOf( words[2], place ) } );
 	}
-	else if ( key != "comment" && key != "obj_info" )
+	else
 	{
 		fail( place, "is no line of a PLY header", "write a PLY file of version 1.0" );
 	}
@@ -110,22 +103,20 @@ void PlyReader::readHeader()
 	{
 		fail( "header", "the first line is not \"ply\"", "give a PLY file" );
 	}
-	for ( std::size_t number = 2;; ++number )
+	m_line = 1;
+	for ( ;; )
 	{
-		std::optional<std::string_view> line = m_bytes.line();
-		if ( !line )
+		std::optional<std::vector<std::string>> words =
+		    headerLine( []( const std::string& word ) { return word == "comment" || word == "obj_info"; } );
+		if ( !words )
 		{
 			fail( "header", "has no end_header", "the file was cut short: write it again" );
 		}
-		std::vector<std::string> words = splitBlanks( *line );
-		if ( !words.empty() && words[0] == "end_header" )
+		if ( words->front() == "end_header" )
 		{
 			break;
 		}
-		if ( !words.empty() )
-		{
-			readHeaderLine( words, fmt::format( "header line {}", number ) );
-		}
+		readHeaderLine( *words, headerPlace() );
 	}
 	if ( m_format == Format::none )
 	{

@@ -21,6 +21,26 @@ struct PointCloud
 /// @throws Error with the cloud's file and the place in it
 PointCloud readPointCloud( const std::string& file );
 
+/// What the readers of both formats do alike.
+class CloudReader
+{
+protected:
+	/// @throws Error if the file cannot be read
+	explicit CloudReader( const std::string& file );
+	[[noreturn]] void fail( const std::string& place, const std::string& problem, const std::string& remedy ) const;
+	/// The words of the next line of the header that has some and is no comment; an empty optional at the end of the file.
+	/// @param is_comment of a line's first word
+	/// @throws Error if the line is no text: it must not get into an error's line
+	std::optional<std::vector<std::string>> headerLine( bool ( *is_comment )( const std::string& ) );
+	/// "header line 7", of the last one.
+	std::string headerPlace() const;
+
+	std::string m_file, m_text;
+	ByteReader m_bytes;
+	std::size_t m_line = 0;
+	PointCloud m_cloud;
+};
+
 PointCloud readPcd( const std::string& file );
 PointCloud readPlyPoints( const std::string& file );
 
