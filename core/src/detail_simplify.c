@@ -16,7 +16,8 @@ enum
 {
 	MAX_STAR = 96,    ///< triangles around an edge; busier ones stay
 	MAX_NEAR = 256,   ///< of these and around them
-	MAX_PIECES = 60,  ///< of a triangle in a proof: more gain nothing, and half of the time goes into those that fail
+	MAX_PIECES = 60,  ///< of an original triangle in a proof: more gain nothing, and much of the time goes into those that fail
+	MOST_PIECES = 4000, ///< of a moved one: as many as there are triangles under it
 	LEVELS = 8,       ///< rounds of growing error, each twice the one before
 	MAX_PASSES = 12   ///< in one round
 };
@@ -260,7 +261,7 @@ static bool strays( const simplifier* s, const star* st, const lwi_candidate* tr
 	uint32_t hint = LW_INVALID_INDEX;
 	for ( uint32_t i = 0; i < st->kept; ++i )
 	{
-		if ( !( lwi_detail_distance( s->mesh, triangles[i].v, s->deviation, s->deviation, MAX_PIECES, &hint ) <= s->deviation ) )
+		if ( !( lwi_detail_distance( s->mesh, triangles[i].v, s->deviation, s->deviation, MOST_PIECES, &hint ) <= s->deviation ) )
 		{
 			return true;
 		}
