@@ -292,13 +292,13 @@ static void search_solid( lwi_searching* s )
 		uint32_t lanes[LWI_WIDTH];
 		if ( lwi_ref_is_leaf( e.a ) )
 		{
-			if ( plane_is_open && plane_rules_out( s ) ) // before anything is measured: that costs as much
+			uint32_t mask = solid_leaf_mask( s, tree, e.a, motion, &solid, gap );
+			query->stats.leaf_tests++;
+			if ( mask != 0 && plane_is_open && plane_rules_out( s ) ) // before anything is measured: that costs as much
 			{
 				return;
 			}
-			plane_is_open = false;
-			uint32_t mask = solid_leaf_mask( s, tree, e.a, motion, &solid, gap );
-			query->stats.leaf_tests++;
+			plane_is_open = plane_is_open && mask == 0;
 			uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
 			for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
 			{

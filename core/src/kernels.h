@@ -10,7 +10,8 @@
 //     <= sqrt(3) (5 u |c| + 2 u |t|) <= 9 u S;
 //   triangle vertices rounded to float: sqrt(3) u per side <= 2 u S;
 //   a gap from these: difference u, dot product 3u, both relative to |n| |p - v|, quotient and root 2u: <= 7 u S.
-// Sum 18 u S; LWI_GAP_SLACK = 32 leaves room. tests/core_query measures it.
+// Sum 18 u S. Triangles in the frame of a solid: moved 9 u S, rounded 2 u S, two supports along n 4 u S each, their difference and
+// quotient 5 u S, in all 24 u S. LWI_GAP_SLACK = 32 leaves room. tests/core_query measures it.
 // Contract: every level gives the bits of the scalar one (tests/core_query/kernels_test.cpp).
 #ifndef LEEWAY_KERNELS_H
 #define LEEWAY_KERNELS_H
@@ -66,7 +67,7 @@ typedef struct lwi_kernels
 	/// distance of the centres of a node's spheres to a solid, minus their radii; motion = solid_from_tree
 	uint32_t ( *node_solid_gap )( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float limit,
 		float gap[LWI_WIDTH] );
-	/// the same for spheres around the triangles of a leaf
+	/// distance of the triangles of a leaf to a solid, of the spheres around them where that is enough and to cones
 	uint32_t ( *leaf_solid_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
 		float gap[LWI_WIDTH] );
 } lwi_kernels;

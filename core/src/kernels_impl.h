@@ -94,15 +94,13 @@ static inline f8 point_slab( v3 n, v3 p_v0, v3 p_v1, v3 p_v2 )
 	return f8_div( least, f8_sqrt( f8_divisor( v3_dot( n, n ) ) ) );
 }
 
-static uint32_t leaf_gap( const lwi_leaf* leaf, const float sphere[4], float limit, float gap[LWI_WIDTH],
-	float direction[3][LWI_WIDTH] )
+/// Distance of points to triangles, lane by lane. *direction is that of the widest slab found, from the triangle to the point; *nearest
+/// is the vector from the nearest point of its edges.
+static inline f8 point_triangle( v3 p, v3 v0, v3 v1, v3 v2, v3* direction, v3* nearest )
 {
-	v3 p = v3_set( sphere );
-	v3 v0 = v3_load( leaf->v[0] ), v1 = v3_load( leaf->v[1] ), v2 = v3_load( leaf->v[2] );
 	v3 d0 = v3_sub( p, v0 ), d1 = v3_sub( p, v1 ), d2 = v3_sub( p, v2 );
 	const v3 from[3] = { d0, d1, d2 };
 	const v3 edge[3] = { v3_sub( v1, v0 ), v3_sub( v2, v1 ), v3_sub( v0, v2 ) };
-	// nearest point of the three edges
 	v3 best = d0;
 	f8 best_sq = v3_dot( d0, d0 );
 	for ( int i = 0; i < 3; ++i )
@@ -122,8 +120,19 @@ static uint32_t leaf_gap( const lwi_leaf* leaf, const float sphere[4], float lim
 	f8 by_edge = point_slab( best, d0, d1, d2 );
 	f8 by_normal = point_slab( normal, d0, d1, d2 );
 	m8 normal_wins = f8_lt( by_edge, by_normal );
-	v3_store( direction, v3_select( normal_wins, normal, best ) );
-	return store_gap( gap, f8_sub( f8_select( normal_wins, by_normal, by_edge ), f8_set( sphere[3] ) ), limit );
+	*direction = v3_select( normal_wins, normal, best );
+	*nearest = best;
+	return f8_select( normal_wins, by_normal, by_edge );
+}
+
+static uint32_t leaf_gap( const lwi_leaf* leaf, const float sphere[4], float limit, float gap[LWI_WIDTH],
+	float direction[3][LWI_WIDTH] )
+{
+	v3 along, nearest;
+	f8 distance = point_triangle( v3_set( sphere ), v3_load( leaf->v[0] ), v3_load( leaf->v[1] ), v3_load( leaf->v[2] ), &along,
+		&nearest );
+	v3_store( direction, along );
+	return store_gap( gap, f8_sub( distance, f8_set( sphere[3] ) ), limit );
 }
 
 static uint32_t node_project( const lwi_node* node, const float direction[3], float least, float high[LWI_WIDTH] )
@@ -278,6 +287,50 @@ static uint32_t node_solid_gap( const lwi_node* node, const lwi_motion* motion, 
 	return store_gap( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), f8_load( node->r ) ), limit );
 }
 
+/// The point of a box or cylinder that is nearest to p.
+static inline v3 solid_nearest( v3 p, const lwi_solid* solid )
+{
+	f8 sx = f8_set( solid->size[0] ), sy = f8_set( solid->size[1] ), sz = f8_set( solid->size[2] ), zero = f8_set( 0.0f );
+	if ( solid->type == LW_SHAPE_BOX )
+	{
+		return ( v3 ){ f8_min( f8_max( p.x, f8_sub( zero, sx ) ), sx ), f8_min( f8_max( p.y, f8_sub( zero, sy ) ), sy ),
+			f8_min( f8_max( p.z, f8_sub( zero, sz ) ), sz ) };
+	}
+	f8 radial = f8_sqrt( f8_add( f8_mul( p.x, p.x ), f8_mul( p.y, p.y ) ) );
+	f8 share = f8_min( f8_div( sx, f8_divisor( radial ) ), f8_set( 1.0f ) );
+	return ( v3 ){ f8_mul( share, p.x ), f8_mul( share, p.y ), f8_min( f8_max( p.z, f8_sub( zero, sy ) ), sy ) };
+}
+
+/// Width of the slab between triangles and a box or cylinder along n, from triangle to solid.
+static inline f8 solid_slab( v3 n, const v3 v[3], const lwi_solid* solid )
+{
+	f8 sx = f8_set( solid->size[0] ), sy = f8_set( solid->size[1] ), sz = f8_set( solid->size[2] ), reach;
+	if ( solid->type == LW_SHAPE_BOX )
+	{
+		reach = f8_add( f8_add( f8_mul( sx, f8_abs( n.x ) ), f8_mul( sy, f8_abs( n.y ) ) ), f8_mul( sz, f8_abs( n.z ) ) );
+	}
+	else
+	{
+		f8 across = f8_sqrt( f8_add( f8_mul( n.x, n.x ), f8_mul( n.y, n.y ) ) );
+		reach = f8_add( f8_mul( sx, across ), f8_mul( sy, f8_abs( n.z ) ) );
+	}
+	f8 high = f8_max( f8_max( v3_dot( n, v[0] ), v3_dot( n, v[1] ) ), v3_dot( n, v[2] ) );
+	f8 width = f8_sub( f8_sub( f8_set( 0.0f ), reach ), high );
+	return f8_div( width, f8_sqrt( f8_divisor( v3_dot( n, n ) ) ) );
+}
+
+/// Two steps towards the nearest points of triangles and a box or cylinder, each projecting on the other: every step has a slab.
+/// Cheney and Goldstein, Proximity maps for convex sets, Proceedings of the AMS 10, 1959.
+static inline f8 triangle_solid( const v3 v[3], v3 center, const lwi_solid* solid )
+{
+	v3 on_solid = solid_nearest( center, solid ), along, nearest;
+	point_triangle( on_solid, v[0], v[1], v[2], &along, &nearest );
+	f8 first = solid_slab( along, v, solid );
+	on_solid = solid_nearest( v3_sub( on_solid, nearest ), solid );
+	point_triangle( on_solid, v[0], v[1], v[2], &along, &nearest );
+	return f8_max( first, solid_slab( along, v, solid ) );
+}
+
 static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
 	float gap[LWI_WIDTH] )
 {
@@ -292,7 +345,15 @@ static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, 
 	v3 center = v3_mul( f8_set( 1.0f / 3.0f ), v3_add( v3_add( v0, v1 ), v2 ) );
 	v3 d0 = v3_sub( v0, center ), d1 = v3_sub( v1, center ), d2 = v3_sub( v2, center );
 	f8 radius = f8_sqrt( f8_max( f8_max( v3_dot( d0, d0 ), v3_dot( d1, d1 ) ), v3_dot( d2, d2 ) ) );
-	return store_gap( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), radius ), limit );
+	v3 moved = v3_move( motion, center );
+	f8 by_sphere = f8_sub( solid_distance( moved, solid ), radius );
+	uint32_t near = store_gap( gap, by_sphere, limit );
+	if ( near == 0 || solid->type == LW_SHAPE_CONE )
+	{
+		return near;
+	}
+	const v3 v[3] = { v3_move( motion, v0 ), v3_move( motion, v1 ), v3_move( motion, v2 ) };
+	return store_gap( gap, f8_max( triangle_solid( v, moved, solid ), by_sphere ), limit );
 }
 
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
