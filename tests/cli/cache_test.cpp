@@ -243,7 +243,7 @@ TEST_F( Cache, PairsKeepsItsTablesForALaterRun )
 	        "of an earlier run (3 s" ) );
 }
 
-TEST_F( Cache, WhatTheRobotHoldsNeedsNoTables )
+TEST_F( Cache, TablesMissWhatTheRobotHolds )
 {
 	const std::string attached =
 	    "robot_state:\n  attached_collision_objects:\n    - link_name: tool\n      object:\n"
@@ -252,11 +252,10 @@ TEST_F( Cache, WhatTheRobotHoldsNeedsNoTables )
 	    "      touch_links: [fore]\n";
 	write( "scene.yaml", readFile( path( "scene.yaml" ) ) + attached );
 	const Outcome plain = check( {} );
-	const Outcome result = check( { "--cache", "cache", "--verbose" } );
-	EXPECT_EQ( withoutTime( result ), withoutTime( plain ) ) << result.err;
-	EXPECT_TRUE( contains( result.err, "motion hulls are not used" ) ) << result.err;
-	EXPECT_TRUE( cached( ".reach" ).empty() );
-	EXPECT_FALSE( contains( check().err, "motion hulls" ) ) << "only with --verbose";
+	const Outcome first = check( { "--cache", "cache" } ), second = check( { "--cache", "cache" } );
+	EXPECT_EQ( withoutTime( first ), withoutTime( plain ) ) << first.err;
+	EXPECT_EQ( withoutTime( second ), withoutTime( plain ) ) << second.err;
+	EXPECT_FALSE( cached( ".reach" ).empty() ) << "the robot without the cup has tables";
 }
 
 TEST_F( Cache, StatesBeyondTheLimitsHaveTheSameAnswer )

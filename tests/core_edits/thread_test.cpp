@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Four threads that ask while the world changes: each gets the answers of the snapshot that it took.
 #include "changing_world.hpp"
+#include "same_bits.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -19,12 +20,6 @@ struct Published
 	std::vector<State> states;
 	std::vector<lw_state_result> answers;
 };
-
-bool sameAnswer( const lw_clearance& a, const lw_clearance& b )
-{
-	return std::memcmp( &a.lower, &b.lower, sizeof( double ) ) == 0 && std::memcmp( &a.upper, &b.upper, sizeof( double ) ) == 0 &&
-		   a.kind == b.kind && a.a == b.a && a.b == b.b;
-}
 
 std::shared_ptr<const Published> publish( const ChangingWorld& world, SeededRng& rng )
 {
@@ -83,8 +78,8 @@ TEST( EditThreads, answers_of_other_snapshots )
 				lw_status status = lw_checker_state(
 					mine->checker.get(), query.get(), mine->states[i].data(), LW_WHAT_BOTH, nullptr, false, &result );
 				wrong += status != LW_OK || result.verdict != mine->answers[i].verdict ||
-						 !sameAnswer( result.environment, mine->answers[i].environment ) ||
-						 !sameAnswer( result.self, mine->answers[i].self );
+						 !sameInterval( result.environment, mine->answers[i].environment ) ||
+						 !sameInterval( result.self, mine->answers[i].self );
 				++asked;
 			}
 		}

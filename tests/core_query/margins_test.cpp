@@ -4,6 +4,7 @@
 #include "counting_allocator.hpp"
 #include "leeway/checker.h"
 #include "random_robot.hpp"
+#include "same_bits.hpp"
 
 #include <gtest/gtest.h>
 
@@ -885,8 +886,8 @@ TEST( Margins, zeros_change_an_answer )
 		{
 			const State q = groupState( rng, world, 0 );
 			const lw_state_result a = ask( none.get(), one.get(), q, ranges[0] ), b = ask( zeros.get(), other.get(), q, ranges[0] );
-			EXPECT_EQ( 0, std::memcmp( &a.environment, &b.environment, sizeof( lw_clearance ) ) );
-			EXPECT_EQ( 0, std::memcmp( &a.self, &b.self, sizeof( lw_clearance ) ) );
+			EXPECT_TRUE( sameBits( a.environment, b.environment ) );
+			EXPECT_TRUE( sameBits( a.self, b.self ) );
 		}
 	}
 }

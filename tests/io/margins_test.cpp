@@ -2,10 +2,10 @@
 // Margins from files: by name to the right pairs, padding the same as margins that say so, and what cannot be meant.
 #include "files.hpp"
 #include "leeway/handles.hpp"
+#include "same_bits.hpp"
 #include "seeded_rng.hpp"
 
 #include <cmath>
-#include <cstring>
 
 using namespace leeway::io;
 
@@ -107,8 +107,8 @@ TEST_F( MarginsTest, PaddingIsTheMarginThatSaysTheSame )
 		ASSERT_EQ( lw_checker_state( padded.checker.get(), one.get(), q, LW_WHAT_BOTH, nullptr, false, &a ), LW_OK );
 		ASSERT_EQ( lw_checker_state( explicit_one.checker.get(), other.get(), q, LW_WHAT_BOTH, nullptr, false, &b ), LW_OK );
 		EXPECT_EQ( a.verdict, b.verdict );
-		EXPECT_EQ( std::memcmp( &a.environment, &b.environment, sizeof a.environment ), 0 );
-		EXPECT_EQ( std::memcmp( &a.self, &b.self, sizeof a.self ), 0 );
+		EXPECT_TRUE( sameBits( a.environment, b.environment ) );
+		EXPECT_TRUE( sameBits( a.self, b.self ) );
 		near += a.environment.upper < 0.1;
 	}
 	EXPECT_GE( near, 20 );
