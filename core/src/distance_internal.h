@@ -90,6 +90,13 @@ void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 /// A box, cylinder or cone as the convex routine wants it.
 lwi_convex lwi_convex_of_solid( const lw_shape* shape );
 
+// --- witness_plane.c -------------------------------------------------------------------------------------------------
+
+/// True if a plane across the nearest pair found, which is of these two, proves that no other pair of items of them is nearer than
+/// alpha and rounding leave open: then bound->floor says so. Meshes and solids (LWI_TRIANGLES, LWI_CONVEX).
+/// @param budget leaves to look at; what is left of them
+bool lwi_witness_proves( lwi_searching* s, uint32_t* budget );
+
 // --- distance_leaves.c -----------------------------------------------------------------------------------------------
 
 /// Items of a leaf that a sphere (the leaf's tree frame) does not rule out: lanes, with their gaps.

@@ -197,6 +197,32 @@ static bool plane_rules_out( lwi_searching* s )
 	return old_plane_rules_out( s, hint ) || new_plane_rules_out( s, hint );
 }
 
+/// When the plane across the nearest pair is tried: whenever there is a nearer one, and again only where it was leaves that it ran
+/// out of, not a shape that was in its way.
+typedef struct witness_trial
+{
+	double upper;  ///< of the last try
+	uint32_t next; ///< comparisons until the next one
+} witness_trial;
+
+enum
+{
+	WITNESS_LEAVES = 64 ///< that it may look at per comparison so far: few are looked at where it is in vain
+};
+
+/// @param compared leaves against leaves, or triangles against a solid, so far
+static bool witness_rules_out( lwi_searching* s, uint32_t compared, witness_trial* trial )
+{
+	if ( s->bound->upper == trial->upper && compared < trial->next )
+	{
+		return false;
+	}
+	uint32_t budget = WITNESS_LEAVES * ( compared + 1 );
+	bool proved = lwi_witness_proves( s, &budget );
+	*trial = (witness_trial){ s->bound->upper, budget == 0 ? 2 * compared + 1 : UINT32_MAX };
+	return proved;
+}
+
 static void search_trees( lwi_searching* s )
 {
 	bool bounded = s->limit < INFINITY;
@@ -212,6 +238,8 @@ static void search_trees( lwi_searching* s )
 	query->batch.count = 0;
 	query->stack[0] = root;
 	uint32_t height = 1, leaves = 0;
+	bool meshes = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
+	witness_trial trial = { INFINITY, UINT32_MAX };
 	while ( height > 0 && !s->bound->done )
 	{
 		lwi_entry e = query->stack[--height];
@@ -225,6 +253,11 @@ static void search_trees( lwi_searching* s )
 			if ( ++leaves == LEAVES_BEFORE_PLANE && bounded && plane_rules_out( s ) )
 			{
 				query->batch.count = 0; // none of the pairs that wait can be below the limit
+				return;
+			}
+			if ( meshes && witness_rules_out( s, leaves, &trial ) )
+			{
+				query->batch.count = 0;
 				return;
 			}
 			lwi_compare_leaves( s, &e );
@@ -279,7 +312,10 @@ static void search_solid( lwi_searching* s )
 	memset( &root, 0, sizeof( root ) );
 	root.a = tree->root;
 	query->stack[0] = root;
-	bool plane_is_open = s->limit < INFINITY && solid_shape->family == LWI_CONVEX;
+	bool convex_solid = solid_shape->family == LWI_CONVEX, plane_is_open = s->limit < INFINITY && convex_solid;
+	bool mesh = convex_solid && tree->family == LWI_TRIANGLES;
+	witness_trial trial = { INFINITY, UINT32_MAX };
+	uint32_t measured = 0;
 	uint32_t height = 1;
 	while ( height > 0 && !s->bound->done )
 	{
@@ -304,6 +340,10 @@ static void search_solid( lwi_searching* s )
 			{
 				if ( !( gap[lanes[i]] >= s->limit ) )
 				{
+					if ( mesh && witness_rules_out( s, measured++, &trial ) )
+					{
+						return;
+					}
 					uint32_t item = lwi_leaf_item( tree, e.a, lanes[i] );
 					lwi_measure_items( s, solid_is_a ? LW_INVALID_INDEX : item, solid_is_a ? item : LW_INVALID_INDEX );
 				}
