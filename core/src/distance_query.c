@@ -197,29 +197,34 @@ static bool plane_rules_out( lwi_searching* s )
 	return old_plane_rules_out( s, hint ) || new_plane_rules_out( s, hint );
 }
 
-/// When the plane across the nearest pair is tried: whenever there is a nearer one, and again only where it was leaves that it ran
-/// out of, not a shape that was in its way.
+/// When the slab across the nearest pair is tried: when there was none nearer for long, and again only where it was leaves that it
+/// ran out of, not a shape that was in its way.
 typedef struct witness_trial
 {
-	double upper;  ///< of the last try
-	uint32_t next; ///< comparisons until the next one
+	double upper;  ///< of the pair
+	uint32_t next; ///< comparisons until the next try
 } witness_trial;
 
 enum
 {
-	WITNESS_LEAVES = 64 ///< that it may look at per comparison so far: few are looked at where it is in vain
+	BEFORE_WITNESS = 512, ///< comparisons without a nearer pair: large faces that face each other. Why so late: distance.md
+	WITNESS_LEAVES = 64   ///< that it may look at per comparison so far: few are looked at where it is in vain
 };
 
 /// @param compared leaves against leaves, or triangles against a solid, so far
 static bool witness_rules_out( lwi_searching* s, uint32_t compared, witness_trial* trial )
 {
-	if ( s->bound->upper == trial->upper && compared < trial->next )
+	if ( s->bound->upper != trial->upper )
+	{
+		*trial = (witness_trial){ s->bound->upper, compared + BEFORE_WITNESS };
+	}
+	if ( compared < trial->next )
 	{
 		return false;
 	}
-	uint32_t budget = WITNESS_LEAVES * ( compared + 1 );
+	uint32_t budget = WITNESS_LEAVES * compared;
 	bool proved = lwi_witness_proves( s, &budget );
-	*trial = (witness_trial){ s->bound->upper, budget == 0 ? 2 * compared + 1 : UINT32_MAX };
+	trial->next = budget == 0 ? 2 * compared : UINT32_MAX;
 	return proved;
 }
 
