@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Checkers with motion hulls and pair tables against the same checkers without: random robots with joints of every type,
 // random groups, states inside and outside of what the tables cover. The answers must not differ.
-#include "leeway/checker.h"
+#include "checker_handles.hpp"
 #include "random_robot.hpp"
 
 #include <gtest/gtest.h>
@@ -16,16 +16,6 @@ namespace
 
 const double inf = std::numeric_limits<double>::infinity();
 
-template <typename T, void ( *release )( T* )>
-struct Releaser
-{
-	void operator()( T* object ) const { release( object ); }
-};
-using ReachPtr = std::unique_ptr<lw_reach, Releaser<lw_reach, lw_reach_release>>;
-using ScenePtr = std::unique_ptr<lw_scene, Releaser<lw_scene, lw_scene_release>>;
-using CheckerPtr = std::unique_ptr<lw_checker, Releaser<lw_checker, lw_checker_release>>;
-using QueryPtr = std::unique_ptr<lw_query, Releaser<lw_query, lw_query_destroy>>;
-
 /// Coarse hulls: a tenth of what they cost by default.
 ReachPtr makeReach( const lw_robot* robot, double seconds, uint32_t samples = 100 )
 {
@@ -38,16 +28,6 @@ ReachPtr makeReach( const lw_robot* robot, double seconds, uint32_t samples = 10
 	lw_diag diag = {};
 	EXPECT_EQ( LW_OK, lw_reach_create( &def, nullptr, &diag, &reach ) ) << diag.message;
 	return ReachPtr( reach );
-}
-
-QueryPtr makeQuery( const lw_checker* checker, bool hierarchy, bool warm_start )
-{
-	lw_query_def def = lw_query_def_default();
-	def.hierarchy = hierarchy;
-	def.warm_start = warm_start;
-	lw_query* query = nullptr;
-	EXPECT_EQ( LW_OK, lw_query_create( &def, nullptr, checker, nullptr, &query ) );
-	return QueryPtr( query );
 }
 
 ScenePtr randomScene( SeededRng& rng, int objects, double spread )

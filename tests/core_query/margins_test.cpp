@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Margins of pairs: every answer of a checker against brute force over all pairs, distances of lw_shape_distance() less margins
 // that are added up here once more. Random robots, scenes, groups and margins; states inside and outside of the limits; edges.
+#include "checker_handles.hpp"
 #include "counting_allocator.hpp"
-#include "leeway/checker.h"
 #include "random_robot.hpp"
 #include "same_bits.hpp"
 
@@ -22,26 +22,6 @@ const double inf = std::numeric_limits<double>::infinity();
 
 /// Of distances of a few metres, with poses that are multiplied in another order.
 const double rounding = 1e-10;
-
-template <typename T, void ( *release )( T* )>
-struct Releaser
-{
-	void operator()( T* object ) const { release( object ); }
-};
-using ReachPtr = std::unique_ptr<lw_reach, Releaser<lw_reach, lw_reach_release>>;
-using ScenePtr = std::unique_ptr<lw_scene, Releaser<lw_scene, lw_scene_release>>;
-using CheckerPtr = std::unique_ptr<lw_checker, Releaser<lw_checker, lw_checker_release>>;
-using QueryPtr = std::unique_ptr<lw_query, Releaser<lw_query, lw_query_destroy>>;
-
-QueryPtr makeQuery( const lw_checker* checker, bool hierarchy = true, bool warm_start = true )
-{
-	lw_query_def def = lw_query_def_default();
-	def.hierarchy = hierarchy;
-	def.warm_start = warm_start;
-	lw_query* query = nullptr;
-	EXPECT_EQ( LW_OK, lw_query_create( &def, nullptr, checker, nullptr, &query ) );
-	return QueryPtr( query );
-}
 
 /// Margins that own their arrays, and what they mean.
 struct Margins

@@ -2,7 +2,7 @@
 // Model only what a scene requires: deferred meshes, and obstacles that a group cannot come near to. Random robots and scenes
 // against the same ones with everything modelled; states inside and outside of the limits. No answer may differ.
 #include "leeway/blob.h"
-#include "leeway/checker.h"
+#include "checker_handles.hpp"
 #include "random_robot.hpp"
 
 #include <gtest/gtest.h>
@@ -17,15 +17,6 @@ namespace
 {
 
 const double inf = std::numeric_limits<double>::infinity();
-
-template <typename T, void ( *release )( T* )>
-struct Releaser
-{
-	void operator()( T* object ) const { release( object ); }
-};
-using ScenePtr = std::unique_ptr<lw_scene, Releaser<lw_scene, lw_scene_release>>;
-using CheckerPtr = std::unique_ptr<lw_checker, Releaser<lw_checker, lw_checker_release>>;
-using QueryPtr = std::unique_ptr<lw_query, Releaser<lw_query, lw_query_destroy>>;
 
 /// What deferred meshes of a test count.
 struct Counts
@@ -131,13 +122,11 @@ CheckerPtr makeChecker( const lw_robot* robot, const lw_scene* scene, const Worl
 	return CheckerPtr( checker );
 }
 
-QueryPtr makeQuery( const lw_checker* checker )
+/// Other histories must not matter.
+QueryPtr coldQuery( const lw_checker* checker )
 {
-	lw_query_def def = lw_query_def_default();
-	def.warm_start = false; // other histories must not matter
-	lw_query* query = nullptr;
-	EXPECT_EQ( LW_OK, lw_query_create( &def, nullptr, checker, nullptr, &query ) );
-	return QueryPtr( query );
+	const bool hierarchy = true, warm_start = false;
+	return makeQuery( checker, hierarchy, warm_start );
 }
 
 World randomWorld( SeededRng& rng )
@@ -273,7 +262,7 @@ TEST( Required, less_changes_an_answer )
 		const lw_checker_info all = lw_checker_get_info( whole.get() ), some = lw_checker_get_info( less.get() );
 		expectSame( all.static_environment, some.static_environment, "static" );
 		fewer += some.near_shapes < world.placed.size();
-		QueryPtr query = makeQuery( whole.get() ), other = makeQuery( less.get() );
+		QueryPtr query = coldQuery( whole.get() ), other = coldQuery( less.get() );
 		for ( int k = 0; k < 8; ++k )
 		{
 			SCOPED_TRACE( ::testing::Message() << "state " << k );
@@ -348,7 +337,7 @@ TEST( Required, obstacle_nearer_than_proved )
 		World world = randomWorld( rng );
 		ScenePtr scene = makeScene( world.placed );
 		CheckerPtr checker = makeChecker( world.robot.get(), scene.get(), world, inf );
-		QueryPtr query = makeQuery( checker.get() );
+		QueryPtr query = coldQuery( checker.get() );
 		std::vector<lw_transform> poses( lw_robot_link_count( world.robot.get() ) );
 		std::vector<double> least( world.placed.size(), inf );
 		State full = world.reference;
@@ -432,7 +421,7 @@ TEST( Required, failed_mesh_reads_as_free_space )
 			}
 		}
 		CheckerPtr checker = makeChecker( lazy.robot.get(), scene.get(), lazy, inf );
-		QueryPtr query = makeQuery( checker.get() );
+		QueryPtr query = coldQuery( checker.get() );
 		counts.fail = true;
 		for ( int k = 0; k < 5; ++k )
 		{
@@ -552,7 +541,7 @@ TEST( Required, threads_meet_at_a_deferred_mesh )
 			threads.emplace_back(
 				[&]
 				{
-					QueryPtr query = makeQuery( whole.get() ), other = makeQuery( less.get() );
+					QueryPtr query = coldQuery( whole.get() ), other = coldQuery( less.get() );
 					for ( const State& q : states )
 					{
 						lw_state_result want = ask( whole.get(), query.get(), q, ranges[0] );
