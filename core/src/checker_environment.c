@@ -205,7 +205,7 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 		const lwi_checker_node* node = &tree->nodes[i];
 		bool one_body = node->end == i + 1 && node->body_count == 1; // asking its M first would cost as much as asking it
 		bool asks = ( checker->node_environment[i] & LWI_SUBTREE_ASKS ) != 0;
-		if ( !asks || ( query->covered && !one_body && !meets_scene( checker, query, 2 * i + 1, bound ) ) )
+		if ( !asks || ( query->hulls && !one_body && !meets_scene( checker, query, 2 * i + 1, bound ) ) )
 		{
 			i = node->end;
 			continue;

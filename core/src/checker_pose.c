@@ -183,7 +183,8 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 {
 	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions, have
 	// no limits.
-	return checker->tree->proves && query->def.hierarchy && within_ranges( checker, qa ) && within_ranges( checker, qb );
+	return checker->tree->proves && query->def.hierarchy && query->def.pair_tables && within_ranges( checker, qa ) &&
+		   within_ranges( checker, qb );
 }
 
 /// A new state: everything is to be posed again but for what never moves.
@@ -194,7 +195,10 @@ static bool begin_state( const lw_checker* checker, lw_query* query, const doubl
 	{
 		return false;
 	}
-	query->covered = tree->proves && query->def.hierarchy && within_ranges( checker, q );
+	bool holds = tree->proves && query->def.hierarchy && within_ranges( checker, q );
+	query->hulls = holds && query->def.motion_hulls;
+	query->tables = holds && query->def.pair_tables;
+	query->covered = query->hulls || query->tables;
 	query->within = within_box( checker->variable_count, checker->near_lower, q, checker->near_upper );
 	query->node_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
 	for ( uint32_t i = 0; i < tree->nodes[0].body_count; ++i )

@@ -193,8 +193,9 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 	{
 		const lwi_self_step* step = &tree->steps[i];
 		++tests;
-		double gap = step->separation >= limit ? INFINITY : -INFINITY;
-		if ( gap < 0 && step->sphere_a != LW_INVALID_INDEX )
+		float separation = query->tables ? step->separation : 0 - step->margin;
+		double gap = separation >= limit ? INFINITY : -INFINITY;
+		if ( gap < 0 && step->sphere_a != LW_INVALID_INDEX && ( query->hulls || step->pair != LW_INVALID_INDEX ) )
 		{
 			const double* a = lwi_sphere( checker, query, step->sphere_a );
 			gap = gap_below( a, lwi_sphere( checker, query, step->sphere_b ), step->margin, limit );
@@ -206,7 +207,7 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 		}
 		if ( step->pair != LW_INVALID_INDEX )
 		{
-			query->candidates[count++] = node_pair( checker, step->pair, lower_bound( gap, step->separation ) );
+			query->candidates[count++] = node_pair( checker, step->pair, lower_bound( gap, separation ) );
 		}
 		++i;
 	}
@@ -250,9 +251,9 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node
 	const lwi_checker_tree* tree = checker->tree;
 	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
 	float separation = tree->separations[pair->first + (size_t)rank_a * b->body_count + rank_b];
-	if ( !query->covered && separation < INFINITY )
+	if ( !query->tables && separation < INFINITY )
 	{
-		separation = 0 - pair->margin; // proved for other states than this one
+		separation = 0 - pair->margin; // proved for other states than this one, or not to be used
 	}
 	if ( separation < bound->prune )
 	{
@@ -411,7 +412,7 @@ uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uin
 	const lwi_bound bound = { .prune = limit };
 	uint32_t count = 0;
 	const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
-	if ( !( query->covered && pair->separation >= limit ) &&
+	if ( !( query->tables && pair->separation >= limit ) &&
 		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, limit ) < INFINITY )
 	{
 		open_pair( checker, query, pair, &bound, &count );

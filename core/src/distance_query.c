@@ -243,7 +243,7 @@ static void search_trees( lwi_searching* s )
 	query->batch.count = 0;
 	query->stack[0] = root;
 	uint32_t height = 1, leaves = 0;
-	bool meshes = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
+	bool planes = query->def.planes, meshes = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
 	witness_trial trial = { INFINITY, UINT32_MAX };
 	while ( height > 0 && !s->bound->done )
 	{
@@ -255,12 +255,12 @@ static void search_trees( lwi_searching* s )
 		bool leaf_a = lwi_ref_is_leaf( e.a ), leaf_b = lwi_ref_is_leaf( e.b );
 		if ( leaf_a && leaf_b )
 		{
-			if ( ++leaves == LEAVES_BEFORE_PLANE && bounded && plane_rules_out( s ) )
+			if ( ++leaves == LEAVES_BEFORE_PLANE && bounded && planes && plane_rules_out( s ) )
 			{
 				query->batch.count = 0; // none of the pairs that wait can be below the limit
 				return;
 			}
-			if ( meshes && witness_rules_out( s, leaves, &trial ) )
+			if ( meshes && planes && witness_rules_out( s, leaves, &trial ) )
 			{
 				query->batch.count = 0;
 				return;
@@ -317,7 +317,8 @@ static void search_solid( lwi_searching* s )
 	memset( &root, 0, sizeof( root ) );
 	root.a = tree->root;
 	query->stack[0] = root;
-	bool convex_solid = solid_shape->family == LWI_CONVEX, plane_is_open = s->limit < INFINITY && convex_solid;
+	bool convex_solid = solid_shape->family == LWI_CONVEX && query->def.planes;
+	bool plane_is_open = s->limit < INFINITY && convex_solid;
 	bool mesh = convex_solid && tree->family == LWI_TRIANGLES;
 	witness_trial trial = { INFINITY, UINT32_MAX };
 	uint32_t measured = 0;
@@ -509,7 +510,7 @@ void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw
 	}
 	lwi_searching s = search_begin( query, a, b, a_from_b, bound );
 	query->stats.queries++;
-	if ( s.limit < INFINITY && boxes_are_apart( &s ) )
+	if ( query->def.planes && s.limit < INFINITY && boxes_are_apart( &s ) )
 	{
 		return; // so nothing is inside of the other either
 	}

@@ -21,6 +21,9 @@ lw_query_def lw_query_def_default( void )
 	def.transform_caching = true;
 	def.warm_start = true;
 	def.hierarchy = true;
+	def.motion_hulls = true;
+	def.pair_tables = true;
+	def.planes = true;
 	def.cookie = QUERY_COOKIE;
 	return def;
 }

@@ -70,7 +70,8 @@ struct lw_query
 	size_t edge_capacity;         ///< bytes in edge_scratch
 
 	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
-	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, and may be used
+	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, and some may be used
+	bool hulls, tables;           ///< which: both only if covered
 	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
 	bool near;                    ///< the question at hand looks at that mask only
 	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid

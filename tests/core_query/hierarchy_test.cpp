@@ -208,11 +208,19 @@ void compareState( const World& world, lw_query* plain, const std::vector<QueryP
 	}
 }
 
-std::vector<QueryPtr> hierarchicalQueries( const World& world )
+/// @param left_out bits: hulls, tables, planes
+std::vector<QueryPtr> hierarchicalQueries( const World& world, int left_out )
 {
 	std::vector<QueryPtr> queries;
 	queries.push_back( makeQuery( world.checker.get(), true, true ) );
 	queries.push_back( makeQuery( world.checker.get(), true, false ) );
+	lw_query_def def = lw_query_def_default();
+	def.motion_hulls = ( left_out & 1 ) == 0;
+	def.pair_tables = ( left_out & 2 ) == 0;
+	def.planes = ( left_out & 4 ) == 0;
+	lw_query* query = nullptr;
+	EXPECT_EQ( LW_OK, lw_query_create( &def, nullptr, world.checker.get(), nullptr, &query ) );
+	queries.emplace_back( query );
 	return queries;
 }
 
@@ -259,7 +267,7 @@ TEST( Hierarchy, changes_an_answer )
 		covered += info.hierarchy;
 		ruled_out += info.never_pairs > 0;
 		QueryPtr plain = makeQuery( world.checker.get(), false, false );
-		std::vector<QueryPtr> queries = hierarchicalQueries( world );
+		std::vector<QueryPtr> queries = hierarchicalQueries( world, i % 7 + 1 );
 		for ( int k = 0; k < 12 && !HasFailure(); ++k )
 		{
 			SCOPED_TRACE( ::testing::Message() << "state " << k );
@@ -489,6 +497,43 @@ TEST( Hierarchy, distant_arm_is_posed )
 	EXPECT_EQ( out.environment.kind, LW_CLEARANCE_FAR );
 	EXPECT_EQ( lw_query_get_stats( query.get() ).robot_tests, 1u );
 	EXPECT_EQ( lw_query_get_stats( query.get() ).links_posed, 0u );
+
+	lw_query_def without = lw_query_def_default(); // the switch must switch it off
+	without.motion_hulls = false;
+	lw_query* made = nullptr;
+	ASSERT_EQ( LW_OK, lw_query_create( &without, nullptr, world.checker.get(), nullptr, &made ) );
+	QueryPtr posing( made );
+	ASSERT_EQ( LW_OK,
+		lw_checker_state( world.checker.get(), posing.get(), q.data(), LW_WHAT_ENVIRONMENT, &range, false, &out ) );
+	EXPECT_EQ( out.environment.kind, LW_CLEARANCE_FAR );
+	EXPECT_GT( lw_query_get_stats( posing.get() ).links_posed, 0u );
+}
+
+// Two links that tables prove apart, and spheres too: without tables their spheres are asked.
+TEST( Hierarchy, tables_stay_in_use_when_they_are_left_out )
+{
+	World world = sliderWorld( -0.5, 0.5 );
+	world.build();
+	ASSERT_GT( lw_reach_scfree( world.reach.get(), 0 ), 0 );
+	const lw_range contact = { 0, 5e-324, 0 };
+	for ( const bool tables : { true, false } )
+	{
+		lw_query_def def = lw_query_def_default();
+		def.pair_tables = tables;
+		lw_query* made = nullptr;
+		ASSERT_EQ( LW_OK, lw_query_create( &def, nullptr, world.checker.get(), nullptr, &made ) );
+		QueryPtr query( made );
+		EXPECT_EQ( ask( world, query.get(), { 0, 0 }, &contact ).verdict, LW_VERDICT_FREE );
+		const uint64_t posed = lw_query_get_stats( query.get() ).links_posed;
+		EXPECT_EQ( posed == 0, tables );
+		lw_edge_def edge = lw_edge_def_default();
+		edge.what = LW_WHAT_SELF;
+		lw_edge_result out;
+		const State from = { -0.4, 0 }, to = { 0.4, 0.5 };
+		ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), from.data(), to.data(), &edge, &out ) );
+		EXPECT_EQ( out.verdict, LW_VERDICT_FREE );
+		EXPECT_EQ( out.lower_bound > 0.1, tables ) << out.lower_bound; // what tables prove is a metre
+	}
 }
 
 TEST( Hierarchy, reach_of_another_robot_is_accepted )

@@ -130,3 +130,30 @@ TEST( Witness, facing_faces_cost_all_their_pairs )
 		}
 	}
 }
+
+// The comparison without planes has to be one.
+TEST( Witness, slab_is_looked_for_where_it_is_left_out )
+{
+	const ShapePtr a = plate( 64, -1, 0 ), b = plate( 64, -1, 0 );
+	const lw_transform here = lw_transform_identity(), there = translation( 0.003, 0.002, 0.1 );
+	uint64_t leaf_tests[2], separated[2];
+	for ( const bool planes : { false, true } )
+	{
+		lw_query_def def = lw_query_def_default();
+		def.planes = planes;
+		lw_query* made = nullptr;
+		ASSERT_EQ( LW_OK, lw_query_create( &def, nullptr, nullptr, nullptr, &made ) );
+		const QueryPtr query( made );
+		lw_clearance c;
+		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &here, b.get(), &there, nullptr, query.get(), &c ) );
+		EXPECT_NEAR( c.upper, 0.1, 1e-14 );
+		leaf_tests[planes] = lw_query_get_stats( query.get() ).leaf_tests;
+		lw_query_reset_stats( query.get() );
+		const lw_range range = { 0, 0.09, 0 };
+		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &here, b.get(), &there, &range, query.get(), &c ) );
+		EXPECT_EQ( c.kind, LW_CLEARANCE_FAR );
+		separated[planes] = lw_query_get_stats( query.get() ).node_tests;
+	}
+	EXPECT_GT( leaf_tests[0], 2 * leaf_tests[1] );
+	EXPECT_GT( separated[0], 2 * separated[1] ) << separated[0] << ' ' << separated[1];
+}

@@ -364,6 +364,9 @@ TEST_P( Truth, SearchSwitchesChangeNoAnswer )
 	def = lw_query_def_default();
 	def.warm_start = !def.warm_start;
 	sweep( lw_range_exact(), def, 2 );
+	def = lw_query_def_default();
+	def.planes = !def.planes;
+	sweep( lw_range_exact(), def, 4 );
 }
 
 TEST_P( Truth, EverySimdLevelAgrees )
