@@ -7,6 +7,7 @@
 #include "checker_tree.h"
 #include "math_inline.h"
 #include "reach_internal.h"
+#include "scene_internal.h"
 #include "shape_internal.h"
 
 #include <string.h>
@@ -90,10 +91,72 @@ static lw_status mark_group( lwi_checker_base* b, const lw_checker_def* def, dra
 	return LW_OK;
 }
 
+/// Notes what stands still and hardly a question goes without: what has its box meet that of something it is checked against in
+/// the reference state, and the two that the static clearance is searched between first.
+static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* def, const draft* d, lwi_ahead* ahead )
+{
+	const double meets = 1e-12; // metres: boxes that overlap have the gap 0
+	const uint32_t bodies = lw_robot_body_count( b->robot ), shapes = def->scene != NULL ? def->scene->shape_count : 0;
+	const lw_shape* nearest[2] = { NULL, NULL };
+	double least = INFINITY;
+	for ( uint32_t i = 0; i < bodies; ++i )
+	{
+		const lw_body_def body = lw_robot_body( b->robot, i );
+		const bool moves = d->link_moves[body.link];
+		const lw_transform world_from_body = lwi_multiply( &b->reference_poses[body.link], &body.link_from_shape );
+		for ( uint32_t k = 0; !moves && k < bodies; ++k )
+		{
+			const lw_body_def other = lw_robot_body( b->robot, k );
+			const lw_transform world_from_other = lwi_multiply( &b->reference_poses[other.link], &other.link_from_shape );
+			if ( d->link_moves[other.link] && !lw_robot_pair_allowed( b->robot, body.link, other.link ) &&
+				 lwi_box_gap_below( meets, body.shape, other.shape, &world_from_body, &world_from_other ) < meets )
+			{
+				lwi_ahead_note( ahead, body.shape );
+				break;
+			}
+		}
+		for ( uint32_t k = 0; k < shapes; ++k )
+		{
+			const lw_scene_shape_def* other = &def->scene->shapes[k];
+			const double gap = lwi_box_gap_below(
+				moves ? meets : fmax( least, meets ), body.shape, other->shape, &world_from_body, &other->world_from_shape );
+			if ( gap < meets )
+			{
+				lwi_ahead_note( ahead, body.shape );
+				lwi_ahead_note( ahead, other->shape );
+			}
+			if ( !moves && gap < least )
+			{
+				least = gap;
+				nearest[0] = body.shape;
+				nearest[1] = other->shape;
+			}
+		}
+	}
+	for ( int i = 0; i < 2 && nearest[i] != NULL; ++i )
+	{
+		lwi_ahead_note( ahead, nearest[i] );
+	}
+}
+
 /// Bodies that move are needed whole, for motion bounds if for nothing else; of the others bounds will do for the time being.
-static lw_status fill_bodies( lwi_checker_base* b, const draft* d, lw_diag* diag )
+static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker_def, const draft* d, lw_diag* diag )
 {
 	lw_status status = LW_OK;
+	lwi_ahead ahead = { .prepare = checker_def->prepare, .user = checker_def->prepare_user };
+	for ( uint32_t body = 0; body < lw_robot_body_count( b->robot ); ++body )
+	{
+		lw_body_def def = lw_robot_body( b->robot, body );
+		if ( d->link_moves[def.link] )
+		{
+			lwi_ahead_note( &ahead, def.shape );
+		}
+	}
+	if ( ahead.prepare != NULL )
+	{
+		note_neighbours( b, checker_def, d, &ahead );
+		lwi_ahead_flush( &ahead );
+	}
 	for ( uint32_t body = 0; body < lw_robot_body_count( b->robot ) && status == LW_OK; ++body )
 	{
 		lw_body_def def = lw_robot_body( b->robot, body );
@@ -261,7 +324,7 @@ static lw_status build( lwi_checker_base* b, lw_checker* c, const lw_checker_def
 	{
 		return lwi_fail( diag, status, LW_INVALID_INDEX, "the reference state has a zero quaternion" );
 	}
-	status = fill_bodies( b, d, diag );
+	status = fill_bodies( b, def, d, diag );
 	uint32_t bodies = lw_robot_body_count( b->robot );
 	if ( status == LW_OK && b->margins != NULL &&
 		 !lwi_self_margins_apply( b->margins, b->bodies, bodies, b->body_block_count * LWI_WIDTH ) )

@@ -187,8 +187,9 @@ static void count_masks( lw_checker* c )
 }
 
 /// Measures what stands still against the shapes whose bit is set, NULL for all.
-static lw_status measure_static( lw_checker* c, const uint8_t* fresh, double known, lw_diag* diag )
+static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const uint8_t* fresh, double known, lw_diag* diag )
 {
+	lwi_ahead ahead = { .prepare = def->prepare, .user = def->prepare_user };
 	lw_query_def query_def = lw_query_def_default();
 	lw_query* query = NULL;
 	lw_status status = lw_query_create( &query_def, NULL, c, &c->allocator, &query );
@@ -208,7 +209,7 @@ static lw_status measure_static( lw_checker* c, const uint8_t* fresh, double kno
 		status = lwi_checker_pose( c, query, group );
 		if ( status == LW_OK )
 		{
-			status = lwi_checker_measure_static( c, query, fresh, known );
+			status = lwi_checker_measure_static( c, query, fresh, known, &ahead );
 			if ( status != LW_OK )
 			{
 				lwi_fail( diag, status, LW_INVALID_INDEX, "a deferred mesh next to the links that do not move cannot be made: %s",
@@ -226,7 +227,7 @@ static lw_status measure_static( lw_checker* c, const uint8_t* fresh, double kno
 }
 
 /// The static environment: what the previous checker measured still holds for shapes that it had too.
-static lw_status find_static( lw_checker* c, const lwi_kept* kept, lw_diag* diag )
+static lw_status find_static( lw_checker* c, const lw_checker_def* def, const lwi_kept* kept, lw_diag* diag )
 {
 	c->static_environment = lwi_nothing_to_check();
 	c->static_body = c->static_shape = LW_INVALID_INDEX;
@@ -242,7 +243,7 @@ static lw_status find_static( lw_checker* c, const lwi_kept* kept, lw_diag* diag
 	lw_status status = LW_OK;
 	if ( !lwi_keep_static( c, kept, fresh ) )
 	{
-		status = measure_static( c, NULL, INFINITY, diag );
+		status = measure_static( c, def, NULL, INFINITY, diag );
 	}
 	else
 	{
@@ -252,7 +253,7 @@ static lw_status find_static( lw_checker* c, const lwi_kept* kept, lw_diag* diag
 		{
 			any = any || fresh[block] != 0;
 		}
-		status = any ? measure_static( c, fresh, known, diag ) : LW_OK;
+		status = any ? measure_static( c, def, fresh, known, diag ) : LW_OK;
 		// Both bounds hold; they differ in order only where the two nearest pairs are equally far to rounding
 		c->static_environment.lower = fmin( c->static_environment.lower, lower );
 	}
@@ -304,7 +305,7 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 		return lwi_out_of_memory( diag, "a checker" );
 	}
 	lwi_match_scenes( def->previous != NULL ? def->previous->scene : NULL, c->scene, kept.source );
-	status = find_static( c, &kept, diag );
+	status = find_static( c, def, &kept, diag );
 	if ( status == LW_OK )
 	{
 		lwi_checker_require( c, &kept );

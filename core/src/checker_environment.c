@@ -398,10 +398,18 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	}
 }
 
+/// Both shapes of a pair that stands still.
+static void note_pair( const lw_checker* checker, uint32_t pair, lwi_ahead* ahead )
+{
+	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
+	lwi_ahead_note( ahead, checker->bodies[pair / stride].shape );
+	lwi_ahead_note( ahead, checker->scene->shapes[pair % stride].shape );
+}
+
 /// As many bodies at a time as the query has room for, nearest boxes first: this is done once, and so that few deferred
 /// meshes are made for it boxes are worth their cost.
 static void search_static( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
-	const uint8_t* fresh, lwi_bound* bound )
+	const uint8_t* fresh, lwi_ahead* ahead, lwi_bound* bound )
 {
 	const lw_scene* scene = checker->scene;
 	uint32_t stride = checker->scene_block_count * LWI_WIDTH, count = 0;
@@ -429,12 +437,14 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 		{
 			break;
 		}
+		note_pair( checker, next.pair, ahead );
+		lwi_ahead_flush( ahead );
 		bound->current_pair = next.pair;
 		search_environment_pair( checker, query, next.pair / stride, next.pair % stride, bound );
 	}
 }
 
-lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known )
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known, lwi_ahead* ahead )
 {
 	const lwi_checker_tree* tree = checker->tree;
 	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
@@ -447,7 +457,7 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, cons
 	for ( uint32_t first = 0; left > 0; )
 	{
 		uint32_t count = query->gap_capacity / stride < left ? query->gap_capacity / stride : left;
-		search_static( checker, query, tree->bodies + first, count, fresh, &bound );
+		search_static( checker, query, tree->bodies + first, count, fresh, ahead, &bound );
 		first += count;
 		left -= count;
 	}

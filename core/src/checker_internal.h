@@ -8,6 +8,7 @@
 #include "motion_bound.h"
 #include "tree_layout.h"
 #include "robot_internal.h"
+#include "shape_internal.h"
 
 #include <math.h>
 
@@ -170,7 +171,8 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 /// than `known`; else leaves them alone. Called by lw_checker_create() with a query posed at the reference.
 /// @param fresh [scene_block_count] bits of the shapes that are looked at; NULL: all
 /// @param known metres, INFINITY if nothing is known
-lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known );
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known,
+	lwi_ahead* ahead );
 
 /// True if the query was made for a checker at least as large.
 bool lwi_query_fits( const lw_query* query, const lw_checker* checker );

@@ -179,6 +179,35 @@ double lwi_box_gap( const lw_shape* a, const lw_shape* b, const lw_transform* a_
 	return fmax( gap_in_frame( a, b, a_from_b ), gap_in_frame( b, a, &b_from_a ) );
 }
 
+void lwi_ahead_note( lwi_ahead* ahead, const lw_shape* shape )
+{
+	if ( ahead->prepare == NULL || lwi_shape_now( shape )->deferred == NULL )
+	{
+		return;
+	}
+	for ( uint32_t i = 0; i < ahead->count; ++i )
+	{
+		if ( ahead->shapes[i] == shape )
+		{
+			return;
+		}
+	}
+	if ( ahead->count == LWI_AHEAD_CAPACITY )
+	{
+		lwi_ahead_flush( ahead );
+	}
+	ahead->shapes[ahead->count++] = shape;
+}
+
+void lwi_ahead_flush( lwi_ahead* ahead )
+{
+	if ( ahead->count > 1 )
+	{
+		ahead->prepare( ahead->user, ahead->shapes, ahead->count );
+	}
+	ahead->count = 0;
+}
+
 lw_status lw_shape_complete( const lw_shape* shape, lw_diag* diag )
 {
 	if ( shape == NULL )

@@ -123,6 +123,49 @@ const lw_shape* lwi_shape_now( const lw_shape* shape );
 /// Lower bound of the distance of two shapes from their boxes alone, rounded down; 0 if they may touch.
 double lwi_box_gap( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b );
 
+/// lwi_box_gap() of two shapes at these poses if it is below a limit; INFINITY if it is not, or if one is unbounded.
+static inline double lwi_box_gap_below( double limit, const lw_shape* a, const lw_shape* b, const lw_transform* world_from_a,
+	const lw_transform* world_from_b )
+{
+	double sum_sq = 0;
+	const lw_transform a_from_b = lwi_relative( world_from_a, world_from_b );
+	for ( int i = 0; i < 3; ++i )
+	{
+		double center = a_from_b.t[i] - a->sphere_center[i];
+		for ( int k = 0; k < 3; ++k )
+		{
+			center += a_from_b.r[i][k] * b->sphere_center[k];
+		}
+		sum_sq += center * center;
+	}
+	const double reach = a->sphere_radius + b->sphere_radius;
+	if ( !( reach < INFINITY ) || !( sqrt( sum_sq ) - reach < limit ) )
+	{
+		return INFINITY;
+	}
+	const double gap = lwi_box_gap( a, b, &a_from_b );
+	return gap < limit ? gap : INFINITY;
+}
+
+/// Deferred shapes that are needed next, for lw_checker_def::prepare.
+enum
+{
+	LWI_AHEAD_CAPACITY = 64
+};
+
+typedef struct lwi_ahead
+{
+	void ( *prepare )( void* user, const lw_shape* const* shapes, uint32_t shape_count ); ///< NULL: nothing is noted
+	void* user;
+	const lw_shape* shapes[LWI_AHEAD_CAPACITY];
+	uint32_t count;
+} lwi_ahead;
+
+/// Notes a shape that is not there yet; hands over those noted when there is no more room.
+void lwi_ahead_note( lwi_ahead* ahead, const lw_shape* shape );
+/// Hands over what was noted: nothing where there is at most one.
+void lwi_ahead_flush( lwi_ahead* ahead );
+
 void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred ); ///< NULL is ignored
 
 /// Radius of a ball, dilation of any other item.

@@ -104,8 +104,45 @@ ScenePtr makeScene( const std::vector<lw_scene_shape_def>& placed )
 	return ScenePtr( scene );
 }
 
+/// lw_checker_def::prepare of a test: what it was given, and the threads that make it.
+struct Preparation
+{
+	unsigned threads = 0; ///< 0 leaves everything to the checker
+	std::size_t calls = 0, shapes = 0;
+
+	static void prepare( void* user, const lw_shape* const* shapes, uint32_t count )
+	{
+		Preparation& mine = *static_cast<Preparation*>( user );
+		++mine.calls;
+		mine.shapes += count;
+		EXPECT_GE( count, 2u ) << "there is nothing to share";
+		EXPECT_LE( count, 64u );
+		for ( uint32_t i = 0; i < count; ++i )
+		{
+			EXPECT_TRUE( lw_shape_peek_info( shapes[i] ).deferred ) << "it was there already";
+			EXPECT_EQ( shapes + i, std::find( shapes, shapes + i, shapes[i] ) ) << "twice in one call";
+		}
+		std::vector<std::thread> threads;
+		for ( unsigned t = 0; t < mine.threads; ++t )
+		{
+			threads.emplace_back(
+				[=, &mine]
+				{
+					for ( uint32_t i = t; i < count; i += mine.threads )
+					{
+						(void)lw_shape_complete( shapes[i], nullptr );
+					}
+				} );
+		}
+		for ( std::thread& thread : threads )
+		{
+			thread.join();
+		}
+	}
+};
+
 CheckerPtr makeChecker( const lw_robot* robot, const lw_scene* scene, const World& world, double max_d,
-	lw_status want = LW_OK )
+	lw_status want = LW_OK, Preparation* preparation = nullptr )
 {
 	const uint32_t none = 0;
 	lw_checker_def def = lw_checker_def_default();
@@ -116,6 +153,8 @@ CheckerPtr makeChecker( const lw_robot* robot, const lw_scene* scene, const Worl
 	def.reference = world.reference.data();
 	def.max_d = max_d;
 	def.margins.environment = def.margins.self = world.margin;
+	def.prepare = preparation != nullptr ? Preparation::prepare : nullptr;
+	def.prepare_user = preparation;
 	lw_checker* checker = nullptr;
 	lw_diag diag = {};
 	EXPECT_EQ( want, lw_checker_create( &def, nullptr, &diag, &checker ) ) << diag.message;
@@ -450,6 +489,54 @@ TEST( Required, failed_mesh_reads_as_free_space )
 		}
 	}
 	EXPECT_GE( failed, 20 );
+}
+
+/// Who makes a mesh, and when, is nobody's business but the clock's.
+TEST( Required, threads_that_prepare_meshes_change_an_answer )
+{
+	SeededRng rng;
+	std::size_t calls = 0, shapes = 0;
+	for ( int i = 0; i < 100; ++i )
+	{
+		World world = randomWorld( rng );
+		Counts counts[3];
+		Preparation preparation[3];
+		preparation[1].threads = 0;
+		preparation[2].threads = 2;
+		std::vector<lw_state_result> answers[3];
+		std::vector<State> states;
+		for ( int k = 0; k < 4; ++k )
+		{
+			states.push_back( groupState( rng, world, 0 ) );
+		}
+		for ( int k = 0; k < 3; ++k )
+		{
+			World lazy = deferred( world, counts[k] );
+			ScenePtr scene = makeScene( lazy.placed );
+			CheckerPtr checker = makeChecker( lazy.robot.get(), scene.get(), lazy, inf, LW_OK, k > 0 ? &preparation[k] : nullptr );
+			QueryPtr query = coldQuery( checker.get() );
+			for ( const State& q : states )
+			{
+				answers[k].emplace_back();
+				ASSERT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false,
+									  &answers[k].back() ) );
+			}
+			calls += preparation[k].calls;
+			shapes += preparation[k].shapes;
+		}
+		EXPECT_EQ( counts[0].made, counts[1].made ) << "it was asked to prepare and did not, and that made a difference";
+		for ( std::size_t k = 0; k < states.size(); ++k )
+		{
+			for ( int other = 1; other < 3; ++other )
+			{
+				EXPECT_EQ( answers[0][k].environment.upper, answers[other][k].environment.upper );
+				EXPECT_EQ( answers[0][k].self.upper, answers[other][k].self.upper );
+				EXPECT_EQ( answers[0][k].verdict, answers[other][k].verdict );
+			}
+		}
+	}
+	EXPECT_GE( calls, 100u );
+	EXPECT_GE( shapes, 300u );
 }
 
 TEST( Required, box_that_was_not_true )

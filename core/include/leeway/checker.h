@@ -66,6 +66,11 @@ typedef struct lw_checker_def
 	/// with it (the robot and its group, when robot, reach, variables and reference are the same) or copied, and only the rest is
 	/// computed: microseconds instead of milliseconds. No answer depends on it. No reference is taken; NULL = none.
 	const struct lw_checker* previous;
+	/// Called on this thread when several deferred shapes are needed at once, with up to 64 of them: by lw_shape_complete() it may make
+	/// them on as many threads as it likes, and returns when it is done. What it leaves is made one by one. No answer depends on
+	/// it. NULL = none.
+	void ( *prepare )( void* user, const lw_shape* const* shapes, uint32_t shape_count );
+	void* prepare_user;
 	uint32_t cookie;
 } lw_checker_def;
 

@@ -566,6 +566,42 @@ void noticeStaticContact(
 	}
 }
 
+/// lw_checker_def::prepare: makes meshes on the threads that `user` counts. What fails here fails again when the checker asks for
+/// it, which says so.
+void prepareShapes( void* user, const lw_shape* const* shapes, std::uint32_t count )
+{
+	std::vector<const lw_shape*> list( shapes, shapes + count );
+	// Those that take longest first
+	std::sort( list.begin(), list.end(),
+	    []( const lw_shape* a, const lw_shape* b )
+	    { return lw_shape_peek_info( a ).triangle_count > lw_shape_peek_info( b ).triangle_count; } );
+	std::atomic<std::size_t> next{ 0 };
+	const auto work = [&]
+	{
+		for ( std::size_t i = next++; i < list.size(); i = next++ )
+		{
+			(void)lw_shape_complete( list[i], nullptr );
+		}
+	};
+	std::vector<std::thread> others;
+	for ( std::size_t i = 1; i < std::min<std::size_t>( *static_cast<const unsigned*>( user ), list.size() ); ++i )
+	{
+		try
+		{
+			others.emplace_back( work );
+		}
+		catch ( const std::system_error& )
+		{
+			break; // no more threads to be had: this one does it
+		}
+	}
+	work();
+	for ( std::thread& thread : others )
+	{
+		thread.join();
+	}
+}
+
 void createChecker( const RobotModel& model, const SceneModel* scene, const Contacts& contacts,
     const ProblemOptions& options, Problem& problem )
 {
@@ -593,6 +629,9 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 	def.allowed_count = static_cast<std::uint32_t>( allowed.size() );
 	def.reach = problem.reach.reach.get();
 	def.max_d = options.max_d;
+	unsigned threads = options.threads;
+	def.prepare = threads > 1 ? prepareShapes : nullptr;
+	def.prepare_user = &threads;
 	lw_checker* checker = nullptr;
 	lw_diag diag{};
 	lw_status status = lw_checker_create( &def, nullptr, &diag, &checker );
@@ -616,68 +655,6 @@ void findReach( const ProblemOptions& options, Problem& problem )
 	{
 		problem.reach = loadReach( problem.robot, *options.find_reach );
 		problem.notices.insert( problem.notices.end(), problem.reach.notices.begin(), problem.reach.notices.end() );
-	}
-}
-
-/// True if a variable of the group moves the link.
-bool groupMoves( const lw_robot* robot, const std::set<std::uint32_t>& group, std::uint32_t link )
-{
-	for ( std::uint32_t joint = lw_robot_link_joint( robot, link ); joint != LW_INVALID_INDEX;
-	      joint = lw_robot_link_joint( robot, link ) )
-	{
-		std::uint32_t leader = lw_robot_joint_mimic( robot, joint );
-		if ( group.count( lw_robot_joint_variable( robot, leader == LW_INVALID_INDEX ? joint : leader ) ) != 0 )
-		{
-			return true;
-		}
-		link = lw_robot_joint_parent( robot, joint );
-	}
-	return false;
-}
-
-/// What the group moves is needed whole. What fails here fails again when the checker asks for it, which says so.
-void completeMovingShapes( const Problem& problem, unsigned threads )
-{
-	const lw_robot* robot = problem.robot.get();
-	std::set<std::uint32_t> group( problem.variables.begin(), problem.variables.end() );
-	std::set<const lw_shape*> shapes;
-	for ( std::uint32_t i = 0; i < lw_robot_body_count( robot ); ++i )
-	{
-		lw_body_def body = lw_robot_body( robot, i );
-		if ( lw_shape_peek_info( body.shape ).deferred && groupMoves( robot, group, body.link ) )
-		{
-			shapes.insert( body.shape );
-		}
-	}
-	std::vector<const lw_shape*> list( shapes.begin(), shapes.end() );
-	// Those that take longest first
-	std::sort( list.begin(), list.end(),
-	    []( const lw_shape* a, const lw_shape* b )
-	    { return lw_shape_peek_info( a ).triangle_count > lw_shape_peek_info( b ).triangle_count; } );
-	std::atomic<std::size_t> next{ 0 };
-	const auto work = [&]
-	{
-		for ( std::size_t i = next++; i < list.size(); i = next++ )
-		{
-			(void)lw_shape_complete( list[i], nullptr );
-		}
-	};
-	std::vector<std::thread> others;
-	for ( std::size_t i = 1; i < std::min<std::size_t>( threads, list.size() ); ++i )
-	{
-		try
-		{
-			others.emplace_back( work );
-		}
-		catch ( const std::system_error& )
-		{
-			break; // no more threads to be had: this one does it
-		}
-	}
-	work();
-	for ( std::thread& thread : others )
-	{
-		thread.join();
 	}
 }
 
@@ -770,7 +747,6 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	findReach( options, problem );
 	attachAll( attached, contacts, scene, problem );
 	selectGroup( model, options.group, problem );
-	completeMovingShapes( problem, options.threads );
 	createChecker( model, scene, contacts, options, problem );
 	return problem;
 }

@@ -352,7 +352,8 @@ struct ProblemOptions
 	/// group cannot come within max_d of are passed over where nothing more is asked (lw_checker_def::max_d), and links that
 	/// stand still within min_d of an obstacle are told once, in a notice.
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity();
-	/// Threads that make the meshes of links that the group moves, as far as they are deferred.
+	/// Threads that make deferred meshes, where the checker needs several at once: those of links that the group moves, and those
+	/// nearest each other of what stands still.
 	unsigned threads = 2;
 };
 
