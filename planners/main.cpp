@@ -30,6 +30,7 @@ Examples (leeway SUBCOMMAND --help explains one):
   leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
+  leeway tune --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --error 5
   leeway bench peers --quick --json peers.json)";
 
 const char* const footer =
@@ -138,6 +139,27 @@ outside of the group stand where the path file's start_state puts them. --min-d 
 path.yaml: as written by leeway plan: group, min_d, start_state, joint_names, points (a list of positions); a MoveIt
 joint_trajectory is read as well. Exit status 0: valid; 1: not valid.)";
 
+const char* const tune_about = R"(Which settings are worth their time, on this robot in this scene?
+
+Example: leeway tune --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --error 5
+
+--min-d and --max-d say which clearances matter: at or below --min-d nothing is valid, beyond --max-d all room is the same. States
+and motions are drawn by --seed; each setting of a grid (min_d, max_d and alpha of states; min_d, validator, slack or step, and alpha
+of motions) is asked about all of them.
+
+Standard output: two Pareto fronts, of states and of motions, and a proposal that meets the target. Error of a state: by how much the
+clearance reported may be off, promised by the setting, and seen. Conservatism of a motion: the clearance above --min-d up to which
+a free one may be turned down. Only settings whose FREE is a proof are proposed; what others would save, and miss, is shown.
+
+One of --time-per-state, --error and --edge-conservatism is met by the most accurate or the cheapest setting. What no target is
+given for costs a hundredth of the asked range (states) and about 1 mm (motions). A setting that turns down more than a tenth of the
+free states or motions is not proposed.
+
+Work is counted, not timed: the same seed gives the same fronts and, for the same rate, the same proposal. The rate, the time that
+counted work takes here, is measured and printed to two digits; only --time-per-state depends on it. --rate fixes it.
+
+Exit status 0: the target is met, or there was none; 1: it cannot be met, the nearest is proposed; 2: error.)";
+
 struct Commands
 {
 	InfoOptions info;
@@ -148,6 +170,7 @@ struct Commands
 	EdgeCommandOptions edge;
 	PlanOptions plan;
 	AuditOptions audit;
+	TuneOptions tune;
 };
 
 CLI::App* addCache( CLI::App& app, CacheOptions& options )
@@ -278,6 +301,42 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	return command;
 }
 
+CLI::App* addTune( CLI::App& app, TuneOptions& options )
+{
+	CLI::App* command = app.add_subcommand( "tune", "speed against accuracy here, and a setting for a target" );
+	command->footer( tune_about );
+	addCommonOptions( *command, options.common, { true, false, true, true, true } );
+	command->add_option( "--max-d", options.common.max_d, "metres: beyond it all room is the same (default 0.5)" )
+	    ->type_name( "M" )
+	    ->group( "Question" );
+	CLI::Option* time =
+	    command->add_option( "--time-per-state", options.time_per_state, "target: microseconds; the most accurate that keeps it" )
+	        ->type_name( "US" )
+	        ->group( "Target" );
+	CLI::Option* error =
+	    command->add_option( "--error", options.error, "target: millimetres that a state's clearance may be off; the fastest" )
+	        ->type_name( "MM" )
+	        ->group( "Target" );
+	command
+	    ->add_option( "--edge-conservatism", options.edge_conservatism,
+	        "target: millimetres above --min-d up to which a free motion may be turned down; the fastest" )
+	    ->type_name( "MM" )
+	    ->group( "Target" )
+	    ->excludes( time )
+	    ->excludes( error );
+	time->excludes( error );
+	command->add_option( "--states", options.states, "drawn and measured (default 400)" )->type_name( "N" );
+	command->add_option( "--edges", options.edges, "motions drawn and measured (default 100)" )->type_name( "N" );
+	command->add_option( "--seed", options.seed, "of both (default 1)" )->type_name( "N" );
+	command
+	    ->add_option( "--rate", options.rate,
+	        "of this machine, as an earlier run printed it: then nothing depends on measured time (default: measured)" )
+	    ->type_name( "R" );
+	command->add_option( "--csv", options.csv, "all settings, one a line" )->type_name( "FILE.csv" );
+	command->add_option( "--json", options.json, "all settings and the proposal, for programs" )->type_name( "FILE" );
+	return command;
+}
+
 int dispatch( const CLI::App& app, Commands& commands )
 {
 	const CLI::App* chosen = app.get_subcommands().front();
@@ -347,6 +406,12 @@ int dispatch( const CLI::App& app, Commands& commands )
 		}
 		return runPlan( commands.plan );
 	}
+	if ( name == "tune" )
+	{
+		validate( *chosen, commands.tune.common );
+		validate( *chosen, commands.tune );
+		return runTune( commands.tune );
+	}
 	validate( *chosen, commands.audit.common );
 	requirePositive( "--resolution", commands.audit.resolution );
 	return runAudit( commands.audit );
@@ -399,6 +464,7 @@ int main( int argc, char** argv )
 	addEdge( app, commands.edge );
 	addPlan( app, commands.plan );
 	addAudit( app, commands.audit );
+	addTune( app, commands.tune );
 	app.add_subcommand( "bench", "Against other libraries, in one run: hands over to leeway-bench" );
 	if ( argc > 1 && std::string( argv[1] ) == "bench" )
 	{

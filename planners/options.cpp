@@ -234,6 +234,44 @@ void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& c
 	}
 }
 
+void validate( const CLI::App& app, TuneOptions& options )
+{
+	options.time_given = given( app, "--time-per-state" );
+	options.error_given = given( app, "--error" );
+	options.conservatism_given = given( app, "--edge-conservatism" );
+	if ( !std::isfinite( options.common.max_d ) )
+	{
+		wrong( "--max-d", "is infinite, and so would be what a setting gives up", "give the largest clearance that matters, in metres" );
+	}
+	if ( options.time_given )
+	{
+		requirePositive( "--time-per-state", options.time_per_state );
+	}
+	if ( options.error_given )
+	{
+		requireNotNegative( "--error", options.error );
+		const double most = 1e3 * ( options.common.max_d - options.common.min_d );
+		if ( !( options.error < most ) )
+		{
+			wrong( "--error", fmt::format( "{} mm is not less than the {} mm from --min-d to --max-d", options.error, most ),
+			    "give a smaller error: with that one every answer is good" );
+		}
+	}
+	// Proofs near contact take work in inverse proportion
+	constexpr double least_conservatism = 1e-3; // millimetres
+	if ( options.conservatism_given && !( options.edge_conservatism >= least_conservatism && std::isfinite( options.edge_conservatism ) ) )
+	{
+		wrong( "--edge-conservatism", fmt::format( "{} is not a finite number of at least {}", options.edge_conservatism, least_conservatism ),
+		    "give millimetres: every proof of a motion needs some room" );
+	}
+	if ( given( app, "--rate" ) )
+	{
+		requirePositive( "--rate", options.rate );
+	}
+	requirePositive( "--states", options.states );
+	requirePositive( "--edges", options.edges );
+}
+
 double stepLength( const CommonOptions& common )
 {
 	return common.max_d_given ? common.max_d : 0.01;

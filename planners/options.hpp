@@ -117,6 +117,18 @@ struct AuditOptions
 	double resolution = 1e-4;
 };
 
+struct TuneOptions
+{
+	CommonOptions common;
+	TuneOptions() { common.max_d = 0.5; } // what the OMPL shim measures to
+	double time_per_state = 0, error = 0, edge_conservatism = 0; ///< microseconds, millimetres, millimetres
+	bool time_given = false, error_given = false, conservatism_given = false;
+	double rate = 0; ///< of the machine; 0: measure it
+	std::uint32_t states = 400, edges = 100;
+	std::uint64_t seed = 1;
+	std::string csv, json;
+};
+
 /// Option flags that differ between subcommands.
 struct CommonNeeds
 {
@@ -135,6 +147,8 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options );
 void validate( const CLI::App& app, CommonOptions& options );
 void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& common );
 
+void validate( const CLI::App& app, TuneOptions& options );
+
 /// @throws io::Error unless value is finite and > 0
 void requirePositive( const std::string& option, double value );
 
@@ -152,6 +166,7 @@ int runCheck( const CheckOptions& options );
 int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
+int runTune( const TuneOptions& options );
 int runBench( int argc, char** argv ); ///< becomes leeway-bench; returns if that cannot be
 
 } // namespace leeway::cli
