@@ -42,7 +42,7 @@ static double body_spheres( const lw_checker* checker, lw_query* query )
 		block[3 * LWI_WIDTH] = i < bodies ? lwi_round_up( radius ) : -INFINITY;
 		largest = fmax( largest, radius );
 	}
-	return LWI_GAP_SLACK * LWI_U32 * 2 * ( reach + largest );
+	return lwi_gap_slack( 2 * ( reach + largest ) );
 }
 
 static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* nearest )
@@ -238,7 +238,7 @@ static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t no
 		largest = fabs( relative ) > largest ? fabs( relative ) : largest;
 	}
 	p.sphere[3] = above( sphere[3] );
-	p.slack = LWI_GAP_SLACK * LWI_U32 * 2 * ( largest + sphere[3] + r[3] ); // as for all pairs
+	p.slack = lwi_gap_slack( 2 * ( largest + sphere[3] + r[3] ) ); // as for all pairs
 	p.limit = above( bound->prune + margin + p.slack );
 	return p;
 }

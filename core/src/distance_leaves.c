@@ -119,9 +119,10 @@ static uint32_t least_lane( const float gap[LWI_WIDTH], uint32_t count )
 static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf* b, const float direction[3], float high_a[LWI_WIDTH],
 	float low_b[LWI_WIDTH] )
 {
-	float norm = sqrtf( direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2] );
-	float inverse = norm > 0 ? 1.0f / norm : 0.0f;
-	float n[3] = { direction[0] * inverse, direction[1] * inverse, direction[2] * inverse };
+	// in double: normals of small triangles have squares that a float cannot hold, and a slab is one only along a unit vector
+	double x = (double)direction[0], y = (double)direction[1], z = (double)direction[2], norm = sqrt( x * x + y * y + z * z );
+	double inverse = norm > 0 ? 1 / norm : 0;
+	float n[3] = { (float)( x * inverse ), (float)( y * inverse ), (float)( z * inverse ) };
 	const lwi_motion* m = &s->tree_a_from_b;
 	float n_b[3] = { m->r[0] * n[0] + m->r[3] * n[1] + m->r[6] * n[2], m->r[1] * n[0] + m->r[4] * n[1] + m->r[7] * n[2],
 		m->r[2] * n[0] + m->r[5] * n[1] + m->r[8] * n[2] };
@@ -262,8 +263,9 @@ static float normal_gap( const float v[3][3], const lwi_box8* boxes, uint32_t la
 		int next = ( axis + 1 ) % 3, last = ( axis + 2 ) % 3;
 		n[axis] = e[next] * f[last] - e[last] * f[next];
 	}
+	// as the kernels' least divisor: below it underflow of the products would be worth more than LWI_GAP_UNDERFLOW
 	float length = sqrtf( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
-	if ( !( length > 0 ) )
+	if ( !( length >= 0x1p-63f ) )
 	{
 		return -INFINITY;
 	}

@@ -12,7 +12,12 @@ static void dilate( double radius_a, double radius_b, double distance, lw_vec3* 
 		return;
 	}
 	lw_vec3 a = *point_a, b = *point_b;
-	lw_vec3 direction = distance > 0 ? lwi_scale( 1 / distance, lwi_sub( b, a ) ) : lwi_v3( 0, 0, 0 );
+	lw_vec3 direction = lwi_v3( 0, 0, 0 );
+	if ( distance > 0 ) // divided by it: the reciprocal of a denormal is infinite
+	{
+		direction = lwi_sub( b, a );
+		direction = lwi_v3( direction.x / distance, direction.y / distance, direction.z / distance );
+	}
 	double from_a = radius_a < distance ? radius_a : distance;
 	*point_a = lwi_add_scaled( a, from_a, direction );
 	// overlapping: both witnesses are one common point
@@ -130,7 +135,9 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	double radii = ( s->a->solid ? 0 : lwi_item_radius( s->a, item_a ) ) + ( s->b->solid ? 0 : lwi_item_radius( s->b, item_b ) );
 	radii += s->bound->margin;
 	double stop_below = s->bound->range.min_d + radii;
-	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, s->bound->prune + radii, stop_below );
+	// far enough to stop is what is still at least prune when the error has been taken off
+	double stop_above = s->bound->prune + radii + 2 * s->error;
+	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );
 	offer( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a, item_b );
 }
 

@@ -408,8 +408,9 @@ static float box_gap_squared( const box* mine, const box* other, const lwi_motio
 static bool boxes_are_apart( const lwi_searching* s )
 {
 	box a = box_of( s->a ), b = box_of( s->b );
-	float square = s->limit * s->limit * ( 1 + 0x1p-20f );
-	return box_gap_squared( &a, &b, &s->tree_a_from_b ) >= square || box_gap_squared( &b, &a, &s->tree_b_from_a ) >= square;
+	double square = (double)s->limit * (double)s->limit * ( 1 + 0x1p-20 ); // in double: the float would vanish for tiny limits
+	return (double)box_gap_squared( &a, &b, &s->tree_a_from_b ) >= square ||
+		   (double)box_gap_squared( &b, &a, &s->tree_b_from_a ) >= square;
 }
 
 // --- entry points ----------------------------------------------------------------------------------------------------
@@ -473,7 +474,7 @@ static lwi_searching search_begin( lw_query* query, const lw_shape* a, const lw_
 	s.tree_a_from_b = motion_of( &tree );
 	s.tree_b_from_a = motion_of( &inverse );
 	double size = lwi_length( lwi_load( tree.t ) ) + 2 * ( extent_of( a ) + extent_of( b ) );
-	s.slack = LWI_GAP_SLACK * LWI_U32 * size;
+	s.slack = lwi_gap_slack( size );
 	// moving the origins themselves rounds too: by doubles, of the coordinates of origins and poses
 	double reach = max_abs3( a->origin ) + max_abs3( b->origin ) + max_abs3( a_from_b->t ) + extent_of( a ) + extent_of( b );
 	s.error = LWI_EXACT_ERROR * reach;

@@ -19,7 +19,17 @@
 #include "leeway/shape.h"
 #include "tree_layout.h"
 
+#include <float.h>
+
 #define LWI_GAP_SLACK 32.0
+
+/// What underflow adds to it, metres. Products below 2^-126 are off by up to 2^-150 each: three squares under a root by 2^-74, and a
+/// gap has at most four such roots in a row or in a sum (a sphere around a box or triangle, an axis, a distance); three products over
+/// the root of the least divisor, 2^-63, by far less. 2^-72, and again as much room as the slack leaves for other roundings.
+#define LWI_GAP_UNDERFLOW 0x1p-68
+
+/// Metres by which a gap of things of this size may be too large.
+static inline double lwi_gap_slack( double size ) { return LWI_GAP_SLACK * ( 0.5 * (double)FLT_EPSILON ) * size + LWI_GAP_UNDERFLOW; }
 
 /// Eight triangles, [vertex][axis][lane].
 typedef float lwi_triangles8[3][3][LWI_WIDTH];

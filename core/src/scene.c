@@ -361,7 +361,7 @@ double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels
 		gaps[scene->unbounded[i]] = unbounded_gap( &scene->shapes[scene->unbounded[i]], center, radius );
 	}
 	// as in kernels.h; the centre is only rounded here, not moved
-	return LWI_GAP_SLACK * LWI_U32 * ( reach + scene->extent + radius );
+	return lwi_gap_slack( reach + scene->extent + radius );
 }
 
 /// Nearest first: the shape with the least gap is searched, then whatever the bound leaves.

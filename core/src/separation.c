@@ -204,10 +204,11 @@ static void turn_back( const lwi_motion* m, const float v[3], float out[3] )
 
 static bool normalize( float n[3] )
 {
-	float length = sqrtf( dot( n, n ) );
+	// in double: the squares of a short n are no floats
+	double x = (double)n[0], y = (double)n[1], z = (double)n[2], length = sqrt( x * x + y * y + z * z );
 	for ( int i = 0; i < 3; ++i )
 	{
-		n[i] /= length;
+		n[i] = (float)( (double)n[i] / length );
 	}
 	return length > 0 && length < INFINITY;
 }

@@ -156,9 +156,9 @@ bool lwi_witness_proves( lwi_searching* s, uint32_t* budget )
 	for ( int i = 0; i < 3; ++i )
 	{
 		double length = lwi_length( direction[i] );
-		if ( !( length > 0 && length < INFINITY ) )
+		if ( !( length > 1e-140 && length < INFINITY ) )
 		{
-			continue;
+			continue; // nothing, or so short that its square has lost digits
 		}
 		lw_vec3 n = lwi_scale( ( lwi_dot( direction[i], between ) < 0 ? -1 : 1 ) / length, direction[i] );
 		double at_a = lwi_dot( n, bound->point_a ) - dilation( s->a ), at_b = lwi_dot( n, bound->point_b ) + dilation( s->b );
