@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Certified distances of triangles, segments and points, independent of the engine: enclosures from certificates.
+//
+// A pair of convex combinations of the corners bounds the distance from above, whatever chose its weights; the slab between two
+// support planes bounds it from below, whatever chose its direction. Both are evaluated in 64 bits (long double), and where that
+// does not decide in 113 (__float128); their own rounding is added outward. The engine's arithmetic is nowhere in it.
+#pragma once
+
+#include "leeway/math.h"
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+
+namespace exact
+{
+using Wide = long double;
+__extension__ typedef __float128 Quad;
+
+/// Half an ulp of 1.
+template <class R> struct Unit;
+template <> struct Unit<Wide>
+{
+	static constexpr double roundoff = LDBL_EPSILON / 2;
+};
+template <> struct Unit<Quad>
+{
+	static constexpr double roundoff = 0x1p-113;
+};
+
+template <class R> struct Vec
+{
+	R x, y, z;
+};
+template <class R> inline Vec<R> operator+( Vec<R> a, Vec<R> b )
+{
+	return { a.x + b.x, a.y + b.y, a.z + b.z };
+}
+template <class R> inline Vec<R> operator-( Vec<R> a, Vec<R> b )
+{
+	return { a.x - b.x, a.y - b.y, a.z - b.z };
+}
+template <class R> inline Vec<R> operator*( R s, Vec<R> a )
+{
+	return { s * a.x, s * a.y, s * a.z };
+}
+template <class R> inline R dot( Vec<R> a, Vec<R> b )
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class R> inline Vec<R> cross( Vec<R> a, Vec<R> b )
+{
+	return { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+inline Wide squareRoot( Wide v )
+{
+	return std::sqrt( v );
+}
+/// From the root in long double by two Newton steps, each of which doubles its digits.
+inline Quad squareRoot( Quad v )
+{
+	if ( !( v > 0 ) )
+	{
+		return 0;
+	}
+	Quad root = std::sqrt( static_cast<Wide>( v ) );
+	for ( int i = 0; i < 2 && root > 0; ++i )
+	{
+		root = ( root + v / root ) / 2;
+	}
+	return root;
+}
+template <class R> inline R length( Vec<R> a )
+{
+	return squareRoot( dot( a, a ) );
+}
+template <class R> inline R clamp01( R t )
+{
+	return t > 0 ? ( t < 1 ? t : R( 1 ) ) : R( 0 );
+}
+
+/// Two triangles about the first corner of a: their differences are exact to a roundoff of R.
+template <class R> struct Pair
+{
+	Vec<R> a[3], b[3];
+	R extent; ///< largest |coordinate|
+
+	template <class P> Pair( const P* pa, const P* pb )
+	{
+		for ( int i = 0; i < 3; ++i )
+		{
+			a[i] = { R( pa[i].x ) - R( pa[0].x ), R( pa[i].y ) - R( pa[0].y ), R( pa[i].z ) - R( pa[0].z ) };
+			b[i] = { R( pb[i].x ) - R( pa[0].x ), R( pb[i].y ) - R( pa[0].y ), R( pb[i].z ) - R( pa[0].z ) };
+		}
+		extent = 0;
+		for ( const Vec<R>* t : { a, b } )
+		{
+			for ( int i = 0; i < 3; ++i )
+			{
+				for ( R c : { t[i].x, t[i].y, t[i].z } )
+				{
+					R size = c < 0 ? -c : c;
+					extent = size > extent ? size : extent;
+				}
+			}
+		}
+	}
+};
+
+/// A point of a triangle: a convex combination of its corners, to four roundoffs of the extent.
+template <class R> struct Foot
+{
+	Vec<R> point;
+	R square;   ///< of its distance from where it was looked for
+	int corner; ///< first corner of the edge it is on, -1 inside, 3 + i at corner i
+};
+
+/// The point of a triangle that is nearest to p, to rounding; always a point of it.
+template <class R> inline Foot<R> nearestPoint( const Vec<R> t[3], Vec<R> p )
+{
+	Foot<R> best = { t[0], 0, 3 };
+	Vec<R> d = p - t[0];
+	best.square = dot( d, d );
+	Vec<R> e[3] = { t[1] - t[0], t[2] - t[1], t[0] - t[2] };
+	for ( int i = 0; i < 3; ++i )
+	{
+		R ee = dot( e[i], e[i] );
+		R s = ee > 0 ? clamp01( dot( p - t[i], e[i] ) / ee ) : R( 0 );
+		Vec<R> q = 2 * s < 1 ? t[i] + s * e[i] : t[( i + 1 ) % 3] - ( 1 - s ) * e[i];
+		d = p - q;
+		R square = dot( d, d );
+		if ( square < best.square )
+		{
+			best = { q, square, s > 0 ? ( s < 1 ? i : 3 + ( i + 1 ) % 3 ) : 3 + i };
+		}
+	}
+	Vec<R> w = p - t[0], f = t[2] - t[0], n = cross( e[0], f );
+	R nn = dot( n, n );
+	if ( nn > 0 )
+	{
+		R u = dot( cross( w, f ), n ) / nn, v = dot( cross( e[0], w ), n ) / nn;
+		if ( u >= 0 && v >= 0 && u + v <= 1 )
+		{
+			Vec<R> q = t[0] + u * e[0] + v * f;
+			d = p - q;
+			R square = dot( d, d );
+			if ( square < best.square )
+			{
+				best = { q, square, -1 };
+			}
+		}
+	}
+	return best;
+}
+
+/// Bounds of the distance before their own rounding.
+template <class R> struct Bounds
+{
+	R lower = 0, upper = INFINITY;
+};
+
+/// The widest slab so far, and one more, along n in either sense.
+template <class R> inline void offerSlab( const Pair<R>& pair, Vec<R> n, Bounds<R>& bounds )
+{
+	R nn = dot( n, n );
+	if ( !( nn > 0 ) )
+	{
+		return;
+	}
+	R ha[3], hb[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		ha[i] = dot( n, pair.a[i] );
+		hb[i] = dot( n, pair.b[i] );
+	}
+	R above = std::min( std::min( hb[0], hb[1] ), hb[2] ) - std::max( std::max( ha[0], ha[1] ), ha[2] );
+	R below = std::min( std::min( ha[0], ha[1] ), ha[2] ) - std::max( std::max( hb[0], hb[1] ), hb[2] );
+	R width = above > below ? above : below;
+	if ( width > 0 )
+	{
+		width = width / squareRoot( nn );
+		bounds.lower = width > bounds.lower ? width : bounds.lower;
+	}
+}
+
+/// What an enclosure must be widened by: roundoffs of R times the extent. Below: two differences of corners 1 each, two products of
+/// three terms 3 each, with |n| |d| <= sqrt 3 extent |n| 13.9 in all; their difference 3.5, quotient and root 3 of at most 2 sqrt 3:
+/// 28. Above: a corner 1, an edge 2, its multiple and the sum 2 more, of numbers up to sqrt 3: 8.7 per point (inside of a triangle
+/// 14), their difference 3.5, its length 3 of at most 2 sqrt 3: 42.
+template <class R> inline R enclosureError( R extent )
+{
+	return 48 * R( Unit<R>::roundoff ) * extent;
+}
+
+/// Closest points of the lines of two edges, clamped as in Ericson 5.1.9 but for the determinant, which is that of the cross product.
+template <class R>
+inline void nearestOfEdges( Vec<R> a, Vec<R> u, Vec<R> b, Vec<R> v, Vec<R>& pa, Vec<R>& pb )
+{
+	Vec<R> r = b - a, n = cross( u, v );
+	R nn = dot( n, n ), uu = dot( u, u ), vv = dot( v, v ), uv = dot( u, v );
+	R s = nn > 0 ? clamp01( dot( cross( r, v ), n ) / nn ) : R( 0 );
+	R t = vv > 0 ? clamp01( ( s * uv - dot( r, v ) ) / vv ) : R( 0 );
+	s = uu > 0 ? clamp01( ( t * uv + dot( r, u ) ) / uu ) : R( 0 );
+	t = vv > 0 ? clamp01( ( s * uv - dot( r, v ) ) / vv ) : R( 0 );
+	pa = 2 * s < 1 ? a + s * u : ( a + u ) - ( 1 - s ) * u;
+	pb = 2 * t < 1 ? b + t * v : ( b + v ) - ( 1 - t ) * v;
+}
+
+template <class R> inline void offerPoints( Vec<R> pa, Vec<R> pb, R& square, Vec<R>& best )
+{
+	Vec<R> d = pb - pa;
+	R s = dot( d, d );
+	if ( s < square )
+	{
+		square = s;
+		best = d;
+	}
+}
+
+/// Edges of t against the face of f: where one crosses the plane, the crossing and the nearest point of the face to it.
+template <class R> inline void offerCrossings( const Vec<R> t[3], const Vec<R> f[3], R& square, Vec<R>& best )
+{
+	Vec<R> n = cross( f[1] - f[0], f[2] - f[0] );
+	R h[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		h[i] = dot( t[i] - f[0], n );
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		int j = ( i + 1 ) % 3;
+		if ( ( h[i] > 0 ) != ( h[j] > 0 ) )
+		{
+			Vec<R> x = t[i] + clamp01( h[i] / ( h[i] - h[j] ) ) * ( t[j] - t[i] );
+			offerPoints( x, nearestPoint( f, x ).point, square, best );
+		}
+	}
+}
+
+/// Everything: all features, then slabs along the line of the nearest points, both normals and the products of all edges.
+template <class R> inline Bounds<R> solve( const Pair<R>& pair )
+{
+	Bounds<R> bounds;
+	R square = INFINITY;
+	Vec<R> across = { 0, 0, 0 };
+	const Vec<R>*a = pair.a, *b = pair.b;
+	for ( int i = 0; i < 3; ++i )
+	{
+		offerPoints( a[i], nearestPoint( b, a[i] ).point, square, across );
+		offerPoints( nearestPoint( a, b[i] ).point, b[i], square, across );
+		for ( int j = 0; j < 3; ++j )
+		{
+			Vec<R> pa, pb;
+			nearestOfEdges( a[i], a[( i + 1 ) % 3] - a[i], b[j], b[( j + 1 ) % 3] - b[j], pa, pb );
+			offerPoints( pa, pb, square, across );
+		}
+	}
+	offerCrossings( a, b, square, across );
+	offerCrossings( b, a, square, across );
+	bounds.upper = squareRoot( square );
+	offerSlab( pair, across, bounds );
+	R error = enclosureError( pair.extent );
+	if ( bounds.upper - bounds.lower > error && bounds.upper > error )
+	{
+		offerSlab( pair, cross( a[1] - a[0], a[2] - a[0] ), bounds );
+		offerSlab( pair, cross( b[1] - b[0], b[2] - b[0] ), bounds );
+		for ( int i = 0; i < 9; ++i )
+		{
+			Vec<R> u = a[( i / 3 + 1 ) % 3] - a[i / 3], v = b[( i % 3 + 1 ) % 3] - b[i % 3];
+			offerSlab( pair, cross( u, v ), bounds );
+		}
+	}
+	return bounds;
+}
+
+/// The true distance is in [lower, upper].
+struct Enclosure
+{
+	Wide lower, upper;
+	int effort; ///< 0 certificate at given points, 1 all features in 64 bits, 2 in 113
+};
+
+template <class R> inline Enclosure widened( const Bounds<R>& bounds, R extent, int effort )
+{
+	R error = enclosureError( extent );
+	R lower = bounds.lower - error, upper = bounds.upper + error;
+	// to long double, outward
+	Wide low = lower > 0 ? static_cast<Wide>( lower ) : 0, high = static_cast<Wide>( upper );
+	return { low * ( 1 - 2 * Unit<Wide>::roundoff ), high * ( 1 + 2 * Unit<Wide>::roundoff ), effort };
+}
+
+/// How far a distance may be from the truth, given the enclosure.
+inline Wide worstError( const Enclosure& truth, double distance )
+{
+	return std::max<Wide>( 0, std::max( distance - truth.lower, truth.upper - distance ) );
+}
+
+/// How wrong it is at least.
+inline Wide leastError( const Enclosure& truth, double distance )
+{
+	return std::max<Wide>( 0, std::max( truth.lower - distance, distance - truth.upper ) );
+}
+
+/// Distance of two triangles (any: needles, segments, points), enclosed to `width` or as well as 113 bits can: some 1e-16 of
+/// double's roundoff of the extent, but where the distance is below the root of that, where the lower bound is 0.
+template <class P> inline Enclosure distance( const P* a, const P* b, double width )
+{
+	Pair<Wide> pair( a, b );
+	Enclosure out = widened( solve( pair ), pair.extent, 1 );
+	if ( out.upper - out.lower > width )
+	{
+		Pair<Quad> precise( a, b );
+		Enclosure better = widened( solve( precise ), precise.extent, 2 );
+		out = { std::max( out.lower, better.lower ), std::min( out.upper, better.upper ), 2 };
+	}
+	return out;
+}
+
+/// Distance of a point from a triangle, an upper bound: to a few of R's roundoffs, but for points inside of needles, whose aspect
+/// takes as many digits.
+template <class R> inline R pointDistance( const lw_vec3 t[3], lw_vec3 p )
+{
+	lw_vec3 at[3] = { p, p, p };
+	Pair<R> pair( t, at );
+	return squareRoot( nearestPoint( pair.a, pair.b[0] ).square );
+}
+
+/// The same, given points that are said to be the nearest: an enclosure that shows `claimed` to be right to `tolerance`, if they are
+/// what they are said to be; otherwise as distance(). How far the points are from their triangles goes to *outside, in 64 bits.
+inline Enclosure distanceNear( const lw_vec3 a[3], const lw_vec3 b[3], lw_vec3 near_a, lw_vec3 near_b, double claimed,
+	double tolerance, Wide* outside )
+{
+	Pair<Wide> pair( a, b );
+	Vec<Wide> pa = { near_a.x - Wide( a[0].x ), near_a.y - Wide( a[0].y ), near_a.z - Wide( a[0].z ) };
+	Vec<Wide> pb = { near_b.x - Wide( a[0].x ), near_b.y - Wide( a[0].y ), near_b.z - Wide( a[0].z ) };
+	Foot<Wide> on_a = nearestPoint( pair.a, pa ), on_b = nearestPoint( pair.b, pb );
+	if ( outside != nullptr )
+	{
+		*outside = std::sqrt( std::max( on_a.square, on_b.square ) );
+	}
+	Bounds<Wide> bounds;
+	Vec<Wide> d = on_b.point - on_a.point;
+	bounds.upper = length( d );
+	if ( claimed > tolerance )
+	{
+		offerSlab( pair, pb - pa, bounds );
+		if ( on_a.corner < 0 )
+		{
+			offerSlab( pair, cross( pair.a[1] - pair.a[0], pair.a[2] - pair.a[0] ), bounds );
+		}
+		else if ( on_b.corner < 0 )
+		{
+			offerSlab( pair, cross( pair.b[1] - pair.b[0], pair.b[2] - pair.b[0] ), bounds );
+		}
+		else if ( on_a.corner < 3 && on_b.corner < 3 )
+		{
+			int i = on_a.corner, j = on_b.corner;
+			offerSlab( pair, cross( pair.a[( i + 1 ) % 3] - pair.a[i], pair.b[( j + 1 ) % 3] - pair.b[j] ), bounds );
+		}
+		else
+		{
+			offerSlab( pair, d, bounds );
+		}
+	}
+	Enclosure out = widened( bounds, pair.extent, 0 );
+	return worstError( out, claimed ) <= tolerance ? out : distance( a, b, 0.25 * tolerance );
+}
+
+/// Largest |difference of coordinates| between any two corners.
+inline double extentOf( const lw_vec3 a[3], const lw_vec3 b[3] )
+{
+	double extent = 0;
+	for ( double lw_vec3::*axis : { &lw_vec3::x, &lw_vec3::y, &lw_vec3::z } )
+	{
+		double low = a[0].*axis, high = low;
+		for ( int i = 0; i < 3; ++i )
+		{
+			low = std::min( low, std::min( a[i].*axis, b[i].*axis ) );
+			high = std::max( high, std::max( a[i].*axis, b[i].*axis ) );
+		}
+		extent = std::max( extent, high - low );
+	}
+	return extent;
+}
+} // namespace exact
