@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The experiment `trade`: what each knob gives up for speed, observed beside promised.
+//
+// Truth is told by others: FCL for states (in worlds that it knows), the auditor of tests/support for motions, doubles for
+// floats.
+#pragma once
+
+#include "trade_promise.hpp"
+
+#include <memory>
+
+/// Errors that can be put into the answers, to see that the run fails.
+struct TradeSettings
+{
+	std::string inject; ///< empty, or a knob: alpha, min_d, max_d, range, float, slack, certified, steps
+};
+
+/// A part of the experiment's progress: its own 0 to 1 are `from` to `to` of the whole.
+class TradeProgress : public Progress
+{
+public:
+	TradeProgress( Progress& whole, double from, double to ) : m_whole( whole ), m_from( from ), m_to( to ) {}
+	void at( double share, const std::string& what ) override { m_whole.at( m_from + share * ( m_to - m_from ), what ); }
+
+private:
+	Progress& m_whole;
+	double m_from, m_to;
+};
+
+/// States: alpha, min_d, max_d, and random ranges.
+void addTradeStates( const ExperimentSettings& settings, const TradeSettings& trade, Progress& progress, Outcome& out );
+
+/// Motions: slack and alpha of certificates, fixed steps with and without a margin.
+void addTradeMotions( const ExperimentSettings& settings, const TradeSettings& trade, Progress& progress, Outcome& out );
+
+/// The float filters against doubles.
+void addTradeFloats( const ExperimentSettings& settings, const TradeSettings& trade, Progress& progress, Outcome& out );
+
+std::unique_ptr<Experiment> makeTradeExperiment( const TradeSettings& trade );
+std::unique_ptr<Experiment> makeTradeExperiment();
