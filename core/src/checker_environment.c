@@ -362,13 +362,28 @@ bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, u
 	return ( checker->node_environment[node] & LWI_NODE_ASKS ) != 0 && meets_scene( checker, query, 2 * node, &bound );
 }
 
-bool lwi_checker_body_nears_scene( const lw_checker* checker, lw_query* query, uint32_t body, double limit )
+uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit )
 {
 	const lw_range range = { 0, limit, 0 };
 	choose_obstacles( checker, query, &range, false );
 	lwi_pose_body( checker, query, body );
 	double slack = row_of_gaps( checker, query, body, query->gaps );
-	return !all_reach( query->gaps, block_count( checker, query ), limit + slack );
+	uint32_t blocks = block_count( checker, query ), count = 0;
+	if ( all_reach( query->gaps, blocks, limit + slack ) )
+	{
+		return 0;
+	}
+	const uint8_t* mask =
+		( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * checker->scene->block_count;
+	float rounded = lwi_round_up( limit + slack );
+	for ( uint32_t i = 0; i < blocks * LWI_WIDTH; ++i )
+	{
+		if ( !( query->gaps[i] >= rounded ) && ( mask[i / LWI_WIDTH] >> ( i % LWI_WIDTH ) & 1 ) != 0 )
+		{
+			query->candidates[count++] = (lwi_candidate){ query->gaps[i], i };
+		}
+	}
+	return count;
 }
 
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,

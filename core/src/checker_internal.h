@@ -142,8 +142,8 @@ typedef struct lwi_threshold
 
 /// False if all bodies of a node are `limit` or farther from the scene by their common sphere.
 bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit );
-/// The same for one body.
-bool lwi_checker_body_nears_scene( const lw_checker* checker, lw_query* query, uint32_t body, double limit );
+/// Obstacles that the sphere of a body does not prove `limit` away: the first entries of query->candidates. Returns their count.
+uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit );
 
 /// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
 /// out->b = object. FAR if nothing is to be checked.
@@ -160,6 +160,9 @@ static inline uint32_t lwi_body_pair_id( const lw_checker* checker, uint32_t bod
 {
 	return body_a * ( checker->body_block_count * LWI_WIDTH ) + body_b;
 }
+
+/// False if the spheres of two bodies are `limit` or farther apart.
+bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit );
 
 /// Clearance of one pair of bodies. out->a, out->b = links.
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,

@@ -420,15 +420,9 @@ uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uin
 	return count;
 }
 
-void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
-	lwi_warm* warm, lw_clearance* out )
+/// Gap of the spheres of two bodies, less their margin, as gap_below().
+static double body_gap_below( const lw_checker* checker, lw_query* query, uint32_t a, uint32_t b, double limit )
 {
-	uint32_t stride = checker->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
-	lwi_bound bound;
-	lwi_bound_init( &bound, &threshold->range );
-	bound.lowest = lwi_lowest_self( checker );
-	bound.give_up_above = threshold->give_up_above;
-	bound.give_up_below = threshold->give_up_below;
 	lwi_pose_body( checker, query, a );
 	lwi_pose_body( checker, query, b );
 	const double *center_a = query->body_center + 3 * (size_t)a, *center_b = query->body_center + 3 * (size_t)b;
@@ -438,7 +432,24 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
 	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
 	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2], checker->bodies[b].shape->sphere_radius + rounding };
-	if ( gap_below( sphere_a, sphere_b, lwi_self_margin( checker, a, b ), bound.prune ) < INFINITY )
+	return gap_below( sphere_a, sphere_b, lwi_self_margin( checker, a, b ), limit );
+}
+
+bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit )
+{
+	return body_gap_below( checker, query, body_a, body_b, limit ) < INFINITY;
+}
+
+void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
+	lwi_warm* warm, lw_clearance* out )
+{
+	uint32_t stride = checker->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
+	lwi_bound bound;
+	lwi_bound_init( &bound, &threshold->range );
+	bound.lowest = lwi_lowest_self( checker );
+	bound.give_up_above = threshold->give_up_above;
+	bound.give_up_below = threshold->give_up_below;
+	if ( body_gap_below( checker, query, a, b, bound.prune ) < INFINITY )
 	{
 		if ( warm->pair == id )
 		{

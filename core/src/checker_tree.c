@@ -45,6 +45,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_place, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
+	lwi_free( &allocator, t->body_poses, t->body_count * sizeof( lw_transform ) );
 	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
 	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
@@ -65,11 +66,13 @@ static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, u
 	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_place = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
+	t->body_poses = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_transform ) );
 	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
 			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) + sizeof( lw_transform ) ) +
-			   bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) );
+			   bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) + sizeof( lw_transform ) );
 	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->links != NULL &&
-		   t->top_from_link != NULL && t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL;
+		   t->top_from_link != NULL && t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL &&
+		   t->body_poses != NULL;
 }
 
 /// True if there is a reach and every variable outside of the group is inside of its range.
@@ -390,6 +393,7 @@ static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_dia
 		for ( uint32_t k = 0; k < node->body_count; ++k )
 		{
 			t->body_spheres[node->first_body + k] = sphere_of_body( c, node, t->bodies[node->first_body + k] );
+			t->body_poses[node->first_body + k] = body_in_node( c, node, t->bodies[node->first_body + k] );
 		}
 		if ( node->body_count == 1 )
 		{

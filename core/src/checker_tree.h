@@ -64,6 +64,7 @@ typedef struct lwi_checker_tree
 	uint32_t* body_node;     ///< [body_count] node of a robot body
 	uint32_t* body_place;    ///< [body_count] where a robot body is in `bodies`
 	lw_sphere* body_spheres; ///< [body_count] by node: bounding spheres, frame of the node's `top`
+	lw_transform* body_poses; ///< [body_count] by node: top_from_shape, constant
 	uint32_t pair_count;
 	lwi_node_pair* pairs;    ///< [pair_count]
 	size_t separation_count;

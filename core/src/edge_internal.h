@@ -10,6 +10,7 @@
 #include "checker_internal.h"
 #include "checker_tree.h"
 #include "query_internal.h"
+#include "separation.h"
 
 enum
 {
@@ -30,6 +31,25 @@ typedef struct lwi_edge_item
 	double rounding; ///< error of poses and states, metres; a lower bound counts less by it
 	uint32_t warm;   ///< index into `warm`
 } lwi_edge_item;
+
+/// What kept a pair apart last time.
+typedef struct lwi_edge_plane
+{
+	uint32_t key;      ///< of the pair; 0: empty
+	uint16_t failures; ///< times in a row that their hulls were too near at one time
+	uint16_t wait;     ///< windows until the next try
+	bool known;
+	bool turned;       ///< the plane is given in the frame of the first of the two
+	lwi_places_plane plane;
+} lwi_edge_plane;
+
+/// What a window's planes say. In ascending order of work that is left.
+typedef enum lwi_edge_sweep
+{
+	LWI_EDGE_PROVED,  ///< nothing comes as near as asked
+	LWI_EDGE_CLOSER,  ///< nothing is as near at the middle, the window is too wide to tell more
+	LWI_EDGE_MEASURE  ///< nothing is known
+} lwi_edge_sweep;
 
 /// A cell that is not proved for an item.
 typedef struct lwi_edge_gap
@@ -59,7 +79,7 @@ typedef struct lwi_edge_swing
 	uint32_t node, ancestor; ///< LW_INVALID_INDEX: nothing yet
 	lwi_edge_window window;
 	lw_transform middle, left, right;
-	double turn_left, turn_right; ///< chords of the turns, of a point at distance 1
+	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet asked for
 } lwi_edge_swing;
 
 typedef struct lwi_edge
@@ -76,11 +96,13 @@ typedef struct lwi_edge
 	double* full_t;
 	double* group_t;       ///< [variable_count]
 	struct lwi_warm* warm; ///< [LWI_EDGE_WARM]: nearest pairs of this edge and the ones before
+	lwi_edge_plane* planes;    ///< [LWI_EDGE_WARM]: of this edge and the ones before
 	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose node poses are kept; NaN: unused
 	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
 	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
 	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
 	lwi_edge_swing swing;  ///< the last one that was asked for
+	lw_transform standing; ///< the last place of what does not move
 	lwi_edge_item* items;  ///< [item_capacity]
 	lwi_edge_level levels[2];
 	uint32_t item_count, item_capacity, gap_capacity;
@@ -122,6 +144,24 @@ bool lwi_edge_pose( lwi_edge* edge, double t );
 /// @param local frame of the node's `top`
 double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, const lw_sphere* local,
 	lwi_motion_rate rate, lwi_edge_window window );
+
+/// How far a point carried by a node gets at most from its place at the middle of a window, in the same frame.
+/// @param local frame of the node's `top` @param rate of it, or of a sphere that contains it
+double lwi_edge_way( lwi_edge* edge, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
+	lwi_edge_window window );
+
+/// Where a node is at the middle, the left and the right end of a window; at the middle alone if the rate says that it stands.
+/// @param out pointers into the edge, until the next question of this kind. @return their count
+int lwi_edge_places( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
+	const lw_transform* out[LWI_MAX_PLACES] );
+
+// --- edge_sweep.c ----------------------------------------------------------------------------------------------------
+
+/// Looks for planes that prove an item during a window, at whose middle the query is posed.
+/// @param reach how far the middles of the item's spheres get during the window, together
+/// @param enough clearance that proves it @param skip levels below that are not worth a look, if the answer is CLOSER
+lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, double reach,
+	double enough, uint8_t* skip );
 
 // --- edge_item.c -----------------------------------------------------------------------------------------------------
 

@@ -49,11 +49,29 @@ static lwi_motion_rate rate_of( lwi_edge* e, uint32_t body, uint32_t ancestor, d
 	{
 		return (lwi_motion_rate){ 0, 0 };
 	}
+	if ( c->tree->nodes[node].body_count == 1 )
+	{
+		return lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top ); // its sphere is the node's
+	}
 	lwi_pose_node( c, e->query, node );
 	const lw_sphere* sphere = sphere_of( c, body );
 	lw_vec3 center = lwi_transform( &e->query->world_from_link[top], lwi_load( sphere->center ) );
 	return lwi_motion_of_sphere( c->motion, e->motion, node, c->tree->nodes[ancestor].top, center, sphere->radius,
 		e->query->world_from_link, share );
+}
+
+/// How far the middles of an item's spheres get within a window, together.
+static double way_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
+{
+	const lw_checker* c = e->checker;
+	double way = lwi_edge_way( e, c->tree->body_node[item->body_a], item->ancestor, sphere_of( c, item->body_a )->center,
+		item->rate_a, window );
+	if ( is_pair( item ) )
+	{
+		way += lwi_edge_way( e, c->tree->body_node[item->body_b], item->ancestor, sphere_of( c, item->body_b )->center,
+			item->rate_b, window );
+	}
+	return way / LWI_EDGE_INWARD;
 }
 
 /// How much the clearance of an item may lose within a window.
@@ -116,7 +134,17 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	{
 		return s;
 	}
-	double min_d = e->def->min_d, slack = slack_of( e, item->rounding ), loss = loss_of( e, item, window );
+	double min_d = e->def->min_d, slack = slack_of( e, item->rounding );
+	double way = way_of( e, item, window );
+	lwi_edge_sweep sweep = lwi_edge_sweep_item( e, item, window, way, enough( e, item->rounding, 0 ), &s.skip );
+	if ( sweep != LWI_EDGE_MEASURE )
+	{
+		s.proved = sweep == LWI_EDGE_PROVED;
+		s.low = false;
+		note_proof( e, s.proved ? 0.25 * slack : INFINITY );
+		return s;
+	}
+	double loss = loss_of( e, item, window );
 	lwi_threshold threshold = { { min_d, enough( e, item->rounding, loss ), e->def->alpha }, min_d + slack,
 		may_give_up ? min_d + item->rounding + loss : 0 };
 	if ( !ask( e, item, &threshold, &s.pair ) )
@@ -202,13 +230,26 @@ static bool screen_item( screening* s, lwi_edge_item item )
 	return true;
 }
 
-/// How far a node gets within the window, in the frame of another one.
+/// How far the bodies of a node get within the window, in the frame of another one: its middle if there is but one, whose sphere
+/// is all that is asked then.
 static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
+	const lwi_checker_node* n = &c->tree->nodes[node];
 	lwi_motion_rate rate = lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top );
-	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
+	return n->body_count == 1 ? lwi_edge_way( e, node, ancestor, n->r.center, rate, s->window )
+							  : lwi_edge_displacement( e, node, ancestor, &n->r, rate, s->window );
+}
+
+/// The same, more, from the lengths of paths alone.
+static double node_path( const screening* s, uint32_t node, uint32_t ancestor )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	uint32_t top = c->tree->nodes[ancestor].top;
+	return s->window.half * ( c->tree->nodes[node].body_count == 1 ? lwi_motion_of_center( c->motion, e->motion, node, top )
+																	: lwi_motion_of( c->motion, e->motion, node, top ).path );
 }
 
 static bool screen_environment( screening* s, uint32_t node )
@@ -217,7 +258,8 @@ static bool screen_environment( screening* s, uint32_t node )
 	const lw_checker* c = e->checker;
 	const lwi_checker_node* n = &c->tree->nodes[node];
 	double rounding = rounding_of( e, node, LW_INVALID_INDEX );
-	double limit = enough( e, rounding, node_loss( s, node, 0 ) );
+	double way = s->window.half * lwi_motion_of_center( c->motion, e->motion, node, c->tree->nodes[0].top );
+	double limit = enough( e, rounding, way / LWI_EDGE_INWARD );
 	bool asks = ( c->node_environment[node] & LWI_NODE_ASKS ) != 0;
 	if ( !asks || !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
 	{
@@ -227,12 +269,7 @@ static bool screen_environment( screening* s, uint32_t node )
 	for ( uint32_t i = 0; i < n->body_count; ++i )
 	{
 		lwi_edge_item item = { .body_a = c->tree->bodies[n->first_body + i], .body_b = LW_INVALID_INDEX, .rounding = rounding };
-		// as far as the whole node may move is enough for most of its bodies
-		if ( n->body_count > 1 && !lwi_checker_body_nears_scene( c, e->query, item.body_a, limit ) )
-		{
-			note_proof( e, 0.25 * slack_of( e, rounding ) );
-		}
-		else if ( !screen_item( s, item ) )
+		if ( !screen_item( s, item ) )
 		{
 			return false;
 		}
@@ -246,9 +283,14 @@ static bool screen_pair( screening* s, uint32_t index )
 	const lw_checker* c = e->checker;
 	const lwi_node_pair* pair = &c->tree->pairs[index];
 	double rounding = rounding_of( e, pair->node_a, pair->node_b );
-	double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
-	double limit = enough( e, rounding, loss / LWI_EDGE_INWARD );
-	uint32_t count = lwi_checker_near_pairs( c, e->query, index, limit );
+	double path = node_path( s, pair->node_a, pair->ancestor ) + node_path( s, pair->node_b, pair->ancestor );
+	uint32_t count = lwi_checker_near_pairs( c, e->query, index, enough( e, rounding, path / LWI_EDGE_INWARD ) );
+	if ( count > 0 )
+	{
+		double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
+		double limit = enough( e, rounding, loss / LWI_EDGE_INWARD );
+		count = loss < 0.9 * path ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
+	}
 	note_proof( e, 0.25 * slack_of( e, rounding ) ); // of the pairs that are not near
 	uint32_t stride = c->body_block_count * LWI_WIDTH;
 	for ( uint32_t i = 0; i < count; ++i )

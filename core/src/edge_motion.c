@@ -31,6 +31,7 @@ static size_t lay_out( lwi_edge* e, char* memory )
 	size_t used = 0, nodes = c->tree->node_count;
 	uint32_t variables = c->robot->variable_count;
 	e->warm = take( memory, &used, LWI_EDGE_WARM, sizeof( lwi_warm ) ); // first: cleared where the query changes its checker
+	e->planes = take( memory, &used, LWI_EDGE_WARM, sizeof( lwi_edge_plane ) ); // likewise
 	e->motion = take( memory, &used, lwi_motion_scratch_size( c->motion ), 1 );
 	e->full_a = take( memory, &used, variables, sizeof( double ) );
 	e->full_b = take( memory, &used, variables, sizeof( double ) );
@@ -72,7 +73,8 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 
 void lwi_edge_forget( lw_query* query )
 {
-	memset( lwi_query_edge_scratch( query ), 0, LWI_EDGE_WARM * sizeof( lwi_warm ) );
+	size_t warm = lwi_align_up( LWI_EDGE_WARM * sizeof( lwi_warm ) ), planes = LWI_EDGE_WARM * sizeof( lwi_edge_plane );
+	memset( lwi_query_edge_scratch( query ), 0, warm + planes );
 }
 
 // ---- states ----------------------------------------------------------------------------------------------------------
@@ -210,7 +212,7 @@ static double turn_between( const lw_transform* from, const lw_transform* to )
 }
 
 /// Bodies of one node are asked for one after the other: what they have in common is kept.
-static const lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+static lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
 {
 	lwi_edge_swing* s = &e->swing;
 	if ( s->node != node || s->ancestor != ancestor || s->window.t != window.t || s->window.half != window.half )
@@ -221,10 +223,20 @@ static const lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ance
 		s->middle = pose_below( e, window.t, node, ancestor );
 		s->left = pose_below( e, window.t - window.half, node, ancestor );
 		s->right = pose_below( e, window.t + window.half, node, ancestor );
-		s->turn_left = turn_between( &s->middle, &s->left );
-		s->turn_right = turn_between( &s->middle, &s->right );
+		s->turn = -1;
 	}
 	return s;
+}
+
+/// The longer way of a point from the middle to one of the ends, rounded outward.
+static double chord_of( const lwi_edge* e, const lwi_edge_swing* s, const double local[3] )
+{
+	lw_vec3 p = lwi_load( local ), middle = lwi_transform( &s->middle, p );
+	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
+	double right = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->right, p ) ) );
+	double rounding = 4 * ( lwi_motion_rounding( e->checker->motion, e->motion, s->node ) +
+							  lwi_motion_rounding( e->checker->motion, e->motion, s->ancestor ) );
+	return sqrt( fmax( left, right ) ) + rounding;
 }
 
 double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
@@ -234,11 +246,39 @@ double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, con
 	{
 		return 0;
 	}
-	const lwi_edge_swing* s = swing_of( e, node, ancestor, window );
-	lw_vec3 center = lwi_load( local->center ), middle = lwi_transform( &s->middle, center );
-	double left = lwi_distance( middle, lwi_transform( &s->left, center ) ) + local->radius * s->turn_left;
-	double right = lwi_distance( middle, lwi_transform( &s->right, center ) ) + local->radius * s->turn_right;
-	double rounding = 4 * ( lwi_motion_rounding( e->checker->motion, e->motion, node ) +
-							  lwi_motion_rounding( e->checker->motion, e->motion, ancestor ) );
-	return lwi_motion_between( fmax( left, right ) + rounding, rate, window.half );
+	lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+	if ( s->turn < 0 )
+	{
+		s->turn = fmax( turn_between( &s->middle, &s->left ), turn_between( &s->middle, &s->right ) );
+	}
+	double chord = chord_of( e, s, local->center ) + local->radius * s->turn;
+	return lwi_motion_between( chord, rate, window.half );
+}
+
+double lwi_edge_way( lwi_edge* e, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	if ( rate.path == 0 || window.half == 0 )
+	{
+		return 0;
+	}
+	return lwi_motion_between( chord_of( e, swing_of( e, node, ancestor, window ), local ), rate, window.half );
+}
+
+int lwi_edge_places( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
+	const lw_transform* out[LWI_MAX_PLACES] )
+{
+	const lwi_edge_swing* s;
+	if ( rate.path == 0 )
+	{
+		// what stands is seen last, so that what moves is not forgotten
+		e->standing = pose_below( e, window.t, node, ancestor );
+		out[0] = &e->standing;
+		return 1;
+	}
+	s = swing_of( e, node, ancestor, window );
+	out[0] = &s->middle;
+	out[1] = &s->left;
+	out[2] = &s->right;
+	return 3;
 }

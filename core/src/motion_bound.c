@@ -36,6 +36,11 @@ typedef struct motion_body
 	double length;     ///< sum of the offsets from the world's origin to the farthest point of the body, without shifts
 } motion_body;
 
+enum
+{
+	SCRATCH_PARTS = 10
+};
+
 struct lwi_motion_table
 {
 	lw_allocator allocator;
@@ -47,6 +52,8 @@ struct lwi_motion_table
 	uint32_t* moving_depth;        ///< [link_count] moving joints between link and root
 	uint32_t* moving_links;        ///< [moving_link_count] parents first
 	lw_transform* reference_poses; ///< [link_count] valid for the links that no edge moves
+	size_t scratch_at[SCRATCH_PARTS]; ///< bytes
+	size_t scratch_size;
 };
 
 /// Scratch of one edge.
@@ -55,6 +62,7 @@ typedef struct motion_scratch
 	lw_transform* poses; ///< [link_count] at the middle of the edge
 	double* state;       ///< [variable_count] the middle
 	double* lengths;     ///< [entry_count] path length by the entry's joint and all joints between it and the body
+	double* ways;        ///< [entry_count] that of the sphere's centre
 	double* changes;     ///< [entry_count] acceleration by the same joints, per squared unit of t
 	double* caps;        ///< [entry_count] largest distance to the entry's axis anywhere on the edge
 	double* rounding;    ///< [body_count]
@@ -73,36 +81,37 @@ typedef struct joint_motion
 	double value;  ///< largest |angle|: its rounding is proportional to it
 } joint_motion;
 
-static motion_scratch scratch_layout( const lwi_motion_table* table, const void* memory, size_t* out_size )
+/// Where the parts of the scratch begin. Returns its size.
+static size_t scratch_offsets( const lwi_motion_table* table, size_t at[SCRATCH_PARTS] )
 {
 	const lw_robot* robot = table->robot;
-	const size_t sizes[] = { robot->link_count * sizeof( lw_transform ), robot->variable_count * sizeof( double ),
-		table->entry_count * sizeof( double ), table->entry_count * sizeof( double ), table->entry_count * sizeof( double ), table->body_count * sizeof( double ),
-		table->body_count * sizeof( double ), table->body_count * sizeof( double ), robot->joint_count * sizeof( joint_motion ) };
-	size_t at[sizeof( sizes ) / sizeof( sizes[0] ) + 1] = { 0 };
-	for ( size_t i = 0; i < sizeof( sizes ) / sizeof( sizes[0] ); ++i )
+	const size_t sizes[SCRATCH_PARTS] = { robot->link_count * sizeof( lw_transform ), robot->variable_count * sizeof( double ),
+		table->entry_count * sizeof( double ), table->entry_count * sizeof( double ), table->entry_count * sizeof( double ),
+		table->entry_count * sizeof( double ), table->body_count * sizeof( double ), table->body_count * sizeof( double ),
+		table->body_count * sizeof( double ), robot->joint_count * sizeof( joint_motion ) };
+	size_t used = 0;
+	for ( size_t i = 0; i < SCRATCH_PARTS; ++i )
 	{
-		at[i + 1] = at[i] + lwi_align_up( sizes[i] );
+		at[i] = used;
+		used += lwi_align_up( sizes[i] );
 	}
-	if ( out_size != NULL )
-	{
-		*out_size = at[sizeof( sizes ) / sizeof( sizes[0] )];
-	}
+	return used;
+}
+
+static inline motion_scratch scratch_parts( const lwi_motion_table* table, const void* memory )
+{
 	char* base = (char*)memory;
-	motion_scratch s = { 0 };
-	if ( base != NULL )
-	{
-		s.poses = (lw_transform*)( base + at[0] );
-		s.state = (double*)( base + at[1] );
-		s.lengths = (double*)( base + at[2] );
-		s.changes = (double*)( base + at[3] );
-		s.caps = (double*)( base + at[4] );
-		s.rounding = (double*)( base + at[5] );
-		s.pose_rounding = (double*)( base + at[6] );
-		s.totals = (double*)( base + at[7] );
-		s.motions = (joint_motion*)( base + at[8] );
-	}
-	return s;
+	const size_t* at = table->scratch_at;
+	return (motion_scratch){ .poses = (lw_transform*)( base + at[0] ),
+		.state = (double*)( base + at[1] ),
+		.lengths = (double*)( base + at[2] ),
+		.ways = (double*)( base + at[3] ),
+		.changes = (double*)( base + at[4] ),
+		.caps = (double*)( base + at[5] ),
+		.rounding = (double*)( base + at[6] ),
+		.pose_rounding = (double*)( base + at[7] ),
+		.totals = (double*)( base + at[8] ),
+		.motions = (joint_motion*)( base + at[9] ) };
 }
 
 static bool is_moving( const lw_robot* robot, uint32_t joint, const bool* fixed_variables )
@@ -334,6 +343,7 @@ lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motio
 	table->moving_depth = (uint32_t*)( block + depth );
 	table->moving_links = (uint32_t*)( block + links );
 	table->reference_poses = (lw_transform*)( block + poses );
+	table->scratch_size = scratch_offsets( table, table->scratch_at );
 	if ( !build_table( table, pieces, fixed_variables, reference ) )
 	{
 		lwi_free( &memory, block, total );
@@ -454,17 +464,20 @@ static bool begin_body( const lwi_motion_table* table, uint32_t body, motion_scr
 }
 
 /// Bounds along the whole edge of what moves with a body, by its first `count` joints upwards: path length, and acceleration
-/// per squared unit of t. Both are sums over the joints so far; lengths and changes, where given, get all of them.
+/// per squared unit of t. Both are sums over the joints so far; `keep` has all of them kept, and those of the centre.
 ///
 /// In the child frame of joint j, where its axis stands still, a point moves only by the joints between j and the body: from
 /// where it is in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
 /// centre in the poses) + radius + share (path length below j), and at most the cap. A rotation turns the velocities below it
 /// (Coriolis, twice) and its own; shifts are at constant speed.
+///
+/// The centre is a point of its own; caps that come from the geometry need not hold for it.
 static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, uint32_t count,
-	lw_vec3 center, double radius, const lw_transform* poses, double share, double* lengths, double* changes )
+	lw_vec3 center, double radius, const lw_transform* poses, double share, bool keep )
 {
 	uint32_t first = table->bodies[body].first_entry;
 	lwi_motion_rate rate = { 0, 0 };
+	double way = 0;
 	for ( uint32_t k = 0; k < count; ++k )
 	{
 		const lwi_joint* joint = &table->robot->joints[table->entries[first + k].joint];
@@ -478,12 +491,15 @@ static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratc
 			double ring = fmin( away + radius + share * rate.path, s->caps[first + k] );
 			rate.change = ( rate.change + m->turn * ( 2 * rate.path + ring * m->turn ) ) * OUTWARD;
 			rate.path += ring * m->turn;
+			way += ( away + s->pose_rounding[body] + share * way ) * m->turn;
 		}
 		rate.path = ( rate.path + m->shift ) * OUTWARD;
-		if ( lengths != NULL )
+		way = ( way + m->shift ) * OUTWARD;
+		if ( keep )
 		{
-			lengths[k] = rate.path;
-			changes[k] = rate.change;
+			s->lengths[first + k] = rate.path;
+			s->changes[first + k] = rate.change;
+			s->ways[first + k] = way;
 		}
 	}
 	return rate;
@@ -499,33 +515,36 @@ static uint32_t joints_below( const lwi_motion_table* table, uint32_t body, uint
 void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 	double share )
 {
-	motion_scratch s = scratch_layout( table, scratch, NULL );
+	motion_scratch s = scratch_parts( table, scratch );
 	const motion_body* b = &table->bodies[body];
 	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
-	rates( table, &s, body, b->entry_count, center, b->radius + s.pose_rounding[body], poses, share, s.lengths + b->first_entry,
-		s.changes + b->first_entry );
+	rates( table, &s, body, b->entry_count, center, b->radius + s.pose_rounding[body], poses, share, true );
 }
 
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
 {
-	motion_scratch s = scratch_layout( table, scratch, NULL );
+	motion_scratch s = scratch_parts( table, scratch );
 	uint32_t count = joints_below( table, body, ancestor ), last = table->bodies[body].first_entry + count - 1;
 	return count == 0 ? (lwi_motion_rate){ 0, 0 } : (lwi_motion_rate){ s.lengths[last], s.changes[last] };
+}
+
+double lwi_motion_of_center( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
+{
+	uint32_t count = joints_below( table, body, ancestor );
+	return count == 0 ? 0 : scratch_parts( table, scratch ).ways[table->bodies[body].first_entry + count - 1];
 }
 
 lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
 	lw_vec3 center, double radius, const lw_transform* poses, double share )
 {
-	motion_scratch s = scratch_layout( table, scratch, NULL );
-	return rates( table, &s, body, joints_below( table, body, ancestor ), center, radius + s.pose_rounding[body], poses, share, NULL,
-		NULL );
+	motion_scratch s = scratch_parts( table, scratch );
+	uint32_t count = joints_below( table, body, ancestor );
+	return rates( table, &s, body, count, center, radius + s.pose_rounding[body], poses, share, false );
 }
 
 size_t lwi_motion_scratch_size( const lwi_motion_table* table )
 {
-	size_t size;
-	scratch_layout( table, NULL, &size );
-	return size;
+	return table->scratch_size;
 }
 
 size_t lwi_motion_scratch_spare( uint32_t links )
@@ -535,7 +554,7 @@ size_t lwi_motion_scratch_spare( uint32_t links )
 
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
 {
-	motion_scratch s = scratch_layout( table, scratch, NULL );
+	motion_scratch s = scratch_parts( table, scratch );
 	for ( uint32_t i = 0; i < table->moving_link_count; ++i )
 	{
 		uint32_t index = table->robot->link_joint[table->moving_links[i]];
@@ -558,7 +577,7 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
 {
 	const lw_robot* robot = table->robot;
-	motion_scratch s = scratch_layout( table, scratch, NULL );
+	motion_scratch s = scratch_parts( table, scratch );
 	memcpy( s.poses, table->reference_poses, robot->link_count * sizeof( lw_transform ) );
 	lw_robot_interpolate( robot, qa, qb, 0.5, s.state );
 	for ( uint32_t i = 0; i < robot->variable_count; ++i )
@@ -596,12 +615,12 @@ double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uin
 
 double lwi_motion_total( const lwi_motion_table* table, const void* scratch, uint32_t body )
 {
-	return scratch_layout( table, scratch, NULL ).totals[body];
+	return scratch_parts( table, scratch ).totals[body];
 }
 
 double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body )
 {
-	return scratch_layout( table, scratch, NULL ).rounding[body];
+	return scratch_parts( table, scratch ).rounding[body];
 }
 
 // ---- a cell ----------------------------------------------------------------------------------------------------------

@@ -63,6 +63,8 @@ void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint
 /// Motion of a measured body in the frame of `ancestor`: a link above the body's link or that link itself, or LW_INVALID_INDEX
 /// for the world.
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+/// Path of the middle of a measured body's sphere alone.
+double lwi_motion_of_center( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< its path
 
 /// Upper bound of the distance of a point from where it is at one end of a part of the edge, anywhere on the part.

@@ -6,6 +6,8 @@
 // direction comes out, its gap is that of all geometry: a bad one proves less, never something wrong.
 #include "separation.h"
 
+#include "math_inline.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -286,6 +288,207 @@ bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape
 		{
 			return false;
 		}
+	}
+	return false;
+}
+
+// --- places ----------------------------------------------------------------------------------------------------------
+
+/// How far the box around a shape reaches along n, tree frame. Seven roundings.
+static float reach_of_box( const lw_shape* shape, const float n[3] )
+{
+	float sum = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		sum += n[i] * ( n[i] > 0 ? (float)( shape->box_max[i] - shape->origin[i] ) : (float)( shape->box_min[i] - shape->origin[i] ) );
+	}
+	return sum;
+}
+
+/// True if no vertex of a leaf is farther along n than `most`.
+static bool leaf_stays_below( const lwi_kernels* kernels, const lw_shape* shape, lwi_ref leaf, const float n[3], float most )
+{
+	float point[3];
+	return take_leaf( kernels, shape, leaf, n, most, point ) <= most;
+}
+
+/// True if a shape reaches no farther along n (tree frame, unit) than `most`: far less is looked at than for how far it reaches.
+static bool stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most )
+{
+	if ( reach_of_box( shape, n ) <= most )
+	{
+		return true;
+	}
+	if ( shape->family == LWI_CONVEX )
+	{
+		float point[3];
+		return support_solid( shape, n, point ) <= most;
+	}
+	lwi_ref stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
+	uint32_t height = 0;
+	stack[height++] = shape->root;
+	while ( height > 0 )
+	{
+		lwi_ref next = stack[--height];
+		if ( lwi_ref_is_leaf( next ) )
+		{
+			if ( !leaf_stays_below( kernels, shape, next, n, most ) )
+			{
+				return false;
+			}
+			continue;
+		}
+		float high[LWI_WIDTH];
+		const lwi_node* node = &shape->nodes[next];
+		for ( uint32_t mask = kernels->node_project( node, n, most, high ); mask != 0; mask &= mask - 1 )
+		{
+			stack[height++] = node->child[lwi_lowest_bit( mask )];
+		}
+	}
+	return true;
+}
+
+/// Directions and origins of a question about places.
+typedef struct between_places
+{
+	lw_vec3 from; ///< b's tree frame's origin at its first place: heights are taken from there
+	double need;  ///< width of the slab between float heights that proves the limit
+} between_places;
+
+static lw_vec3 origin_at( const lwi_places* s, int i )
+{
+	return lwi_transform( &s->at[i], lwi_load( s->shape->origin ) );
+}
+
+static double size_of( const lw_shape* shape )
+{
+	return shape->solid ? shape->sphere_radius : (double)shape->extent;
+}
+
+/// Dilations, and rounding: edges.md.
+static between_places question_of( const lwi_places* a, const lwi_places* b, double limit )
+{
+	between_places q = { .from = origin_at( b, 0 ) };
+	double extents = size_of( a->shape ) + size_of( b->shape ), far = 0;
+	for ( int i = 0; i < a->count; ++i )
+	{
+		const double* t = a->at[i].t;
+		far = fmax( far, fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] ) );
+	}
+	for ( int i = 0; i < b->count; ++i )
+	{
+		const double* t = b->at[i].t;
+		far = fmax( far, fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] ) );
+	}
+	double dilation = ( a->shape->family == LWI_TRIANGLES ? a->shape->radius : 0 ) +
+					  ( b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0 );
+	q.need = ( limit + dilation ) * ( 1 + 0x1p-21 ) + lwi_gap_slack( extents ) + 0x1p-46 * ( far + extents );
+	return q;
+}
+
+static void local_direction( const lw_transform* at, lw_vec3 n, float local[3] )
+{
+	lw_vec3 v = lwi_unrotate( at, n );
+	local[0] = (float)v.x;
+	local[1] = (float)v.y;
+	local[2] = (float)v.z;
+}
+
+/// The farthest point of all places along n. Returns how far, above q->from.
+/// @param start where to look first, tree frame; where it was found
+static double farthest_of_places( const lwi_kernels* kernels, const lwi_places* s, const between_places* q, lw_vec3 n,
+	float start[3], lw_vec3* farthest )
+{
+	double best = -INFINITY;
+	float first[3];
+	memcpy( first, start, sizeof( first ) );
+	for ( int i = 0; i < s->count; ++i )
+	{
+		float local[3], point[3];
+		local_direction( &s->at[i], n, local );
+		memcpy( point, first, sizeof( point ) );
+		lw_vec3 origin = lwi_sub( origin_at( s, i ), q->from );
+		double high = (double)support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
+		if ( !( high <= best ) )
+		{
+			best = high;
+			lw_vec3 p = lwi_v3( (double)point[0], (double)point[1], (double)point[2] );
+			*farthest = lwi_add( origin, lwi_rotate( &s->at[i], p ) );
+			memcpy( start, point, sizeof( point ) );
+		}
+	}
+	return best;
+}
+
+/// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its places.
+static bool all_stay_below( const lwi_kernels* kernels, const lwi_places* s, const between_places* q, lw_vec3 n, double most )
+{
+	for ( int i = 0; i < s->count; ++i )
+	{
+		float local[3];
+		local_direction( &s->at[i], n, local );
+		double left = most - lwi_dot( n, lwi_sub( origin_at( s, i ), q->from ) );
+		if ( !( left > -INFINITY && stays_below( kernels, s->shape, local, lwi_round_down( left ) ) ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+bool lwi_places_are_apart( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
+	const lwi_places_plane* known )
+{
+	between_places q = question_of( a, b, limit );
+	const float* d = known->plane.direction;
+	lw_vec3 n = lwi_rotate( &b->at[0], lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) );
+	double bottom = -(double)known->reach_b; // of b at its first place; what stands has no other
+	if ( b->count > 1 )
+	{
+		float point[3];
+		lw_vec3 lowest;
+		memcpy( point, known->plane.point_b, sizeof( point ) );
+		bottom = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point, &lowest );
+	}
+	return all_stay_below( kernels, a, &q, n, bottom - q.need );
+}
+
+bool lwi_separate_places( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
+	const float direction[3], int steps, lwi_places_plane* out )
+{
+	between_places q = question_of( a, b, limit );
+	lwi_places_plane next = { .reach_b = 0 };
+	memcpy( next.plane.point_a, a->shape->root_sphere, sizeof( next.plane.point_a ) );
+	memcpy( next.plane.point_b, b->shape->root_sphere, sizeof( next.plane.point_b ) );
+	vec_s w[4];
+	int count = 0;
+	float* d = next.plane.direction;
+	memcpy( d, direction, 3 * sizeof( float ) );
+	for ( int step = 0; step < steps && normalize( d ); ++step )
+	{
+		lw_vec3 n = lwi_rotate( &b->at[0], lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) ), top, bottom;
+		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), next.plane.point_b, &bottom );
+		if ( all_stay_below( kernels, a, &q, n, low - q.need ) )
+		{
+			next.reach_b = lwi_round_up( -low );
+			*out = next;
+			return true;
+		}
+		farthest_of_places( kernels, a, &q, n, next.plane.point_a, &top );
+		lw_vec3 difference = lwi_sub( bottom, top );
+		w[count++] = (vec_s){ difference.x, difference.y, difference.z };
+		nearest_s nearest;
+		bool inside = nearest_to_origin_s( w, count, &nearest );
+		if ( inside || !( nearest.sq >= q.need * q.need ) )
+		{
+			return false; // the hulls are nearer than that
+		}
+		count = reduce( w, count, &nearest );
+		if ( count == 4 )
+		{
+			return false;
+		}
+		local_direction( &b->at[0], lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ), d );
 	}
 	return false;
 }

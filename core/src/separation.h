@@ -6,6 +6,11 @@
 #include "kernels.h"
 #include "shape_internal.h"
 
+enum
+{
+	LWI_MAX_PLACES = 3
+};
+
 /// A plane between two shapes, and where they come nearest to it: how to find the next one quickly.
 typedef struct lwi_plane
 {
@@ -35,5 +40,31 @@ lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_mot
 /// @return true if there is one: nothing of a is nearer to anything of b than the limit. False says nothing
 bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* a_from_b, float limit,
 	lwi_plane* plane, int steps );
+
+/// A bounded shape with its geometry at a few places, in a frame that two of these have in common.
+typedef struct lwi_places
+{
+	const lw_shape* shape;
+	int count;
+	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape
+} lwi_places;
+
+/// A plane between two shapes at all their places.
+typedef struct lwi_places_plane
+{
+	lwi_plane plane; ///< the direction is given in b's tree frame at its first place, of length 1 to rounding
+	float reach_b;   ///< how far b reaches against the direction, in its tree frame
+} lwi_places_plane;
+
+/// True if the plane of another time separates these too.
+/// @param limit metres, >= 0: nothing of a, at any of its places, is then nearer to anything of b than that
+bool lwi_places_are_apart( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
+	const lwi_places_plane* known );
+
+/// lwi_separate() for the convex hulls of all places.
+/// @param direction where to begin: b's tree frame at its first place, any length
+/// @param out what separated them; written only then
+bool lwi_separate_places( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
+	const float direction[3], int steps, lwi_places_plane* out );
 
 #endif

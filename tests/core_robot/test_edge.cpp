@@ -486,6 +486,36 @@ TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
 	}
 }
 
+// A ball on an arm swings past a box that a plane keeps apart from it at the start, in the middle and at the end; between two of
+// them the arc bulges into the box.
+TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
+{
+	for ( double side : { -1.0, 1.0 } )
+	{
+		for ( double deep : { 0.02, 0.002, -0.002 } )
+		{
+			World world;
+			world.model.link( "arm" );
+			world.model.joint( "turn", LW_JOINT_REVOLUTE, 0 );
+			lw_joint_def& joint = world.model.joints.back();
+			joint.axis[0] = joint.axis[1] = 0;
+			joint.axis[2] = 1;
+			joint.lower = -2;
+			joint.upper = 2;
+			world.model.body( 1, primitive( LW_SHAPE_SPHERE, 0.05, 0, 0 ), at( 1, 0, 0 ) );
+			const double angle = side * 0.25, away = 1 + 0.05 - deep + 0.5;
+			lw_transform pose = at( away * std::cos( angle ), away * std::sin( angle ), 0 );
+			pose.r[0][0] = pose.r[1][1] = std::cos( angle );
+			pose.r[1][0] = std::sin( angle );
+			pose.r[0][1] = -pose.r[1][0];
+			world.object( primitive( LW_SHAPE_BOX, 1, 1, 1 ), pose );
+			world.open();
+			lw_edge_result r = world.edge( { -0.5 }, { 0.5 }, lw_edge_def_default() );
+			EXPECT_EQ( r.verdict, deep > 0 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << deep;
+		}
+	}
+}
+
 TEST( Edge, ShortEdgeBetweenFreeStatesInsideTheSlackIsProvedFromBothEnds )
 {
 	World world;
@@ -497,8 +527,11 @@ TEST( Edge, ShortEdgeBetweenFreeStatesInsideTheSlackIsProvedFromBothEnds )
 	r = world.edge( { 0 }, { 0 }, def );
 	EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
 	EXPECT_EQ( r.queries, 1u );
-	r = world.edge( { 0 }, { 0.1 }, def );
-	EXPECT_EQ( r.verdict, LW_VERDICT_REFUSED );
+	r = world.edge( { 0 }, { 0.1 }, def ); // along the slab: a plane
+	EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
+	World nearer;
+	slider( nearer, 2e-4 ); // less than a quarter of the slack
+	EXPECT_EQ( nearer.edge( { 0 }, { 0.1 }, def ).verdict, LW_VERDICT_REFUSED );
 }
 
 // A ball that goes straight for a wall and stops short of it: the least clearance is that of the end. With a slack that
