@@ -3,12 +3,14 @@
 // and boost than the rest of a program has.
 //
 // OBBRSS, its fastest volume for both questions; no contacts, no nearest points, no penetration depth; a margin by
-// security_margin, its own and fastest way.
+// security_margin, its own and fastest way. Its managers are given the least distance by the caller: the library's own
+// callback takes a result's min_distance for the least one, which shape pairs overwrite.
 #include "peer_engine.hpp"
 
 #include <algorithm>
 #include <coal/BV/OBBRSS.h>
 #include <coal/BVH/BVH_model.h>
+#include <coal/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <coal/collision.h>
 #include <coal/config.hh>
 #include <coal/distance.h>
@@ -23,6 +25,37 @@ namespace
 
 using Model = coal::BVHModel<coal::OBBRSS>;
 using Models = std::map<const void*, std::shared_ptr<coal::CollisionGeometry>>;
+
+/// The two bodies' numbers, the moving one first: managers may swap them.
+std::pair<std::uint32_t, std::uint32_t> numbersOf( const coal::CollisionObject* a, const coal::CollisionObject* b )
+{
+	const auto *x = static_cast<const std::uint32_t*>( a->getUserData() ),
+	           *y = static_cast<const std::uint32_t*>( b->getUserData() );
+	return x < y ? std::make_pair( *x, *y ) : std::make_pair( *y, *x );
+}
+
+struct OverlapCallback : coal::CollisionCallBackBase
+{
+	explicit OverlapCallback( const std::function<bool( std::uint32_t, std::uint32_t )>& test ) : m_test( test ) {}
+	bool collide( coal::CollisionObject* a, coal::CollisionObject* b ) override
+	{
+		const auto [moving, fixed] = numbersOf( a, b );
+		return m_test( moving, fixed );
+	}
+	const std::function<bool( std::uint32_t, std::uint32_t )>& m_test;
+};
+
+struct NearCallback : coal::DistanceCallBackBase
+{
+	explicit NearCallback( const std::function<double( std::uint32_t, std::uint32_t )>& test ) : m_test( test ) {}
+	bool distance( coal::CollisionObject* a, coal::CollisionObject* b, coal::CoalScalar& least ) override
+	{
+		const auto [moving, fixed] = numbersOf( a, b );
+		least = m_test( moving, fixed );
+		return least <= 0;
+	}
+	const std::function<double( std::uint32_t, std::uint32_t )>& m_test;
+};
 
 double threadSeconds()
 {
@@ -89,6 +122,43 @@ public:
 		return meets( a, b, m_margin );
 	}
 
+	bool hasManagers() const override { return true; }
+	void manage( const std::vector<std::uint32_t>& moving, const std::vector<std::uint32_t>& fixed ) override
+	{
+		m_managed = std::make_unique<Managers>();
+		m_managed->numbers = moving;
+		m_managed->numbers.insert( m_managed->numbers.end(), fixed.begin(), fixed.end() );
+		m_managed->moving_count = moving.size();
+		for ( std::size_t i = 0; i < m_managed->numbers.size(); ++i )
+		{
+			const Body& body = m_bodies[m_managed->numbers[i]];
+			m_managed->objects.push_back( std::make_unique<coal::CollisionObject>( body.geometry, body.pose, false ) );
+			m_managed->objects.back()->setUserData( &m_managed->numbers[i] );
+			( i < moving.size() ? m_managed->moving : m_managed->fixed ).registerObject( m_managed->objects.back().get() );
+		}
+		m_managed->moving.setup();
+		m_managed->fixed.setup();
+	}
+	void refresh() override
+	{
+		for ( std::size_t i = 0; i < m_managed->moving_count; ++i )
+		{
+			m_managed->objects[i]->setTransform( m_bodies[m_managed->numbers[i]].pose );
+			m_managed->objects[i]->computeAABB();
+		}
+		m_managed->moving.update();
+	}
+	void overlappingPairs( const std::function<bool( std::uint32_t, std::uint32_t )>& test ) override
+	{
+		OverlapCallback callback( test );
+		m_managed->moving.collide( &m_managed->fixed, &callback );
+	}
+	void nearPairs( const std::function<double( std::uint32_t, std::uint32_t )>& test ) override
+	{
+		NearCallback callback( test );
+		m_managed->moving.distance( &m_managed->fixed, &callback );
+	}
+
 	std::unique_ptr<PeerEngine> another() const override { return std::make_unique<CoalEngine>( m_models ); }
 	double buildSeconds() const override { return m_build_seconds; }
 	std::size_t bytes() const override { return m_bytes; }
@@ -98,6 +168,14 @@ private:
 	{
 		std::shared_ptr<coal::CollisionGeometry> geometry;
 		coal::Transform3s pose;
+	};
+
+	struct Managers
+	{
+		std::vector<std::uint32_t> numbers; ///< objects' user data point here
+		std::vector<std::unique_ptr<coal::CollisionObject>> objects;
+		std::size_t moving_count = 0;
+		coal::DynamicAABBTreeCollisionManager moving, fixed;
 	};
 
 	bool meets( std::size_t a, std::size_t b, const coal::CollisionRequest& request ) const
@@ -158,6 +236,7 @@ private:
 	std::vector<Body> m_bodies;
 	coal::DistanceRequest m_distance{ false };
 	coal::CollisionRequest m_collision, m_margin;
+	std::unique_ptr<Managers> m_managed;
 	double m_build_seconds = 0;
 	std::size_t m_bytes = 0;
 };

@@ -112,14 +112,14 @@ ConfigurationSet reachStarts( const leeway::io::Problem& problem, const std::str
 	return set;
 }
 
-// A base is near furniture if the robot with its arms hanging has 1 to 20 cm of room there.
-ConfigurationSet furnitureBases( const leeway::io::Problem& problem, std::mt19937_64& random, std::size_t count )
+// A base is near furniture if the robot with its arms hanging has `room` to 20 cm there.
+std::vector<std::vector<double>> basesNearFurniture(
+	const leeway::io::Problem& problem, std::mt19937_64& random, double room )
 {
 	constexpr std::size_t BASES = 20;
-	ConfigurationSet set{ "furniture", "20 random bases with 1 to 20 cm of room, torso and right arm uniform", {} };
 	const std::map<std::string, std::size_t> index = entries( problem );
 	leeway::Query query = leeway::makeQuery( problem.checker.get() );
-	const lw_range range = { 0.01, 0.2, 0.0 };
+	const lw_range range = { room, 0.2, 0.0 };
 	std::vector<std::vector<double>> bases;
 	while ( bases.size() < BASES )
 	{
@@ -139,9 +139,16 @@ ConfigurationSet furnitureBases( const leeway::io::Problem& problem, std::mt1993
 			bases.push_back( state );
 		}
 	}
+	return bases;
+}
+
+ConfigurationSet furnitureBases( const leeway::io::Problem& problem, std::mt19937_64& random, std::size_t count )
+{
+	ConfigurationSet set{ "furniture", "20 random bases with 1 to 20 cm of room, torso and right arm uniform", {} };
+	const std::vector<std::vector<double>> bases = basesNearFurniture( problem, random, 0.01 );
 	for ( std::size_t i = 0; i < count; ++i )
 	{
-		std::vector<double> state = bases[i % BASES];
+		std::vector<double> state = bases[i % bases.size()];
 		randomiseTorsoAndRightArm( problem, random, state );
 		set.states.push_back( state );
 	}
@@ -190,4 +197,21 @@ std::vector<ConfigurationSet> makeConfigurations( const leeway::io::Problem& pro
 	sets.push_back( reachStarts( problem, data, random, count ) );
 	sets.push_back( furnitureBases( problem, random, count ) );
 	return sets;
+}
+
+std::vector<std::map<std::string, double>> placesNearFurniture(
+	const leeway::io::Problem& problem, std::uint64_t seed, double room )
+{
+	std::mt19937_64 random( seed );
+	std::vector<std::map<std::string, double>> places;
+	for ( const std::vector<double>& base : basesNearFurniture( problem, random, room ) )
+	{
+		std::map<std::string, double> place;
+		for ( std::size_t i = 0; i < base.size(); ++i )
+		{
+			place[problem.variable_names[i]] = base[i];
+		}
+		places.push_back( place );
+	}
+	return places;
 }

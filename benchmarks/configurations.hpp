@@ -5,6 +5,7 @@
 #include "leeway/io/model.hpp"
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,3 +26,7 @@ std::vector<std::string> kitchenFiles( const std::string& data );
 /// @throws std::exception if the data is not there
 std::vector<ConfigurationSet> makeConfigurations( const leeway::io::Problem& problem, const std::string& data,
 	std::uint64_t seed, std::size_t count );
+
+/// 20 random places where the robot, its arms hanging, has `room` metres to 20 cm: values by variable.
+std::vector<std::map<std::string, double>> placesNearFurniture(
+	const leeway::io::Problem& problem, std::uint64_t seed, double room );

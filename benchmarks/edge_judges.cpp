@@ -89,13 +89,18 @@ bool EdgeJudges::byStates( const Motion& motion, double fraction )
 		} );
 }
 
-bool EdgeJudges::byPeer( PairPeer& peer, const Motion& motion, double fraction )
+bool EdgeJudges::byPeer( PairPeer& peer, const Motion& motion, double fraction, std::vector<double>* collides )
 {
 	return discrete( motion, fraction,
-		[&peer]( const double* q )
+		[&]( const double* q )
 		{
 			peer.pose( q );
-			return !peer.environmentCollides() && !peer.selfCollides();
+			const bool is_free = !peer.environmentCollides() && !peer.selfCollides();
+			if ( !is_free && collides != nullptr )
+			{
+				collides->assign( q, q + m_world.size() );
+			}
+			return is_free;
 		} );
 }
 

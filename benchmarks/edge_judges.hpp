@@ -20,7 +20,8 @@ public:
 	bool byStates( const Motion& motion, double fraction );
 	bool byFcl( const Motion& motion, double fraction );
 	/// As byFcl(), by another library over the same world.
-	bool byPeer( PairPeer& peer, const Motion& motion, double fraction );
+	/// @param collides if not null and the answer is no: the state that is not free
+	bool byPeer( PairPeer& peer, const Motion& motion, double fraction, std::vector<double>* collides = nullptr );
 
 	/// False if the world holds shapes that FCL does not have; then nothing may be asked of it.
 	bool hasFcl() const { return m_fcl != nullptr; }

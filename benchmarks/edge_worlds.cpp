@@ -67,6 +67,49 @@ void joinGroups( io::RobotModel& model, const std::string& name )
 	model.groups.push_back( joined );
 }
 
+/// What the scene's allowed collision matrix says of links and objects. Everybody who checks pairs counts them and compares
+/// with the checker's number (PairPeer).
+std::vector<lw_link_object_pair> allowedContacts( const io::SceneModel& scene, const EdgeWorld& world )
+{
+	std::vector<lw_link_object_pair> pairs;
+	const auto allow = [&]( const std::string& link, const std::string& object )
+	{
+		const lw_link_object_pair pair = {
+			lw_robot_find_link( world.robot.get(), link.c_str() ), lw_scene_find_object( world.scene.get(), object.c_str() ) };
+		if ( pair.link != LW_INVALID_INDEX && pair.object != LW_INVALID_INDEX )
+		{
+			pairs.push_back( pair );
+		}
+	};
+	for ( const auto& [a, b] : scene.allowed )
+	{
+		allow( a, b );
+		allow( b, a );
+	}
+	const auto decided = [&]( const std::string& name )
+	{ return std::find( scene.matrix_names.begin(), scene.matrix_names.end(), name ) != scene.matrix_names.end(); };
+	for ( const std::string& name : scene.default_allowed )
+	{
+		for ( std::uint32_t i = 0; i < lw_scene_object_count( world.scene.get() ); ++i )
+		{
+			const std::string object = lw_scene_object_name( world.scene.get(), i );
+			if ( !decided( name ) || !decided( object ) )
+			{
+				allow( name, object );
+			}
+		}
+		for ( std::uint32_t i = 0; i < lw_robot_link_count( world.robot.get() ); ++i )
+		{
+			const std::string link = lw_robot_link_name( world.robot.get(), i );
+			if ( !decided( name ) || !decided( link ) )
+			{
+				allow( link, name );
+			}
+		}
+	}
+	return pairs;
+}
+
 } // namespace
 
 std::string EdgeWorlds::path( const Json& name ) const
@@ -200,6 +243,14 @@ void EdgeWorlds::makeFromFiles( EdgeWorldEntry& entry )
 		request = io::loadRequest( path( source.at( "request" ) ) );
 		options.request = &request;
 	}
+	if ( source.contains( "start" ) )
+	{
+		for ( const auto& [variable, value] : source.at( "start" ).items() )
+		{
+			request.start.values[variable] = value.get<double>();
+		}
+		options.request = &request;
+	}
 	if ( source.contains( "scene" ) )
 	{
 		options.scene = &scene( path( source.at( "scene" ) ) );
@@ -225,12 +276,9 @@ void EdgeWorlds::makeFromFiles( EdgeWorldEntry& entry )
 	world.with_tables = io::buildProblem( model, options ).checker;
 	world.variables = problem.variables;
 	world.reference = problem.reference;
-	const lw_checker_info info = lw_checker_get_info( problem.checker.get() );
-	if ( problem.scene && info.environment_pairs != info.moving_bodies * lw_scene_shape_count( problem.scene.get() ) )
+	if ( options.scene != nullptr )
 	{
-		throw std::runtime_error( options.scene->file +
-								  ": allowed_collision_matrix: it allows contact of links and objects, which the audit "
-								  "would count; remove these entries" );
+		world.allowed = allowedContacts( *options.scene, world );
 	}
 	// Contacts of links that stand still, a base on its floor
 	for ( std::size_t i = 0; options.scene != nullptr && i < options.scene->allowed.size(); ++i )

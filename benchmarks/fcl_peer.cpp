@@ -12,14 +12,13 @@
 #include <fcl/geometry/shape/cylinder.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/math/bv/OBBRSS.h>
+#include <fcl/math/bv/RSS.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 #include <stdexcept>
 
 namespace
 {
-
-using Model = fcl::BVHModel<fcl::OBBRSSd>;
 
 double threadSeconds()
 {
@@ -32,7 +31,34 @@ double threadSeconds()
 
 std::string FclEngine::description() const
 {
-	return std::string( "FCL " ) + FCL_VERSION + ", BVHModel<OBBRSS>, as packaged";
+	return std::string( "FCL " ) + FCL_VERSION +
+	       ( m_volume == FclVolume::RSS ? ", BVHModel<RSS> (distances only), as packaged"
+	                                    : ", BVHModel<OBBRSS>, as packaged" );
+}
+
+template <typename Volume> std::shared_ptr<fcl::CollisionGeometryd> FclEngine::makeMesh( const PeerGeometry& geometry )
+{
+	std::vector<fcl::Vector3d> vertices;
+	std::vector<fcl::Triangle> triangles;
+	for ( std::uint32_t i = 0; i < geometry.vertex_count; ++i )
+	{
+		vertices.emplace_back( geometry.vertices + 3 * std::size_t{ i } );
+	}
+	for ( std::uint32_t i = 0; i < geometry.triangle_count; ++i )
+	{
+		const std::uint32_t* t = geometry.triangles + 3 * std::size_t{ i };
+		triangles.emplace_back( t[0], t[1], t[2] );
+	}
+	const double start = threadSeconds();
+	using Model = fcl::BVHModel<Volume>;
+	const auto model = std::make_shared<Model>();
+	model->beginModel( static_cast<int>( triangles.size() ), static_cast<int>( vertices.size() ) );
+	model->addSubModel( vertices, triangles );
+	model->endModel();
+	m_build_seconds += threadSeconds() - start;
+	m_bytes += sizeof( Model ) + static_cast<std::size_t>( model->getNumBVs() ) * sizeof( fcl::BVNode<Volume> ) +
+	           triangles.size() * sizeof( fcl::Triangle ) + vertices.size() * sizeof( fcl::Vector3d );
+	return model;
 }
 
 std::shared_ptr<fcl::CollisionGeometryd> FclEngine::make( const PeerGeometry& geometry )
@@ -41,7 +67,7 @@ std::shared_ptr<fcl::CollisionGeometryd> FclEngine::make( const PeerGeometry& ge
 	switch ( geometry.type )
 	{
 	case LW_SHAPE_MESH:
-		return makeMesh( geometry );
+		return m_volume == FclVolume::RSS ? makeMesh<fcl::RSSd>( geometry ) : makeMesh<fcl::OBBRSSd>( geometry );
 	case LW_SHAPE_BOX:
 		return std::make_shared<fcl::Boxd>( d[0], d[1], d[2] );
 	case LW_SHAPE_SPHERE:
@@ -56,30 +82,6 @@ std::shared_ptr<fcl::CollisionGeometryd> FclEngine::make( const PeerGeometry& ge
 		throw std::runtime_error(
 		    "FCL has no shape like one of this model's (sets of points, spheres or boxes, half-spaces)" );
 	}
-}
-
-std::shared_ptr<fcl::CollisionGeometryd> FclEngine::makeMesh( const PeerGeometry& geometry )
-{
-	std::vector<fcl::Vector3d> vertices;
-	std::vector<fcl::Triangle> triangles;
-	for ( std::uint32_t i = 0; i < geometry.vertex_count; ++i )
-	{
-		vertices.emplace_back( geometry.vertices + 3 * std::size_t{ i } );
-	}
-	for ( std::uint32_t i = 0; i < geometry.triangle_count; ++i )
-	{
-		const std::uint32_t* t = geometry.triangles + 3 * std::size_t{ i };
-		triangles.emplace_back( t[0], t[1], t[2] );
-	}
-	const double start = threadSeconds();
-	const auto model = std::make_shared<Model>();
-	model->beginModel( static_cast<int>( triangles.size() ), static_cast<int>( vertices.size() ) );
-	model->addSubModel( vertices, triangles );
-	model->endModel();
-	m_build_seconds += threadSeconds() - start;
-	m_bytes += sizeof( Model ) + static_cast<std::size_t>( model->getNumBVs() ) * sizeof( fcl::BVNode<fcl::OBBRSSd> ) +
-	           triangles.size() * sizeof( fcl::Triangle ) + vertices.size() * sizeof( fcl::Vector3d );
-	return model;
 }
 
 std::size_t FclEngine::add( const void* key, const PeerGeometry& geometry )
@@ -125,4 +127,65 @@ bool FclEngine::collides( std::size_t a, std::size_t b )
 	fcl::CollisionResultd result;
 	return fcl::collide(
 	           m_bodies[a].model.get(), m_bodies[a].pose, m_bodies[b].model.get(), m_bodies[b].pose, request, result ) > 0;
+}
+
+void FclEngine::manage( const std::vector<std::uint32_t>& moving, const std::vector<std::uint32_t>& fixed )
+{
+	m_managed = std::make_unique<Managers>();
+	m_managed->numbers = moving;
+	m_managed->numbers.insert( m_managed->numbers.end(), fixed.begin(), fixed.end() );
+	m_managed->moving_count = moving.size();
+	for ( std::size_t i = 0; i < m_managed->numbers.size(); ++i )
+	{
+		const Body& body = m_bodies[m_managed->numbers[i]];
+		m_managed->objects.push_back( std::make_unique<fcl::CollisionObjectd>( body.model, body.pose ) );
+		m_managed->objects.back()->setUserData( &m_managed->numbers[i] );
+		( i < moving.size() ? m_managed->moving : m_managed->fixed ).registerObject( m_managed->objects.back().get() );
+	}
+	m_managed->moving.setup();
+	m_managed->fixed.setup();
+}
+
+void FclEngine::refresh()
+{
+	for ( std::size_t i = 0; i < m_managed->moving_count; ++i )
+	{
+		m_managed->objects[i]->setTransform( m_bodies[m_managed->numbers[i]].pose );
+		m_managed->objects[i]->computeAABB();
+	}
+	m_managed->moving.update();
+}
+
+namespace
+{
+
+/// The two bodies' numbers, the moving one first: managers may swap them.
+std::pair<std::uint32_t, std::uint32_t> numbersOf( const fcl::CollisionObjectd* a, const fcl::CollisionObjectd* b )
+{
+	const auto *x = static_cast<const std::uint32_t*>( a->getUserData() ),
+	           *y = static_cast<const std::uint32_t*>( b->getUserData() );
+	return x < y ? std::make_pair( *x, *y ) : std::make_pair( *y, *x );
+}
+
+} // namespace
+
+void FclEngine::overlappingPairs( const std::function<bool( std::uint32_t, std::uint32_t )>& test )
+{
+	m_managed->moving.collide( &m_managed->fixed, const_cast<void*>( static_cast<const void*>( &test ) ),
+	    []( fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data )
+	    {
+		    const auto [moving, fixed] = numbersOf( a, b );
+		    return ( *static_cast<const std::function<bool( std::uint32_t, std::uint32_t )>*>( data ) )( moving, fixed );
+	    } );
+}
+
+void FclEngine::nearPairs( const std::function<double( std::uint32_t, std::uint32_t )>& test )
+{
+	m_managed->moving.distance( &m_managed->fixed, const_cast<void*>( static_cast<const void*>( &test ) ),
+	    []( fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data, double& least )
+	    {
+		    const auto [moving, fixed] = numbersOf( a, b );
+		    least = ( *static_cast<const std::function<double( std::uint32_t, std::uint32_t )>*>( data ) )( moving, fixed );
+		    return least <= 0;
+	    } );
 }

@@ -14,9 +14,17 @@ void addPeers( CLI::App& app, PeersSettings& settings )
 {
 	CLI::App& peers = *app.add_subcommand( "peers",
 	    "leeway and every peer that is there at the same work: A two meshes, B states of robots, C edges,\n"
-	    "D building, E growth. Exit status: 0, 1 if all peers contradict leeway somewhere, 2 error, 77 no data." );
+	    "D building, E growth. Exit status: 0, 1 if brute force contradicts leeway somewhere, 2 error, 77 no data." );
 	peers.add_option( "--data", settings.data, "folder with armar3, kit_kitchen and mbm" )->capture_default_str();
-	peers.add_flag( "--quick", settings.quick, "fewer states, scenes and repetitions: some minutes" );
+	peers.add_flag( "--quick", settings.quick, "fewer states and scenes: some minutes" );
+	CLI::Option* robot =
+	    peers.add_option( "--robot", settings.robot, "URDF: B to E about your own robot" )->check( CLI::ExistingFile );
+	peers.add_option( "--srdf", settings.srdf, "its SRDF" )->needs( robot )->check( CLI::ExistingFile );
+	peers.add_option( "--scene", settings.scene, "a planning scene" )->needs( robot )->check( CLI::ExistingFile );
+	peers.add_option( "--group", settings.group, "that moves; may be \"torso+arm\"" )->needs( robot );
+	peers.add_option( "--request", settings.request, "whose start the other joints have" )
+	    ->needs( robot )
+	    ->check( CLI::ExistingFile );
 	peers.add_option( "--only", settings.only, "letters of the workloads to run, such as AD" );
 	peers.add_option( "--states", settings.states, "per robot" )->capture_default_str()->check( CLI::Range( 2, 100000 ) );
 	peers.add_option( "--repetitions", settings.repetitions, "passes over the states" )
@@ -42,12 +50,11 @@ int main( int argc, char** argv )
 	CLI11_PARSE( app, argc, argv );
 	if ( settings.quick )
 	{
-		settings.states = std::min<std::size_t>( settings.states, 48 );
-		settings.repetitions = 1;
+		settings.states = std::min<std::size_t>( settings.states, 100 );
 	}
 	for ( const char* folder : { "armar3", "kit_kitchen", "mbm" } )
 	{
-		if ( !std::filesystem::exists( std::filesystem::path( settings.data ) / folder ) )
+		if ( settings.robot.empty() && !std::filesystem::exists( std::filesystem::path( settings.data ) / folder ) )
 		{
 			std::cerr << "leeway-bench: " << settings.data << ": no folder " << folder
 			          << " there; give the data folder with --data\n";

@@ -26,6 +26,7 @@ void PairPeer::addBody( const lw_shape* shape, const lw_transform& parent_from_s
 	geometry.triangle_count = info.triangle_count;
 	m_engine->add( shape, geometry );
 	Body body;
+	body.shape = shape;
 	body.parent_from_shape = parent_from_shape;
 	for ( int i = 0; i < 3; ++i )
 	{
@@ -38,7 +39,7 @@ void PairPeer::addBody( const lw_shape* shape, const lw_transform& parent_from_s
 void PairPeer::placeBody( std::uint32_t index, const lw_transform& world_from_parent )
 {
 	Body& body = m_bodies[index];
-	const lw_transform pose = lw_transform_multiply( &world_from_parent, &body.parent_from_shape );
+	const lw_transform& pose = body.world_from_shape = lw_transform_multiply( &world_from_parent, &body.parent_from_shape );
 	m_engine->place( index, pose );
 	for ( int i = 0; i < 3; ++i )
 	{
@@ -80,16 +81,17 @@ void PairPeer::findMoving( std::vector<bool>& joint_moves, std::vector<bool>& li
 	}
 }
 
-PairPeer::PairPeer(
-    const lw_checker* checker, std::unique_ptr<PeerEngine> engine, const std::vector<lw_link_object_pair>& allowed )
-    : m_checker( checker ), m_robot( lw_checker_robot( checker ) ), m_engine( std::move( engine ) )
+bool PairPeer::isAllowed( std::uint32_t body, std::uint32_t obstacle ) const
 {
-	const auto isAllowed = [&]( std::uint32_t body, std::uint32_t obstacle )
-	{
-		return std::any_of( allowed.begin(), allowed.end(),
-		    [&]( const lw_link_object_pair& p )
-		    { return p.link == m_bodies[body].link && p.object == m_bodies[obstacle].object; } );
-	};
+	return std::any_of( m_allowed.begin(), m_allowed.end(),
+	    [&]( const lw_link_object_pair& p )
+	    { return p.link == m_bodies[body].link && p.object == m_bodies[obstacle].object; } );
+}
+
+PairPeer::PairPeer( const lw_checker* checker, std::unique_ptr<PeerEngine> engine,
+    const std::vector<lw_link_object_pair>& allowed, bool managers )
+    : m_checker( checker ), m_robot( lw_checker_robot( checker ) ), m_engine( std::move( engine ) ), m_allowed( allowed )
+{
 	for ( std::uint32_t i = 0; i < lw_robot_body_count( m_robot ); ++i )
 	{
 		const lw_body_def def = lw_robot_body( m_robot, i );
@@ -126,6 +128,10 @@ PairPeer::PairPeer(
 				}
 			}
 		}
+	}
+	if ( scene != nullptr && m_environment_pairs.size() != lw_checker_get_info( checker ).environment_pairs )
+	{
+		throw std::runtime_error( "a comparison would not be about the same pairs: other contacts are allowed" );
 	}
 	// The relative pose of two links can change if a joint that moves is above exactly one of them.
 	std::vector<std::vector<bool>> above( lw_robot_link_count( m_robot ) );
@@ -166,11 +172,22 @@ PairPeer::PairPeer(
 		{
 			if ( !link_moves[m_bodies[body].link] && !isAllowed( body, obstacle ) )
 			{
+				m_static_pairs.emplace_back( body, obstacle );
 				addCandidate( body, obstacle, INFINITE );
 			}
 		}
 	}
 	m_static_distance = nearest( INFINITE, 0 );
+	if ( managers && m_engine->hasManagers() )
+	{
+		std::vector<std::uint32_t> fixed;
+		for ( std::uint32_t i = m_robot_bodies; i < all; ++i )
+		{
+			fixed.push_back( i );
+		}
+		m_engine->manage( m_moving, fixed );
+		m_managers = true;
+	}
 }
 
 void PairPeer::pose( const double* q )
@@ -184,6 +201,40 @@ void PairPeer::pose( const double* q )
 	{
 		placeBody( i, m_link_poses[m_bodies[i].link] );
 	}
+	if ( m_managers )
+	{
+		m_engine->refresh();
+	}
+}
+
+double PairPeer::largestShapeError() const
+{
+	double robot = 0, all = 0;
+	for ( std::uint32_t i = 0; i < m_bodies.size(); ++i )
+	{
+		all = std::max( all, m_engine->shapeError( i ) );
+		robot = i < m_robot_bodies ? all : robot;
+	}
+	return robot + all;
+}
+
+std::vector<PlacedPair> PairPeer::placedPairs( bool self ) const
+{
+	std::vector<PlacedPair> out;
+	const auto add = [&]( const Pairs& pairs )
+	{
+		for ( const auto& [a, b] : pairs )
+		{
+			out.push_back(
+			    { m_bodies[a].shape, m_bodies[b].shape, m_bodies[a].world_from_shape, m_bodies[b].world_from_shape } );
+		}
+	};
+	add( self ? m_self_pairs : m_environment_pairs );
+	if ( !self )
+	{
+		add( m_static_pairs );
+	}
+	return out;
 }
 
 void PairPeer::addCandidate( std::uint32_t a, std::uint32_t b, double bound )
@@ -228,7 +279,34 @@ double PairPeer::nearestOf( const Pairs& pairs, double bound, double relative_er
 
 double PairPeer::environmentDistance( double bound, double relative_error )
 {
-	return nearestOf( m_environment_pairs, std::min( bound, m_static_distance ), relative_error );
+	bound = std::min( bound, m_static_distance );
+	return m_managers ? managedDistance( bound, relative_error ) : nearestOf( m_environment_pairs, bound, relative_error );
+}
+
+double PairPeer::managedDistance( double bound, double relative_error )
+{
+	double best = bound;
+	if ( best > 0 )
+	{
+		m_engine->nearPairs(
+		    [&]( std::uint32_t a, std::uint32_t b )
+		    {
+			    if ( !isAllowed( a, b ) )
+			    {
+				    best = std::min( best, std::max( 0.0, m_engine->distance( a, b, best, relative_error ) ) );
+			    }
+			    return best;
+		    } );
+	}
+	return best;
+}
+
+bool PairPeer::managedCollides()
+{
+	bool found = false;
+	m_engine->overlappingPairs( [&]( std::uint32_t a, std::uint32_t b )
+	    { return found = found || ( !isAllowed( a, b ) && m_engine->collides( a, b ) ); } );
+	return found;
 }
 
 double PairPeer::selfDistance( double bound, double relative_error )
@@ -256,6 +334,10 @@ template <typename Test> bool PairPeer::anyOf( const Pairs& pairs, double margin
 
 bool PairPeer::environmentWithin( double margin )
 {
+	if ( m_managers ) // their tests for overlap know no margin
+	{
+		return environmentDistance( margin ) < margin;
+	}
 	return m_static_distance < margin ||
 	       anyOf( m_environment_pairs, margin,
 	           [&]( std::uint32_t a, std::uint32_t b ) { return m_engine->within( a, b, margin ); } );
@@ -269,6 +351,10 @@ bool PairPeer::selfWithin( double margin )
 
 bool PairPeer::environmentCollides()
 {
+	if ( m_managers )
+	{
+		return m_static_distance <= 0 || managedCollides();
+	}
 	return m_static_distance <= 0 ||
 	       anyOf( m_environment_pairs, 0, [&]( std::uint32_t a, std::uint32_t b ) { return m_engine->collides( a, b ); } );
 }

@@ -10,8 +10,10 @@
 #include "leeway/shape.h"
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 /// A shape, as a library's own constructors want it. Pointers are valid during the call.
 struct PeerGeometry
@@ -47,6 +49,23 @@ public:
 	virtual bool collides( std::size_t a, std::size_t b ) = 0;
 	/// Is their distance below the margin? In the library's fastest way.
 	virtual bool within( std::size_t a, std::size_t b, double margin ) { return distance( a, b, margin, 0 ) < margin; }
+
+	/// How far its surface of a body may be from the given one, metres: round shapes as polyhedra. Explains disagreements.
+	virtual double shapeError( std::size_t ) const { return 0; }
+	/// False if primitives are surfaces: what lies inside of one does not touch it.
+	virtual bool hasSolids() const { return true; }
+	/// False for a volume that is only good for distances: such an engine is not asked collides().
+	virtual bool isForContacts() const { return true; }
+
+	/// The library's own broadphase, if it has one: pairs of a moving and a fixed body, in its order. manage() once; after
+	/// place() of moving bodies refresh(). The tests below ask this engine about the pair.
+	virtual bool hasManagers() const { return false; }
+	virtual void manage( const std::vector<std::uint32_t>& /*moving*/, const std::vector<std::uint32_t>& /*fixed*/ ) {}
+	virtual void refresh() {}
+	/// @param test of a pair whose boxes overlap: true ends the search
+	virtual void overlappingPairs( const std::function<bool( std::uint32_t, std::uint32_t )>& /*test*/ ) {}
+	/// @param test of a pair that may be nearer than what it returned last: the new least distance; 0 ends the search
+	virtual void nearPairs( const std::function<double( std::uint32_t, std::uint32_t )>& /*test*/ ) {}
 
 	/// An engine without bodies that shares the geometry of this one.
 	virtual std::unique_ptr<PeerEngine> another() const = 0;

@@ -6,10 +6,13 @@
 #include "provenance.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <dlfcn.h>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -59,9 +62,11 @@ void finish( std::ofstream& out, const std::string& file )
 
 std::vector<PeerLibrary> findPeers( const std::vector<std::string>& modules )
 {
-	std::vector<PeerLibrary> peers( 1 );
+	std::vector<PeerLibrary> peers( 2 );
 	peers[0].make = [] { return std::make_unique<FclEngine>(); };
+	peers[1].make = [] { return std::make_unique<FclEngine>( std::make_shared<FclModels>(), FclVolume::RSS ); };
 	peers[0].shared = peers[0].make();
+	peers[1].shared = peers[1].make();
 	std::set<fs::path> beside;
 	for ( const auto& entry : fs::directory_iterator( fs::read_symlink( "/proc/self/exe" ).parent_path() ) )
 	{
@@ -86,10 +91,20 @@ std::vector<PeerLibrary> findPeers( const std::vector<std::string>& modules )
 	{
 		peers.push_back( loadModule( file ) );
 	}
-	for ( PeerLibrary& peer : peers )
+	for ( std::size_t p = 0, count = peers.size(); p < count; ++p )
 	{
-		peer.name = peer.shared->name();
-		peer.description = peer.shared->description();
+		peers[p].name = peers[p].shared->name();
+		peers[p].description = peers[p].shared->description();
+		if ( peers[p].shared->hasManagers() && peers[p].shared->isForContacts() )
+		{
+			PeerLibrary managed;
+			managed.name = peers[p].name + " managers";
+			managed.description = peers[p].description + ", DynamicAABBTreeCollisionManager";
+			managed.make = peers[p].make;
+			managed.shared = peers[p].shared->another();
+			managed.managers = true;
+			peers.push_back( std::move( managed ) );
+		}
 	}
 	return peers;
 }
@@ -98,7 +113,7 @@ void PeerReport::add( const std::vector<PeerRow>& rows )
 {
 	for ( const PeerRow& row : rows )
 	{
-		std::printf( "%-58s %-8s %5zu | %10.2f %10.2f %10.2f | %7.2f", row.workload.c_str(), row.library.c_str(), row.count,
+		std::printf( "%-62s %-13s %4zu | %10.2f %10.2f %10.2f | %7.2f", row.workload.c_str(), row.library.c_str(), row.count,
 		    row.time.median, row.time.mean, row.time.p95, row.time.mean / rows[0].time.mean );
 		if ( row.bytes_per_triangle > 0 )
 		{
@@ -106,8 +121,8 @@ void PeerReport::add( const std::vector<PeerRow>& rows )
 		}
 		if ( row.disagreements > 0 )
 		{
-			std::printf( "  %zu DISAGREE, by %.3g m at most: %s", row.disagreements, row.largest_difference,
-			    row.first_disagreement.c_str() );
+			std::printf(
+			    "  %zu WRONG, number %zu: %s", row.disagreements, row.examined[0].number, row.examined[0].why.c_str() );
 		}
 		std::printf( "\n" );
 		m_rows.push_back( row );
@@ -140,7 +155,11 @@ void PeerReport::writeJson( const std::string& file, Json header ) const
 		if ( row.disagreements > 0 )
 		{
 			json["largest_difference_m"] = row.largest_difference;
-			json["first_disagreement"] = row.first_disagreement;
+		}
+		for ( const Disagreement& entry : row.examined )
+		{
+			json["examined"].push_back( { { "number", entry.number }, { "said", entry.said }, { "leeway", entry.leeway },
+			    { "true_lower", entry.lower }, { "true_upper", entry.upper }, { "why", entry.why } } );
 		}
 		rows.push_back( json );
 	}
@@ -152,14 +171,93 @@ void PeerReport::writeJson( const std::string& file, Json header ) const
 void PeerReport::writeCsv( const std::string& file ) const
 {
 	std::ofstream out = openFile( file );
-	out << "workload,library,count,mean_us,median_us,p95_us,answers_hash,disagreements\n";
+	out << "workload,library,count,mean_us,median_us,p95_us,answers_hash,disagreements,bytes_per_triangle\n";
 	for ( const PeerRow& row : m_rows )
 	{
 		out << '"' << row.workload << "\"," << row.library << ',' << row.count << ',' << row.time.mean << ','
-		    << row.time.median << ',' << row.time.p95 << ',' << row.answers_hash << ',' << row.disagreements << "\n";
+		    << row.time.median << ',' << row.time.p95 << ',' << row.answers_hash << ',' << row.disagreements << ','
+		    << row.bytes_per_triangle << "\n";
 	}
 	finish( out, file );
 }
+
+namespace
+{
+
+/// Of which picture a workload is a part: its letter; for states also the robot, and what it is asked about.
+std::string pictureOf( const std::string& workload )
+{
+	for ( const char* about : { " environment ", " self " } )
+	{
+		const std::size_t found = workload.find( about );
+		if ( workload[0] == 'B' && found != std::string::npos )
+		{
+			std::string name = workload.substr( 0, found + std::string( about ).size() - 1 );
+			std::replace( name.begin(), name.end(), ' ', '_' );
+			return name;
+		}
+	}
+	return workload.substr( 0, 1 );
+}
+
+/// Bars are means, marks are medians: a line for each workload, two columns for each library, "-" where it had no part.
+void writePlot( std::ofstream& out, const std::vector<PeerRow>& rows, const std::string& base )
+{
+	std::vector<std::string> workloads, libraries;
+	double least = std::numeric_limits<double>::infinity();
+	for ( const PeerRow& row : rows )
+	{
+		for ( const auto& [names, name] : { std::pair{ &workloads, row.workload }, std::pair{ &libraries, row.library } } )
+		{
+			if ( std::find( names->begin(), names->end(), name ) == names->end() )
+			{
+				names->push_back( name );
+			}
+		}
+		least = std::min( { least, row.time.mean, row.time.median } );
+	}
+	const double left = std::pow( 10, std::floor( std::log10( 0.7 * least ) ) );
+	const std::size_t prefix = std::max<std::size_t>( 1, pictureOf( workloads[0] ).size() ) + 1;
+	out << "set terminal svg size 1100," << 110 + workloads.size() * ( 11 * libraries.size() + 14 )
+	    << " font 'sans,11' background rgb 'white'\nset output '" << base
+	    << ".svg'\nset datafile missing '-'\nset logscale x\nset xlabel 'microseconds: bars are means, marks medians'\n"
+	    << "set key outside top horizontal\nset grid x\nset style fill solid\nset xrange [" << left << ":*]\nset yrange ["
+	    << static_cast<double>( workloads.size() ) - 0.5 << ":-0.5]\nset ytics (";
+	for ( std::size_t w = 0; w < workloads.size(); ++w )
+	{
+		out << ( w > 0 ? ", " : "" ) << '"' << workloads[w].substr( prefix ) << "\" " << w;
+	}
+	out << ")\n$rows << END\n";
+	for ( const std::string& workload : workloads )
+	{
+		for ( const std::string& library : libraries )
+		{
+			const auto found = std::find_if( rows.begin(), rows.end(),
+			    [&]( const PeerRow& row ) { return row.workload == workload && row.library == library; } );
+			if ( found != rows.end() )
+			{
+				out << ' ' << found->time.mean << ' ' << found->time.median;
+			}
+			else
+			{
+				out << " - -";
+			}
+		}
+		out << "\n";
+	}
+	out << "END\nplot";
+	const double height = 0.85 / static_cast<double>( libraries.size() );
+	for ( std::size_t l = 0; l < libraries.size(); ++l )
+	{
+		const double shift = ( static_cast<double>( l ) + 0.5 ) * height - 0.425;
+		out << ( l > 0 ? ", " : " " ) << "$rows using (" << left << "):($0+" << shift << "):(" << left << "):" << 2 * l + 1
+		    << ":($0+" << shift - height / 2 << "):($0+" << shift + height / 2 << ") with boxxyerror title '" << libraries[l]
+		    << "', $rows using " << 2 * l + 2 << ":($0+" << shift << ") with points pt 7 ps 0.3 lc rgb 'black' notitle";
+	}
+	out << "\n";
+}
+
+} // namespace
 
 void PeerReport::writeSvg( const std::string& folder ) const
 {
@@ -168,59 +266,16 @@ void PeerReport::writeSvg( const std::string& folder ) const
 		throw std::runtime_error( "--svg: there is no gnuplot; install it (Debian: apt-get install gnuplot-nox)" );
 	}
 	fs::create_directories( folder );
-	std::set<char> letters;
-	std::vector<std::string> libraries;
+	std::map<std::string, std::vector<PeerRow>> pictures;
 	for ( const PeerRow& row : m_rows )
 	{
-		letters.insert( row.workload[0] );
-		if ( std::find( libraries.begin(), libraries.end(), row.library ) == libraries.end() )
-		{
-			libraries.push_back( row.library );
-		}
+		pictures[pictureOf( row.workload )].push_back( row );
 	}
-	for ( const char letter : letters )
+	for ( const auto& [name, rows] : pictures )
 	{
-		// a line for each workload, a column for each library; "-" where one had no part in it
-		std::vector<std::string> workloads;
-		for ( const PeerRow& row : m_rows )
-		{
-			if ( row.workload[0] == letter && ( workloads.empty() || workloads.back() != row.workload ) )
-			{
-				workloads.push_back( row.workload );
-			}
-		}
-		const std::string base = folder + "/" + letter, script = base + ".gp";
+		const std::string base = folder + "/" + name, script = base + ".gp";
 		std::ofstream out = openFile( script );
-		out << "set terminal svg size 1200," << 200 + 30 * workloads.size() * libraries.size()
-		    << " font 'sans,11'\nset output '" << base << ".svg'\nset datafile missing '-'\nset logscale x\n"
-		    << "set xlabel 'mean, microseconds'\nset key outside top\nset grid x\nset style fill solid\nset yrange ["
-		    << workloads.size() << ":-1]\nset ytics (";
-		for ( std::size_t w = 0; w < workloads.size(); ++w )
-		{
-			out << ( w > 0 ? ", " : "" ) << '"' << workloads[w].substr( 2 ) << "\" " << w;
-		}
-		out << ")\n$rows << END\n";
-		for ( std::size_t w = 0; w < workloads.size(); ++w )
-		{
-			out << '"' << workloads[w].substr( 2 ) << '"';
-			for ( const std::string& library : libraries )
-			{
-				const auto found = std::find_if( m_rows.begin(), m_rows.end(),
-				    [&]( const PeerRow& row ) { return row.workload == workloads[w] && row.library == library; } );
-				out << ' ' << ( found != m_rows.end() ? std::to_string( found->time.mean ) : "-" );
-			}
-			out << "\n";
-		}
-		out << "END\nplot";
-		const double height = 0.8 / static_cast<double>( libraries.size() );
-		for ( std::size_t l = 0; l < libraries.size(); ++l )
-		{
-			const double shift = ( static_cast<double>( l ) + 0.5 ) * height - 0.4;
-			out << ( l > 0 ? ", " : " " ) << "$rows using (0.01):($0+" << shift << "):(0.01):" << l + 2 << ":($0+"
-			    << shift - height / 2 << "):($0+" << shift + height / 2 << ") with boxxyerror title '" << libraries[l]
-			    << "'";
-		}
-		out << "\n";
+		writePlot( out, rows, base );
 		finish( out, script );
 		out.close();
 		if ( std::system( ( "gnuplot '" + script + "'" ).c_str() ) != 0 )
@@ -246,7 +301,7 @@ int runPeers( const PeersSettings& settings )
 		std::printf( "against %s\n", peer.description.c_str() );
 		header["peers"].push_back( peer.description );
 	}
-	std::printf( "\nmicroseconds, processor time of one thread\n%-58s %-8s %5s | %10s %10s %10s | %s\n", "workload",
+	std::printf( "\nmicroseconds, processor time of one thread\n%-62s %-13s %4s | %10s %10s %10s | %s\n", "workload",
 	    "library", "n", "median", "mean", "p95", "mean / leeway's" );
 	PeerReport report;
 	runPeerWorkloads( settings, peers, report );
@@ -262,7 +317,7 @@ int runPeers( const PeersSettings& settings )
 	{
 		report.writeSvg( settings.svg );
 	}
-	std::printf( "\ncontradicted: leeway (by all others) %zu", report.disagreements( "leeway" ) );
+	std::printf( "\nanswers that brute force contradicts: leeway %zu", report.disagreements( "leeway" ) );
 	for ( const PeerLibrary& peer : peers )
 	{
 		std::printf( ", %s %zu", peer.name.c_str(), report.disagreements( peer.name ) );

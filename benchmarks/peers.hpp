@@ -14,7 +14,8 @@
 struct PeersSettings
 {
 	std::string data = LEEWAY_DATA_DIR, json, csv, svg, only;
-	std::vector<std::string> modules; ///< of engines, besides those next to the program
+	std::string robot, srdf, scene, request, group; ///< the user's own robot and scene; then only these
+	std::vector<std::string> modules;               ///< of engines, besides those next to the program
 	std::size_t states = 200;
 	int repetitions = 3;
 	std::uint64_t seed = 20260101;
@@ -28,11 +29,21 @@ struct PeerLibrary
 	std::string name, description;
 	std::function<std::unique_ptr<PeerEngine>()> make; ///< an engine that shares nothing
 	std::unique_ptr<PeerEngine> shared;                ///< the first of those that share geometry
+	bool managers = false;                             ///< its own broadphase answers about the environment
 };
 
 /// FCL, and the modules "leeway_peer_*.so" next to the program and those that are named.
 /// @throws std::runtime_error for a named module that cannot be used
 std::vector<PeerLibrary> findPeers( const std::vector<std::string>& modules );
+
+/// An answer that brute force contradicts.
+struct Disagreement
+{
+	std::size_t number = 0;      ///< of the state or pose, in the order in which they are made
+	double said = 0, leeway = 0; ///< metres, or 1 and 0
+	double lower = 0, upper = 0; ///< what is true
+	std::string why;
+};
 
 /// What one library did at one workload.
 struct PeerRow
@@ -42,9 +53,9 @@ struct PeerRow
 	Summary time;
 	std::string answers_hash;
 	std::size_t disagreements = 0;
-	double largest_difference = 0;  ///< metres, of distances
-	double bytes_per_triangle = 0;  ///< of builds
-	std::string first_disagreement; ///< enough to ask again
+	double largest_difference = 0;      ///< metres, of distances
+	double bytes_per_triangle = 0;      ///< of builds
+	std::vector<Disagreement> examined; ///< each of them
 };
 
 class PeerReport
@@ -55,7 +66,8 @@ public:
 	std::size_t disagreements( const std::string& library ) const;
 	void writeJson( const std::string& file, nlohmann::ordered_json header ) const;
 	void writeCsv( const std::string& file ) const;
-	/// One picture for each letter of the workloads, by gnuplot. @throws std::runtime_error without it
+	/// Pictures: one for each letter, of states for each robot and what they are asked about. By gnuplot. @throws
+	/// std::runtime_error without it
 	void writeSvg( const std::string& folder ) const;
 
 private:
@@ -63,6 +75,6 @@ private:
 };
 
 /// All of them, one after the other.
-void runPeerWorkloads( const PeersSettings& settings, std::vector<PeerLibrary>& peers, PeerReport& report );
-/// @return exit status: 1 if some answer of leeway is contradicted by all others
+void runPeerWorkloads( const PeersSettings& settings, const std::vector<PeerLibrary>& peers, PeerReport& report );
+/// @return exit status: 1 if brute force contradicts some answer of leeway
 int runPeers( const PeersSettings& settings );

@@ -136,6 +136,23 @@ Triangles trianglesOf( const PeerGeometry& geometry )
 	}
 }
 
+/// How deep the polyhedron lies below the surface at most: at the middle of an edge between two meridians and parallels.
+double errorOf( const PeerGeometry& geometry )
+{
+	const double radius = geometry.dimensions[0];
+	switch ( geometry.type )
+	{
+	case LW_SHAPE_SPHERE:
+	case LW_SHAPE_CAPSULE:
+		return radius * ( 1 - std::cos( M_PI / 18 ) * std::cos( M_PI / 20 ) );
+	case LW_SHAPE_CYLINDER:
+	case LW_SHAPE_CONE:
+		return radius * ( 1 - std::cos( M_PI / 32 ) );
+	default:
+		return 0;
+	}
+}
+
 class PqpEngine : public PeerEngine
 {
 public:
@@ -156,6 +173,7 @@ public:
 		}
 		m_bodies.emplace_back();
 		m_bodies.back().model = entry;
+		m_bodies.back().error = errorOf( geometry );
 		return m_bodies.size() - 1;
 	}
 
@@ -195,6 +213,8 @@ public:
 		return result.CloserThanTolerance() != 0;
 	}
 
+	bool hasSolids() const override { return false; }
+	double shapeError( std::size_t body ) const override { return m_bodies[body].error; }
 	std::unique_ptr<PeerEngine> another() const override { return std::make_unique<PqpEngine>( m_models ); }
 	double buildSeconds() const override { return m_build_seconds; }
 	std::size_t bytes() const override { return m_bytes; }
@@ -203,6 +223,7 @@ private:
 	struct Body
 	{
 		std::shared_ptr<PQP_Model> model;
+		double error = 0;
 		PQP_REAL r[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, t[3] = { 0, 0, 0 };
 	};
 

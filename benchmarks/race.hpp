@@ -82,7 +82,10 @@ inline double threadMicroseconds()
 	return 1e6 * static_cast<double>( now.tv_sec ) + 1e-3 * static_cast<double>( now.tv_nsec );
 }
 
-inline std::vector<Run> race( const std::vector<Contender>& contenders, const ConfigurationSet& set, int repetitions )
+/// @param block states that a contender is asked about before it is the next one's turn: with 1 everybody finds the caches
+/// full of others' trees, with more they hold its own for most of the block, as when a planner asks
+inline std::vector<Run> race(
+	const std::vector<Contender>& contenders, const ConfigurationSet& set, int repetitions, std::size_t block = 1 )
 {
 	const std::size_t n = set.states.size();
 	std::vector<std::vector<std::vector<double>>> times( contenders.size(), std::vector<std::vector<double>>( n ) );
@@ -92,7 +95,7 @@ inline std::vector<Run> race( const std::vector<Contender>& contenders, const Co
 	std::iota( order.begin(), order.end(), std::size_t{ 0 } );
 	for ( int pass = 0; pass < repetitions; ++pass )
 	{
-		for ( std::size_t i = 0; i < n; ++i )
+		for ( std::size_t first = 0; first < n; first += block )
 		{
 			// In a new order each time: who comes after somebody with much memory finds the caches cold
 			for ( std::size_t k = order.size(); k-- > 1; )
@@ -101,12 +104,15 @@ inline std::vector<Run> race( const std::vector<Contender>& contenders, const Co
 			}
 			for ( const std::size_t c : order )
 			{
-				const double start = threadMicroseconds();
-				const Answer answer = contenders[c].ask( set.states[i].data() );
-				times[c][i].push_back( threadMicroseconds() - start );
-				if ( pass == 0 )
+				for ( std::size_t i = first; i < std::min( n, first + block ); ++i )
 				{
-					runs[c].answers.push_back( answer );
+					const double start = threadMicroseconds();
+					const Answer answer = contenders[c].ask( set.states[i].data() );
+					times[c][i].push_back( threadMicroseconds() - start );
+					if ( pass == 0 )
+					{
+						runs[c].answers.push_back( answer );
+					}
 				}
 			}
 		}
