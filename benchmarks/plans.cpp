@@ -368,7 +368,10 @@ private:
 		{
 			worlds.addArmarProblems();
 		}
-		addGeneratedKitchen( settings, folder, worlds );
+		if ( settings.data.empty() || !settings.smoke )
+		{
+			addGeneratedKitchen( settings, folder, worlds );
+		}
 		std::size_t of_each = settings.pick( SIZE_MAX, 3, 1 ), taken = 0;
 		std::string set;
 		for ( std::size_t i = 0; i < worlds.size(); ++i )

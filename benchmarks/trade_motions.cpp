@@ -42,6 +42,13 @@ struct Setting
 	std::vector<double> times;     // microseconds, of each motion
 };
 
+// The clearance above which a certificate turns nothing down, metres; what steps with a margin may lose of theirs.
+double band( const Setting& setting )
+{
+	return setting.def.method == LW_EDGE_STEPS ? setting.def.min_d
+	                                           : ( setting.def.min_d + setting.def.slack ) / ( 1 - setting.def.alpha );
+}
+
 std::vector<Setting> allSettings( bool short_run )
 {
 	std::vector<Setting> all;
@@ -191,11 +198,6 @@ private:
 		    std::max( 0.0, d ), most, m_name + text( ", %s at t = %.17g", lw_verdict_name( r.verdict ), r.t ) );
 	}
 
-	static double band( const Setting& setting )
-	{
-		return ( setting.def.min_d + setting.def.slack ) / ( 1 - setting.def.alpha );
-	}
-
 	Seat& m_seat;
 	const Motion& m_motion;
 	const std::string m_name, m_inject;
@@ -220,11 +222,10 @@ double meanOf( const std::vector<double>& values )
 void addTable( const std::vector<Setting>& all, const Totals& totals, Outcome& out )
 {
 	Table table{ "motions", "Motions: certified against fixed steps",
-	    text( "%zu motions, %zu of them collide. Missed: colliding motions called free. Turned down: free motions not "
-	          "called free. Promised "
-	          "and observed, in metres: certified, the clearance at which a motion is turned down; steps with their length "
-	          "as margin, the "
-	          "same, and by how much the clearance between two steps falls below the margin.",
+	    text(
+	        "%zu motions, %zu of them collide. Missed: colliding motions called free. Turned down: free motions not called "
+	        "free. Promised and observed, in metres: certified, the clearance at which a motion is turned down; steps with "
+	        "their length as margin, the same, and by how much the clearance between two steps falls below the margin.",
 	        totals.motions, totals.colliding ),
 	    { { "knob", "", 0 }, { "value", "", 0 }, { "promised", "m", 0 }, { "observed", "m", -1 }, { "broken", "", -1 },
 	        { "missed", "", -1 }, { "missed", "% of colliding", -1 }, { "turned down", "", -1 },
@@ -233,11 +234,10 @@ void addTable( const std::vector<Setting>& all, const Totals& totals, Outcome& o
 	for ( const Setting& s : all )
 	{
 		const bool promises = s.knob != STEPS;
-		table.rows.push_back(
-		    { std::string( KNOBS[s.knob] ), s.value, promises ? Cell( s.promise.promised() ) : Cell( "none" ),
-		        promises ? Cell( s.promise.worst() ) : Cell( "none" ), static_cast<double>( s.promise.broken() ),
-		        static_cast<double>( s.missed ), share( s.missed, totals.colliding ), static_cast<double>( s.turned_down ),
-		        share( s.turned_down, totals.motions - totals.colliding ), meanOf( s.times ) } );
+		table.rows.push_back( { std::string( KNOBS[s.knob] ), s.value, promises ? Cell( band( s ) ) : Cell( "none" ),
+		    promises ? Cell( s.promise.worst() ) : Cell( "none" ), static_cast<double>( s.promise.broken() ),
+		    static_cast<double>( s.missed ), share( s.missed, totals.colliding ), static_cast<double>( s.turned_down ),
+		    share( s.turned_down, totals.motions - totals.colliding ), meanOf( s.times ) } );
 	}
 	out.tables.push_back( table );
 }
@@ -280,8 +280,11 @@ void addPlots( const std::vector<Setting>& all, const Totals& totals, Outcome& o
 		}
 		else if ( s.knob == SLACK )
 		{
-			promised.points.push_back( { s.value, s.promise.promised() } );
-			observed.points.push_back( { s.value, s.promise.worst() > 0 ? s.promise.worst() : std::nan( "" ) } );
+			promised.points.push_back( { s.value, band( s ) } );
+			if ( s.promise.worst() > 0 ) // the axis has no place for nothing
+			{
+				observed.points.push_back( { s.value, s.promise.worst() } );
+			}
 			slack_time.points.push_back( { s.value, meanOf( s.times ) } );
 		}
 	}
@@ -299,7 +302,11 @@ void addPlots( const std::vector<Setting>& all, const Totals& totals, Outcome& o
 	}
 	missed.series = { miss, lost, certified_miss, certified_lost };
 	time.series = { plain, margin, proof };
-	slack.series = { promised, observed, slack_time };
+	slack.series = { promised, slack_time };
+	if ( !observed.points.empty() )
+	{
+		slack.series.insert( slack.series.begin() + 1, observed );
+	}
 	out.plots.insert( out.plots.end(), { missed, time, slack } );
 }
 

@@ -13,8 +13,10 @@
 /// printf for cells and sentences.
 template <typename... Values> std::string text( const char* format, Values... values )
 {
-	char out[512];
-	std::snprintf( out, sizeof out, format, values... );
+	const int length = std::snprintf( nullptr, 0, format, values... );
+	std::string out( static_cast<std::size_t>( std::max( length, 0 ) ) + 1, '\0' );
+	std::snprintf( out.data(), out.size(), format, values... );
+	out.pop_back(); // the end of C
 	return out;
 }
 

@@ -37,7 +37,7 @@ Subject kitchen( const ExperimentSettings& settings, Progress& progress )
 	const leeway::io::Problem problem = loadKitchen( settings.data, lw_tree_def_default() );
 	subject.checker = problem.checker;
 	FclPeer fcl( problem.checker.get() );
-	const std::size_t each = settings.pick( 1000, 100, 4 );
+	const std::size_t each = settings.pick( 1200, 100, 4 );
 	const std::vector<ConfigurationSet> sets = makeConfigurations( problem, settings.data, settings.seed, each );
 	for ( const ConfigurationSet& set : sets )
 	{
