@@ -280,20 +280,6 @@ void EdgeWorlds::makeFromFiles( EdgeWorldEntry& entry )
 	{
 		world.allowed = allowedContacts( *options.scene, world );
 	}
-	// Contacts of links that stand still, a base on its floor
-	for ( std::size_t i = 0; options.scene != nullptr && i < options.scene->allowed.size(); ++i )
-	{
-		const auto& [a, b] = options.scene->allowed[i];
-		for ( const auto& [link, object] : { std::pair( a, b ), std::pair( b, a ) } )
-		{
-			const lw_link_object_pair pair = { lw_robot_find_link( world.robot.get(), link.c_str() ),
-				lw_scene_find_object( world.scene.get(), object.c_str() ) };
-			if ( pair.link != LW_INVALID_INDEX && pair.object != LW_INVALID_INDEX )
-			{
-				world.allowed.push_back( pair );
-			}
-		}
-	}
 	if ( options.request != nullptr && request.group == options.group )
 	{
 		entry.start = io::startState( problem );
