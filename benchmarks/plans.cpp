@@ -334,6 +334,8 @@ public:
 		progress.at( 0, "robots and kitchens" );
 		lw_reach_def reach = lw_reach_def_default();
 		reach.seconds = settings.quick || settings.smoke ? std::min( settings.budget, 0.2 ) : settings.budget;
+		reach.hulls_only = settings.smoke;
+		reach.hull_error = settings.smoke ? 0.1 : reach.hull_error;
 		const TemporaryFolder folder;
 		EdgeWorlds worlds( settings.data, reach );
 		const std::vector<std::size_t> reaches = listReaches( settings, folder.path(), worlds );

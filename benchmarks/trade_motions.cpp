@@ -372,6 +372,8 @@ void addTradeMotions( const ExperimentSettings& settings, const TradeSettings& t
 	progress.at( 0, "worlds of motions" );
 	lw_reach_def reach = lw_reach_def_default();
 	reach.seconds = settings.quick || settings.smoke ? std::min( settings.budget, 0.2 ) : settings.budget;
+	reach.hulls_only = settings.smoke;
+	reach.hull_error = settings.smoke ? 0.1 : reach.hull_error;
 	EdgeWorlds worlds( settings.data, reach );
 	addWorlds( settings, worlds );
 	std::vector<Setting> all = allSettings( settings.quick || settings.smoke );
