@@ -24,7 +24,7 @@ packages_of()
 		liblzf-dev liboctomap-dev libpng-dev libcli11-dev nlohmann-json3-dev ;;
 	# xvfb-run is a script of xvfb that calls xauth, which is only recommended by it
 	examples) echo f3d xvfb xauth ;;
-	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev libbenchmark-dev ;;
+	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev libbenchmark-dev gnuplot-nox ;;
 	tests) echo libgtest-dev libgmock-dev ;;
 	*) return 1 ;;
 	esac

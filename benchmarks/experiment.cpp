@@ -93,7 +93,7 @@ Json cell( const Cell& value )
 Json toJson( const Table& table )
 {
 	Json json = { { "id", table.id }, { "title", table.title }, { "note", table.note }, { "columns", Json::array() },
-		{ "rows", Json::array() } };
+	    { "rows", Json::array() } };
 	for ( const Column& column : table.columns )
 	{
 		json["columns"].push_back( { { "name", column.name }, { "unit", column.unit }, { "better", column.better } } );
@@ -125,6 +125,10 @@ Json toJson( const Axis& axis )
 	{
 		json["to"] = number( axis.to );
 	}
+	if ( !std::isnan( axis.step ) )
+	{
+		json["step"] = number( axis.step );
+	}
 	return json;
 }
 
@@ -144,14 +148,14 @@ Json toJson( const Series& series )
 		points.push_back( std::move( point ) );
 	}
 	return { { "name", series.name }, { "mark", MARKS[static_cast<int>( series.mark )] }, { "second", series.second },
-		{ "points", std::move( points ) } };
+	    { "points", std::move( points ) } };
 }
 
 Json toJson( const Plot& plot )
 {
 	Json json = { { "id", plot.id }, { "title", plot.title }, { "caption", plot.caption }, { "x", toJson( plot.x ) },
-		{ "y", toJson( plot.y ) }, { "y2", toJson( plot.y2 ) }, { "series", Json::array() },
-		{ "categories", plot.categories } };
+	    { "y", toJson( plot.y ) }, { "y2", toJson( plot.y2 ) }, { "series", Json::array() },
+	    { "categories", plot.categories } };
 	for ( const Series& series : plot.series )
 	{
 		json["series"].push_back( toJson( series ) );
@@ -164,8 +168,8 @@ Json toJson( const Plot& plot )
 Json toJson( const Outcome& outcome )
 {
 	Json json = { { "name", outcome.name }, { "title", outcome.title }, { "about", outcome.about },
-		{ "seconds", number( outcome.seconds ) }, { "claims", Json::array() }, { "tables", Json::array() },
-		{ "plots", Json::array() }, { "details", outcome.details } };
+	    { "seconds", number( outcome.seconds ) }, { "claims", Json::array() }, { "tables", Json::array() },
+	    { "plots", Json::array() }, { "details", outcome.details } };
 	for ( const Claim& claim : outcome.claims )
 	{
 		json["claims"].push_back( { { "source", claim.source }, { "text", claim.text }, { "figure", claim.figure },
@@ -206,8 +210,8 @@ Cell cellOf( const Json& json )
 	}
 	if ( json.is_array() )
 	{
-		return Measure{ numberOf( json.at( 0 ) ), numberOf( json.at( 1 ) ), numberOf( json.at( 2 ) ),
-			json.at( 3 ).get<std::size_t>() };
+		return Measure{
+		    numberOf( json.at( 0 ) ), numberOf( json.at( 1 ) ), numberOf( json.at( 2 ) ), json.at( 3 ).get<std::size_t>() };
 	}
 	return numberOf( json );
 }
@@ -242,6 +246,7 @@ Axis axisOf( const Json& json )
 	axis.log = json.at( "log" ).get<bool>();
 	axis.from = json.contains( "from" ) ? numberOf( json["from"] ) : axis.from;
 	axis.to = json.contains( "to" ) ? numberOf( json["to"] ) : axis.to;
+	axis.step = json.contains( "step" ) ? numberOf( json["step"] ) : axis.step;
 	return axis;
 }
 
@@ -253,8 +258,8 @@ Series seriesOf( const Json& json )
 	{
 		throw std::runtime_error( "series " + json.at( "name" ).get<std::string>() + ": unknown mark " + mark );
 	}
-	Series series{ json.at( "name" ), {}, static_cast<Mark>( known - std::begin( MARKS ) ),
-		json.at( "second" ).get<bool>() };
+	Series series{
+	    json.at( "name" ), {}, static_cast<Mark>( known - std::begin( MARKS ) ), json.at( "second" ).get<bool>() };
 	for ( const Json& values : json.at( "points" ) )
 	{
 		Point point;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An experiment: what it is asked to do, and what it hands back: tables, plots, and claims held against them. report.hpp makes
-// a page of it, compare.hpp sets two of them side by side.
+// An experiment: what it is asked to do, and what it hands back: tables, plots, and claims held against them. report.hpp
+// makes a page of it, compare.hpp sets two of them side by side.
 #pragma once
 
 #include "race.hpp"
@@ -22,12 +22,13 @@ class App;
 /// What all experiments are told.
 struct ExperimentSettings
 {
-	std::string data = LEEWAY_DATA_DIR; ///< folder with armar3, kit_kitchen and mbm; empty: generated shapes only, for tests
-	std::string out;                    ///< folder for files of their own; empty: write none
-	bool quick = false;                 ///< a share of the work; all experiments together stay under two minutes
-	bool smoke = false;                 ///< the least that runs every line: seconds, for tests. Implies quick
+	std::string data =
+	    LEEWAY_DATA_DIR; ///< folder with armar3, kit_kitchen and mbm; empty: only what needs none of it, for tests
+	std::string out;     ///< folder for files of their own; empty: write none
+	bool quick = false;  ///< a share of the work; all experiments together stay under two minutes
+	bool smoke = false;  ///< the least that runs every line: seconds, for tests. Implies quick
 	std::uint64_t seed = 20260101;
-	double budget = 5;                  ///< seconds for proofs of pairs, per robot
+	double budget = 5; ///< seconds for proofs of pairs, per robot
 	std::size_t pick( std::size_t full, std::size_t short_run, std::size_t least ) const
 	{
 		return smoke ? least : quick ? short_run : full;
@@ -41,6 +42,18 @@ public:
 	virtual ~Progress() = default;
 	/// @param share of this experiment that is done, in [0, 1], never less than before. @param what is being done now
 	virtual void at( double share, const std::string& what ) = 0;
+};
+
+/// A part of somebody else's progress: its own 0 to 1 are `from` to `to` of the whole.
+class PartProgress : public Progress
+{
+public:
+	PartProgress( Progress& whole, double from, double to ) : m_whole( whole ), m_from( from ), m_to( to ) {}
+	void at( double share, const std::string& what ) override { m_whole.at( m_from + share * ( m_to - m_from ), what ); }
+
+private:
+	Progress& m_whole;
+	double m_from, m_to;
 };
 
 /// A figure that was measured several times: median and quartiles, by which compare.hpp tells change from noise.
@@ -58,11 +71,11 @@ using Cell = std::variant<std::string, double, Measure>;
 struct Column
 {
 	std::string name, unit; ///< unit "" = a word or a bare number
-	/// What compare.hpp may say of it: +1 more is better, -1 less is better, 0 neither.
+	/// What compare.hpp may say of it: +1 more is better, -1 less is better, 0 it tells no better from worse.
 	int better = 0;
 };
 
-/// Rows are told apart by their words: two rows of a table must not have all words alike.
+/// What stands in front of the first column with `better` names the row, for compare.hpp: no two rows may have it alike.
 struct Table
 {
 	std::string id, title, note; ///< id: unique in the experiment, [a-z0-9-]
@@ -76,6 +89,7 @@ struct Axis
 	bool log = false;
 	double from = std::numeric_limits<double>::quiet_NaN(); ///< NaN: by the data
 	double to = std::numeric_limits<double>::quiet_NaN();
+	double step = std::numeric_limits<double>::quiet_NaN(); ///< between labels; NaN: by the data
 };
 
 struct Point
@@ -90,7 +104,7 @@ enum class Mark
 	LINES,  ///< points joined by lines
 	POINTS, ///< by themselves
 	DASHES, ///< a dashed line without points: a bound, a promise, a reference
-	BARS    ///< from 0 (or the axis' lower end) to y at x = 0, 1, 2, ...; the plot names them in `categories`
+	BARS    ///< from 0 to y; in plots with `categories` only
 };
 
 struct Series
@@ -106,7 +120,8 @@ struct Plot
 	std::string id, title, caption; ///< id: unique in the experiment, [a-z0-9-]
 	Axis x, y, y2;                  ///< y2 counts if a series is `second`
 	std::vector<Series> series;
-	std::vector<std::string> categories; ///< of bars: names along x
+	/// Names along x, at 0, 1, 2, ...: series of POINTS and BARS are drawn side by side there.
+	std::vector<std::string> categories;
 };
 
 enum class Verdict

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program leeway-bench: what `leeway bench ...` hands over to, so that leeway itself links no other library of its kind.
+#include "experiment_commands.hpp"
 #include "peers.hpp"
 
 #include <CLI/CLI.hpp>
@@ -39,15 +40,9 @@ void addPeers( CLI::App& app, PeersSettings& settings )
 	peers.add_option( "--svg", settings.svg, "draw a picture of each workload into this folder (gnuplot)" );
 }
 
-} // namespace
-
-int main( int argc, char** argv )
+/// The peers' commands, 77 if there is no data for them.
+int runPeersCommand( PeersSettings& settings )
 {
-	PeersSettings settings;
-	CLI::App app( "leeway's benchmarks against other libraries", "leeway-bench" );
-	app.require_subcommand( 1 );
-	addPeers( app, settings );
-	CLI11_PARSE( app, argc, argv );
 	if ( settings.quick )
 	{
 		settings.states = std::min<std::size_t>( settings.states, 100 );
@@ -61,9 +56,33 @@ int main( int argc, char** argv )
 			return 77;
 		}
 	}
+	return runPeers( settings );
+}
+
+} // namespace
+
+int main( int argc, char** argv )
+{
+	PeersSettings settings;
+	CLI::App app( "leeway's benchmarks: against other libraries, and the trade of speed against accuracy.\n"
+	              "leeway-bench --report FOLDER runs all experiments (with --quick in two minutes) and writes one page.",
+	    "leeway-bench" );
+	app.require_subcommand( 0, 1 );
+	addPeers( app, settings );
+	ExperimentCommands experiments( app );
+	CLI11_PARSE( app, argc, argv );
 	try
 	{
-		return runPeers( settings );
+		if ( experiments.chosen() )
+		{
+			return experiments.run();
+		}
+		if ( app.got_subcommand( "peers" ) )
+		{
+			return runPeersCommand( settings );
+		}
+		std::cerr << "leeway-bench: nothing to do: give --report FOLDER or a command (--help lists them)\n";
+		return 2;
 	}
 	catch ( const std::exception& error )
 	{

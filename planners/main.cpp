@@ -465,7 +465,7 @@ int main( int argc, char** argv )
 	addPlan( app, commands.plan );
 	addAudit( app, commands.audit );
 	addTune( app, commands.tune );
-	app.add_subcommand( "bench", "Against other libraries, in one run: hands over to leeway-bench" );
+	app.add_subcommand( "bench", "Against other libraries, and the trade of speed against accuracy: hands over to leeway-bench" );
 	if ( argc > 1 && std::string( argv[1] ) == "bench" )
 	{
 		return runBench( argc, argv );

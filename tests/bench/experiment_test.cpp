@@ -18,15 +18,14 @@ Outcome example()
 	outcome.about = "about";
 	outcome.seconds = 12.5;
 	outcome.details = { { "hash", "00ff" } };
-	outcome.tables.push_back( { "times", "Times", "a note",
-	    { { "what", "", 0 }, { "limit", "m", 0 }, { "time", "us", -1 } },
+	outcome.tables.push_back( { "times", "Times", "a note", { { "what", "", 0 }, { "limit", "m", 0 }, { "time", "us", -1 } },
 	    { { "near", 0.010, Measure{ 3, 2.5, 4, 20 } }, { "far", INF, 1.0 / 3 } } } );
 	Plot plot;
 	plot.id = "a";
 	plot.x = { "distance", "m", true, 1e-4, INF };
 	plot.y.from = 0;
-	plot.series = { { "one", { { 1, 2, 1.5, 2.5 }, { 3, std::nan( "" ) } }, Mark::DASHES, true },
-		{ "two", {}, Mark::BARS, false } };
+	plot.series = {
+	    { "one", { { 1, 2, 1.5, 2.5 }, { 3, std::nan( "" ) } }, Mark::DASHES, true }, { "two", {}, Mark::BARS, false } };
 	plot.categories = { "first", "second" };
 	outcome.plots.push_back( plot );
 	outcome.claims.push_back( { "promise", "text", "figure", Verdict::BROKEN, "why" } );
