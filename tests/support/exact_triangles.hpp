@@ -59,11 +59,11 @@ inline Wide squareRoot( Wide v )
 /// From the root in long double by two Newton steps, each of which doubles its digits.
 inline Quad squareRoot( Quad v )
 {
-	if ( !( v > 0 ) )
-	{
-		return 0;
-	}
 	Quad root = std::sqrt( static_cast<Wide>( v ) );
+	if ( !( v > 0 && root < INFINITY ) )
+	{
+		return root;
+	}
 	for ( int i = 0; i < 2 && root > 0; ++i )
 	{
 		root = ( root + v / root ) / 2;
@@ -115,39 +115,50 @@ template <class R> struct Foot
 	int corner; ///< first corner of the edge it is on, -1 inside, 3 + i at corner i
 };
 
-/// The point of a triangle that is nearest to p, to rounding; always a point of it.
-template <class R> inline Foot<R> nearestPoint( const Vec<R> t[3], Vec<R> p )
+/// The point of a triangle that is nearest to p, to rounding; always a point of it. One that is within `enough` (squared) will do.
+template <class R> inline Foot<R> nearestPoint( const Vec<R> t[3], Vec<R> p, R enough = 0 )
 {
-	Foot<R> best = { t[0], 0, 3 };
-	Vec<R> d = p - t[0];
-	best.square = dot( d, d );
-	Vec<R> e[3] = { t[1] - t[0], t[2] - t[1], t[0] - t[2] };
-	for ( int i = 0; i < 3; ++i )
+	const Vec<R> from[3] = { p - t[0], p - t[1], p - t[2] }, e[3] = { t[1] - t[0], t[2] - t[1], t[0] - t[2] };
+	Foot<R> best = { t[0], dot( from[0], from[0] ), 3 };
+	for ( int i = 1; i < 3; ++i )
 	{
-		R ee = dot( e[i], e[i] );
-		R s = ee > 0 ? clamp01( dot( p - t[i], e[i] ) / ee ) : R( 0 );
-		Vec<R> q = 2 * s < 1 ? t[i] + s * e[i] : t[( i + 1 ) % 3] - ( 1 - s ) * e[i];
-		d = p - q;
-		R square = dot( d, d );
-		if ( square < best.square )
-		{
-			best = { q, square, s > 0 ? ( s < 1 ? i : 3 + ( i + 1 ) % 3 ) : 3 + i };
-		}
+		R square = dot( from[i], from[i] );
+		best = square < best.square ? Foot<R>{ t[i], square, 3 + i } : best;
 	}
-	Vec<R> w = p - t[0], f = t[2] - t[0], n = cross( e[0], f );
-	R nn = dot( n, n );
-	if ( nn > 0 )
+	if ( best.square <= enough )
 	{
-		R u = dot( cross( w, f ), n ) / nn, v = dot( cross( e[0], w ), n ) / nn;
-		if ( u >= 0 && v >= 0 && u + v <= 1 )
+		return best;
+	}
+	// inside: along the longest edge and the height over it, which a needle leaves as good as any
+	const R ee[3] = { dot( e[0], e[0] ), dot( e[1], e[1] ), dot( e[2], e[2] ) };
+	int k = ee[1] > ee[0] ? 1 : 0;
+	k = ee[2] > ee[k] ? 2 : k;
+	if ( ee[k] > 0 )
+	{
+		R inverse = 1 / ee[k];
+		Vec<R> c = t[( k + 2 ) % 3] - t[k];
+		R apex = dot( c, e[k] ) * inverse;
+		Vec<R> m = c - apex * e[k];
+		m = m - ( dot( m, e[k] ) * inverse ) * e[k];
+		R mm = dot( m, m ), s = dot( from[k], e[k] ) * inverse, h = mm > 0 ? dot( from[k], m ) / mm : R( -1 );
+		if ( h >= 0 && h <= 1 && s >= h * apex && s <= 1 - h * ( 1 - apex ) )
 		{
-			Vec<R> q = t[0] + u * e[0] + v * f;
-			d = p - q;
+			Vec<R> q = t[k] + s * e[k] + h * m, d = p - q;
 			R square = dot( d, d );
 			if ( square < best.square )
 			{
-				best = { q, square, -1 };
+				return { q, square, -1 };
 			}
+		}
+	}
+	for ( int i = 0; i < 3 && best.square > enough; ++i )
+	{
+		R s = ee[i] > 0 ? dot( from[i], e[i] ) / ee[i] : R( 0 );
+		if ( s > 0 && s < 1 )
+		{
+			Vec<R> q = 2 * s < 1 ? t[i] + s * e[i] : t[( i + 1 ) % 3] - ( 1 - s ) * e[i], d = p - q;
+			R square = dot( d, d );
+			best = square < best.square ? Foot<R>{ q, square, i } : best;
 		}
 	}
 	return best;
@@ -217,59 +228,108 @@ template <class R> inline void offerPoints( Vec<R> pa, Vec<R> pb, R& square, Vec
 	}
 }
 
-/// Edges of t against the face of f: where one crosses the plane, the crossing and the nearest point of the face to it.
-template <class R> inline void offerCrossings( const Vec<R> t[3], const Vec<R> f[3], R& square, Vec<R>& best )
+/// The pairs of features between which two triangles can be nearest.
+enum
 {
+	corners_of_a = 0, ///< corner i of a against b
+	corners_of_b = 3,
+	edges = 6,         ///< edge i of a against edge j of b: 6 + 3 i + j
+	crossings_of_a = 15, ///< edge i of a through the face of b
+	crossings_of_b = 18,
+	feature_count = 21
+};
+
+/// Edge i of t through the face of f: where it crosses the plane, and the nearest point of the face to that.
+template <class R> inline bool crossing( const Vec<R> t[3], int i, const Vec<R> f[3], Vec<R>& on_edge, Vec<R>& on_face )
+{
+	int j = ( i + 1 ) % 3;
 	Vec<R> n = cross( f[1] - f[0], f[2] - f[0] );
-	R h[3];
-	for ( int i = 0; i < 3; ++i )
+	R hi = dot( t[i] - f[0], n ), hj = dot( t[j] - f[0], n );
+	if ( ( hi > 0 ) == ( hj > 0 ) )
 	{
-		h[i] = dot( t[i] - f[0], n );
+		return false;
 	}
-	for ( int i = 0; i < 3; ++i )
+	on_edge = t[i] + clamp01( hi / ( hi - hj ) ) * ( t[j] - t[i] );
+	on_face = nearestPoint( f, on_edge ).point;
+	return true;
+}
+
+/// Lowers the squared distance to that of a pair of features, with the vector across. @return true if it did
+template <class R> inline bool offerFeature( const Pair<R>& pair, int feature, R& square, Vec<R>& across )
+{
+	const Vec<R>*a = pair.a, *b = pair.b;
+	Vec<R> pa, pb;
+	if ( feature < corners_of_b )
 	{
-		int j = ( i + 1 ) % 3;
-		if ( ( h[i] > 0 ) != ( h[j] > 0 ) )
-		{
-			Vec<R> x = t[i] + clamp01( h[i] / ( h[i] - h[j] ) ) * ( t[j] - t[i] );
-			offerPoints( x, nearestPoint( f, x ).point, square, best );
-		}
+		pa = a[feature];
+		pb = nearestPoint( b, pa ).point;
+	}
+	else if ( feature < edges )
+	{
+		pb = b[feature - corners_of_b];
+		pa = nearestPoint( a, pb ).point;
+	}
+	else if ( feature < crossings_of_a )
+	{
+		int i = ( feature - edges ) / 3, j = ( feature - edges ) % 3;
+		nearestOfEdges( a[i], a[( i + 1 ) % 3] - a[i], b[j], b[( j + 1 ) % 3] - b[j], pa, pb );
+	}
+	else if ( !( feature < crossings_of_b ? crossing( a, feature - crossings_of_a, b, pa, pb ) : crossing( b, feature - crossings_of_b, a, pb, pa ) ) )
+	{
+		return false;
+	}
+	R before = square;
+	offerPoints( pa, pb, square, across );
+	return square < before;
+}
+
+/// Slabs along the normals of both and the products of all edges: where the vector between the nearest points has too few digits.
+template <class R> inline void offerNormals( const Pair<R>& pair, Bounds<R>& bounds )
+{
+	const Vec<R>*a = pair.a, *b = pair.b;
+	offerSlab( pair, cross( a[1] - a[0], a[2] - a[0] ), bounds );
+	offerSlab( pair, cross( b[1] - b[0], b[2] - b[0] ), bounds );
+	for ( int i = 0; i < 9; ++i )
+	{
+		Vec<R> u = a[( i / 3 + 1 ) % 3] - a[i / 3], v = b[( i % 3 + 1 ) % 3] - b[i % 3];
+		offerSlab( pair, cross( u, v ), bounds );
 	}
 }
 
-/// Everything: all features, then slabs along the line of the nearest points, both normals and the products of all edges.
-template <class R> inline Bounds<R> solve( const Pair<R>& pair )
+/// Everything: all features, then slabs. @param nearest the features that are nearest, nullable
+template <class R> inline Bounds<R> solve( const Pair<R>& pair, int* nearest = nullptr )
 {
 	Bounds<R> bounds;
 	R square = INFINITY;
 	Vec<R> across = { 0, 0, 0 };
-	const Vec<R>*a = pair.a, *b = pair.b;
-	for ( int i = 0; i < 3; ++i )
+	int best = 0;
+	for ( int feature = 0; feature < feature_count; ++feature )
 	{
-		offerPoints( a[i], nearestPoint( b, a[i] ).point, square, across );
-		offerPoints( nearestPoint( a, b[i] ).point, b[i], square, across );
-		for ( int j = 0; j < 3; ++j )
-		{
-			Vec<R> pa, pb;
-			nearestOfEdges( a[i], a[( i + 1 ) % 3] - a[i], b[j], b[( j + 1 ) % 3] - b[j], pa, pb );
-			offerPoints( pa, pb, square, across );
-		}
+		best = offerFeature( pair, feature, square, across ) ? feature : best;
 	}
-	offerCrossings( a, b, square, across );
-	offerCrossings( b, a, square, across );
+	if ( nearest != nullptr )
+	{
+		*nearest = best;
+	}
 	bounds.upper = squareRoot( square );
 	offerSlab( pair, across, bounds );
 	R error = enclosureError( pair.extent );
 	if ( bounds.upper - bounds.lower > error && bounds.upper > error )
 	{
-		offerSlab( pair, cross( a[1] - a[0], a[2] - a[0] ), bounds );
-		offerSlab( pair, cross( b[1] - b[0], b[2] - b[0] ), bounds );
-		for ( int i = 0; i < 9; ++i )
-		{
-			Vec<R> u = a[( i / 3 + 1 ) % 3] - a[i / 3], v = b[( i % 3 + 1 ) % 3] - b[i % 3];
-			offerSlab( pair, cross( u, v ), bounds );
-		}
+		offerNormals( pair, bounds );
 	}
+	return bounds;
+}
+
+/// The same from one pair of features: as good, if these are the nearest.
+template <class R> inline Bounds<R> solveOne( const Pair<R>& pair, int feature )
+{
+	Bounds<R> bounds;
+	R square = INFINITY;
+	Vec<R> across = { 0, 0, 0 };
+	offerFeature( pair, feature, square, across );
+	bounds.upper = squareRoot( square );
+	offerSlab( pair, across, bounds );
 	return bounds;
 }
 
@@ -306,11 +366,16 @@ inline Wide leastError( const Enclosure& truth, double distance )
 template <class P> inline Enclosure distance( const P* a, const P* b, double width )
 {
 	Pair<Wide> pair( a, b );
-	Enclosure out = widened( solve( pair ), pair.extent, 1 );
+	int nearest;
+	Enclosure out = widened( solve( pair, &nearest ), pair.extent, 1 );
 	if ( out.upper - out.lower > width )
 	{
 		Pair<Quad> precise( a, b );
-		Enclosure better = widened( solve( precise ), precise.extent, 2 );
+		Enclosure better = widened( solveOne( precise, nearest ), precise.extent, 2 );
+		if ( !( better.upper - better.lower <= width ) )
+		{
+			better = widened( solve( precise ), precise.extent, 2 );
+		}
 		out = { std::max( out.lower, better.lower ), std::min( out.upper, better.upper ), 2 };
 	}
 	return out;
@@ -333,36 +398,33 @@ inline Enclosure distanceNear( const lw_vec3 a[3], const lw_vec3 b[3], lw_vec3 n
 	Pair<Wide> pair( a, b );
 	Vec<Wide> pa = { near_a.x - Wide( a[0].x ), near_a.y - Wide( a[0].y ), near_a.z - Wide( a[0].z ) };
 	Vec<Wide> pb = { near_b.x - Wide( a[0].x ), near_b.y - Wide( a[0].y ), near_b.z - Wide( a[0].z ) };
-	Foot<Wide> on_a = nearestPoint( pair.a, pa ), on_b = nearestPoint( pair.b, pb );
+	// points that are on their triangles to a roundoff of double are near enough
+	Wide enough = DBL_EPSILON * pair.extent;
+	Foot<Wide> on_a = nearestPoint( pair.a, pa, enough * enough ), on_b = nearestPoint( pair.b, pb, enough * enough );
 	if ( outside != nullptr )
 	{
 		*outside = std::sqrt( std::max( on_a.square, on_b.square ) );
 	}
 	Bounds<Wide> bounds;
-	Vec<Wide> d = on_b.point - on_a.point;
-	bounds.upper = length( d );
+	bounds.upper = length( on_b.point - on_a.point );
+	Enclosure out = widened( bounds, pair.extent, 0 );
 	if ( claimed > tolerance )
 	{
 		offerSlab( pair, pb - pa, bounds );
-		if ( on_a.corner < 0 )
+		out = widened( bounds, pair.extent, 0 );
+		if ( worstError( out, claimed ) > tolerance )
 		{
-			offerSlab( pair, cross( pair.a[1] - pair.a[0], pair.a[2] - pair.a[0] ), bounds );
-		}
-		else if ( on_b.corner < 0 )
-		{
-			offerSlab( pair, cross( pair.b[1] - pair.b[0], pair.b[2] - pair.b[0] ), bounds );
-		}
-		else if ( on_a.corner < 3 && on_b.corner < 3 )
-		{
+			// the points again, from the features that they are on
 			int i = on_a.corner, j = on_b.corner;
-			offerSlab( pair, cross( pair.a[( i + 1 ) % 3] - pair.a[i], pair.b[( j + 1 ) % 3] - pair.b[j] ), bounds );
-		}
-		else
-		{
-			offerSlab( pair, d, bounds );
+			int feature = i >= 3 ? corners_of_a + i - 3 : j >= 3 ? corners_of_b + j - 3 : edges + 3 * ( i > 0 ? i : 0 ) + ( j > 0 ? j : 0 );
+			Bounds<Wide> again = solveOne( pair, feature );
+			bounds = { std::max( bounds.lower, again.lower ), std::min( bounds.upper, again.upper ) };
+			const Vec<Wide>*t = pair.a, *u = pair.b;
+			Vec<Wide> ea = t[1] - t[0], fa = t[2] - t[0], eb = u[1] - u[0], fb = u[2] - u[0];
+			offerSlab( pair, j >= 3 ? cross( ea, fa ) : i >= 3 ? cross( eb, fb ) : cross( t[( i + 1 ) % 3] - t[i < 0 ? 0 : i], u[( j + 1 ) % 3] - u[j < 0 ? 0 : j] ), bounds );
+			out = widened( bounds, pair.extent, 0 );
 		}
 	}
-	Enclosure out = widened( bounds, pair.extent, 0 );
 	return worstError( out, claimed ) <= tolerance ? out : distance( a, b, 0.25 * tolerance );
 }
 
