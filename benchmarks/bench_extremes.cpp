@@ -125,7 +125,7 @@ void report( const Findings& f, double seconds )
 	}
 }
 
-void write( const Settings& settings, const Findings& f, double seconds )
+void write( const Settings& settings, const Findings& f, double seconds, const nlohmann::ordered_json& origin )
 {
 	nlohmann::ordered_json out;
 	out["program"] = "bench_extremes";
@@ -147,7 +147,7 @@ void write( const Settings& settings, const Findings& f, double seconds )
 	}
 	out["broken_promises"] = f.broken;
 	out["examples"] = f.examples;
-	out["provenance"] = provenance();
+	out["provenance"] = origin;
 	std::ofstream file( settings.json );
 	file << out.dump( 1, '\t' ) << "\n";
 	if ( !file.flush() )
@@ -158,6 +158,7 @@ void write( const Settings& settings, const Findings& f, double seconds )
 
 int runAll( const Settings& settings )
 {
+	const nlohmann::ordered_json origin = provenance(); // of the sources as they are now, not when the run ends
 	Run run{ settings, {}, {}, {}, {}, {} };
 	const auto start = std::chrono::steady_clock::now();
 	const auto elapsed = [&] { return std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count(); };
@@ -190,7 +191,7 @@ int runAll( const Settings& settings )
 	report( run.all, elapsed() );
 	if ( !settings.json.empty() )
 	{
-		write( settings, run.all, elapsed() );
+		write( settings, run.all, elapsed(), origin );
 	}
 	return run.all.broken == 0 ? 0 : 1;
 }

@@ -330,6 +330,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
 	bound.lowest = lwi_lowest_environment( checker );
+	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
 	const lw_clearance* fixed = &checker->static_environment;
 	bound.current_pair = STATIC_PAIR;
 	lwi_bound_offer( &bound, fixed->lower, fixed->upper );

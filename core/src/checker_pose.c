@@ -187,11 +187,15 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 		   within_ranges( checker, qb );
 }
 
+/// Metres: a state whose poses may be off by more is no state. Shifts of 1e12 m, or angles of 1e13 radians times a mimic joint's factor.
+static const double most_rounding = 1.0;
+
 /// A new state: everything is to be posed again but for what never moves.
 static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
 {
 	const lwi_checker_tree* tree = checker->tree;
-	if ( !quaternions_are_valid( tree, query->state ) )
+	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch );
+	if ( !( query->rounding <= most_rounding ) || !quaternions_are_valid( tree, query->state ) )
 	{
 		return false;
 	}

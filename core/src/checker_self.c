@@ -387,6 +387,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
 	bound.lowest = lwi_lowest_self( checker );
+	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	lwi_warm* warm = &query->warm_self;
 	measure_warm( checker, query, warm, &bound );

@@ -9,8 +9,12 @@
 #include "separation.h"
 
 /// Rounding of a distance measured in double, in units of roundoff times the largest coordinate involved: lwi_tri_tri's 64
-/// (tri_tri.h), plus 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding).
-#define LWI_EXACT_ERROR ( 80.0 * LWI_U64 )
+/// (tri_tri.h), 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding), and 36 for poses that
+/// are rotations to ALREADY_ORTHONORMAL only. Counted in core/docs/numerics.md.
+#define LWI_EXACT_ERROR ( 120.0 * LWI_U64 )
+
+/// Largest entry of |r r^T - 1| of a rotation that is taken as it is: products of rounded sines and cosines.
+#define ALREADY_ORTHONORMAL ( 8.0 * LWI_U64 )
 
 bool lwi_range_is_valid( const lw_range* range )
 {
@@ -28,6 +32,25 @@ void lwi_bound_init( lwi_bound* bound, const lw_range* range )
 	bound->triangle_a = bound->triangle_b = bound->pair = bound->current_pair = LW_INVALID_INDEX;
 }
 
+/// The next double but one: far enough that taking `rounding` off again does not round back to v.
+static double beyond( double v )
+{
+	return nextafter( nextafter( v, INFINITY ), INFINITY );
+}
+
+void lwi_bound_allow_rounding( lwi_bound* bound, double rounding, double stretch )
+{
+	bound->rounding = rounding - stretch * bound->lowest; // of a distance: margins are not stretched
+	bound->stretch = stretch;
+	bound->prune = beyond( bound->range.max_d * ( 1 + 2 * stretch ) + bound->rounding );
+}
+
+/// What is proved of a clearance if v is proved of the measured one.
+static double less_rounding( const lwi_bound* bound, double v )
+{
+	return v - bound->rounding - bound->stretch * fabs( v );
+}
+
 bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 {
 	// the margin is exact, the differences are rounded: lower by half a roundoff of their size, of which the distance's own
@@ -35,7 +58,7 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 	lower = lower - bound->margin - 0x1p-52 * bound->margin;
 	upper = upper - bound->margin;
 	bound->floor = lower < bound->floor ? lower : bound->floor;
-	if ( !( upper < bound->upper && lower < bound->range.max_d ) )
+	if ( !( upper < bound->upper && less_rounding( bound, lower ) < bound->range.max_d ) )
 	{
 		return false;
 	}
@@ -43,7 +66,8 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 	bound->done = upper <= bound->range.min_d || ( upper > bound->give_up_above && upper < bound->give_up_below );
 	// Within alpha of the best is good enough, but not at or below min_d while the best is above: the verdict needs that.
 	double prune = ( 1 - bound->range.alpha ) * upper;
-	double decisive = nextafter( bound->range.min_d, INFINITY );
+	double min_d = bound->range.min_d;
+	double decisive = bound->rounding > 0 ? beyond( min_d * ( 1 + 2 * bound->stretch ) + bound->rounding ) : nextafter( min_d, INFINITY );
 	decisive = decisive < upper ? decisive : upper;
 	prune = prune > decisive ? prune : decisive;
 	bound->prune = prune < bound->prune ? prune : bound->prune;
@@ -71,7 +95,14 @@ lw_clearance lwi_bound_result( const lwi_bound* bound )
 		out.kind = bound->upper <= bound->range.min_d ? LW_CLEARANCE_VIOLATION : LW_CLEARANCE_UNDECIDED;
 		return out;
 	}
-	double lower = bound->floor < bound->prune ? bound->floor : bound->prune;
+	double lower = less_rounding( bound, bound->floor < bound->prune ? bound->floor : bound->prune );
+	if ( lower >= bound->range.max_d ) // of a pair that was beyond it by less than rounding
+	{
+		out = lw_clearance_unknown();
+		out.kind = LW_CLEARANCE_FAR;
+		out.lower = bound->range.max_d;
+		return out;
+	}
 	out.lower = lower > out.lower ? lower : out.lower;
 	out.kind = out.lower > bound->range.min_d ? LW_CLEARANCE_NEAR : LW_CLEARANCE_UNDECIDED;
 	return out;
@@ -552,7 +583,6 @@ void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const l
 
 lw_transform lwi_orthonormal( const lw_transform* transform )
 {
-	const double already = 8 * DBL_EPSILON; // products of rounded sines and cosines
 	lw_transform m = *transform;
 	double worst = 0;
 	for ( int i = 0; i < 3; ++i )
@@ -563,7 +593,7 @@ lw_transform lwi_orthonormal( const lw_transform* transform )
 			worst = fmax( worst, fabs( lwi_dot( lwi_load( m.r[i] ), lwi_load( m.r[j] ) ) - want ) );
 		}
 	}
-	if ( worst <= already )
+	if ( worst <= ALREADY_ORTHONORMAL )
 	{
 		return m;
 	}

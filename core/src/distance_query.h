@@ -19,6 +19,7 @@ typedef struct lwi_bound
 	bool done;    ///< upper <= min_d, given up, or failed: there is nothing more to find out
 	bool failed;  ///< a deferred mesh could not be made: no answer
 	double lowest; ///< no clearance is below it: minus the largest margin
+	double rounding, stretch; ///< what poses may be off by: 0, or as lwi_bound_allow_rounding() says
 	double margin; ///< of `current_pair`: set by the caller before each search
 	// the witness of `upper`
 	lw_vec3 point_a, point_b; ///< in a's shape frame
@@ -28,6 +29,9 @@ typedef struct lwi_bound
 } lwi_bound;
 
 void lwi_bound_init( lwi_bound* bound, const lw_range* range );
+
+/// Before anything else but `lowest`: answers then hold wherever distances are off by up to rounding + stretch * distance.
+void lwi_bound_allow_rounding( lwi_bound* bound, double rounding, double stretch );
 
 /// True if min_d >= 0, max_d > min_d and alpha in [0, 1); all NaN-safe.
 bool lwi_range_is_valid( const lw_range* range );

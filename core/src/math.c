@@ -104,9 +104,12 @@ lw_vec3 lw_transform_point( const lw_transform* a_from_b, lw_vec3 point_b )
 bool lw_transform_is_valid( const lw_transform* transform )
 {
 	const double tolerance = 1e-6; // far above rounding, far below what a mistaken matrix shows
-	if ( !finite3( transform->t ) )
+	for ( int i = 0; i < 3; ++i )
 	{
-		return false;
+		if ( !( fabs( transform->t[i] ) <= LW_MAX_TRANSLATION ) )
+		{
+			return false;
+		}
 	}
 	lw_vec3 row[3];
 	for ( int i = 0; i < 3; ++i )

@@ -54,6 +54,11 @@ struct lwi_motion_table
 	lw_transform* reference_poses; ///< [link_count] valid for the links that no edge moves
 	size_t scratch_at[SCRATCH_PARTS]; ///< bytes
 	size_t scratch_size;
+	// what lwi_motion_state_rounding() starts from
+	uint32_t most_joints;   ///< of any body
+	double longest, root;   ///< the longest chain, without shifts and without the root's own place; that place
+	uint32_t inexact_count;
+	uint32_t* inexact;      ///< [inexact_count] moving joints that shift, or whose angle is a rounded number
 };
 
 /// Scratch of one edge.
@@ -272,6 +277,30 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const lwi_motion
 	return true;
 }
 
+/// What the rounding of states starts from.
+static void survey( lwi_motion_table* table, const bool* fixed_variables )
+{
+	const lw_robot* robot = table->robot;
+	table->root = lwi_length( lwi_load( robot->world_from_root.t ) );
+	for ( uint32_t i = 0; i < table->body_count; ++i )
+	{
+		const motion_body* b = &table->bodies[i];
+		table->most_joints = b->joint_count > table->most_joints ? b->joint_count : table->most_joints;
+		table->longest = fmax( table->longest, b->length - table->root );
+	}
+	table->longest = table->longest * OUTWARD + 4 * LWI_U64 * table->root; // the difference is rounded by that at most
+	for ( uint32_t i = 0; i < robot->joint_count; ++i )
+	{
+		const lwi_joint* joint = &robot->joints[i];
+		bool exact = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
+		exact = exact && joint->multiplier == 1 && joint->offset == 0;
+		if ( !exact && is_moving( robot, i, fixed_variables ) )
+		{
+			table->inexact[table->inexact_count++] = i;
+		}
+	}
+}
+
 static bool build_table( lwi_motion_table* table, const lwi_motion_piece* pieces, const bool* fixed_variables,
 	const double* reference )
 {
@@ -302,6 +331,7 @@ static bool build_table( lwi_motion_table* table, const lwi_motion_piece* pieces
 		}
 		first += table->bodies[i].entry_count;
 	}
+	survey( table, fixed_variables );
 	return true;
 }
 
@@ -326,7 +356,8 @@ lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motio
 	size_t depth = entries + lwi_align_up( entry_count * sizeof( motion_entry ) );
 	size_t links = depth + lwi_align_up( robot->link_count * sizeof( uint32_t ) );
 	size_t poses = links + lwi_align_up( robot->link_count * sizeof( uint32_t ) );
-	size_t total = poses + lwi_align_up( robot->link_count * sizeof( lw_transform ) );
+	size_t inexact = poses + lwi_align_up( robot->link_count * sizeof( lw_transform ) );
+	size_t total = inexact + lwi_align_up( robot->joint_count * sizeof( uint32_t ) );
 	char* block = lwi_alloc_zero( &memory, total, 1 );
 	if ( block == NULL )
 	{
@@ -344,6 +375,7 @@ lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motio
 	table->moving_links = (uint32_t*)( block + links );
 	table->reference_poses = (lw_transform*)( block + poses );
 	table->scratch_size = scratch_offsets( table, table->scratch_at );
+	table->inexact = (uint32_t*)( block + inexact );
 	if ( !build_table( table, pieces, fixed_variables, reference ) )
 	{
 		lwi_free( &memory, block, total );
@@ -398,6 +430,28 @@ void lwi_motion_table_destroy( lwi_motion_table* table )
 size_t lwi_motion_table_bytes( const lwi_motion_table* table )
 {
 	return table->bytes;
+}
+
+double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch )
+{
+	double length = table->longest, angles = 0;
+	for ( uint32_t k = 0; k < table->inexact_count; ++k )
+	{
+		const lwi_joint* joint = &table->robot->joints[table->inexact[k]];
+		const double* v = state + joint->variable;
+		if ( joint->type == LW_JOINT_PLANAR || joint->type == LW_JOINT_FLOATING )
+		{
+			length += fabs( v[0] ) + fabs( v[1] ) + ( joint->type == LW_JOINT_FLOATING ? fabs( v[2] ) : 0 );
+			continue;
+		}
+		// the product and the sum round: by one roundoff each
+		double value = fabs( joint->multiplier * v[0] ) + fabs( joint->offset );
+		length += joint->type == LW_JOINT_PRISMATIC ? value : 0;
+		angles += joint->type == LW_JOINT_PRISMATIC ? 0 : value;
+	}
+	double joints = table->most_joints + 2;
+	*stretch = 64 * LWI_U64 * joints;
+	return LWI_U64 * ( ( 64 * joints + 4 * angles ) * length + 8 * joints * table->root ) * OUTWARD;
 }
 
 // ---- an edge ---------------------------------------------------------------------------------------------------------

@@ -36,6 +36,12 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 void lwi_motion_table_destroy( lwi_motion_table* table ); ///< NULL is ignored
 size_t lwi_motion_table_bytes( const lwi_motion_table* table );
 
+/// Upper bound, for any point of any body, of the distance between where it is in the world at a state and where double arithmetic puts
+/// it. Poses are not quite rigid: a distance of two bodies, in the frame of one of them, is off by up to three times that and
+/// *stretch times itself. Derivation: core/docs/numerics.md. Cost: the moving joints that shift, or that follow others.
+/// @param state [variable_count] finite
+double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch );
+
 /// Bytes of scratch, 64-aligned, that lwi_motion_measure() fills.
 size_t lwi_motion_scratch_size( const lwi_motion_table* table );
 /// How much more that may be for a robot with this many more links on fixed joints.

@@ -74,6 +74,7 @@ struct lw_query
 	bool hulls, tables;           ///< which: both only if covered
 	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
 	bool near;                    ///< the question at hand looks at that mask only
+	double rounding, stretch;     ///< of forward kinematics in this state, see lwi_motion_state_rounding()
 	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid
 	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
 	uint64_t* sphere_stamp;       ///< [2 * link_capacity]

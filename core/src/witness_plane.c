@@ -8,7 +8,7 @@
 // Derivation: core/docs/distance.md.
 #include "distance_internal.h"
 
-/// Rounding of a slab's width in units of LWI_EXACT_ERROR: 29 roundoffs of what that counts 80 of.
+/// Rounding of a slab's width in units of LWI_EXACT_ERROR: 29 roundoffs of what that counts 120 of.
 #define SLAB_ERROR 0.5
 
 /// Looks how far a mesh reaches along a direction: no farther than `most`, or it does not matter how far.

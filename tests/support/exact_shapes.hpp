@@ -62,6 +62,7 @@ struct Rotation
 {
 	Vec<Wide> row[3];
 
+	Rotation() : row{ { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } {}
 	explicit Rotation( const lw_transform& m )
 	{
 		for ( int i = 0; i < 2; ++i )
@@ -76,13 +77,30 @@ struct Rotation
 		}
 		row[2] = cross( row[0], row[1] );
 	}
-	Vec<Wide> operator()( lw_vec3 p ) const
+	Vec<Wide> operator()( lw_vec3 p ) const { return ( *this )( Vec<Wide>{ p.x, p.y, p.z } ); }
+	Vec<Wide> operator()( Vec<Wide> v ) const { return { dot( row[0], v ), dot( row[1], v ), dot( row[2], v ) }; }
+	Rotation operator*( const Rotation& other ) const
 	{
-		Vec<Wide> v = { p.x, p.y, p.z };
-		return { dot( row[0], v ), dot( row[1], v ), dot( row[2], v ) };
+		Rotation out;
+		for ( int i = 0; i < 3; ++i )
+		{
+			out.row[i] = row[i].x * other.row[0] + row[i].y * other.row[1] + row[i].z * other.row[2];
+		}
+		return out;
 	}
 	Vec<Wide> back( Vec<Wide> v ) const { return v.x * row[0] + v.y * row[1] + v.z * row[2]; }
 };
+
+/// A rotation about a unit axis (Rodrigues).
+inline Rotation turn( Vec<Wide> axis, Wide angle )
+{
+	Wide c = std::cos( angle ), s = std::sin( angle ), d = 1 - c;
+	Rotation out;
+	out.row[0] = { c + d * axis.x * axis.x, d * axis.x * axis.y - s * axis.z, d * axis.x * axis.z + s * axis.y };
+	out.row[1] = { d * axis.x * axis.y + s * axis.z, c + d * axis.y * axis.y, d * axis.y * axis.z - s * axis.x };
+	out.row[2] = { d * axis.x * axis.z - s * axis.y, d * axis.y * axis.z + s * axis.x, c + d * axis.z * axis.z };
+	return out;
+}
 
 /// An item in the world, about the origin of the first shape.
 struct Placed
@@ -129,19 +147,9 @@ inline bool isInside( const std::vector<Placed>& items, const Body& body, const 
 	return false;
 }
 
-/// The distance of two bodies, [lower, upper], to about `width`; the poses are taken as the rotations that they mean.
-inline Enclosure distance( const Body& a, const lw_transform& world_from_a, const Body& b, const lw_transform& world_from_b, double width )
+/// Lowers an enclosure to the distance of two sets of items in one frame.
+inline void lowerTo( Enclosure& best, const std::vector<Placed>& pa, const std::vector<Placed>& pb, double width )
 {
-	Rotation ra( world_from_a ), rb( world_from_b );
-	Vec<Wide> none = { 0, 0, 0 };
-	Vec<Wide> offset = { Wide( world_from_b.t[0] ) - world_from_a.t[0], Wide( world_from_b.t[1] ) - world_from_a.t[1],
-		Wide( world_from_b.t[2] ) - world_from_a.t[2] };
-	std::vector<Placed> pa = place( a, ra, none ), pb = place( b, rb, offset );
-	if ( isInside( pa, b, rb, offset ) || isInside( pb, a, ra, none ) )
-	{
-		return { 0, 0, 0 };
-	}
-	Enclosure best = { INFINITY, INFINITY, 0 };
 	for ( const Placed& x : pa )
 	{
 		for ( const Placed& y : pb )
@@ -158,6 +166,22 @@ inline Enclosure distance( const Body& a, const lw_transform& world_from_a, cons
 			best.effort = std::max( best.effort, one.effort );
 		}
 	}
+}
+
+/// The distance of two bodies, [lower, upper], to about `width`; the poses are taken as the rotations that they mean.
+inline Enclosure distance( const Body& a, const lw_transform& world_from_a, const Body& b, const lw_transform& world_from_b, double width )
+{
+	Rotation ra( world_from_a ), rb( world_from_b );
+	Vec<Wide> none = { 0, 0, 0 };
+	Vec<Wide> offset = { Wide( world_from_b.t[0] ) - world_from_a.t[0], Wide( world_from_b.t[1] ) - world_from_a.t[1],
+		Wide( world_from_b.t[2] ) - world_from_a.t[2] };
+	std::vector<Placed> pa = place( a, ra, none ), pb = place( b, rb, offset );
+	if ( isInside( pa, b, rb, offset ) || isInside( pb, a, ra, none ) )
+	{
+		return { 0, 0, 0 };
+	}
+	Enclosure best = { INFINITY, INFINITY, 0 };
+	lowerTo( best, pa, pb, width );
 	// moving the corners: nine roundoffs of each, four of the offset between the frames
 	Wide moved = 16 * Unit<Wide>::roundoff * ( Wide( a.coordinates() ) + b.coordinates() + length( offset ) );
 	return { std::max<Wide>( 0, best.lower - moved ), best.upper + moved, best.effort };

@@ -146,6 +146,15 @@ public:
 
 	void run( Random& random )
 	{
+		answers( random );
+		exchange();
+		move( random );
+		ascend( random );
+	}
+
+	/// Against the truth alone.
+	void answers( Random& random )
+	{
 		lw_range everything = lw_range_exact();
 		lw_clearance exactly = ask( everything );
 		judge( exactly, everything );
@@ -159,9 +168,6 @@ public:
 			lw_query_reset( m_query );
 			require( sameBits( first, ask( range ) ), "not the same bits again" );
 		}
-		exchange();
-		move( random );
-		ascend( random );
 	}
 
 private:

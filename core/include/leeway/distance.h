@@ -11,8 +11,8 @@ LW_EXTERN_C_BEGIN
 typedef struct lw_range
 {
 	double min_d; ///< metres, >= 0: a distance at or below it is a violation; the search stops there
-	double max_d; ///< metres, > min_d, may be +inf: nothing beyond it needs a distance
-	double alpha; ///< relative tolerance in [0, 1): upper - lower <= alpha * upper (plus rounding)
+	double max_d; ///< metres, > min_d (one double is enough), may be +inf: nothing beyond it needs a distance
+	double alpha; ///< relative tolerance in [0, 1): upper - lower <= alpha * upper + rounding, see lw_clearance
 } lw_range;
 
 /// {0, +inf, 0}: the exact distance.
@@ -30,6 +30,12 @@ typedef enum lw_clearance_class
 
 /// A certified answer: lower <= true distance <= upper. Metres; points in the world frame. Checkers answer with clearances,
 /// distances less margins, which may be negative: see lw_checker.
+///
+/// Rounding, derived and measured in core/docs/numerics.md: lower is never above the truth. upper is below it by at most
+///     R = 2^-46 S + 1e-56 m,   S = distance of both frames' origins + 3 (largest |coordinate| of a + that of b, in their own frames)
+/// (1.4e-14 of S: 14 nanometres where bodies are 1000 km apart), and with alpha = 0 upper - lower is at most R; with a box, cylinder or
+/// cone on either side 1e-12 S, between curved ones 1e-10 S more. S does not depend on where in the world both are; the witness points
+/// are world coordinates and round there. In states of robots the rounding of kinematics adds to it: lw_checker_state().
 typedef struct lw_clearance
 {
 	double lower;    ///< proven; 0 when contact cannot be excluded, and on every error
@@ -103,7 +109,7 @@ LW_API size_t lw_query_bytes( const lw_query* query );
 /// Distance of two shapes at given poses.
 /// @param range NULL = exact. @param out out->a and out->b are the triangles, points, spheres or boxes of the witnesses,
 /// LW_INVALID_INDEX for primitives
-/// @return LW_OK, or LW_ERROR_INVALID_ARGUMENT (non-finite pose, not a rotation, bad range), LW_ERROR_UNSUPPORTED (both shapes
+/// @return LW_OK, or LW_ERROR_INVALID_ARGUMENT (lw_transform_is_valid() is false, bad range), LW_ERROR_UNSUPPORTED (both shapes
 /// are half-spaces or planes): *out is then [0, +inf]
 /// Cost: O(k log n) sphere tests typically, O(n m) worst case. No allocation.
 /// Method: branch and bound over two sphere trees (Quinlan 1994; Steinbach et al. 2006); see core/docs/distance.md.

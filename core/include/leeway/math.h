@@ -36,7 +36,11 @@ LW_API lw_transform lw_transform_multiply( const lw_transform* a_from_b, const l
 LW_API lw_transform lw_transform_inverse( const lw_transform* a_from_b );
 LW_API lw_vec3 lw_transform_point( const lw_transform* a_from_b, lw_vec3 point_b );
 
-/// True if all numbers are finite and r is a rotation to 1e-6 (|r r^T - 1| per entry, determinant positive).
+/// Metres: no coordinate of a translation may be larger. Beyond it distances leave the range of the float filters.
+#define LW_MAX_TRANSLATION 1e15
+
+/// True if all numbers are finite, no translation is beyond LW_MAX_TRANSLATION and r is a rotation to 1e-6 (|r r^T - 1| per entry,
+/// determinant positive). Whoever takes such a pose means the rotation that its rows make when they are orthonormalised.
 LW_API bool lw_transform_is_valid( const lw_transform* transform );
 
 LW_EXTERN_C_END

@@ -72,7 +72,8 @@ LW_API lw_mesh_def lw_mesh_def_default( void );
 /// Builds a mesh shape from any triangle soup: open, non-manifold, with duplicate and zero-area triangles (kept: they are
 /// segments or points of the surface). Welding moves no vertex by more than weld_tolerance.
 /// @param allocator NULL = malloc; remembered by the shape
-/// Coordinates after scale are at most 1e9 m: products of four lengths must fit a float.
+/// Coordinates after scale are at most 1e9 m: products of four lengths must fit a float. They may be as small as they like, but
+/// distances below 1e-56 m are not told from 0.
 /// @param diag on LW_ERROR_BAD_GEOMETRY names the first non-finite or too large vertex, out-of-range index, an open edge of a
 /// solid mesh (index = its triangle), or "no triangles". Nullable.
 /// @param out_shape owned by the caller: lw_shape_release(). Set to NULL on failure.
@@ -101,7 +102,7 @@ LW_API lw_status lw_shape_create_boxes( const double* boxes, uint32_t box_count,
 
 /// A solid primitive (BOX, SPHERE, CYLINDER, CAPSULE, CONE), a HALFSPACE or a PLANE. The last two have no bounds: box and
 /// sphere of lw_shape_info are infinite. They may be obstacles, not parts of a robot.
-/// @param dimensions as listed at lw_shape_type; each finite and > 0 (a capsule's height may be 0); NULL if there are none
+/// @param dimensions as listed at lw_shape_type; each from 1e-100 to 1e9 (a capsule's height may be 0); NULL if there are none
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (type), LW_ERROR_BAD_GEOMETRY (index = dimension) or LW_ERROR_OUT_OF_MEMORY
 LW_API lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions[3], const lw_allocator* allocator,
 	lw_diag* diag, lw_shape** out_shape );
