@@ -11,9 +11,6 @@
 namespace
 {
 
-/// Things that a library is asked about in a row.
-constexpr std::size_t BLOCK = 16;
-
 /// Nearer than this is a contact to brute force, whose intervals of overlapping pieces shrink towards 0.
 constexpr double CONTACT = 1e-8;
 

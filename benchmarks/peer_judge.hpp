@@ -16,6 +16,7 @@
 
 constexpr double INFINITE = std::numeric_limits<double>::infinity();
 constexpr double AGREEMENT = 1e-6; ///< metres
+constexpr std::size_t BLOCK = 16;  ///< things that a library is asked about in a row
 
 struct Question
 {

@@ -43,18 +43,22 @@ public:
 		m_states.clear();
 		for ( std::size_t i = 0; i < m_settings.states; ++i )
 		{
-			Place* place = &m_places[i % m_places.size()];
+			Place* place = placeOf( i );
 			m_states.push_back( { place, place->world->randomState( random ) } );
 		}
 		askStates( { { "free", []( double d ) { return d > 0; } }, { "colliding", []( double d ) { return d <= 0; } } } );
 		m_states.clear();
-		for ( std::size_t i = 0; m_states.size() < m_settings.states && i < 200 * m_settings.states; ++i )
+		for ( std::size_t i = 0; i < m_settings.states; ++i )
 		{
-			Place* place = &m_places[i % m_places.size()];
-			State state{ place, place->world->randomState( random ) };
-			if ( isNear( state ) )
+			State state{ placeOf( i ), {} };
+			for ( int attempt = 0; attempt < 1000; ++attempt )
 			{
-				m_states.push_back( std::move( state ) );
+				state.q = state.place->world->randomState( random );
+				if ( isNear( state ) )
+				{
+					m_states.push_back( state );
+					break;
+				}
 			}
 		}
 		askStates( { { "near", []( double ) { return true; } } } );
@@ -65,9 +69,9 @@ public:
 		for ( const bool near : { true, false } )
 		{
 			m_edges.clear();
-			for ( std::size_t i = 0; i < m_settings.states / 2; ++i )
+			for ( std::size_t i = 0; i < m_settings.states; ++i )
 			{
-				Place* place = &m_places[i % m_places.size()];
+				Place* place = placeOf( i );
 				m_edges.push_back( { place, place->world->randomMotion( near, LENGTH, random, place->judges->spare() ) } );
 			}
 			askEdges( near ? "near" : "anywhere" );
@@ -97,6 +101,13 @@ private:
 		std::string name;
 		std::function<bool( double )> holds; ///< of the exact distance
 	};
+
+	/// A robot that stands somewhere asks many questions there: a block is about one place.
+	Place* placeOf( std::size_t i )
+	{
+		const std::size_t blocks = ( m_settings.states + BLOCK - 1 ) / BLOCK;
+		return &m_places[i / BLOCK * m_places.size() / blocks % m_places.size()];
+	}
 
 	/// Free, and within 50 mm of the environment.
 	static bool isNear( const State& state )
