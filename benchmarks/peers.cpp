@@ -11,6 +11,7 @@
 #include <dlfcn.h>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -200,6 +201,9 @@ std::string pictureOf( const std::string& workload )
 	return workload.substr( 0, 1 );
 }
 
+/// Told apart also by those who see fewer colours; from the ninth library on they repeat.
+const char* const COLOURS[] = { "#d55e00", "#0072b2", "#56b4e9", "#009e73", "#cc79a7", "#999999", "#e69f00", "#333333" };
+
 /// Bars are means, marks are medians: a line for each workload, two columns for each library, "-" where it had no part.
 void writePlot( std::ofstream& out, const std::vector<PeerRow>& rows, const std::string& base )
 {
@@ -221,8 +225,8 @@ void writePlot( std::ofstream& out, const std::vector<PeerRow>& rows, const std:
 	out << "set terminal svg size 1100," << 110 + workloads.size() * ( 11 * libraries.size() + 14 )
 	    << " font 'sans,11' background rgb 'white'\nset output '" << base
 	    << ".svg'\nset datafile missing '-'\nset logscale x\nset xlabel 'microseconds: bars are means, marks medians'\n"
-	    << "set key outside top horizontal\nset grid x\nset style fill solid\nset xrange [" << left << ":*]\nset yrange ["
-	    << static_cast<double>( workloads.size() ) - 0.5 << ":-0.5]\nset ytics (";
+	    << "set key outside top horizontal\nset rmargin 6\nset grid x\nset style fill solid\nset xrange [" << left
+	    << ":*]\nset yrange [" << static_cast<double>( workloads.size() ) - 0.5 << ":-0.5]\nset ytics (";
 	for ( std::size_t w = 0; w < workloads.size(); ++w )
 	{
 		out << ( w > 0 ? ", " : "" ) << '"' << workloads[w].substr( prefix ) << "\" " << w;
@@ -251,8 +255,9 @@ void writePlot( std::ofstream& out, const std::vector<PeerRow>& rows, const std:
 	{
 		const double shift = ( static_cast<double>( l ) + 0.5 ) * height - 0.425;
 		out << ( l > 0 ? ", " : " " ) << "$rows using (" << left << "):($0+" << shift << "):(" << left << "):" << 2 * l + 1
-		    << ":($0+" << shift - height / 2 << "):($0+" << shift + height / 2 << ") with boxxyerror title '" << libraries[l]
-		    << "', $rows using " << 2 * l + 2 << ":($0+" << shift << ") with points pt 7 ps 0.3 lc rgb 'black' notitle";
+		    << ":($0+" << shift - height / 2 << "):($0+" << shift + height / 2 << ") with boxxyerror lc rgb '"
+		    << COLOURS[l % std::size( COLOURS )] << "' title '" << libraries[l] << "', $rows using " << 2 * l + 2 << ":($0+"
+		    << shift << ") with points pt 7 ps 0.3 lc rgb 'black' notitle";
 	}
 	out << "\n";
 }
