@@ -104,7 +104,7 @@ enum class Mark
 	LINES,  ///< points joined by lines
 	POINTS, ///< by themselves
 	DASHES, ///< a dashed line without points: a bound, a promise, a reference
-	BARS    ///< from 0 to y; in plots with `categories` only
+	BARS    ///< from 0 to y; in plots with `categories` only. Points where y is logarithmic
 };
 
 struct Series

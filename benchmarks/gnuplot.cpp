@@ -13,20 +13,42 @@ namespace
 /// Okabe and Ito's colours: told apart by colour-blind readers too.
 const char* const COLOURS[] = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#333333", "#8c6d1f" };
 
-/// Inside double quotes of gnuplot.
-std::string quoted( const std::string& text )
+/// What stands inside double quotes of gnuplot.
+std::string inside( const std::string& text )
 {
-	std::string out = "\"";
+	std::string out;
 	for ( const char c : text )
 	{
 		out += c == '"' || c == '\\' ? std::string( "\\" ) + c : c == '\n' ? " " : std::string( 1, c );
 	}
-	return out + "\"";
+	return out;
 }
 
+std::string inQuotes( const std::string& text )
+{
+	return "\"" + inside( text ) + "\"";
+}
+
+/// In two lines where it would not fit beside the axis.
 std::string labelOf( const Axis& axis )
 {
-	return quoted( axis.unit.empty() ? axis.label : axis.label + " [" + ( axis.unit == "us" ? "µs" : axis.unit ) + "]" );
+	constexpr std::size_t FITS = 45;
+	std::string text = axis.unit.empty() ? axis.label : axis.label + " [" + ( axis.unit == "us" ? "µs" : axis.unit ) + "]";
+	const std::size_t space = text.size() > FITS ? text.rfind( ' ', text.size() / 2 ) : std::string::npos;
+	return space == std::string::npos
+	           ? inQuotes( text )
+	           : "\"" + inside( text.substr( 0, space ) ) + "\\n" + inside( text.substr( space + 1 ) ) + "\"";
+}
+
+/// A label of an axis: gnuplot puts numbers where it finds a %.
+std::string ticLabel( const std::string& text )
+{
+	std::string out;
+	for ( const char c : text )
+	{
+		out += c == '%' ? std::string( "%%" ) : std::string( 1, c );
+	}
+	return inQuotes( out );
 }
 
 std::string number( double value )
@@ -147,14 +169,14 @@ void plotCategories( std::ostream& out, const Plot& plot )
 	    << "]\nset xtics (";
 	for ( std::size_t i = 0; i < plot.categories.size(); ++i )
 	{
-		out << ( i > 0 ? ", " : "" ) << quoted( plot.categories[i] ) << ' ' << i;
+		out << ( i > 0 ? ", " : "" ) << ticLabel( plot.categories[i] ) << ' ' << i;
 	}
 	out << ") rotate by -25 nomirror\nplot ";
 	for ( std::size_t i = 0; i < plot.series.size(); ++i )
 	{
 		const Series& series = plot.series[i];
 		const std::string colour = std::string( " lc rgb '" ) + COLOURS[i % std::size( COLOURS )] + "' ";
-		const std::string title = series.name.empty() ? "notitle" : "title " + quoted( series.name );
+		const std::string title = series.name.empty() ? "notitle" : "title " + inQuotes( series.name );
 		const std::string data = "$s" + std::to_string( i ) + " using ";
 		out << ( i > 0 ? ", \\\n  " : "" );
 		if ( series.mark == Mark::LINES || series.mark == Mark::DASHES )
@@ -163,12 +185,13 @@ void plotCategories( std::ostream& out, const Plot& plot )
 			continue;
 		}
 		const double shift = ( static_cast<double>( column++ ) + 0.5 ) * width - 0.4;
-		const char* style = series.mark == Mark::BARS ? " with boxes" : " with points pt 7 ps 0.7";
+		const bool bars = series.mark == Mark::BARS && !plot.y.log; // on a logarithmic axis a bar has no length
+		const char* style = bars ? " with boxes" : " with points pt 7 ps 0.7";
 		out << data << "($1+" << shift << "):2" << style << colour << title;
 		if ( hasSpread( series ) ) // gnuplot's own error bars leave a hole around the point
 		{
 			out << ", " << data << "($1+" << shift << "):3:(0):($4-$3) with vectors nohead lw 1.4"
-			    << ( series.mark == Mark::BARS ? " lc rgb '#444444' " : colour ) << "notitle";
+			    << ( bars ? " lc rgb '#444444' " : colour ) << "notitle";
 		}
 	}
 	out << "\n";
@@ -203,7 +226,7 @@ void plotLines( std::ostream& out, const Plot& plot )
 		switch ( series.mark )
 		{
 		case Mark::POINTS:
-			out << " with points pt 7 ps 0.4";
+			out << " with points pt 7 ps 0.7";
 			break;
 		case Mark::DASHES:
 			out << " with lines dt 2 lw 1.6";
@@ -214,7 +237,7 @@ void plotLines( std::ostream& out, const Plot& plot )
 			break;
 		}
 		out << " lc rgb '" << COLOURS[colour % std::size( COLOURS )] << "' "
-		    << ( series.name.empty() ? "notitle" : "title " + quoted( series.name ) );
+		    << ( series.name.empty() ? "notitle" : "title " + inQuotes( series.name ) );
 	}
 	out << "\n";
 }
@@ -246,7 +269,7 @@ std::string gnuplotScript( const Plot& plot, Picture picture, const std::string&
 		    << " font 'sans,10' background '#ffffff'\n";
 	}
 	// the key's place is kept free by hand: gnuplot lets it run into the label of the axis
-	out << "set output " << quoted( file ) << "\nset title " << quoted( plot.title ) << "\nset bmargin "
+	out << "set output " << inQuotes( file ) << "\nset title " << inQuotes( plot.title ) << "\nset bmargin "
 	    << 4 + key_rows + label_rows << "\nset key bmargin center horizontal maxcols " << columns
 	    << "\nset grid lc rgb '#dddddd' lt 1\nset border lc rgb '#777777'\n"
 	       "set tics textcolor rgb '#222222'\nset bars small\n";

@@ -56,7 +56,7 @@ Plot namePlot()
 	plot.id = "names";
 	plot.title = "At names";
 	plot.y = { "ratio", "", true };
-	plot.categories = { "one", "a \"second\" one" };
+	plot.categories = { "one", "1 % of a \"second\" one" };
 	plot.series = { { "bars", { { 0, 1, 0.9, 1.2 }, { 1, 2, 1.9, 2.2 } }, Mark::BARS, false },
 	    { "points", { { 0, 3 }, { 1, 4 } }, Mark::POINTS, false },
 	    { "", { { -0.6, 1 }, { 1.6, 1 } }, Mark::DASHES, false } };
@@ -137,6 +137,19 @@ TEST( Report, LineIsDrawnAcrossWhatIsMissing )
 	EXPECT_NE( script.find( "set logscale x" ), std::string::npos );
 	EXPECT_NE( script.find( "time [µs]" ), std::string::npos );
 	EXPECT_NE( script.find( "axes x1y2" ), std::string::npos );
+}
+
+TEST( Report, PercentInALabelIsTakenForAFormat )
+{
+	Plot plot = namePlot();
+	plot.y.log = false;
+	plot.y.label = "a label that is too long to find room beside its axis, in one line";
+	const std::string script = gnuplotScript( plot, Picture::PNG, "out.png" );
+	EXPECT_NE( script.find( "1 %% of a" ), std::string::npos );
+	EXPECT_NE( script.find( "\\n" ), std::string::npos ) << script;
+	EXPECT_NE( script.find( "with boxes" ), std::string::npos );
+	EXPECT_EQ( gnuplotScript( namePlot(), Picture::PNG, "out.png" ).find( "with boxes" ), std::string::npos )
+		<< "a bar on a logarithmic axis";
 }
 
 TEST( Report, PlotIsNotUnderstoodByGnuplot )
