@@ -134,7 +134,8 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	place.t[2] += shift.z;
 	double radii = ( s->a->solid ? 0 : lwi_item_radius( s->a, item_a ) ) + ( s->b->solid ? 0 : lwi_item_radius( s->b, item_b ) );
 	radii += s->bound->margin;
-	double stop_below = s->bound->range.min_d + radii;
+	// and near enough what is a violation still when radii and margin have been taken off, which rounds
+	double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
 	// far enough to stop is what is still at least prune when the error has been taken off
 	double stop_above = s->bound->prune + radii + 2 * s->error;
 	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );

@@ -58,3 +58,26 @@ TEST( ExtremeTrees, promise_is_broken_below_a_nanometre )
 		hunt( 100000, 3000, least, findings );
 	}
 }
+
+// Case 89527 of bench_extremes --seed 20261121: a box stopped at min_d + radius, and taking the radius off rounded up.
+TEST( ExtremeTrees, violation_at_min_d_is_left_undecided )
+{
+	QueryPtr query = makeQuery();
+	Random random( 3 );
+	int decided = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		double radius = random.octave( -12, 2 ), gap = random.octave( -14, -8 );
+		ShapePtr box = makePrimitive( LW_SHAPE_BOX, 1, 1, 1 ), ball = makePrimitive( LW_SHAPE_CAPSULE, radius, 1 );
+		lw_transform here = lw_transform_identity(), there = randomRotation( random );
+		there.t[0] = 0.9 + radius + gap;
+		lw_clearance exactly, got;
+		ASSERT_EQ( LW_OK, lw_shape_distance( box.get(), &here, ball.get(), &there, nullptr, query.get(), &exactly ) );
+		lw_range range = { exactly.upper * ( 1 + 0x1p-53 * static_cast<double>( i % 9 - 4 ) ), std::numeric_limits<double>::infinity(), 0.5 };
+		ASSERT_EQ( LW_OK, lw_shape_distance( box.get(), &here, ball.get(), &there, &range, query.get(), &got ) );
+		decided += got.kind == LW_CLEARANCE_VIOLATION;
+		ASSERT_TRUE( got.kind == LW_CLEARANCE_VIOLATION || got.upper - got.lower <= 1e-10 || got.kind == LW_CLEARANCE_NEAR )
+			<< i << " [" << got.lower << ", " << got.upper << "]";
+	}
+	EXPECT_GT( decided, 1000 );
+}
