@@ -416,7 +416,15 @@ uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uin
 	if ( !( query->tables && pair->separation >= limit ) &&
 		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, limit ) < INFINITY )
 	{
-		open_pair( checker, query, pair, &bound, &count );
+		lwi_candidate only = node_pair( checker, index, 0 );
+		if ( only.pair < OPEN )
+		{
+			query->candidates[count++] = only;
+		}
+		else
+		{
+			open_pair( checker, query, pair, &bound, &count );
+		}
 	}
 	return count;
 }

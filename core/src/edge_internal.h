@@ -16,6 +16,7 @@ enum
 {
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
 	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
+	LWI_EDGE_KEPT = 2, ///< planes of a pair
 	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
@@ -32,15 +33,15 @@ typedef struct lwi_edge_item
 	uint32_t warm;   ///< index into `warm`
 } lwi_edge_item;
 
-/// What kept a pair apart last time.
+/// What kept a pair apart the last few times: directions are few, and states that planners ask for go to and fro.
 typedef struct lwi_edge_plane
 {
 	uint32_t key;      ///< of the pair; 0: empty
 	uint16_t failures; ///< times in a row that their hulls were too near at one time
 	uint16_t wait;     ///< windows until the next try
-	bool known;
-	bool turned;       ///< the plane is given in the frame of the first of the two
-	lwi_places_plane plane;
+	uint8_t known;     ///< planes below, the last one that served first
+	bool turned;       ///< they are given in the frame of the first of the two
+	lwi_places_plane planes[LWI_EDGE_KEPT];
 } lwi_edge_plane;
 
 /// What a window's planes say. In ascending order of work that is left.
@@ -158,10 +159,9 @@ int lwi_edge_places( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motio
 // --- edge_sweep.c ----------------------------------------------------------------------------------------------------
 
 /// Looks for planes that prove an item during a window, at whose middle the query is posed.
-/// @param reach how far the middles of the item's spheres get during the window, together
 /// @param enough clearance that proves it @param skip levels below that are not worth a look, if the answer is CLOSER
-lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, double reach,
-	double enough, uint8_t* skip );
+lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, double enough,
+	uint8_t* skip );
 
 // --- edge_item.c -----------------------------------------------------------------------------------------------------
 

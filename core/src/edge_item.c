@@ -60,20 +60,6 @@ static lwi_motion_rate rate_of( lwi_edge* e, uint32_t body, uint32_t ancestor, d
 		e->query->world_from_link, share );
 }
 
-/// How far the middles of an item's spheres get within a window, together.
-static double way_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
-{
-	const lw_checker* c = e->checker;
-	double way = lwi_edge_way( e, c->tree->body_node[item->body_a], item->ancestor, sphere_of( c, item->body_a )->center,
-		item->rate_a, window );
-	if ( is_pair( item ) )
-	{
-		way += lwi_edge_way( e, c->tree->body_node[item->body_b], item->ancestor, sphere_of( c, item->body_b )->center,
-			item->rate_b, window );
-	}
-	return way / LWI_EDGE_INWARD;
-}
-
 /// How much the clearance of an item may lose within a window.
 static double loss_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
 {
@@ -135,8 +121,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 		return s;
 	}
 	double min_d = e->def->min_d, slack = slack_of( e, item->rounding );
-	double way = way_of( e, item, window );
-	lwi_edge_sweep sweep = lwi_edge_sweep_item( e, item, window, way, enough( e, item->rounding, 0 ), &s.skip );
+	lwi_edge_sweep sweep = lwi_edge_sweep_item( e, item, window, enough( e, item->rounding, 0 ), &s.skip );
 	if ( sweep != LWI_EDGE_MEASURE )
 	{
 		s.proved = sweep == LWI_EDGE_PROVED;
@@ -230,19 +215,16 @@ static bool screen_item( screening* s, lwi_edge_item item )
 	return true;
 }
 
-/// How far the bodies of a node get within the window, in the frame of another one: its middle if there is but one, whose sphere
-/// is all that is asked then.
+/// How far the bodies of a node get within the window, in the frame of another one.
 static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const lwi_checker_node* n = &c->tree->nodes[node];
 	lwi_motion_rate rate = lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top );
-	return n->body_count == 1 ? lwi_edge_way( e, node, ancestor, n->r.center, rate, s->window )
-							  : lwi_edge_displacement( e, node, ancestor, &n->r, rate, s->window );
+	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
 }
 
-/// The same, more, from the lengths of paths alone.
+/// The same, more, from the lengths of paths alone; of its middle if there is but one body, whose sphere is all that is asked then.
 static double node_path( const screening* s, uint32_t node, uint32_t ancestor )
 {
 	lwi_edge* e = s->edge;
@@ -285,7 +267,8 @@ static bool screen_pair( screening* s, uint32_t index )
 	double rounding = rounding_of( e, pair->node_a, pair->node_b );
 	double path = node_path( s, pair->node_a, pair->ancestor ) + node_path( s, pair->node_b, pair->ancestor );
 	uint32_t count = lwi_checker_near_pairs( c, e->query, index, enough( e, rounding, path / LWI_EDGE_INWARD ) );
-	if ( count > 0 )
+	bool one_each = c->tree->nodes[pair->node_a].body_count == 1 && c->tree->nodes[pair->node_b].body_count == 1;
+	if ( count > 2 && !one_each ) // a few items look for themselves
 	{
 		double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
 		double limit = enough( e, rounding, loss / LWI_EDGE_INWARD );

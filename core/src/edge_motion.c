@@ -141,7 +141,15 @@ static size_t frame_at( lwi_edge* e, double t )
 		size_t nodes = e->checker->tree->node_count, variables = e->checker->robot->variable_count;
 		e->frame_t[frame] = t;
 		memset( e->frame_known + frame * nodes, 0, nodes * sizeof( bool ) );
-		lw_robot_interpolate( e->checker->robot, e->full_a, e->full_b, t, e->frame_states + frame * variables );
+		double* state = e->frame_states + frame * variables;
+		if ( t == 0 || t == 1 )
+		{
+			memcpy( state, t == 0 ? e->full_a : e->full_b, variables * sizeof( double ) );
+		}
+		else
+		{
+			lw_robot_interpolate( e->checker->robot, e->full_a, e->full_b, t, state );
+		}
 	}
 	return frame;
 }

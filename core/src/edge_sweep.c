@@ -83,113 +83,158 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 	return p;
 }
 
-/// @param need clearance that proves it if everything is on one side at the places
-/// @param bulge part of it that is due to the window
-static lwi_edge_sweep separate( sweeping* s, uint32_t key, double need, double bulge )
+/// True if planes may be asked for.
+static bool has_planes( const sweeping* s )
 {
-	bool here = s->a.shape->deferred == NULL && s->b.shape->deferred == NULL && s->b.shape->family != LWI_UNBOUNDED;
-	if ( !here || !s->edge->query->def.planes )
+	bool here = s->a.shape->deferred == NULL && s->b.shape->deferred == NULL; // a mesh is not made for this
+	return here && s->b.shape->family != LWI_UNBOUNDED && s->edge->query->def.planes;
+}
+
+/// Puts a plane first; the others move up, the last one is lost if it was not `from`.
+static void put_first( lwi_edge_plane* p, lwi_places_plane plane, uint32_t from )
+{
+	for ( uint32_t i = from; i > 0; --i )
 	{
-		return LWI_EDGE_MEASURE; // which costs nothing, or makes the mesh
+		p->planes[i] = p->planes[i - 1];
 	}
-	const lwi_kernels* kernels = s->edge->query->kernels;
-	lwi_edge_plane* p = plane_of( s->edge, key );
-	p->known = p->known && p->turned == s->turned; // the other one's would say nothing of this one
+	p->planes[0] = plane;
+}
+
+/// One of the planes of other times. @param need clearance that proves it if everything is on one side at the places
+static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
+{
+	p->known = p->turned == s->turned ? p->known : 0; // the other one's would say nothing of this one
 	p->turned = s->turned;
-	need = fmax( need + s->margin, 0 );
-	if ( p->known && lwi_places_are_apart( kernels, &s->a, &s->b, need, &p->plane ) )
+	for ( uint32_t i = 0; i < p->known; ++i )
 	{
-		return LWI_EDGE_PROVED;
+		if ( lwi_places_are_apart( s->edge->query->kernels, &s->a, &s->b, need, &p->planes[i] ) )
+		{
+			put_first( p, p->planes[i], i );
+			return true;
+		}
 	}
+	return false;
+}
+
+/// A new plane. @param bulge part of `need` that is due to the window
+static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, double bulge )
+{
 	if ( p->wait > 0 )
 	{
 		--p->wait;
 		return LWI_EDGE_MEASURE;
 	}
+	const lwi_kernels* kernels = s->edge->query->kernels;
 	float direction[3];
 	direction_between( &s->a, &s->b, direction );
-	if ( lwi_separate_places( kernels, &s->a, &s->b, need, direction, PLANE_STEPS, &p->plane ) )
+	lwi_places_plane plane;
+	lwi_edge_sweep found = LWI_EDGE_PROVED;
+	if ( !lwi_separate_places( kernels, &s->a, &s->b, need, direction, PLANE_STEPS, &plane ) )
 	{
-		p->known = true;
-		p->failures = 0;
+		// is it the window that is too wide, or are their hulls too near?
+		s->a.count = s->b.count = 1;
+		need = fmax( need - bulge, 0 );
+		bool apart = lwi_separate_places( kernels, &s->a, &s->b, need, direction, PLANE_STEPS, &plane );
+		found = apart ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
+	}
+	if ( found == LWI_EDGE_MEASURE )
+	{
+		p->failures = (uint16_t)( p->failures < MAX_FAILURES ? p->failures + 1 : MAX_FAILURES );
+		p->wait = (uint16_t)( 1u << p->failures );
+		return found;
+	}
+	p->failures = 0;
+	p->known = (uint8_t)( p->known < LWI_EDGE_KEPT ? p->known + 1 : LWI_EDGE_KEPT );
+	put_first( p, plane, p->known - 1u );
+	return found;
+}
+
+/// How far the middle of a body's sphere gets within a window.
+static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+{
+	const lwi_checker_tree* tree = e->checker->tree;
+	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
+	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) / LWI_EDGE_INWARD;
+}
+
+/// @param enough clearance that proves it @param bulge of both: NAN if there is no point in planes
+static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double enough, double bulge )
+{
+	const lw_checker* c = e->checker;
+	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
+	bool a_stands = item->rate_a.path == 0; // what stands has the plane
+	sweeping s = { .edge = e, .margin = lwi_self_margin( c, a, b ), .turned = a_stands };
+	lwi_edge_plane* p = plane_of( e, SELF_KEY | lwi_body_pair_id( c, a, b ) );
+	// places are seen from the ancestor, which is rounded too
+	double need = fmax( enough + bulge + s.margin + 4 * lwi_motion_rounding( c->motion, e->motion, above ), 0 );
+	bool planes = bulge < MAX_BULGE;
+	if ( planes )
+	{
+		places_of( e, a, above, item->rate_a, window, a_stands ? &s.b : &s.a );
+		places_of( e, b, above, item->rate_b, window, a_stands ? &s.a : &s.b );
+		planes = has_planes( &s );
+		if ( planes && old_plane_holds( &s, p, need ) )
+		{
+			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
+		}
+	}
+	double way = way_of( e, a, above, item->rate_a, window ) + way_of( e, b, above, item->rate_b, window );
+	if ( !lwi_checker_pair_is_near( c, e->query, a, b, enough + way ) )
+	{
 		return LWI_EDGE_PROVED;
 	}
-	// is it the window that is too wide, or are their hulls too near?
-	s->a.count = s->b.count = 1;
-	if ( lwi_separate_places( kernels, &s->a, &s->b, fmax( need - bulge, 0 ), direction, PLANE_STEPS, &p->plane ) )
+	return planes ? find_plane( &s, p, need, bulge ) : LWI_EDGE_MEASURE;
+}
+
+/// All obstacles that are near the body's sphere.
+static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double enough, double bulge )
+{
+	const lw_checker* c = e->checker;
+	double way = way_of( e, item->body_a, 0, item->rate_a, window );
+	uint32_t count = lwi_checker_near_obstacles( c, e->query, item->body_a, enough + way );
+	if ( count == 0 )
 	{
-		p->known = true;
-		p->failures = 0;
-		return LWI_EDGE_CLOSER;
+		return LWI_EDGE_PROVED;
 	}
-	p->known = false;
-	p->failures = (uint16_t)( p->failures < MAX_FAILURES ? p->failures + 1 : MAX_FAILURES );
-	p->wait = (uint16_t)( 1u << p->failures );
-	return LWI_EDGE_MEASURE;
-}
-
-static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double need, double bulge )
-{
-	const lw_checker* c = e->checker;
-	bool a_stands = item->rate_a.path == 0; // what stands has the plane
-	sweeping s = { .edge = e, .margin = lwi_self_margin( c, item->body_a, item->body_b ), .turned = a_stands };
-	places_of( e, item->body_a, item->ancestor, item->rate_a, window, a_stands ? &s.b : &s.a );
-	places_of( e, item->body_b, item->ancestor, item->rate_b, window, a_stands ? &s.a : &s.b );
-	need += 4 * lwi_motion_rounding( c->motion, e->motion, item->ancestor ); // places are seen from there
-	return separate( &s, SELF_KEY | lwi_body_pair_id( c, item->body_a, item->body_b ), need, bulge );
-}
-
-/// All obstacles that are within `limit` of the body's sphere.
-static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, uint32_t count, double need,
-	double bulge )
-{
-	const lw_checker* c = e->checker;
+	if ( !( bulge < MAX_BULGE ) )
+	{
+		return LWI_EDGE_MEASURE;
+	}
 	uint32_t stride = c->scene->block_count * LWI_WIDTH;
 	sweeping s = { .edge = e };
 	places_of( e, item->body_a, 0, item->rate_a, window, &s.a );
 	int places = s.a.count;
 	lwi_edge_sweep worst = LWI_EDGE_PROVED;
-	for ( uint32_t i = 0; i < count; ++i )
+	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
 	{
 		uint32_t index = e->query->candidates[i].pair;
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
+		s.a.count = places;
 		s.b.shape = lwi_shape_now( obstacle->shape );
 		s.b.count = 1;
 		s.b.at[0] = obstacle->world_from_shape;
-		s.a.count = places;
-		s.margin = lwi_environment_margin( c, item->body_a, obstacle->object );
-		lwi_edge_sweep now = separate( &s, item->body_a * stride + index, need, bulge );
+		double need = fmax( enough + bulge + lwi_environment_margin( c, item->body_a, obstacle->object ), 0 );
+		lwi_edge_plane* p = plane_of( e, item->body_a * stride + index );
+		lwi_edge_sweep now = !has_planes( &s )					 ? LWI_EDGE_MEASURE
+							 : old_plane_holds( &s, p, need ) ? LWI_EDGE_PROVED
+															   : find_plane( &s, p, need, bulge );
 		worst = now > worst ? now : worst;
-		if ( worst == LWI_EDGE_MEASURE )
-		{
-			break;
-		}
 	}
 	return worst;
 }
 
-lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double reach,
-	double enough, uint8_t* skip )
+lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double enough, uint8_t* skip )
 {
-	const lw_checker* c = e->checker;
-	bool pair = item->body_b != LW_INVALID_INDEX;
 	*skip = 0;
 	if ( !( window.half > 0 ) )
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	uint32_t count = pair ? (uint32_t)lwi_checker_pair_is_near( c, e->query, item->body_a, item->body_b, enough + reach )
-						  : lwi_checker_near_obstacles( c, e->query, item->body_a, enough + reach );
-	if ( count == 0 )
-	{
-		return LWI_EDGE_PROVED;
-	}
-	if ( window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * e->def->slack )
-	{
-		return LWI_EDGE_MEASURE;
-	}
-	double bulge = bulge_of( item->rate_a, window ) + bulge_of( item->rate_b, window );
-	if ( !( bulge < MAX_BULGE ) )
+	bool is_short = window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * e->def->slack;
+	double bulge = is_short ? NAN : bulge_of( item->rate_a, window ) + bulge_of( item->rate_b, window );
+	lwi_edge_sweep sweep = item->body_b != LW_INVALID_INDEX ? sweep_pair( e, item, window, enough, bulge )
+															 : sweep_scene( e, item, window, enough, bulge );
+	if ( sweep == LWI_EDGE_MEASURE && bulge >= MAX_BULGE )
 	{
 		for ( double next = 0.25 * bulge; !( next < MAX_BULGE ) && *skip < 16; next *= 0.25 )
 		{
@@ -197,6 +242,5 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 		}
 		return LWI_EDGE_CLOSER;
 	}
-	return pair ? sweep_pair( e, item, window, enough + bulge, bulge )
-				: sweep_scene( e, item, window, count, enough + bulge, bulge );
+	return sweep;
 }
