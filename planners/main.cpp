@@ -152,7 +152,7 @@ clearance reported may be off, promised by the setting, and seen. Conservatism o
 a free one may be turned down. Only settings whose FREE is a proof are proposed; what others would save, and miss, is shown.
 
 One of --time-per-state, --error and --edge-conservatism is met by the most accurate or the cheapest setting. What no target is
-given for costs a hundredth of the asked range (states) and about 1 mm (motions). A setting that turns down more than a tenth of the
+given for costs a hundredth of --max-d (states) and about 1 mm (motions). A setting that turns down more than a tenth of the
 free states or motions is not proposed.
 
 Work is counted, not timed: the same seed gives the same fronts and, for the same rate, the same proposal. The rate, the time that

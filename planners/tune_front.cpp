@@ -11,8 +11,8 @@ namespace leeway::cli
 namespace
 {
 
-// What is given up without a target: a hundredth of the asked range, and a millimetre of motions (what the default slack
-// comes to).
+// What is given up without a target: a hundredth of the asked max_d, and a millimetre of motions (what the default slack comes
+// to).
 constexpr double usual_error = 0.01, usual_conservatism = 0.00112;
 // A setting that calls fewer of the free states or motions free is fast, and of no use to a planner.
 constexpr double kept = 0.9;

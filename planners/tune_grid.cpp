@@ -86,8 +86,8 @@ std::vector<TuneRow> stateGrid( const TuneSettings& settings )
 				row.min_d = settings.min_d + margin;
 				row.max_d = settings.max_d - ( nearer ? error : 0 );
 				row.alpha = coarser ? error / row.max_d : 0;
-				row.promised = std::max( { margin, settings.max_d - row.max_d, row.alpha * row.max_d } );
-				// Each setting once: where it promises what its error is
+				row.promised = error; // exactly: it is compared with a target
+				// Each setting once: where one of the three gives up all of it
 				const bool new_here = choice > 0 || margin == error;
 				const bool possible = error < settings.max_d - settings.min_d && row.min_d < row.max_d && row.alpha < 1;
 				if ( margin <= error && ( error > 0 || choice == 0 ) && new_here && possible )
