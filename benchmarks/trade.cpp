@@ -36,7 +36,7 @@ public:
 		    "furniture of the cluttered kitchen, distances by FCL in double. Motions: the humanoid's arm, Fetch's arm and "
 		    "random robots, looked at densely by an auditor that knows no certificates. Times are processor time of one "
 		    "thread.";
-		TradeProgress states( progress, 0, 0.3 ), floats( progress, 0.3, 0.35 ), motions( progress, 0.35, 1 );
+		PartProgress states( progress, 0, 0.3 ), floats( progress, 0.3, 0.35 ), motions( progress, 0.35, 1 );
 		addTradeStates( settings, m_trade, states, out );
 		addTradeFloats( settings, m_trade, floats, out );
 		addTradeMotions( settings, m_trade, motions, out );

@@ -15,18 +15,6 @@ struct TradeSettings
 	std::string inject; ///< empty, or a knob: alpha, min_d, max_d, range, float, slack, certified, steps
 };
 
-/// A part of the experiment's progress: its own 0 to 1 are `from` to `to` of the whole.
-class TradeProgress : public Progress
-{
-public:
-	TradeProgress( Progress& whole, double from, double to ) : m_whole( whole ), m_from( from ), m_to( to ) {}
-	void at( double share, const std::string& what ) override { m_whole.at( m_from + share * ( m_to - m_from ), what ); }
-
-private:
-	Progress& m_whole;
-	double m_from, m_to;
-};
-
 /// States: alpha, min_d, max_d, and random ranges.
 void addTradeStates( const ExperimentSettings& settings, const TradeSettings& trade, Progress& progress, Outcome& out );
 

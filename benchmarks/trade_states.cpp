@@ -333,7 +333,7 @@ void addPlots( const std::vector<Setting>& all, Outcome& out )
 
 void addTradeStates( const ExperimentSettings& settings, const TradeSettings& trade, Progress& progress, Outcome& out )
 {
-	TradeProgress truth( progress, 0, 0.5 ), asking( progress, 0.5, 1 );
+	PartProgress truth( progress, 0, 0.5 ), asking( progress, 0.5, 1 );
 	const Subject subject = settings.data.empty() ? randomWorlds( settings ) : kitchen( settings, truth );
 	std::vector<Setting> all = allSettings( settings.quick || settings.smoke );
 	std::vector<leeway::Query> queries;
