@@ -313,7 +313,7 @@ public:
 
 	double expectedSeconds( const ExperimentSettings& settings ) const override
 	{
-		return settings.data.empty() || settings.smoke ? 5 : settings.quick ? 25 : 400;
+		return settings.data.empty() || settings.smoke ? 5 : settings.quick ? 15 : 500;
 	}
 
 	void addOptions( CLI::App& app ) override
@@ -334,7 +334,7 @@ public:
 		progress.at( 0, "robots and kitchens" );
 		lw_reach_def reach = lw_reach_def_default();
 		reach.seconds = settings.quick || settings.smoke ? std::min( settings.budget, 0.2 ) : settings.budget;
-		reach.hulls_only = settings.smoke;
+		reach.hulls_only = settings.quick || settings.smoke;
 		reach.hull_error = settings.smoke ? 0.1 : reach.hull_error;
 		const TemporaryFolder folder;
 		EdgeWorlds worlds( settings.data, reach );
@@ -374,7 +374,7 @@ private:
 		{
 			addGeneratedKitchen( settings, folder, worlds );
 		}
-		std::size_t of_each = settings.pick( SIZE_MAX, 3, 1 ), taken = 0;
+		std::size_t of_each = settings.pick( SIZE_MAX, 2, 1 ), taken = 0;
 		std::string set;
 		for ( std::size_t i = 0; i < worlds.size(); ++i )
 		{

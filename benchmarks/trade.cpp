@@ -17,7 +17,7 @@ public:
 
 	double expectedSeconds( const ExperimentSettings& settings ) const override
 	{
-		return settings.data.empty() || settings.smoke ? 2 : settings.quick ? 20 : 200;
+		return settings.data.empty() || settings.smoke ? 2 : settings.quick ? 12 : 60;
 	}
 
 	void addOptions( CLI::App& app ) override

@@ -372,7 +372,7 @@ void addTradeMotions( const ExperimentSettings& settings, const TradeSettings& t
 	progress.at( 0, "worlds of motions" );
 	lw_reach_def reach = lw_reach_def_default();
 	reach.seconds = settings.quick || settings.smoke ? std::min( settings.budget, 0.2 ) : settings.budget;
-	reach.hulls_only = settings.smoke;
+	reach.hulls_only = settings.quick || settings.smoke;
 	reach.hull_error = settings.smoke ? 0.1 : reach.hull_error;
 	EdgeWorlds worlds( settings.data, reach );
 	addWorlds( settings, worlds );
@@ -380,7 +380,7 @@ void addTradeMotions( const ExperimentSettings& settings, const TradeSettings& t
 	std::vector<std::unique_ptr<Seat>> seats( worlds.size() );
 	std::mt19937_64 random( settings.seed );
 	Totals totals;
-	totals.motions = settings.pick( 1500, 150, 24 );
+	totals.motions = settings.pick( 1500, 120, 24 );
 	for ( std::size_t i = 0; i < totals.motions; ++i )
 	{
 		std::unique_ptr<Seat>& seat = seats[i % seats.size()];
