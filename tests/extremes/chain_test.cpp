@@ -171,7 +171,8 @@ struct Seen
 void judge( const lw_clearance& got, const exact::Enclosure& truth, double poses, double promise, Seen& seen )
 {
 	++seen.answers;
-	EXPECT_LE( got.lower, truth.upper ) << "lower is above the truth by " << static_cast<double>( got.lower - truth.upper ) / poses << " of the poses' rounding";
+	EXPECT_LE( got.lower, truth.upper ) << "lower is above the truth, by " << static_cast<double>( got.lower - truth.upper ) / poses
+										<< " of the poses' rounding";
 	EXPECT_GE( got.upper + poses + promise, truth.lower );
 	EXPECT_LE( got.upper - got.lower, 1.25 * ( poses + promise ) );
 	seen.upper = std::max( seen.upper, static_cast<double>( truth.lower - got.upper ) / ( poses + promise ) );
@@ -249,9 +250,10 @@ TEST( ExtremeChains, state_differs_from_exact_kinematics )
 					double promise = ( 0x1p-46 + ( obstacle.boxes.empty() ? 0 : 1e-12 ) ) * size;
 					lw_state_result result;
 					ASSERT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result ) );
-					SCOPED_TRACE( ::testing::Message() << "kind " << kind << " seed " << seed << " state " << i << " truth " << (double)truth.upper << " own "
-													   << (double)own.upper << " got [" << result.environment.lower << ", " << result.environment.upper
-													   << "] self [" << result.self.lower << ", " << result.self.upper << "] poses " << poses );
+					SCOPED_TRACE( ::testing::Message()
+								  << "kind " << kind << " seed " << seed << " state " << i << " truth " << (double)truth.upper << " own "
+								  << (double)own.upper << " got [" << result.environment.lower << ", " << result.environment.upper << "] self ["
+								  << result.self.lower << ", " << result.self.upper << "] poses " << poses );
 					poses += stretch * std::max( static_cast<double>( truth.upper ), static_cast<double>( own.upper ) );
 					judge( result.environment, truth, poses, promise, environment );
 					judge( result.self, own, poses, promise, self );

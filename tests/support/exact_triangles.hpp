@@ -274,9 +274,14 @@ template <class R> inline bool offerFeature( const Pair<R>& pair, int feature, R
 		int i = ( feature - edges ) / 3, j = ( feature - edges ) % 3;
 		nearestOfEdges( a[i], a[( i + 1 ) % 3] - a[i], b[j], b[( j + 1 ) % 3] - b[j], pa, pb );
 	}
-	else if ( !( feature < crossings_of_b ? crossing( a, feature - crossings_of_a, b, pa, pb ) : crossing( b, feature - crossings_of_b, a, pb, pa ) ) )
+	else
 	{
-		return false;
+		bool of_a = feature < crossings_of_b;
+		int edge = feature - ( of_a ? crossings_of_a : crossings_of_b );
+		if ( !( of_a ? crossing( a, edge, b, pa, pb ) : crossing( b, edge, a, pb, pa ) ) )
+		{
+			return false;
+		}
 	}
 	R before = square;
 	offerPoints( pa, pb, square, across );
@@ -420,8 +425,10 @@ inline Enclosure distanceNear( const lw_vec3 a[3], const lw_vec3 b[3], lw_vec3 n
 			Bounds<Wide> again = solveOne( pair, feature );
 			bounds = { std::max( bounds.lower, again.lower ), std::min( bounds.upper, again.upper ) };
 			const Vec<Wide>*t = pair.a, *u = pair.b;
-			Vec<Wide> ea = t[1] - t[0], fa = t[2] - t[0], eb = u[1] - u[0], fb = u[2] - u[0];
-			offerSlab( pair, j >= 3 ? cross( ea, fa ) : i >= 3 ? cross( eb, fb ) : cross( t[( i + 1 ) % 3] - t[i < 0 ? 0 : i], u[( j + 1 ) % 3] - u[j < 0 ? 0 : j] ), bounds );
+			int k = i < 0 ? 0 : i % 3, l = j < 0 ? 0 : j % 3;
+			Vec<Wide> ea = t[( k + 1 ) % 3] - t[k], fa = t[( k + 2 ) % 3] - t[k];
+			Vec<Wide> eb = u[( l + 1 ) % 3] - u[l], fb = u[( l + 2 ) % 3] - u[l];
+			offerSlab( pair, j >= 3 ? cross( ea, fa ) : i >= 3 ? cross( eb, fb ) : cross( ea, eb ), bounds );
 			out = widened( bounds, pair.extent, 0 );
 		}
 	}

@@ -119,8 +119,9 @@ inline void judgeTriangles( const TrianglePair& p, const char* name, std::uint64
 	double beside = static_cast<double>( outside ) / near;
 	if ( beside > std::max( 0.1, findings.worst[triangle_witness] ) ) // feet in needles need more digits
 	{
-		beside = static_cast<double>(
-			std::max( exact::pointDistance<exact::Quad>( p.a, r.point_a ), exact::pointDistance<exact::Quad>( p.b, r.point_b ) ) ) / near;
+		exact::Quad from_a = exact::pointDistance<exact::Quad>( p.a, r.point_a );
+		exact::Quad from_b = exact::pointDistance<exact::Quad>( p.b, r.point_b );
+		beside = static_cast<double>( std::max( from_a, from_b ) ) / near;
 	}
 	if ( error > findings.worst[triangle_distance] || beside > findings.worst[triangle_witness] )
 	{
