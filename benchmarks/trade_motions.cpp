@@ -245,23 +245,23 @@ void addTable( const std::vector<Setting>& all, const Totals& totals, Outcome& o
 void addPlots( const std::vector<Setting>& all, const Totals& totals, Outcome& out )
 {
 	Plot missed{ "missed", "Fixed steps: missed collisions, and free motions lost",
-	    "Without a margin steps miss collisions; with their length as margin they miss none and turn free motions down. "
+	    "Missed: of motions that collide; turned down: of free ones. Without a margin steps miss collisions; with their "
+	    "length as margin they miss none and turn free motions down. "
 	    "Certified "
 	    "motions (slack 1 mm) do neither, but for what is within the slack.",
-	    { "step", "m", true }, { "share of colliding (missed) or free (turned down) motions", "%", false }, {}, {}, {} };
+	    { "step", "m", true }, { "share of motions", "%", false }, {}, {}, {} };
 	missed.y.from = 0;
 	Plot time{ "steps-time", "Fixed steps against certified: time", "Mean processor time of a motion, all of them.",
 	    { "step", "m", true }, { "time a motion", "us", true }, {}, {}, {} };
 	Plot slack{ "slack", "slack: what is turned down", "The promise is slack / (1 - alpha) with alpha 0.1.",
-	    { "slack", "m", true }, { "clearance at which a motion was turned down", "m", true },
-	    { "time a motion", "us", false }, {}, {} };
+	    { "slack", "m", true }, { "clearance when turned down", "m", true }, { "time a motion", "us", false }, {}, {} };
 	slack.y2.from = 0;
 	Series miss{ "missed, no margin", {}, Mark::LINES, false }, lost{ "turned down, margin = step", {}, Mark::LINES, false },
 	    certified_miss{ "missed, certified", {}, Mark::DASHES, false },
 	    certified_lost{ "turned down, certified", {}, Mark::DASHES, false },
 	    plain{ "steps, no margin", {}, Mark::LINES, false }, margin{ "steps, margin = step", {}, Mark::LINES, false },
 	    proof{ "certified, slack 1 mm", {}, Mark::DASHES, false }, promised{ "promised", {}, Mark::DASHES, false },
-	    observed{ "largest observed", {}, Mark::LINES, false }, slack_time{ "time (right)", {}, Mark::POINTS, true };
+	    observed{ "largest observed", {}, Mark::LINES, false }, slack_time{ "time (right)", {}, Mark::LINES, true };
 	const std::size_t free = totals.motions - totals.colliding;
 	double low = 1, high = 0;
 	for ( const Setting& s : all )

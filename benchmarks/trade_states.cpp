@@ -20,7 +20,7 @@ namespace
 {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
-constexpr double ROUNDING = 1e-12; // metres: 80 roundoffs of doubles (distance_query.c), at coordinates of 100 m
+constexpr double ROUNDING = 1e-10; // metres: of poses (kinematics.md) and distances, 6e-12 for the humanoid
 constexpr double CLOSE = 1e-9;     // metres: a distance this near to a threshold may be on either side of it
 
 struct Subject
@@ -294,11 +294,11 @@ void addPlots( const std::vector<Setting>& all, Outcome& out )
 {
 	Plot alpha{ "alpha", "alpha: width of the interval",
 	    "The promise is the diagonal. Right axis: time of environment and self together.", { "alpha", "", false },
-	    { "relative width (upper - lower) / upper, or error", "", false }, { "time a state", "us", false }, {}, {} };
+	    { "width or error, relative to upper", "", false }, { "time a state", "us", false }, {}, {} };
 	alpha.y.from = alpha.y2.from = 0;
 	Series promised{ "promised", {}, Mark::DASHES, false }, worst{ "largest observed", {}, Mark::LINES, false },
 	    mean{ "mean observed", {}, Mark::LINES, false }, off{ "upper end too high, mean", {}, Mark::LINES, false },
-	    time{ "time (right)", {}, Mark::POINTS, true };
+	    time{ "time (right)", {}, Mark::LINES, true };
 	Plot cut{ "range", "min_d and max_d: time",
 	    "What ends a search early: a violation found (min_d), nothing within reach (max_d).",
 	    { "min_d or max_d", "m", true }, { "time a state", "us", false }, {}, {}, {} };
@@ -323,7 +323,7 @@ void addPlots( const std::vector<Setting>& all, Outcome& out )
 	}
 	Point exact = time.points.front();
 	Series all_of_it{ "exact", { { 0.001, exact.y }, { 1, exact.y } }, Mark::DASHES, false };
-	alpha.series = { promised, worst, mean, off, time };
+	alpha.series = { worst, promised, mean, off, time }; // the promise over what fills it
 	cut.series = { by_min, by_max, all_of_it };
 	out.plots.push_back( alpha );
 	out.plots.push_back( cut );
