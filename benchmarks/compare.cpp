@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <tuple>
 
 using Json = nlohmann::ordered_json;
 
@@ -94,6 +95,12 @@ Change judge( const Difference& d, const Measure& before, const Measure& after, 
 	return ( after.median > before.median ) == ( better > 0 ) ? Change::BETTER : Change::WORSE;
 }
 
+/// Times that drift with the machine.
+bool isTime( const Column& column, const Measure& a, const Measure& b )
+{
+	return column.unit == "us" && column.better != 0 && a.count > 1 && b.count > 1;
+}
+
 void compareRow( Comparison& out, const std::string& experiment, const Table& table, const std::vector<Cell>& before,
     const std::vector<Cell>& after, double threshold )
 {
@@ -105,12 +112,15 @@ void compareRow( Comparison& out, const std::string& experiment, const Table& ta
 		{
 			continue;
 		}
-		const Measure a = measureOf( before[i] ), b = measureOf( after[i] );
+		const Measure a = measureOf( before[i] ), measured = measureOf( after[i] );
+		const bool time = isTime( column, a, measured );
+		const double drift = time ? out.drift : 1;
+		const Measure b = { measured.median / drift, measured.lower / drift, measured.upper / drift, measured.count };
 		Difference d{
-		    experiment, table.id, nameOf( table, before ), column.name, column.unit, a.median, b.median, 0, 0, {} };
+		    experiment, table.id, nameOf( table, before ), column.name, column.unit, a.median, measured.median, 0, 0, {} };
 		d.percent = a.median == b.median ? 0 : 100 * ( b.median / a.median - 1 );
 		d.noise = 50 * ( ( a.upper - a.lower ) + ( b.upper - b.lower ) ) / std::abs( a.median );
-		d.change = judge( d, a, b, column.better, threshold );
+		d.change = judge( d, a, b, column.better, time ? std::max( threshold, out.scatter ) : threshold );
 		out.differences.push_back( d );
 	}
 }
@@ -196,11 +206,60 @@ void compareProvenance( Comparison& out, const Json& before, const Json& after )
 	}
 }
 
+/// What all times have in common, and how far they scatter about it: Comparison::drift and scatter.
+std::pair<double, double> driftOf( const Report& before, const Report& after )
+{
+	constexpr std::size_t ENOUGH = 20;
+	std::map<std::string, Measure> times;
+	std::vector<double> ratios;
+	for ( const Report* report : { &before, &after } )
+	{
+		for ( const Outcome& outcome : report->outcomes )
+		{
+			for ( const Table& table : outcome.tables )
+			{
+				for ( const std::vector<Cell>& row : table.rows )
+				{
+					for ( std::size_t i = 0; i < row.size(); ++i )
+					{
+						const Measure* m = std::get_if<Measure>( &row[i] );
+						if ( m == nullptr || !isTime( table.columns[i], *m, *m ) )
+						{
+							continue;
+						}
+						const std::string name =
+						    outcome.name + "|" + table.id + "|" + nameOf( table, row ) + "|" + table.columns[i].name;
+						const auto [found, is_new] = times.emplace( name, *m );
+						if ( report == &after && !is_new && found->second.median > 0 )
+						{
+							ratios.push_back( m->median / found->second.median );
+						}
+					}
+				}
+			}
+		}
+	}
+	if ( ratios.size() < ENOUGH )
+	{
+		return { 1, 0 };
+	}
+	const double drift = measure( ratios ).median;
+	for ( double& ratio : ratios )
+	{
+		ratio = std::abs( ratio / drift - 1 );
+	}
+	return { drift, 100 * 3 * 1.4826 * measure( ratios ).median }; // of normal deviations
+}
+
 } // namespace
 
-Comparison compare( const Report& before, const Report& after, double threshold )
+Comparison compare( const Report& before, const Report& after, double threshold, bool absolute )
 {
 	Comparison out;
+	if ( !absolute )
+	{
+		std::tie( out.drift, out.scatter ) = driftOf( before, after );
+	}
 	compareProvenance( out, before.provenance, after.provenance );
 	for ( const Outcome& outcome : before.outcomes )
 	{
@@ -235,6 +294,16 @@ std::string comparisonText( const Comparison& comparison, bool all )
 	for ( const std::string& note : comparison.notes )
 	{
 		out += "note: " + note + "\n";
+	}
+	if ( comparison.drift != 1 || comparison.scatter > 0 )
+	{
+		char text[200];
+		std::snprintf( text, sizeof text,
+		    "note: all times as a whole: %+.1f %%; one by one they scatter by %.1f %% about that; changes are what goes "
+		    "beyond "
+		    "both (--absolute: all)\n",
+		    100 * ( comparison.drift - 1 ), comparison.scatter );
+		out += text;
 	}
 	for ( const Difference& d : comparison.differences )
 	{

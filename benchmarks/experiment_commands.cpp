@@ -68,6 +68,7 @@ ExperimentCommands::ExperimentCommands( CLI::App& app ) : m_all( allExperiments(
 	m_compare->add_option( "before", m_before, "a file of --json or --report" )->required();
 	m_compare->add_option( "after", m_after, "another one" )->required();
 	m_compare->add_option( "--threshold", m_threshold, "percent: what is less is noise" )->capture_default_str();
+	m_compare->add_flag( "--absolute", m_absolute, "do not take off what all times have in common: for quiet machines" );
 	m_compare->add_flag( "--all", m_list_all, "list what is within noise too" );
 }
 
@@ -148,7 +149,7 @@ int ExperimentCommands::runExperiments()
 
 int ExperimentCommands::runCompare() const
 {
-	const Comparison comparison = compare( readReport( m_before ), readReport( m_after ), m_threshold );
+	const Comparison comparison = compare( readReport( m_before ), readReport( m_after ), m_threshold, m_absolute );
 	std::fputs( comparisonText( comparison, m_list_all ).c_str(), stdout );
 	return comparison.count( Change::WORSE ) > 0 ? 1 : 0;
 }

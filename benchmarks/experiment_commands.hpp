@@ -33,5 +33,5 @@ private:
 	std::string m_report, m_json, m_file, m_folder, m_before, m_after;
 	std::vector<std::string> m_only;
 	double m_threshold = 3;
-	bool m_list_all = false;
+	bool m_list_all = false, m_absolute = false;
 };

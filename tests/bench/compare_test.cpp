@@ -113,3 +113,21 @@ TEST( Compare, TextLeavesOutWhatGotWorse )
 	EXPECT_NE( comparisonText( c, true ).find( "self, 20: time" ), std::string::npos );
 	EXPECT_NE( text.find( "0 better, 1 worse" ), std::string::npos );
 }
+
+TEST( Compare, BusyMachineIsTakenForASlowerProgram )
+{
+	std::vector<std::vector<Cell>> before, after;
+	for ( int i = 0; i < 30; ++i )
+	{
+		before.push_back( row( "self", i, Measure{ 10, 9.9, 10.1, 9 } ) );
+		const double slower = i == 7 ? 1.5 : 1.1; // one of them is slower by itself
+		after.push_back( row( "self", i, Measure{ 10 * slower, 9.9 * slower, 10.1 * slower, 9 } ) );
+	}
+	const Comparison c = compare( reportOf( before ), reportOf( after ), 3 );
+	EXPECT_NEAR( c.drift, 1.1, 1e-9 );
+	EXPECT_EQ( c.count( Change::WORSE ), 1u );
+	EXPECT_EQ( c.differences[7].change, Change::WORSE );
+	EXPECT_DOUBLE_EQ( c.differences[7].after, 15 ); // as it was measured
+	EXPECT_NE( comparisonText( c, false ).find( "+10.0 %" ), std::string::npos );
+	EXPECT_EQ( compare( reportOf( before ), reportOf( after ), 3, true ).count( Change::WORSE ), 30u );
+}
