@@ -159,8 +159,9 @@ static void turn( cover* c, const lwi_joint* joint, double lower, double upper )
 		lw_vec3 p = lwi_load( old[i].c );
 		lw_vec3 along = lwi_scale( lwi_dot( axis, p ), axis ), out = lwi_sub( p, along ), across = lwi_cross( axis, out );
 		double d = lwi_length( out );
+		// 0 / 0 for a point on the axis: not a number is not >= 2 either
 		double wanted = ceil( width * d / fmax( old[i].r, 1e-3 * d ) );
-		uint32_t steps = wanted > MAX_STEPS ? MAX_STEPS : wanted < 2 ? 2 : (uint32_t)wanted;
+		uint32_t steps = wanted > MAX_STEPS ? MAX_STEPS : wanted >= 2 ? (uint32_t)wanted : 2;
 		double half = 0.5 * width / steps;
 		for ( uint32_t k = 0; k < steps; ++k )
 		{
@@ -280,6 +281,20 @@ static void move( cover* c, const lw_transform* m )
 	c->extent += lwi_length( lwi_load( m->t ) );
 }
 
+/// Coordinates whose squares leave the range of doubles end as numbers that no comparison holds back.
+static bool is_finite( const cover* c )
+{
+	for ( uint32_t i = 0; i <= c->count; ++i )
+	{
+		const ball* b = i < c->count ? &c->balls[i] : &c->chain;
+		if ( !isfinite( b->c[0] ) || !isfinite( b->c[1] ) || !isfinite( b->c[2] ) || !isfinite( b->r ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
 void lwi_cover_node( const lw_checker* checker, const lwi_checker_node* node, const bool* joint_moves, lwi_cover* out )
 {
 	const lw_robot* robot = checker->robot;
@@ -311,6 +326,7 @@ void lwi_cover_node( const lw_checker* checker, const lwi_checker_node* node, co
 			parent_from_joint = lwi_relative( &checker->reference_poses[joint->parent], &checker->reference_poses[link] );
 		}
 		move( c, &parent_from_joint );
+		c->unbounded = c->unbounded || !is_finite( c );
 		link = joint->parent;
 	}
 	move( c, &robot->world_from_root );
@@ -320,6 +336,7 @@ void lwi_cover_node( const lw_checker* checker, const lwi_checker_node* node, co
 		ball* b = i < c->count ? &c->balls[i] : &c->chain;
 		b->r += slack + rounding * lwi_length( lwi_load( b->c ) );
 	}
+	c->unbounded = c->unbounded || !is_finite( c );
 	memcpy( out->balls, c->balls, c->count * sizeof( ball ) );
 	out->count = c->count;
 	out->chain = c->chain;

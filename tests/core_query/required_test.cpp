@@ -678,3 +678,84 @@ TEST( Required, reach_of_a_deferred_robot_differs )
 		lw_reach_release( reach[i] );
 	}
 }
+
+namespace
+{
+
+/// A checker of this robot of one joint and a ball about the origin: the ball has to be looked at.
+/// @param contact the robot touches it
+void expectNotPassedOver( const lw_robot_def& def, const lw_shape* obstacle, bool contact )
+{
+	lw_robot* robot = nullptr;
+	const lw_status status = lw_robot_create( &def, nullptr, nullptr, &robot );
+	if ( !contact && status == LW_ERROR_INVALID_ARGUMENT )
+	{
+		return; // poses as far as that are none
+	}
+	ASSERT_EQ( LW_OK, status );
+	const RobotPtr robot_owner( robot );
+	const char* objects[1] = { "ball" };
+	const lw_scene_shape_def placed[1] = { { obstacle, 0, lw_transform_identity() } };
+	lw_scene_def scene_def = lw_scene_def_default();
+	scene_def.object_names = objects;
+	scene_def.object_count = 1;
+	scene_def.shapes = placed;
+	scene_def.shape_count = 1;
+	lw_scene* scene = nullptr;
+	ASSERT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
+	const ScenePtr scene_owner( scene );
+	lw_checker_def checker_def = lw_checker_def_default();
+	checker_def.robot = robot;
+	checker_def.scene = scene;
+	checker_def.max_d = 0.1;
+	lw_checker* checker = nullptr;
+	ASSERT_EQ( LW_OK, lw_checker_create( &checker_def, nullptr, nullptr, &checker ) );
+	const CheckerPtr checker_owner( checker );
+	EXPECT_EQ( 0.0, lw_checker_obstacle_distance( checker, 0 ) );
+	QueryPtr query = coldQuery( checker );
+	const double q = 0.3;
+	const lw_range range = { 0, 0.1, 0 };
+	lw_state_result result;
+	ASSERT_EQ( LW_OK, lw_checker_state( checker, query.get(), &q, LW_WHAT_BOTH, &range, false, &result ) );
+	EXPECT_EQ( contact, result.verdict == LW_VERDICT_BLOCKED );
+}
+
+} // namespace
+
+// The sweep of a body so far from the axis of its joint that squares leave the range of doubles has no number of arcs. It
+// must not get lost, nor the obstacles with it. Nor may that of a point on the axis, whose number of arcs is 0 / 0 if its
+// ball has no radius.
+TEST( Required, sweeps_without_a_number_of_arcs_are_not_lost )
+{
+	const double origin[3] = { 0, 0, 0 }, sizes[3] = { 0.5, 0, 0 };
+	lw_shape *point = nullptr, *ball = nullptr;
+	ASSERT_EQ( LW_OK, lw_shape_create_points( origin, 1, 0.0, nullptr, nullptr, nullptr, &point ) );
+	ASSERT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, sizes, nullptr, nullptr, &ball ) );
+	const ShapePtr body( point ), obstacle( ball );
+	lw_joint_def joint = lw_joint_def_default();
+	joint.name = "j";
+	joint.type = LW_JOINT_REVOLUTE;
+	joint.parent = 0;
+	joint.child = 1;
+	joint.axis[0] = 0;
+	joint.axis[2] = 1;
+	joint.lower = -1;
+	joint.upper = 1;
+	const char* links[2] = { "base", "tip" };
+	lw_body_def bodies[2] = { { body.get(), 1, lw_transform_identity() }, { body.get(), 1, lw_transform_identity() } };
+	bodies[1].link_from_shape.t[0] = 1e200;
+	lw_robot_def def = lw_robot_def_default();
+	def.name = "r";
+	def.link_names = links;
+	def.link_count = 2;
+	def.joints = &joint;
+	def.joint_count = 1;
+	def.bodies = bodies;
+	for ( uint32_t far : { 0u, 1u } )
+	{
+		SCOPED_TRACE( far );
+		def.bodies = bodies + far;
+		def.body_count = 1;
+		expectNotPassedOver( def, obstacle.get(), far == 0 );
+	}
+}
