@@ -230,20 +230,24 @@ size_t lw_reach_bytes( const lw_reach* reach )
 
 void lw_reach_variable_range( const lw_reach* reach, uint32_t variable, double* out_lower, double* out_upper )
 {
-	assert( variable < reach->variable_count );
-	*out_lower = reach->lower[variable];
-	*out_upper = reach->upper[variable];
+	bool known = variable < reach->variable_count;
+	*out_lower = known ? reach->lower[variable] : INFINITY; // else no value is covered
+	*out_upper = known ? reach->upper[variable] : -INFINITY;
 }
 
 lw_reach_node lw_reach_get_node( const lw_reach* reach, uint32_t link )
 {
-	assert( link < reach->link_count );
-	return reach->links[link].node;
+	const lw_sphere anywhere = { { 0, 0, 0 }, INFINITY };
+	const lw_reach_node unknown = { .r = anywhere, .m = anywhere, .mr = anywhere };
+	return link < reach->link_count ? reach->links[link].node : unknown;
 }
 
 const double* lw_reach_hull_points( const lw_reach* reach, uint32_t link )
 {
-	assert( link < reach->link_count );
+	if ( link >= reach->link_count )
+	{
+		return NULL;
+	}
 	const lwi_reach_link* entry = &reach->links[link];
 	return entry->node.hull_point_count > 0 ? reach->points + 3 * entry->first_point : NULL;
 }
@@ -286,7 +290,10 @@ const char* lw_pair_proof_name( lw_pair_proof proof )
 
 lw_reach_pair lw_reach_get_pair( const lw_reach* reach, uint32_t link_a, uint32_t link_b )
 {
-	assert( link_a < reach->link_count && link_b < reach->link_count );
+	if ( link_a >= reach->link_count || link_b >= reach->link_count )
+	{
+		return (lw_reach_pair){ .kind = LW_PAIR_CHECK, .closest = INFINITY }; // nothing is known of it
+	}
 	if ( link_a == link_b )
 	{
 		return (lw_reach_pair){ .kind = LW_PAIR_NONE, .closest = INFINITY };
@@ -296,8 +303,8 @@ lw_reach_pair lw_reach_get_pair( const lw_reach* reach, uint32_t link_a, uint32_
 
 bool lw_reach_closest_state( const lw_reach* reach, uint32_t link_a, uint32_t link_b, double* q )
 {
-	assert( link_a < reach->link_count && link_b < reach->link_count );
-	uint32_t state = link_a == link_b ? LW_INVALID_INDEX : reach->states[lwi_reach_pair_index( link_a, link_b )];
+	bool known = link_a < reach->link_count && link_b < reach->link_count && link_a != link_b;
+	uint32_t state = !known ? LW_INVALID_INDEX : reach->states[lwi_reach_pair_index( link_a, link_b )];
 	if ( state == LW_INVALID_INDEX || reach->pairs[lwi_reach_pair_index( link_a, link_b )].closest == INFINITY )
 	{
 		return false;
@@ -314,18 +321,17 @@ double lw_reach_base( const lw_reach* reach, uint32_t link_i, uint32_t link_j )
 
 double lw_reach_rigid( const lw_reach* reach, uint32_t link_i, uint32_t link_j )
 {
-	assert( link_i < reach->link_count && link_j < reach->link_count );
-	return reach->rigid[(size_t)link_i * reach->link_count + link_j];
+	bool known = link_i < reach->link_count && link_j < reach->link_count;
+	return known ? reach->rigid[(size_t)link_i * reach->link_count + link_j] : 0;
 }
 
 double lw_reach_motion( const lw_reach* reach, uint32_t link_i, uint32_t link_j )
 {
-	assert( link_i < reach->link_count && link_j < reach->link_count );
-	return reach->motion[(size_t)link_i * reach->link_count + link_j];
+	bool known = link_i < reach->link_count && link_j < reach->link_count;
+	return known ? reach->motion[(size_t)link_i * reach->link_count + link_j] : 0;
 }
 
 double lw_reach_scfree( const lw_reach* reach, uint32_t link_i )
 {
-	assert( link_i < reach->link_count );
-	return reach->scfree[link_i];
+	return link_i < reach->link_count ? reach->scfree[link_i] : 0;
 }

@@ -810,52 +810,54 @@ uint32_t lw_robot_find_joint( const lw_robot* robot, const char* name )
 
 lw_joint_type lw_robot_joint_type( const lw_robot* robot, uint32_t joint )
 {
-	return robot->joints[joint].type;
+	return joint < robot->joint_count ? robot->joints[joint].type : LW_JOINT_FIXED;
 }
 
 uint32_t lw_robot_joint_parent( const lw_robot* robot, uint32_t joint )
 {
-	return robot->joints[joint].parent;
+	return joint < robot->joint_count ? robot->joints[joint].parent : LW_INVALID_INDEX;
 }
 
 uint32_t lw_robot_joint_child( const lw_robot* robot, uint32_t joint )
 {
-	return robot->joints[joint].child;
+	return joint < robot->joint_count ? robot->joints[joint].child : LW_INVALID_INDEX;
 }
 
 uint32_t lw_robot_joint_mimic( const lw_robot* robot, uint32_t joint )
 {
-	return robot->joints[joint].mimic;
+	return joint < robot->joint_count ? robot->joints[joint].mimic : LW_INVALID_INDEX;
 }
 
 uint32_t lw_robot_link_joint( const lw_robot* robot, uint32_t link )
 {
-	return robot->link_joint[link];
+	return link < robot->link_count ? robot->link_joint[link] : LW_INVALID_INDEX;
 }
 
 uint32_t lw_robot_joint_variable( const lw_robot* robot, uint32_t joint )
 {
-	return robot->joints[joint].own_variable;
+	return joint < robot->joint_count ? robot->joints[joint].own_variable : LW_INVALID_INDEX;
 }
 
 uint32_t lw_robot_joint_variable_count( const lw_robot* robot, uint32_t joint )
 {
-	const lwi_joint* j = &robot->joints[joint];
-	if ( j->own_variable == LW_INVALID_INDEX )
+	if ( lw_robot_joint_variable( robot, joint ) == LW_INVALID_INDEX )
 	{
 		return 0;
 	}
+	const lwi_joint* j = &robot->joints[joint];
 	return j->type == LW_JOINT_PLANAR ? 3u : j->type == LW_JOINT_FLOATING ? 7u : 1u;
 }
 
 lw_body_def lw_robot_body( const lw_robot* robot, uint32_t body )
 {
-	return robot->bodies[body];
+	const lw_body_def none = { .link = LW_INVALID_INDEX };
+	return body < robot->body_count ? robot->bodies[body] : none;
 }
 
 lw_variable_info lw_robot_variable( const lw_robot* robot, uint32_t variable )
 {
-	return robot->variables[variable];
+	const lw_variable_info none = { .joint = LW_INVALID_INDEX };
+	return variable < robot->variable_count ? robot->variables[variable] : none;
 }
 
 double lwi_robot_default_value( const lw_robot* robot, uint32_t variable )
@@ -875,6 +877,10 @@ void lw_robot_default_state( const lw_robot* robot, double* q )
 
 bool lw_robot_pair_allowed( const lw_robot* robot, uint32_t link_a, uint32_t link_b )
 {
+	if ( link_a >= robot->link_count || link_b >= robot->link_count )
+	{
+		return false;
+	}
 	size_t bit = (size_t)link_a * robot->link_count + link_b;
 	return robot->rigid_group[link_a] == robot->rigid_group[link_b] ||
 		( ( robot->allowed[bit / 32] >> ( bit % 32 ) ) & 1u ) != 0;

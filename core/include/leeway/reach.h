@@ -50,6 +50,8 @@ LW_API size_t lw_reach_bytes( const lw_reach* reach );
 /// covered; checkers then ask without it.
 LW_API void lw_reach_variable_range( const lw_reach* reach, uint32_t variable, double* out_lower, double* out_upper );
 
+// Of an index that there is not, nothing is known: unbounded spheres, pairs to be checked, distances of 0, empty ranges.
+
 /// A sphere; radius < 0: contains nothing; +inf: unbounded (a joint without limits).
 typedef struct lw_sphere
 {
