@@ -2,13 +2,13 @@
 // Comma-separated tables: strict about what is a number, lenient about white space.
 #include "csv.hpp"
 
+#include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -85,11 +85,7 @@ void checkHeader( const CsvTable& table, std::size_t line )
 
 CsvTable readCsv( const std::string& file )
 {
-	std::ifstream stream( file, std::ios::binary );
-	if ( !stream )
-	{
-		throw io::Error( file, "table", "cannot be opened", "check the path and its permissions" );
-	}
+	std::istringstream stream( io::readWholeFile( file ) );
 	CsvTable table;
 	table.file = file;
 	std::string text;
@@ -119,10 +115,9 @@ CsvTable readCsv( const std::string& file )
 		}
 		table.rows.push_back( { line, std::move( cells ) } );
 	}
-	if ( stream.bad() || table.header.empty() )
+	if ( table.header.empty() )
 	{
-		throw io::Error( file, "table", stream.bad() ? "cannot be read" : "is empty",
-		    "give a header line of column names, then one line per row" );
+		throw io::Error( file, "table", "is empty", "give a header line of column names, then one line per row" );
 	}
 	return table;
 }

@@ -341,6 +341,13 @@ int dispatch( const CLI::App& app, Commands& commands )
 {
 	const CLI::App* chosen = app.get_subcommands().front();
 	const std::string name = chosen->get_name();
+	std::vector<std::string> given;
+	for ( const CommonOptions* common : { &commands.info.common, &commands.pairs.common, &commands.spherize.common,
+	          &commands.check.common, &commands.edge.common, &commands.plan.common, &commands.audit.common, &commands.tune.common } )
+	{
+		given.insert( given.end(), common->input_limits.begin(), common->input_limits.end() ); // of one: the chosen
+	}
+	const io::LimitScope limits( inputLimits( given ) );
 	if ( name == "info" )
 	{
 		validate( *chosen, commands.info.common );
@@ -422,7 +429,7 @@ int guarded( const std::function<int()>& run )
 {
 	const auto fail = []( const std::string& text )
 	{
-		fmt::print( stderr, "leeway: error: {}\n", text );
+		tell( "leeway: error: {}\n", text );
 		return static_cast<int>( exit_error );
 	};
 	try
@@ -483,7 +490,7 @@ int main( int argc, char** argv )
 		const std::string help = app.get_subcommands().empty()
 		                             ? "leeway --help"
 		                             : "leeway " + app.get_subcommands().front()->get_name() + " --help";
-		fmt::print( stderr, "leeway: error: command line: {}; see {}\n", error.what(), help );
+		tell( "leeway: error: command line: {}; see {}\n", error.what(), help );
 		return exit_error;
 	}
 	return guarded( [&] { return dispatch( app, commands ); } );

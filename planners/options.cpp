@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 
@@ -123,6 +124,16 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	           options.cache_limit ) )
 	    ->type_name( "MB" )
 	    ->group( model );
+	std::string limits;
+	for ( const auto& [name, member] : io::limitNames() )
+	{
+		limits += fmt::format( "{}{} {}", limits.empty() ? "" : ", ", name, io::Limits().*member );
+	}
+	app.add_option( "--input-limit", options.input_limits,
+	       fmt::format( "what a file may ask for at most, NAME=N; repeatable (defaults: {})", limits ) )
+	    ->type_name( "NAME=N" )
+	    ->allow_extra_args( false )
+	    ->group( model );
 	if ( needs.world )
 	{
 		addQuestionOptions( app, options, needs );
@@ -165,6 +176,34 @@ void requireNotNegative( const std::string& option, double value )
 	{
 		wrong( option, fmt::format( "{} is not a finite number of at least 0", value ), "give 0 or more" );
 	}
+}
+
+io::Limits inputLimits( const std::vector<std::string>& given )
+{
+	io::Limits limits;
+	for ( const std::string& text : given )
+	{
+		const std::size_t equals = text.find( '=' );
+		const std::string name = text.substr( 0, equals ), value = equals != std::string::npos ? text.substr( equals + 1 ) : "";
+		std::uint64_t number_ = 0;
+		const auto [end, error] = std::from_chars( value.data(), value.data() + value.size(), number_ );
+		std::string known;
+		bool found = false;
+		for ( const auto& [candidate, member] : io::limitNames() )
+		{
+			known += ( known.empty() ? "" : ", " ) + candidate;
+			if ( candidate == name )
+			{
+				limits.*member = number_;
+				found = true;
+			}
+		}
+		if ( !found || value.empty() || error != std::errc() || end != value.data() + value.size() )
+		{
+			wrong( "--input-limit", fmt::format( "{} is no NAME=N", text ), fmt::format( "give a whole number to one of {}", known ) );
+		}
+	}
+	return limits;
 }
 
 void validate( const CLI::App& app, CommonOptions& options )

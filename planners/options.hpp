@@ -3,6 +3,7 @@
 #pragma once
 
 #include "leeway/checker.h"
+#include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 
 #include <cstdint>
@@ -40,6 +41,7 @@ struct CommonOptions
 	std::string what_name = "both", simd_name = "best";
 	double detail = 0; ///< millimetres
 	double cache_limit = 1e-6 * double( io::default_cache_limit ); ///< megabytes
+	std::vector<std::string> input_limits; ///< NAME=N
 	bool verbose = false;
 
 	lw_what what() const;
@@ -145,6 +147,8 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options );
 /// After parsing: fills the *_given flags, rejects values out of their domain, applies --simd.
 /// @throws io::Error
 void validate( const CLI::App& app, CommonOptions& options );
+/// Of --input-limit; what is not given is at its default. @throws io::Error
+io::Limits inputLimits( const std::vector<std::string>& given );
 void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& common );
 
 void validate( const CLI::App& app, TuneOptions& options );

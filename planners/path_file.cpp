@@ -2,6 +2,7 @@
 // Paths as YAML.
 #include "path_file.hpp"
 
+#include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 
 #include <fmt/format.h>
@@ -73,7 +74,7 @@ std::vector<std::string> names( const PathFile& path, const YAML::Node& node, co
 {
 	std::vector<std::string> result;
 	std::set<std::string> seen;
-	if ( node.IsSequence() )
+	if ( node.IsDefined() && node.IsSequence() ) // a key that is missing is no node at all
 	{
 		for ( const YAML::Node& name : node )
 		{
@@ -91,7 +92,8 @@ std::vector<std::string> names( const PathFile& path, const YAML::Node& node, co
 	return result;
 }
 
-void readPoints( PathFile& path, const YAML::Node& root )
+/// @param file_size bounds the numbers that are spelled out; by aliases of points there may be more
+void readPoints( PathFile& path, const YAML::Node& root, std::size_t file_size )
 {
 	path.joint_names = names( path, root["joint_names"], "joint_names" );
 	const YAML::Node points = root["points"];
@@ -99,6 +101,9 @@ void readPoints( PathFile& path, const YAML::Node& root )
 	{
 		throw io::Error( path.file, "points", "is missing or empty", "list at least one point with its positions" );
 	}
+	const std::size_t numbers = points.size() * path.joint_names.size();
+	io::detail::checkLimit( &io::Limits::alias_nodes, numbers > file_size ? numbers - file_size : 0, "numbers by its aliases",
+	    path.file, "points" );
 	for ( std::size_t i = 0; i < points.size(); ++i )
 	{
 		const std::string element = fmt::format( "points[{}].positions", i );
@@ -175,14 +180,11 @@ PathFile readPath( const std::string& file )
 {
 	PathFile path;
 	path.file = file;
+	const std::string bytes = io::readWholeFile( file );
 	YAML::Node root;
 	try
 	{
-		root = YAML::LoadFile( file );
-	}
-	catch ( const YAML::BadFile& )
-	{
-		throw io::Error( file, "path", "cannot be opened", "check the path and its permissions" );
+		root = YAML::Load( bytes );
 	}
 	catch ( const YAML::Exception& error )
 	{
@@ -217,7 +219,7 @@ PathFile readPath( const std::string& file )
 	}
 	readStart( path, root );
 	const YAML::Node trajectory = root["joint_trajectory"];
-	readPoints( path, trajectory.IsDefined() && trajectory.IsMap() ? trajectory : root );
+	readPoints( path, trajectory.IsDefined() && trajectory.IsMap() ? trajectory : root, bytes.size() );
 	return path;
 }
 

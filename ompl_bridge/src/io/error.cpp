@@ -3,9 +3,6 @@
 #include "io_internal.hpp"
 
 #include <charconv>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <sstream>
 #include <system_error>
@@ -65,33 +62,7 @@ namespace detail
 
 std::string readFile( const std::string& file )
 {
-	std::error_code error;
-	std::filesystem::file_status status = std::filesystem::status( file, error );
-	if ( status.type() == std::filesystem::file_type::not_found || file.empty() )
-	{
-		throw Error( file, "", file.empty() ? "no file was named" : "no such file", "check the path" );
-	}
-	if ( status.type() == std::filesystem::file_type::directory )
-	{
-		throw Error( file, "", "is a folder, not a file", "name the file in it" );
-	}
-	std::ifstream stream( file, std::ios::binary );
-	std::string text;
-	if ( status.type() == std::filesystem::file_type::regular )
-	{
-		std::uintmax_t size = std::filesystem::file_size( file, error );
-		text.resize( error ? 0 : static_cast<std::size_t>( size ) );
-		stream.read( text.data(), static_cast<std::streamsize>( text.size() ) );
-	}
-	else
-	{
-		text.assign( std::istreambuf_iterator<char>( stream ), {} ); // a pipe: its size is not known before its end
-	}
-	if ( !stream || error || text.empty() )
-	{
-		throw Error( file, "", "cannot be read", "check its permissions, and that it is not empty" );
-	}
-	return text;
+	return readWholeFile( file );
 }
 
 std::optional<double> parseNumber( std::string_view text )

@@ -54,6 +54,7 @@ HeightGrid readHeightText( const std::string& file )
 		if ( !row.empty() )
 		{
 			rows.push_back( std::move( row ) );
+			checkLimit( &Limits::points, rows.size() * rows[0].size(), "heights", file, "" );
 		}
 	}
 	grid.rows = rows.size();
@@ -256,6 +257,8 @@ TriangleSoup groundMesh( const HeightGrid& grid, const HeightMapUse& use, const 
 		throw Error( file, "", fmt::format( "has {} places without a height", grid.unknown ),
 		    "say what they are: unknown: free (no ground there) or unknown: occupied (as high as the highest place)" );
 	}
+	// Two triangles on each cell, below it as many where there are holes, and walls around
+	checkLimit( &Limits::triangles, 4 * grid.columns * grid.rows, "triangles of ground", file, "" );
 	TriangleSoup soup = GroundBuilder( grid, use, file ).build();
 	if ( soup.indices.empty() )
 	{

@@ -18,7 +18,7 @@ namespace leeway::io::detail
 namespace
 {
 
-/// A map of 32768 x 32768 samples would be 6e9 triangles; the limit only keeps a row's buffer in bounds.
+/// Keeps a row's buffer in bounds; Limits::points bounds the whole.
 constexpr png_uint_32 max_side = 32768;
 
 struct PngFile
@@ -77,6 +77,10 @@ void readHeader( png_structp png, png_infop info, PngFile& file )
 	if ( png_get_valid( png, info, PNG_INFO_tRNS ) != 0 )
 	{
 		png_error( png, "it has transparent parts" );
+	}
+	if ( std::uint64_t( file.width ) * file.height > currentLimits().points )
+	{
+		png_error( png, "it has more heights than the limit points (--input-limit points=N, or leeway::io::Limits) allows" );
 	}
 	// Its passes need the whole picture in memory on the word of the header
 	if ( png_get_interlace_type( png, info ) != PNG_INTERLACE_NONE )

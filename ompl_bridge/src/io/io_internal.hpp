@@ -2,6 +2,7 @@
 // What the readers share: text and numbers, package paths, mesh files, shapes built once per file and scale.
 #pragma once
 
+#include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 
 #include <array>
@@ -21,7 +22,7 @@ namespace leeway::io::detail
 /// and turns nothing once normalised; more than 1e-3 is no rounding of a writer.
 constexpr double quaternion_notice_threshold = 1e-3;
 
-/// The whole file. @throws Error if it is missing, a folder or unreadable
+/// readWholeFile()
 std::string readFile( const std::string& file );
 
 /// A decimal number that is the whole of `text` (blanks around it aside), in any locale; "nan" and "inf" are numbers here,
@@ -66,8 +67,17 @@ struct TriangleSoup
 };
 
 /// @param element what names the file, for errors
-/// @throws Error with `from_file` and `element` if the file cannot be read as a mesh
-TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from_file, const std::string& element );
+/// @throws Error with `from_file` and `element` if the file cannot be read as a mesh, or is beyond a limit
+/// @param bytes of the file if they were read already, and it is self-contained; moved from. Else empty
+TriangleSoup readMeshFile(
+    const std::string& mesh_file, const std::string& from_file, const std::string& element, std::string bytes = {} );
+
+/// Formats whose triangles are all in the one file, so that its bytes are all that there is to know. (glTF's text form, for
+/// one, keeps them in other files.)
+bool isSelfContained( const std::string& extension );
+
+/// ".stl" for "arm.STL"
+std::string lowerExtension( const std::string& file );
 
 /// True for the bytes of a binary STL file with at least one triangle.
 bool isBinaryStl( const std::string& bytes );

@@ -5,7 +5,7 @@
 // Conventions are those of RViz and MoveIt (geometric_shapes): a COLLADA file's <unit> is applied, its <up_axis> is not,
 // because robot descriptions place the mesh as it is drawn; glTF nodes are applied, its y-up convention is not turned.
 // Nothing is merged, sorted or removed: open, degenerate and duplicate triangles are the core's business.
-#include "io_internal.hpp"
+#include "mesh_check.hpp"
 
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -40,8 +40,81 @@ Matrix multiply( const Matrix& parent, const aiMatrix4x4& node )
 	return product;
 }
 
-void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, TriangleSoup& soup )
+/// Where a mesh is placed a thousand times, a small file has a large soup: counted before it is made. And what a face names has
+/// to be there.
+struct Checks
 {
+	const std::string& mesh_file;
+	const std::string& from_file;
+	const std::string& element;
+
+	void check( const TriangleSoup& soup, const aiMesh& more ) const
+	{
+		const std::string what = fmt::format( "triangles in mesh {}", mesh_file );
+		checkLimit( &Limits::triangles, soup.indices.size() / 3 + more.mNumFaces, what, from_file, element );
+		if ( soup.vertices.size() / 3 + more.mNumVertices > UINT32_MAX )
+		{
+			throw Error( from_file, element, fmt::format( "mesh {} has more vertices than can be numbered", mesh_file ),
+			    "split it" );
+		}
+	}
+	/// assimp passes on what the file says, and its own next steps believe it.
+	void check( const aiScene& scene ) const
+	{
+		for ( unsigned i = 0; i < scene.mNumMeshes; ++i )
+		{
+			const aiMesh& mesh = *scene.mMeshes[i];
+			for ( unsigned k = 0; k < mesh.mNumFaces; ++k )
+			{
+				checkFace( mesh.mFaces[k], mesh );
+			}
+		}
+		checkNode( scene, *scene.mRootNode, 0 );
+	}
+
+private:
+	[[noreturn]] void fail( const std::string& problem ) const
+	{
+		throw Error( from_file, element, fmt::format( "mesh {}: {}", mesh_file, problem ),
+		    "repair the mesh file, or export it again" );
+	}
+
+	void checkFace( const aiFace& face, const aiMesh& mesh ) const
+	{
+		if ( face.mNumIndices == 0 || mesh.mVertices == nullptr )
+		{
+			fail( "a face has no corners" );
+		}
+		for ( unsigned i = 0; i < face.mNumIndices; ++i )
+		{
+			if ( face.mIndices[i] >= mesh.mNumVertices )
+			{
+				fail( fmt::format( "a face names vertex {} of {}", face.mIndices[i], mesh.mNumVertices ) );
+			}
+		}
+	}
+
+	void checkNode( const aiScene& scene, const aiNode& node, unsigned depth ) const
+	{
+		checkLimit(
+		    &Limits::nesting, depth, fmt::format( "nodes above each other in mesh {}", mesh_file ), from_file, element );
+		for ( unsigned i = 0; i < node.mNumMeshes; ++i )
+		{
+			if ( node.mMeshes[i] >= scene.mNumMeshes )
+			{
+				fail( fmt::format( "a node names mesh {} of {}", node.mMeshes[i], scene.mNumMeshes ) );
+			}
+		}
+		for ( unsigned i = 0; i < node.mNumChildren; ++i )
+		{
+			checkNode( scene, *node.mChildren[i], depth + 1 );
+		}
+	}
+};
+
+void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, const Checks& checks, TriangleSoup& soup )
+{
+	checks.check( soup, mesh );
 	std::uint32_t base = static_cast<std::uint32_t>( soup.vertices.size() / 3 );
 	for ( unsigned i = 0; i < mesh.mNumVertices; ++i )
 	{
@@ -67,17 +140,25 @@ void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, TriangleSoup&
 	}
 }
 
-void appendNode( const aiScene& scene, const aiNode& node, const Matrix& root_from_parent, TriangleSoup& soup )
+void appendNode( const aiScene& scene, const aiNode& node, const Matrix& root_from_parent, const Checks& checks, TriangleSoup& soup )
 {
 	Matrix root_from_node = multiply( root_from_parent, node.mTransformation );
 	for ( unsigned i = 0; i < node.mNumMeshes; ++i )
 	{
-		appendMesh( *scene.mMeshes[node.mMeshes[i]], root_from_node, soup );
+		appendMesh( *scene.mMeshes[node.mMeshes[i]], root_from_node, checks, soup );
 	}
 	for ( unsigned i = 0; i < node.mNumChildren; ++i )
 	{
-		appendNode( scene, *node.mChildren[i], root_from_node, soup );
+		appendNode( scene, *node.mChildren[i], root_from_node, checks, soup );
 	}
+}
+
+/// Of a file that assimp reads itself.
+void checkSize( const std::string& mesh_file, const std::string& from_file, const std::string& element )
+{
+	std::error_code error;
+	const std::uintmax_t size = std::filesystem::file_size( mesh_file, error );
+	checkLimit( &Limits::file_bytes, error ? 0 : size, fmt::format( "bytes in mesh {}", mesh_file ), from_file, element );
 }
 
 } // namespace
@@ -94,9 +175,37 @@ bool isBinaryStl( const std::string& bytes )
 	return count > 0 && bytes.size() == header + sizeof( count ) + 50 * static_cast<std::size_t>( count );
 }
 
-TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from_file, const std::string& element )
+bool isSelfContained( const std::string& extension )
 {
-	std::string extension = std::filesystem::path( mesh_file ).extension().string();
+	for ( const char* known : { ".stl", ".obj", ".ply", ".dae", ".off", ".glb" } )
+	{
+		if ( extension == known )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+std::string lowerExtension( const std::string& file )
+{
+	std::string ending = std::filesystem::path( file ).extension().string();
+	for ( char& c : ending )
+	{
+		c = c >= 'A' && c <= 'Z' ? static_cast<char>( c - 'A' + 'a' ) : c;
+	}
+	return ending;
+}
+
+TriangleSoup readMeshFile(
+    const std::string& mesh_file, const std::string& from_file, const std::string& element, std::string bytes )
+{
+	const std::string extension = lowerExtension( mesh_file );
+	const auto fail = [&]( const std::string& problem )
+	{
+		throw Error( from_file, element, fmt::format( "mesh {} cannot be read: {}", mesh_file, problem ),
+		    "repair the mesh file, or export it again" );
+	};
 	Assimp::Importer importer;
 	if ( !extension.empty() && !importer.IsExtensionSupported( extension ) )
 	{
@@ -104,11 +213,39 @@ TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from
 		    "convert it to STL, OBJ, DAE, PLY or glTF" );
 	}
 	importer.SetPropertyBool( AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true );
-	const aiScene* scene = importer.ReadFile( mesh_file, aiProcess_Triangulate );
+	const aiScene* scene = nullptr;
+	if ( isSelfContained( extension ) )
+	{
+		// What was checked is what is read: not a file that somebody writes meanwhile
+		try
+		{
+			bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
+			checkMeshBytes( extension, bytes );
+		}
+		catch ( const Error& error )
+		{
+			throw Error( from_file, element, fmt::format( "mesh {}: {}", mesh_file, error.problem() ), error.remedy() );
+		}
+		catch ( const MeshProblem& problem )
+		{
+			fail( problem.text );
+		}
+		scene = importer.ReadFileFromMemory( bytes.data(), bytes.size(), 0, extension.c_str() + 1 );
+	}
+	else
+	{
+		checkSize( mesh_file, from_file, element );
+		scene = importer.ReadFile( mesh_file, 0 );
+	}
+	const Checks checks{ mesh_file, from_file, element };
+	if ( scene != nullptr && scene->mRootNode != nullptr )
+	{
+		checks.check( *scene );
+		scene = importer.ApplyPostProcessing( aiProcess_Triangulate );
+	}
 	if ( scene == nullptr || scene->mRootNode == nullptr )
 	{
-		throw Error( from_file, element, fmt::format( "mesh {} cannot be read: {}", mesh_file, importer.GetErrorString() ),
-		    "repair the mesh file, or export it again" );
+		fail( importer.GetErrorString() );
 	}
 	TriangleSoup soup;
 	Matrix identity{};
@@ -116,7 +253,7 @@ TriangleSoup readMeshFile( const std::string& mesh_file, const std::string& from
 	{
 		identity[i][i] = 1;
 	}
-	appendNode( *scene, *scene->mRootNode, identity, soup );
+	appendNode( *scene, *scene->mRootNode, identity, checks, soup );
 	if ( soup.indices.empty() )
 	{
 		throw Error( from_file, element, fmt::format( "mesh {} has no triangles", mesh_file ),

@@ -43,30 +43,6 @@ double valueOf( std::uint64_t bits )
 	return value;
 }
 
-/// Formats whose triangles are all in the one file, so that its bytes are all that there is to know. (glTF's text form, for
-/// one, keeps them in other files.)
-bool isSelfContained( const std::string& extension )
-{
-	for ( const char* known : { ".stl", ".obj", ".ply", ".dae", ".off", ".glb" } )
-	{
-		if ( extension == known )
-		{
-			return true;
-		}
-	}
-	return false;
-}
-
-std::string lowerExtension( const std::string& file )
-{
-	std::string ending = std::filesystem::path( file ).extension().string();
-	for ( char& c : ending )
-	{
-		c = c >= 'A' && c <= 'Z' ? static_cast<char>( c - 'A' + 'a' ) : c;
-	}
-	return ending;
-}
-
 lw_digest keyOf( const LoadOptions& options, const std::string& extension, const std::array<double, 3>& scale,
     const std::string& bytes )
 {
@@ -337,7 +313,7 @@ void MeshSource::look( const std::string& from_file, const std::string& element,
 {
 	std::string extension = lowerExtension( m_file ), bytes;
 	bool one_file = isSelfContained( extension );
-	if ( extension == ".stl" || ( !m_options.cache.empty() && one_file ) )
+	if ( one_file )
 	{
 		try
 		{
@@ -365,7 +341,7 @@ void MeshSource::look( const std::string& from_file, const std::string& element,
 		}
 		else
 		{
-			m_soup = readMeshFile( m_file, from_file, element );
+			m_soup = readMeshFile( m_file, from_file, element, std::move( bytes ) );
 			m_dropped_faces = m_soup.dropped_faces;
 		}
 	}

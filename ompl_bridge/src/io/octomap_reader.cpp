@@ -140,7 +140,7 @@ template <typename Tree> class BoxCollector
 public:
 	using Node = typename Tree::NodeType;
 
-	BoxCollector( const Tree& tree, OctomapBoxes& out ) : m_tree( tree ), m_out( out ) {}
+	BoxCollector( const Tree& tree, const std::string& name, OctomapBoxes& out ) : m_tree( tree ), m_name( name ), m_out( out ) {}
 
 	void addOccupied()
 	{
@@ -173,6 +173,11 @@ private:
 		}
 		return corners;
 	}
+	void add( const std::array<double, 6>& corners )
+	{
+		checkLimit( &Limits::points, m_out.boxes.size() / 6 + 1, "boxes", m_name, "" );
+		m_out.boxes.insert( m_out.boxes.end(), corners.begin(), corners.end() );
+	}
 	void occupied( const Node& node, const Cell& cell )
 	{
 		if ( !m_tree.nodeHasChildren( &node ) )
@@ -184,8 +189,7 @@ private:
 			}
 			if ( m_tree.isNodeOccupied( node ) )
 			{
-				std::array<double, 6> corners = box( cell );
-				m_out.boxes.insert( m_out.boxes.end(), corners.begin(), corners.end() );
+				add( box( cell ) );
 			}
 			return;
 		}
@@ -212,7 +216,7 @@ private:
 		}
 		if ( node == nullptr )
 		{
-			m_out.boxes.insert( m_out.boxes.end(), corners.begin(), corners.end() );
+			add( corners );
 			return;
 		}
 		for ( unsigned i = 0; m_tree.nodeHasChildren( node ) && i < 8; ++i )
@@ -222,19 +226,20 @@ private:
 	}
 
 	const Tree& m_tree;
+	const std::string& m_name;
 	OctomapBoxes& m_out;
 	std::array<std::int32_t, 3> m_low{}, m_high{}; ///< of all known cells
 	std::array<double, 6> m_bounds{};
 };
 
-template <typename Tree> OctomapBoxes readTree( const OctomapData& data, const OctomapUse& use )
+template <typename Tree> OctomapBoxes readTree( const OctomapData& data, const OctomapUse& use, const std::string& name )
 {
 	Tree tree( data.resolution );
 	std::istringstream stream{ std::string( data.bytes ) };
 	data.binary ? tree.readBinaryData( stream ) : tree.readData( stream );
 	OctomapBoxes result;
 	result.resolution = data.resolution;
-	BoxCollector<Tree> collector( tree, result );
+	BoxCollector<Tree> collector( tree, name, result );
 	collector.addOccupied();
 	if ( use.unknown_is_occupied )
 	{
@@ -293,8 +298,8 @@ OctomapBoxes readOctomap( const OctomapData& data, const OctomapUse& use, const 
 	}
 	StructureCheck( data, name );
 	// Colours are in full trees only
-	return data.id == "ColorOcTree" && !data.binary ? readTree<octomap::ColorOcTree>( data, use )
-	                                                : readTree<octomap::OcTree>( data, use );
+	return data.id == "ColorOcTree" && !data.binary ? readTree<octomap::ColorOcTree>( data, use, name )
+	                                                : readTree<octomap::OcTree>( data, use, name );
 }
 
 OctomapBoxes readOctomapFile( const std::string& file, const OctomapUse& use )

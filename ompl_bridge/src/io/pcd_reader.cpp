@@ -214,6 +214,7 @@ void PcdReader::layOut()
 	{
 		fail( "POINTS", "there are no points", "give a cloud with points, or remove it" );
 	}
+	checkLimit( &Limits::points, *product, "points", m_file, "POINTS" );
 	m_points = *product;
 }
 

@@ -2,6 +2,7 @@
 // PLY files without faces as point clouds (Turk 1994): x, y, z of the element "vertex", in text or either byte order.
 //
 // assimp reads PLY with faces, as a mesh (mesh_reader.cpp); points alone it gives as no surface.
+#include "mesh_check.hpp"
 #include "point_cloud.hpp"
 
 #include <cmath>
@@ -39,7 +40,10 @@ class PlyReader : CloudReader
 {
 public:
 	explicit PlyReader( const std::string& file ) : CloudReader( file ) {}
+	explicit PlyReader( std::string bytes, const char* name ) : CloudReader( name, std::move( bytes ) ) {}
 	PointCloud read();
+	/// Goes over a mesh as read() does over a cloud.
+	void checkMesh();
 
 private:
 	void readHeader();
@@ -48,9 +52,11 @@ private:
 	void checkElements() const;
 	double value( ScalarType type, const std::string& place );
 	void readElement( const Element& element );
+	void readList( const Element& element, const Property& property, double length, const std::string& place );
 
 	Format m_format = Format::none;
 	std::vector<Element> m_elements;
+	std::size_t m_vertices = 0; ///< that faces may name; of a cloud 0
 };
 
 ScalarType PlyReader::typeOf( const std::string& name, const std::string& place ) const
@@ -160,6 +166,7 @@ void PlyReader::checkElements() const
 	{
 		fail( "element vertex", fmt::format( "there are {} points", vertices ), "give a cloud that can be numbered" );
 	}
+	checkLimit( &Limits::points, vertices, "points", m_file, "element vertex" );
 }
 
 double PlyReader::value( ScalarType type, const std::string& place )
@@ -209,15 +216,44 @@ void PlyReader::readElement( const Element& element )
 				fail( place, fmt::format( "list {} has length {}", property.name, number ),
 				    "the file is damaged: write it again" );
 			}
-			for ( double k = 0; k < number; ++k ) // ends at the latest with the file
-			{
-				value( property.type, place );
-			}
+			readList( element, property, number, place );
 		}
 		if ( is_vertex )
 		{
 			m_cloud.add( xyz[0], xyz[1], xyz[2] );
 		}
+	}
+}
+
+void PlyReader::readList( const Element& element, const Property& property, double length, const std::string& place )
+{
+	const bool names_vertices = m_vertices > 0 && element.name == "face" &&
+	                            ( property.name == "vertex_indices" || property.name == "vertex_index" );
+	for ( double k = 0; k < length; ++k ) // ends at the latest with the file
+	{
+		const double number = value( property.type, place );
+		if ( names_vertices && !( number >= 0 && number < static_cast<double>( m_vertices ) ) )
+		{
+			fail( place, fmt::format( "names vertex {} of {}", number, m_vertices ), "the file is damaged: write it again" );
+		}
+	}
+}
+
+void PlyReader::checkMesh()
+{
+	readHeader();
+	for ( const Element& element : m_elements )
+	{
+		m_vertices += element.name == "vertex" ? element.count : 0;
+		if ( element.count > 0 && element.properties.empty() )
+		{
+			fail( "element " + element.name, "has no properties", "remove it" );
+		}
+	}
+	for ( const Element& element : m_elements )
+	{
+		readElement( element );
+		m_cloud = PointCloud();
 	}
 }
 
@@ -238,6 +274,18 @@ PointCloud PlyReader::read()
 }
 
 } // namespace
+
+void checkPly( const std::string& bytes )
+{
+	try
+	{
+		PlyReader( bytes, "mesh" ).checkMesh();
+	}
+	catch ( const Error& error )
+	{
+		throw MeshProblem{ error.element() + ": " + error.problem() };
+	}
+}
 
 PointCloud readPlyPoints( const std::string& file )
 {

@@ -27,6 +27,8 @@ class CloudReader
 protected:
 	/// @throws Error if the file cannot be read
 	explicit CloudReader( const std::string& file );
+	/// Of bytes that were read already. @param name for errors
+	CloudReader( const std::string& name, std::string bytes );
 	[[noreturn]] void fail( const std::string& place, const std::string& problem, const std::string& remedy ) const;
 	/// The words of the next line of the header that has some and is no comment; an empty optional at the end of the file.
 	/// @param is_comment of a line's first word

@@ -427,6 +427,7 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed )
 void SceneReader::readObjects()
 {
 	YamlNode objects = m_root["world"]["collision_objects"];
+	detail::checkLimit( &Limits::objects, objects.size(), "objects", m_scene.file, "world.collision_objects" );
 	for ( std::size_t i = 0; i < objects.size(); ++i )
 	{
 		m_scene.objects.push_back( readObject( objects[i] ) );

@@ -183,6 +183,7 @@ void checkLinks( const XmlFile& xml, std::set<std::string>& links )
 			checkGeometry( xml, collision, collisionName( name, index++ ) );
 		}
 	}
+	checkLimit( &Limits::links, links.size(), "links", xml.path(), "<robot>" );
 	if ( links.empty() )
 	{
 		throw Error( xml.path(), "<robot>", "has no links", "give a URDF with at least one <link>" );

@@ -19,38 +19,57 @@ std::string lower( std::string text )
 	return text;
 }
 
-/// Also ends on a document that contains itself by an alias.
-void refuseDuplicateKeys( const std::string& file, const YAML::Node& node, int depth = 0 )
+/// Refuses keys that are there twice, and documents that contain themselves or would be far larger than their text.
+class DocumentCheck
 {
-	const int deepest = 64; // messages nest about ten levels
-	if ( depth > deepest )
+public:
+	/// Each node takes a character, or follows from one, unless an alias repeats it.
+	DocumentCheck( const std::string& file, std::size_t text_size ) : m_file( file ), m_spelled_out( 2 * text_size + 2 ) {}
+
+	void visit( const YAML::Node& node, unsigned depth = 0 )
 	{
-		throw Error( file, fmt::format( "line {}", node.Mark().line + 1 ), "is nested too deeply, or contains itself",
-		    "give a MoveIt message in YAML" );
-	}
-	if ( node.IsSequence() )
-	{
-		for ( const YAML::Node& entry : node )
+		if ( depth > currentLimits().nesting )
 		{
-			refuseDuplicateKeys( file, entry, depth + 1 );
+			throw Error( m_file, fmt::format( "line {}", node.Mark().line + 1 ),
+			    fmt::format( "is nested too deeply (the limit nesting is {}), or contains itself", currentLimits().nesting ),
+			    "give a MoveIt message in YAML" );
+		}
+		if ( ++m_nodes > m_spelled_out )
+		{
+			checkLimit( &Limits::alias_nodes, m_nodes - m_spelled_out, "nodes by its aliases", m_file, "" );
+		}
+		if ( node.IsSequence() )
+		{
+			for ( const YAML::Node& entry : node )
+			{
+				visit( entry, depth + 1 );
+			}
+		}
+		if ( node.IsMap() )
+		{
+			visitMap( node, depth );
 		}
 	}
-	if ( !node.IsMap() )
+
+private:
+	void visitMap( const YAML::Node& node, unsigned depth )
 	{
-		return;
-	}
-	std::set<std::string> keys;
-	for ( const auto& entry : node )
-	{
-		std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-		if ( entry.first.IsScalar() && !keys.insert( key ).second )
+		std::set<std::string> keys;
+		for ( const auto& entry : node )
 		{
-			throw Error( file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ), "the key is there twice",
-			    "remove one of them" );
+			std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+			if ( entry.first.IsScalar() && !keys.insert( key ).second )
+			{
+				throw Error( m_file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ), "the key is there twice",
+				    "remove one of them" );
+			}
+			visit( entry.second, depth + 1 );
 		}
-		refuseDuplicateKeys( file, entry.second, depth + 1 );
 	}
-}
+
+	const std::string& m_file;
+	std::uint64_t m_spelled_out, m_nodes = 0;
+};
 
 } // namespace
 
@@ -68,7 +87,7 @@ YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
 			throw Error( file, "", "holds several YAML documents", "keep one" );
 		}
 		root.m_node = documents.empty() ? YAML::Node() : documents[0];
-		refuseDuplicateKeys( file, root.m_node );
+		DocumentCheck( file, text.size() ).visit( root.m_node );
 	}
 	catch ( const YAML::Exception& e )
 	{
@@ -169,7 +188,8 @@ void YamlNode::refuseUnknownKeys( std::initializer_list<const char*> known ) con
 		if ( std::find( known.begin(), known.end(), key ) == known.end() )
 		{
 			std::vector<std::string> names( known.begin(), known.end() );
-			( *this )[key.c_str()].fail( "this key is not known", fmt::format( "use {}", joinNames( names ) ) );
+			child( entry->second, m_path.empty() ? key : m_path + "." + key )
+			    .fail( "this key is not known", fmt::format( "use {}", joinNames( names ) ) );
 		}
 	}
 }
@@ -185,12 +205,12 @@ void YamlNode::noticeUnknownKeys( std::initializer_list<const char*> known, cons
 		std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
 		if ( std::find( known.begin(), known.end(), key ) == known.end() )
 		{
+			const YamlNode value = child( entry.second, m_path.empty() ? key : m_path + "." + key );
 			if ( key.compare( 0, 7, "leeway_" ) == 0 )
 			{
-				( *this )[key.c_str()].fail(
-				    "there is no such extension here", "see ompl_bridge/docs/scenes.md for those there are" );
+				value.fail( "there is no such extension here", "see ompl_bridge/docs/scenes.md for those there are" );
 			}
-			( *this )[key.c_str()].notice( fmt::format( "this key is not known: {}", consequence ) );
+			value.notice( fmt::format( "this key is not known: {}", consequence ) );
 		}
 	}
 }
@@ -311,9 +331,14 @@ std::map<std::string, double> YamlNode::numberMap() const
 	{
 		fail( "is not a map of names and numbers", "write {name: number, ...}" );
 	}
-	for ( const std::string& name : keys() )
+	for ( auto entry = m_node.begin(); isMap() && entry != m_node.end(); ++entry )
 	{
-		values.emplace( name, ( *this )[name.c_str()].number() );
+		if ( !entry->first.IsScalar() )
+		{
+			fail( "has a key that is no name", "write names and values" );
+		}
+		const std::string& name = entry->first.Scalar();
+		values.emplace( name, child( entry->second, m_path.empty() ? name : m_path + "." + name ).number() );
 	}
 	return values;
 }

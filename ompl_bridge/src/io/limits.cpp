@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Limits of input, and the reading of whole files under them.
+#include "leeway/io/limits.hpp"
+
+#include "leeway/io/model.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace leeway::io
+{
+
+namespace
+{
+
+thread_local const Limits* in_force = nullptr;
+
+/// Closed on every way out.
+struct Descriptor
+{
+	explicit Descriptor( int opened ) : number( opened ) {}
+	~Descriptor()
+	{
+		if ( number >= 0 )
+		{
+			::close( number );
+		}
+	}
+	Descriptor( const Descriptor& ) = delete;
+	Descriptor& operator=( const Descriptor& ) = delete;
+
+	const int number;
+};
+
+[[noreturn]] void cannotBeRead( const std::string& file, const std::string& why )
+{
+	throw Error( file, "", "cannot be read" + why, "check its permissions, and that it is not empty" );
+}
+
+bool sameState( const struct stat& a, const struct stat& b )
+{
+	return a.st_size == b.st_size && a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
+}
+
+/// Up to the end, in pieces: what a device has, or a file that grows, is not known before.
+/// @param stated size of the file, or 0
+std::string readToEnd( int descriptor, const std::string& file, std::size_t stated )
+{
+	constexpr std::size_t piece = std::size_t( 1 ) << 16;
+	std::string bytes( stated + 1, '\0' ); // one more, to see the end without another piece
+	std::size_t used = 0;
+	for ( ;; )
+	{
+		if ( used == bytes.size() )
+		{
+			bytes.resize( used + std::max( piece, used / 2 ) );
+		}
+		const ssize_t count = ::read( descriptor, bytes.data() + used, bytes.size() - used );
+		if ( count < 0 && errno != EINTR )
+		{
+			cannotBeRead( file, fmt::format( " ({})", std::strerror( errno ) ) );
+		}
+		if ( count == 0 )
+		{
+			bytes.resize( used );
+			return bytes;
+		}
+		used += count > 0 ? static_cast<std::size_t>( count ) : 0;
+		detail::checkLimit( &Limits::file_bytes, used, "bytes", file, "" );
+	}
+}
+
+} // namespace
+
+const std::vector<std::pair<std::string, std::uint64_t Limits::*>>& limitNames()
+{
+	static const std::vector<std::pair<std::string, std::uint64_t Limits::*>> names = {
+	    { "file_bytes", &Limits::file_bytes },
+	    { "triangles", &Limits::triangles },
+	    { "points", &Limits::points },
+	    { "links", &Limits::links },
+	    { "objects", &Limits::objects },
+	    { "alias_nodes", &Limits::alias_nodes },
+	    { "nesting", &Limits::nesting },
+	};
+	return names;
+}
+
+LimitScope::LimitScope( const Limits& limits ) : m_limits( limits ), m_outer( in_force )
+{
+	in_force = &m_limits;
+}
+
+LimitScope::~LimitScope()
+{
+	in_force = m_outer;
+}
+
+const Limits& currentLimits()
+{
+	static const Limits defaults;
+	return in_force != nullptr ? *in_force : defaults;
+}
+
+std::string readWholeFile( const std::string& file )
+{
+	struct stat before, after;
+	if ( file.empty() || ::stat( file.c_str(), &before ) != 0 )
+	{
+		const bool missing = file.empty() || errno == ENOENT || errno == ENOTDIR;
+		throw Error( file, "",
+		    file.empty() ? "no file was named"
+		    : missing    ? "no such file"
+		                 : std::string( "cannot be read: " ) + std::strerror( errno ),
+		    missing ? "check the path" : "check its permissions" );
+	}
+	if ( S_ISDIR( before.st_mode ) )
+	{
+		throw Error( file, "", "is a folder, not a file", "name the file in it" );
+	}
+	const Descriptor descriptor( ::open( file.c_str(), O_RDONLY | O_CLOEXEC ) );
+	if ( descriptor.number < 0 || ::fstat( descriptor.number, &before ) != 0 )
+	{
+		cannotBeRead( file, fmt::format( " ({})", std::strerror( errno ) ) );
+	}
+	const bool regular = S_ISREG( before.st_mode );
+	const std::size_t stated = regular ? static_cast<std::size_t>( before.st_size ) : 0;
+	detail::checkLimit( &Limits::file_bytes, stated, "bytes", file, "" );
+	std::string bytes = readToEnd( descriptor.number, file, stated );
+	if ( regular && ( ::fstat( descriptor.number, &after ) != 0 || !sameState( before, after ) || bytes.size() != stated ) )
+	{
+		// Half of one state and half of another is neither
+		throw Error( file, "", "changed while it was read", "let whoever writes it finish, then try again" );
+	}
+	if ( bytes.empty() )
+	{
+		cannotBeRead( file, "" );
+	}
+	return bytes;
+}
+
+namespace detail
+{
+
+void checkLimit( std::uint64_t Limits::*limit, std::uint64_t count, const std::string& what, const std::string& file,
+    const std::string& element )
+{
+	if ( count <= currentLimits().*limit )
+	{
+		return;
+	}
+	std::string name;
+	for ( const auto& [candidate, member] : limitNames() )
+	{
+		name = member == limit ? candidate : name;
+	}
+	throw Error( file, element,
+	    fmt::format( "has {} {} or more, the limit {} is {}", count, what, name, currentLimits().*limit ),
+	    fmt::format( "if that is intended, raise it: --input-limit {}=N, or leeway::io::Limits", name ) );
+}
+
+} // namespace detail
+} // namespace leeway::io
