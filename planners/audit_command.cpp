@@ -101,6 +101,7 @@ int runAudit( const AuditOptions& options )
 	{
 		auditEnds( bench, *input.request, points, audit );
 	}
+	std::vector<OutputFile*> files;
 	if ( !options.report.empty() )
 	{
 		Json json;
@@ -110,14 +111,15 @@ int runAudit( const AuditOptions& options )
 		json["points"] = points.size();
 		json["audit"] = toJson( audit, settings );
 		report.text = json.dump( 2 ) + "\n";
-		report.commit();
+		files.push_back( &report );
 	}
 	if ( !options.profile.empty() )
 	{
 		profile_file.text = profileCsv( audit );
-		profile_file.commit();
+		files.push_back( &profile_file );
 	}
-	fmt::print( "{}", describe( audit, settings, points ) );
+	commitTogether( files );
+	printOut( describe( audit, settings, points ) );
 	return audit.valid ? exit_yes : exit_no;
 }
 

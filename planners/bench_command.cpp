@@ -24,7 +24,7 @@ int runBench( int argc, char** argv )
 	arguments.push_back( nullptr );
 	execv( beside.c_str(), arguments.data() );
 	execvp( name.c_str(), arguments.data() ); // on the PATH
-	fmt::print( stderr,
+	tell(
 	    "leeway: error: leeway-bench: {}; it is built with the benchmarks (-DLEEWAY_BUILD_BENCHMARKS=ON), which need "
 	    "FCL, and is looked for beside leeway and on the PATH\n",
 	    std::strerror( errno ) );

@@ -98,12 +98,13 @@ int runCache( const CacheOptions& options )
 	if ( trim )
 	{
 		trimmed = io::trimCache( options.folder, options.clean ? 0 : static_cast<std::uint64_t>( options.limit * 1e6 ) );
-		fmt::print( "{} files with {} bytes removed, {} bytes left\n", trimmed.files, trimmed.bytes, trimmed.remaining );
+		printOut( fmt::format(
+		    "{} files with {} bytes removed, {} bytes left\n", trimmed.files, trimmed.bytes, trimmed.remaining ) );
 	}
 	const std::vector<io::CacheEntry> entries = io::listCache( options.folder );
 	if ( !trim )
 	{
-		fmt::print( "{}", listText( entries ) );
+		printOut( listText( entries ) );
 	}
 	if ( !options.json.empty() )
 	{

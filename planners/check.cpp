@@ -70,7 +70,7 @@ int runCheck( const CheckOptions& options )
 	}
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
-	fmt::print( stderr,
+	tell(
 	    "leeway: {} states: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per state\n",
 	    states.size(), counts.free, counts.blocked, counts.refused, median, mean );
 	return counts.free == states.size() ? exit_yes : exit_no;

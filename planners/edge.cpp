@@ -179,7 +179,7 @@ int runEdge( const EdgeCommandOptions& options )
 	}
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
-	fmt::print( stderr,
+	tell(
 	    "leeway: {} edges: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per edge\n",
 	    edges.size(), free, blocked, refused, median, mean );
 	return free == edges.size() ? exit_yes : exit_no;

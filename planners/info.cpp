@@ -361,7 +361,7 @@ int runInfo( const InfoOptions& options )
 		json_file.text = json.dump( 2 ) + "\n";
 		json_file.commit();
 	}
-	fmt::print( "{}", text );
+	printOut( text );
 	return exit_yes;
 }
 

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -66,9 +67,38 @@ void forgetTemporary( const std::string& name )
 	}
 }
 
+constexpr int ending_signals[] = { SIGINT, SIGTERM, SIGHUP };
+
+/// Keeps signals that end the program waiting while it lives. errno stays.
+class SignalsLater
+{
+public:
+	SignalsLater()
+	{
+		sigset_t blocked;
+		sigemptyset( &blocked );
+		for ( int which : ending_signals )
+		{
+			sigaddset( &blocked, which );
+		}
+		pthread_sigmask( SIG_BLOCK, &blocked, &m_before );
+	}
+	~SignalsLater()
+	{
+		const int error = errno;
+		pthread_sigmask( SIG_SETMASK, &m_before, nullptr );
+		errno = error;
+	}
+	SignalsLater( const SignalsLater& ) = delete;
+	SignalsLater& operator=( const SignalsLater& ) = delete;
+
+private:
+	sigset_t m_before;
+};
+
 [[noreturn]] void cannotWrite( const std::string& path, int error )
 {
-	throw io::Error( path, "output file", std::string( "cannot be written: " ) + std::strerror( error ),
+	throw io::Error( path, "output", std::string( "cannot be written: " ) + std::strerror( error ),
 	    "name a file in a writable folder" );
 }
 
@@ -94,10 +124,11 @@ void installSignalHandlers()
 	struct sigaction action = {};
 	action.sa_handler = onSignal;
 	sigemptyset( &action.sa_mask );
-	for ( int which : { SIGINT, SIGTERM, SIGHUP } )
+	for ( int which : ending_signals )
 	{
 		sigaction( which, &action, nullptr );
 	}
+	std::signal( SIGXFSZ, SIG_IGN );
 }
 
 double now()
@@ -115,7 +146,7 @@ void Notices::add( const std::string& kind, const std::string& text )
 	m_all.push_back( text );
 	if ( m_counts[kind]++ < m_limit )
 	{
-		fmt::print( stderr, "leeway: notice: {}\n", text );
+		tell( "leeway: notice: {}\n", text );
 	}
 }
 
@@ -138,7 +169,7 @@ void Notices::flush()
 	{
 		if ( count > m_limit )
 		{
-			fmt::print( stderr, "leeway: notice: {} more about {} (--verbose shows all)\n", count - m_limit, kind );
+			tell( "leeway: notice: {} more about {} (--verbose shows all)\n", count - m_limit, kind );
 			count = m_limit;
 		}
 	}
@@ -179,7 +210,7 @@ void Progress::run()
 		const std::string steps =
 		    m_total == 0 ? m_stage
 		                 : fmt::format( " {} of {} ({:.0f} %)", done, m_total, 100.0 * double( done ) / double( m_total ) );
-		fmt::print( stderr, "{}leeway: {} ...{} {:.0f} s{}", terminal ? "\r\x1b[K" : "", m_label, steps, now() - start,
+		tell( "{}leeway: {} ...{} {:.0f} s{}", terminal ? "\r\x1b[K" : "", m_label, steps, now() - start,
 		    terminal ? "" : "\n" );
 		std::fflush( stderr );
 		shown = true;
@@ -187,7 +218,7 @@ void Progress::run()
 	}
 	if ( shown && terminal )
 	{
-		fmt::print( stderr, "\r\x1b[K" );
+		tell( "\r\x1b[K" );
 	}
 }
 
@@ -209,13 +240,19 @@ OutputFile::OutputFile( std::string path ) : m_path( std::move( path ) )
 		return;
 	}
 	m_temporary = m_path + ".partial-XXXXXX";
-	m_file = mkstemp( m_temporary.data() );
+	{
+		const SignalsLater later; // none comes between the file and the note of it
+		m_file = mkstemp( m_temporary.data() );
+		if ( m_file >= 0 )
+		{
+			rememberTemporary( m_temporary );
+		}
+	}
 	if ( m_file < 0 )
 	{
 		m_temporary.clear();
 		cannotWrite( m_path, errno );
 	}
-	rememberTemporary( m_temporary );
 	const mode_t mask = umask( 0 );
 	umask( mask );
 	fchmod( m_file, 0666 & ~mask );
@@ -241,20 +278,17 @@ void OutputFile::discard()
 	}
 }
 
-void OutputFile::commit()
+void OutputFile::fail( int error )
 {
-	if ( m_temporary.empty() )
+	discard();
+	cannotWrite( m_path, error );
+}
+
+void OutputFile::stage()
+{
+	if ( m_file < 0 )
 	{
-		std::FILE* file = m_path.empty() ? stdout : std::fopen( m_path.c_str(), "w" );
-		if ( file == nullptr || std::fwrite( text.data(), 1, text.size(), file ) != text.size() || std::fflush( file ) != 0 )
-		{
-			cannotWrite( m_path.empty() ? "standard output" : m_path, errno );
-		}
-		if ( file != stdout )
-		{
-			std::fclose( file );
-		}
-		return;
+		return; // staged before, or written in place by commit()
 	}
 	const bool written = writeAll( m_file, text );
 	const int error = errno;
@@ -262,17 +296,55 @@ void OutputFile::commit()
 	m_file = -1;
 	if ( !written || !closed )
 	{
-		discard();
-		cannotWrite( m_path, written ? errno : error );
+		fail( written ? errno : error );
 	}
+}
+
+void OutputFile::commit()
+{
+	if ( m_path.empty() )
+	{
+		printOut( text );
+		return;
+	}
+	if ( m_temporary.empty() )
+	{
+		const int file = open( m_path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC );
+		const bool written = file >= 0 && writeAll( file, text );
+		const int error = errno;
+		if ( ( file >= 0 && close( file ) != 0 ) || !written )
+		{
+			cannotWrite( m_path, written ? errno : error );
+		}
+		return;
+	}
+	stage();
 	if ( std::rename( m_temporary.c_str(), m_path.c_str() ) != 0 )
 	{
-		const int rename_error = errno;
-		discard();
-		cannotWrite( m_path, rename_error );
+		fail( errno );
 	}
 	forgetTemporary( m_temporary );
 	m_temporary.clear();
+}
+
+void commitTogether( const std::vector<OutputFile*>& files )
+{
+	for ( OutputFile* file : files )
+	{
+		file->stage();
+	}
+	for ( OutputFile* file : files )
+	{
+		file->commit();
+	}
+}
+
+void printOut( const std::string& text )
+{
+	if ( std::fwrite( text.data(), 1, text.size(), stdout ) != text.size() || std::fflush( stdout ) != 0 )
+	{
+		cannotWrite( "standard output", errno );
+	}
 }
 
 } // namespace leeway::cli

@@ -4,13 +4,17 @@
 
 #include "leeway/io/model.hpp"
 
+#include <fmt/format.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdio>
 #include <map>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace leeway::cli
@@ -73,17 +77,34 @@ public:
 	OutputFile( const OutputFile& ) = delete;
 	OutputFile& operator=( const OutputFile& ) = delete;
 	std::string text; ///< what commit() writes
+	/// Writes the text to where commit() needs only rename it: a full disk is found here. A device or a stream has no such place.
 	/// @throws io::Error
+	void stage();
+	/// The text takes the place of what was there: whole, or not at all. @throws io::Error
 	void commit();
 	const std::string& path() const { return m_path; }
 
 private:
 	void discard();
+	[[noreturn]] void fail( int error );
 	std::string m_path, m_temporary;
 	int m_file = -1;
 };
 
-/// Removes the temporary files of all open OutputFiles when the program is interrupted or terminated.
+/// Files that belong together: none is replaced before all are written.
+void commitTogether( const std::vector<OutputFile*>& files );
+
+/// A line for the user, on standard error. Where that cannot be written, nobody is there to be told: the work goes on.
+template <typename... Arguments> void tell( fmt::format_string<Arguments...> format, Arguments&&... arguments )
+{
+	(void)std::fputs( fmt::format( format, std::forward<Arguments>( arguments )... ).c_str(), stderr );
+}
+
+/// Text on standard output, all of it. @throws io::Error
+void printOut( const std::string& text );
+
+/// Removes the temporary files of all open OutputFiles when the program is interrupted or terminated. A file that grows beyond what
+/// the system allows is an error of the write, not a signal.
 void installSignalHandlers();
 
 /// Shortest text that reads back as the same double; "inf", "-inf", "nan".

@@ -376,6 +376,7 @@ int runPairs( const PairsOptions& options )
 	}
 	text += classLists( table, options.common.verbose );
 	Json json;
+	std::vector<OutputFile*> files;
 	if ( !options.json.empty() )
 	{
 		json = toJson( table, input.robot, robot.get() );
@@ -390,16 +391,17 @@ int runPairs( const PairsOptions& options )
 		const NewSrdf srdf = newSrdf( table, input.robot );
 		text += describe( srdf, options.out );
 		out.text = srdf.document.text;
-		out.commit();
+		files.push_back( &out );
 		json["written"] = srdf.document.written.size();
 		json["kept"] = srdf.document.kept.size();
 	}
 	if ( !options.json.empty() )
 	{
 		json_file.text = json.dump( 2 ) + "\n";
-		json_file.commit();
+		files.push_back( &json_file );
 	}
-	fmt::print( "{}", text );
+	commitTogether( files );
+	printOut( text );
 	return table.count( Opinion::FINDING ) > 0 ? exit_no : exit_yes;
 }
 

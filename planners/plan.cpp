@@ -482,33 +482,35 @@ int runPlan( const PlanOptions& options )
 		solution.seconds.audit = audit.seconds;
 	}
 	const bool good = solution.solved && audit.valid && solution.edges.all();
+	std::vector<OutputFile*> files;
 	if ( !options.report.empty() )
 	{
 		Json json = reportJson( options, input, bench, solution );
 		json["audit"] = solution.solved ? toJson( audit, settings ) : Json( nullptr );
 		json["good"] = good;
 		report.text = json.dump( 2 ) + "\n";
-		report.commit();
+		files.push_back( &report );
 	}
+	if ( good )
+	{
+		out.text = writePath( pathFile( options, input, bench, solution, audit ) );
+		files.push_back( &out );
+	}
+	commitTogether( files );
 	if ( !solution.solved )
 	{
-		fmt::print( stderr,
+		tell(
 		    "leeway: no path found: {} after {:.1f} s ({} states and {} edges checked); try more --time, another --seed "
 		    "or --planner, or a smaller --min-d\n",
 		    solution.status, solution.seconds.plan, solution.counters.states, solution.counters.edges );
 		return exit_no;
 	}
-	if ( good )
-	{
-		out.text = writePath( pathFile( options, input, bench, solution, audit ) );
-		out.commit();
-	}
 	// The path itself goes to standard output if no file was named; the summary must not mix with it.
-	fmt::print( out.path().empty() ? stderr : stdout, "{}{}", summary( options, solution ),
-	    describe( audit, settings, solution.points ) );
+	const std::string text = summary( options, solution ) + describe( audit, settings, solution.points );
+	out.path().empty() ? tell( "{}", text ) : printOut( text );
 	if ( !good )
 	{
-		fmt::print( stderr, "leeway: the path found does not stand: {}; it is not written\n",
+		tell( "leeway: the path found does not stand: {}; it is not written\n",
 		    audit.valid ? "not all of its edges are free" : "the audit found it not valid" );
 	}
 	return good ? exit_yes : exit_no;

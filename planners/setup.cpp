@@ -87,8 +87,7 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 	ReachProgress& progress = *static_cast<ReachProgress*>( self );
 	if ( !progress.m_told )
 	{
-		fmt::print(
-		    stderr, "leeway: building motion hulls and pair tables of the robot; {} s for proofs\n", progress.m_budget );
+		tell( "leeway: building motion hulls and pair tables of the robot; {} s for proofs\n", progress.m_budget );
 		progress.m_told = true;
 	}
 	progress.m_progress.stage( stage, share );

@@ -123,12 +123,13 @@ int runSpherize( const SpherizeOptions& options )
 	text += fmt::format( "{} spheres around {} links, proved to enclose them and to reach at most {:.3f} mm beyond; "
 	                     "{:.2f} s\n",
 	    count, links.size(), 1000 * excess, seconds );
-	for ( OutputFile* file : { &urdf, &srdf, &yaml, &report } )
+	const std::vector<OutputFile*> files = { &urdf, &srdf, &yaml, &report };
+	commitTogether( files );
+	for ( const OutputFile* file : files )
 	{
-		file->commit();
 		text += fmt::format( "written: {}\n", file->path() );
 	}
-	fmt::print( "{}", text );
+	printOut( text );
 	return exit_yes;
 }
 

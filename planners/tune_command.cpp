@@ -208,23 +208,25 @@ int runTune( const TuneOptions& options )
 	const double rate = options.rate > 0 ? options.rate : rounded( measuredRate( bench, settings, samples ) );
 	const TuneProposal proposal = propose( rows, samples, settings.target, rate );
 
-	fmt::print( "robot {}, group {}: {} states, of which {} have more than {} m, and {} motions; seed {}\n",
+	std::vector<OutputFile*> files;
+	printOut( fmt::format( "robot {}, group {}: {} states, of which {} have more than {} m, and {} motions; seed {}\n",
 	    input.robot.name, bench.problem().group.empty() ? "(all joints)" : bench.problem().group, samples.states.size(),
-	    samples.free_states, settings.min_d, samples.motions.size(), settings.seed );
-	fmt::print( "time is counted work at a rate of {:.4g}{}; measured: processor time of this run\n", rate,
-	    options.rate > 0 ? "" : ", measured" );
-	fmt::print( "{}{}{}", stateFront( rows, rate, proposal ), motionFront( rows, rate, proposal, samples ),
-	    describe( settings, proposal, rate ) );
+	    samples.free_states, settings.min_d, samples.motions.size(), settings.seed ) );
+	printOut( fmt::format( "time is counted work at a rate of {:.4g}{}; measured: processor time of this run\n", rate,
+	    options.rate > 0 ? "" : ", measured" ) );
+	printOut( fmt::format( "{}{}{}", stateFront( rows, rate, proposal ), motionFront( rows, rate, proposal, samples ),
+	    describe( settings, proposal, rate ) ) );
 	if ( !options.csv.empty() )
 	{
 		csv.text = csvOf( rows, rate, proposal );
-		csv.commit();
+		files.push_back( &csv );
 	}
 	if ( !options.json.empty() )
 	{
 		json.text = toJson( settings, samples, rows, proposal, rate ).dump( 2 ) + "\n";
-		json.commit();
+		files.push_back( &json );
 	}
+	commitTogether( files );
 	return proposal.met ? exit_yes : exit_no;
 }
 
