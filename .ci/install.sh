@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets.
+# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint.
 #
-#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests]
+#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [lint]
 #
 # If nothing is missing nothing is touched and no network is needed. Root, or sudo, is needed only if something is missing.
 set -euo pipefail
 
 usage()
 {
-	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests]"
-	echo "Installs missing Debian packages by apt-get; without arguments those of all sets."
+	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [lint]"
+	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint."
 }
 
 packages_of()
@@ -25,7 +25,9 @@ packages_of()
 	# xvfb-run is a script of xvfb that calls xauth, which is only recommended by it
 	examples) echo f3d xvfb xauth ;;
 	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev libbenchmark-dev gnuplot-nox ;;
-	tests) echo libgtest-dev libgmock-dev ;;
+	# clang and its runtimes: fuzzers, and warnings of a second compiler
+	tests) echo libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind ;;
+	lint) echo clang-tidy-14 cppcheck ;;
 	*) return 1 ;;
 	esac
 }

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files of models and problems: URDF, SRDF, planning scenes, requests, margins and paddings, tables, paths.
+#include "fuzz.hpp"
+
+#include "csv.hpp"
+#include "path_file.hpp"
+
+#include <cmath>
+
+namespace fuzz
+{
+
+namespace
+{
+
+namespace io = leeway::io;
+
+/// A state check and an edge at the values that the model itself gives: what was loaded has to be usable.
+void useProblem( const io::Problem& problem )
+{
+	const lw_checker* checker = problem.checker.get();
+	const leeway::Query query = leeway::makeQuery( checker );
+	std::vector<double> q = io::startState( problem );
+	expect( q.size() == lw_checker_variable_count( checker ), "a start state has all variables" );
+	lw_state_result result;
+	const lw_status status = lw_checker_state( checker, query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result );
+	expect( status == LW_OK || result.verdict == LW_VERDICT_UNKNOWN, "an error has no verdict" );
+	(void)io::limitViolations( problem, q );
+}
+
+} // namespace
+
+void urdf( Input input )
+{
+	putOnce( "tetrahedron.obj", tetrahedron_obj );
+	const std::string file = put( "input.urdf", input );
+	reads(
+	    [&]
+	    {
+		    io::LoadOptions options;
+		    options.use_visual = input.size() % 2 == 0;
+		    const io::RobotModel model = io::loadRobot( file, "", options );
+		    const io::Problem problem = io::buildProblem( model, {} );
+		    useProblem( problem );
+	    } );
+}
+
+void srdf( Input input )
+{
+	const io::RobotModel& plain = fixedRobot();
+	const std::string file = put( "input.srdf", input );
+	reads(
+	    [&]
+	    {
+		    const io::RobotModel model = io::loadRobot( plain.urdf_file, file );
+		    for ( const io::Group& group : model.groups )
+		    {
+			    io::ProblemOptions options;
+			    options.group = group.name;
+			    if ( reads( [&] { useProblem( io::buildProblem( model, options ) ); } ) )
+			    {
+				    break; // the others are of the same joints
+			    }
+		    }
+		    const io::WrittenSrdf written = io::writeSrdf( model, { { "a", "c", "Never" } } );
+		    const std::string again = put( "written.srdf", written.text );
+		    expect(
+		        reads( [&] { (void)io::loadRobot( plain.urdf_file, again ); } ), "an SRDF that was written can be read" );
+	    } );
+}
+
+void scene( Input input )
+{
+	const io::RobotModel& robot = fixedRobot();
+	putOnce( "map.txt", "0 1\n0 0.5\n" );
+	putOnce( "cloud.pcd", "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n"
+	                      "DATA ascii\n0 0 0\n1 1 1\n" );
+	const std::string file = put( "input.yaml", input );
+	reads(
+	    [&]
+	    {
+		    const io::SceneModel model = io::loadScene( file );
+		    io::ProblemOptions options;
+		    options.scene = &model;
+		    useProblem( io::buildProblem( robot, options ) );
+	    } );
+}
+
+void request( Input input )
+{
+	const io::RobotModel& robot = fixedRobot();
+	const std::string file = put( "input.yaml", input );
+	reads(
+	    [&]
+	    {
+		    const io::Request asked = io::loadRequest( file );
+		    io::ProblemOptions options;
+		    options.request = &asked;
+		    options.group = asked.group;
+		    const io::Problem problem = io::buildProblem( robot, options );
+		    useProblem( problem );
+		    for ( double value : io::goalState( problem, asked ) )
+		    {
+			    expect( std::isfinite( value ), "a goal is finite" );
+		    }
+	    } );
+}
+
+void settings( Input input )
+{
+	const io::RobotModel& robot = fixedRobot();
+	const std::string file = put( "input.yaml", input );
+	io::ProblemOptions options;
+	const bool margins = reads( [&] { options.margins = io::loadMargins( file ); } );
+	const bool padding = reads( [&] { options.padding = io::loadPadding( file ); } );
+	if ( margins || padding )
+	{
+		reads( [&] { useProblem( io::buildProblem( robot, options ) ); } );
+	}
+}
+
+void csv( Input input )
+{
+	const std::string file = put( "input.csv", input );
+	reads(
+	    [&]
+	    {
+		    const leeway::cli::CsvTable table = leeway::cli::readCsv( file );
+		    for ( std::size_t row = 0; row < table.rows.size(); ++row )
+		    {
+			    for ( std::size_t column = 0; column < table.header.size(); ++column )
+			    {
+				    reads( [&] { expect( std::isfinite( table.value( row, column ) ), "a value of a table is finite" ); } );
+			    }
+		    }
+	    } );
+}
+
+void path( Input input )
+{
+	const std::string file = put( "input.yaml", input );
+	reads(
+	    [&]
+	    {
+		    const leeway::cli::PathFile first = leeway::cli::readPath( file );
+		    for ( const std::vector<double>& point : first.points )
+		    {
+			    expect( point.size() == first.joint_names.size(), "a point has a value for each joint" );
+		    }
+		    const std::string again = put( "written.yaml", leeway::cli::writePath( first ) );
+		    const leeway::cli::PathFile second = leeway::cli::readPath( again );
+		    expect( second.points == first.points && second.joint_names == first.joint_names && second.min_d == first.min_d,
+		        "a path that was written is read again" );
+	    } );
+}
+
+} // namespace fuzz

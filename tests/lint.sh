@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# What other eyes see: clang-tidy and cppcheck over the core, the bridge and the program, and the warnings of clang, as errors, over
+# everything that a build compiles.
+#
+#   tests/lint.sh [BUILD (default build)] [tidy] [cppcheck] [clang]
+#
+# BUILD is a configured folder, for its compile_commands.json. Not a stage of tests/run.sh: on two processors clang-tidy takes a
+# minute over the core and five over the C++, and clang as long as a build. FILES="core/src/blob.c ..." looks at these only.
+set -euo pipefail
+cd "$( dirname "${BASH_SOURCE[0]}" )/.."
+.ci/install.sh tests lint
+build=build
+if [ "$#" -gt 0 ] && [ -d "$1" ]; then
+	build=$1
+	shift
+fi
+[ "$#" -gt 0 ] || set -- tidy cppcheck clang
+if [ ! -e "$build/compile_commands.json" ]; then
+	echo "$0: $build/compile_commands.json is not there: configure a build first, or name its folder" >&2
+	exit 2
+fi
+jobs=$( nproc )
+if [ -n "${FILES:-}" ]; then
+	read -r -a files <<<"$FILES"
+else
+	mapfile -t files < <( find core/src ompl_bridge/src planners -name '*.c' -o -name '*.cpp' | sort )
+fi
+bad=0
+
+for what in "$@"; do
+	case "$what" in
+	tidy) # checks, and why others are left out: .clang-tidy
+		echo "clang-tidy: ${#files[@]} files"
+		printf '%s\0' "${files[@]}" | xargs -0 -n 2 -P "$jobs" clang-tidy-14 -p "$build" --quiet 2>/dev/null || bad=1
+		;;
+	cppcheck)
+		# invalidPointerCast: an arena is bytes that become arrays, aligned by who laid it out. uninitvar: of arrays that a loop fills
+		# which this tool thinks may run zero times; memcheck and the sanitizers see the real ones. missingIncludeSystem: headers of
+		# the system are not looked for. The rest are matters of taste in C++ (useStlAlgorithm is not asked for).
+		mapfile -t c_files < <( printf '%s\n' "${files[@]}" | grep '\.c$' || true )
+		mapfile -t cpp_files < <( printf '%s\n' "${files[@]}" | grep '\.cpp$' || true )
+		checks=( --enable=warning,performance,portability --inline-suppr --quiet -j "$jobs" --error-exitcode=1 --suppress=missingIncludeSystem
+			--suppress=invalidPointerCast --suppress=uninitvar -I core/include -I "$build/core/include" )
+		echo "cppcheck: ${#files[@]} files"
+		[ "${#c_files[@]}" -eq 0 ] || cppcheck "${checks[@]}" --std=c11 -I core/src "${c_files[@]}" || bad=1
+		[ "${#cpp_files[@]}" -eq 0 ] || cppcheck "${checks[@]}" --std=c++17 -I ompl_bridge/include "${cpp_files[@]}" || bad=1
+		;;
+	clang) # each command of the build, by another compiler that only looks; without what only gcc knows
+		echo "clang: warnings of the whole build"
+		sed -nE 's/^ *"command": "(.*)",?$/\1/p' "$build/compile_commands.json" | sed -E 's/\\"/"/g; s/\\\\/\\/g' |
+			sed -E 's#^(.*ccache )?[^ ]*/(cc|gcc|clang)(-[0-9]+)? #clang #; s#^(.*ccache )?[^ ]*/(c[+][+]|g[+][+]|clang[+][+])(-[0-9]+)? #clang++ #; s# -o [^ ]+ # #; s# -c # -fsyntax-only -Werror #' |
+			( cd "$build" && tr '\n' '\0' | xargs -0 -n 1 -P "$jobs" bash -c ) || bad=1
+		;;
+	*)
+		echo "$0: '$what' is none of tidy, cppcheck, clang" >&2
+		exit 2
+		;;
+	esac
+done
+exit "$bad"
