@@ -247,9 +247,54 @@ void checkMeshBytes( const std::string& extension, const std::string& bytes )
 	{
 		checkPly( bytes );
 	}
+	else if ( extension == ".glb" )
+	{
+		checkGlb( bytes );
+	}
 	else if ( extension == ".dae" )
 	{
 		checkCollada( bytes );
+	}
+}
+
+void checkGlb( const std::string& bytes )
+{
+	ByteReader reader( bytes );
+	const auto number = [&]
+	{
+		const std::optional<std::string_view> word = reader.take( 4 );
+		if ( !word )
+		{
+			throw MeshProblem{ "it ends within a header: it was cut short" };
+		}
+		return static_cast<std::uint64_t>( decodeScalar( word->data(), ScalarType::uint32, false ) );
+	};
+	if ( reader.take( 4 ) != std::string_view( "glTF" ) )
+	{
+		throw MeshProblem{ "it does not begin as binary glTF does" };
+	}
+	const std::uint64_t version = number(), length = number();
+	if ( length != bytes.size() || ( version != 1 && version != 2 ) )
+	{
+		throw MeshProblem{ fmt::format( "version {} with {} bytes, of which there are {}", version, length, bytes.size() ) };
+	}
+	if ( version == 1 )
+	{
+		const std::uint64_t content = number(), format = number();
+		if ( format != 0 || content > reader.left() )
+		{
+			throw MeshProblem{ fmt::format( "{} bytes of content, and {} are left", content, reader.left() ) };
+		}
+		return;
+	}
+	for ( bool first = true; first || reader.left() > 0; first = false )
+	{
+		const std::uint64_t size = number();
+		const std::optional<std::string_view> kind = reader.take( 4 );
+		if ( !kind || ( first && *kind != "JSON" ) || !reader.take( size ) )
+		{
+			throw MeshProblem{ fmt::format( "a chunk of {} bytes that is not there, or not what comes first", size ) };
+		}
 	}
 }
 

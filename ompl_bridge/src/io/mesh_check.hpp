@@ -20,6 +20,9 @@ void checkMeshBytes( const std::string& extension, const std::string& bytes );
 /// A text whose lines are those of OBJ files, with numbers where there have to be some. @throws MeshProblem
 void checkObj( const std::string& bytes );
 
+/// A binary glTF file whose chunks are as long as its header says. @throws MeshProblem
+void checkGlb( const std::string& bytes );
+
 /// A COLLADA document whose accessors stay within their arrays. @throws MeshProblem
 void checkCollada( const std::string& bytes );
 

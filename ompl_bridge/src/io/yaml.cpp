@@ -6,6 +6,8 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <set>
+#include <sstream>
+#include <yaml-cpp/eventhandler.h>
 
 namespace leeway::io::detail
 {
@@ -73,6 +75,36 @@ private:
 
 } // namespace
 
+namespace
+{
+
+/// Listens to a parser and keeps nothing.
+class Nobody : public YAML::EventHandler
+{
+public:
+	void OnDocumentStart( const YAML::Mark& ) override {}
+	void OnDocumentEnd() override {}
+	void OnNull( const YAML::Mark&, YAML::anchor_t ) override {}
+	void OnAlias( const YAML::Mark&, YAML::anchor_t ) override {}
+	void OnScalar( const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string& ) override {}
+	void OnSequenceStart( const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value ) override {}
+	void OnSequenceEnd() override {}
+	void OnMapStart( const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value ) override {}
+	void OnMapEnd() override {}
+};
+
+/// YAML::LoadAll() does not end where a document begins with what none can begin with: it finds an empty one there, again and
+/// again. Two are enough to know.
+bool hasSeveralDocuments( const std::string& text )
+{
+	std::istringstream stream( text );
+	YAML::Parser parser( stream );
+	Nobody nobody;
+	return parser.HandleNextDocument( nobody ) && parser.HandleNextDocument( nobody );
+}
+
+} // namespace
+
 YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
 {
 	YamlNode root;
@@ -81,12 +113,11 @@ YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
 	std::string text = readFile( file );
 	try
 	{
-		std::vector<YAML::Node> documents = YAML::LoadAll( text );
-		if ( documents.size() > 1 )
+		if ( hasSeveralDocuments( text ) )
 		{
 			throw Error( file, "", "holds several YAML documents", "keep one" );
 		}
-		root.m_node = documents.empty() ? YAML::Node() : documents[0];
+		root.m_node = YAML::Load( text );
 		DocumentCheck( file, text.size() ).visit( root.m_node );
 	}
 	catch ( const YAML::Exception& e )
