@@ -14,6 +14,7 @@
 static void search_environment_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape, lwi_bound* bound )
 {
 	const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
+	lwi_pose_body( checker, query, body );
 	lw_transform relative = lwi_relative( &query->world_from_body[body], &obstacle->world_from_shape );
 	bound->margin = lwi_environment_margin( checker, body, obstacle->object );
 	lwi_search( query, checker->bodies[body].shape, obstacle->shape, &relative, bound );
@@ -33,16 +34,47 @@ static uint32_t block_count( const lw_checker* checker, const lw_query* query )
 	return query->near ? checker->near_block_count : checker->scene->block_count;
 }
 
-/// Gaps of a posed body to the obstacles that are looked at, margins taken off. Returns their slack.
-static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, float* gaps )
+/// True if some gap does not reach the limit, or is not a number.
+static bool any_below( const float* gaps, uint32_t count, double limit )
 {
-	const lwi_margins* m = checker->margins;
-	double radius = checker->bodies[body].shape->sphere_radius + ( m != NULL ? m->bodies[body] : 0 );
+	float rounded = lwi_round_up( limit );
+	uint32_t far = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		far += gaps[i] >= rounded;
+	}
+	return far != count;
+}
+
+/// Gaps of a sphere (world) to the obstacles that are looked at, margins taken off. Returns their slack; *near: some gap does not
+/// reach `prune` and that.
+/// @param margins of each obstacle, or NULL
+static double gaps_of( const lw_checker* checker, lw_query* query, const double center[3], double radius, const float* margins,
+	double prune, float* gaps, bool* near )
+{
 	uint32_t blocks = block_count( checker, query );
-	double slack =
-		lwi_scene_gaps( checker->scene, blocks, query->kernels, query->body_center + 3 * (size_t)body, radius, gaps );
-	lwi_subtract_margins( gaps, m != NULL ? m->body_row[body] : NULL, blocks * LWI_WIDTH );
+	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, center, radius, prune, gaps, near );
+	if ( margins != NULL )
+	{
+		lwi_subtract_margins( gaps, margins, blocks * LWI_WIDTH );
+		*near = any_below( gaps, blocks * LWI_WIDTH, prune + slack );
+	}
 	return slack;
+}
+
+/// The same for a body, which need not be posed: its sphere hangs on the top of its node. That is a roundoff or two of double away from
+/// where the body's pose takes it, and the slack is one of floats.
+static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, double prune, float* gaps, bool* near )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_margins* m = checker->margins;
+	uint32_t node = tree->body_node[body];
+	lwi_pose_node( checker, query, node );
+	const lw_sphere* local = &tree->body_spheres[tree->body_place[body]];
+	lw_vec3 world = lwi_transform( &query->world_from_link[tree->nodes[node].top], lwi_load( local->center ) );
+	const double center[3] = { world.x, world.y, world.z };
+	double radius = local->radius + ( m != NULL ? m->bodies[body] : 0 );
+	return gaps_of( checker, query, center, radius, m != NULL ? m->body_row[body] : NULL, prune, gaps, near );
 }
 
 /// Sets the gaps of pairs that do not count to +INFINITY. Returns the index of the least gap.
@@ -82,7 +114,8 @@ static double environment_gaps( const lw_checker* checker, lw_query* query, cons
 	for ( uint32_t row = 0; row < body_count; ++row )
 	{
 		float* gaps = query->gaps + (size_t)row * stride;
-		double mine = row_of_gaps( checker, query, bodies[row], gaps );
+		bool near;
+		double mine = row_of_gaps( checker, query, bodies[row], INFINITY, gaps, &near );
 		uint32_t in_row = mask_row( checker, query, bodies[row], gaps );
 		slack = mine > slack ? mine : slack;
 		if ( gaps[in_row] < least )
@@ -140,18 +173,6 @@ static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place
 	return query->gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
 }
 
-/// True if no gap is below the limit.
-static bool all_reach( const float* gaps, uint32_t blocks, double limit )
-{
-	float rounded = lwi_round_up( limit );
-	uint32_t far = 0;
-	for ( uint32_t i = 0; i < blocks * LWI_WIDTH; ++i )
-	{
-		far += gaps[i] >= rounded; // not a number: near
-	}
-	return far == blocks * LWI_WIDTH;
-}
-
 /// True if some obstacle is nearer to a sphere of the tree than the bound asks for. Which objects are allowed to whom is not
 /// looked at: that could only make it true more often.
 static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sphere, const lwi_bound* bound )
@@ -167,11 +188,10 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 		return true;
 	}
 	const lwi_margins* m = checker->margins;
-	uint32_t blocks = block_count( checker, query );
 	double radius = world[3] + ( m != NULL ? m->nodes[sphere] : 0 );
-	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, world, radius, query->row );
-	lwi_subtract_margins( query->row, m != NULL ? m->objects : NULL, blocks * LWI_WIDTH );
-	return !all_reach( query->row, blocks, bound->prune + slack );
+	bool near;
+	gaps_of( checker, query, world, radius, m != NULL ? m->objects : NULL, bound->prune, query->row, &near );
+	return near;
 }
 
 /// The row of gaps of a body, given by its place in the tree; the nearest obstacle becomes a candidate.
@@ -179,10 +199,10 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 {
 	const lwi_checker_tree* tree = checker->tree;
 	uint32_t body = tree->bodies[place], nearest;
-	lwi_pose_body( checker, query, body );
 	float* gaps = row_of( checker, query, place );
-	double slack = row_of_gaps( checker, query, body, gaps );
-	if ( all_reach( gaps, block_count( checker, query ), bound->prune + slack ) )
+	bool near;
+	double slack = row_of_gaps( checker, query, body, bound->prune, gaps, &near );
+	if ( !near )
 	{
 		return slack;
 	}
@@ -367,13 +387,14 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 {
 	const lw_range range = { 0, limit, 0 };
 	choose_obstacles( checker, query, &range, false );
-	lwi_pose_body( checker, query, body );
-	double slack = row_of_gaps( checker, query, body, query->gaps );
-	uint32_t blocks = block_count( checker, query ), count = 0;
-	if ( all_reach( query->gaps, blocks, limit + slack ) )
+	bool near;
+	double slack = row_of_gaps( checker, query, body, limit, query->gaps, &near );
+	if ( !near )
 	{
 		return 0;
 	}
+	lwi_pose_body( checker, query, body );
+	uint32_t blocks = block_count( checker, query ), count = 0;
 	const uint8_t* mask =
 		( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * checker->scene->block_count;
 	float rounded = lwi_round_up( limit + slack );
@@ -396,9 +417,9 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	bound.give_up_above = threshold->give_up_above;
 	bound.give_up_below = threshold->give_up_below;
 	choose_obstacles( checker, query, &threshold->range, false );
-	lwi_pose_body( checker, query, body );
-	double slack = row_of_gaps( checker, query, body, query->gaps );
-	if ( !all_reach( query->gaps, block_count( checker, query ), bound.prune + slack ) ) // mostly that is all
+	bool near;
+	double slack = row_of_gaps( checker, query, body, bound.prune, query->gaps, &near );
+	if ( near ) // mostly it is not
 	{
 		uint32_t nearest = mask_row( checker, query, body, query->gaps );
 		measure_warm( checker, query, warm, &bound );

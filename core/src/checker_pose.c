@@ -8,56 +8,47 @@
 
 #include <string.h>
 
+/// Bodies that never move are where their links are, the others where their node's top takes them.
 static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
 {
+	const lwi_checker_tree* tree = checker->tree;
 	const lwi_checker_body* b = &checker->bodies[body];
+	const uint32_t node = tree->body_node[body];
 	lw_transform* pose = &query->world_from_body[body];
-	*pose = lwi_multiply( &query->world_from_link[b->link], &b->link_from_shape );
+	*pose = node == 0 ? lwi_multiply( &query->world_from_link[b->link], &b->link_from_shape )
+	                  : lwi_multiply( &query->world_from_link[tree->nodes[node].top], &tree->body_poses[tree->body_place[body]] );
 	lw_vec3 center = lwi_transform( pose, lwi_load( b->shape->sphere_center ) );
 	query->body_center[3 * (size_t)body] = center.x;
 	query->body_center[3 * (size_t)body + 1] = center.y;
 	query->body_center[3 * (size_t)body + 2] = center.z;
 }
 
-/// Largest sum of coordinates of the origins of a node's links, or of those above it.
+/// Sums of coordinates of the origins of a node's links, and of those above it, are at most this.
 static double node_extent( const lw_checker* checker, const lw_query* query, uint32_t index )
 {
 	const lwi_checker_node* node = &checker->tree->nodes[index];
-	double extent = node->parent != LW_INVALID_INDEX ? query->node_extent[node->parent] : 0;
-	for ( uint32_t i = 0; i < node->link_count; ++i )
-	{
-		const double* t = query->world_from_link[checker->tree->links[node->first_link + i]].t;
-		double sum = fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] );
-		extent = sum > extent ? sum : extent;
-	}
-	return extent;
+	const double* t = query->world_from_link[node->top].t;
+	double sum = fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] ) + node->extent;
+	double above = node->parent != LW_INVALID_INDEX ? query->node_extent[node->parent] : 0;
+	return above > sum ? above : sum;
 }
 
-/// The top of a node by its joint, the others where they always are.
-static void pose_links( const lw_checker* checker, lw_query* query, const lwi_checker_node* node )
-{
-	const uint32_t* links = checker->tree->links + node->first_link;
-	// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
-	lwi_robot_fk_links( checker->robot, query->state, links, 1, query->world_from_link );
-	const lw_transform* top = &query->world_from_link[links[0]];
-	for ( uint32_t i = 1; i < node->link_count; ++i )
-	{
-		query->world_from_link[links[i]] = lwi_multiply( top, &checker->tree->top_from_link[node->first_link + i] );
-	}
-}
-
-void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t node )
+void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t index )
 {
 	const lwi_checker_tree* tree = checker->tree;
-	while ( query->node_stamp[node] != query->state_stamp )
+	while ( query->node_stamp[index] != query->state_stamp )
 	{
-		uint32_t highest = node; // node 0 always has the stamp of the state
+		uint32_t highest = index; // node 0 always has the stamp of the state
 		while ( query->node_stamp[tree->nodes[highest].parent] != query->state_stamp )
 		{
 			highest = tree->nodes[highest].parent;
 		}
-		pose_links( checker, query, &tree->nodes[highest] );
-		query->stats.links_posed += tree->nodes[highest].link_count;
+		const lwi_checker_node* node = &tree->nodes[highest];
+		const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[node->top]];
+		// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
+		lwi_joint_pose( joint, &query->world_from_link[tree->nodes[node->parent].top], &node->hook, node->hook_translates,
+			query->state, &query->world_from_link[node->top] );
+		query->stats.links_posed++;
 		query->node_extent[highest] = node_extent( checker, query, highest );
 		query->node_stamp[highest] = query->state_stamp;
 	}
@@ -78,7 +69,7 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 	uint32_t frame = motion ? node->parent : index; // the node whose pose the sphere hangs on
 	lwi_pose_node( checker, query, frame );
 	const lw_sphere* local = motion ? &node->m : &node->r;
-	const lw_transform* pose = &query->world_from_link[motion ? node->parent_link : node->top];
+	const lw_transform* pose = &query->world_from_link[checker->tree->nodes[frame].top];
 	lw_vec3 center = lwi_transform( pose, lwi_load( local->center ) );
 	double coordinates = query->node_extent[frame] + fabs( center.x ) + fabs( center.y ) + fabs( center.z );
 	double* out = query->spheres + 4 * (size_t)sphere;

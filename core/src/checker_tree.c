@@ -39,13 +39,11 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->upper, variable_count * sizeof( double ) );
 	lwi_free( &allocator, t->floating, variable_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->nodes, t->link_count * sizeof( lwi_checker_node ) );
-	lwi_free( &allocator, t->links, t->link_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, t->top_from_link, t->link_count * sizeof( lw_transform ) );
+	lwi_free( &allocator, t->body_poses, t->body_count * sizeof( lw_transform ) );
 	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_place, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
-	lwi_free( &allocator, t->body_poses, t->body_count * sizeof( lw_transform ) );
 	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
 	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
@@ -60,19 +58,16 @@ static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, u
 	t->upper = lwi_alloc_zero( &t->allocator, variables, sizeof( double ) );
 	t->floating = lwi_alloc_zero( &t->allocator, variables, sizeof( uint32_t ) );
 	t->nodes = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_checker_node ) );
-	t->links = lwi_alloc_zero( &t->allocator, links, sizeof( uint32_t ) );
-	t->top_from_link = lwi_alloc_zero( &t->allocator, links, sizeof( lw_transform ) );
+	t->body_poses = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_transform ) );
 	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_place = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
-	t->body_poses = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_transform ) );
 	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
-			   links * ( sizeof( lwi_checker_node ) + sizeof( uint32_t ) + sizeof( lw_transform ) ) +
+			   links * sizeof( lwi_checker_node ) +
 			   bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) + sizeof( lw_transform ) );
-	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->links != NULL &&
-		   t->top_from_link != NULL && t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL &&
-		   t->body_poses != NULL;
+	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->body_poses != NULL &&
+		   t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL;
 }
 
 /// True if there is a reach and every variable outside of the group is inside of its range.
@@ -118,7 +113,6 @@ typedef struct numbering
 	uint32_t* node_of;  ///< [links] node of a top link
 	uint32_t* next;     ///< [links] chains of top links that hang on the same node; newest first
 	uint32_t* child;    ///< [links] first of the chain, by top link
-	uint32_t* needed;   ///< [links] 1 if anything asks for its pose
 } numbering;
 
 /// Numbers the nodes depth first. Chains are as deep as the robot, so there is no recursion: the way back is in `parent`.
@@ -168,110 +162,23 @@ static void fill_hooks( lwi_checker_tree* t, const lw_checker* c )
 		node->hook = lw_transform_identity();
 		if ( node->parent != LW_INVALID_INDEX )
 		{
-			const lw_transform* top = &c->reference_poses[t->nodes[node->parent].top];
-			lw_transform top_from_link = lwi_relative( top, &c->reference_poses[node->parent_link] );
-			node->hook = lwi_multiply( &top_from_link, &c->robot->joints[c->robot->link_joint[node->top]].parent_from_joint );
+			const lwi_joint* joint = &c->robot->joints[c->robot->link_joint[node->top]];
+			uint32_t top = t->nodes[node->parent].top;
+			bool direct = top == node->parent_link; // the usual case: not a digit is lost
+			lw_transform top_from_link = lwi_relative( &c->reference_poses[top], &c->reference_poses[node->parent_link] );
+			node->hook = direct ? joint->parent_from_joint : lwi_multiply( &top_from_link, &joint->parent_from_joint );
+			node->hook_translates = direct && joint->pure_translation;
 		}
 	}
 }
 
-/// Links with bodies, tops of nodes, and what is above them. Frames for cameras and tools are none of these.
-static void mark_needed( const lwi_checker_tree* t, const lw_checker* c, const numbering* n )
+/// A link whose pose bodies or nodes hang on. The sum of a vector's coordinates is at most sqrt( 3 ) times its length.
+static void extend( lwi_checker_node* node, const lw_checker* c, uint32_t link )
 {
-	const lw_robot* robot = c->robot;
-	for ( uint32_t link = 0; link < t->link_count; ++link )
-	{
-		n->needed[link] = n->node_top[link] == link;
-	}
-	for ( uint32_t body = 0; body < t->body_count; ++body )
-	{
-		n->needed[c->bodies[body].link] = 1;
-	}
-	for ( uint32_t i = t->link_count; i-- > 0; )
-	{
-		uint32_t link = robot->link_order[i], joint = robot->link_joint[link];
-		if ( n->needed[link] != 0 && joint != LW_INVALID_INDEX )
-		{
-			n->needed[robot->joints[joint].parent] = 1;
-		}
-	}
+	lw_transform top_from_link = lwi_relative( &c->reference_poses[node->top], &c->reference_poses[link] );
+	double sum = 1.7320508075688774 * ( 1 + 0x1p-40 ) * lwi_length( lwi_load( top_from_link.t ) );
+	node->extent = sum > node->extent ? sum : node->extent;
 }
-
-/// Links and bodies by node: counting sort, so that within a node they keep their order.
-static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numbering* n )
-{
-	const lw_robot* robot = c->robot;
-	for ( uint32_t i = 0; i < t->link_count; ++i )
-	{
-		t->nodes[n->node_of[n->node_top[i]]].link_count += n->needed[i];
-	}
-	for ( uint32_t i = 0; i < t->body_count; ++i )
-	{
-		t->body_node[i] = n->node_of[n->node_top[c->bodies[i].link]];
-		t->nodes[t->body_node[i]].body_count++;
-	}
-	uint32_t links = 0, bodies = 0, blocks = 0;
-	for ( uint32_t i = 0; i < t->node_count; ++i )
-	{
-		lwi_checker_node* node = &t->nodes[i];
-		node->first_link = links;
-		node->first_body = bodies;
-		links += node->link_count;
-		bodies += node->body_count;
-		node->first_block = blocks;
-		blocks += ( node->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
-		node->link_count = node->body_count = 0;
-	}
-	for ( uint32_t i = 0; i < t->link_count; ++i )
-	{
-		uint32_t link = robot->link_order[i];
-		lwi_checker_node* node = &t->nodes[n->node_of[n->node_top[link]]];
-		if ( n->needed[link] != 0 )
-		{
-			t->links[node->first_link + node->link_count++] = link;
-		}
-	}
-	for ( uint32_t body = 0; body < t->body_count; ++body )
-	{
-		lwi_checker_node* node = &t->nodes[t->body_node[body]];
-		t->body_place[body] = node->first_body + node->body_count;
-		t->bodies[node->first_body + node->body_count++] = body;
-	}
-}
-
-/// Where the links of a node are in it, the same in all states.
-static void fill_links( lwi_checker_tree* t, const lw_checker* c )
-{
-	for ( uint32_t i = 0; i < t->node_count; ++i )
-	{
-		const lwi_checker_node* node = &t->nodes[i];
-		for ( uint32_t k = node->first_link; k < node->first_link + node->link_count; ++k )
-		{
-			t->top_from_link[k] = lwi_relative( &c->reference_poses[node->top], &c->reference_poses[t->links[k]] );
-		}
-	}
-}
-
-static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
-{
-	uint32_t links = t->link_count;
-	uint32_t* memory = lwi_alloc_zero( &t->allocator, links, 5 * sizeof( uint32_t ) );
-	if ( memory == NULL )
-	{
-		return lwi_out_of_memory( diag, "a checker" );
-	}
-	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links,
-		memory + 4 * (size_t)links };
-	number_nodes( t, c->robot, joint_moves, &n );
-	fill_hooks( t, c );
-	mark_needed( t, c, &n );
-	fill_nodes( t, c, &n );
-	fill_links( t, c );
-	lwi_free( &t->allocator, memory, links * 5 * sizeof( uint32_t ) );
-	return LW_OK;
-}
-
-// --- spheres ---------------------------------------------------------------------------------------------------------
 
 /// top_from_shape at the reference, and thereby in every state.
 static lw_transform body_in_node( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
@@ -281,12 +188,61 @@ static lw_transform body_in_node( const lw_checker* c, const lwi_checker_node* n
 	return lwi_multiply( &top_from_link, &b->link_from_shape );
 }
 
-/// A body's own sphere, carried over. It is the R of a node of one body.
-static lw_sphere sphere_of_body( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
+/// Bodies by node: counting sort, so that within a node they keep their order.
+static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numbering* n )
 {
-	const lw_shape* shape = c->bodies[body].shape;
-	lw_transform pose = body_in_node( c, node, body );
-	lw_vec3 center = lwi_transform( &pose, lwi_load( shape->sphere_center ) );
+	for ( uint32_t i = 0; i < t->body_count; ++i )
+	{
+		t->body_node[i] = n->node_of[n->node_top[c->bodies[i].link]];
+		t->nodes[t->body_node[i]].body_count++;
+		extend( &t->nodes[t->body_node[i]], c, c->bodies[i].link );
+	}
+	uint32_t bodies = 0, blocks = 0;
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		node->first_body = bodies;
+		bodies += node->body_count;
+		node->first_block = blocks;
+		blocks += ( node->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
+		node->body_count = 0;
+		if ( node->parent != LW_INVALID_INDEX )
+		{
+			extend( &t->nodes[node->parent], c, node->parent_link );
+		}
+	}
+	for ( uint32_t body = 0; body < t->body_count; ++body )
+	{
+		lwi_checker_node* node = &t->nodes[t->body_node[body]];
+		t->body_place[body] = node->first_body + node->body_count;
+		t->body_poses[t->body_place[body]] = body_in_node( c, node, body );
+		t->bodies[node->first_body + node->body_count++] = body;
+	}
+}
+
+static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
+{
+	uint32_t links = t->link_count;
+	uint32_t* memory = lwi_alloc_zero( &t->allocator, links, 4 * sizeof( uint32_t ) );
+	if ( memory == NULL )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links };
+	number_nodes( t, c->robot, joint_moves, &n );
+	fill_hooks( t, c );
+	fill_nodes( t, c, &n );
+	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
+	return LW_OK;
+}
+
+// --- spheres ---------------------------------------------------------------------------------------------------------
+
+/// A body's own sphere, carried over. It is the R of a node of one body.
+static lw_sphere sphere_of_body( const lw_checker* c, const lwi_checker_tree* t, uint32_t place )
+{
+	const lw_shape* shape = c->bodies[t->bodies[place]].shape;
+	lw_vec3 center = lwi_transform( &t->body_poses[place], lwi_load( shape->sphere_center ) );
 	return (lw_sphere){ { center.x, center.y, center.z }, shape->sphere_radius };
 }
 
@@ -298,11 +254,11 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* 
 	for ( uint32_t i = 0; i < node->body_count; ++i )
 	{
 		uint32_t body = t->bodies[node->first_body + i];
-		lw_transform pose = body_in_node( c, node, body );
+		const lw_transform* pose = &t->body_poses[node->first_body + i];
 		size_t n = lwi_hull_count( c->bodies[body].shape );
 		for ( size_t k = 0; k < n; ++k )
 		{
-			lw_vec3 p = lwi_transform( &pose, lwi_hull_point( c->bodies[body].shape, k ) );
+			lw_vec3 p = lwi_transform( pose, lwi_hull_point( c->bodies[body].shape, k ) );
 			double* out = points + 3 * count++;
 			out[0] = p.x;
 			out[1] = p.y;
@@ -326,7 +282,7 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* 
 }
 
 /// A point of the convex hull of a body: the mean of its points, or of the corners of its box if it is a convex solid.
-static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
+static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_tree* t, uint32_t body )
 {
 	const lw_shape* shape = c->bodies[body].shape;
 	lw_vec3 sum = lwi_v3( 0, 0, 0 );
@@ -335,8 +291,7 @@ static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_node* node, u
 	{
 		sum = lwi_add( sum, lwi_hull_point( shape, i ) );
 	}
-	lw_transform pose = body_in_node( c, node, body );
-	return lwi_transform( &pose, lwi_scale( 1.0 / (double)count, sum ) );
+	return lwi_transform( &t->body_poses[t->body_place[body]], lwi_scale( 1.0 / (double)count, sum ) );
 }
 
 /// How far an attached body gets beyond what the reach knows of its node: all of it is this near to a point that every M
@@ -358,7 +313,7 @@ static double attached_excess( const lw_checker* c, const lwi_checker_tree* t, u
 	}
 	return anchor == LW_INVALID_INDEX
 			   ? INFINITY
-			   : lwi_distance( inner_point( c, node, anchor ), lwi_load( mine->center ) ) + mine->radius;
+			   : lwi_distance( inner_point( c, t, anchor ), lwi_load( mine->center ) ) + mine->radius;
 }
 
 /// M spheres of a reach, enlarged by what was attached to the robot since it was made.
@@ -380,6 +335,20 @@ static void cover_attached( lwi_checker_tree* t, const lw_checker* c )
 	}
 }
 
+/// The reach has it in the frame of the link that the node hangs on.
+static lw_sphere motion_sphere( const lw_checker* c, const lwi_checker_tree* t, const lwi_checker_node* node )
+{
+	lw_sphere m = lw_reach_get_node( c->reach, node->top ).m;
+	uint32_t top = t->nodes[node->parent].top;
+	if ( top != node->parent_link )
+	{
+		lw_transform top_from_link = lwi_relative( &c->reference_poses[top], &c->reference_poses[node->parent_link] );
+		lw_vec3 center = lwi_transform( &top_from_link, lwi_load( m.center ) );
+		m = (lw_sphere){ { center.x, center.y, center.z }, m.radius };
+	}
+	return m;
+}
+
 /// R and M of all nodes. Their own rounding is far below what poses add when a query takes them to the world (lwi_sphere()).
 static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_diag* diag )
 {
@@ -388,12 +357,11 @@ static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_dia
 		lwi_checker_node* node = &t->nodes[i];
 		const lw_sphere nothing = { { 0, 0, 0 }, -1 };
 		const lw_sphere anywhere = { { 0, 0, 0 }, INFINITY };
-		node->m = i == 0 ? nothing : t->proves ? lw_reach_get_node( c->reach, node->top ).m : anywhere;
+		node->m = i == 0 ? nothing : t->proves ? motion_sphere( c, t, node ) : anywhere;
 		node->r = nothing;
 		for ( uint32_t k = 0; k < node->body_count; ++k )
 		{
-			t->body_spheres[node->first_body + k] = sphere_of_body( c, node, t->bodies[node->first_body + k] );
-			t->body_poses[node->first_body + k] = body_in_node( c, node, t->bodies[node->first_body + k] );
+			t->body_spheres[node->first_body + k] = sphere_of_body( c, t, node->first_body + k );
 		}
 		if ( node->body_count == 1 )
 		{
@@ -467,10 +435,9 @@ lw_status lwi_checker_tree_motion( const lw_checker* c, const bool* fixed_variab
 	const lwi_checker_tree* t = c->tree;
 	lwi_motion_piece* pieces = lwi_alloc_zero( &c->allocator, t->node_count, sizeof( lwi_motion_piece ) );
 	const lw_shape** shapes = lwi_alloc_zero( &c->allocator, t->body_count, sizeof( lw_shape* ) );
-	lw_transform* poses = lwi_alloc_zero( &c->allocator, t->body_count, sizeof( lw_transform ) );
 	lw_status status = LW_OK;
 	*out_motion = NULL;
-	if ( pieces == NULL || shapes == NULL || poses == NULL )
+	if ( pieces == NULL || shapes == NULL )
 	{
 		status = lwi_out_of_memory( diag, "a checker" );
 	}
@@ -480,14 +447,13 @@ lw_status lwi_checker_tree_motion( const lw_checker* c, const bool* fixed_variab
 		for ( uint32_t k = node->first_body; k < node->first_body + node->body_count; ++k )
 		{
 			shapes[k] = c->bodies[t->bodies[k]].shape;
-			poses[k] = body_in_node( c, node, t->bodies[k] );
 		}
 		const lw_sphere point = { { 0, 0, 0 }, 0 };
 		pieces[i] = (lwi_motion_piece){ .link = node->top,
 			.sphere = node->body_count > 0 ? node->r : point,
 			.count = node->body_count,
 			.shapes = shapes + node->first_body,
-			.link_from_shape = poses + node->first_body };
+			.link_from_shape = t->body_poses + node->first_body };
 	}
 	if ( status == LW_OK )
 	{
@@ -496,6 +462,5 @@ lw_status lwi_checker_tree_motion( const lw_checker* c, const bool* fixed_variab
 	}
 	lwi_free( &c->allocator, pieces, t->node_count * sizeof( lwi_motion_piece ) );
 	lwi_free( &c->allocator, shapes, t->body_count * sizeof( lw_shape* ) );
-	lwi_free( &c->allocator, poses, t->body_count * sizeof( lw_transform ) );
 	return status;
 }

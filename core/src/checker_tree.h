@@ -19,11 +19,12 @@ typedef struct lwi_checker_node
 	uint32_t top;         ///< the link nearest to the root
 	uint32_t parent_link; ///< the link that `top` hangs on, in the parent node; LW_INVALID_INDEX for node 0
 	lw_transform hook;    ///< frame of the parent's `top` to where the joint above this node begins
-	uint32_t first_link, link_count; ///< range of links, parents first
+	bool hook_translates; ///< the hook is a translation to the bit
+	double extent;        ///< sums of coordinates of origins of its links, seen from that of `top`, are at most this
 	uint32_t first_body, body_count; ///< range of bodies
 	uint32_t first_block; ///< of LWI_WIDTH bodies, in the query
 	lw_sphere r;          ///< frame of `top`: contains all bodies of the node; radius < 0: there are none
-	lw_sphere m;          ///< frame of `parent_link`: contains all bodies of the subtree in every state within the ranges
+	lw_sphere m;          ///< frame of the parent's `top`: contains all bodies of the subtree in every state within the ranges
 } lwi_checker_node;
 
 /// The bodies of two nodes, all against all.
@@ -58,8 +59,6 @@ typedef struct lwi_checker_tree
 	uint32_t node_count;
 	lwi_checker_node* nodes; ///< [node_count] depth first, parents before children
 	uint32_t link_count, body_count;
-	uint32_t* links;         ///< [link_count] by node, the top first, parents first: those whose pose something depends on
-	lw_transform* top_from_link; ///< [link_count] of `links`: constant within a node
 	uint32_t* bodies;        ///< [body_count] robot bodies by node
 	uint32_t* body_node;     ///< [body_count] node of a robot body
 	uint32_t* body_place;    ///< [body_count] where a robot body is in `bodies`

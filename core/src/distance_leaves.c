@@ -10,18 +10,13 @@
 uint32_t lwi_leaf_mask( const lwi_searching* s, const lw_shape* shape, lwi_ref leaf, const float sphere[4],
 	float gap[LWI_WIDTH], float direction[3][LWI_WIDTH] )
 {
-	uint32_t index = lwi_ref_index( leaf ), real = lwi_low_bits( lwi_ref_count( leaf ) ), mask = 0;
+	uint32_t index = lwi_ref_index( leaf ), real = lwi_low_bits( lwi_ref_count( leaf ) );
 	switch ( shape->family )
 	{
 	case LWI_BALLS:
 		return s->kernels->sphere_gap( shape->ball_leaves[index].x, sphere, s->limit, gap ) & real;
 	case LWI_BOXES:
-		s->kernels->box_gap( &shape->box_leaves[index].boxes, sphere, gap );
-		for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
-		{
-			mask |= gap[lane] >= s->limit ? 0u : 1u << lane; // not a number: near
-		}
-		return mask & real;
+		return s->kernels->box_gap( &shape->box_leaves[index].boxes, sphere, s->limit, gap ) & real;
 	case LWI_TRIANGLES:
 	case LWI_CONVEX:
 	case LWI_UNBOUNDED:

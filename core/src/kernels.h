@@ -56,7 +56,7 @@ typedef struct lwi_kernels
 	/// |c - c_i| - (r + r_i) of a sphere (x, y, z, r) and eight: xyzr = float[4][8], as the head of lwi_node
 	uint32_t ( *sphere_gap )( const float* xyzr, const float sphere[4], float limit, float gap[LWI_WIDTH] );
 	/// distance of the sphere's centre to eight boxes, minus its radius
-	void ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float gap[LWI_WIDTH] );
+	uint32_t ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] );
 	/// distance of eight boxes to one in the same frame
 	uint32_t ( *box_pair_gap )( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] );
 	/// distance of the sphere's centre to the eight triangles of a leaf, minus its radius; direction[axis][lane] is the slab's

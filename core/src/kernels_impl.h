@@ -61,7 +61,7 @@ static uint32_t sphere_gap( const float* xyzr, const float sphere[4], float limi
 	return store_gap( gap, f8_sub( distance, f8_add( f8_load( xyzr + 24 ), f8_set( sphere[3] ) ) ), limit );
 }
 
-static void box_gap( const lwi_box8* boxes, const float sphere[4], float gap[LWI_WIDTH] )
+static uint32_t box_gap( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] )
 {
 	f8 sum = f8_set( 0.0f );
 	for ( int axis = 0; axis < 3; ++axis )
@@ -71,7 +71,7 @@ static void box_gap( const lwi_box8* boxes, const float sphere[4], float gap[LWI
 		d = f8_max( d, f8_set( 0.0f ) );
 		sum = f8_add( sum, f8_mul( d, d ) );
 	}
-	f8_store( gap, f8_sub( f8_sqrt( sum ), f8_set( sphere[3] ) ) );
+	return store_gap( gap, f8_sub( f8_sqrt( sum ), f8_set( sphere[3] ) ), limit );
 }
 
 static uint32_t box_pair_gap( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] )

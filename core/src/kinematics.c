@@ -92,6 +92,21 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 	return true;
 }
 
+bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
+	bool translates, const double* q, lw_transform* m )
+{
+	if ( translates )
+	{
+		*m = *world_from_frame;
+		shift( m, lwi_load( frame_from_joint->t ) );
+	}
+	else
+	{
+		*m = lwi_multiply( world_from_frame, frame_from_joint );
+	}
+	return joint->constant || lwi_joint_move( joint, q, m );
+}
+
 bool lwi_robot_fk_links( const lw_robot* robot, const double* q, const uint32_t* links, uint32_t count,
 	lw_transform* world_from_link )
 {
@@ -106,17 +121,7 @@ bool lwi_robot_fk_links( const lw_robot* robot, const double* q, const uint32_t*
 			continue;
 		}
 		const lwi_joint* joint = &robot->joints[index];
-		const lw_transform* world_from_parent = &world_from_link[joint->parent];
-		if ( joint->pure_translation )
-		{
-			*m = *world_from_parent;
-			shift( m, lwi_load( joint->parent_from_joint.t ) );
-		}
-		else
-		{
-			*m = lwi_multiply( world_from_parent, &joint->parent_from_joint );
-		}
-		if ( !joint->constant && !lwi_joint_move( joint, q, m ) )
+		if ( !lwi_joint_pose( joint, &world_from_link[joint->parent], &joint->parent_from_joint, joint->pure_translation, q, m ) )
 		{
 			return false;
 		}

@@ -7,6 +7,8 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
 
 /// Unit roundoffs. A sum or product of doubles is exact to a factor 1 + d, |d| <= LWI_U64 (barring underflow).
 #define LWI_U64 ( DBL_EPSILON / 2 )
@@ -90,18 +92,25 @@ static inline lw_transform lwi_relative( const lw_transform* world_from_a, const
 	return m;
 }
 
-/// Smallest float >= v (largest finite float is followed by +inf).
+/// Smallest float >= v (largest finite float is followed by +inf). The bits of the next float are those of the next integer:
+/// nextafterf() is a call.
 static inline float lwi_round_up( double v )
 {
 	float f = (float)v;
-	return (double)f < v ? nextafterf( f, INFINITY ) : f;
+	if ( (double)f < v )
+	{
+		int32_t bits;
+		memcpy( &bits, &f, sizeof( bits ) );
+		bits += f >= 0 ? 1 : -1; // 0 here is +0: -0 would come of a v that is not above it
+		memcpy( &f, &bits, sizeof( bits ) );
+	}
+	return f;
 }
 
 /// Largest float <= v.
 static inline float lwi_round_down( double v )
 {
-	float f = (float)v;
-	return (double)f > v ? nextafterf( f, -INFINITY ) : f;
+	return -lwi_round_up( -v );
 }
 
 #endif

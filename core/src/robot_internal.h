@@ -103,6 +103,10 @@ bool lwi_robot_fk_links( const lw_robot* robot, const double* q, const uint32_t*
 /// Moves m = anything_from_joint by the motion of the joint at q: m becomes anything_from_child. Not for constant joints,
 /// whose parent_from_joint is complete. @return false for a zero or non-finite quaternion
 bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m );
+/// The pose of a joint's child: the frame's, where the joint is in it, and its motion. @param translates frame_from_joint turns nothing,
+/// to the bit
+bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
+	bool translates, const double* q, lw_transform* m );
 
 /// Turns m by an angle about the joint's axis, on the right: m * rotation( axis, angle ).
 void lwi_joint_turn( const lwi_joint* joint, double angle, lw_transform* m );

@@ -197,7 +197,7 @@ void lwi_scene_bound( lw_scene* scene )
 		uint32_t lane = i % LWI_WIDTH;
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			bool real = i < scene->shape_count;
+			bool real = i < scene->shape_count && scene->box_max[i][axis] < INFINITY; // others have no box: nothing is near it
 			block->min[axis][lane] = real ? lwi_round_down( scene->box_min[i][axis] - scene->origin[axis] ) : INFINITY;
 			block->max[axis][lane] = real ? lwi_round_up( scene->box_max[i][axis] - scene->origin[axis] ) : -INFINITY;
 		}
@@ -341,7 +341,7 @@ static float unbounded_gap( const lw_scene_shape_def* obstacle, const double cen
 }
 
 double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
-	float* gaps )
+	double prune, float* gaps, bool* near )
 {
 	float sphere[4];
 	double reach = 0;
@@ -349,19 +349,25 @@ double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels
 	{
 		double relative = center[i] - scene->origin[i];
 		sphere[i] = (float)relative;
-		reach = fmax( reach, fabs( relative ) );
+		reach = fabs( relative ) > reach ? fabs( relative ) : reach;
 	}
 	sphere[3] = lwi_round_up( radius );
+	// as in kernels.h; the centre is only rounded here, not moved
+	double slack = lwi_gap_slack( reach + scene->extent + radius );
+	float limit = lwi_round_up( prune + slack );
+	uint32_t lanes = 0;
 	for ( uint32_t block = 0; block < blocks; ++block )
 	{
-		kernels->box_gap( &scene->boxes[block], sphere, gaps + block * LWI_WIDTH );
+		lanes |= kernels->box_gap( &scene->boxes[block], sphere, limit, gaps + block * LWI_WIDTH );
 	}
 	for ( uint32_t i = 0; i < scene->unbounded_count && scene->unbounded[i] < blocks * LWI_WIDTH; ++i )
 	{
-		gaps[scene->unbounded[i]] = unbounded_gap( &scene->shapes[scene->unbounded[i]], center, radius );
+		float gap = unbounded_gap( &scene->shapes[scene->unbounded[i]], center, radius );
+		gaps[scene->unbounded[i]] = gap;
+		lanes |= gap >= limit ? 0u : 1u;
 	}
-	// as in kernels.h; the centre is only rounded here, not moved
-	return lwi_gap_slack( reach + scene->extent + radius );
+	*near = lanes != 0;
+	return slack;
 }
 
 /// Nearest first: the shape with the least gap is searched, then whatever the bound leaves.
@@ -370,7 +376,9 @@ static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape
 {
 	lw_vec3 center = lwi_transform( world_from_shape, lwi_load( shape->sphere_center ) );
 	double world_center[3] = { center.x, center.y, center.z };
-	double slack = lwi_scene_gaps( scene, scene->block_count, query->kernels, world_center, shape->sphere_radius, query->gaps );
+	bool near;
+	double slack = lwi_scene_gaps( scene, scene->block_count, query->kernels, world_center, shape->sphere_radius, bound->prune,
+		query->gaps, &near );
 	uint32_t count = 0;
 	float limit = lwi_round_up( bound->prune + slack );
 	for ( uint32_t i = 0; i < scene->shape_count; ++i )

@@ -115,7 +115,7 @@ std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 	lwi_triangles8 a, b;
 	float limit = 0.1f * static_cast<float>( in.scale );
 	out[120] = static_cast<float>( k->sphere_gap( in.node.x, in.sphere, limit, &out[0] ) );
-	k->box_gap( &in.boxes, in.sphere, &out[8] );
+	out[169] = static_cast<float>( k->box_gap( &in.boxes, in.sphere, limit, &out[8] ) );
 	const float corner[3] = { in.sphere[0] + in.sphere[3], in.sphere[1] + in.sphere[3], in.sphere[2] + in.sphere[3] };
 	out[160] = static_cast<float>( k->box_pair_gap( &in.boxes, in.sphere, corner, limit, &out[161] ) );
 	float direction[3][8];
@@ -177,7 +177,7 @@ TEST( Kernels, pads_are_not_infinitely_far )
 	float gap[8];
 	EXPECT_EQ( 0u, lwi_kernels_scalar.sphere_gap( in.node.x, in.sphere, INFINITY, gap ) & 0x80u );
 	EXPECT_EQ( gap[7], INFINITY );
-	lwi_kernels_scalar.box_gap( &in.boxes, in.sphere, gap );
+	(void)lwi_kernels_scalar.box_gap( &in.boxes, in.sphere, INFINITY, gap );
 	EXPECT_EQ( gap[7], INFINITY );
 	lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, INFINITY, gap );
 	EXPECT_EQ( gap[7], INFINITY );
