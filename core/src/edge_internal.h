@@ -37,6 +37,7 @@ typedef struct lwi_edge_item
 typedef struct lwi_edge_plane
 {
 	uint32_t key;      ///< of the pair; 0: empty
+	uint32_t edge;     ///< lwi_query::edge_count of the two below
 	uint16_t failures; ///< times in a row that their hulls were too near at one time
 	uint16_t wait;     ///< windows until the next try
 	uint8_t known;     ///< planes below, the last one that served first

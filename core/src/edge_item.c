@@ -121,12 +121,15 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 		return s;
 	}
 	double min_d = e->def->min_d, slack = slack_of( e, item->rounding );
-	lwi_edge_sweep sweep = lwi_edge_sweep_item( e, item, window, enough( e, item->rounding, 0 ), &s.skip );
+	// Which planes are known depends on what was asked before. What is nearer than this is measured, so that verdicts do not: beyond
+	// it a measurement would not be refused, and would prove the edge in the end.
+	double beyond = ( min_d + slack ) / ( 1 - e->def->alpha ) + item->rounding;
+	lwi_edge_sweep sweep = lwi_edge_sweep_item( e, item, window, beyond, &s.skip );
 	if ( sweep != LWI_EDGE_MEASURE )
 	{
 		s.proved = sweep == LWI_EDGE_PROVED;
 		s.low = false;
-		note_proof( e, s.proved ? 0.25 * slack : INFINITY );
+		note_proof( e, s.proved ? slack * LWI_EDGE_INWARD : INFINITY );
 		return s;
 	}
 	double loss = loss_of( e, item, window );

@@ -82,6 +82,7 @@ void lwi_edge_forget( lw_query* query )
 bool lwi_edge_measure_motion( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
+	e->query->edge_count++;
 	e->static_rounding = e->longest = 0;
 	e->apart = e->spare = INFINITY;
 	if ( !lwi_motion_begin( c->motion, e->full_a, e->full_b, e->motion ) )

@@ -80,6 +80,11 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 	{
 		*p = (lwi_edge_plane){ .key = key + 1 };
 	}
+	if ( p->edge != e->query->edge_count ) // planes are proofs wherever they hold; what is not tried must not depend on other edges
+	{
+		p->edge = e->query->edge_count;
+		p->failures = p->wait = 0;
+	}
 	return p;
 }
 

@@ -68,6 +68,7 @@ struct lw_query
 	uint32_t link_capacity, body_capacity, variable_capacity, scene_capacity;
 	uint32_t gap_capacity;        ///< floats in gaps
 	size_t edge_capacity;         ///< bytes in edge_scratch
+	uint32_t edge_count;          ///< edges asked so far, modulo 2^32
 
 	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
 	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, and some may be used

@@ -527,11 +527,9 @@ TEST( Edge, ShortEdgeBetweenFreeStatesInsideTheSlackIsProvedFromBothEnds )
 	r = world.edge( { 0 }, { 0 }, def );
 	EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
 	EXPECT_EQ( r.queries, 1u );
-	r = world.edge( { 0 }, { 0.1 }, def ); // along the slab: a plane
-	EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
-	World nearer;
-	slider( nearer, 2e-4 ); // less than a quarter of the slack
-	EXPECT_EQ( nearer.edge( { 0 }, { 0.1 }, def ).verdict, LW_VERDICT_REFUSED );
+	// along the slab: a plane would prove it, but whether one is known depends on what was asked before, and no verdict may
+	r = world.edge( { 0 }, { 0.1 }, def );
+	EXPECT_EQ( r.verdict, LW_VERDICT_REFUSED );
 }
 
 // A ball that goes straight for a wall and stops short of it: the least clearance is that of the end. With a slack that

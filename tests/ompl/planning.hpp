@@ -74,10 +74,9 @@ inline void solveAndAudit( const World& problem, ob::PlannerPtr ( *make )( const
 	EXPECT_LE( rig.space->distance( path->getStates().back(), goal.get() ), 0.1 + 1e-9 );
 	audit( rig, *path );
 
-	// what OMPL makes of it afterwards goes through the same validator
-	const double length = path->length();
+	// What OMPL makes of it afterwards goes through the same validator. It is mostly shorter, but OMPL asks for all edges once more
+	// in the end and replaces those that are refused then: within the slack a proof may depend on what was asked before.
 	og::PathSimplifier( rig.si ).simplifyMax( *path );
-	EXPECT_LE( path->length(), length * ( 1 + 1e-9 ) );
 	audit( rig, *path );
 	EXPECT_EQ( rig.engine->counters().edges,
 		rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().refused );
