@@ -24,6 +24,10 @@ enum
 /// Slacks. Where paths are no longer than this the distance is measured at once: looking closer would not end.
 #define SHORT_WAY 2.0
 
+/// Metres, and triangles of both: where so little is lost by motion a distance of dense meshes costs less than a plane between them.
+#define SMALL_WAY 0.06
+#define DENSE 128u
+
 /// Two bodies, or a body and an obstacle, during a window.
 typedef struct sweeping
 {
@@ -31,6 +35,7 @@ typedef struct sweeping
 	lwi_places a, b;
 	double margin; ///< of the pair
 	bool turned;   ///< b is the first of the two
+	double way;    ///< metres: no point gets farther from where it is at the middle; INFINITY if planes pay in any case
 } sweeping;
 
 /// How far points get from the lines between their places: h^2 / 8 of the acceleration on a part h long, and no more than half
@@ -124,6 +129,10 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 /// A new plane. @param bulge part of `need` that is due to the window
 static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, double bulge )
 {
+	if ( s->way < SMALL_WAY && s->a.shape->item_count > DENSE && s->b.shape->item_count > DENSE )
+	{
+		return LWI_EDGE_MEASURE;
+	}
 	if ( p->wait > 0 )
 	{
 		--p->wait;
@@ -168,7 +177,7 @@ static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	const lw_checker* c = e->checker;
 	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
 	bool a_stands = item->rate_a.path == 0; // what stands has the plane
-	sweeping s = { .edge = e, .margin = lwi_self_margin( c, a, b ), .turned = a_stands };
+	sweeping s = { .edge = e, .margin = lwi_self_margin( c, a, b ), .turned = a_stands, .way = INFINITY };
 	lwi_edge_plane* p = plane_of( e, SELF_KEY | lwi_body_pair_id( c, a, b ) );
 	// places are seen from the ancestor, which is rounded too
 	double need = fmax( enough + bulge + s.margin + 4 * lwi_motion_rounding( c->motion, e->motion, above ), 0 );
@@ -206,7 +215,7 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 		return LWI_EDGE_MEASURE;
 	}
 	uint32_t stride = c->scene->block_count * LWI_WIDTH;
-	sweeping s = { .edge = e };
+	sweeping s = { .edge = e, .way = window.half * item->rate_a.path };
 	places_of( e, item->body_a, 0, item->rate_a, window, &s.a );
 	int places = s.a.count;
 	lwi_edge_sweep worst = LWI_EDGE_PROVED;
