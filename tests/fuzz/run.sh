@@ -7,6 +7,7 @@
 #   BUILD=folder   of a build with LEEWAY_BUILD_FUZZERS (default build-fuzz; configured and built if it is missing)
 #   JOBS=n         targets at a time (default 1)
 #   EXCEPT=names   targets that are left out
+#   SEED=n         of libFuzzer's random choices (default: another one each time)
 #   KEEP=folder    where corpora grow from run to run (default: a temporary folder, removed)
 #
 # Exit status 1 if something was found: the inputs are then in BUILD/findings, and belong into tests/fuzz/corpus/TARGET with the fix.
@@ -55,7 +56,7 @@ one()
 	{
 		time LEEWAY_FUZZ_TARGET=$target TMPDIR=$scratch/tmp LSAN_OPTIONS="suppressions=$scratch/leaks:print_suppressions=0" \
 		UBSAN_OPTIONS=print_stacktrace=1 \
-		"$fuzz" -max_total_time="$seconds" -max_len="$longest" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=1024 \
+		"$fuzz" -seed="${SEED:-0}" -max_total_time="$seconds" -max_len="$longest" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=1024 \
 		-print_final_stats=1 -artifact_prefix="$build/findings/$target-" ${dictionary[@]+"${dictionary[@]}"} \
 		"$keep/$target" "$corpus/$target" "$scratch/seeds/$target" >"$log" 2>&1 || status=$?
 	} 2>"$scratch/$target.time"
