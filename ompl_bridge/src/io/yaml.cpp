@@ -93,6 +93,29 @@ public:
 	void OnMapEnd() override {}
 };
 
+/// True if the first line with anything in it begins with a name, and every other one with a name, an entry, a blank or a comment: a
+/// block map that nothing can come behind, so that nobody needs to parse the text twice to know. (What is no map is refused anyhow.)
+bool isOneMap( const std::string& text )
+{
+	bool begun = false;
+	for ( std::size_t line = 0; line < text.size(); )
+	{
+		const std::size_t end = std::min( text.find( '\n', line ), text.size() );
+		const std::size_t first = std::min( text.find_first_not_of( ' ', line ), end );
+		const char c = text[line];
+		const bool name = ( c >= 'a' && c <= 'z' ) || ( c >= 'A' && c <= 'Z' ) || c == '_';
+		const bool entry = c == '-' && line + 1 < end && text[line + 1] == ' ';
+		const bool empty = first == end || text[first] == '#';
+		if ( !empty && !name && ( !begun || ( !entry && c != ' ' ) ) )
+		{
+			return false;
+		}
+		begun = begun || !empty;
+		line = end + 1;
+	}
+	return begun;
+}
+
 /// YAML::LoadAll() does not end where a document begins with what none can begin with: it finds an empty one there, again and
 /// again. Two are enough to know.
 bool hasSeveralDocuments( const std::string& text )
@@ -113,7 +136,7 @@ YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
 	std::string text = readFile( file );
 	try
 	{
-		if ( hasSeveralDocuments( text ) )
+		if ( !isOneMap( text ) && hasSeveralDocuments( text ) )
 		{
 			throw Error( file, "", "holds several YAML documents", "keep one" );
 		}
