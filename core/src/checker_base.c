@@ -91,44 +91,74 @@ static lw_status mark_group( lwi_checker_base* b, const lw_checker_def* def, dra
 	return LW_OK;
 }
 
+/// A body in the reference state.
+typedef struct placed_body
+{
+	lw_body_def def;
+	lw_transform world_from_shape;
+	bool moves;
+} placed_body;
+
+static placed_body place_body( const lwi_checker_base* b, const draft* d, uint32_t body )
+{
+	placed_body p = { .def = lw_robot_body( b->robot, body ) };
+	p.moves = d->link_moves[p.def.link];
+	p.world_from_shape = lwi_multiply( &b->reference_poses[p.def.link], &p.def.link_from_shape );
+	return p;
+}
+
+/// Metres: boxes that overlap have the gap 0.
+#define BOXES_MEET 1e-12
+
+/// True if the box of a body that stands still meets that of one that moves and is checked against it.
+static bool meets_moving( const lwi_checker_base* b, const draft* d, const placed_body* mine )
+{
+	for ( uint32_t k = 0; k < lw_robot_body_count( b->robot ); ++k )
+	{
+		const uint32_t link = lw_robot_body( b->robot, k ).link;
+		if ( !d->link_moves[link] || lw_robot_pair_allowed( b->robot, mine->def.link, link ) )
+		{
+			continue;
+		}
+		const placed_body other = place_body( b, d, k );
+		if ( lwi_box_gap_below( BOXES_MEET, mine->def.shape, other.def.shape, &mine->world_from_shape,
+				 &other.world_from_shape ) < BOXES_MEET )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
 /// Notes what stands still and hardly a question goes without: what has its box meet that of something it is checked against in
 /// the reference state, and the two that the static clearance is searched between first.
 static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* def, const draft* d, lwi_ahead* ahead )
 {
-	const double meets = 1e-12; // metres: boxes that overlap have the gap 0
-	const uint32_t bodies = lw_robot_body_count( b->robot ), shapes = def->scene != NULL ? def->scene->shape_count : 0;
+	const uint32_t shapes = def->scene != NULL ? def->scene->shape_count : 0;
 	const lw_shape* nearest[2] = { NULL, NULL };
 	double least = INFINITY;
-	for ( uint32_t i = 0; i < bodies; ++i )
+	for ( uint32_t i = 0; i < lw_robot_body_count( b->robot ); ++i )
 	{
-		const lw_body_def body = lw_robot_body( b->robot, i );
-		const bool moves = d->link_moves[body.link];
-		const lw_transform world_from_body = lwi_multiply( &b->reference_poses[body.link], &body.link_from_shape );
-		for ( uint32_t k = 0; !moves && k < bodies; ++k )
+		const placed_body body = place_body( b, d, i );
+		if ( !body.moves && meets_moving( b, d, &body ) )
 		{
-			const lw_body_def other = lw_robot_body( b->robot, k );
-			const lw_transform world_from_other = lwi_multiply( &b->reference_poses[other.link], &other.link_from_shape );
-			if ( d->link_moves[other.link] && !lw_robot_pair_allowed( b->robot, body.link, other.link ) &&
-				 lwi_box_gap_below( meets, body.shape, other.shape, &world_from_body, &world_from_other ) < meets )
-			{
-				lwi_ahead_note( ahead, body.shape );
-				break;
-			}
+			lwi_ahead_note( ahead, body.def.shape );
 		}
 		for ( uint32_t k = 0; k < shapes; ++k )
 		{
 			const lw_scene_shape_def* other = &def->scene->shapes[k];
-			const double gap = lwi_box_gap_below(
-				moves ? meets : fmax( least, meets ), body.shape, other->shape, &world_from_body, &other->world_from_shape );
-			if ( gap < meets )
+			const double limit = body.moves ? BOXES_MEET : fmax( least, BOXES_MEET );
+			const double gap =
+				lwi_box_gap_below( limit, body.def.shape, other->shape, &body.world_from_shape, &other->world_from_shape );
+			if ( gap < BOXES_MEET )
 			{
-				lwi_ahead_note( ahead, body.shape );
+				lwi_ahead_note( ahead, body.def.shape );
 				lwi_ahead_note( ahead, other->shape );
 			}
-			if ( !moves && gap < least )
+			if ( !body.moves && gap < least )
 			{
 				least = gap;
-				nearest[0] = body.shape;
+				nearest[0] = body.def.shape;
 				nearest[1] = other->shape;
 			}
 		}

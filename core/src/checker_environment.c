@@ -393,14 +393,12 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 	{
 		return 0;
 	}
-	lwi_pose_body( checker, query, body );
-	uint32_t blocks = block_count( checker, query ), count = 0;
-	const uint8_t* mask =
-		( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * checker->scene->block_count;
+	mask_row( checker, query, body, query->gaps );
 	float rounded = lwi_round_up( limit + slack );
-	for ( uint32_t i = 0; i < blocks * LWI_WIDTH; ++i )
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < block_count( checker, query ) * LWI_WIDTH; ++i )
 	{
-		if ( !( query->gaps[i] >= rounded ) && ( mask[i / LWI_WIDTH] >> ( i % LWI_WIDTH ) & 1 ) != 0 )
+		if ( query->gaps[i] < rounded )
 		{
 			query->candidates[count++] = (lwi_candidate){ query->gaps[i], i };
 		}

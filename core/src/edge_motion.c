@@ -177,8 +177,8 @@ static const lw_transform* node_pose( lwi_edge* e, double t, uint32_t node )
 		}
 		uint32_t parent = nodes[next].parent;
 		const lw_transform* above = parent == 0 ? &c->reference_poses[nodes[0].top] : &poses[parent];
-		poses[next] = lwi_multiply( above, &nodes[next].hook );
-		lwi_joint_move( &c->robot->joints[c->robot->link_joint[nodes[next].top]], state, &poses[next] );
+		const lwi_joint* joint = &c->robot->joints[c->robot->link_joint[nodes[next].top]];
+		lwi_joint_pose( joint, above, &nodes[next].hook, nodes[next].hook_translates, state, &poses[next] );
 		known[next] = true;
 	}
 	return &poses[node];

@@ -33,7 +33,6 @@ typedef struct sweeping
 {
 	lwi_edge* edge;
 	lwi_places a, b;
-	double margin; ///< of the pair
 	bool turned;   ///< b is the first of the two
 	double way;    ///< metres: no point gets farther from where it is at the middle; INFINITY if planes pay in any case
 } sweeping;
@@ -177,10 +176,10 @@ static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	const lw_checker* c = e->checker;
 	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
 	bool a_stands = item->rate_a.path == 0; // what stands has the plane
-	sweeping s = { .edge = e, .margin = lwi_self_margin( c, a, b ), .turned = a_stands, .way = INFINITY };
+	sweeping s = { .edge = e, .turned = a_stands, .way = INFINITY };
 	lwi_edge_plane* p = plane_of( e, SELF_KEY | lwi_body_pair_id( c, a, b ) );
 	// places are seen from the ancestor, which is rounded too
-	double need = fmax( enough + bulge + s.margin + 4 * lwi_motion_rounding( c->motion, e->motion, above ), 0 );
+	double need = fmax( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion, above ), 0 );
 	bool planes = bulge < MAX_BULGE;
 	if ( planes )
 	{
