@@ -3,6 +3,7 @@
 #include "peer_workloads.hpp"
 
 #include "configurations.hpp"
+#include "temporary_folder.hpp"
 
 #ifdef LEEWAY_WITH_KITCHEN
 #include "writer.hpp"
@@ -12,38 +13,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
-#include <unistd.h>
 
 namespace
 {
 
 namespace fs = std::filesystem;
-
-/// Gone with everything in it when this is.
-class TemporaryFolder
-{
-public:
-	TemporaryFolder()
-	{
-		std::string name = ( fs::temp_directory_path() / "leeway-bench-XXXXXX" ).string();
-		if ( mkdtemp( name.data() ) == nullptr )
-		{
-			throw std::runtime_error( name + ": no temporary folder can be made there" );
-		}
-		m_path = name;
-	}
-	TemporaryFolder( const TemporaryFolder& ) = delete;
-	TemporaryFolder& operator=( const TemporaryFolder& ) = delete;
-	~TemporaryFolder()
-	{
-		std::error_code ignored;
-		fs::remove_all( m_path, ignored );
-	}
-	const fs::path& path() const { return m_path; }
-
-private:
-	fs::path m_path;
-};
 
 /// ARMAR-III's torso and right arm, its base as in the twelve reach problems and at 20 random places near furniture: not so
 /// near that what stands still bounds all distances before anything is asked.

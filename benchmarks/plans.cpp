@@ -11,6 +11,7 @@
 
 #include "leeway/ompl/benchmark.hpp"
 #include "leeway/ompl/validity.hpp"
+#include "temporary_folder.hpp"
 
 #include <CLI/CLI.hpp>
 #include <ompl/base/DiscreteMotionValidator.h>
@@ -272,30 +273,6 @@ private:
 	og::SimpleSetup m_setup;
 	std::shared_ptr<Switch> m_on;
 	EdgeAuditor m_auditor;
-};
-
-/// For the generated kitchen; gone with the object.
-class TemporaryFolder
-{
-public:
-	TemporaryFolder() : m_path( ( std::filesystem::temp_directory_path() / "leeway-kitchen-XXXXXX" ).string() )
-	{
-		if ( mkdtemp( m_path.data() ) == nullptr )
-		{
-			throw std::runtime_error( m_path + ": cannot be made" );
-		}
-	}
-	~TemporaryFolder()
-	{
-		std::error_code ignored;
-		std::filesystem::remove_all( m_path, ignored );
-	}
-	TemporaryFolder( const TemporaryFolder& ) = delete;
-	TemporaryFolder& operator=( const TemporaryFolder& ) = delete;
-	const std::string& path() const { return m_path; }
-
-private:
-	std::string m_path;
 };
 
 double share( std::size_t part, std::size_t whole )

@@ -694,19 +694,10 @@ void expectNotPassedOver( const lw_robot_def& def, const lw_shape* obstacle, boo
 	}
 	ASSERT_EQ( LW_OK, status );
 	const RobotPtr robot_owner( robot );
-	const char* objects[1] = { "ball" };
-	const lw_scene_shape_def placed[1] = { { obstacle, 0, lw_transform_identity() } };
-	lw_scene_def scene_def = lw_scene_def_default();
-	scene_def.object_names = objects;
-	scene_def.object_count = 1;
-	scene_def.shapes = placed;
-	scene_def.shape_count = 1;
-	lw_scene* scene = nullptr;
-	ASSERT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
-	const ScenePtr scene_owner( scene );
+	const ScenePtr scene = makeScene( { { obstacle, 0, lw_transform_identity() } } );
 	lw_checker_def checker_def = lw_checker_def_default();
 	checker_def.robot = robot;
-	checker_def.scene = scene;
+	checker_def.scene = scene.get();
 	checker_def.max_d = 0.1;
 	lw_checker* checker = nullptr;
 	ASSERT_EQ( LW_OK, lw_checker_create( &checker_def, nullptr, nullptr, &checker ) );
