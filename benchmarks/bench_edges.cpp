@@ -4,9 +4,11 @@
 //
 // The discrete contenders do what ompl::base::DiscreteMotionValidator does (the end first, then halving, breadth first), in
 // joint vectors without OMPL around them. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for
-// the edges that are free, and for the others.
+// the edges that are free, and for the others. Edges are random ones near obstacles and anywhere, and those that RRT-Connect
+// asks about when it solves the scenes' own problems: of these most are blocked.
 #include "edge_judges.hpp"
 #include "edge_worlds.hpp"
+#include "planner_edges.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
 
@@ -28,6 +30,8 @@ struct Settings
 	double budget = 2, resolution = 0.01;
 };
 
+constexpr double PLANNING_SECONDS = 2; // for motions of a planner, each scene
+
 /// One robot and group in all its scenes.
 class Subject
 {
@@ -37,6 +41,7 @@ public:
 	{
 		for ( std::size_t i = first; i < worlds.size(); ++i )
 		{
+			m_entries.push_back( &worlds.entry( i ) );
 			m_judges.push_back( std::make_unique<EdgeJudges>( worlds.world( i ), m_models ) );
 		}
 		std::printf(
@@ -53,8 +58,13 @@ public:
 		{
 			for ( const double length : { 0.1, 0.5, 2.0 } )
 			{
-				compare( near, length, random, rows );
+				drawRandom( near, length, random );
+				compare( near ? "near" : "any", length, rows );
 			}
+		}
+		if ( drawPlanned() )
+		{
+			compare( "plan", 0, rows );
 		}
 	}
 
@@ -113,14 +123,39 @@ private:
 		return false;
 	}
 
-	void compare( bool near, double length, std::mt19937_64& random, Json& rows )
+	void drawRandom( bool near, double length, std::mt19937_64& random )
 	{
 		m_edges.clear();
-		ConfigurationSet set{ near ? "near" : "any", "edges", {} };
 		for ( std::size_t i = 0; i < m_settings.edges; ++i )
 		{
 			EdgeJudges* judges = m_judges[random() % m_judges.size()].get();
 			m_edges.push_back( { judges, judges->world().randomMotion( near, length, random, judges->spare() ) } );
+		}
+	}
+
+	/// The same number of edges in all, of the scenes that have a problem. @return false if there are none
+	bool drawPlanned()
+	{
+		m_edges.clear();
+		for ( std::size_t i = 0; i < m_judges.size(); ++i )
+		{
+			if ( !m_entries[i]->goal.empty() )
+			{
+				const std::size_t most = ( m_settings.edges + m_judges.size() - 1 ) / m_judges.size();
+				for ( Motion& motion : motionsOfPlanner( *m_entries[i], PLANNING_SECONDS, most, m_settings.seed ) )
+				{
+					m_edges.push_back( { m_judges[i].get(), std::move( motion ) } );
+				}
+			}
+		}
+		return !m_edges.empty();
+	}
+
+	void compare( const std::string& name, double length, Json& rows )
+	{
+		ConfigurationSet set{ name, "edges", {} };
+		for ( std::size_t i = 0; i < m_edges.size(); ++i )
+		{
 			set.states.push_back( { static_cast<double>( i ) } );
 		}
 		const std::vector<Run> runs = race( contenders(), set, m_settings.repetitions );
@@ -132,11 +167,11 @@ private:
 		}
 		for ( const lw_verdict verdict : { LW_VERDICT_FREE, LW_VERDICT_BLOCKED, LW_VERDICT_REFUSED } )
 		{
-			print( near, length, verdict, runs, rows );
+			print( name, length, verdict, runs, rows );
 		}
 	}
 
-	void print( bool near, double length, lw_verdict verdict, const std::vector<Run>& runs, Json& rows ) const
+	void print( const std::string& name, double length, lw_verdict verdict, const std::vector<Run>& runs, Json& rows ) const
 	{
 		std::array<std::vector<double>, 4> times, queries;
 		for ( std::size_t i = 0; i < runs[0].answers.size(); ++i )
@@ -155,11 +190,11 @@ private:
 					  tables = summarise( times[3] );
 		std::printf( "%-5s %-6.1f %-8s %5zu | %8.1f %8.1f | %8.1f %8.1f | %8.1f %8.1f %7.0f | %8.1f %8.1f %7.0f | %7.2f "
 					 "%7.2f %7.2f\n",
-			near ? "near" : "any", length, lw_verdict_name( verdict ), times[0].size(), fcl.median, fcl.mean, own.median,
+			name.c_str(), length, lw_verdict_name( verdict ), times[0].size(), fcl.median, fcl.mean, own.median,
 			own.mean, certified.median, certified.mean, median( queries[2] ), tables.median, tables.mean,
 			median( queries[3] ), fcl.mean / certified.mean, own.mean / certified.mean, own.mean / tables.mean );
 		std::fflush( stdout );
-		rows.push_back( { { "robot", m_name }, { "set", near ? "near" : "any" }, { "length", length },
+		rows.push_back( { { "robot", m_name }, { "set", name }, { "length", length },
 			{ "verdict", lw_verdict_name( verdict ) }, { "edges", times[0].size() }, { "fcl_discrete", toJson( fcl ) },
 			{ "own_discrete", toJson( own ) }, { "certified", toJson( certified ) },
 			{ "certified_queries_median", median( queries[2] ) }, { "certified_tables", toJson( tables ) },
@@ -170,6 +205,7 @@ private:
 	const std::string m_name;
 	const std::shared_ptr<FclModels> m_models = std::make_shared<FclModels>();
 	std::vector<std::unique_ptr<EdgeJudges>> m_judges;
+	std::vector<const EdgeWorldEntry*> m_entries; ///< one for each judge
 	std::vector<Edge> m_edges;
 	std::size_t m_refuted = 0, m_contradicted = 0;
 };

@@ -113,6 +113,7 @@ typedef struct lwi_edge
 	double spare;           ///< everything that is proved is proved to be min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
+	int looked;             ///< levels of halving at which whole states were looked at
 	bool failed;            ///< a state could not be posed or asked
 	lw_status failure;      ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
@@ -171,8 +172,13 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, l
 lwi_edge_sample lwi_edge_measure( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up );
 
 /// Measures everything at window.t, nodes first. What is not proved is added to edge->items and, as an open gap of cell 0, to
-/// `level`. @return false if the proof ends here: something is blocked or refused
-bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level );
+/// `level`. @param may_look where much is left over, whole states are looked at for a collision, see lwi_edge_look()
+/// @return false if the proof ends here: something is blocked or refused
+bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_look );
+
+/// Looks at whole states for a collision: at the end, then between both ends in halving order, but for those that it has looked
+/// at before. @param levels of halving, 1 is the middle. @return true if none was found
+bool lwi_edge_look( lwi_edge* edge, int levels );
 
 /// Is an item above min_d at t? Only a collision, which ends the proof, is false.
 bool lwi_edge_item_is_free( lwi_edge* edge, const lwi_edge_item* item, double t );

@@ -10,6 +10,13 @@
 /// Levels are passed through while the motion in a cell would be more than this share of the clearance at hand.
 #define HOPEFUL 0.7
 
+enum
+{
+	LOOK_WORK = 8,     ///< cells left over by a screening for which whole states are looked at, see look()
+	LOOK_LEVELS = 4,   ///< at most, each for twice the work
+	LOOK_MOST_SKIP = 3 ///< of an item, in the count of cells
+};
+
 // ---- items -----------------------------------------------------------------------------------------------------------
 
 static bool is_pair( const lwi_edge_item* item )
@@ -196,7 +203,37 @@ typedef struct screening
 	lwi_edge_window window;
 	double share; ///< of the edge, on the longer side of the window's middle
 	lwi_edge_level* level;
+	uint32_t work; ///< that is left: cells on which items have to be measured
+	bool may_look;
 } screening;
+
+/// Poses all nodes in the window's middle.
+static bool pose_all( const screening* s )
+{
+	const lw_checker* c = s->edge->checker;
+	if ( !lwi_edge_pose( s->edge, s->window.t ) )
+	{
+		return false;
+	}
+	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	{
+		lwi_pose_node( c, s->edge->query, i );
+	}
+	return true;
+}
+
+/// The more is left over, the more likely is a collision somewhere, and the more a proof would cost: most edges of a planner that are
+/// not free end here. @return false if there is one
+static bool look( screening* s )
+{
+	lwi_edge* e = s->edge;
+	int levels = e->looked;
+	while ( s->may_look && levels < LOOK_LEVELS && s->work >= (uint32_t)LOOK_WORK << levels )
+	{
+		levels += levels == 0 ? 2 : 1; // the first is the middle, where it stands
+	}
+	return levels == e->looked || ( lwi_edge_look( e, levels ) && pose_all( s ) );
+}
 
 /// Measures an item of the screening; what is not proved goes to the items. @return false if the proof ends here
 static bool screen_item( screening* s, lwi_edge_item item )
@@ -214,6 +251,7 @@ static bool screen_item( screening* s, lwi_edge_item item )
 	{
 		s->level->gaps[s->level->count++] = (lwi_edge_gap){ 0, e->item_count, sample.skip, true };
 		e->items[e->item_count++] = item;
+		s->work += 1u << ( sample.skip < LOOK_MOST_SKIP ? sample.skip : LOOK_MOST_SKIP );
 	}
 	return true;
 }
@@ -305,7 +343,7 @@ static bool screen_environments( screening* s )
 	bool go_on = first == 0 || screen_environment( s, first );
 	for ( uint32_t i = c->tree->node_count; go_on && i-- > 1; ) // hands move most
 	{
-		go_on = i == first || screen_environment( s, i );
+		go_on = i == first || ( screen_environment( s, i ) && look( s ) );
 	}
 	return go_on;
 }
@@ -324,24 +362,26 @@ static bool screen_pairs( screening* s )
 			e->apart = fmin( e->apart, c->tree->pairs[i].separation );
 			continue;
 		}
-		go_on = screen_pair( s, i );
+		go_on = screen_pair( s, i ) && look( s );
 	}
 	return go_on;
 }
 
-bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level )
+bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level, bool may_look )
 {
-	const lw_checker* c = e->checker;
-	screening s = { e, window, fmax( window.t, 1 - window.t ), level };
+	screening s = { .edge = e,
+		.window = window,
+		.share = fmax( window.t, 1 - window.t ),
+		.level = level,
+		.may_look = may_look };
 	level->count = e->item_count = 0;
-	if ( !lwi_edge_pose( e, window.t ) )
+	if ( !pose_all( &s ) )
 	{
 		return false;
 	}
-	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	for ( uint32_t i = 1; i < e->checker->tree->node_count; ++i )
 	{
-		lwi_pose_node( c, e->query, i );
-		lwi_motion_measure_body( c->motion, e->motion, i, e->query->world_from_link, s.share );
+		lwi_motion_measure_body( e->checker->motion, e->motion, i, e->query->world_from_link, s.share );
 	}
 	return screen_environments( &s ) && screen_pairs( &s );
 }
@@ -374,6 +414,26 @@ bool lwi_edge_state_is_free( lwi_edge* e, double t )
 		out->pair = environment ? state.environment : state.self;
 	}
 	return state.verdict == LW_VERDICT_FREE;
+}
+
+bool lwi_edge_look( lwi_edge* e, int levels )
+{
+	if ( e->looked == 0 && !lwi_edge_state_is_free( e, 1 ) )
+	{
+		return false;
+	}
+	for ( int level = e->looked > 0 ? e->looked + 1 : 1; level <= levels; ++level )
+	{
+		for ( int i = 1; i < 1 << level; i += 2 )
+		{
+			if ( !lwi_edge_state_is_free( e, ldexp( i, -level ) ) )
+			{
+				return false;
+			}
+		}
+	}
+	e->looked = levels;
+	return true;
 }
 
 double lwi_edge_static_lower( const lwi_edge* e )

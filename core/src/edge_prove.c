@@ -8,7 +8,8 @@
 
 enum
 {
-	SEARCH_PARTS = 16 ///< see search_collision()
+	SEARCH_LEVELS = 4, ///< of halving, at which a refused edge is looked at for a collision
+	MOST_LOOKS = 20    ///< states that looks of a screening take, poses of the middle again among them
 };
 
 // ---- one gap ---------------------------------------------------------------------------------------------------------
@@ -155,10 +156,10 @@ static bool check_static( lwi_edge* e )
 	return false;
 }
 
-/// Looks for a collision where it is most likely: edges that are not free mostly end in one.
+/// Looks for a collision where it is most likely, unless the screening has done so: edges that are not free mostly end in one.
 static bool end_is_free( lwi_edge* e )
 {
-	for ( uint32_t i = 0; i < e->item_count; ++i )
+	for ( uint32_t i = 0; i < e->item_count && e->looked == 0; ++i )
 	{
 		if ( !lwi_edge_item_is_free( e, &e->items[i], 1 ) )
 		{
@@ -168,19 +169,13 @@ static bool end_is_free( lwi_edge* e )
 	return true;
 }
 
-/// Refused at one place an edge may be blocked at another, and that is worth knowing: whole states in halving order.
-static void search_collision( lwi_edge* e )
+/// States of a proof are fewer than 2^k of at least V / slack; 2 V / slack + 2 are promised.
+static bool has_room_for_looks( const lwi_edge* e )
 {
-	for ( int parts = 2; parts <= SEARCH_PARTS; parts *= 2 )
-	{
-		for ( int i = 1; i < parts; i += 2 )
-		{
-			if ( !lwi_edge_state_is_free( e, (double)i / parts ) )
-			{
-				return;
-			}
-		}
-	}
+	int k;
+	double cells = e->longest / e->def->slack;
+	frexp( cells, &k );
+	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_LOOKS;
 }
 
 bool lwi_edge_prove( lwi_edge* e )
@@ -191,7 +186,7 @@ bool lwi_edge_prove( lwi_edge* e )
 	{
 		return false;
 	}
-	if ( lwi_edge_screen( e, whole, &e->levels[0] ) && end_is_free( e ) && prove_levels( e ) )
+	if ( lwi_edge_screen( e, whole, &e->levels[0], has_room_for_looks( e ) ) && end_is_free( e ) && prove_levels( e ) )
 	{
 		double proved = INFINITY; // nothing was to be measured
 		if ( e->spare < INFINITY )
@@ -203,7 +198,7 @@ bool lwi_edge_prove( lwi_edge* e )
 	}
 	if ( e->out->verdict == LW_VERDICT_REFUSED && e->longest > 0 )
 	{
-		search_collision( e );
+		lwi_edge_look( e, SEARCH_LEVELS ); // blocked elsewhere is worth knowing
 	}
 	return false;
 }
@@ -273,7 +268,7 @@ double lwi_edge_proved_run( lwi_edge* e )
 		return 0;
 	}
 	double until = e->out->t > 0 ? nextafter( locate_failure( e, e->out->t ), 0 ) : 0;
-	while ( until > 0 && !e->failed && !lwi_edge_screen( e, window_of( (piece){ 0, until } ), &e->levels[0] ) )
+	while ( until > 0 && !e->failed && !lwi_edge_screen( e, window_of( (piece){ 0, until } ), &e->levels[0], false ) )
 	{
 		// something is too near at the middle already
 		until = e->longest * until > e->def->slack ? nextafter( 0.5 * until, 0 ) : 0;
