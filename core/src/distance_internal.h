@@ -23,6 +23,9 @@ typedef struct lwi_searching
 	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
 	double slack; ///< metres: what a float gap may be too large by
 	double error; ///< metres: what a distance in double may be off by
+	bool flats;   ///< both have them
+	bool has_direction;
+	float direction_a[3], direction_b[3]; ///< from a to b, across the nearest pair found, in either tree frame: unit to rounding
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
 } lwi_searching;
 
@@ -31,11 +34,33 @@ static inline void lwi_update_limit( lwi_searching* s )
 	s->limit = lwi_round_up( s->bound->prune + s->radii + s->slack );
 }
 
+static inline void lwi_set_floats( lw_vec3 v, float out[3] )
+{
+	out[0] = (float)v.x;
+	out[1] = (float)v.y;
+	out[2] = (float)v.z;
+}
+
 static inline void lwi_move_center( const lwi_motion* m, const float p[3], float out[3] )
 {
 	for ( int i = 0; i < 3; ++i )
 	{
 		out[i] = m->r[3 * i] * p[0] + m->r[3 * i + 1] * p[1] + m->r[3 * i + 2] * p[2] + m->t[i];
+	}
+}
+
+/// Remembers the direction across a nearest pair of points (a's shape frame). Any direction makes slabs.
+static inline void lwi_set_direction( lwi_searching* s, lw_vec3 point_a, lw_vec3 point_b )
+{
+	lw_vec3 n = lwi_sub( point_b, point_a );
+	double length = lwi_length( n );
+	s->has_direction = length > 1e-140 && length < INFINITY;
+	if ( s->has_direction )
+	{
+		n = lwi_scale( 1 / length, n );
+		lw_vec3 m = lwi_unrotate( s->a_from_b, n );
+		lwi_set_floats( n, s->direction_a );
+		lwi_set_floats( m, s->direction_b );
 	}
 }
 

@@ -138,6 +138,23 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	const lwi_leaf* b = &s->b->leaves[lwi_ref_index( e->b )];
 	uint32_t count_a = lwi_ref_count( e->a ), count_b = lwi_ref_count( e->b );
 	s->query->stats.leaf_tests++;
+	float high_a[3][LWI_WIDTH], low_b[3][LWI_WIDTH];
+	uint32_t slabs = 2;
+	if ( s->has_direction )
+	{
+		project_leaves( s, a, b, s->direction_a, high_a[2], low_b[2] );
+		float high = high_a[2][0], low = low_b[2][0];
+		for ( int lane = 1; lane < LWI_WIDTH; ++lane )
+		{
+			high = high_a[2][lane] > high ? high_a[2][lane] : high;
+			low = low_b[2][lane] < low ? low_b[2][lane] : low;
+		}
+		if ( low - high >= s->limit )
+		{
+			return;
+		}
+		slabs = 3;
+	}
 
 	float sphere[4], gap_a[LWI_WIDTH], gap_b[LWI_WIDTH], direction_a[3][LWI_WIDTH], direction_b[3][LWI_WIDTH];
 	lwi_sphere_b_in_a( s, e, sphere );
@@ -152,7 +169,6 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	{
 		return;
 	}
-	float high_a[2][LWI_WIDTH], low_b[2][LWI_WIDTH];
 	uint32_t nearest = least_lane( gap_a, count_a );
 	float along[3] = { direction_a[0][nearest], direction_a[1][nearest], direction_a[2][nearest] };
 	project_leaves( s, a, b, along, high_a[0], low_b[0] );
@@ -171,8 +187,8 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	for ( ; mask_a != 0 && !s->bound->done; mask_a &= mask_a - 1 )
 	{
 		uint32_t i = lwi_lowest_bit( mask_a );
-		float high[2] = { high_a[0][i], high_a[1][i] };
-		uint32_t mask = s->kernels->slab_gap( (const float( * )[LWI_WIDTH])low_b, high, s->limit ) & mask_b;
+		float high[3] = { high_a[0][i], high_a[1][i], slabs > 2 ? high_a[2][i] : 0 };
+		uint32_t mask = s->kernels->slab_gap( (const float( * )[LWI_WIDTH])low_b, high, s->limit, slabs ) & mask_b;
 		if ( mask != 0 && !have_moved )
 		{
 			s->kernels->leaf_transform( b, &s->tree_a_from_b, moved );

@@ -34,6 +34,7 @@ static void offer( lwi_searching* s, double lower, double upper, lw_vec3 point_a
 	double radii = radius_a + radius_b, low = lower - radii, high = upper - radii;
 	if ( lwi_bound_offer( s->bound, low > 0 ? low : 0, high > 0 ? high : 0 ) )
 	{
+		lwi_set_direction( s, point_a, point_b );
 		dilate( radius_a, radius_b, upper, &point_a, &point_b );
 		s->bound->point_a = point_a;
 		s->bound->point_b = point_b;

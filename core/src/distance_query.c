@@ -110,6 +110,25 @@ lw_clearance lwi_bound_result( const lwi_bound* bound )
 
 // --- tree against tree -----------------------------------------------------------------------------------------------
 
+/// The planes around a subtree, its centre and normal moved.
+static lwi_flat flat_of( const lw_shape* shape, uint32_t place, const lwi_motion* motion, const float sphere[4] )
+{
+	lwi_flat out = { { sphere[0], sphere[1], sphere[2] }, sphere[3], { 1, 0, 0 }, -sphere[3], sphere[3] };
+	if ( place != LW_INVALID_INDEX )
+	{
+		const lwi_flats* flats = &shape->flats[place / LWI_WIDTH];
+		uint32_t lane = place % LWI_WIDTH;
+		float x = flats->nx[lane], y = flats->ny[lane], z = flats->nz[lane];
+		for ( int i = 0; i < 3; ++i )
+		{
+			out.normal[i] = motion->r[3 * i] * x + motion->r[3 * i + 1] * y + motion->r[3 * i + 2] * z;
+		}
+		out.low = flats->low[lane];
+		out.high = flats->high[lane];
+	}
+	return out;
+}
+
 /// Replaces b by its children; the nearest ends on top of the stack. Returns the new stack height.
 static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 {
@@ -118,6 +137,12 @@ static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 	lwi_sphere_a_in_b( s, e, sphere );
 	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
 	s->query->stats.node_tests++;
+	if ( mask != 0 && s->flats )
+	{
+		lwi_flat other = flat_of( s->a, e->flat_a, &s->tree_b_from_a, sphere );
+		float back[3] = { -s->direction_b[0], -s->direction_b[1], -s->direction_b[2] };
+		mask &= s->kernels->flat_gap( node, &s->b->flats[e->b], &other, s->has_direction ? back : NULL, s->limit, gap );
+	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
 	for ( uint32_t i = count; i-- > 0; )
@@ -125,6 +150,7 @@ static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 		uint32_t lane = lanes[i];
 		lwi_entry* child = &s->query->stack[height++];
 		*child = *e;
+		child->flat_b = e->b * LWI_WIDTH + lane;
 		child->b = node->child[lane];
 		child->gap = gap[lane];
 		child->center_b[0] = node->x[lane];
@@ -142,6 +168,11 @@ static uint32_t open_a( lwi_searching* s, lwi_entry* e, uint32_t height )
 	lwi_sphere_b_in_a( s, e, sphere );
 	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
 	s->query->stats.node_tests++;
+	if ( mask != 0 && s->flats )
+	{
+		lwi_flat other = flat_of( s->b, e->flat_b, &s->tree_a_from_b, sphere );
+		mask &= s->kernels->flat_gap( node, &s->a->flats[e->a], &other, s->has_direction ? s->direction_a : NULL, s->limit, gap );
+	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
 	for ( uint32_t i = count; i-- > 0; )
@@ -149,6 +180,7 @@ static uint32_t open_a( lwi_searching* s, lwi_entry* e, uint32_t height )
 		uint32_t lane = lanes[i];
 		lwi_entry* child = &s->query->stack[height++];
 		*child = *e;
+		child->flat_a = e->a * LWI_WIDTH + lane;
 		child->a = node->child[lane];
 		child->gap = gap[lane];
 		child->center_a[0] = node->x[lane];
@@ -271,6 +303,12 @@ static void search_trees( lwi_searching* s )
 	memcpy( root.center_b, s->b->root_sphere, 3 * sizeof( float ) );
 	root.radius_a = s->a->root_sphere[3];
 	root.radius_b = s->b->root_sphere[3];
+	root.flat_a = root.flat_b = LW_INVALID_INDEX;
+	s->flats = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
+	if ( s->bound->upper < INFINITY && s->bound->pair == s->bound->current_pair )
+	{
+		lwi_set_direction( s, s->bound->point_a, s->bound->point_b );
+	}
 	query->batch.count = 0;
 	query->stack[0] = root;
 	uint32_t height = 1, leaves = 0;

@@ -61,6 +61,43 @@ static uint32_t sphere_gap( const float* xyzr, const float sphere[4], float limi
 	return store_gap( gap, f8_sub( distance, f8_add( f8_load( xyzr + 24 ), f8_set( sphere[3] ) ) ), limit );
 }
 
+/// How far a sphere about 0, cut by two planes, reaches along u: at height t above the middle its disc has a radius of
+/// sqrt( r^2 - t^2 ), and the best t is that of the sphere's own farthest point or of the plane that cuts it off.
+static inline f8 flat_reach( v3 u, v3 normal, f8 radius, f8 low, f8 high )
+{
+	f8 along = v3_dot( u, normal );
+	v3 rest = v3_cross( u, normal );
+	f8 across = f8_sqrt( v3_dot( rest, rest ) );
+	f8 t = f8_min( f8_max( f8_mul( radius, along ), low ), high );
+	f8 disc = f8_sqrt( f8_max( f8_mul( f8_sub( radius, t ), f8_add( radius, t ) ), f8_set( 0.0f ) ) );
+	return f8_add( f8_mul( t, along ), f8_mul( disc, across ) );
+}
+
+static uint32_t flat_gap( const lwi_node* node, const lwi_flats* flats, const lwi_flat* other, const float along[3], float limit,
+	float gap[LWI_WIDTH] )
+{
+	f8 zero = f8_set( 0.0f );
+	v3 normal = { f8_load( flats->nx ), f8_load( flats->ny ), f8_load( flats->nz ) };
+	f8 radius = f8_load( node->r ), low = f8_load( flats->low ), high = f8_load( flats->high );
+	v3 other_normal = v3_set( other->normal );
+	f8 other_radius = f8_set( other->radius );
+	// looked at from the other side, its planes change places
+	f8 other_low = f8_sub( zero, f8_set( other->high ) ), other_high = f8_sub( zero, f8_set( other->low ) );
+	v3 across = v3_sub( v3_set( other->center ), ( v3 ){ f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) } );
+	// at most of length one, also where squares vanish: a shorter direction has a smaller gap, never a larger one
+	f8 length = f8_max( f8_sqrt( v3_dot( across, across ) ), f8_set( 0x1p-62f ) );
+	v3 u = { f8_div( across.x, length ), f8_div( across.y, length ), f8_div( across.z, length ) };
+	f8 reach = f8_add( flat_reach( u, normal, radius, low, high ), flat_reach( u, other_normal, other_radius, other_low, other_high ) );
+	f8 best = f8_sub( v3_dot( u, across ), reach );
+	if ( along != NULL )
+	{
+		u = v3_set( along );
+		reach = f8_add( flat_reach( u, normal, radius, low, high ), flat_reach( u, other_normal, other_radius, other_low, other_high ) );
+		best = f8_max( best, f8_sub( v3_dot( u, across ), reach ) );
+	}
+	return store_gap( gap, best, limit );
+}
+
 static uint32_t box_gap( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] )
 {
 	f8 sum = f8_set( 0.0f );
@@ -143,11 +180,15 @@ static uint32_t node_project( const lwi_node* node, const float direction[3], fl
 	return m8_bits( f8_lt( f8_set( least ), value ) );
 }
 
-static uint32_t slab_gap( const float low[2][LWI_WIDTH], const float high[2], float limit )
+static uint32_t slab_gap( const float ( *low )[LWI_WIDTH], const float* high, float limit, uint32_t count )
 {
-	f8 first = f8_sub( f8_load( low[0] ), f8_set( high[0] ) ), second = f8_sub( f8_load( low[1] ), f8_set( high[1] ) );
 	f8 at = f8_set( limit );
-	return ~( m8_bits( f8_ge( first, at ) ) | m8_bits( f8_ge( second, at ) ) ) & 0xffu;
+	uint32_t dropped = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		dropped |= m8_bits( f8_ge( f8_sub( f8_load( low[i] ), f8_set( high[i] ) ), at ) );
+	}
+	return ~dropped & 0xffu;
 }
 
 static void leaf_project( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] )
@@ -319,16 +360,49 @@ static inline f8 solid_slab( v3 n, const v3 v[3], const lwi_solid* solid )
 	return f8_div( width, f8_sqrt( f8_divisor( v3_dot( n, n ) ) ) );
 }
 
-/// Two steps towards the nearest points of triangles and a box or cylinder, each projecting on the other: every step has a slab.
-/// Cheney and Goldstein, Proximity maps for convex sets, Proceedings of the AMS 10, 1959.
-static inline f8 triangle_solid( const v3 v[3], v3 center, const lwi_solid* solid )
+/// Widest slab between triangles and a box along the cross products of an edge and an axis, where edges of both are nearest. Such a
+/// direction lies in the plane of the other two axes; the box being symmetric, both ways along it are one question.
+static inline f8 edge_slabs( const v3 v[3], const lwi_solid* solid )
 {
-	v3 on_solid = solid_nearest( center, solid ), along, nearest;
-	point_triangle( on_solid, v[0], v[1], v[2], &along, &nearest );
-	f8 first = solid_slab( along, v, solid );
-	on_solid = solid_nearest( v3_sub( on_solid, nearest ), solid );
-	point_triangle( on_solid, v[0], v[1], v[2], &along, &nearest );
-	return f8_max( first, solid_slab( along, v, solid ) );
+	const f8 x[3][3] = { { v[0].x, v[1].x, v[2].x }, { v[0].y, v[1].y, v[2].y }, { v[0].z, v[1].z, v[2].z } };
+	f8 zero = f8_set( 0.0f ), best = f8_sub( zero, f8_set( INFINITY ) );
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			int p = ( axis + 1 ) % 3, q = ( axis + 2 ) % 3, next = ( i + 1 ) % 3;
+			f8 np = f8_sub( x[q][next], x[q][i] ), nq = f8_sub( x[p][i], x[p][next] );
+			f8 h0 = f8_add( f8_mul( np, x[p][0] ), f8_mul( nq, x[q][0] ) );
+			f8 h1 = f8_add( f8_mul( np, x[p][1] ), f8_mul( nq, x[q][1] ) );
+			f8 h2 = f8_add( f8_mul( np, x[p][2] ), f8_mul( nq, x[q][2] ) );
+			f8 low = f8_min( f8_min( h0, h1 ), h2 ), high = f8_max( f8_max( h0, h1 ), h2 );
+			f8 reach = f8_add( f8_mul( f8_set( solid->size[p] ), f8_abs( np ) ), f8_mul( f8_set( solid->size[q] ), f8_abs( nq ) ) );
+			f8 width = f8_sub( f8_max( low, f8_sub( zero, high ) ), reach );
+			f8 length = f8_sqrt( f8_divisor( f8_add( f8_mul( np, np ), f8_mul( nq, nq ) ) ) );
+			best = f8_max( best, f8_div( width, length ) );
+		}
+	}
+	return best;
+}
+
+/// Distance of triangles to a box or cylinder by slabs: a step towards the nearest points, each projecting on the other (Cheney and
+/// Goldstein, Proximity maps for convex sets, Proceedings of the AMS 10, 1959), which finds faces and their normals; the corners'
+/// own nearest points; and, where that is not enough, pairs of edges. These are all the features that can be nearest but corners of
+/// the box, which the first step finds where triangles are not much larger.
+static inline f8 triangle_solid( const v3 v[3], v3 center, const lwi_solid* solid, float limit )
+{
+	v3 along, nearest;
+	point_triangle( solid_nearest( center, solid ), v[0], v[1], v[2], &along, &nearest );
+	f8 best = solid_slab( along, v, solid );
+	for ( int i = 0; i < 3; ++i )
+	{
+		best = f8_max( best, solid_slab( v3_sub( solid_nearest( v[i], solid ), v[i] ), v, solid ) );
+	}
+	if ( solid->type == LW_SHAPE_BOX && m8_bits( f8_ge( best, f8_set( limit ) ) ) != 0xffu )
+	{
+		best = f8_max( best, edge_slabs( v, solid ) );
+	}
+	return best;
 }
 
 static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
@@ -353,8 +427,8 @@ static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, 
 		return near;
 	}
 	const v3 v[3] = { v3_move( motion, v0 ), v3_move( motion, v1 ), v3_move( motion, v2 ) };
-	return store_gap( gap, f8_max( triangle_solid( v, moved, solid ), by_sphere ), limit );
+	return store_gap( gap, f8_max( triangle_solid( v, moved, solid, limit ), by_sphere ), limit );
 }
 
-const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
+const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, flat_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
 	leaf_project, leaf_transform, triangle_gap, node_solid_gap, leaf_solid_gap };

@@ -32,8 +32,10 @@ typedef struct walker
 	uint32_t nodes, leaves, depth;
 	const char* problem;
 	uint32_t where;
-	// the spheres above the subtree in hand, the root's first
+	// the spheres above the subtree in hand, the root's first, and the planes of all but that
 	float spheres[LWI_MAX_DEPTH + 1][4];
+	const lwi_flats* flats[LWI_MAX_DEPTH + 1]; ///< NULL where they are not found yet
+	uint32_t flat_lanes[LWI_MAX_DEPTH + 1];
 } walker;
 
 static bool fail( walker* w, uint32_t where, const char* problem )
@@ -47,6 +49,21 @@ static bool contains( const float sphere[4], lw_vec3 p, double slack )
 {
 	lw_vec3 c = lwi_v3( (double)sphere[0], (double)sphere[1], (double)sphere[2] );
 	return lwi_distance( c, p ) <= (double)sphere[3] * ( 1.0 + EXACT_TOLERANCE ) + slack;
+}
+
+/// True if a point is between the planes of the sphere of a level.
+static bool is_between( const walker* w, uint32_t level, lw_vec3 p, double slack )
+{
+	const lwi_flats* f = w->flats[level];
+	if ( f == NULL )
+	{
+		return true;
+	}
+	uint32_t lane = w->flat_lanes[level];
+	const float* c = w->spheres[level];
+	lw_vec3 n = lwi_v3( (double)f->nx[lane], (double)f->ny[lane], (double)f->nz[lane] );
+	double height = lwi_dot( n, lwi_sub( p, lwi_v3( (double)c[0], (double)c[1], (double)c[2] ) ) );
+	return fabs( lwi_length( n ) - 1 ) <= FLOAT_TOLERANCE && height >= (double)f->low[lane] - slack && height <= (double)f->high[lane] + slack;
 }
 
 static lw_vec3 leaf_vertex( const lwi_leaf* leaf, int vertex, uint32_t lane )
@@ -94,6 +111,10 @@ static bool check_lane( walker* w, const lwi_leaf* leaf, uint32_t lane, uint32_t
 			if ( !contains( w->spheres[l], p[k], 0.0 ) )
 			{
 				return fail( w, where, "a sphere does not contain a leaf triangle under it" );
+			}
+			if ( !is_between( w, l, p[k], exact_slack ) )
+			{
+				return fail( w, where, "a leaf triangle is not between the planes of a node above it" );
 			}
 			if ( whole && !contains( w->spheres[l], original[k], exact_slack ) )
 			{
@@ -255,6 +276,8 @@ static bool check_node( walker* w, lwi_ref ref, uint32_t level )
 			return fail( w, ref, padding ? "a child behind a pad lane" : "a radius is negative or not finite" );
 		}
 		memcpy( w->spheres[level + 1], ( float[4] ){ node->x[i], node->y[i], node->z[i], node->r[i] }, 4 * sizeof( float ) );
+		w->flats[level + 1] = w->shape->flats != NULL ? &w->shape->flats[ref] : NULL;
+		w->flat_lanes[level + 1] = (uint32_t)i;
 		if ( !check_node( w, node->child[i], level + 1 ) )
 		{
 			return false;

@@ -28,6 +28,19 @@ typedef struct lwi_node
 	lwi_ref child[LWI_WIDTH];
 } lwi_node;
 
+/// How flat the children of a node are, for trees of triangles: the geometry under a child lies between two planes,
+/// low <= n . (p - centre of its sphere) <= high. n is a unit vector to rounding, of any direction; pads are zero.
+typedef struct lwi_flats
+{
+	float nx[LWI_WIDTH], ny[LWI_WIDTH], nz[LWI_WIDTH], low[LWI_WIDTH], high[LWI_WIDTH];
+} lwi_flats;
+
+/// One of them with its sphere, in the frame of the node that it is compared with.
+typedef struct lwi_flat
+{
+	float center[3], radius, normal[3], low, high;
+} lwi_flat;
+
 /// Up to 8 triangles (or tiles of triangles), tree frame, rounded to nearest. Pad lanes repeat lane 0.
 typedef struct lwi_leaf
 {

@@ -36,6 +36,9 @@ std::vector<const lwi_kernels*> levels()
 struct Input
 {
 	lwi_node node;
+	lwi_flats flats;
+	lwi_flat flat;
+	float along[3];
 	lwi_leaf leaf, other;
 	lwi_box8 boxes;
 	lwi_motion motion;
@@ -43,6 +46,24 @@ struct Input
 	float sphere[4];
 	double scale;
 };
+
+void unit( SeededRng& rng, float out[3] )
+{
+	double n[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
+	double length = std::sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		out[axis] = static_cast<float>( length > 0 ? n[axis] / length : 0.0 );
+	}
+}
+
+/// Planes that cut a sphere of radius r: of a flat patch, of a cap, or none.
+void planes( SeededRng& rng, float r, float& low, float& high )
+{
+	double kind = rng.uniform( 0, 1 ), middle = kind < 0.5 ? 0 : rng.uniform( -1, 1 ), half = kind < 0.7 ? 1e-3 : rng.uniform( 0, 1 );
+	low = static_cast<float>( r * std::max( -1.0, middle - half ) );
+	high = static_cast<float>( r * std::min( 1.0, middle + half ) );
+}
 
 float value( SeededRng& rng, double scale )
 {
@@ -103,6 +124,20 @@ Input random_input( SeededRng& rng )
 		in.sphere[i] = value( rng, 2 * in.scale );
 	}
 	in.sphere[3] = std::abs( value( rng, in.scale ) );
+	for ( int lane = 0; lane < 7; ++lane )
+	{
+		float n[3];
+		unit( rng, n );
+		in.flats.nx[lane] = n[0];
+		in.flats.ny[lane] = n[1];
+		in.flats.nz[lane] = n[2];
+		planes( rng, in.node.r[lane], in.flats.low[lane], in.flats.high[lane] );
+	}
+	unit( rng, in.flat.normal );
+	std::memcpy( in.flat.center, in.sphere, sizeof( in.flat.center ) );
+	in.flat.radius = in.sphere[3];
+	planes( rng, in.flat.radius, in.flat.low, in.flat.high );
+	unit( rng, in.along );
 	const lw_shape_type types[3] = { LW_SHAPE_BOX, LW_SHAPE_CYLINDER, LW_SHAPE_CONE };
 	in.solid.type = types[rng.integer( 0, 2 )];
 	return in;
@@ -111,7 +146,7 @@ Input random_input( SeededRng& rng )
 /// Everything all kernels say about one input, one after the other.
 std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 {
-	std::vector<float> out( 8 * 22, 0.0f );
+	std::vector<float> out( 8 * 25, 0.0f );
 	lwi_triangles8 a, b;
 	float limit = 0.1f * static_cast<float>( in.scale );
 	out[120] = static_cast<float>( k->sphere_gap( in.node.x, in.sphere, limit, &out[0] ) );
@@ -131,7 +166,12 @@ std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 	out[124] = static_cast<float>( k->leaf_solid_gap( &in.leaf, &in.motion, &in.solid, limit, &out[112] ) );
 	float low[2][8];
 	std::memcpy( low, &out[48], sizeof( low ) );
-	out[125] = static_cast<float>( k->slab_gap( low, in.sphere, limit ) );
+	out[125] = static_cast<float>( k->slab_gap( low, in.sphere, limit, 2 ) );
+	float flat[8]; // pads are not numbers, of either sign
+	out[176] = static_cast<float>( k->flat_gap( &in.node, &in.flats, &in.flat, nullptr, limit, flat ) );
+	std::memcpy( &out[177], flat, 7 * sizeof( float ) );
+	out[184] = static_cast<float>( k->flat_gap( &in.node, &in.flats, &in.flat, in.along, limit, flat ) );
+	std::memcpy( &out[185], flat, 7 * sizeof( float ) );
 	return out;
 }
 
@@ -291,6 +331,134 @@ TEST( Kernels, solid_gap_exceeds_distance )
 	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
 	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
 	EXPECT_GT( tight, separated * 0.99 );
+}
+
+// What a node's planes promise: no two points of two spheres cut by planes are nearer than the gap. The points tried are those that
+// reach farthest along the line of the centres and along many other directions, where a wrong formula would show.
+TEST( Kernels, flat_gap_exceeds_distance )
+{
+	SeededRng rng;
+	const auto farthest = []( const double n[3], double r, double low, double high, const double u[3], double out[3] )
+	{
+		double along = 0, rest[3], across = 0;
+		for ( int k = 0; k < 3; ++k )
+		{
+			along += u[k] * n[k];
+		}
+		for ( int k = 0; k < 3; ++k )
+		{
+			rest[k] = u[k] - along * n[k];
+			across += rest[k] * rest[k];
+		}
+		across = std::sqrt( across );
+		const double t = std::clamp( r * along, low, high ), disc = std::sqrt( std::max( r * r - t * t, 0.0 ) );
+		for ( int k = 0; k < 3; ++k )
+		{
+			out[k] = t * n[k] + ( across > 0 ? disc * rest[k] / across : 0.0 );
+		}
+	};
+	double worst = 0;
+	int better = 0, reached = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		Input in = random_input( rng );
+		float gap[8], sphere_gap[8];
+		lwi_kernels_scalar.sphere_gap( in.node.x, in.sphere, INFINITY, sphere_gap );
+		lwi_kernels_scalar.flat_gap( &in.node, &in.flats, &in.flat, in.along, INFINITY, gap );
+		for ( int lane = 0; lane < 7; ++lane )
+		{
+			const double c[3] = { in.node.x[lane], in.node.y[lane], in.node.z[lane] };
+			double n[3] = { in.flats.nx[lane], in.flats.ny[lane], in.flats.nz[lane] }, m[3], u[3], size = in.node.r[lane] + in.flat.radius;
+			double nn = 0, mm = 0, length = 0;
+			for ( int k = 0; k < 3; ++k )
+			{
+				m[k] = in.flat.normal[k];
+				u[k] = in.flat.center[k] - c[k];
+				nn += n[k] * n[k];
+				mm += m[k] * m[k];
+				length += u[k] * u[k];
+				size += std::abs( u[k] ) + std::abs( c[k] );
+			}
+			double nearest = INFINITY;
+			for ( int attempt = 0; attempt < 6; ++attempt )
+			{
+				double p[3], q[3], along[3], back[3], distance = 0;
+				for ( int k = 0; k < 3; ++k )
+				{
+					n[k] /= attempt == 0 ? std::sqrt( nn ) : 1.0;
+					m[k] /= attempt == 0 ? std::sqrt( mm ) : 1.0;
+					along[k] = attempt == 0 ? u[k] / std::sqrt( length ) : attempt == 1 ? double( in.along[k] ) : along[k];
+				}
+				if ( attempt > 1 )
+				{
+					float random[3];
+					unit( rng, random );
+					std::copy_n( random, 3, along );
+				}
+				std::transform( along, along + 3, back, []( double x ) { return -x; } );
+				farthest( n, in.node.r[lane], in.flats.low[lane], in.flats.high[lane], along, p );
+				farthest( m, in.flat.radius, in.flat.low, in.flat.high, back, q );
+				for ( int k = 0; k < 3; ++k )
+				{
+					const double d = u[k] + q[k] - p[k];
+					distance += d * d;
+				}
+				nearest = std::min( nearest, std::sqrt( distance ) );
+			}
+			worst = std::max( worst, ( gap[lane] - nearest ) / ( size * 0x1p-24 ) );
+			better += gap[lane] > sphere_gap[lane] + 0.01 * size;
+			reached += gap[lane] > 0.99 * nearest && gap[lane] > 0;
+		}
+	}
+	std::printf( "worst excess: %.2f roundoffs of the size; %d better than spheres, %d reached\n", worst, better, reached );
+	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
+	EXPECT_GT( better, 70000 );
+	EXPECT_GT( reached, 100 );
+}
+
+// Slabs of triangles before boxes and cylinders: never too wide, and mostly the distance itself, or measurements in double are in vain.
+TEST( Kernels, leaf_solid_gap_exceeds_distance )
+{
+	SeededRng rng;
+	double worst = 0;
+	int tight = 0, separated = 0;
+	for ( int i = 0; i < 4000; ++i )
+	{
+		Input in = random_input( rng );
+		in.solid.type = i % 2 != 0 ? LW_SHAPE_BOX : LW_SHAPE_CYLINDER;
+		lwi_convex solid = {};
+		solid.type = i % 2 != 0 ? LWI_CONVEX_BOX : LWI_CONVEX_CYLINDER;
+		std::copy_n( in.solid.size, 3, solid.size );
+		lw_transform place = lw_transform_identity();
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			std::copy_n( in.motion.r + 3 * axis, 3, place.r[axis] );
+			place.t[axis] = in.motion.t[axis];
+		}
+		float gap[8];
+		lwi_kernels_scalar.leaf_solid_gap( &in.leaf, &in.motion, &in.solid, INFINITY, gap );
+		for ( int lane = 0; lane < 8; ++lane )
+		{
+			lwi_convex triangle = {};
+			triangle.type = LWI_CONVEX_TRIANGLE;
+			for ( int k = 0; k < 3; ++k )
+			{
+				triangle.vertex[k] = vertex( in.leaf.v, k, lane );
+			}
+			double exact = lwi_convex_distance( &solid, &triangle, &place, INFINITY, 0 ).upper;
+			double size = 2 * largest( { triangle.vertex[0], triangle.vertex[1], triangle.vertex[2] } ) +
+						  largest( { { solid.size[0], solid.size[1], solid.size[2] }, { place.t[0], place.t[1], place.t[2] } } );
+			worst = std::max( worst, ( gap[lane] - exact ) / ( size * 0x1p-24 ) );
+			if ( exact > 0.01 * size )
+			{
+				++separated;
+				tight += gap[lane] > 0.99 * exact;
+			}
+		}
+	}
+	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
+	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
+	EXPECT_GT( tight, separated * 0.9 );
 }
 
 // Huge and tiny coordinates overflow or vanish in float: the answer may be NaN or small, it may not say "far".
