@@ -271,6 +271,9 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->add_option( "--threads", options.threads,
 	        "of planners that can use several: 'threads' in the list below (default: the planner's own choice)" )
 	    ->type_name( "N" );
+	command->add_option( "--planner-param", options.parameters,
+	           "a parameter of the planner, as OMPL names it, such as range=0.7; repeatable (an unknown name lists them)" )
+	    ->type_name( "NAME=VALUE" );
 	command->add_flag_function(
 	    "--simplify", [&options]( std::int64_t ) { options.simplify = true; }, "shorten the path that was found (default)" );
 	command->add_flag_function(

@@ -107,6 +107,7 @@ struct PlanOptions
 	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
 	std::uint32_t seed = 1;
 	std::uint32_t threads = 0; ///< of the planner; 0 = its own choice
+	std::vector<std::string> parameters; ///< of the planner, NAME=VALUE
 	bool simplify = true;
 	double resolution = 1e-4; ///< metres, of the audit
 	bool list_planners = false;

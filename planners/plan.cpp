@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <mutex>
 
 namespace leeway::cli
@@ -80,6 +81,7 @@ struct Solution
 	Edges edges;
 	Seconds seconds;
 	unsigned threads = 1; // of the planner
+	std::map<std::string, std::string> parameters; // of the planner
 	::leeway::ompl::Counters counters;
 };
 
@@ -188,16 +190,27 @@ double lengthOf( const Workbench& bench, const Points& points )
 }
 
 // Shortcuts only: the path stays a chain of straight edges, each judged by the motion validator. Rounds are counted, not
-// timed, so that equal seeds give equal paths.
-void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si )
+// timed, so that equal seeds give equal paths. Shortcuts between points of edges keep parts of these, and a part may be refused where
+// the whole was not (its samples are elsewhere): a step after which not all edges are certified is taken back.
+template <typename Certified>
+void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si, const Certified& certified )
 {
 	og::PathSimplifier simplifier( si );
+	const auto attempt = [&]( const auto& step )
+	{
+		const og::PathGeometric before( path );
+		step();
+		if ( !certified( path ) )
+		{
+			path = before;
+		}
+	};
 	double length = path.length();
 	for ( int round = 0; round < simplify_rounds && path.getStateCount() > 2; ++round )
 	{
-		simplifier.reduceVertices( path, simplify_attempts, simplify_attempts );
-		simplifier.shortcutPath( path, simplify_attempts, simplify_attempts );
-		simplifier.collapseCloseVertices( path );
+		attempt( [&] { simplifier.reduceVertices( path, simplify_attempts, simplify_attempts ); } );
+		attempt( [&] { simplifier.shortcutPath( path, simplify_attempts, simplify_attempts ); } );
+		attempt( [&] { simplifier.collapseCloseVertices( path ); } );
 		const double shorter = path.length();
 		if ( length - shorter < simplify_gain * length )
 		{
@@ -268,6 +281,7 @@ public:
 		definition->setStartAndGoalStates( state( m_start ), state( m_goal ) );
 		const PlannerEntry& entry = findPlanner( m_options.planner );
 		const ob::PlannerPtr planner = entry.make( m_si );
+		setParameters( *planner, m_options.parameters );
 		if ( entry.threads != nullptr )
 		{
 			if ( m_options.threads > 0 )
@@ -283,6 +297,7 @@ public:
 			const double begin = now();
 			planner->setProblemDefinition( definition );
 			planner->setup();
+			planner->params().getParams( solution.parameters ); // as set up: 0 may mean the planner's own choice
 			solution.status = planner->solve( ob::timedPlannerTerminationCondition( time ) ).asString();
 			solution.seconds.plan = now() - begin;
 		}
@@ -320,15 +335,15 @@ private:
 		}
 		const Progress progress( "simplifying the path" );
 		const double simplify_begin = now();
-		simplify( path, m_si );
+		// a path that is not certified to begin with cannot get worse
+		const bool was_certified = solution.edges.all();
+		simplify( path, m_si,
+		    [&]( const og::PathGeometric& now )
+		    { return !was_certified || certify( m_bench, pointsOf( now, *m_engine ), def ).all(); } );
 		const Points shorter = pointsOf( path, *m_engine );
-		const Edges edges = certify( m_bench, shorter, def );
-		if ( edges.all() || !solution.edges.all() )
-		{
-			solution.points = shorter;
-			solution.edges = edges;
-			solution.simplified = true;
-		}
+		solution.simplified = shorter != solution.points;
+		solution.points = shorter;
+		solution.edges = certify( m_bench, shorter, def );
 		solution.seconds.simplify = now() - simplify_begin;
 	}
 
@@ -375,6 +390,7 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 	json["validator"] = options.edge.validator;
 	json["seed"] = options.seed;
 	json["threads"] = solution.threads;
+	json["planner_params"] = solution.parameters;
 	json["min_d"] = options.common.min_d;
 	json["slack"] = options.edge.slack;
 	json["solved"] = solution.solved;

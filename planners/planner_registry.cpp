@@ -51,6 +51,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 
 namespace leeway::cli
 {
@@ -94,6 +95,21 @@ public:
 private:
 	static double weight( std::size_t i ) { return 2 * std::fmod( 0.6180339887498949 * double( i + 1 ), 1.0 ) - 1; }
 };
+
+/// Is a number within "least:most" or "least:step:most", or a word among "one,two"? Parameters without a range take anything that
+/// OMPL can read.
+bool isInRange( const std::string& value, const std::string& range )
+{
+	const std::size_t first = range.find( ':' ), last = range.rfind( ':' );
+	if ( first == std::string::npos )
+	{
+		return range.empty() || ( "," + range + "," ).find( "," + value + "," ) != std::string::npos;
+	}
+	char* end = nullptr;
+	const double number = std::strtod( value.c_str(), &end );
+	return !value.empty() && *end == '\0' && number >= std::atof( range.substr( 0, first ).c_str() ) &&
+	       number <= std::atof( range.substr( last + 1 ).c_str() );
+}
 
 } // namespace
 
@@ -176,6 +192,40 @@ void requireThreads( const PlannerEntry& planner, unsigned threads )
 	}
 	throw io::Error( "command line", "--threads", fmt::format( "{} plans with one thread", planner.name ),
 	    "leave it out, or choose a --planner of: " + names );
+}
+
+void setParameters( ob::Planner& planner, const std::vector<std::string>& assignments )
+{
+	ob::ParamSet& parameters = planner.params();
+	const auto wrong = [&]( const std::string& problem )
+	{
+		std::string all;
+		for ( const auto& [name, parameter] : parameters.getParams() )
+		{
+			const std::string range = parameter->getRangeSuggestion();
+			all += ( all.empty() ? "" : ", " ) + name + "=" + parameter->getValue() + ( range.empty() ? "" : " in " + range );
+		}
+		throw io::Error( "command line", "--planner-param", problem,
+		    all.empty() ? planner.getName() + " has no parameters: leave it out"
+		                : "give NAME=VALUE of those of " + planner.getName() + ": " + all );
+	};
+	for ( const std::string& assignment : assignments )
+	{
+		const std::size_t middle = assignment.find( '=' );
+		if ( middle == std::string::npos )
+		{
+			wrong( fmt::format( "'{}' has no '='", assignment ) );
+		}
+		const std::string name = assignment.substr( 0, middle ), value = assignment.substr( middle + 1 );
+		if ( !parameters.hasParam( name ) )
+		{
+			wrong( fmt::format( "there is no parameter '{}'", name ) );
+		}
+		if ( !isInRange( value, parameters[name].getRangeSuggestion() ) || !parameters.setParam( name, value ) )
+		{
+			wrong( fmt::format( "'{}' is no value for {}", value, name ) );
+		}
+	}
 }
 
 void ensureProjection( const ob::StateSpacePtr& space )

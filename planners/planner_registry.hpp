@@ -30,6 +30,10 @@ const PlannerEntry& findPlanner( const std::string& name );
 /// @throws io::Error that lists those that can
 void requireThreads( const PlannerEntry& planner, unsigned threads );
 
+/// Sets parameters that the planner declares, each given as NAME=VALUE.
+/// @throws io::Error that names what is wrong and lists the planner's parameters with their values and ranges
+void setParameters( ::ompl::base::Planner& planner, const std::vector<std::string>& assignments );
+
 /// Planners such as KPIECE1 and PDST look at states through a projection. Spaces made of several parts have no default one,
 /// and that of the smallest spaces does not work; this gives them a linear projection to the plane, the same for every run.
 void ensureProjection( const ::ompl::base::StateSpacePtr& space );

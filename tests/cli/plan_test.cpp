@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <cstdlib>
 
 using CliPlan = Cli;
@@ -99,6 +100,37 @@ TEST_F( CliPlan, ParallelPlannersGetTheirNumber )
 	EXPECT_EQ( two.status, 2 );
 	EXPECT_NE( two.err.find( "--threads: RRTConnect plans with one thread" ), std::string::npos ) << two.err;
 	EXPECT_NE( two.err.find( "AnytimePathShortening" ), std::string::npos ) << two.err;
+}
+
+TEST_F( CliPlan, ParametersReachThePlanner )
+{
+	const Outcome plan = runModel( "plan",
+	    { "--request", "request.yaml", "--planner-param", "range=0.3", "--no-simplify", "--report", "r.json", "--out", "path.yaml" },
+	    "blocked.yaml" );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_EQ( nlohmann::json::parse( readFile( path( "r.json" ) ) )["planner_params"]["range"], "0.3" );
+	const YAML::Node points = YAML::LoadFile( path( "path.yaml" ) )["points"];
+	for ( std::size_t i = 0; i + 1 < points.size(); ++i )
+	{
+		const auto a = points[i]["positions"].as<std::vector<double>>(), b = points[i + 1]["positions"].as<std::vector<double>>();
+		EXPECT_LE( std::hypot( b[0] - a[0], b[1] - a[1] ), 0.3 + 1e-9 ) << i;
+	}
+}
+
+// Many short edges make many parts of edges when they are cut short; one that is refused must not undo the rest.
+TEST_F( CliPlan, OneRefusedPartDoesNotUndoAllShortcuts )
+{
+	for ( int seed = 1; seed <= 20; ++seed )
+	{
+		const Outcome plan = runModel( "plan",
+		    { "--request", "request.yaml", "--planner-param", "intermediate_states=1", "--slack", "0.05", "--seed",
+		        std::to_string( seed ), "--report", "r.json" },
+		    "blocked.yaml" );
+		ASSERT_EQ( plan.status, 0 ) << plan.err;
+		const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
+		EXPECT_LT( report["path"]["length"], 0.99 * report["raw"]["length"].get<double>() ) << "seed " << seed;
+		EXPECT_EQ( report["path"]["edges_refused"], 0 ) << "seed " << seed;
+	}
 }
 
 TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
