@@ -33,6 +33,20 @@ static double node_extent( const lw_checker* checker, const lw_query* query, uin
 	return above > sum ? above : sum;
 }
 
+/// Sines and cosines of all joints above nodes at once, whatever is asked for first: one alone takes as long as four.
+static void turn_joints( const lw_checker* checker, lw_query* query )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	for ( uint32_t i = 0; i < tree->node_count; ++i )
+	{
+		const lwi_node_turn* turn = &tree->turns[i];
+		query->angles[i] = turn->multiplier * query->state[turn->variable] + turn->offset;
+	}
+	uint32_t padded = ( tree->node_count + 3 ) & ~3u; // what follows the last one are angles of another time, or 0
+	query->kernels->turns( query->angles, padded, query->cosines, query->sines );
+	query->turn_stamp = query->state_stamp;
+}
+
 void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t index )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -45,9 +59,22 @@ void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t index )
 		}
 		const lwi_checker_node* node = &tree->nodes[highest];
 		const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[node->top]];
-		// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
-		lwi_joint_pose( joint, &query->world_from_link[tree->nodes[node->parent].top], &node->hook, node->hook_translates,
-			query->state, &query->world_from_link[node->top] );
+		const lw_transform* above = &query->world_from_link[tree->nodes[node->parent].top];
+		lw_transform* pose = &query->world_from_link[node->top];
+		if ( tree->turns[highest].turns )
+		{
+			if ( query->turn_stamp != query->state_stamp )
+			{
+				turn_joints( checker, query );
+			}
+			const lwi_turn by = { query->cosines[highest], query->sines[highest] };
+			lwi_joint_pose_turned( joint, above, &node->hook, node->hook_translates, by, pose );
+		}
+		else
+		{
+			// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
+			lwi_joint_pose( joint, above, &node->hook, node->hook_translates, query->state, pose );
+		}
 		query->stats.links_posed++;
 		query->node_extent[highest] = node_extent( checker, query, highest );
 		query->node_stamp[highest] = query->state_stamp;

@@ -39,6 +39,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->upper, variable_count * sizeof( double ) );
 	lwi_free( &allocator, t->floating, variable_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->nodes, t->link_count * sizeof( lwi_checker_node ) );
+	lwi_free( &allocator, t->turns, t->link_count * sizeof( lwi_node_turn ) );
 	lwi_free( &allocator, t->body_poses, t->body_count * sizeof( lw_transform ) );
 	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
@@ -58,15 +59,16 @@ static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, u
 	t->upper = lwi_alloc_zero( &t->allocator, variables, sizeof( double ) );
 	t->floating = lwi_alloc_zero( &t->allocator, variables, sizeof( uint32_t ) );
 	t->nodes = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_checker_node ) );
+	t->turns = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_node_turn ) );
 	t->body_poses = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_transform ) );
 	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_place = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
 	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
-			   links * sizeof( lwi_checker_node ) +
+			   links * ( sizeof( lwi_checker_node ) + sizeof( lwi_node_turn ) ) +
 			   bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) + sizeof( lw_transform ) );
-	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->body_poses != NULL &&
+	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->turns != NULL && t->body_poses != NULL &&
 		   t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL;
 }
 
@@ -172,6 +174,18 @@ static void fill_hooks( lwi_checker_tree* t, const lw_checker* c )
 	}
 }
 
+static void fill_turns( lwi_checker_tree* t, const lw_robot* robot )
+{
+	for ( uint32_t i = 1; i < t->node_count; ++i )
+	{
+		const lwi_joint* joint = &robot->joints[robot->link_joint[t->nodes[i].top]];
+		if ( lwi_joint_only_turns( joint ) )
+		{
+			t->turns[i] = (lwi_node_turn){ joint->multiplier, joint->offset, joint->variable, true };
+		}
+	}
+}
+
 /// A link whose pose bodies or nodes hang on. The sum of a vector's coordinates is at most sqrt( 3 ) times its length.
 static void extend( lwi_checker_node* node, const lw_checker* c, uint32_t link )
 {
@@ -231,6 +245,7 @@ static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bo
 	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links };
 	number_nodes( t, c->robot, joint_moves, &n );
 	fill_hooks( t, c );
+	fill_turns( t, c->robot );
 	fill_nodes( t, c, &n );
 	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
 	return LW_OK;

@@ -27,6 +27,14 @@ typedef struct lwi_checker_node
 	lw_sphere m;          ///< frame of the parent's `top`: contains all bodies of the subtree in every state within the ranges
 } lwi_checker_node;
 
+/// The angle of the joint above a node, multiplier * value of a robot variable + offset. 0 where it does more or less than turn.
+typedef struct lwi_node_turn
+{
+	double multiplier, offset;
+	uint32_t variable;
+	bool turns;
+} lwi_node_turn;
+
 /// The bodies of two nodes, all against all.
 typedef struct lwi_node_pair
 {
@@ -58,6 +66,7 @@ typedef struct lwi_checker_tree
 	uint32_t* floating;      ///< [floating_count] first robot variable of each floating joint in the group
 	uint32_t node_count;
 	lwi_checker_node* nodes; ///< [node_count] depth first, parents before children
+	lwi_node_turn* turns; ///< [node_count] angles of the joints above the nodes
 	uint32_t link_count, body_count;
 	uint32_t* bodies;        ///< [body_count] robot bodies by node
 	uint32_t* body_node;     ///< [body_count] node of a robot body

@@ -439,55 +439,98 @@ static void search_solid( lwi_searching* s )
 
 // --- boxes -----------------------------------------------------------------------------------------------------------
 
-/// Half of a shape's box, and where its middle is in the tree's frame.
-typedef struct box
-{
-	float half[3], middle[3];
-} box;
-
-static box box_of( const lw_shape* shape )
-{
-	box out;
-	for ( int i = 0; i < 3; ++i )
-	{
-		double half = 0.5 * ( shape->box_max[i] - shape->box_min[i] );
-		out.half[i] = (float)half;
-		out.middle[i] = (float)( shape->box_min[i] + half - shape->origin[i] );
-	}
-	return out;
-}
-
-/// Square of the gap of a box to the box around another one, in the first one's frame.
-static float box_gap_squared( const box* mine, const box* other, const lwi_motion* mine_from_other )
-{
-	float sum = 0;
-	for ( int i = 0; i < 3; ++i )
-	{
-		const float* r = mine_from_other->r + 3 * i;
-		float middle = r[0] * other->middle[0] + r[1] * other->middle[1] + r[2] * other->middle[2] + mine_from_other->t[i];
-		float half = fabsf( r[0] ) * other->half[0] + fabsf( r[1] ) * other->half[1] + fabsf( r[2] ) * other->half[2];
-		float outside = fabsf( middle - mine->middle[i] ) - half - mine->half[i];
-		sum += outside > 0 ? outside * outside : 0.0f; // not a number, infinite boxes: no gap
-	}
-	return sum;
-}
-
-/// True if the boxes of the two are apart by the limit, in either one's frame: half of the pairs of links that lie side by side, which
-/// spheres do not see. A dozen roundings of coordinates, well within what the limit holds for gaps.
-static bool boxes_are_apart( const lwi_searching* s )
-{
-	box a = box_of( s->a ), b = box_of( s->b );
-	double square = (double)s->limit * (double)s->limit * ( 1 + 0x1p-20 ); // in double: the float would vanish for tiny limits
-	return (double)box_gap_squared( &a, &b, &s->tree_a_from_b ) >= square ||
-		   (double)box_gap_squared( &b, &a, &s->tree_b_from_a ) >= square;
-}
-
-// --- entry points ----------------------------------------------------------------------------------------------------
-
 static double max_abs3( const double v[3] )
 {
 	return fmax( fabs( v[0] ), fmax( fabs( v[1] ), fabs( v[2] ) ) );
 }
+
+/// The boxes of two shapes, seen from the middle of the first one's in its frame.
+typedef struct boxes
+{
+	double half_a[3], half_b[3]; ///< infinite or no numbers where shapes are unbounded: nothing is proved then
+	double t[3];                 ///< middle of b's box
+	double r[3][3], abs_r[3][3];
+	double size;                 ///< bounds all numbers that roundings are relative to
+} boxes;
+
+static boxes boxes_of( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b )
+{
+	boxes x;
+	double middle_a[3], middle_b[3];
+	x.size = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		x.half_a[i] = 0.5 * ( a->box_max[i] - a->box_min[i] );
+		x.half_b[i] = 0.5 * ( b->box_max[i] - b->box_min[i] );
+		middle_a[i] = a->box_min[i] + x.half_a[i];
+		middle_b[i] = b->box_min[i] + x.half_b[i];
+		x.size += fabs( middle_a[i] ) + fabs( middle_b[i] ) + x.half_a[i] + x.half_b[i] + fabs( a_from_b->t[i] );
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		const double* r = a_from_b->r[i];
+		x.t[i] = r[0] * middle_b[0] + r[1] * middle_b[1] + r[2] * middle_b[2] + a_from_b->t[i] - middle_a[i];
+		for ( int j = 0; j < 3; ++j )
+		{
+			x.r[i][j] = r[j];
+			x.abs_r[i][j] = fabs( r[j] );
+		}
+	}
+	return x;
+}
+
+/// Square of how far each box is from the box around the other one in its own frame: the larger of the two.
+static double face_gap_squared( const boxes* x )
+{
+	double by_a = 0, by_b = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		double reach_b = x->abs_r[i][0] * x->half_b[0] + x->abs_r[i][1] * x->half_b[1] + x->abs_r[i][2] * x->half_b[2];
+		double outside = fabs( x->t[i] ) - x->half_a[i] - reach_b;
+		by_a += outside > 0 ? outside * outside : 0;
+		double along = x->r[0][i] * x->t[0] + x->r[1][i] * x->t[1] + x->r[2][i] * x->t[2];
+		double reach_a = x->abs_r[0][i] * x->half_a[0] + x->abs_r[1][i] * x->half_a[1] + x->abs_r[2][i] * x->half_a[2];
+		outside = fabs( along ) - x->half_b[i] - reach_a;
+		by_b += outside > 0 ? outside * outside : 0;
+	}
+	return by_a > by_b ? by_a : by_b;
+}
+
+/// True if the boxes are `limit` apart across an edge of each. @param error of a slab's width times its direction's length
+static bool edges_are_apart( const boxes* x, double limit, double error )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		const int i1 = ( i + 1 ) % 3, i2 = ( i + 2 ) % 3;
+		for ( int j = 0; j < 3; ++j )
+		{
+			const int j1 = ( j + 1 ) % 3, j2 = ( j + 2 ) % 3;
+			double along = fabs( x->t[i2] * x->r[i1][j] - x->t[i1] * x->r[i2][j] );
+			double reach_a = x->half_a[i1] * x->abs_r[i2][j] + x->half_a[i2] * x->abs_r[i1][j];
+			double reach_b = x->half_b[j1] * x->abs_r[i][j2] + x->half_b[j2] * x->abs_r[i][j1];
+			double wide = along - reach_a - reach_b - error;
+			if ( wide > 0 && wide * wide >= limit * limit * ( 1 - x->r[i][j] * x->r[i][j] + 0x1p-40 ) )
+			{
+				return true;
+			}
+		}
+	}
+	return false;
+}
+
+/// Metres: its square is a double with all its digits.
+#define LEAST_LIMIT 0x1p-500
+
+/// True if the boxes of the two are apart by what the bound asks for: most pairs whose spheres meet. Faces first, then pairs of edges
+/// (Gottschalk, Lin, Manocha 1996). Rounding: core/docs/distance.md.
+static bool boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, const lwi_bound* bound )
+{
+	boxes x = boxes_of( a, b, a_from_b );
+	double error = LWI_EXACT_ERROR * x.size, limit = fmax( bound->prune + bound->margin, 0 ) + error + LEAST_LIMIT;
+	return limit < INFINITY && ( face_gap_squared( &x ) >= limit * limit * ( 1 + 0x1p-40 ) || edges_are_apart( &x, limit, error ) );
+}
+
+// --- entry points ----------------------------------------------------------------------------------------------------
 
 /// Reach of the geometry about the tree's origin, or about the shape's if it is solid.
 static double extent_of( const lw_shape* shape )
@@ -578,12 +621,12 @@ void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw
 	{
 		return;
 	}
-	lwi_searching s = search_begin( query, a, b, a_from_b, bound );
 	query->stats.queries++;
-	if ( query->def.planes && s.limit < INFINITY && boxes_are_apart( &s ) )
+	if ( query->def.planes && boxes_are_apart( a, b, a_from_b, bound ) )
 	{
 		return; // so nothing is inside of the other either
 	}
+	lwi_searching s = search_begin( query, a, b, a_from_b, bound );
 	if ( a->solid && b->solid )
 	{
 		lwi_measure_items( &s, LW_INVALID_INDEX, LW_INVALID_INDEX );

@@ -85,6 +85,8 @@ typedef struct lwi_kernels
 	/// distance of the triangles of a leaf to a solid, of the spheres around them where that is enough and to cones
 	uint32_t ( *leaf_solid_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
 		float gap[LWI_WIDTH] );
+	/// cosines and sines of angles as lwi_turn_of() has them; fastest for multiples of four
+	void ( *turns )( const double* angle, uint32_t count, double* cosine, double* sine );
 } lwi_kernels;
 
 /// The table of a level; levels that this build or machine lacks give the next lower one.

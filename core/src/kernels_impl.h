@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The one source of all kernels; kernels_<isa>.c includes it after simd_<isa>.h, with LWI_KERNELS naming the table.
 #include "kernels.h"
+#include "turn.h"
 
 #include <math.h>
 
@@ -430,5 +431,26 @@ static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, 
 	return store_gap( gap, f8_max( triangle_solid( v, moved, solid, limit ), by_sphere ), limit );
 }
 
+static void turns( const double* restrict angle, uint32_t count, double* restrict cosine, double* restrict sine )
+{
+	bool reduced = true;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		lwi_turn turn = lwi_turn_reduced( angle[i] );
+		cosine[i] = turn.c;
+		sine[i] = turn.s;
+	}
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		reduced = reduced && fabs( angle[i] ) <= LWI_MOST_TURN;
+	}
+	for ( uint32_t i = 0; i < count && !reduced; ++i )
+	{
+		lwi_turn turn = lwi_turn_of( angle[i] );
+		cosine[i] = turn.c;
+		sine[i] = turn.s;
+	}
+}
+
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, flat_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
-	leaf_project, leaf_transform, triangle_gap, node_solid_gap, leaf_solid_gap };
+	leaf_project, leaf_transform, triangle_gap, node_solid_gap, leaf_solid_gap, turns };

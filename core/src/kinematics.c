@@ -31,10 +31,10 @@ static void turn_general( lw_transform* m, const double axis[3], double c, doubl
 	*m = lwi_multiply( m, &turn );
 }
 
-void lwi_joint_turn( const lwi_joint* joint, double angle, lw_transform* m )
+/// Turns m about the joint's axis, on the right: m * rotation( axis, angle ).
+static void turn( const lwi_joint* joint, lwi_turn by, lw_transform* m )
 {
-	double c = cos( angle );
-	double s = joint->axis_sign * sin( angle );
+	double c = by.c, s = joint->axis_sign * by.s;
 	switch ( joint->axis_kind )
 	{
 		case LWI_AXIS_X:
@@ -69,14 +69,14 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 			break;
 		case LW_JOINT_REVOLUTE:
 		case LW_JOINT_CONTINUOUS:
-			lwi_joint_turn( joint, joint->multiplier * v[0] + joint->offset, m );
+			turn( joint, lwi_turn_of( lwi_joint_angle( joint, q ) ), m );
 			break;
 		case LW_JOINT_PRISMATIC:
 			shift( m, lwi_scale( joint->multiplier * v[0] + joint->offset, lwi_load( joint->axis ) ) );
 			break;
 		case LW_JOINT_PLANAR:
 			shift( m, lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) );
-			lwi_joint_turn( joint, v[2], m );
+			turn( joint, lwi_turn_of( v[2] ), m );
 			break;
 		case LW_JOINT_FLOATING:
 		{
@@ -92,9 +92,32 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 	return true;
 }
 
+void lwi_joint_pose_turned( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
+	bool translates, lwi_turn by, lw_transform* m )
+{
+	if ( translates )
+	{
+		*m = *world_from_frame;
+		shift( m, lwi_load( frame_from_joint->t ) );
+		turn( joint, by, m );
+	}
+	else // what does not wait for the frame's pose comes first
+	{
+		lw_transform turned = *frame_from_joint;
+		turn( joint, by, &turned );
+		*m = lwi_multiply( world_from_frame, &turned );
+	}
+}
+
 bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
 	bool translates, const double* q, lw_transform* m )
 {
+	if ( lwi_joint_only_turns( joint ) )
+	{
+		lwi_turn by = lwi_turn_of( lwi_joint_angle( joint, q ) );
+		lwi_joint_pose_turned( joint, world_from_frame, frame_from_joint, translates, by, m );
+		return true;
+	}
 	if ( translates )
 	{
 		*m = *world_from_frame;

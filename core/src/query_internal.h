@@ -79,6 +79,8 @@ struct lw_query
 	double rounding, stretch;     ///< of forward kinematics in this state, see lwi_motion_state_rounding()
 	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid
 	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
+	uint64_t turn_stamp;          ///< of the three below
+	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above nodes, as far as they only turn
 	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
 	uint64_t* body_stamp;         ///< [body_capacity]
 	double* node_extent;          ///< [link_capacity] largest coordinates on the way to a node

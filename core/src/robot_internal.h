@@ -5,6 +5,7 @@
 
 #include "base_internal.h"
 #include "leeway/robot.h"
+#include "turn.h"
 
 /// Shape of a joint's rotation: about +x, +y, +z (two columns turn), or about any axis (Rodrigues).
 typedef enum lwi_axis_kind
@@ -108,8 +109,18 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m );
 bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
 	bool translates, const double* q, lw_transform* m );
 
-/// Turns m by an angle about the joint's axis, on the right: m * rotation( axis, angle ).
-void lwi_joint_turn( const lwi_joint* joint, double angle, lw_transform* m );
+/// True if all that the joint does is turn, by lwi_joint_angle().
+static inline bool lwi_joint_only_turns( const lwi_joint* joint )
+{
+	return !joint->constant && ( joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS );
+}
+static inline double lwi_joint_angle( const lwi_joint* joint, const double* q )
+{
+	return joint->multiplier * q[joint->variable] + joint->offset;
+}
+/// lwi_joint_pose() of such a joint, to the bit, where the sine and cosine of its angle are known.
+void lwi_joint_pose_turned( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
+	bool translates, lwi_turn by, lw_transform* m );
 
 /// What lw_robot_interpolate adds from `from` to `to` for a variable that wraps: in [-pi, pi].
 double lwi_wrapped_difference( double from, double to );

@@ -14,6 +14,7 @@ extern "C"
 #include "convex.h"
 #include "kernels.h"
 #include "tri_tri.h"
+#include "turn.h"
 }
 
 namespace
@@ -208,6 +209,48 @@ TEST( Kernels, level_differs_from_scalar )
 				<< "level " << table->level << ", input " << i;
 		}
 	}
+}
+
+// Poses have the same bits however they were asked for, so joints turned together must turn as one alone; and numerics.md says how much
+TEST( Kernels, turns_differ_from_one_alone_or_from_the_truth )
+{
+	SeededRng rng;
+	double worst = 0;
+	for ( int i = 0; i < 40000; ++i )
+	{
+		double angles[12];
+		uint32_t count = static_cast<uint32_t>( rng.integer( 1, 12 ) );
+		for ( double& angle : angles )
+		{
+			int kind = rng.integer( 0, 9 );
+			angle = kind < 4    ? rng.uniform( -4, 4 )
+					: kind < 6  ? rng.integer( -9, 9 ) * 1.5707963267948966 + rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -18, -1 ) )
+					: kind == 6 ? rng.integer( -9, 9 ) * 0.78539816339744831 + rng.uniform( -1e-15, 1e-15 )
+					: kind == 7 ? rng.uniform( -1, 1 ) * LWI_MOST_TURN
+					: kind == 8 ? rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( 5, 15 ) )
+								: rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -300, 0 ) );
+		}
+		for ( const lwi_kernels* table : levels() )
+		{
+			double cosine[12], sine[12];
+			table->turns( angles, count, cosine, sine );
+			for ( uint32_t k = 0; k < count; ++k )
+			{
+				lwi_turn alone = lwi_turn_of( angles[k] );
+				ASSERT_EQ( 0, std::memcmp( &alone.c, &cosine[k], sizeof( double ) ) ) << "level " << table->level << " at " << angles[k];
+				ASSERT_EQ( 0, std::memcmp( &alone.s, &sine[k], sizeof( double ) ) ) << "level " << table->level << " at " << angles[k];
+			}
+		}
+		for ( uint32_t k = 0; k < count; ++k )
+		{
+			lwi_turn turn = lwi_turn_of( angles[k] );
+			long double exact = angles[k];
+			worst = std::max( worst, static_cast<double>( std::abs( turn.c - std::cos( exact ) ) ) );
+			worst = std::max( worst, static_cast<double>( std::abs( turn.s - std::sin( exact ) ) ) );
+		}
+	}
+	std::printf( "sine and cosine: worst seen / promised %.3f\n", worst / 0x1p-52 );
+	EXPECT_LE( worst, 0x1p-52 );
 }
 
 TEST( Kernels, pads_are_not_infinitely_far )

@@ -108,6 +108,36 @@ TEST( Range, interval_breaks_its_promise )
 	EXPECT_GE( std::min( { far, near, violation } ), 1000 );
 }
 
+// Boxes end most searches before they begin. A limit just beyond the distance is where they must not.
+TEST( Range, boxes_are_held_to_be_farther_apart_than_they_are )
+{
+	SeededRng rng;
+	QueryPtr query = makeQuery();
+	int edges = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		double size = rng.decade( -1, 1 );
+		ShapePtr a = makePrimitive( LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ) );
+		ShapePtr b = makePrimitive( LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ) );
+		lw_transform pose_a = randomPose( rng, 0.5 * size ), pose_b = i % 4 == 0 ? pose_a : randomPose( rng, 0.5 * size );
+		if ( i % 4 == 0 ) // nearly parallel, the directions of pairs of edges are short
+		{
+			lw_transform turn = lw_transform_identity();
+			double angle[3] = { rng.decade( -12, -2 ), rng.decade( -12, -2 ), rng.decade( -12, -2 ) }, shift[3] = { size, 0.1 * size, 0 };
+			ASSERT_EQ( LW_OK, lw_transform_from_rpy( shift, angle, &turn ) );
+			pose_b = lw_transform_multiply( &pose_a, &turn );
+		}
+		lw_clearance exact, got;
+		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &pose_a, b.get(), &pose_b, nullptr, query.get(), &exact ) );
+		lw_range range = { 0, exact.upper + 1e-11 * size, 0 };
+		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &pose_a, b.get(), &pose_b, &range, query.get(), &got ) );
+		ASSERT_LT( got.upper, inf ) << "case " << i << ", distance " << exact.upper;
+		edges += exact.upper > 0 ? 1 : 0;
+	}
+	std::printf( "%d apart\n", edges );
+	EXPECT_GE( edges, 5000 );
+}
+
 TEST( Range, order_of_the_shapes_matters )
 {
 	SeededRng rng;
