@@ -26,12 +26,14 @@ typedef struct lwi_searching
 	bool flats;   ///< both have them
 	bool has_direction;
 	float direction_a[3], direction_b[3]; ///< from a to b, across the nearest pair found, in either tree frame: unit to rounding
+	double least; ///< what is nearer is measured whatever the bound: solid meshes (distance_solid.c); else -inf
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
 } lwi_searching;
 
 static inline void lwi_update_limit( lwi_searching* s )
 {
-	s->limit = lwi_round_up( s->bound->prune + s->radii + s->slack );
+	double limit = s->bound->prune + s->radii;
+	s->limit = lwi_round_up( ( limit > s->least ? limit : s->least ) + s->slack );
 }
 
 static inline void lwi_set_floats( lw_vec3 v, float out[3] )

@@ -214,9 +214,25 @@ enum
 	PLANE_STEPS_NEW = 8
 };
 
+/// Of what the shape is, not of where it is: within alpha, which planes are known decides which pair is found first, and a
+/// run that is repeated by another process is to find the same one.
+static uint64_t hash_of( const lw_shape* shape )
+{
+	uint64_t bits[4];
+	memcpy( bits, shape->sphere_center, sizeof( shape->sphere_center ) );
+	memcpy( bits + 3, &shape->sphere_radius, sizeof( shape->sphere_radius ) );
+	uint64_t hash = (uint64_t)shape->type * 0x165667b19e3779f9u + shape->item_count;
+	for ( int i = 0; i < 4; ++i )
+	{
+		hash = ( hash ^ bits[i] ) * 0x9e3779b97f4a7c15u;
+		hash ^= hash >> 29;
+	}
+	return hash;
+}
+
 static lwi_hint* hint_of( lwi_searching* s )
 {
-	uint64_t shapes = (uint64_t)(uintptr_t)s->a * 0x9e3779b97f4a7c15u ^ (uint64_t)(uintptr_t)s->b * 0xc2b2ae3d27d4eb4fu;
+	uint64_t shapes = hash_of( s->a ) * 0x9e3779b97f4a7c15u ^ hash_of( s->b ) * 0xc2b2ae3d27d4eb4fu;
 	uint32_t key = (uint32_t)( shapes >> 32 ) ^ s->bound->current_pair * 0x85ebca6bu;
 	key = key != 0 ? key : 1;
 	lwi_hint* hint = &s->query->hints[key >> ( 32 - LWI_HINT_BITS )];
@@ -591,6 +607,7 @@ static lwi_searching search_begin( lw_query* query, const lw_shape* a, const lw_
 	double reach = max_abs3( a->origin ) + max_abs3( b->origin ) + max_abs3( a_from_b->t ) + extent_of( a ) + extent_of( b );
 	s.error = LWI_EXACT_ERROR * reach;
 	s.slack += s.error;
+	s.least = a->filled || b->filled ? s.error + s.radii - bound->margin : -INFINITY;
 	lwi_update_limit( &s );
 	return s;
 }

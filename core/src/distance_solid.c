@@ -194,17 +194,13 @@ static inside question( lwi_searching* s, bool mesh_is_a )
 
 void lwi_search_inside( lwi_searching* s )
 {
+	// A point that is inside by less than the rounding of its move may be taken for outside. The surface is then as near, and was
+	// measured however little the bound asked for (lwi_searching.least): its lower end is 0.
 	bool found = false;
 	for ( int side = 0; side < 2 && !found && !s->bound->done; ++side )
 	{
 		inside q = question( s, side == 0 );
 		found = q.mesh->filled && ask( &q );
-	}
-	// A point that is inside by less than the rounding of its move may have been taken for outside. The surface is then
-	// as near, and was measured, or dropped because the bound was: nothing is proved.
-	if ( !found && ( s->a->filled || s->b->filled ) && s->bound->prune + s->bound->margin <= s->error )
-	{
-		s->bound->floor = s->bound->lowest;
 	}
 }
 

@@ -353,7 +353,8 @@ static inline f8 solid_slab( v3 n, const v3 v[3], const lwi_solid* solid )
 	}
 	else
 	{
-		f8 across = f8_sqrt( f8_add( f8_mul( n.x, n.x ), f8_mul( n.y, n.y ) ) );
+		// not less than it is: squares of a short n vanish, and the cylinder would have no width across it
+		f8 across = f8_sqrt( f8_divisor( f8_add( f8_mul( n.x, n.x ), f8_mul( n.y, n.y ) ) ) );
 		reach = f8_add( f8_mul( sx, across ), f8_mul( sy, f8_abs( n.z ) ) );
 	}
 	f8 high = f8_max( f8_max( v3_dot( n, v[0] ), v3_dot( n, v[1] ) ), v3_dot( n, v[2] ) );

@@ -149,6 +149,7 @@ void lw_query_reset( lw_query* query )
 	query->warm_environment.valid = false;
 	query->warm_self.valid = false;
 	query->warm_scene.valid = false;
+	memset( query->hints, 0, sizeof( query->hints ) );
 	lwi_query_forget_checker( query );
 }
 

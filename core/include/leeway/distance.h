@@ -33,8 +33,8 @@ typedef enum lw_clearance_class
 ///
 /// Rounding, derived and measured in core/docs/numerics.md: lower is never above the truth. upper is below it by at most
 ///     R = 2^-46 S + 1e-56 m,   S = distance of both frames' origins + 3 (largest |coordinate| of a + that of b, in their own frames)
-/// (1.4e-14 of S: 14 nanometres where bodies are 1000 km apart), and with alpha = 0 upper - lower is at most R; with a box, cylinder or
-/// cone on either side 1e-12 S, between curved ones 1e-10 S more. S does not depend on where in the world both are; the witness points
+/// (1.4e-14 of S: 14 nanometres where bodies are 1000 km apart), and with alpha = 0 upper - lower is at most R; with a box on either side
+/// 1e-12 S more, with a cylinder or cone 1e-10 S. S does not depend on where in the world both are; the witness points
 /// are world coordinates and round there. In states of robots the rounding of kinematics adds to it: lw_checker_state().
 typedef struct lw_clearance
 {
