@@ -19,7 +19,7 @@ using namespace extremes;
 
 struct Settings
 {
-	std::uint64_t pairs = 10000000, queries = 1000000, first = 0, seed = 1;
+	std::uint64_t pairs = 10000000, queries = 1000000, solids = 1000000, first = 0, seed = 1;
 	unsigned threads = 1;
 	int least = -30;
 	std::string json;
@@ -47,7 +47,16 @@ struct Run
 	const Settings& settings;
 	std::mutex mutex;
 	Findings all;
-	std::atomic<std::uint64_t> pair_blocks{ 0 }, shape_blocks{ 0 }, queries{ 0 };
+	std::atomic<std::uint64_t> pair_blocks{ 0 };
+	/// Of the two generators of shapes: larger sets; primitives and solids.
+	struct Shapes
+	{
+		ShapePair ( *generate )( Random&, Arrangement, int );
+		std::uint64_t kind, wanted;
+		std::atomic<std::uint64_t> blocks{ 0 }, queries{ 0 };
+	} sets{ randomShapes, 1, settings.queries }, solids{ randomSolids, 1ull << 62, settings.solids }; // not the stream of another seed
+
+	explicit Run( const Settings& asked ) : settings( asked ) {}
 };
 
 bool triangleBlock( Run& run, Findings& findings )
@@ -63,20 +72,20 @@ bool triangleBlock( Run& run, Findings& findings )
 	return begin < run.settings.pairs;
 }
 
-bool shapeBlock( Run& run, lw_query* query, Findings& findings )
+bool shapeBlock( Run& run, Run::Shapes& shapes, lw_query* query, Findings& findings )
 {
-	if ( run.queries >= run.settings.queries )
+	if ( shapes.queries >= shapes.wanted )
 	{
 		return false;
 	}
-	std::uint64_t begin = run.shape_blocks++ * 64, before = findings.queries;
+	std::uint64_t begin = shapes.blocks++ * 64, before = findings.queries;
 	for ( std::uint64_t i = begin; i < begin + 64; ++i )
 	{
 		std::uint64_t index = run.settings.first + i;
-		Random random( seedOf( run.settings, index, 1 ) );
-		judgeShapes( random, static_cast<Arrangement>( index % arrangement_count ), index, query, findings, run.settings.least );
+		Random random( seedOf( run.settings, index, shapes.kind ) );
+		judgeShapes( random, static_cast<Arrangement>( index % arrangement_count ), index, query, findings, run.settings.least, shapes.generate );
 	}
-	run.queries += findings.queries - before;
+	shapes.queries += findings.queries - before;
 	return true;
 }
 
@@ -99,7 +108,8 @@ void work( Run& run )
 			std::copy( std::begin( run.all.worst ), std::end( run.all.worst ), mine.worst );
 		}
 		bool pairs = triangleBlock( run, mine );
-		more = shapeBlock( run, query, mine ) || pairs;
+		bool sets = shapeBlock( run, run.sets, query, mine ), solids = shapeBlock( run, run.solids, query, mine );
+		more = pairs || sets || solids;
 		const std::lock_guard<std::mutex> lock( run.mutex );
 		run.all.merge( mine );
 	}
@@ -125,8 +135,10 @@ void report( const Findings& f, double seconds )
 	}
 }
 
-void write( const Settings& settings, const Findings& f, double seconds, const nlohmann::ordered_json& origin )
+void write( const Run& run, double seconds, const nlohmann::ordered_json& origin )
 {
+	const Settings& settings = run.settings;
+	const Findings& f = run.all;
 	nlohmann::ordered_json out;
 	out["program"] = "bench_extremes";
 	out["seed"] = settings.seed;
@@ -137,6 +149,7 @@ void write( const Settings& settings, const Findings& f, double seconds, const n
 	out["triangle_pairs"] = f.pairs;
 	out["settled_by"] = { { "certificate", f.efforts[0] }, { "64 bits", f.efforts[1] }, { "113 bits", f.efforts[2] } };
 	out["queries"] = f.queries;
+	out["of_solids"] = run.solids.queries.load();
 	out["placements"] = f.placements;
 	out["shapes_refused"] = f.refused;
 	out["answers"] = { { "near", f.kinds[LW_CLEARANCE_NEAR] }, { "far", f.kinds[LW_CLEARANCE_FAR] },
@@ -159,7 +172,7 @@ void write( const Settings& settings, const Findings& f, double seconds, const n
 int runAll( const Settings& settings )
 {
 	const nlohmann::ordered_json origin = provenance(); // of the sources as they are now, not when the run ends
-	Run run{ settings, {}, {}, {}, {}, {} };
+	Run run( settings );
 	const auto start = std::chrono::steady_clock::now();
 	const auto elapsed = [&] { return std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count(); };
 	std::atomic<unsigned> left{ settings.threads };
@@ -191,7 +204,7 @@ int runAll( const Settings& settings )
 	report( run.all, elapsed() );
 	if ( !settings.json.empty() )
 	{
-		write( settings, run.all, elapsed(), origin );
+		write( run, elapsed(), origin );
 	}
 	return run.all.broken == 0 ? 0 : 1;
 }
@@ -204,7 +217,8 @@ int main( int argc, char** argv )
 	CLI::App app( "leeway at the extremes against an oracle of 64 and 113 bits. Exit status: 0, 1 if a promise was broken, 2 error.",
 		"bench_extremes" );
 	app.add_option( "--pairs", settings.pairs, "pairs of triangles" )->capture_default_str();
-	app.add_option( "--queries", settings.queries, "distance queries of shapes, some 25 for each two shapes" )->capture_default_str();
+	app.add_option( "--queries", settings.queries, "distance queries of meshes and sets, some 25 for each two shapes" )->capture_default_str();
+	app.add_option( "--solids", settings.solids, "the same of primitives, solid meshes, half-spaces and planes" )->capture_default_str();
 	app.add_option( "--first", settings.first, "number of the first case: where an earlier run of this seed ended" )->capture_default_str();
 	app.add_option( "--seed", settings.seed )->capture_default_str();
 	app.add_option( "--threads", settings.threads )->capture_default_str()->check( CLI::Range( 1, 256 ) );

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Certified distances of whole shapes at poses: all pairs of triangles, segments, points and boxes, in more than double precision.
+// Certified distances of whole shapes at poses: all pairs of triangles, segments, points and boxes, or of convex pieces, in more
+// than double precision.
 #pragma once
 
-#include "exact_triangles.hpp"
+#include "exact_convex.hpp"
 #include "leeway/distance.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace exact
@@ -22,12 +24,17 @@ struct Box
 	double min[3], max[3];
 };
 
-/// What a shape is made of, in its frame. The faces of boxes are items too.
+/// What a shape is made of, in its frame: items and boxes, whose faces are items too; or pieces.
 struct Body
 {
-	std::vector<Item> items;
+	std::vector<Item> items; ///< of a body of pieces only if it is a solid mesh: its faces
 	std::vector<Box> boxes;
+	std::vector<Piece> pieces;
 	lw_shape_type type = LW_SHAPE_MESH;
+
+	bool isSolidMesh() const { return type == LW_SHAPE_MESH && !items.empty() && !pieces.empty(); }
+	bool isOfBoxes() const { return type == LW_SHAPE_BOX || type == LW_SHAPE_BOXES; }
+	bool isCurved() const { return type == LW_SHAPE_CYLINDER || type == LW_SHAPE_CONE; }
 
 	void addBox( const Box& box )
 	{
@@ -46,6 +53,10 @@ struct Body
 	double coordinates() const
 	{
 		double most = 0;
+		for ( const Piece& piece : pieces )
+		{
+			most = std::max( most, piece.coordinates() );
+		}
 		for ( const Item& item : items )
 		{
 			for ( lw_vec3 v : item.v )
@@ -56,51 +67,6 @@ struct Body
 		return most;
 	}
 };
-
-/// The rotation that is meant by a matrix that is one to rounding, or to what lw_transform_is_valid() takes: its rows made orthonormal.
-struct Rotation
-{
-	Vec<Wide> row[3];
-
-	Rotation() : row{ { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } {}
-	explicit Rotation( const lw_transform& m )
-	{
-		for ( int i = 0; i < 2; ++i )
-		{
-			row[i] = { m.r[i][0], m.r[i][1], m.r[i][2] };
-		}
-		row[0] = ( 1 / length( row[0] ) ) * row[0];
-		for ( int i = 0; i < 2; ++i ) // the second time for what rounding left of the first
-		{
-			row[1] = row[1] - dot( row[0], row[1] ) * row[0];
-			row[1] = ( 1 / length( row[1] ) ) * row[1];
-		}
-		row[2] = cross( row[0], row[1] );
-	}
-	Vec<Wide> operator()( lw_vec3 p ) const { return ( *this )( Vec<Wide>{ p.x, p.y, p.z } ); }
-	Vec<Wide> operator()( Vec<Wide> v ) const { return { dot( row[0], v ), dot( row[1], v ), dot( row[2], v ) }; }
-	Rotation operator*( const Rotation& other ) const
-	{
-		Rotation out;
-		for ( int i = 0; i < 3; ++i )
-		{
-			out.row[i] = row[i].x * other.row[0] + row[i].y * other.row[1] + row[i].z * other.row[2];
-		}
-		return out;
-	}
-	Vec<Wide> back( Vec<Wide> v ) const { return v.x * row[0] + v.y * row[1] + v.z * row[2]; }
-};
-
-/// A rotation about a unit axis (Rodrigues).
-inline Rotation turn( Vec<Wide> axis, Wide angle )
-{
-	Wide c = std::cos( angle ), s = std::sin( angle ), d = 1 - c;
-	Rotation out;
-	out.row[0] = { c + d * axis.x * axis.x, d * axis.x * axis.y - s * axis.z, d * axis.x * axis.z + s * axis.y };
-	out.row[1] = { d * axis.x * axis.y + s * axis.z, c + d * axis.y * axis.y, d * axis.y * axis.z - s * axis.x };
-	out.row[2] = { d * axis.x * axis.z - s * axis.y, d * axis.y * axis.z + s * axis.x, c + d * axis.z * axis.z };
-	return out;
-}
 
 /// An item in the world, about the origin of the first shape.
 struct Placed
@@ -168,9 +134,19 @@ inline void lowerTo( Enclosure& best, const std::vector<Placed>& pa, const std::
 	}
 }
 
-/// The distance of two bodies, [lower, upper], to about `width`; the poses are taken as the rotations that they mean.
+/// The distance of two bodies, [lower, upper], to about `width`; the poses are taken as the rotations that they mean. Both are of
+/// pieces, or neither.
 inline Enclosure distance( const Body& a, const lw_transform& world_from_a, const Body& b, const lw_transform& world_from_b, double width )
 {
+	if ( !a.pieces.empty() )
+	{
+		Quad between[3];
+		for ( int k = 0; k < 3; ++k )
+		{
+			between[k] = Quad( world_from_b.t[k] ) - world_from_a.t[k];
+		}
+		return distance( PieceSet( a.pieces, world_from_a, { 0, 0, 0 } ), PieceSet( b.pieces, world_from_b, { between[0], between[1], between[2] } ), width );
+	}
 	Rotation ra( world_from_a ), rb( world_from_b );
 	Vec<Wide> none = { 0, 0, 0 };
 	Vec<Wide> offset = { Wide( world_from_b.t[0] ) - world_from_a.t[0], Wide( world_from_b.t[1] ) - world_from_a.t[1],
@@ -187,11 +163,33 @@ inline Enclosure distance( const Body& a, const lw_transform& world_from_a, cons
 	return { std::max<Wide>( 0, best.lower - moved ), best.upper + moved, best.effort };
 }
 
+/// How far a point (shape frame) is from an element of a body of pieces, or from all of it; at most, and to about `width`.
+inline Wide outside( const Body& body, lw_vec3 p, std::uint32_t element, double width )
+{
+	if ( body.pieces[0].isUnbounded() )
+	{
+		return body.type == LW_SHAPE_PLANE ? std::abs( p.z ) : std::max( 0.0, p.z );
+	}
+	std::vector<Piece> point( 1 ), only;
+	point[0].points = { p };
+	if ( element != LW_INVALID_INDEX && body.isSolidMesh() )
+	{
+		only.emplace_back();
+		only[0].points.assign( body.items[element].v, body.items[element].v + 3 );
+	}
+	else if ( element != LW_INVALID_INDEX )
+	{
+		only.push_back( body.pieces[element] );
+	}
+	const lw_transform here = lw_transform_identity();
+	return distance( PieceSet( only.empty() ? body.pieces : only, here, { 0, 0, 0 } ), PieceSet( point, here, { 0, 0, 0 } ), width ).upper;
+}
+
 /// What lw_clearance promises (leeway/distance.h), relative to the size of the question.
 struct Promise
 {
 	double rounding; ///< 2^-46, and 1e-56 m: upper is not below the truth by more
-	double width;    ///< upper - lower with alpha 0: the same, with boxes 1e-12 more
+	double width;    ///< upper - lower with alpha 0: the same, with boxes 1e-12 more, with cylinders and cones 1e-10
 };
 
 inline Promise promiseOf( const Body& a, const lw_transform& world_from_a, const Body& b, const lw_transform& world_from_b )
@@ -202,7 +200,7 @@ inline Promise promiseOf( const Body& a, const lw_transform& world_from_a, const
 		apart = std::hypot( apart, world_from_b.t[i] - world_from_a.t[i] );
 	}
 	double size = apart + 3 * ( a.coordinates() + b.coordinates() );
-	double boxes = a.boxes.empty() && b.boxes.empty() ? 0 : 1e-12;
-	return { 0x1p-46 * size + 0x1p-186, ( 0x1p-46 + boxes ) * size + 0x1p-186 };
+	double wider = a.isCurved() || b.isCurved() ? 1e-10 : a.isOfBoxes() || b.isOfBoxes() ? 1e-12 : 0;
+	return { 0x1p-46 * size + 0x1p-186, ( 0x1p-46 + wider ) * size + 0x1p-186 };
 }
 } // namespace exact

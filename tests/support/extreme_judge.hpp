@@ -3,7 +3,7 @@
 // was broken.
 #pragma once
 
-#include "extreme_shapes.hpp"
+#include "extreme_solids.hpp"
 #include "same_bits.hpp"
 
 #include <cstdio>
@@ -21,10 +21,11 @@ enum Stage
 {
 	triangle_distance, ///< |lwi_tri_tri() - truth| in LWI_TRI_TRI_ERROR of the extent
 	triangle_witness,  ///< its points beside their triangles, in the same and one roundoff of their coordinates
-	query_lower,       ///< of what is taken off a measured distance for rounding, the share that was needed (no boxes)
+	query_lower,       ///< of what is taken off a measured distance for rounding, the share that was needed (neither boxes nor curved)
 	query_upper,       ///< truth - upper, in the promised rounding
-	query_width,       ///< upper - lower for alpha 0, in the promised rounding (no boxes)
+	query_width,       ///< upper - lower for alpha 0, in the promised rounding (neither boxes nor curved)
 	box_width,         ///< the same with boxes
+	curved_width,      ///< the same with cylinders and cones
 	query_witness,     ///< points beside the shapes, and their distance from upper
 	query_exchange,    ///< answers for a, b and for b, a
 	query_moved,       ///< answers before and after a rigid motion of both
@@ -32,7 +33,7 @@ enum Stage
 };
 
 constexpr const char* stage_names[stage_count] = { "triangle distance", "triangle witness", "query lower", "query upper", "query width",
-	"query width, boxes", "query witness", "query exchanged", "query moved" };
+	"query width, boxes", "query width, curved", "query witness", "query exchanged", "query moved" };
 
 /// What was seen so far.
 struct Findings
@@ -138,7 +139,9 @@ public:
 	ShapeJudge( const ShapePair& pair, std::uint64_t index, lw_query* query, Findings& findings )
 		: m_pair( pair ), m_query( query ), m_findings( findings ), m_where( std::string( pair.name ) + " " + std::to_string( index ) ),
 		  m_promise( exact::promiseOf( pair.a.body, pair.world_from_a, pair.b.body, pair.world_from_b ) ),
-		  m_boxes( !pair.a.body.boxes.empty() || !pair.b.body.boxes.empty() ),
+		  m_width( pair.a.body.isCurved() || pair.b.body.isCurved() ? curved_width :
+				  pair.a.body.isOfBoxes() || pair.b.body.isOfBoxes() ? box_width :
+																	   query_width ),
 		  m_truth( exact::distance( pair.a.body, pair.world_from_a, pair.b.body, pair.world_from_b, 0.01 * m_promise.rounding ) )
 	{
 		++findings.placements;
@@ -149,7 +152,10 @@ public:
 	{
 		answers( random );
 		exchange();
-		move( random );
+		if ( !m_pair.skewed )
+		{
+			move( random );
+		}
 		ascend( random );
 	}
 
@@ -167,7 +173,12 @@ public:
 			lw_clearance first = ask( range );
 			judge( first, range );
 			lw_query_reset( m_query );
-			require( sameBits( first, ask( range ) ), "not the same bits again" );
+			lw_clearance again = ask( range );
+			judge( again, range );
+			// within alpha there is a choice, which what was asked before may decide
+			requireSame( range.alpha == 0 ? first : again, again, range );
+			lw_query_reset( m_query );
+			requireSame( ask( range ), again, range );
 		}
 	}
 
@@ -212,6 +223,14 @@ private:
 		return range;
 	}
 
+	void requireSame( const lw_clearance& one, const lw_clearance& other, const lw_range& range )
+	{
+		m_range = &range;
+		m_got = &one;
+		require( sameBits( one, other ), "not the same bits again" );
+		m_range = nullptr;
+	}
+
 	void judge( const lw_clearance& got, const lw_range& range )
 	{
 		m_range = &range;
@@ -240,9 +259,9 @@ private:
 		default:
 			require( false, "unknown" );
 		}
-		add( m_boxes ? box_width : query_width, width / m_promise.width );
+		add( m_width, width / m_promise.width );
 		add( query_upper, static_cast<double>( m_truth.lower - got.upper ) / promise );
-		if ( range.alpha == 0 && got.kind == LW_CLEARANCE_NEAR && !m_boxes )
+		if ( range.alpha == 0 && got.kind == LW_CLEARANCE_NEAR && m_width == query_width )
 		{
 			add( query_lower, static_cast<double>( ( got.upper - m_truth.lower ) / ( got.upper - got.lower ) ) );
 		}
@@ -250,7 +269,7 @@ private:
 	}
 
 	/// How far a point is beside what it is said to be a point of; world coordinates.
-	static double beside( const Subject& subject, const lw_transform& world_from_shape, lw_vec3 point, std::uint32_t element )
+	double beside( const Subject& subject, const lw_transform& world_from_shape, lw_vec3 point, std::uint32_t element ) const
 	{
 		exact::Rotation rotation( world_from_shape );
 		exact::Vec<exact::Wide> w = { exact::Wide( point.x ) - world_from_shape.t[0], exact::Wide( point.y ) - world_from_shape.t[1],
@@ -258,6 +277,10 @@ private:
 		exact::Vec<exact::Wide> v = rotation.back( w );
 		lw_vec3 p = { static_cast<double>( v.x ), static_cast<double>( v.y ), static_cast<double>( v.z ) };
 		const exact::Body& body = subject.body;
+		if ( !body.pieces.empty() )
+		{
+			return static_cast<double>( exact::outside( body, p, element, 0.01 * m_promise.rounding ) );
+		}
 		double least = INFINITY;
 		for ( const exact::Box& box : body.boxes )
 		{
@@ -292,7 +315,7 @@ private:
 		lw_range everything = lw_range_exact();
 		lw_clearance other = ask( m_pair.b, m_pair.world_from_b, m_pair.a, m_pair.world_from_a, everything );
 		judge( other, everything );
-		double allowed = 2 * ( m_boxes ? m_promise.width : m_promise.rounding );
+		double allowed = 2 * m_promise.width;
 		add( query_exchange, std::abs( other.upper - m_exact.upper ) / allowed );
 	}
 
@@ -312,7 +335,7 @@ private:
 			coordinates += std::abs( a.t[k] ) + std::abs( b.t[k] ) + std::abs( m_pair.world_from_a.t[k] ) + std::abs( m_pair.world_from_b.t[k] );
 		}
 		lw_clearance moved = ask( m_pair.a, a, m_pair.b, b, lw_range_exact() );
-		double allowed = 2 * ( m_boxes ? m_promise.width : m_promise.rounding ) + 8 * 0x1p-53 * coordinates;
+		double allowed = 2 * m_promise.width + 8 * 0x1p-53 * coordinates;
 		add( query_moved, std::abs( moved.upper - m_exact.upper ) / allowed );
 		require( moved.lower <= m_truth.upper + allowed, "a motion raises lower" );
 	}
@@ -372,17 +395,18 @@ private:
 	Findings& m_findings;
 	std::string m_where;
 	exact::Promise m_promise;
-	bool m_boxes;
+	Stage m_width; ///< the stage of its widths
 	exact::Enclosure m_truth;
 	lw_clearance m_exact = lw_clearance_unknown();
 	const lw_range* m_range = nullptr; ///< of the answer that is judged
 	const lw_clearance* m_got = nullptr;
 };
 
-/// Some twenty questions about two random shapes.
-inline void judgeShapes( Random& random, Arrangement arrangement, std::uint64_t index, lw_query* query, Findings& findings, int least = -30 )
+/// Some twenty questions about two random shapes, by either of the generators.
+inline void judgeShapes( Random& random, Arrangement arrangement, std::uint64_t index, lw_query* query, Findings& findings, int least = -30,
+	ShapePair ( *generate )( Random&, Arrangement, int ) = randomShapes )
 {
-	ShapePair pair = randomShapes( random, arrangement, least );
+	ShapePair pair = generate( random, arrangement, least );
 	if ( pair.a.shape == nullptr || pair.b.shape == nullptr )
 	{
 		++findings.refused; // coordinates beyond 1e9 m

@@ -28,6 +28,7 @@ struct ShapePair
 	Subject a, b;
 	lw_transform world_from_a, world_from_b;
 	const char* name;
+	bool skewed = false; ///< rotations that are ones to 1e-6 only: what a product of such means is not the product of what they mean
 };
 
 enum Arrangement
