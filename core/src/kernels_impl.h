@@ -85,11 +85,12 @@ static uint32_t flat_gap( const lwi_node* node, const lwi_flats* flats, const lw
 	// looked at from the other side, its planes change places
 	f8 other_low = f8_sub( zero, f8_set( other->high ) ), other_high = f8_sub( zero, f8_set( other->low ) );
 	v3 across = v3_sub( v3_set( other->center ), ( v3 ){ f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) } );
-	// at most of length one, also where squares vanish: a shorter direction has a smaller gap, never a larger one
-	f8 length = f8_max( f8_sqrt( v3_dot( across, across ) ), f8_set( 0x1p-62f ) );
+	f8 length = f8_sqrt( v3_dot( across, across ) );
+	m8 vanishes = f8_lt( length, f8_set( 0x1p-62f ) ); // with its squares: no direction, or one not of length 1, along which nothing is proved
+	length = f8_max( length, f8_set( 0x1p-62f ) );
 	v3 u = { f8_div( across.x, length ), f8_div( across.y, length ), f8_div( across.z, length ) };
 	f8 reach = f8_add( flat_reach( u, normal, radius, low, high ), flat_reach( u, other_normal, other_radius, other_low, other_high ) );
-	f8 best = f8_sub( v3_dot( u, across ), reach );
+	f8 best = f8_select( vanishes, f8_set( -INFINITY ), f8_sub( v3_dot( u, across ), reach ) );
 	if ( along != NULL )
 	{
 		u = v3_set( along );
