@@ -16,7 +16,7 @@ enum
 {
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
 	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
-	LWI_EDGE_KEPT = 2, ///< planes of a pair
+	LWI_EDGE_KEPT = 4, ///< planes of a pair
 	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
@@ -84,6 +84,16 @@ typedef struct lwi_edge_swing
 	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet asked for
 } lwi_edge_swing;
 
+/// How a node moves in the world at the posed state, and how fast that may change.
+typedef struct lwi_edge_pace
+{
+	uint64_t stamp; ///< of the state; 0: none
+	lwi_twist twist;
+	lw_vec3 center; ///< of its sphere
+	uint32_t depth; ///< nodes above it
+	const lwi_motion_rate* rates; ///< [depth] of the whole edge, seen from the first, second, .. node above it
+} lwi_edge_pace;
+
 typedef struct lwi_edge
 {
 	const lw_checker* checker;
@@ -101,15 +111,16 @@ typedef struct lwi_edge
 	lwi_edge_plane* planes;    ///< [LWI_EDGE_WARM]: of this edge and the ones before
 	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose node poses are kept; NaN: unused
 	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
+	lwi_edge_pace* paces;      ///< [nodes]
 	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
 	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
 	lwi_edge_swing swing;  ///< the last one that was asked for
-	lw_transform standing; ///< the last place of what does not move
 	lwi_edge_item* items;  ///< [item_capacity]
 	lwi_edge_level levels[2];
 	uint32_t item_count, item_capacity, gap_capacity;
 	double longest;         ///< V: the largest path length of a node along the edge
 	double static_rounding; ///< of the poses of static bodies
+	double twist_error;     ///< see lwi_motion_twist_error()
 	double spare;           ///< everything that is proved is proved to be min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
@@ -153,10 +164,45 @@ double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, 
 double lwi_edge_way( lwi_edge* edge, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
 	lwi_edge_window window );
 
-/// Where a node is at the middle, the left and the right end of a window; at the middle alone if the rate says that it stands.
-/// @param out pointers into the edge, until the next question of this kind. @return their count
-int lwi_edge_places( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
-	const lw_transform* out[LWI_MAX_PLACES] );
+/// How a node goes on from the middle of a window, seen from another one above it: all within the window by its twist, but
+/// for `bulge` at the most.
+typedef struct lwi_edge_drift
+{
+	lwi_twist twist; ///< coordinates of the world, at the middle; NaN if there is none
+	double bulge;    ///< metres
+} lwi_edge_drift;
+
+/// The pace of a node at the state that the query is posed at.
+const lwi_edge_pace* lwi_edge_pace_now( lwi_edge* edge, uint32_t node );
+
+static inline const lwi_edge_pace* lwi_edge_pace_of( lwi_edge* edge, uint32_t node )
+{
+	const lwi_edge_pace* pace = &edge->paces[node];
+	return pace->stamp == edge->query->state_stamp ? pace : lwi_edge_pace_now( edge, node );
+}
+
+/// Bounds for a node's geometry over the whole edge, seen from a node above it. The node was measured.
+static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_pace* pace, const lwi_edge_pace* ancestor )
+{
+	const uint32_t joints = pace->depth - ancestor->depth;
+	return joints > 0 ? pace->rates[joints - 1] : (lwi_motion_rate){ 0, 0 };
+}
+
+/// The drift in a window at whose middle the query is posed.
+lwi_edge_drift lwi_edge_drift_of( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
+	lwi_edge_window window );
+
+/// How far a sphere gets from where it is at the middle, by its drift; NaN if there is none.
+/// @param center in the world at the middle
+double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, double radius, double half );
+
+/// True if the acceleration is so small that drifts say as much as places at the window's ends.
+bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window );
+
+/// Places of a body that are on both sides of all its places within a window.
+/// @param drift of its node; NULL: places at the middle and both ends, seen from the ancestor, instead of two in the world
+void lwi_edge_places( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
+	const lwi_edge_drift* drift, lwi_places* out );
 
 // --- edge_sweep.c ----------------------------------------------------------------------------------------------------
 

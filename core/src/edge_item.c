@@ -38,17 +38,15 @@ static const lw_sphere* sphere_of( const lw_checker* c, uint32_t body )
 
 /// What lower bounds of a node's clearances count less by: poses and states are rounded, t itself is (2^-53 of the way), and
 /// so is the surplus (2^-53 of min_d, a few times).
-static double rounding_of( const lwi_edge* e, uint32_t node_a, uint32_t node_b )
+static double rounding_of( const lwi_edge* e, bool pair )
 {
-	const lw_checker* c = e->checker;
-	return lwi_motion_rounding( c->motion, e->motion, node_a ) +
-		   ( node_b != LW_INVALID_INDEX ? lwi_motion_rounding( c->motion, e->motion, node_b ) : 0 ) +
-		   0x1p-47 * ( e->longest + e->def->min_d );
+	double rounding = lwi_motion_rounding( e->checker->motion, e->motion );
+	return ( pair ? 2 : 1 ) * rounding + 0x1p-47 * ( e->longest + e->def->min_d );
 }
 
 /// Motion of a body's own sphere; tighter than that of its node.
 /// @param share as for lwi_motion_of_sphere(), of the state that the query is posed at
-static lwi_motion_rate rate_of( lwi_edge* e, uint32_t body, uint32_t ancestor, double share )
+static lwi_motion_rate rate_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_edge_window window, double share )
 {
 	const lw_checker* c = e->checker;
 	uint32_t node = c->tree->body_node[body], top = c->tree->nodes[node].top;
@@ -56,15 +54,16 @@ static lwi_motion_rate rate_of( lwi_edge* e, uint32_t body, uint32_t ancestor, d
 	{
 		return (lwi_motion_rate){ 0, 0 };
 	}
-	if ( c->tree->nodes[node].body_count == 1 )
+	lwi_motion_rate whole = lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top );
+	if ( c->tree->nodes[node].body_count == 1 || lwi_edge_drifts( whole, window ) )
 	{
-		return lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top ); // its sphere is the node's
+		return whole; // its sphere is the node's, or the little that it is used for does not need more
 	}
 	lwi_pose_node( c, e->query, node );
 	const lw_sphere* sphere = sphere_of( c, body );
 	lw_vec3 center = lwi_transform( &e->query->world_from_link[top], lwi_load( sphere->center ) );
 	return lwi_motion_of_sphere( c->motion, e->motion, node, c->tree->nodes[ancestor].top, center, sphere->radius,
-		e->query->world_from_link, share );
+		share );
 }
 
 /// How much the clearance of an item may lose within a window.
@@ -120,6 +119,14 @@ static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* th
 	return !e->failed;
 }
 
+/// Clearance that a plane or a sphere has to prove. Which planes are known depends on what was asked before. What is nearer
+/// than this is measured, so that verdicts do not: beyond it a measurement would not be refused, and would prove the edge in
+/// the end.
+static double beyond( const lwi_edge* e, double rounding )
+{
+	return ( e->def->min_d + slack_of( e, rounding ) ) / ( 1 - e->def->alpha ) + rounding;
+}
+
 lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up )
 {
 	lwi_edge_sample s = { .low = true, .pair = lw_clearance_unknown() };
@@ -128,10 +135,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 		return s;
 	}
 	double min_d = e->def->min_d, slack = slack_of( e, item->rounding );
-	// Which planes are known depends on what was asked before. What is nearer than this is measured, so that verdicts do not: beyond
-	// it a measurement would not be refused, and would prove the edge in the end.
-	double beyond = ( min_d + slack ) / ( 1 - e->def->alpha ) + item->rounding;
-	lwi_edge_sweep sweep = lwi_edge_sweep_item( e, item, window, beyond, &s.skip );
+	lwi_edge_sweep sweep = lwi_edge_sweep_item( e, item, window, beyond( e, item->rounding ), &s.skip );
 	if ( sweep != LWI_EDGE_MEASURE )
 	{
 		s.proved = sweep == LWI_EDGE_PROVED;
@@ -202,6 +206,7 @@ typedef struct screening
 	lwi_edge* edge;
 	lwi_edge_window window;
 	double share; ///< of the edge, on the longer side of the window's middle
+	double rounding, pair_rounding; ///< see rounding_of()
 	lwi_edge_level* level;
 	uint32_t work; ///< that is left: cells on which items have to be measured
 	bool may_look;
@@ -239,8 +244,12 @@ static bool look( screening* s )
 static bool screen_item( screening* s, lwi_edge_item item )
 {
 	lwi_edge* e = s->edge;
-	item.rate_a = rate_of( e, item.body_a, item.ancestor, s->share );
-	item.rate_b = is_pair( &item ) ? rate_of( e, item.body_b, item.ancestor, s->share ) : (lwi_motion_rate){ 0, 0 };
+	item.rate_a = rate_of( e, item.body_a, item.ancestor, s->window, s->share );
+	item.rate_b = (lwi_motion_rate){ 0, 0 };
+	if ( is_pair( &item ) )
+	{
+		item.rate_b = rate_of( e, item.body_b, item.ancestor, s->window, s->share );
+	}
 	item.warm = ( item_id( e->checker, &item ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
 	lwi_edge_sample sample = lwi_edge_measure( e, &item, s->window, true );
 	if ( !sample.proved && sample.low )
@@ -265,14 +274,37 @@ static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
 	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
 }
 
-/// The same, more, from the lengths of paths alone; of its middle if there is but one body, whose sphere is all that is asked then.
-static double node_path( const screening* s, uint32_t node, uint32_t ancestor )
+/// The same for the middle of the sphere of a node in the world, from how it moves in the middle or from its path's length.
+static double center_way( screening* s, uint32_t node )
 {
 	lwi_edge* e = s->edge;
-	const lw_checker* c = e->checker;
-	uint32_t top = c->tree->nodes[ancestor].top;
-	return s->window.half * ( c->tree->nodes[node].body_count == 1 ? lwi_motion_of_center( c->motion, e->motion, node, top )
-																	: lwi_motion_of( c->motion, e->motion, node, top ).path );
+	const lwi_edge_pace* pace = lwi_edge_pace_of( e, node );
+	const lwi_motion_rate rate = lwi_edge_rate( pace, lwi_edge_pace_of( e, 0 ) );
+	const lwi_edge_drift drift = lwi_edge_drift_of( e, node, 0, rate, s->window );
+	double path = s->window.half * rate.path, length = lwi_edge_drift_length( &drift, pace->center, 0, s->window.half );
+	return length < path ? length : path;
+}
+
+/// How much the clearance of two nodes may lose in the same way, and with `whole` that of any of their bodies, else of their
+/// spheres.
+static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
+{
+	lwi_edge* e = s->edge;
+	const lwi_checker_node* nodes = e->checker->tree->nodes;
+	const lwi_edge_pace *a = lwi_edge_pace_of( e, pair->node_a ), *b = lwi_edge_pace_of( e, pair->node_b );
+	const lwi_edge_pace* above = lwi_edge_pace_of( e, pair->ancestor );
+	const lwi_motion_rate rate_a = lwi_edge_rate( a, above ), rate_b = lwi_edge_rate( b, above );
+	double half = s->window.half, path = half * ( rate_a.path + rate_b.path );
+	lw_vec3 turn_a = lwi_sub( a->twist.turn, above->twist.turn ), turn_b = lwi_sub( b->twist.turn, above->twist.turn );
+	// both from the ancestor, whose own shift is the same for both
+	lw_vec3 speed_a = lwi_add( a->twist.shift, lwi_cross( turn_a, a->center ) );
+	lw_vec3 speed_b = lwi_add( b->twist.shift, lwi_cross( turn_b, b->center ) );
+	double around_a = lwi_length( turn_a ) * nodes[pair->node_a].r.radius;
+	double around_b = lwi_length( turn_b ) * nodes[pair->node_b].r.radius;
+	double turns = whole ? around_a + around_b : 0;
+	double bulge = ( 0.5 * half * ( rate_a.change + rate_b.change ) + 2 * e->twist_error ) * half;
+	double length = ( half * ( lwi_distance( speed_a, speed_b ) + turns ) + bulge ) / LWI_EDGE_INWARD;
+	return length < path ? length : path;
 }
 
 static bool screen_environment( screening* s, uint32_t node )
@@ -280,18 +312,23 @@ static bool screen_environment( screening* s, uint32_t node )
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
 	const lwi_checker_node* n = &c->tree->nodes[node];
-	double rounding = rounding_of( e, node, LW_INVALID_INDEX );
-	double way = s->window.half * lwi_motion_of_center( c->motion, e->motion, node, c->tree->nodes[0].top );
-	double limit = enough( e, rounding, way / LWI_EDGE_INWARD );
-	bool asks = ( c->node_environment[node] & LWI_NODE_ASKS ) != 0;
-	if ( !asks || !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
+	if ( ( c->node_environment[node] & LWI_NODE_ASKS ) == 0 )
 	{
-		note_proof( e, asks ? 0.25 * slack_of( e, rounding ) : INFINITY );
+		return true;
+	}
+	double way = center_way( s, node ) / LWI_EDGE_INWARD;
+	bool near = n->body_count > 1 ? lwi_checker_node_nears_scene( c, e->query, node, enough( e, s->rounding, way ) )
+								  : lwi_checker_near_obstacles( c, e->query, c->tree->bodies[n->first_body],
+										beyond( e, s->rounding ) + way ) > 0;
+	if ( !near )
+	{
+		note_proof( e, 0.25 * slack_of( e, s->rounding ) );
 		return true;
 	}
 	for ( uint32_t i = 0; i < n->body_count; ++i )
 	{
-		lwi_edge_item item = { .body_a = c->tree->bodies[n->first_body + i], .body_b = LW_INVALID_INDEX, .rounding = rounding };
+		lwi_edge_item item = {
+			.body_a = c->tree->bodies[n->first_body + i], .body_b = LW_INVALID_INDEX, .rounding = s->rounding };
 		if ( !screen_item( s, item ) )
 		{
 			return false;
@@ -300,23 +337,48 @@ static bool screen_environment( screening* s, uint32_t node )
 	return true;
 }
 
+/// False if the spheres around two nodes stay `limit` apart.
+static bool spheres_meet( const screening* s, const lwi_node_pair* pair, double limit )
+{
+	lw_query* query = s->edge->query;
+	const double* a = lwi_sphere( s->edge->checker, query, 2 * pair->node_a );
+	const double* b = lwi_sphere( s->edge->checker, query, 2 * pair->node_b );
+	double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+	double reach = ( limit + a[3] + b[3] + (double)pair->margin ) * ( 1 + LWI_POSE_ROUNDING );
+	return !( x * x + y * y + z * z > reach * fabs( reach ) );
+}
+
 static bool screen_pair( screening* s, uint32_t index )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
 	const lwi_node_pair* pair = &c->tree->pairs[index];
-	double rounding = rounding_of( e, pair->node_a, pair->node_b );
-	double path = node_path( s, pair->node_a, pair->ancestor ) + node_path( s, pair->node_b, pair->ancestor );
-	uint32_t count = lwi_checker_near_pairs( c, e->query, index, enough( e, rounding, path / LWI_EDGE_INWARD ) );
-	bool one_each = c->tree->nodes[pair->node_a].body_count == 1 && c->tree->nodes[pair->node_b].body_count == 1;
-	if ( count > 2 && !one_each ) // a few items look for themselves
-	{
-		double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
-		double limit = enough( e, rounding, loss / LWI_EDGE_INWARD );
-		count = loss < 0.9 * path ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
-	}
+	const uint32_t stride = c->body_block_count * LWI_WIDTH;
+	const lwi_checker_node *a = &c->tree->nodes[pair->node_a], *b = &c->tree->nodes[pair->node_b];
+	double rounding = s->pair_rounding;
 	note_proof( e, 0.25 * slack_of( e, rounding ) ); // of the pairs that are not near
-	uint32_t stride = c->body_block_count * LWI_WIDTH;
+	if ( !spheres_meet( s, pair, enough( e, rounding, pair_way( s, pair, false ) / LWI_EDGE_INWARD ) ) )
+	{
+		return true;
+	}
+	uint32_t count = 1;
+	if ( a->body_count == 1 && b->body_count == 1 )
+	{
+		uint32_t body_a = c->tree->bodies[a->first_body], body_b = c->tree->bodies[b->first_body];
+		e->query->candidates[0].pair =
+			body_a < body_b ? lwi_body_pair_id( c, body_a, body_b ) : lwi_body_pair_id( c, body_b, body_a );
+	}
+	else
+	{
+		double way = pair_way( s, pair, true );
+		count = lwi_checker_near_pairs( c, e->query, index, enough( e, rounding, way / LWI_EDGE_INWARD ) );
+		if ( count > 2 ) // a few items look for themselves
+		{
+			double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
+			double limit = enough( e, rounding, loss / LWI_EDGE_INWARD );
+			count = loss < 0.9 * way ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
+		}
+	}
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		uint32_t id = e->query->candidates[i].pair;
@@ -369,9 +431,12 @@ static bool screen_pairs( screening* s )
 
 bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level, bool may_look )
 {
+	const lw_checker* c = e->checker;
 	screening s = { .edge = e,
 		.window = window,
 		.share = fmax( window.t, 1 - window.t ),
+		.rounding = rounding_of( e, false ),
+		.pair_rounding = rounding_of( e, true ),
 		.level = level,
 		.may_look = may_look };
 	level->count = e->item_count = 0;
@@ -379,9 +444,10 @@ bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level
 	{
 		return false;
 	}
-	for ( uint32_t i = 1; i < e->checker->tree->node_count; ++i )
+	lwi_motion_place( c->motion, e->motion, e->query->world_from_link );
+	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
 	{
-		lwi_motion_measure_body( e->checker->motion, e->motion, i, e->query->world_from_link, s.share );
+		lwi_motion_measure_body( c->motion, e->motion, i, e->query->world_from_link, s.share );
 	}
 	return screen_environments( &s ) && screen_pairs( &s );
 }

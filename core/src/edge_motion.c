@@ -32,6 +32,7 @@ static size_t lay_out( lwi_edge* e, char* memory )
 	uint32_t variables = c->robot->variable_count;
 	e->warm = take( memory, &used, LWI_EDGE_WARM, sizeof( lwi_warm ) ); // first: cleared where the query changes its checker
 	e->planes = take( memory, &used, LWI_EDGE_WARM, sizeof( lwi_edge_plane ) ); // likewise
+	e->paces = take( memory, &used, nodes, sizeof( lwi_edge_pace ) );
 	e->motion = take( memory, &used, lwi_motion_scratch_size( c->motion ), 1 );
 	e->full_a = take( memory, &used, variables, sizeof( double ) );
 	e->full_b = take( memory, &used, variables, sizeof( double ) );
@@ -57,6 +58,10 @@ void lwi_edge_begin( lwi_edge* edge, void* scratch )
 	{
 		edge->frame_t[i] = NAN;
 	}
+	for ( uint32_t i = 0; i < edge->checker->tree->node_count; ++i )
+	{
+		edge->paces[i].stamp = 0; // no state has it
+	}
 	lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
 	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
 }
@@ -73,8 +78,8 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 
 void lwi_edge_forget( lw_query* query )
 {
-	size_t warm = lwi_align_up( LWI_EDGE_WARM * sizeof( lwi_warm ) ), planes = LWI_EDGE_WARM * sizeof( lwi_edge_plane );
-	memset( lwi_query_edge_scratch( query ), 0, warm + planes );
+	size_t warm = lwi_align_up( LWI_EDGE_WARM * sizeof( lwi_warm ) );
+	memset( lwi_query_edge_scratch( query ), 0, warm + LWI_EDGE_WARM * sizeof( lwi_edge_plane ) );
 }
 
 // ---- states ----------------------------------------------------------------------------------------------------------
@@ -83,19 +88,32 @@ bool lwi_edge_measure_motion( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
 	e->query->edge_count++;
-	e->static_rounding = e->longest = 0;
 	e->apart = e->spare = INFINITY;
 	if ( !lwi_motion_begin( c->motion, e->full_a, e->full_b, e->motion ) )
 	{
 		return false;
 	}
-	for ( uint32_t i = 0; i < c->tree->node_count; ++i )
-	{
-		e->static_rounding = fmax( e->static_rounding, lwi_motion_rounding( c->motion, e->motion, i ) );
-		double length = c->tree->nodes[i].body_count > 0 ? lwi_motion_total( c->motion, e->motion, i ) : 0;
-		e->longest = fmax( e->longest, length );
-	}
+	e->static_rounding = lwi_motion_rounding( c->motion, e->motion );
+	e->longest = lwi_motion_total( c->motion, e->motion );
+	e->twist_error = lwi_motion_twist_error( c->motion, e->motion );
 	return true;
+}
+
+/// The full state at t. All but the group's variables are those of both ends.
+static void interpolate( const lwi_edge* e, double t, double* state )
+{
+	const lw_checker* c = e->checker;
+	if ( c->tree->floating_count > 0 )
+	{
+		lw_robot_interpolate( c->robot, e->full_a, e->full_b, t, state );
+		return;
+	}
+	memcpy( state, e->full_a, c->robot->variable_count * sizeof( double ) );
+	for ( uint32_t i = 0; i < c->variable_count; ++i )
+	{
+		uint32_t v = c->variables[i];
+		state[v] = lwi_interpolate_variable( &c->robot->variables[v], e->qa[i], e->qb[i], t );
+	}
 }
 
 const double* lwi_edge_state( lwi_edge* e, double t )
@@ -104,7 +122,7 @@ const double* lwi_edge_state( lwi_edge* e, double t )
 	{
 		return t == 0 ? e->qa : e->qb;
 	}
-	lw_robot_interpolate( e->checker->robot, e->full_a, e->full_b, t, e->full_t );
+	interpolate( e, t, e->full_t );
 	for ( uint32_t i = 0; i < e->checker->variable_count; ++i )
 	{
 		e->group_t[i] = e->full_t[e->checker->variables[i]];
@@ -149,7 +167,7 @@ static size_t frame_at( lwi_edge* e, double t )
 		}
 		else
 		{
-			lw_robot_interpolate( e->checker->robot, e->full_a, e->full_b, t, state );
+			interpolate( e, t, state );
 		}
 	}
 	return frame;
@@ -202,6 +220,67 @@ static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t a
 	return ancestor == 0 ? *pose : lwi_relative( pose_at( e, t, ancestor ), pose );
 }
 
+// ---- drifts ----------------------------------------------------------------------------------------------------------
+
+/// Metres. Where paths bend more than this, where a body is at the window's ends says more than how it moves in the middle.
+#define MAX_DRIFT_BULGE 0.004
+
+const lwi_edge_pace* lwi_edge_pace_now( lwi_edge* e, uint32_t node )
+{
+	const lw_checker* c = e->checker;
+	const lwi_checker_node* nodes = c->tree->nodes;
+	const uint64_t stamp = e->query->state_stamp;
+	while ( e->paces[node].stamp != stamp )
+	{
+		uint32_t next = node;
+		while ( next != 0 && e->paces[nodes[next].parent].stamp != stamp )
+		{
+			next = nodes[next].parent;
+		}
+		lwi_edge_pace* pace = &e->paces[next];
+		lwi_pose_node( c, e->query, next );
+		const lw_transform* pose = &e->query->world_from_link[nodes[next].top];
+		*pace = (lwi_edge_pace){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( nodes[next].r.center ) ) };
+		if ( next != 0 )
+		{
+			lwi_twist own = lwi_motion_twist( c->motion, e->motion, next, pose );
+			const lwi_edge_pace* above = &e->paces[nodes[next].parent];
+			pace->twist = (lwi_twist){ lwi_add( above->twist.turn, own.turn ), lwi_add( above->twist.shift, own.shift ) };
+			pace->depth = above->depth + 1;
+			pace->rates = lwi_motion_rates( c->motion, e->motion, next );
+		}
+	}
+	return &e->paces[node];
+}
+
+bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window )
+{
+	return 0.5 * window.half * window.half * rate.change <= MAX_DRIFT_BULGE;
+}
+
+lwi_edge_drift lwi_edge_drift_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	const lwi_twist *own = &lwi_edge_pace_of( e, node )->twist, *above = &lwi_edge_pace_of( e, ancestor )->twist;
+	lwi_edge_drift drift = { { lwi_sub( own->turn, above->turn ), lwi_sub( own->shift, above->shift ) }, 0 };
+	if ( rate.path > 0 )
+	{
+		drift.bulge = ( 0.5 * window.half * rate.change + e->twist_error ) * window.half / LWI_EDGE_INWARD;
+	}
+	return drift;
+}
+
+static inline lw_vec3 velocity( const lwi_twist* twist, lw_vec3 at )
+{
+	return lwi_add( twist->shift, lwi_cross( twist->turn, at ) );
+}
+
+double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, double radius, double half )
+{
+	double turn = radius > 0 ? lwi_length( drift->twist.turn ) * radius : 0;
+	return half * ( lwi_length( velocity( &drift->twist, center ) ) + turn ) / LWI_EDGE_INWARD + drift->bulge;
+}
+
 // ---- displacements ---------------------------------------------------------------------------------------------------
 
 /// How far a point at distance 1 gets by the turn from one pose to another. Of two rotations by an angle a from each other, the
@@ -243,9 +322,23 @@ static double chord_of( const lwi_edge* e, const lwi_edge_swing* s, const double
 	lw_vec3 p = lwi_load( local ), middle = lwi_transform( &s->middle, p );
 	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
 	double right = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->right, p ) ) );
-	double rounding = 4 * ( lwi_motion_rounding( e->checker->motion, e->motion, s->node ) +
-							  lwi_motion_rounding( e->checker->motion, e->motion, s->ancestor ) );
-	return sqrt( fmax( left, right ) ) + rounding;
+	return sqrt( fmax( left, right ) ) + 8 * lwi_motion_rounding( e->checker->motion, e->motion );
+}
+
+/// How far a sphere gets, where drifts are worth having; else INFINITY.
+static double drift_bound( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	if ( !lwi_edge_drifts( rate, window ) )
+	{
+		return INFINITY;
+	}
+	lwi_edge_drift drift = lwi_edge_drift_of( e, node, ancestor, rate, window ); // poses the node
+	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->nodes[node].top];
+	double length =
+		lwi_edge_drift_length( &drift, lwi_transform( pose, lwi_load( local->center ) ), local->radius, window.half );
+	double path = window.half * rate.path;
+	return length < path ? length : length >= path ? path : INFINITY; // no number without a twist
 }
 
 double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
@@ -254,6 +347,11 @@ double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, con
 	if ( rate.path == 0 || window.half == 0 )
 	{
 		return 0;
+	}
+	double by_drift = drift_bound( e, node, ancestor, local, rate, window );
+	if ( by_drift < INFINITY )
+	{
+		return by_drift;
 	}
 	lwi_edge_swing* s = swing_of( e, node, ancestor, window );
 	if ( s->turn < 0 )
@@ -271,23 +369,65 @@ double lwi_edge_way( lwi_edge* e, uint32_t node, uint32_t ancestor, const double
 	{
 		return 0;
 	}
+	const lw_sphere point = { { local[0], local[1], local[2] }, 0 };
+	double by_drift = drift_bound( e, node, ancestor, &point, rate, window );
+	if ( by_drift < INFINITY )
+	{
+		return by_drift;
+	}
 	return lwi_motion_between( chord_of( e, swing_of( e, node, ancestor, window ), local ), rate, window.half );
 }
 
-int lwi_edge_places( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
-	const lw_transform* out[LWI_MAX_PLACES] )
+/// The place that the velocity at the middle leads to.
+static lw_transform moved( const lw_transform* from, const lwi_twist* twist, double by )
 {
-	const lwi_edge_swing* s;
-	if ( rate.path == 0 )
+	lw_transform m;
+	const lw_vec3 w = twist->turn, v = velocity( twist, lwi_load( from->t ) );
+	for ( int k = 0; k < 3; ++k )
 	{
-		// what stands is seen last, so that what moves is not forgotten
-		e->standing = pose_below( e, window.t, node, ancestor );
-		out[0] = &e->standing;
-		return 1;
+		const double x = from->r[0][k], y = from->r[1][k], z = from->r[2][k];
+		m.r[0][k] = x + by * ( w.y * z - w.z * y );
+		m.r[1][k] = y + by * ( w.z * x - w.x * z );
+		m.r[2][k] = z + by * ( w.x * y - w.y * x );
 	}
-	s = swing_of( e, node, ancestor, window );
-	out[0] = &s->middle;
-	out[1] = &s->left;
-	out[2] = &s->right;
-	return 3;
+	m.t[0] = from->t[0] + by * v.x;
+	m.t[1] = from->t[1] + by * v.y;
+	m.t[2] = from->t[2] + by * v.z;
+	return m;
+}
+
+void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
+	const lwi_edge_drift* drift, lwi_places* out )
+{
+	const lw_checker* c = e->checker;
+	const lw_transform* top_from_shape = &c->tree->body_poses[c->tree->body_place[body]];
+	const uint32_t node = c->tree->body_node[body];
+	out->shape = lwi_shape_now( c->bodies[body].shape );
+	out->count = 1;
+	out->rigid = true;
+	if ( drift != NULL )
+	{
+		lwi_pose_body( c, e->query, body );
+		out->middle = e->query->world_from_body[body];
+	}
+	else
+	{
+		lw_transform top = pose_below( e, window.t, node, ancestor );
+		out->middle = lwi_multiply( &top, top_from_shape );
+	}
+	out->at[0] = out->middle;
+	if ( drift != NULL && rate.path > 0 )
+	{
+		out->at[0] = moved( &out->middle, &drift->twist, -window.half );
+		out->at[1] = moved( &out->middle, &drift->twist, window.half );
+		out->count = 2;
+		out->rigid = false;
+	}
+	else if ( rate.path > 0 )
+	{
+		const lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+		out->at[1] = lwi_multiply( &s->left, top_from_shape );
+		out->at[2] = lwi_multiply( &s->right, top_from_shape );
+		out->count = 3;
+	}
 }

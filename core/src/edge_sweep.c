@@ -11,7 +11,7 @@
 
 enum
 {
-	PLANE_STEPS = 8,  ///< directions that are tried for a plane
+	PLANE_STEPS = 12, ///< directions that are tried for a plane
 	MAX_FAILURES = 6  ///< after so many, one in 2^6 tries
 };
 
@@ -44,26 +44,11 @@ static double bulge_of( lwi_motion_rate rate, lwi_edge_window window )
 	return fmin( 0.125 * window.half * rate.change, 0.5 * rate.path ) * window.half / LWI_EDGE_INWARD;
 }
 
-/// Where a body is during a window, seen from a node above it.
-static void places_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
-	lwi_places* out )
-{
-	const lw_checker* c = e->checker;
-	const lw_transform* top_from_shape = &c->tree->body_poses[c->tree->body_place[body]];
-	const lw_transform* tops[LWI_MAX_PLACES];
-	out->shape = lwi_shape_now( c->bodies[body].shape );
-	out->count = lwi_edge_places( e, c->tree->body_node[body], ancestor, rate, window, tops );
-	for ( int i = 0; i < out->count; ++i )
-	{
-		out->at[i] = lwi_multiply( tops[i], top_from_shape );
-	}
-}
-
-/// From a's middle to the nearest point of the box around b, in b's tree frame at its first place.
+/// From a's middle to the nearest point of the box around b, in b's tree frame.
 static void direction_between( const lwi_places* a, const lwi_places* b, float direction[3] )
 {
-	lw_vec3 center = lwi_transform( &a->at[0], lwi_load( a->shape->sphere_center ) );
-	lw_vec3 seen = lwi_untransform( &b->at[0], center );
+	lw_vec3 center = lwi_transform( &a->middle, lwi_load( a->shape->sphere_center ) );
+	lw_vec3 seen = lwi_untransform( &b->middle, center );
 	const double p[3] = { seen.x, seen.y, seen.z };
 	float length = 0;
 	for ( int i = 0; i < 3; ++i )
@@ -125,6 +110,13 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 	return false;
 }
 
+static void only_middle( lwi_places* s )
+{
+	s->count = 1;
+	s->rigid = true;
+	s->at[0] = s->middle;
+}
+
 /// A new plane. @param bulge part of `need` that is due to the window
 static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, double bulge )
 {
@@ -145,7 +137,8 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 	if ( !lwi_separate_places( kernels, &s->a, &s->b, need, direction, PLANE_STEPS, &plane ) )
 	{
 		// is it the window that is too wide, or are their hulls too near?
-		s->a.count = s->b.count = 1;
+		only_middle( &s->a );
+		only_middle( &s->b );
 		need = fmax( need - bulge, 0 );
 		bool apart = lwi_separate_places( kernels, &s->a, &s->b, need, direction, PLANE_STEPS, &plane );
 		found = apart ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
@@ -171,7 +164,9 @@ static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 }
 
 /// @param enough clearance that proves it @param bulge of both: NAN if there is no point in planes
-static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double enough, double bulge )
+/// @param drifts of both; NULL if one has none
+static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window,
+	const lwi_edge_drift* drifts, double enough, double bulge )
 {
 	const lw_checker* c = e->checker;
 	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
@@ -179,12 +174,12 @@ static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	sweeping s = { .edge = e, .turned = a_stands, .way = INFINITY };
 	lwi_edge_plane* p = plane_of( e, SELF_KEY | lwi_body_pair_id( c, a, b ) );
 	// places are seen from the ancestor, which is rounded too
-	double need = fmax( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion, above ), 0 );
+	double need = fmax( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion ), 0 );
 	bool planes = bulge < MAX_BULGE;
 	if ( planes )
 	{
-		places_of( e, a, above, item->rate_a, window, a_stands ? &s.b : &s.a );
-		places_of( e, b, above, item->rate_b, window, a_stands ? &s.a : &s.b );
+		lwi_edge_places( e, a, above, item->rate_a, window, drifts != NULL ? &drifts[0] : NULL, a_stands ? &s.b : &s.a );
+		lwi_edge_places( e, b, above, item->rate_b, window, drifts != NULL ? &drifts[1] : NULL, a_stands ? &s.a : &s.b );
 		planes = has_planes( &s );
 		if ( planes && old_plane_holds( &s, p, need ) )
 		{
@@ -200,7 +195,8 @@ static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 }
 
 /// All obstacles that are near the body's sphere.
-static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double enough, double bulge )
+static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window,
+	const lwi_edge_drift* drifts, double enough, double bulge )
 {
 	const lw_checker* c = e->checker;
 	double way = way_of( e, item->body_a, 0, item->rate_a, window );
@@ -215,17 +211,18 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 	}
 	uint32_t stride = c->scene->block_count * LWI_WIDTH;
 	sweeping s = { .edge = e, .way = window.half * item->rate_a.path };
-	places_of( e, item->body_a, 0, item->rate_a, window, &s.a );
-	int places = s.a.count;
+	lwi_places places;
+	lwi_edge_places( e, item->body_a, 0, item->rate_a, window, drifts, &places );
 	lwi_edge_sweep worst = LWI_EDGE_PROVED;
 	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
 	{
 		uint32_t index = e->query->candidates[i].pair;
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
-		s.a.count = places;
+		s.a = places;
 		s.b.shape = lwi_shape_now( obstacle->shape );
 		s.b.count = 1;
-		s.b.at[0] = obstacle->world_from_shape;
+		s.b.rigid = true;
+		s.b.middle = s.b.at[0] = obstacle->world_from_shape;
 		double need = fmax( enough + bulge + lwi_environment_margin( c, item->body_a, obstacle->object ), 0 );
 		lwi_edge_plane* p = plane_of( e, item->body_a * stride + index );
 		lwi_edge_sweep now = !has_planes( &s )					 ? LWI_EDGE_MEASURE
@@ -236,6 +233,11 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 	return worst;
 }
 
+static bool is_number( lw_vec3 v )
+{
+	return v.x == v.x;
+}
+
 lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double enough, uint8_t* skip )
 {
 	*skip = 0;
@@ -244,9 +246,21 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 		return LWI_EDGE_MEASURE;
 	}
 	bool is_short = window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * e->def->slack;
-	double bulge = is_short ? NAN : bulge_of( item->rate_a, window ) + bulge_of( item->rate_b, window );
-	lwi_edge_sweep sweep = item->body_b != LW_INVALID_INDEX ? sweep_pair( e, item, window, enough, bulge )
-															 : sweep_scene( e, item, window, enough, bulge );
+	const uint32_t* node = e->checker->tree->body_node;
+	bool pair = item->body_b != LW_INVALID_INDEX;
+	lwi_edge_drift drift[2] = { { .bulge = 0 }, { .bulge = 0 } };
+	bool drifts = lwi_edge_drifts( item->rate_a, window ) && ( !pair || lwi_edge_drifts( item->rate_b, window ) );
+	if ( drifts )
+	{
+		drift[0] = lwi_edge_drift_of( e, node[item->body_a], item->ancestor, item->rate_a, window );
+		drift[1] = pair ? lwi_edge_drift_of( e, node[item->body_b], item->ancestor, item->rate_b, window ) : drift[1];
+		drifts = is_number( drift[0].twist.turn ) && is_number( drift[1].twist.turn );
+	}
+	double bulge = is_short ? NAN
+				   : drifts ? drift[0].bulge + drift[1].bulge
+							: bulge_of( item->rate_a, window ) + bulge_of( item->rate_b, window );
+	lwi_edge_sweep sweep = pair ? sweep_pair( e, item, window, drifts ? drift : NULL, enough, bulge )
+								: sweep_scene( e, item, window, drifts ? drift : NULL, enough, bulge );
 	if ( sweep == LWI_EDGE_MEASURE && bulge >= MAX_BULGE )
 	{
 		for ( double next = 0.25 * bulge; !( next < MAX_BULGE ) && *skip < 16; next *= 0.25 )

@@ -167,9 +167,15 @@ lw_status lw_robot_fk( const lw_robot* robot, const double* q, lw_transform* wor
 
 // ---- interpolation ---------------------------------------------------------------------------------------------------
 
+/// remainder( v, two_pi ), which is v itself up to half a turn: without the call.
+static double wrapped( double v )
+{
+	return fabs( v ) <= 0.5 * two_pi ? v : remainder( v, two_pi );
+}
+
 double lwi_wrapped_difference( double from, double to )
 {
-	return remainder( to - from, two_pi );
+	return wrapped( to - from );
 }
 
 /// Unit quaternion in *out; false for zero or non-finite input. Scaled first: squares of tiny or huge entries leave the
@@ -235,6 +241,15 @@ static void slerp( const double qa[4], const double qb[4], double t, double out[
 	}
 }
 
+double lwi_interpolate_variable( const lw_variable_info* info, double a, double b, double t )
+{
+	if ( info->wraps )
+	{
+		return wrapped( t == 1 ? b : a + t * lwi_wrapped_difference( a, b ) );
+	}
+	return t == 1 ? b : a + t * ( b - a ); // exact at both ends
+}
+
 void lw_robot_interpolate( const lw_robot* robot, const double* qa, const double* qb, double t, double* out )
 {
 	for ( uint32_t i = 0; i < robot->variable_count; )
@@ -248,15 +263,7 @@ void lw_robot_interpolate( const lw_robot* robot, const double* qa, const double
 			i += 4;
 			continue;
 		}
-		if ( info->wraps )
-		{
-			double v = t == 1 ? qb[i] : qa[i] + t * lwi_wrapped_difference( qa[i], qb[i] );
-			out[i] = remainder( v, two_pi );
-		}
-		else
-		{
-			out[i] = t == 1 ? qb[i] : qa[i] + t * ( qb[i] - qa[i] ); // exact at both ends
-		}
+		out[i] = lwi_interpolate_variable( info, qa[i], qb[i], t );
 		++i;
 	}
 }

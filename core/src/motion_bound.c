@@ -21,6 +21,7 @@
 typedef struct motion_entry
 {
 	uint32_t joint;
+	uint32_t mover;   ///< the same joint among the table's movers
 	double ring;      ///< largest distance of the body to the rotation axis (floating: centre), shifts below it at `center`
 	double center[3]; ///< shift (prismatic: its value; planar: x, y; floating: x, y, z) that the rings above start from
 } motion_entry;
@@ -38,7 +39,7 @@ typedef struct motion_body
 
 enum
 {
-	SCRATCH_PARTS = 10
+	SCRATCH_PARTS = 5
 };
 
 struct lwi_motion_table
@@ -46,9 +47,10 @@ struct lwi_motion_table
 	lw_allocator allocator;
 	size_t bytes;
 	const lw_robot* robot;
-	uint32_t body_count, entry_count, moving_link_count;
+	uint32_t body_count, entry_count, moving_link_count, mover_count;
 	motion_body* bodies;           ///< [body_count] or pieces
 	motion_entry* entries;         ///< [entry_count]
+	motion_entry* movers;          ///< [mover_count] joints that entries name, with the largest of their rings
 	uint32_t* moving_depth;        ///< [link_count] moving joints between link and root
 	uint32_t* moving_links;        ///< [moving_link_count] parents first
 	lw_transform* reference_poses; ///< [link_count] valid for the links that no edge moves
@@ -57,24 +59,10 @@ struct lwi_motion_table
 	// what lwi_motion_state_rounding() starts from
 	uint32_t most_joints;   ///< of any body
 	double longest, root;   ///< the longest chain, without shifts and without the root's own place; that place
+	double farthest;        ///< the longest chain with it
 	uint32_t inexact_count;
 	uint32_t* inexact;      ///< [inexact_count] moving joints that shift, or whose angle is a rounded number
 };
-
-/// Scratch of one edge.
-typedef struct motion_scratch
-{
-	lw_transform* poses; ///< [link_count] at the middle of the edge
-	double* state;       ///< [variable_count] the middle
-	double* lengths;     ///< [entry_count] path length by the entry's joint and all joints between it and the body
-	double* ways;        ///< [entry_count] that of the sphere's centre
-	double* changes;     ///< [entry_count] acceleration by the same joints, per squared unit of t
-	double* caps;        ///< [entry_count] largest distance to the entry's axis anywhere on the edge
-	double* rounding;    ///< [body_count]
-	double* pose_rounding; ///< [body_count] the part of it that poses have
-	double* totals;        ///< [body_count] path length over all of the edge, from the caps
-	struct joint_motion* motions; ///< [joint_count] of the joints that entries name
-} motion_scratch;
 
 /// What an edge does at one joint.
 typedef struct joint_motion
@@ -84,16 +72,36 @@ typedef struct joint_motion
 	double excess; ///< largest distance of the shift from the centre that the rings assume
 	double reach;  ///< largest distance of the shift from zero
 	double value;  ///< largest |angle|: its rounding is proportional to it
+	double speed;  ///< turn or shift with its sign; NaN for joints of several variables
+	lw_vec3 axis, origin; ///< in the world, where the poses last taken over have it
 } joint_motion;
+
+/// What an edge does at all joints.
+typedef struct whole_motion
+{
+	double rounding;      ///< of the place of any point of any body
+	double pose_rounding; ///< the part of it that poses have
+	double total;         ///< path length of any body over all of the edge, from rings
+	double twist_error;   ///< of the velocity of any point, by twists
+} whole_motion;
+
+/// Scratch of one edge.
+typedef struct motion_scratch
+{
+	lw_transform* poses; ///< [link_count] at the middle of the edge
+	double* state;       ///< [variable_count] the middle
+	lwi_motion_rate* rates; ///< [entry_count] by the entry's joint and all joints between it and the body
+	joint_motion* motions; ///< [mover_count]
+	whole_motion* whole;
+} motion_scratch;
 
 /// Where the parts of the scratch begin. Returns its size.
 static size_t scratch_offsets( const lwi_motion_table* table, size_t at[SCRATCH_PARTS] )
 {
 	const lw_robot* robot = table->robot;
 	const size_t sizes[SCRATCH_PARTS] = { robot->link_count * sizeof( lw_transform ), robot->variable_count * sizeof( double ),
-		table->entry_count * sizeof( double ), table->entry_count * sizeof( double ), table->entry_count * sizeof( double ),
-		table->entry_count * sizeof( double ), table->body_count * sizeof( double ), table->body_count * sizeof( double ),
-		table->body_count * sizeof( double ), robot->joint_count * sizeof( joint_motion ) };
+		table->entry_count * sizeof( lwi_motion_rate ), table->mover_count * sizeof( joint_motion ),
+		sizeof( whole_motion ) };
 	size_t used = 0;
 	for ( size_t i = 0; i < SCRATCH_PARTS; ++i )
 	{
@@ -109,14 +117,9 @@ static inline motion_scratch scratch_parts( const lwi_motion_table* table, const
 	const size_t* at = table->scratch_at;
 	return (motion_scratch){ .poses = (lw_transform*)( base + at[0] ),
 		.state = (double*)( base + at[1] ),
-		.lengths = (double*)( base + at[2] ),
-		.ways = (double*)( base + at[3] ),
-		.changes = (double*)( base + at[4] ),
-		.caps = (double*)( base + at[5] ),
-		.rounding = (double*)( base + at[6] ),
-		.pose_rounding = (double*)( base + at[7] ),
-		.totals = (double*)( base + at[8] ),
-		.motions = (joint_motion*)( base + at[9] ) };
+		.rates = (lwi_motion_rate*)( base + at[2] ),
+		.motions = (joint_motion*)( base + at[3] ),
+		.whole = (whole_motion*)( base + at[4] ) };
 }
 
 static bool is_moving( const lw_robot* robot, uint32_t joint, const bool* fixed_variables )
@@ -277,6 +280,29 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const lwi_motion
 	return true;
 }
 
+/// Lists the joints that entries name, each once.
+static void list_movers( lwi_motion_table* table )
+{
+	for ( uint32_t i = 0; i < table->body_count; ++i )
+	{
+		const motion_body* b = &table->bodies[i];
+		for ( uint32_t k = b->first_entry; k < b->first_entry + b->entry_count; ++k )
+		{
+			motion_entry* e = &table->entries[k];
+			for ( e->mover = 0; e->mover < table->mover_count && table->movers[e->mover].joint != e->joint; )
+			{
+				++e->mover;
+			}
+			if ( e->mover == table->mover_count )
+			{
+				table->movers[table->mover_count++] = *e;
+			}
+			double* ring = &table->movers[e->mover].ring;
+			*ring = fmax( *ring, e->ring );
+		}
+	}
+}
+
 /// What the rounding of states starts from.
 static void survey( lwi_motion_table* table, const bool* fixed_variables )
 {
@@ -287,6 +313,7 @@ static void survey( lwi_motion_table* table, const bool* fixed_variables )
 		const motion_body* b = &table->bodies[i];
 		table->most_joints = b->joint_count > table->most_joints ? b->joint_count : table->most_joints;
 		table->longest = fmax( table->longest, b->length - table->root );
+		table->farthest = fmax( table->farthest, b->length );
 	}
 	table->longest = table->longest * OUTWARD + 4 * LWI_U64 * table->root; // the difference is rounded by that at most
 	for ( uint32_t i = 0; i < robot->joint_count; ++i )
@@ -331,6 +358,7 @@ static bool build_table( lwi_motion_table* table, const lwi_motion_piece* pieces
 		}
 		first += table->bodies[i].entry_count;
 	}
+	list_movers( table );
 	survey( table, fixed_variables );
 	return true;
 }
@@ -357,7 +385,8 @@ lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motio
 	size_t links = depth + lwi_align_up( robot->link_count * sizeof( uint32_t ) );
 	size_t poses = links + lwi_align_up( robot->link_count * sizeof( uint32_t ) );
 	size_t inexact = poses + lwi_align_up( robot->link_count * sizeof( lw_transform ) );
-	size_t total = inexact + lwi_align_up( robot->joint_count * sizeof( uint32_t ) );
+	size_t movers = inexact + lwi_align_up( robot->joint_count * sizeof( uint32_t ) );
+	size_t total = movers + lwi_align_up( robot->joint_count * sizeof( motion_entry ) );
 	char* block = lwi_alloc_zero( &memory, total, 1 );
 	if ( block == NULL )
 	{
@@ -374,13 +403,14 @@ lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motio
 	table->moving_depth = (uint32_t*)( block + depth );
 	table->moving_links = (uint32_t*)( block + links );
 	table->reference_poses = (lw_transform*)( block + poses );
-	table->scratch_size = scratch_offsets( table, table->scratch_at );
 	table->inexact = (uint32_t*)( block + inexact );
+	table->movers = (motion_entry*)( block + movers );
 	if ( !build_table( table, pieces, fixed_variables, reference ) )
 	{
 		lwi_free( &memory, block, total );
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a quaternion of the reference state is zero" );
 	}
+	table->scratch_size = scratch_offsets( table, table->scratch_at );
 	*out_table = table;
 	return LW_OK;
 }
@@ -469,6 +499,7 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 		double change = fabs( joint->multiplier * difference );
 		double va = joint->multiplier * a[0] + joint->offset, vb = joint->multiplier * b[0] + joint->offset;
 		bool prismatic = joint->type == LW_JOINT_PRISMATIC;
+		m.speed = joint->multiplier * difference;
 		m.turn = prismatic ? 0 : change;
 		m.shift = prismatic ? change : 0;
 		m.excess = prismatic ? fmax( fabs( va - entry->center[0] ), fabs( vb - entry->center[0] ) ) : 0;
@@ -477,6 +508,7 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 		m.value = prismatic ? 0 : fabs( joint->multiplier ) * ( fabs( a[0] ) + fabs( b[0] ) + 4 ) + fabs( joint->offset );
 		return m;
 	}
+	m.speed = NAN;
 	bool planar = joint->type == LW_JOINT_PLANAR;
 	lw_vec3 pa = lwi_v3( a[0], a[1], planar ? 0 : a[2] ), pb = lwi_v3( b[0], b[1], planar ? 0 : b[2] );
 	lw_vec3 center = lwi_v3( entry->center[0], entry->center[1], planar ? 0 : entry->center[2] );
@@ -488,72 +520,46 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	return m;
 }
 
-/// What holds for a body on all of the edge: roundings, and the largest distances to the axes that rings and shifts allow.
-static bool begin_body( const lwi_motion_table* table, uint32_t body, motion_scratch* s )
+/// fmin() of numbers, without the call. A NaN comes through.
+static inline double smaller( double a, double b )
 {
-	const motion_body* b = &table->bodies[body];
-	const motion_entry* entries = &table->entries[b->first_entry];
-	double length = b->length;
-	for ( uint32_t k = 0; k < b->entry_count; ++k )
-	{
-		length += s->motions[entries[k].joint].reach;
-	}
-	// core/docs/kinematics.md: 64 u per joint and metre of chain
-	double rounding = 64 * LWI_U64 * ( b->joint_count + 2 ) * length;
-	double excess = 0, value_rounding = 0, total = 0;
-	for ( uint32_t k = 0; k < b->entry_count; ++k )
-	{
-		const joint_motion* m = &s->motions[entries[k].joint];
-		double ring = entries[k].ring + excess + rounding;
-		ring = k == 0 ? fmin( ring, b->first_ring + rounding ) : ring;
-		value_rounding += 8 * LWI_U64 * ( rotates( table->robot->joints[entries[k].joint].type ) ? m->value * ring : m->reach );
-		excess = ( excess + m->excess ) * OUTWARD;
-		s->caps[b->first_entry + k] = ring;
-		total += ring * m->turn + m->shift;
-	}
-	s->totals[body] = total * OUTWARD;
-	s->pose_rounding[body] = rounding;
-	s->rounding[body] = ( rounding + value_rounding ) * OUTWARD;
-	return isfinite( s->totals[body] ) && isfinite( s->rounding[body] );
+	return a > b ? b : a;
 }
 
 /// Bounds along the whole edge of what moves with a body, by its first `count` joints upwards: path length, and acceleration
-/// per squared unit of t. Both are sums over the joints so far; `keep` has all of them kept, and those of the centre.
+/// per squared unit of t. Both are sums over the joints so far; `keep` has all of them kept.
 ///
 /// In the child frame of joint j, where its axis stands still, a point moves only by the joints between j and the body: from
 /// where it is in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
-/// centre in the poses) + radius + share (path length below j), and at most the cap. A rotation turns the velocities below it
+/// centre in the poses) + radius + share (path length below j), and at most the ring, enlarged by how far the shifts below
+/// get from where the rings assume them. A rotation turns the velocities below it
 /// (Coriolis, twice) and its own; shifts are at constant speed.
-///
-/// The centre is a point of its own; caps that come from the geometry need not hold for it.
 static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, uint32_t count,
-	lw_vec3 center, double radius, const lw_transform* poses, double share, bool keep )
+	lw_vec3 center, double radius, double share, bool keep )
 {
-	uint32_t first = table->bodies[body].first_entry;
+	const motion_body* b = &table->bodies[body];
+	const double rounding = s->whole->pose_rounding;
 	lwi_motion_rate rate = { 0, 0 };
-	double way = 0;
+	double excess = rounding;
 	for ( uint32_t k = 0; k < count; ++k )
 	{
-		const lwi_joint* joint = &table->robot->joints[table->entries[first + k].joint];
-		const joint_motion* m = &s->motions[table->entries[first + k].joint];
+		const motion_entry* entry = &table->entries[b->first_entry + k];
+		const joint_motion* m = &s->motions[entry->mover];
 		if ( m->turn > 0 )
 		{
-			const lw_transform* pose = &poses[joint->child];
-			lw_vec3 offset = lwi_sub( center, lwi_load( pose->t ) );
-			bool any_axis = joint->type == LW_JOINT_FLOATING;
-			double away = any_axis ? lwi_length( offset ) : distance_to_axis( lwi_rotate( pose, lwi_load( joint->axis ) ), offset );
-			double ring = fmin( away + radius + share * rate.path, s->caps[first + k] );
+			lw_vec3 offset = lwi_sub( center, m->origin );
+			bool any_axis = table->robot->joints[entry->joint].type == LW_JOINT_FLOATING;
+			double away = any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
+			double ring = smaller( away + radius + share * rate.path, entry->ring + excess );
+			ring = k == 0 ? smaller( ring, b->first_ring + excess ) : ring;
 			rate.change = ( rate.change + m->turn * ( 2 * rate.path + ring * m->turn ) ) * OUTWARD;
 			rate.path += ring * m->turn;
-			way += ( away + s->pose_rounding[body] + share * way ) * m->turn;
 		}
 		rate.path = ( rate.path + m->shift ) * OUTWARD;
-		way = ( way + m->shift ) * OUTWARD;
+		excess = ( excess + m->excess ) * OUTWARD;
 		if ( keep )
 		{
-			s->lengths[first + k] = rate.path;
-			s->changes[first + k] = rate.change;
-			s->ways[first + k] = way;
+			s->rates[b->first_entry + k] = rate;
 		}
 	}
 	return rate;
@@ -566,34 +572,67 @@ static uint32_t joints_below( const lwi_motion_table* table, uint32_t body, uint
 	return table->moving_depth[table->bodies[body].link] - above;
 }
 
+void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses )
+{
+	motion_scratch s = scratch_parts( table, scratch );
+	for ( uint32_t i = 0; i < table->mover_count; ++i )
+	{
+		const lwi_joint* joint = &table->robot->joints[table->movers[i].joint];
+		const lw_transform* pose = &poses[joint->child];
+		s.motions[i].axis = lwi_rotate( pose, lwi_load( joint->axis ) );
+		s.motions[i].origin = lwi_load( pose->t );
+	}
+}
+
 void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 	double share )
 {
 	motion_scratch s = scratch_parts( table, scratch );
 	const motion_body* b = &table->bodies[body];
 	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
-	rates( table, &s, body, b->entry_count, center, b->radius + s.pose_rounding[body], poses, share, true );
+	rates( table, &s, body, b->entry_count, center, b->radius + s.whole->pose_rounding, share, true );
 }
 
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
 {
 	motion_scratch s = scratch_parts( table, scratch );
 	uint32_t count = joints_below( table, body, ancestor ), last = table->bodies[body].first_entry + count - 1;
-	return count == 0 ? (lwi_motion_rate){ 0, 0 } : (lwi_motion_rate){ s.lengths[last], s.changes[last] };
-}
-
-double lwi_motion_of_center( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
-{
-	uint32_t count = joints_below( table, body, ancestor );
-	return count == 0 ? 0 : scratch_parts( table, scratch ).ways[table->bodies[body].first_entry + count - 1];
+	return count == 0 ? (lwi_motion_rate){ 0, 0 } : s.rates[last];
 }
 
 lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
-	lw_vec3 center, double radius, const lw_transform* poses, double share )
+	lw_vec3 center, double radius, double share )
 {
 	motion_scratch s = scratch_parts( table, scratch );
 	uint32_t count = joints_below( table, body, ancestor );
-	return rates( table, &s, body, count, center, radius + s.pose_rounding[body], poses, share, false );
+	return rates( table, &s, body, count, center, radius + s.whole->pose_rounding, share, false );
+}
+
+lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose )
+{
+	const motion_body* b = &table->bodies[body];
+	lwi_twist twist = { { 0, 0, 0 }, { 0, 0, 0 } };
+	if ( b->entry_count > 0 )
+	{
+		const motion_entry* entry = &table->entries[b->first_entry];
+		const lwi_joint* joint = &table->robot->joints[entry->joint];
+		lw_vec3 along = lwi_scale( scratch_parts( table, scratch ).motions[entry->mover].speed,
+			lwi_rotate( pose, lwi_load( joint->axis ) ) );
+		bool turns = rotates( joint->type );
+		twist.turn = turns ? along : twist.turn;
+		twist.shift = turns ? lwi_cross( lwi_load( pose->t ), along ) : along;
+	}
+	return twist;
+}
+
+double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch )
+{
+	return scratch_parts( table, scratch ).whole->twist_error;
+}
+
+const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body )
+{
+	return scratch_parts( table, scratch ).rates + table->bodies[body].first_entry;
 }
 
 size_t lwi_motion_scratch_size( const lwi_motion_table* table )
@@ -603,29 +642,37 @@ size_t lwi_motion_scratch_size( const lwi_motion_table* table )
 
 size_t lwi_motion_scratch_spare( uint32_t links )
 {
-	return links * ( sizeof( lw_transform ) + sizeof( joint_motion ) ) + (size_t)2 * LWI_ALIGNMENT; // and their rounding
+	return links * sizeof( lw_transform ) + LWI_ALIGNMENT; // and its rounding
 }
 
+/// Distances to axes are at most a body's chain with all its shifts, and so are those to joints' origins: roundings are bounded
+/// for all bodies at once (core/docs/kinematics.md: 64 u per joint and metre of chain). So is the longest path, by the largest
+/// rings.
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
 {
 	motion_scratch s = scratch_parts( table, scratch );
-	for ( uint32_t i = 0; i < table->moving_link_count; ++i )
+	double length = table->farthest, angles = 0, excess = 0;
+	double turns = 0, shifts = 0;
+	whole_motion w = { 0 };
+	for ( uint32_t i = 0; i < table->mover_count; ++i )
 	{
-		uint32_t index = table->robot->link_joint[table->moving_links[i]];
-		const lwi_joint* joint = &table->robot->joints[index];
-		if ( !joint->constant )
-		{
-			motion_entry entry = { .joint = index };
-			center_of_shift( table->robot, joint, entry.center );
-			s.motions[index] = motion_of( table->robot, &entry, qa, qb );
-		}
+		joint_motion m = motion_of( table->robot, &table->movers[i], qa, qb );
+		length += m.reach;
+		excess += m.excess;
+		angles += rotates( table->robot->joints[table->movers[i].joint].type ) ? m.value : 0;
+		w.total += table->movers[i].ring * m.turn + m.shift;
+		turns += m.turn;
+		shifts += m.shift;
+		s.motions[i] = m;
 	}
-	bool finite = true;
-	for ( uint32_t i = 0; i < table->body_count; ++i )
-	{
-		finite = begin_body( table, i, &s ) && finite;
-	}
-	return finite;
+	w.pose_rounding = 64 * LWI_U64 * ( table->most_joints + 2 ) * length;
+	w.rounding = ( w.pose_rounding + 8 * LWI_U64 * ( angles + 1 ) * length ) * OUTWARD;
+	w.total = ( w.total + ( excess + w.pose_rounding ) * turns ) * OUTWARD;
+	// axes are where poses have them, so each joint's part is off by its turn times what these are; and sums of coordinates
+	// round
+	w.twist_error = turns * ( 4 * w.rounding + ( OUTWARD - 1 ) * length ) + ( OUTWARD - 1 ) * shifts;
+	*s.whole = w;
+	return isfinite( w.total ) && isfinite( w.rounding );
 }
 
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
@@ -646,6 +693,7 @@ bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const 
 	{
 		return false;
 	}
+	lwi_motion_place( table, scratch, s.poses );
 	for ( uint32_t i = 0; i < table->body_count; ++i )
 	{
 		lwi_motion_measure_body( table, scratch, i, s.poses, 0.5 );
@@ -667,14 +715,14 @@ double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uin
 	return lwi_motion_of( table, scratch, body, ancestor ).path;
 }
 
-double lwi_motion_total( const lwi_motion_table* table, const void* scratch, uint32_t body )
+double lwi_motion_total( const lwi_motion_table* table, const void* scratch )
 {
-	return scratch_parts( table, scratch ).totals[body];
+	return scratch_parts( table, scratch ).whole->total;
 }
 
-double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body )
+double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch )
 {
-	return scratch_parts( table, scratch ).rounding[body];
+	return scratch_parts( table, scratch ).whole->rounding;
 }
 
 // ---- a cell ----------------------------------------------------------------------------------------------------------

@@ -59,34 +59,49 @@ typedef struct lwi_motion_rate
 	double change; ///< largest acceleration, metres per squared unit of t
 } lwi_motion_rate;
 
-/// lwi_motion_measure() in two steps: first what holds without any pose, then body by body.
-/// @param poses [link_count] world_from_link at some state of the edge, of the body's link and of the links above it
+/// lwi_motion_measure() in steps: what holds without any pose, where the joints are at some state of the edge, then body by
+/// body.
+/// @param poses [link_count] world_from_link at that state, of the bodies' links and of the moving joints' children
 /// @param share of the edge, on the longer side of that state: 0.5 for its middle
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses );
 void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 	double share );
 
 /// Motion of a measured body in the frame of `ancestor`: a link above the body's link or that link itself, or LW_INVALID_INDEX
 /// for the world.
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
-/// Path of the middle of a measured body's sphere alone.
-double lwi_motion_of_center( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+/// All of these for one body: entry i is what the first i + 1 moving joints above it do.
+const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body );
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< its path
 
 /// Upper bound of the distance of a point from where it is at one end of a part of the edge, anywhere on the part.
 /// @param chord of its places at both ends, or more @param h the part's length in t
 double lwi_motion_between( double chord, lwi_motion_rate rate, double h );
 
-/// lwi_motion_of() for a part of a begun body's geometry: what lies in a sphere, given in the world at the state of the poses. The smaller
-/// the sphere, the tighter the bounds.
+/// lwi_motion_of() for a part of a begun body's geometry: what lies in a sphere, given in the world at the state of the
+/// joints' places. The smaller the sphere, the tighter the bounds.
 lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
-	lw_vec3 center, double radius, const lw_transform* poses, double share );
+	lw_vec3 center, double radius, double share );
 
-/// Upper bound of the path length in the world along the whole edge, once it was begun: looser than that of any of its parts.
-double lwi_motion_total( const lwi_motion_table* table, const void* scratch, uint32_t body );
+/// How things move at one moment: a point x has the velocity shift + turn x x, per unit of t.
+typedef struct lwi_twist
+{
+	lw_vec3 turn, shift;
+} lwi_twist;
 
-/// Upper bound of the distance between where a point of the body is at t and where double arithmetic puts it in the world.
-double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body );
+/// What the first moving joint above a body gives to everything below it, in the world. NaN for joints of several variables.
+/// @param pose world_from_link of that joint's child at the state that is asked about
+lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose );
+/// How far the velocity of a point of any body, of twists that were summed up from these, is from the true one at most.
+double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch );
+
+/// Upper bound of the path length of any body in the world along the whole edge, once it was begun: looser than that of any
+/// of its parts.
+double lwi_motion_total( const lwi_motion_table* table, const void* scratch );
+
+/// Upper bound of the distance between where a point of any body is at t and where double arithmetic puts it in the world.
+double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch );
 
 // --- cells of the joint space, seen from one of two links ----------------------------------------------------------------
 //

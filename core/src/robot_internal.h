@@ -124,6 +124,8 @@ void lwi_joint_pose_turned( const lwi_joint* joint, const lw_transform* world_fr
 
 /// What lw_robot_interpolate adds from `from` to `to` for a variable that wraps: in [-pi, pi].
 double lwi_wrapped_difference( double from, double to );
+/// One variable of lw_robot_interpolate(), if it is not part of a quaternion.
+double lwi_interpolate_variable( const lw_variable_info* info, double a, double b, double t );
 
 /// Angle between two quaternions of any non-zero length as *four-vectors*, the shorter way: in [0, pi / 2]. The rotation
 /// between them is twice this. NaN for a zero or non-finite quaternion.

@@ -44,12 +44,29 @@ static uint32_t greatest( const float value[LWI_WIDTH], uint32_t count )
 	return lane;
 }
 
+static inline float larger( float a, float b )
+{
+	return a > b ? a : b;
+}
+
+/// True if no value is above the best; a NaN may be passed over, as in greatest(). Most leaves end here.
+static inline bool none_above( const float v[LWI_WIDTH], float best )
+{
+	float first = larger( larger( v[0], v[1] ), larger( v[2], v[3] ) );
+	float second = larger( larger( v[4], v[5] ), larger( v[6], v[7] ) );
+	return larger( first, second ) <= best;
+}
+
 /// Takes the point of a leaf of triangles that is farthest along n, if it is farther than `best`. Returns how far.
 static float take_triangles( const lwi_kernels* kernels, const lwi_leaf* leaf, uint32_t count, const float n[3], float best,
 	float point[3] )
 {
 	float low[LWI_WIDTH], high[LWI_WIDTH], farthest = -INFINITY;
 	kernels->leaf_project( leaf, n, low, high );
+	if ( count == LWI_WIDTH && none_above( high, best ) )
+	{
+		return best;
+	}
 	uint32_t lane = greatest( high, count );
 	if ( !( high[lane] > best ) )
 	{
@@ -308,8 +325,19 @@ static float reach_of_box( const lw_shape* shape, const float n[3] )
 /// True if no vertex of a leaf is farther along n than `most`.
 static bool leaf_stays_below( const lwi_kernels* kernels, const lw_shape* shape, lwi_ref leaf, const float n[3], float most )
 {
-	float point[3];
-	return take_leaf( kernels, shape, leaf, n, most, point ) <= most;
+	uint32_t index = lwi_ref_index( leaf ), count = lwi_ref_count( leaf ), above = 0;
+	if ( shape->family != LWI_TRIANGLES )
+	{
+		float point[3];
+		return take_leaf( kernels, shape, leaf, n, most, point ) <= most;
+	}
+	float low[LWI_WIDTH], high[LWI_WIDTH];
+	kernels->leaf_project( &shape->leaves[index], n, low, high );
+	for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
+	{
+		above |= (uint32_t)!( high[i] <= most ) << i;
+	}
+	return ( above & ( ( 1u << count ) - 1 ) ) == 0;
 }
 
 /// True if a shape reaches no farther along n (tree frame, unit) than `most`: far less is looked at than for how far it reaches.
@@ -351,13 +379,13 @@ static bool stays_below( const lwi_kernels* kernels, const lw_shape* shape, cons
 /// Directions and origins of a question about places.
 typedef struct between_places
 {
-	lw_vec3 from; ///< b's tree frame's origin at its first place: heights are taken from there
+	lw_vec3 from; ///< b's tree frame's origin at its middle place: heights are taken from there
 	double need;  ///< width of the slab between float heights that proves the limit
 } between_places;
 
-static lw_vec3 origin_at( const lwi_places* s, int i )
+static lw_vec3 origin_of( const lw_transform* at, const lw_shape* shape )
 {
-	return lwi_transform( &s->at[i], lwi_load( s->shape->origin ) );
+	return lwi_transform( at, lwi_load( shape->origin ) );
 }
 
 static double size_of( const lw_shape* shape )
@@ -368,17 +396,15 @@ static double size_of( const lw_shape* shape )
 /// Dilations, and rounding: edges.md.
 static between_places question_of( const lwi_places* a, const lwi_places* b, double limit )
 {
-	between_places q = { .from = origin_at( b, 0 ) };
-	double extents = size_of( a->shape ) + size_of( b->shape ), far = 0;
+	between_places q = { .from = origin_of( &b->middle, b->shape ) };
+	double extents = size_of( a->shape ) + size_of( b->shape ), far = 0; // the sum of all is no less than the largest
 	for ( int i = 0; i < a->count; ++i )
 	{
-		const double* t = a->at[i].t;
-		far = fmax( far, fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] ) );
+		far += fabs( a->at[i].t[0] ) + fabs( a->at[i].t[1] ) + fabs( a->at[i].t[2] );
 	}
 	for ( int i = 0; i < b->count; ++i )
 	{
-		const double* t = b->at[i].t;
-		far = fmax( far, fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] ) );
+		far += fabs( b->at[i].t[0] ) + fabs( b->at[i].t[1] ) + fabs( b->at[i].t[2] );
 	}
 	double dilation = ( a->shape->family == LWI_TRIANGLES ? a->shape->radius : 0 ) +
 					  ( b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0 );
@@ -394,6 +420,22 @@ static void local_direction( const lw_transform* at, lw_vec3 n, float local[3] )
 	local[2] = (float)v.z;
 }
 
+/// The same for one of the places, of length 1. Returns what heights along it are to be multiplied by.
+static double place_direction( const lwi_places* s, int i, lw_vec3 n, float local[3] )
+{
+	if ( s->rigid )
+	{
+		local_direction( &s->at[i], n, local );
+		return 1;
+	}
+	lw_vec3 v = lwi_unrotate( &s->at[i], n );
+	double length = lwi_length( v ), inverse = 1 / length;
+	local[0] = (float)( inverse * v.x );
+	local[1] = (float)( inverse * v.y );
+	local[2] = (float)( inverse * v.z );
+	return length;
+}
+
 /// The farthest point of all places along n. Returns how far, above q->from.
 /// @param start where to look first, tree frame; where it was found
 static double farthest_of_places( const lwi_kernels* kernels, const lwi_places* s, const between_places* q, lw_vec3 n,
@@ -405,10 +447,10 @@ static double farthest_of_places( const lwi_kernels* kernels, const lwi_places* 
 	for ( int i = 0; i < s->count; ++i )
 	{
 		float local[3], point[3];
-		local_direction( &s->at[i], n, local );
+		double scale = place_direction( s, i, n, local );
 		memcpy( point, first, sizeof( point ) );
-		lw_vec3 origin = lwi_sub( origin_at( s, i ), q->from );
-		double high = (double)support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
+		lw_vec3 origin = lwi_sub( origin_of( &s->at[i], s->shape ), q->from );
+		double high = scale * (double)support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
 		if ( !( high <= best ) )
 		{
 			best = high;
@@ -420,14 +462,36 @@ static double farthest_of_places( const lwi_kernels* kernels, const lwi_places* 
 	return best;
 }
 
+/// A point of the places' hull that is far along n: the middle's farthest, at that of the places where it is farthest.
+static lw_vec3 far_point( const lwi_kernels* kernels, const lwi_places* s, const between_places* q, lw_vec3 n,
+	float start[3] )
+{
+	float local[3];
+	local_direction( &s->middle, n, local );
+	support( kernels, s->shape, local, start );
+	lw_vec3 farthest = { 0, 0, 0 }, point = lwi_v3( (double)start[0], (double)start[1], (double)start[2] );
+	double best = -INFINITY;
+	for ( int i = 0; i < s->count; ++i )
+	{
+		lw_vec3 at = lwi_add( lwi_sub( origin_of( &s->at[i], s->shape ), q->from ), lwi_rotate( &s->at[i], point ) );
+		double high = lwi_dot( n, at );
+		if ( !( high <= best ) )
+		{
+			best = high;
+			farthest = at;
+		}
+	}
+	return farthest;
+}
+
 /// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its places.
 static bool all_stay_below( const lwi_kernels* kernels, const lwi_places* s, const between_places* q, lw_vec3 n, double most )
 {
 	for ( int i = 0; i < s->count; ++i )
 	{
 		float local[3];
-		local_direction( &s->at[i], n, local );
-		double left = most - lwi_dot( n, lwi_sub( origin_at( s, i ), q->from ) );
+		double scale = place_direction( s, i, n, local );
+		double left = ( most - lwi_dot( n, lwi_sub( origin_of( &s->at[i], s->shape ), q->from ) ) ) / scale;
 		if ( !( left > -INFINITY && stays_below( kernels, s->shape, local, lwi_round_down( left ) ) ) )
 		{
 			return false;
@@ -441,8 +505,8 @@ bool lwi_places_are_apart( const lwi_kernels* kernels, const lwi_places* a, cons
 {
 	between_places q = question_of( a, b, limit );
 	const float* d = known->plane.direction;
-	lw_vec3 n = lwi_rotate( &b->at[0], lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) );
-	double bottom = -(double)known->reach_b; // of b at its first place; what stands has no other
+	lw_vec3 n = lwi_rotate( &b->middle, lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) );
+	double bottom = -(double)known->reach_b; // of b at its middle place; what stands has no other
 	if ( b->count > 1 )
 	{
 		float point[3];
@@ -466,7 +530,7 @@ bool lwi_separate_places( const lwi_kernels* kernels, const lwi_places* a, const
 	memcpy( d, direction, 3 * sizeof( float ) );
 	for ( int step = 0; step < steps && normalize( d ); ++step )
 	{
-		lw_vec3 n = lwi_rotate( &b->at[0], lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) ), top, bottom;
+		lw_vec3 n = lwi_rotate( &b->middle, lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) ), top, bottom;
 		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), next.plane.point_b, &bottom );
 		if ( all_stay_below( kernels, a, &q, n, low - q.need ) )
 		{
@@ -474,7 +538,8 @@ bool lwi_separate_places( const lwi_kernels* kernels, const lwi_places* a, const
 			*out = next;
 			return true;
 		}
-		farthest_of_places( kernels, a, &q, n, next.plane.point_a, &top );
+		// what it says of a only decides where to look next
+		top = far_point( kernels, a, &q, n, next.plane.point_a );
 		lw_vec3 difference = lwi_sub( bottom, top );
 		w[count++] = (vec_s){ difference.x, difference.y, difference.z };
 		nearest_s nearest;
@@ -488,7 +553,7 @@ bool lwi_separate_places( const lwi_kernels* kernels, const lwi_places* a, const
 		{
 			return false;
 		}
-		local_direction( &b->at[0], lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ), d );
+		local_direction( &b->middle, lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ), d );
 	}
 	return false;
 }

@@ -46,13 +46,15 @@ typedef struct lwi_places
 {
 	const lw_shape* shape;
 	int count;
+	bool rigid;          ///< `at` are; else they may be any linear maps near the middle: points are where they take them
+	lw_transform middle; ///< frame_from_shape, rigid: between the others, or one of them
 	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape
 } lwi_places;
 
 /// A plane between two shapes at all their places.
 typedef struct lwi_places_plane
 {
-	lwi_plane plane; ///< the direction is given in b's tree frame at its first place, of length 1 to rounding
+	lwi_plane plane; ///< the direction is given in b's tree frame at its middle place, of length 1 to rounding
 	float reach_b;   ///< how far b reaches against the direction, in its tree frame
 } lwi_places_plane;
 
@@ -62,7 +64,7 @@ bool lwi_places_are_apart( const lwi_kernels* kernels, const lwi_places* a, cons
 	const lwi_places_plane* known );
 
 /// lwi_separate() for the convex hulls of all places.
-/// @param direction where to begin: b's tree frame at its first place, any length
+/// @param direction where to begin: b's tree frame at its middle place, any length
 /// @param out what separated them; written only then
 bool lwi_separate_places( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
 	const float direction[3], int steps, lwi_places_plane* out );

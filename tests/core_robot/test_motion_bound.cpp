@@ -20,14 +20,15 @@ extern "C"
 	{
 		double path, change;
 	};
+	void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses );
 	void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 		double share );
 	lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
-		lw_vec3 center, double radius, const lw_transform* poses, double share );
+		lw_vec3 center, double radius, double share );
 	double lwi_motion_between( double chord, lwi_motion_rate rate, double h );
 	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
-	double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch, uint32_t body );
+	double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch );
 }
 
 namespace
@@ -147,7 +148,7 @@ TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
 			}
 			++( ancestor == LW_INVALID_INDEX ? worldCases : relativeCases );
 			double bound = lwi_motion_bound( motion.table, motion.scratch, body, ancestor );
-			double rounding = lwi_motion_rounding( motion.table, motion.scratch, body );
+			double rounding = lwi_motion_rounding( motion.table, motion.scratch );
 			EXPECT_LE( rounding, 1e-10 );
 			double longest = longestPath( model, poses, body, ancestor, bound, 4 * rounding );
 			EXPECT_LE( longest, bound + 4 * steps * rounding );
@@ -206,6 +207,7 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 		double h = rng.decade( -3, 0 ), from = rng.uniform( 0, 1 - h ), measured = rng.uniform( 0, 1 );
 		double share = std::max( measured, 1 - measured );
 		std::vector<lw_transform> reference = posesAt( robot.get(), a, b, measured );
+		lwi_motion_place( motion.table, motion.scratch, reference.data() );
 		std::vector<std::vector<lw_transform>> between;
 		for ( int k = 0; k <= 12; ++k )
 		{
@@ -217,12 +219,12 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 			std::uint32_t ancestor = randomAncestor( rng, robot.get(), def.link );
 			lwi_motion_measure_body( motion.table, motion.scratch, body, reference.data(), share );
 			lwi_motion_rate whole = lwi_motion_of( motion.table, motion.scratch, body, ancestor );
-			double rounding = lwi_motion_rounding( motion.table, motion.scratch, body );
+			double rounding = lwi_motion_rounding( motion.table, motion.scratch );
 			bool inWorld = ancestor == LW_INVALID_INDEX;
 			for ( lw_vec3 p : model.bodyPoints[body] )
 			{
 				lw_vec3 there = position( lw_transform_identity(), true, reference[def.link], def, p );
-				lwi_motion_rate own = lwi_motion_of_sphere( motion.table, motion.scratch, body, ancestor, there, 0, reference.data(), share );
+				lwi_motion_rate own = lwi_motion_of_sphere( motion.table, motion.scratch, body, ancestor, there, 0, share );
 				EXPECT_LE( own.path, whole.path * ( 1 + 1e-9 ) );
 				EXPECT_LE( own.change, whole.change * ( 1 + 1e-9 ) );
 				std::vector<lw_vec3> at;
@@ -283,6 +285,7 @@ TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
 		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
 		std::vector<lw_transform> start = posesAt( robot.get(), a, b, 0 ), center = posesAt( robot.get(), a, b, 0.5 ),
 								  end = posesAt( robot.get(), a, b, 1 );
+		lwi_motion_place( motion.table, motion.scratch, center.data() );
 		lwi_motion_measure_body( motion.table, motion.scratch, 0, center.data(), 0.5 );
 		const lw_vec3 tip = { forearm, 0, 0 };
 		double chord = distance( lw_transform_point( &start[3], tip ), lw_transform_point( &end[3], tip ) );
