@@ -26,6 +26,7 @@ typedef struct lwi_searching
 	bool flats;   ///< both have them
 	bool has_direction;
 	float direction_a[3], direction_b[3]; ///< from a to b, across the nearest pair found, in either tree frame: unit to rounding
+	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart
 	double least; ///< what is nearer is measured whatever the bound: solid meshes (distance_solid.c); else -inf
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
 } lwi_searching;

@@ -159,6 +159,13 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	float sphere[4], gap_a[LWI_WIDTH], gap_b[LWI_WIDTH], direction_a[3][LWI_WIDTH], direction_b[3][LWI_WIDTH];
 	lwi_sphere_b_in_a( s, e, sphere );
 	uint32_t mask_a = s->kernels->leaf_gap( a, sphere, s->limit, gap_a, direction_a ) & lwi_low_bits( count_a );
+	uint32_t nearest = least_lane( gap_a, count_a );
+	float along[3] = { direction_a[0][nearest], direction_a[1][nearest], direction_a[2][nearest] };
+	if ( gap_a[nearest] < s->guess_gap )
+	{
+		s->guess_gap = gap_a[nearest];
+		lwi_set_direction( s, lwi_v3( 0, 0, 0 ), lwi_v3( (double)along[0], (double)along[1], (double)along[2] ) );
+	}
 	if ( mask_a == 0 )
 	{
 		return;
@@ -169,8 +176,6 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	{
 		return;
 	}
-	uint32_t nearest = least_lane( gap_a, count_a );
-	float along[3] = { direction_a[0][nearest], direction_a[1][nearest], direction_a[2][nearest] };
 	project_leaves( s, a, b, along, high_a[0], low_b[0] );
 	// from b's side the direction points from b to a: turned around, and into a's frame
 	nearest = least_lane( gap_b, count_b );

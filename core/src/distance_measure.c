@@ -35,6 +35,7 @@ static void offer( lwi_searching* s, double lower, double upper, lw_vec3 point_a
 	if ( lwi_bound_offer( s->bound, low > 0 ? low : 0, high > 0 ? high : 0 ) )
 	{
 		lwi_set_direction( s, point_a, point_b );
+		s->guess_gap = -INFINITY;
 		dilate( radius_a, radius_b, upper, &point_a, &point_b );
 		s->bound->point_a = point_a;
 		s->bound->point_b = point_b;

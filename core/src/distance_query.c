@@ -321,9 +321,11 @@ static void search_trees( lwi_searching* s )
 	root.radius_b = s->b->root_sphere[3];
 	root.flat_a = root.flat_b = LW_INVALID_INDEX;
 	s->flats = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
+	s->guess_gap = INFINITY;
 	if ( s->bound->upper < INFINITY && s->bound->pair == s->bound->current_pair )
 	{
 		lwi_set_direction( s, s->bound->point_a, s->bound->point_b );
+		s->guess_gap = -INFINITY;
 	}
 	query->batch.count = 0;
 	query->stack[0] = root;
