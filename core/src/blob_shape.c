@@ -237,7 +237,7 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	// The walk of the validation is bounded whatever the tree holds: it stops at a reference out of range, below
 	// LWI_MAX_DEPTH, and once it has met more nodes than there are. A query's walk is a part of it.
 	status = status == LW_OK ? lw_shape_validate( shape, &inner ) : status;
-	status = status == LW_OK ? lwi_shape_find_flats( shape, &inner ) : status;
+	status = status == LW_OK ? lwi_shape_find_bricks( shape, &inner ) : status;
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );

@@ -23,7 +23,7 @@ typedef struct lwi_searching
 	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
 	double slack; ///< metres: what a float gap may be too large by
 	double error; ///< metres: what a distance in double may be off by
-	bool flats;   ///< both have them
+	bool bricks;   ///< both have them
 	bool has_direction;
 	float direction_a[3], direction_b[3]; ///< from a to b, across the nearest pair found, in either tree frame: unit to rounding
 	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart

@@ -110,22 +110,30 @@ lw_clearance lwi_bound_result( const lwi_bound* bound )
 
 // --- tree against tree -----------------------------------------------------------------------------------------------
 
-/// The planes around a subtree, its centre and normal moved.
-static lwi_flat flat_of( const lw_shape* shape, uint32_t place, const lwi_motion* motion, const float sphere[4] )
+/// The box around a subtree, its centre and axes moved; of a root only its sphere.
+static lwi_brick brick_of( const lw_shape* shape, uint32_t place, const lwi_motion* motion, const float sphere[4] )
 {
-	lwi_flat out = { { sphere[0], sphere[1], sphere[2] }, sphere[3], { 1, 0, 0 }, -sphere[3], sphere[3] };
-	if ( place != LW_INVALID_INDEX )
+	lwi_brick out = { .center = { sphere[0], sphere[1], sphere[2] }, .radius = sphere[3] };
+	float r = sphere[3];
+	if ( place == LW_INVALID_INDEX )
 	{
-		const lwi_flats* flats = &shape->flats[place / LWI_WIDTH];
-		uint32_t lane = place % LWI_WIDTH;
-		float x = flats->nx[lane], y = flats->ny[lane], z = flats->nz[lane];
-		for ( int i = 0; i < 3; ++i )
-		{
-			out.normal[i] = motion->r[3 * i] * x + motion->r[3 * i + 1] * y + motion->r[3 * i + 2] * z;
-		}
-		out.low = flats->low[lane];
-		out.high = flats->high[lane];
+		const lwi_brick cube = { .axis = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, .low = { -r, -r, -r }, .high = { r, r, r } };
+		memcpy( out.axis, cube.axis, sizeof( out.axis ) );
+		memcpy( out.low, cube.low, sizeof( out.low ) );
+		memcpy( out.high, cube.high, sizeof( out.high ) );
+		return out;
 	}
+	const lwi_bricks* bricks = &shape->bricks[place / LWI_WIDTH];
+	uint32_t lane = place % LWI_WIDTH;
+	for ( int i = 0; i < 3; ++i )
+	{
+		const float* row = motion->r + 3 * i;
+		out.axis[0][i] = row[0] * bricks->n[0][lane] + row[1] * bricks->n[1][lane] + row[2] * bricks->n[2][lane];
+		out.axis[1][i] = row[0] * bricks->t[0][lane] + row[1] * bricks->t[1][lane] + row[2] * bricks->t[2][lane];
+		out.low[i] = bricks->low[i][lane];
+		out.high[i] = bricks->high[i][lane];
+	}
+	lwi_third_axis( out.axis[0], out.axis[1], out.axis[2] );
 	return out;
 }
 
@@ -137,11 +145,11 @@ static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 	lwi_sphere_a_in_b( s, e, sphere );
 	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
 	s->query->stats.node_tests++;
-	if ( mask != 0 && s->flats )
+	if ( mask != 0 && s->bricks )
 	{
-		lwi_flat other = flat_of( s->a, e->flat_a, &s->tree_b_from_a, sphere );
+		lwi_brick other = brick_of( s->a, e->brick_a, &s->tree_b_from_a, sphere );
 		float back[3] = { -s->direction_b[0], -s->direction_b[1], -s->direction_b[2] };
-		mask &= s->kernels->flat_gap( node, &s->b->flats[e->b], &other, s->has_direction ? back : NULL, s->limit, gap );
+		mask &= s->kernels->brick_gap( node, &s->b->bricks[e->b], &other, s->has_direction ? back : NULL, s->limit, gap );
 	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
@@ -150,7 +158,7 @@ static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 		uint32_t lane = lanes[i];
 		lwi_entry* child = &s->query->stack[height++];
 		*child = *e;
-		child->flat_b = e->b * LWI_WIDTH + lane;
+		child->brick_b = e->b * LWI_WIDTH + lane;
 		child->b = node->child[lane];
 		child->gap = gap[lane];
 		child->center_b[0] = node->x[lane];
@@ -168,10 +176,10 @@ static uint32_t open_a( lwi_searching* s, lwi_entry* e, uint32_t height )
 	lwi_sphere_b_in_a( s, e, sphere );
 	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
 	s->query->stats.node_tests++;
-	if ( mask != 0 && s->flats )
+	if ( mask != 0 && s->bricks )
 	{
-		lwi_flat other = flat_of( s->b, e->flat_b, &s->tree_a_from_b, sphere );
-		mask &= s->kernels->flat_gap( node, &s->a->flats[e->a], &other, s->has_direction ? s->direction_a : NULL, s->limit, gap );
+		lwi_brick other = brick_of( s->b, e->brick_b, &s->tree_a_from_b, sphere );
+		mask &= s->kernels->brick_gap( node, &s->a->bricks[e->a], &other, s->has_direction ? s->direction_a : NULL, s->limit, gap );
 	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
@@ -180,7 +188,7 @@ static uint32_t open_a( lwi_searching* s, lwi_entry* e, uint32_t height )
 		uint32_t lane = lanes[i];
 		lwi_entry* child = &s->query->stack[height++];
 		*child = *e;
-		child->flat_a = e->a * LWI_WIDTH + lane;
+		child->brick_a = e->a * LWI_WIDTH + lane;
 		child->a = node->child[lane];
 		child->gap = gap[lane];
 		child->center_a[0] = node->x[lane];
@@ -286,7 +294,7 @@ typedef struct witness_trial
 
 enum
 {
-	BEFORE_WITNESS = 512, ///< comparisons without a nearer pair: large faces that face each other. Why so late: distance.md
+	BEFORE_WITNESS = 192, ///< comparisons without a nearer pair: large faces that face each other. Why so late: distance.md
 	WITNESS_LEAVES = 64   ///< that it may look at per comparison so far: few are looked at where it is in vain
 };
 
@@ -319,8 +327,8 @@ static void search_trees( lwi_searching* s )
 	memcpy( root.center_b, s->b->root_sphere, 3 * sizeof( float ) );
 	root.radius_a = s->a->root_sphere[3];
 	root.radius_b = s->b->root_sphere[3];
-	root.flat_a = root.flat_b = LW_INVALID_INDEX;
-	s->flats = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
+	root.brick_a = root.brick_b = LW_INVALID_INDEX;
+	s->bricks = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
 	s->guess_gap = INFINITY;
 	if ( s->bound->upper < INFINITY && s->bound->pair == s->bound->current_pair )
 	{

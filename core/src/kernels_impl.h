@@ -62,39 +62,45 @@ static uint32_t sphere_gap( const float* xyzr, const float sphere[4], float limi
 	return store_gap( gap, f8_sub( distance, f8_add( f8_load( xyzr + 24 ), f8_set( sphere[3] ) ) ), limit );
 }
 
-/// How far a sphere about 0, cut by two planes, reaches along u: at height t above the middle its disc has a radius of
-/// sqrt( r^2 - t^2 ), and the best t is that of the sphere's own farthest point or of the plane that cuts it off.
-static inline f8 flat_reach( v3 u, v3 normal, f8 radius, f8 low, f8 high )
+/// How far a box with these axes reaches along u from 0, or its sphere if that is less.
+static inline f8 brick_reach( v3 u, const v3 axis[3], const f8 low[3], const f8 high[3], f8 radius )
 {
-	f8 along = v3_dot( u, normal );
-	v3 rest = v3_cross( u, normal );
-	f8 across = f8_sqrt( v3_dot( rest, rest ) );
-	f8 t = f8_min( f8_max( f8_mul( radius, along ), low ), high );
-	f8 disc = f8_sqrt( f8_max( f8_mul( f8_sub( radius, t ), f8_add( radius, t ) ), f8_set( 0.0f ) ) );
-	return f8_add( f8_mul( t, along ), f8_mul( disc, across ) );
+	f8 sum = f8_set( 0.0f );
+	for ( int i = 0; i < 3; ++i )
+	{
+		f8 along = v3_dot( u, axis[i] );
+		sum = f8_add( sum, f8_max( f8_mul( low[i], along ), f8_mul( high[i], along ) ) );
+	}
+	return f8_min( sum, radius );
 }
 
-static uint32_t flat_gap( const lwi_node* node, const lwi_flats* flats, const lwi_flat* other, const float along[3], float limit,
+static uint32_t brick_gap( const lwi_node* node, const lwi_bricks* bricks, const lwi_brick* other, const float along[3], float limit,
 	float gap[LWI_WIDTH] )
 {
-	f8 zero = f8_set( 0.0f );
-	v3 normal = { f8_load( flats->nx ), f8_load( flats->ny ), f8_load( flats->nz ) };
-	f8 radius = f8_load( node->r ), low = f8_load( flats->low ), high = f8_load( flats->high );
-	v3 other_normal = v3_set( other->normal );
-	f8 other_radius = f8_set( other->radius );
-	// looked at from the other side, its planes change places
-	f8 other_low = f8_sub( zero, f8_set( other->high ) ), other_high = f8_sub( zero, f8_set( other->low ) );
+	f8 zero = f8_set( 0.0f ), radius = f8_load( node->r ), other_radius = f8_set( other->radius );
+	v3 axis[3] = { v3_load( bricks->n ), v3_load( bricks->t ) }, other_axis[3];
+	axis[2] = v3_cross( axis[0], axis[1] );
+	f8 low[3], high[3], other_low[3], other_high[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		low[i] = f8_load( bricks->low[i] );
+		high[i] = f8_load( bricks->high[i] );
+		other_axis[i] = v3_set( other->axis[i] );
+		// looked at from the other side, its faces change places
+		other_low[i] = f8_sub( zero, f8_set( other->high[i] ) );
+		other_high[i] = f8_sub( zero, f8_set( other->low[i] ) );
+	}
 	v3 across = v3_sub( v3_set( other->center ), ( v3 ){ f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) } );
 	f8 length = f8_sqrt( v3_dot( across, across ) );
 	m8 vanishes = f8_lt( length, f8_set( 0x1p-62f ) ); // with its squares: no direction, or one not of length 1, along which nothing is proved
 	length = f8_max( length, f8_set( 0x1p-62f ) );
 	v3 u = { f8_div( across.x, length ), f8_div( across.y, length ), f8_div( across.z, length ) };
-	f8 reach = f8_add( flat_reach( u, normal, radius, low, high ), flat_reach( u, other_normal, other_radius, other_low, other_high ) );
+	f8 reach = f8_add( brick_reach( u, axis, low, high, radius ), brick_reach( u, other_axis, other_low, other_high, other_radius ) );
 	f8 best = f8_select( vanishes, f8_set( -INFINITY ), f8_sub( v3_dot( u, across ), reach ) );
 	if ( along != NULL )
 	{
 		u = v3_set( along );
-		reach = f8_add( flat_reach( u, normal, radius, low, high ), flat_reach( u, other_normal, other_radius, other_low, other_high ) );
+		reach = f8_add( brick_reach( u, axis, low, high, radius ), brick_reach( u, other_axis, other_low, other_high, other_radius ) );
 		best = f8_max( best, f8_sub( v3_dot( u, across ), reach ) );
 	}
 	return store_gap( gap, best, limit );
@@ -454,5 +460,5 @@ static void turns( const double* restrict angle, uint32_t count, double* restric
 	}
 }
 
-const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, flat_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
+const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, brick_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
 	leaf_project, leaf_transform, triangle_gap, node_solid_gap, leaf_solid_gap, turns };

@@ -21,7 +21,7 @@ typedef struct lwi_entry
 	lwi_ref a, b;
 	float center_a[3], radius_a; ///< a's tree frame
 	float center_b[3], radius_b; ///< b's tree frame
-	uint32_t flat_a, flat_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
+	uint32_t brick_a, brick_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
 	float moved[3];           ///< cached centre, see `cached`
 	enum
 	{

@@ -70,9 +70,9 @@ static void free_shape( lw_shape* shape )
 	lwi_free( &allocator, shape->sheets, shape->item_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, shape->radii, shape->item_count * sizeof( double ) );
 	lwi_free( &allocator, shape->nodes, shape->node_count * sizeof( lwi_node ) );
-	if ( shape->flats != NULL )
+	if ( shape->bricks != NULL )
 	{
-		lwi_free( &allocator, shape->flats, shape->node_count * sizeof( lwi_flats ) );
+		lwi_free( &allocator, shape->bricks, shape->node_count * sizeof( lwi_bricks ) );
 	}
 	lwi_free( &allocator, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
 	lwi_free( &allocator, shape->ball_leaves, shape->leaf_count * sizeof( lwi_ball_leaf ) );
@@ -157,7 +157,7 @@ void lwi_shape_finish( lw_shape* shape )
 		( shape->indices != NULL ? 3 * (size_t)shape->item_count * sizeof( uint32_t ) : 0 ) +
 		( shape->sheets != NULL ? shape->item_count * sizeof( uint32_t ) : 0 ) +
 		( shape->radii != NULL ? shape->item_count * sizeof( double ) : 0 ) + shape->node_count * sizeof( lwi_node ) +
-		( shape->family == LWI_TRIANGLES ? shape->node_count * sizeof( lwi_flats ) : 0 ) + shape->leaf_count * leaf_size;
+		( shape->family == LWI_TRIANGLES ? shape->node_count * sizeof( lwi_bricks ) : 0 ) + shape->leaf_count * leaf_size;
 }
 
 // Trees
@@ -229,7 +229,7 @@ lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* dia
 	shape->ball_leaves = tree.ball_leaves;
 	shape->box_leaves = tree.box_leaves;
 	lwi_shape_finish( shape );
-	return lwi_shape_find_flats( shape, diag );
+	return lwi_shape_find_bricks( shape, diag );
 }
 
 lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape )

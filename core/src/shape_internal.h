@@ -101,7 +101,7 @@ struct lw_shape
 	float root_sphere[4]; ///< x, y, z, r: contains everything, tree frame
 	uint32_t node_count, leaf_count, depth;
 	lwi_node* nodes;
-	lwi_flats* flats;           ///< [node_count] of triangles, else NULL
+	lwi_bricks* bricks;           ///< [node_count] of triangles, else NULL
 	lwi_leaf* leaves;           ///< of triangles
 	lwi_ball_leaf* ball_leaves; ///< of balls
 	lwi_box_leaf* box_leaves;   ///< of boxes
@@ -209,9 +209,9 @@ void lwi_shape_set_frame( lw_shape* shape );
 /// The last step, after tree and root sphere: the bounds and the bytes.
 void lwi_shape_finish( lw_shape* shape );
 
-/// How flat the nodes of a tree of triangles are, which is said by its nodes and leaves. The tree is valid.
+/// The turned boxes of a tree of triangles, found from its nodes and leaves. The tree is valid.
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
-lw_status lwi_shape_find_flats( lw_shape* shape, lw_diag* diag );
+lw_status lwi_shape_find_bricks( lw_shape* shape, lw_diag* diag );
 
 /// All steps, for a shape whose vertices, indices, radii and counts are set.
 lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );

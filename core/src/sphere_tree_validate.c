@@ -32,10 +32,10 @@ typedef struct walker
 	uint32_t nodes, leaves, depth;
 	const char* problem;
 	uint32_t where;
-	// the spheres above the subtree in hand, the root's first, and the planes of all but that
+	// the spheres above the subtree in hand, the root's first, and the turned boxes of all but that
 	float spheres[LWI_MAX_DEPTH + 1][4];
-	const lwi_flats* flats[LWI_MAX_DEPTH + 1]; ///< NULL where they are not found yet
-	uint32_t flat_lanes[LWI_MAX_DEPTH + 1];
+	const lwi_bricks* bricks[LWI_MAX_DEPTH + 1]; ///< NULL where they are not found yet
+	uint32_t brick_lanes[LWI_MAX_DEPTH + 1];
 } walker;
 
 static bool fail( walker* w, uint32_t where, const char* problem )
@@ -51,19 +51,28 @@ static bool contains( const float sphere[4], lw_vec3 p, double slack )
 	return lwi_distance( c, p ) <= (double)sphere[3] * ( 1.0 + EXACT_TOLERANCE ) + slack;
 }
 
-/// True if a point is between the planes of the sphere of a level.
-static bool is_between( const walker* w, uint32_t level, lw_vec3 p, double slack )
+/// True if a point is in the turned box of a level, whose axes are what they should be.
+static bool is_in_brick( const walker* w, uint32_t level, lw_vec3 p, double slack )
 {
-	const lwi_flats* f = w->flats[level];
-	if ( f == NULL )
+	const lwi_bricks* b = w->bricks[level];
+	if ( b == NULL )
 	{
 		return true;
 	}
-	uint32_t lane = w->flat_lanes[level];
+	uint32_t lane = w->brick_lanes[level];
 	const float* c = w->spheres[level];
-	lw_vec3 n = lwi_v3( (double)f->nx[lane], (double)f->ny[lane], (double)f->nz[lane] );
-	double height = lwi_dot( n, lwi_sub( p, lwi_v3( (double)c[0], (double)c[1], (double)c[2] ) ) );
-	return fabs( lwi_length( n ) - 1 ) <= FLOAT_TOLERANCE && height >= (double)f->low[lane] - slack && height <= (double)f->high[lane] + slack;
+	lw_vec3 q = lwi_sub( p, lwi_v3( (double)c[0], (double)c[1], (double)c[2] ) ), axis[3];
+	axis[0] = lwi_v3( (double)b->n[0][lane], (double)b->n[1][lane], (double)b->n[2][lane] );
+	axis[1] = lwi_v3( (double)b->t[0][lane], (double)b->t[1][lane], (double)b->t[2][lane] );
+	axis[2] = lwi_cross( axis[0], axis[1] );
+	bool within = fabs( lwi_dot( axis[0], axis[1] ) ) <= FLOAT_TOLERANCE;
+	for ( int i = 0; i < 3; ++i )
+	{
+		double height = lwi_dot( axis[i], q );
+		within = within && fabs( lwi_length( axis[i] ) - 1 ) <= FLOAT_TOLERANCE && height >= (double)b->low[i][lane] - slack &&
+				 height <= (double)b->high[i][lane] + slack;
+	}
+	return within;
 }
 
 static lw_vec3 leaf_vertex( const lwi_leaf* leaf, int vertex, uint32_t lane )
@@ -112,9 +121,9 @@ static bool check_lane( walker* w, const lwi_leaf* leaf, uint32_t lane, uint32_t
 			{
 				return fail( w, where, "a sphere does not contain a leaf triangle under it" );
 			}
-			if ( !is_between( w, l, p[k], exact_slack ) )
+			if ( !is_in_brick( w, l, p[k], exact_slack ) )
 			{
-				return fail( w, where, "a leaf triangle is not between the planes of a node above it" );
+				return fail( w, where, "a turned box does not contain a leaf triangle under it" );
 			}
 			if ( whole && !contains( w->spheres[l], original[k], exact_slack ) )
 			{
@@ -276,8 +285,8 @@ static bool check_node( walker* w, lwi_ref ref, uint32_t level )
 			return fail( w, ref, padding ? "a child behind a pad lane" : "a radius is negative or not finite" );
 		}
 		memcpy( w->spheres[level + 1], ( float[4] ){ node->x[i], node->y[i], node->z[i], node->r[i] }, 4 * sizeof( float ) );
-		w->flats[level + 1] = w->shape->flats != NULL ? &w->shape->flats[ref] : NULL;
-		w->flat_lanes[level + 1] = (uint32_t)i;
+		w->bricks[level + 1] = w->shape->bricks != NULL ? &w->shape->bricks[ref] : NULL;
+		w->brick_lanes[level + 1] = (uint32_t)i;
 		if ( !check_node( w, node->child[i], level + 1 ) )
 		{
 			return false;

@@ -28,18 +28,27 @@ typedef struct lwi_node
 	lwi_ref child[LWI_WIDTH];
 } lwi_node;
 
-/// How flat the children of a node are, for trees of triangles: the geometry under a child lies between two planes,
-/// low <= n . (p - centre of its sphere) <= high. n is a unit vector to rounding, of any direction; pads are zero.
-typedef struct lwi_flats
+/// Turned boxes around the children of a node, for trees of triangles: for all geometry p under a child, and q = p - centre of its sphere,
+/// low[i] <= axis i . q <= high[i]. Axes are unit vectors at right angles, to rounding: n, t, and lwi_third_axis(). Pads are zero.
+typedef struct lwi_bricks
 {
-	float nx[LWI_WIDTH], ny[LWI_WIDTH], nz[LWI_WIDTH], low[LWI_WIDTH], high[LWI_WIDTH];
-} lwi_flats;
+	float n[3][LWI_WIDTH], t[3][LWI_WIDTH];
+	float low[3][LWI_WIDTH], high[3][LWI_WIDTH];
+} lwi_bricks;
 
 /// One of them with its sphere, in the frame of the node that it is compared with.
-typedef struct lwi_flat
+typedef struct lwi_brick
 {
-	float center[3], radius, normal[3], low, high;
-} lwi_flat;
+	float center[3], radius, axis[3][3], low[3], high[3];
+} lwi_brick;
+
+/// n x t
+static inline void lwi_third_axis( const float n[3], const float t[3], float out[3] )
+{
+	out[0] = n[1] * t[2] - n[2] * t[1];
+	out[1] = n[2] * t[0] - n[0] * t[2];
+	out[2] = n[0] * t[1] - n[1] * t[0];
+}
 
 /// Up to 8 triangles (or tiles of triangles), tree frame, rounded to nearest. Pad lanes repeat lane 0.
 typedef struct lwi_leaf
