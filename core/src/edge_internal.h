@@ -16,7 +16,7 @@ enum
 {
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
 	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
-	LWI_EDGE_KEPT = 4, ///< planes of a pair
+	LWI_EDGE_KEPT = 8, ///< planes of a pair
 	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
@@ -31,6 +31,7 @@ typedef struct lwi_edge_item
 	lwi_motion_rate rate_a, rate_b;
 	double rounding; ///< error of poses and states, metres; a lower bound counts less by it
 	uint32_t warm;   ///< index into `warm`
+	uint32_t near;   ///< obstacles that were found near it just now, the first of query->candidates; 0: not known
 } lwi_edge_item;
 
 /// What kept a pair apart the last few times: directions are few, and states that planners ask for go to and fro.

@@ -259,6 +259,7 @@ static bool screen_item( screening* s, lwi_edge_item item )
 	if ( !sample.proved )
 	{
 		s->level->gaps[s->level->count++] = (lwi_edge_gap){ 0, e->item_count, sample.skip, true };
+		item.near = 0;
 		e->items[e->item_count++] = item;
 		s->work += 1u << ( sample.skip < LOOK_MOST_SKIP ? sample.skip : LOOK_MOST_SKIP );
 	}
@@ -285,8 +286,16 @@ static double center_way( screening* s, uint32_t node )
 	return length < path ? length : path;
 }
 
-/// How much the clearance of two nodes may lose in the same way, and with `whole` that of any of their bodies, else of their
-/// spheres.
+/// How much the clearance of two nodes may lose by the lengths of their paths.
+static double pair_path( screening* s, const lwi_node_pair* pair )
+{
+	const lwi_edge_pace *a = lwi_edge_pace_of( s->edge, pair->node_a ), *b = lwi_edge_pace_of( s->edge, pair->node_b );
+	const lwi_edge_pace* above = lwi_edge_pace_of( s->edge, pair->ancestor );
+	return s->window.half * ( lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path );
+}
+
+/// How much the clearance of two nodes may lose by how they move in the middle, and with `whole` that of any of their bodies,
+/// else of their spheres.
 static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
 {
 	lwi_edge* e = s->edge;
@@ -317,18 +326,24 @@ static bool screen_environment( screening* s, uint32_t node )
 		return true;
 	}
 	double way = center_way( s, node ) / LWI_EDGE_INWARD;
-	bool near = n->body_count > 1 ? lwi_checker_node_nears_scene( c, e->query, node, enough( e, s->rounding, way ) )
-								  : lwi_checker_near_obstacles( c, e->query, c->tree->bodies[n->first_body],
-										beyond( e, s->rounding ) + way ) > 0;
-	if ( !near )
+	uint32_t near = 0;
+	if ( n->body_count == 1 )
+	{
+		double limit = beyond( e, s->rounding ) + way;
+		near = lwi_checker_near_obstacles( c, e->query, c->tree->bodies[n->first_body], limit );
+	}
+	if ( near == 0 && ( n->body_count == 1 ||
+						  !lwi_checker_node_nears_scene( c, e->query, node, enough( e, s->rounding, way ) ) ) )
 	{
 		note_proof( e, 0.25 * slack_of( e, s->rounding ) );
 		return true;
 	}
 	for ( uint32_t i = 0; i < n->body_count; ++i )
 	{
-		lwi_edge_item item = {
-			.body_a = c->tree->bodies[n->first_body + i], .body_b = LW_INVALID_INDEX, .rounding = s->rounding };
+		lwi_edge_item item = { .body_a = c->tree->bodies[n->first_body + i],
+			.body_b = LW_INVALID_INDEX,
+			.rounding = s->rounding,
+			.near = near };
 		if ( !screen_item( s, item ) )
 		{
 			return false;
@@ -357,7 +372,8 @@ static bool screen_pair( screening* s, uint32_t index )
 	const lwi_checker_node *a = &c->tree->nodes[pair->node_a], *b = &c->tree->nodes[pair->node_b];
 	double rounding = s->pair_rounding;
 	note_proof( e, 0.25 * slack_of( e, rounding ) ); // of the pairs that are not near
-	if ( !spheres_meet( s, pair, enough( e, rounding, pair_way( s, pair, false ) / LWI_EDGE_INWARD ) ) )
+	if ( !spheres_meet( s, pair, enough( e, rounding, pair_path( s, pair ) / LWI_EDGE_INWARD ) ) || // mostly that is all
+		 !spheres_meet( s, pair, enough( e, rounding, pair_way( s, pair, false ) / LWI_EDGE_INWARD ) ) )
 	{
 		return true;
 	}

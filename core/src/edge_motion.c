@@ -378,24 +378,6 @@ double lwi_edge_way( lwi_edge* e, uint32_t node, uint32_t ancestor, const double
 	return lwi_motion_between( chord_of( e, swing_of( e, node, ancestor, window ), local ), rate, window.half );
 }
 
-/// The place that the velocity at the middle leads to.
-static lw_transform moved( const lw_transform* from, const lwi_twist* twist, double by )
-{
-	lw_transform m;
-	const lw_vec3 w = twist->turn, v = velocity( twist, lwi_load( from->t ) );
-	for ( int k = 0; k < 3; ++k )
-	{
-		const double x = from->r[0][k], y = from->r[1][k], z = from->r[2][k];
-		m.r[0][k] = x + by * ( w.y * z - w.z * y );
-		m.r[1][k] = y + by * ( w.z * x - w.x * z );
-		m.r[2][k] = z + by * ( w.x * y - w.y * x );
-	}
-	m.t[0] = from->t[0] + by * v.x;
-	m.t[1] = from->t[1] + by * v.y;
-	m.t[2] = from->t[2] + by * v.z;
-	return m;
-}
-
 void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
 	const lwi_edge_drift* drift, lwi_places* out )
 {
@@ -404,7 +386,8 @@ void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 	const uint32_t node = c->tree->body_node[body];
 	out->shape = lwi_shape_now( c->bodies[body].shape );
 	out->count = 1;
-	out->rigid = true;
+	out->drifts = drift != NULL && rate.path > 0;
+	out->made = !out->drifts;
 	if ( drift != NULL )
 	{
 		lwi_pose_body( c, e->query, body );
@@ -415,15 +398,15 @@ void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 		lw_transform top = pose_below( e, window.t, node, ancestor );
 		out->middle = lwi_multiply( &top, top_from_shape );
 	}
-	out->at[0] = out->middle;
-	if ( drift != NULL && rate.path > 0 )
+	if ( out->drifts )
 	{
-		out->at[0] = moved( &out->middle, &drift->twist, -window.half );
-		out->at[1] = moved( &out->middle, &drift->twist, window.half );
+		out->turn = lwi_scale( window.half, drift->twist.turn );
+		out->shift = lwi_scale( window.half, drift->twist.shift );
 		out->count = 2;
-		out->rigid = false;
+		return;
 	}
-	else if ( rate.path > 0 )
+	out->at[0] = out->middle;
+	if ( rate.path > 0 )
 	{
 		const lwi_edge_swing* s = swing_of( e, node, ancestor, window );
 		out->at[1] = lwi_multiply( &s->left, top_from_shape );

@@ -99,21 +99,20 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 {
 	p->known = p->turned == s->turned ? p->known : 0; // the other one's would say nothing of this one
 	p->turned = s->turned;
-	for ( uint32_t i = 0; i < p->known; ++i )
+	uint32_t which = lwi_places_apart_by( s->edge->query->kernels, &s->a, &s->b, need, p->planes, p->known );
+	if ( which == p->known )
 	{
-		if ( lwi_places_are_apart( s->edge->query->kernels, &s->a, &s->b, need, &p->planes[i] ) )
-		{
-			put_first( p, p->planes[i], i );
-			return true;
-		}
+		return false;
 	}
-	return false;
+	put_first( p, p->planes[which], which );
+	return true;
 }
 
 static void only_middle( lwi_places* s )
 {
 	s->count = 1;
-	s->rigid = true;
+	s->drifts = false;
+	s->made = true;
 	s->at[0] = s->middle;
 }
 
@@ -199,8 +198,12 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 	const lwi_edge_drift* drifts, double enough, double bulge )
 {
 	const lw_checker* c = e->checker;
-	double way = way_of( e, item->body_a, 0, item->rate_a, window );
-	uint32_t count = lwi_checker_near_obstacles( c, e->query, item->body_a, enough + way );
+	uint32_t count = item->near;
+	if ( count == 0 )
+	{
+		double way = way_of( e, item->body_a, 0, item->rate_a, window );
+		count = lwi_checker_near_obstacles( c, e->query, item->body_a, enough + way );
+	}
 	if ( count == 0 )
 	{
 		return LWI_EDGE_PROVED;
@@ -221,7 +224,8 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 		s.a = places;
 		s.b.shape = lwi_shape_now( obstacle->shape );
 		s.b.count = 1;
-		s.b.rigid = true;
+		s.b.drifts = false;
+		s.b.made = true;
 		s.b.middle = s.b.at[0] = obstacle->world_from_shape;
 		double need = fmax( enough + bulge + lwi_environment_margin( c, item->body_a, obstacle->object ), 0 );
 		lwi_edge_plane* p = plane_of( e, item->body_a * stride + index );

@@ -393,19 +393,57 @@ static double size_of( const lw_shape* shape )
 	return shape->solid ? shape->sphere_radius : (double)shape->extent;
 }
 
+/// No coordinate of the places' origins is larger than this.
+static double coordinates_of( const lwi_places* s )
+{
+	const double* t = s->middle.t;
+	double far = fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] );
+	if ( s->drifts )
+	{
+		const lw_vec3 *v = &s->shift, *w = &s->turn;
+		return far + fabs( v->x ) + fabs( v->y ) + fabs( v->z ) + ( fabs( w->x ) + fabs( w->y ) + fabs( w->z ) ) * far;
+	}
+	for ( int i = 1; i < s->count; ++i ) // the first is the middle
+	{
+		far += fabs( s->at[i].t[0] ) + fabs( s->at[i].t[1] ) + fabs( s->at[i].t[2] );
+	}
+	return far;
+}
+
+/// The place that a drift leads to, one way or the other.
+static lw_transform drifted( const lwi_places* s, double by )
+{
+	lw_transform m;
+	const lw_transform* from = &s->middle;
+	const lw_vec3 w = lwi_scale( by, s->turn ), v = lwi_add_scaled( lwi_cross( w, lwi_load( from->t ) ), by, s->shift );
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double x = from->r[0][k], y = from->r[1][k], z = from->r[2][k];
+		m.r[0][k] = x + ( w.y * z - w.z * y );
+		m.r[1][k] = y + ( w.z * x - w.x * z );
+		m.r[2][k] = z + ( w.x * y - w.y * x );
+	}
+	m.t[0] = from->t[0] + v.x;
+	m.t[1] = from->t[1] + v.y;
+	m.t[2] = from->t[2] + v.z;
+	return m;
+}
+
+static void make_places( lwi_places* s )
+{
+	if ( !s->made )
+	{
+		s->at[0] = drifted( s, -1 );
+		s->at[1] = drifted( s, 1 );
+		s->made = true;
+	}
+}
+
 /// Dilations, and rounding: edges.md.
 static between_places question_of( const lwi_places* a, const lwi_places* b, double limit )
 {
 	between_places q = { .from = origin_of( &b->middle, b->shape ) };
-	double extents = size_of( a->shape ) + size_of( b->shape ), far = 0; // the sum of all is no less than the largest
-	for ( int i = 0; i < a->count; ++i )
-	{
-		far += fabs( a->at[i].t[0] ) + fabs( a->at[i].t[1] ) + fabs( a->at[i].t[2] );
-	}
-	for ( int i = 0; i < b->count; ++i )
-	{
-		far += fabs( b->at[i].t[0] ) + fabs( b->at[i].t[1] ) + fabs( b->at[i].t[2] );
-	}
+	double extents = size_of( a->shape ) + size_of( b->shape ), far = coordinates_of( a ) + coordinates_of( b );
 	double dilation = ( a->shape->family == LWI_TRIANGLES ? a->shape->radius : 0 ) +
 					  ( b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0 );
 	q.need = ( limit + dilation ) * ( 1 + 0x1p-21 ) + lwi_gap_slack( extents ) + 0x1p-46 * ( far + extents );
@@ -423,7 +461,7 @@ static void local_direction( const lw_transform* at, lw_vec3 n, float local[3] )
 /// The same for one of the places, of length 1. Returns what heights along it are to be multiplied by.
 static double place_direction( const lwi_places* s, int i, lw_vec3 n, float local[3] )
 {
-	if ( s->rigid )
+	if ( !s->drifts )
 	{
 		local_direction( &s->at[i], n, local );
 		return 1;
@@ -438,9 +476,10 @@ static double place_direction( const lwi_places* s, int i, lw_vec3 n, float loca
 
 /// The farthest point of all places along n. Returns how far, above q->from.
 /// @param start where to look first, tree frame; where it was found
-static double farthest_of_places( const lwi_kernels* kernels, const lwi_places* s, const between_places* q, lw_vec3 n,
+static double farthest_of_places( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n,
 	float start[3], lw_vec3* farthest )
 {
+	make_places( s );
 	double best = -INFINITY;
 	float first[3];
 	memcpy( first, start, sizeof( first ) );
@@ -463,9 +502,9 @@ static double farthest_of_places( const lwi_kernels* kernels, const lwi_places* 
 }
 
 /// A point of the places' hull that is far along n: the middle's farthest, at that of the places where it is farthest.
-static lw_vec3 far_point( const lwi_kernels* kernels, const lwi_places* s, const between_places* q, lw_vec3 n,
-	float start[3] )
+static lw_vec3 far_point( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n, float start[3] )
 {
+	make_places( s );
 	float local[3];
 	local_direction( &s->middle, n, local );
 	support( kernels, s->shape, local, start );
@@ -484,9 +523,36 @@ static lw_vec3 far_point( const lwi_kernels* kernels, const lwi_places* s, const
 	return farthest;
 }
 
-/// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its places.
-static bool all_stay_below( const lwi_kernels* kernels, const lwi_places* s, const between_places* q, lw_vec3 n, double most )
+/// How far a box reaches along n, from the origin of its tree.
+static double reach_of_corners( const lw_shape* shape, lw_vec3 n )
 {
+	const double *low = shape->box_min, *high = shape->box_max, *o = shape->origin;
+	return n.x * ( ( n.x > 0 ? high[0] : low[0] ) - o[0] ) + n.y * ( ( n.y > 0 ? high[1] : low[1] ) - o[1] ) +
+		   n.z * ( ( n.z > 0 ? high[2] : low[2] ) - o[2] );
+}
+
+/// all_stay_below() for the box of what drifts, without its places; false for anything else. In x +- ( shift + turn x x ),
+/// n . ( turn x y ) is
+/// y . ( n x turn ).
+static bool box_stays_below( const lwi_places* s, const between_places* q, lw_vec3 n, double most )
+{
+	if ( !s->drifts )
+	{
+		return false;
+	}
+	lw_vec3 origin = origin_of( &s->middle, s->shape );
+	lw_vec3 along = lwi_unrotate( &s->middle, n ), change = lwi_unrotate( &s->middle, lwi_cross( n, s->turn ) );
+	double high = lwi_dot( n, lwi_sub( origin, q->from ) );
+	double climb = lwi_dot( n, lwi_add( s->shift, lwi_cross( s->turn, origin ) ) );
+	double after = high + climb + reach_of_corners( s->shape, lwi_add( along, change ) );
+	double before = high - climb + reach_of_corners( s->shape, lwi_sub( along, change ) );
+	return after <= most && before <= most;
+}
+
+/// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its places.
+static bool all_stay_below( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n, double most )
+{
+	make_places( s );
 	for ( int i = 0; i < s->count; ++i )
 	{
 		float local[3];
@@ -500,47 +566,73 @@ static bool all_stay_below( const lwi_kernels* kernels, const lwi_places* s, con
 	return true;
 }
 
-bool lwi_places_are_apart( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
-	const lwi_places_plane* known )
+/// The direction of a plane, and the lowest of b along it.
+static lw_vec3 plane_now( const lwi_kernels* kernels, lwi_places* b, const between_places* q, const lwi_places_plane* plane,
+	double* bottom )
 {
-	between_places q = question_of( a, b, limit );
-	const float* d = known->plane.direction;
+	const float* d = plane->direction;
 	lw_vec3 n = lwi_rotate( &b->middle, lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) );
-	double bottom = -(double)known->reach_b; // of b at its middle place; what stands has no other
+	*bottom = -(double)plane->reach_b; // of b at its middle place; what stands has no other
 	if ( b->count > 1 )
 	{
 		float point[3];
 		lw_vec3 lowest;
-		memcpy( point, known->plane.point_b, sizeof( point ) );
-		bottom = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point, &lowest );
+		memcpy( point, b->shape->root_sphere, sizeof( point ) );
+		*bottom = -farthest_of_places( kernels, b, q, lwi_scale( -1, n ), point, &lowest );
 	}
-	return all_stay_below( kernels, a, &q, n, bottom - q.need );
+	return n;
 }
 
-bool lwi_separate_places( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
+uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
+	const lwi_places_plane* known, uint32_t count )
+{
+	between_places q = question_of( a, b, limit );
+	for ( uint32_t i = 0; i < count && a->drifts && b->count == 1; ++i ) // boxes are asked first
+	{
+		double bottom;
+		lw_vec3 n = plane_now( kernels, b, &q, &known[i], &bottom );
+		if ( box_stays_below( a, &q, n, bottom - q.need ) )
+		{
+			return i;
+		}
+	}
+	make_places( a );
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		double bottom;
+		lw_vec3 n = plane_now( kernels, b, &q, &known[i], &bottom );
+		if ( all_stay_below( kernels, a, &q, n, bottom - q.need ) )
+		{
+			return i;
+		}
+	}
+	return count;
+}
+
+bool lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
 	const float direction[3], int steps, lwi_places_plane* out )
 {
 	between_places q = question_of( a, b, limit );
-	lwi_places_plane next = { .reach_b = 0 };
-	memcpy( next.plane.point_a, a->shape->root_sphere, sizeof( next.plane.point_a ) );
-	memcpy( next.plane.point_b, b->shape->root_sphere, sizeof( next.plane.point_b ) );
+	float point_a[3], point_b[3];
+	memcpy( point_a, a->shape->root_sphere, sizeof( point_a ) );
+	memcpy( point_b, b->shape->root_sphere, sizeof( point_b ) );
 	vec_s w[4];
 	int count = 0;
-	float* d = next.plane.direction;
+	lwi_places_plane next = { .reach_b = 0 };
+	float* d = next.direction;
 	memcpy( d, direction, 3 * sizeof( float ) );
 	for ( int step = 0; step < steps && normalize( d ); ++step )
 	{
-		lw_vec3 n = lwi_rotate( &b->middle, lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) ), top, bottom;
-		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), next.plane.point_b, &bottom );
-		if ( all_stay_below( kernels, a, &q, n, low - q.need ) )
+		lw_vec3 n = lwi_rotate( &b->middle, lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) ), bottom;
+		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point_b, &bottom );
+		if ( box_stays_below( a, &q, n, low - q.need ) || all_stay_below( kernels, a, &q, n, low - q.need ) )
 		{
 			next.reach_b = lwi_round_up( -low );
 			*out = next;
 			return true;
 		}
 		// what it says of a only decides where to look next
-		top = far_point( kernels, a, &q, n, next.plane.point_a );
-		lw_vec3 difference = lwi_sub( bottom, top );
+		lw_vec3 difference = lwi_sub( bottom, far_point( kernels, a, &q, n, point_a ) );
 		w[count++] = (vec_s){ difference.x, difference.y, difference.z };
 		nearest_s nearest;
 		bool inside = nearest_to_origin_s( w, count, &nearest );

@@ -46,27 +46,29 @@ typedef struct lwi_places
 {
 	const lw_shape* shape;
 	int count;
-	bool rigid;          ///< `at` are; else they may be any linear maps near the middle: points are where they take them
-	lw_transform middle; ///< frame_from_shape, rigid: between the others, or one of them
-	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape
+	lw_transform middle; ///< frame_from_shape: between the others, or one of them
+	bool drifts;         ///< the places are two: where points x of the middle get by -+ ( shift + turn x x )
+	bool made;           ///< `at` is filled; of drifts it may wait until it is needed
+	lw_vec3 turn, shift;
+	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape; of drifts linear, not rigid: points are where they take them
 } lwi_places;
 
 /// A plane between two shapes at all their places.
 typedef struct lwi_places_plane
 {
-	lwi_plane plane; ///< the direction is given in b's tree frame at its middle place, of length 1 to rounding
-	float reach_b;   ///< how far b reaches against the direction, in its tree frame
+	float direction[3]; ///< b's tree frame at its middle place, from a to b, of length 1 to rounding
+	float reach_b;      ///< how far b reaches against the direction, in its tree frame
 } lwi_places_plane;
 
-/// True if the plane of another time separates these too.
+/// Planes of other times: the first that separates these too, or `count`.
 /// @param limit metres, >= 0: nothing of a, at any of its places, is then nearer to anything of b than that
-bool lwi_places_are_apart( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
-	const lwi_places_plane* known );
+uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
+	const lwi_places_plane* known, uint32_t count );
 
 /// lwi_separate() for the convex hulls of all places.
 /// @param direction where to begin: b's tree frame at its middle place, any length
 /// @param out what separated them; written only then
-bool lwi_separate_places( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit,
+bool lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
 	const float direction[3], int steps, lwi_places_plane* out );
 
 #endif
