@@ -26,8 +26,8 @@ packages_of()
 	examples) echo f3d xvfb xauth ;;
 	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev libbenchmark-dev gnuplot-nox ;;
 	# clang and its runtimes: fuzzers, and warnings of a second compiler
-	tests) echo libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind ;;
-	lint) echo clang-tidy-14 cppcheck ;;
+	tests) echo libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
+	lint) echo clang-tidy-14 ;;
 	*) return 1 ;;
 	esac
 }

@@ -102,7 +102,7 @@ void requireReach( const io::LoadedReach& loaded, const std::string& robot_file 
 	}
 }
 
-Workbench::Workbench( const Input& input, std::string group, Values values, Notices& notices )
+Workbench::Workbench( const Input& input, std::string group, const Values& values, Notices& notices )
     : m_input( input ), m_group( std::move( group ) ), m_notices( notices )
 {
 	// Zero where nobody says otherwise: the reader's own default is the limit nearest to zero, or the scene's robot_state.

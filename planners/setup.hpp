@@ -72,7 +72,7 @@ class Workbench
 {
 public:
 	/// @throws io::Error
-	Workbench( const Input& input, std::string group, Values values, Notices& notices );
+	Workbench( const Input& input, std::string group, const Values& values, Notices& notices );
 
 	const io::Problem& problem() const { return m_problem; }
 	const lw_robot* robot() const { return m_problem.robot.get(); }

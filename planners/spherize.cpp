@@ -97,6 +97,7 @@ int runSpherize( const SpherizeOptions& options )
 		Progress progress( "spheres" );
 		how.progress = [&progress]( const std::string& link, double share ) { progress.stage( link, share ); };
 		links = io::spherize( input.robot, how );
+		how.progress = nullptr; // of what ends here
 	}
 	const double seconds = now() - start;
 	tellOpenShells( links, input.robot.urdf_file, notices );

@@ -24,9 +24,9 @@ class Sampler
 {
 public:
 	Sampler( const Workbench& bench, const TuneSettings& settings, std::string robot_file )
-	    : m_bench( bench ), m_settings( settings ), m_robot_file( std::move( robot_file ) ), m_random( settings.seed )
+	    : m_bench( bench ), m_settings( settings ), m_robot_file( std::move( robot_file ) ), m_random( settings.seed ),
+	      m_reference( bench.groupState( bench.problem().reference ) )
 	{
-		m_reference = bench.groupState( bench.problem().reference );
 		double squared = 0;
 		for ( std::size_t i = 0; i < m_reference.size(); ++i )
 		{

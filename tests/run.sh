@@ -7,9 +7,9 @@
 #   3. build-fuzz: by clang, warnings are errors; every fuzz target for FUZZ_SECONDS (default 3; 0 leaves the stage out). That is a
 #                  check that they run and find nothing at once, in the time that this script may take. Ten minutes of fuzzing are
 #                  FUZZ_SECONDS=30; what was fuzzed for longer is told in tests/fuzz/README.md
-#   4. build:      release, warnings are errors; query tests at every SIMD level; last, all tests
+#   4. build:      release, warnings are errors; cppcheck over all sources; query tests at every SIMD level; last, all tests
 #
-# Linters and clang's warnings over all the rest are tests/lint.sh: another ten minutes.
+# clang-tidy and clang's warnings over all the rest are tests/lint.sh: another ten minutes, which are more than CI has.
 #
 # The cheap builds come first and the whole CTest run last, so that its summary closes the output. All tests of a stage
 # run; the first stage that fails ends the run with its status. May be called from any folder; reads no input.
@@ -163,6 +163,7 @@ fi
 
 stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release
 stage "release: build" build build
+stage "cppcheck" tests/lint.sh build cppcheck
 for level in 1:scalar 2:SSE2 3:AVX2; do
 	runner=( env LW_CPU_MASK="${level%%:*}" )
 	stage "release: query tests, at most ${level##*:}" "${runner[@]}" build/bin/test_core_query --gtest_brief=1

@@ -168,7 +168,7 @@ TEST( UnboundedScenes, scene_differs_from_its_pairs )
 		std::vector<Subject> subjects;
 		std::vector<ShapePtr> planes;
 		std::vector<lw_scene_shape_def> shapes;
-		const char* names[1] = { "everything" };
+		const char* groups[1] = { "everything" };
 		for ( int i = 0; i < 20; ++i )
 		{
 			lw_scene_shape_def def = { nullptr, 0, random_pose( rng, rng.uniform( 0, 20 ) ) };
@@ -185,7 +185,7 @@ TEST( UnboundedScenes, scene_differs_from_its_pairs )
 			shapes.push_back( def );
 		}
 		lw_scene_def def = lw_scene_def_default();
-		def.object_names = names;
+		def.object_names = groups;
 		def.object_count = 1;
 		def.shapes = shapes.data();
 		def.shape_count = static_cast<uint32_t>( shapes.size() );

@@ -201,9 +201,9 @@ TriangleSoup readMeshFile(
     const std::string& mesh_file, const std::string& from_file, const std::string& element, std::string bytes )
 {
 	const std::string extension = lowerExtension( mesh_file );
-	const auto fail = [&]( const std::string& problem )
+	const auto unreadable = [&]( const std::string& problem )
 	{
-		throw Error( from_file, element, fmt::format( "mesh {} cannot be read: {}", mesh_file, problem ),
+		return Error( from_file, element, fmt::format( "mesh {} cannot be read: {}", mesh_file, problem ),
 		    "repair the mesh file, or export it again" );
 	};
 	Assimp::Importer importer;
@@ -228,7 +228,7 @@ TriangleSoup readMeshFile(
 		}
 		catch ( const MeshProblem& problem )
 		{
-			fail( problem.text );
+			throw unreadable( problem.text );
 		}
 		scene = importer.ReadFileFromMemory( bytes.data(), bytes.size(), 0, extension.c_str() + 1 );
 	}
@@ -245,7 +245,7 @@ TriangleSoup readMeshFile(
 	}
 	if ( scene == nullptr || scene->mRootNode == nullptr )
 	{
-		fail( importer.GetErrorString() );
+		throw unreadable( importer.GetErrorString() );
 	}
 	TriangleSoup soup;
 	Matrix identity{};

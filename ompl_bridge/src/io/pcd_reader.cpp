@@ -116,6 +116,7 @@ void PcdReader::readHeaderLine( const std::string& key, const std::vector<std::s
 	{
 		const std::vector<double> identity = { 0, 0, 0, 1, 0, 0, 0 };
 		std::vector<double> pose;
+		pose.reserve( words.size() );
 		for ( const std::string& word : words )
 		{
 			pose.push_back( parseNumber( word ).value_or( NAN ) );

@@ -61,7 +61,7 @@ void addRunProperties( ot::Benchmark& benchmark, std::shared_ptr<const Engine> e
 	}
 	auto before = std::make_shared<Counters>( engine->counters() );
 	benchmark.setPreRunEvent(
-		[engine, before, pre_run]( const ::ompl::base::PlannerPtr& planner )
+		[engine, before, pre_run = std::move( pre_run )]( const ::ompl::base::PlannerPtr& planner )
 		{
 			*before = engine->counters();
 			if ( pre_run )
@@ -71,7 +71,7 @@ void addRunProperties( ot::Benchmark& benchmark, std::shared_ptr<const Engine> e
 		} );
 	// RunProperties is a std::map up to OMPL 1.6 and derived from one later: only what both have is used
 	benchmark.setPostRunEvent(
-		[engine, before, post_run]( const ::ompl::base::PlannerPtr& planner, ot::Benchmark::RunProperties& run )
+		[engine = std::move( engine ), before, post_run = std::move( post_run )]( const ::ompl::base::PlannerPtr& planner, ot::Benchmark::RunProperties& run )
 		{
 			for ( const auto& property : runProperties( difference( engine->counters(), *before ) ) )
 			{
