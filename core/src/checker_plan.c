@@ -289,6 +289,18 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 	}
 }
 
+uint32_t lwi_node_pair_candidate( const lw_checker* checker, const lwi_checker_tree* tree, uint32_t index )
+{
+	const lwi_node_pair* pair = &tree->pairs[index];
+	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
+	if ( a->body_count != 1 || b->body_count != 1 )
+	{
+		return LWI_OPEN + index;
+	}
+	uint32_t x = tree->bodies[a->first_body], y = tree->bodies[b->first_body];
+	return x < y ? lwi_body_pair_id( checker, x, y ) : lwi_body_pair_id( checker, y, x );
+}
+
 static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
 {
 	lwi_checker_tree* t = p->tree;
@@ -307,6 +319,11 @@ static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
 	p->step_count = 0;
 	plan_subtree( p, 0 );
 	fill_pairs( p, c );
+	if ( !lwi_self_units_create( c, t, &t->units ) )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	t->bytes += t->units != NULL ? sizeof( lwi_self_units ) : 0;
 	t->bytes += t->pair_count * sizeof( lwi_node_pair ) + t->separation_count * sizeof( float ) +
 				t->step_count * sizeof( lwi_self_step );
 	return LW_OK;

@@ -23,16 +23,6 @@ static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body
 	query->body_center[3 * (size_t)body + 2] = center.z;
 }
 
-/// Sums of coordinates of the origins of a node's links, and of those above it, are at most this.
-static double node_extent( const lw_checker* checker, const lw_query* query, uint32_t index )
-{
-	const lwi_checker_node* node = &checker->tree->nodes[index];
-	const double* t = query->world_from_link[node->top].t;
-	double sum = fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] ) + node->extent;
-	double above = node->parent != LW_INVALID_INDEX ? query->node_extent[node->parent] : 0;
-	return above > sum ? above : sum;
-}
-
 /// Sines and cosines of all joints above nodes at once, whatever is asked for first: one alone takes as long as four.
 static void turn_joints( const lw_checker* checker, lw_query* query )
 {
@@ -47,7 +37,32 @@ static void turn_joints( const lw_checker* checker, lw_query* query )
 	query->turn_stamp = query->state_stamp;
 }
 
-void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t index )
+void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_checker_node* node = &tree->nodes[index];
+	const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[node->top]];
+	const lw_transform* above = &query->world_from_link[node->parent_top];
+	lw_transform* pose = &query->world_from_link[node->top];
+	if ( tree->turns[index].turns )
+	{
+		if ( query->turn_stamp != query->state_stamp )
+		{
+			turn_joints( checker, query );
+		}
+		const lwi_turn by = { query->cosines[index], query->sines[index] };
+		lwi_joint_pose_turned( joint, above, &node->hook, node->hook_translates, by, pose );
+	}
+	else
+	{
+		// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
+		lwi_joint_pose( joint, above, &node->hook, node->hook_translates, query->state, pose );
+	}
+	query->stats.links_posed++;
+	query->node_stamp[index] = query->state_stamp;
+}
+
+void lwi_pose_node_now( const lw_checker* checker, lw_query* query, uint32_t index )
 {
 	const lwi_checker_tree* tree = checker->tree;
 	while ( query->node_stamp[index] != query->state_stamp )
@@ -57,27 +72,7 @@ void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t index )
 		{
 			highest = tree->nodes[highest].parent;
 		}
-		const lwi_checker_node* node = &tree->nodes[highest];
-		const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[node->top]];
-		const lw_transform* above = &query->world_from_link[tree->nodes[node->parent].top];
-		lw_transform* pose = &query->world_from_link[node->top];
-		if ( tree->turns[highest].turns )
-		{
-			if ( query->turn_stamp != query->state_stamp )
-			{
-				turn_joints( checker, query );
-			}
-			const lwi_turn by = { query->cosines[highest], query->sines[highest] };
-			lwi_joint_pose_turned( joint, above, &node->hook, node->hook_translates, by, pose );
-		}
-		else
-		{
-			// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
-			lwi_joint_pose( joint, above, &node->hook, node->hook_translates, query->state, pose );
-		}
-		query->stats.links_posed++;
-		query->node_extent[highest] = node_extent( checker, query, highest );
-		query->node_stamp[highest] = query->state_stamp;
+		lwi_pose_child( checker, query, highest );
 	}
 }
 
@@ -96,14 +91,13 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 	uint32_t frame = motion ? node->parent : index; // the node whose pose the sphere hangs on
 	lwi_pose_node( checker, query, frame );
 	const lw_sphere* local = motion ? &node->m : &node->r;
-	const lw_transform* pose = &query->world_from_link[checker->tree->nodes[frame].top];
+	const lw_transform* pose = &query->world_from_link[motion ? node->parent_top : node->top];
 	lw_vec3 center = lwi_transform( pose, lwi_load( local->center ) );
-	double coordinates = query->node_extent[frame] + fabs( center.x ) + fabs( center.y ) + fabs( center.z );
 	double* out = query->spheres + 4 * (size_t)sphere;
 	out[0] = center.x;
 	out[1] = center.y;
 	out[2] = center.z;
-	out[3] = local->radius + LWI_POSE_ROUNDING * ( coordinates + fabs( local->radius ) );
+	out[3] = local->radius + ( motion ? node->m_rounding : node->r_rounding ) + query->pose_rounding;
 	query->sphere_stamp[sphere] = query->state_stamp;
 }
 
@@ -159,7 +153,8 @@ static void bind_query( const lw_checker* checker, lw_query* query )
 		pose_body( checker, query, i ); // static ones stay there, the others are posed again by every state
 	}
 	// node 0 never moves: what is known of it is stamped anew for every state
-	query->node_extent[0] = node_extent( checker, query, 0 );
+	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
+	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
 	query->node_stamp[0] = query->state_stamp;
 	lwi_pose_sphere( checker, query, 0 );
 	lwi_pose_blocks( checker, query, 0 );
@@ -212,7 +207,8 @@ static const double most_rounding = 1.0;
 static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
 {
 	const lwi_checker_tree* tree = checker->tree;
-	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch );
+	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
+	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
 	if ( !( query->rounding <= most_rounding ) || !quaternions_are_valid( tree, query->state ) )
 	{
 		return false;

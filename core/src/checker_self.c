@@ -9,9 +9,6 @@
 
 #include <string.h>
 
-/// Candidates at or above this are pairs of nodes still to be opened: OPEN + index.
-#define OPEN 0x80000000u
-
 static void search_self_pair( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, lwi_bound* bound )
 {
 	lwi_pose_body( checker, query, body_a );
@@ -152,16 +149,9 @@ static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t 
 	return (lwi_candidate){ gap, a < b ? a * stride + b : b * stride + a };
 }
 
-/// A pair of nodes as a candidate.
 static lwi_candidate node_pair( const lw_checker* checker, uint32_t index, float key )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	const lwi_node_pair* pair = &tree->pairs[index];
-	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
-	// the R of a node of one body is the body's: nothing to open
-	return a->body_count == 1 && b->body_count == 1
-			   ? body_pair( checker, tree->bodies[a->first_body], tree->bodies[b->first_body], key )
-			   : (lwi_candidate){ key, OPEN + index };
+	return (lwi_candidate){ key, lwi_node_pair_candidate( checker, checker->tree, index ) };
 }
 
 /// All pairs of nodes by their R, where nothing is proved of this state: what they do not rule out becomes a candidate.
@@ -212,6 +202,79 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 		++i;
 	}
 	query->stats.robot_tests += tests;
+	return count;
+}
+
+/// The spheres of all units in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
+static double unit_spheres( const lw_checker* checker, lw_query* query, float* blocks )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_self_units* units = tree->units;
+	const double* origin = query->world_from_link[tree->nodes[0].top].t;
+	double reach = 0;
+	for ( uint32_t i = 1; i < tree->node_count; ++i )
+	{
+		if ( query->node_stamp[i] != query->state_stamp )
+		{
+			lwi_pose_child( checker, query, i );
+		}
+	}
+	for ( uint32_t i = 0; i < units->count; ++i )
+	{
+		const lw_transform* pose = &query->world_from_link[tree->nodes[units->node[i]].top];
+		lw_vec3 center = lwi_transform( pose, lwi_load( units->sphere[i].center ) );
+		const double relative[3] = { center.x - origin[0], center.y - origin[1], center.z - origin[2] };
+		float* lane = blocks + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			lane[axis * LWI_WIDTH] = (float)relative[axis];
+			reach = fabs( relative[axis] ) > reach ? fabs( relative[axis] ) : reach;
+		}
+		lane[3 * LWI_WIDTH] = above( units->sphere[i].radius + query->pose_rounding );
+	}
+	return lwi_gap_slack( 2 * ( reach + units->largest_radius + query->pose_rounding ) );
+}
+
+/// Gap of two lanes of such blocks.
+static double gap_of_lanes( const float* blocks, uint32_t a, uint32_t b )
+{
+	const float* p = blocks + 4 * (size_t)( a / LWI_WIDTH ) * LWI_WIDTH + a % LWI_WIDTH;
+	const float* q = blocks + 4 * (size_t)( b / LWI_WIDTH ) * LWI_WIDTH + b % LWI_WIDTH;
+	double square = 0;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		double d = (double)p[axis * LWI_WIDTH] - (double)q[axis * LWI_WIDTH];
+		square += d * d;
+	}
+	return sqrt( square ) - (double)p[3 * LWI_WIDTH] - (double)q[3 * LWI_WIDTH];
+}
+
+/// Robots of few parts: all pairs of units by their spheres, eight at a time.
+static uint32_t compare_units( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_self_units* units = checker->tree->units;
+	if ( query->tables && units->separation >= bound->prune )
+	{
+		query->stats.robot_tests++;
+		return 0; // nothing needs to be posed
+	}
+	float blocks[LWI_UNIT_BLOCKS * 4 * LWI_WIDTH] = { 0 };
+	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
+	double slack = unit_spheres( checker, query, blocks );
+	float limit = above( bound->prune + units->largest_margin + slack );
+	uint32_t found = query->kernels->sphere_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS, limit, near ), count = 0;
+	for ( uint32_t i = 0; i < found; ++i )
+	{
+		uint32_t low = near[i] / 256, high = near[i] % 256;
+		const lwi_unit_pair* pair = &units->pairs[low][high];
+		float separation = query->tables ? pair->separation : 0 - pair->margin;
+		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
+		if ( separation < bound->prune && !( gap >= bound->prune ) )
+		{
+			query->candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
+		}
+	}
+	query->stats.robot_tests += units->pair_count;
 	return count;
 }
 
@@ -327,9 +390,9 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 		{
 			break;
 		}
-		if ( next.pair >= OPEN )
+		if ( next.pair >= LWI_OPEN )
 		{
-			open_pair( checker, query, &checker->tree->pairs[next.pair - OPEN], bound, &count );
+			open_pair( checker, query, &checker->tree->pairs[next.pair - LWI_OPEN], bound, &count );
 			continue;
 		}
 		bound->current_pair = next.pair;
@@ -339,7 +402,10 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
-	uint32_t count = query->covered ? walk_steps( checker, query, bound ) : walk_pairs( checker, query, bound );
+	bool at_once = checker->tree->units != NULL && bound->prune < INFINITY; // without a bound nothing would be ruled out
+	uint32_t count = at_once          ? compare_units( checker, query, bound )
+					 : query->covered ? walk_steps( checker, query, bound )
+									  : walk_pairs( checker, query, bound );
 	lwi_heap_build( query->candidates, count );
 	search_candidates( checker, query, count, bound );
 }
@@ -417,7 +483,7 @@ uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uin
 		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, limit ) < INFINITY )
 	{
 		lwi_candidate only = node_pair( checker, index, 0 );
-		if ( only.pair < OPEN )
+		if ( only.pair < LWI_OPEN )
 		{
 			query->candidates[count++] = only;
 		}
@@ -436,8 +502,7 @@ static double body_gap_below( const lw_checker* checker, lw_query* query, uint32
 	lwi_pose_body( checker, query, b );
 	const double *center_a = query->body_center + 3 * (size_t)a, *center_b = query->body_center + 3 * (size_t)b;
 	// poses of bodies are rounded as those of nodes are
-	double coordinates = query->node_extent[checker->tree->body_node[a]] + query->node_extent[checker->tree->body_node[b]];
-	double rounding = LWI_POSE_ROUNDING * ( coordinates + fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
+	double rounding = query->pose_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
 											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
 	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
 	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2], checker->bodies[b].shape->sphere_radius + rounding };

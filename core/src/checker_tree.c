@@ -5,6 +5,7 @@
 #include "checker_tree.h"
 
 #include "checker_internal.h"
+#include "checker_pose.h"
 #include "math_inline.h"
 #include "reach_internal.h"
 #include "shape_internal.h"
@@ -47,6 +48,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
 	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
 	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
+	lwi_free( &allocator, t->units, sizeof( lwi_self_units ) );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
 	lwi_free( &allocator, t, sizeof( lwi_checker_tree ) );
 }
@@ -165,7 +167,7 @@ static void fill_hooks( lwi_checker_tree* t, const lw_checker* c )
 		if ( node->parent != LW_INVALID_INDEX )
 		{
 			const lwi_joint* joint = &c->robot->joints[c->robot->link_joint[node->top]];
-			uint32_t top = t->nodes[node->parent].top;
+			uint32_t top = node->parent_top = t->nodes[node->parent].top;
 			bool direct = top == node->parent_link; // the usual case: not a digit is lost
 			lw_transform top_from_link = lwi_relative( &c->reference_poses[top], &c->reference_poses[node->parent_link] );
 			node->hook = direct ? joint->parent_from_joint : lwi_multiply( &top_from_link, &joint->parent_from_joint );
@@ -186,14 +188,6 @@ static void fill_turns( lwi_checker_tree* t, const lw_robot* robot )
 	}
 }
 
-/// A link whose pose bodies or nodes hang on. The sum of a vector's coordinates is at most sqrt( 3 ) times its length.
-static void extend( lwi_checker_node* node, const lw_checker* c, uint32_t link )
-{
-	lw_transform top_from_link = lwi_relative( &c->reference_poses[node->top], &c->reference_poses[link] );
-	double sum = 1.7320508075688774 * ( 1 + 0x1p-40 ) * lwi_length( lwi_load( top_from_link.t ) );
-	node->extent = sum > node->extent ? sum : node->extent;
-}
-
 /// top_from_shape at the reference, and thereby in every state.
 static lw_transform body_in_node( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
 {
@@ -209,7 +203,6 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 	{
 		t->body_node[i] = n->node_of[n->node_top[c->bodies[i].link]];
 		t->nodes[t->body_node[i]].body_count++;
-		extend( &t->nodes[t->body_node[i]], c, c->bodies[i].link );
 	}
 	uint32_t bodies = 0, blocks = 0;
 	for ( uint32_t i = 0; i < t->node_count; ++i )
@@ -220,10 +213,6 @@ static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numberin
 		node->first_block = blocks;
 		blocks += ( node->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
 		node->body_count = 0;
-		if ( node->parent != LW_INVALID_INDEX )
-		{
-			extend( &t->nodes[node->parent], c, node->parent_link );
-		}
 	}
 	for ( uint32_t body = 0; body < t->body_count; ++body )
 	{
@@ -364,6 +353,11 @@ static lw_sphere motion_sphere( const lw_checker* c, const lwi_checker_tree* t, 
 	return m;
 }
 
+static double rounding_of( const lw_sphere* s )
+{
+	return LWI_POSE_ROUNDING * ( fabs( s->center[0] ) + fabs( s->center[1] ) + fabs( s->center[2] ) + fabs( s->radius ) );
+}
+
 /// R and M of all nodes. Their own rounding is far below what poses add when a query takes them to the world (lwi_sphere()).
 static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_diag* diag )
 {
@@ -401,6 +395,11 @@ static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_dia
 	if ( t->proves && c->robot->link_count > c->reach->link_count )
 	{
 		cover_attached( t, c );
+	}
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		t->nodes[i].r_rounding = rounding_of( &t->nodes[i].r );
+		t->nodes[i].m_rounding = rounding_of( &t->nodes[i].m );
 	}
 	return LW_OK;
 }

@@ -6,6 +6,7 @@
 #ifndef LEEWAY_CHECKER_TREE_H
 #define LEEWAY_CHECKER_TREE_H
 
+#include "checker_units.h"
 #include "leeway/checker.h"
 #include "motion_bound.h"
 
@@ -17,14 +18,15 @@ typedef struct lwi_checker_node
 	uint32_t parent;      ///< node; LW_INVALID_INDEX for node 0, which the group does not move
 	uint32_t end;         ///< nodes are in depth-first order: the subtree is [this node, end)
 	uint32_t top;         ///< the link nearest to the root
+	uint32_t parent_top;  ///< `top` of the parent
 	uint32_t parent_link; ///< the link that `top` hangs on, in the parent node; LW_INVALID_INDEX for node 0
 	lw_transform hook;    ///< frame of the parent's `top` to where the joint above this node begins
 	bool hook_translates; ///< the hook is a translation to the bit
-	double extent;        ///< sums of coordinates of origins of its links, seen from that of `top`, are at most this
 	uint32_t first_body, body_count; ///< range of bodies
 	uint32_t first_block; ///< of LWI_WIDTH bodies, in the query
 	lw_sphere r;          ///< frame of `top`: contains all bodies of the node; radius < 0: there are none
 	lw_sphere m;          ///< frame of the parent's `top`: contains all bodies of the subtree in every state within the ranges
+	double r_rounding, m_rounding; ///< what taking their centres to the world may round, but for the poses
 } lwi_checker_node;
 
 /// The angle of the joint above a node, multiplier * value of a robot variable + offset. 0 where it does more or less than turn.
@@ -79,6 +81,7 @@ typedef struct lwi_checker_tree
 	float* separations;      ///< +INFINITY for pairs that are not to be checked
 	uint32_t step_count;
 	lwi_self_step* steps;    ///< [step_count]
+	lwi_self_units* units;   ///< NULL: too many
 } lwi_checker_tree;
 
 /// @param joint_moves [joint count] driven by a variable of the group
@@ -90,6 +93,12 @@ void lwi_checker_tree_destroy( lwi_checker_tree* tree, uint32_t variable_count )
 /// How the nodes move along edges: one piece per node, in their order. For a checker with its tree.
 lw_status lwi_checker_tree_motion( const lw_checker* checker, const bool* fixed_variables, lw_diag* diag,
 	lwi_motion_table** out_motion );
+
+/// Candidates of a self query at or above this are pairs of nodes still to be opened: LWI_OPEN + index.
+#define LWI_OPEN 0x80000000u
+
+/// A pair of nodes as a candidate: the pair of bodies where each has one, since their R are the bodies' spheres.
+uint32_t lwi_node_pair_candidate( const lw_checker* checker, const lwi_checker_tree* tree, uint32_t pair );
 
 /// Fills pairs, separations and steps. Part of lwi_checker_tree_create().
 lw_status lwi_checker_plan_self( const lw_checker* checker, lwi_checker_tree* tree, lw_diag* diag );

@@ -60,6 +60,9 @@ typedef struct lwi_kernels
 	/// (unit, from the node to the other; NULL for none); NaN for pads
 	uint32_t ( *brick_gap )( const lwi_node* node, const lwi_bricks* bricks, const lwi_brick* other, const float along[3], float limit,
 		float gap[LWI_WIDTH] );
+	/// pairs of spheres in blocks of float[4][8] whose gap does not reach `limit` >= 0, by its square: `near` gets 256 * lower +
+	/// higher index. mask[i * stride + block]: which of a block's are compared with sphere i, a later one; returns their count
+	uint32_t ( *sphere_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float limit, uint16_t* near );
 	/// distance of the sphere's centre to eight boxes, minus its radius
 	uint32_t ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] );
 	/// distance of eight boxes to one in the same frame

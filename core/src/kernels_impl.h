@@ -106,6 +106,34 @@ static uint32_t brick_gap( const lwi_node* node, const lwi_bricks* bricks, const
 	return store_gap( gap, best, limit );
 }
 
+static uint32_t sphere_pairs( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float limit, uint16_t* near )
+{
+	uint32_t found = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const float* mine = blocks + 4 * (size_t)LWI_WIDTH * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
+		const v3 center = { f8_set( mine[0] ), f8_set( mine[LWI_WIDTH] ), f8_set( mine[2 * LWI_WIDTH] ) };
+		const f8 reach = f8_set( mine[3 * LWI_WIDTH] + limit );
+		for ( uint32_t block = i / LWI_WIDTH; block * LWI_WIDTH < count; ++block )
+		{
+			uint32_t lanes = mask[i * stride + block];
+			if ( lanes == 0 )
+			{
+				continue;
+			}
+			const float* p = blocks + 4 * (size_t)LWI_WIDTH * block;
+			v3 d = v3_sub( ( v3 ){ f8_load( p ), f8_load( p + LWI_WIDTH ), f8_load( p + 2 * LWI_WIDTH ) }, center );
+			f8 far = f8_add( reach, f8_load( p + 3 * LWI_WIDTH ) );
+			lanes &= ~m8_bits( f8_ge( v3_dot( d, d ), f8_mul( far, far ) ) );
+			for ( ; lanes != 0; lanes &= lanes - 1 )
+			{
+				near[found++] = (uint16_t)( 256 * i + LWI_WIDTH * block + lwi_lowest_bit( lanes ) );
+			}
+		}
+	}
+	return found;
+}
+
 static uint32_t box_gap( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] )
 {
 	f8 sum = f8_set( 0.0f );
@@ -460,5 +488,5 @@ static void turns( const double* restrict angle, uint32_t count, double* restric
 	}
 }
 
-const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, brick_gap, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
+const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, brick_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
 	leaf_project, leaf_transform, triangle_gap, node_solid_gap, leaf_solid_gap, turns };

@@ -462,7 +462,7 @@ size_t lwi_motion_table_bytes( const lwi_motion_table* table )
 	return table->bytes;
 }
 
-double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch )
+double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch, double* reach )
 {
 	double length = table->longest, angles = 0;
 	for ( uint32_t k = 0; k < table->inexact_count; ++k )
@@ -481,6 +481,7 @@ double lwi_motion_state_rounding( const lwi_motion_table* table, const double* s
 	}
 	double joints = table->most_joints + 2;
 	*stretch = 64 * LWI_U64 * joints;
+	*reach = length + table->root;
 	return LWI_U64 * ( ( 64 * joints + 4 * angles ) * length + 8 * joints * table->root ) * OUTWARD;
 }
 

@@ -40,7 +40,7 @@ size_t lwi_motion_table_bytes( const lwi_motion_table* table );
 /// it. Poses are not quite rigid: a distance of two bodies, in the frame of one of them, is off by up to three times that and
 /// *stretch times itself. Derivation: core/docs/numerics.md. Cost: the moving joints that shift, or that follow others.
 /// @param state [variable_count] finite
-double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch );
+double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch, double* reach );
 
 /// Bytes of scratch, 64-aligned, that lwi_motion_measure() fills.
 size_t lwi_motion_scratch_size( const lwi_motion_table* table );

@@ -53,7 +53,6 @@ static size_t lay_out( lw_query* q, char* base )
 	q->angles = take( base, &used, padded( q->link_capacity ), sizeof( double ) );
 	q->cosines = take( base, &used, padded( q->link_capacity ), sizeof( double ) );
 	q->sines = take( base, &used, padded( q->link_capacity ), sizeof( double ) );
-	q->node_extent = take( base, &used, q->link_capacity, sizeof( double ) );
 	q->spheres = take( base, &used, q->link_capacity, sizeof( double[2][4] ) );
 	q->block_stamp = take( base, &used, q->link_capacity, sizeof( uint64_t ) );
 	// each node begins a block of its own

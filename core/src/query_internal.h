@@ -77,13 +77,13 @@ struct lw_query
 	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
 	bool near;                    ///< the question at hand looks at that mask only
 	double rounding, stretch;     ///< of forward kinematics in this state, see lwi_motion_state_rounding()
+	double pose_rounding;         ///< metres: centres of spheres, and of bodies, are less than half of that off
 	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid
 	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
 	uint64_t turn_stamp;          ///< of the three below
 	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above nodes, as far as they only turn
 	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
 	uint64_t* body_stamp;         ///< [body_capacity]
-	double* node_extent;          ///< [link_capacity] largest coordinates on the way to a node
 	double* spheres;              ///< [2 * link_capacity][4] R and M of nodes, world
 	uint64_t* block_stamp;        ///< [link_capacity]
 	float* blocks;                ///< body spheres of nodes as [4][8], relative to the centre of the node's R

@@ -276,6 +276,70 @@ TEST( Kernels, turns_differ_from_one_alone_or_from_the_truth )
 	EXPECT_LE( worst, 0x1p-52 );
 }
 
+// Self queries of small robots stand on it: a pair that is left out is held to be far
+TEST( Kernels, near_spheres_are_left_out )
+{
+	SeededRng rng;
+	size_t near_pairs = 0, far_pairs = 0;
+	for ( int i = 0; i < 5000; ++i )
+	{
+		const uint32_t count = static_cast<uint32_t>( rng.integer( 1, 24 ) );
+		const double scale = rng.decade( -6, 6 );
+		float blocks[3][4][8] = {};
+		uint8_t mask[24][3] = {};
+		for ( uint32_t k = 0; k < count; ++k )
+		{
+			for ( int axis = 0; axis < 3; ++axis )
+			{
+				blocks[k / 8][axis][k % 8] = value( rng, scale );
+			}
+			blocks[k / 8][3][k % 8] = std::abs( value( rng, 0.5 * scale ) );
+			for ( uint32_t other = k + 1; other < count; ++other )
+			{
+				mask[k][other / 8] |= static_cast<uint8_t>( rng.integer( 0, 3 ) > 0 ? 1u << other % 8 : 0u );
+			}
+		}
+		const float limit = rng.uniform( 0, 1 ) < 0.3 ? 0 : std::abs( value( rng, scale ) );
+		std::vector<uint16_t> first;
+		for ( const lwi_kernels* table : levels() )
+		{
+			uint16_t near[24 * 12];
+			const uint32_t found = table->sphere_pairs( blocks[0][0], count, mask[0], 3, limit, near );
+			ASSERT_LE( found, 24u * 12u );
+			std::vector<uint16_t> got( near, near + found );
+			first = table == &lwi_kernels_scalar ? got : first;
+			ASSERT_EQ( first, got ) << "level " << table->level;
+		}
+		for ( uint32_t a = 0; a < count; ++a )
+		{
+			for ( uint32_t b = a + 1; b < count; ++b )
+			{
+				double square = 0;
+				for ( int axis = 0; axis < 3; ++axis )
+				{
+					const double d = static_cast<double>( blocks[a / 8][axis][a % 8] ) - static_cast<double>( blocks[b / 8][axis][b % 8] );
+					square += d * d;
+				}
+				const double gap = std::sqrt( square ) - static_cast<double>( blocks[a / 8][3][a % 8] ) - static_cast<double>( blocks[b / 8][3][b % 8] );
+				const bool asked = ( mask[a][b / 8] >> b % 8 & 1 ) != 0;
+				const bool named = std::find( first.begin(), first.end(), 256 * a + b ) != first.end();
+				ASSERT_TRUE( asked || !named );
+				if ( asked && gap < static_cast<double>( limit ) - lwi_gap_slack( 4 * scale ) )
+				{
+					ASSERT_TRUE( named ) << "gap " << gap << ", limit " << limit;
+					++near_pairs;
+				}
+				if ( asked && gap > static_cast<double>( limit ) + lwi_gap_slack( 4 * scale ) )
+				{
+					ASSERT_FALSE( named ) << "gap " << gap << ", limit " << limit;
+					++far_pairs;
+				}
+			}
+		}
+	}
+	EXPECT_GE( std::min( near_pairs, far_pairs ), 10000u );
+}
+
 TEST( Kernels, pads_are_not_infinitely_far )
 {
 	SeededRng rng;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The self query of a robot of few parts: all spheres against all at once, instead of step by step.
+#ifndef LEEWAY_CHECKER_UNITS_H
+#define LEEWAY_CHECKER_UNITS_H
+
+#include "kernels.h"
+#include "leeway/reach.h"
+
+struct lw_checker;
+struct lwi_checker_tree;
+
+enum
+{
+	LWI_MOST_UNITS = 24, ///< more are told apart by steps: the number of pairs grows, what steps rule out does too
+	LWI_UNIT_BLOCKS = LWI_MOST_UNITS / LWI_WIDTH
+};
+
+/// Two units with something to check between them.
+typedef struct lwi_unit_pair
+{
+	float separation;   ///< proved of all their pairs of bodies, less margins
+	float margin;       ///< largest of these, rounded up
+	uint32_t candidate; ///< `pair` of the candidate that they become
+} lwi_unit_pair;
+
+/// Bodies, or where there are too many of them nodes.
+typedef struct lwi_self_units
+{
+	uint32_t count, pair_count;
+	uint32_t node[LWI_MOST_UNITS];
+	lw_sphere sphere[LWI_MOST_UNITS]; ///< frame of the node's `top`, what roundings of its centre may take is in it
+	uint8_t mask[LWI_MOST_UNITS][LWI_UNIT_BLOCKS]; ///< of unit u: bit = this later unit is to be checked against u
+	double largest_margin, largest_radius;
+	float separation; ///< least of all pairs
+	lwi_unit_pair pairs[LWI_MOST_UNITS][LWI_MOST_UNITS]; ///< [u][v], u < v
+} lwi_self_units;
+
+/// For a tree with its pairs. *out_units is NULL if the robot has too many nodes, or nothing to check.
+/// @return false without memory
+bool lwi_self_units_create( const struct lw_checker* checker, const struct lwi_checker_tree* tree, lwi_self_units** out_units );
+
+#endif
