@@ -24,8 +24,10 @@ enum
 /// Slacks. Where paths are no longer than this the distance is measured at once: looking closer would not end.
 #define SHORT_WAY 2.0
 
-/// Metres, and triangles of both: where so little is lost by motion a distance of dense meshes costs less than a plane between them.
+/// Metres, and triangles of both: where so little is lost by motion a distance of dense meshes costs hardly more than a plane
+/// between them, and where still less is, less.
 #define SMALL_WAY 0.06
+#define TINY_WAY 0.02
 #define DENSE 128u
 
 /// Two bodies, or a body and an obstacle, during a window.
@@ -119,7 +121,8 @@ static void only_middle( lwi_places* s )
 /// A new plane. @param bulge part of `need` that is due to the window
 static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, double bulge )
 {
-	if ( s->way < SMALL_WAY && s->a.shape->item_count > DENSE && s->b.shape->item_count > DENSE )
+	bool dense = s->way < SMALL_WAY && s->a.shape->item_count > DENSE && s->b.shape->item_count > DENSE;
+	if ( dense && s->way < TINY_WAY )
 	{
 		return LWI_EDGE_MEASURE;
 	}
@@ -135,6 +138,10 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 	lwi_edge_sweep found = LWI_EDGE_PROVED;
 	if ( !lwi_separate_places( kernels, &s->a, &s->b, need, direction, PLANE_STEPS, &plane ) )
 	{
+		if ( dense )
+		{
+			return LWI_EDGE_MEASURE; // so little is lost by motion that it does not matter why there is none
+		}
 		// is it the window that is too wide, or are their hulls too near?
 		only_middle( &s->a );
 		only_middle( &s->b );

@@ -73,6 +73,7 @@ typedef struct joint_motion
 	double reach;  ///< largest distance of the shift from zero
 	double value;  ///< largest |angle|: its rounding is proportional to it
 	double speed;  ///< turn or shift with its sign; NaN for joints of several variables
+	bool any_axis; ///< of a floating joint
 	lw_vec3 axis, origin; ///< in the world, where the poses last taken over have it
 } joint_motion;
 
@@ -510,6 +511,7 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 		return m;
 	}
 	m.speed = NAN;
+	m.any_axis = joint->type == LW_JOINT_FLOATING;
 	bool planar = joint->type == LW_JOINT_PLANAR;
 	lw_vec3 pa = lwi_v3( a[0], a[1], planar ? 0 : a[2] ), pb = lwi_v3( b[0], b[1], planar ? 0 : b[2] );
 	lw_vec3 center = lwi_v3( entry->center[0], entry->center[1], planar ? 0 : entry->center[2] );
@@ -549,8 +551,7 @@ static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratc
 		if ( m->turn > 0 )
 		{
 			lw_vec3 offset = lwi_sub( center, m->origin );
-			bool any_axis = table->robot->joints[entry->joint].type == LW_JOINT_FLOATING;
-			double away = any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
+			double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
 			double ring = smaller( away + radius + share * rate.path, entry->ring + excess );
 			ring = k == 0 ? smaller( ring, b->first_ring + excess ) : ring;
 			rate.change = ( rate.change + m->turn * ( 2 * rate.path + ring * m->turn ) ) * OUTWARD;

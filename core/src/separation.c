@@ -531,22 +531,29 @@ static double reach_of_corners( const lw_shape* shape, lw_vec3 n )
 		   n.z * ( ( n.z > 0 ? high[2] : low[2] ) - o[2] );
 }
 
-/// all_stay_below() for the box of what drifts, without its places; false for anything else. In x +- ( shift + turn x x ),
-/// n . ( turn x y ) is
-/// y . ( n x turn ).
+/// all_stay_below() for the box around a shape. Of what drifts no place is needed: in x +- ( shift + turn x x ),
+/// n . ( turn x y ) is y . ( n x turn ).
 static bool box_stays_below( const lwi_places* s, const between_places* q, lw_vec3 n, double most )
 {
-	if ( !s->drifts )
+	if ( s->drifts )
 	{
-		return false;
+		lw_vec3 origin = origin_of( &s->middle, s->shape );
+		lw_vec3 along = lwi_unrotate( &s->middle, n ), change = lwi_unrotate( &s->middle, lwi_cross( n, s->turn ) );
+		double high = lwi_dot( n, lwi_sub( origin, q->from ) );
+		double climb = lwi_dot( n, lwi_add( s->shift, lwi_cross( s->turn, origin ) ) );
+		double after = high + climb + reach_of_corners( s->shape, lwi_add( along, change ) );
+		double before = high - climb + reach_of_corners( s->shape, lwi_sub( along, change ) );
+		return after <= most && before <= most;
 	}
-	lw_vec3 origin = origin_of( &s->middle, s->shape );
-	lw_vec3 along = lwi_unrotate( &s->middle, n ), change = lwi_unrotate( &s->middle, lwi_cross( n, s->turn ) );
-	double high = lwi_dot( n, lwi_sub( origin, q->from ) );
-	double climb = lwi_dot( n, lwi_add( s->shift, lwi_cross( s->turn, origin ) ) );
-	double after = high + climb + reach_of_corners( s->shape, lwi_add( along, change ) );
-	double before = high - climb + reach_of_corners( s->shape, lwi_sub( along, change ) );
-	return after <= most && before <= most;
+	for ( int i = 0; i < s->count; ++i )
+	{
+		lw_vec3 origin = lwi_sub( origin_of( &s->at[i], s->shape ), q->from );
+		if ( !( lwi_dot( n, origin ) + reach_of_corners( s->shape, lwi_unrotate( &s->at[i], n ) ) <= most ) )
+		{
+			return false;
+		}
+	}
+	return true;
 }
 
 /// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its places.
@@ -587,7 +594,7 @@ uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 	const lwi_places_plane* known, uint32_t count )
 {
 	between_places q = question_of( a, b, limit );
-	for ( uint32_t i = 0; i < count && a->drifts && b->count == 1; ++i ) // boxes are asked first
+	for ( uint32_t i = 0; i < count && b->count == 1; ++i ) // boxes are asked first
 	{
 		double bottom;
 		lw_vec3 n = plane_now( kernels, b, &q, &known[i], &bottom );
