@@ -113,6 +113,11 @@ template <class R> inline R determinant( Vec<R> a, Vec<R> b, Vec<R> c )
 	return dot( a, cross( b, c ) );
 }
 
+template <class R> inline Vec<R> weighted( const Simplex<R>& s, const R weight[4] )
+{
+	return weight[0] * s.w[0] + weight[1] * s.w[1] + weight[2] * s.w[2] + weight[3] * s.w[3];
+}
+
 /// If four points surround the origin: the size of a point of their hull, 0 but for rounding; else infinity. Weights from
 /// determinants of a flat simplex have few digits, so what is left of the point is taken off again, some times.
 template <class R> inline R surrounds( const Simplex<R>& s, R enough )
@@ -130,11 +135,18 @@ template <class R> inline R surrounds( const Simplex<R>& s, R enough )
 			weight[i + 1] = weight[i + 1] - part[i];
 		}
 		weight[0] = 1 - weight[1] - weight[2] - weight[3];
-		left = weight[0] * s.w[0] + weight[1] * s.w[1] + weight[2] * s.w[2] + weight[3] * s.w[3];
+		left = weighted( s, weight );
 		if ( length( left ) <= enough )
 		{
-			bool inside = weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0 && weight[3] >= 0;
-			return inside ? length( left ) : R( INFINITY );
+			// the origin may be on a face, and beyond it by rounding
+			R sum = 0;
+			for ( R& w : weight )
+			{
+				w = w > 0 ? w : R( 0 );
+				sum = sum + w;
+			}
+			R inside = length( weighted( s, weight ) ) / sum;
+			return inside <= enough ? inside : R( INFINITY );
 		}
 	}
 	return R( INFINITY );
@@ -177,11 +189,14 @@ template <class R> inline Bounds<R> between( const PlacedPiece<R>& a, const Plac
 	Vec<R> v = a.center - b.center;
 	v = dot( v, v ) > 0 ? v : Vec<R>{ 1, 0, 0 };
 	Simplex<R> simplex;
+	Vec<R> w = { 0, 0, 0 };
 	int stalled = 0;
 	for ( int i = 0; i < 400; ++i )
 	{
-		Vec<R> w = a.support( R( -1 ) * v ) - b.support( v );
-		R d = length( v ), gap = dot( v, w ) / d;
+		// of points that are equally far along, another one than last time, which led nowhere: where edges are square to v
+		Vec<R> along = stalled > 0 ? v + ( std::ldexp( 1.0, -60 + 4 * stalled ) * length( v ) / length( w ) ) * w : v;
+		w = a.support( R( -1 ) * along ) - b.support( along );
+		R gap = dot( along, w ) / length( along );
 		out.lower = gap > out.lower ? gap : out.lower;
 		if ( out.upper - out.lower <= width || out.lower >= enough )
 		{
