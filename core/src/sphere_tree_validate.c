@@ -254,6 +254,12 @@ static bool check_leaf( walker* w, lwi_ref ref, uint32_t level )
 
 static bool check_node( walker* w, lwi_ref ref, uint32_t level )
 {
+	// What gaps may be off by is counted from twice the extent (kernels.h). A sphere from farther away may contain everything all the same.
+	const float* c = w->spheres[level];
+	if ( !( lwi_length( lwi_v3( (double)c[0], (double)c[1], (double)c[2] ) ) <= 2 * (double)w->shape->extent ) )
+	{
+		return fail( w, ref, "a sphere has its centre far from the shape" );
+	}
 	if ( lwi_ref_is_leaf( ref ) )
 	{
 		return check_leaf( w, ref, level );

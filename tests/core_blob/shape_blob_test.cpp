@@ -569,6 +569,7 @@ TEST( ShapeBlobNonsense, ImpossibleContentsAreRefused )
 	refused( "index", [&]( Bytes& b ) { b.put( good.indices + 16, good.info.vertex_count ); } );
 	refused( "another triangle", [&]( Bytes& b ) { b.put( good.indices + 16, 0u ); } );
 	refused( "node x", [&]( Bytes& b ) { b.put( good.nodes, nan ); } );
+	refused( "sphere around everything from afar", [&]( Bytes& b ) { b.put( good.nodes, 1e14f ), b.put( good.nodes + 96, 1e38f ); } );
 	refused( "leaf vertex", [&]( Bytes& b ) { b.put( good.leaves, nan ); } );
 	refused( "leaf triangle", [&]( Bytes& b ) { b.put( good.leaves + 288, good.info.triangle_count ); } );
 }
