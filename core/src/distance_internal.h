@@ -10,6 +10,24 @@
 
 #include <string.h>
 
+/// Rounding of a distance measured in double, in units of roundoff times the largest coordinate involved: lwi_tri_tri's 64
+/// (tri_tri.h), 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding), 36 for poses that
+/// are rotations to ALREADY_ORTHONORMAL only, and 4 for ties. Counted in core/docs/numerics.md.
+#define LWI_EXACT_ERROR ( 120.0 * LWI_U64 )
+
+/// By how much the distance of a corner to a corner or edge may exceed that of the triangles it is taken for.
+#define LWI_TIE_ERROR ( 4.0 * LWI_U64 )
+
+/// The corners that are nearest: one of each shape, or one and the two of an edge.
+typedef struct lwi_tie
+{
+	uint32_t count_a, count_b; ///< count_a = 0: none is known
+	uint32_t a[2], b[2];       ///< vertices
+	lw_vec3 direction_a, direction_b; ///< unit, each in its shape's frame: from it to the other
+	double distance;
+	lw_vec3 point_a, point_b; ///< a's shape frame
+} lwi_tie;
+
 /// What a search of one pair needs at hand.
 typedef struct lwi_searching
 {
@@ -26,6 +44,7 @@ typedef struct lwi_searching
 	bool bricks;   ///< both have them
 	bool has_direction;
 	float direction_a[3], direction_b[3]; ///< from a to b, across the nearest pair found, in either tree frame: unit to rounding
+	lwi_tie tie;     ///< of the nearest pair found
 	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart
 	double least; ///< what is nearer is measured whatever the bound: solid meshes (distance_solid.c); else -inf
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
@@ -117,6 +136,17 @@ void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
 /// A box, cylinder or cone as the convex routine wants it.
 lwi_convex lwi_convex_of_solid( const lw_shape* shape );
+
+// --- distance_ties.c ---------------------------------------------------------------------------------------------------
+
+/// Which corners are nearest if two triangles measured are nearest at one corner of each, or at a corner and an edge.
+/// @param a, b the corners in a's shape frame
+/// @return false if it is anything else; out->count_a is 0 then
+bool lwi_tie_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3], const lw_vec3 b[3], double distance,
+	lw_vec3 point_a, lw_vec3 point_b, lwi_tie* out );
+
+/// True if two triangles are as far from each other as s->tie, which is known, says, to the last digit.
+bool lwi_tie_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
 // --- witness_plane.c -------------------------------------------------------------------------------------------------
 

@@ -74,7 +74,17 @@ static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_
 		b[i] = lwi_transform( s->a_from_b, b[i] );
 	}
 	lwi_tri_result r = lwi_tri_tri( a, b );
-	offer( s, r.distance - s->error, r.distance, r.point_a, r.point_b, item_a, item_b );
+	lwi_tie tie;
+	if ( !lwi_tie_find( s, item_a, item_b, a, b, r.distance, r.point_a, r.point_b, &tie ) )
+	{
+		offer( s, r.distance - s->error, r.distance, r.point_a, r.point_b, item_a, item_b );
+		return;
+	}
+	offer( s, tie.distance - s->error, tie.distance, tie.point_a, tie.point_b, item_a, item_b );
+	if ( s->tie.count_a == 0 || tie.distance <= s->tie.distance )
+	{
+		s->tie = tie;
+	}
 }
 
 lwi_convex lwi_convex_of_solid( const lw_shape* shape )
@@ -240,6 +250,10 @@ static void measure_unbounded( lwi_searching* s, uint32_t item_a, uint32_t item_
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
 	lwi_family a = s->a->family, b = s->b->family;
+	if ( s->tie.count_a > 0 && lwi_tie_holds( s, item_a, item_b ) )
+	{
+		return; // offered already
+	}
 	s->query->stats.exact_tests++;
 	if ( a == LWI_UNBOUNDED || b == LWI_UNBOUNDED )
 	{

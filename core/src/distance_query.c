@@ -8,11 +8,6 @@
 #include "distance_internal.h"
 #include "separation.h"
 
-/// Rounding of a distance measured in double, in units of roundoff times the largest coordinate involved: lwi_tri_tri's 64
-/// (tri_tri.h), 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding), and 36 for poses that
-/// are rotations to ALREADY_ORTHONORMAL only. Counted in core/docs/numerics.md.
-#define LWI_EXACT_ERROR ( 120.0 * LWI_U64 )
-
 /// Largest entry of |r r^T - 1| of a rotation that is taken as it is: products of rounded sines and cosines.
 #define ALREADY_ORTHONORMAL ( 8.0 * LWI_U64 )
 
