@@ -11,6 +11,11 @@
 /// Candidates at or above this are bodies of whose row only the nearest obstacle is known yet: ROW + body.
 #define ROW 0x80000000u
 
+enum
+{
+	MOST_FAILURES = 5 ///< of a sphere M in a row: then it is asked in every 31st state
+};
+
 static void search_environment_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape, lwi_bound* bound )
 {
 	const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
@@ -194,7 +199,28 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 	return near;
 }
 
-/// The row of gaps of a body, given by its place in the tree; the nearest obstacle becomes a candidate.
+/// The pairs of a body whose gap in a row does not reach the limit become candidates.
+static void add_near( const lw_checker* checker, lw_query* query, uint32_t body, const float* gaps, float limit, uint32_t* count )
+{
+	const lw_scene* scene = checker->scene;
+	const uint8_t* mask =
+		( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * scene->block_count;
+	for ( uint32_t block = 0; block < block_count( checker, query ); ++block )
+	{
+		for ( uint32_t left = mask[block]; left != 0; left &= left - 1 )
+		{
+			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
+			if ( !( gaps[i] >= limit ) ) // what is not a number has overflowed: looked at first
+			{
+				float gap = gaps[i] == gaps[i] ? gaps[i] : -INFINITY;
+				lwi_heap_push( query->candidates, count, (lwi_candidate){ gap, body * scene->block_count * LWI_WIDTH + i } );
+			}
+		}
+	}
+}
+
+/// The row of gaps of a body, given by its place in the tree; its near pairs become candidates, or where there is no bound yet, and
+/// all would be, the nearest obstacle alone.
 static double add_row( const lw_checker* checker, lw_query* query, uint32_t place, const lwi_bound* bound, uint32_t* count )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -206,12 +232,37 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	{
 		return slack;
 	}
+	if ( bound->prune < INFINITY )
+	{
+		add_near( checker, query, body, gaps, lwi_round_up( bound->prune + slack ), count );
+		return slack;
+	}
 	nearest = mask_row( checker, query, body, gaps );
 	if ( gaps[nearest] < lwi_round_up( bound->prune + slack ) )
 	{
 		lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
 	}
 	return slack;
+}
+
+/// True if the sphere M of a node rules its subtree out. Where it did not the last times, it is asked seldom: it costs as much as a
+/// body does, and the bodies find out what it would.
+static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t node, const lwi_bound* bound )
+{
+	lwi_trial* trial = &query->motion_trials[node];
+	if ( trial->wait > 0 )
+	{
+		--trial->wait;
+		return false;
+	}
+	if ( !meets_scene( checker, query, 2 * node + 1, bound ) )
+	{
+		trial->failures = 0;
+		return true;
+	}
+	trial->failures = (uint8_t)( trial->failures < MOST_FAILURES ? trial->failures + 1 : MOST_FAILURES );
+	trial->wait = (uint8_t)( ( 1u << trial->failures ) - 2 );
+	return false;
 }
 
 /// Descends the nodes. A subtree whose M is known and out of reach is neither posed nor looked at, nor are the bodies of a node
@@ -225,7 +276,7 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 		const lwi_checker_node* node = &tree->nodes[i];
 		bool one_body = node->end == i + 1 && node->body_count == 1; // asking its M first would cost as much as asking it
 		bool asks = ( checker->node_environment[i] & LWI_SUBTREE_ASKS ) != 0;
-		if ( !asks || ( query->hulls && !one_body && !meets_scene( checker, query, 2 * i + 1, bound ) ) )
+		if ( !asks || ( query->hulls && !one_body && motion_is_far( checker, query, i, bound ) ) )
 		{
 			i = node->end;
 			continue;

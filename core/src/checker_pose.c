@@ -158,6 +158,7 @@ static void bind_query( const lw_checker* checker, lw_query* query )
 	query->node_stamp[0] = query->state_stamp;
 	lwi_pose_sphere( checker, query, 0 );
 	lwi_pose_blocks( checker, query, 0 );
+	memset( query->motion_trials, 0, checker->tree->node_count * sizeof( lwi_trial ) );
 	lwi_edge_forget( query );
 	query->posed = lw_checker_retain( checker );
 }

@@ -53,6 +53,7 @@ static size_t lay_out( lw_query* q, char* base )
 	q->angles = take( base, &used, padded( q->link_capacity ), sizeof( double ) );
 	q->cosines = take( base, &used, padded( q->link_capacity ), sizeof( double ) );
 	q->sines = take( base, &used, padded( q->link_capacity ), sizeof( double ) );
+	q->motion_trials = take( base, &used, q->link_capacity, sizeof( lwi_trial ) );
 	q->spheres = take( base, &used, q->link_capacity, sizeof( double[2][4] ) );
 	q->block_stamp = take( base, &used, q->link_capacity, sizeof( uint64_t ) );
 	// each node begins a block of its own

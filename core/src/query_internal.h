@@ -54,6 +54,12 @@ typedef struct lwi_candidate
 	uint32_t pair; ///< row * row_stride + column of the gap table; above those, what a hierarchical query still opens
 } lwi_candidate;
 
+/// A test that is made seldom where it is in vain. Only speed depends on it.
+typedef struct lwi_trial
+{
+	uint8_t failures, wait; ///< in a row; questions until the next try
+} lwi_trial;
+
 struct lw_query
 {
 	lwi_batch batch;
@@ -84,6 +90,7 @@ struct lw_query
 	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above nodes, as far as they only turn
 	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
 	uint64_t* body_stamp;         ///< [body_capacity]
+	lwi_trial* motion_trials;     ///< [link_capacity] spheres M of nodes against the scene
 	double* spheres;              ///< [2 * link_capacity][4] R and M of nodes, world
 	uint64_t* block_stamp;        ///< [link_capacity]
 	float* blocks;                ///< body spheres of nodes as [4][8], relative to the centre of the node's R
