@@ -15,8 +15,11 @@ enum
 	MAX_FAILURES = 6  ///< after so many, one in 2^6 tries
 };
 
-/// Keys of pairs of bodies; those of a body and an obstacle are below.
+/// Keys of pairs of bodies, and of one body or obstacle with whatever comes near it; those of a body and an obstacle are
+/// below.
 #define SELF_KEY 0x80000000u
+#define BODY_KEY 0xc0000000u
+#define OBSTACLE_KEY 0xe0000000u
 
 /// Metres. What bulges more than this between its places has no plane where it is near anything: a look at halves is cheaper.
 #define MAX_BULGE 0.05
@@ -24,8 +27,8 @@ enum
 /// Slacks. Where paths are no longer than this the distance is measured at once: looking closer would not end.
 #define SHORT_WAY 2.0
 
-/// Metres, and triangles of both: where so little is lost by motion a distance of dense meshes costs hardly more than a plane
-/// between them, and where still less is, less.
+/// Metres, and triangles of both: where so little is lost by motion a distance of dense meshes costs hardly more than a
+/// plane between them, and where still less is, less.
 #define SMALL_WAY 0.06
 #define TINY_WAY 0.02
 #define DENSE 128u
@@ -35,8 +38,9 @@ typedef struct sweeping
 {
 	lwi_edge* edge;
 	lwi_places a, b;
-	bool turned;   ///< b is the first of the two
-	double way;    ///< metres: no point gets farther from where it is at the middle; INFINITY if planes pay in any case
+	bool turned;      ///< b is the first of the two
+	uint32_t any_key; ///< of planes that keep anything away from b; 0: a new one costs no more than these
+	double way;       ///< metres: no point gets farther from where it is at the middle; INFINITY if planes pay in any case
 } sweeping;
 
 /// How far points get from the lines between their places: h^2 / 8 of the acceleration on a part h long, and no more than half
@@ -96,18 +100,40 @@ static void put_first( lwi_edge_plane* p, lwi_places_plane plane, uint32_t from 
 	p->planes[0] = plane;
 }
 
+/// A plane that was not known; the last one is forgotten for it.
+static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
+{
+	p->known = (uint8_t)( p->known < LWI_EDGE_KEPT ? p->known + 1 : LWI_EDGE_KEPT );
+	put_first( p, plane, p->known - 1u );
+}
+
 /// One of the planes of other times. @param need clearance that proves it if everything is on one side at the places
 static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 {
 	p->known = p->turned == s->turned ? p->known : 0; // the other one's would say nothing of this one
 	p->turned = s->turned;
-	uint32_t which = lwi_places_apart_by( s->edge->query->kernels, &s->a, &s->b, need, p->planes, p->known );
-	if ( which == p->known )
+	const lwi_kernels* kernels = s->edge->query->kernels;
+	uint32_t which = lwi_places_apart_by( kernels, &s->a, &s->b, need, p->planes, p->known );
+	if ( which < p->known )
+	{
+		put_first( p, p->planes[which], which );
+		return true;
+	}
+	if ( s->any_key == 0 )
 	{
 		return false;
 	}
-	put_first( p, p->planes[which], which );
-	return true;
+	// what keeps one body away keeps its neighbours away
+	lwi_edge_plane* any = plane_of( s->edge, s->any_key );
+	which = lwi_places_apart_by( kernels, &s->a, &s->b, need, any->planes, any->known );
+	if ( which < any->known )
+	{
+		lwi_places_plane plane = any->planes[which];
+		put_first( any, plane, which );
+		add_plane( p, plane );
+		return true;
+	}
+	return false;
 }
 
 static void only_middle( lwi_places* s )
@@ -156,8 +182,11 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 		return found;
 	}
 	p->failures = 0;
-	p->known = (uint8_t)( p->known < LWI_EDGE_KEPT ? p->known + 1 : LWI_EDGE_KEPT );
-	put_first( p, plane, p->known - 1u );
+	add_plane( p, plane );
+	if ( s->any_key != 0 )
+	{
+		add_plane( plane_of( s->edge, s->any_key ), plane );
+	}
 	return found;
 }
 
@@ -178,6 +207,9 @@ static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
 	bool a_stands = item->rate_a.path == 0; // what stands has the plane
 	sweeping s = { .edge = e, .turned = a_stands, .way = INFINITY };
+	const lwi_checker_tree* tree = c->tree;
+	bool alone = tree->nodes[tree->body_node[a]].body_count == 1 && tree->nodes[tree->body_node[b]].body_count == 1;
+	s.any_key = alone ? 0 : BODY_KEY | ( a_stands ? a : b );
 	lwi_edge_plane* p = plane_of( e, SELF_KEY | lwi_body_pair_id( c, a, b ) );
 	// places are seen from the ancestor, which is rounded too
 	double need = fmax( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion ), 0 );
@@ -230,6 +262,7 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
 		s.a = places;
 		s.b.shape = lwi_shape_now( obstacle->shape );
+		s.any_key = s.b.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
 		s.b.count = 1;
 		s.b.drifts = false;
 		s.b.made = true;
