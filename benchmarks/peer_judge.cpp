@@ -14,27 +14,6 @@ namespace
 /// Nearer than this is a contact to brute force, whose intervals of overlapping pieces shrink towards 0.
 constexpr double CONTACT = 1e-8;
 
-const char* kindOf( const lw_shape* shape )
-{
-	switch ( lw_shape_get_info( shape ).type )
-	{
-	case LW_SHAPE_MESH:
-		return "mesh";
-	case LW_SHAPE_BOX:
-		return "box";
-	case LW_SHAPE_SPHERE:
-		return "sphere";
-	case LW_SHAPE_CYLINDER:
-		return "cylinder";
-	case LW_SHAPE_CAPSULE:
-		return "capsule";
-	case LW_SHAPE_CONE:
-		return "cone";
-	default:
-		return "other";
-	}
-}
-
 ConfigurationSet numbers( std::size_t count )
 {
 	ConfigurationSet set;
@@ -80,9 +59,9 @@ Truth bruteForce( BruteDistance& brute, const std::vector<PlacedPair>& pairs, do
 		if ( static_cast<double>( found.upper ) < truth.upper )
 		{
 			truth.upper = static_cast<double>( found.upper );
-			truth.kinds = std::string( kindOf( pair.a ) ) + " and " + kindOf( pair.b );
-			truth.is_solid =
-			    lw_shape_get_info( pair.a ).type != LW_SHAPE_MESH || lw_shape_get_info( pair.b ).type != LW_SHAPE_MESH;
+			const lw_shape_type a = lw_shape_get_info( pair.a ).type, b = lw_shape_get_info( pair.b ).type;
+			truth.kinds = std::string( lw_shape_type_name( a ) ) + " and " + lw_shape_type_name( b );
+			truth.is_solid = a != LW_SHAPE_MESH || b != LW_SHAPE_MESH;
 		}
 		truth.lower = std::min( truth.lower, static_cast<double>( found.lower ) );
 	}

@@ -487,6 +487,36 @@ static bool has_public_vertices( const lw_shape* shape )
 		   shape->type == LW_SHAPE_BOXES;
 }
 
+const char* lw_shape_type_name( lw_shape_type type )
+{
+	switch ( type )
+	{
+	case LW_SHAPE_MESH:
+		return "mesh";
+	case LW_SHAPE_POINTS:
+		return "points";
+	case LW_SHAPE_BOX:
+		return "box";
+	case LW_SHAPE_SPHERE:
+		return "sphere";
+	case LW_SHAPE_CYLINDER:
+		return "cylinder";
+	case LW_SHAPE_CAPSULE:
+		return "capsule";
+	case LW_SHAPE_CONE:
+		return "cone";
+	case LW_SHAPE_SPHERES:
+		return "spheres";
+	case LW_SHAPE_BOXES:
+		return "boxes";
+	case LW_SHAPE_HALFSPACE:
+		return "half-space";
+	case LW_SHAPE_PLANE:
+		return "plane";
+	}
+	return "shape";
+}
+
 lw_shape_info lw_shape_get_info( const lw_shape* shape )
 {
 	lw_status status;

@@ -30,6 +30,8 @@ typedef enum lw_shape_type
 	LW_SHAPE_PLANE = 11    ///< no dimensions: z = 0, without thickness; both sides are free
 } lw_shape_type;
 
+LW_API const char* lw_shape_type_name( lw_shape_type type ); ///< "mesh", "points", "box", ...; "shape" for another number
+
 /// How the sphere of a tree node is fitted to the geometry under it.
 typedef enum lw_sphere_fit
 {

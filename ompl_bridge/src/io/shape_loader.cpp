@@ -13,25 +13,6 @@ namespace leeway::io::detail
 namespace
 {
 
-const char* primitiveName( lw_shape_type type )
-{
-	switch ( type )
-	{
-	case LW_SHAPE_BOX:
-		return "box";
-	case LW_SHAPE_SPHERE:
-		return "sphere";
-	case LW_SHAPE_CYLINDER:
-		return "cylinder";
-	case LW_SHAPE_CAPSULE:
-		return "capsule";
-	case LW_SHAPE_CONE:
-		return "cone";
-	default:
-		return "shape";
-	}
-}
-
 /// "box 0.1 x 0.2 x 0.3", "cylinder radius 0.1 height 0.5"
 std::string primitiveText( lw_shape_type type, const std::array<double, 3>& d )
 {
@@ -42,7 +23,7 @@ std::string primitiveText( lw_shape_type type, const std::array<double, 3>& d )
 	case LW_SHAPE_SPHERE:
 		return fmt::format( "sphere radius {}", d[0] );
 	default:
-		return fmt::format( "{} radius {} height {}", primitiveName( type ), d[0], d[1] );
+		return fmt::format( "{} radius {} height {}", lw_shape_type_name( type ), d[0], d[1] );
 	}
 }
 
