@@ -573,18 +573,10 @@ private:
 		std::printf(
 			"states at which FCL and the auditor disagree on contact: %zu; %.0f s, %.2f ms of processor time per edge\n",
 			total.fcl_differs, m_seconds, total.all_ms / static_cast<double>( std::max<std::size_t>( total.edges, 1 ) ) );
-		if ( !m_settings.json.empty() )
-		{
-			const Json result = { { "provenance", m_provenance }, { "seed", m_settings.seed }, { "edges", total.edges },
+		writeResult( m_settings.json,
+			{ { "provenance", m_provenance }, { "seed", m_settings.seed }, { "edges", total.edges },
 				{ "resolution", m_settings.resolution }, { "discrete_fractions", FRACTIONS },
-				{ "threads", m_settings.threads }, { "seconds", m_seconds }, { "wrong", m_wrong }, { "rows", rows } };
-			std::ofstream file( m_settings.json );
-			file << result.dump( 2 ) << "\n";
-			if ( !file )
-			{
-				throw std::runtime_error( m_settings.json + ": cannot be written" );
-			}
-		}
+				{ "threads", m_settings.threads }, { "seconds", m_seconds }, { "wrong", m_wrong }, { "rows", rows } } );
 		return total.wrong[0] + total.wrong[1] > 0 ? 1 : 0;
 	}
 

@@ -15,7 +15,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <limits>
@@ -437,15 +436,7 @@ int run( const Settings& settings )
 	json["agreed"] = agreed;
 	std::printf( "\nlargest difference of distances %.3g m, answer hash %s: %s\n", comparison.largestDifference(),
 		comparison.answerHash().c_str(), agreed ? "all answers agree" : "ANSWERS DIFFER" );
-	if ( !settings.json.empty() )
-	{
-		std::ofstream out( settings.json );
-		out << json.dump( 1, '\t' ) << "\n";
-		if ( !out.flush() )
-		{
-			throw std::runtime_error( settings.json + ": cannot be written" );
-		}
-	}
+	writeResult( settings.json, json );
 	return agreed ? 0 : 1;
 }
 

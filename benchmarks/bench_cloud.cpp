@@ -19,7 +19,6 @@
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <octomap/octomap.h>
@@ -603,15 +602,7 @@ int run( const Settings& settings )
 	Bench bench( settings );
 	json.update( bench.run() );
 	std::printf( "\nlargest difference %.3g m: %zu disagreements\n", bench.largest(), bench.disagreements() );
-	if ( !settings.json.empty() )
-	{
-		std::ofstream out( settings.json );
-		out << json.dump( 1, '\t' ) << "\n";
-		if ( !out.flush() )
-		{
-			throw std::runtime_error( settings.json + ": cannot be written" );
-		}
-	}
+	writeResult( settings.json, json );
 	return bench.disagreements() == 0 ? 0 : 1;
 }
 

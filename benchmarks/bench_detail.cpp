@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
 #include <set>
 
 namespace
@@ -233,10 +232,7 @@ int bench( const Settings& settings )
 	}
 	std::printf( "%zu answers beyond the promise\n", wrong );
 	json["beyond_promise"] = wrong;
-	if ( !settings.json.empty() )
-	{
-		std::ofstream( settings.json ) << json.dump( 2 ) << "\n";
-	}
+	writeResult( settings.json, json );
 	return wrong == 0 ? 0 : 1;
 }
 

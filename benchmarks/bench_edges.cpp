@@ -16,7 +16,6 @@
 
 #include <array>
 #include <cstdio>
-#include <fstream>
 
 namespace
 {
@@ -245,18 +244,9 @@ int run( const Settings& settings )
 	std::printf(
 		"\ncertificates that a dense look refutes: %zu; free by the certificate and blocked by a discrete contender: %zu\n",
 		refuted, contradicted );
-	if ( !settings.json.empty() )
-	{
-		std::ofstream file( settings.json );
-		file << Json{ { "provenance", provenance() }, { "seed", settings.seed }, { "edges", settings.edges },
-					{ "repetitions", settings.repetitions }, { "resolution", settings.resolution }, { "rows", rows } }
-					.dump( 2 )
-			 << "\n";
-		if ( !file )
-		{
-			throw std::runtime_error( settings.json + ": cannot be written" );
-		}
-	}
+	writeResult( settings.json,
+		{ { "provenance", provenance() }, { "seed", settings.seed }, { "edges", settings.edges },
+			{ "repetitions", settings.repetitions }, { "resolution", settings.resolution }, { "rows", rows } } );
 	return refuted + contradicted > 0 ? 1 : 0;
 }
 

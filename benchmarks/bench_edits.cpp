@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <random>
@@ -218,10 +217,7 @@ Json Bench::run()
 	json["different_answers"] = m_different;
 	json["answers"] = m_answers.text();
 	std::printf( "%d of %d answers differ\n", m_different, m_states );
-	if ( !m_settings.json.empty() )
-	{
-		std::ofstream( m_settings.json ) << json.dump( 2 ) << "\n";
-	}
+	writeResult( m_settings.json, json );
 	return json;
 }
 

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <iostream>
 #include <mutex>
 #include <thread>
@@ -161,12 +160,7 @@ void write( const Run& run, double seconds, const nlohmann::ordered_json& origin
 	out["broken_promises"] = f.broken;
 	out["examples"] = f.examples;
 	out["provenance"] = origin;
-	std::ofstream file( settings.json );
-	file << out.dump( 1, '\t' ) << "\n";
-	if ( !file.flush() )
-	{
-		throw std::runtime_error( settings.json + ": cannot be written" );
-	}
+	writeResult( settings.json, out );
 }
 
 int runAll( const Settings& settings )

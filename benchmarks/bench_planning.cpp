@@ -22,7 +22,6 @@
 #include <ompl/util/RandomNumbers.h>
 
 #include <cstdio>
-#include <fstream>
 
 namespace ob = ::ompl::base;
 namespace og = ::ompl::geometric;
@@ -294,19 +293,9 @@ int run( const Settings& settings )
 	}
 	std::printf( "\nproblems left out because an end is in contact: %zu; paths of proved motions in contact: %zu\n", left_out,
 	    refuted );
-	if ( !settings.json.empty() )
-	{
-		std::ofstream file( settings.json );
-		file << Json{ { "provenance", provenance() }, { "seed", settings.seed }, { "problems", settings.problems },
-			        { "runs", settings.runs }, { "seconds", settings.seconds }, { "range", settings.range },
-			        { "rows", rows } }
-			        .dump( 2 )
-		     << "\n";
-		if ( !file )
-		{
-			throw std::runtime_error( settings.json + ": cannot be written" );
-		}
-	}
+	writeResult( settings.json,
+	    { { "provenance", provenance() }, { "seed", settings.seed }, { "problems", settings.problems },
+	        { "runs", settings.runs }, { "seconds", settings.seconds }, { "range", settings.range }, { "rows", rows } } );
 	return refuted > 0 ? 1 : 0;
 }
 

@@ -13,7 +13,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <map>
 
@@ -388,12 +387,8 @@ int run( Settings settings )
 		const std::size_t comma = robot.find( ',' );
 		contained &= runRobot( settings, robot.substr( 0, comma ), comma == std::string::npos ? "" : robot.substr( comma + 1 ), rows );
 	}
-	if ( !settings.json.empty() )
-	{
-		const Json result = { { "provenance", provenance() }, { "seed", settings.seed }, { "budget_s", settings.budget },
-			{ "robots", rows } };
-		std::ofstream( settings.json ) << result.dump( 2 ) << "\n";
-	}
+	writeResult( settings.json,
+		{ { "provenance", provenance() }, { "seed", settings.seed }, { "budget_s", settings.budget }, { "robots", rows } } );
 	std::printf( contained ? "\nnothing is outside of its hulls\n" : "\nSOMETHING IS OUTSIDE OF ITS HULL\n" );
 	return contained ? 0 : 1;
 }

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -380,15 +379,7 @@ int run( const Settings& settings )
 	json["answer_hash"] = bench.answerHash();
 	json["agreed"] = bench.agreed();
 	std::printf( "\nanswer hash %s: %s\n", bench.answerHash().c_str(), bench.agreed() ? "all answers agree" : "ANSWERS DIFFER" );
-	if ( !settings.json.empty() )
-	{
-		std::ofstream out( settings.json );
-		out << json.dump( 1, '\t' ) << "\n";
-		if ( !out.flush() )
-		{
-			throw std::runtime_error( settings.json + ": cannot be written" );
-		}
-	}
+	writeResult( settings.json, json );
 	return bench.agreed() ? 0 : 1;
 }
 

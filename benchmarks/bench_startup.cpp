@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 
 namespace
@@ -206,10 +205,7 @@ int bench( const Settings& settings )
 	}
 	json["different_answers"] = different;
 	std::printf( "%d answers differ\n", different );
-	if ( !settings.json.empty() )
-	{
-		std::ofstream( settings.json ) << json.dump( 2 ) << "\n";
-	}
+	writeResult( settings.json, json );
 	return different == 0 ? 0 : 1;
 }
 

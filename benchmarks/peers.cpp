@@ -10,11 +10,11 @@
 #include <cstdio>
 #include <dlfcn.h>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <map>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 namespace
@@ -39,24 +39,6 @@ PeerLibrary loadModule( const std::string& file )
 	library.make = [make] { return std::unique_ptr<PeerEngine>( make() ); };
 	library.shared = library.make();
 	return library;
-}
-
-std::ofstream openFile( const std::string& file )
-{
-	std::ofstream out( file );
-	if ( !out )
-	{
-		throw std::runtime_error( file + ": cannot be written" );
-	}
-	return out;
-}
-
-void finish( std::ofstream& out, const std::string& file )
-{
-	if ( !out.flush() )
-	{
-		throw std::runtime_error( file + ": cannot be written" );
-	}
 }
 
 } // namespace
@@ -164,14 +146,12 @@ void PeerReport::writeJson( const std::string& file, Json header ) const
 		}
 		rows.push_back( json );
 	}
-	std::ofstream out = openFile( file );
-	out << Json{ { "rows", rows }, { "provenance", std::move( header ) } }.dump( 1, '\t' ) << "\n";
-	finish( out, file );
+	writeResult( file, { { "rows", rows }, { "provenance", std::move( header ) } } );
 }
 
 void PeerReport::writeCsv( const std::string& file ) const
 {
-	std::ofstream out = openFile( file );
+	std::ostringstream out;
 	out << "workload,library,count,mean_us,median_us,p95_us,answers_hash,disagreements,bytes_per_triangle\n";
 	for ( const PeerRow& row : m_rows )
 	{
@@ -179,7 +159,7 @@ void PeerReport::writeCsv( const std::string& file ) const
 		    << row.time.median << ',' << row.time.p95 << ',' << row.answers_hash << ',' << row.disagreements << ','
 		    << row.bytes_per_triangle << "\n";
 	}
-	finish( out, file );
+	writeFile( file, out.str() );
 }
 
 namespace
@@ -205,7 +185,7 @@ std::string pictureOf( const std::string& workload )
 const char* const COLOURS[] = { "#d55e00", "#0072b2", "#56b4e9", "#009e73", "#cc79a7", "#999999", "#e69f00", "#333333" };
 
 /// Bars are means, marks are medians: a line for each workload, two columns for each library, "-" where it had no part.
-void writePlot( std::ofstream& out, const std::vector<PeerRow>& rows, const std::string& base )
+void writePlot( std::ostream& out, const std::vector<PeerRow>& rows, const std::string& base )
 {
 	std::vector<std::string> workloads, libraries;
 	double least = std::numeric_limits<double>::infinity();
@@ -279,10 +259,9 @@ void PeerReport::writeSvg( const std::string& folder ) const
 	for ( const auto& [name, rows] : pictures )
 	{
 		const std::string base = folder + "/" + name, script = base + ".gp";
-		std::ofstream out = openFile( script );
+		std::ostringstream out;
 		writePlot( out, rows, base );
-		finish( out, script );
-		out.close();
+		writeFile( script, out.str() );
 		if ( std::system( ( "gnuplot '" + script + "'" ).c_str() ) != 0 )
 		{
 			throw std::runtime_error( script + ": gnuplot could not draw it" );

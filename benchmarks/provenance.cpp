@@ -129,3 +129,21 @@ nlohmann::ordered_json provenance()
 	json["fcl_version"] = FCL_VERSION;
 	return json;
 }
+
+void writeFile( const std::string& file, const std::string& text )
+{
+	std::ofstream out( file, std::ios::binary );
+	out << text;
+	if ( !out.flush() )
+	{
+		throw std::runtime_error( file + ": cannot be written" );
+	}
+}
+
+void writeResult( const std::string& file, const nlohmann::ordered_json& result )
+{
+	if ( !file.empty() )
+	{
+		writeFile( file, result.dump( 1, '\t' ) + "\n" );
+	}
+}

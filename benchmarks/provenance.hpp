@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a figure comes from: what every result file says before its first number.
+// Where a figure comes from: what every result file says before its first number; and how such files are written.
 #pragma once
 
 #include <cstdint>
@@ -26,3 +26,9 @@ std::string hashFiles( const std::vector<std::string>& files );
 /// Commit and state of the sources ("unknown" without git), compiler and flags, processor and its frequency governor, SIMD
 /// level, library versions, date.
 nlohmann::ordered_json provenance();
+
+/// @throws std::runtime_error that names the file if not all of it can be written
+void writeFile( const std::string& file, const std::string& text );
+
+/// @param file may be empty: nothing is written. @throws as writeFile()
+void writeResult( const std::string& file, const nlohmann::ordered_json& result );

@@ -2,6 +2,8 @@
 // Outcomes of experiments as files: see report.hpp.
 #include "report.hpp"
 
+#include "provenance.hpp"
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -44,16 +46,6 @@ Report reportFromJson( const Json& json )
 
 namespace
 {
-
-void writeFile( const std::string& file, const std::string& text )
-{
-	std::ofstream out( file, std::ios::binary );
-	out << text;
-	if ( !out.flush() )
-	{
-		throw std::runtime_error( file + ": cannot be written" );
-	}
-}
 
 std::string readFile( const std::string& file )
 {
