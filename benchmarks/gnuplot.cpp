@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <sstream>
+#include <stdexcept>
 
 namespace
 {
@@ -330,4 +332,28 @@ std::string embeddedSvg( const std::string& svg, const std::string& prefix )
 		replaceAll( out, marks[0], marks[1] + prefix );
 	}
 	return out;
+}
+
+namespace
+{
+
+/// Inside single quotes of a shell.
+std::string shellQuoted( const std::string& text )
+{
+	std::string out = "'";
+	for ( const char c : text )
+	{
+		out += c == '\'' ? std::string( "'\\''" ) : std::string( 1, c );
+	}
+	return out + "'";
+}
+
+} // namespace
+
+void runGnuplot( const std::string& script )
+{
+	if ( std::system( ( "LC_ALL=C.UTF-8 gnuplot " + shellQuoted( script ) ).c_str() ) != 0 )
+	{
+		throw std::runtime_error( script + ": gnuplot could not draw it" );
+	}
 }

@@ -4,6 +4,7 @@
 
 #include "fcl_peer.hpp"
 #include "provenance.hpp"
+#include "report.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -262,10 +263,7 @@ void PeerReport::writeSvg( const std::string& folder ) const
 		std::ostringstream out;
 		writePlot( out, rows, base );
 		writeFile( script, out.str() );
-		if ( std::system( ( "gnuplot '" + script + "'" ).c_str() ) != 0 )
-		{
-			throw std::runtime_error( script + ": gnuplot could not draw it" );
-		}
+		runGnuplot( script );
 	}
 }
 

@@ -301,25 +301,11 @@ std::string htmlPage( const Report& report, const std::map<std::string, std::str
 namespace
 {
 
-/// Inside single quotes of a shell.
-std::string shellQuoted( const std::string& text )
-{
-	std::string out = "'";
-	for ( const char c : text )
-	{
-		out += c == '\'' ? std::string( "'\\''" ) : std::string( 1, c );
-	}
-	return out + "'";
-}
-
 void draw( const Plot& plot, Picture picture, const std::string& file )
 {
 	const std::string script = file + ".gp";
 	writeFile( script, gnuplotScript( plot, picture, file ) );
-	if ( std::system( ( "gnuplot " + shellQuoted( script ) ).c_str() ) != 0 )
-	{
-		throw std::runtime_error( script + ": gnuplot could not draw it" );
-	}
+	runGnuplot( script );
 	fs::remove( script );
 }
 

@@ -30,6 +30,10 @@ enum class Picture
 /// What gnuplot has to be told to draw a plot into a file.
 std::string gnuplotScript( const Plot& plot, Picture picture, const std::string& file );
 
+/// In a locale that knows the characters of our labels, whatever the user's is.
+/// @throws std::runtime_error if gnuplot fails
+void runGnuplot( const std::string& script );
+
 /// An SVG as part of a page: no XML header, and every id with a prefix of its own, since a page has many pictures.
 std::string embeddedSvg( const std::string& svg, const std::string& prefix );
 
