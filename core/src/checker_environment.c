@@ -219,8 +219,9 @@ static void add_near( const lw_checker* checker, lw_query* query, uint32_t body,
 	}
 }
 
-/// The row of gaps of a body, given by its place in the tree; its near pairs become candidates, or where there is no bound yet, and
-/// all would be, the nearest obstacle alone.
+/// The row of gaps of a body, given by its place in the tree; its near pairs become candidates. Where the bound reaches far beyond the
+/// body, as that of a pair that was nearest in another state may, or where there is none, most pairs would be: then the nearest obstacle
+/// alone.
 static double add_row( const lw_checker* checker, lw_query* query, uint32_t place, const lwi_bound* bound, uint32_t* count )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -232,7 +233,7 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	{
 		return slack;
 	}
-	if ( bound->prune < INFINITY )
+	if ( bound->prune < tree->body_spheres[place].radius )
 	{
 		add_near( checker, query, body, gaps, lwi_round_up( bound->prune + slack ), count );
 		return slack;
