@@ -120,7 +120,8 @@ public:
 		m_setup.clear();
 		Planned out;
 		double start = threadMicroseconds();
-		const auto status = m_setup.getPlanner()->solve( seconds );
+		// by the clock itself: with solve( seconds ) a thread would look at it, which may not get its turn
+		const auto status = m_setup.getPlanner()->solve( ob::timedPlannerTerminationCondition( seconds ) );
 		out.plan_us = threadMicroseconds() - start;
 		out.solved = status == ob::PlannerStatus::EXACT_SOLUTION;
 		if ( !out.solved )
