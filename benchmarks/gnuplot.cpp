@@ -350,6 +350,11 @@ std::string shellQuoted( const std::string& text )
 
 } // namespace
 
+bool hasGnuplot()
+{
+	return std::system( "command -v gnuplot >/dev/null 2>&1" ) == 0;
+}
+
 void runGnuplot( const std::string& script )
 {
 	if ( std::system( ( "LC_ALL=C.UTF-8 gnuplot " + shellQuoted( script ) ).c_str() ) != 0 )

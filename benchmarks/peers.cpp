@@ -247,7 +247,7 @@ void writePlot( std::ostream& out, const std::vector<PeerRow>& rows, const std::
 
 void PeerReport::writeSvg( const std::string& folder ) const
 {
-	if ( std::system( "command -v gnuplot >/dev/null 2>&1" ) != 0 )
+	if ( !hasGnuplot() )
 	{
 		throw std::runtime_error( "--svg: there is no gnuplot; install it (Debian: apt-get install gnuplot-nox)" );
 	}

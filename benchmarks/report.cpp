@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -315,7 +314,7 @@ void writeReport( const Report& report, const std::string& folder )
 {
 	fs::create_directories( folder );
 	writeJson( report, folder + "/result.json" ); // the figures first: pictures can be drawn again
-	if ( std::system( "command -v gnuplot >/dev/null 2>&1" ) != 0 )
+	if ( !hasGnuplot() )
 	{
 		throw std::runtime_error(
 		    "there is no gnuplot; install it (Debian: apt-get install gnuplot-nox), then: leeway-bench report " + folder +

@@ -30,6 +30,8 @@ enum class Picture
 /// What gnuplot has to be told to draw a plot into a file.
 std::string gnuplotScript( const Plot& plot, Picture picture, const std::string& file );
 
+bool hasGnuplot();
+
 /// In a locale that knows the characters of our labels, whatever the user's is.
 /// @throws std::runtime_error if gnuplot fails
 void runGnuplot( const std::string& script );
