@@ -169,6 +169,29 @@ TEST_F( SrdfTest, GroupStates )
 	    { "group_state up", "nan" } );
 }
 
+TEST_F( SrdfTest, WhatTheXmlReaderWouldLeaveOut )
+{
+	(void)load( "" );
+	auto bad = [&]( const std::string& text, const std::vector<std::string>& parts )
+	{
+		write( "bad.srdf", text );
+		expectError( [&] { (void)loadRobot( path( "r.urdf" ), path( "bad.srdf" ) ); }, parts );
+	};
+	const std::string group = "<group name=\"g\"><joint name=\"j_l2\"/></group>", robot = "<robot name=\"r\">" + group;
+	bad( "<robot name=\"r\"/>\n" + group, { "bad.srdf", "line 2", "<group> beside the root" } );
+	bad( robot + "</robot>\n\nand more", { "bad.srdf", "line 3", "text beside the root" } );
+	bad( "<!-- c -->\n" + robot + "</robot>\n</robot>\n" + robot + "</robot>",
+	    { "bad.srdf", "line 2", "closes what was not opened" } );
+	bad( "</x>" + robot + "</robot>", { "bad.srdf", "line 1", "closes what was not opened" } );
+	bad( robot + "</robot>\n_</x><_/></x>", { "bad.srdf", "closes what was not opened" } );
+	bad( robot + "\n" + std::string( 1, '\0' ) + "</robot>", { "bad.srdf", "line 2", "no text" } );
+	bad( robot, { "bad.srdf", "not well-formed" } );
+	bad( "<!-- c -->", { "bad.srdf", "the root element" } );
+	write( "good.srdf",
+	    "\xef\xbb\xbf<?xml version=\"1.0\"?><!DOCTYPE robot>\n<!-- c -->" + robot + "</robot> \n<!-- ___ -->\n" );
+	EXPECT_EQ( loadRobot( path( "r.urdf" ), path( "good.srdf" ) ).groups.size(), 1u );
+}
+
 TEST_F( SrdfTest, OtherRobotsAndFiles )
 {
 	RobotModel model = load( "<end_effector name=\"e\" parent_link=\"l2\" group=\"g\"/><passive_joint name=\"j_r2\"/>" );

@@ -2,6 +2,7 @@
 // XML with strict numbers and errors that name file, element and line.
 #include "xml.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
@@ -36,16 +37,64 @@ const tinyxml2::XMLElement* findXacro( const tinyxml2::XMLElement& at )
 	return nullptr;
 }
 
+/// The first node beside the root that may not be there: elements and text; comments, declarations and DOCTYPE may.
+const tinyxml2::XMLNode* findBesideRoot( const tinyxml2::XMLDocument& document )
+{
+	for ( const tinyxml2::XMLNode* node = document.FirstChild(); node != nullptr; node = node->NextSibling() )
+	{
+		if ( ( node->ToElement() != nullptr && node != document.RootElement() ) || node->ToText() != nullptr )
+		{
+			return node;
+		}
+	}
+	return nullptr;
+}
+
 } // namespace
+
+std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content )
+{
+	if ( const std::size_t zero = content.find( '\0' ); zero != std::string::npos )
+	{
+		const auto end = content.begin() + static_cast<std::ptrdiff_t>( zero );
+		return XmlProblem{ 1 + static_cast<int>( std::count( content.begin(), end, '\n' ) ), "a byte 0: this is no text" };
+	}
+	// tinyxml2 takes a closing tag that closes nothing for the end of the document. An element that is put behind all the
+	// rest, of a name that the document has not, shows whether it came that far.
+	std::size_t run = 0, longest = 0;
+	for ( char c : content )
+	{
+		run = c == '_' ? run + 1 : 0;
+		longest = std::max( longest, run );
+	}
+	const std::string last( longest + 1, '_' );
+	content += "<" + last + "/>";
+	if ( document.Parse( content.data(), content.size() ) != tinyxml2::XML_SUCCESS )
+	{
+		return XmlProblem{ document.ErrorLineNum(),
+		    fmt::format( "not well-formed XML ({})", tinyxml2::XMLDocument::ErrorIDToName( document.ErrorID() ) ) };
+	}
+	tinyxml2::XMLNode* end = document.LastChild();
+	if ( end == nullptr || end->ToElement() == nullptr || end->Value() != last )
+	{
+		return XmlProblem{ end != nullptr ? end->GetLineNum() : 1,
+		    "not well-formed XML (behind what begins there, a tag closes what was not opened)" };
+	}
+	document.DeleteChild( end );
+	if ( const tinyxml2::XMLNode* beside = findBesideRoot( document ) )
+	{
+		const bool is_element = beside->ToElement() != nullptr;
+		return XmlProblem{ beside->GetLineNum(), fmt::format( "not well-formed XML ({} beside the root element)",
+		                                             is_element ? fmt::format( "<{}>", beside->Value() ) : "text" ) };
+	}
+	return std::nullopt;
+}
 
 XmlFile::XmlFile( const std::string& file, const char* kind ) : m_path( file )
 {
-	std::string content = readFile( file );
-	if ( m_doc.Parse( content.data(), content.size() ) != tinyxml2::XML_SUCCESS )
+	if ( const std::optional<XmlProblem> problem = parseXml( m_doc, readFile( file ) ) )
 	{
-		throw Error( file, fmt::format( "line {}", m_doc.ErrorLineNum() ),
-		    fmt::format( "not well-formed XML ({})", tinyxml2::XMLDocument::ErrorIDToName( m_doc.ErrorID() ) ),
-		    "correct the file at that line" );
+		throw Error( file, fmt::format( "line {}", problem->line ), problem->text, "correct the file at that line" );
 	}
 	if ( m_doc.RootElement() == nullptr || std::strcmp( m_doc.RootElement()->Name(), "robot" ) != 0 )
 	{

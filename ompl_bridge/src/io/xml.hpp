@@ -44,6 +44,16 @@ inline Children children( const tinyxml2::XMLElement& parent, const char* name )
 	return { parent, name };
 }
 
+struct XmlProblem
+{
+	int line;
+	std::string text;
+};
+
+/// Parses all of a document: one root element, and nothing beside it that tinyxml2 would take, or leave out, without a word.
+/// @return what is wrong with it, if anything
+std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content );
+
 /// An XML file whose root is <robot>.
 class XmlFile
 {
