@@ -2,6 +2,7 @@
 // Mesh files of every format: the same tetrahedron, with the units, transforms and faults that each format allows.
 #include "files.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -217,6 +218,89 @@ TEST_F( MeshTest, Ply )
 	lw_shape_info info = load( "m.ply" );
 	EXPECT_EQ( info.triangle_count, 4u );
 	expectBox( info, { 0, 0, 0 }, { 1, 2, 3 } );
+}
+
+/// A header up to the element of faces, and a tetrahedron's corners.
+const std::string ply_points = "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
+const std::string ply_corners = "0 0 0\n1 0 0\n0 2 0\n0 0 3\n";
+
+TEST_F( MeshTest, PlyWordsAreNoLines )
+{
+	// assimp takes the first line for the first vertex, and the rest of the words of the second for a face
+	write(
+	    "m.ply", "ply\nformat ascii 1.0\n" + ply_points +
+	                 "element face 4\nproperty list uchar int vertex_index\nend_header\n0 0\n0 1 0 0 0\n\n\n2 0 0 0 3\n3 0 "
+	                 "1\n2 3 0 1 3 3 0 2 3 3 1 2 3" );
+	lw_shape_info info = load( "m.ply" );
+	EXPECT_EQ( info.triangle_count, 4u );
+	EXPECT_EQ( info.degenerate_count, 0u );
+	expectBox( info, { 0, 0, 0 }, { 1, 2, 3 } );
+}
+
+TEST_F( MeshTest, PlyStripsAreAllThere )
+{
+	// assimp keeps the last one
+	write( "m.ply", "ply\nformat ascii 1.0\n" + ply_points +
+	                    "element tristrips 2\nproperty list int int vertex_indices\nend_header\n" + ply_corners +
+	                    "8 0 1 2 -1 1 2 0 3\n3 0 1 3\n" );
+	EXPECT_EQ( load( "m.ply" ).triangle_count, 4u );
+	expectBox( load( "m.ply" ), { 0, 0, 0 }, { 1, 2, 3 } );
+	write( "bad.ply", "ply\nformat ascii 1.0\n" + ply_points +
+	                      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + ply_corners +
+	                      "3 0 -2 1\n" );
+	expectError( [&] { load( "bad.ply" ); }, { "bad.ply", "tristrips 0", "vertex -2 of 4" } );
+}
+
+TEST_F( MeshTest, PlyBeyondABlockOfAssimps )
+{
+	// 3 MB and more: its numbers lie across what assimp reads at a time
+	constexpr int n = 200;
+	std::string vertices, faces, obj_faces;
+	for ( int i = 0; i < n * n; ++i )
+	{
+		const int column = i % n, row = i / n;
+		vertices += "v " + std::to_string( column ) + " " + std::to_string( row ) + " " + std::to_string( i * i % 7 ) + "\n";
+		if ( column + 1 < n && row + 1 < n )
+		{
+			const std::string a = " " + std::to_string( i + 1 ), b = " " + std::to_string( i + n );     // from 0
+			const std::string c = " " + std::to_string( i + 2 ), d = " " + std::to_string( i + n + 1 ); // from 1
+			faces += "3 " + std::to_string( i ) + a + b + "\n3" + a + b + d + "\n";
+			obj_faces += "f" + a + c + d + "\nf" + c + d + " " + std::to_string( i + n + 2 ) + "\n";
+		}
+	}
+	write( "m.obj", vertices + obj_faces );
+	vertices.erase( std::remove( vertices.begin(), vertices.end(), 'v' ), vertices.end() );
+	write( "m.ply", "ply\nformat ascii 1.0\nelement vertex " + std::to_string( n * n ) +
+	                    "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+	                    std::to_string( 2 * ( n - 1 ) * ( n - 1 ) ) +
+	                    "\nproperty list uchar int vertex_indices\nend_header\n" + vertices + faces );
+	RobotModel ply, obj;
+	EXPECT_EQ( load( "m.ply", "", &ply ).triangle_count, 2u * ( n - 1 ) * ( n - 1 ) );
+	(void)load( "m.obj", "", &obj );
+	EXPECT_TRUE( lw_digest_equal( lw_shape_digest( ply.links.at( 0 ).collision.at( 0 ).shape.get() ),
+	    lw_shape_digest( obj.links.at( 0 ).collision.at( 0 ).shape.get() ) ) );
+}
+
+TEST_F( MeshTest, PlyWithMoreOrLessThanItsHeaderSays )
+{
+	const std::string begin = "ply\nformat ascii 1.0\n" + ply_points, faces = "element face 2\n",
+	                  list = "property list uchar int vertex_indices\n", end = "end_header\n" + ply_corners;
+	auto bad = [&]( const std::string& text, const std::vector<std::string>& parts )
+	{
+		write( "bad.ply", text );
+		expectError( [&] { load( "bad.ply" ); }, parts );
+	};
+	write( "good.ply", begin + faces + list + end + "3 0 1 2\n4 0 1 2 3\n \n" );
+	EXPECT_EQ( load( "good.ply" ).triangle_count, 3u );
+	bad( begin + faces + list + end + "3 0 1 2\n4 0 1 2 3\n3 1 2 3\n", { "bad.ply", "end", "after the last element" } );
+	bad( begin + faces + list + end + "3 0 1 2\n9999999999 0 1 2 3\n", { "bad.ply", "face 1", "is missing" } );
+	bad( begin + faces + list + end + "3 0 1 2\n1.5 0 1 2 3\n", { "bad.ply", "face 1", "length 1.5" } );
+	bad( begin + faces + list + end + "3 0 1 2\n3 0 1.5 2\n", { "bad.ply", "face 1", "vertex 1.5 of 4" } );
+	bad( begin + faces + list + end + "3 0 1 2\n0\n", { "bad.ply", "face 1", "no corners" } );
+	bad( begin + faces + "property list uchar int corners\n" + end + "3 0 1 2\n3 0 1 2\n",
+	    { "bad.ply", "element face", "0 lists vertex_indices" } );
+	bad(
+	    begin + faces + list + list + end + "3 0 1 2 3 0 1 2\n3 0 1 2 3 0 1 2\n", { "bad.ply", "element face", "2 lists" } );
 }
 
 TEST_F( MeshTest, ColladaUnitIsApplied )

@@ -2,13 +2,13 @@
 // Mesh files before assimp gets them: its reader of COLLADA trusts that accessors stay within their arrays, the one of OBJ
 // that lines are what they seem to be.
 #include "mesh_check.hpp"
+#include "xml.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
 #include <map>
 #include <set>
-#include <tinyxml2.h>
 
 namespace leeway::io::detail
 {
@@ -237,15 +237,15 @@ private:
 
 } // namespace
 
-void checkMeshBytes( const std::string& extension, const std::string& bytes )
+std::string checkedMesh( const std::string& extension, std::string bytes )
 {
+	if ( extension == ".ply" )
+	{
+		return plainPly( std::move( bytes ) );
+	}
 	if ( extension == ".obj" )
 	{
 		checkObj( bytes );
-	}
-	else if ( extension == ".ply" )
-	{
-		checkPly( bytes );
 	}
 	else if ( extension == ".glb" )
 	{
@@ -255,6 +255,7 @@ void checkMeshBytes( const std::string& extension, const std::string& bytes )
 	{
 		checkCollada( bytes );
 	}
+	return bytes;
 }
 
 void checkGlb( const std::string& bytes )
@@ -306,10 +307,13 @@ void checkObj( const std::string& bytes )
 void checkCollada( const std::string& bytes )
 {
 	tinyxml2::XMLDocument document;
-	if ( document.Parse( bytes.data(), bytes.size() ) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr )
+	if ( const std::optional<XmlProblem> problem = parseXml( document, bytes ) )
 	{
-		throw MeshProblem{ fmt::format( "line {}: not well-formed XML ({})", document.ErrorLineNum(),
-		    tinyxml2::XMLDocument::ErrorIDToName( document.ErrorID() ) ) };
+		throw MeshProblem{ fmt::format( "line {}: {}", problem->line, problem->text ) };
+	}
+	if ( document.RootElement() == nullptr )
+	{
+		throw MeshProblem{ "it has no root element" };
 	}
 	ColladaCheck check( *document.RootElement() );
 }

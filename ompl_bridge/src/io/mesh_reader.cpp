@@ -219,8 +219,7 @@ TriangleSoup readMeshFile(
 		// What was checked is what is read: not a file that somebody writes meanwhile
 		try
 		{
-			bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
-			checkMeshBytes( extension, bytes );
+			bytes = checkedMesh( extension, bytes.empty() ? readFile( mesh_file ) : std::move( bytes ) );
 		}
 		catch ( const Error& error )
 		{

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PLY files without faces as point clouds (Turk 1994): x, y, z of the element "vertex", in text or either byte order.
+// PLY files (Turk 1994), in text or either byte order: without faces as point clouds, x, y, z of the element "vertex"; with
+// faces as meshes, which assimp cuts into triangles (mesh_reader.cpp).
 //
-// assimp reads PLY with faces, as a mesh (mesh_reader.cpp); points alone it gives as no surface.
+// assimp is given a mesh written anew, not the file: it reads a text line by line where ours are words, takes the length of
+// a list for what it asks of memory, and keeps the last of several strips. Two readers of one file would have to agree on
+// all of that.
 #include "mesh_check.hpp"
 #include "point_cloud.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -36,27 +41,80 @@ enum class Format
 	big_endian
 };
 
+/// A mesh as a file that says no more than it has to.
+class PlainMesh
+{
+public:
+	void addVertex( const std::array<double, 3>& xyz )
+	{
+		append( m_vertices, xyz.data(), sizeof( xyz ) );
+		++m_vertex_count;
+	}
+	void addFace( const std::vector<std::uint32_t>& corners )
+	{
+		const std::uint32_t count = static_cast<std::uint32_t>( corners.size() );
+		append( m_faces, &count, sizeof( count ) );
+		append( m_faces, corners.data(), corners.size() * sizeof( corners[0] ) );
+		++m_face_count;
+	}
+	std::string bytes() const
+	{
+		return fmt::format( "ply\nformat binary_{}_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+		                    "property double z\nelement face {}\nproperty list uint uint vertex_indices\nend_header\n",
+		           __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "big" : "little", m_vertex_count, m_face_count ) +
+		       m_vertices + m_faces;
+	}
+
+private:
+	static void append( std::string& bytes, const void* data, std::size_t size )
+	{
+		bytes.append( static_cast<const char*>( data ), size );
+	}
+
+	std::string m_vertices, m_faces;
+	std::size_t m_vertex_count = 0, m_face_count = 0;
+};
+
+bool isSurface( const Element& element )
+{
+	return element.name == "face" || element.name == "tristrips";
+}
+
+bool namesVertices( const Property& property )
+{
+	return property.list && ( property.name == "vertex_indices" || property.name == "vertex_index" );
+}
+
 class PlyReader : CloudReader
 {
 public:
 	explicit PlyReader( const std::string& file ) : CloudReader( file ) {}
 	explicit PlyReader( std::string bytes, const char* name ) : CloudReader( name, std::move( bytes ) ) {}
 	PointCloud read();
-	/// Goes over a mesh as read() does over a cloud.
-	void checkMesh();
+	/// @return the mesh, written anew
+	std::string readMesh();
 
 private:
 	void readHeader();
 	void readHeaderLine( const std::vector<std::string>& words, const std::string& place );
 	ScalarType typeOf( const std::string& name, const std::string& place ) const;
-	void checkElements() const;
-	double value( ScalarType type, const std::string& place );
-	void readElement( const Element& element );
-	void readList( const Element& element, const Property& property, double length, const std::string& place );
+	void checkElements();
+	template <typename F> void forEachInstance( F f );
+	std::string here() const;
+	double value( ScalarType type );
+	void readInstance( const Element& element );
+	std::optional<std::uint32_t> vertexOf( double entry, bool in_strip ) const;
+	void addFace( PlainMesh& mesh ) const;
+	void addStrip( PlainMesh& mesh ) const;
 
 	Format m_format = Format::none;
 	std::vector<Element> m_elements;
-	std::size_t m_vertices = 0; ///< that faces may name; of a cloud 0
+	std::size_t m_vertices = 0; ///< of all elements
+	// The instance that was read last
+	const Element* m_element = nullptr;
+	std::size_t m_instance = 0;
+	std::array<double, 3> m_xyz{};
+	std::vector<double> m_named; ///< entries of its list of vertices
 };
 
 ScalarType PlyReader::typeOf( const std::string& name, const std::string& place ) const
@@ -130,46 +188,47 @@ void PlyReader::readHeader()
 	}
 }
 
-void PlyReader::checkElements() const
+void PlyReader::checkElements()
 {
-	std::size_t vertices = 0;
 	for ( const Element& element : m_elements )
 	{
-		if ( ( element.name == "face" || element.name == "tristrips" ) && element.count > 0 )
-		{
-			fail( "element " + element.name, "the file has a surface: it is a mesh, no point cloud",
-			    "give it as resource of one of the object's meshes" );
-		}
+		const auto count = [&]( auto is )
+		{ return std::count_if( element.properties.begin(), element.properties.end(), is ); };
+		const std::string place = "element " + element.name;
 		if ( element.count > 0 && element.properties.empty() )
 		{
-			fail( "element " + element.name, "has no properties", "remove it" );
+			fail( place, "has no properties", "remove it" );
+		}
+		if ( isSurface( element ) && element.count > 0 && count( namesVertices ) != 1 )
+		{
+			fail( place, fmt::format( "has {} lists vertex_indices", count( namesVertices ) ), "write it once" );
 		}
 		if ( element.name != "vertex" )
 		{
 			continue;
 		}
-		vertices += element.count;
+		m_vertices += std::min<std::size_t>( element.count, LW_INVALID_INDEX );
 		for ( const char* axis : { "x", "y", "z" } )
 		{
-			std::size_t found = 0;
-			for ( const Property& property : element.properties )
-			{
-				found += property.name == axis && !property.list ? 1 : 0;
-			}
+			const auto found = count( [&]( const Property& p ) { return p.name == axis && !p.list; } );
 			if ( found != 1 )
 			{
-				fail( "element vertex", fmt::format( "has {} properties {}", found, axis ), "write each of x, y, z once" );
+				fail( place, fmt::format( "has {} properties {}", found, axis ), "write each of x, y, z once" );
 			}
 		}
 	}
-	if ( vertices == 0 || vertices >= LW_INVALID_INDEX )
+	if ( m_vertices == 0 || m_vertices >= LW_INVALID_INDEX )
 	{
-		fail( "element vertex", fmt::format( "there are {} points", vertices ), "give a cloud that can be numbered" );
+		fail( "element vertex", fmt::format( "there are {} points", m_vertices ), "give points that can be numbered" );
 	}
-	checkLimit( &Limits::points, vertices, "points", m_file, "element vertex" );
 }
 
-double PlyReader::value( ScalarType type, const std::string& place )
+std::string PlyReader::here() const
+{
+	return fmt::format( "{} {}", m_element->name, m_instance );
+}
+
+double PlyReader::value( ScalarType type )
 {
 	if ( m_format == Format::ascii )
 	{
@@ -177,7 +236,7 @@ double PlyReader::value( ScalarType type, const std::string& place )
 		std::optional<double> number = parseNumber( word );
 		if ( !number )
 		{
-			fail( place, word.empty() ? "is missing" : fmt::format( "\"{}\" is not a number", word.substr( 0, 40 ) ),
+			fail( here(), word.empty() ? "is missing" : fmt::format( "\"{}\" is not a number", word.substr( 0, 40 ) ),
 			    "the file is damaged or cut short: write it again" );
 		}
 		return *number;
@@ -185,101 +244,176 @@ double PlyReader::value( ScalarType type, const std::string& place )
 	std::optional<std::string_view> bytes = m_bytes.take( scalarSize( type ) );
 	if ( !bytes )
 	{
-		fail( place, "is missing", "the file was cut short: write it again" );
+		fail( here(), "is missing", "the file was cut short: write it again" );
 	}
 	return decodeScalar( bytes->data(), type, m_format == Format::big_endian );
 }
 
-void PlyReader::readElement( const Element& element )
+/// The next one of an element: its x, y, z, and the list of the vertices that it names, where it has them.
+void PlyReader::readInstance( const Element& element )
 {
-	const bool is_vertex = element.name == "vertex";
-	if ( !is_vertex && element.count > 0 )
+	m_xyz = { NAN, NAN, NAN };
+	m_named.clear();
+	for ( const Property& property : element.properties )
 	{
-		m_cloud.notes.push_back(
-		    fmt::format( "its {} elements {} are no points and were left out", element.count, element.name ) );
-	}
-	for ( std::size_t i = 0; i < element.count; ++i )
-	{
-		double xyz[3] = { NAN, NAN, NAN };
-		std::string place = fmt::format( "{} {}", element.name, i );
-		for ( const Property& property : element.properties )
+		const double number = value( property.list.value_or( property.type ) );
+		if ( !property.list )
 		{
-			double number = value( property.list.value_or( property.type ), place );
-			if ( !property.list )
+			if ( property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z' )
 			{
-				bool axis = is_vertex && property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z';
-				xyz[axis ? property.name[0] - 'x' : 0] = axis ? number : xyz[0];
-				continue;
+				m_xyz[static_cast<std::size_t>( property.name[0] - 'x' )] = number;
 			}
-			if ( !( number >= 0 && number == std::floor( number ) ) )
+			continue;
+		}
+		if ( !( number >= 0 && number == std::floor( number ) ) )
+		{
+			fail( here(), fmt::format( "list {} has length {}", property.name, number ),
+			    "the file is damaged: write it again" );
+		}
+		const bool names_vertices = namesVertices( property );
+		for ( double k = 0; k < number; ++k ) // ends at the latest with the file
+		{
+			const double entry = value( property.type );
+			if ( names_vertices )
 			{
-				fail( place, fmt::format( "list {} has length {}", property.name, number ),
-				    "the file is damaged: write it again" );
+				m_named.push_back( entry );
 			}
-			readList( element, property, number, place );
-		}
-		if ( is_vertex )
-		{
-			m_cloud.add( xyz[0], xyz[1], xyz[2] );
 		}
 	}
 }
 
-void PlyReader::readList( const Element& element, const Property& property, double length, const std::string& place )
+/// Reads all that the header counts. @param f called after each
+template <typename F> void PlyReader::forEachInstance( F f )
 {
-	const bool names_vertices = m_vertices > 0 && element.name == "face" &&
-	                            ( property.name == "vertex_indices" || property.name == "vertex_index" );
-	for ( double k = 0; k < length; ++k ) // ends at the latest with the file
+	for ( const Element& element : m_elements )
 	{
-		const double number = value( property.type, place );
-		if ( names_vertices && !( number >= 0 && number < static_cast<double>( m_vertices ) ) )
+		m_element = &element;
+		for ( m_instance = 0; m_instance < element.count; ++m_instance )
 		{
-			fail( place, fmt::format( "names vertex {} of {}", number, m_vertices ), "the file is damaged: write it again" );
+			readInstance( element );
+			f( element );
 		}
-	}
-}
-
-void PlyReader::checkMesh()
-{
-	readHeader();
-	for ( const Element& element : m_elements )
-	{
-		m_vertices += element.name == "vertex" ? element.count : 0;
-		if ( element.count > 0 && element.properties.empty() )
-		{
-			fail( "element " + element.name, "has no properties", "remove it" );
-		}
-	}
-	for ( const Element& element : m_elements )
-	{
-		readElement( element );
-		m_cloud = PointCloud();
-	}
-}
-
-PointCloud PlyReader::read()
-{
-	readHeader();
-	checkElements();
-	for ( const Element& element : m_elements )
-	{
-		readElement( element );
 	}
 	if ( m_bytes.rest().find_first_not_of( std::string_view( " \t\r\n\0", 5 ) ) != std::string_view::npos )
 	{
 		fail( "end", fmt::format( "{} bytes after the last element of the header", m_bytes.left() ),
 		    "correct the number of elements" );
 	}
+}
+
+PointCloud PlyReader::read()
+{
+	readHeader();
+	for ( const Element& element : m_elements )
+	{
+		if ( isSurface( element ) && element.count > 0 )
+		{
+			fail( "element " + element.name, "the file has a surface: it is a mesh, no point cloud",
+			    "give it as resource of one of the object's meshes" );
+		}
+	}
+	checkElements();
+	checkLimit( &Limits::points, m_vertices, "points", m_file, "element vertex" );
+	for ( const Element& element : m_elements )
+	{
+		if ( element.name != "vertex" && element.count > 0 )
+		{
+			m_cloud.notes.push_back(
+			    fmt::format( "its {} elements {} are no points and were left out", element.count, element.name ) );
+		}
+	}
+	forEachInstance(
+	    [&]( const Element& element )
+	    {
+		    if ( element.name == "vertex" )
+		    {
+			    m_cloud.add( m_xyz[0], m_xyz[1], m_xyz[2] );
+		    }
+	    } );
 	return std::move( m_cloud );
+}
+
+/// What an entry of a list names; nothing if it is the -1 that begins a strip anew.
+std::optional<std::uint32_t> PlyReader::vertexOf( double entry, bool in_strip ) const
+{
+	if ( in_strip && entry == -1 )
+	{
+		return std::nullopt;
+	}
+	if ( !( entry >= 0 && entry < static_cast<double>( m_vertices ) && entry == std::floor( entry ) ) )
+	{
+		fail( here(), fmt::format( "names vertex {} of {}", entry, m_vertices ), "the file is damaged: write it again" );
+	}
+	return static_cast<std::uint32_t>( entry );
+}
+
+void PlyReader::addFace( PlainMesh& mesh ) const
+{
+	if ( m_named.empty() )
+	{
+		fail( here(), "has no corners", "the file is damaged: write it again" );
+	}
+	std::vector<std::uint32_t> corners;
+	corners.reserve( m_named.size() );
+	for ( double entry : m_named )
+	{
+		corners.push_back( *vertexOf( entry, false ) );
+	}
+	mesh.addFace( corners );
+}
+
+/// Each vertex of a strip makes a triangle with the two before it; every other one is turned round.
+void PlyReader::addStrip( PlainMesh& mesh ) const
+{
+	std::vector<std::uint32_t> strip;
+	for ( double entry : m_named )
+	{
+		const std::optional<std::uint32_t> vertex = vertexOf( entry, true );
+		if ( !vertex )
+		{
+			strip.clear();
+			continue;
+		}
+		strip.push_back( *vertex );
+		if ( const std::size_t n = strip.size(); n >= 3 )
+		{
+			const std::size_t first = n % 2 == 0 ? n - 2 : n - 3, second = n % 2 == 0 ? n - 3 : n - 2;
+			mesh.addFace( { strip[first], strip[second], strip[n - 1] } );
+		}
+	}
+}
+
+std::string PlyReader::readMesh()
+{
+	readHeader();
+	checkElements();
+	PlainMesh mesh;
+	forEachInstance(
+	    [&]( const Element& element )
+	    {
+		    if ( element.name == "vertex" )
+		    {
+			    mesh.addVertex( m_xyz );
+		    }
+		    else if ( element.name == "face" )
+		    {
+			    addFace( mesh );
+		    }
+		    else if ( element.name == "tristrips" )
+		    {
+			    addStrip( mesh );
+		    }
+	    } );
+	return mesh.bytes();
 }
 
 } // namespace
 
-void checkPly( const std::string& bytes )
+std::string plainPly( std::string bytes )
 {
 	try
 	{
-		PlyReader( bytes, "mesh" ).checkMesh();
+		return PlyReader( std::move( bytes ), "mesh" ).readMesh();
 	}
 	catch ( const Error& error )
 	{
