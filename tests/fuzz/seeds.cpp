@@ -6,6 +6,7 @@
 
 #include "cache_file.hpp"
 
+#define OCTOMAP_NODEBUGOUT // without NDEBUG it tells on stderr what it writes
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
 #include <png.h>
