@@ -29,9 +29,14 @@ fuzz=$build/bin/leeway_fuzz
 corpus=$PWD/tests/fuzz/corpus
 
 scratch=$( mktemp -d )
-trap 'rm -rf "$scratch"' EXIT
+# Inputs become files, thousands in a second: where files are memory, a disk does not decide how many
+files=$scratch/files
+if [ -d /dev/shm ] && [ -w /dev/shm ]; then
+	files=$( mktemp -d -p /dev/shm )
+fi
+trap 'rm -rf "$scratch" "$files"' EXIT
 keep=${KEEP:-$scratch/corpora}
-mkdir -p "$keep" "$build/findings" "$scratch/tmp"
+mkdir -p "$keep" "$build/findings" "$files"
 "$build/bin/leeway_fuzz_seeds" "$scratch/seeds" >"$scratch/targets"
 if [ "$#" -gt 0 ]; then
 	for target in "$@"; do grep "^$target " "$scratch/targets"; done >"$scratch/chosen"
@@ -54,7 +59,7 @@ one()
 		dictionary=( "-dict=tests/fuzz/dictionaries/$target" )
 	fi
 	{
-		time LEEWAY_FUZZ_TARGET=$target TMPDIR=$scratch/tmp LSAN_OPTIONS="suppressions=$scratch/leaks:print_suppressions=0" \
+		time LEEWAY_FUZZ_TARGET=$target TMPDIR=$files LSAN_OPTIONS="suppressions=$scratch/leaks:print_suppressions=0" \
 		UBSAN_OPTIONS=print_stacktrace=1 \
 		"$fuzz" -seed="${SEED:-0}" -max_total_time="$seconds" -max_len="$longest" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=1024 \
 		-print_final_stats=1 -artifact_prefix="$build/findings/$target-" ${dictionary[@]+"${dictionary[@]}"} \
