@@ -149,7 +149,34 @@ void useShape( const lw_shape* shape )
 	lw_shape_release( box );
 }
 
-const char* const tetrahedron_obj = "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 0 0 0.2\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+namespace
+{
+
+std::string tetrahedronStl()
+{
+	const float corners[4][3] = { { 0, 0, 0 }, { 0.2f, 0, 0 }, { 0, 0.2f, 0 }, { 0, 0, 0.2f } };
+	const int faces[4][3] = { { 0, 1, 2 }, { 0, 1, 3 }, { 0, 2, 3 }, { 1, 2, 3 } };
+	std::string bytes( 80, '\0' );
+	bytes += std::string( "\4\0\0\0", 4 );
+	for ( const int( &face )[3] : faces )
+	{
+		bytes += std::string( 12, '\0' ); // no normal
+		for ( int corner : face )
+		{
+			bytes.append( reinterpret_cast<const char*>( corners[corner] ), sizeof( corners[corner] ) );
+		}
+		bytes += std::string( 2, '\0' );
+	}
+	return bytes;
+}
+
+} // namespace
+
+void putMeshes()
+{
+	putOnce( "tetrahedron.obj", "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 0 0 0.2\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n" );
+	putOnce( "tetrahedron.stl", tetrahedronStl() );
+}
 
 const char* const robot_urdf =
     "<robot name=\"r\"><link name=\"a\"><collision><origin xyz=\"0 0 -0.5\"/><geometry><box size=\"0.2 0.2 "
@@ -157,7 +184,7 @@ const char* const robot_urdf =
     "</collision></link><link name=\"b\"><collision><origin xyz=\"0.3 0 0\"/><geometry><box size=\"0.6 0.1 "
     "0.1\"/></geometry>"
     "</collision></link><link name=\"c\"><collision><geometry><mesh "
-    "filename=\"tetrahedron.obj\"/></geometry></collision></link>"
+    "filename=\"tetrahedron.stl\"/></geometry></collision></link>"
     "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/>"
     "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>"
     "<joint name=\"k\" type=\"prismatic\"><parent link=\"b\"/><child link=\"c\"/><origin xyz=\"0.7 0 0\"/><axis xyz=\"1 0 "
@@ -169,7 +196,7 @@ const char* const robot_srdf = "<robot name=\"r\"><group name=\"g\"><joint name=
 
 const leeway::io::RobotModel& fixedRobot()
 {
-	putOnce( "tetrahedron.obj", tetrahedron_obj );
+	putMeshes();
 	static const leeway::io::RobotModel model =
 	    leeway::io::loadRobot( putOnce( "fixed.urdf", robot_urdf ), putOnce( "fixed.srdf", robot_srdf ) );
 	return model;

@@ -79,9 +79,11 @@ template <typename F> bool reads( F reader )
 /// Asks for distances from the shape to another, and checks its tree: whatever a reader let through has to be usable.
 void useShape( const lw_shape* shape );
 
+/// Files tetrahedron.obj and tetrahedron.stl, for models to name. For each OBJ, assimp clears 16 MB: a hundred inputs in a
+/// second.
+void putMeshes();
 /// The robot that scenes, requests and semantics are about: two boxes and a mesh, joints j (revolute) and k (prismatic).
 extern const char* const robot_urdf;
-extern const char* const tetrahedron_obj;
 extern const char* const robot_srdf;
 const leeway::io::RobotModel& fixedRobot();
 

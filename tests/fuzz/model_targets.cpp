@@ -32,7 +32,7 @@ void useProblem( const io::Problem& problem )
 
 void urdf( Input input )
 {
-	putOnce( "tetrahedron.obj", tetrahedron_obj );
+	putMeshes();
 	const std::string file = put( "input.urdf", input );
 	reads(
 	    [&]
