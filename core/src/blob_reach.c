@@ -46,6 +46,7 @@ static void write_pair( lwi_writer* w, const lw_reach_pair* pair, uint32_t state
 
 enum
 {
+	CHART_BYTES = 3 * 4, // and one per cell
 	LINK_BYTES = 3 * 32 + 2 * 8 + 8 + 4,
 	PAIR_BYTES = 5 * 4 + 3 * 8
 };
@@ -58,6 +59,20 @@ static size_t point_bytes( const lw_reach* reach )
 static size_t evidence_bytes( const lw_reach* reach )
 {
 	return (size_t)reach->evidence_count * reach->variable_count * sizeof( double );
+}
+
+/// A chart: its links, bits of each axis, cells. The rest follows from the reach.
+static void write_chart( lwi_writer* w, const lwi_chart* chart )
+{
+	uint32_t bits = 0;
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		bits |= (uint32_t)chart->axes[i].bits << ( 8 * i );
+	}
+	lwi_write_u32( w, chart->link_a );
+	lwi_write_u32( w, chart->link_b );
+	lwi_write_u32( w, bits );
+	lwi_write( w, chart->cells, lwi_chart_size( chart ) );
 }
 
 void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
@@ -75,6 +90,7 @@ void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
 	lwi_write_u32( w, reach->link_count );
 	lwi_write_u32( w, reach->variable_count );
 	lwi_write_u32( w, reach->evidence_count );
+	lwi_write_u32( w, reach->chart_count );
 	for ( uint32_t i = 0; i < reach->link_count; ++i )
 	{
 		write_link( w, &reach->links[i] );
@@ -86,6 +102,10 @@ void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
 	}
 	lwi_write( w, reach->points, point_bytes( reach ) );
 	lwi_write( w, reach->evidence, evidence_bytes( reach ) );
+	for ( uint32_t i = 0; i < reach->chart_count; ++i )
+	{
+		write_chart( w, &reach->charts[i] );
+	}
 }
 
 static bool all_finite( const double* values, size_t count )
@@ -196,8 +216,65 @@ static const char* read_pairs( lwi_reader* r, lw_reach* reach )
 	return NULL;
 }
 
+/// @param last pair index of the chart before it
+static const char* read_chart( lwi_reader* r, lw_reach* reach, lwi_chart* chart, size_t* last )
+{
+	uint32_t a = lwi_read_u32( r ), b = lwi_read_u32( r ), bits = lwi_read_u32( r ), sum = 0;
+	if ( r->failed || a >= reach->link_count || b >= a )
+	{
+		return "a chart of links that do not exist";
+	}
+	size_t index = lwi_reach_pair_index( a, b );
+	bool in_order = reach->chart_count == 0 || index > *last;
+	*last = index;
+	if ( !in_order || !lwi_chart_describe( reach, a, b, chart ) )
+	{
+		return "a chart of links that have none";
+	}
+	bool possible = bits >> ( 8 * chart->dimension ) == 0; // one byte per axis
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		chart->axes[i].bits = (uint8_t)( bits >> ( 8 * i ) );
+		possible = possible && chart->axes[i].bits <= LWI_CHART_AXIS_BITS;
+		sum += chart->axes[i].bits;
+	}
+	if ( !possible || sum > LWI_CHART_BITS || (size_t)1 << sum > lwi_reader_left( r ) )
+	{
+		return "a chart of an impossible size";
+	}
+	size_t size = lwi_chart_size( chart );
+	chart->cells = lwi_alloc( &reach->allocator, size );
+	if ( chart->cells != NULL )
+	{
+		lwi_read( r, chart->cells, size );
+		reach->chart_count++; // from now on it is the reach's
+	}
+	return NULL;
+}
+
+/// @return what is wrong, or NULL; *out_of_memory is set where memory was
+static const char* read_charts( lwi_reader* r, lw_reach* reach, bool* out_of_memory )
+{
+	size_t last = 0;
+	while ( reach->chart_count < reach->chart_capacity )
+	{
+		lwi_chart* chart = &reach->charts[reach->chart_count];
+		const char* problem = read_chart( r, reach, chart, &last );
+		if ( problem != NULL )
+		{
+			return problem;
+		}
+		if ( chart->cells == NULL )
+		{
+			*out_of_memory = true;
+			return NULL;
+		}
+	}
+	return NULL;
+}
+
 /// Everything behind the counts, into arrays that are allocated. @return what is wrong, or NULL
-static const char* read_contents( lwi_reader* r, lw_reach* reach )
+static const char* read_contents( lwi_reader* r, lw_reach* reach, bool* out_of_memory )
 {
 	for ( uint32_t i = 0; i < reach->link_count; ++i )
 	{
@@ -219,6 +296,11 @@ static const char* read_contents( lwi_reader* r, lw_reach* reach )
 	{
 		return "numbers that are not finite";
 	}
+	problem = read_charts( r, reach, out_of_memory );
+	if ( problem != NULL || *out_of_memory )
+	{
+		return problem;
+	}
 	return r->failed || lwi_reader_left( r ) != 0 ? "too few or too many bytes" : NULL;
 }
 
@@ -234,6 +316,7 @@ static const char* read_counts( lwi_reader* r, lw_reach* reach )
 	reach->limit_margin = lwi_read_double( r );
 	uint64_t points = lwi_read_u64( r );
 	uint32_t links = lwi_read_u32( r ), variables = lwi_read_u32( r ), evidence = lwi_read_u32( r );
+	uint32_t charts = lwi_read_u32( r );
 	if ( r->failed || links != reach->robot->link_count || variables != reach->robot->variable_count )
 	{
 		return "counts of links or variables that are not the robot's";
@@ -245,11 +328,15 @@ static const char* read_counts( lwi_reader* r, lw_reach* reach )
 	// divisions, as products of such counts may overflow
 	uint64_t left = lwi_reader_left( r ), state_bytes = (uint64_t)variables * sizeof( double );
 	uint64_t fixed = (uint64_t)links * LINK_BYTES + (uint64_t)links * ( links - 1u ) / 2 * PAIR_BYTES;
-	if ( fixed > left || points > ( left - fixed ) / ( 3 * sizeof( double ) ) ||
-		 left - fixed - points * 3 * sizeof( double ) != (uint64_t)evidence * state_bytes )
+	bool fits = fixed <= left && points <= ( left - fixed ) / ( 3 * sizeof( double ) );
+	uint64_t rest = fits ? left - fixed - points * 3 * sizeof( double ) : 0;
+	fits = fits && (uint64_t)evidence * state_bytes <= rest;
+	rest = fits ? rest - (uint64_t)evidence * state_bytes : 0;
+	if ( !fits || charts > rest / CHART_BYTES || ( charts == 0 && rest > 0 ) )
 	{
 		return "arrays longer or shorter than their counts";
 	}
+	reach->chart_capacity = charts;
 	reach->point_count = (size_t)points;
 	reach->evidence_count = evidence;
 	return NULL;
@@ -271,11 +358,20 @@ static lw_status read_reach( lwi_reader* r, lw_reach* reach, lw_diag* diag )
 	size_t points = point_bytes( reach ), evidence = evidence_bytes( reach );
 	reach->points = points > 0 ? lwi_alloc( &reach->allocator, points ) : NULL;
 	reach->evidence = evidence > 0 ? lwi_alloc( &reach->allocator, evidence ) : NULL;
-	if ( ( points > 0 && reach->points == NULL ) || ( evidence > 0 && reach->evidence == NULL ) )
+	reach->charts = reach->chart_capacity > 0
+						? lwi_alloc_zero( &reach->allocator, reach->chart_capacity, sizeof( lwi_chart ) )
+						: NULL;
+	bool out_of_memory = ( points > 0 && reach->points == NULL ) || ( evidence > 0 && reach->evidence == NULL ) ||
+						 ( reach->chart_capacity > 0 && reach->charts == NULL );
+	if ( out_of_memory )
 	{
 		return lwi_out_of_memory( diag, "a reach from a blob" );
 	}
-	problem = read_contents( r, reach );
+	problem = read_contents( r, reach, &out_of_memory );
+	if ( out_of_memory )
+	{
+		return lwi_out_of_memory( diag, "a reach from a blob" );
+	}
 	if ( problem != NULL )
 	{
 		return damaged( diag, problem );

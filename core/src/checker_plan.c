@@ -319,7 +319,7 @@ static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
 	p->step_count = 0;
 	plan_subtree( p, 0 );
 	fill_pairs( p, c );
-	if ( !lwi_self_units_create( c, t, &t->units ) )
+	if ( !lwi_checker_views_create( c, t ) || !lwi_self_units_create( c, t, &t->units ) )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}

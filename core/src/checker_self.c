@@ -149,6 +149,18 @@ static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t 
 	return (lwi_candidate){ gap, a < b ? a * stride + b : b * stride + a };
 }
 
+/// The larger of the separation of a pair in all states and what its chart says of this one.
+/// @param margin that the separation is less by @param view index into the tree's views, or LW_INVALID_INDEX
+static float separation_now( const lw_checker* checker, const lw_query* query, float separation, double margin, uint32_t view )
+{
+	if ( view == LW_INVALID_INDEX || !query->tables )
+	{
+		return separation;
+	}
+	float charted = below( lwi_chart_at( &checker->tree->views[view], query->state ) - margin );
+	return charted > separation ? charted : separation;
+}
+
 static lwi_candidate node_pair( const lw_checker* checker, uint32_t index, float key )
 {
 	return (lwi_candidate){ key, lwi_node_pair_candidate( checker, checker->tree, index ) };
@@ -197,7 +209,12 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 		}
 		if ( step->pair != LW_INVALID_INDEX )
 		{
-			query->candidates[count++] = node_pair( checker, step->pair, lower_bound( gap, separation ) );
+			uint32_t view = lwi_node_pair_view( tree, &tree->pairs[step->pair] );
+			float charted = separation_now( checker, query, separation, step->margin, view );
+			if ( charted < limit )
+			{
+				query->candidates[count++] = node_pair( checker, step->pair, lower_bound( gap, charted ) );
+			}
 		}
 		++i;
 	}
@@ -268,6 +285,11 @@ static uint32_t compare_units( const lw_checker* checker, lw_query* query, const
 		uint32_t low = near[i] / 256, high = near[i] % 256;
 		const lwi_unit_pair* pair = &units->pairs[low][high];
 		float separation = query->tables ? pair->separation : 0 - pair->margin;
+		if ( separation >= bound->prune )
+		{
+			continue;
+		}
+		separation = separation_now( checker, query, separation, pair->margin, pair->view );
 		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
 		if ( separation < bound->prune && !( gap >= bound->prune ) )
 		{
@@ -313,17 +335,24 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node
 {
 	const lwi_checker_tree* tree = checker->tree;
 	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
-	float separation = tree->separations[pair->first + (size_t)rank_a * b->body_count + rank_b];
+	size_t index = pair->first + (size_t)rank_a * b->body_count + rank_b;
+	float separation = tree->separations[index];
 	if ( !query->tables && separation < INFINITY )
 	{
 		separation = 0 - pair->margin; // proved for other states than this one, or not to be used
 	}
+	if ( separation >= bound->prune )
+	{
+		return;
+	}
+	uint32_t body_a = tree->bodies[a->first_body + rank_a], body_b = tree->bodies[b->first_body + rank_b];
+	double margin = lwi_self_margin( checker, body_a, body_b );
+	uint32_t view = tree->view_count > 0 ? tree->pair_views[index] : LW_INVALID_INDEX;
+	separation = separation_now( checker, query, separation, margin, view );
 	if ( separation < bound->prune )
 	{
-		uint32_t body_a = tree->bodies[a->first_body + rank_a], body_b = tree->bodies[b->first_body + rank_b];
-		double clearance = gap - lwi_self_margin( checker, body_a, body_b );
 		lwi_heap_push( query->candidates, count,
-			body_pair( checker, body_a, body_b, lower_bound( clearance, separation ) ) );
+			body_pair( checker, body_a, body_b, lower_bound( gap - margin, separation ) ) );
 	}
 }
 

@@ -48,6 +48,8 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
 	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
 	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
+	lwi_free( &allocator, t->views, t->view_capacity * sizeof( lwi_chart_view ) );
+	lwi_free( &allocator, t->pair_views, t->separation_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->units, sizeof( lwi_self_units ) );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
 	lwi_free( &allocator, t, sizeof( lwi_checker_tree ) );

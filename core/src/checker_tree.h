@@ -6,6 +6,7 @@
 #ifndef LEEWAY_CHECKER_TREE_H
 #define LEEWAY_CHECKER_TREE_H
 
+#include "checker_chart.h"
 #include "checker_units.h"
 #include "leeway/checker.h"
 #include "motion_bound.h"
@@ -79,10 +80,20 @@ typedef struct lwi_checker_tree
 	lwi_node_pair* pairs;    ///< [pair_count]
 	size_t separation_count;
 	float* separations;      ///< +INFINITY for pairs that are not to be checked
+	uint32_t view_count, view_capacity;
+	lwi_chart_view* views;   ///< [view_count] NULL if there are none
+	uint32_t* pair_views;    ///< [separation_count] index into views of the same pair, or LW_INVALID_INDEX; NULL if there are none
 	uint32_t step_count;
 	lwi_self_step* steps;    ///< [step_count]
 	lwi_self_units* units;   ///< NULL: too many
 } lwi_checker_tree;
+
+/// The view of two nodes of one body each; LW_INVALID_INDEX if there is none, or more bodies.
+static inline uint32_t lwi_node_pair_view( const lwi_checker_tree* tree, const lwi_node_pair* pair )
+{
+	bool single = tree->nodes[pair->node_a].body_count == 1 && tree->nodes[pair->node_b].body_count == 1;
+	return single && tree->view_count > 0 ? tree->pair_views[pair->first] : LW_INVALID_INDEX;
+}
 
 /// @param joint_moves [joint count] driven by a variable of the group
 /// The reach proves nothing if the reference state is outside of what it covers: the tree is then as without one.

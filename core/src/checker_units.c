@@ -18,9 +18,10 @@ static void add_unit( lwi_self_units* u, uint32_t node, const lw_sphere* sphere 
 }
 
 /// @param of_unit lower and higher unit
-static void add_pair( lwi_self_units* u, uint32_t low, uint32_t high, float separation, float margin, uint32_t candidate )
+static void add_pair( lwi_self_units* u, uint32_t low, uint32_t high, float separation, float margin, uint32_t candidate,
+	uint32_t view )
 {
-	u->pairs[low][high] = (lwi_unit_pair){ separation, margin, candidate };
+	u->pairs[low][high] = (lwi_unit_pair){ separation, margin, candidate, view };
 	u->mask[low][high / LWI_WIDTH] |= (uint8_t)( 1u << high % LWI_WIDTH );
 	u->largest_margin = fmax( u->largest_margin, (double)margin );
 	u->separation = u->pair_count == 0 || separation < u->separation ? separation : u->separation;
@@ -46,7 +47,8 @@ static void fill_bodies( const lw_checker* c, const lwi_checker_tree* t, lwi_sel
 			{
 				uint32_t x = t->bodies[place_a], y = t->bodies[place_b];
 				uint32_t candidate = x < y ? lwi_body_pair_id( c, x, y ) : lwi_body_pair_id( c, y, x );
-				add_pair( u, place_a, place_b, separation, lwi_round_up( lwi_self_margin( c, x, y ) ), candidate );
+				add_pair( u, place_a, place_b, separation, lwi_round_up( lwi_self_margin( c, x, y ) ), candidate,
+					t->view_count > 0 ? t->pair_views[pair->first + k] : LW_INVALID_INDEX );
 			}
 		}
 	}
@@ -67,7 +69,8 @@ static void fill_nodes( const lw_checker* c, const lwi_checker_tree* t, lwi_self
 	for ( uint32_t i = 0; i < t->pair_count; ++i )
 	{
 		const lwi_node_pair* pair = &t->pairs[i];
-		add_pair( u, of_node[pair->node_a], of_node[pair->node_b], pair->separation, pair->margin, lwi_node_pair_candidate( c, t, i ) );
+		add_pair( u, of_node[pair->node_a], of_node[pair->node_b], pair->separation, pair->margin, lwi_node_pair_candidate( c, t, i ),
+			lwi_node_pair_view( t, pair ) );
 	}
 }
 

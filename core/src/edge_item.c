@@ -210,6 +210,7 @@ typedef struct screening
 	lwi_edge_level* level;
 	uint32_t work; ///< that is left: cells on which items have to be measured
 	bool may_look;
+	bool covered; ///< the whole edge by the reach
 } screening;
 
 /// Poses all nodes in the window's middle.
@@ -363,6 +364,26 @@ static bool spheres_meet( const screening* s, const lwi_node_pair* pair, double 
 	return !( x * x + y * y + z * z > reach * fabs( reach ) );
 }
 
+/// True if the chart of two bodies proves the whole edge with as much clearance as a certificate would look for.
+static bool is_charted( screening* s, uint32_t pair, uint32_t body_a, uint32_t body_b )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	const lwi_chart_view* view = s->covered ? lwi_checker_view( c->tree, pair, body_a, body_b ) : NULL;
+	if ( view == NULL )
+	{
+		return false;
+	}
+	double margin = lwi_self_margin( c, body_a, body_b ), least = e->def->min_d + 0.25 * e->def->slack;
+	double apart = lwi_chart_along( view, c->robot, e->full_a, e->full_b, least + margin ) - margin;
+	if ( !( apart > least ) )
+	{
+		return false;
+	}
+	e->apart = fmin( e->apart, apart );
+	return true;
+}
+
 static bool screen_pair( screening* s, uint32_t index )
 {
 	lwi_edge* e = s->edge;
@@ -399,7 +420,7 @@ static bool screen_pair( screening* s, uint32_t index )
 	{
 		uint32_t id = e->query->candidates[i].pair;
 		lwi_edge_item item = { .body_a = id / stride, .body_b = id % stride, .ancestor = pair->ancestor, .rounding = rounding };
-		if ( !screen_item( s, item ) )
+		if ( !is_charted( s, index, item.body_a, item.body_b ) && !screen_item( s, item ) )
 		{
 			return false;
 		}
@@ -430,12 +451,13 @@ static bool screen_pairs( screening* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	bool covered = lwi_checker_covers( c, e->query, e->qa, e->qb ), go_on = true;
+	bool go_on = true;
+	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
 	uint32_t count = ( e->def->what & LW_WHAT_SELF ) != 0 ? c->tree->pair_count : 0;
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
 		// as much clearance as a certificate would look for, in all states
-		if ( covered && c->tree->pairs[i].separation > e->def->min_d + 0.25 * e->def->slack )
+		if ( s->covered && c->tree->pairs[i].separation > e->def->min_d + 0.25 * e->def->slack )
 		{
 			e->apart = fmin( e->apart, c->tree->pairs[i].separation );
 			continue;

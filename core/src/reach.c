@@ -116,9 +116,19 @@ lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag )
 	return LW_OK;
 }
 
+static size_t chart_bytes( const lw_reach* reach )
+{
+	size_t bytes = reach->chart_capacity * sizeof( lwi_chart );
+	for ( uint32_t i = 0; i < reach->chart_count; ++i )
+	{
+		bytes += lwi_chart_size( &reach->charts[i] );
+	}
+	return bytes;
+}
+
 size_t lwi_reach_count_bytes( const lw_reach* reach )
 {
-	return sizeof( lw_reach ) + 2 * (size_t)reach->variable_count * sizeof( double ) +
+	return chart_bytes( reach ) + sizeof( lw_reach ) + 2 * (size_t)reach->variable_count * sizeof( double ) +
 		   reach->link_count * ( sizeof( lwi_reach_link ) + sizeof( double ) ) +
 		   pair_count( reach ) * ( sizeof( lw_reach_pair ) + sizeof( uint32_t ) ) + 2 * square( reach ) * sizeof( double ) +
 		   3 * reach->point_count * sizeof( double ) +
@@ -140,6 +150,11 @@ void lwi_reach_free( lw_reach* reach )
 	lwi_free( &memory, reach->pairs, pairs * sizeof( lw_reach_pair ) );
 	lwi_free( &memory, reach->states, pairs * sizeof( uint32_t ) );
 	lwi_free( &memory, reach->evidence, (size_t)reach->evidence_count * reach->variable_count * sizeof( double ) );
+	for ( uint32_t i = 0; i < reach->chart_count; ++i )
+	{
+		lwi_free( &memory, reach->charts[i].cells, lwi_chart_size( &reach->charts[i] ) );
+	}
+	lwi_free( &memory, reach->charts, reach->chart_capacity * sizeof( lwi_chart ) );
 	lwi_free( &memory, reach->rigid, square( reach ) * sizeof( double ) );
 	lwi_free( &memory, reach->motion, square( reach ) * sizeof( double ) );
 	lwi_free( &memory, reach->scfree, reach->link_count * sizeof( double ) );

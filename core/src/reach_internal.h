@@ -5,6 +5,7 @@
 
 #include "base_internal.h"
 #include "leeway/reach.h"
+#include "reach_chart.h"
 #include "robot_internal.h"
 
 /// The node of one link, and where its M hull's points are.
@@ -31,6 +32,8 @@ struct lw_reach
 	uint32_t* states;      ///< the same shape: index of the evidence in `evidence`, or LW_INVALID_INDEX
 	uint32_t evidence_count;
 	double* evidence;      ///< [evidence_count][variable_count]
+	uint32_t chart_count, chart_capacity;
+	lwi_chart* charts;     ///< [chart_count] by lwi_reach_pair_index(), ascending; each owns its cells
 	double* rigid;         ///< [link_count * link_count] equation (3): row i, column j
 	double* motion;        ///< [link_count * link_count] equation (4)
 	double* scfree;        ///< [link_count] equation (12)

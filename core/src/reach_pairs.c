@@ -20,8 +20,12 @@ enum
 	ROUND_GROWTH = 4,          ///< each round has as many times more
 	SEARCH_SHARE = 20,         ///< a round's search for contact has this many times fewer measurements than its proof cells
 	LONGEST_SEARCH = 1000,     ///< measurements; a search does not look at the clock
+	MOST_CHART_BYTES = 1 << 26, ///< of one reach
 	IN_REACH = 2               ///< a proof is tried if it is expected to take at most this many times the round's cells
 };
+
+/// Of the budget, that goes to charts at most.
+#define CHART_SHARE 0.5
 
 /// Proofs first aim at a tenth of the closest distance found: cells are cut until their motion fits into what is left, so a
 /// modest aim needs few. Later rounds aim higher, since queries pass over a pair only where its separation is beyond the
@@ -373,20 +377,9 @@ static lw_status run_pass( work* w, pass kind, uint64_t budget, double deadline,
 	return LW_OK;
 }
 
-static lw_status prove_by_subdivision( work* w )
+static lw_status subdivide_all( work* w, double deadline )
 {
-	double seconds = w->job->def->seconds;
-	if ( !( seconds > 0 ) )
-	{
-		return LW_OK;
-	}
-	for ( uint32_t i = 0; i < w->count; ++i )
-	{
-		w->active[i].closest = w->active[i].pair->closest;
-	}
-	qsort( w->active, w->count, sizeof( active_pair ), by_difficulty );
-	lwi_prober_stage( w->prober, "subdivision", seconds );
-	double deadline = lwi_monotonic_seconds() + seconds;
+	lwi_prober_stage( w->prober, "subdivision", deadline - lwi_monotonic_seconds() );
 	bool left = true;
 	for ( uint64_t budget = FIRST_CELLS; left && budget < UINT64_MAX / ROUND_GROWTH; budget *= ROUND_GROWTH )
 	{
@@ -402,6 +395,93 @@ static lw_status prove_by_subdivision( work* w )
 		left = left && lwi_monotonic_seconds() < deadline;
 	}
 	return LW_OK;
+}
+
+// ---- charts ----------------------------------------------------------------------------------------------------------
+
+/// Contact of the pair counts, and is not all that there is.
+static bool is_charted( const work* w, const active_pair* active )
+{
+	uint32_t samples = w->job->def->samples;
+	bool always = samples > 0 && active->contacts == samples && active->contact_at_default;
+	return active->bounded && !active->pair->allowed && !always && active->variable_count <= LWI_CHART_AXES;
+}
+
+static int by_pair( const void* x, const void* y )
+{
+	const lwi_chart *a = x, *b = y;
+	size_t i = lwi_reach_pair_index( a->link_a, a->link_b ), j = lwi_reach_pair_index( b->link_a, b->link_b );
+	return i < j ? -1 : i > j;
+}
+
+/// Charts for as long as there is time, few variables first. They are entered into `charts`, which has room for all.
+static lw_status fill_charts( work* w, double deadline, lwi_chart* charts, uint32_t* out_count )
+{
+	lw_status status = LW_OK;
+	size_t bytes = 0;
+	for ( uint32_t i = 0; i < w->count && status == LW_OK && lwi_monotonic_seconds() < deadline; ++i )
+	{
+		const active_pair* active = &w->active[i];
+		if ( !is_charted( w, active ) || bytes >= MOST_CHART_BYTES )
+		{
+			continue;
+		}
+		lwi_chart* chart = &charts[*out_count];
+		status = lwi_chart_make( w->prober, active->link_a, active->link_b, active->pair->separation, deadline, chart );
+		*out_count += chart->cells != NULL ? 1u : 0u;
+		bytes += chart->cells != NULL ? lwi_chart_size( chart ) : 0;
+	}
+	return status;
+}
+
+/// The pairs are in the order of subdivision.
+static lw_status make_charts( work* w, double deadline )
+{
+	lw_reach* reach = w->reach;
+	const lw_allocator* memory = &reach->allocator;
+	uint32_t count = 0;
+	lwi_chart* charts = lwi_alloc_zero( memory, w->count, sizeof( lwi_chart ) );
+	if ( charts == NULL )
+	{
+		return lwi_out_of_memory( w->job->diag, "charts of pairs" );
+	}
+	lwi_prober_stage( w->prober, "charts", deadline - lwi_monotonic_seconds() );
+	lw_status status = fill_charts( w, deadline, charts, &count );
+	reach->charts = count > 0 ? lwi_alloc_zero( memory, count, sizeof( lwi_chart ) ) : NULL;
+	if ( reach->charts != NULL )
+	{
+		qsort( charts, count, sizeof( lwi_chart ), by_pair );
+		memcpy( reach->charts, charts, count * sizeof( lwi_chart ) );
+		reach->chart_count = reach->chart_capacity = count;
+	}
+	else if ( count > 0 )
+	{
+		for ( uint32_t i = 0; i < count; ++i )
+		{
+			lwi_free( memory, charts[i].cells, lwi_chart_size( &charts[i] ) );
+		}
+		status = lwi_out_of_memory( w->job->diag, "charts of pairs" );
+	}
+	lwi_free( memory, charts, w->count * sizeof( lwi_chart ) );
+	return status;
+}
+
+// ---- whatever takes the time that is given ----------------------------------------------------------------------------
+
+static lw_status prove_in_time( work* w )
+{
+	double seconds = w->job->def->seconds, begin = lwi_monotonic_seconds();
+	if ( !( seconds > 0 ) )
+	{
+		return LW_OK;
+	}
+	for ( uint32_t i = 0; i < w->count; ++i )
+	{
+		w->active[i].closest = w->active[i].pair->closest;
+	}
+	qsort( w->active, w->count, sizeof( active_pair ), by_difficulty );
+	lw_status status = make_charts( w, begin + CHART_SHARE * seconds );
+	return status == LW_OK ? subdivide_all( w, begin + seconds ) : status;
 }
 
 // ---- classes ---------------------------------------------------------------------------------------------------------
@@ -505,7 +585,7 @@ lw_status lwi_reach_build_pairs( const lwi_reach_job* job )
 		status = status == LW_OK ? take_samples( &w ) : status;
 		status = status == LW_OK ? prove_by_hulls( &w ) : status;
 		status = status == LW_OK ? search_contacts( &w ) : status;
-		status = status == LW_OK ? prove_by_subdivision( &w ) : status;
+		status = status == LW_OK ? prove_in_time( &w ) : status;
 	}
 	for ( uint32_t i = 0; i < w.count && status == LW_OK; ++i )
 	{

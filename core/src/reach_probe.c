@@ -14,6 +14,9 @@ static const double pi = 3.14159265358979323846;
 /// Half the width, in metres, of the window from which random values of a joint without limits are taken.
 #define WINDOW 1.0
 
+/// By how much more than the range to be proved a proof may look at, relative to its ends: charts overlap by less.
+#define WIDER 0x1p-36
+
 /// Seconds between two reports of progress.
 #define REPORT_INTERVAL 0.1
 
@@ -244,6 +247,8 @@ static void set_box( lwi_prober* p )
 		}
 		bool floating = p->robot->joints[p->robot->variables[v].joint].type == LW_JOINT_FLOATING;
 		p->bounded = p->bounded && !floating && isfinite( p->lower[v] ) && isfinite( p->upper[v] );
+		p->previous[v] = p->lower[v] - WIDER * ( fabs( p->lower[v] ) + fabs( p->upper[v] ) ); // scratch of the search
+		p->trial[v] = p->upper[v] + WIDER * ( fabs( p->lower[v] ) + fabs( p->upper[v] ) );
 	}
 	p->rounding = 0;
 	for ( int side = 0; side < 2 && p->bounded; ++side )
@@ -253,7 +258,7 @@ static void set_box( lwi_prober* p )
 		for ( uint32_t i = p->first_body[link]; i < p->first_body[link + 1]; ++i )
 		{
 			largest = fmax( largest, lwi_motion_box_rounding( p->motion, p->body_order[i], side == 0 ? p->way_a : p->way_b,
-										 p->way_count, p->lower, p->upper ) );
+										 p->way_count, p->previous, p->trial ) );
 		}
 		p->rounding += largest;
 	}

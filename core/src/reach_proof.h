@@ -5,6 +5,7 @@
 
 #include "motion_bound.h"
 #include "query_internal.h"
+#include "reach_chart.h"
 #include "reach_internal.h"
 
 /// Scratch for questions about pairs, one pair at a time. Memory is taken once, for the largest pair of the robot.
@@ -108,6 +109,15 @@ void lwi_prober_search( lwi_prober* prober, uint64_t seed, uint32_t budget, doub
 
 // --- reach_subdivide.c -----------------------------------------------------------------------------------------------
 
+/// Sets `state` to the centre of a cell and half_width to what covers the cell from there.
+/// @param cell [2 * variable_count] lower and upper end of each variable of the pair
+void lwi_prober_set_cell( lwi_prober* prober, const double* cell );
+
+/// By how much the distance of the two links may differ between the centre (posed) and any state of the cell; `shares` becomes
+/// what each variable contributes. The motion is looked at from whichever link between the two makes it least: joints before it
+/// move a, joints behind it b.
+double lwi_prober_cell_motion( lwi_prober* prober );
+
 typedef enum lwi_proof_outcome
 {
 	LWI_PROOF_PROVED,
@@ -131,5 +141,13 @@ double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, 
 /// `budget` cells and not after `deadline`. *closest and q are updated if a nearer state inside the limits is met.
 lwi_proof lwi_prober_subdivide( lwi_prober* prober, double fraction, uint64_t budget, double deadline, double* closest,
 	double* q );
+
+// --- reach_chart.c ---------------------------------------------------------------------------------------------------
+
+/// Makes the chart of a pair; what is not measured by `deadline` says less than it could.
+/// @param separation proved for all states @param out_chart its cells are the caller's; NULL if there is no chart, or it says
+/// nothing that is not known @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_CANCELLED
+lw_status lwi_chart_make( lwi_prober* prober, uint32_t link_a, uint32_t link_b, double separation, double deadline,
+	lwi_chart* out_chart );
 
 #endif

@@ -41,11 +41,9 @@ static double* cell_at( const subdivision* s, uint32_t index )
 	return s->prober->cells + (size_t)index * s->stride;
 }
 
-/// Sets prober->state to the centre of a cell and half_width to what covers the cell from there.
-static void set_center( subdivision* s, const double* cell )
+void lwi_prober_set_cell( lwi_prober* p, const double* cell )
 {
-	lwi_prober* p = s->prober;
-	for ( uint32_t i = 0; i < s->dimension; ++i )
+	for ( uint32_t i = 0; i < p->variable_count; ++i )
 	{
 		uint32_t v = p->variables[i];
 		double low = cell[2 * i], high = cell[2 * i + 1];
@@ -81,12 +79,8 @@ static void add_share( lwi_prober* p, uint32_t joint_index, double length )
 	share[2] += length > shift ? length - shift : 0;
 }
 
-/// By how much the distance of the two links may differ between the centre (posed) and any state of the cell, and what each
-/// variable contributes. The motion is looked at from whichever link between the two makes it least: joints before it move
-/// a, joints behind it b.
-static double motion_bound( subdivision* s )
+double lwi_prober_cell_motion( lwi_prober* p )
 {
-	lwi_prober* p = s->prober;
 	uint32_t n = p->way_count, from = 0;
 	motion_of_side( p, p->link_a, p->way_a, p->way_up, p->lengths_a );
 	motion_of_side( p, p->link_b, p->way_b, n - p->way_up, p->lengths_b );
@@ -97,7 +91,7 @@ static double motion_bound( subdivision* s )
 			from = k;
 		}
 	}
-	for ( uint32_t i = 0; i < s->dimension; ++i )
+	for ( uint32_t i = 0; i < p->variable_count; ++i )
 	{
 		p->shares[p->variables[i]] = 0;
 	}
@@ -145,13 +139,13 @@ static void note_distance( subdivision* s, double distance )
 static bool certify( subdivision* s, const double* cell, double* out_distance )
 {
 	lwi_prober* p = s->prober;
-	set_center( s, cell );
+	lwi_prober_set_cell( p, cell );
 	if ( !lwi_prober_pose( p, p->state ) )
 	{
 		*out_distance = INFINITY;
 		return false;
 	}
-	double motion = motion_bound( s );
+	double motion = lwi_prober_cell_motion( p );
 	double needed = ( s->target + motion + p->rounding ) * ( 1 + 16 * LWI_U64 );
 	*out_distance = cell[2 * s->dimension];
 	if ( !isfinite( needed ) || *out_distance < needed )

@@ -59,6 +59,64 @@ static lw_reach_pair random_pair( const lw_robot* robot, uint32_t a, uint32_t b,
 	return pair;
 }
 
+/// Charts of every third pair that may have one.
+static void add_charts( lw_reach* reach, uint64_t* state )
+{
+	size_t links = reach->link_count, pairs = links * ( links - 1u ) / 2;
+	lwi_chart* charts = lwi_alloc_zero( &reach->allocator, pairs, sizeof( lwi_chart ) );
+	for ( uint32_t a = 1; a < reach->link_count; ++a )
+	{
+		for ( uint32_t b = 0; b < a; ++b )
+		{
+			lwi_chart* chart = &charts[reach->chart_count];
+			if ( next_random( state ) >= 0.33 || !lwi_chart_describe( reach, a, b, chart ) )
+			{
+				continue;
+			}
+			for ( uint32_t i = 0; i < chart->dimension; ++i )
+			{
+				chart->axes[i].bits = (uint8_t)( 4.0 * next_random( state ) );
+			}
+			chart->cells = lwi_alloc( &reach->allocator, lwi_chart_size( chart ) );
+			for ( size_t i = 0; i < lwi_chart_size( chart ); ++i )
+			{
+				chart->cells[i] = (uint8_t)( 256.0 * next_random( state ) );
+			}
+			++reach->chart_count;
+		}
+	}
+	reach->chart_capacity = reach->chart_count;
+	reach->charts = lwi_alloc_zero( &reach->allocator, reach->chart_count, sizeof( lwi_chart ) );
+	for ( uint32_t i = 0; i < reach->chart_count; ++i )
+	{
+		reach->charts[i] = charts[i];
+	}
+	lwi_free( &reach->allocator, charts, pairs * sizeof( lwi_chart ) );
+}
+
+static bool same_charts( const lw_reach* a, const lw_reach* b )
+{
+	bool same = a->chart_count == b->chart_count;
+	for ( uint32_t i = 0; same && i < a->chart_count; ++i )
+	{
+		const lwi_chart *x = &a->charts[i], *y = &b->charts[i];
+		same = x->link_a == y->link_a && x->link_b == y->link_b && x->dimension == y->dimension;
+		for ( uint32_t k = 0; same && k < x->dimension; ++k )
+		{
+			const lwi_chart_axis *p = &x->axes[k], *q = &y->axes[k];
+			same = p->variable == q->variable && p->bits == q->bits && p->turns == q->turns &&
+				memcmp( &p->lower, &q->lower, sizeof( double ) ) == 0 && memcmp( &p->upper, &q->upper, sizeof( double ) ) == 0;
+		}
+		same = same && memcmp( x->cells, y->cells, lwi_chart_size( x ) ) == 0;
+	}
+	return same;
+}
+
+uint32_t probe_chart_count( const lw_reach* reach )
+{
+	return reach->chart_count;
+}
+
 lw_reach* probe_random_reach( const lw_robot* robot, uint64_t seed )
 {
 	uint64_t state = seed * 2u + 1u;
@@ -111,6 +169,7 @@ lw_reach* probe_random_reach( const lw_robot* robot, uint64_t seed )
 			reach->states[index] = known ? (uint32_t)( reach->evidence_count * next_random( &state ) ) : LW_INVALID_INDEX;
 		}
 	}
+	add_charts( reach, &state );
 	lwi_reach_build_tables( reach );
 	reach->bytes = lwi_reach_count_bytes( reach );
 	return reach;
@@ -163,7 +222,8 @@ const char* probe_difference( const lw_reach* a, const lw_reach* b )
 			return "pairs or states";
 		}
 	}
-	return !same_doubles( &a->hull_error, &b->hull_error, 1 )       ? "hull_error"
+	return !same_charts( a, b )                                     ? "charts"
+		: !same_doubles( &a->hull_error, &b->hull_error, 1 )       ? "hull_error"
 		: !same_doubles( &a->limit_margin, &b->limit_margin, 1 )    ? "limit_margin"
 		: !same_doubles( a->lower, b->lower, v )                    ? "lower"
 		: !same_doubles( a->upper, b->upper, v )                    ? "upper"

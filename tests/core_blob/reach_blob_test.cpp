@@ -163,6 +163,7 @@ void expectUsable( const lw_reach* reach )
 
 TEST( ReachBlob, WhatComesBackIsWhatWentIn )
 {
+	std::uint32_t charts = 0;
 	for ( std::uint64_t seed = 1; seed < 40; ++seed )
 	{
 		RobotOptions options;
@@ -181,7 +182,9 @@ TEST( ReachBlob, WhatComesBackIsWhatWentIn )
 		expectUsable( loaded.get() );
 		robot.reset(); // the reach holds it
 		expectUsable( loaded.get() );
+		charts += probe_chart_count( loaded.get() );
 	}
+	EXPECT_GT( charts, 50u );
 }
 
 TEST( ReachBlob, TheProbeSeesDifferences )
@@ -330,7 +333,7 @@ TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 	const Bytes blob = writeBlob( {}, reach.get() );
 	const probe_header fields = probe_header_fields();
 	const std::size_t begin = fields.table + fields.table_entry, numbers = begin + 16, counts = numbers + 16;
-	const std::size_t links = counts + 20, pairs = links + 124u * 7u, points = pairs + 44u * 21u;
+	const std::size_t links = counts + 24, pairs = links + 124u * 7u, points = pairs + 44u * 21u;
 	const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 	ASSERT_EQ( blob.get<std::uint32_t>( counts + 8 ), 7u ) << "the places below are not right any more";
 	ASSERT_EQ( blob.get<double>( pairs + 36 ), lw_reach_get_pair( reach.get(), 0, 1 ).contact_share );
@@ -359,7 +362,7 @@ TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 	refused( "radius", links + 24, nan );
 	refused( "radius", links + 88, -inf );
 	refused( "point", points + 8, nan );
-	refused( "evidence", blob.size() / 8 * 8 - 12, inf );
+	refused( "evidence", points + 24 * blob.get<std::uint64_t>( counts ) + 8, inf );
 	for ( std::uint64_t count : { std::uint64_t( 0 ), std::uint64_t( 1 ) << 61, UINT64_MAX } )
 	{
 		refused( "points", counts, count );
@@ -384,6 +387,41 @@ TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 	refused( "exempt as without geometry", pairs, std::uint32_t( LW_PAIR_NONE ) );
 	refused( "exempt as rigid", pairs, std::uint32_t( LW_PAIR_RIGID ) );
 	refused( "exempt as allowed", pairs + 8, 2u );
+}
+
+TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
+{
+	RobotPtr robot = makeRobot();
+	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	const Bytes blob = writeBlob( {}, reach.get() );
+	const probe_header fields = probe_header_fields();
+	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 24 + 124u * 7u + 44u * 21u;
+	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
+	const std::size_t charts =
+		evidence + 8 * std::size_t( blob.get<std::uint32_t>( counts + 16 ) ) * lw_robot_variable_count( robot.get() );
+	const std::uint32_t count = blob.get<std::uint32_t>( counts + 20 ), bits = blob.get<std::uint32_t>( charts + 8 );
+	ASSERT_EQ( count, probe_chart_count( reach.get() ) ) << "the places below are not right any more";
+	ASSERT_GE( count, 2u );
+	auto refused = [&]( const char* what, std::size_t at, std::uint32_t value ) {
+		Bytes bytes( blob.begin(), blob.size() );
+		bytes.put( at, value );
+		bytes.seal();
+		EXPECT_EQ( readStatus( bytes, robot.get() ), LW_ERROR_DAMAGED ) << what;
+	};
+	for ( std::uint32_t wrong : { 0u, count - 1, count + 1, 1u << 20, 0xffffffffu } )
+	{
+		refused( "count", counts + 20, wrong );
+	}
+	refused( "link that is none", charts, 7u );
+	refused( "links the wrong way round", charts, 0u );
+	refused( "links the wrong way round", charts + 4, blob.get<std::uint32_t>( charts ) );
+	refused( "links that are none", charts + 4, 0xffffffffu );
+	for ( std::uint32_t wrong : { bits + 1, bits | 0xffu, bits | 0x0a000000u, 0xffffffffu, 0x090909u } )
+	{
+		refused( "size", charts + 8, wrong );
+	}
+	const std::size_t cells = std::size_t( 1 ) << ( ( bits & 255 ) + ( bits >> 8 & 255 ) + ( bits >> 16 & 255 ) );
+	refused( "order", charts + 12 + cells, 1u );
 }
 
 // Fewer bytes than links and pairs take, and a point count that fits what is left of 2^64.

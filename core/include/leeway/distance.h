@@ -79,7 +79,7 @@ typedef struct lw_query_def
 	                        ///< answers
 	/// What a reach and more than spheres are worth can be measured by leaving them out: the same answers, later.
 	bool motion_hulls; ///< the reach's spheres M rule out subtrees of the robot; counts with hierarchy only
-	bool pair_tables;  ///< the reach's separations rule out pairs of links; counts with hierarchy only
+	bool pair_tables;  ///< the reach's separations and charts rule out pairs of links; counts with hierarchy only
 	bool planes;       ///< boxes, planes and slabs between two shapes end searches that their spheres alone would not
 	/// Room for scenes and robots that grow: this many more shapes than the scene has, bodies than the robot (those of attached
 	/// objects too). With none, a query serves checkers that are no larger.

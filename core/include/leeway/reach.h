@@ -21,7 +21,7 @@ typedef struct lw_reach_def
 	double hull_error;
 	/// Radians or metres by which joint ranges are widened, so that states on a limit, or beyond it by rounding, are covered.
 	double limit_margin;
-	double seconds;   ///< budget for proofs by subdivision, >= 0; 0 = proofs by hulls only. What is proved stays proved: less
+	double seconds;   ///< budget for charts and proofs by subdivision, >= 0; 0 = proofs by hulls only. What is proved stays proved: less
 	                  ///< time leaves more pairs to check, never a wrong answer
 	bool hulls_only;  ///< no pair is measured or proved: all that are not rigid, adjacent or allowed are to be checked
 	uint32_t samples; ///< random states at which all pairs are measured first: contact found needs no proof attempt

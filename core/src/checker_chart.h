@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Charts of the reach as a checker reads them: cut where its group does not move, looked up by state and along edges.
+#ifndef LEEWAY_CHECKER_CHART_H
+#define LEEWAY_CHECKER_CHART_H
+
+#include "leeway/robot.h"
+#include "reach_chart.h"
+
+struct lw_checker;
+struct lw_robot;
+struct lwi_checker_tree;
+
+/// One axis of cells, as far as the group moves its variable.
+typedef struct lwi_view_axis
+{
+	uint32_t variable; ///< of the robot
+	uint32_t count, stride;
+	bool turns;
+	double lower, scale; ///< cells per unit
+} lwi_view_axis;
+
+/// A chart at the reference of what the group does not move. The cells are the reach's.
+typedef struct lwi_chart_view
+{
+	const uint8_t* cells;
+	uint32_t dimension; ///< at least 1
+	lwi_view_axis axes[LWI_CHART_AXES];
+} lwi_chart_view;
+
+/// What a cell proves, less what poses in double may be off by: as lwi_checker_separation(). 0 = nothing
+static inline double lwi_chart_value( uint8_t number )
+{
+	return number > 0 ? number * LWI_CHART_STEP * ( 1 - 0x1p-20 ) - 1e-9 : 0;
+}
+
+/// Largest integer that is not above u, |u| < 2^31.
+static inline int32_t lwi_floor( double u )
+{
+	int32_t i = (int32_t)u;
+	return i - ( (double)i > u ? 1 : 0 );
+}
+
+/// Proved for a pair in one state, which is covered, in metres. The caller takes margins off.
+/// @param state [robot variable_count]
+static inline double lwi_chart_at( const lwi_chart_view* view, const double* state )
+{
+	size_t cell = 0;
+	for ( uint32_t i = 0; i < view->dimension; ++i )
+	{
+		const lwi_view_axis* axis = &view->axes[i];
+		double x = state[axis->variable], u = ( x - axis->lower ) * axis->scale;
+		if ( axis->turns && !( x > -LWI_CHART_TURNS && x < LWI_CHART_TURNS ) )
+		{
+			return 0;
+		}
+		int32_t index = lwi_floor( u ), last = (int32_t)axis->count - 1;
+		index = axis->turns ? index & last : index < 0 ? 0 : index > last ? last : index;
+		cell += (size_t)index * axis->stride;
+	}
+	return lwi_chart_value( view->cells[cell] );
+}
+
+/// Proved for a pair all along an edge both ends of which are covered; 0 if it is below `at_least` somewhere.
+/// @param qa, qb [robot variable_count]
+double lwi_chart_along( const lwi_chart_view* view, const struct lw_robot* robot, const double* qa, const double* qb,
+	double at_least );
+
+/// Fills views and pair_views of a tree that has its pairs. @return false without memory
+bool lwi_checker_views_create( const struct lw_checker* checker, struct lwi_checker_tree* tree );
+
+/// The view of two bodies of a pair of nodes (index into the tree's pairs), NULL if there is none.
+const lwi_chart_view* lwi_checker_view( const struct lwi_checker_tree* tree, uint32_t pair, uint32_t body_a,
+	uint32_t body_b );
+
+#endif

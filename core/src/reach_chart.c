@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes charts: blocks of cells are measured at their centres and halved, until what is left of the distance after all
+// motion within the block is good enough, or the block is a cell; a cell is cut further, worst part first.
+//
+// Branch and bound with a Lipschitz bound, as in reach_subdivide.c, but for a whole function instead of its minimum:
+// adaptively sampled distance fields (Frisken, Perry, Rockwood, Jones, SIGGRAPH 2000) in joint space, with proofs.
+// Derivation: core/docs/self_collision.md, "Charts".
+#include "reach_chart.h"
+
+#include "math_inline.h"
+#include "reach_proof.h"
+
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+enum
+{
+	FINE_BITS = 6,     ///< halvings of a cell along each axis, at most
+	PARTS_OF_CELL = 24, ///< parts of a cell that are told apart at most
+	BLOCKS_PER_LOOK = 32 ///< measurements between two looks at the clock
+};
+
+/// Blocks and cells are good enough if they are proved to this share of what they could be proved to at best.
+#define GOOD_BLOCK 0.7
+#define GOOD_CELL 0.7
+/// Relative tolerance of distances.
+#define CHART_ALPHA 0.05
+/// Metres off every bound, for roundings of its last operations; and the motion up to which these are that small.
+#define CHART_ROUNDING 1e-9
+#define CHART_LARGEST 1e5
+
+/// Bits of the number of cells, by the number of variables.
+static const uint32_t total_bits[LWI_CHART_AXES + 1] = { 0, 8, 12, 15 };
+
+// ---- which variables --------------------------------------------------------------------------------------------------
+
+/// Enters the variables of a joint. @return false if it cannot be charted
+static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_chart* chart )
+{
+	uint32_t count = joint->type == LW_JOINT_PLANAR ? 3 : 1;
+	bool angle = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
+	bool whole = joint->multiplier == floor( joint->multiplier );
+	for ( uint32_t k = 0; k < count; ++k )
+	{
+		uint32_t v = joint->variable + k, i = 0;
+		bool periodic = ( angle && whole ) || ( joint->type == LW_JOINT_PLANAR && k == 2 );
+		while ( i < chart->dimension && chart->axes[i].variable != v )
+		{
+			++i;
+		}
+		if ( i == LWI_CHART_AXES || joint->type == LW_JOINT_FLOATING )
+		{
+			return false;
+		}
+		lwi_chart_axis* axis = &chart->axes[i];
+		if ( i == chart->dimension )
+		{
+			*axis = (lwi_chart_axis){ .variable = v, .lower = reach->lower[v], .upper = reach->upper[v] };
+			axis->turns = !isfinite( axis->lower ) && !isfinite( axis->upper );
+			chart->dimension++;
+		}
+		if ( axis->turns ? !periodic : !isfinite( axis->lower ) || !isfinite( axis->upper ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+bool lwi_chart_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b, lwi_chart* chart )
+{
+	const lw_robot* robot = reach->robot;
+	*chart = (lwi_chart){ .link_a = link_a, .link_b = link_b };
+	uint32_t ancestor = lwi_reach_common_ancestor( robot, link_a, link_b );
+	for ( int side = 0; side < 2; ++side )
+	{
+		for ( uint32_t link = side == 0 ? link_a : link_b; link != ancestor; )
+		{
+			const lwi_joint* joint = &robot->joints[robot->link_joint[link]];
+			if ( !joint->constant && !add_joint( reach, joint, chart ) )
+			{
+				return false;
+			}
+			link = joint->parent;
+		}
+	}
+	bool wide = true;
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		lwi_chart_axis* axis = &chart->axes[i];
+		axis->lower = axis->turns ? -pi : axis->lower;
+		axis->upper = axis->turns ? pi : axis->upper;
+		// what is narrower has no cells that could be told apart
+		wide = wide && axis->upper - axis->lower > 0x1p-20 * ( fabs( axis->lower ) + fabs( axis->upper ) );
+	}
+	return wide && chart->dimension > 0;
+}
+
+const lwi_chart* lwi_reach_chart( const lw_reach* reach, uint32_t link_a, uint32_t link_b )
+{
+	size_t wanted = lwi_reach_pair_index( link_a, link_b );
+	uint32_t low = 0, high = reach->chart_count;
+	while ( low < high )
+	{
+		uint32_t middle = low + ( high - low ) / 2;
+		const lwi_chart* chart = &reach->charts[middle];
+		size_t index = lwi_reach_pair_index( chart->link_a, chart->link_b );
+		if ( index == wanted )
+		{
+			return chart;
+		}
+		low = index < wanted ? middle + 1 : low;
+		high = index < wanted ? high : middle;
+	}
+	return NULL;
+}
+
+// ---- blocks -----------------------------------------------------------------------------------------------------------
+
+/// A part of the box: [at, at + 2^level) along each axis, in units of 2^-FINE_BITS cells.
+typedef struct block
+{
+	uint32_t at[LWI_CHART_AXES];
+	uint8_t level[LWI_CHART_AXES];
+	double lower;    ///< proved for all of it
+	double distance; ///< at the centre, or an estimate from above
+	double motion;   ///< what the distance may be off by elsewhere in it
+	uint32_t widest; ///< axis along which it is to be halved; LW_INVALID_INDEX: none
+	double share;    ///< of that axis in the motion
+} block;
+
+typedef struct maker
+{
+	lwi_prober* prober;
+	lwi_chart* chart;
+	double deadline;
+	uint64_t seen; ///< blocks
+	bool late, cancelled;
+} maker;
+
+/// The prober's variables are in ascending order, the chart's as they were met.
+static uint32_t place_of( const lwi_prober* p, uint32_t variable )
+{
+	uint32_t place = 0;
+	while ( p->variables[place] != variable )
+	{
+		++place;
+	}
+	return place;
+}
+
+/// Takes the centre of a block in hand, with what overlaps of its neighbours.
+static void set_block( maker* m, const block* b )
+{
+	double cell[2 * LWI_CHART_AXES];
+	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	{
+		const lwi_chart_axis* axis = &m->chart->axes[i];
+		uint32_t place = place_of( m->prober, axis->variable );
+		double width = ldexp( axis->upper - axis->lower, -(int)axis->bits - FINE_BITS );
+		double overlap = LWI_CHART_OVERLAP * ( fabs( axis->lower ) + fabs( axis->upper ) );
+		cell[2 * place] = axis->lower + width * b->at[i] - overlap;
+		cell[2 * place + 1] = axis->lower + width * ( b->at[i] + (double)( 1u << b->level[i] ) ) + overlap;
+	}
+	lwi_prober_set_cell( m->prober, cell );
+}
+
+/// The axis that contributes most, of those of more than 2^least.
+static void choose_axis( const maker* m, block* b, uint32_t least )
+{
+	b->widest = LW_INVALID_INDEX;
+	b->share = 0;
+	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	{
+		double share = m->prober->shares[m->chart->axes[i].variable];
+		if ( b->level[i] > least && ( b->widest == LW_INVALID_INDEX || share > b->share ) )
+		{
+			b->widest = i;
+			b->share = share;
+		}
+	}
+}
+
+/// Proves of a block what its centre proves, and finds out along which axis it would be halved.
+static void measure( maker* m, block* b, uint32_t least_level )
+{
+	lwi_prober* p = m->prober;
+	if ( ++m->seen % BLOCKS_PER_LOOK == 0 )
+	{
+		m->cancelled = m->cancelled || !lwi_prober_progress( p );
+		m->late = m->cancelled || lwi_monotonic_seconds() >= m->deadline;
+	}
+	set_block( m, b );
+	lwi_prober_pose( p, p->state ); // there is no floating joint
+	b->motion = lwi_prober_cell_motion( p );
+	choose_axis( m, b, least_level );
+	double needed = ( b->motion + p->rounding ) * ( 1 + 16 * LWI_U64 ) + CHART_ROUNDING;
+	if ( !( needed < CHART_LARGEST ) || b->distance <= needed + b->lower )
+	{
+		return; // where it came from says that nothing is to be gained
+	}
+	lw_range range = { 0, LWI_CHART_MOST * LWI_CHART_STEP + needed + CHART_ROUNDING, CHART_ALPHA };
+	lwi_bound bound;
+	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &bound );
+	lw_clearance clearance = lwi_bound_result( &bound );
+	b->lower = fmax( b->lower, clearance.lower - needed );
+	b->distance = clearance.upper;
+}
+
+/// Halves *b: it becomes the lower half, neither is measured.
+static block halve( block* b )
+{
+	b->distance += 0.5 * b->share;
+	b->level[b->widest]--;
+	block high = *b;
+	high.at[b->widest] += 1u << b->level[b->widest];
+	return high;
+}
+
+static uint8_t number_of( double lower )
+{
+	return !( lower > 0 ) ? 0 : (uint8_t)fmin( lower / LWI_CHART_STEP, LWI_CHART_MOST );
+}
+
+static bool is_cell( const maker* m, const block* b )
+{
+	bool cell = true;
+	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	{
+		cell = cell && b->level[i] == FINE_BITS;
+	}
+	return cell;
+}
+
+/// Proves more of a cell by its parts, the worst one first, and returns what is proved of it.
+static double prove_cell( maker* m, const block* cell )
+{
+	block parts[PARTS_OF_CELL] = { *cell };
+	double nearest = cell->distance;
+	choose_axis( m, &parts[0], 0 ); // shares are still those of this cell
+	for ( uint32_t count = 1;; ++count )
+	{
+		block* worst = &parts[0];
+		for ( uint32_t i = 1; i < count; ++i )
+		{
+			worst = parts[i].lower < worst->lower ? &parts[i] : worst;
+		}
+		bool good = worst->lower >= fmin( GOOD_CELL * nearest, LWI_CHART_MOST * LWI_CHART_STEP );
+		if ( good || nearest < LWI_CHART_STEP || count == PARTS_OF_CELL || worst->widest == LW_INVALID_INDEX || m->late )
+		{
+			return worst->lower;
+		}
+		parts[count] = halve( worst );
+		measure( m, worst, 0 );
+		measure( m, &parts[count], 0 );
+		nearest = fmin( nearest, fmin( worst->distance, parts[count].distance ) );
+	}
+}
+
+/// Writes a number into all cells of a block.
+static void fill( maker* m, const block* b, uint8_t number )
+{
+	const lwi_chart* chart = m->chart;
+	uint32_t first[LWI_CHART_AXES] = { 0 }, count[LWI_CHART_AXES] = { 1, 1, 1 }, bits[LWI_CHART_AXES] = { 0 };
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		uint32_t place = LWI_CHART_AXES - chart->dimension + i; // the last axis is the innermost
+		first[place] = b->at[i] >> FINE_BITS;
+		count[place] = 1u << ( b->level[i] - FINE_BITS );
+		bits[place] = chart->axes[i].bits;
+	}
+	for ( uint32_t x = first[0]; x < first[0] + count[0]; ++x )
+	{
+		for ( uint32_t y = first[1]; y < first[1] + count[1]; ++y )
+		{
+			memset( chart->cells + ( ( ( ( (size_t)x << bits[1] ) + y ) << bits[2] ) + first[2] ), number, count[2] );
+		}
+	}
+}
+
+/// Gives the axes their bits: each halving goes to the one that contributes most to the motion.
+static void choose_bits( maker* m )
+{
+	lwi_chart* chart = m->chart;
+	block all = { .at = { 0 } };
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		all.level[i] = FINE_BITS;
+	}
+	set_block( m, &all ); // one cell per axis as yet
+	lwi_prober_pose( m->prober, m->prober->state );
+	lwi_prober_cell_motion( m->prober );
+	double share[LWI_CHART_AXES];
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		share[i] = m->prober->shares[chart->axes[i].variable];
+	}
+	for ( uint32_t bits = 0; bits < total_bits[chart->dimension]; ++bits )
+	{
+		uint32_t widest = 0;
+		for ( uint32_t i = 1; i < chart->dimension; ++i )
+		{
+			bool full = chart->axes[widest].bits == LWI_CHART_AXIS_BITS;
+			bool wider = full || ( share[i] > share[widest] && chart->axes[i].bits < LWI_CHART_AXIS_BITS );
+			widest = wider ? i : widest;
+		}
+		chart->axes[widest].bits++;
+		share[widest] *= 0.5;
+	}
+}
+
+/// Goes through all blocks, depth first: one sibling per halving waits.
+static void make_cells( maker* m )
+{
+	block stack[LWI_CHART_BITS + 2] = { { .distance = INFINITY } };
+	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	{
+		stack[0].level[i] = (uint8_t)( m->chart->axes[i].bits + FINE_BITS );
+	}
+	for ( uint32_t height = 1; height > 0; )
+	{
+		block* b = &stack[height - 1];
+		if ( !m->late )
+		{
+			measure( m, b, FINE_BITS );
+		}
+		bool cell = is_cell( m, b );
+		bool good = b->lower >= fmin( GOOD_BLOCK * ( b->distance + b->motion ), LWI_CHART_MOST * LWI_CHART_STEP );
+		if ( m->late || cell || good )
+		{
+			fill( m, b, number_of( cell && !m->late ? prove_cell( m, b ) : b->lower ) );
+			--height;
+			continue;
+		}
+		stack[height] = halve( b );
+		++height;
+	}
+}
+
+/// True if some cell says more than is known of all.
+static bool is_worth_keeping( const lwi_chart* chart, double separation )
+{
+	uint8_t most = 0;
+	for ( size_t i = 0; i < lwi_chart_size( chart ); ++i )
+	{
+		most = chart->cells[i] > most ? chart->cells[i] : most;
+	}
+	return most * LWI_CHART_STEP > separation;
+}
+
+lw_status lwi_chart_make( lwi_prober* p, uint32_t link_a, uint32_t link_b, double separation, double deadline,
+	lwi_chart* chart )
+{
+	const lwi_reach_job* job = p->job;
+	if ( separation >= LWI_CHART_MOST * LWI_CHART_STEP || !lwi_chart_describe( job->reach, link_a, link_b, chart ) )
+	{
+		chart->cells = NULL;
+		return LW_OK;
+	}
+	lwi_prober_select( p, link_a, link_b );
+	maker m = { .prober = p, .chart = chart, .deadline = deadline };
+	choose_bits( &m );
+	chart->cells = lwi_alloc_zero( &job->reach->allocator, lwi_chart_size( chart ), 1 );
+	if ( chart->cells == NULL )
+	{
+		return lwi_out_of_memory( job->diag, "charts of pairs" );
+	}
+	make_cells( &m );
+	if ( m.cancelled || !is_worth_keeping( chart, separation ) )
+	{
+		lwi_free( &job->reach->allocator, chart->cells, lwi_chart_size( chart ) );
+		chart->cells = NULL;
+	}
+	return m.cancelled ? lwi_fail( job->diag, LW_ERROR_CANCELLED, LW_INVALID_INDEX, "given up by the progress callback" )
+					   : LW_OK;
+}

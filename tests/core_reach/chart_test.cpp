@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Charts: no state of a cell is nearer than the cell says, cells say something, checkers look into the right one.
+#include "chart_probe.h"
+#include "random_robot.hpp"
+#include "reach_attack.hpp"
+
+#include <cstdio>
+
+namespace
+{
+
+constexpr double ROUNDING = 1e-9; ///< metres: what an attack may find below a cell
+
+struct CheckerReleaser
+{
+	void operator()( lw_checker* checker ) const { lw_checker_release( checker ); }
+};
+using CheckerPtr = std::unique_ptr<lw_checker, CheckerReleaser>;
+
+CheckerPtr makeChecker( const lw_reach* reach, const State& reference, const std::vector<std::uint32_t>& group )
+{
+	const std::uint32_t none = 0;
+	lw_checker_def def = lw_checker_def_default();
+	def.robot = lw_reach_robot( reach );
+	def.reach = reach;
+	def.reference = reference.data();
+	def.variables = group.empty() ? &none : group.data();
+	def.variable_count = static_cast<std::uint32_t>( group.size() );
+	lw_checker* checker = nullptr;
+	lw_diag diag = {};
+	EXPECT_EQ( lw_checker_create( &def, nullptr, &diag, &checker ), LW_OK ) << diag.message;
+	return CheckerPtr( checker );
+}
+
+/// Few joints between most links, some of them endless, mimics among them.
+RobotPtr randomNeighbours( SeededRng& rng )
+{
+	RandomRobotOptions options;
+	options.joints = rng.integer( 3, 6 );
+	options.size = 0.08;
+	RobotModel model = randomRobot( rng, options );
+	return model.create();
+}
+
+/// Three joints in a row.
+RobotPtr randomChain( SeededRng& rng )
+{
+	static const lw_joint_type types[] = { LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC };
+	RobotModel model;
+	model.link( "link0" );
+	for ( std::uint32_t i = 0; i < 4; ++i )
+	{
+		if ( i > 0 )
+		{
+			lw_joint_def& joint = model.joint( "link" + std::to_string( i ), types[rng.integer( 0, 2 )], i - 1 );
+			joint.parent_from_joint = randomTransform( rng, 0.2 );
+			joint.lower = rng.uniform( -3, 0 );
+			joint.upper = joint.lower + rng.uniform( 0.1, 3 );
+		}
+		model.body( i, randomPrimitive( rng, 0.08, nullptr ), randomTransform( rng, 0.1 ) );
+	}
+	return model.create();
+}
+
+RobotPtr randomRobotOf( SeededRng& rng, int round )
+{
+	return round % 2 == 0 ? randomChain( rng ) : randomNeighbours( rng );
+}
+
+/// A state inside of a cell, on its border in some variables.
+void drawInCell( SeededRng& rng, const chart_probe& chart, const std::uint32_t index[3], State& q )
+{
+	for ( std::uint32_t i = 0; i < chart.dimension; ++i )
+	{
+		double width = ( chart.upper[i] - chart.lower[i] ) / chart.cells[i];
+		double low = chart.lower[i] + width * index[i], high = low + width;
+		int where = rng.integer( 0, 3 );
+		q[chart.variable[i]] = where == 0 ? low : where == 1 ? high : rng.uniform( low, high );
+	}
+}
+
+/// The least distance in a cell: random states, then random steps from the best one.
+double attackCell( SeededRng& rng, PairAttacker& attacker, const chart_probe& chart, const std::uint32_t index[3], State q )
+{
+	State best = q;
+	double least = INFINITY;
+	for ( int i = 0; i < 40 && least > 0; ++i )
+	{
+		if ( i < 15 )
+		{
+			drawInCell( rng, chart, index, q );
+		}
+		else
+		{
+			std::uint32_t k = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( chart.dimension ) - 1 ) );
+			double width = ( chart.upper[k] - chart.lower[k] ) / chart.cells[k], low = chart.lower[k] + width * index[k];
+			q = best;
+			q[chart.variable[k]] += rng.normal() * 0.3 * width;
+			q[chart.variable[k]] = std::min( std::max( q[chart.variable[k]], low ), low + width );
+		}
+		double found = attacker.distance( chart.link_a, chart.link_b, q, least );
+		if ( found < least )
+		{
+			least = found;
+			best = q;
+		}
+	}
+	return least;
+}
+
+} // namespace
+
+TEST( Charts, NoStateIsNearerThanItsCellSays )
+{
+	SeededRng rng;
+	int charts = 0, cells = 0, tight = 0, near = 0;
+	std::uint32_t dimensions[4] = { 0, 0, 0, 0 };
+	for ( int round = 0; round < 16; ++round )
+	{
+		RobotPtr robot = randomRobotOf( rng, round );
+		ASSERT_NE( robot, nullptr );
+		ReachPtr reach = makeReach( robot.get(), 1, 50 );
+		ASSERT_NE( reach, nullptr );
+		PairAttacker attacker( reach.get(), rng.engine()() );
+		for ( std::uint32_t c = 0; c < chart_probe_count( reach.get() ); ++c )
+		{
+			const chart_probe chart = chart_probe_get( reach.get(), c );
+			++charts;
+			++dimensions[chart.dimension];
+			for ( int i = 0; i < 25; ++i )
+			{
+				std::uint32_t index[3] = { 0, 0, 0 };
+				for ( std::uint32_t k = 0; k < chart.dimension; ++k )
+				{
+					index[k] = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( chart.cells[k] ) - 1 ) );
+				}
+				double says = chart_probe_cell( reach.get(), c, index );
+				if ( says <= 0 )
+				{
+					continue;
+				}
+				double least = attackCell( rng, attacker, chart, index, attacker.randomState() );
+				EXPECT_GE( least, says - ROUNDING ) << "round " << round << ", links " << chart.link_a << " " << chart.link_b;
+				++cells;
+				tight += least < 1.5 * says + 0.002;
+				near += says < 0.02;
+			}
+		}
+	}
+	std::printf( "%d charts of %u, %u, %u variables; %d cells, %d within half, %d near\n", charts, dimensions[1], dimensions[2],
+		dimensions[3], cells, tight, near );
+	EXPECT_GE( charts, 30 );
+	EXPECT_GE( dimensions[1], 3u );
+	EXPECT_GE( dimensions[2], 5u );
+	EXPECT_GE( dimensions[3], 3u );
+	EXPECT_GE( cells, 300 );
+	EXPECT_GE( tight, cells / 4 ) << "true, and of little use";
+}
+
+// The cell of a state is computed anew, in long double; all cells are as good where a state is on a border.
+TEST( Charts, CheckersLookIntoTheRightCell )
+{
+	SeededRng rng;
+	int looked = 0, said = 0;
+	for ( int round = 0; round < 8; ++round )
+	{
+		RobotPtr robot = randomRobotOf( rng, round );
+		ReachPtr reach = makeReach( robot.get(), 0.5, 50 );
+		PairAttacker attacker( reach.get(), rng.engine()() );
+		State reference = attacker.randomState();
+		std::vector<std::uint32_t> group;
+		for ( std::uint32_t v = 0; v < reference.size(); ++v )
+		{
+			bool single = lw_robot_joint_variable_count( robot.get(), lw_robot_variable( robot.get(), v ).joint ) == 1;
+			if ( single && rng.integer( 0, 3 ) > 0 )
+			{
+				group.push_back( v );
+			}
+		}
+		CheckerPtr checker = makeChecker( reach.get(), reference, group );
+		for ( std::uint32_t view = 0; view < view_probe_count( checker.get() ); ++view )
+		{
+			std::uint32_t a = 0, b = 0, c = 0;
+			view_probe_links( checker.get(), view, &a, &b );
+			while ( !( chart_probe_get( reach.get(), c ).link_a == std::max( a, b ) &&
+					   chart_probe_get( reach.get(), c ).link_b == std::min( a, b ) ) )
+			{
+				ASSERT_LT( ++c, chart_probe_count( reach.get() ) );
+			}
+			const chart_probe chart = chart_probe_get( reach.get(), c );
+			for ( int i = 0; i < 200; ++i )
+			{
+				State q = reference, drawn = attacker.randomState();
+				std::uint32_t index[3] = { 0, 0, 0 };
+				for ( std::uint32_t v : group )
+				{
+					double turns = lw_robot_variable( robot.get(), v ).wraps ? 2 * M_PI * rng.integer( -3, 3 ) : 0;
+					q[v] = drawn[v] + turns;
+				}
+				bool onBorder = false;
+				for ( std::uint32_t k = 0; k < chart.dimension; ++k )
+				{
+					long double x = q[chart.variable[k]], width = chart.upper[k] - static_cast<long double>( chart.lower[k] );
+					long double u = ( x - chart.lower[k] ) / width;
+					u -= chart.turns[k] ? std::floor( u ) : 0;
+					long double cell = u * chart.cells[k];
+					onBorder = onBorder || std::fabs( cell - std::round( cell ) ) < 1e-9L;
+					index[k] = static_cast<std::uint32_t>( std::min( std::floor( cell ), chart.cells[k] - 1.0L ) );
+				}
+				double says = chart_probe_cell( reach.get(), c, index ), got = view_probe_at( checker.get(), view, q.data() );
+				looked += !onBorder;
+				said += says > 0;
+				EXPECT_TRUE( onBorder || ( got <= says && got >= says * ( 1 - 1e-6 ) - 2e-9 ) ) << got << " " << says;
+			}
+		}
+	}
+	EXPECT_GE( looked, 1000 );
+	EXPECT_GE( said, 300 );
+}
+
+TEST( Charts, NoStateOfAnEdgeSaysLessThanTheEdge )
+{
+	SeededRng rng;
+	int edges = 0, said = 0;
+	for ( int round = 0; round < 8; ++round )
+	{
+		RobotPtr robot = randomRobotOf( rng, round );
+		ReachPtr reach = makeReach( robot.get(), 0.5, 50 );
+		PairAttacker attacker( reach.get(), rng.engine()() );
+		State reference = attacker.randomState();
+		std::vector<std::uint32_t> group;
+		for ( std::uint32_t v = 0; v < reference.size(); ++v )
+		{
+			group.push_back( v );
+		}
+		CheckerPtr checker = makeChecker( reach.get(), reference, group );
+		for ( std::uint32_t view = 0; view < view_probe_count( checker.get() ); ++view )
+		{
+			for ( int i = 0; i < 60; ++i )
+			{
+				State from = attacker.randomState(), to = attacker.randomState(), q( from.size() );
+				double length = std::pow( 10.0, rng.uniform( -3, 0 ) );
+				for ( std::uint32_t v = 0; v < from.size(); ++v )
+				{
+					bool wraps = lw_robot_variable( robot.get(), v ).wraps; // over the seam, too
+					to[v] = wraps ? from[v] + rng.uniform( -3, 3 ) * length : from[v] + ( to[v] - from[v] ) * length;
+				}
+				double along = view_probe_along( checker.get(), view, from.data(), to.data() );
+				++edges;
+				said += along > 0;
+				for ( int k = 0; k <= 100; ++k )
+				{
+					lw_robot_interpolate( robot.get(), from.data(), to.data(), k / 100.0, q.data() );
+					EXPECT_GE( view_probe_at( checker.get(), view, q.data() ) + 1e-12, along ) << "at " << k;
+				}
+			}
+		}
+	}
+	EXPECT_GE( edges, 500 );
+	EXPECT_GE( said, 100 );
+}
+
+// Two balls of 0.1 and 0.05, the second at the end of two joints: what a chart could say at best is known.
+TEST( Charts, SayMostOfWhatIsTrue )
+{
+	RobotModel model;
+	auto ball = [&]( std::uint32_t link, double radius, double x, double z ) {
+		double dimensions[3] = { radius, 0, 0 };
+		lw_shape* shape = nullptr;
+		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, dimensions, nullptr, nullptr, &shape ), LW_OK );
+		lw_transform at = lw_transform_identity();
+		at.t[0] = x;
+		at.t[2] = z;
+		model.body( link, shape, at );
+	};
+	model.link( "base" );
+	ball( 0, 0.1, 0, 0 );
+	model.joint( "upper", LW_JOINT_REVOLUTE, 0 ).parent_from_joint.t[0] = 0.2;
+	ball( 1, 1e-3, 0, -5 ); // a pin, so that base and tip are not adjacent
+	model.joint( "tip", LW_JOINT_CONTINUOUS, 1 ).parent_from_joint.t[0] = 0.15;
+	ball( 2, 0.05, 0.2, 0 );
+	RobotPtr robot = model.create();
+	ReachPtr reach = makeReach( robot.get(), 20, 50 ); // it takes a small part of that
+	ASSERT_EQ( chart_probe_count( reach.get() ), 1u );
+	CheckerPtr checker = makeChecker( reach.get(), { 0, 0 }, { 0, 1 } );
+	ASSERT_EQ( view_probe_count( checker.get() ), 1u );
+	SeededRng rng;
+	int near = 0;
+	for ( int i = 0; i < 2000; ++i )
+	{
+		double q[2] = { rng.uniform( -3, 3 ), rng.uniform( -20, 20 ) };
+		double x = 0.2 + 0.15 * std::cos( q[0] ) + 0.2 * std::cos( q[0] + q[1] );
+		double y = 0.15 * std::sin( q[0] ) + 0.2 * std::sin( q[0] + q[1] ), distance = std::hypot( x, y ) - 0.15;
+		double says = view_probe_at( checker.get(), 0, q );
+		EXPECT_LE( says, std::max( distance, 0.0 ) );
+		EXPECT_GE( says, std::min( 0.5 * distance - 0.02, 0.12 ) ) << q[0] << " " << q[1];
+		near += says > 0 && says < 0.05;
+	}
+	EXPECT_GE( near, 50 );
+	double far[2] = { 0, 1e9 };
+	EXPECT_EQ( view_probe_at( checker.get(), 0, far ), 0 ) << "turns that cannot be taken off exactly";
+}
+
+TEST( Charts, WithoutATimeBudgetThereAreNone )
+{
+	SeededRng rng;
+	RobotPtr robot = randomNeighbours( rng );
+	ReachPtr reach = makeReach( robot.get(), 0, 50 );
+	EXPECT_EQ( chart_probe_count( reach.get() ), 0u );
+}
