@@ -11,8 +11,7 @@
 
 enum
 {
-	PLANE_STEPS = 12, ///< directions that are tried for a plane
-	MAX_FAILURES = 6  ///< after so many, one in 2^6 tries
+	MAX_FAILURES = 6 ///< after so many, one in 2^6 tries
 };
 
 /// Keys of pairs of bodies, and of one body or obstacle with whatever comes near it; those of a body and an obstacle are
@@ -142,6 +141,7 @@ static void only_middle( lwi_places* s )
 	s->drifts = false;
 	s->made = true;
 	s->at[0] = s->middle;
+	s->cloud = NULL;
 }
 
 /// A new plane. @param bulge part of `need` that is due to the window
@@ -162,7 +162,7 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 	direction_between( &s->a, &s->b, direction );
 	lwi_places_plane plane;
 	lwi_edge_sweep found = LWI_EDGE_PROVED;
-	if ( !lwi_separate_places( kernels, &s->a, &s->b, need, direction, PLANE_STEPS, &plane ) )
+	if ( lwi_separate_places( kernels, &s->a, &s->b, need, direction, &plane ) != LWI_APART )
 	{
 		if ( dense )
 		{
@@ -172,8 +172,8 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 		only_middle( &s->a );
 		only_middle( &s->b );
 		need = fmax( need - bulge, 0 );
-		bool apart = lwi_separate_places( kernels, &s->a, &s->b, need, direction, PLANE_STEPS, &plane );
-		found = apart ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
+		lwi_separation middle = lwi_separate_places( kernels, &s->a, &s->b, need, direction, &plane );
+		found = middle == LWI_APART ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
 	}
 	if ( found == LWI_EDGE_MEASURE )
 	{
@@ -214,6 +214,10 @@ static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	// places are seen from the ancestor, which is rounded too
 	double need = fmax( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion ), 0 );
 	bool planes = bulge < MAX_BULGE;
+	lwi_cloud clouds[2];
+	clouds[0].made = clouds[1].made = false;
+	s.a.cloud = &clouds[0];
+	s.b.cloud = &clouds[1];
 	if ( planes )
 	{
 		lwi_edge_places( e, a, above, item->rate_a, window, drifts != NULL ? &drifts[0] : NULL, a_stands ? &s.b : &s.a );
@@ -253,7 +257,9 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 	}
 	uint32_t stride = c->scene->block_count * LWI_WIDTH;
 	sweeping s = { .edge = e, .way = window.half * item->rate_a.path };
-	lwi_places places;
+	lwi_cloud cloud;
+	cloud.made = false;
+	lwi_places places = { .cloud = &cloud };
 	lwi_edge_places( e, item->body_a, 0, item->rate_a, window, drifts, &places );
 	lwi_edge_sweep worst = LWI_EDGE_PROVED;
 	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )

@@ -80,6 +80,11 @@ typedef struct lwi_kernels
 	void ( *leaf_project )( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] );
 	/// the leaf's triangles moved
 	void ( *leaf_transform )( const lwi_leaf* leaf, const lwi_motion* motion, lwi_triangles8 out );
+	/// blocks of eight points moved
+	void ( *points_move )( const lwi_points8* points, uint32_t blocks, const lwi_motion* motion, lwi_points8* out );
+	/// the point of `blocks` > 0 of these that is farthest along `direction`, and how far; of several the one in the first lane, in
+	/// the first block
+	uint32_t ( *points_farthest )( const lwi_points8* points, uint32_t blocks, const float direction[3], float* high );
 	/// distances of eight pairs of triangles. Lanes that reach `limit` by a cheap direction may stop there.
 	uint32_t ( *triangle_gap )( lwi_triangles8 a, lwi_triangles8 b, float limit, float gap[LWI_WIDTH] );
 	/// distance of the centres of a node's spheres to a solid, minus their radii; motion = solid_from_tree

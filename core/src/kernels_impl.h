@@ -245,6 +245,37 @@ static void leaf_transform( const lwi_leaf* leaf, const lwi_motion* motion, lwi_
 	}
 }
 
+static void points_move( const lwi_points8* points, uint32_t blocks, const lwi_motion* motion, lwi_points8* out )
+{
+	for ( uint32_t i = 0; i < blocks; ++i )
+	{
+		v3_store( out[i].at, v3_move( motion, v3_load( points[i].at ) ) );
+	}
+}
+
+static uint32_t points_farthest( const lwi_points8* points, uint32_t blocks, const float direction[3], float* high )
+{
+	v3 n = v3_set( direction );
+	f8 best = v3_dot( n, v3_load( points[0].at ) ), block = f8_set( 0.0f );
+	for ( uint32_t i = 1; i < blocks; ++i )
+	{
+		f8 value = v3_dot( n, v3_load( points[i].at ) );
+		m8 farther = f8_lt( best, value );
+		best = f8_select( farther, value, best );
+		block = f8_select( farther, f8_set( (float)i ), block );
+	}
+	float values[LWI_WIDTH], found[LWI_WIDTH];
+	f8_store( values, best );
+	f8_store( found, block );
+	uint32_t lane = 0;
+	for ( uint32_t i = 1; i < LWI_WIDTH; ++i )
+	{
+		lane = values[i] > values[lane] ? i : lane;
+	}
+	*high = values[lane];
+	return LWI_WIDTH * (uint32_t)found[lane] + lane;
+}
+
 /// Width of the slab between two triangles along n, from a to b: (min over b - max over a of n . v) / |n|. All vertices are
 /// relative to one origin near both.
 static inline f8 triangle_slab( v3 n, const v3 a[3], const v3 b[3] )
@@ -489,4 +520,4 @@ static void turns( const double* restrict angle, uint32_t count, double* restric
 }
 
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, brick_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
-	leaf_project, leaf_transform, triangle_gap, node_solid_gap, leaf_solid_gap, turns };
+	leaf_project, leaf_transform, points_move, points_farthest, triangle_gap, node_solid_gap, leaf_solid_gap, turns };

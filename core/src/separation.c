@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Planes between bounded shapes: GJK on their convex hulls, with support points from the sphere trees.
 //
-// Papers: Gilbert, Johnson, Keerthi 1988 (see convex.c); support points by branch and bound as in Ehmann, Lin, "Accurate
-// and fast proximity queries between polyhedra using convex surface decomposition", 2001 (hierarchies over hulls). Whatever
-// direction comes out, its gap is that of all geometry: a bad one proves less, never something wrong.
+// Paper: Gilbert, Johnson, Keerthi 1988 (see convex.c). Whatever direction comes out, its gap is that of all geometry: a bad one
+// proves less, never something wrong. Between places the first directions come from cores, a few points inside the hulls: edges.md.
 #include "separation.h"
 
 #include "math_inline.h"
+#include "support.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,187 +22,9 @@
 #define ALL_FACES 1
 #include "convex_simplex_impl.h"
 
-/// A subtree still to be looked at, and how far it may reach.
-typedef struct candidate
-{
-	float high;
-	lwi_ref ref;
-} candidate;
-
 static float dot( const float a[3], const float b[3] )
 {
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static uint32_t greatest( const float value[LWI_WIDTH], uint32_t count )
-{
-	uint32_t lane = 0;
-	for ( uint32_t i = 1; i < count; ++i )
-	{
-		lane = value[i] > value[lane] ? i : lane;
-	}
-	return lane;
-}
-
-static inline float larger( float a, float b )
-{
-	return a > b ? a : b;
-}
-
-/// True if no value is above the best; a NaN may be passed over, as in greatest(). Most leaves end here.
-static inline bool none_above( const float v[LWI_WIDTH], float best )
-{
-	float first = larger( larger( v[0], v[1] ), larger( v[2], v[3] ) );
-	float second = larger( larger( v[4], v[5] ), larger( v[6], v[7] ) );
-	return larger( first, second ) <= best;
-}
-
-/// Takes the point of a leaf of triangles that is farthest along n, if it is farther than `best`. Returns how far.
-static float take_triangles( const lwi_kernels* kernels, const lwi_leaf* leaf, uint32_t count, const float n[3], float best,
-	float point[3] )
-{
-	float low[LWI_WIDTH], high[LWI_WIDTH], farthest = -INFINITY;
-	kernels->leaf_project( leaf, n, low, high );
-	if ( count == LWI_WIDTH && none_above( high, best ) )
-	{
-		return best;
-	}
-	uint32_t lane = greatest( high, count );
-	if ( !( high[lane] > best ) )
-	{
-		return best;
-	}
-	for ( int v = 0; v < 3; ++v )
-	{
-		const float p[3] = { leaf->v[v][0][lane], leaf->v[v][1][lane], leaf->v[v][2][lane] };
-		if ( dot( n, p ) > farthest )
-		{
-			farthest = dot( n, p );
-			memcpy( point, p, sizeof( p ) );
-		}
-	}
-	return high[lane];
-}
-
-static float take_balls( const lwi_kernels* kernels, const lwi_ball_leaf* leaf, uint32_t count, const float n[3], float best,
-	float point[3] )
-{
-	float high[LWI_WIDTH];
-	kernels->node_project( leaf, n, best, high );
-	uint32_t lane = greatest( high, count );
-	if ( !( high[lane] > best ) )
-	{
-		return best;
-	}
-	point[0] = leaf->x[lane] + leaf->r[lane] * n[0];
-	point[1] = leaf->y[lane] + leaf->r[lane] * n[1];
-	point[2] = leaf->z[lane] + leaf->r[lane] * n[2];
-	return high[lane];
-}
-
-static float take_boxes( const lwi_box_leaf* leaf, uint32_t count, const float n[3], float best, float point[3] )
-{
-	for ( uint32_t lane = 0; lane < count; ++lane )
-	{
-		float corner[3];
-		for ( int axis = 0; axis < 3; ++axis )
-		{
-			corner[axis] = n[axis] > 0 ? leaf->boxes.max[axis][lane] : leaf->boxes.min[axis][lane];
-		}
-		if ( dot( n, corner ) > best )
-		{
-			best = dot( n, corner );
-			memcpy( point, corner, sizeof( corner ) );
-		}
-	}
-	return best;
-}
-
-static float take_leaf( const lwi_kernels* kernels, const lw_shape* shape, lwi_ref ref, const float n[3], float best,
-	float point[3] )
-{
-	uint32_t index = lwi_ref_index( ref ), count = lwi_ref_count( ref );
-	switch ( shape->family )
-	{
-	case LWI_BALLS:
-		return take_balls( kernels, &shape->ball_leaves[index], count, n, best, point );
-	case LWI_BOXES:
-		return take_boxes( &shape->box_leaves[index], count, n, best, point );
-	case LWI_TRIANGLES:
-	case LWI_CONVEX:
-	case LWI_UNBOUNDED:
-		break;
-	}
-	return take_triangles( kernels, &shape->leaves[index], count, n, best, point );
-}
-
-/// The farthest point of a box, cylinder or cone along n.
-static float support_solid( const lw_shape* shape, const float n[3], float point[3] )
-{
-	float half[3];
-	for ( int axis = 0; axis < 3; ++axis )
-	{
-		half[axis] = lwi_round_up( 0.5 * shape->dimensions[axis] );
-	}
-	if ( shape->type == LW_SHAPE_BOX )
-	{
-		for ( int axis = 0; axis < 3; ++axis )
-		{
-			point[axis] = n[axis] > 0 ? half[axis] : -half[axis];
-		}
-		return dot( n, point );
-	}
-	float radius = lwi_round_up( shape->dimensions[0] ), height = half[1]; // half the height
-	float across = sqrtf( n[0] * n[0] + n[1] * n[1] ), share = across > 0 ? radius / across : 0;
-	bool apex = shape->type == LW_SHAPE_CONE && 2 * height * n[2] >= radius * across;
-	point[0] = apex ? 0 : share * n[0];
-	point[1] = apex ? 0 : share * n[1];
-	point[2] = apex || ( shape->type == LW_SHAPE_CYLINDER && n[2] > 0 ) ? height : -height;
-	return dot( n, point );
-}
-
-/// How far a shape with a tree, or a solid, reaches along a unit direction, and where, in its tree frame. It never says less
-/// than what is true, whatever `point` is to begin with; the nearer that is to the answer, the less is looked at.
-static float support( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float point[3] )
-{
-	if ( shape->family == LWI_CONVEX )
-	{
-		return support_solid( shape, n, point );
-	}
-	candidate stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
-	uint32_t height = 0;
-	float best = dot( n, point );
-	stack[height++] = (candidate){ INFINITY, shape->root };
-	while ( height > 0 )
-	{
-		candidate next = stack[--height];
-		if ( !( next.high > best ) )
-		{
-			continue;
-		}
-		if ( lwi_ref_is_leaf( next.ref ) )
-		{
-			best = take_leaf( kernels, shape, next.ref, n, best, point );
-			continue;
-		}
-		const lwi_node* node = &shape->nodes[next.ref];
-		float high[LWI_WIDTH], farthest = -INFINITY;
-		for ( uint32_t mask = kernels->node_project( node, n, best, high ); mask != 0; mask &= mask - 1 )
-		{
-			uint32_t lane = lwi_lowest_bit( mask ), place = height++;
-			if ( high[lane] < farthest ) // the farthest stays on top
-			{
-				stack[place] = stack[place - 1];
-				--place;
-			}
-			else
-			{
-				farthest = high[lane];
-			}
-			stack[place] = (candidate){ high[lane], node->child[lane] };
-		}
-	}
-	return best;
 }
 
 static void turn( const lwi_motion* m, const float v[3], float out[3] )
@@ -239,8 +61,8 @@ static float gap_along( const lwi_kernels* kernels, const lw_shape* a, const lw_
 	float n_b[3], moved[3];
 	turn_back( m, n, n_b );
 	const float back[3] = { -n_b[0], -n_b[1], -n_b[2] };
-	float high_a = support( kernels, a, n, plane->point_a );
-	float low_b = -support( kernels, b, back, plane->point_b ) + dot( n, m->t );
+	float high_a = lwi_support( kernels, a, n, plane->point_a );
+	float low_b = -lwi_support( kernels, b, back, plane->point_b ) + dot( n, m->t );
 	turn( m, plane->point_b, moved );
 	*difference = (vec_s){ (double)( moved[0] + m->t[0] - plane->point_a[0] ), (double)( moved[1] + m->t[1] - plane->point_a[1] ),
 		(double)( moved[2] + m->t[2] - plane->point_a[2] ) };
@@ -310,71 +132,6 @@ bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape
 }
 
 // --- places ----------------------------------------------------------------------------------------------------------
-
-/// How far the box around a shape reaches along n, tree frame. Seven roundings.
-static float reach_of_box( const lw_shape* shape, const float n[3] )
-{
-	float sum = 0;
-	for ( int i = 0; i < 3; ++i )
-	{
-		sum += n[i] * ( n[i] > 0 ? (float)( shape->box_max[i] - shape->origin[i] ) : (float)( shape->box_min[i] - shape->origin[i] ) );
-	}
-	return sum;
-}
-
-/// True if no vertex of a leaf is farther along n than `most`.
-static bool leaf_stays_below( const lwi_kernels* kernels, const lw_shape* shape, lwi_ref leaf, const float n[3], float most )
-{
-	uint32_t index = lwi_ref_index( leaf ), count = lwi_ref_count( leaf ), above = 0;
-	if ( shape->family != LWI_TRIANGLES )
-	{
-		float point[3];
-		return take_leaf( kernels, shape, leaf, n, most, point ) <= most;
-	}
-	float low[LWI_WIDTH], high[LWI_WIDTH];
-	kernels->leaf_project( &shape->leaves[index], n, low, high );
-	for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
-	{
-		above |= (uint32_t)!( high[i] <= most ) << i;
-	}
-	return ( above & ( ( 1u << count ) - 1 ) ) == 0;
-}
-
-/// True if a shape reaches no farther along n (tree frame, unit) than `most`: far less is looked at than for how far it reaches.
-static bool stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most )
-{
-	if ( reach_of_box( shape, n ) <= most )
-	{
-		return true;
-	}
-	if ( shape->family == LWI_CONVEX )
-	{
-		float point[3];
-		return support_solid( shape, n, point ) <= most;
-	}
-	lwi_ref stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
-	uint32_t height = 0;
-	stack[height++] = shape->root;
-	while ( height > 0 )
-	{
-		lwi_ref next = stack[--height];
-		if ( lwi_ref_is_leaf( next ) )
-		{
-			if ( !leaf_stays_below( kernels, shape, next, n, most ) )
-			{
-				return false;
-			}
-			continue;
-		}
-		float high[LWI_WIDTH];
-		const lwi_node* node = &shape->nodes[next];
-		for ( uint32_t mask = kernels->node_project( node, n, most, high ); mask != 0; mask &= mask - 1 )
-		{
-			stack[height++] = node->child[lwi_lowest_bit( mask )];
-		}
-	}
-	return true;
-}
 
 /// Directions and origins of a question about places.
 typedef struct between_places
@@ -489,7 +246,7 @@ static double farthest_of_places( const lwi_kernels* kernels, lwi_places* s, con
 		double scale = place_direction( s, i, n, local );
 		memcpy( point, first, sizeof( point ) );
 		lw_vec3 origin = lwi_sub( origin_of( &s->at[i], s->shape ), q->from );
-		double high = scale * (double)support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
+		double high = scale * (double)lwi_support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
 		if ( !( high <= best ) )
 		{
 			best = high;
@@ -507,7 +264,7 @@ static lw_vec3 far_point( const lwi_kernels* kernels, lwi_places* s, const betwe
 	make_places( s );
 	float local[3];
 	local_direction( &s->middle, n, local );
-	support( kernels, s->shape, local, start );
+	lwi_support( kernels, s->shape, local, start );
 	lw_vec3 farthest = { 0, 0, 0 }, point = lwi_v3( (double)start[0], (double)start[1], (double)start[2] );
 	double best = -INFINITY;
 	for ( int i = 0; i < s->count; ++i )
@@ -565,7 +322,7 @@ static bool all_stay_below( const lwi_kernels* kernels, lwi_places* s, const bet
 		float local[3];
 		double scale = place_direction( s, i, n, local );
 		double left = ( most - lwi_dot( n, lwi_sub( origin_of( &s->at[i], s->shape ), q->from ) ) ) / scale;
-		if ( !( left > -INFINITY && stays_below( kernels, s->shape, local, lwi_round_down( left ) ) ) )
+		if ( !( left > -INFINITY && lwi_stays_below( kernels, s->shape, local, lwi_round_down( left ) ) ) )
 		{
 			return false;
 		}
@@ -573,41 +330,202 @@ static bool all_stay_below( const lwi_kernels* kernels, lwi_places* s, const bet
 	return true;
 }
 
-/// The direction of a plane, and the lowest of b along it.
-static lw_vec3 plane_now( const lwi_kernels* kernels, lwi_places* b, const between_places* q, const lwi_places_plane* plane,
-	double* bottom )
+static lw_vec3 normal_of( const lwi_places* b, const float direction[3] )
 {
-	const float* d = plane->direction;
-	lw_vec3 n = lwi_rotate( &b->middle, lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) );
-	*bottom = -(double)plane->reach_b; // of b at its middle place; what stands has no other
-	if ( b->count > 1 )
+	return lwi_rotate( &b->middle, lwi_v3( (double)direction[0], (double)direction[1], (double)direction[2] ) );
+}
+
+// --- cores -----------------------------------------------------------------------------------------------------------
+
+enum
+{
+	MAX_LOOKS = 3,  ///< directions for which all geometry is asked: if the second has no plane, hardly any has (edges.md)
+	CORE_STEPS = 24 ///< directions that cores are asked for, between two of these
+};
+
+/// Of the distance of the cores: a gap that wide is not worth another step.
+#define WIDE_ENOUGH 0.5
+
+/// Points inside the hull of a shape at all its places.
+typedef struct core
+{
+	const lwi_points8* points;
+	uint32_t blocks;
+	const lw_transform* local; ///< frame of the points; NULL: axes of the places' frame
+	lw_vec3 origin;            ///< theirs, above q->from
+	lw_vec3 cut[MAX_LOOKS];    ///< further points, that were found by exact looks; above q->from
+	int cuts;
+} core;
+
+static void make_cloud( const lwi_kernels* kernels, lwi_places* s )
+{
+	make_places( s );
+	lwi_cloud* cloud = s->cloud;
+	lw_vec3 middle = origin_of( &s->middle, s->shape );
+	uint32_t blocks = s->shape->core_blocks;
+	for ( int i = 0; i < s->count; ++i )
 	{
-		float point[3];
-		lw_vec3 lowest;
-		memcpy( point, b->shape->root_sphere, sizeof( point ) );
-		*bottom = -farthest_of_places( kernels, b, q, lwi_scale( -1, n ), point, &lowest );
+		lwi_motion motion;
+		lw_vec3 from = lwi_sub( origin_of( &s->at[i], s->shape ), middle );
+		for ( int k = 0; k < 9; ++k )
+		{
+			motion.r[k] = (float)s->at[i].r[k / 3][k % 3];
+		}
+		motion.t[0] = (float)from.x;
+		motion.t[1] = (float)from.y;
+		motion.t[2] = (float)from.z;
+		kernels->points_move( s->shape->core, blocks, &motion, cloud->points + blocks * (uint32_t)i );
 	}
-	return n;
+	cloud->blocks = blocks * (uint32_t)s->count;
+	cloud->made = true;
+}
+
+static core core_of( const lwi_kernels* kernels, lwi_places* s, const between_places* q )
+{
+	core c;
+	c.points = s->shape->core;
+	c.blocks = s->shape->core_blocks;
+	c.local = &s->middle;
+	c.cuts = 0;
+	c.origin = lwi_sub( origin_of( &s->middle, s->shape ), q->from );
+	if ( s->count > 1 )
+	{
+		if ( !s->cloud->made )
+		{
+			make_cloud( kernels, s );
+		}
+		c.points = s->cloud->points;
+		c.blocks = s->cloud->blocks;
+		c.local = NULL;
+	}
+	return c;
+}
+
+/// How far a core reaches along n, and with which of its points.
+static double core_reach( const lwi_kernels* kernels, const core* c, lw_vec3 n, uint32_t* which )
+{
+	float high, direction[3];
+	lw_vec3 local = c->local != NULL ? lwi_unrotate( c->local, n ) : n;
+	direction[0] = (float)local.x;
+	direction[1] = (float)local.y;
+	direction[2] = (float)local.z;
+	*which = kernels->points_farthest( c->points, c->blocks, direction, &high );
+	double reach = (double)high + lwi_dot( n, c->origin );
+	for ( int i = 0; i < c->cuts; ++i )
+	{
+		double other = lwi_dot( n, c->cut[i] );
+		if ( other > reach )
+		{
+			reach = other;
+			*which = c->blocks * LWI_WIDTH + (uint32_t)i;
+		}
+	}
+	return reach;
+}
+
+static lw_vec3 core_point( const core* c, uint32_t which )
+{
+	if ( which >= c->blocks * LWI_WIDTH )
+	{
+		return c->cut[which - c->blocks * LWI_WIDTH];
+	}
+	const lwi_points8* block = &c->points[which / LWI_WIDTH];
+	uint32_t lane = which % LWI_WIDTH;
+	lw_vec3 p = lwi_v3( (double)block->at[0][lane], (double)block->at[1][lane], (double)block->at[2][lane] );
+	return lwi_add( c->origin, c->local != NULL ? lwi_rotate( c->local, p ) : p );
+}
+
+/// The same in the tree frame of the shape; of a cut the point stays what it was when it was found.
+static void core_start( const lwi_places* s, const core* c, uint32_t which, float point[3] )
+{
+	if ( which >= c->blocks * LWI_WIDTH )
+	{
+		return;
+	}
+	const lw_shape* shape = s->shape;
+	const lwi_points8* block = &shape->core[which / LWI_WIDTH % shape->core_blocks];
+	for ( int k = 0; k < 3; ++k )
+	{
+		point[k] = block->at[k][which % LWI_WIDTH];
+	}
+}
+
+/// GJK between cores.
+typedef struct core_search
+{
+	core a, b;
+	double need;
+	vec_s w[4];
+	int count;
+	lw_vec3 n;               ///< unit, from a to b: what is tried next
+	uint32_t which_a, which_b; ///< points that are nearest to the plane
+} core_search;
+
+/// LWI_APART: along s->n, where to look for a plane.
+static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s )
+{
+	double upper = INFINITY;
+	for ( int step = 0; step < CORE_STEPS; ++step )
+	{
+		double high = core_reach( kernels, &s->a, s->n, &s->which_a );
+		double low = -core_reach( kernels, &s->b, lwi_scale( -1, s->n ), &s->which_b );
+		if ( low - high >= s->need && low - high >= WIDE_ENOUGH * upper )
+		{
+			return LWI_APART;
+		}
+		lw_vec3 difference = lwi_sub( core_point( &s->b, s->which_b ), core_point( &s->a, s->which_a ) );
+		s->w[s->count++] = (vec_s){ difference.x, difference.y, difference.z };
+		nearest_s nearest;
+		bool inside = nearest_to_origin_s( s->w, s->count, &nearest );
+		if ( inside || nearest.sq < s->need * s->need )
+		{
+			return LWI_NEAR;
+		}
+		s->count = reduce( s->w, s->count, &nearest );
+		upper = sqrt( nearest.sq );
+		if ( s->count == 4 || !( upper > 0 && upper < INFINITY ) )
+		{
+			return LWI_UNKNOWN;
+		}
+		s->n = lwi_scale( 1 / upper, lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ) );
+	}
+	return LWI_UNKNOWN;
 }
 
 uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
 	const lwi_places_plane* known, uint32_t count )
 {
-	between_places q = question_of( a, b, limit );
-	for ( uint32_t i = 0; i < count && b->count == 1; ++i ) // boxes are asked first
+	if ( count == 0 )
 	{
-		double bottom;
-		lw_vec3 n = plane_now( kernels, b, &q, &known[i], &bottom );
-		if ( box_stays_below( a, &q, n, bottom - q.need ) )
+		return 0;
+	}
+	between_places q = question_of( a, b, limit );
+	bool stands = b->count == 1;
+	for ( uint32_t i = 0; i < count && stands; ++i ) // boxes are asked first
+	{
+		if ( box_stays_below( a, &q, normal_of( b, known[i].direction ), -(double)known[i].reach_b - q.need ) )
 		{
 			return i;
 		}
 	}
 	make_places( a );
+	core core_a = core_of( kernels, a, &q ), core_b = core_of( kernels, b, &q );
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		double bottom;
-		lw_vec3 n = plane_now( kernels, b, &q, &known[i], &bottom );
+		uint32_t which_a, which_b = 0;
+		lw_vec3 n = normal_of( b, known[i].direction ), down = lwi_scale( -1, n ), lowest;
+		double high = core_reach( kernels, &core_a, n, &which_a );
+		double bottom = stands ? -(double)known[i].reach_b : -core_reach( kernels, &core_b, down, &which_b );
+		if ( !( high <= bottom - q.need ) )
+		{
+			continue; // what is inside is not below
+		}
+		if ( !stands )
+		{
+			float point[3];
+			core_start( b, &core_b, which_b, point );
+			bottom = -farthest_of_places( kernels, b, &q, down, point, &lowest );
+		}
 		if ( all_stay_below( kernels, a, &q, n, bottom - q.need ) )
 		{
 			return i;
@@ -616,43 +534,42 @@ uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 	return count;
 }
 
-bool lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	const float direction[3], int steps, lwi_places_plane* out )
+lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
+	const float direction[3], lwi_places_plane* out )
 {
 	between_places q = question_of( a, b, limit );
 	float point_a[3], point_b[3];
-	memcpy( point_a, a->shape->root_sphere, sizeof( point_a ) );
-	memcpy( point_b, b->shape->root_sphere, sizeof( point_b ) );
-	vec_s w[4];
-	int count = 0;
-	lwi_places_plane next = { .reach_b = 0 };
+	lwi_places_plane next;
 	float* d = next.direction;
 	memcpy( d, direction, 3 * sizeof( float ) );
-	for ( int step = 0; step < steps && normalize( d ); ++step )
+	if ( !normalize( d ) )
 	{
-		lw_vec3 n = lwi_rotate( &b->middle, lwi_v3( (double)d[0], (double)d[1], (double)d[2] ) ), bottom;
-		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point_b, &bottom );
+		return LWI_UNKNOWN;
+	}
+	core_search s = { .need = q.need, .n = normal_of( b, d ) };
+	s.a = core_of( kernels, a, &q );
+	s.b = core_of( kernels, b, &q );
+	for ( int look = 0; look < MAX_LOOKS; ++look )
+	{
+		lwi_separation cores = separate_cores( kernels, &s );
+		local_direction( &b->middle, s.n, d );
+		if ( cores != LWI_APART || !normalize( d ) )
+		{
+			return cores == LWI_NEAR ? LWI_NEAR : LWI_UNKNOWN;
+		}
+		core_start( a, &s.a, s.which_a, point_a );
+		core_start( b, &s.b, s.which_b, point_b );
+		lw_vec3 n = normal_of( b, d ), lowest;
+		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point_b, &lowest );
 		if ( box_stays_below( a, &q, n, low - q.need ) || all_stay_below( kernels, a, &q, n, low - q.need ) )
 		{
 			next.reach_b = lwi_round_up( -low );
 			*out = next;
-			return true;
+			return LWI_APART;
 		}
 		// what it says of a only decides where to look next
-		lw_vec3 difference = lwi_sub( bottom, far_point( kernels, a, &q, n, point_a ) );
-		w[count++] = (vec_s){ difference.x, difference.y, difference.z };
-		nearest_s nearest;
-		bool inside = nearest_to_origin_s( w, count, &nearest );
-		if ( inside || !( nearest.sq >= q.need * q.need ) )
-		{
-			return false; // the hulls are nearer than that
-		}
-		count = reduce( w, count, &nearest );
-		if ( count == 4 )
-		{
-			return false;
-		}
-		local_direction( &b->middle, lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ), d );
+		s.a.cut[s.a.cuts++] = far_point( kernels, a, &q, n, point_a );
+		s.b.cut[s.b.cuts++] = lowest;
 	}
-	return false;
+	return LWI_UNKNOWN;
 }

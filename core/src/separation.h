@@ -41,6 +41,14 @@ lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_mot
 bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* a_from_b, float limit,
 	lwi_plane* plane, int steps );
 
+/// The core of a shape at its places: axes of their frame, from the origin of its tree at its middle place.
+typedef struct lwi_cloud
+{
+	bool made; ///< else it is when it is needed
+	uint32_t blocks;
+	lwi_points8 points[LWI_MAX_PLACES * LWI_CORE_BLOCKS];
+} lwi_cloud;
+
 /// A bounded shape with its geometry at a few places, in a frame that two of these have in common.
 typedef struct lwi_places
 {
@@ -50,6 +58,7 @@ typedef struct lwi_places
 	bool drifts;         ///< the places are two: where points x of the middle get by -+ ( shift + turn x x )
 	bool made;           ///< `at` is filled; of drifts it may wait until it is needed
 	lw_vec3 turn, shift;
+	lwi_cloud* cloud; ///< of more than one place; shared by those who look at the same places
 	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape; of drifts linear, not rigid: points are where they take them
 } lwi_places;
 
@@ -65,10 +74,17 @@ typedef struct lwi_places_plane
 uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
 	const lwi_places_plane* known, uint32_t count );
 
-/// lwi_separate() for the convex hulls of all places.
+typedef enum lwi_separation
+{
+	LWI_APART,   ///< there is a plane: nothing of a is nearer to anything of b than the limit
+	LWI_UNKNOWN, ///< none was found
+	LWI_NEAR     ///< there is none: the hulls are nearer than the width that proves the limit, to rounding (edges.md)
+} lwi_separation;
+
+/// Looks for a plane between the convex hulls of all places.
 /// @param direction where to begin: b's tree frame at its middle place, any length
-/// @param out what separated them; written only then
-bool lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	const float direction[3], int steps, lwi_places_plane* out );
+/// @param out what separates them; written only then
+lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
+	const float direction[3], lwi_places_plane* out );
 
 #endif

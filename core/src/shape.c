@@ -74,6 +74,10 @@ static void free_shape( lw_shape* shape )
 	{
 		lwi_free( &allocator, shape->bricks, shape->node_count * sizeof( lwi_bricks ) );
 	}
+	if ( shape->core != NULL )
+	{
+		lwi_free( &allocator, shape->core, shape->core_blocks * sizeof( *shape->core ) );
+	}
 	lwi_free( &allocator, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
 	lwi_free( &allocator, shape->ball_leaves, shape->leaf_count * sizeof( lwi_ball_leaf ) );
 	lwi_free( &allocator, shape->box_leaves, shape->leaf_count * sizeof( lwi_box_leaf ) );
@@ -229,7 +233,8 @@ lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* dia
 	shape->ball_leaves = tree.ball_leaves;
 	shape->box_leaves = tree.box_leaves;
 	lwi_shape_finish( shape );
-	return lwi_shape_find_bricks( shape, diag );
+	status = lwi_shape_find_bricks( shape, diag );
+	return status == LW_OK ? lwi_shape_find_core( shape, diag ) : status;
 }
 
 lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape )
@@ -445,6 +450,7 @@ lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions
 	else if ( shape->solid )
 	{
 		set_solid_bounds( shape );
+		status = lwi_shape_find_core( shape, diag );
 	}
 	else
 	{

@@ -15,7 +15,8 @@
 
 enum
 {
-	LWI_MAX_PARTS = 16 ///< connected parts of a mesh that are known one by one
+	LWI_MAX_PARTS = 16, ///< connected parts of a mesh that are known one by one
+	LWI_CORE_BLOCKS = 8 ///< of a core, at most
 };
 
 /// Flags of lw_shape.sheets, below the number of the sheet.
@@ -105,6 +106,8 @@ struct lw_shape
 	lwi_leaf* leaves;           ///< of triangles
 	lwi_ball_leaf* ball_leaves; ///< of balls
 	lwi_box_leaf* box_leaves;   ///< of boxes
+	uint32_t core_blocks;       ///< of the core: extreme points of a bounded shape, inside its convex hull; tree frame
+	lwi_points8* core;
 	size_t bytes;
 };
 
@@ -212,6 +215,10 @@ void lwi_shape_finish( lw_shape* shape );
 /// The turned boxes of a tree of triangles, found from its nodes and leaves. The tree is valid.
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_shape_find_bricks( lw_shape* shape, lw_diag* diag );
+
+/// The core of a bounded shape whose tree, if it has one, is valid.
+/// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
+lw_status lwi_shape_find_core( lw_shape* shape, lw_diag* diag );
 
 /// All steps, for a shape whose vertices, indices, radii and counts are set.
 lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );

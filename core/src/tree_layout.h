@@ -74,6 +74,12 @@ typedef struct lwi_box_leaf
 	uint32_t box[LWI_WIDTH];
 } lwi_box_leaf;
 
+/// Eight points; pads repeat one of them.
+typedef struct lwi_points8
+{
+	float at[3][LWI_WIDTH]; ///< [axis][lane]
+} lwi_points8;
+
 /// Index of the lowest set bit of a lane mask; mask != 0.
 static inline uint32_t lwi_lowest_bit( uint32_t mask )
 {

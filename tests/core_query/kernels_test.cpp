@@ -170,7 +170,7 @@ Input random_input( SeededRng& rng )
 /// Everything all kernels say about one input, one after the other.
 std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 {
-	std::vector<float> out( 8 * 25, 0.0f );
+	std::vector<float> out( 8 * 34, 0.0f );
 	lwi_triangles8 a, b;
 	float limit = 0.1f * static_cast<float>( in.scale );
 	out[120] = static_cast<float>( k->sphere_gap( in.node.x, in.sphere, limit, &out[0] ) );
@@ -196,6 +196,12 @@ std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 	std::memcpy( &out[177], flat, 7 * sizeof( float ) );
 	out[184] = static_cast<float>( k->brick_gap( &in.node, &in.bricks, &in.brick, in.along, limit, flat ) );
 	std::memcpy( &out[185], flat, 7 * sizeof( float ) );
+	lwi_points8 points[3], moved[3];
+	static_assert( sizeof( points ) == sizeof( in.leaf.v ), "a leaf's vertices are three blocks of points" );
+	std::memcpy( points, in.leaf.v, sizeof( points ) );
+	out[192] = static_cast<float>( k->points_farthest( points, 3, in.sphere, &out[193] ) );
+	k->points_move( points, 3, &in.motion, moved );
+	std::memcpy( &out[200], moved, sizeof( moved ) );
 	return out;
 }
 
@@ -277,6 +283,45 @@ TEST( Kernels, turns_differ_from_one_alone_or_from_the_truth )
 }
 
 // Self queries of small robots stand on it: a pair that is left out is held to be far
+TEST( Kernels, farthest_point_is_not_the_first_of_those )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 5000; ++i )
+	{
+		lwi_points8 points[4];
+		const auto blocks = static_cast<uint32_t>( rng.integer( 1, 4 ) );
+		for ( lwi_points8& block : points )
+		{
+			for ( int lane = 0; lane < 8; ++lane )
+			{
+				for ( int axis = 0; axis < 3; ++axis )
+				{
+					block.at[axis][lane] = static_cast<float>( rng.integer( -3, 3 ) ); // many alike
+				}
+			}
+		}
+		const float n[3] = { value( rng, 1 ), value( rng, 1 ), i % 2 == 0 ? 0.0f : value( rng, 1 ) };
+		uint32_t want = 0;
+		float best = -INFINITY;
+		for ( uint32_t lane = 0; lane < 8; ++lane )
+		{
+			for ( uint32_t block = 0; block < blocks; ++block )
+			{
+				const auto& p = points[block].at;
+				const float x = n[0] * p[0][lane], y = n[1] * p[1][lane], z = n[2] * p[2][lane], high = ( x + y ) + z;
+				want = high > best ? 8 * block + lane : want;
+				best = std::max( best, high );
+			}
+		}
+		for ( const lwi_kernels* table : levels() )
+		{
+			float high;
+			ASSERT_EQ( want, table->points_farthest( points, blocks, n, &high ) ) << "level " << table->level;
+			ASSERT_EQ( best, high );
+		}
+	}
+}
+
 TEST( Kernels, near_spheres_are_left_out )
 {
 	SeededRng rng;

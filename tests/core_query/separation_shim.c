@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planes between shapes for a C++ program.
+#include "separation_shim.h"
+
+#include "separation.h"
+
+#include <string.h>
+
+enum
+{
+	MOST_PLANES = 8
+};
+
+static lwi_places places_of( const shim_places* s, lwi_cloud* cloud )
+{
+	cloud->made = false;
+	lwi_places out = { .shape = s->shape, .count = s->count, .middle = s->at[0], .drifts = s->drifts, .made = !s->drifts,
+		.turn = s->turn, .shift = s->shift, .cloud = cloud };
+	memcpy( out.at, s->at, sizeof( out.at ) );
+	return out;
+}
+
+int shim_separate( const shim_places* a, const shim_places* b, double limit, const float direction[3], shim_plane* out )
+{
+	lwi_cloud clouds[2];
+	lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
+	lwi_places_plane plane = { .reach_b = 0 };
+	const lwi_kernels* kernels = lwi_kernels_get( lw_simd_available() );
+	lwi_separation result = lwi_separate_places( kernels, &place_a, &place_b, limit, direction, &plane );
+	memcpy( out->direction, plane.direction, sizeof( plane.direction ) );
+	out->reach_b = plane.reach_b;
+	return result == LWI_APART ? 0 : result == LWI_UNKNOWN ? 1 : 2;
+}
+
+uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count )
+{
+	lwi_cloud clouds[2];
+	lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
+	lwi_places_plane planes[MOST_PLANES];
+	for ( uint32_t i = 0; i < count && i < MOST_PLANES; ++i )
+	{
+		memcpy( planes[i].direction, known[i].direction, sizeof( planes[i].direction ) );
+		planes[i].reach_b = known[i].reach_b;
+	}
+	return lwi_places_apart_by( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, planes, count );
+}
+
+uint32_t shim_core( const lw_shape* shape, double points[64][3] )
+{
+	for ( uint32_t i = 0; i < shape->core_blocks * LWI_WIDTH; ++i )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			points[i][k] = (double)shape->core[i / LWI_WIDTH].at[k][i % LWI_WIDTH] + shape->origin[k];
+		}
+	}
+	return shape->core_blocks * LWI_WIDTH;
+}
+
+lw_vec3 shim_origin( const lw_shape* shape )
+{
+	return lwi_load( shape->origin );
+}

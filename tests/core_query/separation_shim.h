@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planes between shapes for a C++ program: their own header is C11.
+#ifndef LEEWAY_TESTS_SEPARATION_SHIM_H
+#define LEEWAY_TESTS_SEPARATION_SHIM_H
+
+#include "leeway/leeway.h"
+
+/// lwi_places: a shape at one place, at three, or at the two where it drifts to.
+typedef struct shim_places
+{
+	const lw_shape* shape;
+	int count;
+	lw_transform at[3]; ///< the first is the middle
+	bool drifts;
+	lw_vec3 turn, shift;
+} shim_places;
+
+/// A direction in the tree frame of b, and how far b reaches against it from the origin of that.
+typedef struct shim_plane
+{
+	float direction[3], reach_b;
+} shim_plane;
+
+/// lwi_separate_places(): 0 apart, 1 unknown, 2 near
+int shim_separate( const shim_places* a, const shim_places* b, double limit, const float direction[3], shim_plane* out );
+
+/// lwi_places_apart_by()
+uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count );
+
+/// Points of the core, shape frame. @return how many
+uint32_t shim_core( const lw_shape* shape, double points[64][3] );
+
+/// Origin of the tree frame.
+lw_vec3 shim_origin( const lw_shape* shape );
+
+#endif

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planes between shapes at several places, against heights of all their points: what is said to be apart, near, or neither.
+#include "oracle_subject.hpp"
+
+extern "C"
+{
+#include "separation_shim.h"
+}
+
+namespace
+{
+using namespace oracle;
+
+constexpr double u = 0x1p-24;
+
+/// How far the points of a model reach along n, of any length, from its own origin; dilated by `radius`.
+double reach( const Model& m, Vec n, real radius )
+{
+	real most = -INFINITY;
+	const double* s = m.solid.size;
+	const real across = std::sqrt( n.x * n.x + n.y * n.y ), up = s[1] * n.z;
+	for ( Vec p : m.points )
+	{
+		most = std::max( most, dot( n, p ) );
+	}
+	if ( m.corners == 0 )
+	{
+		most = m.solid.type == LWI_CONVEX_BOX	 ? std::abs( n.x ) * s[0] + std::abs( n.y ) * s[1] + std::abs( n.z ) * s[2]
+			   : m.solid.type == LWI_CONVEX_CONE ? std::max( up, s[0] * across - up )
+												 : s[0] * across + std::abs( up );
+	}
+	return to_double( most + radius );
+}
+
+/// A subject at its places.
+struct Moving
+{
+	Subject subject;
+	shim_places places = {};
+
+	std::vector<Pose> poses() const
+	{
+		std::vector<Pose> out;
+		Pose middle = pose_from( places.at[0] );
+		for ( int i = 0; i < places.count; ++i )
+		{
+			out.push_back( pose_from( places.at[i] ) );
+		}
+		const Vec turn = from( places.turn ), shift = from( places.shift );
+		for ( int i = 0; i < 2 && places.drifts; ++i )
+		{
+			const real by = i == 0 ? -1 : 1;
+			for ( int k = 0; k < 3; ++k )
+			{
+				out[(std::size_t)i].column[k] = middle.column[k] + by * cross( turn, middle.column[k] );
+			}
+			out[(std::size_t)i].t = middle.t + by * ( shift + cross( turn, middle.t ) );
+		}
+		return out;
+	}
+
+	/// Of all places along a unit n. Triangles are dilated afterwards, balls move as they are.
+	double reach( Vec n ) const
+	{
+		double most = -INFINITY;
+		for ( const Pose& pose : poses() )
+		{
+			const Vec along = { dot( pose.column[0], n ), dot( pose.column[1], n ), dot( pose.column[2], n ) };
+			for ( const Part& part : parts_of( subject ) )
+			{
+				const bool ball = part.model.corners == 1;
+				const real radius = part.model.radius * ( ball ? length( along ) : 1 );
+				most = std::max( most, ::reach( part.model, along, radius ) + to_double( dot( n, pose.t ) + dot( along, part.center ) ) );
+			}
+		}
+		return most;
+	}
+
+	/// A point of the hull of all places that is farthest along n, by differences: far less exact than reach().
+	Vec farthest( Vec n ) const
+	{
+		const real h = 1e-6L, length_n = length( n );
+		auto at = [&]( Vec v ) { return (real)reach( 1 / length( v ) * v ) * length( v ); };
+		const Vec unit = 1 / length_n * n;
+		return { ( at( unit + Vec{ h, 0, 0 } ) - at( unit - Vec{ h, 0, 0 } ) ) / ( 2 * h ),
+			( at( unit + Vec{ 0, h, 0 } ) - at( unit - Vec{ 0, h, 0 } ) ) / ( 2 * h ),
+			( at( unit + Vec{ 0, 0, h } ) - at( unit - Vec{ 0, 0, h } ) ) / ( 2 * h ) };
+	}
+
+	double size() const
+	{
+		double way = 0;
+		std::vector<Pose> all = poses();
+		for ( const Pose& pose : all )
+		{
+			way = std::max( way, to_double( length( pose.t - all[0].t ) ) );
+		}
+		return to_double( subject.model.size ) + way;
+	}
+};
+
+Moving random_moving( SeededRng& rng, double size, double far, bool moves )
+{
+	Moving m;
+	m.subject = make_subject( rng, types[rng.integer( 0, type_count - 1 )], size );
+	m.places.shape = m.subject.shape.get();
+	m.places.count = 1;
+	m.places.at[0] = random_pose( rng, far );
+	const double step = size * rng.decade( -3, 0 ), turn = rng.decade( -3, -0.3 );
+	const int kind = moves ? rng.integer( 0, 2 ) : 0;
+	if ( kind == 1 )
+	{
+		m.places.count = 2;
+		m.places.drifts = true;
+		m.places.turn = to_double( random_point( rng, turn ) );
+		m.places.shift = to_double( random_point( rng, step ) );
+	}
+	for ( int i = 1; i < 3 && kind == 2; ++i )
+	{
+		m.places.count = 3;
+		const lw_vec3 axis = random_direction( rng );
+		const double q[4] = { axis.x * std::sin( turn ), axis.y * std::sin( turn ), axis.z * std::sin( turn ), std::cos( turn ) };
+		lw_transform move;
+		const lw_vec3 by = to_double( random_point( rng, step ) );
+		const double t[3] = { by.x, by.y, by.z };
+		lw_transform_from_quaternion( t, q, &move );
+		const double* old = m.places.at[0].t;
+		m.places.at[i] = lw_transform_multiply( &move, &m.places.at[0] );
+		for ( int k = 0; k < 3; ++k )
+		{
+			m.places.at[i].t[k] = old[k] + t[k];
+		}
+	}
+	return m;
+}
+
+double gap( const Moving& a, const Moving& b, Vec n ) { return -b.reach( -1.0L * n ) - a.reach( n ); }
+
+/// The widest gap that steps towards the nearest points of the hulls pass by (Gilbert 1966), and its direction.
+double widest_gap( const Moving& a, const Moving& b, Vec* direction )
+{
+	Vec v = pose_from( b.places.at[0] ).t - pose_from( a.places.at[0] ).t;
+	v = length( v ) > 0 ? v : Vec{ 1, 0, 0 };
+	double best = -INFINITY;
+	for ( int i = 0; i < 120; ++i )
+	{
+		const Vec n = 1 / length( v ) * v;
+		const double now = gap( a, b, n );
+		if ( now > best )
+		{
+			best = now;
+			*direction = n;
+		}
+		const Vec s = b.farthest( -1.0L * n ) - a.farthest( n ), e = s - v;
+		const real t = dot( e, e ) > 0 ? std::min( std::max( -dot( v, e ) / dot( e, e ), (real)0 ), (real)1 ) : 0;
+		v = i == 0 ? s : v + t * e;
+		if ( !( length( v ) > 1e-9L * ( a.size() + b.size() ) ) )
+		{
+			break;
+		}
+	}
+	return best;
+}
+
+double dilation( const Moving& m )
+{
+	return m.subject.model.corners > 1 ? to_double( m.subject.model.radius ) : 0;
+}
+
+shim_plane plane_along( const Moving& b, Vec n )
+{
+	shim_plane out = {};
+	const Pose pose = pose_from( b.places.at[0] );
+	const lw_vec3 o = shim_origin( b.places.shape );
+	for ( int k = 0; k < 3; ++k )
+	{
+		out.direction[k] = static_cast<float>( dot( pose.column[k], n ) );
+	}
+	const Vec back = -1.0L * n;
+	const double reach = b.reach( back ) - dilation( b ) - to_double( dot( back, pose.apply( from( o ) ) ) );
+	out.reach_b = std::nextafter( static_cast<float>( reach ), INFINITY );
+	return out;
+}
+
+Vec direction_of( const Moving& b, const shim_plane& plane )
+{
+	const Pose pose = pose_from( b.places.at[0] );
+	const float* d = plane.direction;
+	const Vec n = (real)d[0] * pose.column[0] + (real)d[1] * pose.column[1] + (real)d[2] * pose.column[2];
+	return 1 / length( n ) * n;
+}
+
+void random_pair( SeededRng& rng, Moving& a, Moving& b )
+{
+	const double size = rng.decade( -3, 1 );
+	a = random_moving( rng, size, 0.1 * size, true );
+	b = random_moving( rng, size * rng.decade( -1, 1 ), 0, rng.integer( 0, 2 ) == 0 );
+	const lw_vec3 d = random_direction( rng );
+	const double far = rng.uniform( 0.3, 1.5 ) * ( a.size() + b.size() );
+	const double away[3] = { far * d.x, far * d.y, far * d.z };
+	for ( int i = 0; i < b.places.count && !b.places.drifts; ++i )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			b.places.at[i].t[k] += away[k];
+		}
+	}
+	for ( int k = 0; k < 3 && b.places.drifts; ++k )
+	{
+		b.places.at[0].t[k] += away[k];
+	}
+}
+} // namespace
+
+TEST( Separation, core_outside_of_hull )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 600; ++i )
+	{
+		Moving m = random_moving( rng, rng.decade( -3, 1 ), 0, false );
+		m.places.at[0] = lw_transform_identity();
+		double core[64][3];
+		const uint32_t count = shim_core( m.places.shape, core );
+		ASSERT_GE( count, 8u );
+		const double slack = 8 * u * to_double( m.subject.model.size );
+		for ( int k = 0; k < 60; ++k )
+		{
+			const Vec n = from( random_direction( rng ) );
+			for ( uint32_t j = 0; j < count; ++j )
+			{
+				ASSERT_LE( dot( n, Vec{ core[j][0], core[j][1], core[j][2] } ), m.reach( n ) - dilation( m ) + slack )
+					<< type_names[m.subject.type == types[0] ? 0 : 1] << ", type " << m.subject.type << ", shape " << i;
+			}
+		}
+	}
+}
+
+TEST( Separation, near_is_not_near_or_apart_is_not_apart )
+{
+	SeededRng rng;
+	int apart = 0, near = 0, separable = 0, missed = 0;
+	for ( int i = 0; i < 1500; ++i )
+	{
+		Moving a, b;
+		random_pair( rng, a, b );
+		Vec best;
+		const double widest = widest_gap( a, b, &best ), size = a.size() + b.size();
+		const double shares[6] = { 0.1, 0.5, 0.9, 0.99, 1.01, 1.5 };
+		const double limit = widest > 0 ? widest * shares[rng.integer( 0, 5 )] : rng.integer( 0, 1 ) * size * rng.decade( -4, -1 );
+		const lw_vec3 start = random_direction( rng );
+		const float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
+		shim_plane plane;
+		const int result = shim_separate( &a.places, &b.places, limit, direction, &plane );
+		const std::string what = "pair " + std::to_string( i ) + ", types " + std::to_string( a.subject.type ) + " " +
+								 std::to_string( b.subject.type ) + ", widest " + std::to_string( widest / size );
+		apart += result == 0;
+		near += result == 2;
+		if ( result == 0 )
+		{
+			const Vec n = direction_of( b, plane );
+			ASSERT_GE( gap( a, b, n ), limit ) << what;
+			const lw_vec3 origin = to_double( pose_from( b.places.at[0] ).apply( from( shim_origin( b.places.shape ) ) ) );
+			ASSERT_GE( (double)plane.reach_b + 16 * u * size,
+				b.reach( -1.0L * n ) - dilation( b ) + to_double( dot( n, from( origin ) ) ) ) << what;
+		}
+		const double rounding = ( limit + dilation( a ) + dilation( b ) ) * 0x1p-20 + 128 * u * size;
+		if ( result == 2 )
+		{
+			ASSERT_LE( widest, limit + rounding ) << what;
+		}
+		if ( widest >= limit + rounding )
+		{
+			++separable;
+			missed += result != 0;
+		}
+	}
+	std::printf( "%d apart, %d near; %d of %d planes missed\n", apart, near, missed, separable );
+	EXPECT_GE( apart, 300 );
+	EXPECT_GE( near, 150 );
+	EXPECT_LE( missed, separable / 20 );
+}
+
+TEST( Separation, known_plane_that_holds_is_passed_over )
+{
+	SeededRng rng;
+	int held = 0, none = 0;
+	for ( int i = 0; i < 1500; ++i )
+	{
+		Moving a, b;
+		random_pair( rng, a, b );
+		shim_plane known[4];
+		double gaps[4], size = a.size() + b.size();
+		Vec best = from( random_direction( rng ) );
+		widest_gap( a, b, &best );
+		for ( int k = 0; k < 4; ++k )
+		{
+			Vec n = best + random_point( rng, rng.decade( -3, 0.3 ) );
+			known[k] = plane_along( b, 1 / length( n ) * n );
+			gaps[k] = gap( a, b, direction_of( b, known[k] ) );
+		}
+		const double limit = std::max( 0.0, rng.uniform( 0.5, 1.5 ) * gaps[rng.integer( 0, 3 )] );
+		const uint32_t which = shim_apart_by( &a.places, &b.places, limit, known, 4 );
+		const double rounding = ( limit + dilation( a ) + dilation( b ) ) * 0x1p-20 + 128 * u * size;
+		for ( uint32_t k = 0; k < 4; ++k )
+		{
+			if ( which == k )
+			{
+				++held;
+				ASSERT_GE( gaps[k], limit ) << "pair " << i;
+			}
+			if ( which == 4 )
+			{
+				++none;
+				ASSERT_LE( gaps[k], limit + rounding ) << "pair " << i << ", plane " << k;
+			}
+		}
+	}
+	EXPECT_GE( held, 200 );
+	EXPECT_GE( none, 200 );
+}
