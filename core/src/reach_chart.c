@@ -23,15 +23,12 @@ enum
 
 /// Blocks and cells are good enough if they are proved to this share of what they could be proved to at best.
 #define GOOD_BLOCK 0.7
-#define GOOD_CELL 0.7
+#define GOOD_CELL 0.5
 /// Relative tolerance of distances.
 #define CHART_ALPHA 0.05
 /// Metres off every bound, for roundings of its last operations; and the motion up to which these are that small.
 #define CHART_ROUNDING 1e-9
 #define CHART_LARGEST 1e5
-
-/// Bits of the number of cells, by the number of variables.
-static const uint32_t total_bits[LWI_CHART_AXES + 1] = { 0, 8, 12, 15 };
 
 // ---- which variables --------------------------------------------------------------------------------------------------
 
@@ -280,7 +277,7 @@ static void fill( maker* m, const block* b, uint8_t number )
 }
 
 /// Gives the axes their bits: each halving goes to the one that contributes most to the motion.
-static void choose_bits( maker* m )
+static void choose_bits( maker* m, uint32_t total_bits )
 {
 	lwi_chart* chart = m->chart;
 	block all = { .at = { 0 } };
@@ -296,7 +293,7 @@ static void choose_bits( maker* m )
 	{
 		share[i] = m->prober->shares[chart->axes[i].variable];
 	}
-	for ( uint32_t bits = 0; bits < total_bits[chart->dimension]; ++bits )
+	for ( uint32_t bits = 0; bits < total_bits; ++bits )
 	{
 		uint32_t widest = 0;
 		for ( uint32_t i = 1; i < chart->dimension; ++i )
@@ -349,10 +346,11 @@ static bool is_worth_keeping( const lwi_chart* chart, double separation )
 	return most * LWI_CHART_STEP > separation;
 }
 
-lw_status lwi_chart_make( lwi_prober* p, uint32_t link_a, uint32_t link_b, double separation, double deadline,
-	lwi_chart* chart )
+lw_status lwi_chart_make( lwi_prober* p, uint32_t link_a, uint32_t link_b, double separation,
+	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* chart, bool* out_complete )
 {
 	const lwi_reach_job* job = p->job;
+	*out_complete = true;
 	if ( separation >= LWI_CHART_MOST * LWI_CHART_STEP || !lwi_chart_describe( job->reach, link_a, link_b, chart ) )
 	{
 		chart->cells = NULL;
@@ -360,13 +358,14 @@ lw_status lwi_chart_make( lwi_prober* p, uint32_t link_a, uint32_t link_b, doubl
 	}
 	lwi_prober_select( p, link_a, link_b );
 	maker m = { .prober = p, .chart = chart, .deadline = deadline };
-	choose_bits( &m );
+	choose_bits( &m, total_bits[chart->dimension] );
 	chart->cells = lwi_alloc_zero( &job->reach->allocator, lwi_chart_size( chart ), 1 );
 	if ( chart->cells == NULL )
 	{
 		return lwi_out_of_memory( job->diag, "charts of pairs" );
 	}
 	make_cells( &m );
+	*out_complete = !m.late;
 	if ( m.cancelled || !is_worth_keeping( chart, separation ) )
 	{
 		lwi_free( &job->reach->allocator, chart->cells, lwi_chart_size( chart ) );

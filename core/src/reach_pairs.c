@@ -27,6 +27,13 @@ enum
 /// Of the budget, that goes to charts at most.
 #define CHART_SHARE 0.5
 
+/// Bits of the number of cells, by rounds and the number of variables: coarse charts of all pairs come before fine ones of any.
+enum
+{
+	CHART_ROUNDS = 3
+};
+static const uint32_t chart_bits[CHART_ROUNDS][LWI_CHART_AXES + 1] = { { 0, 6, 8, 9 }, { 0, 8, 12, 12 }, { 0, 8, 12, 15 } };
+
 /// Proofs first aim at a tenth of the closest distance found: cells are cut until their motion fits into what is left, so a
 /// modest aim needs few. Later rounds aim higher, since queries pass over a pair only where its separation is beyond the
 /// running bound.
@@ -414,52 +421,96 @@ static int by_pair( const void* x, const void* y )
 	return i < j ? -1 : i > j;
 }
 
-/// Charts for as long as there is time, few variables first. They are entered into `charts`, which has room for all.
-static lw_status fill_charts( work* w, double deadline, lwi_chart* charts, uint32_t* out_count )
+static void drop_chart( const work* w, lwi_chart* chart )
 {
-	lw_status status = LW_OK;
-	size_t bytes = 0;
-	for ( uint32_t i = 0; i < w->count && status == LW_OK && lwi_monotonic_seconds() < deadline; ++i )
+	if ( chart->cells != NULL )
 	{
-		const active_pair* active = &w->active[i];
-		if ( !is_charted( w, active ) || bytes >= MOST_CHART_BYTES )
-		{
-			continue;
-		}
-		lwi_chart* chart = &charts[*out_count];
-		status = lwi_chart_make( w->prober, active->link_a, active->link_b, active->pair->separation, deadline, chart );
-		*out_count += chart->cells != NULL ? 1u : 0u;
-		bytes += chart->cells != NULL ? lwi_chart_size( chart ) : 0;
+		lwi_free( &w->reach->allocator, chart->cells, lwi_chart_size( chart ) );
+		chart->cells = NULL;
+	}
+}
+
+/// Makes or refines the chart of a pair. One that is not finished in time does not replace another.
+static lw_status refine_chart( work* w, const active_pair* active, const uint32_t* total_bits, double deadline, lwi_chart* chart )
+{
+	lwi_chart finer;
+	bool complete;
+	lw_status status = lwi_chart_make( w->prober, active->link_a, active->link_b, active->pair->separation, total_bits, deadline,
+		&finer, &complete );
+	if ( status == LW_OK && ( complete || chart->cells == NULL ) )
+	{
+		drop_chart( w, chart );
+		*chart = finer;
+	}
+	else if ( status == LW_OK )
+	{
+		drop_chart( w, &finer );
 	}
 	return status;
+}
+
+/// Charts for as long as there is time, round by round, few variables first. They are entered into `charts`, [count].
+static lw_status fill_charts( work* w, double deadline, lwi_chart* charts )
+{
+	lw_status status = LW_OK;
+	for ( int round = 0; round < CHART_ROUNDS && status == LW_OK; ++round )
+	{
+		size_t bytes = 0;
+		for ( uint32_t i = 0; i < w->count && status == LW_OK && lwi_monotonic_seconds() < deadline; ++i )
+		{
+			const active_pair* active = &w->active[i];
+			uint32_t n = active->variable_count;
+			bool finer = is_charted( w, active ) && ( round == 0 || chart_bits[round][n] > chart_bits[round - 1][n] );
+			if ( finer && bytes < MOST_CHART_BYTES )
+			{
+				status = refine_chart( w, active, chart_bits[round], deadline, &charts[i] );
+			}
+			bytes += charts[i].cells != NULL ? lwi_chart_size( &charts[i] ) : 0;
+		}
+	}
+	return status;
+}
+
+/// Hands charts over to the reach, in the order of their pairs. @return false without memory
+static bool keep_charts( work* w, lwi_chart* charts )
+{
+	lw_reach* reach = w->reach;
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < w->count; ++i )
+	{
+		if ( charts[i].cells != NULL )
+		{
+			charts[count++] = charts[i];
+		}
+	}
+	reach->charts = count > 0 ? lwi_alloc_zero( &reach->allocator, count, sizeof( lwi_chart ) ) : NULL;
+	if ( reach->charts == NULL )
+	{
+		for ( uint32_t i = 0; i < count; ++i )
+		{
+			drop_chart( w, &charts[i] );
+		}
+		return count == 0;
+	}
+	qsort( charts, count, sizeof( lwi_chart ), by_pair );
+	memcpy( reach->charts, charts, count * sizeof( lwi_chart ) );
+	reach->chart_count = reach->chart_capacity = count;
+	return true;
 }
 
 /// The pairs are in the order of subdivision.
 static lw_status make_charts( work* w, double deadline )
 {
-	lw_reach* reach = w->reach;
-	const lw_allocator* memory = &reach->allocator;
-	uint32_t count = 0;
+	const lw_allocator* memory = &w->reach->allocator;
 	lwi_chart* charts = lwi_alloc_zero( memory, w->count, sizeof( lwi_chart ) );
 	if ( charts == NULL )
 	{
 		return lwi_out_of_memory( w->job->diag, "charts of pairs" );
 	}
 	lwi_prober_stage( w->prober, "charts", deadline - lwi_monotonic_seconds() );
-	lw_status status = fill_charts( w, deadline, charts, &count );
-	reach->charts = count > 0 ? lwi_alloc_zero( memory, count, sizeof( lwi_chart ) ) : NULL;
-	if ( reach->charts != NULL )
+	lw_status status = fill_charts( w, deadline, charts );
+	if ( !keep_charts( w, charts ) && status == LW_OK )
 	{
-		qsort( charts, count, sizeof( lwi_chart ), by_pair );
-		memcpy( reach->charts, charts, count * sizeof( lwi_chart ) );
-		reach->chart_count = reach->chart_capacity = count;
-	}
-	else if ( count > 0 )
-	{
-		for ( uint32_t i = 0; i < count; ++i )
-		{
-			lwi_free( memory, charts[i].cells, lwi_chart_size( &charts[i] ) );
-		}
 		status = lwi_out_of_memory( w->job->diag, "charts of pairs" );
 	}
 	lwi_free( memory, charts, w->count * sizeof( lwi_chart ) );

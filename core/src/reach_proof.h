@@ -144,10 +144,11 @@ lwi_proof lwi_prober_subdivide( lwi_prober* prober, double fraction, uint64_t bu
 
 // --- reach_chart.c ---------------------------------------------------------------------------------------------------
 
-/// Makes the chart of a pair; what is not measured by `deadline` says less than it could.
-/// @param separation proved for all states @param out_chart its cells are the caller's; NULL if there is no chart, or it says
-/// nothing that is not known @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_CANCELLED
-lw_status lwi_chart_make( lwi_prober* prober, uint32_t link_a, uint32_t link_b, double separation, double deadline,
-	lwi_chart* out_chart );
+/// Makes the chart of a pair; what is not measured by `deadline` says less than it could, and *out_complete is false.
+/// @param separation proved for all states @param total_bits of the number of cells, by the number of variables
+/// @param out_chart its cells are the caller's; NULL if there is no chart, or it says nothing that is not known
+/// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_CANCELLED
+lw_status lwi_chart_make( lwi_prober* prober, uint32_t link_a, uint32_t link_b, double separation,
+	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* out_chart, bool* out_complete );
 
 #endif
