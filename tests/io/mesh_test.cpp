@@ -255,7 +255,7 @@ TEST_F( MeshTest, PlyBeyondABlockOfAssimps )
 {
 	// 3 MB and more: its numbers lie across what assimp reads at a time
 	constexpr int n = 200;
-	std::string vertices, faces, obj_faces;
+	std::string vertices, ply_faces, obj_faces;
 	for ( int i = 0; i < n * n; ++i )
 	{
 		const int column = i % n, row = i / n;
@@ -264,7 +264,7 @@ TEST_F( MeshTest, PlyBeyondABlockOfAssimps )
 		{
 			const std::string a = " " + std::to_string( i + 1 ), b = " " + std::to_string( i + n );     // from 0
 			const std::string c = " " + std::to_string( i + 2 ), d = " " + std::to_string( i + n + 1 ); // from 1
-			faces += "3 " + std::to_string( i ) + a + b + "\n3" + a + b + d + "\n";
+			ply_faces += "3 " + std::to_string( i ) + a + b + "\n3" + a + b + d + "\n";
 			obj_faces += "f" + a + c + d + "\nf" + c + d + " " + std::to_string( i + n + 2 ) + "\n";
 		}
 	}
@@ -273,7 +273,7 @@ TEST_F( MeshTest, PlyBeyondABlockOfAssimps )
 	write( "m.ply", "ply\nformat ascii 1.0\nelement vertex " + std::to_string( n * n ) +
 	                    "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
 	                    std::to_string( 2 * ( n - 1 ) * ( n - 1 ) ) +
-	                    "\nproperty list uchar int vertex_indices\nend_header\n" + vertices + faces );
+	                    "\nproperty list uchar int vertex_indices\nend_header\n" + vertices + ply_faces );
 	RobotModel ply, obj;
 	EXPECT_EQ( load( "m.ply", "", &ply ).triangle_count, 2u * ( n - 1 ) * ( n - 1 ) );
 	(void)load( "m.obj", "", &obj );
@@ -283,24 +283,23 @@ TEST_F( MeshTest, PlyBeyondABlockOfAssimps )
 
 TEST_F( MeshTest, PlyWithMoreOrLessThanItsHeaderSays )
 {
-	const std::string begin = "ply\nformat ascii 1.0\n" + ply_points, faces = "element face 2\n",
+	const std::string begin = "ply\nformat ascii 1.0\n" + ply_points, two = "element face 2\n",
 	                  list = "property list uchar int vertex_indices\n", end = "end_header\n" + ply_corners;
 	auto bad = [&]( const std::string& text, const std::vector<std::string>& parts )
 	{
 		write( "bad.ply", text );
 		expectError( [&] { load( "bad.ply" ); }, parts );
 	};
-	write( "good.ply", begin + faces + list + end + "3 0 1 2\n4 0 1 2 3\n \n" );
+	write( "good.ply", begin + two + list + end + "3 0 1 2\n4 0 1 2 3\n \n" );
 	EXPECT_EQ( load( "good.ply" ).triangle_count, 3u );
-	bad( begin + faces + list + end + "3 0 1 2\n4 0 1 2 3\n3 1 2 3\n", { "bad.ply", "end", "after the last element" } );
-	bad( begin + faces + list + end + "3 0 1 2\n9999999999 0 1 2 3\n", { "bad.ply", "face 1", "is missing" } );
-	bad( begin + faces + list + end + "3 0 1 2\n1.5 0 1 2 3\n", { "bad.ply", "face 1", "length 1.5" } );
-	bad( begin + faces + list + end + "3 0 1 2\n3 0 1.5 2\n", { "bad.ply", "face 1", "vertex 1.5 of 4" } );
-	bad( begin + faces + list + end + "3 0 1 2\n0\n", { "bad.ply", "face 1", "no corners" } );
-	bad( begin + faces + "property list uchar int corners\n" + end + "3 0 1 2\n3 0 1 2\n",
+	bad( begin + two + list + end + "3 0 1 2\n4 0 1 2 3\n3 1 2 3\n", { "bad.ply", "end", "after the last element" } );
+	bad( begin + two + list + end + "3 0 1 2\n9999999999 0 1 2 3\n", { "bad.ply", "face 1", "is missing" } );
+	bad( begin + two + list + end + "3 0 1 2\n1.5 0 1 2 3\n", { "bad.ply", "face 1", "length 1.5" } );
+	bad( begin + two + list + end + "3 0 1 2\n3 0 1.5 2\n", { "bad.ply", "face 1", "vertex 1.5 of 4" } );
+	bad( begin + two + list + end + "3 0 1 2\n0\n", { "bad.ply", "face 1", "no corners" } );
+	bad( begin + two + "property list uchar int corners\n" + end + "3 0 1 2\n3 0 1 2\n",
 	    { "bad.ply", "element face", "0 lists vertex_indices" } );
-	bad(
-	    begin + faces + list + list + end + "3 0 1 2 3 0 1 2\n3 0 1 2 3 0 1 2\n", { "bad.ply", "element face", "2 lists" } );
+	bad( begin + two + list + list + end + "3 0 1 2 3 0 1 2\n3 0 1 2 3 0 1 2\n", { "bad.ply", "element face", "2 lists" } );
 }
 
 TEST_F( MeshTest, ColladaUnitIsApplied )
