@@ -24,24 +24,24 @@ typedef struct cell_range
 static uint8_t least_in( const lwi_chart_view* view, const cell_range* ranges )
 {
 	cell_range all[LWI_CHART_AXES] = { { 0, 0 } };
-	uint32_t stride[LWI_CHART_AXES] = { 0 };
+	uint32_t shift[LWI_CHART_AXES] = { 0 };
 	int32_t mask[LWI_CHART_AXES] = { 0 };
 	for ( uint32_t i = 0; i < view->dimension; ++i )
 	{
 		all[i] = ranges[i];
-		stride[i] = view->axes[i].stride;
-		mask[i] = (int32_t)view->axes[i].count - 1; // a power of two less one
+		shift[i] = view->shifts[i];
+		mask[i] = ( 1 << view->bits[i] ) - 1;
 	}
 	uint8_t least = UINT8_MAX;
 	for ( int32_t x = all[0].first; x <= all[0].last; ++x )
 	{
-		const uint8_t* plane = view->cells + (size_t)( x & mask[0] ) * stride[0];
+		const uint8_t* plane = view->cells + ( (size_t)( x & mask[0] ) << shift[0] );
 		for ( int32_t y = all[1].first; y <= all[1].last; ++y )
 		{
-			const uint8_t* row = plane + (size_t)( y & mask[1] ) * stride[1];
+			const uint8_t* row = plane + ( (size_t)( y & mask[1] ) << shift[1] );
 			for ( int32_t z = all[2].first; z <= all[2].last; ++z )
 			{
-				uint8_t number = row[(size_t)( z & mask[2] ) * stride[2]];
+				uint8_t number = row[(size_t)( z & mask[2] ) << shift[2]];
 				least = number < least ? number : least;
 			}
 		}
@@ -50,11 +50,11 @@ static uint8_t least_in( const lwi_chart_view* view, const cell_range* ranges )
 }
 
 /// The cells that a piece of the edge goes through along one axis.
-static cell_range range_of( const lwi_view_axis* axis, double begin, double end )
+static cell_range range_of( bool turns, uint32_t bits, double begin, double end )
 {
 	cell_range r = { lwi_floor( begin < end ? begin : end ), lwi_floor( begin < end ? end : begin ) };
-	int32_t last = (int32_t)axis->count - 1;
-	if ( !axis->turns )
+	int32_t last = ( 1 << bits ) - 1;
+	if ( !turns )
 	{
 		r.first = r.first < 0 ? 0 : r.first > last ? last : r.first;
 		r.last = r.last < 0 ? 0 : r.last > last ? last : r.last;
@@ -62,20 +62,21 @@ static cell_range range_of( const lwi_view_axis* axis, double begin, double end 
 	return r;
 }
 
-double lwi_chart_along( const lwi_chart_view* view, const lw_robot* robot, const double* qa, const double* qb,
-	double at_least )
+double lwi_chart_along( const lwi_chart_view* view, const lwi_chart_scale* scales, const lw_robot* robot, const double* qa,
+	const double* qb, double at_least )
 {
 	double from[LWI_CHART_AXES], way[LWI_CHART_AXES], longest = 1;
 	for ( uint32_t i = 0; i < view->dimension; ++i )
 	{
-		const lwi_view_axis* axis = &view->axes[i];
-		double a = qa[axis->variable], b = qb[axis->variable];
-		if ( axis->turns && !( fabs( a ) < LWI_CHART_TURNS && fabs( b ) < LWI_CHART_TURNS ) )
+		uint32_t v = view->variables[i], bits = view->bits[i];
+		const lwi_chart_scale* scale = &scales[v];
+		if ( scale->turns && !( fabs( qa[v] ) < LWI_CHART_TURNS && fabs( qb[v] ) < LWI_CHART_TURNS ) )
 		{
 			return 0;
 		}
-		from[i] = ( a - axis->lower ) * axis->scale;
-		way[i] = ( robot->variables[axis->variable].wraps ? lwi_wrapped_difference( a, b ) : b - a ) * axis->scale;
+		double difference = robot->variables[v].wraps ? lwi_wrapped_difference( qa[v], qb[v] ) : qb[v] - qa[v];
+		from[i] = lwi_chart_place( scale, bits, qa[v] );
+		way[i] = difference * scale->inv_width * (double)( 1u << bits );
 		longest = fmax( longest, fabs( way[i] ) );
 	}
 	if ( !( longest < MOST_PIECES ) )
@@ -89,7 +90,8 @@ double lwi_chart_along( const lwi_chart_view* view, const lw_robot* robot, const
 		cell_range ranges[LWI_CHART_AXES];
 		for ( uint32_t i = 0; i < view->dimension; ++i )
 		{
-			ranges[i] = range_of( &view->axes[i], from[i] + k / pieces * way[i], from[i] + ( k + 1 ) / pieces * way[i] );
+			ranges[i] = range_of( scales[view->variables[i]].turns, view->bits[i], from[i] + k / pieces * way[i],
+				from[i] + ( k + 1 ) / pieces * way[i] );
 		}
 		uint8_t number = least_in( view, ranges );
 		least = number < least ? number : least;
@@ -107,26 +109,26 @@ double lwi_chart_along( const lwi_chart_view* view, const lw_robot* robot, const
 static bool make_view( const lw_checker* c, const bool* in_group, const lwi_chart* chart, lwi_chart_view* out )
 {
 	*out = (lwi_chart_view){ .cells = chart->cells };
-	uint32_t stride = 1;
-	for ( uint32_t i = chart->dimension; i-- > 0; )
+	uint32_t shift = 0;
+	for ( uint32_t i = chart->dimension; i-- > 0; shift += chart->axes[i].bits )
 	{
-		const lwi_chart_axis* from = &chart->axes[i];
-		uint32_t count = 1u << from->bits;
-		lwi_view_axis axis = { from->variable, count, stride, from->turns, from->lower,
-			(double)count / ( from->upper - from->lower ) };
-		stride *= count;
-		if ( in_group[from->variable] )
+		const lwi_chart_axis* axis = &chart->axes[i];
+		double x = c->reference[axis->variable];
+		const lwi_chart_scale scale = { axis->lower, 1 / ( axis->upper - axis->lower ), axis->turns };
+		if ( in_group[axis->variable] )
 		{
-			out->axes[out->dimension++] = axis;
+			out->variables[out->dimension] = (uint16_t)axis->variable;
+			out->bits[out->dimension] = axis->bits;
+			out->shifts[out->dimension++] = (uint8_t)shift;
 			continue;
 		}
-		double x = c->reference[from->variable];
-		if ( from->turns && !( fabs( x ) < LWI_CHART_TURNS ) )
+		if ( axis->turns && !( fabs( x ) < LWI_CHART_TURNS ) )
 		{
 			return false;
 		}
-		cell_range r = range_of( &axis, ( x - axis.lower ) * axis.scale, ( x - axis.lower ) * axis.scale );
-		out->cells += (size_t)( r.first & (int32_t)( count - 1 ) ) * axis.stride;
+		double place = lwi_chart_place( &scale, axis->bits, x );
+		int32_t index = range_of( axis->turns, axis->bits, place, place ).first & ( ( 1 << axis->bits ) - 1 );
+		out->cells += (size_t)index << shift;
 	}
 	return out->dimension > 0;
 }
@@ -135,17 +137,16 @@ static bool make_view( const lw_checker* c, const bool* in_group, const lwi_char
 static uint8_t most_in( const lwi_chart_view* view )
 {
 	uint8_t most = 0;
-	uint32_t count[LWI_CHART_AXES] = { 1, 1, 1 }, stride[LWI_CHART_AXES] = { 0 };
-	for ( uint32_t i = 0; i < view->dimension; ++i )
+	uint32_t bits = (uint32_t)view->bits[0] + view->bits[1] + view->bits[2];
+	for ( size_t k = 0; k < (size_t)1 << bits; ++k )
 	{
-		count[i] = view->axes[i].count;
-		stride[i] = view->axes[i].stride;
-	}
-	for ( size_t k = 0; k < (size_t)count[0] * count[1] * count[2]; ++k )
-	{
-		size_t x = k % count[0], y = k / count[0] % count[1], z = k / count[0] / count[1];
-		uint8_t number = view->cells[x * stride[0] + y * stride[1] + z * stride[2]];
-		most = number > most ? number : most;
+		size_t cell = 0, rest = k;
+		for ( uint32_t i = 0; i < view->dimension; ++i )
+		{
+			cell += ( rest & ( ( 1u << view->bits[i] ) - 1u ) ) << view->shifts[i];
+			rest >>= view->bits[i];
+		}
+		most = view->cells[cell] > most ? view->cells[cell] : most;
 	}
 	return most;
 }
@@ -174,7 +175,7 @@ static bool find_view( const lw_checker* c, const lwi_checker_tree* t, const boo
 		return false; // attached since
 	}
 	const lwi_chart* chart = lwi_reach_chart( c->reach, a, b );
-	return chart != NULL && make_view( c, in_group, chart, out ) &&
+	return chart != NULL && c->robot->variable_count <= UINT16_MAX && make_view( c, in_group, chart, out ) &&
 		   most_in( out ) * LWI_CHART_STEP > lw_reach_get_pair( c->reach, a, b ).separation;
 }
 
@@ -204,6 +205,19 @@ static void enter_views( const lw_checker* c, lwi_checker_tree* t, const bool* i
 	}
 }
 
+/// What the charts of the reach have in common, by variable.
+static void fill_scales( const lw_checker* c, lwi_checker_tree* t )
+{
+	for ( uint32_t i = 0; i < c->reach->chart_count; ++i )
+	{
+		for ( uint32_t k = 0; k < c->reach->charts[i].dimension; ++k )
+		{
+			const lwi_chart_axis* axis = &c->reach->charts[i].axes[k];
+			t->scales[axis->variable] = (lwi_chart_scale){ axis->lower, 1 / ( axis->upper - axis->lower ), axis->turns };
+		}
+	}
+}
+
 bool lwi_checker_views_create( const lw_checker* c, lwi_checker_tree* t )
 {
 	uint32_t variables = c->robot->variable_count;
@@ -223,11 +237,15 @@ bool lwi_checker_views_create( const lw_checker* c, lwi_checker_tree* t )
 		t->view_capacity = t->view_count;
 		t->views = lwi_alloc_zero( &t->allocator, t->view_count, sizeof( lwi_chart_view ) );
 		t->pair_views = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( uint32_t ) );
-		room = t->views != NULL && t->pair_views != NULL;
+		t->scales = lwi_alloc_zero( &t->allocator, variables, sizeof( lwi_chart_scale ) );
+		t->scale_count = variables;
+		room = t->views != NULL && t->pair_views != NULL && t->scales != NULL;
 		if ( room )
 		{
 			enter_views( c, t, in_group );
-			t->bytes += t->view_count * sizeof( lwi_chart_view ) + t->separation_count * sizeof( uint32_t );
+			fill_scales( c, t );
+			t->bytes += t->view_count * sizeof( lwi_chart_view ) + t->separation_count * sizeof( uint32_t ) +
+						variables * sizeof( lwi_chart_scale );
 		}
 	}
 	lwi_free( &t->allocator, in_group, variables * sizeof( bool ) );

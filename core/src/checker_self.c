@@ -157,7 +157,7 @@ static float separation_now( const lw_checker* checker, const lw_query* query, f
 	{
 		return separation;
 	}
-	float charted = below( lwi_chart_at( &checker->tree->views[view], query->state ) - margin );
+	float charted = below( lwi_chart_at( &checker->tree->views[view], checker->tree->scales, query->state ) - margin );
 	return charted > separation ? charted : separation;
 }
 
@@ -285,13 +285,13 @@ static uint32_t compare_units( const lw_checker* checker, lw_query* query, const
 		uint32_t low = near[i] / 256, high = near[i] % 256;
 		const lwi_unit_pair* pair = &units->pairs[low][high];
 		float separation = query->tables ? pair->separation : 0 - pair->margin;
-		if ( separation >= bound->prune )
+		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
+		if ( separation >= bound->prune || gap >= bound->prune )
 		{
 			continue;
 		}
 		separation = separation_now( checker, query, separation, pair->margin, pair->view );
-		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
-		if ( separation < bound->prune && !( gap >= bound->prune ) )
+		if ( separation < bound->prune )
 		{
 			query->candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
 		}

@@ -49,6 +49,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
 	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
 	lwi_free( &allocator, t->views, t->view_capacity * sizeof( lwi_chart_view ) );
+	lwi_free( &allocator, t->scales, t->scale_count * sizeof( lwi_chart_scale ) );
 	lwi_free( &allocator, t->pair_views, t->separation_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->units, sizeof( lwi_self_units ) );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );

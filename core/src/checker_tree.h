@@ -80,7 +80,8 @@ typedef struct lwi_checker_tree
 	lwi_node_pair* pairs;    ///< [pair_count]
 	size_t separation_count;
 	float* separations;      ///< +INFINITY for pairs that are not to be checked
-	uint32_t view_count, view_capacity;
+	uint32_t view_count, view_capacity, scale_count;
+	lwi_chart_scale* scales; ///< [scale_count] robot variables, as far as views use them; NULL if there are none
 	lwi_chart_view* views;   ///< [view_count] NULL if there are none
 	uint32_t* pair_views;    ///< [separation_count] index into views of the same pair, or LW_INVALID_INDEX; NULL if there are none
 	uint32_t step_count;

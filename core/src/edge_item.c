@@ -375,7 +375,7 @@ static bool is_charted( screening* s, uint32_t pair, uint32_t body_a, uint32_t b
 		return false;
 	}
 	double margin = lwi_self_margin( c, body_a, body_b ), least = e->def->min_d + 0.25 * e->def->slack;
-	double apart = lwi_chart_along( view, c->robot, e->full_a, e->full_b, least + margin ) - margin;
+	double apart = lwi_chart_along( view, c->tree->scales, c->robot, e->full_a, e->full_b, least + margin ) - margin;
 	if ( !( apart > least ) )
 	{
 		return false;

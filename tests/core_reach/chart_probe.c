@@ -64,10 +64,10 @@ void view_probe_links( const lw_checker* checker, uint32_t view, uint32_t* link_
 
 double view_probe_at( const lw_checker* checker, uint32_t view, const double* q )
 {
-	return lwi_chart_at( &checker->tree->views[view], q );
+	return lwi_chart_at( &checker->tree->views[view], checker->tree->scales, q );
 }
 
 double view_probe_along( const lw_checker* checker, uint32_t view, const double* qa, const double* qb )
 {
-	return lwi_chart_along( &checker->tree->views[view], checker->robot, qa, qb, 0 );
+	return lwi_chart_along( &checker->tree->views[view], checker->tree->scales, checker->robot, qa, qb, 0 );
 }
