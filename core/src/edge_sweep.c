@@ -112,7 +112,7 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 	p->known = p->turned == s->turned ? p->known : 0; // the other one's would say nothing of this one
 	p->turned = s->turned;
 	const lwi_kernels* kernels = s->edge->query->kernels;
-	uint32_t which = lwi_places_apart_by( kernels, &s->a, &s->b, need, p->planes, p->known );
+	uint32_t which = lwi_places_apart_by( kernels, &s->a, &s->b, need, p->planes, p->known, false );
 	if ( which < p->known )
 	{
 		put_first( p, p->planes[which], which );
@@ -124,7 +124,7 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 	}
 	// what keeps one body away keeps its neighbours away
 	lwi_edge_plane* any = plane_of( s->edge, s->any_key );
-	which = lwi_places_apart_by( kernels, &s->a, &s->b, need, any->planes, any->known );
+	which = lwi_places_apart_by( kernels, &s->a, &s->b, need, any->planes, any->known, true );
 	if ( which < any->known )
 	{
 		lwi_places_plane plane = any->planes[which];

@@ -493,7 +493,7 @@ static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s
 }
 
 uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	const lwi_places_plane* known, uint32_t count )
+	const lwi_places_plane* known, uint32_t count, bool only_boxes )
 {
 	if ( count == 0 )
 	{
@@ -507,6 +507,10 @@ uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 		{
 			return i;
 		}
+	}
+	if ( only_boxes && stands )
+	{
+		return count;
 	}
 	make_places( a );
 	core core_a = core_of( kernels, a, &q ), core_b = core_of( kernels, b, &q );

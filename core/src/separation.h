@@ -71,8 +71,9 @@ typedef struct lwi_places_plane
 
 /// Planes of other times: the first that separates these too, or `count`.
 /// @param limit metres, >= 0: nothing of a, at any of its places, is then nearer to anything of b than that
+/// @param only_boxes where b stands only the box around a is asked: less is found, far more quickly
 uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	const lwi_places_plane* known, uint32_t count );
+	const lwi_places_plane* known, uint32_t count, bool only_boxes );
 
 typedef enum lwi_separation
 {

@@ -42,7 +42,7 @@ uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit
 		memcpy( planes[i].direction, known[i].direction, sizeof( planes[i].direction ) );
 		planes[i].reach_b = known[i].reach_b;
 	}
-	return lwi_places_apart_by( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, planes, count );
+	return lwi_places_apart_by( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, planes, count, false );
 }
 
 uint32_t shim_core( const lw_shape* shape, double points[64][3] )
