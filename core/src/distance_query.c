@@ -213,8 +213,8 @@ static bool leaf_side_rules_out( lwi_searching* s, lwi_entry* e )
 enum
 {
 	LEAVES_BEFORE_PLANE = 2, ///< comparisons of leaves after which a plane is looked for: most searches need fewer
-	PLANE_STEPS_KNOWN = 3,
-	PLANE_STEPS_NEW = 8
+	PLANE_LOOKS_KNOWN = 2,
+	PLANE_LOOKS_NEW = LWI_MAX_LOOKS
 };
 
 /// Of what the shape is, not of where it is: within alpha, which planes are known decides which pair is found first, and a
@@ -250,7 +250,7 @@ static lwi_hint* hint_of( lwi_searching* s )
 static bool old_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 {
 	return hint->known &&
-		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_STEPS_KNOWN );
+		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_LOOKS_KNOWN );
 }
 
 /// Looks for a new plane, seldom where that is in vain.
@@ -262,7 +262,7 @@ static bool new_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 		return false;
 	}
 	hint->plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
-	hint->known = lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_STEPS_NEW );
+	hint->known = lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_LOOKS_NEW );
 	if ( hint->known )
 	{
 		hint->failures = 0;

@@ -54,21 +54,6 @@ static bool normalize( float n[3] )
 	return length > 0 && length < INFINITY;
 }
 
-/// The gap of a and b along n (a's frame, unit), and the difference of their support points: b's less a's.
-static float gap_along( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* m, const float n[3],
-	lwi_plane* plane, vec_s* difference )
-{
-	float n_b[3], moved[3];
-	turn_back( m, n, n_b );
-	const float back[3] = { -n_b[0], -n_b[1], -n_b[2] };
-	float high_a = lwi_support( kernels, a, n, plane->point_a );
-	float low_b = -lwi_support( kernels, b, back, plane->point_b ) + dot( n, m->t );
-	turn( m, plane->point_b, moved );
-	*difference = (vec_s){ (double)( moved[0] + m->t[0] - plane->point_a[0] ), (double)( moved[1] + m->t[1] - plane->point_a[1] ),
-		(double)( moved[2] + m->t[2] - plane->point_a[2] ) };
-	return low_b - high_a;
-}
-
 /// Keeps the points with weight.
 static int reduce( vec_s* w, int count, const nearest_s* nearest )
 {
@@ -81,54 +66,6 @@ static int reduce( vec_s* w, int count, const nearest_s* nearest )
 		}
 	}
 	return kept;
-}
-
-lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a )
-{
-	lwi_plane plane;
-	float moved[3];
-	turn( b_from_a, a->root_sphere, moved );
-	for ( int i = 0; i < 3; ++i )
-	{
-		plane.direction[i] = b->root_sphere[i] - ( moved[i] + b_from_a->t[i] );
-		plane.point_a[i] = a->root_sphere[i];
-		plane.point_b[i] = b->root_sphere[i];
-	}
-	return plane;
-}
-
-bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* m, float limit,
-	lwi_plane* plane, int steps )
-{
-	vec_s w[4];
-	int count = 0;
-	float n[3];
-	turn( m, plane->direction, n );
-	for ( int step = 0; step < steps && normalize( n ); ++step )
-	{
-		float gap = gap_along( kernels, a, b, m, n, plane, &w[count] );
-		if ( gap >= limit )
-		{
-			turn_back( m, n, plane->direction );
-			return true;
-		}
-		++count;
-		nearest_s nearest;
-		bool inside = nearest_to_origin_s( w, count, &nearest );
-		if ( inside || !( nearest.sq >= (double)limit * (double)limit ) )
-		{
-			return false; // the hulls are nearer than that
-		}
-		count = reduce( w, count, &nearest );
-		n[0] = (float)nearest.v.x;
-		n[1] = (float)nearest.v.y;
-		n[2] = (float)nearest.v.z;
-		if ( count == 4 )
-		{
-			return false;
-		}
-	}
-	return false;
 }
 
 // --- places ----------------------------------------------------------------------------------------------------------
@@ -339,7 +276,6 @@ static lw_vec3 normal_of( const lwi_places* b, const float direction[3] )
 
 enum
 {
-	MAX_LOOKS = 3,  ///< directions for which all geometry is asked: if the second has no plane, hardly any has (edges.md)
 	CORE_STEPS = 24 ///< directions that cores are asked for, between two of these
 };
 
@@ -353,7 +289,7 @@ typedef struct core
 	uint32_t blocks;
 	const lw_transform* local; ///< frame of the points; NULL: axes of the places' frame
 	lw_vec3 origin;            ///< theirs, above q->from
-	lw_vec3 cut[MAX_LOOKS];    ///< further points, that were found by exact looks; above q->from
+	lw_vec3 cut[LWI_MAX_LOOKS]; ///< further points, that were found by exact looks; above q->from
 	int cuts;
 } core;
 
@@ -436,13 +372,12 @@ static lw_vec3 core_point( const core* c, uint32_t which )
 }
 
 /// The same in the tree frame of the shape; of a cut the point stays what it was when it was found.
-static void core_start( const lwi_places* s, const core* c, uint32_t which, float point[3] )
+static void core_start( const lw_shape* shape, const core* c, uint32_t which, float point[3] )
 {
 	if ( which >= c->blocks * LWI_WIDTH )
 	{
 		return;
 	}
-	const lw_shape* shape = s->shape;
 	const lwi_points8* block = &shape->core[which / LWI_WIDTH % shape->core_blocks];
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -457,19 +392,20 @@ typedef struct core_search
 	double need;
 	vec_s w[4];
 	int count;
-	lw_vec3 n;               ///< unit, from a to b: what is tried next
+	double upper;              ///< of the distance of the cores; 0 to begin with: the first direction that will do is good enough
+	lw_vec3 n;                 ///< unit, from a to b: what is tried next
 	uint32_t which_a, which_b; ///< points that are nearest to the plane
+	double high, low;          ///< of a and of b along it
 } core_search;
 
 /// LWI_APART: along s->n, where to look for a plane.
 static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s )
 {
-	double upper = INFINITY;
 	for ( int step = 0; step < CORE_STEPS; ++step )
 	{
-		double high = core_reach( kernels, &s->a, s->n, &s->which_a );
-		double low = -core_reach( kernels, &s->b, lwi_scale( -1, s->n ), &s->which_b );
-		if ( low - high >= s->need && low - high >= WIDE_ENOUGH * upper )
+		s->high = core_reach( kernels, &s->a, s->n, &s->which_a );
+		s->low = -core_reach( kernels, &s->b, lwi_scale( -1, s->n ), &s->which_b );
+		if ( s->low - s->high >= s->need && s->low - s->high >= WIDE_ENOUGH * s->upper )
 		{
 			return LWI_APART;
 		}
@@ -482,12 +418,12 @@ static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s
 			return LWI_NEAR;
 		}
 		s->count = reduce( s->w, s->count, &nearest );
-		upper = sqrt( nearest.sq );
-		if ( s->count == 4 || !( upper > 0 && upper < INFINITY ) )
+		s->upper = sqrt( nearest.sq );
+		if ( s->count == 4 || !( s->upper > 0 && s->upper < INFINITY ) )
 		{
 			return LWI_UNKNOWN;
 		}
-		s->n = lwi_scale( 1 / upper, lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ) );
+		s->n = lwi_scale( 1 / s->upper, lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ) );
 	}
 	return LWI_UNKNOWN;
 }
@@ -527,7 +463,7 @@ uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 		if ( !stands )
 		{
 			float point[3];
-			core_start( b, &core_b, which_b, point );
+			core_start( b->shape, &core_b, which_b, point );
 			bottom = -farthest_of_places( kernels, b, &q, down, point, &lowest );
 		}
 		if ( all_stay_below( kernels, a, &q, n, bottom - q.need ) )
@@ -550,10 +486,10 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 	{
 		return LWI_UNKNOWN;
 	}
-	core_search s = { .need = q.need, .n = normal_of( b, d ) };
+	core_search s = { .need = q.need, .upper = INFINITY, .n = normal_of( b, d ) };
 	s.a = core_of( kernels, a, &q );
 	s.b = core_of( kernels, b, &q );
-	for ( int look = 0; look < MAX_LOOKS; ++look )
+	for ( int look = 0; look < LWI_MAX_LOOKS; ++look )
 	{
 		lwi_separation cores = separate_cores( kernels, &s );
 		local_direction( &b->middle, s.n, d );
@@ -561,8 +497,8 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 		{
 			return cores == LWI_NEAR ? LWI_NEAR : LWI_UNKNOWN;
 		}
-		core_start( a, &s.a, s.which_a, point_a );
-		core_start( b, &s.b, s.which_b, point_b );
+		core_start( a->shape, &s.a, s.which_a, point_a );
+		core_start( b->shape, &s.b, s.which_b, point_b );
 		lw_vec3 n = normal_of( b, d ), lowest;
 		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point_b, &lowest );
 		if ( box_stays_below( a, &q, n, low - q.need ) || all_stay_below( kernels, a, &q, n, low - q.need ) )
@@ -576,4 +512,91 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 		s.b.cut[s.b.cuts++] = lowest;
 	}
 	return LWI_UNKNOWN;
+}
+
+// --- two shapes at one place -----------------------------------------------------------------------------------------
+
+lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a )
+{
+	lwi_plane plane;
+	float moved[3];
+	turn( b_from_a, a->root_sphere, moved );
+	for ( int i = 0; i < 3; ++i )
+	{
+		plane.direction[i] = b->root_sphere[i] - ( moved[i] + b_from_a->t[i] );
+	}
+	return plane;
+}
+
+/// What keeps two shapes apart, a's tree frame.
+typedef struct slab
+{
+	const lwi_kernels* kernels;
+	const lw_shape *a, *b;
+	const lwi_motion* m; ///< a_from_b
+	float n[3], back[3]; ///< the direction, and b's of the same plane, its tree frame
+	float from;          ///< height of b's origin
+} slab;
+
+/// True if a stays below a plane, and b above one that is higher by the limit.
+static bool slab_holds( const slab* s, double high, double limit )
+{
+	float most = lwi_round_down( high );
+	return lwi_stays_below( s->kernels, s->a, s->n, most ) &&
+		   lwi_stays_below( s->kernels, s->b, s->back, lwi_round_down( (double)s->from - ( (double)most + limit ) ) );
+}
+
+/// The gap along the slab, and the points that it is between.
+static float slab_gap( const slab* s, float point_a[3], float point_b[3], lw_vec3* a, lw_vec3* b )
+{
+	float high = lwi_support( s->kernels, s->a, s->n, point_a ), moved[3];
+	float low = -lwi_support( s->kernels, s->b, s->back, point_b ) + s->from;
+	turn( s->m, point_b, moved );
+	*a = lwi_v3( (double)point_a[0], (double)point_a[1], (double)point_a[2] );
+	*b = lwi_v3( (double)( moved[0] + s->m->t[0] ), (double)( moved[1] + s->m->t[1] ), (double)( moved[2] + s->m->t[2] ) );
+	return low - high;
+}
+
+bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* m, float limit,
+	lwi_plane* plane, int looks )
+{
+	slab between = { .kernels = kernels, .a = a, .b = b, .m = m };
+	turn( m, plane->direction, between.n );
+	if ( !normalize( between.n ) )
+	{
+		return false;
+	}
+	lw_transform a_from_b;
+	for ( int i = 0; i < 9; ++i )
+	{
+		a_from_b.r[i / 3][i % 3] = (double)m->r[i];
+	}
+	core_search s = { .need = (double)limit, .n = lwi_v3( (double)between.n[0], (double)between.n[1], (double)between.n[2] ) };
+	s.a = (core){ .points = a->core, .blocks = a->core_blocks };
+	s.b = (core){ .points = b->core, .blocks = b->core_blocks, .local = &a_from_b };
+	s.b.origin = lwi_v3( (double)m->t[0], (double)m->t[1], (double)m->t[2] );
+	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
+	for ( int look = 0; look < looks && separate_cores( kernels, &s ) == LWI_APART; ++look )
+	{
+		between.n[0] = (float)s.n.x;
+		between.n[1] = (float)s.n.y;
+		between.n[2] = (float)s.n.z;
+		turn_back( m, between.n, between.back );
+		between.from = dot( between.n, m->t );
+		for ( int i = 0; i < 3; ++i )
+		{
+			between.back[i] = -between.back[i];
+		}
+		core_start( a, &s.a, s.which_a, point_a );
+		core_start( b, &s.b, s.which_b, point_b );
+		lw_vec3 *cut_a = &s.a.cut[s.a.cuts++], *cut_b = &s.b.cut[s.b.cuts++];
+		// cores leave some room: that is soon seen to be enough, or it is asked how much there is
+		if ( slab_holds( &between, 0.5 * ( s.high + s.low - s.need ), s.need ) ||
+			 slab_gap( &between, point_a, point_b, cut_a, cut_b ) >= limit )
+		{
+			turn_back( m, between.n, plane->direction );
+			return true;
+		}
+	}
+	return false;
 }

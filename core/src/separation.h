@@ -8,15 +8,14 @@
 
 enum
 {
-	LWI_MAX_PLACES = 3
+	LWI_MAX_PLACES = 3,
+	LWI_MAX_LOOKS = 3 ///< directions of one search for which all geometry is asked: if the second has no plane, hardly any has
 };
 
-/// A plane between two shapes, and where they come nearest to it: how to find the next one quickly.
+/// A plane between two shapes.
 typedef struct lwi_plane
 {
 	float direction[3]; ///< b's tree frame, from a to b; any length > 0
-	float point_a[3];   ///< of a, a's tree frame
-	float point_b[3];   ///< of b, b's tree frame
 } lwi_plane;
 
 /// What a query remembers of a pair of shapes. Only speed depends on it.
@@ -29,17 +28,17 @@ typedef struct lwi_hint
 	lwi_plane plane;
 } lwi_hint;
 
-/// Any direction and points to begin with: from centre to centre.
+/// Any direction to begin with: from centre to centre.
 lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a );
 
 /// Looks for a plane on which the gap between the convex hulls of a and b is at least the limit.
 /// @param a_from_b tree frames
 /// @param limit as for all gaps: the slack of floats (kernels.h) included
 /// @param plane where to begin, and where it ended
-/// @param steps directions that are tried at the most
+/// @param looks directions for which all geometry is asked, at the most LWI_MAX_LOOKS
 /// @return true if there is one: nothing of a is nearer to anything of b than the limit. False says nothing
 bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* a_from_b, float limit,
-	lwi_plane* plane, int steps );
+	lwi_plane* plane, int looks );
 
 /// The core of a shape at its places: axes of their frame, from the origin of its tree at its middle place.
 typedef struct lwi_cloud

@@ -45,6 +45,28 @@ uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit
 	return lwi_places_apart_by( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, planes, count, false );
 }
 
+bool shim_separate_two( const shim_places* a, const shim_places* b, float limit, float direction[3], int looks )
+{
+	lw_transform from_a = a->at[0], from_b = b->at[0];
+	const lw_vec3 origin_a = lwi_transform( &from_a, lwi_load( a->shape->origin ) );
+	const lw_vec3 origin_b = lwi_transform( &from_b, lwi_load( b->shape->origin ) );
+	const double t[2][3] = { { origin_a.x, origin_a.y, origin_a.z }, { origin_b.x, origin_b.y, origin_b.z } };
+	memcpy( from_a.t, t[0], sizeof( t[0] ) );
+	memcpy( from_b.t, t[1], sizeof( t[1] ) );
+	const lw_transform a_from_b = lwi_relative( &from_a, &from_b );
+	lwi_motion m;
+	for ( int i = 0; i < 9; ++i )
+	{
+		m.r[i] = (float)a_from_b.r[i / 3][i % 3];
+		m.t[i / 3] = (float)a_from_b.t[i / 3];
+	}
+	lwi_plane plane;
+	memcpy( plane.direction, direction, sizeof( plane.direction ) );
+	const bool apart = lwi_separate( lwi_kernels_get( lw_simd_available() ), a->shape, b->shape, &m, limit, &plane, looks );
+	memcpy( direction, plane.direction, sizeof( plane.direction ) );
+	return apart;
+}
+
 uint32_t shim_core( const lw_shape* shape, double points[64][3] )
 {
 	for ( uint32_t i = 0; i < shape->core_blocks * LWI_WIDTH; ++i )

@@ -27,6 +27,9 @@ int shim_separate( const shim_places* a, const shim_places* b, double limit, con
 /// lwi_places_apart_by()
 uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count );
 
+/// lwi_separate(), both at their middle places. @param direction in: where to begin, out: the plane; tree frame of b
+bool shim_separate_two( const shim_places* a, const shim_places* b, float limit, float direction[3], int looks );
+
 /// Points of the core, shape frame. @return how many
 uint32_t shim_core( const lw_shape* shape, double points[64][3] );
 

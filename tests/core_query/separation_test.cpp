@@ -280,6 +280,46 @@ TEST( Separation, near_is_not_near_or_apart_is_not_apart )
 	EXPECT_LE( missed, separable / 20 );
 }
 
+TEST( Separation, two_shapes_are_nearer_than_their_plane_says )
+{
+	SeededRng rng;
+	int apart = 0, separable = 0, missed = 0;
+	for ( int i = 0; i < 1500; ++i )
+	{
+		Moving a, b;
+		random_pair( rng, a, b );
+		for ( Moving* m : { &a, &b } )
+		{
+			m->places.count = 1;
+			m->places.drifts = false;
+		}
+		Vec best;
+		const double widest = widest_gap( a, b, &best ) + dilation( a ) + dilation( b ), size = a.size() + b.size();
+		const double shares[6] = { 0.01, 0.5, 0.9, 0.99, 1.01, 1.5 };
+		const double limit = std::max( widest, 1e-3 * size ) * shares[rng.integer( 0, 5 )];
+		const lw_vec3 start = random_direction( rng );
+		float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
+		const bool found = shim_separate_two( &a.places, &b.places, static_cast<float>( limit ), direction, 3 );
+		const double far = to_double( length( pose_from( b.places.at[0] ).t - pose_from( a.places.at[0] ).t ) );
+		const double rounding = 64 * u * ( size + far );
+		if ( found )
+		{
+			++apart;
+			const Vec n = direction_of( b, { { direction[0], direction[1], direction[2] }, 0 } );
+			ASSERT_GE( gap( a, b, n ) + dilation( a ) + dilation( b ), limit - rounding )
+				<< "pair " << i << ", types " << a.subject.type << " " << b.subject.type;
+		}
+		if ( widest >= limit + rounding )
+		{
+			++separable;
+			missed += !found;
+		}
+	}
+	std::printf( "%d apart; %d of %d planes missed\n", apart, missed, separable );
+	EXPECT_GE( apart, 300 );
+	EXPECT_LE( missed, separable / 20 );
+}
+
 TEST( Separation, known_plane_that_holds_is_passed_over )
 {
 	SeededRng rng;
