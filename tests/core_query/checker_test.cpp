@@ -285,7 +285,7 @@ TEST( Checker, differs_from_all_pairs )
 	int environment_free = 0, environment_hit = 0, self_free = 0, self_hit = 0;
 	for ( int i = 0; i < 60; ++i )
 	{
-		World world( rng, rng.integer( 2, 14 ), rng.integer( 0, 20 ) );
+		World world( rng, rng.integer( 2, 14 ), rng.integer( 0, 60 ) );
 		ASSERT_EQ( LW_OK, world.status );
 		QueryPtr plain = makeQuery(), query = makeQuery( nullptr, world.checker );
 		for ( int k = 0; k < 10; ++k )
