@@ -209,7 +209,7 @@ static void measure( maker* m, block* b, uint32_t least_level )
 static block halve( block* b )
 {
 	b->distance += 0.5 * b->share;
-	b->level[b->widest]--;
+	b->level[b->widest] = (uint8_t)( b->level[b->widest] - 1u );
 	block high = *b;
 	high.at[b->widest] += 1u << b->level[b->widest];
 	return high;
@@ -217,7 +217,7 @@ static block halve( block* b )
 
 static uint8_t number_of( double lower )
 {
-	return !( lower > 0 ) ? 0 : (uint8_t)fmin( lower / LWI_CHART_STEP, LWI_CHART_MOST );
+	return (uint8_t)fmin( fmax( lower / LWI_CHART_STEP, 0 ), LWI_CHART_MOST ); // 0 also for what is not a number
 }
 
 static bool is_cell( const maker* m, const block* b )
@@ -302,7 +302,7 @@ static void choose_bits( maker* m, uint32_t total_bits )
 			bool wider = full || ( share[i] > share[widest] && chart->axes[i].bits < LWI_CHART_AXIS_BITS );
 			widest = wider ? i : widest;
 		}
-		chart->axes[widest].bits++;
+		chart->axes[widest].bits = (uint8_t)( chart->axes[widest].bits + 1u );
 		share[widest] *= 0.5;
 	}
 }
