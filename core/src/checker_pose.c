@@ -201,6 +201,12 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 		   within_ranges( checker, qb );
 }
 
+bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const double* qb, double limit )
+{
+	return limit <= checker->horizon && within_box( checker->variable_count, checker->near_lower, qa, checker->near_upper ) &&
+		   within_box( checker->variable_count, checker->near_lower, qb, checker->near_upper );
+}
+
 /// Metres: a state whose poses may be off by more is no state. Shifts of 1e12 m, or angles of 1e13 radians times a mimic joint's factor.
 static const double most_rounding = 1.0;
 

@@ -16,6 +16,7 @@ enum
 {
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
 	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
+	LWI_RAKE_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of a rake
 	LWI_EDGE_KEPT = 8, ///< planes of a pair
 	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
@@ -31,6 +32,8 @@ typedef struct lwi_edge_item
 	lwi_motion_rate rate_a, rate_b;
 	double rounding; ///< error of poses and states, metres; a lower bound counts less by it
 	uint32_t warm;   ///< index into `warm`
+	uint8_t cells;   ///< of LWI_WIDTH, those that a rake has left
+	bool neighbours; ///< a pair whose spheres are always near: what a rake has left of it is no hint of a collision
 	uint32_t near;   ///< obstacles that were found near it just now, the first of query->candidates; 0: not known
 } lwi_edge_item;
 
@@ -95,6 +98,17 @@ typedef struct lwi_edge_pace
 	const lwi_motion_rate* rates; ///< [depth] of the whole edge, seen from the first, second, .. node above it
 } lwi_edge_pace;
 
+/// Memory of a rake.
+typedef struct lwi_edge_rake
+{
+	lwi_rake_frame* frames; ///< [nodes]
+	lwi_rake_point* bodies; ///< [bodies]
+	bool* known;            ///< [bodies]
+	lwi_rake_point* nodes;  ///< [nodes]
+	double* values;         ///< [3][nodes][LWI_WIDTH] of joints, their cosines, their sines
+	double* speeds;         ///< [nodes]
+} lwi_edge_rake;
+
 typedef struct lwi_edge
 {
 	const lw_checker* checker;
@@ -115,6 +129,7 @@ typedef struct lwi_edge
 	lwi_edge_pace* paces;      ///< [nodes]
 	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
 	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
+	lwi_edge_rake rake;
 	lwi_edge_swing swing;  ///< the last one that was asked for
 	lwi_edge_item* items;  ///< [item_capacity]
 	lwi_edge_level levels[2];
@@ -218,10 +233,22 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, l
 /// @param may_give_up a distance too small for that ends it
 lwi_edge_sample lwi_edge_measure( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up );
 
-/// Measures everything at window.t, nodes first. What is not proved is added to edge->items and, as an open gap of cell 0, to
-/// `level`. @param may_look where much is left over, whole states are looked at for a collision, see lwi_edge_look()
+/// Measures everything at window.t, at which nodes were measured, nodes first. What is not proved is added to edge->items and, as an
+/// open gap of cell 0, to `level`. @param may_look where much is left over, whole states are looked at for a collision, see lwi_edge_look()
 /// @return false if the proof ends here: something is blocked or refused
 bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_look );
+
+/// Measures the items of a rake at the edge's middle, and goes on like lwi_edge_screen().
+bool lwi_edge_screen_items( lwi_edge* edge, lwi_edge_level* level );
+
+/// False for cells of a level that a rake has proved for an item.
+static inline bool lwi_edge_cell_is_open( const lwi_edge_item* item, uint64_t cell, int level )
+{
+	const int finer = LWI_RAKE_LEVEL - level;
+	const uint32_t cells = item->cells;
+	return finer >= 0 ? ( cells >> ( cell << finer ) & ( ( 1u << ( 1 << finer ) ) - 1 ) ) != 0
+					  : ( cells >> ( cell >> -finer ) & 1 ) != 0;
+}
 
 /// Looks at whole states for a collision: at the end, then between both ends in halving order, but for those that it has looked
 /// at before. @param levels of halving, 1 is the middle. @return true if none was found
@@ -239,6 +266,36 @@ bool lwi_edge_state_is_free( lwi_edge* edge, double t );
 
 /// Lower bound of the static bodies' clearance; +infinity if it was not asked for.
 double lwi_edge_static_lower( const lwi_edge* edge );
+
+/// Clearance that a plane or a sphere has to prove, without margins. Which planes are known depends on what was asked before. What
+/// is nearer than this is measured, so that verdicts do not: beyond it a measurement would not be refused, and would prove the edge
+/// in the end.
+double lwi_edge_beyond( const lwi_edge* edge, bool pair );
+
+/// Notes that something was proved by it.
+void lwi_edge_note_proof( lwi_edge* edge );
+
+/// Adds an item, which has its bodies, ancestor and cells; the rest is filled in. The query is posed at the edge's middle.
+void lwi_edge_add_item( lwi_edge* edge, lwi_edge_item item );
+
+/// True if the separation of two nodes that holds along all of the edge is as much as a certificate would look for.
+bool lwi_edge_pair_is_apart( lwi_edge* edge, const lwi_node_pair* pair );
+
+/// True if the chart of two bodies of a pair of nodes proves all of the edge, both ends of which are covered, with as much
+/// clearance.
+bool lwi_edge_is_charted( lwi_edge* edge, uint32_t pair, uint32_t body_a, uint32_t body_b );
+
+/// Poses all nodes at t, and measures how they move, from there. @param share of the edge on the longer side of t
+/// @return false if that failed
+bool lwi_edge_measure_nodes( lwi_edge* edge, double t, double share );
+
+// --- edge_rake.c -----------------------------------------------------------------------------------------------------
+
+/// True for edges that are long and bent enough for rakes, of robots that have them. Nodes were measured.
+bool lwi_edge_rakes( lwi_edge* edge );
+
+/// Everything in eight windows at once, by spheres; what they leave are the edge's items, with their cells. Nodes were measured.
+void lwi_edge_rake_all( lwi_edge* edge );
 
 // --- edge_prove.c ----------------------------------------------------------------------------------------------------
 

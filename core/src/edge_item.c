@@ -14,6 +14,7 @@ enum
 {
 	LOOK_WORK = 8,     ///< cells left over by a screening for which whole states are looked at, see look()
 	LOOK_LEVELS = 4,   ///< at most, each for twice the work
+	FEW_CELLS = 3,     ///< of a rake: an item that has fewer is looked at there first
 	LOOK_MOST_SKIP = 3 ///< of an item, in the count of cells
 };
 
@@ -119,12 +120,20 @@ static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* th
 	return !e->failed;
 }
 
-/// Clearance that a plane or a sphere has to prove. Which planes are known depends on what was asked before. What is nearer
-/// than this is measured, so that verdicts do not: beyond it a measurement would not be refused, and would prove the edge in
-/// the end.
+/// lwi_edge_beyond() of an item's rounding.
 static double beyond( const lwi_edge* e, double rounding )
 {
 	return ( e->def->min_d + slack_of( e, rounding ) ) / ( 1 - e->def->alpha ) + rounding;
+}
+
+double lwi_edge_beyond( const lwi_edge* e, bool pair )
+{
+	return beyond( e, rounding_of( e, pair ) );
+}
+
+void lwi_edge_note_proof( lwi_edge* e )
+{
+	note_proof( e, e->def->slack * LWI_EDGE_INWARD );
 }
 
 lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up )
@@ -213,19 +222,49 @@ typedef struct screening
 	bool covered; ///< the whole edge by the reach
 } screening;
 
-/// Poses all nodes in the window's middle.
-static bool pose_all( const screening* s )
+/// Poses all nodes.
+static bool pose_all( lwi_edge* e, double t )
 {
-	const lw_checker* c = s->edge->checker;
-	if ( !lwi_edge_pose( s->edge, s->window.t ) )
+	const lw_checker* c = e->checker;
+	if ( !lwi_edge_pose( e, t ) )
 	{
 		return false;
 	}
 	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
 	{
-		lwi_pose_node( c, s->edge->query, i );
+		lwi_pose_node( c, e->query, i );
 	}
 	return true;
+}
+
+bool lwi_edge_measure_nodes( lwi_edge* e, double t, double share )
+{
+	const lw_checker* c = e->checker;
+	if ( !pose_all( e, t ) )
+	{
+		return false;
+	}
+	lwi_motion_place( c->motion, e->motion, e->query->world_from_link );
+	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	{
+		lwi_motion_measure_body( c->motion, e->motion, i, e->query->world_from_link, share );
+	}
+	return true;
+}
+
+/// What an item needs but for its bodies and their ancestor.
+static void prepare_item( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, double share )
+{
+	item->rate_a = rate_of( e, item->body_a, item->ancestor, window, share );
+	item->rate_b = is_pair( item ) ? rate_of( e, item->body_b, item->ancestor, window, share ) : (lwi_motion_rate){ 0, 0 };
+	item->warm = ( item_id( e->checker, item ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
+}
+
+void lwi_edge_add_item( lwi_edge* e, lwi_edge_item item )
+{
+	item.rounding = rounding_of( e, is_pair( &item ) );
+	prepare_item( e, &item, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH }, 0.5 );
+	e->items[e->item_count++] = item;
 }
 
 /// The more is left over, the more likely is a collision somewhere, and the more a proof would cost: most edges of a planner that are
@@ -238,20 +277,14 @@ static bool look( screening* s )
 	{
 		levels += levels == 0 ? 2 : 1; // the first is the middle, where it stands
 	}
-	return levels == e->looked || ( lwi_edge_look( e, levels ) && pose_all( s ) );
+	return levels == e->looked || ( lwi_edge_look( e, levels ) && pose_all( e, s->window.t ) );
 }
 
 /// Measures an item of the screening; what is not proved goes to the items. @return false if the proof ends here
 static bool screen_item( screening* s, lwi_edge_item item )
 {
 	lwi_edge* e = s->edge;
-	item.rate_a = rate_of( e, item.body_a, item.ancestor, s->window, s->share );
-	item.rate_b = (lwi_motion_rate){ 0, 0 };
-	if ( is_pair( &item ) )
-	{
-		item.rate_b = rate_of( e, item.body_b, item.ancestor, s->window, s->share );
-	}
-	item.warm = ( item_id( e->checker, &item ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
+	prepare_item( e, &item, s->window, s->share );
 	lwi_edge_sample sample = lwi_edge_measure( e, &item, s->window, true );
 	if ( !sample.proved && sample.low )
 	{
@@ -261,6 +294,7 @@ static bool screen_item( screening* s, lwi_edge_item item )
 	{
 		s->level->gaps[s->level->count++] = (lwi_edge_gap){ 0, e->item_count, sample.skip, true };
 		item.near = 0;
+		item.cells = 0xff;
 		e->items[e->item_count++] = item;
 		s->work += 1u << ( sample.skip < LOOK_MOST_SKIP ? sample.skip : LOOK_MOST_SKIP );
 	}
@@ -364,12 +398,10 @@ static bool spheres_meet( const screening* s, const lwi_node_pair* pair, double 
 	return !( x * x + y * y + z * z > reach * fabs( reach ) );
 }
 
-/// True if the chart of two bodies proves the whole edge with as much clearance as a certificate would look for.
-static bool is_charted( screening* s, uint32_t pair, uint32_t body_a, uint32_t body_b )
+bool lwi_edge_is_charted( lwi_edge* e, uint32_t pair, uint32_t body_a, uint32_t body_b )
 {
-	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const lwi_chart_view* view = s->covered ? lwi_checker_view( c->tree, pair, body_a, body_b ) : NULL;
+	const lwi_chart_view* view = lwi_checker_view( c->tree, pair, body_a, body_b );
 	if ( view == NULL )
 	{
 		return false;
@@ -420,7 +452,7 @@ static bool screen_pair( screening* s, uint32_t index )
 	{
 		uint32_t id = e->query->candidates[i].pair;
 		lwi_edge_item item = { .body_a = id / stride, .body_b = id % stride, .ancestor = pair->ancestor, .rounding = rounding };
-		if ( !is_charted( s, index, item.body_a, item.body_b ) && !screen_item( s, item ) )
+		if ( !( s->covered && lwi_edge_is_charted( e, index, item.body_a, item.body_b ) ) && !screen_item( s, item ) )
 		{
 			return false;
 		}
@@ -447,6 +479,16 @@ static bool screen_environments( screening* s )
 	return go_on;
 }
 
+bool lwi_edge_pair_is_apart( lwi_edge* e, const lwi_node_pair* pair )
+{
+	if ( pair->separation > e->def->min_d + 0.25 * e->def->slack )
+	{
+		e->apart = fmin( e->apart, pair->separation );
+		return true;
+	}
+	return false;
+}
+
 static bool screen_pairs( screening* s )
 {
 	lwi_edge* e = s->edge;
@@ -456,10 +498,8 @@ static bool screen_pairs( screening* s )
 	uint32_t count = ( e->def->what & LW_WHAT_SELF ) != 0 ? c->tree->pair_count : 0;
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
-		// as much clearance as a certificate would look for, in all states
-		if ( s->covered && c->tree->pairs[i].separation > e->def->min_d + 0.25 * e->def->slack )
+		if ( s->covered && lwi_edge_pair_is_apart( e, &c->tree->pairs[i] ) )
 		{
-			e->apart = fmin( e->apart, c->tree->pairs[i].separation );
 			continue;
 		}
 		go_on = screen_pair( s, i ) && look( s );
@@ -469,7 +509,6 @@ static bool screen_pairs( screening* s )
 
 bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level, bool may_look )
 {
-	const lw_checker* c = e->checker;
 	screening s = { .edge = e,
 		.window = window,
 		.share = fmax( window.t, 1 - window.t ),
@@ -478,16 +517,39 @@ bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level
 		.level = level,
 		.may_look = may_look };
 	level->count = e->item_count = 0;
-	if ( !pose_all( &s ) )
-	{
-		return false;
-	}
-	lwi_motion_place( c->motion, e->motion, e->query->world_from_link );
-	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
-	{
-		lwi_motion_measure_body( c->motion, e->motion, i, e->query->world_from_link, s.share );
-	}
 	return screen_environments( &s ) && screen_pairs( &s );
+}
+
+bool lwi_edge_screen_items( lwi_edge* e, lwi_edge_level* level )
+{
+	const lwi_edge_window whole = { 0.5, 0.5 };
+	const uint32_t count = e->item_count;
+	uint32_t kept = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		lwi_edge_item* item = &e->items[i];
+		lwi_edge_sample sample = { .skip = LWI_RAKE_LEVEL - 1 };
+		uint32_t cells = 0;
+		for ( uint32_t left = item->cells; left != 0; left &= left - 1 )
+		{
+			++cells;
+		}
+		if ( cells >= FEW_CELLS )
+		{
+			sample = lwi_edge_measure( e, item, whole, true );
+			if ( !sample.proved && sample.low )
+			{
+				return lwi_edge_fail( e, item, whole.t, &sample );
+			}
+		}
+		if ( !sample.proved )
+		{
+			level->gaps[level->count++] = (lwi_edge_gap){ 0, kept, sample.skip, true };
+			e->items[kept++] = *item;
+		}
+	}
+	e->item_count = kept;
+	return true;
 }
 
 // ---- whole states ----------------------------------------------------------------------------------------------------

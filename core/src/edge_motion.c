@@ -42,6 +42,13 @@ static size_t lay_out( lwi_edge* e, char* memory )
 	e->frame_states = take( memory, &used, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
 	e->frame_known = take( memory, &used, LWI_EDGE_FRAMES * nodes, sizeof( bool ) );
 	e->frame_poses = take( memory, &used, LWI_EDGE_FRAMES * nodes, sizeof( lw_transform ) );
+	const size_t lanes = nodes * LWI_WIDTH;
+	e->rake.frames = take( memory, &used, nodes, sizeof( lwi_rake_frame ) );
+	e->rake.nodes = take( memory, &used, nodes, sizeof( lwi_rake_point ) );
+	e->rake.bodies = take( memory, &used, c->tree->body_count, sizeof( lwi_rake_point ) );
+	e->rake.known = take( memory, &used, c->tree->body_count, sizeof( bool ) );
+	e->rake.values = take( memory, &used, 3 * lanes, sizeof( double ) );
+	e->rake.speeds = take( memory, &used, nodes, sizeof( double ) );
 	e->item_capacity = c->moving_body_count + c->self_pair_count;
 	e->gap_capacity = 4 * e->item_capacity + SPARE_GAPS;
 	e->items = take( memory, &used, e->item_capacity, sizeof( lwi_edge_item ) );
@@ -69,9 +76,10 @@ void lwi_edge_begin( lwi_edge* edge, void* scratch )
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 {
 	lwi_edge edge = { .checker = checker };
-	// Each more may move, and meet all others: what lay_out() would take for as many items, and its rounding of three arrays
+	// Each more may move, and meet all others: what lay_out() would take for as many items, and its rounding of five arrays
 	size_t items = spare_bodies * ( 1 + (size_t)checker->robot->body_count + spare_bodies );
-	size_t more = items * ( sizeof( lwi_edge_item ) + 2 * 4 * sizeof( lwi_edge_gap ) ) + 3 * LWI_ALIGNMENT +
+	size_t more = items * ( sizeof( lwi_edge_item ) + 2 * 4 * sizeof( lwi_edge_gap ) ) + 5 * LWI_ALIGNMENT +
+				  spare_bodies * ( sizeof( lwi_rake_point ) + sizeof( bool ) ) +
 				  lwi_motion_scratch_spare( spare_bodies );
 	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );
 }

@@ -9,6 +9,7 @@
 enum
 {
 	SEARCH_LEVELS = 4, ///< of halving, at which a refused edge is looked at for a collision
+	WORK_PER_LOOK = 4, ///< cells that a rake has left
 	MOST_LOOKS = 20    ///< states that looks of a screening take, poses of the middle again among them
 };
 
@@ -52,8 +53,12 @@ static bool close_gap( lwi_edge* e, const lwi_edge_item* item, piece gap )
 // ---- cells -----------------------------------------------------------------------------------------------------------
 
 /// Hands half a cell down to the next level; where there is no room it is closed at once.
-static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* from, uint64_t cell, double width )
+static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* from, uint64_t cell, double width, int level )
 {
+	if ( !lwi_edge_cell_is_open( &e->items[from->item], cell, level ) )
+	{
+		return true;
+	}
 	if ( next->count == e->gap_capacity )
 	{
 		return close_gap( e, &e->items[from->item], (piece){ (double)cell * width, (double)( cell + 1 ) * width } );
@@ -87,18 +92,18 @@ static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, doubl
 }
 
 /// Both halves of a cell's gaps that are still open, left ones first.
-static bool hand_down_cell( lwi_edge* e, const lwi_edge_gap* gaps, uint32_t count, double width, lwi_edge_level* next )
+static bool hand_down_cell( lwi_edge* e, const lwi_edge_gap* gaps, uint32_t count, double width, int level, lwi_edge_level* next )
 {
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell, 0.5 * width ) )
+		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell, 0.5 * width, level + 1 ) )
 		{
 			return false;
 		}
 	}
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell + 1, 0.5 * width ) )
+		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell + 1, 0.5 * width, level + 1 ) )
 		{
 			return false;
 		}
@@ -106,17 +111,11 @@ static bool hand_down_cell( lwi_edge* e, const lwi_edge_gap* gaps, uint32_t coun
 	return true;
 }
 
-/// From the gaps that the screening left, level by level.
-static bool prove_levels( lwi_edge* e )
+/// From the gaps of a level that are not measured yet, levels[1], level by level.
+static bool prove_levels( lwi_edge* e, int level )
 {
 	lwi_edge_level *now = &e->levels[0], *next = &e->levels[1];
-	next->count = 0;
-	if ( !hand_down_cell( e, now->gaps, now->count, 1, next ) )
-	{
-		return false;
-	}
-	double width = 0.5;
-	for ( int level = 1; next->count > 0; ++level, width *= 0.5 )
+	for ( double width = ldexp( 1, -level ); next->count > 0; ++level, width *= 0.5 )
 	{
 		lwi_edge_level* swap = now;
 		now = next;
@@ -134,7 +133,7 @@ static bool prove_levels( lwi_edge* e )
 			{
 			}
 			if ( !measure_cell( e, now->gaps + first, end - first, width ) ||
-				 !hand_down_cell( e, now->gaps + first, end - first, width, next ) )
+				 !hand_down_cell( e, now->gaps + first, end - first, width, level, next ) )
 			{
 				return false;
 			}
@@ -178,15 +177,87 @@ static bool has_room_for_looks( const lwi_edge* e )
 	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_LOOKS;
 }
 
+/// What a screening leaves is looked at in both halves.
+static bool prove_by_screening( lwi_edge* e, lwi_edge_window whole )
+{
+	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
+	if ( !lwi_edge_screen( e, whole, first, has_room_for_looks( e ) ) || !end_is_free( e ) )
+	{
+		return false;
+	}
+	next->count = 0;
+	return hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
+}
+
+/// Are the items that a rake has left in a cell free at t?
+static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
+{
+	for ( uint32_t i = 0; i < e->item_count; ++i )
+	{
+		if ( !e->items[i].neighbours && ( e->items[i].cells >> cell & 1 ) != 0 && !lwi_edge_item_is_free( e, &e->items[i], t ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// Looks for collisions of items, in the end and where a rake has left most of them: edges of a planner that are not free end here. Pairs
+/// of neighbours, which a rake always leaves, say nothing of that.
+static bool look_at_cells( lwi_edge* e )
+{
+	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;
+	for ( uint32_t i = 0; i < e->item_count; ++i )
+	{
+		for ( uint32_t left = e->items[i].neighbours ? 0 : e->items[i].cells; left != 0; left &= left - 1, ++work )
+		{
+			++counts[lwi_lowest_bit( left )];
+		}
+	}
+	if ( !cell_is_free( e, LWI_WIDTH - 1, 1 ) )
+	{
+		return false;
+	}
+	for ( uint32_t looks = work / WORK_PER_LOOK; looks > 0; --looks )
+	{
+		uint32_t most = 0;
+		for ( uint32_t cell = 1; cell < LWI_WIDTH; ++cell )
+		{
+			most = counts[cell] > counts[most] ? cell : most;
+		}
+		if ( counts[most] == 0 )
+		{
+			break;
+		}
+		if ( !cell_is_free( e, most, ( most + 0.5 ) / LWI_WIDTH ) )
+		{
+			return false;
+		}
+		counts[most] = 0;
+	}
+	return true;
+}
+
+/// What a rake leaves is looked at in its cells.
+static bool prove_by_rake( lwi_edge* e )
+{
+	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
+	first->count = next->count = e->item_count = 0;
+	lwi_edge_rake_all( e );
+	return ( !has_room_for_looks( e ) || look_at_cells( e ) ) && lwi_edge_screen_items( e, first ) &&
+		   hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
+}
+
 bool lwi_edge_prove( lwi_edge* e )
 {
-	// nothing moves: one state, the given one
-	const lwi_edge_window whole = e->longest > 0 ? (lwi_edge_window){ 0.5, 0.5 } : (lwi_edge_window){ 1, 0 };
 	if ( !check_static( e ) )
 	{
 		return false;
 	}
-	if ( lwi_edge_screen( e, whole, &e->levels[0], has_room_for_looks( e ) ) && end_is_free( e ) && prove_levels( e ) )
+	// nothing moves: one state, the given one
+	const lwi_edge_window whole = e->longest > 0 ? (lwi_edge_window){ 0.5, 0.5 } : (lwi_edge_window){ 1, 0 };
+	if ( lwi_edge_measure_nodes( e, whole.t, whole.t ) &&
+		 ( lwi_edge_rakes( e ) ? prove_by_rake( e ) : prove_by_screening( e, whole ) ) )
 	{
 		double proved = INFINITY; // nothing was to be measured
 		if ( e->spare < INFINITY )
@@ -261,6 +332,12 @@ static double locate_failure( lwi_edge* e, double until )
 	return blocked_t;
 }
 
+static bool screen_run( lwi_edge* e, lwi_edge_window window )
+{
+	return lwi_edge_measure_nodes( e, window.t, fmax( window.t, 1 - window.t ) ) &&
+		   lwi_edge_screen( e, window, &e->levels[0], false );
+}
+
 double lwi_edge_proved_run( lwi_edge* e )
 {
 	if ( !( lwi_edge_static_lower( e ) > e->def->min_d ) )
@@ -268,7 +345,7 @@ double lwi_edge_proved_run( lwi_edge* e )
 		return 0;
 	}
 	double until = e->out->t > 0 ? nextafter( locate_failure( e, e->out->t ), 0 ) : 0;
-	while ( until > 0 && !e->failed && !lwi_edge_screen( e, window_of( (piece){ 0, until } ), &e->levels[0], false ) )
+	while ( until > 0 && !e->failed && !screen_run( e, window_of( (piece){ 0, until } ) ) )
 	{
 		// something is too near at the middle already
 		until = e->longest * until > e->def->slack ? nextafter( 0.5 * until, 0 ) : 0;

@@ -18,6 +18,7 @@
 #define LEEWAY_KERNELS_H
 
 #include "leeway/shape.h"
+#include "rake.h"
 #include "tree_layout.h"
 
 #include <float.h>
@@ -95,6 +96,23 @@ typedef struct lwi_kernels
 		float gap[LWI_WIDTH] );
 	/// cosines and sines of angles as lwi_turn_of() has them; fastest for multiples of four
 	void ( *turns )( const double* angle, uint32_t count, double* cosine, double* sine );
+
+	// Rakes: rake.h. [LWI_WIDTH] lanes
+
+	/// The frame behind a joint. @param value of a joint that shifts, else zeros @param cosine, sine 1 and 0 of one that does
+	/// @param speed how fast it turns or shifts, per unit of t
+	void ( *rake_frame )( const lwi_rake_frame* above, const lwi_rake_joint* joint, const double* cosine, const double* sine,
+		const double* value, double speed, lwi_rake_frame* out );
+	/// A point of a frame, from an origin in the world. @param half width of half a window in t
+	void ( *rake_point )( const lwi_rake_frame* frame, const double local[3], const double origin[3], double half, lwi_rake_point* out );
+	/// A frame in a frame: frame_from_body r, local
+	void ( *rake_body )( const lwi_rake_frame* frame, const double r[3][3], const double local[3], const double origin[3], double half,
+		lwi_rake_body* out );
+	/// A point of a body
+	void ( *rake_move )( const lwi_rake_body* body, const float local[3], lwi_rake_point* out );
+	/// Lanes in which a point does not stay `reach` > 0 away from a box, or from another point, but for what their velocities change
+	uint32_t ( *rake_box )( const lwi_rake_point* point, const float min[3], const float max[3], float reach );
+	uint32_t ( *rake_pair )( const lwi_rake_point* a, const lwi_rake_point* b, float reach );
 } lwi_kernels;
 
 /// The table of a level; levels that this build or machine lacks give the next lower one.

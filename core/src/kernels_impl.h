@@ -519,5 +519,8 @@ static void turns( const double* restrict angle, uint32_t count, double* restric
 	}
 }
 
+#include "kernels_rake_impl.h"
+
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, brick_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
-	leaf_project, leaf_transform, points_move, points_farthest, triangle_gap, node_solid_gap, leaf_solid_gap, turns };
+	leaf_project, leaf_transform, points_move, points_farthest, triangle_gap, node_solid_gap, leaf_solid_gap, turns,
+	rake_frame, rake_point, rake_body, rake_move, rake_box, rake_pair };

@@ -83,6 +83,7 @@ typedef struct whole_motion
 	double rounding;      ///< of the place of any point of any body
 	double pose_rounding; ///< the part of it that poses have
 	double total;         ///< path length of any body over all of the edge, from rings
+	double turns;         ///< of all joints
 	double twist_error;   ///< of the velocity of any point, by twists
 } whole_motion;
 
@@ -627,6 +628,17 @@ lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, 
 	return twist;
 }
 
+double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body )
+{
+	const motion_body* b = &table->bodies[body];
+	return b->entry_count > 0 ? scratch_parts( table, scratch ).motions[table->entries[b->first_entry].mover].speed : 0;
+}
+
+double lwi_motion_turns( const lwi_motion_table* table, const void* scratch )
+{
+	return scratch_parts( table, scratch ).whole->turns;
+}
+
 double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch )
 {
 	return scratch_parts( table, scratch ).whole->twist_error;
@@ -670,6 +682,7 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 	w.pose_rounding = 64 * LWI_U64 * ( table->most_joints + 2 ) * length;
 	w.rounding = ( w.pose_rounding + 8 * LWI_U64 * ( angles + 1 ) * length ) * OUTWARD;
 	w.total = ( w.total + ( excess + w.pose_rounding ) * turns ) * OUTWARD;
+	w.turns = turns;
 	// axes are where poses have them, so each joint's part is off by its turn times what these are; and sums of coordinates
 	// round
 	w.twist_error = turns * ( 4 * w.rounding + ( OUTWARD - 1 ) * length ) + ( OUTWARD - 1 ) * shifts;

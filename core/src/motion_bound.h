@@ -93,6 +93,10 @@ typedef struct lwi_twist
 /// What the first moving joint above a body gives to everything below it, in the world. NaN for joints of several variables.
 /// @param pose world_from_link of that joint's child at the state that is asked about
 lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose );
+/// How fast the first moving joint above a body turns or shifts, with its sign, per unit of t. NaN for joints of several variables.
+double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body );
+/// Radians that all joints together turn along the edge.
+double lwi_motion_turns( const lwi_motion_table* table, const void* scratch );
 /// How far the velocity of a point of any body, of twists that were summed up from these, is from the true one at most.
 double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch );
 

@@ -325,9 +325,7 @@ lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index )
 	return index < scene->shape_count ? scene->shapes[index] : none;
 }
 
-/// Distance of a sphere to a half-space or plane, rounded down: boxes say nothing of these. Rounding: three differences,
-/// products and sums, and a normal that is of unit length to 8 roundoffs.
-static float unbounded_gap( const lw_scene_shape_def* obstacle, const double center[3], double radius )
+float lwi_unbounded_gap( const lw_scene_shape_def* obstacle, const double center[3], double radius )
 {
 	const lw_transform* m = &obstacle->world_from_shape;
 	double z = 0, size = radius;
@@ -362,7 +360,7 @@ double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels
 	}
 	for ( uint32_t i = 0; i < scene->unbounded_count && scene->unbounded[i] < blocks * LWI_WIDTH; ++i )
 	{
-		float gap = unbounded_gap( &scene->shapes[scene->unbounded[i]], center, radius );
+		float gap = lwi_unbounded_gap( &scene->shapes[scene->unbounded[i]], center, radius );
 		gaps[scene->unbounded[i]] = gap;
 		lanes |= gap >= limit ? 0u : 1u;
 	}

@@ -37,6 +37,10 @@ char* lwi_name_retain( const char* text );
 /// World box of a shape at a pose, outward by a stated rounding.
 void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] );
 
+/// Distance of a sphere to a half-space or plane, rounded down: boxes say nothing of these. Rounding: three differences,
+/// products and sums, and a normal that is of unit length to 8 roundoffs.
+float lwi_unbounded_gap( const lw_scene_shape_def* obstacle, const double center[3], double radius );
+
 /// Gaps of a bounding sphere (world) to the boxes, half-spaces and planes of the first blocks of the scene: gaps[blocks * LWI_WIDTH],
 /// pads +INFINITY. Returns what must be added to a limit before a gap may be compared with it (metres). *near: some gap does not reach
 /// `prune` and that, or is not a number.

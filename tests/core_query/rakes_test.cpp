@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kernels of rakes: every level against the scalar one bit for bit, frames against joints one by one in long double, and what is
+// held to stay apart against many moments of its window.
+#include "seeded_rng.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+extern "C"
+{
+#include "kernels.h"
+}
+
+namespace
+{
+
+using real = long double;
+using Matrix = std::array<std::array<real, 3>, 3>;
+using Vector = std::array<real, 3>;
+
+std::vector<const lwi_kernels*> levels()
+{
+	std::vector<const lwi_kernels*> tables;
+	for ( lw_simd level : { LW_SIMD_SCALAR, LW_SIMD_SSE2, LW_SIMD_AVX2 } )
+	{
+		const lwi_kernels* table = lwi_kernels_get( level );
+		if ( table->level == level )
+		{
+			tables.push_back( table );
+		}
+	}
+	return tables;
+}
+
+Vector unit( SeededRng& rng )
+{
+	Vector v{ rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
+	const real length = std::sqrt( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
+	return { v[0] / length, v[1] / length, v[2] / length };
+}
+
+Matrix turn( const Vector& a, real angle )
+{
+	const real c = std::cos( angle ), s = std::sin( angle ), k = 1 - c;
+	return { { { c + a[0] * a[0] * k, a[0] * a[1] * k - a[2] * s, a[0] * a[2] * k + a[1] * s },
+		{ a[1] * a[0] * k + a[2] * s, c + a[1] * a[1] * k, a[1] * a[2] * k - a[0] * s },
+		{ a[2] * a[0] * k - a[1] * s, a[2] * a[1] * k + a[0] * s, c + a[2] * a[2] * k } } };
+}
+
+Matrix times( const Matrix& a, const Matrix& b )
+{
+	Matrix m{};
+	for ( size_t i = 0; i < 3; ++i )
+	{
+		for ( size_t j = 0; j < 3; ++j )
+		{
+			m[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+		}
+	}
+	return m;
+}
+
+Vector times( const Matrix& a, const Vector& v )
+{
+	return { a[0][0] * v[0] + a[0][1] * v[1] + a[0][2] * v[2], a[1][0] * v[0] + a[1][1] * v[1] + a[1][2] * v[2],
+		a[2][0] * v[0] + a[2][1] * v[1] + a[2][2] * v[2] };
+}
+
+Vector plus( const Vector& a, const Vector& b, real s = 1 )
+{
+	return { a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2] };
+}
+
+/// A chain of joints, each with a constant transform above it; and the same as rakes want it.
+struct Chain
+{
+	struct Joint
+	{
+		Matrix r;
+		Vector t, axis;
+		bool turns;
+		real start, speed;
+	};
+	std::vector<Joint> joints;
+
+	explicit Chain( SeededRng& rng )
+	{
+		const int count = rng.integer( 1, 6 );
+		for ( int i = 0; i < count; ++i )
+		{
+			joints.push_back( { turn( unit( rng ), rng.uniform( -3, 3 ) ),
+				{ rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, unit( rng ), rng.uniform( 0, 1 ) < 0.75,
+				rng.uniform( -3, 3 ), rng.uniform( -2, 2 ) } );
+		}
+	}
+
+	/// A point of the last frame at t.
+	Vector at( const Vector& local, real t ) const
+	{
+		Vector p = local;
+		for ( auto j = joints.rbegin(); j != joints.rend(); ++j )
+		{
+			const real value = j->start + t * j->speed;
+			p = j->turns ? times( turn( j->axis, value ), p ) : plus( p, j->axis, value );
+			p = plus( times( j->r, p ), j->t );
+		}
+		return p;
+	}
+
+	/// Lanes at the middles of eight windows of [0, 1].
+	lwi_rake_frame lanes( const lwi_kernels* kernels ) const
+	{
+		lwi_rake_frame frame;
+		std::memset( &frame, 0, sizeof( frame ) );
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			frame.r[0][l] = frame.r[4][l] = frame.r[8][l] = 1;
+		}
+		for ( const Joint& j : joints )
+		{
+			const lwi_rake_joint joint = rake( j );
+			double c[LWI_WIDTH], s[LWI_WIDTH], value[LWI_WIDTH];
+			for ( int l = 0; l < LWI_WIDTH; ++l )
+			{
+				const double v = static_cast<double>( j.start + ( l + 0.5L ) / LWI_WIDTH * j.speed );
+				c[l] = j.turns ? std::cos( v ) : 1;
+				s[l] = j.turns ? std::sin( v ) : 0;
+				value[l] = j.turns ? 0 : v;
+			}
+			lwi_rake_frame next;
+			kernels->rake_frame( &frame, &joint, c, s, value, static_cast<double>( j.speed ), &next );
+			frame = next;
+		}
+		return frame;
+	}
+
+private:
+	static lwi_rake_joint rake( const Joint& j )
+	{
+		lwi_rake_joint out = {};
+		const Vector& a = j.axis;
+		const Matrix cross = { { { 0, -a[2], a[1] }, { a[2], 0, -a[0] }, { -a[1], a[0], 0 } } }, sine = times( j.r, cross );
+		const Vector along = times( j.r, a );
+		for ( size_t i = 0; i < 3; ++i )
+		{
+			out.offset[i] = static_cast<double>( j.t[i] );
+			out.along[i] = static_cast<double>( along[i] );
+			for ( size_t k = 0; k < 3; ++k )
+			{
+				out.still[3 * i + k] = static_cast<double>( along[i] * a[k] );
+				out.cosine[3 * i + k] = static_cast<double>( j.r[i][k] - along[i] * a[k] );
+				out.sine[3 * i + k] = static_cast<double>( sine[i][k] );
+			}
+		}
+		out.turns = j.turns;
+		return out;
+	}
+};
+
+lwi_rake_point random_point( SeededRng& rng, double scale )
+{
+	lwi_rake_point p;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			p.p[axis][l] = static_cast<float>( scale * rng.uniform( -1, 1 ) );
+			p.way[axis][l] = static_cast<float>( scale * rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -4, 0 ) ) );
+		}
+	}
+	return p;
+}
+
+/// Distance of a lane to a box or to another point at the moment s in [-1, 1] of its window.
+double distance_at( const lwi_rake_point& a, int l, double s, const float* min, const float* max, const lwi_rake_point* b )
+{
+	double square = 0;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		const double x = static_cast<double>( a.p[axis][l] ) + s * static_cast<double>( a.way[axis][l] );
+		double d;
+		if ( b != nullptr )
+		{
+			d = x - ( static_cast<double>( b->p[axis][l] ) + s * static_cast<double>( b->way[axis][l] ) );
+		}
+		else
+		{
+			d = std::max( { static_cast<double>( min[axis] ) - x, x - static_cast<double>( max[axis] ), 0.0 } );
+		}
+		square += d * d;
+	}
+	return std::sqrt( square );
+}
+
+} // namespace
+
+TEST( Rakes, level_differs_from_scalar )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 2000; ++i )
+	{
+		const Chain chain( rng );
+		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, origin[3] = { 1, -2, 0.5 };
+		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
+		const float point[3] = { 0.1f, static_cast<float>( local[0] ), -0.3f }, min[3] = { -1, -1, -1 }, max[3] = { 0, 0, 1 };
+		const lwi_rake_point other = random_point( rng, 2 );
+		struct Output
+		{
+			lwi_rake_frame frame;
+			lwi_rake_body body;
+			lwi_rake_point point, moved;
+			uint32_t box, pair;
+		};
+		std::vector<Output> outputs;
+		for ( const lwi_kernels* table : levels() )
+		{
+			Output o;
+			std::memset( &o, 0, sizeof( o ) );
+			o.frame = chain.lanes( table );
+			table->rake_point( &o.frame, local, origin, 0.0625, &o.point );
+			table->rake_body( &o.frame, r, local, origin, 0.0625, &o.body );
+			table->rake_move( &o.body, point, &o.moved );
+			o.box = table->rake_box( &o.moved, min, max, 0.5f );
+			o.pair = table->rake_pair( &o.moved, &other, 1.0f );
+			outputs.push_back( o );
+			ASSERT_EQ( 0, std::memcmp( &outputs[0], &o, sizeof( o ) ) ) << "level " << table->level << ", input " << i;
+		}
+	}
+}
+
+TEST( Rakes, points_are_elsewhere_or_move_otherwise )
+{
+	SeededRng rng;
+	const real half = 1.0L / 16;
+	for ( int i = 0; i < 3000; ++i )
+	{
+		const Chain chain( rng );
+		const lwi_rake_frame frame = chain.lanes( &lwi_kernels_scalar );
+		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, origin[3] = { 1, -2, 0.5 };
+		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
+		const float inner[3] = { 0.25f, -0.5f, 0.125f };
+		lwi_rake_point point, moved;
+		lwi_rake_body body;
+		lwi_kernels_scalar.rake_point( &frame, local, origin, static_cast<double>( half ), &point );
+		lwi_kernels_scalar.rake_body( &frame, r, local, origin, static_cast<double>( half ), &body );
+		lwi_kernels_scalar.rake_move( &body, inner, &moved );
+		const Vector at{ local[0], local[1], local[2] }, in{ local[0] + 0.5L, local[1] + 0.25L, local[2] + 0.125L };
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			const real t = ( l + 0.5L ) / LWI_WIDTH, h = 1e-5L;
+			for ( const auto& [lanes, p] : { std::pair( &point, at ), std::pair( &moved, in ) } )
+			{
+				const Vector now = chain.at( p, t ), before = chain.at( p, t - h ), after = chain.at( p, t + h );
+				for ( size_t axis = 0; axis < 3; ++axis )
+				{
+					EXPECT_NEAR( static_cast<double>( now[axis] ) - origin[axis], static_cast<double>( lanes->p[axis][l] ), 4e-6 );
+					EXPECT_NEAR( static_cast<double>( half * ( after[axis] - before[axis] ) / ( 2 * h ) ),
+						static_cast<double>( lanes->way[axis][l] ), 4e-6 );
+				}
+			}
+		}
+	}
+}
+
+TEST( Rakes, what_meets_is_held_to_stay_apart )
+{
+	SeededRng rng;
+	size_t apart = 0, tight = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		const double scale = rng.decade( -6, 6 );
+		const lwi_rake_point a = random_point( rng, scale ), b = random_point( rng, scale );
+		float min[3], max[3];
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			const float x = static_cast<float>( scale * rng.uniform( -1, 1 ) ), y = static_cast<float>( scale * rng.uniform( -1, 1 ) );
+			min[axis] = std::min( x, y );
+			max[axis] = std::max( x, y );
+		}
+		const float reach = static_cast<float>( scale * rng.uniform( 1e-6, 0.7 ) );
+		for ( const bool box : { true, false } )
+		{
+			const uint32_t met = box ? lwi_kernels_scalar.rake_box( &a, min, max, reach ) : lwi_kernels_scalar.rake_pair( &a, &b, reach );
+			for ( int l = 0; l < LWI_WIDTH; ++l )
+			{
+				double least = INFINITY;
+				for ( int k = -20; k <= 20; ++k )
+				{
+					least = std::min( least, distance_at( a, l, k / 20.0, min, max, box ? nullptr : &b ) );
+				}
+				if ( ( met >> l & 1 ) == 0 )
+				{
+					ASSERT_GE( least, static_cast<double>( reach ) - lwi_gap_slack( 8 * scale ) ) << "box " << box << ", input " << i;
+					++apart;
+					tight += least < 1.02 * static_cast<double>( reach ) ? 1u : 0u;
+				}
+			}
+		}
+	}
+	EXPECT_GE( apart, 50000u );
+	EXPECT_GE( tight, 500u ); // some come as near as they may
+}
+
+TEST( Rakes, no_number_reads_as_apart )
+{
+	SeededRng rng;
+	for ( const float bad : { NAN, INFINITY, 1e30f } )
+	{
+		lwi_rake_point a = random_point( rng, 1 ), b = random_point( rng, 1 );
+		const float min[3] = { -9, -9, -9 }, max[3] = { -8, -8, -8 };
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			std::fill( a.way[axis], a.way[axis] + LWI_WIDTH, bad );
+		}
+		for ( const lwi_kernels* table : levels() )
+		{
+			EXPECT_EQ( 0xffu, table->rake_box( &a, min, max, 1.0f ) ) << bad;
+			EXPECT_EQ( 0xffu, table->rake_pair( &a, &b, 1.0f ) ) << bad;
+		}
+		std::fill( a.p[1], a.p[1] + LWI_WIDTH, NAN );
+		EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_box( &a, min, max, 1.0f ) );
+		EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_pair( &a, &b, 1.0f ) );
+	}
+	// what is in the box, and unbounded boxes
+	lwi_rake_point inside = random_point( rng, 1 );
+	const float min[3] = { -INFINITY, -INFINITY, -INFINITY }, max[3] = { INFINITY, INFINITY, INFINITY };
+	EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_box( &inside, min, max, 1e-6f ) );
+}
