@@ -315,9 +315,10 @@ static void make_cells( maker* m )
 	{
 		stack[0].level[i] = (uint8_t)( m->chart->axes[i].bits + FINE_BITS );
 	}
-	for ( uint32_t height = 1; height > 0; )
+	uint32_t waiting = 0; // below the one in hand
+	for ( bool done = false; !done; )
 	{
-		block* b = &stack[height - 1];
+		block* b = &stack[waiting];
 		if ( !m->late )
 		{
 			measure( m, b, FINE_BITS );
@@ -327,11 +328,11 @@ static void make_cells( maker* m )
 		if ( m->late || cell || good )
 		{
 			fill( m, b, number_of( cell && !m->late ? prove_cell( m, b ) : b->lower ) );
-			--height;
+			done = waiting == 0;
+			waiting -= done ? 0 : 1;
 			continue;
 		}
-		stack[height] = halve( b );
-		++height;
+		stack[++waiting] = halve( b );
 	}
 }
 
