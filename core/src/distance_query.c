@@ -212,7 +212,8 @@ static bool leaf_side_rules_out( lwi_searching* s, lwi_entry* e )
 
 enum
 {
-	LEAVES_BEFORE_PLANE = 2, ///< comparisons of leaves after which a plane is looked for: most searches need fewer
+	LEAVES_BEFORE_PLANE = 1, ///< comparisons of leaves after which a plane is looked for: most searches need none
+	MAX_FAILURES = 3,        ///< after so many, one search in 2^3 tries
 	PLANE_LOOKS_KNOWN = 2,
 	PLANE_LOOKS_NEW = LWI_MAX_LOOKS
 };
@@ -268,7 +269,7 @@ static bool new_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 		hint->failures = 0;
 		return true;
 	}
-	hint->failures = (uint16_t)( hint->failures < 6 ? hint->failures + 1 : 6 );
+	hint->failures = (uint16_t)( hint->failures < MAX_FAILURES ? hint->failures + 1 : MAX_FAILURES );
 	hint->wait = (uint16_t)( 1u << hint->failures );
 	return false;
 }

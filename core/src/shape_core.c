@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cores: a few extreme points of a shape, inside its convex hull.
 //
-// What cannot be kept apart with cores cannot be kept apart: a few vectors of points tell most vain searches for a plane, and lead
-// the others to where they begin (separation.c). Directions: points of a spiral, which cover the sphere evenly (Swinbank, Purser,
-// "Fibonacci grids: a novel approach to global modelling", 2006).
+// Where no plane keeps cores apart none keeps their shapes apart: a few vectors of points tell most vain searches, and lead the
+// others to where they begin (separation.c, core/docs/edges.md). Directions: the axes and others close to them, for faces and what
+// sticks out of them, and points of a spiral, which cover the sphere evenly (Swinbank, Purser, "Fibonacci grids: a novel approach
+// to global modelling", 2006).
 #include "shape_internal.h"
 #include "support.h"
 #include "turn.h"
@@ -14,7 +15,7 @@ enum
 {
 	AXES = 6,
 	SPIRAL = 58,
-	TILTS = 2 * 4 * AXES,
+	TILTS = 2 * 4 * AXES, ///< of the axes, by little and by more
 	POINTS = LWI_CORE_BLOCKS * LWI_WIDTH,
 	FEW_VERTICES = 2048 ///< all of these are looked at faster than the tree
 };
