@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rakes of edges for a C++ program.
+#include "rake_shim.h"
+
+#include "edge_internal.h"
+
+int shim_rake( const lw_checker* checker, lw_query* query, const double* qa, const double* qb, const lw_edge_def* def,
+	shim_left* left, uint32_t most )
+{
+	lw_edge_result out = { .verdict = LW_VERDICT_UNKNOWN };
+	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = &out, .qa = qa, .qb = qb, .posed_t = NAN };
+	lwi_edge_begin( &e, lwi_query_edge_scratch( query ) );
+	if ( !lwi_edge_measure_motion( &e ) || !lwi_edge_measure_nodes( &e, 0.5, 0.5 ) || !lwi_edge_rakes( &e ) )
+	{
+		return -1;
+	}
+	lwi_edge_rake_all( &e );
+	for ( uint32_t i = 0; i < e.item_count && i < most; ++i )
+	{
+		left[i] = (shim_left){ e.items[i].body_a, e.items[i].body_b, e.items[i].cells };
+	}
+	return e.item_count <= most ? (int)e.item_count : -1;
+}
+
+uint32_t shim_node( const lw_checker* checker, uint32_t body )
+{
+	return checker->tree->body_node[body];
+}
+
+double shim_radius( const lw_shape* shape )
+{
+	return shape->sphere_radius;
+}
