@@ -9,7 +9,7 @@
 #                  FUZZ_SECONDS=30; what was fuzzed for longer is told in tests/fuzz/README.md
 #   4. build:      release, warnings are errors; cppcheck over all sources; query tests at every SIMD level; last, all tests
 #
-# clang-tidy and clang's warnings over all the rest are tests/lint.sh: another ten minutes, which are more than CI has.
+# clang-tidy, and a build of all of it by clang with its tests, are tests/lint.sh: another fifteen minutes, which are more than CI has.
 #
 # The cheap builds come first and the whole CTest run last, so that its summary closes the output. All tests of a stage
 # run; the first stage that fails ends the run with its status. May be called from any folder; reads no input.

@@ -49,7 +49,8 @@ done
 # the memory is theirs.
 printf '%s\n' leak:liburdfdom_model leak:libassimp >"$scratch/leaks"
 
-# one TARGET LONGEST: a run of libFuzzer, and a line of what it did, with the processor's time: where others work too, it is less
+# one TARGET LONGEST: a run of libFuzzer, and a line of what it did, with the processor's time: where others work too, it is less. The
+# timeout is one of the clock, and longer than others may hold a processor (20 s were not); what takes ten is kept as slow-unit.
 one()
 {
 	local target=$1 longest=$2 status=0 more=() TIMEFORMAT='%U %S'
@@ -64,7 +65,7 @@ one()
 	{
 		time LEEWAY_FUZZ_TARGET=$target TMPDIR=$files LSAN_OPTIONS="suppressions=$scratch/leaks:print_suppressions=0" \
 		UBSAN_OPTIONS=print_stacktrace=1 \
-		"$fuzz" -seed="${SEED:-0}" -max_total_time="$seconds" -max_len="$longest" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=1024 \
+		"$fuzz" -seed="${SEED:-0}" -max_total_time="$seconds" -max_len="$longest" -timeout=60 -rss_limit_mb=2048 -malloc_limit_mb=1024 \
 		-print_final_stats=1 -artifact_prefix="$build/findings/$target-" ${more[@]+"${more[@]}"} \
 		"$keep/$target" "$corpus/$target" "$scratch/seeds/$target" >"$log" 2>&1 || status=$?
 	} 2>"$scratch/$target.time"
