@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Kernels: every level against the scalar one bit for bit, and every gap against an exact distance in double.
+#include "kernel_levels.hpp"
 #include "seeded_rng.hpp"
 
 #include <gtest/gtest.h>
@@ -12,27 +13,12 @@
 extern "C"
 {
 #include "convex.h"
-#include "kernels.h"
 #include "tri_tri.h"
 #include "turn.h"
 }
 
 namespace
 {
-
-std::vector<const lwi_kernels*> levels()
-{
-	std::vector<const lwi_kernels*> tables;
-	for ( lw_simd level : { LW_SIMD_SCALAR, LW_SIMD_SSE2, LW_SIMD_AVX2 } )
-	{
-		const lwi_kernels* table = lwi_kernels_get( level );
-		if ( table->level == level )
-		{
-			tables.push_back( table );
-		}
-	}
-	return tables;
-}
 
 struct Input
 {
@@ -225,7 +211,7 @@ double largest( std::initializer_list<lw_vec3> points )
 TEST( Kernels, level_differs_from_scalar )
 {
 	SeededRng rng;
-	auto tables = levels();
+	auto tables = kernelLevels();
 	ASSERT_FALSE( tables.empty() );
 	for ( int i = 0; i < 20000; ++i )
 	{
@@ -259,7 +245,7 @@ TEST( Kernels, turns_differ_from_one_alone_or_from_the_truth )
 					: kind == 8 ? rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( 5, 15 ) )
 								: rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -300, 0 ) );
 		}
-		for ( const lwi_kernels* table : levels() )
+		for ( const lwi_kernels* table : kernelLevels() )
 		{
 			double cosine[12], sine[12];
 			table->turns( angles, count, cosine, sine );
@@ -313,7 +299,7 @@ TEST( Kernels, farthest_point_is_not_the_first_of_those )
 				best = std::max( best, high );
 			}
 		}
-		for ( const lwi_kernels* table : levels() )
+		for ( const lwi_kernels* table : kernelLevels() )
 		{
 			float high;
 			ASSERT_EQ( want, table->points_farthest( points, blocks, n, &high ) ) << "level " << table->level;
@@ -346,7 +332,7 @@ TEST( Kernels, near_spheres_are_left_out )
 		}
 		const float limit = rng.uniform( 0, 1 ) < 0.3 ? 0 : std::abs( value( rng, scale ) );
 		std::vector<uint16_t> first;
-		for ( const lwi_kernels* table : levels() )
+		for ( const lwi_kernels* table : kernelLevels() )
 		{
 			uint16_t near[24 * 12];
 			const uint32_t found = table->sphere_pairs( blocks[0][0], count, mask[0], 3, limit, near );

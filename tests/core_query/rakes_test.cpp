@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Kernels of rakes: every level against the scalar one bit for bit, frames against joints one by one in long double, and what is
 // held to stay apart against many moments of its window.
+#include "kernel_levels.hpp"
 #include "seeded_rng.hpp"
 
 #include <gtest/gtest.h>
@@ -11,31 +12,12 @@
 #include <cstring>
 #include <vector>
 
-extern "C"
-{
-#include "kernels.h"
-}
-
 namespace
 {
 
 using real = long double;
 using Matrix = std::array<std::array<real, 3>, 3>;
 using Vector = std::array<real, 3>;
-
-std::vector<const lwi_kernels*> levels()
-{
-	std::vector<const lwi_kernels*> tables;
-	for ( lw_simd level : { LW_SIMD_SCALAR, LW_SIMD_SSE2, LW_SIMD_AVX2 } )
-	{
-		const lwi_kernels* table = lwi_kernels_get( level );
-		if ( table->level == level )
-		{
-			tables.push_back( table );
-		}
-	}
-	return tables;
-}
 
 Vector unit( SeededRng& rng )
 {
@@ -217,7 +199,7 @@ TEST( Rakes, level_differs_from_scalar )
 			uint32_t box, pair;
 		};
 		std::vector<Output> outputs;
-		for ( const lwi_kernels* table : levels() )
+		for ( const lwi_kernels* table : kernelLevels() )
 		{
 			Output o;
 			std::memset( &o, 0, sizeof( o ) );
@@ -317,7 +299,7 @@ TEST( Rakes, no_number_reads_as_apart )
 		{
 			std::fill( a.way[axis], a.way[axis] + LWI_WIDTH, bad );
 		}
-		for ( const lwi_kernels* table : levels() )
+		for ( const lwi_kernels* table : kernelLevels() )
 		{
 			EXPECT_EQ( 0xffu, table->rake_box( &a, min, max, 1.0f ) ) << bad;
 			EXPECT_EQ( 0xffu, table->rake_pair( &a, &b, 1.0f ) ) << bad;

@@ -379,32 +379,27 @@ TEST( Rake, proved_cell_has_something_near )
 }
 
 // Without the bulge, with the velocity of another moment, or with a sphere a little too small these are red.
-TEST( Rake, ball_passes_a_box_by_less_than_was_proved )
+static Tally attack_narrow_passes( int worlds, bool meshes )
 {
 	SeededRng rng;
 	Tally tally;
-	for ( int i = 0; i < 1000 && !HasFatalFailure(); ++i )
+	for ( int i = 0; i < worlds && !testing::Test::HasFatalFailure(); ++i )
 	{
 		State qa, qb;
-		World world( rng, qa, qb, false );
+		World world( rng, qa, qb, meshes );
 		judge( world, qa, qb, 0, tally );
 	}
-	print( "balls and boxes", tally );
+	print( meshes ? "bunches" : "balls and boxes", tally );
 	EXPECT_GE( tally.rakes, 150u );
-	EXPECT_GE( tally.tight, 1000u );
+	return tally;
+}
+
+TEST( Rake, ball_passes_a_box_by_less_than_was_proved )
+{
+	EXPECT_GE( attack_narrow_passes( 1000, false ).tight, 1000u );
 }
 
 TEST( Rake, bunch_passes_a_bunch_by_less_than_was_proved )
 {
-	SeededRng rng;
-	Tally tally;
-	for ( int i = 0; i < 300 && !HasFatalFailure(); ++i )
-	{
-		State qa, qb;
-		World world( rng, qa, qb, true );
-		judge( world, qa, qb, 0, tally );
-	}
-	print( "bunches", tally );
-	EXPECT_GE( tally.rakes, 150u );
-	EXPECT_GE( tally.tight, 50u );
+	EXPECT_GE( attack_narrow_passes( 300, true ).tight, 50u );
 }
