@@ -50,7 +50,7 @@ done
 printf '%s\n' leak:liburdfdom_model leak:libassimp >"$scratch/leaks"
 
 # one TARGET LONGEST: a run of libFuzzer, and a line of what it did, with the processor's time: where others work too, it is less. The
-# timeout is one of the clock, and longer than others may hold a processor (20 s were not); what takes ten is kept as slow-unit.
+# timeout is one of the clock, and longer than a process has to stand still for others (20 s were not); what takes ten is kept as slow-unit.
 one()
 {
 	local target=$1 longest=$2 status=0 more=() TIMEFORMAT='%U %S'
