@@ -211,9 +211,11 @@ static void place_point( const raking* r, const side* s, const float local[3], l
 	}
 }
 
+/// True if the spheres of a shape's tree hold all that is in contact with what touches them: those of a mesh that was declared solid
+/// leave its inside out, of which only the sphere around it tells.
 static bool has_tree( const lw_shape* shape )
 {
-	return !shape->solid && shape->family != LWI_CONVEX && shape->family != LWI_UNBOUNDED && shape->deferred == NULL;
+	return !shape->solid && !shape->filled && shape->deferred == NULL;
 }
 
 /// The sphere around a tree.

@@ -118,7 +118,54 @@ struct World
 		return out.upper;
 	}
 
+	/// A ball that turns in the middle of a closed box, whose walls are far away and whose inside is solid.
+	explicit World( double box )
+	{
+		model.link( "root" );
+		model.joint( "l", LW_JOINT_CONTINUOUS, 0 );
+		lw_transform at = lw_transform_identity();
+		at.t[0] = 0.3;
+		const double size[3] = { 0.02, 0, 0 };
+		lw_shape* shape = nullptr;
+		EXPECT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, size, nullptr, nullptr, &shape ) );
+		model.body( 1, shape, at );
+		robot = model.create();
+		obstacle( solidBox( box ), lw_transform_identity() );
+		open();
+	}
+
 private:
+	static lw_shape* solidBox( double half )
+	{
+		constexpr int CELLS = 12; // along an edge
+		std::vector<double> vertices;
+		std::vector<std::uint32_t> indices;
+		for ( int face = 0; face < 6; ++face )
+		{
+			for ( int i = 0; i < CELLS * CELLS * 6; ++i )
+			{
+				static const int corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
+				const int cell = i / 6, u = cell / CELLS + corner[i % 6][0], v = cell % CELLS + corner[i % 6][1];
+				double p[3];
+				p[face / 2] = face % 2 == 0 ? half : -half;
+				p[( face / 2 + 1 ) % 3] = half * ( 2.0 * u / CELLS - 1 );
+				p[( face / 2 + 2 ) % 3] = half * ( 2.0 * v / CELLS - 1 );
+				indices.push_back( static_cast<std::uint32_t>( vertices.size() / 3 ) );
+				vertices.insert( vertices.end(), p, p + 3 );
+			}
+		}
+		lw_mesh_def def = lw_mesh_def_default();
+		def.vertices = vertices.data();
+		def.vertex_count = static_cast<std::uint32_t>( vertices.size() / 3 );
+		def.indices = indices.data();
+		def.triangle_count = def.vertex_count / 3;
+		def.solid = true;
+		lw_shape* shape = nullptr;
+		lw_diag diag = {};
+		EXPECT_EQ( LW_OK, lw_shape_create_mesh( &def, nullptr, &diag, &shape ) ) << diag.message;
+		return shape;
+	}
+
 	void obstacle( lw_shape* shape, const lw_transform& pose )
 	{
 		shapes.emplace_back( shape );
@@ -402,4 +449,18 @@ TEST( Rake, ball_passes_a_box_by_less_than_was_proved )
 TEST( Rake, bunch_passes_a_bunch_by_less_than_was_proved )
 {
 	EXPECT_GE( attack_narrow_passes( 300, true ).tight, 50u );
+}
+
+// The spheres of a tree contain triangles: what is inside of a solid mesh, away from all of them, is in contact all the same
+TEST( Rake, inside_of_a_solid_mesh_is_held_to_be_free )
+{
+	World world( 2 );
+	const State qa{ 0 }, qb{ 3.1 };
+	const lw_edge_def def = lw_edge_def_default();
+	shim_left left[4];
+	ASSERT_EQ( 1, shim_rake( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, left, 4 ) );
+	EXPECT_EQ( 0xffu, left[0].cells );
+	lw_edge_result result;
+	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, &result ) );
+	EXPECT_EQ( LW_VERDICT_BLOCKED, result.verdict );
 }
