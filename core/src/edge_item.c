@@ -398,6 +398,12 @@ static bool spheres_meet( const screening* s, const lwi_node_pair* pair, double 
 	return !( x * x + y * y + z * z > reach * fabs( reach ) );
 }
 
+/// As much clearance as a certificate of a pair would look for.
+static double looked_for( const lwi_edge* e )
+{
+	return e->def->min_d + 0.25 * e->def->slack;
+}
+
 bool lwi_edge_is_charted( lwi_edge* e, uint32_t pair, uint32_t body_a, uint32_t body_b )
 {
 	const lw_checker* c = e->checker;
@@ -406,7 +412,7 @@ bool lwi_edge_is_charted( lwi_edge* e, uint32_t pair, uint32_t body_a, uint32_t 
 	{
 		return false;
 	}
-	double margin = lwi_self_margin( c, body_a, body_b ), least = e->def->min_d + 0.25 * e->def->slack;
+	double margin = lwi_self_margin( c, body_a, body_b ), least = looked_for( e );
 	double apart = lwi_chart_along( view, c->tree->scales, c->robot, e->full_a, e->full_b, least + margin ) - margin;
 	if ( !( apart > least ) )
 	{
@@ -481,7 +487,7 @@ static bool screen_environments( screening* s )
 
 bool lwi_edge_pair_is_apart( lwi_edge* e, const lwi_node_pair* pair )
 {
-	if ( pair->separation > e->def->min_d + 0.25 * e->def->slack )
+	if ( pair->separation > looked_for( e ) )
 	{
 		e->apart = fmin( e->apart, pair->separation );
 		return true;

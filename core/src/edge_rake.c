@@ -226,11 +226,19 @@ static void root_of( const raking* r, const side* s, ball* root )
 	place_point( r, s, s->shape->root_sphere, &root->at );
 }
 
-/// A box in the world, from the origin of the lanes; NULL: none.
+/// A box in the world, from the origin of the lanes.
 typedef struct fence
 {
 	float min[3], max[3];
 } fence;
+
+static fence fence_of( const lw_scene* scene, uint32_t shape )
+{
+	const lwi_box8* boxes = &scene->boxes[shape / LWI_WIDTH];
+	const uint32_t lane = shape % LWI_WIDTH;
+	return (fence){ { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] },
+		{ boxes->max[0][lane], boxes->max[1][lane], boxes->max[2][lane] } };
+}
 
 /// What two trees, or a sphere and a tree, are asked.
 typedef struct question
@@ -347,11 +355,8 @@ static uint32_t meets_obstacle( const raking* r, const scout* s, uint32_t shape,
 		wider.need += margin;
 		return meets_unbounded( r, &wider, shape );
 	}
-	const lwi_box8* boxes = &scene->boxes[shape / LWI_WIDTH];
-	const uint32_t lane = shape % LWI_WIDTH;
-	const float min[3] = { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] };
-	const float max[3] = { boxes->max[0][lane], boxes->max[1][lane], boxes->max[2][lane] };
-	return r->kernels->rake_box( &s->at, min, max, margin != 0 ? lwi_round_up( (double)s->reach + margin ) : s->reach );
+	const fence around = fence_of( scene, shape );
+	return r->kernels->rake_box( &s->at, around.min, around.max, margin != 0 ? lwi_round_up( (double)s->reach + margin ) : s->reach );
 }
 
 /// Lanes in which a body's tree, or a sphere alone, does not stay away from an obstacle's box and tree.
@@ -360,10 +365,7 @@ static uint32_t tree_meets_obstacle( const raking* r, const side* body, const sc
 	uint32_t lanes )
 {
 	const lw_scene* scene = r->e->checker->scene;
-	const lwi_box8* boxes = &scene->boxes[shape / LWI_WIDTH];
-	const uint32_t lane = shape % LWI_WIDTH;
-	const fence around = { { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] },
-		{ boxes->max[0][lane], boxes->max[1][lane], boxes->max[2][lane] } };
+	const fence around = fence_of( scene, shape );
 	const bool tree_a = body != NULL && has_tree( body->shape ), tree_b = has_tree( lwi_shape_now( scene->shapes[shape].shape ) );
 	if ( !tree_a && !tree_b )
 	{
@@ -624,7 +626,11 @@ static void rake_self( const raking* r )
 {
 	lwi_edge* e = r->e;
 	const lw_checker* c = e->checker;
-	uint32_t count = ( e->def->what & LW_WHAT_SELF ) != 0 ? r->tree->pair_count : 0;
+	const uint32_t count = r->tree->pair_count;
+	if ( ( e->def->what & LW_WHAT_SELF ) == 0 || count == 0 )
+	{
+		return;
+	}
 	const bool covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
 	const couple any = any_couple( r ); // mostly that is all
 	for ( uint32_t i = 0; i < count; ++i )
