@@ -82,12 +82,26 @@ static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t 
 	return gaps_of( checker, query, center, radius, m != NULL ? m->body_row[body] : NULL, prune, gaps, near );
 }
 
+/// Shapes of the scene that a body is compared with, a byte for each block.
+static const uint8_t* masks_of( const lw_checker* checker, const lw_query* query, uint32_t body )
+{
+	return ( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * checker->scene->block_count;
+}
+
+/// Those of a block, of a body with these masks, whose gap in a row does not reach the limit; nor does what is not a number.
+static uint32_t near_lanes( const lw_query* query, const uint8_t* masks, const float* gaps, uint32_t block, float limit )
+{
+	const float zero = 0;
+	float low[1][LWI_WIDTH];
+	memcpy( low, gaps + block * LWI_WIDTH, sizeof( low ) );
+	return masks[block] == 0 ? 0 : masks[block] & query->kernels->slab_gap( (const float( * )[LWI_WIDTH])low, &zero, limit, 1 );
+}
+
 /// Sets the gaps of pairs that do not count to +INFINITY. Returns the index of the least gap.
 static uint32_t mask_row( const lw_checker* checker, const lw_query* query, uint32_t body, float* gaps )
 {
 	const lw_scene* scene = checker->scene;
-	const uint8_t* mask =
-		( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * scene->block_count;
+	const uint8_t* mask = masks_of( checker, query, body );
 	float least = INFINITY;
 	uint32_t nearest = 0;
 	for ( uint32_t i = 0; i < scene->block_count * LWI_WIDTH; ++i )
@@ -202,19 +216,15 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 /// The pairs of a body whose gap in a row does not reach the limit become candidates.
 static void add_near( const lw_checker* checker, lw_query* query, uint32_t body, const float* gaps, float limit, uint32_t* count )
 {
-	const lw_scene* scene = checker->scene;
-	const uint8_t* mask =
-		( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * scene->block_count;
+	const uint8_t* masks = masks_of( checker, query, body );
+	const uint32_t first = body * checker->scene->block_count * LWI_WIDTH;
 	for ( uint32_t block = 0; block < block_count( checker, query ); ++block )
 	{
-		for ( uint32_t left = mask[block]; left != 0; left &= left - 1 )
+		for ( uint32_t left = near_lanes( query, masks, gaps, block, limit ); left != 0; left &= left - 1 )
 		{
 			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
-			if ( !( gaps[i] >= limit ) ) // what is not a number has overflowed: looked at first
-			{
-				float gap = gaps[i] == gaps[i] ? gaps[i] : -INFINITY;
-				lwi_heap_push( query->candidates, count, (lwi_candidate){ gap, body * scene->block_count * LWI_WIDTH + i } );
-			}
+			float gap = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: looked at first
+			lwi_heap_push( query->candidates, count, (lwi_candidate){ gap, first + i } );
 		}
 	}
 }
@@ -445,13 +455,14 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 	{
 		return 0;
 	}
-	mask_row( checker, query, body, query->gaps );
-	float rounded = lwi_round_up( limit + slack );
+	const uint8_t* masks = masks_of( checker, query, body );
+	const float rounded = lwi_round_up( limit + slack );
 	uint32_t count = 0;
-	for ( uint32_t i = 0; i < block_count( checker, query ) * LWI_WIDTH; ++i )
+	for ( uint32_t block = 0; block < block_count( checker, query ); ++block )
 	{
-		if ( query->gaps[i] < rounded )
+		for ( uint32_t left = near_lanes( query, masks, query->gaps, block, rounded ); left != 0; left &= left - 1 )
 		{
+			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
 			query->candidates[count++] = (lwi_candidate){ query->gaps[i], i };
 		}
 	}

@@ -17,7 +17,6 @@ enum
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
 	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
 	LWI_RAKE_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of a rake
-	LWI_EDGE_KEPT = 8, ///< planes of a pair
 	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
@@ -44,9 +43,11 @@ typedef struct lwi_edge_plane
 	uint32_t edge;     ///< lwi_query::edge_count of the two below
 	uint16_t failures; ///< times in a row that their hulls were too near at one time
 	uint16_t wait;     ///< windows until the next try
-	uint8_t known;     ///< planes below, the last one that served first
+	bool begun;        ///< there are some
 	bool turned;       ///< they are given in the frame of the first of the two
-	lwi_places_plane planes[LWI_EDGE_KEPT];
+	uint8_t served;    ///< lanes of planes that served since the last new one came
+	uint8_t next;      ///< lane that goes for a new one, unless it served
+	lwi_planes8 planes;
 } lwi_edge_plane;
 
 /// What a window's planes say. In ascending order of work that is left.

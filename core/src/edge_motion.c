@@ -396,6 +396,7 @@ void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 	out->count = 1;
 	out->drifts = drift != NULL && rate.path > 0;
 	out->made = !out->drifts;
+	out->boxed = false;
 	if ( drift != NULL )
 	{
 		lwi_pose_body( c, e->query, body );

@@ -9,6 +9,8 @@
 #include "math_inline.h"
 #include "scene_internal.h"
 
+#include <string.h>
+
 enum
 {
 	MAX_FAILURES = 6 ///< after so many, one in 2^6 tries
@@ -36,7 +38,7 @@ enum
 typedef struct sweeping
 {
 	lwi_edge* edge;
-	lwi_places a, b;
+	lwi_places *a, *b;
 	bool turned;      ///< b is the first of the two
 	uint32_t any_key; ///< of planes that keep anything away from b; 0: a new one costs no more than these
 	double way;       ///< metres: no point gets farther from where it is at the middle; INFINITY if planes pay in any case
@@ -72,7 +74,9 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 	lwi_edge_plane* p = &e->planes[( key * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS )];
 	if ( p->key != key + 1 )
 	{
-		*p = (lwi_edge_plane){ .key = key + 1 };
+		p->key = key + 1;
+		p->begun = false;
+		p->edge = 0;
 	}
 	if ( p->edge != e->query->edge_count ) // planes are proofs wherever they hold; what is not tried must not depend on other edges
 	{
@@ -85,37 +89,59 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 /// True if planes may be asked for.
 static bool has_planes( const sweeping* s )
 {
-	bool here = s->a.shape->deferred == NULL && s->b.shape->deferred == NULL; // a mesh is not made for this
-	return here && s->b.shape->family != LWI_UNBOUNDED && s->edge->query->def.planes;
+	bool here = s->a->shape->deferred == NULL && s->b->shape->deferred == NULL; // a mesh is not made for this
+	return here && s->b->shape->family != LWI_UNBOUNDED && s->edge->query->def.planes;
 }
 
-/// Puts a plane first; the others move up, the last one is lost if it was not `from`.
-static void put_first( lwi_edge_plane* p, lwi_places_plane plane, uint32_t from )
+/// The first planes of b are the faces of its box.
+static void begin_planes( lwi_edge_plane* p, const lw_shape* b, bool turned )
 {
-	for ( uint32_t i = from; i > 0; --i )
+	p->begun = true;
+	p->turned = turned;
+	p->served = 0;
+	p->next = 6;
+	memset( &p->planes, 0, sizeof( p->planes ) );
+	for ( uint32_t k = 0; k < 3; ++k )
 	{
-		p->planes[i] = p->planes[i - 1];
+		p->planes.direction[k][2 * k] = 1;
+		p->planes.reach[2 * k] = lwi_round_up( b->origin[k] - b->box_min[k] );
+		p->planes.direction[k][2 * k + 1] = -1;
+		p->planes.reach[2 * k + 1] = lwi_round_up( b->box_max[k] - b->origin[k] );
 	}
-	p->planes[0] = plane;
+	p->planes.reach[6] = p->planes.reach[7] = INFINITY;
 }
 
-/// A plane that was not known; the last one is forgotten for it.
+/// Planes of b, in its frame.
+static lwi_edge_plane* planes_of( const sweeping* s, uint32_t key )
+{
+	lwi_edge_plane* p = plane_of( s->edge, key );
+	if ( !p->begun || p->turned != s->turned ) // the other one's would say nothing of this one
+	{
+		begin_planes( p, s->b->shape, s->turned );
+	}
+	return p;
+}
+
+/// A plane that was not known; one that did not serve for a while is forgotten for it.
 static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
 {
-	p->known = (uint8_t)( p->known < LWI_EDGE_KEPT ? p->known + 1 : LWI_EDGE_KEPT );
-	put_first( p, plane, p->known - 1u );
+	uint32_t lane = p->next;
+	for ( ; ( p->served >> lane & 1u ) != 0; lane = ( lane + 1 ) % LWI_WIDTH )
+	{
+		p->served = (uint8_t)( p->served & ~( 1u << lane ) );
+	}
+	lwi_plane_to_lane( &p->planes, lane, plane );
+	p->next = (uint8_t)( ( lane + 1 ) % LWI_WIDTH );
 }
 
 /// One of the planes of other times. @param need clearance that proves it if everything is on one side at the places
 static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 {
-	p->known = p->turned == s->turned ? p->known : 0; // the other one's would say nothing of this one
-	p->turned = s->turned;
 	const lwi_kernels* kernels = s->edge->query->kernels;
-	uint32_t which = lwi_places_apart_by( kernels, &s->a, &s->b, need, p->planes, p->known, false );
-	if ( which < p->known )
+	uint32_t which = lwi_places_apart_by( kernels, s->a, s->b, need, &p->planes, false );
+	if ( which < LWI_WIDTH )
 	{
-		put_first( p, p->planes[which], which );
+		p->served = (uint8_t)( p->served | 1u << which );
 		return true;
 	}
 	if ( s->any_key == 0 )
@@ -123,31 +149,21 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 		return false;
 	}
 	// what keeps one body away keeps its neighbours away
-	lwi_edge_plane* any = plane_of( s->edge, s->any_key );
-	which = lwi_places_apart_by( kernels, &s->a, &s->b, need, any->planes, any->known, true );
-	if ( which < any->known )
+	lwi_edge_plane* any = planes_of( s, s->any_key );
+	which = lwi_places_apart_by( kernels, s->a, s->b, need, &any->planes, true );
+	if ( which < LWI_WIDTH )
 	{
-		lwi_places_plane plane = any->planes[which];
-		put_first( any, plane, which );
-		add_plane( p, plane );
+		any->served = (uint8_t)( any->served | 1u << which );
+		add_plane( p, lwi_plane_of_lane( &any->planes, which ) );
 		return true;
 	}
 	return false;
 }
 
-static void only_middle( lwi_places* s )
-{
-	s->count = 1;
-	s->drifts = false;
-	s->made = true;
-	s->at[0] = s->middle;
-	s->cloud = NULL;
-}
-
 /// A new plane. @param bulge part of `need` that is due to the window
 static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, double bulge )
 {
-	bool dense = s->way < SMALL_WAY && s->a.shape->item_count > DENSE && s->b.shape->item_count > DENSE;
+	bool dense = s->way < SMALL_WAY && s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
 	if ( dense && s->way < TINY_WAY )
 	{
 		return LWI_EDGE_MEASURE;
@@ -159,20 +175,21 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 	}
 	const lwi_kernels* kernels = s->edge->query->kernels;
 	float direction[3];
-	direction_between( &s->a, &s->b, direction );
+	direction_between( s->a, s->b, direction );
 	lwi_places_plane plane;
 	lwi_edge_sweep found = LWI_EDGE_PROVED;
-	if ( lwi_separate_places( kernels, &s->a, &s->b, need, direction, &plane ) != LWI_APART )
+	if ( lwi_separate_places( kernels, s->a, s->b, need, direction, &plane ) != LWI_APART )
 	{
 		if ( dense )
 		{
 			return LWI_EDGE_MEASURE; // so little is lost by motion that it does not matter why there is none
 		}
 		// is it the window that is too wide, or are their hulls too near?
-		only_middle( &s->a );
-		only_middle( &s->b );
+		lwi_places middle_a, middle_b;
+		lwi_places_stand( &middle_a, s->a->shape, &s->a->middle );
+		lwi_places_stand( &middle_b, s->b->shape, &s->b->middle );
 		need = fmax( need - bulge, 0 );
-		lwi_separation middle = lwi_separate_places( kernels, &s->a, &s->b, need, direction, &plane );
+		lwi_separation middle = lwi_separate_places( kernels, &middle_a, &middle_b, need, direction, &plane );
 		found = middle == LWI_APART ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
 	}
 	if ( found == LWI_EDGE_MEASURE )
@@ -185,7 +202,7 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 	add_plane( p, plane );
 	if ( s->any_key != 0 )
 	{
-		add_plane( plane_of( s->edge, s->any_key ), plane );
+		add_plane( planes_of( s, s->any_key ), plane );
 	}
 	return found;
 }
@@ -210,19 +227,23 @@ static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	const lwi_checker_tree* tree = c->tree;
 	bool alone = tree->nodes[tree->body_node[a]].body_count == 1 && tree->nodes[tree->body_node[b]].body_count == 1;
 	s.any_key = alone ? 0 : BODY_KEY | ( a_stands ? a : b );
-	lwi_edge_plane* p = plane_of( e, SELF_KEY | lwi_body_pair_id( c, a, b ) );
+	lwi_edge_plane* p = NULL;
 	// places are seen from the ancestor, which is rounded too
 	double need = fmax( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion ), 0 );
 	bool planes = bulge < MAX_BULGE;
 	lwi_cloud clouds[2];
 	clouds[0].made = clouds[1].made = false;
-	s.a.cloud = &clouds[0];
-	s.b.cloud = &clouds[1];
+	lwi_places places[2];
+	places[0].cloud = &clouds[0];
+	places[1].cloud = &clouds[1];
+	s.a = &places[a_stands ? 1 : 0];
+	s.b = &places[a_stands ? 0 : 1];
 	if ( planes )
 	{
-		lwi_edge_places( e, a, above, item->rate_a, window, drifts != NULL ? &drifts[0] : NULL, a_stands ? &s.b : &s.a );
-		lwi_edge_places( e, b, above, item->rate_b, window, drifts != NULL ? &drifts[1] : NULL, a_stands ? &s.a : &s.b );
+		lwi_edge_places( e, a, above, item->rate_a, window, drifts != NULL ? &drifts[0] : NULL, &places[0] );
+		lwi_edge_places( e, b, above, item->rate_b, window, drifts != NULL ? &drifts[1] : NULL, &places[1] );
 		planes = has_planes( &s );
+		p = planes ? planes_of( &s, SELF_KEY | lwi_body_pair_id( c, a, b ) ) : NULL;
 		if ( planes && old_plane_holds( &s, p, need ) )
 		{
 			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
@@ -259,26 +280,25 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 	sweeping s = { .edge = e, .way = window.half * item->rate_a.path };
 	lwi_cloud cloud;
 	cloud.made = false;
-	lwi_places places = { .cloud = &cloud };
+	lwi_places places, stands;
+	places.cloud = &cloud;
+	s.a = &places;
+	s.b = &stands;
 	lwi_edge_places( e, item->body_a, 0, item->rate_a, window, drifts, &places );
 	lwi_edge_sweep worst = LWI_EDGE_PROVED;
 	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
 	{
 		uint32_t index = e->query->candidates[i].pair;
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
-		s.a = places;
-		s.b.shape = lwi_shape_now( obstacle->shape );
-		s.any_key = s.b.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
-		s.b.count = 1;
-		s.b.drifts = false;
-		s.b.made = true;
-		s.b.middle = s.b.at[0] = obstacle->world_from_shape;
+		lwi_places_stand( &stands, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
+		s.any_key = stands.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
 		double need = fmax( enough + bulge + lwi_environment_margin( c, item->body_a, obstacle->object ), 0 );
-		lwi_edge_plane* p = plane_of( e, item->body_a * stride + index );
-		lwi_edge_sweep now = !has_planes( &s )					 ? LWI_EDGE_MEASURE
-							 : old_plane_holds( &s, p, need ) ? LWI_EDGE_PROVED
-															   : find_plane( &s, p, need, bulge );
-		worst = now > worst ? now : worst;
+		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, item->body_a * stride + index ) : NULL;
+		if ( p == NULL || !old_plane_holds( &s, p, need ) )
+		{
+			lwi_edge_sweep now = p == NULL ? LWI_EDGE_MEASURE : find_plane( &s, p, need, bulge );
+			worst = now > worst ? now : worst;
+		}
 	}
 	return worst;
 }

@@ -42,6 +42,19 @@ typedef struct lwi_motion
 	float r[9], t[3];
 } lwi_motion;
 
+/// Eight planes in one frame. Something is on the far side of each.
+typedef struct lwi_planes8
+{
+	float direction[3][LWI_WIDTH]; ///< towards it, of length 1 to rounding
+	float reach[LWI_WIDTH];        ///< how far it reaches against the direction, from the frame's origin; +INFINITY for pads
+} lwi_planes8;
+
+/// A box that is not along the axes, maybe sheared: its middle, and from there to the middles of three faces.
+typedef struct lwi_turned_box
+{
+	float middle[3], half[3][3];
+} lwi_turned_box;
+
 /// A solid primitive for the filters: lw_shape_type and half sizes (box), radius and half height (cylinder, cone); nothing
 /// (half-space, plane).
 typedef struct lwi_solid
@@ -86,6 +99,10 @@ typedef struct lwi_kernels
 	/// the point of `blocks` > 0 of these that is farthest along `direction`, and how far; of several the one in the first lane, in
 	/// the first block
 	uint32_t ( *points_farthest )( const lwi_points8* points, uint32_t blocks, const float direction[3], float* high );
+	/// planes that `count` > 0 boxes stay `need` below. Boxes have the axes of the world and the planes' origin; r: rows of world_from_planes
+	/// room[lane]: how far below they stay, -INFINITY where nothing that touches all faces of one of the boxes stays `hope` below
+	uint32_t ( *planes_clear )( const lwi_planes8* planes, const float r[9], const lwi_turned_box* boxes, uint32_t count, float need,
+		float hope, float room[LWI_WIDTH] );
 	/// distances of eight pairs of triangles. Lanes that reach `limit` by a cheap direction may stop there.
 	uint32_t ( *triangle_gap )( lwi_triangles8 a, lwi_triangles8 b, float limit, float gap[LWI_WIDTH] );
 	/// distance of the centres of a node's spheres to a solid, minus their radii; motion = solid_from_tree

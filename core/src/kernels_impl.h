@@ -276,6 +276,29 @@ static uint32_t points_farthest( const lwi_points8* points, uint32_t blocks, con
 	return LWI_WIDTH * (uint32_t)found[lane] + lane;
 }
 
+static uint32_t planes_clear( const lwi_planes8* planes, const float r[9], const lwi_turned_box* boxes, uint32_t count, float need,
+	float hope, float room[LWI_WIDTH] )
+{
+	const lwi_motion turn = { { r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8] }, { 0, 0, 0 } };
+	const v3 n = v3_move( &turn, v3_load( planes->direction ) );
+	const f8 bottom = f8_sub( f8_set( 0.0f ), f8_load( planes->reach ) ), none = f8_set( -INFINITY );
+	f8 least = f8_set( INFINITY );
+	uint32_t clear = 0xffu;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const f8 left = f8_sub( bottom, v3_dot( n, v3_set( boxes[i].middle ) ) );
+		const f8 x = f8_abs( v3_dot( n, v3_set( boxes[i].half[0] ) ) ), y = f8_abs( v3_dot( n, v3_set( boxes[i].half[1] ) ) );
+		const f8 z = f8_abs( v3_dot( n, v3_set( boxes[i].half[2] ) ) ), all = f8_add( f8_add( x, y ), z );
+		const f8 here = f8_sub( left, all );
+		clear &= m8_bits( f8_ge( here, f8_set( need ) ) );
+		// on the face whose normal is nearest to n the lowest corner is this high at least
+		const f8 face = f8_max( f8_max( x, y ), z ), most = f8_add( f8_sub( left, f8_add( face, face ) ), all );
+		least = f8_min( f8_select( f8_ge( most, f8_set( hope ) ), here, none ), least );
+	}
+	f8_store( room, least );
+	return clear;
+}
+
 /// Width of the slab between two triangles along n, from a to b: (min over b - max over a of n . v) / |n|. All vertices are
 /// relative to one origin near both.
 static inline f8 triangle_slab( v3 n, const v3 a[3], const v3 b[3] )
@@ -522,5 +545,5 @@ static void turns( const double* restrict angle, uint32_t count, double* restric
 #include "kernels_rake_impl.h"
 
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, brick_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
-	leaf_project, leaf_transform, points_move, points_farthest, triangle_gap, node_solid_gap, leaf_solid_gap, turns,
+	leaf_project, leaf_transform, points_move, points_farthest, planes_clear, triangle_gap, node_solid_gap, leaf_solid_gap, turns,
 	rake_frame, rake_point, rake_body, rake_move, rake_box, rake_pair };

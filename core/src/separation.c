@@ -123,6 +123,12 @@ static lw_transform drifted( const lwi_places* s, double by )
 	return m;
 }
 
+/// @param i below the count
+static inline const lw_transform* place( const lwi_places* s, int i )
+{
+	return s->count > 1 ? &s->at[i] : &s->middle;
+}
+
 static void make_places( lwi_places* s )
 {
 	if ( !s->made )
@@ -133,13 +139,18 @@ static void make_places( lwi_places* s )
 	}
 }
 
+/// What boxes have and supports have not.
+static double dilation_of( const lw_shape* shape )
+{
+	return shape->family == LWI_TRIANGLES ? shape->radius : 0;
+}
+
 /// Dilations, and rounding: edges.md.
 static between_places question_of( const lwi_places* a, const lwi_places* b, double limit )
 {
 	between_places q = { .from = origin_of( &b->middle, b->shape ) };
 	double extents = size_of( a->shape ) + size_of( b->shape ), far = coordinates_of( a ) + coordinates_of( b );
-	double dilation = ( a->shape->family == LWI_TRIANGLES ? a->shape->radius : 0 ) +
-					  ( b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0 );
+	double dilation = dilation_of( a->shape ) + dilation_of( b->shape );
 	q.need = ( limit + dilation ) * ( 1 + 0x1p-21 ) + lwi_gap_slack( extents ) + 0x1p-46 * ( far + extents );
 	return q;
 }
@@ -157,10 +168,10 @@ static double place_direction( const lwi_places* s, int i, lw_vec3 n, float loca
 {
 	if ( !s->drifts )
 	{
-		local_direction( &s->at[i], n, local );
+		local_direction( place( s, i ), n, local );
 		return 1;
 	}
-	lw_vec3 v = lwi_unrotate( &s->at[i], n );
+	lw_vec3 v = lwi_unrotate( place( s, i ), n );
 	double length = lwi_length( v ), inverse = 1 / length;
 	local[0] = (float)( inverse * v.x );
 	local[1] = (float)( inverse * v.y );
@@ -182,13 +193,13 @@ static double farthest_of_places( const lwi_kernels* kernels, lwi_places* s, con
 		float local[3], point[3];
 		double scale = place_direction( s, i, n, local );
 		memcpy( point, first, sizeof( point ) );
-		lw_vec3 origin = lwi_sub( origin_of( &s->at[i], s->shape ), q->from );
+		lw_vec3 origin = lwi_sub( origin_of( place( s, i ), s->shape ), q->from );
 		double high = scale * (double)lwi_support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
 		if ( !( high <= best ) )
 		{
 			best = high;
 			lw_vec3 p = lwi_v3( (double)point[0], (double)point[1], (double)point[2] );
-			*farthest = lwi_add( origin, lwi_rotate( &s->at[i], p ) );
+			*farthest = lwi_add( origin, lwi_rotate( place( s, i ), p ) );
 			memcpy( start, point, sizeof( point ) );
 		}
 	}
@@ -206,7 +217,7 @@ static lw_vec3 far_point( const lwi_kernels* kernels, lwi_places* s, const betwe
 	double best = -INFINITY;
 	for ( int i = 0; i < s->count; ++i )
 	{
-		lw_vec3 at = lwi_add( lwi_sub( origin_of( &s->at[i], s->shape ), q->from ), lwi_rotate( &s->at[i], point ) );
+		lw_vec3 at = lwi_add( lwi_sub( origin_of( place( s, i ), s->shape ), q->from ), lwi_rotate( place( s, i ), point ) );
 		double high = lwi_dot( n, at );
 		if ( !( high <= best ) )
 		{
@@ -217,37 +228,62 @@ static lw_vec3 far_point( const lwi_kernels* kernels, lwi_places* s, const betwe
 	return farthest;
 }
 
-/// How far a box reaches along n, from the origin of its tree.
-static double reach_of_corners( const lw_shape* shape, lw_vec3 n )
-{
-	const double *low = shape->box_min, *high = shape->box_max, *o = shape->origin;
-	return n.x * ( ( n.x > 0 ? high[0] : low[0] ) - o[0] ) + n.y * ( ( n.y > 0 ? high[1] : low[1] ) - o[1] ) +
-		   n.z * ( ( n.z > 0 ? high[2] : low[2] ) - o[2] );
-}
+/// Of coordinates: heights of boxes in floats, edges.md.
+#define BOX_SLACK ( 16 * 0.5 * (double)FLT_EPSILON )
 
-/// all_stay_below() for the box around a shape. Of what drifts no place is needed: in x +- ( shift + turn x x ),
-/// n . ( turn x y ) is y . ( n x turn ).
-static bool box_stays_below( const lwi_places* s, const between_places* q, lw_vec3 n, double most )
+/// Puts the box around a shape to all its places, world axes.
+static void make_boxes( lwi_places* s )
 {
-	if ( s->drifts )
+	if ( s->boxed )
 	{
-		lw_vec3 origin = origin_of( &s->middle, s->shape );
-		lw_vec3 along = lwi_unrotate( &s->middle, n ), change = lwi_unrotate( &s->middle, lwi_cross( n, s->turn ) );
-		double high = lwi_dot( n, lwi_sub( origin, q->from ) );
-		double climb = lwi_dot( n, lwi_add( s->shift, lwi_cross( s->turn, origin ) ) );
-		double after = high + climb + reach_of_corners( s->shape, lwi_add( along, change ) );
-		double before = high - climb + reach_of_corners( s->shape, lwi_sub( along, change ) );
-		return after <= most && before <= most;
+		return;
 	}
+	const double *low = s->shape->box_min, *high = s->shape->box_max;
+	const lw_vec3 middle = lwi_v3( 0.5 * ( low[0] + high[0] ), 0.5 * ( low[1] + high[1] ), 0.5 * ( low[2] + high[2] ) );
+	make_places( s );
 	for ( int i = 0; i < s->count; ++i )
 	{
-		lw_vec3 origin = lwi_sub( origin_of( &s->at[i], s->shape ), q->from );
-		if ( !( lwi_dot( n, origin ) + reach_of_corners( s->shape, lwi_unrotate( &s->at[i], n ) ) <= most ) )
+		const lw_transform* at = place( s, i );
+		s->box_middle[i] = lwi_transform( at, middle );
+		for ( int k = 0; k < 9; ++k )
 		{
-			return false;
+			s->boxes[i].half[k / 3][k % 3] = (float)( 0.5 * ( high[k / 3] - low[k / 3] ) * at->r[k % 3][k / 3] );
 		}
 	}
-	return true;
+	s->boxed = true;
+}
+
+/// Planes of b, standing, that the box around a stays below at all its places. @param room see lwi_kernels::planes_clear
+static uint32_t planes_clear( const lwi_kernels* kernels, lwi_places* a, const lwi_places* b, const between_places* q,
+	const lwi_planes8* planes, float room[LWI_WIDTH] )
+{
+	make_boxes( a );
+	float r[9];
+	for ( int k = 0; k < 9; ++k )
+	{
+		r[k] = (float)b->middle.r[k / 3][k % 3];
+	}
+	double far = 2 * ( size_of( a->shape ) + size_of( b->shape ) );
+	for ( int i = 0; i < a->count; ++i )
+	{
+		const lw_vec3 middle = lwi_sub( a->box_middle[i], q->from );
+		a->boxes[i].middle[0] = (float)middle.x;
+		a->boxes[i].middle[1] = (float)middle.y;
+		a->boxes[i].middle[2] = (float)middle.z;
+		far = fmax( far, far + fabs( middle.x ) + fabs( middle.y ) + fabs( middle.z ) );
+	}
+	const double slack = BOX_SLACK * far;
+	return kernels->planes_clear( planes, r, a->boxes, (uint32_t)a->count, lwi_round_up( q->need + slack ),
+		lwi_round_down( q->need - slack - dilation_of( a->shape ) ), room );
+}
+
+static bool box_stays_below( const lwi_kernels* kernels, lwi_places* a, const lwi_places* b, const between_places* q,
+	const lwi_places_plane* plane )
+{
+	lwi_planes8 one = { .reach = { 0 } };
+	float room[LWI_WIDTH];
+	lwi_plane_to_lane( &one, 0, *plane );
+	return ( planes_clear( kernels, a, b, q, &one, room ) & 1 ) != 0;
 }
 
 /// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its places.
@@ -258,7 +294,7 @@ static bool all_stay_below( const lwi_kernels* kernels, lwi_places* s, const bet
 	{
 		float local[3];
 		double scale = place_direction( s, i, n, local );
-		double left = ( most - lwi_dot( n, lwi_sub( origin_of( &s->at[i], s->shape ), q->from ) ) ) / scale;
+		double left = ( most - lwi_dot( n, lwi_sub( origin_of( place( s, i ), s->shape ), q->from ) ) ) / scale;
 		if ( !( left > -INFINITY && lwi_stays_below( kernels, s->shape, local, lwi_round_down( left ) ) ) )
 		{
 			return false;
@@ -302,7 +338,7 @@ static void make_cloud( const lwi_kernels* kernels, lwi_places* s )
 	for ( int i = 0; i < s->count; ++i )
 	{
 		lwi_motion motion;
-		lw_vec3 from = lwi_sub( origin_of( &s->at[i], s->shape ), middle );
+		lw_vec3 from = lwi_sub( origin_of( place( s, i ), s->shape ), middle );
 		for ( int k = 0; k < 9; ++k )
 		{
 			motion.r[k] = (float)s->at[i].r[k / 3][k % 3];
@@ -428,50 +464,67 @@ static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s
 	return LWI_UNKNOWN;
 }
 
-uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	const lwi_places_plane* known, uint32_t count, bool only_boxes )
+/// True if everything stays below a plane of b. @param core_b NULL: b stands
+static bool hulls_stay_below( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, const between_places* q, const core* core_a,
+	const core* core_b, lwi_places_plane plane )
 {
-	if ( count == 0 )
+	uint32_t which_a, which_b = 0;
+	lw_vec3 n = normal_of( b, plane.direction ), down = lwi_scale( -1, n ), lowest;
+	double high = core_reach( kernels, core_a, n, &which_a );
+	double bottom = -( core_b == NULL ? (double)plane.reach_b : core_reach( kernels, core_b, down, &which_b ) );
+	if ( !( high <= bottom - q->need ) )
 	{
-		return 0;
+		return false; // what is inside is not below
 	}
-	between_places q = question_of( a, b, limit );
-	bool stands = b->count == 1;
-	for ( uint32_t i = 0; i < count && stands; ++i ) // boxes are asked first
+	if ( core_b != NULL )
 	{
-		if ( box_stays_below( a, &q, normal_of( b, known[i].direction ), -(double)known[i].reach_b - q.need ) )
+		float point[3];
+		core_start( b->shape, core_b, which_b, point );
+		bottom = -farthest_of_places( kernels, b, q, down, point, &lowest );
+	}
+	return all_stay_below( kernels, a, q, n, bottom - q->need );
+}
+
+uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, const lwi_planes8* known,
+	bool only_boxes )
+{
+	const between_places q = question_of( a, b, limit );
+	const bool stands = b->count == 1;
+	float room[LWI_WIDTH];
+	if ( stands )
+	{
+		uint32_t clear = planes_clear( kernels, a, b, &q, known, room );
+		if ( clear != 0 || only_boxes )
 		{
-			return i;
+			return clear != 0 ? lwi_lowest_bit( clear ) : LWI_WIDTH;
 		}
-	}
-	if ( only_boxes && stands )
-	{
-		return count;
 	}
 	make_places( a );
-	core core_a = core_of( kernels, a, &q ), core_b = core_of( kernels, b, &q );
-	for ( uint32_t i = 0; i < count; ++i )
+	core core_a = core_of( kernels, a, &q ), core_b;
+	if ( !stands )
 	{
-		uint32_t which_a, which_b = 0;
-		lw_vec3 n = normal_of( b, known[i].direction ), down = lwi_scale( -1, n ), lowest;
-		double high = core_reach( kernels, &core_a, n, &which_a );
-		double bottom = stands ? -(double)known[i].reach_b : -core_reach( kernels, &core_b, down, &which_b );
-		if ( !( high <= bottom - q.need ) )
+		core_b = core_of( kernels, b, &q );
+		memset( room, 0, sizeof( room ) );
+	}
+	for ( uint32_t tries = 0; tries < LWI_WIDTH; ++tries )
+	{
+		uint32_t lane = 0;
+		for ( uint32_t i = 1; i < LWI_WIDTH; ++i )
 		{
-			continue; // what is inside is not below
+			lane = room[i] > room[lane] ? i : lane;
 		}
-		if ( !stands )
+		const lwi_places_plane plane = lwi_plane_of_lane( known, lane );
+		if ( !( room[lane] > -INFINITY ) )
 		{
-			float point[3];
-			core_start( b->shape, &core_b, which_b, point );
-			bottom = -farthest_of_places( kernels, b, &q, down, point, &lowest );
+			break;
 		}
-		if ( all_stay_below( kernels, a, &q, n, bottom - q.need ) )
+		room[lane] = -INFINITY;
+		if ( plane.reach_b < INFINITY && hulls_stay_below( kernels, a, b, &q, &core_a, stands ? NULL : &core_b, plane ) )
 		{
-			return i;
+			return lane;
 		}
 	}
-	return count;
+	return LWI_WIDTH;
 }
 
 lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
@@ -486,7 +539,7 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 	{
 		return LWI_UNKNOWN;
 	}
-	core_search s = { .need = q.need, .upper = INFINITY, .n = normal_of( b, d ) };
+	core_search s = { .need = q.need, .upper = 0, .n = normal_of( b, d ) };
 	s.a = core_of( kernels, a, &q );
 	s.b = core_of( kernels, b, &q );
 	for ( int look = 0; look < LWI_MAX_LOOKS; ++look )
@@ -501,9 +554,9 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 		core_start( b->shape, &s.b, s.which_b, point_b );
 		lw_vec3 n = normal_of( b, d ), lowest;
 		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point_b, &lowest );
-		if ( box_stays_below( a, &q, n, low - q.need ) || all_stay_below( kernels, a, &q, n, low - q.need ) )
+		next.reach_b = lwi_round_up( -low );
+		if ( box_stays_below( kernels, a, b, &q, &next ) || all_stay_below( kernels, a, &q, n, low - q.need ) )
 		{
-			next.reach_b = lwi_round_up( -low );
 			*out = next;
 			return LWI_APART;
 		}

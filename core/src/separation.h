@@ -57,9 +57,23 @@ typedef struct lwi_places
 	bool drifts;         ///< the places are two: where points x of the middle get by -+ ( shift + turn x x )
 	bool made;           ///< `at` is filled; of drifts it may wait until it is needed
 	lw_vec3 turn, shift;
-	lwi_cloud* cloud; ///< of more than one place; shared by those who look at the same places
-	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape; of drifts linear, not rigid: points are where they take them
+	lwi_cloud* cloud; ///< of more than one place
+	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape; of drifts linear, not rigid: points are where they take them. One is `middle`
+	bool boxed;                      ///< the box around the shape is at its places: it is when it is needed
+	lw_vec3 box_middle[LWI_MAX_PLACES];
+	lwi_turned_box boxes[LWI_MAX_PLACES]; ///< from the origin of the last question
 } lwi_places;
+
+/// Makes it a shape at one place.
+static inline void lwi_places_stand( lwi_places* s, const lw_shape* shape, const lw_transform* frame_from_shape )
+{
+	s->shape = shape;
+	s->count = 1;
+	s->middle = *frame_from_shape;
+	s->drifts = s->boxed = false;
+	s->made = true;
+	s->cloud = NULL;
+}
 
 /// A plane between two shapes at all their places.
 typedef struct lwi_places_plane
@@ -68,11 +82,26 @@ typedef struct lwi_places_plane
 	float reach_b;      ///< how far b reaches against the direction, in its tree frame
 } lwi_places_plane;
 
-/// Planes of other times: the first that separates these too, or `count`.
+static inline void lwi_plane_to_lane( lwi_planes8* planes, uint32_t lane, lwi_places_plane plane )
+{
+	for ( int k = 0; k < 3; ++k )
+	{
+		planes->direction[k][lane] = plane.direction[k];
+	}
+	planes->reach[lane] = plane.reach_b;
+}
+
+static inline lwi_places_plane lwi_plane_of_lane( const lwi_planes8* planes, uint32_t lane )
+{
+	return (lwi_places_plane){ { planes->direction[0][lane], planes->direction[1][lane], planes->direction[2][lane] },
+		planes->reach[lane] };
+}
+
+/// Planes of other times, in the same frame: one that separates these too, or LWI_WIDTH.
 /// @param limit metres, >= 0: nothing of a, at any of its places, is then nearer to anything of b than that
 /// @param only_boxes where b stands only the box around a is asked: less is found, far more quickly
-uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	const lwi_places_plane* known, uint32_t count, bool only_boxes );
+uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, const lwi_planes8* known,
+	bool only_boxes );
 
 typedef enum lwi_separation
 {

@@ -4,17 +4,13 @@
 
 #include "separation.h"
 
+#include <math.h>
 #include <string.h>
-
-enum
-{
-	MOST_PLANES = 8
-};
 
 static lwi_places places_of( const shim_places* s, lwi_cloud* cloud )
 {
 	cloud->made = false;
-	lwi_places out = { .shape = s->shape, .count = s->count, .middle = s->at[0], .drifts = s->drifts, .made = !s->drifts,
+	lwi_places out = { .shape = s->shape, .count = s->count, .boxed = false, .middle = s->at[0], .drifts = s->drifts, .made = !s->drifts,
 		.turn = s->turn, .shift = s->shift, .cloud = cloud };
 	memcpy( out.at, s->at, sizeof( out.at ) );
 	return out;
@@ -36,13 +32,19 @@ uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit
 {
 	lwi_cloud clouds[2];
 	lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
-	lwi_places_plane planes[MOST_PLANES];
-	for ( uint32_t i = 0; i < count && i < MOST_PLANES; ++i )
+	lwi_planes8 planes = { .reach = { 0 } };
+	for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
 	{
-		memcpy( planes[i].direction, known[i].direction, sizeof( planes[i].direction ) );
-		planes[i].reach_b = known[i].reach_b;
+		lwi_places_plane plane = { .reach_b = INFINITY };
+		if ( i < count )
+		{
+			memcpy( plane.direction, known[i].direction, sizeof( plane.direction ) );
+			plane.reach_b = known[i].reach_b;
+		}
+		lwi_plane_to_lane( &planes, i, plane );
 	}
-	return lwi_places_apart_by( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, planes, count, false );
+	uint32_t which = lwi_places_apart_by( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, &planes, false );
+	return which < LWI_WIDTH ? which : count;
 }
 
 bool shim_separate_two( const shim_places* a, const shim_places* b, float limit, float direction[3], int looks )

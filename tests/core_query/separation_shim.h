@@ -24,7 +24,7 @@ typedef struct shim_plane
 /// lwi_separate_places(): 0 apart, 1 unknown, 2 near
 int shim_separate( const shim_places* a, const shim_places* b, double limit, const float direction[3], shim_plane* out );
 
-/// lwi_places_apart_by()
+/// lwi_places_apart_by(), of LWI_WIDTH planes at the most. @return which, or `count`
 uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count );
 
 /// lwi_separate(), both at their middle places. @param direction in: where to begin, out: the plane; tree frame of b
