@@ -5,6 +5,7 @@
 #include "reach_attack.hpp"
 
 #include <cstdio>
+#include <numeric>
 
 namespace
 {
@@ -108,6 +109,24 @@ double attackCell( SeededRng& rng, PairAttacker& attacker, const chart_probe& ch
 	return least;
 }
 
+/// A random robot with its charts, a state, and a group of its variables.
+struct Charted
+{
+	Charted( SeededRng& rng, int round )
+		: robot( randomRobotOf( rng, round ) ), reach( makeReach( robot.get(), 0.5, 50 ) ), attacker( reach.get(), rng.engine()() ),
+		  reference( attacker.randomState() )
+	{
+	}
+
+	CheckerPtr checker() const { return makeChecker( reach.get(), reference, group ); }
+
+	RobotPtr robot;
+	ReachPtr reach;
+	PairAttacker attacker;
+	State reference;
+	std::vector<std::uint32_t> group;
+};
+
 } // namespace
 
 TEST( Charts, NoStateIsNearerThanItsCellSays )
@@ -164,37 +183,33 @@ TEST( Charts, CheckersLookIntoTheRightCell )
 	int looked = 0, said = 0;
 	for ( int round = 0; round < 8; ++round )
 	{
-		RobotPtr robot = randomRobotOf( rng, round );
-		ReachPtr reach = makeReach( robot.get(), 0.5, 50 );
-		PairAttacker attacker( reach.get(), rng.engine()() );
-		State reference = attacker.randomState();
-		std::vector<std::uint32_t> group;
-		for ( std::uint32_t v = 0; v < reference.size(); ++v )
+		Charted world( rng, round );
+		for ( std::uint32_t v = 0; v < world.reference.size(); ++v )
 		{
-			bool single = lw_robot_joint_variable_count( robot.get(), lw_robot_variable( robot.get(), v ).joint ) == 1;
-			if ( single && rng.integer( 0, 3 ) > 0 )
+			const std::uint32_t joint = lw_robot_variable( world.robot.get(), v ).joint;
+			if ( lw_robot_joint_variable_count( world.robot.get(), joint ) == 1 && rng.integer( 0, 3 ) > 0 )
 			{
-				group.push_back( v );
+				world.group.push_back( v );
 			}
 		}
-		CheckerPtr checker = makeChecker( reach.get(), reference, group );
+		CheckerPtr checker = world.checker();
 		for ( std::uint32_t view = 0; view < view_probe_count( checker.get() ); ++view )
 		{
 			std::uint32_t a = 0, b = 0, c = 0;
 			view_probe_links( checker.get(), view, &a, &b );
-			while ( !( chart_probe_get( reach.get(), c ).link_a == std::max( a, b ) &&
-					   chart_probe_get( reach.get(), c ).link_b == std::min( a, b ) ) )
+			while ( !( chart_probe_get( world.reach.get(), c ).link_a == std::max( a, b ) &&
+					   chart_probe_get( world.reach.get(), c ).link_b == std::min( a, b ) ) )
 			{
-				ASSERT_LT( ++c, chart_probe_count( reach.get() ) );
+				ASSERT_LT( ++c, chart_probe_count( world.reach.get() ) );
 			}
-			const chart_probe chart = chart_probe_get( reach.get(), c );
+			const chart_probe chart = chart_probe_get( world.reach.get(), c );
 			for ( int i = 0; i < 200; ++i )
 			{
-				State q = reference, drawn = attacker.randomState();
+				State q = world.reference, drawn = world.attacker.randomState();
 				std::uint32_t index[3] = { 0, 0, 0 };
-				for ( std::uint32_t v : group )
+				for ( std::uint32_t v : world.group )
 				{
-					double turns = lw_robot_variable( robot.get(), v ).wraps ? 2 * M_PI * rng.integer( -3, 3 ) : 0;
+					double turns = lw_robot_variable( world.robot.get(), v ).wraps ? 2 * M_PI * rng.integer( -3, 3 ) : 0;
 					q[v] = drawn[v] + turns;
 				}
 				bool onBorder = false;
@@ -207,7 +222,7 @@ TEST( Charts, CheckersLookIntoTheRightCell )
 					onBorder = onBorder || std::fabs( cell - std::round( cell ) ) < 1e-9L;
 					index[k] = static_cast<std::uint32_t>( std::min( std::floor( cell ), chart.cells[k] - 1.0L ) );
 				}
-				double says = chart_probe_cell( reach.get(), c, index ), got = view_probe_at( checker.get(), view, q.data() );
+				double says = chart_probe_cell( world.reach.get(), c, index ), got = view_probe_at( checker.get(), view, q.data() );
 				looked += !onBorder;
 				said += says > 0;
 				EXPECT_TRUE( onBorder || ( got <= says && got >= says * ( 1 - 1e-6 ) - 2e-9 ) ) << got << " " << says;
@@ -224,25 +239,19 @@ TEST( Charts, NoStateOfAnEdgeSaysLessThanTheEdge )
 	int edges = 0, said = 0;
 	for ( int round = 0; round < 8; ++round )
 	{
-		RobotPtr robot = randomRobotOf( rng, round );
-		ReachPtr reach = makeReach( robot.get(), 0.5, 50 );
-		PairAttacker attacker( reach.get(), rng.engine()() );
-		State reference = attacker.randomState();
-		std::vector<std::uint32_t> group;
-		for ( std::uint32_t v = 0; v < reference.size(); ++v )
-		{
-			group.push_back( v );
-		}
-		CheckerPtr checker = makeChecker( reach.get(), reference, group );
+		Charted world( rng, round );
+		world.group.resize( world.reference.size() );
+		std::iota( world.group.begin(), world.group.end(), 0u );
+		CheckerPtr checker = world.checker();
 		for ( std::uint32_t view = 0; view < view_probe_count( checker.get() ); ++view )
 		{
 			for ( int i = 0; i < 60; ++i )
 			{
-				State from = attacker.randomState(), to = attacker.randomState(), q( from.size() );
+				State from = world.attacker.randomState(), to = world.attacker.randomState(), q( from.size() );
 				double length = std::pow( 10.0, rng.uniform( -3, 0 ) );
 				for ( std::uint32_t v = 0; v < from.size(); ++v )
 				{
-					bool wraps = lw_robot_variable( robot.get(), v ).wraps; // over the seam, too
+					bool wraps = lw_robot_variable( world.robot.get(), v ).wraps; // over the seam, too
 					to[v] = wraps ? from[v] + rng.uniform( -3, 3 ) * length : from[v] + ( to[v] - from[v] ) * length;
 				}
 				double along = view_probe_along( checker.get(), view, from.data(), to.data() );
@@ -250,7 +259,7 @@ TEST( Charts, NoStateOfAnEdgeSaysLessThanTheEdge )
 				said += along > 0;
 				for ( int k = 0; k <= 100; ++k )
 				{
-					lw_robot_interpolate( robot.get(), from.data(), to.data(), k / 100.0, q.data() );
+					lw_robot_interpolate( world.robot.get(), from.data(), to.data(), k / 100.0, q.data() );
 					EXPECT_GE( view_probe_at( checker.get(), view, q.data() ) + 1e-12, along ) << "at " << k;
 				}
 			}
