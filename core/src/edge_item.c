@@ -153,7 +153,9 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 		return s;
 	}
 	double loss = loss_of( e, item, window );
-	lwi_threshold threshold = { { min_d, enough( e, item->rounding, loss ), e->def->alpha }, min_d + slack,
+	// of what does not move the verdict is that of the state, whose clearance may be just above min_d
+	double alpha = window.half > 0 ? e->def->alpha : 0;
+	lwi_threshold threshold = { { min_d, enough( e, item->rounding, loss ), alpha }, min_d + slack,
 		may_give_up ? min_d + item->rounding + loss : 0 };
 	if ( !ask( e, item, &threshold, &s.pair ) )
 	{

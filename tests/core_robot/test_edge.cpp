@@ -626,6 +626,42 @@ TEST( Edge, EndsAgreeWithStates )
 	EXPECT_GE( blockedEnds, 60 );
 }
 
+// Planners ask about motions to where they are; a clearance just above min_d is no reason to refuse that one.
+TEST( Edge, EdgeWithoutLengthIsNotItsState )
+{
+	SeededRng rng;
+	int freeOnes = 0, blockedOnes = 0;
+	for ( int i = 0; i < 150; ++i )
+	{
+		World world;
+		State start;
+		randomWorld( rng, world, &start );
+		lw_state_result state;
+		ASSERT_EQ( lw_checker_state( world.checker, world.query, start.data(), LW_WHAT_BOTH, nullptr, false, &state ), LW_OK );
+		const double clearance = std::min( state.environment.upper, state.self.upper );
+		if ( state.verdict != LW_VERDICT_FREE || !( clearance > 1e-3 && clearance < INFINITY ) )
+		{
+			continue;
+		}
+		for ( int k = 0; k < 6; ++k )
+		{
+			lw_edge_def def = lw_edge_def_default();
+			def.alpha = k % 2 == 0 ? 0.1 : 0.9;
+			const double off = rng.decade( -7, -0.5 ); // within the slack and alpha, mostly
+			def.min_d = clearance * ( 1 - off );
+			const lw_edge_result r = world.edge( start, start, def );
+			EXPECT_EQ( r.verdict, LW_VERDICT_FREE ) << clearance << ", " << off << " of it more than min_d";
+			EXPECT_GE( r.lower_bound, def.min_d );
+			EXPECT_LE( r.lower_bound, clearance * ( 1 + 1e-9 ) );
+			freeOnes += r.verdict == LW_VERDICT_FREE;
+			def.min_d = clearance * ( 1 + off );
+			blockedOnes += world.edge( start, start, def ).verdict == LW_VERDICT_BLOCKED;
+		}
+	}
+	EXPECT_GE( freeOnes, 200 );
+	EXPECT_EQ( blockedOnes, freeOnes );
+}
+
 // Between two steps no point moves more than max_d, so with min_d >= max_d / 2 the environment is really free of contact,
 // with min_d >= max_d the robot is of itself.
 TEST( Edge, StepsKeepWhatTheyPromise )
