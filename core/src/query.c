@@ -150,6 +150,8 @@ void lw_query_reset( lw_query* query )
 	query->warm_self.valid = false;
 	query->warm_scene.valid = false;
 	memset( query->hints, 0, sizeof( query->hints ) );
+	query->last_edge_body = 0;
+	query->last_edge_self = false;
 	lwi_query_forget_checker( query );
 }
 
