@@ -126,7 +126,7 @@ static lwi_edge_plane* planes_of( const sweeping* s, uint32_t key )
 static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
 {
 	uint32_t lane = p->next;
-	for ( ; ( p->served >> lane & 1u ) != 0; lane = ( lane + 1 ) % LWI_WIDTH )
+	for ( ; ( (uint32_t)p->served >> lane & 1u ) != 0; lane = ( lane + 1 ) % LWI_WIDTH )
 	{
 		p->served = (uint8_t)( p->served & ~( 1u << lane ) );
 	}
