@@ -241,14 +241,19 @@ static void make_boxes( lwi_places* s )
 	const double *low = s->shape->box_min, *high = s->shape->box_max;
 	const lw_vec3 middle = lwi_v3( 0.5 * ( low[0] + high[0] ), 0.5 * ( low[1] + high[1] ), 0.5 * ( low[2] + high[2] ) );
 	make_places( s );
+	s->box_size = 0;
 	for ( int i = 0; i < s->count; ++i )
 	{
 		const lw_transform* at = place( s, i );
+		double size = 0;
 		s->box_middle[i] = lwi_transform( at, middle );
 		for ( int k = 0; k < 9; ++k )
 		{
-			s->boxes[i].half[k / 3][k % 3] = (float)( 0.5 * ( high[k / 3] - low[k / 3] ) * at->r[k % 3][k / 3] );
+			const double x = 0.5 * ( high[k / 3] - low[k / 3] ) * at->r[k % 3][k / 3];
+			s->boxes[i].half[k / 3][k % 3] = (float)x;
+			size += fabs( x );
 		}
+		s->box_size = fmax( s->box_size, size );
 	}
 	s->boxed = true;
 }
@@ -263,16 +268,16 @@ static uint32_t planes_clear( const lwi_kernels* kernels, lwi_places* a, const l
 	{
 		r[k] = (float)b->middle.r[k / 3][k % 3];
 	}
-	double far = 2 * ( size_of( a->shape ) + size_of( b->shape ) );
+	double far = 0;
 	for ( int i = 0; i < a->count; ++i )
 	{
 		const lw_vec3 middle = lwi_sub( a->box_middle[i], q->from );
 		a->boxes[i].middle[0] = (float)middle.x;
 		a->boxes[i].middle[1] = (float)middle.y;
 		a->boxes[i].middle[2] = (float)middle.z;
-		far = fmax( far, far + fabs( middle.x ) + fabs( middle.y ) + fabs( middle.z ) );
+		far = fmax( far, fabs( middle.x ) + fabs( middle.y ) + fabs( middle.z ) );
 	}
-	const double slack = BOX_SLACK * far;
+	const double slack = BOX_SLACK * ( far + a->box_size + size_of( b->shape ) );
 	return kernels->planes_clear( planes, r, a->boxes, (uint32_t)a->count, lwi_round_up( q->need + slack ),
 		lwi_round_down( q->need - slack - dilation_of( a->shape ) ), room );
 }

@@ -61,6 +61,7 @@ typedef struct lwi_places
 	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape; of drifts linear, not rigid: points are where they take them. One is `middle`
 	bool boxed;                      ///< the box around the shape is at its places: it is when it is needed
 	lw_vec3 box_middle[LWI_MAX_PLACES];
+	double box_size; ///< sum of the coordinates of three half axes, at most
 	lwi_turned_box boxes[LWI_MAX_PLACES]; ///< from the origin of the last question
 } lwi_places;
 
