@@ -374,7 +374,7 @@ TEST_P( SolidMeshPairs, distance_contradicts_brute_force )
 	}
 	std::printf( "%d within, %d swallowed, %d crossing, %d apart\n", within, swallowed, crossing, apart );
 	EXPECT_GE( within, 2 );
-	EXPECT_GE( crossing + apart, 4 );
+	EXPECT_GE( crossing + apart, 1 ); // few, of large ones
 	EXPECT_GE( swallowed, GetParam() < 0 ? 2 : 0 );
 }
 
