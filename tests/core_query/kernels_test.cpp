@@ -344,7 +344,8 @@ TEST( Kernels, box_is_below_a_plane_that_it_reaches )
 			{
 				const double x = rng.uniform( -1, 1 ) * scale * ( k < 3 ? 2 : 0.3 );
 				exact[box][k / 3][k % 3] = x;
-				( k < 3 ? boxes[box].middle : boxes[box].half[k / 3 - 1] )[k % 3] = static_cast<float>( x );
+				float* to = k < 3 ? &boxes[box].middle[0] : &boxes[box].half[k / 3 - 1][0];
+				to[k % 3] = static_cast<float>( x );
 				far += std::abs( x );
 			}
 		}
