@@ -2,6 +2,9 @@
 // Judges of edges: see edge_judges.hpp.
 #include "edge_judges.hpp"
 
+#include "brute_distance.hpp"
+#include "brute_truth.hpp"
+
 #include <cstdio>
 #include <queue>
 #include <stdexcept>
@@ -119,4 +122,13 @@ double EdgeJudges::fclDistance( const std::vector<double>& q, double bound )
 {
 	m_fcl->pose( q.data() );
 	return m_fcl->selfDistance( m_fcl->environmentDistance( bound ) );
+}
+
+bool EdgeJudges::bruteCollides( const std::vector<double>& q )
+{
+	m_fcl->pose( q.data() );
+	BruteDistance brute;
+	const double bound = 1e-6;
+	return bruteForce( brute, m_fcl->placedPairs( false ), bound ).upper <= 0 ||
+		   bruteForce( brute, m_fcl->placedPairs( true ), bound ).upper <= 0;
 }

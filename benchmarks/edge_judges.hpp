@@ -28,6 +28,8 @@ public:
 	/// FCL's word on one state: is it in contact, and how far is it from it (no further than `bound`)?
 	bool fclCollides( const std::vector<double>& q );
 	double fclDistance( const std::vector<double>& q, double bound );
+	/// Brute force's word on contact at a state, about the pairs that FCL is asked about.
+	bool bruteCollides( const std::vector<double>& q );
 
 	/// A query without a part in any of that.
 	lw_query* spare() { return m_spare.get(); }

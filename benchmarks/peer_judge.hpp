@@ -7,7 +7,7 @@
 // counted, kept and explained.
 #pragma once
 
-#include "pair_peer.hpp"
+#include "brute_truth.hpp"
 #include "peers.hpp"
 
 #include "brute_distance.hpp"
@@ -31,17 +31,6 @@ inline Answer single( double value )
 {
 	return { value, value };
 }
-
-/// What brute force says: the distance is in the interval, between shapes of these kinds.
-struct Truth
-{
-	double lower = 0, upper = 0;
-	std::string kinds; ///< "mesh, box"
-	bool is_solid = false;
-};
-
-/// The smallest distance of any of the pairs. @param bound metres, nothing at or above it needs a distance
-Truth bruteForce( BruteDistance& brute, const std::vector<PlacedPair>& pairs, double bound );
 
 /// A library that was asked, and what explains its errors.
 struct Asked
