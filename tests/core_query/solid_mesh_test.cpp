@@ -296,7 +296,13 @@ TEST_P( SolidMeshPairs, distance_contradicts_brute_force )
 	int within = 0, swallowed = 0, crossing = 0, apart = 0;
 	// edges against meshes and boxes cost the oracle most
 	const bool costly = GetParam() <= 0 || types[std::max( 0, GetParam() )] == LW_SHAPE_BOXES;
-	for ( int round = 0; round < ( GetParam() < 0 ? 80 : costly ? 60 : 300 ); ++round )
+	const int rounds = GetParam() < 0 ? 80 : costly ? 60 : 300;
+	// how often solids lie within each other depends on the seed: as long as it takes, within reason
+	const auto is_enough = [&]
+	{
+		return within >= 5 && crossing + apart >= 10 && swallowed >= ( GetParam() < 0 ? 5 : 0 );
+	};
+	for ( int round = 0; round < rounds || ( round < 10 * rounds && !is_enough() ); ++round )
 	{
 		double size = rng.decade( -2, 2 );
 		Solid s = random_solid( rng, size, false, costly ? 5 : 14 );
@@ -373,9 +379,7 @@ TEST_P( SolidMeshPairs, distance_contradicts_brute_force )
 		}
 	}
 	std::printf( "%d within, %d swallowed, %d crossing, %d apart\n", within, swallowed, crossing, apart );
-	EXPECT_GE( within, 2 );
-	EXPECT_GE( crossing + apart, 1 ); // few, of large ones
-	EXPECT_GE( swallowed, GetParam() < 0 ? 2 : 0 );
+	EXPECT_TRUE( is_enough() );
 }
 
 INSTANTIATE_TEST_SUITE_P( types, SolidMeshPairs, ::testing::Range( -1, type_count ), []( const auto& one ) {

@@ -193,7 +193,7 @@ TEST_F( WorldTest, changes_differ_from_a_problem_built_anew )
 	const Shape box = model.objects[0].shapes[0].shape;
 	SceneModel now = model;
 	int blocked = 0, with_attached = 0;
-	for ( int i = 0; i < 300; ++i )
+	for ( int i = 0; i < 300 || ( i < 3000 && blocked <= 20 ); ++i )
 	{
 		const lw_transform pose = at( rng.uniform( -0.8, 0.8 ), rng.uniform( -0.8, 0.8 ), rng.uniform( -0.7, 0 ) );
 		const int kind = rng.integer( 0, 4 );
@@ -261,7 +261,7 @@ TEST_F( WorldTest, changes_differ_from_a_problem_built_anew )
 		blocked += x.verdict == LW_VERDICT_BLOCKED;
 		with_attached += !now.attached.empty();
 	}
-	EXPECT_GT( blocked, 3 ); // of the seeds tried: 11 to 30
+	EXPECT_GT( blocked, 20 );
 	EXPECT_GT( with_attached, 50 );
 }
 
