@@ -92,9 +92,8 @@ static const uint8_t* masks_of( const lw_checker* checker, const lw_query* query
 static uint32_t near_lanes( const lw_query* query, const uint8_t* masks, const float* gaps, uint32_t block, float limit )
 {
 	const float zero = 0;
-	float low[1][LWI_WIDTH];
-	memcpy( low, gaps + block * LWI_WIDTH, sizeof( low ) );
-	return masks[block] == 0 ? 0 : masks[block] & query->kernels->slab_gap( (const float( * )[LWI_WIDTH])low, &zero, limit, 1 );
+	const float( *low )[LWI_WIDTH] = (const float( * )[LWI_WIDTH])( gaps + block * LWI_WIDTH );
+	return masks[block] == 0 ? 0 : masks[block] & query->kernels->slab_gap( low, &zero, limit, 1 );
 }
 
 /// Sets the gaps of pairs that do not count to +INFINITY. Returns the index of the least gap.

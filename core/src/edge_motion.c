@@ -414,10 +414,10 @@ void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 		out->count = 2;
 		return;
 	}
-	out->at[0] = out->middle;
 	if ( rate.path > 0 )
 	{
 		const lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+		out->at[0] = out->middle;
 		out->at[1] = lwi_multiply( &s->left, top_from_shape );
 		out->at[2] = lwi_multiply( &s->right, top_from_shape );
 		out->count = 3;

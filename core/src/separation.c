@@ -346,7 +346,7 @@ static void make_cloud( const lwi_kernels* kernels, lwi_places* s )
 		lw_vec3 from = lwi_sub( origin_of( place( s, i ), s->shape ), middle );
 		for ( int k = 0; k < 9; ++k )
 		{
-			motion.r[k] = (float)s->at[i].r[k / 3][k % 3];
+			motion.r[k] = (float)place( s, i )->r[k / 3][k % 3];
 		}
 		motion.t[0] = (float)from.x;
 		motion.t[1] = (float)from.y;

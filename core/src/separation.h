@@ -58,7 +58,7 @@ typedef struct lwi_places
 	bool made;           ///< `at` is filled; of drifts it may wait until it is needed
 	lw_vec3 turn, shift;
 	lwi_cloud* cloud; ///< of more than one place
-	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape; of drifts linear, not rigid: points are where they take them. One is `middle`
+	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape, of several; of drifts linear, not rigid: points are where they take them
 	bool boxed;                      ///< the box around the shape is at its places: it is when it is needed
 	lw_vec3 box_middle[LWI_MAX_PLACES];
 	double box_size; ///< sum of the coordinates of three half axes, at most
