@@ -6,13 +6,12 @@
 // Every verdict of a certificate is put to the auditor: FREE by a look at the whole edge, its lower bound with it; BLOCKED
 // and REFUSED by the distance of the named pair at t, and by FCL; what is proved from the start by a look at that part. A
 // discrete validator cannot stumble over a free edge, so it is asked about the colliding ones.
+#include "bench_program.hpp"
 #include "edge_judges.hpp"
 #include "edge_truth.hpp"
 #include "edge_worlds.hpp"
 #include "planner_edges.hpp"
 #include "provenance.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
@@ -618,36 +617,28 @@ private:
 
 int main( int argc, char** argv )
 {
-	CLI::App app{ "Who calls a colliding edge free?" };
 	Settings settings;
-	app.add_option( "--data", settings.data, "folder of robots and scenes" );
-	app.add_option( "--count", settings.edges, "how many edges to judge" )->capture_default_str();
-	app.add_option(
+	BenchProgram program( "audit_edges", "Who calls a colliding edge free?" );
+	program.option( "--data", settings.data, "folder of robots and scenes" );
+	program.option( "--count", settings.edges, "how many edges to judge" );
+	program.option(
 		"--only", settings.only, "only sets of worlds with this in their name, such as 'armar3 torso' or 'random'" );
-	app.add_option(
+	program.option(
 		"--robot", settings.robot, "URDF,SRDF,GROUP: this robot instead; GROUP may be joints and groups joined by +" );
-	app.add_option( "--scene", settings.scene, "with --robot: planning scene" )->check( CLI::ExistingFile );
-	app.add_option( "--request", settings.request, "with --robot: its start state places the other joints" )
-		->check( CLI::ExistingFile );
-	app.add_option( "--edges", settings.edges_file, "judge the edges of this file instead" )->check( CLI::ExistingFile );
-	app.add_option( "--record", settings.record, "write edges and verdicts to this file" );
-	app.add_option( "--plan-seconds", settings.plan_seconds, "for each problem whose planner's motions are judged" )
-		->capture_default_str();
-	app.add_option( "--resolution", settings.resolution, "metres of motion between two states near contact" )
-		->capture_default_str();
-	app.add_option( "--budget", settings.budget, "seconds for pair proofs, per robot" )->capture_default_str();
-	app.add_option( "--threads", settings.threads )->capture_default_str()->check( CLI::Range( 1, 64 ) );
-	app.add_option( "--seed", settings.seed )->capture_default_str();
-	app.add_option( "--json", settings.json, "result file" );
-	CLI11_PARSE( app, argc, argv );
-	std::signal( SIGINT, []( int ) { interrupted = 1; } );
-	try
-	{
-		return Audit( settings ).run();
-	}
-	catch ( const std::exception& error )
-	{
-		std::fprintf( stderr, "audit_edges: error: %s\n", error.what() );
-		return 2;
-	}
+	program.inputFile( "--scene", settings.scene, "with --robot: planning scene" );
+	program.inputFile( "--request", settings.request, "with --robot: its start state places the other joints" );
+	program.inputFile( "--edges", settings.edges_file, "judge the edges of this file instead" );
+	program.option( "--record", settings.record, "write edges and verdicts to this file" );
+	program.option( "--plan-seconds", settings.plan_seconds, "for each problem whose planner's motions are judged" );
+	program.option( "--resolution", settings.resolution, "metres of motion between two states near contact" );
+	program.option( "--budget", settings.budget, "seconds for pair proofs, per robot" );
+	program.option( "--threads", settings.threads, "that judge", { 1, 64 } );
+	program.option( "--seed", settings.seed, "of the edges that are made up" );
+	program.option( "--json", settings.json, "result file" );
+	return program.run( argc, argv,
+		[&]
+		{
+			std::signal( SIGINT, []( int ) { interrupted = 1; } );
+			return Audit( settings ).run();
+		} );
 }

@@ -4,19 +4,17 @@
 //
 // Each contender passes over a set of states several times; the time of a state is the median over the passes. Passes go
 // over the whole set, so that no contender sees the same state twice in a row and profits from what it just found.
+#include "bench_program.hpp"
 #include "configurations.hpp"
 #include "fcl_peer.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
 #include "tree_cost.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <functional>
-#include <iostream>
 #include <limits>
 #include <memory>
 
@@ -35,7 +33,6 @@ struct Settings
 	std::size_t states = 400;
 	int repetitions = 5;
 	std::uint64_t seed = 20260101;
-	bool quick = false;
 };
 
 /// A checker with its own query.
@@ -445,36 +442,23 @@ int run( const Settings& settings )
 int main( int argc, char** argv )
 {
 	Settings settings;
-	CLI::App app( "Clearance queries of ARMAR-III in a kitchen: leeway against FCL.\n"
-				  "Exit status: 0 answers agree, 1 answers differ, 2 error, 77 no data." );
-	app.add_option( "--data", settings.data, "folder with armar3 and kit_kitchen" )->capture_default_str();
-	app.add_option( "--states", settings.states, "states per set, at most" )
-		->capture_default_str()
-		->check( CLI::Range( 1, 100000 ) );
-	app.add_option( "--repetitions", settings.repetitions, "passes over each set" )
-		->capture_default_str()
-		->check( CLI::Range( 1, 1000 ) );
-	app.add_option( "--seed", settings.seed, "of the random states" )->capture_default_str();
-	app.add_option( "--json", settings.json, "write the figures and where they come from to this file" );
-	app.add_flag( "--quick", settings.quick, "40 states per set, one pass: for agreement, not for figures" );
-	CLI11_PARSE( app, argc, argv );
-	if ( settings.quick )
-	{
-		settings.states = std::min<std::size_t>( settings.states, 40 );
-		settings.repetitions = 1;
-	}
-	if ( !std::filesystem::exists( std::filesystem::path( settings.data ) / "kit_kitchen" ) )
-	{
-		std::cerr << settings.data << ": no folder kit_kitchen there; give the data folder with --data\n";
-		return 77;
-	}
-	try
-	{
-		return run( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::cerr << "bench_clearance: " << error.what() << "\n";
-		return 2;
-	}
+	bool quick = false;
+	BenchProgram program( "bench_clearance", "Clearance queries of ARMAR-III in a kitchen: leeway against FCL." );
+	program.option( "--data", settings.data, "folder with armar3 and kit_kitchen" );
+	program.option( "--states", settings.states, "states per set, at most", { 1, 100000 } );
+	program.option( "--repetitions", settings.repetitions, "passes over each set", { 1, 1000 } );
+	program.option( "--seed", settings.seed, "of the random states" );
+	program.option( "--json", settings.json, "write the figures and where they come from to this file" );
+	program.flag( "--quick", quick, "40 states per set, one pass: for agreement, not for figures" );
+	return program.run( argc, argv,
+		[&]
+		{
+			if ( quick )
+			{
+				settings.states = std::min<std::size_t>( settings.states, 40 );
+				settings.repetitions = 1;
+			}
+			requireData( settings.data, "kit_kitchen" );
+			return run( settings );
+		} );
 }

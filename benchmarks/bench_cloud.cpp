@@ -5,11 +5,11 @@
 // the octree of their cells, as fcl::OcTree and as boxes in its managers. leeway on the boxes of the octree is the same
 // geometry as FCL's: their distances must agree. A ball's point is in a cell, which bounds the cloud's distances by those of
 // the cells. Exit status 1 if an answer is outside of that.
+#include "bench_program.hpp"
 #include "fcl_peer.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -18,8 +18,6 @@
 #include <fcl/geometry/shape/box.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
-#include <filesystem>
-#include <iostream>
 #include <limits>
 #include <octomap/octomap.h>
 
@@ -41,7 +39,6 @@ struct Settings
 	std::size_t points = 1000000, states = 200;
 	double cell = 0.01;
 	std::uint64_t seed = 20260101;
-	bool quick = false;
 };
 
 double uniform( std::mt19937_64& random )
@@ -611,43 +608,29 @@ int run( const Settings& settings )
 int main( int argc, char** argv )
 {
 	Settings settings;
-	CLI::App app( "A million points in leeway, their octomap in FCL.\n"
-	              "Exit status: 0 answers agree, 1 answers differ, 2 error, 77 no data." );
-	app.add_option( "--data", settings.data, "folder with mbm" )->capture_default_str();
-	app.add_option( "--set", settings.set, "of Panda's problems" )->capture_default_str();
-	app.add_option( "--problem", settings.problem, "its number" )->capture_default_str();
-	app.add_option( "--points", settings.points, "of the cloud" )
-	    ->capture_default_str()
-	    ->check( CLI::Range( 1, 100000000 ) );
-	app.add_option( "--cell", settings.cell, "edge of the octomap's cells, metres; points get half of it as radius" )
-	    ->capture_default_str()
-	    ->check( CLI::Range( 1e-4, 1.0 ) );
-	app.add_option( "--states", settings.states, "states" )->capture_default_str()->check( CLI::Range( 1, 100000 ) );
-	app.add_option( "--repetitions", settings.repetitions, "passes over the states" )
-	    ->capture_default_str()
-	    ->check( CLI::Range( 1, 1000 ) );
-	app.add_option( "--seed", settings.seed, "of points and states" )->capture_default_str();
-	app.add_option( "--json", settings.json, "write the figures and where they come from to this file" );
-	app.add_flag( "--quick", settings.quick, "100,000 points, 40 states, one pass: for agreement, not for figures" );
-	CLI11_PARSE( app, argc, argv );
-	if ( settings.quick )
-	{
-		settings.points = std::min<std::size_t>( settings.points, 100000 );
-		settings.states = std::min<std::size_t>( settings.states, 40 );
-		settings.repetitions = 1;
-	}
-	if ( !std::filesystem::exists( std::filesystem::path( settings.data ) / "mbm" ) )
-	{
-		std::cerr << settings.data << ": no folder mbm there; give the data folder with --data\n";
-		return 77;
-	}
-	try
-	{
-		return run( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::cerr << "bench_cloud: " << error.what() << "\n";
-		return 2;
-	}
+	bool quick = false;
+	BenchProgram program( "bench_cloud", "A million points in leeway, their octomap in FCL." );
+	program.option( "--data", settings.data, "folder with mbm" );
+	program.option( "--set", settings.set, "of Panda's problems" );
+	program.option( "--problem", settings.problem, "its number" );
+	program.option( "--points", settings.points, "of the cloud", { 1, 100000000 } );
+	program.option(
+	    "--cell", settings.cell, "edge of the octomap's cells, metres; points get half of it as radius", { 1e-4, 1.0 } );
+	program.option( "--states", settings.states, "states", { 1, 100000 } );
+	program.option( "--repetitions", settings.repetitions, "passes over the states", { 1, 1000 } );
+	program.option( "--seed", settings.seed, "of points and states" );
+	program.option( "--json", settings.json, "write the figures and where they come from to this file" );
+	program.flag( "--quick", quick, "100,000 points, 40 states, one pass: for agreement, not for figures" );
+	return program.run( argc, argv,
+	    [&]
+	    {
+		    if ( quick )
+		    {
+			    settings.points = std::min<std::size_t>( settings.points, 100000 );
+			    settings.states = std::min<std::size_t>( settings.states, 40 );
+			    settings.repetitions = 1;
+		    }
+		    requireData( settings.data, "mbm" );
+		    return run( settings );
+	    } );
 }

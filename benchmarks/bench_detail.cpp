@@ -3,10 +3,10 @@
 //
 // ARMAR-III in the cluttered kitchen, the states of bench_clearance. The tolerances take turns state by state. An answer beyond
 // what the excesses allow, or one that is freer than the exact one, fails the run.
+#include "bench_program.hpp"
 #include "configurations.hpp"
 #include "provenance.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -241,22 +241,13 @@ int bench( const Settings& settings )
 int main( int argc, char** argv )
 {
 	Settings settings;
-	CLI::App app( "Levels of detail: speed and memory against tolerance" );
-	app.add_option( "--data", settings.data, "folder with armar3 and kit_kitchen" );
-	app.add_option( "--tolerances", settings.tolerances, "millimetres; the first is compared with" );
-	app.add_option( "--count", settings.count, "states per set" );
-	app.add_option( "--repetitions", settings.repetitions, "passes" );
-	app.add_option( "--seed", settings.seed, "of the states" );
-	app.add_option( "--json", settings.json, "result file" );
-	app.add_flag( "--quick", settings.quick, "one pass over few states" );
-	CLI11_PARSE( app, argc, argv );
-	try
-	{
-		return bench( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::fprintf( stderr, "bench_detail: %s\n", error.what() );
-		return 2;
-	}
+	BenchProgram program( "bench_detail", "Levels of detail: speed and memory against tolerance." );
+	program.option( "--data", settings.data, "folder with armar3 and kit_kitchen" );
+	program.option( "--tolerances", settings.tolerances, "millimetres; the first is compared with" );
+	program.option( "--count", settings.count, "states per set", { 1 } );
+	program.option( "--repetitions", settings.repetitions, "passes", { 1 } );
+	program.option( "--seed", settings.seed, "of the states" );
+	program.option( "--json", settings.json, "result file" );
+	program.flag( "--quick", settings.quick, "one pass over few states" );
+	return program.run( argc, argv, [&] { return bench( settings ); } );
 }

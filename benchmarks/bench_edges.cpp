@@ -6,13 +6,12 @@
 // joint vectors without OMPL around them. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for
 // the edges that are free, and for the others. Edges are random ones near obstacles and anywhere, and those that RRT-Connect
 // asks about when it solves the scenes' own problems: of these most are blocked.
+#include "bench_program.hpp"
 #include "edge_judges.hpp"
 #include "edge_worlds.hpp"
 #include "planner_edges.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <array>
 #include <cstdio>
@@ -254,28 +253,16 @@ int run( const Settings& settings )
 
 int main( int argc, char** argv )
 {
-	CLI::App app{ "Certified edges against discrete validation" };
 	Settings settings;
-	app.add_option( "--data", settings.data, "folder of robots and scenes" );
-	app.add_option( "--only", settings.only, "only robots and groups with this in their name, such as 'armar3' or 'fetch'" );
-	app.add_option( "--edges", settings.edges, "per robot, set and length" )
-		->capture_default_str()
-		->check( CLI::PositiveNumber );
-	app.add_option( "--repetitions", settings.repetitions )->capture_default_str()->check( CLI::PositiveNumber );
-	app.add_option( "--resolution", settings.resolution, "of the discrete contenders, a fraction of the extent" )
-		->capture_default_str()
-		->check( CLI::PositiveNumber );
-	app.add_option( "--budget", settings.budget, "seconds for pair proofs" )->capture_default_str();
-	app.add_option( "--seed", settings.seed )->capture_default_str();
-	app.add_option( "--json", settings.json, "result file" );
-	CLI11_PARSE( app, argc, argv );
-	try
-	{
-		return run( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::fprintf( stderr, "bench_edges: error: %s\n", error.what() );
-		return 2;
-	}
+	BenchProgram program( "bench_edges", "Certified edges against discrete validation." );
+	program.option( "--data", settings.data, "folder of robots and scenes" );
+	program.option( "--only", settings.only, "only robots and groups with this in their name, such as 'armar3' or 'fetch'" );
+	program.option( "--edges", settings.edges, "per robot, set and length", { 1 } );
+	program.option( "--repetitions", settings.repetitions, "passes over the edges", { 1 } );
+	program.option(
+		"--resolution", settings.resolution, "of the discrete contenders, a fraction of the extent", POSITIVE );
+	program.option( "--budget", settings.budget, "seconds for pair proofs" );
+	program.option( "--seed", settings.seed, "of the edges" );
+	program.option( "--json", settings.json, "result file" );
+	return program.run( argc, argv, [&] { return run( settings ); } );
 }

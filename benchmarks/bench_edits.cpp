@@ -3,10 +3,10 @@
 //
 // ARMAR-III, its right arm, in the cluttered KIT kitchen, all meshes made. Edits go through io::World, as a program would do them, and
 // through the core's lw_scene_edit() and lw_checker_edit() alone; verdicts of random states must be those of a checker made from nothing.
+#include "bench_program.hpp"
 #include "leeway/io/world.hpp"
 #include "provenance.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -226,20 +226,11 @@ Json Bench::run()
 int main( int argc, char** argv )
 {
 	Settings settings;
-	CLI::App app( "Edits: what a change of the world costs" );
-	app.add_option( "--data", settings.data, "folder with armar3 and kit_kitchen" );
-	app.add_option( "--repetitions", settings.repetitions, "rounds of all kinds of edits" );
-	app.add_option( "--seed", settings.seed, "of poses and states" );
-	app.add_option( "--json", settings.json, "result file" );
-	app.add_flag( "--quick", settings.quick, "ten rounds" );
-	CLI11_PARSE( app, argc, argv );
-	try
-	{
-		return Bench( settings ).run()["different_answers"] == 0 ? 0 : 1;
-	}
-	catch ( const std::exception& error )
-	{
-		std::fprintf( stderr, "bench_edits: %s\n", error.what() );
-		return 2;
-	}
+	BenchProgram program( "bench_edits", "Edits: what a change of the world costs." );
+	program.option( "--data", settings.data, "folder with armar3 and kit_kitchen" );
+	program.option( "--repetitions", settings.repetitions, "rounds of all kinds of edits", { 1 } );
+	program.option( "--seed", settings.seed, "of poses and states" );
+	program.option( "--json", settings.json, "result file" );
+	program.flag( "--quick", settings.quick, "ten rounds" );
+	return program.run( argc, argv, [&] { return Bench( settings ).run()["different_answers"] == 0 ? 0 : 1; } );
 }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The long form of tests/extremes: as many pairs of triangles and distance queries at the extremes as wanted, each against an oracle of
 // 64 and 113 bits. Case i of a seed is the same whatever came before it, so a run goes on where another one ended (--first).
+#include "bench_program.hpp"
 #include "extreme_judge.hpp"
 #include "provenance.hpp"
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <iostream>
 #include <mutex>
 #include <thread>
 
@@ -208,28 +207,20 @@ int runAll( const Settings& settings )
 int main( int argc, char** argv )
 {
 	Settings settings;
-	CLI::App app( "leeway at the extremes against an oracle of 64 and 113 bits. Exit status: 0, 1 if a promise was broken, 2 error.",
-		"bench_extremes" );
-	app.add_option( "--pairs", settings.pairs, "pairs of triangles" )->capture_default_str();
-	app.add_option( "--queries", settings.queries, "distance queries of meshes and sets, some 25 for each two shapes" )->capture_default_str();
-	app.add_option( "--solids", settings.solids, "the same of primitives, solid meshes, half-spaces and planes" )->capture_default_str();
-	app.add_option( "--first", settings.first, "number of the first case: where an earlier run of this seed ended" )->capture_default_str();
-	app.add_option( "--seed", settings.seed )->capture_default_str();
-	app.add_option( "--threads", settings.threads )->capture_default_str()->check( CLI::Range( 1, 256 ) );
-	app.add_option( "--least", settings.least, "the least size of shapes, as a power of two of metres" )
-		->capture_default_str()
-		->check( CLI::Range( -1060, 20 ) );
-	app.add_option( "--json", settings.json, "write counts, ratios and provenance to this file" );
-	CLI11_PARSE( app, argc, argv );
-	std::signal( SIGINT, stop );
-	std::signal( SIGTERM, stop );
-	try
-	{
-		return runAll( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::cerr << "bench_extremes: error: " << error.what() << "\n";
-		return 2;
-	}
+	BenchProgram program( "bench_extremes", "leeway at the extremes against an oracle of 64 and 113 bits." );
+	program.option( "--pairs", settings.pairs, "pairs of triangles" );
+	program.option( "--queries", settings.queries, "distance queries of meshes and sets, some 25 for each two shapes" );
+	program.option( "--solids", settings.solids, "the same of primitives, solid meshes, half-spaces and planes" );
+	program.option( "--first", settings.first, "number of the first case: where an earlier run of this seed ended" );
+	program.option( "--seed", settings.seed, "of all cases" );
+	program.option( "--threads", settings.threads, "that ask", { 1, 256 } );
+	program.option( "--least", settings.least, "the least size of shapes, as a power of two of metres", { -1060, 20 } );
+	program.option( "--json", settings.json, "write counts, ratios and provenance to this file" );
+	return program.run( argc, argv,
+		[&]
+		{
+			std::signal( SIGINT, stop );
+			std::signal( SIGTERM, stop );
+			return runAll( settings );
+		} );
 }

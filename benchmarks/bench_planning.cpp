@@ -5,6 +5,7 @@
 // Everybody plans with the same planner and its defaults in the same space, problem by problem in turn, several runs each
 // with random numbers of their own. The time is the processor time of solve(), then that of a simplification by shortcuts. Every path
 // is looked at afterwards (tests/support/edge_auditor.hpp), outside of its time.
+#include "bench_program.hpp"
 #include "edge_auditor.hpp"
 #include "edge_judges.hpp"
 #include "edge_worlds.hpp"
@@ -13,7 +14,6 @@
 
 #include "leeway/ompl/validity.hpp"
 
-#include <CLI/CLI.hpp>
 #include <ompl/base/DiscreteMotionValidator.h>
 #include <ompl/geometric/PathSimplifier.h>
 #include <ompl/geometric/SimpleSetup.h>
@@ -304,25 +304,16 @@ int run( const Settings& settings )
 
 int main( int argc, char** argv )
 {
-	CLI::App app{ "MotionBenchMaker's problems end to end: certified motions against sampled ones" };
 	Settings settings;
-	app.add_option( "--data", settings.data, "folder of robots and scenes" );
-	app.add_option( "--only", settings.only, "only sets with this in their name, such as 'panda' or 'box_fetch'" );
-	app.add_option( "--problems", settings.problems, "of each set" )->capture_default_str()->check( CLI::Range( 1, 20 ) );
-	app.add_option( "--runs", settings.runs, "of each problem" )->capture_default_str()->check( CLI::PositiveNumber );
-	app.add_option( "--seconds", settings.seconds, "at most for a run" )->capture_default_str()->check( CLI::PositiveNumber );
-	app.add_option( "--range", settings.range, "longest motion that the planner adds; 0 = OMPL's choice" )->capture_default_str();
-	app.add_option( "--budget", settings.budget, "seconds for pair proofs" )->capture_default_str();
-	app.add_option( "--seed", settings.seed )->capture_default_str();
-	app.add_option( "--json", settings.json, "result file" );
-	CLI11_PARSE( app, argc, argv );
-	try
-	{
-		return run( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::fprintf( stderr, "bench_planning: error: %s\n", error.what() );
-		return 2;
-	}
+	BenchProgram program( "bench_planning", "MotionBenchMaker's problems end to end: certified motions against sampled ones." );
+	program.option( "--data", settings.data, "folder of robots and scenes" );
+	program.option( "--only", settings.only, "only sets with this in their name, such as 'panda' or 'box_fetch'" );
+	program.option( "--problems", settings.problems, "of each set", { 1, 20 } );
+	program.option( "--runs", settings.runs, "of each problem", { 1 } );
+	program.option( "--seconds", settings.seconds, "at most for a run", POSITIVE );
+	program.option( "--range", settings.range, "longest motion that the planner adds; 0 = OMPL's choice" );
+	program.option( "--budget", settings.budget, "seconds for pair proofs" );
+	program.option( "--seed", settings.seed, "of the planners" );
+	program.option( "--json", settings.json, "result file" );
+	return program.run( argc, argv, [&] { return run( settings ); } );
 }

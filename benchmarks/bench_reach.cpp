@@ -3,11 +3,10 @@
 //
 // Containment is tested by support functions: a convex set contains a body if and only if in every direction it reaches at
 // least as far. Each state brings one random direction, in which all hulls and spheres of the robot are tested.
+#include "bench_program.hpp"
 #include "leeway/io/model.hpp"
 #include "provenance.hpp"
 #include "seeded_rng.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -397,23 +396,14 @@ int run( Settings settings )
 
 int main( int argc, char** argv )
 {
-	CLI::App app{ "Motion hulls and pair tables: cost, and a hunt for what leaves its hull" };
 	Settings settings;
-	app.add_option( "--data", settings.data, "folder of robots" );
-	app.add_option( "--robot", settings.robots, "URDF[,SRDF]: instead of the three robots of the data folder" );
-	app.add_option( "--states", settings.states, "random states per robot" )->capture_default_str();
-	app.add_option( "--budget", settings.budget, "seconds for proofs by subdivision" )->capture_default_str();
-	app.add_option( "--repetitions", settings.repetitions, "of reading a blob" )->capture_default_str()->check( CLI::PositiveNumber );
-	app.add_option( "--seed", settings.seed )->capture_default_str();
-	app.add_option( "--json", settings.json, "result file" );
-	CLI11_PARSE( app, argc, argv );
-	try
-	{
-		return run( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::fprintf( stderr, "bench_reach: error: %s\n", error.what() );
-		return 2;
-	}
+	BenchProgram program( "bench_reach", "Motion hulls and pair tables: cost, and a hunt for what leaves its hull." );
+	program.option( "--data", settings.data, "folder of robots" );
+	program.option( "--robot", settings.robots, "URDF[,SRDF]: instead of the three robots of the data folder" );
+	program.option( "--states", settings.states, "random states per robot" );
+	program.option( "--budget", settings.budget, "seconds for proofs by subdivision" );
+	program.option( "--repetitions", settings.repetitions, "of reading a blob", { 1 } );
+	program.option( "--seed", settings.seed, "of the states" );
+	program.option( "--json", settings.json, "result file" );
+	return program.run( argc, argv, [&] { return run( settings ); } );
 }

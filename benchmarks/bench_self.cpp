@@ -3,17 +3,16 @@
 //
 // Groups of ARMAR-III, Fetch and Panda; rows of the ground truth tables and uniform states; ranges from a boolean check to
 // the exact distance. All contenders check the same pairs. Exit status 1 if any answer differs.
+#include "bench_program.hpp"
 #include "fcl_peer.hpp"
 #include "groundtruth.hpp"
 #include "leeway/io/model.hpp"
 #include "provenance.hpp"
 #include "race.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <limits>
 #include <memory>
 #include <random>
@@ -34,7 +33,6 @@ struct Settings
 	int repetitions = 5;
 	double budget = 20;
 	std::uint64_t seed = 20260101;
-	bool quick = false;
 };
 
 /// What is asked: the boolean check stops at the first contact.
@@ -388,44 +386,32 @@ int run( const Settings& settings )
 int main( int argc, char** argv )
 {
 	Settings settings;
-	CLI::App app( "Self clearance of robots: FCL, all pairs, motion hulls and pair tables.\n"
-				  "Exit status: 0 answers agree, 1 answers differ, 2 error, 77 no data." );
-	app.add_option( "--data", settings.data, "folder with armar3 and mbm" )->capture_default_str();
-	app.add_option( "--robot", settings.robots, "URDF,SRDF,GROUP instead of the robots of the data folder; FCL is not asked" );
-	app.add_option( "--states", settings.states, "states per set, at most" )
-		->capture_default_str()
-		->check( CLI::Range( 1, 100000 ) );
-	app.add_option( "--repetitions", settings.repetitions, "passes over each set" )
-		->capture_default_str()
-		->check( CLI::Range( 1, 1000 ) );
-	app.add_option( "--identity", settings.identity, "states per group for the count of disagreements" )->capture_default_str();
-	app.add_option( "--budget", settings.budget, "seconds of proofs by subdivision per robot" )
-		->capture_default_str()
-		->check( CLI::NonNegativeNumber );
-	app.add_option( "--cache", settings.cache, "folder where tables are kept" );
-	app.add_option( "--seed", settings.seed, "of the random states" )->capture_default_str();
-	app.add_option( "--json", settings.json, "write the figures and where they come from to this file" );
-	app.add_flag( "--quick", settings.quick, "40 states per set, one pass, 2,000 for identity, a budget of 2 s" );
-	CLI11_PARSE( app, argc, argv );
-	if ( settings.quick )
-	{
-		settings.states = std::min<std::size_t>( settings.states, 40 );
-		settings.identity = std::min<std::size_t>( settings.identity, 2000 );
-		settings.budget = std::min( settings.budget, 2.0 );
-		settings.repetitions = 1;
-	}
-	if ( settings.robots.empty() && !std::filesystem::exists( std::filesystem::path( settings.data ) / "mbm" ) )
-	{
-		std::cerr << settings.data << ": no folder mbm there; give the data folder with --data\n";
-		return 77;
-	}
-	try
-	{
-		return run( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::cerr << "bench_self: " << error.what() << "\n";
-		return 2;
-	}
+	bool quick = false;
+	BenchProgram program( "bench_self", "Self clearance of robots: FCL, all pairs, motion hulls and pair tables." );
+	program.option( "--data", settings.data, "folder with armar3 and mbm" );
+	program.option( "--robot", settings.robots, "URDF,SRDF,GROUP instead of the robots of the data folder; FCL is not asked" );
+	program.option( "--states", settings.states, "states per set, at most", { 1, 100000 } );
+	program.option( "--repetitions", settings.repetitions, "passes over each set", { 1, 1000 } );
+	program.option( "--identity", settings.identity, "states per group for the count of disagreements" );
+	program.option( "--budget", settings.budget, "seconds of proofs by subdivision per robot", { 0 } );
+	program.option( "--cache", settings.cache, "folder where tables are kept" );
+	program.option( "--seed", settings.seed, "of the random states" );
+	program.option( "--json", settings.json, "write the figures and where they come from to this file" );
+	program.flag( "--quick", quick, "40 states per set, one pass, 2,000 for identity, a budget of 2 s" );
+	return program.run( argc, argv,
+		[&]
+		{
+			if ( quick )
+			{
+				settings.states = std::min<std::size_t>( settings.states, 40 );
+				settings.identity = std::min<std::size_t>( settings.identity, 2000 );
+				settings.budget = std::min( settings.budget, 2.0 );
+				settings.repetitions = 1;
+			}
+			if ( settings.robots.empty() )
+			{
+				requireData( settings.data, "mbm" );
+			}
+			return run( settings );
+		} );
 }

@@ -3,17 +3,15 @@
 //
 // ARMAR-III, its right arm, parked at the sink of the cluttered KIT kitchen. Contenders take turns; each start reads all
 // files again (the system's file cache is warm). The state's answer must be the same to the bit.
+#include "bench_program.hpp"
 #include "leeway/io/model.hpp"
 #include "provenance.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <filesystem>
-#include <iostream>
 
 namespace
 {
@@ -214,20 +212,11 @@ int bench( const Settings& settings )
 int main( int argc, char** argv )
 {
 	Settings settings;
-	CLI::App app( "Start-up: from files to the first answer" );
-	app.add_option( "--data", settings.data, "folder with armar3 and kit_kitchen" );
-	app.add_option( "--cache", settings.cache, "folder of the warm cache" );
-	app.add_option( "--repetitions", settings.repetitions, "starts of each contender" );
-	app.add_option( "--json", settings.json, "result file" );
-	app.add_flag( "--quick", settings.quick, "two repetitions" );
-	CLI11_PARSE( app, argc, argv );
-	try
-	{
-		return bench( settings );
-	}
-	catch ( const std::exception& error )
-	{
-		std::fprintf( stderr, "bench_startup: %s\n", error.what() );
-		return 2;
-	}
+	BenchProgram program( "bench_startup", "Start-up: from files to the first answer." );
+	program.option( "--data", settings.data, "folder with armar3 and kit_kitchen" );
+	program.option( "--cache", settings.cache, "folder of the warm cache" );
+	program.option( "--repetitions", settings.repetitions, "starts of each contender", { 1 } );
+	program.option( "--json", settings.json, "result file" );
+	program.flag( "--quick", settings.quick, "two repetitions" );
+	return program.run( argc, argv, [&] { return bench( settings ); } );
 }
