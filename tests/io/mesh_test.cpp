@@ -412,3 +412,65 @@ TEST_F( MeshTest, EmptyBrokenAndUnknownFiles )
 	write( "what.xyzzy", "hello" );
 	expectError( [&] { load( "what.xyzzy" ); }, { "robot.urdf", "what.xyzzy", "convert" } );
 }
+
+namespace
+{
+
+std::string replaced( std::string text, const std::string& what, const std::string& by )
+{
+	const std::size_t at = text.find( what );
+	EXPECT_NE( at, std::string::npos ) << what;
+	return text.replace( at, what.size(), by );
+}
+
+} // namespace
+
+/// Each of them made assimp read without end, or ask for more memory than there is.
+TEST_F( MeshTest, ColladaThatSaysWhatIsNotThereIsHandedOn )
+{
+	const std::string good = collada( "<unit meter=\"1\"/>", "Z_UP", identity_matrix );
+	const auto refused = [&]( const std::string& what, const std::string& by, const std::string& words )
+	{
+		write( "bad.dae", replaced( good, what, by ) );
+		expectError( [&] { load( "bad.dae" ); }, { "robot.urdf", "bad.dae", words } );
+	};
+	refused( "<p>0 1 2", "<p>0 1 \"2", "an index should be" );
+	refused( "<p>0 1 2", "<p>0 -1 2", "an index should be" );
+	refused( "<triangles count=\"4\"", "<triangles count=\"400000000\"", "indices for fewer than 400000000" );
+	refused( "count=\"12\"", "count=\"1000000000\"", "12 values of 1000000000" );
+	refused( "offset=\"0\"", "offset=\"4000000000\"", "number 4000000000 of 12 indices" );
+	refused( "<instance_geometry url=\"#g\"/>", "<instance_node url=\"#n\"/>", "places itself" );
+	// each node places the next one twice
+	std::string nodes;
+	for ( int i = 0; i < 60; ++i )
+	{
+		const std::string next = "<instance_node url=\"#n" + std::to_string( i + 1 ) + "\"/>";
+		nodes += "<node id=\"n" + std::to_string( i ) + "\">" + next + next + "</node>";
+	}
+	refused( "<node id=\"n\">", nodes + "<node id=\"n60\">", "alias_nodes" );
+}
+
+TEST_F( MeshTest, ColladaPolygonsOfManyCorners )
+{
+	const std::string good = collada( "<unit meter=\"1\"/>", "Z_UP", identity_matrix );
+	std::string text = replaced( good, "<triangles count=\"4\">", "<polylist count=\"2\">" );
+	text = replaced( text, "<p>0 1 2 0 1 3 0 2 3 1 2 3 </p></triangles>", "<vcount>3 4</vcount><p>0 1 2 0 1 2 3</p></polylist>" );
+	write( "m.dae", text );
+	EXPECT_EQ( load( "m.dae" ).triangle_count, 3u );
+	write( "n.dae", replaced( text, "<vcount>3 4", "<vcount>3 4000000" ) );
+	expectError( [&] { load( "n.dae" ); }, { "robot.urdf", "n.dae", "4000003 corners" } );
+}
+
+TEST_F( MeshTest, ColladaNodesOfALibraryArePlaced )
+{
+	const std::string good = collada( "<unit meter=\"1\"/>", "Z_UP", identity_matrix );
+	const std::string twice = "<node id=\"m\"><translate>10 0 0</translate><instance_node url=\"#l\"/></node><node id=\"k\">"
+	                          "<instance_node url=\"#l\"/></node>";
+	std::string text = replaced( good, "<node id=\"n\">", twice + "<node id=\"n\">" );
+	text = replaced( text, "<library_visual_scenes>",
+	    "<library_nodes><node id=\"l\"><instance_geometry url=\"#g\"/></node></library_nodes><library_visual_scenes>" );
+	write( "m.dae", text );
+	const lw_shape_info info = load( "m.dae" );
+	EXPECT_EQ( info.triangle_count, 12u );
+	expectBox( info, { 0, 0, 0 }, { 11, 2, 3 } );
+}

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files before assimp gets them: its reader of COLLADA trusts that accessors stay within their arrays, the one of OBJ
-// that lines are what they seem to be.
+// Mesh files before assimp gets them: its reader of OBJ trusts that lines are what they seem to be.
 #include "mesh_check.hpp"
-#include "xml.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <fmt/format.h>
-#include <map>
 #include <set>
 
 namespace leeway::io::detail
@@ -15,111 +11,6 @@ namespace leeway::io::detail
 
 namespace
 {
-
-using tinyxml2::XMLElement;
-
-/// Name without the prefix of a namespace, which assimp does not know either but tinyxml2 keeps.
-bool isNamed( const XMLElement& element, const char* name )
-{
-	return std::strcmp( element.Name(), name ) == 0;
-}
-
-class ColladaCheck
-{
-public:
-	explicit ColladaCheck( const XMLElement& root )
-	{
-		findArrays( root );
-		checkAccessors( root );
-	}
-
-private:
-	static std::uint64_t number( const XMLElement& at, const char* attribute, std::optional<std::uint64_t> fallback )
-	{
-		const char* text = at.Attribute( attribute );
-		const std::optional<std::size_t> value = text != nullptr ? parseCount( text ) : std::nullopt;
-		if ( ( text != nullptr && !value ) || ( text == nullptr && !fallback ) )
-		{
-			throw MeshProblem{ fmt::format( "line {}: {} of <{}> is {}", at.GetLineNum(), attribute, at.Name(),
-			    text != nullptr ? fmt::format( "\"{}\", no count", text ) : "missing" ) };
-		}
-		return value ? *value : *fallback;
-	}
-
-	template <typename F> static void forEach( const XMLElement& root, F f )
-	{
-		// Without recursion: documents are as deep as they like
-		for ( const XMLElement* at = &root; at != nullptr; )
-		{
-			f( *at );
-			const XMLElement* next = at->FirstChildElement();
-			while ( next == nullptr && at != nullptr && at != &root )
-			{
-				next = at->NextSiblingElement();
-				at = next == nullptr ? at->Parent()->ToElement() : at;
-			}
-			at = next;
-		}
-	}
-
-	void findArrays( const XMLElement& root )
-	{
-		forEach( root,
-		    [this]( const XMLElement& element )
-		    {
-			    for ( const char* name : { "float_array", "int_array", "bool_array", "Name_array", "IDREF_array" } )
-			    {
-				    if ( isNamed( element, name ) )
-				    {
-					    const char* id = element.Attribute( "id" );
-					    m_arrays[id != nullptr ? id : ""] = number( element, "count", std::nullopt );
-				    }
-			    }
-		    } );
-	}
-
-	void checkAccessors( const XMLElement& root ) const
-	{
-		forEach( root,
-		    [this]( const XMLElement& element )
-		    {
-			    if ( isNamed( element, "accessor" ) )
-			    {
-				    checkAccessor( element );
-			    }
-		    } );
-	}
-
-	void checkAccessor( const XMLElement& accessor ) const
-	{
-		const char* source = accessor.Attribute( "source" );
-		const auto array = m_arrays.find( source != nullptr && source[0] == '#' ? source + 1 : "" );
-		if ( array == m_arrays.end() )
-		{
-			return; // assimp looks for it as well, where it is needed
-		}
-		const std::uint64_t count = number( accessor, "count", std::nullopt ), stride = number( accessor, "stride", 1 ),
-		                    offset = number( accessor, "offset", 0 );
-		std::uint64_t parameters = 0;
-		for ( const XMLElement* p = accessor.FirstChildElement( "param" ); p != nullptr;
-		      p = p->NextSiblingElement( "param" ) )
-		{
-			++parameters;
-		}
-		// The last of `count` steps of `stride` has its numbers within the array
-		const std::uint64_t largest = array->second;
-		const bool fits = offset <= largest && ( count == 0 || stride <= ( largest - offset ) / count ) &&
-		                  parameters <= std::max<std::uint64_t>( stride, 1 );
-		if ( !fits )
-		{
-			throw MeshProblem{
-			    fmt::format( "line {}: {} times {} numbers with {} names, from number {} on, are not in an array of {}",
-			        accessor.GetLineNum(), count, stride, parameters, offset, largest ) };
-		}
-	}
-
-	std::map<std::string, std::uint64_t> m_arrays; ///< numbers of each, by id
-};
 
 /// The lines of an OBJ file (Wavefront, Object Files, appendix B1).
 class ObjCheck
@@ -237,6 +128,23 @@ private:
 
 } // namespace
 
+void MeshPlace::checkRoom( const TriangleSoup& soup, std::size_t triangles, std::size_t vertices ) const
+{
+	const std::uint64_t all = soup.indices.size() / 3 + triangles, corners = soup.vertices.size() / 3 + vertices;
+	// vertices that no triangle names cost as much as others
+	checkLimit( &Limits::triangles, std::max( all, corners / 3 ), fmt::format( "triangles in mesh {}", mesh_file ), from_file,
+	    element );
+	if ( corners > UINT32_MAX )
+	{
+		throw Error( from_file, element, fmt::format( "mesh {} has more vertices than can be numbered", mesh_file ), "split it" );
+	}
+}
+
+void MeshPlace::checkDepth( std::size_t depth ) const
+{
+	checkLimit( &Limits::nesting, depth, fmt::format( "nodes above each other in mesh {}", mesh_file ), from_file, element );
+}
+
 std::string checkedMesh( const std::string& extension, std::string bytes )
 {
 	if ( extension == ".ply" )
@@ -247,10 +155,6 @@ std::string checkedMesh( const std::string& extension, std::string bytes )
 	{
 		checkObj( bytes );
 	}
-	else if ( extension == ".glb" )
-	{
-		checkGlb( bytes );
-	}
 	else if ( extension == ".dae" )
 	{
 		checkCollada( bytes );
@@ -258,64 +162,9 @@ std::string checkedMesh( const std::string& extension, std::string bytes )
 	return bytes;
 }
 
-void checkGlb( const std::string& bytes )
-{
-	ByteReader reader( bytes );
-	const auto number = [&]
-	{
-		const std::optional<std::string_view> word = reader.take( 4 );
-		if ( !word )
-		{
-			throw MeshProblem{ "it ends within a header: it was cut short" };
-		}
-		return static_cast<std::uint64_t>( decodeScalar( word->data(), ScalarType::uint32, false ) );
-	};
-	if ( reader.take( 4 ) != std::string_view( "glTF" ) )
-	{
-		throw MeshProblem{ "it does not begin as binary glTF does" };
-	}
-	const std::uint64_t version = number(), length = number();
-	if ( length != bytes.size() || ( version != 1 && version != 2 ) )
-	{
-		throw MeshProblem{ fmt::format( "version {} with {} bytes, of which there are {}", version, length, bytes.size() ) };
-	}
-	if ( version == 1 )
-	{
-		const std::uint64_t content = number(), format = number();
-		if ( format != 0 || content > reader.left() )
-		{
-			throw MeshProblem{ fmt::format( "{} bytes of content, and {} are left", content, reader.left() ) };
-		}
-		return;
-	}
-	for ( bool first = true; first || reader.left() > 0; first = false )
-	{
-		const std::uint64_t size = number();
-		const std::optional<std::string_view> kind = reader.take( 4 );
-		if ( !kind || ( first && *kind != "JSON" ) || !reader.take( size ) )
-		{
-			throw MeshProblem{ fmt::format( "a chunk of {} bytes that is not there, or not what comes first", size ) };
-		}
-	}
-}
-
 void checkObj( const std::string& bytes )
 {
 	ObjCheck check( bytes );
-}
-
-void checkCollada( const std::string& bytes )
-{
-	tinyxml2::XMLDocument document;
-	if ( const std::optional<XmlProblem> problem = parseXml( document, bytes ) )
-	{
-		throw MeshProblem{ fmt::format( "line {}: {}", problem->line, problem->text ) };
-	}
-	if ( document.RootElement() == nullptr )
-	{
-		throw MeshProblem{ "it has no root element" };
-	}
-	ColladaCheck check( *document.RootElement() );
 }
 
 } // namespace leeway::io::detail

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files by assimp (STL, OBJ, DAE, PLY, glTF): the triangles as they are, in metres. Binary STL, which most robots
-// come in, is a list of numbers: it is read without.
+// Mesh files by assimp (STL, OBJ, DAE, PLY): the triangles as they are, in metres. Binary STL, which most robots come in, is
+// a list of numbers: it is read without; glTF by gltf_reader.cpp.
 //
 // Conventions are those of RViz and MoveIt (geometric_shapes): a COLLADA file's <unit> is applied, its <up_axis> is not,
 // because robot descriptions place the mesh as it is drawn; glTF nodes are applied, its y-up convention is not turned.
@@ -40,25 +40,11 @@ Matrix multiply( const Matrix& parent, const aiMatrix4x4& node )
 	return product;
 }
 
-/// Where a mesh is placed a thousand times, a small file has a large soup: counted before it is made. And what a face names has
-/// to be there.
+/// assimp passes on what the file says, and its own next steps believe it: what a face or a node names has to be there.
 struct Checks
 {
-	const std::string& mesh_file;
-	const std::string& from_file;
-	const std::string& element;
+	const MeshPlace& place;
 
-	void check( const TriangleSoup& soup, const aiMesh& more ) const
-	{
-		const std::string what = fmt::format( "triangles in mesh {}", mesh_file );
-		checkLimit( &Limits::triangles, soup.indices.size() / 3 + more.mNumFaces, what, from_file, element );
-		if ( soup.vertices.size() / 3 + more.mNumVertices > UINT32_MAX )
-		{
-			throw Error( from_file, element, fmt::format( "mesh {} has more vertices than can be numbered", mesh_file ),
-			    "split it" );
-		}
-	}
-	/// assimp passes on what the file says, and its own next steps believe it.
 	void check( const aiScene& scene ) const
 	{
 		for ( unsigned i = 0; i < scene.mNumMeshes; ++i )
@@ -75,7 +61,7 @@ struct Checks
 private:
 	[[noreturn]] void fail( const std::string& problem ) const
 	{
-		throw Error( from_file, element, fmt::format( "mesh {}: {}", mesh_file, problem ),
+		throw Error( place.from_file, place.element, fmt::format( "mesh {}: {}", place.mesh_file, problem ),
 		    "repair the mesh file, or export it again" );
 	}
 
@@ -96,8 +82,7 @@ private:
 
 	void checkNode( const aiScene& scene, const aiNode& node, unsigned depth ) const
 	{
-		checkLimit(
-		    &Limits::nesting, depth, fmt::format( "nodes above each other in mesh {}", mesh_file ), from_file, element );
+		place.checkDepth( depth );
 		for ( unsigned i = 0; i < node.mNumMeshes; ++i )
 		{
 			if ( node.mMeshes[i] >= scene.mNumMeshes )
@@ -112,9 +97,9 @@ private:
 	}
 };
 
-void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, const Checks& checks, TriangleSoup& soup )
+void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, const MeshPlace& place, TriangleSoup& soup )
 {
-	checks.check( soup, mesh );
+	place.checkRoom( soup, mesh.mNumFaces, mesh.mNumVertices );
 	std::uint32_t base = static_cast<std::uint32_t>( soup.vertices.size() / 3 );
 	for ( unsigned i = 0; i < mesh.mNumVertices; ++i )
 	{
@@ -140,25 +125,68 @@ void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, const Checks&
 	}
 }
 
-void appendNode( const aiScene& scene, const aiNode& node, const Matrix& root_from_parent, const Checks& checks, TriangleSoup& soup )
+void appendNode(
+    const aiScene& scene, const aiNode& node, const Matrix& root_from_parent, const MeshPlace& place, TriangleSoup& soup )
 {
 	Matrix root_from_node = multiply( root_from_parent, node.mTransformation );
 	for ( unsigned i = 0; i < node.mNumMeshes; ++i )
 	{
-		appendMesh( *scene.mMeshes[node.mMeshes[i]], root_from_node, checks, soup );
+		appendMesh( *scene.mMeshes[node.mMeshes[i]], root_from_node, place, soup );
 	}
 	for ( unsigned i = 0; i < node.mNumChildren; ++i )
 	{
-		appendNode( scene, *node.mChildren[i], root_from_node, checks, soup );
+		appendNode( scene, *node.mChildren[i], root_from_node, place, soup );
 	}
 }
 
 /// Of a file that assimp reads itself.
-void checkSize( const std::string& mesh_file, const std::string& from_file, const std::string& element )
+void checkSize( const MeshPlace& place )
 {
 	std::error_code error;
-	const std::uintmax_t size = std::filesystem::file_size( mesh_file, error );
-	checkLimit( &Limits::file_bytes, error ? 0 : size, fmt::format( "bytes in mesh {}", mesh_file ), from_file, element );
+	const std::uintmax_t size = std::filesystem::file_size( place.mesh_file, error );
+	checkLimit( &Limits::file_bytes, error ? 0 : size, fmt::format( "bytes in mesh {}", place.mesh_file ), place.from_file,
+	    place.element );
+}
+
+/// @param bytes of a file that is self-contained @throws MeshProblem, Error
+TriangleSoup readByAssimp( const MeshPlace& place, const std::string& extension, std::string bytes )
+{
+	Assimp::Importer importer;
+	if ( !extension.empty() && !importer.IsExtensionSupported( extension ) )
+	{
+		throw Error( place.from_file, place.element, fmt::format( "mesh {} is of a type that cannot be read", place.mesh_file ),
+		    "convert it to STL, OBJ, DAE, PLY or glTF" );
+	}
+	importer.SetPropertyBool( AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true );
+	const aiScene* scene = nullptr;
+	if ( isSelfContained( extension ) )
+	{
+		// What was checked is what is read: not a file that somebody writes meanwhile
+		bytes = checkedMesh( extension, std::move( bytes ) );
+		scene = importer.ReadFileFromMemory( bytes.data(), bytes.size(), 0, extension.c_str() + 1 );
+	}
+	else
+	{
+		checkSize( place );
+		scene = importer.ReadFile( place.mesh_file, 0 );
+	}
+	if ( scene != nullptr && scene->mRootNode != nullptr )
+	{
+		Checks{ place }.check( *scene );
+		scene = importer.ApplyPostProcessing( aiProcess_Triangulate );
+	}
+	if ( scene == nullptr || scene->mRootNode == nullptr )
+	{
+		throw MeshProblem{ importer.GetErrorString() };
+	}
+	TriangleSoup soup;
+	Matrix identity{};
+	for ( unsigned i = 0; i < 4; ++i )
+	{
+		identity[i][i] = 1;
+	}
+	appendNode( *scene, *scene->mRootNode, identity, place, soup );
+	return soup;
 }
 
 } // namespace
@@ -200,59 +228,31 @@ std::string lowerExtension( const std::string& file )
 TriangleSoup readMeshFile(
     const std::string& mesh_file, const std::string& from_file, const std::string& element, std::string bytes )
 {
+	const MeshPlace place{ mesh_file, from_file, element };
 	const std::string extension = lowerExtension( mesh_file );
-	const auto unreadable = [&]( const std::string& problem )
-	{
-		return Error( from_file, element, fmt::format( "mesh {} cannot be read: {}", mesh_file, problem ),
-		    "repair the mesh file, or export it again" );
-	};
-	Assimp::Importer importer;
-	if ( !extension.empty() && !importer.IsExtensionSupported( extension ) )
-	{
-		throw Error( from_file, element, fmt::format( "mesh {} is of a type that cannot be read", mesh_file ),
-		    "convert it to STL, OBJ, DAE, PLY or glTF" );
-	}
-	importer.SetPropertyBool( AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true );
-	const aiScene* scene = nullptr;
-	if ( isSelfContained( extension ) )
-	{
-		// What was checked is what is read: not a file that somebody writes meanwhile
-		try
-		{
-			bytes = checkedMesh( extension, bytes.empty() ? readFile( mesh_file ) : std::move( bytes ) );
-		}
-		catch ( const Error& error )
-		{
-			throw Error( from_file, element, fmt::format( "mesh {}: {}", mesh_file, error.problem() ), error.remedy() );
-		}
-		catch ( const MeshProblem& problem )
-		{
-			throw unreadable( problem.text );
-		}
-		scene = importer.ReadFileFromMemory( bytes.data(), bytes.size(), 0, extension.c_str() + 1 );
-	}
-	else
-	{
-		checkSize( mesh_file, from_file, element );
-		scene = importer.ReadFile( mesh_file, 0 );
-	}
-	const Checks checks{ mesh_file, from_file, element };
-	if ( scene != nullptr && scene->mRootNode != nullptr )
-	{
-		checks.check( *scene );
-		scene = importer.ApplyPostProcessing( aiProcess_Triangulate );
-	}
-	if ( scene == nullptr || scene->mRootNode == nullptr )
-	{
-		throw unreadable( importer.GetErrorString() );
-	}
 	TriangleSoup soup;
-	Matrix identity{};
-	for ( unsigned i = 0; i < 4; ++i )
+	try
 	{
-		identity[i][i] = 1;
+		if ( isSelfContained( extension ) || extension == ".gltf" )
+		{
+			bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
+		}
+		soup = extension == ".gltf" || extension == ".glb" ? readGltf( place, bytes )
+		                                                   : readByAssimp( place, extension, std::move( bytes ) );
 	}
-	appendNode( *scene, *scene->mRootNode, identity, checks, soup );
+	catch ( const MeshProblem& problem )
+	{
+		throw Error( from_file, element, fmt::format( "mesh {} cannot be read: {}", mesh_file, problem.text ),
+		    "repair the mesh file, or export it again" );
+	}
+	catch ( const Error& error )
+	{
+		if ( error.file() == from_file )
+		{
+			throw;
+		}
+		throw Error( from_file, element, fmt::format( "mesh {}: {}", mesh_file, error.problem() ), error.remedy() );
+	}
 	if ( soup.indices.empty() )
 	{
 		throw Error( from_file, element, fmt::format( "mesh {} has no triangles", mesh_file ),
