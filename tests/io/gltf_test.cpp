@@ -303,6 +303,41 @@ TEST_F( GltfTest, TrianglesDifferFromThoseOfAssimp )
 	EXPECT_GT( triangles, 2000u );
 }
 
+TEST_F( GltfTest, BinaryChunksAreCutShort )
+{
+	Document d = oneTriangle();
+	d.root["buffers"] = { { { "byteLength", d.buffer.size() } } };
+	std::string json = d.text(), bytes = "glTF";
+	json.resize( ( json.size() + 3 ) / 4 * 4, ' ' );
+	const std::string numbers = d.buffer + std::string( 2, '\0' ); // chunks are padded
+	const auto add = [&]( std::size_t value )
+	{
+		const std::uint32_t word = static_cast<std::uint32_t>( value );
+		bytes.append( reinterpret_cast<const char*>( &word ), sizeof word );
+	};
+	add( 2 );
+	add( 12 + 8 + json.size() + 8 + numbers.size() );
+	add( json.size() );
+	bytes += "JSON" + json;
+	add( numbers.size() );
+	bytes += std::string( "BIN\0", 4 ) + numbers;
+	write( "m.glb", bytes );
+	EXPECT_EQ( difference( load( "m.glb" ), { { { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } } } } ), 0 );
+	for ( const std::size_t length : { bytes.size() - 1, bytes.size() - numbers.size() - 2, std::size_t{ 19 }, std::size_t{ 5 } } )
+	{
+		std::string cut = bytes.substr( 0, length );
+		write( "cut.glb", cut );
+		expectError( [&] { load( "cut.glb" ); }, { "robot.urdf", "cut.glb" } );
+		if ( length >= 12 ) // and says so
+		{
+			const std::uint32_t word = static_cast<std::uint32_t>( length );
+			cut.replace( 8, 4, reinterpret_cast<const char*>( &word ), 4 );
+			write( "cut.glb", cut );
+			expectError( [&] { load( "cut.glb" ); }, { "robot.urdf", "cut.glb" } );
+		}
+	}
+}
+
 TEST_F( GltfTest, SparsePositionsAreTheArraysOwn )
 {
 	Document d = oneTriangle();
@@ -382,7 +417,7 @@ TEST_F( GltfTest, WhatIsNotThereIsReadAllTheSame )
 	refused( { "accessor 0: 3 elements", "from 4 on" }, []( Json& j ) { j["accessors"][0]["byteOffset"] = 4; } );
 	refused( { "3 elements of 12 bytes, each 8" }, []( Json& j ) { j["bufferViews"][0]["byteStride"] = 8; } );
 	refused( { "bufferView 0 has 4000 bytes" }, []( Json& j ) { j["bufferViews"][0]["byteLength"] = 4000; } );
-	refused( { "mesh 0, primitive 0 names accessors 7, which is not there" },
+	refused( { "mesh 0, primitive 0 names accessors[7], which is not there" },
 	    []( Json& j ) { j["meshes"][0]["primitives"][0]["indices"] = 7; } );
 	refused( { "names vertex 2 of 2" }, []( Json& j ) { j["accessors"][0]["count"] = 2; } );
 	refused( { "which is no SCALAR" }, []( Json& j ) { j["accessors"][1]["type"] = "VEC2"; } );
@@ -392,6 +427,8 @@ TEST_F( GltfTest, WhatIsNotThereIsReadAllTheSame )
 	refused( { "has no POSITION" }, []( Json& j ) { j["meshes"][0]["primitives"][0]["attributes"] = Json::object(); } );
 	refused( { "count is no count" }, []( Json& j ) { j["accessors"][0]["count"] = -3; } );
 	refused( { "count is no count" }, []( Json& j ) { j["accessors"][0]["count"] = 2.5; } );
+	refused( { "scene 0: nodes is no count" }, []( Json& j ) { j["scenes"][0]["nodes"] = { "0" }; } );
+	refused( { "scene 0: nodes is no list" }, []( Json& j ) { j["scenes"][0]["nodes"] = 0; } );
 	refused( { "scene names node 5, which is not there" }, []( Json& j ) { j["scenes"][0]["nodes"] = { 5 }; } );
 	refused( { "buffer 0 has 42 bytes of 43" },
 	    [&]( Json& j ) {

@@ -56,21 +56,21 @@ const Json* find( const Json& object, const char* key )
 	return member == object.end() ? nullptr : &*member;
 }
 
-/// A whole number from 0 on.
-std::optional<std::size_t> findCount( const Json& object, const char* key, const std::string& place )
+/// A whole number from 0 on. Writers in languages without such write 3.0.
+std::size_t asCount( const Json& value, const char* key, const std::string& place )
 {
-	const Json* value = find( object, key );
-	if ( value == nullptr )
-	{
-		return std::nullopt;
-	}
-	// Writers in languages without whole numbers write 3.0
-	const double number = value->is_number() ? value->get<double>() : -1;
+	const double number = value.is_number() ? value.get<double>() : -1;
 	if ( !( number >= 0 && number <= 9007199254740992.0 && number == std::floor( number ) ) )
 	{
 		fail( fmt::format( "{}: {} is no count", place, key ) );
 	}
 	return static_cast<std::size_t>( number );
+}
+
+std::optional<std::size_t> findCount( const Json& object, const char* key, const std::string& place )
+{
+	const Json* value = find( object, key );
+	return value != nullptr ? std::optional( asCount( *value, key, place ) ) : std::nullopt;
 }
 
 std::size_t count( const Json& object, const char* key, const std::string& place )
@@ -276,7 +276,7 @@ private:
 		const Json* found = find( m_root, list );
 		if ( found == nullptr || !found->is_array() || index >= found->size() || !( *found )[index].is_object() )
 		{
-			fail( fmt::format( "{} names {} {}, which is not there", asker, list, index ) );
+			fail( fmt::format( "{} names {}[{}], which is not there", asker, list, index ) );
 		}
 		return ( *found )[index];
 	}
@@ -286,13 +286,13 @@ private:
 	{
 		std::vector<std::size_t> out;
 		const Json* list = find( object, key );
+		if ( list != nullptr && !list->is_array() )
+		{
+			fail( fmt::format( "{}: {} is no list", place, key ) );
+		}
 		for ( std::size_t i = 0; list != nullptr && i < list->size(); ++i )
 		{
-			if ( !list->is_array() || !( *list )[i].is_number_unsigned() )
-			{
-				fail( fmt::format( "{}: {} is no list of numbers", place, key ) );
-			}
-			out.push_back( ( *list )[i].get<std::size_t>() );
+			out.push_back( asCount( ( *list )[i], key, place ) );
 		}
 		return out;
 	}
