@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // glTF files: random scenes against assimp's reader, what the format allows beyond that, and faults.
-#include "files.hpp"
+#include "mesh_triangles.hpp"
 #include "seeded_rng.hpp"
 
-#include <assimp/Importer.hpp>
-#include <assimp/scene.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -19,7 +13,6 @@ namespace
 {
 
 using Json = nlohmann::json;
-using Triangle = std::array<std::array<double, 3>, 3>;
 
 std::string base64( const std::string& bytes )
 {
@@ -89,23 +82,10 @@ Document oneTriangle()
 	return d;
 }
 
-class GltfTest : public FileTest
+class GltfTest : public MeshTriangles
 {
 protected:
-	std::vector<Triangle> load( const std::string& mesh )
-	{
-		const std::string urdf = write( "robot.urdf",
-		    "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"" + mesh +
-		        "\"/></geometry></collision></link></robot>" );
-		m_model = loadRobot( urdf, "" );
-		const lw_shape* shape = m_model.links[0].collision[0].shape.get();
-		std::vector<Triangle> out( lw_shape_get_info( shape ).triangle_count );
-		for ( std::size_t i = 0; i < 9 * out.size(); ++i )
-		{
-			out[i / 9][i / 3 % 3][i % 3] = lw_shape_vertices( shape )[3 * lw_shape_triangles( shape )[i / 3] + i % 3];
-		}
-		return out;
-	}
+	using MeshTriangles::load;
 	std::vector<Triangle> load( Document& document )
 	{
 		write( "m.gltf", document.text() );
@@ -119,68 +99,7 @@ protected:
 		all.insert( all.end(), parts.begin(), parts.end() );
 		expectError( [&] { load( "bad.gltf" ); }, all );
 	}
-	RobotModel m_model;
 };
-
-double difference( const Triangle& a, const Triangle& b )
-{
-	std::array<std::size_t, 3> order = { 0, 1, 2 };
-	double least = INFINITY;
-	do
-	{
-		double most = 0;
-		for ( std::size_t i = 0; i < 9; ++i )
-		{
-			most = std::max( most, std::abs( a[i / 3][i % 3] - b[order[i / 3]][i % 3] ) );
-		}
-		least = std::min( least, most );
-	} while ( std::next_permutation( order.begin(), order.end() ) );
-	return least;
-}
-
-/// Those of both lists, each found in the other once. @return the largest difference of a coordinate
-double difference( const std::vector<Triangle>& a, std::vector<Triangle> b )
-{
-	double most = a.size() == b.size() ? 0 : INFINITY;
-	for ( const Triangle& one : a )
-	{
-		const auto nearest = std::min_element( b.begin(), b.end(),
-		    [&]( const Triangle& x, const Triangle& y ) { return difference( one, x ) < difference( one, y ); } );
-		if ( nearest == b.end() )
-		{
-			return INFINITY;
-		}
-		most = std::max( most, difference( one, *nearest ) );
-		b.erase( nearest );
-	}
-	return most;
-}
-
-void addTriangles( const aiScene& scene, const aiNode& node, const aiMatrix4x4& root_from_parent, std::vector<Triangle>& out )
-{
-	const aiMatrix4x4 root_from_node = root_from_parent * node.mTransformation;
-	for ( unsigned m = 0; m < node.mNumMeshes; ++m )
-	{
-		const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
-		for ( unsigned f = 0; f < mesh.mNumFaces; ++f )
-		{
-			Triangle triangle;
-			for ( unsigned k = 0; k < 3 && mesh.mFaces[f].mNumIndices == 3; ++k )
-			{
-				const aiVector3D at = root_from_node * mesh.mVertices[mesh.mFaces[f].mIndices[k]];
-				triangle[k] = { double( at.x ), double( at.y ), double( at.z ) };
-			}
-			if ( mesh.mFaces[f].mNumIndices == 3 )
-			{
-				out.push_back( triangle );
-			}
-		}
-	}
-	for ( unsigned i = 0; i < node.mNumChildren; ++i )
-	{
-		addTriangles( scene, *node.mChildren[i], root_from_node, out );
-	}
-}
 
 Json list( SeededRng& rng, std::size_t count, double from, double to )
 {
@@ -292,12 +211,8 @@ TEST_F( GltfTest, TrianglesDifferFromThoseOfAssimp )
 	{
 		Document document = randomDocument( rng );
 		const std::vector<Triangle> ours = load( document );
-		Assimp::Importer importer;
-		const aiScene* scene = importer.ReadFile( path( "m.gltf" ), 0 );
-		ASSERT_NE( scene, nullptr ) << importer.GetErrorString();
-		std::vector<Triangle> theirs;
-		addTriangles( *scene, *scene->mRootNode, aiMatrix4x4(), theirs );
-		ASSERT_LT( difference( ours, theirs ), 1e-4 ) << i << ": " << document.root.dump(); // theirs are of float
+		ASSERT_LT( difference( ours, trianglesByAssimp( path( "m.gltf" ) ) ), 1e-4 ) // theirs are of float
+		    << i << ": " << document.root.dump();
 		triangles += ours.size();
 	}
 	EXPECT_GT( triangles, 2000u );

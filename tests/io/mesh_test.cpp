@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files of every format but glTF: the same tetrahedron, with the units, transforms and faults that each format allows.
+// Mesh files of every format but COLLADA and glTF: the same tetrahedron, with the units, transforms and faults that each format allows.
 #include "files.hpp"
 
 #include <algorithm>
@@ -87,40 +87,6 @@ std::string binaryStl( float first_x = 0 )
 	}
 	return bytes;
 }
-
-std::string collada( const std::string& unit, const std::string& up, const std::string& node_matrix )
-{
-	std::string positions, indices;
-	for ( const auto& c : corners )
-	{
-		positions += number( c[0] ) + " " + number( c[1] ) + " " + number( c[2] ) + " ";
-	}
-	for ( const auto& f : faces )
-	{
-		indices += std::to_string( f[0] ) + " " + std::to_string( f[1] ) + " " + std::to_string( f[2] ) + " ";
-	}
-	return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
-	       "version=\"1.4.1\"><asset>" +
-	       unit + "<up_axis>" + up +
-	       "</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" "
-	       "count=\"12\">" +
-	       positions +
-	       "</float_array><technique_common><accessor source=\"#a\" count=\"4\" stride=\"3\"><param "
-	       "name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" "
-	       "type=\"float\"/></accessor></technique_common>"
-	       "</source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles "
-	       "count=\"4\"><input "
-	       "semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" +
-	       indices +
-	       "</p></triangles></mesh></geometry></library_geometries>"
-	       "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><matrix>" +
-	       node_matrix +
-	       "</matrix><instance_geometry "
-	       "url=\"#g\"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene "
-	       "url=\"#s\"/></scene></COLLADA>";
-}
-
-const char* identity_matrix = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
 
 } // namespace
 
@@ -259,27 +225,6 @@ TEST_F( MeshTest, PlyWithMoreOrLessThanItsHeaderSays )
 	bad( begin + two + list + list + end + "3 0 1 2 3 0 1 2\n3 0 1 2 3 0 1 2\n", { "bad.ply", "element face", "2 lists" } );
 }
 
-TEST_F( MeshTest, ColladaUnitIsApplied )
-{
-	write( "m.dae", collada( "<unit name=\"centimeter\" meter=\"0.01\"/>", "Z_UP", identity_matrix ) );
-	expectBox( load( "m.dae" ), { 0, 0, 0 }, { 0.01, 0.02, 0.03 } );
-}
-
-TEST_F( MeshTest, ColladaUpAxisIsNot )
-{
-	for ( const char* up : { "X_UP", "Y_UP", "Z_UP" } )
-	{
-		write( "m.dae", collada( "<unit meter=\"1\"/>", up, identity_matrix ) );
-		expectBox( load( "m.dae" ), { 0, 0, 0 }, { 1, 2, 3 } );
-	}
-}
-
-TEST_F( MeshTest, ColladaNodeTransformIsApplied )
-{
-	write( "m.dae", collada( "<unit meter=\"0.1\"/>", "Y_UP", "0 -1 0 5 1 0 0 0 0 0 1 0 0 0 0 1" ) );
-	expectBox( load( "m.dae" ), { 0.3, 0, 0 }, { 0.5, 0.1, 0.3 } );
-}
-
 TEST_F( MeshTest, ScaleAndMirror )
 {
 	write( "m.stl", asciiStl() );
@@ -326,8 +271,6 @@ TEST_F( MeshTest, NotFiniteVertices )
 	    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
 	    "property list uchar int vertex_indices\nend_header\n0 nan 0\n1 0 0\n0 2 0\n3 0 1 2\n" );
 	expectError( [&] { load( "nan.ply" ); }, { "robot.urdf", "nan.ply" } );
-	write( "nan.dae", collada( "<unit meter=\"1\"/>", "Z_UP", "nan 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1" ) );
-	expectError( [&] { load( "nan.dae" ); }, { "robot.urdf", "nan.dae" } );
 }
 
 TEST_F( MeshTest, EmptyBrokenAndUnknownFiles )
@@ -340,70 +283,6 @@ TEST_F( MeshTest, EmptyBrokenAndUnknownFiles )
 	expectError( [&] { load( "points.obj" ); }, { "robot.urdf", "points.obj" } );
 	write( "cut.stl", binaryStl().substr( 0, 150 ) );
 	expectError( [&] { load( "cut.stl" ); }, { "robot.urdf", "cut.stl" } );
-	write( "cut.dae", collada( "", "Z_UP", identity_matrix ).substr( 0, 700 ) );
-	expectError( [&] { load( "cut.dae" ); }, { "robot.urdf", "cut.dae" } );
 	write( "what.xyzzy", "hello" );
 	expectError( [&] { load( "what.xyzzy" ); }, { "robot.urdf", "what.xyzzy", "convert" } );
-}
-
-namespace
-{
-
-std::string replaced( std::string text, const std::string& what, const std::string& by )
-{
-	const std::size_t at = text.find( what );
-	EXPECT_NE( at, std::string::npos ) << what;
-	return text.replace( at, what.size(), by );
-}
-
-} // namespace
-
-/// Each of them made assimp read without end, or ask for more memory than there is.
-TEST_F( MeshTest, ColladaThatSaysWhatIsNotThereIsHandedOn )
-{
-	const std::string good = collada( "<unit meter=\"1\"/>", "Z_UP", identity_matrix );
-	const auto refused = [&]( const std::string& what, const std::string& by, const std::string& words )
-	{
-		write( "bad.dae", replaced( good, what, by ) );
-		expectError( [&] { load( "bad.dae" ); }, { "robot.urdf", "bad.dae", words } );
-	};
-	refused( "<p>0 1 2", "<p>0 1 \"2", "an index should be" );
-	refused( "<p>0 1 2", "<p>0 -1 2", "an index should be" );
-	refused( "<triangles count=\"4\"", "<triangles count=\"400000000\"", "indices for fewer than 400000000" );
-	refused( "count=\"12\"", "count=\"1000000000\"", "12 values of 1000000000" );
-	refused( "offset=\"0\"", "offset=\"4000000000\"", "number 4000000000 of 12 indices" );
-	refused( "<instance_geometry url=\"#g\"/>", "<instance_node url=\"#n\"/>", "places itself" );
-	// each node places the next one twice
-	std::string nodes;
-	for ( int i = 0; i < 60; ++i )
-	{
-		const std::string next = "<instance_node url=\"#n" + std::to_string( i + 1 ) + "\"/>";
-		nodes += "<node id=\"n" + std::to_string( i ) + "\">" + next + next + "</node>";
-	}
-	refused( "<node id=\"n\">", nodes + "<node id=\"n60\">", "alias_nodes" );
-}
-
-TEST_F( MeshTest, ColladaPolygonsOfManyCorners )
-{
-	const std::string good = collada( "<unit meter=\"1\"/>", "Z_UP", identity_matrix );
-	std::string text = replaced( good, "<triangles count=\"4\">", "<polylist count=\"2\">" );
-	text = replaced( text, "<p>0 1 2 0 1 3 0 2 3 1 2 3 </p></triangles>", "<vcount>3 4</vcount><p>0 1 2 0 1 2 3</p></polylist>" );
-	write( "m.dae", text );
-	EXPECT_EQ( load( "m.dae" ).triangle_count, 3u );
-	write( "n.dae", replaced( text, "<vcount>3 4", "<vcount>3 4000000" ) );
-	expectError( [&] { load( "n.dae" ); }, { "robot.urdf", "n.dae", "4000003 corners" } );
-}
-
-TEST_F( MeshTest, ColladaNodesOfALibraryArePlaced )
-{
-	const std::string good = collada( "<unit meter=\"1\"/>", "Z_UP", identity_matrix );
-	const std::string twice = "<node id=\"m\"><translate>10 0 0</translate><instance_node url=\"#l\"/></node><node id=\"k\">"
-	                          "<instance_node url=\"#l\"/></node>";
-	std::string text = replaced( good, "<node id=\"n\">", twice + "<node id=\"n\">" );
-	text = replaced( text, "<library_visual_scenes>",
-	    "<library_nodes><node id=\"l\"><instance_geometry url=\"#g\"/></node></library_nodes><library_visual_scenes>" );
-	write( "m.dae", text );
-	const lw_shape_info info = load( "m.dae" );
-	EXPECT_EQ( info.triangle_count, 12u );
-	expectBox( info, { 0, 0, 0 }, { 11, 2, 3 } );
 }

@@ -4,7 +4,8 @@
 // assimp knows glTF too, but believes what a file says of itself: by fuzzing, its reader and its next steps were seen to use
 // nodes that they had freed, and to ask for 64 GB for a file of 400 bytes. What of glTF is geometry is little, and JSON has a
 // library of its own.
-#include "mesh_check.hpp"
+#include "mesh_formats.hpp"
+#include "placement.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,27 +21,10 @@ namespace
 {
 
 using Json = nlohmann::json;
-using Matrix = std::array<std::array<double, 4>, 3>; ///< a point's place: three rows, the last column is the translation
 
 [[noreturn]] void fail( const std::string& problem )
 {
 	throw MeshProblem{ problem };
-}
-
-constexpr Matrix IDENTITY = { { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 } } };
-
-Matrix multiply( const Matrix& a, const Matrix& b )
-{
-	Matrix product{};
-	for ( std::size_t row = 0; row < 3; ++row )
-	{
-		for ( std::size_t column = 0; column < 4; ++column )
-		{
-			product[row][column] = a[row][0] * b[0][column] + a[row][1] * b[1][column] + a[row][2] * b[2][column] +
-			                       ( column == 3 ? a[row][3] : 0 );
-		}
-	}
-	return product;
 }
 
 // ---- JSON whose author may be anybody -----------------------------------------------------------------------------------
@@ -345,14 +329,14 @@ private:
 		struct Visit
 		{
 			std::size_t node, depth;
-			Matrix root_from_parent;
+			Placement root_from_parent;
 		};
 		if ( root >= m_has_parent.size() || m_has_parent[root] )
 		{
 			fail( fmt::format( "its scene names node {}, which {}", root,
 			    root >= m_has_parent.size() ? "is not there" : "has a parent" ) );
 		}
-		std::vector<Visit> open = { { root, 0, IDENTITY } };
+		std::vector<Visit> open = { { root, 0, IN_PLACE } };
 		while ( !open.empty() )
 		{
 			const Visit visit = open.back();
@@ -360,7 +344,7 @@ private:
 			m_place.checkDepth( visit.depth );
 			const std::string place = fmt::format( "node {}", visit.node );
 			const Json& node = entry( "nodes", visit.node, "the file" );
-			const Matrix root_from_node = multiply( visit.root_from_parent, transform( node, place ) );
+			const Placement root_from_node = multiply( visit.root_from_parent, transform( node, place ) );
 			if ( const std::optional<std::size_t> mesh = findCount( node, "mesh", place ) )
 			{
 				readMesh( *mesh, place, root_from_node );
@@ -372,9 +356,9 @@ private:
 		}
 	}
 
-	static Matrix transform( const Json& node, const std::string& place )
+	static Placement transform( const Json& node, const std::string& place )
 	{
-		Matrix out = IDENTITY;
+		Placement out = IN_PLACE;
 		if ( const Json* matrix = find( node, "matrix" ) )
 		{
 			const std::array<double, 16> columns = numbers<16>( *matrix, place + ": its matrix" );
@@ -406,7 +390,7 @@ private:
 		return out;
 	}
 
-	static void rotate( const std::array<double, 4>& xyzw, const std::string& place, Matrix& out )
+	static void rotate( const std::array<double, 4>& xyzw, const std::string& place, Placement& out )
 	{
 		const double origin[3] = { 0, 0, 0 };
 		lw_transform turned;
@@ -622,7 +606,7 @@ private:
 		}
 	}
 
-	void readMesh( std::size_t index, const std::string& asker, const Matrix& root_from_mesh )
+	void readMesh( std::size_t index, const std::string& asker, const Placement& root_from_mesh )
 	{
 		const Json* primitives = find( entry( "meshes", index, asker ), "primitives" );
 		for ( std::size_t i = 0; primitives != nullptr && primitives->is_array() && i < primitives->size(); ++i )
@@ -644,7 +628,7 @@ private:
 		}
 	}
 
-	void readPrimitive( const Json& primitive, std::size_t position, const std::string& place, const Matrix& root_from_mesh )
+	void readPrimitive( const Json& primitive, std::size_t position, const std::string& place, const Placement& root_from_mesh )
 	{
 		const std::vector<double> corners = positions( position, place );
 		std::vector<std::uint32_t> order;
@@ -664,11 +648,8 @@ private:
 		const std::uint32_t base = static_cast<std::uint32_t>( m_soup.vertices.size() / 3 );
 		for ( std::size_t i = 0; i < corners.size(); i += 3 )
 		{
-			for ( const std::array<double, 4>& row : root_from_mesh )
-			{
-				m_soup.vertices.push_back(
-				    row[0] * corners[i] + row[1] * corners[i + 1] + row[2] * corners[i + 2] + row[3] );
-			}
+			const std::array<double, 3> at = apply( root_from_mesh, corners[i], corners[i + 1], corners[i + 2] );
+			m_soup.vertices.insert( m_soup.vertices.end(), at.begin(), at.end() );
 		}
 		addFaces( findCount( primitive, "mode", place ).value_or( 4 ), order, base, place );
 	}

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files by assimp (STL, OBJ, DAE, PLY): the triangles as they are, in metres. Binary STL, which most robots come in, is
-// a list of numbers: it is read without; glTF by gltf_reader.cpp.
+// Mesh files by assimp (STL, OBJ, PLY): the triangles as they are, in metres. Binary STL, which most robots come in, is a list of
+// numbers: it is read without; COLLADA and glTF by collada_reader.cpp and gltf_reader.cpp.
 //
 // Conventions are those of RViz and MoveIt (geometric_shapes): a COLLADA file's <unit> is applied, its <up_axis> is not,
 // because robot descriptions place the mesh as it is drawn; glTF nodes are applied, its y-up convention is not turned.
 // Nothing is merged, sorted or removed: open, degenerate and duplicate triangles are the core's business.
-#include "mesh_check.hpp"
+#include "mesh_formats.hpp"
+#include "placement.hpp"
+#include "plain_mesh.hpp"
 
 #include <assimp/Importer.hpp>
-#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -21,23 +22,11 @@ namespace leeway::io::detail
 namespace
 {
 
-using Matrix = std::array<std::array<double, 4>, 4>;
-
-/// parent * node, in double: assimp's matrices are float, and chains of them would round at every level.
-Matrix multiply( const Matrix& parent, const aiMatrix4x4& node )
+Placement placement( const aiMatrix4x4& m )
 {
-	Matrix product{};
-	for ( unsigned row = 0; row < 4; ++row )
-	{
-		for ( unsigned column = 0; column < 4; ++column )
-		{
-			for ( unsigned k = 0; k < 4; ++k )
-			{
-				product[row][column] += parent[row][k] * static_cast<double>( node[k][column] );
-			}
-		}
-	}
-	return product;
+	return { { { double( m.a1 ), double( m.a2 ), double( m.a3 ), double( m.a4 ) },
+	    { double( m.b1 ), double( m.b2 ), double( m.b3 ), double( m.b4 ) },
+	    { double( m.c1 ), double( m.c2 ), double( m.c3 ), double( m.c4 ) } } };
 }
 
 /// assimp passes on what the file says, and its own next steps believe it: what a face or a node names has to be there.
@@ -97,18 +86,16 @@ private:
 	}
 };
 
-void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, const MeshPlace& place, TriangleSoup& soup )
+void appendMesh( const aiMesh& mesh, const Placement& root_from_mesh, const MeshPlace& place, TriangleSoup& soup )
 {
 	place.checkRoom( soup, mesh.mNumFaces, mesh.mNumVertices );
 	std::uint32_t base = static_cast<std::uint32_t>( soup.vertices.size() / 3 );
 	for ( unsigned i = 0; i < mesh.mNumVertices; ++i )
 	{
 		const aiVector3D& v = mesh.mVertices[i];
-		for ( const std::array<double, 4>& row : { root_from_mesh[0], root_from_mesh[1], root_from_mesh[2] } )
-		{
-			soup.vertices.push_back( row[0] * static_cast<double>( v.x ) + row[1] * static_cast<double>( v.y ) +
-			                         row[2] * static_cast<double>( v.z ) + row[3] );
-		}
+		const std::array<double, 3> at =
+		    apply( root_from_mesh, static_cast<double>( v.x ), static_cast<double>( v.y ), static_cast<double>( v.z ) );
+		soup.vertices.insert( soup.vertices.end(), at.begin(), at.end() );
 	}
 	for ( unsigned i = 0; i < mesh.mNumFaces; ++i )
 	{
@@ -126,9 +113,9 @@ void appendMesh( const aiMesh& mesh, const Matrix& root_from_mesh, const MeshPla
 }
 
 void appendNode(
-    const aiScene& scene, const aiNode& node, const Matrix& root_from_parent, const MeshPlace& place, TriangleSoup& soup )
+    const aiScene& scene, const aiNode& node, const Placement& root_from_parent, const MeshPlace& place, TriangleSoup& soup )
 {
-	Matrix root_from_node = multiply( root_from_parent, node.mTransformation );
+	const Placement root_from_node = multiply( root_from_parent, placement( node.mTransformation ) );
 	for ( unsigned i = 0; i < node.mNumMeshes; ++i )
 	{
 		appendMesh( *scene.mMeshes[node.mMeshes[i]], root_from_node, place, soup );
@@ -157,7 +144,6 @@ TriangleSoup readByAssimp( const MeshPlace& place, const std::string& extension,
 		throw Error( place.from_file, place.element, fmt::format( "mesh {} is of a type that cannot be read", place.mesh_file ),
 		    "convert it to STL, OBJ, DAE, PLY or glTF" );
 	}
-	importer.SetPropertyBool( AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true );
 	const aiScene* scene = nullptr;
 	if ( isSelfContained( extension ) )
 	{
@@ -180,12 +166,7 @@ TriangleSoup readByAssimp( const MeshPlace& place, const std::string& extension,
 		throw MeshProblem{ importer.GetErrorString() };
 	}
 	TriangleSoup soup;
-	Matrix identity{};
-	for ( unsigned i = 0; i < 4; ++i )
-	{
-		identity[i][i] = 1;
-	}
-	appendNode( *scene, *scene->mRootNode, identity, place, soup );
+	appendNode( *scene, *scene->mRootNode, IN_PLACE, place, soup );
 	return soup;
 }
 
@@ -225,6 +206,28 @@ std::string lowerExtension( const std::string& file )
 	return ending;
 }
 
+std::vector<std::uint32_t> cutIntoTriangles( const PlainMesh& mesh )
+{
+	const std::string bytes = mesh.bytes();
+	Assimp::Importer importer;
+	const aiScene* scene = importer.ReadFileFromMemory( bytes.data(), bytes.size(), aiProcess_Triangulate, "ply" );
+	if ( scene == nullptr || scene->mNumMeshes != 1 || scene->mMeshes[0]->mNumVertices != mesh.vertexCount() )
+	{
+		throw MeshProblem{ fmt::format( "its polygons cannot be cut into triangles: {}", importer.GetErrorString() ) };
+	}
+	std::vector<std::uint32_t> out;
+	const aiMesh& cut = *scene->mMeshes[0];
+	for ( unsigned i = 0; i < cut.mNumFaces; ++i )
+	{
+		out.insert( out.end(), cut.mFaces[i].mIndices, cut.mFaces[i].mIndices + cut.mFaces[i].mNumIndices );
+	}
+	if ( out.size() % 3 != 0 )
+	{
+		throw MeshProblem{ "its polygons cannot be cut into triangles" };
+	}
+	return out;
+}
+
 TriangleSoup readMeshFile(
     const std::string& mesh_file, const std::string& from_file, const std::string& element, std::string bytes )
 {
@@ -238,6 +241,7 @@ TriangleSoup readMeshFile(
 			bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
 		}
 		soup = extension == ".gltf" || extension == ".glb" ? readGltf( place, bytes )
+		       : extension == ".dae"                       ? readCollada( place, bytes )
 		                                                   : readByAssimp( place, extension, std::move( bytes ) );
 	}
 	catch ( const MeshProblem& problem )

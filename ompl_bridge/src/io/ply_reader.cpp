@@ -5,7 +5,8 @@
 // assimp is given a mesh written anew, not the file: it reads a text line by line where ours are words, takes the length of
 // a list for what it asks of memory, and keeps the last of several strips. Two readers of one file would have to agree on
 // all of that.
-#include "mesh_check.hpp"
+#include "mesh_formats.hpp"
+#include "plain_mesh.hpp"
 #include "point_cloud.hpp"
 
 #include <algorithm>
@@ -39,40 +40,6 @@ enum class Format
 	ascii,
 	little_endian,
 	big_endian
-};
-
-/// A mesh as a file that says no more than it has to.
-class PlainMesh
-{
-public:
-	void addVertex( const std::array<double, 3>& xyz )
-	{
-		append( m_vertices, xyz.data(), sizeof( xyz ) );
-		++m_vertex_count;
-	}
-	void addFace( const std::vector<std::uint32_t>& corners )
-	{
-		const std::uint32_t count = static_cast<std::uint32_t>( corners.size() );
-		append( m_faces, &count, sizeof( count ) );
-		append( m_faces, corners.data(), corners.size() * sizeof( corners[0] ) );
-		++m_face_count;
-	}
-	std::string bytes() const
-	{
-		return fmt::format( "ply\nformat binary_{}_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
-		                    "property double z\nelement face {}\nproperty list uint uint vertex_indices\nend_header\n",
-		           __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "big" : "little", m_vertex_count, m_face_count ) +
-		       m_vertices + m_faces;
-	}
-
-private:
-	static void append( std::string& bytes, const void* data, std::size_t size )
-	{
-		bytes.append( static_cast<const char*>( data ), size );
-	}
-
-	std::string m_vertices, m_faces;
-	std::size_t m_vertex_count = 0, m_face_count = 0;
 };
 
 bool isSurface( const Element& element )

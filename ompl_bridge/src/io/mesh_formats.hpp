@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What has to hold of a mesh file before assimp gets it: its readers believe more of a file than is good for them. What
-// fuzzing found is refused here, in words (tests/fuzz), or written so that there is nothing left to believe.
+// Formats of mesh files: COLLADA and glTF are read here; of OBJ and PLY it is checked, or written anew, what assimp is to read. Its
+// readers believe more of a file than is good for them. What fuzzing found is refused in words (tests/fuzz).
 #pragma once
 
 #include "binary_data.hpp"
@@ -32,15 +32,14 @@ std::string checkedMesh( const std::string& extension, std::string bytes );
 /// A text whose lines are those of OBJ files, with numbers where there have to be some. @throws MeshProblem
 void checkObj( const std::string& bytes );
 
-/// A COLLADA document whose accessors stay within their arrays, whose lists are of numbers and as long as they are said to be, and
-/// whose nodes do not place themselves. @throws MeshProblem
-void checkCollada( const std::string& bytes );
-
 /// A PLY file that has all the elements that its header counts, and no more, with faces that name vertices that it has.
 /// @return its mesh alone, as binary PLY in this machine's byte order with double coordinates: faces as they are, strips as
 /// triangles
 /// @throws MeshProblem
 std::string plainPly( std::string bytes );
+
+/// The triangles of the scene of a COLLADA document. @throws MeshProblem, and Error beyond a limit
+TriangleSoup readCollada( const MeshPlace& place, const std::string& bytes );
 
 /// The triangles of the scene of a glTF 2.0 file, binary or text; buffers in files beside it are read.
 /// @throws MeshProblem, and Error beyond a limit

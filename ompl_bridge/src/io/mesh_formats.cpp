@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files before assimp gets them: its reader of OBJ trusts that lines are what they seem to be.
-#include "mesh_check.hpp"
+// Mesh files before assimp gets them: its reader of OBJ trusts that lines are what they seem to be. And limits of all formats.
+#include "mesh_formats.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -154,10 +154,6 @@ std::string checkedMesh( const std::string& extension, std::string bytes )
 	if ( extension == ".obj" )
 	{
 		checkObj( bytes );
-	}
-	else if ( extension == ".dae" )
-	{
-		checkCollada( bytes );
 	}
 	return bytes;
 }
