@@ -249,6 +249,7 @@ TEST_F( ColladaTest, WhatIsNotThereIsReadAllTheSame )
 	refused( "<triangles count=\"4\"", "<triangles count=\"400000000\"", "4 faces of 400000000" );
 	refused( "count=\"12\"", "count=\"1000000000\"", "12 numbers of 1000000000" );
 	refused( "offset=\"0\"", "offset=\"4000000000\"", "12 indices, 4000000001 for each corner" );
+	refused( "offset=\"0\"", "offset=\"18446744073709551615\"", "is index 18446744073709551615 of a corner" );
 	refused( "<instance_geometry url=\"#g\"/>", "<instance_node url=\"#n\"/>", "the limit nesting is 128" );
 	// each node places the next one twice
 	std::string nodes;

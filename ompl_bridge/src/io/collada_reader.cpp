@@ -208,25 +208,30 @@ public:
 	Faces( const XMLElement& element, std::size_t vertices, Geometry& out, PlainMesh& polygons )
 		: m_element( element ), m_vertices( vertices ), m_out( out ), m_polygons( polygons )
 	{
+	}
+
+	/// @throws MeshProblem if not all of them are there
+	void read()
+	{
 		findVertexInput();
-		if ( element.FirstChildElement( "ph" ) != nullptr )
+		if ( m_element.FirstChildElement( "ph" ) != nullptr )
 		{
-			fail( element, "has polygons with holes: export triangles" );
+			fail( m_element, "has polygons with holes: export triangles" );
 		}
-		if ( isNamed( element, "polylist" ) )
+		if ( isNamed( m_element, "polylist" ) )
 		{
 			readLengths();
 		}
-		for ( const XMLElement& list : Children( element, "p" ) )
+		for ( const XMLElement& list : Children( m_element, "p" ) )
 		{
 			readList( corners( list ) );
 		}
-		const std::size_t faces = isNamed( element, "polylist" ) ? m_lengths.size() : m_faces;
-		const bool counted = isNamed( element, "triangles" ) || isNamed( element, "polygons" ) || isNamed( element, "polylist" );
-		// of strips it counts lists or faces, and SketchUp counts lines wrong; elsewhere a file is not whole
-		if ( m_next_length < m_lengths.size() || ( counted && count( element, "count", 0 ) != faces ) )
+		const bool counted =
+		    isNamed( m_element, "triangles" ) || isNamed( m_element, "polygons" ) || isNamed( m_element, "polylist" );
+		// of strips lists or faces are counted, and SketchUp counts lines wrong; elsewhere the file is not whole
+		if ( m_next_length < m_lengths.size() || ( counted && count( m_element, "count", 0 ) != m_faces ) )
 		{
-			fail( element, fmt::format( "has {} faces of {}", m_faces, count( element, "count", 0 ) ) );
+			fail( m_element, fmt::format( "has {} faces of {}", m_faces, count( m_element, "count", 0 ) ) );
 		}
 	}
 
@@ -243,6 +248,10 @@ private:
 		for ( const XMLElement& input : Children( m_element, "input" ) )
 		{
 			const std::uint64_t offset = count( input, "offset", 0 );
+			if ( offset >= UINT32_MAX )
+			{
+				fail( input, fmt::format( "is index {} of a corner", offset ) );
+			}
 			m_step = std::max( m_step, offset + 1 );
 			const char* semantic = input.Attribute( "semantic" );
 			vertex = semantic != nullptr && std::strcmp( semantic, "VERTEX" ) == 0 ? offset : vertex;
@@ -526,7 +535,7 @@ private:
 		{
 			if ( Faces::isOne( child ) )
 			{
-				Faces( child, out.positions.size(), out, polygons );
+				Faces( child, out.positions.size(), out, polygons ).read();
 			}
 		}
 		if ( polygons.faceCount() > 0 )
