@@ -18,9 +18,10 @@ exec </dev/null
 
 jobs=$( nproc )
 # Tests are named for what they do: those that start threads say Thread in suite or test, the ground-truth sweeps begin
-# with truth. The programs that hold such tests are built under the thread sanitizer.
+# with truth. The programs that hold such tests are built under the thread sanitizer. Long under sanitizers are sweeps over ARMAR-III's
+# meshes, too: the same over smaller robots stay.
 threaded_tests='[Tt]hread'
-long_tests='^truth|^install'
+long_tests='^truth|^install|^SpheresData.Armar|armar3/armar3|^ReachPairsData.Armar'
 
 heading()
 {
