@@ -43,13 +43,16 @@ double valueOf( std::uint64_t bits )
 	return value;
 }
 
+/// Raised when the readers of formats make other triangles of a file than before: trees of those are then built anew.
+constexpr std::uint64_t readers = 2;
+
 lw_digest keyOf( const LoadOptions& options, const std::string& extension, const std::array<double, 3>& scale,
     const std::string& bytes )
 {
 	lw_digest key = digestWords( lw_digest{},
-	    { lw_version(), static_cast<std::uint64_t>( options.tree.fit ), options.tree.leaf_size,
-	        bitsOf( options.tree.tile_radius ), bitsOf( options.weld_tolerance ), bitsOf( options.detail ), bitsOf( scale[0] ), bitsOf( scale[1] ),
-	        bitsOf( scale[2] ) } );
+	    { lw_version(), readers, static_cast<std::uint64_t>( options.tree.fit ), options.tree.leaf_size,
+	        bitsOf( options.tree.tile_radius ), bitsOf( options.weld_tolerance ), bitsOf( options.detail ), bitsOf( scale[0] ),
+	        bitsOf( scale[1] ), bitsOf( scale[2] ) } );
 	return digestText( digestText( key, extension ), bytes ); // the extension says how it is read
 }
 
