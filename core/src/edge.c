@@ -82,7 +82,7 @@ static lw_status check_steps( lwi_edge* e )
 	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
 	{
 		double length = lwi_motion_bound( c->motion, e->motion, i, LW_INVALID_INDEX );
-		furthest = c->tree->nodes[i].body_count > 0 ? fmax( furthest, length ) : furthest;
+		furthest = c->tree->nodes[i].body_count > 0 ? lwi_larger( furthest, length ) : furthest;
 	}
 	double steps = ceil( furthest / e->def->max_d );
 	if ( !( steps < 0x1p30 ) )

@@ -92,7 +92,7 @@ static void note_proof( lwi_edge* e, double spare )
 /// The def's slack, unless rounding is coarser.
 static double slack_of( const lwi_edge* e, double rounding )
 {
-	return fmax( e->def->slack, 4 * rounding );
+	return lwi_larger( e->def->slack, 4 * rounding );
 }
 
 /// As much clearance as proves a loss, and a quarter of the slack more: the proof then holds with something to spare, which
@@ -420,7 +420,7 @@ bool lwi_edge_is_charted( lwi_edge* e, uint32_t pair, uint32_t body_a, uint32_t 
 	{
 		return false;
 	}
-	e->apart = fmin( e->apart, apart );
+	e->apart = lwi_smaller( e->apart, apart );
 	return true;
 }
 
@@ -491,7 +491,7 @@ bool lwi_edge_pair_is_apart( lwi_edge* e, const lwi_node_pair* pair )
 {
 	if ( pair->separation > looked_for( e ) )
 	{
-		e->apart = fmin( e->apart, pair->separation );
+		e->apart = lwi_smaller( e->apart, pair->separation );
 		return true;
 	}
 	return false;
@@ -519,7 +519,7 @@ bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level
 {
 	screening s = { .edge = e,
 		.window = window,
-		.share = fmax( window.t, 1 - window.t ),
+		.share = lwi_larger( window.t, 1 - window.t ),
 		.rounding = rounding_of( e, false ),
 		.pair_rounding = rounding_of( e, true ),
 		.level = level,

@@ -330,7 +330,7 @@ static double chord_of( const lwi_edge* e, const lwi_edge_swing* s, const double
 	lw_vec3 p = lwi_load( local ), middle = lwi_transform( &s->middle, p );
 	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
 	double right = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->right, p ) ) );
-	return sqrt( fmax( left, right ) ) + 8 * lwi_motion_rounding( e->checker->motion, e->motion );
+	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->checker->motion, e->motion );
 }
 
 /// How far a sphere gets, where drifts are worth having; else INFINITY.
@@ -364,7 +364,7 @@ double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, con
 	lwi_edge_swing* s = swing_of( e, node, ancestor, window );
 	if ( s->turn < 0 )
 	{
-		s->turn = fmax( turn_between( &s->middle, &s->left ), turn_between( &s->middle, &s->right ) );
+		s->turn = lwi_larger( turn_between( &s->middle, &s->left ), turn_between( &s->middle, &s->right ) );
 	}
 	double chord = chord_of( e, s, local->center ) + local->radius * s->turn;
 	return lwi_motion_between( chord, rate, window.half );

@@ -262,9 +262,9 @@ bool lwi_edge_prove( lwi_edge* e )
 		double proved = INFINITY; // nothing was to be measured
 		if ( e->spare < INFINITY )
 		{
-			proved = fmax( nextafter( e->def->min_d + e->spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
+			proved = lwi_larger( nextafter( e->def->min_d + e->spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
 		}
-		e->out->lower_bound = fmin( fmin( lwi_edge_static_lower( e ), e->apart ), proved );
+		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->apart ), proved );
 		return true;
 	}
 	if ( e->out->verdict == LW_VERDICT_REFUSED && e->longest > 0 )
@@ -334,7 +334,7 @@ static double locate_failure( lwi_edge* e, double until )
 
 static bool screen_run( lwi_edge* e, lwi_edge_window window )
 {
-	return lwi_edge_measure_nodes( e, window.t, fmax( window.t, 1 - window.t ) ) &&
+	return lwi_edge_measure_nodes( e, window.t, lwi_larger( window.t, 1 - window.t ) ) &&
 		   lwi_edge_screen( e, window, &e->levels[0], false );
 }
 
@@ -352,7 +352,7 @@ double lwi_edge_proved_run( lwi_edge* e )
 	}
 	for ( uint32_t i = 0; i < e->item_count && until > 0 && !e->failed; ++i )
 	{
-		until = fmin( until, prove_from_left( e, &e->items[i], until ) );
+		until = lwi_smaller( until, prove_from_left( e, &e->items[i], until ) );
 	}
 	return e->failed ? 0 : until;
 }

@@ -546,13 +546,13 @@ static couple any_couple( const raking* r )
 		lwi_motion_rate rate = lwi_edge_rate( lwi_edge_pace_of( e, i ), root );
 		if ( r->tree->nodes[i].body_count > 0 )
 		{
-			bulge = fmax( bulge, bulge_of( r, rate ) );
-			size = fmax( size, size_of( &r->nodes[i], rate.path ) + 2 * r->tree->nodes[i].r.radius );
+			bulge = lwi_larger( bulge, bulge_of( r, rate ) );
+			size = lwi_larger( size, size_of( &r->nodes[i], rate.path ) + 2 * r->tree->nodes[i].r.radius );
 		}
 	}
 	for ( uint32_t i = 0; e->checker->self_margins != NULL && i < r->tree->pair_count; ++i )
 	{
-		margin = fmax( margin, (double)r->tree->pairs[i].margin );
+		margin = lwi_larger( margin, (double)r->tree->pairs[i].margin );
 	}
 	return (couple){ .reach = r->pair_beyond + 2 * r->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
 }

@@ -48,7 +48,7 @@ typedef struct sweeping
 /// of the path there.
 static double bulge_of( lwi_motion_rate rate, lwi_edge_window window )
 {
-	return fmin( 0.125 * window.half * rate.change, 0.5 * rate.path ) * window.half / LWI_EDGE_INWARD;
+	return lwi_smaller( 0.125 * window.half * rate.change, 0.5 * rate.path ) * window.half / LWI_EDGE_INWARD;
 }
 
 /// From a's middle to the nearest point of the box around b, in b's tree frame.
@@ -188,7 +188,7 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 		lwi_places middle_a, middle_b;
 		lwi_places_stand( &middle_a, s->a->shape, &s->a->middle );
 		lwi_places_stand( &middle_b, s->b->shape, &s->b->middle );
-		need = fmax( need - bulge, 0 );
+		need = lwi_larger( need - bulge, 0 );
 		lwi_separation middle = lwi_separate_places( kernels, &middle_a, &middle_b, need, direction, &plane );
 		found = middle == LWI_APART ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
 	}
@@ -229,7 +229,7 @@ static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	s.any_key = alone ? 0 : BODY_KEY | ( a_stands ? a : b );
 	lwi_edge_plane* p = NULL;
 	// places are seen from the ancestor, which is rounded too
-	double need = fmax( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion ), 0 );
+	double need = lwi_larger( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion ), 0 );
 	bool planes = bulge < MAX_BULGE;
 	lwi_cloud clouds[2];
 	clouds[0].made = clouds[1].made = false;
@@ -292,7 +292,7 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
 		lwi_places_stand( &stands, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
 		s.any_key = stands.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
-		double need = fmax( enough + bulge + lwi_environment_margin( c, item->body_a, obstacle->object ), 0 );
+		double need = lwi_larger( enough + bulge + lwi_environment_margin( c, item->body_a, obstacle->object ), 0 );
 		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, item->body_a * stride + index ) : NULL;
 		if ( p == NULL || !old_plane_holds( &s, p, need ) )
 		{

@@ -33,6 +33,9 @@ static inline double lwi_length_sq( lw_vec3 a ) { return lwi_dot( a, a ); }
 static inline double lwi_length( lw_vec3 a ) { return sqrt( lwi_dot( a, a ) ); }
 static inline double lwi_distance( lw_vec3 a, lw_vec3 b ) { return lwi_length( lwi_sub( a, b ) ); }
 static inline double lwi_clamp( double v, double lo, double hi ) { return v < lo ? lo : v > hi ? hi : v; }
+/// fmin() and fmax() of numbers, without a call into libm. Of a NaN and a number the first comes.
+static inline double lwi_smaller( double a, double b ) { return a > b ? b : a; }
+static inline double lwi_larger( double a, double b ) { return a < b ? b : a; }
 
 static inline lw_vec3 lwi_rotate( const lw_transform* m, lw_vec3 v )
 {

@@ -505,8 +505,8 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 		m.speed = joint->multiplier * difference;
 		m.turn = prismatic ? 0 : change;
 		m.shift = prismatic ? change : 0;
-		m.excess = prismatic ? fmax( fabs( va - entry->center[0] ), fabs( vb - entry->center[0] ) ) : 0;
-		m.reach = prismatic ? fmax( fabs( va ), fabs( vb ) ) : 0;
+		m.excess = prismatic ? lwi_larger( fabs( va - entry->center[0] ), fabs( vb - entry->center[0] ) ) : 0;
+		m.reach = prismatic ? lwi_larger( fabs( va ), fabs( vb ) ) : 0;
 		// the wrapped way passes angles up to |a| + pi; the offset and the two products round too
 		m.value = prismatic ? 0 : fabs( joint->multiplier ) * ( fabs( a[0] ) + fabs( b[0] ) + 4 ) + fabs( joint->offset );
 		return m;
@@ -518,16 +518,10 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	lw_vec3 center = lwi_v3( entry->center[0], entry->center[1], planar ? 0 : entry->center[2] );
 	m.turn = planar ? fabs( lwi_wrapped_difference( a[2], b[2] ) ) : 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
 	m.shift = lwi_distance( pa, pb );
-	m.excess = fmax( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // of a straight way the ends are farthest
-	m.reach = fmax( lwi_length( pa ), lwi_length( pb ) );
+	m.excess = lwi_larger( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // of a straight way the ends are farthest
+	m.reach = lwi_larger( lwi_length( pa ), lwi_length( pb ) );
 	m.value = planar ? fabs( a[2] ) + fabs( b[2] ) + 4 : 4;
 	return m;
-}
-
-/// fmin() of numbers, without the call. A NaN comes through.
-static inline double smaller( double a, double b )
-{
-	return a > b ? b : a;
 }
 
 /// Bounds along the whole edge of what moves with a body, by its first `count` joints upwards: path length, and acceleration
@@ -553,8 +547,8 @@ static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratc
 		{
 			lw_vec3 offset = lwi_sub( center, m->origin );
 			double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
-			double ring = smaller( away + radius + share * rate.path, entry->ring + excess );
-			ring = k == 0 ? smaller( ring, b->first_ring + excess ) : ring;
+			double ring = lwi_smaller( away + radius + share * rate.path, entry->ring + excess );
+			ring = k == 0 ? lwi_smaller( ring, b->first_ring + excess ) : ring;
 			rate.change = ( rate.change + m->turn * ( 2 * rate.path + ring * m->turn ) ) * OUTWARD;
 			rate.path += ring * m->turn;
 		}
@@ -722,7 +716,7 @@ double lwi_motion_between( double chord, lwi_motion_rate rate, double h )
 {
 	double a = 0.5 * h * h * rate.change;
 	double bound = chord >= a ? chord : ( a + chord ) * ( a + chord ) / ( 4 * a );
-	return fmin( bound, h * rate.path ) * OUTWARD;
+	return lwi_smaller( bound, h * rate.path ) * OUTWARD;
 }
 
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
@@ -788,13 +782,13 @@ void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32
 			const lw_transform* pose = &poses[joint->child];
 			lw_vec3 offset = lwi_sub( middle_point, lwi_load( pose->t ) );
 			double ring = distance_to_axis( lwi_rotate( pose, lwi_load( joint->axis ) ), offset ) + b->radius;
-			ring = up ? fmin( ring, entry->ring + excess ) : ring; // these rings are of joints below
-			ring = up && k == 0 ? fmin( ring, b->first_ring ) : ring;
+			ring = up ? lwi_smaller( ring, entry->ring + excess ) : ring; // these rings are of joints below
+			ring = up && k == 0 ? lwi_smaller( ring, b->first_ring ) : ring;
 			length += ( ring + rounding ) * ( m.turn < HALF_TURN ? 2 * sin( 0.5 * m.turn ) : 2.0 );
 		}
 		length = ( length + m.shift ) * OUTWARD;
 		excess = ( excess + m.excess ) * OUTWARD;
-		lengths[k + 1] = fmax( lengths[k + 1], length );
+		lengths[k + 1] = lwi_larger( lengths[k + 1], length );
 	}
 }
 

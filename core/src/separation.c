@@ -253,7 +253,7 @@ static void make_boxes( lwi_places* s )
 			s->boxes[i].half[k / 3][k % 3] = (float)x;
 			size += fabs( x );
 		}
-		s->box_size = fmax( s->box_size, size );
+		s->box_size = lwi_larger( s->box_size, size );
 	}
 	s->boxed = true;
 }
@@ -275,7 +275,7 @@ static uint32_t planes_clear( const lwi_kernels* kernels, lwi_places* a, const l
 		a->boxes[i].middle[0] = (float)middle.x;
 		a->boxes[i].middle[1] = (float)middle.y;
 		a->boxes[i].middle[2] = (float)middle.z;
-		far = fmax( far, fabs( middle.x ) + fabs( middle.y ) + fabs( middle.z ) );
+		far = lwi_larger( far, fabs( middle.x ) + fabs( middle.y ) + fabs( middle.z ) );
 	}
 	const double slack = BOX_SLACK * ( far + a->box_size + size_of( b->shape ) );
 	return kernels->planes_clear( planes, r, a->boxes, (uint32_t)a->count, lwi_round_up( q->need + slack ),
