@@ -53,8 +53,8 @@ typedef struct lwi_edge_plane
 /// What a window's planes say. In ascending order of work that is left.
 typedef enum lwi_edge_sweep
 {
-	LWI_EDGE_PROVED,  ///< nothing comes as near as asked
-	LWI_EDGE_CLOSER,  ///< nothing is as near at the middle, the window is too wide to tell more
+	LWI_EDGE_PROVED,  ///< nothing comes too near
+	LWI_EDGE_CLOSER,  ///< nothing is too near at the middle, the window is too wide to tell more
 	LWI_EDGE_MEASURE  ///< nothing is known
 } lwi_edge_sweep;
 
@@ -224,9 +224,9 @@ void lwi_edge_places( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_moti
 // --- edge_sweep.c ----------------------------------------------------------------------------------------------------
 
 /// Looks for planes that prove an item during a window, at whose middle the query is posed.
-/// @param enough clearance that proves it @param skip levels below that are not worth a look, if the answer is CLOSER
-lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, double enough,
-	uint8_t* skip );
+/// @param last_try nothing is left out that mostly is in vain
+/// @param skip levels below that are not worth a look, if the answer is CLOSER
+lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip );
 
 // --- edge_item.c -----------------------------------------------------------------------------------------------------
 
@@ -268,10 +268,8 @@ bool lwi_edge_state_is_free( lwi_edge* edge, double t );
 /// Lower bound of the static bodies' clearance; +infinity if it was not asked for.
 double lwi_edge_static_lower( const lwi_edge* edge );
 
-/// Clearance that a plane or a sphere has to prove, without margins. Which planes are known depends on what was asked before. What
-/// is nearer than this is measured, so that verdicts do not: beyond it a measurement would not be refused, and would prove the edge
-/// in the end.
-double lwi_edge_beyond( const lwi_edge* edge, bool pair );
+/// Clearance that a plane or a sphere has to prove, without margins.
+double lwi_edge_enough( const lwi_edge* edge, bool pair );
 
 /// Notes that something was proved by it.
 void lwi_edge_note_proof( lwi_edge* edge );

@@ -120,38 +120,44 @@ static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* th
 	return !e->failed;
 }
 
-/// lwi_edge_beyond() of an item's rounding.
-static double beyond( const lwi_edge* e, double rounding )
+double lwi_edge_enough( const lwi_edge* e, bool pair )
 {
-	return ( e->def->min_d + slack_of( e, rounding ) ) / ( 1 - e->def->alpha ) + rounding;
-}
-
-double lwi_edge_beyond( const lwi_edge* e, bool pair )
-{
-	return beyond( e, rounding_of( e, pair ) );
+	return enough( e, rounding_of( e, pair ), 0 );
 }
 
 void lwi_edge_note_proof( lwi_edge* e )
 {
-	note_proof( e, e->def->slack * LWI_EDGE_INWARD );
+	note_proof( e, 0.25 * e->def->slack * LWI_EDGE_INWARD );
+}
+
+/// Proves an item during the window by planes, if there are any.
+/// @param last_try see lwi_edge_sweep_item(); looking closer ends where distances would prove what is not refused
+/// @return false if it is to be measured
+static bool sweep( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool last_try, lwi_edge_sample* out )
+{
+	const lwi_edge_sweep by = lwi_edge_sweep_item( e, item, window, last_try, &out->skip );
+	const bool ends = last_try && !( e->longest * window.half > e->def->slack );
+	if ( by == LWI_EDGE_MEASURE || ( ends && by == LWI_EDGE_CLOSER ) )
+	{
+		return false;
+	}
+	out->proved = by == LWI_EDGE_PROVED;
+	out->low = false;
+	if ( out->proved )
+	{
+		lwi_edge_note_proof( e );
+	}
+	return true;
 }
 
 lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up )
 {
 	lwi_edge_sample s = { .low = true, .pair = lw_clearance_unknown() };
-	if ( !lwi_edge_pose( e, window.t ) )
+	if ( !lwi_edge_pose( e, window.t ) || sweep( e, item, window, false, &s ) )
 	{
 		return s;
 	}
 	double min_d = e->def->min_d, slack = slack_of( e, item->rounding );
-	lwi_edge_sweep sweep = lwi_edge_sweep_item( e, item, window, beyond( e, item->rounding ), &s.skip );
-	if ( sweep != LWI_EDGE_MEASURE )
-	{
-		s.proved = sweep == LWI_EDGE_PROVED;
-		s.low = false;
-		note_proof( e, s.proved ? slack * LWI_EDGE_INWARD : INFINITY );
-		return s;
-	}
 	double loss = loss_of( e, item, window );
 	// of what does not move the verdict is that of the state, whose clearance may be just above min_d
 	double alpha = window.half > 0 ? e->def->alpha : 0;
@@ -169,6 +175,12 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 	if ( s.proved )
 	{
 		note_proof( e, left * LWI_EDGE_INWARD );
+		return s;
+	}
+	// what one order of questions leaves out must not be refused, lest another one proves it
+	if ( s.low && !s.blocked && sweep( e, item, window, true, &s ) )
+	{
+		return s;
 	}
 	for ( double reach = 0.5 * loss; reach > HOPEFUL * ( s.pair.upper - min_d ) && s.skip < 16; reach *= 0.5 )
 	{
@@ -366,7 +378,7 @@ static bool screen_environment( screening* s, uint32_t node )
 	uint32_t near = 0;
 	if ( n->body_count == 1 )
 	{
-		double limit = beyond( e, s->rounding ) + way;
+		double limit = enough( e, s->rounding, way );
 		near = lwi_checker_near_obstacles( c, e->query, c->tree->bodies[n->first_body], limit );
 	}
 	if ( near == 0 && ( n->body_count == 1 ||

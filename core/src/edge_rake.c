@@ -39,7 +39,7 @@ typedef struct raking
 	double origin[3];        ///< of what the robot's own spheres are compared in
 	double half;             ///< width of half a window
 	double rounding;         ///< of places in the lanes, for one of two
-	double beyond, pair_beyond; ///< see lwi_edge_beyond()
+	double enough, pair_enough; ///< see lwi_edge_enough()
 } raking;
 
 /// A tree, and where its frame is: in the lanes, or where it stands.
@@ -320,7 +320,7 @@ static scout make_scout( const raking* r, uint32_t node, const lw_sphere* sphere
 	scout s = { .radius = sphere->radius };
 	r->kernels->rake_point( &r->frames[node], sphere->center, scene->origin, r->half, &s.at );
 	lwi_motion_rate rate = lwi_edge_rate( lwi_edge_pace_of( r->e, node ), lwi_edge_pace_of( r->e, 0 ) );
-	s.need = r->beyond + r->rounding + bulge_of( r, rate ) + margin;
+	s.need = r->enough + r->rounding + bulge_of( r, rate ) + margin;
 	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, rate.path ) + scene->extent + 2 * sphere->radius ) );
 	s.reach = lwi_round_up( s.radius + s.need + s.slack );
 	s.path = rate.path;
@@ -477,7 +477,7 @@ static void rake_environment( const raking* r )
 	{
 		return;
 	}
-	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, r->beyond );
+	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, r->enough );
 	for ( uint32_t i = r->tree->node_count; i-- > 1; )
 	{
 		const lwi_checker_node* n = &r->tree->nodes[i];
@@ -519,7 +519,7 @@ static couple make_couple( const raking* r, const lwi_node_pair* pair )
 	return (couple){ .pair = pair,
 		.path = lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path,
 		.neighbours = a->depth + b->depth - 2 * above->depth <= NEIGHBOURS,
-		.reach = r->pair_beyond + 2 * r->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
+		.reach = r->pair_enough + 2 * r->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
 }
 
 static uint32_t points_meet( const raking* r, const couple* c, const lwi_rake_point* a, double radius_a, const lwi_rake_point* b,
@@ -554,7 +554,7 @@ static couple any_couple( const raking* r )
 	{
 		margin = lwi_larger( margin, (double)r->tree->pairs[i].margin );
 	}
-	return (couple){ .reach = r->pair_beyond + 2 * r->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
+	return (couple){ .reach = r->pair_enough + 2 * r->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
 }
 
 /// Lanes in which two bodies, given by their places, do not stay apart.
@@ -689,8 +689,8 @@ void lwi_edge_rake_all( lwi_edge* e )
 		.nodes = e->rake.nodes,
 		.half = 0.5 / LWI_WIDTH,
 		.rounding = 2 * lwi_motion_rounding( c->motion, e->motion ),
-		.beyond = lwi_edge_beyond( e, false ),
-		.pair_beyond = lwi_edge_beyond( e, true ) };
+		.enough = lwi_edge_enough( e, false ),
+		.pair_enough = lwi_edge_enough( e, true ) };
 	memcpy( r.origin, c->reference_poses[c->tree->nodes[0].top].t, sizeof( r.origin ) );
 	pose_frames( &r );
 	pose_spheres( &r );

@@ -25,6 +25,9 @@ enum
 /// Metres. What bulges more than this between its places has no plane where it is near anything: a look at halves is cheaper.
 #define MAX_BULGE 0.05
 
+/// Metres. Where ways between exact places bend more than this, hardly any is found to stay away.
+#define MAX_BEND 0.02
+
 /// Slacks. Where paths are no longer than this the distance is measured at once: looking closer would not end.
 #define SHORT_WAY 2.0
 
@@ -34,10 +37,17 @@ enum
 #define TINY_WAY 0.02
 #define DENSE 128u
 
-/// Two bodies, or a body and an obstacle, during a window.
+/// An item during a window: two bodies, or a body and the obstacles one after the other.
 typedef struct sweeping
 {
 	lwi_edge* edge;
+	const lwi_edge_item* item;
+	lwi_edge_window window;
+	const lwi_edge_drift* drifts; ///< of both bodies; NULL if one has none
+	double enough; ///< clearance that proves the item, without margins
+	bool last_try; ///< nothing is left out that mostly is in vain
+	double bulge;  ///< of both ways between their places: NAN if there is no point in planes
+
 	lwi_places *a, *b;
 	bool turned;      ///< b is the first of the two
 	uint32_t any_key; ///< of planes that keep anything away from b; 0: a new one costs no more than these
@@ -134,9 +144,10 @@ static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
 	p->next = (uint8_t)( ( lane + 1 ) % LWI_WIDTH );
 }
 
-/// One of the planes of other times. @param need clearance that proves it if everything is on one side at the places
-static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
+/// One of the planes of other times. @param margin on top of the clearance
+static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double margin )
 {
+	const double need = lwi_larger( s->enough + s->bulge + margin, 0 );
 	const lwi_kernels* kernels = s->edge->query->kernels;
 	uint32_t which = lwi_places_apart_by( kernels, s->a, s->b, need, &p->planes, false );
 	if ( which < LWI_WIDTH )
@@ -160,15 +171,39 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double need )
 	return false;
 }
 
-/// A new plane. @param bulge part of `need` that is due to the window
-static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, double bulge )
+/// Does the item stay away on the bent way between its exact places?
+/// @param need clearance that proves it @param direction as for lwi_separate_bent()
+static bool stays_away( const sweeping* s, double need, float direction[3] )
 {
-	bool dense = s->way < SMALL_WAY && s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
+	lwi_edge* e = s->edge;
+	const lwi_edge_item* item = s->item;
+	const double h = s->window.half;
+	const double bend = 0.5 * h * h * ( item->rate_a.change + item->rate_b.change ) / LWI_EDGE_INWARD;
+	if ( !( bend <= MAX_BEND ) )
+	{
+		return false;
+	}
+	lwi_places places[2];
+	const lwi_places *a = &places[0], *b = s->b;
+	lwi_edge_places( e, item->body_a, item->ancestor, item->rate_a, s->window, NULL, &places[0] );
+	if ( item->body_b != LW_INVALID_INDEX )
+	{
+		lwi_edge_places( e, item->body_b, item->ancestor, item->rate_b, s->window, NULL, &places[1] );
+		a = &places[s->turned ? 1 : 0];
+		b = &places[s->turned ? 0 : 1];
+	}
+	return lwi_separate_bent( e->query->kernels, a, b, need, bend, direction );
+}
+
+/// A new plane. @param margin on top of the clearance
+static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin )
+{
+	bool dense = !s->last_try && s->way < SMALL_WAY && s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
 	if ( dense && s->way < TINY_WAY )
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	if ( p->wait > 0 )
+	if ( p->wait > 0 && !s->last_try )
 	{
 		--p->wait;
 		return LWI_EDGE_MEASURE;
@@ -178,17 +213,22 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double need, d
 	direction_between( s->a, s->b, direction );
 	lwi_places_plane plane;
 	lwi_edge_sweep found = LWI_EDGE_PROVED;
-	if ( lwi_separate_places( kernels, s->a, s->b, need, direction, &plane ) != LWI_APART )
+	double need = lwi_larger( s->enough + margin, 0 );
+	lwi_separation whole = lwi_separate_places( kernels, s->a, s->b, need + s->bulge, direction, &plane );
+	if ( whole != LWI_APART )
 	{
 		if ( dense )
 		{
 			return LWI_EDGE_MEASURE; // so little is lost by motion that it does not matter why there is none
 		}
+		if ( whole != LWI_MEET && stays_away( s, need, direction ) )
+		{
+			return LWI_EDGE_PROVED;
+		}
 		// is it the window that is too wide, or are their hulls too near?
 		lwi_places middle_a, middle_b;
 		lwi_places_stand( &middle_a, s->a->shape, &s->a->middle );
 		lwi_places_stand( &middle_b, s->b->shape, &s->b->middle );
-		need = lwi_larger( need - bulge, 0 );
 		lwi_separation middle = lwi_separate_places( kernels, &middle_a, &middle_b, need, direction, &plane );
 		found = middle == LWI_APART ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
 	}
@@ -215,76 +255,75 @@ static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) / LWI_EDGE_INWARD;
 }
 
-/// @param enough clearance that proves it @param bulge of both: NAN if there is no point in planes
-/// @param drifts of both; NULL if one has none
-static lwi_edge_sweep sweep_pair( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window,
-	const lwi_edge_drift* drifts, double enough, double bulge )
+static lwi_edge_sweep sweep_pair( sweeping s )
 {
+	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
+	const lwi_edge_item* item = s.item;
 	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
-	bool a_stands = item->rate_a.path == 0; // what stands has the plane
-	sweeping s = { .edge = e, .turned = a_stands, .way = INFINITY };
 	const lwi_checker_tree* tree = c->tree;
 	bool alone = tree->nodes[tree->body_node[a]].body_count == 1 && tree->nodes[tree->body_node[b]].body_count == 1;
-	s.any_key = alone ? 0 : BODY_KEY | ( a_stands ? a : b );
+	s.turned = item->rate_a.path == 0; // what stands has the plane
+	s.any_key = alone ? 0 : BODY_KEY | ( s.turned ? a : b );
 	lwi_edge_plane* p = NULL;
 	// places are seen from the ancestor, which is rounded too
-	double need = lwi_larger( enough + bulge + lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion ), 0 );
-	bool planes = bulge < MAX_BULGE;
+	double margin = lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
+	bool planes = s.bulge < MAX_BULGE;
 	lwi_cloud clouds[2];
 	clouds[0].made = clouds[1].made = false;
 	lwi_places places[2];
 	places[0].cloud = &clouds[0];
 	places[1].cloud = &clouds[1];
-	s.a = &places[a_stands ? 1 : 0];
-	s.b = &places[a_stands ? 0 : 1];
+	s.a = &places[s.turned ? 1 : 0];
+	s.b = &places[s.turned ? 0 : 1];
 	if ( planes )
 	{
-		lwi_edge_places( e, a, above, item->rate_a, window, drifts != NULL ? &drifts[0] : NULL, &places[0] );
-		lwi_edge_places( e, b, above, item->rate_b, window, drifts != NULL ? &drifts[1] : NULL, &places[1] );
+		lwi_edge_places( e, a, above, item->rate_a, s.window, s.drifts != NULL ? &s.drifts[0] : NULL, &places[0] );
+		lwi_edge_places( e, b, above, item->rate_b, s.window, s.drifts != NULL ? &s.drifts[1] : NULL, &places[1] );
 		planes = has_planes( &s );
 		p = planes ? planes_of( &s, SELF_KEY | lwi_body_pair_id( c, a, b ) ) : NULL;
-		if ( planes && old_plane_holds( &s, p, need ) )
+		if ( planes && old_plane_holds( &s, p, margin ) )
 		{
 			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
 		}
 	}
-	double way = way_of( e, a, above, item->rate_a, window ) + way_of( e, b, above, item->rate_b, window );
-	if ( !lwi_checker_pair_is_near( c, e->query, a, b, enough + way ) )
+	double way = way_of( e, a, above, item->rate_a, s.window ) + way_of( e, b, above, item->rate_b, s.window );
+	if ( !lwi_checker_pair_is_near( c, e->query, a, b, s.enough + way ) )
 	{
 		return LWI_EDGE_PROVED;
 	}
-	return planes ? find_plane( &s, p, need, bulge ) : LWI_EDGE_MEASURE;
+	return planes ? find_plane( &s, p, margin ) : LWI_EDGE_MEASURE;
 }
 
 /// All obstacles that are near the body's sphere.
-static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window,
-	const lwi_edge_drift* drifts, double enough, double bulge )
+static lwi_edge_sweep sweep_scene( sweeping s )
 {
+	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
-	uint32_t count = item->near;
+	const lwi_edge_item* item = s.item;
+	uint32_t count = s.last_try ? 0 : item->near; // a measurement has asked for others
 	if ( count == 0 )
 	{
-		double way = way_of( e, item->body_a, 0, item->rate_a, window );
-		count = lwi_checker_near_obstacles( c, e->query, item->body_a, enough + way );
+		double way = way_of( e, item->body_a, 0, item->rate_a, s.window );
+		count = lwi_checker_near_obstacles( c, e->query, item->body_a, s.enough + way );
 	}
 	if ( count == 0 )
 	{
 		return LWI_EDGE_PROVED;
 	}
-	if ( !( bulge < MAX_BULGE ) )
+	if ( !( s.bulge < MAX_BULGE ) )
 	{
 		return LWI_EDGE_MEASURE;
 	}
 	uint32_t stride = c->scene->block_count * LWI_WIDTH;
-	sweeping s = { .edge = e, .way = window.half * item->rate_a.path };
 	lwi_cloud cloud;
 	cloud.made = false;
 	lwi_places places, stands;
 	places.cloud = &cloud;
 	s.a = &places;
 	s.b = &stands;
-	lwi_edge_places( e, item->body_a, 0, item->rate_a, window, drifts, &places );
+	s.way = s.window.half * item->rate_a.path;
+	lwi_edge_places( e, item->body_a, 0, item->rate_a, s.window, s.drifts, &places );
 	lwi_edge_sweep worst = LWI_EDGE_PROVED;
 	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
 	{
@@ -292,11 +331,11 @@ static lwi_edge_sweep sweep_scene( lwi_edge* e, const lwi_edge_item* item, lwi_e
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
 		lwi_places_stand( &stands, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
 		s.any_key = stands.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
-		double need = lwi_larger( enough + bulge + lwi_environment_margin( c, item->body_a, obstacle->object ), 0 );
+		double margin = lwi_environment_margin( c, item->body_a, obstacle->object );
 		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, item->body_a * stride + index ) : NULL;
-		if ( p == NULL || !old_plane_holds( &s, p, need ) )
+		if ( p == NULL || !old_plane_holds( &s, p, margin ) )
 		{
-			lwi_edge_sweep now = p == NULL ? LWI_EDGE_MEASURE : find_plane( &s, p, need, bulge );
+			lwi_edge_sweep now = p == NULL ? LWI_EDGE_MEASURE : find_plane( &s, p, margin );
 			worst = now > worst ? now : worst;
 		}
 	}
@@ -308,14 +347,14 @@ static bool is_number( lw_vec3 v )
 	return v.x == v.x;
 }
 
-lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, double enough, uint8_t* skip )
+lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip )
 {
 	*skip = 0;
 	if ( !( window.half > 0 ) )
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	bool is_short = window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * e->def->slack;
+	bool is_short = !last_try && window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * e->def->slack;
 	const uint32_t* node = e->checker->tree->body_node;
 	bool pair = item->body_b != LW_INVALID_INDEX;
 	lwi_edge_drift drift[2] = { { .bulge = 0 }, { .bulge = 0 } };
@@ -326,14 +365,16 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 		drift[1] = pair ? lwi_edge_drift_of( e, node[item->body_b], item->ancestor, item->rate_b, window ) : drift[1];
 		drifts = is_number( drift[0].twist.turn ) && is_number( drift[1].twist.turn );
 	}
-	double bulge = is_short ? NAN
-				   : drifts ? drift[0].bulge + drift[1].bulge
-							: bulge_of( item->rate_a, window ) + bulge_of( item->rate_b, window );
-	lwi_edge_sweep sweep = pair ? sweep_pair( e, item, window, drifts ? drift : NULL, enough, bulge )
-								: sweep_scene( e, item, window, drifts ? drift : NULL, enough, bulge );
-	if ( sweep == LWI_EDGE_MEASURE && bulge >= MAX_BULGE )
+	sweeping s = { .edge = e, .item = item, .window = window, .last_try = last_try, .way = INFINITY };
+	s.enough = lwi_edge_enough( e, pair );
+	s.drifts = drifts ? drift : NULL;
+	s.bulge = is_short ? NAN
+			  : drifts ? drift[0].bulge + drift[1].bulge
+					   : bulge_of( item->rate_a, window ) + bulge_of( item->rate_b, window );
+	lwi_edge_sweep sweep = pair ? sweep_pair( s ) : sweep_scene( s );
+	if ( sweep == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
 	{
-		for ( double next = 0.25 * bulge; !( next < MAX_BULGE ) && *skip < 16; next *= 0.25 )
+		for ( double next = 0.25 * s.bulge; !( next < MAX_BULGE ) && *skip < 16; next *= 0.25 )
 		{
 			++*skip;
 		}

@@ -453,18 +453,22 @@ static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s
 		lw_vec3 difference = lwi_sub( core_point( &s->b, s->which_b ), core_point( &s->a, s->which_a ) );
 		s->w[s->count++] = (vec_s){ difference.x, difference.y, difference.z };
 		nearest_s nearest;
-		bool inside = nearest_to_origin_s( s->w, s->count, &nearest );
-		if ( inside || nearest.sq < s->need * s->need )
+		if ( nearest_to_origin_s( s->w, s->count, &nearest ) )
 		{
-			return LWI_NEAR;
+			return LWI_MEET;
 		}
 		s->count = reduce( s->w, s->count, &nearest );
 		s->upper = sqrt( nearest.sq );
+		bool near = nearest.sq < s->need * s->need;
 		if ( s->count == 4 || !( s->upper > 0 && s->upper < INFINITY ) )
 		{
-			return LWI_UNKNOWN;
+			return near ? LWI_NEAR : LWI_UNKNOWN;
 		}
 		s->n = lwi_scale( 1 / s->upper, lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ) );
+		if ( near )
+		{
+			return LWI_NEAR;
+		}
 	}
 	return LWI_UNKNOWN;
 }
@@ -533,13 +537,10 @@ uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 }
 
 lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	const float direction[3], lwi_places_plane* out )
+	float direction[3], lwi_places_plane* out )
 {
 	between_places q = question_of( a, b, limit );
-	float point_a[3], point_b[3];
-	lwi_places_plane next;
-	float* d = next.direction;
-	memcpy( d, direction, 3 * sizeof( float ) );
+	float point_a[3], point_b[3], *d = direction;
 	if ( !normalize( d ) )
 	{
 		return LWI_UNKNOWN;
@@ -553,13 +554,13 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 		local_direction( &b->middle, s.n, d );
 		if ( cores != LWI_APART || !normalize( d ) )
 		{
-			return cores == LWI_NEAR ? LWI_NEAR : LWI_UNKNOWN;
+			return cores == LWI_APART ? LWI_UNKNOWN : cores;
 		}
 		core_start( a->shape, &s.a, s.which_a, point_a );
 		core_start( b->shape, &s.b, s.which_b, point_b );
 		lw_vec3 n = normal_of( b, d ), lowest;
 		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point_b, &lowest );
-		next.reach_b = lwi_round_up( -low );
+		const lwi_places_plane next = { { d[0], d[1], d[2] }, lwi_round_up( -low ) };
 		if ( box_stays_below( kernels, a, b, &q, &next ) || all_stay_below( kernels, a, &q, n, low - q.need ) )
 		{
 			*out = next;
@@ -570,6 +571,68 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 		s.b.cut[s.b.cuts++] = lowest;
 	}
 	return LWI_UNKNOWN;
+}
+
+// --- bent ways -------------------------------------------------------------------------------------------------------
+
+/// How far a shape reaches along n at one of its places, above q->from.
+/// @param start where to look first, tree frame; where it was found
+static double reach_at( const lwi_kernels* kernels, const lwi_places* s, int i, const between_places* q, lw_vec3 n, float start[3] )
+{
+	float local[3];
+	local_direction( place( s, i ), n, local );
+	double origin = lwi_dot( n, lwi_sub( origin_of( place( s, i ), s->shape ), q->from ) );
+	return (double)lwi_support( kernels, s->shape, local, start ) + origin;
+}
+
+/// The least of what goes from x to y evenly, less s ( 1 - s ) bend at the share s of the way.
+static double least_on_way( double x, double y, double bend )
+{
+	const double least = lwi_smaller( x, y ), missing = bend - fabs( x - y );
+	return missing > 0 ? least - missing * missing / ( 4 * bend ) : least;
+}
+
+/// @param gaps along the direction, at all places of a
+static bool bent_holds( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, const between_places* q, double bend,
+	const float direction[3], double gaps[LWI_MAX_PLACES] )
+{
+	const lw_vec3 n = normal_of( b, direction ), down = lwi_scale( -1, n );
+	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
+	double low = 0;
+	for ( int i = 0; i < a->count; ++i )
+	{
+		low = i < b->count ? -reach_at( kernels, b, i, q, down, point_b ) : low;
+		gaps[i] = low - reach_at( kernels, a, i, q, n, point_a );
+	}
+	bend *= 1 + 0x1p-21; // n is of length 1 to rounding, and so are gaps
+	return least_on_way( gaps[1], gaps[0], bend ) >= q->need && least_on_way( gaps[0], gaps[2], bend ) >= q->need;
+}
+
+bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
+	float direction[3] )
+{
+	const between_places q = question_of( a, b, limit );
+	double gaps[LWI_MAX_PLACES];
+	if ( !normalize( direction ) )
+	{
+		return false;
+	}
+	if ( bent_holds( kernels, a, b, &q, bend, direction, gaps ) )
+	{
+		return true;
+	}
+	// what keeps them apart at the end where they are nearer
+	const int end = gaps[1] < gaps[2] ? 1 : 2;
+	lwi_places end_a, end_b;
+	lwi_places_plane plane;
+	lwi_places_stand( &end_a, a->shape, place( a, end ) );
+	lwi_places_stand( &end_b, b->shape, place( b, b->count > 1 ? end : 0 ) );
+	if ( lwi_separate_places( kernels, &end_a, &end_b, limit, direction, &plane ) != LWI_APART )
+	{
+		return false;
+	}
+	local_direction( &b->middle, normal_of( &end_b, plane.direction ), direction );
+	return normalize( direction ) && bent_holds( kernels, a, b, &q, bend, direction, gaps );
 }
 
 // --- two shapes at one place -----------------------------------------------------------------------------------------

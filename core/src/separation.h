@@ -108,13 +108,22 @@ typedef enum lwi_separation
 {
 	LWI_APART,   ///< there is a plane: nothing of a is nearer to anything of b than the limit
 	LWI_UNKNOWN, ///< none was found
-	LWI_NEAR     ///< there is none: the hulls are nearer than the width that proves the limit, to rounding (edges.md)
+	LWI_NEAR,    ///< there is none: the hulls are nearer than the width that proves the limit, to rounding (edges.md)
+	LWI_MEET     ///< there is none for any limit, to rounding
 } lwi_separation;
 
 /// Looks for a plane between the convex hulls of all places.
-/// @param direction where to begin: b's tree frame at its middle place, any length
+/// @param direction where to begin: b's tree frame at its middle place, any length; where it ended
 /// @param out what separates them; written only then
-lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	const float direction[3], lwi_places_plane* out );
+lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, float direction[3],
+	lwi_places_plane* out );
+
+/// Looks for a direction along which a stays below b on its way, too: at the share s of the way from place to place everything is within
+/// s ( 1 - s ) bend of where a straight line has it. What comes nearest at one end may be as near as the limit there.
+/// @param a at its middle place, its left and its right one @param b likewise, or standing
+/// @param direction where to begin: b's tree frame at its middle place; where it ended, of length 1 to rounding if there is one
+/// @return true if there is one: on all of the way nothing of a is nearer to anything of b than the limit
+bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
+	float direction[3] );
 
 #endif

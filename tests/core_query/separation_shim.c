@@ -22,10 +22,18 @@ int shim_separate( const shim_places* a, const shim_places* b, double limit, con
 	lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
 	lwi_places_plane plane = { .reach_b = 0 };
 	const lwi_kernels* kernels = lwi_kernels_get( lw_simd_available() );
-	lwi_separation result = lwi_separate_places( kernels, &place_a, &place_b, limit, direction, &plane );
+	float next[3] = { direction[0], direction[1], direction[2] };
+	lwi_separation result = lwi_separate_places( kernels, &place_a, &place_b, limit, next, &plane );
 	memcpy( out->direction, plane.direction, sizeof( plane.direction ) );
 	out->reach_b = plane.reach_b;
 	return result == LWI_APART ? 0 : result == LWI_UNKNOWN ? 1 : 2;
+}
+
+bool shim_separate_bent( const shim_places* a, const shim_places* b, double limit, double bend, float direction[3] )
+{
+	lwi_cloud clouds[2];
+	const lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
+	return lwi_separate_bent( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, bend, direction );
 }
 
 uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count )

@@ -21,8 +21,11 @@ typedef struct shim_plane
 	float direction[3], reach_b;
 } shim_plane;
 
-/// lwi_separate_places(): 0 apart, 1 unknown, 2 near
+/// lwi_separate_places(): 0 apart, 1 unknown, 2 near or nearer still
 int shim_separate( const shim_places* a, const shim_places* b, double limit, const float direction[3], shim_plane* out );
+
+/// lwi_separate_bent(), of three places of a. @param direction in: where to begin, out: along which they stay apart; tree frame of b
+bool shim_separate_bent( const shim_places* a, const shim_places* b, double limit, double bend, float direction[3] );
 
 /// lwi_places_apart_by(), of LWI_WIDTH planes at the most. @return which, or `count`
 uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count );

@@ -210,6 +210,41 @@ void random_pair( SeededRng& rng, Moving& a, Moving& b )
 		b.places.at[0].t[k] += away[k];
 	}
 }
+/// A turn at constant speed about an axis through the origin, and a shift at constant speed.
+struct Way
+{
+	lw_transform start;
+	lw_vec3 axis, shift;
+	double turn;
+
+	lw_transform at( double time ) const
+	{
+		const double half = 0.5 * time * turn, s = std::sin( half );
+		const double q[4] = { axis.x * s, axis.y * s, axis.z * s, std::cos( half ) };
+		const double t[3] = { time * shift.x, time * shift.y, time * shift.z };
+		lw_transform move;
+		lw_transform_from_quaternion( t, q, &move );
+		return lw_transform_multiply( &move, &start );
+	}
+};
+
+/// Puts a subject to its places at -1, 0 and 1 of a way through where it is, about an axis perpendicular to d.
+/// @return what its points accelerate by at the most
+double go_along( SeededRng& rng, Moving& m, Vec d, double size, Way& way )
+{
+	const Vec axis = cross( d, from( random_direction( rng ) ) );
+	way = { m.places.at[0], to_double( 1 / length( axis ) * axis ), to_double( random_point( rng, size * rng.decade( -3, 0.3 ) ) ),
+		rng.decade( -2, -0.3 ) };
+	m.places.count = 3;
+	m.places.drifts = false;
+	for ( int i = 0; i < 3; ++i )
+	{
+		m.places.at[i] = way.at( i == 0 ? 0 : 2 * i - 3 );
+	}
+	const double far = to_double( length( pose_from( way.start ).t ) + m.subject.model.size );
+	return 1.0000001 * way.turn * way.turn * far;
+}
+
 } // namespace
 
 TEST( Separation, core_outside_of_hull )
@@ -278,6 +313,66 @@ TEST( Separation, near_is_not_near_or_apart_is_not_apart )
 	EXPECT_GE( apart, 300 );
 	EXPECT_GE( near, 150 );
 	EXPECT_LE( missed, separable / 20 );
+}
+
+TEST( Separation, nearer_between_places_than_a_bent_way_allows )
+{
+	SeededRng rng;
+	int apart = 0, ends = 0;
+	for ( int i = 0; i < 1500; ++i )
+	{
+		Moving a, b;
+		random_pair( rng, a, b );
+		b.places.count = 1;
+		b.places.drifts = false;
+		Way ways[2];
+		const bool both = rng.integer( 0, 3 ) == 0;
+		// b is farther from the origin, so that the way bends towards it
+		Vec d = pose_from( b.places.at[0] ).t - pose_from( a.places.at[0] ).t;
+		d = 1 / length( d ) * d;
+		const lw_vec3 by = to_double( a.size() * rng.decade( -1, 1 ) * d );
+		for ( double* t : { a.places.at[0].t, b.places.at[0].t } )
+		{
+			t[0] += by.x;
+			t[1] += by.y;
+			t[2] += by.z;
+		}
+		double bend = 0.5 * go_along( rng, a, d, a.size() * rng.decade( -3, 0 ), ways[0] );
+		bend += both ? 0.5 * go_along( rng, b, d, a.size() * rng.decade( -3, 0 ), ways[1] ) : 0;
+		const shim_places all_a = a.places, all_b = b.places;
+		auto go_to = [&]( double at ) {
+			a.places.count = b.places.count = 1;
+			a.places.at[0] = ways[0].at( at );
+			b.places.at[0] = both ? ways[1].at( at ) : all_b.at[0];
+		};
+		double at_places = INFINITY;
+		Vec n;
+		for ( int at = -1; at <= 1; ++at )
+		{
+			go_to( at );
+			at_places = std::min( at_places, widest_gap( a, b, &n ) );
+		}
+		const double limit = std::max( at_places - rng.integer( 0, 1 ) * rng.uniform( 0, 0.3 ) * bend, 0.0 ) * rng.uniform( 0.95, 1 );
+		const lw_vec3 start = random_direction( rng );
+		float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
+		if ( !shim_separate_bent( &all_a, &all_b, limit, bend, direction ) )
+		{
+			continue;
+		}
+		++apart;
+		ends += at_places - 0.25 * bend < limit; // as far as places alone tell, it may be nearer in between
+		go_to( 0 );
+		n = direction_of( b, { { direction[0], direction[1], direction[2] }, 0 } );
+		for ( int k = -16; k <= 16; ++k )
+		{
+			go_to( k / 16.0 );
+			ASSERT_GE( gap( a, b, n ), limit ) << "pair " << i << ", types " << a.subject.type << " " << b.subject.type << ", at " << k
+											   << "/16, bend " << bend;
+		}
+	}
+	std::printf( "%d stay apart, %d of them by how they come near\n", apart, ends );
+	EXPECT_GE( apart, 200 );
+	EXPECT_GE( ends, 10 );
 }
 
 TEST( Separation, two_shapes_are_nearer_than_their_plane_says )

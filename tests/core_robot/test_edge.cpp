@@ -527,9 +527,12 @@ TEST( Edge, ShortEdgeBetweenFreeStatesInsideTheSlackIsProvedFromBothEnds )
 	r = world.edge( { 0 }, { 0 }, def );
 	EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
 	EXPECT_EQ( r.queries, 1u );
-	// along the slab: a plane would prove it, but whether one is known depends on what was asked before, and no verdict may
+	// along the slab: what it keeps to all the way, it is proved to
 	r = world.edge( { 0 }, { 0.1 }, def );
-	EXPECT_EQ( r.verdict, LW_VERDICT_REFUSED );
+	EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
+	EXPECT_EQ( r.queries, 1u );
+	EXPECT_LE( r.lower_bound, 5e-4 );
+	EXPECT_GE( r.lower_bound, 2e-4 );
 }
 
 // A ball that goes straight for a wall and stops short of it: the least clearance is that of the end. With a slack that
