@@ -228,6 +228,10 @@ void lwi_edge_places( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_moti
 /// @param skip levels below that are not worth a look, if the answer is CLOSER
 lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip );
 
+/// Is an item proved during a window by the part of an obstacle that it may come near to? For hulls that meet.
+/// @param measured at the middle: its nearest points tell along which direction
+bool lwi_edge_sweep_near( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured );
+
 // --- edge_item.c -----------------------------------------------------------------------------------------------------
 
 /// Measures an item at window.t, no further than needed to prove the window and a little more.

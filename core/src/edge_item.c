@@ -177,6 +177,13 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_ed
 		note_proof( e, left * LWI_EDGE_INWARD );
 		return s;
 	}
+	if ( !s.blocked && lwi_edge_sweep_near( e, item, window, &s.pair ) )
+	{
+		s.proved = true;
+		s.low = false;
+		lwi_edge_note_proof( e );
+		return s;
+	}
 	// what one order of questions leaves out must not be refused, lest another one proves it
 	if ( s.low && !s.blocked && sweep( e, item, window, true, &s ) )
 	{

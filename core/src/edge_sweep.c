@@ -61,6 +61,12 @@ static double bulge_of( lwi_motion_rate rate, lwi_edge_window window )
 	return lwi_smaller( 0.125 * window.half * rate.change, 0.5 * rate.path ) * window.half / LWI_EDGE_INWARD;
 }
 
+/// How far both bodies of an item get from straight lines between their places: s ( 1 - s ) of this at the share s.
+static double bend_of( const lwi_edge_item* item, lwi_edge_window window )
+{
+	return 0.5 * window.half * window.half * ( item->rate_a.change + item->rate_b.change ) / LWI_EDGE_INWARD;
+}
+
 /// From a's middle to the nearest point of the box around b, in b's tree frame.
 static void direction_between( const lwi_places* a, const lwi_places* b, float direction[3] )
 {
@@ -177,8 +183,7 @@ static bool stays_away( const sweeping* s, double need, float direction[3] )
 {
 	lwi_edge* e = s->edge;
 	const lwi_edge_item* item = s->item;
-	const double h = s->window.half;
-	const double bend = 0.5 * h * h * ( item->rate_a.change + item->rate_b.change ) / LWI_EDGE_INWARD;
+	const double bend = bend_of( item, s->window );
 	if ( !( bend <= MAX_BEND ) )
 	{
 		return false;
@@ -381,4 +386,82 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 		return LWI_EDGE_CLOSER;
 	}
 	return sweep;
+}
+
+/// What moves against what stands in the frame of the item's ancestor.
+typedef struct nearing
+{
+	lwi_edge* edge;
+	lwi_places moving;
+	double enough; ///< clearance that proves it, without margins
+	double bend;   ///< of the way between its places
+	double way;    ///< metres that the middle of its sphere gets
+	lw_vec3 n;     ///< towards what stands, where they were measured to be nearest
+} nearing;
+
+static bool stays_away_from( const nearing* s, const lw_shape* shape, const lw_transform* pose, double margin )
+{
+	if ( shape->deferred != NULL || shape->family == LWI_UNBOUNDED )
+	{
+		return false;
+	}
+	lwi_places stands;
+	lwi_places_stand( &stands, shape, pose );
+	const double need = lwi_larger( s->enough + margin, 0 ), reach = s->moving.shape->sphere_radius + s->way;
+	return lwi_separate_near( s->edge->query->kernels, &s->moving, &stands, need, s->bend, s->n, reach );
+}
+
+static bool pair_stays_away( nearing* s, const lwi_edge_item* item, lwi_edge_window window )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	const bool turned = item->rate_a.path == 0;
+	const uint32_t moving = turned ? item->body_b : item->body_a, stands = turned ? item->body_a : item->body_b;
+	if ( !turned && item->rate_b.path != 0 )
+	{
+		return false; // both move
+	}
+	if ( item->ancestor != 0 )
+	{
+		lwi_pose_node( c, e->query, item->ancestor );
+		s->n = lwi_unrotate( &e->query->world_from_link[c->tree->nodes[item->ancestor].top], s->n );
+	}
+	s->n = turned ? lwi_scale( -1, s->n ) : s->n;
+	const lwi_motion_rate rate = turned ? item->rate_b : item->rate_a;
+	lwi_places still;
+	lwi_edge_places( e, moving, item->ancestor, rate, window, NULL, &s->moving );
+	lwi_edge_places( e, stands, item->ancestor, (lwi_motion_rate){ 0, 0 }, window, NULL, &still );
+	s->way = way_of( e, moving, item->ancestor, rate, window );
+	double margin = lwi_self_margin( c, item->body_a, item->body_b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
+	return stays_away_from( s, still.shape, &still.middle, margin );
+}
+
+static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_edge_window window )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	s->way = way_of( e, item->body_a, 0, item->rate_a, window );
+	uint32_t count = lwi_checker_near_obstacles( c, e->query, item->body_a, s->enough + s->way );
+	lwi_edge_places( e, item->body_a, 0, item->rate_a, window, NULL, &s->moving );
+	bool away = true;
+	for ( uint32_t i = 0; i < count && away; ++i )
+	{
+		const lw_scene_shape_def* obstacle = &c->scene->shapes[e->query->candidates[i].pair];
+		double margin = lwi_environment_margin( c, item->body_a, obstacle->object );
+		away = stays_away_from( s, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape, margin );
+	}
+	return away;
+}
+
+bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured )
+{
+	const bool pair = item->body_b != LW_INVALID_INDEX;
+	nearing s = { .edge = e, .enough = lwi_edge_enough( e, pair ), .n = lwi_sub( measured->point_b, measured->point_a ) };
+	s.bend = bend_of( item, window );
+	// along no direction they are farther from each other than they were measured to be
+	if ( !e->query->def.planes || !( s.bend <= MAX_BEND ) || !( measured->upper > s.enough && measured->upper < INFINITY ) )
+	{
+		return false;
+	}
+	return pair ? pair_stays_away( &s, item, window ) : stays_away_from_scene( &s, item, window );
 }

@@ -635,6 +635,36 @@ bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const l
 	return normalize( direction ) && bent_holds( kernels, a, b, &q, bend, direction, gaps );
 }
 
+bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend, lw_vec3 n,
+	double reach )
+{
+	between_places q = question_of( a, b, limit );
+	const double length = lwi_length( n );
+	if ( !( length > 0 && length < INFINITY ) || a->shape->filled || b->shape->filled )
+	{
+		return false; // what is in a solid is far from its surface
+	}
+	float down[3], point[3] = { 0, 0, 0 };
+	local_direction( &b->middle, lwi_scale( -1 / length, n ), down );
+	if ( !normalize( down ) )
+	{
+		return false;
+	}
+	n = lwi_scale( -1, normal_of( b, down ) );
+	double high[LWI_MAX_PLACES];
+	for ( int i = 0; i < a->count; ++i )
+	{
+		high[i] = reach_at( kernels, a, i, &q, n, point );
+	}
+	bend *= 1 + 0x1p-21;
+	const double most = lwi_smaller( least_on_way( -high[1], -high[0], bend ), least_on_way( -high[0], -high[2], bend ) ) - q.need;
+	const lw_vec3 center = lwi_untransform( &b->middle, lwi_transform( &a->middle, lwi_load( a->shape->sphere_center ) ) );
+	const double* o = b->shape->origin;
+	const double radius = reach + q.need + lwi_gap_slack( 2 * ( reach + q.need + size_of( b->shape ) ) );
+	const float ball[4] = { (float)( center.x - o[0] ), (float)( center.y - o[1] ), (float)( center.z - o[2] ), lwi_round_up( radius ) };
+	return lwi_near_stays_below( kernels, b->shape, down, lwi_round_down( most ), ball );
+}
+
 // --- two shapes at one place -----------------------------------------------------------------------------------------
 
 lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a )

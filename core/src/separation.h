@@ -126,4 +126,12 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
 	float direction[3] );
 
+/// Does a, on its bent way, stay below all of b that it could come near to?
+/// @param a at its middle place, its left and its right one @param b standing
+/// @param n frame of the places, of any length: along which
+/// @param reach metres: no point of a gets farther from the middle of its sphere, at the middle place
+/// @return true if it does: on all of the way nothing of a is nearer to anything of b than the limit
+bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend, lw_vec3 n,
+	double reach );
+
 #endif

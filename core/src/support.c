@@ -202,8 +202,9 @@ static float reach_of_box( const lw_shape* shape, const float n[3] )
 	return sum;
 }
 
-/// True if no vertex of a leaf is farther along n than `most`.
-static bool leaf_stays_below( const lwi_kernels* kernels, const lw_shape* shape, lwi_ref leaf, const float n[3], float most )
+/// True if no vertex of a leaf is farther along n than `most`. @param ball see lwi_near_stays_below(); NULL: all vertices count
+static bool leaf_stays_below( const lwi_kernels* kernels, const lw_shape* shape, lwi_ref leaf, const float n[3], float most,
+	const float* ball )
 {
 	uint32_t index = lwi_ref_index( leaf ), count = lwi_ref_count( leaf ), above = 0;
 	if ( shape->family != LWI_TRIANGLES )
@@ -217,10 +218,16 @@ static bool leaf_stays_below( const lwi_kernels* kernels, const lw_shape* shape,
 	{
 		above |= (uint32_t)!( high[i] <= most ) << i;
 	}
-	return ( above & ( ( 1u << count ) - 1 ) ) == 0;
+	above &= ( 1u << count ) - 1;
+	if ( above != 0 && ball != NULL )
+	{
+		float gap[LWI_WIDTH], direction[3][LWI_WIDTH];
+		above &= kernels->leaf_gap( &shape->leaves[index], ball, 0, gap, direction );
+	}
+	return above == 0;
 }
 
-bool lwi_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most )
+static bool stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most, const float* ball )
 {
 	if ( reach_of_box( shape, n ) <= most )
 	{
@@ -239,7 +246,7 @@ bool lwi_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const f
 		lwi_ref next = stack[--height];
 		if ( lwi_ref_is_leaf( next ) )
 		{
-			if ( !leaf_stays_below( kernels, shape, next, n, most ) )
+			if ( !leaf_stays_below( kernels, shape, next, n, most, ball ) )
 			{
 				return false;
 			}
@@ -247,10 +254,25 @@ bool lwi_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const f
 		}
 		float high[LWI_WIDTH];
 		const lwi_node* node = &shape->nodes[next];
-		for ( uint32_t mask = kernels->node_project( node, n, most, high ); mask != 0; mask &= mask - 1 )
+		uint32_t mask = kernels->node_project( node, n, most, high );
+		if ( mask != 0 && ball != NULL )
+		{
+			mask &= kernels->sphere_gap( node->x, ball, 0, high );
+		}
+		for ( ; mask != 0; mask &= mask - 1 )
 		{
 			stack[height++] = node->child[lwi_lowest_bit( mask )];
 		}
 	}
 	return true;
+}
+
+bool lwi_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most )
+{
+	return stays_below( kernels, shape, n, most, NULL );
+}
+
+bool lwi_near_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most, const float ball[4] )
+{
+	return stays_below( kernels, shape, n, most, ball );
 }

@@ -13,4 +13,8 @@ float lwi_support( const lwi_kernels* kernels, const lw_shape* shape, const floa
 /// True if a shape reaches no farther along n (tree frame, unit) than `most`: far less is looked at than for how far it reaches.
 bool lwi_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most );
 
+/// The same of the part of a shape that is near: triangles that a ball does not reach may reach farther.
+/// @param ball tree frame: x, y, z, radius, enlarged by what rounds
+bool lwi_near_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most, const float ball[4] );
+
 #endif

@@ -36,6 +36,14 @@ bool shim_separate_bent( const shim_places* a, const shim_places* b, double limi
 	return lwi_separate_bent( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, bend, direction );
 }
 
+bool shim_separate_near( const shim_places* a, const shim_places* b, double limit, double bend, lw_vec3 n, double way )
+{
+	lwi_cloud clouds[2];
+	const lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
+	const double reach = a->shape->sphere_radius + way;
+	return lwi_separate_near( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, bend, n, reach );
+}
+
 uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count )
 {
 	lwi_cloud clouds[2];

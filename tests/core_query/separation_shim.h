@@ -27,6 +27,9 @@ int shim_separate( const shim_places* a, const shim_places* b, double limit, con
 /// lwi_separate_bent(), of three places of a. @param direction in: where to begin, out: along which they stay apart; tree frame of b
 bool shim_separate_bent( const shim_places* a, const shim_places* b, double limit, double bend, float direction[3] );
 
+/// lwi_separate_near(), of three places of a, and b standing. @param n world @param way of the middle of a's sphere
+bool shim_separate_near( const shim_places* a, const shim_places* b, double limit, double bend, lw_vec3 n, double way );
+
 /// lwi_places_apart_by(), of LWI_WIDTH planes at the most. @return which, or `count`
 uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count );
 

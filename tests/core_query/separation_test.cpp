@@ -375,6 +375,54 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 	EXPECT_GE( ends, 10 );
 }
 
+// Mostly b is larger, and a within its hull.
+TEST( Separation, what_is_far_at_first_comes_near )
+{
+	SeededRng rng;
+	const QueryPtr query = makeQuery();
+	int away = 0, within = 0;
+	for ( int i = 0; i < 4000; ++i )
+	{
+		const double size = rng.decade( -2, 0.5 );
+		Moving a = random_moving( rng, size, size * rng.decade( -1, 1 ), false );
+		Moving b = random_moving( rng, size * rng.decade( -0.5, 1 ), 0, false );
+		Way way;
+		const double bend = 0.5 * go_along( rng, a, from( random_direction( rng ) ), size * rng.decade( -2, 0.5 ), way );
+		const lw_vec3 by = to_double( pose_from( way.start ).t + random_point( rng, b.size() ) - pose_from( b.places.at[0] ).t );
+		b.places.at[0].t[0] += by.x;
+		b.places.at[0].t[1] += by.y;
+		b.places.at[0].t[2] += by.z;
+		lw_clearance middle;
+		ASSERT_EQ( LW_OK, lw_shape_distance( a.places.shape, &way.start, b.places.shape, &b.places.at[0], nullptr, query.get(), &middle ) );
+		if ( !( middle.lower > 0 ) )
+		{
+			continue;
+		}
+		const double far = to_double( length( pose_from( way.start ).t ) + a.subject.model.size );
+		const double goes = to_double( length( from( way.shift ) ) ) + way.turn * far, limit = middle.lower * rng.uniform( 0, 0.8 );
+		Vec n = from( middle.point_b ) - from( middle.point_a );
+		if ( !shim_separate_near( &a.places, &b.places, limit, bend, to_double( n ), goes ) )
+		{
+			continue;
+		}
+		++away;
+		a.places.count = 1;
+		a.places.at[0] = way.start;
+		n = 1 / length( n ) * n;
+		const bool hidden = gap( a, b, n ) < limit; // not all of b is on the other side
+		within += hidden;
+		for ( int k = -8; k <= 8; k += hidden ? 1 : 8 )
+		{
+			const Interval truth = truth_of( a.subject, way.at( k / 8.0 ), b.subject, b.places.at[0], (real)size );
+			ASSERT_GE( to_double( truth.upper ), limit ) << "pair " << i << ", types " << a.subject.type << " " << b.subject.type << ", at "
+														 << k << "/8, bend " << bend;
+		}
+	}
+	std::printf( "%d stay away, %d of them from what is near alone\n", away, within );
+	EXPECT_GE( away, 200 );
+	EXPECT_GE( within, 50 );
+}
+
 TEST( Separation, two_shapes_are_nearer_than_their_plane_says )
 {
 	SeededRng rng;
