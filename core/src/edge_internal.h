@@ -47,6 +47,8 @@ typedef struct lwi_edge_plane
 	bool turned;       ///< they are given in the frame of the first of the two
 	uint8_t served;    ///< lanes of planes that served since the last new one came
 	uint8_t next;      ///< lane that goes for a new one, unless it served
+	bool near_known;   ///< the direction below is one
+	float near[3];     ///< along which what is near was apart; tree frame of what stands, towards the other one
 	lwi_planes8 planes;
 } lwi_edge_plane;
 

@@ -91,7 +91,7 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 	if ( p->key != key + 1 )
 	{
 		p->key = key + 1;
-		p->begun = false;
+		p->begun = p->near_known = false;
 		p->edge = 0;
 	}
 	if ( p->edge != e->query->edge_count ) // planes are proofs wherever they hold; what is not tried must not depend on other edges
@@ -200,9 +200,39 @@ static bool stays_away( const sweeping* s, double need, float direction[3] )
 	return lwi_separate_bent( e->query->kernels, a, b, need, bend, direction );
 }
 
+/// How far the middle of a body's sphere gets within a window.
+static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+{
+	const lwi_checker_tree* tree = e->checker->tree;
+	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
+	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) / LWI_EDGE_INWARD;
+}
+
+/// Does what is near stay apart along the direction of another time?
+static bool near_holds( const sweeping* s, const lwi_edge_plane* p, double need )
+{
+	lwi_edge* e = s->edge;
+	const lwi_edge_item* item = s->item;
+	const double bend = bend_of( item, s->window );
+	if ( !p->near_known || item->body_b != LW_INVALID_INDEX || !( bend <= MAX_BEND ) )
+	{
+		return false;
+	}
+	lwi_places places;
+	lwi_edge_places( e, item->body_a, 0, item->rate_a, s->window, NULL, &places );
+	const double reach = places.shape->sphere_radius + way_of( e, item->body_a, 0, item->rate_a, s->window );
+	const lw_vec3 n = { (double)p->near[0], (double)p->near[1], (double)p->near[2] };
+	return lwi_separate_near( e->query->kernels, &places, s->b, need, bend, lwi_rotate( &s->b->middle, n ), reach );
+}
+
 /// A new plane. @param margin on top of the clearance
 static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin )
 {
+	const double need = lwi_larger( s->enough + margin, 0 );
+	if ( near_holds( s, p, need ) )
+	{
+		return LWI_EDGE_PROVED;
+	}
 	bool dense = !s->last_try && s->way < SMALL_WAY && s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
 	if ( dense && s->way < TINY_WAY )
 	{
@@ -218,7 +248,6 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin 
 	direction_between( s->a, s->b, direction );
 	lwi_places_plane plane;
 	lwi_edge_sweep found = LWI_EDGE_PROVED;
-	double need = lwi_larger( s->enough + margin, 0 );
 	lwi_separation whole = lwi_separate_places( kernels, s->a, s->b, need + s->bulge, direction, &plane );
 	if ( whole != LWI_APART )
 	{
@@ -250,14 +279,6 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin 
 		add_plane( planes_of( s, s->any_key ), plane );
 	}
 	return found;
-}
-
-/// How far the middle of a body's sphere gets within a window.
-static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
-{
-	const lwi_checker_tree* tree = e->checker->tree;
-	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
-	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) / LWI_EDGE_INWARD;
 }
 
 static lwi_edge_sweep sweep_pair( sweeping s )
@@ -449,6 +470,16 @@ static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_ed
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[e->query->candidates[i].pair];
 		double margin = lwi_environment_margin( c, item->body_a, obstacle->object );
 		away = stays_away_from( s, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape, margin );
+	}
+	for ( uint32_t i = 0; i < count && away; ++i )
+	{
+		const uint32_t index = e->query->candidates[i].pair;
+		lwi_edge_plane* p = plane_of( e, item->body_a * c->scene->block_count * LWI_WIDTH + index );
+		const lw_vec3 n = lwi_unrotate( &c->scene->shapes[index].world_from_shape, s->n );
+		p->near_known = true;
+		p->near[0] = (float)n.x;
+		p->near[1] = (float)n.y;
+		p->near[2] = (float)n.z;
 	}
 	return away;
 }
