@@ -12,6 +12,7 @@
 //   polytopes, plus those 80 u of core/docs/distance.md);
 // - witnesses are on their pieces and `upper` apart to 64 u scale + 16 u times the world's coordinates.
 #include "oracle_subject.hpp"
+#include "sanitized.hpp"
 
 #include <limits>
 #include <string>
@@ -23,15 +24,6 @@ namespace
 const double inf = std::numeric_limits<double>::infinity();
 constexpr real roundoff = 0x1p-53L;
 
-#if defined( __has_feature )
-#if __has_feature( address_sanitizer ) || __has_feature( thread_sanitizer )
-#define SLOW_BUILD
-#endif
-#endif
-#if defined( __SANITIZE_ADDRESS__ ) || defined( __SANITIZE_THREAD__ )
-#define SLOW_BUILD
-#endif
-
 /// Pairs per combination: a tenth under the sanitizers, which cost five to ten times. LEEWAY_ORACLE_PAIRS overrides it.
 int pair_count()
 {
@@ -39,11 +31,7 @@ int pair_count()
 	{
 		return std::max( 180, std::atoi( text ) );
 	}
-#ifdef SLOW_BUILD
-	return 360;
-#else
-	return 3600;
-#endif
+	return unlessSanitized( 3600, 360 );
 }
 
 enum Regime

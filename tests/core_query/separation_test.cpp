@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Planes between shapes at several places, against heights of all their points: what is said to be apart, near, or neither.
 #include "oracle_subject.hpp"
+#include "sanitized.hpp"
 
 extern "C"
 {
@@ -250,7 +251,7 @@ double go_along( SeededRng& rng, Moving& m, Vec d, double size, Way& way )
 TEST( Separation, core_outside_of_hull )
 {
 	SeededRng rng;
-	for ( int i = 0; i < 600; ++i )
+	for ( int i = 0; i < unlessSanitized( 600, 100 ); ++i )
 	{
 		Moving m = random_moving( rng, rng.decade( -3, 1 ), 0, false );
 		m.places.at[0] = lw_transform_identity();
@@ -274,7 +275,7 @@ TEST( Separation, near_is_not_near_or_apart_is_not_apart )
 {
 	SeededRng rng;
 	int apart = 0, near = 0, separable = 0, missed = 0;
-	for ( int i = 0; i < 1500; ++i )
+	for ( int i = 0; i < unlessSanitized( 1500, 200 ); ++i )
 	{
 		Moving a, b;
 		random_pair( rng, a, b );
@@ -310,8 +311,8 @@ TEST( Separation, near_is_not_near_or_apart_is_not_apart )
 		}
 	}
 	std::printf( "%d apart, %d near; %d of %d planes missed\n", apart, near, missed, separable );
-	EXPECT_GE( apart, 300 );
-	EXPECT_GE( near, 150 );
+	EXPECT_GE( apart, unlessSanitized( 300, 15 ) );
+	EXPECT_GE( near, unlessSanitized( 150, 7 ) );
 	EXPECT_LE( missed, separable / 20 );
 }
 
@@ -319,7 +320,7 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 {
 	SeededRng rng;
 	int apart = 0, ends = 0;
-	for ( int i = 0; i < 1500; ++i )
+	for ( int i = 0; i < unlessSanitized( 1500, 200 ); ++i )
 	{
 		Moving a, b;
 		random_pair( rng, a, b );
@@ -371,8 +372,8 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 		}
 	}
 	std::printf( "%d stay apart, %d of them by how they come near\n", apart, ends );
-	EXPECT_GE( apart, 200 );
-	EXPECT_GE( ends, 10 );
+	EXPECT_GE( apart, unlessSanitized( 200, 10 ) );
+	EXPECT_GE( ends, unlessSanitized( 10, 0 ) );
 }
 
 // Mostly b is larger, and a within its hull.
@@ -381,7 +382,7 @@ TEST( Separation, what_is_far_at_first_comes_near )
 	SeededRng rng;
 	const QueryPtr query = makeQuery();
 	int away = 0, within = 0;
-	for ( int i = 0; i < 4000; ++i )
+	for ( int i = 0; i < unlessSanitized( 4000, 400 ); ++i )
 	{
 		const double size = rng.decade( -2, 0.5 );
 		Moving a = random_moving( rng, size, size * rng.decade( -1, 1 ), false );
@@ -419,15 +420,15 @@ TEST( Separation, what_is_far_at_first_comes_near )
 		}
 	}
 	std::printf( "%d stay away, %d of them from what is near alone\n", away, within );
-	EXPECT_GE( away, 200 );
-	EXPECT_GE( within, 50 );
+	EXPECT_GE( away, unlessSanitized( 200, 10 ) );
+	EXPECT_GE( within, unlessSanitized( 50, 2 ) );
 }
 
 TEST( Separation, two_shapes_are_nearer_than_their_plane_says )
 {
 	SeededRng rng;
 	int apart = 0, separable = 0, missed = 0;
-	for ( int i = 0; i < 1500; ++i )
+	for ( int i = 0; i < unlessSanitized( 1500, 200 ); ++i )
 	{
 		Moving a, b;
 		random_pair( rng, a, b );
@@ -459,7 +460,7 @@ TEST( Separation, two_shapes_are_nearer_than_their_plane_says )
 		}
 	}
 	std::printf( "%d apart; %d of %d planes missed\n", apart, missed, separable );
-	EXPECT_GE( apart, 300 );
+	EXPECT_GE( apart, unlessSanitized( 300, 15 ) );
 	EXPECT_LE( missed, separable / 20 );
 }
 
@@ -467,7 +468,7 @@ TEST( Separation, known_plane_that_holds_is_passed_over )
 {
 	SeededRng rng;
 	int held = 0, none = 0;
-	for ( int i = 0; i < 1500; ++i )
+	for ( int i = 0; i < unlessSanitized( 1500, 200 ); ++i )
 	{
 		Moving a, b;
 		random_pair( rng, a, b );
@@ -498,6 +499,6 @@ TEST( Separation, known_plane_that_holds_is_passed_over )
 			}
 		}
 	}
-	EXPECT_GE( held, 200 );
-	EXPECT_GE( none, 200 );
+	EXPECT_GE( held, unlessSanitized( 200, 10 ) );
+	EXPECT_GE( none, unlessSanitized( 200, 10 ) );
 }

@@ -3,19 +3,10 @@
 #pragma once
 
 #include "edge_truth.hpp"
+#include "sanitized.hpp"
 #include "seeded_rng.hpp"
 
 #include <gtest/gtest.h>
-
-/// Sanitizers are 5 to 20 times slower and look for other mistakes: they get few edges.
-inline int edgesUnlessSanitized( [[maybe_unused]] int many, [[maybe_unused]] int few )
-{
-#if defined( __SANITIZE_ADDRESS__ ) || defined( __SANITIZE_THREAD__ )
-	return few;
-#else
-	return many;
-#endif
-}
 
 struct AuditTally
 {
@@ -26,8 +17,8 @@ struct AuditTally
 	{
 		std::printf( "%d free, %d blocked, %d refused, %d proved in part\n", free, blocked, refused, partial );
 		EXPECT_GT( free, 5 );
-		EXPECT_GT( blocked, edgesUnlessSanitized( 2, -1 ) );
-		EXPECT_GT( partial, edgesUnlessSanitized( 0, -1 ) );
+		EXPECT_GT( blocked, unlessSanitized( 2, -1 ) );
+		EXPECT_GT( partial, unlessSanitized( 0, -1 ) );
 	}
 };
 

@@ -15,7 +15,7 @@ lw_reach_def reachDef()
 	lw_reach_def def = lw_reach_def_default();
 	def.seconds = 0.1;
 	def.samples = 200;
-	def.hulls_only = edgesUnlessSanitized( 0, 1 ) == 1;
+	def.hulls_only = unlessSanitized( 0, 1 ) == 1;
 	return def;
 }
 
@@ -51,19 +51,19 @@ TEST( EdgeAuditData, ArmarReachesBendsAndDrivesInTheKitchen )
 	worlds.addArmar( "platform+torso_left_arm" );
 	worlds.addArmar( "platform+torso_right_arm" );
 	worlds.addArmar( "platform_torso_both_arms" );
-	judgeEdges( worlds, edgesUnlessSanitized( 540, 18 ) );
+	judgeEdges( worlds, unlessSanitized( 540, 18 ) );
 }
 
 TEST( EdgeAuditData, FetchInMotionBenchMakerScenes )
 {
 	EdgeWorlds worlds( LEEWAY_DATA_DIR, reachDef() );
 	worlds.addMbm( "fetch", "arm_with_torso", { 1 } );
-	judgeEdges( worlds, edgesUnlessSanitized( 250, 14 ) );
+	judgeEdges( worlds, unlessSanitized( 250, 14 ) );
 }
 
 TEST( EdgeAuditData, PandaInMotionBenchMakerScenes )
 {
 	EdgeWorlds worlds( LEEWAY_DATA_DIR, reachDef() );
 	worlds.addMbm( "panda", "panda_arm", { 1 } );
-	judgeEdges( worlds, edgesUnlessSanitized( 250, 14 ) );
+	judgeEdges( worlds, unlessSanitized( 250, 14 ) );
 }

@@ -48,13 +48,13 @@ void auditWorlds( int count, bool margins )
 
 TEST( EdgeAudit, VerdictsOnRandomRobotsSurviveADenseLook )
 {
-	auditWorlds( edgesUnlessSanitized( 100, 40 ), false );
+	auditWorlds( unlessSanitized( 100, 40 ), false );
 }
 
 // The same with margins of links, objects and pairs, which the auditor takes off by itself.
 TEST( EdgeAudit, VerdictsWithMarginsSurviveADenseLook )
 {
-	auditWorlds( edgesUnlessSanitized( 60, 20 ), true );
+	auditWorlds( unlessSanitized( 60, 20 ), true );
 }
 
 // An auditor that steps over contacts would agree with every certificate. A ball at the end of an arm sweeps past the tip of
