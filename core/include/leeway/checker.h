@@ -232,7 +232,7 @@ typedef struct lw_edge_result
 
 /// Checks the straight edge from qa to qb (see lw_robot_interpolate): both ends and everything between.
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (verdict UNKNOWN)
-/// Cost: CERTIFIED: at most 2 V / slack + 2 states, V the largest motion bound over the edge, up to 16 more before a refusal;
+/// Cost: CERTIFIED: at most 2 V / slack + 2 states, V the largest motion bound over the edge, up to 4 more before a refusal;
 /// typically a handful. Method: Schwarzer, Saha, Latombe 2005, with motion bounded by chords; formulas and proof in core/docs/edges.md.
 LW_API lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
 	const lw_edge_def* def, lw_edge_result* out );
