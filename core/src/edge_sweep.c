@@ -102,6 +102,12 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 	return p;
 }
 
+/// The key of a body and an obstacle.
+static uint32_t obstacle_key( const lw_checker* c, uint32_t body, uint32_t obstacle )
+{
+	return body * c->scene->block_count * LWI_WIDTH + obstacle;
+}
+
 /// True if planes may be asked for.
 static bool has_planes( const sweeping* s )
 {
@@ -341,7 +347,6 @@ static lwi_edge_sweep sweep_scene( sweeping s )
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	uint32_t stride = c->scene->block_count * LWI_WIDTH;
 	lwi_cloud cloud;
 	cloud.made = false;
 	lwi_places places, stands;
@@ -358,7 +363,7 @@ static lwi_edge_sweep sweep_scene( sweeping s )
 		lwi_places_stand( &stands, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
 		s.any_key = stands.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
 		double margin = lwi_environment_margin( c, item->body_a, obstacle->object );
-		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, item->body_a * stride + index ) : NULL;
+		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, obstacle_key( c, item->body_a, index ) ) : NULL;
 		if ( p == NULL || !old_plane_holds( &s, p, margin ) )
 		{
 			lwi_edge_sweep now = p == NULL ? LWI_EDGE_MEASURE : find_plane( &s, p, margin );
@@ -474,7 +479,7 @@ static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_ed
 	for ( uint32_t i = 0; i < count && away; ++i )
 	{
 		const uint32_t index = e->query->candidates[i].pair;
-		lwi_edge_plane* p = plane_of( e, item->body_a * c->scene->block_count * LWI_WIDTH + index );
+		lwi_edge_plane* p = plane_of( e, obstacle_key( c, item->body_a, index ) );
 		const lw_vec3 n = lwi_unrotate( &c->scene->shapes[index].world_from_shape, s->n );
 		p->near_known = true;
 		p->near[0] = (float)n.x;

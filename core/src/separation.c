@@ -592,20 +592,27 @@ static double least_on_way( double x, double y, double bend )
 	return missing > 0 ? least - missing * missing / ( 4 * bend ) : least;
 }
 
-/// @param gaps along the direction, at all places of a
+/// The least at any time, from what is at the middle, the left and the right place.
+static double least_of_ways( const double at[LWI_MAX_PLACES], double bend )
+{
+	bend *= 1 + 0x1p-21; // directions are of length 1 to rounding, and so are heights along them
+	return lwi_smaller( least_on_way( at[1], at[0], bend ), least_on_way( at[0], at[2], bend ) );
+}
+
+/// @param gaps along the direction, at all places
 static bool bent_holds( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, const between_places* q, double bend,
 	const float direction[3], double gaps[LWI_MAX_PLACES] )
 {
 	const lw_vec3 n = normal_of( b, direction ), down = lwi_scale( -1, n );
 	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
-	double low = 0;
-	for ( int i = 0; i < a->count; ++i )
+	double low = 0, high = 0;
+	for ( int i = 0; i < LWI_MAX_PLACES; ++i ) // what stands has one place
 	{
 		low = i < b->count ? -reach_at( kernels, b, i, q, down, point_b ) : low;
-		gaps[i] = low - reach_at( kernels, a, i, q, n, point_a );
+		high = i < a->count ? reach_at( kernels, a, i, q, n, point_a ) : high;
+		gaps[i] = low - high;
 	}
-	bend *= 1 + 0x1p-21; // n is of length 1 to rounding, and so are gaps
-	return least_on_way( gaps[1], gaps[0], bend ) >= q->need && least_on_way( gaps[0], gaps[2], bend ) >= q->need;
+	return least_of_ways( gaps, bend ) >= q->need;
 }
 
 bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
@@ -651,13 +658,13 @@ bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const l
 		return false;
 	}
 	n = lwi_scale( -1, normal_of( b, down ) );
-	double high[LWI_MAX_PLACES];
-	for ( int i = 0; i < a->count; ++i )
+	double below[LWI_MAX_PLACES], high = 0;
+	for ( int i = 0; i < LWI_MAX_PLACES; ++i )
 	{
-		high[i] = reach_at( kernels, a, i, &q, n, point );
+		high = i < a->count ? reach_at( kernels, a, i, &q, n, point ) : high;
+		below[i] = -high;
 	}
-	bend *= 1 + 0x1p-21;
-	const double most = lwi_smaller( least_on_way( -high[1], -high[0], bend ), least_on_way( -high[0], -high[2], bend ) ) - q.need;
+	const double most = least_of_ways( below, bend ) - q.need;
 	const lw_vec3 center = lwi_untransform( &b->middle, lwi_transform( &a->middle, lwi_load( a->shape->sphere_center ) ) );
 	const double* o = b->shape->origin;
 	const double radius = reach + q.need + lwi_gap_slack( 2 * ( reach + q.need + size_of( b->shape ) ) );

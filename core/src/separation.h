@@ -120,14 +120,14 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 
 /// Looks for a direction along which a stays below b on its way, too: at the share s of the way from place to place everything is within
 /// s ( 1 - s ) bend of where a straight line has it. What comes nearest at one end may be as near as the limit there.
-/// @param a at its middle place, its left and its right one @param b likewise, or standing
+/// @param a at its middle place, its left and its right one, or standing @param b likewise
 /// @param direction where to begin: b's tree frame at its middle place; where it ended, of length 1 to rounding if there is one
 /// @return true if there is one: on all of the way nothing of a is nearer to anything of b than the limit
 bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
 	float direction[3] );
 
 /// Does a, on its bent way, stay below all of b that it could come near to?
-/// @param a at its middle place, its left and its right one @param b standing
+/// @param a at its middle place, its left and its right one, or standing @param b standing
 /// @param n frame of the places, of any length: along which
 /// @param reach metres: no point of a gets farther from the middle of its sphere, at the middle place
 /// @return true if it does: on all of the way nothing of a is nearer to anything of b than the limit

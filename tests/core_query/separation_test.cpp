@@ -376,6 +376,34 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 	EXPECT_GE( ends, unlessSanitized( 10, 0 ) );
 }
 
+// Bodies that an edge does not move have one place, not three.
+TEST( Separation, what_stands_is_said_to_come_near )
+{
+	SeededRng rng;
+	int separable = 0, bent = 0, near = 0;
+	for ( int i = 0; i < 200; ++i )
+	{
+		Moving a, b;
+		random_pair( rng, a, b );
+		a.places.count = b.places.count = 1;
+		a.places.drifts = b.places.drifts = false;
+		Vec n;
+		const double widest = widest_gap( a, b, &n ), limit = 0.5 * widest;
+		if ( !( widest > 1e-3 * ( a.size() + b.size() ) ) )
+		{
+			continue;
+		}
+		++separable;
+		const shim_plane along = plane_along( b, n );
+		float direction[3] = { along.direction[0], along.direction[1], along.direction[2] };
+		bent += shim_separate_bent( &a.places, &b.places, limit, 0, direction );
+		near += shim_separate_near( &a.places, &b.places, limit, 0, to_double( n ), 0 );
+	}
+	EXPECT_GE( separable, 50 );
+	EXPECT_EQ( bent, separable );
+	EXPECT_EQ( near, separable );
+}
+
 // Mostly b is larger, and a within its hull.
 TEST( Separation, what_is_far_at_first_comes_near )
 {
