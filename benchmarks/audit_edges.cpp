@@ -482,7 +482,7 @@ private:
 	{
 		for ( std::size_t i = 0; blocked && i < FRACTIONS.size(); ++i )
 		{
-			tally.missed_own[i] += seat.judges.byStates( motion, FRACTIONS[i] );
+			tally.missed_own[i] += seat.judges.byStates( motion, true, FRACTIONS[i] );
 			tally.missed_fcl[i] += seat.judges.hasFcl() && seat.judges.byFcl( motion, FRACTIONS[i] );
 		}
 		if ( !seat.judges.hasFcl() )

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Edges: the certified validator against OMPL's discrete one at 1 % of the space's extent, over FCL and over leeway's own
-// state checker, the same edges interleaved one by one. Exit status 1 if a certificate is refuted.
+// state checker, the same edges interleaved one by one; leeway's own two without and with the tables of a reach, like against like.
+// Exit status 1 if a certificate is refuted.
 //
 // The discrete contenders do what ompl::base::DiscreteMotionValidator does (the end first, then halving, breadth first), in
 // joint vectors without OMPL around them. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for
@@ -13,6 +14,7 @@
 #include "provenance.hpp"
 #include "race.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -45,9 +47,9 @@ public:
 		std::printf(
 			"\n%s: %zu scenes, %zu variables, discrete contenders at %.2g %% of the extent; microseconds per edge\n",
 			name.c_str(), m_judges.size(), worlds.world( first ).size(), 100 * settings.resolution );
-		std::printf( "%-5s %-6s %-8s %5s | %8s %8s | %8s %8s | %8s %8s %7s | %8s %8s %7s | %7s %7s %7s\n", "set", "rad",
-			"verdict", "n", "FCL", "mean", "own", "mean", "certif.", "mean", "queries", "tables", "mean", "queries", "FCL/c",
-			"own/c", "own/t" );
+		std::printf( "%-28s | %17s | %25s | %25s |\n", "", "", "without tables", "with tables" );
+		std::printf( "%-5s %-6s %-8s %5s | %8s %8s | %8s %8s %7s | %8s %8s %7s | %7s %7s %7s %7s\n", "set", "rad", "verdict",
+			"n", "FCL", "mean", "own", "certif.", "queries", "own", "certif.", "queries", "FCL/c", "own/c", "FCL/t", "own/t" );
 	}
 
 	void run( std::mt19937_64& random, Json& rows )
@@ -70,6 +72,16 @@ public:
 	std::size_t contradicted() const { return m_contradicted; }
 
 private:
+	enum Who
+	{
+		FCL,
+		OWN,
+		CERTIFIED,
+		OWN_TABLES,
+		CERTIFIED_TABLES,
+		COUNT
+	};
+
 	struct Edge
 	{
 		EdgeJudges* judges;
@@ -85,6 +97,11 @@ private:
 		return { static_cast<double>( result.verdict ), static_cast<double>( result.queries ) };
 	}
 
+	static Answer byStates( const Edge& edge, bool tables, double fraction )
+	{
+		return { edge.judges->byStates( edge.motion, tables, fraction ) ? 1.0 : 0.0, 0 };
+	}
+
 	/// Everybody is asked with the number of an edge.
 	std::vector<Contender> contenders() const
 	{
@@ -97,14 +114,10 @@ private:
 						 const Edge& e = edge( number );
 						 return Answer{ e.judges->byFcl( e.motion, fraction ) ? 1.0 : 0.0, 0 };
 					 } },
-			{ "own",
-				[edge, fraction]( const double* number )
-				{
-					const Edge& e = edge( number );
-					return Answer{ e.judges->byStates( e.motion, fraction ) ? 1.0 : 0.0, 0 };
-				} },
+			{ "own", [edge, fraction]( const double* number ) { return byStates( edge( number ), false, fraction ); } },
 			{ "certified", [edge]( const double* number ) { return certify( edge( number ), false ); } },
-			{ "tables", [edge]( const double* number ) { return certify( edge( number ), true ); } } };
+			{ "own, tables", [edge, fraction]( const double* number ) { return byStates( edge( number ), true, fraction ); } },
+			{ "certified, tables", [edge]( const double* number ) { return certify( edge( number ), true ); } } };
 	}
 
 	/// A few hundred exact states of an edge that was proved free.
@@ -159,9 +172,11 @@ private:
 		const std::vector<Run> runs = race( contenders(), set, m_settings.repetitions );
 		for ( std::size_t i = 0; i < m_edges.size(); ++i )
 		{
-			const bool proved = runs[2].answers[i].lower == LW_VERDICT_FREE || runs[3].answers[i].lower == LW_VERDICT_FREE;
+			const bool proved =
+				runs[CERTIFIED].answers[i].lower == LW_VERDICT_FREE || runs[CERTIFIED_TABLES].answers[i].lower == LW_VERDICT_FREE;
 			m_refuted += proved && refuted( m_edges[i] );
-			m_contradicted += proved && ( runs[0].answers[i].lower == 0 || runs[1].answers[i].lower == 0 );
+			m_contradicted += proved && ( runs[FCL].answers[i].lower == 0 || runs[OWN].answers[i].lower == 0 ||
+											runs[OWN_TABLES].answers[i].lower == 0 );
 		}
 		for ( const lw_verdict verdict : { LW_VERDICT_FREE, LW_VERDICT_BLOCKED, LW_VERDICT_REFUSED } )
 		{
@@ -171,32 +186,33 @@ private:
 
 	void print( const std::string& name, double length, lw_verdict verdict, const std::vector<Run>& runs, Json& rows ) const
 	{
-		std::array<std::vector<double>, 4> times, queries;
-		for ( std::size_t i = 0; i < runs[0].answers.size(); ++i )
+		std::array<std::vector<double>, COUNT> times, queries;
+		for ( std::size_t i = 0; i < runs[FCL].answers.size(); ++i )
 		{
-			for ( std::size_t c = 0; c < runs.size() && runs[2].answers[i].lower == verdict; ++c )
+			for ( std::size_t c = 0; c < COUNT && runs[CERTIFIED].answers[i].lower == verdict; ++c )
 			{
 				times[c].push_back( runs[c].microseconds[i] );
 				queries[c].push_back( runs[c].answers[i].upper );
 			}
 		}
-		if ( times[0].empty() )
+		if ( times[FCL].empty() )
 		{
 			return;
 		}
-		const Summary fcl = summarise( times[0] ), own = summarise( times[1] ), certified = summarise( times[2] ),
-					  tables = summarise( times[3] );
-		std::printf( "%-5s %-6.1f %-8s %5zu | %8.1f %8.1f | %8.1f %8.1f | %8.1f %8.1f %7.0f | %8.1f %8.1f %7.0f | %7.2f "
-					 "%7.2f %7.2f\n",
-			name.c_str(), length, lw_verdict_name( verdict ), times[0].size(), fcl.median, fcl.mean, own.median,
-			own.mean, certified.median, certified.mean, median( queries[2] ), tables.median, tables.mean,
-			median( queries[3] ), fcl.mean / certified.mean, own.mean / certified.mean, own.mean / tables.mean );
+		std::array<Summary, COUNT> of;
+		std::transform( times.begin(), times.end(), of.begin(), []( const auto& all ) { return summarise( all ); } );
+		const double looks = median( queries[CERTIFIED] ), looks_tables = median( queries[CERTIFIED_TABLES] );
+		std::printf( "%-5s %-6.1f %-8s %5zu | %8.1f %8.1f | %8.1f %8.1f %7.0f | %8.1f %8.1f %7.0f | %7.2f %7.2f %7.2f %7.2f\n",
+			name.c_str(), length, lw_verdict_name( verdict ), times[FCL].size(), of[FCL].median, of[FCL].mean, of[OWN].mean,
+			of[CERTIFIED].mean, looks, of[OWN_TABLES].mean, of[CERTIFIED_TABLES].mean, looks_tables,
+			of[FCL].mean / of[CERTIFIED].mean, of[OWN].mean / of[CERTIFIED].mean, of[FCL].mean / of[CERTIFIED_TABLES].mean,
+			of[OWN_TABLES].mean / of[CERTIFIED_TABLES].mean );
 		std::fflush( stdout );
-		rows.push_back( { { "robot", m_name }, { "set", name }, { "length", length },
-			{ "verdict", lw_verdict_name( verdict ) }, { "edges", times[0].size() }, { "fcl_discrete", toJson( fcl ) },
-			{ "own_discrete", toJson( own ) }, { "certified", toJson( certified ) },
-			{ "certified_queries_median", median( queries[2] ) }, { "certified_tables", toJson( tables ) },
-			{ "certified_tables_queries_median", median( queries[3] ) } } );
+		rows.push_back( { { "robot", m_name }, { "set", name }, { "length", length }, { "verdict", lw_verdict_name( verdict ) },
+			{ "edges", times[FCL].size() }, { "fcl_discrete", toJson( of[FCL] ) }, { "own_discrete", toJson( of[OWN] ) },
+			{ "certified", toJson( of[CERTIFIED] ) }, { "certified_queries_median", looks },
+			{ "own_discrete_tables", toJson( of[OWN_TABLES] ) }, { "certified_tables", toJson( of[CERTIFIED_TABLES] ) },
+			{ "certified_tables_queries_median", looks_tables } } );
 	}
 
 	const Settings& m_settings;

@@ -12,7 +12,8 @@
 EdgeJudges::EdgeJudges( const EdgeWorld& world, std::shared_ptr<FclModels> models )
 	: m_world( world ), m_query( leeway::makeQuery( world.checker.get() ) ),
 	  m_table_query( leeway::makeQuery( world.with_tables.get() ) ),
-	  m_state_query( leeway::makeQuery( world.with_tables.get() ) ), m_spare( leeway::makeQuery( world.checker.get() ) )
+	  m_state_query( leeway::makeQuery( world.checker.get() ) ), m_table_state_query( leeway::makeQuery( world.with_tables.get() ) ),
+	  m_spare( leeway::makeQuery( world.checker.get() ) )
 {
 	try
 	{
@@ -78,16 +79,16 @@ bool EdgeJudges::discrete( const Motion& motion, double fraction, const IsValid&
 	return true;
 }
 
-bool EdgeJudges::byStates( const Motion& motion, double fraction )
+bool EdgeJudges::byStates( const Motion& motion, bool tables, double fraction )
 {
+	const lw_checker* checker = tables ? m_world.with_tables.get() : m_world.checker.get();
+	lw_query* query = tables ? m_table_state_query.get() : m_state_query.get();
 	return discrete( motion, fraction,
-		[this]( const double* q )
+		[checker, query]( const double* q )
 		{
 			const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
 			lw_state_result result;
-			leeway::require(
-				lw_checker_state( m_world.with_tables.get(), m_state_query.get(), q, LW_WHAT_BOTH, &range, true, &result ),
-				"a state" );
+			leeway::require( lw_checker_state( checker, query, q, LW_WHAT_BOTH, &range, true, &result ), "a state" );
 			return result.verdict == LW_VERDICT_FREE;
 		} );
 }

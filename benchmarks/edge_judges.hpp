@@ -15,9 +15,10 @@ public:
 
 	const EdgeWorld& world() const { return m_world; }
 
-	/// Each is true for FREE. @param fraction of the space's extent per step, as OMPL's longest valid segment
+	/// Each is true for FREE. @param tables with the robot's reach @param fraction of the space's extent per step, as OMPL's longest
+	/// valid segment
 	bool byCertificate( const Motion& motion, bool tables, const lw_edge_def& def, lw_edge_result& result );
-	bool byStates( const Motion& motion, double fraction );
+	bool byStates( const Motion& motion, bool tables, double fraction );
 	bool byFcl( const Motion& motion, double fraction );
 	/// As byFcl(), by another library over the same world.
 	/// @param collides if not null and the answer is no: the state that is not free
@@ -39,7 +40,7 @@ private:
 	bool discrete( const Motion& motion, double fraction, const IsValid& is_valid );
 
 	const EdgeWorld& m_world;
-	leeway::Query m_query, m_table_query, m_state_query, m_spare;
+	leeway::Query m_query, m_table_query, m_state_query, m_table_state_query, m_spare;
 	std::unique_ptr<FclPeer> m_fcl;
 	std::vector<double> m_from, m_to, m_at;
 };

@@ -17,14 +17,13 @@ static void add_unit( lwi_self_units* u, uint32_t node, const lw_sphere* sphere 
 	u->count++;
 }
 
-/// @param of_unit lower and higher unit
-static void add_pair( lwi_self_units* u, uint32_t low, uint32_t high, float separation, float margin, uint32_t candidate,
-	uint32_t view )
+/// @param low, high lower and higher unit
+static void add_pair( lwi_self_units* u, uint32_t low, uint32_t high, lwi_unit_pair pair )
 {
-	u->pairs[low][high] = (lwi_unit_pair){ separation, margin, candidate, view };
+	u->pairs[low][high] = pair;
 	u->mask[low][high / LWI_WIDTH] |= (uint8_t)( 1u << high % LWI_WIDTH );
-	u->largest_margin = fmax( u->largest_margin, (double)margin );
-	u->separation = u->pair_count == 0 || separation < u->separation ? separation : u->separation;
+	u->largest_margin = fmax( u->largest_margin, (double)pair.margin );
+	u->separation = u->pair_count == 0 || pair.separation < u->separation ? pair.separation : u->separation;
 	u->pair_count++;
 }
 
@@ -46,9 +45,12 @@ static void fill_bodies( const lw_checker* c, const lwi_checker_tree* t, lwi_sel
 			if ( separation < INFINITY )
 			{
 				uint32_t x = t->bodies[place_a], y = t->bodies[place_b];
-				uint32_t candidate = x < y ? lwi_body_pair_id( c, x, y ) : lwi_body_pair_id( c, y, x );
-				add_pair( u, place_a, place_b, separation, lwi_round_up( lwi_self_margin( c, x, y ) ), candidate,
-					t->view_count > 0 ? t->pair_views[pair->first + k] : LW_INVALID_INDEX );
+				const lwi_unit_pair two = { .separation = separation,
+					.margin = lwi_round_up( lwi_self_margin( c, x, y ) ),
+					.candidate = x < y ? lwi_body_pair_id( c, x, y ) : lwi_body_pair_id( c, y, x ),
+					.ancestor = pair->ancestor,
+					.view = t->view_count > 0 ? t->pair_views[pair->first + k] : LW_INVALID_INDEX };
+				add_pair( u, place_a, place_b, two );
 			}
 		}
 	}
@@ -69,8 +71,12 @@ static void fill_nodes( const lw_checker* c, const lwi_checker_tree* t, lwi_self
 	for ( uint32_t i = 0; i < t->pair_count; ++i )
 	{
 		const lwi_node_pair* pair = &t->pairs[i];
-		add_pair( u, of_node[pair->node_a], of_node[pair->node_b], pair->separation, pair->margin, lwi_node_pair_candidate( c, t, i ),
-			lwi_node_pair_view( t, pair ) );
+		const lwi_unit_pair two = { .separation = pair->separation,
+			.margin = pair->margin,
+			.candidate = lwi_node_pair_candidate( c, t, i ),
+			.ancestor = pair->ancestor,
+			.view = lwi_node_pair_view( t, pair ) };
+		add_pair( u, of_node[pair->node_a], of_node[pair->node_b], two );
 	}
 }
 

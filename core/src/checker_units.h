@@ -21,6 +21,7 @@ typedef struct lwi_unit_pair
 	float separation;   ///< proved of all their pairs of bodies, less margins
 	float margin;       ///< largest of these, rounded up
 	uint32_t candidate; ///< `pair` of the candidate that they become
+	uint32_t ancestor;  ///< lowest common node above both
 	uint32_t view;      ///< of a pair of bodies: index into the tree's views, or LW_INVALID_INDEX
 } lwi_unit_pair;
 

@@ -29,7 +29,6 @@ typedef struct lwi_edge_item
 	uint32_t body_a, body_b; ///< robot bodies; body_b = LW_INVALID_INDEX: the scene
 	uint32_t ancestor;       ///< node in whose frame both are seen; 0 for the scene
 	lwi_motion_rate rate_a, rate_b;
-	double rounding; ///< error of poses and states, metres; a lower bound counts less by it
 	uint32_t warm;   ///< index into `warm`
 	uint8_t cells;   ///< of LWI_WIDTH, those that a rake has left
 	bool neighbours; ///< a pair whose spheres are always near: what a rake has left of it is no hint of a collision
@@ -139,6 +138,9 @@ typedef struct lwi_edge
 	uint32_t item_count, item_capacity, gap_capacity;
 	double longest;         ///< V: the largest path length of a node along the edge
 	double static_rounding; ///< of the poses of static bodies
+	double rounding[2]; ///< what a lower bound of an item's clearance counts less by; [1] of a pair
+	double slack[2];    ///< the def's, unless rounding is coarser
+	double enough[2];   ///< clearance that proves what loses nothing by motion, margins not in it
 	double twist_error;     ///< see lwi_motion_twist_error()
 	double spare;           ///< everything that is proved is proved to be min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
@@ -223,6 +225,14 @@ bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window );
 void lwi_edge_places( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
 	const lwi_edge_drift* drift, lwi_places* out );
 
+/// Radians in half a window, all joints together: beyond, nothing is said of what directions in rakes round to.
+#define LWI_EDGE_MOST_TURN 1.0
+
+static inline bool lwi_edge_turns_little( const lwi_edge* edge, lwi_edge_window window )
+{
+	return lwi_motion_turns( edge->checker->motion, edge->motion ) * window.half <= LWI_EDGE_MOST_TURN;
+}
+
 // --- edge_sweep.c ----------------------------------------------------------------------------------------------------
 
 /// Looks for planes that prove an item during a window, at whose middle the query is posed.
@@ -239,14 +249,6 @@ bool lwi_edge_sweep_near( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_wi
 /// Measures an item at window.t, no further than needed to prove the window and a little more.
 /// @param may_give_up a distance too small for that ends it
 lwi_edge_sample lwi_edge_measure( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up );
-
-/// Measures everything at window.t, at which nodes were measured, nodes first. What is not proved is added to edge->items and, as an
-/// open gap of cell 0, to `level`. @param may_look where much is left over, whole states are looked at for a collision, see lwi_edge_look()
-/// @return false if the proof ends here: something is blocked or refused
-bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_look );
-
-/// Measures the items of a rake at the edge's middle, and goes on like lwi_edge_screen().
-bool lwi_edge_screen_items( lwi_edge* edge, lwi_edge_level* level );
 
 /// False for cells of a level that a rake has proved for an item.
 static inline bool lwi_edge_cell_is_open( const lwi_edge_item* item, uint64_t cell, int level )
@@ -274,21 +276,34 @@ bool lwi_edge_state_is_free( lwi_edge* edge, double t );
 /// Lower bound of the static bodies' clearance; +infinity if it was not asked for.
 double lwi_edge_static_lower( const lwi_edge* edge );
 
-/// Clearance that a plane or a sphere has to prove, without margins.
-double lwi_edge_enough( const lwi_edge* edge, bool pair );
+static inline bool lwi_edge_item_is_pair( const lwi_edge_item* item )
+{
+	return item->body_b != LW_INVALID_INDEX;
+}
 
-/// Notes that something was proved by it.
+/// Notes that something was proved by as much as edge->enough.
 void lwi_edge_note_proof( lwi_edge* edge );
 
-/// Adds an item, which has its bodies, ancestor and cells; the rest is filled in. The query is posed at the edge's middle.
-void lwi_edge_add_item( lwi_edge* edge, lwi_edge_item item );
+/// Fills in what an item needs besides its bodies, their ancestor and its cells.
+/// @param share as for lwi_motion_of_sphere(), of the state that the query is posed at
+void lwi_edge_prepare_item( lwi_edge* edge, lwi_edge_item* item, lwi_edge_window window, double share );
 
-/// True if the separation of two nodes that holds along all of the edge is as much as a certificate would look for.
-bool lwi_edge_pair_is_apart( lwi_edge* edge, const lwi_node_pair* pair );
+// --- edge_screen.c ---------------------------------------------------------------------------------------------------
 
-/// True if the chart of two bodies of a pair of nodes proves all of the edge, both ends of which are covered, with as much
-/// clearance.
-bool lwi_edge_is_charted( lwi_edge* edge, uint32_t pair, uint32_t body_a, uint32_t body_b );
+/// Measures everything at window.t, at which nodes were measured, nodes first. What is not proved is added to edge->items and, as an
+/// open gap of cell 0, to `level`. @param may_look where much is left over, whole states are looked at for a collision, see lwi_edge_look()
+/// @return false if the proof ends here: something is blocked or refused
+bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_look );
+
+/// Measures the items of a rake at the edge's middle, and goes on like lwi_edge_screen().
+bool lwi_edge_screen_items( lwi_edge* edge, lwi_edge_level* level );
+
+/// True if a separation that holds along all of the edge, less margins, is as much as a certificate would look for.
+bool lwi_edge_is_apart( lwi_edge* edge, float separation );
+
+/// True if the chart of two bodies proves all of the edge, both ends of which are covered, with as much clearance.
+/// @param view NULL: there is none
+bool lwi_edge_is_charted( lwi_edge* edge, const lwi_chart_view* view, uint32_t body_a, uint32_t body_b );
 
 /// Poses all nodes at t, and measures how they move, from there. @param share of the edge on the longer side of t
 /// @return false if that failed

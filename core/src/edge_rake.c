@@ -17,9 +17,6 @@ enum
 	NEIGHBOURS = 2   ///< joints between two bodies, at most: their trees are not asked
 };
 
-/// Radians in half a window, all joints together: beyond, nothing is said of what directions round to.
-#define MOST_TURN 1.0
-
 /// Metres per squared unit of t, and slacks.
 #define LEAST_CHANGE 2.5
 #define LEAST_SLACKS 64.0
@@ -39,7 +36,7 @@ typedef struct raking
 	double origin[3];        ///< of what the robot's own spheres are compared in
 	double half;             ///< width of half a window
 	double rounding;         ///< of places in the lanes, for one of two
-	double enough, pair_enough; ///< see lwi_edge_enough()
+	double enough, pair_enough; ///< see lwi_edge
 } raking;
 
 /// A tree, and where its frame is: in the lanes, or where it stands.
@@ -303,6 +300,13 @@ static uint32_t trees_meet( const raking* r, const question* q, const ball* firs
 	return met;
 }
 
+/// @param item with its bodies, ancestor and cells. The query is posed at the edge's middle
+static void add_item( lwi_edge* e, lwi_edge_item item )
+{
+	lwi_edge_prepare_item( e, &item, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH }, 0.5 );
+	e->items[e->item_count++] = item;
+}
+
 // --- the scene -------------------------------------------------------------------------------------------------------
 
 /// A sphere of the robot in the lanes, against obstacles.
@@ -489,7 +493,7 @@ static void rake_environment( const raking* r )
 			if ( lanes != 0 )
 			{
 				lwi_edge_item item = { .body_a = r->tree->bodies[k], .body_b = LW_INVALID_INDEX, .cells = (uint8_t)lanes };
-				lwi_edge_add_item( e, item );
+				add_item( e, item );
 			}
 		}
 	}
@@ -586,7 +590,7 @@ static void add_pair( const raking* r, const couple* c, uint32_t a, uint32_t b, 
 {
 	uint32_t body_a = r->tree->bodies[a], body_b = r->tree->bodies[b];
 	const uint32_t index = (uint32_t)( c->pair - r->tree->pairs );
-	if ( c->covered && lwi_edge_is_charted( r->e, index, body_a, body_b ) )
+	if ( c->covered && lwi_edge_is_charted( r->e, lwi_checker_view( r->tree, index, body_a, body_b ), body_a, body_b ) )
 	{
 		return;
 	}
@@ -595,7 +599,7 @@ static void add_pair( const raking* r, const couple* c, uint32_t a, uint32_t b, 
 		.ancestor = c->pair->ancestor,
 		.neighbours = c->neighbours,
 		.cells = (uint8_t)lanes };
-	lwi_edge_add_item( r->e, item );
+	add_item( r->e, item );
 }
 
 /// The bodies of two nodes whose spheres meet in some lanes.
@@ -637,7 +641,7 @@ static void rake_self( const raking* r )
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const lwi_node_pair* pair = &r->tree->pairs[i];
-		if ( covered && lwi_edge_pair_is_apart( e, pair ) )
+		if ( covered && lwi_edge_is_apart( e, pair->separation ) )
 		{
 			continue;
 		}
@@ -674,7 +678,7 @@ static bool is_bent( lwi_edge* e )
 bool lwi_edge_rakes( lwi_edge* e )
 {
 	return e->checker->tree->rakes && e->longest > LEAST_SLACKS * e->def->slack &&
-		   lwi_motion_turns( e->checker->motion, e->motion ) * ( 0.5 / LWI_WIDTH ) <= MOST_TURN && is_bent( e );
+		   lwi_edge_turns_little( e, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
 }
 
 void lwi_edge_rake_all( lwi_edge* e )
@@ -689,8 +693,8 @@ void lwi_edge_rake_all( lwi_edge* e )
 		.nodes = e->rake.nodes,
 		.half = 0.5 / LWI_WIDTH,
 		.rounding = 2 * lwi_motion_rounding( c->motion, e->motion ),
-		.enough = lwi_edge_enough( e, false ),
-		.pair_enough = lwi_edge_enough( e, true ) };
+		.enough = e->enough[0],
+		.pair_enough = e->enough[1] };
 	memcpy( r.origin, c->reference_poses[c->tree->nodes[0].top].t, sizeof( r.origin ) );
 	pose_frames( &r );
 	pose_spheres( &r );

@@ -397,7 +397,7 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 		drifts = is_number( drift[0].twist.turn ) && is_number( drift[1].twist.turn );
 	}
 	sweeping s = { .edge = e, .item = item, .window = window, .last_try = last_try, .way = INFINITY };
-	s.enough = lwi_edge_enough( e, pair );
+	s.enough = e->enough[pair];
 	s.drifts = drifts ? drift : NULL;
 	s.bulge = is_short ? NAN
 			  : drifts ? drift[0].bulge + drift[1].bulge
@@ -492,7 +492,7 @@ static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_ed
 bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured )
 {
 	const bool pair = item->body_b != LW_INVALID_INDEX;
-	nearing s = { .edge = e, .enough = lwi_edge_enough( e, pair ), .n = lwi_sub( measured->point_b, measured->point_a ) };
+	nearing s = { .edge = e, .enough = e->enough[pair], .n = lwi_sub( measured->point_b, measured->point_a ) };
 	s.bend = bend_of( item, window );
 	// along no direction they are farther from each other than they were measured to be
 	if ( !e->query->def.planes || !( s.bend <= MAX_BEND ) || !( measured->upper > s.enough && measured->upper < INFINITY ) )

@@ -130,6 +130,8 @@ typedef struct lwi_kernels
 	/// Lanes in which a point does not stay `reach` > 0 away from a box, or from another point, but for what their velocities change
 	uint32_t ( *rake_box )( const lwi_rake_point* point, const float min[3], const float max[3], float reach );
 	uint32_t ( *rake_pair )( const lwi_rake_point* a, const lwi_rake_point* b, float reach );
+	/// One window, many spheres: pairs that do not stay `reach` > 0 apart, but for what their velocities change; the rest as sphere_pairs
+	uint32_t ( *moving_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near );
 } lwi_kernels;
 
 /// The table of a level; levels that this build or machine lacks give the next lower one.

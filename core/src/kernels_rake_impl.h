@@ -97,11 +97,11 @@ static void rake_move( const lwi_rake_body* body, const float local[3], lwi_rake
 
 /// Lanes in which two things do not stay apart: d from one to the other at the middle, along which the gap shrinks by at most
 /// |d . way| / |d|. They do if |d| >= reach and |d|^2 - |d . way| >= reach |d|.
-static inline uint32_t rake_meet( v3 d, v3 way, float reach )
+static inline uint32_t rake_meet( v3 d, v3 way, f8 reach )
 {
-	f8 square = v3_dot( d, d ), length = f8_sqrt( square ), r = f8_set( reach );
+	f8 square = v3_dot( d, d ), length = f8_sqrt( square );
 	f8 left = f8_sub( square, f8_abs( v3_dot( d, way ) ) );
-	return ~m8_bits( m8_and( f8_ge( length, r ), f8_ge( left, f8_mul( r, length ) ) ) ) & 0xffu;
+	return ~m8_bits( m8_and( f8_ge( length, reach ), f8_ge( left, f8_mul( reach, length ) ) ) ) & 0xffu;
 }
 
 static uint32_t rake_box( const lwi_rake_point* point, const float min[3], const float max[3], float reach )
@@ -116,10 +116,46 @@ static uint32_t rake_box( const lwi_rake_point* point, const float min[3], const
 		f8 above = f8_max( f8_sub( at[i], f8_set( max[i] ) ), zero ), below = f8_max( f8_sub( f8_set( min[i] ), at[i] ), zero );
 		*out[i] = f8_sub( above, below );
 	}
-	return rake_meet( d, v3_load( point->way ), reach );
+	return rake_meet( d, v3_load( point->way ), f8_set( reach ) );
 }
 
 static uint32_t rake_pair( const lwi_rake_point* a, const lwi_rake_point* b, float reach )
 {
-	return rake_meet( v3_sub( v3_load( a->p ), v3_load( b->p ) ), v3_sub( v3_load( a->way ), v3_load( b->way ) ), reach );
+	return rake_meet( v3_sub( v3_load( a->p ), v3_load( b->p ) ), v3_sub( v3_load( a->way ), v3_load( b->way ) ), f8_set( reach ) );
+}
+
+/// Eight centres, or ways, of a block of moving spheres.
+static inline v3 moving_rows( const float* rows )
+{
+	return ( v3 ){ f8_load( rows ), f8_load( rows + LWI_WIDTH ), f8_load( rows + 2 * LWI_WIDTH ) };
+}
+
+static uint32_t moving_pairs( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near )
+{
+	const size_t size = (size_t)LWI_MOVING_ROWS * LWI_WIDTH;
+	uint32_t found = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const float* mine = blocks + size * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
+		const float center[3] = { mine[0], mine[LWI_WIDTH], mine[2 * LWI_WIDTH] };
+		const float way[3] = { mine[4 * LWI_WIDTH], mine[5 * LWI_WIDTH], mine[6 * LWI_WIDTH] };
+		const f8 radius = f8_set( mine[3 * LWI_WIDTH] + reach );
+		for ( uint32_t block = i / LWI_WIDTH; block * LWI_WIDTH < count; ++block )
+		{
+			uint32_t lanes = mask[i * stride + block];
+			if ( lanes == 0 )
+			{
+				continue;
+			}
+			const float* other = blocks + size * block;
+			const f8 apart = f8_add( radius, f8_load( other + 3 * LWI_WIDTH ) );
+			lanes &= rake_meet( v3_sub( moving_rows( other ), v3_set( center ) ),
+				v3_sub( moving_rows( other + 4 * LWI_WIDTH ), v3_set( way ) ), apart );
+			for ( ; lanes != 0; lanes &= lanes - 1 )
+			{
+				near[found++] = (uint16_t)( 256 * i + LWI_WIDTH * block + lwi_lowest_bit( lanes ) );
+			}
+		}
+	}
+	return found;
 }

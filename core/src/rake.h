@@ -42,4 +42,9 @@ typedef struct lwi_rake_body
 	lwi_rake_point origin;
 } lwi_rake_body;
 
+enum
+{
+	LWI_MOVING_ROWS = 7 ///< of a block of moving spheres: centre, radius, how far its velocity takes the centre in half a window
+};
+
 #endif
