@@ -100,14 +100,25 @@ static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
 	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
 }
 
-/// How far a point carried by a node gets within the window in the world, from how it moves in the middle or from its path's length.
-static double point_way( screening* s, uint32_t node, lw_vec3 at )
+/// What a point of a node does in half a window besides going on by its velocity in the middle.
+static double bulge_of( const screening* s, lwi_motion_rate rate )
 {
-	lwi_edge* e = s->edge;
-	const lwi_motion_rate rate = lwi_edge_rate( lwi_edge_pace_of( e, node ), lwi_edge_pace_of( e, 0 ) );
-	const lwi_edge_drift drift = lwi_edge_drift_of( e, node, 0, rate, s->window );
-	double path = s->window.half * rate.path, length = lwi_edge_drift_length( &drift, at, 0, s->window.half );
-	return ( length < path ? length : path ) / LWI_EDGE_INWARD;
+	const double half = s->window.half;
+	return rate.path > 0 ? ( 0.5 * half * rate.change + s->edge->twist_error ) * half / LWI_EDGE_INWARD : 0;
+}
+
+/// How a point that a node carries goes on from the middle of the window in the world, until its end.
+static lw_vec3 way_of( const screening* s, const lwi_edge_pace* pace, lw_vec3 at )
+{
+	return lwi_scale( s->window.half, lwi_add( pace->twist.shift, lwi_cross( pace->twist.turn, at ) ) );
+}
+
+/// How far it gets within the window, by that or by the length of its path.
+static double length_of_way( screening* s, const lwi_edge_pace* pace, lw_vec3 at )
+{
+	const lwi_motion_rate rate = lwi_edge_rate( pace, lwi_edge_pace_of( s->edge, 0 ) );
+	double path = s->window.half * rate.path, length = lwi_length( way_of( s, pace, at ) ) + bulge_of( s, rate );
+	return ( length < path ? length : path ) / LWI_EDGE_INWARD; // no number without a twist
 }
 
 /// How much the clearance of two nodes may lose by the lengths of their paths.
@@ -149,8 +160,8 @@ static bool screen_environment( screening* s, uint32_t node )
 	{
 		return true;
 	}
-	const lw_vec3 center = lwi_edge_pace_of( e, node )->center; // poses the node
-	const double limit = e->enough[0] + point_way( s, node, center );
+	const lwi_edge_pace* pace = lwi_edge_pace_of( e, node ); // poses the node
+	const double limit = e->enough[0] + length_of_way( s, pace, pace->center );
 	lwi_edge_note_proof( e ); // of what is not near
 	if ( n->body_count > 1 && !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
 	{
@@ -164,7 +175,7 @@ static bool screen_environment( screening* s, uint32_t node )
 		if ( n->body_count > 1 )
 		{
 			lw_vec3 middle = lwi_transform( pose, lwi_load( c->tree->body_spheres[i].center ) );
-			reach = e->enough[0] + point_way( s, node, middle );
+			reach = e->enough[0] + length_of_way( s, pace, middle );
 		}
 		item.near = lwi_checker_near_obstacles( c, e->query, item.body_a, reach );
 		if ( item.near > 0 && !screen_item( s, item ) )
@@ -289,17 +300,10 @@ static moving_unit make_unit( screening* s, uint32_t i )
 	const lwi_self_units* units = tree->units;
 	moving_unit m = { .pace = lwi_edge_pace_of( e, units->node[i] ) }; // poses the node
 	const lw_transform* pose = &e->query->world_from_link[tree->nodes[units->node[i]].top];
-	const lwi_twist* twist = &m.pace->twist;
 	m.center = lwi_transform( pose, lwi_load( units->sphere[i].center ) );
-	m.way = lwi_scale( s->window.half, lwi_add( twist->shift, lwi_cross( twist->turn, m.center ) ) );
+	m.way = way_of( s, m.pace, m.center );
 	m.radius = units->sphere[i].radius + e->query->pose_rounding;
 	return m;
-}
-
-static double bulge_of( const screening* s, lwi_motion_rate rate )
-{
-	const double half = s->window.half;
-	return rate.path > 0 ? ( 0.5 * half * rate.change + s->edge->twist_error ) * half / LWI_EDGE_INWARD : 0;
 }
 
 static double size_of( lw_vec3 v )

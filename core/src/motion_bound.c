@@ -536,9 +536,7 @@ static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratc
 	lw_vec3 center, double radius, double share, bool keep )
 {
 	const motion_body* b = &table->bodies[body];
-	const double rounding = s->whole->pose_rounding;
-	lwi_motion_rate rate = { 0, 0 };
-	double excess = rounding;
+	double path = 0, change = 0, excess = s->whole->pose_rounding;
 	for ( uint32_t k = 0; k < count; ++k )
 	{
 		const motion_entry* entry = &table->entries[b->first_entry + k];
@@ -547,19 +545,20 @@ static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratc
 		{
 			lw_vec3 offset = lwi_sub( center, m->origin );
 			double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
-			double ring = lwi_smaller( away + radius + share * rate.path, entry->ring + excess );
-			ring = k == 0 ? lwi_smaller( ring, b->first_ring + excess ) : ring;
-			rate.change = ( rate.change + m->turn * ( 2 * rate.path + ring * m->turn ) ) * OUTWARD;
-			rate.path += ring * m->turn;
+			double ring = ( k == 0 ? lwi_smaller( entry->ring, b->first_ring ) : entry->ring ) + excess;
+			// of (distance to the axis) * turn only what depends on the path waits for the joint before
+			double arc = lwi_smaller( ( away + radius ) * m->turn + ( share * m->turn ) * path, ring * m->turn );
+			change += m->turn * ( 2 * path + arc );
+			path += arc;
 		}
-		rate.path = ( rate.path + m->shift ) * OUTWARD;
-		excess = ( excess + m->excess ) * OUTWARD;
+		path += m->shift;
+		excess += m->excess;
 		if ( keep )
 		{
-			s->rates[b->first_entry + k] = rate;
+			s->rates[b->first_entry + k] = (lwi_motion_rate){ path * OUTWARD, change * OUTWARD };
 		}
 	}
-	return rate;
+	return (lwi_motion_rate){ path * OUTWARD, change * OUTWARD };
 }
 
 /// Joints that move a body below an ancestor.

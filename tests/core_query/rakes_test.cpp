@@ -288,6 +288,70 @@ TEST( Rakes, what_meets_is_held_to_stay_apart )
 	EXPECT_GE( tight, 500u ); // some come as near as they may
 }
 
+TEST( Rakes, moving_spheres_that_meet_are_left_out )
+{
+	SeededRng rng;
+	size_t met = 0, apart = 0, tight = 0;
+	for ( int i = 0; i < 3000; ++i )
+	{
+		const uint32_t count = static_cast<uint32_t>( rng.integer( 1, 24 ) );
+		const double scale = rng.decade( -6, 6 );
+		float blocks[3][LWI_MOVING_ROWS][LWI_WIDTH] = {};
+		uint8_t mask[24][3] = {};
+		lwi_rake_point points[24]; // lane 0 of each
+		for ( uint32_t k = 0; k < count; ++k )
+		{
+			points[k] = random_point( rng, scale );
+			for ( int axis = 0; axis < 3; ++axis )
+			{
+				blocks[k / 8][axis][k % 8] = points[k].p[axis][0];
+				blocks[k / 8][4 + axis][k % 8] = points[k].way[axis][0];
+			}
+			blocks[k / 8][3][k % 8] = static_cast<float>( scale * rng.uniform( 0, 0.3 ) );
+			for ( uint32_t other = k + 1; other < count; ++other )
+			{
+				mask[k][other / 8] |= static_cast<uint8_t>( rng.integer( 0, 3 ) > 0 ? 1u << other % 8 : 0u );
+			}
+		}
+		const float reach = static_cast<float>( scale * rng.uniform( 1e-6, 0.3 ) );
+		std::vector<uint16_t> first;
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			uint16_t near[24 * 12];
+			const uint32_t found = table->moving_pairs( blocks[0][0], count, mask[0], 3, reach, near );
+			ASSERT_LE( found, 24u * 12u );
+			std::vector<uint16_t> got( near, near + found );
+			first = table == &lwi_kernels_scalar ? got : first;
+			ASSERT_EQ( first, got ) << "level " << table->level;
+		}
+		for ( uint32_t a = 0; a < count; ++a )
+		{
+			for ( uint32_t b = a + 1; b < count; ++b )
+			{
+				const bool asked = ( mask[a][b / 8] >> b % 8 & 1 ) != 0;
+				const bool named = std::find( first.begin(), first.end(), 256 * a + b ) != first.end();
+				ASSERT_TRUE( asked || !named );
+				double least = INFINITY;
+				for ( int k = -20; k <= 20; ++k )
+				{
+					least = std::min( least, distance_at( points[a], 0, k / 20.0, nullptr, nullptr, &points[b] ) );
+				}
+				const double all = static_cast<double>( reach ) + static_cast<double>( blocks[a / 8][3][a % 8] ) +
+								   static_cast<double>( blocks[b / 8][3][b % 8] );
+				met += named ? 1u : 0u;
+				if ( asked && !named )
+				{
+					ASSERT_GE( least, all - lwi_gap_slack( 8 * scale ) ) << "input " << i;
+					++apart;
+					tight += least < 1.05 * all ? 1u : 0u;
+				}
+			}
+		}
+	}
+	EXPECT_GE( std::min( met, apart ), 10000u );
+	EXPECT_GE( tight, 100u ); // some come as near as they may
+}
+
 TEST( Rakes, no_number_reads_as_apart )
 {
 	SeededRng rng;
@@ -303,6 +367,13 @@ TEST( Rakes, no_number_reads_as_apart )
 		{
 			EXPECT_EQ( 0xffu, table->rake_box( &a, min, max, 1.0f ) ) << bad;
 			EXPECT_EQ( 0xffu, table->rake_pair( &a, &b, 1.0f ) ) << bad;
+		}
+		const float pair[LWI_MOVING_ROWS][LWI_WIDTH] = { { 0, 9 }, {}, {}, { 1, 1 }, { bad, 0 } };
+		const uint8_t second[2] = { 2, 0 };
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			uint16_t near[1];
+			EXPECT_EQ( 1u, table->moving_pairs( pair[0], 2, second, 1, 1.0f, near ) ) << bad;
 		}
 		std::fill( a.p[1], a.p[1] + LWI_WIDTH, NAN );
 		EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_box( &a, min, max, 1.0f ) );
