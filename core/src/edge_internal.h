@@ -109,6 +109,7 @@ typedef struct lwi_edge_rake
 	lwi_rake_point* nodes;  ///< [nodes]
 	double* values;         ///< [3][nodes][LWI_WIDTH] of joints, their cosines, their sines
 	double* speeds;         ///< [nodes]
+	bool posed;             ///< frames are those of this edge
 } lwi_edge_rake;
 
 typedef struct lwi_edge
@@ -164,6 +165,9 @@ typedef struct lwi_edge_sample
 
 /// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, qa and qb.
 void lwi_edge_begin( lwi_edge* edge, void* scratch );
+
+/// What items have to allow for. @param of_poses metres, of poses and states
+void lwi_edge_allow_rounding( lwi_edge* edge, double of_poses );
 
 /// Measures the motion of the edge. @return false for an edge that cannot be measured
 bool lwi_edge_measure_motion( lwi_edge* edge );
@@ -316,6 +320,9 @@ bool lwi_edge_rakes( lwi_edge* edge );
 
 /// Everything in eight windows at once, by spheres; what they leave are the edge's items, with their cells. Nodes were measured.
 void lwi_edge_rake_all( lwi_edge* edge );
+
+/// Takes the poses of all nodes, and how they move, from a lane of the rake that the query's state is that of.
+void lwi_edge_rake_pose( lwi_edge* edge, uint32_t lane );
 
 // --- edge_prove.c ----------------------------------------------------------------------------------------------------
 

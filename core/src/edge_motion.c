@@ -92,6 +92,18 @@ void lwi_edge_forget( lw_query* query )
 
 // ---- states ----------------------------------------------------------------------------------------------------------
 
+void lwi_edge_allow_rounding( lwi_edge* e, double of_poses )
+{
+	for ( int pair = 0; pair < 2; ++pair )
+	{
+		// t itself is rounded too (2^-53 of the way), and so is the surplus (2^-53 of min_d, a few times).
+		// A quarter of the slack more, with which proofs hold, becomes lower_bound.
+		e->rounding[pair] = ( 1 + pair ) * of_poses + 0x1p-47 * ( e->longest + e->def->min_d );
+		e->slack[pair] = lwi_larger( e->def->slack, 4 * e->rounding[pair] );
+		e->enough[pair] = e->def->min_d + e->rounding[pair] + 0.25 * e->slack[pair];
+	}
+}
+
 bool lwi_edge_measure_motion( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
@@ -104,14 +116,7 @@ bool lwi_edge_measure_motion( lwi_edge* e )
 	e->static_rounding = lwi_motion_rounding( c->motion, e->motion );
 	e->longest = lwi_motion_total( c->motion, e->motion );
 	e->twist_error = lwi_motion_twist_error( c->motion, e->motion );
-	for ( int pair = 0; pair < 2; ++pair )
-	{
-		// Poses and states are rounded, t itself is (2^-53 of the way), and so is the surplus (2^-53 of min_d, a few times).
-		// A quarter of the slack more, with which proofs hold, becomes lower_bound.
-		e->rounding[pair] = ( 1 + pair ) * e->static_rounding + 0x1p-47 * ( e->longest + e->def->min_d );
-		e->slack[pair] = lwi_larger( e->def->slack, 4 * e->rounding[pair] );
-		e->enough[pair] = e->def->min_d + e->rounding[pair] + 0.25 * e->slack[pair];
-	}
+	lwi_edge_allow_rounding( e, e->static_rounding );
 	return true;
 }
 
@@ -160,6 +165,11 @@ bool lwi_edge_pose( lwi_edge* e, double t )
 	}
 	e->posed_t = t;
 	++e->out->queries;
+	const double lane = t * LWI_WIDTH - 0.5;
+	if ( e->rake.posed && lane == floor( lane ) )
+	{
+		lwi_edge_rake_pose( e, (uint32_t)lane );
+	}
 	return true;
 }
 

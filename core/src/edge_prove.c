@@ -9,7 +9,7 @@
 enum
 {
 	SEARCH_LEVELS = 2, ///< of halving, at which a refused edge is looked at for a collision
-	WORK_PER_LOOK = 4, ///< cells that a rake has left
+	WORK_PER_LOOK = 6, ///< cells that a rake has left
 	MOST_LOOKS = 20    ///< states that looks of a screening take, poses of the middle again among them
 };
 

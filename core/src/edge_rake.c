@@ -681,9 +681,36 @@ bool lwi_edge_rakes( lwi_edge* e )
 		   lwi_edge_turns_little( e, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
 }
 
+void lwi_edge_rake_pose( lwi_edge* e, uint32_t lane )
+{
+	const lw_checker* c = e->checker;
+	lw_query* query = e->query;
+	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	{
+		const lwi_checker_node* node = &c->tree->nodes[i];
+		const lwi_rake_frame* frame = &e->rake.frames[i];
+		lw_transform* pose = &query->world_from_link[node->top];
+		for ( int k = 0; k < 9; ++k )
+		{
+			pose->r[k / 3][k % 3] = frame->r[k][lane];
+		}
+		for ( int k = 0; k < 3; ++k )
+		{
+			pose->t[k] = frame->t[k][lane];
+		}
+		query->node_stamp[i] = query->state_stamp;
+		lwi_edge_pace* pace = &e->paces[i];
+		pace->stamp = query->state_stamp; // depth and rates are those of the edge
+		pace->twist.turn = lwi_v3( frame->turn[0][lane], frame->turn[1][lane], frame->turn[2][lane] );
+		pace->twist.shift = lwi_v3( frame->shift[0][lane], frame->shift[1][lane], frame->shift[2][lane] );
+		pace->center = lwi_transform( pose, lwi_load( node->r.center ) );
+	}
+}
+
 void lwi_edge_rake_all( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
+	lwi_edge_allow_rounding( e, 2 * lwi_motion_rounding( c->motion, e->motion ) ); // from here on lanes pose some states
 	raking r = { .e = e,
 		.kernels = e->query->kernels,
 		.tree = c->tree,
@@ -697,6 +724,7 @@ void lwi_edge_rake_all( lwi_edge* e )
 		.pair_enough = e->enough[1] };
 	memcpy( r.origin, c->reference_poses[c->tree->nodes[0].top].t, sizeof( r.origin ) );
 	pose_frames( &r );
+	e->rake.posed = true;
 	pose_spheres( &r );
 	lwi_edge_note_proof( e );
 	rake_environment( &r );
