@@ -15,6 +15,9 @@ enum
 	LOOK_MOST_SKIP = 3 ///< of an item, in the count of cells
 };
 
+/// What all accelerations are known to be below before anything is measured may be so many times what they have to be.
+#define MOST_ROUGH 8
+
 /// What a screening is about.
 typedef struct screening
 {
@@ -42,12 +45,31 @@ static bool pose_all( lwi_edge* e, double t )
 	return true;
 }
 
+/// Measures nodes without their poses. @return true if that is enough: all of them drift, and how far off that does not matter then
+static bool measure_roughly( lwi_edge* e, double share )
+{
+	const lwi_motion_table* motion = e->checker->motion;
+	const lwi_edge_window longest = { 0, share };
+	// no acceleration is larger than twice the longest path times all turns
+	lwi_motion_rate rate = { 0, 2 * e->longest * lwi_motion_turns( motion, e->motion ) / MOST_ROUGH };
+	if ( !lwi_edge_drifts( rate, longest ) )
+	{
+		return false;
+	}
+	rate.change = lwi_motion_measure_rough( motion, e->motion );
+	return lwi_edge_drifts( rate, longest );
+}
+
 bool lwi_edge_measure_nodes( lwi_edge* e, double t, double share )
 {
 	const lw_checker* c = e->checker;
 	if ( !pose_all( e, t ) )
 	{
 		return false;
+	}
+	if ( measure_roughly( e, share ) )
+	{
+		return true;
 	}
 	lwi_motion_place( c->motion, e->motion, e->query->world_from_link );
 	for ( uint32_t i = 1; i < c->tree->node_count; ++i )

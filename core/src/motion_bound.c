@@ -532,8 +532,9 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 /// centre in the poses) + radius + share (path length below j), and at most the ring, enlarged by how far the shifts below
 /// get from where the rings assume them. A rotation turns the velocities below it
 /// (Coriolis, twice) and its own; shifts are at constant speed.
-static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, uint32_t count,
-	lw_vec3 center, double radius, double share, bool keep )
+/// @param rough by rings alone: then no pose is looked at, nor what follows
+static inline lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, uint32_t count,
+	bool keep, bool rough, lw_vec3 center, double radius, double share )
 {
 	const motion_body* b = &table->bodies[body];
 	double path = 0, change = 0, excess = s->whole->pose_rounding;
@@ -543,11 +544,14 @@ static lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratc
 		const joint_motion* m = &s->motions[entry->mover];
 		if ( m->turn > 0 )
 		{
-			lw_vec3 offset = lwi_sub( center, m->origin );
-			double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
-			double ring = ( k == 0 ? lwi_smaller( entry->ring, b->first_ring ) : entry->ring ) + excess;
-			// of (distance to the axis) * turn only what depends on the path waits for the joint before
-			double arc = lwi_smaller( ( away + radius ) * m->turn + ( share * m->turn ) * path, ring * m->turn );
+			double arc = ( ( k == 0 ? lwi_smaller( entry->ring, b->first_ring ) : entry->ring ) + excess ) * m->turn;
+			if ( !rough )
+			{
+				lw_vec3 offset = lwi_sub( center, m->origin );
+				double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
+				// of (distance to the axis) * turn only what depends on the path waits for the joint before
+				arc = lwi_smaller( ( away + radius ) * m->turn + ( share * m->turn ) * path, arc );
+			}
 			change += m->turn * ( 2 * path + arc );
 			path += arc;
 		}
@@ -586,7 +590,19 @@ void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint
 	motion_scratch s = scratch_parts( table, scratch );
 	const motion_body* b = &table->bodies[body];
 	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
-	rates( table, &s, body, b->entry_count, center, b->radius + s.whole->pose_rounding, share, true );
+	rates( table, &s, body, b->entry_count, true, false, center, b->radius + s.whole->pose_rounding, share );
+}
+
+double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch )
+{
+	motion_scratch s = scratch_parts( table, scratch );
+	double most = 0;
+	for ( uint32_t i = 0; i < table->body_count; ++i )
+	{
+		lwi_motion_rate rate = rates( table, &s, i, table->bodies[i].entry_count, true, true, lwi_v3( 0, 0, 0 ), 0, 0 );
+		most = lwi_larger( most, rate.change );
+	}
+	return most;
 }
 
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
@@ -601,7 +617,7 @@ lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void*
 {
 	motion_scratch s = scratch_parts( table, scratch );
 	uint32_t count = joints_below( table, body, ancestor );
-	return rates( table, &s, body, count, center, radius + s.whole->pose_rounding, share, false );
+	return rates( table, &s, body, count, false, false, center, radius + s.whole->pose_rounding, share );
 }
 
 lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose )
