@@ -3,6 +3,7 @@
 // more than their least clearance along the edge. Whatever the screening gives away makes such an edge FREE.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
+#include "sanitized.hpp"
 
 #include <gtest/gtest.h>
 
@@ -214,7 +215,7 @@ struct Tally
 
 void randomEdge( SeededRng& rng, State& a, State& b )
 {
-	const double length = rng.decade( -2, 0 );
+	const double length = rng.decade( -2, 0.5 );
 	for ( std::size_t i = 0; i < a.size(); ++i )
 	{
 		a[i] = rng.uniform( -3, 3 );
@@ -272,13 +273,13 @@ void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
 // Without the bulge of a unit, with another velocity or a smaller radius these are red. One body for each link: units are bodies.
 TEST( EdgeScreen, own_balls_come_nearer_than_was_proved )
 {
-	attackAll( 300, 6, 2, LW_WHAT_SELF );
+	attackAll( unlessSanitized( 300, 60 ), 6, 2, LW_WHAT_SELF );
 }
 
 // More than 24 bodies: units are nodes, and bodies of two nodes are told apart after them.
 TEST( EdgeScreen, one_of_many_balls_comes_nearer_than_was_proved )
 {
-	attackAll( 60, 10, 6, LW_WHAT_SELF );
+	attackAll( unlessSanitized( 60, 12 ), 10, 6, LW_WHAT_SELF );
 }
 
 // More than 24 nodes: pairs of nodes one by one.
@@ -286,17 +287,18 @@ TEST( EdgeScreen, ball_of_a_long_chain_comes_nearer_than_was_proved )
 {
 	SeededRng rng;
 	Tally tally;
-	for ( int i = 0; i < 12 && !HasFatalFailure(); ++i )
+	const int worlds = unlessSanitized( 12, 3 );
+	for ( int i = 0; i < worlds && !HasFatalFailure(); ++i )
 	{
 		Balls world( rng, 26, 1, true );
 		attackSome( world, rng, 20, LW_WHAT_SELF, tally );
 	}
-	EXPECT_GE( tally.asked, 12 );
+	EXPECT_GE( tally.asked, worlds );
 }
 
 TEST( EdgeScreen, ball_passes_a_box_nearer_than_was_proved )
 {
-	attackAll( 300, 5, 4, LW_WHAT_ENVIRONMENT );
+	attackAll( unlessSanitized( 300, 60 ), 5, 4, LW_WHAT_ENVIRONMENT );
 }
 
 // Without the bulge of a body's way this is red: what gets faster gets further than its velocity in the middle says.
@@ -304,12 +306,13 @@ TEST( EdgeScreen, ball_that_gets_faster_runs_into_a_wall )
 {
 	SeededRng rng;
 	Tally tally;
-	for ( int i = 0; i < 1500 && !HasFatalFailure(); ++i )
+	const int worlds = unlessSanitized( 1500, 300 );
+	for ( int i = 0; i < worlds && !HasFatalFailure(); ++i )
 	{
 		State a( static_cast<std::size_t>( rng.integer( 2, 4 ) ) ), b = a;
 		randomEdge( rng, a, b );
 		Balls world( rng, static_cast<int>( a.size() ), a, b );
 		attack( world, a, b, LW_WHAT_ENVIRONMENT, tally );
 	}
-	EXPECT_GE( tally.asked, 1000 );
+	EXPECT_GE( tally.asked, worlds / 2 );
 }

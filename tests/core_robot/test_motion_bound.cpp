@@ -23,6 +23,7 @@ extern "C"
 	void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses );
 	void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 		double share );
+	double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch );
 	lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
 		lw_vec3 center, double radius, double share );
@@ -424,4 +425,41 @@ TEST( MotionBound, OverflowAndZeroQuaternionAreRefused )
 	a[0] = b[0] = 0;
 	b[7] = 0;
 	EXPECT_FALSE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
+}
+
+// What is known without poses must be no less than what poses say, about which the tests above are
+TEST( MotionBound, RoughBoundIsBelowTheMeasuredOne )
+{
+	SeededRng rng;
+	int cases = 0, equal = 0;
+	for ( int i = 0; i < 300; ++i )
+	{
+		RandomRobotOptions options;
+		options.joints = rng.integer( 1, 9 );
+		RobotModel model = randomRobot( rng, options );
+		RobotPtr robot = model.create();
+		ASSERT_NE( robot, nullptr );
+		Motion measured( robot.get() ), rough( robot.get() );
+		const double excess = rng.integer( 0, 2 ) == 0 ? rng.decade( -1, 1 ) : 0;
+		State a = randomState( rng, robot.get(), excess ), b = randomState( rng, robot.get(), excess );
+		lw_robot_interpolate( robot.get(), a.data(), b.data(), rng.decade( -3, 0 ), b.data() );
+		ASSERT_TRUE( lwi_motion_measure( measured.table, a.data(), b.data(), measured.scratch ) );
+		ASSERT_TRUE( lwi_motion_begin( rough.table, a.data(), b.data(), rough.scratch ) );
+		const double largest = lwi_motion_measure_rough( rough.table, rough.scratch );
+		double most = 0;
+		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
+		{
+			most = std::max( most, lwi_motion_of( rough.table, rough.scratch, body, LW_INVALID_INDEX ).change );
+			const std::uint32_t ancestor = randomAncestor( rng, robot.get(), model.bodies[body].link );
+			const lwi_motion_rate least = lwi_motion_of( measured.table, measured.scratch, body, ancestor );
+			const lwi_motion_rate found = lwi_motion_of( rough.table, rough.scratch, body, ancestor );
+			EXPECT_GE( found.path, least.path );
+			EXPECT_GE( found.change, least.change );
+			cases += least.path > 0;
+			equal += least.path > 0 && found.path == least.path;
+		}
+		EXPECT_EQ( most, largest );
+	}
+	EXPECT_GE( cases, 300 );
+	EXPECT_LT( equal, cases ); // else poses would be in vain
 }
