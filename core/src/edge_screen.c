@@ -295,7 +295,7 @@ static bool screen_nodes( screening* s, const lwi_node_pair* pair )
 		return true;
 	}
 	const uint32_t count = near_bodies( s, pair ), stride = e->checker->body_block_count * LWI_WIDTH;
-	bool go_on = true;
+	bool go_on = true; // what pairs are asked leaves the candidates alone
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
 		const uint32_t candidate = e->query->candidates[i].pair;
