@@ -28,6 +28,7 @@ typedef struct screening
 	uint32_t work; ///< that is left: cells on which items have to be measured
 	bool may_look;
 	bool covered; ///< the whole edge by the reach
+	bool moves;   ///< all nodes have a twist, and turn so little that what is said of moving units holds
 } screening;
 
 /// Poses all nodes.
@@ -283,13 +284,60 @@ static uint32_t near_bodies( screening* s, const lwi_node_pair* pair )
 	return count;
 }
 
+/// A sphere of the robot in the middle of the window, and how its velocity takes it on until the end.
+typedef struct moving_unit
+{
+	const lwi_edge_pace* pace;
+	lw_vec3 center, way;
+	double radius; ///< and what roundings of its centre may take
+} moving_unit;
+
+static moving_unit make_unit( screening* s, uint32_t node, const lw_sphere* sphere )
+{
+	lwi_edge* e = s->edge;
+	moving_unit m = { .pace = lwi_edge_pace_of( e, node ) }; // poses the node
+	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->nodes[node].top];
+	m.center = lwi_transform( pose, lwi_load( sphere->center ) );
+	m.way = way_of( s, m.pace, m.center );
+	m.radius = sphere->radius + e->query->pose_rounding;
+	return m;
+}
+
+/// Do two units come near each other, by how they move in the frame of their ancestor? As rakes have it, but in double.
+static bool units_meet( const screening* s, const moving_unit* a, const moving_unit* b, uint32_t ancestor, double margin )
+{
+	const lwi_edge* e = s->edge;
+	const lwi_edge_pace* above = &e->paces[ancestor];
+	const lwi_motion_rate rate_a = lwi_edge_rate( a->pace, above ), rate_b = lwi_edge_rate( b->pace, above );
+	const lw_vec3 d = lwi_sub( a->center, b->center ), way = lwi_sub( a->way, b->way );
+	const double path = s->window.half * ( rate_a.path + rate_b.path ) / LWI_EDGE_INWARD, length = lwi_length( d );
+	const double closer = fabs( lwi_dot( d, way ) ) / ( length * LWI_EDGE_INWARD ) + bulge_of( s, rate_a ) + bulge_of( s, rate_b );
+	// the direction is off by what both centres are, and so is how the ancestor's turn counts along it
+	const double reach = a->radius + b->radius + e->enough[1] + margin + 4 * e->rounding[1];
+	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
+}
+
+/// Do two bodies come near each other? Their spheres are no units.
+static bool bodies_meet( screening* s, uint32_t a, uint32_t b, uint32_t ancestor )
+{
+	const lw_checker* c = s->edge->checker;
+	const lwi_checker_tree* tree = c->tree;
+	const lw_sphere *of_a = &tree->body_spheres[tree->body_place[a]], *of_b = &tree->body_spheres[tree->body_place[b]];
+	const moving_unit unit_a = make_unit( s, tree->body_node[a], of_a ), unit_b = make_unit( s, tree->body_node[b], of_b );
+	return units_meet( s, &unit_a, &unit_b, ancestor, lwi_self_margin( c, a, b ) );
+}
+
 /// The bodies of two nodes.
 static bool screen_nodes( screening* s, const lwi_node_pair* pair )
 {
 	lwi_edge* e = s->edge;
 	const lwi_checker_tree* tree = e->checker->tree;
-	if ( ( s->covered && lwi_edge_is_apart( e, pair->separation ) ) ||
-		 !spheres_meet( s, pair, e->enough[1] + pair_path( s, pair ) / LWI_EDGE_INWARD ) || // mostly that is all
+	if ( s->covered && lwi_edge_is_apart( e, pair->separation ) )
+	{
+		return true;
+	}
+	lwi_edge_note_proof( e );
+	if ( !spheres_meet( s, pair, e->enough[1] + pair_path( s, pair ) / LWI_EDGE_INWARD ) || // mostly that is all
 		 !spheres_meet( s, pair, e->enough[1] + pair_way( s, pair, false ) / LWI_EDGE_INWARD ) )
 	{
 		return true;
@@ -300,33 +348,16 @@ static bool screen_nodes( screening* s, const lwi_node_pair* pair )
 	{
 		const uint32_t candidate = e->query->candidates[i].pair;
 		const uint32_t a = candidate / stride, b = candidate % stride;
+		if ( count > 1 && s->moves && !bodies_meet( s, a, b, pair->ancestor ) )
+		{
+			continue;
+		}
 		go_on = screen_bodies( s, candidate, pair->ancestor, lwi_checker_view( tree, (uint32_t)( pair - tree->pairs ), a, b ) );
 	}
 	return go_on;
 }
 
 // ---- units -----------------------------------------------------------------------------------------------------------
-
-/// A sphere of the robot in the middle of the window, and how its velocity takes it on until the end.
-typedef struct moving_unit
-{
-	const lwi_edge_pace* pace;
-	lw_vec3 center, way;
-	double radius; ///< and what roundings of its centre may take
-} moving_unit;
-
-static moving_unit make_unit( screening* s, uint32_t i )
-{
-	lwi_edge* e = s->edge;
-	const lwi_checker_tree* tree = e->checker->tree;
-	const lwi_self_units* units = tree->units;
-	moving_unit m = { .pace = lwi_edge_pace_of( e, units->node[i] ) }; // poses the node
-	const lw_transform* pose = &e->query->world_from_link[tree->nodes[units->node[i]].top];
-	m.center = lwi_transform( pose, lwi_load( units->sphere[i].center ) );
-	m.way = way_of( s, m.pace, m.center );
-	m.radius = units->sphere[i].radius + e->query->pose_rounding;
-	return m;
-}
 
 static double size_of( lw_vec3 v )
 {
@@ -344,7 +375,7 @@ static double make_units( screening* s, moving_unit* all, float* blocks )
 	double size = 0;
 	for ( uint32_t i = 0; i < tree->units->count; ++i )
 	{
-		all[i] = make_unit( s, i );
+		all[i] = make_unit( s, tree->units->node[i], &tree->units->sphere[i] );
 		const lw_vec3 center = lwi_sub( all[i].center, origin ), way = all[i].way;
 		const double radius = all[i].radius + bulge_of( s, lwi_edge_rate( all[i].pace, root ) );
 		const double rows[LWI_MOVING_ROWS] = { center.x, center.y, center.z, radius * ( 1 + 0x1p-21 ), way.x, way.y, way.z };
@@ -358,26 +389,17 @@ static double make_units( screening* s, moving_unit* all, float* blocks )
 	return lwi_gap_slack( 4 * size );
 }
 
-/// Do two units come near each other, by how they move in the frame of their ancestor? As rakes have it, but in double.
-static bool units_meet( const screening* s, const moving_unit* a, const moving_unit* b, const lwi_unit_pair* pair )
-{
-	const lwi_edge* e = s->edge;
-	const lwi_edge_pace* above = &e->paces[pair->ancestor];
-	const lwi_motion_rate rate_a = lwi_edge_rate( a->pace, above ), rate_b = lwi_edge_rate( b->pace, above );
-	const lw_vec3 d = lwi_sub( a->center, b->center ), way = lwi_sub( a->way, b->way );
-	const double path = s->window.half * ( rate_a.path + rate_b.path ) / LWI_EDGE_INWARD, length = lwi_length( d );
-	const double closer = fabs( lwi_dot( d, way ) ) / ( length * LWI_EDGE_INWARD ) + bulge_of( s, rate_a ) + bulge_of( s, rate_b );
-	// the direction is off by what both centres are, and so is how the ancestor's turn counts along it
-	const double reach = a->radius + b->radius + e->enough[1] + (double)pair->margin + 4 * e->rounding[1];
-	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
-}
-
 /// All pairs of units at once, by their spheres.
 static bool screen_units( screening* s )
 {
 	lwi_edge* e = s->edge;
 	const lwi_checker_tree* tree = e->checker->tree;
 	const lwi_self_units* units = tree->units;
+	if ( s->covered && lwi_edge_is_apart( e, units->separation ) )
+	{
+		return true;
+	}
+	lwi_edge_note_proof( e ); // of what is not near
 	float blocks[LWI_UNIT_BLOCKS * LWI_MOVING_ROWS * LWI_WIDTH] = { 0 };
 	moving_unit all[LWI_MOST_UNITS];
 	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
@@ -389,7 +411,7 @@ static bool screen_units( screening* s )
 	{
 		const uint32_t a = near[i] / 256, b = near[i] % 256;
 		const lwi_unit_pair* pair = &units->pairs[a][b];
-		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation ) ) || !units_meet( s, &all[a], &all[b], pair ) )
+		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation ) ) || !units_meet( s, &all[a], &all[b], pair->ancestor, (double)pair->margin ) )
 		{
 			continue;
 		}
@@ -435,8 +457,8 @@ static bool screen_pairs( screening* s )
 		return true;
 	}
 	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
-	lwi_edge_note_proof( e ); // of the pairs that are not near
-	if ( c->tree->units != NULL && c->tree->rakes && lwi_edge_turns_little( e, s->window ) )
+	s->moves = c->tree->rakes && lwi_edge_turns_little( e, s->window );
+	if ( c->tree->units != NULL && s->moves )
 	{
 		return screen_units( s );
 	}
