@@ -210,7 +210,13 @@ double leastAlong( const Balls& world, const State& a, const State& b, lw_what w
 
 struct Tally
 {
-	int asked = 0, proved = 0; ///< edges asked for a hair too much; for a hair less
+	int asked = 0, proved = 0; ///< edges asked for a hair too much; FREE when asked for a little less
+
+	void expect( int least ) const
+	{
+		EXPECT_GE( asked, least );
+		EXPECT_GE( proved, 0.98 * asked );
+	}
 };
 
 void randomEdge( SeededRng& rng, State& a, State& b )
@@ -241,8 +247,15 @@ void attack( Balls& world, const State& a, const State& b, lw_what what, Tally& 
 	++tally.asked;
 	def.min_d = least - 4 * SLACK;
 	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), world.query.get(), a.data(), b.data(), &def, &result ) );
-	ASSERT_EQ( LW_VERDICT_FREE, result.verdict ) << "least clearance " << least;
-	++tally.proved;
+	if ( result.verdict == LW_VERDICT_FREE )
+	{
+		++tally.proved;
+		return;
+	}
+	// the samples have missed a moment that is nearer
+	State q( a.size() );
+	lw_robot_interpolate( world.robot.get(), a.data(), b.data(), result.t, q.data() );
+	ASSERT_LE( world.clearance( q, what ), def.min_d + SLACK + 1e-9 ) << lw_verdict_name( result.verdict ) << " at " << result.t;
 }
 
 void attackSome( Balls& world, SeededRng& rng, int edges, lw_what what, Tally& tally )
@@ -265,7 +278,7 @@ void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
 		attackSome( world, rng, 8, what, tally );
 	}
 	std::printf( "%d edges of %d\n", tally.asked, 8 * worlds );
-	EXPECT_GE( tally.asked, worlds );
+	tally.expect( worlds );
 }
 
 } // namespace
@@ -293,7 +306,7 @@ TEST( EdgeScreen, ball_of_a_long_chain_comes_nearer_than_was_proved )
 		Balls world( rng, 26, 1, true );
 		attackSome( world, rng, 20, LW_WHAT_SELF, tally );
 	}
-	EXPECT_GE( tally.asked, worlds );
+	tally.expect( worlds );
 }
 
 TEST( EdgeScreen, ball_passes_a_box_nearer_than_was_proved )
@@ -314,5 +327,5 @@ TEST( EdgeScreen, ball_that_gets_faster_runs_into_a_wall )
 		Balls world( rng, static_cast<int>( a.size() ), a, b );
 		attack( world, a, b, LW_WHAT_ENVIRONMENT, tally );
 	}
-	EXPECT_GE( tally.asked, worlds / 2 );
+	tally.expect( worlds / 2 );
 }
