@@ -213,6 +213,12 @@ static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_pace* pace, const lw
 	return joints > 0 ? pace->rates[joints - 1] : (lwi_motion_rate){ 0, 0 };
 }
 
+/// What a point of a node does on half a window besides going on by its velocity in the middle, at most.
+static inline double lwi_edge_bulge( const lwi_edge* edge, lwi_motion_rate rate, double half )
+{
+	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->twist_error ) * half / LWI_EDGE_INWARD : 0;
+}
+
 /// The drift in a window at whose middle the query is posed.
 lwi_edge_drift lwi_edge_drift_of( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
 	lwi_edge_window window );

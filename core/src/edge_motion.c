@@ -288,12 +288,8 @@ lwi_edge_drift lwi_edge_drift_of( lwi_edge* e, uint32_t node, uint32_t ancestor,
 	lwi_edge_window window )
 {
 	const lwi_twist *own = &lwi_edge_pace_of( e, node )->twist, *above = &lwi_edge_pace_of( e, ancestor )->twist;
-	lwi_edge_drift drift = { { lwi_sub( own->turn, above->turn ), lwi_sub( own->shift, above->shift ) }, 0 };
-	if ( rate.path > 0 )
-	{
-		drift.bulge = ( 0.5 * window.half * rate.change + e->twist_error ) * window.half / LWI_EDGE_INWARD;
-	}
-	return drift;
+	const double bulge = lwi_edge_bulge( e, rate, window.half );
+	return (lwi_edge_drift){ { lwi_sub( own->turn, above->turn ), lwi_sub( own->shift, above->shift ) }, bulge };
 }
 
 static inline lw_vec3 velocity( const lwi_twist* twist, lw_vec3 at )

@@ -36,7 +36,6 @@ typedef struct raking
 	double origin[3];        ///< of what the robot's own spheres are compared in
 	double half;             ///< width of half a window
 	double rounding;         ///< of places in the lanes, for one of two
-	double enough, pair_enough; ///< see lwi_edge
 } raking;
 
 /// A tree, and where its frame is: in the lanes, or where it stands.
@@ -52,6 +51,13 @@ typedef struct side
 static float above( float sum )
 {
 	return sum * ( 1 + 0x1p-21f );
+}
+
+/// @param item with its bodies, ancestor and cells. The query is posed at the edge's middle
+static void add_item( lwi_edge* e, lwi_edge_item item )
+{
+	lwi_edge_prepare_item( e, &item, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH }, 0.5 );
+	e->items[e->item_count++] = item;
 }
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------
@@ -138,12 +144,6 @@ static const lwi_rake_point* body_point( const raking* r, uint32_t place )
 static double size_of( const lwi_rake_point* p, double path )
 {
 	return (double)fabsf( p->p[0][0] ) + (double)fabsf( p->p[1][0] ) + (double)fabsf( p->p[2][0] ) + 2 * path;
-}
-
-/// What a node's points do in half a window besides going on by their velocity, in a frame above.
-static double bulge_of( const raking* r, lwi_motion_rate rate )
-{
-	return ( 0.5 * r->half * rate.change + r->e->twist_error ) * r->half / LWI_EDGE_INWARD;
 }
 
 // --- trees -----------------------------------------------------------------------------------------------------------
@@ -300,13 +300,6 @@ static uint32_t trees_meet( const raking* r, const question* q, const ball* firs
 	return met;
 }
 
-/// @param item with its bodies, ancestor and cells. The query is posed at the edge's middle
-static void add_item( lwi_edge* e, lwi_edge_item item )
-{
-	lwi_edge_prepare_item( e, &item, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH }, 0.5 );
-	e->items[e->item_count++] = item;
-}
-
 // --- the scene -------------------------------------------------------------------------------------------------------
 
 /// A sphere of the robot in the lanes, against obstacles.
@@ -324,7 +317,7 @@ static scout make_scout( const raking* r, uint32_t node, const lw_sphere* sphere
 	scout s = { .radius = sphere->radius };
 	r->kernels->rake_point( &r->frames[node], sphere->center, scene->origin, r->half, &s.at );
 	lwi_motion_rate rate = lwi_edge_rate( lwi_edge_pace_of( r->e, node ), lwi_edge_pace_of( r->e, 0 ) );
-	s.need = r->enough + r->rounding + bulge_of( r, rate ) + margin;
+	s.need = r->e->enough[0] + r->rounding + lwi_edge_bulge( r->e, rate, r->half ) + margin;
 	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, rate.path ) + scene->extent + 2 * sphere->radius ) );
 	s.reach = lwi_round_up( s.radius + s.need + s.slack );
 	s.path = rate.path;
@@ -481,7 +474,7 @@ static void rake_environment( const raking* r )
 	{
 		return;
 	}
-	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, r->enough );
+	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, e->enough[0] );
 	for ( uint32_t i = r->tree->node_count; i-- > 1; )
 	{
 		const lwi_checker_node* n = &r->tree->nodes[i];
@@ -517,13 +510,13 @@ static couple make_couple( const raking* r, const lwi_node_pair* pair )
 	const lwi_edge_pace *a = lwi_edge_pace_of( e, pair->node_a ), *b = lwi_edge_pace_of( e, pair->node_b );
 	const lwi_edge_pace *above = lwi_edge_pace_of( e, pair->ancestor ), *root = lwi_edge_pace_of( e, 0 );
 	const lwi_checker_node *node_a = &r->tree->nodes[pair->node_a], *node_b = &r->tree->nodes[pair->node_b];
-	double bulge = bulge_of( r, lwi_edge_rate( a, above ) ) + bulge_of( r, lwi_edge_rate( b, above ) );
+	double bulge = lwi_edge_bulge( e, lwi_edge_rate( a, above ), r->half ) + lwi_edge_bulge( e, lwi_edge_rate( b, above ), r->half );
 	double size = size_of( &r->nodes[pair->node_a], lwi_edge_rate( a, root ).path ) +
 				  size_of( &r->nodes[pair->node_b], lwi_edge_rate( b, root ).path ) + 2 * ( node_a->r.radius + node_b->r.radius );
 	return (couple){ .pair = pair,
 		.path = lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path,
 		.neighbours = a->depth + b->depth - 2 * above->depth <= NEIGHBOURS,
-		.reach = r->pair_enough + 2 * r->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
+		.reach = e->enough[1] + 2 * r->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
 }
 
 static uint32_t points_meet( const raking* r, const couple* c, const lwi_rake_point* a, double radius_a, const lwi_rake_point* b,
@@ -550,7 +543,7 @@ static couple any_couple( const raking* r )
 		lwi_motion_rate rate = lwi_edge_rate( lwi_edge_pace_of( e, i ), root );
 		if ( r->tree->nodes[i].body_count > 0 )
 		{
-			bulge = lwi_larger( bulge, bulge_of( r, rate ) );
+			bulge = lwi_larger( bulge, lwi_edge_bulge( e, rate, r->half ) );
 			size = lwi_larger( size, size_of( &r->nodes[i], rate.path ) + 2 * r->tree->nodes[i].r.radius );
 		}
 	}
@@ -558,7 +551,7 @@ static couple any_couple( const raking* r )
 	{
 		margin = lwi_larger( margin, (double)r->tree->pairs[i].margin );
 	}
-	return (couple){ .reach = r->pair_enough + 2 * r->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
+	return (couple){ .reach = e->enough[1] + 2 * r->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
 }
 
 /// Lanes in which two bodies, given by their places, do not stay apart.
@@ -710,7 +703,8 @@ void lwi_edge_rake_pose( lwi_edge* e, uint32_t lane )
 void lwi_edge_rake_all( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	lwi_edge_allow_rounding( e, 2 * lwi_motion_rounding( c->motion, e->motion ) ); // from here on lanes pose some states
+	const double rounding = 2 * lwi_motion_rounding( c->motion, e->motion );
+	lwi_edge_allow_rounding( e, rounding ); // from here on lanes pose some states
 	raking r = { .e = e,
 		.kernels = e->query->kernels,
 		.tree = c->tree,
@@ -719,9 +713,7 @@ void lwi_edge_rake_all( lwi_edge* e )
 		.known = e->rake.known,
 		.nodes = e->rake.nodes,
 		.half = 0.5 / LWI_WIDTH,
-		.rounding = 2 * lwi_motion_rounding( c->motion, e->motion ),
-		.enough = e->enough[0],
-		.pair_enough = e->enough[1] };
+		.rounding = rounding };
 	memcpy( r.origin, c->reference_poses[c->tree->nodes[0].top].t, sizeof( r.origin ) );
 	pose_frames( &r );
 	e->rake.posed = true;

@@ -123,13 +123,6 @@ static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
 	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
 }
 
-/// What a point of a node does in half a window besides going on by its velocity in the middle.
-static double bulge_of( const screening* s, lwi_motion_rate rate )
-{
-	const double half = s->window.half;
-	return rate.path > 0 ? ( 0.5 * half * rate.change + s->edge->twist_error ) * half / LWI_EDGE_INWARD : 0;
-}
-
 /// How a point that a node carries goes on from the middle of the window in the world, until its end.
 static lw_vec3 way_of( const screening* s, const lwi_edge_pace* pace, lw_vec3 at )
 {
@@ -140,7 +133,7 @@ static lw_vec3 way_of( const screening* s, const lwi_edge_pace* pace, lw_vec3 at
 static double length_of_way( screening* s, const lwi_edge_pace* pace, lw_vec3 at )
 {
 	const lwi_motion_rate rate = lwi_edge_rate( pace, lwi_edge_pace_of( s->edge, 0 ) );
-	double path = s->window.half * rate.path, length = lwi_length( way_of( s, pace, at ) ) + bulge_of( s, rate );
+	double path = s->window.half * rate.path, length = lwi_length( way_of( s, pace, at ) ) + lwi_edge_bulge( s->edge, rate, s->window.half );
 	return ( length < path ? length : path ) / LWI_EDGE_INWARD; // no number without a twist
 }
 
@@ -169,7 +162,7 @@ static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
 	double around_a = lwi_length( turn_a ) * nodes[pair->node_a].r.radius;
 	double around_b = lwi_length( turn_b ) * nodes[pair->node_b].r.radius;
 	double turns = whole ? around_a + around_b : 0;
-	double bulge = ( 0.5 * half * ( rate_a.change + rate_b.change ) + 2 * e->twist_error ) * half;
+	double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
 	double length = ( half * ( lwi_distance( speed_a, speed_b ) + turns ) + bulge ) / LWI_EDGE_INWARD;
 	return length < path ? length : path;
 }
@@ -311,7 +304,7 @@ static bool units_meet( const screening* s, const moving_unit* a, const moving_u
 	const lwi_motion_rate rate_a = lwi_edge_rate( a->pace, above ), rate_b = lwi_edge_rate( b->pace, above );
 	const lw_vec3 d = lwi_sub( a->center, b->center ), way = lwi_sub( a->way, b->way );
 	const double path = s->window.half * ( rate_a.path + rate_b.path ) / LWI_EDGE_INWARD, length = lwi_length( d );
-	const double closer = fabs( lwi_dot( d, way ) ) / ( length * LWI_EDGE_INWARD ) + bulge_of( s, rate_a ) + bulge_of( s, rate_b );
+	const double closer = fabs( lwi_dot( d, way ) ) / ( length * LWI_EDGE_INWARD ) + lwi_edge_bulge( s->edge, rate_a, s->window.half ) + lwi_edge_bulge( s->edge, rate_b, s->window.half );
 	// the direction is off by what both centres are, and so is how the ancestor's turn counts along it
 	const double reach = a->radius + b->radius + e->enough[1] + margin + 4 * e->rounding[1];
 	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
@@ -327,11 +320,30 @@ static bool bodies_meet( screening* s, uint32_t a, uint32_t b, uint32_t ancestor
 	return units_meet( s, &unit_a, &unit_b, ancestor, lwi_self_margin( c, a, b ) );
 }
 
+/// The bodies of two nodes whose spheres come near each other.
+static bool screen_near_nodes( screening* s, const lwi_node_pair* pair )
+{
+	const lw_checker* c = s->edge->checker;
+	const uint32_t count = near_bodies( s, pair ), stride = c->body_block_count * LWI_WIDTH;
+	bool go_on = true; // what pairs are asked leaves the candidates alone
+	for ( uint32_t i = 0; go_on && i < count; ++i )
+	{
+		const uint32_t candidate = s->edge->query->candidates[i].pair;
+		const uint32_t a = candidate / stride, b = candidate % stride;
+		if ( count > 1 && s->moves && !bodies_meet( s, a, b, pair->ancestor ) )
+		{
+			continue;
+		}
+		const lwi_chart_view* view = lwi_checker_view( c->tree, (uint32_t)( pair - c->tree->pairs ), a, b );
+		go_on = screen_bodies( s, candidate, pair->ancestor, view );
+	}
+	return go_on;
+}
+
 /// The bodies of two nodes.
 static bool screen_nodes( screening* s, const lwi_node_pair* pair )
 {
 	lwi_edge* e = s->edge;
-	const lwi_checker_tree* tree = e->checker->tree;
 	if ( s->covered && lwi_edge_is_apart( e, pair->separation ) )
 	{
 		return true;
@@ -342,19 +354,7 @@ static bool screen_nodes( screening* s, const lwi_node_pair* pair )
 	{
 		return true;
 	}
-	const uint32_t count = near_bodies( s, pair ), stride = e->checker->body_block_count * LWI_WIDTH;
-	bool go_on = true; // what pairs are asked leaves the candidates alone
-	for ( uint32_t i = 0; go_on && i < count; ++i )
-	{
-		const uint32_t candidate = e->query->candidates[i].pair;
-		const uint32_t a = candidate / stride, b = candidate % stride;
-		if ( count > 1 && s->moves && !bodies_meet( s, a, b, pair->ancestor ) )
-		{
-			continue;
-		}
-		go_on = screen_bodies( s, candidate, pair->ancestor, lwi_checker_view( tree, (uint32_t)( pair - tree->pairs ), a, b ) );
-	}
-	return go_on;
+	return screen_near_nodes( s, pair );
 }
 
 // ---- units -----------------------------------------------------------------------------------------------------------
@@ -377,7 +377,7 @@ static double make_units( screening* s, moving_unit* all, float* blocks )
 	{
 		all[i] = make_unit( s, tree->units->node[i], &tree->units->sphere[i] );
 		const lw_vec3 center = lwi_sub( all[i].center, origin ), way = all[i].way;
-		const double radius = all[i].radius + bulge_of( s, lwi_edge_rate( all[i].pace, root ) );
+		const double radius = all[i].radius + lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].pace, root ), s->window.half );
 		const double rows[LWI_MOVING_ROWS] = { center.x, center.y, center.z, radius * ( 1 + 0x1p-21 ), way.x, way.y, way.z };
 		float* lane = blocks + (size_t)LWI_MOVING_ROWS * LWI_WIDTH * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
 		for ( int row = 0; row < LWI_MOVING_ROWS; ++row )
@@ -417,7 +417,7 @@ static bool screen_units( screening* s )
 		}
 		const lwi_chart_view* view = pair->view != LW_INVALID_INDEX ? &tree->views[pair->view] : NULL;
 		if ( !( pair->candidate < LWI_OPEN ? screen_bodies( s, pair->candidate, pair->ancestor, view )
-										   : screen_nodes( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
+										   : screen_near_nodes( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
 			 !look( s ) )
 		{
 			return false;

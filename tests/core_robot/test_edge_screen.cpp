@@ -268,17 +268,27 @@ void attackSome( Balls& world, SeededRng& rng, int edges, lw_what what, Tally& t
 	}
 }
 
-void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
+/// @param one attacks in a world of its own @param least edges that have to be asked
+template <typename One>
+void attackWorlds( int worlds, int least, const One& one )
 {
 	SeededRng rng;
 	Tally tally;
 	for ( int i = 0; i < worlds && !testing::Test::HasFatalFailure(); ++i )
 	{
-		Balls world( rng, rng.integer( 2, most_joints ), rng.integer( 1, most_bodies ), rng.integer( 0, 2 ) == 0 );
-		attackSome( world, rng, 8, what, tally );
+		one( rng, tally );
 	}
-	std::printf( "%d edges of %d\n", tally.asked, 8 * worlds );
-	tally.expect( worlds );
+	tally.expect( least );
+}
+
+void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
+{
+	attackWorlds( worlds, worlds,
+		[=]( SeededRng& rng, Tally& tally )
+		{
+			Balls world( rng, rng.integer( 2, most_joints ), rng.integer( 1, most_bodies ), rng.integer( 0, 2 ) == 0 );
+			attackSome( world, rng, 8, what, tally );
+		} );
 }
 
 } // namespace
@@ -298,15 +308,13 @@ TEST( EdgeScreen, one_of_many_balls_comes_nearer_than_was_proved )
 // More than 24 nodes: pairs of nodes one by one.
 TEST( EdgeScreen, ball_of_a_long_chain_comes_nearer_than_was_proved )
 {
-	SeededRng rng;
-	Tally tally;
 	const int worlds = unlessSanitized( 12, 3 );
-	for ( int i = 0; i < worlds && !HasFatalFailure(); ++i )
-	{
-		Balls world( rng, 26, 1, true );
-		attackSome( world, rng, 20, LW_WHAT_SELF, tally );
-	}
-	tally.expect( worlds );
+	attackWorlds( worlds, worlds,
+		[]( SeededRng& rng, Tally& tally )
+		{
+			Balls world( rng, 26, 1, true );
+			attackSome( world, rng, 20, LW_WHAT_SELF, tally );
+		} );
 }
 
 TEST( EdgeScreen, ball_passes_a_box_nearer_than_was_proved )
@@ -317,15 +325,13 @@ TEST( EdgeScreen, ball_passes_a_box_nearer_than_was_proved )
 // Without the bulge of a body's way this is red: what gets faster gets further than its velocity in the middle says.
 TEST( EdgeScreen, ball_that_gets_faster_runs_into_a_wall )
 {
-	SeededRng rng;
-	Tally tally;
 	const int worlds = unlessSanitized( 1500, 300 );
-	for ( int i = 0; i < worlds && !HasFatalFailure(); ++i )
-	{
-		State a( static_cast<std::size_t>( rng.integer( 2, 4 ) ) ), b = a;
-		randomEdge( rng, a, b );
-		Balls world( rng, static_cast<int>( a.size() ), a, b );
-		attack( world, a, b, LW_WHAT_ENVIRONMENT, tally );
-	}
-	tally.expect( worlds / 2 );
+	attackWorlds( worlds, worlds / 2,
+		[]( SeededRng& rng, Tally& tally )
+		{
+			State a( static_cast<std::size_t>( rng.integer( 2, 4 ) ) ), b = a;
+			randomEdge( rng, a, b );
+			Balls world( rng, static_cast<int>( a.size() ), a, b );
+			attack( world, a, b, LW_WHAT_ENVIRONMENT, tally );
+		} );
 }
