@@ -22,6 +22,8 @@ enum
 
 /// Shrinks a surplus of clearance, 2^-40 relative: far above its dozen roundings, far below any slack.
 #define LWI_EDGE_INWARD ( 1.0 - 0x1p-40 )
+/// Enlarges what a clearance may lose, by no less.
+#define LWI_EDGE_OUTWARD ( 1.0 + 0x1p-39 )
 
 /// A body against the scene, or two bodies; how they move is bounded for the whole edge.
 typedef struct lwi_edge_item
@@ -88,6 +90,8 @@ typedef struct lwi_edge_swing
 	lwi_edge_window window;
 	lw_transform middle, left, right;
 	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet asked for
+	double second; ///< how much the turn from left to middle and that from middle to right differ at most, the same; < 0: likewise
+	double jerk;   ///< see lwi_motion_jerk(); known if `second` is
 } lwi_edge_swing;
 
 /// How a node moves in the world at the posed state, and how fast that may change.
@@ -133,7 +137,8 @@ typedef struct lwi_edge
 	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
 	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
 	lwi_edge_rake rake;
-	lwi_edge_swing swing;  ///< the last one that was asked for
+	lwi_edge_swing swings[2]; ///< the last ones that were asked for
+	int last_swing;
 	lwi_edge_item* items;  ///< [item_capacity]
 	lwi_edge_level levels[2];
 	uint32_t item_count, item_capacity, gap_capacity;
@@ -189,6 +194,9 @@ double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, 
 double lwi_edge_way( lwi_edge* edge, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
 	lwi_edge_window window );
 
+/// How far a body gets from the straight lines between its places at the middle and both ends of a window.
+lwi_motion_bow lwi_edge_bow( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window );
+
 /// How a node goes on from the middle of a window, seen from another one above it: all within the window by its twist, but
 /// for `bulge` at the most.
 typedef struct lwi_edge_drift
@@ -216,7 +224,7 @@ static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_pace* pace, const lw
 /// What a point of a node does on half a window besides going on by its velocity in the middle, at most.
 static inline double lwi_edge_bulge( const lwi_edge* edge, lwi_motion_rate rate, double half )
 {
-	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->twist_error ) * half / LWI_EDGE_INWARD : 0;
+	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->twist_error ) * half * LWI_EDGE_OUTWARD : 0;
 }
 
 /// The drift in a window at whose middle the query is posed.

@@ -65,7 +65,7 @@ static double loss_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window w
 		loss += lwi_edge_displacement( e, c->tree->body_node[item->body_b], item->ancestor, sphere_of( c, item->body_b ),
 			item->rate_b, window );
 	}
-	return loss / LWI_EDGE_INWARD;
+	return loss * LWI_EDGE_OUTWARD;
 }
 
 /// The least clearance, on top of min_d, that anything was proved with.

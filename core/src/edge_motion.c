@@ -60,7 +60,10 @@ static size_t lay_out( lwi_edge* e, char* memory )
 void lwi_edge_begin( lwi_edge* edge, void* scratch )
 {
 	lay_out( edge, scratch );
-	edge->swing.node = edge->swing.ancestor = LW_INVALID_INDEX;
+	for ( int i = 0; i < 2; ++i )
+	{
+		edge->swings[i].node = LW_INVALID_INDEX;
+	}
 	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
 	{
 		edge->frame_t[i] = NAN;
@@ -300,7 +303,7 @@ static inline lw_vec3 velocity( const lwi_twist* twist, lw_vec3 at )
 double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, double radius, double half )
 {
 	double turn = radius > 0 ? lwi_length( drift->twist.turn ) * radius : 0;
-	return half * ( lwi_length( velocity( &drift->twist, center ) ) + turn ) / LWI_EDGE_INWARD + drift->bulge;
+	return half * ( lwi_length( velocity( &drift->twist, center ) ) + turn ) * LWI_EDGE_OUTWARD + drift->bulge;
 }
 
 // ---- displacements ---------------------------------------------------------------------------------------------------
@@ -321,11 +324,21 @@ static double turn_between( const lw_transform* from, const lw_transform* to )
 	return sqrt( 0.5 * sum );
 }
 
-/// Bodies of one node are asked for one after the other: what they have in common is kept.
+static bool is_swing( const lwi_edge_swing* s, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+{
+	return s->node == node && s->ancestor == ancestor && s->window.t == window.t && s->window.half == window.half;
+}
+
+/// Bodies of one node are asked for one after the other, or two of a pair by turns: what they have in common is kept.
 static lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
 {
-	lwi_edge_swing* s = &e->swing;
-	if ( s->node != node || s->ancestor != ancestor || s->window.t != window.t || s->window.half != window.half )
+	if ( is_swing( &e->swings[e->last_swing], node, ancestor, window ) )
+	{
+		return &e->swings[e->last_swing];
+	}
+	e->last_swing = 1 - e->last_swing;
+	lwi_edge_swing* s = &e->swings[e->last_swing];
+	if ( !is_swing( s, node, ancestor, window ) )
 	{
 		s->node = node;
 		s->ancestor = ancestor;
@@ -333,7 +346,7 @@ static lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, 
 		s->middle = pose_below( e, window.t, node, ancestor );
 		s->left = pose_below( e, window.t - window.half, node, ancestor );
 		s->right = pose_below( e, window.t + window.half, node, ancestor );
-		s->turn = -1;
+		s->turn = s->second = -1;
 	}
 	return s;
 }
@@ -345,6 +358,43 @@ static double chord_of( const lwi_edge* e, const lwi_edge_swing* s, const double
 	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
 	double right = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->right, p ) ) );
 	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->checker->motion, e->motion );
+}
+
+/// How far the second step of what a sphere holds is from the first at most, on the way from left to middle to right.
+static double second_of( const lwi_edge* e, lwi_edge_swing* s, const lw_sphere* local )
+{
+	if ( s->second < 0 )
+	{
+		double sum = 0;
+		for ( int i = 0; i < 9; ++i )
+		{
+			const double d = s->left.r[i / 3][i % 3] - 2 * s->middle.r[i / 3][i % 3] + s->right.r[i / 3][i % 3];
+			sum += d * d;
+		}
+		s->second = sqrt( sum );
+		s->jerk = lwi_motion_jerk( e->checker->motion, e->motion, s->node, e->checker->tree->nodes[s->ancestor].top );
+	}
+	const lw_vec3 p = lwi_load( local->center ), middle = lwi_transform( &s->middle, p );
+	const lw_vec3 first = lwi_sub( lwi_transform( &s->left, p ), middle ), then = lwi_sub( lwi_transform( &s->right, p ), middle );
+	return lwi_length( lwi_add( first, then ) ) + local->radius * s->second + 16 * lwi_motion_rounding( e->checker->motion, e->motion );
+}
+
+static lwi_motion_bow bow_of( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	if ( lwi_edge_drifts( rate, window ) )
+	{
+		return lwi_motion_bow_of( rate, window.half ); // so little that it does not pay to pose both ends
+	}
+	lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+	const double second = second_of( e, s, local );
+	return lwi_motion_bow_through( rate, s->jerk, window.half, second );
+}
+
+lwi_motion_bow lwi_edge_bow( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+{
+	const lwi_checker_tree* tree = e->checker->tree;
+	return bow_of( e, tree->body_node[body], ancestor, &tree->body_spheres[tree->body_place[body]], rate, window );
 }
 
 /// How far a sphere gets, where drifts are worth having; else INFINITY.
@@ -381,7 +431,7 @@ double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, con
 		s->turn = lwi_larger( turn_between( &s->middle, &s->left ), turn_between( &s->middle, &s->right ) );
 	}
 	double chord = chord_of( e, s, local->center ) + local->radius * s->turn;
-	return lwi_motion_between( chord, rate, window.half );
+	return lwi_motion_between( chord, bow_of( e, node, ancestor, local, rate, window ), window.half * rate.path );
 }
 
 double lwi_edge_way( lwi_edge* e, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
@@ -397,7 +447,8 @@ double lwi_edge_way( lwi_edge* e, uint32_t node, uint32_t ancestor, const double
 	{
 		return by_drift;
 	}
-	return lwi_motion_between( chord_of( e, swing_of( e, node, ancestor, window ), local ), rate, window.half );
+	const double chord = chord_of( e, swing_of( e, node, ancestor, window ), local );
+	return lwi_motion_between( chord, bow_of( e, node, ancestor, &point, rate, window ), window.half * rate.path );
 }
 
 void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,

@@ -134,7 +134,7 @@ static double length_of_way( screening* s, const lwi_edge_pace* pace, lw_vec3 at
 {
 	const lwi_motion_rate rate = lwi_edge_rate( pace, lwi_edge_pace_of( s->edge, 0 ) );
 	double path = s->window.half * rate.path, length = lwi_length( way_of( s, pace, at ) ) + lwi_edge_bulge( s->edge, rate, s->window.half );
-	return ( length < path ? length : path ) / LWI_EDGE_INWARD; // no number without a twist
+	return ( length < path ? length : path ) * LWI_EDGE_OUTWARD; // no number without a twist
 }
 
 /// How much the clearance of two nodes may lose by the lengths of their paths.
@@ -163,7 +163,7 @@ static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
 	double around_b = lwi_length( turn_b ) * nodes[pair->node_b].r.radius;
 	double turns = whole ? around_a + around_b : 0;
 	double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
-	double length = ( half * ( lwi_distance( speed_a, speed_b ) + turns ) + bulge ) / LWI_EDGE_INWARD;
+	double length = ( half * ( lwi_distance( speed_a, speed_b ) + turns ) + bulge ) * LWI_EDGE_OUTWARD;
 	return length < path ? length : path;
 }
 
@@ -267,11 +267,11 @@ static uint32_t near_bodies( screening* s, const lwi_node_pair* pair )
 		return 1;
 	}
 	double way = pair_way( s, pair, true );
-	uint32_t count = lwi_checker_near_pairs( c, e->query, index, e->enough[1] + way / LWI_EDGE_INWARD );
+	uint32_t count = lwi_checker_near_pairs( c, e->query, index, e->enough[1] + way * LWI_EDGE_OUTWARD );
 	if ( count > 2 ) // a few items look for themselves
 	{
 		double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
-		double limit = e->enough[1] + loss / LWI_EDGE_INWARD;
+		double limit = e->enough[1] + loss * LWI_EDGE_OUTWARD;
 		count = loss < 0.9 * way ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
 	}
 	return count;
@@ -303,8 +303,9 @@ static bool units_meet( const screening* s, const moving_unit* a, const moving_u
 	const lwi_edge_pace* above = &e->paces[ancestor];
 	const lwi_motion_rate rate_a = lwi_edge_rate( a->pace, above ), rate_b = lwi_edge_rate( b->pace, above );
 	const lw_vec3 d = lwi_sub( a->center, b->center ), way = lwi_sub( a->way, b->way );
-	const double path = s->window.half * ( rate_a.path + rate_b.path ) / LWI_EDGE_INWARD, length = lwi_length( d );
-	const double closer = fabs( lwi_dot( d, way ) ) / ( length * LWI_EDGE_INWARD ) + lwi_edge_bulge( s->edge, rate_a, s->window.half ) + lwi_edge_bulge( s->edge, rate_b, s->window.half );
+	const double half = s->window.half, length = lwi_length( d ), path = half * ( rate_a.path + rate_b.path ) * LWI_EDGE_OUTWARD;
+	const double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
+	const double closer = fabs( lwi_dot( d, way ) ) * LWI_EDGE_OUTWARD / length + bulge;
 	// the direction is off by what both centres are, and so is how the ancestor's turn counts along it
 	const double reach = a->radius + b->radius + e->enough[1] + margin + 4 * e->rounding[1];
 	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
@@ -349,8 +350,8 @@ static bool screen_nodes( screening* s, const lwi_node_pair* pair )
 		return true;
 	}
 	lwi_edge_note_proof( e );
-	if ( !spheres_meet( s, pair, e->enough[1] + pair_path( s, pair ) / LWI_EDGE_INWARD ) || // mostly that is all
-		 !spheres_meet( s, pair, e->enough[1] + pair_way( s, pair, false ) / LWI_EDGE_INWARD ) )
+	if ( !spheres_meet( s, pair, e->enough[1] + pair_path( s, pair ) * LWI_EDGE_OUTWARD ) || // mostly that is all
+		 !spheres_meet( s, pair, e->enough[1] + pair_way( s, pair, false ) * LWI_EDGE_OUTWARD ) )
 	{
 		return true;
 	}

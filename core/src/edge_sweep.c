@@ -54,17 +54,17 @@ typedef struct sweeping
 	double way;       ///< metres: no point gets farther from where it is at the middle; INFINITY if planes pay in any case
 } sweeping;
 
-/// How far points get from the lines between their places: h^2 / 8 of the acceleration on a part h long, and no more than half
-/// of the path there.
-static double bulge_of( lwi_motion_rate rate, lwi_edge_window window )
+/// How far both bodies of an item get from straight lines between their places, together.
+static lwi_motion_bow bow_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
 {
-	return lwi_smaller( 0.125 * window.half * rate.change, 0.5 * rate.path ) * window.half / LWI_EDGE_INWARD;
-}
-
-/// How far both bodies of an item get from straight lines between their places: s ( 1 - s ) of this at the share s.
-static double bend_of( const lwi_edge_item* item, lwi_edge_window window )
-{
-	return 0.5 * window.half * window.half * ( item->rate_a.change + item->rate_b.change ) / LWI_EDGE_INWARD;
+	lwi_motion_bow bow = lwi_edge_bow( e, item->body_a, item->ancestor, item->rate_a, window );
+	if ( lwi_edge_item_is_pair( item ) )
+	{
+		const lwi_motion_bow other = lwi_edge_bow( e, item->body_b, item->ancestor, item->rate_b, window );
+		bow.bend += other.bend;
+		bow.bulge += other.bulge;
+	}
+	return bow;
 }
 
 /// From a's middle to the nearest point of the box around b, in b's tree frame.
@@ -189,7 +189,7 @@ static bool stays_away( const sweeping* s, double need, float direction[3] )
 {
 	lwi_edge* e = s->edge;
 	const lwi_edge_item* item = s->item;
-	const double bend = bend_of( item, s->window );
+	const double bend = bow_of( e, item, s->window ).bend;
 	if ( !( bend <= MAX_BEND ) )
 	{
 		return false;
@@ -211,7 +211,7 @@ static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 {
 	const lwi_checker_tree* tree = e->checker->tree;
 	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
-	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) / LWI_EDGE_INWARD;
+	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) * LWI_EDGE_OUTWARD;
 }
 
 /// Does what is near stay apart along the direction of another time?
@@ -219,7 +219,7 @@ static bool near_holds( const sweeping* s, const lwi_edge_plane* p, double need 
 {
 	lwi_edge* e = s->edge;
 	const lwi_edge_item* item = s->item;
-	const double bend = bend_of( item, s->window );
+	const double bend = bow_of( e, item, s->window ).bend;
 	if ( !p->near_known || item->body_b != LW_INVALID_INDEX || !( bend <= MAX_BEND ) )
 	{
 		return false;
@@ -399,9 +399,7 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 	sweeping s = { .edge = e, .item = item, .window = window, .last_try = last_try, .way = INFINITY };
 	s.enough = e->enough[pair];
 	s.drifts = drifts ? drift : NULL;
-	s.bulge = is_short ? NAN
-			  : drifts ? drift[0].bulge + drift[1].bulge
-					   : bulge_of( item->rate_a, window ) + bulge_of( item->rate_b, window );
+	s.bulge = is_short ? NAN : drifts ? drift[0].bulge + drift[1].bulge : bow_of( e, item, window ).bulge;
 	lwi_edge_sweep sweep = pair ? sweep_pair( s ) : sweep_scene( s );
 	if ( sweep == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
 	{
@@ -493,7 +491,7 @@ bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_windo
 {
 	const bool pair = item->body_b != LW_INVALID_INDEX;
 	nearing s = { .edge = e, .enough = e->enough[pair], .n = lwi_sub( measured->point_b, measured->point_a ) };
-	s.bend = bend_of( item, window );
+	s.bend = bow_of( e, item, window ).bend;
 	// along no direction they are farther from each other than they were measured to be
 	if ( !e->query->def.planes || !( s.bend <= MAX_BEND ) || !( measured->upper > s.enough && measured->upper < INFINITY ) )
 	{

@@ -612,6 +612,25 @@ lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratc
 	return count == 0 ? (lwi_motion_rate){ 0, 0 } : s.rates[last];
 }
 
+/// A rotation at the rate w turns what comes from below, whose derivatives are v, a and j, into something with the third
+/// derivative w x (w x (w x x)) + 3 w x (w x v) + 3 w x a + j; |w x x| and |v| together are the path so far.
+double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
+{
+	motion_scratch s = scratch_parts( table, scratch );
+	const motion_body* b = &table->bodies[body];
+	const uint32_t count = joints_below( table, body, ancestor );
+	lwi_motion_rate below = { 0 };
+	double jerk = 0;
+	for ( uint32_t k = 0; k < count; ++k )
+	{
+		const double turn = s.motions[table->entries[b->first_entry + k].mover].turn;
+		const lwi_motion_rate now = s.rates[b->first_entry + k];
+		jerk += turn * ( turn * ( now.path + 2 * below.path ) + 3 * below.change );
+		below = now;
+	}
+	return jerk * OUTWARD;
+}
+
 lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
 	lw_vec3 center, double radius, double share )
 {
@@ -725,13 +744,28 @@ bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const 
 	return true;
 }
 
-/// Between s = 0 and 1 a point is within s (1 - s) a of where the straight line from end to end has it, a = h^2 change / 2
-/// (linear interpolation): at most max over s of s chord + s (1 - s) a away from its place at 0. Nor is it further than the path.
-double lwi_motion_between( double chord, lwi_motion_rate rate, double h )
+/// Linear interpolation; and no point gets further from the line than half of its path.
+lwi_motion_bow lwi_motion_bow_of( lwi_motion_rate rate, double h )
 {
-	double a = 0.5 * h * h * rate.change;
-	double bound = chord >= a ? chord : ( a + chord ) * ( a + chord ) / ( 4 * a );
-	return lwi_smaller( bound, h * rate.path ) * OUTWARD;
+	const double most = lwi_smaller( 0.125 * h * rate.change, 0.5 * rate.path ) * h;
+	return (lwi_motion_bow){ 0.5 * h * h * rate.change * OUTWARD, most * OUTWARD };
+}
+
+/// The parabola through three places is s (1 - s) second / 2 off the lines between them; the point is within h^3 jerk / 6 times
+/// |u (u^2 - 1)| of it, u from -1 to 1 (interpolation of second order), which is at most 2 s (1 - s), and at most 2 / sqrt( 27 ).
+lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double h, double second )
+{
+	const lwi_motion_bow whole = lwi_motion_bow_of( rate, h );
+	const double beyond = h * h * h * jerk;
+	return (lwi_motion_bow){ lwi_smaller( whole.bend, ( 0.5 * second + beyond / 3 ) * OUTWARD ),
+		lwi_smaller( whole.bulge, ( 0.125 * second + 0.06416 * beyond ) * OUTWARD ) };
+}
+
+/// Between s = 0 and 1 a point is at most max over s of s chord + s (1 - s) bend away from its place at 0.
+double lwi_motion_between( double chord, lwi_motion_bow bow, double path )
+{
+	const double a = bow.bend, bound = chord >= a ? chord : ( a + chord ) * ( a + chord ) / ( 4 * a );
+	return lwi_smaller( bound, path ) * OUTWARD;
 }
 
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )

@@ -77,10 +77,25 @@ lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratc
 /// All of these for one body: entry i is what the first i + 1 moving joints above it do.
 const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body );
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< its path
+/// How fast the acceleration of its points changes at most, metres per cubed unit of t.
+double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+
+/// How far points get from the straight line between their places at both ends of a part of the edge.
+typedef struct lwi_motion_bow
+{
+	double bend;  ///< metres: s ( 1 - s ) of this at the share s of the part
+	double bulge; ///< metres, at the most
+} lwi_motion_bow;
+
+/// @param h the part's length in t
+lwi_motion_bow lwi_motion_bow_of( lwi_motion_rate rate, double h );
+/// The same for both of two parts, one after the other and each h long.
+/// @param jerk see lwi_motion_jerk() @param second |a - 2 b + c| for places a, b, c of the points at the ends of both, or more
+lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double h, double second );
 
 /// Upper bound of the distance of a point from where it is at one end of a part of the edge, anywhere on the part.
-/// @param chord of its places at both ends, or more @param h the part's length in t
-double lwi_motion_between( double chord, lwi_motion_rate rate, double h );
+/// @param chord of its places at both ends, or more @param path along the part
+double lwi_motion_between( double chord, lwi_motion_bow bow, double path );
 
 /// lwi_motion_of() for a part of a begun body's geometry: what lies in a sphere, given in the world at the state of the
 /// joints' places. The smaller the sphere, the tighter the bounds.

@@ -486,11 +486,12 @@ TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
 	}
 }
 
-// A ball on an arm swings past a box that a plane keeps apart from it at the start, in the middle and at the end; between two of
-// them the arc bulges into the box.
+// A ball on an arm, or the end of a bar that turns about its middle, swings past a box that a plane keeps apart from it at the start,
+// in the middle and at the end; between two of them the arc bulges into the box.
 TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
 {
-	for ( double side : { -1.0, 1.0 } )
+	const auto cases = { std::pair( 1.0, false ), std::pair( -1.0, false ), std::pair( 1.0, true ), std::pair( -1.0, true ) };
+	for ( const auto& [side, bar] : cases )
 	{
 		for ( double deep : { 0.02, 0.002, -0.002 } )
 		{
@@ -502,7 +503,14 @@ TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
 			joint.axis[2] = 1;
 			joint.lower = -2;
 			joint.upper = 2;
-			world.model.body( 1, primitive( LW_SHAPE_SPHERE, 0.05, 0, 0 ), at( 1, 0, 0 ) );
+			if ( bar )
+			{
+				world.model.body( 1, primitive( LW_SHAPE_BOX, 2.1, 0.002, 0.002 ), at( 0, 0, 0 ) );
+			}
+			else
+			{
+				world.model.body( 1, primitive( LW_SHAPE_SPHERE, 0.05, 0, 0 ), at( 1, 0, 0 ) );
+			}
 			const double angle = side * 0.25, away = 1 + 0.05 - deep + 0.5;
 			lw_transform pose = at( away * std::cos( angle ), away * std::sin( angle ), 0 );
 			pose.r[0][0] = pose.r[1][1] = std::cos( angle );
@@ -511,6 +519,40 @@ TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
 			world.object( primitive( LW_SHAPE_BOX, 1, 1, 1 ), pose );
 			world.open();
 			lw_edge_result r = world.edge( { -0.5 }, { 0.5 }, lw_edge_def_default() );
+			EXPECT_EQ( r.verdict, deep > 0 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << deep;
+		}
+	}
+}
+
+// Two arms, the second of which turns back twice as fast, take a ball along a line, and a slide takes it back: at the start, in
+// the middle and at the end it is at one place, and what it does in between is all jerk.
+TEST( Edge, WayThatIsCurvedToBothSidesIsNoParabola )
+{
+	const double arm = 0.5, radius = 0.05, half = 0.35, slide = 2 * arm * std::sin( half );
+	const double when = std::acos( std::sin( half ) / half ), furthest = 2 * arm * std::sin( when ) - slide * when / half;
+	for ( double side : { -1.0, 1.0 } )
+	{
+		for ( double deep : { 0.002, 0.001, -0.001 } )
+		{
+			World world;
+			world.model.link( "base" );
+			const lw_joint_type types[3] = { LW_JOINT_PRISMATIC, LW_JOINT_REVOLUTE, LW_JOINT_REVOLUTE };
+			for ( std::uint32_t k = 0; k < 3; ++k )
+			{
+				lw_joint_def& joint = world.model.joint( "joint_" + std::to_string( k ), types[k], k );
+				joint.axis[0] = 0;
+				joint.axis[1] = k == 0 ? 1 : 0;
+				joint.axis[2] = k == 0 ? 0 : 1;
+				joint.lower = -2;
+				joint.upper = 2;
+			}
+			world.model.joints.back().parent_from_joint.t[0] = arm;
+			world.model.body( 3, primitive( LW_SHAPE_SPHERE, radius, 0, 0 ), at( -arm, 0, 0 ) );
+			world.object( primitive( LW_SHAPE_BOX, 1, 1, 1 ), at( 0, side * ( furthest + radius - deep + 0.5 ), 0 ) );
+			world.open();
+			lw_edge_def def = lw_edge_def_default();
+			def.slack = 1e-4;
+			lw_edge_result r = world.edge( { slide, -half, 2 * half }, { -slide, half, -2 * half }, def );
 			EXPECT_EQ( r.verdict, deep > 0 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << deep;
 		}
 	}
