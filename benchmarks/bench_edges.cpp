@@ -6,7 +6,8 @@
 // The discrete contenders do what ompl::base::DiscreteMotionValidator does (the end first, then halving, breadth first), in
 // joint vectors without OMPL around them. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for
 // the edges that are free, and for the others. Edges are random ones near obstacles and anywhere, and those that RRT-Connect
-// asks about when it solves the scenes' own problems: of these most are blocked.
+// asks about when it solves the scenes' own problems: of these most are blocked. Those of a scene follow each other, and each query
+// has met others there before, as those of a planner have.
 #include "bench_program.hpp"
 #include "edge_judges.hpp"
 #include "edge_worlds.hpp"
@@ -24,8 +25,8 @@ namespace
 struct Settings
 {
 	std::string data = LEEWAY_DATA_DIR, json, only;
-	std::size_t edges = 300;
-	int repetitions = 3;
+	std::size_t edges = 300, met = 300;
+	int repetitions = 1;
 	std::uint64_t seed = 20260101;
 	double budget = 2, resolution = 0.01;
 };
@@ -120,6 +121,16 @@ private:
 			{ "certified, tables", [edge]( const double* number ) { return certify( edge( number ), true ); } } };
 	}
 
+	/// What queries remember is asked for, as long as it is not measured.
+	void meet( const Edge& edge ) const
+	{
+		for ( const bool tables : { false, true } )
+		{
+			certify( edge, tables );
+			byStates( edge, tables, m_settings.resolution );
+		}
+	}
+
 	/// A few hundred exact states of an edge that was proved free.
 	static bool refuted( const Edge& edge )
 	{
@@ -137,10 +148,18 @@ private:
 	void drawRandom( bool near, double length, std::mt19937_64& random )
 	{
 		m_edges.clear();
-		for ( std::size_t i = 0; i < m_settings.edges; ++i )
+		for ( std::size_t i = 0; i < m_judges.size(); ++i )
 		{
-			EdgeJudges* judges = m_judges[random() % m_judges.size()].get();
-			m_edges.push_back( { judges, judges->world().randomMotion( near, length, random, judges->spare() ) } );
+			EdgeJudges* judges = m_judges[i].get();
+			const auto draw = [&] { return Edge{ judges, judges->world().randomMotion( near, length, random, judges->spare() ) }; };
+			for ( std::size_t k = 0; k < m_settings.met; ++k )
+			{
+				meet( draw() );
+			}
+			for ( const std::size_t end = ( i + 1 ) * m_settings.edges / m_judges.size(); m_edges.size() < end; )
+			{
+				m_edges.push_back( draw() );
+			}
 		}
 	}
 
@@ -153,6 +172,13 @@ private:
 			if ( !m_entries[i]->goal.empty() )
 			{
 				const std::size_t most = ( m_settings.edges + m_judges.size() - 1 ) / m_judges.size();
+				if ( m_settings.met > 0 )
+				{
+					for ( Motion& motion : motionsOfPlanner( *m_entries[i], PLANNING_SECONDS, m_settings.met, m_settings.seed + 1 ) )
+					{
+						meet( { m_judges[i].get(), std::move( motion ) } );
+					}
+				}
 				for ( Motion& motion : motionsOfPlanner( *m_entries[i], PLANNING_SECONDS, most, m_settings.seed ) )
 				{
 					m_edges.push_back( { m_judges[i].get(), std::move( motion ) } );
@@ -261,7 +287,8 @@ int run( const Settings& settings )
 		refuted, contradicted );
 	writeResult( settings.json,
 		{ { "provenance", provenance() }, { "seed", settings.seed }, { "edges", settings.edges },
-			{ "repetitions", settings.repetitions }, { "resolution", settings.resolution }, { "rows", rows } } );
+			{ "met", settings.met }, { "repetitions", settings.repetitions }, { "resolution", settings.resolution },
+			{ "rows", rows } } );
 	return refuted + contradicted > 0 ? 1 : 0;
 }
 
@@ -274,7 +301,8 @@ int main( int argc, char** argv )
 	program.option( "--data", settings.data, "folder of robots and scenes" );
 	program.option( "--only", settings.only, "only robots and groups with this in their name, such as 'armar3' or 'fetch'" );
 	program.option( "--edges", settings.edges, "per robot, set and length", { 1 } );
-	program.option( "--repetitions", settings.repetitions, "passes over the edges", { 1 } );
+	program.option( "--met", settings.met, "other edges that each query is asked about first, per scene, set and length" );
+	program.option( "--repetitions", settings.repetitions, "passes over the edges; with more than one most are no longer new", { 1 } );
 	program.option(
 		"--resolution", settings.resolution, "of the discrete contenders, a fraction of the extent", POSITIVE );
 	program.option( "--budget", settings.budget, "seconds for pair proofs" );
