@@ -303,8 +303,7 @@ static inline bool lwi_edge_item_is_pair( const lwi_edge_item* item )
 void lwi_edge_note_proof( lwi_edge* edge );
 
 /// Fills in what an item needs besides its bodies, their ancestor and its cells.
-/// @param share as for lwi_motion_of_sphere(), of the state that the query is posed at
-void lwi_edge_prepare_item( lwi_edge* edge, lwi_edge_item* item, lwi_edge_window window, double share );
+void lwi_edge_prepare_item( lwi_edge* edge, lwi_edge_item* item );
 
 // --- edge_screen.c ---------------------------------------------------------------------------------------------------
 

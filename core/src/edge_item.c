@@ -24,33 +24,18 @@ static const lw_sphere* sphere_of( const lw_checker* c, uint32_t body )
 	return &c->tree->body_spheres[c->tree->body_place[body]];
 }
 
-/// Motion of a body's own sphere; tighter than that of its node.
-/// @param share as for lwi_motion_of_sphere(), of the state that the query is posed at
-static lwi_motion_rate rate_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_edge_window window, double share )
+/// Motion of a body, by what bounds that of its node: where it matters, what the body does is measured besides.
+static lwi_motion_rate rate_of( const lwi_edge* e, uint32_t body, uint32_t ancestor )
 {
 	const lw_checker* c = e->checker;
-	uint32_t node = c->tree->body_node[body], top = c->tree->nodes[node].top;
-	if ( node == ancestor )
-	{
-		return (lwi_motion_rate){ 0, 0 };
-	}
-	lwi_motion_rate whole = lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top );
-	if ( c->tree->nodes[node].body_count == 1 || lwi_edge_drifts( whole, window ) )
-	{
-		return whole; // its sphere is the node's, or the little that it is used for does not need more
-	}
-	lwi_pose_node( c, e->query, node );
-	const lw_sphere* sphere = sphere_of( c, body );
-	lw_vec3 center = lwi_transform( &e->query->world_from_link[top], lwi_load( sphere->center ) );
-	return lwi_motion_of_sphere( c->motion, e->motion, node, c->tree->nodes[ancestor].top, center, sphere->radius,
-		share );
+	return lwi_motion_of( c->motion, e->motion, c->tree->body_node[body], c->tree->nodes[ancestor].top );
 }
 
-void lwi_edge_prepare_item( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, double share )
+void lwi_edge_prepare_item( lwi_edge* e, lwi_edge_item* item )
 {
 	const bool pair = lwi_edge_item_is_pair( item );
-	item->rate_a = rate_of( e, item->body_a, item->ancestor, window, share );
-	item->rate_b = pair ? rate_of( e, item->body_b, item->ancestor, window, share ) : (lwi_motion_rate){ 0, 0 };
+	item->rate_a = rate_of( e, item->body_a, item->ancestor );
+	item->rate_b = pair ? rate_of( e, item->body_b, item->ancestor ) : (lwi_motion_rate){ 0, 0 };
 	item->warm = ( item_id( e->checker, item ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
 }
 

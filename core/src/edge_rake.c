@@ -56,7 +56,7 @@ static float above( float sum )
 /// @param item with its bodies, ancestor and cells. The query is posed at the edge's middle
 static void add_item( lwi_edge* e, lwi_edge_item item )
 {
-	lwi_edge_prepare_item( e, &item, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH }, 0.5 );
+	lwi_edge_prepare_item( e, &item );
 	e->items[e->item_count++] = item;
 }
 

@@ -23,7 +23,6 @@ typedef struct screening
 {
 	lwi_edge* edge;
 	lwi_edge_window window;
-	double share; ///< of the edge, on the longer side of the window's middle
 	lwi_edge_level* level;
 	uint32_t work; ///< that is left: cells on which items have to be measured
 	bool may_look;
@@ -97,7 +96,7 @@ static bool look( screening* s )
 static bool screen_item( screening* s, lwi_edge_item item )
 {
 	lwi_edge* e = s->edge;
-	lwi_edge_prepare_item( e, &item, s->window, s->share );
+	lwi_edge_prepare_item( e, &item );
 	lwi_edge_sample sample = lwi_edge_measure( e, &item, s->window, true );
 	if ( !sample.proved && sample.low )
 	{
@@ -475,7 +474,6 @@ bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level
 {
 	screening s = { .edge = e,
 		.window = window,
-		.share = lwi_larger( window.t, 1 - window.t ),
 		.level = level,
 		.may_look = may_look };
 	level->count = e->item_count = 0;

@@ -524,8 +524,8 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	return m;
 }
 
-/// Bounds along the whole edge of what moves with a body, by its first `count` joints upwards: path length, and acceleration
-/// per squared unit of t. Both are sums over the joints so far; `keep` has all of them kept.
+/// Bounds along the whole edge of what moves with a body, by its first 1, 2, .. joints upwards: path length, and acceleration
+/// per squared unit of t. Both are sums over the joints so far, all of which are kept. @return those by all joints
 ///
 /// In the child frame of joint j, where its axis stands still, a point moves only by the joints between j and the body: from
 /// where it is in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
@@ -533,12 +533,13 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 /// get from where the rings assume them. A rotation turns the velocities below it
 /// (Coriolis, twice) and its own; shifts are at constant speed.
 /// @param rough by rings alone: then no pose is looked at, nor what follows
-static inline lwi_motion_rate rates( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, uint32_t count,
-	bool keep, bool rough, lw_vec3 center, double radius, double share )
+static inline lwi_motion_rate measure( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, bool rough,
+	lw_vec3 center, double radius, double share )
 {
 	const motion_body* b = &table->bodies[body];
 	double path = 0, change = 0, excess = s->whole->pose_rounding;
-	for ( uint32_t k = 0; k < count; ++k )
+	lwi_motion_rate all = { 0, 0 };
+	for ( uint32_t k = 0; k < b->entry_count; ++k )
 	{
 		const motion_entry* entry = &table->entries[b->first_entry + k];
 		const joint_motion* m = &s->motions[entry->mover];
@@ -557,12 +558,10 @@ static inline lwi_motion_rate rates( const lwi_motion_table* table, const motion
 		}
 		path += m->shift;
 		excess += m->excess;
-		if ( keep )
-		{
-			s->rates[b->first_entry + k] = (lwi_motion_rate){ path * OUTWARD, change * OUTWARD };
-		}
+		all = (lwi_motion_rate){ path * OUTWARD, change * OUTWARD };
+		s->rates[b->first_entry + k] = all;
 	}
-	return (lwi_motion_rate){ path * OUTWARD, change * OUTWARD };
+	return all;
 }
 
 /// Joints that move a body below an ancestor.
@@ -590,7 +589,7 @@ void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint
 	motion_scratch s = scratch_parts( table, scratch );
 	const motion_body* b = &table->bodies[body];
 	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
-	rates( table, &s, body, b->entry_count, true, false, center, b->radius + s.whole->pose_rounding, share );
+	measure( table, &s, body, false, center, b->radius + s.whole->pose_rounding, share );
 }
 
 double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch )
@@ -599,8 +598,7 @@ double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch )
 	double most = 0;
 	for ( uint32_t i = 0; i < table->body_count; ++i )
 	{
-		lwi_motion_rate rate = rates( table, &s, i, table->bodies[i].entry_count, true, true, lwi_v3( 0, 0, 0 ), 0, 0 );
-		most = lwi_larger( most, rate.change );
+		most = lwi_larger( most, measure( table, &s, i, true, lwi_v3( 0, 0, 0 ), 0, 0 ).change );
 	}
 	return most;
 }
@@ -629,14 +627,6 @@ double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint
 		below = now;
 	}
 	return jerk * OUTWARD;
-}
-
-lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
-	lw_vec3 center, double radius, double share )
-{
-	motion_scratch s = scratch_parts( table, scratch );
-	uint32_t count = joints_below( table, body, ancestor );
-	return rates( table, &s, body, count, false, false, center, radius + s.whole->pose_rounding, share );
 }
 
 lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose )

@@ -97,11 +97,6 @@ lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double
 /// @param chord of its places at both ends, or more @param path along the part
 double lwi_motion_between( double chord, lwi_motion_bow bow, double path );
 
-/// lwi_motion_of() for a part of a begun body's geometry: what lies in a sphere, given in the world at the state of the
-/// joints' places. The smaller the sphere, the tighter the bounds.
-lwi_motion_rate lwi_motion_of_sphere( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor,
-	lw_vec3 center, double radius, double share );
-
 /// How things move at one moment: a point x has the velocity shift + turn x x, per unit of t.
 typedef struct lwi_twist
 {
