@@ -23,41 +23,45 @@ static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body
 	query->body_center[3 * (size_t)body + 2] = center.z;
 }
 
-/// Sines and cosines of all joints above nodes at once, whatever is asked for first: one alone takes as long as four.
-static void turn_joints( const lw_checker* checker, lw_query* query )
+void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines )
 {
 	const lwi_checker_tree* tree = checker->tree;
 	for ( uint32_t i = 0; i < tree->node_count; ++i )
 	{
 		const lwi_node_turn* turn = &tree->turns[i];
-		query->angles[i] = turn->multiplier * query->state[turn->variable] + turn->offset;
+		query->angles[i] = turn->multiplier * state[turn->variable] + turn->offset;
 	}
-	uint32_t padded = ( tree->node_count + 3 ) & ~3u; // what follows the last one are angles of another time, or 0
-	query->kernels->turns( query->angles, padded, query->cosines, query->sines );
-	query->turn_stamp = query->state_stamp;
+	// what follows the last one are angles of another time, or 0
+	query->kernels->turns( query->angles, lwi_padded_nodes( tree ), cosines, sines );
+}
+
+void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transform* above, const double* state, const double* cosines,
+	const double* sines, lw_transform* out )
+{
+	const lwi_checker_node* node = &checker->tree->nodes[index];
+	const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[node->top]];
+	if ( checker->tree->turns[index].turns )
+	{
+		const lwi_turn by = { cosines[index], sines[index] };
+		lwi_joint_pose_turned( joint, above, &node->hook, node->hook_translates, by, out );
+	}
+	else
+	{
+		lwi_joint_pose( joint, above, &node->hook, node->hook_translates, state, out );
+	}
 }
 
 void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	const lwi_checker_node* node = &tree->nodes[index];
-	const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[node->top]];
-	const lw_transform* above = &query->world_from_link[node->parent_top];
-	lw_transform* pose = &query->world_from_link[node->top];
-	if ( tree->turns[index].turns )
+	const lwi_checker_node* node = &checker->tree->nodes[index];
+	if ( query->turn_stamp != query->state_stamp )
 	{
-		if ( query->turn_stamp != query->state_stamp )
-		{
-			turn_joints( checker, query );
-		}
-		const lwi_turn by = { query->cosines[index], query->sines[index] };
-		lwi_joint_pose_turned( joint, above, &node->hook, node->hook_translates, by, pose );
+		lwi_turn_joints( checker, query, query->state, query->cosines, query->sines );
+		query->turn_stamp = query->state_stamp;
 	}
-	else
-	{
-		// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
-		lwi_joint_pose( joint, above, &node->hook, node->hook_translates, query->state, pose );
-	}
+	// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
+	lwi_pose_under( checker, index, &query->world_from_link[node->parent_top], query->state, query->cosines, query->sines,
+		&query->world_from_link[node->top] );
 	query->stats.links_posed++;
 	query->node_stamp[index] = query->state_stamp;
 }

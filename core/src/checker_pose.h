@@ -13,6 +13,14 @@
 /// of joints' worth of roundoffs (each turns a few of 2^-53), and still only 0.6 nm for a robot that reaches 10 m.
 #define LWI_POSE_ROUNDING 0x1p-36
 
+/// Cosines and sines of all joints above nodes at once, whatever is asked for first: one alone takes as long as four.
+/// @param state [robot variable_count] @param cosines, sines [lwi_padded_nodes()]
+void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines );
+
+/// Where a state has a node other than 0 whose parent is at `above`. @param cosines, sines of that state
+void lwi_pose_under( const lw_checker* checker, uint32_t node, const lw_transform* above, const double* state, const double* cosines,
+	const double* sines, lw_transform* out );
+
 /// A node other than 0 whose parent is posed.
 void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t node );
 void lwi_pose_node_now( const lw_checker* checker, lw_query* query, uint32_t node );

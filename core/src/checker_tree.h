@@ -92,6 +92,12 @@ typedef struct lwi_checker_tree
 	lwi_self_units* units;   ///< NULL: too many
 } lwi_checker_tree;
 
+/// Nodes and what fills a vector of doubles up.
+static inline uint32_t lwi_padded_nodes( const lwi_checker_tree* tree )
+{
+	return ( tree->node_count + 3 ) & ~3u;
+}
+
 /// The view of two nodes of one body each; LW_INVALID_INDEX if there is none, or more bodies.
 static inline uint32_t lwi_node_pair_view( const lwi_checker_tree* tree, const lwi_node_pair* pair )
 {

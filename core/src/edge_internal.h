@@ -133,6 +133,7 @@ typedef struct lwi_edge
 	lwi_edge_plane* planes;    ///< [LWI_EDGE_WARM]: of this edge and the ones before
 	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose node poses are kept; NaN: unused
 	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
+	double* frame_turns;       ///< [LWI_EDGE_FRAMES][2][nodes, padded] cosines and sines of the joints above nodes
 	lwi_edge_pace* paces;      ///< [nodes]
 	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
 	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top

@@ -40,6 +40,7 @@ static size_t lay_out( lwi_edge* e, char* memory )
 	e->group_t = take( memory, &used, c->variable_count, sizeof( double ) );
 	e->frame_t = take( memory, &used, LWI_EDGE_FRAMES, sizeof( double ) );
 	e->frame_states = take( memory, &used, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
+	e->frame_turns = take( memory, &used, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_nodes( c->tree ), sizeof( double ) );
 	e->frame_known = take( memory, &used, LWI_EDGE_FRAMES * nodes, sizeof( bool ) );
 	e->frame_poses = take( memory, &used, LWI_EDGE_FRAMES * nodes, sizeof( lw_transform ) );
 	const size_t lanes = nodes * LWI_WIDTH;
@@ -198,6 +199,8 @@ static size_t frame_at( lwi_edge* e, double t )
 		{
 			interpolate( e, t, state );
 		}
+		double* cosines = e->frame_turns + 2 * frame * lwi_padded_nodes( e->checker->tree );
+		lwi_turn_joints( e->checker, e->query, state, cosines, cosines + lwi_padded_nodes( e->checker->tree ) );
 	}
 	return frame;
 }
@@ -215,6 +218,8 @@ static const lw_transform* node_pose( lwi_edge* e, double t, uint32_t node )
 	const double* state = e->frame_states + frame * c->robot->variable_count;
 	bool* known = e->frame_known + frame * c->tree->node_count;
 	lw_transform* poses = e->frame_poses + frame * c->tree->node_count;
+	const size_t padded = lwi_padded_nodes( c->tree );
+	const double* cosines = e->frame_turns + 2 * frame * padded;
 	while ( !known[node] )
 	{
 		uint32_t next = node;
@@ -224,8 +229,7 @@ static const lw_transform* node_pose( lwi_edge* e, double t, uint32_t node )
 		}
 		uint32_t parent = nodes[next].parent;
 		const lw_transform* above = parent == 0 ? &c->reference_poses[nodes[0].top] : &poses[parent];
-		const lwi_joint* joint = &c->robot->joints[c->robot->link_joint[nodes[next].top]];
-		lwi_joint_pose( joint, above, &nodes[next].hook, nodes[next].hook_translates, state, &poses[next] );
+		lwi_pose_under( c, next, above, state, cosines, cosines + padded, &poses[next] );
 		known[next] = true;
 	}
 	return &poses[node];
