@@ -190,6 +190,30 @@ std::vector<lw_transform> posesAt( const lw_robot* robot, const State& a, const 
 	return poses;
 }
 
+/// Poses at `steps` + 1 states from `from` to `to`.
+std::vector<std::vector<lw_transform>> posesBetween( const lw_robot* robot, const State& a, const State& b, double from, double to, int steps )
+{
+	std::vector<std::vector<lw_transform>> poses;
+	for ( int k = 0; k <= steps; ++k )
+	{
+		poses.push_back( posesAt( robot, a, b, from + ( to - from ) * k / steps ) );
+	}
+	return poses;
+}
+
+/// Where these have a point of a body, seen from an ancestor or the world.
+std::vector<lw_vec3> wayOf(
+	const std::vector<std::vector<lw_transform>>& poses, std::uint32_t ancestor, const lw_body_def& body, lw_vec3 point )
+{
+	const bool inWorld = ancestor == LW_INVALID_INDEX;
+	std::vector<lw_vec3> way;
+	for ( const std::vector<lw_transform>& now : poses )
+	{
+		way.push_back( position( now[inWorld ? 0 : ancestor], inWorld, now[body.link], body, point ) );
+	}
+	return way;
+}
+
 double furthestBetween( double chord, lwi_motion_rate rate, double h )
 {
 	return lwi_motion_between( chord, lwi_motion_bow_of( rate, h ), h * rate.path );
@@ -229,11 +253,7 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 		double share = std::max( measured, 1 - measured );
 		std::vector<lw_transform> reference = posesAt( robot.get(), a, b, measured );
 		lwi_motion_place( motion.table, motion.scratch, reference.data() );
-		std::vector<std::vector<lw_transform>> between;
-		for ( int k = 0; k <= 12; ++k )
-		{
-			between.push_back( posesAt( robot.get(), a, b, from + h * k / 12 ) );
-		}
+		const std::vector<std::vector<lw_transform>> between = posesBetween( robot.get(), a, b, from, from + h, 12 );
 		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
 		{
 			const lw_body_def& def = model.bodies[body];
@@ -241,14 +261,9 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 			lwi_motion_measure_body( motion.table, motion.scratch, body, reference.data(), share );
 			const lwi_motion_rate rate = lwi_motion_of( motion.table, motion.scratch, body, ancestor );
 			double rounding = lwi_motion_rounding( motion.table, motion.scratch );
-			bool inWorld = ancestor == LW_INVALID_INDEX;
 			for ( lw_vec3 p : model.bodyPoints[body] )
 			{
-				std::vector<lw_vec3> at;
-				for ( const std::vector<lw_transform>& poses : between )
-				{
-					at.push_back( position( poses[inWorld ? 0 : ancestor], inWorld, poses[def.link], def, p ) );
-				}
+				const std::vector<lw_vec3> at = wayOf( between, ancestor, def, p );
 				double chord = distance( at.front(), at.back() ), furthest = 0;
 				for ( const lw_vec3& x : at )
 				{
@@ -332,11 +347,7 @@ TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
 		lw_robot_interpolate( robot.get(), a.data(), b.data(), rng.decade( -2, -0.5 ), b.data() );
 		ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
 		const double h = rng.decade( -2, -0.31 ), from = rng.uniform( 0, 1 - 2 * h );
-		std::vector<std::vector<lw_transform>> poses;
-		for ( int k = 0; k <= 2 * STEPS; ++k )
-		{
-			poses.push_back( posesAt( robot.get(), a, b, from + h * k / STEPS ) );
-		}
+		const std::vector<std::vector<lw_transform>> poses = posesBetween( robot.get(), a, b, from, from + 2 * h, 2 * STEPS );
 		const double rounding = lwi_motion_rounding( motion.table, motion.scratch );
 		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
 		{
@@ -346,12 +357,7 @@ TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
 			const double jerk = lwi_motion_jerk( motion.table, motion.scratch, body, ancestor );
 			for ( lw_vec3 p : model.bodyPoints[body] )
 			{
-				std::vector<lw_vec3> at;
-				for ( const std::vector<lw_transform>& now : poses )
-				{
-					const bool inWorld = ancestor == LW_INVALID_INDEX;
-					at.push_back( position( now[inWorld ? 0 : ancestor], inWorld, now[def.link], def, p ) );
-				}
+				const std::vector<lw_vec3> at = wayOf( poses, ancestor, def, p );
 				const lw_vec3 x = at[0], y = at[STEPS], z = at[2 * STEPS];
 				const double second = length( { x.x - 2 * y.x + z.x, x.y - 2 * y.y + z.y, x.z - 2 * y.z + z.z } );
 				const lwi_motion_bow bow = lwi_motion_bow_through( rate, jerk, h, second + 8 * rounding );
