@@ -121,7 +121,7 @@ private:
 			{ "certified, tables", [edge]( const double* number ) { return certify( edge( number ), true ); } } };
 	}
 
-	/// What queries remember is asked for, as long as it is not measured.
+	/// Asks those who remember, FCL does not, about an edge that is not measured.
 	void meet( const Edge& edge ) const
 	{
 		for ( const bool tables : { false, true } )

@@ -219,8 +219,12 @@ static bool near_holds( const sweeping* s, const lwi_edge_plane* p, double need 
 {
 	lwi_edge* e = s->edge;
 	const lwi_edge_item* item = s->item;
+	if ( !p->near_known || lwi_edge_item_is_pair( item ) )
+	{
+		return false;
+	}
 	const double bend = bow_of( e, item, s->window ).bend;
-	if ( !p->near_known || item->body_b != LW_INVALID_INDEX || !( bend <= MAX_BEND ) )
+	if ( !( bend <= MAX_BEND ) )
 	{
 		return false;
 	}
@@ -491,9 +495,13 @@ bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_windo
 {
 	const bool pair = item->body_b != LW_INVALID_INDEX;
 	nearing s = { .edge = e, .enough = e->enough[pair], .n = lwi_sub( measured->point_b, measured->point_a ) };
-	s.bend = bow_of( e, item, window ).bend;
 	// along no direction they are farther from each other than they were measured to be
-	if ( !e->query->def.planes || !( s.bend <= MAX_BEND ) || !( measured->upper > s.enough && measured->upper < INFINITY ) )
+	if ( !e->query->def.planes || !( measured->upper > s.enough && measured->upper < INFINITY ) )
+	{
+		return false;
+	}
+	s.bend = bow_of( e, item, window ).bend;
+	if ( !( s.bend <= MAX_BEND ) )
 	{
 		return false;
 	}
