@@ -58,6 +58,14 @@ struct Motion
 	~Motion() { lwi_motion_table_destroy( table ); }
 };
 
+/// Up to nine joints of all types.
+RobotModel anyRobot( SeededRng& rng )
+{
+	RandomRobotOptions options;
+	options.joints = rng.integer( 1, 9 );
+	return randomRobot( rng, options );
+}
+
 lw_vec3 position( const lw_transform& ancestorPose, bool inWorld, const lw_transform& pose, const lw_body_def& body,
 	lw_vec3 p )
 {
@@ -121,9 +129,7 @@ TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
 	std::vector<double> shortRatios, longRatios;
 	for ( int i = 0; i < 700; ++i )
 	{
-		RandomRobotOptions options;
-		options.joints = rng.integer( 1, 9 );
-		RobotModel model = randomRobot( rng, options );
+		RobotModel model = anyRobot( rng );
 		RobotPtr robot = model.create();
 		ASSERT_NE( robot, nullptr );
 		Motion motion( robot.get() );
@@ -240,9 +246,7 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 	std::vector<double> ratios, gains;
 	for ( int i = 0; i < 700; ++i )
 	{
-		RandomRobotOptions options;
-		options.joints = rng.integer( 1, 9 );
-		RobotModel model = randomRobot( rng, options );
+		RobotModel model = anyRobot( rng );
 		RobotPtr robot = model.create();
 		ASSERT_NE( robot, nullptr );
 		Motion motion( robot.get() );
@@ -337,9 +341,7 @@ TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
 	std::vector<double> ratios, gains;
 	for ( int i = 0; i < 500; ++i )
 	{
-		RandomRobotOptions options;
-		options.joints = rng.integer( 1, 9 );
-		RobotModel model = randomRobot( rng, options );
+		RobotModel model = anyRobot( rng );
 		RobotPtr robot = model.create();
 		ASSERT_NE( robot, nullptr );
 		Motion motion( robot.get() );
@@ -577,9 +579,7 @@ TEST( MotionBound, RoughBoundIsBelowTheMeasuredOne )
 	int cases = 0, equal = 0;
 	for ( int i = 0; i < 300; ++i )
 	{
-		RandomRobotOptions options;
-		options.joints = rng.integer( 1, 9 );
-		RobotModel model = randomRobot( rng, options );
+		RobotModel model = anyRobot( rng );
 		RobotPtr robot = model.create();
 		ASSERT_NE( robot, nullptr );
 		Motion measured( robot.get() ), rough( robot.get() );
