@@ -330,6 +330,18 @@ static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_di
 	return LW_OK;
 }
 
+/// What a variable is where no state says otherwise. The group's part of def->reference says nothing: far away, poses of links to each other
+/// would be off by its roundings, which those of no state account for.
+static double reference_value( const lwi_checker_base* b, const lw_checker_def* def, uint32_t variable )
+{
+	bool in_group = def->reference == NULL;
+	for ( uint32_t i = 0; i < b->variable_count && !in_group; ++i )
+	{
+		in_group = b->variables[i] == variable;
+	}
+	return in_group ? lwi_robot_default_value( b->robot, variable ) : def->reference[variable];
+}
+
 static lw_status build( lwi_checker_base* b, lw_checker* c, const lw_checker_def* def, draft* d, lw_diag* diag )
 {
 	if ( !allocate_tables( b ) || !draft_create( d, b->robot, &b->allocator ) )
@@ -341,13 +353,9 @@ static lw_status build( lwi_checker_base* b, lw_checker* c, const lw_checker_def
 	{
 		return status;
 	}
-	if ( def->reference != NULL )
+	for ( uint32_t i = 0; i < lw_robot_variable_count( b->robot ); ++i )
 	{
-		memcpy( b->reference, def->reference, lw_robot_variable_count( b->robot ) * sizeof( double ) );
-	}
-	else
-	{
-		lw_robot_default_state( b->robot, b->reference );
+		b->reference[i] = reference_value( b, def, i );
 	}
 	status = lw_robot_fk( b->robot, b->reference, b->reference_poses );
 	if ( status != LW_OK )
@@ -408,7 +416,7 @@ bool lwi_checker_base_share( lw_checker* c, const lw_checker_def* def, const lwi
 	}
 	for ( uint32_t i = 0; i < lw_robot_variable_count( def->robot ); ++i )
 	{
-		double value = def->reference != NULL ? def->reference[i] : lwi_robot_default_value( def->robot, i );
+		double value = reference_value( b, def, i );
 		if ( memcmp( &b->reference[i], &value, sizeof( double ) ) != 0 )
 		{
 			return false;

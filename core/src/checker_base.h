@@ -16,7 +16,7 @@ typedef struct lwi_checker_base
 	lw_reach* reach;       ///< NULL = none
 	uint32_t variable_count;
 	uint32_t* variables;   ///< [variable_count]
-	double* reference;     ///< [robot variable_count]
+	double* reference;     ///< [robot variable_count] the default in the group, def's outside of it
 	lw_transform* reference_poses; ///< [link_count]
 	lwi_checker_body* bodies;      ///< [robot body_count]
 	uint32_t moving_body_count;

@@ -218,7 +218,7 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 		}
 		else
 		{
-			lwi_fail( diag, status, LW_INVALID_INDEX, "the reference state has a zero quaternion" );
+			lwi_fail( diag, status, LW_INVALID_INDEX, "the robot has links so far away that their poses are not exact" );
 		}
 	}
 	lwi_free( &c->allocator, group, c->variable_count * sizeof( double ) );

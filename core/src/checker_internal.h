@@ -41,7 +41,7 @@ struct lw_checker
 	lw_reach* reach; ///< NULL = none
 	uint32_t variable_count;
 	uint32_t* variables;   ///< [variable_count] robot variables of a state vector
-	double* reference;     ///< [robot variable_count]
+	double* reference;     ///< [robot variable_count] the default in the group, def's outside of it
 	lw_transform* reference_poses; ///< [link_count] world_from_link at the reference
 	lwi_checker_body* bodies; ///< [robot body_count]
 	uint32_t moving_body_count;

@@ -328,6 +328,16 @@ static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t no
 	return p;
 }
 
+/// Lanes of a block of a node's bodies from number `first` on that are near a sphere. Where the sphere's numbers overflow, all are,
+/// but never those that pad the block.
+static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, uint32_t node, uint32_t first, const probe* p,
+	float gap[LWI_WIDTH] )
+{
+	const uint32_t left = checker->tree->nodes[node].body_count - first;
+	return query->kernels->sphere_gap( p->blocks + 4 * (size_t)first, p->sphere, p->limit, gap ) &
+		   lwi_low_bits( left < LWI_WIDTH ? left : LWI_WIDTH );
+}
+
 /// Bodies number `rank_a` of node a and `rank_b` of node b become a candidate, unless their separation rules them out.
 /// @param gap of their spheres
 static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, uint32_t rank_a, uint32_t rank_b,
@@ -370,7 +380,7 @@ static void open_body( const lw_checker* checker, lw_query* query, const lwi_nod
 	for ( uint32_t i = 0; i < tree->nodes[other].body_count; i += LWI_WIDTH )
 	{
 		float gap[LWI_WIDTH];
-		uint32_t near = query->kernels->sphere_gap( p.blocks + 4 * (size_t)i, p.sphere, p.limit, gap );
+		uint32_t near = near_lanes( checker, query, other, i, &p, gap );
 		for ( ; near != 0; near &= near - 1 )
 		{
 			uint32_t lane = lwi_lowest_bit( near );
@@ -391,7 +401,7 @@ static void open_pair( const lw_checker* checker, lw_query* query, const lwi_nod
 	for ( uint32_t i = 0; i < tree->nodes[many].body_count; i += LWI_WIDTH )
 	{
 		float gap[LWI_WIDTH];
-		uint32_t near = query->kernels->sphere_gap( outer.blocks + 4 * (size_t)i, outer.sphere, outer.limit, gap );
+		uint32_t near = near_lanes( checker, query, many, i, &outer, gap );
 		for ( ; near != 0; near &= near - 1 )
 		{
 			uint32_t lane = lwi_lowest_bit( near );

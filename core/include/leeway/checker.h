@@ -49,7 +49,8 @@ typedef struct lw_checker_def
 	/// order. All variables of a planar or floating joint are in a group or none.
 	const uint32_t* variables;
 	uint32_t variable_count;
-	const double* reference; ///< [robot variable_count]: values of the variables outside the group; NULL = default state
+	/// [robot variable_count] values of the variables outside the group; NULL = default state. The group's have to be finite, and say nothing.
+	const double* reference;
 	const lw_link_object_pair* allowed; ///< [allowed_count]
 	uint32_t allowed_count;
 	lw_margins margins; ///< copied. Contact that is allowed stays so, whatever its margin
