@@ -214,6 +214,31 @@ static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) * LWI_EDGE_OUTWARD;
 }
 
+/// What moves against what stands in the frame of the item's ancestor.
+typedef struct nearing
+{
+	lwi_edge* edge;
+	lwi_places moving;
+	double enough; ///< clearance that proves it, without margins
+	double bend;   ///< of the way between its places
+	double way;    ///< metres that the middle of its sphere gets
+	lw_vec3 n;     ///< towards what stands, where they were measured to be nearest
+} nearing;
+
+/// What moves, and how far.
+static void set_out( nearing* s, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+{
+	lwi_edge_places( s->edge, body, ancestor, rate, window, NULL, &s->moving );
+	s->way = way_of( s->edge, body, ancestor, rate, window );
+}
+
+/// @param need clearance that proves it
+static bool is_away( const nearing* s, const lwi_places* stands, double need )
+{
+	const double reach = s->moving.shape->sphere_radius + s->way;
+	return lwi_separate_near( s->edge->query->kernels, &s->moving, stands, need, s->bend, s->n, reach );
+}
+
 /// Does what is near stay apart along the direction of another time?
 static bool near_holds( const sweeping* s, const lwi_edge_plane* p, double need )
 {
@@ -223,16 +248,16 @@ static bool near_holds( const sweeping* s, const lwi_edge_plane* p, double need 
 	{
 		return false;
 	}
-	const double bend = bow_of( e, item, s->window ).bend;
-	if ( !( bend <= MAX_BEND ) )
+	nearing near;
+	near.edge = e;
+	near.bend = bow_of( e, item, s->window ).bend;
+	if ( !( near.bend <= MAX_BEND ) )
 	{
 		return false;
 	}
-	lwi_places places;
-	lwi_edge_places( e, item->body_a, 0, item->rate_a, s->window, NULL, &places );
-	const double reach = places.shape->sphere_radius + way_of( e, item->body_a, 0, item->rate_a, s->window );
-	const lw_vec3 n = { (double)p->near[0], (double)p->near[1], (double)p->near[2] };
-	return lwi_separate_near( e->query->kernels, &places, s->b, need, bend, lwi_rotate( &s->b->middle, n ), reach );
+	near.n = lwi_rotate( &s->b->middle, lwi_v3( (double)p->near[0], (double)p->near[1], (double)p->near[2] ) );
+	set_out( &near, item->body_a, 0, item->rate_a, s->window );
+	return is_away( &near, s->b, need );
 }
 
 /// A new plane. @param margin on top of the clearance
@@ -416,17 +441,6 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 	return sweep;
 }
 
-/// What moves against what stands in the frame of the item's ancestor.
-typedef struct nearing
-{
-	lwi_edge* edge;
-	lwi_places moving;
-	double enough; ///< clearance that proves it, without margins
-	double bend;   ///< of the way between its places
-	double way;    ///< metres that the middle of its sphere gets
-	lw_vec3 n;     ///< towards what stands, where they were measured to be nearest
-} nearing;
-
 static bool stays_away_from( const nearing* s, const lw_shape* shape, const lw_transform* pose, double margin )
 {
 	if ( shape->deferred != NULL || shape->family == LWI_UNBOUNDED )
@@ -435,8 +449,7 @@ static bool stays_away_from( const nearing* s, const lw_shape* shape, const lw_t
 	}
 	lwi_places stands;
 	lwi_places_stand( &stands, shape, pose );
-	const double need = lwi_larger( s->enough + margin, 0 ), reach = s->moving.shape->sphere_radius + s->way;
-	return lwi_separate_near( s->edge->query->kernels, &s->moving, &stands, need, s->bend, s->n, reach );
+	return is_away( s, &stands, lwi_larger( s->enough + margin, 0 ) );
 }
 
 static bool pair_stays_away( nearing* s, const lwi_edge_item* item, lwi_edge_window window )
@@ -457,9 +470,8 @@ static bool pair_stays_away( nearing* s, const lwi_edge_item* item, lwi_edge_win
 	s->n = turned ? lwi_scale( -1, s->n ) : s->n;
 	const lwi_motion_rate rate = turned ? item->rate_b : item->rate_a;
 	lwi_places still;
-	lwi_edge_places( e, moving, item->ancestor, rate, window, NULL, &s->moving );
+	set_out( s, moving, item->ancestor, rate, window );
 	lwi_edge_places( e, stands, item->ancestor, (lwi_motion_rate){ 0, 0 }, window, NULL, &still );
-	s->way = way_of( e, moving, item->ancestor, rate, window );
 	double margin = lwi_self_margin( c, item->body_a, item->body_b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
 	return stays_away_from( s, still.shape, &still.middle, margin );
 }
@@ -468,9 +480,8 @@ static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_ed
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	s->way = way_of( e, item->body_a, 0, item->rate_a, window );
+	set_out( s, item->body_a, 0, item->rate_a, window );
 	uint32_t count = lwi_checker_near_obstacles( c, e->query, item->body_a, s->enough + s->way );
-	lwi_edge_places( e, item->body_a, 0, item->rate_a, window, NULL, &s->moving );
 	bool away = true;
 	for ( uint32_t i = 0; i < count && away; ++i )
 	{
