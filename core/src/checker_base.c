@@ -334,12 +334,12 @@ static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_di
 /// would be off by its roundings, which those of no state account for.
 static double reference_value( const lwi_checker_base* b, const lw_checker_def* def, uint32_t variable )
 {
-	bool in_group = def->reference == NULL;
-	for ( uint32_t i = 0; i < b->variable_count && !in_group; ++i )
+	bool by_default = def->reference == NULL;
+	for ( uint32_t i = 0; i < b->variable_count && !by_default; ++i )
 	{
-		in_group = b->variables[i] == variable;
+		by_default = b->variables[i] == variable;
 	}
-	return in_group ? lwi_robot_default_value( b->robot, variable ) : def->reference[variable];
+	return by_default ? lwi_robot_default_value( b->robot, variable ) : def->reference[variable];
 }
 
 static lw_status build( lwi_checker_base* b, lw_checker* c, const lw_checker_def* def, draft* d, lw_diag* diag )

@@ -197,7 +197,7 @@ static bool stays_away( const sweeping* s, double need, float direction[3] )
 	lwi_places places[2];
 	const lwi_places *a = &places[0], *b = s->b;
 	lwi_edge_places( e, item->body_a, item->ancestor, item->rate_a, s->window, NULL, &places[0] );
-	if ( item->body_b != LW_INVALID_INDEX )
+	if ( lwi_edge_item_is_pair( item ) )
 	{
 		lwi_edge_places( e, item->body_b, item->ancestor, item->rate_b, s->window, NULL, &places[1] );
 		a = &places[s->turned ? 1 : 0];
@@ -416,7 +416,7 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 	}
 	bool is_short = !last_try && window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * e->def->slack;
 	const uint32_t* node = e->checker->tree->body_node;
-	bool pair = item->body_b != LW_INVALID_INDEX;
+	bool pair = lwi_edge_item_is_pair( item );
 	lwi_edge_drift drift[2] = { { .bulge = 0 }, { .bulge = 0 } };
 	bool drifts = lwi_edge_drifts( item->rate_a, window ) && ( !pair || lwi_edge_drifts( item->rate_b, window ) );
 	if ( drifts )
@@ -504,7 +504,7 @@ static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_ed
 
 bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured )
 {
-	const bool pair = item->body_b != LW_INVALID_INDEX;
+	const bool pair = lwi_edge_item_is_pair( item );
 	nearing s = { .edge = e, .enough = e->enough[pair], .n = lwi_sub( measured->point_b, measured->point_a ) };
 	// along no direction they are farther from each other than they were measured to be
 	if ( !e->query->def.planes || !( measured->upper > s.enough && measured->upper < INFINITY ) )

@@ -89,6 +89,16 @@ struct World
 	}
 };
 
+/// The same robot in the same scene, without a group, a reference and a checker.
+World sameRobot( const World& world )
+{
+	World same;
+	same.robot.reset( lw_robot_retain( world.robot.get() ) );
+	same.scene.reset( lw_scene_retain( world.scene.get() ) );
+	same.reach.reset( lw_reach_retain( world.reach.get() ) );
+	return same;
+}
+
 /// Joints in the group with a chance of two in three; all variables of a joint or none.
 std::vector<uint32_t> randomGroup( SeededRng& rng, const lw_robot* robot )
 {
@@ -287,9 +297,7 @@ TEST( Hierarchy, reach_changes_a_checker )
 	SeededRng rng;
 	for ( int i = 0; i < 20; ++i )
 	{
-		World world = randomWorld( rng ), bare = randomWorld( rng );
-		bare.robot.reset( lw_robot_retain( world.robot.get() ) );
-		bare.scene.reset( lw_scene_retain( world.scene.get() ) );
+		World world = randomWorld( rng ), bare = sameRobot( world );
 		bare.reference = world.reference;
 		bare.group = world.group;
 		bare.reach.reset();
@@ -316,10 +324,7 @@ TEST( Hierarchy, one_query_mixes_up_two_checkers )
 	SeededRng rng;
 	for ( int i = 0; i < 10; ++i )
 	{
-		World world = randomWorld( rng ), other;
-		other.robot.reset( lw_robot_retain( world.robot.get() ) );
-		other.scene.reset( lw_scene_retain( world.scene.get() ) );
-		other.reach.reset( lw_reach_retain( world.reach.get() ) );
+		World world = randomWorld( rng ), other = sameRobot( world );
 		other.reference = randomState( rng, world.robot.get() );
 		other.group = randomGroup( rng, world.robot.get() );
 		other.build();
@@ -388,10 +393,7 @@ namespace
 /// The same, with a reference that has the group as far away as numbers go.
 World farReference( const World& world )
 {
-	World far;
-	far.robot.reset( lw_robot_retain( world.robot.get() ) );
-	far.scene.reset( lw_scene_retain( world.scene.get() ) );
-	far.reach.reset( lw_reach_retain( world.reach.get() ) );
+	World far = sameRobot( world );
 	far.reference = world.reference;
 	far.group = world.group;
 	for ( uint32_t variable : far.group )
@@ -407,7 +409,7 @@ World farReference( const World& world )
 
 } // namespace
 
-/// Links that do not move were off by the roundings of such a state, which no answer accounts for, and their spheres overflowed.
+/// Links were put to each other with the roundings of such a state, which no answer accounts for, and spheres of what stands overflowed.
 TEST( Hierarchy, reference_of_the_group_changes_an_answer )
 {
 	SeededRng rng;
@@ -450,7 +452,6 @@ TEST( Hierarchy, reference_of_the_group_changes_an_answer )
 /// were too, and read what is behind the array of bodies (seen by the address sanitizer).
 TEST( Hierarchy, bodies_that_there_are_not_are_near )
 {
-	SeededRng rng;
 	RobotModel model;
 	uint32_t root = model.link( "root" );
 	lw_joint_def& slider = model.joint( "slider", LW_JOINT_PRISMATIC, root );
