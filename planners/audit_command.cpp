@@ -110,7 +110,7 @@ int runAudit( const AuditOptions& options )
 		json["group"] = group;
 		json["points"] = points.size();
 		json["audit"] = toJson( audit, settings );
-		report.text = json.dump( 2 ) + "\n";
+		report.text = jsonText( json );
 		files.push_back( &report );
 	}
 	if ( !options.profile.empty() )

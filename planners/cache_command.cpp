@@ -110,7 +110,7 @@ int runCache( const CacheOptions& options )
 	{
 		Json json = { { "folder", options.folder }, { "removed_files", trimmed.files }, { "removed_bytes", trimmed.bytes },
 			{ "files", listJson( entries ) } };
-		json_file.text = json.dump( 2 ) + "\n";
+		json_file.text = jsonText( json );
 		json_file.commit();
 	}
 	return exit_yes;

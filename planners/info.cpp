@@ -358,7 +358,7 @@ int runInfo( const InfoOptions& options )
 		json["hierarchy"] = hulls.reach ? hierarchyJson( hulls ) : Json( nullptr );
 		json["total"] = totalJson( total( all, &input.robot.report ) );
 		json["notices"] = notices.all();
-		json_file.text = json.dump( 2 ) + "\n";
+		json_file.text = jsonText( json );
 		json_file.commit();
 	}
 	printOut( text );

@@ -12,6 +12,11 @@ Json jsonNumber( double value )
 	return std::isfinite( value ) ? Json( value ) : Json( nullptr );
 }
 
+std::string jsonText( const Json& json )
+{
+	return json.dump( 2, ' ', false, Json::error_handler_t::replace ) + "\n";
+}
+
 Json jsonClearance( const Named& clearance )
 {
 	if ( !clearance.asked )

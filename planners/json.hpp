@@ -13,5 +13,7 @@ using Json = nlohmann::ordered_json;
 
 Json jsonNumber( double value );
 Json jsonClearance( const Named& clearance );
+/// As a file has it. Bytes of file names that are not UTF-8 are replaced.
+std::string jsonText( const Json& json );
 
 } // namespace leeway::cli

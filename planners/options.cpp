@@ -109,6 +109,12 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 		    ->type_name( "Q.yaml" )
 		    ->group( model );
 	}
+	app.add_flag( "--visual", options.visual,
+	       "links of robot and scene that have no collision geometry use their visual geometry" )
+	    ->group( model );
+	app.add_flag( "--strict", options.strict,
+	       "what the SRDF names and the robot lacks is an error, even if no group or state that is used depends on it" )
+	    ->group( model );
 	app.add_option( "--package-path", options.package_paths,
 	       "where package://NAME/... is found: a folder that contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
 	    ->type_name( "DIR" )

@@ -42,6 +42,7 @@ struct CommonOptions
 	double detail = 0; ///< millimetres
 	double cache_limit = 1e-6 * double( io::default_cache_limit ); ///< megabytes
 	std::vector<std::string> input_limits; ///< NAME=N
+	bool visual = false, strict = false;
 	bool verbose = false;
 
 	lw_what what() const;

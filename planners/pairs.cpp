@@ -397,7 +397,7 @@ int runPairs( const PairsOptions& options )
 	}
 	if ( !options.json.empty() )
 	{
-		json_file.text = json.dump( 2 ) + "\n";
+		json_file.text = jsonText( json );
 		files.push_back( &json_file );
 	}
 	commitTogether( files );

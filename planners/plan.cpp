@@ -504,7 +504,7 @@ int runPlan( const PlanOptions& options )
 		Json json = reportJson( options, input, bench, solution );
 		json["audit"] = solution.solved ? toJson( audit, settings ) : Json( nullptr );
 		json["good"] = good;
-		report.text = json.dump( 2 ) + "\n";
+		report.text = jsonText( json );
 		files.push_back( &report );
 	}
 	if ( good )

@@ -24,6 +24,8 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	io::LoadOptions load;
 	load.package_paths = options.package_paths;
 	load.cache = options.cache;
+	load.use_visual = options.visual;
+	load.strict = options.strict;
 	load.detail = 1e-3 * options.detail;
 	load.cache_limit = static_cast<std::uint64_t>( options.cache_limit * 1e6 );
 	Input input;
@@ -138,6 +140,7 @@ void Workbench::build( const Values& values )
 	options.padding = m_input.padding;
 	options.min_d = m_input.min_d;
 	options.max_d = m_input.max_d;
+	options.notice_enclosed = !m_built;
 	ReachProgress reach_progress( progress );
 	if ( options.find_reach )
 	{

@@ -118,7 +118,7 @@ int runSpherize( const SpherizeOptions& options )
 	json["close_holes"] = how.close_holes;
 	json["seconds"] = seconds;
 	json["notices"] = notices.all();
-	report.text = json.dump( 2 ) + "\n";
+	report.text = jsonText( json );
 	std::string text = fmt::format( "robot {} ({})\n", input.robot.name, input.robot.urdf_file );
 	text += linkTable( links );
 	text += fmt::format( "{} spheres around {} links, proved to enclose them and to reach at most {:.3f} mm beyond; "

@@ -223,7 +223,7 @@ int runTune( const TuneOptions& options )
 	}
 	if ( !options.json.empty() )
 	{
-		json.text = toJson( settings, samples, rows, proposal, rate ).dump( 2 ) + "\n";
+		json.text = jsonText( toJson( settings, samples, rows, proposal, rate ) );
 		files.push_back( &json );
 	}
 	commitTogether( files );

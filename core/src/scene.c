@@ -163,7 +163,7 @@ static lw_status check_def( const lw_scene_def* def, lw_diag* diag )
 		if ( !lw_transform_is_valid( &shape->world_from_shape ) )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-				"scene shape %u of object '%.80s': its pose is not finite or not a rotation; normalise its quaternion", i,
+				"scene shape %u of object '%.80s': its pose is not finite or not a rotation, or beyond 1e15 m; normalise its quaternion, give metres", i,
 				def->object_names[shape->object] );
 		}
 	}

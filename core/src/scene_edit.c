@@ -65,7 +65,7 @@ static lw_status check_poses( const lw_scene_change* change, uint32_t at, lw_dia
 		if ( !lw_transform_is_valid( &change->world_from_shape[i] ) )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, at,
-				"scene change %u: object '%.80s': the pose of its shape %u is not finite or not a rotation; normalise its quaternion",
+				"scene change %u: object '%.80s': the pose of its shape %u is not finite or not a rotation, or beyond 1e15 m; normalise its quaternion, give metres",
 				at, change->object, i );
 		}
 	}

@@ -70,7 +70,7 @@ TEST_F( BadSceneTest, MissingResources )
 		expectBadObject( other( "type: height_map, resolution: 1, z_scale: 1, " + resource ), parts );
 		expectBad( "leeway_articulations: [{id: thing, " + resource + "}]", parts );
 	}
-	expectBadObject( other( "type: point_cloud, radius: 0, resource: 'package://'" ), { "names no file" } );
+	expectBadObject( other( "type: point_cloud, radius: 0, resource: 'package://'" ), { "names no package" } );
 	expectBadObject( other( "type: point_cloud, radius: 0" ), { "resource", "missing" } );
 	std::filesystem::create_directory( path( "folder.pcd" ) );
 	expectBadObject( other( "type: point_cloud, radius: 0, resource: folder.pcd" ), { "was not found" } );
@@ -87,8 +87,54 @@ TEST_F( BadSceneTest, UnsupportedShapes )
 	expectBadObject( pose + "meshes: [{resource: model.blend}]", { "meshes[0]", "model.blend" } );
 	expectBadObject( other( "type: point_cloud, radius: 0, resource: r.urdf" ), { "no point cloud" } );
 	expectBadObject( other( "type: octomap, unknown: free, resource: r.urdf" ), { "no octomap" } );
-	expectBadObject( "leeway_shape: []", { "leeway_shape", "no such extension" } );
-	expectBad( "leeway_articulation: []", { "world.leeway_articulation", "no such extension" } );
+	expectBadObject( "leeway_form: []", { "leeway_form", "no such extension" } );
+	expectBad( "leeway_furniture: []", { "world.leeway_furniture", "no such extension" } );
+}
+
+TEST_F( BadSceneTest, AKeyOneLetterFromARightOneIsNoObstacleLess )
+{
+	const std::string object = "{id: thing, " + ball + "}";
+	expectBad( "collision_object: [" + object + "]", { "world.collision_object (line 1)", "is collision_objects meant?" } );
+	expectBad( "collision_objekts: [" + object + "]", { "is collision_objects meant?" } );
+	expectBad( "colilsion_objects: [" + object + "]", { "is collision_objects meant?" } );
+	expectBad( "Collision-Objects: [" + object + "]", { "is collision_objects meant?" } );
+	expectBad( "collisionObjects: [" + object + "]", { "is collision_objects meant?" } );
+	expectBad( "leeway_articulation: []", { "is leeway_articulations meant?" } );
+	expectBadObject( "primitive: []", { "is primitives meant?" } );
+	expectBadObject( "poses: {}, " + ball, { "is pose meant?" } );
+	expectBadObject( "header: {frame_ids: base}, " + ball, { "header.frame_ids", "is frame_id meant?" } );
+	expectBad( "", { "robot_states", "is robot_state meant?" }, "robot_states: {}" );
+	expectBad( "", { "robot_state.joint_state.names", "is name meant?" }, "robot_state: {joint_state: {names: [j], positions: [1]}}" );
+	expectBad( "", { "link_paddings" }, "link_paddings: []" );
+	expectError( [&] { (void)loadScene( write( "w.yaml", "worlds: {collision_objects: []}" ) ); }, { "w.yaml", "is world meant?" } );
+	const SceneModel far = loadScene( write( "far.yaml", "world: {obstacles: [], collision_objects: [" + object + "]}" ) );
+	EXPECT_NOTICE( far.report.notices, "world.obstacles (line 1): this key is not known: ignored" );
+	const SceneModel empty = loadScene( write( "empty.yaml", "world: {obstacles: []}" ) );
+	EXPECT_NOTICE( empty.report.notices, "holds no object" );
+}
+
+TEST_F( BadSceneTest, PlacesBeyondAllMeasure )
+{
+	expectBadObject( "primitives: [{type: sphere, dimensions: [0.1]}], primitive_poses: [{position: [1e20, 0, 0]}]",
+	    { "primitive_poses[0].position (line 1)", "1e+20 is beyond 1e+15 m", "give metres" } );
+}
+
+TEST_F( BadSceneTest, NamesThatAreNotUtf8 )
+{
+	expectBad( "collision_objects: [{id: \"caf\xe9\", " + ball + "}]", { "collision_objects[0].id (line 1)", "is not UTF-8" } );
+	expectError( [&] { (void)loadRobot( write( "l.urdf", "<robot name=\"r\">\n<link name=\"caf\xe9\"/></robot>" ), "" ); },
+	    { "l.urdf", "link (line 2)", "name=\"caf\\xe9\" of <link> is not UTF-8" } );
+	expectError( [&] { (void)loadRobot( write( "l.urdf", "<robot name=\"\xff\"><link name=\"a\"/></robot>" ), "" ); }, { "l.urdf", "UTF-8" } );
+	expectError( [&] { (void)loadRobot( path( "r.urdf" ), write( "l.srdf", "<robot name=\"r\"><group name=\"\xc0\x80\"/></robot>" ) ); },
+	    { "l.srdf", "UTF-8" } );
+	const std::string kitchen = "K\xc3\xbc" "che \xe2\x82\xac \xf0\x9f\xa4\x96";
+	const SceneModel scene = loadScene( write( "k.yaml", "world: {collision_objects: [{id: " + kitchen + ", " + ball + "}]}" ) );
+	EXPECT_EQ( scene.objects.at( 0 ).name, kitchen );
+	for ( const char* bad : { "\x80", "\xc1\xbf", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xe2\x82" } )
+	{
+		expectError( [&] { (void)loadRobot( write( "l.urdf", "<robot name=\"" + std::string( bad ) + "\"><link name=\"a\"/></robot>" ), "" ); },
+		    { "UTF-8", "\\x" } );
+	}
 }
 
 TEST_F( BadSceneTest, AttachedToALinkThatIsNone )

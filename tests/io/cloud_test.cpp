@@ -356,7 +356,7 @@ TEST_F( CloudTest, WhatTheSceneMustSay )
 	    { loadScene( write( "s.yaml", "world: {collision_objects: [{id: scan, leeway_shapes: [{type: fog}]}]}\n" ) ); },
 	    { "s.yaml", "type", "fog is not known" } );
 	expectError( [&] { loadScene( write( "s.yaml", "world: {collision_objects: [{id: scan, leeway_shape: [{}]}]}\n" ) ); },
-	    { "s.yaml", "leeway_shape", "no such extension" } );
+	    { "s.yaml", "leeway_shape", "is leeway_shapes meant?" } );
 }
 
 TEST_F( CloudTest, PcdHeadersThatLie )

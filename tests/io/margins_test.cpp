@@ -135,7 +135,8 @@ TEST_F( MarginsTest, WhatCannotBeMeant )
 	};
 	bad( "environment: -0.01\n", { "environment", "-0.01 is no margin" } );
 	bad( "self: .inf\n", { "self", "not finite" } );
-	bad( "link: {hand: 0.1}\n", { "link", "self_links" } );
+	bad( "link: {hand: 0.1}\n", { "link", "is links meant?" } );
+	bad( "forearm: 0.1\n", { "forearm", "self_links" } );
 	bad( "links: [0.1]\n", { "links", "not a map" } );
 	bad( "links: {hand: -1}\n", { "links.hand", "-1 is no margin" } );
 	bad( "links: {hnad: 0.1}\n", { "links.hnad", "no link hnad" } );

@@ -255,7 +255,7 @@ TEST_F( OctomapTest, MessagesThatCannotBe )
 	bad( "OcTree", true, "[1, 0]", { "leeway_unknown", "maybe" }, ", leeway_unknown: maybe" );
 	bad( "OcTree", true, "[1, 0]", { "bounds", "no range" },
 	    ", leeway_unknown: occupied, leeway_bounds: {min: [0, 0, 0], max: [1, 1, 0]}" );
-	bad( "OcTree", true, "[1, 0]", { "leeway_unkown", "no such extension" }, ", leeway_unkown: free" );
+	bad( "OcTree", true, "[1, 0]", { "leeway_unkown", "is leeway_unknown meant?" }, ", leeway_unkown: free" );
 	bad( "OcTree", true, "!!binary \"%\"", { "base64" } );
 	bad( "OcTree", false, list( std::string( "\0\0\xc0\x7f\0", 5 ) ), { "not a number" } ); // NaN
 	// As deep as the bytes say: each cell has one child of its own

@@ -70,6 +70,15 @@ TEST_F( PackagePathTest, UpwardsOwnFolderParentsAndSiblings )
 	EXPECT_EQ( resolve( "scenes/kitchen", "package://arm/m.obj" ), nearer ) << "the nearest one wins";
 }
 
+TEST_F( PackagePathTest, AnEmptyAuthorityBeginsWithThePackage )
+{
+	const std::string file = writeTetrahedron( "arm/mesh/m.obj" );
+	EXPECT_EQ( resolve( "arm/urdf", "package:///arm/mesh/m.obj" ), file );
+	LoadOptions options;
+	options.package_paths = { path( "" ) };
+	EXPECT_EQ( resolve( "elsewhere", "package:///arm/mesh/m.obj", options ), file );
+}
+
 TEST_F( PackagePathTest, FileUriAbsoluteAndRelative )
 {
 	std::string file = writeTetrahedron( "meshes/m.obj" );
@@ -87,7 +96,10 @@ TEST_F( PackagePathTest, MissingMeshNamesEveryPathTried )
 	    { "robot.urdf", "link base, collision 1 (line 1)", "package://arm/m.obj", path( "given/arm/m.obj" ),
 	        path( "ros/arm/m.obj" ), path( "urdf/arm/m.obj" ), "ROS_PACKAGE_PATH" } );
 	expectError( [&] { resolve( "urdf", "m.obj" ); }, { path( "urdf/m.obj" ) } );
-	expectError( [&] { resolve( "urdf", "package://arm" ); }, { "package://arm" } );
+	expectError( [&] { resolve( "urdf", "package://arm" ); }, { "package://arm", "names package arm and no file in it" } );
+	expectError( [&] { resolve( "urdf", "package:///arm/" ); }, { "names package arm and no file in it" } );
+	expectError( [&] { resolve( "urdf", "package:///" ); }, { "names no package" } );
+	expectError( [&] { resolve( "urdf", "model://arm/m.obj" ); }, { "begins with model://", "package://NAME/PATH" } );
 	writeTetrahedron( "urdf/folder.obj/inside.obj" );
 	expectError( [&] { resolve( "urdf", "folder.obj" ); }, { "folder.obj" } );
 }

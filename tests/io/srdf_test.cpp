@@ -13,7 +13,7 @@ using Names = std::vector<std::string>;
 class SrdfTest : public FileTest
 {
 protected:
-	RobotModel load( const std::string& srdf )
+	RobotModel load( const std::string& srdf, bool strict = false )
 	{
 		std::string urdf = "<robot name=\"r\">";
 		for ( const char* name : { "base", "torso", "l1", "l2", "l_tip", "r1", "r2" } )
@@ -36,16 +36,39 @@ protected:
 		joint( "j_r2", "revolute", "r1", "r2", "<mimic joint=\"j_l2\"/>" );
 		write( "r.urdf", urdf + "</robot>" );
 		write( "r.srdf", "<?xml version=\"1.0\"?>\n<robot name=\"r\">\n" + srdf + "</robot>" );
-		return loadRobot( path( "r.urdf" ), path( "r.srdf" ) );
+		LoadOptions options;
+		options.strict = strict;
+		return loadRobot( path( "r.urdf" ), path( "r.srdf" ), options );
 	}
 	Names joints( const std::string& content )
 	{
 		return load( "<group name=\"g\">" + content + "</group>" ).findGroup( "g" )->joints;
 	}
+	/// An error if strict; else a notice with each of these parts.
 	void expectBad( const std::string& srdf, std::vector<std::string> parts )
 	{
+		const std::vector<Notice> notices = load( srdf ).report.notices;
+		for ( const std::string& part : parts )
+		{
+			EXPECT_NOTICE( notices, part );
+		}
 		parts.push_back( "r.srdf" );
-		expectError( [&] { load( srdf ); }, parts );
+		expectError( [&] { load( srdf, true ); }, parts );
+	}
+	/// Of the group a or, without one, of the state s: what using it says.
+	void expectUnusable( const std::string& srdf, std::vector<std::string> parts )
+	{
+		const RobotModel model = load( srdf );
+		parts.insert( parts.end(), { "r.srdf", "cannot be used" } );
+		if ( model.findGroup( "a" ) == nullptr )
+		{
+			expectError( [&] { (void)model.useGroupState( "", "s" ); }, parts );
+			return;
+		}
+		ProblemOptions options;
+		EXPECT_EQ( buildProblem( model, options ).variables.size(), 4u ) << "all joints, without the group";
+		options.group = "a";
+		expectError( [&] { (void)buildProblem( model, options ); }, parts );
 	}
 };
 
@@ -95,13 +118,63 @@ TEST_F( SrdfTest, GroupsThatAreWrong )
 	expectBad( "<group name=\"a\"><group name=\"b\"/></group><group name=\"b\"><group name=\"a\"/></group>",
 	    { "group a", "contains itself" } );
 	expectBad( "<group name=\"a\"><group name=\"a\"/></group>", { "contains itself" } );
-	expectBad( "<group name=\"a\"><group name=\"b\"/></group>", { "group a", "no group b", "use one of a" } );
+	expectBad( "<group name=\"a\"><group name=\"b\"/></group>", { "group a", "no group b" } );
 	expectBad( "<group name=\"a\"><joint name=\"elbow\"/></group>", { "group a (line 3)", "no joint elbow" } );
+	expectBad( "<group name=\"a\"><joint/></group>", { "group a (line 3)", "<joint> has no name" } );
 	expectBad( "<group name=\"a\"><link name=\"hand\"/></group>", { "group a", "no link hand" } );
 	expectBad( "<group name=\"a\"><chain base_link=\"base\" tip_link=\"hand\"/></group>", { "group a", "no link hand" } );
 	expectBad( "<group name=\"a\"><chain base_link=\"base\"/></group>", { "tip_link" } );
 	expectBad( "<group name=\"a\"/><group name=\"a\"/>", { "group a", "before" } );
 	expectBad( "<group/>", { "no name" } );
+}
+
+TEST_F( SrdfTest, AGroupThatLostAPartIsAnErrorOnlyWhereItIsUsed )
+{
+	const std::string good = "<group name=\"good\"><joint name=\"j_l2\"/></group>\n";
+	expectUnusable( good + "<group name=\"a\"><joint name=\"j_l1\"/>\n<joint name=\"elbow\"/></group>",
+	    { "group a", "no joint elbow (line 5)", "use one of good" } );
+	expectUnusable( good + "<group name=\"a\"><chain base_link=\"base\" tip_link=\"hand\"/></group>", { "no link hand (line 4)" } );
+	expectUnusable( good + "<group name=\"a\"><chain tip_link=\"l2\"/></group>", { "<chain> has no base_link (line 4)" } );
+	expectUnusable( good + "<group name=\"a\"><group name=\"arms\"/></group>", { "there is no group arms (line 4)" } );
+	expectUnusable( good + "<group name=\"a\"><group name=\"b\"/></group><group name=\"b\"><link name=\"x\"/></group>",
+	    { "group a", "its group b: the URDF has no link x (line 4)" } );
+	expectUnusable( good + "<group name=\"a\"><group name=\"b\"/></group><group name=\"b\"><group name=\"a\"/></group>",
+	    { "its group b: group a contains itself" } );
+	RobotModel model = load( good + "<group name=\"a\"><joint name=\"j_l1\"/><joint name=\"elbow\"/></group>" );
+	EXPECT_EQ( model.findGroup( "a" )->joints, Names{ "j_l1" } ) << "what is there is kept";
+	EXPECT_EQ( model.useGroup( "good" ).joints, Names{ "j_l2" } );
+	expectError( [&] { (void)model.useGroup( "bad" ); }, { "there is no such group", "use one of good" } );
+	model = load( good + "<group name=\"good\"><joint name=\"j_r1\"/></group>" );
+	EXPECT_EQ( model.useGroup( "good" ).joints, Names{ "j_l2" } ) << "the first one, as in MoveIt";
+}
+
+TEST_F( SrdfTest, AGroupOfManyBrokenGroupsHasAShortDefect )
+{
+	std::string text;
+	for ( int i = 0; i < 60; ++i )
+	{
+		text += "<group name=\"g" + std::to_string( i ) + "\"><joint name=\"elbow\"/>";
+		for ( int k = 0; k < i; ++k )
+		{
+			text += "<group name=\"g" + std::to_string( k ) + "\"/>";
+		}
+		text += "</group>";
+	}
+	EXPECT_LT( load( text ).findGroup( "g59" )->defect.size(), 1000u );
+}
+
+TEST_F( SrdfTest, AUrdfIsNoSrdf )
+{
+	(void)load( "" );
+	expectError( [&] { (void)loadRobot( path( "r.urdf" ), path( "r.urdf" ) ); }, { "r.urdf", "<link> (line 1)", "this is a URDF" } );
+	const std::string both = write( "both.srdf", "<robot name=\"r\"><link name=\"base\"/><group name=\"g\"><joint name=\"j_l1\"/></group></robot>" );
+	const RobotModel model = loadRobot( path( "r.urdf" ), both );
+	EXPECT_EQ( model.useGroup( "g" ).joints, Names{ "j_l1" } );
+	EXPECT_NOTICE( model.report.notices, "links and joints of an SRDF were ignored" );
+	(void)load( "<group name=\"g\"><joint name=\"j_l1\"/></group>" );
+	expectError( [&] { (void)loadRobot( path( "r.srdf" ), "" ); }, { "r.srdf", "this is an SRDF", "as the robot" } );
+	EXPECT_NOTICE( load( "" ).report.notices, "holds no group and disables no pair" );
+	EXPECT_NOTICE( load( "<disable_collision link1=\"l1\" link2=\"l2\"/>" ).report.notices, "were ignored: <disable_collision>" );
 }
 
 TEST_F( SrdfTest, DisabledPairs )
@@ -125,6 +198,10 @@ TEST_F( SrdfTest, DefaultsDisabledAndEnabledAgain )
 	{
 		EXPECT_TRUE( pair.link1 == "torso" && pair.link2 != "r1" );
 	}
+	const std::string half = "<disable_default_collisions link=\"torso\"/><enable_collisions link1=\"torso\"/>";
+	EXPECT_TRUE( load( half ).disabled.empty() ) << "which pair was meant nobody knows: none is disabled";
+	expectBad( half, { "enable_collisions (line 3)", "link2" } );
+	expectBad( "<disable_default_collisions/>", { "disable_default_collisions (line 3)", "no link" } );
 }
 
 TEST_F( SrdfTest, VirtualJoints )
@@ -160,10 +237,20 @@ TEST_F( SrdfTest, GroupStates )
 	RobotModel model = load(
 	    group + "<group_state name=\"up\" group=\"g\"><joint name=\"j_lift\" value=\"0.5\"/><joint name=\"v\" value=\"1 2 "
 	            "0.3\"/><joint name=\"gone\" value=\"1\"/></group_state><group_state name=\"x\" group=\"h\"/>" );
-	ASSERT_EQ( model.group_states.size(), 1u );
+	ASSERT_EQ( model.group_states.size(), 2u );
 	EXPECT_EQ( model.group_states[0].joints.at( "j_lift" ), std::vector<double>{ 0.5 } );
 	EXPECT_EQ( model.group_states[0].joints.at( "v" ).size(), 3u );
 	EXPECT_NOTICE( model.report.notices, "no joint gone" );
+	EXPECT_EQ( model.useGroupState( "g", "up" ).joints.size(), 2u ) << "all joints of the group have values";
+	expectUnusable( group + "<group_state name=\"s\" group=\"g\"><joint name=\"gone\" value=\"1\"/></group_state>",
+	    { "group_state s", "no joint gone (line 3)" } );
+	expectError( [&] { (void)model.useGroupState( "", "x" ); }, { "group_state x", "no group h" } );
+	expectError( [&] { (void)model.useGroupState( "", "y" ); }, { "group_state y", "no such state", "up of group g" } );
+	const std::string down = "<group_state name=\"down\" group=\"g\"><joint name=\"j_lift\" value=\"0\"/></group_state>";
+	EXPECT_EQ( load( group + down ).useGroupState( "g", "down" ).joints.at( "j_lift" ), std::vector<double>{ 0 } );
+	expectBad( group + "<group_state name=\"s\"/>", { "group_state s (line 3)", "no group" } );
+	expectUnusable( group + "<group_state name=\"s\"/>", { "<group_state> has no group (line 3)" } );
+	expectUnusable( group + "<group_state name=\"s\" group=\"g\"><joint name=\"j_lift\" value=\"nan\"/></group_state>", { "nan" } );
 	EXPECT_NOTICE( model.report.notices, "no group h" );
 	expectBad( group + "<group_state name=\"up\" group=\"g\"><joint name=\"j_lift\" value=\"nan\"/></group_state>",
 	    { "group_state up", "nan" } );
@@ -194,8 +281,12 @@ TEST_F( SrdfTest, WhatTheXmlReaderWouldLeaveOut )
 
 TEST_F( SrdfTest, OtherRobotsAndFiles )
 {
-	RobotModel model = load( "<end_effector name=\"e\" parent_link=\"l2\" group=\"g\"/><passive_joint name=\"j_r2\"/>" );
+	const std::string group = "<group name=\"g\"><joint name=\"j_l1\"/></group>";
+	RobotModel model =
+	    load( group + "<end_effector name=\"e\" parent_link=\"l2\" group=\"g\"/><passive_joint name=\"j_r2\"/>" );
 	EXPECT_TRUE( model.report.notices.empty() ) << allNotices( model.report.notices );
+	EXPECT_NOTICE( load( group + "<end_effector name=\"e\" parent_link=\"l2\" group=\"hand\"/>", true ).report.notices,
+	    "there is no group hand" );
 	expectError( [&] { loadRobot( path( "r.urdf" ), path( "none.srdf" ) ); }, { "none.srdf", "no such file" } );
 	expectError(
 	    [&] { loadRobot( path( "r.urdf" ), write( "b.srdf", "<robot name=\"r\"><group" ) ); }, { "b.srdf", "XML" } );

@@ -112,20 +112,57 @@ TEST_F( UrdfTest, VisualGeometryIsNeverUsedSilently )
 	    linkXml( "frame", "" ) + jointXml( "j", "fixed", "base", "hand" ) + jointXml( "k", "fixed", "base", "frame" );
 	RobotModel model = load( content );
 	EXPECT_EQ( model.report.links_without_geometry, ( std::vector<std::string>{ "hand", "frame" } ) );
-	EXPECT_NOTICE( model.report.notices, "hand" );
+	EXPECT_NOTICE( model.report.notices, "are not checked: hand" );
 	EXPECT_FALSE( hasNotice( model.report.notices, "frame" ) );
 	LoadOptions options;
 	options.use_visual = true;
 	model = load( content, options );
 	EXPECT_EQ( model.links.at( 1 ).collision.size(), 1u );
 	EXPECT_EQ( model.report.links_without_geometry, std::vector<std::string>{ "frame" } );
-	EXPECT_NOTICE( model.report.notices, "its visual geometry is used" );
+	EXPECT_NOTICE( model.report.notices, "visual geometry is used for links without collision geometry: hand" );
+}
+
+TEST_F( UrdfTest, OneNoticeForAllLinksThatAreAlike )
+{
+	std::string content = linkXml( "base" );
+	for ( int i = 0; i < 25; ++i )
+	{
+		const std::string number = std::to_string( i );
+		content += linkXml( "l" + number, "<visual><geometry><sphere radius=\"0.1\"/></geometry></visual>" ) +
+		           jointXml( "j" + number, "prismatic", "base", "l" + number, "<limit effort=\"1\" velocity=\"1\"/>" );
+	}
+	RobotModel model = load( content );
+	EXPECT_EQ( model.report.notices.size(), 2u ) << allNotices( model.report.notices );
+	EXPECT_NOTICE( model.report.notices, "l0, l1, l2" );
+	EXPECT_NOTICE( model.report.notices, "(25 in all)" );
+	EXPECT_NOTICE( model.report.notices, "limits that are missing are 0, as in any URDF: j0 lower" );
+	LoadOptions options;
+	options.use_visual = true;
+	EXPECT_EQ( load( content, options ).report.notices.size(), 2u );
+}
+
+TEST_F( UrdfTest, AnObjectIsNoRobotButAScene )
+{
+	RobotModel mug = load( linkXml( "mug" ) );
+	expectError( [&] { (void)buildProblem( mug, {} ); }, { "robot.urdf", "has no joint that can move", "give it as the scene" } );
+	EXPECT_EQ( loadScene( path( "robot.urdf" ) ).objects.size(), 1u );
+}
+
+TEST_F( UrdfTest, APointerOfGitLfsIsNoMesh )
+{
+	for ( const std::string name : { "m.stl", "m.obj", "m.dae", "m.ply", "m.glb", "m.3ds" } )
+	{
+		write( name, "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393\nsize 12345\n" );
+		expectBad( linkXml( "base", "<collision><geometry><mesh filename=\"" + name + "\"/></geometry></collision>" ),
+		    { "link base, collision 1 (line 3)", name, "pointer of Git LFS", "git lfs pull" } );
+	}
 }
 
 TEST_F( UrdfTest, RobotWithoutCollisionGeometry )
 {
 	expectBad( linkXml( "base", "<visual><geometry><sphere radius=\"1\"/></geometry></visual>" ),
-	    { "no link has collision geometry" } );
+	    { "no link has collision geometry", "--visual" } );
+	expectBad( linkXml( "base", "" ), { "no link has collision geometry", "add <collision>" } );
 	expectBad( "", { "no links" } );
 }
 
@@ -187,7 +224,7 @@ TEST_F( UrdfTest, LimitsMissingOrReversed )
 	expectBad( links + jointXml( "j", "prismatic", "a", "b" ), { "joint j", "no <limit>" } );
 	expectBad(
 	    links + jointXml( "j", "revolute", "a", "b", "<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>" ),
-	    { "joint j", "lower limit 1 is above upper limit -1" } );
+	    { "joint j", "lower limit 1 is above upper limit -1", "make it continuous" } );
 	expectBad(
 	    links + jointXml( "j", "revolute", "a", "b", limit + "<axis xyz=\"0 0 0\"/>" ), { "joint j", "axis is zero" } );
 	expectBad(

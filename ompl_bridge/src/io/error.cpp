@@ -3,6 +3,7 @@
 #include "io_internal.hpp"
 
 #include <charconv>
+#include <fmt/format.h>
 #include <limits>
 #include <sstream>
 #include <system_error>
@@ -13,7 +14,47 @@ namespace leeway::io
 namespace
 {
 
-/// "<file>: <element>: <problem>; <remedy>" with empty parts left out and line breaks made blanks.
+/// Bytes of the UTF-8 character that `text` begins with; 0 if it begins with none. (RFC 3629: no longer form than needed, no
+/// surrogates, nothing above U+10FFFF.)
+std::size_t characterBytes( std::string_view text )
+{
+	const auto at = [&]( std::size_t i ) { return i < text.size() ? static_cast<unsigned char>( text[i] ) : 0u; };
+	const unsigned first = at( 0 );
+	if ( first < 0x80 )
+	{
+		return 1;
+	}
+	const std::size_t count = first >= 0xc2 && first <= 0xdf ? 2 : ( first & 0xf0u ) == 0xe0 ? 3 : first >= 0xf0 && first <= 0xf4 ? 4 : 0;
+	for ( std::size_t i = 1; i < count; ++i )
+	{
+		if ( ( at( i ) & 0xc0u ) != 0x80 )
+		{
+			return 0;
+		}
+	}
+	const unsigned second = at( 1 );
+	const bool wrong = ( first == 0xe0 && second < 0xa0 ) || ( first == 0xed && second > 0x9f ) ||
+	                   ( first == 0xf0 && second < 0x90 ) || ( first == 0xf4 && second > 0x8f );
+	return wrong ? 0 : count;
+}
+
+/// On one line and in UTF-8: line breaks become blanks, other bytes that cannot be printed \xNN.
+std::string printable( const std::string& text )
+{
+	std::string out;
+	for ( std::size_t i = 0; i < text.size(); )
+	{
+		const std::size_t count = characterBytes( std::string_view( text ).substr( i ) );
+		const unsigned char c = static_cast<unsigned char>( text[i] );
+		const bool blank = c == '\n' || c == '\r' || c == '\t';
+		const bool control = ( c < 0x20 && !blank ) || c == 0x7f;
+		out += blank ? " " : count == 0 || control ? fmt::format( "\\x{:02x}", c ) : text.substr( i, count );
+		i += count == 0 ? 1 : count;
+	}
+	return out;
+}
+
+/// "<file>: <element>: <problem>; <remedy>" with empty parts left out, printable.
 std::string oneLine(
     const std::string& file, const std::string& element, const std::string& problem, const std::string& remedy )
 {
@@ -30,11 +71,7 @@ std::string oneLine(
 	{
 		line += "; " + remedy;
 	}
-	for ( char& c : line )
-	{
-		c = c == '\n' || c == '\r' ? ' ' : c;
-	}
-	return line;
+	return printable( line );
 }
 
 } // namespace
@@ -57,8 +94,89 @@ const Group* RobotModel::findGroup( const std::string& group ) const
 	return nullptr;
 }
 
+namespace
+{
+
+/// Of groups without a defect.
+std::string usableGroups( const RobotModel& model )
+{
+	std::vector<std::string> names;
+	for ( const Group& group : model.groups )
+	{
+		if ( group.defect.empty() )
+		{
+			names.push_back( group.name );
+		}
+	}
+	return detail::joinNames( names );
+}
+
+} // namespace
+
+const Group& RobotModel::useGroup( const std::string& group ) const
+{
+	const Group* found = findGroup( group );
+	if ( found == nullptr )
+	{
+		throw Error( srdf_file.empty() ? urdf_file : srdf_file, "group " + group, "there is no such group",
+		    srdf_file.empty() ? "give an SRDF that defines it" : "use one of " + usableGroups( *this ) );
+	}
+	if ( !found->defect.empty() )
+	{
+		throw Error( srdf_file, "group " + group, "cannot be used: " + found->defect,
+		    "correct the SRDF, or use one of " + usableGroups( *this ) );
+	}
+	return *found;
+}
+
+const GroupState& RobotModel::useGroupState( const std::string& group, const std::string& state ) const
+{
+	const std::string& file = srdf_file.empty() ? urdf_file : srdf_file;
+	const GroupState* found = nullptr;
+	std::vector<std::string> names;
+	for ( const GroupState& candidate : group_states )
+	{
+		const bool of_group = group.empty() || candidate.group == group;
+		names.push_back( candidate.name + " of group " + candidate.group );
+		if ( !of_group || candidate.name != state )
+		{
+			continue;
+		}
+		if ( found != nullptr )
+		{
+			throw Error( file, "group_state " + state, fmt::format( "groups {} and {} have a state of this name", found->group, candidate.group ),
+			    "name the group" );
+		}
+		found = &candidate;
+	}
+	if ( found == nullptr )
+	{
+		throw Error( file, "group_state " + state, group.empty() ? "there is no such state" : fmt::format( "group {} has no such state", group ),
+		    srdf_file.empty() ? "give an SRDF that defines it" : "use one of " + detail::joinNames( names ) );
+	}
+	if ( !found->defect.empty() )
+	{
+		throw Error( file, "group_state " + state, "cannot be used: " + found->defect, "correct the SRDF, or use another state" );
+	}
+	return *found;
+}
+
 namespace detail
 {
+
+bool isUtf8( std::string_view text )
+{
+	while ( !text.empty() )
+	{
+		const std::size_t count = characterBytes( text );
+		if ( count == 0 )
+		{
+			return false;
+		}
+		text.remove_prefix( count );
+	}
+	return true;
+}
 
 std::string readFile( const std::string& file )
 {

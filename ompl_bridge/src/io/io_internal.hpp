@@ -22,6 +22,9 @@ namespace leeway::io::detail
 /// and turns nothing once normalised; more than 1e-3 is no rounding of a writer.
 constexpr double quaternion_notice_threshold = 1e-3;
 
+/// Names go into reports that have to be UTF-8.
+bool isUtf8( std::string_view text );
+
 /// readWholeFile()
 std::string readFile( const std::string& file );
 
@@ -34,14 +37,9 @@ std::vector<std::string> splitBlanks( std::string_view text );
 /// "a, b, c"; at most `limit` of them, then "... (12 in all)".
 std::string joinNames( const std::vector<std::string>& names, std::size_t limit = 20 );
 
-/// Resolves a mesh URI named in `from_file`: package://, file://, absolute, or relative to the folder of `from_file`.
-/// @param tried every path that was looked at, in order
-/// @return the first that is a file; empty if none is
-std::string resolveUri(
-    const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried );
-
-/// As resolveUri(), for a file that has to be there. @param kind "point cloud", for the error
-/// @throws Error with `from_file` and `element` and every path that was tried
+/// The file that a URI of `from_file` names: package://, file://, absolute, or relative to the folder of `from_file`.
+/// @param kind "point cloud", for the error
+/// @throws Error with `from_file` and `element` and every path that was tried, in order
 std::string findResource( const char* kind, const std::string& uri, const std::string& from_file, const std::string& element,
     const LoadOptions& options );
 
@@ -139,7 +137,8 @@ private:
 RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options );
 
 /// Adds groups, allowed pairs, virtual joint and states of an SRDF to a model.
-void readSrdf( const std::string& srdf_file, RobotModel& model );
+/// @param strict as LoadOptions::strict
+void readSrdf( const std::string& srdf_file, bool strict, RobotModel& model );
 
 /// The core's robot for a model. @param allowed names of links whose contact is allowed @throws Error
 Robot createRobot( const RobotModel& model, const std::vector<std::pair<std::string, std::string>>& allowed );

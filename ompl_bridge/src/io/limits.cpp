@@ -141,6 +141,11 @@ std::string readWholeFile( const std::string& file )
 	{
 		cannotBeRead( file, "" );
 	}
+	const std::string pointer = "version https://git-lfs.github.com/spec/";
+	if ( bytes.compare( 0, pointer.size(), pointer ) == 0 )
+	{
+		throw Error( file, "", "is only a pointer of Git LFS: the file itself was not fetched", "run git lfs pull in its repository" );
+	}
 	return bytes;
 }
 

@@ -236,10 +236,8 @@ TriangleSoup readMeshFile(
 	TriangleSoup soup;
 	try
 	{
-		if ( isSelfContained( extension ) || extension == ".gltf" )
-		{
-			bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
-		}
+		// Others are read by assimp; here for what every file is looked through for
+		bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
 		soup = extension == ".gltf" || extension == ".glb" ? readGltf( place, bytes )
 		       : extension == ".dae"                       ? readCollada( place, bytes )
 		                                                   : readByAssimp( place, extension, std::move( bytes ) );

@@ -15,6 +15,24 @@ namespace fs = std::filesystem;
 namespace
 {
 
+const std::string package_scheme = "package://";
+
+/// package://NAME/PATH. With slashes in front of NAME (package:///NAME/PATH, an empty authority) it means the same, as in
+/// pinocchio.
+struct PackageUri
+{
+	explicit PackageUri( const std::string& uri )
+	{
+		const std::size_t begin = uri.find_first_not_of( '/', package_scheme.size() );
+		const std::string rest = begin != std::string::npos ? uri.substr( begin ) : "";
+		const std::size_t slash = rest.find( '/' );
+		name = rest.substr( 0, slash );
+		path = slash != std::string::npos ? rest.substr( slash + 1 ) : "";
+	}
+
+	std::string name, path;
+};
+
 /// The folder's own name, whether or not the path ends in a slash.
 std::string folderName( const fs::path& folder )
 {
@@ -102,23 +120,33 @@ void searchPackage( const std::string& package, const std::string& path, const f
 	}
 }
 
-} // namespace
+/// What keeps a URI from naming a file, wherever that would be; empty if nothing.
+std::string uriProblem( const std::string& uri )
+{
+	const std::size_t colon = uri.find( "://" );
+	const std::string scheme = colon != std::string::npos ? uri.substr( 0, colon ) : "";
+	if ( scheme == "package" )
+	{
+		const PackageUri parts( uri );
+		return parts.name.empty()   ? "names no package"
+		       : parts.path.empty() ? fmt::format( "names package {} and no file in it", parts.name )
+		                            : "";
+	}
+	return scheme.empty() || scheme == "file" ? "" : fmt::format( "begins with {}://, which is not known", scheme );
+}
 
+/// @param tried every path that was looked at, in order
+/// @return the first that is a file; empty if none is
 std::string resolveUri(
     const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried )
 {
-	const std::string package_scheme = "package://", file_scheme = "file://";
+	const std::string file_scheme = "file://";
 	fs::path from_folder = fs::absolute( from_file ).lexically_normal().parent_path();
 	Search search( tried );
 	if ( uri.compare( 0, package_scheme.size(), package_scheme ) == 0 )
 	{
-		std::string rest = uri.substr( package_scheme.size() );
-		std::size_t slash = rest.find( '/' );
-		if ( slash == 0 || slash == std::string::npos )
-		{
-			return ""; // no package name, or nothing in it
-		}
-		searchPackage( rest.substr( 0, slash ), rest.substr( slash + 1 ), from_folder, options, search );
+		const PackageUri parts( uri );
+		searchPackage( parts.name, parts.path, from_folder, options, search );
 	}
 	else if ( uri.compare( 0, file_scheme.size(), file_scheme ) == 0 )
 	{
@@ -131,21 +159,26 @@ std::string resolveUri(
 	return search.found();
 }
 
+} // namespace
+
 std::string findResource( const char* kind, const std::string& uri, const std::string& from_file, const std::string& element,
     const LoadOptions& options )
 {
+	if ( const std::string problem = uriProblem( uri ); !problem.empty() )
+	{
+		throw Error( from_file, element, fmt::format( "{} \"{}\" {}", kind, uri, problem ),
+		    "write package://NAME/PATH, file:///PATH, or a path from the folder of this file" );
+	}
 	std::vector<std::string> tried;
-	std::string file = resolveUri( uri, from_file, options, tried );
+	const std::string file = resolveUri( uri, from_file, options, tried );
 	if ( !file.empty() )
 	{
 		return file;
 	}
-	bool package = uri.compare( 0, 10, "package://" ) == 0;
-	throw Error( from_file, element,
-	    tried.empty() ? fmt::format( "\"{}\" names no file", uri )
-	                  : fmt::format( "{} {} was not found, tried {}", kind, uri, joinNames( tried, 12 ) ),
-	    package ? "put the package beside the file, name its folder as a package path, or set ROS_PACKAGE_PATH or "
-	              "AMENT_PREFIX_PATH"
+	const bool package = uri.compare( 0, package_scheme.size(), package_scheme ) == 0;
+	throw Error( from_file, element, fmt::format( "{} {} was not found, tried {}", kind, uri, joinNames( tried, 12 ) ),
+	    package ? "put the package beside the file, name its folder as a package path (--package-path), or set "
+	              "ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
 	            : "correct the path" );
 }
 

@@ -28,6 +28,7 @@ void readParameters( const YamlNode& node, std::map<std::string, std::string>& f
 		YamlNode value = node[key.c_str()];
 		if ( std::find( std::begin( parameter_names ), std::end( parameter_names ), key ) == std::end( parameter_names ) )
 		{
+			node.refuseMisspelt( key, { std::begin( parameter_names ), std::end( parameter_names ) } );
 			readParameters( value, found, padding );
 			continue;
 		}

@@ -6,6 +6,7 @@
 // SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. Such entries are told in a notice.
 #include "margins.hpp"
 #include "padding.hpp"
+#include "plausibility.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -517,17 +518,7 @@ void selectGroup( const RobotModel& model, const std::string& group_name, Proble
 	}
 	else
 	{
-		const Group* group = model.findGroup( group_name );
-		if ( group == nullptr )
-		{
-			std::vector<std::string> names;
-			std::transform( model.groups.begin(), model.groups.end(), std::back_inserter( names ),
-			    []( const Group& candidate ) { return candidate.name; } );
-			throw Error( model.srdf_file.empty() ? model.urdf_file : model.srdf_file, "group " + group_name,
-			    "there is no such group",
-			    model.srdf_file.empty() ? "give an SRDF that defines it" : "use one of " + joinNames( names ) );
-		}
-		for ( const std::string& joint_name : group->joints )
+		for ( const std::string& joint_name : model.useGroup( group_name ).joints )
 		{
 			std::uint32_t joint = lw_robot_find_joint( robot, joint_name.c_str() );
 			std::uint32_t first = joint != LW_INVALID_INDEX ? lw_robot_joint_variable( robot, joint ) : LW_INVALID_INDEX;
@@ -540,8 +531,11 @@ void selectGroup( const RobotModel& model, const std::string& group_name, Proble
 	}
 	if ( problem.variables.empty() )
 	{
-		throw Error( group_name.empty() ? model.urdf_file : model.srdf_file,
-		    group_name.empty() ? "robot " + model.name : "group " + group_name, "has no movable joint",
+		if ( group_name.empty() )
+		{
+			throw Error( model.urdf_file, "robot " + model.name, "has no joint that can move", "if it is an object, give it as the scene (--scene)" );
+		}
+		throw Error( model.srdf_file, "group " + group_name, "has no movable joint",
 		    "use a group with joints that are neither fixed nor mimicking" );
 	}
 	for ( std::uint32_t variable : problem.variables )
@@ -748,6 +742,10 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	attachAll( attached, contacts, scene, problem );
 	selectGroup( model, options.group, problem );
 	createChecker( model, scene, contacts, options, problem );
+	if ( scene != nullptr && options.notice_enclosed )
+	{
+		detail::noticeEnclosures( model, *scene, contacts.link_objects, problem );
+	}
 	return problem;
 }
 

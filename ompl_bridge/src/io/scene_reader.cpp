@@ -6,6 +6,7 @@
 #include "articulation.hpp"
 #include "geometry_loader.hpp"
 #include "padding.hpp"
+#include "plausibility.hpp"
 #include "yaml.hpp"
 
 #include <algorithm>
@@ -84,13 +85,15 @@ private:
 
 void SceneReader::checkTop() const
 {
-	bool is_scene = false;
-	for ( const char* key : { "world", "robot_state", "allowed_collision_matrix", "fixed_frame_transforms" } )
-	{
-		is_scene = is_scene || m_root[key].defined();
-	}
+	const std::vector<std::string> parts = { "world", "robot_state", "allowed_collision_matrix", "fixed_frame_transforms" };
+	const bool is_scene =
+	    std::any_of( parts.begin(), parts.end(), [&]( const std::string& key ) { return m_root[key.c_str()].defined(); } );
 	if ( !is_scene )
 	{
+		for ( const std::string& key : m_root.keys() )
+		{
+			m_root.refuseMisspelt( key, parts );
+		}
 		bool request = m_root["goal_constraints"].defined() || m_root["start_state"].defined();
 		throw Error( m_scene.file, "world", request ? "this is a request, not a planning scene" : "there is no world",
 		    "give a planning scene with world.collision_objects" );
@@ -585,6 +588,7 @@ void SceneReader::readMatrix()
 	std::vector<std::vector<bool>> values;
 	for ( std::size_t i = 0; i < rows.size(); ++i )
 	{
+		rows[i].noticeUnknownKeys( { "enabled" } ); // of a map
 		YamlNode row = rows[i].isMap() ? rows[i]["enabled"] : rows[i];
 		if ( row.size() != names.size() )
 		{
@@ -620,6 +624,7 @@ void SceneReader::readFixedFrames()
 	for ( std::size_t i = 0; i < frames.size(); ++i )
 	{
 		YamlNode frame = frames[i];
+		frame.noticeUnknownKeys( { "header", "child_frame_id", "transform" } );
 		std::string child = frame["child_frame_id"].text();
 		child = !child.empty() && child[0] == '/' ? child.substr( 1 ) : child;
 		m_scene.fixed_frames.emplace( child, std::pair( frame.frame(), frame["transform"].pose() ) );
@@ -662,6 +667,10 @@ void SceneReader::read()
 	readMatrix();
 	readFixedFrames();
 	readPadding();
+	if ( m_scene.objects.empty() && m_scene.attached.empty() )
+	{
+		m_scene.report.notices.push_back( { m_scene.file, "world", "holds no object: nothing is in the robot's way" } );
+	}
 }
 
 /// A URDF as a scene: each link with geometry becomes an object, where it is with all joints at zero.
@@ -683,10 +692,12 @@ SceneModel loadScene( const std::string& file, const LoadOptions& options )
 	if ( lower( std::filesystem::path( file ).extension().string() ) == ".urdf" )
 	{
 		readUrdfScene( file, options, scene );
-		return scene;
 	}
-	SceneReader reader( file, options, scene );
-	reader.read();
+	else
+	{
+		SceneReader( file, options, scene ).read();
+	}
+	detail::noticeOddSizes( scene, scene.report.notices );
 	return scene;
 }
 

@@ -73,18 +73,7 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 			    "give three finite factors other than 0" );
 		}
 	}
-	std::vector<std::string> tried;
-	std::string file = resolveUri( uri, place.file, m_options, tried );
-	if ( file.empty() )
-	{
-		throw Error( place.file, place.element,
-		    tried.empty() ? fmt::format( "\"{}\" names no file", uri )
-		                  : fmt::format( "mesh {} was not found, tried {}", uri, joinNames( tried, 12 ) ),
-		    uri.compare( 0, 10, "package://" ) == 0
-		        ? "put the package beside the file, name its folder as a package path, or "
-		          "set ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
-		        : "correct the path" );
-	}
+	const std::string file = findResource( "mesh", uri, place.file, place.element, m_options );
 	LoadedShape line;
 	line.owner = place.owner;
 	line.source = "mesh " + uri;

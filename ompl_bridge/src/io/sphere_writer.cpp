@@ -88,7 +88,8 @@ std::string writeSpheresSrdf( const RobotModel& model, const std::vector<LinkSph
 	for ( XMLElement* e = root->FirstChildElement( "link_sphere_approximation" ); e != nullptr; )
 	{
 		XMLElement* next = e->NextSiblingElement( "link_sphere_approximation" );
-		if ( find( links, e->Attribute( "link" ) ) != nullptr )
+		const char* name = e->Attribute( "link" );
+		if ( name != nullptr && find( links, name ) != nullptr )
 		{
 			root->DeleteChild( e );
 		}

@@ -4,6 +4,9 @@
 // Semantics follow MoveIt: a chain is the joints from base to tip (through their common ancestor if the base is no ancestor
 // of the tip), a link stands for the joint above it, subgroups are included as they are. Fixed and mimic joints have no
 // value of their own and are left out of groups. Passive joints and end effectors do not matter to collision checking.
+//
+// As in srdfdom, an element that names what the URDF lacks does not spoil the file: it is left out, with a notice. A group or
+// state that lost a part this way is kept with its defect, and using it is an error; LoadOptions::strict makes it one at once.
 #include "xml.hpp"
 
 #include <algorithm>
@@ -28,13 +31,23 @@ void addOnce( std::vector<std::string>& names, const std::string& name )
 	}
 }
 
+/// Elements that SRDFs have below <robot>; leeway has no use for the last four.
+constexpr const char* known_elements[] = { "group", "group_state", "virtual_joint", "disable_collisions",
+    "enable_collisions", "disable_default_collisions", "end_effector", "passive_joint", "link_sphere_approximation",
+    "joint_property" };
+
 class SrdfReader
 {
 public:
-	SrdfReader( const std::string& file, RobotModel& model ) : m_xml( file, "SRDF" ), m_model( model ) {}
+	SrdfReader( const std::string& file, bool strict, RobotModel& model )
+	    : m_xml( file, "SRDF" ), m_strict( strict ), m_model( model )
+	{
+	}
 	void read();
 
 private:
+	using Defects = std::vector<std::string>; ///< "the URDF has no link hand (line 7)"
+
 	struct Definition
 	{
 		const XMLElement* element;
@@ -45,23 +58,46 @@ private:
 			DONE
 		} state = UNREAD;
 		Group group;
+		std::string cause; ///< the first defect
 	};
 
+	void checkKind();
 	void readVirtualJoint( const XMLElement& element );
+	bool usableVirtualJoint( const XMLElement& element, const std::string& what, const std::string& name );
 	void index();
+	void defineGroups();
 	void readGroups();
 	const Group& group( const std::string& name );
-	void addChain( const XMLElement& chain, const std::string& what, Group& group );
+	void addPart( const XMLElement& part, const std::string& what, Group& group, Defects& defects );
+	void addSubgroup( const XMLElement& part, const std::string& what, Group& group, Defects& defects );
+	void addChain( const XMLElement& chain, const std::string& what, Group& group, Defects& defects );
 	void addJoint( const JointModel& joint, Group& group );
 	std::vector<const JointModel*> pathToRoot( const std::string& link ) const;
 	const JointModel* findJoint( const std::string& name ) const;
 	void readPairs();
+	std::set<std::pair<std::string, std::string>> readEnabled( std::set<std::string>& all_of );
+	void readDisabled( std::set<std::pair<std::string, std::string>>& disabled );
+	void readDisabledDefaults( std::set<std::pair<std::string, std::string>>& disabled );
+	void disable( const std::string& a, const std::string& b, const std::string& reason,
+	    std::set<std::pair<std::string, std::string>>& disabled );
 	void readStates();
+	void readState( const XMLElement& element, const std::string& name );
+	void noticeEndEffectors();
 	bool knownLink( const std::string& link );
-	std::string requireLink( const XMLElement& at, const std::string& what, const char* attribute ) const;
+
+	/// A non-empty attribute; without one, a defect.
+	std::string text( const XMLElement& at, const std::string& what, const char* attribute, Defects& defects ) const;
+	/// A link of the URDF; else a defect, and empty.
+	std::string link( const XMLElement& at, const std::string& what, const char* attribute, Defects& defects ) const;
+	/// Notes a defect of a group or state. @throws Error if strict
+	void defect( const XMLElement& at, const std::string& what, const std::string& problem, const std::string& remedy,
+	    Defects& defects ) const;
+	/// A notice about an element that is left out for its defects; true if there are any.
+	bool isLeftOut( const XMLElement& at, const std::string& what, const Defects& defects );
 	void notice( const XMLElement& at, const std::string& what, const std::string& text );
 
 	XmlFile m_xml;
+	const bool m_strict;
 	RobotModel& m_model;
 	std::map<std::string, const JointModel*> m_joints, m_joint_above; ///< by name; by child link
 	std::set<std::string> m_links;
@@ -95,60 +131,110 @@ const JointModel* SrdfReader::findJoint( const std::string& name ) const
 	return found != m_joints.end() ? found->second : nullptr;
 }
 
-std::string SrdfReader::requireLink( const XMLElement& at, const std::string& what, const char* attribute ) const
+void SrdfReader::defect( const XMLElement& at, const std::string& what, const std::string& problem,
+    const std::string& remedy, Defects& defects ) const
 {
-	std::string link = m_xml.text( at, what, attribute );
-	if ( m_links.count( link ) == 0 )
+	if ( m_strict )
 	{
-		m_xml.fail(
-		    at, what, fmt::format( "the URDF has no link {}", link ), "correct the name, or give the URDF it belongs to" );
+		m_xml.fail( at, what, problem, remedy );
 	}
-	return link;
+	addOnce( defects, fmt::format( "{} (line {})", problem, at.GetLineNum() ) );
+}
+
+bool SrdfReader::isLeftOut( const XMLElement& at, const std::string& what, const Defects& defects )
+{
+	if ( !defects.empty() )
+	{
+		notice( at, what, fmt::format( "was ignored: {}", joinNames( defects ) ) );
+	}
+	return !defects.empty();
+}
+
+std::string SrdfReader::text(
+    const XMLElement& at, const std::string& what, const char* attribute, Defects& defects ) const
+{
+	const char* value = at.Attribute( attribute );
+	if ( value == nullptr || *value == '\0' )
+	{
+		defect( at, what, fmt::format( "<{}> has no {}", at.Name(), attribute ),
+		    fmt::format( "add {}=\"...\" to it", attribute ), defects );
+		return "";
+	}
+	m_xml.requireUtf8( at, what, attribute );
+	return value;
+}
+
+std::string SrdfReader::link(
+    const XMLElement& at, const std::string& what, const char* attribute, Defects& defects ) const
+{
+	std::string name = text( at, what, attribute, defects );
+	if ( name.empty() || m_links.count( name ) != 0 )
+	{
+		return name;
+	}
+	defect( at, what, fmt::format( "the URDF has no link {}", name ),
+	    "correct the name, or give the URDF it belongs to", defects );
+	return "";
+}
+
+/// Whether a virtual joint can be added; else it is left out, as MoveIt does.
+bool SrdfReader::usableVirtualJoint( const XMLElement& element, const std::string& what, const std::string& name )
+{
+	Defects defects;
+	if ( name.empty() )
+	{
+		defect( element, what, "<virtual_joint> has no name", "add name=\"...\" to it", defects );
+	}
+	const std::string type = text( element, what, "type", defects );
+	const std::string parent = text( element, what, "parent_frame", defects );
+	const std::string child = text( element, what, "child_link", defects );
+	if ( !child.empty() && child != m_model.root_link )
+	{
+		defect( element, what, fmt::format( "child_link {} is not the root link {}", child, m_model.root_link ),
+		    "attach the root link to the world", defects );
+	}
+	if ( !type.empty() && type != "fixed" && type != "planar" && type != "floating" )
+	{
+		defect( element, what, fmt::format( "type {} is not known", type ), "use fixed, planar or floating", defects );
+	}
+	if ( !m_model.joints.empty() && m_model.joints.front().child == m_model.root_link )
+	{
+		defect( element, what, "a second virtual joint", "keep one", defects );
+	}
+	const bool parent_is_link = std::any_of(
+	    m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& known ) { return known.name == parent; } );
+	if ( parent_is_link && type == "fixed" && parent == child && defects.empty() )
+	{
+		return false; // a root link called "world", fixed to the world: nothing to add
+	}
+	if ( parent_is_link )
+	{
+		defect( element, what, fmt::format( "parent_frame {} is a link of the robot", parent ),
+		    "give the frame another name", defects );
+	}
+	if ( std::any_of( m_model.joints.begin(), m_model.joints.end(),
+	         [&]( const JointModel& joint ) { return joint.name == name; } ) )
+	{
+		defect( element, what, "the URDF has a joint of this name", "rename the virtual joint", defects );
+	}
+	return !isLeftOut( element, what, defects );
 }
 
 void SrdfReader::readVirtualJoint( const XMLElement& element )
 {
-	std::string name = m_xml.text( element, "virtual_joint", "name" );
-	std::string what = "virtual_joint " + name;
-	std::string type = m_xml.text( element, what, "type" );
-	std::string parent = m_xml.text( element, what, "parent_frame" );
-	std::string child = m_xml.text( element, what, "child_link" );
-	if ( child != m_model.root_link )
+	const char* given = element.Attribute( "name" );
+	m_xml.requireUtf8( element, "virtual_joint", "name" );
+	const std::string name = given != nullptr ? given : "";
+	if ( !usableVirtualJoint( element, name.empty() ? "virtual_joint" : "virtual_joint " + name, name ) )
 	{
-		m_xml.fail( element, what, fmt::format( "child_link {} is not the root link {}", child, m_model.root_link ),
-		    "attach the root link to the world" );
+		return;
 	}
-	if ( type != "fixed" && type != "planar" && type != "floating" )
-	{
-		m_xml.fail( element, what, fmt::format( "type {} is not known", type ), "use fixed, planar or floating" );
-	}
-	if ( !m_model.joints.empty() && m_model.joints.front().child == m_model.root_link )
-	{
-		m_xml.fail( element, what, "a second virtual joint", "keep one" );
-	}
-	bool parent_is_link = std::any_of(
-	    m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& link ) { return link.name == parent; } );
-	if ( parent_is_link && type == "fixed" && parent == child )
-	{
-		return; // a root link called "world", fixed to the world: nothing to add
-	}
-	if ( parent_is_link )
-	{
-		m_xml.fail(
-		    element, what, fmt::format( "parent_frame {} is a link of the robot", parent ), "give the frame another name" );
-	}
-	for ( const JointModel& joint : m_model.joints )
-	{
-		if ( joint.name == name )
-		{
-			m_xml.fail( element, what, "the URDF has a joint of this name", "rename the virtual joint" );
-		}
-	}
+	const std::string type = element.Attribute( "type" ), parent = element.Attribute( "parent_frame" );
 	JointModel joint;
 	joint.name = name;
 	joint.type = type == "fixed" ? LW_JOINT_FIXED : type == "planar" ? LW_JOINT_PLANAR : LW_JOINT_FLOATING;
 	joint.parent = parent;
-	joint.child = child;
+	joint.child = m_model.root_link;
 	joint.parent_from_joint = lw_transform_identity();
 	joint.axis[0] = 0; // a planar base drives in the plane z = 0 of its frame
 	joint.axis[2] = 1;
@@ -180,10 +266,13 @@ std::vector<const JointModel*> SrdfReader::pathToRoot( const std::string& link )
 	return path;
 }
 
-void SrdfReader::addChain( const XMLElement& chain, const std::string& what, Group& group )
+void SrdfReader::addChain( const XMLElement& chain, const std::string& what, Group& group, Defects& defects )
 {
-	std::string base = requireLink( chain, what, "base_link" );
-	std::string tip = requireLink( chain, what, "tip_link" );
+	const std::string base = link( chain, what, "base_link", defects ), tip = link( chain, what, "tip_link", defects );
+	if ( base.empty() || tip.empty() )
+	{
+		return;
+	}
 	std::vector<const JointModel*> up = pathToRoot( base ), down = pathToRoot( tip );
 	// What both paths share lies above the common ancestor
 	while ( !up.empty() && !down.empty() && up.back() == down.back() )
@@ -202,85 +291,127 @@ void SrdfReader::addChain( const XMLElement& chain, const std::string& what, Gro
 	}
 }
 
+void SrdfReader::addSubgroup( const XMLElement& part, const std::string& what, Group& out, Defects& defects )
+{
+	const std::string name = text( part, what, "name", defects );
+	auto found = m_definitions.find( name );
+	if ( name.empty() )
+	{
+		return;
+	}
+	if ( found == m_definitions.end() )
+	{
+		defect( part, what, fmt::format( "there is no group {}", name ),
+		    fmt::format( "use one of {}", joinNames( m_group_order ) ), defects );
+		return;
+	}
+	if ( found->second.state == Definition::OPEN )
+	{
+		defect( part, what, fmt::format( "group {} contains itself", name ), "break the cycle of subgroups", defects );
+		return;
+	}
+	const Group& sub = group( name );
+	std::for_each( sub.links.begin(), sub.links.end(), [&]( const std::string& n ) { addOnce( out.links, n ); } );
+	std::for_each( sub.joints.begin(), sub.joints.end(), [&]( const std::string& n ) { addOnce( out.joints, n ); } );
+	if ( !sub.defect.empty() )
+	{
+		addOnce( defects, fmt::format( "its group {}: {}", name, found->second.cause ) );
+	}
+}
+
+void SrdfReader::addPart( const XMLElement& part, const std::string& what, Group& out, Defects& defects )
+{
+	const std::string kind = part.Name();
+	if ( kind == "chain" )
+	{
+		addChain( part, what, out, defects );
+	}
+	else if ( kind == "group" )
+	{
+		addSubgroup( part, what, out, defects );
+	}
+	else if ( kind == "joint" )
+	{
+		const std::string name = text( part, what, "name", defects );
+		const JointModel* joint = findJoint( name );
+		if ( joint != nullptr )
+		{
+			addJoint( *joint, out );
+		}
+		else if ( !name.empty() )
+		{
+			defect( part, what, fmt::format( "the URDF has no joint {}", name ),
+			    "correct the name, or give the URDF it belongs to", defects );
+		}
+	}
+	else if ( kind == "link" )
+	{
+		const std::string name = link( part, what, "name", defects );
+		auto above = m_joint_above.find( name );
+		if ( !name.empty() )
+		{
+			addOnce( out.links, name );
+		}
+		if ( above != m_joint_above.end() )
+		{
+			addJoint( *above->second, out );
+		}
+	}
+	else if ( kind != "passive_joint" )
+	{
+		notice( part, what, fmt::format( "<{}> is not known in a group and was ignored", kind ) );
+	}
+}
+
 const Group& SrdfReader::group( const std::string& name )
 {
 	Definition& definition = m_definitions.at( name );
-	std::string what = "group " + name;
-	if ( definition.state == Definition::OPEN )
-	{
-		m_xml.fail( *definition.element, what, "contains itself", "break the cycle of subgroups" );
-	}
 	if ( definition.state == Definition::DONE )
 	{
 		return definition.group;
 	}
 	definition.state = Definition::OPEN;
+	const std::string what = "group " + name;
 	Group result;
 	result.name = name;
-	for ( const XMLElement& e : children( *definition.element, nullptr ) )
+	Defects defects;
+	for ( const XMLElement& part : children( *definition.element, nullptr ) )
 	{
-		std::string kind = e.Name();
-		if ( kind == "chain" )
-		{
-			addChain( e, what, result );
-		}
-		else if ( kind == "joint" )
-		{
-			std::string joint_name = m_xml.text( e, what, "name" );
-			const JointModel* joint = findJoint( joint_name );
-			if ( joint == nullptr )
-			{
-				m_xml.fail( e, what, fmt::format( "the URDF has no joint {}", joint_name ),
-				    "correct the name, or give the URDF it belongs to" );
-			}
-			addJoint( *joint, result );
-		}
-		else if ( kind == "link" )
-		{
-			std::string link = requireLink( e, what, "name" );
-			auto above = m_joint_above.find( link );
-			addOnce( result.links, link );
-			if ( above != m_joint_above.end() )
-			{
-				addJoint( *above->second, result );
-			}
-		}
-		else if ( kind == "group" )
-		{
-			std::string subgroup = m_xml.text( e, what, "name" );
-			if ( m_definitions.count( subgroup ) == 0 )
-			{
-				m_xml.fail( e, what, fmt::format( "there is no group {}", subgroup ),
-				    fmt::format( "use one of {}", joinNames( m_group_order ) ) );
-			}
-			const Group& sub = group( subgroup );
-			std::for_each( sub.links.begin(), sub.links.end(), [&]( const std::string& n ) { addOnce( result.links, n ); } );
-			std::for_each(
-			    sub.joints.begin(), sub.joints.end(), [&]( const std::string& n ) { addOnce( result.joints, n ); } );
-		}
-		else if ( kind != "passive_joint" )
-		{
-			notice( e, what, fmt::format( "<{}> is not known in a group and was ignored", kind ) );
-		}
+		addPart( part, what, result, defects );
+	}
+	if ( !defects.empty() )
+	{
+		result.defect = joinNames( defects, 4 );
+		definition.cause = defects.front();
+		notice( *definition.element, what, "cannot be used: " + result.defect );
 	}
 	definition.group = result;
 	definition.state = Definition::DONE;
 	return definition.group;
 }
 
-void SrdfReader::readGroups()
+void SrdfReader::defineGroups()
 {
 	for ( const XMLElement& e : children( m_xml.root(), "group" ) )
 	{
-		std::string name = m_xml.text( e, "group", "name" );
+		Defects defects;
+		const std::string name = text( e, "group", "name", defects ), what = "group " + name;
 		Definition definition{};
 		definition.element = &e;
-		if ( !m_definitions.emplace( name, definition ).second )
+		if ( !name.empty() && !m_definitions.emplace( name, definition ).second )
 		{
-			m_xml.fail( e, "group " + name, "a group of this name was defined before", "rename or remove one of them" );
+			defect( e, what, "a group of this name was defined before", "rename or remove one of them", defects );
 		}
-		m_group_order.push_back( name );
+		if ( !isLeftOut( e, name.empty() ? "group" : what, defects ) )
+		{
+			m_group_order.push_back( name );
+		}
 	}
+}
+
+void SrdfReader::readGroups()
+{
+	defineGroups();
 	for ( const std::string& name : m_group_order )
 	{
 		m_model.groups.push_back( group( name ) );
@@ -298,49 +429,87 @@ bool SrdfReader::knownLink( const std::string& link )
 	return known;
 }
 
-void SrdfReader::readPairs()
+/// @param all_of links of elements that name only one: all their pairs stay enabled, whichever was meant
+std::set<std::pair<std::string, std::string>> SrdfReader::readEnabled( std::set<std::string>& all_of )
 {
 	std::set<std::pair<std::string, std::string>> enabled;
 	for ( const XMLElement& e : children( m_xml.root(), "enable_collisions" ) )
 	{
-		std::string a = m_xml.text( e, "enable_collisions", "link1" ), b = m_xml.text( e, "enable_collisions", "link2" );
+		Defects defects;
+		const std::string a = text( e, "enable_collisions", "link1", defects ),
+		                  b = text( e, "enable_collisions", "link2", defects );
+		if ( !defects.empty() )
+		{
+			all_of.insert( a.empty() ? b : a );
+			notice( e, "enable_collisions",
+			    fmt::format( "{}: no pair of {} is disabled by default", joinNames( defects ), a.empty() ? b : a ) );
+			continue;
+		}
 		knownLink( a );
 		knownLink( b );
 		enabled.insert( std::minmax( a, b ) );
 	}
-	std::set<std::pair<std::string, std::string>> disabled;
-	auto add = [&]( const std::string& a, const std::string& b, const std::string& reason )
+	return enabled;
+}
+
+void SrdfReader::disable( const std::string& a, const std::string& b, const std::string& reason,
+    std::set<std::pair<std::string, std::string>>& disabled )
+{
+	if ( disabled.insert( std::minmax( a, b ) ).second )
 	{
-		if ( disabled.insert( std::minmax( a, b ) ).second )
-		{
-			m_model.disabled.push_back( { a, b, reason } );
-		}
-	};
+		m_model.disabled.push_back( { a, b, reason } );
+	}
+}
+
+void SrdfReader::readDisabled( std::set<std::pair<std::string, std::string>>& disabled )
+{
 	for ( const XMLElement& e : children( m_xml.root(), "disable_collisions" ) )
 	{
-		std::string a = m_xml.text( e, "disable_collisions", "link1" ), b = m_xml.text( e, "disable_collisions", "link2" );
-		bool known = knownLink( a );
-		known = knownLink( b ) && known;
-		if ( known && a != b )
-		{
-			add( a, b, e.Attribute( "reason" ) != nullptr ? e.Attribute( "reason" ) : "" );
-		}
-	}
-	for ( const XMLElement& e : children( m_xml.root(), "disable_default_collisions" ) )
-	{
-		std::string a = m_xml.text( e, "disable_default_collisions", "link" );
-		if ( !knownLink( a ) )
+		Defects defects;
+		const std::string a = text( e, "disable_collisions", "link1", defects ),
+		                  b = text( e, "disable_collisions", "link2", defects );
+		if ( isLeftOut( e, "disable_collisions", defects ) )
 		{
 			continue;
 		}
-		for ( const LinkModel& link : m_model.links )
+		bool known = knownLink( a );
+		known = knownLink( b ) && known;
+		m_xml.requireUtf8( e, "disable_collisions", "reason" );
+		if ( known && a != b )
 		{
-			if ( link.name != a && enabled.count( std::minmax( a, link.name ) ) == 0 )
+			disable( a, b, e.Attribute( "reason" ) != nullptr ? e.Attribute( "reason" ) : "", disabled );
+		}
+	}
+}
+
+void SrdfReader::readDisabledDefaults( std::set<std::pair<std::string, std::string>>& disabled )
+{
+	std::set<std::string> all_of;
+	const std::set<std::pair<std::string, std::string>> enabled = readEnabled( all_of );
+	for ( const XMLElement& e : children( m_xml.root(), "disable_default_collisions" ) )
+	{
+		Defects defects;
+		const std::string a = text( e, "disable_default_collisions", "link", defects );
+		if ( isLeftOut( e, "disable_default_collisions", defects ) || !knownLink( a ) )
+		{
+			continue;
+		}
+		for ( const LinkModel& other : m_model.links )
+		{
+			if ( other.name != a && enabled.count( std::minmax( a, other.name ) ) + all_of.count( a ) +
+			         all_of.count( other.name ) == 0 )
 			{
-				add( a, link.name, "disable_default_collisions" );
+				disable( a, other.name, "disable_default_collisions", disabled );
 			}
 		}
 	}
+}
+
+void SrdfReader::readPairs()
+{
+	std::set<std::pair<std::string, std::string>> disabled;
+	readDisabled( disabled );
+	readDisabledDefaults( disabled );
 	if ( !m_unknown.empty() )
 	{
 		m_model.report.notices.push_back( { m_xml.path(), "disable_collisions",
@@ -348,36 +517,127 @@ void SrdfReader::readPairs()
 	}
 }
 
+/// A state that names joints which the URDF lacks (a root_joint, a hand that is not mounted) is the state that was meant if it
+/// has a value for each joint of its group.
+void SrdfReader::readState( const XMLElement& element, const std::string& name )
+{
+	const std::string what = "group_state " + name;
+	GroupState state;
+	state.name = name;
+	Defects defects, absent;
+	state.group = text( element, what, "group", defects );
+	const Group* group = m_model.findGroup( state.group );
+	if ( group == nullptr && !state.group.empty() )
+	{
+		addOnce( defects, fmt::format( "there is no group {} (line {})", state.group, element.GetLineNum() ) );
+	}
+	for ( const XMLElement& e : children( element, "joint" ) )
+	{
+		const std::string joint = text( e, what, "name", defects );
+		if ( findJoint( joint ) == nullptr )
+		{
+			if ( !joint.empty() )
+			{
+				addOnce( absent, fmt::format( "the URDF has no joint {} (line {})", joint, e.GetLineNum() ) );
+			}
+			continue;
+		}
+		try
+		{
+			state.joints[joint] = m_xml.numbers( e, what, "value", 0 );
+		}
+		catch ( const Error& error )
+		{
+			defect( e, what, error.problem(), error.remedy(), defects );
+		}
+	}
+	const bool whole = group != nullptr && std::all_of( group->joints.begin(), group->joints.end(),
+	                                           [&]( const std::string& joint ) { return state.joints.count( joint ) != 0; } );
+	if ( defects.empty() && whole && !absent.empty() )
+	{
+		notice( element, what, fmt::format( "joints were left out: {}", joinNames( absent, 4 ) ) );
+	}
+	else if ( defects.size() + absent.size() > 0 )
+	{
+		defects.insert( defects.end(), absent.begin(), absent.end() );
+		state.defect = joinNames( defects, 4 );
+		notice( element, what, "cannot be used: " + state.defect );
+	}
+	m_model.group_states.push_back( state );
+}
+
 void SrdfReader::readStates()
 {
 	for ( const XMLElement& e : children( m_xml.root(), "group_state" ) )
 	{
-		GroupState state;
-		state.name = m_xml.text( e, "group_state", "name" );
-		std::string what = "group_state " + state.name;
-		state.group = m_xml.text( e, what, "group" );
-		if ( m_model.findGroup( state.group ) == nullptr )
+		Defects defects;
+		const std::string name = text( e, "group_state", "name", defects );
+		if ( !isLeftOut( e, "group_state", defects ) )
 		{
-			notice( e, what, fmt::format( "there is no group {}: ignored", state.group ) );
-			continue;
+			readState( e, name );
 		}
-		for ( const XMLElement& j : children( e, "joint" ) )
+	}
+}
+
+/// No question depends on end effectors: what they name is looked up for whoever wrote the file.
+void SrdfReader::noticeEndEffectors()
+{
+	for ( const XMLElement& e : children( m_xml.root(), "end_effector" ) )
+	{
+		const auto missing = [&]( const char* attribute, const auto& known )
 		{
-			std::string joint = m_xml.text( j, what, "name" );
-			std::vector<double> values = m_xml.numbers( j, what, "value", 0 );
-			if ( findJoint( joint ) == nullptr )
+			const char* name = e.Attribute( attribute );
+			if ( name != nullptr && *name != '\0' && !known( name ) )
 			{
-				notice( j, what, fmt::format( "the URDF has no joint {}: ignored", joint ) );
-				continue;
+				notice( e, "end_effector", fmt::format( "there is no {} {}", attribute, name ) );
 			}
-			state.joints[joint] = values;
+		};
+		missing( "group", [&]( const char* name ) { return m_definitions.count( name ) != 0; } );
+		missing( "parent_group", [&]( const char* name ) { return m_definitions.count( name ) != 0; } );
+		missing( "parent_link", [&]( const char* name ) { return m_links.count( name ) != 0; } );
+	}
+}
+
+/// A URDF has the same root element: without this it would be an SRDF that says nothing.
+void SrdfReader::checkKind()
+{
+	const XMLElement* urdf = nullptr;
+	bool any = false;
+	std::vector<std::string> unknown;
+	for ( const XMLElement& e : children( m_xml.root(), nullptr ) )
+	{
+		const std::string name = e.Name();
+		const bool known = std::find( std::begin( known_elements ), std::end( known_elements ), name ) != std::end( known_elements );
+		const bool of_urdf = name == "link" || name == "joint";
+		any = any || known;
+		urdf = of_urdf && urdf == nullptr ? &e : urdf;
+		if ( !known && !of_urdf )
+		{
+			addOnce( unknown, "<" + name + ">" );
 		}
-		m_model.group_states.push_back( state );
+	}
+	if ( urdf != nullptr && !any )
+	{
+		m_xml.fail( *urdf, fmt::format( "<{}>", urdf->Name() ), "this is a URDF: it has links and joints, and nothing that an SRDF has",
+		    "give the SRDF here and this file as the robot, or leave the SRDF out" );
+	}
+	if ( urdf != nullptr )
+	{
+		notice( *urdf, fmt::format( "<{}>", urdf->Name() ), "links and joints of an SRDF were ignored: those of the URDF count" );
+	}
+	if ( !unknown.empty() )
+	{
+		notice( m_xml.root(), "<robot>", fmt::format( "elements that are not known were ignored: {}", joinNames( unknown ) ) );
+	}
+	if ( !any )
+	{
+		notice( m_xml.root(), "<robot>", "holds no group and disables no pair" );
 	}
 }
 
 void SrdfReader::read()
 {
+	checkKind();
 	const char* name = m_xml.root().Attribute( "name" );
 	if ( name != nullptr && name != m_model.name )
 	{
@@ -391,13 +651,14 @@ void SrdfReader::read()
 	readGroups();
 	readPairs();
 	readStates();
+	noticeEndEffectors();
 }
 
 } // namespace
 
-void readSrdf( const std::string& srdf_file, RobotModel& model )
+void readSrdf( const std::string& srdf_file, bool strict, RobotModel& model )
 {
-	SrdfReader reader( srdf_file, model );
+	SrdfReader reader( srdf_file, strict, model );
 	reader.read();
 	model.srdf_file = srdf_file;
 }

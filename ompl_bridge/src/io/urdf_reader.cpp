@@ -5,6 +5,7 @@
 // mean something (capsules), forgets the order of the file and prints to the console. So the document is checked first, what
 // urdfdom need not see is taken out, and what it prints becomes part of the error or a notice.
 #include "geometry_loader.hpp"
+#include "plausibility.hpp"
 #include "xml.hpp"
 
 #include <console_bridge/console.h>
@@ -152,6 +153,7 @@ void checkGeometry( const XmlFile& xml, const XMLElement& collision, const std::
 /// LoadOptions::use_visual: where there is no collision element, visual elements become collision elements.
 void useVisual( XmlFile& xml, std::vector<Notice>& notices )
 {
+	std::vector<std::string> names;
 	XMLElement* link = xml.document().RootElement()->FirstChildElement( "link" );
 	for ( ; link != nullptr; link = link->NextSiblingElement( "link" ) )
 	{
@@ -159,12 +161,16 @@ void useVisual( XmlFile& xml, std::vector<Notice>& notices )
 		{
 			continue;
 		}
-		notices.push_back( { xml.path(), xml.place( *link, "link " + xml.text( *link, "link", "name" ) ),
-		    "has no collision geometry: its visual geometry is used" } );
+		names.push_back( xml.text( *link, "link", "name" ) );
 		while ( XMLElement* visual = link->FirstChildElement( "visual" ) )
 		{
 			visual->SetName( "collision" );
 		}
+	}
+	if ( !names.empty() )
+	{
+		notices.push_back( { xml.path(), "<visual>",
+		    fmt::format( "visual geometry is used for links without collision geometry: {}", joinNames( names ) ) } );
 	}
 }
 
@@ -186,7 +192,10 @@ void checkLinks( const XmlFile& xml, std::set<std::string>& links )
 	checkLimit( &Limits::links, links.size(), "links", xml.path(), "<robot>" );
 	if ( links.empty() )
 	{
-		throw Error( xml.path(), "<robot>", "has no links", "give a URDF with at least one <link>" );
+		const bool srdf = xml.root().FirstChildElement( "group" ) != nullptr ||
+		                  xml.root().FirstChildElement( "disable_collisions" ) != nullptr;
+		throw Error( xml.path(), "<robot>", srdf ? "this is an SRDF: it has no links" : "has no links",
+		    srdf ? "give the URDF as the robot, and this file as its SRDF" : "give a URDF with at least one <link>" );
 	}
 }
 
@@ -455,18 +464,11 @@ JointModel readJoint( const XmlFile& xml, const XMLElement& element, const urdf:
 			model.upper = joint.limits->upper;
 		}
 	}
-	for ( const char* end : { "lower", "upper" } )
-	{
-		if ( limited && element.FirstChildElement( "limit" )->Attribute( end ) == nullptr )
-		{
-			notices.push_back(
-			    { xml.path(), xml.place( element, what ), fmt::format( "has no {} limit: it is 0, as in any URDF", end ) } );
-		}
-	}
 	if ( model.lower > model.upper )
 	{
+		// Bullet takes this for no limits, other programs for a mistake
 		xml.fail( element, what, fmt::format( "lower limit {} is above upper limit {}", model.lower, model.upper ),
-		    "swap or correct them" );
+		    model.type == LW_JOINT_REVOLUTE ? "swap or correct them; if it turns without limits, make it continuous" : "swap or correct them" );
 	}
 	if ( joint.mimic && model.type != LW_JOINT_FIXED )
 	{
@@ -546,54 +548,87 @@ private:
 	std::vector<double> m_spheres; ///< x, y, z, radius in the link's frame
 };
 
+/// Limits that are left out are 0, which hardly anybody means.
+void noticeMissingLimits( const XmlFile& xml, std::vector<Notice>& notices )
+{
+	std::vector<std::string> joints;
+	for ( const XMLElement& joint : children( xml.root(), "joint" ) )
+	{
+		const std::string type = joint.Attribute( "type" );
+		for ( const char* end : { "lower", "upper" } )
+		{
+			if ( ( type == "revolute" || type == "prismatic" ) && joint.FirstChildElement( "limit" )->Attribute( end ) == nullptr )
+			{
+				joints.push_back( fmt::format( "{} {} (line {})", joint.Attribute( "name" ), end, joint.GetLineNum() ) );
+			}
+		}
+	}
+	if ( !joints.empty() )
+	{
+		notices.push_back( { xml.path(), "<limit>", fmt::format( "limits that are missing are 0, as in any URDF: {}", joinNames( joints ) ) } );
+	}
+}
+
+LinkModel readLink( const XmlFile& xml, const XMLElement& element, const urdf::ModelInterface& urdf, const LoadOptions& options,
+    ShapeLoader& shapes, GeometryLoader& geometry, std::vector<Notice>& notices )
+{
+	LinkModel link;
+	link.name = element.Attribute( "name" );
+	urdf::LinkConstSharedPtr urdf_link = urdf.getLink( link.name );
+	requireRead( xml, element, urdf_link != nullptr );
+	const std::vector<urdf::CollisionSharedPtr>& collisions = urdf_link->collision_array;
+	SphereCollector spheres;
+	std::size_t index = 0;
+	for ( const XMLElement& collision : children( element, "collision" ) )
+	{
+		std::string what = collisionName( link.name, index );
+		if ( index >= collisions.size() || !collisions[index]->geometry )
+		{
+			xml.fail( collision, what, "urdfdom did not read it", "check its <geometry>" );
+		}
+		const urdf::Geometry& given = *collisions[index++]->geometry;
+		if ( spheres.take( urdf_link, xml, collision, what, given, notices ) )
+		{
+			continue;
+		}
+		PlacedShape placed;
+		placed.pose = readOrigin( xml, collision, what, notices );
+		placed.shape =
+		    readShape( xml, collision, what, link.name, given, isSolid( options, link.name ), shapes, geometry );
+		link.collision.push_back( std::move( placed ) );
+	}
+	spheres.finish( { xml.path(), xml.place( element, "link " + link.name ), link.name }, geometry, link );
+	return link;
+}
+
 void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const LoadOptions& options, RobotModel& model )
 {
 	ShapeLoader shapes( options, model.report );
 	GeometryLoader geometry( options, model.report );
-	bool any = false;
+	std::vector<std::string> visual;
 	for ( const XMLElement& element : children( xml.root(), "link" ) )
 	{
-		LinkModel link;
-		link.name = element.Attribute( "name" );
-		urdf::LinkConstSharedPtr urdf_link = urdf.getLink( link.name );
-		requireRead( xml, element, urdf_link != nullptr );
-		const std::vector<urdf::CollisionSharedPtr>& collisions = urdf_link->collision_array;
-		SphereCollector spheres;
-		std::size_t index = 0;
-		for ( const XMLElement& collision : children( element, "collision" ) )
-		{
-			std::string what = collisionName( link.name, index );
-			if ( index >= collisions.size() || !collisions[index]->geometry )
-			{
-				xml.fail( collision, what, "urdfdom did not read it", "check its <geometry>" );
-			}
-			const urdf::Geometry& given = *collisions[index++]->geometry;
-			if ( spheres.take( urdf_link, xml, collision, what, given, model.report.notices ) )
-			{
-				continue;
-			}
-			PlacedShape placed;
-			placed.pose = readOrigin( xml, collision, what, model.report.notices );
-			placed.shape =
-			    readShape( xml, collision, what, link.name, given, isSolid( options, link.name ), shapes, geometry );
-			link.collision.push_back( std::move( placed ) );
-		}
-		spheres.finish( { xml.path(), xml.place( element, "link " + link.name ), link.name }, geometry, link );
-		any = any || !link.collision.empty();
+		LinkModel link = readLink( xml, element, urdf, options, shapes, geometry, model.report.notices );
 		if ( link.collision.empty() )
 		{
 			model.report.links_without_geometry.push_back( link.name );
 			if ( element.FirstChildElement( "visual" ) != nullptr )
 			{
-				model.report.notices.push_back( { xml.path(), xml.place( element, "link " + link.name ),
-				    "has visual but no collision geometry: nothing is checked for this link" } );
+				visual.push_back( link.name );
 			}
 		}
 		model.links.push_back( std::move( link ) );
 	}
-	if ( !any )
+	if ( model.report.links_without_geometry.size() == model.links.size() )
 	{
-		throw Error( xml.path(), "<robot>", "no link has collision geometry", "add <collision> elements to its links" );
+		throw Error( xml.path(), "<robot>", "no link has collision geometry",
+		    visual.empty() ? "add <collision> elements to its links"
+		                   : "its visual geometry can be used (--visual), or add <collision> elements to its links" );
+	}
+	if ( !visual.empty() )
+	{
+		model.report.notices.push_back( { xml.path(), "<robot>",
+		    fmt::format( "links that have visual but no collision geometry are not checked: {}", joinNames( visual ) ) } );
 	}
 }
 
@@ -607,6 +642,7 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 	{
 		useVisual( xml, model.report.notices );
 	}
+	xml.requireUtf8( xml.root(), "<robot>", "name" );
 	std::set<std::string> links;
 	checkLinks( xml, links );
 	checkJoints( xml, links );
@@ -622,6 +658,8 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 		urdf::JointConstSharedPtr joint = urdf->getJoint( element.Attribute( "name" ) );
 		model.joints.push_back( readJoint( xml, element, *joint, model.report.notices ) );
 	}
+	noticeMissingLimits( xml, model.report.notices );
+	noticeOddLimits( model, model.report.notices );
 	readLinks( xml, *urdf, options, model );
 	return model;
 }
@@ -631,9 +669,10 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
 {
 	RobotModel model = detail::readUrdf( urdf_file, options );
+	detail::noticeOddSizes( model, model.report.notices );
 	if ( !srdf_file.empty() )
 	{
-		detail::readSrdf( srdf_file, model );
+		detail::readSrdf( srdf_file, options.strict, model );
 	}
 	return model;
 }

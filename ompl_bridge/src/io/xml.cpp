@@ -130,7 +130,18 @@ std::string XmlFile::text( const tinyxml2::XMLElement& at, const std::string& wh
 		fail( at, what, fmt::format( "<{}> has no {}", at.Name(), attribute ),
 		    fmt::format( "add {}=\"...\" to it", attribute ) );
 	}
+	requireUtf8( at, what, attribute );
 	return value;
+}
+
+void XmlFile::requireUtf8( const tinyxml2::XMLElement& at, const std::string& what, const char* attribute ) const
+{
+	const char* value = at.Attribute( attribute );
+	if ( value != nullptr && !isUtf8( value ) )
+	{
+		fail( at, what, fmt::format( "{}=\"{}\" of <{}> is not UTF-8", attribute, value, at.Name() ),
+		    "save the file as UTF-8" );
+	}
 }
 
 std::vector<double> XmlFile::numbers(

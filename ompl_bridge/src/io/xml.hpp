@@ -71,8 +71,10 @@ public:
 	    const std::string& remedy ) const;
 	std::string place( const tinyxml2::XMLElement& at, const std::string& what ) const;
 
-	/// A non-empty attribute. @throws Error
+	/// A non-empty attribute. @throws Error, also if it is not UTF-8
 	std::string text( const tinyxml2::XMLElement& at, const std::string& what, const char* attribute ) const;
+	/// @throws Error if the attribute is there and is not UTF-8
+	void requireUtf8( const tinyxml2::XMLElement& at, const std::string& what, const char* attribute ) const;
 	/// `count` finite numbers in an attribute, separated by blanks (count 0: one or more). @throws Error
 	std::vector<double> numbers(
 	    const tinyxml2::XMLElement& at, const std::string& what, const char* attribute, std::size_t count ) const;

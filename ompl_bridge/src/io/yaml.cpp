@@ -21,6 +21,53 @@ std::string lower( std::string text )
 	return text;
 }
 
+/// Without case, and without what separates words: collisionObjects and collision-objects are collision_objects.
+std::string bareKey( const std::string& key )
+{
+	std::string bare;
+	for ( char c : lower( key ) )
+	{
+		bare += c == '_' || c == '-' || c == ' ' ? "" : std::string( 1, c );
+	}
+	return bare;
+}
+
+/// One letter changed, left out or added, or two neighbours swapped.
+bool isOneLetterApart( const std::string& a, const std::string& b )
+{
+	const std::string &shorter = a.size() < b.size() ? a : b, &longer = a.size() < b.size() ? b : a;
+	const auto same = std::mismatch( shorter.begin(), shorter.end(), longer.begin() );
+	const std::string rest_shorter( same.first, shorter.end() ), rest_longer( same.second, longer.end() );
+	if ( shorter.size() + 1 == longer.size() )
+	{
+		return rest_longer.compare( 1, std::string::npos, rest_shorter ) == 0;
+	}
+	if ( shorter.size() != longer.size() || rest_longer.empty() )
+	{
+		return false;
+	}
+	const bool changed = rest_longer.compare( 1, std::string::npos, rest_shorter, 1 ) == 0;
+	const bool swapped = rest_longer.size() > 1 && rest_longer[0] == rest_shorter[1] && rest_longer[1] == rest_shorter[0] &&
+	                     rest_longer.compare( 2, std::string::npos, rest_shorter, 2 ) == 0;
+	return changed || swapped;
+}
+
+/// The known key that was meant by an unknown one; empty if none is that near.
+std::string meantKey( const std::string& key, const std::vector<std::string>& known )
+{
+	const std::string bare = bareKey( key );
+	for ( const std::string& candidate : known )
+	{
+		const std::string other = bareKey( candidate );
+		// In words of two letters one of them is half of the word
+		if ( other == bare || ( other.size() > 2 && bare.size() > 1 && isOneLetterApart( bare, other ) ) )
+		{
+			return candidate;
+		}
+	}
+	return "";
+}
+
 /// Refuses keys that are there twice, and documents that contain themselves or would be far larger than their text.
 class DocumentCheck
 {
@@ -234,37 +281,41 @@ YamlNode YamlNode::named( const std::string& name ) const
 	return child( m_node, m_path + " " + name );
 }
 
-void YamlNode::refuseUnknownKeys( std::initializer_list<const char*> known ) const
+void YamlNode::refuseUnknownKeys( const std::vector<std::string>& known ) const
 {
-	for ( auto entry = m_node.begin(); isMap() && entry != m_node.end(); ++entry )
+	for ( const std::string& key : keys() )
 	{
-		std::string key = entry->first.IsScalar() ? entry->first.Scalar() : "?";
 		if ( std::find( known.begin(), known.end(), key ) == known.end() )
 		{
-			std::vector<std::string> names( known.begin(), known.end() );
-			child( entry->second, m_path.empty() ? key : m_path + "." + key )
-			    .fail( "this key is not known", fmt::format( "use {}", joinNames( names ) ) );
+			refuseMisspelt( key, known );
+			( *this )[key.c_str()].fail( "this key is not known", fmt::format( "use {}", joinNames( known ) ) );
 		}
 	}
 }
 
-void YamlNode::noticeUnknownKeys( std::initializer_list<const char*> known, const char* consequence ) const
+void YamlNode::refuseMisspelt( const std::string& key, const std::vector<std::string>& known ) const
 {
-	if ( !isMap() )
+	const std::string meant = meantKey( key, known );
+	if ( !meant.empty() )
 	{
-		return;
+		( *this )[key.c_str()].fail(
+		    fmt::format( "this key is not known: is {} meant?", meant ), fmt::format( "write {}, or remove it", meant ) );
 	}
-	for ( const auto& entry : m_node )
+}
+
+void YamlNode::noticeUnknownKeys( const std::vector<std::string>& known ) const
+{
+	for ( const std::string& key : keys() )
 	{
-		std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
 		if ( std::find( known.begin(), known.end(), key ) == known.end() )
 		{
-			const YamlNode value = child( entry.second, m_path.empty() ? key : m_path + "." + key );
+			refuseMisspelt( key, known );
+			const YamlNode value = ( *this )[key.c_str()];
 			if ( key.compare( 0, 7, "leeway_" ) == 0 )
 			{
 				value.fail( "there is no such extension here", "see ompl_bridge/docs/scenes.md for those there are" );
 			}
-			value.notice( fmt::format( "this key is not known: {}", consequence ) );
+			value.notice( "this key is not known: ignored" );
 		}
 	}
 }
@@ -294,6 +345,10 @@ std::string YamlNode::text() const
 	if ( !isScalar() )
 	{
 		fail( defined() ? "is not a text" : "is missing", "write a name" );
+	}
+	if ( !isUtf8( m_node.Scalar() ) )
+	{
+		fail( fmt::format( "\"{}\" is not UTF-8", m_node.Scalar() ), "save the file as UTF-8" );
 	}
 	return m_node.Scalar();
 }
@@ -471,6 +526,13 @@ lw_transform YamlNode::pose() const
 	{
 		p = position.vector( { "x", "y", "z" } );
 	}
+	for ( double coordinate : p )
+	{
+		if ( std::fabs( coordinate ) > LW_MAX_TRANSLATION )
+		{
+			position.fail( fmt::format( "{} is beyond {:g} m", coordinate, double( LW_MAX_TRANSLATION ) ), "give metres" );
+		}
+	}
 	std::array<double, 4> q = { 0, 0, 0, 1 };
 	if ( orientation.defined() )
 	{
@@ -483,6 +545,7 @@ lw_transform YamlNode::pose() const
 
 std::string YamlNode::frame() const
 {
+	( *this )["header"].noticeUnknownKeys( { "frame_id", "seq", "stamp" } );
 	YamlNode id = ( *this )["header"]["frame_id"];
 	std::string name = id.textOr( "" );
 	return !name.empty() && name[0] == '/' ? name.substr( 1 ) : name;
@@ -492,6 +555,7 @@ JointState readJointState( const YamlNode& state )
 {
 	JointState result;
 	YamlNode joints = state["joint_state"];
+	joints.noticeUnknownKeys( { "header", "name", "position", "velocity", "effort" } );
 	std::vector<std::string> names = joints["name"].textList();
 	std::vector<double> positions = joints["position"].numberList();
 	if ( names.size() != positions.size() )
@@ -507,6 +571,7 @@ JointState readJointState( const YamlNode& state )
 		}
 	}
 	YamlNode multi = state["multi_dof_joint_state"];
+	multi.noticeUnknownKeys( { "header", "joint_names", "transforms", "twist", "wrench" } );
 	std::vector<std::string> multi_names = multi["joint_names"].textList();
 	YamlNode transforms = multi["transforms"];
 	if ( multi_names.size() != transforms.size() )

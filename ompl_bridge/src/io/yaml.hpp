@@ -44,9 +44,12 @@ public:
 
 	/// @throws Error for a key that is not in the list. For elements of our own: a key of theirs that nobody reads is a
 	/// misspelt one, and what it asks for is missing.
-	void refuseUnknownKeys( std::initializer_list<const char*> known ) const;
-	/// A notice for every key that is not in the list. @throws Error for one that begins with leeway_, as above
-	void noticeUnknownKeys( std::initializer_list<const char*> known, const char* consequence = "ignored" ) const;
+	void refuseUnknownKeys( const std::vector<std::string>& known ) const;
+	/// @throws Error for a key that differs from one in the list by one letter, by case, or by '_' or '-' between words:
+	/// collision_object would be a world without objects
+	void refuseMisspelt( const std::string& key, const std::vector<std::string>& known ) const;
+	/// A notice for every key that is not in the list. @throws Error for a misspelt one, and for one that begins with leeway_
+	void noticeUnknownKeys( const std::vector<std::string>& known ) const;
 
 	double number() const;    ///< a finite number
 	std::string text() const; ///< a scalar

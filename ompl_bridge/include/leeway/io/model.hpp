@@ -84,6 +84,9 @@ struct LoadOptions
 	double detail = 0;
 	/// A link without collision geometry uses its visual geometry, with a notice. Never done silently.
 	bool use_visual = false;
+	/// An SRDF element that lacks an attribute, or names a link, joint or group that is not there, is an Error. Otherwise it is
+	/// left out with a notice, as srdfdom does, and a group or state that lost a part by it cannot be used.
+	bool strict = false;
 	/// Links of the URDF whose meshes are closed and solid: whatever is inside touches them. "*" = all. A mesh that is not
 	/// closed is an error. (Planning scenes say it of each mesh themselves: leeway_solid.)
 	std::vector<std::string> solid;
@@ -134,6 +137,9 @@ struct Group
 	std::string name;
 	std::vector<std::string> joints;
 	std::vector<std::string> links;
+	/// What its parts name and the URDF lacks, with lines of the SRDF; empty if nothing. Joints and links are those that are
+	/// there, but they are not the group that was meant: using it is an Error (useGroup()).
+	std::string defect;
 };
 
 /// A named state of a group; values per joint (several for planar and floating joints).
@@ -141,6 +147,8 @@ struct GroupState
 {
 	std::string name, group;
 	std::map<std::string, std::vector<double>> joints;
+	/// As that of a Group. Joints that the URDF lacks are one only if some joint of the group has no value.
+	std::string defect;
 };
 
 /// URDF + SRDF, with all shapes built. Plain data: attach, edit, then build.
@@ -157,6 +165,10 @@ struct RobotModel
 	LoadReport report;
 
 	const Group* findGroup( const std::string& group ) const; ///< nullptr if none
+	/// A group that can be planned for. @throws Error (there is none of this name, or it has a defect)
+	const Group& useGroup( const std::string& group ) const;
+	/// @param group empty: the state of this name that is the only one. @throws Error (there is none, or it has a defect)
+	const GroupState& useGroupState( const std::string& group, const std::string& state ) const;
 };
 
 /// @param srdf_file may be empty: no groups, no disabled pairs
@@ -355,6 +367,9 @@ struct ProblemOptions
 	/// Threads that make deferred meshes, where the checker needs several at once: those of links that the group moves, and those
 	/// nearest each other of what stands still.
 	unsigned threads = 2;
+	/// A notice if the mesh of an obstacle encloses the robot in the reference state: a mesh is a surface, and has no inside. To
+	/// be switched off where the same problem is built again and again.
+	bool notice_enclosed = true;
 };
 
 /// @throws Error (unknown group, unknown frame, start outside of what the robot has, ...)
