@@ -2,6 +2,7 @@
 // Paths as YAML.
 #include "path_file.hpp"
 
+#include "leeway/io/keys.hpp"
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 
@@ -146,6 +147,23 @@ void readStart( PathFile& path, const YAML::Node& root )
 	}
 }
 
+/// Other programs may add keys, but min_D would be a path without its margin.
+void refuseMisspelt( const PathFile& path, const YAML::Node& root )
+{
+	const std::vector<std::string> known = { "robot", "group", "scene", "planner", "seed", "validator", "min_d", "slack",
+	    "length", "clearance", "start_state", "joint_names", "points", "joint_trajectory" };
+	for ( const auto& entry : root )
+	{
+		const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+		const std::string meant = io::meantKey( key, known );
+		if ( !meant.empty() )
+		{
+			throw io::Error( path.file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ),
+			    fmt::format( "this key is not known: is {} meant?", meant ), fmt::format( "write {}, or remove it", meant ) );
+		}
+	}
+}
+
 } // namespace
 
 std::string writePath( const PathFile& path )
@@ -196,6 +214,7 @@ PathFile readPath( const std::string& file )
 		throw io::Error(
 		    file, "path", "is not a YAML map", "give joint_names and points, as `leeway plan --out` writes them" );
 	}
+	refuseMisspelt( path, root );
 	const auto text = [&root]( const char* key )
 	{
 		const YAML::Node node = root[key];

@@ -99,6 +99,12 @@ TEST_F( ReadingCli, AMisspeltKeyIsNoEmptyWorld )
 	    { "scene.yaml: world.collision_object", "is collision_objects meant?" } );
 }
 
+TEST_F( ReadingCli, AMisspeltMarginOfAPathIsNoMarginOfZero )
+{
+	write( "path.yaml", "Min_D: 5\ngroup: arm\njoint_names: [shoulder, elbow]\npoints:\n  - positions: [0, 0]\n" );
+	expectError( runModel( "audit", { "--path", "path.yaml" } ), { "path.yaml: Min_D (line 1)", "is min_d meant?" } );
+}
+
 TEST_F( ReadingCli, NamesThatAreNotUtf8AreNoInternalError )
 {
 	edit( "arm.urdf", "<link name=\"tool\"/>", "<link name=\"to\xe9l\"/>" );

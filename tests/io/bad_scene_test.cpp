@@ -107,6 +107,7 @@ TEST_F( BadSceneTest, AKeyOneLetterFromARightOneIsNoObstacleLess )
 	expectBad( "", { "robot_state.joint_state.names", "is name meant?" }, "robot_state: {joint_state: {names: [j], positions: [1]}}" );
 	expectBad( "", { "link_paddings" }, "link_paddings: []" );
 	expectError( [&] { (void)loadScene( write( "w.yaml", "worlds: {collision_objects: []}" ) ); }, { "w.yaml", "is world meant?" } );
+	expectError( [&] { (void)loadScene( write( "w.yaml", "world:\n" ) ); }, { "w.yaml", "there is no world" } );
 	const SceneModel far = loadScene( write( "far.yaml", "world: {obstacles: [], collision_objects: [" + object + "]}" ) );
 	EXPECT_NOTICE( far.report.notices, "world.obstacles (line 1): this key is not known: ignored" );
 	const SceneModel empty = loadScene( write( "empty.yaml", "world: {obstacles: []}" ) );

@@ -135,10 +135,25 @@ TEST_F( UrdfTest, OneNoticeForAllLinksThatAreAlike )
 	EXPECT_EQ( model.report.notices.size(), 2u ) << allNotices( model.report.notices );
 	EXPECT_NOTICE( model.report.notices, "l0, l1, l2" );
 	EXPECT_NOTICE( model.report.notices, "(25 in all)" );
-	EXPECT_NOTICE( model.report.notices, "limits that are missing are 0, as in any URDF: j0 lower" );
+	EXPECT_NOTICE( model.report.notices, "limits that are missing are 0, as in any URDF: j0 both (line " );
 	LoadOptions options;
 	options.use_visual = true;
 	EXPECT_EQ( load( content, options ).report.notices.size(), 2u );
+}
+
+TEST_F( UrdfTest, OddFilesSayWhatIsOdd )
+{
+	const std::string robot = "<robot name=\"r\">" + linkXml( "base" ) + "</robot>";
+	const auto refused = [&]( const std::string& text, const std::vector<std::string>& parts )
+	{ expectError( [&] { (void)loadRobot( write( "odd.urdf", text ), "" ); }, parts ); };
+	refused( "<!-- by hand -->\n<?xml version=\"1.0\"?>\n" + robot, { "line 2", "has to be the first thing in the file" } );
+	refused( "<robot name=\"r\"><link name=\"a\"></robot>", { "closed that is not the open one" } );
+	refused( "<robot xmlns:xacro=\"http://wiki.ros.org/xacro\"/>", { "has no links", "expand the file that uses them" } );
+	EXPECT_EQ( loadRobot( write( "blank.urdf", "\n  <?xml version=\"1.0\"?>\n" + robot ), "" ).links.size(), 1u );
+	expectBad( linkXml( "base" ) + linkXml( "b" ) + jointXml( "neck", "spherical", "base", "b" ),
+	    { "joint neck (line 5)", "type spherical is not known", "use one of revolute" } );
+	expectBad( linkXml( "base", "<collision><geometry><plane normal=\"0 0 1\"/></geometry></collision>" ),
+	    { "<plane> is not supported", "planning scene" } );
 }
 
 TEST_F( UrdfTest, AnObjectIsNoRobotButAScene )

@@ -145,7 +145,8 @@ void checkGeometry( const XmlFile& xml, const XMLElement& collision, const std::
 	else
 	{
 		xml.fail( *shape, what, fmt::format( "shape <{}> is not supported", type ),
-		    "use a box, sphere, cylinder, capsule or mesh" );
+		    type == "plane" ? "give it as a plane of a planning scene (planes: [{coef: [a, b, c, d]}])"
+		                    : "use a box, sphere, cylinder, capsule or mesh" );
 	}
 	checkOrigin( xml, collision, what );
 }
@@ -194,14 +195,22 @@ void checkLinks( const XmlFile& xml, std::set<std::string>& links )
 	{
 		const bool srdf = xml.root().FirstChildElement( "group" ) != nullptr ||
 		                  xml.root().FirstChildElement( "disable_collisions" ) != nullptr;
+		const bool xacro = xml.root().Attribute( "xmlns:xacro" ) != nullptr;
 		throw Error( xml.path(), "<robot>", srdf ? "this is an SRDF: it has no links" : "has no links",
-		    srdf ? "give the URDF as the robot, and this file as its SRDF" : "give a URDF with at least one <link>" );
+		    srdf    ? "give the URDF as the robot, and this file as its SRDF"
+		    : xacro ? "it may come of a xacro file that only defines macros: expand the file that uses them"
+		            : "give a URDF with at least one <link>" );
 	}
 }
 
 void checkJoint( const XmlFile& xml, const XMLElement& joint, const std::string& what, const std::set<std::string>& links )
 {
 	std::string type = xml.text( joint, what, "type" );
+	const std::vector<std::string> types = { "revolute", "continuous", "prismatic", "fixed", "planar", "floating" };
+	if ( std::find( types.begin(), types.end(), type ) == types.end() )
+	{
+		xml.fail( joint, what, fmt::format( "type {} is not known", type ), "use one of " + joinNames( types ) );
+	}
 	for ( const char* end : { "parent", "child" } )
 	{
 		const XMLElement* e = joint.FirstChildElement( end );
@@ -555,12 +564,16 @@ void noticeMissingLimits( const XmlFile& xml, std::vector<Notice>& notices )
 	for ( const XMLElement& joint : children( xml.root(), "joint" ) )
 	{
 		const std::string type = joint.Attribute( "type" );
-		for ( const char* end : { "lower", "upper" } )
+		if ( type != "revolute" && type != "prismatic" )
 		{
-			if ( ( type == "revolute" || type == "prismatic" ) && joint.FirstChildElement( "limit" )->Attribute( end ) == nullptr )
-			{
-				joints.push_back( fmt::format( "{} {} (line {})", joint.Attribute( "name" ), end, joint.GetLineNum() ) );
-			}
+			continue;
+		}
+		const XMLElement& limit = *joint.FirstChildElement( "limit" );
+		const bool lower = limit.Attribute( "lower" ) != nullptr, upper = limit.Attribute( "upper" ) != nullptr;
+		if ( !lower || !upper )
+		{
+			const char* missing = lower ? "upper" : upper ? "lower" : "both";
+			joints.push_back( fmt::format( "{} {} (line {})", joint.Attribute( "name" ), missing, joint.GetLineNum() ) );
 		}
 	}
 	if ( !joints.empty() )

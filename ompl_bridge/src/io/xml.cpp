@@ -50,6 +50,22 @@ const tinyxml2::XMLNode* findBesideRoot( const tinyxml2::XMLDocument& document )
 	return nullptr;
 }
 
+/// What the parser found, in words where they help.
+std::string parserText( const tinyxml2::XMLDocument& document )
+{
+	switch ( document.ErrorID() )
+	{
+	case tinyxml2::XML_ERROR_PARSING_DECLARATION:
+		return "<?xml ...?> stands behind something else: it has to be the first thing in the file";
+	case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+		return "a tag is closed that is not the open one, or never";
+	case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+		return "an attribute is not name=\"value\", or is there twice";
+	default:
+		return tinyxml2::XMLDocument::ErrorIDToName( document.ErrorID() );
+	}
+}
+
 } // namespace
 
 std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content )
@@ -71,8 +87,7 @@ std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string
 	content += "<" + last + "/>";
 	if ( document.Parse( content.data(), content.size() ) != tinyxml2::XML_SUCCESS )
 	{
-		return XmlProblem{ document.ErrorLineNum(),
-		    fmt::format( "not well-formed XML ({})", tinyxml2::XMLDocument::ErrorIDToName( document.ErrorID() ) ) };
+		return XmlProblem{ document.ErrorLineNum(), fmt::format( "not well-formed XML ({})", parserText( document ) ) };
 	}
 	tinyxml2::XMLNode* end = document.LastChild();
 	if ( end == nullptr || end->ToElement() == nullptr || end->Value() != last )

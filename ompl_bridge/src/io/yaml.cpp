@@ -2,6 +2,8 @@
 // YAML of MoveIt messages: nodes that know where they are, strict numbers, both spellings of vectors and poses.
 #include "yaml.hpp"
 
+#include "leeway/io/keys.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -50,22 +52,6 @@ bool isOneLetterApart( const std::string& a, const std::string& b )
 	const bool swapped = rest_longer.size() > 1 && rest_longer[0] == rest_shorter[1] && rest_longer[1] == rest_shorter[0] &&
 	                     rest_longer.compare( 2, std::string::npos, rest_shorter, 2 ) == 0;
 	return changed || swapped;
-}
-
-/// The known key that was meant by an unknown one; empty if none is that near.
-std::string meantKey( const std::string& key, const std::vector<std::string>& known )
-{
-	const std::string bare = bareKey( key );
-	for ( const std::string& candidate : known )
-	{
-		const std::string other = bareKey( candidate );
-		// In words of two letters one of them is half of the word
-		if ( other == bare || ( other.size() > 2 && bare.size() > 1 && isOneLetterApart( bare, other ) ) )
-		{
-			return candidate;
-		}
-	}
-	return "";
 }
 
 /// Refuses keys that are there twice, and documents that contain themselves or would be far larger than their text.
@@ -597,3 +583,24 @@ JointState readJointState( const YamlNode& state )
 }
 
 } // namespace leeway::io::detail
+
+namespace leeway::io
+{
+
+std::string meantKey( const std::string& key, const std::vector<std::string>& known )
+{
+	const std::string bare = detail::bareKey( key );
+	const bool is_known = std::find( known.begin(), known.end(), key ) != known.end();
+	for ( const std::string& candidate : is_known ? std::vector<std::string>() : known )
+	{
+		const std::string other = detail::bareKey( candidate );
+		// In words of two letters one of them is half of the word
+		if ( other == bare || ( other.size() > 2 && bare.size() > 1 && detail::isOneLetterApart( bare, other ) ) )
+		{
+			return candidate;
+		}
+	}
+	return "";
+}
+
+} // namespace leeway::io

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Misspelt names in files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace leeway::io
+{
+
+/// The known key that an unknown one was meant to be: it differs by one letter (changed, left out, added, or two neighbours
+/// swapped), by case, or by '_', '-' and blanks between words. Keys of two letters are told apart by their letters.
+/// @return empty if none is that near, or the key is known itself
+std::string meantKey( const std::string& key, const std::vector<std::string>& known );
+
+} // namespace leeway::io
