@@ -7,6 +7,8 @@
 // bounds; it uses nothing of what the certified edges are made of but the exact distance of a single state.
 #include "audit.hpp"
 
+#include "names.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -356,7 +358,7 @@ std::vector<AuditSample> profile( const Audit& audit, std::size_t stretches )
 
 std::string describe( const Audit& audit, const AuditSettings& settings, const std::vector<std::vector<double>>& points )
 {
-	std::string text = fmt::format( "path        {} states, length {:.6g}\n", points.size(), audit.length );
+	std::string text = fmt::format( "path        {}, length {:.6g}\n", counted( points.size(), "state" ), audit.length );
 	text += fmt::format(
 	    "audit       {}: {} exact states in {:.2f} s; between two of them no robot point moves more than {:g} mm "
 	    "or a quarter of the room above min-d {:g} m\n",

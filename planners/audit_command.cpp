@@ -81,7 +81,8 @@ int runAudit( const AuditOptions& options )
 {
 	Notices notices( options.common.verbose );
 	const PathFile path = readPath( options.path );
-	OutputFile report( options.report ), profile_file( options.profile );
+	readsFile( "--path", options.path );
+	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
 	const Input input = loadInput( options.common, notices );
 	if ( !path.robot.empty() && path.robot != input.robot.name )
 	{

@@ -92,7 +92,7 @@ Json listJson( const std::vector<io::CacheEntry>& entries )
 
 int runCache( const CacheOptions& options )
 {
-	OutputFile json_file( options.json );
+	OutputFile json_file( "--json", options.json );
 	const bool trim = options.clean || options.limit >= 0;
 	io::TrimmedCache trimmed;
 	if ( trim )

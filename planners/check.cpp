@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway check: the clearances of a table of states.
+#include "names.hpp"
 #include "states.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +27,9 @@ int runCheck( const CheckOptions& options )
 {
 	Notices notices( options.common.verbose );
 	const CsvTable table = readCsv( options.states );
-	OutputFile out( options.out );
+	readsFile( "--states", options.states );
+	noteEmpty( notices, table );
+	OutputFile out( "--out", options.out );
 	Input input = loadInput( options.common, notices );
 	input.max_d = options.common.max_d;
 	Workbench bench( input, options.common.group, {}, notices );
@@ -71,8 +74,8 @@ int runCheck( const CheckOptions& options )
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
 	tell(
-	    "leeway: {} states: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per state\n",
-	    states.size(), counts.free, counts.blocked, counts.refused, median, mean );
+	    "leeway: {}: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per state\n",
+	    counted( states.size(), "state" ), counts.free, counts.blocked, counts.refused, median, mean );
 	return counts.free == states.size() ? exit_yes : exit_no;
 }
 

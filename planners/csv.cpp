@@ -2,6 +2,8 @@
 // Comma-separated tables: strict about what is a number, lenient about white space.
 #include "csv.hpp"
 
+#include "names.hpp"
+
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 
@@ -16,13 +18,6 @@ namespace leeway::cli
 {
 namespace
 {
-
-std::string trimmed( const std::string& text )
-{
-	const char* blanks = " \t\r\n";
-	const std::size_t first = text.find_first_not_of( blanks );
-	return first == std::string::npos ? "" : text.substr( first, text.find_last_not_of( blanks ) - first + 1 );
-}
 
 // One line of cells. Quoted cells may contain commas and doubled quotes, not line ends.
 std::vector<std::string> split( const std::string& file, std::size_t line, const std::string& text )
@@ -83,9 +78,28 @@ void checkHeader( const CsvTable& table, std::size_t line )
 
 } // namespace
 
-CsvTable readCsv( const std::string& file )
+std::string trimmed( const std::string& text )
 {
-	std::istringstream stream( io::readWholeFile( file ) );
+	const char* blanks = " \t\r\n";
+	const std::size_t first = text.find_first_not_of( blanks );
+	return first == std::string::npos ? "" : text.substr( first, text.find_last_not_of( blanks ) - first + 1 );
+}
+
+std::optional<double> finiteNumber( const std::string& text )
+{
+	char* end = nullptr;
+	const double number = std::strtod( text.c_str(), &end );
+	// strtod also takes hexadecimal, "inf" and "nan"; none is a joint value.
+	const bool decimal =
+	    !text.empty() && end == text.c_str() + text.size() && text.find_first_of( "xX" ) == std::string::npos;
+	return decimal && std::isfinite( number ) ? std::optional<double>( number ) : std::nullopt;
+}
+
+CsvTable readCsv( const std::string& name )
+{
+	const bool standard_input = name == "-";
+	const std::string file = standard_input ? "standard input" : name;
+	std::istringstream stream( io::readWholeFile( standard_input ? "/dev/stdin" : name ) );
 	CsvTable table;
 	table.file = file;
 	std::string text;
@@ -110,7 +124,8 @@ CsvTable readCsv( const std::string& file )
 		if ( cells.size() != table.header.size() )
 		{
 			throw io::Error( file, fmt::format( "line {}", line ),
-			    fmt::format( "has {} cells where the header has {} columns", cells.size(), table.header.size() ),
+			    fmt::format( "has {} where the header has {}", counted( cells.size(), "cell" ),
+			        counted( table.header.size(), "column" ) ),
 			    "give one value for every column" );
 		}
 		table.rows.push_back( { line, std::move( cells ) } );
@@ -125,18 +140,14 @@ CsvTable readCsv( const std::string& file )
 double CsvTable::value( std::size_t row, std::size_t column ) const
 {
 	const std::string& cell = rows[row].cells[column];
-	char* end = nullptr;
-	const double number = std::strtod( cell.c_str(), &end );
-	// strtod also takes hexadecimal, "inf" and "nan"; none is a joint value.
-	const bool decimal =
-	    !cell.empty() && end == cell.c_str() + cell.size() && cell.find_first_of( "xX" ) == std::string::npos;
-	if ( !decimal || !std::isfinite( number ) )
+	const std::optional<double> number = finiteNumber( cell );
+	if ( !number )
 	{
 		throw io::Error( file, fmt::format( "line {}, column '{}'", rows[row].line, header[column] ),
 		    cell.empty() ? "the value is missing" : fmt::format( "'{}' is not a finite number", cell ),
 		    "give a finite number in radians or metres" );
 	}
-	return number;
+	return *number;
 }
 
 std::string csvCell( const std::string& text )

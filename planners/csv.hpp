@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,15 @@ struct CsvTable
 	double value( std::size_t row, std::size_t column ) const;
 };
 
+/// @param file "-": standard input
 /// @throws io::Error (unreadable, no header, repeated or empty column name, a row with another number of cells)
 CsvTable readCsv( const std::string& file );
+
+/// The finite decimal number that is the whole of `text`.
+std::optional<double> finiteNumber( const std::string& text );
+
+/// Without blanks at both ends.
+std::string trimmed( const std::string& text );
 
 /// Cell text, quoted if it must be.
 std::string csvCell( const std::string& text );

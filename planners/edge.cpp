@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway edge: verdicts over whole motions, from a table of their ends.
+#include "names.hpp"
 #include "states.hpp"
 
 #include <fmt/format.h>
@@ -143,8 +144,10 @@ int runEdge( const EdgeCommandOptions& options )
 {
 	Notices notices( options.common.verbose );
 	const CsvTable table = readCsv( options.edges );
+	readsFile( "--edges", options.edges );
 	requirePairs( table );
-	OutputFile out( options.out );
+	noteEmpty( notices, table );
+	OutputFile out( "--out", options.out );
 	Input input = loadInput( options.common, notices );
 	input.max_d = options.common.min_d + planning_horizon;
 	Workbench bench( input, options.common.group, {}, notices );
@@ -180,8 +183,8 @@ int runEdge( const EdgeCommandOptions& options )
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
 	tell(
-	    "leeway: {} edges: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per edge\n",
-	    edges.size(), free, blocked, refused, median, mean );
+	    "leeway: {}: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per edge\n",
+	    counted( edges.size(), "edge" ), free, blocked, refused, median, mean );
 	return free == edges.size() ? exit_yes : exit_no;
 }
 

@@ -2,6 +2,7 @@
 // leeway info: what was read, what was built, what the checker keeps, what it leaves out and why.
 #include "hierarchy.hpp"
 #include "json.hpp"
+#include "names.hpp"
 #include "required.hpp"
 
 #include <fmt/format.h>
@@ -231,7 +232,7 @@ std::string robotText( const io::RobotModel& model, const Workbench& bench, cons
 	    model.planning_frame );
 	for ( const io::Group& group : model.groups )
 	{
-		text += fmt::format( "  group {}: {} joints\n", group.name, group.joints.size() );
+		text += fmt::format( "  group {}: {}\n", group.name, counted( group.joints.size(), "joint" ) );
 	}
 	text += shapeTable( shapes ) + "  " + totalLine( "total", total( shapes, &model.report ) );
 	if ( !model.report.cache.empty() )
@@ -264,7 +265,7 @@ std::string checkerText( const Workbench& bench, const PairCounts& pairs, const 
 	    pairs.all, pairs.checked, pairs.rigid, pairs.disabled, pairs.still );
 	for ( const auto& [reason, count] : pairs.reasons )
 	{
-		text += fmt::format( "  disabled in the SRDF: {} pairs, reason {}\n", count, reason );
+		text += fmt::format( "  disabled in the SRDF: {}, reason {}\n", counted( count, "pair" ), reason );
 	}
 	if ( hasMargins( bench.checker() ) )
 	{
@@ -288,7 +289,7 @@ Json pairsJson( const PairCounts& pairs )
 int runInfo( const InfoOptions& options )
 {
 	Notices notices( options.common.verbose );
-	OutputFile json_file( options.json );
+	OutputFile json_file( "--json", options.json );
 	Input input = loadInput( options.common, notices );
 	if ( input.reach )
 	{
@@ -326,8 +327,8 @@ int runInfo( const InfoOptions& options )
 	notices.add( "motion hulls", hulls.notices );
 	text += hulls.reach ? hierarchyText( hulls ) : "";
 	text += totalLine( "all", total( all, &input.robot.report ) );
-	text += fmt::format( "files read in {:.3f} s; {} notices\n", input.robot_seconds + input.scene_seconds,
-	    notices.all().size() );
+	text += fmt::format( "files read in {:.3f} s; {}\n", input.robot_seconds + input.scene_seconds,
+	    counted( notices.all().size(), "notice" ) );
 	if ( !options.json.empty() )
 	{
 		Json json;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program leeway: command line, and errors as one line.
+#include "names.hpp"
 #include "options.hpp"
 #include "output.hpp"
 #include "planner_registry.hpp"
@@ -9,9 +10,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <functional>
 #include <new>
+#include <regex>
 
 namespace leeway::cli
 {
@@ -94,11 +97,12 @@ const char* const check_about = R"(Is each state free, and how far away are obst
 
 Example: leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
 
-states.csv: a header of joint names ("<joint>/x" and so on for joints with several variables), one state per line.
-Joints without a column stand where the request starts, else at zero. Columns that are no movable joint are ignored
-with a notice. Columns of joints outside of --group are honoured; self pairs are those that the group (without
---group: any joint) can move against each other. Values outside of joint limits are told and used as they are; a cell
-that is no finite number is an error.
+states.csv: a header of joint names, one state per line; "-" reads standard input. A planar joint has the columns
+<joint>/x, /y and /theta, a floating one <joint>/trans_x, /trans_y, /trans_z, /rot_x, /rot_y, /rot_z and /rot_w. Joints
+without a column stand where the request starts, else at zero, which a notice says. Columns that are no movable joint
+are ignored with a notice. Columns of joints outside of --group are honoured; self pairs are those that the group (without
+--group: any joint) can move against each other. Values outside of joint limits are used as they are, with a
+notice; a cell that is no finite number is an error.
 
 out.csv: index,verdict,env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2,microseconds
 Intervals are certified: lower <= true distance <= upper; numbers read back exactly; index counts data rows from 0;
@@ -108,8 +112,8 @@ const char* const edge_about = R"(Is each straight joint-space motion free, all 
 
 Example: leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv --out out.csv
 
-edges.csv: columns from:<joint> and to:<joint> for each joint that is named; other joints stand where the request
-starts, else at zero. Angles without limits take the shorter way.
+edges.csv: columns from:<joint> and to:<joint> for each joint that is named ("-" reads standard input; names as for
+`leeway check`); other joints stand where the request starts, else at zero. Angles without limits take the shorter way.
 
 out.csv: index,verdict,t,proved_until, the eight clearance columns of `leeway check`, pair,queries,microseconds
 t is where the motion was found BLOCKED or REFUSED, and the clearances are the exact ones there; pair (link:object or
@@ -120,7 +124,14 @@ With --validator steps states at most --max-d of motion apart are tested instead
 const char* const plan_about =
     R"(Finds a path for a request with a planner of OMPL, every edge judged by the chosen validator.
 
-Example: leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out path.yaml
+Example: leeway plan --robot arm.urdf --goal shoulder=1.2,elbow=-0.4 --out path.yaml
+  leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --start home --goal reach --out path.yaml
+  leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out path.yaml
+
+--start and --goal take joint=value,joint=value (names as in `leeway check`) or a group_state of the SRDF, and go before
+those of the request. Joints that --goal does not name keep the start's value; joints of which nobody says where they
+start stand at 0. Without a group all joints can move. No scene and no SRDF are needed; without an SRDF neighbouring
+links that overlap are in contact (`leeway pairs --out` writes one, --allow LINK:LINK does without).
 
 The path is simplified by shortcuts, all its edges are checked once more (if one fails, the path before simplification
 is kept), and it is audited: exact states so dense that near contact no robot point moves further than --resolution
@@ -257,9 +268,22 @@ CLI::App* addEdge( CLI::App& app, EdgeCommandOptions& options )
 CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "plan", "solve a request, prove the path's edges, audit it" );
-	addCommonOptions( *command, options.common, { true, true, false, true, true } );
+	addCommonOptions( *command, options.common,
+	    { true, true, false, true, true,
+	        "planning group of the SRDF (default: the request's, else that of the state --goal or --start names, else all joints)" } );
 	addEdgeOptions( *command, options.edge );
-	command->add_option( "--request", options.common.request, "start and goal" )->type_name( "Q.yaml" )->required();
+	const std::string ends = "Start and goal";
+	command->add_option( "--goal", options.goal, "joint=value,... or a group_state of the SRDF; joints not named stay as at the start" )
+	    ->type_name( "GOAL" )
+	    ->group( ends );
+	command
+	    ->add_option( "--start", options.start,
+	        "joint=value,... or a group_state; joints not named stand where the request has them, else at 0" )
+	    ->type_name( "START" )
+	    ->group( ends );
+	command->add_option( "--request", options.common.request, "start and goal in a file; --start and --goal go before it" )
+	    ->type_name( "Q.yaml" )
+	    ->group( ends );
 	command->add_option( "--planner", options.planner, "a planner of OMPL by name (default RRTConnect)" )
 	    ->type_name( "NAME" );
 	command
@@ -295,7 +319,8 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "audit", "measure a path again, densely and without certificates" );
 	command->footer( audit_about );
-	addCommonOptions( *command, options.common, { true, false, true } );
+	addCommonOptions( *command, options.common,
+	    { true, false, true, true, false, "planning group of the SRDF (default: the path file's)" } );
 	command->add_option( "--path", options.path, "the path" )->type_name( "path.yaml" )->required();
 	command->add_option( "--resolution", options.resolution, "metres (default 0.0001)" )->type_name( "M" );
 	command->add_option( "--report", options.report, "the audit, for programs" )->type_name( "report.json" );
@@ -427,6 +452,34 @@ int dispatch( const CLI::App& app, Commands& commands )
 	return runAudit( commands.audit );
 }
 
+// What is wrong with the first word of the command line; empty if it is a subcommand or an option.
+std::string subcommandProblem( const CLI::App& app, int argc, char** argv )
+{
+	std::vector<std::string> known;
+	for ( const CLI::App* command : app.get_subcommands( []( const CLI::App* ) { return true; } ) )
+	{
+		known.push_back( command->get_name() );
+	}
+	const std::string word = argc > 1 ? argv[1] : "";
+	if ( word.empty() )
+	{
+		return "no subcommand is given; use one of " + listed( known, known.size() );
+	}
+	return word[0] == '-' || std::find( known.begin(), known.end(), word ) != known.end()
+	           ? ""
+	           : fmt::format( "there is no subcommand {}; {}", word, useOneOf( word, known ) );
+}
+
+// The parser's words, plainer.
+std::string plainWords( const std::string& problem )
+{
+	static const std::regex twice( "(.*): At Most (\\d+) required but received (\\d+)" );
+	std::smatch match;
+	return !std::regex_match( problem, match, twice ) ? problem
+	       : match[2] == "1"                          ? fmt::format( "{}: is given {} times; give it once", match[1].str(), match[3].str() )
+	                         : fmt::format( "{}: is given {} times; give it at most {} times", match[1].str(), match[3].str(), match[2].str() );
+}
+
 // Every failure becomes one line and exit status 2.
 int guarded( const std::function<int()>& run )
 {
@@ -480,6 +533,11 @@ int main( int argc, char** argv )
 	{
 		return runBench( argc, argv );
 	}
+	if ( const std::string problem = subcommandProblem( app, argc, argv ); !problem.empty() )
+	{
+		tell( "leeway: error: command line: {}; see leeway --help\n", problem );
+		return exit_error;
+	}
 	try
 	{
 		app.parse( argc, argv );
@@ -493,7 +551,7 @@ int main( int argc, char** argv )
 		const std::string help = app.get_subcommands().empty()
 		                             ? "leeway --help"
 		                             : "leeway " + app.get_subcommands().front()->get_name() + " --help";
-		tell( "leeway: error: command line: {}; see {}\n", error.what(), help );
+		tell( "leeway: error: command line: {}; see {}\n", plainWords( error.what() ), help );
 		return exit_error;
 	}
 	return guarded( [&] { return dispatch( app, commands ); } );

@@ -28,13 +28,15 @@ bool given( const CLI::App& app, const std::string& option )
 	return found != nullptr && found->count() > 0;
 }
 
-void addWorldOptions( CLI::App& app, CommonOptions& options, const std::string& group )
+void addWorldOptions( CLI::App& app, CommonOptions& options, const std::string& group, const char* group_help )
 {
 	app.add_option( "--scene", options.scene, "obstacles: MoveIt planning scene, or a URDF at its zero pose" )
 	    ->type_name( "Y.yaml|U.urdf" )
 	    ->group( group );
-	app.add_option( "--group", options.group, "planning group of the SRDF; without it all joints can move" )
-	    ->type_name( "NAME" )
+	app.add_option( "--group", options.group, group_help )->type_name( "NAME" )->group( group );
+	app.add_option( "--allow", options.allowed, "a link and an object, or two links, whose contact does not count; repeatable" )
+	    ->type_name( "LINK:OBJECT" )
+	    ->allow_extra_args( false )
 	    ->group( group );
 }
 
@@ -101,7 +103,7 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	    ->group( model );
 	if ( needs.world )
 	{
-		addWorldOptions( app, options, model );
+		addWorldOptions( app, options, model, needs.group_help );
 	}
 	if ( needs.request )
 	{
@@ -243,7 +245,8 @@ void validate( const CLI::App& app, CommonOptions& options )
 	}
 	if ( options.srdf.empty() && !options.group.empty() && !options.robot.empty() )
 	{
-		wrong( "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ), "add --srdf FILE" );
+		wrong( "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ),
+		    "add --srdf FILE, or leave it out: then all joints can move" );
 	}
 	const lw_simd wanted = options.simd_name == "scalar" ? LW_SIMD_SCALAR
 	                       : options.simd_name == "sse2" ? LW_SIMD_SSE2

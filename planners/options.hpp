@@ -33,6 +33,7 @@ struct CommonOptions
 {
 	std::string robot, srdf, scene, group, request, cache;
 	std::vector<std::string> package_paths;
+	std::vector<std::string> allowed; ///< LINK:OBJECT or LINK:LINK
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity(), alpha = 0;
 	bool min_d_given = false, max_d_given = false;
 	std::string margins, padding;       ///< files
@@ -104,6 +105,7 @@ struct PlanOptions
 {
 	CommonOptions common;
 	EdgeOptions edge;
+	std::string start, goal; ///< joint=value,... or the name of a group_state; over those of the request
 	std::string planner = "RRTConnect", out, report;
 	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
 	std::uint32_t seed = 1;
@@ -141,6 +143,7 @@ struct CommonNeeds
 	bool request = true; ///< --request is offered (not where it is required and added by the subcommand)
 	bool world = true;   ///< --scene, --group, --min-d, --what and --simd make sense
 	bool detail = false; ///< --detail is offered
+	const char* group_help = "planning group of the SRDF; without it all joints can move";
 };
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );

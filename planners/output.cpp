@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <filesystem>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -117,7 +118,56 @@ bool writeAll( int file, const std::string& text )
 	return true;
 }
 
+// ---- what a run reads and writes
+
+struct UsedFile
+{
+	std::string option, path;
+	bool output;
+};
+std::vector<UsedFile> used_files; // of the run; one thread names them
+
+// The same file: by device and number if both are there, else by what their paths lead to.
+bool sameFile( const std::string& a, const std::string& b )
+{
+	namespace fs = std::filesystem;
+	struct stat of_a, of_b;
+	const bool a_is = stat( a.c_str(), &of_a ) == 0, b_is = stat( b.c_str(), &of_b ) == 0;
+	if ( a_is && b_is )
+	{
+		return of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino && S_ISREG( of_a.st_mode );
+	}
+	std::error_code bad_a, bad_b;
+	const fs::path real_a = fs::weakly_canonical( fs::absolute( a, bad_a ), bad_a ), real_b = fs::weakly_canonical( fs::absolute( b, bad_b ), bad_b );
+	return a_is == b_is && !bad_a && !bad_b && real_a == real_b;
+}
+
+void useFile( const std::string& option, const std::string& path, bool output )
+{
+	for ( const UsedFile& other : used_files )
+	{
+		if ( ( output || other.output ) && sameFile( path, other.path ) )
+		{
+			// The output is to blame; of two outputs the later one
+			const UsedFile now = { option, path, output };
+			const UsedFile &writes = output ? now : other, &has = output ? other : now;
+			throw io::Error( "command line", writes.option,
+			    fmt::format( "{} is the file that {} {}", writes.path, has.option, has.output ? "writes too" : "reads" ),
+			    "name another file: it would be lost" );
+		}
+	}
+	used_files.push_back( { option, path, output } );
+}
+
 } // namespace
+
+void readsFile( const std::string& option, const std::string& path )
+{
+	if ( !path.empty() && path != "-" )
+	{
+		useFile( option, path, false );
+	}
+}
 
 void installSignalHandlers()
 {
@@ -222,7 +272,7 @@ void Progress::run()
 	}
 }
 
-OutputFile::OutputFile( std::string path ) : m_path( std::move( path ) )
+OutputFile::OutputFile( const std::string& option, std::string path ) : m_path( std::move( path ) )
 {
 	struct stat status;
 	if ( m_path.empty() || m_path == "-" )
@@ -230,6 +280,7 @@ OutputFile::OutputFile( std::string path ) : m_path( std::move( path ) )
 		m_path.clear();
 		return;
 	}
+	useFile( option, m_path, true );
 	if ( stat( m_path.c_str(), &status ) == 0 && !S_ISREG( status.st_mode ) )
 	{
 		// A device or a pipe is written in place; a folder cannot be written at all.

@@ -65,14 +65,21 @@ private:
 	std::thread m_thread;
 };
 
+/// Says what the run reads, so that no result takes its place: a file that is, or by links leads to, an output of the run is an error
+/// that names both. Devices and streams are nobody's. An empty path is none.
+/// @param option that names the file, or what of it: "--robot", "a mesh of --robot"
+/// @throws io::Error
+void readsFile( const std::string& option, const std::string& path );
+
 /// A result file: written beside its target under a temporary name and renamed by commit(), so that no error and no signal
 /// leaves a partial file. With an empty path the text goes to standard output at commit().
 class OutputFile
 {
 public:
 	/// Opens at once, so that an unwritable folder is found before the work, not after.
-	/// @throws io::Error
-	explicit OutputFile( std::string path );
+	/// @param option that names the file, for errors
+	/// @throws io::Error, also if the run reads or writes the file otherwise (readsFile())
+	OutputFile( const std::string& option, std::string path );
 	~OutputFile();
 	OutputFile( const OutputFile& ) = delete;
 	OutputFile& operator=( const OutputFile& ) = delete;

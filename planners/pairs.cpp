@@ -354,7 +354,7 @@ io::LoadedReach findReach( const PairsOptions& options, const Robot& robot, Noti
 int runPairs( const PairsOptions& options )
 {
 	Notices notices( options.common.verbose );
-	OutputFile out( options.out ), json_file( options.json );
+	OutputFile out( "--out", options.out ), json_file( "--json", options.json );
 	const Input input = loadInput( options.common, notices );
 	const Robot robot = io::buildRobot( input.robot );
 	const io::LoadedReach reach = findReach( options, robot, notices );

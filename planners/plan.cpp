@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway plan: a request solved with OMPL, simplified, certified again, and audited.
 #include "audit.hpp"
+#include "ends.hpp"
+#include "names.hpp"
 #include "path_file.hpp"
 #include "planner_registry.hpp"
 
@@ -85,16 +87,12 @@ struct Solution
 	::leeway::ompl::Counters counters;
 };
 
-[[noreturn]] void wrong(
-    const PlanOptions& options, const std::string& element, const std::string& problem, const std::string& remedy )
-{
-	throw io::Error( options.common.request, element, problem, remedy );
-}
-
 // An end of the request must be inside the limits and free, else no planner can help.
 void requireUsable(
-    const PlanOptions& options, const Workbench& bench, const std::string& element, const std::vector<double>& q )
+    const PlanOptions& options, const Workbench& bench, const EndPlace& end, const std::vector<double>& q )
 {
+	const auto wrong = [&end]( const std::string& problem, const std::string& remedy )
+	{ throw io::Error( end.file, end.element, problem, remedy ); };
 	const std::vector<std::string> violations = groupLimitViolations( bench, q, limit_tolerance );
 	if ( !violations.empty() )
 	{
@@ -103,18 +101,17 @@ void requireUsable(
 		{
 			all += ( all.empty() ? "" : "; " ) + violation;
 		}
-		wrong( options, element, all, "give a state inside the joint limits" );
+		wrong( all, "give a state inside the joint limits" );
 	}
 	const lw_what what = options.common.what();
-	const lw_state_result state = measure( bench, q, what, nullptr, options.common.request, element );
+	const lw_state_result state = measure( bench, q, what, nullptr, end.file, end.element );
 	const double min_d = options.common.min_d;
 	const auto judge = [&]( const char* which, const Named& clearance, const std::string& remedy )
 	{
 		// A clearance that is not proved to be above the margin is not usable; NaN included.
 		if ( !( clearance.lower > min_d ) )
 		{
-			wrong( options, element,
-			    clearance.least() > 0 || clearance.margin > 0
+			wrong( clearance.least() > 0 || clearance.margin > 0
 			        ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m{}", which, clearance.first,
 			              clearance.second, clearance.least(), min_d, clearance.marginText() )
 			        : fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
@@ -133,8 +130,11 @@ void requireUsable(
 	}
 	if ( ( what & LW_WHAT_SELF ) != 0 )
 	{
-		judge( "self", nameSelf( bench.checker(), state.self ),
-		    "choose another state, lower --min-d, or disable the pair in the SRDF if it may touch" );
+		const Named self = nameSelf( bench.checker(), state.self );
+		judge( "self", self,
+		    fmt::format( "choose another state, lower --min-d, or, if these may touch, disable the pair in the SRDF (leeway "
+		                 "pairs writes one) or with --allow {}:{}",
+		        self.first, self.second ) );
 	}
 }
 
@@ -383,7 +383,10 @@ PathFile pathFile(
 Json reportJson( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution )
 {
 	Json json;
-	json["request"] = options.common.request;
+	const auto given = []( const std::string& text ) { return text.empty() ? Json( nullptr ) : Json( text ); };
+	json["request"] = given( options.common.request );
+	json["start"] = given( options.start );
+	json["goal"] = given( options.goal );
 	json["robot"] = input.robot.name;
 	json["group"] = bench.problem().group;
 	json["planner"] = findPlanner( options.planner ).name;
@@ -418,10 +421,10 @@ std::string summary( const PlanOptions& options, const Solution& solution )
 {
 	const bool certified = options.edge.validator == "certified";
 	std::string text =
-	    fmt::format( "planner     {} (seed {}{}): {:.3f} s planning, {:.3f} s simplifying; {} states and {} edges checked\n",
+	    fmt::format( "planner     {} (seed {}{}): {:.3f} s planning, {:.3f} s simplifying; {} and {} checked\n",
 	        findPlanner( options.planner ).name, options.seed,
 	        solution.threads > 1 ? fmt::format( ", {} threads", solution.threads ) : "", solution.seconds.plan,
-	        solution.seconds.simplify, solution.counters.states, solution.counters.edges );
+	        solution.seconds.simplify, counted( solution.counters.states, "state" ), counted( solution.counters.edges, "edge" ) );
 	text += fmt::format( "edges       {} of {} {}", solution.edges.free,
 	    solution.edges.free + solution.edges.blocked + solution.edges.refused,
 	    certified ? "proved free" : "free at fixed steps (not a proof)" );
@@ -430,7 +433,7 @@ std::string summary( const PlanOptions& options, const Solution& solution )
 		text += fmt::format( ", clearance proved to be at least {:.6f} m", solution.edges.lower_bound );
 	}
 	return text +
-	       fmt::format( "; before simplification {} states, length {:.6g}\n", solution.raw_states, solution.raw_length );
+	       fmt::format( "; before simplification {}, length {:.6g}\n", counted( solution.raw_states, "state" ), solution.raw_length );
 }
 
 double timeLimit( const PlanOptions& options, const io::Request& request )
@@ -438,20 +441,20 @@ double timeLimit( const PlanOptions& options, const io::Request& request )
 	return options.time > 0 ? options.time : request.allowed_planning_time > 0 ? request.allowed_planning_time : 60;
 }
 
-Solution solve( const PlanOptions& options, const Workbench& bench, const io::Request& request, Notices& notices )
+Solution solve( const PlanOptions& options, const Workbench& bench, const PlanEnds& ends, const io::Request& request, Notices& notices )
 {
 	const std::vector<double> start = io::startState( bench.problem() ), goal = io::goalState( bench.problem(), request );
-	requireUsable( options, bench, "start_state", start );
-	requireUsable( options, bench, "goal_constraints", goal );
+	requireUsable( options, bench, ends.start, start );
+	requireUsable( options, bench, ends.goal, goal );
 	for ( const std::string& violation : limitViolations( bench, bench.fullState( start ) ) )
 	{
-		notices.add(
-		    "joint limits", fmt::format( "{}: start_state: {}; it is used as it is", options.common.request, violation ) );
+		notices.add( "joint limits",
+		    fmt::format( "{}: {}: {}; it is used as it is", ends.start.file, ends.start.element, violation ) );
 	}
 	for ( const std::string& violation : groupLimitViolations( bench, goal ) )
 	{
 		notices.add( "joint limits",
-		    fmt::format( "{}: goal_constraints: {}; it is used as it is", options.common.request, violation ) );
+		    fmt::format( "{}: {}: {}; it is used as it is", ends.goal.file, ends.goal.element, violation ) );
 	}
 	const OmplMessages messages( notices, options.common.verbose );
 	try
@@ -461,7 +464,7 @@ Solution solve( const PlanOptions& options, const Workbench& bench, const io::Re
 	}
 	catch ( const ::ompl::Exception& error )
 	{
-		throw io::Error( options.common.request, "planner " + options.planner, error.what(), "choose another planner" );
+		throw io::Error( "command line", "--planner " + options.planner, error.what(), "choose another planner" );
 	}
 	catch ( const std::invalid_argument& error )
 	{
@@ -475,16 +478,12 @@ int runPlan( const PlanOptions& options )
 {
 	Notices notices( options.common.verbose );
 	requireThreads( findPlanner( options.planner ), options.threads );
-	OutputFile out( options.out ), report( options.report );
+	OutputFile out( "--out", options.out ), report( "--report", options.report );
 	Input input = loadInput( options.common, notices );
 	input.max_d = options.common.min_d + planning_horizon;
-	const std::string group = options.common.group.empty() ? input.request->group : options.common.group;
-	if ( group.empty() && !options.common.srdf.empty() )
-	{
-		wrong( options, "group_name", "is missing", "name the group in the request, or with --group" );
-	}
-	Workbench bench( input, group, {}, notices );
-	Solution solution = solve( options, bench, *input.request, notices );
+	const PlanEnds ends = readEnds( options, input );
+	Workbench bench( input, ends.group, {}, notices );
+	Solution solution = solve( options, bench, ends, *input.request, notices );
 
 	AuditSettings settings;
 	settings.min_d = options.common.min_d;
@@ -493,7 +492,7 @@ int runPlan( const PlanOptions& options )
 	Audit audit;
 	if ( solution.solved )
 	{
-		audit = auditPath( bench, solution.points, settings, options.common.request );
+		audit = auditPath( bench, solution.points, settings, input.request->file );
 		auditEnds( bench, *input.request, solution.points, audit );
 		solution.seconds.audit = audit.seconds;
 	}
@@ -516,9 +515,10 @@ int runPlan( const PlanOptions& options )
 	if ( !solution.solved )
 	{
 		tell(
-		    "leeway: no path found: {} after {:.1f} s ({} states and {} edges checked); try more --time, another --seed "
+		    "leeway: no path found: {} after {:.1f} s ({} and {} checked); try more --time, another --seed "
 		    "or --planner, or a smaller --min-d\n",
-		    solution.status, solution.seconds.plan, solution.counters.states, solution.counters.edges );
+		    solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
+		    counted( solution.counters.edges, "edge" ) );
 		return exit_no;
 	}
 	// The path itself goes to standard output if no file was named; the summary must not mix with it.

@@ -2,9 +2,12 @@
 // Loading, the reference state, and checkers that follow joints outside of the group.
 #include "setup.hpp"
 
+#include "names.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace leeway::cli
@@ -15,6 +18,77 @@ namespace
 std::string problemText( const io::RobotModel& robot )
 {
 	return robot.srdf_file.empty() ? robot.urdf_file : robot.urdf_file + " + " + robot.srdf_file;
+}
+
+// Meshes, point clouds, maps: no result may take their place either.
+void readsShapes( const std::string& option, const io::LoadReport& report )
+{
+	std::set<std::string> files;
+	for ( const io::LoadedShape& shape : report.shapes )
+	{
+		files.insert( shape.file );
+	}
+	for ( const std::string& file : files )
+	{
+		readsFile( "a mesh of " + option, file );
+	}
+}
+
+// Of --allow. Names may have colons of their own: the pair is cut where both halves are known.
+std::vector<std::pair<std::string, std::string>> allowedPairs( const std::vector<std::string>& given, const Input& input )
+{
+	std::set<std::string> links, objects;
+	for ( const io::LinkModel& link : input.robot.links )
+	{
+		links.insert( link.name );
+	}
+	if ( input.scene )
+	{
+		for ( const io::AttachedObject& attached : input.scene->attached )
+		{
+			links.insert( attached.object.name );
+		}
+		for ( const io::SceneObject& object : input.scene->objects )
+		{
+			objects.insert( object.name );
+		}
+	}
+	std::vector<std::string> known( links.begin(), links.end() );
+	known.insert( known.end(), objects.begin(), objects.end() );
+	const auto is = [&]( const std::string& name ) { return links.count( name ) + objects.count( name ) > 0; };
+	std::vector<std::pair<std::string, std::string>> pairs;
+	for ( const std::string& text : given )
+	{
+		std::string first = text.substr( 0, text.find( ':' ) ), second;
+		for ( std::size_t colon = text.find( ':' ); colon != std::string::npos; colon = text.find( ':', colon + 1 ) )
+		{
+			const std::string a = text.substr( 0, colon ), b = text.substr( colon + 1 );
+			if ( second.empty() || ( is( a ) && is( b ) ) )
+			{
+				first = a;
+				second = b;
+			}
+		}
+		if ( second.empty() || first.empty() )
+		{
+			throw io::Error( "command line", "--allow " + text, "is no pair", "write LINK:OBJECT or LINK:LINK" );
+		}
+		for ( const std::string& name : { first, second } )
+		{
+			if ( !is( name ) )
+			{
+				throw io::Error( "command line", "--allow " + text,
+				    fmt::format( "there is no link{} {}", input.scene ? " or object" : "", name ), useOneOf( name, known ) );
+			}
+		}
+		if ( links.count( first ) + links.count( second ) == 0 )
+		{
+			throw io::Error( "command line", "--allow " + text, "both are objects of the scene, which are never checked against each other",
+			    "name a link and an object, or two links" );
+		}
+		pairs.emplace_back( first, second );
+	}
+	return pairs;
 }
 
 } // namespace
@@ -28,6 +102,12 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	load.strict = options.strict;
 	load.detail = 1e-3 * options.detail;
 	load.cache_limit = static_cast<std::uint64_t>( options.cache_limit * 1e6 );
+	for ( const auto& [option, file] : { std::pair( "--robot", &options.robot ), std::pair( "--srdf", &options.srdf ),
+	          std::pair( "--scene", &options.scene ), std::pair( "--request", &options.request ),
+	          std::pair( "--margins", &options.margins ), std::pair( "--padding", &options.padding ) } )
+	{
+		readsFile( option, *file );
+	}
 	Input input;
 	if ( !options.cache.empty() )
 	{
@@ -61,7 +141,7 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		notices.add(
 		    "the robot", { { options.robot, "no SRDF",
 		                     "neighbouring links are checked against each other too; where they overlap by design, give "
-		                     "an SRDF that disables these pairs" } } );
+		                     "an SRDF that disables these pairs: `leeway pairs --robot R.urdf --out S.srdf` writes one" } } );
 	}
 	if ( !options.scene.empty() )
 	{
@@ -74,6 +154,17 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	{
 		notices.add( "the scene", input.scene->report.notices );
 	}
+	readsShapes( "--robot", input.robot.report );
+	if ( input.scene )
+	{
+		readsShapes( "--scene", input.scene->report );
+		for ( const io::Articulation& part : input.scene->articulations )
+		{
+			readsFile( "an articulation of --scene", part.model.urdf_file );
+			readsShapes( "--scene", part.model.report );
+		}
+	}
+	input.allowed = allowedPairs( options.allowed, input );
 	return input;
 }
 
@@ -82,6 +173,7 @@ void ReachProgress::attach( lw_reach_def& def )
 	def.progress = report;
 	def.progress_user = this;
 	m_budget = def.seconds;
+	m_hulls_only = def.hulls_only;
 }
 
 bool ReachProgress::report( void* self, const char* stage, double share )
@@ -89,7 +181,8 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 	ReachProgress& progress = *static_cast<ReachProgress*>( self );
 	if ( !progress.m_told )
 	{
-		tell( "leeway: building motion hulls and pair tables of the robot; {} s for proofs\n", progress.m_budget );
+		tell( "leeway: building motion hulls {}\n",
+		    progress.m_hulls_only ? "of the robot" : fmt::format( "and pair tables of the robot; {} s for proofs", progress.m_budget ) );
 		progress.m_told = true;
 	}
 	progress.m_progress.stage( stage, share );
@@ -138,6 +231,7 @@ void Workbench::build( const Values& values )
 	options.find_reach = m_input.reach;
 	options.margins = m_input.margins;
 	options.padding = m_input.padding;
+	options.allowed = m_input.allowed;
 	options.min_d = m_input.min_d;
 	options.max_d = m_input.max_d;
 	options.notice_enclosed = !m_built;

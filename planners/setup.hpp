@@ -29,6 +29,7 @@ struct Input
 	std::string robot_file, scene_file, request_file;
 	io::Margins margins;
 	io::Padding padding;
+	std::vector<std::pair<std::string, std::string>> allowed; ///< of --allow
 };
 
 /// Metres beyond the margin: obstacles that the group cannot come this near to are passed over where a proof of a motion
@@ -53,7 +54,7 @@ public:
 private:
 	static bool report( void* self, const char* stage, double share );
 	double m_budget = 0;
-	bool m_told = false;
+	bool m_hulls_only = false, m_told = false;
 	Progress& m_progress;
 };
 

@@ -17,16 +17,44 @@ namespace
 
 namespace fs = std::filesystem;
 
-/// The folder, made if it is missing.
-void makeFolder( const std::string& folder )
+/// The folder, made if it is missing; if the run fails, what was made goes again.
+class OutputFolder
 {
-	std::error_code error;
-	fs::create_directories( folder, error );
-	if ( error || !fs::is_directory( folder ) )
+public:
+	explicit OutputFolder( const std::string& folder )
 	{
-		throw io::Error( folder, "--out", error ? error.message() : "is no folder", "name a folder that can be written" );
+		std::error_code error;
+		for ( fs::path path = fs::absolute( folder, error ); !path.empty() && !fs::exists( path, error ); path = path.parent_path() )
+		{
+			if ( path.has_filename() ) // not of "a/b/", where a/b comes next
+			{
+				m_made.push_back( path );
+			}
+		}
+		fs::create_directories( folder, error );
+		if ( error || !fs::is_directory( folder ) )
+		{
+			remove();
+			throw io::Error( folder, "--out", error ? error.message() : "is no folder", "name a folder that can be written" );
+		}
 	}
-}
+	~OutputFolder() { remove(); }
+	OutputFolder( const OutputFolder& ) = delete;
+	OutputFolder& operator=( const OutputFolder& ) = delete;
+	void keep() { m_made.clear(); }
+
+private:
+	void remove()
+	{
+		std::error_code ignored; // of one that somebody else has put something into
+		for ( const fs::path& path : m_made )
+		{
+			fs::remove( path, ignored );
+		}
+		m_made.clear();
+	}
+	std::vector<fs::path> m_made; // innermost first
+};
 
 std::string linkTable( const std::vector<io::LinkSpheres>& links )
 {
@@ -83,10 +111,10 @@ Json toJson( const std::vector<io::LinkSpheres>& links, const io::RobotModel& ro
 int runSpherize( const SpherizeOptions& options )
 {
 	Notices notices( options.common.verbose );
-	makeFolder( options.out );
+	OutputFolder folder( options.out );
 	const Input input = loadInput( options.common, notices );
 	const std::string stem = ( fs::path( options.out ) / fs::path( options.common.robot ).stem() ).string() + "_spheres";
-	OutputFile urdf( stem + ".urdf" ), srdf( stem + ".srdf" ), yaml( stem + ".yml" ), report( stem + ".json" );
+	OutputFile urdf( "--out", stem + ".urdf" ), srdf( "--out", stem + ".srdf" ), yaml( "--out", stem + ".yml" ), report( "--out", stem + ".json" );
 	io::SpherizeOptions how;
 	how.excess = options.excess / 1000;
 	how.sphere_count = options.spheres;
@@ -126,6 +154,7 @@ int runSpherize( const SpherizeOptions& options )
 	    count, links.size(), 1000 * excess, seconds );
 	const std::vector<OutputFile*> files = { &urdf, &srdf, &yaml, &report };
 	commitTogether( files );
+	folder.keep();
 	for ( const OutputFile* file : files )
 	{
 		text += fmt::format( "written: {}\n", file->path() );

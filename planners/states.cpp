@@ -2,6 +2,8 @@
 // Robot states from the columns of a table, and the columns of clearances that go out.
 #include "states.hpp"
 
+#include "names.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,32 +12,11 @@
 namespace leeway::cli
 {
 
-namespace
-{
-
-// Why a joint of the robot cannot be a column; empty if there is no such joint.
-std::string whyUnused( const std::string& name, const io::RobotModel& robot )
-{
-	for ( const io::JointModel& joint : robot.joints )
-	{
-		if ( joint.name == name )
-		{
-			return !joint.mimic.empty() ? "the joint follows joint " + joint.mimic
-			       : joint.type == LW_JOINT_FIXED
-			           ? "the joint is fixed"
-			           : "the joint has several variables, to be named one by one, e.g. " + name + "/x";
-		}
-	}
-	return "";
-}
-
-} // namespace
-
 StateColumns::StateColumns(
     const CsvTable& table, const std::string& prefix, const Workbench& bench, const io::RobotModel& robot, Notices& notices )
     : m_table( table )
 {
-	std::string unknown;
+	std::vector<std::string> unknown;
 	for ( std::size_t column = 0; column < table.header.size(); ++column )
 	{
 		const std::string& title = table.header[column];
@@ -50,18 +31,45 @@ StateColumns::StateColumns(
 			m_used.emplace_back( column, variable );
 			continue;
 		}
-		const std::string why = whyUnused( name, robot );
-		if ( why.empty() )
+		const UnknownVariable why = explainUnknown( name, robot );
+		if ( why.moving ) // meant, and wrongly named: its value must not be dropped
 		{
-			unknown += ( unknown.empty() ? "" : ", " ) + title;
+			throw io::Error( table.file, fmt::format( "column '{}'", title ), why.problem, why.remedy );
+		}
+		if ( why.joint )
+		{
+			notices.add( "unused columns", fmt::format( "{}: column {}: {}; it is ignored", table.file, title, why.problem ) );
 			continue;
 		}
-		notices.add( "unused columns", fmt::format( "{}: column {}: {}; it is ignored", table.file, title, why ) );
+		unknown.push_back( title );
 	}
 	if ( !unknown.empty() )
 	{
 		notices.add( "unused columns",
-		    fmt::format( "{}: columns that are no joints of the robot are ignored: {}", table.file, unknown ) );
+		    fmt::format( "{}: columns that are no joints of the robot are ignored: {}", table.file, listed( unknown, SIZE_MAX ) ) );
+	}
+	noteMissing( prefix, bench, notices );
+}
+
+// A joint that was forgotten and one that is left alone look the same: say where they stand.
+void StateColumns::noteMissing( const std::string& prefix, const Workbench& bench, Notices& notices ) const
+{
+	std::vector<std::string> missing;
+	if ( m_used.empty() || prefix == "to:" ) // nothing can be read; the same as "from:"
+	{
+		return;
+	}
+	for ( std::uint32_t i = 0; i < bench.variableNames().size(); ++i )
+	{
+		if ( std::none_of( m_used.begin(), m_used.end(), [i]( const auto& column ) { return column.second == i; } ) )
+		{
+			missing.push_back( fmt::format( "{} = {}", bench.variableNames()[i], bench.problem().reference[i] ) );
+		}
+	}
+	if ( !missing.empty() )
+	{
+		notices.add( "joints without a column", fmt::format( "{}: joints without a column stand still: {}", m_table.file,
+		    listed( missing, notices.verbose() ? SIZE_MAX : 12 ) ) );
 	}
 }
 
@@ -96,6 +104,14 @@ std::string clearanceCells( const Named& environment, const Named& self, bool ma
 		cells += !margins ? "" : clearance->first.empty() ? "," : "," + number( clearance->margin );
 	}
 	return cells;
+}
+
+void noteEmpty( Notices& notices, const CsvTable& table )
+{
+	if ( table.rows.empty() )
+	{
+		notices.add( "the table", fmt::format( "{}: has a header and no rows: nothing is checked", table.file ) );
+	}
 }
 
 void noteLimits( Notices& notices, const std::string& file, std::size_t row, const std::vector<std::string>& violations )

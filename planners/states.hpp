@@ -17,7 +17,8 @@ class StateColumns
 {
 public:
 	/// @param prefix of the columns that are meant, e.g. "from:"; empty = all columns
-	/// @param notices gets a line for every column that is not a variable of the robot
+	/// @param notices gets a line about columns that are no variables of the robot, and one about variables without a column
+	/// @throws io::Error naming a column that means a moving joint but none of its values
 	StateColumns( const CsvTable& table, const std::string& prefix, const Workbench& bench, const io::RobotModel& robot,
 	    Notices& notices );
 
@@ -29,6 +30,7 @@ public:
 	const std::vector<std::pair<std::size_t, std::uint32_t>>& used() const { return m_used; }
 
 private:
+	void noteMissing( const std::string& prefix, const Workbench& bench, Notices& notices ) const;
 	const CsvTable& m_table;
 	std::vector<std::pair<std::size_t, std::uint32_t>> m_used;
 };
@@ -37,6 +39,9 @@ private:
 std::string clearanceHeader( bool margins );
 /// Their cells; those of a question that was not asked are empty.
 std::string clearanceCells( const Named& environment, const Named& self, bool margins );
+
+/// Tells about a table that has a header only: no answer is then a good answer, and maybe not what was meant.
+void noteEmpty( Notices& notices, const CsvTable& table );
 
 /// Tells about values outside of joint limits: the first rows, then a count. Nothing is clamped.
 void noteLimits( Notices& notices, const std::string& file, std::size_t row, const std::vector<std::string>& violations );

@@ -197,7 +197,7 @@ Json toJson( const TuneSettings& settings, const TuneSamples& samples, const std
 int runTune( const TuneOptions& options )
 {
 	Notices notices( options.common.verbose );
-	OutputFile csv( options.csv ), json( options.json );
+	OutputFile csv( "--csv", options.csv ), json( "--json", options.json );
 	const TuneSettings settings = settingsOf( options );
 	Input input = loadInput( options.common, notices );
 	input.max_d = std::max( settings.max_d, settings.min_d + planning_horizon );

@@ -153,14 +153,6 @@ TEST_F( Pairs, TwoRunsWriteTheSame )
 	EXPECT_EQ( json( "first.json" )["findings"], json( "second.json" )["findings"] );
 }
 
-TEST_F( Pairs, TheInputItselfCanBeReplaced )
-{
-	EXPECT_EQ( pairs( { "--srdf", "many.srdf", "--out", "many.srdf" } ).status, 1 );
-	EXPECT_TRUE( contains( readFile( path( "many.srdf" ) ), "hulls apart" ) );
-	EXPECT_EQ( files(), ( std::vector<std::string>{ "arm.srdf", "arm.urdf", "blocked.yaml", "edges.csv", "fore.stl",
-	                        "many.srdf", "many.urdf", "request.yaml", "scene.yaml", "states.csv" } ) );
-}
-
 TEST_F( Pairs, LinksDisabledByDefaultStayAsTheyAre )
 {
 	write( "default.srdf", R"(<robot name="many"><disable_default_collisions link="left"/>

@@ -141,14 +141,14 @@ TEST_F( SceneTest, ObjectPoseComesBeforeShapePoses )
 
 TEST_F( SceneTest, FewerPosesThanShapes )
 {
-	expectBadObject( box, { "1 primitives and 0 primitive_poses" } );
-	expectBadObject( box + ", primitive_poses: [" + pose + ", " + pose + "]", { "1 primitives and 2 primitive_poses" } );
+	expectBadObject( box, { "primitives has 1 entry and primitive_poses 0" } );
+	expectBadObject( box + ", primitive_poses: [" + pose + ", " + pose + "]", { "primitives has 1 entry and primitive_poses 2" } );
 	expectBadObject(
 	    "pose: " + pose +
 	        ", primitives: [{type: sphere, dimensions: [1]}, {type: sphere, dimensions: [1]}], primitive_poses: [" + pose +
 	        "]",
-	    { "2 primitives and 1 primitive_poses" } );
-	expectBadObject( "primitive_poses: [" + pose + "]", { "0 primitives and 1 primitive_poses" } );
+	    { "primitives has 2 entries and primitive_poses 1" } );
+	expectBadObject( "primitive_poses: [" + pose + "]", { "primitives has 0 entries and primitive_poses 1" } );
 	expectBadObject( "pose: " + pose, { "no shape" } );
 }
 

@@ -62,7 +62,7 @@ TEST_F( ShapeSetsTest, PlanesHavePosesAndNames )
 	expectPoint( placed.pose, 1, 0, 4 ); // z = 1 of a frame that hangs upside down from 5
 	EXPECT_NEAR( placed.pose.r[2][2], -1, 1e-12 );
 	EXPECT_EQ( scene.report.shapes.at( 0 ).source, "plane 0 x + 0 y + 2 z + -2" );
-	expectBad( "planes: [{coef: [0, 0, 1, 0]}]", { "1 planes and 0 plane_poses" } );
+	expectBad( "planes: [{coef: [0, 0, 1, 0]}]", { "planes has 1 entry and plane_poses 0" } );
 	expectBad( "pose: {position: [0, 0, 0]}, planes: [{coef: [0, 0, 0, 1]}]", { "planes[0]", "no normal" } );
 	expectBad( "pose: {position: [0, 0, 0]}, planes: [{coef: [0, 0, 1]}]", { "planes[0].coef", "3 numbers, not 4" } );
 	expectBad( "pose: {position: [0, 0, 0]}, planes: [{coef: [0, 0, 1, .inf]}]", { "planes[0].coef[3]", "not finite" } );

@@ -119,7 +119,8 @@ const Group& RobotModel::useGroup( const std::string& group ) const
 	if ( found == nullptr )
 	{
 		throw Error( srdf_file.empty() ? urdf_file : srdf_file, "group " + group, "there is no such group",
-		    srdf_file.empty() ? "give an SRDF that defines it" : "use one of " + usableGroups( *this ) );
+		    srdf_file.empty() ? "give an SRDF that defines it, or name no group: then all joints can move"
+		                      : "use one of " + usableGroups( *this ) );
 	}
 	if ( !found->defect.empty() )
 	{

@@ -737,6 +737,10 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	{
 		contacts.allowMatrix( model, *scene, problem.notices );
 	}
+	for ( const auto& [a, b] : options.allowed )
+	{
+		contacts.allow( a, b );
+	}
 	problem.robot = createBareRobot( model, contacts );
 	findReach( options, problem );
 	attachAll( attached, contacts, scene, problem );
@@ -756,6 +760,19 @@ std::string variableName( const lw_robot* robot, std::uint32_t variable )
 	       jointSuffixes( lw_robot_joint_type( robot, info.joint ) ).at( info.component );
 }
 
+std::vector<std::string> variableNames( const JointModel& joint )
+{
+	std::vector<std::string> names;
+	if ( joint.type != LW_JOINT_FIXED && joint.mimic.empty() )
+	{
+		for ( const std::string& suffix : jointSuffixes( joint.type ) )
+		{
+			names.push_back( joint.name + suffix );
+		}
+	}
+	return names;
+}
+
 std::vector<double> startState( const Problem& problem )
 {
 	std::vector<double> state;
@@ -769,6 +786,7 @@ std::vector<double> startState( const Problem& problem )
 std::vector<double> goalState( const Problem& problem, const Request& request )
 {
 	const lw_robot* robot = problem.robot.get();
+	const std::string& file = request.goal_file.empty() ? request.file : request.goal_file;
 	std::map<std::string, std::uint32_t> variables;
 	for ( std::uint32_t i = 0; i < lw_robot_variable_count( robot ); ++i )
 	{
@@ -793,7 +811,7 @@ std::vector<double> goalState( const Problem& problem, const Request& request )
 		double tolerance = std::fmax( 1e-6, difference > 0 ? goal.tolerance_below : goal.tolerance_above );
 		if ( group.count( variable ) == 0 && std::fabs( difference ) > tolerance )
 		{
-			throw Error( request.file, "goal_constraints[0] " + goal.joint,
+			throw Error( file, request.goal_element + " " + goal.joint,
 			    fmt::format( "is to move from {} to {}, but is not in group {}", problem.reference[variable], goal.position,
 			        problem.group ),
 			    "remove it or plan for a group that has it" );
@@ -811,9 +829,9 @@ std::vector<double> goalState( const Problem& problem, const Request& request )
 			missing.push_back( problem.variable_names[i] );
 		}
 	}
-	if ( !missing.empty() )
+	if ( !missing.empty() && !request.goal_keeps_rest )
 	{
-		throw Error( request.file, "goal_constraints[0]", fmt::format( "names no goal for {}", joinNames( missing ) ),
+		throw Error( file, request.goal_element, fmt::format( "names no goal for {}", joinNames( missing ) ),
 		    "give one joint constraint for each joint of the group" );
 	}
 	return state;

@@ -100,11 +100,7 @@ Request loadRequest( const std::string& file )
 	    "trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name",
 	    "num_planning_attempts", "allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor",
 	    "cartesian_speed_limited_link", "max_cartesian_speed" } );
-	request.group = root["group_name"].text();
-	if ( request.group.empty() )
-	{
-		root["group_name"].fail( "is empty", "name a group of the SRDF" );
-	}
+	request.group = root["group_name"].textOr( "" );
 	request.planner_id = root["planner_id"].textOr( "" );
 	YamlNode time = root["allowed_planning_time"];
 	request.allowed_planning_time = time.defined() ? time.number() : 0;

@@ -230,7 +230,7 @@ void SceneReader::readShapes(
 	if ( poses.size() != count && !poses_left_out )
 	{
 		( poses.defined() ? poses : object )
-		    .fail( fmt::format( "there are {} {} and {} {}", count, shapes_key, poses.size(), poses_key ),
+		    .fail( fmt::format( "{} has {} {} and {} {}", shapes_key, count, count == 1 ? "entry" : "entries", poses_key, poses.size() ),
 		        "give one pose for each shape" );
 	}
 	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();

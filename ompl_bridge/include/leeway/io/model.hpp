@@ -319,9 +319,12 @@ struct JointGoal
 /// A motion plan request.
 struct Request
 {
-	std::string file, group, planner_id;
+	std::string file, group, planner_id; ///< group: empty if the file names none
 	JointState start;
 	std::vector<JointGoal> goal; ///< joint constraints of goal_constraints[0]
+	/// Variables of the group that the goal does not name keep the start's value; else the goal has to name them all.
+	bool goal_keeps_rest = false;
+	std::string goal_file, goal_element = "goal_constraints[0]"; ///< for errors; goal_file empty: `file`
 	double allowed_planning_time = 0;
 	std::vector<Notice> notices;
 };
@@ -358,6 +361,9 @@ struct ProblemOptions
 	/// the robot without attached objects, and hold for its links whatever is attached; of attached objects nothing is proved.
 	std::optional<ReachOptions> find_reach = std::nullopt;
 	Reach reach{};     ///< of an equal robot, from an earlier problem
+	/// Links and objects, or two links, by name in either order, whose contact does not count; besides what SRDF and scene allow.
+	/// Names of neither are ignored.
+	std::vector<std::pair<std::string, std::string>> allowed{};
 	Padding padding{}; ///< loadPadding(), or of your own; what the scene says of a link is stronger
 	Margins margins{}; ///< loadMargins(), or of your own
 	/// Metres of clearance: the least that is wanted, and the largest that the caller cares about. Neither changes an answer: obstacles that the
@@ -375,12 +381,15 @@ struct ProblemOptions
 /// @throws Error (unknown group, unknown frame, start outside of what the robot has, ...)
 Problem buildProblem( const RobotModel& robot, const ProblemOptions& options );
 
-/// Name of a robot variable: the joint's name for one-variable joints, "<joint>/x" and so on for others.
+/// Name of a robot variable: the joint's name for joints of one variable; "<joint>/x", "/y" and "/theta" of a planar one;
+/// "<joint>/trans_x", "/trans_y", "/trans_z", "/rot_x", "/rot_y", "/rot_z" and "/rot_w" of a floating one.
 std::string variableName( const lw_robot* robot, uint32_t variable );
+/// The same names of a joint, in order; none for a joint that is fixed or mimics another.
+std::vector<std::string> variableNames( const JointModel& joint );
 
 /// Values of the group's variables in a request's start state (reference values where it is silent) or goal.
 std::vector<double> startState( const Problem& problem );
-/// @throws Error if the goal does not name every variable of the group, or names a joint outside of the group with another
+/// @throws Error if the goal does not name every variable of the group (unless Request::goal_keeps_rest), or names a joint outside of the group with another
 /// value
 std::vector<double> goalState( const Problem& problem, const Request& request );
 

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Start and goal on the command line, planning without SRDF, group and scene, and contacts that are allowed there.
+#include "cli_fixture.hpp"
+
+#include <nlohmann/json.hpp>
+#include <yaml-cpp/yaml.h>
+
+class CliEnds : public Cli
+{
+protected:
+	void SetUp() override
+	{
+		Cli::SetUp();
+		// Named states of two groups, one of them under a name that both have
+		edit( "arm.srdf", "</robot>",
+		    "<group_state name='low' group='arm'><joint name='shoulder' value='-1'/><joint name='elbow' value='0.25'/>"
+		    "<joint name='finger_joint' value='0.125'/></group_state>"
+		    "<group_state name='high' group='arm'><joint name='shoulder' value='1'/></group_state>"
+		    "<group_state name='out' group='arm'><joint name='shoulder' value='1'/></group_state>"
+		    "<group_state name='out' group='shoulder_only'><joint name='shoulder' value='0.5'/></group_state>"
+		    "</robot>" );
+	}
+
+	Outcome plan( const std::vector<std::string>& more ) const
+	{
+		std::vector<std::string> arguments = { "plan", "--robot", "arm.urdf", "--out", "path.yaml" };
+		arguments.insert( arguments.end(), more.begin(), more.end() );
+		return run( arguments );
+	}
+	YAML::Node pathFile() const { return YAML::LoadFile( path( "path.yaml" ) ); }
+	std::vector<double> point( bool last ) const
+	{
+		const YAML::Node points = pathFile()["points"];
+		return points[last ? points.size() - 1 : 0]["positions"].as<std::vector<double>>();
+	}
+	/// Without an SRDF neighbours that overlap are in contact; here they stand apart.
+	void partNeighbours() const
+	{
+		edit( "arm.urdf", R"(xyz="0.2 0 0"/><geometry><box size="0.4)", R"(xyz="0.2 0 0"/><geometry><box size="0.2)" );
+	}
+};
+
+namespace
+{
+using Vector = std::vector<double>;
+const std::vector<std::string> srdf = { "--srdf", "arm.srdf" };
+
+std::vector<std::string> operator+( std::vector<std::string> a, const std::vector<std::string>& b )
+{
+	a.insert( a.end(), b.begin(), b.end() );
+	return a;
+}
+} // namespace
+
+TEST_F( CliEnds, AGoalOfValuesNeedsNoRequestNorSceneNorSrdf )
+{
+	partNeighbours();
+	const Outcome outcome = plan( { "--goal", "shoulder=1, elbow=-0.5" } );
+	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
+	EXPECT_EQ( point( false ), ( Vector{ 0, 0 } ) );
+	EXPECT_EQ( point( true ), ( Vector{ 1, -0.5 } ) );
+	EXPECT_EQ( pathFile()["group"].as<std::string>(), "" );
+	EXPECT_EQ( run( { "audit", "--robot", "arm.urdf", "--path", "path.yaml" } ).status, 0 );
+}
+
+TEST_F( CliEnds, JointsThatTheGoalDoesNotNameKeepTheStartsValue )
+{
+	ASSERT_EQ( plan( srdf + std::vector<std::string>{ "--start", "elbow=0.5", "--goal", "shoulder=1" } ).status, 0 );
+	EXPECT_EQ( point( false ), ( Vector{ 0, 0.5 } ) );
+	EXPECT_EQ( point( true ), ( Vector{ 1, 0.5 } ) );
+}
+
+TEST_F( CliEnds, NamedStatesBringTheirGroup )
+{
+	ASSERT_EQ( plan( srdf + std::vector<std::string>{ "--start", "low", "--goal", "high" } ).status, 0 );
+	EXPECT_EQ( pathFile()["group"].as<std::string>(), "arm" );
+	EXPECT_EQ( point( false ), ( Vector{ -1, 0.25 } ) ); // finger_joint follows the elbow: no value of its own
+	EXPECT_EQ( point( true ), ( Vector{ 1, 0.25 } ) );
+}
+
+TEST_F( CliEnds, AStateOfSeveralGroupsIsThatOfTheGroupAskedFor )
+{
+	const Outcome which = plan( srdf + std::vector<std::string>{ "--goal", "out" } );
+	EXPECT_EQ( which.status, 2 );
+	EXPECT_TRUE( contains( which.err, "groups arm and shoulder_only" ) ) << which.err;
+	ASSERT_EQ( plan( srdf + std::vector<std::string>{ "--goal", "out", "--group", "shoulder_only" } ).status, 0 );
+	EXPECT_EQ( point( true ), ( Vector{ 0.5 } ) );
+}
+
+TEST_F( CliEnds, EndsOnTheCommandLineGoBeforeThoseOfTheRequest )
+{
+	const std::vector<std::string> request = srdf + std::vector<std::string>{ "--request", "request.yaml" };
+	ASSERT_EQ( plan( request + std::vector<std::string>{ "--goal", "shoulder=0.5" } ).status, 0 );
+	EXPECT_EQ( point( false ), ( Vector{ -1, 0 } ) );
+	EXPECT_EQ( point( true ), ( Vector{ 0.5, 0 } ) );
+	ASSERT_EQ( plan( request + std::vector<std::string>{ "--start", "shoulder=-0.5" } ).status, 0 );
+	EXPECT_EQ( point( false ), ( Vector{ -0.5, 0 } ) );
+	EXPECT_EQ( point( true ), ( Vector{ 1, 0 } ) );
+}
+
+TEST_F( CliEnds, TheGroupOfTheCommandLineGoesBeforeTheRequestsWhichMayNameNone )
+{
+	edit( "request.yaml", "group_name: arm\n", "" );
+	const std::vector<std::string> request = srdf + std::vector<std::string>{ "--request", "request.yaml" };
+	const Outcome shoulder = plan( request + std::vector<std::string>{ "--group", "shoulder_only" } );
+	ASSERT_EQ( shoulder.status, 0 ) << shoulder.err;
+	EXPECT_EQ( pathFile()["joint_names"].as<std::vector<std::string>>(), ( std::vector<std::string>{ "shoulder" } ) );
+	ASSERT_EQ( plan( request ).status, 0 ); // all joints
+	EXPECT_EQ( pathFile()["joint_names"].size(), 2u );
+	partNeighbours();
+	EXPECT_EQ( plan( { "--request", "request.yaml" } ).status, 0 );
+}
+
+TEST_F( CliEnds, WrongEndsAreNamedWithWhatWasMeant )
+{
+	struct Wrong
+	{
+		std::vector<std::string> arguments, words;
+	};
+	const std::vector<Wrong> all = {
+		{ {}, { "--goal", "--request" } },
+		{ { "--goal", "sholder=1" }, { "--goal sholder", "use shoulder" } },
+		{ { "--goal", "shoulder=one" }, { "--goal shoulder", "'one'" } },
+		{ { "--goal", "shoulder=nan" }, { "'nan'" } },
+		{ { "--goal", "shoulder=1,elbow" }, { "'elbow' is no joint=value" } },
+		{ { "--goal", "shoulder=1,shoulder=2" }, { "twice" } },
+		{ { "--goal", "hihg" }, { "group_state hihg", "high of group arm" } },
+		{ { "--goal", "tool_joint=1" }, { "fixed" } },
+		{ { "--goal", "finger_joint=1" }, { "follows joint elbow" } },
+		{ { "--goal", "shoulder=3" }, { "command line: --goal", "above its limit" } },
+		{ { "--goal", "high", "--start", "elbow=2.9" }, { "command line: --start", "above its limit" } },
+		{ { "--goal", "elbow=1", "--group", "shoulder_only" }, { "--goal elbow", "shoulder_only" } },
+	};
+	for ( const Wrong& wrong : all )
+	{
+		const Outcome outcome = plan( srdf + wrong.arguments );
+		EXPECT_EQ( outcome.status, 2 ) << outcome.out;
+		for ( const std::string& word : wrong.words )
+		{
+			EXPECT_TRUE( contains( outcome.err, word ) ) << "lacks '" << word << "': " << outcome.err;
+		}
+	}
+	const Outcome bare = plan( { "--goal", "high" } );
+	EXPECT_TRUE( bare.status == 2 && contains( bare.err, "--srdf" ) ) << bare.err;
+}
+
+TEST_F( CliEnds, PlanarAndFloatingJointsAreSetByTheirVariables )
+{
+	for ( const auto& [type, goal, many] :
+	    { std::make_tuple( "planar", "base/x=0.5,base/theta=1,shoulder=0.5", "base/x, base/y, base/theta" ),
+	        std::make_tuple( "floating", "base/trans_x=0.5,base/trans_z=0.25,shoulder=0.5", "base/trans_x, base/trans_y, base/trans_z" ) } )
+	{
+		TearDown();
+		Cli::SetUp();
+		edit( "arm.srdf", "<group name=\"arm\">",
+		    std::string( "<virtual_joint name='base' type='" ) + type + "' parent_frame='odom' child_link='base'/><group name=\"arm\">" );
+		const Outcome outcome = plan( srdf + std::vector<std::string>{ "--goal", goal } );
+		ASSERT_EQ( outcome.status, 0 ) << type << outcome.err;
+		EXPECT_EQ( point( true )[0], 0.5 ) << type;
+		const Outcome wrong = plan( srdf + std::vector<std::string>{ "--goal", "base/q=1" } );
+		EXPECT_TRUE( wrong.status == 2 && contains( wrong.err, many ) ) << wrong.err;
+	}
+}
+
+// ---- contacts that are allowed on the command line
+
+TEST_F( CliEnds, AnAllowedContactDoesNotCount )
+{
+	write( "touch.csv", "shoulder,elbow\n1.2,-1.2\n" ); // the fore arm reaches to x = 0.545
+	edit( "scene.yaml", "[1.0, 0, 0]", "[0.6, 0, 0]" );       // the wall's face is at 0.5
+	const std::vector<std::string> check = { "--group", "arm", "--states", "touch.csv" };
+	EXPECT_EQ( runModel( "check", check ).status, 1 );
+	const Outcome allowed = runModel( "check", check + std::vector<std::string>{ "--allow", "wall:fore" } );
+	ASSERT_EQ( allowed.status, 0 ) << allowed.out;
+	EXPECT_NE( parseTable( allowed.out ).rows[0].at( "env_link" ), "fore" );
+	const std::vector<std::string> ends = { "--start", "shoulder=1.2,elbow=-1.2", "--goal", "shoulder=1.2,elbow=-1" };
+	EXPECT_EQ( runModel( "plan", ends ).status, 2 );
+	EXPECT_EQ( runModel( "plan", ends + std::vector<std::string>{ "--allow", "fore:wall", "--out", "p.yaml" } ).status, 0 );
+	EXPECT_EQ( runModel( "audit", { "--path", "p.yaml" } ).status, 1 );
+	EXPECT_EQ( runModel( "audit", { "--path", "p.yaml", "--allow", "fore:wall" } ).status, 0 );
+	write( "edges.csv", "from:shoulder,from:elbow,to:shoulder,to:elbow\n1.2,-1.2,1.2,-1\n" );
+	EXPECT_EQ( runModel( "edge", { "--edges", "edges.csv" } ).status, 1 );
+	EXPECT_EQ( runModel( "edge", { "--edges", "edges.csv", "--allow", "fore:wall" } ).status, 0 );
+}
+
+TEST_F( CliEnds, AnAllowedContactOfWhatStandsStillDoesNotCount )
+{
+	edit( "scene.yaml", "[1.0, 0, 0]", "[0, 0, -1.2]" ); // the base in the wall, whose top the arm stays 0.175 m above
+	EXPECT_EQ( runModel( "plan", { "--goal", "high" } ).status, 2 );
+	const Outcome outcome = runModel( "plan", { "--goal", "high", "--allow", "base:wall" } );
+	EXPECT_EQ( outcome.status, 0 ) << outcome.err;
+}
+
+TEST_F( CliEnds, TwoLinksMayBeAllowedToTouch )
+{
+	const std::vector<std::string> bare = { "check", "--robot", "arm.urdf", "--states", "states.csv" };
+	EXPECT_EQ( run( bare ).status, 1 ); // no SRDF: neighbours overlap
+	const Outcome allowed = run( bare + std::vector<std::string>{ "--allow", "fore:upper" } );
+	EXPECT_EQ( allowed.status, 0 ) << allowed.out;
+	const Outcome info = run( { "info", "--robot", "arm.urdf", "--allow", "upper:fore", "--json", "i.json" } );
+	ASSERT_EQ( info.status, 0 ) << info.err;
+	EXPECT_EQ( nlohmann::json::parse( readFile( path( "i.json" ) ) )["checker"]["link_pairs"]["disabled"], 1 );
+}
+
+TEST_F( CliEnds, AllowedNamesThatAreNotThereAreErrorsThatListNearOnes )
+{
+	for ( const auto& [text, word] : { std::make_pair( "fore:wal", "use wall" ), std::make_pair( "four:wall", "use fore" ),
+	          std::make_pair( "fore", "LINK:OBJECT" ), std::make_pair( "wall:wall", "both are objects" ) } )
+	{
+		const Outcome outcome = runModel( "check", { "--states", "states.csv", "--allow", text } );
+		EXPECT_EQ( outcome.status, 2 ) << text;
+		EXPECT_TRUE( contains( outcome.err, word ) ) << text << ": " << outcome.err;
+	}
+}
