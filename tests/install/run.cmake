@@ -19,7 +19,7 @@ set(prefix "${WORK}/moved")
 
 string(REPLACE ";" "\\;" component_list "${COMPONENTS}")
 run("configure" "${CMAKE_COMMAND}" -S "${SOURCE}" -B "${WORK}/build" -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${prefix}"
-  "-DCOMPONENTS=${component_list}" "-DSANITIZE=${SANITIZE}" "-DVERSION=${VERSION}" "-DCMAKE_C_COMPILER=${C_COMPILER}"
+  "-DCOMPONENTS=${component_list}" "-DEXAMPLES=${EXAMPLES}" "-DSANITIZE=${SANITIZE}" "-DVERSION=${VERSION}" "-DCMAKE_C_COMPILER=${C_COMPILER}"
   "-DCMAKE_CXX_COMPILER=${CXX_COMPILER}" -DCMAKE_BUILD_TYPE=Release)
 run("build" "${CMAKE_COMMAND}" --build "${WORK}/build")
 run("C program" "${WORK}/build/consumer_c")
@@ -27,9 +27,21 @@ foreach(component ${COMPONENTS})
   run("C++ program of ${component}" "${WORK}/build/consumer_${component}")
 endforeach()
 
+if("ompl" IN_LIST COMPONENTS)
+  set(first "${prefix}/${DOCDIR}/examples/first") # installed, with the documents
+  run("C++ example on the first example" "${WORK}/build/consumer_plan" "${first}/arm.urdf" "${first}/arm.srdf" "${first}/scene.yaml"
+    "${first}/request.yaml")
+endif()
+foreach(file LICENSE README.md core/docs/edges.md)
+  if(NOT EXISTS "${prefix}/${DOCDIR}/${file}")
+    message(FATAL_ERROR "${DOCDIR}/${file} is not installed")
+  endif()
+endforeach()
+
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} "${prefix}/${LIBDIR}/pkgconfig")
-  execute_process(COMMAND "${PKG_CONFIG}" --static --cflags --libs "leeway = ${VERSION}" OUTPUT_VARIABLE flags
+  # without --static, as everybody asks: a static library must name what it needs
+  execute_process(COMMAND "${PKG_CONFIG}" --cflags --libs "leeway = ${VERSION}" OUTPUT_VARIABLE flags
     OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status)
   if(NOT status EQUAL 0)
     message(FATAL_ERROR "pkg-config does not find leeway ${VERSION} in ${prefix}")
