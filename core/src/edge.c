@@ -85,9 +85,13 @@ static lw_status check_steps( lwi_edge* e )
 		furthest = c->tree->nodes[i].body_count > 0 ? lwi_larger( furthest, length ) : furthest;
 	}
 	double steps = ceil( furthest / e->def->max_d );
-	if ( !( steps < 0x1p30 ) )
+	if ( !( steps < LW_EDGE_MOST_STATES ) )
 	{
-		return LW_ERROR_INVALID_ARGUMENT; // the step is absurdly small for this edge
+		if ( lwi_edge_state_is_free( e, 1 ) && lwi_edge_state_is_free( e, 0 ) )
+		{
+			e->out->verdict = LW_VERDICT_REFUSED;
+		}
+		return e->failed ? LW_ERROR_INVALID_ARGUMENT : LW_OK;
 	}
 	uint32_t n = steps > 1 ? (uint32_t)steps : 1;
 	if ( check_steps_in_order( e, n ) )

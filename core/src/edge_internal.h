@@ -17,7 +17,8 @@ enum
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
 	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
 	LWI_RAKE_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of a rake
-	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
+	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS,
+	LWI_EDGE_MOST_CLOSE = 1024 ///< windows that are halved for items within the slack, before one of them is refused
 };
 
 /// Shrinks a surplus of clearance, 2^-40 relative: far above its dozen roundings, far below any slack.
@@ -35,6 +36,7 @@ typedef struct lwi_edge_item
 	uint8_t cells;   ///< of LWI_WIDTH, those that a rake has left
 	bool neighbours; ///< a pair whose spheres are always near: what a rake has left of it is no hint of a collision
 	uint32_t near;   ///< obstacles that were found near it just now, the first of query->candidates; 0: not known
+	double slack;    ///< metres: the edge's, or less once a clearance was found to be within that, see lwi_edge_slack()
 } lwi_edge_item;
 
 /// What kept a pair apart the last few times: directions are few, and states that planners ask for go to and fro.
@@ -148,11 +150,14 @@ typedef struct lwi_edge
 	double rounding[2]; ///< what a lower bound of an item's clearance counts less by; [1] of a pair
 	double slack[2];    ///< the def's, unless rounding is coarser
 	double enough[2];   ///< clearance that proves what loses nothing by motion, margins not in it
+	uint32_t close;     ///< windows of items with less than slack[] that were not proved
 	double twist_error;     ///< see lwi_motion_twist_error()
 	double spare;           ///< everything that is proved is proved to be min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
 	int looked;             ///< levels of halving at which whole states were looked at
+	uint32_t most_states;   ///< out->queries at which the proof is given up
+	bool runs;              ///< the run from the start is being proved: slacks follow the room there
 	bool failed;            ///< a state could not be posed or asked
 	lw_status failure;      ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
@@ -161,7 +166,7 @@ typedef struct lwi_edge
 typedef struct lwi_edge_sample
 {
 	bool proved;  ///< on all of the window
-	bool low;     ///< clearance within the slack: looking closer is not worth it
+	bool low;     ///< the clearance is within the item's slack, which cannot get smaller, or the edge has had its states: to be refused
 	bool blocked;
 	uint8_t skip; ///< levels below on which the item need not be looked at: their cells would be too wide
 	lw_clearance pair;
@@ -267,7 +272,7 @@ bool lwi_edge_sweep_near( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_wi
 
 /// Measures an item at window.t, no further than needed to prove the window and a little more.
 /// @param may_give_up a distance too small for that ends it
-lwi_edge_sample lwi_edge_measure( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up );
+lwi_edge_sample lwi_edge_measure( lwi_edge* edge, lwi_edge_item* item, lwi_edge_window window, bool may_give_up );
 
 /// False for cells of a level that a rake has proved for an item.
 static inline bool lwi_edge_cell_is_open( const lwi_edge_item* item, uint64_t cell, int level )
@@ -298,6 +303,25 @@ double lwi_edge_static_lower( const lwi_edge* edge );
 static inline bool lwi_edge_item_is_pair( const lwi_edge_item* item )
 {
 	return item->body_b != LW_INVALID_INDEX;
+}
+
+/// True if the item has a slack of its own, and the edge has not used up LWI_EDGE_MOST_CLOSE.
+static inline bool lwi_edge_is_close( const lwi_edge* edge, const lwi_edge_item* item )
+{
+	return item->slack < edge->slack[lwi_edge_item_is_pair( item )] && edge->close < LWI_EDGE_MOST_CLOSE;
+}
+
+/// The slack of an item: the edge's, or what its own clearance leaves room for.
+static inline double lwi_edge_slack( const lwi_edge* edge, const lwi_edge_item* item )
+{
+	return lwi_edge_is_close( edge, item ) ? item->slack : edge->slack[lwi_edge_item_is_pair( item )];
+}
+
+/// Clearance that proves an item if it loses nothing by motion, margins not in it.
+static inline double lwi_edge_enough( const lwi_edge* edge, const lwi_edge_item* item )
+{
+	const bool pair = lwi_edge_item_is_pair( item );
+	return lwi_edge_is_close( edge, item ) ? edge->def->min_d + edge->rounding[pair] + 0.25 * item->slack : edge->enough[pair];
 }
 
 /// Notes that something was proved by as much as edge->enough.

@@ -37,6 +37,7 @@ void lwi_edge_prepare_item( lwi_edge* e, lwi_edge_item* item )
 	item->rate_a = rate_of( e, item->body_a, item->ancestor );
 	item->rate_b = pair ? rate_of( e, item->body_b, item->ancestor ) : (lwi_motion_rate){ 0, 0 };
 	item->warm = ( item_id( e->checker, item ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
+	item->slack = e->slack[pair];
 }
 
 /// How much the clearance of an item may lose within a window.
@@ -84,13 +85,19 @@ void lwi_edge_note_proof( lwi_edge* e )
 	note_proof( e, 0.25 * e->def->slack * LWI_EDGE_INWARD );
 }
 
+/// The same by as much as lwi_edge_enough().
+static void note_plane( lwi_edge* e, const lwi_edge_item* item )
+{
+	note_proof( e, 0.25 * lwi_smaller( e->def->slack, lwi_edge_slack( e, item ) ) * LWI_EDGE_INWARD );
+}
+
 /// Proves an item during the window by planes, if there are any.
 /// @param last_try see lwi_edge_sweep_item(); looking closer ends where distances would prove what is not refused
 /// @return false if it is to be measured
 static bool sweep( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool last_try, lwi_edge_sample* out )
 {
 	const lwi_edge_sweep by = lwi_edge_sweep_item( e, item, window, last_try, &out->skip );
-	const bool ends = last_try && !( e->longest * window.half > e->def->slack );
+	const bool ends = last_try && !( e->longest * window.half > lwi_edge_slack( e, item ) );
 	if ( by == LWI_EDGE_MEASURE || ( ends && by == LWI_EDGE_CLOSER ) )
 	{
 		return false;
@@ -99,52 +106,118 @@ static bool sweep( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window windo
 	out->low = false;
 	if ( out->proved )
 	{
-		lwi_edge_note_proof( e );
+		note_plane( e, item );
 	}
 	return true;
 }
 
-lwi_edge_sample lwi_edge_measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up )
+/// Gives an item that is within the edge's slack a smaller one: half of its room above min_d in the middle of the window. While the run from
+/// the start is proved, a quarter of its room at the start, so that the run does not follow the item into the contact that ended the edge.
+/// @return false if the clearance in the middle is within that too
+static bool tighten( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, lwi_edge_sample* s )
 {
-	lwi_edge_sample s = { .low = true, .pair = lw_clearance_unknown() };
-	if ( !lwi_edge_pose( e, window.t ) || sweep( e, item, window, false, &s ) )
-	{
-		return s;
-	}
 	const bool pair = lwi_edge_item_is_pair( item );
-	double min_d = e->def->min_d, slack = e->slack[pair], rounding = e->rounding[pair];
-	double loss = loss_of( e, item, window );
-	// of what does not move the verdict is that of the state, whose clearance may be just above min_d
-	double alpha = window.half > 0 ? e->def->alpha : 0;
-	lwi_threshold threshold = { { min_d, e->enough[pair] + loss, alpha }, min_d + slack,
-		may_give_up ? min_d + rounding + loss : 0 };
-	if ( !ask( e, item, &threshold, &s.pair ) )
+	const double min_d = e->def->min_d;
+	const lwi_threshold exact = { { min_d, min_d + e->slack[pair], 0 }, 0, 0 };
+	if ( e->close >= LWI_EDGE_MOST_CLOSE || !ask( e, item, &exact, &s->pair ) )
 	{
-		return s;
+		return false;
 	}
-	s.blocked = s.pair.upper <= min_d;
-	bool given_up = s.pair.upper > threshold.give_up_above && s.pair.upper < threshold.give_up_below;
-	s.low = !given_up && !( s.pair.lower > min_d + slack ); // also if lower is not a number
-	double left = ( s.pair.lower - min_d - rounding ) * LWI_EDGE_INWARD - loss;
-	s.proved = left > 0;
-	if ( s.proved )
+	const double room = s->pair.lower - min_d - e->rounding[pair];
+	double slack = 0.5 * room;
+	if ( e->runs )
+	{
+		lw_clearance start;
+		if ( !lwi_edge_pose( e, 0 ) || !ask( e, item, &exact, &start ) || !lwi_edge_pose( e, window.t ) )
+		{
+			return false;
+		}
+		slack = 0.25 * ( start.lower - min_d - e->rounding[pair] );
+	}
+	if ( !( slack < room ) || !( slack > 4 * e->rounding[pair] ) )
+	{
+		return false;
+	}
+	item->slack = lwi_smaller( item->slack, slack );
+	return true;
+}
+
+/// Distance of an item at the middle of a window, against what motion takes.
+static void measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up, double loss, lwi_edge_sample* s )
+{
+	const bool pair = lwi_edge_item_is_pair( item );
+	const double min_d = e->def->min_d, slack = lwi_edge_slack( e, item ), rounding = e->rounding[pair];
+	// of what does not move the verdict is that of the state, whose clearance may be just above min_d
+	const double alpha = window.half > 0 ? e->def->alpha : 0;
+	const lwi_threshold threshold = { { min_d, lwi_edge_enough( e, item ) + loss, alpha }, min_d + slack,
+		may_give_up ? min_d + rounding + loss : 0 };
+	if ( !ask( e, item, &threshold, &s->pair ) )
+	{
+		return;
+	}
+	s->blocked = s->pair.upper <= min_d;
+	const bool given_up = s->pair.upper > threshold.give_up_above && s->pair.upper < threshold.give_up_below;
+	s->low = !given_up && !( s->pair.lower > min_d + slack ); // also if lower is not a number
+}
+
+/// Is the window proved by what was measured?
+static bool is_proved( lwi_edge* e, const lwi_edge_item* item, double loss, lwi_edge_sample* s )
+{
+	const double room = s->pair.lower - e->def->min_d - e->rounding[lwi_edge_item_is_pair( item )];
+	const double left = room * LWI_EDGE_INWARD - loss;
+	s->proved = left > 0;
+	if ( s->proved )
 	{
 		note_proof( e, left * LWI_EDGE_INWARD );
+	}
+	return s->proved;
+}
+
+lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, bool may_give_up )
+{
+	lwi_edge_sample s = { .low = true, .pair = lw_clearance_unknown() };
+	const bool close = lwi_edge_is_close( e, item );
+	if ( e->out->queries >= e->most_states || !lwi_edge_pose( e, window.t ) )
+	{
+		return s;
+	}
+	if ( sweep( e, item, window, close, &s ) )
+	{
+		e->close += close && !s.proved;
+		return s;
+	}
+	const double loss = loss_of( e, item, window );
+	measure( e, item, window, may_give_up, loss, &s );
+	if ( e->failed || is_proved( e, item, loss, &s ) )
+	{
 		return s;
 	}
 	if ( !s.blocked && lwi_edge_sweep_near( e, item, window, &s.pair ) )
 	{
 		s.proved = true;
 		s.low = false;
-		lwi_edge_note_proof( e );
+		note_plane( e, item );
 		return s;
 	}
 	// what one order of questions leaves out must not be refused, lest another one proves it
-	if ( s.low && !s.blocked && sweep( e, item, window, true, &s ) )
+	if ( s.low && !s.blocked && !close && sweep( e, item, window, true, &s ) )
 	{
 		return s;
 	}
-	for ( double reach = 0.5 * loss; reach > HOPEFUL * ( s.pair.upper - min_d ) && s.skip < 16; reach *= 0.5 )
+	if ( s.low && !s.blocked && tighten( e, item, window, &s ) )
+	{
+		s.low = false;
+		if ( is_proved( e, item, loss, &s ) || ( sweep( e, item, window, true, &s ) && s.proved ) )
+		{
+			return s;
+		}
+	}
+	if ( item->slack < e->slack[lwi_edge_item_is_pair( item )] )
+	{
+		++e->close;
+		return s;
+	}
+	for ( double reach = 0.5 * loss; reach > HOPEFUL * ( s.pair.upper - e->def->min_d ) && s.skip < 16; reach *= 0.5 )
 	{
 		++s.skip;
 	}

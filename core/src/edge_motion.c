@@ -113,6 +113,7 @@ bool lwi_edge_measure_motion( lwi_edge* e )
 	const lw_checker* c = e->checker;
 	e->query->edge_count++;
 	e->apart = e->spare = INFINITY;
+	e->most_states = LW_EDGE_MOST_STATES;
 	if ( !lwi_motion_begin( c->motion, e->full_a, e->full_b, e->motion ) )
 	{
 		return false;

