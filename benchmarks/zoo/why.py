@@ -55,15 +55,16 @@ def blocked(robot, pair, states):
     return [row["verdict"] == "BLOCKED" for row in read_table(answers.read_text())]
 
 
-def flood(closed, sizes, start):
-    """Cells that are reached from `start` by steps along one axis."""
+def flood(closed, size, closes, start):
+    """Cells that are reached from `start` by steps along one axis; an axis that `closes` is a circle."""
     reached, border = {start}, [start]
     while border:
         cell = border.pop()
-        for axis, size in enumerate(sizes):
+        for axis, circle in enumerate(closes):
             for step in (-1, 1):
-                near = cell[:axis] + (cell[axis] + step,) + cell[axis + 1:]
-                if 0 <= near[axis] < size and near not in reached and near not in closed:
+                at = (cell[axis] + step) % size if circle else cell[axis] + step
+                near = cell[:axis] + (at,) + cell[axis + 1:]
+                if 0 <= at < size and near not in reached and near not in closed:
                     reached.add(near)
                     border.append(near)
     return reached
@@ -76,8 +77,9 @@ def separated(robot, pair, start, goal):
         return None
     places = [next(i for i, variable in enumerate(robot.variables) if variable.name == name) for name in names]
     variables = [robot.variables[i] for i in places]
-    if any(variable.unbounded for variable in variables):
-        return None  # it may go the other way round
+    circles = [variable.joint.type == "continuous" for variable in variables]
+    if any(variable.unbounded and not circle for variable, circle in zip(variables, circles)):
+        return None
     size = {1: 2000, 2: 200, 3: 36}[len(names)]
     grid = list(itertools.product(range(size), repeat=len(names)))
     states = []
@@ -94,10 +96,10 @@ def separated(robot, pair, start, goal):
                                   for p, v in zip(places, variables))
     first, last = cell_of(start), cell_of(goal)
     closed -= {first, last}
-    if last in flood(closed, (size,) * len(names), first):
+    if last in flood(closed, size, circles, first):
         return None
     told = f"{pair[0]} - {pair[1]}"
-    if len(names) == 1:
+    if names == [variables[0].name] and not circles[0]:
         value = next(variables[0].at(c[0] / (size - 1)) for c in sorted(closed) if min(first, last) < c < max(first, last))
         return (f"proved disconnected: {told} are in contact at {names[0]} = {value:.6g}, whatever the other joints do, and it is "
                 f"{start[places[0]]:.6g} at the start, {goal[places[0]]:.6g} at the goal")

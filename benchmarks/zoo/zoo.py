@@ -24,7 +24,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def zoo_folder():
-    return pathlib.Path(os.environ.get("LEEWAY_ZOO_DIR") or ROOT / "build" / "zoo")
+    return ROOT / (os.environ.get("LEEWAY_ZOO_DIR") or "build/zoo")
 
 
 def arguments():
@@ -80,7 +80,7 @@ def provenance(options, settings):
     return {"commit": commit + changed, "leeway": output_of([str(settings.leeway), "--version"]), "cpu": cpu(), "cores": os.cpu_count(),
             "jobs": options.jobs, "load": round(os.getloadavg()[0], 1), "python": platform.python_version(), "oracle": versions,
             "seed": options.seed, "quick": options.quick, "date": time.strftime("%Y-%m-%d"),
-            "wheels": sorted(path.name for path in (options.zoo / "wheels").glob("*.whl")),
+            "wheels": sorted(path.read_text().split()[0] for path in options.zoo.glob("*/.wheel")),
             "settings": {name: getattr(settings, name) for name in ("uniform", "near_limits", "oracle_states", "pairs_budget",
                                                                     "pairs_samples", "plan_time", "excess", "limit")}}
 
