@@ -1,58 +1,69 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Why was no plan found? Evidence, and where one joint decides, a proof.
 
-`separated`: a pair of links that only one joint moves, in contact at a value of it between start and goal, whatever the other joints do: a
-proof that no path exists. `grid`: the same for two or three joints, on a grid, which is evidence. `trees`: two trees of
-certified motions, grown from start and goal; how far each comes, and which pairs stop it.
+`separated`: pairs of links that only one joint moves, one of them in contact at a value of it between start and goal, whatever the other
+joints do: a proof that no path exists. The same for two or three joints on a grid is evidence. `grow`: two trees of
+certified motions, from start and goal; how far each comes, and which pairs stop it.
 """
 import collections
 import itertools
 import random
+import xml.etree.ElementTree as ElementTree
 
 ROUNDS = 12
 MOTIONS = 80  # of one round, for each tree
+GRID = {1: 2000, 2: 200, 3: 44}  # values of a variable, by the number of variables
 
 
-def joints_between(robot, link1, link2):
-    """Names of the variables that move one link against the other; None if a joint between them has several variables."""
-    parent = {joint.child: joint for joint in robot.description.all_joints}
-    joints = {joint.name: joint for joint in robot.description.all_joints}
+class Movers:
+    """Which variables move two links against each other."""
 
-    def chain(link):
-        way = []
-        while link in parent and len(way) < 1000:
-            way.append(parent[link])
-            link = parent[link].parent
-        return way
+    def __init__(self, robot):
+        self.parent = {joint.child: joint for joint in robot.description.all_joints}
+        self.joints = {joint.name: joint for joint in robot.description.all_joints}
+        self.known = {variable.name for variable in robot.variables}
+        self.links = sorted({joint.parent for joint in self.joints.values()} | set(self.parent))
+        self.chains = {link: self.chain(link) for link in self.links}
 
-    first, second = chain(link1), chain(link2)
-    names1, names2 = {j.name for j in first}, {j.name for j in second}
-    between = [j for j in first if j.name not in names2] + [j for j in second if j.name not in names1]
-    known, moving = {variable.name for variable in robot.variables}, set()
-    for joint in between:
+    def chain(self, link):
+        names = []
+        while link in self.parent and len(names) < 1000:
+            names.append(self.parent[link].name)
+            link = self.parent[link].parent
+        return frozenset(names)
+
+    def variable(self, name):
+        """The variable behind a joint, "" of a fixed one, None if it has several."""
+        joint = self.joints[name]
         for _ in range(10):
-            if not joint.mimic or joint.mimic not in joints:
+            if not joint.mimic or joint.mimic not in self.joints:
                 break
-            joint = joints[joint.mimic]
-        if joint.type == "fixed":
-            continue
-        if joint.name not in known:
-            return None
-        moving.add(joint.name)
-    return sorted(moving)
+            joint = self.joints[joint.mimic]
+        return "" if joint.type == "fixed" else joint.name if joint.name in self.known else None
+
+    def between(self, link1, link2):
+        """A set of names; None if a joint between them has several variables."""
+        names = {self.variable(name) for name in self.chains[link1] ^ self.chains[link2]}
+        return None if None in names else frozenset(names - {""})
 
 
-def blocked(robot, pair, states):
-    """For each state whether this pair alone, with every other one disabled, is in contact."""
-    from stages import read_table, write_srdf
-    links = sorted({joint.parent for joint in robot.description.all_joints} | {joint.child for joint in robot.description.all_joints})
-    others = [other for other in itertools.combinations(links, 2) if set(other) != set(pair)]
-    srdf, answers = robot.folder / "pair.srdf", robot.folder / "pair.csv"
+def disabled_in(srdf):
+    root = ElementTree.parse(srdf).getroot()
+    return {frozenset((e.get("link1"), e.get("link2"))) for e in root.findall("disable_collisions")}
+
+
+def contacts(robot, names, pairs, movers, states):
+    """For each state the pair in contact, if only these pairs count; "" where none is."""
+    from stages import read_table, write_srdf, write_table
+    wanted = {frozenset(pair) for pair in pairs}
+    others = [pair for pair in itertools.combinations(movers.links, 2) if frozenset(pair) not in wanted]
+    srdf, answers, table = robot.folder / "pair.srdf", robot.folder / "pair.csv", robot.folder / "pair_states.csv"
     write_srdf(srdf, robot.robot_name, others)
-    outcome = robot.leeway("check", "--what", "self", "--states", robot.table(states), "--out", answers, srdf=srdf)
+    write_table(table, names, states)
+    outcome = robot.leeway("check", "--what", "self", "--states", table, "--out", answers, srdf=srdf)
     if outcome.status not in (0, 1) or outcome.timed_out:
         return None
-    return [row["verdict"] == "BLOCKED" for row in read_table(answers.read_text())]
+    return [f"{row['self_link1']} - {row['self_link2']}" if row["verdict"] == "BLOCKED" else "" for row in read_table(answers.read_text())]
 
 
 def flood(closed, size, closes, start):
@@ -70,40 +81,35 @@ def flood(closed, size, closes, start):
     return reached
 
 
-def separated(robot, pair, start, goal):
-    """A sentence if this pair separates start from goal, else None."""
-    names = joints_between(robot, *pair)
-    if not names or len(names) > 3:
-        return None
+def separated(robot, movers, names, disabled, start, goal):
+    """A sentence if the pairs that only these variables move separate start from goal, else None."""
+    names = sorted(names)
     places = [next(i for i, variable in enumerate(robot.variables) if variable.name == name) for name in names]
     variables = [robot.variables[i] for i in places]
     circles = [variable.joint.type == "continuous" for variable in variables]
     if any(variable.unbounded and not circle for variable, circle in zip(variables, circles)):
         return None
-    size = {1: 2000, 2: 200, 3: 36}[len(names)]
+    pairs = [pair for pair in itertools.combinations(movers.links, 2) if frozenset(pair) not in disabled]
+    pairs = [pair for pair in pairs if (movers.between(*pair) or {"none of them"}) <= set(names)]
+    size = GRID[len(names)]
     grid = list(itertools.product(range(size), repeat=len(names)))
-    states = []
-    for cell in grid:
-        state = list(start)
-        for place, variable, k in zip(places, variables, cell):
-            state[place] = variable.at(k / (size - 1))
-        states.append(state)
-    contacts = blocked(robot, pair, states)
-    if contacts is None:
+    found = contacts(robot, names, pairs, movers, [[v.at(k / (size - 1)) for v, k in zip(variables, cell)] for cell in grid])
+    if found is None:
         return None
-    closed = {cell for cell, contact in zip(grid, contacts) if contact}
+    closed = {cell: pair for cell, pair in zip(grid, found) if pair}
     cell_of = lambda state: tuple(round((state[p] - v.low) / (v.high - v.low) * (size - 1)) if v.high > v.low else 0
                                   for p, v in zip(places, variables))
     first, last = cell_of(start), cell_of(goal)
-    closed -= {first, last}
-    if last in flood(closed, size, circles, first):
+    walls = set(closed) - {first, last}
+    if last in flood(walls, size, circles, first):
         return None
-    told = f"{pair[0]} - {pair[1]}"
-    if names == [variables[0].name] and not circles[0]:
-        value = next(variables[0].at(c[0] / (size - 1)) for c in sorted(closed) if min(first, last) < c < max(first, last))
-        return (f"proved disconnected: {told} are in contact at {names[0]} = {value:.6g}, whatever the other joints do, and it is "
-                f"{start[places[0]]:.6g} at the start, {goal[places[0]]:.6g} at the goal")
-    return f"disconnected by {told} on a grid of {size} values of each of {', '.join(names)} (evidence, no proof)"
+    if len(names) == 1 and not circles[0]:
+        cell = next(c for c in sorted(walls) if min(first, last) < c < max(first, last))
+        return (f"proved disconnected: {closed[cell]} are in contact at {names[0]} = {variables[0].at(cell[0] / (size - 1)):.6g}, whatever "
+                f"the other joints do, and it is {start[places[0]]:.6g} at the start, {goal[places[0]]:.6g} at the goal")
+    most = collections.Counter(closed.values()).most_common(2)
+    return (f"disconnected on a grid of {size} values of each of {', '.join(names)} (evidence, no proof), most of it by "
+            f"{' and '.join(pair for pair, _ in most)}")
 
 
 class Tree:
@@ -177,10 +183,14 @@ def explain(robot, srdf, start, goal):
                           "stopped_by": [[pair, verdict, n] for (pair, verdict), n in pairs.most_common(6)]}
         for (pair, _), n in pairs.items():
             candidates[pair] += n
-    verdict = "open"
-    for pair, _ in candidates.most_common(8):
+    verdict, movers, disabled, sets = "open", Movers(robot), disabled_in(srdf), collections.Counter()
+    for pair, n in candidates.items():
         links = split_pair(robot, pair)
-        sentence = separated(robot, links, start, goal) if links else None
+        between = movers.between(*links) if links else None
+        if between and len(between) <= 3:
+            sets[between] += n
+    for names, _ in sets.most_common(8):
+        sentence = separated(robot, movers, names, disabled, start, goal)
         if sentence:
             told.insert(0, sentence)
             verdict = "proved disconnected" if sentence.startswith("proved") else "disconnected on a grid"

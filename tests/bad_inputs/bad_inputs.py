@@ -18,11 +18,11 @@ import sys
 import tempfile
 import time
 
-import bad_input_cases
+from cases import FILES, cases
 
 
 def prepare(folder, case):
-    files = dict(bad_input_cases.FILES)
+    files = dict(FILES)
     for name, edit in case.edits.items():
         if isinstance(edit, tuple):
             old, new = edit
@@ -95,10 +95,10 @@ def main():
     parser.add_argument("--limit", type=float, default=60, help="seconds of one case (default 60)")
     parser.add_argument("--csv", type=pathlib.Path, help="all answers as a table")
     options = parser.parse_args()
-    cases = [case for case in bad_input_cases.cases() if options.only in case.name]
+    chosen = [case for case in cases() if options.only in case.name]
     program = options.program.resolve()
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        answers = list(pool.map(lambda case: run_case(case, program, options.limit), cases))
+        answers = list(pool.map(lambda case: run_case(case, program, options.limit), chosen))
     bad = [answer for answer in answers if answer["faults"]]
     for answer in bad:
         print(f"{answer['case']}: {'; '.join(answer['faults'])}\n    {answer['said']}")
