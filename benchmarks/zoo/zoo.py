@@ -141,9 +141,10 @@ def crashes(rows):
 
 def main():
     options = arguments()
-    robots = chosen(descriptions.find(options.zoo), options.only)
+    robots = descriptions.find(options.zoo)
     if not robots:
         sys.exit(f"zoo.py: {options.zoo}: no robot description; run .ci/install.sh zoo, or name its folder with --zoo")
+    robots = chosen(robots, options.only)
     if options.list:
         print("\n".join(f"{robot.name}: {robot.kind}" + (f", {robot.srdfs[0].name}" if robot.srdfs else "") for robot in robots))
         return 0
