@@ -101,7 +101,8 @@ void requireUsable(
 		{
 			all += ( all.empty() ? "" : "; " ) + violation;
 		}
-		wrong( all, "give a state inside the joint limits" );
+		wrong( all, end.element == "--start" ? "name these joints in --start: those that nobody names stand at 0"
+		                                     : "give a state inside the joint limits" );
 	}
 	const lw_what what = options.common.what();
 	const lw_state_result state = measure( bench, q, what, nullptr, end.file, end.element );

@@ -128,7 +128,7 @@ TEST_F( CliEnds, WrongEndsAreNamedWithWhatWasMeant )
 		{ { "--goal", "tool_joint=1" }, { "fixed" } },
 		{ { "--goal", "finger_joint=1" }, { "follows joint elbow" } },
 		{ { "--goal", "shoulder=3" }, { "command line: --goal", "above its limit" } },
-		{ { "--goal", "high", "--start", "elbow=2.9" }, { "command line: --start", "above its limit" } },
+		{ { "--goal", "high", "--start", "elbow=2.9" }, { "command line: --start", "above its limit", "stand at 0" } },
 		{ { "--goal", "elbow=1", "--group", "shoulder_only" }, { "--goal elbow", "shoulder_only" } },
 	};
 	for ( const Wrong& wrong : all )

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Steps of the install test; any that fails is fatal. Variables: see CMakeLists.txt.
+cmake_policy(VERSION 3.22)
 function(run what)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
