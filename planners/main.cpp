@@ -68,8 +68,11 @@ to stay apart, by the hulls of their motion or by cutting the joint box into cer
 keep at least; always: in contact in every state looked at, which is no proof; check: the rest.
 
 A finding is a pair that the SRDF disables although a state in contact was found: the joint values are given. Pairs that
-were always in contact, and adjacent ones, are told apart. --out writes the SRDF again: pairs with the reasons Adjacent,
-Never, Default and Always are computed anew, pairs with any other reason stay, as does everything else in the file.
+touch in all or most states, and adjacent ones, are listed apart. --out writes the SRDF again: pairs with the reasons Adjacent,
+Never, Default and Always are computed anew, pairs with any other reason stay, as does everything else in the file. It disables
+adjacent pairs, pairs proved apart, pairs in contact at the default state, and overlaps by design: in contact in 95 % of the
+random states, or in half of them with at most three variables in between. With --never-after also pairs never seen in
+contact: evidence, no proof. The reasons say which. The report ends with the share of random states free of self contact.
 
 Exit status 0: no finding; 1: the SRDF disables pairs that can collide; 2: error.)";
 
@@ -219,6 +222,10 @@ CLI::App* addPairs( CLI::App& app, PairsOptions& options )
 	        fmt::format( "random states at which all pairs are measured (default {})", options.samples ) )
 	    ->type_name( "N" );
 	command->add_option( "--seed", options.seed, fmt::format( "of the random states (default {})", options.seed ) )
+	    ->type_name( "N" );
+	command
+	    ->add_option( "--never-after", options.never_after,
+	        "random states without contact after which a pair is disabled too: evidence, no proof (default 0: never)" )
 	    ->type_name( "N" );
 	command->add_option( "--out", options.out, "the SRDF with its pairs computed anew" )->type_name( "new.srdf" );
 	command->add_option( "--json", options.json, "all pairs and findings, for programs" )->type_name( "FILE" );

@@ -68,6 +68,7 @@ struct PairsOptions
 	double budget = 20; ///< seconds
 	std::uint32_t samples = 0;
 	std::uint64_t seed = 0;
+	std::uint32_t never_after = 0;
 	std::string out, json;
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway pairs: which links can ever meet, what an SRDF says about them, and a new SRDF with proofs as reasons.
-#include "json.hpp"
-#include "pair_table.hpp"
+#include "new_srdf.hpp"
 
 #include <fmt/format.h>
 
@@ -40,17 +39,6 @@ const char* classMeaning( lw_pair_class kind )
 	}
 }
 
-// What a proof is called in a reason of an SRDF.
-const char* neverReason( lw_pair_proof proof )
-{
-	return proof == LW_PROOF_HULL ? "Never (hulls apart)" : "Never (joint box certified)";
-}
-
-std::string pairText( const PairRow& row )
-{
-	return row.first + " - " + row.second;
-}
-
 std::string reasonText( const PairRow& row )
 {
 	return row.reason.empty() ? "no reason given" : row.reason;
@@ -60,14 +48,6 @@ std::string reasonText( const PairRow& row )
 std::string millimetresBelow( double metres )
 {
 	return fmt::format( "{:.2f} mm", std::floor( 1e5 * metres ) / 100 );
-}
-
-std::string contactText( const PairRow& row )
-{
-	return row.always ? "in contact in every state looked at"
-	       : row.pair.contact_share > 0
-	           ? fmt::format( "in contact in {:.3g} % of the random states", 100 * row.pair.contact_share )
-	           : "in contact where the search led";
 }
 
 std::string factsText( const PairRow& row )
@@ -135,8 +115,8 @@ std::string classTable( const PairTable& table )
 std::string comparison( const PairTable& table, const io::RobotModel& model )
 {
 	std::string text = fmt::format( "SRDF {}: {} pairs disabled\n", model.srdf_file, model.disabled.size() );
-	for ( const Opinion opinion : { Opinion::FINDING, Opinion::ADJACENT_CONTACT, Opinion::ALWAYS, Opinion::CONFIRMED,
-	          Opinion::NOT_PROVED, Opinion::COULD_BE_DISABLED } )
+	for ( const Opinion opinion : { Opinion::FINDING, Opinion::ADJACENT_CONTACT, Opinion::ALWAYS, Opinion::BY_DESIGN,
+	          Opinion::CONFIRMED, Opinion::NEVER_SEEN, Opinion::NOT_PROVED, Opinion::COULD_BE_DISABLED } )
 	{
 		text += fmt::format( "  {:>6} {}\n", table.count( opinion ), opinionName( opinion ) );
 	}
@@ -189,94 +169,6 @@ std::string classLists( const PairTable& table, bool all )
 	return text;
 }
 
-// ---- the new SRDF
-
-struct NewSrdf
-{
-	io::WrittenSrdf document;
-	std::vector<const PairRow*> enabled_again, free_elsewhere;
-};
-
-// Empty: the pair is to be checked.
-std::string newReason( const PairTable& table, const PairRow& row )
-{
-	if ( row.pair.adjacent )
-	{
-		return "Adjacent";
-	}
-	if ( row.pair.kind == LW_PAIR_RIGID )
-	{
-		return "Never (rigidly attached)";
-	}
-	if ( row.pair.separation > 0 )
-	{
-		return neverReason( row.pair.proof );
-	}
-	return row.always || table.touchAtDefault( row ) ? "Default" : "";
-}
-
-NewSrdf newSrdf( const PairTable& table, const io::RobotModel& model )
-{
-	std::vector<io::DisabledPair> pairs;
-	for ( const PairRow& row : table.rows() )
-	{
-		const std::string reason = newReason( table, row );
-		if ( !reason.empty() )
-		{
-			pairs.push_back( { row.first, row.second, reason } );
-		}
-	}
-	NewSrdf result;
-	result.document = io::writeSrdf( model, pairs );
-	std::map<std::pair<std::string, std::string>, std::string> now_disabled;
-	for ( const std::vector<io::DisabledPair>* list : { &result.document.written, &result.document.kept } )
-	{
-		for ( const io::DisabledPair& pair : *list )
-		{
-			now_disabled.emplace( std::minmax( pair.link1, pair.link2 ), pair.reason );
-		}
-	}
-	for ( const PairRow& row : table.rows() )
-	{
-		const auto found = now_disabled.find( { row.first, row.second } );
-		if ( found == now_disabled.end() && row.disabled && io::isComputedReason( row.reason ) )
-		{
-			result.enabled_again.push_back( &row );
-		}
-		if ( found != now_disabled.end() && found->second == "Default" && !row.always )
-		{
-			result.free_elsewhere.push_back( &row );
-		}
-	}
-	return result;
-}
-
-std::string describe( const NewSrdf& srdf, const std::string& file )
-{
-	std::map<std::string, std::size_t> reasons;
-	for ( const io::DisabledPair& pair : srdf.document.written )
-	{
-		++reasons[pair.reason];
-	}
-	std::string text = fmt::format( "new SRDF {}: {} pairs disabled, {} of them kept as they were\n", file,
-	    srdf.document.written.size() + srdf.document.kept.size(), srdf.document.kept.size() );
-	for ( const auto& [reason, count] : reasons )
-	{
-		text += fmt::format( "  {:>6} {}\n", count, reason );
-	}
-	for ( const PairRow* row : srdf.enabled_again )
-	{
-		text += fmt::format( "  enabled again: {} was disabled as {}, {}\n", pairText( *row ), row->reason,
-		    row->pair.closest > 0 ? "which is not proved" : "but " + contactText( *row ) );
-	}
-	for ( const PairRow* row : srdf.free_elsewhere )
-	{
-		text += fmt::format( "  disabled as Default, in contact at the default state, but free in others: {}, {}\n",
-		    pairText( *row ), contactText( *row ) );
-	}
-	return text;
-}
-
 // ---- JSON
 
 Json rowJson( const PairRow& row )
@@ -284,7 +176,8 @@ Json rowJson( const PairRow& row )
 	Json json = { { "link1", row.first }, { "link2", row.second }, { "class", lw_pair_class_name( row.pair.kind ) },
 	    { "proof", row.pair.separation > 0 ? Json( lw_pair_proof_name( row.pair.proof ) ) : Json( nullptr ) },
 	    { "separation", row.pair.separation }, { "closest", jsonNumber( row.pair.closest ) },
-	    { "contact_share", row.pair.contact_share }, { "adjacent", row.pair.adjacent },
+	    { "contact_share", row.contactShare() }, { "contact_states", row.states },
+	    { "never_seen_states", row.never_seen > 0 ? Json( row.never_seen ) : Json( nullptr ) }, { "adjacent", row.pair.adjacent },
 	    { "reason", row.disabled ? Json( row.reason ) : Json( nullptr ) } };
 	json["opinion"] = row.opinion == Opinion::NOTHING ? Json( nullptr ) : Json( opinionName( row.opinion ) );
 	return json;
@@ -293,7 +186,7 @@ Json rowJson( const PairRow& row )
 Json findingJson( const PairTable& table, const PairRow& row )
 {
 	Json json = { { "link1", row.first }, { "link2", row.second }, { "reason", row.reason },
-	    { "adjacent", row.pair.adjacent }, { "always", row.always }, { "contact_share", row.pair.contact_share } };
+	    { "adjacent", row.pair.adjacent }, { "always", row.always }, { "contact_share", row.contactShare() } };
 	json["joints"] = Json::object();
 	for ( const auto& [name, value] : table.evidence( row ) )
 	{
@@ -322,8 +215,8 @@ Json toJson( const PairTable& table, const io::RobotModel& model, const lw_robot
 	json["pairs"] = Json::array();
 	for ( const PairRow& row : table.rows() )
 	{
-		const bool touched =
-		    row.opinion == Opinion::FINDING || row.opinion == Opinion::ADJACENT_CONTACT || row.opinion == Opinion::ALWAYS;
+		const bool touched = row.opinion == Opinion::FINDING || row.opinion == Opinion::ADJACENT_CONTACT ||
+		                     row.opinion == Opinion::ALWAYS || row.opinion == Opinion::BY_DESIGN;
 		if ( touched )
 		{
 			json["findings"].push_back( findingJson( table, row ) );
@@ -359,7 +252,10 @@ int runPairs( const PairsOptions& options )
 	const Robot robot = io::buildRobot( input.robot );
 	const io::LoadedReach reach = findReach( options, robot, notices );
 	requireReach( reach, options.common.robot );
-	const PairTable table( input.robot, robot, reach.reach );
+	PairTable table( input.robot, robot, reach.reach );
+	const ContactSamples samples( robot, table, { options.samples, options.seed, options.never_after } );
+	const bool writes = !options.out.empty();
+	const NewSrdf srdf = writes ? newSrdf( table, input.robot ) : NewSrdf();
 
 	std::string text = fmt::format( "robot {} ({}): {} links with geometry, {} pairs; tables {} in {:.2f} s\n",
 	    input.robot.name, input.robot.urdf_file, table.linksWithGeometry(), table.rows().size(),
@@ -371,10 +267,13 @@ int runPairs( const PairsOptions& options )
 		text += comparison( table, input.robot );
 		text += findings( table, Opinion::FINDING, "findings: the SRDF disables these, but a state in contact was found" );
 		text += findings( table, Opinion::ALWAYS, "disabled, and in contact in every state looked at" );
+		text += findings( table, Opinion::BY_DESIGN,
+		    "disabled, and in contact in most states: taken for design, which is evidence and no proof" );
 		text += findings(
 		    table, Opinion::ADJACENT_CONTACT, "disabled neighbours for which a state in contact was found (usually meant)" );
 	}
 	text += classLists( table, options.common.verbose );
+	text += describeNear( table, samples, writes ? &srdf : nullptr );
 	Json json;
 	std::vector<OutputFile*> files;
 	if ( !options.json.empty() )
@@ -385,16 +284,17 @@ int runPairs( const PairsOptions& options )
 		json["seed"] = options.seed;
 		json["cached"] = reach.cached;
 		json["seconds"] = reach.milliseconds / 1000;
+		addUse( json, table, samples, input.robot, writes ? &srdf : nullptr );
 	}
-	if ( !options.out.empty() )
+	if ( writes )
 	{
-		const NewSrdf srdf = newSrdf( table, input.robot );
 		text += describe( srdf, options.out );
 		out.text = srdf.document.text;
 		files.push_back( &out );
 		json["written"] = srdf.document.written.size();
 		json["kept"] = srdf.document.kept.size();
 	}
+	text += describeUse( table, samples, input.robot, writes ? &srdf : nullptr );
 	if ( !options.json.empty() )
 	{
 		json_file.text = jsonText( json );

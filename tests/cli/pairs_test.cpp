@@ -97,8 +97,8 @@ TEST_F( Pairs, TheNewSrdfKeepsAllThatSomebodyWrote )
 	        R"(<disable_collisions link1="gear_b" link2="gear_a" reason="User"/>)",
 	        R"(<disable_collisions link1="left" link2="tail" reason="Never"/>)",
 	        R"x(<disable_collisions link1="left" link2="right" reason="Never (hulls apart)"/>)x",
-	        R"(<disable_collisions link1="lid" link2="pot" reason="Default"/>)",
-	        R"(<disable_collisions link1="bolt" link2="nut" reason="Default"/>)",
+	        R"x(<disable_collisions link1="lid" link2="pot" reason="Default (in contact at the default state, and in )x",
+	        R"x(<disable_collisions link1="bolt" link2="nut" reason="Always (in contact in all 200 random states)"/>)x",
 	        R"(<disable_collisions link1="base" link2="left" reason="Adjacent"/>)",
 	        R"(<disable_collisions link1="base" link2="flag" reason="Adjacent"/>)",
 	        R"x(<disable_collisions link1="base" link2="pin" reason="Never (rigidly attached)"/>)x" } )
@@ -110,7 +110,7 @@ TEST_F( Pairs, TheNewSrdfKeepsAllThatSomebodyWrote )
 	EXPECT_LT( text.find( "<!-- pairs -->" ), text.find( "hulls apart" ) );
 	EXPECT_LT( text.find( "hulls apart" ), text.find( "link_sphere_approximation" ) );
 	EXPECT_TRUE( contains( result.out, "enabled again: jaw_a - jaw_b was disabled as Never" ) ) << result.out;
-	EXPECT_TRUE( contains( result.out, "free in others: lid - pot" ) ) << result.out;
+	EXPECT_TRUE( contains( result.out, "free in other states: lid - pot" ) ) << result.out;
 }
 
 TEST_F( Pairs, WithoutAnSrdfANewOneNamesItsProofs )
@@ -195,6 +195,8 @@ std::vector<BadCase> badCases()
 	    { "BudgetInfinite", "", "", "", { "--budget", "inf" }, { "--budget" } },
 	    { "BudgetText", "", "", "", { "--budget", "long" }, { "--budget" } },
 	    { "SamplesNegative", "", "", "", { "--samples", "-5" }, { "--samples" } },
+	    { "NeverAfterNegative", "", "", "", { "--never-after", "-5" }, { "--never-after" } },
+	    { "NeverAfterText", "", "", "", { "--never-after", "often" }, { "--never-after" } },
 	    { "OutInMissingFolder", "", "", "", { "--out", "none/new.srdf" }, { "none/new.srdf", "cannot be written" } },
 	    { "OutIsAFolder", "", "", "", { "--out", "." }, { "cannot be written" } },
 	    { "CacheIsAFile", "", "", "", { "--cache", "many.urdf" }, { "many.urdf", "cache", "not a folder" } },
