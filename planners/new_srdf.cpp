@@ -16,6 +16,7 @@ namespace
 /// A share of free states below this makes planners that sample states slow or helpless: the pairs that block are named.
 constexpr double usable_share = 0.05;
 constexpr std::size_t most_blocking = 5; // that are named
+constexpr std::size_t most_listed = 20;  // pairs enabled again, without --verbose
 /// The SRDF says Default or Always of a pair. The claim stays if the pair is in contact in this share of the random states at least, or
 /// where MoveIt looks for contact.
 constexpr double supported_claim = 0.1;
@@ -197,10 +198,12 @@ NewSrdf newSrdf( PairTable& table, const io::RobotModel& model )
 			result.free_elsewhere.push_back( &row );
 		}
 	}
+	std::stable_sort( result.enabled_again.begin(), result.enabled_again.end(),
+	    []( const PairRow* x, const PairRow* y ) { return x->contacts > y->contacts; } );
 	return result;
 }
 
-std::string describe( const NewSrdf& srdf, const std::string& file )
+std::string describe( const NewSrdf& srdf, const std::string& file, bool verbose )
 {
 	std::map<std::string, std::size_t> reasons;
 	for ( const io::DisabledPair& pair : srdf.document.written )
@@ -215,10 +218,15 @@ std::string describe( const NewSrdf& srdf, const std::string& file )
 	{
 		text += fmt::format( "  {:>6} {}\n", count, reason );
 	}
-	for ( const PairRow* row : srdf.enabled_again )
+	for ( std::size_t i = 0; i < srdf.enabled_again.size() && ( verbose || i < most_listed ); ++i )
 	{
+		const PairRow* row = srdf.enabled_again[i];
 		text += fmt::format( "  enabled again: {} was disabled as {}, {}\n", pairText( *row ), row->reason,
 		    row->pair.closest > 0 ? "which is not proved" : "but is " + contactText( *row ) );
+	}
+	if ( !verbose && srdf.enabled_again.size() > most_listed )
+	{
+		text += fmt::format( "  ... and {} more (--verbose shows all)\n", srdf.enabled_again.size() - most_listed );
 	}
 	for ( const PairRow* row : srdf.free_elsewhere )
 	{

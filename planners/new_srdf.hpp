@@ -15,15 +15,15 @@ namespace leeway::cli
 struct NewSrdf
 {
 	io::WrittenSrdf document;
-	std::vector<const PairRow*> enabled_again;  ///< disabled before by a computed reason, and no more
+	std::vector<const PairRow*> enabled_again;  ///< disabled before by a computed reason, and no more; most contacts first
 	std::vector<const PairRow*> free_elsewhere; ///< disabled for their contact, and free in some states
 	std::vector<bool> disabled;                 ///< by row of the pair table: in the new file
 };
 
 NewSrdf newSrdf( PairTable& table, const io::RobotModel& model );
 
-/// What changed, for people.
-std::string describe( const NewSrdf& srdf, const std::string& file );
+/// What changed, for people; all of it if `verbose`.
+std::string describe( const NewSrdf& srdf, const std::string& file, bool verbose );
 
 /// Pairs that are near in nearly all states, with the range of their distances.
 std::string describeNear( const PairTable& table, const ContactSamples& samples, const NewSrdf* srdf );

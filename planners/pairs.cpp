@@ -288,7 +288,7 @@ int runPairs( const PairsOptions& options )
 	}
 	if ( writes )
 	{
-		text += describe( srdf, options.out );
+		text += describe( srdf, options.out, options.common.verbose );
 		out.text = srdf.document.text;
 		files.push_back( &out );
 		json["written"] = srdf.document.written.size();
