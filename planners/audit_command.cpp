@@ -89,6 +89,11 @@ int runAudit( const AuditOptions& options )
 		notices.add( "the path",
 		    fmt::format( "{}: it was planned for robot '{}', this is '{}'", path.file, path.robot, input.robot.name ) );
 	}
+	if ( options.common.group.empty() && !path.group.empty() && input.robot.findGroup( path.group ) == nullptr )
+	{
+		throw io::Error( path.file, "group", fmt::format( "the robot has no group '{}'", path.group ),
+		    "give the SRDF that defines it, or name another one by --group" );
+	}
 	const std::string group = options.common.group.empty() ? path.group : options.common.group;
 	Workbench bench( input, group, startValues( path, input.robot, notices ), notices );
 	const std::vector<std::vector<double>> points = groupPoints( path, bench );

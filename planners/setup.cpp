@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <utility>
 
@@ -91,11 +92,28 @@ std::vector<std::pair<std::string, std::string>> allowedPairs( const std::vector
 	return pairs;
 }
 
+// A folder that is not there would only be missed later, as a package that is found nowhere or somewhere else.
+void checkPackagePaths( const std::vector<std::string>& entries )
+{
+	for ( const std::string& entry : entries )
+	{
+		const std::size_t equals = entry.find( '=' );
+		std::error_code error;
+		const bool named = equals != std::string::npos && std::filesystem::is_directory( entry.substr( equals + 1 ), error );
+		if ( !named && !std::filesystem::is_directory( entry, error ) )
+		{
+			throw io::Error( "command line", "--package-path " + entry, "no such folder",
+			    "name a folder that contains the package, or NAME=FOLDER" );
+		}
+	}
+}
+
 } // namespace
 
 Input loadInput( const CommonOptions& options, Notices& notices )
 {
 	io::LoadOptions load;
+	checkPackagePaths( options.package_paths );
 	load.package_paths = options.package_paths;
 	load.cache = options.cache;
 	load.use_visual = options.visual;

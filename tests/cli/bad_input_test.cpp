@@ -133,6 +133,8 @@ std::vector<Case> tableCases()
 	        { "points[1]" } },
 	    { "PathOtherJoints", { { "path.yaml", "", "joint_names: [shoulder]\npoints:\n  - positions: [0]\n" } }, "audit",
 	        audit_arguments, { "path.yaml", "elbow" } },
+	    { "PathGroupUnknown", { { "path.yaml", "", "group: leg\n" + good_path } }, "audit",
+	        { "--path", "path.yaml", "--report", "report.json" }, { "path.yaml", "leg", "--group" } },
 	    { "PathMarginNegative", { { "path.yaml", "", "min_d: -1\n" + good_path } }, "audit", audit_arguments, { "min_d" } },
 	};
 }
@@ -142,6 +144,8 @@ std::vector<Case> requestCases()
 	return {
 	    { "RequestMissing", { { "request.yaml", "delete", "" } }, "plan", plan_arguments, { "request.yaml" } },
 	    { "RequestNotYaml", { { "request.yaml", "", "{" } }, "plan", plan_arguments, { "request.yaml" } },
+	    { "RequestTimeNegative", { { "request.yaml", "allowed_planning_time: 30", "allowed_planning_time: -30" } }, "plan",
+	        plan_arguments, { "request.yaml", "allowed_planning_time" } },
 	    { "RequestNan", { { "request.yaml", "[-1, 0]", "[.nan, 0]" } }, "plan", plan_arguments, { "request.yaml" } },
 	    { "RequestGoalNan", { { "request.yaml", "position: 1\n", "position: .nan\n" } }, "plan", plan_arguments,
 	        { "request.yaml" } },
@@ -190,6 +194,8 @@ std::vector<Case> optionCases()
 	        { "none/out.csv" } },
 	    { "OptionOutIsAFolder", {}, "check", { "--group", "arm", "--states", "states.csv", "--out", "." },
 	        { "cannot be written" } },
+	    { "OptionPackagePathMissing", {}, "check", with( check_arguments, { "--package-path", "nowhere" } ),
+	        { "--package-path nowhere", "no such folder" } },
 	    { "OptionStatesRequired", {}, "check", { "--group", "arm" }, { "--states" } },
 	};
 }

@@ -104,6 +104,10 @@ Request loadRequest( const std::string& file )
 	request.planner_id = root["planner_id"].textOr( "" );
 	YamlNode time = root["allowed_planning_time"];
 	request.allowed_planning_time = time.defined() ? time.number() : 0;
+	if ( request.allowed_planning_time < 0 )
+	{
+		time.fail( "is below 0", "give seconds, or leave it out" );
+	}
 	YamlNode start = root["start_state"];
 	if ( !start.defined() )
 	{
