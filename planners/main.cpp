@@ -165,8 +165,9 @@ Standard output: two Pareto fronts, of states and of motions, and a proposal tha
 clearance reported may be off, promised by the setting, and seen. Conservatism of a motion: the clearance above --min-d up to which
 a free one may be turned down. Only settings whose FREE is a proof are proposed; what others would save, and miss, is shown.
 
-One of --time-per-state, --error and --edge-conservatism is met by the most accurate or the cheapest setting. What no target is
-given for costs a hundredth of --max-d (states) and about 1 mm (motions). A setting that turns down more than a tenth of the
+One of --time-per-state, --error and --edge-conservatism is met by the most accurate or the cheapest setting. A target is for
+states or for motions; for the other of the two the setting gives up a hundredth of --max-d (states) or about 1 mm
+(motions). A setting that turns down more than a tenth of the
 free states or motions is not proposed.
 
 Work is counted, not timed: the same seed gives the same fronts and, for the same rate, the same proposal. The rate, the time that
