@@ -248,6 +248,11 @@ CLI::App* addSpherize( CLI::App& app, SpherizeOptions& options )
 	    ->add_option( "--close-holes", options.close_holes,
 	        "millimetres: a surface with holes up to this wide is taken for closed (default 0)" )
 	    ->type_name( "MM" );
+	command
+	    ->add_option( "--time", options.time,
+	        fmt::format( "seconds for the search, after which the best spheres found so far are written (default {:g})",
+	            options.time ) )
+	    ->type_name( "S" );
 	command->add_option( "--out", options.out, "folder, made if it is missing" )->type_name( "FOLDER" )->required();
 	return command;
 }
@@ -408,6 +413,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 		SpherizeOptions& spherize = commands.spherize;
 		validate( *chosen, spherize.common );
 		requireNotNegative( "--close-holes", spherize.close_holes );
+		requirePositive( "--time", spherize.time );
 		if ( chosen->get_option( "--spheres" )->count() > 0 )
 		{
 			requirePositive( "--spheres", spherize.spheres );

@@ -85,6 +85,7 @@ struct SpherizeOptions
 	double excess = 0; ///< millimetres; 0: by number
 	std::uint32_t spheres = 0;
 	double close_holes = 0; ///< millimetres
+	double time = 30;       ///< seconds for the whole robot
 	std::string out;
 };
 

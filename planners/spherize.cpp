@@ -91,13 +91,34 @@ void tellOpenShells( const std::vector<io::LinkSpheres>& links, const std::strin
 	}
 }
 
+/// Links for which the time was too short.
+void tellUnfinished( const std::vector<io::LinkSpheres>& links, const SpherizeOptions& options, Notices& notices )
+{
+	for ( const io::LinkSpheres& link : links )
+	{
+		if ( !link.met_target && options.excess > 0 )
+		{
+			notices.add( "spheres that are too large",
+			    fmt::format( "{}: link {}: its {} spheres enclose it but reach {:.3f} mm beyond it instead of {:g}: the search "
+			                 "ended before better ones were found; give more --time than {:g} s, or a larger --excess",
+			        options.common.robot, link.link, link.count(), 1000 * link.report.excess, options.excess, options.time ) );
+		}
+	}
+	if ( options.excess == 0 && !links.empty() && !links.front().met_target )
+	{
+		notices.add( "spheres that are too large",
+		    fmt::format( "{}: --spheres: the search for a smaller excess ended after --time {:g} s; give more, or fewer spheres",
+		        options.common.robot, options.time ) );
+	}
+}
+
 Json toJson( const std::vector<io::LinkSpheres>& links, const io::RobotModel& robot )
 {
 	Json json = { { "robot", robot.name }, { "links", Json::array() } };
 	for ( const io::LinkSpheres& link : links )
 	{
 		json["links"].push_back( { { "link", link.link }, { "spheres", link.count() }, { "excess", link.report.excess },
-		    { "excess_attained", link.report.excess_attained }, { "encloses", link.report.encloses },
+		    { "excess_attained", link.report.excess_attained }, { "met_target", link.met_target }, { "encloses", link.report.encloses },
 		    { "shells", link.report.shells }, { "open_shells", link.report.open_shells }, { "holes_closed",
 		        link.report.holes },
 		    { "widest_hole_closed", link.report.widest_hole }, { "widest_open_hole", link.report.widest_open_hole },
@@ -119,16 +140,18 @@ int runSpherize( const SpherizeOptions& options )
 	how.excess = options.excess / 1000;
 	how.sphere_count = options.spheres;
 	how.close_holes = options.close_holes / 1000;
+	how.seconds = options.time;
 	const double start = now();
 	std::vector<io::LinkSpheres> links;
 	{
-		Progress progress( "spheres" );
+		Progress progress( fmt::format( "spheres (at most {:g} s)", options.time ) );
 		how.progress = [&progress]( const std::string& link, double share ) { progress.stage( link, share ); };
 		links = io::spherize( input.robot, how );
 		how.progress = nullptr; // of what ends here
 	}
 	const double seconds = now() - start;
 	tellOpenShells( links, input.robot.urdf_file, notices );
+	tellUnfinished( links, options, notices );
 
 	std::size_t count = 0;
 	double excess = 0;

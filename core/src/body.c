@@ -17,10 +17,17 @@
 
 enum
 {
-	SIDES = 128,          ///< of a prism around a cylinder or cone: 3.0e-4 of the radius outside of it
+	MIN_SIDES = 16,       ///< of a prism around a cylinder or cone, which stands out by 2.0e-2 of the radius
+	MAX_SIDES = 128,      ///< 3.0e-4 of the radius
+	MAX_RINGS = 64,       ///< of the quadrangles of a prism
 	MAX_HIDDEN_SPLITS = 8 ///< bisections of a triangle that is partly inside of another shell: what is left counts as
 	                      ///< visible
 };
+
+/// What prisms may stand out of their cylinders, and how small parts are of which it is known which are hidden, both as a
+/// share of the grain.
+#define CHORD_SHARE 0.01
+#define HIDDEN_SHARE 0.25
 
 /// One use of an edge by a triangle.
 typedef struct edge_use
@@ -79,48 +86,90 @@ static bool add_box(
 	return ok;
 }
 
-/// A prism or pyramid around a cylinder or cone.
-static bool add_round( soup* s, const lw_allocator* memory, const lwi_body_part* part, double* stands_out )
+/// Sides of a prism around a circle that stand out of it by at most `chord`.
+static uint32_t sides_for( double radius, double chord )
 {
-	const double* d = part->shape->dimensions;
-	bool cone = part->shape->type == LW_SHAPE_CONE;
-	double radius = d[0] / cos( PI / SIDES ) * ( 1 + 64 * LWI_U64 ), half = 0.5 * d[1];
-	*stands_out = fmax( *stands_out, radius - d[0] );
-	uint32_t first = (uint32_t)s->vertices.count;
-	bool ok = add_vertex( s, memory, &part->body_from_shape, 0, 0, -half ) &&
-			  add_vertex( s, memory, &part->body_from_shape, 0, 0, half );
-	for ( uint32_t i = 0; i < SIDES; ++i )
+	uint32_t sides = MIN_SIDES;
+	while ( sides < MAX_SIDES && radius / cos( PI / sides ) - radius > chord )
 	{
-		double angle = 2 * PI * i / SIDES, x = radius * cos( angle ), y = radius * sin( angle );
-		ok = ok && add_vertex( s, memory, &part->body_from_shape, x, y, -half );
-		ok = ok && ( cone || add_vertex( s, memory, &part->body_from_shape, x, y, half ) );
+		sides *= 2;
 	}
-	uint32_t step = cone ? 1 : 2;
-	for ( uint32_t i = 0; i < SIDES; ++i )
+	return sides;
+}
+
+/// A regular polygon of `sides` (a power of 2) corners first, first + 1, ...: ears over every second corner, again over those
+/// that are left. The trees have small triangles at the rim and large ones in the middle; those of a fan would all be long.
+static bool add_polygon( soup* s, const lw_allocator* memory, uint32_t first, uint32_t sides )
+{
+	bool ok = true;
+	for ( uint32_t step = 1; 2 * step < sides; step *= 2 )
 	{
-		uint32_t a = first + 2 + step * i, b = first + 2 + step * ( ( i + 1 ) % SIDES );
-		ok = ok && add_triangle( s, memory, first, a, b, 0, true );
-		if ( cone )
+		for ( uint32_t i = 0; i < sides && ok; i += 2 * step )
 		{
-			ok = ok && add_triangle( s, memory, first + 1, a, b, 0, true );
-			continue;
+			// the last two ears, over opposite corners, are the two halves of a square
+			ok = add_triangle( s, memory, first + i, first + i + step, first + ( i + 2 * step ) % sides, 0, true );
 		}
-		ok = ok && add_triangle( s, memory, first + 1, a + 1, b + 1, 0, true ) && add_triangle( s, memory, a, b, a + 1, 0,
-			true ) &&
-			 add_triangle( s, memory, b, b + 1, a + 1, 0, true );
 	}
 	return ok;
 }
 
+static bool add_circle( soup* s, const lw_allocator* memory, const lw_transform* pose, double radius, double z, uint32_t sides )
+{
+	bool ok = true;
+	for ( uint32_t i = 0; i < sides && ok; ++i )
+	{
+		double angle = 2 * PI * i / sides;
+		ok = add_vertex( s, memory, pose, radius * cos( angle ), radius * sin( angle ), z );
+	}
+	return ok;
+}
+
+/// A prism or pyramid around a cylinder or cone.
+static bool add_round( soup* s, const lw_allocator* memory, const lwi_body_part* part, double chord, double* stands_out )
+{
+	const double* d = part->shape->dimensions;
+	const lw_transform* pose = &part->body_from_shape;
+	bool cone = part->shape->type == LW_SHAPE_CONE;
+	uint32_t sides = sides_for( d[0], chord ), first = (uint32_t)s->vertices.count;
+	double radius = d[0] / cos( PI / sides ) * ( 1 + 64 * LWI_U64 ), half = 0.5 * d[1];
+	*stands_out = fmax( *stands_out, radius - d[0] );
+	// rings so near that the quadrangles between them are not much longer than wide
+	double rings = cone ? 0 : ceil( d[1] * sides / ( 4 * 2 * PI * radius ) );
+	uint32_t ring_count = rings < 1 ? 1 : rings > MAX_RINGS ? MAX_RINGS : (uint32_t)rings;
+	bool ok = add_circle( s, memory, pose, radius, -half, sides ) && add_polygon( s, memory, first, sides );
+	if ( cone )
+	{
+		uint32_t tip = first + sides;
+		ok = ok && add_vertex( s, memory, pose, 0, 0, half );
+		for ( uint32_t i = 0; i < sides && ok; ++i )
+		{
+			ok = add_triangle( s, memory, tip, first + i, first + ( i + 1 ) % sides, 0, true );
+		}
+		return ok;
+	}
+	for ( uint32_t ring = 0; ring < ring_count && ok; ++ring )
+	{
+		uint32_t low = first + ring * sides, high = low + sides;
+		ok = add_circle( s, memory, pose, radius, -half + 2 * half * ( ring + 1 ) / ring_count, sides );
+		for ( uint32_t i = 0; i < sides && ok; ++i )
+		{
+			uint32_t next = ( i + 1 ) % sides;
+			ok = add_triangle( s, memory, low + i, low + next, high + i, 0, true ) &&
+				 add_triangle( s, memory, low + next, high + next, high + i, 0, true );
+		}
+	}
+	return ok && add_polygon( s, memory, first + ring_count * sides, sides );
+}
+
 /// @param part not deferred, and bounded
-static bool add_part( soup* s, const lw_allocator* memory, const lwi_body_part* part, double* stands_out )
+static bool add_part( soup* s, const lw_allocator* memory, const lwi_body_part* part, double chord, double* stands_out )
 {
 	const lw_shape* shape = part->shape;
 	const lw_transform* pose = &part->body_from_shape;
 	if ( shape->family == LWI_CONVEX )
 	{
 		return shape->type == LW_SHAPE_BOX ? add_box( s, memory, pose, shape->box_min, shape->box_max )
-										   : add_round( s, memory, part, stands_out );
+										   : add_round( s, memory, part, chord, stands_out );
 	}
 	bool ok = true;
 	for ( size_t i = 0; ok && shape->family == LWI_BOXES && i < shape->item_count; ++i )
@@ -628,6 +677,7 @@ typedef struct skinner
 {
 	lwi_body* body;
 	lwi_array vertices; ///< double[3]
+	double finest;      ///< parts smaller than that are not cut
 	uint32_t shell;     ///< of the triangle in hand
 	bool any_hidden;    ///< a part of it is hidden
 	bool ok;
@@ -646,6 +696,11 @@ static void keep_part( skinner* s, const lw_vec3 v[3] )
 static void keep_visible( skinner* s, const lw_vec3 v[3], int splits )
 {
 	lwi_body* body = s->body;
+	if ( lwi_body_stopped( body ) )
+	{
+		keep_part( s, v );
+		return;
+	}
 	lw_vec3 center = lwi_scale( 1.0 / 3, lwi_add( lwi_add( v[0], v[1] ), v[2] ) );
 	double radius = fmax( lwi_distance( center, v[0] ), fmax( lwi_distance( center, v[1] ), lwi_distance( center, v[2] ) ) );
 	// a part that is hidden has its centre inside; one whose centre is not may still have hidden parts, if another shell
@@ -658,13 +713,7 @@ static void keep_visible( skinner* s, const lw_vec3 v[3], int splits )
 		s->any_hidden = true;
 		return;
 	}
-	bool near = inside;
-	for ( uint32_t other = 0; other < body->shell_count && !near && splits > 0; ++other )
-	{
-		near = other != s->shell &&
-			   lwi_shape_nearest( body->closed, center, reach, false, body->shell, other ).distance < INFINITY;
-	}
-	if ( splits == 0 || !near )
+	if ( splits == 0 || radius <= s->finest || !( inside || lwi_shape_is_near_but( body->closed, center, reach, body->shell, s->shell ) ) )
 	{
 		keep_part( s, v );
 		return;
@@ -683,11 +732,11 @@ static void keep_visible( skinner* s, const lw_vec3 v[3], int splits )
 	keep_visible( s, second, splits - 1 );
 }
 
-static lw_status make_skin( lwi_body* body, lw_diag* diag )
+static lw_status make_skin( lwi_body* body, double finest, lw_diag* diag )
 {
 	const lw_shape* mesh = body->closed;
 	const lw_allocator* memory = &body->memory;
-	skinner s = { .body = body, .ok = true };
+	skinner s = { .body = body, .finest = finest, .ok = true };
 	for ( uint32_t t = 0; t < mesh->item_count && s.ok; ++t )
 	{
 		lw_vec3 v[3];
@@ -745,7 +794,7 @@ static void set_scale( lwi_body* body )
 	body->slack = 4 * LWI_TRI_TRI_ERROR * ( body->extent + body->dilation_max );
 }
 
-static lw_status build( const lwi_body_part* parts, uint32_t part_count, double close_holes, soup* s,
+static lw_status build( const lwi_body_part* parts, uint32_t part_count, double close_holes, double grain, soup* s,
 	lwi_body* body, lw_diag* diag )
 {
 	const lw_allocator* memory = &body->memory;
@@ -767,7 +816,7 @@ static lw_status build( const lwi_body_part* parts, uint32_t part_count, double 
 			return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, i, "more than %zu triangles in one body; give fewer parts",
 				LWI_MAX_ITEMS );
 		}
-		if ( !add_part( s, memory, &part, &body->chord ) )
+		if ( !add_part( s, memory, &part, CHORD_SHARE * grain, &body->chord ) )
 		{
 			return LW_ERROR_OUT_OF_MEMORY;
 		}
@@ -800,16 +849,27 @@ static lw_status build( const lwi_body_part* parts, uint32_t part_count, double 
 		status = body->grids == NULL ? LW_ERROR_OUT_OF_MEMORY : make_grid( body, i, &body->grids[i] );
 		status = status == LW_OK ? fill_grid( body, &body->grids[i] ) : status;
 	}
-	return status == LW_OK ? make_skin( body, diag ) : status;
+	return status == LW_OK ? make_skin( body, HIDDEN_SHARE * grain, diag ) : status;
 }
 
-lw_status lwi_body_create( const lwi_body_part* parts, uint32_t part_count, double close_holes,
-	const lw_allocator* allocator, lw_diag* diag, lwi_body* out )
+bool lwi_body_stopped( lwi_body* body )
+{
+	if ( body->stop != NULL && !body->stopped && ( body->calls++ & 15 ) == 0 )
+	{
+		body->stopped = body->stop( body->user );
+	}
+	return body->stopped;
+}
+
+lw_status lwi_body_create( const lwi_body_part* parts, uint32_t part_count, double close_holes, double grain,
+	bool ( *stop )( void* ), void* user, const lw_allocator* allocator, lw_diag* diag, lwi_body* out )
 {
 	memset( out, 0, sizeof( *out ) );
 	out->memory = *allocator;
+	out->stop = stop;
+	out->user = user;
 	soup s = { 0 };
-	lw_status status = build( parts, part_count, close_holes, &s, out, diag );
+	lw_status status = build( parts, part_count, close_holes, grain, &s, out, diag );
 	free_soup( &s, allocator );
 	if ( status != LW_OK )
 	{

@@ -47,13 +47,22 @@ typedef struct lwi_body
 	double chord;       ///< metres: what prisms around cylinders and cones stand out by
 	double extent;      ///< largest |coordinate| of any vertex
 	double slack;       ///< metres: what a computed distance or position of a vertex may be off by
+	bool ( *stop )( void* ); ///< ends searches; NULL: nothing does
+	void* user;              ///< given to stop
+	uint32_t calls;          ///< of lwi_body_stopped()
+	bool stopped;            ///< stop has returned true
 } lwi_body;
 
 /// @param close_holes metres: fans close the holes of a shell if each is at most this wide
+/// @param grain metres, >= 0: depths that are too small by less than that do no harm, which saves time. 0: as exact as it gets
+/// @param stop, user see lwi_body: the search for hidden parts takes what is left for visible once it is stopped
 /// @return LW_OK, LW_ERROR_BAD_GEOMETRY or LW_ERROR_OUT_OF_MEMORY; *out is zeroed on failure
-lw_status lwi_body_create( const lwi_body_part* parts, uint32_t part_count, double close_holes,
-	const lw_allocator* allocator, lw_diag* diag, lwi_body* out );
+lw_status lwi_body_create( const lwi_body_part* parts, uint32_t part_count, double close_holes, double grain,
+	bool ( *stop )( void* ), void* user, const lw_allocator* allocator, lw_diag* diag, lwi_body* out );
 void lwi_body_free( lwi_body* body );
+
+/// True once body->stop has returned true (asked at every 16th call). What is under way then fails.
+bool lwi_body_stopped( lwi_body* body );
 
 /// Nearest triangle of a mesh shape to a point of its frame.
 typedef struct lwi_nearest
@@ -65,12 +74,14 @@ typedef struct lwi_nearest
 
 /// @param stop nothing at or beyond it is of interest
 /// @param certified distances by lwi_tri_tri (error: LWI_TRI_TRI_ERROR of the extents), otherwise about 5 times faster
-/// @param skip triangles for which skip[triangle] != only are passed over; NULL: none
-lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bool certified, const uint32_t* skip,
-	uint32_t only );
+/// @param group [triangle_count]: only triangles with group[triangle] == of are looked at; NULL: all are
+lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bool certified, const uint32_t* group,
+	uint32_t of );
 
 /// True if some triangle is (by the fast distance) nearer than that.
 bool lwi_shape_is_near( const lw_shape* shape, lw_vec3 p, double distance );
+/// As lwi_shape_is_near(), of the triangles whose group is another than `of`.
+bool lwi_shape_is_near_but( const lw_shape* shape, lw_vec3 p, double distance, const uint32_t* group, uint32_t of );
 
 /// Nearest point of a triangle: within 16u of the coordinates' size of being on it, but among slivers there may be a nearer one
 /// (lwi_tri_tri() does not have that weakness).

@@ -106,8 +106,9 @@ static uint32_t push_children( const lwi_node* node, lw_vec3 p, double limit, en
 }
 
 /// @param enough the first triangle at or below it ends the search
-static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double enough, bool certified, const uint32_t* skip,
-	uint32_t only )
+/// @param group, of, inside triangles for which ( group[triangle] == of ) != inside are passed over; group NULL: none
+static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double enough, bool certified,
+	const uint32_t* group, uint32_t of, bool inside )
 {
 	lwi_nearest best = { stop, LW_INVALID_INDEX, p };
 	lw_vec3 moved = lwi_sub( p, lwi_load( shape->origin ) );
@@ -132,7 +133,7 @@ static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double
 		for ( uint32_t lane = 0; lane < lwi_ref_count( e.ref ); ++lane )
 		{
 			uint32_t triangle = leaf->triangle[lane];
-			if ( skip == NULL || skip[triangle] == only )
+			if ( group == NULL || ( group[triangle] == of ) == inside )
 			{
 				offer_triangle( shape, triangle, p, certified, &best );
 			}
@@ -149,15 +150,20 @@ static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double
 	return best;
 }
 
-lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bool certified, const uint32_t* skip,
-	uint32_t only )
+lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bool certified, const uint32_t* group,
+	uint32_t of )
 {
-	return search( shape, p, stop, 0, certified, skip, only );
+	return search( shape, p, stop, 0, certified, group, of, true );
+}
+
+bool lwi_shape_is_near_but( const lw_shape* shape, lw_vec3 p, double distance, const uint32_t* group, uint32_t of )
+{
+	return search( shape, p, distance, distance, false, group, of, false ).triangle != LW_INVALID_INDEX;
 }
 
 bool lwi_shape_is_near( const lw_shape* shape, lw_vec3 p, double distance )
 {
-	return search( shape, p, distance, distance, false, NULL, 0 ).triangle != LW_INVALID_INDEX;
+	return search( shape, p, distance, distance, false, NULL, 0, true ).triangle != LW_INVALID_INDEX;
 }
 
 // --- rays ------------------------------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The steps of enclosing a body with spheres: pieces to cover, candidates, cover, refinement, check.
+// The steps of enclosing a body with spheres: pieces to cover, candidates, cover, refinement, check. Each step fails as if
+// memory had run out when the search is stopped (lwi_body_stopped()).
 #ifndef LEEWAY_ENCLOSE_H
 #define LEEWAY_ENCLOSE_H
 
@@ -47,8 +48,8 @@ bool lwi_piece_tree_covered( const lwi_piece_tree* tree, lw_vec3 center, double 
 double lwi_piece_reach( const lwi_piece* piece, lw_vec3 center );
 
 /// Few of the sites whose spheres of the given excess cover all pieces, into `chosen` (lwi_site).
-lw_status lwi_enclose_cover( const lwi_piece_tree* tree, const lwi_site* sites, size_t site_count, double excess,
-	const lw_allocator* memory, lwi_array* chosen );
+lw_status lwi_enclose_cover( lwi_body* body, const lwi_piece_tree* tree, const lwi_site* sites, size_t site_count,
+	double excess, lwi_array* chosen );
 
 /// Moves the sites so that the excess they need becomes small. @return that excess (the larger of all), or -1: out of memory
 double lwi_enclose_refine( lwi_body* body, const lwi_piece_tree* tree, lwi_array* chosen, double excess, uint32_t rounds );

@@ -69,7 +69,8 @@ static bool piece_covered( const checker* c, const lw_vec3 v[3], double dilation
 	return false;
 }
 
-static void check_triangle( checker* c, const lw_vec3 triangle[3], double dilation )
+/// @return false if the check was stopped
+static bool check_triangle( lwi_body* body, checker* c, const lw_vec3 triangle[3], double dilation )
 {
 	struct
 	{
@@ -81,6 +82,10 @@ static void check_triangle( checker* c, const lw_vec3 triangle[3], double dilati
 	int height = 1;
 	while ( height > 0 )
 	{
+		if ( lwi_body_stopped( body ) )
+		{
+			return false;
+		}
 		--height;
 		lw_vec3 v[3] = { stack[height].v[0], stack[height].v[1], stack[height].v[2] };
 		if ( piece_covered( c, v, dilation ) )
@@ -116,6 +121,7 @@ static void check_triangle( checker* c, const lw_vec3 triangle[3], double dilati
 			stack[height++].cuts = cuts + 1;
 		}
 	}
+	return true;
 }
 
 /// The spheres that meet the smallest sphere about the corners' mean.
@@ -153,11 +159,7 @@ static bool check_surface( lwi_body* body, checker* c )
 		{
 			v[k] = lwi_load( mesh->vertices + 3 * (size_t)mesh->indices[3 * (size_t)t + k] );
 		}
-		ok = list_near( c, v, body->dilation[t] );
-		if ( ok )
-		{
-			check_triangle( c, v, body->dilation[t] );
-		}
+		ok = list_near( c, v, body->dilation[t] ) && check_triangle( body, c, v, body->dilation[t] );
 	}
 	return ok;
 }
@@ -194,11 +196,16 @@ static double attained_by( lwi_body* body, lw_vec3 center, double radius )
 	return best;
 }
 
-static void check_excess( lwi_body* body, const checker* c )
+/// @return false if the check was stopped
+static bool check_excess( lwi_body* body, const checker* c )
 {
 	lw_spheres_report* report = c->report;
 	for ( uint32_t i = 0; i < c->count; ++i )
 	{
+		if ( lwi_body_stopped( body ) )
+		{
+			return false;
+		}
 		const double* s = c->spheres + 4 * (size_t)i;
 		lw_vec3 center = lwi_load( s );
 		double depth = lwi_body_depth( body, center, true );
@@ -211,6 +218,7 @@ static void check_excess( lwi_body* body, const checker* c )
 	}
 	report->excess += body->chord;
 	report->excess_attained = fmin( report->excess_attained, report->excess );
+	return true;
 }
 
 static lw_status check_solids( lwi_body* body, const checker* c, double margin )
@@ -244,9 +252,8 @@ lw_status lwi_enclose_check( lwi_body* body, const double* spheres, uint32_t cou
 	checker c = { .spheres = spheres, .count = count, .slack = body->slack + margin, .finest = FINEST * size,
 		.coarsest = COARSEST * size, .report = out, .memory = &body->memory };
 	lw_status status = LW_ERROR_OUT_OF_MEMORY;
-	if ( check_surface( body, &c ) )
+	if ( check_surface( body, &c ) && check_excess( body, &c ) )
 	{
-		check_excess( body, &c );
 		status = out->encloses ? check_solids( body, &c, margin ) : LW_OK;
 	}
 	lwi_array_free( &c.list, &body->memory, sizeof( uint32_t ) );

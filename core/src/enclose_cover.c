@@ -246,6 +246,7 @@ typedef struct cover
 	const lwi_piece_tree* tree;
 	const lwi_site* sites;
 	double excess;
+	lwi_body* body; ///< asked whether to go on
 	const lw_allocator* memory;
 	uint32_t* times;  ///< [piece]: how many chosen spheres cover it
 	size_t left;      ///< pieces that none covers
@@ -310,7 +311,7 @@ static bool make_heap( cover* c, const uint32_t* candidates, size_t count )
 	for ( size_t i = 0; ok && i < count; ++i )
 	{
 		const lwi_site* site = &c->sites[candidates[i]];
-		ok = lwi_piece_tree_covered( c->tree, site->center, site->depth + c->excess, c->memory, &c->found ) &&
+		ok = !lwi_body_stopped( c->body ) && lwi_piece_tree_covered( c->tree, site->center, site->depth + c->excess, c->memory, &c->found ) &&
 			 lwi_array_reserve( &c->covered, c->memory, sizeof( uint32_t ), c->found.count );
 		if ( ok && c->found.count > 0 )
 		{
@@ -336,6 +337,10 @@ static bool choose( cover* c )
 	c->picked.count = 0;
 	while ( c->left > 0 && c->heap_count > 0 )
 	{
+		if ( lwi_body_stopped( c->body ) )
+		{
+			return false;
+		}
 		gain* top = &c->heap[0];
 		double value = value_of( c, top->site );
 		bool stale = value < top->value;
@@ -403,10 +408,11 @@ static bool cover_with( cover* c, const uint32_t* candidates, size_t count, lwi_
 	return ok;
 }
 
-lw_status lwi_enclose_cover( const lwi_piece_tree* tree, const lwi_site* sites, size_t site_count, double excess,
-	const lw_allocator* memory, lwi_array* chosen )
+lw_status lwi_enclose_cover( lwi_body* body, const lwi_piece_tree* tree, const lwi_site* sites, size_t site_count,
+	double excess, lwi_array* chosen )
 {
-	cover c = { .tree = tree, .sites = sites, .excess = excess, .memory = memory, .left = tree->count };
+	const lw_allocator* memory = &body->memory;
+	cover c = { .tree = tree, .sites = sites, .excess = excess, .body = body, .memory = memory, .left = tree->count };
 	lwi_array kept = { 0 };
 	c.times = lwi_alloc_zero( memory, tree->count, sizeof( uint32_t ) );
 	c.heap = lwi_alloc( memory, site_count * sizeof( gain ) );

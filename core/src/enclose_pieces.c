@@ -181,7 +181,7 @@ static lw_status cut_triangle( const cutter* cut, const lw_vec3 triangle[3], dou
 		longest_edge( v, &l );
 		lwi_piece piece = make_piece( v, dilation );
 		int kept = piece.size > most ? 0 : keep_piece( cut, &piece );
-		if ( kept < 0 )
+		if ( kept < 0 || lwi_body_stopped( cut->body ) )
 		{
 			return LW_ERROR_OUT_OF_MEMORY;
 		}

@@ -52,6 +52,10 @@ static bool assign( refiner* r, double excess )
 	}
 	for ( size_t i = 0; i < r->site_count; ++i )
 	{
+		if ( lwi_body_stopped( r->body ) )
+		{
+			return false;
+		}
 		const lwi_site* site = &r->sites[i];
 		double radius = site->depth + excess + r->body->slack; // a piece exactly at the limit must not slip out
 		if ( !lwi_piece_tree_covered( tree, site->center, radius, &r->body->memory, &r->found ) )

@@ -71,6 +71,10 @@ static bool leave_open( walk* w, lw_vec3 c )
 /// @param first where the list of the parent's spheres begins. @return false if out of memory
 static bool visit( walk* w, lw_vec3 c, double half, size_t first, int depth )
 {
+	if ( lwi_body_stopped( w->body ) )
+	{
+		return false;
+	}
 	double radius = half * 1.7320508075688774 * ( 1 + 16 * LWI_U64 );
 	size_t mine = w->lists.count;
 	bool met = false;

@@ -24,6 +24,8 @@ enum
 #define KEPT_BACK 1e-9
 /// Margin at the surface of solids, as a share of the excess.
 #define SOLID_SHARE 0.04
+/// Between the excesses of a search that may be stopped. The sets on the way cost half of the last one, or less.
+#define LEVEL_RATIO 3.0
 
 struct lw_spheres
 {
@@ -31,6 +33,7 @@ struct lw_spheres
 	double* data; ///< [count][4]
 	uint32_t count;
 	lw_spheres_report report;
+	bool met_target;
 };
 
 lw_spheres_def lw_spheres_def_default( void )
@@ -43,7 +46,7 @@ static lw_status cover_and_refine( lwi_body* body, const lwi_piece_tree* tree, c
 	double margin, uint32_t rounds, lwi_array* out )
 {
 	lwi_array chosen = { 0 };
-	lw_status status = lwi_enclose_cover( tree, sites->data, sites->count, excess, &body->memory, &chosen );
+	lw_status status = lwi_enclose_cover( body, tree, sites->data, sites->count, excess, &chosen );
 	if ( status == LW_OK )
 	{
 		double reached = lwi_enclose_refine( body, tree, &chosen, excess, rounds );
@@ -87,34 +90,163 @@ static lw_status enclose_by_excess( lwi_body* body, double excess, uint32_t roun
 	return status;
 }
 
-/// The least excess, to a few percent, for which at most `most` spheres are found. Their number is no monotone function
-/// of the
-/// excess, but what is kept has been found.
-static lw_status enclose_by_count( lwi_body* body, uint32_t most, lwi_array* out, lw_diag* diag )
+// --- proved sets -----------------------------------------------------------------------------------------------------
+
+/// Spheres with their proof.
+typedef struct cover_set
+{
+	lwi_array spheres; ///< double[4]
+	lw_spheres_report report;
+} cover_set;
+
+/// Centres to the nearest multiple of 10^-decimals, radii up to one that makes up for it.
+static void round_outward( lwi_array* spheres, uint32_t decimals )
+{
+	double scale = pow( 10, decimals ), *data = spheres->data;
+	for ( size_t i = 0; i < spheres->count; ++i, data += 4 )
+	{
+		lw_vec3 c = lwi_load( data );
+		for ( int k = 0; k < 3; ++k )
+		{
+			// a quotient of integers: the double nearest to the decimals, which is what they read back as
+			data[k] = rint( data[k] * scale ) / scale;
+		}
+		data[3] = ceil( ( data[3] + lwi_distance( c, lwi_load( data ) ) ) * scale * ( 1 + 1e-9 ) ) / scale;
+	}
+}
+
+/// What rounding to so many decimals may add to the excess: a centre moves by at most sqrt(3)/2 of a unit, and a radius grows
+/// by that and one unit.
+static double rounding_of( uint32_t decimals )
+{
+	return decimals > 0 ? 3 / pow( 10, decimals ) : 0;
+}
+
+/// Rounds and proves. LW_ERROR_UNSUPPORTED if the proof fails.
+static lw_status prove( lwi_body* body, uint32_t decimals, cover_set* set, lw_diag* diag )
+{
+	if ( decimals > 0 )
+	{
+		round_outward( &set->spheres, decimals );
+	}
+	lw_status status = lwi_enclose_check( body, set->spheres.data, (uint32_t)set->spheres.count, diag, &set->report );
+	if ( status == LW_OK && !set->report.encloses )
+	{
+		status = lwi_fail( diag, LW_ERROR_UNSUPPORTED, LW_INVALID_INDEX,
+			"the spheres found could not be proved to enclose the body near (%g, %g, %g); use another excess",
+			set->report.uncovered_at.x, set->report.uncovered_at.y, set->report.uncovered_at.z );
+	}
+	return status;
+}
+
+static lw_status cover_by_excess( lwi_body* body, const lw_spheres_def* def, double excess, uint32_t rounds, cover_set* set,
+	lw_diag* diag )
+{
+	set->spheres.count = 0;
+	double target = excess - rounding_of( def->decimals );
+	lw_status status = enclose_by_excess( body, target, rounds, &set->spheres, diag );
+	return status == LW_OK ? prove( body, def->decimals, set, diag ) : status;
+}
+
+/// One sphere around everything. It is made whether or not the search is stopped.
+static lw_status cover_by_one( lwi_body* body, const lw_spheres_def* def, cover_set* set, lw_diag* diag )
 {
 	lw_shape_info info = lw_shape_get_info( body->surface );
-	// one sphere around everything has no more; twice that leaves room for margins
-	double high = 4 * ( info.sphere_radius + body->dilation_max ), low = 0;
-	for ( int i = 0; i < COUNT_STEPS && high > 1.03 * low; ++i )
+	lw_vec3 c = lwi_load( info.sphere_center );
+	// a margin that is no matter for such a sphere makes its proof easy
+	const double sphere[4] = { c.x, c.y, c.z, 1.01 * ( info.sphere_radius + body->dilation_max ) + 16 * body->slack };
+	set->spheres.count = 0;
+	if ( !lwi_array_push( &set->spheres, &body->memory, sizeof( sphere ), sphere ) )
+	{
+		return LW_ERROR_OUT_OF_MEMORY;
+	}
+	bool stopped = body->stopped;
+	body->stop = NULL;
+	body->stopped = false;
+	lw_status status = prove( body, def->decimals, set, diag );
+	body->stop = def->stop;
+	body->stopped = stopped;
+	return status;
+}
+
+static void keep( cover_set* best, cover_set* set )
+{
+	cover_set swap = *best;
+	*best = *set;
+	*set = swap;
+}
+
+/// Sets of ever smaller excess down to the wanted one, each at LEVEL_RATIO of the last, until the search is stopped.
+static lw_status fill_by_excess( lwi_body* body, const lw_spheres_def* def, cover_set* best, cover_set* set, bool* met,
+	lw_diag* diag )
+{
+	if ( def->stop == NULL )
+	{
+		*met = true;
+		return cover_by_excess( body, def, def->excess, 0, best, diag );
+	}
+	lw_status status = cover_by_one( body, def, best, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	int level = 0;
+	while ( LEVEL_RATIO * def->excess * pow( LEVEL_RATIO, level ) < best->report.excess )
+	{
+		++level;
+	}
+	for ( ; status == LW_OK && level >= 0 && !body->stopped; --level )
+	{
+		status = cover_by_excess( body, def, def->excess * pow( LEVEL_RATIO, level ), 0, set, diag );
+		if ( status == LW_OK )
+		{
+			keep( best, set );
+			*met = level == 0;
+		}
+	}
+	return body->stopped || status == LW_ERROR_UNSUPPORTED ? LW_OK : status;
+}
+
+/// The least excess, to a few percent, for which at most so many spheres are found. Their number is no monotone function of the
+/// excess, but what is kept has been found.
+static lw_status fill_by_count( lwi_body* body, const lw_spheres_def* def, cover_set* best, cover_set* set, bool* met,
+	lw_diag* diag )
+{
+	lw_status status = cover_by_one( body, def, best, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	double high = best->report.excess, low = 0;
+	for ( int i = 0; i < COUNT_STEPS && high > 1.03 * low && status == LW_OK; ++i )
 	{
 		double middle = low > 0 ? sqrt( low * high ) : 0.4 * high;
-		out->count = 0;
-		lw_status status = enclose_by_excess( body, middle, 0, out, diag );
-		if ( status != LW_OK && status != LW_ERROR_UNSUPPORTED )
+		status = cover_by_excess( body, def, middle, 0, set, diag );
+		bool few = status == LW_OK && set->spheres.count <= def->sphere_count;
+		if ( few )
 		{
-			return status;
+			keep( best, set );
 		}
-		bool few = status == LW_OK && out->count <= most;
 		high = few ? middle : high;
 		low = few ? low : middle;
+		status = status == LW_ERROR_UNSUPPORTED ? LW_OK : status;
 	}
-	out->count = 0;
-	return enclose_by_excess( body, high, REFINE_ROUNDS, out, diag );
+	if ( status == LW_OK )
+	{
+		status = cover_by_excess( body, def, high, REFINE_ROUNDS, set, diag );
+		if ( status == LW_OK && set->spheres.count <= def->sphere_count && set->report.excess < best->report.excess )
+		{
+			keep( best, set );
+		}
+	}
+	*met = !body->stopped;
+	return body->stopped || status == LW_ERROR_UNSUPPORTED ? LW_OK : status;
 }
 
 // --- public ----------------------------------------------------------------------------------------------------------
 
-static lw_status make_body( const lw_geometry_def* def, const lw_allocator* memory, lw_diag* diag, lwi_body* out )
+static lw_status make_body( const lw_geometry_def* def, double grain, bool ( *stop )( void* ), void* user,
+	const lw_allocator* memory, lw_diag* diag, lwi_body* out )
 {
 	memset( out, 0, sizeof( *out ) );
 	if ( def->shapes == NULL || def->shape_count == 0 || !( def->close_holes >= 0 ) || !isfinite( def->close_holes ) )
@@ -140,36 +272,31 @@ static lw_status make_body( const lw_geometry_def* def, const lw_allocator* memo
 	}
 	if ( status == LW_OK )
 	{
-		status = lwi_body_create( parts, def->shape_count, def->close_holes, memory, diag, out );
+		status = lwi_body_create( parts, def->shape_count, def->close_holes, grain, stop, user, memory, diag, out );
 	}
 	lwi_free( memory, parts, def->shape_count * sizeof( lwi_body_part ) );
 	return status;
 }
 
-static lw_status fill( lw_spheres* set, lwi_body* body, const lw_spheres_def* def, lw_diag* diag )
+static lw_status fill( lw_spheres* out, lwi_body* body, const lw_spheres_def* def, lw_diag* diag )
 {
-	lwi_array found = { 0 };
-	lw_status status = def->excess > 0 ? enclose_by_excess( body, def->excess, 0, &found, diag )
-									   : enclose_by_count( body, def->sphere_count, &found, diag );
+	cover_set best = { 0 }, set = { 0 };
+	lw_status status = def->excess > 0 ? fill_by_excess( body, def, &best, &set, &out->met_target, diag )
+									   : fill_by_count( body, def, &best, &set, &out->met_target, diag );
 	if ( status == LW_OK )
 	{
-		size_t size = 4 * found.count * sizeof( double );
-		set->data = lwi_alloc( &set->memory, size );
-		status = set->data != NULL ? LW_OK : LW_ERROR_OUT_OF_MEMORY;
+		size_t size = 4 * best.spheres.count * sizeof( double );
+		out->data = lwi_alloc( &out->memory, size );
+		status = out->data != NULL ? LW_OK : LW_ERROR_OUT_OF_MEMORY;
 		if ( status == LW_OK )
 		{
-			memcpy( set->data, found.data, size );
-			set->count = (uint32_t)found.count;
-			status = lwi_enclose_check( body, set->data, set->count, diag, &set->report );
+			memcpy( out->data, best.spheres.data, size );
+			out->count = (uint32_t)best.spheres.count;
+			out->report = best.report;
 		}
 	}
-	lwi_array_free( &found, &set->memory, 4 * sizeof( double ) );
-	if ( status == LW_OK && !set->report.encloses )
-	{
-		status = lwi_fail( diag, LW_ERROR_UNSUPPORTED, LW_INVALID_INDEX,
-			"the spheres found could not be proved to enclose the body near (%g, %g, %g); use another excess",
-			set->report.uncovered_at.x, set->report.uncovered_at.y, set->report.uncovered_at.z );
-	}
+	lwi_array_free( &best.spheres, &out->memory, 4 * sizeof( double ) );
+	lwi_array_free( &set.spheres, &out->memory, 4 * sizeof( double ) );
 	return status == LW_ERROR_OUT_OF_MEMORY ? lwi_out_of_memory( diag, "enclosing spheres" ) : status;
 }
 
@@ -191,9 +318,14 @@ lw_status lw_spheres_create(
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
 			"excess is %g and sphere_count %u; give one of them, above 0", def->excess, def->sphere_count );
 	}
+	if ( def->decimals > 12 )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"decimals is %u; give at most 12, or 0 for numbers as found", def->decimals );
+	}
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	lwi_body body;
-	lw_status status = make_body( &def->body, &memory, diag, &body );
+	lw_status status = make_body( &def->body, def->excess, def->stop, def->user, &memory, diag, &body );
 	if ( status != LW_OK )
 	{
 		return status;
@@ -223,6 +355,11 @@ void lw_spheres_destroy( lw_spheres* spheres )
 		lwi_free( &memory, spheres->data, 4 * (size_t)spheres->count * sizeof( double ) );
 		lwi_free( &memory, spheres, sizeof( lw_spheres ) );
 	}
+}
+
+bool lw_spheres_met_target( const lw_spheres* spheres )
+{
+	return spheres->met_target;
 }
 
 uint32_t lw_spheres_count( const lw_spheres* spheres )
@@ -261,7 +398,7 @@ lw_status lw_spheres_check( const lw_geometry_def* body_def, const double* spher
 	}
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	lwi_body body;
-	lw_status status = make_body( body_def, &memory, diag, &body );
+	lw_status status = make_body( body_def, 0, NULL, NULL, &memory, diag, &body );
 	if ( status == LW_OK )
 	{
 		status = lwi_enclose_check( &body, spheres, count, diag, out );

@@ -26,6 +26,14 @@ typedef struct lw_spheres_def
 	lw_geometry_def body;
 	double excess;         ///< metres, > 0: the farthest that a sphere may reach beyond the body; 0: by sphere_count
 	uint32_t sphere_count; ///< with excess 0: at most so many spheres, >= 1, of the least excess that is found
+	/// 0: numbers as found. n <= 12: centres and radii are multiples of 10^-n metres, exactly the doubles that n written
+	/// decimals read back as, and it is these that are proved.
+	uint32_t decimals;
+	/// Ends the search; NULL: nothing does. Called every few microseconds to milliseconds by the calling thread; once it has
+	/// returned true the best set found so far is returned, complete and proved like any other: see
+	/// lw_spheres_met_target(). A first set, one sphere around everything, is made without asking.
+	bool ( *stop )( void* user );
+	void* user; ///< given to stop
 	uint32_t cookie;       ///< set by lw_spheres_def_default(); do not touch
 } lw_spheres_def;
 
@@ -58,12 +66,16 @@ typedef struct lw_spheres_report
 /// @param out_spheres owned by the caller: lw_spheres_destroy(). Set to NULL on failure.
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_BAD_GEOMETRY, LW_ERROR_UNSUPPORTED (an excess so
 /// small that it would take millions of spheres) or LW_ERROR_OUT_OF_MEMORY
+/// With `stop` an excess that would take millions of spheres is no error: the best set is returned.
 /// Method: centres near the medial axis of closed shells, set cover, minimax refinement; core/docs/detail.md.
-/// Cost: some milliseconds per sphere. Deterministic.
+/// Cost: some milliseconds per sphere. Deterministic, unless `stop` returned true.
 LW_API lw_status lw_spheres_create( const lw_spheres_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lw_spheres** out_spheres );
 LW_API void lw_spheres_destroy( lw_spheres* spheres ); ///< NULL is ignored
 
+/// False if the search ended before the wanted excess was reached (excess given), or before the excess stopped falling
+/// (sphere_count given). The report says what was reached.
+LW_API bool lw_spheres_met_target( const lw_spheres* spheres );
 LW_API uint32_t lw_spheres_count( const lw_spheres* spheres );
 /// [count][4]: centre x, y, z and radius, metres, body frame; owned by the set.
 LW_API const double* lw_spheres_data( const lw_spheres* spheres );

@@ -7,7 +7,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
 
 namespace leeway::io
 {
@@ -15,10 +21,9 @@ namespace leeway::io
 namespace
 {
 
-/// Written numbers have this grain, metres. A centre moves by at most sqrt(3)/2 of it and a radius grows by that and one
-/// grain:
-/// the excess by less than 3.
-constexpr double grain = 1e-6;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint32_t decimals = 6; ///< of the numbers in the files
 constexpr double least_excess = 1e-5;
 constexpr int max_steps = 12;         ///< of the search by number
 constexpr double close_enough = 1.03; ///< the ratio of excesses between which it ends
@@ -61,11 +66,28 @@ std::vector<Geometry> geometryOf( const RobotModel& model, double close_holes )
 	return out;
 }
 
-std::vector<double> enclose( const RobotModel& model, const Geometry& geometry, double excess )
+/// When searches end: at a time, or once somebody has said so.
+struct Stop
 {
+	Clock::time_point at = Clock::time_point::max();
+	const std::atomic<bool>* now = nullptr;
+
+	static bool asked( void* user )
+	{
+		const Stop& stop = *static_cast<const Stop*>( user );
+		return ( stop.now != nullptr && *stop.now ) || ( stop.at != Clock::time_point::max() && Clock::now() >= stop.at );
+	}
+};
+
+LinkSpheres enclose( const RobotModel& model, const Geometry& geometry, double excess, Stop* stop )
+{
+	const detail::Stopwatch watch;
 	lw_spheres_def def = lw_spheres_def_default();
 	def.body = geometry.def();
 	def.excess = excess;
+	def.decimals = decimals;
+	def.stop = stop != nullptr ? Stop::asked : nullptr;
+	def.user = stop;
 	lw_spheres* made = nullptr;
 	lw_diag diag{};
 	const lw_status status = lw_spheres_create( &def, nullptr, &diag, &made );
@@ -75,25 +97,58 @@ std::vector<double> enclose( const RobotModel& model, const Geometry& geometry, 
 		throw Error( model.urdf_file, "link " + geometry.link, diag.message, "allow a larger excess, or fewer spheres" );
 	}
 	require( status, diag );
+	LinkSpheres out;
+	out.link = geometry.link;
 	const double* data = lw_spheres_data( made );
-	return { data, data + 4 * static_cast<std::size_t>( lw_spheres_count( made ) ) };
+	out.spheres.assign( data, data + 4 * static_cast<std::size_t>( lw_spheres_count( made ) ) );
+	out.report = lw_spheres_get_report( made );
+	out.met_target = lw_spheres_met_target( made );
+	out.milliseconds = watch.milliseconds();
+	return out;
 }
 
-/// Centres to the nearest grain, radii up to the next one that makes up for it.
-void roundOutward( std::vector<double>& spheres )
+/// Calls work( i ) for i of [0, count), in that order, on some threads. The first exception is thrown again at the end.
+void inParallel( std::size_t count, unsigned threads, const std::function<void( std::size_t )>& work )
 {
-	for ( std::size_t i = 0; i < spheres.size(); i += 4 )
+	std::atomic<std::size_t> next{ 0 };
+	std::mutex mutex;
+	std::exception_ptr failure;
+	const auto run = [&]
 	{
-		double moved_sq = 0;
-		for ( std::size_t k = 0; k < 3; ++k )
+		for ( std::size_t i = next++; i < count; i = next++ )
 		{
-			const double rounded = std::round( spheres[i + k] / grain ) * grain;
-			moved_sq += ( rounded - spheres[i + k] ) * ( rounded - spheres[i + k] );
-			// the double that the six decimals read back as
-			spheres[i + k] = *detail::parseNumber( fmt::format( "{:.6f}", rounded ) );
+			try
+			{
+				work( i );
+			}
+			catch ( ... )
+			{
+				const std::lock_guard<std::mutex> lock( mutex );
+				failure = failure ? failure : std::current_exception();
+				next = count;
+			}
 		}
-		const double radius = std::ceil( ( spheres[i + 3] + std::sqrt( moved_sq ) ) / grain * ( 1 + 1e-9 ) ) * grain;
-		spheres[i + 3] = *detail::parseNumber( fmt::format( "{:.6f}", radius ) );
+	};
+	std::vector<std::thread> others;
+	for ( unsigned i = 1; i < std::min<std::size_t>( threads, count ); ++i )
+	{
+		try
+		{
+			others.emplace_back( run );
+		}
+		catch ( const std::system_error& )
+		{
+			break; // no more threads to be had: those that there are do it
+		}
+	}
+	run();
+	for ( std::thread& thread : others )
+	{
+		thread.join();
+	}
+	if ( failure )
+	{
+		std::rethrow_exception( failure );
 	}
 }
 
@@ -101,29 +156,48 @@ class Search
 {
 public:
 	Search( const RobotModel& model, const SpherizeOptions& options )
-	    : m_model( model ), m_options( options ), m_geometry( geometryOf( model, options.close_holes ) )
+	    : m_model( model ), m_options( options ), m_geometry( geometryOf( model, options.close_holes ) ),
+	      m_threads( options.threads > 0 ? options.threads : std::max( 1u, std::thread::hardware_concurrency() ) )
 	{
-	}
-	const std::vector<Geometry>& geometry() const { return m_geometry; }
-
-	/// Spheres of all links together, or more than `most` as soon as that is certain.
-	std::size_t count( double excess, std::size_t most, double share ) const
-	{
-		std::size_t sum = 0;
-		for ( std::size_t i = 0; i < m_geometry.size() && sum + ( m_geometry.size() - i ) <= most; ++i )
+		if ( options.seconds > 0 )
 		{
-			tell( m_geometry[i].link, share );
-			sum += enclose( m_model, m_geometry[i], excess ).size() / 4;
-			if ( sum + ( m_geometry.size() - i - 1 ) > most )
-			{
-				return most + 1;
-			}
+			m_end += std::chrono::duration_cast<Clock::duration>( std::chrono::duration<double>( options.seconds ) );
 		}
-		return sum;
+		// Those that take little time first: what they leave of theirs is for the others.
+		std::vector<std::size_t> triangles;
+		for ( const Geometry& g : m_geometry )
+		{
+			std::size_t sum = 0;
+			for ( const lw_shape* shape : g.shapes )
+			{
+				sum += lw_shape_peek_info( shape ).triangle_count;
+			}
+			m_order.push_back( triangles.size() );
+			triangles.push_back( sum );
+		}
+		std::stable_sort( m_order.begin(), m_order.end(),
+		    [&triangles]( std::size_t a, std::size_t b ) { return triangles[a] < triangles[b]; } );
 	}
 
-	/// The least excess found for which the links together take at most so many spheres.
-	double excessFor( std::size_t most ) const
+	/// Spheres of each link with at most this excess, as far as the time reaches.
+	std::vector<LinkSpheres> byExcess( double excess )
+	{
+		std::vector<LinkSpheres> out( m_geometry.size() );
+		std::atomic<std::size_t> done{ 0 };
+		inParallel( out.size(), m_threads,
+		    [&]( std::size_t i )
+		    {
+			    const std::size_t link = m_order[i];
+			    tell( m_geometry[link].link, static_cast<double>( done ) / static_cast<double>( out.size() ) );
+			    Stop stop{ m_options.seconds > 0 ? fairEnd( out.size() - i ) : Clock::time_point::max(), nullptr };
+			    out[link] = enclose( m_model, m_geometry[link], excess, m_options.seconds > 0 ? &stop : nullptr );
+			    ++done;
+		    } );
+		return out;
+	}
+
+	/// At most so many spheres for all links together, of the least excess found for which that is so.
+	std::vector<LinkSpheres> byCount( std::size_t most )
 	{
 		if ( most < m_geometry.size() )
 		{
@@ -131,89 +205,107 @@ public:
 			    fmt::format( "{} spheres for {} links with geometry", most, m_geometry.size() ),
 			    fmt::format( "give {} or more", m_geometry.size() ) );
 		}
+		std::vector<LinkSpheres> best = oneEach();
 		double low = 0, high = 0;
-		for ( const Geometry& g : m_geometry )
+		for ( const LinkSpheres& link : best )
 		{
-			double size = 0;
-			for ( std::size_t i = 0; i < g.shapes.size(); ++i )
+			high = std::max( high, link.report.excess );
+		}
+		bool ended = false;
+		for ( int step = 0; step < max_steps && high > close_enough * low && high > least_excess && !ended; ++step )
+		{
+			const double middle = std::max( low > 0 ? std::sqrt( low * high ) : 0.4 * high, least_excess );
+			std::vector<LinkSpheres> next;
+			const bool few = atMost( most, middle, static_cast<double>( step ) / max_steps, next );
+			ended = m_options.seconds > 0 && Clock::now() >= m_end;
+			if ( few )
 			{
-				const lw_shape_info info = lw_shape_get_info( g.shapes[i] );
-				const lw_vec3 c = lw_transform_point(
-				    &g.poses[i], { info.sphere_center[0], info.sphere_center[1], info.sphere_center[2] } );
-				size = std::max( size, std::hypot( c.x, c.y, c.z ) + info.sphere_radius );
+				best = std::move( next );
 			}
-			high = std::max( high, 4 * size ); // one sphere about each link needs less
+			( few ? high : low ) = middle;
 		}
-		for ( int step = 0; step < max_steps && high > close_enough * low; ++step )
+		for ( LinkSpheres& link : best )
 		{
-			const double middle = low > 0 ? std::sqrt( low * high ) : 0.5 * high;
-			( count( middle, most, 0.8 * step / max_steps ) <= most ? high : low ) = middle;
-			if ( high < least_excess )
-			{
-				break;
-			}
+			link.met_target = !ended;
 		}
-		return high;
-	}
-
-	LinkSpheres make( std::size_t index, double excess, double share ) const
-	{
-		const Geometry& geometry = m_geometry[index];
-		tell( geometry.link, share );
-		const detail::Stopwatch watch;
-		LinkSpheres out;
-		out.link = geometry.link;
-		out.spheres = enclose( m_model, geometry, excess );
-		roundOutward( out.spheres );
-		lw_diag diag{};
-		const lw_geometry_def def = geometry.def();
-		require( lw_spheres_check( &def, out.spheres.data(), static_cast<std::uint32_t>( out.count() ), nullptr, &diag,
-		             &out.report ),
-		    diag );
-		if ( !out.report.encloses )
-		{
-			throw Error( m_model.urdf_file, "link " + geometry.link,
-			    "the spheres with rounded numbers could not be proved to enclose it", "use another excess" );
-		}
-		out.milliseconds = watch.milliseconds();
-		return out;
+		return best;
 	}
 
 private:
-	void tell( const std::string& link, double share ) const
+	void tell( const std::string& link, double share )
 	{
 		if ( m_options.progress )
 		{
+			const std::lock_guard<std::mutex> lock( m_mutex );
 			m_options.progress( link, share );
 		}
 	}
+
+	/// The end of one link's search if the others that wait are to have as much.
+	Clock::time_point fairEnd( std::size_t waiting ) const
+	{
+		const Clock::time_point now = Clock::now();
+		const double share = std::min( 1.0, static_cast<double>( m_threads ) / static_cast<double>( waiting ) );
+		return now + std::chrono::duration_cast<Clock::duration>( share * ( m_end - now ) );
+	}
+
+	/// One sphere around each link.
+	std::vector<LinkSpheres> oneEach()
+	{
+		std::vector<LinkSpheres> out( m_geometry.size() );
+		const std::atomic<bool> now{ true };
+		inParallel( out.size(), m_threads,
+		    [&]( std::size_t i )
+		    {
+			    Stop stop{ Clock::time_point::max(), &now };
+			    out[i] = enclose( m_model, m_geometry[i], least_excess, &stop );
+		    } );
+		return out;
+	}
+
+	/// @return whether spheres of this excess are at most so many; they are in `out` then
+	bool atMost( std::size_t most, double excess, double share, std::vector<LinkSpheres>& out )
+	{
+		out.assign( m_geometry.size(), {} );
+		std::atomic<std::size_t> sum{ m_geometry.size() }; // one for each that is not known yet
+		std::atomic<bool> too_many{ false };
+		inParallel( out.size(), m_threads,
+		    [&]( std::size_t i )
+		    {
+			    const std::size_t link = m_order[i];
+			    tell( m_geometry[link].link, share );
+			    Stop stop{ m_options.seconds > 0 ? m_end : Clock::time_point::max(), &too_many };
+			    if ( !too_many )
+			    {
+				    out[link] = enclose( m_model, m_geometry[link], excess, &stop );
+				    sum += out[link].count() - 1;
+				    too_many = too_many || sum > most || !out[link].met_target;
+			    }
+		    } );
+		return !too_many;
+	}
+
 	const RobotModel& m_model;
 	const SpherizeOptions& m_options;
 	std::vector<Geometry> m_geometry;
+	unsigned m_threads;
+	Clock::time_point m_end = Clock::now();
+	std::vector<std::size_t> m_order; ///< of m_geometry
+	std::mutex m_mutex;               ///< of the options' progress
 };
 
 } // namespace
 
 std::vector<LinkSpheres> spherize( const RobotModel& model, const SpherizeOptions& options )
 {
-	const Search search( model, options );
-	double excess = options.excess;
-	if ( excess > 0 && excess < least_excess )
+	if ( options.excess > 0 && options.excess < least_excess )
 	{
-		throw Error( model.urdf_file, "excess", fmt::format( "{} m is below the {} m that the files resolve", excess,
+		throw Error( model.urdf_file, "excess", fmt::format( "{} m is below the {} m that the files resolve", options.excess,
 		    least_excess ),
 		    "allow more" );
 	}
-	// room for the grain of what is written
-	excess = excess > 0 ? excess - 3 * grain : search.excessFor( options.sphere_count );
-	std::vector<LinkSpheres> out;
-	const std::size_t links = search.geometry().size();
-	for ( std::size_t i = 0; i < links; ++i )
-	{
-		const double done = static_cast<double>( i ) / static_cast<double>( links );
-		out.push_back( search.make( i, excess, options.excess > 0 ? done : 0.8 + 0.2 * done ) );
-	}
-	return out;
+	Search search( model, options );
+	return options.excess > 0 ? search.byExcess( options.excess ) : search.byCount( options.sphere_count );
 }
 
 } // namespace leeway::io

@@ -18,7 +18,12 @@ struct SpherizeOptions
 	std::uint32_t sphere_count = 0; ///< with excess 0: at most so many spheres for the whole robot, all links alike in
 	                                ///< excess
 	double close_holes = 0;         ///< metres; see lw_geometry_def
-	/// Called before each link with its name and the share of the work that is done. May be empty.
+	/// Seconds for the whole robot, by the clock; 0: as long as it takes. Links that are not done by then keep the best spheres
+	/// found so far: one around the link at worst, which takes no search.
+	double seconds = 0;
+	unsigned threads = 0; ///< links are searched at the same time; 0: one thread per processor. No result depends on it
+	/// Called before each link with its name and the share of the work that is done, from any thread, by one at a time. May be
+	/// empty.
 	std::function<void( const std::string&, double )> progress;
 };
 
@@ -29,11 +34,13 @@ struct LinkSpheres
 	std::vector<double> spheres; ///< x, y, z, radius, ...
 	lw_spheres_report report{};
 	double milliseconds = 0;
+	bool met_target = true; ///< false: the time ended before the wanted excess was reached; see report.excess
 	std::size_t count() const { return spheres.size() / 4; }
 };
 
 /// Spheres around each link with collision geometry, in the model's order. All are proved to enclose it.
-/// @throws Error (an excess below 0.01 mm, fewer spheres than links, a body that takes too many), CoreError
+/// The same model and options give the same spheres, unless time ends the search.
+/// @throws Error (an excess below 0.01 mm, fewer spheres than links; without `seconds`, a body that takes too many), CoreError
 std::vector<LinkSpheres> spherize( const RobotModel& model, const SpherizeOptions& options );
 
 /// The model's URDF with the collision geometry of these links replaced by their spheres; all else, comments included, as it
