@@ -34,8 +34,8 @@ typedef struct lwi_piece_tree
 	uint32_t node_count;
 } lwi_piece_tree;
 
-/// Pieces so small, and sites so many, that each piece is covered by a sphere of its own site with the wanted excess.
-/// pieces: lwi_piece; sites: lwi_site, site i is that of piece i, more follow.
+/// Pieces so small, and sites so many, that each piece is covered by the sphere of some site with the wanted excess.
+/// pieces: lwi_piece; sites: lwi_site. Some site covers each piece.
 lw_status lwi_enclose_pieces( lwi_body* body, double excess, lwi_array* pieces, lwi_array* sites, lw_diag* diag );
 
 /// Reorders the pieces. @return false if out of memory

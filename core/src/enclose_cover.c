@@ -420,7 +420,7 @@ lw_status lwi_enclose_cover( lwi_body* body, const lwi_piece_tree* tree, const l
 			  cover_with( &c, kept.data, kept.count, chosen );
 	if ( ok && c.left > 0 )
 	{
-		// what the thinned sites leave is covered by all: each piece has a site of its own
+		// what the thinned sites leave is covered by all: for each piece there is one
 		kept.count = 0;
 		ok = lwi_array_reserve( &kept, memory, sizeof( uint32_t ), site_count );
 		for ( size_t i = 0; ok && i < site_count; ++i )

@@ -14,7 +14,8 @@ enum
 {
 	MAX_SPLITS = 60,        ///< of one triangle; each three of them halve it
 	MAX_SHRINKS = 40,       ///< steps of one shrinking ball; rarely more than 8
-	MAX_PIECES = 1500000    ///< above that the excess is too small for the body
+	MAX_PIECES = 1500000,   ///< above that the excess is too small for the body
+	PLACES = 1 << 15        ///< of sites that are remembered, by where they were found; a power of 2
 };
 
 /// Size of a piece relative to the patch of a plane that a sphere of the site's depth covers, of radius sqrt( 2 d e + e^2 ).
@@ -30,12 +31,26 @@ enum
 /// looking for.
 #define FIRST_LOOK 0.02
 
+/// Pieces in a cell of this share of the excess, and with normals alike, share the sites of the first of them, if these cover
+/// them: of a fine mesh there are many more triangles than it needs sites.
+#define PLACE_SHARE 0.1
+
+/// A cell of pieces, and the sites found for the first of them.
+typedef struct place
+{
+	int64_t cell[3];
+	uint32_t facing; ///< largest coordinate of the normal, and its sign; 0: none has been here
+	uint32_t count;
+	size_t first; ///< site
+} place;
+
 typedef struct cutter
 {
 	lwi_body* body;
 	double excess, largest; ///< largest: radius at which balls begin
 	lwi_array* pieces;
 	lwi_array* sites;
+	place* places; ///< [PLACES]; of two that meet in one the later one stays
 } cutter;
 
 /// The largest ball on one side of the surface at q, about q + r n, that protrudes little. False if it is not inside.
@@ -94,6 +109,51 @@ static bool covers( const lwi_site* site, double excess, const lwi_piece* piece 
 	return lwi_piece_reach( piece, site->center ) <= site->depth + excess;
 }
 
+static double patch_of( const lwi_site* site, double excess )
+{
+	return sqrt( 2 * fmax( site->depth, 0 ) * excess + excess * excess );
+}
+
+/// The cell of a piece.
+static place place_of( const cutter* cut, const lwi_piece* piece, lw_vec3 normal )
+{
+	double size = PLACE_SHARE * cut->excess, x = fabs( normal.x ), y = fabs( normal.y ), z = fabs( normal.z );
+	uint32_t facing = x >= y && x >= z ? ( normal.x > 0 ? 1 : 2 ) : y >= z ? ( normal.y > 0 ? 3 : 4 ) : normal.z > 0 ? 5 : 6;
+	return (place){ .cell = { (int64_t)floor( piece->center.x / size ), (int64_t)floor( piece->center.y / size ),
+						(int64_t)floor( piece->center.z / size ) },
+		.facing = facing };
+}
+
+static place* remembered( const cutter* cut, const place* p )
+{
+	uint64_t hash = p->facing;
+	for ( int k = 0; k < 3; ++k )
+	{
+		hash = ( hash ^ (uint64_t)p->cell[k] ) * 0x9e3779b97f4a7c15u; // 2^64 over the golden ratio
+		hash ^= hash >> 29;
+	}
+	return &cut->places[hash & ( PLACES - 1 )];
+}
+
+/// Has the first piece of this one's cell found sites, one of which covers this one too?
+static bool is_served( const cutter* cut, const place* here, const lwi_piece* piece )
+{
+	const place* there = remembered( cut, here );
+	if ( there->facing != here->facing || memcmp( there->cell, here->cell, sizeof( here->cell ) ) != 0 )
+	{
+		return false;
+	}
+	const lwi_site* sites = cut->sites->data;
+	for ( size_t i = there->first; i < there->first + there->count; ++i )
+	{
+		if ( piece->size <= PIECE_SHARE * patch_of( &sites[i], cut->excess ) && covers( &sites[i], cut->excess, piece ) )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
 /// Keeps a piece with its site. @return 1 kept, 0 it must be cut, -1 out of memory
 static int keep_piece( const cutter* cut, const lwi_piece* piece )
 {
@@ -102,6 +162,11 @@ static int keep_piece( const cutter* cut, const lwi_piece* piece )
 	int count = 0;
 	lw_vec3 normal = lwi_cross(
 		lwi_sub( piece->corner[1], piece->corner[0] ), lwi_sub( piece->corner[2], piece->corner[0] ) );
+	place here = place_of( cut, piece, normal );
+	if ( is_served( cut, &here, piece ) )
+	{
+		return lwi_array_push( cut->pieces, memory, sizeof( lwi_piece ), piece ) ? 1 : -1;
+	}
 	double length = lwi_length( normal );
 	for ( int side = 0; side < 2 && length > 0 && cut->body->skin != NULL; ++side )
 	{
@@ -116,9 +181,7 @@ static int keep_piece( const cutter* cut, const lwi_piece* piece )
 		sites[0] = sites[1];
 		sites[1] = swap;
 	}
-	double depth = count > 0 ? sites[0].depth : 0;
-	double patch = sqrt( 2 * depth * cut->excess + cut->excess * cut->excess );
-	if ( piece->size > PIECE_SHARE * patch )
+	if ( piece->size > PIECE_SHARE * patch_of( count > 0 ? &sites[0] : &(lwi_site){ .depth = 0 }, cut->excess ) )
 	{
 		return 0;
 	}
@@ -140,6 +203,9 @@ static int keep_piece( const cutter* cut, const lwi_piece* piece )
 	{
 		return -1;
 	}
+	here.first = cut->sites->count;
+	here.count = (uint32_t)count;
+	*remembered( cut, &here ) = here;
 	for ( int k = 0; k < count; ++k )
 	{
 		if ( !lwi_array_push( cut->sites, memory, sizeof( lwi_site ), &sites[k] ) )
@@ -216,7 +282,7 @@ lw_status lwi_enclose_pieces( lwi_body* body, double excess, lwi_array* pieces, 
 {
 	const lw_shape* mesh = body->surface;
 	lw_shape_info info = lw_shape_get_info( mesh );
-	cutter cut = { body, excess, info.sphere_radius, pieces, sites };
+	cutter cut = { body, excess, info.sphere_radius, pieces, sites, NULL };
 	// a piece of size s has an area of at most 1.3 s^2 (the equilateral triangle): what cannot end need not begin
 	double area = 0, most = largest_piece( &cut );
 	for ( uint32_t t = 0; t < mesh->item_count; ++t )
@@ -229,15 +295,18 @@ lw_status lwi_enclose_pieces( lwi_body* body, double excess, lwi_array* pieces, 
 	{
 		return too_many( &cut, diag );
 	}
-	for ( uint32_t t = 0; t < mesh->item_count; ++t )
+	cut.places = lwi_alloc_zero( &body->memory, PLACES, sizeof( place ) );
+	lw_status status = cut.places != NULL ? LW_OK : LW_ERROR_OUT_OF_MEMORY;
+	for ( uint32_t t = 0; t < mesh->item_count && status == LW_OK; ++t )
 	{
 		lw_vec3 v[3];
 		load_triangle( mesh, t, v );
-		lw_status status = cut_triangle( &cut, v, body->dilation[t], diag );
-		if ( status != LW_OK )
-		{
-			return status;
-		}
+		status = cut_triangle( &cut, v, body->dilation[t], diag );
+	}
+	lwi_free( &body->memory, cut.places, PLACES * sizeof( place ) );
+	if ( status != LW_OK )
+	{
+		return status;
 	}
 	// the smallest sphere around everything: where few spheres are wanted nothing is better
 	lwi_site whole = { lwi_load( info.sphere_center ), 0 };
