@@ -93,7 +93,8 @@ Written to the folder: R_spheres.urdf (the URDF, with spheres for collision geom
 link_sphere_approximation), R_spheres.yml (collision_spheres, as cuRobo reads them) and R_spheres.json (the figures).
 
 It is proved, for the numbers as written, that no point of a link is outside of its spheres, and that no point of a
-sphere is farther than the printed excess from its link. The inside of closed surfaces belongs to the link. A surface
+sphere is farther than the printed excess from its link. If --time ends before spheres of the wanted excess are found for a
+link, the best ones found so far are written, proved alike, and a notice says what their excess is. The inside of closed surfaces belongs to the link. A surface
 with holes has no inside unless --close-holes says how wide a hole may be; whole sheets take many spheres.)";
 
 const char* const check_about = R"(Is each state free, and how far away are obstacles and the robot's other links?

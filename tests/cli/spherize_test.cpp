@@ -6,6 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 namespace
@@ -136,6 +137,22 @@ TEST_F( Cli, NumberOfSpheresIsExceeded )
 	}
 }
 
+TEST_F( Cli, SpherizeWritesNothingWhenTimeEnds )
+{
+	const Outcome result = run( { "spherize", "--robot", "arm.urdf", "--excess", "0.5", "--time", "0.000001", "--out",
+	    "deep/er" } );
+	ASSERT_EQ( result.status, 0 ) << result.err;
+	EXPECT_TRUE( contains( result.err, "--time" ) ) << result.err;
+	const nlohmann::json report = nlohmann::json::parse( readFile( path( "deep/er/arm_spheres.json" ) ) );
+	for ( const auto& link : report["links"] )
+	{
+		EXPECT_TRUE( link["encloses"].get<bool>() );
+		EXPECT_FALSE( link["met_target"].get<bool>() );
+		EXPECT_GT( link["excess"].get<double>(), 0.0005 );
+	}
+	EXPECT_EQ( fromYaml( readFile( path( "deep/er/arm_spheres.yml" ) ) ).size(), 3u );
+}
+
 TEST_F( Cli, SpherizeTakesNonsense )
 {
 	const auto fails = [&]( std::vector<std::string> arguments, const std::string& word )
@@ -156,4 +173,7 @@ TEST_F( Cli, SpherizeTakesNonsense )
 	fails( { "--out", "out", "--excess", "10", "--close-holes", "-1" }, "--close-holes" );
 	fails( { "--out", "arm.srdf", "--excess", "10" }, "arm.srdf" );
 	fails( { "--excess", "10" }, "--out" );
+	fails( { "--out", "out", "--excess", "10", "--time", "0" }, "--time" );
+	fails( { "--out", "new/folder", "--excess", "0.005" }, "below" );
+	EXPECT_FALSE( std::filesystem::exists( path( "new" ) ) ) << "an empty folder is left";
 }

@@ -438,6 +438,85 @@ TEST( Spheres, SameInputOtherSpheres )
 		lw_spheres_data( b.get() ) ) );
 }
 
+struct Countdown
+{
+	int calls; ///< until the search is to stop
+
+	static bool over( void* user ) { return --static_cast<Countdown*>( user )->calls < 0; }
+};
+
+TEST( Spheres, StoppedSearchLeavesHolesOrForgetsItsBest )
+{
+	SeededRng rng;
+	ShapePtr torus = torusMesh( 0.4, 0.1, 20, 10 ).shape(), can = makePrimitive( LW_SHAPE_CYLINDER, 0.2, 0.7 );
+	Body body( torus.get() );
+	body.shapes.push_back( can.get() );
+	for ( uint32_t number : { 0u, 6u } )
+	{
+		lw_spheres_def def = lw_spheres_def_default();
+		def.body = body.def();
+		def.excess = number == 0 ? 0.06 : 0;
+		def.sphere_count = number;
+		def.decimals = 4;
+		def.stop = Countdown::over;
+		double before = INFINITY;
+		int unmet = 0;
+		for ( int calls = 0; calls < 100000000; calls = 8 * calls + rng.integer( 0, 3 ) )
+		{
+			Countdown countdown{ calls };
+			def.user = &countdown;
+			lw_diag diag = {};
+			lw_spheres* out = nullptr;
+			ASSERT_EQ( lw_spheres_create( &def, nullptr, &diag, &out ), LW_OK ) << diag.message;
+			SpheresPtr set( out );
+			lw_spheres_report report = lw_spheres_get_report( set.get() ), again = check( body, spheresOf( set.get() ) );
+			EXPECT_TRUE( report.encloses && again.encloses ) << calls;
+			EXPECT_EQ( lw_spheres_met_target( set.get() ), countdown.calls >= 0 );
+			EXPECT_LE( report.excess, before ) << calls;
+			EXPECT_LE( again.excess, report.excess + 0.01 * ( number == 0 ? 0.06 : 0.1 ) );
+			before = report.excess;
+			unmet += lw_spheres_met_target( set.get() ) ? 0 : 1;
+			if ( countdown.calls >= 0 )
+			{
+				break;
+			}
+			calls += calls == 0 ? 1 : 0;
+		}
+		EXPECT_GE( unmet, 4 );
+		if ( number == 0 )
+		{
+			EXPECT_LE( before, 0.06 );
+		}
+	}
+}
+
+TEST( Spheres, OtherNumbersAreProvedThanAreWritten )
+{
+	SeededRng rng;
+	Mesh mesh = bumpyMesh( rng, 0.3, 8, 10 );
+	ShapePtr shape = mesh.shape();
+	Body body( shape.get() );
+	lw_spheres_def def = lw_spheres_def_default();
+	def.body = body.def();
+	def.excess = 0.03;
+	def.decimals = 3;
+	lw_diag diag = {};
+	lw_spheres* out = nullptr;
+	ASSERT_EQ( lw_spheres_create( &def, nullptr, &diag, &out ), LW_OK ) << diag.message;
+	SpheresPtr set( out );
+	EXPECT_LE( lw_spheres_get_report( set.get() ).excess, 0.03 );
+	for ( uint32_t i = 0; i < 4 * lw_spheres_count( set.get() ); ++i )
+	{
+		const double number = lw_spheres_data( set.get() )[i];
+		char text[32];
+		std::snprintf( text, sizeof( text ), "%.3f", number );
+		EXPECT_EQ( std::strtod( text, nullptr ), number );
+	}
+	EXPECT_TRUE( check( body, spheresOf( set.get() ) ).encloses );
+	def.decimals = 13;
+	EXPECT_EQ( lw_spheres_create( &def, nullptr, &diag, &out ), LW_ERROR_INVALID_ARGUMENT );
+}
+
 TEST( Spheres, BadInputIsUsed )
 {
 	ShapePtr shape = boxMesh( 1, 1, 1 ).shape();

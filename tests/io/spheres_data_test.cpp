@@ -81,6 +81,44 @@ void expectEnclosed( const std::string& urdf, double excess, int samples_per_lin
 	std::printf( "%s: %zu spheres for %g mm\n", urdf.c_str(), count, 1000 * excess );
 }
 
+TEST( SpheresData, TimeEndsWithoutSpheresOfSomeLink )
+{
+	const io::RobotModel model = io::loadRobot( std::string( LEEWAY_DATA_DIR ) + "/mbm/panda/panda.urdf", "" );
+	io::SpherizeOptions options;
+	options.seconds = 1e-6;
+	for ( double excess : { 0.005, 0.0 } )
+	{
+		options.excess = excess;
+		options.sphere_count = excess > 0 ? 0 : 200;
+		for ( const io::LinkSpheres& link : io::spherize( model, options ) )
+		{
+			EXPECT_TRUE( link.report.encloses ) << link.link;
+			EXPECT_GE( link.count(), 1u );
+			EXPECT_FALSE( link.met_target );
+			EXPECT_GT( link.report.excess, 0.005 );
+		}
+	}
+}
+
+TEST( SpheresData, ThreadsOrTimeNotUsedUpChangeSpheres )
+{
+	const io::RobotModel model = io::loadRobot( std::string( LEEWAY_DATA_DIR ) + "/mbm/panda/panda.urdf", "" );
+	io::SpherizeOptions options;
+	options.excess = 0.04;
+	options.threads = 1;
+	const std::vector<io::LinkSpheres> one = io::spherize( model, options );
+	options.threads = 3;
+	options.seconds = 1e4;
+	const std::vector<io::LinkSpheres> three = io::spherize( model, options );
+	ASSERT_EQ( one.size(), three.size() );
+	for ( std::size_t i = 0; i < one.size(); ++i )
+	{
+		EXPECT_EQ( one[i].link, three[i].link );
+		EXPECT_EQ( one[i].spheres, three[i].spheres ) << one[i].link;
+		EXPECT_TRUE( three[i].met_target );
+	}
+}
+
 TEST( SpheresData, PandaSticksOut ) { expectEnclosed( "/mbm/panda/panda.urdf", 0.02, 4000 ); }
 TEST( SpheresData, FetchSticksOut ) { expectEnclosed( "/mbm/fetch/fetch.urdf", 0.02, 4000 ); }
 TEST( SpheresData, ArmarSticksOut ) { expectEnclosed( "/armar3/armar3.urdf", 0.06, 1000 ); }
