@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -183,15 +184,35 @@ public:
 	std::vector<LinkSpheres> byExcess( double excess )
 	{
 		std::vector<LinkSpheres> out( m_geometry.size() );
+		std::vector<char> late( m_geometry.size() ); // not bool: each thread writes its own
 		std::atomic<std::size_t> done{ 0 };
+		const bool limited = m_options.seconds > 0;
 		inParallel( out.size(), m_threads,
 		    [&]( std::size_t i )
 		    {
 			    const std::size_t link = m_order[i];
 			    tell( m_geometry[link].link, static_cast<double>( done ) / static_cast<double>( out.size() ) );
-			    Stop stop{ m_options.seconds > 0 ? fairEnd( out.size() - i ) : Clock::time_point::max(), nullptr };
-			    out[link] = enclose( m_model, m_geometry[link], excess, m_options.seconds > 0 ? &stop : nullptr );
+			    Stop stop{ limited ? fairEnd( out.size() - i ) : Clock::time_point::max(), nullptr };
+			    out[link] = enclose( m_model, m_geometry[link], excess, limited ? &stop : nullptr );
+			    late[link] = !out[link].met_target && Clock::now() >= stop.at;
 			    ++done;
+		    } );
+		// What others have left of their time is for a second, longer go of those that were late.
+		std::vector<std::size_t> again;
+		std::copy_if( m_order.begin(), m_order.end(), std::back_inserter( again ),
+		    [&late]( std::size_t link ) { return late[link] != 0; } );
+		inParallel( again.size(), m_threads,
+		    [&]( std::size_t i )
+		    {
+			    tell( m_geometry[again[i]].link,
+			        static_cast<double>( done - again.size() + i ) / static_cast<double>( out.size() ) );
+			    Stop stop{ fairEnd( again.size() - i ), nullptr };
+			    LinkSpheres better = enclose( m_model, m_geometry[again[i]], excess, &stop );
+			    if ( better.report.excess < out[again[i]].report.excess )
+			    {
+				    better.milliseconds += out[again[i]].milliseconds;
+				    out[again[i]] = std::move( better );
+			    }
 		    } );
 		return out;
 	}
