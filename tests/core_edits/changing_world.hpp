@@ -536,16 +536,19 @@ inline std::string ChangingWorld::allow( SeededRng& rng )
 		return "max_d";
 	}
 	const std::uint32_t links = lw_robot_link_count( robot.get() );
-	std::pair<std::string, std::string> pair = {
-		lw_robot_link_name( robot.get(), static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( links ) - 1 ) ) ),
-		objects[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) )].name };
+	const lw_clearance standing = lw_checker_get_info( checker.get() ).static_environment;
+	// what stands nearest is what a checker remembers: as often as any other pair
+	const bool nearest = standing.a != LW_INVALID_INDEX && rng.integer( 0, 1 ) == 0;
+	const std::uint32_t link = nearest ? standing.a : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( links ) - 1 ) );
+	const std::uint32_t object =
+		nearest ? standing.b : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) );
 	if ( !allowed.empty() && rng.integer( 0, 1 ) == 0 )
 	{
-		allowed.erase( allowed.begin() );
+		allowed.erase( std::next( allowed.begin(), rng.integer( 0, static_cast<int>( allowed.size() ) - 1 ) ) );
 	}
 	else
 	{
-		allowed.insert( pair );
+		allowed.insert( { lw_robot_link_name( robot.get(), link ), objects[object].name } );
 	}
 	edit( {}, robot, true );
 	return "allow";

@@ -122,7 +122,7 @@ TEST( MotionCell, NoPointLeavesItsBound )
 				continue;
 			}
 			State center = randomState( rng, robot.get() ), half( variables ), low( variables ), high( variables );
-			double width = rng.decade( -4, 0.3 );
+			double width = rng.decade( -4, 1.1 ); // beyond two turns: joints of +-2 pi, mimic factors
 			for ( std::uint32_t v = 0; v < variables; ++v )
 			{
 				half[v] = rng.integer( 0, 2 ) > 0 ? width * rng.uniform( 0, 1 ) : 0;

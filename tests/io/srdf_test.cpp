@@ -191,12 +191,15 @@ TEST_F( SrdfTest, DisabledPairs )
 
 TEST_F( SrdfTest, DefaultsDisabledAndEnabledAgain )
 {
-	RobotModel model =
-	    load( "<disable_default_collisions link=\"torso\"/><enable_collisions link1=\"r1\" link2=\"torso\"/>" );
-	EXPECT_EQ( model.disabled.size(), 5u ) << "six other links, one enabled again";
-	for ( const DisabledPair& pair : model.disabled )
+	for ( const char* pair : { "link1=\"r1\" link2=\"torso\"", "link1=\"torso\" link2=\"r1\"" } )
 	{
-		EXPECT_TRUE( pair.link1 == "torso" && pair.link2 != "r1" );
+		RobotModel model =
+		    load( "<disable_default_collisions link=\"torso\"/><enable_collisions " + std::string( pair ) + "/>" );
+		EXPECT_EQ( model.disabled.size(), 5u ) << "six other links, one enabled again by " << pair;
+		for ( const DisabledPair& disabled : model.disabled )
+		{
+			EXPECT_TRUE( disabled.link1 == "torso" && disabled.link2 != "r1" ) << pair;
+		}
 	}
 	const std::string half = "<disable_default_collisions link=\"torso\"/><enable_collisions link1=\"torso\"/>";
 	EXPECT_TRUE( load( half ).disabled.empty() ) << "which pair was meant nobody knows: none is disabled";

@@ -5,6 +5,8 @@
 #include "leeway/io/world.hpp"
 #include "seeded_rng.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 using namespace leeway;
@@ -13,11 +15,11 @@ using namespace leeway::io;
 namespace
 {
 
-/// A gantry: slides along x, then y, with a hand below, and two fingers.
+/// A gantry: slides along x, then y, with a hand below, and two fingers. Or an arm: slides along x, then turns about a skew axis.
 class WorldTest : public FileTest
 {
 protected:
-	RobotModel robot()
+	RobotModel robot( bool turning = false )
 	{
 		std::string urdf = "<robot name=\"r\"><link name=\"base\"/>";
 		for ( const char* name : { "bridge", "hand", "left", "right" } )
@@ -25,13 +27,21 @@ protected:
 			urdf += "<link name=\"" + std::string( name ) +
 			        "\"><collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision></link>";
 		}
-		const auto joint = [&]( const char* name, const char* parent, const char* child, const char* more )
+		const auto joint = [&]( const char* name, const char* parent, const char* child, const char* more,
+		                       const char* type = "prismatic" )
 		{
-			urdf += "<joint name=\"" + std::string( name ) + "\" type=\"prismatic\"><parent link=\"" + parent + "\"/><child link=\"" +
+			urdf += "<joint name=\"" + std::string( name ) + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" +
 			        child + "\"/>" + more + "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>";
 		};
 		joint( "x", "base", "bridge", "<axis xyz=\"1 0 0\"/>" );
-		joint( "y", "bridge", "hand", "<origin xyz=\"0 0 -0.3\"/><axis xyz=\"0 1 0\"/>" );
+		if ( turning )
+		{
+			joint( "y", "bridge", "hand", "<origin xyz=\"0 0 -0.3\" rpy=\"0 0 1\"/><axis xyz=\"0.6 0 0.8\"/>", "revolute" );
+		}
+		else
+		{
+			joint( "y", "bridge", "hand", "<origin xyz=\"0 0 -0.3\"/><axis xyz=\"0 1 0\"/>" );
+		}
 		joint( "l", "hand", "left", "<origin xyz=\"0.2 0 0\"/><axis xyz=\"1 0 0\"/>" );
 		joint( "r", "hand", "right", "<origin xyz=\"-0.2 0 0\"/><axis xyz=\"1 0 0\"/>" );
 		write( "r.urdf", urdf + "</robot>" );
@@ -180,74 +190,169 @@ TEST_F( WorldTest, names_that_are_wrong )
 	has( refusal( [&] { world.move( "cup", at( 0, 0, 0 ) ); } ), "detach it before it is moved" );
 }
 
-/// Many changes by name, each against a problem of a scene that was built so.
+lw_transform product( const lw_transform& a, const lw_transform& b )
+{
+	return lw_transform_multiply( &a, &b );
+}
+
+lw_transform inverse( const lw_transform& a )
+{
+	return lw_transform_inverse( &a );
+}
+
+/// Rotation by an angle about a unit axis (Rodrigues), then a translation.
+lw_transform turned( double angle, const std::array<double, 3>& axis, const std::array<double, 3>& shift )
+{
+	lw_transform result = lw_transform_identity();
+	const double cross[3][3] = { { 0, -axis[2], axis[1] }, { axis[2], 0, -axis[0] }, { -axis[1], axis[0], 0 } };
+	for ( std::size_t i = 0; i < 3; ++i )
+	{
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			result.r[i][k] = ( i == k ? std::cos( angle ) : 0 ) + std::sin( angle ) * cross[i][k] +
+			                 ( 1 - std::cos( angle ) ) * axis[i] * axis[k];
+		}
+		result.t[i] = shift[i];
+	}
+	return result;
+}
+
+/// Forward kinematics of the turning robot's hand, by hand.
+lw_transform worldFromHand( const std::vector<double>& q )
+{
+	return product( turned( 1, { 0, 0, 1 }, { q[0], 0, -0.3 } ), turned( q[1], { 0.6, 0, 0.8 }, { 0, 0, 0 } ) );
+}
+
+/// Random changes by name to a world whose hand turns and whose objects are rotated; beside it the scene as it has to be, whose
+/// poses are composed here.
+class ChangedByName
+{
+public:
+	ChangedByName( SceneModel model, const RobotModel& robot, ProblemOptions options )
+	    : m_rng( 20261128 ), m_now( std::move( model ) ), m_options( std::move( options ) ), m_robot( robot ),
+	      m_world( robot, m_options ), m_box( m_now.objects[0].shapes[0].shape )
+	{
+	}
+
+	Checker change()
+	{
+		switch ( m_now.objects.empty() ? 0 : m_rng.integer( 0, 4 ) )
+		{
+			case 0:
+				return add();
+			case 1:
+				return m_world.remove( take().name );
+			case 2:
+				return m_now.attached.size() < 3 ? attach() : move();
+			case 3:
+				return m_now.attached.empty() ? move() : detach();
+			default:
+				return move();
+		}
+	}
+	Problem fresh()
+	{
+		m_options.scene = &m_now;
+		return buildProblem( m_robot, m_options );
+	}
+	std::vector<double> state() { return { m_rng.uniform( -1, 1 ), m_rng.uniform( -1, 1 ) }; }
+	bool holdsSomething() const { return !m_now.attached.empty(); }
+
+private:
+	std::size_t any() { return static_cast<std::size_t>( m_rng.integer( 0, static_cast<int>( m_now.objects.size() ) - 1 ) ); }
+	SceneObject take()
+	{
+		const std::size_t k = any();
+		SceneObject object = m_now.objects[k];
+		m_now.objects.erase( m_now.objects.begin() + static_cast<std::ptrdiff_t>( k ) );
+		return object;
+	}
+	lw_transform pose()
+	{
+		lw_transform result = lw_transform_identity();
+		double xyzw[4];
+		m_rng.quaternion( xyzw );
+		const double shift[3] = { m_rng.uniform( -0.8, 0.8 ), m_rng.uniform( -0.8, 0.8 ), m_rng.uniform( -0.7, 0 ) };
+		const double half = std::acos( std::max( -1.0, std::min( 1.0, xyzw[3] ) ) ), s = std::sin( half );
+		if ( s > 1e-6 )
+		{
+			result = turned( 2 * half, { xyzw[0] / s, xyzw[1] / s, xyzw[2] / s }, { shift[0], shift[1], shift[2] } );
+		}
+		return result;
+	}
+	/// The shape of an object of the file is 5 cm above the object's origin.
+	static lw_transform objectFromShape( const std::string& name )
+	{
+		return turned( 0, { 0, 0, 1 }, { 0, 0, name == "cup" || name == "jar" ? 0.05 : 0 } );
+	}
+
+	Checker add()
+	{
+		const lw_transform at = pose();
+		m_now.objects.push_back( { "o" + std::to_string( m_made++ ), "", { { m_box, at } }, at } );
+		return m_world.add( m_now.objects.back().name, { { m_box, lw_transform_identity() } }, at );
+	}
+	Checker move()
+	{
+		SceneObject& object = m_now.objects[any()];
+		object.shapes[0].pose = pose();
+		object.pose = product( object.shapes[0].pose, inverse( objectFromShape( object.name ) ) );
+		return m_world.move( object.name, object.pose );
+	}
+	Checker attach()
+	{
+		SceneObject object = take();
+		object.frame = "";
+		const bool where_it_is = m_rng.integer( 0, 1 ) == 0;
+		const std::vector<double> q = state();
+		const lw_transform link_from_object = where_it_is ? product( inverse( worldFromHand( q ) ), object.pose ) : pose();
+		object.shapes[0].pose = product( link_from_object, objectFromShape( object.name ) );
+		object.pose = link_from_object;
+		m_now.attached.push_back( { object, "hand", { "left", "right" } } );
+		return where_it_is ? m_world.attach( object.name, "hand", { "left", "right" }, q )
+		                   : m_world.attachAt( object.name, "hand", { "left", "right" }, link_from_object );
+	}
+	Checker detach()
+	{
+		SceneObject object = m_now.attached[0].object;
+		m_now.attached.erase( m_now.attached.begin() );
+		const std::vector<double> q = state();
+		object.pose = product( worldFromHand( q ), object.pose );
+		object.shapes[0].pose = product( object.pose, objectFromShape( object.name ) );
+		m_now.objects.push_back( object );
+		Checker checker = m_world.detach( object.name, q );
+		const lw_transform& is = m_world.problem()->object_poses.at( object.name );
+		for ( std::size_t i = 0; i < 3; ++i )
+		{
+			EXPECT_NEAR( is.t[i], object.pose.t[i], 1e-9 ) << object.name;
+			EXPECT_NEAR( is.r[i][0], object.pose.r[i][0], 1e-9 ) << object.name;
+		}
+		return checker;
+	}
+
+	SeededRng m_rng;
+	SceneModel m_now;
+	ProblemOptions m_options;
+	const RobotModel& m_robot;
+	World m_world;
+	Shape m_box;
+	int m_made = 0;
+};
+
 TEST_F( WorldTest, changes_differ_from_a_problem_built_anew )
 {
-	SeededRng rng( 20261128 );
-	SceneModel model = scene();
+	const SceneModel model = scene();
+	const RobotModel r = robot( true );
 	ProblemOptions options;
 	options.group = "arm";
 	options.scene = &model;
-	const RobotModel r = robot();
-	World world( r, options );
-	const Shape box = model.objects[0].shapes[0].shape;
-	SceneModel now = model;
+	ChangedByName changed( model, r, options );
 	int blocked = 0, with_attached = 0;
 	for ( int i = 0; i < 300 || ( i < 3000 && blocked <= 20 ); ++i )
 	{
-		const lw_transform pose = at( rng.uniform( -0.8, 0.8 ), rng.uniform( -0.8, 0.8 ), rng.uniform( -0.7, 0 ) );
-		const int kind = rng.integer( 0, 4 );
-		const auto take = [&]( std::size_t k )
-		{
-			SceneObject object = now.objects[k];
-			now.objects.erase( now.objects.begin() + static_cast<std::ptrdiff_t>( k ) );
-			return object;
-		};
-		const std::size_t any =
-		    now.objects.empty() ? 0 : static_cast<std::size_t>( rng.integer( 0, static_cast<int>( now.objects.size() ) - 1 ) );
-		Checker checker;
-		if ( kind == 0 || now.objects.empty() )
-		{
-			now.objects.push_back( { "o" + std::to_string( i ), "", { { box, pose } }, pose } );
-			checker = world.add( now.objects.back().name, { { box, lw_transform_identity() } }, pose );
-		}
-		else if ( kind == 1 )
-		{
-			checker = world.remove( take( any ).name );
-		}
-		else if ( kind == 2 && now.attached.size() < 3 )
-		{
-			SceneObject object = take( any );
-			object.frame = "";
-			object.shapes[0].pose = pose;
-			lw_transform in_object = lw_transform_inverse( &object.pose );
-			in_object = lw_transform_multiply( &in_object, &pose );
-			now.attached.push_back( { object, "hand", { "left", "right" } } );
-			// the shape's pose in the object's frame differs between the two kinds of objects here
-			const bool from_file = object.name == "cup" || object.name == "jar";
-			checker = world.attachAt( object.name, "hand", { "left", "right" },
-			    from_file ? at( pose.t[0], pose.t[1], pose.t[2] - 0.05 ) : pose );
-		}
-		else if ( kind == 3 && !now.attached.empty() )
-		{
-			SceneObject object = now.attached[0].object;
-			now.attached.erase( now.attached.begin() );
-			checker = world.detach( object.name );
-			const lw_transform object_pose = world.problem()->object_poses.at( object.name );
-			object.shapes[0].pose = lw_scene_shape( lw_checker_scene( checker.get() ),
-			    lw_scene_shape_count( lw_checker_scene( checker.get() ) ) - 1 ).world_from_shape;
-			object.pose = object_pose;
-			now.objects.push_back( object );
-		}
-		else
-		{
-			const bool from_file = now.objects[any].name == "cup" || now.objects[any].name == "jar";
-			now.objects[any].shapes[0].pose = pose;
-			checker = world.move( now.objects[any].name, from_file ? at( pose.t[0], pose.t[1], pose.t[2] - 0.05 ) : pose );
-		}
-		options.scene = &now;
-		const Problem fresh = buildProblem( r, options );
-		const std::vector<double> q = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
+		const Checker checker = changed.change();
+		const Problem fresh = changed.fresh();
+		const std::vector<double> q = changed.state();
 		const lw_state_result x = ask( checker, q ), y = ask( fresh.checker, q );
 		EXPECT_EQ( x.verdict, y.verdict ) << i;
 		if ( x.environment.kind == LW_CLEARANCE_NEAR )
@@ -259,7 +364,7 @@ TEST_F( WorldTest, changes_differ_from_a_problem_built_anew )
 			EXPECT_NEAR( x.self.upper, y.self.upper, 1e-9 ) << i;
 		}
 		blocked += x.verdict == LW_VERDICT_BLOCKED;
-		with_attached += !now.attached.empty();
+		with_attached += changed.holdsSomething();
 	}
 	EXPECT_GT( blocked, 20 );
 	EXPECT_GT( with_attached, 50 );
