@@ -13,8 +13,9 @@ lw_status lwi_mesh_find_parts( lw_shape* shape, lw_diag* diag );
 /// @return LW_OK, LW_ERROR_BAD_GEOMETRY (diag names an open edge; index = its triangle) or LW_ERROR_OUT_OF_MEMORY. Cost: O(n).
 lw_status lwi_mesh_close( lw_shape* shape, lw_diag* diag );
 
-/// True if a point of the shape frame is inside a mesh that lwi_mesh_close() has closed, or on it. Exact for the point and
-/// the vertices as given (but for coordinates below 2^-248 m, which count as 0). Cost: one ray through the tree.
+/// True if a point of the shape frame is inside a mesh that lwi_mesh_close() has closed, false if it is outside; for a point on the
+/// surface, whose distance is 0 whatever the inside is, either. Exact for the point and the vertices as given (but for coordinates
+/// below 2^-248 m, which count as 0). Cost: one ray through the tree.
 bool lwi_mesh_contains( const lw_shape* shape, lw_vec3 point );
 
 #endif

@@ -110,6 +110,7 @@ inline ChangingWorld::ChangingWorld( SeededRng& rng, bool with_reach )
 	options.triangles = rng.integer( 1, 20 );
 	options.meshShare = 0.7;
 	options.floating = rng.integer( 0, 2 ) == 0;
+	options.bareShare = rng.integer( 0, 1 ) == 0 ? 0.4 : 0;
 	do
 	{
 		model = randomRobot( rng, options );

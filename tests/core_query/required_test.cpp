@@ -268,10 +268,10 @@ lw_state_result ask( const lw_checker* checker, lw_query* query, const State& q,
 const lw_range ranges[] = { { 0, inf, 0 }, { 0, 0.05, 0 }, { 0, 0.3, 0 }, { 0.01, 0.1, 0 }, { 0, 5e-324, 0 } };
 
 lw_edge_result askEdge( const lw_checker* checker, lw_query* query, const State& a, const State& b, lw_edge_method method,
-	lw_status& status )
+	double min_d, lw_status& status )
 {
 	lw_edge_def def = lw_edge_def_default();
-	def.min_d = 0.005;
+	def.min_d = min_d;
 	def.method = method;
 	def.max_d = 0.05;
 	def.want_proved_until = true;
@@ -317,11 +317,13 @@ TEST( Required, less_changes_an_answer )
 				++( want.environment.kind == LW_CLEARANCE_VIOLATION ? blocked : free );
 			}
 			outside += excess > 0;
+			// also more than the checker was told that anybody asks for
+			const double min_d = k % 3 == 0 ? 0.005 : std::min( limits[i % 3], 0.2 ) * rng.uniform( 0.5, 2.5 );
 			for ( lw_edge_method method : { LW_EDGE_CERTIFIED, LW_EDGE_STEPS } )
 			{
 				lw_status want_status, got_status; // a mimic joint without limits has no motion bound
-				lw_edge_result want = askEdge( whole.get(), query.get(), q, to, method, want_status );
-				lw_edge_result got = askEdge( less.get(), other.get(), q, to, method, got_status );
+				lw_edge_result want = askEdge( whole.get(), query.get(), q, to, method, min_d, want_status );
+				lw_edge_result got = askEdge( less.get(), other.get(), q, to, method, min_d, got_status );
 				EXPECT_EQ( want_status, got_status );
 				edges += want_status == LW_OK;
 				// Proofs are made of coarse distances, which depend on the order of the search. So does which state ends one, and
@@ -331,7 +333,7 @@ TEST( Required, less_changes_an_answer )
 				EXPECT_FALSE( got.verdict == LW_VERDICT_FREE && want.verdict == LW_VERDICT_BLOCKED );
 				if ( got.verdict == LW_VERDICT_BLOCKED && got_status == LW_OK )
 				{
-					lw_range range = { 0.005, std::nextafter( 0.005, 1.0 ), 0 };
+					lw_range range = { min_d, std::nextafter( min_d, 1.0 ), 0 };
 					State full_a( world.reference.size() ), full_b( full_a ), full_t( full_a ), at;
 					lw_checker_full_state( whole.get(), q.data(), full_a.data() );
 					lw_checker_full_state( whole.get(), to.data(), full_b.data() );
@@ -342,7 +344,7 @@ TEST( Required, less_changes_an_answer )
 					}
 					EXPECT_EQ( LW_VERDICT_BLOCKED, ask( whole.get(), query.get(), at, range ).verdict );
 				}
-				EXPECT_NEAR( want.proved_until, got.proved_until, 0.1 );
+				EXPECT_NEAR( want.proved_until, got.proved_until, 0.25 ); // the last window that was proved may be a quarter of the edge
 			}
 		}
 		bool all_made = std::all_of( lazy.shapes.begin(), lazy.shapes.end(),
@@ -441,6 +443,76 @@ TEST( Required, obstacle_nearer_than_proved )
 	}
 	EXPECT_GE( proved, 200 );
 	EXPECT_GE( tight, 20 ) << "bounds are so loose that this test finds nothing";
+}
+
+// Small balls on short chains, and small obstacles right beside places that they come to: there a bound that is a few per cent of an
+// arm's length too large is wrong.
+TEST( Required, obstacle_beside_the_way_is_out_of_reach )
+{
+	SeededRng rng;
+	int proved = 0, beside = 0;
+	const double small = 0.002;
+	const auto ball = [&]
+	{
+		lw_shape* shape = nullptr;
+		EXPECT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, &small, nullptr, nullptr, &shape ) );
+		return shape;
+	};
+	for ( int i = 0; i < 300 && !HasFailure(); ++i )
+	{
+		World world;
+		world.model.link( "root" );
+		const int joints = rng.integer( 1, 3 );
+		for ( int k = 0; k < joints; ++k )
+		{
+			lw_joint_def& joint = world.model.joint( "l" + std::to_string( k ),
+				rng.integer( 0, 3 ) > 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, static_cast<uint32_t>( k ) );
+			joint.parent_from_joint = randomTransform( rng, 0.5 );
+			joint.lower = rng.uniform( -3, 0 );
+			joint.upper = joint.lower + rng.decade( -1, 0.8 );
+		}
+		lw_transform at = lw_transform_identity();
+		at.t[0] = rng.uniform( 0.2, 1 );
+		world.model.body( static_cast<uint32_t>( joints ), ball(), at );
+		world.robot = world.model.create();
+		world.reference = randomState( rng, world.robot.get() );
+		for ( uint32_t v = 0; v < lw_robot_variable_count( world.robot.get() ); ++v )
+		{
+			world.group.push_back( v );
+		}
+		std::vector<lw_transform> poses( lw_robot_link_count( world.robot.get() ) );
+		std::vector<double> gaps;
+		for ( int k = 0; k < 60; ++k )
+		{
+			State q = randomState( rng, world.robot.get() );
+			for ( uint32_t v = 0; v < q.size(); ++v ) // limits, where a way ends
+			{
+				const lw_variable_info info = lw_robot_variable( world.robot.get(), v );
+				const int where = rng.integer( 0, 5 );
+				q[v] = where == 0 ? info.lower : where == 1 ? info.upper : q[v];
+			}
+			ASSERT_EQ( LW_OK, lw_robot_fk( world.robot.get(), q.data(), poses.data() ) );
+			lw_transform there = lw_transform_multiply( &poses[static_cast<std::size_t>( joints )], &at ), turned = randomTransform( rng, 0 );
+			gaps.push_back( rng.decade( -4, -1 ) );
+			for ( int axis = 0; axis < 3; ++axis )
+			{
+				there.t[axis] += turned.r[axis][0] * ( 2 * small + gaps.back() );
+			}
+			world.shapes.emplace_back( ball() );
+			world.placed.push_back( { world.shapes.back().get(), static_cast<uint32_t>( k ), there } );
+		}
+		const ScenePtr scene = makeScene( world.placed );
+		const CheckerPtr checker = makeChecker( world.robot.get(), scene.get(), world, inf );
+		for ( uint32_t k = 0; k < gaps.size(); ++k )
+		{
+			const double bound = lw_checker_obstacle_distance( checker.get(), k );
+			EXPECT_LE( bound, gaps[k] + 1e-9 ) << "robot " << i << ", obstacle " << k;
+			proved += bound > 0;
+			beside += bound > 0.5 * gaps[k];
+		}
+	}
+	std::printf( "%d of obstacles a little beside the way proved to be, %d with half of their gap\n", proved, beside );
+	EXPECT_GE( beside, 20 );
 }
 
 TEST( Required, failed_mesh_reads_as_free_space )

@@ -9,6 +9,9 @@
 
 using namespace oracle;
 
+// The internal interface, declared here because its headers are C only.
+extern "C" bool lwi_mesh_contains( const lw_shape* shape, lw_vec3 point );
+
 namespace
 {
 const double inf = std::numeric_limits<double>::infinity();
@@ -283,6 +286,41 @@ TEST( SolidMesh, inside_contradicts_the_winding_number )
 	std::printf( "%d inside, %d outside, %d on the surface\n", inside, outside, ties );
 	EXPECT_GE( inside, 2000 );
 	EXPECT_GE( outside, 2000 );
+}
+
+/// A box of whole numbers, and points in the planes of its faces and edges: where rays meet corners and edges of triangles.
+TEST( SolidMesh, points_in_line_with_corners_are_on_the_wrong_side )
+{
+	SeededRng rng;
+	Solid box;
+	for ( std::size_t i = 0; i < 8; ++i )
+	{
+		box.vertices.push_back( { i & 1 ? 5.0L : -3.0L, i & 2 ? 2.0L : -7.0L, i & 4 ? 4.0L : 1.0L } );
+	}
+	static const std::size_t quads[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
+	for ( const auto& q : quads )
+	{
+		add_face( box, q[0], q[1], q[2] );
+		add_face( box, q[0], q[2], q[3] );
+	}
+	ShapePtr shape;
+	lw_diag diag = {};
+	ASSERT_EQ( LW_OK, make_solid( box, 0, &diag, shape ) ) << diag.message;
+	const lw_vec3 low = { -3, -7, 1 }, high = { 5, 2, 4 };
+	int inside = 0, in_line = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		const lw_vec3 p = { rng.integer( -8, 12 ) / 2.0, rng.integer( -16, 6 ) / 2.0, rng.integer( 0, 10 ) / 2.0 };
+		const bool within = p.x > low.x && p.x < high.x && p.y > low.y && p.y < high.y && p.z > low.z && p.z < high.z;
+		const bool near = p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z;
+		if ( within || !near ) // on the surface either will do
+		{
+			ASSERT_EQ( lwi_mesh_contains( shape.get(), p ), within ) << p.x << ' ' << p.y << ' ' << p.z;
+			inside += within;
+			in_line += !within && ( p.x == low.x || p.x == high.x || p.y == low.y || p.y == high.y || p.z == low.z || p.z == high.z );
+		}
+	}
+	EXPECT_GE( std::min( inside, in_line ), 1000 );
 }
 
 class SolidMeshPairs : public ::testing::TestWithParam<int>

@@ -470,6 +470,117 @@ TEST( MotionHull, ExcessKeepsTheBudgetOverAChain )
 	}
 }
 
+namespace
+{
+
+/// A plate with a flat tip in the middle of the side towards +x: a point that is dropped where the error may be coarser than its height.
+lw_shape* plateWithTip( double height, std::vector<lw_vec3>* points )
+{
+	const double vertices[] = { 0, -0.2, -0.2, 0, 0.2, -0.2, 0, 0.2, 0.2, 0, -0.2, 0.2, height, 0, 0, -0.1, 0, 0 };
+	static const std::uint32_t indices[] = { 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3, 5 };
+	for ( std::size_t i = 0; i < 18; i += 3 )
+	{
+		points->push_back( { vertices[i], vertices[i + 1], vertices[i + 2] } );
+	}
+	lw_mesh_def def = lw_mesh_def_default();
+	def.vertices = vertices;
+	def.vertex_count = 6;
+	def.indices = indices;
+	def.triangle_count = 8;
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( lw_shape_create_mesh( &def, nullptr, nullptr, &shape ), LW_OK );
+	return shape;
+}
+
+/// An arm that slides, and turns by a thousandth: its hulls have hardly any error of sampling, in which one of dropped points could hide.
+/// @param turned where the plate's tip looks: not along an axis, whose farthest points are never dropped
+std::uint32_t slidingArm( RobotModel& model, const std::string& name, const lw_transform& base, const lw_transform& turned, double tip )
+{
+	std::uint32_t link = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		const bool turns = i > 0;
+		lw_joint_def& joint = model.joint( name + std::to_string( i ), turns ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, link );
+		joint.parent_from_joint = i == 0 ? base : lw_transform_identity();
+		for ( int k = 0; k < 3; ++k )
+		{
+			joint.axis[k] = turned.r[k][2]; // along the plate, and about a line in it
+		}
+		joint.lower = turns ? -1e-4 : -0.3;
+		joint.upper = turns ? 1e-4 : 0.4;
+		link = static_cast<std::uint32_t>( model.linkNames.size() ) - 1;
+	}
+	std::vector<lw_vec3> points;
+	lw_shape* shape = plateWithTip( tip, &points );
+	model.body( link, shape, turned, points );
+	return link;
+}
+
+} // namespace
+
+TEST( MotionHull, PointsThatWereDroppedBelowAreHeldAbove )
+{
+	SeededRng rng;
+	int dropped = 0;
+	for ( int i = 0; i < 60; ++i )
+	{
+		RobotModel model;
+		model.link( "base" );
+		const lw_transform turned = randomTransform( rng, 0 );
+		slidingArm( model, "l", lw_transform_identity(), turned, rng.decade( -3.5, -1.5 ) );
+		RobotPtr robot = model.create();
+		ReachPtr reach = build( robot.get(), 0.15 );
+		const lw_vec3 n = { turned.r[0][0], turned.r[1][0], turned.r[2][0] };
+		const std::vector<lw_vec3> points = linkPoints( model, 3 );
+		std::vector<lw_transform> pose( model.linkNames.size() );
+		const State q( 3, 0.0 );
+		ASSERT_EQ( lw_robot_fk( robot.get(), q.data(), pose.data() ), LW_OK );
+		for ( std::uint32_t node = 1; node < pose.size(); ++node )
+		{
+			const lw_reach_node of = lw_reach_get_node( reach.get(), node );
+			const double most = support( lw_reach_hull_points( reach.get(), node ), of.hull_point_count, n );
+			for ( lw_vec3 p : points )
+			{
+				const double x = dot( n, applyInverse( pose[node - 1], apply( pose[3], p ) ) );
+				EXPECT_LE( x, most + of.dilation + rounding ) << "node " << node;
+				dropped += x > most + 1e-5;
+			}
+		}
+	}
+	EXPECT_GE( dropped, 10 ) << "no point was dropped";
+}
+
+TEST( MotionSweeps, TipsThatWereDroppedFaceEachOther )
+{
+	SeededRng rng;
+	int apart = 0, dropped = 0;
+	for ( int i = 0; i < 60; ++i )
+	{
+		RobotModel model;
+		model.link( "base" );
+		const lw_transform turned = randomTransform( rng, 0 ), back = lw_transform_inverse( &turned );
+		lw_transform facing = at( 0.3, 0, 0 ); // seen by the plate
+		facing.r[0][0] = facing.r[1][1] = -1;
+		facing = lw_transform_multiply( &facing, &back );
+		facing = lw_transform_multiply( &turned, &facing );
+		const double tip = rng.decade( -3.5, -1.5 );
+		const std::uint32_t a = slidingArm( model, "l", lw_transform_identity(), turned, tip ),
+							b = slidingArm( model, "r", facing, turned, tip );
+		RobotPtr robot = model.create();
+		ReachPtr reach = build( robot.get(), 0.15 );
+		hull_probe_sweeps* made = nullptr;
+		ASSERT_EQ( hull_probe_sweeps_create( reach.get(), &made ), LW_OK );
+		const SweepsPtr sweeps( made );
+		double separation = 0;
+		ASSERT_EQ( hull_probe_separation( sweeps.get(), a, b, &separation ), LW_OK );
+		EXPECT_LE( separation, 0.3 - 2 * tip + rounding ) << "tips of " << tip << " m face each other";
+		apart += separation > 0;
+		dropped += lw_reach_get_node( reach.get(), 1 ).dilation > 1e-5;
+	}
+	EXPECT_GE( apart, 30 );
+	EXPECT_GE( dropped, 10 );
+}
+
 // ---- single links seen from an ancestor -------------------------------------------------------------------------------
 
 TEST( MotionSweeps, NeverAboveTheDistanceOfAnyState )

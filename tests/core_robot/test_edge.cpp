@@ -603,6 +603,67 @@ TEST( Edge, LowerBoundIsNotAboveWhatIsAttained )
 }
 
 // A link that no joint of the group moves and that touches the scene makes every edge impossible, at t = 0.
+/// Two small triangles on both sides of a ball's way, as one mesh: its box holds the way, its surface is far from it.
+static lw_shape* frame( double side )
+{
+	std::vector<double> vertices;
+	for ( double y : { -side, side } )
+	{
+		for ( int corner = 0; corner < 3; ++corner )
+		{
+			vertices.insert( vertices.end(), { 0.1 * ( corner - 1 ), y, corner == 1 ? 0.05 : 0 } );
+		}
+	}
+	const std::uint32_t indices[6] = { 0, 1, 2, 3, 4, 5 };
+	lw_mesh_def def = lw_mesh_def_default();
+	def.vertices = vertices.data();
+	def.vertex_count = 6;
+	def.indices = indices;
+	def.triangle_count = 2;
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( lw_shape_create_mesh( &def, nullptr, nullptr, &shape ), LW_OK );
+	return shape;
+}
+
+/// With alpha a search may pass over an obstacle that is a little nearer than the one that it has found. What that proves is the lower
+/// end of the interval: a plate in the way, nearer than the frame around the way, is hit.
+TEST( Edge, PlateWithinAlphaOfTheNearestObstacleIsPassedOver )
+{
+	SeededRng rng;
+	int in_the_way = 0, beside_it = 0, free = 0;
+	for ( int i = 0; i < 600 && !HasFailure(); ++i )
+	{
+		World world;
+		world.model.link( "rail" );
+		lw_joint_def& slide = world.model.joint( "ball", LW_JOINT_PRISMATIC, 0 );
+		slide.axis[0] = 1;
+		slide.axis[2] = 0;
+		slide.lower = -3;
+		slide.upper = 3;
+		const double radius = 0.01;
+		world.model.body( 1, primitive( LW_SHAPE_SPHERE, radius, 0, 0 ), lw_transform_identity() );
+		const double side = rng.uniform( 0.4, 1.2 ), where = rng.uniform( -0.95, 0.95 );
+		const double beside = rng.integer( 0, 1 ) == 0 ? 0 : rng.uniform( 0.06, 0.1 ); // the plate's middle, off the way
+		world.object( frame( side ), lw_transform_identity() );
+		world.object( primitive( LW_SHAPE_BOX, 0.002, 0.1, 0.1 ), at( where, beside, 0 ) );
+		world.open();
+		lw_edge_def def = lw_edge_def_default();
+		def.alpha = rng.uniform( 0.2, 0.7 );
+		const lw_edge_result r = world.edge( { -rng.uniform( 0.2, 1.2 ) + std::min( where, 0.0 ) },
+			{ rng.uniform( 0.2, 1.2 ) + std::max( where, 0.0 ) }, def );
+		const double gap = beside - 0.05 - radius; // when it passes the plate
+		++( gap < 0 ? in_the_way : beside_it );
+		if ( r.verdict == LW_VERDICT_FREE )
+		{
+			++free;
+			EXPECT_LE( r.lower_bound, gap + 1e-9 ) << "plate at " << where << ", frame at " << side << ", alpha " << def.alpha;
+		}
+		EXPECT_TRUE( gap < 0 || r.verdict != LW_VERDICT_BLOCKED );
+	}
+	EXPECT_GE( std::min( in_the_way, beside_it ), 200 );
+	EXPECT_GE( free, 50 );
+}
+
 TEST( Edge, StaticBodiesCount )
 {
 	for ( double gap : { 0.0015, -0.05 } )

@@ -292,6 +292,52 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 	EXPECT_GE( gains.back(), 5 ) << "never any better than the path length";
 }
 
+// A speed limit for the whole edge, measured from a pose near an end: from there points get twice as far as from the middle. A slide
+// carries a small body away from the axis about which the whole turns.
+TEST( MotionBound, StepIsLongerThanMeasuredFromAPoseNearAnEnd )
+{
+	SeededRng rng;
+	double tightest = 0;
+	for ( int i = 0; i < 300; ++i )
+	{
+		RobotModel model;
+		model.link( "root" );
+		for ( std::uint32_t k = 0; k < 2; ++k )
+		{
+			lw_joint_def& joint = model.joint( "l" + std::to_string( k ), k == 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, k );
+			joint.parent_from_joint = lw_transform_identity();
+			joint.parent_from_joint.t[0] = rng.uniform( -0.02, 0.02 );
+			joint.axis[0] = k == 0 ? 0 : 1;
+			joint.axis[2] = k == 0 ? 1 : rng.uniform( -0.5, 0.5 );
+		}
+		std::vector<lw_vec3> points;
+		lw_shape* shape = randomMesh( rng, 2, 0.005, &points );
+		model.body( 2, shape, lw_transform_identity(), points );
+		RobotPtr robot = model.create();
+		Motion motion( robot.get() );
+		State a = { rng.uniform( -3, 0 ), 0 }, b = { a[0] + rng.uniform( 1, 6 ), rng.uniform( 0.3, 1 ) };
+		const double measured = rng.integer( 0, 1 ) == 0 ? 0 : rng.uniform( 0, 1 );
+		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
+		const std::vector<lw_transform> reference = posesAt( robot.get(), a, b, measured );
+		lwi_motion_place( motion.table, motion.scratch, reference.data() );
+		lwi_motion_measure_body( motion.table, motion.scratch, 0, reference.data(), std::max( measured, 1 - measured ) );
+		const double bound = lwi_motion_of( motion.table, motion.scratch, 0, LW_INVALID_INDEX ).path;
+		const int steps = 200;
+		const std::vector<std::vector<lw_transform>> poses = posesBetween( robot.get(), a, b, 0, 1, steps );
+		for ( lw_vec3 p : points )
+		{
+			const std::vector<lw_vec3> at = wayOf( poses, LW_INVALID_INDEX, model.bodies[0], p );
+			for ( std::size_t k = 0; k + 1 < at.size(); ++k )
+			{
+				const double speed = steps * distance( at[k], at[k + 1] );
+				EXPECT_LE( speed, bound * ( 1 + 1e-9 ) + 1e-9 ) << "measured at " << measured << ", step " << k;
+				tightest = std::max( tightest, speed / bound );
+			}
+		}
+	}
+	EXPECT_GE( tightest, 0.75 );
+}
+
 // A slide that undoes the velocity of two turns: there and back again, both ends are one place and all that is left is
 // acceleration, in which the two turns and their product have equal parts. The bound is then exact up to third order: anything
 // missing in it shows.

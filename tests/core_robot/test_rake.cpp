@@ -89,6 +89,7 @@ struct World
 		{
 			lw_joint_def& j = model.joint( "l" + std::to_string( i ), rng.integer( 0, 4 ) > 0 ? LW_JOINT_CONTINUOUS : LW_JOINT_PRISMATIC,
 				static_cast<std::uint32_t>( i ) );
+			j.parent = rng.integer( 0, 2 ) > 0 ? j.parent : 0; // a second arm
 			j.parent_from_joint = randomTransform( rng, 0.5 );
 			ball( rng, static_cast<std::uint32_t>( i + 1 ), rng.uniform( -0.5, 0.5 ), meshes );
 		}
@@ -192,7 +193,7 @@ private:
 	}
 
 	/// Where a ball or bunch is at some time.
-	lw_vec3 passes( SeededRng& rng, const State& qa, const State& qb, double* radius ) const
+	lw_vec3 passes( SeededRng& rng, const State& qa, const State& qb, double* radius, std::vector<lw_transform>* out_links = nullptr ) const
 	{
 		State q( qa.size() );
 		std::vector<lw_transform> links( lw_robot_link_count( robot.get() ) );
@@ -203,14 +204,19 @@ private:
 		const std::vector<lw_vec3>& points = model.bodyPoints[index];
 		const lw_transform at = lw_transform_multiply( &links[body.link], &body.link_from_shape );
 		*radius = points.size() > 1 ? 0.004 : shim_radius( body.shape );
+		if ( out_links != nullptr )
+		{
+			*out_links = links;
+		}
 		return lw_transform_point( &at, points[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( points.size() ) - 1 ) )] );
 	}
 
-	/// A ball of the robot's root beside that.
+	/// A ball of any link beside that, at that time.
 	void place_own_ball( SeededRng& rng, const State& qa, const State& qb )
 	{
 		double radius;
-		const lw_vec3 point = passes( rng, qa, qb, &radius );
+		std::vector<lw_transform> links;
+		const lw_vec3 point = passes( rng, qa, qb, &radius, &links );
 		const double size[3] = { rng.uniform( 0.01, 0.2 ), 0, 0 };
 		lw_transform pose = lw_transform_identity(), turned = randomTransform( rng, 0 );
 		const double away = radius + size[0] + rng.uniform( -0.01, 0.03 );
@@ -221,7 +227,9 @@ private:
 		}
 		lw_shape* shape = nullptr;
 		ASSERT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, size, nullptr, nullptr, &shape ) );
-		model.body( 0, shape, pose, { { 0, 0, 0 } } );
+		const auto link = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( links.size() ) - 1 ) );
+		const lw_transform from_world = lw_transform_inverse( &links[link] );
+		model.body( link, shape, lw_transform_multiply( &from_world, &pose ), { { 0, 0, 0 } } );
 	}
 
 	/// Beside that, a centimetre more or less.

@@ -257,6 +257,22 @@ TEST( ExtremeChains, state_differs_from_exact_kinematics )
 					poses += stretch * std::max( static_cast<double>( truth.upper ), static_cast<double>( own.upper ) );
 					judge( result.environment, truth, poses, promise, environment );
 					judge( result.self, own, poses, promise, self );
+					for ( double beyond : { 0.02, 0.2, 0.7 } ) // a range that ends hardly above the truth: FAR would be wrong
+					{
+						for ( const exact::Enclosure* e : { &truth, &own } )
+						{
+							const lw_range range = { 0, static_cast<double>( e->upper ) + beyond * poses, 0 };
+							if ( !( range.max_d > 0 && range.max_d < INFINITY && static_cast<double>( e->upper ) < range.max_d ) )
+							{
+								continue;
+							}
+							const lw_what what = e == &truth ? LW_WHAT_ENVIRONMENT : LW_WHAT_SELF;
+							ASSERT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), what, &range, false, &result ) );
+							const lw_clearance& got = e == &truth ? result.environment : result.self;
+							EXPECT_NE( got.kind, LW_CLEARANCE_FAR ) << "max_d " << range.max_d;
+							EXPECT_LE( got.lower, e->upper );
+						}
+					}
 					q = chain.randomState( random );
 				}
 			}

@@ -465,7 +465,10 @@ TEST_P( Conformance, ThreadsGetTheAnswersOfOne )
 	for ( std::size_t i = 0; i < count; ++i )
 	{
 		ASSERT_EQ( alone[i].state, together[i].state ) << i;
-		ASSERT_NEAR( alone[i].clearance, together[i].clearance, 1e-9 ) << i;
+		if ( GetParam().exceptions.same_clearance == nullptr )
+		{
+			ASSERT_NEAR( alone[i].clearance, together[i].clearance, 1e-9 ) << i;
+		}
 		ASSERT_TRUE( together[i].last_is_valid ) << i;
 		different += alone[i].motion != together[i].motion;
 	}

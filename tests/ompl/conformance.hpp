@@ -31,6 +31,7 @@ struct Exceptions
 	const char* start = nullptr;        ///< a motion from an invalid state is invalid (OMPL lets validators assume it valid)
 	const char* whole_motion = nullptr; ///< nothing of a motion found valid is invalid, nor before the last valid state
 	const char* again = nullptr;        ///< the motion from the start to the last valid state is valid
+	const char* same_clearance = nullptr; ///< clearance() is the same number whatever was asked before
 	const char* thread_counts = nullptr; ///< the motion counters lose nothing when threads share the validator
 };
 

@@ -22,6 +22,7 @@ enum class Kind
 	mixed,     ///< OMPL's DiscreteMotionValidator on leeway's checker
 	certified,
 	steps,
+	coarse,    ///< certified, by distances within half of their size, and with a slack twice min_d
 	wrapped    ///< certified, in a space wrapped once more
 };
 
@@ -62,6 +63,11 @@ conformance::Instance makeInstance( const World& world, Kind kind )
 	leeway::ompl::Options options;
 	options.min_d = 0.01;
 	options.method = kind == Kind::steps ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
+	if ( kind == Kind::coarse )
+	{
+		options.alpha = 0.5;
+		options.slack = 0.02;
+	}
 	const leeway::Checker checker = world.make();
 	ob::StateSpacePtr space = leeway::ompl::makeStateSpace( checker );
 	if ( kind == Kind::wrapped )
@@ -105,6 +111,10 @@ conformance::Exceptions exceptionsOf( Kind kind )
 		exceptions.whole_motion = "fixed steps: nothing is looked at in between";
 		exceptions.again = "the steps of a shorter motion are at other places";
 	}
+	if ( kind == Kind::coarse )
+	{
+		exceptions.same_clearance = "with alpha above 0 the bound within it depends on where the search began";
+	}
 	if ( kind == Kind::ompl )
 	{
 		exceptions.clearance = "OMPL's default for clearance() is 0, everywhere";
@@ -134,6 +144,7 @@ std::vector<conformance::Subject> subjects()
 		add( world, Kind::ompl, "Ompl" );
 		add( world, Kind::certified, "Certified" );
 		add( world, Kind::steps, "Steps" );
+		add( world, Kind::coarse, "Coarse" );
 	}
 	add( worlds()[1], Kind::mixed, "OmplOnLeeway" );
 	add( worlds()[3], Kind::wrapped, "Wrapped" );

@@ -187,6 +187,7 @@ struct RandomRobotOptions
 	int triangles = 6;
 	double size = 0.15; ///< of shapes
 	double offset = 0.3; ///< of joint origins
+	double bareShare = 0; ///< of links without geometry, such as flanges
 };
 
 /// A random tree of joints of every type, with mimic joints and exact as well as skew axes.
@@ -239,6 +240,10 @@ inline RobotModel randomRobot( SeededRng& rng, const RandomRobotOptions& o )
 	for ( std::uint32_t link = 0; link < model.linkNames.size(); ++link )
 	{
 		std::vector<lw_vec3> points;
+		if ( o.bareShare > 0 && rng.uniform( 0, 1 ) < o.bareShare )
+		{
+			continue;
+		}
 		lw_shape* shape = rng.uniform( 0, 1 ) < o.meshShare ? randomMesh( rng, o.triangles, o.size, &points )
 															: randomPrimitive( rng, o.size, &points );
 		model.body( link, shape, randomTransform( rng, o.size ), points );
