@@ -112,6 +112,32 @@ struct World
 		open();
 	}
 
+	/// Two long arms, mirrored, that swing so that their balls come nearer and nearer, and end by meeting or by a hair before: velocities say less
+	/// than what bends, and both bend as much.
+	void meet( SeededRng& rng, State& qa, State& qb )
+	{
+		model.link( "root" );
+		const double radius[3] = { 0.01, 0, 0 }, turn = rng.uniform( 0.7, 1.3 ), arm = 2.6 / ( turn * turn ) * rng.uniform( 1, 2 );
+		const double bent = arm * turn * turn / 256, gap = bent * rng.uniform( -0.5, 2 );
+		const double apart = gap + 2 * radius[0] + 2 * arm * ( 1 - std::cos( turn ) ); // at first
+		for ( int side : { -1, 1 } )
+		{
+			lw_joint_def& j = model.joint( side < 0 ? "a" : "b", LW_JOINT_CONTINUOUS, 0 );
+			j.parent_from_joint = lw_transform_identity();
+			j.parent_from_joint.t[0] = side * ( 0.5 * apart - arm );
+			lw_transform at = lw_transform_identity();
+			at.t[0] = side * arm;
+			lw_shape* shape = nullptr;
+			ASSERT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &shape ) );
+			model.body( side < 0 ? 1 : 2, shape, at, { { 0, 0, 0 } } );
+			qa.push_back( 0 );
+			qb.push_back( side * turn );
+		}
+		robot = model.create();
+		open();
+	}
+	World() = default;
+
 	double clearance( const lw_shape* a, const lw_transform& at_a, const lw_shape* b, const lw_transform& at_b )
 	{
 		lw_clearance out;
@@ -452,6 +478,23 @@ static Tally attack_narrow_passes( int worlds, bool meshes )
 TEST( Rake, ball_passes_a_box_by_less_than_was_proved )
 {
 	EXPECT_GE( attack_narrow_passes( 1000, false ).tight, 1000u );
+}
+
+// Either ball bends as far as it can, and both towards each other: a bound that counts one of them is half of what they do.
+TEST( Rake, two_arms_bend_towards_each_other_by_more_than_was_proved )
+{
+	SeededRng rng;
+	Tally tally;
+	for ( int i = 0; i < 1000 && !testing::Test::HasFatalFailure(); ++i )
+	{
+		State qa, qb;
+		World world;
+		world.meet( rng, qa, qb );
+		judge( world, qa, qb, 0, tally );
+	}
+	print( "two arms", tally );
+	EXPECT_GE( tally.rakes, 500u );
+	EXPECT_GE( tally.proved, 50000u );
 }
 
 TEST( Rake, bunch_passes_a_bunch_by_less_than_was_proved )
