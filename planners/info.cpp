@@ -232,7 +232,8 @@ std::string robotText( const io::RobotModel& model, const Workbench& bench, cons
 	    model.planning_frame );
 	for ( const io::Group& group : model.groups )
 	{
-		text += fmt::format( "  group {}: {}\n", group.name, counted( group.joints.size(), "joint" ) );
+		text += fmt::format( "  group {}: {}\n", group.name,
+		    group.defect.empty() ? counted( group.joints.size(), "joint" ) : "cannot be used: " + group.defect );
 	}
 	text += shapeTable( shapes ) + "  " + totalLine( "total", total( shapes, &model.report ) );
 	if ( !model.report.cache.empty() )

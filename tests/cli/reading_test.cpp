@@ -43,6 +43,7 @@ TEST_F( ReadingCli, ABrokenGroupOfTheSrdfMattersToNobodyElse )
 	EXPECT_EQ( good.status, 0 ) << good.err;
 	EXPECT_TRUE( contains( good.err, "arm.srdf: group gripper (line 4): cannot be used: the URDF has no link palm (line 4)" ) ) << good.err;
 	EXPECT_TRUE( contains( good.err, "group_state home (line 5): cannot be used" ) ) << good.err;
+	EXPECT_TRUE( contains( good.out, "group gripper: cannot be used: the URDF has no link palm (line 4)" ) ) << good.out;
 	expectError( runModel( "info", { "--group", "gripper" } ), { "arm.srdf: group gripper", "no link palm (line 4)", "use one of arm, shoulder_only" } );
 	expectError( runModel( "info", { "--group", "arm", "--strict" } ), { "arm.srdf: group gripper (line 4)", "no link palm" } );
 }
