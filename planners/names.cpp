@@ -2,6 +2,8 @@
 // Names that people type: which one was meant, and why a name is no column of a table.
 #include "names.hpp"
 
+#include "leeway/io/keys.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,31 +21,6 @@ std::string lower( std::string text )
 	return text;
 }
 
-// Letters to insert, remove, replace or swap with their neighbour.
-std::size_t editDistance( const std::string& a, const std::string& b )
-{
-	std::vector<std::size_t> before( b.size() + 1 ), last( b.size() + 1 ), row( b.size() + 1 );
-	for ( std::size_t k = 0; k <= b.size(); ++k )
-	{
-		last[k] = k;
-	}
-	for ( std::size_t i = 1; i <= a.size(); ++i )
-	{
-		row[0] = i;
-		for ( std::size_t k = 1; k <= b.size(); ++k )
-		{
-			row[k] = std::min( { last[k] + 1, row[k - 1] + 1, last[k - 1] + ( a[i - 1] == b[k - 1] ? 0u : 1u ) } );
-			if ( i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1] )
-			{
-				row[k] = std::min( row[k], before[k - 2] + 1 );
-			}
-		}
-		before = last;
-		last = row;
-	}
-	return last[b.size()];
-}
-
 } // namespace
 
 std::vector<std::string> nearNames( const std::string& name, const std::vector<std::string>& known, std::size_t limit )
@@ -54,7 +31,7 @@ std::vector<std::string> nearNames( const std::string& name, const std::vector<s
 	{
 		const std::string have = lower( candidate );
 		const bool part = wanted.size() >= 3 && have.find( wanted ) != std::string::npos;
-		const std::size_t distance = editDistance( wanted, have ), most = 1 + std::min( wanted.size(), have.size() ) / 4;
+		const std::size_t distance = io::editDistance( wanted, have ), most = 1 + std::min( wanted.size(), have.size() ) / 4;
 		if ( distance <= most || part )
 		{
 			found.emplace_back( part ? std::min( distance, most ) : distance, candidate );

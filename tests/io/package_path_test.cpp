@@ -79,6 +79,18 @@ TEST_F( PackagePathTest, AnEmptyAuthorityBeginsWithThePackage )
 	EXPECT_EQ( resolve( "elsewhere", "package:///arm/mesh/m.obj", options ), file );
 }
 
+TEST_F( PackagePathTest, APathThatIsNoFolderIsTold )
+{
+	const std::string file = writeTetrahedron( "arm/m.obj" );
+	LoadOptions options;
+	options.package_paths = { path( "nowhere" ), "arm=" + path( "gone" ), path( "" ), "leg=" + path( "arm" ) };
+	EXPECT_EQ( resolve( "urdf", "package://arm/m.obj", options ), file );
+	const std::vector<Notice> notices = loadRobot( path( "urdf/robot.urdf" ), "", options ).report.notices;
+	EXPECT_NOTICE( notices, "package path " + path( "nowhere" ) + ": is no folder" );
+	EXPECT_NOTICE( notices, "package path arm=" + path( "gone" ) + ": is no folder" );
+	EXPECT_EQ( notices.size(), 2u ) << allNotices( notices );
+}
+
 TEST_F( PackagePathTest, FileUriAbsoluteAndRelative )
 {
 	std::string file = writeTetrahedron( "meshes/m.obj" );

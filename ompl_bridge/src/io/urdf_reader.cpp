@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fmt/format.h>
 #include <mutex>
 #include <set>
@@ -679,9 +680,30 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 
 } // namespace detail
 
+namespace
+{
+
+/// A path that is no folder finds nothing, also where another one does.
+void noticePackagePaths( const LoadOptions& options, std::vector<Notice>& notices )
+{
+	for ( const std::string& entry : options.package_paths )
+	{
+		const std::size_t equals = entry.find( '=' );
+		std::error_code error;
+		const bool mapped = equals != std::string::npos && std::filesystem::is_directory( entry.substr( equals + 1 ), error );
+		if ( !mapped && !std::filesystem::is_directory( entry, error ) )
+		{
+			notices.push_back( { "", "package path " + entry, "is no folder" } );
+		}
+	}
+}
+
+} // namespace
+
 RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
 {
 	RobotModel model = detail::readUrdf( urdf_file, options );
+	noticePackagePaths( options, model.report.notices );
 	detail::noticeOddSizes( model, model.report.notices );
 	if ( !srdf_file.empty() )
 	{

@@ -23,37 +23,6 @@ std::string lower( std::string text )
 	return text;
 }
 
-/// Without case, and without what separates words: collisionObjects and collision-objects are collision_objects.
-std::string bareKey( const std::string& key )
-{
-	std::string bare;
-	for ( char c : lower( key ) )
-	{
-		bare += c == '_' || c == '-' || c == ' ' ? "" : std::string( 1, c );
-	}
-	return bare;
-}
-
-/// One letter changed, left out or added, or two neighbours swapped.
-bool isOneLetterApart( const std::string& a, const std::string& b )
-{
-	const std::string &shorter = a.size() < b.size() ? a : b, &longer = a.size() < b.size() ? b : a;
-	const auto same = std::mismatch( shorter.begin(), shorter.end(), longer.begin() );
-	const std::string rest_shorter( same.first, shorter.end() ), rest_longer( same.second, longer.end() );
-	if ( shorter.size() + 1 == longer.size() )
-	{
-		return rest_longer.compare( 1, std::string::npos, rest_shorter ) == 0;
-	}
-	if ( shorter.size() != longer.size() || rest_longer.empty() )
-	{
-		return false;
-	}
-	const bool changed = rest_longer.compare( 1, std::string::npos, rest_shorter, 1 ) == 0;
-	const bool swapped = rest_longer.size() > 1 && rest_longer[0] == rest_shorter[1] && rest_longer[1] == rest_shorter[0] &&
-	                     rest_longer.compare( 2, std::string::npos, rest_shorter, 2 ) == 0;
-	return changed || swapped;
-}
-
 /// Refuses keys that are there twice, and documents that contain themselves or would be far larger than their text.
 class DocumentCheck
 {
@@ -583,24 +552,3 @@ JointState readJointState( const YamlNode& state )
 }
 
 } // namespace leeway::io::detail
-
-namespace leeway::io
-{
-
-std::string meantKey( const std::string& key, const std::vector<std::string>& known )
-{
-	const std::string bare = detail::bareKey( key );
-	const bool is_known = std::find( known.begin(), known.end(), key ) != known.end();
-	for ( const std::string& candidate : is_known ? std::vector<std::string>() : known )
-	{
-		const std::string other = detail::bareKey( candidate );
-		// In words of two letters one of them is half of the word
-		if ( other == bare || ( other.size() > 2 && bare.size() > 1 && detail::isOneLetterApart( bare, other ) ) )
-		{
-			return candidate;
-		}
-	}
-	return "";
-}
-
-} // namespace leeway::io

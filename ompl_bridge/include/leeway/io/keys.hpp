@@ -2,11 +2,15 @@
 // Misspelt names in files.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace leeway::io
 {
+
+/// Letters to insert, remove, replace or swap with their neighbour.
+std::size_t editDistance( const std::string& a, const std::string& b );
 
 /// The known key that an unknown one was meant to be: it differs by one letter (changed, left out, added, or two neighbours
 /// swapped), by case, or by '_', '-' and blanks between words. Keys of two letters are told apart by their letters.
