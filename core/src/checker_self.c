@@ -9,13 +9,17 @@
 
 #include <string.h>
 
-static void search_self_pair( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, lwi_bound* bound )
+typedef void pair_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+
+/// @param search lwi_search, or lwi_search_first where other pairs may be as near
+static void search_self_pair( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, lwi_bound* bound,
+	pair_search* search )
 {
 	lwi_pose_body( checker, query, body_a );
 	lwi_pose_body( checker, query, body_b );
 	lw_transform relative = lwi_relative( &query->world_from_body[body_a], &query->world_from_body[body_b] );
 	bound->margin = lwi_self_margin( checker, body_a, body_b );
-	lwi_search( query, checker->bodies[body_a].shape, checker->bodies[body_b].shape, &relative, bound );
+	search( query, checker->bodies[body_a].shape, checker->bodies[body_b].shape, &relative, bound );
 }
 
 // --- all pairs -------------------------------------------------------------------------------------------------------
@@ -92,7 +96,7 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 		return;
 	}
 	bound->current_pair = nearest;
-	search_self_pair( checker, query, nearest / stride, nearest % stride, bound );
+	search_self_pair( checker, query, nearest / stride, nearest % stride, bound, lwi_search );
 	uint32_t entries = lw_robot_body_count( checker->robot ) * stride;
 	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->prune + slack ), nearest );
 	while ( count > 0 && !bound->done )
@@ -103,7 +107,7 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 			break;
 		}
 		bound->current_pair = next.pair;
-		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound );
+		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound, lwi_search );
 	}
 }
 
@@ -418,7 +422,8 @@ static void open_pair( const lw_checker* checker, lw_query* query, const lwi_nod
 	}
 }
 
-/// Takes the least lower bound until none is left below the running bound.
+/// Takes the least lower bound until none is left below the running bound. Parts that lie within each other overlap with their spheres and boxes,
+/// and which of them is nearest no lower bound tells; so something of each pair is measured before one is searched to its end.
 static void search_candidates( const lw_checker* checker, lw_query* query, uint32_t count, lwi_bound* bound )
 {
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
@@ -435,8 +440,10 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 			continue;
 		}
 		bound->current_pair = next.pair;
-		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound );
+		bool last = count == 0 && query->waiting_count == 0;
+		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound, last ? lwi_search : lwi_search_first );
 	}
+	lwi_search_waiting( query, bound );
 }
 
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
@@ -571,7 +578,7 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 		if ( !bound.done )
 		{
 			bound.current_pair = id;
-			search_self_pair( checker, query, a, b, &bound );
+			search_self_pair( checker, query, a, b, &bound, lwi_search );
 		}
 	}
 	self_result( checker, query, &bound, a, b, out );

@@ -50,6 +50,34 @@ typedef struct lwi_searching
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
 } lwi_searching;
 
+/// When the slab across the nearest pair is tried: when there was none nearer for long, and again only where it was leaves that it
+/// ran out of, not a shape that was in its way.
+typedef struct lwi_witness_trial
+{
+	double upper;  ///< of the pair
+	uint32_t next; ///< comparisons until the next try
+} lwi_witness_trial;
+
+/// Where a search of two trees has got to.
+typedef struct lwi_walk
+{
+	uint32_t bottom, height; ///< its entries in the query's stack
+	uint32_t leaves;         ///< compared so far
+	bool bounded;            ///< there was a limit when it began
+	lwi_witness_trial trial;
+} lwi_walk;
+
+/// A search that waits until the other pairs of the question have had their first look.
+typedef struct lwi_waiting
+{
+	lwi_searching search;
+	lw_transform a_from_b;
+	lwi_walk walk;
+	uint32_t pair;
+	double margin;
+	double measured; ///< least clearance of the pair so far; +inf: none yet
+} lwi_waiting;
+
 static inline void lwi_update_limit( lwi_searching* s )
 {
 	double limit = s->bound->prune + s->radii;
@@ -128,6 +156,11 @@ static inline uint32_t lwi_sorted_lanes( const float gap[LWI_WIDTH], uint32_t ma
 	}
 	return count;
 }
+
+// --- distance_boxes.c ------------------------------------------------------------------------------------------------
+
+/// True if the boxes of the two are apart by what the bound asks for.
+bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, const lwi_bound* bound );
 
 // --- distance_measure.c ----------------------------------------------------------------------------------------------
 

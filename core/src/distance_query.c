@@ -53,6 +53,7 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 	lower = lower - bound->margin - 0x1p-52 * bound->margin;
 	upper = upper - bound->margin;
 	bound->floor = lower < bound->floor ? lower : bound->floor;
+	bound->measured = upper < bound->measured ? upper : bound->measured;
 	if ( !( upper < bound->upper && less_rounding( bound, lower ) < bound->range.max_d ) )
 	{
 		return false;
@@ -280,14 +281,6 @@ static bool plane_rules_out( lwi_searching* s )
 	return old_plane_rules_out( s, hint ) || new_plane_rules_out( s, hint );
 }
 
-/// When the slab across the nearest pair is tried: when there was none nearer for long, and again only where it was leaves that it
-/// ran out of, not a shape that was in its way.
-typedef struct witness_trial
-{
-	double upper;  ///< of the pair
-	uint32_t next; ///< comparisons until the next try
-} witness_trial;
-
 enum
 {
 	BEFORE_WITNESS = 192, ///< comparisons without a nearer pair: large faces that face each other. Why so late: distance.md
@@ -295,11 +288,11 @@ enum
 };
 
 /// @param compared leaves against leaves, or triangles against a solid, so far
-static bool witness_rules_out( lwi_searching* s, uint32_t compared, witness_trial* trial )
+static bool witness_rules_out( lwi_searching* s, uint32_t compared, lwi_witness_trial* trial )
 {
 	if ( s->bound->upper != trial->upper )
 	{
-		*trial = (witness_trial){ s->bound->upper, compared + BEFORE_WITNESS };
+		*trial = (lwi_witness_trial){ s->bound->upper, compared + BEFORE_WITNESS };
 	}
 	if ( compared < trial->next )
 	{
@@ -311,19 +304,26 @@ static bool witness_rules_out( lwi_searching* s, uint32_t compared, witness_tria
 	return proved;
 }
 
-static void search_trees( lwi_searching* s )
+enum
 {
-	bool bounded = s->limit < INFINITY;
+	LEAVES_OF_A_LOOK = 4,    ///< comparisons after which a first look is over even if nothing was measured
+	LEAVES_BEFORE_LEAST = 8, ///< comparisons after which the least gap of all that is left is next, wherever it is
+};
+
+static lwi_walk begin_walk( lwi_searching* s )
+{
 	lw_query* query = s->query;
-	lwi_entry root;
-	memset( &root, 0, sizeof( root ) );
-	root.a = s->a->root;
-	root.b = s->b->root;
-	memcpy( root.center_a, s->a->root_sphere, 3 * sizeof( float ) );
-	memcpy( root.center_b, s->b->root_sphere, 3 * sizeof( float ) );
-	root.radius_a = s->a->root_sphere[3];
-	root.radius_b = s->b->root_sphere[3];
-	root.brick_a = root.brick_b = LW_INVALID_INDEX;
+	lwi_walk walk = { .bottom = query->stack_bottom, .height = query->stack_bottom + 1, .bounded = s->limit < INFINITY,
+		.trial = { INFINITY, UINT32_MAX } };
+	lwi_entry* root = &query->stack[walk.bottom];
+	memset( root, 0, sizeof( *root ) );
+	root->a = s->a->root;
+	root->b = s->b->root;
+	memcpy( root->center_a, s->a->root_sphere, 3 * sizeof( float ) );
+	memcpy( root->center_b, s->b->root_sphere, 3 * sizeof( float ) );
+	root->radius_a = s->a->root_sphere[3];
+	root->radius_b = s->b->root_sphere[3];
+	root->brick_a = root->brick_b = LW_INVALID_INDEX;
 	s->bricks = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
 	s->guess_gap = INFINITY;
 	if ( s->bound->upper < INFINITY && s->bound->pair == s->bound->current_pair )
@@ -332,13 +332,65 @@ static void search_trees( lwi_searching* s )
 		s->guess_gap = -INFINITY;
 	}
 	query->batch.count = 0;
-	query->stack[0] = root;
-	uint32_t height = 1, leaves = 0;
-	bool planes = query->def.planes, meshes = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
-	witness_trial trial = { INFINITY, UINT32_MAX };
-	while ( height > 0 && !s->bound->done )
+	return walk;
+}
+
+/// Depth first, a search stays where it began, which may be far from what is nearest: a ring around a shaft is as near, but for a little,
+/// everywhere. So now and then the least gap of all is taken up. The path of that entry needs room of its own.
+static void take_least( lwi_searching* s, lwi_walk* walk )
+{
+	lwi_entry* stack = s->query->stack;
+	if ( walk->height < walk->bottom + 2 || walk->height > LWI_STACK_SIZE - LWI_STACK_PATH )
 	{
-		lwi_entry e = query->stack[--height];
+		return;
+	}
+	uint32_t top = walk->height - 1, least = top;
+	for ( uint32_t i = top; i-- > walk->bottom; )
+	{
+		least = stack[i].gap < stack[least].gap ? i : least;
+	}
+	if ( least != top )
+	{
+		lwi_entry taken = stack[least];
+		stack[least] = stack[top];
+		stack[top] = taken;
+	}
+}
+
+/// Two leaves. True if nothing that is left can be below the limit.
+static bool meet_leaves( lwi_searching* s, lwi_entry* e, lwi_walk* walk )
+{
+	const bool planes = s->query->def.planes;
+	if ( ++walk->leaves == LEAVES_BEFORE_PLANE && walk->bounded && planes && plane_rules_out( s ) )
+	{
+		return true;
+	}
+	if ( s->bricks && planes && witness_rules_out( s, walk->leaves, &walk->trial ) )
+	{
+		return true;
+	}
+	lwi_compare_leaves( s, e );
+	if ( walk->leaves % LEAVES_BEFORE_LEAST == 0 )
+	{
+		take_least( s, walk );
+	}
+	return false;
+}
+
+/// @param look stop when something was measured, or after LEAVES_OF_A_LOOK
+/// @return false if it did; else the search is done
+static bool walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
+{
+	lw_query* query = s->query;
+	const uint64_t measured = query->stats.exact_tests;
+	while ( walk->height > walk->bottom && !s->bound->done )
+	{
+		if ( look && ( query->stats.exact_tests != measured || walk->leaves >= LEAVES_OF_A_LOOK ) )
+		{
+			lwi_flush_batch( s );
+			return false;
+		}
+		lwi_entry e = query->stack[--walk->height];
 		if ( e.gap >= s->limit )
 		{
 			continue;
@@ -346,17 +398,11 @@ static void search_trees( lwi_searching* s )
 		bool leaf_a = lwi_ref_is_leaf( e.a ), leaf_b = lwi_ref_is_leaf( e.b );
 		if ( leaf_a && leaf_b )
 		{
-			if ( ++leaves == LEAVES_BEFORE_PLANE && bounded && planes && plane_rules_out( s ) )
+			if ( meet_leaves( s, &e, walk ) )
 			{
 				query->batch.count = 0; // none of the pairs that wait can be below the limit
-				return;
+				return true;
 			}
-			if ( meshes && planes && witness_rules_out( s, leaves, &trial ) )
-			{
-				query->batch.count = 0;
-				return;
-			}
-			lwi_compare_leaves( s, &e );
 			continue;
 		}
 		// a leaf much larger than the node it faces is a poor sphere: ask its triangles first
@@ -365,12 +411,13 @@ static void search_trees( lwi_searching* s )
 		{
 			continue;
 		}
-		height = !leaf_b && ( leaf_a || e.radius_b >= e.radius_a ) ? open_b( s, &e, height ) : open_a( s, &e, height );
+		walk->height = !leaf_b && ( leaf_a || e.radius_b >= e.radius_a ) ? open_b( s, &e, walk->height ) : open_a( s, &e, walk->height );
 	}
 	if ( !s->bound->done )
 	{
 		lwi_flush_batch( s );
 	}
+	return true;
 }
 
 // --- tree against solid ----------------------------------------------------------------------------------------------
@@ -407,14 +454,15 @@ static void search_solid( lwi_searching* s )
 	lwi_entry root;
 	memset( &root, 0, sizeof( root ) );
 	root.a = tree->root;
-	query->stack[0] = root;
+	const uint32_t bottom = query->stack_bottom;
+	query->stack[bottom] = root;
 	bool convex_solid = solid_shape->family == LWI_CONVEX && query->def.planes;
 	bool plane_is_open = s->limit < INFINITY && convex_solid;
 	bool mesh = convex_solid && tree->family == LWI_TRIANGLES;
-	witness_trial trial = { INFINITY, UINT32_MAX };
+	lwi_witness_trial trial = { INFINITY, UINT32_MAX };
 	uint32_t measured = 0;
-	uint32_t height = 1;
-	while ( height > 0 && !s->bound->done )
+	uint32_t height = bottom + 1;
+	while ( height > bottom && !s->bound->done )
 	{
 		lwi_entry e = query->stack[--height];
 		if ( e.gap >= s->limit )
@@ -459,100 +507,12 @@ static void search_solid( lwi_searching* s )
 	}
 }
 
-// --- boxes -----------------------------------------------------------------------------------------------------------
+// --- entry points ----------------------------------------------------------------------------------------------------
 
 static double max_abs3( const double v[3] )
 {
 	return fmax( fabs( v[0] ), fmax( fabs( v[1] ), fabs( v[2] ) ) );
 }
-
-/// The boxes of two shapes, seen from the middle of the first one's in its frame.
-typedef struct boxes
-{
-	double half_a[3], half_b[3]; ///< infinite or no numbers where shapes are unbounded: nothing is proved then
-	double t[3];                 ///< middle of b's box
-	double r[3][3], abs_r[3][3];
-	double size;                 ///< bounds all numbers that roundings are relative to
-} boxes;
-
-static boxes boxes_of( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b )
-{
-	boxes x;
-	double middle_a[3], middle_b[3];
-	x.size = 0;
-	for ( int i = 0; i < 3; ++i )
-	{
-		x.half_a[i] = 0.5 * ( a->box_max[i] - a->box_min[i] );
-		x.half_b[i] = 0.5 * ( b->box_max[i] - b->box_min[i] );
-		middle_a[i] = a->box_min[i] + x.half_a[i];
-		middle_b[i] = b->box_min[i] + x.half_b[i];
-		x.size += fabs( middle_a[i] ) + fabs( middle_b[i] ) + x.half_a[i] + x.half_b[i] + fabs( a_from_b->t[i] );
-	}
-	for ( int i = 0; i < 3; ++i )
-	{
-		const double* r = a_from_b->r[i];
-		x.t[i] = r[0] * middle_b[0] + r[1] * middle_b[1] + r[2] * middle_b[2] + a_from_b->t[i] - middle_a[i];
-		for ( int j = 0; j < 3; ++j )
-		{
-			x.r[i][j] = r[j];
-			x.abs_r[i][j] = fabs( r[j] );
-		}
-	}
-	return x;
-}
-
-/// Square of how far each box is from the box around the other one in its own frame: the larger of the two.
-static double face_gap_squared( const boxes* x )
-{
-	double by_a = 0, by_b = 0;
-	for ( int i = 0; i < 3; ++i )
-	{
-		double reach_b = x->abs_r[i][0] * x->half_b[0] + x->abs_r[i][1] * x->half_b[1] + x->abs_r[i][2] * x->half_b[2];
-		double outside = fabs( x->t[i] ) - x->half_a[i] - reach_b;
-		by_a += outside > 0 ? outside * outside : 0;
-		double along = x->r[0][i] * x->t[0] + x->r[1][i] * x->t[1] + x->r[2][i] * x->t[2];
-		double reach_a = x->abs_r[0][i] * x->half_a[0] + x->abs_r[1][i] * x->half_a[1] + x->abs_r[2][i] * x->half_a[2];
-		outside = fabs( along ) - x->half_b[i] - reach_a;
-		by_b += outside > 0 ? outside * outside : 0;
-	}
-	return by_a > by_b ? by_a : by_b;
-}
-
-/// True if the boxes are `limit` apart across an edge of each. @param error of a slab's width times its direction's length
-static bool edges_are_apart( const boxes* x, double limit, double error )
-{
-	for ( int i = 0; i < 3; ++i )
-	{
-		const int i1 = ( i + 1 ) % 3, i2 = ( i + 2 ) % 3;
-		for ( int j = 0; j < 3; ++j )
-		{
-			const int j1 = ( j + 1 ) % 3, j2 = ( j + 2 ) % 3;
-			double along = fabs( x->t[i2] * x->r[i1][j] - x->t[i1] * x->r[i2][j] );
-			double reach_a = x->half_a[i1] * x->abs_r[i2][j] + x->half_a[i2] * x->abs_r[i1][j];
-			double reach_b = x->half_b[j1] * x->abs_r[i][j2] + x->half_b[j2] * x->abs_r[i][j1];
-			double wide = along - reach_a - reach_b - error;
-			if ( wide > 0 && wide * wide >= limit * limit * ( 1 - x->r[i][j] * x->r[i][j] + 0x1p-40 ) )
-			{
-				return true;
-			}
-		}
-	}
-	return false;
-}
-
-/// Metres: its square is a double with all its digits.
-#define LEAST_LIMIT 0x1p-500
-
-/// True if the boxes of the two are apart by what the bound asks for: most pairs whose spheres meet. Faces first, then pairs of edges
-/// (Gottschalk, Lin, Manocha 1996). Rounding: core/docs/distance.md.
-static bool boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, const lwi_bound* bound )
-{
-	boxes x = boxes_of( a, b, a_from_b );
-	double error = LWI_EXACT_ERROR * x.size, limit = fmax( bound->prune + bound->margin, 0 ) + error + LEAST_LIMIT;
-	return limit < INFINITY && ( face_gap_squared( &x ) >= limit * limit * ( 1 + 0x1p-40 ) || edges_are_apart( &x, limit, error ) );
-}
-
-// --- entry points ----------------------------------------------------------------------------------------------------
 
 /// Reach of the geometry about the tree's origin, or about the shape's if it is solid.
 static double extent_of( const lw_shape* shape )
@@ -631,7 +591,31 @@ static const lw_shape* geometry_of( lw_query* query, const lw_shape* shape, lwi_
 	return made;
 }
 
-void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
+/// Leaves a search to lwi_search_waiting(). False if there is no room for it.
+static bool wait_for_others( lwi_searching* s, const lwi_walk* walk )
+{
+	lw_query* query = s->query;
+	if ( query->waiting_count == LWI_MAX_WAITING || walk->height > LWI_STACK_PATH )
+	{
+		return false;
+	}
+	lwi_waiting* waiting = &query->waiting[query->waiting_count++];
+	*waiting = (lwi_waiting){ .search = *s, .a_from_b = *s->a_from_b, .walk = *walk, .pair = s->bound->current_pair,
+		.margin = s->bound->margin, .measured = s->bound->measured };
+	query->stack_bottom = walk->height;
+	return true;
+}
+
+static void end_search( lwi_searching* s )
+{
+	if ( s->a->filled || s->b->filled )
+	{
+		lwi_search_inside( s );
+	}
+}
+
+/// @param look it may wait when it had a first look
+static void search_pair( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound, bool look )
 {
 	bool deferred = lwi_shape_now( a )->deferred != NULL || lwi_shape_now( b )->deferred != NULL;
 	if ( deferred && lwi_box_gap( a, b, a_from_b ) >= bound->prune + bound->margin )
@@ -645,7 +629,7 @@ void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw
 		return;
 	}
 	query->stats.queries++;
-	if ( query->def.planes && boxes_are_apart( a, b, a_from_b, bound ) )
+	if ( query->def.planes && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
 	{
 		return; // so nothing is inside of the other either
 	}
@@ -660,12 +644,57 @@ void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw
 	}
 	else
 	{
-		search_trees( &s );
+		lwi_walk walk = begin_walk( &s );
+		if ( !walk_trees( &s, &walk, look ) && ( wait_for_others( &s, &walk ) || !walk_trees( &s, &walk, false ) ) )
+		{
+			return;
+		}
 	}
-	if ( a->filled || b->filled )
+	end_search( &s );
+}
+
+void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
+{
+	search_pair( query, a, b, a_from_b, bound, false );
+}
+
+void lwi_search_first( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
+{
+	bound->measured = INFINITY;
+	search_pair( query, a, b, a_from_b, bound, true );
+}
+
+/// Goes on with a search that waited.
+static void resume( lw_query* query, lwi_waiting* waiting, lwi_bound* bound )
+{
+	lwi_searching* s = &waiting->search;
+	lwi_walk* walk = &waiting->walk;
+	s->a_from_b = &waiting->a_from_b;
+	bound->current_pair = waiting->pair;
+	bound->margin = waiting->margin;
+	lwi_update_limit( s );
+	const uint32_t entries = walk->height - walk->bottom;
+	memmove( &query->stack[query->stack_bottom], &query->stack[walk->bottom], entries * sizeof( lwi_entry ) );
+	walk->bottom = query->stack_bottom;
+	walk->height = query->stack_bottom + entries;
+	(void)walk_trees( s, walk, false );
+	end_search( s );
+}
+
+void lwi_search_waiting( lw_query* query, lwi_bound* bound )
+{
+	for ( uint32_t left = query->waiting_count; left > 0 && !bound->done; --left )
 	{
-		lwi_search_inside( &s );
+		uint32_t next = 0;
+		for ( uint32_t i = 1; i < left; ++i )
+		{
+			next = query->waiting[i].measured < query->waiting[next].measured ? i : next;
+		}
+		lwi_waiting waiting = query->waiting[next];
+		query->waiting[next] = query->waiting[left - 1];
+		resume( query, &waiting, bound );
 	}
+	query->waiting_count = query->stack_bottom = 0;
 }
 
 void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,

@@ -21,6 +21,7 @@ typedef struct lwi_bound
 	double lowest; ///< no clearance is below it: minus the largest margin
 	double rounding, stretch; ///< what poses may be off by: 0, or as lwi_bound_allow_rounding() says
 	double margin; ///< of `current_pair`: set by the caller before each search
+	double measured; ///< least clearance that was measured of it since somebody set this to +inf
 	// the witness of `upper`
 	lw_vec3 point_a, point_b; ///< in a's shape frame
 	uint32_t triangle_a, triangle_b;
@@ -46,6 +47,13 @@ lw_clearance lwi_bound_result( const lwi_bound* bound );
 /// Lowers the bound to the distance of a and b, less the bound's margin, where that is smaller.
 /// @param a_from_b shape frames; finite, a rotation
 void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+
+/// lwi_search() of one of several pairs, any of which may be the nearest. Two trees are searched until something of them was measured, or for a few
+/// leaves; if that does not end it the search waits, and lwi_search_waiting() goes on with it when all pairs had their turn.
+void lwi_search_first( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+
+/// Ends the searches that wait, that of the nearest measured pair first.
+void lwi_search_waiting( lw_query* query, lwi_bound* bound );
 
 /// Measures one pair of items, or of solids, for warm starts. Out-of-range indices are ignored.
 void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,

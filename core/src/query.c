@@ -2,7 +2,7 @@
 // Queries: the scratch of one thread, allocated once.
 #include "checker_internal.h"
 #include "math_inline.h"
-#include "query_internal.h"
+#include "distance_internal.h"
 #include "scene_internal.h"
 
 #include <string.h>
@@ -45,6 +45,7 @@ static void* take( char* base, size_t* used, size_t count, size_t size )
 static size_t lay_out( lw_query* q, char* base )
 {
 	size_t used = lwi_align_up( sizeof( lw_query ) );
+	q->waiting = take( base, &used, LWI_MAX_WAITING, sizeof( lwi_waiting ) );
 	q->state = take( base, &used, q->variable_capacity, sizeof( double ) );
 	q->world_from_link = take( base, &used, q->link_capacity, sizeof( lw_transform ) );
 	q->node_stamp = take( base, &used, q->link_capacity, sizeof( uint64_t ) );

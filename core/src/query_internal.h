@@ -10,8 +10,11 @@
 enum
 {
 	/// One opening replaces an entry by at most LWI_WIDTH; a path has at most LWI_MAX_DEPTH + 1 openings per tree.
-	LWI_HINT_BITS = 10,
-	LWI_STACK_SIZE = ( LWI_WIDTH - 1 ) * 2 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
+	LWI_STACK_PATH = ( LWI_WIDTH - 1 ) * 2 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH,
+	/// Below: searches that wait; above them one that goes on from what it left, and the path of the entry that it opens.
+	LWI_STACK_SIZE = 3 * LWI_STACK_PATH,
+	LWI_MAX_WAITING = 16, ///< searches
+	LWI_HINT_BITS = 10
 };
 
 /// Two subtrees still to be compared.
@@ -64,6 +67,9 @@ struct lw_query
 {
 	lwi_batch batch;
 	lwi_entry stack[LWI_STACK_SIZE];
+	uint32_t stack_bottom;            ///< entries below it belong to searches that wait
+	struct lwi_waiting* waiting;      ///< [LWI_MAX_WAITING]
+	uint32_t waiting_count;
 	lwi_hint hints[1 << LWI_HINT_BITS]; ///< planes that separated pairs of shapes, by a hash
 	lw_allocator allocator;
 	lw_query_def def;
