@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway check: the clearances of a table of states.
+#include "leeway/prepare.hpp"
 #include "names.hpp"
 #include "states.hpp"
 
@@ -22,6 +23,9 @@ struct Counts
 };
 
 } // namespace
+
+/// From so many states on nearly every mesh that can be needed is: they are made beforehand, on all cores.
+constexpr std::size_t many_states = 32;
 
 int runCheck( const CheckOptions& options )
 {
@@ -55,6 +59,11 @@ int runCheck( const CheckOptions& options )
 	out.text = fmt::format( "index,verdict,{},microseconds\n", clearanceHeader( margins ) );
 	Counts counts;
 	std::vector<double> microseconds;
+	if ( states.size() >= many_states )
+	{
+		// one that cannot be made ends the first state that needs it, with the reason
+		(void)prepare( bench.checker() );
+	}
 	Progress progress( "checking states", states.size() );
 	for ( std::size_t row = 0; row < states.size(); ++row )
 	{

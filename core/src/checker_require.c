@@ -345,13 +345,12 @@ void lwi_cover_node( const lw_checker* checker, const lwi_checker_node* node, co
 
 // --- obstacles -------------------------------------------------------------------------------------------------------
 
-/// Distance of a ball from the box of an obstacle, rounded down.
-static double box_distance( const lw_scene_shape_def* obstacle, const ball* b )
+/// Distance of a ball from the box of a shape, rounded down.
+static double box_distance( const lw_shape* shape, const lw_transform* world_from_shape, const ball* b )
 {
-	const lw_shape* shape = obstacle->shape;
-	lw_vec3 p = lwi_untransform( &obstacle->world_from_shape, lwi_load( b->c ) );
+	lw_vec3 p = lwi_untransform( world_from_shape, lwi_load( b->c ) );
 	const double at[3] = { p.x, p.y, p.z };
-	double sum_sq = 0, size = lwi_length( lwi_load( b->c ) ) + lwi_length( lwi_load( obstacle->world_from_shape.t ) );
+	double sum_sq = 0, size = lwi_length( lwi_load( b->c ) ) + lwi_length( lwi_load( world_from_shape->t ) );
 	for ( int k = 0; k < 3; ++k )
 	{
 		double outside = fmax( 0, fmax( shape->box_min[k] - at[k], at[k] - shape->box_max[k] ) );
@@ -363,14 +362,14 @@ static double box_distance( const lw_scene_shape_def* obstacle, const ball* b )
 	return sqrt( sum_sq ) - b->r - rounding * size;
 }
 
-static double proved_distance( const lw_scene_shape_def* obstacle, const lwi_cover* c )
+double lwi_cover_distance( const lw_shape* shape, const lw_transform* world_from_shape, const lwi_cover* c )
 {
 	double nearest = INFINITY;
 	for ( uint32_t i = 0; i < c->count; ++i )
 	{
-		nearest = fmin( nearest, box_distance( obstacle, &c->balls[i] ) );
+		nearest = fmin( nearest, box_distance( shape, world_from_shape, &c->balls[i] ) );
 	}
-	return c->unbounded ? 0 : fmax( 0, fmax( nearest, box_distance( obstacle, &c->chain ) ) );
+	return c->unbounded ? 0 : fmax( 0, fmax( nearest, box_distance( shape, world_from_shape, &c->chain ) ) );
 }
 
 void lwi_required_range( const lw_robot* robot, uint32_t variable, double* out_lower, double* out_upper )
@@ -419,7 +418,8 @@ static void mark_near( lw_checker* checker, const lwi_kept* kept, uint32_t index
 			double distance = source != LW_INVALID_INDEX ? old->node_distance[(size_t)source * old->tree->node_count + index] : NAN;
 			if ( isnan( distance ) )
 			{
-				distance = proved_distance( &checker->scene->shapes[shape], &checker->base->covers[index] );
+				const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
+				distance = lwi_cover_distance( obstacle->shape, &obstacle->world_from_shape, &checker->base->covers[index] );
 			}
 			checker->node_distance[(size_t)shape * nodes + index] = distance;
 			double clearance = less_margin( checker, index, shape, distance );

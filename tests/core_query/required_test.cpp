@@ -875,3 +875,74 @@ TEST( Required, sweeps_without_a_number_of_arcs_are_not_lost )
 		expectNotPassedOver( def, obstacle.get(), far == 0 );
 	}
 }
+
+/// Prepared once, no state within the limits makes a mesh; whatever is made, answers are the same.
+TEST( Required, prepared_checker_leaves_a_mesh_to_a_state )
+{
+	SeededRng rng;
+	int prepared = 0, unmade = 0, later = 0;
+	std::size_t shared = 0;
+	for ( int i = 0; i < 150 && !HasFailure(); ++i )
+	{
+		SCOPED_TRACE( ::testing::Message() << "world " << i );
+		Counts counts, other_counts;
+		World world = randomWorld( rng );
+		world.margin = i % 2 == 0 ? 0 : rng.decade( -2, 0 );
+		World lazy = deferred( world, counts ), other = deferred( world, other_counts );
+		ScenePtr scene = makeScene( lazy.placed ), other_scene = makeScene( other.placed );
+		const double limit = i % 3 == 0 ? inf : 0.1;
+		CheckerPtr checker = makeChecker( lazy.robot.get(), scene.get(), lazy, limit );
+		CheckerPtr unprepared = makeChecker( other.robot.get(), other_scene.get(), other, limit );
+		const int created = counts.made;
+		Preparation preparation;
+		preparation.threads = 2 * static_cast<unsigned>( i % 2 );
+		ASSERT_EQ( LW_OK, lw_checker_prepare( checker.get(), i % 5 == 0 ? nullptr : Preparation::prepare, &preparation, nullptr ) );
+		const int made = counts.made;
+		ASSERT_EQ( LW_OK, lw_checker_prepare( checker.get(), nullptr, nullptr, nullptr ) );
+		EXPECT_EQ( made, counts.made ) << "the second time there is nothing left";
+		prepared += made > created;
+		shared += preparation.shapes;
+		unmade += std::any_of( lazy.shapes.begin(), lazy.shapes.end(),
+			[]( const ShapePtr& shape ) { return lw_shape_peek_info( shape.get() ).deferred; } );
+		QueryPtr query = coldQuery( checker.get() ), other_query = coldQuery( unprepared.get() );
+		for ( int k = 0; k < 8; ++k )
+		{
+			const State q = groupState( rng, world, 0 );
+			const lw_range range = { 0, limit, 0 };
+			const lw_state_result got = ask( checker.get(), query.get(), q, range );
+			const lw_state_result want = ask( unprepared.get(), other_query.get(), q, range );
+			EXPECT_EQ( made, counts.made ) << "state " << k << " had to make a mesh";
+			expectSame( want.environment, got.environment, "environment" );
+			expectSame( want.self, got.self, "self" );
+		}
+		later += other_counts.made > created;
+	}
+	EXPECT_GE( prepared, 60 ) << "checkers with something to prepare";
+	EXPECT_GE( later, 30 ) << "checkers whose states had to make something";
+	EXPECT_GE( unmade, 20 ) << "checkers that leave something deferred: all is made, needed or not";
+	EXPECT_GE( shared, 50u );
+}
+
+TEST( Required, failed_preparation_goes_unsaid )
+{
+	SeededRng rng;
+	int failed = 0;
+	for ( int i = 0; i < 100; ++i )
+	{
+		Counts counts;
+		World world = randomWorld( rng ), lazy = deferred( world, counts );
+		ScenePtr scene = makeScene( lazy.placed );
+		CheckerPtr checker = makeChecker( lazy.robot.get(), scene.get(), lazy, inf );
+		counts.fail = true;
+		Preparation preparation;
+		preparation.threads = 2;
+		const lw_status status = lw_checker_prepare( checker.get(), Preparation::prepare, &preparation, nullptr );
+		counts.fail = false;
+		const int before = counts.made;
+		EXPECT_EQ( LW_OK, lw_checker_prepare( checker.get(), nullptr, nullptr, nullptr ) ) << "it can be made now";
+		EXPECT_EQ( counts.made > before ? LW_ERROR_OUT_OF_MEMORY : LW_OK, status );
+		failed += status != LW_OK;
+	}
+	EXPECT_GE( failed, 30 );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_prepare( nullptr, nullptr, nullptr, nullptr ) );
+}

@@ -4,17 +4,15 @@
 // Who decides on the contact of two links: the SRDF allows what it lists; a planning scene's matrix can allow more. Its
 // "false" does not forbid what the SRDF allows: the MotionBenchMaker matrices were written for other link sets than the
 // SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. Such entries are told in a notice.
+#include "leeway/prepare.hpp"
 #include "margins.hpp"
 #include "padding.hpp"
 #include "plausibility.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <fmt/format.h>
 #include <set>
-#include <system_error>
-#include <thread>
 
 namespace leeway::io
 {
@@ -560,42 +558,6 @@ void noticeStaticContact(
 	}
 }
 
-/// lw_checker_def::prepare: makes meshes on the threads that `user` counts. What fails here fails again when the checker asks for
-/// it, which says so.
-void prepareShapes( void* user, const lw_shape* const* shapes, std::uint32_t count )
-{
-	std::vector<const lw_shape*> list( shapes, shapes + count );
-	// Those that take longest first
-	std::sort( list.begin(), list.end(),
-	    []( const lw_shape* a, const lw_shape* b )
-	    { return lw_shape_peek_info( a ).triangle_count > lw_shape_peek_info( b ).triangle_count; } );
-	std::atomic<std::size_t> next{ 0 };
-	const auto work = [&]
-	{
-		for ( std::size_t i = next++; i < list.size(); i = next++ )
-		{
-			(void)lw_shape_complete( list[i], nullptr );
-		}
-	};
-	std::vector<std::thread> others;
-	for ( std::size_t i = 1; i < std::min<std::size_t>( *static_cast<const unsigned*>( user ), list.size() ); ++i )
-	{
-		try
-		{
-			others.emplace_back( work );
-		}
-		catch ( const std::system_error& )
-		{
-			break; // no more threads to be had: this one does it
-		}
-	}
-	work();
-	for ( std::thread& thread : others )
-	{
-		thread.join();
-	}
-}
-
 void createChecker( const RobotModel& model, const SceneModel* scene, const Contacts& contacts,
     const ProblemOptions& options, Problem& problem )
 {
@@ -624,7 +586,7 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 	def.reach = problem.reach.reach.get();
 	def.max_d = options.max_d;
 	unsigned threads = options.threads;
-	def.prepare = threads > 1 ? prepareShapes : nullptr;
+	def.prepare = threads > 1 ? makeShapes : nullptr;
 	def.prepare_user = &threads;
 	lw_checker* checker = nullptr;
 	lw_diag diag{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // OMPL's two questions, answered by the core: isValid() and checkMotion(), with the whole of their contracts.
 #include "edge_prover.hpp"
+#include "leeway/prepare.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -273,6 +274,11 @@ std::shared_ptr<Engine> install( const ob::SpaceInformationPtr& si, Checker chec
 	auto motions = std::make_shared<MotionValidator>( si, engine );
 	si->setStateValidityChecker( std::make_shared<StateValidityChecker>( si, engine ) );
 	si->setMotionValidator( motions );
+	if ( options.prepare )
+	{
+		// what cannot be made is refused by the states and motions that need it, with or without this
+		(void)prepare( engine->checker().get() );
+	}
 	return engine;
 }
 

@@ -42,6 +42,9 @@ struct Options
 	lw_edge_method method = LW_EDGE_CERTIFIED;
 	double step = 0.01;   ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
 	lw_what what = LW_WHAT_BOTH;
+	/// install() makes deferred meshes that states within the limits can need, on all cores (leeway::prepare()): milliseconds once, where
+	/// single states would pay for them while a planner runs.
+	bool prepare = true;
 };
 
 /// The state space of a checker's group, in the order of its state vector: RealVector if all variables are bounded numbers
