@@ -53,6 +53,7 @@ def summary(rows):
         "plans_found": sum(row["plan"] == "found" for row in asked),
         "plans_valid": len(valid),
         "plans_disconnected": sum("disconnected" in row.get("plan_why", {}).get("verdict", "") for row in asked),
+        "plans_of_another_planner": sum(row.get("plan_why", {}).get("verdict") == "another planner" for row in asked),
         "plans_missing": {row["name"]: reason(row) or row["plan"] for row in asked if row.get("plan_audit") != "valid"},
         "own_srdf_plans": sum("plan_own" in row for row in read),
         "own_srdf_plans_valid": sum(row.get("plan_own_audit") == "valid" for row in read),
@@ -75,7 +76,7 @@ def summary_text(s):
         f"{s['descriptions']} descriptions, {s['robots']} with joints and collision geometry",
         f"read: {share(s['read'], s['robots'])}; SRDFs read: {share(s['srdfs_read'], s['srdfs'])}",
         f"plan between two free states, found and audited valid: {share(s['plans_valid'], s['two_free_states'])}; of the others "
-        f"{s['plans_disconnected']} are disconnected",
+        f"{s['plans_disconnected']} are disconnected, {s['plans_of_another_planner']} connected by another planner",
         f"with the SRDF that came with the robot: {share(s['own_srdf_plans_valid'], s['own_srdf_plans'])}",
         f"pinocchio + coal: {s['compared_states']} states of {s['compared']} robots, {s['booleans_that_differ']} booleans and "
         f"{s['distances_that_differ']} distances differ",

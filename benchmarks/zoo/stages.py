@@ -240,6 +240,17 @@ class RobotRun:
         elif outcome.status == 1:
             self.row[stage + "_said"] = [line for line in outcome.notices.splitlines() if line.strip()][-8:]
             self.row[stage + "_why"] = why.explain(self, srdf, start, goal)
+            if self.row[stage + "_why"]["verdict"] == "open":
+                self.other_planner(srdf, names, start, goal, self.row[stage + "_why"])
+
+    def other_planner(self, srdf, names, start, goal, reasons):
+        """Does a planner that is not the default find one? Then the two are connected, and only the search is at fault."""
+        outcome = self.leeway("plan", "--start", values(names, start), "--goal", values(names, goal), "--time", self.settings.plan_time,
+                              "--planner", "SBL", "--out", self.folder / "other.yaml", srdf=srdf,
+                              limit=self.settings.plan_time + self.settings.limit)
+        if outcome.status == 0 and not outcome.timed_out:
+            reasons["verdict"] = "another planner"
+            reasons["text"] = f"connected: SBL finds a path in {outcome.seconds} s; " + reasons["text"]
 
     def oracle(self):
         """Least self distance against pinocchio + coal: pairs in contact in more than half of 15 states are disabled in both."""
