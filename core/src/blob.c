@@ -6,7 +6,7 @@
 enum
 {
 	BLOB_COOKIE = 0x6c77426c, // "lwBl"
-	VERSION = 5,              // raised when the format, or what its contents promise, changes
+	VERSION = 6,              // raised when the format, or what its contents promise, changes
 	SECTION_SHAPE = 1,        // shapes come first
 	SECTION_REACH = 2         // at most one, last
 };

@@ -44,8 +44,25 @@ static void write_pair( lwi_writer* w, const lw_reach_pair* pair, uint32_t state
 	lwi_write_double( w, pair->contact_share );
 }
 
+/// What proofs go on from, of a pair that moves. Open cells follow behind all of these.
+static void write_effort( lwi_writer* w, const lwi_effort* effort )
+{
+	lwi_write_u32( w, effort->flags );
+	lwi_write_u32( w, effort->contacts );
+	lwi_write_u32( w, effort->visits );
+	lwi_write_u32( w, effort->chart_rounds );
+	lwi_write_u32( w, effort->chart_slabs );
+	lwi_write_u32( w, effort->height );
+	lwi_write_u64( w, effort->cells );
+	lwi_write_double( w, effort->expected );
+	lwi_write_double( w, effort->fraction );
+	lwi_write_double( w, effort->target );
+	lwi_write_double( w, effort->least );
+}
+
 enum
 {
+	EFFORT_BYTES = 6 * 4 + 8 + 4 * 8,
 	CHART_BYTES = 3 * 4, // and one per cell
 	LINK_BYTES = 3 * 32 + 2 * 8 + 8 + 4,
 	PAIR_BYTES = 5 * 4 + 3 * 8
@@ -91,6 +108,10 @@ void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
 	lwi_write_u32( w, reach->variable_count );
 	lwi_write_u32( w, reach->evidence_count );
 	lwi_write_u32( w, reach->chart_count );
+	lwi_write_u64( w, reach->seed );
+	lwi_write_double( w, reach->seconds );
+	lwi_write_u32( w, reach->sample_count );
+	lwi_write_u32( w, 0 );
 	for ( uint32_t i = 0; i < reach->link_count; ++i )
 	{
 		write_link( w, &reach->links[i] );
@@ -102,6 +123,18 @@ void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
 	}
 	lwi_write( w, reach->points, point_bytes( reach ) );
 	lwi_write( w, reach->evidence, evidence_bytes( reach ) );
+	for ( uint32_t i = 0; i < reach->evidence_count; ++i )
+	{
+		write_effort( w, &reach->efforts[i] );
+	}
+	for ( size_t i = 0; i < pairs; ++i )
+	{
+		const lwi_effort* effort = lwi_reach_effort( reach, i );
+		if ( effort != NULL )
+		{
+			lwi_write( w, effort->open, lwi_effort_bytes( effort, reach->pairs[i].variable_count ) );
+		}
+	}
 	for ( uint32_t i = 0; i < reach->chart_count; ++i )
 	{
 		write_chart( w, &reach->charts[i] );
@@ -216,6 +249,115 @@ static const char* read_pairs( lwi_reader* r, lw_reach* reach )
 	return NULL;
 }
 
+static const char* read_effort( lwi_reader* r, const lw_reach* reach, lwi_effort* effort )
+{
+	effort->flags = lwi_read_u32( r );
+	effort->contacts = lwi_read_u32( r );
+	effort->visits = lwi_read_u32( r );
+	effort->chart_rounds = lwi_read_u32( r );
+	effort->chart_slabs = lwi_read_u32( r );
+	uint32_t height = lwi_read_u32( r ); // the effort has no cells yet
+	effort->cells = lwi_read_u64( r );
+	effort->expected = lwi_read_double( r );
+	effort->fraction = lwi_read_double( r );
+	effort->target = lwi_read_double( r );
+	effort->least = lwi_read_double( r );
+	bool counts = effort->flags < LWI_EFFORT_FLAGS && effort->contacts <= reach->sample_count &&
+				  effort->visits <= reach->sample_count && effort->chart_rounds <= 8u && effort->chart_slabs <= 1u << LWI_CHART_BITS &&
+				  height <= LWI_CELL_DEPTH + 1u;
+	bool amounts = effort->expected >= 0.0 && effort->fraction >= 0.0 && effort->fraction < 1.0 && effort->target >= 0.0 &&
+				   effort->least >= 0.0 && ( height == 0 || ( effort->fraction > 0.0 && isfinite( effort->target ) ) );
+	effort->height = height;
+	return counts && amounts ? NULL : "a proof under way that makes no sense";
+}
+
+/// Cells inside the box that is to be proved, in the order of their variables; then an estimate of a distance.
+static bool cells_are_possible( const lwi_effort* effort, uint32_t variable_count )
+{
+	size_t stride = 2 * (size_t)variable_count + 1;
+	for ( uint32_t k = 0; k < effort->height; ++k )
+	{
+		const double* cell = effort->open + k * stride;
+		for ( uint32_t i = 0; i < variable_count; ++i )
+		{
+			if ( !isfinite( cell[2 * i] ) || !isfinite( cell[2 * i + 1] ) || cell[2 * i] > cell[2 * i + 1] )
+			{
+				return false;
+			}
+		}
+		if ( !( cell[stride - 1] >= 0.0 ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// The open cells of all efforts: on failure those that are not read have none.
+static const char* read_open_cells( lwi_reader* r, lw_reach* reach, bool* out_of_memory )
+{
+	const char* problem = NULL;
+	size_t pairs = pair_count( reach );
+	for ( size_t i = 0; i < pairs; ++i )
+	{
+		lwi_effort* effort = lwi_reach_effort( reach, i );
+		if ( effort == NULL || effort->height == 0 )
+		{
+			continue;
+		}
+		size_t bytes = lwi_effort_bytes( effort, reach->pairs[i].variable_count );
+		bool there = problem == NULL && !*out_of_memory && effort->open == NULL && bytes <= lwi_reader_left( r );
+		if ( there )
+		{
+			effort->open = lwi_alloc( &reach->allocator, bytes );
+			*out_of_memory = effort->open == NULL;
+		}
+		if ( !there || effort->open == NULL )
+		{
+			problem = "cells that do not exist";
+			effort->height = effort->open != NULL ? effort->height : 0;
+			continue;
+		}
+		lwi_read( r, effort->open, bytes );
+		problem = cells_are_possible( effort, reach->pairs[i].variable_count ) ? problem : "cells that are none";
+	}
+	return problem;
+}
+
+static const char* read_efforts( lwi_reader* r, lw_reach* reach, bool* out_of_memory )
+{
+	const char* problem = NULL;
+	for ( uint32_t i = 0; i < reach->evidence_count; ++i )
+	{
+		const char* found = read_effort( r, reach, &reach->efforts[i] );
+		problem = problem == NULL ? found : problem;
+	}
+	if ( problem != NULL )
+	{
+		for ( uint32_t i = 0; i < reach->evidence_count; ++i )
+		{
+			reach->efforts[i].height = 0; // there are none to free
+		}
+		return problem;
+	}
+	return read_open_cells( r, reach, out_of_memory );
+}
+
+/// Each pair that moves has an entry of the evidence of its own.
+static const char* check_states( const lw_reach* reach )
+{
+	uint32_t next = 0;
+	size_t pairs = pair_count( reach );
+	for ( size_t i = 0; i < pairs; ++i )
+	{
+		if ( reach->states[i] != LW_INVALID_INDEX && reach->states[i] != next++ )
+		{
+			return "evidence of another pair";
+		}
+	}
+	return next == reach->evidence_count ? NULL : "evidence of no pair";
+}
+
 /// @param last pair index of the chart before it
 static const char* read_chart( lwi_reader* r, lw_reach* reach, lwi_chart* chart, size_t* last )
 {
@@ -296,7 +438,9 @@ static const char* read_contents( lwi_reader* r, lw_reach* reach, bool* out_of_m
 	{
 		return "numbers that are not finite";
 	}
-	problem = read_charts( r, reach, out_of_memory );
+	problem = check_states( reach );
+	problem = problem == NULL ? read_efforts( r, reach, out_of_memory ) : problem;
+	problem = problem == NULL && !*out_of_memory ? read_charts( r, reach, out_of_memory ) : problem;
 	if ( problem != NULL || *out_of_memory )
 	{
 		return problem;
@@ -317,6 +461,10 @@ static const char* read_counts( lwi_reader* r, lw_reach* reach )
 	uint64_t points = lwi_read_u64( r );
 	uint32_t links = lwi_read_u32( r ), variables = lwi_read_u32( r ), evidence = lwi_read_u32( r );
 	uint32_t charts = lwi_read_u32( r );
+	reach->seed = lwi_read_u64( r );
+	reach->seconds = lwi_read_double( r );
+	reach->sample_count = lwi_read_u32( r );
+	uint32_t zero = lwi_read_u32( r );
 	if ( r->failed || links != reach->robot->link_count || variables != reach->robot->variable_count )
 	{
 		return "counts of links or variables that are not the robot's";
@@ -325,14 +473,18 @@ static const char* read_counts( lwi_reader* r, lw_reach* reach )
 	{
 		return "an error bound or a margin below zero";
 	}
+	if ( !( reach->seconds >= 0.0 ) || !isfinite( reach->seconds ) || zero != 0 )
+	{
+		return "a time below zero";
+	}
 	// divisions, as products of such counts may overflow
-	uint64_t left = lwi_reader_left( r ), state_bytes = (uint64_t)variables * sizeof( double );
+	uint64_t left = lwi_reader_left( r ), state_bytes = (uint64_t)variables * sizeof( double ) + EFFORT_BYTES;
 	uint64_t fixed = (uint64_t)links * LINK_BYTES + (uint64_t)links * ( links - 1u ) / 2 * PAIR_BYTES;
 	bool fits = fixed <= left && points <= ( left - fixed ) / ( 3 * sizeof( double ) );
 	uint64_t rest = fits ? left - fixed - points * 3 * sizeof( double ) : 0;
 	fits = fits && (uint64_t)evidence * state_bytes <= rest;
 	rest = fits ? rest - (uint64_t)evidence * state_bytes : 0;
-	if ( !fits || charts > rest / CHART_BYTES || ( charts == 0 && rest > 0 ) )
+	if ( !fits || charts > rest / CHART_BYTES )
 	{
 		return "arrays longer or shorter than their counts";
 	}
@@ -358,10 +510,11 @@ static lw_status read_reach( lwi_reader* r, lw_reach* reach, lw_diag* diag )
 	size_t points = point_bytes( reach ), evidence = evidence_bytes( reach );
 	reach->points = points > 0 ? lwi_alloc( &reach->allocator, points ) : NULL;
 	reach->evidence = evidence > 0 ? lwi_alloc( &reach->allocator, evidence ) : NULL;
+	reach->efforts = lwi_alloc_zero( &reach->allocator, reach->evidence_count, sizeof( lwi_effort ) );
 	reach->charts = reach->chart_capacity > 0
 						? lwi_alloc_zero( &reach->allocator, reach->chart_capacity, sizeof( lwi_chart ) )
 						: NULL;
-	bool out_of_memory = ( points > 0 && reach->points == NULL ) || ( evidence > 0 && reach->evidence == NULL ) ||
+	bool out_of_memory = reach->efforts == NULL || ( points > 0 && reach->points == NULL ) || ( evidence > 0 && reach->evidence == NULL ) ||
 						 ( reach->chart_capacity > 0 && reach->charts == NULL );
 	if ( out_of_memory )
 	{

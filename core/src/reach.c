@@ -32,10 +32,6 @@ static lw_status check_def( const lw_reach_def* def, lw_diag* diag )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX, "make the reach def with lw_reach_def_default()" );
 	}
-	if ( def->robot == NULL )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "the reach def has no robot: set def.robot" );
-	}
 	if ( !is_amount( def->hull_error ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
@@ -52,12 +48,6 @@ static lw_status check_def( const lw_reach_def* def, lw_diag* diag )
 			"the time budget is %g seconds: give a finite number, or 0 for proofs by hulls only", def->seconds );
 	}
 	return LW_OK;
-}
-
-bool lwi_reach_progress( const lwi_reach_job* job, const char* stage, double share )
-{
-	const lw_reach_def* def = job->def;
-	return def->progress == NULL || def->progress( def->progress_user, stage, lwi_clamp( share, 0.0, 1.0 ) );
 }
 
 // ---- memory ----------------------------------------------------------------------------------------------------------
@@ -128,7 +118,13 @@ static size_t chart_bytes( const lw_reach* reach )
 
 size_t lwi_reach_count_bytes( const lw_reach* reach )
 {
-	return chart_bytes( reach ) + sizeof( lw_reach ) + 2 * (size_t)reach->variable_count * sizeof( double ) +
+	size_t efforts = reach->evidence_count * sizeof( lwi_effort );
+	for ( size_t i = 0; i < pair_count( reach ); ++i )
+	{
+		const lwi_effort* effort = lwi_reach_effort( reach, i );
+		efforts += effort != NULL ? lwi_effort_bytes( effort, reach->pairs[i].variable_count ) : 0;
+	}
+	return efforts + chart_bytes( reach ) + sizeof( lw_reach ) + 2 * (size_t)reach->variable_count * sizeof( double ) +
 		   reach->link_count * ( sizeof( lwi_reach_link ) + sizeof( double ) ) +
 		   pair_count( reach ) * ( sizeof( lw_reach_pair ) + sizeof( uint32_t ) ) + 2 * square( reach ) * sizeof( double ) +
 		   3 * reach->point_count * sizeof( double ) +
@@ -143,6 +139,15 @@ void lwi_reach_free( lw_reach* reach )
 	}
 	lw_allocator memory = reach->allocator;
 	size_t pairs = pair_count( reach );
+	for ( size_t i = 0; i < pairs && reach->efforts != NULL; ++i )
+	{
+		const lwi_effort* effort = lwi_reach_effort( reach, i );
+		if ( effort != NULL )
+		{
+			lwi_free( &memory, effort->open, lwi_effort_bytes( effort, reach->pairs[i].variable_count ) );
+		}
+	}
+	lwi_free( &memory, reach->efforts, reach->evidence_count * sizeof( lwi_effort ) );
 	lwi_free( &memory, reach->lower, reach->variable_count * sizeof( double ) );
 	lwi_free( &memory, reach->upper, reach->variable_count * sizeof( double ) );
 	lwi_free( &memory, reach->links, reach->link_count * sizeof( lwi_reach_link ) );
@@ -162,17 +167,43 @@ void lwi_reach_free( lw_reach* reach )
 	lwi_free( &memory, reach, sizeof( lw_reach ) );
 }
 
-static lw_status build( const lwi_reach_job* job )
+static lw_status finish( const lwi_reach_job* job )
 {
-	lw_status status = lwi_reach_allocate( job->reach, job->diag );
-	status = status == LW_OK ? lwi_reach_build_hulls( job ) : status;
-	status = status == LW_OK ? lwi_reach_build_pairs( job ) : status;
+	lw_status status = lwi_reach_build_pairs( job );
 	if ( status == LW_OK )
 	{
 		lwi_reach_build_tables( job->reach );
 		job->reach->bytes = lwi_reach_count_bytes( job->reach );
 	}
 	return status;
+}
+
+static lw_status build( const lwi_reach_job* job )
+{
+	const lw_robot* robot = job->reach->robot;
+	lw_status status = LW_OK;
+	for ( uint32_t i = 0; i < robot->body_count && status == LW_OK; ++i )
+	{
+		status = lw_shape_complete( robot->bodies[i].shape, job->diag ); // all that follows looks at its geometry
+	}
+	status = status == LW_OK ? lwi_reach_allocate( job->reach, job->diag ) : status;
+	status = status == LW_OK ? lwi_reach_build_hulls( job ) : status;
+	status = status == LW_OK ? lwi_reach_list_pairs( job ) : status;
+	return status == LW_OK ? finish( job ) : status;
+}
+
+/// A reach without contents. NULL without memory.
+static lw_reach* make( const lw_robot* robot, const lw_allocator* allocator )
+{
+	lw_allocator memory = lwi_allocator_or_default( allocator );
+	lw_reach* reach = lwi_alloc_zero( &memory, 1, sizeof( lw_reach ) );
+	if ( reach != NULL )
+	{
+		atomic_init( &reach->references, 1u );
+		reach->allocator = memory;
+		reach->robot = lw_robot_retain( robot );
+	}
+	return reach;
 }
 
 lw_status lw_reach_create( const lw_reach_def* def, const lw_allocator* allocator, lw_diag* diag, lw_reach** out_reach )
@@ -187,23 +218,21 @@ lw_status lw_reach_create( const lw_reach_def* def, const lw_allocator* allocato
 	{
 		return status;
 	}
-	lw_allocator memory = lwi_allocator_or_default( allocator );
-	lw_reach* reach = lwi_alloc_zero( &memory, 1, sizeof( lw_reach ) );
+	if ( def->robot == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "the reach def has no robot: set def.robot" );
+	}
+	lw_reach* reach = make( def->robot, allocator );
 	if ( reach == NULL )
 	{
 		return lwi_out_of_memory( diag, "a reach" );
 	}
-	atomic_init( &reach->references, 1u );
-	reach->allocator = memory;
-	reach->robot = lw_robot_retain( def->robot );
 	reach->hull_error = def->hull_error;
 	reach->limit_margin = def->limit_margin;
-	lwi_reach_job job = { def, reach, diag };
-	for ( uint32_t i = 0; i < def->robot->body_count && status == LW_OK; ++i )
-	{
-		status = lw_shape_complete( def->robot->bodies[i].shape, diag ); // all that follows looks at its geometry
-	}
-	status = status == LW_OK ? build( &job ) : status;
+	reach->seed = def->seed;
+	lwi_reach_stage stage = { 0 };
+	lwi_reach_job job = { def, reach, diag, &stage };
+	status = build( &job );
 	if ( status != LW_OK )
 	{
 		lwi_reach_free( reach );
@@ -211,6 +240,146 @@ lw_status lw_reach_create( const lw_reach_def* def, const lw_allocator* allocato
 	}
 	*out_reach = reach;
 	return LW_OK;
+}
+
+// ---- going on --------------------------------------------------------------------------------------------------------
+
+static void* copy_of( const lw_allocator* memory, const void* from, size_t bytes )
+{
+	void* copy = from != NULL ? lwi_alloc( memory, bytes ) : NULL;
+	if ( copy != NULL )
+	{
+		memcpy( copy, from, bytes );
+	}
+	return copy;
+}
+
+/// Charts and open cells, each in memory of its own.
+static bool copy_efforts( const lw_reach* from, lw_reach* to )
+{
+	const lw_allocator* memory = &to->allocator;
+	to->charts = from->chart_count > 0 ? lwi_alloc_zero( memory, from->chart_count, sizeof( lwi_chart ) ) : NULL;
+	to->efforts = lwi_alloc_zero( memory, from->evidence_count, sizeof( lwi_effort ) );
+	to->evidence_count = to->efforts != NULL ? from->evidence_count : 0;
+	bool complete = to->efforts != NULL && ( to->charts != NULL || from->chart_count == 0 );
+	to->chart_capacity = to->charts != NULL ? from->chart_count : 0;
+	for ( uint32_t i = 0; i < to->chart_capacity && complete; ++i )
+	{
+		to->charts[i] = from->charts[i];
+		to->charts[i].cells = copy_of( memory, from->charts[i].cells, lwi_chart_size( &from->charts[i] ) );
+		complete = to->charts[i].cells != NULL;
+		to->chart_count += complete ? 1u : 0u;
+	}
+	for ( size_t i = 0; i < pair_count( from ) && complete; ++i )
+	{
+		const lwi_effort* effort = lwi_reach_effort( from, i );
+		if ( effort != NULL )
+		{
+			lwi_effort* mine = &to->efforts[from->states[i]];
+			*mine = *effort;
+			mine->open = copy_of( memory, effort->open, lwi_effort_bytes( effort, from->pairs[i].variable_count ) );
+			complete = mine->open != NULL || effort->open == NULL;
+			mine->height = mine->open != NULL ? effort->height : 0;
+		}
+	}
+	return complete;
+}
+
+/// All of a reach into an allocated one, but for tables.
+static bool copy_contents( const lw_reach* from, lw_reach* to )
+{
+	const lw_allocator* memory = &to->allocator;
+	memcpy( to->links, from->links, from->link_count * sizeof( lwi_reach_link ) );
+	memcpy( to->pairs, from->pairs, pair_count( from ) * sizeof( lw_reach_pair ) );
+	memcpy( to->states, from->states, pair_count( from ) * sizeof( uint32_t ) );
+	to->points = copy_of( memory, from->points, 3 * from->point_count * sizeof( double ) );
+	to->point_count = to->points != NULL ? from->point_count : 0;
+	bool complete = copy_efforts( from, to );
+	to->evidence = !complete ? NULL : copy_of( memory, from->evidence, (size_t)from->evidence_count * from->variable_count * sizeof( double ) );
+	return complete && ( to->points != NULL || from->points == NULL ) && ( to->evidence != NULL || from->evidence == NULL );
+}
+
+lw_status lw_reach_continue( const lw_reach* reach, const lw_reach_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_reach** out_reach )
+{
+	if ( out_reach == NULL || reach == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL", reach == NULL ? "reach" : "out_reach" );
+	}
+	*out_reach = NULL;
+	lw_status status = check_def( def, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	if ( def->robot != NULL && def->robot != reach->robot )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"the reach is of '%s', def.robot is another one: leave def.robot NULL", lw_robot_name( reach->robot ) );
+	}
+	lw_reach* more = make( reach->robot, allocator );
+	if ( more == NULL )
+	{
+		return lwi_out_of_memory( diag, "a reach" );
+	}
+	more->hull_error = reach->hull_error;
+	more->limit_margin = reach->limit_margin;
+	more->seed = reach->seed;
+	more->seconds = reach->seconds;
+	more->sample_count = reach->sample_count;
+	lwi_reach_stage stage = { 0 };
+	lwi_reach_job job = { def, more, diag, &stage };
+	status = lwi_reach_allocate( more, diag );
+	if ( status == LW_OK && !copy_contents( reach, more ) )
+	{
+		status = lwi_out_of_memory( diag, "a reach" );
+	}
+	for ( uint32_t i = 0; i < more->robot->body_count && status == LW_OK; ++i )
+	{
+		status = lw_shape_complete( more->robot->bodies[i].shape, diag );
+	}
+	status = status == LW_OK ? finish( &job ) : status;
+	if ( status != LW_OK )
+	{
+		lwi_reach_free( more );
+		return status;
+	}
+	*out_reach = more;
+	return LW_OK;
+}
+
+/// True if more time may change what is known of the pair.
+static bool is_open( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort )
+{
+	bool compared = !( pair->closest > 0 ) || ( effort->flags & LWI_EFFORT_HULLS ) != 0;
+	return !compared || lwi_effort_aim( pair, effort ) > 0 || lwi_effort_wants_chart( reach, pair, effort );
+}
+
+lw_reach_info lw_reach_get_info( const lw_reach* reach )
+{
+	lw_reach_info info = { .charts = reach->chart_count, .samples = reach->sample_count, .seconds = reach->seconds };
+	info.complete = reach->sample_count > 0;
+	for ( size_t i = 0; i < pair_count( reach ); ++i )
+	{
+		const lw_reach_pair* pair = &reach->pairs[i];
+		const lwi_effort* effort = lwi_reach_effort( reach, i );
+		if ( effort == NULL )
+		{
+			continue;
+		}
+		bool open = is_open( reach, pair, effort );
+		info.complete = info.complete && !open;
+		if ( pair->allowed )
+		{
+			continue;
+		}
+		++info.pairs;
+		++*( pair->separation > 0     ? &info.proved
+			 : !( pair->closest > 0 ) ? &info.contact
+			 : open                   ? &info.open
+									  : &info.unprovable );
+	}
+	return info;
 }
 
 lw_reach* lw_reach_retain( const lw_reach* reach )

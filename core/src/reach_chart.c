@@ -18,6 +18,9 @@ enum
 {
 	FINE_BITS = 6,     ///< halvings of a cell along each axis, at most
 	PARTS_OF_CELL = 24, ///< parts of a cell that are told apart at most
+	PARTS_OF_FINE = 6,  ///< the same in a chart whose cells had a coarser cell's parts before
+	FINE_CHART_BITS = 13, ///< of the number of cells of such a chart
+	SLAB_BITS = 9,      ///< of the number of cells that are made in one go
 	BLOCKS_PER_LOOK = 32 ///< measurements between two looks at the clock
 };
 
@@ -29,6 +32,8 @@ enum
 /// Metres off every bound, for roundings of its last operations; and the motion up to which these are that small.
 #define CHART_ROUNDING 1e-9
 #define CHART_LARGEST 1e5
+/// Motion within a cell over that within its parts, about: axes have bits by what they contribute, so that all of them are cut.
+#define MOST_CUT 4.0
 
 // ---- which variables --------------------------------------------------------------------------------------------------
 
@@ -132,6 +137,7 @@ typedef struct maker
 	lwi_prober* prober;
 	lwi_chart* chart;
 	double deadline;
+	uint32_t parts; ///< of a cell, at most
 	uint64_t seen; ///< blocks
 	bool late, cancelled;
 } maker;
@@ -185,7 +191,7 @@ static void measure( maker* m, block* b, uint32_t least_level )
 	lwi_prober* p = m->prober;
 	if ( ++m->seen % BLOCKS_PER_LOOK == 0 )
 	{
-		m->cancelled = m->cancelled || !lwi_prober_progress( p );
+		m->cancelled = m->cancelled || !lwi_reach_goes_on( p->job );
 		m->late = m->cancelled || lwi_monotonic_seconds() >= m->deadline;
 	}
 	set_block( m, b );
@@ -197,7 +203,8 @@ static void measure( maker* m, block* b, uint32_t least_level )
 	{
 		return; // where it came from says that nothing is to be gained
 	}
-	lw_range range = { 0, LWI_CHART_MOST * LWI_CHART_STEP + needed + CHART_ROUNDING, CHART_ALPHA };
+	// nearer than what would raise the bound, all that is asked for is some distance from above
+	lw_range range = { needed + b->lower, LWI_CHART_MOST * LWI_CHART_STEP + needed + CHART_ROUNDING, CHART_ALPHA };
 	lwi_bound bound;
 	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &bound );
 	lw_clearance clearance = lwi_bound_result( &bound );
@@ -235,6 +242,10 @@ static double prove_cell( maker* m, const block* cell )
 {
 	block parts[PARTS_OF_CELL] = { *cell };
 	double nearest = cell->distance;
+	if ( nearest * MOST_CUT < cell->motion )
+	{
+		return cell->lower; // parts are not that much smaller
+	}
 	choose_axis( m, &parts[0], 0 ); // shares are still those of this cell
 	for ( uint32_t count = 1;; ++count )
 	{
@@ -244,7 +255,7 @@ static double prove_cell( maker* m, const block* cell )
 			worst = parts[i].lower < worst->lower ? &parts[i] : worst;
 		}
 		bool good = worst->lower >= fmin( GOOD_CELL * nearest, LWI_CHART_MOST * LWI_CHART_STEP );
-		if ( good || nearest < LWI_CHART_STEP || count == PARTS_OF_CELL || worst->widest == LW_INVALID_INDEX || m->late )
+		if ( good || nearest < LWI_CHART_STEP || count == m->parts || worst->widest == LW_INVALID_INDEX || m->late )
 		{
 			return worst->lower;
 		}
@@ -255,7 +266,7 @@ static double prove_cell( maker* m, const block* cell )
 	}
 }
 
-/// Writes a number into all cells of a block.
+/// Raises the numbers of all cells of a block to one.
 static void fill( maker* m, const block* b, uint8_t number )
 {
 	const lwi_chart* chart = m->chart;
@@ -271,7 +282,11 @@ static void fill( maker* m, const block* b, uint8_t number )
 	{
 		for ( uint32_t y = first[1]; y < first[1] + count[1]; ++y )
 		{
-			memset( chart->cells + ( ( ( ( (size_t)x << bits[1] ) + y ) << bits[2] ) + first[2] ), number, count[2] );
+			uint8_t* row = chart->cells + ( ( ( ( (size_t)x << bits[1] ) + y ) << bits[2] ) + first[2] );
+			for ( uint32_t z = 0; z < count[2]; ++z )
+			{
+				row[z] = number > row[z] ? number : row[z]; // a coarser chart may have said more
+			}
 		}
 	}
 }
@@ -307,25 +322,33 @@ static void choose_bits( maker* m, uint32_t total_bits )
 	}
 }
 
-/// Goes through all blocks, depth first: one sibling per halving waits.
-static void make_cells( maker* m )
+/// Part `index` of 2^slab_bits: the first bits of the index of a cell in `cells` are those of the slab.
+static block slab_of( const lwi_chart* chart, uint32_t index, uint32_t slab_bits )
 {
-	block stack[LWI_CHART_BITS + 2] = { { .distance = INFINITY } };
-	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	block b = { .distance = INFINITY };
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
 	{
-		stack[0].level[i] = (uint8_t)( m->chart->axes[i].bits + FINE_BITS );
+		uint32_t bits = chart->axes[i].bits, own = slab_bits < bits ? slab_bits : bits;
+		slab_bits -= own;
+		uint32_t at = ( index >> slab_bits ) & ( ( 1u << own ) - 1u );
+		b.level[i] = (uint8_t)( bits - own + FINE_BITS );
+		b.at[i] = at << b.level[i];
 	}
+	return b;
+}
+
+/// Goes through all blocks of a slab, depth first: one sibling per halving waits. Ends early if it is late.
+static void make_cells( maker* m, block slab )
+{
+	block stack[LWI_CHART_BITS + 2] = { slab };
 	uint32_t waiting = 0; // below the one in hand
-	for ( bool done = false; !done; )
+	for ( bool done = false; !done && !m->late; )
 	{
 		block* b = &stack[waiting];
-		if ( !m->late )
-		{
-			measure( m, b, FINE_BITS );
-		}
+		measure( m, b, FINE_BITS );
 		bool cell = is_cell( m, b );
 		bool good = b->lower >= fmin( GOOD_BLOCK * ( b->distance + b->motion ), LWI_CHART_MOST * LWI_CHART_STEP );
-		if ( m->late || cell || good )
+		if ( cell || good )
 		{
 			fill( m, b, number_of( cell && !m->late ? prove_cell( m, b ) : b->lower ) );
 			done = waiting == 0;
@@ -347,30 +370,100 @@ static bool is_worth_keeping( const lwi_chart* chart, double separation )
 	return most * LWI_CHART_STEP > separation;
 }
 
-lw_status lwi_chart_make( lwi_prober* p, uint32_t link_a, uint32_t link_b, double separation,
-	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* chart, bool* out_complete )
+/// What the coarser chart says, cell by cell. Axes have the same or more bits, since each halving is chosen as before.
+static void inherit( lwi_chart* fine, const lwi_chart* coarse )
+{
+	uint32_t total = 0;
+	for ( uint32_t i = 0; i < fine->dimension; ++i )
+	{
+		total += fine->axes[i].bits;
+	}
+	for ( size_t cell = 0; cell < lwi_chart_size( fine ); ++cell )
+	{
+		size_t from = 0;
+		uint32_t below = total; // bits of this axis and those after it
+		for ( uint32_t i = 0; i < fine->dimension; ++i )
+		{
+			uint32_t bits = fine->axes[i].bits;
+			below -= bits;
+			size_t at = ( cell >> below ) & ( ( (size_t)1 << bits ) - 1 );
+			from = ( from << coarse->axes[i].bits ) + ( at >> ( bits - coarse->axes[i].bits ) );
+		}
+		fine->cells[cell] = coarse->cells[from];
+	}
+}
+
+static void drop_cells( const lw_reach* reach, lwi_chart* chart )
+{
+	if ( chart->cells != NULL )
+	{
+		lwi_free( &reach->allocator, chart->cells, lwi_chart_size( chart ) );
+		chart->cells = NULL;
+	}
+}
+
+/// A chart of so many cells, if it has not got them. @return false without memory
+static bool make_finer( maker* m, uint32_t total_bits )
+{
+	const lw_reach* reach = m->prober->job->reach;
+	lwi_chart coarse = *m->chart, *fine = m->chart;
+	lwi_chart_describe( reach, coarse.link_a, coarse.link_b, fine ); // no bits
+	choose_bits( m, total_bits );
+	bool same = coarse.cells != NULL, finer = true;
+	for ( uint32_t i = 0; i < fine->dimension; ++i )
+	{
+		same = same && coarse.axes[i].bits == fine->axes[i].bits;
+		finer = finer && coarse.axes[i].bits <= fine->axes[i].bits;
+	}
+	if ( same )
+	{
+		*fine = coarse;
+		return true;
+	}
+	fine->cells = lwi_alloc_zero( &reach->allocator, lwi_chart_size( fine ), 1 );
+	if ( fine->cells == NULL )
+	{
+		*fine = coarse;
+		return false;
+	}
+	if ( coarse.cells != NULL && finer )
+	{
+		inherit( fine, &coarse );
+	}
+	drop_cells( reach, &coarse );
+	return true;
+}
+
+lw_status lwi_chart_refine( lwi_prober* p, uint32_t link_a, uint32_t link_b, double separation,
+	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* chart, uint32_t* slabs, bool* out_complete )
 {
 	const lwi_reach_job* job = p->job;
 	*out_complete = true;
-	if ( separation >= LWI_CHART_MOST * LWI_CHART_STEP || !lwi_chart_describe( job->reach, link_a, link_b, chart ) )
+	lwi_chart described;
+	if ( separation >= LWI_CHART_MOST * LWI_CHART_STEP || !lwi_chart_describe( job->reach, link_a, link_b, &described ) )
 	{
-		chart->cells = NULL;
+		drop_cells( job->reach, chart );
 		return LW_OK;
 	}
+	*chart = chart->cells != NULL ? *chart : described;
 	lwi_prober_select( p, link_a, link_b );
 	maker m = { .prober = p, .chart = chart, .deadline = deadline };
-	choose_bits( &m, total_bits[chart->dimension] );
-	chart->cells = lwi_alloc_zero( &job->reach->allocator, lwi_chart_size( chart ), 1 );
-	if ( chart->cells == NULL )
+	uint32_t bits = total_bits[chart->dimension];
+	if ( !make_finer( &m, bits ) )
 	{
 		return lwi_out_of_memory( job->diag, "charts of pairs" );
 	}
-	make_cells( &m );
-	*out_complete = !m.late;
-	if ( m.cancelled || !is_worth_keeping( chart, separation ) )
+	m.parts = bits < FINE_CHART_BITS ? PARTS_OF_CELL : PARTS_OF_FINE;
+	uint32_t slab_bits = bits > SLAB_BITS ? bits - SLAB_BITS : 0;
+	while ( *slabs < 1u << slab_bits && !m.late )
 	{
-		lwi_free( &job->reach->allocator, chart->cells, lwi_chart_size( chart ) );
-		chart->cells = NULL;
+		make_cells( &m, slab_of( chart, *slabs, slab_bits ) );
+		*slabs += m.late ? 0u : 1u;
+	}
+	*out_complete = *slabs >= 1u << slab_bits;
+	if ( *out_complete && !is_worth_keeping( chart, separation ) )
+	{
+		drop_cells( job->reach, chart );
 	}
 	return m.cancelled ? lwi_fail( job->diag, LW_ERROR_CANCELLED, LW_INVALID_INDEX, "given up by the progress callback" )
 					   : LW_OK;

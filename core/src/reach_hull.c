@@ -93,6 +93,10 @@ static lw_status fail( const lwi_reach_job* job, lw_status status )
 		return lwi_fail( job->diag, status, LW_INVALID_INDEX,
 			"this build has no convex hulls: configure with LEEWAY_HULLS=ON (Debian package libqhull-dev)" );
 	}
+	if ( status == LW_ERROR_CANCELLED )
+	{
+		return lwi_fail( job->diag, status, LW_INVALID_INDEX, "given up by the progress callback while motion hulls were built" );
+	}
 	return status == LW_ERROR_OUT_OF_MEMORY ? lwi_out_of_memory( job->diag, "motion hulls" ) : status;
 }
 
@@ -104,6 +108,8 @@ typedef struct builder
 	const lwi_reach_job* job;
 	lwi_hull_plan plan;
 	lwi_hull* m; ///< [link_count]
+	uint32_t* tier; ///< links that are built now
+	lw_status* status; ///< [link_count]
 } builder;
 
 /// mr grows by the M of all children.
@@ -208,18 +214,72 @@ static lw_status collect_points( const builder* b )
 	return LW_OK;
 }
 
-static lw_status build_all( builder* b )
+static void build_task( void* context, uint32_t index )
+{
+	builder* b = context;
+	uint32_t link = b->tier[index];
+	if ( lwi_reach_goes_on( b->job ) )
+	{
+		b->status[link] = build_link( b, link );
+	}
+	lwi_reach_step( b->job );
+}
+
+/// Joints between each link and the farthest one below it.
+static void measure_heights( const lw_robot* robot, uint32_t* height )
+{
+	for ( uint32_t k = robot->link_count; k-- > 1; ) // the first in order is the root
+	{
+		uint32_t link = robot->link_order[k], parent = robot->joints[robot->link_joint[link]].parent;
+		height[parent] = height[link] + 1 > height[parent] ? height[link] + 1 : height[parent];
+	}
+}
+
+/// Tier by tier from the leaves: links of one height need only hulls of lower ones.
+static lw_status build_tiers( builder* b, const uint32_t* height )
 {
 	const lw_robot* robot = b->plan.robot;
 	lw_status status = LW_OK;
-	for ( uint32_t k = robot->link_count; k-- > 0 && status == LW_OK; )
+	uint32_t left = robot->link_count;
+	for ( uint32_t h = 0; left > 0 && status == LW_OK; ++h )
 	{
-		if ( !lwi_reach_progress( b->job, "hulls", 1 - ( k + 1.0 ) / robot->link_count ) )
+		uint32_t count = 0;
+		for ( uint32_t link = 0; link < robot->link_count; ++link )
 		{
-			return lwi_fail( b->job->diag, LW_ERROR_CANCELLED, LW_INVALID_INDEX, "cancelled while building motion hulls" );
+			b->tier[count] = link;
+			count += height[link] == h ? 1u : 0u;
 		}
-		status = build_link( b, robot->link_order[k] );
+		left -= count;
+		status = lwi_reach_run( b->job, build_task, b, count );
+		for ( uint32_t i = 0; i < count && status == LW_OK; ++i )
+		{
+			status = b->status[b->tier[i]];
+		}
+		if ( status == LW_OK && !lwi_reach_goes_on( b->job ) )
+		{
+			status = LW_ERROR_CANCELLED;
+		}
 	}
+	return status;
+}
+
+static lw_status build_all( builder* b )
+{
+	const lw_allocator* memory = &b->plan.allocator;
+	uint32_t count = b->plan.robot->link_count;
+	uint32_t* height = lwi_alloc_zero( memory, count, sizeof( uint32_t ) );
+	b->tier = lwi_alloc_zero( memory, count + 1, sizeof( uint32_t ) );
+	b->status = lwi_alloc_zero( memory, count, sizeof( lw_status ) );
+	lw_status status = LW_ERROR_OUT_OF_MEMORY;
+	if ( height != NULL && b->tier != NULL && b->status != NULL )
+	{
+		lwi_reach_begin( b->job, "hulls", 0, count );
+		measure_heights( b->plan.robot, height );
+		status = build_tiers( b, height );
+	}
+	lwi_free( memory, b->status, count * sizeof( lw_status ) );
+	lwi_free( memory, b->tier, ( count + 1 ) * sizeof( uint32_t ) );
+	lwi_free( memory, height, count * sizeof( uint32_t ) );
 	return status == LW_OK ? collect_points( b ) : status;
 }
 
@@ -367,23 +427,32 @@ static double hull_distance( const lwi_hull* a, const lwi_hull* b )
 	return fmax( 0.0, ( r.lower - dilation ) * ( 1 - 4 * LWI_U64 ) );
 }
 
+uint32_t lwi_sweeps_level( const lwi_sweeps* s, uint32_t link, uint32_t other )
+{
+	uint32_t level = 0;
+	for ( uint32_t a = link, b = other; a != b; )
+	{
+		bool lift_a = s->depth[a] >= s->depth[b], lift_b = s->depth[b] >= s->depth[a];
+		a = lift_a ? parent_of( s->plan.robot, a ) : a;
+		b = lift_b ? parent_of( s->plan.robot, b ) : b;
+		level += lift_a ? 1u : 0u;
+	}
+	return level;
+}
+
+lw_status lwi_sweeps_make( lwi_sweeps* s, uint32_t link, uint32_t level )
+{
+	const lwi_hull* hull;
+	return fail( s->job, get_hull( s, link, level, &hull ) );
+}
+
 lw_status lwi_sweeps_separation( lwi_sweeps* s, uint32_t link_a, uint32_t link_b, double* out_separation )
 {
 	*out_separation = 0;
-	const lw_robot* robot = s->plan.robot;
-	uint32_t a = link_a, b = link_b, level_a = 0, level_b = 0;
-	while ( a != b )
-	{
-		bool lift_a = s->depth[a] >= s->depth[b], lift_b = s->depth[b] >= s->depth[a];
-		a = lift_a ? parent_of( robot, a ) : a;
-		b = lift_b ? parent_of( robot, b ) : b;
-		level_a += lift_a ? 1u : 0u;
-		level_b += lift_b ? 1u : 0u;
-	}
 	const lwi_hull* hull_a;
 	const lwi_hull* hull_b;
-	lw_status status = get_hull( s, link_a, level_a, &hull_a );
-	status = status == LW_OK ? get_hull( s, link_b, level_b, &hull_b ) : status;
+	lw_status status = get_hull( s, link_a, lwi_sweeps_level( s, link_a, link_b ), &hull_a );
+	status = status == LW_OK ? get_hull( s, link_b, lwi_sweeps_level( s, link_b, link_a ), &hull_b ) : status;
 	if ( status == LW_OK )
 	{
 		*out_separation = link_a == link_b ? 0 : hull_distance( hull_a, hull_b );

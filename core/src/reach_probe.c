@@ -2,12 +2,10 @@
 // What all questions about a pair of links share: the joints between them, poses, measurements, random states.
 //
 // Uniform random rotations: K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
-#define _POSIX_C_SOURCE 199309L // clock_gettime
 #include "math_inline.h"
 #include "reach_proof.h"
 
 #include <string.h>
-#include <time.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -16,9 +14,6 @@ static const double pi = 3.14159265358979323846;
 
 /// By how much more than the range to be proved a proof may look at, relative to its ends: charts overlap by less.
 #define WIDER 0x1p-36
-
-/// Seconds between two reports of progress.
-#define REPORT_INTERVAL 0.1
 
 /// Everything a prober holds but the query and the motion table is one block, laid out by this list.
 typedef struct layout
@@ -145,38 +140,40 @@ void lwi_prober_destroy( lwi_prober* p )
 	}
 }
 
-// ---- progress --------------------------------------------------------------------------------------------------------
+// ---- one for each thread ---------------------------------------------------------------------------------------------
 
-double lwi_monotonic_seconds( void )
+lwi_prober* lwi_probers_take( lwi_probers* probers )
 {
-	struct timespec t = { 0 };
-#if defined( CLOCK_MONOTONIC )
-	clock_gettime( CLOCK_MONOTONIC, &t );
-#else
-	timespec_get( &t, TIME_UTC );
-#endif
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-void lwi_prober_stage( lwi_prober* p, const char* stage, double seconds )
-{
-	p->stage = stage;
-	p->share = 0;
-	p->stage_begin = lwi_monotonic_seconds();
-	p->stage_seconds = seconds;
-	p->last_report = 0;
-}
-
-bool lwi_prober_progress( lwi_prober* p )
-{
-	double now = lwi_monotonic_seconds();
-	if ( now - p->last_report < REPORT_INTERVAL )
+	lwi_prober* p = NULL;
+	for ( uint32_t i = 0; i < LWI_PROBERS && p == NULL; ++i )
 	{
-		return true;
+		p = atomic_exchange( &probers->idle[i], NULL );
 	}
-	p->last_report = now;
-	double share = p->stage_seconds > 0 ? ( now - p->stage_begin ) / p->stage_seconds : p->share;
-	return lwi_reach_progress( p->job, p->stage, share );
+	if ( p == NULL && lwi_prober_create( probers->job, &p ) != LW_OK )
+	{
+		atomic_store( &probers->out_of_memory, true );
+		return NULL;
+	}
+	memset( p->query->hints, 0, sizeof( p->query->hints ) ); // what a pair's answers are does not depend on who came before it
+	return p;
+}
+
+void lwi_probers_give( lwi_probers* probers, lwi_prober* p )
+{
+	for ( uint32_t i = 0; i < LWI_PROBERS && p != NULL; ++i )
+	{
+		lwi_prober* none = NULL;
+		p = atomic_compare_exchange_strong( &probers->idle[i], &none, p ) ? NULL : p;
+	}
+	lwi_prober_destroy( p );
+}
+
+void lwi_probers_free( lwi_probers* probers )
+{
+	for ( uint32_t i = 0; i < LWI_PROBERS; ++i )
+	{
+		lwi_prober_destroy( atomic_exchange( &probers->idle[i], NULL ) );
+	}
 }
 
 // ---- the joints between two links ------------------------------------------------------------------------------------

@@ -46,16 +46,7 @@ typedef struct lwi_prober
 	double* lengths_a;    ///< [joint_count + 1]
 	double* lengths_b;
 	double* cells;        ///< stack of the subdivision: [LWI_CELL_DEPTH + 1][2 * variable_count + 1]
-
-	const char* stage;    ///< what progress reports
-	double share;         ///< the same, unless the stage has a time budget
-	double stage_begin, stage_seconds, last_report;
 } lwi_prober;
-
-enum
-{
-	LWI_CELL_DEPTH = 300 ///< cuts above each other; 43 halvings bring a full turn below 1e-12 rad
-};
 
 lw_status lwi_prober_create( const lwi_reach_job* job, lwi_prober** out_prober );
 void lwi_prober_destroy( lwi_prober* prober ); ///< NULL is ignored
@@ -63,12 +54,23 @@ void lwi_prober_destroy( lwi_prober* prober ); ///< NULL is ignored
 /// Takes two different links in hand.
 void lwi_prober_select( lwi_prober* prober, uint32_t link_a, uint32_t link_b );
 
-/// Begins a stage of progress. @param seconds its time budget; 0 = none, lwi_prober::share tells how far it is
-void lwi_prober_stage( lwi_prober* prober, const char* stage, double seconds );
-/// To be called often; reports a few times a second. False if the user gave up.
-bool lwi_prober_progress( lwi_prober* prober );
-/// Seconds of a clock that never goes back.
-double lwi_monotonic_seconds( void );
+enum
+{
+	LWI_PROBERS = 64 ///< that are kept; more threads make and destroy theirs
+};
+
+/// Probers for tasks on several threads. Zero-initialised but for the job, whose diag must be NULL.
+typedef struct lwi_probers
+{
+	const lwi_reach_job* job;
+	_Atomic( lwi_prober* ) idle[LWI_PROBERS];
+	atomic_bool out_of_memory;
+} lwi_probers;
+
+/// One that nobody else uses, as if it were new. NULL without memory, and probers->out_of_memory says so.
+lwi_prober* lwi_probers_take( lwi_probers* probers );
+void lwi_probers_give( lwi_probers* probers, lwi_prober* prober ); ///< NULL is ignored
+void lwi_probers_free( lwi_probers* probers );
 
 /// Distance of two links whose poses are known, in one frame.
 void lwi_prober_measure_links( lwi_prober* prober, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
@@ -122,33 +124,37 @@ typedef enum lwi_proof_outcome
 {
 	LWI_PROOF_PROVED,
 	LWI_PROOF_HOPELESS,  ///< contact inside the range that was to be proved
+	LWI_PROOF_TOO_FINE,  ///< a cell cannot be cut any more
 	LWI_PROOF_EXHAUSTED, ///< cells or time are used up
 	LWI_PROOF_CANCELLED
 } lwi_proof_outcome;
-
-typedef struct lwi_proof
-{
-	lwi_proof_outcome outcome;
-	double separation; ///< proved; 0 unless PROVED
-	uint64_t cells;
-} lwi_proof;
 
 /// Estimates how many cells lwi_prober_subdivide() would need, from a few random ways down its tree; +inf if there is no end in
 /// sight. Rough: within some powers of ten of the truth, but it costs a few hundred cells.
 double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, double* closest, double* q );
 
-/// Tries to prove the pair in hand (which is `bounded`) apart by at least `fraction` of the least distance found, at most
-/// `budget` cells and not after `deadline`. *closest and q are updated if a nearer state inside the limits is met.
-lwi_proof lwi_prober_subdivide( lwi_prober* prober, double fraction, uint64_t budget, double deadline, double* closest,
-	double* q );
+/// Goes on to prove the pair in hand (which is `bounded`) apart by at least effort->fraction of the least distance found, until
+/// effort->cells is `budget` or `deadline` comes. What is left open is in effort, memory of the reach; none is open at first, and none
+/// once the outcome is PROVED or HOPELESS. *closest and q are updated if a nearer state inside the limits is met.
+/// @param out_separation proved; 0 unless the outcome is PROVED
+/// @return LW_OK, LW_ERROR_OUT_OF_MEMORY (what was open still is)
+lw_status lwi_prober_subdivide( lwi_prober* prober, lwi_effort* effort, uint64_t budget, double deadline, double* closest,
+	double* q, lwi_proof_outcome* out_outcome, double* out_separation );
+
+/// Forgets the subdivision under way.
+void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variable_count );
 
 // --- reach_chart.c ---------------------------------------------------------------------------------------------------
 
-/// Makes the chart of a pair; what is not measured by `deadline` says less than it could, and *out_complete is false.
-/// @param separation proved for all states @param total_bits of the number of cells, by the number of variables
-/// @param out_chart its cells are the caller's; NULL if there is no chart, or it says nothing that is not known
+/// Goes on with the chart of a pair, slab by slab. What is not measured yet says what a coarser chart said, or nothing.
+/// @param separation proved for all states @param total_bits of the number of cells, by the number of variables: no less than
+/// what the chart has
+/// @param chart its cells are the caller's; cells = NULL if there is no chart yet. If none is possible, or it is finished and says
+/// nothing that is not known, they are NULL afterwards
+/// @param slabs finished with these bits, goes on from there; 0 for new bits
+/// @param out_complete all of it is measured
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_CANCELLED
-lw_status lwi_chart_make( lwi_prober* prober, uint32_t link_a, uint32_t link_b, double separation,
-	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* out_chart, bool* out_complete );
+lw_status lwi_chart_refine( lwi_prober* prober, uint32_t link_a, uint32_t link_b, double separation,
+	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* chart, uint32_t* slabs, bool* out_complete );
 
 #endif

@@ -22,6 +22,9 @@ enum
 /// `needed` in any case; a cell that is not needs no more than a rough distance. Fetch's proofs take 0.55 of the time.
 #define CELL_ALPHA 0.5
 
+/// Of a cell's motion: a distance below it does not have to be known better, since the cell's halves will be cut too.
+#define CUT_SHARE 0.25
+
 /// One proof under way. The stack's entries are [lower, upper] of each variable of the pair, then an estimate from above of
 /// the distance at the cell's centre.
 typedef struct subdivision
@@ -33,7 +36,6 @@ typedef struct subdivision
 	uint32_t dimension, stride, height;
 	double* closest;
 	double* q;
-	lwi_proof proof;
 } subdivision;
 
 static double* cell_at( const subdivision* s, uint32_t index )
@@ -152,7 +154,8 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 	{
 		return false; // the parent's distance says so: no need to measure
 	}
-	lw_range range = { 0, needed, CELL_ALPHA };
+	// A large cell near contact is cut whatever its distance is; what it needs is that it is small
+	lw_range range = { CUT_SHARE * fmax( 0.0, motion - 4 * s->target ), needed, CELL_ALPHA };
 	lwi_bound bound;
 	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &bound );
 	lw_clearance clearance = lwi_bound_result( &bound );
@@ -250,42 +253,98 @@ double lwi_prober_forecast( lwi_prober* p, double fraction, uint64_t seed, doubl
 	return sum / DIVES;
 }
 
-lwi_proof lwi_prober_subdivide( lwi_prober* p, double fraction, uint64_t budget, double deadline, double* closest,
-	double* q )
+void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variable_count )
 {
-	subdivision s = make( p, fraction, closest, q );
+	lwi_free( &reach->allocator, effort->open, lwi_effort_bytes( effort, variable_count ) );
+	effort->open = NULL;
+	effort->height = 0;
+	effort->fraction = 0;
+	effort->cells = 0;
+	effort->expected = 0;
+	effort->flags &= ~(uint32_t)LWI_EFFORT_TOO_MANY;
+}
+
+/// Takes up what is open, or the whole box.
+static subdivision take_up( lwi_prober* p, const lwi_effort* effort, double* closest, double* q )
+{
+	subdivision s = make( p, effort->fraction, closest, q );
 	begin( &s );
-	s.proof.outcome = LWI_PROOF_EXHAUSTED;
-	while ( s.height > 0 )
+	if ( effort->height > 0 )
 	{
-		if ( s.proof.cells % CELLS_PER_LOOK == 0 && !lwi_prober_progress( p ) )
+		// what was certified was so for this target, or a larger one
+		s.least = fmin( effort->least, *closest );
+		s.target = fmin( effort->target, s.fraction * s.least );
+		s.height = effort->height;
+		memcpy( p->cells, effort->open, lwi_effort_bytes( effort, s.dimension ) );
+	}
+	return s;
+}
+
+/// Keeps what is open.
+static lw_status put_down( const subdivision* s, lwi_effort* effort )
+{
+	const lw_reach* reach = s->prober->job->reach;
+	if ( effort->height != s->height )
+	{
+		size_t bytes = (size_t)s->height * s->stride * sizeof( double );
+		double* open = lwi_alloc( &reach->allocator, bytes );
+		if ( open == NULL )
 		{
-			s.proof.outcome = LWI_PROOF_CANCELLED;
-			return s.proof;
+			return LW_ERROR_OUT_OF_MEMORY;
 		}
-		bool late = s.proof.cells % CELLS_PER_LOOK == 0 && lwi_monotonic_seconds() >= deadline;
-		if ( late || s.proof.cells >= budget )
+		lwi_free( &reach->allocator, effort->open, lwi_effort_bytes( effort, s->dimension ) );
+		effort->open = open;
+		effort->height = s->height;
+	}
+	memcpy( effort->open, s->prober->cells, lwi_effort_bytes( effort, s->dimension ) );
+	effort->target = s->target;
+	effort->least = s->least;
+	return LW_OK;
+}
+
+/// Certifies and cuts cells until there are none, or no more is to be done.
+static lwi_proof_outcome work_off( subdivision* s, lwi_effort* effort, uint64_t budget, double deadline )
+{
+	for ( uint64_t seen = 0; s->height > 0; ++seen )
+	{
+		bool look = seen % CELLS_PER_LOOK == 0;
+		if ( look && !lwi_reach_goes_on( s->prober->job ) )
 		{
-			return s.proof;
+			return LWI_PROOF_CANCELLED;
 		}
-		++s.proof.cells;
+		if ( effort->cells >= budget || ( look && lwi_monotonic_seconds() >= deadline ) )
+		{
+			return LWI_PROOF_EXHAUSTED;
+		}
+		++effort->cells;
 		double distance;
-		const double* cell = cell_at( &s, s.height - 1 );
-		if ( certify( &s, cell, &distance ) )
+		if ( certify( s, cell_at( s, s->height - 1 ), &distance ) )
 		{
-			--s.height;
+			--s->height;
 		}
-		else if ( !( s.target > 0 ) )
+		else if ( !( s->target > 0 ) )
 		{
-			s.proof.outcome = LWI_PROOF_HOPELESS;
-			return s.proof;
+			return LWI_PROOF_HOPELESS;
 		}
-		else if ( !cut( &s, distance ) )
+		else if ( !cut( s, distance ) )
 		{
-			return s.proof;
+			return LWI_PROOF_TOO_FINE;
 		}
 	}
-	s.proof.outcome = LWI_PROOF_PROVED;
-	s.proof.separation = s.target;
-	return s.proof;
+	return LWI_PROOF_PROVED;
+}
+
+lw_status lwi_prober_subdivide( lwi_prober* p, lwi_effort* effort, uint64_t budget, double deadline, double* closest, double* q,
+	lwi_proof_outcome* out_outcome, double* out_separation )
+{
+	subdivision s = take_up( p, effort, closest, q );
+	lwi_proof_outcome outcome = work_off( &s, effort, budget, deadline );
+	*out_outcome = outcome;
+	*out_separation = outcome == LWI_PROOF_PROVED ? s.target : 0;
+	if ( outcome == LWI_PROOF_PROVED || outcome == LWI_PROOF_HOPELESS )
+	{
+		lwi_effort_drop( p->job->reach, effort, s.dimension );
+		return LW_OK;
+	}
+	return put_down( &s, effort );
 }

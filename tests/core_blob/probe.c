@@ -94,6 +94,60 @@ static void add_charts( lw_reach* reach, uint64_t* state )
 	lwi_free( &reach->allocator, charts, pairs * sizeof( lwi_chart ) );
 }
 
+static double* random_doubles( const lw_reach* reach, size_t count, uint64_t* state )
+{
+	double* values = lwi_alloc( &reach->allocator, count * sizeof( double ) );
+	for ( size_t i = 0; i < count; ++i )
+	{
+		values[i] = next_random( state );
+	}
+	return values;
+}
+
+/// Evidence, and proofs under way of every second pair that has some.
+static void add_efforts( lw_reach* reach, uint64_t* state )
+{
+	size_t links = reach->link_count, pairs = links * ( links - 1u ) / 2;
+	reach->seed = 77;
+	reach->seconds = next_random( state );
+	reach->sample_count = 100;
+	reach->evidence = random_doubles( reach, (size_t)reach->evidence_count * reach->variable_count, state );
+	reach->efforts = lwi_alloc_zero( &reach->allocator, reach->evidence_count, sizeof( lwi_effort ) );
+	for ( size_t i = 0; i < pairs; ++i )
+	{
+		lwi_effort* effort = lwi_reach_effort( reach, i );
+		if ( effort == NULL )
+		{
+			continue;
+		}
+		*effort = (lwi_effort){ .flags = (uint32_t)( 63.0 * next_random( state ) ), .contacts = (uint32_t)( 100.0 * next_random( state ) ),
+			.visits = 100, .chart_rounds = 2, .chart_slabs = 3, .cells = 12345, .expected = INFINITY, .target = next_random( state ),
+			.least = next_random( state ) };
+		if ( next_random( state ) < 0.5 )
+		{
+			size_t stride = 2 * (size_t)reach->pairs[i].variable_count + 1;
+			effort->fraction = 0.5;
+			effort->height = 1 + (uint32_t)( 4.0 * next_random( state ) );
+			effort->open = random_doubles( reach, effort->height * stride, state );
+			for ( size_t k = 0; k < effort->height * stride; ++k )
+			{
+				effort->open[k] += (double)( k % stride ); // lower ends below upper ones
+			}
+		}
+	}
+}
+
+/// NULL if all members are the same.
+static const char* effort_difference( const lwi_effort* a, const lwi_effort* b, uint32_t variable_count )
+{
+	bool same = a->flags == b->flags && a->contacts == b->contacts && a->visits == b->visits && a->chart_rounds == b->chart_rounds &&
+		a->chart_slabs == b->chart_slabs && a->cells == b->cells && a->height == b->height;
+	const double x[] = { a->expected, a->fraction, a->target, a->least }, y[] = { b->expected, b->fraction, b->target, b->least };
+	same = same && memcmp( x, y, sizeof( x ) ) == 0;
+	bool same_cells = same && ( a->height == 0 || memcmp( a->open, b->open, lwi_effort_bytes( a, variable_count ) ) == 0 );
+	return !same ? "efforts" : !same_cells ? "open cells" : NULL;
+}
+
 static bool same_charts( const lw_reach* a, const lw_reach* b )
 {
 	bool same = a->chart_count == b->chart_count;
@@ -115,6 +169,17 @@ static bool same_charts( const lw_reach* a, const lw_reach* b )
 uint32_t probe_chart_count( const lw_reach* reach )
 {
 	return reach->chart_count;
+}
+
+size_t probe_open_bytes( const lw_reach* reach )
+{
+	size_t links = reach->link_count, bytes = 0;
+	for ( size_t i = 0; i < links * ( links - 1u ) / 2; ++i )
+	{
+		const lwi_effort* effort = lwi_reach_effort( reach, i );
+		bytes += effort != NULL ? lwi_effort_bytes( effort, reach->pairs[i].variable_count ) : 0;
+	}
+	return bytes;
 }
 
 lw_reach* probe_random_reach( const lw_robot* robot, uint64_t seed )
@@ -147,17 +212,11 @@ lw_reach* probe_random_reach( const lw_robot* robot, uint64_t seed )
 		reach->links[i].first_point = reach->point_count;
 		reach->point_count += node->hull_point_count;
 	}
-	reach->evidence_count = (uint32_t)( 6.0 * next_random( &state ) );
-	size_t points = 3 * reach->point_count, evidence = (size_t)reach->evidence_count * reach->variable_count;
+	size_t points = 3 * reach->point_count;
 	reach->points = lwi_alloc( &memory, points * sizeof( double ) );
-	reach->evidence = lwi_alloc( &memory, evidence * sizeof( double ) );
 	for ( size_t i = 0; i < points; ++i )
 	{
 		reach->points[i] = next_random( &state ) - 0.5;
-	}
-	for ( size_t i = 0; i < evidence; ++i )
-	{
-		reach->evidence[i] = next_random( &state ) - 0.5;
 	}
 	for ( uint32_t a = 1; a < reach->link_count; ++a )
 	{
@@ -165,10 +224,10 @@ lw_reach* probe_random_reach( const lw_robot* robot, uint64_t seed )
 		{
 			size_t index = lwi_reach_pair_index( a, b );
 			reach->pairs[index] = random_pair( robot, a, b, &state );
-			bool known = reach->evidence_count > 0 && next_random( &state ) < 0.5;
-			reach->states[index] = known ? (uint32_t)( reach->evidence_count * next_random( &state ) ) : LW_INVALID_INDEX;
+			reach->states[index] = next_random( &state ) < 0.5 ? reach->evidence_count++ : LW_INVALID_INDEX;
 		}
 	}
+	add_efforts( reach, &state );
 	add_charts( reach, &state );
 	lwi_reach_build_tables( reach );
 	reach->bytes = lwi_reach_count_bytes( reach );
@@ -204,7 +263,8 @@ const char* probe_difference( const lw_reach* a, const lw_reach* b )
 {
 	size_t n = a->link_count, v = a->variable_count;
 	if ( a->robot != b->robot || n != b->link_count || v != b->variable_count || a->point_count != b->point_count ||
-		 a->evidence_count != b->evidence_count || a->bytes != b->bytes )
+		 a->evidence_count != b->evidence_count || a->bytes != b->bytes || a->seed != b->seed || a->seconds != b->seconds ||
+		 a->sample_count != b->sample_count )
 	{
 		return "robot, counts or bytes";
 	}
@@ -220,6 +280,12 @@ const char* probe_difference( const lw_reach* a, const lw_reach* b )
 		if ( !same_pair( &a->pairs[i], &b->pairs[i] ) || a->states[i] != b->states[i] )
 		{
 			return "pairs or states";
+		}
+		const lwi_effort *x = lwi_reach_effort( a, i ), *y = lwi_reach_effort( b, i );
+		const char* difference = x != NULL ? effort_difference( x, y, a->pairs[i].variable_count ) : NULL;
+		if ( difference != NULL )
+		{
+			return difference;
 		}
 	}
 	return !same_charts( a, b )                                     ? "charts"

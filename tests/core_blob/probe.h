@@ -20,6 +20,8 @@ void probe_seal( void* bytes, size_t size );
 /* A reach of the robot with random contents of every kind: nothing is proved, everything is there to be saved. */
 lw_reach* probe_random_reach( const lw_robot* robot, uint64_t seed );
 
+/// Of all open cells of proofs under way.
+size_t probe_open_bytes( const lw_reach* reach );
 uint32_t probe_chart_count( const lw_reach* reach );
 
 /* Name of the first member in which two reaches differ in any bit, or NULL. */

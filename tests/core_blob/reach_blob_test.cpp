@@ -333,7 +333,7 @@ TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 	const Bytes blob = writeBlob( {}, reach.get() );
 	const probe_header fields = probe_header_fields();
 	const std::size_t begin = fields.table + fields.table_entry, numbers = begin + 16, counts = numbers + 16;
-	const std::size_t links = counts + 24, pairs = links + 124u * 7u, points = pairs + 44u * 21u;
+	const std::size_t links = counts + 48, pairs = links + 124u * 7u, points = pairs + 44u * 21u;
 	const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 	ASSERT_EQ( blob.get<std::uint32_t>( counts + 8 ), 7u ) << "the places below are not right any more";
 	ASSERT_EQ( blob.get<double>( pairs + 36 ), lw_reach_get_pair( reach.get(), 0, 1 ).contact_share );
@@ -389,16 +389,63 @@ TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 	refused( "exempt as allowed", pairs + 8, 2u );
 }
 
+TEST( ReachBlobNonsense, ImpossibleProofsUnderWayAreRefused )
+{
+	RobotPtr robot = makeRobot();
+	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	const Bytes blob = writeBlob( {}, reach.get() );
+	const probe_header fields = probe_header_fields();
+	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
+	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
+	const std::uint32_t count = blob.get<std::uint32_t>( counts + 16 );
+	const std::size_t efforts = evidence + 8u * lw_robot_variable_count( robot.get() ) * count, cells = efforts + 64u * count;
+	const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+	std::size_t under_way = efforts;
+	while ( blob.get<std::uint32_t>( under_way + 20 ) == 0 )
+	{
+		under_way += 64;
+	}
+	ASSERT_LT( under_way, cells ) << "no proof is under way";
+	ASSERT_EQ( blob.get<double>( under_way + 40 ), 0.5 ) << "the places below are not right any more";
+	auto refused = [&]( const char* what, std::size_t at, auto value ) {
+		Bytes bytes( blob.begin(), blob.size() );
+		bytes.put( at, value );
+		bytes.seal();
+		EXPECT_EQ( readStatus( bytes, robot.get() ), LW_ERROR_DAMAGED ) << what;
+	};
+	refused( "time", counts + 32, nan );
+	refused( "fewer samples than contacts", counts + 40, 0u );
+	refused( "flags", under_way, 64u );
+	refused( "contacts", under_way + 4, 101u );
+	refused( "visits", under_way + 8, 101u );
+	refused( "charts", under_way + 12, 9u );
+	refused( "parts of a chart", under_way + 16, 1u << 30 );
+	for ( std::uint32_t height : { 0u, 302u, 0xffffffffu } )
+	{
+		refused( "open cells", under_way + 20, height );
+	}
+	for ( std::size_t at : { 32u, 40u, 48u, 56u } )
+	{
+		refused( "no number", under_way + at, nan );
+		refused( "below zero", under_way + at, -1.0 );
+	}
+	refused( "share of all", under_way + 40, 1.0 );
+	refused( "share of a proof under way", under_way + 40, 0.0 );
+	refused( "target", under_way + 48, inf );
+	refused( "cell", cells, nan );
+	refused( "evidence of another pair", points - 44u * 21u + 16, 3u );
+}
+
 TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
 {
 	RobotPtr robot = makeRobot();
 	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
 	const Bytes blob = writeBlob( {}, reach.get() );
 	const probe_header fields = probe_header_fields();
-	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 24 + 124u * 7u + 44u * 21u;
+	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
 	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
-	const std::size_t charts =
-		evidence + 8 * std::size_t( blob.get<std::uint32_t>( counts + 16 ) ) * lw_robot_variable_count( robot.get() );
+	const std::uint32_t efforts = blob.get<std::uint32_t>( counts + 16 );
+	const std::size_t charts = evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + probe_open_bytes( reach.get() );
 	const std::uint32_t count = blob.get<std::uint32_t>( counts + 20 ), bits = blob.get<std::uint32_t>( charts + 8 );
 	ASSERT_EQ( count, probe_chart_count( reach.get() ) ) << "the places below are not right any more";
 	ASSERT_GE( count, 2u );
@@ -432,7 +479,7 @@ TEST( ReachBlobNonsense, CountsThatWrapAroundAreRefused )
 	const Bytes blob = writeBlob( {}, reach.get() );
 	const probe_header fields = probe_header_fields();
 	const std::size_t begin = fields.table + fields.table_entry, counts = begin + 32, missing = 16;
-	const std::size_t size = counts + 20 + 124u * 7u + 44u * 21u - missing;
+	const std::size_t size = counts + 44 + 124u * 7u + 44u * 21u - missing;
 	Bytes cut( blob.begin(), ( size + 7 ) / 8 * 8 );
 	cut.put( fields.size, std::uint64_t( cut.size() ) );
 	cut.put( fields.table + 8, std::uint64_t( size - begin ) );

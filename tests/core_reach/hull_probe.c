@@ -21,7 +21,8 @@ lw_status hull_probe_create( const lw_reach_def* def, const lw_allocator* alloca
 	reach->robot = lw_robot_retain( def->robot );
 	reach->hull_error = def->hull_error;
 	reach->limit_margin = def->limit_margin;
-	lwi_reach_job job = { def, reach, diag };
+	lwi_reach_stage stage = { 0 };
+	lwi_reach_job job = { def, reach, diag, &stage };
 	lw_status status = lwi_reach_allocate( reach, diag );
 	status = status == LW_OK ? lwi_reach_build_hulls( &job ) : status;
 	if ( status != LW_OK )
@@ -49,7 +50,7 @@ lw_status hull_probe_sweeps_create( lw_reach* reach, hull_probe_sweeps** out_swe
 		return LW_ERROR_OUT_OF_MEMORY;
 	}
 	s->def = lw_reach_def_default();
-	s->job = (lwi_reach_job){ &s->def, reach, NULL };
+	s->job = (lwi_reach_job){ &s->def, reach, NULL, NULL };
 	lw_status status = lwi_sweeps_create( &s->job, &s->sweeps );
 	if ( status != LW_OK )
 	{

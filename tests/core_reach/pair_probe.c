@@ -10,7 +10,7 @@ double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, 
 	uint64_t budget, uint64_t* cells )
 {
 	lw_reach_def def = lw_reach_def_default();
-	lwi_reach_job job = { &def, reach, NULL };
+	lwi_reach_job job = { &def, reach, NULL, NULL };
 	lwi_prober* prober;
 	double* q = calloc( reach->variable_count + 1u, sizeof( double ) );
 	*cells = 0;
@@ -19,15 +19,25 @@ double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, 
 		free( q );
 		return 0;
 	}
-	lwi_prober_stage( prober, "probe", 0 );
 	lwi_prober_select( prober, link_a, link_b );
 	double separation = 0;
 	if ( prober->bounded )
 	{
 		double closest = first_guess;
-		lwi_proof proof = lwi_prober_subdivide( prober, fraction, budget, lwi_monotonic_seconds() + 60, &closest, q );
-		separation = proof.separation;
-		*cells = proof.cells;
+		lwi_effort effort = { .fraction = fraction };
+		lwi_proof_outcome outcome = LWI_PROOF_EXHAUSTED;
+		// a few cells at a time, as runs that go on do
+		for ( uint64_t some = 100; outcome == LWI_PROOF_EXHAUSTED && effort.cells < budget; some += 100 )
+		{
+			uint64_t before = effort.cells;
+			if ( lwi_prober_subdivide( prober, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60, &closest, q,
+					 &outcome, &separation ) != LW_OK )
+			{
+				break;
+			}
+			*cells = effort.cells > before ? effort.cells : *cells + 1;
+		}
+		lwi_effort_drop( reach, &effort, prober->variable_count );
 	}
 	lwi_prober_destroy( prober );
 	free( q );

@@ -21,14 +21,22 @@ typedef struct lw_reach_def
 	double hull_error;
 	/// Radians or metres by which joint ranges are widened, so that states on a limit, or beyond it by rounding, are covered.
 	double limit_margin;
-	double seconds;   ///< budget for charts and proofs by subdivision, >= 0; 0 = proofs by hulls only. What is proved stays proved: less
-	                  ///< time leaves more pairs to check, never a wrong answer
+	/// Seconds, >= 0, that everything after the motion hulls may take: samples, hulls of pairs, search for contact, charts and proofs by
+	/// subdivision. Less time leaves more pairs to check, never a wrong answer, and lw_reach_continue() goes on from there. 0 = samples,
+	/// hulls of pairs and search take what they take, without charts and subdivision: such a build repeats bit for bit.
+	double seconds;
 	bool hulls_only;  ///< no pair is measured or proved: all that are not rigid, adjacent or allowed are to be checked
 	uint32_t samples; ///< random states at which all pairs are measured first: contact found needs no proof attempt
 	uint64_t seed;
-	/// Called now and then with the share done in [0, 1]; return false to give up (LW_ERROR_CANCELLED). Nullable.
+	/// Called now and then with the share done in [0, 1]; return false to give up (LW_ERROR_CANCELLED). Nullable. Never called by two
+	/// threads at the same time, but by any of those that `parallel` uses.
 	bool ( *progress )( void* user, const char* stage, double share );
 	void* progress_user;
+	/// Runs task( context, i ) for each i below count, on as many threads as it likes and in any order, and returns when all have returned.
+	/// Tasks that it leaves are run one by one. What is proved does not depend on it, but for how much fits into `seconds`. The allocator
+	/// must then be thread-safe. NULL = everything on the calling thread.
+	void ( *parallel )( void* user, void ( *task )( void* context, uint32_t index ), void* context, uint32_t count );
+	void* parallel_user;
 	uint32_t cookie;
 } lw_reach_def;
 
@@ -39,9 +47,34 @@ typedef struct lw_reach lw_reach;
 
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag says which), LW_ERROR_OUT_OF_MEMORY,
 /// LW_ERROR_CANCELLED, LW_ERROR_UNSUPPORTED (a build without qhull)
-/// Cost: seconds for a humanoid, plus the budget def->seconds. One thread.
+/// Cost: up to seconds for the motion hulls of a humanoid, plus the budget def->seconds; on the threads of def->parallel.
 LW_API lw_status lw_reach_create( const lw_reach_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lw_reach** out_reach );
+
+/// A reach of the same robot in which more is proved: goes on where `reach` stopped, for def->seconds, those pairs first whose bounding
+/// spheres met in most of the random states. Nothing that was proved is lost; the hulls are copied. `reach` stays as it is.
+/// @param def its seconds, samples, hulls_only, progress and parallel count; robot must be NULL or lw_reach_robot( reach )
+/// @param allocator of the new reach
+/// @return as lw_reach_create()
+/// Cost: def->seconds at the most, but for the last step that was begun (milliseconds to some tenths of a second)
+LW_API lw_status lw_reach_continue( const lw_reach* reach, const lw_reach_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_reach** out_reach );
+
+/// How far the proofs of a reach are. Counts are of pairs that move against each other and whose contact is not allowed.
+typedef struct lw_reach_info
+{
+	uint32_t pairs;      ///< all of them
+	uint32_t proved;     ///< apart in every state
+	uint32_t contact;    ///< a state in contact was found: there is no such proof
+	uint32_t unprovable; ///< neither, and no more is tried: endless joints, contact just outside the limits, too many cells
+	uint32_t open;       ///< neither, so far: more time may prove them
+	uint32_t charts;     ///< of pairs between which at most three variables move
+	uint32_t samples;    ///< random states measured
+	double seconds;      ///< spent on all that def->seconds bounds, by this reach and those that it continues
+	bool complete;       ///< more time changes nothing (for no more samples than were asked for)
+} lw_reach_info;
+LW_API lw_reach_info lw_reach_get_info( const lw_reach* reach );
+
 LW_API lw_reach* lw_reach_retain( const lw_reach* reach );
 LW_API void lw_reach_release( lw_reach* reach );
 LW_API const lw_robot* lw_reach_robot( const lw_reach* reach );
