@@ -106,7 +106,6 @@ Subject makeSubject( const Settings& settings, const Model& model )
 	leeway::io::ProblemOptions none;
 	const leeway::io::Problem whole = leeway::io::buildProblem( subject.robot, none );
 	leeway::io::ReachOptions options;
-	options.accept_less = false;
 	options.def.seconds = 0;
 	subject.hulls = leeway::io::loadReach( whole.robot, options );
 	options.cache = settings.cache;

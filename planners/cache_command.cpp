@@ -39,7 +39,9 @@ std::string describe( const io::CacheEntry& entry )
 	case io::CacheEntry::tree:
 		return !entry.good ? entry.problem : fmt::format( "{} triangles", entry.triangles );
 	case io::CacheEntry::reach:
-		return !entry.good ? entry.problem : fmt::format( "hulls and tables, {} s spent on proofs", entry.seconds );
+		return !entry.good ? entry.problem
+		                   : fmt::format( "hulls and tables, {} of {} pairs proved, {} can touch, {} open; {:.1f} s, proofs {}", entry.proved,
+		                         entry.pairs, entry.contact, entry.open, entry.seconds, entry.complete ? "complete" : "not complete" );
 	case io::CacheEntry::leftover:
 		return "of a write that did not end, or of an older leeway";
 	default:
@@ -83,7 +85,8 @@ Json listJson( const std::vector<io::CacheEntry>& entries )
 	{
 		json.push_back( { { "file", entry.file }, { "kind", kindName( entry.kind ) }, { "name", entry.name },
 		    { "bytes", entry.bytes }, { "used", entry.used }, { "good", entry.good }, { "problem", entry.problem },
-		    { "triangles", entry.triangles }, { "seconds", entry.seconds } } );
+		    { "triangles", entry.triangles }, { "seconds", entry.seconds }, { "pairs", entry.pairs }, { "proved", entry.proved },
+		    { "contact", entry.contact }, { "open", entry.open }, { "complete", entry.complete } } );
 	}
 	return json;
 }
@@ -93,22 +96,37 @@ Json listJson( const std::vector<io::CacheEntry>& entries )
 int runCache( const CacheOptions& options )
 {
 	OutputFile json_file( "--json", options.json );
+	const std::string folder = options.folder.empty() ? io::defaultCacheFolder() : options.folder;
+	if ( folder.empty() )
+	{
+		throw io::Error( "command line", "--cache", "neither XDG_CACHE_HOME nor HOME says where caches are", "add --cache DIR" );
+	}
+	if ( options.folder.empty() && !std::filesystem::exists( folder ) )
+	{
+		printOut( fmt::format( "{}: there is no cache yet\n", folder ) );
+		json_file.text = jsonText( Json{ { "folder", folder }, { "removed_files", 0 }, { "removed_bytes", 0 }, { "files", Json::array() } } );
+		if ( !options.json.empty() )
+		{
+			json_file.commit();
+		}
+		return exit_yes;
+	}
 	const bool trim = options.clean || options.limit >= 0;
 	io::TrimmedCache trimmed;
 	if ( trim )
 	{
-		trimmed = io::trimCache( options.folder, options.clean ? 0 : static_cast<std::uint64_t>( options.limit * 1e6 ) );
+		trimmed = io::trimCache( folder, options.clean ? 0 : static_cast<std::uint64_t>( options.limit * 1e6 ) );
 		printOut( fmt::format(
 		    "{} files with {} bytes removed, {} bytes left\n", trimmed.files, trimmed.bytes, trimmed.remaining ) );
 	}
-	const std::vector<io::CacheEntry> entries = io::listCache( options.folder );
+	const std::vector<io::CacheEntry> entries = io::listCache( folder );
 	if ( !trim )
 	{
-		printOut( listText( entries ) );
+		printOut( folder + "\n" + listText( entries ) );
 	}
 	if ( !options.json.empty() )
 	{
-		Json json = { { "folder", options.folder }, { "removed_files", trimmed.files }, { "removed_bytes", trimmed.bytes },
+		Json json = { { "folder", folder }, { "removed_files", trimmed.files }, { "removed_bytes", trimmed.bytes },
 			{ "files", listJson( entries ) } };
 		json_file.text = jsonText( json );
 		json_file.commit();

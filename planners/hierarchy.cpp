@@ -110,6 +110,7 @@ io::LoadedReach findHulls( const Workbench& bench )
 	}
 	io::ReachOptions options;
 	options.def.hulls_only = true;
+	options.def.seconds = 0;
 	Progress progress( "motion hulls" );
 	ReachProgress report( progress );
 	report.attach( options.def );
@@ -173,8 +174,16 @@ std::string pairClassText( const io::LoadedReach& tables )
 		text += fmt::format(
 		    "{}{} {}", text.empty() ? "" : ", ", pairsOf( tables.reach.get(), kind ), lw_pair_class_name( kind ) );
 	}
-	return fmt::format(
-	    "pair tables of all joints, from the cache ({} s were spent on proofs): {}\n", tables.seconds_spent, text );
+	const lw_reach_info& info = tables.info;
+	text = fmt::format( "pair tables of all joints, from the cache: {}\n", text );
+	text += fmt::format( "  of {} pairs that may not touch {} are proved to stay apart ({:.0f} %), {} can touch, {} cannot be proved, {} are open; "
+	                     "charts of {} pairs; {} random states\n",
+	    info.pairs, info.proved, info.pairs > 0 ? 100.0 * info.proved / info.pairs : 100.0, info.contact, info.unprovable, info.open,
+	    info.charts, info.samples );
+	return text + ( info.complete ? fmt::format( "  proofs are complete, after {:.1f} s\n", info.seconds )
+	                              : fmt::format( "  proofs are not complete after {:.1f} s: each run that uses them goes on (--proofs S), leeway pairs "
+	                                             "--budget S at once\n",
+	                                    info.seconds ) );
 }
 
 Json pairClassJson( const io::LoadedReach& tables )
@@ -184,7 +193,11 @@ Json pairClassJson( const io::LoadedReach& tables )
 	{
 		json[lw_pair_class_name( kind )] = pairsOf( tables.reach.get(), kind );
 	}
-	json["seconds_spent"] = tables.seconds_spent;
+	const lw_reach_info& info = tables.info;
+	json["seconds_spent"] = info.seconds;
+	json["proofs"] = { { "pairs", info.pairs }, { "proved", info.proved }, { "contact", info.contact },
+	    { "unprovable", info.unprovable }, { "open", info.open }, { "charts", info.charts }, { "samples", info.samples },
+	    { "complete", info.complete } };
 	return json;
 }
 

@@ -294,7 +294,7 @@ int runInfo( const InfoOptions& options )
 	Input input = loadInput( options.common, notices );
 	if ( input.reach )
 	{
-		input.reach->build = false; // tells what there is
+		input.reach->build = options.common.proofs_given; // else it tells what there is
 	}
 	input.max_d = options.common.max_d;
 	const Workbench bench( input, options.common.group, {}, notices );
@@ -323,7 +323,9 @@ int runInfo( const InfoOptions& options )
 	std::string text = robotText( input.robot, bench, robot_shapes );
 	text += input.scene ? sceneText( *input.scene, scene_shapes ) : "no scene\n";
 	text += checkerText( bench, pairs, info ) + requiredText( bench, required );
-	text += bench.reach().reach ? pairClassText( bench.reach() ) : "";
+	text += bench.reach().reach ? pairClassText( bench.reach() )
+	        : input.reach      ? fmt::format( "no pair tables in the cache yet: check, edge, plan, audit and tune make them, {} s a run\n", input.reach->def.seconds )
+	                           : "";
 	const io::LoadedReach hulls = findHulls( bench );
 	notices.add( "motion hulls", hulls.notices );
 	text += hulls.reach ? hierarchyText( hulls ) : "";

@@ -27,7 +27,7 @@ const char* const about =
 Examples (leeway SUBCOMMAND --help explains one):
   leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
   leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf
-  leeway cache --cache cache --limit 200
+  leeway cache --limit 200
   leeway spherize --robot arm.urdf --srdf arm.srdf --excess 10 --out spheres
   leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
   leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
@@ -54,8 +54,8 @@ Example: leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --gro
 
 Standard output: per collision element its owner, source, triangles, tree nodes, bytes and milliseconds; totals; what
 the checker of the group keeps (moving and static bodies, pairs) and which pairs it drops, and why; for each link and
-obstacle whether it is kept or dropped, and why; what was modelled up to the first answer, and what that saved. With --cache also the
-classes of pairs, if their tables are in it. Then the tree of links: R bounds a link, M what it and all that hangs on it
+obstacle whether it is kept or dropped, and why; what was modelled up to the first answer, and what that saved; the classes of
+pairs and how far their proofs are, if their tables are in the cache. Then the tree of links: R bounds a link, M what it and all that hangs on it
 can reach, seen from the parent link, MR the link with the M of its children.)";
 
 const char* const pairs_about = R"(Which pairs of links can ever meet, within the joint limits?
@@ -78,7 +78,7 @@ Exit status 0: no finding; 1: the SRDF disables pairs that can collide; 2: error
 
 const char* const cache_about = R"(What is in the folder of --cache, and keeping it small.
 
-Example: leeway cache --cache cache --limit 200
+Example: leeway cache --limit 200
 
 Standard output: for each file, most recently used first, what it is (tree: the sphere tree of a mesh; reach: motion hulls
 and pair tables of a robot; leftover; foreign: not leeway's), its bytes, when it was used last, and what it is of; damaged files
@@ -193,7 +193,7 @@ CLI::App* addCache( CLI::App& app, CacheOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "cache", "what is kept between runs, and keeping it small" );
 	command->footer( cache_about );
-	command->add_option( "--cache", options.folder, "the folder" )->type_name( "DIR" )->required();
+	command->add_option( "--cache", options.folder, "the folder (default $XDG_CACHE_HOME/leeway, else ~/.cache/leeway)" )->type_name( "DIR" );
 	command->add_flag( "--clean", options.clean, "remove everything that leeway keeps there" );
 	command->add_option( "--limit", options.limit, "megabytes to leave: what was used longest ago is removed" )->type_name( "MB" );
 	command->add_option( "--json", options.json, "the list, for programs" )->type_name( "FILE" );
@@ -204,7 +204,9 @@ CLI::App* addInfo( CLI::App& app, InfoOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "info", "what was read, built, kept and dropped" );
 	command->footer( info_about );
-	addCommonOptions( *command, options.common, { true, false, true, true, true } );
+	CommonNeeds needs{ true, false, true, true, true };
+	needs.proofs = false;
+	addCommonOptions( *command, options.common, needs );
 	command->add_option( "--json", options.json, "the same for programs" )->type_name( "FILE" );
 	return command;
 }

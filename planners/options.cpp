@@ -2,6 +2,7 @@
 // Options shared by the subcommands, and their domains.
 #include "options.hpp"
 
+#include "leeway/io/cache.hpp"
 #include "leeway/io/model.hpp"
 #include "output.hpp"
 
@@ -123,15 +124,28 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	    ->allow_extra_args( false )
 	    ->group( model );
 
-	app.add_option( "--cache", options.cache,
-	       "folder of sphere trees, motion hulls and pair tables of earlier runs; made if it is missing" )
+	CLI::Option* cache = app.add_option( "--cache", options.cache,
+	       "folder of sphere trees, motion hulls and pair tables of earlier runs; made if it is missing (default "
+	       "$XDG_CACHE_HOME/leeway, else ~/.cache/leeway)" )
 	    ->type_name( "DIR" )
+	    ->group( model );
+	app.add_flag( "--no-cache", options.no_cache, "read and keep nothing of other runs: no motion hulls, no pair tables" )
+	    ->excludes( cache )
 	    ->group( model );
 	app.add_option( "--cache-limit", options.cache_limit,
 	       fmt::format( "megabytes of that folder: beyond it, what was used longest ago is removed (default {:.0f})",
 	           options.cache_limit ) )
 	    ->type_name( "MB" )
 	    ->group( model );
+	if ( needs.world )
+	{
+		app.add_option( "--proofs", options.proofs,
+		       fmt::format( "seconds that this run may wait for proofs of links that never meet, on all cores: each run goes on where the last "
+		                    "one stopped, until all are done, and keeps them in the cache (default {}{})",
+		           options.proofs, needs.proofs ? "" : "; info waits for none unless this is given" ) )
+		    ->type_name( "S" )
+		    ->group( model );
+	}
 	std::string limits;
 	for ( const auto& [name, member] : io::limitNames() )
 	{
@@ -234,9 +248,23 @@ void validate( const CLI::App& app, CommonOptions& options )
 	requireNotNegative( "--self-margin", options.self_margin );
 	requireNotNegative( "--detail", options.detail );
 	requireNotNegative( "--cache-limit", options.cache_limit );
-	if ( options.cache.empty() && given( app, "--cache-limit" ) )
+	requireNotNegative( "--proofs", options.proofs );
+	options.proofs_given = given( app, "--proofs" );
+	for ( const char* option : { "--cache-limit", "--proofs" } )
 	{
-		wrong( "--cache-limit", "has no meaning without a cache", "add --cache DIR, or leave it out" );
+		if ( options.no_cache && given( app, option ) )
+		{
+			wrong( option, "has no meaning without a cache", "leave out --no-cache, or this" );
+		}
+	}
+	if ( !options.no_cache && !given( app, "--cache" ) )
+	{
+		const std::string folder = io::defaultCacheFolder();
+		options.default_cache = io::isUsableCache( folder );
+		options.cache = options.default_cache ? folder : "";
+		options.no_default_cache = options.default_cache ? ""
+		                           : folder.empty()      ? "neither XDG_CACHE_HOME nor HOME names a folder"
+		                                                 : folder + " cannot be written";
 	}
 	if ( !( options.alpha >= 0 && options.alpha < 1 ) )
 	{

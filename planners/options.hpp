@@ -45,6 +45,11 @@ struct CommonOptions
 	std::vector<std::string> input_limits; ///< NAME=N
 	bool visual = false, strict = false;
 	bool verbose = false;
+	bool no_cache = false;
+	bool default_cache = false; ///< `cache` is where the platform keeps caches: nobody named it
+	std::string no_default_cache; ///< why there is none although nobody declined it
+	double proofs = io::default_proof_seconds; ///< seconds
+	bool proofs_given = false;
 
 	lw_what what() const;
 };
@@ -74,7 +79,7 @@ struct PairsOptions
 
 struct CacheOptions
 {
-	std::string folder, json;
+	std::string folder, json; ///< folder empty: the default one
 	bool clean = false;
 	double limit = -1; ///< megabytes; negative: none was given
 };
@@ -146,6 +151,7 @@ struct CommonNeeds
 	bool world = true;   ///< --scene, --group, --min-d, --what and --simd make sense
 	bool detail = false; ///< --detail is offered
 	const char* group_help = "planning group of the SRDF; without it all joints can move";
+	bool proofs = true;  ///< proofs are made without --proofs
 };
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );

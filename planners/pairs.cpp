@@ -230,7 +230,6 @@ io::LoadedReach findReach( const PairsOptions& options, const Robot& robot, Noti
 {
 	io::ReachOptions reach;
 	reach.cache = options.common.cache;
-	reach.accept_less = false;
 	reach.def.seconds = options.budget;
 	reach.def.samples = options.samples;
 	reach.def.seed = options.seed;
@@ -259,8 +258,14 @@ int runPairs( const PairsOptions& options )
 
 	std::string text = fmt::format( "robot {} ({}): {} links with geometry, {} pairs; tables {} in {:.2f} s\n",
 	    input.robot.name, input.robot.urdf_file, table.linksWithGeometry(), table.rows().size(),
-	    reach.cached ? fmt::format( "of an earlier run ({} s for proofs) read", reach.seconds_spent ) : "built",
+	    !reach.cached    ? "built"
+	    : reach.advanced ? "of earlier runs carried on"
+	                     : "of earlier runs read",
 	    reach.milliseconds / 1000 );
+	text += fmt::format( "  proofs {} after {:.1f} s: {} of {} pairs that may not touch are proved to stay apart, {} can touch, {} cannot be proved, "
+	                     "{} are open\n",
+	    reach.info.complete ? "complete" : "not complete", reach.info.seconds, reach.info.proved, reach.info.pairs, reach.info.contact,
+	    reach.info.unprovable, reach.info.open );
 	text += classTable( table );
 	if ( !input.robot.srdf_file.empty() )
 	{
@@ -279,7 +284,9 @@ int runPairs( const PairsOptions& options )
 	if ( !options.json.empty() )
 	{
 		json = toJson( table, input.robot, robot.get() );
-		json["budget"] = reach.seconds_spent;
+		json["budget"] = options.budget;
+		json["seconds_spent"] = reach.info.seconds;
+		json["complete"] = reach.info.complete;
 		json["samples"] = options.samples;
 		json["seed"] = options.seed;
 		json["cached"] = reach.cached;

@@ -132,7 +132,11 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		input.reach = io::ReachOptions();
 		input.reach->cache = options.cache;
 		input.reach->cache_limit = load.cache_limit;
-		input.reach->def.seconds = quick_budget;
+		input.reach->def.seconds = options.proofs;
+	}
+	else if ( !options.no_default_cache.empty() && notices.verbose() )
+	{
+		notices.add( "the cache", { { "", "no cache", options.no_default_cache + ": trees, motion hulls and proofs are not kept" } } );
 	}
 	input.min_d = options.min_d;
 	input.margins = options.margins.empty() ? io::Margins() : io::loadMargins( options.margins );
@@ -186,21 +190,33 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	return input;
 }
 
+namespace
+{
+
+/// Seconds. What may take longer is announced, and so is what has taken a third of it.
+constexpr double moment = 1.5;
+
+} // namespace
+
 void ReachProgress::attach( lw_reach_def& def )
 {
 	def.progress = report;
 	def.progress_user = this;
 	m_budget = def.seconds;
 	m_hulls_only = def.hulls_only;
+	m_begin = now();
 }
 
 bool ReachProgress::report( void* self, const char* stage, double share )
 {
 	ReachProgress& progress = *static_cast<ReachProgress*>( self );
-	if ( !progress.m_told )
+	const bool hulls = std::string( stage ) == "hulls";
+	if ( !progress.m_told && ( now() - progress.m_begin > moment / 3 || progress.m_budget > moment ) )
 	{
-		tell( "leeway: building motion hulls {}\n",
-		    progress.m_hulls_only ? "of the robot" : fmt::format( "and pair tables of the robot; {} s for proofs", progress.m_budget ) );
+		const std::string proofs = progress.m_hulls_only       ? ""
+		                           : progress.m_budget > 0     ? fmt::format( "up to {} s for proofs of its pairs of links", progress.m_budget )
+		                                                       : "proofs of its pairs of links by hulls";
+		tell( "leeway: {}{}\n", hulls ? "building motion hulls of the robot" + std::string( proofs.empty() ? "" : "; then " ) : "", proofs );
 		progress.m_told = true;
 	}
 	progress.m_progress.stage( stage, share );

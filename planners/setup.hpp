@@ -21,7 +21,7 @@ struct Input
 	io::RobotModel robot;
 	std::optional<io::SceneModel> scene;
 	std::optional<io::Request> request;
-	/// With --cache: where motion hulls and pair tables are, and what to build in a few seconds if there are none.
+	/// With a cache: where motion hulls and pair tables are, and the seconds of this run for proofs.
 	std::optional<io::ReachOptions> reach;
 	double robot_seconds = 0, scene_seconds = 0;
 	/// The clearance wanted, and the largest that is asked for: what the checker may leave out (io::ProblemOptions).
@@ -40,10 +40,7 @@ constexpr double planning_horizon = 0.25;
 /// @throws io::Error
 Input loadInput( const CommonOptions& options, Notices& notices );
 
-/// Seconds that subcommands other than `pairs` spend on proofs if the cache has no tables of a robot.
-constexpr double quick_budget = 2;
-
-/// Tells about the building of motion hulls and pair tables, if there is any: what is built, then how far it is.
+/// Tells about the building of motion hulls and about proofs that take longer than a moment: what is done, then how far it is.
 class ReachProgress
 {
 public:
@@ -53,7 +50,7 @@ public:
 
 private:
 	static bool report( void* self, const char* stage, double share );
-	double m_budget = 0;
+	double m_budget = 0, m_begin = 0;
 	bool m_hulls_only = false, m_told = false;
 	Progress& m_progress;
 };

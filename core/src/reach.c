@@ -357,7 +357,8 @@ static bool is_open( const lw_reach* reach, const lw_reach_pair* pair, const lwi
 
 lw_reach_info lw_reach_get_info( const lw_reach* reach )
 {
-	lw_reach_info info = { .charts = reach->chart_count, .samples = reach->sample_count, .seconds = reach->seconds };
+	lw_reach_info info = { .charts = reach->chart_count, .samples = reach->sample_count, .seed = reach->seed,
+		.seconds = reach->seconds };
 	info.complete = reach->sample_count > 0;
 	for ( size_t i = 0; i < pair_count( reach ); ++i )
 	{

@@ -21,7 +21,8 @@ enum
 /// Bits of the number of cells, by rounds and the number of variables: coarse charts of all pairs come before fine ones of any.
 enum
 {
-	CHART_ROUNDS = 3
+	CHART_ROUNDS = 3,
+	ROUNDS_PER_CHART = 2 ///< charts are made finer every second round of proofs: the finest take longest
 };
 static const uint32_t chart_bits[CHART_ROUNDS][LWI_CHART_AXES + 1] = { { 0, 6, 8, 9 }, { 0, 8, 12, 12 }, { 0, 8, 12, 15 } };
 
@@ -108,8 +109,9 @@ static void refine_chart( const effort_round* r, lwi_prober* prober, uint32_t in
 	const lwi_active* active = &r->list->active[index];
 	lwi_effort* effort = active->effort;
 	bool complete;
-	lw_status status = lwi_chart_refine( prober, active->link_a, active->link_b, active->pair->separation, chart_bits[r->number],
-		r->deadline, &r->charts[index], &effort->chart_slabs, &complete );
+	uint32_t made = r->number / ROUNDS_PER_CHART;
+	lw_status status = lwi_chart_refine( prober, active->link_a, active->link_b, active->pair->separation, chart_bits[made], r->deadline,
+		&r->charts[index], &effort->chart_slabs, &complete );
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{
 		atomic_store( &r->probers->out_of_memory, true );
@@ -117,9 +119,9 @@ static void refine_chart( const effort_round* r, lwi_prober* prober, uint32_t in
 	else if ( status == LW_OK && complete )
 	{
 		effort->chart_slabs = 0;
-		effort->chart_rounds = r->number + 1;
+		effort->chart_rounds = made + 1;
 		uint32_t n = active->pair->variable_count;
-		while ( effort->chart_rounds < CHART_ROUNDS && chart_bits[effort->chart_rounds][n] == chart_bits[r->number][n] )
+		while ( effort->chart_rounds < CHART_ROUNDS && chart_bits[effort->chart_rounds][n] == chart_bits[made][n] )
 		{
 			++effort->chart_rounds; // the next one would be the same
 		}
@@ -240,7 +242,7 @@ static bool is_chosen( const effort_round* r, uint32_t index )
 	const lw_reach_pair* pair = active->pair;
 	if ( r->step == STEP_CHART )
 	{
-		return r->number < CHART_ROUNDS && active->effort->chart_rounds == r->number &&
+		return r->number % ROUNDS_PER_CHART == 0 && active->effort->chart_rounds == r->number / ROUNDS_PER_CHART &&
 			   lwi_effort_wants_chart( r->probers->job->reach, pair, active->effort );
 	}
 	bool wanted = r->step == STEP_IMPROVE ? pair->separation > 0 && !pair->allowed

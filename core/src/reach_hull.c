@@ -12,7 +12,7 @@
 enum
 {
 	/// Points of one hull. Where that binds, more is dropped than the budget has for it, and `dilation` says so.
-	MAX_POINTS = 4000,
+	MAX_POINTS = 1500,
 	/// The same of a link swept up to an ancestor: there are ten times as many of these, and what they are too coarse to
 	/// prove is left to the subdivision.
 	MAX_SWEEP_POINTS = 480

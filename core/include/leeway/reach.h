@@ -70,6 +70,7 @@ typedef struct lw_reach_info
 	uint32_t open;       ///< neither, so far: more time may prove them
 	uint32_t charts;     ///< of pairs between which at most three variables move
 	uint32_t samples;    ///< random states measured
+	uint64_t seed;       ///< of these
 	double seconds;      ///< spent on all that def->seconds bounds, by this reach and those that it continues
 	bool complete;       ///< more time changes nothing (for no more samples than were asked for)
 } lw_reach_info;

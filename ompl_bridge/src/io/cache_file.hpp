@@ -3,6 +3,7 @@
 #pragma once
 
 #include "io_internal.hpp"
+#include "leeway/io/cache.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -26,9 +27,10 @@ struct CacheFile
 	std::vector<std::uint64_t> words;
 };
 
-/// What the words of a mesh's file say of its size; 0 if they say nothing. Of a robot's: seconds spent on proofs.
+/// What the words of a mesh's file say of its size; 0 if they say nothing.
 std::uint32_t treeTriangles( const std::vector<std::uint64_t>& words );
-double reachSeconds( const std::vector<std::uint64_t>& words );
+/// What the words of a robot's file say of its proofs.
+void fillReachEntry( const std::vector<std::uint64_t>& words, CacheEntry& entry );
 
 /// Reads a cache file, and has `use` make something of it.
 /// @param use returns a status of the core; its diag is told

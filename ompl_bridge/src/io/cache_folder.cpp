@@ -4,10 +4,12 @@
 #include "leeway/io/cache.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace leeway::io
 {
@@ -111,11 +113,36 @@ void lookInto( lw_digest key, CacheEntry& entry )
 	if ( entry.good )
 	{
 		entry.triangles = detail::treeTriangles( content.words );
-		entry.seconds = entry.kind == CacheEntry::reach ? detail::reachSeconds( content.words ) : 0;
+		if ( entry.kind == CacheEntry::reach )
+		{
+			detail::fillReachEntry( content.words, entry );
+		}
 	}
 }
 
 } // namespace
+
+std::string defaultCacheFolder()
+{
+	const auto absolute = []( const char* name )
+	{
+		const char* value = std::getenv( name );
+		return value != nullptr && fs::path( value ).is_absolute() ? fs::path( value ) : fs::path();
+	};
+	const fs::path caches = absolute( "XDG_CACHE_HOME" ), home = absolute( "HOME" );
+	return !caches.empty() ? ( caches / "leeway" ).string() : !home.empty() ? ( home / ".cache" / "leeway" ).string() : "";
+}
+
+bool isUsableCache( const std::string& folder )
+{
+	std::error_code error;
+	if ( folder.empty() )
+	{
+		return false;
+	}
+	fs::create_directories( folder, error );
+	return fs::is_directory( folder, error ) && ::access( folder.c_str(), R_OK | W_OK | X_OK ) == 0;
+}
 
 std::vector<CacheEntry> listCache( const std::string& folder )
 {

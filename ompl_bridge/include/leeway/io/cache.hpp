@@ -29,8 +29,17 @@ struct CacheEntry
 	bool good = true;       ///< of a tree or reach: checksums are right and it is of this version
 	std::string problem;    ///< if it is not good
 	std::uint32_t triangles = 0; ///< of a tree
-	double seconds = 0;     ///< spent on proofs, of a reach
+	double seconds = 0;     ///< spent on proofs, of a reach; the rest is as in lw_reach_info
+	std::uint32_t pairs = 0, proved = 0, contact = 0, open = 0;
+	bool complete = false;
 };
+
+/// Where leeway keeps its cache unless it is told otherwise: $XDG_CACHE_HOME/leeway, else $HOME/.cache/leeway. Empty if neither is set to
+/// an absolute path. The folder need not exist.
+std::string defaultCacheFolder();
+
+/// True if the folder can be made (and then it is) and files can be made in it. False for "".
+bool isUsableCache( const std::string& folder );
 
 /// What is in a folder, most recently used first. Every file is read and checked.
 /// @throws Error if there is no such folder

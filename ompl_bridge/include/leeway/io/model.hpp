@@ -194,24 +194,35 @@ struct WrittenSrdf
 /// @throws Error
 WrittenSrdf writeSrdf( const RobotModel& model, const std::vector<DisabledPair>& pairs );
 
+/// Seconds that a run waits for proofs unless it is told otherwise.
+constexpr double default_proof_seconds = 1;
+
 /// Motion hulls and pair tables (lw_reach): where they are kept, and what to build.
 struct ReachOptions
 {
+	ReachOptions() { def.seconds = default_proof_seconds; }
 	/// A folder, made if it is missing; empty = none. One file per robot (lw_robot_digest) and version.
 	std::string cache;
 	std::uint64_t cache_limit = default_cache_limit; ///< bytes, see leeway/io/cache.hpp
-	bool build = true;       ///< build one if the cache has none, and keep it there
-	bool accept_less = true; ///< one from the cache will do even if it took less time, or fewer samples, than `def` gives
-	lw_reach_def def = lw_reach_def_default(); ///< what to build; the robot is filled in
+	bool build = true;   ///< build one if the cache has none; and what is built or proved anew is kept there
+	bool proceed = true; ///< go on with one from the cache, for def.seconds, as long as it is not complete; and build anew if def.seed differs
+	unsigned threads = 0; ///< that prove; 0 = as many as the machine has
+	/// What to build, and the seconds of this run for proofs (default_proof_seconds): the next run goes on. The robot is filled in, and
+	/// `parallel` unless it is given.
+	lw_reach_def def = lw_reach_def_default();
 };
+
+/// Options with the folder where the platform keeps caches (defaultCacheFolder()), or without one if that cannot be written.
+ReachOptions cachedReach();
 
 struct LoadedReach
 {
 	Reach reach; ///< empty if the cache has none and none was to be built, or this build has no qhull (a notice)
-	bool cached = false;
-	double seconds_spent = 0; ///< the budget it was built with
-	double milliseconds = 0;  ///< reading or building
-	std::string file;         ///< in the cache; empty without one
+	bool cached = false;     ///< there was one in the cache
+	bool advanced = false;   ///< it was built, or proofs went on
+	lw_reach_info info{};    ///< how far its proofs are
+	double milliseconds = 0; ///< reading, building, proving
+	std::string file;        ///< in the cache; empty without one
 	std::vector<Notice> notices;
 };
 /// @throws Error (a cache that is no folder), CoreError
