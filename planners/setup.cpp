@@ -193,7 +193,7 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 namespace
 {
 
-/// Seconds. What may take longer is announced, and so is what has taken a third of it.
+/// Seconds. Proofs that may take longer are announced, and so are hulls that have taken a third of it.
 constexpr double moment = 1.5;
 
 } // namespace
@@ -211,7 +211,7 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 {
 	ReachProgress& progress = *static_cast<ReachProgress*>( self );
 	const bool hulls = std::string( stage ) == "hulls";
-	if ( !progress.m_told && ( now() - progress.m_begin > moment / 3 || progress.m_budget > moment ) )
+	if ( !progress.m_told && ( progress.m_budget > moment || ( hulls && now() - progress.m_begin > moment / 3 ) ) )
 	{
 		const std::string proofs = progress.m_hulls_only       ? ""
 		                           : progress.m_budget > 0     ? fmt::format( "up to {} s for proofs of its pairs of links", progress.m_budget )

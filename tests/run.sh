@@ -119,6 +119,7 @@ sanitizer_works()
 
 scratch=$( mktemp -d )
 trap 'rm -rf "$scratch"' EXIT
+export XDG_CACHE_HOME="$scratch/caches" # the user's own cache is left alone
 notes=()
 runner=( env )
 

@@ -20,7 +20,7 @@ enum
 	PARTS_OF_CELL = 24, ///< parts of a cell that are told apart at most
 	PARTS_OF_FINE = 6,  ///< the same in a chart whose cells had a coarser cell's parts before
 	FINE_CHART_BITS = 13, ///< of the number of cells of such a chart
-	SLAB_BITS = 9,      ///< of the number of cells that are made in one go
+	SLAB_BITS = 6,      ///< of the number of cells that are made in one go: a run without time for so many would never end
 	BLOCKS_PER_LOOK = 32 ///< measurements between two looks at the clock
 };
 
