@@ -115,7 +115,8 @@ public:
 			lengths.push_back( jointDistance( m_bench, points[k], points[k + 1] ) );
 			m_audit.length += lengths.back();
 		}
-		Progress progress( "auditing the path", std::max<std::size_t>( lengths.size(), 1 ) );
+		requireBounded( points );
+		Progress progress( "auditing the path" );
 		for ( std::size_t k = 0; k < points.size(); ++k )
 		{
 			limits( points[k], k );
@@ -124,11 +125,10 @@ public:
 		m_poses = m_meter.poses( m_full );
 		sample( { 0, 0, 0 }, 0 );
 		double before = 0;
-		for ( std::size_t k = 0; k < lengths.size(); ++k )
+		for ( std::size_t k = 0; k < lengths.size() && !m_ended; ++k )
 		{
-			edge( k, points[k], points[k + 1], before, lengths[k] );
+			edge( k, points[k], points[k + 1], before, lengths[k], start, progress );
 			before += lengths[k];
-			progress.step( k + 1 );
 		}
 		m_audit.valid = m_count == 0;
 		if ( m_count > problems_named )
@@ -140,6 +140,52 @@ public:
 	}
 
 private:
+	double travel( const std::vector<double>& a, const std::vector<double>& b ) const
+	{
+		double sum = 0;
+		for ( std::uint32_t i = 0; i < a.size(); ++i )
+		{
+			sum += std::abs( variableDistance( m_bench.robot(), i, a[i], b[i] ) );
+		}
+		return sum;
+	}
+
+	// A path along which joints travel without end is not begun.
+	void requireBounded( const std::vector<std::vector<double>>& points ) const
+	{
+		double sum = 0;
+		for ( std::size_t k = 0; k + 1 < points.size(); ++k )
+		{
+			sum += travel( m_bench.fullState( points[k] ), m_bench.fullState( points[k + 1] ) );
+		}
+		if ( !( sum / joint_travel_per_step <= AuditSettings::most_states ) )
+		{
+			throw io::Error( m_file, "the path",
+			    fmt::format( "its joints travel {:.3g} radians or metres: an audit takes more than {:.0e} states", sum,
+			        AuditSettings::most_states ),
+			    "narrow the joints' limits in the URDF, or audit a part of the path" );
+		}
+	}
+
+	// Says how long it will take, and ends it when its time is over.
+	void tellTime( const PathPlace& place, double start, Progress& progress )
+	{
+		constexpr std::size_t states_between = 64;
+		if ( m_audit.states % states_between != 0 )
+		{
+			return;
+		}
+		const double spent = now() - start;
+		progress.stage( fmt::format( "about {:.0f} s left", place.s > 0 ? spent * ( 1 - place.s ) / place.s : 0 ), place.s );
+		if ( spent > m_settings.time )
+		{
+			m_ended = true;
+			problem( fmt::format( "the audit ended after {:.0f} s and {} states at {:.2g} % of the path, of which it would take about {:.0f} s: "
+			                      "give it more time (leeway audit --time), or a coarser --resolution",
+			    spent, m_audit.states, 100 * place.s, spent / std::max( place.s, 1e-9 ) ) );
+		}
+	}
+
 	void problem( const std::string& text )
 	{
 		if ( m_count++ < problems_named )
@@ -217,19 +263,14 @@ private:
 		return std::max( m_settings.resolution, step_share * room );
 	}
 
-	void edge(
-	    std::size_t index, const std::vector<double>& qa, const std::vector<double>& qb, double before, double length )
+	void edge( std::size_t index, const std::vector<double>& qa, const std::vector<double>& qb, double before, double length, double start,
+	    Progress& progress )
 	{
 		const std::vector<double> a = m_bench.fullState( qa ), b = m_bench.fullState( qb );
-		double travel = 0;
-		for ( std::uint32_t i = 0; i < a.size(); ++i )
-		{
-			travel += std::abs( variableDistance( m_bench.robot(), i, a[i], b[i] ) );
-		}
-		const double longest = travel > joint_travel_per_step ? joint_travel_per_step / travel : 1.0;
+		const double way = travel( a, b ), longest = way > joint_travel_per_step ? joint_travel_per_step / way : 1.0;
 		double t = 0, step = longest;
 		std::vector<double> next( a.size() );
-		while ( t < 1 )
+		while ( t < 1 && !m_ended )
 		{
 			const double allowed = allowedMotion();
 			std::vector<lw_transform> poses;
@@ -251,6 +292,7 @@ private:
 			m_poses = std::move( poses );
 			const double total = m_audit.length > 0 ? m_audit.length : 1;
 			sample( { index, t, ( before + t * length ) / total }, moved );
+			tellTime( m_audit.samples.back().place, start, progress );
 			step *= moved > 0 ? std::clamp( 0.9 * allowedMotion() / moved, 0.1, 4.0 ) : 4.0;
 		}
 	}
@@ -263,6 +305,7 @@ private:
 	Audit m_audit;
 	AuditSample m_proved;    // lower bounds of the last sample
 	std::size_t m_count = 0; // problems
+	bool m_ended = false;    // its time is over
 	std::vector<double> m_full;
 	std::vector<lw_transform> m_poses;
 };

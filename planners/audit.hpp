@@ -38,6 +38,9 @@ struct AuditSettings
 	/// Metres: near contact no robot point moves more than this between two measured states.
 	double resolution = 1e-4;
 	lw_what what = LW_WHAT_BOTH;
+	double time = 60; ///< seconds, after which it ends where it is: the path is then not valid
+	/// An audit that needs more states is an error before it begins: some hours of work.
+	static constexpr double most_states = 1e8;
 };
 
 struct Audit
@@ -60,7 +63,8 @@ double jointDistance( const Workbench& bench, const std::vector<double>& a, cons
 /// resolution and a quarter of the room there is. Motion is measured from forward kinematics here, not taken from the
 /// motion bounds that the certified edges use; distances are exact ones, with a query of its own.
 /// @param points group states
-/// @throws io::Error naming `file`
+/// Cost: at least a state for each tenth of a radian or metre that all joints together travel.
+/// @throws io::Error naming `file`; a path that needs more than AuditSettings::most_states by that
 Audit auditPath( const Workbench& bench, const std::vector<std::vector<double>>& points, const AuditSettings& settings,
     const std::string& file );
 

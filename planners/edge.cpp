@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <map>
 #include <set>
 
 namespace leeway::cli
@@ -138,6 +141,31 @@ std::string pairCell( const Workbench& bench, const lw_edge_result& edge )
 	return pair.first.empty() ? "" : csvCell( pair.first + ":" + pair.second );
 }
 
+// Edges that were neither proved free nor found to collide, for one pair.
+struct Refused
+{
+	std::size_t edges = 0;
+	double clearance = HUGE_VAL; // metres, the least
+};
+
+// By the cell of the pair; "" for edges that are too long.
+void tellRefusals( const std::map<std::string, Refused>& refusals, double min_d )
+{
+	const auto most = std::max_element( refusals.begin(), refusals.end(),
+	    []( const auto& x, const auto& y ) { return x.second.edges < y.second.edges; } );
+	if ( most != refusals.end() && most->first.empty() )
+	{
+		tell( "leeway: {} refused because they take more than {} states: cut them into shorter edges\n",
+		    counted( most->second.edges, "edge" ), int( LW_EDGE_MOST_STATES ) );
+	}
+	else if ( most != refusals.end() )
+	{
+		tell( "leeway: {} refused for {}, which come within {:.3g} m of each other: disable the pair in the SRDF if it may touch "
+		      "(leeway pairs shows which){}\n",
+		    counted( most->second.edges, "edge" ), most->first, most->second.clearance, min_d > 0 ? ", or lower --min-d" : "" );
+	}
+}
+
 } // namespace
 
 int runEdge( const EdgeCommandOptions& options )
@@ -157,6 +185,7 @@ int runEdge( const EdgeCommandOptions& options )
 	out.text = fmt::format( "index,verdict,t,proved_until,{},pair,queries,microseconds\n",
 	    clearanceHeader( hasMargins( bench.checker() ) ) );
 	std::size_t free = 0, blocked = 0, refused = 0;
+	std::map<std::string, Refused> refusals;
 	std::vector<double> microseconds;
 	Progress progress( "checking edges", edges.size() );
 	for ( std::size_t row = 0; row < edges.size(); ++row )
@@ -177,6 +206,12 @@ int runEdge( const EdgeCommandOptions& options )
 		    lw_verdict_name( edge.verdict ), edge.t, edge.proved_until,
 		    intervals( bench, qa, qb, def, edge, options.edges, table.rows[row].line ), pairCell( bench, edge ),
 		    edge.queries, microseconds.back() );
+		if ( edge.verdict == LW_VERDICT_REFUSED )
+		{
+			Refused& pair = refusals[pairCell( bench, edge )];
+			++pair.edges;
+			pair.clearance = std::min( pair.clearance, edge.pair.upper );
+		}
 		++( edge.verdict == LW_VERDICT_FREE ? free : edge.verdict == LW_VERDICT_BLOCKED ? blocked : refused );
 		progress.step( row + 1 );
 	}
@@ -185,6 +220,7 @@ int runEdge( const EdgeCommandOptions& options )
 	tell(
 	    "leeway: {}: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per edge\n",
 	    counted( edges.size(), "edge" ), free, blocked, refused, median, mean );
+	tellRefusals( refusals, options.common.min_d );
 	return free == edges.size() ? exit_yes : exit_no;
 }
 

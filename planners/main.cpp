@@ -149,7 +149,8 @@ Example: leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --pa
 
 Exact states so dense that between two of them no robot point moves further than --resolution, or a quarter of the
 room there is. Joint limits are checked, and with --request that the path joins the request's start and goal. Joints
-outside of the group stand where the path file's start_state puts them. --min-d defaults to the path file's.
+outside of the group stand where the path file's start_state puts them. --min-d defaults to the path file's. An audit
+that does not end within --time seconds says how far it came and how long all would take; the path is then not valid.
 
 path.yaml: as written by leeway plan: group, min_d, start_state, joint_names, points (a list of positions); a MoveIt
 joint_trajectory is read as well. Exit status 0: valid; 1: not valid.)";
@@ -339,6 +340,8 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	    { true, false, true, true, false, "planning group of the SRDF (default: the path file's)" } );
 	command->add_option( "--path", options.path, "the path" )->type_name( "path.yaml" )->required();
 	command->add_option( "--resolution", options.resolution, "metres (default 0.0001)" )->type_name( "M" );
+	command->add_option( "--time", options.time, "seconds, after which the audit ends where it is, and the path is not valid (default 60)" )
+	    ->type_name( "S" );
 	command->add_option( "--report", options.report, "the audit, for programs" )->type_name( "report.json" );
 	command->add_option( "--profile", options.profile, "all measured clearances: s,edge,t,environment,self" )
 	    ->type_name( "FILE.csv" );
@@ -466,6 +469,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 	}
 	validate( *chosen, commands.audit.common );
 	requirePositive( "--resolution", commands.audit.resolution );
+	requirePositive( "--time", commands.audit.time );
 	return runAudit( commands.audit );
 }
 

@@ -179,7 +179,7 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options )
 	    ->type_name( "certified|steps" )
 	    ->group( question );
 	app.add_option( "--slack", options.slack,
-	       "metres, certified: clearances up to min-d + slack may be REFUSED; bounds the work near contact (default 0.001)" )
+	       "metres, certified: upper bound of how much nearer than needed a REFUSED clearance may be; each pair has its own, by the room it has (default 0.001)" )
 	    ->type_name( "M" )
 	    ->group( question );
 }

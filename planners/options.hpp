@@ -128,6 +128,7 @@ struct AuditOptions
 	CommonOptions common;
 	std::string path, report, profile;
 	double resolution = 1e-4;
+	double time = 60; ///< seconds
 };
 
 struct TuneOptions

@@ -85,6 +85,8 @@ struct Solution
 	unsigned threads = 1; // of the planner
 	std::map<std::string, std::string> parameters; // of the planner
 	::leeway::ompl::Counters counters;
+	std::vector<::leeway::ompl::Refusal> refusals;
+	std::string refused; // a sentence on them
 };
 
 // An end of the request must be inside the limits and free, else no planner can help.
@@ -221,6 +223,43 @@ void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si, const
 	}
 }
 
+// Limits of a joint that are so far away mean that there are none, and states drawn between them have nothing to do with the ends.
+constexpr double far_limits = 1000, room_beyond_ends = 10;
+
+// Bounds that are far from both ends come nearer. A joint that is told to go from a to b need not go further than ten radians or metres beyond.
+void narrow( ob::StateSpace& space, const ob::State& start, const ob::State& goal, Notices& notices )
+{
+	if ( space.isCompound() )
+	{
+		auto& compound = *space.as<ob::CompoundStateSpace>();
+		for ( unsigned int i = 0; i < compound.getSubspaceCount(); ++i )
+		{
+			narrow( *compound.getSubspace( i ), *start.as<ob::CompoundState>()->components[i],
+			    *goal.as<ob::CompoundState>()->components[i], notices );
+		}
+	}
+	else if ( space.getType() == ob::STATE_SPACE_REAL_VECTOR )
+	{
+		auto& vector = *space.as<ob::RealVectorStateSpace>();
+		ob::RealVectorBounds bounds = vector.getBounds();
+		for ( unsigned int i = 0; i < vector.getDimension(); ++i )
+		{
+			const double a = start.as<ob::RealVectorStateSpace::StateType>()->values[i];
+			const double b = goal.as<ob::RealVectorStateSpace::StateType>()->values[i];
+			if ( bounds.high[i] - bounds.low[i] > far_limits )
+			{
+				const std::string name = vector.getDimensionName( i );
+				notices.add( "joint limits",
+				    fmt::format( "joint {}: limits are {:g} to {:g}: planning keeps within {:g} of start and goal",
+				        name.empty() ? vector.getName() : name, bounds.low[i], bounds.high[i], room_beyond_ends ) );
+				bounds.low[i] = std::max( bounds.low[i], std::min( a, b ) - room_beyond_ends );
+				bounds.high[i] = std::min( bounds.high[i], std::max( a, b ) + room_beyond_ends );
+			}
+		}
+		vector.setBounds( bounds );
+	}
+}
+
 // Makes room in the bounds for a state that lies beyond them by a rounding (see limit_tolerance): planners take only ends
 // inside the bounds, and moving the end would answer another question.
 void widen( ob::StateSpace& space, const ob::State& state )
@@ -250,7 +289,7 @@ void widen( ob::StateSpace& space, const ob::State& state )
 class Planning
 {
 public:
-	Planning( const PlanOptions& options, const Workbench& bench, std::vector<double> start, std::vector<double> goal )
+	Planning( const PlanOptions& options, const Workbench& bench, std::vector<double> start, std::vector<double> goal, Notices& notices )
 	    : m_options( options ), m_bench( bench ), m_start( std::move( start ) ), m_goal( std::move( goal ) )
 	{
 		::leeway::ompl::Options judge;
@@ -263,12 +302,12 @@ public:
 		judge.what = options.common.what();
 		m_space = ::leeway::ompl::makeStateSpace( bench.problem().checker );
 		const ::leeway::ompl::StateAdapter adapter( m_space, bench.problem().checker );
-		ob::ScopedState<> state( m_space );
-		for ( const std::vector<double>* end : { &m_start, &m_goal } )
-		{
-			adapter.fromVector( end->data(), state.get() );
-			widen( *m_space, *state.get() );
-		}
+		ob::ScopedState<> first( m_space ), last( m_space );
+		adapter.fromVector( m_start.data(), first.get() );
+		adapter.fromVector( m_goal.data(), last.get() );
+		narrow( *m_space, *first.get(), *last.get(), notices );
+		widen( *m_space, *first.get() );
+		widen( *m_space, *last.get() );
 		m_si = std::make_shared<ob::SpaceInformation>( m_space );
 		m_engine = ::leeway::ompl::install( m_si, bench.problem().checker, judge );
 		m_si->setup();
@@ -309,6 +348,8 @@ public:
 			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
 		}
 		solution.counters = m_engine->counters();
+		solution.refusals = m_engine->refusals();
+		solution.refused = m_engine->describeRefusals();
 		return solution;
 	}
 
@@ -406,6 +447,12 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 	const ::leeway::ompl::Counters& c = solution.counters;
 	json["checks"] = { { "states", c.states }, { "edges", c.edges }, { "free", c.free }, { "blocked", c.blocked },
 	    { "refused", c.refused }, { "edge_queries", c.edge_queries } };
+	json["checks"]["refused_pairs"] = Json::array();
+	for ( const ::leeway::ompl::Refusal& refusal : solution.refusals )
+	{
+		json["checks"]["refused_pairs"].push_back( { { "first", refusal.first }, { "second", refusal.second },
+		    { "self", refusal.self }, { "edges", refusal.count }, { "clearance", jsonNumber( refusal.clearance ) } } );
+	}
 	if ( solution.solved )
 	{
 		json["raw"] = { { "states", solution.raw_states }, { "length", solution.raw_length } };
@@ -433,6 +480,7 @@ std::string summary( const PlanOptions& options, const Solution& solution )
 	{
 		text += fmt::format( ", clearance proved to be at least {:.6f} m", solution.edges.lower_bound );
 	}
+	text += solution.refused.empty() ? "" : "; " + solution.refused;
 	return text +
 	       fmt::format( "; before simplification {}, length {:.6g}\n", counted( solution.raw_states, "state" ), solution.raw_length );
 }
@@ -461,7 +509,7 @@ Solution solve( const PlanOptions& options, const Workbench& bench, const PlanEn
 	try
 	{
 		::ompl::RNG::setSeed( options.seed );
-		return Planning( options, bench, start, goal ).solve( timeLimit( options, request ) );
+		return Planning( options, bench, start, goal, notices ).solve( timeLimit( options, request ) );
 	}
 	catch ( const ::ompl::Exception& error )
 	{
@@ -517,9 +565,10 @@ int runPlan( const PlanOptions& options )
 	{
 		tell(
 		    "leeway: no path found: {} after {:.1f} s ({} and {} checked); try more --time, another --seed "
-		    "or --planner, or a smaller --min-d\n",
+		    "or --planner{}{}{}\n",
 		    solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
-		    counted( solution.counters.edges, "edge" ) );
+		    counted( solution.counters.edges, "edge" ), options.common.min_d > 0 ? ", or a smaller --min-d" : "",
+		    solution.refused.empty() ? "" : "; ", solution.refused );
 		return exit_no;
 	}
 	// The path itself goes to standard output if no file was named; the summary must not mix with it.

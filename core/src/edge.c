@@ -15,6 +15,7 @@ lw_edge_def lw_edge_def_default( void )
 		.what = LW_WHAT_BOTH,
 		.min_d = 0,
 		.slack = 1e-3,
+		.close_windows = 1024,
 		.max_d = 0.01,
 		.alpha = 0.1,
 		.want_proved_until = false,

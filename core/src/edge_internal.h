@@ -17,8 +17,7 @@ enum
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
 	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
 	LWI_RAKE_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of a rake
-	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS,
-	LWI_EDGE_MOST_CLOSE = 1024 ///< windows that are halved for items within the slack, before one of them is refused
+	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
 /// Shrinks a surplus of clearance, 2^-40 relative: far above its dozen roundings, far below any slack.
@@ -305,10 +304,10 @@ static inline bool lwi_edge_item_is_pair( const lwi_edge_item* item )
 	return item->body_b != LW_INVALID_INDEX;
 }
 
-/// True if the item has a slack of its own, and the edge has not used up LWI_EDGE_MOST_CLOSE.
+/// True if the item has a slack of its own, and the edge has not used up def->close_windows.
 static inline bool lwi_edge_is_close( const lwi_edge* edge, const lwi_edge_item* item )
 {
-	return item->slack < edge->slack[lwi_edge_item_is_pair( item )] && edge->close < LWI_EDGE_MOST_CLOSE;
+	return item->slack < edge->slack[lwi_edge_item_is_pair( item )] && edge->close < edge->def->close_windows;
 }
 
 /// The slack of an item: the edge's, or what its own clearance leaves room for.

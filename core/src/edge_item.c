@@ -119,7 +119,7 @@ static bool tighten( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, l
 	const bool pair = lwi_edge_item_is_pair( item );
 	const double min_d = e->def->min_d;
 	const lwi_threshold exact = { { min_d, min_d + e->slack[pair], 0 }, 0, 0 };
-	if ( e->close >= LWI_EDGE_MOST_CLOSE || !ask( e, item, &exact, &s->pair ) )
+	if ( e->close >= e->def->close_windows || !ask( e, item, &exact, &s->pair ) )
 	{
 		return false;
 	}

@@ -442,6 +442,34 @@ bool isClose( const Rig& rig, lw_query* query, const ob::State* s1, const ob::St
 	return lowest > 0 && lowest < 0.03;
 }
 
+// A ball that slides along a wall within rounding: who plans must hear which pair is in the way of all proofs.
+TEST( MotionCounters, RefusedPairsAreNamed )
+{
+	const leeway::Checker checker = makeChecker( { slider( "cart", 0, -1, 1, makeBox( 0.2, 0.2, 0.2 ) ) },
+		{ { makeBox( 4, 1, 4 ), at( 0, 0.6 + 1e-10, 0 ) }, { makeBox( 0.1, 0.1, 0.1 ), at( 0, -1, 0 ) } } );
+	Rig rig( checker, {} );
+	EXPECT_TRUE( rig.engine->refusals().empty() );
+	EXPECT_EQ( "", rig.engine->describeRefusals() );
+	ob::ScopedState<> from( rig.space ), to( rig.space );
+	for ( int i = 0; i < 3; ++i )
+	{
+		const double a = -0.5 + 0.1 * i, b = 0.5;
+		rig.engine->adapter().fromVector( &a, from.get() );
+		rig.engine->adapter().fromVector( &b, to.get() );
+		EXPECT_FALSE( rig.si->checkMotion( from.get(), to.get() ) );
+	}
+	const std::vector<leeway::ompl::Refusal> refusals = rig.engine->refusals();
+	ASSERT_EQ( 1u, refusals.size() );
+	EXPECT_EQ( 3u, refusals[0].count );
+	EXPECT_FALSE( refusals[0].self );
+	EXPECT_EQ( "cart link", refusals[0].first );
+	EXPECT_EQ( lw_scene_object_name( lw_checker_scene( checker.get() ), 0 ), refusals[0].second );
+	EXPECT_NEAR( 1e-10, refusals[0].clearance, 1e-12 );
+	EXPECT_NE( std::string::npos, rig.engine->describeRefusals().find( "3 of 3 motions" ) );
+	std::const_pointer_cast<leeway::ompl::Engine>( rig.engine )->update( checker );
+	EXPECT_TRUE( rig.engine->refusals().empty() );
+}
+
 TEST( CheckerThreads, EightThreadsGetTheAnswersOfOne )
 {
 	constexpr std::size_t threads = 8, count = 801;

@@ -223,8 +223,9 @@ typedef struct lw_edge_def
 	lw_what what;
 	double min_d; ///< metres, >= 0: the edge must keep every clearance above it
 	/// Metres, > 0, CERTIFIED: clearances in (min_d, min_d + slack] may be refused. An upper bound that nobody has to know: a pair within it
-	/// gets a slack of its own, half of the room that it has, down to rounding. Larger than 1 mm it saves work and lower_bound gets larger.
+	/// gets a slack of its own, half of the room that it has, down to rounding.
 	double slack;
+	uint32_t close_windows; ///< CERTIFIED: parts of the edge that are halved for pairs within the slack, 1,024; 0: they are refused at once
 	double max_d; ///< metres, > 0, STEPS: bound of the motion of any robot point between two checked states
 	double alpha; ///< relative tolerance of the distances used, [0, 1)
 	/// Compute proved_until even when a violation was found early (t_last of OMPL's checkMotion). Costs extra queries.
@@ -252,7 +253,7 @@ typedef struct lw_edge_result
 
 /// Checks the straight edge from qa to qb (see lw_robot_interpolate): both ends and everything between.
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (verdict UNKNOWN)
-/// Cost: CERTIFIED: at most 2 V / slack + 2 states, V the largest motion bound over the edge; 2,048 more if pairs are within the slack, and 4
+/// Cost: CERTIFIED: at most 2 V / slack + 2 states, V the largest motion bound over the edge; 2 close_windows more if pairs are within the slack, and 4
 /// in search of a collision; never more than LW_EDGE_MOST_STATES. Typically a handful. proved_until may take as many again. STEPS: V / max_d
 /// states. Method: Schwarzer, Saha, Latombe 2005, with motion bounded by chords; formulas and proof in core/docs/edges.md.
 LW_API lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,

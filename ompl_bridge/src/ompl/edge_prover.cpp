@@ -47,6 +47,8 @@ ProvedMotion EdgeProver::proveCurve( const double* a, const double* b, const lw_
 		if ( run.verdict != LW_VERDICT_FREE )
 		{
 			run.t = done ? result.t : 1;
+			run.self = result.self;
+			run.pair = result.pair;
 			return run;
 		}
 		lowest = std::min( lowest, result.lower_bound );

@@ -14,6 +14,8 @@ struct ProvedMotion
 	double proved_until = 0; ///< place on the whole motion; 0 if not wanted
 	double lower_bound = 0;  ///< of all clearances along the motion if FREE (method CERTIFIED), else 0
 	double t = 1;            ///< of the failure, on the piece from slot.from to slot.to
+	bool self = false;       ///< of the pair below
+	lw_clearance pair = lw_clearance_unknown(); ///< at the failure
 };
 
 /// Works in the slot of a lease, for as long as one question takes.

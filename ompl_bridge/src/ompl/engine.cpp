@@ -2,9 +2,11 @@
 // The pool of queries: a list of slots that only ever grows, each taken and given back by one atomic exchange.
 #include "slot.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <new>
+#include <sstream>
 #include <stdexcept>
 
 namespace leeway::ompl
@@ -112,6 +114,7 @@ void Engine::update( Checker checker )
 	requireSameStates( this->checker().get(), checker.get() );
 	const std::lock_guard<std::mutex> lock( m_mutex );
 	std::swap( m_checker, checker ); // the old one is released when the lock is
+	m_refused_count = 0;
 	m_version.fetch_add( 1, std::memory_order_release );
 }
 
@@ -243,6 +246,76 @@ Counters Engine::counters() const
 		total.cost_queries += slot->cost_queries.value();
 	}
 	return total;
+}
+
+void Engine::noteRefusal( bool self, const lw_clearance& pair ) const
+{
+	const bool named = pair.kind != LW_CLEARANCE_UNKNOWN;
+	const std::uint32_t a = named ? pair.a : LW_INVALID_INDEX, b = named ? pair.b : LW_INVALID_INDEX;
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	const auto end = m_refused.begin() + static_cast<std::ptrdiff_t>( m_refused_count );
+	const auto found = std::find_if( m_refused.begin(), end,
+		[=]( const RefusedPair& p ) { return p.self == self && p.a == a && p.b == b; } );
+	if ( found != end )
+	{
+		++found->count;
+		found->clearance = std::min( found->clearance, pair.upper );
+	}
+	else if ( m_refused_count < m_refused.size() )
+	{
+		m_refused[m_refused_count++] = { self, a, b, 1, pair.upper };
+	}
+}
+
+std::vector<Refusal> Engine::refusals() const
+{
+	std::vector<Refusal> refusals;
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	const lw_robot* robot = lw_checker_robot( m_checker.get() );
+	for ( std::size_t i = 0; i < m_refused_count; ++i )
+	{
+		const RefusedPair& pair = m_refused[i];
+		Refusal refusal{ pair.count, pair.self, "", "", pair.clearance };
+		if ( pair.a != LW_INVALID_INDEX )
+		{
+			// of a snapshot that was replaced while the motion was judged an object may be no more
+			const char* link = lw_robot_link_name( robot, pair.a );
+			const char* other = pair.self ? lw_robot_link_name( robot, pair.b )
+										  : lw_scene_object_name( lw_checker_scene( m_checker.get() ), pair.b );
+			refusal.first = link != nullptr ? link : "?";
+			refusal.second = other != nullptr ? other : "?";
+		}
+		refusals.push_back( std::move( refusal ) );
+	}
+	std::stable_sort(
+		refusals.begin(), refusals.end(), []( const Refusal& x, const Refusal& y ) { return x.count > y.count; } );
+	return refusals;
+}
+
+std::string Engine::describeRefusals() const
+{
+	const std::vector<Refusal> all = refusals();
+	if ( all.empty() )
+	{
+		return "";
+	}
+	const Counters total = counters();
+	const Refusal& most = all.front();
+	std::ostringstream text;
+	text << total.refused << " of " << total.edges << " motions were refused, neither proved free nor found to collide: ";
+	if ( most.first.empty() )
+	{
+		text << most.count << " are so long that they would take more than " << LW_EDGE_MOST_STATES << " states (narrow the joints' limits)";
+		return text.str();
+	}
+	text << most.count << ( all.size() > 1 ? " of them" : "" ) << " for " << most.first << " - " << most.second << ", which come within "
+		 << most.clearance << " m of each other (";
+	if ( m_options.min_d > 0 )
+	{
+		text << "min_d is " << m_options.min_d << " m: lower it; ";
+	}
+	text << ( most.self ? "disable the pair in the SRDF if it may touch: leeway pairs shows which" : "allow the contact if it is meant" ) << ")";
+	return text.str();
 }
 
 std::size_t Engine::queryCount() const

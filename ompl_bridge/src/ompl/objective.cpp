@@ -129,6 +129,7 @@ private:
 		def.what = m_engine.options().what;
 		def.min_d = margin;
 		def.slack = slack;
+		def.close_windows = 0; // bisection goes to where motions are refused: within the tolerance a refusal is the answer
 		def.alpha = alpha;
 		auto& slot = m_prover.slot();
 		slot.cost_edges.add( 1 );

@@ -164,6 +164,10 @@ ProvedMotion MotionValidator::prove( const EdgeProver& prover, const lw_edge_def
 	slot.free.add( run.verdict == LW_VERDICT_FREE );
 	slot.blocked.add( run.verdict == LW_VERDICT_BLOCKED );
 	slot.refused.add( run.verdict == LW_VERDICT_REFUSED );
+	if ( run.verdict == LW_VERDICT_REFUSED )
+	{
+		m_engine->noteRefusal( run.self, run.pair );
+	}
 	return run;
 }
 

@@ -16,6 +16,7 @@
 #include <ompl/base/StateSpace.h>
 #include <ompl/base/StateValidityChecker.h>
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -36,8 +37,8 @@ struct Options
 	/// always the exact distance. A cap makes plateaus: an objective that maximises clearance sees no gain above it.
 	double max_d = 0.5;
 	double alpha = 0;     ///< relative tolerance of clearance(), [0, 1)
-	/// Metres, > 0: certified edges may refuse clearances from min_d up to (min_d + slack) / 0.9; it bounds the work near
-	/// contact.
+	/// Metres, > 0: certified edges may refuse clearances from min_d up to (min_d + slack) / 0.9. An upper bound that nobody has to know:
+	/// pairs that are nearer get a slack of their own, as lw_edge_def says. What is refused all the same is told by Engine::refusals().
 	double slack = 0.001;
 	lw_edge_method method = LW_EDGE_CERTIFIED;
 	double step = 0.01;   ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
@@ -143,6 +144,15 @@ struct Counters
 	std::uint64_t cost_queries = 0; ///< states at which distances were measured for them
 };
 
+/// Motions that were refused for one pair: neither proved free nor found to collide.
+struct Refusal
+{
+	std::uint64_t count = 0;
+	bool self = false;
+	std::string first, second; ///< links, or a link and an object; both empty: motions so long that they must be cut
+	double clearance = 0;      ///< metres: the least at which one was refused
+};
+
 /// What the checker and the validator share: checker, options, adapter, and a pool of queries, one per thread in use. The
 /// pool grows on first use by a thread and never shrinks; after that nothing is allocated and nobody waits, but for the first
 /// question of a thread after update().
@@ -165,6 +175,11 @@ public:
 	const Options& options() const { return m_options; }
 	const StateAdapter& adapter() const { return m_adapter; }
 	Counters counters() const;
+	/// Pairs that motions were refused for since the last update(), the most frequent first. Up to 32 pairs are told apart; those that come
+	/// later are in counters() alone.
+	std::vector<Refusal> refusals() const;
+	/// A sentence on them and what to do, for people; empty if no motion was refused.
+	std::string describeRefusals() const;
 	/// Queries made so far: the largest number of threads that were inside at the same time.
 	std::size_t queryCount() const;
 
@@ -201,9 +216,20 @@ private:
 	Slot* makeSlot() const;
 	bool refresh( Slot& slot ) const; ///< the slot gets the snapshot of now; false if out of memory
 	Query makeQuery( const lw_checker* checker ) const; ///< null if out of memory
+	void noteRefusal( bool self, const lw_clearance& pair ) const; ///< allocates nothing
 
-	mutable std::mutex m_mutex; ///< of m_checker
+	struct RefusedPair
+	{
+		bool self;
+		std::uint32_t a, b; ///< of m_checker; LW_INVALID_INDEX: no pair
+		std::uint64_t count;
+		double clearance;
+	};
+
+	mutable std::mutex m_mutex; ///< of m_checker and refused pairs, which are rare and cost milliseconds each
 	Checker m_checker;
+	mutable std::array<RefusedPair, 32> m_refused{};
+	mutable std::size_t m_refused_count = 0;
 	std::atomic<std::uint64_t> m_version{ 1 }; ///< of m_checker: slots with another one are out of date
 	Options m_options;
 	StateAdapter m_adapter;
