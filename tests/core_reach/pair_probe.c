@@ -43,3 +43,41 @@ double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, 
 	free( q );
 	return separation;
 }
+
+uint32_t pair_probe_open( lw_reach* reach, uint32_t link_a, uint32_t link_b, uint64_t budget, uint64_t step, double* out_volume )
+{
+	lw_reach_def def = lw_reach_def_default();
+	lwi_reach_job job = { &def, reach, NULL, NULL };
+	lwi_prober* prober;
+	double* q = calloc( reach->variable_count + 1u, sizeof( double ) );
+	*out_volume = 0;
+	if ( q == NULL || lwi_prober_create( &job, &prober ) != LW_OK )
+	{
+		free( q );
+		return 0;
+	}
+	lwi_prober_select( prober, link_a, link_b );
+	double closest = 1, separation = 0;
+	lwi_effort effort = { .fraction = 0.9 };
+	lwi_proof_outcome outcome = LWI_PROOF_EXHAUSTED;
+	for ( uint64_t some = step; outcome == LWI_PROOF_EXHAUSTED && effort.cells < budget; some += step )
+	{
+		lwi_prober_subdivide( prober, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60, &closest, q, &outcome,
+			&separation );
+	}
+	uint32_t height = effort.height, n = prober->variable_count;
+	for ( uint32_t k = 0; k < height; ++k )
+	{
+		double volume = 1;
+		for ( uint32_t i = 0; i < n; ++i )
+		{
+			const double* cell = effort.open + (size_t)k * ( 2 * n + 1 );
+			volume *= cell[2 * i + 1] - cell[2 * i];
+		}
+		*out_volume += volume;
+	}
+	lwi_effort_drop( reach, &effort, n );
+	lwi_prober_destroy( prober );
+	free( q );
+	return height;
+}

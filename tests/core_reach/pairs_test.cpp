@@ -724,6 +724,23 @@ TEST( ReachPairs, ManyShortRunsProveWhatALongOneDoes )
 	EXPECT_GE( by_subdivision, 3 );
 }
 
+// A cell that is lost when a proof is interrupted is a part of the box that nobody looked at.
+TEST( ReachPairs, NoCellIsLostWhenAProofIsInterrupted )
+{
+	RobotPtr robot = PlanarArm( 1.5, 2.6 ).model.create();
+	ReachPtr reach = makeReach( robot.get(), 0, 10 );
+	int open = 0;
+	for ( std::uint64_t budget : { 10u, 57u, 200u, 333u } )
+	{
+		double whole = 0, in_parts = 0;
+		const std::uint32_t height = pair_probe_open( reach.get(), 2, 0, budget, budget, &whole );
+		EXPECT_EQ( pair_probe_open( reach.get(), 2, 0, budget, 7, &in_parts ), height ) << budget;
+		EXPECT_EQ( in_parts, whole ) << budget;
+		open += height > 1;
+	}
+	EXPECT_GE( open, 2 ) << "the proof is too easy";
+}
+
 TEST( ReachPairs, GoingOnRefusesAnotherRobotAndKeepsTheReachWhenMemoryEnds )
 {
 	RobotPtr robot = PlanarArm( 1.5, 2.6 ).model.create(), other = PlanarArm( 1, 1 ).model.create();
