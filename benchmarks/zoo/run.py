@@ -35,12 +35,12 @@ class Outcome:
         return text.removeprefix("leeway: error: ").strip()
 
 
-def run(command, limit, folder=None):
-    """Standard output and error go through files, so that a program that writes much never waits for a reader."""
+def run(command, limit, cache=None):
+    """`cache` takes the place of the user's. Standard output and error go through files, so that a program that writes much never waits for a reader."""
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         begin = time.monotonic()
         process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=out, stderr=err,
-                                   cwd=folder, start_new_session=True)
+                                   env={**os.environ, "XDG_CACHE_HOME": str(cache)} if cache else None, start_new_session=True)
         timed_out = False
         try:
             status = process.wait(timeout=limit)

@@ -6,6 +6,7 @@ import json
 import math
 import pathlib
 import random
+import shutil
 import xml.sax.saxutils
 from dataclasses import dataclass
 
@@ -110,7 +111,7 @@ class RobotRun:
     def leeway(self, subcommand, *options, srdf=None, limit=None):
         command = [self.settings.leeway, subcommand, "--robot", self.description.urdf]
         command += ["--srdf", srdf] if srdf else []
-        return run([*command, *options], limit or self.settings.limit)
+        return run([*command, *options], limit or self.settings.limit, self.folder / "cache")
 
     def keep(self, stage, outcome):
         self.row[stage] = outcome.word
@@ -299,6 +300,7 @@ class RobotRun:
                         oracle_disabled=len(truth["disabled"]))
 
     def all(self):
+        shutil.rmtree(self.folder / "cache", ignore_errors=True)
         if not self.info():
             return self.row
         self.pairs()

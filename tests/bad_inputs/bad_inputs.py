@@ -11,6 +11,7 @@ import argparse
 import concurrent.futures
 import csv
 import hashlib
+import os
 import pathlib
 import re
 import subprocess
@@ -60,14 +61,14 @@ def error_faults(message, before, after):
 
 
 def run_case(case, program, limit):
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as cache:
         folder = pathlib.Path(name)
         prepare(folder, case)
         before = digests(folder)
         begin = time.monotonic()
         try:
             done = subprocess.run(f"exec '{program}' {case.command}", shell=True, cwd=folder, timeout=limit, stdin=subprocess.DEVNULL,
-                                  capture_output=True)
+                                  capture_output=True, env={**os.environ, "XDG_CACHE_HOME": cache})
         except subprocess.TimeoutExpired as slow:
             last = (slow.stderr or b"").decode("utf-8", "replace").strip().splitlines()[-1:]
             return {"case": case.name, "status": "time limit", "seconds": limit, "faults": [f"beyond {limit:g} s"], "said": "".join(last)}
