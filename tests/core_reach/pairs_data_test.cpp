@@ -98,7 +98,7 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> foundAdjacent( const Subject& 
 
 TEST( ReachPairsData, Armar3 )
 {
-	Subject subject( "armar3", "armar3", 4, 60 );
+	Subject subject( "armar3", "armar3", 15, 60 ); // random states and the search for contact are part of the time
 	EXPECT_EQ( foundAdjacent( subject ).size(), 53u );
 	EXPECT_EQ( foundAdjacent( subject ), namedAdjacent( subject ) );
 	Count count = attackAll( subject, 30, 60 );
