@@ -64,7 +64,18 @@ bool lwi_enclose_spheres( lwi_body* body, const lwi_piece_tree* tree, lwi_array*
 /// @return 1 nothing is left open, 0 something is, -1 out of memory
 int lwi_enclose_voids( lwi_body* body, lwi_array* spheres, double margin, double excess, double* gap, lw_vec3* at );
 
-/// Report of spheres against a body; see lw_spheres_check().
-lw_status lwi_enclose_check( lwi_body* body, const double* spheres, uint32_t count, lw_diag* diag, lw_spheres_report* out );
+/// Spheres (double[4], appended) by formulas for the shapes of a body, of at most `excess`. What they miss or exceed is for
+/// lwi_enclose_check() to say.
+/// @param margin how much deeper than just enough the surface is to lie in them
+/// @param made false: some shape is no box, cylinder, capsule or sphere, or takes too many
+lw_status lwi_enclose_forms( lwi_body* body, const lw_geometry_def* def, double excess, double margin, lwi_array* out,
+	bool* made );
+
+/// Proves that spheres contain a box or cylinder whole. @return 1 proved, 0 not, -1 out of memory or stopped
+int lwi_enclose_solid( lwi_body* body, const lw_shape* shape, const lw_transform* pose, const double* spheres, uint32_t count );
+
+/// Report of spheres against a body; see lw_spheres_check(). @param def what the body was made of
+lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const double* spheres, uint32_t count, lw_diag* diag,
+	lw_spheres_report* out );
 
 #endif

@@ -17,6 +17,8 @@ enum
 #define FINEST 1e-8
 /// Once something is uncovered only its extent is of interest.
 #define COARSEST 0.01
+/// What the attained excess may fall short of what another sphere would show.
+#define ATTAINED_SHARE 1e-3
 /// Solids: how deep in the spheres their surface must be, as a share of the body's size.
 #define SOLID_MARGIN 1e-5
 
@@ -69,6 +71,57 @@ static bool piece_covered( const checker* c, const lw_vec3 v[3], double dilation
 	return false;
 }
 
+/// Of the part of a thick piece that is on the side of a plane, the farthest point from a centre on that side: `share` from
+/// the centre, with normal n away from it. INFINITY if the piece is not wholly beyond the centre.
+static double half_reach( const lw_vec3 v[3], double dilation, lw_vec3 center, lw_vec3 n, double share )
+{
+	double low = INFINITY, high = -INFINITY, aside = 0;
+	for ( int k = 0; k < 3; ++k )
+	{
+		lw_vec3 d = lwi_sub( v[k], center );
+		double along = lwi_dot( d, n );
+		low = fmin( low, along );
+		high = fmax( high, along );
+		aside = fmax( aside, lwi_length( lwi_sub( d, lwi_scale( along, n ) ) ) );
+	}
+	double a = lwi_clamp( share, low, high );
+	return low >= 0 ? sqrt( fmax( 2 * a * share - a * a, 0 ) + ( aside + dilation ) * ( aside + dilation ) ) : INFINITY;
+}
+
+/// A thick piece between two spheres, each of which contains what is on its side of the plane of their intersection.
+static bool piece_shared( const checker* c, const lw_vec3 v[3], double dilation )
+{
+	const uint32_t* list = c->list.data;
+	lw_vec3 middle = lwi_scale( 1.0 / 3, lwi_add( lwi_add( v[0], v[1] ), v[2] ) );
+	const double* a = NULL;
+	double least = INFINITY;
+	for ( size_t i = 0; i < c->list.count && dilation > 0; ++i )
+	{
+		const double* s = c->spheres + 4 * (size_t)list[i];
+		double gap = lwi_distance( middle, lwi_load( s ) ) - s[3];
+		a = gap < least ? s : a;
+		least = fmin( least, gap );
+	}
+	for ( size_t i = 0; i < c->list.count && a != NULL; ++i )
+	{
+		const double* b = c->spheres + 4 * (size_t)list[i];
+		lw_vec3 d = lwi_sub( lwi_load( b ), lwi_load( a ) );
+		double apart = lwi_length( d );
+		if ( !( apart > 0 ) || apart >= a[3] + b[3] )
+		{
+			continue;
+		}
+		lw_vec3 n = lwi_scale( 1 / apart, d );
+		double share = 0.5 * ( apart + ( a[3] - b[3] ) / apart * ( a[3] + b[3] ) );
+		if ( half_reach( v, dilation, lwi_load( a ), n, share ) <= a[3] - c->slack &&
+			 half_reach( v, dilation, lwi_load( b ), lwi_scale( -1, n ), apart - share ) <= b[3] - c->slack )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
 /// @return false if the check was stopped
 static bool check_triangle( lwi_body* body, checker* c, const lw_vec3 triangle[3], double dilation )
 {
@@ -88,7 +141,7 @@ static bool check_triangle( lwi_body* body, checker* c, const lw_vec3 triangle[3
 		}
 		--height;
 		lw_vec3 v[3] = { stack[height].v[0], stack[height].v[1], stack[height].v[2] };
-		if ( piece_covered( c, v, dilation ) )
+		if ( piece_covered( c, v, dilation ) || piece_shared( c, v, dilation ) )
 		{
 			continue;
 		}
@@ -103,6 +156,11 @@ static bool check_triangle( lwi_body* body, checker* c, const lw_vec3 triangle[3
 		lw_vec3 center = lwi_scale( 1.0 / 3, lwi_add( lwi_add( v[0], v[1] ), v[2] ) );
 		double gap = gap_of( c, c->list.data, c->list.count, center, dilation );
 		gap = gap < INFINITY ? gap : gap_of( c, NULL, c->count, center, dilation );
+		const lw_vec3 point[3] = { center, center, center };
+		if ( gap > 0 && piece_shared( c, point, dilation ) )
+		{
+			gap = 0;
+		}
 		bool fine = longest <= ( c->report->encloses ? c->finest : c->coarsest ) || cuts == MAX_CUTS;
 		if ( gap > c->slack || fine )
 		{
@@ -211,7 +269,7 @@ static bool check_excess( lwi_body* body, const checker* c )
 		double depth = lwi_body_depth( body, center, true );
 		report->deep_spheres += depth > 0 ? 1 : 0;
 		report->excess = fmax( report->excess, s[3] - depth );
-		if ( s[3] - depth > report->excess_attained )
+		if ( s[3] - depth > ( 1 + ATTAINED_SHARE ) * report->excess_attained )
 		{
 			report->excess_attained = fmax( report->excess_attained, attained_by( body, center, s[3] ) );
 		}
@@ -243,18 +301,60 @@ static lw_status check_solids( lwi_body* body, const checker* c, double margin )
 	return closed < 0 ? LW_ERROR_OUT_OF_MEMORY : LW_OK;
 }
 
-lw_status lwi_enclose_check( lwi_body* body, const double* spheres, uint32_t count, lw_diag* diag, lw_spheres_report* out )
+/// Proves the shapes one by one, where each is a box, a cylinder, a capsule or a sphere.
+/// @return 1 proved, 0 not, or for other shapes; -1 out of memory or stopped
+static int check_primitives( lwi_body* body, checker* c, const lw_geometry_def* def )
+{
+	for ( uint32_t i = 0; i < def->shape_count; ++i )
+	{
+		lw_shape_type type = def->shapes[i]->type;
+		if ( type != LW_SHAPE_BOX && type != LW_SHAPE_CYLINDER && type != LW_SHAPE_CAPSULE && type != LW_SHAPE_SPHERE )
+		{
+			return 0;
+		}
+	}
+	for ( uint32_t i = 0; i < def->shape_count; ++i )
+	{
+		const lw_shape* shape = def->shapes[i];
+		lw_transform pose = def->body_from_shape != NULL ? def->body_from_shape[i] : lw_transform_identity();
+		double half = shape->type == LW_SHAPE_CAPSULE ? 0.5 * shape->dimensions[1] : 0;
+		lw_vec3 end = lwi_transform( &pose, lwi_v3( 0, 0, half ) );
+		const lw_vec3 axis[3] = { lwi_transform( &pose, lwi_v3( 0, 0, -half ) ), end, end };
+		bool solid = shape->type == LW_SHAPE_BOX || shape->type == LW_SHAPE_CYLINDER;
+		int proved = solid ? lwi_enclose_solid( body, shape, &pose, c->spheres, c->count )
+				   : list_near( c, axis, shape->dimensions[0] ) && check_triangle( body, c, axis, shape->dimensions[0] )
+					   ? ( c->report->encloses ? 1 : 0 ) : -1;
+		if ( proved != 1 )
+		{
+			return proved;
+		}
+	}
+	return 1;
+}
+
+lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const double* spheres, uint32_t count, lw_diag* diag,
+	lw_spheres_report* out )
 {
 	*out = (lw_spheres_report){ .encloses = true, .shells = body->shell_count, .open_shells = body->open_shells,
 		.holes = body->holes, .widest_hole = body->widest_hole, .widest_open_hole = body->widest_open_hole };
 	double size = lw_shape_get_info( body->surface ).sphere_radius + body->dilation_max;
 	double margin = body->any_solid ? SOLID_MARGIN * size : 0;
-	checker c = { .spheres = spheres, .count = count, .slack = body->slack + margin, .finest = FINEST * size,
+	checker c = { .spheres = spheres, .count = count, .slack = body->slack, .finest = FINEST * size,
 		.coarsest = COARSEST * size, .report = out, .memory = &body->memory };
-	lw_status status = LW_ERROR_OUT_OF_MEMORY;
-	if ( check_surface( body, &c ) && check_excess( body, &c ) )
+	int proved = check_primitives( body, &c, def );
+	bool ok = proved >= 0;
+	if ( proved == 0 )
 	{
-		status = out->encloses ? check_solids( body, &c, margin ) : LW_OK;
+		// once more by the surface, which can say what is open
+		out->encloses = true;
+		out->uncovered = 0;
+		c.slack += margin;
+		ok = check_surface( body, &c );
+	}
+	lw_status status = LW_ERROR_OUT_OF_MEMORY;
+	if ( ok && check_excess( body, &c ) )
+	{
+		status = out->encloses && proved == 0 ? check_solids( body, &c, margin ) : LW_OK;
 	}
 	lwi_array_free( &c.list, &body->memory, sizeof( uint32_t ) );
 	return status == LW_OK ? LW_OK : lwi_out_of_memory( diag, "the check of spheres" );

@@ -99,7 +99,9 @@ static bool visit( walk* w, lw_vec3 c, double half, size_t first, int depth )
 			return false;
 		}
 	}
-	double apart = lwi_shape_nearest( w->body->closed, c, INFINITY, true, NULL, 0 ).distance;
+	// farther than this is all the same
+	double far = ( radius > w->margin ? radius : w->margin ) + 2 * w->body->slack;
+	double apart = lwi_shape_nearest( w->body->closed, c, far, true, NULL, 0 ).distance;
 	bool crossed = apart <= radius + w->body->slack, ok = true;
 	bool outside = !crossed && !lwi_body_encloses_by( w->body, c, LW_INVALID_INDEX, w->body->shell_solid );
 	bool at_surface = apart + radius + w->body->slack <= w->margin;

@@ -17,6 +17,7 @@ enum
 {
 	SPHERES_DEF_COOKIE = 0x4c575331, ///< "LWS1"
 	REFINE_ROUNDS = 6,
+	FORM_ENOUGH = 24, ///< a form of more spheres is taken without a search, which would take long
 	COUNT_STEPS = 12 ///< bisections of the excess where a number of spheres is given
 };
 
@@ -26,6 +27,8 @@ enum
 #define SOLID_SHARE 0.04
 /// Between the excesses of a search that may be stopped. The sets on the way cost half of the last one, or less.
 #define LEVEL_RATIO 3.0
+/// Margin of forms, as SOLID_SHARE: more makes the proof short, less the spheres few.
+#define FORM_SHARE 0.01
 
 struct lw_spheres
 {
@@ -123,13 +126,13 @@ static double rounding_of( uint32_t decimals )
 }
 
 /// Rounds and proves. LW_ERROR_UNSUPPORTED if the proof fails.
-static lw_status prove( lwi_body* body, uint32_t decimals, cover_set* set, lw_diag* diag )
+static lw_status prove( lwi_body* body, const lw_spheres_def* def, cover_set* set, lw_diag* diag )
 {
-	if ( decimals > 0 )
+	if ( def->decimals > 0 )
 	{
-		round_outward( &set->spheres, decimals );
+		round_outward( &set->spheres, def->decimals );
 	}
-	lw_status status = lwi_enclose_check( body, set->spheres.data, (uint32_t)set->spheres.count, diag, &set->report );
+	lw_status status = lwi_enclose_check( body, &def->body, set->spheres.data, (uint32_t)set->spheres.count, diag, &set->report );
 	if ( status == LW_OK && !set->report.encloses )
 	{
 		status = lwi_fail( diag, LW_ERROR_UNSUPPORTED, LW_INVALID_INDEX,
@@ -145,7 +148,7 @@ static lw_status cover_by_excess( lwi_body* body, const lw_spheres_def* def, dou
 	set->spheres.count = 0;
 	double target = excess - rounding_of( def->decimals );
 	lw_status status = enclose_by_excess( body, target, rounds, &set->spheres, diag );
-	return status == LW_OK ? prove( body, def->decimals, set, diag ) : status;
+	return status == LW_OK ? prove( body, def, set, diag ) : status;
 }
 
 /// One sphere around everything. It is made whether or not the search is stopped.
@@ -163,10 +166,25 @@ static lw_status cover_by_one( lwi_body* body, const lw_spheres_def* def, cover_
 	bool stopped = body->stopped;
 	body->stop = NULL;
 	body->stopped = false;
-	lw_status status = prove( body, def->decimals, set, diag );
+	lw_status status = prove( body, def, set, diag );
 	body->stop = def->stop;
 	body->stopped = stopped;
 	return status;
+}
+
+/// Spheres by formulas, where each shape has one. Without spheres, or with too much excess, there are none.
+static lw_status cover_by_forms( lwi_body* body, const lw_spheres_def* def, cover_set* set, lw_diag* diag )
+{
+	bool made;
+	double target = def->excess - rounding_of( def->decimals );
+	set->spheres.count = 0;
+	lw_status status = lwi_enclose_forms( body, &def->body, target, FORM_SHARE * target, &set->spheres, &made );
+	status = status == LW_OK && made ? prove( body, def, set, diag ) : status;
+	if ( status != LW_OK || !made || !( set->report.excess <= def->excess ) )
+	{
+		set->spheres.count = 0;
+	}
+	return status == LW_ERROR_UNSUPPORTED || body->stopped ? LW_OK : status;
 }
 
 static void keep( cover_set* best, cover_set* set )
@@ -177,14 +195,9 @@ static void keep( cover_set* best, cover_set* set )
 }
 
 /// Sets of ever smaller excess down to the wanted one, each at LEVEL_RATIO of the last, until the search is stopped.
-static lw_status fill_by_excess( lwi_body* body, const lw_spheres_def* def, cover_set* best, cover_set* set, bool* met,
+static lw_status search_levels( lwi_body* body, const lw_spheres_def* def, cover_set* best, cover_set* set, bool* met,
 	lw_diag* diag )
 {
-	if ( def->stop == NULL )
-	{
-		*met = true;
-		return cover_by_excess( body, def, def->excess, 0, best, diag );
-	}
 	lw_status status = cover_by_one( body, def, best, diag );
 	if ( status != LW_OK )
 	{
@@ -205,6 +218,33 @@ static lw_status fill_by_excess( lwi_body* body, const lw_spheres_def* def, cove
 		}
 	}
 	return body->stopped || status == LW_ERROR_UNSUPPORTED ? LW_OK : status;
+}
+
+/// The fewer of form and search. A form of many spheres spares the search, which takes milliseconds for each.
+static lw_status fill_by_excess( lwi_body* body, const lw_spheres_def* def, cover_set* best, cover_set* set, bool* met,
+	lw_diag* diag )
+{
+	lw_status status = cover_by_forms( body, def, best, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	bool formed = best->spheres.count > 0;
+	if ( !formed && def->stop != NULL )
+	{
+		return search_levels( body, def, best, set, met, diag );
+	}
+	*met = true;
+	if ( best->spheres.count > FORM_ENOUGH || best->spheres.count == 1 )
+	{
+		return LW_OK;
+	}
+	status = cover_by_excess( body, def, def->excess, 0, set, diag );
+	if ( status == LW_OK && ( !formed || set->spheres.count < best->spheres.count ) )
+	{
+		keep( best, set );
+	}
+	return formed && ( body->stopped || status == LW_ERROR_UNSUPPORTED ) ? LW_OK : status;
 }
 
 /// The least excess, to a few percent, for which at most so many spheres are found. Their number is no monotone function of the
@@ -401,7 +441,7 @@ lw_status lw_spheres_check( const lw_geometry_def* body_def, const double* spher
 	lw_status status = make_body( body_def, 0, NULL, NULL, &memory, diag, &body );
 	if ( status == LW_OK )
 	{
-		status = lwi_enclose_check( &body, spheres, count, diag, out );
+		status = lwi_enclose_check( &body, body_def, spheres, count, diag, out );
 		lwi_body_free( &body );
 	}
 	return status;
