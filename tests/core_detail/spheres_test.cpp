@@ -671,6 +671,36 @@ TEST( Spheres, CellsOfPrimitiveMissAGap )
 	EXPECT_GE( found, 35 );
 }
 
+TEST( Spheres, CornersOfCellsCoveredButNotTheirArcs )
+{
+	// the sphere contains the corners of each quarter of the cylinder, but not the arc of the quarter that is away from it
+	ShapePtr disc = makePrimitive( LW_SHAPE_CYLINDER, 1, 0.1 );
+	EXPECT_FALSE( check( Body( disc.get() ), { { { -1, -1, 0 }, 2.3 } } ).encloses );
+	EXPECT_TRUE( check( Body( disc.get() ), { { { -1, -1, 0 }, 2.42 } } ).encloses );
+	// a sphere that contains seven corners of a box
+	ShapePtr box = makePrimitive( LW_SHAPE_BOX, 1, 1, 1 );
+	for ( int k = 0; k < 8; ++k )
+	{
+		const Point c = { k & 1 ? 0.01 : -0.01, k & 2 ? 0.01 : -0.01, k & 4 ? 0.01 : -0.01 };
+		EXPECT_FALSE( check( Body( box.get() ), { { c, 0.875 } } ).encloses ) << k;
+		EXPECT_TRUE( check( Body( box.get() ), { { c, 0.884 } } ).encloses ) << k;
+	}
+	// the neck between two spheres of a capsule, and spheres beside the axis
+	ShapePtr capsule = makePrimitive( LW_SHAPE_CAPSULE, 0.05, 0.4 );
+	Body body( capsule.get() );
+	const std::vector<Sphere> row = spheresOf( enclose( body, 0.005 ).get() );
+	ASSERT_GE( row.size(), 6u );
+	for ( int i = 0; i < 20; ++i )
+	{
+		std::vector<Sphere> moved = row;
+		Sphere& one = moved[row.size() / 2];
+		( i % 2 == 0 ? one.center[0] : one.radius ) -= 0.0003 * ( 4 + i );
+		EXPECT_FALSE( check( body, moved ).encloses ) << i;
+		one.radius += 0.0004 * ( 4 + i );
+		EXPECT_TRUE( check( body, moved ).encloses ) << i;
+	}
+}
+
 TEST( Spheres, OtherNumbersAreProvedThanAreWritten )
 {
 	SeededRng rng;

@@ -67,8 +67,9 @@ typedef struct lw_spheres_report
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_BAD_GEOMETRY, LW_ERROR_UNSUPPORTED (an excess so
 /// small that it would take millions of spheres) or LW_ERROR_OUT_OF_MEMORY
 /// With `stop` an excess that would take millions of spheres is no error: the best set is returned.
-/// Method: centres near the medial axis of closed shells, set cover, minimax refinement; core/docs/detail.md.
-/// Cost: some milliseconds per sphere, and a second per 100,000 triangles. Deterministic, unless `stop` returned true.
+/// Method: formulas, where an excess is given and all shapes are boxes, cylinders, capsules or spheres; centres near the medial
+/// axis of closed shells, set cover, minimax refinement otherwise; core/docs/detail.md.
+/// Cost: some milliseconds per sphere, and a second per 100,000 triangles; by formulas some ten microseconds per sphere. Deterministic, unless `stop` returned true.
 LW_API lw_status lw_spheres_create( const lw_spheres_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lw_spheres** out_spheres );
 LW_API void lw_spheres_destroy( lw_spheres* spheres ); ///< NULL is ignored
