@@ -17,7 +17,8 @@ enum
 {
 	SPHERES_DEF_COOKIE = 0x4c575331, ///< "LWS1"
 	REFINE_ROUNDS = 6,
-	FORM_ENOUGH = 24, ///< a form of more spheres is taken without a search, which would take long
+	FORM_ENOUGH = 24,        ///< a form of more spheres is taken without a search, which would take long
+	FORMS_ENOUGH = 200,      ///< the same of several shapes, which may hide parts of each other
 	COUNT_STEPS = 12 ///< bisections of the excess where a number of spheres is given
 };
 
@@ -235,7 +236,7 @@ static lw_status fill_by_excess( lwi_body* body, const lw_spheres_def* def, cove
 		return search_levels( body, def, best, set, met, diag );
 	}
 	*met = true;
-	if ( best->spheres.count > FORM_ENOUGH || best->spheres.count == 1 )
+	if ( best->spheres.count > ( def->body.shape_count > 1 ? FORMS_ENOUGH : FORM_ENOUGH ) || best->spheres.count == 1 )
 	{
 		return LW_OK;
 	}
