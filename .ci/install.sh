@@ -29,7 +29,7 @@ packages_of()
 	examples) echo f3d xvfb xauth ;;
 	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev libbenchmark-dev gnuplot-nox ;;
 	# clang and its runtimes: fuzzers, and warnings of a second compiler
-	tests) echo libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
+	tests) echo python3 libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
 	lint) echo clang-tidy-14 ;;
 	zoo | zoo-tests) echo python3 python3-venv ;;
 	*) return 1 ;;

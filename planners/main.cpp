@@ -220,7 +220,7 @@ CLI::App* addPairs( CLI::App& app, PairsOptions& options )
 	CLI::App* command = app.add_subcommand( "pairs", "which pairs of links can meet; writes an SRDF" );
 	command->footer( pairs_about );
 	addCommonOptions( *command, options.common, { true, false, false, false } );
-	command->add_option( "--budget", options.budget, "seconds for proofs, 0 or more; 0: by hulls only (default 20)" )
+	command->add_option( "--budget", options.budget, "seconds for proofs, 0 or more; 0: by hulls only (default 15)" )
 	    ->type_name( "S" );
 	command
 	    ->add_option( "--samples", options.samples,

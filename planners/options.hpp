@@ -70,7 +70,7 @@ struct InfoOptions
 struct PairsOptions
 {
 	CommonOptions common;
-	double budget = 20; ///< seconds
+	double budget = 15; ///< seconds
 	std::uint32_t samples = 0;
 	std::uint64_t seed = 0;
 	std::uint32_t never_after = 0;
