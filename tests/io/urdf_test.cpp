@@ -246,6 +246,18 @@ TEST_F( UrdfTest, LimitsMissingOrReversed )
 	    links + jointXml( "j", "revolute", "a", "b", limit + "<mimic joint=\"k\"/>" ), { "joint j", "mimics joint k" } );
 }
 
+// Simulators write limits of position alone, and dynamics that urdfdom does not take; no clearance depends on them.
+TEST_F( UrdfTest, EffortAndVelocityAreNotNeeded )
+{
+	const RobotModel model = load( linkXml( "a" ) + linkXml( "b" ) + linkXml( "c" ) +
+	                               jointXml( "ab", "revolute", "a", "b", "<limit lower=\"-1\" upper=\"2\"/><dynamics/>" ) +
+	                               jointXml( "bc", "prismatic", "b", "c", "<limit lower=\"0\" upper=\"0.5\" effort=\"1\"/><safety_controller/>" ) );
+	ASSERT_EQ( model.joints.size(), 2u );
+	EXPECT_EQ( model.joints[0].lower, -1 );
+	EXPECT_EQ( model.joints[0].upper, 2 );
+	EXPECT_EQ( model.joints[1].upper, 0.5 );
+}
+
 TEST_F( UrdfTest, NumbersThatAreNone )
 {
 	std::string links = linkXml( "a" ) + linkXml( "b" );

@@ -331,7 +331,7 @@ void checkJoints( const XmlFile& xml, const std::set<std::string>& links )
 	checkTree( xml, links, joint_above );
 }
 
-/// What urdfdom is given: visual and inertial data of no interest taken out, capsules as cylinders (it knows none).
+/// What urdfdom is given: visual, inertial and dynamic data of no interest taken out, capsules as cylinders (it knows none).
 std::string textForUrdfdom( const XmlFile& xml )
 {
 	tinyxml2::XMLDocument copy;
@@ -365,6 +365,25 @@ std::string textForUrdfdom( const XmlFile& xml )
 			if ( c->FirstChildElement( "material" ) != nullptr )
 			{
 				c->DeleteChild( c->FirstChildElement( "material" ) );
+			}
+		}
+	}
+	for ( XMLElement* joint = robot->FirstChildElement( "joint" ); joint != nullptr; joint = joint->NextSiblingElement( "joint" ) )
+	{
+		// no clearance depends on these, and urdfdom refuses the whole file for a limit without effort or velocity
+		for ( const char* unused : { "dynamics", "calibration", "safety_controller" } )
+		{
+			while ( XMLElement* e = joint->FirstChildElement( unused ) )
+			{
+				joint->DeleteChild( e );
+			}
+		}
+		for ( const char* unused : { "effort", "velocity" } )
+		{
+			XMLElement* limit = joint->FirstChildElement( "limit" );
+			if ( limit != nullptr && limit->Attribute( unused ) == nullptr )
+			{
+				limit->SetAttribute( unused, "0" );
 			}
 		}
 	}
