@@ -301,7 +301,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	command->add_option( "--request", options.common.request, "start and goal in a file; --start and --goal go before it" )
 	    ->type_name( "Q.yaml" )
 	    ->group( ends );
-	command->add_option( "--planner", options.planner, "a planner of OMPL by name (default RRTConnect)" )
+	command->add_option( "--planner", options.planner, "a planner of OMPL by name (default: RRTConnect for the first half of the time, SBL for the second)" )
 	    ->type_name( "NAME" );
 	command
 	    ->add_option(

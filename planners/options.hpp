@@ -113,7 +113,8 @@ struct PlanOptions
 	CommonOptions common;
 	EdgeOptions edge;
 	std::string start, goal; ///< joint=value,... or the name of a group_state; over those of the request
-	std::string planner = "RRTConnect", out, report;
+	std::string planner; ///< empty: RRTConnect, and SBL for the second half of the time
+	std::string out, report;
 	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
 	std::uint32_t seed = 1;
 	std::uint32_t threads = 0; ///< of the planner; 0 = its own choice

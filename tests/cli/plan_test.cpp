@@ -140,7 +140,7 @@ TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
 	const Outcome plan = runModel( "plan",
 	    { "--request", "request.yaml", "--time", "0.5", "--out", "path.yaml", "--report", "r.json" }, "blocked.yaml" );
 	EXPECT_EQ( plan.status, 1 ) << plan.err;
-	EXPECT_TRUE( contains( plan.err, "no path found" ) ) << plan.err;
+	EXPECT_TRUE( contains( plan.err, "no path found by RRTConnect, SBL" ) ) << plan.err;
 	EXPECT_EQ( readFile( path( "path.yaml" ) ), "" );
 	EXPECT_FALSE( nlohmann::json::parse( readFile( path( "r.json" ) ) )["solved"] );
 }
