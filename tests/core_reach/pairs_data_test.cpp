@@ -98,7 +98,7 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> foundAdjacent( const Subject& 
 
 TEST( ReachPairsData, Armar3 )
 {
-	Subject subject( "armar3", "armar3", 15, 60 ); // random states and the search for contact are part of the time
+	Subject subject( "armar3", "armar3", 40, 60 ); // random states and the search for contact are part of the time
 	EXPECT_EQ( foundAdjacent( subject ).size(), 53u );
 	EXPECT_EQ( foundAdjacent( subject ), namedAdjacent( subject ) );
 	Count count = attackAll( subject, 30, 60 );
@@ -108,7 +108,7 @@ TEST( ReachPairsData, Armar3 )
 
 TEST( ReachPairsData, Panda )
 {
-	Subject subject( "mbm/panda", "panda", 10, 200 );
+	Subject subject( "mbm/panda", "panda", 30, 200 );
 	EXPECT_EQ( foundAdjacent( subject ), namedAdjacent( subject ) );
 	Count count = attackAll( subject, 200, 300 );
 	EXPECT_GE( count.hull + count.subdivision, 20 );
@@ -117,7 +117,7 @@ TEST( ReachPairsData, Panda )
 TEST( ReachPairsData, Fetch )
 {
 	// Its SRDF joins all neighbours of links without geometry to each other as well
-	Subject subject( "mbm/fetch", "fetch", 10, 200 );
+	Subject subject( "mbm/fetch", "fetch", 30, 200 );
 	std::set<std::pair<std::uint32_t, std::uint32_t>> named = namedAdjacent( subject ), found = foundAdjacent( subject );
 	EXPECT_TRUE( std::includes( named.begin(), named.end(), found.begin(), found.end() ) );
 	EXPECT_EQ( found.size(), 14u );
