@@ -3,18 +3,17 @@
 #pragma once
 
 #include "leeway/checker.h"
+#include "leeway/parallel.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <system_error>
 #include <thread>
 #include <vector>
 
 namespace leeway
 {
 
-/// lw_checker_def::prepare, and the like: makes meshes on as many threads as `user`, an unsigned, says. What fails here fails again when somebody
-/// needs it, who says so.
+/// For lw_checker_def::prepare and lw_checker_prepare(): makes meshes on several threads. @param user points to their number, an unsigned. A mesh that
+/// cannot be made is reported by the first query that needs it.
 inline void makeShapes( void* user, const lw_shape* const* shapes, std::uint32_t count )
 {
 	std::vector<const lw_shape*> list( shapes, shapes + count );
@@ -22,31 +21,8 @@ inline void makeShapes( void* user, const lw_shape* const* shapes, std::uint32_t
 	std::sort( list.begin(), list.end(),
 	    []( const lw_shape* a, const lw_shape* b )
 	    { return lw_shape_peek_info( a ).triangle_count > lw_shape_peek_info( b ).triangle_count; } );
-	std::atomic<std::size_t> next{ 0 };
-	const auto work = [&]
-	{
-		for ( std::size_t i = next++; i < list.size(); i = next++ )
-		{
-			(void)lw_shape_complete( list[i], nullptr );
-		}
-	};
-	std::vector<std::thread> others;
-	for ( std::size_t i = 1; i < std::min<std::size_t>( *static_cast<const unsigned*>( user ), list.size() ); ++i )
-	{
-		try
-		{
-			others.emplace_back( work );
-		}
-		catch ( const std::system_error& )
-		{
-			break; // no more threads to be had: this one does it
-		}
-	}
-	work();
-	for ( std::thread& thread : others )
-	{
-		thread.join();
-	}
+	inParallel( list.size(), *static_cast<const unsigned*>( user ),
+	    [&list]( std::size_t i ) { (void)lw_shape_complete( list[i], nullptr ); } );
 }
 
 /// Makes the deferred meshes that states within the limits can need, so that the first questions cost what later ones do

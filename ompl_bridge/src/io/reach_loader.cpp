@@ -2,11 +2,10 @@
 // Motion hulls and pair tables of a robot: from the cache, or built and kept there.
 #include "cache_file.hpp"
 #include "leeway/io/cache.hpp"
+#include "leeway/parallel.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
-#include <system_error>
 #include <thread>
 
 namespace leeway::io
@@ -24,31 +23,7 @@ lw_digest keyOf( const lw_robot* robot )
 /// lw_reach_def::parallel. @param user the number of threads
 void runOnThreads( void* user, void ( *task )( void*, std::uint32_t ), void* context, std::uint32_t count )
 {
-	std::atomic<std::uint32_t> next{ 0 };
-	const auto work = [&]
-	{
-		for ( std::uint32_t i = next++; i < count; i = next++ )
-		{
-			task( context, i );
-		}
-	};
-	std::vector<std::thread> others;
-	for ( unsigned i = 1; i < std::min<unsigned>( *static_cast<const unsigned*>( user ), count ); ++i )
-	{
-		try
-		{
-			others.emplace_back( work );
-		}
-		catch ( const std::system_error& )
-		{
-			break; // no more threads to be had: this one does it
-		}
-	}
-	work();
-	for ( std::thread& thread : others )
-	{
-		thread.join();
-	}
+	inParallel( count, *static_cast<const unsigned*>( user ), [=]( std::size_t i ) { task( context, static_cast<std::uint32_t>( i ) ); } );
 }
 
 /// Builds one, or goes on with one. Empty, with a notice, if this build of the library cannot make hulls: they are there for speed only.

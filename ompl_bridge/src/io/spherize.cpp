@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Spheres of a robot's links: one excess for all, found by the number of spheres where that is what is given.
 #include "leeway/io/spheres.hpp"
+#include "leeway/parallel.hpp"
 
 #include "io_internal.hpp"
 
@@ -10,10 +11,8 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <iterator>
 #include <mutex>
-#include <system_error>
 #include <thread>
 
 namespace leeway::io
@@ -106,51 +105,6 @@ LinkSpheres enclose( const RobotModel& model, const Geometry& geometry, double e
 	out.met_target = lw_spheres_met_target( made );
 	out.milliseconds = watch.milliseconds();
 	return out;
-}
-
-/// Calls work( i ) for i of [0, count), in that order, on some threads. The first exception is thrown again at the end.
-void inParallel( std::size_t count, unsigned threads, const std::function<void( std::size_t )>& work )
-{
-	std::atomic<std::size_t> next{ 0 };
-	std::mutex mutex;
-	std::exception_ptr failure;
-	const auto run = [&]
-	{
-		for ( std::size_t i = next++; i < count; i = next++ )
-		{
-			try
-			{
-				work( i );
-			}
-			catch ( ... )
-			{
-				const std::lock_guard<std::mutex> lock( mutex );
-				failure = failure ? failure : std::current_exception();
-				next = count;
-			}
-		}
-	};
-	std::vector<std::thread> others;
-	for ( unsigned i = 1; i < std::min<std::size_t>( threads, count ); ++i )
-	{
-		try
-		{
-			others.emplace_back( run );
-		}
-		catch ( const std::system_error& )
-		{
-			break; // no more threads to be had: those that there are do it
-		}
-	}
-	run();
-	for ( std::thread& thread : others )
-	{
-		thread.join();
-	}
-	if ( failure )
-	{
-		std::rethrow_exception( failure );
-	}
 }
 
 class Search

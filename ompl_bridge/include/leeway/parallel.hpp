@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A loop whose rounds run on several threads.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+namespace leeway
+{
+
+/// Calls work( i ) for each i of [0, count), begun in that order, on at most so many threads, the caller's among them, and waits for all of
+/// them. The first exception ends the loop and is thrown again here.
+template <typename Work> void inParallel( std::size_t count, unsigned threads, const Work& work )
+{
+	std::atomic<std::size_t> next{ 0 };
+	std::mutex mutex;
+	std::exception_ptr failure;
+	const auto run = [&]
+	{
+		for ( std::size_t i = next++; i < count; i = next++ )
+		{
+			try
+			{
+				work( i );
+			}
+			catch ( ... )
+			{
+				const std::lock_guard<std::mutex> lock( mutex );
+				failure = failure ? failure : std::current_exception();
+				next = count;
+			}
+		}
+	};
+	std::vector<std::thread> others;
+	for ( std::size_t i = 1; i < std::min<std::size_t>( threads, count ); ++i )
+	{
+		try
+		{
+			others.emplace_back( run );
+		}
+		catch ( const std::system_error& )
+		{
+			break; // no more threads to be had: those that there are do it
+		}
+	}
+	run();
+	for ( std::thread& thread : others )
+	{
+		thread.join();
+	}
+	if ( failure )
+	{
+		std::rethrow_exception( failure );
+	}
+}
+
+} // namespace leeway
