@@ -546,8 +546,14 @@ void CoreWorld::addReach()
 	def.progress_user = &steps;
 	lw_reach* reach = nullptr;
 	lw_diag diag;
+	const lw_reach* before = m_bytes.oneIn( 2 ) ? nullptr : pick( m_reaches );
+	if ( before != nullptr && m_bytes.oneIn( 2 ) )
+	{
+		def.robot = lw_reach_robot( before ); // the only one that it takes
+	}
 	// qhull takes its memory where it wants: what it leaves is looked for by the leak sanitizer
-	const lw_status status = lw_reach_create( &def, memory(), &diag, &reach );
+	const lw_status status = before != nullptr ? lw_reach_continue( before, &def, memory(), &diag, &reach )
+							   : lw_reach_create( &def, memory(), &diag, &reach );
 	keep( m_reaches, lw_reach_release, status, reach );
 }
 

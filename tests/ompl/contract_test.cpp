@@ -342,6 +342,53 @@ TEST_P( CertifiedMotion, EverythingUpToLastValidIsFree )
 	EXPECT_EQ( wrongly_refused, 0 );
 }
 
+TEST_P( CertifiedMotion, StartWithinTheSlackIsNoReasonToStayThere )
+{
+	// grips begin like this, and so do planners that go on from a last valid state
+	SeededRng rng;
+	leeway::ompl::Options options;
+	options.min_d = 0.01;
+	const Rig rig( GetParam().make(), options );
+	const leeway::Query query = leeway::makeQuery( rig.checker.get() );
+	ob::ScopedState<> inside( rig.space ), start( rig.space ), goal( rig.space ), between( rig.space ), last( rig.space );
+	int leaves = 0, stays = 0;
+	for ( int i = 0; i < 400; ++i )
+	{
+		rig.sampleValid( rng, start.get() );
+		do
+		{
+			rig.sample( rng, inside.get() );
+		} while ( rig.si->isValid( inside.get() ) );
+		double room = inf;
+		for ( int k = 0; k < 40 && room > 0.3 * options.slack; ++k )
+		{
+			rig.space->interpolate( start.get(), inside.get(), 0.5, between.get() );
+			rig.space->copyState( rig.si->isValid( between.get() ) ? start.get() : inside.get(), between.get() );
+			room = exactClearance( rig, query.get(), start.get() ) - options.min_d;
+		}
+		rig.sample( rng, goal.get() );
+		std::pair<ob::State*, double> last_valid( last.get(), 0 );
+		if ( !( room > 0.05 * options.slack && room < 0.3 * options.slack ) ||
+			rig.si->checkMotion( start.get(), goal.get(), last_valid ) )
+		{
+			continue;
+		}
+		bool away = true;
+		for ( int k = 0; k <= 200 && away; ++k )
+		{
+			rig.space->interpolate( start.get(), goal.get(), 0.05 * k / 200, between.get() );
+			away = exactClearance( rig, query.get(), between.get() ) - options.min_d > 0.5 * room;
+		}
+		leaves += away;
+		stays += away && !( last_valid.second > 0 );
+		ASSERT_TRUE( rig.si->isValid( last.get() ) );
+		ASSERT_TRUE( rig.si->checkMotion( start.get(), last.get() ) ) << last_valid.second;
+		ASSERT_TRUE( rig.si->checkMotion( last.get(), start.get() ) ) << last_valid.second;
+	}
+	EXPECT_GT( leaves, 5 );
+	EXPECT_EQ( stays, 0 ) << "of " << leaves;
+}
+
 INSTANTIATE_TEST_SUITE_P( Worlds, CertifiedMotion, testing::ValuesIn( worlds() ), worldName );
 
 /// Two rails without the neighbourhood of a point, as a user may derive a space with a hole.

@@ -150,7 +150,8 @@ MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared
 	m_def.max_d = options.step;
 
 	// An edge all of whose clearances are above (min_d + slack) / (1 - alpha) is never refused (core/docs/edges.md): the run
-	// is proved at that margin, and a millionth more for the rounding of the state at its end.
+	// is proved at that margin, and a millionth more for the rounding of the state at its end. proveRun() says what is done
+	// where a motion begins nearer than that.
 	m_last_def = m_def;
 	m_last_def.want_proved_until = true;
 	m_last_def.min_d = ( m_def.min_d + m_def.slack ) / ( 1 - m_def.alpha ) * ( 1 + 1e-6 );
@@ -171,23 +172,41 @@ ProvedMotion MotionValidator::prove( const EdgeProver& prover, const lw_edge_def
 	return run;
 }
 
+// True if the motions from slot.a to slot.result and back are free, asked for as checkMotion() asks.
+bool MotionValidator::isFreeBothWays( const EdgeProver& prover ) const
+{
+	Engine::Slot& slot = prover.slot();
+	auto isFree = [&] { return prover.prove( m_def, slot.edge_queries ).verdict == LW_VERDICT_FREE; };
+	std::swap( slot.b, slot.result );
+	const bool there = isFree();
+	std::swap( slot.a, slot.b );
+	const bool back = there && isFree();
+	std::swap( slot.a, slot.b );
+	std::swap( slot.b, slot.result );
+	return back;
+}
+
 // Writes the last valid state and returns its t. Both ends are in the slot by now, so `out` may be s1 or s2.
-double MotionValidator::writeLastValid( Engine::Slot& slot, double proved_until, const ob::State* s1, ob::State* out ) const
+double MotionValidator::writeLastValid( const EdgeProver& prover, const ProvedRun& run, const ob::State* s1,
+	ob::State* out ) const
 {
 	const StateAdapter& adapter = m_engine->adapter();
+	Engine::Slot& slot = prover.slot();
 
-	// The end of the proved run can lie so near to min_d that rounding decides: a second candidate lies a little before it.
-	constexpr double candidates[] = { 1.0, 1.0 - 0x1p-10 };
+	// The end of the proved run can lie so near to min_d that rounding decides: the second candidate lies a little before it.
+	// A run that begins within the slack can end where its proof is refused as a motion of its own: the others lie well before.
+	constexpr double candidates[] = { 1.0, 1.0 - 0x1p-10, 0.75, 0.25 };
 	for ( double factor : candidates )
 	{
-		const double t = std::min( proved_until * factor, std::nextafter( 1.0, 0.0 ) );
+		const double t = std::min( run.until * factor, std::nextafter( 1.0, 0.0 ) );
 		if ( !( t > 0 ) )
 		{
 			break;
 		}
 		adapter.interpolate( slot.a, slot.b, t, slot.result );
 		adapter.enforceBounds( slot.result );
-		if ( !clear( m_engine->options(), slot.checker.get(), slot.query.get(), slot.result ) )
+		if ( !clear( m_engine->options(), slot.checker.get(), slot.query.get(), slot.result ) ||
+			( run.within_slack && !isFreeBothWays( prover ) ) )
 		{
 			continue;
 		}
@@ -211,6 +230,22 @@ double MotionValidator::writeLastValid( Engine::Slot& slot, double proved_until,
 		si_->copyState( out, s1 );
 	}
 	return 0;
+}
+
+// The run up to the last valid state of a motion that is not free.
+MotionValidator::ProvedRun MotionValidator::proveRun( const EdgeProver& prover ) const
+{
+	SlotCounter& queries = prover.slot().edge_queries;
+	const double until = prover.prove( m_last_def, queries ).proved_until;
+	if ( until > 0 )
+	{
+		return { until, false };
+	}
+	// The motion begins within the slack, as grips do and links that are near each other by design: the run is proved as the
+	// verdict is, by slacks that follow the room at its start.
+	lw_edge_def def = m_def;
+	def.want_proved_until = true;
+	return { prover.prove( def, queries ).proved_until, true };
 }
 
 bool MotionValidator::count( bool valid ) const
@@ -251,18 +286,15 @@ bool MotionValidator::checkMotion( const ob::State* s1, const ob::State* s2, std
 	{
 		return keepStart();
 	}
-	Engine::Slot& slot = prover.slot();
 	lw_edge_def def = m_def;
 	def.want_proved_until = def.method == LW_EDGE_STEPS;
-	ProvedMotion run = prove( prover, def );
-	const bool free = run.verdict == LW_VERDICT_FREE;
+	const ProvedMotion motion = prove( prover, def );
+	const bool free = motion.verdict == LW_VERDICT_FREE;
 	if ( !free )
 	{
-		if ( def.method == LW_EDGE_CERTIFIED )
-		{
-			run = prover.prove( m_last_def, slot.edge_queries );
-		}
-		lastValid.second = writeLastValid( slot, run.proved_until, s1, lastValid.first );
+		const bool steps = def.method == LW_EDGE_STEPS;
+		const ProvedRun run = steps ? ProvedRun{ motion.proved_until, false } : proveRun( prover );
+		lastValid.second = writeLastValid( prover, run, s1, lastValid.first );
 	}
 	return count( free );
 }

@@ -279,7 +279,9 @@ public:
 	/// success neither field is touched.
 	///
 	/// Certified: the run ends before the first clearance of (min_d + slack) / 0.9 or less. The motion from s1 to the last
-	/// valid state is then never refused when it is checked again: planners such as KPIECE1 keep it as an edge, unchecked.
+	/// valid state is then never refused when it is checked again: planners such as KPIECE1 keep it as an edge,
+	/// unchecked. If s1 itself is nearer than that, the run ends later, and the motion to its end is proved both ways before
+	/// it is returned (two to ten proofs more).
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2,
 		std::pair<::ompl::base::State*, double>& lastValid ) const override;
 
@@ -287,7 +289,14 @@ public:
 
 private:
 	ProvedMotion prove( const EdgeProver& prover, const lw_edge_def& def ) const;
-	double writeLastValid( Engine::Slot& slot, double proved_until, const ::ompl::base::State* s1,
+	struct ProvedRun
+	{
+		double until;      ///< place on the motion
+		bool within_slack; ///< it may end where the motion up to there would be refused
+	};
+	bool isFreeBothWays( const EdgeProver& prover ) const;
+	ProvedRun proveRun( const EdgeProver& prover ) const;
+	double writeLastValid( const EdgeProver& prover, const ProvedRun& run, const ::ompl::base::State* s1,
 		::ompl::base::State* out ) const;
 	bool count( bool valid ) const;
 	std::shared_ptr<const Engine> m_engine;
