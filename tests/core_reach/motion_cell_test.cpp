@@ -170,3 +170,77 @@ TEST( MotionCell, NoPointLeavesItsBound )
 	EXPECT_GE( downward, 1000 );
 	EXPECT_GE( tight, checks / 4 ) << "a bound that is never nearly reached is a bound of something else";
 }
+
+// Where joints below a turn shift, the bound has to follow what they shift by together, not by the farthest of them.
+TEST( MotionCell, NoPointOfATelescopeLeavesItsBound )
+{
+	SeededRng rng;
+	int tight = 0;
+	constexpr int rounds = 200;
+	for ( int round = 0; round < rounds; ++round )
+	{
+		RobotModel model;
+		model.worldFromRoot = randomTransform( rng, 1 );
+		model.link( "root" );
+		model.joint( "turn", LW_JOINT_REVOLUTE, 0 );
+		const int stages = rng.integer( 2, 4 );
+		for ( int i = 0; i < stages; ++i )
+		{
+			lw_joint_def& j = model.joint( "stage" + std::to_string( i ), i == 0 && rng.integer( 0, 2 ) == 0 ? LW_JOINT_PLANAR : LW_JOINT_PRISMATIC,
+				static_cast<std::uint32_t>( model.linkNames.size() - 1 ) );
+			if ( j.type == LW_JOINT_PRISMATIC )
+			{
+				j.axis[0] = 1;
+				j.axis[1] = rng.uniform( -0.1, 0.1 );
+				j.axis[2] = 0;
+			}
+			for ( int k = 0; k < 3; ++k )
+			{
+				j.position_lower[k] = -1;
+				j.position_upper[k] = 1;
+			}
+		}
+		lw_shape* shape = nullptr;
+		const double radius = rng.uniform( 0.01, 0.1 );
+		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, &radius, nullptr, nullptr, &shape ), LW_OK );
+		const auto tip = static_cast<std::uint32_t>( model.linkNames.size() - 1 );
+		model.body( tip, shape, lw_transform_identity() );
+		RobotPtr robot = model.create();
+		ASSERT_NE( robot, nullptr );
+		lwi_motion_table* table = nullptr;
+		ASSERT_EQ( lwi_motion_table_create( robot.get(), nullptr, nullptr, nullptr, nullptr, &table ), LW_OK );
+		Way way( robot.get(), model, tip, 0 );
+		const auto count = static_cast<std::uint32_t>( way.joints.size() );
+		const std::uint32_t variables = lw_robot_variable_count( robot.get() );
+		State center( variables ), half( variables, 0.0 );
+		const double side = rng.integer( 0, 1 ) ? 1 : -1;
+		for ( double& value : center )
+		{
+			value = side * rng.uniform( 0.5, 1 ); // all stages out, or all in
+		}
+		half[0] = rng.uniform( 0.01, 1 ); // only the first joint turns
+		std::vector<lw_transform> middle( model.linkNames.size() ), poses( model.linkNames.size() );
+		ASSERT_EQ( lw_robot_fk( robot.get(), center.data(), middle.data() ), LW_OK );
+		const double rounding = lwi_motion_box_rounding( table, 0, way.joints.data(), count, center.data(), center.data() );
+		std::vector<double> lengths( count + 1, 0.0 );
+		lwi_motion_cell( table, 0, way.joints.data(), count, way.upward, center.data(), half.data(), middle.data(), rounding, lengths.data() );
+		double largest = 0;
+		for ( double end : { -1.0, 1.0 } )
+		{
+			State q = center;
+			q[0] += end * half[0];
+			ASSERT_EQ( lw_robot_fk( robot.get(), q.data(), poses.data() ), LW_OK );
+			for ( int i = 0; i < 100; ++i ) // points of the ball
+			{
+				const double angle = 2 * M_PI * i / 100;
+				const lw_vec3 p = { radius * std::cos( angle ), radius * std::sin( angle ), 0 };
+				const double moved = distance( seen( middle, 0, model.bodies[0], p ), seen( poses, 0, model.bodies[0], p ) );
+				EXPECT_LE( moved, lengths[count] + 2 * rounding ) << "round " << round;
+				largest = std::max( largest, moved );
+			}
+		}
+		tight += largest > 0.9 * lengths[count];
+		lwi_motion_table_destroy( table );
+	}
+	EXPECT_GE( tight, rounds / 2 );
+}
