@@ -179,32 +179,8 @@ TEST( MotionCell, NoPointOfATelescopeLeavesItsBound )
 	constexpr int rounds = 200;
 	for ( int round = 0; round < rounds; ++round )
 	{
-		RobotModel model;
-		model.worldFromRoot = randomTransform( rng, 1 );
-		model.link( "root" );
-		model.joint( "turn", LW_JOINT_REVOLUTE, 0 );
-		const int stages = rng.integer( 2, 4 );
-		for ( int i = 0; i < stages; ++i )
-		{
-			lw_joint_def& j = model.joint( "stage" + std::to_string( i ), i == 0 && rng.integer( 0, 2 ) == 0 ? LW_JOINT_PLANAR : LW_JOINT_PRISMATIC,
-				static_cast<std::uint32_t>( model.linkNames.size() - 1 ) );
-			if ( j.type == LW_JOINT_PRISMATIC )
-			{
-				j.axis[0] = 1;
-				j.axis[1] = rng.uniform( -0.1, 0.1 );
-				j.axis[2] = 0;
-			}
-			for ( int k = 0; k < 3; ++k )
-			{
-				j.position_lower[k] = -1;
-				j.position_upper[k] = 1;
-			}
-		}
-		lw_shape* shape = nullptr;
-		const double radius = rng.uniform( 0.01, 0.1 );
-		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, &radius, nullptr, nullptr, &shape ), LW_OK );
+		const RobotModel model = telescope( rng );
 		const auto tip = static_cast<std::uint32_t>( model.linkNames.size() - 1 );
-		model.body( tip, shape, lw_transform_identity() );
 		RobotPtr robot = model.create();
 		ASSERT_NE( robot, nullptr );
 		lwi_motion_table* table = nullptr;
@@ -223,17 +199,16 @@ TEST( MotionCell, NoPointOfATelescopeLeavesItsBound )
 		ASSERT_EQ( lw_robot_fk( robot.get(), center.data(), middle.data() ), LW_OK );
 		const double rounding = lwi_motion_box_rounding( table, 0, way.joints.data(), count, center.data(), center.data() );
 		std::vector<double> lengths( count + 1, 0.0 );
-		lwi_motion_cell( table, 0, way.joints.data(), count, way.upward, center.data(), half.data(), middle.data(), rounding, lengths.data() );
+		lwi_motion_cell( table, 0, way.joints.data(), count, way.upward, center.data(), half.data(), middle.data(), rounding,
+			lengths.data() );
 		double largest = 0;
 		for ( double end : { -1.0, 1.0 } )
 		{
 			State q = center;
 			q[0] += end * half[0];
 			ASSERT_EQ( lw_robot_fk( robot.get(), q.data(), poses.data() ), LW_OK );
-			for ( int i = 0; i < 100; ++i ) // points of the ball
+			for ( lw_vec3 p : model.bodyPoints[0] )
 			{
-				const double angle = 2 * M_PI * i / 100;
-				const lw_vec3 p = { radius * std::cos( angle ), radius * std::sin( angle ), 0 };
 				const double moved = distance( seen( middle, 0, model.bodies[0], p ), seen( poses, 0, model.bodies[0], p ) );
 				EXPECT_LE( moved, lengths[count] + 2 * rounding ) << "round " << round;
 				largest = std::max( largest, moved );

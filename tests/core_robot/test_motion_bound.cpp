@@ -184,6 +184,48 @@ TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
 	EXPECT_GE( outside, 100 );
 }
 
+// What joints shift by below one that turns adds up. Rings know it without poses (lwi_motion_measure_rough() asks only those).
+TEST( MotionBound, NoPointOfATelescopeTravelsFurtherThanTheBound )
+{
+	SeededRng rng;
+	int tight = 0;
+	constexpr int rounds = 200, steps = 40;
+	for ( int round = 0; round < rounds; ++round )
+	{
+		const RobotModel model = telescope( rng );
+		RobotPtr robot = model.create();
+		ASSERT_NE( robot, nullptr );
+		Motion measured( robot.get() ), rough( robot.get() );
+		State a( lw_robot_variable_count( robot.get() ) );
+		const double side = rng.integer( 0, 1 ) ? 1 : -1;
+		for ( double& value : a )
+		{
+			value = side * rng.uniform( 0.5, 1 ); // all stages out, or all in
+		}
+		State b = a;
+		b[0] += rng.uniform( -1, 1 );
+		ASSERT_TRUE( lwi_motion_measure( measured.table, a.data(), b.data(), measured.scratch ) );
+		ASSERT_TRUE( lwi_motion_begin( rough.table, a.data(), b.data(), rough.scratch ) );
+		lwi_motion_measure_rough( rough.table, rough.scratch );
+		std::vector<std::vector<lw_transform>> poses;
+		for ( int k = 0; k <= steps; ++k )
+		{
+			State q( a.size() );
+			lw_robot_interpolate( robot.get(), a.data(), b.data(), static_cast<double>( k ) / steps, q.data() );
+			poses.emplace_back( lw_robot_link_count( robot.get() ) );
+			ASSERT_EQ( lw_robot_fk( robot.get(), q.data(), poses.back().data() ), LW_OK );
+		}
+		const double rounding = lwi_motion_rounding( measured.table, measured.scratch );
+		const double bound = lwi_motion_bound( measured.table, measured.scratch, 0, LW_INVALID_INDEX );
+		const double roughBound = lwi_motion_of( rough.table, rough.scratch, 0, LW_INVALID_INDEX ).path;
+		const double longest = longestPath( model, poses, 0, LW_INVALID_INDEX, bound, 4 * rounding );
+		EXPECT_LE( longest, bound + 4 * steps * rounding ) << "round " << round;
+		EXPECT_LE( longest, roughBound + 4 * steps * rounding ) << "round " << round;
+		tight += longest > 0.9 * bound;
+	}
+	EXPECT_GE( tight, rounds / 2 );
+}
+
 namespace
 {
 

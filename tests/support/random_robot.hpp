@@ -251,6 +251,42 @@ inline RobotModel randomRobot( SeededRng& rng, const RandomRobotOptions& o )
 	return model;
 }
 
+/// A joint that turns, below it two to four that shift along much the same line by up to 1 m, at the tip a ball.
+inline RobotModel telescope( SeededRng& rng )
+{
+	RobotModel model;
+	model.worldFromRoot = randomTransform( rng, 1 );
+	model.link( "root" );
+	model.joint( "turn", LW_JOINT_REVOLUTE, 0 );
+	const int stages = rng.integer( 2, 4 );
+	for ( int i = 0; i < stages; ++i )
+	{
+		const lw_joint_type type = i == 0 && rng.integer( 0, 2 ) == 0 ? LW_JOINT_PLANAR : LW_JOINT_PRISMATIC;
+		lw_joint_def& j = model.joint( "stage" + std::to_string( i ), type, static_cast<std::uint32_t>( model.linkNames.size() - 1 ) );
+		if ( type == LW_JOINT_PRISMATIC )
+		{
+			j.axis[0] = 1;
+			j.axis[1] = rng.uniform( -0.1, 0.1 );
+			j.axis[2] = 0;
+		}
+		for ( int k = 0; k < 3; ++k )
+		{
+			j.position_lower[k] = -1;
+			j.position_upper[k] = 1;
+		}
+	}
+	const double radius = rng.uniform( 0.01, 0.1 );
+	lw_shape* ball = nullptr;
+	lw_shape_create_primitive( LW_SHAPE_SPHERE, &radius, nullptr, nullptr, &ball );
+	std::vector<lw_vec3> points;
+	for ( int i = 0; i < 100; ++i )
+	{
+		points.push_back( { radius * std::cos( 2 * M_PI * i / 100 ), radius * std::sin( 2 * M_PI * i / 100 ), 0 } );
+	}
+	model.body( static_cast<std::uint32_t>( model.linkNames.size() - 1 ), ball, lw_transform_identity(), points );
+	return model;
+}
+
 /// A random state; `excess` > 0 leaves the limits by as much.
 inline State randomState( SeededRng& rng, const lw_robot* robot, double excess = 0 )
 {
