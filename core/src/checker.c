@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The answer for one state: environment, self, and what they say together.
 #include "checker_internal.h"
-#include "query_internal.h"
+#include "scene_internal.h"
 
 const char* lw_verdict_name( lw_verdict verdict )
 {
@@ -22,6 +22,20 @@ const char* lw_verdict_name( lw_verdict verdict )
 static bool is_proved_free( const lw_clearance* clearance, double min_d )
 {
 	return ( clearance->kind == LW_CLEARANCE_NEAR || clearance->kind == LW_CLEARANCE_FAR ) && clearance->lower > min_d;
+}
+
+lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spare_shapes, uint32_t spare_bodies )
+{
+	const uint32_t scene_shapes = checker->scene != NULL ? checker->scene->shape_count : 0;
+	lwi_query_sizes sizes = { .links = lw_robot_link_count( checker->robot ) + spare_bodies,
+		.bodies = lw_robot_body_count( checker->robot ) + spare_bodies,
+		.variables = lw_robot_variable_count( checker->robot ),
+		.shapes = scene_shapes + spare_shapes };
+	const size_t rows = (size_t)checker->moving_body_count + spare_bodies;
+	const size_t environment = ( rows > 0 ? rows : 1 ) * lwi_padded( sizes.shapes );
+	const size_t self = sizes.bodies * (size_t)lwi_padded( sizes.bodies );
+	sizes.gaps = environment > self ? environment : self;
+	return sizes;
 }
 
 lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_what what, const lw_range* range,

@@ -192,7 +192,8 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 	lwi_ahead ahead = { .prepare = def->prepare, .user = def->prepare_user };
 	lw_query_def query_def = lw_query_def_default();
 	lw_query* query = NULL;
-	lw_status status = lw_query_create( &query_def, NULL, c, &c->allocator, &query );
+	const lwi_query_sizes sizes = lwi_checker_query_sizes( c, 0, 0 );
+	lw_status status = lwi_query_create( &query_def, &sizes, &c->allocator, &query );
 	if ( status != LW_OK )
 	{
 		return lwi_fail( diag, status, LW_INVALID_INDEX, "no query for the static part of a checker: %s",

@@ -6,6 +6,7 @@
 #include "checker_margin.h"
 #include "leeway/checker.h"
 #include "motion_bound.h"
+#include "query_internal.h"
 #include "tree_layout.h"
 #include "robot_internal.h"
 #include "shape_internal.h"
@@ -108,6 +109,9 @@ static inline double lwi_lowest_self( const lw_checker* checker )
 	return checker->self_margins != NULL ? -checker->self_margins->largest : 0;
 }
 
+/// Poses all that does not depend on the state, unless the query holds this checker's poses already.
+void lwi_checker_bind( const lw_checker* checker, lw_query* query );
+
 /// Takes a state over for the questions below. With a tree, and a query that uses it, poses are computed when they are
 /// asked for, else all at once.
 /// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite, zero quaternion)
@@ -180,14 +184,15 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known,
 	lwi_ahead* ahead );
 
-/// True if the query was made for a checker at least as large.
-bool lwi_query_fits( const lw_query* query, const lw_checker* checker );
+/// Arrays that a query needs for states of this checker; edge_bytes is 0.
+/// @param spare_shapes, spare_bodies that scene and robot may have beyond those they have; a spare body brings a link
+lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spare_shapes, uint32_t spare_bodies );
 
-/// Scratch for edges inside the query, sized for this checker: at least lwi_edge_scratch_size( checker ) bytes, 64-aligned.
-void* lwi_query_edge_scratch( lw_query* query );
-/// Forgets the nearest pairs of earlier edges: they were another checker's.
-void lwi_edge_forget( lw_query* query );
-/// Implemented by edge_motion.c. @param spare_bodies that the robot may have beyond those it has, and as many links
-size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
+/// False if an array of the query is too small for states of this checker.
+static inline bool lwi_query_fits( const lw_query* query, const lw_checker* checker )
+{
+	const lwi_query_sizes sizes = lwi_checker_query_sizes( checker, 0, 0 );
+	return query->posed == checker || lwi_query_has_room( query, &sizes );
+}
 
 #endif

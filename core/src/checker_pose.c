@@ -112,7 +112,7 @@ void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index
 	const lw_transform* pose = &query->world_from_link[node->top];
 	double rounding = r[3] - node->r.radius; // each body lies within R: what that was enlarged by is enough for it
 	float* out = query->blocks + (size_t)node->first_block * 4 * LWI_WIDTH;
-	uint32_t padded = ( node->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH * LWI_WIDTH;
+	const uint32_t padded = lwi_padded( node->body_count );
 	for ( uint32_t i = 0; i < padded; ++i )
 	{
 		float* lane = out + (size_t)( i / LWI_WIDTH ) * 4 * LWI_WIDTH + i % LWI_WIDTH;
@@ -144,7 +144,7 @@ void lwi_pose_all( const lw_checker* checker, lw_query* query )
 
 /// What does not depend on the state. The query keeps a reference to the checker, so that no other one can appear at the
 /// same address.
-static void bind_query( const lw_checker* checker, lw_query* query )
+static void pose_static( const lw_checker* checker, lw_query* query )
 {
 	lwi_query_forget_checker( query );
 	const lw_robot* robot = checker->robot;
@@ -163,8 +163,17 @@ static void bind_query( const lw_checker* checker, lw_query* query )
 	lwi_pose_sphere( checker, query, 0 );
 	lwi_pose_blocks( checker, query, 0 );
 	memset( query->motion_trials, 0, checker->tree->node_count * sizeof( lwi_trial ) );
-	lwi_edge_forget( query );
+	query->bindings++;
 	query->posed = lw_checker_retain( checker );
+	query->release_posed = lw_checker_release;
+}
+
+void lwi_checker_bind( const lw_checker* checker, lw_query* query )
+{
+	if ( query->posed != checker )
+	{
+		pose_static( checker, query );
+	}
 }
 
 /// True if the quaternions of the group's floating joints are usable: then forward kinematics cannot fail.
@@ -246,10 +255,7 @@ lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const do
 			return LW_ERROR_INVALID_ARGUMENT;
 		}
 	}
-	if ( query->posed != checker )
-	{
-		bind_query( checker, query );
-	}
+	lwi_checker_bind( checker, query );
 	++query->state_stamp;
 	for ( uint32_t i = 0; i < checker->variable_count; ++i )
 	{

@@ -152,7 +152,10 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 		}
 	}
 	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .qa = qa, .qb = qb, .posed_t = NAN };
-	lwi_edge_begin( &e, lwi_query_edge_scratch( query ) );
+	if ( !lwi_edge_begin( &e ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT; // a query that was made without a checker, or for a smaller one
+	}
 	lw_status status = def->method == LW_EDGE_CERTIFIED ? check_certified( &e ) : check_steps( &e );
 	if ( status != LW_OK )
 	{

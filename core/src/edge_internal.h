@@ -54,6 +54,14 @@ typedef struct lwi_edge_plane
 	lwi_planes8 planes;
 } lwi_edge_plane;
 
+/// What edges of one checker leave for later ones, by a hash of the pair.
+typedef struct lwi_edge_memory
+{
+	uint64_t bindings; ///< lw_query::bindings when it was begun: it is void for any other
+	lwi_warm warm[LWI_EDGE_WARM]; ///< nearest pairs
+	lwi_edge_plane planes[LWI_EDGE_WARM];
+} lwi_edge_memory;
+
 /// What a window's planes say. In ascending order of work that is left.
 typedef enum lwi_edge_sweep
 {
@@ -130,8 +138,7 @@ typedef struct lwi_edge
 	double* full_b;
 	double* full_t;
 	double* group_t;       ///< [variable_count]
-	struct lwi_warm* warm; ///< [LWI_EDGE_WARM]: nearest pairs of this edge and the ones before
-	lwi_edge_plane* planes;    ///< [LWI_EDGE_WARM]: of this edge and the ones before
+	lwi_edge_memory* memory; ///< of this edge and the ones before
 	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose node poses are kept; NaN: unused
 	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
 	double* frame_turns;       ///< [LWI_EDGE_FRAMES][2][nodes, padded] cosines and sines of the joints above nodes
@@ -173,8 +180,12 @@ typedef struct lwi_edge_sample
 
 // --- edge_motion.c ---------------------------------------------------------------------------------------------------
 
-/// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, qa and qb.
-void lwi_edge_begin( lwi_edge* edge, void* scratch );
+/// Bytes of scratch that edges of this checker need. @param spare_bodies that the robot may have beyond those it has, and as many links
+size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
+
+/// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, query, qa and qb.
+/// @return false if the query's scratch is too small
+bool lwi_edge_begin( lwi_edge* edge );
 
 /// What items have to allow for. @param of_poses metres, of poses and states
 void lwi_edge_allow_rounding( lwi_edge* edge, double of_poses );

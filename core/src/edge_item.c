@@ -69,11 +69,11 @@ static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* th
 	e->query->failure = LW_OK;
 	if ( lwi_edge_item_is_pair( item ) )
 	{
-		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->warm[item->warm], out );
+		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->memory->warm[item->warm], out );
 	}
 	else
 	{
-		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->warm[item->warm], out );
+		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->memory->warm[item->warm], out );
 	}
 	e->failure = e->query->failure;
 	e->failed = e->failed || e->failure != LW_OK;

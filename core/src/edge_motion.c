@@ -3,6 +3,7 @@
 //
 // A point's way is bounded by where it is at both ends and how fast its velocity can change in between (linear interpolation),
 // which beats path lengths by far where joints' motions cancel or cells are short. Derivation: core/docs/edges.md.
+#include "arena.h"
 #include "checker_pose.h"
 #include "edge_internal.h"
 #include "math_inline.h"
@@ -16,51 +17,53 @@ enum
 
 // ---- scratch ---------------------------------------------------------------------------------------------------------
 
-/// Takes `count * size` bytes of the scratch (NULL while measuring).
-static void* take( char* base, size_t* used, size_t count, size_t size )
-{
-	void* part = base != NULL ? base + *used : NULL;
-	*used += lwi_align_up( count * size );
-	return part;
-}
-
 /// Lays the scratch out from `memory`; returns its size. Called with NULL to measure, then to place.
-static size_t lay_out( lwi_edge* e, char* memory )
+static size_t lay_out( lwi_edge* e, void* memory )
 {
+	lwi_arena arena = lwi_arena_begin( memory, 0 );
 	const lw_checker* c = e->checker;
-	size_t used = 0, nodes = c->tree->node_count;
+	const size_t nodes = c->tree->node_count;
 	uint32_t variables = c->robot->variable_count;
-	e->warm = take( memory, &used, LWI_EDGE_WARM, sizeof( lwi_warm ) ); // first: cleared where the query changes its checker
-	e->planes = take( memory, &used, LWI_EDGE_WARM, sizeof( lwi_edge_plane ) ); // likewise
-	e->paces = take( memory, &used, nodes, sizeof( lwi_edge_pace ) );
-	e->motion = take( memory, &used, lwi_motion_scratch_size( c->motion ), 1 );
-	e->full_a = take( memory, &used, variables, sizeof( double ) );
-	e->full_b = take( memory, &used, variables, sizeof( double ) );
-	e->full_t = take( memory, &used, variables, sizeof( double ) );
-	e->group_t = take( memory, &used, c->variable_count, sizeof( double ) );
-	e->frame_t = take( memory, &used, LWI_EDGE_FRAMES, sizeof( double ) );
-	e->frame_states = take( memory, &used, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
-	e->frame_turns = take( memory, &used, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_nodes( c->tree ), sizeof( double ) );
-	e->frame_known = take( memory, &used, LWI_EDGE_FRAMES * nodes, sizeof( bool ) );
-	e->frame_poses = take( memory, &used, LWI_EDGE_FRAMES * nodes, sizeof( lw_transform ) );
+	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
+	e->paces = lwi_arena_take( &arena, nodes, sizeof( lwi_edge_pace ) );
+	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->motion ), 1 );
+	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->group_t = lwi_arena_take( &arena, c->variable_count, sizeof( double ) );
+	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
+	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
+	e->frame_turns = lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_nodes( c->tree ), sizeof( double ) );
+	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * nodes, sizeof( bool ) );
+	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * nodes, sizeof( lw_transform ) );
 	const size_t lanes = nodes * LWI_WIDTH;
-	e->rake.frames = take( memory, &used, nodes, sizeof( lwi_rake_frame ) );
-	e->rake.nodes = take( memory, &used, nodes, sizeof( lwi_rake_point ) );
-	e->rake.bodies = take( memory, &used, c->tree->body_count, sizeof( lwi_rake_point ) );
-	e->rake.known = take( memory, &used, c->tree->body_count, sizeof( bool ) );
-	e->rake.values = take( memory, &used, 3 * lanes, sizeof( double ) );
-	e->rake.speeds = take( memory, &used, nodes, sizeof( double ) );
+	e->rake.frames = lwi_arena_take( &arena, nodes, sizeof( lwi_rake_frame ) );
+	e->rake.nodes = lwi_arena_take( &arena, nodes, sizeof( lwi_rake_point ) );
+	e->rake.bodies = lwi_arena_take( &arena, c->tree->body_count, sizeof( lwi_rake_point ) );
+	e->rake.known = lwi_arena_take( &arena, c->tree->body_count, sizeof( bool ) );
+	e->rake.values = lwi_arena_take( &arena, 3 * lanes, sizeof( double ) );
+	e->rake.speeds = lwi_arena_take( &arena, nodes, sizeof( double ) );
 	e->item_capacity = c->moving_body_count + c->self_pair_count;
 	e->gap_capacity = 4 * e->item_capacity + SPARE_GAPS;
-	e->items = take( memory, &used, e->item_capacity, sizeof( lwi_edge_item ) );
-	e->levels[0].gaps = take( memory, &used, e->gap_capacity, sizeof( lwi_edge_gap ) );
-	e->levels[1].gaps = take( memory, &used, e->gap_capacity, sizeof( lwi_edge_gap ) );
-	return used;
+	e->items = lwi_arena_take( &arena, e->item_capacity, sizeof( lwi_edge_item ) );
+	e->levels[0].gaps = lwi_arena_take( &arena, e->gap_capacity, sizeof( lwi_edge_gap ) );
+	e->levels[1].gaps = lwi_arena_take( &arena, e->gap_capacity, sizeof( lwi_edge_gap ) );
+	return arena.used;
 }
 
-void lwi_edge_begin( lwi_edge* edge, void* scratch )
+bool lwi_edge_begin( lwi_edge* edge )
 {
-	lay_out( edge, scratch );
+	lw_query* query = edge->query;
+	if ( lay_out( edge, query->edge_scratch ) > query->edge_capacity )
+	{
+		return false;
+	}
+	lwi_checker_bind( edge->checker, query );
+	if ( edge->memory->bindings != query->bindings )
+	{
+		memset( edge->memory, 0, sizeof( *edge->memory ) );
+		edge->memory->bindings = query->bindings;
+	}
 	for ( int i = 0; i < 2; ++i )
 	{
 		edge->swings[i].node = LW_INVALID_INDEX;
@@ -75,6 +78,7 @@ void lwi_edge_begin( lwi_edge* edge, void* scratch )
 	}
 	lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
 	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
+	return true;
 }
 
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
@@ -86,12 +90,6 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 				  spare_bodies * ( sizeof( lwi_rake_point ) + sizeof( bool ) ) +
 				  lwi_motion_scratch_spare( spare_bodies );
 	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );
-}
-
-void lwi_edge_forget( lw_query* query )
-{
-	size_t warm = lwi_align_up( LWI_EDGE_WARM * sizeof( lwi_warm ) );
-	memset( lwi_query_edge_scratch( query ), 0, warm + LWI_EDGE_WARM * sizeof( lwi_edge_plane ) );
 }
 
 // ---- states ----------------------------------------------------------------------------------------------------------

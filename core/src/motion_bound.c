@@ -5,6 +5,7 @@
 // environments. IEEE Transactions on Robotics 21(3), 2005. The distances to the axes are bounded here by the pose at the
 // edge's middle plus half the motion of the joints in between, which for short edges is far below what joint limits give.
 // Derivation: core/docs/edges.md. Rounding: core/docs/kinematics.md.
+#include "arena.h"
 #include "math_inline.h"
 #include "motion_bound.h"
 #include "shape_internal.h"
@@ -365,6 +366,21 @@ static bool build_table( lwi_motion_table* table, const lwi_motion_piece* pieces
 	return true;
 }
 
+/// Places the table's arrays behind it. Returns the block's size.
+static size_t lay_out( lwi_motion_table* table, void* block )
+{
+	const lw_robot* robot = table->robot;
+	lwi_arena arena = lwi_arena_begin( block, sizeof( lwi_motion_table ) );
+	table->bodies = lwi_arena_take( &arena, table->body_count, sizeof( motion_body ) );
+	table->entries = lwi_arena_take( &arena, table->entry_count, sizeof( motion_entry ) );
+	table->moving_depth = lwi_arena_take( &arena, robot->link_count, sizeof( uint32_t ) );
+	table->moving_links = lwi_arena_take( &arena, robot->link_count, sizeof( uint32_t ) );
+	table->reference_poses = lwi_arena_take( &arena, robot->link_count, sizeof( lw_transform ) );
+	table->inexact = lwi_arena_take( &arena, robot->joint_count, sizeof( uint32_t ) );
+	table->movers = lwi_arena_take( &arena, robot->joint_count, sizeof( motion_entry ) );
+	return arena.used;
+}
+
 lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motion_piece* pieces, uint32_t piece_count,
 	const bool* fixed_variables, const double* reference, const lw_allocator* allocator, lw_diag* diag,
 	lwi_motion_table** out_table )
@@ -381,35 +397,20 @@ lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motio
 			link = robot->joints[joint].parent;
 		}
 	}
-	size_t bodies = lwi_align_up( sizeof( lwi_motion_table ) );
-	size_t entries = bodies + lwi_align_up( piece_count * sizeof( motion_body ) );
-	size_t depth = entries + lwi_align_up( entry_count * sizeof( motion_entry ) );
-	size_t links = depth + lwi_align_up( robot->link_count * sizeof( uint32_t ) );
-	size_t poses = links + lwi_align_up( robot->link_count * sizeof( uint32_t ) );
-	size_t inexact = poses + lwi_align_up( robot->link_count * sizeof( lw_transform ) );
-	size_t movers = inexact + lwi_align_up( robot->joint_count * sizeof( uint32_t ) );
-	size_t total = movers + lwi_align_up( robot->joint_count * sizeof( motion_entry ) );
-	char* block = lwi_alloc_zero( &memory, total, 1 );
-	if ( block == NULL )
+	lwi_motion_table measured = { .robot = robot, .body_count = piece_count, .entry_count = (uint32_t)entry_count };
+	const size_t bytes = lay_out( &measured, NULL );
+	lwi_motion_table* table = lwi_alloc_zero( &memory, bytes, 1 );
+	if ( table == NULL )
 	{
 		return lwi_out_of_memory( diag, "motion bounds" );
 	}
-	lwi_motion_table* table = (lwi_motion_table*)block;
+	*table = measured;
+	lay_out( table, table );
 	table->allocator = memory;
-	table->bytes = total;
-	table->robot = robot;
-	table->body_count = piece_count;
-	table->entry_count = (uint32_t)entry_count;
-	table->bodies = (motion_body*)( block + bodies );
-	table->entries = (motion_entry*)( block + entries );
-	table->moving_depth = (uint32_t*)( block + depth );
-	table->moving_links = (uint32_t*)( block + links );
-	table->reference_poses = (lw_transform*)( block + poses );
-	table->inexact = (uint32_t*)( block + inexact );
-	table->movers = (motion_entry*)( block + movers );
+	table->bytes = bytes;
 	if ( !build_table( table, pieces, fixed_variables, reference ) )
 	{
-		lwi_free( &memory, block, total );
+		lwi_free( &memory, table, bytes );
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a quaternion of the reference state is zero" );
 	}
 	table->scratch_size = scratch_offsets( table, table->scratch_at );

@@ -4,6 +4,7 @@
 #define LEEWAY_QUERY_INTERNAL_H
 
 #include "distance_query.h"
+#include "heap.h"
 #include "leeway/checker.h"
 #include "separation.h"
 
@@ -50,13 +51,6 @@ typedef struct lwi_warm
 	bool valid;
 } lwi_warm;
 
-/// A pair of bodies whose bounds do not rule it out.
-typedef struct lwi_candidate
-{
-	float gap;
-	uint32_t pair; ///< row * row_stride + column of the gap table; above those, what a hierarchical query still opens
-} lwi_candidate;
-
 /// A test that is made seldom where it is in vain. Only speed depends on it.
 typedef struct lwi_trial
 {
@@ -84,6 +78,8 @@ struct lw_query
 	uint32_t edge_count;          ///< edges asked so far, modulo 2^32
 
 	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
+	void ( *release_posed )( lw_checker* posed ); ///< drops that reference
+	uint64_t bindings;            ///< how often another checker was posed: memory of an earlier one's bodies is void
 	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, and some may be used
 	bool hulls, tables;           ///< which: both only if covered
 	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
@@ -134,15 +130,25 @@ static inline void lwi_measure_warm( lw_query* query, const lw_shape* a, const l
 	bound->floor = floor < bound->floor ? floor : bound->floor;
 }
 
+/// Numbers of items that a query has room for.
+typedef struct lwi_query_sizes
+{
+	uint32_t links, bodies, variables;
+	uint32_t shapes;   ///< of a scene
+	size_t gaps;       ///< places in the largest table of bounds
+	size_t edge_bytes; ///< scratch of edges
+} lwi_query_sizes;
+
+/// As lw_query_create(), from numbers.
+lw_status lwi_query_create( const lw_query_def* def, const lwi_query_sizes* sizes, const lw_allocator* allocator,
+	lw_query** out_query );
+
+/// False if one of the query's arrays is too small.
+bool lwi_query_has_room( const lw_query* query, const lwi_query_sizes* sizes );
+
 /// Releases the checker whose poses the query holds, if any.
 void lwi_query_forget_checker( lw_query* query );
 
-/// Smallest gap first: a binary min-heap over candidates, built in place; order among equals by `pair`, so that answers
-/// repeat.
-void lwi_heap_build( lwi_candidate* heap, uint32_t count );
-void lwi_heap_push( lwi_candidate* heap, uint32_t* count, lwi_candidate fresh );
-/// Removes and returns the smallest; count > 0.
-lwi_candidate lwi_heap_pop( lwi_candidate* heap, uint32_t* count );
 /// The first `entries` gaps that are below the limit, except `skip`, as a heap. Returns their count.
 uint32_t lwi_collect( lw_query* query, uint32_t entries, float limit, uint32_t skip );
 

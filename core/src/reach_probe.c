@@ -2,6 +2,7 @@
 // What all questions about a pair of links share: the joints between them, poses, measurements, random states.
 //
 // Uniform random rotations: K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
+#include "arena.h"
 #include "math_inline.h"
 #include "reach_proof.h"
 
@@ -16,42 +17,29 @@ static const double pi = 3.14159265358979323846;
 #define WIDER 0x1p-36
 
 /// Everything a prober holds but the query and the motion table is one block, laid out by this list.
-typedef struct layout
-{
-	char* base; ///< NULL while measuring
-	size_t used;
-} layout;
-
-static void* take( layout* l, size_t count, size_t size )
-{
-	void* part = l->base != NULL ? l->base + l->used : NULL;
-	l->used += lwi_align_up( count * size );
-	return part;
-}
-
-static size_t lay_out( lwi_prober* p, char* base )
+static size_t lay_out( lwi_prober* p, void* block )
 {
 	const lw_robot* robot = p->robot;
 	size_t links = robot->link_count, joints = robot->joint_count, variables = robot->variable_count;
-	layout l = { base, lwi_align_up( sizeof( lwi_prober ) ) };
-	p->body_order = take( &l, robot->body_count, sizeof( uint32_t ) );
-	p->first_body = take( &l, links + 1, sizeof( uint32_t ) );
-	p->centers = take( &l, robot->body_count, sizeof( double[3] ) );
-	p->chain = take( &l, links, sizeof( uint32_t ) );
-	p->way_a = take( &l, joints, sizeof( uint32_t ) );
-	p->way_b = take( &l, joints, sizeof( uint32_t ) );
-	p->variables = take( &l, variables, sizeof( uint32_t ) );
-	p->poses = take( &l, links, sizeof( lw_transform ) );
+	lwi_arena arena = lwi_arena_begin( block, sizeof( lwi_prober ) );
+	p->body_order = lwi_arena_take( &arena, robot->body_count, sizeof( uint32_t ) );
+	p->first_body = lwi_arena_take( &arena, links + 1, sizeof( uint32_t ) );
+	p->centers = lwi_arena_take( &arena, robot->body_count, sizeof( double[3] ) );
+	p->chain = lwi_arena_take( &arena, links, sizeof( uint32_t ) );
+	p->way_a = lwi_arena_take( &arena, joints, sizeof( uint32_t ) );
+	p->way_b = lwi_arena_take( &arena, joints, sizeof( uint32_t ) );
+	p->variables = lwi_arena_take( &arena, variables, sizeof( uint32_t ) );
+	p->poses = lwi_arena_take( &arena, links, sizeof( lw_transform ) );
 	double** states[] = { &p->sample_lower, &p->sample_upper, &p->lower, &p->upper, &p->state, &p->best, &p->trial,
 		&p->previous, &p->half_width, &p->shares };
 	for ( size_t i = 0; i < sizeof( states ) / sizeof( states[0] ); ++i )
 	{
-		*states[i] = take( &l, variables, sizeof( double ) );
+		*states[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
 	}
-	p->lengths_a = take( &l, joints + 1, sizeof( double ) );
-	p->lengths_b = take( &l, joints + 1, sizeof( double ) );
-	p->cells = take( &l, (size_t)( LWI_CELL_DEPTH + 1 ) * ( 2 * variables + 1 ), sizeof( double ) );
-	return l.used;
+	p->lengths_a = lwi_arena_take( &arena, joints + 1, sizeof( double ) );
+	p->lengths_b = lwi_arena_take( &arena, joints + 1, sizeof( double ) );
+	p->cells = lwi_arena_take( &arena, (size_t)( LWI_CELL_DEPTH + 1 ) * ( 2 * variables + 1 ), sizeof( double ) );
+	return arena.used;
 }
 
 static void sort_bodies( lwi_prober* p )
@@ -106,11 +94,12 @@ lw_status lwi_prober_create( const lwi_reach_job* job, lwi_prober** out_prober )
 		return lwi_out_of_memory( job->diag, "proofs of pairs" );
 	}
 	*p = sizes;
-	lay_out( p, (char*)p );
+	lay_out( p, p );
 	sort_bodies( p );
 	set_sample_ranges( p );
 	lw_query_def def = lw_query_def_default();
-	lw_status status = lw_query_create( &def, NULL, NULL, &p->allocator, &p->query );
+	const lwi_query_sizes pair = { 0 }; // of two shapes, without a scene or a robot
+	lw_status status = lwi_query_create( &def, &pair, &p->allocator, &p->query );
 	if ( status == LW_OK )
 	{
 		status = lwi_motion_table_create( p->robot, NULL, NULL, &p->allocator, job->diag, &p->motion );

@@ -3,6 +3,7 @@
 //
 // Basis of planar joints: Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin: Building an orthonormal basis,
 // revisited. Journal of Computer Graphics Techniques 6(1), 2017.
+#include "arena.h"
 #include "math_inline.h"
 #include "robot_internal.h"
 #include "shape_internal.h"
@@ -322,13 +323,6 @@ static lw_transform orthonormalized( const lw_transform* m )
 	return out;
 }
 
-static size_t place( size_t* total, size_t count, size_t size )
-{
-	size_t at = *total;
-	*total += lwi_align_up( count * size );
-	return at;
-}
-
 static size_t text_size( const lw_robot_def* def )
 {
 	size_t size = strlen( def->name != NULL ? def->name : "" ) + 1;
@@ -352,43 +346,40 @@ const char* lwi_append_text( char** end, const char* text )
 	return at;
 }
 
+/// Places the robot's arrays behind it; *out_text receives the place of all names. Returns the block's size.
+static size_t lay_out( lw_robot* robot, const lwi_robot_counts* counts, void* block, char** out_text )
+{
+	lwi_arena arena = lwi_arena_begin( block, sizeof( lw_robot ) );
+	robot->link_names = lwi_arena_take( &arena, counts->links, sizeof( char* ) );
+	robot->joint_names = lwi_arena_take( &arena, counts->joints, sizeof( char* ) );
+	robot->joints = lwi_arena_take( &arena, counts->joints, sizeof( lwi_joint ) );
+	robot->bodies = lwi_arena_take( &arena, counts->bodies, sizeof( lw_body_def ) );
+	robot->variables = lwi_arena_take( &arena, counts->variables, sizeof( lw_variable_info ) );
+	robot->link_joint = lwi_arena_take( &arena, counts->links, sizeof( uint32_t ) );
+	robot->link_order = lwi_arena_take( &arena, counts->links, sizeof( uint32_t ) );
+	robot->rigid_group = lwi_arena_take( &arena, counts->links, sizeof( uint32_t ) );
+	robot->allowed = lwi_arena_take( &arena, lwi_allowed_words( counts->links ), sizeof( uint32_t ) );
+	*out_text = lwi_arena_take( &arena, counts->text, 1 );
+	return arena.used;
+}
+
 lw_robot* lwi_robot_allocate( const lwi_robot_counts* counts, const lw_allocator* allocator, char** out_text )
 {
-	size_t total = lwi_align_up( sizeof( lw_robot ) );
-	size_t link_names = place( &total, counts->links, sizeof( char* ) );
-	size_t joint_names = place( &total, counts->joints, sizeof( char* ) );
-	size_t joints = place( &total, counts->joints, sizeof( lwi_joint ) );
-	size_t bodies = place( &total, counts->bodies, sizeof( lw_body_def ) );
-	size_t variables = place( &total, counts->variables, sizeof( lw_variable_info ) );
-	size_t link_joint = place( &total, counts->links, sizeof( uint32_t ) );
-	size_t link_order = place( &total, counts->links, sizeof( uint32_t ) );
-	size_t rigid_group = place( &total, counts->links, sizeof( uint32_t ) );
-	size_t allowed = place( &total, lwi_allowed_words( counts->links ), sizeof( uint32_t ) );
-	size_t text = place( &total, counts->text, 1 );
-
-	char* block = lwi_alloc_zero( allocator, total, 1 );
-	if ( block == NULL )
+	lw_robot measured;
+	const size_t bytes = lay_out( &measured, counts, NULL, out_text );
+	lw_robot* robot = lwi_alloc_zero( allocator, bytes, 1 );
+	if ( robot == NULL )
 	{
 		return NULL;
 	}
-	lw_robot* robot = (lw_robot*)block;
+	lay_out( robot, counts, robot, out_text );
 	atomic_init( &robot->references, 1u );
 	robot->allocator = *allocator;
-	robot->bytes = total;
+	robot->bytes = bytes;
 	robot->link_count = counts->links;
 	robot->joint_count = counts->joints;
 	robot->body_count = counts->bodies;
 	robot->variable_count = counts->variables;
-	robot->link_names = (const char**)( block + link_names );
-	robot->joint_names = (const char**)( block + joint_names );
-	robot->joints = (lwi_joint*)( block + joints );
-	robot->bodies = (lw_body_def*)( block + bodies );
-	robot->variables = (lw_variable_info*)( block + variables );
-	robot->link_joint = (uint32_t*)( block + link_joint );
-	robot->link_order = (uint32_t*)( block + link_order );
-	robot->rigid_group = (uint32_t*)( block + rigid_group );
-	robot->allowed = (uint32_t*)( block + allowed );
-	*out_text = block + text;
 	return robot;
 }
 

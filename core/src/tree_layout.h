@@ -95,6 +95,9 @@ static inline uint32_t lwi_lowest_bit( uint32_t mask )
 #endif
 }
 
+/// `count` rounded up to whole blocks of LWI_WIDTH.
+static inline uint32_t lwi_padded( uint32_t count ) { return ( count + LWI_WIDTH - 1 ) / LWI_WIDTH * LWI_WIDTH; }
+
 /// The lowest `count` bits, count <= LWI_WIDTH.
 static inline uint32_t lwi_low_bits( uint32_t count ) { return ( 1u << count ) - 1u; }
 

@@ -9,7 +9,7 @@ int shim_rake( const lw_checker* checker, lw_query* query, const double* qa, con
 {
 	lw_edge_result out = { .verdict = LW_VERDICT_UNKNOWN };
 	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = &out, .qa = qa, .qb = qb, .posed_t = NAN };
-	lwi_edge_begin( &e, lwi_query_edge_scratch( query ) );
+	lwi_edge_begin( &e );
 	if ( !lwi_edge_measure_motion( &e ) || !lwi_edge_measure_nodes( &e, 0.5, 0.5 ) || !lwi_edge_rakes( &e ) )
 	{
 		return -1;

@@ -77,11 +77,15 @@ typedef enum lw_simd
 /// number) lowers it, so that one binary tests every level.
 LW_API lw_simd lw_simd_available( void );
 
-/// 128 bits that differ if the content differs (not a cryptographic hash); see blob.h.
+/// 128 bits that differ if the content differs (not a cryptographic hash).
 typedef struct lw_digest
 {
 	uint64_t word[2];
 } lw_digest;
+
+/// Digest of `size` bytes, continuing from `from` ({0} to begin): one digest of several parts, in order.
+LW_API lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size );
+LW_API bool lw_digest_equal( lw_digest a, lw_digest b );
 
 /// Library version as major * 10000 + minor * 100 + patch; compare with LW_VERSION of the headers.
 LW_API uint32_t lw_version( void );

@@ -10,17 +10,6 @@
 
 LW_EXTERN_C_BEGIN
 
-/// Digest of `size` bytes, continuing from `from` ({0} to begin): one digest of several parts, in order.
-LW_API lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size );
-LW_API bool lw_digest_equal( lw_digest a, lw_digest b );
-
-/// Digest of all that a shape's answers depend on: type, geometry, dimensions, tree. Makes a deferred mesh whose digest was not
-/// told; {0} if that fails.
-LW_API lw_digest lw_shape_digest( const lw_shape* shape );
-/// Digest of all that a robot's answers depend on: links, joints, bodies with their shapes, allowed pairs, root pose. Names
-/// do not count. Cost: a pass over all geometry, 0.1 ms for 32,000 triangles.
-LW_API lw_digest lw_robot_digest( const lw_robot* robot );
-
 /// What a blob holds: shapes, or a reach, or both. Make it with lw_blob_def_default().
 typedef struct lw_blob_def
 {

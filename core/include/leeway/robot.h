@@ -113,6 +113,10 @@ LW_API const lw_robot* lw_robot_bare( const lw_robot* robot ); ///< without all 
 LW_API lw_robot* lw_robot_retain( const lw_robot* robot );
 LW_API void lw_robot_release( lw_robot* robot );
 
+/// Digest of all that a robot's answers depend on: links, joints, bodies with their shapes, allowed pairs, root pose. Names
+/// do not count. Cost: a pass over all geometry, 0.1 ms for 32,000 triangles.
+LW_API lw_digest lw_robot_digest( const lw_robot* robot );
+
 // What is asked of an index that there is not is "", LW_INVALID_INDEX, 0, false, or a struct with LW_INVALID_INDEX in it.
 LW_API uint32_t lw_robot_link_count( const lw_robot* robot );
 LW_API uint32_t lw_robot_joint_count( const lw_robot* robot );

@@ -144,6 +144,10 @@ LW_API lw_status lw_shape_complete( const lw_shape* shape, lw_diag* diag );
 LW_API lw_shape* lw_shape_retain( const lw_shape* shape ); ///< adds a reference; NULL gives NULL
 LW_API void lw_shape_release( lw_shape* shape );           ///< drops a reference; NULL is ignored
 
+/// Digest of all that a shape's answers depend on: type, geometry, dimensions, tree. Makes a deferred mesh whose digest was not
+/// told; {0} if that fails.
+LW_API lw_digest lw_shape_digest( const lw_shape* shape );
+
 /// What a shape is made of and costs.
 typedef struct lw_shape_info
 {
