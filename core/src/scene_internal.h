@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a scene holds, and the search of one shape against all of it.
+// What a scene holds, and how far its boxes are from a sphere.
 #ifndef LEEWAY_SCENE_INTERNAL_H
 #define LEEWAY_SCENE_INTERNAL_H
 
 #include "base_internal.h"
 #include "kernels.h"
-#include "query_internal.h"
+#include "leeway/scene.h"
+#include "distance_query.h"
 
 struct lw_scene
 {
