@@ -185,6 +185,75 @@ TEST( Edits, tables_of_the_bare_robot_change_an_answer )
 	EXPECT_GT( never, 10 );
 }
 
+// What is attached to a link that stands still is taken off and put back elsewhere on it, the same shape: its clearance is another one.
+TEST( Edits, standing_object_is_measured_where_it_was )
+{
+	RobotModel model;
+	model.link( "base" );
+	model.joint( "hand", LW_JOINT_REVOLUTE, 0 );
+	const double size[3] = { 0.1, 0.1, 0.1 };
+	lw_shape* made = nullptr;
+	ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_BOX, size, nullptr, nullptr, &made ), LW_OK );
+	const leeway::Shape box = leeway::Shape::adopt( made );
+	model.body( 0, lw_shape_retain( made ), lw_transform_identity() );
+	const leeway::Robot bare = leeway::Robot::adopt( model.create().release() );
+	const lw_shape* shape = box.get();
+	auto holding = [&]( const lw_robot* robot, double x )
+	{
+		lw_transform pose = lw_transform_identity();
+		pose.t[0] = x;
+		lw_attachment_def def = lw_attachment_def_default();
+		def.name = "cup";
+		def.link = 0;
+		def.shapes = &shape;
+		def.link_from_shape = &pose;
+		def.shape_count = 1;
+		lw_robot* out = nullptr;
+		EXPECT_EQ( lw_robot_attach( robot, &def, nullptr, nullptr, &out ), LW_OK );
+		return leeway::Robot::adopt( out );
+	};
+	lw_scene_shape_def obstacle = { box.get(), 0, lw_transform_identity() };
+	obstacle.world_from_shape.t[0] = 2;
+	const char* name = "wall";
+	lw_scene_def scene_def = lw_scene_def_default();
+	scene_def.object_names = &name;
+	scene_def.object_count = 1;
+	scene_def.shapes = &obstacle;
+	scene_def.shape_count = 1;
+	lw_scene* scene_made = nullptr;
+	ASSERT_EQ( lw_scene_create( &scene_def, nullptr, nullptr, &scene_made ), LW_OK );
+	const leeway::Scene scene = leeway::Scene::adopt( scene_made );
+	const double places[] = { 1.0, 1.6, 0.5, 1.8, 1.95, 1.0, 3.5 }; // nearer and further, and into the wall
+	leeway::Robot robot = holding( bare.get(), 0.3 );
+	const State reference = { 0 };
+	auto fresh = [&]
+	{
+		lw_checker_def def = lw_checker_def_default();
+		def.robot = robot.get();
+		def.scene = scene.get();
+		def.reference = reference.data();
+		lw_checker* out = nullptr;
+		EXPECT_EQ( lw_checker_create( &def, nullptr, nullptr, &out ), LW_OK );
+		return leeway::Checker::adopt( out );
+	};
+	leeway::Checker checker = fresh();
+	for ( double x : places )
+	{
+		lw_robot* without = nullptr;
+		ASSERT_EQ( lw_robot_detach( robot.get(), "cup", nullptr, nullptr, &without ), LW_OK );
+		const leeway::Robot empty = leeway::Robot::adopt( without );
+		robot = holding( empty.get(), x );
+		lw_checker_edit_def edit = lw_checker_edit_def_default();
+		edit.robot = robot.get();
+		lw_checker* out = nullptr;
+		ASSERT_EQ( lw_checker_edit( checker.get(), &edit, nullptr, nullptr, &out ), LW_OK );
+		checker = leeway::Checker::adopt( out );
+		const lw_clearance is = lw_checker_get_info( checker.get() ).static_environment;
+		expectSame( is, lw_checker_get_info( fresh().get() ).static_environment, "at " + std::to_string( x ) );
+		EXPECT_NEAR( is.upper, std::max( 0.0, std::fabs( 2 - x ) - 0.1 ), 1e-12 ) << x;
+	}
+}
+
 TEST( Edits, query_with_room_does_not_serve_later_snapshots )
 {
 	SeededRng rng( 20261123 );

@@ -270,6 +270,44 @@ TEST_F( ProblemTest, AttachedObjectsInOtherFrames )
 	    { "attached object arm", "has this name" } );
 }
 
+// An object's frame and its shapes stay where they are to each other, whatever frame it was given in and however that is turned.
+TEST_F( ProblemTest, AttachedObjectsKeepTheirShapesInTheirFrame )
+{
+	for ( const char* frame : { "base", "arm", "tool", "hand" } )
+	{
+		SCOPED_TRACE( frame );
+		const Problem problem = build( robot(),
+		    scene( "robot_state: {joint_state: {name: [slide, turn], position: [0.5, 1.2]}, attached_collision_objects: [{link_name: hand, object: "
+		           "{id: cup, header: {frame_id: " + std::string( frame ) + "}, pose: {position: [1.2, 0.3, 0.4], orientation: [0.6, 0, 0, 0.8]}, "
+		           "primitives: [{type: box, dimensions: [0.2, 0.2, 0.2]}], primitive_poses: [{position: [0.1, 0.2, 0.3], orientation: [0, 0, 0.6, "
+		           "0.8]}]}}]}\n" ) );
+		const lw_robot* r = problem.robot.get();
+		const std::uint32_t hand = lw_robot_find_link( r, "hand" );
+		const lw_body_def body = lw_robot_body( r, lw_robot_body_count( r ) - 1 );
+		ASSERT_EQ( body.link, lw_robot_find_link( r, "cup" ) );
+		// Where the file puts the object, by the poses of links alone
+		std::vector<lw_transform> links( lw_robot_link_count( r ) );
+		ASSERT_EQ( lw_robot_fk( r, problem.reference.data(), links.data() ), LW_OK );
+		const double xyz[] = { 1.2, 0.3, 0.4 }, turn[] = { 0.6, 0, 0, 0.8 };
+		lw_transform frame_from_object;
+		ASSERT_EQ( lw_transform_from_quaternion( xyz, turn, &frame_from_object ), LW_OK );
+		const lw_transform expected = lw_transform_multiply( &links[lw_robot_find_link( r, frame )], &frame_from_object );
+		const lw_transform& link_from_object = problem.object_poses.at( "cup" );
+		const lw_transform got = lw_transform_multiply( &links[hand], &link_from_object );
+		const lw_transform back = lw_transform_inverse( &link_from_object );
+		const lw_transform object_from_shape = lw_transform_multiply( &back, &body.link_from_shape );
+		expectPoint( object_from_shape, 0.1, 0.2, 0.3 );
+		for ( int i = 0; i < 3; ++i )
+		{
+			EXPECT_NEAR( got.t[i], expected.t[i], 1e-12 );
+			for ( int k = 0; k < 3; ++k )
+			{
+				EXPECT_NEAR( got.r[i][k], expected.r[i][k], 1e-12 );
+			}
+		}
+	}
+}
+
 TEST_F( ProblemTest, TouchLinks )
 {
 	RobotModel model = robot( "<disable_collisions link1=\"arm\" link2=\"base\" reason=\"\"/>" );
