@@ -474,13 +474,17 @@ namespace
 {
 
 /// A plate with a flat tip in the middle of the side towards +x: a point that is dropped where the error may be coarser than its height.
-lw_shape* plateWithTip( double height, std::vector<lw_vec3>* points )
+/// @param turned how the mesh stands in its own frame, along whose axes the farthest vertices are never dropped
+lw_shape* plateWithTip( double height, const lw_transform& turned, std::vector<lw_vec3>* points )
 {
-	const double vertices[] = { 0, -0.2, -0.2, 0, 0.2, -0.2, 0, 0.2, 0.2, 0, -0.2, 0.2, height, 0, 0, -0.1, 0, 0 };
+	double vertices[] = { 0, -0.2, -0.2, 0, 0.2, -0.2, 0, 0.2, 0.2, 0, -0.2, 0.2, height, 0, 0, -0.1, 0, 0 };
 	static const std::uint32_t indices[] = { 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3, 5 };
 	for ( std::size_t i = 0; i < 18; i += 3 )
 	{
-		points->push_back( { vertices[i], vertices[i + 1], vertices[i + 2] } );
+		points->push_back( apply( turned, { vertices[i], vertices[i + 1], vertices[i + 2] } ) );
+		vertices[i] = points->back().x;
+		vertices[i + 1] = points->back().y;
+		vertices[i + 2] = points->back().z;
 	}
 	lw_mesh_def def = lw_mesh_def_default();
 	def.vertices = vertices;
@@ -494,7 +498,9 @@ lw_shape* plateWithTip( double height, std::vector<lw_vec3>* points )
 
 /// An arm that slides, and turns by a thousandth: its hulls have hardly any error of sampling, in which one of dropped points could hide.
 /// @param turned where the plate's tip looks: not along an axis, whose farthest points are never dropped
-std::uint32_t slidingArm( RobotModel& model, const std::string& name, const lw_transform& base, const lw_transform& turned, double tip )
+/// @param mesh how the plate stands in the frame of its mesh; where it is on the link does not depend on it
+std::uint32_t slidingArm( RobotModel& model, const std::string& name, const lw_transform& base, const lw_transform& turned, double tip,
+	const lw_transform& mesh = lw_transform_identity() )
 {
 	std::uint32_t link = 0;
 	for ( int i = 0; i < 3; ++i )
@@ -511,9 +517,41 @@ std::uint32_t slidingArm( RobotModel& model, const std::string& name, const lw_t
 		link = static_cast<std::uint32_t>( model.linkNames.size() ) - 1;
 	}
 	std::vector<lw_vec3> points;
-	lw_shape* shape = plateWithTip( tip, &points );
-	model.body( link, shape, turned, points );
+	lw_shape* shape = plateWithTip( tip, mesh, &points );
+	const lw_transform back = lw_transform_inverse( &mesh );
+	model.body( link, shape, lw_transform_multiply( &turned, &back ), points );
 	return link;
+}
+
+/// A finely meshed ball of which most vertices can be dropped, wherever they are.
+lw_shape* denseBall( double radius, std::vector<lw_vec3>* points )
+{
+	constexpr int across = 24, around = 48;
+	std::vector<double> vertices;
+	std::vector<std::uint32_t> indices;
+	for ( int i = 0; i <= across; ++i )
+	{
+		for ( int k = 0; k < around; ++k )
+		{
+			const double z = M_PI * i / across, angle = 2 * M_PI * ( k + 0.5 * i ) / around;
+			const lw_vec3 p = { radius * std::sin( z ) * std::cos( angle ), radius * std::sin( z ) * std::sin( angle ), radius * std::cos( z ) };
+			points->push_back( p );
+			vertices.insert( vertices.end(), { p.x, p.y, p.z } );
+			const auto at = static_cast<std::uint32_t>( around * i + k ), next = static_cast<std::uint32_t>( around * i + ( k + 1 ) % around );
+			if ( i < across )
+			{
+				indices.insert( indices.end(), { at, next, at + around } );
+			}
+		}
+	}
+	lw_mesh_def def = lw_mesh_def_default();
+	def.vertices = vertices.data();
+	def.vertex_count = static_cast<std::uint32_t>( points->size() );
+	def.indices = indices.data();
+	def.triangle_count = static_cast<std::uint32_t>( indices.size() / 3 );
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( lw_shape_create_mesh( &def, nullptr, nullptr, &shape ), LW_OK );
+	return shape;
 }
 
 } // namespace
@@ -527,7 +565,8 @@ TEST( MotionHull, PointsThatWereDroppedBelowAreHeldAbove )
 		RobotModel model;
 		model.link( "base" );
 		const lw_transform turned = randomTransform( rng, 0 );
-		slidingArm( model, "l", lw_transform_identity(), turned, rng.decade( -3.5, -1.5 ) );
+		slidingArm( model, "l", lw_transform_identity(), turned, rng.decade( -4.5, -1.5 ),
+			randomTransform( rng, 0 ) ); // the flattest are dropped of the mesh already
 		RobotPtr robot = model.create();
 		ReachPtr reach = build( robot.get(), 0.15 );
 		const lw_vec3 n = { turned.r[0][0], turned.r[1][0], turned.r[2][0] };
@@ -548,6 +587,59 @@ TEST( MotionHull, PointsThatWereDroppedBelowAreHeldAbove )
 		}
 	}
 	EXPECT_GE( dropped, 10 ) << "no point was dropped";
+}
+
+TEST( MotionHull, SpheresHoldPointsThatWereDropped )
+{
+	SeededRng rng;
+	int dropped = 0, tight = 0;
+	for ( int i = 0; i < 40; ++i )
+	{
+		RobotModel model;
+		model.link( "base" );
+		std::vector<lw_vec3> points;
+		for ( std::uint32_t parent = 0; parent < 2; ++parent ) // no turn, whose sampling would make hulls larger
+		{
+			lw_joint_def& joint = model.joint( "l" + std::to_string( parent ), LW_JOINT_PRISMATIC, parent );
+			joint.parent_from_joint = randomTransform( rng, 0.3 );
+			joint.lower = -rng.uniform( 0, 0.3 );
+			joint.upper = rng.uniform( 0, 0.3 );
+		}
+		lw_shape* shape = denseBall( rng.uniform( 0.05, 0.3 ), &points );
+		model.body( 2, shape, randomTransform( rng, 0.2 ), points );
+		RobotPtr robot = model.create();
+		ReachPtr reach = build( robot.get(), 0.15 );
+		dropped += lw_reach_get_node( reach.get(), 1 ).dilation > 1e-5;
+		const std::vector<lw_vec3> inLink = linkPoints( model, 2 );
+		double farthest[3] = { 0, 0, 0 };
+		for ( int corner = 0; corner < 4; ++corner )
+		{
+			State q( 2 );
+			for ( std::uint32_t v = 0; v < 2; ++v )
+			{
+				double low, high;
+				lw_reach_variable_range( reach.get(), v, &low, &high );
+				q[v] = corner >> v & 1 ? high : low;
+			}
+			std::vector<lw_transform> pose( model.linkNames.size() );
+			ASSERT_EQ( lw_robot_fk( robot.get(), q.data(), pose.data() ), LW_OK );
+			for ( std::uint32_t node = 0; node < 3; ++node )
+			{
+				const lw_reach_node of = lw_reach_get_node( reach.get(), node );
+				for ( lw_vec3 p : inLink )
+				{
+					const lw_vec3 world = apply( pose[2], p );
+					const double far = distance( of.mr.center, applyInverse( pose[node], world ) );
+					EXPECT_LE( far, of.mr.radius + rounding ) << "node " << node;
+					EXPECT_TRUE( node == 0 || distance( of.m.center, applyInverse( pose[node - 1], world ) ) <= of.m.radius + rounding );
+					farthest[node] = std::max( farthest[node], far );
+				}
+			}
+		}
+		tight += farthest[0] > 0.99 * lw_reach_get_node( reach.get(), 0 ).mr.radius;
+	}
+	EXPECT_GE( dropped, 30 );
+	EXPECT_GE( tight, 30 );
 }
 
 TEST( MotionSweeps, TipsThatWereDroppedFaceEachOther )
