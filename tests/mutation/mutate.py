@@ -171,8 +171,9 @@ class Run:
         def program(test):
             return (test["command"][0], test["directory"], str(test["environment"])) if cm.filter_of(test) else None
 
+        tested = time.monotonic()
         for batch in self.chooser.batches(ordered, program):
-            if time.monotonic() - begin > self.options.seconds_per_mutant:
+            if time.monotonic() - tested > self.options.seconds_per_mutant:
                 complete = False
                 break
             failed = self.run_batch(batch, job)
