@@ -319,11 +319,12 @@ static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
 	p->step_count = 0;
 	plan_subtree( p, 0 );
 	fill_pairs( p, c );
-	if ( !lwi_checker_views_create( c, t ) || !lwi_self_units_create( c, t, &t->units ) )
+	if ( !lwi_checker_views_create( c, t ) || !lwi_self_units_create( c, t, &t->units ) ||
+		 ( t->units == NULL && !lwi_node_rows_create( t, &t->rows ) ) )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	t->bytes += t->units != NULL ? sizeof( lwi_self_units ) : 0;
+	t->bytes += t->units != NULL ? sizeof( lwi_self_units ) : lwi_node_rows_bytes( &t->rows );
 	t->bytes += t->pair_count * sizeof( lwi_node_pair ) + t->separation_count * sizeof( float ) +
 				t->step_count * sizeof( lwi_self_step );
 	return LW_OK;

@@ -170,8 +170,8 @@ static lwi_candidate node_pair( const lw_checker* checker, uint32_t index, float
 	return (lwi_candidate){ key, lwi_node_pair_candidate( checker, checker->tree, index ) };
 }
 
-/// All pairs of nodes by their R, where nothing is proved of this state: what they do not rule out becomes a candidate.
-static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+/// All pairs of nodes by their R, one by one: without a bound nothing is ruled out.
+static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
 	const lwi_checker_tree* tree = checker->tree;
 	uint32_t count = 0;
@@ -301,6 +301,66 @@ static uint32_t compare_units( const lw_checker* checker, lw_query* query, const
 		}
 	}
 	query->stats.robot_tests += units->pair_count;
+	return count;
+}
+
+/// The R of all nodes in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
+static double node_spheres( const lw_checker* checker, lw_query* query, float* blocks )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const double* origin = query->world_from_link[tree->nodes[0].top].t;
+	double reach = 0, largest = 0;
+	for ( uint32_t i = 0; i < tree->node_count; ++i )
+	{
+		if ( tree->nodes[i].body_count == 0 )
+		{
+			continue;
+		}
+		const double* sphere = lwi_sphere( checker, query, 2 * i );
+		float* lane = blocks + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			double relative = sphere[axis] - origin[axis];
+			lane[axis * LWI_WIDTH] = (float)relative;
+			reach = fabs( relative ) > reach ? fabs( relative ) : reach;
+		}
+		lane[3 * LWI_WIDTH] = above( sphere[3] );
+		largest = sphere[3] > largest ? sphere[3] : largest;
+	}
+	return lwi_gap_slack( 2 * ( reach + largest ) );
+}
+
+/// Metres beyond which spheres are compared in double.
+#define LARGEST_SLACK 0x1p40
+
+/// All pairs of nodes by their R, where nothing is proved of this state: what they do not rule out becomes a candidate.
+static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_node_rows* rows = &tree->rows;
+	float blocks[4 * LWI_MOST_ROWS] = { 0 };
+	double slack = INFINITY;
+	if ( rows->count > 0 && bound->prune < INFINITY )
+	{
+		slack = node_spheres( checker, query, blocks );
+	}
+	if ( !( slack < LARGEST_SLACK ) )
+	{
+		return list_pairs( checker, query, bound );
+	}
+	uint16_t* near = (uint16_t*)(void*)query->gaps; // a pair of nodes is one of bodies, of which gaps has two floats at least
+	float limit = above( bound->prune + (double)rows->largest_margin + slack );
+	uint32_t found = query->kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
+	for ( uint32_t i = 0; i < found; ++i )
+	{
+		uint32_t low = near[i] / 256, high = near[i] % 256, index = rows->pair[low * rows->count + high];
+		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)tree->pairs[index].margin;
+		if ( gap < bound->prune )
+		{
+			query->candidates[count++] = node_pair( checker, index, below( gap ) );
+		}
+	}
+	query->stats.robot_tests += tree->pair_count;
 	return count;
 }
 

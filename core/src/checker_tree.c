@@ -53,6 +53,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->scales, t->scale_count * sizeof( lwi_chart_scale ) );
 	lwi_free( &allocator, t->pair_views, t->separation_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->units, sizeof( lwi_self_units ) );
+	lwi_node_rows_destroy( t, &t->rows );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
 	lwi_free( &allocator, t, sizeof( lwi_checker_tree ) );
 }

@@ -90,6 +90,7 @@ typedef struct lwi_checker_tree
 	uint32_t step_count;
 	lwi_self_step* steps;    ///< [step_count]
 	lwi_self_units* units;   ///< NULL: too many
+	lwi_node_rows rows;      ///< where there are no units
 } lwi_checker_tree;
 
 /// Nodes and what fills a vector of doubles up.

@@ -99,3 +99,40 @@ bool lwi_self_units_create( const lw_checker* c, const lwi_checker_tree* t, lwi_
 	*out_units = u;
 	return u != NULL;
 }
+
+bool lwi_node_rows_create( const lwi_checker_tree* t, lwi_node_rows* out )
+{
+	*out = (lwi_node_rows){ 0 };
+	if ( t->pair_count == 0 || t->node_count > LWI_MOST_ROWS )
+	{
+		return true;
+	}
+	out->count = t->node_count;
+	out->stride = ( t->node_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
+	out->mask = lwi_alloc_zero( &t->allocator, (size_t)out->count * out->stride, sizeof( uint8_t ) );
+	out->pair = lwi_alloc_zero( &t->allocator, (size_t)out->count * out->count, sizeof( uint32_t ) );
+	if ( out->mask == NULL || out->pair == NULL )
+	{
+		return false;
+	}
+	for ( uint32_t i = 0; i < t->pair_count; ++i )
+	{
+		const lwi_node_pair* pair = &t->pairs[i];
+		const uint32_t low = pair->node_a < pair->node_b ? pair->node_a : pair->node_b, high = pair->node_a + pair->node_b - low;
+		out->mask[low * out->stride + high / LWI_WIDTH] |= (uint8_t)( 1u << high % LWI_WIDTH );
+		out->pair[low * out->count + high] = i;
+		out->largest_margin = pair->margin > out->largest_margin ? pair->margin : out->largest_margin;
+	}
+	return true;
+}
+
+void lwi_node_rows_destroy( const lwi_checker_tree* t, lwi_node_rows* rows )
+{
+	lwi_free( &t->allocator, rows->mask, (size_t)rows->count * rows->stride );
+	lwi_free( &t->allocator, rows->pair, (size_t)rows->count * rows->count * sizeof( uint32_t ) );
+}
+
+size_t lwi_node_rows_bytes( const lwi_node_rows* rows )
+{
+	return rows->count * ( rows->stride + rows->count * sizeof( uint32_t ) );
+}

@@ -37,6 +37,26 @@ typedef struct lwi_self_units
 	lwi_unit_pair pairs[LWI_MOST_UNITS][LWI_MOST_UNITS]; ///< [u][v], u < v
 } lwi_self_units;
 
+enum
+{
+	LWI_MOST_ROWS = 256 ///< pairs of the kernel are two bytes
+};
+
+/// Which nodes are to be checked against which, for robots of more nodes: asked eight at a time where nothing is proved of a state.
+typedef struct lwi_node_rows
+{
+	uint32_t count, stride; ///< nodes, and blocks of them; count = 0: none, or too many
+	uint8_t* mask;          ///< [count][stride] bit = this later node is to be checked against the row's
+	uint32_t* pair;         ///< [count][count] index of the pair of a node and a later one
+	float largest_margin;
+} lwi_node_rows;
+
+/// For a tree with its pairs.
+/// @return false without memory
+bool lwi_node_rows_create( const struct lwi_checker_tree* tree, lwi_node_rows* out_rows );
+void lwi_node_rows_destroy( const struct lwi_checker_tree* tree, lwi_node_rows* rows );
+size_t lwi_node_rows_bytes( const lwi_node_rows* rows );
+
 /// For a tree with its pairs. *out_units is NULL if the robot has too many nodes, or nothing to check.
 /// @return false without memory
 bool lwi_self_units_create( const struct lw_checker* checker, const struct lwi_checker_tree* tree, lwi_self_units** out_units );

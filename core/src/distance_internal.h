@@ -63,6 +63,7 @@ typedef struct lwi_walk
 {
 	uint32_t bottom, height; ///< its entries in the query's stack
 	uint32_t leaves;         ///< compared so far
+	uint32_t late_plane;     ///< comparison before which a plane is looked for again; 0: none
 	bool bounded;            ///< there was a limit when it began
 	lwi_witness_trial trial;
 } lwi_walk;

@@ -214,6 +214,7 @@ static bool leaf_side_rules_out( lwi_searching* s, lwi_entry* e )
 enum
 {
 	LEAVES_BEFORE_PLANE = 1, ///< comparisons of leaves after which a plane is looked for: most searches need none
+	LEAVES_BEFORE_LATE_PLANE = 2, ///< and again when a search goes on that waited: many end at once
 	MAX_FAILURES = 3,        ///< after so many, one search in 2^3 tries
 	PLANE_LOOKS_KNOWN = 2,
 	PLANE_LOOKS_NEW = LWI_MAX_LOOKS
@@ -279,6 +280,29 @@ static bool plane_rules_out( lwi_searching* s )
 {
 	lwi_hint* hint = hint_of( s );
 	return old_plane_rules_out( s, hint ) || new_plane_rules_out( s, hint );
+}
+
+/// The same for a search that waited: there is a bound now that another pair was searched for, so planes that were in vain before are tried
+/// again. Whether that pays is remembered apart from what it did before.
+static bool plane_rules_out_late( lwi_searching* s )
+{
+	lwi_hint* hint = hint_of( s );
+	if ( hint->late_wait > 0 )
+	{
+		--hint->late_wait;
+		return false;
+	}
+	lwi_plane plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
+	if ( !lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &plane, PLANE_LOOKS_NEW ) )
+	{
+		hint->late_failures = (uint8_t)( hint->late_failures < MAX_FAILURES ? hint->late_failures + 1 : MAX_FAILURES );
+		hint->late_wait = (uint8_t)( ( 1u << hint->late_failures ) - 2 ); // the first failure says little
+		return false;
+	}
+	hint->plane = plane;
+	hint->known = true;
+	hint->late_failures = 0;
+	return true;
 }
 
 enum
@@ -362,6 +386,10 @@ static bool meet_leaves( lwi_searching* s, lwi_entry* e, lwi_walk* walk )
 {
 	const bool planes = s->query->def.planes;
 	if ( ++walk->leaves == LEAVES_BEFORE_PLANE && walk->bounded && planes && plane_rules_out( s ) )
+	{
+		return true;
+	}
+	if ( walk->leaves == walk->late_plane && plane_rules_out_late( s ) )
 	{
 		return true;
 	}
@@ -677,6 +705,10 @@ static void resume( lw_query* query, lwi_waiting* waiting, lwi_bound* bound )
 	memmove( &query->stack[query->stack_bottom], &query->stack[walk->bottom], entries * sizeof( lwi_entry ) );
 	walk->bottom = query->stack_bottom;
 	walk->height = query->stack_bottom + entries;
+	if ( query->def.planes && s->limit < INFINITY && bound->pair != bound->current_pair )
+	{
+		walk->late_plane = walk->leaves + LEAVES_BEFORE_LATE_PLANE;
+	}
 	(void)walk_trees( s, walk, false );
 	end_search( s );
 }

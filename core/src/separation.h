@@ -24,6 +24,7 @@ typedef struct lwi_hint
 	uint32_t key;      ///< of the pair; 0: empty
 	uint16_t failures; ///< searches in a row for which no plane was found
 	uint16_t wait;     ///< searches until the next try
+	uint8_t late_failures, late_wait; ///< the same of searches that waited for another pair
 	bool known;        ///< the plane below separated them last time
 	lwi_plane plane;
 } lwi_hint;
