@@ -482,6 +482,96 @@ static void open_pair( const lw_checker* checker, lw_query* query, const lwi_nod
 	}
 }
 
+/// Gap of the spheres of two bodies, less their margin, as gap_below().
+static double body_gap_below( const lw_checker* checker, lw_query* query, uint32_t a, uint32_t b, double limit )
+{
+	lwi_pose_body( checker, query, a );
+	lwi_pose_body( checker, query, b );
+	const double *center_a = query->body_center + 3 * (size_t)a, *center_b = query->body_center + 3 * (size_t)b;
+	// poses of bodies are rounded as those of nodes are
+	double rounding = query->pose_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
+											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
+	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
+	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2], checker->bodies[b].shape->sphere_radius + rounding };
+	return gap_below( sphere_a, sphere_b, lwi_self_margin( checker, a, b ), limit );
+}
+
+// --- pairs that were nearest before ----------------------------------------------------------------------------------
+
+/// True if a pair that was remembered is one that counts still.
+static bool pair_counts( const lw_checker* checker, uint32_t pair )
+{
+	const uint32_t stride = checker->body_block_count * LWI_WIDTH, a = pair / stride, b = pair % stride;
+	const uint32_t bodies = lw_robot_body_count( checker->robot );
+	return a < bodies && b < bodies && ( checker->self_mask[(size_t)a * checker->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) & 1 ) != 0;
+}
+
+/// The pairs that were nearest in states before get their first look before all others, the least gap of spheres first: which witness was
+/// nearest says little of another state, which pair was says much, and a bound early spares most other pairs their look. Only where
+/// nothing is proved of pairs, which would rule many of these out, and not for yes or no.
+static void look_at_known( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+{
+	const uint32_t stride = checker->body_block_count * LWI_WIDTH, count = query->known_count;
+	double gap[LWI_KNOWN_PAIRS];
+	query->known_looked = 0;
+	if ( query->covered || !query->def.warm_start || !( bound->range.max_d > nextafter( bound->range.min_d, INFINITY ) ) )
+	{
+		return;
+	}
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const uint32_t pair = query->known_pairs[i];
+		gap[i] = pair_counts( checker, pair ) ? body_gap_below( checker, query, pair / stride, pair % stride, bound->prune ) : INFINITY;
+	}
+	while ( count > 0 && !bound->done )
+	{
+		uint32_t next = 0;
+		for ( uint32_t i = 1; i < count; ++i )
+		{
+			next = gap[i] < gap[next] ? i : next;
+		}
+		if ( !( gap[next] < bound->prune ) )
+		{
+			return;
+		}
+		gap[next] = INFINITY;
+		query->known_looked |= 1u << next;
+		bound->current_pair = query->known_pairs[next];
+		search_self_pair( checker, query, bound->current_pair / stride, bound->current_pair % stride, bound, lwi_search_first );
+	}
+}
+
+static bool was_looked_at( const lw_query* query, uint32_t pair )
+{
+	for ( uint32_t left = query->known_looked; left != 0; left &= left - 1 )
+	{
+		if ( query->known_pairs[lwi_lowest_bit( left )] == pair )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+/// Puts the nearest pair of a state in front of those known.
+static void remember_pair( lw_query* query, uint32_t pair )
+{
+	uint32_t i = 0;
+	while ( i < query->known_count && query->known_pairs[i] != pair )
+	{
+		++i;
+	}
+	if ( i == query->known_count )
+	{
+		query->known_count += i < LWI_KNOWN_PAIRS ? 1 : 0;
+		i = query->known_count - 1;
+	}
+	memmove( query->known_pairs + 1, query->known_pairs, i * sizeof( uint32_t ) );
+	query->known_pairs[0] = pair;
+}
+
+// --- by nodes, from the nearest on -----------------------------------------------------------------------------------
+
 /// Takes the least lower bound until none is left below the running bound. Parts that lie within each other overlap with their spheres and boxes,
 /// and which of them is nearest no lower bound tells; so something of each pair is measured before one is searched to its end.
 static void search_candidates( const lw_checker* checker, lw_query* query, uint32_t count, lwi_bound* bound )
@@ -499,21 +589,27 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 			open_pair( checker, query, &checker->tree->pairs[next.pair - LWI_OPEN], bound, &count );
 			continue;
 		}
+		if ( was_looked_at( query, next.pair ) )
+		{
+			continue;
+		}
 		bound->current_pair = next.pair;
 		bool last = count == 0 && query->waiting_count == 0;
 		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound, last ? lwi_search : lwi_search_first );
 	}
-	lwi_search_waiting( query, bound );
 }
 
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
+	look_at_known( checker, query, bound );
 	bool at_once = checker->tree->units != NULL && bound->prune < INFINITY; // without a bound nothing would be ruled out
-	uint32_t count = at_once          ? compare_units( checker, query, bound )
+	uint32_t count = bound->done      ? 0
+					 : at_once        ? compare_units( checker, query, bound )
 					 : query->covered ? walk_steps( checker, query, bound )
 									  : walk_pairs( checker, query, bound );
 	lwi_heap_build( query->candidates, count );
 	search_candidates( checker, query, count, bound );
+	lwi_search_waiting( query, bound );
 }
 
 // --- questions -------------------------------------------------------------------------------------------------------
@@ -534,11 +630,9 @@ static void self_result( const lw_checker* checker, const lw_query* query, const
 /// Measures the nearest pair of the last time, if it is still one that counts.
 static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
 {
-	uint32_t bodies = lw_robot_body_count( checker->robot );
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	uint32_t a = warm->pair / stride, b = warm->pair % stride;
-	if ( lwi_warm_pays( query, warm, bound ) && a < bodies && b < bodies &&
-		 ( checker->self_mask[(size_t)a * checker->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) & 1 ) != 0 )
+	if ( lwi_warm_pays( query, warm, bound ) && pair_counts( checker, warm->pair ) )
 	{
 		lwi_pose_body( checker, query, a );
 		lwi_pose_body( checker, query, b );
@@ -576,6 +670,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	if ( out->upper < INFINITY )
 	{
 		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		remember_pair( query, bound.pair );
 	}
 }
 
@@ -599,20 +694,6 @@ uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uin
 		}
 	}
 	return count;
-}
-
-/// Gap of the spheres of two bodies, less their margin, as gap_below().
-static double body_gap_below( const lw_checker* checker, lw_query* query, uint32_t a, uint32_t b, double limit )
-{
-	lwi_pose_body( checker, query, a );
-	lwi_pose_body( checker, query, b );
-	const double *center_a = query->body_center + 3 * (size_t)a, *center_b = query->body_center + 3 * (size_t)b;
-	// poses of bodies are rounded as those of nodes are
-	double rounding = query->pose_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
-											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
-	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
-	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2], checker->bodies[b].shape->sphere_radius + rounding };
-	return gap_below( sphere_a, sphere_b, lwi_self_margin( checker, a, b ), limit );
 }
 
 bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit )

@@ -120,6 +120,7 @@ void lw_query_reset( lw_query* query )
 {
 	query->warm_environment.valid = false;
 	query->warm_self.valid = false;
+	query->known_count = 0;
 	query->warm_scene.valid = false;
 	memset( query->hints, 0, sizeof( query->hints ) );
 	query->last_edge_body = 0;

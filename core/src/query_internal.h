@@ -15,7 +15,8 @@ enum
 	/// Below: searches that wait; above them one that goes on from what it left, and the path of the entry that it opens.
 	LWI_STACK_SIZE = 3 * LWI_STACK_PATH,
 	LWI_MAX_WAITING = 16, ///< searches
-	LWI_HINT_BITS = 10
+	LWI_HINT_BITS = 10,
+	LWI_KNOWN_PAIRS = 16 ///< half as many give half as much
 };
 
 /// Two subtrees still to be compared.
@@ -106,6 +107,9 @@ struct lw_query
 	float* row;                   ///< [scene_capacity, padded] gaps of a node's sphere
 	lwi_candidate* candidates;    ///< [gap_capacity]
 	lwi_warm warm_environment, warm_self, warm_scene;
+	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
+	uint32_t known_count;
+	uint32_t known_looked; ///< bits: those that had a look in the state at hand
 	uint32_t last_edge_body;      ///< of the item that ended the last proof of an edge: tried first. Any value will do
 	bool last_edge_self;          ///< it was a pair
 	void* edge_scratch;

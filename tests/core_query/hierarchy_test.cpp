@@ -118,13 +118,19 @@ std::vector<uint32_t> randomGroup( SeededRng& rng, const lw_robot* robot )
 	return group;
 }
 
-World randomWorld( SeededRng& rng )
+RandomRobotOptions randomOptions( SeededRng& rng )
 {
-	World world;
 	RandomRobotOptions options;
 	options.joints = rng.integer( 3, 14 );
 	options.floating = rng.integer( 0, 2 ) == 0;
 	options.size = rng.integer( 0, 1 ) != 0 ? 0.05 : 0.15;
+	return options;
+}
+
+/// @param proved with a reach
+World randomWorld( SeededRng& rng, const RandomRobotOptions& options, bool proved )
+{
+	World world;
 	RobotModel model = randomRobot( rng, options );
 	for ( int i = rng.integer( 0, 3 ); i > 0; --i ) // links with several bodies
 	{
@@ -136,12 +142,20 @@ World randomWorld( SeededRng& rng )
 		model.allowed.push_back( { model.joints[i].parent, model.joints[i].child } );
 	}
 	world.robot = model.create();
-	world.reach = makeReach( world.robot.get(), 0.05 );
+	if ( proved )
+	{
+		world.reach = makeReach( world.robot.get(), 0.05 );
+	}
 	world.scene = randomScene( rng, rng.integer( 0, 12 ), 2 );
 	world.reference = randomState( rng, world.robot.get() );
 	world.group = randomGroup( rng, world.robot.get() );
 	world.build();
 	return world;
+}
+
+World randomWorld( SeededRng& rng )
+{
+	return randomWorld( rng, randomOptions( rng ), true );
 }
 
 State groupState( SeededRng& rng, const World& world, double excess )
@@ -289,6 +303,31 @@ TEST( Hierarchy, changes_an_answer )
 	EXPECT_GE( covered, 80 );
 	EXPECT_GE( ruled_out, 20 );
 	EXPECT_GE( std::min( free, blocked ), 60 );
+}
+
+// More nodes than the pairs of spheres have steps for, and nothing proved of any state: all of them are asked at once.
+TEST( Hierarchy, pair_of_many_nodes_is_lost )
+{
+	SeededRng rng;
+	int apart = 0;
+	for ( int i = 0; i < 12; ++i )
+	{
+		SCOPED_TRACE( ::testing::Message() << "world " << i );
+		RandomRobotOptions options = randomOptions( rng );
+		options.joints = i == 0 ? 270 : rng.integer( 40, 80 ); // the first has more than there is room for
+		options.size = 0.01;
+		const World world = randomWorld( rng, options, false );
+		QueryPtr plain = makeQuery( world.checker.get(), false, false );
+		const std::vector<QueryPtr> queries = hierarchicalQueries( world, i % 7 + 1 );
+		for ( int k = 0; k < 12 && !HasFailure(); ++k )
+		{
+			SCOPED_TRACE( ::testing::Message() << "state " << k );
+			const State q = groupState( rng, world, k % 4 == 3 ? 1.5 : 0 );
+			compareState( world, plain.get(), queries, q );
+			apart += ask( world, plain.get(), q, nullptr ).self.upper > 0;
+		}
+	}
+	EXPECT_GE( apart, 30 );
 }
 
 // Without reach the same checker must say the same: a reach is no part of a checker's meaning.
