@@ -25,15 +25,18 @@ enum
 };
 
 /// Blocks and cells are good enough if they are proved to this share of what they could be proved to at best.
-#define GOOD_BLOCK 0.7
+#define GOOD_BLOCK 0.5
 #define GOOD_CELL 0.5
+/// Metres. What is proved to be this far is good enough: queries and edges that ask for more are rare. Distances are measured up to MOST.
+#define ENOUGH 0x1p-4
+#define MOST 0x1p-3
 /// Relative tolerance of distances.
 #define CHART_ALPHA 0.05
 /// Metres off every bound, for roundings of its last operations; and the motion up to which these are that small.
 #define CHART_ROUNDING 1e-9
 #define CHART_LARGEST 1e5
-/// Motion within a cell over that within its parts, about: axes have bits by what they contribute, so that all of them are cut.
-#define MOST_CUT 4.0
+/// Of the motion within a cell over that within its parts.
+#define CUT_SPARE 1.2
 
 // ---- which variables --------------------------------------------------------------------------------------------------
 
@@ -127,6 +130,7 @@ typedef struct block
 	uint8_t level[LWI_CHART_AXES];
 	double lower;    ///< proved for all of it
 	double distance; ///< at the centre, or an estimate from above
+	lwi_nearest nearest; ///< there, or at a centre close to it
 	double motion;   ///< what the distance may be off by elsewhere in it
 	uint32_t widest; ///< axis along which it is to be halved; LW_INVALID_INDEX: none
 	double share;    ///< of that axis in the motion
@@ -138,6 +142,8 @@ typedef struct maker
 	lwi_chart* chart;
 	double deadline;
 	uint32_t parts; ///< of a cell, at most
+	double most_cut;   ///< motion within a cell over that within so many parts, about: axes have bits by what they contribute
+	double separation; ///< proved for all states
 	uint64_t seen; ///< blocks
 	bool late, cancelled;
 } maker;
@@ -199,14 +205,14 @@ static void measure( maker* m, block* b, uint32_t least_level )
 	b->motion = lwi_prober_cell_motion( p );
 	choose_axis( m, b, least_level );
 	double needed = ( b->motion + p->rounding ) * ( 1 + 16 * LWI_U64 ) + CHART_ROUNDING;
-	if ( !( needed < CHART_LARGEST ) || b->distance <= needed + b->lower )
+	if ( !( needed < CHART_LARGEST ) || b->lower >= ENOUGH || b->distance <= needed + b->lower )
 	{
-		return; // where it came from says that nothing is to be gained
+		return; // nothing is needed, or where it came from says that nothing is to be gained
 	}
 	// nearer than what would raise the bound, all that is asked for is some distance from above
-	lw_range range = { needed + b->lower, LWI_CHART_MOST * LWI_CHART_STEP + needed + CHART_ROUNDING, CHART_ALPHA };
+	lw_range range = { needed + b->lower, MOST + needed + CHART_ROUNDING, CHART_ALPHA };
 	lwi_bound bound;
-	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &bound );
+	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &b->nearest, &bound );
 	lw_clearance clearance = lwi_bound_result( &bound );
 	b->lower = fmax( b->lower, clearance.lower - needed );
 	b->distance = clearance.upper;
@@ -242,7 +248,7 @@ static double prove_cell( maker* m, const block* cell )
 {
 	block parts[PARTS_OF_CELL] = { *cell };
 	double nearest = cell->distance;
-	if ( nearest * MOST_CUT < cell->motion )
+	if ( nearest * m->most_cut < cell->motion )
 	{
 		return cell->lower; // parts are not that much smaller
 	}
@@ -254,7 +260,7 @@ static double prove_cell( maker* m, const block* cell )
 		{
 			worst = parts[i].lower < worst->lower ? &parts[i] : worst;
 		}
-		bool good = worst->lower >= fmin( GOOD_CELL * nearest, LWI_CHART_MOST * LWI_CHART_STEP );
+		bool good = worst->lower >= fmin( GOOD_CELL * nearest, ENOUGH );
 		if ( good || nearest < LWI_CHART_STEP || count == m->parts || worst->widest == LW_INVALID_INDEX || m->late )
 		{
 			return worst->lower;
@@ -266,11 +272,12 @@ static double prove_cell( maker* m, const block* cell )
 	}
 }
 
-/// Raises the numbers of all cells of a block to one.
-static void fill( maker* m, const block* b, uint8_t number )
+/// Raises the numbers of all cells of a block to one. @return the least of them
+static uint8_t fill( maker* m, const block* b, uint8_t number )
 {
 	const lwi_chart* chart = m->chart;
 	uint32_t first[LWI_CHART_AXES] = { 0 }, count[LWI_CHART_AXES] = { 1, 1, 1 }, bits[LWI_CHART_AXES] = { 0 };
+	uint8_t least = LWI_CHART_MOST;
 	for ( uint32_t i = 0; i < chart->dimension; ++i )
 	{
 		uint32_t place = LWI_CHART_AXES - chart->dimension + i; // the last axis is the innermost
@@ -286,9 +293,11 @@ static void fill( maker* m, const block* b, uint8_t number )
 			for ( uint32_t z = 0; z < count[2]; ++z )
 			{
 				row[z] = number > row[z] ? number : row[z]; // a coarser chart may have said more
+				least = row[z] < least ? row[z] : least;
 			}
 		}
 	}
+	return least;
 }
 
 /// Gives the axes their bits: each halving goes to the one that contributes most to the motion.
@@ -345,9 +354,10 @@ static void make_cells( maker* m, block slab )
 	for ( bool done = false; !done && !m->late; )
 	{
 		block* b = &stack[waiting];
+		b->lower = fmax( fmax( b->lower, m->separation ), fill( m, b, 0 ) * LWI_CHART_STEP ); // what is known already
 		measure( m, b, FINE_BITS );
 		bool cell = is_cell( m, b );
-		bool good = b->lower >= fmin( GOOD_BLOCK * ( b->distance + b->motion ), LWI_CHART_MOST * LWI_CHART_STEP );
+		bool good = b->lower >= fmin( GOOD_BLOCK * ( b->distance + b->motion ), ENOUGH );
 		if ( cell || good )
 		{
 			fill( m, b, number_of( cell && !m->late ? prove_cell( m, b ) : b->lower ) );
@@ -440,7 +450,7 @@ lw_status lwi_chart_refine( lwi_prober* p, uint32_t link_a, uint32_t link_b, dou
 	const lwi_reach_job* job = p->job;
 	*out_complete = true;
 	lwi_chart described;
-	if ( separation >= LWI_CHART_MOST * LWI_CHART_STEP || !lwi_chart_describe( job->reach, link_a, link_b, &described ) )
+	if ( separation >= MOST || !lwi_chart_describe( job->reach, link_a, link_b, &described ) )
 	{
 		drop_cells( job->reach, chart );
 		return LW_OK;
@@ -454,6 +464,8 @@ lw_status lwi_chart_refine( lwi_prober* p, uint32_t link_a, uint32_t link_b, dou
 		return lwi_out_of_memory( job->diag, "charts of pairs" );
 	}
 	m.parts = bits < FINE_CHART_BITS ? PARTS_OF_CELL : PARTS_OF_FINE;
+	m.most_cut = CUT_SPARE * pow( m.parts, 1.0 / chart->dimension );
+	m.separation = separation;
 	uint32_t slab_bits = bits > SLAB_BITS ? bits - SLAB_BITS : 0;
 	while ( *slabs < 1u << slab_bits && !m.late )
 	{

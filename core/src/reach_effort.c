@@ -18,6 +18,9 @@ enum
 	IN_REACH = 2               ///< a proof is tried if it is expected to take at most this many times the round's cells
 };
 
+/// Share of the box that a proof must have certified to be in the last round.
+#define LEAST_DONE 0.01
+
 /// Bits of the number of cells, by rounds and the number of variables: coarse charts of all pairs come before fine ones of any.
 enum
 {
@@ -150,6 +153,13 @@ static bool is_in_reach( const effort_round* r, lwi_prober* prober, const lwi_ac
 	return effort->expected <= (double)IN_REACH * (double)budget && active->pair->closest > 0;
 }
 
+/// True if a proof has had all cells that it may have, or all but those of the last round and hardly anything to show for them.
+static bool is_too_large( const lwi_prober* prober, const lwi_effort* effort )
+{
+	return effort->cells >= cells_of( LAST_ROUND ) ||
+		   ( effort->cells >= cells_of( LAST_ROUND - 1 ) && lwi_effort_open_share( prober, effort ) > 1 - LEAST_DONE );
+}
+
 /// @return true if there may be more to do for this pair in this round
 static bool attempt( const effort_round* r, lwi_prober* prober, const lwi_active* active, double fraction, uint64_t budget )
 {
@@ -169,7 +179,7 @@ static bool attempt( const effort_round* r, lwi_prober* prober, const lwi_active
 		pair->proof = LW_PROOF_SUBDIVISION;
 	}
 	effort->flags |= outcome == LWI_PROOF_HOPELESS ? (uint32_t)LWI_EFFORT_HOPELESS : 0u;
-	bool gives_up = outcome == LWI_PROOF_TOO_FINE || ( outcome == LWI_PROOF_EXHAUSTED && effort->cells >= cells_of( LAST_ROUND ) );
+	bool gives_up = outcome == LWI_PROOF_TOO_FINE || ( outcome == LWI_PROOF_EXHAUSTED && is_too_large( prober, effort ) );
 	if ( gives_up )
 	{
 		lwi_effort_drop( r->probers->job->reach, effort, pair->variable_count );

@@ -220,7 +220,7 @@ static void measure_state( const work* w, lwi_prober* prober, lw_transform* pose
 		const lwi_active* active = &w->list.active[i];
 		lw_range range = { 0, fmax( seen[i].closest, CONTACT_LIMIT ), 0 };
 		lwi_bound bound;
-		lwi_prober_measure_links( prober, poses, active->link_a, active->link_b, &range, &bound );
+		lwi_prober_measure_links( prober, poses, active->link_a, active->link_b, &range, NULL, &bound );
 		if ( bound.upper < seen[i].closest )
 		{
 			seen[i].closest = bound.upper;

@@ -286,16 +286,38 @@ void lwi_prober_select( lwi_prober* p, uint32_t link_a, uint32_t link_b )
 
 // ---- measuring -------------------------------------------------------------------------------------------------------
 
+static lw_transform a_from_b( const lw_transform* poses, const lw_body_def* a, const lw_body_def* b )
+{
+	lw_transform pose_a = lwi_multiply( &poses[a->link], &a->link_from_shape );
+	lw_transform pose_b = lwi_multiply( &poses[b->link], &b->link_from_shape );
+	return lwi_relative( &pose_a, &pose_b );
+}
+
+/// What was nearest elsewhere goes into the bound.
+static void measure_nearest( lwi_prober* p, const lw_transform* poses, const uint32_t first[2], const lwi_nearest* nearest, lwi_bound* bound )
+{
+	const lw_body_def* a = &p->robot->bodies[p->body_order[first[0] + nearest->body_a]];
+	const lw_body_def* b = &p->robot->bodies[p->body_order[first[1] + nearest->body_b]];
+	lw_transform m = a_from_b( poses, a, b );
+	lwi_measure( p->query, a->shape, b->shape, &m, nearest->item_a, nearest->item_b, bound );
+}
+
 void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
-	const lw_range* range, lwi_bound* bound )
+	const lw_range* range, lwi_nearest* nearest, lwi_bound* bound )
 {
 	const lw_robot* robot = p->robot;
+	const uint32_t first[2] = { p->first_body[link_a], p->first_body[link_b] }, count_b = p->first_body[link_b + 1] - first[1];
 	lwi_bound_init( bound, range );
-	for ( uint32_t i = p->first_body[link_a]; i < p->first_body[link_a + 1] && !bound->done; ++i )
+	if ( nearest != NULL && nearest->known )
+	{
+		bound->current_pair = nearest->body_a * count_b + nearest->body_b;
+		measure_nearest( p, poses, first, nearest, bound );
+	}
+	for ( uint32_t i = first[0]; i < p->first_body[link_a + 1] && !bound->done; ++i )
 	{
 		const lw_body_def* a = &robot->bodies[p->body_order[i]];
 		lw_vec3 center_a = lwi_transform( &poses[link_a], lwi_load( p->centers + 3 * (size_t)p->body_order[i] ) );
-		for ( uint32_t j = p->first_body[link_b]; j < p->first_body[link_b + 1] && !bound->done; ++j )
+		for ( uint32_t j = first[1]; j < first[1] + count_b && !bound->done; ++j )
 		{
 			const lw_body_def* b = &robot->bodies[p->body_order[j]];
 			lw_vec3 center_b = lwi_transform( &poses[link_b], lwi_load( p->centers + 3 * (size_t)p->body_order[j] ) );
@@ -307,11 +329,14 @@ void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_
 			{
 				continue;
 			}
-			lw_transform pose_a = lwi_multiply( &poses[link_a], &a->link_from_shape );
-			lw_transform pose_b = lwi_multiply( &poses[link_b], &b->link_from_shape );
-			lw_transform a_from_b = lwi_relative( &pose_a, &pose_b );
-			lwi_search( p->query, a->shape, b->shape, &a_from_b, bound );
+			lw_transform m = a_from_b( poses, a, b );
+			bound->current_pair = ( i - first[0] ) * count_b + ( j - first[1] );
+			lwi_search( p->query, a->shape, b->shape, &m, bound );
 		}
+	}
+	if ( nearest != NULL && bound->upper < INFINITY )
+	{
+		*nearest = (lwi_nearest){ true, bound->pair / count_b, bound->pair % count_b, bound->triangle_a, bound->triangle_b };
 	}
 }
 
@@ -328,7 +353,7 @@ double lwi_prober_distance( lwi_prober* p, const double* q, double limit )
 	}
 	lw_range range = { 0, limit, 0 };
 	lwi_bound bound;
-	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &bound );
+	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, NULL, &bound );
 	return bound.upper;
 }
 

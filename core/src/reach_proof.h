@@ -8,6 +8,15 @@
 #include "reach_chart.h"
 #include "reach_internal.h"
 
+/// Items of a body of each link that were nearest in some state: measured first in a state next to it, they bound the distance from the
+/// start, and often answer all that was asked. Zeroed: none is known.
+typedef struct lwi_nearest
+{
+	bool known;
+	uint32_t body_a, body_b; ///< of the link's bodies
+	uint32_t item_a, item_b;
+} lwi_nearest;
+
 /// Scratch for questions about pairs, one pair at a time. Memory is taken once, for the largest pair of the robot.
 typedef struct lwi_prober
 {
@@ -72,9 +81,10 @@ lwi_prober* lwi_probers_take( lwi_probers* probers );
 void lwi_probers_give( lwi_probers* probers, lwi_prober* prober ); ///< NULL is ignored
 void lwi_probers_free( lwi_probers* probers );
 
-/// Distance of two links whose poses are known, in one frame.
+/// Distance of two links whose poses are known, in one frame. @param nearest is measured first, if known, and becomes what was found, if
+/// anything was; may be NULL
 void lwi_prober_measure_links( lwi_prober* prober, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
-	const lw_range* range, lwi_bound* out_bound );
+	const lw_range* range, lwi_nearest* nearest, lwi_bound* out_bound );
 
 /// Puts the chain of the pair in hand at q (full state) into `poses`. False for a zero quaternion.
 bool lwi_prober_pose( lwi_prober* prober, const double* q );
@@ -140,6 +150,9 @@ double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, 
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY (what was open still is)
 lw_status lwi_prober_subdivide( lwi_prober* prober, lwi_effort* effort, uint64_t budget, double deadline, double* closest,
 	double* q, lwi_proof_outcome* out_outcome, double* out_separation );
+
+/// Share of the box, by volume, that the subdivision under way has left open.
+double lwi_effort_open_share( const lwi_prober* prober, const lwi_effort* effort );
 
 /// Forgets the subdivision under way.
 void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variable_count );

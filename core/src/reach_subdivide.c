@@ -34,6 +34,7 @@ typedef struct subdivision
 	double least;  ///< least distance met at a centre
 	double fraction;
 	uint32_t dimension, stride, height;
+	lwi_nearest nearest; ///< at the centre that was measured last
 	double* closest;
 	double* q;
 } subdivision;
@@ -157,7 +158,7 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 	// A large cell near contact is cut whatever its distance is; what it needs is that it is small
 	lw_range range = { CUT_SHARE * fmax( 0.0, motion - 4 * s->target ), needed, CELL_ALPHA };
 	lwi_bound bound;
-	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &bound );
+	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &s->nearest, &bound );
 	lw_clearance clearance = lwi_bound_result( &bound );
 	if ( clearance.kind == LW_CLEARANCE_FAR )
 	{
@@ -300,6 +301,24 @@ static lw_status put_down( const subdivision* s, lwi_effort* effort )
 	effort->target = s->target;
 	effort->least = s->least;
 	return LW_OK;
+}
+
+double lwi_effort_open_share( const lwi_prober* p, const lwi_effort* effort )
+{
+	const uint32_t n = p->variable_count;
+	double sum = 0;
+	for ( uint32_t k = 0; k < effort->height; ++k )
+	{
+		const double* cell = effort->open + (size_t)k * ( 2 * n + 1 );
+		double share = 1;
+		for ( uint32_t i = 0; i < n; ++i )
+		{
+			double width = p->upper[p->variables[i]] - p->lower[p->variables[i]];
+			share *= width > 0 ? ( cell[2 * i + 1] - cell[2 * i] ) / width : 1;
+		}
+		sum += share;
+	}
+	return sum;
 }
 
 /// Certifies and cuts cells until there are none, or no more is to be done.

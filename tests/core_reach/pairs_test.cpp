@@ -428,7 +428,7 @@ TEST( ReachPairs, ClassesInTheirOrder )
 	model.allowed.push_back( { 0, 4 } );
 	model.allowed.push_back( { 0, 5 } );
 	RobotPtr robot = model.create();
-	ReachPtr reach = makeReach( robot.get(), 0.5 );
+	ReachPtr reach = makeReach( robot.get(), 5 );
 	EXPECT_EQ( pairOf( reach, 0, 1 ).kind, LW_PAIR_ADJACENT );
 	EXPECT_EQ( pairOf( reach, 0, 2 ).kind, LW_PAIR_ALWAYS );
 	EXPECT_EQ( pairOf( reach, 0, 2 ).contact_share, 1.0 );
