@@ -485,6 +485,52 @@ TEST( SolidMesh, solids_that_share_an_edge_or_corner_stay_apart )
 	EXPECT_FALSE( touches( 0.5, 1.5 ) );
 }
 
+// Boxes side by side, each with walls of its own: edges of four triangles around each wall, at which the sheets of two boxes meet with one
+// triangle each and would be left open.
+TEST( SolidMesh, boxes_that_share_a_wall_leave_no_gap_and_reach_no_further )
+{
+	SeededRng rng;
+	int inside = 0, outside = 0;
+	for ( int round = 0; round < 60; ++round )
+	{
+		// columns around a shaft, so high that the nearest side of the box around all lies beyond some of them
+		std::vector<Vec> centers;
+		Solid s;
+		for ( int cell = 0; cell < 25; ++cell )
+		{
+			if ( cell != 12 && rng.integer( 0, 4 ) > 0 )
+			{
+				centers.push_back( { 2 * (real)( cell / 5 ), 2 * (real)( cell % 5 ), 0 } );
+				add_box( s, 1, { 1, 1, 20 }, centers.back(), lw_transform_identity() );
+			}
+		}
+		for ( std::size_t t = 0; round % 2 == 0 && t < s.count(); ++t ) // facing anywhere, as many exporters leave them
+		{
+			if ( rng.integer( 0, 1 ) )
+			{
+				std::swap( s.indices[3 * t + 1], s.indices[3 * t + 2] );
+			}
+		}
+		lw_diag diag = {};
+		ShapePtr shape;
+		ASSERT_EQ( LW_OK, make_solid( s, 0, &diag, shape ) ) << diag.message;
+		for ( int i = 0; i < 200; ++i )
+		{
+			const Vec p = { rng.uniform( -1, 9 ), rng.uniform( -1, 9 ), rng.uniform( -1, 1 ) };
+			bool truth = false;
+			for ( const Vec& c : centers )
+			{
+				truth = truth || std::max( std::fabs( p.x - c.x ), std::fabs( p.y - c.y ) ) < 1;
+			}
+			( truth ? inside : outside ) += 1;
+			ASSERT_EQ( lwi_mesh_contains( shape.get(), to_double( p ) ), truth ) << "round " << round << ", " << to_double( p ).x << ' '
+																				 << to_double( p ).y << ' ' << to_double( p ).z;
+		}
+	}
+	EXPECT_GE( inside, 1000 );
+	EXPECT_GE( outside, 1000 );
+}
+
 TEST( SolidMesh, a_void_counts_as_inside )
 {
 	Solid s;
