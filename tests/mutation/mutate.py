@@ -78,7 +78,8 @@ def domain_mutants(workshop, mistakes):
                   "expected": mistake["expected"] if mistake["expected"] != "killed" else ""}
         mutant["fingerprint"] = sources.fingerprint(mutant["file"], mutant["function"], mutant["before"], mutant["after"])
         try:
-            text = (workshop.tree / mistake["file"]).read_text(encoding="utf-8")
+            mutant["file"] = sources.find_file(workshop.tree, mistake)
+            text = (workshop.tree / mutant["file"]).read_text(encoding="utf-8")
             mutant["text"], mutant["line"] = sources.with_mistake(text, mistake)
             begin, end = sources.places(text, mistake)[0]
             mutant["lines"] = list(range(text.count("\n", 0, begin) + 1, text.count("\n", 0, end) + 2))

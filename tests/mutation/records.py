@@ -8,7 +8,7 @@ import threading
 import tomllib
 from collections import Counter
 
-CLASSES = ("equivalent", "rounding", "speed", "defensive", "gap", "closed")
+CLASSES = ("equivalent", "rounding", "speed", "defensive", "sanitizer", "gap", "closed")
 COLUMNS = ("id", "file", "line", "function", "before", "after", "result", "by", "how", "class", "seconds", "tests run", "tests that reach it", "rule")
 
 

@@ -115,11 +115,28 @@ def places(text, mistake):
     return [(m.start() + begin, m.end() + begin) for begin, end in areas for m in re.finditer(expression, text[begin:end])]
 
 
+def find_file(tree, mistake):
+    """The file that holds a mistake's place, relative to the tree: the one that it names, or where its function went: the only file below the
+    same folder of sources with exactly one place. ValueError if there is none."""
+    named = tree / mistake["file"]
+    if named.exists() and len(places(named.read_text(encoding="utf-8"), mistake)) == 1:
+        return mistake["file"]
+    folder = tree / mistake["file"].split("/src/")[0] / "src"
+    found = []
+    for path in sorted(p for p in folder.rglob("*") if p.suffix in (".c", ".h", ".cpp", ".hpp")):
+        if mistake.get("function") or path.name == named.name:
+            count = len(places(path.read_text(encoding="utf-8"), mistake))
+            found += [str(path.relative_to(tree))] * count
+    if len(found) != 1:
+        raise ValueError(f"{mistake['id']}: {len(found)} places in {mistake.get('function') or 'the whole'} of {mistake['file']}, or where it went")
+    return found[0]
+
+
 def with_mistake(text, mistake):
     """The file's text with the mistake in it, and the first line that changes. ValueError unless there is exactly one place."""
     found = places(text, mistake)
     if len(found) != 1:
-        raise ValueError(f"{mistake['id']}: {len(found)} places in {mistake['function'] or 'the whole file'} of {mistake['file']}")
+        raise ValueError(f"{mistake['id']}: {len(found)} places in {mistake.get('function') or 'the whole'} of {mistake['file']}")
     begin, end = found[0]
     changed = text[:begin] + mistake["replacement"] + text[end:]
     lines, others = text.split("\n"), changed.split("\n")

@@ -91,6 +91,17 @@ class Sources(unittest.TestCase):
         self.assertRaises(ValueError, sources.with_mistake, EXAMPLE, mistake)
         self.assertRaises(ValueError, sources.with_mistake, EXAMPLE, {**mistake, "pattern": "4 * x"})
 
+    def test_a_mistake_follows_its_function_into_another_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tree = pathlib.Path(folder)
+            (tree / "core/src/room").mkdir(parents=True)
+            (tree / "core/src/other.c").write_text("int twice;\n", encoding="utf-8")
+            (tree / "core/src/room/new.c").write_text(EXAMPLE, encoding="utf-8")
+            mistake = {"id": "1", "file": "core/src/old.c", "function": "twice", "pattern": "2 * x", "replacement": "x"}
+            self.assertEqual(sources.find_file(tree, mistake), "core/src/room/new.c")
+            (tree / "core/src/other.c").write_text(EXAMPLE, encoding="utf-8")
+            self.assertRaises(ValueError, sources.find_file, tree, mistake)
+
     def test_a_fingerprint_forgets_places_and_nothing_else(self):
         name = sources.fingerprint("a.c", "f", "x = 1;", "x = 2;")
         self.assertEqual(name, sources.fingerprint("a.c", "f", "\tx  = 1;", "x = 2;"))
@@ -104,7 +115,8 @@ class Mistakes(unittest.TestCase):
         stale = []
         for mistake in mutate.read_mistakes():
             try:
-                text = (mutate.REPOSITORY / mistake["file"]).read_text(encoding="utf-8")
+                file = sources.find_file(mutate.REPOSITORY, mistake)
+                text = (mutate.REPOSITORY / file).read_text(encoding="utf-8")
                 changed, _ = sources.with_mistake(text, mistake)
                 self.assertNotEqual(changed, text)
             except (OSError, ValueError) as error:
@@ -166,6 +178,13 @@ class Choosing(unittest.TestCase):
         for _ in range(3):
             choose.saw("a.c", [0, 1], 2)
         self.assertEqual(choose.order([2, 0, 1], "a.c")[0], 2)
+
+    def test_what_resembles_earlier_tests_waits(self):
+        tests = [{"name": name, "seconds": 0.1, "lines": {"a.c": 0b10}, "command": ["p"]}
+                 for name in ("W/Suite.case/A", "W/Suite.case/B", "W/Suite.case/C", "Suite.other", "Second.one")]
+        order = chooser.Chooser(tests).order(range(5), "a.c")
+        self.assertEqual(order[0], 0)
+        self.assertEqual(set(order[1:3]), {3, 4})
 
     def test_batches_hold_each_test_once(self):
         choose = chooser.Chooser(self.tests)
