@@ -957,6 +957,34 @@ TEST( ReachDef, HullsOnlyProvesNothingAboutPairs )
 	}
 }
 
+TEST( ReachDef, OfLinksThatAreNotThereNothingIsProved )
+{
+	SeededRng rng;
+	RandomRobotOptions options;
+	options.joints = 3;
+	RobotModel model = randomRobot( rng, options );
+	RobotPtr robot = model.create();
+	ReachPtr reach = build( robot.get() );
+	const std::uint32_t count = lw_robot_link_count( robot.get() );
+	for ( std::uint32_t a = 0; a < count + 2; ++a )
+	{
+		for ( std::uint32_t b : { count, count + 1, LW_INVALID_INDEX } )
+		{
+			for ( auto [x, y] : { std::pair( a, b ), std::pair( b, a ) } )
+			{
+				EXPECT_EQ( lw_reach_get_pair( reach.get(), x, y ).kind, LW_PAIR_CHECK );
+				EXPECT_EQ( lw_reach_get_pair( reach.get(), x, y ).separation, 0 );
+				EXPECT_EQ( lw_reach_base( reach.get(), x, y ), 0 );
+				EXPECT_EQ( lw_reach_rigid( reach.get(), x, y ), 0 );
+				EXPECT_EQ( lw_reach_motion( reach.get(), x, y ), 0 );
+				State q( lw_robot_variable_count( robot.get() ) );
+				EXPECT_FALSE( lw_reach_closest_state( reach.get(), x, y, q.data() ) );
+			}
+			EXPECT_EQ( lw_reach_scfree( reach.get(), b ), 0 );
+		}
+	}
+}
+
 TEST( ReachDef, GivingUpDuringHullsIsReported )
 {
 	SeededRng rng;

@@ -145,6 +145,6 @@ def with_mistake(text, mistake):
 
 
 def fingerprint(file, function, before, after):
-    """Names a mutant by what it changes, so that it keeps its name when lines move."""
-    text = "\0".join((file, function, " ".join(before.split()), " ".join(after.split())))
+    """Names a mutant by what it changes, so that it keeps its name when lines move, and functions between files of one part."""
+    text = "\0".join((file.split("/")[0], function, " ".join(before.split()), " ".join(after.split())))
     return hashlib.sha256(text.encode()).hexdigest()[:12]

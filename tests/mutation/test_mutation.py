@@ -103,10 +103,10 @@ class Sources(unittest.TestCase):
             self.assertRaises(ValueError, sources.find_file, tree, mistake)
 
     def test_a_fingerprint_forgets_places_and_nothing_else(self):
-        name = sources.fingerprint("a.c", "f", "x = 1;", "x = 2;")
-        self.assertEqual(name, sources.fingerprint("a.c", "f", "\tx  = 1;", "x = 2;"))
-        others = {sources.fingerprint(*what) for what in (("b.c", "f", "x = 1;", "x = 2;"), ("a.c", "g", "x = 1;", "x = 2;"),
-                                                         ("a.c", "f", "x = 1;", "x = 3;"), ("a.c", "f", "x = 0;", "x = 2;"))}
+        name = sources.fingerprint("core/a.c", "f", "x = 1;", "x = 2;")
+        self.assertEqual(name, sources.fingerprint("core/b.c", "f", "\tx  = 1;", "x = 2;"))
+        others = {sources.fingerprint(*what) for what in (("bridge/a.c", "f", "x = 1;", "x = 2;"), ("core/a.c", "g", "x = 1;", "x = 2;"),
+                                                         ("core/a.c", "f", "x = 1;", "x = 3;"), ("core/a.c", "f", "x = 0;", "x = 2;"))}
         self.assertEqual(len(others | {name}), 5)
 
 
