@@ -52,7 +52,7 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	query->failure = LW_OK;
+	query->search.failure = LW_OK;
 	lw_status status = lwi_checker_pose( checker, query, q );
 	if ( status != LW_OK )
 	{
@@ -69,10 +69,10 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 		lwi_checker_self( checker, query, &wanted, &out->self );
 		violated = violated || out->self.kind == LW_CLEARANCE_VIOLATION;
 	}
-	if ( query->failure != LW_OK )
+	if ( query->search.failure != LW_OK )
 	{
 		*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
-		return query->failure;
+		return query->search.failure;
 	}
 	bool free = ( !ask_environment || is_proved_free( &out->environment, wanted.min_d ) ) &&
 				( !ask_self || is_proved_free( &out->self, wanted.min_d ) );

@@ -22,7 +22,7 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 	lwi_pose_body( checker, query, body );
 	lw_transform relative = lwi_relative( &query->world_from_body[body], &obstacle->world_from_shape );
 	bound->margin = lwi_environment_margin( checker, body, obstacle->object );
-	lwi_search( query, checker->bodies[body].shape, obstacle->shape, &relative, bound );
+	lwi_search( &query->search, checker->bodies[body].shape, obstacle->shape, &relative, bound );
 }
 
 /// Decides what the questions below look at: all obstacles, or those near enough for this range in this state.
@@ -58,7 +58,7 @@ static double gaps_of( const lw_checker* checker, lw_query* query, const double 
 	double prune, float* gaps, bool* near )
 {
 	uint32_t blocks = block_count( checker, query );
-	double slack = lwi_scene_gaps( checker->scene, blocks, query->kernels, center, radius, prune, gaps, near );
+	double slack = lwi_scene_gaps( checker->scene, blocks, query->search.kernels, center, radius, prune, gaps, near );
 	if ( margins != NULL )
 	{
 		lwi_subtract_margins( gaps, margins, blocks * LWI_WIDTH );
@@ -93,7 +93,7 @@ static uint32_t near_lanes( const lw_query* query, const uint8_t* masks, const f
 {
 	const float zero = 0;
 	const float( *low )[LWI_WIDTH] = (const float( * )[LWI_WIDTH])( gaps + block * LWI_WIDTH );
-	return masks[block] == 0 ? 0 : masks[block] & query->kernels->slab_gap( low, &zero, limit, 1 );
+	return masks[block] == 0 ? 0 : masks[block] & query->search.kernels->slab_gap( low, &zero, limit, 1 );
 }
 
 /// Sets the gaps of pairs that do not count to +INFINITY. Returns the index of the least gap.
@@ -199,7 +199,7 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 	{
 		return true; // whatever it is
 	}
-	query->stats.robot_tests++;
+	query->search.stats.robot_tests++;
 	const double* world = lwi_sphere( checker, query, sphere );
 	if ( !( world[3] < INFINITY ) )
 	{
@@ -420,7 +420,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	{
 		measure_warm( checker, query, warm, &bound );
 	}
-	if ( !bound.done && query->def.hierarchy )
+	if ( !bound.done && query->search.def.hierarchy )
 	{
 		search_tree( checker, query, &bound );
 	}
@@ -550,7 +550,7 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, cons
 	const lw_range nearer = { 0, known, 0 };
 	lwi_bound_init( &bound, &nearer );
 	bound.lowest = lwi_lowest_environment( checker );
-	query->failure = LW_OK;
+	query->search.failure = LW_OK;
 	for ( uint32_t first = 0; left > 0; )
 	{
 		uint32_t count = query->gap_capacity / stride < left ? query->gap_capacity / stride : left;
@@ -564,5 +564,5 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, cons
 		checker->static_body = bound.pair / stride;
 		checker->static_shape = bound.pair % stride;
 	}
-	return query->failure;
+	return query->search.failure;
 }

@@ -32,7 +32,7 @@ void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* 
 		query->angles[i] = turn->multiplier * state[turn->variable] + turn->offset;
 	}
 	// what follows the last one are angles of another time, or 0
-	query->kernels->turns( query->angles, lwi_padded_nodes( tree ), cosines, sines );
+	query->search.kernels->turns( query->angles, lwi_padded_nodes( tree ), cosines, sines );
 }
 
 void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transform* above, const double* state, const double* cosines,
@@ -62,7 +62,7 @@ void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index 
 	// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
 	lwi_pose_under( checker, index, &query->world_from_link[node->parent_top], query->state, query->cosines, query->sines,
 		&query->world_from_link[node->top] );
-	query->stats.links_posed++;
+	query->search.stats.links_posed++;
 	query->node_stamp[index] = query->state_stamp;
 }
 
@@ -210,7 +210,7 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 {
 	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions, have
 	// no limits.
-	return checker->tree->proves && query->def.hierarchy && query->def.pair_tables && within_ranges( checker, qa ) &&
+	return checker->tree->proves && query->search.def.hierarchy && query->search.def.pair_tables && within_ranges( checker, qa ) &&
 		   within_ranges( checker, qb );
 }
 
@@ -233,9 +233,9 @@ static bool begin_state( const lw_checker* checker, lw_query* query, const doubl
 	{
 		return false;
 	}
-	bool holds = tree->proves && query->def.hierarchy && within_ranges( checker, q );
-	query->hulls = holds && query->def.motion_hulls;
-	query->tables = holds && query->def.pair_tables;
+	bool holds = tree->proves && query->search.def.hierarchy && within_ranges( checker, q );
+	query->hulls = holds && query->search.def.motion_hulls;
+	query->tables = holds && query->search.def.pair_tables;
 	query->covered = query->hulls || query->tables;
 	query->within = within_box( checker->variable_count, checker->near_lower, q, checker->near_upper );
 	query->node_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;

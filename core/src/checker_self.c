@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-typedef void pair_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+typedef void pair_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 
 /// @param search lwi_search, or lwi_search_first where other pairs may be as near
 static void search_self_pair( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, lwi_bound* bound,
@@ -19,7 +19,7 @@ static void search_self_pair( const lw_checker* checker, lw_query* query, uint32
 	lwi_pose_body( checker, query, body_b );
 	lw_transform relative = lwi_relative( &query->world_from_body[body_a], &query->world_from_body[body_b] );
 	bound->margin = lwi_self_margin( checker, body_a, body_b );
-	search( query, checker->bodies[body_a].shape, checker->bodies[body_b].shape, &relative, bound );
+	search( &query->search, checker->bodies[body_a].shape, checker->bodies[body_b].shape, &relative, bound );
 }
 
 // --- all pairs -------------------------------------------------------------------------------------------------------
@@ -64,7 +64,7 @@ static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* n
 			float* row = gaps + block * LWI_WIDTH;
 			if ( mask[block] != 0 )
 			{
-				query->kernels->sphere_gap( query->body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere, INFINITY, row );
+				query->search.kernels->sphere_gap( query->body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere, INFINITY, row );
 				const float* listed = checker->bodies[a].self_row;
 				lwi_subtract_margins( row, listed != NULL ? listed + block * LWI_WIDTH : NULL, LWI_WIDTH );
 			}
@@ -185,7 +185,7 @@ static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lw
 			query->candidates[count++] = node_pair( checker, i, below( gap ) );
 		}
 	}
-	query->stats.robot_tests += tree->pair_count;
+	query->search.stats.robot_tests += tree->pair_count;
 	return count;
 }
 
@@ -222,7 +222,7 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 		}
 		++i;
 	}
-	query->stats.robot_tests += tests;
+	query->search.stats.robot_tests += tests;
 	return count;
 }
 
@@ -276,14 +276,14 @@ static uint32_t compare_units( const lw_checker* checker, lw_query* query, const
 	const lwi_self_units* units = checker->tree->units;
 	if ( query->tables && units->separation >= bound->prune )
 	{
-		query->stats.robot_tests++;
+		query->search.stats.robot_tests++;
 		return 0; // nothing needs to be posed
 	}
 	float blocks[LWI_UNIT_BLOCKS * 4 * LWI_WIDTH] = { 0 };
 	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
 	double slack = unit_spheres( checker, query, blocks );
 	float limit = above( bound->prune + units->largest_margin + slack );
-	uint32_t found = query->kernels->sphere_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS, limit, near ), count = 0;
+	uint32_t found = query->search.kernels->sphere_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS, limit, near ), count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
 	{
 		uint32_t low = near[i] / 256, high = near[i] % 256;
@@ -300,7 +300,7 @@ static uint32_t compare_units( const lw_checker* checker, lw_query* query, const
 			query->candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
 		}
 	}
-	query->stats.robot_tests += units->pair_count;
+	query->search.stats.robot_tests += units->pair_count;
 	return count;
 }
 
@@ -350,7 +350,7 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 	}
 	uint16_t* near = (uint16_t*)(void*)query->gaps; // a pair of nodes is one of bodies, of which gaps has two floats at least
 	float limit = above( bound->prune + (double)rows->largest_margin + slack );
-	uint32_t found = query->kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
+	uint32_t found = query->search.kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
 	{
 		uint32_t low = near[i] / 256, high = near[i] % 256, index = rows->pair[low * rows->count + high];
@@ -360,7 +360,7 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 			query->candidates[count++] = node_pair( checker, index, below( gap ) );
 		}
 	}
-	query->stats.robot_tests += tree->pair_count;
+	query->search.stats.robot_tests += tree->pair_count;
 	return count;
 }
 
@@ -398,7 +398,7 @@ static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, ui
 	float gap[LWI_WIDTH] )
 {
 	const uint32_t left = checker->tree->nodes[node].body_count - first;
-	return query->kernels->sphere_gap( p->blocks + 4 * (size_t)first, p->sphere, p->limit, gap ) &
+	return query->search.kernels->sphere_gap( p->blocks + 4 * (size_t)first, p->sphere, p->limit, gap ) &
 		   lwi_low_bits( left < LWI_WIDTH ? left : LWI_WIDTH );
 }
 
@@ -514,7 +514,7 @@ static void look_at_known( const lw_checker* checker, lw_query* query, lwi_bound
 	const uint32_t stride = checker->body_block_count * LWI_WIDTH, count = query->known_count;
 	double gap[LWI_KNOWN_PAIRS];
 	query->known_looked = 0;
-	if ( query->covered || !query->def.warm_start || !( bound->range.max_d > nextafter( bound->range.min_d, INFINITY ) ) )
+	if ( query->covered || !query->search.def.warm_start || !( bound->range.max_d > nextafter( bound->range.min_d, INFINITY ) ) )
 	{
 		return;
 	}
@@ -594,7 +594,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 			continue;
 		}
 		bound->current_pair = next.pair;
-		bool last = count == 0 && query->waiting_count == 0;
+		bool last = count == 0 && query->search.waiting_count == 0;
 		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound, last ? lwi_search : lwi_search_first );
 	}
 }
@@ -609,7 +609,7 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 									  : walk_pairs( checker, query, bound );
 	lwi_heap_build( query->candidates, count );
 	search_candidates( checker, query, count, bound );
-	lwi_search_waiting( query, bound );
+	lwi_search_waiting( &query->search, bound );
 }
 
 // --- questions -------------------------------------------------------------------------------------------------------
@@ -657,7 +657,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	lwi_warm* warm = &query->warm_self;
 	measure_warm( checker, query, warm, &bound );
-	if ( !bound.done && query->def.hierarchy )
+	if ( !bound.done && query->search.def.hierarchy )
 	{
 		search_tree( checker, query, &bound );
 	}

@@ -6,9 +6,61 @@
 
 #include "convex.h"
 #include "math_inline.h"
-#include "query_internal.h"
+#include "distance_query.h"
+#include "separation.h"
 
 #include <string.h>
+
+enum
+{
+	/// One opening replaces an entry by at most LWI_WIDTH; a path has at most LWI_MAX_DEPTH + 1 openings per tree.
+	LWI_STACK_PATH = ( LWI_WIDTH - 1 ) * 2 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH,
+	/// Below: searches that wait; above them one that goes on from what it left, and the path of the entry that it opens.
+	LWI_STACK_SIZE = 3 * LWI_STACK_PATH,
+	LWI_MAX_WAITING = 16, ///< searches
+	LWI_HINT_BITS = 10,
+	LWI_KNOWN_PAIRS = 16 ///< half as many give half as much
+};
+
+/// Two subtrees still to be compared.
+typedef struct lwi_entry
+{
+	float gap;                ///< lower bound of their distance, minus nothing: compare with the limit
+	lwi_ref a, b;
+	float center_a[3], radius_a; ///< a's tree frame
+	float center_b[3], radius_b; ///< b's tree frame
+	uint32_t brick_a, brick_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
+	float moved[3];           ///< cached centre, see `cached`
+	enum
+	{
+		LWI_CACHED_NONE,
+		LWI_CACHED_A_IN_B, ///< moved = center_a in b's frame
+		LWI_CACHED_B_IN_A  ///< moved = center_b in a's frame
+	} cached;
+} lwi_entry;
+
+/// Triangle pairs waiting for the float filter.
+typedef struct lwi_batch
+{
+	lwi_triangles8 a, b; ///< a's tree frame
+	uint32_t triangle_a[LWI_WIDTH], triangle_b[LWI_WIDTH];
+	uint32_t count;
+} lwi_batch;
+
+/// The memory of searches: of one thread.
+struct lwi_search_memory
+{
+	lwi_batch batch;
+	lwi_entry stack[LWI_STACK_SIZE];
+	uint32_t stack_bottom;       ///< entries below it belong to searches that wait
+	struct lwi_waiting* waiting; ///< [LWI_MAX_WAITING]
+	uint32_t waiting_count;
+	lwi_hint hints[1 << LWI_HINT_BITS]; ///< planes that separated pairs of shapes, by a hash
+	lw_query_def def;
+	const lwi_kernels* kernels;
+	lw_query_stats stats;
+	lw_status failure; ///< why the last question has no answer: what making a deferred mesh returned
+};
 
 /// Rounding of a distance measured in double, in units of roundoff times the largest coordinate involved: lwi_tri_tri's 64
 /// (tri_tri.h), 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding), 36 for poses that
@@ -31,7 +83,7 @@ typedef struct lwi_tie
 /// What a search of one pair needs at hand.
 typedef struct lwi_searching
 {
-	lw_query* query;
+	lwi_search_memory* memory;
 	const lwi_kernels* kernels;
 	const lw_shape* a;
 	const lw_shape* b;
@@ -118,11 +170,11 @@ static inline void lwi_set_direction( lwi_searching* s, lw_vec3 point_a, lw_vec3
 /// The sphere of a in b's frame, from the cache where it is there.
 static inline void lwi_sphere_a_in_b( lwi_searching* s, lwi_entry* e, float sphere[4] )
 {
-	if ( e->cached != LWI_CACHED_A_IN_B || !s->query->def.transform_caching )
+	if ( e->cached != LWI_CACHED_A_IN_B || !s->memory->def.transform_caching )
 	{
 		lwi_move_center( &s->tree_b_from_a, e->center_a, e->moved );
 		e->cached = LWI_CACHED_A_IN_B;
-		s->query->stats.center_transforms++;
+		s->memory->stats.center_transforms++;
 	}
 	memcpy( sphere, e->moved, 3 * sizeof( float ) );
 	sphere[3] = e->radius_a;
@@ -130,11 +182,11 @@ static inline void lwi_sphere_a_in_b( lwi_searching* s, lwi_entry* e, float sphe
 
 static inline void lwi_sphere_b_in_a( lwi_searching* s, lwi_entry* e, float sphere[4] )
 {
-	if ( e->cached != LWI_CACHED_B_IN_A || !s->query->def.transform_caching )
+	if ( e->cached != LWI_CACHED_B_IN_A || !s->memory->def.transform_caching )
 	{
 		lwi_move_center( &s->tree_a_from_b, e->center_b, e->moved );
 		e->cached = LWI_CACHED_B_IN_A;
-		s->query->stats.center_transforms++;
+		s->memory->stats.center_transforms++;
 	}
 	memcpy( sphere, e->moved, 3 * sizeof( float ) );
 	sphere[3] = e->radius_b;

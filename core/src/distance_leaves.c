@@ -55,7 +55,7 @@ void lwi_box_leaf_spheres( const lwi_box_leaf* leaf, lwi_node* spheres )
 
 void lwi_flush_batch( lwi_searching* s )
 {
-	lwi_batch* batch = &s->query->batch;
+	lwi_batch* batch = &s->memory->batch;
 	if ( batch->count == 0 )
 	{
 		return;
@@ -65,7 +65,7 @@ void lwi_flush_batch( lwi_searching* s )
 	float gap[LWI_WIDTH];
 	// lanes from `used` on are stale pairs of an earlier batch
 	uint32_t mask = s->kernels->triangle_gap( batch->a, batch->b, s->limit, gap ) & lwi_low_bits( used );
-	s->query->stats.triangle_tests += used;
+	s->memory->stats.triangle_tests += used;
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
 	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
@@ -81,7 +81,7 @@ void lwi_flush_batch( lwi_searching* s )
 static void add_to_batch( lwi_searching* s, const lwi_leaf* a, uint32_t lane_a, lwi_triangles8 b, uint32_t lane_b,
 	uint32_t triangle_b )
 {
-	lwi_batch* batch = &s->query->batch;
+	lwi_batch* batch = &s->memory->batch;
 	uint32_t at = batch->count++;
 	for ( int vertex = 0; vertex < 3; ++vertex )
 	{
@@ -137,7 +137,7 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	const lwi_leaf* a = &s->a->leaves[lwi_ref_index( e->a )];
 	const lwi_leaf* b = &s->b->leaves[lwi_ref_index( e->b )];
 	uint32_t count_a = lwi_ref_count( e->a ), count_b = lwi_ref_count( e->b );
-	s->query->stats.leaf_tests++;
+	s->memory->stats.leaf_tests++;
 	float high_a[3][LWI_WIDTH], low_b[3][LWI_WIDTH];
 	uint32_t slabs = 2;
 	if ( s->has_direction )
@@ -362,13 +362,13 @@ void lwi_compare_leaves( lwi_searching* s, lwi_entry* e )
 	{
 		compare_triangles( s, e );
 		// the first finds are flushed at once: a low bound early is worth more than full lanes
-		if ( s->query->batch.count >= LWI_WIDTH / 2 || s->bound->upper == INFINITY )
+		if ( s->memory->batch.count >= LWI_WIDTH / 2 || s->bound->upper == INFINITY )
 		{
 			lwi_flush_batch( s );
 		}
 		return;
 	}
-	s->query->stats.leaf_tests++;
+	s->memory->stats.leaf_tests++;
 	if ( a == LWI_BALLS || b == LWI_BALLS )
 	{
 		compare_spheres( s, e, a == LWI_BALLS );

@@ -254,7 +254,7 @@ void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	{
 		return; // offered already
 	}
-	s->query->stats.exact_tests++;
+	s->memory->stats.exact_tests++;
 	if ( a == LWI_UNBOUNDED || b == LWI_UNBOUNDED )
 	{
 		measure_unbounded( s, item_a, item_b );

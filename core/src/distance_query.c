@@ -140,7 +140,7 @@ static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 	float sphere[4], gap[LWI_WIDTH];
 	lwi_sphere_a_in_b( s, e, sphere );
 	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
-	s->query->stats.node_tests++;
+	s->memory->stats.node_tests++;
 	if ( mask != 0 && s->bricks )
 	{
 		lwi_brick other = brick_of( s->a, e->brick_a, &s->tree_b_from_a, sphere );
@@ -152,7 +152,7 @@ static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 	for ( uint32_t i = count; i-- > 0; )
 	{
 		uint32_t lane = lanes[i];
-		lwi_entry* child = &s->query->stack[height++];
+		lwi_entry* child = &s->memory->stack[height++];
 		*child = *e;
 		child->brick_b = e->b * LWI_WIDTH + lane;
 		child->b = node->child[lane];
@@ -171,7 +171,7 @@ static uint32_t open_a( lwi_searching* s, lwi_entry* e, uint32_t height )
 	float sphere[4], gap[LWI_WIDTH];
 	lwi_sphere_b_in_a( s, e, sphere );
 	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
-	s->query->stats.node_tests++;
+	s->memory->stats.node_tests++;
 	if ( mask != 0 && s->bricks )
 	{
 		lwi_brick other = brick_of( s->b, e->brick_b, &s->tree_a_from_b, sphere );
@@ -182,7 +182,7 @@ static uint32_t open_a( lwi_searching* s, lwi_entry* e, uint32_t height )
 	for ( uint32_t i = count; i-- > 0; )
 	{
 		uint32_t lane = lanes[i];
-		lwi_entry* child = &s->query->stack[height++];
+		lwi_entry* child = &s->memory->stack[height++];
 		*child = *e;
 		child->brick_a = e->a * LWI_WIDTH + lane;
 		child->a = node->child[lane];
@@ -241,7 +241,7 @@ static lwi_hint* hint_of( lwi_searching* s )
 	uint64_t shapes = hash_of( s->a ) * 0x9e3779b97f4a7c15u ^ hash_of( s->b ) * 0xc2b2ae3d27d4eb4fu;
 	uint32_t key = (uint32_t)( shapes >> 32 ) ^ s->bound->current_pair * 0x85ebca6bu;
 	key = key != 0 ? key : 1;
-	lwi_hint* hint = &s->query->hints[key >> ( 32 - LWI_HINT_BITS )];
+	lwi_hint* hint = &s->memory->hints[key >> ( 32 - LWI_HINT_BITS )];
 	if ( hint->key != key )
 	{
 		*hint = (lwi_hint){ .key = key };
@@ -336,10 +336,10 @@ enum
 
 static lwi_walk begin_walk( lwi_searching* s )
 {
-	lw_query* query = s->query;
-	lwi_walk walk = { .bottom = query->stack_bottom, .height = query->stack_bottom + 1, .bounded = s->limit < INFINITY,
+	lwi_search_memory* memory = s->memory;
+	lwi_walk walk = { .bottom = memory->stack_bottom, .height = memory->stack_bottom + 1, .bounded = s->limit < INFINITY,
 		.trial = { INFINITY, UINT32_MAX } };
-	lwi_entry* root = &query->stack[walk.bottom];
+	lwi_entry* root = &memory->stack[walk.bottom];
 	memset( root, 0, sizeof( *root ) );
 	root->a = s->a->root;
 	root->b = s->b->root;
@@ -355,7 +355,7 @@ static lwi_walk begin_walk( lwi_searching* s )
 		lwi_set_direction( s, s->bound->point_a, s->bound->point_b );
 		s->guess_gap = -INFINITY;
 	}
-	query->batch.count = 0;
+	memory->batch.count = 0;
 	return walk;
 }
 
@@ -363,7 +363,7 @@ static lwi_walk begin_walk( lwi_searching* s )
 /// everywhere. So now and then the least gap of all is taken up. The path of that entry needs room of its own.
 static void take_least( lwi_searching* s, lwi_walk* walk )
 {
-	lwi_entry* stack = s->query->stack;
+	lwi_entry* stack = s->memory->stack;
 	if ( walk->height < walk->bottom + 2 || walk->height > LWI_STACK_SIZE - LWI_STACK_PATH )
 	{
 		return;
@@ -384,7 +384,7 @@ static void take_least( lwi_searching* s, lwi_walk* walk )
 /// Two leaves. True if nothing that is left can be below the limit.
 static bool meet_leaves( lwi_searching* s, lwi_entry* e, lwi_walk* walk )
 {
-	const bool planes = s->query->def.planes;
+	const bool planes = s->memory->def.planes;
 	if ( ++walk->leaves == LEAVES_BEFORE_PLANE && walk->bounded && planes && plane_rules_out( s ) )
 	{
 		return true;
@@ -409,16 +409,16 @@ static bool meet_leaves( lwi_searching* s, lwi_entry* e, lwi_walk* walk )
 /// @return false if it did; else the search is done
 static bool walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
 {
-	lw_query* query = s->query;
-	const uint64_t measured = query->stats.exact_tests;
+	lwi_search_memory* memory = s->memory;
+	const uint64_t measured = memory->stats.exact_tests;
 	while ( walk->height > walk->bottom && !s->bound->done )
 	{
-		if ( look && ( query->stats.exact_tests != measured || walk->leaves >= LEAVES_OF_A_LOOK ) )
+		if ( look && ( memory->stats.exact_tests != measured || walk->leaves >= LEAVES_OF_A_LOOK ) )
 		{
 			lwi_flush_batch( s );
 			return false;
 		}
-		lwi_entry e = query->stack[--walk->height];
+		lwi_entry e = memory->stack[--walk->height];
 		if ( e.gap >= s->limit )
 		{
 			continue;
@@ -428,7 +428,7 @@ static bool walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
 		{
 			if ( meet_leaves( s, &e, walk ) )
 			{
-				query->batch.count = 0; // none of the pairs that wait can be below the limit
+				memory->batch.count = 0; // none of the pairs that wait can be below the limit
 				return true;
 			}
 			continue;
@@ -471,7 +471,7 @@ static uint32_t solid_leaf_mask( const lwi_searching* s, const lw_shape* tree, l
 /// One shape with a tree (a or b) against one solid.
 static void search_solid( lwi_searching* s )
 {
-	lw_query* query = s->query;
+	lwi_search_memory* memory = s->memory;
 	bool solid_is_a = s->a->solid;
 	const lw_shape* tree = solid_is_a ? s->b : s->a;
 	const lw_shape* solid_shape = solid_is_a ? s->a : s->b;
@@ -482,9 +482,9 @@ static void search_solid( lwi_searching* s )
 	lwi_entry root;
 	memset( &root, 0, sizeof( root ) );
 	root.a = tree->root;
-	const uint32_t bottom = query->stack_bottom;
-	query->stack[bottom] = root;
-	bool convex_solid = solid_shape->family == LWI_CONVEX && query->def.planes;
+	const uint32_t bottom = memory->stack_bottom;
+	memory->stack[bottom] = root;
+	bool convex_solid = solid_shape->family == LWI_CONVEX && memory->def.planes;
 	bool plane_is_open = s->limit < INFINITY && convex_solid;
 	bool mesh = convex_solid && tree->family == LWI_TRIANGLES;
 	lwi_witness_trial trial = { INFINITY, UINT32_MAX };
@@ -492,7 +492,7 @@ static void search_solid( lwi_searching* s )
 	uint32_t height = bottom + 1;
 	while ( height > bottom && !s->bound->done )
 	{
-		lwi_entry e = query->stack[--height];
+		lwi_entry e = memory->stack[--height];
 		if ( e.gap >= s->limit )
 		{
 			continue;
@@ -502,7 +502,7 @@ static void search_solid( lwi_searching* s )
 		if ( lwi_ref_is_leaf( e.a ) )
 		{
 			uint32_t mask = solid_leaf_mask( s, tree, e.a, motion, &solid, gap );
-			query->stats.leaf_tests++;
+			memory->stats.leaf_tests++;
 			if ( mask != 0 && plane_is_open && plane_rules_out( s ) ) // before anything is measured: that costs as much
 			{
 				return;
@@ -525,10 +525,10 @@ static void search_solid( lwi_searching* s )
 		}
 		const lwi_node* node = &tree->nodes[e.a];
 		uint32_t mask = s->kernels->node_solid_gap( node, motion, &solid, s->limit, gap );
-		query->stats.node_tests++;
+		memory->stats.node_tests++;
 		for ( uint32_t i = lwi_sorted_lanes( gap, mask, lanes ); i-- > 0; )
 		{
-			lwi_entry* child = &query->stack[height++];
+			lwi_entry* child = &memory->stack[height++];
 			child->a = node->child[lanes[i]];
 			child->gap = gap[lanes[i]];
 		}
@@ -566,13 +566,13 @@ static lwi_motion motion_of( const lw_transform* m )
 	return out;
 }
 
-static lwi_searching search_begin( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
 	lwi_bound* bound )
 {
 	lwi_searching s;
 	memset( &s, 0, sizeof( s ) );
-	s.query = query;
-	s.kernels = query->kernels;
+	s.memory = memory;
+	s.kernels = memory->kernels;
 	s.a = a;
 	s.b = b;
 	s.a_from_b = a_from_b;
@@ -607,13 +607,13 @@ static lwi_searching search_begin( lw_query* query, const lw_shape* a, const lw_
 }
 
 /// The shape with its geometry; NULL ends the question.
-static const lw_shape* geometry_of( lw_query* query, const lw_shape* shape, lwi_bound* bound )
+static const lw_shape* geometry_of( lwi_search_memory* memory, const lw_shape* shape, lwi_bound* bound )
 {
 	lw_status status;
 	const lw_shape* made = lwi_shape_made( shape, &status, NULL );
 	if ( made == NULL )
 	{
-		query->failure = status;
+		memory->failure = status;
 		bound->failed = bound->done = true;
 	}
 	return made;
@@ -622,15 +622,15 @@ static const lw_shape* geometry_of( lw_query* query, const lw_shape* shape, lwi_
 /// Leaves a search to lwi_search_waiting(). False if there is no room for it.
 static bool wait_for_others( lwi_searching* s, const lwi_walk* walk )
 {
-	lw_query* query = s->query;
-	if ( query->waiting_count == LWI_MAX_WAITING || walk->height > LWI_STACK_PATH )
+	lwi_search_memory* memory = s->memory;
+	if ( memory->waiting_count == LWI_MAX_WAITING || walk->height > LWI_STACK_PATH )
 	{
 		return false;
 	}
-	lwi_waiting* waiting = &query->waiting[query->waiting_count++];
+	lwi_waiting* waiting = &memory->waiting[memory->waiting_count++];
 	*waiting = (lwi_waiting){ .search = *s, .a_from_b = *s->a_from_b, .walk = *walk, .pair = s->bound->current_pair,
 		.margin = s->bound->margin, .measured = s->bound->measured };
-	query->stack_bottom = walk->height;
+	memory->stack_bottom = walk->height;
 	return true;
 }
 
@@ -643,25 +643,25 @@ static void end_search( lwi_searching* s )
 }
 
 /// @param look it may wait when it had a first look
-static void search_pair( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound, bool look )
+static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound, bool look )
 {
 	bool deferred = lwi_shape_now( a )->deferred != NULL || lwi_shape_now( b )->deferred != NULL;
 	if ( deferred && lwi_box_gap( a, b, a_from_b ) >= bound->prune + bound->margin )
 	{
 		return; // not worth making it
 	}
-	a = geometry_of( query, a, bound );
-	b = geometry_of( query, b, bound );
+	a = geometry_of( memory, a, bound );
+	b = geometry_of( memory, b, bound );
 	if ( a == NULL || b == NULL )
 	{
 		return;
 	}
-	query->stats.queries++;
-	if ( query->def.planes && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
+	memory->stats.queries++;
+	if ( memory->def.planes && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
 	{
 		return; // so nothing is inside of the other either
 	}
-	lwi_searching s = search_begin( query, a, b, a_from_b, bound );
+	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 	if ( a->solid && b->solid )
 	{
 		lwi_measure_items( &s, LW_INVALID_INDEX, LW_INVALID_INDEX );
@@ -681,19 +681,19 @@ static void search_pair( lw_query* query, const lw_shape* a, const lw_shape* b, 
 	end_search( &s );
 }
 
-void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
+void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
 {
-	search_pair( query, a, b, a_from_b, bound, false );
+	search_pair( memory, a, b, a_from_b, bound, false );
 }
 
-void lwi_search_first( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
+void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
 {
 	bound->measured = INFINITY;
-	search_pair( query, a, b, a_from_b, bound, true );
+	search_pair( memory, a, b, a_from_b, bound, true );
 }
 
 /// Goes on with a search that waited.
-static void resume( lw_query* query, lwi_waiting* waiting, lwi_bound* bound )
+static void resume( lwi_search_memory* memory, lwi_waiting* waiting, lwi_bound* bound )
 {
 	lwi_searching* s = &waiting->search;
 	lwi_walk* walk = &waiting->walk;
@@ -702,10 +702,10 @@ static void resume( lw_query* query, lwi_waiting* waiting, lwi_bound* bound )
 	bound->margin = waiting->margin;
 	lwi_update_limit( s );
 	const uint32_t entries = walk->height - walk->bottom;
-	memmove( &query->stack[query->stack_bottom], &query->stack[walk->bottom], entries * sizeof( lwi_entry ) );
-	walk->bottom = query->stack_bottom;
-	walk->height = query->stack_bottom + entries;
-	if ( query->def.planes && s->limit < INFINITY && bound->pair != bound->current_pair )
+	memmove( &memory->stack[memory->stack_bottom], &memory->stack[walk->bottom], entries * sizeof( lwi_entry ) );
+	walk->bottom = memory->stack_bottom;
+	walk->height = memory->stack_bottom + entries;
+	if ( memory->def.planes && s->limit < INFINITY && bound->pair != bound->current_pair )
 	{
 		walk->late_plane = walk->leaves + LEAVES_BEFORE_LATE_PLANE;
 	}
@@ -713,35 +713,35 @@ static void resume( lw_query* query, lwi_waiting* waiting, lwi_bound* bound )
 	end_search( s );
 }
 
-void lwi_search_waiting( lw_query* query, lwi_bound* bound )
+void lwi_search_waiting( lwi_search_memory* memory, lwi_bound* bound )
 {
-	for ( uint32_t left = query->waiting_count; left > 0 && !bound->done; --left )
+	for ( uint32_t left = memory->waiting_count; left > 0 && !bound->done; --left )
 	{
 		uint32_t next = 0;
 		for ( uint32_t i = 1; i < left; ++i )
 		{
-			next = query->waiting[i].measured < query->waiting[next].measured ? i : next;
+			next = memory->waiting[i].measured < memory->waiting[next].measured ? i : next;
 		}
-		lwi_waiting waiting = query->waiting[next];
-		query->waiting[next] = query->waiting[left - 1];
-		resume( query, &waiting, bound );
+		lwi_waiting waiting = memory->waiting[next];
+		memory->waiting[next] = memory->waiting[left - 1];
+		resume( memory, &waiting, bound );
 	}
-	query->waiting_count = query->stack_bottom = 0;
+	memory->waiting_count = memory->stack_bottom = 0;
 }
 
-void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
+void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
 	uint32_t item_b, lwi_bound* bound )
 {
 	a = lwi_shape_now( a );
 	b = lwi_shape_now( b );
 	if ( ( a->solid || item_a < a->item_count ) && ( b->solid || item_b < b->item_count ) )
 	{
-		lwi_searching s = search_begin( query, a, b, a_from_b, bound );
+		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 		lwi_measure_items( &s, item_a, item_b );
 	}
 	else if ( a->filled || b->filled )
 	{
-		lwi_searching s = search_begin( query, a, b, a_from_b, bound );
+		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 		lwi_measure_inside( &s, item_a, item_b );
 	}
 }
@@ -784,43 +784,4 @@ lw_range lw_range_exact( void )
 lw_clearance lw_clearance_unknown( void )
 {
 	return (lw_clearance){ 0, INFINITY, { 0, 0, 0 }, { 0, 0, 0 }, LW_CLEARANCE_UNKNOWN, LW_INVALID_INDEX, LW_INVALID_INDEX };
-}
-
-lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,
-	const lw_transform* world_from_b, const lw_range* range, lw_query* query, lw_clearance* out )
-{
-	if ( out == NULL )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
-	*out = lw_clearance_unknown();
-	lw_range wanted = range != NULL ? *range : lw_range_exact();
-	if ( a == NULL || b == NULL || world_from_a == NULL || world_from_b == NULL || query == NULL ||
-		 !lwi_range_is_valid( &wanted ) || !lw_transform_is_valid( world_from_a ) || !lw_transform_is_valid( world_from_b ) )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
-	if ( a->family == LWI_UNBOUNDED && b->family == LWI_UNBOUNDED )
-	{
-		return LW_ERROR_UNSUPPORTED;
-	}
-	lw_transform pose_a = lwi_orthonormal( world_from_a ), pose_b = lwi_orthonormal( world_from_b );
-	lw_transform a_from_b = lwi_relative( &pose_a, &pose_b );
-	lwi_bound bound;
-	lwi_bound_init( &bound, &wanted );
-	query->failure = LW_OK;
-	lwi_search( query, a, b, &a_from_b, &bound );
-	*out = lwi_bound_result( &bound );
-	if ( bound.failed )
-	{
-		return query->failure;
-	}
-	if ( out->upper < INFINITY )
-	{
-		out->point_a = lwi_transform( &pose_a, bound.point_a );
-		out->point_b = lwi_transform( &pose_a, bound.point_b );
-		out->a = lwi_named_element( a, bound.triangle_a );
-		out->b = lwi_named_element( b, bound.triangle_b );
-	}
-	return LW_OK;
 }

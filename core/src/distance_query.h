@@ -7,6 +7,8 @@
 #include "leeway/distance.h"
 #include "shape_internal.h"
 
+typedef struct lwi_search_memory lwi_search_memory;
+
 /// The running bound of one question, shared by all pairs that belong to it. Method and proof: core/docs/distance.md.
 /// Everything in it is clearance: distance less the margin of the pair, which may make it negative (core/docs/margins.md).
 typedef struct lwi_bound
@@ -46,17 +48,17 @@ lw_clearance lwi_bound_result( const lwi_bound* bound );
 
 /// Lowers the bound to the distance of a and b, less the bound's margin, where that is smaller.
 /// @param a_from_b shape frames; finite, a rotation
-void lwi_search( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 
 /// lwi_search() of one of several pairs, any of which may be the nearest. Two trees are searched until something of them was measured, or for a few
 /// leaves; if that does not end it the search waits, and lwi_search_waiting() goes on with it when all pairs had their turn.
-void lwi_search_first( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 
 /// Ends the searches that wait, that of the nearest measured pair first.
-void lwi_search_waiting( lw_query* query, lwi_bound* bound );
+void lwi_search_waiting( lwi_search_memory* memory, lwi_bound* bound );
 
 /// Measures one pair of items, or of solids, for warm starts. Out-of-range indices are ignored.
-void lwi_measure( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
+void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
 	uint32_t item_b, lwi_bound* bound );
 
 /// What a caller is told of a witness: the triangle, point, sphere or box. The one point of a sphere and the segment of a

@@ -112,7 +112,7 @@ static uint32_t first_item( const lw_shape* shape, lwi_ref ref )
 /// Descends the other's tree: spheres that the surface enters are opened, of all others one point is asked.
 static bool ask_tree( const inside* q )
 {
-	lwi_entry* stack = q->s->query->stack;
+	lwi_entry* stack = q->s->memory->stack;
 	const lw_shape* other = q->other;
 	stack[0].a = other->root;
 	memcpy( stack[0].center_a, other->root_sphere, 3 * sizeof( float ) );

@@ -66,7 +66,7 @@ static void note_proof( lwi_edge* e, double spare )
 static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* threshold, lw_clearance* out )
 {
 	uint32_t id = item_id( e->checker, item );
-	e->query->failure = LW_OK;
+	e->query->search.failure = LW_OK;
 	if ( lwi_edge_item_is_pair( item ) )
 	{
 		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->memory->warm[item->warm], out );
@@ -75,7 +75,7 @@ static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* th
 	{
 		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->memory->warm[item->warm], out );
 	}
-	e->failure = e->query->failure;
+	e->failure = e->query->search.failure;
 	e->failed = e->failed || e->failure != LW_OK;
 	return !e->failed;
 }
@@ -268,7 +268,7 @@ bool lwi_edge_state_is_free( lwi_edge* e, double t )
 	if ( lw_checker_state( e->checker, e->query, lwi_edge_state( e, t ), e->def->what, &range, true, &state ) != LW_OK )
 	{
 		e->failed = true;
-		e->failure = e->query->failure;
+		e->failure = e->query->search.failure;
 		return false;
 	}
 	e->posed_t = t; // lw_checker_state has posed the query

@@ -706,7 +706,7 @@ void lwi_edge_rake_all( lwi_edge* e )
 	const double rounding = 2 * lwi_motion_rounding( c->motion, e->motion );
 	lwi_edge_allow_rounding( e, rounding ); // from here on lanes pose some states
 	raking r = { .e = e,
-		.kernels = e->query->kernels,
+		.kernels = e->query->search.kernels,
 		.tree = c->tree,
 		.frames = e->rake.frames,
 		.bodies = e->rake.bodies,

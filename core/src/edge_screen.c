@@ -409,7 +409,7 @@ static bool screen_units( screening* s )
 	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
 	const double slack = make_units( s, all, blocks );
 	const double reach = e->enough[1] + 4 * e->rounding[1] + units->largest_margin + slack;
-	const uint32_t count = e->query->kernels->moving_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS,
+	const uint32_t count = e->query->search.kernels->moving_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS,
 		lwi_round_up( reach * ( 1 + 0x1p-21 ) ), near );
 	for ( uint32_t i = 0; i < count; ++i )
 	{

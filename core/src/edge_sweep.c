@@ -112,7 +112,7 @@ static uint32_t obstacle_key( const lw_checker* c, uint32_t body, uint32_t obsta
 static bool has_planes( const sweeping* s )
 {
 	bool here = s->a->shape->deferred == NULL && s->b->shape->deferred == NULL; // a mesh is not made for this
-	return here && s->b->shape->family != LWI_UNBOUNDED && s->edge->query->def.planes;
+	return here && s->b->shape->family != LWI_UNBOUNDED && s->edge->query->search.def.planes;
 }
 
 /// The first planes of b are the faces of its box.
@@ -160,7 +160,7 @@ static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
 static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double margin )
 {
 	const double need = lwi_larger( s->enough + s->bulge + margin, 0 );
-	const lwi_kernels* kernels = s->edge->query->kernels;
+	const lwi_kernels* kernels = s->edge->query->search.kernels;
 	uint32_t which = lwi_places_apart_by( kernels, s->a, s->b, need, &p->planes, false );
 	if ( which < LWI_WIDTH )
 	{
@@ -203,7 +203,7 @@ static bool stays_away( const sweeping* s, double need, float direction[3] )
 		a = &places[s->turned ? 1 : 0];
 		b = &places[s->turned ? 0 : 1];
 	}
-	return lwi_separate_bent( e->query->kernels, a, b, need, bend, direction );
+	return lwi_separate_bent( e->query->search.kernels, a, b, need, bend, direction );
 }
 
 /// How far the middle of a body's sphere gets within a window.
@@ -236,7 +236,7 @@ static void set_out( nearing* s, uint32_t body, uint32_t ancestor, lwi_motion_ra
 static bool is_away( const nearing* s, const lwi_places* stands, double need )
 {
 	const double reach = s->moving.shape->sphere_radius + s->way;
-	return lwi_separate_near( s->edge->query->kernels, &s->moving, stands, need, s->bend, s->n, reach );
+	return lwi_separate_near( s->edge->query->search.kernels, &s->moving, stands, need, s->bend, s->n, reach );
 }
 
 /// Does what is near stay apart along the direction of another time?
@@ -278,7 +278,7 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin 
 		--p->wait;
 		return LWI_EDGE_MEASURE;
 	}
-	const lwi_kernels* kernels = s->edge->query->kernels;
+	const lwi_kernels* kernels = s->edge->query->search.kernels;
 	float direction[3];
 	direction_between( s->a, s->b, direction );
 	lwi_places_plane plane;
@@ -507,7 +507,7 @@ bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_windo
 	const bool pair = lwi_edge_item_is_pair( item );
 	nearing s = { .edge = e, .enough = lwi_edge_enough( e, item ), .n = lwi_sub( measured->point_b, measured->point_a ) };
 	// along no direction they are farther from each other than they were measured to be
-	if ( !e->query->def.planes || !( measured->upper > s.enough && measured->upper < INFINITY ) )
+	if ( !e->query->search.def.planes || !( measured->upper > s.enough && measured->upper < INFINITY ) )
 	{
 		return false;
 	}

@@ -31,7 +31,7 @@ lw_query_def lw_query_def_default( void )
 static size_t lay_out( lw_query* q, void* block )
 {
 	lwi_arena arena = lwi_arena_begin( block, sizeof( lw_query ) );
-	q->waiting = lwi_arena_take( &arena, LWI_MAX_WAITING, sizeof( lwi_waiting ) );
+	q->search.waiting = lwi_arena_take( &arena, LWI_MAX_WAITING, sizeof( lwi_waiting ) );
 	q->state = lwi_arena_take( &arena, q->variable_capacity, sizeof( double ) );
 	q->world_from_link = lwi_arena_take( &arena, q->link_capacity, sizeof( lw_transform ) );
 	q->node_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t ) );
@@ -82,8 +82,8 @@ lw_status lwi_query_create( const lw_query_def* def, const lwi_query_sizes* size
 	}
 	*query = measured;
 	query->allocator = allocator;
-	query->def = *def;
-	query->kernels = lwi_kernels_get( def->simd );
+	query->search.def = *def;
+	query->search.kernels = lwi_kernels_get( def->simd );
 	query->bytes = bytes;
 	lay_out( query, query );
 	*out_query = query;
@@ -122,7 +122,7 @@ void lw_query_reset( lw_query* query )
 	query->warm_self.valid = false;
 	query->known_count = 0;
 	query->warm_scene.valid = false;
-	memset( query->hints, 0, sizeof( query->hints ) );
+	memset( query->search.hints, 0, sizeof( query->search.hints ) );
 	query->last_edge_body = 0;
 	query->last_edge_self = false;
 	lwi_query_forget_checker( query );
@@ -130,12 +130,12 @@ void lw_query_reset( lw_query* query )
 
 lw_query_stats lw_query_get_stats( const lw_query* query )
 {
-	return query->stats;
+	return query->search.stats;
 }
 
 void lw_query_reset_stats( lw_query* query )
 {
-	memset( &query->stats, 0, sizeof( query->stats ) );
+	memset( &query->search.stats, 0, sizeof( query->search.stats ) );
 }
 
 size_t lw_query_bytes( const lw_query* query )

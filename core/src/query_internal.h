@@ -1,48 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a query holds. Made by query.c; the search uses the first part, scenes and checkers the rest.
+// The memory of one thread: searches of pairs use its first part, scenes, checkers and edges the rest. Made by query.c.
 #ifndef LEEWAY_QUERY_INTERNAL_H
 #define LEEWAY_QUERY_INTERNAL_H
 
-#include "distance_query.h"
+#include "distance_internal.h"
 #include "heap.h"
 #include "leeway/checker.h"
-#include "separation.h"
-
-enum
-{
-	/// One opening replaces an entry by at most LWI_WIDTH; a path has at most LWI_MAX_DEPTH + 1 openings per tree.
-	LWI_STACK_PATH = ( LWI_WIDTH - 1 ) * 2 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH,
-	/// Below: searches that wait; above them one that goes on from what it left, and the path of the entry that it opens.
-	LWI_STACK_SIZE = 3 * LWI_STACK_PATH,
-	LWI_MAX_WAITING = 16, ///< searches
-	LWI_HINT_BITS = 10,
-	LWI_KNOWN_PAIRS = 16 ///< half as many give half as much
-};
-
-/// Two subtrees still to be compared.
-typedef struct lwi_entry
-{
-	float gap;                ///< lower bound of their distance, minus nothing: compare with the limit
-	lwi_ref a, b;
-	float center_a[3], radius_a; ///< a's tree frame
-	float center_b[3], radius_b; ///< b's tree frame
-	uint32_t brick_a, brick_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
-	float moved[3];           ///< cached centre, see `cached`
-	enum
-	{
-		LWI_CACHED_NONE,
-		LWI_CACHED_A_IN_B, ///< moved = center_a in b's frame
-		LWI_CACHED_B_IN_A  ///< moved = center_b in a's frame
-	} cached;
-} lwi_entry;
-
-/// Triangle pairs waiting for the float filter.
-typedef struct lwi_batch
-{
-	lwi_triangles8 a, b; ///< a's tree frame
-	uint32_t triangle_a[LWI_WIDTH], triangle_b[LWI_WIDTH];
-	uint32_t count;
-} lwi_batch;
 
 /// Where the nearest pair of a question was: the first thing tried next time.
 typedef struct lwi_warm
@@ -60,17 +23,8 @@ typedef struct lwi_trial
 
 struct lw_query
 {
-	lwi_batch batch;
-	lwi_entry stack[LWI_STACK_SIZE];
-	uint32_t stack_bottom;            ///< entries below it belong to searches that wait
-	struct lwi_waiting* waiting;      ///< [LWI_MAX_WAITING]
-	uint32_t waiting_count;
-	lwi_hint hints[1 << LWI_HINT_BITS]; ///< planes that separated pairs of shapes, by a hash
+	lwi_search_memory search;
 	lw_allocator allocator;
-	lw_query_def def;
-	const lwi_kernels* kernels;
-	lw_query_stats stats;
-	lw_status failure; ///< why the last question has no answer: what making a deferred mesh returned
 
 	// capacities, as created
 	uint32_t link_capacity, body_capacity, variable_capacity, scene_capacity;
@@ -120,7 +74,7 @@ struct lw_query
 /// or a margin, measuring what is farther only costs.
 static inline bool lwi_warm_pays( const lw_query* query, const lwi_warm* warm, const lwi_bound* bound )
 {
-	return query->def.warm_start && warm->valid && warm->clearance < bound->prune;
+	return query->search.def.warm_start && warm->valid && warm->clearance < bound->prune;
 }
 
 /// lwi_measure() of the pair that was nearest last time, which is then known to be as far as it is now.
@@ -129,7 +83,7 @@ static inline void lwi_measure_warm( lw_query* query, const lw_shape* a, const l
 {
 	double floor = bound->floor;
 	bound->floor = INFINITY;
-	lwi_measure( query, a, b, a_from_b, warm->triangle_a, warm->triangle_b, bound );
+	lwi_measure( &query->search, a, b, a_from_b, warm->triangle_a, warm->triangle_b, bound );
 	warm->clearance = bound->floor;
 	bound->floor = floor < bound->floor ? floor : bound->floor;
 }

@@ -11,7 +11,7 @@ static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape
 	lw_vec3 center = lwi_transform( world_from_shape, lwi_load( shape->sphere_center ) );
 	double world_center[3] = { center.x, center.y, center.z };
 	bool near;
-	double slack = lwi_scene_gaps( scene, scene->block_count, query->kernels, world_center, shape->sphere_radius, bound->prune,
+	double slack = lwi_scene_gaps( scene, scene->block_count, query->search.kernels, world_center, shape->sphere_radius, bound->prune,
 		query->gaps, &near );
 	uint32_t count = 0;
 	float limit = lwi_round_up( bound->prune + slack );
@@ -34,7 +34,7 @@ static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape
 		bound->current_pair = next.pair;
 		const lw_scene_shape_def* obstacle = &scene->shapes[next.pair];
 		lw_transform relative = lwi_relative( world_from_shape, &obstacle->world_from_shape );
-		lwi_search( query, shape, obstacle->shape, &relative, bound );
+		lwi_search( &query->search, shape, obstacle->shape, &relative, bound );
 	}
 }
 
@@ -57,7 +57,7 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 		return LW_ERROR_UNSUPPORTED;
 	}
 	lw_transform pose = lwi_orthonormal( world_from_shape );
-	query->failure = LW_OK;
+	query->search.failure = LW_OK;
 	lwi_bound bound;
 	lwi_bound_init( &bound, &wanted );
 	lwi_warm* warm = &query->warm_scene;
@@ -75,7 +75,7 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 	*out = lwi_bound_result( &bound );
 	if ( bound.failed )
 	{
-		return query->failure;
+		return query->search.failure;
 	}
 	if ( out->upper < INFINITY )
 	{

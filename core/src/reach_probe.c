@@ -143,7 +143,7 @@ lwi_prober* lwi_probers_take( lwi_probers* probers )
 		atomic_store( &probers->out_of_memory, true );
 		return NULL;
 	}
-	memset( p->query->hints, 0, sizeof( p->query->hints ) ); // what a pair's answers are does not depend on who came before it
+	memset( p->query->search.hints, 0, sizeof( p->query->search.hints ) ); // what a pair's answers are does not depend on who came before it
 	return p;
 }
 
@@ -299,7 +299,7 @@ static void measure_nearest( lwi_prober* p, const lw_transform* poses, const uin
 	const lw_body_def* a = &p->robot->bodies[p->body_order[first[0] + nearest->body_a]];
 	const lw_body_def* b = &p->robot->bodies[p->body_order[first[1] + nearest->body_b]];
 	lw_transform m = a_from_b( poses, a, b );
-	lwi_measure( p->query, a->shape, b->shape, &m, nearest->item_a, nearest->item_b, bound );
+	lwi_measure( &p->query->search, a->shape, b->shape, &m, nearest->item_a, nearest->item_b, bound );
 }
 
 void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
@@ -331,7 +331,7 @@ void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_
 			}
 			lw_transform m = a_from_b( poses, a, b );
 			bound->current_pair = ( i - first[0] ) * count_b + ( j - first[1] );
-			lwi_search( p->query, a->shape, b->shape, &m, bound );
+			lwi_search( &p->query->search, a->shape, b->shape, &m, bound );
 		}
 	}
 	if ( nearest != NULL && bound->upper < INFINITY )
