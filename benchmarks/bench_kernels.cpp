@@ -6,7 +6,7 @@
 extern "C"
 {
 #include "kernel_shim.h"
-#include "tri_tri.h"
+#include "distance/tri_tri.h"
 }
 
 #include <benchmark/benchmark.h>

@@ -2,8 +2,8 @@
 // The core's kernels for a C++ program: see kernel_shim.h.
 #include "kernel_shim.h"
 
-#include "base_internal.h"
-#include "kernels.h"
+#include "base/base.h"
+#include "simd/kernels.h"
 
 #include <math.h>
 #include <stdlib.h>

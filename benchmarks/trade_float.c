@@ -2,9 +2,9 @@
 // The float filters of the core against doubles: see trade_float.h.
 #include "trade_float.h"
 
-#include "kernels.h"
+#include "simd/kernels.h"
 #include "leeway/math.h"
-#include "tri_tri.h"
+#include "distance/tri_tri.h"
 
 #include <math.h>
 #include <string.h>

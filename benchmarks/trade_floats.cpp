@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the float filters may be wrong by, and are: see trade.hpp.
 //
-// Subtrees and triangle pairs are dropped by distances in float32 plus a slack (core/src/kernels.h); what is left is
+// Subtrees and triangle pairs are dropped by distances in float32 plus a slack (core/src/simd/kernels.h); what is left is
 // measured in double. The slack is a knob too, though nobody turns it: too small and answers are wrong, too large and
 // searches take longer.
 #include "trade.hpp"

@@ -2,7 +2,7 @@
 // The spheres of a tree level by level: see tree_levels.h.
 #include "tree_levels.h"
 
-#include "shape_internal.h"
+#include "shape/shape.h"
 
 #include <math.h>
 #include <string.h>

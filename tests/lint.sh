@@ -8,7 +8,7 @@
 # BUILD is a configured folder, for its compile_commands.json. tests/run.sh runs cppcheck, which takes 20 seconds of one processor over
 # everything. The rest is no stage of it, because all of CI is to take less than half an hour: on two processors clang-tidy
 # takes a minute over the core and five over the C++, and clang eight for its build (BUILD-clang) and two for its tests.
-# FILES="core/src/blob.c ..." looks at these only.
+# FILES="core/src/blob/blob.c ..." looks at these only.
 set -euo pipefail
 cd "$( dirname "${BASH_SOURCE[0]}" )/.."
 build=build

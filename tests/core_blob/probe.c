@@ -2,8 +2,8 @@
 // The inside of blobs and reaches for tests in C++.
 #include "probe.h"
 
-#include "blob_internal.h"
-#include "reach_internal.h"
+#include "blob/blob.h"
+#include "reachability/reach.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
 
 extern "C"
 {
-#include "kernels.h"
+#include "simd/kernels.h"
 }
 
 inline std::vector<const lwi_kernels*> kernelLevels()

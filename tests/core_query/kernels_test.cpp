@@ -12,9 +12,9 @@
 
 extern "C"
 {
-#include "convex.h"
-#include "tri_tri.h"
-#include "turn.h"
+#include "distance/convex.h"
+#include "distance/tri_tri.h"
+#include "base/sincos.h"
 }
 
 namespace
@@ -463,7 +463,7 @@ TEST( Kernels, pads_are_not_infinitely_far )
 	EXPECT_EQ( gap[7], INFINITY );
 }
 
-// The slack of kernels.h: a gap never exceeds the exact distance by more than LWI_GAP_SLACK roundoffs of the size involved,
+// The slack of simd/kernels.h: a gap never exceeds the exact distance by more than LWI_GAP_SLACK roundoffs of the size involved,
 // and for separated triangles it is the distance itself to about as much.
 TEST( Kernels, triangle_gap_exceeds_distance )
 {

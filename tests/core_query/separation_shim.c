@@ -2,7 +2,7 @@
 // Planes between shapes for a C++ program.
 #include "separation_shim.h"
 
-#include "separation.h"
+#include "distance/separation.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,9 +2,9 @@
 // Charts of a reach and views of a checker for C++ tests.
 #include "chart_probe.h"
 
-#include "checker_internal.h"
-#include "checker_tree.h"
-#include "reach_internal.h"
+#include "checker/checker.h"
+#include "checker/clusters.h"
+#include "reachability/reach.h"
 
 uint32_t chart_probe_count( const lw_reach* reach )
 {

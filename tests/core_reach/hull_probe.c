@@ -2,8 +2,8 @@
 // Doors to the inside of a reach for C++ tests.
 #include "hull_probe.h"
 
-#include "convex_hull.h"
-#include "reach_internal.h"
+#include "reachability/qhull.h"
+#include "reachability/reach.h"
 
 #include <stdlib.h>
 

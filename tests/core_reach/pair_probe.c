@@ -2,7 +2,7 @@
 // The inside of proofs for C++ tests.
 #include "pair_probe.h"
 
-#include "reach_proof.h"
+#include "reachability/proof.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
 // Rakes of edges for a C++ program.
 #include "rake_shim.h"
 
-#include "edge_internal.h"
+#include "motion/edge.h"
 
 int shim_rake( const lw_checker* checker, lw_query* query, const double* qa, const double* qb, const lw_edge_def* def,
 	shim_left* left, uint32_t most )

@@ -2,7 +2,7 @@
 // The inside of a shape for tests in C++.
 #include "probe.h"
 
-#include "shape_internal.h"
+#include "shape/shape.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The inside of a shape for tests in C++, which cannot read the atomics of shape_internal.h. */
+/* The inside of a shape for tests in C++, which cannot read the atomics of shape/shape.h. */
 #ifndef LEEWAY_TESTS_PROBE_H
 #define LEEWAY_TESTS_PROBE_H
 

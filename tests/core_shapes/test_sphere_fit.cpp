@@ -4,7 +4,7 @@
 
 extern "C"
 {
-#include "sphere_fit.h"
+#include "shape/sphere_fit.h"
 }
 
 namespace

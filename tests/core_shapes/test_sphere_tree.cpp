@@ -6,7 +6,7 @@
 
 extern "C"
 {
-#include "sphere_fit.h"
+#include "shape/sphere_fit.h"
 }
 
 namespace

@@ -5,8 +5,8 @@
 
 extern "C"
 {
-#include "convex.h"
-#include "tri_tri.h"
+#include "distance/convex.h"
+#include "distance/tri_tri.h"
 }
 
 #include "seeded_rng.hpp"

@@ -12,7 +12,7 @@
 
 extern "C"
 {
-#include "tri_tri.h"
+#include "distance/tri_tri.h"
 }
 
 namespace extremes

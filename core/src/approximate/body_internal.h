@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What approximate/body.c builds and approximate/body_point.c reads: the grids that rays are cast through.
+#ifndef LEEWAY_APPROXIMATE_BODY_INTERNAL_H
+#define LEEWAY_APPROXIMATE_BODY_INTERNAL_H
+
+#include "approximate/body.h"
+
+enum
+{
+	LWI_RAY_GRIDS = 3, ///< directions that are tried where a ray grazes an edge
+	LWI_RAY_CELLS = 64 ///< per axis
+};
+
+/// The closed shells turned so that rays run along +z, in columns.
+typedef struct lwi_ray_grid
+{
+	lw_transform turn;
+	double* vertices; ///< [vertex_count of closed][3], turned
+	double low[2], high[2], inv_cell[2];
+	uint32_t* start; ///< [LWI_RAY_CELLS^2 + 1]
+	uint32_t* items; ///< [item_count] triangles
+	size_t item_count;
+} lwi_ray_grid;
+
+/// Column of a coordinate. Never falls where the coordinate grows, so a point in a triangle's range is in its columns.
+static inline uint32_t lwi_ray_cell( double value, double low, double inv_size )
+{
+	double cell = ( value - low ) * inv_size;
+	return cell <= 0 ? 0 : cell >= LWI_RAY_CELLS - 1 ? LWI_RAY_CELLS - 1 : (uint32_t)cell;
+}
+
+/// As lwi_body_encloses(), by any shell but one (LW_INVALID_INDEX: by any), of those marked in `among` (NULL: of all).
+/// body->inside_shell is the one found.
+bool lwi_body_encloses_by( lwi_body* body, lw_vec3 p, uint32_t but, const bool* among );
+
+#endif

@@ -1,0 +1,454 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of a checker that no scene changes: what the group moves, its self pairs, nodes, motion and what they sweep.
+//
+// Checkers that differ in their scene alone share one, so that an edit of the scene touches nothing of the robot.
+#include "checker/base.h"
+
+#include "checker/clusters.h"
+#include "base/math_inline.h"
+#include "reachability/reach.h"
+#include "scene/scene.h"
+#include "shape/shape.h"
+
+#include <string.h>
+
+/// What is known while building: per joint and link, freed before lwi_checker_base_create() returns.
+typedef struct draft
+{
+	const lw_allocator* allocator;
+	uint32_t joints, links, variables;
+	bool* variable_moves; ///< [variables]: in the group
+	bool* joint_moves;    ///< [joints]: driven by a variable of the group
+	bool* link_moves;     ///< [links]: in the world
+	uint32_t* link_top;   ///< [links]: the nearest link above, or itself, that hangs on a joint of the group; else the root
+} draft;
+
+static bool draft_create( draft* d, const lw_robot* robot, const lw_allocator* allocator )
+{
+	d->allocator = allocator;
+	d->joints = lw_robot_joint_count( robot );
+	d->links = lw_robot_link_count( robot );
+	d->variables = lw_robot_variable_count( robot );
+	d->variable_moves = lwi_alloc_zero( allocator, d->variables, sizeof( bool ) );
+	d->joint_moves = lwi_alloc_zero( allocator, d->joints, sizeof( bool ) );
+	d->link_moves = lwi_alloc_zero( allocator, d->links, sizeof( bool ) );
+	d->link_top = lwi_alloc_zero( allocator, d->links, sizeof( uint32_t ) );
+	return d->variable_moves != NULL && d->joint_moves != NULL && d->link_moves != NULL && d->link_top != NULL;
+}
+
+static void draft_destroy( draft* d )
+{
+	lwi_free( d->allocator, d->variable_moves, d->variables * sizeof( bool ) );
+	lwi_free( d->allocator, d->joint_moves, d->joints * sizeof( bool ) );
+	lwi_free( d->allocator, d->link_moves, d->links * sizeof( bool ) );
+	lwi_free( d->allocator, d->link_top, d->links * sizeof( uint32_t ) );
+}
+
+static lw_status mark_group( lwi_checker_base* b, const lw_checker_def* def, draft* d, lw_diag* diag )
+{
+	const lw_robot* robot = b->robot;
+	for ( uint32_t i = 0; i < b->variable_count; ++i )
+	{
+		uint32_t variable = def->variables != NULL ? def->variables[i] : i;
+		if ( d->variable_moves[variable] )
+		{
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "variable %u is in the group twice", variable );
+		}
+		d->variable_moves[variable] = true;
+		b->variables[i] = variable;
+	}
+	for ( uint32_t joint = 0; joint < d->joints; ++joint )
+	{
+		uint32_t driver = lwi_robot_joint_driver( robot, joint );
+		if ( driver == LW_INVALID_INDEX )
+		{
+			continue;
+		}
+		uint32_t first = lw_robot_joint_variable( robot, driver ), count = lw_robot_joint_variable_count( robot, driver );
+		for ( uint32_t k = 0; k < count; ++k )
+		{
+			if ( d->variable_moves[first + k] != d->variable_moves[first] )
+			{
+				return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, driver,
+					"the group holds some but not all variables of joint '%.80s'; list all or none",
+					lw_robot_joint_name( robot, driver ) );
+			}
+		}
+		d->joint_moves[joint] = count > 0 && d->variable_moves[first];
+	}
+	const uint32_t* order = lwi_robot_link_order( robot );
+	for ( uint32_t i = 0; i < d->links; ++i )
+	{
+		uint32_t link = order[i], joint = lw_robot_link_joint( robot, link );
+		d->link_top[link] = link;
+		if ( joint != LW_INVALID_INDEX )
+		{
+			uint32_t parent = lw_robot_joint_parent( robot, joint );
+			d->link_moves[link] = d->joint_moves[joint] || d->link_moves[parent];
+			d->link_top[link] = d->joint_moves[joint] ? link : d->link_top[parent];
+		}
+	}
+	return LW_OK;
+}
+
+/// A body in the reference state.
+typedef struct placed_body
+{
+	lw_body_def def;
+	lw_transform world_from_shape;
+	bool moves;
+} placed_body;
+
+static placed_body place_body( const lwi_checker_base* b, const draft* d, uint32_t body )
+{
+	placed_body p = { .def = lw_robot_body( b->robot, body ) };
+	p.moves = d->link_moves[p.def.link];
+	p.world_from_shape = lwi_multiply( &b->reference_poses[p.def.link], &p.def.link_from_shape );
+	return p;
+}
+
+/// Metres: boxes that overlap have the gap 0.
+#define BOXES_MEET 1e-12
+
+/// True if the box of a body that stands still meets that of one that moves and is checked against it.
+static bool meets_moving( const lwi_checker_base* b, const draft* d, const placed_body* mine )
+{
+	for ( uint32_t k = 0; k < lw_robot_body_count( b->robot ); ++k )
+	{
+		const uint32_t link = lw_robot_body( b->robot, k ).link;
+		if ( !d->link_moves[link] || lw_robot_pair_allowed( b->robot, mine->def.link, link ) )
+		{
+			continue;
+		}
+		const placed_body other = place_body( b, d, k );
+		if ( lwi_box_gap_below( BOXES_MEET, mine->def.shape, other.def.shape, &mine->world_from_shape,
+				 &other.world_from_shape ) < BOXES_MEET )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+/// Notes what stands still and hardly a question goes without: what has its box meet that of something it is checked against in
+/// the reference state, and the two that the static clearance is searched between first.
+static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* def, const draft* d, lwi_ahead* ahead )
+{
+	const uint32_t shapes = def->scene != NULL ? def->scene->shape_count : 0;
+	const lw_shape* nearest[2] = { NULL, NULL };
+	double least = INFINITY;
+	for ( uint32_t i = 0; i < lw_robot_body_count( b->robot ); ++i )
+	{
+		const placed_body body = place_body( b, d, i );
+		if ( !body.moves && meets_moving( b, d, &body ) )
+		{
+			lwi_ahead_note( ahead, body.def.shape );
+		}
+		for ( uint32_t k = 0; k < shapes; ++k )
+		{
+			const lw_scene_shape_def* other = &def->scene->shapes[k];
+			const double limit = body.moves ? BOXES_MEET : fmax( least, BOXES_MEET );
+			const double gap =
+				lwi_box_gap_below( limit, body.def.shape, other->shape, &body.world_from_shape, &other->world_from_shape );
+			if ( gap < BOXES_MEET )
+			{
+				lwi_ahead_note( ahead, body.def.shape );
+				lwi_ahead_note( ahead, other->shape );
+			}
+			if ( !body.moves && gap < least )
+			{
+				least = gap;
+				nearest[0] = body.def.shape;
+				nearest[1] = other->shape;
+			}
+		}
+	}
+	for ( int i = 0; i < 2 && nearest[i] != NULL; ++i )
+	{
+		lwi_ahead_note( ahead, nearest[i] );
+	}
+}
+
+/// Bodies that move are needed whole, for motion bounds if for nothing else; of the others bounds will do for the time being.
+static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker_def, const draft* d, lw_diag* diag )
+{
+	lw_status status = LW_OK;
+	lwi_ahead ahead = { .prepare = checker_def->prepare, .user = checker_def->prepare_user };
+	for ( uint32_t body = 0; body < lw_robot_body_count( b->robot ); ++body )
+	{
+		lw_body_def def = lw_robot_body( b->robot, body );
+		if ( d->link_moves[def.link] )
+		{
+			lwi_ahead_note( &ahead, def.shape );
+		}
+	}
+	if ( ahead.prepare != NULL )
+	{
+		note_neighbours( b, checker_def, d, &ahead );
+		lwi_ahead_flush( &ahead );
+	}
+	for ( uint32_t body = 0; body < lw_robot_body_count( b->robot ) && status == LW_OK; ++body )
+	{
+		lw_body_def def = lw_robot_body( b->robot, body );
+		const bool moves = d->link_moves[def.link];
+		const lw_shape* shape = moves ? lwi_shape_made( def.shape, &status, diag ) : lwi_shape_now( def.shape );
+		b->bodies[body] = (lwi_checker_body){ .shape = shape, .link = def.link, .link_from_shape = def.link_from_shape };
+		if ( moves )
+		{
+			b->moving_bodies[b->moving_body_count++] = body;
+		}
+	}
+	return status;
+}
+
+/// Visits the self pairs; `pairs` NULL only counts. The group moves two links against each other if a joint of it lies on the
+/// way between them, that is if they do not hang together below the same one.
+static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, lwi_self_pair* pairs )
+{
+	uint32_t bodies = lw_robot_body_count( b->robot ), count = 0;
+	for ( uint32_t first = 0; first < bodies; ++first )
+	{
+		for ( uint32_t second = first + 1; second < bodies; ++second )
+		{
+			uint32_t link_a = b->bodies[first].link, link_b = b->bodies[second].link;
+			if ( d->link_top[link_a] != d->link_top[link_b] && !lw_robot_pair_allowed( b->robot, link_a, link_b ) )
+			{
+				if ( pairs != NULL )
+				{
+					pairs[count] = (lwi_self_pair){ first, second };
+				}
+				++count;
+			}
+		}
+	}
+	return count;
+}
+
+static lw_status fill_self_pairs( lwi_checker_base* b, const draft* d, lw_diag* diag )
+{
+	uint32_t pairs = list_self_pairs( b, d, NULL );
+	b->self_pairs = lwi_alloc_zero( &b->allocator, pairs, sizeof( lwi_self_pair ) );
+	if ( b->self_pairs == NULL )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	b->self_pair_count = pairs;
+	b->bytes += pairs * sizeof( lwi_self_pair );
+	list_self_pairs( b, d, b->self_pairs );
+	for ( uint32_t i = 0; i < pairs; ++i )
+	{
+		uint32_t second = b->self_pairs[i].body_b;
+		uint8_t* row = b->self_mask + (size_t)b->self_pairs[i].body_a * b->body_block_count;
+		row[second / LWI_WIDTH] = (uint8_t)( row[second / LWI_WIDTH] | ( 1u << ( second % LWI_WIDTH ) ) );
+	}
+	return LW_OK;
+}
+
+static bool allocate_tables( lwi_checker_base* b )
+{
+	const lw_allocator* allocator = &b->allocator;
+	uint32_t bodies = lw_robot_body_count( b->robot ), links = lw_robot_link_count( b->robot );
+	b->body_block_count = ( bodies + LWI_WIDTH - 1 ) / LWI_WIDTH;
+	b->variables = lwi_alloc_zero( allocator, b->variable_count, sizeof( uint32_t ) );
+	b->reference = lwi_alloc_zero( allocator, lw_robot_variable_count( b->robot ), sizeof( double ) );
+	b->reference_poses = lwi_alloc_zero( allocator, links, sizeof( lw_transform ) );
+	b->bodies = lwi_alloc_zero( allocator, bodies, sizeof( lwi_checker_body ) );
+	b->moving_bodies = lwi_alloc_zero( allocator, bodies, sizeof( uint32_t ) );
+	b->self_mask = lwi_alloc_zero( allocator, bodies, b->body_block_count );
+	b->near_lower = lwi_alloc_zero( allocator, b->variable_count, sizeof( double ) );
+	b->near_upper = lwi_alloc_zero( allocator, b->variable_count, sizeof( double ) );
+	b->bytes = sizeof( lwi_checker_base ) + b->variable_count * ( sizeof( double[2] ) + sizeof( uint32_t ) ) +
+			   lw_robot_variable_count( b->robot ) * sizeof( double ) + links * sizeof( lw_transform ) +
+			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + b->body_block_count );
+	return b->variables != NULL && b->reference != NULL && b->reference_poses != NULL && b->bodies != NULL &&
+		   b->moving_bodies != NULL && b->self_mask != NULL && b->near_lower != NULL && b->near_upper != NULL;
+}
+
+/// The checker's pointers to what its base has so far.
+static void refer( lw_checker* c, lwi_checker_base* b )
+{
+	c->base = b;
+	c->robot = b->robot;
+	c->reach = b->reach;
+	c->variable_count = b->variable_count;
+	c->variables = b->variables;
+	c->reference = b->reference;
+	c->reference_poses = b->reference_poses;
+	c->bodies = b->bodies;
+	c->moving_body_count = b->moving_body_count;
+	c->moving_bodies = b->moving_bodies;
+	c->self_pair_count = b->self_pair_count;
+	c->never_pair_count = b->never_pair_count;
+	c->self_pairs = b->self_pairs;
+	c->body_block_count = b->body_block_count;
+	c->self_mask = b->self_mask;
+	c->self_margins = b->margins;
+	c->near_lower = b->near_lower;
+	c->near_upper = b->near_upper;
+	c->tree = b->tree;
+	c->motion = b->motion;
+}
+
+/// The tree, how its nodes move and what they sweep, and how much the reach proves of the self pairs.
+static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_diag* diag )
+{
+	refer( c, b );
+	lw_status status = lwi_checker_tree_create( c, d->joint_moves, diag, &b->tree );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	for ( uint32_t i = 0; b->tree->proves && i < b->self_pair_count; ++i )
+	{
+		uint32_t body_a = b->self_pairs[i].body_a, body_b = b->self_pairs[i].body_b;
+		b->never_pair_count += lwi_checker_separation( c, b->tree, body_a, body_b ) > 0 ? 1u : 0u;
+	}
+	for ( uint32_t i = 0; i < d->variables; ++i )
+	{
+		d->variable_moves[i] = !d->variable_moves[i]; // from here on: fixed
+	}
+	refer( c, b );
+	status = lwi_checker_tree_motion( c, d->variable_moves, diag, &b->motion );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	b->covers = lwi_alloc_zero( &b->allocator, b->tree->node_count, sizeof( lwi_cover ) );
+	if ( b->covers == NULL )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	for ( uint32_t i = 0; i < b->tree->node_count; ++i )
+	{
+		lwi_cover_node( c, &b->tree->nodes[i], d->joint_moves, &b->covers[i] );
+	}
+	for ( uint32_t i = 0; i < b->variable_count; ++i )
+	{
+		lwi_required_range( b->robot, b->variables[i], &b->near_lower[i], &b->near_upper[i] );
+	}
+	b->bytes += b->tree->bytes + lwi_motion_table_bytes( b->motion ) + b->tree->node_count * sizeof( lwi_cover );
+	return LW_OK;
+}
+
+/// What a variable is where no state says otherwise. The group's part of def->reference says nothing: far away, poses of links to each other
+/// would be off by its roundings, which those of no state account for.
+static double reference_value( const lwi_checker_base* b, const lw_checker_def* def, uint32_t variable )
+{
+	bool by_default = def->reference == NULL;
+	for ( uint32_t i = 0; i < b->variable_count && !by_default; ++i )
+	{
+		by_default = b->variables[i] == variable;
+	}
+	return by_default ? lwi_robot_default_value( b->robot, variable ) : def->reference[variable];
+}
+
+static lw_status build( lwi_checker_base* b, lw_checker* c, const lw_checker_def* def, draft* d, lw_diag* diag )
+{
+	if ( !allocate_tables( b ) || !draft_create( d, b->robot, &b->allocator ) )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	lw_status status = mark_group( b, def, d, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	for ( uint32_t i = 0; i < lw_robot_variable_count( b->robot ); ++i )
+	{
+		b->reference[i] = reference_value( b, def, i );
+	}
+	status = lw_robot_fk( b->robot, b->reference, b->reference_poses );
+	if ( status != LW_OK )
+	{
+		return lwi_fail( diag, status, LW_INVALID_INDEX, "the reference state has a zero quaternion" );
+	}
+	status = fill_bodies( b, def, d, diag );
+	uint32_t bodies = lw_robot_body_count( b->robot );
+	if ( status == LW_OK && b->margins != NULL &&
+		 !lwi_self_margins_apply( b->margins, b->bodies, bodies, b->body_block_count * LWI_WIDTH ) )
+	{
+		return lwi_out_of_memory( diag, "margins" );
+	}
+	b->bytes += b->margins != NULL ? b->margins->bytes : 0;
+	status = status == LW_OK ? fill_self_pairs( b, d, diag ) : status;
+	return status == LW_OK ? build_tree( b, c, d, diag ) : status;
+}
+
+lw_status lwi_checker_base_create( lw_checker* c, const lw_checker_def* def, lwi_self_margins* margins, lw_diag* diag )
+{
+	lwi_checker_base* b = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_checker_base ) );
+	if ( b == NULL )
+	{
+		lwi_self_margins_destroy( margins );
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	b->margins = margins;
+	atomic_init( &b->references, 1u );
+	b->allocator = c->allocator;
+	b->robot = lw_robot_retain( def->robot );
+	b->reach = lw_reach_retain( def->reach );
+	b->variable_count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
+	draft d;
+	memset( &d, 0, sizeof( d ) );
+	d.allocator = &b->allocator;
+	lw_status status = build( b, c, def, &d, diag );
+	draft_destroy( &d );
+	refer( c, b ); // a checker that fails releases it
+	return status;
+}
+
+bool lwi_checker_base_share( lw_checker* c, const lw_checker_def* def, const lwi_self_margins* margins,
+	const lw_checker* other )
+{
+	lwi_checker_base* b = other->base;
+	uint32_t count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
+	if ( b->robot != def->robot || b->reach != def->reach || b->variable_count != count ||
+		 !lwi_self_margins_equal( b->margins, margins ) )
+	{
+		return false;
+	}
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		if ( b->variables[i] != ( def->variables != NULL ? def->variables[i] : i ) )
+		{
+			return false;
+		}
+	}
+	for ( uint32_t i = 0; i < lw_robot_variable_count( def->robot ); ++i )
+	{
+		double value = reference_value( b, def, i );
+		if ( memcmp( &b->reference[i], &value, sizeof( double ) ) != 0 )
+		{
+			return false;
+		}
+	}
+	lwi_retain( &b->references );
+	refer( c, b );
+	return true;
+}
+
+void lwi_checker_base_release( lwi_checker_base* b )
+{
+	if ( b == NULL || !lwi_release( &b->references ) )
+	{
+		return;
+	}
+	const lw_allocator allocator = b->allocator;
+	uint32_t bodies = lw_robot_body_count( b->robot );
+	lwi_free( &allocator, b->variables, b->variable_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, b->reference, lw_robot_variable_count( b->robot ) * sizeof( double ) );
+	lwi_free( &allocator, b->reference_poses, lw_robot_link_count( b->robot ) * sizeof( lw_transform ) );
+	lwi_free( &allocator, b->bodies, bodies * sizeof( lwi_checker_body ) );
+	lwi_free( &allocator, b->moving_bodies, bodies * sizeof( uint32_t ) );
+	lwi_free( &allocator, b->self_pairs, b->self_pair_count * sizeof( lwi_self_pair ) );
+	lwi_free( &allocator, b->self_mask, (size_t)bodies * b->body_block_count );
+	lwi_free( &allocator, b->near_lower, b->variable_count * sizeof( double ) );
+	lwi_free( &allocator, b->near_upper, b->variable_count * sizeof( double ) );
+	lwi_free( &allocator, b->covers, b->tree != NULL ? b->tree->node_count * sizeof( lwi_cover ) : 0 );
+	lwi_self_margins_destroy( b->margins );
+	lwi_motion_table_destroy( b->motion );
+	lwi_checker_tree_destroy( b->tree, b->variable_count );
+	lw_reach_release( b->reach );
+	lw_robot_release( b->robot );
+	lwi_free( &allocator, b, sizeof( lwi_checker_base ) );
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The answer for one state: environment, self, and what they say together.
+#include "checker/checker.h"
+#include "scene/scene.h"
+
+const char* lw_verdict_name( lw_verdict verdict )
+{
+	switch ( verdict )
+	{
+		case LW_VERDICT_FREE:
+			return "FREE";
+		case LW_VERDICT_BLOCKED:
+			return "BLOCKED";
+		case LW_VERDICT_REFUSED:
+			return "REFUSED";
+		case LW_VERDICT_UNKNOWN:
+			break;
+	}
+	return "UNKNOWN";
+}
+
+static bool is_proved_free( const lw_clearance* clearance, double min_d )
+{
+	return ( clearance->kind == LW_CLEARANCE_NEAR || clearance->kind == LW_CLEARANCE_FAR ) && clearance->lower > min_d;
+}
+
+lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spare_shapes, uint32_t spare_bodies )
+{
+	const uint32_t scene_shapes = checker->scene != NULL ? checker->scene->shape_count : 0;
+	lwi_query_sizes sizes = { .links = lw_robot_link_count( checker->robot ) + spare_bodies,
+		.bodies = lw_robot_body_count( checker->robot ) + spare_bodies,
+		.variables = lw_robot_variable_count( checker->robot ),
+		.shapes = scene_shapes + spare_shapes };
+	const size_t rows = (size_t)checker->moving_body_count + spare_bodies;
+	const size_t environment = ( rows > 0 ? rows : 1 ) * lwi_padded( sizes.shapes );
+	const size_t self = sizes.bodies * (size_t)lwi_padded( sizes.bodies );
+	sizes.gaps = environment > self ? environment : self;
+	return sizes;
+}
+
+lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_what what, const lw_range* range,
+	bool stop_at_first, lw_state_result* out )
+{
+	if ( out == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
+	lw_range wanted = range != NULL ? *range : lw_range_exact();
+	if ( checker == NULL || query == NULL || ( q == NULL && checker->variable_count > 0 ) || !lwi_range_is_valid( &wanted ) ||
+		 ( what & LW_WHAT_BOTH ) == 0 || !lwi_query_fits( query, checker ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	query->search.failure = LW_OK;
+	lw_status status = lwi_checker_pose( checker, query, q );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	bool ask_environment = ( what & LW_WHAT_ENVIRONMENT ) != 0, ask_self = ( what & LW_WHAT_SELF ) != 0;
+	if ( ask_environment )
+	{
+		lwi_checker_environment( checker, query, &wanted, &out->environment );
+	}
+	bool violated = out->environment.kind == LW_CLEARANCE_VIOLATION;
+	if ( ask_self && !( violated && stop_at_first ) )
+	{
+		lwi_checker_self( checker, query, &wanted, &out->self );
+		violated = violated || out->self.kind == LW_CLEARANCE_VIOLATION;
+	}
+	if ( query->search.failure != LW_OK )
+	{
+		*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
+		return query->search.failure;
+	}
+	bool free = ( !ask_environment || is_proved_free( &out->environment, wanted.min_d ) ) &&
+				( !ask_self || is_proved_free( &out->self, wanted.min_d ) );
+	out->verdict = violated ? LW_VERDICT_BLOCKED : free ? LW_VERDICT_FREE : LW_VERDICT_REFUSED;
+	return LW_OK;
+}

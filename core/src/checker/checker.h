@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The checker's tables, and the questions about a posed state that states (checker/checker.c) and edges (motion/edge.c) are made of.
+#ifndef LEEWAY_CHECKER_CHECKER_H
+#define LEEWAY_CHECKER_CHECKER_H
+
+#include "checker/margin.h"
+#include "leeway/checker.h"
+#include "robot/motion_bound.h"
+#include "query/query.h"
+#include "simd/tree_layout.h"
+#include "robot/robot.h"
+#include "shape/shape.h"
+
+#include <math.h>
+
+struct lwi_warm;
+
+/// Two bodies to check against each other; `a` < `b`.
+typedef struct lwi_self_pair
+{
+	uint32_t body_a, body_b; ///< robot bodies
+} lwi_self_pair;
+
+/// A robot body as the queries want it.
+typedef struct lwi_checker_body
+{
+	const lw_shape* shape; ///< the robot's; complete if the body moves, perhaps deferred if not
+	uint32_t link;
+	lw_transform link_from_shape;
+	double self_margin;    ///< its share of margins to other bodies, but for `self_row`
+	const float* self_row; ///< [body_block_count * LWI_WIDTH] what listed margins add to these shares, rounded up; NULL = nothing
+} lwi_checker_body;
+
+struct lw_checker
+{
+	atomic_uint references;
+	lw_allocator allocator;
+	lw_scene* scene; ///< NULL = none
+	// Shared with checkers that differ in their scene only, and owned by the base: what it has is immutable
+	struct lwi_checker_base* base;
+	lw_robot* robot;
+	lw_reach* reach; ///< NULL = none
+	uint32_t variable_count;
+	uint32_t* variables;   ///< [variable_count] robot variables of a state vector
+	double* reference;     ///< [robot variable_count] the default in the group, def's outside of it
+	lw_transform* reference_poses; ///< [link_count] world_from_link at the reference
+	lwi_checker_body* bodies; ///< [robot body_count]
+	uint32_t moving_body_count;
+	uint32_t* moving_bodies; ///< [moving_body_count] robot bodies on moving links, ascending
+	uint32_t self_pair_count;
+	lwi_self_pair* self_pairs;
+	uint32_t body_block_count;  ///< of LWI_WIDTH robot bodies
+	uint8_t* self_mask;         ///< [body_count][body_block_count]: bit = this pair is in self_pairs (in the row of body_a)
+	double* near_lower;         ///< [variable_count] the states for which near_mask holds
+	double* near_upper;
+	lwi_motion_table* motion;   ///< of the tree's nodes
+	struct lwi_checker_tree* tree; ///< the robot as nodes, with what the reach proves of them
+	uint32_t never_pair_count;
+	lwi_self_margins* self_margins; ///< NULL = none
+	// This scene's
+	lwi_margins* margins;       ///< NULL = none
+	uint32_t allowed_count;
+	lw_link_object_pair* allowed; ///< [allowed_count] as given
+	double max_d;               ///< as given
+	uint32_t scene_block_count; ///< of LWI_WIDTH scene shapes
+	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
+	uint8_t* node_environment;  ///< [node_count] bits of lwi_node_asks
+	uint32_t environment_pair_count; ///< of moving bodies
+	// What the group can come near to: checker/culling.c. The rest is passed over where that changes no answer.
+	double horizon;           ///< metres: no moving body gets this near to what near_mask leaves out, in the states below
+	bool horizon_is_complete; ///< static_environment is nearer than that: no state's clearance is beyond the horizon
+	uint8_t* near_mask;       ///< as environment_mask, which it is a part of; rows of moving bodies
+	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
+	double* obstacle_distance; ///< [shape_count] what is proved of all moving bodies, less margins; +INFINITY if none is checked against it
+	double* node_distance;    ///< [shape_count][node_count] what is proved of a node's bodies; NaN where none is checked against it
+	lw_clearance static_environment;
+	uint32_t static_body, static_shape; ///< where it is attained; LW_INVALID_INDEX if there is nothing
+	size_t bytes;             ///< of this checker alone
+};
+
+/// What a node has to do with the scene.
+enum lwi_node_asks
+{
+	LWI_NODE_ASKS = 1,   ///< some body of the node itself is checked against some obstacle
+	LWI_SUBTREE_ASKS = 2 ///< some body of its subtree is
+};
+
+/// Margin of a body to an object.
+static inline double lwi_environment_margin( const lw_checker* checker, uint32_t body, uint32_t object )
+{
+	return checker->margins != NULL ? lwi_margin_to_object( checker->margins, checker->bodies[body].link, object ) : 0;
+}
+
+/// Margin of two bodies.
+static inline double lwi_self_margin( const lw_checker* checker, uint32_t body_a, uint32_t body_b )
+{
+	return checker->self_margins != NULL
+			   ? lwi_margin_of_links( checker->self_margins, checker->bodies[body_a].link, checker->bodies[body_b].link )
+			   : 0;
+}
+
+/// No clearance is below this; 0 without margins.
+static inline double lwi_lowest_environment( const lw_checker* checker )
+{
+	return checker->margins != NULL ? -checker->margins->largest : 0;
+}
+static inline double lwi_lowest_self( const lw_checker* checker )
+{
+	return checker->self_margins != NULL ? -checker->self_margins->largest : 0;
+}
+
+/// Poses all that does not depend on the state, unless the query holds this checker's poses already.
+void lwi_checker_bind( const lw_checker* checker, lw_query* query );
+
+/// Takes a state over for the questions below. With a tree, and a query that uses it, poses are computed when they are
+/// asked for, else all at once.
+/// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite, zero quaternion)
+lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q );
+
+/// The answer where there is nothing to measure: FAR with lower = +inf.
+static inline lw_clearance lwi_nothing_to_check( void )
+{
+	lw_clearance out = lw_clearance_unknown();
+	out.kind = LW_CLEARANCE_FAR;
+	out.lower = INFINITY;
+	return out;
+}
+
+/// Clearance of the robot to the scene at the posed state, static bodies included.
+void lwi_checker_environment( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out );
+
+/// Clearance of the robot to itself at the posed state.
+void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out );
+
+/// True if `separation` of the self pairs holds in both states and everywhere between them, and the query may use it.
+bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb );
+
+/// True if nothing that near_mask leaves out comes nearer than `limit` in both states and everywhere between them.
+bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const double* qb, double limit );
+
+// --- parts of the robot, at the posed state --------------------------------------------------------------------------
+
+/// A question whose answer is of no use if it is between two distances: then the first such distance found ends it.
+typedef struct lwi_threshold
+{
+	lw_range range;
+	double give_up_above, give_up_below; ///< out->upper between them: UNDECIDED, lower 0; never if below <= above
+} lwi_threshold;
+
+/// False if all bodies of a node are `limit` or farther from the scene by their common sphere.
+bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit );
+/// Obstacles that the sphere of a body does not prove `limit` away: the first entries of query->candidates. Returns their count.
+uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit );
+
+/// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
+/// out->b = object. FAR if nothing is to be checked.
+/// @param warm where its nearest pair was; written if one was found
+void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
+	struct lwi_warm* warm, lw_clearance* out );
+
+/// The pairs of bodies of a pair of nodes (index into the tree's pairs) that spheres and separations do not prove `limit`
+/// apart: the first entries of query->candidates, each lwi_body_pair_id(). Returns their count.
+uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t pair, double limit );
+
+/// Names a pair of robot bodies; body_a < body_b.
+static inline uint32_t lwi_body_pair_id( const lw_checker* checker, uint32_t body_a, uint32_t body_b )
+{
+	return body_a * ( checker->body_block_count * LWI_WIDTH ) + body_b;
+}
+
+/// False if the spheres of two bodies are `limit` or farther apart.
+bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit );
+
+/// Clearance of one pair of bodies. out->a, out->b = links.
+void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
+	struct lwi_warm* warm, lw_clearance* out );
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Measures the static bodies: fills static_environment, static_body and static_shape with the nearest pair, if it is nearer
+/// than `known`; else leaves them alone. Called by lw_checker_create() with a query posed at the reference.
+/// @param fresh [scene_block_count] bits of the shapes that are looked at; NULL: all
+/// @param known metres, INFINITY if nothing is known
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known,
+	lwi_ahead* ahead );
+
+/// Arrays that a query needs for states of this checker; edge_bytes is 0.
+/// @param spare_shapes, spare_bodies that scene and robot may have beyond those they have; a spare body brings a link
+lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spare_shapes, uint32_t spare_bodies );
+
+/// False if an array of the query is too small for states of this checker.
+static inline bool lwi_query_fits( const lw_query* query, const lw_checker* checker )
+{
+	const lwi_query_sizes sizes = lwi_checker_query_sizes( checker, 0, 0 );
+	return query->posed == checker || lwi_query_has_room( query, &sizes );
+}
+
+#endif

@@ -1,0 +1,487 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Building the nodes of a checker: links merged where the group does not move them, spheres around them.
+// Paper: Steinbach et al. 2006, section III. The M spheres are those of the reach: they hold for all joints below, so also
+// for the joints of the group alone.
+#include "checker/clusters.h"
+
+#include "checker/checker.h"
+#include "checker/pose.h"
+#include "base/math_inline.h"
+#include "reachability/reach.h"
+#include "shape/shape.h"
+#include "shape/sphere_fit.h"
+
+#include <string.h>
+
+/// Metres taken off every separation: poses in double are better than this within 1000 km of the world's origin.
+#define POSE_MARGIN 1e-9
+
+float lwi_checker_separation( const lw_checker* c, const lwi_checker_tree* t, uint32_t body_a, uint32_t body_b )
+{
+	double proved = 0, margin = lwi_self_margin( c, body_a, body_b );
+	uint32_t link_a = c->bodies[body_a].link, link_b = c->bodies[body_b].link;
+	if ( t->proves && link_a < c->reach->link_count && link_b < c->reach->link_count ) // nothing of what was attached later
+	{
+		proved = lw_reach_get_pair( c->reach, link_a, link_b ).separation;
+	}
+	double usable = proved * ( 1 - 0x1p-20 ) - POSE_MARGIN;
+	usable = usable > 0 ? usable : 0;
+	return usable > 0 || margin > 0 ? lwi_round_down( usable - margin ) : 0;
+}
+
+void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
+{
+	if ( t == NULL )
+	{
+		return;
+	}
+	lw_allocator allocator = t->allocator;
+	lwi_free( &allocator, t->lower, variable_count * sizeof( double ) );
+	lwi_free( &allocator, t->upper, variable_count * sizeof( double ) );
+	lwi_free( &allocator, t->floating, variable_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->nodes, t->link_count * sizeof( lwi_checker_node ) );
+	lwi_free( &allocator, t->turns, t->link_count * sizeof( lwi_node_turn ) );
+	lwi_free( &allocator, t->rake_joints, t->link_count * sizeof( lwi_rake_joint ) );
+	lwi_free( &allocator, t->body_poses, t->body_count * sizeof( lw_transform ) );
+	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->body_place, t->body_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
+	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
+	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
+	lwi_free( &allocator, t->views, t->view_capacity * sizeof( lwi_chart_view ) );
+	lwi_free( &allocator, t->scales, t->scale_count * sizeof( lwi_chart_scale ) );
+	lwi_free( &allocator, t->pair_views, t->separation_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->units, sizeof( lwi_self_units ) );
+	lwi_node_rows_destroy( t, &t->rows );
+	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
+	lwi_free( &allocator, t, sizeof( lwi_checker_tree ) );
+}
+
+static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, uint32_t bodies )
+{
+	t->link_count = links;
+	t->body_count = bodies;
+	t->lower = lwi_alloc_zero( &t->allocator, variables, sizeof( double ) );
+	t->upper = lwi_alloc_zero( &t->allocator, variables, sizeof( double ) );
+	t->floating = lwi_alloc_zero( &t->allocator, variables, sizeof( uint32_t ) );
+	t->nodes = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_checker_node ) );
+	t->turns = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_node_turn ) );
+	t->rake_joints = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_rake_joint ) );
+	t->body_poses = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_transform ) );
+	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
+	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
+	t->body_place = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
+	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
+	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
+			   links * ( sizeof( lwi_checker_node ) + sizeof( lwi_node_turn ) + sizeof( lwi_rake_joint ) ) +
+			   bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) + sizeof( lw_transform ) );
+	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->turns != NULL && t->rake_joints != NULL &&
+		   t->body_poses != NULL && t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL;
+}
+
+/// True if there is a reach and every variable outside of the group is inside of its range.
+static bool reach_covers( const lw_checker* c, const bool* in_group )
+{
+	for ( uint32_t i = 0; c->reach != NULL && i < c->robot->variable_count; ++i )
+	{
+		double lower, upper;
+		lw_reach_variable_range( c->reach, i, &lower, &upper );
+		if ( !in_group[i] && !( c->reference[i] >= lower && c->reference[i] <= upper ) )
+		{
+			return false;
+		}
+	}
+	return c->reach != NULL;
+}
+
+/// Ranges of the group's variables, and its floating joints.
+static void fill_variables( lwi_checker_tree* t, const lw_checker* c )
+{
+	for ( uint32_t i = 0; i < c->variable_count; ++i )
+	{
+		t->lower[i] = -INFINITY;
+		t->upper[i] = INFINITY;
+		if ( t->proves )
+		{
+			lw_reach_variable_range( c->reach, c->variables[i], &t->lower[i], &t->upper[i] );
+		}
+		const lw_variable_info* info = &c->robot->variables[c->variables[i]];
+		if ( c->robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 0 )
+		{
+			t->floating[t->floating_count++] = c->variables[i];
+		}
+	}
+}
+
+// --- nodes -----------------------------------------------------------------------------------------------------------
+
+/// Scratch of the numbering: link_node[link] and lists of links by the node they head or belong to.
+typedef struct numbering
+{
+	uint32_t* node_top; ///< [links] the top link of each link's node
+	uint32_t* node_of;  ///< [links] node of a top link
+	uint32_t* next;     ///< [links] chains of top links that hang on the same node; newest first
+	uint32_t* child;    ///< [links] first of the chain, by top link
+} numbering;
+
+/// Numbers the nodes depth first. Chains are as deep as the robot, so there is no recursion: the way back is in `parent`.
+static void number_nodes( lwi_checker_tree* t, const lw_robot* robot, const bool* joint_moves, numbering* n )
+{
+	for ( uint32_t i = 0; i < robot->link_count; ++i )
+	{
+		n->next[i] = n->child[i] = LW_INVALID_INDEX;
+	}
+	for ( uint32_t i = 0; i < robot->link_count; ++i )
+	{
+		uint32_t link = robot->link_order[i], joint = robot->link_joint[link];
+		bool head = joint == LW_INVALID_INDEX || joint_moves[joint];
+		n->node_top[link] = head ? link : n->node_top[robot->joints[joint].parent];
+		if ( head && joint != LW_INVALID_INDEX )
+		{
+			uint32_t above = n->node_top[robot->joints[joint].parent];
+			n->next[link] = n->child[above];
+			n->child[above] = link;
+		}
+	}
+	uint32_t top = robot->link_order[0], node = LW_INVALID_INDEX;
+	while ( top != LW_INVALID_INDEX )
+	{
+		uint32_t joint = robot->link_joint[top];
+		lwi_checker_node* fresh = &t->nodes[t->node_count];
+		fresh->parent = node;
+		fresh->top = top;
+		fresh->parent_link = joint != LW_INVALID_INDEX ? robot->joints[joint].parent : LW_INVALID_INDEX;
+		n->node_of[top] = node = t->node_count++;
+		top = n->child[top];
+		while ( top == LW_INVALID_INDEX && node != LW_INVALID_INDEX )
+		{
+			t->nodes[node].end = t->node_count;
+			top = n->next[t->nodes[node].top];
+			node = t->nodes[node].parent;
+		}
+	}
+}
+
+/// Where the nodes hang on each other, the same in all states.
+static void fill_hooks( lwi_checker_tree* t, const lw_checker* c )
+{
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		node->hook = lw_transform_identity();
+		if ( node->parent != LW_INVALID_INDEX )
+		{
+			const lwi_joint* joint = &c->robot->joints[c->robot->link_joint[node->top]];
+			uint32_t top = node->parent_top = t->nodes[node->parent].top;
+			bool direct = top == node->parent_link; // the usual case: not a digit is lost
+			lw_transform top_from_link = lwi_relative( &c->reference_poses[top], &c->reference_poses[node->parent_link] );
+			node->hook = direct ? joint->parent_from_joint : lwi_multiply( &top_from_link, &joint->parent_from_joint );
+			node->hook_translates = direct && joint->pure_translation;
+		}
+	}
+}
+
+static void fill_turns( lwi_checker_tree* t, const lw_robot* robot )
+{
+	for ( uint32_t i = 1; i < t->node_count; ++i )
+	{
+		const lwi_joint* joint = &robot->joints[robot->link_joint[t->nodes[i].top]];
+		if ( lwi_joint_only_turns( joint ) )
+		{
+			t->turns[i] = (lwi_node_turn){ joint->multiplier, joint->offset, joint->variable, true };
+		}
+	}
+}
+
+/// top_from_shape at the reference, and thereby in every state.
+static lw_transform body_in_node( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
+{
+	const lwi_checker_body* b = &c->bodies[body];
+	lw_transform top_from_link = lwi_relative( &c->reference_poses[node->top], &c->reference_poses[b->link] );
+	return lwi_multiply( &top_from_link, &b->link_from_shape );
+}
+
+/// Bodies by node: counting sort, so that within a node they keep their order.
+static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numbering* n )
+{
+	for ( uint32_t i = 0; i < t->body_count; ++i )
+	{
+		t->body_node[i] = n->node_of[n->node_top[c->bodies[i].link]];
+		t->nodes[t->body_node[i]].body_count++;
+	}
+	uint32_t bodies = 0, blocks = 0;
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		node->first_body = bodies;
+		bodies += node->body_count;
+		node->first_block = blocks;
+		blocks += ( node->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
+		node->body_count = 0;
+	}
+	for ( uint32_t body = 0; body < t->body_count; ++body )
+	{
+		lwi_checker_node* node = &t->nodes[t->body_node[body]];
+		t->body_place[body] = node->first_body + node->body_count;
+		t->body_poses[t->body_place[body]] = body_in_node( c, node, body );
+		t->bodies[node->first_body + node->body_count++] = body;
+	}
+}
+
+static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
+{
+	uint32_t links = t->link_count;
+	uint32_t* memory = lwi_alloc_zero( &t->allocator, links, 4 * sizeof( uint32_t ) );
+	if ( memory == NULL )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links };
+	number_nodes( t, c->robot, joint_moves, &n );
+	fill_hooks( t, c );
+	fill_turns( t, c->robot );
+	lwi_checker_fill_rakes( t, c->robot );
+	fill_nodes( t, c, &n );
+	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
+	return LW_OK;
+}
+
+// --- spheres ---------------------------------------------------------------------------------------------------------
+
+/// A body's own sphere, carried over. It is the R of a node of one body.
+static lw_sphere sphere_of_body( const lw_checker* c, const lwi_checker_tree* t, uint32_t place )
+{
+	const lw_shape* shape = c->bodies[t->bodies[place]].shape;
+	lw_vec3 center = lwi_transform( &t->body_poses[place], lwi_load( shape->sphere_center ) );
+	return (lw_sphere){ { center.x, center.y, center.z }, shape->sphere_radius };
+}
+
+/// Minimal sphere around the points of all bodies. The centre is free to choose; the radius is measured from it.
+static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* t, const lwi_checker_node* node,
+	double* points )
+{
+	size_t count = 0;
+	for ( uint32_t i = 0; i < node->body_count; ++i )
+	{
+		uint32_t body = t->bodies[node->first_body + i];
+		const lw_transform* pose = &t->body_poses[node->first_body + i];
+		size_t n = lwi_hull_count( c->bodies[body].shape );
+		for ( size_t k = 0; k < n; ++k )
+		{
+			lw_vec3 p = lwi_transform( pose, lwi_hull_point( c->bodies[body].shape, k ) );
+			double* out = points + 3 * count++;
+			out[0] = p.x;
+			out[1] = p.y;
+			out[2] = p.z;
+		}
+	}
+	lwi_ball ball = lwi_fit_minimal( points, count );
+	double radius = 0;
+	count = 0;
+	for ( uint32_t i = 0; i < node->body_count; ++i )
+	{
+		const lw_shape* shape = c->bodies[t->bodies[node->first_body + i]].shape;
+		size_t n = lwi_hull_count( shape );
+		for ( size_t k = 0; k < n; ++k )
+		{
+			double distance = lwi_distance( ball.center, lwi_load( points + 3 * count++ ) );
+			radius = fmax( radius, distance + lwi_hull_radius( shape, k ) );
+		}
+	}
+	return (lw_sphere){ { ball.center.x, ball.center.y, ball.center.z }, radius };
+}
+
+/// A point of the convex hull of a body: the mean of its points, or of the corners of its box if it is a convex solid.
+static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_tree* t, uint32_t body )
+{
+	const lw_shape* shape = c->bodies[body].shape;
+	lw_vec3 sum = lwi_v3( 0, 0, 0 );
+	size_t count = lwi_hull_count( shape );
+	for ( size_t i = 0; i < count; ++i )
+	{
+		sum = lwi_add( sum, lwi_hull_point( shape, i ) );
+	}
+	return lwi_transform( &t->body_poses[t->body_place[body]], lwi_scale( 1.0 / (double)count, sum ) );
+}
+
+/// How far an attached body gets beyond what the reach knows of its node: all of it is this near to a point that every M
+/// contains. Infinite if the reach knows nothing of the node.
+static double attached_excess( const lw_checker* c, const lwi_checker_tree* t, uint32_t body )
+{
+	const lwi_checker_node* node = &t->nodes[t->body_node[body]];
+	const lw_sphere* mine = &t->body_spheres[t->body_place[body]];
+	double nearest = INFINITY;
+	uint32_t anchor = LW_INVALID_INDEX;
+	for ( uint32_t k = node->first_body; k < node->first_body + node->body_count; ++k )
+	{
+		double distance = lwi_distance( lwi_load( t->body_spheres[k].center ), lwi_load( mine->center ) );
+		if ( c->bodies[t->bodies[k]].link < c->reach->link_count && distance < nearest )
+		{
+			nearest = distance;
+			anchor = t->bodies[k];
+		}
+	}
+	return anchor == LW_INVALID_INDEX
+			   ? INFINITY
+			   : lwi_distance( inner_point( c, t, anchor ), lwi_load( mine->center ) ) + mine->radius;
+}
+
+/// M spheres of a reach, enlarged by what was attached to the robot since it was made.
+static void cover_attached( lwi_checker_tree* t, const lw_checker* c )
+{
+	for ( uint32_t i = t->node_count; i-- > 1; )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		double excess = 0;
+		for ( uint32_t k = 0; k < t->body_count; ++k ) // its own and those of the nodes below
+		{
+			uint32_t body = t->bodies[k];
+			if ( c->bodies[body].link >= c->reach->link_count && t->body_node[body] >= i && t->body_node[body] < node->end )
+			{
+				excess = fmax( excess, attached_excess( c, t, body ) );
+			}
+		}
+		node->m.radius = excess > 0 && node->m.radius < 0 ? INFINITY : node->m.radius + excess;
+	}
+}
+
+/// The reach has it in the frame of the link that the node hangs on.
+static lw_sphere motion_sphere( const lw_checker* c, const lwi_checker_tree* t, const lwi_checker_node* node )
+{
+	lw_sphere m = lw_reach_get_node( c->reach, node->top ).m;
+	uint32_t top = t->nodes[node->parent].top;
+	if ( top != node->parent_link )
+	{
+		lw_transform top_from_link = lwi_relative( &c->reference_poses[top], &c->reference_poses[node->parent_link] );
+		lw_vec3 center = lwi_transform( &top_from_link, lwi_load( m.center ) );
+		m = (lw_sphere){ { center.x, center.y, center.z }, m.radius };
+	}
+	return m;
+}
+
+static double rounding_of( const lw_sphere* s )
+{
+	return LWI_POSE_ROUNDING * ( fabs( s->center[0] ) + fabs( s->center[1] ) + fabs( s->center[2] ) + fabs( s->radius ) );
+}
+
+/// R and M of all nodes. Their own rounding is far below what poses add when a query takes them to the world (lwi_sphere()).
+static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_diag* diag )
+{
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		lwi_checker_node* node = &t->nodes[i];
+		const lw_sphere nothing = { { 0, 0, 0 }, -1 };
+		const lw_sphere anywhere = { { 0, 0, 0 }, INFINITY };
+		node->m = i == 0 ? nothing : t->proves ? motion_sphere( c, t, node ) : anywhere;
+		node->r = nothing;
+		for ( uint32_t k = 0; k < node->body_count; ++k )
+		{
+			t->body_spheres[node->first_body + k] = sphere_of_body( c, t, node->first_body + k );
+		}
+		if ( node->body_count == 1 )
+		{
+			node->r = t->body_spheres[node->first_body];
+		}
+		else if ( node->body_count > 1 )
+		{
+			size_t count = 0;
+			for ( uint32_t k = 0; k < node->body_count; ++k )
+			{
+				count += lwi_hull_count( c->bodies[t->bodies[node->first_body + k]].shape );
+			}
+			double* points = lwi_alloc( &t->allocator, count * sizeof( double[3] ) );
+			if ( points == NULL )
+			{
+				return lwi_out_of_memory( diag, "a checker" );
+			}
+			node->r = sphere_of_bodies( c, t, node, points );
+			lwi_free( &t->allocator, points, count * sizeof( double[3] ) );
+		}
+	}
+	if ( t->proves && c->robot->link_count > c->reach->link_count )
+	{
+		cover_attached( t, c );
+	}
+	for ( uint32_t i = 0; i < t->node_count; ++i )
+	{
+		t->nodes[i].r_rounding = rounding_of( &t->nodes[i].r );
+		t->nodes[i].m_rounding = rounding_of( &t->nodes[i].m );
+	}
+	return LW_OK;
+}
+
+lw_status lwi_checker_tree_create( const lw_checker* c, const bool* joint_moves, lw_diag* diag, lwi_checker_tree** out_tree )
+{
+	*out_tree = NULL;
+	lwi_checker_tree* t = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_checker_tree ) );
+	bool* in_group = lwi_alloc_zero( &c->allocator, c->robot->variable_count, sizeof( bool ) );
+	lw_status status = LW_OK;
+	if ( t != NULL )
+	{
+		t->allocator = c->allocator;
+	}
+	if ( t == NULL || in_group == NULL ||
+		 !allocate( t, c->variable_count, c->robot->link_count, c->robot->body_count ) )
+	{
+		status = lwi_out_of_memory( diag, "a checker" );
+	}
+	else
+	{
+		for ( uint32_t i = 0; i < c->variable_count; ++i )
+		{
+			in_group[c->variables[i]] = true;
+		}
+		t->proves = reach_covers( c, in_group );
+		fill_variables( t, c );
+		status = build_nodes( t, c, joint_moves, diag );
+		status = status == LW_OK ? build_spheres( t, c, diag ) : status;
+		status = status == LW_OK ? lwi_checker_plan_self( c, t, diag ) : status;
+	}
+	lwi_free( &c->allocator, in_group, c->robot->variable_count * sizeof( bool ) );
+	if ( status == LW_OK )
+	{
+		*out_tree = t;
+	}
+	else
+	{
+		lwi_checker_tree_destroy( t, c->variable_count );
+	}
+	return status;
+}
+
+lw_status lwi_checker_tree_motion( const lw_checker* c, const bool* fixed_variables, lw_diag* diag,
+	lwi_motion_table** out_motion )
+{
+	const lwi_checker_tree* t = c->tree;
+	lwi_motion_piece* pieces = lwi_alloc_zero( &c->allocator, t->node_count, sizeof( lwi_motion_piece ) );
+	const lw_shape** shapes = lwi_alloc_zero( &c->allocator, t->body_count, sizeof( lw_shape* ) );
+	lw_status status = LW_OK;
+	*out_motion = NULL;
+	if ( pieces == NULL || shapes == NULL )
+	{
+		status = lwi_out_of_memory( diag, "a checker" );
+	}
+	for ( uint32_t i = 0; status == LW_OK && i < t->node_count; ++i )
+	{
+		const lwi_checker_node* node = &t->nodes[i];
+		for ( uint32_t k = node->first_body; k < node->first_body + node->body_count; ++k )
+		{
+			shapes[k] = c->bodies[t->bodies[k]].shape;
+		}
+		const lw_sphere point = { { 0, 0, 0 }, 0 };
+		pieces[i] = (lwi_motion_piece){ .link = node->top,
+			.sphere = node->body_count > 0 ? node->r : point,
+			.count = node->body_count,
+			.shapes = shapes + node->first_body,
+			.link_from_shape = t->body_poses + node->first_body };
+	}
+	if ( status == LW_OK )
+	{
+		status = lwi_motion_table_create_pieces( c->robot, pieces, t->node_count, fixed_variables, c->reference, &c->allocator,
+			diag, out_motion );
+	}
+	lwi_free( &c->allocator, pieces, t->node_count * sizeof( lwi_motion_piece ) );
+	lwi_free( &c->allocator, shapes, t->body_count * sizeof( lw_shape* ) );
+	return status;
+}

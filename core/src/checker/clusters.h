@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The robot as one group sees it: nodes of links that move as one, their spheres, and the self query as a list of steps.
+//
+// Paper: Steinbach et al. 2006, sections III.B and IV. Derivations: core/docs/self_collision.md. Immutable, kept by the
+// checker; what changes from state to state (poses, spheres in the world) is in the query.
+#ifndef LEEWAY_CHECKER_CLUSTERS_H
+#define LEEWAY_CHECKER_CLUSTERS_H
+
+#include "checker/grid_lookup.h"
+#include "checker/proxies.h"
+#include "leeway/checker.h"
+#include "robot/motion_bound.h"
+#include "simd/lanes.h"
+
+/// Separations here are of clearance: what the reach proves of a pair, less its margin.
+
+/// Links that the group cannot move against each other, e.g. a whole hand if the group is the arm.
+typedef struct lwi_checker_node
+{
+	uint32_t parent;      ///< node; LW_INVALID_INDEX for node 0, which the group does not move
+	uint32_t end;         ///< nodes are in depth-first order: the subtree is [this node, end)
+	uint32_t top;         ///< the link nearest to the root
+	uint32_t parent_top;  ///< `top` of the parent
+	uint32_t parent_link; ///< the link that `top` hangs on, in the parent node; LW_INVALID_INDEX for node 0
+	lw_transform hook;    ///< frame of the parent's `top` to where the joint above this node begins
+	bool hook_translates; ///< the hook is a translation to the bit
+	uint32_t first_body, body_count; ///< range of bodies
+	uint32_t first_block; ///< of LWI_WIDTH bodies, in the query
+	lw_sphere r;          ///< frame of `top`: contains all bodies of the node; radius < 0: there are none
+	lw_sphere m;          ///< frame of the parent's `top`: contains all bodies of the subtree in every state within the ranges
+	double r_rounding, m_rounding; ///< what taking their centres to the world may round, but for the poses
+} lwi_checker_node;
+
+/// The angle of the joint above a node, multiplier * value of a robot variable + offset. 0 where it does more or less than turn.
+typedef struct lwi_node_turn
+{
+	double multiplier, offset;
+	uint32_t variable;
+	bool turns;
+} lwi_node_turn;
+
+/// The bodies of two nodes, all against all.
+typedef struct lwi_node_pair
+{
+	uint32_t node_a, node_b;
+	uint32_t ancestor; ///< lowest common ancestor node
+	float separation;  ///< least of all its pairs
+	float margin;      ///< largest of all its pairs, rounded up
+	size_t first; ///< index into separations: [bodies of a][bodies of b]
+} lwi_node_pair;
+
+/// One test of the self query. If it rules its pairs out the next step is `skip`, else the one behind it.
+typedef struct lwi_self_step
+{
+	float separation;            ///< least proved separation of all pairs that the step stands for; +inf is never stored
+	float margin;                ///< largest margin of these, rounded up
+	uint32_t sphere_a, sphere_b; ///< 2 * node for its R, 2 * node + 1 for its M; LW_INVALID_INDEX: only the table is asked
+	uint32_t skip;
+	uint32_t pair; ///< index into node_pairs of a step that is a pair of nodes; LW_INVALID_INDEX of one above such steps
+} lwi_self_step;
+
+typedef struct lwi_checker_tree
+{
+	lw_allocator allocator;
+	size_t bytes;
+	bool proves;   ///< M spheres and separations are those of a reach; else they are infinite and 0, and states are asked all pairs
+	double* lower; ///< [group variables] where reach and tables hold; infinite without
+	double* upper;
+	uint32_t floating_count;
+	uint32_t* floating;      ///< [floating_count] first robot variable of each floating joint in the group
+	uint32_t node_count;
+	lwi_checker_node* nodes; ///< [node_count] depth first, parents before children
+	lwi_node_turn* turns; ///< [node_count] angles of the joints above the nodes
+	bool rakes;                  ///< each joint above a node has one variable
+	lwi_rake_joint* rake_joints; ///< [node_count] if so
+	uint32_t link_count, body_count;
+	uint32_t* bodies;        ///< [body_count] robot bodies by node
+	uint32_t* body_node;     ///< [body_count] node of a robot body
+	uint32_t* body_place;    ///< [body_count] where a robot body is in `bodies`
+	lw_sphere* body_spheres; ///< [body_count] by node: bounding spheres, frame of the node's `top`
+	lw_transform* body_poses; ///< [body_count] by node: top_from_shape, constant
+	uint32_t pair_count;
+	lwi_node_pair* pairs;    ///< [pair_count]
+	size_t separation_count;
+	float* separations;      ///< +INFINITY for pairs that are not to be checked
+	uint32_t view_count, view_capacity, scale_count;
+	lwi_chart_scale* scales; ///< [scale_count] robot variables, as far as views use them; NULL if there are none
+	lwi_chart_view* views;   ///< [view_count] NULL if there are none
+	uint32_t* pair_views;    ///< [separation_count] index into views of the same pair, or LW_INVALID_INDEX; NULL if there are none
+	uint32_t step_count;
+	lwi_self_step* steps;    ///< [step_count]
+	lwi_self_units* units;   ///< NULL: too many
+	lwi_node_rows rows;      ///< where there are no units
+} lwi_checker_tree;
+
+/// Nodes and what fills a vector of doubles up.
+static inline uint32_t lwi_padded_nodes( const lwi_checker_tree* tree )
+{
+	return ( tree->node_count + 3 ) & ~3u;
+}
+
+/// The view of two nodes of one body each; LW_INVALID_INDEX if there is none, or more bodies.
+static inline uint32_t lwi_node_pair_view( const lwi_checker_tree* tree, const lwi_node_pair* pair )
+{
+	bool single = tree->nodes[pair->node_a].body_count == 1 && tree->nodes[pair->node_b].body_count == 1;
+	return single && tree->view_count > 0 ? tree->pair_views[pair->first] : LW_INVALID_INDEX;
+}
+
+/// @param joint_moves [joint count] driven by a variable of the group
+/// The reach proves nothing if the reference state is outside of what it covers: the tree is then as without one.
+lw_status lwi_checker_tree_create( const lw_checker* checker, const bool* joint_moves, lw_diag* diag,
+	lwi_checker_tree** out_tree );
+void lwi_checker_tree_destroy( lwi_checker_tree* tree, uint32_t variable_count ); ///< NULL is ignored
+
+/// How the nodes move along edges: one piece per node, in their order. For a checker with its tree.
+lw_status lwi_checker_tree_motion( const lw_checker* checker, const bool* fixed_variables, lw_diag* diag,
+	lwi_motion_table** out_motion );
+
+/// Fills rakes and rake_joints: for a tree with its nodes.
+void lwi_checker_fill_rakes( lwi_checker_tree* tree, const lw_robot* robot );
+
+/// Candidates of a self query at or above this are pairs of nodes still to be opened: LWI_OPEN + index.
+#define LWI_OPEN 0x80000000u
+
+/// A pair of nodes as a candidate: the pair of bodies where each has one, since their R are the bodies' spheres.
+uint32_t lwi_node_pair_candidate( const lw_checker* checker, const lwi_checker_tree* tree, uint32_t pair );
+
+/// Fills pairs, separations and steps. Part of lwi_checker_tree_create().
+lw_status lwi_checker_plan_self( const lw_checker* checker, lwi_checker_tree* tree, lw_diag* diag );
+
+/// The separation of two bodies as queries use it: that of the reach, if it holds here, else 0; less what poses in double may
+/// be off by, so that a pair that is passed over could not have changed a digit of the answer, and less the margin. Rounded down.
+float lwi_checker_separation( const lw_checker* checker, const lwi_checker_tree* tree, uint32_t body_a, uint32_t body_b );
+
+#endif

@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Checkers by snapshots: what an edited scene, or a robot with an object in its hand, shares with what was before.
+//
+// A checker made after another one is what it would be if it were made from nothing: whatever is taken over was computed from
+// the same bits. Design and costs: core/docs/edits.md.
+#include "checker/edit.h"
+
+#include "checker/base.h"
+#include "base/math_inline.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+// --- what is the same ------------------------------------------------------------------------------------------------
+
+static bool same_shape( const lw_scene_shape_def* x, const lw_scene_shape_def* y )
+{
+	return x->shape == y->shape && memcmp( &x->world_from_shape, &y->world_from_shape, sizeof( lw_transform ) ) == 0;
+}
+
+/// Edited scenes share the names they have in common.
+static bool same_object( const lw_scene* x, uint32_t i, const lw_scene* y, uint32_t k )
+{
+	const char* name = x->object_names[x->shapes[i].object];
+	const char* other = y->object_names[y->shapes[k].object];
+	return name == other || strcmp( name, other ) == 0;
+}
+
+void lwi_match_scenes( const lw_scene* previous, const lw_scene* scene, uint32_t* source )
+{
+	uint32_t next = 0; // edits keep the order of what stays
+	for ( uint32_t i = 0; scene != NULL && i < scene->shape_count; ++i )
+	{
+		source[i] = LW_INVALID_INDEX;
+		uint32_t at = next;
+		while ( previous != NULL && at < previous->shape_count && !same_object( previous, at, scene, i ) )
+		{
+			++at; // removed, or else this one is new: then the next starts where this one did
+		}
+		if ( previous != NULL && at < previous->shape_count )
+		{
+			source[i] = same_shape( &previous->shapes[at], &scene->shapes[i] ) ? at : LW_INVALID_INDEX;
+			next = at + 1;
+		}
+	}
+}
+
+// --- the static environment ------------------------------------------------------------------------------------------
+
+/// The bodies that stand still are the same, in the same order.
+static bool same_static_bodies( const lw_checker* x, const lw_checker* y )
+{
+	if ( x->base == y->base )
+	{
+		return true;
+	}
+	uint32_t count = x->tree->nodes[0].body_count;
+	bool same = count == y->tree->nodes[0].body_count;
+	for ( uint32_t i = 0; same && i < count; ++i )
+	{
+		const lwi_checker_body* a = &x->bodies[x->tree->bodies[i]];
+		const lwi_checker_body* b = &y->bodies[y->tree->bodies[i]];
+		same = a->shape == b->shape && a->link == b->link &&
+			memcmp( &a->link_from_shape, &b->link_from_shape, sizeof( lw_transform ) ) == 0 &&
+			memcmp( &x->reference_poses[a->link], &y->reference_poses[b->link], sizeof( lw_transform ) ) == 0;
+	}
+	return same;
+}
+
+static bool is_checked( const lw_checker* c, uint32_t body, uint32_t shape )
+{
+	return ( c->environment_mask[(size_t)body * c->scene_block_count + shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) & 1 ) != 0;
+}
+
+static double margin_of( const lw_checker* c, uint32_t body, uint32_t shape )
+{
+	return lwi_environment_margin( c, body, c->scene->shapes[shape].object );
+}
+
+/// True if a shape is to be measured against a static body: it was not before, or with another margin, and may be nearer than
+/// what is known.
+static bool may_be_nearer( const lw_checker* c, const lw_checker* old, uint32_t place, uint32_t shape, uint32_t source )
+{
+	uint32_t body = c->tree->bodies[place], before = old->tree->bodies[place];
+	double margin = margin_of( c, body, shape );
+	if ( !is_checked( c, body, shape ) ||
+		 ( source != LW_INVALID_INDEX && is_checked( old, before, source ) && margin_of( old, before, source ) == margin ) )
+	{
+		return false;
+	}
+	const lwi_checker_body* b = &c->bodies[body];
+	lw_transform world_from_body = lwi_multiply( &c->reference_poses[b->link], &b->link_from_shape );
+	lw_transform relative = lwi_relative( &world_from_body, &c->scene->shapes[shape].world_from_shape );
+	return lwi_box_gap( b->shape, c->scene->shapes[shape].shape, &relative ) - margin < c->static_environment.upper;
+}
+
+bool lwi_keep_static( lw_checker* c, const lwi_kept* kept, uint8_t* fresh )
+{
+	const lw_checker* old = kept->previous;
+	// Of a violation only the first pair was found, whatever else there is: that cannot be gone on from
+	if ( old == NULL || old->static_environment.kind == LW_CLEARANCE_VIOLATION || !same_static_bodies( c, old ) )
+	{
+		return false;
+	}
+	const uint32_t shapes = c->scene->shape_count, count = c->tree->nodes[0].body_count;
+	if ( old->static_shape != LW_INVALID_INDEX )
+	{
+		uint32_t place = old->tree->body_place[old->static_body], body = c->tree->bodies[place], found = LW_INVALID_INDEX;
+		for ( uint32_t i = 0; i < shapes; ++i )
+		{
+			bool same = kept->source[i] == old->static_shape && is_checked( c, body, i ) &&
+						margin_of( c, body, i ) == margin_of( old, old->static_body, old->static_shape );
+			found = same ? i : found;
+		}
+		if ( found == LW_INVALID_INDEX )
+		{
+			return false; // the nearest one is gone
+		}
+		c->static_environment = old->static_environment;
+		c->static_environment.lower = fmax( c->static_environment.lower, lwi_lowest_environment( c ) );
+		c->static_environment.b = c->scene->shapes[found].object;
+		c->static_body = body;
+		c->static_shape = found;
+	}
+	for ( uint32_t shape = 0; shape < shapes; ++shape )
+	{
+		for ( uint32_t place = 0; place < count; ++place )
+		{
+			if ( may_be_nearer( c, old, place, shape, kept->source[shape] ) )
+			{
+				fresh[shape / LWI_WIDTH] = (uint8_t)( fresh[shape / LWI_WIDTH] | ( 1u << ( shape % LWI_WIDTH ) ) );
+				break;
+			}
+		}
+	}
+	return true;
+}
+
+// --- editing ---------------------------------------------------------------------------------------------------------
+
+enum
+{
+	EDIT_COOKIE = 0x4c574345
+};
+
+lw_checker_edit_def lw_checker_edit_def_default( void )
+{
+	lw_checker_edit_def def;
+	memset( &def, 0, sizeof( def ) );
+	def.max_d = NAN;
+	def.cookie = EDIT_COOKIE;
+	return def;
+}
+
+static lw_status check_edit( const lw_checker* c, const lw_checker_edit_def* def, lw_diag* diag )
+{
+	if ( c == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "the checker to edit is NULL" );
+	}
+	if ( def == NULL || def->cookie != EDIT_COOKIE )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX,
+			"checker edit def was not made by lw_checker_edit_def_default()" );
+	}
+	if ( def->allowed_count > 0 && def->allowed == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"checker edit def: allowed is NULL, its count is not 0" );
+	}
+	if ( def->robot != NULL && lw_robot_bare( def->robot ) != lw_robot_bare( c->robot ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"checker edit def: robot '%.60s' was not made from this checker's by lw_robot_attach() or lw_robot_detach(); create a "
+			"checker for it",
+			lw_robot_name( def->robot ) );
+	}
+	return LW_OK;
+}
+
+/// Where things are in the edited checker: arrays of what was, with LW_INVALID_INDEX for what is gone. And what they keep.
+typedef struct carried
+{
+	lw_allocator allocator;
+	uint32_t old_links, old_objects, links, objects; ///< counts
+	uint32_t *link, *object; ///< [old_links], [old_objects]
+	uint32_t allowed_room, environment_room, self_room;
+	lw_link_object_pair* allowed;
+	double *link_environment, *link_self, *object_margin;
+	lw_pair_margin *environment_pairs, *self_pairs;
+} carried;
+
+static bool carried_create( carried* k, const lw_checker* c, const lw_checker_def* next, uint32_t more_allowed )
+{
+	const uint64_t allowed = (uint64_t)c->allowed_count + more_allowed;
+	k->old_links = lw_robot_link_count( c->robot );
+	k->old_objects = c->scene != NULL ? c->scene->object_count : 0;
+	k->links = lw_robot_link_count( next->robot );
+	k->objects = next->scene != NULL ? next->scene->object_count : 0;
+	k->allowed_room = allowed < UINT32_MAX ? (uint32_t)allowed : 0;
+	k->environment_room = c->margins != NULL ? c->margins->listed.count : 0;
+	k->self_room = c->self_margins != NULL ? c->self_margins->listed.count : 0;
+	k->link = lwi_alloc_zero( &k->allocator, k->old_links, sizeof( uint32_t ) );
+	k->object = lwi_alloc_zero( &k->allocator, k->old_objects, sizeof( uint32_t ) );
+	k->allowed = lwi_alloc_zero( &k->allocator, k->allowed_room, sizeof( lw_link_object_pair ) );
+	k->link_environment = lwi_alloc_zero( &k->allocator, k->links, sizeof( double ) );
+	k->link_self = lwi_alloc_zero( &k->allocator, k->links, sizeof( double ) );
+	k->object_margin = lwi_alloc_zero( &k->allocator, k->objects, sizeof( double ) );
+	k->environment_pairs = lwi_alloc_zero( &k->allocator, k->environment_room, sizeof( lw_pair_margin ) );
+	k->self_pairs = lwi_alloc_zero( &k->allocator, k->self_room, sizeof( lw_pair_margin ) );
+	return allowed < UINT32_MAX && k->link != NULL && k->object != NULL && k->allowed != NULL && k->link_environment != NULL &&
+		   k->link_self != NULL && k->object_margin != NULL && k->environment_pairs != NULL && k->self_pairs != NULL;
+}
+
+static void carried_destroy( carried* k )
+{
+	lwi_free( &k->allocator, k->link, k->old_links * sizeof( uint32_t ) );
+	lwi_free( &k->allocator, k->object, k->old_objects * sizeof( uint32_t ) );
+	lwi_free( &k->allocator, k->allowed, k->allowed_room * sizeof( lw_link_object_pair ) );
+	lwi_free( &k->allocator, k->link_environment, k->links * sizeof( double ) );
+	lwi_free( &k->allocator, k->link_self, k->links * sizeof( double ) );
+	lwi_free( &k->allocator, k->object_margin, k->objects * sizeof( double ) );
+	lwi_free( &k->allocator, k->environment_pairs, k->environment_room * sizeof( lw_pair_margin ) );
+	lwi_free( &k->allocator, k->self_pairs, k->self_room * sizeof( lw_pair_margin ) );
+}
+
+/// Links of the bare robot stay where they are; what is attached, and objects, are found by name.
+static void locate( carried* k, const lw_checker* c, const lw_checker_def* next )
+{
+	for ( uint32_t i = 0; i < k->old_links; ++i )
+	{
+		bool stays = next->robot == c->robot || !lw_robot_is_attached( c->robot, i );
+		k->link[i] = stays ? i : lw_robot_find_link( next->robot, c->robot->link_names[i] );
+	}
+	for ( uint32_t i = 0; i < k->old_objects; ++i )
+	{
+		// mostly where it was, or as many places ahead as were removed before it
+		const char* name = c->scene->object_names[i];
+		uint32_t guess = i == 0 ? 0 : k->object[i - 1] != LW_INVALID_INDEX ? k->object[i - 1] + 1 : i;
+		bool found = guess < k->objects && next->scene->object_names[guess] == name;
+		k->object[i] = found ? guess : lw_scene_find_object( next->scene, name );
+	}
+}
+
+/// What was allowed stays so.
+static void carry_allowed( carried* k, const lw_checker* c, lw_checker_def* next )
+{
+	for ( uint32_t i = 0; i < c->allowed_count; ++i )
+	{
+		lw_link_object_pair pair = { k->link[c->allowed[i].link], k->object[c->allowed[i].object] };
+		if ( pair.link != LW_INVALID_INDEX && pair.object != LW_INVALID_INDEX )
+		{
+			k->allowed[next->allowed_count++] = pair;
+		}
+	}
+}
+
+/// Values by their new indices.
+static void carry_values( const double* values, const uint32_t* where, uint32_t count, double* out )
+{
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		if ( where[i] != LW_INVALID_INDEX )
+		{
+			out[where[i]] = values[i];
+		}
+	}
+}
+
+/// Returns how many of the pairs are still there.
+static uint32_t carry_pairs( const lwi_listed_margins* listed, const uint32_t* where_a, const uint32_t* where_b,
+	lw_pair_margin* out )
+{
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < listed->count; ++i )
+	{
+		const lw_pair_margin* pair = &listed->pairs[i];
+		if ( where_a[pair->a] != LW_INVALID_INDEX && where_b[pair->b] != LW_INVALID_INDEX )
+		{
+			out[count++] = (lw_pair_margin){ where_a[pair->a], where_b[pair->b], pair->margin };
+		}
+	}
+	return count;
+}
+
+static void carry_margins( carried* k, const lw_checker* c, lw_margins* out )
+{
+	if ( c->margins != NULL )
+	{
+		out->environment = c->margins->all;
+		carry_values( c->margins->link, k->link, k->old_links, k->link_environment );
+		carry_values( c->margins->object, k->object, k->old_objects, k->object_margin );
+		out->link_environment = k->link_environment;
+		out->object = k->object_margin;
+		out->environment_pairs = k->environment_pairs;
+		out->environment_pair_count = carry_pairs( &c->margins->listed, k->link, k->object, k->environment_pairs );
+	}
+	if ( c->self_margins != NULL )
+	{
+		out->self = c->self_margins->all;
+		carry_values( c->self_margins->link, k->link, k->old_links, k->link_self );
+		out->link_self = k->link_self;
+		out->self_pairs = k->self_pairs;
+		out->self_pair_count = carry_pairs( &c->self_margins->listed, k->link, k->link, k->self_pairs );
+	}
+}
+
+lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, const lw_allocator* allocator_in, lw_diag* diag,
+	lw_checker** out_checker )
+{
+	if ( out_checker == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_checker is NULL" );
+	}
+	*out_checker = NULL;
+	lw_status status = check_edit( c, def, diag );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	lw_checker_def next = lw_checker_def_default();
+	next.robot = def->robot != NULL ? def->robot : c->robot;
+	next.scene = def->scene != NULL ? def->scene : c->scene;
+	next.variables = c->variables;
+	next.variable_count = c->variable_count;
+	next.reference = c->reference;
+	next.reach = c->reach;
+	next.max_d = isnan( def->max_d ) ? c->max_d : def->max_d;
+	next.previous = c;
+	carried kept = { .allocator = lwi_allocator_or_default( allocator_in ) };
+	if ( !carried_create( &kept, c, &next, def->allowed_count ) )
+	{
+		carried_destroy( &kept );
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	locate( &kept, c, &next );
+	if ( !def->replace_allowed )
+	{
+		carry_allowed( &kept, c, &next );
+	}
+	for ( uint32_t i = 0; i < def->allowed_count; ++i )
+	{
+		kept.allowed[next.allowed_count++] = def->allowed[i];
+	}
+	next.allowed = kept.allowed;
+	if ( def->margins != NULL )
+	{
+		next.margins = *def->margins;
+	}
+	else
+	{
+		carry_margins( &kept, c, &next.margins );
+	}
+	status = lw_checker_create( &next, &kept.allocator, diag, out_checker );
+	carried_destroy( &kept );
+	return status;
+}

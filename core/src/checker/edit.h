@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a checker can take over from an earlier one. Design: core/docs/edits.md.
+#ifndef LEEWAY_CHECKER_EDIT_H
+#define LEEWAY_CHECKER_EDIT_H
+
+#include "checker/culling.h"
+
+/// Where each shape of `scene` is in `previous`: the same shape at the same pose, to the bit. Scenes that were edited in a few
+/// places are recognised; what is not is LW_INVALID_INDEX and will be looked at again.
+/// @param source [shape_count of scene], written. Scenes may be NULL
+void lwi_match_scenes( const lw_scene* previous, const lw_scene* scene, uint32_t* source );
+
+/// Takes over the static environment of an earlier checker as far as it holds.
+/// @param fresh [scene_block_count] zero; gets the bits of shapes that may be nearer and are yet to be measured
+/// @return false if everything has to be measured
+bool lwi_keep_static( lw_checker* checker, const lwi_kept* kept, uint8_t* fresh );
+
+#endif

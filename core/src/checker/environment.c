@@ -1,0 +1,568 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The robot against the scene: node by node, by subtrees where motion hulls are known; or all bodies at once.
+// Paper: Steinbach et al. 2006, section III.B. One running bound, nearest pair first, either way.
+#include "checker/pose.h"
+#include "base/math_inline.h"
+#include "scene/scene.h"
+
+/// `pair` of a bound whose upper bound came from the static bodies.
+#define STATIC_PAIR 0xfffffffeu
+
+/// Candidates at or above this are bodies of whose row only the nearest obstacle is known yet: ROW + body.
+#define ROW 0x80000000u
+
+enum
+{
+	MOST_FAILURES = 5 ///< of a sphere M in a row: then it is asked in every 31st state
+};
+
+static void search_environment_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape, lwi_bound* bound )
+{
+	const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
+	lwi_pose_body( checker, query, body );
+	lw_transform relative = lwi_relative( &query->world_from_body[body], &obstacle->world_from_shape );
+	bound->margin = lwi_environment_margin( checker, body, obstacle->object );
+	lwi_search( &query->search, checker->bodies[body].shape, obstacle->shape, &relative, bound );
+}
+
+/// Decides what the questions below look at: all obstacles, or those near enough for this range in this state.
+/// @param whole everything is asked, static bodies included
+static void choose_obstacles( const lw_checker* checker, lw_query* query, const lw_range* range, bool whole )
+{
+	bool enough = range->max_d <= checker->horizon || ( whole && checker->horizon_is_complete );
+	query->near = query->within && enough;
+}
+
+/// Blocks of obstacles that are looked at.
+static uint32_t block_count( const lw_checker* checker, const lw_query* query )
+{
+	return query->near ? checker->near_block_count : checker->scene->block_count;
+}
+
+/// True if some gap does not reach the limit, or is not a number.
+static bool any_below( const float* gaps, uint32_t count, double limit )
+{
+	float rounded = lwi_round_up( limit );
+	uint32_t far = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		far += gaps[i] >= rounded;
+	}
+	return far != count;
+}
+
+/// Gaps of a sphere (world) to the obstacles that are looked at, margins taken off. Returns their slack; *near: some gap does not
+/// reach `prune` and that.
+/// @param margins of each obstacle, or NULL
+static double gaps_of( const lw_checker* checker, lw_query* query, const double center[3], double radius, const float* margins,
+	double prune, float* gaps, bool* near )
+{
+	uint32_t blocks = block_count( checker, query );
+	double slack = lwi_scene_gaps( checker->scene, blocks, query->search.kernels, center, radius, prune, gaps, near );
+	if ( margins != NULL )
+	{
+		lwi_subtract_margins( gaps, margins, blocks * LWI_WIDTH );
+		*near = any_below( gaps, blocks * LWI_WIDTH, prune + slack );
+	}
+	return slack;
+}
+
+/// The same for a body, which need not be posed: its sphere hangs on the top of its node. That is a roundoff or two of double away from
+/// where the body's pose takes it, and the slack is one of floats.
+static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, double prune, float* gaps, bool* near )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_margins* m = checker->margins;
+	uint32_t node = tree->body_node[body];
+	lwi_pose_node( checker, query, node );
+	const lw_sphere* local = &tree->body_spheres[tree->body_place[body]];
+	lw_vec3 world = lwi_transform( &query->world_from_link[tree->nodes[node].top], lwi_load( local->center ) );
+	const double center[3] = { world.x, world.y, world.z };
+	double radius = local->radius + ( m != NULL ? m->bodies[body] : 0 );
+	return gaps_of( checker, query, center, radius, m != NULL ? m->body_row[body] : NULL, prune, gaps, near );
+}
+
+/// Shapes of the scene that a body is compared with, a byte for each block.
+static const uint8_t* masks_of( const lw_checker* checker, const lw_query* query, uint32_t body )
+{
+	return ( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * checker->scene->block_count;
+}
+
+/// Those of a block, of a body with these masks, whose gap in a row does not reach the limit; nor does what is not a number.
+static uint32_t near_lanes( const lw_query* query, const uint8_t* masks, const float* gaps, uint32_t block, float limit )
+{
+	const float zero = 0;
+	const float( *low )[LWI_WIDTH] = (const float( * )[LWI_WIDTH])( gaps + block * LWI_WIDTH );
+	return masks[block] == 0 ? 0 : masks[block] & query->search.kernels->slab_gap( low, &zero, limit, 1 );
+}
+
+/// Sets the gaps of pairs that do not count to +INFINITY. Returns the index of the least gap.
+static uint32_t mask_row( const lw_checker* checker, const lw_query* query, uint32_t body, float* gaps )
+{
+	const lw_scene* scene = checker->scene;
+	const uint8_t* mask = masks_of( checker, query, body );
+	float least = INFINITY;
+	uint32_t nearest = 0;
+	for ( uint32_t i = 0; i < scene->block_count * LWI_WIDTH; ++i )
+	{
+		if ( ( ( mask[i / LWI_WIDTH] >> ( i % LWI_WIDTH ) ) & 1 ) == 0 )
+		{
+			gaps[i] = INFINITY;
+		}
+		else if ( !( gaps[i] >= least ) )
+		{
+			gaps[i] = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: look first
+			least = gaps[i];
+			nearest = i;
+		}
+	}
+	return nearest;
+}
+
+// --- all pairs -------------------------------------------------------------------------------------------------------
+
+/// Gaps of all of some bodies, row by row in query->gaps. Returns the slack of all rows; *nearest is the least gap's index.
+static double environment_gaps( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
+	uint32_t* nearest )
+{
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	double slack = 0;
+	float least = INFINITY;
+	*nearest = 0;
+	for ( uint32_t row = 0; row < body_count; ++row )
+	{
+		float* gaps = query->gaps + (size_t)row * stride;
+		bool near;
+		double mine = row_of_gaps( checker, query, bodies[row], INFINITY, gaps, &near );
+		uint32_t in_row = mask_row( checker, query, bodies[row], gaps );
+		slack = mine > slack ? mine : slack;
+		if ( gaps[in_row] < least )
+		{
+			least = gaps[in_row];
+			*nearest = row * stride + in_row;
+		}
+	}
+	return slack;
+}
+
+/// Searches the rows of gaps of some bodies, the nearest pair first.
+static void search_rows( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count, double slack,
+	uint32_t nearest, lwi_bound* bound )
+{
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	uint32_t entries = body_count * stride;
+	if ( !( query->gaps[nearest] < lwi_round_up( bound->prune + slack ) ) )
+	{
+		return;
+	}
+	bound->current_pair = bodies[nearest / stride] * stride + nearest % stride;
+	search_environment_pair( checker, query, bodies[nearest / stride], nearest % stride, bound );
+	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->prune + slack ), nearest );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		{
+			break;
+		}
+		uint32_t body = bodies[next.pair / stride];
+		bound->current_pair = body * stride + next.pair % stride;
+		search_environment_pair( checker, query, body, next.pair % stride, bound );
+	}
+}
+
+static void search_environment( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
+	lwi_bound* bound )
+{
+	if ( checker->scene != NULL && checker->scene->shape_count > 0 && body_count > 0 )
+	{
+		uint32_t nearest;
+		double slack = environment_gaps( checker, query, bodies, body_count, &nearest );
+		search_rows( checker, query, bodies, body_count, slack, nearest, bound );
+	}
+}
+
+// --- by nodes --------------------------------------------------------------------------------------------------------
+
+/// Where a body's row of gaps is kept: bodies of node 0 come first in the tree, they are not asked and have no row.
+static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place )
+{
+	uint32_t row = place - checker->tree->nodes[0].body_count;
+	return query->gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
+}
+
+/// True if some obstacle is nearer to a sphere of the tree than the bound asks for. Which objects are allowed to whom is not
+/// looked at: that could only make it true more often.
+static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sphere, const lwi_bound* bound )
+{
+	if ( bound->prune == INFINITY )
+	{
+		return true; // whatever it is
+	}
+	query->search.stats.robot_tests++;
+	const double* world = lwi_sphere( checker, query, sphere );
+	if ( !( world[3] < INFINITY ) )
+	{
+		return true;
+	}
+	const lwi_margins* m = checker->margins;
+	double radius = world[3] + ( m != NULL ? m->nodes[sphere] : 0 );
+	bool near;
+	gaps_of( checker, query, world, radius, m != NULL ? m->objects : NULL, bound->prune, query->row, &near );
+	return near;
+}
+
+/// The pairs of a body whose gap in a row does not reach the limit become candidates.
+static void add_near( const lw_checker* checker, lw_query* query, uint32_t body, const float* gaps, float limit, uint32_t* count )
+{
+	const uint8_t* masks = masks_of( checker, query, body );
+	const uint32_t first = body * checker->scene->block_count * LWI_WIDTH;
+	for ( uint32_t block = 0; block < block_count( checker, query ); ++block )
+	{
+		for ( uint32_t left = near_lanes( query, masks, gaps, block, limit ); left != 0; left &= left - 1 )
+		{
+			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
+			float gap = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: looked at first
+			lwi_heap_push( query->candidates, count, (lwi_candidate){ gap, first + i } );
+		}
+	}
+}
+
+/// The row of gaps of a body, given by its place in the tree; its near pairs become candidates. Where the bound reaches far beyond the
+/// body, as that of a pair that was nearest in another state may, or where there is none, most pairs would be: then the nearest obstacle
+/// alone.
+static double add_row( const lw_checker* checker, lw_query* query, uint32_t place, const lwi_bound* bound, uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	uint32_t body = tree->bodies[place], nearest;
+	float* gaps = row_of( checker, query, place );
+	bool near;
+	double slack = row_of_gaps( checker, query, body, bound->prune, gaps, &near );
+	if ( !near )
+	{
+		return slack;
+	}
+	if ( bound->prune < tree->body_spheres[place].radius )
+	{
+		add_near( checker, query, body, gaps, lwi_round_up( bound->prune + slack ), count );
+		return slack;
+	}
+	nearest = mask_row( checker, query, body, gaps );
+	if ( gaps[nearest] < lwi_round_up( bound->prune + slack ) )
+	{
+		lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
+	}
+	return slack;
+}
+
+/// True if the sphere M of a node rules its subtree out. Where it did not the last times, it is asked seldom: it costs as much as a
+/// body does, and the bodies find out what it would.
+static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t node, const lwi_bound* bound )
+{
+	lwi_trial* trial = &query->motion_trials[node];
+	if ( trial->wait > 0 )
+	{
+		--trial->wait;
+		return false;
+	}
+	if ( !meets_scene( checker, query, 2 * node + 1, bound ) )
+	{
+		trial->failures = 0;
+		return true;
+	}
+	trial->failures = (uint8_t)( trial->failures < MOST_FAILURES ? trial->failures + 1 : MOST_FAILURES );
+	trial->wait = (uint8_t)( ( 1u << trial->failures ) - 2 );
+	return false;
+}
+
+/// Descends the nodes. A subtree whose M is known and out of reach is neither posed nor looked at, nor are the bodies of a node
+/// whose R is. Returns the slack of all rows.
+static double descend( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	double slack = 0;
+	for ( uint32_t i = 1; i < tree->node_count; )
+	{
+		const lwi_checker_node* node = &tree->nodes[i];
+		bool one_body = node->end == i + 1 && node->body_count == 1; // asking its M first would cost as much as asking it
+		bool asks = ( checker->node_environment[i] & LWI_SUBTREE_ASKS ) != 0;
+		if ( !asks || ( query->hulls && !one_body && motion_is_far( checker, query, i, bound ) ) )
+		{
+			i = node->end;
+			continue;
+		}
+		if ( node->body_count == 1 || ( node->body_count > 1 && meets_scene( checker, query, 2 * i, bound ) ) )
+		{
+			for ( uint32_t k = 0; k < node->body_count; ++k )
+			{
+				double mine = add_row( checker, query, node->first_body + k, bound, count );
+				slack = mine > slack ? mine : slack;
+			}
+		}
+		++i;
+	}
+	return slack;
+}
+
+/// Searches the nearest pair of a row at once, the rest of it becomes candidates as far as the bound leaves it.
+static void open_row( const lw_checker* checker, lw_query* query, lwi_candidate row, double slack, lwi_bound* bound,
+	uint32_t* count )
+{
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	uint32_t place = row.pair - ROW, body = checker->tree->bodies[place], nearest = 0;
+	const float* gaps = row_of( checker, query, place );
+	while ( gaps[nearest] != row.gap )
+	{
+		++nearest;
+	}
+	bound->current_pair = body * stride + nearest;
+	search_environment_pair( checker, query, body, nearest, bound );
+	float limit = lwi_round_up( bound->prune + slack );
+	for ( uint32_t i = 0; i < stride && !bound->done; ++i )
+	{
+		if ( i != nearest && gaps[i] < limit )
+		{
+			lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[i], body * stride + i } );
+		}
+	}
+}
+
+static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+{
+	if ( checker->scene == NULL || checker->scene->shape_count == 0 )
+	{
+		return;
+	}
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	uint32_t count = 0;
+	double slack = descend( checker, query, bound, &count );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		{
+			break;
+		}
+		if ( next.pair < ROW )
+		{
+			bound->current_pair = next.pair;
+			search_environment_pair( checker, query, next.pair / stride, next.pair % stride, bound );
+			continue;
+		}
+		open_row( checker, query, next, slack, bound, &count );
+	}
+}
+
+// --- questions -------------------------------------------------------------------------------------------------------
+
+/// The answer of an environment bound, with names and world points.
+static void environment_result( const lw_checker* checker, const lw_query* query, const lwi_bound* bound, lw_clearance* out )
+{
+	*out = lwi_bound_result( bound );
+	if ( !( out->upper < INFINITY ) )
+	{
+		return;
+	}
+	if ( bound->pair == STATIC_PAIR )
+	{
+		out->point_a = checker->static_environment.point_a;
+		out->point_b = checker->static_environment.point_b;
+		out->a = checker->static_environment.a;
+		out->b = checker->static_environment.b;
+		return;
+	}
+	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
+	uint32_t body = bound->pair / stride;
+	out->point_a = lwi_transform( &query->world_from_body[body], bound->point_a );
+	out->point_b = lwi_transform( &query->world_from_body[body], bound->point_b );
+	out->a = checker->bodies[body].link;
+	out->b = checker->scene->shapes[bound->pair % stride].object;
+}
+
+/// Measures the nearest pair of the last time, if it is still one that counts.
+static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
+{
+	uint32_t stride = checker->scene != NULL ? checker->scene->block_count * LWI_WIDTH : 0;
+	if ( stride == 0 || !lwi_warm_pays( query, warm, bound ) )
+	{
+		return;
+	}
+	uint32_t body = warm->pair / stride, shape = warm->pair % stride;
+	if ( body < lw_robot_body_count( checker->robot ) && shape < checker->scene->shape_count &&
+		 ( checker->environment_mask[(size_t)body * checker->scene->block_count + shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) &
+			 1 ) != 0 )
+	{
+		lwi_pose_body( checker, query, body );
+		lw_transform relative = lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
+		bound->current_pair = warm->pair;
+		bound->margin = lwi_environment_margin( checker, body, checker->scene->shapes[shape].object );
+		lwi_measure_warm( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, warm, bound );
+	}
+}
+
+void lwi_checker_environment( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out )
+{
+	if ( checker->environment_pair_count == 0 && checker->static_environment.lower == INFINITY )
+	{
+		*out = lwi_nothing_to_check();
+		return;
+	}
+	choose_obstacles( checker, query, range, true );
+	lwi_bound bound;
+	lwi_bound_init( &bound, range );
+	bound.lowest = lwi_lowest_environment( checker );
+	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
+	const lw_clearance* fixed = &checker->static_environment;
+	bound.current_pair = STATIC_PAIR;
+	lwi_bound_offer( &bound, fixed->lower, fixed->upper );
+	lwi_warm* warm = &query->warm_environment;
+	if ( !bound.done )
+	{
+		measure_warm( checker, query, warm, &bound );
+	}
+	if ( !bound.done && query->search.def.hierarchy )
+	{
+		search_tree( checker, query, &bound );
+	}
+	else if ( !bound.done )
+	{
+		lwi_pose_all( checker, query );
+		search_environment( checker, query, checker->moving_bodies, checker->moving_body_count, &bound );
+	}
+	environment_result( checker, query, &bound, out );
+	if ( out->upper < INFINITY && bound.pair != STATIC_PAIR )
+	{
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+	}
+}
+
+bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit )
+{
+	const lwi_bound bound = { .prune = limit };
+	const lw_range range = { 0, limit, 0 };
+	choose_obstacles( checker, query, &range, false );
+	return ( checker->node_environment[node] & LWI_NODE_ASKS ) != 0 && meets_scene( checker, query, 2 * node, &bound );
+}
+
+uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit )
+{
+	const lw_range range = { 0, limit, 0 };
+	choose_obstacles( checker, query, &range, false );
+	bool near;
+	double slack = row_of_gaps( checker, query, body, limit, query->gaps, &near );
+	if ( !near )
+	{
+		return 0;
+	}
+	const uint8_t* masks = masks_of( checker, query, body );
+	const float rounded = lwi_round_up( limit + slack );
+	uint32_t count = 0;
+	for ( uint32_t block = 0; block < block_count( checker, query ); ++block )
+	{
+		for ( uint32_t left = near_lanes( query, masks, query->gaps, block, rounded ); left != 0; left &= left - 1 )
+		{
+			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
+			query->candidates[count++] = (lwi_candidate){ query->gaps[i], i };
+		}
+	}
+	return count;
+}
+
+void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
+	lwi_warm* warm, lw_clearance* out )
+{
+	lwi_bound bound;
+	lwi_bound_init( &bound, &threshold->range );
+	bound.lowest = lwi_lowest_environment( checker );
+	bound.give_up_above = threshold->give_up_above;
+	bound.give_up_below = threshold->give_up_below;
+	choose_obstacles( checker, query, &threshold->range, false );
+	bool near;
+	double slack = row_of_gaps( checker, query, body, bound.prune, query->gaps, &near );
+	if ( near ) // mostly it is not
+	{
+		uint32_t nearest = mask_row( checker, query, body, query->gaps );
+		measure_warm( checker, query, warm, &bound );
+		if ( !bound.done )
+		{
+			search_rows( checker, query, &body, 1, slack, nearest, &bound );
+		}
+	}
+	environment_result( checker, query, &bound, out );
+	if ( out->upper < INFINITY )
+	{
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+	}
+}
+
+/// Both shapes of a pair that stands still.
+static void note_pair( const lw_checker* checker, uint32_t pair, lwi_ahead* ahead )
+{
+	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
+	lwi_ahead_note( ahead, checker->bodies[pair / stride].shape );
+	lwi_ahead_note( ahead, checker->scene->shapes[pair % stride].shape );
+}
+
+/// As many bodies at a time as the query has room for, nearest boxes first: this is done once, and so that few deferred
+/// meshes are made for it boxes are worth their cost.
+static void search_static( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
+	const uint8_t* fresh, lwi_ahead* ahead, lwi_bound* bound )
+{
+	const lw_scene* scene = checker->scene;
+	uint32_t stride = checker->scene_block_count * LWI_WIDTH, count = 0;
+	for ( uint32_t i = 0; i < body_count * scene->shape_count; ++i )
+	{
+		uint32_t body = bodies[i / scene->shape_count], shape = i % scene->shape_count;
+		uint32_t bits = checker->environment_mask[(size_t)body * checker->scene_block_count + shape / LWI_WIDTH];
+		bits &= fresh != NULL ? fresh[shape / LWI_WIDTH] : 0xffu;
+		if ( ( bits >> ( shape % LWI_WIDTH ) & 1 ) != 0 )
+		{
+			lw_transform relative = lwi_relative( &query->world_from_body[body], &scene->shapes[shape].world_from_shape );
+			double gap = lwi_box_gap( checker->bodies[body].shape, scene->shapes[shape].shape, &relative ) -
+						 lwi_environment_margin( checker, body, scene->shapes[shape].object );
+			if ( gap < bound->prune )
+			{
+				query->candidates[count++] = (lwi_candidate){ lwi_round_down( gap ), body * stride + shape };
+			}
+		}
+	}
+	lwi_heap_build( query->candidates, count );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= bound->prune )
+		{
+			break;
+		}
+		note_pair( checker, next.pair, ahead );
+		lwi_ahead_flush( ahead );
+		bound->current_pair = next.pair;
+		search_environment_pair( checker, query, next.pair / stride, next.pair % stride, bound );
+	}
+}
+
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known, lwi_ahead* ahead )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
+	uint32_t left = stride > 0 ? tree->nodes[0].body_count : 0;
+	lwi_bound bound;
+	const lw_range nearer = { 0, known, 0 };
+	lwi_bound_init( &bound, &nearer );
+	bound.lowest = lwi_lowest_environment( checker );
+	query->search.failure = LW_OK;
+	for ( uint32_t first = 0; left > 0; )
+	{
+		uint32_t count = query->gap_capacity / stride < left ? query->gap_capacity / stride : left;
+		search_static( checker, query, tree->bodies + first, count, fresh, ahead, &bound );
+		first += count;
+		left -= count;
+	}
+	if ( bound.upper < INFINITY )
+	{
+		environment_result( checker, query, &bound, &checker->static_environment );
+		checker->static_body = bound.pair / stride;
+		checker->static_shape = bound.pair % stride;
+	}
+	return query->search.failure;
+}

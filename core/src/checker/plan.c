@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The self query of a checker, unrolled: the recursion of the paper as a list of tests with jumps.
+//
+// Steinbach et al. 2006, section IV. The tree of a checker does not change, so neither does the recursion: for each node n
+//   1. R_n against the subtree of each child (the child itself included where its pairs are not allowed),
+//   2. the subtrees of the children against each other,
+//   3. each child on its own.
+// A test of two subtrees opens the one whose M is larger; what is left in the end are pairs of nodes, R against R. Every
+// test carries the least separation of the pairs it stands for: entries of rigid (3), motion (4) and scfree (12), but of
+// these nodes and of the pairs that this checker checks, hence never less than the reach's own, but for margins.
+#include "checker/checker.h"
+#include "checker/clusters.h"
+#include "base/math_inline.h"
+#include "reachability/reach.h"
+
+#include <string.h>
+
+/// A test's worth: the least separation and the largest margin of the pairs below, and how many pairs of nodes these are.
+typedef struct share
+{
+	float separation, margin;
+	uint32_t count;
+} share;
+
+/// Tables over the nodes, freed when the plan is made.
+typedef struct plan
+{
+	lwi_checker_tree* tree;
+	share* base;     ///< [nodes * nodes] R_a, R_b
+	share* rigid;    ///< [nodes * nodes] R_a, subtree of b
+	share* motion;   ///< [nodes * nodes] subtrees of a and b; only used where neither contains the other
+	share* scfree;   ///< [nodes] inside the subtree
+	uint32_t* pairs; ///< [nodes * nodes] index into node_pairs, for a < b
+	uint32_t step_count;
+} plan;
+
+static const share nothing = { INFINITY, 0, 0 };
+
+static share joined( share a, share b )
+{
+	return (share){ a.separation < b.separation ? a.separation : b.separation, a.margin > b.margin ? a.margin : b.margin,
+		a.count + b.count };
+}
+
+static size_t entry( const plan* p, uint32_t a, uint32_t b )
+{
+	return (size_t)a * p->tree->node_count + b;
+}
+
+static uint32_t least( uint32_t a, uint32_t b )
+{
+	return a < b ? a : b;
+}
+
+static uint32_t common_ancestor( const lwi_checker_tree* t, uint32_t a, uint32_t b )
+{
+	while ( b >= t->nodes[a].end || b < a )
+	{
+		a = t->nodes[a].parent;
+	}
+	return a;
+}
+
+/// The pairs of nodes that hold self pairs, in base and pairs.
+static void find_pairs( plan* p, const lw_checker* c )
+{
+	lwi_checker_tree* t = p->tree;
+	size_t entries = (size_t)t->node_count * t->node_count;
+	for ( size_t i = 0; i < entries; ++i )
+	{
+		p->base[i] = p->rigid[i] = p->motion[i] = nothing;
+		p->pairs[i] = LW_INVALID_INDEX;
+	}
+	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
+	{
+		const lwi_self_pair* pair = &c->self_pairs[i];
+		uint32_t a = t->body_node[pair->body_a], b = t->body_node[pair->body_b];
+		double margin = lwi_self_margin( c, pair->body_a, pair->body_b );
+		share both = { lwi_checker_separation( c, p->tree, pair->body_a, pair->body_b ), margin > 0 ? lwi_round_up( margin ) : 0, 1 };
+		share* forth = &p->base[entry( p, a, b )];
+		if ( forth->count == 0 )
+		{
+			p->pairs[entry( p, least( a, b ), a < b ? b : a )] = t->pair_count++;
+			t->separation_count += (size_t)t->nodes[a].body_count * t->nodes[b].body_count;
+		}
+		both.separation = both.separation < forth->separation ? both.separation : forth->separation;
+		both.margin = both.margin > forth->margin ? both.margin : forth->margin;
+		*forth = p->base[entry( p, b, a )] = both;
+	}
+}
+
+/// rigid, motion and scfree from base, children before parents.
+static void sum_up( plan* p )
+{
+	lwi_checker_tree* t = p->tree;
+	uint32_t n = t->node_count;
+	for ( uint32_t a = 0; a < n; ++a )
+	{
+		for ( uint32_t b = n; b-- > 0; )
+		{
+			share* rigid = &p->rigid[entry( p, a, b )];
+			*rigid = joined( *rigid, p->base[entry( p, a, b )] );
+			if ( b > 0 )
+			{
+				share* above = &p->rigid[entry( p, a, t->nodes[b].parent )];
+				*above = joined( *above, *rigid );
+			}
+		}
+	}
+	for ( uint32_t a = n; a-- > 0; )
+	{
+		for ( uint32_t b = 0; b < n; ++b )
+		{
+			share* motion = &p->motion[entry( p, a, b )];
+			*motion = joined( *motion, p->rigid[entry( p, a, b )] );
+			if ( a > 0 )
+			{
+				share* above = &p->motion[entry( p, t->nodes[a].parent, b )];
+				*above = joined( *above, *motion );
+			}
+		}
+	}
+	for ( uint32_t a = n; a-- > 0; )
+	{
+		share* mine = &p->scfree[a];
+		*mine = nothing;
+		for ( uint32_t c = a + 1; c < t->nodes[a].end; c = t->nodes[c].end )
+		{
+			*mine = joined( *mine, joined( p->rigid[entry( p, a, c )], p->scfree[c] ) );
+			for ( uint32_t d = t->nodes[c].end; d < t->nodes[a].end; d = t->nodes[d].end )
+			{
+				*mine = joined( *mine, p->motion[entry( p, c, d )] );
+			}
+		}
+	}
+}
+
+// --- steps -----------------------------------------------------------------------------------------------------------
+
+/// Writes a step, or only counts it while there is no list yet. Returns its index.
+static uint32_t emit( plan* p, lwi_self_step step )
+{
+	if ( p->tree->steps != NULL )
+	{
+		p->tree->steps[p->step_count] = step;
+	}
+	return p->step_count++;
+}
+
+/// A test above several others, if it can rule out anything. Returns its index, LW_INVALID_INDEX if there is none.
+static uint32_t open( plan* p, share stands_for, uint32_t sphere_a, uint32_t sphere_b )
+{
+	bool spheres = sphere_a != LW_INVALID_INDEX;
+	if ( stands_for.count < 2 || ( !spheres && !( stands_for.separation > 0 ) ) )
+	{
+		return LW_INVALID_INDEX;
+	}
+	return emit( p,
+		(lwi_self_step){ stands_for.separation, stands_for.margin, sphere_a, sphere_b, 0, LW_INVALID_INDEX } );
+}
+
+static void close( plan* p, uint32_t step )
+{
+	if ( step != LW_INVALID_INDEX && p->tree->steps != NULL )
+	{
+		p->tree->steps[step].skip = p->step_count;
+	}
+}
+
+static void plan_pair( plan* p, uint32_t a, uint32_t b )
+{
+	share base = p->base[entry( p, a, b )];
+	if ( base.count > 0 )
+	{
+		uint32_t low = least( a, b ), high = a < b ? b : a;
+		close( p,
+			emit( p, (lwi_self_step){ base.separation, base.margin, 2 * low, 2 * high, 0, p->pairs[entry( p, low, high )] } ) );
+	}
+}
+
+/// R of a against everything in the subtree of b. Next to each other their spheres always meet: then only the table is asked.
+static void plan_rigid( plan* p, uint32_t a, uint32_t b )
+{
+	lwi_checker_tree* t = p->tree;
+	share stands_for = p->rigid[entry( p, a, b )];
+	if ( stands_for.count == 0 )
+	{
+		return;
+	}
+	bool useful = t->nodes[b].parent != a && t->nodes[a].body_count > 0 && t->nodes[b].m.radius < INFINITY;
+	uint32_t step = open( p, stands_for, useful ? 2 * a : LW_INVALID_INDEX, useful ? 2 * b + 1 : LW_INVALID_INDEX );
+	plan_pair( p, a, b );
+	for ( uint32_t c = b + 1; c < t->nodes[b].end; c = t->nodes[c].end )
+	{
+		plan_rigid( p, a, c );
+	}
+	close( p, step );
+}
+
+/// Two subtrees, neither inside of the other.
+static void plan_motion( plan* p, uint32_t a, uint32_t b )
+{
+	lwi_checker_tree* t = p->tree;
+	share stands_for = p->motion[entry( p, a, b )];
+	if ( stands_for.count == 0 )
+	{
+		return;
+	}
+	bool useful = t->nodes[a].m.radius < INFINITY && t->nodes[b].m.radius < INFINITY;
+	uint32_t step = open( p, stands_for, useful ? 2 * a + 1 : LW_INVALID_INDEX, useful ? 2 * b + 1 : LW_INVALID_INDEX );
+	uint32_t larger = t->nodes[a].m.radius >= t->nodes[b].m.radius ? a : b, other = larger == a ? b : a;
+	plan_rigid( p, larger, other );
+	for ( uint32_t c = larger + 1; c < t->nodes[larger].end; c = t->nodes[c].end )
+	{
+		plan_motion( p, c, other );
+	}
+	close( p, step );
+}
+
+static void plan_subtree( plan* p, uint32_t n )
+{
+	lwi_checker_tree* t = p->tree;
+	if ( p->scfree[n].count == 0 )
+	{
+		return;
+	}
+	uint32_t step = open( p, p->scfree[n], LW_INVALID_INDEX, LW_INVALID_INDEX );
+	for ( uint32_t c = n + 1; c < t->nodes[n].end; c = t->nodes[c].end )
+	{
+		plan_rigid( p, n, c );
+	}
+	for ( uint32_t c = n + 1; c < t->nodes[n].end; c = t->nodes[c].end )
+	{
+		for ( uint32_t d = t->nodes[c].end; d < t->nodes[n].end; d = t->nodes[d].end )
+		{
+			plan_motion( p, c, d );
+		}
+	}
+	for ( uint32_t c = n + 1; c < t->nodes[n].end; c = t->nodes[c].end )
+	{
+		plan_subtree( p, c );
+	}
+	close( p, step );
+}
+
+// --- pairs -----------------------------------------------------------------------------------------------------------
+
+static void fill_pairs( const plan* p, const lw_checker* c )
+{
+	lwi_checker_tree* t = p->tree;
+	size_t used = 0;
+	for ( uint32_t a = 0; a < t->node_count; ++a )
+	{
+		for ( uint32_t b = a + 1; b < t->node_count; ++b )
+		{
+			uint32_t index = p->pairs[entry( p, a, b )];
+			if ( index != LW_INVALID_INDEX )
+			{
+				share base = p->base[entry( p, a, b )];
+				t->pairs[index] = (lwi_node_pair){ a, b, common_ancestor( t, a, b ), base.separation, base.margin, used };
+				used += (size_t)t->nodes[a].body_count * t->nodes[b].body_count;
+			}
+		}
+	}
+	for ( size_t i = 0; i < used; ++i )
+	{
+		t->separations[i] = INFINITY;
+	}
+	uint32_t* rank = p->pairs + (size_t)t->node_count * t->node_count; // of a body within its node
+	for ( uint32_t node = 0; node < t->node_count; ++node )
+	{
+		for ( uint32_t i = 0; i < t->nodes[node].body_count; ++i )
+		{
+			rank[t->bodies[t->nodes[node].first_body + i]] = i;
+		}
+	}
+	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
+	{
+		uint32_t a = c->self_pairs[i].body_a, b = c->self_pairs[i].body_b;
+		if ( t->body_node[a] > t->body_node[b] )
+		{
+			uint32_t swap = a;
+			a = b;
+			b = swap;
+		}
+		const lwi_node_pair* pair = &t->pairs[p->pairs[entry( p, t->body_node[a], t->body_node[b] )]];
+		t->separations[pair->first + (size_t)rank[a] * t->nodes[pair->node_b].body_count + rank[b]] =
+			lwi_checker_separation( c, t, c->self_pairs[i].body_a, c->self_pairs[i].body_b );
+	}
+}
+
+uint32_t lwi_node_pair_candidate( const lw_checker* checker, const lwi_checker_tree* tree, uint32_t index )
+{
+	const lwi_node_pair* pair = &tree->pairs[index];
+	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
+	if ( a->body_count != 1 || b->body_count != 1 )
+	{
+		return LWI_OPEN + index;
+	}
+	uint32_t x = tree->bodies[a->first_body], y = tree->bodies[b->first_body];
+	return x < y ? lwi_body_pair_id( checker, x, y ) : lwi_body_pair_id( checker, y, x );
+}
+
+static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
+{
+	lwi_checker_tree* t = p->tree;
+	find_pairs( p, c );
+	sum_up( p );
+	plan_subtree( p, 0 ); // counts
+	t->pairs = lwi_alloc_zero( &t->allocator, t->pair_count, sizeof( lwi_node_pair ) );
+	t->separations = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( float ) );
+	lwi_self_step* steps = lwi_alloc_zero( &t->allocator, p->step_count, sizeof( lwi_self_step ) );
+	t->steps = steps;
+	t->step_count = p->step_count;
+	if ( t->pairs == NULL || t->separations == NULL || steps == NULL )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	p->step_count = 0;
+	plan_subtree( p, 0 );
+	fill_pairs( p, c );
+	if ( !lwi_checker_views_create( c, t ) || !lwi_self_units_create( c, t, &t->units ) ||
+		 ( t->units == NULL && !lwi_node_rows_create( t, &t->rows ) ) )
+	{
+		return lwi_out_of_memory( diag, "a checker" );
+	}
+	t->bytes += t->units != NULL ? sizeof( lwi_self_units ) : lwi_node_rows_bytes( &t->rows );
+	t->bytes += t->pair_count * sizeof( lwi_node_pair ) + t->separation_count * sizeof( float ) +
+				t->step_count * sizeof( lwi_self_step );
+	return LW_OK;
+}
+
+lw_status lwi_checker_plan_self( const lw_checker* c, lwi_checker_tree* t, lw_diag* diag )
+{
+	size_t entries = (size_t)t->node_count * t->node_count;
+	size_t ranks = entries + t->body_count;
+	plan p = { .tree = t };
+	p.base = lwi_alloc( &t->allocator, entries * sizeof( share ) );
+	p.rigid = lwi_alloc( &t->allocator, entries * sizeof( share ) );
+	p.motion = lwi_alloc( &t->allocator, entries * sizeof( share ) );
+	p.scfree = lwi_alloc( &t->allocator, t->node_count * sizeof( share ) );
+	p.pairs = lwi_alloc( &t->allocator, ranks * sizeof( uint32_t ) );
+	lw_status status = LW_OK;
+	if ( p.base == NULL || p.rigid == NULL || p.motion == NULL || p.scfree == NULL || p.pairs == NULL )
+	{
+		status = lwi_out_of_memory( diag, "a checker" );
+	}
+	else
+	{
+		status = build_plan( &p, c, diag );
+	}
+	lwi_free( &t->allocator, p.base, entries * sizeof( share ) );
+	lwi_free( &t->allocator, p.rigid, entries * sizeof( share ) );
+	lwi_free( &t->allocator, p.motion, entries * sizeof( share ) );
+	lwi_free( &t->allocator, p.scfree, t->node_count * sizeof( share ) );
+	lwi_free( &t->allocator, p.pairs, ranks * sizeof( uint32_t ) );
+	return status;
+}

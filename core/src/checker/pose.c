@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Poses of a state, node by node when a question gets there.
+//
+// A pose follows from the pose of the node above in one way only, whatever is asked for first, so it has the same bits however it
+// came about, and so have the distances measured with it.
+#include "checker/pose.h"
+#include "base/math_inline.h"
+
+#include <string.h>
+
+/// Bodies that never move are where their links are, the others where their node's top takes them.
+static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_checker_body* b = &checker->bodies[body];
+	const uint32_t node = tree->body_node[body];
+	lw_transform* pose = &query->world_from_body[body];
+	*pose = node == 0 ? lwi_multiply( &query->world_from_link[b->link], &b->link_from_shape )
+	                  : lwi_multiply( &query->world_from_link[tree->nodes[node].top], &tree->body_poses[tree->body_place[body]] );
+	lw_vec3 center = lwi_transform( pose, lwi_load( b->shape->sphere_center ) );
+	query->body_center[3 * (size_t)body] = center.x;
+	query->body_center[3 * (size_t)body + 1] = center.y;
+	query->body_center[3 * (size_t)body + 2] = center.z;
+}
+
+void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	for ( uint32_t i = 0; i < tree->node_count; ++i )
+	{
+		const lwi_node_turn* turn = &tree->turns[i];
+		query->angles[i] = turn->multiplier * state[turn->variable] + turn->offset;
+	}
+	// what follows the last one are angles of another time, or 0
+	query->search.kernels->turns( query->angles, lwi_padded_nodes( tree ), cosines, sines );
+}
+
+void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transform* above, const double* state, const double* cosines,
+	const double* sines, lw_transform* out )
+{
+	const lwi_checker_node* node = &checker->tree->nodes[index];
+	const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[node->top]];
+	if ( checker->tree->turns[index].turns )
+	{
+		const lwi_turn by = { cosines[index], sines[index] };
+		lwi_joint_pose_turned( joint, above, &node->hook, node->hook_translates, by, out );
+	}
+	else
+	{
+		lwi_joint_pose( joint, above, &node->hook, node->hook_translates, state, out );
+	}
+}
+
+void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index )
+{
+	const lwi_checker_node* node = &checker->tree->nodes[index];
+	if ( query->turn_stamp != query->state_stamp )
+	{
+		lwi_turn_joints( checker, query, query->state, query->cosines, query->sines );
+		query->turn_stamp = query->state_stamp;
+	}
+	// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
+	lwi_pose_under( checker, index, &query->world_from_link[node->parent_top], query->state, query->cosines, query->sines,
+		&query->world_from_link[node->top] );
+	query->search.stats.links_posed++;
+	query->node_stamp[index] = query->state_stamp;
+}
+
+void lwi_pose_node_now( const lw_checker* checker, lw_query* query, uint32_t index )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	while ( query->node_stamp[index] != query->state_stamp )
+	{
+		uint32_t highest = index; // node 0 always has the stamp of the state
+		while ( query->node_stamp[tree->nodes[highest].parent] != query->state_stamp )
+		{
+			highest = tree->nodes[highest].parent;
+		}
+		lwi_pose_child( checker, query, highest );
+	}
+}
+
+void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t body )
+{
+	lwi_pose_node( checker, query, checker->tree->body_node[body] );
+	pose_body( checker, query, body );
+	query->body_stamp[body] = query->state_stamp;
+}
+
+void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
+{
+	uint32_t index = sphere / 2;
+	const lwi_checker_node* node = &checker->tree->nodes[index];
+	bool motion = sphere % 2 != 0;
+	uint32_t frame = motion ? node->parent : index; // the node whose pose the sphere hangs on
+	lwi_pose_node( checker, query, frame );
+	const lw_sphere* local = motion ? &node->m : &node->r;
+	const lw_transform* pose = &query->world_from_link[motion ? node->parent_top : node->top];
+	lw_vec3 center = lwi_transform( pose, lwi_load( local->center ) );
+	double* out = query->spheres + 4 * (size_t)sphere;
+	out[0] = center.x;
+	out[1] = center.y;
+	out[2] = center.z;
+	out[3] = local->radius + ( motion ? node->m_rounding : node->r_rounding ) + query->pose_rounding;
+	query->sphere_stamp[sphere] = query->state_stamp;
+}
+
+void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index )
+{
+	const lwi_checker_node* node = &checker->tree->nodes[index];
+	const double* r = lwi_sphere( checker, query, 2 * index );
+	const lw_transform* pose = &query->world_from_link[node->top];
+	double rounding = r[3] - node->r.radius; // each body lies within R: what that was enlarged by is enough for it
+	float* out = query->blocks + (size_t)node->first_block * 4 * LWI_WIDTH;
+	const uint32_t padded = lwi_padded( node->body_count );
+	for ( uint32_t i = 0; i < padded; ++i )
+	{
+		float* lane = out + (size_t)( i / LWI_WIDTH ) * 4 * LWI_WIDTH + i % LWI_WIDTH;
+		lw_vec3 center = lwi_v3( r[0], r[1], r[2] );
+		if ( i < node->body_count )
+		{
+			center = lwi_transform( pose, lwi_load( checker->tree->body_spheres[node->first_body + i].center ) );
+		}
+		lane[0] = (float)( center.x - r[0] );
+		lane[LWI_WIDTH] = (float)( center.y - r[1] );
+		lane[2 * LWI_WIDTH] = (float)( center.z - r[2] );
+		lane[3 * LWI_WIDTH] = -INFINITY;
+		if ( i < node->body_count )
+		{
+			double radius = checker->tree->body_spheres[node->first_body + i].radius + rounding;
+			lane[3 * LWI_WIDTH] = (float)( radius * ( 1 + 0x1p-22 ) );
+		}
+	}
+	query->block_stamp[index] = query->state_stamp;
+}
+
+void lwi_pose_all( const lw_checker* checker, lw_query* query )
+{
+	for ( uint32_t i = 0; i < checker->moving_body_count; ++i )
+	{
+		lwi_pose_body( checker, query, checker->moving_bodies[i] );
+	}
+}
+
+/// What does not depend on the state. The query keeps a reference to the checker, so that no other one can appear at the
+/// same address.
+static void pose_static( const lw_checker* checker, lw_query* query )
+{
+	lwi_query_forget_checker( query );
+	const lw_robot* robot = checker->robot;
+	memcpy( query->state, checker->reference, robot->variable_count * sizeof( double ) );
+	memcpy( query->world_from_link, checker->reference_poses, robot->link_count * sizeof( lw_transform ) );
+	// stamps of another checker are no good: its nodes were others
+	++query->state_stamp;
+	for ( uint32_t i = 0; i < robot->body_count; ++i )
+	{
+		pose_body( checker, query, i ); // static ones stay there, the others are posed again by every state
+	}
+	// node 0 never moves: what is known of it is stamped anew for every state
+	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
+	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
+	query->node_stamp[0] = query->state_stamp;
+	lwi_pose_sphere( checker, query, 0 );
+	lwi_pose_blocks( checker, query, 0 );
+	memset( query->motion_trials, 0, checker->tree->node_count * sizeof( lwi_trial ) );
+	query->bindings++;
+	query->posed = lw_checker_retain( checker );
+	query->release_posed = lw_checker_release;
+}
+
+void lwi_checker_bind( const lw_checker* checker, lw_query* query )
+{
+	if ( query->posed != checker )
+	{
+		pose_static( checker, query );
+	}
+}
+
+/// True if the quaternions of the group's floating joints are usable: then forward kinematics cannot fail.
+static bool quaternions_are_valid( const lwi_checker_tree* tree, const double* state )
+{
+	for ( uint32_t i = 0; i < tree->floating_count; ++i )
+	{
+		const double* v = state + tree->floating[i];
+		lw_transform motion;
+		if ( lw_transform_from_quaternion( v, v + 3, &motion ) != LW_OK )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+static bool within_box( uint32_t count, const double* lower, const double* q, const double* upper )
+{
+	bool within = true;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		within = within && q[i] >= lower[i] && q[i] <= upper[i];
+	}
+	return within;
+}
+
+static bool within_ranges( const lw_checker* checker, const double* q )
+{
+	return within_box( checker->variable_count, checker->tree->lower, q, checker->tree->upper );
+}
+
+bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb )
+{
+	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions, have
+	// no limits.
+	return checker->tree->proves && query->search.def.hierarchy && query->search.def.pair_tables && within_ranges( checker, qa ) &&
+		   within_ranges( checker, qb );
+}
+
+bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const double* qb, double limit )
+{
+	return limit <= checker->horizon && within_box( checker->variable_count, checker->near_lower, qa, checker->near_upper ) &&
+		   within_box( checker->variable_count, checker->near_lower, qb, checker->near_upper );
+}
+
+/// Metres: a state whose poses may be off by more is no state. Shifts of 1e12 m, or angles of 1e13 radians times a mimic joint's factor.
+static const double most_rounding = 1.0;
+
+/// A new state: everything is to be posed again but for what never moves.
+static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
+	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
+	if ( !( query->rounding <= most_rounding ) || !quaternions_are_valid( tree, query->state ) )
+	{
+		return false;
+	}
+	bool holds = tree->proves && query->search.def.hierarchy && within_ranges( checker, q );
+	query->hulls = holds && query->search.def.motion_hulls;
+	query->tables = holds && query->search.def.pair_tables;
+	query->covered = query->hulls || query->tables;
+	query->within = within_box( checker->variable_count, checker->near_lower, q, checker->near_upper );
+	query->node_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
+	for ( uint32_t i = 0; i < tree->nodes[0].body_count; ++i )
+	{
+		query->body_stamp[tree->bodies[i]] = query->state_stamp;
+	}
+	return true;
+}
+
+lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q )
+{
+	for ( uint32_t i = 0; i < checker->variable_count; ++i )
+	{
+		if ( !isfinite( q[i] ) )
+		{
+			return LW_ERROR_INVALID_ARGUMENT;
+		}
+	}
+	lwi_checker_bind( checker, query );
+	++query->state_stamp;
+	for ( uint32_t i = 0; i < checker->variable_count; ++i )
+	{
+		query->state[checker->variables[i]] = q[i];
+	}
+	if ( !begin_state( checker, query, q ) )
+	{
+		lwi_query_forget_checker( query );
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	return LW_OK;
+}

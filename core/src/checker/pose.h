@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Poses of a state, as far as a question needs them: nodes, bodies and spheres are taken to the world when asked for.
+//
+// A stamp says for which state something was computed; a new state makes all stamps old at once.
+#ifndef LEEWAY_CHECKER_POSE_H
+#define LEEWAY_CHECKER_POSE_H
+
+#include "checker/checker.h"
+#include "checker/clusters.h"
+#include "query/query.h"
+
+/// Relative to the coordinates that a sphere's pose went through, which sum up to less than four times the longest chain: thousands
+/// of joints' worth of roundoffs (each turns a few of 2^-53), and still only 0.6 nm for a robot that reaches 10 m.
+#define LWI_POSE_ROUNDING 0x1p-36
+
+/// Cosines and sines of all joints above nodes at once, whatever is asked for first: one alone takes as long as four.
+/// @param state [robot variable_count] @param cosines, sines [lwi_padded_nodes()]
+void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines );
+
+/// Where a state has a node other than 0 whose parent is at `above`. @param cosines, sines of that state
+void lwi_pose_under( const lw_checker* checker, uint32_t node, const lw_transform* above, const double* state, const double* cosines,
+	const double* sines, lw_transform* out );
+
+/// A node other than 0 whose parent is posed.
+void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t node );
+void lwi_pose_node_now( const lw_checker* checker, lw_query* query, uint32_t node );
+void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t body );
+void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere );
+
+void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t node );
+
+/// Everything, for those who go through all pairs.
+void lwi_pose_all( const lw_checker* checker, lw_query* query );
+
+/// Makes world_from_link of a node's top valid.
+static inline void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t node )
+{
+	if ( query->node_stamp[node] != query->state_stamp )
+	{
+		lwi_pose_node_now( checker, query, node );
+	}
+}
+
+/// Makes world_from_body and body_center of a robot body valid.
+static inline void lwi_pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
+{
+	if ( query->body_stamp[body] != query->state_stamp )
+	{
+		lwi_pose_body_now( checker, query, body );
+	}
+}
+
+/// Sphere 2 * node (R) or 2 * node + 1 (M) in the world: x, y, z, radius, the rounding of poses included.
+static inline const double* lwi_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
+{
+	if ( query->sphere_stamp[sphere] != query->state_stamp )
+	{
+		lwi_pose_sphere( checker, query, sphere );
+	}
+	return query->spheres + 4 * (size_t)sphere;
+}
+
+/// The spheres of a node's bodies by LWI_WIDTH, [4][LWI_WIDTH] each, relative to the centre of the node's R.
+static inline const float* lwi_blocks( const lw_checker* checker, lw_query* query, uint32_t node )
+{
+	if ( query->block_stamp[node] != query->state_stamp )
+	{
+		lwi_pose_blocks( checker, query, node );
+	}
+	return query->blocks + (size_t)checker->tree->nodes[node].first_block * 4 * LWI_WIDTH;
+}
+
+#endif

@@ -1,0 +1,730 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The robot against itself: by nodes, along the steps of the paper where motion hulls and tables are known; or all pairs at once.
+//
+// Paper: Steinbach et al. 2006, section IV. A step is passed over, with all pairs below it, if their proved separation or the
+// gap of two spheres reaches the running bound; both are lower bounds, so the answer is that of all pairs. What is left is
+// searched nearest first: core/docs/self_collision.md.
+#include "checker/pose.h"
+#include "base/math_inline.h"
+
+#include <string.h>
+
+typedef void pair_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+
+/// @param search lwi_search, or lwi_search_first where other pairs may be as near
+static void search_self_pair( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, lwi_bound* bound,
+	pair_search* search )
+{
+	lwi_pose_body( checker, query, body_a );
+	lwi_pose_body( checker, query, body_b );
+	lw_transform relative = lwi_relative( &query->world_from_body[body_a], &query->world_from_body[body_b] );
+	bound->margin = lwi_self_margin( checker, body_a, body_b );
+	search( &query->search, checker->bodies[body_a].shape, checker->bodies[body_b].shape, &relative, bound );
+}
+
+// --- all pairs -------------------------------------------------------------------------------------------------------
+
+/// Bounding spheres of all bodies, enlarged by their shares of margins, in float about the first one. Returns the slack of gaps between them.
+static double body_spheres( const lw_checker* checker, lw_query* query )
+{
+	uint32_t bodies = lw_robot_body_count( checker->robot );
+	double reach = 0, largest = 0;
+	memcpy( query->origin, query->body_center, sizeof( query->origin ) );
+	for ( uint32_t i = 0; i < checker->body_block_count * LWI_WIDTH; ++i )
+	{
+		float* block = query->body_spheres + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			double relative = i < bodies ? query->body_center[3 * (size_t)i + (size_t)axis] - query->origin[axis] : 0;
+			block[axis * LWI_WIDTH] = (float)relative;
+			reach = fmax( reach, fabs( relative ) );
+		}
+		double radius = i < bodies ? checker->bodies[i].shape->sphere_radius + checker->bodies[i].self_margin : 0;
+		block[3 * LWI_WIDTH] = i < bodies ? lwi_round_up( radius ) : -INFINITY;
+		largest = fmax( largest, radius );
+	}
+	return lwi_gap_slack( 2 * ( reach + largest ) );
+}
+
+static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* nearest )
+{
+	double slack = body_spheres( checker, query );
+	uint32_t bodies = lw_robot_body_count( checker->robot );
+	uint32_t blocks = checker->body_block_count, stride = blocks * LWI_WIDTH;
+	float least = INFINITY;
+	*nearest = 0;
+	for ( uint32_t a = 0; a < bodies; ++a )
+	{
+		const uint8_t* mask = checker->self_mask + (size_t)a * blocks;
+		float* gaps = query->gaps + (size_t)a * stride;
+		const float* mine = query->body_spheres + 4 * (size_t)( a / LWI_WIDTH ) * LWI_WIDTH + a % LWI_WIDTH;
+		const float sphere[4] = { mine[0], mine[LWI_WIDTH], mine[2 * LWI_WIDTH], mine[3 * LWI_WIDTH] };
+		for ( uint32_t block = 0; block < blocks; ++block )
+		{
+			float* row = gaps + block * LWI_WIDTH;
+			if ( mask[block] != 0 )
+			{
+				query->search.kernels->sphere_gap( query->body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere, INFINITY, row );
+				const float* listed = checker->bodies[a].self_row;
+				lwi_subtract_margins( row, listed != NULL ? listed + block * LWI_WIDTH : NULL, LWI_WIDTH );
+			}
+			for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
+			{
+				if ( ( ( mask[block] >> lane ) & 1 ) == 0 )
+				{
+					row[lane] = INFINITY;
+				}
+				else if ( !( row[lane] >= least ) )
+				{
+					row[lane] = row[lane] == row[lane] ? row[lane] : -INFINITY; // overflowed: look first
+					least = row[lane];
+					*nearest = a * stride + block * LWI_WIDTH + lane;
+				}
+			}
+		}
+	}
+	return slack;
+}
+
+static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+{
+	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	uint32_t nearest;
+	double slack = self_gaps( checker, query, &nearest );
+	if ( !( query->gaps[nearest] < lwi_round_up( bound->prune + slack ) ) )
+	{
+		return;
+	}
+	bound->current_pair = nearest;
+	search_self_pair( checker, query, nearest / stride, nearest % stride, bound, lwi_search );
+	uint32_t entries = lw_robot_body_count( checker->robot ) * stride;
+	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->prune + slack ), nearest );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		{
+			break;
+		}
+		bound->current_pair = next.pair;
+		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound, lwi_search );
+	}
+}
+
+// --- by nodes --------------------------------------------------------------------------------------------------------
+
+/// Gap of two spheres (x, y, z, r) less a margin, if it is below the limit, else +INFINITY. What overflows is near: -INFINITY.
+static double gap_below( const double* a, const double* b, double margin, double limit )
+{
+	double d[3] = { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
+	double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+	double radii = a[3] + b[3] + margin * ( 1 + LWI_POSE_ROUNDING ), reach = limit + radii;
+	if ( !( square < INFINITY ) )
+	{
+		return -INFINITY;
+	}
+	return square > reach * reach ? INFINITY : sqrt( square ) - radii; // contact at one point, 0 > 0, is near
+}
+
+/// A float no larger than v, quicker than lwi_round_down(). Infinities keep their values.
+static float below( double v )
+{
+	return fabs( v ) < INFINITY ? (float)( v - fabs( v ) * 0x1p-22 ) : (float)v;
+}
+
+/// A float no smaller than v >= 0.
+static float above( double v )
+{
+	return (float)( v + v * 0x1p-22 + FLT_MIN );
+}
+
+/// What is known of a pair: the key of its candidate. Sorting by it rather than by the gap alone has pairs that are known to
+/// stay apart wait behind those that may be nearer.
+static float lower_bound( double gap, float separation )
+{
+	float low = below( gap );
+	return low > separation ? low : separation;
+}
+
+/// The candidate of a pair of bodies.
+static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t b, float gap )
+{
+	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	return (lwi_candidate){ gap, a < b ? a * stride + b : b * stride + a };
+}
+
+/// The larger of the separation of a pair in all states and what its chart says of this one.
+/// @param margin that the separation is less by @param view index into the tree's views, or LW_INVALID_INDEX
+static float separation_now( const lw_checker* checker, const lw_query* query, float separation, double margin, uint32_t view )
+{
+	if ( view == LW_INVALID_INDEX || !query->tables )
+	{
+		return separation;
+	}
+	float charted = below( lwi_chart_at( &checker->tree->views[view], checker->tree->scales, query->state ) - margin );
+	return charted > separation ? charted : separation;
+}
+
+static lwi_candidate node_pair( const lw_checker* checker, uint32_t index, float key )
+{
+	return (lwi_candidate){ key, lwi_node_pair_candidate( checker, checker->tree, index ) };
+}
+
+/// All pairs of nodes by their R, one by one: without a bound nothing is ruled out.
+static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < tree->pair_count; ++i )
+	{
+		const lwi_node_pair* pair = &tree->pairs[i];
+		const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
+		double gap = gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, bound->prune );
+		if ( gap < INFINITY )
+		{
+			query->candidates[count++] = node_pair( checker, i, below( gap ) );
+		}
+	}
+	query->search.stats.robot_tests += tree->pair_count;
+	return count;
+}
+
+/// Walks the steps: what no test rules out becomes a candidate.
+static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	double limit = bound->prune;
+	uint32_t count = 0, tests = 0;
+	for ( uint32_t i = 0; i < tree->step_count; )
+	{
+		const lwi_self_step* step = &tree->steps[i];
+		++tests;
+		float separation = query->tables ? step->separation : 0 - step->margin;
+		double gap = separation >= limit ? INFINITY : -INFINITY;
+		if ( gap < 0 && step->sphere_a != LW_INVALID_INDEX && ( query->hulls || step->pair != LW_INVALID_INDEX ) )
+		{
+			const double* a = lwi_sphere( checker, query, step->sphere_a );
+			gap = gap_below( a, lwi_sphere( checker, query, step->sphere_b ), step->margin, limit );
+		}
+		if ( gap == INFINITY )
+		{
+			i = step->skip;
+			continue;
+		}
+		if ( step->pair != LW_INVALID_INDEX )
+		{
+			uint32_t view = lwi_node_pair_view( tree, &tree->pairs[step->pair] );
+			float charted = separation_now( checker, query, separation, step->margin, view );
+			if ( charted < limit )
+			{
+				query->candidates[count++] = node_pair( checker, step->pair, lower_bound( gap, charted ) );
+			}
+		}
+		++i;
+	}
+	query->search.stats.robot_tests += tests;
+	return count;
+}
+
+/// The spheres of all units in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
+static double unit_spheres( const lw_checker* checker, lw_query* query, float* blocks )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_self_units* units = tree->units;
+	const double* origin = query->world_from_link[tree->nodes[0].top].t;
+	double reach = 0;
+	for ( uint32_t i = 1; i < tree->node_count; ++i )
+	{
+		if ( query->node_stamp[i] != query->state_stamp )
+		{
+			lwi_pose_child( checker, query, i );
+		}
+	}
+	for ( uint32_t i = 0; i < units->count; ++i )
+	{
+		const lw_transform* pose = &query->world_from_link[tree->nodes[units->node[i]].top];
+		lw_vec3 center = lwi_transform( pose, lwi_load( units->sphere[i].center ) );
+		const double relative[3] = { center.x - origin[0], center.y - origin[1], center.z - origin[2] };
+		float* lane = blocks + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			lane[axis * LWI_WIDTH] = (float)relative[axis];
+			reach = fabs( relative[axis] ) > reach ? fabs( relative[axis] ) : reach;
+		}
+		lane[3 * LWI_WIDTH] = above( units->sphere[i].radius + query->pose_rounding );
+	}
+	return lwi_gap_slack( 2 * ( reach + units->largest_radius + query->pose_rounding ) );
+}
+
+/// Gap of two lanes of such blocks.
+static double gap_of_lanes( const float* blocks, uint32_t a, uint32_t b )
+{
+	const float* p = blocks + 4 * (size_t)( a / LWI_WIDTH ) * LWI_WIDTH + a % LWI_WIDTH;
+	const float* q = blocks + 4 * (size_t)( b / LWI_WIDTH ) * LWI_WIDTH + b % LWI_WIDTH;
+	double square = 0;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		double d = (double)p[axis * LWI_WIDTH] - (double)q[axis * LWI_WIDTH];
+		square += d * d;
+	}
+	return sqrt( square ) - (double)p[3 * LWI_WIDTH] - (double)q[3 * LWI_WIDTH];
+}
+
+/// Robots of few parts: all pairs of units by their spheres, eight at a time.
+static uint32_t compare_units( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_self_units* units = checker->tree->units;
+	if ( query->tables && units->separation >= bound->prune )
+	{
+		query->search.stats.robot_tests++;
+		return 0; // nothing needs to be posed
+	}
+	float blocks[LWI_UNIT_BLOCKS * 4 * LWI_WIDTH] = { 0 };
+	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
+	double slack = unit_spheres( checker, query, blocks );
+	float limit = above( bound->prune + units->largest_margin + slack );
+	uint32_t found = query->search.kernels->sphere_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS, limit, near ), count = 0;
+	for ( uint32_t i = 0; i < found; ++i )
+	{
+		uint32_t low = near[i] / 256, high = near[i] % 256;
+		const lwi_unit_pair* pair = &units->pairs[low][high];
+		float separation = query->tables ? pair->separation : 0 - pair->margin;
+		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
+		if ( separation >= bound->prune || gap >= bound->prune )
+		{
+			continue;
+		}
+		separation = separation_now( checker, query, separation, pair->margin, pair->view );
+		if ( separation < bound->prune )
+		{
+			query->candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
+		}
+	}
+	query->search.stats.robot_tests += units->pair_count;
+	return count;
+}
+
+/// The R of all nodes in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
+static double node_spheres( const lw_checker* checker, lw_query* query, float* blocks )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const double* origin = query->world_from_link[tree->nodes[0].top].t;
+	double reach = 0, largest = 0;
+	for ( uint32_t i = 0; i < tree->node_count; ++i )
+	{
+		if ( tree->nodes[i].body_count == 0 )
+		{
+			continue;
+		}
+		const double* sphere = lwi_sphere( checker, query, 2 * i );
+		float* lane = blocks + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			double relative = sphere[axis] - origin[axis];
+			lane[axis * LWI_WIDTH] = (float)relative;
+			reach = fabs( relative ) > reach ? fabs( relative ) : reach;
+		}
+		lane[3 * LWI_WIDTH] = above( sphere[3] );
+		largest = sphere[3] > largest ? sphere[3] : largest;
+	}
+	return lwi_gap_slack( 2 * ( reach + largest ) );
+}
+
+/// Metres beyond which spheres are compared in double.
+#define LARGEST_SLACK 0x1p40
+
+/// All pairs of nodes by their R, where nothing is proved of this state: what they do not rule out becomes a candidate.
+static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_node_rows* rows = &tree->rows;
+	float blocks[4 * LWI_MOST_ROWS] = { 0 };
+	double slack = INFINITY;
+	if ( rows->count > 0 && bound->prune < INFINITY )
+	{
+		slack = node_spheres( checker, query, blocks );
+	}
+	if ( !( slack < LARGEST_SLACK ) )
+	{
+		return list_pairs( checker, query, bound );
+	}
+	uint16_t* near = (uint16_t*)(void*)query->gaps; // a pair of nodes is one of bodies, of which gaps has two floats at least
+	float limit = above( bound->prune + (double)rows->largest_margin + slack );
+	uint32_t found = query->search.kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
+	for ( uint32_t i = 0; i < found; ++i )
+	{
+		uint32_t low = near[i] / 256, high = near[i] % 256, index = rows->pair[low * rows->count + high];
+		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)tree->pairs[index].margin;
+		if ( gap < bound->prune )
+		{
+			query->candidates[count++] = node_pair( checker, index, below( gap ) );
+		}
+	}
+	query->search.stats.robot_tests += tree->pair_count;
+	return count;
+}
+
+/// A sphere (x, y, z, r) of the world, asked against the bodies of a node by LWI_WIDTH.
+typedef struct probe
+{
+	const float* blocks;
+	float sphere[4];
+	double slack; ///< what the float gaps may be too large by
+	float limit;  ///< of these gaps
+} probe;
+
+/// @param margin the largest of the pairs that it is asked for
+static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t node, const double sphere[4], double margin,
+	const lwi_bound* bound )
+{
+	const double* r = lwi_sphere( checker, query, 2 * node );
+	probe p = { .blocks = lwi_blocks( checker, query, node ) };
+	double largest = 0;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		double relative = sphere[axis] - r[axis];
+		p.sphere[axis] = (float)relative;
+		largest = fabs( relative ) > largest ? fabs( relative ) : largest;
+	}
+	p.sphere[3] = above( sphere[3] );
+	p.slack = lwi_gap_slack( 2 * ( largest + sphere[3] + r[3] ) ); // as for all pairs
+	p.limit = above( bound->prune + margin + p.slack );
+	return p;
+}
+
+/// Lanes of a block of a node's bodies from number `first` on that are near a sphere. Where the sphere's numbers overflow, all are,
+/// but never those that pad the block.
+static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, uint32_t node, uint32_t first, const probe* p,
+	float gap[LWI_WIDTH] )
+{
+	const uint32_t left = checker->tree->nodes[node].body_count - first;
+	return query->search.kernels->sphere_gap( p->blocks + 4 * (size_t)first, p->sphere, p->limit, gap ) &
+		   lwi_low_bits( left < LWI_WIDTH ? left : LWI_WIDTH );
+}
+
+/// Bodies number `rank_a` of node a and `rank_b` of node b become a candidate, unless their separation rules them out.
+/// @param gap of their spheres
+static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, uint32_t rank_a, uint32_t rank_b,
+	double gap, const lwi_bound* bound, uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
+	size_t index = pair->first + (size_t)rank_a * b->body_count + rank_b;
+	float separation = tree->separations[index];
+	if ( !query->tables && separation < INFINITY )
+	{
+		separation = 0 - pair->margin; // proved for other states than this one, or not to be used
+	}
+	if ( separation >= bound->prune )
+	{
+		return;
+	}
+	uint32_t body_a = tree->bodies[a->first_body + rank_a], body_b = tree->bodies[b->first_body + rank_b];
+	double margin = lwi_self_margin( checker, body_a, body_b );
+	uint32_t view = tree->view_count > 0 ? tree->pair_views[index] : LW_INVALID_INDEX;
+	separation = separation_now( checker, query, separation, margin, view );
+	if ( separation < bound->prune )
+	{
+		lwi_heap_push( query->candidates, count,
+			body_pair( checker, body_a, body_b, lower_bound( gap - margin, separation ) ) );
+	}
+}
+
+/// One body of a pair of nodes against the bodies of the other node. @param of_a it is a body of node a
+static void open_body( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, bool of_a, uint32_t rank,
+	const lwi_bound* bound, uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	uint32_t mine = of_a ? pair->node_a : pair->node_b, other = of_a ? pair->node_b : pair->node_a;
+	const lw_sphere* local = &tree->body_spheres[tree->nodes[mine].first_body + rank];
+	lw_vec3 center = lwi_transform( &query->world_from_link[tree->nodes[mine].top], lwi_load( local->center ) );
+	double rounding = lwi_sphere( checker, query, 2 * mine )[3] - tree->nodes[mine].r.radius;
+	const double sphere[4] = { center.x, center.y, center.z, local->radius + rounding };
+	probe p = make_probe( checker, query, other, sphere, pair->margin, bound );
+	for ( uint32_t i = 0; i < tree->nodes[other].body_count; i += LWI_WIDTH )
+	{
+		float gap[LWI_WIDTH];
+		uint32_t near = near_lanes( checker, query, other, i, &p, gap );
+		for ( ; near != 0; near &= near - 1 )
+		{
+			uint32_t lane = lwi_lowest_bit( near );
+			add_pair( checker, query, pair, of_a ? rank : i + lane, of_a ? i + lane : rank, gap[lane] - p.slack, bound, count );
+		}
+	}
+}
+
+/// The bodies of a pair of nodes that come near each other. The node with more bodies is opened first, against the R of the
+/// other one: most of it is out of the way then (a hand against all that the group does not move).
+static void open_pair( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, const lwi_bound* bound,
+	uint32_t* count )
+{
+	const lwi_checker_tree* tree = checker->tree;
+	bool a_first = tree->nodes[pair->node_a].body_count >= tree->nodes[pair->node_b].body_count;
+	uint32_t many = a_first ? pair->node_a : pair->node_b, few = a_first ? pair->node_b : pair->node_a;
+	probe outer = make_probe( checker, query, many, lwi_sphere( checker, query, 2 * few ), pair->margin, bound );
+	for ( uint32_t i = 0; i < tree->nodes[many].body_count; i += LWI_WIDTH )
+	{
+		float gap[LWI_WIDTH];
+		uint32_t near = near_lanes( checker, query, many, i, &outer, gap );
+		for ( ; near != 0; near &= near - 1 )
+		{
+			uint32_t lane = lwi_lowest_bit( near );
+			if ( tree->nodes[few].body_count == 1 )
+			{
+				add_pair( checker, query, pair, a_first ? i + lane : 0, a_first ? 0 : i + lane, gap[lane] - outer.slack, bound,
+					count );
+			}
+			else
+			{
+				open_body( checker, query, pair, a_first, i + lane, bound, count );
+			}
+		}
+	}
+}
+
+/// Gap of the spheres of two bodies, less their margin, as gap_below().
+static double body_gap_below( const lw_checker* checker, lw_query* query, uint32_t a, uint32_t b, double limit )
+{
+	lwi_pose_body( checker, query, a );
+	lwi_pose_body( checker, query, b );
+	const double *center_a = query->body_center + 3 * (size_t)a, *center_b = query->body_center + 3 * (size_t)b;
+	// poses of bodies are rounded as those of nodes are
+	double rounding = query->pose_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
+											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
+	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
+	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2], checker->bodies[b].shape->sphere_radius + rounding };
+	return gap_below( sphere_a, sphere_b, lwi_self_margin( checker, a, b ), limit );
+}
+
+// --- pairs that were nearest before ----------------------------------------------------------------------------------
+
+/// True if a pair that was remembered is one that counts still.
+static bool pair_counts( const lw_checker* checker, uint32_t pair )
+{
+	const uint32_t stride = checker->body_block_count * LWI_WIDTH, a = pair / stride, b = pair % stride;
+	const uint32_t bodies = lw_robot_body_count( checker->robot );
+	return a < bodies && b < bodies && ( checker->self_mask[(size_t)a * checker->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) & 1 ) != 0;
+}
+
+/// The pairs that were nearest in states before get their first look before all others, the least gap of spheres first: which witness was
+/// nearest says little of another state, which pair was says much, and a bound early spares most other pairs their look. Only where
+/// nothing is proved of pairs, which would rule many of these out, and not for yes or no.
+static void look_at_known( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+{
+	const uint32_t stride = checker->body_block_count * LWI_WIDTH, count = query->known_count;
+	double gap[LWI_KNOWN_PAIRS];
+	query->known_looked = 0;
+	if ( query->covered || !query->search.def.warm_start || !( bound->range.max_d > nextafter( bound->range.min_d, INFINITY ) ) )
+	{
+		return;
+	}
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const uint32_t pair = query->known_pairs[i];
+		gap[i] = pair_counts( checker, pair ) ? body_gap_below( checker, query, pair / stride, pair % stride, bound->prune ) : INFINITY;
+	}
+	while ( count > 0 && !bound->done )
+	{
+		uint32_t next = 0;
+		for ( uint32_t i = 1; i < count; ++i )
+		{
+			next = gap[i] < gap[next] ? i : next;
+		}
+		if ( !( gap[next] < bound->prune ) )
+		{
+			return;
+		}
+		gap[next] = INFINITY;
+		query->known_looked |= 1u << next;
+		bound->current_pair = query->known_pairs[next];
+		search_self_pair( checker, query, bound->current_pair / stride, bound->current_pair % stride, bound, lwi_search_first );
+	}
+}
+
+static bool was_looked_at( const lw_query* query, uint32_t pair )
+{
+	for ( uint32_t left = query->known_looked; left != 0; left &= left - 1 )
+	{
+		if ( query->known_pairs[lwi_lowest_bit( left )] == pair )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+/// Puts the nearest pair of a state in front of those known.
+static void remember_pair( lw_query* query, uint32_t pair )
+{
+	uint32_t i = 0;
+	while ( i < query->known_count && query->known_pairs[i] != pair )
+	{
+		++i;
+	}
+	if ( i == query->known_count )
+	{
+		query->known_count += i < LWI_KNOWN_PAIRS ? 1 : 0;
+		i = query->known_count - 1;
+	}
+	memmove( query->known_pairs + 1, query->known_pairs, i * sizeof( uint32_t ) );
+	query->known_pairs[0] = pair;
+}
+
+// --- by nodes, from the nearest on -----------------------------------------------------------------------------------
+
+/// Takes the least lower bound until none is left below the running bound. Parts that lie within each other overlap with their spheres and boxes,
+/// and which of them is nearest no lower bound tells; so something of each pair is measured before one is searched to its end.
+static void search_candidates( const lw_checker* checker, lw_query* query, uint32_t count, lwi_bound* bound )
+{
+	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= bound->prune )
+		{
+			break;
+		}
+		if ( next.pair >= LWI_OPEN )
+		{
+			open_pair( checker, query, &checker->tree->pairs[next.pair - LWI_OPEN], bound, &count );
+			continue;
+		}
+		if ( was_looked_at( query, next.pair ) )
+		{
+			continue;
+		}
+		bound->current_pair = next.pair;
+		bool last = count == 0 && query->search.waiting_count == 0;
+		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound, last ? lwi_search : lwi_search_first );
+	}
+}
+
+static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+{
+	look_at_known( checker, query, bound );
+	bool at_once = checker->tree->units != NULL && bound->prune < INFINITY; // without a bound nothing would be ruled out
+	uint32_t count = bound->done      ? 0
+					 : at_once        ? compare_units( checker, query, bound )
+					 : query->covered ? walk_steps( checker, query, bound )
+									  : walk_pairs( checker, query, bound );
+	lwi_heap_build( query->candidates, count );
+	search_candidates( checker, query, count, bound );
+	lwi_search_waiting( &query->search, bound );
+}
+
+// --- questions -------------------------------------------------------------------------------------------------------
+
+static void self_result( const lw_checker* checker, const lw_query* query, const lwi_bound* bound, uint32_t body_a,
+	uint32_t body_b, lw_clearance* out )
+{
+	*out = lwi_bound_result( bound );
+	if ( out->upper < INFINITY )
+	{
+		out->point_a = lwi_transform( &query->world_from_body[body_a], bound->point_a );
+		out->point_b = lwi_transform( &query->world_from_body[body_a], bound->point_b );
+		out->a = checker->bodies[body_a].link;
+		out->b = checker->bodies[body_b].link;
+	}
+}
+
+/// Measures the nearest pair of the last time, if it is still one that counts.
+static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
+{
+	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	uint32_t a = warm->pair / stride, b = warm->pair % stride;
+	if ( lwi_warm_pays( query, warm, bound ) && pair_counts( checker, warm->pair ) )
+	{
+		lwi_pose_body( checker, query, a );
+		lwi_pose_body( checker, query, b );
+		lw_transform relative = lwi_relative( &query->world_from_body[a], &query->world_from_body[b] );
+		bound->current_pair = warm->pair;
+		bound->margin = lwi_self_margin( checker, a, b );
+		lwi_measure_warm( query, checker->bodies[a].shape, checker->bodies[b].shape, &relative, warm, bound );
+	}
+}
+
+void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out )
+{
+	if ( checker->self_pair_count == 0 )
+	{
+		*out = lwi_nothing_to_check();
+		return;
+	}
+	lwi_bound bound;
+	lwi_bound_init( &bound, range );
+	bound.lowest = lwi_lowest_self( checker );
+	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
+	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	lwi_warm* warm = &query->warm_self;
+	measure_warm( checker, query, warm, &bound );
+	if ( !bound.done && query->search.def.hierarchy )
+	{
+		search_tree( checker, query, &bound );
+	}
+	else if ( !bound.done )
+	{
+		lwi_pose_all( checker, query );
+		search_self( checker, query, &bound );
+	}
+	self_result( checker, query, &bound, bound.pair / stride, bound.pair % stride, out );
+	if ( out->upper < INFINITY )
+	{
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		remember_pair( query, bound.pair );
+	}
+}
+
+uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t index, double limit )
+{
+	const lwi_node_pair* pair = &checker->tree->pairs[index];
+	const lwi_bound bound = { .prune = limit };
+	uint32_t count = 0;
+	const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
+	if ( !( query->tables && pair->separation >= limit ) &&
+		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, limit ) < INFINITY )
+	{
+		lwi_candidate only = node_pair( checker, index, 0 );
+		if ( only.pair < LWI_OPEN )
+		{
+			query->candidates[count++] = only;
+		}
+		else
+		{
+			open_pair( checker, query, pair, &bound, &count );
+		}
+	}
+	return count;
+}
+
+bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit )
+{
+	return body_gap_below( checker, query, body_a, body_b, limit ) < INFINITY;
+}
+
+void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
+	lwi_warm* warm, lw_clearance* out )
+{
+	uint32_t stride = checker->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
+	lwi_bound bound;
+	lwi_bound_init( &bound, &threshold->range );
+	bound.lowest = lwi_lowest_self( checker );
+	bound.give_up_above = threshold->give_up_above;
+	bound.give_up_below = threshold->give_up_below;
+	if ( body_gap_below( checker, query, a, b, bound.prune ) < INFINITY )
+	{
+		if ( warm->pair == id )
+		{
+			measure_warm( checker, query, warm, &bound );
+		}
+		if ( !bound.done )
+		{
+			bound.current_pair = id;
+			search_self_pair( checker, query, a, b, &bound, lwi_search );
+		}
+	}
+	self_result( checker, query, &bound, a, b, out );
+	if ( out->upper < INFINITY )
+	{
+		*warm = (lwi_warm){ id, bound.triangle_a, bound.triangle_b, bound.upper, true };
+	}
+}

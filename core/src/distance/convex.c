@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Certified distance of convex pieces: GJK in double, an interval from its witnesses and separating directions.
+//
+// Papers: Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex objects in
+// three-dimensional space", 1988; Montanari, Petrinic, Barbieri 2017 (see distance/convex_simplex_impl.h); van den Bergen, "Collision
+// Detection in Interactive 3D Environments", 2004, 4.3 (lower bound from the support point).
+//
+// What makes the answer certain is apart from what makes it sharp. The upper bound is the distance of two points that are
+// convex combinations of points of the pieces; the lower bound is the gap that a direction leaves between the pieces'
+// support planes, less the rounding of its own computation (LWI_CONVEX_ROUNDING). Both hold for any simplex and any
+// direction, however badly computed; a bad one only makes the interval wide, and then distance/convex_refine.c takes over with
+// twice the digits.
+#include "distance/convex_internal.h"
+#include "base/double_double.h"
+#include "distance/tri_tri.h"
+
+#define real double
+#define NAME( x ) x##_d
+#define FROM( x ) ( x )
+#define ADD( a, b ) ( ( a ) + ( b ) )
+#define SUB( a, b ) ( ( a ) - ( b ) )
+#define MUL( a, b ) ( ( a ) * ( b ) )
+#define DIV( a, b ) ( ( a ) / ( b ) )
+#define SIGN( a ) ( a )
+#define ALL_FACES 0
+#include "distance/convex_simplex_impl.h"
+
+enum
+{
+	/// Of the double stage. Polytopes need 3 to 12, cylinders and cones up to 35 apart from contact; more means that double
+	/// is at its end.
+	MAX_ITERATIONS = 48
+};
+
+static bool is_same( lw_vec3 a, lw_vec3 b )
+{
+	return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+lw_vec3 lwi_points_support( const lwi_piece* piece, lw_vec3 n )
+{
+	const double* p = piece->points;
+	lw_vec3 origin = lwi_load( p ), best = { 0.0, 0.0, 0.0 };
+	double most = 0.0; // the first point's
+	for ( uint32_t i = 1; i < piece->point_count; ++i )
+	{
+		lw_vec3 v = lwi_sub( lwi_load( p + 3 * (size_t)i ), origin );
+		double d = lwi_dot( n, v );
+		if ( d > most )
+		{
+			most = d;
+			best = v;
+		}
+	}
+	return best;
+}
+
+/// Radius and mean of a point set about its first point.
+static void measure_points( lwi_piece* piece )
+{
+	lw_vec3 origin = lwi_load( piece->points ), sum = { 0.0, 0.0, 0.0 };
+	double most = 0.0;
+	for ( uint32_t i = 1; i < piece->point_count; ++i )
+	{
+		lw_vec3 v = lwi_sub( lwi_load( piece->points + 3 * (size_t)i ), origin );
+		sum = lwi_add( sum, v );
+		most = fmax( most, lwi_length_sq( v ) );
+	}
+	piece->vertex[1] = lwi_scale( 1.0 / piece->point_count, sum );
+	piece->radius = sqrt( most );
+}
+
+/// Local copy of a shape about its reference point, which is returned.
+static lw_vec3 make_piece( const lwi_convex* shape, lwi_piece* piece )
+{
+	lw_vec3 origin = { 0.0, 0.0, 0.0 };
+	piece->type = shape->type;
+	if ( shape->type == LWI_CONVEX_TRIANGLE )
+	{
+		origin = shape->vertex[0];
+		piece->vertex[0] = lwi_v3( 0.0, 0.0, 0.0 );
+		piece->vertex[1] = lwi_sub( shape->vertex[1], origin );
+		piece->vertex[2] = lwi_sub( shape->vertex[2], origin );
+		double r1 = lwi_length_sq( piece->vertex[1] ), r2 = lwi_length_sq( piece->vertex[2] );
+		piece->radius = sqrt( r1 > r2 ? r1 : r2 );
+		return origin;
+	}
+	if ( shape->type == LWI_CONVEX_POINTS )
+	{
+		piece->points = shape->points;
+		piece->point_count = shape->point_count;
+		measure_points( piece );
+		return lwi_load( shape->points );
+	}
+	const double* s = shape->size;
+	piece->size[0] = s[0];
+	piece->size[1] = s[1];
+	piece->size[2] = shape->type == LWI_CONVEX_BOX ? s[2] : 0.0;
+	piece->radius = sqrt( s[0] * s[0] + s[1] * s[1] + piece->size[2] * piece->size[2] );
+	return origin;
+}
+
+/// r p + t - q with the rounding of the result only, however much cancels.
+static lw_vec3 place_precisely( const lw_transform* m, lw_vec3 p, lw_vec3 q )
+{
+	const double x[3] = { p.x, p.y, p.z }, y[3] = { q.x, q.y, q.z };
+	double out[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		lwi_dd sum = lwi_dd_two_sum( m->t[i], -y[i] );
+		for ( int j = 0; j < 3; ++j )
+		{
+			sum = lwi_dd_add( sum, lwi_dd_two_product( m->r[i][j], x[j] ) );
+		}
+		out[i] = sum.hi;
+	}
+	return lwi_v3( out[0], out[1], out[2] );
+}
+
+/// Offset from a's reference point to b's. The plain sum is wrong by up to 8 u of the magnitudes in it, so it is used only
+/// where these are at most twice the extent of the question.
+static lw_vec3 reference_offset( const lw_transform* a_from_b, lw_vec3 origin_a, lw_vec3 origin_b, double radii )
+{
+	lw_vec3 t = lwi_load( a_from_b->t );
+	lw_vec3 p = lwi_rotate( a_from_b, origin_b );
+	lw_vec3 d = lwi_sub( lwi_add( p, t ), origin_a );
+	double magnitude = lwi_length( p ) + lwi_length( t ) + lwi_length( origin_a );
+	return magnitude <= 2.0 * ( lwi_length( d ) + radii ) ? d : place_precisely( a_from_b, origin_b, origin_a );
+}
+
+static lw_vec3 centroid( const lwi_piece* piece )
+{
+	if ( piece->type != LWI_CONVEX_TRIANGLE )
+	{
+		return piece->type == LWI_CONVEX_POINTS ? piece->vertex[1] : lwi_v3( 0.0, 0.0, 0.0 );
+	}
+	return lwi_scale( 1.0 / 3.0, lwi_add( piece->vertex[1], piece->vertex[2] ) );
+}
+
+/// Adds the support point of a - b against v to the simplex.
+static vec_d add_support( const lwi_pair* pair, lw_vec3 v, lwi_simplex* simplex )
+{
+	lw_vec3 a = lwi_piece_support( &pair->a, lwi_scale( -1.0, v ) );
+	lw_vec3 b = lwi_piece_support( &pair->b, lwi_unrotate( &pair->place, v ) );
+	lw_vec3 w = lwi_sub( a, lwi_transform( &pair->place, b ) );
+	simplex->a[simplex->count] = a;
+	simplex->b[simplex->count] = b;
+	return (vec_d){ w.x, w.y, w.z };
+}
+
+static bool is_known( const lwi_simplex* simplex )
+{
+	for ( int i = 0; i < simplex->count; ++i )
+	{
+		if ( is_same( simplex->a[i], simplex->a[simplex->count] ) && is_same( simplex->b[i], simplex->b[simplex->count] ) )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+/// Keeps the points with weight; w moves along.
+static void reduce( lwi_simplex* simplex, vec_d* w, const nearest_d* nearest )
+{
+	int kept = 0;
+	for ( int i = 0; i < simplex->count; ++i )
+	{
+		if ( nearest->weight[i] > 0.0 )
+		{
+			simplex->a[kept] = simplex->a[i];
+			simplex->b[kept] = simplex->b[i];
+			simplex->weight[kept] = nearest->weight[i];
+			w[kept++] = w[i];
+		}
+	}
+	simplex->count = kept;
+}
+
+/// The weighted points, and the upper bound that they attain.
+static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, lwi_bounds* bounds )
+{
+	lw_vec3 a = { 0.0, 0.0, 0.0 }, b = { 0.0, 0.0, 0.0 };
+	for ( int i = 0; i < simplex->count; ++i )
+	{
+		a = lwi_add_scaled( a, simplex->weight[i], simplex->a[i] );
+		b = lwi_add_scaled( b, simplex->weight[i], simplex->b[i] );
+	}
+	b = lwi_transform( &pair->place, b );
+	double upper = lwi_distance( a, b );
+	if ( upper < bounds->upper )
+	{
+		bounds->upper = upper;
+		bounds->point_a = a;
+		bounds->point_b = b;
+	}
+}
+
+/// @return true if the bounds are what was asked for; the simplex is where to go on otherwise
+static bool gjk( const lwi_pair* pair, double width, double stop_above, double stop_below, lwi_simplex* simplex,
+	lwi_bounds* bounds )
+{
+	double rounding = LWI_CONVEX_ROUNDING * pair->extent;
+	lw_vec3 v = lwi_sub( centroid( &pair->a ), lwi_transform( &pair->place, centroid( &pair->b ) ) );
+	if ( !( lwi_length_sq( v ) > 0.0 ) )
+	{
+		v = lwi_v3( 1.0, 0.0, 0.0 );
+	}
+	vec_d w[4];
+	simplex->count = 0;
+	for ( ;; )
+	{
+		// The plane through the support point normal to v has all of a - b behind it.
+		vec_d next = add_support( pair, v, simplex );
+		double gap = ( v.x * next.x + v.y * next.y + v.z * next.z ) / lwi_length( v ) - rounding;
+		bounds->lower = gap > bounds->lower ? gap : bounds->lower;
+		if ( lwi_bounds_done( bounds, rounding, width, stop_above, stop_below ) )
+		{
+			return true;
+		}
+		if ( is_known( simplex ) || bounds->iterations >= MAX_ITERATIONS )
+		{
+			return false;
+		}
+		++bounds->iterations;
+		w[simplex->count++] = next;
+		nearest_d nearest;
+		bool inside = nearest_to_origin_d( w, simplex->count, &nearest );
+		reduce( simplex, w, &nearest );
+		double before = bounds->upper;
+		offer_witness( pair, simplex, bounds );
+		if ( bounds->upper <= 0.5 * rounding || bounds->upper <= stop_below )
+		{
+			return true;
+		}
+		if ( !( bounds->upper < before ) || inside || !( nearest.sq > 0.0 ) )
+		{
+			return false;
+		}
+		v = lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z );
+	}
+}
+
+static bool is_point( const lwi_piece* piece )
+{
+	return piece->type == LWI_CONVEX_TRIANGLE && piece->radius == 0.0;
+}
+
+static bool is_solid( const lwi_piece* piece )
+{
+	return piece->type != LWI_CONVEX_TRIANGLE && piece->type != LWI_CONVEX_POINTS;
+}
+
+/// Both pieces are triangles.
+static void triangles( const lwi_pair* pair, lwi_bounds* bounds )
+{
+	lw_vec3 b[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		b[i] = lwi_transform( &pair->place, pair->b.vertex[i] );
+	}
+	lwi_tri_result r = lwi_tri_tri( pair->a.vertex, b );
+	double lower = r.distance - ( LWI_TRI_TRI_ERROR + LWI_CONVEX_ROUNDING ) * pair->extent;
+	*bounds = (lwi_bounds){ lower, r.distance, r.point_a, r.point_b, 1 };
+}
+
+static bool is_curved( const lwi_piece* piece )
+{
+	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
+}
+
+static lwi_convex solid_of( const lwi_piece* piece )
+{
+	lwi_convex solid = { .type = piece->type, .size = { piece->size[0], piece->size[1], piece->size[2] } };
+	return solid;
+}
+
+/// One piece is a point, the other a solid.
+static void point_and_solid( const lwi_pair* pair, lwi_bounds* bounds )
+{
+	lw_vec3 t = lwi_load( pair->place.t );
+	lw_vec3 closest;
+	if ( is_point( &pair->b ) )
+	{
+		lwi_convex solid = solid_of( &pair->a );
+		bounds->upper = lwi_convex_point_distance( &solid, t, &closest );
+		bounds->point_a = closest;
+		bounds->point_b = t;
+	}
+	else
+	{
+		lwi_convex solid = solid_of( &pair->b );
+		lw_vec3 p = lwi_unrotate( &pair->place, lwi_scale( -1.0, t ) );
+		lwi_convex_point_distance( &solid, p, &closest );
+		bounds->point_a = lwi_v3( 0.0, 0.0, 0.0 );
+		bounds->point_b = is_same( p, closest ) ? bounds->point_a : lwi_transform( &pair->place, closest );
+		bounds->upper = lwi_length( bounds->point_b );
+	}
+	bounds->lower = bounds->upper - LWI_CONVEX_ROUNDING * pair->extent;
+	bounds->iterations = 1;
+}
+
+lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,
+	double stop_above, double stop_below )
+{
+	lwi_pair pair;
+	lw_vec3 origin_a = make_piece( a, &pair.a );
+	lw_vec3 origin_b = make_piece( b, &pair.b );
+	pair.place = *a_from_b;
+	lw_vec3 offset = reference_offset( a_from_b, origin_a, origin_b, pair.a.radius + pair.b.radius );
+	pair.place.t[0] = offset.x;
+	pair.place.t[1] = offset.y;
+	pair.place.t[2] = offset.z;
+	pair.extent = pair.a.radius + pair.b.radius + lwi_length( offset );
+
+	lwi_bounds bounds = { -INFINITY, INFINITY, { 0.0, 0.0, 0.0 }, offset, 0 };
+	bool triangle_a = a->type == LWI_CONVEX_TRIANGLE, triangle_b = b->type == LWI_CONVEX_TRIANGLE;
+	if ( triangle_a && triangle_b )
+	{
+		triangles( &pair, &bounds );
+	}
+	else if ( ( is_point( &pair.a ) && is_solid( &pair.b ) ) || ( is_solid( &pair.a ) && is_point( &pair.b ) ) )
+	{
+		point_and_solid( &pair, &bounds );
+	}
+	else
+	{
+		// Polytopes end within rounding by themselves mostly; for curved pieces each further digit is two iterations
+		bool curved = is_curved( &pair.a ) || is_curved( &pair.b );
+		double width = ( curved ? 0.1 * LWI_CONVEX_WIDTH_CURVED : LWI_CONVEX_WIDTH_POLYTOPE ) * pair.extent;
+		lwi_simplex simplex;
+		if ( !gjk( &pair, width, stop_above, stop_below, &simplex, &bounds ) )
+		{
+			lwi_convex_refine( &pair, &simplex, width, stop_above, stop_below, &bounds );
+		}
+	}
+	if ( bounds.upper <= 0.5 * LWI_CONVEX_ROUNDING * pair.extent ) // contact: one common point
+	{
+		bounds.upper = 0.0;
+		bounds.point_b = bounds.point_a;
+	}
+	// Lower may exceed upper where both are the distance to rounding
+	return (lwi_convex_result){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
+		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations };
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the double stage (distance/convex.c) and the refinement (distance/convex_refine.c) of the convex distance share.
+#ifndef LEEWAY_DISTANCE_CONVEX_INTERNAL_H
+#define LEEWAY_DISTANCE_CONVEX_INTERNAL_H
+
+#include "distance/convex.h"
+#include "base/math_inline.h"
+
+/// A piece relative to its reference point: the centre of a solid, vertex 0 of a triangle, point 0 of a point set.
+typedef struct lwi_piece
+{
+	lwi_convex_type type;
+	double size[3];
+	lw_vec3 vertex[3]; ///< vertex[0] = 0. Of POINTS: [1] is their mean
+	const double* points; ///< of POINTS: in the shape's frame, about points[0]
+	uint32_t point_count;
+	double radius;     ///< >= |x| for all its points
+} lwi_piece;
+
+/// The question: pieces a and b about their reference points, b placed by rotation and offset (from a's point to b's).
+typedef struct lwi_pair
+{
+	lwi_piece a, b;
+	lw_transform place; ///< x_a = r x_b + t
+	double extent;      ///< a.radius + b.radius + |t|
+} lwi_pair;
+
+/// Points of the pieces whose differences a - (r b + t) span the simplex, in the pieces' own axes.
+typedef struct lwi_simplex
+{
+	int count;
+	lw_vec3 a[4], b[4];
+	double weight[4]; ///< of the closest point to the origin
+} lwi_simplex;
+
+/// What both stages improve: lower is proved (and may be below 0), upper is attained by the weighted simplex points.
+typedef struct lwi_bounds
+{
+	double lower, upper;
+	lw_vec3 point_a, point_b; ///< relative to a's reference point
+	uint32_t iterations;
+} lwi_bounds;
+
+/// The same for POINTS. Cost: O(count).
+lw_vec3 lwi_points_support( const lwi_piece* piece, lw_vec3 n );
+
+/// A point of the piece that is farthest in direction n (any length > 0).
+static inline lw_vec3 lwi_piece_support( const lwi_piece* piece, lw_vec3 n )
+{
+	switch ( piece->type )
+	{
+	case LWI_CONVEX_BOX:
+		return lwi_v3( copysign( piece->size[0], n.x ), copysign( piece->size[1], n.y ), copysign( piece->size[2], n.z ) );
+	case LWI_CONVEX_CYLINDER:
+	case LWI_CONVEX_CONE:
+	{
+		double h = sqrt( n.x * n.x + n.y * n.y );
+		double f = h > 0.0 ? piece->size[0] / h : 0.0;
+		if ( piece->type == LWI_CONVEX_CYLINDER )
+		{
+			return lwi_v3( f * n.x, f * n.y, copysign( piece->size[1], n.z ) );
+		}
+		// Apex against rim: half n.z against radius h - half n.z.
+		if ( 2.0 * piece->size[1] * n.z >= piece->size[0] * h )
+		{
+			return lwi_v3( 0.0, 0.0, piece->size[1] );
+		}
+		return lwi_v3( f * n.x, f * n.y, -piece->size[1] );
+	}
+	case LWI_CONVEX_POINTS:
+		return lwi_points_support( piece, n );
+	case LWI_CONVEX_TRIANGLE:
+		break;
+	}
+	double d1 = lwi_dot( n, piece->vertex[1] ), d2 = lwi_dot( n, piece->vertex[2] );
+	return d1 > 0.0 ? ( d2 > d1 ? piece->vertex[2] : piece->vertex[1] ) : d2 > 0.0 ? piece->vertex[2] : piece->vertex[0];
+}
+
+/// True if the bounds are what was asked for. While contact is not excluded (lower <= 0) the full width is not enough: the
+/// search goes on until the bounds differ by not much more than the rounding that lower allows for, or upper is within
+/// half of it, which is contact.
+static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, double width, double stop_above,
+	double stop_below )
+{
+	double difference = bounds->upper - bounds->lower;
+	return bounds->lower >= stop_above || bounds->upper <= stop_below || bounds->upper <= 0.5 * rounding ||
+		difference <= 1.5 * rounding || ( bounds->lower > 0.0 && difference <= width );
+}
+
+/// The same iteration in pairs of doubles, from the simplex of the double stage: where bodies nearly touch, the closest
+/// point is a small difference of large numbers, and its direction needs more digits than a double has.
+/// @param width the interval to reach, metres
+void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width, double stop_above, double stop_below,
+	lwi_bounds* bounds );
+
+#endif

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Point against box, cylinder and cone: closed forms.
+//
+// A cylinder or cone is a planar profile turned about z: the nearest point lies in the half plane through the axis and the
+// point, where the question is about a rectangle or a triangle in (distance from the axis, z).
+#include "distance/convex.h"
+#include "base/math_inline.h"
+
+#include <assert.h>
+
+static lw_vec3 nearest_of_box( const double half[3], lw_vec3 p )
+{
+	return lwi_v3( lwi_clamp( p.x, -half[0], half[0] ), lwi_clamp( p.y, -half[1], half[1] ),
+		lwi_clamp( p.z, -half[2], half[2] ) );
+}
+
+static lw_vec3 nearest_of_cylinder( double radius, double half, lw_vec3 p )
+{
+	double rho = sqrt( p.x * p.x + p.y * p.y );
+	double f = rho > radius ? radius / rho : 1.0;
+	return lwi_v3( f * p.x, f * p.y, lwi_clamp( p.z, -half, half ) );
+}
+
+/// Under the base plane the nearest point is on the base: the corner between base and side owns everything outside of it.
+/// Over it, it is p itself or on the side, whose profile runs from the rim (radius, -half) along (-radius, 2 half).
+static lw_vec3 nearest_of_cone( double radius, double half, lw_vec3 p )
+{
+	double rho = sqrt( p.x * p.x + p.y * p.y );
+	if ( p.z <= -half )
+	{
+		double f = rho > radius ? radius / rho : 1.0;
+		return lwi_v3( f * p.x, f * p.y, -half );
+	}
+	double x = rho - radius, z = p.z + half, height = 2.0 * half;
+	if ( x * height + z * radius <= 0.0 )
+	{
+		return p;
+	}
+	double t = lwi_clamp( ( z * height - x * radius ) / ( radius * radius + height * height ), 0.0, 1.0 );
+	double f = rho > 0.0 ? radius * ( 1.0 - t ) / rho : 0.0;
+	return lwi_v3( f * p.x, f * p.y, -half + t * height );
+}
+
+double lwi_convex_point_distance( const lwi_convex* solid, lw_vec3 p, lw_vec3* closest )
+{
+	lw_vec3 q = p;
+	switch ( solid->type )
+	{
+	case LWI_CONVEX_BOX:
+		q = nearest_of_box( solid->size, p );
+		break;
+	case LWI_CONVEX_CYLINDER:
+		q = nearest_of_cylinder( solid->size[0], solid->size[1], p );
+		break;
+	case LWI_CONVEX_CONE:
+		q = nearest_of_cone( solid->size[0], solid->size[1], p );
+		break;
+	case LWI_CONVEX_TRIANGLE:
+	case LWI_CONVEX_POINTS:
+		assert( false && "not a solid" );
+		break;
+	}
+	*closest = q;
+	return lwi_distance( p, q );
+}

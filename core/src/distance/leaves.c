@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Leaves against leaves: eight items at a time by floats, what they leave in double.
+//
+// Two leaves of triangles go through slabs and batches, the rest is one item against eight: a ball is its sphere, a triangle
+// before boxes its box in their frame, a box before boxes the sphere around it.
+#include "distance/pair_query.h"
+
+// --- one sphere against a leaf ---------------------------------------------------------------------------------------
+
+uint32_t lwi_leaf_mask( const lwi_searching* s, const lw_shape* shape, lwi_ref leaf, const float sphere[4],
+	float gap[LWI_WIDTH], float direction[3][LWI_WIDTH] )
+{
+	uint32_t index = lwi_ref_index( leaf ), real = lwi_low_bits( lwi_ref_count( leaf ) );
+	switch ( shape->family )
+	{
+	case LWI_BALLS:
+		return s->kernels->sphere_gap( shape->ball_leaves[index].x, sphere, s->limit, gap ) & real;
+	case LWI_BOXES:
+		return s->kernels->box_gap( &shape->box_leaves[index].boxes, sphere, s->limit, gap ) & real;
+	case LWI_TRIANGLES:
+	case LWI_CONVEX:
+	case LWI_UNBOUNDED:
+		break;
+	}
+	return s->kernels->leaf_gap( &shape->leaves[index], sphere, s->limit, gap, direction ) & real;
+}
+
+uint32_t lwi_leaf_item( const lw_shape* shape, lwi_ref leaf, uint32_t lane )
+{
+	uint32_t index = lwi_ref_index( leaf );
+	return shape->family == LWI_BALLS ? shape->ball_leaves[index].child[lane]
+		: shape->family == LWI_BOXES  ? shape->box_leaves[index].box[lane]
+									  : shape->leaves[index].triangle[lane];
+}
+
+void lwi_box_leaf_spheres( const lwi_box_leaf* leaf, lwi_node* spheres )
+{
+	for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
+	{
+		float half[3], middle[3];
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			half[axis] = 0.5f * ( leaf->boxes.max[axis][lane] - leaf->boxes.min[axis][lane] );
+			middle[axis] = leaf->boxes.min[axis][lane] + half[axis];
+		}
+		spheres->x[lane] = middle[0];
+		spheres->y[lane] = middle[1];
+		spheres->z[lane] = middle[2];
+		// a few roundings of the coordinates: the slack of gaps takes them in
+		spheres->r[lane] = sqrtf( half[0] * half[0] + half[1] * half[1] + half[2] * half[2] );
+	}
+}
+
+// --- triangles against triangles -------------------------------------------------------------------------------------
+
+void lwi_flush_batch( lwi_searching* s )
+{
+	lwi_batch* batch = &s->memory->batch;
+	if ( batch->count == 0 )
+	{
+		return;
+	}
+	uint32_t used = batch->count;
+	batch->count = 0;
+	float gap[LWI_WIDTH];
+	// lanes from `used` on are stale pairs of an earlier batch
+	uint32_t mask = s->kernels->triangle_gap( batch->a, batch->b, s->limit, gap ) & lwi_low_bits( used );
+	s->memory->stats.triangle_tests += used;
+	uint32_t lanes[LWI_WIDTH];
+	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
+	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
+	{
+		uint32_t lane = lanes[i];
+		if ( !( gap[lane] >= s->limit ) )
+		{
+			lwi_measure_items( s, batch->triangle_a[lane], batch->triangle_b[lane] );
+		}
+	}
+}
+
+static void add_to_batch( lwi_searching* s, const lwi_leaf* a, uint32_t lane_a, lwi_triangles8 b, uint32_t lane_b,
+	uint32_t triangle_b )
+{
+	lwi_batch* batch = &s->memory->batch;
+	uint32_t at = batch->count++;
+	for ( int vertex = 0; vertex < 3; ++vertex )
+	{
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			batch->a[vertex][axis][at] = a->v[vertex][axis][lane_a];
+			batch->b[vertex][axis][at] = b[vertex][axis][lane_b];
+		}
+	}
+	batch->triangle_a[at] = a->triangle[lane_a];
+	batch->triangle_b[at] = triangle_b;
+	if ( batch->count == LWI_WIDTH )
+	{
+		lwi_flush_batch( s );
+	}
+}
+
+static uint32_t least_lane( const float gap[LWI_WIDTH], uint32_t count )
+{
+	uint32_t best = 0;
+	for ( uint32_t lane = 1; lane < count; ++lane )
+	{
+		best = gap[lane] < gap[best] ? lane : best;
+	}
+	return best;
+}
+
+/// Extents of both leaves along one direction given in a's frame: high of a and low of b on the same scale (metres), so that
+/// low_b[j] - high_a[i] is a gap of every pair at once. Facing flat surfaces are settled here.
+static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf* b, const float direction[3], float high_a[LWI_WIDTH],
+	float low_b[LWI_WIDTH] )
+{
+	// in double: normals of small triangles have squares that a float cannot hold, and a slab is one only along a unit vector
+	double x = (double)direction[0], y = (double)direction[1], z = (double)direction[2], norm = sqrt( x * x + y * y + z * z );
+	double inverse = norm > 0 ? 1 / norm : 0;
+	float n[3] = { (float)( x * inverse ), (float)( y * inverse ), (float)( z * inverse ) };
+	const lwi_motion* m = &s->tree_a_from_b;
+	float n_b[3] = { m->r[0] * n[0] + m->r[3] * n[1] + m->r[6] * n[2], m->r[1] * n[0] + m->r[4] * n[1] + m->r[7] * n[2],
+		m->r[2] * n[0] + m->r[5] * n[1] + m->r[8] * n[2] };
+	float shift = n[0] * m->t[0] + n[1] * m->t[1] + n[2] * m->t[2];
+	float low_a[LWI_WIDTH], high_b[LWI_WIDTH];
+	s->kernels->leaf_project( a, n, low_a, high_a );
+	s->kernels->leaf_project( b, n_b, low_b, high_b );
+	for ( int lane = 0; lane < LWI_WIDTH; ++lane )
+	{
+		low_b[lane] += shift;
+	}
+}
+
+/// All triangle pairs of two leaves: spheres against triangles, then two slabs common to all pairs, then the batch.
+static void compare_triangles( lwi_searching* s, lwi_entry* e )
+{
+	const lwi_leaf* a = &s->a->leaves[lwi_ref_index( e->a )];
+	const lwi_leaf* b = &s->b->leaves[lwi_ref_index( e->b )];
+	uint32_t count_a = lwi_ref_count( e->a ), count_b = lwi_ref_count( e->b );
+	s->memory->stats.leaf_tests++;
+	float high_a[3][LWI_WIDTH], low_b[3][LWI_WIDTH];
+	uint32_t slabs = 2;
+	if ( s->has_direction )
+	{
+		project_leaves( s, a, b, s->direction_a, high_a[2], low_b[2] );
+		float high = high_a[2][0], low = low_b[2][0];
+		for ( int lane = 1; lane < LWI_WIDTH; ++lane )
+		{
+			high = high_a[2][lane] > high ? high_a[2][lane] : high;
+			low = low_b[2][lane] < low ? low_b[2][lane] : low;
+		}
+		if ( low - high >= s->limit )
+		{
+			return;
+		}
+		slabs = 3;
+	}
+
+	float sphere[4], gap_a[LWI_WIDTH], gap_b[LWI_WIDTH], direction_a[3][LWI_WIDTH], direction_b[3][LWI_WIDTH];
+	lwi_sphere_b_in_a( s, e, sphere );
+	uint32_t mask_a = s->kernels->leaf_gap( a, sphere, s->limit, gap_a, direction_a ) & lwi_low_bits( count_a );
+	uint32_t nearest = least_lane( gap_a, count_a );
+	float along[3] = { direction_a[0][nearest], direction_a[1][nearest], direction_a[2][nearest] };
+	if ( gap_a[nearest] < s->guess_gap )
+	{
+		s->guess_gap = gap_a[nearest];
+		lwi_set_direction( s, lwi_v3( 0, 0, 0 ), lwi_v3( (double)along[0], (double)along[1], (double)along[2] ) );
+	}
+	if ( mask_a == 0 )
+	{
+		return;
+	}
+	lwi_sphere_a_in_b( s, e, sphere );
+	uint32_t mask_b = s->kernels->leaf_gap( b, sphere, s->limit, gap_b, direction_b ) & lwi_low_bits( count_b );
+	if ( mask_b == 0 )
+	{
+		return;
+	}
+	project_leaves( s, a, b, along, high_a[0], low_b[0] );
+	// from b's side the direction points from b to a: turned around, and into a's frame
+	nearest = least_lane( gap_b, count_b );
+	float back[3] = { -direction_b[0][nearest], -direction_b[1][nearest], -direction_b[2][nearest] };
+	const lwi_motion* m = &s->tree_a_from_b;
+	for ( int i = 0; i < 3; ++i )
+	{
+		along[i] = m->r[3 * i] * back[0] + m->r[3 * i + 1] * back[1] + m->r[3 * i + 2] * back[2];
+	}
+	project_leaves( s, a, b, along, high_a[1], low_b[1] );
+
+	lwi_triangles8 moved;
+	bool have_moved = false;
+	for ( ; mask_a != 0 && !s->bound->done; mask_a &= mask_a - 1 )
+	{
+		uint32_t i = lwi_lowest_bit( mask_a );
+		float high[3] = { high_a[0][i], high_a[1][i], slabs > 2 ? high_a[2][i] : 0 };
+		uint32_t mask = s->kernels->slab_gap( (const float( * )[LWI_WIDTH])low_b, high, s->limit, slabs ) & mask_b;
+		if ( mask != 0 && !have_moved )
+		{
+			s->kernels->leaf_transform( b, &s->tree_a_from_b, moved );
+			have_moved = true;
+		}
+		for ( ; mask != 0; mask &= mask - 1 )
+		{
+			uint32_t j = lwi_lowest_bit( mask );
+			add_to_batch( s, a, i, moved, j, b->triangle[j] );
+		}
+	}
+}
+
+// --- anything else ---------------------------------------------------------------------------------------------------
+
+/// Measures an item of one side (`one_is_a`) against the lanes of a leaf of the other, nearest first.
+static void measure_lanes( lwi_searching* s, bool one_is_a, uint32_t one, const lw_shape* other, lwi_ref leaf,
+	const float gap[LWI_WIDTH], uint32_t mask )
+{
+	uint32_t lanes[LWI_WIDTH];
+	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
+	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
+	{
+		if ( !( gap[lanes[i]] >= s->limit ) )
+		{
+			uint32_t item = lwi_leaf_item( other, leaf, lanes[i] );
+			lwi_measure_items( s, one_is_a ? one : item, one_is_a ? item : one );
+		}
+	}
+}
+
+/// Balls, or the spheres around boxes, one by one against the items of the other leaf.
+static void compare_spheres( lwi_searching* s, lwi_entry* e, bool spheres_are_a )
+{
+	const lw_shape* mine = spheres_are_a ? s->a : s->b;
+	const lw_shape* other = spheres_are_a ? s->b : s->a;
+	lwi_ref my_leaf = spheres_are_a ? e->a : e->b, other_leaf = spheres_are_a ? e->b : e->a;
+	const lwi_motion* other_from_mine = spheres_are_a ? &s->tree_b_from_a : &s->tree_a_from_b;
+	float sphere[4], gap[LWI_WIDTH], inner[LWI_WIDTH], direction[3][LWI_WIDTH];
+	spheres_are_a ? lwi_sphere_b_in_a( s, e, sphere ) : lwi_sphere_a_in_b( s, e, sphere );
+	uint32_t lanes[LWI_WIDTH];
+	uint32_t count = lwi_sorted_lanes( gap, lwi_leaf_mask( s, mine, my_leaf, sphere, gap, direction ), lanes );
+	lwi_node around;
+	const lwi_node* spheres = &around;
+	if ( mine->family == LWI_BALLS )
+	{
+		spheres = &mine->ball_leaves[lwi_ref_index( my_leaf )];
+	}
+	else if ( count > 0 )
+	{
+		lwi_box_leaf_spheres( &mine->box_leaves[lwi_ref_index( my_leaf )], &around );
+	}
+	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
+	{
+		uint32_t lane = lanes[i];
+		if ( gap[lane] >= s->limit )
+		{
+			return;
+		}
+		const float center[3] = { spheres->x[lane], spheres->y[lane], spheres->z[lane] };
+		lwi_move_center( other_from_mine, center, sphere );
+		sphere[3] = spheres->r[lane];
+		uint32_t mask = lwi_leaf_mask( s, other, other_leaf, sphere, inner, direction );
+		if ( mask != 0 )
+		{
+			measure_lanes( s, spheres_are_a, lwi_leaf_item( mine, my_leaf, lane ), other, other_leaf, inner, mask );
+		}
+	}
+}
+
+/// Width of the slab between a triangle (frame of the boxes) and a box, along the triangle's normal. As for triangles, it is
+/// at most the distance whatever rounding made of the normal.
+static float normal_gap( const float v[3][3], const lwi_box8* boxes, uint32_t lane )
+{
+	float e[3], f[3], n[3];
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		e[axis] = v[1][axis] - v[0][axis];
+		f[axis] = v[2][axis] - v[0][axis];
+	}
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		int next = ( axis + 1 ) % 3, last = ( axis + 2 ) % 3;
+		n[axis] = e[next] * f[last] - e[last] * f[next];
+	}
+	// as the kernels' least divisor: below it underflow of the products would be worth more than LWI_GAP_UNDERFLOW
+	float length = sqrtf( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
+	if ( !( length >= 0x1p-63f ) )
+	{
+		return -INFINITY;
+	}
+	// both about the middle of the box: no large coordinates cancel
+	float middle[3], reach = 0, low = INFINITY, high = -INFINITY;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		float half = 0.5f * ( boxes->max[axis][lane] - boxes->min[axis][lane] );
+		middle[axis] = boxes->min[axis][lane] + half;
+		reach += half * fabsf( n[axis] );
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		float d = n[0] * ( v[k][0] - middle[0] ) + n[1] * ( v[k][1] - middle[1] ) + n[2] * ( v[k][2] - middle[2] );
+		low = d < low ? d : low;
+		high = d > high ? d : high;
+	}
+	float above = low - reach, below = -high - reach;
+	return ( above > below ? above : below ) / length;
+}
+
+/// Triangles, one by one in the frame of the boxes: by their boxes there, then along their normals.
+static void compare_boxes( lwi_searching* s, lwi_entry* e, bool triangles_are_a )
+{
+	const lw_shape* triangles = triangles_are_a ? s->a : s->b;
+	const lw_shape* boxes = triangles_are_a ? s->b : s->a;
+	lwi_ref leaf_ref = triangles_are_a ? e->a : e->b, box_ref = triangles_are_a ? e->b : e->a;
+	const lwi_leaf* leaf = &triangles->leaves[lwi_ref_index( leaf_ref )];
+	const lwi_box_leaf* box_leaf = &boxes->box_leaves[lwi_ref_index( box_ref )];
+	float sphere[4], gap[LWI_WIDTH], inner[LWI_WIDTH], direction[3][LWI_WIDTH];
+	triangles_are_a ? lwi_sphere_a_in_b( s, e, sphere ) : lwi_sphere_b_in_a( s, e, sphere );
+	uint32_t near = lwi_leaf_mask( s, boxes, box_ref, sphere, inner, direction );
+	if ( near == 0 )
+	{
+		return;
+	}
+	triangles_are_a ? lwi_sphere_b_in_a( s, e, sphere ) : lwi_sphere_a_in_b( s, e, sphere );
+	uint32_t lanes[LWI_WIDTH];
+	uint32_t count = lwi_sorted_lanes( gap, lwi_leaf_mask( s, triangles, leaf_ref, sphere, gap, direction ), lanes );
+	lwi_triangles8 moved;
+	if ( count > 0 )
+	{
+		s->kernels->leaf_transform( leaf, triangles_are_a ? &s->tree_b_from_a : &s->tree_a_from_b, moved );
+	}
+	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
+	{
+		uint32_t lane = lanes[i];
+		if ( gap[lane] >= s->limit )
+		{
+			return;
+		}
+		float v[3][3], min[3], max[3];
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			for ( int k = 0; k < 3; ++k )
+			{
+				v[k][axis] = moved[k][axis][lane];
+			}
+			min[axis] = fminf( fminf( v[0][axis], v[1][axis] ), v[2][axis] );
+			max[axis] = fmaxf( fmaxf( v[0][axis], v[1][axis] ), v[2][axis] );
+		}
+		uint32_t mask = s->kernels->box_pair_gap( &box_leaf->boxes, min, max, s->limit, inner ) & near;
+		for ( uint32_t left = mask; left != 0; left &= left - 1 )
+		{
+			uint32_t j = lwi_lowest_bit( left );
+			float by_normal = normal_gap( (const float( * )[3])v, &box_leaf->boxes, j );
+			inner[j] = by_normal > inner[j] ? by_normal : inner[j];
+			mask &= inner[j] >= s->limit ? ~( 1u << j ) : ~0u;
+		}
+		measure_lanes( s, triangles_are_a, leaf->triangle[lane], boxes, box_ref, inner, mask );
+	}
+}
+
+void lwi_compare_leaves( lwi_searching* s, lwi_entry* e )
+{
+	lwi_family a = s->a->family, b = s->b->family;
+	if ( a == LWI_TRIANGLES && b == LWI_TRIANGLES )
+	{
+		compare_triangles( s, e );
+		// the first finds are flushed at once: a low bound early is worth more than full lanes
+		if ( s->memory->batch.count >= LWI_WIDTH / 2 || s->bound->upper == INFINITY )
+		{
+			lwi_flush_batch( s );
+		}
+		return;
+	}
+	s->memory->stats.leaf_tests++;
+	if ( a == LWI_BALLS || b == LWI_BALLS )
+	{
+		compare_spheres( s, e, a == LWI_BALLS );
+	}
+	else if ( a == LWI_TRIANGLES || b == LWI_TRIANGLES )
+	{
+		compare_boxes( s, e, a == LWI_TRIANGLES );
+	}
+	else
+	{
+		compare_spheres( s, e, true );
+	}
+}

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What becomes a result: items measured in double from the original geometry.
+#include "distance/convex_internal.h"
+#include "distance/pair_query.h"
+#include "distance/tri_tri.h"
+
+/// Witness points of dilated geometry from those of the cores, `distance` apart; returns them in place.
+static void dilate( double radius_a, double radius_b, double distance, lw_vec3* point_a, lw_vec3* point_b )
+{
+	if ( radius_a + radius_b == 0 )
+	{
+		return;
+	}
+	lw_vec3 a = *point_a, b = *point_b;
+	lw_vec3 direction = lwi_v3( 0, 0, 0 );
+	if ( distance > 0 ) // divided by it: the reciprocal of a denormal is infinite
+	{
+		direction = lwi_sub( b, a );
+		direction = lwi_v3( direction.x / distance, direction.y / distance, direction.z / distance );
+	}
+	double from_a = radius_a < distance ? radius_a : distance;
+	*point_a = lwi_add_scaled( a, from_a, direction );
+	// overlapping: both witnesses are one common point
+	double from_b = radius_b < distance - from_a ? radius_b : distance - from_a;
+	*point_b = lwi_add_scaled( b, -from_b, direction );
+}
+
+/// Offers the distance [lower, upper] of two items without their dilation.
+static void offer( lwi_searching* s, double lower, double upper, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a,
+	uint32_t item_b )
+{
+	double radius_a = s->a->solid ? 0 : lwi_item_radius( s->a, item_a );
+	double radius_b = s->b->solid ? 0 : lwi_item_radius( s->b, item_b );
+	double radii = radius_a + radius_b, low = lower - radii, high = upper - radii;
+	if ( lwi_bound_offer( s->bound, low > 0 ? low : 0, high > 0 ? high : 0 ) )
+	{
+		lwi_set_direction( s, point_a, point_b );
+		s->guess_gap = -INFINITY;
+		dilate( radius_a, radius_b, upper, &point_a, &point_b );
+		s->bound->point_a = point_a;
+		s->bound->point_b = point_b;
+		s->bound->triangle_a = item_a;
+		s->bound->triangle_b = item_b;
+		lwi_update_limit( s );
+	}
+}
+
+/// The corners of a triangle, or three times the centre of a ball.
+static void load_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		size_t vertex = shape->indices != NULL ? shape->indices[3 * (size_t)item + (size_t)i] : item;
+		out[i] = lwi_load( shape->vertices + 3 * vertex );
+	}
+}
+
+static void measure_balls( lwi_searching* s, uint32_t item_a, uint32_t item_b )
+{
+	lw_vec3 a = lwi_load( s->a->vertices + 3 * (size_t)item_a );
+	lw_vec3 b = lwi_transform( s->a_from_b, lwi_load( s->b->vertices + 3 * (size_t)item_b ) );
+	double distance = lwi_distance( a, b );
+	offer( s, distance - s->error, distance, a, b, item_a, item_b );
+}
+
+/// Triangles, or a ball and a triangle.
+static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_b )
+{
+	lw_vec3 a[3], b[3];
+	load_corners( s->a, item_a, a );
+	load_corners( s->b, item_b, b );
+	for ( int i = 0; i < 3; ++i )
+	{
+		b[i] = lwi_transform( s->a_from_b, b[i] );
+	}
+	lwi_tri_result r = lwi_tri_tri( a, b );
+	lwi_tie tie;
+	if ( !lwi_tie_find( s, item_a, item_b, a, b, r.distance, r.point_a, r.point_b, &tie ) )
+	{
+		offer( s, r.distance - s->error, r.distance, r.point_a, r.point_b, item_a, item_b );
+		return;
+	}
+	offer( s, tie.distance - s->error, tie.distance, tie.point_a, tie.point_b, item_a, item_b );
+	if ( s->tie.count_a == 0 || tie.distance <= s->tie.distance )
+	{
+		s->tie = tie;
+	}
+}
+
+lwi_convex lwi_convex_of_solid( const lw_shape* shape )
+{
+	lwi_convex convex = { .type = LWI_CONVEX_BOX };
+	if ( shape->family == LWI_UNBOUNDED )
+	{
+		return convex; // no size
+	}
+	if ( shape->type == LW_SHAPE_BOX )
+	{
+		for ( int i = 0; i < 3; ++i )
+		{
+			convex.size[i] = 0.5 * shape->dimensions[i];
+		}
+		return convex;
+	}
+	convex.type = shape->type == LW_SHAPE_CYLINDER ? LWI_CONVEX_CYLINDER : LWI_CONVEX_CONE;
+	convex.size[0] = shape->dimensions[0];
+	convex.size[1] = 0.5 * shape->dimensions[1];
+	return convex;
+}
+
+/// An item as the convex routine wants it; *center is where the frame of the piece has its origin.
+static lwi_convex convex_of_item( const lw_shape* shape, uint32_t item, lw_vec3* center )
+{
+	*center = lwi_v3( 0, 0, 0 );
+	if ( shape->solid )
+	{
+		return lwi_convex_of_solid( shape );
+	}
+	lwi_convex convex = { .type = LWI_CONVEX_TRIANGLE };
+	if ( shape->family != LWI_BOXES )
+	{
+		load_corners( shape, item, convex.vertex );
+		return convex;
+	}
+	convex.type = LWI_CONVEX_BOX;
+	const double* low = shape->vertices + 6 * (size_t)item;
+	double middle[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		convex.size[i] = 0.5 * ( low[3 + i] - low[i] );
+		middle[i] = low[i] + convex.size[i];
+	}
+	*center = lwi_load( middle );
+	return convex;
+}
+
+static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
+{
+	lw_vec3 center_a, center_b;
+	lwi_convex a = convex_of_item( s->a, item_a, &center_a );
+	lwi_convex b = convex_of_item( s->b, item_b, &center_b );
+	lw_transform place = *s->a_from_b;
+	lw_vec3 shift = lwi_sub( lwi_rotate( &place, center_b ), center_a );
+	place.t[0] += shift.x;
+	place.t[1] += shift.y;
+	place.t[2] += shift.z;
+	double radii = ( s->a->solid ? 0 : lwi_item_radius( s->a, item_a ) ) + ( s->b->solid ? 0 : lwi_item_radius( s->b, item_b ) );
+	radii += s->bound->margin;
+	// and near enough what is a violation still when radii and margin have been taken off, which rounds
+	double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
+	// far enough to stop is what is still at least prune when the error has been taken off
+	double stop_above = s->bound->prune + radii + 2 * s->error;
+	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );
+	offer( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a, item_b );
+}
+
+/// Points of a piece that are lowest and highest above a plane.
+typedef struct span
+{
+	double low, high;
+	lw_vec3 lowest, highest;
+} span;
+
+static void widen( span* s, double z, lw_vec3 p )
+{
+	if ( z < s->low )
+	{
+		s->low = z;
+		s->lowest = p;
+	}
+	if ( z > s->high )
+	{
+		s->high = z;
+		s->highest = p;
+	}
+}
+
+/// @param n, on_plane normal and a point of the plane in the frame of the piece
+/// Corners one by one; of solids only the two that the support function names.
+static span span_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, lw_vec3 on_plane )
+{
+	span s = { INFINITY, -INFINITY, { 0, 0, 0 }, { 0, 0, 0 } };
+	if ( shape->family == LWI_CONVEX )
+	{
+		lwi_convex solid = lwi_convex_of_solid( shape );
+		lwi_piece piece = { .type = solid.type, .size = { solid.size[0], solid.size[1], solid.size[2] } };
+		for ( int sign = -1; sign <= 1; sign += 2 )
+		{
+			lw_vec3 p = lwi_piece_support( &piece, lwi_scale( sign, n ) );
+			widen( &s, lwi_dot( n, lwi_sub( p, on_plane ) ), p );
+		}
+		return s;
+	}
+	lw_vec3 corners[8];
+	int count = shape->family == LWI_BOXES ? 8 : shape->family == LWI_BALLS ? 1 : 3;
+	if ( shape->family == LWI_BOXES )
+	{
+		for ( unsigned i = 0; i < 8; ++i )
+		{
+			corners[i] = lwi_hull_point( shape, 8 * (size_t)item + i );
+		}
+	}
+	else
+	{
+		load_corners( shape, item, corners );
+	}
+	for ( int i = 0; i < count; ++i )
+	{
+		widen( &s, lwi_dot( n, lwi_sub( corners[i], on_plane ) ), corners[i] );
+	}
+	return s;
+}
+
+/// A half-space or plane and an item of the other shape. A convex piece and a plane are nearest at an extreme point of the
+/// piece: z is linear, so its least and greatest values are attained at corners, and if they have opposite signs, the piece
+/// being connected, it is 0 somewhere: on the straight line between them.
+static void measure_unbounded( lwi_searching* s, uint32_t item_a, uint32_t item_b )
+{
+	bool plane_is_a = s->a->family == LWI_UNBOUNDED;
+	const lw_shape* plane = plane_is_a ? s->a : s->b;
+	const lw_transform* m = s->a_from_b;
+	// normal and a point of the plane in the other's frame
+	lw_vec3 n = plane_is_a ? lwi_load( m->r[2] ) : lwi_v3( m->r[0][2], m->r[1][2], m->r[2][2] );
+	lw_vec3 on_plane = plane_is_a ? lwi_unrotate( m, lwi_scale( -1, lwi_load( m->t ) ) ) : lwi_load( m->t );
+	span z = span_of_item( plane_is_a ? s->b : s->a, plane_is_a ? item_b : item_a, n, on_plane );
+	bool two_sided = plane->type == LW_SHAPE_PLANE;
+	double height = z.low;
+	lw_vec3 p = z.lowest;
+	if ( two_sided && z.low < 0 && z.high > 0 )
+	{
+		p = lwi_add_scaled( z.lowest, -z.low / ( z.high - z.low ), lwi_sub( z.highest, z.lowest ) );
+		height = 0;
+	}
+	else if ( two_sided && z.high <= 0 )
+	{
+		p = z.highest;
+		height = z.high;
+	}
+	height = two_sided || height > 0 ? height : 0;
+	lw_vec3 q = lwi_add_scaled( p, -height, n );
+	if ( plane_is_a )
+	{
+		p = lwi_transform( m, p );
+		q = height != 0 ? lwi_transform( m, q ) : p;
+	}
+	double distance = fabs( height );
+	offer( s, distance - s->error, distance, plane_is_a ? q : p, plane_is_a ? p : q, item_a, item_b );
+}
+
+void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b )
+{
+	lwi_family a = s->a->family, b = s->b->family;
+	if ( s->tie.count_a > 0 && lwi_tie_holds( s, item_a, item_b ) )
+	{
+		return; // offered already
+	}
+	s->memory->stats.exact_tests++;
+	if ( a == LWI_UNBOUNDED || b == LWI_UNBOUNDED )
+	{
+		measure_unbounded( s, item_a, item_b );
+	}
+	else if ( a == LWI_BALLS && b == LWI_BALLS )
+	{
+		measure_balls( s, item_a, item_b );
+	}
+	else if ( a <= LWI_BALLS && b <= LWI_BALLS )
+	{
+		measure_triangles( s, item_a, item_b );
+	}
+	else
+	{
+		measure_convex( s, item_a, item_b );
+	}
+}

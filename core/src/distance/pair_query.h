@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search of one pair of shapes, as its three files share it: traversal (distance/query.c), leaves against leaves
+// (distance/leaves.c), what is measured in double (distance/measure.c).
+#ifndef LEEWAY_DISTANCE_PAIR_QUERY_H
+#define LEEWAY_DISTANCE_PAIR_QUERY_H
+
+#include "distance/convex.h"
+#include "base/math_inline.h"
+#include "distance/distance.h"
+#include "distance/separation.h"
+
+#include <string.h>
+
+enum
+{
+	/// One opening replaces an entry by at most LWI_WIDTH; a path has at most LWI_MAX_DEPTH + 1 openings per tree.
+	LWI_STACK_PATH = ( LWI_WIDTH - 1 ) * 2 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH,
+	/// Below: searches that wait; above them one that goes on from what it left, and the path of the entry that it opens.
+	LWI_STACK_SIZE = 3 * LWI_STACK_PATH,
+	LWI_MAX_WAITING = 16, ///< searches
+	LWI_HINT_BITS = 10,
+	LWI_KNOWN_PAIRS = 16 ///< half as many give half as much
+};
+
+/// Two subtrees still to be compared.
+typedef struct lwi_entry
+{
+	float gap;                ///< lower bound of their distance, minus nothing: compare with the limit
+	lwi_ref a, b;
+	float center_a[3], radius_a; ///< a's tree frame
+	float center_b[3], radius_b; ///< b's tree frame
+	uint32_t brick_a, brick_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
+	float moved[3];           ///< cached centre, see `cached`
+	enum
+	{
+		LWI_CACHED_NONE,
+		LWI_CACHED_A_IN_B, ///< moved = center_a in b's frame
+		LWI_CACHED_B_IN_A  ///< moved = center_b in a's frame
+	} cached;
+} lwi_entry;
+
+/// Triangle pairs waiting for the float filter.
+typedef struct lwi_batch
+{
+	lwi_triangles8 a, b; ///< a's tree frame
+	uint32_t triangle_a[LWI_WIDTH], triangle_b[LWI_WIDTH];
+	uint32_t count;
+} lwi_batch;
+
+/// The memory of searches: of one thread.
+struct lwi_search_memory
+{
+	lwi_batch batch;
+	lwi_entry stack[LWI_STACK_SIZE];
+	uint32_t stack_bottom;       ///< entries below it belong to searches that wait
+	struct lwi_waiting* waiting; ///< [LWI_MAX_WAITING]
+	uint32_t waiting_count;
+	lwi_hint hints[1 << LWI_HINT_BITS]; ///< planes that separated pairs of shapes, by a hash
+	lw_query_def def;
+	const lwi_kernels* kernels;
+	lw_query_stats stats;
+	lw_status failure; ///< why the last question has no answer: what making a deferred mesh returned
+};
+
+/// Rounding of a distance measured in double, in units of roundoff times the largest coordinate involved: lwi_tri_tri's 64
+/// (distance/tri_tri.h), 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding), 36 for poses that
+/// are rotations to ALREADY_ORTHONORMAL only, and 4 for ties. Counted in core/docs/numerics.md.
+#define LWI_EXACT_ERROR ( 120.0 * LWI_U64 )
+
+/// By how much the distance of a corner to a corner or edge may exceed that of the triangles it is taken for.
+#define LWI_TIE_ERROR ( 4.0 * LWI_U64 )
+
+/// The corners that are nearest: one of each shape, or one and the two of an edge.
+typedef struct lwi_tie
+{
+	uint32_t count_a, count_b; ///< count_a = 0: none is known
+	uint32_t a[2], b[2];       ///< vertices
+	lw_vec3 direction_a, direction_b; ///< unit, each in its shape's frame: from it to the other
+	double distance;
+	lw_vec3 point_a, point_b; ///< a's shape frame
+} lwi_tie;
+
+/// What a search of one pair needs at hand.
+typedef struct lwi_searching
+{
+	lwi_search_memory* memory;
+	const lwi_kernels* kernels;
+	const lw_shape* a;
+	const lw_shape* b;
+	const lw_transform* a_from_b; ///< shape frames, double
+	lwi_motion tree_a_from_b, tree_b_from_a;
+	lwi_bound* bound;
+	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
+	double slack; ///< metres: what a float gap may be too large by
+	double error; ///< metres: what a distance in double may be off by
+	bool bricks;   ///< both have them
+	bool has_direction;
+	float direction_a[3], direction_b[3]; ///< from a to b, across the nearest pair found, in either tree frame: unit to rounding
+	lwi_tie tie;     ///< of the nearest pair found
+	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart
+	double least; ///< what is nearer is measured whatever the bound: solid meshes (distance/primitives.c); else -inf
+	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
+} lwi_searching;
+
+/// When the slab across the nearest pair is tried: when there was none nearer for long, and again only where it was leaves that it
+/// ran out of, not a shape that was in its way.
+typedef struct lwi_witness_trial
+{
+	double upper;  ///< of the pair
+	uint32_t next; ///< comparisons until the next try
+} lwi_witness_trial;
+
+/// Where a search of two trees has got to.
+typedef struct lwi_walk
+{
+	uint32_t bottom, height; ///< its entries in the query's stack
+	uint32_t leaves;         ///< compared so far
+	uint32_t late_plane;     ///< comparison before which a plane is looked for again; 0: none
+	bool bounded;            ///< there was a limit when it began
+	lwi_witness_trial trial;
+} lwi_walk;
+
+/// A search that waits until the other pairs of the question have had their first look.
+typedef struct lwi_waiting
+{
+	lwi_searching search;
+	lw_transform a_from_b;
+	lwi_walk walk;
+	uint32_t pair;
+	double margin;
+	double measured; ///< least clearance of the pair so far; +inf: none yet
+} lwi_waiting;
+
+static inline void lwi_update_limit( lwi_searching* s )
+{
+	double limit = s->bound->prune + s->radii;
+	s->limit = lwi_round_up( ( limit > s->least ? limit : s->least ) + s->slack );
+}
+
+static inline void lwi_set_floats( lw_vec3 v, float out[3] )
+{
+	out[0] = (float)v.x;
+	out[1] = (float)v.y;
+	out[2] = (float)v.z;
+}
+
+static inline void lwi_move_center( const lwi_motion* m, const float p[3], float out[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		out[i] = m->r[3 * i] * p[0] + m->r[3 * i + 1] * p[1] + m->r[3 * i + 2] * p[2] + m->t[i];
+	}
+}
+
+/// Remembers the direction across a nearest pair of points (a's shape frame). Any direction makes slabs.
+static inline void lwi_set_direction( lwi_searching* s, lw_vec3 point_a, lw_vec3 point_b )
+{
+	lw_vec3 n = lwi_sub( point_b, point_a );
+	double length = lwi_length( n );
+	s->has_direction = length > 1e-140 && length < INFINITY;
+	if ( s->has_direction )
+	{
+		n = lwi_scale( 1 / length, n );
+		lw_vec3 m = lwi_unrotate( s->a_from_b, n );
+		lwi_set_floats( n, s->direction_a );
+		lwi_set_floats( m, s->direction_b );
+	}
+}
+
+/// The sphere of a in b's frame, from the cache where it is there.
+static inline void lwi_sphere_a_in_b( lwi_searching* s, lwi_entry* e, float sphere[4] )
+{
+	if ( e->cached != LWI_CACHED_A_IN_B || !s->memory->def.transform_caching )
+	{
+		lwi_move_center( &s->tree_b_from_a, e->center_a, e->moved );
+		e->cached = LWI_CACHED_A_IN_B;
+		s->memory->stats.center_transforms++;
+	}
+	memcpy( sphere, e->moved, 3 * sizeof( float ) );
+	sphere[3] = e->radius_a;
+}
+
+static inline void lwi_sphere_b_in_a( lwi_searching* s, lwi_entry* e, float sphere[4] )
+{
+	if ( e->cached != LWI_CACHED_B_IN_A || !s->memory->def.transform_caching )
+	{
+		lwi_move_center( &s->tree_a_from_b, e->center_b, e->moved );
+		e->cached = LWI_CACHED_B_IN_A;
+		s->memory->stats.center_transforms++;
+	}
+	memcpy( sphere, e->moved, 3 * sizeof( float ) );
+	sphere[3] = e->radius_b;
+}
+
+/// The lanes of a mask in ascending order of gap. Returns their count.
+static inline uint32_t lwi_sorted_lanes( const float gap[LWI_WIDTH], uint32_t mask, uint32_t lanes[LWI_WIDTH] )
+{
+	uint32_t count = 0;
+	for ( ; mask != 0; mask &= mask - 1 )
+	{
+		uint32_t lane = lwi_lowest_bit( mask );
+		uint32_t at = count++;
+		while ( at > 0 && gap[lanes[at - 1]] > gap[lane] )
+		{
+			lanes[at] = lanes[at - 1];
+			--at;
+		}
+		lanes[at] = lane;
+	}
+	return count;
+}
+
+// --- distance/boxes.c ------------------------------------------------------------------------------------------------
+
+/// True if the boxes of the two are apart by what the bound asks for.
+bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, const lwi_bound* bound );
+
+// --- distance/measure.c ----------------------------------------------------------------------------------------------
+
+/// Measures one item of a against one of b in double and offers the result. LW_INVALID_INDEX for shapes without items.
+void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
+
+/// A box, cylinder or cone as the convex routine wants it.
+lwi_convex lwi_convex_of_solid( const lw_shape* shape );
+
+// --- distance/shared_feature.c ---------------------------------------------------------------------------------------------------
+
+/// Which corners are nearest if two triangles measured are nearest at one corner of each, or at a corner and an edge.
+/// @param a, b the corners in a's shape frame
+/// @return false if it is anything else; out->count_a is 0 then
+bool lwi_tie_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3], const lw_vec3 b[3], double distance,
+	lw_vec3 point_a, lw_vec3 point_b, lwi_tie* out );
+
+/// True if two triangles are as far from each other as s->tie, which is known, says, to the last digit.
+bool lwi_tie_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b );
+
+// --- distance/optimality_slab.c -------------------------------------------------------------------------------------------------
+
+/// True if a plane across the nearest pair found, which is of these two, proves that no other pair of items of them is nearer than
+/// alpha and rounding leave open: then bound->floor says so. Meshes and solids (LWI_TRIANGLES, LWI_CONVEX).
+/// @param budget leaves to look at; what is left of them
+bool lwi_witness_proves( lwi_searching* s, uint32_t* budget );
+
+// --- distance/leaves.c -----------------------------------------------------------------------------------------------
+
+/// Items of a leaf that a sphere (the leaf's tree frame) does not rule out: lanes, with their gaps.
+/// @param direction of triangles: see simd/kernels.h; not written for others
+uint32_t lwi_leaf_mask( const lwi_searching* s, const lw_shape* shape, lwi_ref leaf, const float sphere[4],
+	float gap[LWI_WIDTH], float direction[3][LWI_WIDTH] );
+
+/// The original item of a lane.
+uint32_t lwi_leaf_item( const lw_shape* shape, lwi_ref leaf, uint32_t lane );
+
+/// The spheres around the boxes of a leaf, as a node: eight lanes, pads of no meaning.
+void lwi_box_leaf_spheres( const lwi_box_leaf* leaf, lwi_node* spheres );
+
+/// All pairs of items of two leaves; triangle pairs may wait in the query's batch.
+void lwi_compare_leaves( lwi_searching* s, lwi_entry* e );
+
+/// Filters the waiting triangle pairs and measures what is left, most promising first.
+void lwi_flush_batch( lwi_searching* s );
+
+// --- distance/primitives.c ------------------------------------------------------------------------------------------------
+
+/// Contact if one shape is a solid mesh and something of the other is inside it; to be asked when the surfaces were searched.
+void lwi_search_inside( lwi_searching* s );
+
+/// The same for one item that was inside before; LW_INVALID_INDEX on the side of the mesh.
+void lwi_measure_inside( lwi_searching* s, uint32_t item_a, uint32_t item_b );
+
+#endif

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Is something of one shape inside a closed mesh? Asked when the surfaces have been searched.
+//
+// If no point of the other shape is on the surface, each connected part of it is wholly inside or wholly outside: one point of
+// each tells. A point that is inside is contact, whatever the surfaces do. Shapes of many parts are descended: a sphere that the
+// surface does not enter is on one side with all that is in it. Proof: core/docs/solid_meshes.md.
+#include "distance/pair_query.h"
+#include "shape/closed_mesh.h"
+
+enum
+{
+	FEW_ITEMS = 8 ///< sets of no more are asked one by one
+};
+
+/// One order of the question.
+typedef struct inside
+{
+	lwi_searching* s;
+	const lw_shape* mesh;
+	const lw_shape* other;
+	bool mesh_is_a;
+	const lwi_motion* mesh_from_other; ///< tree frames
+} inside;
+
+/// A point of an item, in the other's shape frame.
+static lw_vec3 point_of_item( const lw_shape* shape, uint32_t item )
+{
+	if ( shape->solid )
+	{
+		return lwi_v3( 0, 0, 0 ); // the centre of a box, cylinder or cone
+	}
+	size_t vertex = shape->family == LWI_BOXES ? 2 * (size_t)item : shape->indices != NULL ? shape->indices[3 * (size_t)item] : item;
+	return lwi_load( shape->vertices + 3 * vertex );
+}
+
+/// Asks for the point of one item; contact if it is inside.
+static bool ask_item( const inside* q, uint32_t item )
+{
+	const lw_transform* m = q->s->a_from_b;
+	lw_vec3 p = point_of_item( q->other, item );
+	lw_vec3 in_mesh = q->mesh_is_a ? lwi_transform( m, p ) : lwi_untransform( m, p );
+	if ( !lwi_mesh_contains( q->mesh, in_mesh ) )
+	{
+		return false;
+	}
+	lwi_bound* bound = q->s->bound;
+	if ( lwi_bound_offer( bound, 0, 0 ) )
+	{
+		bound->point_a = bound->point_b = q->mesh_is_a ? in_mesh : p;
+		bound->triangle_a = q->mesh_is_a ? LW_INVALID_INDEX : item;
+		bound->triangle_b = q->mesh_is_a ? item : LW_INVALID_INDEX;
+	}
+	return true;
+}
+
+/// True if the surface of the mesh may enter a sphere (tree frame of the mesh).
+static bool surface_enters( const inside* q, const float sphere[4] )
+{
+	const lw_shape* mesh = q->mesh;
+	const lwi_kernels* kernels = q->s->kernels;
+	float limit = lwi_round_up( q->s->slack ), gap[LWI_WIDTH], direction[3][LWI_WIDTH];
+	lwi_ref stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
+	uint32_t height = 1;
+	stack[0] = mesh->root;
+	while ( height > 0 )
+	{
+		lwi_ref ref = stack[--height];
+		if ( lwi_ref_is_leaf( ref ) )
+		{
+			uint32_t near = kernels->leaf_gap( &mesh->leaves[lwi_ref_index( ref )], sphere, limit, gap, direction );
+			if ( ( near & lwi_low_bits( lwi_ref_count( ref ) ) ) != 0 )
+			{
+				return true;
+			}
+			continue;
+		}
+		const lwi_node* node = &mesh->nodes[ref];
+		uint32_t near = kernels->sphere_gap( node->x, sphere, limit, gap ), lanes[LWI_WIDTH];
+		for ( uint32_t i = lwi_sorted_lanes( gap, near, lanes ); i-- > 0; )
+		{
+			stack[height++] = node->child[lanes[i]];
+		}
+	}
+	return false;
+}
+
+/// True if a sphere is wholly outside of the box of the mesh, in its tree frame.
+static bool beyond_box( const inside* q, const float sphere[4] )
+{
+	const float center[3] = { sphere[0], sphere[1], sphere[2] };
+	double reach = (double)sphere[3] + q->s->slack;
+	for ( int k = 0; k < 3; ++k )
+	{
+		double c = (double)center[k] + q->mesh->origin[k];
+		if ( c - reach > q->mesh->box_max[k] || c + reach < q->mesh->box_min[k] )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+static uint32_t first_item( const lw_shape* shape, lwi_ref ref )
+{
+	while ( !lwi_ref_is_leaf( ref ) )
+	{
+		ref = shape->nodes[ref].child[0];
+	}
+	return lwi_leaf_item( shape, ref, 0 );
+}
+
+/// Descends the other's tree: spheres that the surface enters are opened, of all others one point is asked.
+static bool ask_tree( const inside* q )
+{
+	lwi_entry* stack = q->s->memory->stack;
+	const lw_shape* other = q->other;
+	stack[0].a = other->root;
+	memcpy( stack[0].center_a, other->root_sphere, 3 * sizeof( float ) );
+	stack[0].radius_a = other->root_sphere[3];
+	for ( uint32_t height = 1; height > 0; )
+	{
+		lwi_entry e = stack[--height];
+		float sphere[4];
+		lwi_move_center( q->mesh_from_other, e.center_a, sphere );
+		sphere[3] = e.radius_a;
+		if ( beyond_box( q, sphere ) )
+		{
+			continue;
+		}
+		if ( !surface_enters( q, sphere ) )
+		{
+			if ( ask_item( q, first_item( other, e.a ) ) )
+			{
+				return true;
+			}
+			continue;
+		}
+		if ( lwi_ref_is_leaf( e.a ) )
+		{
+			for ( uint32_t lane = 0; lane < lwi_ref_count( e.a ); ++lane )
+			{
+				if ( ask_item( q, lwi_leaf_item( other, e.a, lane ) ) )
+				{
+					return true;
+				}
+			}
+			continue;
+		}
+		const lwi_node* node = &other->nodes[e.a];
+		for ( int lane = 0; lane < LWI_WIDTH && node->child[lane] != LW_INVALID_INDEX; ++lane )
+		{
+			lwi_entry* child = &stack[height++];
+			child->a = node->child[lane];
+			child->center_a[0] = node->x[lane];
+			child->center_a[1] = node->y[lane];
+			child->center_a[2] = node->z[lane];
+			child->radius_a = node->r[lane];
+		}
+	}
+	return false;
+}
+
+static bool ask( const inside* q )
+{
+	const lw_shape* other = q->other;
+	if ( other->family == LWI_UNBOUNDED )
+	{
+		return false; // nothing unbounded is inside
+	}
+	if ( other->solid )
+	{
+		return ask_item( q, LW_INVALID_INDEX );
+	}
+	if ( other->type == LW_SHAPE_MESH ? other->part_count <= LWI_MAX_PARTS : other->item_count <= FEW_ITEMS )
+	{
+		uint32_t count = other->type == LW_SHAPE_MESH ? other->part_count : other->item_count;
+		for ( uint32_t i = 0; i < count; ++i )
+		{
+			if ( ask_item( q, other->type == LW_SHAPE_MESH ? other->parts[i] : i ) )
+			{
+				return true;
+			}
+		}
+		return false;
+	}
+	return ask_tree( q );
+}
+
+static inside question( lwi_searching* s, bool mesh_is_a )
+{
+	return (inside){ s, mesh_is_a ? s->a : s->b, mesh_is_a ? s->b : s->a, mesh_is_a,
+		mesh_is_a ? &s->tree_a_from_b : &s->tree_b_from_a };
+}
+
+void lwi_search_inside( lwi_searching* s )
+{
+	// A point that is inside by less than the rounding of its move may be taken for outside. The surface is then as near, and was
+	// measured however little the bound asked for (lwi_searching.least): its lower end is 0.
+	bool found = false;
+	for ( int side = 0; side < 2 && !found && !s->bound->done; ++side )
+	{
+		inside q = question( s, side == 0 );
+		found = q.mesh->filled && ask( &q );
+	}
+}
+
+void lwi_measure_inside( lwi_searching* s, uint32_t item_a, uint32_t item_b )
+{
+	bool mesh_is_a = item_a == LW_INVALID_INDEX && s->a->filled;
+	inside q = question( s, mesh_is_a );
+	uint32_t item = mesh_is_a ? item_b : item_a;
+	if ( q.mesh->filled && q.other->family != LWI_UNBOUNDED && ( q.other->solid || item < q.other->item_count ) )
+	{
+		ask_item( &q, item );
+	}
+}

@@ -1,0 +1,760 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planes between bounded shapes: GJK on their convex hulls, with support points from the sphere trees.
+//
+// Paper: Gilbert, Johnson, Keerthi 1988 (see distance/convex.c). Whatever direction comes out, its gap is that of all geometry: a bad one
+// proves less, never something wrong. Between places the first directions come from cores, a few points inside the hulls: edges.md.
+#include "distance/separation.h"
+
+#include "base/math_inline.h"
+#include "shape/support.h"
+
+#include <math.h>
+#include <string.h>
+
+#define real double
+#define NAME( x ) x##_s
+#define FROM( x ) ( x )
+#define ADD( a, b ) ( ( a ) + ( b ) )
+#define SUB( a, b ) ( ( a ) - ( b ) )
+#define MUL( a, b ) ( ( a ) * ( b ) )
+#define DIV( a, b ) ( ( a ) / ( b ) )
+#define SIGN( a ) ( a )
+#define ALL_FACES 1
+#include "distance/convex_simplex_impl.h"
+
+static float dot( const float a[3], const float b[3] )
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void turn( const lwi_motion* m, const float v[3], float out[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		out[i] = m->r[3 * i] * v[0] + m->r[3 * i + 1] * v[1] + m->r[3 * i + 2] * v[2];
+	}
+}
+
+static void turn_back( const lwi_motion* m, const float v[3], float out[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		out[i] = m->r[i] * v[0] + m->r[3 + i] * v[1] + m->r[6 + i] * v[2];
+	}
+}
+
+static bool normalize( float n[3] )
+{
+	// in double: the squares of a short n are no floats
+	double x = (double)n[0], y = (double)n[1], z = (double)n[2], length = sqrt( x * x + y * y + z * z );
+	for ( int i = 0; i < 3; ++i )
+	{
+		n[i] = (float)( (double)n[i] / length );
+	}
+	return length > 0 && length < INFINITY;
+}
+
+/// Keeps the points with weight.
+static int reduce( vec_s* w, int count, const nearest_s* nearest )
+{
+	int kept = 0;
+	for ( int i = 0; i < count; ++i )
+	{
+		if ( nearest->weight[i] > 0 )
+		{
+			w[kept++] = w[i];
+		}
+	}
+	return kept;
+}
+
+// --- places ----------------------------------------------------------------------------------------------------------
+
+/// Directions and origins of a question about places.
+typedef struct between_places
+{
+	lw_vec3 from; ///< b's tree frame's origin at its middle place: heights are taken from there
+	double need;  ///< width of the slab between float heights that proves the limit
+} between_places;
+
+static lw_vec3 origin_of( const lw_transform* at, const lw_shape* shape )
+{
+	return lwi_transform( at, lwi_load( shape->origin ) );
+}
+
+static double size_of( const lw_shape* shape )
+{
+	return shape->solid ? shape->sphere_radius : (double)shape->extent;
+}
+
+/// No coordinate of the places' origins is larger than this.
+static double coordinates_of( const lwi_places* s )
+{
+	const double* t = s->middle.t;
+	double far = fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] );
+	if ( s->drifts )
+	{
+		const lw_vec3 *v = &s->shift, *w = &s->turn;
+		return far + fabs( v->x ) + fabs( v->y ) + fabs( v->z ) + ( fabs( w->x ) + fabs( w->y ) + fabs( w->z ) ) * far;
+	}
+	for ( int i = 1; i < s->count; ++i ) // the first is the middle
+	{
+		far += fabs( s->at[i].t[0] ) + fabs( s->at[i].t[1] ) + fabs( s->at[i].t[2] );
+	}
+	return far;
+}
+
+/// The place that a drift leads to, one way or the other.
+static lw_transform drifted( const lwi_places* s, double by )
+{
+	lw_transform m;
+	const lw_transform* from = &s->middle;
+	const lw_vec3 w = lwi_scale( by, s->turn ), v = lwi_add_scaled( lwi_cross( w, lwi_load( from->t ) ), by, s->shift );
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double x = from->r[0][k], y = from->r[1][k], z = from->r[2][k];
+		m.r[0][k] = x + ( w.y * z - w.z * y );
+		m.r[1][k] = y + ( w.z * x - w.x * z );
+		m.r[2][k] = z + ( w.x * y - w.y * x );
+	}
+	m.t[0] = from->t[0] + v.x;
+	m.t[1] = from->t[1] + v.y;
+	m.t[2] = from->t[2] + v.z;
+	return m;
+}
+
+/// @param i below the count
+static inline const lw_transform* place( const lwi_places* s, int i )
+{
+	return s->count > 1 ? &s->at[i] : &s->middle;
+}
+
+static void make_places( lwi_places* s )
+{
+	if ( !s->made )
+	{
+		s->at[0] = drifted( s, -1 );
+		s->at[1] = drifted( s, 1 );
+		s->made = true;
+	}
+}
+
+/// What boxes have and supports have not.
+static double dilation_of( const lw_shape* shape )
+{
+	return shape->family == LWI_TRIANGLES ? shape->radius : 0;
+}
+
+/// Dilations, and rounding: edges.md.
+static between_places question_of( const lwi_places* a, const lwi_places* b, double limit )
+{
+	between_places q = { .from = origin_of( &b->middle, b->shape ) };
+	double extents = size_of( a->shape ) + size_of( b->shape ), far = coordinates_of( a ) + coordinates_of( b );
+	double dilation = dilation_of( a->shape ) + dilation_of( b->shape );
+	q.need = ( limit + dilation ) * ( 1 + 0x1p-21 ) + lwi_gap_slack( extents ) + 0x1p-46 * ( far + extents );
+	return q;
+}
+
+static void local_direction( const lw_transform* at, lw_vec3 n, float local[3] )
+{
+	lw_vec3 v = lwi_unrotate( at, n );
+	local[0] = (float)v.x;
+	local[1] = (float)v.y;
+	local[2] = (float)v.z;
+}
+
+/// The same for one of the places, of length 1. Returns what heights along it are to be multiplied by.
+static double place_direction( const lwi_places* s, int i, lw_vec3 n, float local[3] )
+{
+	if ( !s->drifts )
+	{
+		local_direction( place( s, i ), n, local );
+		return 1;
+	}
+	lw_vec3 v = lwi_unrotate( place( s, i ), n );
+	double length = lwi_length( v ), inverse = 1 / length;
+	local[0] = (float)( inverse * v.x );
+	local[1] = (float)( inverse * v.y );
+	local[2] = (float)( inverse * v.z );
+	return length;
+}
+
+/// The farthest point of all places along n. Returns how far, above q->from.
+/// @param start where to look first, tree frame; where it was found
+static double farthest_of_places( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n,
+	float start[3], lw_vec3* farthest )
+{
+	make_places( s );
+	double best = -INFINITY;
+	float first[3];
+	memcpy( first, start, sizeof( first ) );
+	for ( int i = 0; i < s->count; ++i )
+	{
+		float local[3], point[3];
+		double scale = place_direction( s, i, n, local );
+		memcpy( point, first, sizeof( point ) );
+		lw_vec3 origin = lwi_sub( origin_of( place( s, i ), s->shape ), q->from );
+		double high = scale * (double)lwi_support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
+		if ( !( high <= best ) )
+		{
+			best = high;
+			lw_vec3 p = lwi_v3( (double)point[0], (double)point[1], (double)point[2] );
+			*farthest = lwi_add( origin, lwi_rotate( place( s, i ), p ) );
+			memcpy( start, point, sizeof( point ) );
+		}
+	}
+	return best;
+}
+
+/// A point of the places' hull that is far along n: the middle's farthest, at that of the places where it is farthest.
+static lw_vec3 far_point( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n, float start[3] )
+{
+	make_places( s );
+	float local[3];
+	local_direction( &s->middle, n, local );
+	lwi_support( kernels, s->shape, local, start );
+	lw_vec3 farthest = { 0, 0, 0 }, point = lwi_v3( (double)start[0], (double)start[1], (double)start[2] );
+	double best = -INFINITY;
+	for ( int i = 0; i < s->count; ++i )
+	{
+		lw_vec3 at = lwi_add( lwi_sub( origin_of( place( s, i ), s->shape ), q->from ), lwi_rotate( place( s, i ), point ) );
+		double high = lwi_dot( n, at );
+		if ( !( high <= best ) )
+		{
+			best = high;
+			farthest = at;
+		}
+	}
+	return farthest;
+}
+
+/// Of coordinates: heights of boxes in floats, edges.md.
+#define BOX_SLACK ( 16 * 0.5 * (double)FLT_EPSILON )
+
+/// Puts the box around a shape to all its places, world axes.
+static void make_boxes( lwi_places* s )
+{
+	if ( s->boxed )
+	{
+		return;
+	}
+	const double *low = s->shape->box_min, *high = s->shape->box_max;
+	const lw_vec3 middle = lwi_v3( 0.5 * ( low[0] + high[0] ), 0.5 * ( low[1] + high[1] ), 0.5 * ( low[2] + high[2] ) );
+	make_places( s );
+	s->box_size = 0;
+	for ( int i = 0; i < s->count; ++i )
+	{
+		const lw_transform* at = place( s, i );
+		double size = 0;
+		s->box_middle[i] = lwi_transform( at, middle );
+		for ( int k = 0; k < 9; ++k )
+		{
+			const double x = 0.5 * ( high[k / 3] - low[k / 3] ) * at->r[k % 3][k / 3];
+			s->boxes[i].half[k / 3][k % 3] = (float)x;
+			size += fabs( x );
+		}
+		s->box_size = lwi_larger( s->box_size, size );
+	}
+	s->boxed = true;
+}
+
+/// Planes of b, standing, that the box around a stays below at all its places. @param room see lwi_kernels::planes_clear
+static uint32_t planes_clear( const lwi_kernels* kernels, lwi_places* a, const lwi_places* b, const between_places* q,
+	const lwi_planes8* planes, float room[LWI_WIDTH] )
+{
+	make_boxes( a );
+	float r[9];
+	for ( int k = 0; k < 9; ++k )
+	{
+		r[k] = (float)b->middle.r[k / 3][k % 3];
+	}
+	double far = 0;
+	for ( int i = 0; i < a->count; ++i )
+	{
+		const lw_vec3 middle = lwi_sub( a->box_middle[i], q->from );
+		a->boxes[i].middle[0] = (float)middle.x;
+		a->boxes[i].middle[1] = (float)middle.y;
+		a->boxes[i].middle[2] = (float)middle.z;
+		far = lwi_larger( far, fabs( middle.x ) + fabs( middle.y ) + fabs( middle.z ) );
+	}
+	const double slack = BOX_SLACK * ( far + a->box_size + size_of( b->shape ) );
+	return kernels->planes_clear( planes, r, a->boxes, (uint32_t)a->count, lwi_round_up( q->need + slack ),
+		lwi_round_down( q->need - slack - dilation_of( a->shape ) ), room );
+}
+
+static bool box_stays_below( const lwi_kernels* kernels, lwi_places* a, const lwi_places* b, const between_places* q,
+	const lwi_places_plane* plane )
+{
+	lwi_planes8 one = { .reach = { 0 } };
+	float room[LWI_WIDTH];
+	lwi_plane_to_lane( &one, 0, *plane );
+	return ( planes_clear( kernels, a, b, q, &one, room ) & 1 ) != 0;
+}
+
+/// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its places.
+static bool all_stay_below( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n, double most )
+{
+	make_places( s );
+	for ( int i = 0; i < s->count; ++i )
+	{
+		float local[3];
+		double scale = place_direction( s, i, n, local );
+		double left = ( most - lwi_dot( n, lwi_sub( origin_of( place( s, i ), s->shape ), q->from ) ) ) / scale;
+		if ( !( left > -INFINITY && lwi_stays_below( kernels, s->shape, local, lwi_round_down( left ) ) ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+static lw_vec3 normal_of( const lwi_places* b, const float direction[3] )
+{
+	return lwi_rotate( &b->middle, lwi_v3( (double)direction[0], (double)direction[1], (double)direction[2] ) );
+}
+
+// --- cores -----------------------------------------------------------------------------------------------------------
+
+enum
+{
+	CORE_STEPS = 24 ///< directions that cores are asked for, between two of these
+};
+
+/// Of the distance of the cores: a gap that wide is not worth another step.
+#define WIDE_ENOUGH 0.5
+
+/// Points inside the hull of a shape at all its places.
+typedef struct core
+{
+	const lwi_points8* points;
+	uint32_t blocks;
+	const lw_transform* local; ///< frame of the points; NULL: axes of the places' frame
+	lw_vec3 origin;            ///< theirs, above q->from
+	lw_vec3 cut[LWI_MAX_LOOKS]; ///< further points, that were found by exact looks; above q->from
+	int cuts;
+} core;
+
+static void make_cloud( const lwi_kernels* kernels, lwi_places* s )
+{
+	make_places( s );
+	lwi_cloud* cloud = s->cloud;
+	lw_vec3 middle = origin_of( &s->middle, s->shape );
+	uint32_t blocks = s->shape->core_blocks;
+	for ( int i = 0; i < s->count; ++i )
+	{
+		lwi_motion motion;
+		lw_vec3 from = lwi_sub( origin_of( place( s, i ), s->shape ), middle );
+		for ( int k = 0; k < 9; ++k )
+		{
+			motion.r[k] = (float)place( s, i )->r[k / 3][k % 3];
+		}
+		motion.t[0] = (float)from.x;
+		motion.t[1] = (float)from.y;
+		motion.t[2] = (float)from.z;
+		kernels->points_move( s->shape->core, blocks, &motion, cloud->points + blocks * (uint32_t)i );
+	}
+	cloud->blocks = blocks * (uint32_t)s->count;
+	cloud->made = true;
+}
+
+static core core_of( const lwi_kernels* kernels, lwi_places* s, const between_places* q )
+{
+	core c;
+	c.points = s->shape->core;
+	c.blocks = s->shape->core_blocks;
+	c.local = &s->middle;
+	c.cuts = 0;
+	c.origin = lwi_sub( origin_of( &s->middle, s->shape ), q->from );
+	if ( s->count > 1 )
+	{
+		if ( !s->cloud->made )
+		{
+			make_cloud( kernels, s );
+		}
+		c.points = s->cloud->points;
+		c.blocks = s->cloud->blocks;
+		c.local = NULL;
+	}
+	return c;
+}
+
+/// How far a core reaches along n, and with which of its points.
+static double core_reach( const lwi_kernels* kernels, const core* c, lw_vec3 n, uint32_t* which )
+{
+	float high, direction[3];
+	lw_vec3 local = c->local != NULL ? lwi_unrotate( c->local, n ) : n;
+	direction[0] = (float)local.x;
+	direction[1] = (float)local.y;
+	direction[2] = (float)local.z;
+	*which = kernels->points_farthest( c->points, c->blocks, direction, &high );
+	double reach = (double)high + lwi_dot( n, c->origin );
+	for ( int i = 0; i < c->cuts; ++i )
+	{
+		double other = lwi_dot( n, c->cut[i] );
+		if ( other > reach )
+		{
+			reach = other;
+			*which = c->blocks * LWI_WIDTH + (uint32_t)i;
+		}
+	}
+	return reach;
+}
+
+static lw_vec3 core_point( const core* c, uint32_t which )
+{
+	if ( which >= c->blocks * LWI_WIDTH )
+	{
+		return c->cut[which - c->blocks * LWI_WIDTH];
+	}
+	const lwi_points8* block = &c->points[which / LWI_WIDTH];
+	uint32_t lane = which % LWI_WIDTH;
+	lw_vec3 p = lwi_v3( (double)block->at[0][lane], (double)block->at[1][lane], (double)block->at[2][lane] );
+	return lwi_add( c->origin, c->local != NULL ? lwi_rotate( c->local, p ) : p );
+}
+
+/// The same in the tree frame of the shape; of a cut the point stays what it was when it was found.
+static void core_start( const lw_shape* shape, const core* c, uint32_t which, float point[3] )
+{
+	if ( which >= c->blocks * LWI_WIDTH )
+	{
+		return;
+	}
+	const lwi_points8* block = &shape->core[which / LWI_WIDTH % shape->core_blocks];
+	for ( int k = 0; k < 3; ++k )
+	{
+		point[k] = block->at[k][which % LWI_WIDTH];
+	}
+}
+
+/// GJK between cores.
+typedef struct core_search
+{
+	core a, b;
+	double need;
+	vec_s w[4];
+	int count;
+	double upper;              ///< of the distance of the cores; 0 to begin with: the first direction that will do is good enough
+	lw_vec3 n;                 ///< unit, from a to b: what is tried next
+	uint32_t which_a, which_b; ///< points that are nearest to the plane
+	double high, low;          ///< of a and of b along it
+} core_search;
+
+/// LWI_APART: along s->n, where to look for a plane.
+static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s )
+{
+	for ( int step = 0; step < CORE_STEPS; ++step )
+	{
+		s->high = core_reach( kernels, &s->a, s->n, &s->which_a );
+		s->low = -core_reach( kernels, &s->b, lwi_scale( -1, s->n ), &s->which_b );
+		if ( s->low - s->high >= s->need && s->low - s->high >= WIDE_ENOUGH * s->upper )
+		{
+			return LWI_APART;
+		}
+		lw_vec3 difference = lwi_sub( core_point( &s->b, s->which_b ), core_point( &s->a, s->which_a ) );
+		s->w[s->count++] = (vec_s){ difference.x, difference.y, difference.z };
+		nearest_s nearest;
+		if ( nearest_to_origin_s( s->w, s->count, &nearest ) )
+		{
+			return LWI_MEET;
+		}
+		s->count = reduce( s->w, s->count, &nearest );
+		s->upper = sqrt( nearest.sq );
+		bool near = nearest.sq < s->need * s->need;
+		if ( s->count == 4 || !( s->upper > 0 && s->upper < INFINITY ) )
+		{
+			return near ? LWI_NEAR : LWI_UNKNOWN;
+		}
+		s->n = lwi_scale( 1 / s->upper, lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z ) );
+		if ( near )
+		{
+			return LWI_NEAR;
+		}
+	}
+	return LWI_UNKNOWN;
+}
+
+/// True if everything stays below a plane of b. @param core_b NULL: b stands
+static bool hulls_stay_below( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, const between_places* q, const core* core_a,
+	const core* core_b, lwi_places_plane plane )
+{
+	uint32_t which_a, which_b = 0;
+	lw_vec3 n = normal_of( b, plane.direction ), down = lwi_scale( -1, n ), lowest;
+	double high = core_reach( kernels, core_a, n, &which_a );
+	double bottom = -( core_b == NULL ? (double)plane.reach_b : core_reach( kernels, core_b, down, &which_b ) );
+	if ( !( high <= bottom - q->need ) )
+	{
+		return false; // what is inside is not below
+	}
+	if ( core_b != NULL )
+	{
+		float point[3];
+		core_start( b->shape, core_b, which_b, point );
+		bottom = -farthest_of_places( kernels, b, q, down, point, &lowest );
+	}
+	return all_stay_below( kernels, a, q, n, bottom - q->need );
+}
+
+uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, const lwi_planes8* known,
+	bool only_boxes )
+{
+	const between_places q = question_of( a, b, limit );
+	const bool stands = b->count == 1;
+	float room[LWI_WIDTH];
+	if ( stands )
+	{
+		uint32_t clear = planes_clear( kernels, a, b, &q, known, room );
+		if ( clear != 0 || only_boxes )
+		{
+			return clear != 0 ? lwi_lowest_bit( clear ) : LWI_WIDTH;
+		}
+	}
+	make_places( a );
+	core core_a = core_of( kernels, a, &q ), core_b;
+	if ( !stands )
+	{
+		core_b = core_of( kernels, b, &q );
+		memset( room, 0, sizeof( room ) );
+	}
+	for ( uint32_t tries = 0; tries < LWI_WIDTH; ++tries )
+	{
+		uint32_t lane = 0;
+		for ( uint32_t i = 1; i < LWI_WIDTH; ++i )
+		{
+			lane = room[i] > room[lane] ? i : lane;
+		}
+		const lwi_places_plane plane = lwi_plane_of_lane( known, lane );
+		if ( !( room[lane] > -INFINITY ) )
+		{
+			break;
+		}
+		room[lane] = -INFINITY;
+		if ( plane.reach_b < INFINITY && hulls_stay_below( kernels, a, b, &q, &core_a, stands ? NULL : &core_b, plane ) )
+		{
+			return lane;
+		}
+	}
+	return LWI_WIDTH;
+}
+
+lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
+	float direction[3], lwi_places_plane* out )
+{
+	between_places q = question_of( a, b, limit );
+	float point_a[3], point_b[3], *d = direction;
+	if ( !normalize( d ) )
+	{
+		return LWI_UNKNOWN;
+	}
+	core_search s = { .need = q.need, .upper = 0, .n = normal_of( b, d ) };
+	s.a = core_of( kernels, a, &q );
+	s.b = core_of( kernels, b, &q );
+	for ( int look = 0; look < LWI_MAX_LOOKS; ++look )
+	{
+		lwi_separation cores = separate_cores( kernels, &s );
+		local_direction( &b->middle, s.n, d );
+		if ( cores != LWI_APART || !normalize( d ) )
+		{
+			return cores == LWI_APART ? LWI_UNKNOWN : cores;
+		}
+		core_start( a->shape, &s.a, s.which_a, point_a );
+		core_start( b->shape, &s.b, s.which_b, point_b );
+		lw_vec3 n = normal_of( b, d ), lowest;
+		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point_b, &lowest );
+		const lwi_places_plane next = { { d[0], d[1], d[2] }, lwi_round_up( -low ) };
+		if ( box_stays_below( kernels, a, b, &q, &next ) || all_stay_below( kernels, a, &q, n, low - q.need ) )
+		{
+			*out = next;
+			return LWI_APART;
+		}
+		// what it says of a only decides where to look next
+		s.a.cut[s.a.cuts++] = far_point( kernels, a, &q, n, point_a );
+		s.b.cut[s.b.cuts++] = lowest;
+	}
+	return LWI_UNKNOWN;
+}
+
+// --- bent ways -------------------------------------------------------------------------------------------------------
+
+/// How far a shape reaches along n at one of its places, above q->from.
+/// @param start where to look first, tree frame; where it was found
+static double reach_at( const lwi_kernels* kernels, const lwi_places* s, int i, const between_places* q, lw_vec3 n, float start[3] )
+{
+	float local[3];
+	local_direction( place( s, i ), n, local );
+	double origin = lwi_dot( n, lwi_sub( origin_of( place( s, i ), s->shape ), q->from ) );
+	return (double)lwi_support( kernels, s->shape, local, start ) + origin;
+}
+
+/// The least of what goes from x to y evenly, less s ( 1 - s ) bend at the share s of the way.
+static double least_on_way( double x, double y, double bend )
+{
+	const double least = lwi_smaller( x, y ), missing = bend - fabs( x - y );
+	return missing > 0 ? least - missing * missing / ( 4 * bend ) : least;
+}
+
+/// The least at any time, from what is at the middle, the left and the right place.
+static double least_of_ways( const double at[LWI_MAX_PLACES], double bend )
+{
+	bend *= 1 + 0x1p-21; // directions are of length 1 to rounding, and so are heights along them
+	return lwi_smaller( least_on_way( at[1], at[0], bend ), least_on_way( at[0], at[2], bend ) );
+}
+
+/// @param gaps along the direction, at all places
+static bool bent_holds( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, const between_places* q, double bend,
+	const float direction[3], double gaps[LWI_MAX_PLACES] )
+{
+	const lw_vec3 n = normal_of( b, direction ), down = lwi_scale( -1, n );
+	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
+	double low = 0, high = 0;
+	for ( int i = 0; i < LWI_MAX_PLACES; ++i ) // what stands has one place
+	{
+		low = i < b->count ? -reach_at( kernels, b, i, q, down, point_b ) : low;
+		high = i < a->count ? reach_at( kernels, a, i, q, n, point_a ) : high;
+		gaps[i] = low - high;
+	}
+	return least_of_ways( gaps, bend ) >= q->need;
+}
+
+bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
+	float direction[3] )
+{
+	const between_places q = question_of( a, b, limit );
+	double gaps[LWI_MAX_PLACES];
+	if ( !normalize( direction ) )
+	{
+		return false;
+	}
+	if ( bent_holds( kernels, a, b, &q, bend, direction, gaps ) )
+	{
+		return true;
+	}
+	// what keeps them apart at the end where they are nearer
+	const int end = gaps[1] < gaps[2] ? 1 : 2;
+	lwi_places end_a, end_b;
+	lwi_places_plane plane;
+	lwi_places_stand( &end_a, a->shape, place( a, end ) );
+	lwi_places_stand( &end_b, b->shape, place( b, b->count > 1 ? end : 0 ) );
+	if ( lwi_separate_places( kernels, &end_a, &end_b, limit, direction, &plane ) != LWI_APART )
+	{
+		return false;
+	}
+	local_direction( &b->middle, normal_of( &end_b, plane.direction ), direction );
+	return normalize( direction ) && bent_holds( kernels, a, b, &q, bend, direction, gaps );
+}
+
+bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend, lw_vec3 n,
+	double reach )
+{
+	between_places q = question_of( a, b, limit );
+	const double length = lwi_length( n );
+	if ( !( length > 0 && length < INFINITY ) || a->shape->filled || b->shape->filled )
+	{
+		return false; // what is in a solid is far from its surface
+	}
+	float down[3], point[3] = { 0, 0, 0 };
+	local_direction( &b->middle, lwi_scale( -1 / length, n ), down );
+	if ( !normalize( down ) )
+	{
+		return false;
+	}
+	n = lwi_scale( -1, normal_of( b, down ) );
+	double below[LWI_MAX_PLACES], high = 0;
+	for ( int i = 0; i < LWI_MAX_PLACES; ++i )
+	{
+		high = i < a->count ? reach_at( kernels, a, i, &q, n, point ) : high;
+		below[i] = -high;
+	}
+	const double most = least_of_ways( below, bend ) - q.need;
+	const lw_vec3 center = lwi_untransform( &b->middle, lwi_transform( &a->middle, lwi_load( a->shape->sphere_center ) ) );
+	const double* o = b->shape->origin;
+	const double radius = reach + q.need + lwi_gap_slack( 2 * ( reach + q.need + size_of( b->shape ) ) );
+	const float ball[4] = { (float)( center.x - o[0] ), (float)( center.y - o[1] ), (float)( center.z - o[2] ), lwi_round_up( radius ) };
+	return lwi_near_stays_below( kernels, b->shape, down, lwi_round_down( most ), ball );
+}
+
+// --- two shapes at one place -----------------------------------------------------------------------------------------
+
+lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a )
+{
+	lwi_plane plane;
+	float moved[3];
+	turn( b_from_a, a->root_sphere, moved );
+	for ( int i = 0; i < 3; ++i )
+	{
+		plane.direction[i] = b->root_sphere[i] - ( moved[i] + b_from_a->t[i] );
+	}
+	return plane;
+}
+
+/// What keeps two shapes apart, a's tree frame.
+typedef struct slab
+{
+	const lwi_kernels* kernels;
+	const lw_shape *a, *b;
+	const lwi_motion* m; ///< a_from_b
+	float n[3], back[3]; ///< the direction, and b's of the same plane, its tree frame
+	float from;          ///< height of b's origin
+} slab;
+
+/// True if a stays below a plane, and b above one that is higher by the limit.
+static bool slab_holds( const slab* s, double high, double limit )
+{
+	float most = lwi_round_down( high );
+	return lwi_stays_below( s->kernels, s->a, s->n, most ) &&
+		   lwi_stays_below( s->kernels, s->b, s->back, lwi_round_down( (double)s->from - ( (double)most + limit ) ) );
+}
+
+/// The gap along the slab, and the points that it is between.
+static float slab_gap( const slab* s, float point_a[3], float point_b[3], lw_vec3* a, lw_vec3* b )
+{
+	float high = lwi_support( s->kernels, s->a, s->n, point_a ), moved[3];
+	float low = -lwi_support( s->kernels, s->b, s->back, point_b ) + s->from;
+	turn( s->m, point_b, moved );
+	*a = lwi_v3( (double)point_a[0], (double)point_a[1], (double)point_a[2] );
+	*b = lwi_v3( (double)( moved[0] + s->m->t[0] ), (double)( moved[1] + s->m->t[1] ), (double)( moved[2] + s->m->t[2] ) );
+	return low - high;
+}
+
+bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* m, float limit,
+	lwi_plane* plane, int looks )
+{
+	slab between = { .kernels = kernels, .a = a, .b = b, .m = m };
+	turn( m, plane->direction, between.n );
+	if ( !normalize( between.n ) )
+	{
+		return false;
+	}
+	lw_transform a_from_b;
+	for ( int i = 0; i < 9; ++i )
+	{
+		a_from_b.r[i / 3][i % 3] = (double)m->r[i];
+	}
+	core_search s = { .need = (double)limit, .n = lwi_v3( (double)between.n[0], (double)between.n[1], (double)between.n[2] ) };
+	s.a = (core){ .points = a->core, .blocks = a->core_blocks };
+	s.b = (core){ .points = b->core, .blocks = b->core_blocks, .local = &a_from_b };
+	s.b.origin = lwi_v3( (double)m->t[0], (double)m->t[1], (double)m->t[2] );
+	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
+	for ( int look = 0; look < looks && separate_cores( kernels, &s ) == LWI_APART; ++look )
+	{
+		between.n[0] = (float)s.n.x;
+		between.n[1] = (float)s.n.y;
+		between.n[2] = (float)s.n.z;
+		turn_back( m, between.n, between.back );
+		between.from = dot( between.n, m->t );
+		for ( int i = 0; i < 3; ++i )
+		{
+			between.back[i] = -between.back[i];
+		}
+		core_start( a, &s.a, s.which_a, point_a );
+		core_start( b, &s.b, s.which_b, point_b );
+		lw_vec3 *cut_a = &s.a.cut[s.a.cuts++], *cut_b = &s.b.cut[s.b.cuts++];
+		// cores leave some room: that is soon seen to be enough, or it is asked how much there is
+		if ( slab_holds( &between, 0.5 * ( s.high + s.low - s.need ), s.need ) ||
+			 slab_gap( &between, point_a, point_b, cut_a, cut_b ) >= limit )
+		{
+			turn_back( m, between.n, plane->direction );
+			return true;
+		}
+	}
+	return false;
+}

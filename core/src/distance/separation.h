@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A plane between two bounded shapes: the quickest proof that they are far from each other.
+#ifndef LEEWAY_DISTANCE_SEPARATION_H
+#define LEEWAY_DISTANCE_SEPARATION_H
+
+#include "simd/kernels.h"
+#include "shape/shape.h"
+
+enum
+{
+	LWI_MAX_PLACES = 3,
+	LWI_MAX_LOOKS = 3 ///< directions of one search for which all geometry is asked: if the second has no plane, hardly any has
+};
+
+/// A plane between two shapes.
+typedef struct lwi_plane
+{
+	float direction[3]; ///< b's tree frame, from a to b; any length > 0
+} lwi_plane;
+
+/// What a query remembers of a pair of shapes. Only speed depends on it.
+typedef struct lwi_hint
+{
+	uint32_t key;      ///< of the pair; 0: empty
+	uint16_t failures; ///< searches in a row for which no plane was found
+	uint16_t wait;     ///< searches until the next try
+	uint8_t late_failures, late_wait; ///< the same of searches that waited for another pair
+	bool known;        ///< the plane below separated them last time
+	lwi_plane plane;
+} lwi_hint;
+
+/// Any direction to begin with: from centre to centre.
+lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a );
+
+/// Looks for a plane on which the gap between the convex hulls of a and b is at least the limit.
+/// @param a_from_b tree frames
+/// @param limit as for all gaps: the slack of floats (simd/kernels.h) included
+/// @param plane where to begin, and where it ended
+/// @param looks directions for which all geometry is asked, at the most LWI_MAX_LOOKS
+/// @return true if there is one: nothing of a is nearer to anything of b than the limit. False says nothing
+bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* a_from_b, float limit,
+	lwi_plane* plane, int looks );
+
+/// The core of a shape at its places: axes of their frame, from the origin of its tree at its middle place.
+typedef struct lwi_cloud
+{
+	bool made; ///< else it is when it is needed
+	uint32_t blocks;
+	lwi_points8 points[LWI_MAX_PLACES * LWI_CORE_BLOCKS];
+} lwi_cloud;
+
+/// A bounded shape with its geometry at a few places, in a frame that two of these have in common.
+typedef struct lwi_places
+{
+	const lw_shape* shape;
+	int count;
+	lw_transform middle; ///< frame_from_shape: between the others, or one of them
+	bool drifts;         ///< the places are two: where points x of the middle get by -+ ( shift + turn x x )
+	bool made;           ///< `at` is filled; of drifts it may wait until it is needed
+	lw_vec3 turn, shift;
+	lwi_cloud* cloud; ///< of more than one place
+	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape, of several; of drifts linear, not rigid: points are where they take them
+	bool boxed;                      ///< the box around the shape is at its places: it is when it is needed
+	lw_vec3 box_middle[LWI_MAX_PLACES];
+	double box_size; ///< sum of the coordinates of three half axes, at most
+	lwi_turned_box boxes[LWI_MAX_PLACES]; ///< from the origin of the last question
+} lwi_places;
+
+/// Makes it a shape at one place.
+static inline void lwi_places_stand( lwi_places* s, const lw_shape* shape, const lw_transform* frame_from_shape )
+{
+	s->shape = shape;
+	s->count = 1;
+	s->middle = *frame_from_shape;
+	s->drifts = s->boxed = false;
+	s->made = true;
+	s->cloud = NULL;
+}
+
+/// A plane between two shapes at all their places.
+typedef struct lwi_places_plane
+{
+	float direction[3]; ///< b's tree frame at its middle place, from a to b, of length 1 to rounding
+	float reach_b;      ///< how far b reaches against the direction, in its tree frame
+} lwi_places_plane;
+
+static inline void lwi_plane_to_lane( lwi_planes8* planes, uint32_t lane, lwi_places_plane plane )
+{
+	for ( int k = 0; k < 3; ++k )
+	{
+		planes->direction[k][lane] = plane.direction[k];
+	}
+	planes->reach[lane] = plane.reach_b;
+}
+
+static inline lwi_places_plane lwi_plane_of_lane( const lwi_planes8* planes, uint32_t lane )
+{
+	return (lwi_places_plane){ { planes->direction[0][lane], planes->direction[1][lane], planes->direction[2][lane] },
+		planes->reach[lane] };
+}
+
+/// Planes of other times, in the same frame: one that separates these too, or LWI_WIDTH.
+/// @param limit metres, >= 0: nothing of a, at any of its places, is then nearer to anything of b than that
+/// @param only_boxes where b stands only the box around a is asked: less is found, far more quickly
+uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, const lwi_planes8* known,
+	bool only_boxes );
+
+typedef enum lwi_separation
+{
+	LWI_APART,   ///< there is a plane: nothing of a is nearer to anything of b than the limit
+	LWI_UNKNOWN, ///< none was found
+	LWI_NEAR,    ///< there is none: the hulls are nearer than the width that proves the limit, to rounding (edges.md)
+	LWI_MEET     ///< there is none for any limit, to rounding
+} lwi_separation;
+
+/// Looks for a plane between the convex hulls of all places.
+/// @param direction where to begin: b's tree frame at its middle place, any length; where it ended
+/// @param out what separates them; written only then
+lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, float direction[3],
+	lwi_places_plane* out );
+
+/// Looks for a direction along which a stays below b on its way, too: at the share s of the way from place to place everything is within
+/// s ( 1 - s ) bend of where a straight line has it. What comes nearest at one end may be as near as the limit there.
+/// @param a at its middle place, its left and its right one, or standing @param b likewise
+/// @param direction where to begin: b's tree frame at its middle place; where it ended, of length 1 to rounding if there is one
+/// @return true if there is one: on all of the way nothing of a is nearer to anything of b than the limit
+bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
+	float direction[3] );
+
+/// Does a, on its bent way, stay below all of b that it could come near to?
+/// @param a at its middle place, its left and its right one, or standing @param b standing
+/// @param n frame of the places, of any length: along which
+/// @param reach metres: no point of a gets farther from the middle of its sphere, at the middle place
+/// @return true if it does: on all of the way nothing of a is nearer to anything of b than the limit
+bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend, lw_vec3 n,
+	double reach );
+
+#endif

@@ -1,0 +1,493 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the robot moves along an edge: states, poses of nodes at the ends of cells, and what bodies do in between.
+//
+// A point's way is bounded by where it is at both ends and how fast its velocity can change in between (linear interpolation),
+// which beats path lengths by far where joints' motions cancel or cells are short. Derivation: core/docs/edges.md.
+#include "base/arena.h"
+#include "checker/pose.h"
+#include "motion/edge.h"
+#include "base/math_inline.h"
+
+#include <string.h>
+
+enum
+{
+	SPARE_GAPS = 1024 ///< places on a level beyond four per item
+};
+
+// ---- scratch ---------------------------------------------------------------------------------------------------------
+
+/// Lays the scratch out from `memory`; returns its size. Called with NULL to measure, then to place.
+static size_t lay_out( lwi_edge* e, void* memory )
+{
+	lwi_arena arena = lwi_arena_begin( memory, 0 );
+	const lw_checker* c = e->checker;
+	const size_t nodes = c->tree->node_count;
+	uint32_t variables = c->robot->variable_count;
+	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
+	e->paces = lwi_arena_take( &arena, nodes, sizeof( lwi_edge_pace ) );
+	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->motion ), 1 );
+	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->group_t = lwi_arena_take( &arena, c->variable_count, sizeof( double ) );
+	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
+	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
+	e->frame_turns = lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_nodes( c->tree ), sizeof( double ) );
+	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * nodes, sizeof( bool ) );
+	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * nodes, sizeof( lw_transform ) );
+	const size_t lanes = nodes * LWI_WIDTH;
+	e->rake.frames = lwi_arena_take( &arena, nodes, sizeof( lwi_rake_frame ) );
+	e->rake.nodes = lwi_arena_take( &arena, nodes, sizeof( lwi_rake_point ) );
+	e->rake.bodies = lwi_arena_take( &arena, c->tree->body_count, sizeof( lwi_rake_point ) );
+	e->rake.known = lwi_arena_take( &arena, c->tree->body_count, sizeof( bool ) );
+	e->rake.values = lwi_arena_take( &arena, 3 * lanes, sizeof( double ) );
+	e->rake.speeds = lwi_arena_take( &arena, nodes, sizeof( double ) );
+	e->item_capacity = c->moving_body_count + c->self_pair_count;
+	e->gap_capacity = 4 * e->item_capacity + SPARE_GAPS;
+	e->items = lwi_arena_take( &arena, e->item_capacity, sizeof( lwi_edge_item ) );
+	e->levels[0].gaps = lwi_arena_take( &arena, e->gap_capacity, sizeof( lwi_edge_gap ) );
+	e->levels[1].gaps = lwi_arena_take( &arena, e->gap_capacity, sizeof( lwi_edge_gap ) );
+	return arena.used;
+}
+
+bool lwi_edge_begin( lwi_edge* edge )
+{
+	lw_query* query = edge->query;
+	if ( lay_out( edge, query->edge_scratch ) > query->edge_capacity )
+	{
+		return false;
+	}
+	lwi_checker_bind( edge->checker, query );
+	if ( edge->memory->bindings != query->bindings )
+	{
+		memset( edge->memory, 0, sizeof( *edge->memory ) );
+		edge->memory->bindings = query->bindings;
+	}
+	for ( int i = 0; i < 2; ++i )
+	{
+		edge->swings[i].node = LW_INVALID_INDEX;
+	}
+	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
+	{
+		edge->frame_t[i] = NAN;
+	}
+	for ( uint32_t i = 0; i < edge->checker->tree->node_count; ++i )
+	{
+		edge->paces[i].stamp = 0; // no state has it
+	}
+	lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
+	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
+	return true;
+}
+
+size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
+{
+	lwi_edge edge = { .checker = checker };
+	// Each more may move, and meet all others: what lay_out() would take for as many items, and its rounding of five arrays
+	size_t items = spare_bodies * ( 1 + (size_t)checker->robot->body_count + spare_bodies );
+	size_t more = items * ( sizeof( lwi_edge_item ) + 2 * 4 * sizeof( lwi_edge_gap ) ) + 5 * LWI_ALIGNMENT +
+				  spare_bodies * ( sizeof( lwi_rake_point ) + sizeof( bool ) ) +
+				  lwi_motion_scratch_spare( spare_bodies );
+	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );
+}
+
+// ---- states ----------------------------------------------------------------------------------------------------------
+
+void lwi_edge_allow_rounding( lwi_edge* e, double of_poses )
+{
+	for ( int pair = 0; pair < 2; ++pair )
+	{
+		// t itself is rounded too (2^-53 of the way), and so is the surplus (2^-53 of min_d, a few times).
+		// A quarter of the slack more, with which proofs hold, becomes lower_bound.
+		e->rounding[pair] = ( 1 + pair ) * of_poses + 0x1p-47 * ( e->longest + e->def->min_d );
+		e->slack[pair] = lwi_larger( e->def->slack, 4 * e->rounding[pair] );
+		e->enough[pair] = e->def->min_d + e->rounding[pair] + 0.25 * e->slack[pair];
+	}
+}
+
+bool lwi_edge_measure_motion( lwi_edge* e )
+{
+	const lw_checker* c = e->checker;
+	e->query->edge_count++;
+	e->apart = e->spare = INFINITY;
+	e->most_states = LW_EDGE_MOST_STATES;
+	if ( !lwi_motion_begin( c->motion, e->full_a, e->full_b, e->motion ) )
+	{
+		return false;
+	}
+	e->static_rounding = lwi_motion_rounding( c->motion, e->motion );
+	e->longest = lwi_motion_total( c->motion, e->motion );
+	e->twist_error = lwi_motion_twist_error( c->motion, e->motion );
+	lwi_edge_allow_rounding( e, e->static_rounding );
+	return true;
+}
+
+/// The full state at t. All but the group's variables are those of both ends.
+static void interpolate( const lwi_edge* e, double t, double* state )
+{
+	const lw_checker* c = e->checker;
+	if ( c->tree->floating_count > 0 )
+	{
+		lw_robot_interpolate( c->robot, e->full_a, e->full_b, t, state );
+		return;
+	}
+	memcpy( state, e->full_a, c->robot->variable_count * sizeof( double ) );
+	for ( uint32_t i = 0; i < c->variable_count; ++i )
+	{
+		uint32_t v = c->variables[i];
+		state[v] = lwi_interpolate_variable( &c->robot->variables[v], e->qa[i], e->qb[i], t );
+	}
+}
+
+const double* lwi_edge_state( lwi_edge* e, double t )
+{
+	if ( t == 0 || t == 1 )
+	{
+		return t == 0 ? e->qa : e->qb;
+	}
+	interpolate( e, t, e->full_t );
+	for ( uint32_t i = 0; i < e->checker->variable_count; ++i )
+	{
+		e->group_t[i] = e->full_t[e->checker->variables[i]];
+	}
+	return e->group_t;
+}
+
+bool lwi_edge_pose( lwi_edge* e, double t )
+{
+	if ( t == e->posed_t )
+	{
+		return true;
+	}
+	e->posed_t = NAN;
+	if ( lwi_checker_pose( e->checker, e->query, lwi_edge_state( e, t ) ) != LW_OK )
+	{
+		e->failed = true;
+		return false;
+	}
+	e->posed_t = t;
+	++e->out->queries;
+	const double lane = t * LWI_WIDTH - 0.5;
+	if ( e->rake.posed && lane == floor( lane ) )
+	{
+		lwi_edge_rake_pose( e, (uint32_t)lane );
+	}
+	return true;
+}
+
+// ---- poses of nodes --------------------------------------------------------------------------------------------------
+
+/// The place of a state's poses: by a multiplicative hash, so that neighbours on all levels get along (Knuth, TAOCP 6.4).
+static size_t frame_at( lwi_edge* e, double t )
+{
+	uint64_t bits;
+	memcpy( &bits, &t, sizeof( bits ) );
+	size_t frame = (size_t)( ( bits * 0x9e3779b97f4a7c15u ) >> ( 64 - LWI_EDGE_FRAME_BITS ) );
+	if ( e->frame_t[frame] != t )
+	{
+		size_t nodes = e->checker->tree->node_count, variables = e->checker->robot->variable_count;
+		e->frame_t[frame] = t;
+		memset( e->frame_known + frame * nodes, 0, nodes * sizeof( bool ) );
+		double* state = e->frame_states + frame * variables;
+		if ( t == 0 || t == 1 )
+		{
+			memcpy( state, t == 0 ? e->full_a : e->full_b, variables * sizeof( double ) );
+		}
+		else
+		{
+			interpolate( e, t, state );
+		}
+		double* cosines = e->frame_turns + 2 * frame * lwi_padded_nodes( e->checker->tree );
+		lwi_turn_joints( e->checker, e->query, state, cosines, cosines + lwi_padded_nodes( e->checker->tree ) );
+	}
+	return frame;
+}
+
+/// World_from_top of a node at t. What can fail, a zero quaternion, was ruled out when the motion was measured.
+static const lw_transform* node_pose( lwi_edge* e, double t, uint32_t node )
+{
+	const lw_checker* c = e->checker;
+	const lwi_checker_node* nodes = c->tree->nodes;
+	if ( node == 0 )
+	{
+		return &c->reference_poses[nodes[0].top];
+	}
+	size_t frame = frame_at( e, t );
+	const double* state = e->frame_states + frame * c->robot->variable_count;
+	bool* known = e->frame_known + frame * c->tree->node_count;
+	lw_transform* poses = e->frame_poses + frame * c->tree->node_count;
+	const size_t padded = lwi_padded_nodes( c->tree );
+	const double* cosines = e->frame_turns + 2 * frame * padded;
+	while ( !known[node] )
+	{
+		uint32_t next = node;
+		while ( nodes[next].parent != 0 && !known[nodes[next].parent] )
+		{
+			next = nodes[next].parent;
+		}
+		uint32_t parent = nodes[next].parent;
+		const lw_transform* above = parent == 0 ? &c->reference_poses[nodes[0].top] : &poses[parent];
+		lwi_pose_under( c, next, above, state, cosines, cosines + padded, &poses[next] );
+		known[next] = true;
+	}
+	return &poses[node];
+}
+
+/// The query's own pose where it is at t.
+static const lw_transform* pose_at( lwi_edge* e, double t, uint32_t node )
+{
+	if ( t != e->posed_t )
+	{
+		return node_pose( e, t, node );
+	}
+	lwi_pose_node( e->checker, e->query, node );
+	return &e->query->world_from_link[e->checker->tree->nodes[node].top];
+}
+
+/// Pose of a node in the frame of one above it.
+static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t ancestor )
+{
+	const lw_transform* pose = pose_at( e, t, node );
+	return ancestor == 0 ? *pose : lwi_relative( pose_at( e, t, ancestor ), pose );
+}
+
+// ---- drifts ----------------------------------------------------------------------------------------------------------
+
+/// Metres. Where paths bend more than this, where a body is at the window's ends says more than how it moves in the middle.
+#define MAX_DRIFT_BULGE 0.004
+
+const lwi_edge_pace* lwi_edge_pace_now( lwi_edge* e, uint32_t node )
+{
+	const lw_checker* c = e->checker;
+	const lwi_checker_node* nodes = c->tree->nodes;
+	const uint64_t stamp = e->query->state_stamp;
+	while ( e->paces[node].stamp != stamp )
+	{
+		uint32_t next = node;
+		while ( next != 0 && e->paces[nodes[next].parent].stamp != stamp )
+		{
+			next = nodes[next].parent;
+		}
+		lwi_edge_pace* pace = &e->paces[next];
+		lwi_pose_node( c, e->query, next );
+		const lw_transform* pose = &e->query->world_from_link[nodes[next].top];
+		*pace = (lwi_edge_pace){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( nodes[next].r.center ) ) };
+		if ( next != 0 )
+		{
+			lwi_twist own = lwi_motion_twist( c->motion, e->motion, next, pose );
+			const lwi_edge_pace* above = &e->paces[nodes[next].parent];
+			pace->twist = (lwi_twist){ lwi_add( above->twist.turn, own.turn ), lwi_add( above->twist.shift, own.shift ) };
+			pace->depth = above->depth + 1;
+			pace->rates = lwi_motion_rates( c->motion, e->motion, next );
+		}
+	}
+	return &e->paces[node];
+}
+
+bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window )
+{
+	return 0.5 * window.half * window.half * rate.change <= MAX_DRIFT_BULGE;
+}
+
+lwi_edge_drift lwi_edge_drift_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	const lwi_twist *own = &lwi_edge_pace_of( e, node )->twist, *above = &lwi_edge_pace_of( e, ancestor )->twist;
+	const double bulge = lwi_edge_bulge( e, rate, window.half );
+	return (lwi_edge_drift){ { lwi_sub( own->turn, above->turn ), lwi_sub( own->shift, above->shift ) }, bulge };
+}
+
+static inline lw_vec3 velocity( const lwi_twist* twist, lw_vec3 at )
+{
+	return lwi_add( twist->shift, lwi_cross( twist->turn, at ) );
+}
+
+double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, double radius, double half )
+{
+	double turn = radius > 0 ? lwi_length( drift->twist.turn ) * radius : 0;
+	return half * ( lwi_length( velocity( &drift->twist, center ) ) + turn ) * LWI_EDGE_OUTWARD + drift->bulge;
+}
+
+// ---- displacements ---------------------------------------------------------------------------------------------------
+
+/// How far a point at distance 1 gets by the turn from one pose to another. Of two rotations by an angle a from each other, the
+/// difference has the Frobenius norm 2 sqrt( 2 ) sin( a / 2 ).
+static double turn_between( const lw_transform* from, const lw_transform* to )
+{
+	double sum = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			double d = to->r[i][j] - from->r[i][j];
+			sum += d * d;
+		}
+	}
+	return sqrt( 0.5 * sum );
+}
+
+static bool is_swing( const lwi_edge_swing* s, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+{
+	return s->node == node && s->ancestor == ancestor && s->window.t == window.t && s->window.half == window.half;
+}
+
+/// Bodies of one node are asked for one after the other, or two of a pair by turns: what they have in common is kept.
+static lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+{
+	if ( is_swing( &e->swings[e->last_swing], node, ancestor, window ) )
+	{
+		return &e->swings[e->last_swing];
+	}
+	e->last_swing = 1 - e->last_swing;
+	lwi_edge_swing* s = &e->swings[e->last_swing];
+	if ( !is_swing( s, node, ancestor, window ) )
+	{
+		s->node = node;
+		s->ancestor = ancestor;
+		s->window = window;
+		s->middle = pose_below( e, window.t, node, ancestor );
+		s->left = pose_below( e, window.t - window.half, node, ancestor );
+		s->right = pose_below( e, window.t + window.half, node, ancestor );
+		s->turn = s->second = -1;
+	}
+	return s;
+}
+
+/// The longer way of a point from the middle to one of the ends, rounded outward.
+static double chord_of( const lwi_edge* e, const lwi_edge_swing* s, const double local[3] )
+{
+	lw_vec3 p = lwi_load( local ), middle = lwi_transform( &s->middle, p );
+	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
+	double right = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->right, p ) ) );
+	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->checker->motion, e->motion );
+}
+
+/// How far the second step of what a sphere holds is from the first at most, on the way from left to middle to right.
+static double second_of( const lwi_edge* e, lwi_edge_swing* s, const lw_sphere* local )
+{
+	if ( s->second < 0 )
+	{
+		double sum = 0;
+		for ( int i = 0; i < 9; ++i )
+		{
+			const double d = s->left.r[i / 3][i % 3] - 2 * s->middle.r[i / 3][i % 3] + s->right.r[i / 3][i % 3];
+			sum += d * d;
+		}
+		s->second = sqrt( sum );
+		s->jerk = lwi_motion_jerk( e->checker->motion, e->motion, s->node, e->checker->tree->nodes[s->ancestor].top );
+	}
+	const lw_vec3 p = lwi_load( local->center ), middle = lwi_transform( &s->middle, p );
+	const lw_vec3 first = lwi_sub( lwi_transform( &s->left, p ), middle ), then = lwi_sub( lwi_transform( &s->right, p ), middle );
+	return lwi_length( lwi_add( first, then ) ) + local->radius * s->second + 16 * lwi_motion_rounding( e->checker->motion, e->motion );
+}
+
+static lwi_motion_bow bow_of( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	if ( lwi_edge_drifts( rate, window ) )
+	{
+		return lwi_motion_bow_of( rate, window.half ); // so little that it does not pay to pose both ends
+	}
+	lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+	const double second = second_of( e, s, local );
+	return lwi_motion_bow_through( rate, s->jerk, window.half, second );
+}
+
+lwi_motion_bow lwi_edge_bow( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+{
+	const lwi_checker_tree* tree = e->checker->tree;
+	return bow_of( e, tree->body_node[body], ancestor, &tree->body_spheres[tree->body_place[body]], rate, window );
+}
+
+/// How far a sphere gets, where drifts are worth having; else INFINITY.
+static double drift_bound( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	if ( !lwi_edge_drifts( rate, window ) )
+	{
+		return INFINITY;
+	}
+	lwi_edge_drift drift = lwi_edge_drift_of( e, node, ancestor, rate, window ); // poses the node
+	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->nodes[node].top];
+	double length =
+		lwi_edge_drift_length( &drift, lwi_transform( pose, lwi_load( local->center ) ), local->radius, window.half );
+	double path = window.half * rate.path;
+	return length < path ? length : length >= path ? path : INFINITY; // no number without a twist
+}
+
+double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	if ( rate.path == 0 || window.half == 0 )
+	{
+		return 0;
+	}
+	double by_drift = drift_bound( e, node, ancestor, local, rate, window );
+	if ( by_drift < INFINITY )
+	{
+		return by_drift;
+	}
+	lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+	if ( s->turn < 0 )
+	{
+		s->turn = lwi_larger( turn_between( &s->middle, &s->left ), turn_between( &s->middle, &s->right ) );
+	}
+	double chord = chord_of( e, s, local->center ) + local->radius * s->turn;
+	return lwi_motion_between( chord, bow_of( e, node, ancestor, local, rate, window ), window.half * rate.path );
+}
+
+double lwi_edge_way( lwi_edge* e, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
+	lwi_edge_window window )
+{
+	if ( rate.path == 0 || window.half == 0 )
+	{
+		return 0;
+	}
+	const lw_sphere point = { { local[0], local[1], local[2] }, 0 };
+	double by_drift = drift_bound( e, node, ancestor, &point, rate, window );
+	if ( by_drift < INFINITY )
+	{
+		return by_drift;
+	}
+	const double chord = chord_of( e, swing_of( e, node, ancestor, window ), local );
+	return lwi_motion_between( chord, bow_of( e, node, ancestor, &point, rate, window ), window.half * rate.path );
+}
+
+void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
+	const lwi_edge_drift* drift, lwi_places* out )
+{
+	const lw_checker* c = e->checker;
+	const lw_transform* top_from_shape = &c->tree->body_poses[c->tree->body_place[body]];
+	const uint32_t node = c->tree->body_node[body];
+	out->shape = lwi_shape_now( c->bodies[body].shape );
+	out->count = 1;
+	out->drifts = drift != NULL && rate.path > 0;
+	out->made = !out->drifts;
+	out->boxed = false;
+	if ( drift != NULL )
+	{
+		lwi_pose_body( c, e->query, body );
+		out->middle = e->query->world_from_body[body];
+	}
+	else
+	{
+		lw_transform top = pose_below( e, window.t, node, ancestor );
+		out->middle = lwi_multiply( &top, top_from_shape );
+	}
+	if ( out->drifts )
+	{
+		out->turn = lwi_scale( window.half, drift->twist.turn );
+		out->shift = lwi_scale( window.half, drift->twist.shift );
+		out->count = 2;
+		return;
+	}
+	if ( rate.path > 0 )
+	{
+		const lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+		out->at[0] = out->middle;
+		out->at[1] = lwi_multiply( &s->left, top_from_shape );
+		out->at[2] = lwi_multiply( &s->right, top_from_shape );
+		out->count = 3;
+	}
+}

@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Everything about the edge at hand: its motion, its items, and the cells of it that are not proved yet.
+//
+// The edge is cut into dyadic *cells*. At the middle of a cell the robot is measured as far as the motion in the cell asks for:
+// first by nodes of the checker's tree (links that the group does not move against each other), then, where that is not enough,
+// by *items*: one body against the scene, or two bodies. A cell is proved for an item, or its halves are looked at.
+#ifndef LEEWAY_MOTION_EDGE_H
+#define LEEWAY_MOTION_EDGE_H
+
+#include "checker/checker.h"
+#include "checker/clusters.h"
+#include "query/query.h"
+#include "distance/separation.h"
+
+enum
+{
+	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
+	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
+	LWI_RAKE_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of a rake
+	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
+};
+
+/// Shrinks a surplus of clearance, 2^-40 relative: far above its dozen roundings, far below any slack.
+#define LWI_EDGE_INWARD ( 1.0 - 0x1p-40 )
+/// Enlarges what a clearance may lose, by no less.
+#define LWI_EDGE_OUTWARD ( 1.0 + 0x1p-39 )
+
+/// A body against the scene, or two bodies; how they move is bounded for the whole edge.
+typedef struct lwi_edge_item
+{
+	uint32_t body_a, body_b; ///< robot bodies; body_b = LW_INVALID_INDEX: the scene
+	uint32_t ancestor;       ///< node in whose frame both are seen; 0 for the scene
+	lwi_motion_rate rate_a, rate_b;
+	uint32_t warm;   ///< index into `warm`
+	uint8_t cells;   ///< of LWI_WIDTH, those that a rake has left
+	bool neighbours; ///< a pair whose spheres are always near: what a rake has left of it is no hint of a collision
+	uint32_t near;   ///< obstacles that were found near it just now, the first of query->candidates; 0: not known
+	double slack;    ///< metres: the edge's, or less once a clearance was found to be within that, see lwi_edge_slack()
+} lwi_edge_item;
+
+/// What kept a pair apart the last few times: directions are few, and states that planners ask for go to and fro.
+typedef struct lwi_edge_plane
+{
+	uint32_t key;      ///< of the pair; 0: empty
+	uint32_t edge;     ///< lwi_query::edge_count of the two below
+	uint16_t failures; ///< times in a row that their hulls were too near at one time
+	uint16_t wait;     ///< windows until the next try
+	bool begun;        ///< there are some
+	bool turned;       ///< they are given in the frame of the first of the two
+	uint8_t served;    ///< lanes of planes that served since the last new one came
+	uint8_t next;      ///< lane that goes for a new one, unless it served
+	bool near_known;   ///< the direction below is one
+	float near[3];     ///< along which what is near was apart; tree frame of what stands, towards the other one
+	lwi_planes8 planes;
+} lwi_edge_plane;
+
+/// What edges of one checker leave for later ones, by a hash of the pair.
+typedef struct lwi_edge_memory
+{
+	uint64_t bindings; ///< lw_query::bindings when it was begun: it is void for any other
+	lwi_warm warm[LWI_EDGE_WARM]; ///< nearest pairs
+	lwi_edge_plane planes[LWI_EDGE_WARM];
+} lwi_edge_memory;
+
+/// What a window's planes say. In ascending order of work that is left.
+typedef enum lwi_edge_sweep
+{
+	LWI_EDGE_PROVED,  ///< nothing comes too near
+	LWI_EDGE_CLOSER,  ///< nothing is too near at the middle, the window is too wide to tell more
+	LWI_EDGE_MEASURE  ///< nothing is known
+} lwi_edge_sweep;
+
+/// A cell that is not proved for an item.
+typedef struct lwi_edge_gap
+{
+	uint64_t cell; ///< [cell, cell + 1] / 2^level
+	uint32_t item;
+	uint8_t skip;  ///< levels to pass through without a sample
+	bool open;     ///< not proved yet
+} lwi_edge_gap;
+
+/// The gaps of one level, by cell.
+typedef struct lwi_edge_level
+{
+	lwi_edge_gap* gaps; ///< [gap_capacity]
+	uint32_t count;
+} lwi_edge_level;
+
+/// Part of the edge: |u - t| <= half.
+typedef struct lwi_edge_window
+{
+	double t, half;
+} lwi_edge_window;
+
+/// Where a node is, seen from another one above it, in the middle of a window and at its ends.
+typedef struct lwi_edge_swing
+{
+	uint32_t node, ancestor; ///< LW_INVALID_INDEX: nothing yet
+	lwi_edge_window window;
+	lw_transform middle, left, right;
+	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet asked for
+	double second; ///< how much the turn from left to middle and that from middle to right differ at most, the same; < 0: likewise
+	double jerk;   ///< see lwi_motion_jerk(); known if `second` is
+} lwi_edge_swing;
+
+/// How a node moves in the world at the posed state, and how fast that may change.
+typedef struct lwi_edge_pace
+{
+	uint64_t stamp; ///< of the state; 0: none
+	lwi_twist twist;
+	lw_vec3 center; ///< of its sphere
+	uint32_t depth; ///< nodes above it
+	const lwi_motion_rate* rates; ///< [depth] of the whole edge, seen from the first, second, .. node above it
+} lwi_edge_pace;
+
+/// Memory of a rake.
+typedef struct lwi_edge_rake
+{
+	lwi_rake_frame* frames; ///< [nodes]
+	lwi_rake_point* bodies; ///< [bodies]
+	bool* known;            ///< [bodies]
+	lwi_rake_point* nodes;  ///< [nodes]
+	double* values;         ///< [3][nodes][LWI_WIDTH] of joints, their cosines, their sines
+	double* speeds;         ///< [nodes]
+	bool posed;             ///< frames are those of this edge
+} lwi_edge_rake;
+
+typedef struct lwi_edge
+{
+	const lw_checker* checker;
+	lw_query* query;
+	const lw_edge_def* def;
+	lw_edge_result* out;
+	const double* qa;
+	const double* qb;
+	void* motion;   ///< scratch of the motion table
+	double* full_a; ///< [robot variable_count]
+	double* full_b;
+	double* full_t;
+	double* group_t;       ///< [variable_count]
+	lwi_edge_memory* memory; ///< of this edge and the ones before
+	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose node poses are kept; NaN: unused
+	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
+	double* frame_turns;       ///< [LWI_EDGE_FRAMES][2][nodes, padded] cosines and sines of the joints above nodes
+	lwi_edge_pace* paces;      ///< [nodes]
+	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
+	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
+	lwi_edge_rake rake;
+	lwi_edge_swing swings[2]; ///< the last ones that were asked for
+	int last_swing;
+	lwi_edge_item* items;  ///< [item_capacity]
+	lwi_edge_level levels[2];
+	uint32_t item_count, item_capacity, gap_capacity;
+	double longest;         ///< V: the largest path length of a node along the edge
+	double static_rounding; ///< of the poses of static bodies
+	double rounding[2]; ///< what a lower bound of an item's clearance counts less by; [1] of a pair
+	double slack[2];    ///< the def's, unless rounding is coarser
+	double enough[2];   ///< clearance that proves what loses nothing by motion, margins not in it
+	uint32_t close;     ///< windows of items with less than slack[] that were not proved
+	double twist_error;     ///< see lwi_motion_twist_error()
+	double spare;           ///< everything that is proved is proved to be min_d + spare at least
+	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
+	double posed_t;         ///< the state the query is posed at; NaN if none
+	int looked;             ///< levels of halving at which whole states were looked at
+	uint32_t most_states;   ///< out->queries at which the proof is given up
+	bool runs;              ///< the run from the start is being proved: slacks follow the room there
+	bool failed;            ///< a state could not be posed or asked
+	lw_status failure;      ///< why, if it was not the state: a deferred mesh
+} lwi_edge;
+
+/// What one measurement of an item says.
+typedef struct lwi_edge_sample
+{
+	bool proved;  ///< on all of the window
+	bool low;     ///< the clearance is within the item's slack, which cannot get smaller, or the edge has had its states: to be refused
+	bool blocked;
+	uint8_t skip; ///< levels below on which the item need not be looked at: their cells would be too wide
+	lw_clearance pair;
+} lwi_edge_sample;
+
+// --- motion/displacement.c ---------------------------------------------------------------------------------------------------
+
+/// Bytes of scratch that edges of this checker need. @param spare_bodies that the robot may have beyond those it has, and as many links
+size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
+
+/// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, query, qa and qb.
+/// @return false if the query's scratch is too small
+bool lwi_edge_begin( lwi_edge* edge );
+
+/// What items have to allow for. @param of_poses metres, of poses and states
+void lwi_edge_allow_rounding( lwi_edge* edge, double of_poses );
+
+/// Measures the motion of the edge. @return false for an edge that cannot be measured
+bool lwi_edge_measure_motion( lwi_edge* edge );
+
+/// The state at t; the ends are the given states themselves.
+const double* lwi_edge_state( lwi_edge* edge, double t );
+
+/// Poses the query at t. @return false if that failed; edge->failed is set
+bool lwi_edge_pose( lwi_edge* edge, double t );
+
+/// How far a sphere carried by a node gets at most from its place at the middle of a window, within it, in the frame of another
+/// node above it.
+/// @param local frame of the node's `top`
+double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, const lw_sphere* local,
+	lwi_motion_rate rate, lwi_edge_window window );
+
+/// How far a point carried by a node gets at most from its place at the middle of a window, in the same frame.
+/// @param local frame of the node's `top` @param rate of it, or of a sphere that contains it
+double lwi_edge_way( lwi_edge* edge, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
+	lwi_edge_window window );
+
+/// How far a body gets from the straight lines between its places at the middle and both ends of a window.
+lwi_motion_bow lwi_edge_bow( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window );
+
+/// How a node goes on from the middle of a window, seen from another one above it: all within the window by its twist, but
+/// for `bulge` at the most.
+typedef struct lwi_edge_drift
+{
+	lwi_twist twist; ///< coordinates of the world, at the middle; NaN if there is none
+	double bulge;    ///< metres
+} lwi_edge_drift;
+
+/// The pace of a node at the state that the query is posed at.
+const lwi_edge_pace* lwi_edge_pace_now( lwi_edge* edge, uint32_t node );
+
+static inline const lwi_edge_pace* lwi_edge_pace_of( lwi_edge* edge, uint32_t node )
+{
+	const lwi_edge_pace* pace = &edge->paces[node];
+	return pace->stamp == edge->query->state_stamp ? pace : lwi_edge_pace_now( edge, node );
+}
+
+/// Bounds for a node's geometry over the whole edge, seen from a node above it. The node was measured.
+static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_pace* pace, const lwi_edge_pace* ancestor )
+{
+	const uint32_t joints = pace->depth - ancestor->depth;
+	return joints > 0 ? pace->rates[joints - 1] : (lwi_motion_rate){ 0, 0 };
+}
+
+/// What a point of a node does on half a window besides going on by its velocity in the middle, at most.
+static inline double lwi_edge_bulge( const lwi_edge* edge, lwi_motion_rate rate, double half )
+{
+	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->twist_error ) * half * LWI_EDGE_OUTWARD : 0;
+}
+
+/// The drift in a window at whose middle the query is posed.
+lwi_edge_drift lwi_edge_drift_of( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
+	lwi_edge_window window );
+
+/// How far a sphere gets from where it is at the middle, by its drift; NaN if there is none.
+/// @param center in the world at the middle
+double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, double radius, double half );
+
+/// True if the acceleration is so small that drifts say as much as places at the window's ends.
+bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window );
+
+/// Places of a body that are on both sides of all its places within a window.
+/// @param drift of its node; NULL: places at the middle and both ends, seen from the ancestor, instead of two in the world
+void lwi_edge_places( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
+	const lwi_edge_drift* drift, lwi_places* out );
+
+/// Radians in half a window, all joints together: beyond, nothing is said of what directions in rakes round to.
+#define LWI_EDGE_MOST_TURN 1.0
+
+static inline bool lwi_edge_turns_little( const lwi_edge* edge, lwi_edge_window window )
+{
+	return lwi_motion_turns( edge->checker->motion, edge->motion ) * window.half <= LWI_EDGE_MOST_TURN;
+}
+
+// --- motion/plane_test.c ----------------------------------------------------------------------------------------------------
+
+/// Looks for planes that prove an item during a window, at whose middle the query is posed.
+/// @param last_try nothing is left out that mostly is in vain
+/// @param skip levels below that are not worth a look, if the answer is CLOSER
+lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip );
+
+/// Is an item proved during a window by the part of an obstacle that it may come near to? For hulls that meet.
+/// @param measured at the middle: its nearest points tell along which direction
+bool lwi_edge_sweep_near( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured );
+
+// --- motion/edge_pair.c -----------------------------------------------------------------------------------------------------
+
+/// Measures an item at window.t, no further than needed to prove the window and a little more.
+/// @param may_give_up a distance too small for that ends it
+lwi_edge_sample lwi_edge_measure( lwi_edge* edge, lwi_edge_item* item, lwi_edge_window window, bool may_give_up );
+
+/// False for cells of a level that a rake has proved for an item.
+static inline bool lwi_edge_cell_is_open( const lwi_edge_item* item, uint64_t cell, int level )
+{
+	const int finer = LWI_RAKE_LEVEL - level;
+	const uint32_t cells = item->cells;
+	return finer >= 0 ? ( cells >> ( cell << finer ) & ( ( 1u << ( 1 << finer ) ) - 1 ) ) != 0
+					  : ( cells >> ( cell >> -finer ) & 1 ) != 0;
+}
+
+/// Looks at whole states for a collision: at the end, then between both ends in halving order, but for those that it has looked
+/// at before. @param levels of halving, 1 is the middle. @return true if none was found
+bool lwi_edge_look( lwi_edge* edge, int levels );
+
+/// Is an item above min_d at t? Only a collision, which ends the proof, is false.
+bool lwi_edge_item_is_free( lwi_edge* edge, const lwi_edge_item* item, double t );
+
+/// The verdict for a sample that ends the proof; always false. A refusal never replaces a collision found elsewhere.
+bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_item* item, double t, const lwi_edge_sample* sample );
+
+/// Is one state above min_d or not? The whole robot at once, nearest pair first. A failure is reported; a refusal never
+/// replaces a collision found elsewhere. @return true if it is free
+bool lwi_edge_state_is_free( lwi_edge* edge, double t );
+
+/// Lower bound of the static bodies' clearance; +infinity if it was not asked for.
+double lwi_edge_static_lower( const lwi_edge* edge );
+
+static inline bool lwi_edge_item_is_pair( const lwi_edge_item* item )
+{
+	return item->body_b != LW_INVALID_INDEX;
+}
+
+/// True if the item has a slack of its own, and the edge has not used up def->close_windows.
+static inline bool lwi_edge_is_close( const lwi_edge* edge, const lwi_edge_item* item )
+{
+	return item->slack < edge->slack[lwi_edge_item_is_pair( item )] && edge->close < edge->def->close_windows;
+}
+
+/// The slack of an item: the edge's, or what its own clearance leaves room for.
+static inline double lwi_edge_slack( const lwi_edge* edge, const lwi_edge_item* item )
+{
+	return lwi_edge_is_close( edge, item ) ? item->slack : edge->slack[lwi_edge_item_is_pair( item )];
+}
+
+/// Clearance that proves an item if it loses nothing by motion, margins not in it.
+static inline double lwi_edge_enough( const lwi_edge* edge, const lwi_edge_item* item )
+{
+	const bool pair = lwi_edge_item_is_pair( item );
+	return lwi_edge_is_close( edge, item ) ? edge->def->min_d + edge->rounding[pair] + 0.25 * item->slack : edge->enough[pair];
+}
+
+/// Notes that something was proved by as much as edge->enough.
+void lwi_edge_note_proof( lwi_edge* edge );
+
+/// Fills in what an item needs besides its bodies, their ancestor and its cells.
+void lwi_edge_prepare_item( lwi_edge* edge, lwi_edge_item* item );
+
+// --- motion/midpoint_pass.c ---------------------------------------------------------------------------------------------------
+
+/// Measures everything at window.t, at which nodes were measured, nodes first. What is not proved is added to edge->items and, as an
+/// open gap of cell 0, to `level`. @param may_look where much is left over, whole states are looked at for a collision, see lwi_edge_look()
+/// @return false if the proof ends here: something is blocked or refused
+bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_look );
+
+/// Measures the items of a rake at the edge's middle, and goes on like lwi_edge_screen().
+bool lwi_edge_screen_items( lwi_edge* edge, lwi_edge_level* level );
+
+/// True if a separation that holds along all of the edge, less margins, is as much as a certificate would look for.
+bool lwi_edge_is_apart( lwi_edge* edge, float separation );
+
+/// True if the chart of two bodies proves all of the edge, both ends of which are covered, with as much clearance.
+/// @param view NULL: there is none
+bool lwi_edge_is_charted( lwi_edge* edge, const lwi_chart_view* view, uint32_t body_a, uint32_t body_b );
+
+/// Poses all nodes at t, and measures how they move, from there. @param share of the edge on the longer side of t
+/// @return false if that failed
+bool lwi_edge_measure_nodes( lwi_edge* edge, double t, double share );
+
+// --- motion/interval_batch.c -----------------------------------------------------------------------------------------------------
+
+/// True for edges that are long and bent enough for rakes, of robots that have them. Nodes were measured.
+bool lwi_edge_rakes( lwi_edge* edge );
+
+/// Everything in eight windows at once, by spheres; what they leave are the edge's items, with their cells. Nodes were measured.
+void lwi_edge_rake_all( lwi_edge* edge );
+
+/// Takes the poses of all nodes, and how they move, from a lane of the rake that the query's state is that of.
+void lwi_edge_rake_pose( lwi_edge* edge, uint32_t lane );
+
+// --- motion/prove.c ----------------------------------------------------------------------------------------------------
+
+/// Proves all items on [0, 1] and lowers out->lower_bound, or sets the verdict. @return true if the edge is free
+bool lwi_edge_prove( lwi_edge* edge );
+
+/// The right end of the run that is proved for every item from t = 0, before the failure at out->t.
+double lwi_edge_proved_run( lwi_edge* edge );
+
+#endif

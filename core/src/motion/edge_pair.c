@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What one measurement proves: clearance against motion, for items, and whole states.
+//
+// Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
+// environments. IEEE Transactions on Robotics 21(3), 2005. Proofs, cost and rounding: core/docs/edges.md.
+#include "checker/pose.h"
+#include "motion/edge.h"
+#include "base/math_inline.h"
+
+/// Levels are passed through while the motion in a cell would be more than this share of the clearance at hand.
+#define HOPEFUL 0.7
+
+// ---- items -----------------------------------------------------------------------------------------------------------
+
+/// Names an item, for its place among the nearest pairs and for the memory of the last failure.
+static uint32_t item_id( const lw_checker* c, const lwi_edge_item* item )
+{
+	return lwi_edge_item_is_pair( item ) ? lwi_body_pair_id( c, item->body_a, item->body_b ) : item->body_a;
+}
+
+/// The sphere of a body, frame of its node's `top`.
+static const lw_sphere* sphere_of( const lw_checker* c, uint32_t body )
+{
+	return &c->tree->body_spheres[c->tree->body_place[body]];
+}
+
+/// Motion of a body, by what bounds that of its node: where it matters, what the body does is measured besides.
+static lwi_motion_rate rate_of( const lwi_edge* e, uint32_t body, uint32_t ancestor )
+{
+	const lw_checker* c = e->checker;
+	return lwi_motion_of( c->motion, e->motion, c->tree->body_node[body], c->tree->nodes[ancestor].top );
+}
+
+void lwi_edge_prepare_item( lwi_edge* e, lwi_edge_item* item )
+{
+	const bool pair = lwi_edge_item_is_pair( item );
+	item->rate_a = rate_of( e, item->body_a, item->ancestor );
+	item->rate_b = pair ? rate_of( e, item->body_b, item->ancestor ) : (lwi_motion_rate){ 0, 0 };
+	item->warm = ( item_id( e->checker, item ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
+	item->slack = e->slack[pair];
+}
+
+/// How much the clearance of an item may lose within a window.
+static double loss_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
+{
+	const lw_checker* c = e->checker;
+	double loss = lwi_edge_displacement( e, c->tree->body_node[item->body_a], item->ancestor, sphere_of( c, item->body_a ),
+		item->rate_a, window );
+	if ( lwi_edge_item_is_pair( item ) )
+	{
+		loss += lwi_edge_displacement( e, c->tree->body_node[item->body_b], item->ancestor, sphere_of( c, item->body_b ),
+			item->rate_b, window );
+	}
+	return loss * LWI_EDGE_OUTWARD;
+}
+
+/// The least clearance, on top of min_d, that anything was proved with.
+static void note_proof( lwi_edge* e, double spare )
+{
+	e->spare = spare < e->spare ? spare : e->spare;
+}
+
+// ---- samples ---------------------------------------------------------------------------------------------------------
+
+/// Clearance of an item at the posed state. @return false if there is no answer
+static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* threshold, lw_clearance* out )
+{
+	uint32_t id = item_id( e->checker, item );
+	e->query->search.failure = LW_OK;
+	if ( lwi_edge_item_is_pair( item ) )
+	{
+		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->memory->warm[item->warm], out );
+	}
+	else
+	{
+		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->memory->warm[item->warm], out );
+	}
+	e->failure = e->query->search.failure;
+	e->failed = e->failed || e->failure != LW_OK;
+	return !e->failed;
+}
+
+void lwi_edge_note_proof( lwi_edge* e )
+{
+	note_proof( e, 0.25 * e->def->slack * LWI_EDGE_INWARD );
+}
+
+/// The same by as much as lwi_edge_enough().
+static void note_plane( lwi_edge* e, const lwi_edge_item* item )
+{
+	note_proof( e, 0.25 * lwi_smaller( e->def->slack, lwi_edge_slack( e, item ) ) * LWI_EDGE_INWARD );
+}
+
+/// Proves an item during the window by planes, if there are any.
+/// @param last_try see lwi_edge_sweep_item(); looking closer ends where distances would prove what is not refused
+/// @return false if it is to be measured
+static bool sweep( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool last_try, lwi_edge_sample* out )
+{
+	const lwi_edge_sweep by = lwi_edge_sweep_item( e, item, window, last_try, &out->skip );
+	const bool ends = last_try && !( e->longest * window.half > lwi_edge_slack( e, item ) );
+	if ( by == LWI_EDGE_MEASURE || ( ends && by == LWI_EDGE_CLOSER ) )
+	{
+		return false;
+	}
+	out->proved = by == LWI_EDGE_PROVED;
+	out->low = false;
+	if ( out->proved )
+	{
+		note_plane( e, item );
+	}
+	return true;
+}
+
+/// Gives an item that is within the edge's slack a smaller one: half of its room above min_d in the middle of the window. While the run from
+/// the start is proved, a quarter of its room at the start, so that the run does not follow the item into the contact that ended the edge.
+/// @return false if the clearance in the middle is within that too
+static bool tighten( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, lwi_edge_sample* s )
+{
+	const bool pair = lwi_edge_item_is_pair( item );
+	const double min_d = e->def->min_d;
+	const lwi_threshold exact = { { min_d, min_d + e->slack[pair], 0 }, 0, 0 };
+	if ( e->close >= e->def->close_windows || !ask( e, item, &exact, &s->pair ) )
+	{
+		return false;
+	}
+	const double room = s->pair.lower - min_d - e->rounding[pair];
+	double slack = 0.5 * room;
+	if ( e->runs )
+	{
+		lw_clearance start;
+		if ( !lwi_edge_pose( e, 0 ) || !ask( e, item, &exact, &start ) || !lwi_edge_pose( e, window.t ) )
+		{
+			return false;
+		}
+		slack = 0.25 * ( start.lower - min_d - e->rounding[pair] );
+	}
+	if ( !( slack < room ) || !( slack > 4 * e->rounding[pair] ) )
+	{
+		return false;
+	}
+	item->slack = lwi_smaller( item->slack, slack );
+	return true;
+}
+
+/// Distance of an item at the middle of a window, against what motion takes.
+static void measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up, double loss, lwi_edge_sample* s )
+{
+	const bool pair = lwi_edge_item_is_pair( item );
+	const double min_d = e->def->min_d, slack = lwi_edge_slack( e, item ), rounding = e->rounding[pair];
+	// of what does not move the verdict is that of the state, whose clearance may be just above min_d
+	const double alpha = window.half > 0 ? e->def->alpha : 0;
+	const lwi_threshold threshold = { { min_d, lwi_edge_enough( e, item ) + loss, alpha }, min_d + slack,
+		may_give_up ? min_d + rounding + loss : 0 };
+	if ( !ask( e, item, &threshold, &s->pair ) )
+	{
+		return;
+	}
+	s->blocked = s->pair.upper <= min_d;
+	const bool given_up = s->pair.upper > threshold.give_up_above && s->pair.upper < threshold.give_up_below;
+	s->low = !given_up && !( s->pair.lower > min_d + slack ); // also if lower is not a number
+}
+
+/// Is the window proved by what was measured?
+static bool is_proved( lwi_edge* e, const lwi_edge_item* item, double loss, lwi_edge_sample* s )
+{
+	const double room = s->pair.lower - e->def->min_d - e->rounding[lwi_edge_item_is_pair( item )];
+	const double left = room * LWI_EDGE_INWARD - loss;
+	s->proved = left > 0;
+	if ( s->proved )
+	{
+		note_proof( e, left * LWI_EDGE_INWARD );
+	}
+	return s->proved;
+}
+
+lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, bool may_give_up )
+{
+	lwi_edge_sample s = { .low = true, .pair = lw_clearance_unknown() };
+	const bool close = lwi_edge_is_close( e, item );
+	if ( e->out->queries >= e->most_states || !lwi_edge_pose( e, window.t ) )
+	{
+		return s;
+	}
+	if ( sweep( e, item, window, close, &s ) )
+	{
+		e->close += close && !s.proved;
+		return s;
+	}
+	const double loss = loss_of( e, item, window );
+	measure( e, item, window, may_give_up, loss, &s );
+	if ( e->failed || is_proved( e, item, loss, &s ) )
+	{
+		return s;
+	}
+	if ( !s.blocked && lwi_edge_sweep_near( e, item, window, &s.pair ) )
+	{
+		s.proved = true;
+		s.low = false;
+		note_plane( e, item );
+		return s;
+	}
+	// what one order of questions leaves out must not be refused, lest another one proves it
+	if ( s.low && !s.blocked && !close && sweep( e, item, window, true, &s ) )
+	{
+		return s;
+	}
+	if ( s.low && !s.blocked && tighten( e, item, window, &s ) )
+	{
+		s.low = false;
+		if ( is_proved( e, item, loss, &s ) || ( sweep( e, item, window, true, &s ) && s.proved ) )
+		{
+			return s;
+		}
+	}
+	if ( item->slack < e->slack[lwi_edge_item_is_pair( item )] )
+	{
+		++e->close;
+		return s;
+	}
+	for ( double reach = 0.5 * loss; reach > HOPEFUL * ( s.pair.upper - e->def->min_d ) && s.skip < 16; reach *= 0.5 )
+	{
+		++s.skip;
+	}
+	return s;
+}
+
+bool lwi_edge_fail( lwi_edge* e, const lwi_edge_item* item, double t, const lwi_edge_sample* s )
+{
+	lw_edge_result* out = e->out;
+	if ( out->verdict != LW_VERDICT_BLOCKED || s->blocked )
+	{
+		out->verdict = s->blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_REFUSED;
+		out->t = t;
+		out->self = lwi_edge_item_is_pair( item );
+		out->pair = s->pair;
+		e->query->last_edge_body = item->body_a;
+		e->query->last_edge_self = out->self;
+	}
+	return false;
+}
+
+bool lwi_edge_item_is_free( lwi_edge* e, const lwi_edge_item* item, double t )
+{
+	double min_d = e->def->min_d;
+	lwi_edge_sample s = { .pair = lw_clearance_unknown() };
+	const lwi_threshold collision = { { min_d, nextafter( min_d, INFINITY ), 0 }, 0, 0 };
+	if ( !lwi_edge_pose( e, t ) )
+	{
+		return false;
+	}
+	if ( !ask( e, item, &collision, &s.pair ) )
+	{
+		return false;
+	}
+	s.blocked = s.pair.upper <= min_d;
+	return !s.blocked || lwi_edge_fail( e, item, t, &s );
+}
+
+// ---- whole states ----------------------------------------------------------------------------------------------------
+
+bool lwi_edge_state_is_free( lwi_edge* e, double t )
+{
+	// an empty range of interest: is it above min_d or not
+	lw_range range = { e->def->min_d, nextafter( e->def->min_d, INFINITY ), 0 };
+	lw_state_result state;
+	e->out->queries += t == e->posed_t ? 0 : 1;
+	e->posed_t = NAN;
+	if ( lw_checker_state( e->checker, e->query, lwi_edge_state( e, t ), e->def->what, &range, true, &state ) != LW_OK )
+	{
+		e->failed = true;
+		e->failure = e->query->search.failure;
+		return false;
+	}
+	e->posed_t = t; // lw_checker_state has posed the query
+	lw_edge_result* out = e->out;
+	if ( state.verdict == LW_VERDICT_BLOCKED ||
+		 ( state.verdict != LW_VERDICT_FREE && out->verdict != LW_VERDICT_BLOCKED ) )
+	{
+		bool environment = state.environment.kind == LW_CLEARANCE_VIOLATION ||
+						   ( state.environment.kind == LW_CLEARANCE_UNDECIDED && state.self.kind != LW_CLEARANCE_VIOLATION );
+		out->verdict = state.verdict;
+		out->t = t;
+		out->self = !environment;
+		out->pair = environment ? state.environment : state.self;
+	}
+	return state.verdict == LW_VERDICT_FREE;
+}
+
+bool lwi_edge_look( lwi_edge* e, int levels )
+{
+	if ( e->looked == 0 && !lwi_edge_state_is_free( e, 1 ) )
+	{
+		return false;
+	}
+	for ( int level = e->looked > 0 ? e->looked + 1 : 1; level <= levels; ++level )
+	{
+		for ( int i = 1; i < 1 << level; i += 2 )
+		{
+			if ( !lwi_edge_state_is_free( e, ldexp( i, -level ) ) )
+			{
+				return false;
+			}
+		}
+	}
+	e->looked = levels;
+	return true;
+}
+
+double lwi_edge_static_lower( const lwi_edge* e )
+{
+	bool asked = ( e->def->what & LW_WHAT_ENVIRONMENT ) != 0;
+	return asked ? e->checker->static_environment.lower - e->static_rounding : INFINITY;
+}

@@ -1,0 +1,518 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The first look at an edge: everything in the middle of a window, by spheres and how they move; what is left becomes items.
+//
+// Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
+// environments. IEEE Transactions on Robotics 21(3), 2005, by nodes. Proofs, cost and rounding: core/docs/edges.md.
+#include "checker/pose.h"
+#include "motion/edge.h"
+#include "base/math_inline.h"
+
+enum
+{
+	LOOK_WORK = 8,     ///< cells left over by a screening for which whole states are looked at, see look()
+	LOOK_LEVELS = 4,   ///< at most, each for twice the work
+	FEW_CELLS = 3,     ///< of a rake: an item that has fewer is looked at there first
+	LOOK_MOST_SKIP = 3 ///< of an item, in the count of cells
+};
+
+/// What all accelerations are known to be below before anything is measured may be so many times what they have to be.
+#define MOST_ROUGH 8
+
+/// What a screening is about.
+typedef struct screening
+{
+	lwi_edge* edge;
+	lwi_edge_window window;
+	lwi_edge_level* level;
+	uint32_t work; ///< that is left: cells on which items have to be measured
+	bool may_look;
+	bool covered; ///< the whole edge by the reach
+	bool moves;   ///< all nodes have a twist, and turn so little that what is said of moving units holds
+} screening;
+
+/// Poses all nodes.
+static bool pose_all( lwi_edge* e, double t )
+{
+	const lw_checker* c = e->checker;
+	if ( !lwi_edge_pose( e, t ) )
+	{
+		return false;
+	}
+	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	{
+		lwi_pose_node( c, e->query, i );
+	}
+	return true;
+}
+
+/// Measures nodes without their poses. @return true if that is enough: all of them drift, and how far off that does not matter then
+static bool measure_roughly( lwi_edge* e, double share )
+{
+	const lwi_motion_table* motion = e->checker->motion;
+	const lwi_edge_window longest = { 0, share };
+	// no acceleration is larger than twice the longest path times all turns
+	lwi_motion_rate rate = { 0, 2 * e->longest * lwi_motion_turns( motion, e->motion ) / MOST_ROUGH };
+	if ( !lwi_edge_drifts( rate, longest ) )
+	{
+		return false;
+	}
+	rate.change = lwi_motion_measure_rough( motion, e->motion );
+	return lwi_edge_drifts( rate, longest );
+}
+
+bool lwi_edge_measure_nodes( lwi_edge* e, double t, double share )
+{
+	const lw_checker* c = e->checker;
+	if ( !pose_all( e, t ) )
+	{
+		return false;
+	}
+	if ( measure_roughly( e, share ) )
+	{
+		return true;
+	}
+	lwi_motion_place( c->motion, e->motion, e->query->world_from_link );
+	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	{
+		lwi_motion_measure_body( c->motion, e->motion, i, e->query->world_from_link, share );
+	}
+	return true;
+}
+
+/// The more is left over, the more likely is a collision somewhere, and the more a proof would cost: most edges of a planner that are
+/// not free end here. @return false if there is one
+static bool look( screening* s )
+{
+	lwi_edge* e = s->edge;
+	int levels = e->looked;
+	while ( s->may_look && levels < LOOK_LEVELS && s->work >= (uint32_t)LOOK_WORK << levels )
+	{
+		levels += levels == 0 ? 2 : 1; // the first is the middle, where it stands
+	}
+	if ( levels == 0 && e->close > 0 && !e->runs )
+	{
+		levels = 2;
+	}
+	return levels == e->looked || ( lwi_edge_look( e, levels ) && pose_all( e, s->window.t ) );
+}
+
+/// Measures an item of the screening; what is not proved goes to the items. @return false if the proof ends here
+static bool screen_item( screening* s, lwi_edge_item item )
+{
+	lwi_edge* e = s->edge;
+	lwi_edge_prepare_item( e, &item );
+	lwi_edge_sample sample = lwi_edge_measure( e, &item, s->window, true );
+	if ( !sample.proved && sample.low )
+	{
+		return lwi_edge_fail( e, &item, s->window.t, &sample );
+	}
+	if ( !sample.proved )
+	{
+		s->level->gaps[s->level->count++] = (lwi_edge_gap){ 0, e->item_count, sample.skip, true };
+		item.near = 0;
+		item.cells = 0xff;
+		e->items[e->item_count++] = item;
+		s->work += 1u << ( sample.skip < LOOK_MOST_SKIP ? sample.skip : LOOK_MOST_SKIP );
+	}
+	return true;
+}
+
+/// How far the bodies of a node get within the window, in the frame of another one.
+static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	lwi_motion_rate rate = lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top );
+	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
+}
+
+/// How a point that a node carries goes on from the middle of the window in the world, until its end.
+static lw_vec3 way_of( const screening* s, const lwi_edge_pace* pace, lw_vec3 at )
+{
+	return lwi_scale( s->window.half, lwi_add( pace->twist.shift, lwi_cross( pace->twist.turn, at ) ) );
+}
+
+/// How far it gets within the window, by that or by the length of its path.
+static double length_of_way( screening* s, const lwi_edge_pace* pace, lw_vec3 at )
+{
+	const lwi_motion_rate rate = lwi_edge_rate( pace, lwi_edge_pace_of( s->edge, 0 ) );
+	double path = s->window.half * rate.path, length = lwi_length( way_of( s, pace, at ) ) + lwi_edge_bulge( s->edge, rate, s->window.half );
+	return ( length < path ? length : path ) * LWI_EDGE_OUTWARD; // no number without a twist
+}
+
+/// How much the clearance of two nodes may lose by the lengths of their paths.
+static double pair_path( screening* s, const lwi_node_pair* pair )
+{
+	const lwi_edge_pace *a = lwi_edge_pace_of( s->edge, pair->node_a ), *b = lwi_edge_pace_of( s->edge, pair->node_b );
+	const lwi_edge_pace* above = lwi_edge_pace_of( s->edge, pair->ancestor );
+	return s->window.half * ( lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path );
+}
+
+/// How much the clearance of two nodes may lose by how they move in the middle, and with `whole` that of any of their bodies,
+/// else of their spheres.
+static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
+{
+	lwi_edge* e = s->edge;
+	const lwi_checker_node* nodes = e->checker->tree->nodes;
+	const lwi_edge_pace *a = lwi_edge_pace_of( e, pair->node_a ), *b = lwi_edge_pace_of( e, pair->node_b );
+	const lwi_edge_pace* above = lwi_edge_pace_of( e, pair->ancestor );
+	const lwi_motion_rate rate_a = lwi_edge_rate( a, above ), rate_b = lwi_edge_rate( b, above );
+	double half = s->window.half, path = half * ( rate_a.path + rate_b.path );
+	lw_vec3 turn_a = lwi_sub( a->twist.turn, above->twist.turn ), turn_b = lwi_sub( b->twist.turn, above->twist.turn );
+	// both from the ancestor, whose own shift is the same for both
+	lw_vec3 speed_a = lwi_add( a->twist.shift, lwi_cross( turn_a, a->center ) );
+	lw_vec3 speed_b = lwi_add( b->twist.shift, lwi_cross( turn_b, b->center ) );
+	double around_a = lwi_length( turn_a ) * nodes[pair->node_a].r.radius;
+	double around_b = lwi_length( turn_b ) * nodes[pair->node_b].r.radius;
+	double turns = whole ? around_a + around_b : 0;
+	double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
+	double length = ( half * ( lwi_distance( speed_a, speed_b ) + turns ) + bulge ) * LWI_EDGE_OUTWARD;
+	return length < path ? length : path;
+}
+
+static bool screen_environment( screening* s, uint32_t node )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	const lwi_checker_node* n = &c->tree->nodes[node];
+	if ( ( c->node_environment[node] & LWI_NODE_ASKS ) == 0 )
+	{
+		return true;
+	}
+	const lwi_edge_pace* pace = lwi_edge_pace_of( e, node ); // poses the node
+	const double limit = e->enough[0] + length_of_way( s, pace, pace->center );
+	lwi_edge_note_proof( e ); // of what is not near
+	if ( n->body_count > 1 && !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
+	{
+		return true;
+	}
+	const lw_transform* pose = &e->query->world_from_link[n->top];
+	for ( uint32_t i = n->first_body; i < n->first_body + n->body_count; ++i )
+	{
+		lwi_edge_item item = { .body_a = c->tree->bodies[i], .body_b = LW_INVALID_INDEX };
+		double reach = limit;
+		if ( n->body_count > 1 )
+		{
+			lw_vec3 middle = lwi_transform( pose, lwi_load( c->tree->body_spheres[i].center ) );
+			reach = e->enough[0] + length_of_way( s, pace, middle );
+		}
+		item.near = lwi_checker_near_obstacles( c, e->query, item.body_a, reach );
+		if ( item.near > 0 && !screen_item( s, item ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// False if the spheres around two nodes stay `limit` apart.
+static bool spheres_meet( const screening* s, const lwi_node_pair* pair, double limit )
+{
+	lw_query* query = s->edge->query;
+	const double* a = lwi_sphere( s->edge->checker, query, 2 * pair->node_a );
+	const double* b = lwi_sphere( s->edge->checker, query, 2 * pair->node_b );
+	double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+	double reach = ( limit + a[3] + b[3] + (double)pair->margin ) * ( 1 + LWI_POSE_ROUNDING );
+	return !( x * x + y * y + z * z > reach * fabs( reach ) );
+}
+
+/// As much clearance as a certificate of a pair would look for.
+static double looked_for( const lwi_edge* e )
+{
+	return e->def->min_d + 0.25 * e->def->slack;
+}
+
+bool lwi_edge_is_apart( lwi_edge* e, float separation )
+{
+	if ( separation > looked_for( e ) )
+	{
+		e->apart = lwi_smaller( e->apart, separation );
+		return true;
+	}
+	return false;
+}
+
+bool lwi_edge_is_charted( lwi_edge* e, const lwi_chart_view* view, uint32_t body_a, uint32_t body_b )
+{
+	const lw_checker* c = e->checker;
+	if ( view == NULL )
+	{
+		return false;
+	}
+	double margin = lwi_self_margin( c, body_a, body_b ), least = looked_for( e );
+	double apart = lwi_chart_along( view, c->tree->scales, c->robot, e->full_a, e->full_b, least + margin ) - margin;
+	if ( !( apart > least ) )
+	{
+		return false;
+	}
+	e->apart = lwi_smaller( e->apart, apart );
+	return true;
+}
+
+/// Two bodies that may come near each other. @param view as for lwi_edge_is_charted()
+static bool screen_bodies( screening* s, uint32_t candidate, uint32_t ancestor, const lwi_chart_view* view )
+{
+	const uint32_t stride = s->edge->checker->body_block_count * LWI_WIDTH;
+	lwi_edge_item item = { .body_a = candidate / stride, .body_b = candidate % stride, .ancestor = ancestor };
+	return ( s->covered && lwi_edge_is_charted( s->edge, view, item.body_a, item.body_b ) ) || screen_item( s, item );
+}
+
+/// Pairs of bodies of two nodes that may come near each other become candidates of the query. Returns their count.
+static uint32_t near_bodies( screening* s, const lwi_node_pair* pair )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	const uint32_t index = (uint32_t)( pair - c->tree->pairs );
+	const uint32_t only = lwi_node_pair_candidate( c, c->tree, index );
+	if ( only < LWI_OPEN )
+	{
+		e->query->candidates[0].pair = only;
+		return 1;
+	}
+	double way = pair_way( s, pair, true );
+	uint32_t count = lwi_checker_near_pairs( c, e->query, index, e->enough[1] + way * LWI_EDGE_OUTWARD );
+	if ( count > 2 ) // a few items look for themselves
+	{
+		double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
+		double limit = e->enough[1] + loss * LWI_EDGE_OUTWARD;
+		count = loss < 0.9 * way ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
+	}
+	return count;
+}
+
+/// A sphere of the robot in the middle of the window, and how its velocity takes it on until the end.
+typedef struct moving_unit
+{
+	const lwi_edge_pace* pace;
+	lw_vec3 center, way;
+	double radius; ///< and what roundings of its centre may take
+} moving_unit;
+
+static moving_unit make_unit( screening* s, uint32_t node, const lw_sphere* sphere )
+{
+	lwi_edge* e = s->edge;
+	moving_unit m = { .pace = lwi_edge_pace_of( e, node ) }; // poses the node
+	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->nodes[node].top];
+	m.center = lwi_transform( pose, lwi_load( sphere->center ) );
+	m.way = way_of( s, m.pace, m.center );
+	m.radius = sphere->radius + e->query->pose_rounding;
+	return m;
+}
+
+/// Do two units come near each other, by how they move in the frame of their ancestor? As rakes have it, but in double.
+static bool units_meet( const screening* s, const moving_unit* a, const moving_unit* b, uint32_t ancestor, double margin )
+{
+	const lwi_edge* e = s->edge;
+	const lwi_edge_pace* above = &e->paces[ancestor];
+	const lwi_motion_rate rate_a = lwi_edge_rate( a->pace, above ), rate_b = lwi_edge_rate( b->pace, above );
+	const lw_vec3 d = lwi_sub( a->center, b->center ), way = lwi_sub( a->way, b->way );
+	const double half = s->window.half, length = lwi_length( d ), path = half * ( rate_a.path + rate_b.path ) * LWI_EDGE_OUTWARD;
+	const double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
+	const double closer = fabs( lwi_dot( d, way ) ) * LWI_EDGE_OUTWARD / length + bulge;
+	// the direction is off by what both centres are, and so is how the ancestor's turn counts along it
+	const double reach = a->radius + b->radius + e->enough[1] + margin + 4 * e->rounding[1];
+	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
+}
+
+/// Do two bodies come near each other? Their spheres are no units.
+static bool bodies_meet( screening* s, uint32_t a, uint32_t b, uint32_t ancestor )
+{
+	const lw_checker* c = s->edge->checker;
+	const lwi_checker_tree* tree = c->tree;
+	const lw_sphere *of_a = &tree->body_spheres[tree->body_place[a]], *of_b = &tree->body_spheres[tree->body_place[b]];
+	const moving_unit unit_a = make_unit( s, tree->body_node[a], of_a ), unit_b = make_unit( s, tree->body_node[b], of_b );
+	return units_meet( s, &unit_a, &unit_b, ancestor, lwi_self_margin( c, a, b ) );
+}
+
+/// The bodies of two nodes whose spheres come near each other.
+static bool screen_near_nodes( screening* s, const lwi_node_pair* pair )
+{
+	const lw_checker* c = s->edge->checker;
+	const uint32_t count = near_bodies( s, pair ), stride = c->body_block_count * LWI_WIDTH;
+	bool go_on = true; // what pairs are asked leaves the candidates alone
+	for ( uint32_t i = 0; go_on && i < count; ++i )
+	{
+		const uint32_t candidate = s->edge->query->candidates[i].pair;
+		const uint32_t a = candidate / stride, b = candidate % stride;
+		if ( count > 1 && s->moves && !bodies_meet( s, a, b, pair->ancestor ) )
+		{
+			continue;
+		}
+		const lwi_chart_view* view = lwi_checker_view( c->tree, (uint32_t)( pair - c->tree->pairs ), a, b );
+		go_on = screen_bodies( s, candidate, pair->ancestor, view );
+	}
+	return go_on;
+}
+
+/// The bodies of two nodes.
+static bool screen_nodes( screening* s, const lwi_node_pair* pair )
+{
+	lwi_edge* e = s->edge;
+	if ( s->covered && lwi_edge_is_apart( e, pair->separation ) )
+	{
+		return true;
+	}
+	lwi_edge_note_proof( e );
+	if ( !spheres_meet( s, pair, e->enough[1] + pair_path( s, pair ) * LWI_EDGE_OUTWARD ) || // mostly that is all
+		 !spheres_meet( s, pair, e->enough[1] + pair_way( s, pair, false ) * LWI_EDGE_OUTWARD ) )
+	{
+		return true;
+	}
+	return screen_near_nodes( s, pair );
+}
+
+// ---- units -----------------------------------------------------------------------------------------------------------
+
+static double size_of( lw_vec3 v )
+{
+	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
+}
+
+/// All units, and in blocks of [LWI_MOVING_ROWS][LWI_WIDTH] floats, about the robot's root, their bulges in the radii. Returns the slack
+/// of gaps between them.
+static double make_units( screening* s, moving_unit* all, float* blocks )
+{
+	lwi_edge* e = s->edge;
+	const lwi_checker_tree* tree = e->checker->tree;
+	const lw_vec3 origin = lwi_load( e->query->world_from_link[tree->nodes[0].top].t );
+	const lwi_edge_pace* root = lwi_edge_pace_of( e, 0 );
+	double size = 0;
+	for ( uint32_t i = 0; i < tree->units->count; ++i )
+	{
+		all[i] = make_unit( s, tree->units->node[i], &tree->units->sphere[i] );
+		const lw_vec3 center = lwi_sub( all[i].center, origin ), way = all[i].way;
+		const double radius = all[i].radius + lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].pace, root ), s->window.half );
+		const double rows[LWI_MOVING_ROWS] = { center.x, center.y, center.z, radius * ( 1 + 0x1p-21 ), way.x, way.y, way.z };
+		float* lane = blocks + (size_t)LWI_MOVING_ROWS * LWI_WIDTH * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
+		for ( int row = 0; row < LWI_MOVING_ROWS; ++row )
+		{
+			lane[row * LWI_WIDTH] = (float)rows[row];
+		}
+		size = lwi_larger( size, size_of( center ) + size_of( way ) + 2 * radius );
+	}
+	return lwi_gap_slack( 4 * size );
+}
+
+/// All pairs of units at once, by their spheres.
+static bool screen_units( screening* s )
+{
+	lwi_edge* e = s->edge;
+	const lwi_checker_tree* tree = e->checker->tree;
+	const lwi_self_units* units = tree->units;
+	if ( s->covered && lwi_edge_is_apart( e, units->separation ) )
+	{
+		return true;
+	}
+	lwi_edge_note_proof( e ); // of what is not near
+	float blocks[LWI_UNIT_BLOCKS * LWI_MOVING_ROWS * LWI_WIDTH] = { 0 };
+	moving_unit all[LWI_MOST_UNITS];
+	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
+	const double slack = make_units( s, all, blocks );
+	const double reach = e->enough[1] + 4 * e->rounding[1] + units->largest_margin + slack;
+	const uint32_t count = e->query->search.kernels->moving_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS,
+		lwi_round_up( reach * ( 1 + 0x1p-21 ) ), near );
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const uint32_t a = near[i] / 256, b = near[i] % 256;
+		const lwi_unit_pair* pair = &units->pairs[a][b];
+		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation ) ) || !units_meet( s, &all[a], &all[b], pair->ancestor, (double)pair->margin ) )
+		{
+			continue;
+		}
+		const lwi_chart_view* view = pair->view != LW_INVALID_INDEX ? &tree->views[pair->view] : NULL;
+		if ( !( pair->candidate < LWI_OPEN ? screen_bodies( s, pair->candidate, pair->ancestor, view )
+										   : screen_near_nodes( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
+			 !look( s ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+// ---- all -------------------------------------------------------------------------------------------------------------
+
+/// The node of the last failure comes first: planners ask for edges near each other.
+static bool screen_environments( screening* s )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	if ( ( e->def->what & LW_WHAT_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
+	{
+		return true;
+	}
+	uint32_t last = e->query->last_edge_body;
+	uint32_t first = !e->query->last_edge_self && last < c->tree->body_count ? c->tree->body_node[last] : 0;
+	bool go_on = first == 0 || screen_environment( s, first );
+	for ( uint32_t i = c->tree->node_count; go_on && i-- > 1; ) // hands move most
+	{
+		go_on = i == first || ( screen_environment( s, i ) && look( s ) );
+	}
+	return go_on;
+}
+
+static bool screen_pairs( screening* s )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	const uint32_t count = ( e->def->what & LW_WHAT_SELF ) != 0 ? c->tree->pair_count : 0;
+	if ( count == 0 )
+	{
+		return true;
+	}
+	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
+	s->moves = c->tree->rakes && lwi_edge_turns_little( e, s->window );
+	if ( c->tree->units != NULL && s->moves )
+	{
+		return screen_units( s );
+	}
+	bool go_on = true;
+	for ( uint32_t i = 0; go_on && i < count; ++i )
+	{
+		go_on = screen_nodes( s, &c->tree->pairs[i] ) && look( s );
+	}
+	return go_on;
+}
+
+bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level, bool may_look )
+{
+	screening s = { .edge = e,
+		.window = window,
+		.level = level,
+		.may_look = may_look };
+	level->count = e->item_count = 0;
+	return screen_environments( &s ) && screen_pairs( &s );
+}
+
+bool lwi_edge_screen_items( lwi_edge* e, lwi_edge_level* level )
+{
+	const lwi_edge_window whole = { 0.5, 0.5 };
+	const uint32_t count = e->item_count;
+	uint32_t kept = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		lwi_edge_item* item = &e->items[i];
+		lwi_edge_sample sample = { .skip = LWI_RAKE_LEVEL - 1 };
+		uint32_t cells = 0;
+		for ( uint32_t left = item->cells; left != 0; left &= left - 1 )
+		{
+			++cells;
+		}
+		if ( cells >= FEW_CELLS )
+		{
+			sample = lwi_edge_measure( e, item, whole, true );
+			if ( !sample.proved && sample.low )
+			{
+				return lwi_edge_fail( e, item, whole.t, &sample );
+			}
+		}
+		if ( !sample.proved )
+		{
+			level->gaps[level->count++] = (lwi_edge_gap){ 0, kept, sample.skip, true };
+			e->items[kept++] = *item;
+		}
+	}
+	e->item_count = kept;
+	return true;
+}
+

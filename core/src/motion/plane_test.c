@@ -1,0 +1,520 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planes that keep a body away from what is around it during all of a window, not only at its middle.
+//
+// A point of the body never gets far from the lines between its places at the window's left end, middle and right end: what lies on
+// one side of a plane at all three, and a little beyond, stays there in between. Clearance against motion bounds (Schwarzer,
+// Saha, Latombe 2005) gives away what moves along the obstacle or away from it; this does not. Proof: core/docs/edges.md.
+#include "checker/pose.h"
+#include "motion/edge.h"
+#include "base/math_inline.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+enum
+{
+	MAX_FAILURES = 6 ///< after so many, one in 2^6 tries
+};
+
+/// Keys of pairs of bodies, and of one body or obstacle with whatever comes near it; those of a body and an obstacle are
+/// below.
+#define SELF_KEY 0x80000000u
+#define BODY_KEY 0xc0000000u
+#define OBSTACLE_KEY 0xe0000000u
+
+/// Metres. What bulges more than this between its places has no plane where it is near anything: a look at halves is cheaper.
+#define MAX_BULGE 0.05
+
+/// Metres. Where ways between exact places bend more than this, hardly any is found to stay away.
+#define MAX_BEND 0.02
+
+/// Slacks. Where paths are no longer than this the distance is measured at once: looking closer would not end.
+#define SHORT_WAY 2.0
+
+/// Metres, and triangles of both: where so little is lost by motion a distance of dense meshes costs hardly more than a
+/// plane between them, and where still less is, less.
+#define SMALL_WAY 0.06
+#define TINY_WAY 0.02
+#define DENSE 128u
+
+/// An item during a window: two bodies, or a body and the obstacles one after the other.
+typedef struct sweeping
+{
+	lwi_edge* edge;
+	const lwi_edge_item* item;
+	lwi_edge_window window;
+	const lwi_edge_drift* drifts; ///< of both bodies; NULL if one has none
+	double enough; ///< clearance that proves the item, without margins
+	bool last_try; ///< nothing is left out that mostly is in vain
+	double bulge;  ///< of both ways between their places: NAN if there is no point in planes
+
+	lwi_places *a, *b;
+	bool turned;      ///< b is the first of the two
+	uint32_t any_key; ///< of planes that keep anything away from b; 0: a new one costs no more than these
+	double way;       ///< metres: no point gets farther from where it is at the middle; INFINITY if planes pay in any case
+} sweeping;
+
+/// How far both bodies of an item get from straight lines between their places, together.
+static lwi_motion_bow bow_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
+{
+	lwi_motion_bow bow = lwi_edge_bow( e, item->body_a, item->ancestor, item->rate_a, window );
+	if ( lwi_edge_item_is_pair( item ) )
+	{
+		const lwi_motion_bow other = lwi_edge_bow( e, item->body_b, item->ancestor, item->rate_b, window );
+		bow.bend += other.bend;
+		bow.bulge += other.bulge;
+	}
+	return bow;
+}
+
+/// From a's middle to the nearest point of the box around b, in b's tree frame.
+static void direction_between( const lwi_places* a, const lwi_places* b, float direction[3] )
+{
+	lw_vec3 center = lwi_transform( &a->middle, lwi_load( a->shape->sphere_center ) );
+	lw_vec3 seen = lwi_untransform( &b->middle, center );
+	const double p[3] = { seen.x, seen.y, seen.z };
+	float length = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		direction[i] = (float)( lwi_clamp( p[i], b->shape->box_min[i], b->shape->box_max[i] ) - p[i] );
+		length += fabsf( direction[i] );
+	}
+	for ( int i = 0; i < 3 && !( length > 0 ); ++i ) // it is inside
+	{
+		direction[i] = (float)( b->shape->sphere_center[i] - p[i] );
+	}
+}
+
+static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
+{
+	lwi_edge_plane* p = &e->memory->planes[( key * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS )];
+	if ( p->key != key + 1 )
+	{
+		p->key = key + 1;
+		p->begun = p->near_known = false;
+		p->edge = 0;
+	}
+	if ( p->edge != e->query->edge_count ) // planes are proofs wherever they hold; what is not tried must not depend on other edges
+	{
+		p->edge = e->query->edge_count;
+		p->failures = p->wait = 0;
+	}
+	return p;
+}
+
+/// The key of a body and an obstacle.
+static uint32_t obstacle_key( const lw_checker* c, uint32_t body, uint32_t obstacle )
+{
+	return body * c->scene->block_count * LWI_WIDTH + obstacle;
+}
+
+/// True if planes may be asked for.
+static bool has_planes( const sweeping* s )
+{
+	bool here = s->a->shape->deferred == NULL && s->b->shape->deferred == NULL; // a mesh is not made for this
+	return here && s->b->shape->family != LWI_UNBOUNDED && s->edge->query->search.def.planes;
+}
+
+/// The first planes of b are the faces of its box.
+static void begin_planes( lwi_edge_plane* p, const lw_shape* b, bool turned )
+{
+	p->begun = true;
+	p->turned = turned;
+	p->served = 0;
+	p->next = 6;
+	memset( &p->planes, 0, sizeof( p->planes ) );
+	for ( uint32_t k = 0; k < 3; ++k )
+	{
+		p->planes.direction[k][2 * k] = 1;
+		p->planes.reach[2 * k] = lwi_round_up( b->origin[k] - b->box_min[k] );
+		p->planes.direction[k][2 * k + 1] = -1;
+		p->planes.reach[2 * k + 1] = lwi_round_up( b->box_max[k] - b->origin[k] );
+	}
+	p->planes.reach[6] = p->planes.reach[7] = INFINITY;
+}
+
+/// Planes of b, in its frame.
+static lwi_edge_plane* planes_of( const sweeping* s, uint32_t key )
+{
+	lwi_edge_plane* p = plane_of( s->edge, key );
+	if ( !p->begun || p->turned != s->turned ) // the other one's would say nothing of this one
+	{
+		begin_planes( p, s->b->shape, s->turned );
+	}
+	return p;
+}
+
+/// A plane that was not known; one that did not serve for a while is forgotten for it.
+static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
+{
+	uint32_t lane = p->next;
+	for ( ; ( (uint32_t)p->served >> lane & 1u ) != 0; lane = ( lane + 1 ) % LWI_WIDTH )
+	{
+		p->served = (uint8_t)( p->served & ~( 1u << lane ) );
+	}
+	lwi_plane_to_lane( &p->planes, lane, plane );
+	p->next = (uint8_t)( ( lane + 1 ) % LWI_WIDTH );
+}
+
+/// One of the planes of other times. @param margin on top of the clearance
+static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double margin )
+{
+	const double need = lwi_larger( s->enough + s->bulge + margin, 0 );
+	const lwi_kernels* kernels = s->edge->query->search.kernels;
+	uint32_t which = lwi_places_apart_by( kernels, s->a, s->b, need, &p->planes, false );
+	if ( which < LWI_WIDTH )
+	{
+		p->served = (uint8_t)( p->served | 1u << which );
+		return true;
+	}
+	if ( s->any_key == 0 )
+	{
+		return false;
+	}
+	// what keeps one body away keeps its neighbours away
+	lwi_edge_plane* any = planes_of( s, s->any_key );
+	which = lwi_places_apart_by( kernels, s->a, s->b, need, &any->planes, true );
+	if ( which < LWI_WIDTH )
+	{
+		any->served = (uint8_t)( any->served | 1u << which );
+		add_plane( p, lwi_plane_of_lane( &any->planes, which ) );
+		return true;
+	}
+	return false;
+}
+
+/// Does the item stay away on the bent way between its exact places?
+/// @param need clearance that proves it @param direction as for lwi_separate_bent()
+static bool stays_away( const sweeping* s, double need, float direction[3] )
+{
+	lwi_edge* e = s->edge;
+	const lwi_edge_item* item = s->item;
+	const double bend = bow_of( e, item, s->window ).bend;
+	if ( !( bend <= MAX_BEND ) )
+	{
+		return false;
+	}
+	lwi_places places[2];
+	const lwi_places *a = &places[0], *b = s->b;
+	lwi_edge_places( e, item->body_a, item->ancestor, item->rate_a, s->window, NULL, &places[0] );
+	if ( lwi_edge_item_is_pair( item ) )
+	{
+		lwi_edge_places( e, item->body_b, item->ancestor, item->rate_b, s->window, NULL, &places[1] );
+		a = &places[s->turned ? 1 : 0];
+		b = &places[s->turned ? 0 : 1];
+	}
+	return lwi_separate_bent( e->query->search.kernels, a, b, need, bend, direction );
+}
+
+/// How far the middle of a body's sphere gets within a window.
+static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+{
+	const lwi_checker_tree* tree = e->checker->tree;
+	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
+	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) * LWI_EDGE_OUTWARD;
+}
+
+/// What moves against what stands in the frame of the item's ancestor.
+typedef struct nearing
+{
+	lwi_edge* edge;
+	lwi_places moving;
+	double enough; ///< clearance that proves it, without margins
+	double bend;   ///< of the way between its places
+	double way;    ///< metres that the middle of its sphere gets
+	lw_vec3 n;     ///< towards what stands, where they were measured to be nearest
+} nearing;
+
+/// What moves, and how far.
+static void set_out( nearing* s, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+{
+	lwi_edge_places( s->edge, body, ancestor, rate, window, NULL, &s->moving );
+	s->way = way_of( s->edge, body, ancestor, rate, window );
+}
+
+/// @param need clearance that proves it
+static bool is_away( const nearing* s, const lwi_places* stands, double need )
+{
+	const double reach = s->moving.shape->sphere_radius + s->way;
+	return lwi_separate_near( s->edge->query->search.kernels, &s->moving, stands, need, s->bend, s->n, reach );
+}
+
+/// Does what is near stay apart along the direction of another time?
+static bool near_holds( const sweeping* s, const lwi_edge_plane* p, double need )
+{
+	lwi_edge* e = s->edge;
+	const lwi_edge_item* item = s->item;
+	if ( !p->near_known || lwi_edge_item_is_pair( item ) )
+	{
+		return false;
+	}
+	nearing near;
+	near.edge = e;
+	near.bend = bow_of( e, item, s->window ).bend;
+	if ( !( near.bend <= MAX_BEND ) )
+	{
+		return false;
+	}
+	near.n = lwi_rotate( &s->b->middle, lwi_v3( (double)p->near[0], (double)p->near[1], (double)p->near[2] ) );
+	set_out( &near, item->body_a, 0, item->rate_a, s->window );
+	return is_away( &near, s->b, need );
+}
+
+/// A new plane. @param margin on top of the clearance
+static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin )
+{
+	const double need = lwi_larger( s->enough + margin, 0 );
+	if ( near_holds( s, p, need ) )
+	{
+		return LWI_EDGE_PROVED;
+	}
+	bool dense = !s->last_try && s->way < SMALL_WAY && s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
+	if ( dense && s->way < TINY_WAY )
+	{
+		return LWI_EDGE_MEASURE;
+	}
+	if ( p->wait > 0 && !s->last_try )
+	{
+		--p->wait;
+		return LWI_EDGE_MEASURE;
+	}
+	const lwi_kernels* kernels = s->edge->query->search.kernels;
+	float direction[3];
+	direction_between( s->a, s->b, direction );
+	lwi_places_plane plane;
+	lwi_edge_sweep found = LWI_EDGE_PROVED;
+	lwi_separation whole = lwi_separate_places( kernels, s->a, s->b, need + s->bulge, direction, &plane );
+	if ( whole != LWI_APART )
+	{
+		if ( dense )
+		{
+			return LWI_EDGE_MEASURE; // so little is lost by motion that it does not matter why there is none
+		}
+		if ( whole != LWI_MEET && stays_away( s, need, direction ) )
+		{
+			return LWI_EDGE_PROVED;
+		}
+		// is it the window that is too wide, or are their hulls too near?
+		lwi_places middle_a, middle_b;
+		lwi_places_stand( &middle_a, s->a->shape, &s->a->middle );
+		lwi_places_stand( &middle_b, s->b->shape, &s->b->middle );
+		lwi_separation middle = lwi_separate_places( kernels, &middle_a, &middle_b, need, direction, &plane );
+		found = middle == LWI_APART ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
+	}
+	if ( found == LWI_EDGE_MEASURE )
+	{
+		p->failures = (uint16_t)( p->failures < MAX_FAILURES ? p->failures + 1 : MAX_FAILURES );
+		p->wait = (uint16_t)( 1u << p->failures );
+		return found;
+	}
+	p->failures = 0;
+	add_plane( p, plane );
+	if ( s->any_key != 0 )
+	{
+		add_plane( planes_of( s, s->any_key ), plane );
+	}
+	return found;
+}
+
+static lwi_edge_sweep sweep_pair( sweeping s )
+{
+	lwi_edge* e = s.edge;
+	const lw_checker* c = e->checker;
+	const lwi_edge_item* item = s.item;
+	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
+	const lwi_checker_tree* tree = c->tree;
+	bool alone = tree->nodes[tree->body_node[a]].body_count == 1 && tree->nodes[tree->body_node[b]].body_count == 1;
+	s.turned = item->rate_a.path == 0; // what stands has the plane
+	s.any_key = alone ? 0 : BODY_KEY | ( s.turned ? a : b );
+	lwi_edge_plane* p = NULL;
+	// places are seen from the ancestor, which is rounded too
+	double margin = lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
+	bool planes = s.bulge < MAX_BULGE;
+	lwi_cloud clouds[2];
+	clouds[0].made = clouds[1].made = false;
+	lwi_places places[2];
+	places[0].cloud = &clouds[0];
+	places[1].cloud = &clouds[1];
+	s.a = &places[s.turned ? 1 : 0];
+	s.b = &places[s.turned ? 0 : 1];
+	if ( planes )
+	{
+		lwi_edge_places( e, a, above, item->rate_a, s.window, s.drifts != NULL ? &s.drifts[0] : NULL, &places[0] );
+		lwi_edge_places( e, b, above, item->rate_b, s.window, s.drifts != NULL ? &s.drifts[1] : NULL, &places[1] );
+		planes = has_planes( &s );
+		p = planes ? planes_of( &s, SELF_KEY | lwi_body_pair_id( c, a, b ) ) : NULL;
+		if ( planes && old_plane_holds( &s, p, margin ) )
+		{
+			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
+		}
+	}
+	double way = way_of( e, a, above, item->rate_a, s.window ) + way_of( e, b, above, item->rate_b, s.window );
+	if ( !lwi_checker_pair_is_near( c, e->query, a, b, s.enough + way ) )
+	{
+		return LWI_EDGE_PROVED;
+	}
+	return planes ? find_plane( &s, p, margin ) : LWI_EDGE_MEASURE;
+}
+
+/// All obstacles that are near the body's sphere.
+static lwi_edge_sweep sweep_scene( sweeping s )
+{
+	lwi_edge* e = s.edge;
+	const lw_checker* c = e->checker;
+	const lwi_edge_item* item = s.item;
+	uint32_t count = s.last_try ? 0 : item->near; // a measurement has asked for others
+	if ( count == 0 )
+	{
+		double way = way_of( e, item->body_a, 0, item->rate_a, s.window );
+		count = lwi_checker_near_obstacles( c, e->query, item->body_a, s.enough + way );
+	}
+	if ( count == 0 )
+	{
+		return LWI_EDGE_PROVED;
+	}
+	if ( !( s.bulge < MAX_BULGE ) )
+	{
+		return LWI_EDGE_MEASURE;
+	}
+	lwi_cloud cloud;
+	cloud.made = false;
+	lwi_places places, stands;
+	places.cloud = &cloud;
+	s.a = &places;
+	s.b = &stands;
+	s.way = s.window.half * item->rate_a.path;
+	lwi_edge_places( e, item->body_a, 0, item->rate_a, s.window, s.drifts, &places );
+	lwi_edge_sweep worst = LWI_EDGE_PROVED;
+	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
+	{
+		uint32_t index = e->query->candidates[i].pair;
+		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
+		lwi_places_stand( &stands, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
+		s.any_key = stands.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
+		double margin = lwi_environment_margin( c, item->body_a, obstacle->object );
+		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, obstacle_key( c, item->body_a, index ) ) : NULL;
+		if ( p == NULL || !old_plane_holds( &s, p, margin ) )
+		{
+			lwi_edge_sweep now = p == NULL ? LWI_EDGE_MEASURE : find_plane( &s, p, margin );
+			worst = now > worst ? now : worst;
+		}
+	}
+	return worst;
+}
+
+static bool is_number( lw_vec3 v )
+{
+	return v.x == v.x;
+}
+
+lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip )
+{
+	*skip = 0;
+	if ( !( window.half > 0 ) )
+	{
+		return LWI_EDGE_MEASURE;
+	}
+	bool is_short = !last_try && window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * lwi_edge_slack( e, item );
+	const uint32_t* node = e->checker->tree->body_node;
+	bool pair = lwi_edge_item_is_pair( item );
+	lwi_edge_drift drift[2] = { { .bulge = 0 }, { .bulge = 0 } };
+	bool drifts = lwi_edge_drifts( item->rate_a, window ) && ( !pair || lwi_edge_drifts( item->rate_b, window ) );
+	if ( drifts )
+	{
+		drift[0] = lwi_edge_drift_of( e, node[item->body_a], item->ancestor, item->rate_a, window );
+		drift[1] = pair ? lwi_edge_drift_of( e, node[item->body_b], item->ancestor, item->rate_b, window ) : drift[1];
+		drifts = is_number( drift[0].twist.turn ) && is_number( drift[1].twist.turn );
+	}
+	sweeping s = { .edge = e, .item = item, .window = window, .last_try = last_try, .way = INFINITY };
+	s.enough = lwi_edge_enough( e, item );
+	s.drifts = drifts ? drift : NULL;
+	s.bulge = is_short ? NAN : drifts ? drift[0].bulge + drift[1].bulge : bow_of( e, item, window ).bulge;
+	lwi_edge_sweep sweep = pair ? sweep_pair( s ) : sweep_scene( s );
+	if ( sweep == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
+	{
+		for ( double next = 0.25 * s.bulge; !( next < MAX_BULGE ) && *skip < 16; next *= 0.25 )
+		{
+			++*skip;
+		}
+		return LWI_EDGE_CLOSER;
+	}
+	return sweep;
+}
+
+static bool stays_away_from( const nearing* s, const lw_shape* shape, const lw_transform* pose, double margin )
+{
+	if ( shape->deferred != NULL || shape->family == LWI_UNBOUNDED )
+	{
+		return false;
+	}
+	lwi_places stands;
+	lwi_places_stand( &stands, shape, pose );
+	return is_away( s, &stands, lwi_larger( s->enough + margin, 0 ) );
+}
+
+static bool pair_stays_away( nearing* s, const lwi_edge_item* item, lwi_edge_window window )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	const bool turned = item->rate_a.path == 0;
+	const uint32_t moving = turned ? item->body_b : item->body_a, stands = turned ? item->body_a : item->body_b;
+	if ( !turned && item->rate_b.path != 0 )
+	{
+		return false; // both move
+	}
+	if ( item->ancestor != 0 )
+	{
+		lwi_pose_node( c, e->query, item->ancestor );
+		s->n = lwi_unrotate( &e->query->world_from_link[c->tree->nodes[item->ancestor].top], s->n );
+	}
+	s->n = turned ? lwi_scale( -1, s->n ) : s->n;
+	const lwi_motion_rate rate = turned ? item->rate_b : item->rate_a;
+	lwi_places still;
+	set_out( s, moving, item->ancestor, rate, window );
+	lwi_edge_places( e, stands, item->ancestor, (lwi_motion_rate){ 0, 0 }, window, NULL, &still );
+	double margin = lwi_self_margin( c, item->body_a, item->body_b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
+	return stays_away_from( s, still.shape, &still.middle, margin );
+}
+
+static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_edge_window window )
+{
+	lwi_edge* e = s->edge;
+	const lw_checker* c = e->checker;
+	set_out( s, item->body_a, 0, item->rate_a, window );
+	uint32_t count = lwi_checker_near_obstacles( c, e->query, item->body_a, s->enough + s->way );
+	bool away = true;
+	for ( uint32_t i = 0; i < count && away; ++i )
+	{
+		const lw_scene_shape_def* obstacle = &c->scene->shapes[e->query->candidates[i].pair];
+		double margin = lwi_environment_margin( c, item->body_a, obstacle->object );
+		away = stays_away_from( s, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape, margin );
+	}
+	for ( uint32_t i = 0; i < count && away; ++i )
+	{
+		const uint32_t index = e->query->candidates[i].pair;
+		lwi_edge_plane* p = plane_of( e, obstacle_key( c, item->body_a, index ) );
+		const lw_vec3 n = lwi_unrotate( &c->scene->shapes[index].world_from_shape, s->n );
+		p->near_known = true;
+		p->near[0] = (float)n.x;
+		p->near[1] = (float)n.y;
+		p->near[2] = (float)n.z;
+	}
+	return away;
+}
+
+bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured )
+{
+	const bool pair = lwi_edge_item_is_pair( item );
+	nearing s = { .edge = e, .enough = lwi_edge_enough( e, item ), .n = lwi_sub( measured->point_b, measured->point_a ) };
+	// along no direction they are farther from each other than they were measured to be
+	if ( !e->query->search.def.planes || !( measured->upper > s.enough && measured->upper < INFINITY ) )
+	{
+		return false;
+	}
+	s.bend = bow_of( e, item, window ).bend;
+	if ( !( s.bend <= MAX_BEND ) )
+	{
+		return false;
+	}
+	return pair ? pair_stays_away( &s, item, window ) : stays_away_from_scene( &s, item, window );
+}

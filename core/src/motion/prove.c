@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The proof of an edge: everything is measured at its middle, what is left over in cells halved level by level.
+//
+// Schwarzer, Saha, Latombe, IEEE T-RO 21(3), 2005, with shared samples: the places of samples are the middles of dyadic cells for
+// all items alike, so that a posed state serves many. Proofs and work: core/docs/edges.md.
+#include "motion/edge.h"
+#include "base/math_inline.h"
+
+enum
+{
+	SEARCH_LEVELS = 2, ///< of halving, at which a refused edge is looked at for a collision
+	WORK_PER_LOOK = 6, ///< cells that a rake has left
+	MOST_LOOKS = 20    ///< states that looks of a screening take, poses of the middle again among them
+};
+
+// ---- one gap ---------------------------------------------------------------------------------------------------------
+
+/// Part of an edge that is still to be proved.
+typedef struct piece
+{
+	double a, b;
+} piece;
+
+static lwi_edge_window window_of( piece p )
+{
+	return (lwi_edge_window){ 0.5 * p.a + 0.5 * p.b, 0.5 * ( p.b - p.a ) };
+}
+
+/// Closes one gap by halving it, left parts first.
+static bool close_gap( lwi_edge* e, lwi_edge_item* item, piece gap )
+{
+	piece stack[LWI_EDGE_MAX_DEPTH + 2];
+	int depth = 0;
+	stack[depth++] = gap;
+	while ( depth > 0 )
+	{
+		piece next = stack[--depth];
+		lwi_edge_window window = window_of( next );
+		lwi_edge_sample s = lwi_edge_measure( e, item, window, true );
+		if ( !s.proved && ( s.low || depth > LWI_EDGE_MAX_DEPTH ) )
+		{
+			return lwi_edge_fail( e, item, window.t, &s );
+		}
+		if ( !s.proved )
+		{
+			stack[depth++] = (piece){ window.t, next.b };
+			stack[depth++] = (piece){ next.a, window.t };
+		}
+	}
+	return true;
+}
+
+// ---- cells -----------------------------------------------------------------------------------------------------------
+
+/// Hands half a cell down to the next level; where there is no room it is closed at once.
+static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* from, uint64_t cell, double width, int level )
+{
+	if ( !lwi_edge_cell_is_open( &e->items[from->item], cell, level ) )
+	{
+		return true;
+	}
+	if ( next->count == e->gap_capacity )
+	{
+		return close_gap( e, &e->items[from->item], (piece){ (double)cell * width, (double)( cell + 1 ) * width } );
+	}
+	next->gaps[next->count++] = (lwi_edge_gap){ cell, from->item, from->skip, true };
+	return true;
+}
+
+/// Once an item is within the slack, whole states are looked at for a collision before its windows are halved: a proof near contact takes many,
+/// and most edges that need one are blocked. @return true if none was found
+static bool look_if_close( lwi_edge* e )
+{
+	return e->close == 0 || e->looked >= SEARCH_LEVELS || lwi_edge_look( e, SEARCH_LEVELS );
+}
+
+/// Measures the gaps of one cell at its middle.
+static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, double width )
+{
+	uint64_t cell = gaps[0].cell;
+	lwi_edge_window window = { ( (double)cell + 0.5 ) * width, 0.5 * width };
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		lwi_edge_gap* g = &gaps[i];
+		if ( g->skip > 0 )
+		{
+			--g->skip;
+			continue;
+		}
+		lwi_edge_sample s = lwi_edge_measure( e, &e->items[g->item], window, true );
+		if ( !s.proved && s.low )
+		{
+			return lwi_edge_fail( e, &e->items[g->item], window.t, &s );
+		}
+		g->skip = s.skip;
+		g->open = !s.proved;
+		if ( !look_if_close( e ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// Both halves of a cell's gaps that are still open, left ones first.
+static bool hand_down_cell( lwi_edge* e, const lwi_edge_gap* gaps, uint32_t count, double width, int level, lwi_edge_level* next )
+{
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell, 0.5 * width, level + 1 ) )
+		{
+			return false;
+		}
+	}
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell + 1, 0.5 * width, level + 1 ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// From the gaps of a level that are not measured yet, levels[1], level by level.
+static bool prove_levels( lwi_edge* e, int level )
+{
+	lwi_edge_level *now = &e->levels[0], *next = &e->levels[1];
+	for ( double width = ldexp( 1, -level ); next->count > 0; ++level, width *= 0.5 )
+	{
+		lwi_edge_level* swap = now;
+		now = next;
+		next = swap;
+		if ( level > LWI_EDGE_MAX_DEPTH )
+		{
+			const lwi_edge_sample given_up = { .pair = lw_clearance_unknown() };
+			const lwi_edge_gap* gap = &now->gaps[0];
+			return lwi_edge_fail( e, &e->items[gap->item], (double)gap->cell * width, &given_up );
+		}
+		next->count = 0;
+		for ( uint32_t first = 0, end; first < now->count; first = end )
+		{
+			for ( end = first + 1; end < now->count && now->gaps[end].cell == now->gaps[first].cell; ++end )
+			{
+			}
+			if ( !measure_cell( e, now->gaps + first, end - first, width ) ||
+				 !hand_down_cell( e, now->gaps + first, end - first, width, level, next ) )
+			{
+				return false;
+			}
+		}
+	}
+	return true;
+}
+
+static bool check_static( lwi_edge* e )
+{
+	if ( lwi_edge_static_lower( e ) > e->def->min_d )
+	{
+		return true;
+	}
+	const lw_clearance* fixed = &e->checker->static_environment;
+	e->out->verdict = fixed->upper <= e->def->min_d ? LW_VERDICT_BLOCKED : LW_VERDICT_REFUSED;
+	e->out->t = 0;
+	e->out->pair = *fixed;
+	return false;
+}
+
+/// Looks for a collision where it is most likely, unless the screening has done so: edges that are not free mostly end in one.
+static bool end_is_free( lwi_edge* e )
+{
+	for ( uint32_t i = 0; i < e->item_count && e->looked == 0; ++i )
+	{
+		if ( !lwi_edge_item_is_free( e, &e->items[i], 1 ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// States of a proof are fewer than 2^k of at least V / slack; 2 V / slack + 2 are promised.
+static bool has_room_for_looks( const lwi_edge* e )
+{
+	int k;
+	double cells = e->longest / e->def->slack;
+	frexp( cells, &k );
+	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_LOOKS;
+}
+
+/// What a screening leaves is looked at in both halves.
+static bool prove_by_screening( lwi_edge* e, lwi_edge_window whole )
+{
+	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
+	if ( !lwi_edge_screen( e, whole, first, has_room_for_looks( e ) ) || !end_is_free( e ) )
+	{
+		return false;
+	}
+	next->count = 0;
+	return look_if_close( e ) && hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
+}
+
+/// Are the items that a rake has left in a cell free at t?
+static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
+{
+	for ( uint32_t i = 0; i < e->item_count; ++i )
+	{
+		if ( !e->items[i].neighbours && ( e->items[i].cells >> cell & 1 ) != 0 && !lwi_edge_item_is_free( e, &e->items[i], t ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// Looks for collisions of items, in the end and where a rake has left most of them: edges of a planner that are not free end here. Pairs
+/// of neighbours, which a rake always leaves, say nothing of that.
+static bool look_at_cells( lwi_edge* e )
+{
+	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;
+	for ( uint32_t i = 0; i < e->item_count; ++i )
+	{
+		for ( uint32_t left = e->items[i].neighbours ? 0 : e->items[i].cells; left != 0; left &= left - 1, ++work )
+		{
+			++counts[lwi_lowest_bit( left )];
+		}
+	}
+	if ( !cell_is_free( e, LWI_WIDTH - 1, 1 ) )
+	{
+		return false;
+	}
+	for ( uint32_t looks = work / WORK_PER_LOOK; looks > 0; --looks )
+	{
+		uint32_t most = 0;
+		for ( uint32_t cell = 1; cell < LWI_WIDTH; ++cell )
+		{
+			most = counts[cell] > counts[most] ? cell : most;
+		}
+		if ( counts[most] == 0 )
+		{
+			break;
+		}
+		if ( !cell_is_free( e, most, ( most + 0.5 ) / LWI_WIDTH ) )
+		{
+			return false;
+		}
+		counts[most] = 0;
+	}
+	return true;
+}
+
+/// What a rake leaves is looked at in its cells.
+static bool prove_by_rake( lwi_edge* e )
+{
+	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
+	first->count = next->count = e->item_count = 0;
+	lwi_edge_rake_all( e );
+	return ( !has_room_for_looks( e ) || look_at_cells( e ) ) && lwi_edge_screen_items( e, first ) && look_if_close( e ) &&
+		   hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
+}
+
+bool lwi_edge_prove( lwi_edge* e )
+{
+	if ( !check_static( e ) )
+	{
+		return false;
+	}
+	// nothing moves: one state, the given one
+	const lwi_edge_window whole = e->longest > 0 ? (lwi_edge_window){ 0.5, 0.5 } : (lwi_edge_window){ 1, 0 };
+	if ( lwi_edge_measure_nodes( e, whole.t, whole.t ) &&
+		 ( lwi_edge_rakes( e ) ? prove_by_rake( e ) : prove_by_screening( e, whole ) ) )
+	{
+		double proved = INFINITY; // nothing was to be measured
+		if ( e->spare < INFINITY )
+		{
+			proved = lwi_larger( nextafter( e->def->min_d + e->spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
+		}
+		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->apart ), proved );
+		return true;
+	}
+	if ( e->out->verdict == LW_VERDICT_REFUSED && e->longest > 0 )
+	{
+		lwi_edge_look( e, SEARCH_LEVELS ); // blocked elsewhere is worth knowing
+	}
+	return false;
+}
+
+// ---- from the left ---------------------------------------------------------------------------------------------------
+
+/// Extends the proof of one item from the left as far as it goes, not beyond `until`. @return the end of what is proved
+static double prove_from_left( lwi_edge* e, lwi_edge_item* item, double until )
+{
+	piece stack[LWI_EDGE_MAX_DEPTH + 2];
+	int depth = 0;
+	stack[depth++] = (piece){ 0, until };
+	while ( depth > 0 )
+	{
+		piece gap = stack[--depth]; // everything left of it is proved
+		lwi_edge_window window = window_of( gap );
+		lwi_edge_sample s = lwi_edge_measure( e, item, window, false );
+		if ( s.proved )
+		{
+			continue;
+		}
+		if ( s.blocked )
+		{
+			lwi_edge_fail( e, item, window.t, &s );
+		}
+		// look closer, down to the width that a slack would prove
+		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH || !( e->longest * ( window.t - gap.a ) > 0.5 * lwi_edge_slack( e, item ) ) )
+		{
+			return gap.a;
+		}
+		if ( s.low )
+		{
+			until = window.t; // nothing is proved from here on
+			depth = 0;
+		}
+		else
+		{
+			stack[depth++] = (piece){ window.t, gap.b };
+		}
+		stack[depth++] = (piece){ gap.a, window.t };
+	}
+	return until;
+}
+
+/// A state not free, as far left before `until` as a look at eighths and six halvings finds: without it most items would be
+/// proved far beyond where another one ends the run.
+static double locate_failure( lwi_edge* e, double until )
+{
+	double free_t = 0, blocked_t = until;
+	for ( int i = 1; i < 8 && blocked_t == until; ++i )
+	{
+		double t = until * i / 8;
+		*( lwi_edge_state_is_free( e, t ) ? &free_t : &blocked_t ) = t;
+	}
+	for ( int i = 0; i < 6; ++i )
+	{
+		double t = 0.5 * free_t + 0.5 * blocked_t;
+		*( lwi_edge_state_is_free( e, t ) ? &free_t : &blocked_t ) = t;
+	}
+	return blocked_t;
+}
+
+static bool screen_run( lwi_edge* e, lwi_edge_window window )
+{
+	return lwi_edge_measure_nodes( e, window.t, lwi_larger( window.t, 1 - window.t ) ) &&
+		   lwi_edge_screen( e, window, &e->levels[0], false );
+}
+
+double lwi_edge_proved_run( lwi_edge* e )
+{
+	if ( !( lwi_edge_static_lower( e ) > e->def->min_d ) )
+	{
+		return 0;
+	}
+	e->runs = true;
+	e->close = 0;
+	e->most_states = e->out->queries + LW_EDGE_MOST_STATES;
+	double until = e->out->t > 0 ? nextafter( locate_failure( e, e->out->t ), 0 ) : 0;
+	while ( until > 0 && !e->failed && !screen_run( e, window_of( (piece){ 0, until } ) ) )
+	{
+		// something is too near at the middle already
+		until = e->longest * until > e->def->slack ? nextafter( 0.5 * until, 0 ) : 0;
+	}
+	for ( uint32_t i = 0; i < e->item_count && until > 0 && !e->failed; ++i )
+	{
+		until = lwi_smaller( until, prove_from_left( e, &e->items[i], until ) );
+	}
+	return e->failed ? 0 : until;
+}

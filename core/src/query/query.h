@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The memory of one thread: searches of pairs use its first part, scenes, checkers and edges the rest. Made by query/query.c.
+#ifndef LEEWAY_QUERY_QUERY_H
+#define LEEWAY_QUERY_QUERY_H
+
+#include "distance/pair_query.h"
+#include "base/heap.h"
+#include "leeway/checker.h"
+
+/// Where the nearest pair of a question was: the first thing tried next time.
+typedef struct lwi_warm
+{
+	uint32_t pair, triangle_a, triangle_b;
+	double clearance; ///< of these two when they were last measured
+	bool valid;
+} lwi_warm;
+
+/// A test that is made seldom where it is in vain. Only speed depends on it.
+typedef struct lwi_trial
+{
+	uint8_t failures, wait; ///< in a row; questions until the next try
+} lwi_trial;
+
+struct lw_query
+{
+	lwi_search_memory search;
+	lw_allocator allocator;
+
+	// capacities, as created
+	uint32_t link_capacity, body_capacity, variable_capacity, scene_capacity;
+	uint32_t gap_capacity;        ///< floats in gaps
+	size_t edge_capacity;         ///< bytes in edge_scratch
+	uint32_t edge_count;          ///< edges asked so far, modulo 2^32
+
+	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
+	void ( *release_posed )( lw_checker* posed ); ///< drops that reference
+	uint64_t bindings;            ///< how often another checker was posed: memory of an earlier one's bodies is void
+	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, and some may be used
+	bool hulls, tables;           ///< which: both only if covered
+	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
+	bool near;                    ///< the question at hand looks at that mask only
+	double rounding, stretch;     ///< of forward kinematics in this state, see lwi_motion_state_rounding()
+	double pose_rounding;         ///< metres: centres of spheres, and of bodies, are less than half of that off
+	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid
+	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
+	uint64_t turn_stamp;          ///< of the three below
+	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above nodes, as far as they only turn
+	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
+	uint64_t* body_stamp;         ///< [body_capacity]
+	lwi_trial* motion_trials;     ///< [link_capacity] spheres M of nodes against the scene
+	double* spheres;              ///< [2 * link_capacity][4] R and M of nodes, world
+	uint64_t* block_stamp;        ///< [link_capacity]
+	float* blocks;                ///< body spheres of nodes as [4][8], relative to the centre of the node's R
+	double* state;                ///< [variable_capacity] full state
+	lw_transform* world_from_link; ///< [link_capacity]
+	lw_transform* world_from_body; ///< [body_capacity]
+	double* body_center;          ///< [body_capacity][3] bounding spheres, world
+	float* body_spheres;          ///< blocks of [4][8] relative to `origin`, padded with r = -INFINITY
+	double origin[3];
+	float* gaps;                  ///< [gap_capacity]
+	float* row;                   ///< [scene_capacity, padded] gaps of a node's sphere
+	lwi_candidate* candidates;    ///< [gap_capacity]
+	lwi_warm warm_environment, warm_self, warm_scene;
+	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
+	uint32_t known_count;
+	uint32_t known_looked; ///< bits: those that had a look in the state at hand
+	uint32_t last_edge_body;      ///< of the item that ended the last proof of an edge: tried first. Any value will do
+	bool last_edge_self;          ///< it was a pair
+	void* edge_scratch;
+	size_t bytes;
+};
+
+/// Only what was near enough to bear on a question the last time is likely to do so again: where all that is asked for is contact
+/// or a margin, measuring what is farther only costs.
+static inline bool lwi_warm_pays( const lw_query* query, const lwi_warm* warm, const lwi_bound* bound )
+{
+	return query->search.def.warm_start && warm->valid && warm->clearance < bound->prune;
+}
+
+/// lwi_measure() of the pair that was nearest last time, which is then known to be as far as it is now.
+static inline void lwi_measure_warm( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_warm* warm, lwi_bound* bound )
+{
+	double floor = bound->floor;
+	bound->floor = INFINITY;
+	lwi_measure( &query->search, a, b, a_from_b, warm->triangle_a, warm->triangle_b, bound );
+	warm->clearance = bound->floor;
+	bound->floor = floor < bound->floor ? floor : bound->floor;
+}
+
+/// Numbers of items that a query has room for.
+typedef struct lwi_query_sizes
+{
+	uint32_t links, bodies, variables;
+	uint32_t shapes;   ///< of a scene
+	size_t gaps;       ///< places in the largest table of bounds
+	size_t edge_bytes; ///< scratch of edges
+} lwi_query_sizes;
+
+/// As lw_query_create(), from numbers.
+lw_status lwi_query_create( const lw_query_def* def, const lwi_query_sizes* sizes, const lw_allocator* allocator,
+	lw_query** out_query );
+
+/// False if one of the query's arrays is too small.
+bool lwi_query_has_room( const lw_query* query, const lwi_query_sizes* sizes );
+
+/// Releases the checker whose poses the query holds, if any.
+void lwi_query_forget_checker( lw_query* query );
+
+/// The first `entries` gaps that are below the limit, except `skip`, as a heap. Returns their count.
+uint32_t lwi_collect( lw_query* query, uint32_t entries, float limit, uint32_t skip );
+
+#endif

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The obstacle of a scene that is nearest to a shape.
+#include "base/math_inline.h"
+#include "query/query.h"
+#include "scene/scene.h"
+
+/// Nearest first: the shape with the least gap is searched, then whatever the bound leaves.
+static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape* shape, const lw_transform* world_from_shape,
+	lwi_bound* bound )
+{
+	lw_vec3 center = lwi_transform( world_from_shape, lwi_load( shape->sphere_center ) );
+	double world_center[3] = { center.x, center.y, center.z };
+	bool near;
+	double slack = lwi_scene_gaps( scene, scene->block_count, query->search.kernels, world_center, shape->sphere_radius, bound->prune,
+		query->gaps, &near );
+	uint32_t count = 0;
+	float limit = lwi_round_up( bound->prune + slack );
+	for ( uint32_t i = 0; i < scene->shape_count; ++i )
+	{
+		if ( !( query->gaps[i] >= limit ) )
+		{
+			float gap = query->gaps[i];
+			query->candidates[count++] = (lwi_candidate){ gap == gap ? gap : -INFINITY, i }; // overflowed: look first
+		}
+	}
+	lwi_heap_build( query->candidates, count );
+	while ( count > 0 && !bound->done )
+	{
+		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		{
+			break;
+		}
+		bound->current_pair = next.pair;
+		const lw_scene_shape_def* obstacle = &scene->shapes[next.pair];
+		lw_transform relative = lwi_relative( world_from_shape, &obstacle->world_from_shape );
+		lwi_search( &query->search, shape, obstacle->shape, &relative, bound );
+	}
+}
+
+lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const lw_transform* world_from_shape,
+	const lw_range* range, lw_query* query, lw_clearance* out )
+{
+	if ( out == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	*out = lw_clearance_unknown();
+	lw_range wanted = range != NULL ? *range : lw_range_exact();
+	if ( scene == NULL || shape == NULL || world_from_shape == NULL || query == NULL || !lwi_range_is_valid( &wanted ) ||
+		 !lw_transform_is_valid( world_from_shape ) || query->scene_capacity < scene->shape_count )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	if ( shape->family == LWI_UNBOUNDED )
+	{
+		return LW_ERROR_UNSUPPORTED;
+	}
+	lw_transform pose = lwi_orthonormal( world_from_shape );
+	query->search.failure = LW_OK;
+	lwi_bound bound;
+	lwi_bound_init( &bound, &wanted );
+	lwi_warm* warm = &query->warm_scene;
+	if ( lwi_warm_pays( query, warm, &bound ) && warm->pair < scene->shape_count )
+	{
+		const lw_scene_shape_def* obstacle = &scene->shapes[warm->pair];
+		lw_transform relative = lwi_relative( &pose, &obstacle->world_from_shape );
+		bound.current_pair = warm->pair;
+		lwi_measure_warm( query, shape, obstacle->shape, &relative, warm, &bound );
+	}
+	if ( !bound.done )
+	{
+		search_scene( scene, query, shape, &pose, &bound );
+	}
+	*out = lwi_bound_result( &bound );
+	if ( bound.failed )
+	{
+		return query->search.failure;
+	}
+	if ( out->upper < INFINITY )
+	{
+		out->point_a = lwi_transform( &pose, bound.point_a );
+		out->point_b = lwi_transform( &pose, bound.point_b );
+		out->a = lwi_named_element( shape, bound.triangle_a );
+		out->b = scene->shapes[bound.pair].object;
+		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+	}
+	return LW_OK;
+}

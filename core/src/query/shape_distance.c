@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The distance of two shapes.
+#include "base/math_inline.h"
+#include "query/query.h"
+
+lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,
+	const lw_transform* world_from_b, const lw_range* range, lw_query* query, lw_clearance* out )
+{
+	if ( out == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	*out = lw_clearance_unknown();
+	lw_range wanted = range != NULL ? *range : lw_range_exact();
+	if ( a == NULL || b == NULL || world_from_a == NULL || world_from_b == NULL || query == NULL ||
+		 !lwi_range_is_valid( &wanted ) || !lw_transform_is_valid( world_from_a ) || !lw_transform_is_valid( world_from_b ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	if ( a->family == LWI_UNBOUNDED && b->family == LWI_UNBOUNDED )
+	{
+		return LW_ERROR_UNSUPPORTED;
+	}
+	lw_transform pose_a = lwi_orthonormal( world_from_a ), pose_b = lwi_orthonormal( world_from_b );
+	lw_transform a_from_b = lwi_relative( &pose_a, &pose_b );
+	lwi_bound bound;
+	lwi_bound_init( &bound, &wanted );
+	query->search.failure = LW_OK;
+	lwi_search( &query->search, a, b, &a_from_b, &bound );
+	*out = lwi_bound_result( &bound );
+	if ( bound.failed )
+	{
+		return query->search.failure;
+	}
+	if ( out->upper < INFINITY )
+	{
+		out->point_a = lwi_transform( &pose_a, bound.point_a );
+		out->point_b = lwi_transform( &pose_a, bound.point_b );
+		out->a = lwi_named_element( a, bound.triangle_a );
+		out->b = lwi_named_element( b, bound.triangle_b );
+	}
+	return LW_OK;
+}

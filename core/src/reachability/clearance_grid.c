@@ -1,0 +1,482 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes charts: blocks of cells are measured at their centres and halved, until what is left of the distance after all
+// motion within the block is good enough, or the block is a cell; a cell is cut further, worst part first.
+//
+// Branch and bound with a Lipschitz bound, as in reachability/subdivide.c, but for a whole function instead of its minimum:
+// adaptively sampled distance fields (Frisken, Perry, Rockwood, Jones, SIGGRAPH 2000) in joint space, with proofs.
+// Derivation: core/docs/self_collision.md, "Charts".
+#include "reachability/clearance_grid.h"
+
+#include "base/math_inline.h"
+#include "reachability/proof.h"
+
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+enum
+{
+	FINE_BITS = 6,     ///< halvings of a cell along each axis, at most
+	PARTS_OF_CELL = 24, ///< parts of a cell that are told apart at most
+	PARTS_OF_FINE = 6,  ///< the same in a chart whose cells had a coarser cell's parts before
+	FINE_CHART_BITS = 13, ///< of the number of cells of such a chart
+	SLAB_BITS = 6,      ///< of the number of cells that are made in one go: a run without time for so many would never end
+	BLOCKS_PER_LOOK = 32 ///< measurements between two looks at the clock
+};
+
+/// Blocks and cells are good enough if they are proved to this share of what they could be proved to at best.
+#define GOOD_BLOCK 0.5
+#define GOOD_CELL 0.5
+/// Metres. What is proved to be this far is good enough: queries and edges that ask for more are rare. Distances are measured up to MOST.
+#define ENOUGH 0x1p-4
+#define MOST 0x1p-3
+/// Relative tolerance of distances.
+#define CHART_ALPHA 0.05
+/// Metres off every bound, for roundings of its last operations; and the motion up to which these are that small.
+#define CHART_ROUNDING 1e-9
+#define CHART_LARGEST 1e5
+/// Of the motion within a cell over that within its parts.
+#define CUT_SPARE 1.2
+
+// ---- which variables --------------------------------------------------------------------------------------------------
+
+/// Enters the variables of a joint. @return false if it cannot be charted
+static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_chart* chart )
+{
+	uint32_t count = joint->type == LW_JOINT_PLANAR ? 3 : 1;
+	bool angle = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
+	bool whole = joint->multiplier == floor( joint->multiplier );
+	for ( uint32_t k = 0; k < count; ++k )
+	{
+		uint32_t v = joint->variable + k, i = 0;
+		bool periodic = ( angle && whole ) || ( joint->type == LW_JOINT_PLANAR && k == 2 );
+		while ( i < chart->dimension && chart->axes[i].variable != v )
+		{
+			++i;
+		}
+		if ( i == LWI_CHART_AXES || joint->type == LW_JOINT_FLOATING )
+		{
+			return false;
+		}
+		lwi_chart_axis* axis = &chart->axes[i];
+		if ( i == chart->dimension )
+		{
+			*axis = (lwi_chart_axis){ .variable = v, .lower = reach->lower[v], .upper = reach->upper[v] };
+			axis->turns = !isfinite( axis->lower ) && !isfinite( axis->upper );
+			chart->dimension++;
+		}
+		if ( axis->turns ? !periodic : !isfinite( axis->lower ) || !isfinite( axis->upper ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+bool lwi_chart_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b, lwi_chart* chart )
+{
+	const lw_robot* robot = reach->robot;
+	*chart = (lwi_chart){ .link_a = link_a, .link_b = link_b };
+	uint32_t ancestor = lwi_reach_common_ancestor( robot, link_a, link_b );
+	for ( int side = 0; side < 2; ++side )
+	{
+		for ( uint32_t link = side == 0 ? link_a : link_b; link != ancestor; )
+		{
+			const lwi_joint* joint = &robot->joints[robot->link_joint[link]];
+			if ( !joint->constant && !add_joint( reach, joint, chart ) )
+			{
+				return false;
+			}
+			link = joint->parent;
+		}
+	}
+	bool wide = true;
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		lwi_chart_axis* axis = &chart->axes[i];
+		axis->lower = axis->turns ? -pi : axis->lower;
+		axis->upper = axis->turns ? pi : axis->upper;
+		// what is narrower has no cells that could be told apart
+		wide = wide && axis->upper - axis->lower > 0x1p-20 * ( fabs( axis->lower ) + fabs( axis->upper ) );
+	}
+	return wide && chart->dimension > 0;
+}
+
+const lwi_chart* lwi_reach_chart( const lw_reach* reach, uint32_t link_a, uint32_t link_b )
+{
+	size_t wanted = lwi_reach_pair_index( link_a, link_b );
+	uint32_t low = 0, high = reach->chart_count;
+	while ( low < high )
+	{
+		uint32_t middle = low + ( high - low ) / 2;
+		const lwi_chart* chart = &reach->charts[middle];
+		size_t index = lwi_reach_pair_index( chart->link_a, chart->link_b );
+		if ( index == wanted )
+		{
+			return chart;
+		}
+		low = index < wanted ? middle + 1 : low;
+		high = index < wanted ? high : middle;
+	}
+	return NULL;
+}
+
+// ---- blocks -----------------------------------------------------------------------------------------------------------
+
+/// A part of the box: [at, at + 2^level) along each axis, in units of 2^-FINE_BITS cells.
+typedef struct block
+{
+	uint32_t at[LWI_CHART_AXES];
+	uint8_t level[LWI_CHART_AXES];
+	double lower;    ///< proved for all of it
+	double distance; ///< at the centre, or an estimate from above
+	lwi_nearest nearest; ///< there, or at a centre close to it
+	double motion;   ///< what the distance may be off by elsewhere in it
+	uint32_t widest; ///< axis along which it is to be halved; LW_INVALID_INDEX: none
+	double share;    ///< of that axis in the motion
+} block;
+
+typedef struct maker
+{
+	lwi_prober* prober;
+	lwi_chart* chart;
+	double deadline;
+	uint32_t parts; ///< of a cell, at most
+	double most_cut;   ///< motion within a cell over that within so many parts, about: axes have bits by what they contribute
+	double separation; ///< proved for all states
+	uint64_t seen; ///< blocks
+	bool late, cancelled;
+} maker;
+
+/// The prober's variables are in ascending order, the chart's as they were met.
+static uint32_t place_of( const lwi_prober* p, uint32_t variable )
+{
+	uint32_t place = 0;
+	while ( p->variables[place] != variable )
+	{
+		++place;
+	}
+	return place;
+}
+
+/// Takes the centre of a block in hand, with what overlaps of its neighbours.
+static void set_block( maker* m, const block* b )
+{
+	double cell[2 * LWI_CHART_AXES];
+	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	{
+		const lwi_chart_axis* axis = &m->chart->axes[i];
+		uint32_t place = place_of( m->prober, axis->variable );
+		double width = ldexp( axis->upper - axis->lower, -(int)axis->bits - FINE_BITS );
+		double overlap = LWI_CHART_OVERLAP * ( fabs( axis->lower ) + fabs( axis->upper ) );
+		cell[2 * place] = axis->lower + width * b->at[i] - overlap;
+		cell[2 * place + 1] = axis->lower + width * ( b->at[i] + (double)( 1u << b->level[i] ) ) + overlap;
+	}
+	lwi_prober_set_cell( m->prober, cell );
+}
+
+/// The axis that contributes most, of those of more than 2^least.
+static void choose_axis( const maker* m, block* b, uint32_t least )
+{
+	b->widest = LW_INVALID_INDEX;
+	b->share = 0;
+	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	{
+		double share = m->prober->shares[m->chart->axes[i].variable];
+		if ( b->level[i] > least && ( b->widest == LW_INVALID_INDEX || share > b->share ) )
+		{
+			b->widest = i;
+			b->share = share;
+		}
+	}
+}
+
+/// Proves of a block what its centre proves, and finds out along which axis it would be halved.
+static void measure( maker* m, block* b, uint32_t least_level )
+{
+	lwi_prober* p = m->prober;
+	if ( ++m->seen % BLOCKS_PER_LOOK == 0 )
+	{
+		m->cancelled = m->cancelled || !lwi_reach_goes_on( p->job );
+		m->late = m->cancelled || lwi_monotonic_seconds() >= m->deadline;
+	}
+	set_block( m, b );
+	lwi_prober_pose( p, p->state ); // there is no floating joint
+	b->motion = lwi_prober_cell_motion( p );
+	choose_axis( m, b, least_level );
+	double needed = ( b->motion + p->rounding ) * ( 1 + 16 * LWI_U64 ) + CHART_ROUNDING;
+	if ( !( needed < CHART_LARGEST ) || b->lower >= ENOUGH || b->distance <= needed + b->lower )
+	{
+		return; // nothing is needed, or where it came from says that nothing is to be gained
+	}
+	// nearer than what would raise the bound, all that is asked for is some distance from above
+	lw_range range = { needed + b->lower, MOST + needed + CHART_ROUNDING, CHART_ALPHA };
+	lwi_bound bound;
+	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &b->nearest, &bound );
+	lw_clearance clearance = lwi_bound_result( &bound );
+	b->lower = fmax( b->lower, clearance.lower - needed );
+	b->distance = clearance.upper;
+}
+
+/// Halves *b: it becomes the lower half, neither is measured.
+static block halve( block* b )
+{
+	b->distance += 0.5 * b->share;
+	b->level[b->widest] = (uint8_t)( b->level[b->widest] - 1u );
+	block high = *b;
+	high.at[b->widest] += 1u << b->level[b->widest];
+	return high;
+}
+
+static uint8_t number_of( double lower )
+{
+	return (uint8_t)fmin( fmax( lower / LWI_CHART_STEP, 0 ), LWI_CHART_MOST ); // 0 also for what is not a number
+}
+
+static bool is_cell( const maker* m, const block* b )
+{
+	bool cell = true;
+	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	{
+		cell = cell && b->level[i] == FINE_BITS;
+	}
+	return cell;
+}
+
+/// Proves more of a cell by its parts, the worst one first, and returns what is proved of it.
+static double prove_cell( maker* m, const block* cell )
+{
+	block parts[PARTS_OF_CELL] = { *cell };
+	double nearest = cell->distance;
+	if ( nearest * m->most_cut < cell->motion )
+	{
+		return cell->lower; // parts are not that much smaller
+	}
+	choose_axis( m, &parts[0], 0 ); // shares are still those of this cell
+	for ( uint32_t count = 1;; ++count )
+	{
+		block* worst = &parts[0];
+		for ( uint32_t i = 1; i < count; ++i )
+		{
+			worst = parts[i].lower < worst->lower ? &parts[i] : worst;
+		}
+		bool good = worst->lower >= fmin( GOOD_CELL * nearest, ENOUGH );
+		if ( good || nearest < LWI_CHART_STEP || count == m->parts || worst->widest == LW_INVALID_INDEX || m->late )
+		{
+			return worst->lower;
+		}
+		parts[count] = halve( worst );
+		measure( m, worst, 0 );
+		measure( m, &parts[count], 0 );
+		nearest = fmin( nearest, fmin( worst->distance, parts[count].distance ) );
+	}
+}
+
+/// Raises the numbers of all cells of a block to one. @return the least of them
+static uint8_t fill( maker* m, const block* b, uint8_t number )
+{
+	const lwi_chart* chart = m->chart;
+	uint32_t first[LWI_CHART_AXES] = { 0 }, count[LWI_CHART_AXES] = { 1, 1, 1 }, bits[LWI_CHART_AXES] = { 0 };
+	uint8_t least = LWI_CHART_MOST;
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		uint32_t place = LWI_CHART_AXES - chart->dimension + i; // the last axis is the innermost
+		first[place] = b->at[i] >> FINE_BITS;
+		count[place] = 1u << ( b->level[i] - FINE_BITS );
+		bits[place] = chart->axes[i].bits;
+	}
+	for ( uint32_t x = first[0]; x < first[0] + count[0]; ++x )
+	{
+		for ( uint32_t y = first[1]; y < first[1] + count[1]; ++y )
+		{
+			uint8_t* row = chart->cells + ( ( ( ( (size_t)x << bits[1] ) + y ) << bits[2] ) + first[2] );
+			for ( uint32_t z = 0; z < count[2]; ++z )
+			{
+				row[z] = number > row[z] ? number : row[z]; // a coarser chart may have said more
+				least = row[z] < least ? row[z] : least;
+			}
+		}
+	}
+	return least;
+}
+
+/// Gives the axes their bits: each halving goes to the one that contributes most to the motion.
+static void choose_bits( maker* m, uint32_t total_bits )
+{
+	lwi_chart* chart = m->chart;
+	block all = { .at = { 0 } };
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		all.level[i] = FINE_BITS;
+	}
+	set_block( m, &all ); // one cell per axis as yet
+	lwi_prober_pose( m->prober, m->prober->state );
+	lwi_prober_cell_motion( m->prober );
+	double share[LWI_CHART_AXES];
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		share[i] = m->prober->shares[chart->axes[i].variable];
+	}
+	for ( uint32_t bits = 0; bits < total_bits; ++bits )
+	{
+		uint32_t widest = 0;
+		for ( uint32_t i = 1; i < chart->dimension; ++i )
+		{
+			bool full = chart->axes[widest].bits == LWI_CHART_AXIS_BITS;
+			bool wider = full || ( share[i] > share[widest] && chart->axes[i].bits < LWI_CHART_AXIS_BITS );
+			widest = wider ? i : widest;
+		}
+		chart->axes[widest].bits = (uint8_t)( chart->axes[widest].bits + 1u );
+		share[widest] *= 0.5;
+	}
+}
+
+/// Part `index` of 2^slab_bits: the first bits of the index of a cell in `cells` are those of the slab.
+static block slab_of( const lwi_chart* chart, uint32_t index, uint32_t slab_bits )
+{
+	block b = { .distance = INFINITY };
+	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	{
+		uint32_t bits = chart->axes[i].bits, own = slab_bits < bits ? slab_bits : bits;
+		slab_bits -= own;
+		uint32_t at = ( index >> slab_bits ) & ( ( 1u << own ) - 1u );
+		b.level[i] = (uint8_t)( bits - own + FINE_BITS );
+		b.at[i] = at << b.level[i];
+	}
+	return b;
+}
+
+/// Goes through all blocks of a slab, depth first: one sibling per halving waits. Ends early if it is late.
+static void make_cells( maker* m, block slab )
+{
+	block stack[LWI_CHART_BITS + 2] = { slab };
+	uint32_t waiting = 0; // below the one in hand
+	for ( bool done = false; !done && !m->late; )
+	{
+		block* b = &stack[waiting];
+		b->lower = fmax( fmax( b->lower, m->separation ), fill( m, b, 0 ) * LWI_CHART_STEP ); // what is known already
+		measure( m, b, FINE_BITS );
+		bool cell = is_cell( m, b );
+		bool good = b->lower >= fmin( GOOD_BLOCK * ( b->distance + b->motion ), ENOUGH );
+		if ( cell || good )
+		{
+			fill( m, b, number_of( cell && !m->late ? prove_cell( m, b ) : b->lower ) );
+			done = waiting == 0;
+			waiting -= done ? 0 : 1;
+			continue;
+		}
+		stack[++waiting] = halve( b );
+	}
+}
+
+/// True if some cell says more than is known of all.
+static bool is_worth_keeping( const lwi_chart* chart, double separation )
+{
+	uint8_t most = 0;
+	for ( size_t i = 0; i < lwi_chart_size( chart ); ++i )
+	{
+		most = chart->cells[i] > most ? chart->cells[i] : most;
+	}
+	return most * LWI_CHART_STEP > separation;
+}
+
+/// What the coarser chart says, cell by cell. Axes have the same or more bits, since each halving is chosen as before.
+static void inherit( lwi_chart* fine, const lwi_chart* coarse )
+{
+	uint32_t total = 0;
+	for ( uint32_t i = 0; i < fine->dimension; ++i )
+	{
+		total += fine->axes[i].bits;
+	}
+	for ( size_t cell = 0; cell < lwi_chart_size( fine ); ++cell )
+	{
+		size_t from = 0;
+		uint32_t below = total; // bits of this axis and those after it
+		for ( uint32_t i = 0; i < fine->dimension; ++i )
+		{
+			uint32_t bits = fine->axes[i].bits;
+			below -= bits;
+			size_t at = ( cell >> below ) & ( ( (size_t)1 << bits ) - 1 );
+			from = ( from << coarse->axes[i].bits ) + ( at >> ( bits - coarse->axes[i].bits ) );
+		}
+		fine->cells[cell] = coarse->cells[from];
+	}
+}
+
+static void drop_cells( const lw_reach* reach, lwi_chart* chart )
+{
+	if ( chart->cells != NULL )
+	{
+		lwi_free( &reach->allocator, chart->cells, lwi_chart_size( chart ) );
+		chart->cells = NULL;
+	}
+}
+
+/// A chart of so many cells, if it has not got them. @return false without memory
+static bool make_finer( maker* m, uint32_t total_bits )
+{
+	const lw_reach* reach = m->prober->job->reach;
+	lwi_chart coarse = *m->chart, *fine = m->chart;
+	lwi_chart_describe( reach, coarse.link_a, coarse.link_b, fine ); // no bits
+	choose_bits( m, total_bits );
+	bool same = coarse.cells != NULL, finer = true;
+	for ( uint32_t i = 0; i < fine->dimension; ++i )
+	{
+		same = same && coarse.axes[i].bits == fine->axes[i].bits;
+		finer = finer && coarse.axes[i].bits <= fine->axes[i].bits;
+	}
+	if ( same )
+	{
+		*fine = coarse;
+		return true;
+	}
+	fine->cells = lwi_alloc_zero( &reach->allocator, lwi_chart_size( fine ), 1 );
+	if ( fine->cells == NULL )
+	{
+		*fine = coarse;
+		return false;
+	}
+	if ( coarse.cells != NULL && finer )
+	{
+		inherit( fine, &coarse );
+	}
+	drop_cells( reach, &coarse );
+	return true;
+}
+
+lw_status lwi_chart_refine( lwi_prober* p, uint32_t link_a, uint32_t link_b, double separation,
+	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* chart, uint32_t* slabs, bool* out_complete )
+{
+	const lwi_reach_job* job = p->job;
+	*out_complete = true;
+	lwi_chart described;
+	if ( separation >= MOST || !lwi_chart_describe( job->reach, link_a, link_b, &described ) )
+	{
+		drop_cells( job->reach, chart );
+		return LW_OK;
+	}
+	*chart = chart->cells != NULL ? *chart : described;
+	lwi_prober_select( p, link_a, link_b );
+	maker m = { .prober = p, .chart = chart, .deadline = deadline };
+	uint32_t bits = total_bits[chart->dimension];
+	if ( !make_finer( &m, bits ) )
+	{
+		return lwi_out_of_memory( job->diag, "charts of pairs" );
+	}
+	m.parts = bits < FINE_CHART_BITS ? PARTS_OF_CELL : PARTS_OF_FINE;
+	m.most_cut = CUT_SPARE * pow( m.parts, 1.0 / chart->dimension );
+	m.separation = separation;
+	uint32_t slab_bits = bits > SLAB_BITS ? bits - SLAB_BITS : 0;
+	while ( *slabs < 1u << slab_bits && !m.late )
+	{
+		make_cells( &m, slab_of( chart, *slabs, slab_bits ) );
+		*slabs += m.late ? 0u : 1u;
+	}
+	*out_complete = *slabs >= 1u << slab_bits;
+	if ( *out_complete && !is_worth_keeping( chart, separation ) )
+	{
+		drop_cells( job->reach, chart );
+	}
+	return m.cancelled ? lwi_fail( job->diag, LW_ERROR_CANCELLED, LW_INVALID_INDEX, "given up by the progress callback" )
+					   : LW_OK;
+}

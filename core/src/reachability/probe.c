@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What all questions about a pair of links share: the joints between them, poses, measurements, random states.
+//
+// Uniform random rotations: K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
+#include "base/arena.h"
+#include "base/math_inline.h"
+#include "reachability/proof.h"
+
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+/// Half the width, in metres, of the window from which random values of a joint without limits are taken.
+#define WINDOW 1.0
+
+/// By how much more than the range to be proved a proof may look at, relative to its ends: charts overlap by less.
+#define WIDER 0x1p-36
+
+/// Everything a prober holds but the query and the motion table is one block, laid out by this list.
+static size_t lay_out( lwi_prober* p, void* block )
+{
+	const lw_robot* robot = p->robot;
+	size_t links = robot->link_count, joints = robot->joint_count, variables = robot->variable_count;
+	lwi_arena arena = lwi_arena_begin( block, sizeof( lwi_prober ) );
+	p->body_order = lwi_arena_take( &arena, robot->body_count, sizeof( uint32_t ) );
+	p->first_body = lwi_arena_take( &arena, links + 1, sizeof( uint32_t ) );
+	p->centers = lwi_arena_take( &arena, robot->body_count, sizeof( double[3] ) );
+	p->chain = lwi_arena_take( &arena, links, sizeof( uint32_t ) );
+	p->way_a = lwi_arena_take( &arena, joints, sizeof( uint32_t ) );
+	p->way_b = lwi_arena_take( &arena, joints, sizeof( uint32_t ) );
+	p->variables = lwi_arena_take( &arena, variables, sizeof( uint32_t ) );
+	p->poses = lwi_arena_take( &arena, links, sizeof( lw_transform ) );
+	double** states[] = { &p->sample_lower, &p->sample_upper, &p->lower, &p->upper, &p->state, &p->best, &p->trial,
+		&p->previous, &p->half_width, &p->shares };
+	for ( size_t i = 0; i < sizeof( states ) / sizeof( states[0] ); ++i )
+	{
+		*states[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
+	}
+	p->lengths_a = lwi_arena_take( &arena, joints + 1, sizeof( double ) );
+	p->lengths_b = lwi_arena_take( &arena, joints + 1, sizeof( double ) );
+	p->cells = lwi_arena_take( &arena, (size_t)( LWI_CELL_DEPTH + 1 ) * ( 2 * variables + 1 ), sizeof( double ) );
+	return arena.used;
+}
+
+static void sort_bodies( lwi_prober* p )
+{
+	const lw_robot* robot = p->robot;
+	uint32_t placed = 0;
+	for ( uint32_t link = 0; link < robot->link_count; ++link )
+	{
+		p->first_body[link] = placed;
+		for ( uint32_t body = 0; body < robot->body_count; ++body )
+		{
+			if ( robot->bodies[body].link == link )
+			{
+				p->body_order[placed++] = body;
+			}
+		}
+	}
+	p->first_body[robot->link_count] = placed;
+	for ( uint32_t body = 0; body < robot->body_count; ++body )
+	{
+		const lw_body_def* def = &robot->bodies[body];
+		lw_vec3 center = lwi_transform( &def->link_from_shape, lwi_load( lwi_shape_now( def->shape )->sphere_center ) );
+		p->centers[3 * body] = center.x;
+		p->centers[3 * body + 1] = center.y;
+		p->centers[3 * body + 2] = center.z;
+	}
+}
+
+static void set_sample_ranges( lwi_prober* p )
+{
+	lw_robot_default_state( p->robot, p->state );
+	for ( uint32_t i = 0; i < p->robot->variable_count; ++i )
+	{
+		const lw_variable_info* info = &p->robot->variables[i];
+		p->sample_lower[i] = isfinite( info->lower ) ? info->lower : fmin( p->state[i], info->upper ) - WINDOW;
+		p->sample_upper[i] = isfinite( info->upper ) ? info->upper : fmax( p->state[i], info->lower ) + WINDOW;
+	}
+}
+
+lw_status lwi_prober_create( const lwi_reach_job* job, lwi_prober** out_prober )
+{
+	*out_prober = NULL;
+	lwi_prober sizes;
+	memset( &sizes, 0, sizeof( sizes ) );
+	sizes.job = job;
+	sizes.robot = job->reach->robot;
+	sizes.allocator = job->reach->allocator;
+	size_t bytes = lay_out( &sizes, NULL );
+	lwi_prober* p = lwi_alloc_zero( &sizes.allocator, 1, bytes );
+	if ( p == NULL )
+	{
+		return lwi_out_of_memory( job->diag, "proofs of pairs" );
+	}
+	*p = sizes;
+	lay_out( p, p );
+	sort_bodies( p );
+	set_sample_ranges( p );
+	lw_query_def def = lw_query_def_default();
+	const lwi_query_sizes pair = { 0 }; // of two shapes, without a scene or a robot
+	lw_status status = lwi_query_create( &def, &pair, &p->allocator, &p->query );
+	if ( status == LW_OK )
+	{
+		status = lwi_motion_table_create( p->robot, NULL, NULL, &p->allocator, job->diag, &p->motion );
+	}
+	else
+	{
+		lwi_out_of_memory( job->diag, "proofs of pairs" );
+	}
+	if ( status != LW_OK )
+	{
+		lwi_prober_destroy( p );
+		return status;
+	}
+	*out_prober = p;
+	return LW_OK;
+}
+
+void lwi_prober_destroy( lwi_prober* p )
+{
+	if ( p != NULL )
+	{
+		lw_query_destroy( p->query );
+		lwi_motion_table_destroy( p->motion );
+		lw_allocator allocator = p->allocator;
+		lwi_prober sizes = *p;
+		lwi_free( &allocator, p, lay_out( &sizes, NULL ) );
+	}
+}
+
+// ---- one for each thread ---------------------------------------------------------------------------------------------
+
+lwi_prober* lwi_probers_take( lwi_probers* probers )
+{
+	lwi_prober* p = NULL;
+	for ( uint32_t i = 0; i < LWI_PROBERS && p == NULL; ++i )
+	{
+		p = atomic_exchange( &probers->idle[i], NULL );
+	}
+	if ( p == NULL && lwi_prober_create( probers->job, &p ) != LW_OK )
+	{
+		atomic_store( &probers->out_of_memory, true );
+		return NULL;
+	}
+	memset( p->query->search.hints, 0, sizeof( p->query->search.hints ) ); // what a pair's answers are does not depend on who came before it
+	return p;
+}
+
+void lwi_probers_give( lwi_probers* probers, lwi_prober* p )
+{
+	for ( uint32_t i = 0; i < LWI_PROBERS && p != NULL; ++i )
+	{
+		lwi_prober* none = NULL;
+		p = atomic_compare_exchange_strong( &probers->idle[i], &none, p ) ? NULL : p;
+	}
+	lwi_prober_destroy( p );
+}
+
+void lwi_probers_free( lwi_probers* probers )
+{
+	for ( uint32_t i = 0; i < LWI_PROBERS; ++i )
+	{
+		lwi_prober_destroy( atomic_exchange( &probers->idle[i], NULL ) );
+	}
+}
+
+// ---- the joints between two links ------------------------------------------------------------------------------------
+
+/// Appends the links below the ancestor on the way to `link`, parents first, and the joints that move, from `link` up.
+/// Returns the count of those joints.
+static uint32_t climb( lwi_prober* p, uint32_t link, uint32_t* way )
+{
+	uint32_t depth = 0, count = 0;
+	for ( uint32_t at = link; at != p->ancestor; at = p->robot->joints[p->robot->link_joint[at]].parent )
+	{
+		++depth;
+	}
+	p->chain_count += depth;
+	uint32_t place = p->chain_count;
+	for ( uint32_t at = link; at != p->ancestor; at = p->robot->joints[p->robot->link_joint[at]].parent )
+	{
+		uint32_t joint = p->robot->link_joint[at];
+		p->chain[--place] = at;
+		if ( !p->robot->joints[joint].constant )
+		{
+			way[count++] = joint;
+		}
+	}
+	return count;
+}
+
+static uint32_t joint_variables( const lwi_joint* joint )
+{
+	return joint->type == LW_JOINT_PLANAR ? 3 : joint->type == LW_JOINT_FLOATING ? 7 : 1;
+}
+
+/// True if adding a turn to the variable changes no pose of the chain: an angle, followed by whole multiples only.
+static bool is_periodic( const lwi_prober* p, uint32_t variable )
+{
+	for ( uint32_t i = 0; i < p->way_count; ++i )
+	{
+		const lwi_joint* joint = &p->robot->joints[p->way_a[i]];
+		if ( variable < joint->variable || variable >= joint->variable + joint_variables( joint ) )
+		{
+			continue;
+		}
+		bool angle = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
+		bool whole = joint->multiplier == floor( joint->multiplier );
+		bool theta = joint->type == LW_JOINT_PLANAR && variable == joint->variable + 2;
+		if ( !( angle && whole ) && !theta )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// The range to be proved: limits widened, or one whole turn (and the rounding of pi) of an angle without limits.
+static void set_box( lwi_prober* p )
+{
+	const lw_reach* reach = p->job->reach;
+	p->bounded = true;
+	for ( uint32_t i = 0; i < p->variable_count; ++i )
+	{
+		uint32_t v = p->variables[i];
+		p->lower[v] = reach->lower[v];
+		p->upper[v] = reach->upper[v];
+		if ( !isfinite( p->lower[v] ) && !isfinite( p->upper[v] ) && is_periodic( p, v ) )
+		{
+			p->lower[v] = -pi - 1e-12;
+			p->upper[v] = pi + 1e-12;
+		}
+		bool floating = p->robot->joints[p->robot->variables[v].joint].type == LW_JOINT_FLOATING;
+		p->bounded = p->bounded && !floating && isfinite( p->lower[v] ) && isfinite( p->upper[v] );
+		p->previous[v] = p->lower[v] - WIDER * ( fabs( p->lower[v] ) + fabs( p->upper[v] ) ); // scratch of the search
+		p->trial[v] = p->upper[v] + WIDER * ( fabs( p->lower[v] ) + fabs( p->upper[v] ) );
+	}
+	p->rounding = 0;
+	for ( int side = 0; side < 2 && p->bounded; ++side )
+	{
+		uint32_t link = side == 0 ? p->link_a : p->link_b;
+		double largest = 0;
+		for ( uint32_t i = p->first_body[link]; i < p->first_body[link + 1]; ++i )
+		{
+			largest = fmax( largest, lwi_motion_box_rounding( p->motion, p->body_order[i], side == 0 ? p->way_a : p->way_b,
+										 p->way_count, p->previous, p->trial ) );
+		}
+		p->rounding += largest;
+	}
+}
+
+void lwi_prober_select( lwi_prober* p, uint32_t link_a, uint32_t link_b )
+{
+	p->link_a = link_a;
+	p->link_b = link_b;
+	p->ancestor = lwi_reach_common_ancestor( p->robot, link_a, link_b );
+	p->chain_count = 0;
+	p->way_up = climb( p, link_a, p->way_a );
+	uint32_t down = climb( p, link_b, p->way_b );
+	p->way_count = p->way_up + down;
+	for ( uint32_t i = 0; i < down; ++i )
+	{
+		p->way_a[p->way_up + i] = p->way_b[down - 1 - i];
+	}
+	for ( uint32_t i = 0; i < p->way_up; ++i )
+	{
+		p->way_b[down + i] = p->way_a[p->way_up - 1 - i];
+	}
+	p->variable_count = 0;
+	for ( uint32_t v = 0; v < p->robot->variable_count; ++v )
+	{
+		for ( uint32_t i = 0; i < p->way_count; ++i )
+		{
+			const lwi_joint* joint = &p->robot->joints[p->way_a[i]];
+			if ( v >= joint->variable && v < joint->variable + joint_variables( joint ) )
+			{
+				p->variables[p->variable_count++] = v;
+				break;
+			}
+		}
+	}
+	p->poses[p->ancestor] = lw_transform_identity();
+	set_box( p );
+}
+
+// ---- measuring -------------------------------------------------------------------------------------------------------
+
+static lw_transform a_from_b( const lw_transform* poses, const lw_body_def* a, const lw_body_def* b )
+{
+	lw_transform pose_a = lwi_multiply( &poses[a->link], &a->link_from_shape );
+	lw_transform pose_b = lwi_multiply( &poses[b->link], &b->link_from_shape );
+	return lwi_relative( &pose_a, &pose_b );
+}
+
+/// What was nearest elsewhere goes into the bound.
+static void measure_nearest( lwi_prober* p, const lw_transform* poses, const uint32_t first[2], const lwi_nearest* nearest, lwi_bound* bound )
+{
+	const lw_body_def* a = &p->robot->bodies[p->body_order[first[0] + nearest->body_a]];
+	const lw_body_def* b = &p->robot->bodies[p->body_order[first[1] + nearest->body_b]];
+	lw_transform m = a_from_b( poses, a, b );
+	lwi_measure( &p->query->search, a->shape, b->shape, &m, nearest->item_a, nearest->item_b, bound );
+}
+
+void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
+	const lw_range* range, lwi_nearest* nearest, lwi_bound* bound )
+{
+	const lw_robot* robot = p->robot;
+	const uint32_t first[2] = { p->first_body[link_a], p->first_body[link_b] }, count_b = p->first_body[link_b + 1] - first[1];
+	lwi_bound_init( bound, range );
+	if ( nearest != NULL && nearest->known )
+	{
+		bound->current_pair = nearest->body_a * count_b + nearest->body_b;
+		measure_nearest( p, poses, first, nearest, bound );
+	}
+	for ( uint32_t i = first[0]; i < p->first_body[link_a + 1] && !bound->done; ++i )
+	{
+		const lw_body_def* a = &robot->bodies[p->body_order[i]];
+		lw_vec3 center_a = lwi_transform( &poses[link_a], lwi_load( p->centers + 3 * (size_t)p->body_order[i] ) );
+		for ( uint32_t j = first[1]; j < first[1] + count_b && !bound->done; ++j )
+		{
+			const lw_body_def* b = &robot->bodies[p->body_order[j]];
+			lw_vec3 center_b = lwi_transform( &poses[link_b], lwi_load( p->centers + 3 * (size_t)p->body_order[j] ) );
+			double radii = lwi_shape_now( a->shape )->sphere_radius + lwi_shape_now( b->shape )->sphere_radius;
+			double apart = lwi_distance( center_a, center_b );
+			// the centres carry the rounding of two transforms: a few roundoffs of their coordinates
+			double slack = 64 * LWI_U64 * ( apart + radii + lwi_length( center_a ) + lwi_length( center_b ) );
+			if ( apart - radii - slack >= bound->prune )
+			{
+				continue;
+			}
+			lw_transform m = a_from_b( poses, a, b );
+			bound->current_pair = ( i - first[0] ) * count_b + ( j - first[1] );
+			lwi_search( &p->query->search, a->shape, b->shape, &m, bound );
+		}
+	}
+	if ( nearest != NULL && bound->upper < INFINITY )
+	{
+		*nearest = (lwi_nearest){ true, bound->pair / count_b, bound->pair % count_b, bound->triangle_a, bound->triangle_b };
+	}
+}
+
+bool lwi_prober_pose( lwi_prober* p, const double* q )
+{
+	return lwi_robot_fk_links( p->robot, q, p->chain, p->chain_count, p->poses );
+}
+
+double lwi_prober_distance( lwi_prober* p, const double* q, double limit )
+{
+	if ( !( limit > 0 ) || !lwi_prober_pose( p, q ) )
+	{
+		return INFINITY;
+	}
+	lw_range range = { 0, limit, 0 };
+	lwi_bound bound;
+	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, NULL, &bound );
+	return bound.upper;
+}
+
+// ---- random states ---------------------------------------------------------------------------------------------------
+
+static void random_quaternion( uint64_t* random, double q[4] )
+{
+	double u = lwi_random_in( random, 0, 1 );
+	double a = lwi_random_in( random, -pi, pi ), b = lwi_random_in( random, -pi, pi );
+	q[0] = sqrt( 1 - u ) * sin( a );
+	q[1] = sqrt( 1 - u ) * cos( a );
+	q[2] = sqrt( u ) * sin( b );
+	q[3] = sqrt( u ) * cos( b );
+}
+
+void lwi_prober_random_state( const lwi_prober* p, uint64_t* random, const uint32_t* variables, uint32_t count, double* q )
+{
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		uint32_t v = variables != NULL ? variables[i] : i;
+		const lw_variable_info* info = &p->robot->variables[v];
+		bool quaternion = p->robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component >= 3;
+		if ( quaternion && info->component == 3 )
+		{
+			random_quaternion( random, q + v );
+		}
+		else if ( !quaternion )
+		{
+			q[v] = lwi_random_in( random, p->sample_lower[v], p->sample_upper[v] );
+		}
+	}
+}

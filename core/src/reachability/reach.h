@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a reach is made of, and the doors between its rooms: hulls, proofs, search, tables.
+#ifndef LEEWAY_REACHABILITY_REACH_H
+#define LEEWAY_REACHABILITY_REACH_H
+
+#include "base/base.h"
+#include "leeway/reach.h"
+#include "reachability/clearance_grid.h"
+#include "robot/robot.h"
+
+/// The node of one link, and where its M hull's points are.
+typedef struct lwi_reach_link
+{
+	lw_reach_node node;
+	size_t first_point; ///< index into points
+} lwi_reach_link;
+
+enum
+{
+	LWI_EFFORT_BOUNDED = 1,  ///< a proof by subdivision can be tried
+	LWI_EFFORT_HULLS = 2,    ///< the hulls of both links' motion were compared
+	LWI_EFFORT_SEARCH = 4,   ///< contact was searched for
+	LWI_EFFORT_DEFAULT = 8,  ///< in contact at the default state
+	LWI_EFFORT_HOPELESS = 16, ///< in contact inside the margin around the limits
+	LWI_EFFORT_TOO_MANY = 32, ///< the aim at hand takes too many cells
+	LWI_EFFORT_FLAGS = 64,   ///< above all of them
+	LWI_CELL_DEPTH = 300     ///< cuts above each other; 43 halvings bring a full turn below 1e-12 rad
+};
+
+/// What was done for a pair that moves, and what is under way: proofs go on from here.
+typedef struct lwi_effort
+{
+	uint32_t flags;    ///< LWI_EFFORT_...
+	uint32_t contacts; ///< random states in contact
+	uint32_t visits;   ///< random states in which bounding spheres met: where queries may have to search the pair
+	uint32_t chart_rounds, chart_slabs; ///< charts made, and parts of the one under way (reachability/clearance_grid.c)
+	// the subdivision under way (reachability/subdivide.c)
+	uint64_t cells;    ///< measured for the aim at hand
+	double expected;   ///< cells that it takes, by forecast; 0 = not known
+	double fraction;   ///< of the least distance, aimed at; 0 = none is under way
+	double target, least;
+	uint32_t height;   ///< open cells
+	double* open;      ///< [height][2 * variable_count + 1]
+} lwi_effort;
+
+struct lw_reach
+{
+	atomic_uint references;
+	lw_allocator allocator;
+	lw_robot* robot;
+	size_t bytes;
+	uint32_t link_count, variable_count;
+	double hull_error, limit_margin;   ///< as used
+	double* lower;         ///< [variable_count] limits widened; infinite if there are none
+	double* upper;
+	lwi_reach_link* links; ///< [link_count]
+	size_t point_count;
+	double* points;        ///< [point_count][3] M hulls
+	lw_reach_pair* pairs;  ///< [link_count * ( link_count - 1 ) / 2], see lwi_reach_pair_index()
+	uint32_t* states;      ///< the same shape: index of the evidence in `evidence`, or LW_INVALID_INDEX
+	uint32_t evidence_count;
+	double* evidence;      ///< [evidence_count][variable_count]
+	lwi_effort* efforts;   ///< [evidence_count]: there is evidence, found or not, of each pair that moves
+	uint32_t sample_count; ///< random states measured, those of `seed`
+	uint64_t seed;
+	double seconds;        ///< spent on pairs
+	uint32_t chart_count, chart_capacity;
+	lwi_chart* charts;     ///< [chart_count] by lwi_reach_pair_index(), ascending; each owns its cells
+	double* rigid;         ///< [link_count * link_count] equation (3): row i, column j
+	double* motion;        ///< [link_count * link_count] equation (4)
+	double* scfree;        ///< [link_count] equation (12)
+};
+
+/// Index of an unordered pair of different links.
+static inline size_t lwi_reach_pair_index( uint32_t a, uint32_t b )
+{
+	size_t high = a > b ? a : b, low = a > b ? b : a;
+	return high * ( high - 1 ) / 2 + low;
+}
+
+/// The effort of a pair by its index; NULL if the two do not move against each other.
+static inline lwi_effort* lwi_reach_effort( const lw_reach* reach, size_t pair_index )
+{
+	uint32_t i = reach->states != NULL && reach->efforts != NULL ? reach->states[pair_index] : LW_INVALID_INDEX;
+	return i < reach->evidence_count ? &reach->efforts[i] : NULL;
+}
+
+/// True if contact of the pair counts: both links have geometry, move against each other, and contact is not allowed.
+/// Adjacent links count unless they are allowed too.
+static inline bool lwi_reach_is_checked( const lw_reach_pair* pair )
+{
+	return pair->kind != LW_PAIR_NONE && pair->kind != LW_PAIR_RIGID && !pair->allowed;
+}
+
+/// Everything allocated by lw_reach_create() or by reading a blob, sizes as given in `reach`. NULL members are ignored.
+void lwi_reach_free( lw_reach* reach );
+
+/// Allocates the arrays whose sizes follow from reach->robot (all but points and evidence), fills lower and upper with the
+/// limits widened by reach->limit_margin; pairs have nothing measured and no state. What it allocated before it failed is
+/// left to lwi_reach_free().
+lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag );
+
+/// Bytes of all that a finished reach holds, the robot left out.
+size_t lwi_reach_count_bytes( const lw_reach* reach );
+
+/// Bytes of the open cells of a pair.
+static inline size_t lwi_effort_bytes( const lwi_effort* effort, uint32_t variable_count )
+{
+	return (size_t)effort->height * ( 2 * (size_t)variable_count + 1 ) * sizeof( double );
+}
+
+// --- reachability/run.c -----------------------------------------------------------------------------------------------------
+
+/// What is under way, for all threads.
+typedef struct lwi_reach_stage
+{
+	const char* name;
+	double begin, seconds;     ///< a stage with a time budget; seconds = 0: without
+	uint32_t count;            ///< steps of a stage without one
+	atomic_uint done;          ///< steps
+	atomic_bool reporting;     ///< one thread is about to report
+	atomic_bool cancelled;
+	_Atomic double last_report;
+} lwi_reach_stage;
+
+typedef struct lwi_reach_job
+{
+	const lw_reach_def* def;
+	lw_reach* reach;
+	lw_diag* diag;
+	lwi_reach_stage* stage; ///< NULL: nobody waits for progress
+} lwi_reach_job;
+
+/// Begins a stage of progress. @param seconds its time budget; 0 = none, it has `count` steps
+void lwi_reach_begin( const lwi_reach_job* job, const char* name, double seconds, uint32_t count );
+/// To be called often, by any thread; reports a few times a second. False if the user gave up.
+bool lwi_reach_goes_on( const lwi_reach_job* job );
+/// A step is done.
+void lwi_reach_step( const lwi_reach_job* job );
+/// Seconds of a clock that never goes back.
+double lwi_monotonic_seconds( void );
+
+/// task( context, i ) for all i below count, on the threads that the def provides. @return LW_OK, LW_ERROR_OUT_OF_MEMORY
+lw_status lwi_reach_run( const lwi_reach_job* job, void ( *task )( void* context, uint32_t index ), void* context,
+	uint32_t count );
+
+// --- reachability/hull.c ----------------------------------------------------------------------------------------------------
+
+/// Fills links and points: R, M and MR of every link, bottom-up.
+lw_status lwi_reach_build_hulls( const lwi_reach_job* job );
+
+/// Hulls of single links swept up to an ancestor, made when asked for and kept while pairs are proved.
+typedef struct lwi_sweeps lwi_sweeps;
+lw_status lwi_sweeps_create( const lwi_reach_job* job, lwi_sweeps** out_sweeps );
+void lwi_sweeps_destroy( lwi_sweeps* sweeps );
+/// Joints between a link and its lowest common ancestor with another one.
+uint32_t lwi_sweeps_level( const lwi_sweeps* sweeps, uint32_t link, uint32_t other );
+/// Makes the hulls of a link up to a level: those of different links at the same time. @return as below
+lw_status lwi_sweeps_make( lwi_sweeps* sweeps, uint32_t link, uint32_t level );
+/// Proved lower bound of the distance of two links over all states, from the hulls of their motion seen from their lowest
+/// common ancestor; 0 if the hulls do not prove anything. @return LW_OK or LW_ERROR_OUT_OF_MEMORY
+lw_status lwi_sweeps_separation( lwi_sweeps* sweeps, uint32_t link_a, uint32_t link_b, double* out_separation );
+
+// --- reachability/pairs.c ---------------------------------------------------------------------------------------------------
+
+/// Lists the pairs that move, with evidence and efforts: nothing is measured.
+lw_status lwi_reach_list_pairs( const lwi_reach_job* job );
+/// Goes on with pairs, states, evidence and efforts: sampling, hull proofs, search for contact, what takes time, classes.
+lw_status lwi_reach_build_pairs( const lwi_reach_job* job );
+
+// --- reachability/effort.c --------------------------------------------------------------------------------------------------
+
+/// What the next proof of a pair aims at, as a fraction of its closest distance; 0: nothing is to be tried (any more).
+double lwi_effort_aim( const lw_reach_pair* pair, const lwi_effort* effort );
+/// True if a chart of a pair is wanted and not finished.
+bool lwi_effort_wants_chart( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort );
+
+// --- reachability/tables.c --------------------------------------------------------------------------------------------------
+
+/// Fills rigid, motion and scfree from pairs.
+void lwi_reach_build_tables( lw_reach* reach );
+
+/// Lowest common ancestor of two links.
+uint32_t lwi_reach_common_ancestor( const lw_robot* robot, uint32_t a, uint32_t b );
+
+#endif

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Forward kinematics and the interpolation of states. Rounding bounds: core/docs/kinematics.md.
+//
+// Rotations about any axis: Rodrigues 1840. Slerp: Shoemake, Animating rotation with quaternion curves, SIGGRAPH 1985.
+// Angle of two vectors without cancellation: Kahan, How futile are mindless assessments of roundoff, 2006, section 12.
+#include "base/math_inline.h"
+#include "robot/robot.h"
+
+#include <string.h>
+
+static const double two_pi = 6.28318530717958647692;
+
+/// m's columns i and j turn into each other: (i, j) <- (c i + s j, c j - s i).
+static inline void turn_columns( lw_transform* m, int i, int j, double c, double s )
+{
+	for ( int row = 0; row < 3; ++row )
+	{
+		double a = m->r[row][i], b = m->r[row][j];
+		m->r[row][i] = c * a + s * b;
+		m->r[row][j] = c * b - s * a;
+	}
+}
+
+static void turn_general( lw_transform* m, const double axis[3], double c, double s )
+{
+	double x = axis[0], y = axis[1], z = axis[2], d = 1 - c;
+	lw_transform turn = { { { c + d * x * x, d * x * y - s * z, d * x * z + s * y },
+							  { d * x * y + s * z, c + d * y * y, d * y * z - s * x },
+							  { d * x * z - s * y, d * y * z + s * x, c + d * z * z } },
+		{ 0, 0, 0 } };
+	*m = lwi_multiply( m, &turn );
+}
+
+/// Turns m about the joint's axis, on the right: m * rotation( axis, angle ).
+static void turn( const lwi_joint* joint, lwi_turn by, lw_transform* m )
+{
+	double c = by.c, s = joint->axis_sign * by.s;
+	switch ( joint->axis_kind )
+	{
+		case LWI_AXIS_X:
+			turn_columns( m, 1, 2, c, s );
+			break;
+		case LWI_AXIS_Y:
+			turn_columns( m, 2, 0, c, s );
+			break;
+		case LWI_AXIS_Z:
+			turn_columns( m, 0, 1, c, s );
+			break;
+		case LWI_AXIS_GENERAL:
+			turn_general( m, joint->axis, c, s );
+			break;
+	}
+}
+
+static inline void shift( lw_transform* m, lw_vec3 by )
+{
+	lw_vec3 v = lwi_rotate( m, by );
+	m->t[0] += v.x;
+	m->t[1] += v.y;
+	m->t[2] += v.z;
+}
+
+bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
+{
+	const double* v = q + joint->variable;
+	switch ( joint->type )
+	{
+		case LW_JOINT_FIXED:
+			break;
+		case LW_JOINT_REVOLUTE:
+		case LW_JOINT_CONTINUOUS:
+			turn( joint, lwi_turn_of( lwi_joint_angle( joint, q ) ), m );
+			break;
+		case LW_JOINT_PRISMATIC:
+			shift( m, lwi_scale( joint->multiplier * v[0] + joint->offset, lwi_load( joint->axis ) ) );
+			break;
+		case LW_JOINT_PLANAR:
+			shift( m, lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) );
+			turn( joint, lwi_turn_of( v[2] ), m );
+			break;
+		case LW_JOINT_FLOATING:
+		{
+			lw_transform motion;
+			if ( lw_transform_from_quaternion( v, v + 3, &motion ) != LW_OK )
+			{
+				return false;
+			}
+			*m = lwi_multiply( m, &motion );
+			break;
+		}
+	}
+	return true;
+}
+
+void lwi_joint_pose_turned( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
+	bool translates, lwi_turn by, lw_transform* m )
+{
+	if ( translates )
+	{
+		*m = *world_from_frame;
+		shift( m, lwi_load( frame_from_joint->t ) );
+		turn( joint, by, m );
+	}
+	else // what does not wait for the frame's pose comes first
+	{
+		lw_transform turned = *frame_from_joint;
+		turn( joint, by, &turned );
+		*m = lwi_multiply( world_from_frame, &turned );
+	}
+}
+
+bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
+	bool translates, const double* q, lw_transform* m )
+{
+	if ( lwi_joint_only_turns( joint ) )
+	{
+		lwi_turn by = lwi_turn_of( lwi_joint_angle( joint, q ) );
+		lwi_joint_pose_turned( joint, world_from_frame, frame_from_joint, translates, by, m );
+		return true;
+	}
+	if ( translates )
+	{
+		*m = *world_from_frame;
+		shift( m, lwi_load( frame_from_joint->t ) );
+	}
+	else
+	{
+		*m = lwi_multiply( world_from_frame, frame_from_joint );
+	}
+	return joint->constant || lwi_joint_move( joint, q, m );
+}
+
+bool lwi_robot_fk_links( const lw_robot* robot, const double* q, const uint32_t* links, uint32_t count,
+	lw_transform* world_from_link )
+{
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		uint32_t link = links[i];
+		uint32_t index = robot->link_joint[link];
+		lw_transform* m = &world_from_link[link];
+		if ( index == LW_INVALID_INDEX )
+		{
+			*m = robot->world_from_root;
+			continue;
+		}
+		const lwi_joint* joint = &robot->joints[index];
+		if ( !lwi_joint_pose( joint, &world_from_link[joint->parent], &joint->parent_from_joint, joint->pure_translation, q, m ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+lw_status lw_robot_fk( const lw_robot* robot, const double* q, lw_transform* world_from_link )
+{
+	for ( uint32_t i = 0; i < robot->variable_count; ++i )
+	{
+		if ( !isfinite( q[i] ) )
+		{
+			return LW_ERROR_INVALID_ARGUMENT;
+		}
+	}
+	bool ok = lwi_robot_fk_links( robot, q, robot->link_order, robot->link_count, world_from_link );
+	return ok ? LW_OK : LW_ERROR_INVALID_ARGUMENT;
+}
+
+// ---- interpolation ---------------------------------------------------------------------------------------------------
+
+/// remainder( v, two_pi ), which is v itself up to half a turn: without the call.
+static double wrapped( double v )
+{
+	return fabs( v ) <= 0.5 * two_pi ? v : remainder( v, two_pi );
+}
+
+double lwi_wrapped_difference( double from, double to )
+{
+	return wrapped( to - from );
+}
+
+/// Unit quaternion in *out; false for zero or non-finite input. Scaled first: squares of tiny or huge entries leave the
+/// range of doubles.
+static bool normalize_quaternion( const double q[4], double out[4] )
+{
+	double largest = fmax( fmax( fabs( q[0] ), fabs( q[1] ) ), fmax( fabs( q[2] ), fabs( q[3] ) ) );
+	double sum = 0;
+	for ( int i = 0; i < 4; ++i )
+	{
+		out[i] = q[i] / largest;
+		sum += out[i] * out[i];
+	}
+	double length = sqrt( sum );
+	for ( int i = 0; i < 4; ++i )
+	{
+		out[i] /= length;
+	}
+	return largest > 0 && isfinite( length );
+}
+
+/// Unit quaternions of the shorter arc: b's sign is turned towards a. @return the angle between them, in [0, pi / 2]
+static double shorter_arc( const double qa[4], const double qb[4], double a[4], double b[4] )
+{
+	if ( !normalize_quaternion( qa, a ) || !normalize_quaternion( qb, b ) )
+	{
+		return NAN;
+	}
+	double dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+	double sign = dot < 0 ? -1 : 1;
+	double minus_sq = 0, plus_sq = 0;
+	for ( int i = 0; i < 4; ++i )
+	{
+		b[i] *= sign;
+		minus_sq += ( a[i] - b[i] ) * ( a[i] - b[i] );
+		plus_sq += ( a[i] + b[i] ) * ( a[i] + b[i] );
+	}
+	return 2 * atan2( sqrt( minus_sq ), sqrt( plus_sq ) ); // Kahan: exact for nearly equal ones too, unlike acos( dot )
+}
+
+double lwi_quaternion_half_angle( const double a[4], const double b[4] )
+{
+	double unit_a[4], unit_b[4];
+	return shorter_arc( a, b, unit_a, unit_b );
+}
+
+static void slerp( const double qa[4], const double qb[4], double t, double out[4] )
+{
+	double a[4], b[4];
+	double angle = shorter_arc( qa, qb, a, b );
+	double sine = sin( angle );
+	// With the shorter arc the angle is at most a right one, so sine is zero only for (nearly) equal quaternions
+	double weight_a = sine > 0 ? sin( ( 1 - t ) * angle ) / sine : 1 - t;
+	double weight_b = sine > 0 ? sin( t * angle ) / sine : t;
+	for ( int i = 0; i < 4; ++i )
+	{
+		out[i] = weight_a * a[i] + weight_b * b[i];
+	}
+	double unit[4];
+	if ( normalize_quaternion( out, unit ) )
+	{
+		memcpy( out, unit, sizeof( unit ) );
+	}
+}
+
+double lwi_interpolate_variable( const lw_variable_info* info, double a, double b, double t )
+{
+	if ( info->wraps )
+	{
+		return wrapped( t == 1 ? b : a + t * lwi_wrapped_difference( a, b ) );
+	}
+	return t == 1 ? b : a + t * ( b - a ); // exact at both ends
+}
+
+void lw_robot_interpolate( const lw_robot* robot, const double* qa, const double* qb, double t, double* out )
+{
+	for ( uint32_t i = 0; i < robot->variable_count; )
+	{
+		const lw_variable_info* info = &robot->variables[i];
+		if ( robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 3 )
+		{
+			double q[4];
+			slerp( qa + i, qb + i, t, q );
+			memcpy( out + i, q, sizeof( q ) );
+			i += 4;
+			continue;
+		}
+		out[i] = lwi_interpolate_variable( info, qa[i], qb[i], t );
+		++i;
+	}
+}

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How far the points of a body can move along an edge: an upper bound of their path lengths.
+#ifndef LEEWAY_ROBOT_MOTION_BOUND_H
+#define LEEWAY_ROBOT_MOTION_BOUND_H
+
+#include "leeway/reach.h"
+#include "robot/robot.h"
+
+/// What is known of a robot's bodies before any edge: enclosing spheres, distances to the first joint axis, and for each
+/// joint j above body b the largest distance from b to the axis of j over *all* configurations. Immutable, kept by the
+/// checker, which also keeps the robot alive.
+typedef struct lwi_motion_table lwi_motion_table;
+
+/// What moves as one: bodies on links between which no joint of the edges moves, and a sphere around them.
+typedef struct lwi_motion_piece
+{
+	uint32_t link;     ///< the frame of what follows
+	lw_sphere sphere;  ///< contains the bodies
+	uint32_t count;    ///< of shapes, where they are
+	const lw_shape* const* shapes;
+	const lw_transform* link_from_shape;
+} lwi_motion_piece;
+
+/// A table over pieces instead of bodies: below, `body` is then a piece. Nothing of `pieces` is kept.
+lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motion_piece* pieces, uint32_t piece_count,
+	const bool* fixed_variables, const double* reference, const lw_allocator* allocator, lw_diag* diag,
+	lwi_motion_table** out_table );
+
+/// Each body is a piece.
+/// @param fixed_variables [variable_count] true where the variable stays at reference[variable] in every edge; NULL = none.
+/// All variables of a planar or floating joint are fixed or none.
+/// @param reference [variable_count]; finite. May be NULL if fixed_variables is
+/// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_INVALID_ARGUMENT (zero quaternion in the reference)
+lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_variables, const double* reference,
+	const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table );
+void lwi_motion_table_destroy( lwi_motion_table* table ); ///< NULL is ignored
+size_t lwi_motion_table_bytes( const lwi_motion_table* table );
+
+/// Upper bound, for any point of any body, of the distance between where it is in the world at a state and where double arithmetic puts
+/// it. Poses are not quite rigid: a distance of two bodies, in the frame of one of them, is off by up to three times that and
+/// *stretch times itself. Derivation: core/docs/numerics.md. Cost: the moving joints that shift, or that follow others.
+/// @param state [variable_count] finite
+double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch, double* reach );
+
+/// Bytes of scratch, 64-aligned, that lwi_motion_measure() fills.
+size_t lwi_motion_scratch_size( const lwi_motion_table* table );
+/// How much more that may be for a robot with this many more links on fixed joints.
+size_t lwi_motion_scratch_spare( uint32_t links );
+
+/// Measures the edge qa -> qb (full states, finite; the motion of lw_robot_interpolate over t in [0, 1]) for all bodies.
+/// Holds for states outside the joint limits too. @return false for a zero quaternion or an edge whose length overflows
+bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+
+/// Bounds of the motion of a body's points along the whole edge, rounded outward. On any part [s, t] of the edge a point's way is
+/// at most (t - s) * path long, and its velocity changes by at most (t - s) * change.
+typedef struct lwi_motion_rate
+{
+	double path;   ///< metres per unit of t. 0 exactly if no joint in between moves
+	double change; ///< largest acceleration, metres per squared unit of t
+} lwi_motion_rate;
+
+/// lwi_motion_measure() in steps: what holds without any pose, where the joints are at some state of the edge, then body by
+/// body.
+/// @param poses [link_count] world_from_link at that state, of the bodies' links and of the moving joints' children
+/// @param share of the edge, on the longer side of that state: 0.5 for its middle
+bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses );
+void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
+	double share );
+
+/// All bodies of a begun edge by what holds for all states, without any pose: looser, and cheap. @return the largest acceleration
+double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch );
+
+/// Motion of a measured body in the frame of `ancestor`: a link above the body's link or that link itself, or LW_INVALID_INDEX
+/// for the world.
+lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+/// All of these for one body: entry i is what the first i + 1 moving joints above it do.
+const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body );
+double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< its path
+/// How fast the acceleration of its points changes at most, metres per cubed unit of t.
+double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+
+/// How far points get from the straight line between their places at both ends of a part of the edge.
+typedef struct lwi_motion_bow
+{
+	double bend;  ///< metres: s ( 1 - s ) of this at the share s of the part
+	double bulge; ///< metres, at the most
+} lwi_motion_bow;
+
+/// @param h the part's length in t
+lwi_motion_bow lwi_motion_bow_of( lwi_motion_rate rate, double h );
+/// The same for both of two parts, one after the other and each h long.
+/// @param jerk see lwi_motion_jerk() @param second |a - 2 b + c| for places a, b, c of the points at the ends of both, or more
+lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double h, double second );
+
+/// Upper bound of the distance of a point from where it is at one end of a part of the edge, anywhere on the part.
+/// @param chord of its places at both ends, or more @param path along the part
+double lwi_motion_between( double chord, lwi_motion_bow bow, double path );
+
+/// How things move at one moment: a point x has the velocity shift + turn x x, per unit of t.
+typedef struct lwi_twist
+{
+	lw_vec3 turn, shift;
+} lwi_twist;
+
+/// What the first moving joint above a body gives to everything below it, in the world. NaN for joints of several variables.
+/// @param pose world_from_link of that joint's child at the state that is asked about
+lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose );
+/// How fast the first moving joint above a body turns or shifts, with its sign, per unit of t. NaN for joints of several variables.
+double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body );
+/// Radians that all joints together turn along the edge.
+double lwi_motion_turns( const lwi_motion_table* table, const void* scratch );
+/// How far the velocity of a point of any body, of twists that were summed up from these, is from the true one at most.
+double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch );
+
+/// Upper bound of the path length of any body in the world along the whole edge, once it was begun: looser than that of any
+/// of its parts.
+double lwi_motion_total( const lwi_motion_table* table, const void* scratch );
+
+/// Upper bound of the distance between where a point of any body is at t and where double arithmetic puts it in the world.
+double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch );
+
+// --- cells of the joint space, seen from one of two links ----------------------------------------------------------------
+//
+// A *way* leads from the link of a body to another link: the joints that a variable moves, in order, constant ones left out;
+// the first `upward` of them lead towards the root. None is a floating joint. Derivation: core/docs/self_collision.md.
+
+/// Raises lengths[k], k = 0 .. count, to how far any point of `body` may be from its place at `center`, in any state whose
+/// variables differ from `center` by at most half_width, seen from behind the first k joints of the way. Rounded outward.
+/// @param center, half_width [variable_count] @param table made without fixed variables
+/// @param poses [link_count] of the links next to the way's joints and of the body's link at `center`, in one frame
+/// @param rounding bounds the rounding of those poses, see lwi_motion_box_rounding()
+void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count, uint32_t upward,
+	const double* center, const double* half_width, const lw_transform* poses, double rounding, double* lengths );
+
+/// Upper bound of lwi_motion_rounding() for poses relative to any link of the way, at all states in a finite box.
+double lwi_motion_box_rounding( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count,
+	const double* lower, const double* upper );
+
+#endif

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Cores: a few extreme points of a shape, inside its convex hull.
+//
+// Where no plane keeps cores apart none keeps their shapes apart: a few vectors of points tell most vain searches, and lead the
+// others to where they begin (distance/separation.c, core/docs/edges.md). Directions: the axes and others close to them, for faces and what
+// sticks out of them, and points of a spiral, which cover the sphere evenly (Swinbank, Purser, "Fibonacci grids: a novel approach
+// to global modelling", 2006).
+#include "shape/shape.h"
+#include "shape/support.h"
+#include "base/sincos.h"
+
+#include <string.h>
+
+enum
+{
+	AXES = 6,
+	SPIRAL = 58,
+	TILTS = 2 * 4 * AXES, ///< of the axes, by little and by more
+	POINTS = LWI_CORE_BLOCKS * LWI_WIDTH,
+	FEW_VERTICES = 2048 ///< all of these are looked at faster than the tree
+};
+
+static uint32_t blocks_of( uint32_t points )
+{
+	return ( points + LWI_WIDTH - 1 ) / LWI_WIDTH;
+}
+
+/// A point of a spiral around the sphere, of length 1 to rounding.
+static void spiral( uint32_t i, float n[3] )
+{
+	const double golden = 2.39996322972865332; // pi (3 - sqrt 5)
+	double z = 1 - ( 2 * i + 1.0 ) / SPIRAL, across = sqrt( 1 - z * z );
+	lwi_turn turn = lwi_turn_of( golden * i );
+	n[0] = (float)( across * turn.c );
+	n[1] = (float)( across * turn.s );
+	n[2] = (float)z;
+}
+
+static void direction_of( uint32_t i, float n[3] )
+{
+	if ( i >= AXES && i < AXES + SPIRAL )
+	{
+		spiral( i - AXES, n );
+		return;
+	}
+	uint32_t axis = i % AXES / 2, tilt = i < AXES ? 0 : ( i - AXES - SPIRAL ) / AXES;
+	float by = i < AXES ? 0 : tilt < 4 ? 0.04f : 0.15f, along = sqrtf( 1 - 2 * by * by );
+	n[axis] = i % 2 == 0 ? along : -along;
+	n[( axis + 1 ) % 3] = tilt & 1 ? by : -by;
+	n[( axis + 2 ) % 3] = tilt & 2 ? by : -by;
+}
+
+static bool is_known( float ( *points )[3], uint32_t count, const float point[3] )
+{
+	for ( uint32_t i = count; i-- > 0; ) // neighbours come late
+	{
+		if ( points[i][0] == point[0] && points[i][1] == point[1] && points[i][2] == point[2] )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+/// A shape's vertices by eights, tree frame. NULL without memory.
+static lwi_points8* vertices_of( const lw_shape* shape, size_t size )
+{
+	lwi_points8* points = lwi_alloc( &shape->allocator, size );
+	for ( uint32_t i = 0; points != NULL && i < size / sizeof( *points ) * LWI_WIDTH; ++i )
+	{
+		const double* v = shape->vertices + 3 * (size_t)( i < shape->vertex_count ? i : 0 );
+		for ( int k = 0; k < 3; ++k )
+		{
+			points[i / LWI_WIDTH].at[k][i % LWI_WIDTH] = (float)( v[k] - shape->origin[k] );
+		}
+	}
+	return points;
+}
+
+/// Fills `found` and returns how many there are. @param vertices NULL: the tree is asked
+static uint32_t find_points( const lw_shape* shape, const lwi_points8* vertices, float found[POINTS][3] )
+{
+	const lwi_kernels* kernels = lwi_kernels_get( lw_simd_available() );
+	const uint32_t blocks = blocks_of( shape->vertex_count );
+	float point[3];
+	memcpy( point, shape->root_sphere, sizeof( point ) );
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < AXES + SPIRAL + TILTS && count < POINTS; ++i )
+	{
+		float n[3], high;
+		direction_of( i, n );
+		if ( vertices != NULL )
+		{
+			uint32_t which = kernels->points_farthest( vertices, blocks, n, &high );
+			for ( int k = 0; k < 3; ++k )
+			{
+				point[k] = vertices[which / LWI_WIDTH].at[k][which % LWI_WIDTH];
+			}
+		}
+		else
+		{
+			lwi_support( kernels, shape, n, point );
+		}
+		if ( !is_known( found, count, point ) )
+		{
+			memcpy( found[count++], point, sizeof( point ) );
+		}
+	}
+	return count;
+}
+
+lw_status lwi_shape_find_core( lw_shape* shape, lw_diag* diag )
+{
+	float found[POINTS][3];
+	size_t size = blocks_of( shape->vertex_count ) * sizeof( lwi_points8 );
+	lwi_points8* vertices = NULL;
+	if ( shape->family == LWI_TRIANGLES && shape->vertex_count <= FEW_VERTICES )
+	{
+		vertices = vertices_of( shape, size );
+		if ( vertices == NULL )
+		{
+			return lwi_out_of_memory( diag, "a sphere tree" );
+		}
+	}
+	uint32_t count = find_points( shape, vertices, found );
+	if ( vertices != NULL )
+	{
+		lwi_free( &shape->allocator, vertices, size );
+	}
+	shape->core_blocks = blocks_of( count );
+	shape->core = lwi_alloc( &shape->allocator, shape->core_blocks * sizeof( lwi_points8 ) );
+	if ( shape->core == NULL )
+	{
+		return lwi_out_of_memory( diag, "a sphere tree" );
+	}
+	for ( uint32_t i = 0; i < shape->core_blocks * LWI_WIDTH; ++i )
+	{
+		for ( uint32_t k = 0; k < 3; ++k )
+		{
+			shape->core[i / LWI_WIDTH].at[k][i % LWI_WIDTH] = found[i < count ? i : 0][k];
+		}
+	}
+	shape->bytes += shape->core_blocks * sizeof( lwi_points8 );
+	return LW_OK;
+}

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a shape is made of. Built by shape/shape.c (with shape/mesh.c, shape/sphere_fit.c, shape/tree_build.c), read by the queries.
+//
+// Families. *Triangles*, possibly degenerate (segments, points), dilated by one radius: meshes (radius 0 but
+// for coarser ones), capsules (one segment). *Balls*: point sets (one radius for all), spheres, sets of spheres (a radius each). *Boxes*: sets of axis-aligned
+// boxes. *Convex*: a box, cylinder or cone, measured by distance/convex.c. *Unbounded*: a half-space or a plane. The first three have a
+// sphere tree over their items; that of triangles is about the undilated geometry, that of balls and boxes about all of it.
+#ifndef LEEWAY_SHAPE_SHAPE_H
+#define LEEWAY_SHAPE_SHAPE_H
+
+#include "base/base.h"
+#include "leeway/shape.h"
+#include "base/math_inline.h"
+#include "simd/tree_layout.h"
+
+enum
+{
+	LWI_MAX_PARTS = 16, ///< connected parts of a mesh that are known one by one
+	LWI_CORE_BLOCKS = 8 ///< of a core, at most
+};
+
+/// Flags of lw_shape.sheets, below the number of the sheet.
+#define LWI_SHEET_TURNED 1u ///< this triangle is against the orientation of its sheet
+#define LWI_SHEET_MIXED 2u  ///< the sheet has no orientation
+
+typedef enum lwi_family
+{
+	LWI_TRIANGLES,
+	LWI_BALLS,
+	LWI_BOXES,
+	LWI_CONVEX,
+	LWI_UNBOUNDED
+} lwi_family;
+
+/// The family of a type; LWI_CONVEX for what is no type.
+static inline lwi_family lwi_family_of( lw_shape_type type )
+{
+	switch ( type )
+	{
+	case LW_SHAPE_MESH:
+	case LW_SHAPE_CAPSULE:
+		return LWI_TRIANGLES;
+	case LW_SHAPE_POINTS:
+	case LW_SHAPE_SPHERE:
+	case LW_SHAPE_SPHERES:
+		return LWI_BALLS;
+	case LW_SHAPE_BOXES:
+		return LWI_BOXES;
+	case LW_SHAPE_HALFSPACE:
+	case LW_SHAPE_PLANE:
+		return LWI_UNBOUNDED;
+	case LW_SHAPE_BOX:
+	case LW_SHAPE_CYLINDER:
+	case LW_SHAPE_CONE:
+		break;
+	}
+	return LWI_CONVEX;
+}
+
+/// What a mesh is made from when it is needed.
+typedef struct lwi_deferred
+{
+	lw_deferred_def def;
+	_Atomic( lw_shape* ) made; ///< NULL until then; a reference
+} lwi_deferred;
+
+struct lw_shape
+{
+	atomic_uint references;
+	lw_allocator allocator;
+	lw_shape_type type;
+	lwi_family family;
+	lwi_deferred* deferred; ///< NULL: everything is there. Else box, sphere and bytes are all that is
+	bool solid;            ///< convex or unbounded: no items, no tree
+	double radius;         ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
+	double dimensions[3];  ///< of primitives, as given; [0] of the radius of a set or mesh
+	double excess;           ///< metres: of a coarser shape, what it may reach beyond the one it stands for
+	uint32_t original_count; ///< items of that; 0 if there is none
+
+	// Bounds of the whole shape, dilation included, shape frame.
+	double box_min[3], box_max[3];
+	double sphere_center[3], sphere_radius;
+
+	// Triangles, balls, boxes: the original geometry in double, shape frame (what results are computed from).
+	uint32_t vertex_count, item_count;
+	double* vertices;  ///< [vertex_count][3]; least and greatest corner of box i are 2i and 2i + 1
+	uint32_t* indices; ///< [item_count][3] of triangles, else NULL
+	double* radii;     ///< [item_count] of LW_SHAPE_SPHERES, else NULL
+	uint32_t degenerate_count;
+
+	// Meshes only.
+	uint32_t part_count;            ///< connected parts
+	uint32_t parts[LWI_MAX_PARTS];  ///< a triangle of each, if there are no more than these
+	bool filled;                    ///< declared solid: closed, and whatever is inside touches it
+	uint32_t sheet_count;           ///< closed surfaces of a filled mesh
+	uint32_t* sheets;               ///< [item_count] of a filled mesh: number << 2 | flags; LW_INVALID_INDEX: degenerate
+
+	// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin.
+	double origin[3];   ///< centre of the vertices' box
+	float extent;       ///< >= largest |p_tree| over all geometry, rounded up: scale of float rounding errors
+	lwi_ref root;       ///< a node, or a leaf if everything fits into one
+	float root_sphere[4]; ///< x, y, z, r: contains everything, tree frame
+	uint32_t node_count, leaf_count, depth;
+	lwi_node* nodes;
+	lwi_bricks* bricks;           ///< [node_count] of triangles, else NULL
+	lwi_leaf* leaves;           ///< of triangles
+	lwi_ball_leaf* ball_leaves; ///< of balls
+	lwi_box_leaf* box_leaves;   ///< of boxes
+	uint32_t core_blocks;       ///< of the core: extreme points of a bounded shape, inside its convex hull; tree frame
+	lwi_points8* core;
+	size_t bytes;
+};
+
+/// The shape with its geometry, made now if it was not. NULL with a status if it cannot be. For deferred shapes only.
+const lw_shape* lwi_shape_make( const lw_shape* shape, lw_status* out_status, lw_diag* diag );
+
+/// The shape with its geometry, whatever it takes. NULL with a status if it cannot be had.
+static inline const lw_shape* lwi_shape_made( const lw_shape* shape, lw_status* out_status, lw_diag* diag )
+{
+	*out_status = LW_OK;
+	return shape->deferred == NULL ? shape : lwi_shape_make( shape, out_status, diag );
+}
+
+/// The shape with its geometry if that is there already, else the shape as it is: bounds only.
+const lw_shape* lwi_shape_now( const lw_shape* shape );
+
+/// Lower bound of the distance of two shapes from their boxes alone, rounded down; 0 if they may touch.
+double lwi_box_gap( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b );
+
+/// lwi_box_gap() of two shapes at these poses if it is below a limit; INFINITY if it is not, or if one is unbounded.
+static inline double lwi_box_gap_below( double limit, const lw_shape* a, const lw_shape* b, const lw_transform* world_from_a,
+	const lw_transform* world_from_b )
+{
+	double sum_sq = 0;
+	const lw_transform a_from_b = lwi_relative( world_from_a, world_from_b );
+	for ( int i = 0; i < 3; ++i )
+	{
+		double center = a_from_b.t[i] - a->sphere_center[i];
+		for ( int k = 0; k < 3; ++k )
+		{
+			center += a_from_b.r[i][k] * b->sphere_center[k];
+		}
+		sum_sq += center * center;
+	}
+	const double reach = a->sphere_radius + b->sphere_radius;
+	if ( !( reach < INFINITY ) || !( sqrt( sum_sq ) - reach < limit ) )
+	{
+		return INFINITY;
+	}
+	const double gap = lwi_box_gap( a, b, &a_from_b );
+	return gap < limit ? gap : INFINITY;
+}
+
+/// Deferred shapes that are needed next, for lw_checker_def::prepare.
+enum
+{
+	LWI_AHEAD_CAPACITY = 64
+};
+
+typedef struct lwi_ahead
+{
+	void ( *prepare )( void* user, const lw_shape* const* shapes, uint32_t shape_count ); ///< NULL: nothing is noted
+	void* user;
+	const lw_shape* shapes[LWI_AHEAD_CAPACITY];
+	uint32_t count;
+} lwi_ahead;
+
+/// Notes a shape that is not there yet; hands over those noted when there is no more room.
+void lwi_ahead_note( lwi_ahead* ahead, const lw_shape* shape );
+/// Hands over what was noted: nothing where there is at most one.
+void lwi_ahead_flush( lwi_ahead* ahead );
+
+void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred ); ///< NULL is ignored
+
+/// Radius of a ball, dilation of any other item.
+static inline double lwi_item_radius( const lw_shape* shape, uint32_t item )
+{
+	return shape->radii != NULL ? shape->radii[item] : shape->radius;
+}
+
+/// Points whose balls (lwi_hull_radius()) have the same convex hull as a bounded shape, or one that contains it: vertices,
+/// centres, corners of boxes; corners of the box around a convex solid or a deferred mesh.
+static inline size_t lwi_hull_count( const lw_shape* shape )
+{
+	bool one_box = shape->solid || shape->deferred != NULL;
+	return one_box ? 8 : shape->family == LWI_BOXES ? 8 * (size_t)shape->item_count : shape->vertex_count;
+}
+static inline lw_vec3 lwi_hull_point( const lw_shape* shape, size_t index )
+{
+	bool one_box = shape->solid || shape->deferred != NULL;
+	if ( !one_box && shape->family != LWI_BOXES )
+	{
+		return lwi_load( shape->vertices + 3 * index );
+	}
+	const double* low = one_box ? shape->box_min : shape->vertices + 6 * ( index / 8 );
+	const double* high = one_box ? shape->box_max : low + 3;
+	return lwi_v3( index & 1 ? high[0] : low[0], index & 2 ? high[1] : low[1], index & 4 ? high[2] : low[2] );
+}
+static inline double lwi_hull_radius( const lw_shape* shape, size_t index )
+{
+	return shape->radii != NULL ? shape->radii[index] : shape->radius;
+}
+
+// Steps of making a shape.
+
+/// An empty shape with one reference, or NULL.
+lw_shape* lwi_shape_new( lw_shape_type type, const lw_allocator* allocator );
+
+/// From the items: the box, the origin of the tree frame in its centre (of triangles without the dilation), the extent.
+void lwi_shape_set_frame( lw_shape* shape );
+
+/// The last step, after tree and root sphere: the bounds and the bytes.
+void lwi_shape_finish( lw_shape* shape );
+
+/// The turned boxes of a tree of triangles, found from its nodes and leaves. The tree is valid.
+/// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
+lw_status lwi_shape_find_bricks( lw_shape* shape, lw_diag* diag );
+
+/// The core of a bounded shape whose tree, if it has one, is valid.
+/// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
+lw_status lwi_shape_find_core( lw_shape* shape, lw_diag* diag );
+
+/// All steps, for a shape whose vertices, indices, radii and counts are set.
+lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );
+
+/// lw_shape_create_mesh() for a surface that is `radius` thick.
+lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_allocator* allocator, lw_diag* diag,
+	lw_shape** out_shape );
+
+lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag );
+
+#endif

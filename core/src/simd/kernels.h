@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The float filters of the search: eight lanes at a time, one table per instruction set.
+//
+// Every gap is a certified lower bound up to rounding: it is the width of a slab between the two things along some
+// direction, and such a width never exceeds the distance whatever the direction. So degenerate triangles can make a gap
+// small, never too large. Pads give +INFINITY. A NaN (overflow) must be read as "not dropped": compare with !( gap >= limit ).
+//
+// Rounding, u = 2^-24, S = |translation| + 2 (extent of a + extent of b), S bounding every coordinate difference below:
+//   a point moved into the other frame: rounded matrix entries u, three products u, three sums 3u, translation u:
+//     <= sqrt(3) (5 u |c| + 2 u |t|) <= 9 u S;
+//   triangle vertices rounded to float: sqrt(3) u per side <= 2 u S;
+//   a gap from these: difference u, dot product 3u, both relative to |n| |p - v|, quotient and root 2u: <= 7 u S.
+// Sum 18 u S. Triangles in the frame of a solid: moved 9 u S, rounded 2 u S, two supports along n 4 u S each, their difference and
+// quotient 5 u S, in all 24 u S. Turned boxes: centres 9 u S and 7 u S, reaches 17 u of the radii, 25 u S (core/docs/distance.md).
+// LWI_GAP_SLACK = 32 leaves room. tests/core_query measures it.
+// Contract: every level gives the bits of the scalar one (tests/core_query/kernels_test.cpp).
+#ifndef LEEWAY_SIMD_KERNELS_H
+#define LEEWAY_SIMD_KERNELS_H
+
+#include "leeway/shape.h"
+#include "simd/lanes.h"
+#include "simd/tree_layout.h"
+
+#include <float.h>
+
+#define LWI_GAP_SLACK 32.0
+
+/// What underflow adds to it, metres. Products below 2^-126 are off by up to 2^-150 each: three squares under a root by 2^-74, and a
+/// gap has at most four such roots in a row or in a sum (a sphere around a box or triangle, an axis, a distance); three products over
+/// the root of the least divisor, 2^-63, by far less. 2^-72, and again as much room as the slack leaves for other roundings.
+#define LWI_GAP_UNDERFLOW 0x1p-68
+
+/// Metres by which a gap of things of this size may be too large.
+static inline double lwi_gap_slack( double size ) { return LWI_GAP_SLACK * ( 0.5 * (double)FLT_EPSILON ) * size + LWI_GAP_UNDERFLOW; }
+
+/// Eight triangles, [vertex][axis][lane].
+typedef float lwi_triangles8[3][3][LWI_WIDTH];
+
+/// A rigid motion in float: p -> r p + t, rows of r then t.
+typedef struct lwi_motion
+{
+	float r[9], t[3];
+} lwi_motion;
+
+/// Eight planes in one frame. Something is on the far side of each.
+typedef struct lwi_planes8
+{
+	float direction[3][LWI_WIDTH]; ///< towards it, of length 1 to rounding
+	float reach[LWI_WIDTH];        ///< how far it reaches against the direction, from the frame's origin; +INFINITY for pads
+} lwi_planes8;
+
+/// A box that is not along the axes, maybe sheared: its middle, and from there to the middles of three faces.
+typedef struct lwi_turned_box
+{
+	float middle[3], half[3][3];
+} lwi_turned_box;
+
+/// A solid primitive for the filters: lw_shape_type and half sizes (box), radius and half height (cylinder, cone); nothing
+/// (half-space, plane).
+typedef struct lwi_solid
+{
+	lw_shape_type type;
+	float size[3];
+} lwi_solid;
+
+typedef struct lwi_kernels
+{
+	lw_simd level;
+	// Those that return uint32_t: bit i is set where lane i does not reach `limit`, NaN included.
+
+	/// |c - c_i| - (r + r_i) of a sphere (x, y, z, r) and eight: xyzr = float[4][8], as the head of lwi_node
+	uint32_t ( *sphere_gap )( const float* xyzr, const float sphere[4], float limit, float gap[LWI_WIDTH] );
+	/// distance of one turned box and eight, by their slabs along the line of the centres of their spheres and along `along`
+	/// (unit, from the node to the other; NULL for none); NaN for pads
+	uint32_t ( *brick_gap )( const lwi_node* node, const lwi_bricks* bricks, const lwi_brick* other, const float along[3], float limit,
+		float gap[LWI_WIDTH] );
+	/// pairs of spheres in blocks of float[4][8] whose gap does not reach `limit` >= 0, by its square: `near` gets 256 * lower +
+	/// higher index. mask[i * stride + block]: which of a block's are compared with sphere i, a later one; returns their count
+	uint32_t ( *sphere_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float limit, uint16_t* near );
+	/// distance of the sphere's centre to eight boxes, minus its radius
+	uint32_t ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] );
+	/// distance of eight boxes to one in the same frame
+	uint32_t ( *box_pair_gap )( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] );
+	/// distance of the sphere's centre to the eight triangles of a leaf, minus its radius; direction[axis][lane] is the slab's
+	/// direction (any length), from triangle to centre
+	uint32_t ( *leaf_gap )( const lwi_leaf* leaf, const float sphere[4], float limit, float gap[LWI_WIDTH],
+		float direction[3][LWI_WIDTH] );
+	/// low - high of eight lanes against one high, along `count` directions; a lane is dropped if any of them reaches `limit`
+	uint32_t ( *slab_gap )( const float ( *low )[LWI_WIDTH], const float* high, float limit, uint32_t count );
+	/// how far the spheres of a node reach along a unit direction: direction . center + radius; bit i is set where lane i reaches
+	/// farther than `least`
+	uint32_t ( *node_project )( const lwi_node* node, const float direction[3], float least, float high[LWI_WIDTH] );
+	/// extent of the eight triangles of a leaf along `direction`: least and greatest direction . vertex
+	void ( *leaf_project )( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] );
+	/// the leaf's triangles moved
+	void ( *leaf_transform )( const lwi_leaf* leaf, const lwi_motion* motion, lwi_triangles8 out );
+	/// blocks of eight points moved
+	void ( *points_move )( const lwi_points8* points, uint32_t blocks, const lwi_motion* motion, lwi_points8* out );
+	/// the point of `blocks` > 0 of these that is farthest along `direction`, and how far; of several the one in the first lane, in
+	/// the first block
+	uint32_t ( *points_farthest )( const lwi_points8* points, uint32_t blocks, const float direction[3], float* high );
+	/// planes that `count` > 0 boxes stay `need` below. Boxes have the axes of the world and the planes' origin; r: rows of world_from_planes
+	/// room[lane]: how far below they stay, -INFINITY where nothing that touches all faces of one of the boxes stays `hope` below
+	uint32_t ( *planes_clear )( const lwi_planes8* planes, const float r[9], const lwi_turned_box* boxes, uint32_t count, float need,
+		float hope, float room[LWI_WIDTH] );
+	/// distances of eight pairs of triangles. Lanes that reach `limit` by a cheap direction may stop there.
+	uint32_t ( *triangle_gap )( lwi_triangles8 a, lwi_triangles8 b, float limit, float gap[LWI_WIDTH] );
+	/// distance of the centres of a node's spheres to a solid, minus their radii; motion = solid_from_tree
+	uint32_t ( *node_solid_gap )( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float limit,
+		float gap[LWI_WIDTH] );
+	/// distance of the triangles of a leaf to a solid, of the spheres around them where that is enough and to cones
+	uint32_t ( *leaf_solid_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
+		float gap[LWI_WIDTH] );
+	/// cosines and sines of angles as lwi_turn_of() has them; fastest for multiples of four
+	void ( *turns )( const double* angle, uint32_t count, double* cosine, double* sine );
+
+	// Rakes: simd/lanes.h. [LWI_WIDTH] lanes
+
+	/// The frame behind a joint. @param value of a joint that shifts, else zeros @param cosine, sine 1 and 0 of one that does
+	/// @param speed how fast it turns or shifts, per unit of t
+	void ( *rake_frame )( const lwi_rake_frame* above, const lwi_rake_joint* joint, const double* cosine, const double* sine,
+		const double* value, double speed, lwi_rake_frame* out );
+	/// A point of a frame, from an origin in the world. @param half width of half a window in t
+	void ( *rake_point )( const lwi_rake_frame* frame, const double local[3], const double origin[3], double half, lwi_rake_point* out );
+	/// A frame in a frame: frame_from_body r, local
+	void ( *rake_body )( const lwi_rake_frame* frame, const double r[3][3], const double local[3], const double origin[3], double half,
+		lwi_rake_body* out );
+	/// A point of a body
+	void ( *rake_move )( const lwi_rake_body* body, const float local[3], lwi_rake_point* out );
+	/// Lanes in which a point does not stay `reach` > 0 away from a box, or from another point, but for what their velocities change
+	uint32_t ( *rake_box )( const lwi_rake_point* point, const float min[3], const float max[3], float reach );
+	uint32_t ( *rake_pair )( const lwi_rake_point* a, const lwi_rake_point* b, float reach );
+	/// One window, many spheres: pairs that do not stay `reach` > 0 apart, but for what their velocities change; the rest as sphere_pairs
+	uint32_t ( *moving_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near );
+} lwi_kernels;
+
+/// The table of a level; levels that this build or machine lacks give the next lower one.
+const lwi_kernels* lwi_kernels_get( lw_simd level );
+
+extern const lwi_kernels lwi_kernels_scalar;
+extern const lwi_kernels lwi_kernels_sse2;
+extern const lwi_kernels lwi_kernels_avx2;
+
+#endif

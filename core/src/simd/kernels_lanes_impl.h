@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kernels of rakes (simd/lanes.h), a part of simd/kernels_impl.h. Those in double are plain loops over lanes, which compilers turn into vector
+// instructions.
+
+static void rake_frame( const lwi_rake_frame* restrict above, const lwi_rake_joint* restrict joint, const double* restrict cosine,
+	const double* restrict sine, const double* restrict value, double speed, lwi_rake_frame* restrict out )
+{
+	const double *still = joint->still, *by_cosine = joint->cosine, *by_sine = joint->sine;
+	const double *offset = joint->offset, *along = joint->along;
+	const double turning = joint->turns ? speed : 0, shifting = joint->turns ? 0 : speed;
+	for ( int l = 0; l < LWI_WIDTH; ++l )
+	{
+		const double c = cosine[l], s = sine[l], v = value[l];
+		const double b0 = still[0] + ( c * by_cosine[0] + s * by_sine[0] ), b1 = still[1] + ( c * by_cosine[1] + s * by_sine[1] ),
+					 b2 = still[2] + ( c * by_cosine[2] + s * by_sine[2] ), b3 = still[3] + ( c * by_cosine[3] + s * by_sine[3] ),
+					 b4 = still[4] + ( c * by_cosine[4] + s * by_sine[4] ), b5 = still[5] + ( c * by_cosine[5] + s * by_sine[5] ),
+					 b6 = still[6] + ( c * by_cosine[6] + s * by_sine[6] ), b7 = still[7] + ( c * by_cosine[7] + s * by_sine[7] ),
+					 b8 = still[8] + ( c * by_cosine[8] + s * by_sine[8] );
+		const double x = offset[0] + v * along[0], y = offset[1] + v * along[1], z = offset[2] + v * along[2];
+		double p0 = above->r[0][l], p1 = above->r[1][l], p2 = above->r[2][l];
+		out->r[0][l] = p0 * b0 + p1 * b3 + p2 * b6;
+		out->r[1][l] = p0 * b1 + p1 * b4 + p2 * b7;
+		out->r[2][l] = p0 * b2 + p1 * b5 + p2 * b8;
+		const double t0 = p0 * x + p1 * y + p2 * z + above->t[0][l], a0 = p0 * along[0] + p1 * along[1] + p2 * along[2];
+		p0 = above->r[3][l], p1 = above->r[4][l], p2 = above->r[5][l];
+		out->r[3][l] = p0 * b0 + p1 * b3 + p2 * b6;
+		out->r[4][l] = p0 * b1 + p1 * b4 + p2 * b7;
+		out->r[5][l] = p0 * b2 + p1 * b5 + p2 * b8;
+		const double t1 = p0 * x + p1 * y + p2 * z + above->t[1][l], a1 = p0 * along[0] + p1 * along[1] + p2 * along[2];
+		p0 = above->r[6][l], p1 = above->r[7][l], p2 = above->r[8][l];
+		out->r[6][l] = p0 * b0 + p1 * b3 + p2 * b6;
+		out->r[7][l] = p0 * b1 + p1 * b4 + p2 * b7;
+		out->r[8][l] = p0 * b2 + p1 * b5 + p2 * b8;
+		const double t2 = p0 * x + p1 * y + p2 * z + above->t[2][l], a2 = p0 * along[0] + p1 * along[1] + p2 * along[2];
+		out->t[0][l] = t0;
+		out->t[1][l] = t1;
+		out->t[2][l] = t2;
+		const double w0 = turning * a0, w1 = turning * a1, w2 = turning * a2;
+		out->turn[0][l] = above->turn[0][l] + w0;
+		out->turn[1][l] = above->turn[1][l] + w1;
+		out->turn[2][l] = above->turn[2][l] + w2;
+		out->shift[0][l] = above->shift[0][l] + ( t1 * w2 - t2 * w1 + shifting * a0 );
+		out->shift[1][l] = above->shift[1][l] + ( t2 * w0 - t0 * w2 + shifting * a1 );
+		out->shift[2][l] = above->shift[2][l] + ( t0 * w1 - t1 * w0 + shifting * a2 );
+	}
+}
+
+static void rake_point( const lwi_rake_frame* restrict frame, const double local[3], const double origin[3], double half,
+	lwi_rake_point* restrict out )
+{
+	const double x = local[0], y = local[1], z = local[2], o0 = origin[0], o1 = origin[1], o2 = origin[2];
+	for ( int l = 0; l < LWI_WIDTH; ++l )
+	{
+		const double p0 = frame->r[0][l] * x + frame->r[1][l] * y + frame->r[2][l] * z + frame->t[0][l];
+		const double p1 = frame->r[3][l] * x + frame->r[4][l] * y + frame->r[5][l] * z + frame->t[1][l];
+		const double p2 = frame->r[6][l] * x + frame->r[7][l] * y + frame->r[8][l] * z + frame->t[2][l];
+		const double w0 = frame->turn[0][l], w1 = frame->turn[1][l], w2 = frame->turn[2][l];
+		out->p[0][l] = (float)( p0 - o0 );
+		out->p[1][l] = (float)( p1 - o1 );
+		out->p[2][l] = (float)( p2 - o2 );
+		out->way[0][l] = (float)( half * ( frame->shift[0][l] + ( w1 * p2 - w2 * p1 ) ) );
+		out->way[1][l] = (float)( half * ( frame->shift[1][l] + ( w2 * p0 - w0 * p2 ) ) );
+		out->way[2][l] = (float)( half * ( frame->shift[2][l] + ( w0 * p1 - w1 * p0 ) ) );
+	}
+}
+
+static void rake_body( const lwi_rake_frame* restrict frame, const double r[3][3], const double local[3], const double origin[3],
+	double half, lwi_rake_body* restrict out )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			const double p0 = frame->r[3 * i][l], p1 = frame->r[3 * i + 1][l], p2 = frame->r[3 * i + 2][l];
+			out->r[3 * i][l] = (float)( p0 * r[0][0] + p1 * r[1][0] + p2 * r[2][0] );
+			out->r[3 * i + 1][l] = (float)( p0 * r[0][1] + p1 * r[1][1] + p2 * r[2][1] );
+			out->r[3 * i + 2][l] = (float)( p0 * r[0][2] + p1 * r[1][2] + p2 * r[2][2] );
+			out->turn[i][l] = (float)( half * frame->turn[i][l] );
+		}
+	}
+	rake_point( frame, local, origin, half, &out->origin );
+}
+
+static void rake_move( const lwi_rake_body* body, const float local[3], lwi_rake_point* out )
+{
+	f8 x = f8_set( local[0] ), y = f8_set( local[1] ), z = f8_set( local[2] );
+	v3 along, turn = v3_load( body->turn );
+	f8* const d[3] = { &along.x, &along.y, &along.z };
+	for ( int i = 0; i < 3; ++i )
+	{
+		f8 sum = f8_add( f8_mul( f8_load( body->r[3 * i] ), x ), f8_mul( f8_load( body->r[3 * i + 1] ), y ) );
+		*d[i] = f8_add( sum, f8_mul( f8_load( body->r[3 * i + 2] ), z ) );
+	}
+	v3_store( out->p, v3_add( v3_load( body->origin.p ), along ) );
+	v3_store( out->way, v3_add( v3_load( body->origin.way ), v3_cross( turn, along ) ) );
+}
+
+/// Lanes in which two things do not stay apart: d from one to the other at the middle, along which the gap shrinks by at most
+/// |d . way| / |d|. They do if |d| >= reach and |d|^2 - |d . way| >= reach |d|.
+static inline uint32_t rake_meet( v3 d, v3 way, f8 reach )
+{
+	f8 square = v3_dot( d, d ), length = f8_sqrt( square );
+	f8 left = f8_sub( square, f8_abs( v3_dot( d, way ) ) );
+	return ~m8_bits( m8_and( f8_ge( length, reach ), f8_ge( left, f8_mul( reach, length ) ) ) ) & 0xffu;
+}
+
+static uint32_t rake_box( const lwi_rake_point* point, const float min[3], const float max[3], float reach )
+{
+	v3 p = v3_load( point->p ), d;
+	f8 zero = f8_set( 0.0f );
+	const f8 at[3] = { p.x, p.y, p.z };
+	f8* const out[3] = { &d.x, &d.y, &d.z };
+	for ( int i = 0; i < 3; ++i )
+	{
+		// of the two at most one is not zero
+		f8 above = f8_max( f8_sub( at[i], f8_set( max[i] ) ), zero ), below = f8_max( f8_sub( f8_set( min[i] ), at[i] ), zero );
+		*out[i] = f8_sub( above, below );
+	}
+	return rake_meet( d, v3_load( point->way ), f8_set( reach ) );
+}
+
+static uint32_t rake_pair( const lwi_rake_point* a, const lwi_rake_point* b, float reach )
+{
+	return rake_meet( v3_sub( v3_load( a->p ), v3_load( b->p ) ), v3_sub( v3_load( a->way ), v3_load( b->way ) ), f8_set( reach ) );
+}
+
+/// Eight centres, or ways, of a block of moving spheres.
+static inline v3 moving_rows( const float* rows )
+{
+	return ( v3 ){ f8_load( rows ), f8_load( rows + LWI_WIDTH ), f8_load( rows + 2 * LWI_WIDTH ) };
+}
+
+static uint32_t moving_pairs( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near )
+{
+	const size_t size = (size_t)LWI_MOVING_ROWS * LWI_WIDTH;
+	uint32_t found = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const float* mine = blocks + size * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
+		const float center[3] = { mine[0], mine[LWI_WIDTH], mine[2 * LWI_WIDTH] };
+		const float way[3] = { mine[4 * LWI_WIDTH], mine[5 * LWI_WIDTH], mine[6 * LWI_WIDTH] };
+		const f8 radius = f8_set( mine[3 * LWI_WIDTH] + reach );
+		for ( uint32_t block = i / LWI_WIDTH; block * LWI_WIDTH < count; ++block )
+		{
+			uint32_t lanes = mask[i * stride + block];
+			if ( lanes == 0 )
+			{
+				continue;
+			}
+			const float* other = blocks + size * block;
+			const f8 apart = f8_add( radius, f8_load( other + 3 * LWI_WIDTH ) );
+			lanes &= rake_meet( v3_sub( moving_rows( other ), v3_set( center ) ),
+				v3_sub( moving_rows( other + 4 * LWI_WIDTH ), v3_set( way ) ), apart );
+			for ( ; lanes != 0; lanes &= lanes - 1 )
+			{
+				near[found++] = (uint16_t)( 256 * i + LWI_WIDTH * block + lwi_lowest_bit( lanes ) );
+			}
+		}
+	}
+	return found;
+}

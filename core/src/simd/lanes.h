@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rakes: a robot at the middles of eight windows of an edge at once, and how it moves there.
+//
+// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024, has eight states of an
+// edge as the lanes of vectors, spread over it like the teeth of a rake. Here a lane is not a state but a window around it, with
+// the velocity of every point: spheres are proved to stay apart for all of it. Proof and rounding: core/docs/edges.md.
+#ifndef LEEWAY_SIMD_LANES_H
+#define LEEWAY_SIMD_LANES_H
+
+#include "simd/tree_layout.h"
+
+/// A moving joint and the constant transform above it, frame_from_joint r, t: r times the turn by an angle with cosine c and sine s
+/// is still + c cosine + s sine, and the joint's origin is offset + value along, in the frame above. Matrices by rows.
+typedef struct lwi_rake_joint
+{
+	double still[9], cosine[9], sine[9];
+	double offset[3];
+	double along[3]; ///< the axis
+	bool turns;      ///< else it shifts
+	double multiplier, variable_offset; ///< its value is multiplier * q[variable] + variable_offset
+	uint32_t variable;
+} lwi_rake_joint;
+
+/// A frame in the lanes: world_from_frame, and its twist per unit of t: a point x has the velocity shift + turn x x.
+typedef struct lwi_rake_frame
+{
+	double r[9][LWI_WIDTH], t[3][LWI_WIDTH];
+	double turn[3][LWI_WIDTH], shift[3][LWI_WIDTH];
+} lwi_rake_frame;
+
+/// A point in the lanes: where it is at the middle, from some origin, and how far its velocity takes it in half a window.
+typedef struct lwi_rake_point
+{
+	float p[3][LWI_WIDTH], way[3][LWI_WIDTH];
+} lwi_rake_point;
+
+/// The frame of a shape's tree in the lanes.
+typedef struct lwi_rake_body
+{
+	float r[9][LWI_WIDTH];
+	float turn[3][LWI_WIDTH]; ///< in half a window
+	lwi_rake_point origin;
+} lwi_rake_body;
+
+enum
+{
+	LWI_MOVING_ROWS = 7 ///< of a block of moving spheres: centre, radius, how far its velocity takes the centre in half a window
+};
+
+#endif

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Eight float lanes as two SSE2 halves. Same names and same bits as simd/simd_avx2.h and simd/simd_scalar.h.
+#ifndef LEEWAY_SIMD_SIMD_SSE2_H
+#define LEEWAY_SIMD_SIMD_SSE2_H
+
+#include <emmintrin.h>
+#include <stdint.h>
+
+typedef struct f8
+{
+	__m128 lo, hi;
+} f8;
+typedef f8 m8; ///< lane mask: all bits set or none
+
+#define LWI_F8_BINARY( name, intrinsic )                                                                                     \
+	static inline f8 name( f8 a, f8 b ) { return ( f8 ){ intrinsic( a.lo, b.lo ), intrinsic( a.hi, b.hi ) }; }
+
+static inline f8 f8_load( const float* p ) { return ( f8 ){ _mm_loadu_ps( p ), _mm_loadu_ps( p + 4 ) }; }
+static inline void f8_store( float* p, f8 a )
+{
+	_mm_storeu_ps( p, a.lo );
+	_mm_storeu_ps( p + 4, a.hi );
+}
+static inline f8 f8_set( float v ) { return ( f8 ){ _mm_set1_ps( v ), _mm_set1_ps( v ) }; }
+LWI_F8_BINARY( f8_add, _mm_add_ps )
+LWI_F8_BINARY( f8_sub, _mm_sub_ps )
+LWI_F8_BINARY( f8_mul, _mm_mul_ps )
+LWI_F8_BINARY( f8_div, _mm_div_ps )
+LWI_F8_BINARY( f8_min, _mm_min_ps )
+LWI_F8_BINARY( f8_max, _mm_max_ps )
+static inline f8 f8_sqrt( f8 a ) { return ( f8 ){ _mm_sqrt_ps( a.lo ), _mm_sqrt_ps( a.hi ) }; }
+static inline f8 f8_abs( f8 a )
+{
+	__m128 sign = _mm_set1_ps( -0.0f );
+	return ( f8 ){ _mm_andnot_ps( sign, a.lo ), _mm_andnot_ps( sign, a.hi ) };
+}
+LWI_F8_BINARY( f8_lt, _mm_cmplt_ps )
+LWI_F8_BINARY( f8_ge, _mm_cmpge_ps )
+LWI_F8_BINARY( m8_and, _mm_and_ps )
+/// mask ? a : b
+static inline f8 f8_select( m8 mask, f8 a, f8 b )
+{
+	return ( f8 ){ _mm_or_ps( _mm_and_ps( mask.lo, a.lo ), _mm_andnot_ps( mask.lo, b.lo ) ),
+		_mm_or_ps( _mm_and_ps( mask.hi, a.hi ), _mm_andnot_ps( mask.hi, b.hi ) ) };
+}
+/// Bit i = lane i.
+static inline uint32_t m8_bits( m8 a )
+{
+	return (uint32_t)_mm_movemask_ps( a.lo ) | ( (uint32_t)_mm_movemask_ps( a.hi ) << 4 );
+}
+
+#undef LWI_F8_BINARY
+
+#endif
