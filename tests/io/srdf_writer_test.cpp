@@ -2,6 +2,10 @@
 // SRDFs that are written: computed pairs replaced, everything else kept.
 #include "files.hpp"
 
+#include "leeway/io/spheres.hpp"
+
+#include <nlohmann/json.hpp>
+
 using namespace leeway;
 using namespace leeway::io;
 
@@ -116,4 +120,31 @@ TEST_F( SrdfWriter, AnSrdfThatVanishedIsAnError )
 	const RobotModel model = robot( "<robot name=\"r &amp; s\"/>" );
 	std::filesystem::remove( path( "r.srdf" ) );
 	expectError( [&] { writeSrdf( model, {} ); }, { "r.srdf", "no such file" } );
+}
+
+// YAML takes JSON's quotes: names come back whatever is in them, and so do numbers.
+TEST( SphereFiles, NamesAndNumbersOfYamlComeBack )
+{
+	RobotModel model;
+	model.name = "robot \"two\"";
+	std::vector<LinkSpheres> links;
+	for ( const char* name : { "plain", "with \"quotes\"", "back\\slash", "\\\"", "colon: # no comment", "\xc3\xa4" } )
+	{
+		LinkSpheres link;
+		link.link = name;
+		link.spheres = { 0.125, -2, 3.5, 0.25 };
+		links.push_back( link );
+	}
+	const std::string text = writeSpheresYaml( model, links );
+	EXPECT_EQ( text.find( "robot: " + nlohmann::json( model.name ).dump() + "\n" ), 0u ) << text;
+	std::size_t at = 0;
+	for ( const LinkSpheres& link : links )
+	{
+		at = text.find( "\n  " + nlohmann::json( link.link ).dump() + ": #", at );
+		ASSERT_NE( at, std::string::npos ) << link.link << " in\n" << text;
+		const std::size_t begin = text.find( '[', at ), end = text.find( ']', begin ), radius = text.find( "\"radius\": ", end );
+		ASSERT_NE( radius, std::string::npos );
+		EXPECT_EQ( nlohmann::json::parse( text.substr( begin, end + 1 - begin ) ), nlohmann::json( { 0.125, -2.0, 3.5 } ) );
+		EXPECT_EQ( std::stod( text.substr( radius + 10 ) ), 0.25 );
+	}
 }
