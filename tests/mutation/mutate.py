@@ -286,8 +286,8 @@ def finish(options, header, state, mutants):
             print(records.describe(record, classes) + "\n")
     name = f"mutation-{header['commit'][:12]}-{header['seed']}.csv"
     place = (REPOSITORY / "benchmarks/results" if options.record else options.build) / name
-    totals, score = records.write_table(place, header, found, classes)
-    print(f"{place}: " + ", ".join(f"{name} {count}" for name, count in sorted(totals.items())) + f"; killed of those not equivalent: {score} %")
+    totals, scores = records.write_table(place, header, found, classes)
+    print(f"{place}: " + ", ".join(f"{name} {count}" for name, count in [*sorted(totals.items()), *scores.items()]))
 
 
 def main():

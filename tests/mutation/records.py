@@ -63,34 +63,41 @@ def class_of(record, classes):
 
 
 def counts(records, classes):
-    """How many were drawn, killed, and so on; and the score: killed of those that are not equivalent, in percent."""
+    """How many compiled, were killed, and so on; and scores in percent: killed of those that are not equivalent, and of those that change an
+    answer (neither rounding nor speed, nor what does not happen)."""
     found = Counter()
     for record in records:
-        if record["result"] in ("killed", "equivalent"):
+        if record["result"] in ("killed", "equivalent", "stale"):
             found[record["result"]] += 1
         elif record["result"] == "survived":
             found["survived"] += 1
             found[class_of(record, classes) or "not classified"] += 1
-    count = found["killed"] + found["survived"] - (found["equivalent"] - sum(r["result"] == "equivalent" for r in records))
-    found["compiled"] = found["killed"] + found["survived"] + sum(r["result"] == "equivalent" for r in records)
-    score = 100 * found["killed"] / count if count else 0.0
-    return dict(found), round(score, 1)
+    same = found["equivalent"] - sum(r["result"] == "equivalent" for r in records)
+    others = found["survived"] - same
+    of_answers = others - found["rounding"] - found["speed"] - found["defensive"]
+    found["compiled"] = found["killed"] + found["survived"] + found["equivalent"] - same
+
+    def score(survivors):
+        return round(100 * found["killed"] / (found["killed"] + survivors), 1) if found["killed"] + survivors else 0.0
+
+    return dict(found), {"killed of those not equivalent, percent": score(others),
+                         "killed of those that change an answer, percent": score(of_answers)}
 
 
 def write_table(path, header, records, classes):
     """The table of a run: survivors first, then what was killed."""
-    totals, score = counts(records, classes)
+    totals, scores = counts(records, classes)
     order = {"survived": 0, "stale": 1, "equivalent": 2, "killed": 3}
     rows = sorted((r for r in records if r["result"] in order), key=lambda r: (order[r["result"]], r["file"], r["line"], r["id"]))
     with open(path, "w", encoding="utf-8", newline="") as file:
-        for name, value in {**header, **totals, "score in percent": score}.items():
+        for name, value in {**header, **totals, **scores}.items():
             file.write(f"# {name}: {value}\n")
         table = csv.writer(file, lineterminator="\n")
         table.writerow(COLUMNS)
         for r in rows:
             table.writerow([r["id"], r["file"], r["line"], r["function"], r["before"], r["after"], r["result"], r.get("by", ""), r.get("how", ""),
                             class_of(r, classes), r.get("seconds", ""), r.get("tests_run", ""), r.get("tests_that_reach", ""), r.get("rule", "")])
-    return totals, score
+    return totals, scores
 
 
 def describe(record, classes):

@@ -153,12 +153,12 @@ class Records(unittest.TestCase):
             self.assertRaises(ValueError, records.State, path, {"commit": "d", "seed": 1})
 
     def test_equivalent_mutants_do_not_count(self):
-        kinds = [("killed", ""), ("killed", ""), ("killed", ""), ("survived", "a"), ("survived", "b"), ("equivalent", ""), ("invalid", "")]
+        kinds = [("killed", ""), ("killed", ""), ("killed", ""), ("survived", "a"), ("survived", "b"), ("survived", "c"), ("equivalent", ""), ("invalid", "")]
         found = [{"result": result, "fingerprint": name} for result, name in kinds]
-        totals, score = records.counts(found, {"a": {"class": "equivalent", "why": "x"}})
-        self.assertEqual(score, 75.0)
-        self.assertEqual((totals["killed"], totals["survived"], totals["equivalent"], totals["not classified"]), (3, 2, 2, 1))
-        self.assertEqual(totals["compiled"], 6)
+        totals, scores = records.counts(found, {"a": {"class": "equivalent", "why": "x"}, "c": {"class": "speed", "why": "x"}})
+        self.assertEqual(list(scores.values()), [60.0, 75.0])
+        self.assertEqual((totals["killed"], totals["survived"], totals["equivalent"], totals["not classified"]), (3, 3, 2, 1))
+        self.assertEqual(totals["compiled"], 7)
 
 
 class Choosing(unittest.TestCase):
