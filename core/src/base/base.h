@@ -31,7 +31,7 @@ void lwi_free( const lw_allocator* allocator, void* memory, size_t size ); ///< 
 /// Fills *diag (nullable) and returns `status`.
 lw_status lwi_fail( lw_diag* diag, lw_status status, uint32_t index, const char* format, ... ) LWI_PRINTF( 4, 5 );
 
-/// LW_ERROR_OUT_OF_MEMORY with a message that names what was being built.
+/// LW_ERROR_OUT_OF_MEMORY with a message that names `what`, the object under construction.
 lw_status lwi_out_of_memory( lw_diag* diag, const char* what );
 
 /// Reference counts of immutable objects: incremented relaxed, the last decrement synchronises.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Digests: 128 bits that tell contents apart, of bytes. Not cryptographic.
 //
-// The inner loop has the form of xxHash64 (Collet, xxHash fast digest algorithm, specification 0.1.1, 2018): four lanes, each
-// lane = rotl( lane + word * P2, 31 ) * P1, which can overlap as no lane waits for another. The end is our own: each half of
-// the digest takes all four lanes in, in opposite orders, by the 64-bit finaliser of MurmurHash3 (Appleby 2011).
+// The inner loop has the form of xxHash64 (Collet, xxHash fast digest algorithm, specification 0.1.1, 2018): four lanes,
+// each lane = rotl( lane + word * P2, 31 ) * P1, which can overlap as no lane waits for another. The end is our own: each
+// half of the digest takes all four lanes in, in opposite orders, by the 64-bit finaliser of MurmurHash3 (Appleby 2011).
 //
 // Every step is a bijection of the word taken in while the rest is fixed (odd multipliers, rotations, shifts by xor). So two
 // inputs of one length that differ within one aligned word of 8 bytes *always* have digests that differ in both halves: no
@@ -43,7 +43,7 @@ static uint64_t take_in( uint64_t lane, uint64_t word )
 lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size )
 {
 	const unsigned char* p = bytes;
-	// both halves of what came before go into two lanes each
+	// both halves of the digest so far go into two lanes each
 	uint64_t a = lane_start[0] + from.word[0], b = lane_start[1] + from.word[1];
 	uint64_t c = lane_start[2] ^ rotate_left( from.word[0], 32 ), d = lane_start[3] ^ rotate_left( from.word[1], 32 );
 	size_t left = size;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paper: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997.
 //
-// First in double, with the error bounds of that paper (its ccwerrboundA and o3derrboundA). Where these leave the sign open the
-// determinant is summed exactly: every product becomes a few doubles without error, all of them one expansion, whose sign is
-// that of its largest part. That is slow (microseconds) and rare, so none of the stages in between are here.
+// First in double, with the error bounds of that paper (its ccwerrboundA and o3derrboundA). Where these leave the sign open
+// the determinant is summed exactly: every product becomes a few doubles without error, all of them one expansion, whose
+// sign is that of its largest part. That is slow (microseconds) and rare, so none of the stages in between are here.
 #include "base/exact_sign.h"
 
 #include "base/double_double.h"

@@ -10,7 +10,7 @@
 typedef struct lwi_candidate
 {
 	float gap;
-	uint32_t pair; ///< row * row_stride + column of the gap table; above those, what a hierarchical query still opens
+	uint32_t pair; ///< row * row_stride + column of the gap table; above: pairs that a hierarchical query has yet to open
 } lwi_candidate;
 
 /// Smallest gap first: a binary min-heap over candidates, built in place; order among equals by `pair`, so that answers

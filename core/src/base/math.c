@@ -103,7 +103,7 @@ lw_vec3 lw_transform_point( const lw_transform* a_from_b, lw_vec3 point_b )
 
 bool lw_transform_is_valid( const lw_transform* transform )
 {
-	const double tolerance = 1e-6; // far above rounding, far below what a mistaken matrix shows
+	const double tolerance = 1e-6; // far above rounding, far below the errors of a mistaken matrix
 	for ( int i = 0; i < 3; ++i )
 	{
 		if ( !( fabs( transform->t[i] ) <= LW_MAX_TRANSLATION ) )

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sine and cosine of joint angles, alone or many at once with the same bits: plain arithmetic without branches, which compilers turn
-// into vector instructions.
+// Sine and cosine of joint angles, alone or many at once with the same bits: plain arithmetic without branches, which
+// compilers turn into vector instructions.
 //
-// Reduction by pi / 2 in two parts: Cody, Waite, Software Manual for the Elementary Functions, 1980. Polynomials: fdlibm (Sun
-// Microsystems, 1993). Error: at most 2^-52 each; core/docs/kinematics.md.
+// Reduction by pi / 2 in two parts: Cody, Waite, Software Manual for the Elementary Functions, 1980. Polynomials: fdlibm
+// (Sun Microsystems, 1993). Error: at most 2^-52 each; core/docs/kinematics.md.
 #ifndef LEEWAY_BASE_SINCOS_H
 #define LEEWAY_BASE_SINCOS_H
 
@@ -17,13 +17,13 @@ typedef struct lwi_turn
 	double c, s;
 } lwi_turn;
 
-/// Radians: beyond that (and for what is not a number) libm is asked. Multiples of the first part of pi / 2 up to here are exact.
+/// Radians: libm serves larger angles, infinities and NaN. Multiples of the first part of pi / 2 up to here are exact.
 #define LWI_MOST_TURN 0x1p19
 
 /// |angle| <= LWI_MOST_TURN, else of no meaning.
 static inline lwi_turn lwi_turn_reduced( double angle )
 {
-	const double magic = 0x1.8p52; // what it is added to has its nearest whole number in the last bits
+	const double magic = 0x1.8p52; // a double plus this constant has its nearest whole number in the last bits of the sum
 	const double first = 0x1.921fb544p0, second = 0x1.0b4611a626331p-34; // of pi / 2: 33 bits, and 53 of the rest
 	double shifted = angle * 0x1.45f306dc9c883p-1 + magic, quarters = shifted - magic;
 	uint64_t bits;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The boxes of two shapes against each other: what most searches whose spheres meet end with, before anything is made ready for them.
+// Separating axes of the boxes of two shapes: they end most searches whose spheres meet, before the trees are prepared.
 #include "distance/pair_query.h"
 
 /// The boxes of two shapes, seen from the middle of the first one's in its frame.
@@ -79,8 +79,8 @@ static bool edges_are_apart( const boxes* x, double limit, double error )
 /// Metres: its square is a double with all its digits.
 #define LEAST_LIMIT 0x1p-500
 
-/// True if the boxes of the two are apart by what the bound asks for: most pairs whose spheres meet. Faces first, then pairs of edges
-/// (Gottschalk, Lin, Manocha 1996). Rounding: core/docs/distance.md.
+/// True if the boxes of the two are at least the bound's cutoff apart: most pairs whose spheres meet. Faces first, then
+/// pairs of edges (Gottschalk, Lin, Manocha 1996). Rounding: core/docs/distance.md.
 bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, const lwi_bound* bound )
 {
 	boxes x = boxes_of( a, b, a_from_b );

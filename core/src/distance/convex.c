@@ -2,14 +2,14 @@
 // Certified distance of convex pieces: GJK in double, an interval from its witnesses and separating directions.
 //
 // Papers: Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex objects in
-// three-dimensional space", 1988; Montanari, Petrinic, Barbieri 2017 (see distance/convex_simplex_impl.h); van den Bergen, "Collision
-// Detection in Interactive 3D Environments", 2004, 4.3 (lower bound from the support point).
+// three-dimensional space", 1988; Montanari, Petrinic, Barbieri 2017 (see distance/convex_simplex_impl.h); van den Bergen,
+// "Collision Detection in Interactive 3D Environments", 2004, 4.3 (lower bound from the support point).
 //
-// What makes the answer certain is apart from what makes it sharp. The upper bound is the distance of two points that are
+// Certainty and sharpness are separate. The upper bound is the distance of two points that are
 // convex combinations of points of the pieces; the lower bound is the gap that a direction leaves between the pieces'
 // support planes, less the rounding of its own computation (LWI_CONVEX_ROUNDING). Both hold for any simplex and any
-// direction, however badly computed; a bad one only makes the interval wide, and then distance/convex_refine.c takes over with
-// twice the digits.
+// direction, however badly computed; a bad one only makes the interval wide, and then distance/convex_refine.c takes over
+// with twice the digits.
 #include "distance/convex_internal.h"
 #include "base/double_double.h"
 #include "distance/tri_tri.h"
@@ -196,7 +196,7 @@ static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, lwi
 	}
 }
 
-/// @return true if the bounds are what was asked for; the simplex is where to go on otherwise
+/// @return true if the bounds meet the stopping rule; otherwise the search goes on from the simplex
 static bool gjk( const lwi_pair* pair, double width, double stop_above, double stop_below, lwi_simplex* simplex,
 	lwi_bounds* bounds )
 {

@@ -8,7 +8,7 @@
 
 #include <float.h>
 
-/// What lower is reduced by, relative to the extent of the question: radius of a + radius of b + distance of their
+/// Slack of `lower`, relative to the extent of the pair: radius of a + radius of b + distance of their
 /// reference points (a solid's centre, the first vertex of a triangle or point set). 48 roundings, counted in
 /// core/docs/convex_distance.md.
 #define LWI_CONVEX_ROUNDING ( 48.0 * ( DBL_EPSILON / 2 ) )

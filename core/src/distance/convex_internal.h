@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the double stage (distance/convex.c) and the refinement (distance/convex_refine.c) of the convex distance share.
+// Types and steps shared by the double stage (distance/convex.c) and the refinement (distance/convex_refine.c) of the convex
+// distance.
 #ifndef LEEWAY_DISTANCE_CONVEX_INTERNAL_H
 #define LEEWAY_DISTANCE_CONVEX_INTERNAL_H
 
@@ -33,7 +34,7 @@ typedef struct lwi_simplex
 	double weight[4]; ///< of the closest point to the origin
 } lwi_simplex;
 
-/// What both stages improve: lower is proved (and may be below 0), upper is attained by the weighted simplex points.
+/// The interval that both stages narrow: lower is proved (and may be < 0), upper is attained by the weighted simplex points.
 typedef struct lwi_bounds
 {
 	double lower, upper;
@@ -76,7 +77,7 @@ static inline lw_vec3 lwi_piece_support( const lwi_piece* piece, lw_vec3 n )
 	return d1 > 0.0 ? ( d2 > d1 ? piece->vertex[2] : piece->vertex[1] ) : d2 > 0.0 ? piece->vertex[2] : piece->vertex[0];
 }
 
-/// True if the bounds are what was asked for. While contact is not excluded (lower <= 0) the full width is not enough: the
+/// True if the bounds meet the stopping rule. While contact is not excluded (lower <= 0) the full width is not enough: the
 /// search goes on until the bounds differ by not much more than the rounding that lower allows for, or upper is within
 /// half of it, which is contact.
 static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, double width, double stop_above,

@@ -15,13 +15,13 @@ typedef struct lwi_bound
 {
 	lw_range range;
 	double upper; ///< least clearance measured so far; +inf before the first below max_d
-	double prune; ///< what is proved to be this far or farther need not be opened; never grows
-	double floor; ///< least certified lower bound of what was measured in double
-	double give_up_above, give_up_below; ///< a distance between them ends the search: only `upper` holds then; none by default
-	bool done;    ///< upper <= min_d, given up, or failed: there is nothing more to find out
+	double prune; ///< cutoff: pairs proved to be this far or farther are not opened; never grows
+	double floor; ///< least certified lower bound of all pairs measured in double
+	double give_up_above, give_up_below; ///< a distance between them ends the search: then only `upper` holds; none by default
+	bool done;    ///< upper <= min_d, given up, or failed: the search is over
 	bool failed;  ///< a deferred mesh could not be made: no answer
 	double lowest; ///< no clearance is below it: minus the largest margin
-	double rounding, stretch; ///< what poses may be off by: 0, or as lwi_bound_allow_rounding() says
+	double rounding, stretch; ///< error bound of the poses: 0, or set by lwi_bound_allow_rounding()
 	double margin; ///< of `current_pair`: set by the caller before each search
 	double measured; ///< least clearance that was measured of it since somebody set this to +inf
 	// the witness of `upper`
@@ -39,8 +39,8 @@ void lwi_bound_allow_rounding( lwi_bound* bound, double rounding, double stretch
 /// True if min_d >= 0, max_d > min_d and alpha in [0, 1); all NaN-safe.
 bool lwi_range_is_valid( const lw_range* range );
 
-/// Takes in a distance of the current pair: lower <= true <= upper, the margin not yet taken off. True if it is the new upper bound; the witness is then
-/// the caller's to set, `pair` is current_pair.
+/// Takes in a distance of the current pair: lower <= true <= upper, the margin not yet taken off. True if it is the new
+/// upper bound; the witness is then the caller's to set, `pair` is current_pair.
 bool lwi_bound_offer( lwi_bound* bound, double lower, double upper );
 
 /// Interval and class of an answered question; witness and names are left to the caller (kind tells if there is one).
@@ -50,8 +50,9 @@ lw_clearance lwi_bound_result( const lwi_bound* bound );
 /// @param a_from_b shape frames; finite, a rotation
 void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 
-/// lwi_search() of one of several pairs, any of which may be the nearest. Two trees are searched until something of them was measured, or for a few
-/// leaves; if that does not end it the search waits, and lwi_search_waiting() goes on with it when all pairs had their turn.
+/// lwi_search() of one of several pairs, any of which may be the nearest. Two trees are searched until something of them was
+/// measured, or for a few leaves; if that does not end it the search waits, and lwi_search_waiting() goes on with it when
+/// all pairs had their turn.
 void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 
 /// Ends the searches that wait, that of the nearest measured pair first.
@@ -61,8 +62,8 @@ void lwi_search_waiting( lwi_search_memory* memory, lwi_bound* bound );
 void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
 	uint32_t item_b, lwi_bound* bound );
 
-/// What a caller is told of a witness: the triangle, point, sphere or box. The one point of a sphere and the segment of a
-/// capsule are inner matters, as a solid's nothing: LW_INVALID_INDEX.
+/// The element index of a witness as callers see it: of a triangle, point, sphere or box. LW_INVALID_INDEX for the one point
+/// of a sphere, the segment of a capsule (both internal), and solids.
 static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t element )
 {
 	return shape->type == LW_SHAPE_SPHERE || shape->type == LW_SHAPE_CAPSULE ? LW_INVALID_INDEX : element;

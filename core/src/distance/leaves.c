@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Leaves against leaves: eight items at a time by floats, what they leave in double.
+// Leaves against leaves: eight items at a time by floats, the remaining ones in double.
 //
 // Two leaves of triangles go through slabs and batches, the rest is one item against eight: a ball is its sphere, a triangle
 // before boxes its box in their frame, a box before boxes the sphere around it.
@@ -114,7 +114,8 @@ static uint32_t least_lane( const float gap[LWI_WIDTH], uint32_t count )
 static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf* b, const float direction[3], float high_a[LWI_WIDTH],
 	float low_b[LWI_WIDTH] )
 {
-	// in double: normals of small triangles have squares that a float cannot hold, and a slab is one only along a unit vector
+	// in double: normals of small triangles have squares that a float cannot hold, and a slab is one only along a unit
+	// vector
 	double x = (double)direction[0], y = (double)direction[1], z = (double)direction[2], norm = sqrt( x * x + y * y + z * z );
 	double inverse = norm > 0 ? 1 / norm : 0;
 	float n[3] = { (float)( x * inverse ), (float)( y * inverse ), (float)( z * inverse ) };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What becomes a result: items measured in double from the original geometry.
+// Certified distances: items measured in double from the original geometry.
 #include "distance/convex_internal.h"
 #include "distance/pair_query.h"
 #include "distance/tri_tri.h"
@@ -146,9 +146,9 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	place.t[2] += shift.z;
 	double radii = ( s->a->solid ? 0 : lwi_item_radius( s->a, item_a ) ) + ( s->b->solid ? 0 : lwi_item_radius( s->b, item_b ) );
 	radii += s->bound->margin;
-	// and near enough what is a violation still when radii and margin have been taken off, which rounds
+	// and a distance is near enough if it stays a violation without radii and margin; subtracting them rounds
 	double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
-	// far enough to stop is what is still at least prune when the error has been taken off
+	// a distance is far enough to stop if it is at least prune after subtracting the error
 	double stop_above = s->bound->prune + radii + 2 * s->error;
 	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );
 	offer( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a, item_b );

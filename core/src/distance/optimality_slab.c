@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Optimality of the nearest pair found: a slab between the shapes, as wide as the pair is far, ends the search of two meshes, or of
-// a mesh and a box, cylinder or cone.
+// Optimality of the nearest pair found: a slab between the shapes, as wide as the pair is far, ends the search of two
+// meshes, or of a mesh and a box, cylinder or cone.
 //
-// Two convex bodies are as far from each other as the widest slab between them (Cameron and Culley, ICRA 1986; Gilbert, Johnson,
-// Keerthi 1988). Meshes are mostly convex where they are nearest: the slab across the witness then proves what a search
-// would go through all facing triangles for. Floats only choose what is looked at; heights are those of real vertices in double.
+// Two convex bodies are as far from each other as the widest slab between them (Cameron and Culley, ICRA 1986; Gilbert,
+// Johnson, Keerthi 1988). Meshes are mostly convex where they are nearest: the slab across the witness then proves the
+// result for which a search would visit all facing triangles. Floats only choose the nodes to visit; heights are those of
+// real vertices in double.
 // Derivation: core/docs/distance.md.
 #include "distance/pair_query.h"
 
-/// Rounding of a slab's width in units of LWI_EXACT_ERROR: 29 roundoffs of what that counts 120 of.
+/// Rounding of a slab's width in units of LWI_EXACT_ERROR: 29 roundoffs, where LWI_EXACT_ERROR counts 120.
 #define SLAB_ERROR 0.5
 
 /// Looks how far a mesh reaches along a direction: no farther than `most`, or it does not matter how far.
@@ -94,7 +95,8 @@ static bool climb( ascent* up )
 }
 
 /// True if the slab across n (unit, a's shape frame) is at least `width` wide.
-/// @param at_a, at_b where its sides are to be looked for: heights of the witness points. Any will do, the answer is never wrong
+/// @param at_a, at_b where its sides are to be looked for: heights of the witness points. Any will do, the answer is never
+/// wrong
 static bool slab_is_wide( lwi_searching* s, lw_vec3 n, double at_a, double at_b, double width, uint32_t* budget )
 {
 	double spare = at_b - at_a - width;
@@ -139,7 +141,7 @@ bool lwi_witness_proves( lwi_searching* s, uint32_t* budget )
 	{
 		return false; // another pair of shapes has it
 	}
-	// what is left to prove: that nothing is nearer than this, which for the rest of the search is as good as the bound
+	// left to prove: no pair is nearer than `target`, which for the rest of the search is as good as the bound
 	double target = fmin( bound->prune, bound->upper - s->error );
 	double width = target + s->radii + SLAB_ERROR * s->error;
 	// across the witness points; where they are faces of one of the two, their normals have more digits

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The search of one pair of shapes, as its three files share it: traversal (distance/query.c), leaves against leaves
-// (distance/leaves.c), what is measured in double (distance/measure.c).
+// (distance/leaves.c), measurement in double (distance/measure.c).
 #ifndef LEEWAY_DISTANCE_PAIR_QUERY_H
 #define LEEWAY_DISTANCE_PAIR_QUERY_H
 
@@ -15,7 +15,8 @@ enum
 {
 	/// One opening replaces an entry by at most LWI_WIDTH; a path has at most LWI_MAX_DEPTH + 1 openings per tree.
 	LWI_STACK_PATH = ( LWI_WIDTH - 1 ) * 2 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH,
-	/// Below: searches that wait; above them one that goes on from what it left, and the path of the entry that it opens.
+	/// Bottom: suspended searches; above them one that resumes from its remaining entries, and the path of the entry that it
+	/// opens.
 	LWI_STACK_SIZE = 3 * LWI_STACK_PATH,
 	LWI_MAX_WAITING = 16, ///< searches
 	LWI_HINT_BITS = 10,
@@ -59,12 +60,12 @@ struct lwi_search_memory
 	lw_query_def def;
 	const lwi_kernels* kernels;
 	lw_query_stats stats;
-	lw_status failure; ///< why the last question has no answer: what making a deferred mesh returned
+	lw_status failure; ///< status of the last deferred mesh that could not be made; LW_OK if the last call has an answer
 };
 
 /// Rounding of a distance measured in double, in units of roundoff times the largest coordinate involved: lwi_tri_tri's 64
-/// (distance/tri_tri.h), 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding), 36 for poses that
-/// are rotations to ALREADY_ORTHONORMAL only, and 4 for ties. Counted in core/docs/numerics.md.
+/// (distance/tri_tri.h), 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding), 36
+/// for poses that are rotations to ALREADY_ORTHONORMAL only, and 4 for ties. Counted in core/docs/numerics.md.
 #define LWI_EXACT_ERROR ( 120.0 * LWI_U64 )
 
 /// By how much the distance of a corner to a corner or edge may exceed that of the triangles it is taken for.
@@ -80,7 +81,7 @@ typedef struct lwi_tie
 	lw_vec3 point_a, point_b; ///< a's shape frame
 } lwi_tie;
 
-/// What a search of one pair needs at hand.
+/// Working data of the search of one pair.
 typedef struct lwi_searching
 {
 	lwi_search_memory* memory;
@@ -91,19 +92,19 @@ typedef struct lwi_searching
 	lwi_motion tree_a_from_b, tree_b_from_a;
 	lwi_bound* bound;
 	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
-	double slack; ///< metres: what a float gap may be too large by
-	double error; ///< metres: what a distance in double may be off by
+	double slack; ///< metres: largest excess of a float gap over the true one
+	double error; ///< metres: largest error of a distance in double
 	bool bricks;   ///< both have them
 	bool has_direction;
-	float direction_a[3], direction_b[3]; ///< from a to b, across the nearest pair found, in either tree frame: unit to rounding
+	float direction_a[3], direction_b[3]; ///< from a to b across the nearest pair found, in either tree frame: unit to rounding
 	lwi_tie tie;     ///< of the nearest pair found
 	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart
-	double least; ///< what is nearer is measured whatever the bound: solid meshes (distance/primitives.c); else -inf
+	double least; ///< pairs nearer than this are measured whatever the bound: solid meshes (distance/primitives.c); or -inf
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
 } lwi_searching;
 
-/// When the slab across the nearest pair is tried: when there was none nearer for long, and again only where it was leaves that it
-/// ran out of, not a shape that was in its way.
+/// When the slab across the nearest pair is tried: when there was none nearer for long, and again only where it was leaves
+/// that it ran out of, not a shape that was in its way.
 typedef struct lwi_witness_trial
 {
 	double upper;  ///< of the pair
@@ -212,7 +213,7 @@ static inline uint32_t lwi_sorted_lanes( const float gap[LWI_WIDTH], uint32_t ma
 
 // --- distance/boxes.c ------------------------------------------------------------------------------------------------
 
-/// True if the boxes of the two are apart by what the bound asks for.
+/// True if the boxes of the two are at least the bound's cutoff apart.
 bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, const lwi_bound* bound );
 
 // --- distance/measure.c ----------------------------------------------------------------------------------------------
@@ -225,7 +226,7 @@ lwi_convex lwi_convex_of_solid( const lw_shape* shape );
 
 // --- distance/shared_feature.c ---------------------------------------------------------------------------------------------------
 
-/// Which corners are nearest if two triangles measured are nearest at one corner of each, or at a corner and an edge.
+/// The nearest corners, if two measured triangles are nearest at one corner of each, or at a corner and an edge.
 /// @param a, b the corners in a's shape frame
 /// @return false if it is anything else; out->count_a is 0 then
 bool lwi_tie_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3], const lw_vec3 b[3], double distance,
@@ -236,9 +237,9 @@ bool lwi_tie_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
 // --- distance/optimality_slab.c -------------------------------------------------------------------------------------------------
 
-/// True if a plane across the nearest pair found, which is of these two, proves that no other pair of items of them is nearer than
-/// alpha and rounding leave open: then bound->floor says so. Meshes and solids (LWI_TRIANGLES, LWI_CONVEX).
-/// @param budget leaves to look at; what is left of them
+/// True if a plane across the nearest pair found, which is of these two, proves that no other pair of items of them is
+/// nearer than alpha and rounding leave open: then bound->floor says so. Meshes and solids (LWI_TRIANGLES, LWI_CONVEX).
+/// @param budget number of leaves that may be visited; the rest of it on return
 bool lwi_witness_proves( lwi_searching* s, uint32_t* budget );
 
 // --- distance/leaves.c -----------------------------------------------------------------------------------------------
@@ -257,12 +258,12 @@ void lwi_box_leaf_spheres( const lwi_box_leaf* leaf, lwi_node* spheres );
 /// All pairs of items of two leaves; triangle pairs may wait in the query's batch.
 void lwi_compare_leaves( lwi_searching* s, lwi_entry* e );
 
-/// Filters the waiting triangle pairs and measures what is left, most promising first.
+/// Filters the waiting triangle pairs and measures the rest, most promising first.
 void lwi_flush_batch( lwi_searching* s );
 
 // --- distance/primitives.c ------------------------------------------------------------------------------------------------
 
-/// Contact if one shape is a solid mesh and something of the other is inside it; to be asked when the surfaces were searched.
+/// Contact if one shape is a solid mesh and something of the other is inside it; runs after the search of the surfaces.
 void lwi_search_inside( lwi_searching* s );
 
 /// The same for one item that was inside before; LW_INVALID_INDEX on the side of the mesh.

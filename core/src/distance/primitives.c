@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Is something of one shape inside a closed mesh? Asked when the surfaces have been searched.
+// Is something of one shape inside a closed mesh? Runs after the search of the surfaces.
 //
-// If no point of the other shape is on the surface, each connected part of it is wholly inside or wholly outside: one point of
-// each tells. A point that is inside is contact, whatever the surfaces do. Shapes of many parts are descended: a sphere that the
-// surface does not enter is on one side with all that is in it. Proof: core/docs/solid_meshes.md.
+// If no point of the other shape is on the surface, each connected part of it is wholly inside or wholly outside: one point
+// of each tells. A point that is inside is contact, whatever the surfaces do. Shapes of many parts are descended: a sphere
+// that the surface does not enter is on one side with all that is in it. Proof: core/docs/solid_meshes.md.
 #include "distance/pair_query.h"
 #include "shape/closed_mesh.h"
 
 enum
 {
-	FEW_ITEMS = 8 ///< sets of no more are asked one by one
+	FEW_ITEMS = 8 ///< sets of no more are tested one by one
 };
 
 /// One order of the question.
@@ -109,7 +109,7 @@ static uint32_t first_item( const lw_shape* shape, lwi_ref ref )
 	return lwi_leaf_item( shape, ref, 0 );
 }
 
-/// Descends the other's tree: spheres that the surface enters are opened, of all others one point is asked.
+/// Descends the other's tree: opens spheres that the surface enters, tests one point of each other sphere.
 static bool ask_tree( const inside* q )
 {
 	lwi_entry* stack = q->s->memory->stack;
@@ -194,8 +194,8 @@ static inside question( lwi_searching* s, bool mesh_is_a )
 
 void lwi_search_inside( lwi_searching* s )
 {
-	// A point that is inside by less than the rounding of its move may be taken for outside. The surface is then as near, and was
-	// measured however little the bound asked for (lwi_searching.least): its lower end is 0.
+	// A point that is inside by less than the rounding of its move may be taken for outside. The surface is then as near,
+	// and was measured whatever the bound (lwi_searching.least): its lower end is 0.
 	bool found = false;
 	for ( int side = 0; side < 2 && !found && !s->bound->done; ++side )
 	{

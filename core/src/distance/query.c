@@ -3,8 +3,8 @@
 // Papers: S. Quinlan, "Efficient distance computation between non-convex objects", ICRA 1994;
 //   K. Steinbach, J. Kuffner, T. Asfour, R. Dillmann, "Efficient collision and self-collision detection for humanoids based
 //   on sphere trees hierarchies", Humanoids 2006 (range bounds, transform caching).
-// Floats filter, doubles decide: nodes and triangle pairs are dropped by float gaps plus their stated slack (simd/kernels.h);
-// whatever becomes a result is measured in double from the original vertices.
+// Floats filter, doubles decide: nodes and triangle pairs are dropped by float gaps plus their stated slack
+// (simd/kernels.h); whatever becomes a result is measured in double from the original vertices.
 #include "distance/pair_query.h"
 #include "distance/separation.h"
 
@@ -40,7 +40,7 @@ void lwi_bound_allow_rounding( lwi_bound* bound, double rounding, double stretch
 	bound->prune = beyond( bound->range.max_d * ( 1 + 2 * stretch ) + bound->rounding );
 }
 
-/// What is proved of a clearance if v is proved of the measured one.
+/// Lower bound of a clearance, given a lower bound v of the measured one.
 static double less_rounding( const lwi_bound* bound, double v )
 {
 	return v - bound->rounding - bound->stretch * fabs( v );
@@ -220,8 +220,8 @@ enum
 	PLANE_LOOKS_NEW = LWI_MAX_LOOKS
 };
 
-/// Of what the shape is, not of where it is: within alpha, which planes are known decides which pair is found first, and a
-/// run that is repeated by another process is to find the same one.
+/// Depends on the geometry, not on addresses: within alpha, the known planes choose the one of the nearest pairs that is
+/// found first, and a run that another process repeats must find the same one.
 static uint64_t hash_of( const lw_shape* shape )
 {
 	uint64_t bits[4];
@@ -256,7 +256,7 @@ static bool old_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_LOOKS_KNOWN );
 }
 
-/// Looks for a new plane, seldom where that is in vain.
+/// Searches a new plane, less often after searches that found none.
 static bool new_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 {
 	if ( hint->wait > 0 )
@@ -282,8 +282,8 @@ static bool plane_rules_out( lwi_searching* s )
 	return old_plane_rules_out( s, hint ) || new_plane_rules_out( s, hint );
 }
 
-/// The same for a search that waited: there is a bound now that another pair was searched for, so planes that were in vain before are tried
-/// again. Whether that pays is remembered apart from what it did before.
+/// The same for a resumed search: the bound is tighter since another pair was searched, so planes that failed before are
+/// tried again. The back-off of these late tries is kept apart from that of the first ones.
 static bool plane_rules_out_late( lwi_searching* s )
 {
 	lwi_hint* hint = hint_of( s );
@@ -308,7 +308,7 @@ static bool plane_rules_out_late( lwi_searching* s )
 enum
 {
 	BEFORE_WITNESS = 192, ///< comparisons without a nearer pair: large faces that face each other. Why so late: distance.md
-	WITNESS_LEAVES = 64   ///< that it may look at per comparison so far: few are looked at where it is in vain
+	WITNESS_LEAVES = 64   ///< leaves that it may visit per comparison so far: few where it fails
 };
 
 /// @param compared leaves against leaves, or triangles against a solid, so far
@@ -331,7 +331,7 @@ static bool witness_rules_out( lwi_searching* s, uint32_t compared, lwi_witness_
 enum
 {
 	LEAVES_OF_A_LOOK = 4,    ///< comparisons after which a first look is over even if nothing was measured
-	LEAVES_BEFORE_LEAST = 8, ///< comparisons after which the least gap of all that is left is next, wherever it is
+	LEAVES_BEFORE_LEAST = 8, ///< comparisons after which the entry with the least gap is next, wherever it is
 };
 
 static lwi_walk begin_walk( lwi_searching* s )
@@ -359,8 +359,8 @@ static lwi_walk begin_walk( lwi_searching* s )
 	return walk;
 }
 
-/// Depth first, a search stays where it began, which may be far from what is nearest: a ring around a shaft is as near, but for a little,
-/// everywhere. So now and then the least gap of all is taken up. The path of that entry needs room of its own.
+/// Depth first, a search stays near its start, which may be far from the nearest pair: a ring around a shaft is almost as
+/// near everywhere. So now and then the entry with the least gap is taken. The path of that entry needs room of its own.
 static void take_least( lwi_searching* s, lwi_walk* walk )
 {
 	lwi_entry* stack = s->memory->stack;
@@ -381,7 +381,7 @@ static void take_least( lwi_searching* s, lwi_walk* walk )
 	}
 }
 
-/// Two leaves. True if nothing that is left can be below the limit.
+/// Two leaves. True if no remaining pair can be below the limit.
 static bool meet_leaves( lwi_searching* s, lwi_entry* e, lwi_walk* walk )
 {
 	const bool planes = s->memory->def.planes;

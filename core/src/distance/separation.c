@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Planes between bounded shapes: GJK on their convex hulls, with support points from the sphere trees.
 //
-// Paper: Gilbert, Johnson, Keerthi 1988 (see distance/convex.c). Whatever direction comes out, its gap is that of all geometry: a bad one
-// proves less, never something wrong. Between places the first directions come from cores, a few points inside the hulls: edges.md.
+// Paper: Gilbert, Johnson, Keerthi 1988 (see distance/convex.c). Whatever direction comes out, its gap is that of all
+// geometry: a bad one proves less, never something wrong. Between places the first directions come from cores, a few points
+// inside the hulls: edges.md.
 #include "distance/separation.h"
 
 #include "base/math_inline.h"
@@ -139,7 +140,7 @@ static void make_places( lwi_places* s )
 	}
 }
 
-/// What boxes have and supports have not.
+/// Dilation that boxes include and supports do not.
 static double dilation_of( const lw_shape* shape )
 {
 	return shape->family == LWI_TRIANGLES ? shape->radius : 0;
@@ -163,7 +164,7 @@ static void local_direction( const lw_transform* at, lw_vec3 n, float local[3] )
 	local[2] = (float)v.z;
 }
 
-/// The same for one of the places, of length 1. Returns what heights along it are to be multiplied by.
+/// The same for one of the places, of length 1. Returns the factor for heights along it.
 static double place_direction( const lwi_places* s, int i, lw_vec3 n, float local[3] )
 {
 	if ( !s->drifts )
@@ -180,7 +181,7 @@ static double place_direction( const lwi_places* s, int i, lw_vec3 n, float loca
 }
 
 /// The farthest point of all places along n. Returns how far, above q->from.
-/// @param start where to look first, tree frame; where it was found
+/// @param start point where the search begins, tree frame; on return the farthest point
 static double farthest_of_places( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n,
 	float start[3], lw_vec3* farthest )
 {
@@ -317,7 +318,7 @@ static lw_vec3 normal_of( const lwi_places* b, const float direction[3] )
 
 enum
 {
-	CORE_STEPS = 24 ///< directions that cores are asked for, between two of these
+	CORE_STEPS = 24 ///< directions tried on the cores between two tests of all geometry
 };
 
 /// Of the distance of the cores: a gap that wide is not worth another step.
@@ -412,7 +413,7 @@ static lw_vec3 core_point( const core* c, uint32_t which )
 	return lwi_add( c->origin, c->local != NULL ? lwi_rotate( c->local, p ) : p );
 }
 
-/// The same in the tree frame of the shape; of a cut the point stays what it was when it was found.
+/// The same in the tree frame of the shape; for a point of the cut `point` keeps the place where the cut was found.
 static void core_start( const lw_shape* shape, const core* c, uint32_t which, float point[3] )
 {
 	if ( which >= c->blocks * LWI_WIDTH )
@@ -433,13 +434,13 @@ typedef struct core_search
 	double need;
 	vec_s w[4];
 	int count;
-	double upper;              ///< of the distance of the cores; 0 to begin with: the first direction that will do is good enough
-	lw_vec3 n;                 ///< unit, from a to b: what is tried next
+	double upper;              ///< of the distance of the cores; 0 at first: the first good enough direction ends the search
+	lw_vec3 n;                 ///< unit, from a to b: the direction to try next
 	uint32_t which_a, which_b; ///< points that are nearest to the plane
 	double high, low;          ///< of a and of b along it
 } core_search;
 
-/// LWI_APART: along s->n, where to look for a plane.
+/// LWI_APART: s->n is the direction in which to search for a plane.
 static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s )
 {
 	for ( int step = 0; step < CORE_STEPS; ++step )
@@ -483,7 +484,7 @@ static bool hulls_stay_below( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 	double bottom = -( core_b == NULL ? (double)plane.reach_b : core_reach( kernels, core_b, down, &which_b ) );
 	if ( !( high <= bottom - q->need ) )
 	{
-		return false; // what is inside is not below
+		return false; // core points are points of the shape: if they are not below, the shape is not
 	}
 	if ( core_b != NULL )
 	{
@@ -566,7 +567,7 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 			*out = next;
 			return LWI_APART;
 		}
-		// what it says of a only decides where to look next
+		// the farthest point of a only chooses the next direction
 		s.a.cut[s.a.cuts++] = far_point( kernels, a, &q, n, point_a );
 		s.b.cut[s.b.cuts++] = lowest;
 	}
@@ -576,7 +577,7 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 // --- bent ways -------------------------------------------------------------------------------------------------------
 
 /// How far a shape reaches along n at one of its places, above q->from.
-/// @param start where to look first, tree frame; where it was found
+/// @param start point where the search begins, tree frame; on return the farthest point
 static double reach_at( const lwi_kernels* kernels, const lwi_places* s, int i, const between_places* q, lw_vec3 n, float start[3] )
 {
 	float local[3];
@@ -585,14 +586,14 @@ static double reach_at( const lwi_kernels* kernels, const lwi_places* s, int i, 
 	return (double)lwi_support( kernels, s->shape, local, start ) + origin;
 }
 
-/// The least of what goes from x to y evenly, less s ( 1 - s ) bend at the share s of the way.
+/// Least value of the line from x to y minus s ( 1 - s ) bend, over all shares s of the way.
 static double least_on_way( double x, double y, double bend )
 {
 	const double least = lwi_smaller( x, y ), missing = bend - fabs( x - y );
 	return missing > 0 ? least - missing * missing / ( 4 * bend ) : least;
 }
 
-/// The least at any time, from what is at the middle, the left and the right place.
+/// Least value at any time, from the values at the middle, the left and the right place.
 static double least_of_ways( const double at[LWI_MAX_PLACES], double bend )
 {
 	bend *= 1 + 0x1p-21; // directions are of length 1 to rounding, and so are heights along them
@@ -606,7 +607,7 @@ static bool bent_holds( const lwi_kernels* kernels, const lwi_places* a, const l
 	const lw_vec3 n = normal_of( b, direction ), down = lwi_scale( -1, n );
 	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
 	double low = 0, high = 0;
-	for ( int i = 0; i < LWI_MAX_PLACES; ++i ) // what stands has one place
+	for ( int i = 0; i < LWI_MAX_PLACES; ++i ) // a static shape has one place
 	{
 		low = i < b->count ? -reach_at( kernels, b, i, q, down, point_b ) : low;
 		high = i < a->count ? reach_at( kernels, a, i, q, n, point_a ) : high;
@@ -628,7 +629,7 @@ bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const l
 	{
 		return true;
 	}
-	// what keeps them apart at the end where they are nearer
+	// the plane that separates them at the end where they are nearer
 	const int end = gaps[1] < gaps[2] ? 1 : 2;
 	lwi_places end_a, end_b;
 	lwi_places_plane plane;
@@ -649,7 +650,7 @@ bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const l
 	const double length = lwi_length( n );
 	if ( !( length > 0 && length < INFINITY ) || a->shape->filled || b->shape->filled )
 	{
-		return false; // what is in a solid is far from its surface
+		return false; // a point deep inside a solid is far from the surface, and only triangles near it are tested here
 	}
 	float down[3], point[3] = { 0, 0, 0 };
 	local_direction( &b->middle, lwi_scale( -1 / length, n ), down );
@@ -686,7 +687,7 @@ lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_mot
 	return plane;
 }
 
-/// What keeps two shapes apart, a's tree frame.
+/// The slab between two shapes, a's tree frame.
 typedef struct slab
 {
 	const lwi_kernels* kernels;
@@ -748,7 +749,7 @@ bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape
 		core_start( a, &s.a, s.which_a, point_a );
 		core_start( b, &s.b, s.which_b, point_b );
 		lw_vec3 *cut_a = &s.a.cut[s.a.cuts++], *cut_b = &s.b.cut[s.b.cuts++];
-		// cores leave some room: that is soon seen to be enough, or it is asked how much there is
+		// the cores leave some room: a quick test tells whether it is enough, else the gap is computed
 		if ( slab_holds( &between, 0.5 * ( s.high + s.low - s.need ), s.need ) ||
 			 slab_gap( &between, point_a, point_b, cut_a, cut_b ) >= limit )
 		{

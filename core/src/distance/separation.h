@@ -9,7 +9,7 @@
 enum
 {
 	LWI_MAX_PLACES = 3,
-	LWI_MAX_LOOKS = 3 ///< directions of one search for which all geometry is asked: if the second has no plane, hardly any has
+	LWI_MAX_LOOKS = 3 ///< full-geometry directions of one search: without a plane after the second there is hardly ever one
 };
 
 /// A plane between two shapes.
@@ -18,7 +18,7 @@ typedef struct lwi_plane
 	float direction[3]; ///< b's tree frame, from a to b; any length > 0
 } lwi_plane;
 
-/// What a query remembers of a pair of shapes. Only speed depends on it.
+/// A query's memory of one pair of shapes. Only speed depends on it.
 typedef struct lwi_hint
 {
 	uint32_t key;      ///< of the pair; 0: empty
@@ -35,8 +35,8 @@ lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_mot
 /// Looks for a plane on which the gap between the convex hulls of a and b is at least the limit.
 /// @param a_from_b tree frames
 /// @param limit as for all gaps: the slack of floats (simd/kernels.h) included
-/// @param plane where to begin, and where it ended
-/// @param looks directions for which all geometry is asked, at the most LWI_MAX_LOOKS
+/// @param plane the search begins there; on return it ended there
+/// @param looks number of directions tried on all geometry, at most LWI_MAX_LOOKS
 /// @return true if there is one: nothing of a is nearer to anything of b than the limit. False says nothing
 bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* a_from_b, float limit,
 	lwi_plane* plane, int looks );
@@ -59,7 +59,7 @@ typedef struct lwi_places
 	bool made;           ///< `at` is filled; of drifts it may wait until it is needed
 	lw_vec3 turn, shift;
 	lwi_cloud* cloud; ///< of more than one place
-	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape, of several; of drifts linear, not rigid: points are where they take them
+	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape, of several; of drifts linear maps, not rigid: points move to their images
 	bool boxed;                      ///< the box around the shape is at its places: it is when it is needed
 	lw_vec3 box_middle[LWI_MAX_PLACES];
 	double box_size; ///< sum of the coordinates of three half axes, at most
@@ -101,7 +101,7 @@ static inline lwi_places_plane lwi_plane_of_lane( const lwi_planes8* planes, uin
 
 /// Planes of other times, in the same frame: one that separates these too, or LWI_WIDTH.
 /// @param limit metres, >= 0: nothing of a, at any of its places, is then nearer to anything of b than that
-/// @param only_boxes where b stands only the box around a is asked: less is found, far more quickly
+/// @param only_boxes where b is static test only the box around a: finds fewer planes, far more quickly
 uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, const lwi_planes8* known,
 	bool only_boxes );
 
@@ -115,14 +115,16 @@ typedef enum lwi_separation
 
 /// Looks for a plane between the convex hulls of all places.
 /// @param direction where to begin: b's tree frame at its middle place, any length; where it ended
-/// @param out what separates them; written only then
+/// @param out the separating plane; written only then
 lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, float direction[3],
 	lwi_places_plane* out );
 
-/// Looks for a direction along which a stays below b on its way, too: at the share s of the way from place to place everything is within
-/// s ( 1 - s ) bend of where a straight line has it. What comes nearest at one end may be as near as the limit there.
+/// Looks for a direction along which a stays below b on its way, too: at the share s of the way from place to place
+/// everything is within s ( 1 - s ) bend of its place on a straight line. At either end of the way the distance may be as
+/// small as the limit.
 /// @param a at its middle place, its left and its right one, or standing @param b likewise
-/// @param direction where to begin: b's tree frame at its middle place; where it ended, of length 1 to rounding if there is one
+/// @param direction where to begin: b's tree frame at its middle place; where it ended, of length 1 to rounding if there is
+/// one
 /// @return true if there is one: on all of the way nothing of a is nearer to anything of b than the limit
 bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
 	float direction[3] );

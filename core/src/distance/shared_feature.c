@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of triangles that share what is nearest: measured once, with one and the same result.
+// Pairs of triangles that share their nearest feature: measured once, with one and the same result.
 //
-// Where a corner is nearest to a corner, all triangles around both are as near: 36 pairs, which no filter tells from each other. If each were
-// measured on its own, their last digits would differ and the least would have to be found. Instead the distance of two corners, and of
-// a corner and an edge, is computed from these alone, so that all pairs that share them have the same bits, and those of
-// which the same is seen at a glance are not measured. Argument: core/docs/distance.md.
+// Where a corner is nearest to a corner, all triangles around both are as near: 36 pairs, which no filter tells from each
+// other. If each were measured on its own, their last digits would differ and the least would have to be found. Instead the
+// distance of two corners, and of a corner and an edge, is computed from these alone, so that all pairs that share them have
+// the same bits, and those of which the same is seen at a glance are not measured. Argument: core/docs/distance.md.
 #include "distance/pair_query.h"
 
-/// How near a witness is to the corner or edge that it is taken for, and how far that is from being farther away in doubt: of all lengths.
+/// How near a witness is to the corner or edge that it is taken for, and how far that is from being farther away in doubt:
+/// of all lengths.
 #define NEAR 0x1p-20
-/// What else is in a triangle is behind the corner or edge by this sine at least.
+/// All other points of a triangle are behind the corner or edge by this sine at least.
 #define CLEAR 0x1p-20
 /// Distances below this share of all lengths have no direction that is good enough.
 #define LEAST_DISTANCE 0x1p-28
@@ -50,7 +51,8 @@ static uint32_t find_feature( const uint32_t index[3], const lw_vec3 v[3], lw_ve
 	return 0;
 }
 
-/// The point of a segment that is nearest to p, inside of it, with the same bits for the segment turned around. False at its ends.
+/// The point of a segment that is nearest to p, inside of it, with the same bits for the segment turned around. False at its
+/// ends.
 static bool foot_on( lw_vec3 p, lw_vec3 from, lw_vec3 to, lw_vec3* foot )
 {
 	if ( comes_first( to, from ) )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Distance of two triangles: planes first, then edges with an optimality test, then everything that is left.
+// Distance of two triangles: planes first, then edges with an optimality test, then all remaining feature pairs.
 //
 // Papers: Larsen, Gottschalk, Lin, Manocha, "Fast distance queries with rectangular swept sphere volumes", ICRA 2000
 // (the order of tests); Ericson, "Real-Time Collision Detection", 2005, 5.1.9 (clamping of segment parameters).
@@ -18,7 +18,7 @@
 #define LARGEST 1.2676506002282294e30
 #define SMALLEST 7.888609052210118e-31
 
-/// A triangle relative to the common origin, and what is derived from it once.
+/// A triangle relative to the common origin, and constants derived from it once.
 typedef struct tri
 {
 	lw_vec3 v[3];       ///< vertices
@@ -169,7 +169,7 @@ static bool pierces( const tri* a, const tri* b, const double h[3], double toler
 }
 
 /// True if the plane normal to the current best pair separates the triangles by that pair's distance: then no pair is
-/// closer. The slack, at most 8 u |r| size, is what the dot products may be wrong by; it costs 16 u size of the distance.
+/// closer. The slack, at most 8 u |r| size, bounds the rounding of the dot products; it costs 16 u size of the distance.
 static inline bool is_optimal( const tri* a, const tri* b, const best_pair* best, double size )
 {
 	lw_vec3 r = lwi_sub( best->b, best->a );

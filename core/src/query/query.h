@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The memory of one thread: searches of pairs use its first part, scenes, checkers and edges the rest. Made by query/query.c.
+// The memory of one thread: searches of pairs use its first part, scenes, checkers and edges the rest. Made by
+// query/query.c.
 #ifndef LEEWAY_QUERY_QUERY_H
 #define LEEWAY_QUERY_QUERY_H
 
@@ -15,7 +16,7 @@ typedef struct lwi_warm
 	bool valid;
 } lwi_warm;
 
-/// A test that is made seldom where it is in vain. Only speed depends on it.
+/// Back-off of a test: after failures in a row it runs less often. Only speed depends on it.
 typedef struct lwi_trial
 {
 	uint8_t failures, wait; ///< in a row; questions until the next try
@@ -30,18 +31,18 @@ struct lw_query
 	uint32_t link_capacity, body_capacity, variable_capacity, scene_capacity;
 	uint32_t gap_capacity;        ///< floats in gaps
 	size_t edge_capacity;         ///< bytes in edge_scratch
-	uint32_t edge_count;          ///< edges asked so far, modulo 2^32
+	uint32_t edge_count;          ///< edges checked so far, modulo 2^32
 
 	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
 	void ( *release_posed )( lw_checker* posed ); ///< drops that reference
 	uint64_t bindings;            ///< how often another checker was posed: memory of an earlier one's bodies is void
-	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, and some may be used
-	bool hulls, tables;           ///< which: both only if covered
+	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold; the two flags below choose
+	bool hulls, tables;           ///< which of the two hold: both only if covered
 	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
-	bool near;                    ///< the question at hand looks at that mask only
+	bool near;                    ///< the current call uses only that mask
 	double rounding, stretch;     ///< of forward kinematics in this state, see lwi_motion_state_rounding()
 	double pose_rounding;         ///< metres: centres of spheres, and of bodies, are less than half of that off
-	uint64_t state_stamp;         ///< of the state at hand; what bears it is valid
+	uint64_t state_stamp;         ///< stamp of the current state; data with this stamp is valid
 	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
 	uint64_t turn_stamp;          ///< of the three below
 	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above nodes, as far as they only turn
@@ -70,8 +71,8 @@ struct lw_query
 	size_t bytes;
 };
 
-/// Only what was near enough to bear on a question the last time is likely to do so again: where all that is asked for is contact
-/// or a margin, measuring what is farther only costs.
+/// A warm pair pays only if its last clearance was below the cutoff: where a call wants contact or a margin, measuring a
+/// farther pair only costs.
 static inline bool lwi_warm_pays( const lw_query* query, const lwi_warm* warm, const lwi_bound* bound )
 {
 	return query->search.def.warm_start && warm->valid && warm->clearance < bound->prune;

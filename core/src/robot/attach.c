@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Robots with something in their hands: links that are attached to others and taken off again, everything else shared or copied.
+// Robots with something in their hands: links that are attached to others and taken off again, everything else shared or
+// copied.
 //
-// An attached object is a link behind those of the bare robot, on a fixed joint, so no variable, and no index of what was there
-// before, changes. The robot is what lw_robot_create() would make of the longer def. Costs: core/docs/edits.md.
+// An attached object is a link behind those of the bare robot, on a fixed joint: no variable is added, and all earlier
+// indices stay. The robot equals the one that lw_robot_create() makes of the longer def. Costs: core/docs/edits.md.
 #include "base/math_inline.h"
 #include "robot/robot.h"
 

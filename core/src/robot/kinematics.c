@@ -101,7 +101,7 @@ void lwi_joint_pose_turned( const lwi_joint* joint, const lw_transform* world_fr
 		shift( m, lwi_load( frame_from_joint->t ) );
 		turn( joint, by, m );
 	}
-	else // what does not wait for the frame's pose comes first
+	else // turn first: this product does not depend on the frame's pose
 	{
 		lw_transform turned = *frame_from_joint;
 		turn( joint, by, &turned );

@@ -3,7 +3,8 @@
 //
 // Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
 // environments. IEEE Transactions on Robotics 21(3), 2005. The distances to the axes are bounded here by the pose at the
-// edge's middle plus half the motion of the joints in between, which for short edges is far below what joint limits give.
+// edge's middle plus half the motion of the joints in between, which for short edges is far below the bounds by joint
+// limits.
 // Derivation: core/docs/edges.md. Rounding: core/docs/kinematics.md.
 #include "base/arena.h"
 #include "base/math_inline.h"
@@ -57,7 +58,7 @@ struct lwi_motion_table
 	lw_transform* reference_poses; ///< [link_count] valid for the links that no edge moves
 	size_t scratch_at[SCRATCH_PARTS]; ///< bytes
 	size_t scratch_size;
-	// what lwi_motion_state_rounding() starts from
+	// inputs of lwi_motion_state_rounding()
 	uint32_t most_joints;   ///< of any body
 	double longest, root;   ///< the longest chain, without shifts and without the root's own place; that place
 	double farthest;        ///< the longest chain with it
@@ -65,7 +66,7 @@ struct lwi_motion_table
 	uint32_t* inexact;      ///< [inexact_count] moving joints that shift, or whose angle is a rounded number
 };
 
-/// What an edge does at one joint.
+/// The motion of one joint along an edge.
 typedef struct joint_motion
 {
 	double turn;   ///< radians
@@ -78,7 +79,7 @@ typedef struct joint_motion
 	lw_vec3 axis, origin; ///< in the world, where the poses last taken over have it
 } joint_motion;
 
-/// What an edge does at all joints.
+/// The motion of all joints along an edge.
 typedef struct whole_motion
 {
 	double rounding;      ///< of the place of any point of any body
@@ -306,7 +307,7 @@ static void list_movers( lwi_motion_table* table )
 	}
 }
 
-/// What the rounding of states starts from.
+/// Collects the inputs of the rounding of states.
 static void survey( lwi_motion_table* table, const bool* fixed_variables )
 {
 	const lw_robot* robot = table->robot;
@@ -519,21 +520,21 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	lw_vec3 center = lwi_v3( entry->center[0], entry->center[1], planar ? 0 : entry->center[2] );
 	m.turn = planar ? fabs( lwi_wrapped_difference( a[2], b[2] ) ) : 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
 	m.shift = lwi_distance( pa, pb );
-	m.excess = lwi_larger( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // of a straight way the ends are farthest
+	m.excess = lwi_larger( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // of a straight way the ends are farthest away
 	m.reach = lwi_larger( lwi_length( pa ), lwi_length( pb ) );
 	m.value = planar ? fabs( a[2] ) + fabs( b[2] ) + 4 : 4;
 	return m;
 }
 
-/// Bounds along the whole edge of what moves with a body, by its first 1, 2, .. joints upwards: path length, and acceleration
-/// per squared unit of t. Both are sums over the joints so far, all of which are kept. @return those by all joints
+/// Bounds along the whole edge for the points of a body, by its first 1, 2, .. joints upwards: path length, and acceleration
+/// per squared unit of t. Both are sums over the joints so far; every partial sum is kept. @return the sums over all joints
 ///
-/// In the child frame of joint j, where its axis stands still, a point moves only by the joints between j and the body: from
-/// where it is in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
+/// In the child frame of joint j its axis is fixed, and a point moves only by the joints between j and the body: from
+/// its place in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
 /// centre in the poses) + radius + share (path length below j), and at most the ring, enlarged by how far the shifts below
 /// get from where the rings assume them. A rotation turns the velocities below it
 /// (Coriolis, twice) and its own; shifts are at constant speed.
-/// @param rough by rings alone: then no pose is looked at, nor what follows
+/// @param rough by rings alone: uses no pose
 static inline lwi_motion_rate measure( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, bool rough,
 	lw_vec3 center, double radius, double share )
 {
@@ -551,7 +552,8 @@ static inline lwi_motion_rate measure( const lwi_motion_table* table, const moti
 			{
 				lw_vec3 offset = lwi_sub( center, m->origin );
 				double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
-				// of (distance to the axis) * turn only what depends on the path waits for the joint before
+				// arc is the part of (distance to the axis) * turn that needs the path so far; the rest does not wait for
+				// the joint before
 				arc = lwi_smaller( ( away + radius ) * m->turn + ( share * m->turn ) * path, arc );
 			}
 			change += m->turn * ( 2 * path + arc );
@@ -611,7 +613,7 @@ lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratc
 	return count == 0 ? (lwi_motion_rate){ 0, 0 } : s.rates[last];
 }
 
-/// A rotation at the rate w turns what comes from below, whose derivatives are v, a and j, into something with the third
+/// A rotation at the rate w maps the motion below it, with derivatives v, a and j, to a motion with the third
 /// derivative w x (w x (w x x)) + 3 w x (w x v) + 3 w x a + j; |w x x| and |v| together are the path so far.
 double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
 {
@@ -678,9 +680,9 @@ size_t lwi_motion_scratch_spare( uint32_t links )
 	return links * sizeof( lw_transform ) + LWI_ALIGNMENT; // and its rounding
 }
 
-/// Distances to axes are at most a body's chain with all its shifts, and so are those to joints' origins: roundings are bounded
-/// for all bodies at once (core/docs/kinematics.md: 64 u per joint and metre of chain). So is the longest path, by the largest
-/// rings.
+/// Distances to axes are at most a body's chain with all its shifts, and so are those to joints' origins: roundings are
+/// bounded for all bodies at once (core/docs/kinematics.md: 64 u per joint and metre of chain). So is the longest path, by
+/// the largest rings.
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
 {
 	motion_scratch s = scratch_parts( table, scratch );
@@ -702,8 +704,8 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 	w.rounding = ( w.pose_rounding + 8 * LWI_U64 * ( angles + 1 ) * length ) * OUTWARD;
 	w.total = ( w.total + ( excess + w.pose_rounding ) * turns ) * OUTWARD;
 	w.turns = turns;
-	// axes are where poses have them, so each joint's part is off by its turn times what these are; and sums of coordinates
-	// round
+	// axes are at their places in the poses, so each joint's part is off by its turn times their error; and sums of
+	// coordinates round
 	w.twist_error = turns * ( 4 * w.rounding + ( OUTWARD - 1 ) * length ) + ( OUTWARD - 1 ) * shifts;
 	*s.whole = w;
 	return isfinite( w.total ) && isfinite( w.rounding );
@@ -742,8 +744,9 @@ lwi_motion_bow lwi_motion_bow_of( lwi_motion_rate rate, double h )
 	return (lwi_motion_bow){ 0.5 * h * h * rate.change * OUTWARD, most * OUTWARD };
 }
 
-/// The parabola through three places is s (1 - s) second / 2 off the lines between them; the point is within h^3 jerk / 6 times
-/// |u (u^2 - 1)| of it, u from -1 to 1 (interpolation of second order), which is at most 2 s (1 - s), and at most 2 / sqrt( 27 ).
+/// The parabola through three places is s (1 - s) second / 2 off the lines between them; the point is within h^3 jerk / 6
+/// times |u (u^2 - 1)| of it, u from -1 to 1 (interpolation of second order), which is at most 2 s (1 - s), and at most 2 /
+/// sqrt( 27 ).
 lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double h, double second )
 {
 	const lwi_motion_bow whole = lwi_motion_bow_of( rate, h );
@@ -776,7 +779,7 @@ double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch )
 
 // ---- a cell ----------------------------------------------------------------------------------------------------------
 
-/// What a joint does at most between the cell's centre and any state of the cell; `excess` is that of the centre.
+/// Upper bound of a joint's motion between the cell's centre and any state of the cell; `excess` is that of the centre.
 static joint_motion motion_in_cell( const motion_entry* entry, const lwi_joint* joint, const double* center,
 	const double* half_width )
 {
@@ -799,9 +802,9 @@ static joint_motion motion_in_cell( const motion_entry* entry, const lwi_joint* 
 }
 
 /// Let E_1 .. E_n be the motions of the joints, the outermost first, and change them from centre to state one after the
-/// other, the outermost first: E_1 .. E_(k-1) have changed already, but they are isometries, and what E_k moves is still at
-/// its place of the centre. So each joint adds the chord of its turn about its axis, at the distance of the *centre*, and
-/// its shift, whatever the others do. From its parent's side a joint is the inverse isometry: the same chord.
+/// other, the outermost first: E_1 .. E_(k-1) have changed already, but they are isometries, and the points that E_k moves
+/// are at their places of the centre. So each joint adds the chord of its turn about its axis, at the distance of the
+/// *centre*, and its shift, whatever the others do. From its parent's side a joint is the inverse isometry: the same chord.
 void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count, uint32_t upward,
 	const double* center, const double* half_width, const lw_transform* poses, double rounding, double* lengths )
 {

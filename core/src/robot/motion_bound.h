@@ -6,15 +6,15 @@
 #include "leeway/reach.h"
 #include "robot/robot.h"
 
-/// What is known of a robot's bodies before any edge: enclosing spheres, distances to the first joint axis, and for each
+/// Data of a robot's bodies that no edge changes: enclosing spheres, distances to the first joint axis, and for each
 /// joint j above body b the largest distance from b to the axis of j over *all* configurations. Immutable, kept by the
 /// checker, which also keeps the robot alive.
 typedef struct lwi_motion_table lwi_motion_table;
 
-/// What moves as one: bodies on links between which no joint of the edges moves, and a sphere around them.
+/// A rigid group: bodies on links between which no joint of the edges moves, and a sphere around them.
 typedef struct lwi_motion_piece
 {
-	uint32_t link;     ///< the frame of what follows
+	uint32_t link;     ///< its frame is the frame of the fields below
 	lw_sphere sphere;  ///< contains the bodies
 	uint32_t count;    ///< of shapes, where they are
 	const lw_shape* const* shapes;
@@ -36,8 +36,9 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 void lwi_motion_table_destroy( lwi_motion_table* table ); ///< NULL is ignored
 size_t lwi_motion_table_bytes( const lwi_motion_table* table );
 
-/// Upper bound, for any point of any body, of the distance between where it is in the world at a state and where double arithmetic puts
-/// it. Poses are not quite rigid: a distance of two bodies, in the frame of one of them, is off by up to three times that and
+/// Upper bound, for any point of any body, of the distance between where it is in the world at a state and where double
+/// arithmetic puts it. Poses are not quite rigid: a distance of two bodies, in the frame of one of them, is off by up to
+/// three times that and
 /// *stretch times itself. Derivation: core/docs/numerics.md. Cost: the moving joints that shift, or that follow others.
 /// @param state [variable_count] finite
 double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch, double* reach );
@@ -51,15 +52,15 @@ size_t lwi_motion_scratch_spare( uint32_t links );
 /// Holds for states outside the joint limits too. @return false for a zero quaternion or an edge whose length overflows
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
 
-/// Bounds of the motion of a body's points along the whole edge, rounded outward. On any part [s, t] of the edge a point's way is
-/// at most (t - s) * path long, and its velocity changes by at most (t - s) * change.
+/// Bounds of the motion of a body's points along the whole edge, rounded outward. On any part [s, t] of the edge a point's
+/// way is at most (t - s) * path long, and its velocity changes by at most (t - s) * change.
 typedef struct lwi_motion_rate
 {
 	double path;   ///< metres per unit of t. 0 exactly if no joint in between moves
 	double change; ///< largest acceleration, metres per squared unit of t
 } lwi_motion_rate;
 
-/// lwi_motion_measure() in steps: what holds without any pose, where the joints are at some state of the edge, then body by
+/// lwi_motion_measure() in steps: bounds that need no pose, then the joints' places at some state of the edge, then body by
 /// body.
 /// @param poses [link_count] world_from_link at that state, of the bodies' links and of the moving joints' children
 /// @param share of the edge, on the longer side of that state: 0.5 for its middle
@@ -68,15 +69,16 @@ void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_tr
 void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 	double share );
 
-/// All bodies of a begun edge by what holds for all states, without any pose: looser, and cheap. @return the largest acceleration
+/// All bodies of a begun edge by bounds that hold for all states, without any pose: loose, cheap. @return the largest
+/// acceleration
 double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch );
 
-/// Motion of a measured body in the frame of `ancestor`: a link above the body's link or that link itself, or LW_INVALID_INDEX
-/// for the world.
+/// Motion of a measured body in the frame of `ancestor`: a link above the body's link or that link itself, or
+/// LW_INVALID_INDEX for the world.
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
-/// All of these for one body: entry i is what the first i + 1 moving joints above it do.
+/// The same for every ancestor of one body: entry i is the motion by the first i + 1 moving joints above it.
 const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body );
-double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< its path
+double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< its path length
 /// How fast the acceleration of its points changes at most, metres per cubed unit of t.
 double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 
@@ -90,7 +92,8 @@ typedef struct lwi_motion_bow
 /// @param h the part's length in t
 lwi_motion_bow lwi_motion_bow_of( lwi_motion_rate rate, double h );
 /// The same for both of two parts, one after the other and each h long.
-/// @param jerk see lwi_motion_jerk() @param second |a - 2 b + c| for places a, b, c of the points at the ends of both, or more
+/// @param jerk see lwi_motion_jerk() @param second |a - 2 b + c| for places a, b, c of the points at the ends of both, or
+/// more
 lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double h, double second );
 
 /// Upper bound of the distance of a point from where it is at one end of a part of the edge, anywhere on the part.
@@ -103,10 +106,12 @@ typedef struct lwi_twist
 	lw_vec3 turn, shift;
 } lwi_twist;
 
-/// What the first moving joint above a body gives to everything below it, in the world. NaN for joints of several variables.
-/// @param pose world_from_link of that joint's child at the state that is asked about
+/// Velocity that the first moving joint above a body gives to everything below it, in the world. NaN for joints of several
+/// variables.
+/// @param pose world_from_link of that joint's child at the state of the twist
 lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose );
-/// How fast the first moving joint above a body turns or shifts, with its sign, per unit of t. NaN for joints of several variables.
+/// How fast the first moving joint above a body turns or shifts, with its sign, per unit of t. NaN for joints of several
+/// variables.
 double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body );
 /// Radians that all joints together turn along the edge.
 double lwi_motion_turns( const lwi_motion_table* table, const void* scratch );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What kinematics, motion bounds, checker and edges need of a robot beyond the public interface.
+// The inside of a robot, for kinematics, motion bounds, checker and edges.
 #ifndef LEEWAY_ROBOT_ROBOT_H
 #define LEEWAY_ROBOT_ROBOT_H
 
@@ -55,7 +55,8 @@ struct lw_robot
 	uint32_t* rigid_group;    ///< [link_count] equal for links rigidly attached to each other: the topmost of them
 	uint32_t* allowed;        ///< [link_count * link_count] bits, symmetric
 	lw_transform world_from_root;
-	/// Without what is attached (a reference): its links, joints and bodies come first here. NULL if nothing is.
+	/// The robot without its attached objects (a reference): its links, joints and bodies come first. NULL if nothing is
+	/// attached.
 	lw_robot* bare;
 };
 
@@ -80,7 +81,7 @@ void lwi_robot_allow( lw_robot* robot, uint32_t a, uint32_t b );
 uint32_t lwi_robot_order_links( lw_robot* robot, uint32_t root );
 /// Fills rigid_group, for a robot with its order and joints.
 void lwi_robot_group_links( lw_robot* robot );
-/// LW_OK, or what is wrong with body i, of a link of this name.
+/// LW_OK, or the status and message of the first fault of body i, of a link of this name.
 lw_status lwi_robot_check_body( const lw_body_def* body, uint32_t i, const char* link, lw_diag* diag );
 /// A body as robots keep it: with a reference to its shape.
 lw_body_def lwi_robot_take_body( const lw_body_def* def );
@@ -104,8 +105,8 @@ bool lwi_robot_fk_links( const lw_robot* robot, const double* q, const uint32_t*
 /// Moves m = anything_from_joint by the motion of the joint at q: m becomes anything_from_child. Not for constant joints,
 /// whose parent_from_joint is complete. @return false for a zero or non-finite quaternion
 bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m );
-/// The pose of a joint's child: the frame's, where the joint is in it, and its motion. @param translates frame_from_joint turns nothing,
-/// to the bit
+/// The pose of a joint's child: the frame's, where the joint is in it, and its motion. @param translates frame_from_joint
+/// turns nothing, to the bit
 bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
 	bool translates, const double* q, lw_transform* m );
 
@@ -122,7 +123,7 @@ static inline double lwi_joint_angle( const lwi_joint* joint, const double* q )
 void lwi_joint_pose_turned( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
 	bool translates, lwi_turn by, lw_transform* m );
 
-/// What lw_robot_interpolate adds from `from` to `to` for a variable that wraps: in [-pi, pi].
+/// Signed difference that lw_robot_interpolate goes through from `from` to `to` for a variable that wraps: in [-pi, pi].
 double lwi_wrapped_difference( double from, double to );
 /// One variable of lw_robot_interpolate(), if it is not part of a quaternion.
 double lwi_interpolate_variable( const lw_variable_info* info, double a, double b, double t );

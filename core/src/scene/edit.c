@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scenes by snapshots: a scene with some of its objects added, removed or moved, sharing shapes and names with the one before.
+// Scenes by snapshots: a scene with some of its objects added, removed or moved, sharing shapes and names with the one
+// before.
 //
-// What stays keeps its order, what is added comes last: the scene is what lw_scene_create() makes of the same list. Boxes in
-// the world are computed for shapes that were added or moved; the others' are copied. Costs: core/docs/edits.md.
+// Objects that stay keep their order, added ones come last: the scene equals the one that lw_scene_create() makes of the
+// same list. Boxes in the world are computed for shapes that were added or moved; the others' are copied. Costs:
+// core/docs/edits.md.
 #include "base/math_inline.h"
 #include "scene/scene.h"
 
@@ -31,7 +33,8 @@ typedef struct draft
 	draft_shape* shapes;
 } draft;
 
-/// The object of this name that is there now. @return its index; LW_INVALID_INDEX with a message if there is none, or several
+/// The object of this name that is there now. @return its index; LW_INVALID_INDEX with a message if there is none, or
+/// several
 static uint32_t find( const draft* d, const lw_scene_change* change, uint32_t at, lw_diag* diag )
 {
 	uint32_t found = LW_INVALID_INDEX;
@@ -176,7 +179,7 @@ static lw_status apply( draft* d, const lw_scene_change* changes, uint32_t count
 	return status;
 }
 
-/// The draft begins as the scene itself, with room for what is added.
+/// The draft begins as the scene itself, with room for the added objects and shapes.
 static lw_status begin( draft* d, const lw_allocator* allocator, lw_diag* diag )
 {
 	d->objects = lwi_alloc_zero( allocator, d->object_capacity, sizeof( draft_object ) );

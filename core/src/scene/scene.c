@@ -19,7 +19,7 @@ lw_scene_def lw_scene_def_default( void )
 	return def;
 }
 
-/// Box of what is really there: vertices, balls, corners of boxes; of a convex solid or a deferred mesh the corners of its
+/// World box of the geometry: vertices, balls, corners of boxes; of a convex solid or a deferred mesh the corners of its
 /// box, moved.
 void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] )
 {
@@ -197,7 +197,7 @@ void lwi_scene_bound( lw_scene* scene )
 		uint32_t lane = i % LWI_WIDTH;
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			bool real = i < scene->shape_count && scene->box_max[i][axis] < INFINITY; // others have no box: nothing is near it
+			bool real = i < scene->shape_count && scene->box_max[i][axis] < INFINITY; // others have no box
 			block->min[axis][lane] = real ? lwi_round_down( scene->box_min[i][axis] - scene->origin[axis] ) : INFINITY;
 			block->max[axis][lane] = real ? lwi_round_up( scene->box_max[i][axis] - scene->origin[axis] ) : -INFINITY;
 		}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a scene holds, and how far its boxes are from a sphere.
+// The inside of a scene, and the gaps between its boxes and a sphere.
 #ifndef LEEWAY_SCENE_SCENE_H
 #define LEEWAY_SCENE_SCENE_H
 
@@ -25,7 +25,8 @@ struct lw_scene
 	uint32_t unbounded_count;
 };
 
-/// Arrays of these sizes, all 0 but the counts; NULL without memory. What is put into object_names and shapes is released with it.
+/// Arrays of these sizes, all 0 but the counts; NULL without memory. The scene owns the names and shape references put into
+/// them.
 lw_scene* lwi_scene_allocate( uint32_t object_count, uint32_t shape_count, const lw_allocator* allocator );
 void lwi_scene_free( lw_scene* scene );
 /// The origin, and the float blocks about it: for a scene with its shapes and their boxes in double.
@@ -42,9 +43,9 @@ void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape,
 /// products and sums, and a normal that is of unit length to 8 roundoffs.
 float lwi_unbounded_gap( const lw_scene_shape_def* obstacle, const double center[3], double radius );
 
-/// Gaps of a bounding sphere (world) to the boxes, half-spaces and planes of the first blocks of the scene: gaps[blocks * LWI_WIDTH],
-/// pads +INFINITY. Returns what must be added to a limit before a gap may be compared with it (metres). *near: some gap does not reach
-/// `prune` and that, or is not a number.
+/// Gaps of a bounding sphere (world) to the boxes, half-spaces and planes of the first blocks of the scene: gaps[blocks *
+/// LWI_WIDTH], pads +INFINITY. Returns the metres to add to a limit before comparing a gap with it. *near: some gap is below
+/// `prune` plus these metres, or is not a number.
 double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
 	double prune, float* gaps, bool* near );
 

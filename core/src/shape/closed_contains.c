@@ -34,9 +34,9 @@ static double snapped( double v )
 	return fabs( v ) < LWI_EXACT_LEAST ? 0.0 : v;
 }
 
-/// How often the triangle winds around p, seen along the axis: u and v are the other two axes. p is moved to (u + e, v + d), with
-/// d infinitely smaller than e, both than anything: the half line from there towards greater u crosses an edge that runs up
-/// past it, or down, if that edge is to its right.
+/// How often the triangle winds around p, seen along the axis: u and v are the other two axes. p is moved to (u + e, v + d),
+/// with d infinitely smaller than e, both than anything: the half line from there towards greater u crosses an edge that
+/// runs up past it, or down, if that edge is to its right.
 static int winding_of( const double vertex[3][3], const double p[3], int axis )
 {
 	int u = ( axis + 1 ) % 3, v = ( axis + 2 ) % 3, winding = 0;
@@ -56,7 +56,7 @@ static int winding_of( const double vertex[3][3], const double p[3], int axis )
 		{
 			continue;
 		}
-		// always asked from the lower end: triangles that share an edge hear the same
+		// always evaluated from the lower end: triangles that share an edge get the same sign
 		int low = above[k] ? next : k, high = above[k] ? k : next;
 		const double a[2] = { vertex[low][u], vertex[low][v] }, b[2] = { vertex[high][u], vertex[high][v] };
 		const double q[2] = { p[u], p[v] };
@@ -161,7 +161,7 @@ bool lwi_mesh_contains( const lw_shape* shape, lw_vec3 point )
 		r.tree_p[k] = r.p[k] - shape->origin[k];
 		largest = fmax( largest, fmax( fabs( shape->box_min[k] ), fabs( shape->box_max[k] ) ) );
 	}
-	// differences of coordinates within the box, and what snapping moves
+	// differences of coordinates within the box, and displacements by snapping
 	r.slack = 16 * LWI_U64 * ( largest + (double)shape->extent ) + LWI_EXACT_LEAST;
 	for ( ; r.first_sheet < shape->sheet_count; r.first_sheet += SHEETS_AT_ONCE )
 	{

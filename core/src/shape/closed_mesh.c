@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a mesh is made of: connected parts, and the closed surfaces (sheets) of a solid one.
+// The parts of a mesh: connected components, and the closed surfaces (sheets) of a solid one.
 //
 // Edges are sorted (counting sort by both ends), so that the triangles around each lie next to each other. Triangles that
-// share an edge with nobody else belong to one sheet, with the orientation that makes the edge run both ways (union-find with
-// parity). At edges of more triangles the sheets that meet there with an even number each stay apart: two cubes that touch
-// along an edge are two cubes. What would be left open is joined to one sheet.
+// share an edge with nobody else belong to one sheet, with the orientation that makes the edge run both ways (union-find
+// with parity). At edges of more triangles the sheets that meet there with an even number each stay apart: two cubes that
+// touch along an edge are two cubes. Sheets that would stay open are joined to one sheet.
 #include "shape/closed_mesh.h"
 
 #include <string.h>
@@ -175,8 +175,8 @@ static void tally_edge( work* w, uint32_t first, uint32_t end, bool balance )
 	}
 }
 
-/// Sheets that are open at an edge of many are joined there, until none is open. Those that run up and down an edge unequally
-/// often have no orientation.
+/// Sheets that are open at an edge of many are joined there, until none is open. Those that run up and down an edge
+/// unequally often have no orientation.
 static void join_at_thick_edges( work* w )
 {
 	uint8_t turned;

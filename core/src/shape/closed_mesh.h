@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Closed meshes as solids: what a mesh is made of, and whether a point is inside. Proofs: core/docs/solid_meshes.md.
+// Closed meshes as solids: their parts, and whether a point is inside. Proofs: core/docs/solid_meshes.md.
 #ifndef LEEWAY_SHAPE_CLOSED_MESH_H
 #define LEEWAY_SHAPE_CLOSED_MESH_H
 
 #include "shape/shape.h"
 
-/// Finds the parts of a mesh: what hangs together by vertices is one connected set. Fills part_count and parts; more than
+/// Finds the parts of a mesh: the components connected by shared vertices. Fills part_count and parts; more than
 /// LWI_MAX_PARTS are only counted. Cost: O(n).
 lw_status lwi_mesh_find_parts( lw_shape* shape, lw_diag* diag );
 
 /// Checks that a mesh is closed and fills `sheets`: its closed surfaces, each with one orientation where it has one.
-/// @return LW_OK, LW_ERROR_BAD_GEOMETRY (diag names an open edge; index = its triangle) or LW_ERROR_OUT_OF_MEMORY. Cost: O(n).
+/// @return LW_OK, LW_ERROR_BAD_GEOMETRY (diag names an open edge; index = its triangle) or LW_ERROR_OUT_OF_MEMORY. Cost:
+/// O(n).
 lw_status lwi_mesh_close( lw_shape* shape, lw_diag* diag );
 
-/// True if a point of the shape frame is inside a mesh that lwi_mesh_close() has closed, false if it is outside; for a point on the
-/// surface, whose distance is 0 whatever the inside is, either. Exact for the point and the vertices as given (but for coordinates
-/// below 2^-248 m, which count as 0). Cost: one ray through the tree.
+/// True if a point of the shape frame is inside a mesh that lwi_mesh_close() has closed, false if it is outside; for a point
+/// on the surface, whose distance is 0 whatever the inside is, either. Exact for the point and the vertices as given (but
+/// for coordinates below 2^-248 m, which count as 0). Cost: one ray through the tree.
 bool lwi_mesh_contains( const lw_shape* shape, lw_vec3 point );
 
 #endif

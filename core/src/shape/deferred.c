@@ -77,7 +77,7 @@ lw_status lw_shape_create_deferred( const lw_deferred_def* def, const lw_allocat
 		half_sq += half * half;
 		largest = fmax( largest, fabs( shape->sphere_center[k] ) );
 	}
-	// a difference, a square, two sums and a root: 16u covers them; 1e-150 what underflows
+	// a difference, a square, two sums and a root: 16u covers them; 1e-150 covers underflow
 	shape->sphere_radius = sqrt( half_sq ) * ( 1.0 + 16 * LWI_U64 ) + 4 * LWI_U64 * largest + 1e-150;
 	*out_shape = shape;
 	return LW_OK;
@@ -96,7 +96,7 @@ void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred )
 	}
 }
 
-/// What queries have seen of the shape so far, its box, must have been true.
+/// Fails unless `made` is a mesh within the box of the shape, which earlier queries have used.
 static lw_status check_made( const lw_shape* shape, const lw_shape* made, lw_diag* diag )
 {
 	if ( made == NULL || made->type != LW_SHAPE_MESH || made->deferred != NULL )
@@ -167,7 +167,7 @@ static double gap_in_frame( const lw_shape* a, const lw_shape* b, const lw_trans
 		sum_sq += outside * outside;
 		size += fabs( a->box_min[i] ) + fabs( a->box_max[i] ) + fabs( a_from_b->t[i] );
 	}
-	// a few dozen roundings of coordinates up to `size`; written so that what is not a number is no gap
+	// a few dozen roundings of coordinates up to `size`; the comparison below turns NaN into no gap
 	double gap = sqrt( sum_sq ) - 128 * LWI_U64 * size;
 	return gap > 0 ? gap : 0;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cores: a few extreme points of a shape, inside its convex hull.
 //
-// Where no plane keeps cores apart none keeps their shapes apart: a few vectors of points tell most vain searches, and lead the
-// others to where they begin (distance/separation.c, core/docs/edges.md). Directions: the axes and others close to them, for faces and what
-// sticks out of them, and points of a spiral, which cover the sphere evenly (Swinbank, Purser, "Fibonacci grids: a novel approach
-// to global modelling", 2006).
+// Where no plane separates the cores none separates their shapes: a few vectors of points end most hopeless searches, and
+// give the others a starting direction (distance/separation.c, core/docs/edges.md). Directions: the axes and tilted ones
+// close to them, for faces and small protrusions, and points of a spiral, which cover the sphere evenly (Swinbank, Purser,
+// "Fibonacci grids: a novel approach to global modelling", 2006).
 #include "shape/shape.h"
 #include "shape/support.h"
 #include "base/sincos.h"
@@ -17,7 +17,7 @@ enum
 	SPIRAL = 58,
 	TILTS = 2 * 4 * AXES, ///< of the axes, by little and by more
 	POINTS = LWI_CORE_BLOCKS * LWI_WIDTH,
-	FEW_VERTICES = 2048 ///< all of these are looked at faster than the tree
+	FEW_VERTICES = 2048 ///< up to this many vertices a scan beats a search of the tree
 };
 
 static uint32_t blocks_of( uint32_t points )
@@ -77,7 +77,7 @@ static lwi_points8* vertices_of( const lw_shape* shape, size_t size )
 	return points;
 }
 
-/// Fills `found` and returns how many there are. @param vertices NULL: the tree is asked
+/// Fills `found` and returns the number of points. @param vertices NULL: searches the tree
 static uint32_t find_points( const lw_shape* shape, const lwi_points8* vertices, float found[POINTS][3] )
 {
 	const lwi_kernels* kernels = lwi_kernels_get( lw_simd_available() );

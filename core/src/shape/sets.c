@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/// What the three calls have in common, before anything is looked at. @param kind "points", "spheres" or "boxes"
+/// The checks that the three calls share. @param kind "points", "spheres" or "boxes"
 static lw_status check_set( const char* kind, const double* numbers, uint32_t count, const lw_tree_def* tree, lw_diag* diag,
 	lw_shape** out_shape )
 {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a shape is made of. Built by shape/shape.c (with shape/mesh.c, shape/sphere_fit.c, shape/tree_build.c), read by the queries.
+// The parts of a shape. Built by shape/shape.c (with shape/mesh.c, shape/sphere_fit.c, shape/tree_build.c), read by the
+// queries.
 //
 // Families. *Triangles*, possibly degenerate (segments, points), dilated by one radius: meshes (radius 0 but
-// for coarser ones), capsules (one segment). *Balls*: point sets (one radius for all), spheres, sets of spheres (a radius each). *Boxes*: sets of axis-aligned
-// boxes. *Convex*: a box, cylinder or cone, measured by distance/convex.c. *Unbounded*: a half-space or a plane. The first three have a
-// sphere tree over their items; that of triangles is about the undilated geometry, that of balls and boxes about all of it.
+// for coarser ones), capsules (one segment). *Balls*: point sets (one radius for all), spheres, sets of spheres (a radius
+// each). *Boxes*: sets of axis-aligned boxes. *Convex*: a box, cylinder or cone, measured by distance/convex.c. *Unbounded*:
+// a half-space or a plane. The first three have a sphere tree over their items; that of triangles is about the undilated
+// geometry, that of balls and boxes about all of it.
 #ifndef LEEWAY_SHAPE_SHAPE_H
 #define LEEWAY_SHAPE_SHAPE_H
 
@@ -32,7 +34,7 @@ typedef enum lwi_family
 	LWI_UNBOUNDED
 } lwi_family;
 
-/// The family of a type; LWI_CONVEX for what is no type.
+/// The family of a type; LWI_CONVEX for unknown types.
 static inline lwi_family lwi_family_of( lw_shape_type type )
 {
 	switch ( type )
@@ -57,7 +59,7 @@ static inline lwi_family lwi_family_of( lw_shape_type type )
 	return LWI_CONVEX;
 }
 
-/// What a mesh is made from when it is needed.
+/// The def of a mesh that is made at its first use, and the mesh.
 typedef struct lwi_deferred
 {
 	lw_deferred_def def;
@@ -74,14 +76,14 @@ struct lw_shape
 	bool solid;            ///< convex or unbounded: no items, no tree
 	double radius;         ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
 	double dimensions[3];  ///< of primitives, as given; [0] of the radius of a set or mesh
-	double excess;           ///< metres: of a coarser shape, what it may reach beyond the one it stands for
-	uint32_t original_count; ///< items of that; 0 if there is none
+	double excess;           ///< metres: of a coarser shape, how far it may reach beyond the original
+	uint32_t original_count; ///< items of the original; 0 if there is none
 
 	// Bounds of the whole shape, dilation included, shape frame.
 	double box_min[3], box_max[3];
 	double sphere_center[3], sphere_radius;
 
-	// Triangles, balls, boxes: the original geometry in double, shape frame (what results are computed from).
+	// Triangles, balls, boxes: the original geometry in double, shape frame. Results are computed from it.
 	uint32_t vertex_count, item_count;
 	double* vertices;  ///< [vertex_count][3]; least and greatest corner of box i are 2i and 2i + 1
 	uint32_t* indices; ///< [item_count][3] of triangles, else NULL
@@ -165,9 +167,9 @@ typedef struct lwi_ahead
 	uint32_t count;
 } lwi_ahead;
 
-/// Notes a shape that is not there yet; hands over those noted when there is no more room.
+/// Notes a deferred shape that has not been made; hands over the noted shapes when the list is full.
 void lwi_ahead_note( lwi_ahead* ahead, const lw_shape* shape );
-/// Hands over what was noted: nothing where there is at most one.
+/// Hands over the noted shapes, if there are at least two.
 void lwi_ahead_flush( lwi_ahead* ahead );
 
 void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred ); ///< NULL is ignored

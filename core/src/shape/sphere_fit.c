@@ -272,8 +272,8 @@ static lw_vec3 far_point( const double* centers, const double* radii, size_t cou
 	return length > 0.0 ? lwi_add_scaled( p, radii[best] / length, d ) : lwi_v3( p.x + radii[best], p.y, p.z );
 }
 
-/// Core sets (Badoiu, Clarkson, "Smaller core-sets for balls", 2003): the smallest sphere of the far points met so far has at
-/// most the radius sought; its far point is added until it is hardly outside. The best centre is kept.
+/// Core sets (Badoiu, Clarkson, "Smaller core-sets for balls", 2003): the smallest sphere of the far points met so far has
+/// at most the radius sought; its far point is added until it is hardly outside. The best centre is kept.
 lwi_ball lwi_fit_balls( const double* centers, const double* radii, size_t count )
 {
 	double core[3 * BALL_ROUNDS];

@@ -22,8 +22,8 @@ lwi_ball lwi_fit_compact( const double* points, size_t count );
 /// Smallest enclosing sphere of `count` >= 1 points [count][3]. Exact up to rounding. Cost: O(count), a few passes.
 lwi_ball lwi_fit_minimal( const double* points, size_t count );
 
-/// A small enclosing sphere of `count` >= 1 balls: centres [count][3], radii [count]. Within 0.1 % of the smallest as a rule.
-/// Cost: O(count), a few passes.
+/// A small enclosing sphere of `count` >= 1 balls: centres [count][3], radii [count]. Within 0.1 % of the smallest as a
+/// rule. Cost: O(count), a few passes.
 lwi_ball lwi_fit_balls( const double* centers, const double* radii, size_t count );
 
 /// Writes the float sphere (x, y, z, r) about the rounded `center` that contains all points [count][3] *and* all points

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How far a shape reaches along a direction, from its sphere tree.
 //
-// Paper: Ehmann, Lin, "Accurate and fast proximity queries between polyhedra using convex surface decomposition", 2001 (support
-// points by branch and bound in hierarchies).
+// Paper: Ehmann, Lin, "Accurate and fast proximity queries between polyhedra using convex surface decomposition", 2001
+// (support points by branch and bound in hierarchies).
 #include "shape/support.h"
 
 #include "base/math_inline.h"
@@ -202,7 +202,8 @@ static float reach_of_box( const lw_shape* shape, const float n[3] )
 	return sum;
 }
 
-/// True if no vertex of a leaf is farther along n than `most`. @param ball see lwi_near_stays_below(); NULL: all vertices count
+/// True if no vertex of a leaf is farther along n than `most`. @param ball see lwi_near_stays_below(); NULL: all vertices
+/// count
 static bool leaf_stays_below( const lwi_kernels* kernels, const lw_shape* shape, lwi_ref leaf, const float n[3], float most,
 	const float* ball )
 {

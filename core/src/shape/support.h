@@ -6,15 +6,15 @@
 #include "simd/kernels.h"
 #include "shape/shape.h"
 
-/// How far a shape with a tree, or a solid, reaches along a unit direction, and where, in its tree frame. It never says less
-/// than what is true, whatever `point` is to begin with; the nearer that is to the answer, the less is looked at.
+/// Support of a shape with a tree, or of a solid, along a unit direction, and the point there, in its tree frame. Never
+/// below the true support, whatever `point` is at first; a start nearer to the answer visits fewer nodes.
 float lwi_support( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float point[3] );
 
-/// True if a shape reaches no farther along n (tree frame, unit) than `most`: far less is looked at than for how far it reaches.
+/// True if a shape's support along n (tree frame, unit) is at most `most`: visits far fewer nodes than lwi_support().
 bool lwi_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most );
 
-/// The same of the part of a shape that is near: triangles that a ball does not reach may reach farther.
-/// @param ball tree frame: x, y, z, radius, enlarged by what rounds
+/// The same of the triangles that meet a ball; the others may reach farther.
+/// @param ball tree frame: x, y, z, radius, enlarged by its rounding
 bool lwi_near_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most, const float ball[4] );
 
 #endif

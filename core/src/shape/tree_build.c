@@ -7,7 +7,7 @@
 // Wald, Benthin, Boulos, "Getting rid of packets", 2008 (wide nodes by opening).
 //
 // A range of items is split in two by least cost; a node opens its largest child again until it has eight. The cost of a
-// split is the sum over both sides of (diagonal of the box)^2, which is what a sphere around it costs, times the number
+// split is the sum over both sides of (diagonal of the box)^2, the cost of a sphere around it, times the number
 // of leaves the side needs, so that full leaves are preferred.
 #include "shape/tree_build.h"
 
@@ -605,7 +605,7 @@ static size_t choose_child( const builder* b, const range* children, size_t coun
 	return chosen;
 }
 
-/// The children of a node: starts with the whole range and opens one child after the other. `opened` records which, for the
+/// The children of a node: starts with the whole range and opens one child at a time. `opened` records their order, for the
 /// greedy fit.
 ///
 /// Depth: let L be the number of full leaves of the range and R the levels left, this one included. Opening the largest
@@ -722,7 +722,7 @@ static void fill_items( builder* b )
 	}
 }
 
-/// Gives back what the arrays have in excess.
+/// Frees the unused capacity of an array.
 static void* trim( builder* b, void* array, size_t count, size_t capacity, size_t size )
 {
 	if ( array == NULL || count == capacity )
@@ -789,7 +789,7 @@ lw_status lwi_tree_build( const lwi_tree_input* input, const lw_tree_def* def, c
 	t->box_leaves = trim( &b, t->box_leaves, t->leaf_count, b.leaf_capacity, sizeof( lwi_box_leaf ) );
 	if ( b.out_of_memory )
 	{
-		// what trim() left is exact in size
+		// lwi_tree_free() takes exact sizes: trim() has cut every array to its count
 		lwi_tree_free( allocator, &b.tree );
 		memset( out, 0, sizeof( *out ) );
 		return lwi_out_of_memory( diag, "a sphere tree" );

@@ -5,7 +5,7 @@
 
 #include "shape/shape.h"
 
-/// What a tree is built over: triangles or tiles of triangles, balls, or boxes.
+/// The items below a tree: triangles or tiles of triangles, balls, or boxes.
 typedef struct lwi_tree_input
 {
 	lwi_family family;
@@ -19,7 +19,7 @@ typedef struct lwi_tree_input
 	double slack;              ///< metres: error of the points against the geometry they stand for
 } lwi_tree_input;
 
-/// What lw_shape holds of a tree.
+/// The tree of an lw_shape.
 typedef struct lwi_tree
 {
 	lwi_ref root;

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Turned boxes around the children of the nodes of a tree of triangles.
 //
-// Gottschalk, Lin, Manocha, "OBBTree: a hierarchical structure for rapid interference detection", 1996; Larsen, Gottschalk, Lin, Manocha,
+// Gottschalk, Lin, Manocha, "OBBTree: a hierarchical structure for rapid interference detection", 1996; Larsen, Gottschalk,
+// Lin, Manocha,
 //   "Fast distance queries with rectangular swept sphere volumes", ICRA 2000.
-// Spheres prove little of surfaces that face each other: a patch of radius r reaches r out of its sphere's middle in every direction,
-// but along its normal only by its sag, r^2 over twice the radius of curvature. The boxes are found from the tree itself, after it
-// is built or read: the mean normal, and across it an edge of a triangle.
+// Spheres prove little of surfaces that face each other: a patch of radius r reaches r out of its sphere's middle in every
+// direction, but along its normal only by its sag, r^2 over twice the radius of curvature. The boxes are found from the tree
+// itself, after it is built or read: the mean normal, and across it an edge of a triangle.
 #include "simd/kernels.h"
 #include "base/math_inline.h"
 #include "shape/shape.h"
 
 #include <string.h>
 
-/// Metres per metre of extent by which faces are moved outward. Products of a leaf's corners with an axis, rounded floats all, are
-/// off by 7 roundoffs of the extent, the height of the centre, in double, by none; one more from rounding the sum.
+/// Metres per metre of extent by which faces are moved outward. Products of a leaf's corners with an axis, rounded floats
+/// all, are off by 7 roundoffs of the extent, the height of the centre, in double, by none; one more from rounding the sum.
 #define BRICK_SLACK ( 16 * LWI_U32 )
 
 typedef struct finder
@@ -22,7 +23,7 @@ typedef struct finder
 	const lwi_kernels* kernels;
 } finder;
 
-/// What is known of the geometry under a subtree.
+/// Summary of the triangles under a subtree.
 typedef struct patch
 {
 	lw_vec3 normal;  ///< sum over the triangles, as long as their area, turned to one side
@@ -126,7 +127,8 @@ static span span_of( const finder* f, lwi_ref ref, const float axis[3] )
 	return out;
 }
 
-/// The axes of a child, the least rectangle across the normal among those along the edges, and how far it reaches along them.
+/// The axes of a child, the least rectangle across the normal among those along the edges, and how far it reaches along
+/// them.
 static void choose_axes( const finder* f, lwi_ref ref, const patch* p, float axis[3][3], span spans[3] )
 {
 	if ( !make_unit( p->normal, axis[0] ) )
@@ -139,7 +141,7 @@ static void choose_axes( const finder* f, lwi_ref ref, const patch* p, float axi
 	for ( int i = 0; i < 3; ++i )
 	{
 		float t[3], b[3];
-		// what is nearly along the normal has no direction across it
+		// an edge nearly along the normal has no direction across it
 		lw_vec3 across = part_across( p->edge[i], from_floats( axis[0] ) );
 		if ( !( lwi_length_sq( across ) > 1e-6 * lwi_length_sq( p->edge[i] ) ) || !make_unit( across, t ) )
 		{

@@ -16,13 +16,13 @@
 #define FLOAT_TOLERANCE ( 4 * LWI_U32 )
 #define FLOAT_TOLERANCE_METRES 3e-45
 
-/// What the leaves hold of one original triangle, ball or box.
+/// The parts of one original triangle, ball or box that the leaves cover.
 typedef struct coverage
 {
 	uint32_t lanes;   ///< triangles or tiles met
 	uint32_t corners; ///< bit k: corner k was met
 	double area;
-	double area_error; ///< what rounding the corners of the tiles to float can have changed
+	double area_error; ///< largest error of the area by rounding the corners of the tiles to float
 } coverage;
 
 typedef struct walker
@@ -51,7 +51,7 @@ static bool contains( const float sphere[4], lw_vec3 p, double slack )
 	return lwi_distance( c, p ) <= (double)sphere[3] * ( 1.0 + EXACT_TOLERANCE ) + slack;
 }
 
-/// True if a point is in the turned box of a level, whose axes are what they should be.
+/// True if a point is in the oriented box of a level, and the axes of the box are orthogonal unit vectors within rounding.
 static bool is_in_brick( const walker* w, uint32_t level, lw_vec3 p, double slack )
 {
 	const lwi_bricks* b = w->bricks[level];
@@ -254,7 +254,8 @@ static bool check_leaf( walker* w, lwi_ref ref, uint32_t level )
 
 static bool check_node( walker* w, lwi_ref ref, uint32_t level )
 {
-	// What gaps may be off by is counted from twice the extent (simd/kernels.h). A sphere from farther away may contain everything all the same.
+	// The slack of gaps is counted from twice the extent (simd/kernels.h); a sphere from farther away may contain everything
+	// and still fail.
 	const float* c = w->spheres[level];
 	if ( !( lwi_length( lwi_v3( (double)c[0], (double)c[1], (double)c[2] ) ) <= 2 * (double)w->shape->extent ) )
 	{

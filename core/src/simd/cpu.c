@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which kernels this machine can run.
+// The kernels that this machine can run.
 #include "simd/kernels.h"
 
 #include <stdlib.h>

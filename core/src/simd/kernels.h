@@ -3,16 +3,17 @@
 //
 // Every gap is a certified lower bound up to rounding: it is the width of a slab between the two things along some
 // direction, and such a width never exceeds the distance whatever the direction. So degenerate triangles can make a gap
-// small, never too large. Pads give +INFINITY. A NaN (overflow) must be read as "not dropped": compare with !( gap >= limit ).
+// small, never too large. Pads give +INFINITY. A NaN (overflow) must be read as "not dropped": compare with !( gap >= limit
+// ).
 //
 // Rounding, u = 2^-24, S = |translation| + 2 (extent of a + extent of b), S bounding every coordinate difference below:
 //   a point moved into the other frame: rounded matrix entries u, three products u, three sums 3u, translation u:
 //     <= sqrt(3) (5 u |c| + 2 u |t|) <= 9 u S;
 //   triangle vertices rounded to float: sqrt(3) u per side <= 2 u S;
 //   a gap from these: difference u, dot product 3u, both relative to |n| |p - v|, quotient and root 2u: <= 7 u S.
-// Sum 18 u S. Triangles in the frame of a solid: moved 9 u S, rounded 2 u S, two supports along n 4 u S each, their difference and
-// quotient 5 u S, in all 24 u S. Turned boxes: centres 9 u S and 7 u S, reaches 17 u of the radii, 25 u S (core/docs/distance.md).
-// LWI_GAP_SLACK = 32 leaves room. tests/core_query measures it.
+// Sum 18 u S. Triangles in the frame of a solid: moved 9 u S, rounded 2 u S, two supports along n 4 u S each, their
+// difference and quotient 5 u S, in all 24 u S. Turned boxes: centres 9 u S and 7 u S, reaches 17 u of the radii, 25 u S
+// (core/docs/distance.md). LWI_GAP_SLACK = 32 leaves room. tests/core_query measures it.
 // Contract: every level gives the bits of the scalar one (tests/core_query/kernels_test.cpp).
 #ifndef LEEWAY_SIMD_KERNELS_H
 #define LEEWAY_SIMD_KERNELS_H
@@ -25,9 +26,10 @@
 
 #define LWI_GAP_SLACK 32.0
 
-/// What underflow adds to it, metres. Products below 2^-126 are off by up to 2^-150 each: three squares under a root by 2^-74, and a
-/// gap has at most four such roots in a row or in a sum (a sphere around a box or triangle, an axis, a distance); three products over
-/// the root of the least divisor, 2^-63, by far less. 2^-72, and again as much room as the slack leaves for other roundings.
+/// Underflow's share of the slack, metres. Products below 2^-126 are off by up to 2^-150 each: three squares under a root by
+/// 2^-74, and a gap has at most four such roots in a row or in a sum (a sphere around a box or triangle, an axis, a
+/// distance); three products over the root of the least divisor, 2^-63, by far less. 2^-72, and again as much room as the
+/// slack leaves for other roundings.
 #define LWI_GAP_UNDERFLOW 0x1p-68
 
 /// Metres by which a gap of things of this size may be too large.
@@ -74,21 +76,23 @@ typedef struct lwi_kernels
 	/// (unit, from the node to the other; NULL for none); NaN for pads
 	uint32_t ( *brick_gap )( const lwi_node* node, const lwi_bricks* bricks, const lwi_brick* other, const float along[3], float limit,
 		float gap[LWI_WIDTH] );
-	/// pairs of spheres in blocks of float[4][8] whose gap does not reach `limit` >= 0, by its square: `near` gets 256 * lower +
-	/// higher index. mask[i * stride + block]: which of a block's are compared with sphere i, a later one; returns their count
+	/// pairs of spheres in blocks of float[4][8] whose gap does not reach `limit` >= 0, by its square: `near` gets 256 *
+	/// lower + higher index. mask[i * stride + block]: which of a block's are compared with sphere i, a later one; returns
+	/// their count
 	uint32_t ( *sphere_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float limit, uint16_t* near );
 	/// distance of the sphere's centre to eight boxes, minus its radius
 	uint32_t ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] );
 	/// distance of eight boxes to one in the same frame
 	uint32_t ( *box_pair_gap )( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] );
-	/// distance of the sphere's centre to the eight triangles of a leaf, minus its radius; direction[axis][lane] is the slab's
-	/// direction (any length), from triangle to centre
+	/// distance of the sphere's centre to the eight triangles of a leaf, minus its radius; direction[axis][lane] is the
+	/// slab's direction (any length), from triangle to centre
 	uint32_t ( *leaf_gap )( const lwi_leaf* leaf, const float sphere[4], float limit, float gap[LWI_WIDTH],
 		float direction[3][LWI_WIDTH] );
-	/// low - high of eight lanes against one high, along `count` directions; a lane is dropped if any of them reaches `limit`
+	/// low - high of eight lanes against one high, along `count` directions; a lane is dropped if any of them reaches
+	/// `limit`
 	uint32_t ( *slab_gap )( const float ( *low )[LWI_WIDTH], const float* high, float limit, uint32_t count );
-	/// how far the spheres of a node reach along a unit direction: direction . center + radius; bit i is set where lane i reaches
-	/// farther than `least`
+	/// how far the spheres of a node reach along a unit direction: direction . center + radius; bit i is set where lane i
+	/// reaches farther than `least`
 	uint32_t ( *node_project )( const lwi_node* node, const float direction[3], float least, float high[LWI_WIDTH] );
 	/// extent of the eight triangles of a leaf along `direction`: least and greatest direction . vertex
 	void ( *leaf_project )( const lwi_leaf* leaf, const float direction[3], float low[LWI_WIDTH], float high[LWI_WIDTH] );
@@ -96,11 +100,12 @@ typedef struct lwi_kernels
 	void ( *leaf_transform )( const lwi_leaf* leaf, const lwi_motion* motion, lwi_triangles8 out );
 	/// blocks of eight points moved
 	void ( *points_move )( const lwi_points8* points, uint32_t blocks, const lwi_motion* motion, lwi_points8* out );
-	/// the point of `blocks` > 0 of these that is farthest along `direction`, and how far; of several the one in the first lane, in
-	/// the first block
+	/// the point of `blocks` > 0 of these that is farthest along `direction`, and how far; of several the one in the first
+	/// lane, in the first block
 	uint32_t ( *points_farthest )( const lwi_points8* points, uint32_t blocks, const float direction[3], float* high );
-	/// planes that `count` > 0 boxes stay `need` below. Boxes have the axes of the world and the planes' origin; r: rows of world_from_planes
-	/// room[lane]: how far below they stay, -INFINITY where nothing that touches all faces of one of the boxes stays `hope` below
+	/// planes that `count` > 0 boxes stay `need` below. Boxes have the axes of the world and the planes' origin; r: rows of
+	/// world_from_planes room[lane]: how far below they stay, -INFINITY where nothing that touches all faces of one of the
+	/// boxes stays `hope` below
 	uint32_t ( *planes_clear )( const lwi_planes8* planes, const float r[9], const lwi_turned_box* boxes, uint32_t count, float need,
 		float hope, float room[LWI_WIDTH] );
 	/// distances of eight pairs of triangles. Lanes that reach `limit` by a cheap direction may stop there.
@@ -116,7 +121,8 @@ typedef struct lwi_kernels
 
 	// Rakes: simd/lanes.h. [LWI_WIDTH] lanes
 
-	/// The frame behind a joint. @param value of a joint that shifts, else zeros @param cosine, sine 1 and 0 of one that does
+	/// The frame behind a joint. @param value of a joint that shifts, else zeros @param cosine, sine 1 and 0 of one that
+	/// does
 	/// @param speed how fast it turns or shifts, per unit of t
 	void ( *rake_frame )( const lwi_rake_frame* above, const lwi_rake_joint* joint, const double* cosine, const double* sine,
 		const double* value, double speed, lwi_rake_frame* out );
@@ -127,10 +133,10 @@ typedef struct lwi_kernels
 		lwi_rake_body* out );
 	/// A point of a body
 	void ( *rake_move )( const lwi_rake_body* body, const float local[3], lwi_rake_point* out );
-	/// Lanes in which a point does not stay `reach` > 0 away from a box, or from another point, but for what their velocities change
+	/// Lanes in which a point may come within `reach` > 0 of a box or of another point, except for changes of velocity
 	uint32_t ( *rake_box )( const lwi_rake_point* point, const float min[3], const float max[3], float reach );
 	uint32_t ( *rake_pair )( const lwi_rake_point* a, const lwi_rake_point* b, float reach );
-	/// One window, many spheres: pairs that do not stay `reach` > 0 apart, but for what their velocities change; the rest as sphere_pairs
+	/// One interval, many spheres: pairs that may come within `reach` > 0, likewise; the rest as sphere_pairs
 	uint32_t ( *moving_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near );
 } lwi_kernels;
 

@@ -92,7 +92,7 @@ static uint32_t brick_gap( const lwi_node* node, const lwi_bricks* bricks, const
 	}
 	v3 across = v3_sub( v3_set( other->center ), ( v3 ){ f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) } );
 	f8 length = f8_sqrt( v3_dot( across, across ) );
-	m8 vanishes = f8_lt( length, f8_set( 0x1p-62f ) ); // with its squares: no direction, or one not of length 1, along which nothing is proved
+	m8 vanishes = f8_lt( length, f8_set( 0x1p-62f ) ); // with its squares: no direction, or not of length 1: proves nothing
 	length = f8_max( length, f8_set( 0x1p-62f ) );
 	v3 u = { f8_div( across.x, length ), f8_div( across.y, length ), f8_div( across.z, length ) };
 	f8 reach = f8_add( brick_reach( u, axis, low, high, radius ), brick_reach( u, other_axis, other_low, other_high, other_radius ) );
@@ -167,8 +167,8 @@ static inline f8 point_slab( v3 n, v3 p_v0, v3 p_v1, v3 p_v2 )
 	return f8_div( least, f8_sqrt( f8_divisor( v3_dot( n, n ) ) ) );
 }
 
-/// Distance of points to triangles, lane by lane. *direction is that of the widest slab found, from the triangle to the point; *nearest
-/// is the vector from the nearest point of its edges.
+/// Distance of points to triangles, lane by lane. *direction is that of the widest slab found, from the triangle to the
+/// point; *nearest is the vector from the nearest point of its edges.
 static inline f8 point_triangle( v3 p, v3 v0, v3 v1, v3 v2, v3* direction, v3* nearest )
 {
 	v3 d0 = v3_sub( p, v0 ), d1 = v3_sub( p, v1 ), d2 = v3_sub( p, v2 );
@@ -451,8 +451,8 @@ static inline f8 solid_slab( v3 n, const v3 v[3], const lwi_solid* solid )
 	return f8_div( width, f8_sqrt( f8_divisor( v3_dot( n, n ) ) ) );
 }
 
-/// Widest slab between triangles and a box along the cross products of an edge and an axis, where edges of both are nearest. Such a
-/// direction lies in the plane of the other two axes; the box being symmetric, both ways along it are one question.
+/// Widest slab between triangles and a box along the cross products of an edge and an axis, where edges of both are nearest.
+/// Such a direction lies in the plane of the other two axes; the box being symmetric, both ways along it are one question.
 static inline f8 edge_slabs( const v3 v[3], const lwi_solid* solid )
 {
 	const f8 x[3][3] = { { v[0].x, v[1].x, v[2].x }, { v[0].y, v[1].y, v[2].y }, { v[0].z, v[1].z, v[2].z } };
@@ -476,10 +476,10 @@ static inline f8 edge_slabs( const v3 v[3], const lwi_solid* solid )
 	return best;
 }
 
-/// Distance of triangles to a box or cylinder by slabs: a step towards the nearest points, each projecting on the other (Cheney and
-/// Goldstein, Proximity maps for convex sets, Proceedings of the AMS 10, 1959), which finds faces and their normals; the corners'
-/// own nearest points; and, where that is not enough, pairs of edges. These are all the features that can be nearest but corners of
-/// the box, which the first step finds where triangles are not much larger.
+/// Distance of triangles to a box or cylinder by slabs: a step towards the nearest points, each projecting on the other
+/// (Cheney and Goldstein, Proximity maps for convex sets, Proceedings of the AMS 10, 1959), which finds faces and their
+/// normals; the corners' own nearest points; and, where that is not enough, pairs of edges. These are all the features that
+/// can be nearest but corners of the box, which the first step finds where triangles are not much larger.
 static inline f8 triangle_solid( const v3 v[3], v3 center, const lwi_solid* solid, float limit )
 {
 	v3 along, nearest;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Kernels of rakes (simd/lanes.h), a part of simd/kernels_impl.h. Those in double are plain loops over lanes, which compilers turn into vector
-// instructions.
+// Kernels of rakes (simd/lanes.h), a part of simd/kernels_impl.h. Those in double are plain loops over lanes, which
+// compilers turn into vector instructions.
 
 static void rake_frame( const lwi_rake_frame* restrict above, const lwi_rake_joint* restrict joint, const double* restrict cosine,
 	const double* restrict sine, const double* restrict value, double speed, lwi_rake_frame* restrict out )
@@ -95,8 +95,8 @@ static void rake_move( const lwi_rake_body* body, const float local[3], lwi_rake
 	v3_store( out->way, v3_add( v3_load( body->origin.way ), v3_cross( turn, along ) ) );
 }
 
-/// Lanes in which two things do not stay apart: d from one to the other at the middle, along which the gap shrinks by at most
-/// |d . way| / |d|. They do if |d| >= reach and |d|^2 - |d . way| >= reach |d|.
+/// Lanes in which two things do not stay apart: d from one to the other at the middle, along which the gap shrinks by at
+/// most |d . way| / |d|. They do if |d| >= reach and |d|^2 - |d . way| >= reach |d|.
 static inline uint32_t rake_meet( v3 d, v3 way, f8 reach )
 {
 	f8 square = v3_dot( d, d ), length = f8_sqrt( square );

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rakes: a robot at the middles of eight windows of an edge at once, and how it moves there.
 //
-// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024, has eight states of an
-// edge as the lanes of vectors, spread over it like the teeth of a rake. Here a lane is not a state but a window around it, with
-// the velocity of every point: spheres are proved to stay apart for all of it. Proof and rounding: core/docs/edges.md.
+// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024, has eight states
+// of an edge as the lanes of vectors, spread over it like the teeth of a rake. Here a lane is not a state but a window
+// around it, with the velocity of every point: spheres are proved to stay apart for all of it. Proof and rounding:
+// core/docs/edges.md.
 #ifndef LEEWAY_SIMD_LANES_H
 #define LEEWAY_SIMD_LANES_H
 
 #include "simd/tree_layout.h"
 
-/// A moving joint and the constant transform above it, frame_from_joint r, t: r times the turn by an angle with cosine c and sine s
-/// is still + c cosine + s sine, and the joint's origin is offset + value along, in the frame above. Matrices by rows.
+/// A moving joint and the constant transform above it, frame_from_joint r, t: r times the turn by an angle with cosine c and
+/// sine s is still + c cosine + s sine, and the joint's origin is offset + value along, in the frame above. Matrices by
+/// rows.
 typedef struct lwi_rake_joint
 {
 	double still[9], cosine[9], sine[9];
@@ -44,7 +46,7 @@ typedef struct lwi_rake_body
 
 enum
 {
-	LWI_MOVING_ROWS = 7 ///< of a block of moving spheres: centre, radius, how far its velocity takes the centre in half a window
+	LWI_MOVING_ROWS = 7 ///< of a block of moving spheres: centre, radius, displacement of the centre in half an interval
 };
 
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eight float lanes on AVX2. Same names and same bits as simd/simd_sse2.h and simd/simd_scalar.h: every operation is a correctly
-// rounded IEEE one (no FMA, no estimates), and min(a, b) is a < b ? a : b on all three.
+// Eight float lanes on AVX2. Same names and same bits as simd/simd_sse2.h and simd/simd_scalar.h: every operation is a
+// correctly rounded IEEE one (no FMA, no estimates), and min(a, b) is a < b ? a : b on all three.
 #ifndef LEEWAY_SIMD_SIMD_AVX2_H
 #define LEEWAY_SIMD_SIMD_AVX2_H
 

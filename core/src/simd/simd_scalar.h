@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eight float lanes in plain C: the definition of what simd/simd_sse2.h and simd/simd_avx2.h compute, and the code for machines
+// Eight float lanes in plain C: defines the functions of simd/simd_sse2.h and simd/simd_avx2.h, and is the code for machines
 // without either.
 #ifndef LEEWAY_SIMD_SIMD_SCALAR_H
 #define LEEWAY_SIMD_SIMD_SCALAR_H

@@ -28,8 +28,9 @@ typedef struct lwi_node
 	lwi_ref child[LWI_WIDTH];
 } lwi_node;
 
-/// Turned boxes around the children of a node, for trees of triangles: for all geometry p under a child, and q = p - centre of its sphere,
-/// low[i] <= axis i . q <= high[i]. Axes are unit vectors at right angles, to rounding: n, t, and lwi_third_axis(). Pads are zero.
+/// Turned boxes around the children of a node, for trees of triangles: for all geometry p under a child, and q = p - centre
+/// of its sphere, low[i] <= axis i . q <= high[i]. Axes are unit vectors at right angles, to rounding: n, t, and
+/// lwi_third_axis(). Pads are zero.
 typedef struct lwi_bricks
 {
 	float n[3][LWI_WIDTH], t[3][LWI_WIDTH];
@@ -57,8 +58,8 @@ typedef struct lwi_leaf
 	uint32_t triangle[LWI_WIDTH]; ///< index into lw_shape.indices / 3: the original triangle
 } lwi_leaf;
 
-/// Up to 8 balls: centres in the tree frame, rounded to nearest, radii rounded up; `child` is the ball. So whatever is asked of
-/// the spheres of a node can be asked of the balls of a leaf. Pads as in a node.
+/// Up to 8 balls: centres in the tree frame, rounded to nearest, radii rounded up; `child` is the ball. Each test of a
+/// node's spheres also runs on the balls of a leaf. Pads as in a node.
 typedef lwi_node lwi_ball_leaf;
 
 /// Eight axis-aligned boxes; pads have min = +INFINITY, max = -INFINITY.
