@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of a checker that no scene changes: what the group moves, its self pairs, nodes, motion and what they sweep.
+// The part of a checker that no scene changes: the moving links of the group, its self pairs, clusters, motion and swept
+// volumes.
 //
 // Checkers that differ in their scene alone share one, so that an edit of the scene touches nothing of the robot.
 #include "checker/base.h"
@@ -12,7 +13,7 @@
 
 #include <string.h>
 
-/// What is known while building: per joint and link, freed before lwi_checker_base_create() returns.
+/// Data of the construction: per joint and link, freed before lwi_checker_base_create() returns.
 typedef struct draft
 {
 	const lw_allocator* allocator;
@@ -130,8 +131,8 @@ static bool meets_moving( const lwi_checker_base* b, const draft* d, const place
 	return false;
 }
 
-/// Notes what stands still and hardly a question goes without: what has its box meet that of something it is checked against in
-/// the reference state, and the two that the static clearance is searched between first.
+/// Notes the static shapes that almost every query uses: those whose box meets the box of a checked partner in the reference
+/// state, and the pair with which the search for the static clearance begins.
 static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* def, const draft* d, lwi_ahead* ahead )
 {
 	const uint32_t shapes = def->scene != NULL ? def->scene->shape_count : 0;
@@ -169,7 +170,8 @@ static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* de
 	}
 }
 
-/// Bodies that move are needed whole, for motion bounds if for nothing else; of the others bounds will do for the time being.
+/// Bodies that move are needed whole, for motion bounds if for nothing else; of the others bounds will do for the time
+/// being.
 static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker_def, const draft* d, lw_diag* diag )
 {
 	lw_status status = LW_OK;
@@ -201,8 +203,8 @@ static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker
 	return status;
 }
 
-/// Visits the self pairs; `pairs` NULL only counts. The group moves two links against each other if a joint of it lies on the
-/// way between them, that is if they do not hang together below the same one.
+/// Visits the self pairs; `pairs` NULL only counts. The group moves two links against each other if a joint of it lies on
+/// the way between them, that is if they do not hang together below the same one.
 static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, lwi_self_pair* pairs )
 {
 	uint32_t bodies = lw_robot_body_count( b->robot ), count = 0;
@@ -264,7 +266,7 @@ static bool allocate_tables( lwi_checker_base* b )
 		   b->moving_bodies != NULL && b->self_mask != NULL && b->near_lower != NULL && b->near_upper != NULL;
 }
 
-/// The checker's pointers to what its base has so far.
+/// Points the checker at the data that its base has so far.
 static void refer( lw_checker* c, lwi_checker_base* b )
 {
 	c->base = b;
@@ -289,7 +291,7 @@ static void refer( lw_checker* c, lwi_checker_base* b )
 	c->motion = b->motion;
 }
 
-/// The tree, how its nodes move and what they sweep, and how much the reach proves of the self pairs.
+/// The tree, the motion and swept volumes of its nodes, and the separations of self pairs that the reach proves.
 static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_diag* diag )
 {
 	refer( c, b );
@@ -330,8 +332,8 @@ static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_di
 	return LW_OK;
 }
 
-/// What a variable is where no state says otherwise. The group's part of def->reference says nothing: far away, poses of links to each other
-/// would be off by its roundings, which those of no state account for.
+/// Value of a variable in the reference state. The group's entries of def->reference are ignored: large ones would add
+/// rounding to poses of links relative to each other that no state accounts for.
 static double reference_value( const lwi_checker_base* b, const lw_checker_def* def, uint32_t variable )
 {
 	bool by_default = def->reference == NULL;

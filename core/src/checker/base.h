@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What checkers of one group of one robot have in common, whatever the scene: shared by a checker and those edited from it.
+// The data that checkers of one group of one robot share, whatever the scene: a checker and those edited from it share one
+// base.
 #ifndef LEEWAY_CHECKER_BASE_H
 #define LEEWAY_CHECKER_BASE_H
 
@@ -29,15 +30,15 @@ typedef struct lwi_checker_base
 	double *near_lower, *near_upper; ///< [variable_count]
 	struct lwi_checker_tree* tree;
 	lwi_motion_table* motion;
-	lwi_cover* covers; ///< [node_count] what each node sweeps
+	lwi_cover* covers; ///< [node_count] spheres around all places of each node
 } lwi_checker_base;
 
-/// For a def that was checked. `checker` has its allocator; it gets the base and the pointers to what is in it.
+/// For a def that was checked. `checker` has its allocator; it gets the base and pointers to its contents.
 /// @param margins the base's from now on, also after a failure. NULL = none
-/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_OUT_OF_MEMORY, what making a deferred mesh returned
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_OUT_OF_MEMORY, the status of a deferred mesh that could not be made
 lw_status lwi_checker_base_create( lw_checker* checker, const lw_checker_def* def, lwi_self_margins* margins,
 	lw_diag* diag );
-/// Takes over what another checker has, if it is what this def asks for: the same robot, reach, group, reference
+/// Shares the base of another checker if it fits this def: the same robot, reach, group, reference
 /// and margins of self pairs.
 bool lwi_checker_base_share( lw_checker* checker, const lw_checker_def* def, const lwi_self_margins* margins,
 	const lw_checker* other );

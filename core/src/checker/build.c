@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Building a checker: its base (checker/base.c), what it is checked against, and the static part measured once.
+// Building a checker: its base (checker/base.c), its masks, and the static clearance, measured once.
 #include "checker/base.h"
 #include "checker/edit.h"
 #include "leeway/blob.h"
@@ -44,7 +44,7 @@ static void checker_free( lw_checker* c )
 	lwi_free( &allocator, c, sizeof( lw_checker ) );
 }
 
-/// True if a reach was made for this robot, for an equal one, or for this one without what is attached to it.
+/// True if a reach was made for this robot, for an equal one, or for this one without its attached objects.
 static bool serves( const lw_reach* reach, const lw_robot* robot )
 {
 	const lw_robot* made_for = lw_reach_robot( reach );
@@ -130,7 +130,7 @@ static bool allocate_tables( lw_checker* c )
 		   c->node_distance != NULL && c->allowed != NULL;
 }
 
-/// Everything is checked against everything but what is allowed.
+/// Sets the masks: every body is checked against every obstacle except for allowed pairs.
 static void fill_masks( lw_checker* c )
 {
 	const uint32_t bodies = lw_robot_body_count( c->robot ), shapes = c->scene != NULL ? c->scene->shape_count : 0;
@@ -157,7 +157,7 @@ static void fill_masks( lw_checker* c )
 	}
 }
 
-/// What the masks say of whole nodes, and how many pairs there are.
+/// Summarises the masks per node, and counts the pairs.
 static void count_masks( lw_checker* c )
 {
 	const lwi_checker_tree* t = c->tree;
@@ -186,7 +186,7 @@ static void count_masks( lw_checker* c )
 	}
 }
 
-/// Measures what stands still against the shapes whose bit is set, NULL for all.
+/// Measures the static bodies against the shapes whose bit is set, NULL for all.
 static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const uint8_t* fresh, double known, lw_diag* diag )
 {
 	lwi_ahead ahead = { .prepare = def->prepare, .user = def->prepare_user };
@@ -227,7 +227,7 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 	return status;
 }
 
-/// The static environment: what the previous checker measured still holds for shapes that it had too.
+/// The static environment: measurements of the previous checker still hold for shapes that it had too.
 static lw_status find_static( lw_checker* c, const lw_checker_def* def, const lwi_kept* kept, lw_diag* diag )
 {
 	c->static_environment = lwi_nothing_to_check();

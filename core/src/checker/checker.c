@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The answer for one state: environment, self, and what they say together.
+// The answer for one state: environment, self, and the verdict of both.
 #include "checker/checker.h"
 #include "scene/scene.h"
 

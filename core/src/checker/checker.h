@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The checker's tables, and the questions about a posed state that states (checker/checker.c) and edges (motion/edge.c) are made of.
+// The checker's tables, and the questions about a posed state that states (checker/checker.c) and edges (motion/edge.c) are
+// made of.
 #ifndef LEEWAY_CHECKER_CHECKER_H
 #define LEEWAY_CHECKER_CHECKER_H
 
@@ -28,7 +29,7 @@ typedef struct lwi_checker_body
 	uint32_t link;
 	lw_transform link_from_shape;
 	double self_margin;    ///< its share of margins to other bodies, but for `self_row`
-	const float* self_row; ///< [body_block_count * LWI_WIDTH] what listed margins add to these shares, rounded up; NULL = nothing
+	const float* self_row; ///< [body_block_count * LWI_WIDTH] listed margins less these shares, rounded up; NULL = none
 } lwi_checker_body;
 
 struct lw_checker
@@ -36,7 +37,7 @@ struct lw_checker
 	atomic_uint references;
 	lw_allocator allocator;
 	lw_scene* scene; ///< NULL = none
-	// Shared with checkers that differ in their scene only, and owned by the base: what it has is immutable
+	// Shared with checkers that differ in their scene only, and owned by the base: its contents are immutable
 	struct lwi_checker_base* base;
 	lw_robot* robot;
 	lw_reach* reach; ///< NULL = none
@@ -54,7 +55,7 @@ struct lw_checker
 	double* near_lower;         ///< [variable_count] the states for which near_mask holds
 	double* near_upper;
 	lwi_motion_table* motion;   ///< of the tree's nodes
-	struct lwi_checker_tree* tree; ///< the robot as nodes, with what the reach proves of them
+	struct lwi_checker_tree* tree; ///< clusters of the robot, with their pairs' separations proved by the reach
 	uint32_t never_pair_count;
 	lwi_self_margins* self_margins; ///< NULL = none
 	// This scene's
@@ -66,19 +67,19 @@ struct lw_checker
 	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
 	uint8_t* node_environment;  ///< [node_count] bits of lwi_node_asks
 	uint32_t environment_pair_count; ///< of moving bodies
-	// What the group can come near to: checker/culling.c. The rest is passed over where that changes no answer.
-	double horizon;           ///< metres: no moving body gets this near to what near_mask leaves out, in the states below
+	// Obstacles that the group can come near to: checker/culling.c. The rest is skipped where that changes no answer.
+	double horizon;           ///< metres: least distance of moving bodies to obstacles outside of near_mask
 	bool horizon_is_complete; ///< static_environment is nearer than that: no state's clearance is beyond the horizon
 	uint8_t* near_mask;       ///< as environment_mask, which it is a part of; rows of moving bodies
 	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
-	double* obstacle_distance; ///< [shape_count] what is proved of all moving bodies, less margins; +INFINITY if none is checked against it
-	double* node_distance;    ///< [shape_count][node_count] what is proved of a node's bodies; NaN where none is checked against it
+	double* obstacle_distance; ///< [shape_count] proved distance to all moving bodies, less margins; +INFINITY: unchecked
+	double* node_distance;    ///< [shape_count][node_count] proved distance to a node's bodies; NaN where none is checked
 	lw_clearance static_environment;
 	uint32_t static_body, static_shape; ///< where it is attained; LW_INVALID_INDEX if there is nothing
 	size_t bytes;             ///< of this checker alone
 };
 
-/// What a node has to do with the scene.
+/// Bits: does a node, or its subtree, have bodies to check against the scene?
 enum lwi_node_asks
 {
 	LWI_NODE_ASKS = 1,   ///< some body of the node itself is checked against some obstacle
@@ -112,8 +113,8 @@ static inline double lwi_lowest_self( const lw_checker* checker )
 /// Poses all that does not depend on the state, unless the query holds this checker's poses already.
 void lwi_checker_bind( const lw_checker* checker, lw_query* query );
 
-/// Takes a state over for the questions below. With a tree, and a query that uses it, poses are computed when they are
-/// asked for, else all at once.
+/// Sets the state for the queries below. With a tree, and a query that uses it, each pose is computed at its first
+/// use, else all at once.
 /// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite, zero quaternion)
 lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q );
 
@@ -149,7 +150,8 @@ typedef struct lwi_threshold
 
 /// False if all bodies of a node are `limit` or farther from the scene by their common sphere.
 bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit );
-/// Obstacles that the sphere of a body does not prove `limit` away: the first entries of query->candidates. Returns their count.
+/// Obstacles that the sphere of a body does not prove `limit` away: the first entries of query->candidates. Returns their
+/// count.
 uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit );
 
 /// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
@@ -179,7 +181,7 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 
 /// Measures the static bodies: fills static_environment, static_body and static_shape with the nearest pair, if it is nearer
 /// than `known`; else leaves them alone. Called by lw_checker_create() with a query posed at the reference.
-/// @param fresh [scene_block_count] bits of the shapes that are looked at; NULL: all
+/// @param fresh [scene_block_count] bits of the shapes to measure; NULL: all
 /// @param known metres, INFINITY if nothing is known
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known,
 	lwi_ahead* ahead );

@@ -20,7 +20,7 @@ float lwi_checker_separation( const lw_checker* c, const lwi_checker_tree* t, ui
 {
 	double proved = 0, margin = lwi_self_margin( c, body_a, body_b );
 	uint32_t link_a = c->bodies[body_a].link, link_b = c->bodies[body_b].link;
-	if ( t->proves && link_a < c->reach->link_count && link_b < c->reach->link_count ) // nothing of what was attached later
+	if ( t->proves && link_a < c->reach->link_count && link_b < c->reach->link_count ) // not of later links
 	{
 		proved = lw_reach_get_pair( c->reach, link_a, link_b ).separation;
 	}
@@ -305,8 +305,8 @@ static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_tree* t, uint
 	return lwi_transform( &t->body_poses[t->body_place[body]], lwi_scale( 1.0 / (double)count, sum ) );
 }
 
-/// How far an attached body gets beyond what the reach knows of its node: all of it is this near to a point that every M
-/// contains. Infinite if the reach knows nothing of the node.
+/// By how much an attached body sticks out of the reach's sphere of its node: all of it is this near to a point that every M
+/// contains. Infinite if the reach has no data of the node.
 static double attached_excess( const lw_checker* c, const lwi_checker_tree* t, uint32_t body )
 {
 	const lwi_checker_node* node = &t->nodes[t->body_node[body]];
@@ -327,7 +327,7 @@ static double attached_excess( const lw_checker* c, const lwi_checker_tree* t, u
 			   : lwi_distance( inner_point( c, t, anchor ), lwi_load( mine->center ) ) + mine->radius;
 }
 
-/// M spheres of a reach, enlarged by what was attached to the robot since it was made.
+/// M spheres of a reach, enlarged by the objects attached to the robot since it was made.
 static void cover_attached( lwi_checker_tree* t, const lw_checker* c )
 {
 	for ( uint32_t i = t->node_count; i-- > 1; )
@@ -365,7 +365,8 @@ static double rounding_of( const lw_sphere* s )
 	return LWI_POSE_ROUNDING * ( fabs( s->center[0] ) + fabs( s->center[1] ) + fabs( s->center[2] ) + fabs( s->radius ) );
 }
 
-/// R and M of all nodes. Their own rounding is far below what poses add when a query takes them to the world (lwi_sphere()).
+/// R and M of all nodes. Their own rounding is far below the rounding of the poses that take them to the world
+/// (lwi_sphere()).
 static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_diag* diag )
 {
 	for ( uint32_t i = 0; i < t->node_count; ++i )

@@ -2,7 +2,7 @@
 // The robot as one group sees it: nodes of links that move as one, their spheres, and the self query as a list of steps.
 //
 // Paper: Steinbach et al. 2006, sections III.B and IV. Derivations: core/docs/self_collision.md. Immutable, kept by the
-// checker; what changes from state to state (poses, spheres in the world) is in the query.
+// checker; the data that change from state to state (poses, spheres in the world) are in the query.
 #ifndef LEEWAY_CHECKER_CLUSTERS_H
 #define LEEWAY_CHECKER_CLUSTERS_H
 
@@ -12,7 +12,7 @@
 #include "robot/motion_bound.h"
 #include "simd/lanes.h"
 
-/// Separations here are of clearance: what the reach proves of a pair, less its margin.
+/// Separations here are of clearance: the distance that the reach proves for a pair, less its margin.
 
 /// Links that the group cannot move against each other, e.g. a whole hand if the group is the arm.
 typedef struct lwi_checker_node
@@ -27,11 +27,12 @@ typedef struct lwi_checker_node
 	uint32_t first_body, body_count; ///< range of bodies
 	uint32_t first_block; ///< of LWI_WIDTH bodies, in the query
 	lw_sphere r;          ///< frame of `top`: contains all bodies of the node; radius < 0: there are none
-	lw_sphere m;          ///< frame of the parent's `top`: contains all bodies of the subtree in every state within the ranges
-	double r_rounding, m_rounding; ///< what taking their centres to the world may round, but for the poses
+	lw_sphere m;          ///< frame of the parent's `top`: contains the subtree's bodies in every state within the ranges
+	double r_rounding, m_rounding; ///< rounding of their centres in the world, except for that of the poses
 } lwi_checker_node;
 
-/// The angle of the joint above a node, multiplier * value of a robot variable + offset. 0 where it does more or less than turn.
+/// The angle of the joint above a node, multiplier * value of a robot variable + offset. 0 where it does more or less than
+/// turn.
 typedef struct lwi_node_turn
 {
 	double multiplier, offset;
@@ -54,7 +55,7 @@ typedef struct lwi_self_step
 {
 	float separation;            ///< least proved separation of all pairs that the step stands for; +inf is never stored
 	float margin;                ///< largest margin of these, rounded up
-	uint32_t sphere_a, sphere_b; ///< 2 * node for its R, 2 * node + 1 for its M; LW_INVALID_INDEX: only the table is asked
+	uint32_t sphere_a, sphere_b; ///< 2 * node for its R, 2 * node + 1 for its M; LW_INVALID_INDEX: only the table decides
 	uint32_t skip;
 	uint32_t pair; ///< index into node_pairs of a step that is a pair of nodes; LW_INVALID_INDEX of one above such steps
 } lwi_self_step;
@@ -63,7 +64,7 @@ typedef struct lwi_checker_tree
 {
 	lw_allocator allocator;
 	size_t bytes;
-	bool proves;   ///< M spheres and separations are those of a reach; else they are infinite and 0, and states are asked all pairs
+	bool proves;   ///< M spheres and separations are those of a reach; else infinite and 0, and all pairs are tested
 	double* lower; ///< [group variables] where reach and tables hold; infinite without
 	double* upper;
 	uint32_t floating_count;
@@ -86,14 +87,14 @@ typedef struct lwi_checker_tree
 	uint32_t view_count, view_capacity, scale_count;
 	lwi_chart_scale* scales; ///< [scale_count] robot variables, as far as views use them; NULL if there are none
 	lwi_chart_view* views;   ///< [view_count] NULL if there are none
-	uint32_t* pair_views;    ///< [separation_count] index into views of the same pair, or LW_INVALID_INDEX; NULL if there are none
+	uint32_t* pair_views;    ///< [separation_count] index into views of the same pair, or LW_INVALID_INDEX; NULL: no views
 	uint32_t step_count;
 	lwi_self_step* steps;    ///< [step_count]
 	lwi_self_units* units;   ///< NULL: too many
 	lwi_node_rows rows;      ///< where there are no units
 } lwi_checker_tree;
 
-/// Nodes and what fills a vector of doubles up.
+/// Number of nodes, rounded up to whole vectors of doubles.
 static inline uint32_t lwi_padded_nodes( const lwi_checker_tree* tree )
 {
 	return ( tree->node_count + 3 ) & ~3u;
@@ -107,7 +108,7 @@ static inline uint32_t lwi_node_pair_view( const lwi_checker_tree* tree, const l
 }
 
 /// @param joint_moves [joint count] driven by a variable of the group
-/// The reach proves nothing if the reference state is outside of what it covers: the tree is then as without one.
+/// The reach proves nothing if the reference state is outside of its ranges: the tree is then as without one.
 lw_status lwi_checker_tree_create( const lw_checker* checker, const bool* joint_moves, lw_diag* diag,
 	lwi_checker_tree** out_tree );
 void lwi_checker_tree_destroy( lwi_checker_tree* tree, uint32_t variable_count ); ///< NULL is ignored
@@ -128,8 +129,8 @@ uint32_t lwi_node_pair_candidate( const lw_checker* checker, const lwi_checker_t
 /// Fills pairs, separations and steps. Part of lwi_checker_tree_create().
 lw_status lwi_checker_plan_self( const lw_checker* checker, lwi_checker_tree* tree, lw_diag* diag );
 
-/// The separation of two bodies as queries use it: that of the reach, if it holds here, else 0; less what poses in double may
-/// be off by, so that a pair that is passed over could not have changed a digit of the answer, and less the margin. Rounded down.
+/// The separation of two bodies as queries use it: that of the reach, if it holds here, else 0; less the rounding of poses
+/// in double, so that no skipped pair could have changed a digit of the answer, and less the margin. Rounded down.
 float lwi_checker_separation( const lw_checker* checker, const lwi_checker_tree* tree, uint32_t body_a, uint32_t body_b );
 
 #endif

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of a scene a group can come near to: spheres around all that its links sweep, against the boxes of the obstacles.
+// The obstacles that a group can come near to: spheres around the swept volumes of its links, against the boxes of the
+// obstacles.
 //
-// Model only what a scene requires (Steinbach et al. 2006, section IV, for links; here for obstacles). Two covers of each
-// node, both in the frame of the world: one ball about the first joint that moves it, as large as the chain is long, and a
-// few smaller balls, carried from joint to joint over its range. An obstacle is as far away as the better of the two proves.
+// Model only the required part of a scene (Steinbach et al. 2006, section IV, for links; here for obstacles). Two covers of
+// each node, both in the frame of the world: one ball about the first joint that moves it, as large as the chain is long,
+// and a few smaller balls, carried from joint to joint over its range. An obstacle is as far away as the better of the two
+// proves.
 // Derivation: core/docs/required.md.
 #include "checker/culling.h"
 
@@ -30,7 +32,7 @@ static const double rounding = 0x1p-36;
 
 typedef lwi_cover_ball ball;
 
-/// What one node sweeps, seen from one frame on the way to the world.
+/// The swept volume of one node, seen from one frame on the way to the world.
 typedef struct cover
 {
 	ball balls[LWI_COVER_BALLS * MAX_STEPS];
@@ -142,8 +144,8 @@ static void value_range( const lw_robot* robot, const lwi_joint* joint, double* 
 	*out_upper = fmax( a, b ) + joint->offset + slack;
 }
 
-/// Replaces each ball by those around its arcs. On an arc of half-angle h <= pi / 2 about the axis, at the distance d from it,
-/// all is within d sin h of the point in the arc's middle direction at the distance d cos h.
+/// Replaces each ball by those around its arcs. On an arc of half-angle h <= pi / 2 about the axis, at the distance d from
+/// it, all is within d sin h of the point in the arc's middle direction at the distance d cos h.
 static void turn( cover* c, const lwi_joint* joint, double lower, double upper )
 {
 	double width = upper - lower < 2 * pi ? upper - lower : 2 * pi; // also if they are infinite
@@ -217,7 +219,7 @@ static void roam( cover* c, const lw_robot* robot, const lwi_joint* joint )
 	c->count = 1;
 }
 
-/// How far from its origin a joint can shift what hangs on it.
+/// Largest distance by which a joint can shift its child from its origin.
 static double largest_shift( const lw_robot* robot, const lwi_joint* joint )
 {
 	double lower, upper, sum_sq = 0;
@@ -437,7 +439,7 @@ static void mark_near( lw_checker* checker, const lwi_kept* kept, uint32_t index
 void lwi_checker_require( lw_checker* checker, const lwi_kept* kept )
 {
 	uint32_t shapes = checker->scene != NULL ? checker->scene->shape_count : 0;
-	// No state is further from the scene than what stands still is. (The excess is for ties.)
+	// No state is farther from the scene than the static bodies are. (The excess is for ties.)
 	double fixed = checker->static_environment.upper;
 	checker->horizon = fixed < checker->max_d ? fixed + 1e-9 * fabs( fixed ) + 1e-9 : checker->max_d;
 	checker->horizon_is_complete = fixed < checker->horizon;

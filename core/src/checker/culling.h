@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of a scene a group can come near to. Derivation: core/docs/required.md.
+// The obstacles that a group can come near to. Derivation: core/docs/required.md.
 #ifndef LEEWAY_CHECKER_CULLING_H
 #define LEEWAY_CHECKER_CULLING_H
 
@@ -31,14 +31,14 @@ void lwi_cover_node( const lw_checker* checker, const lwi_checker_node* node, co
 /// Metres: nothing in the cover is nearer to a shape that stands still; 0 if nothing is proved.
 double lwi_cover_distance( const lw_shape* shape, const lw_transform* world_from_shape, const lwi_cover* cover );
 
-/// What an earlier checker of a similar scene knows.
+/// Results of an earlier checker of a similar scene.
 typedef struct lwi_kept
 {
 	const lw_checker* previous; ///< NULL = none
 	uint32_t* source; ///< [shape_count] the same shape at the same pose in the previous scene, or LW_INVALID_INDEX
 } lwi_kept;
 
-/// Fills near_mask and what goes with it. For a checker with its base, its masks and its static environment.
+/// Fills near_mask and the fields about it. For a checker with its base, its masks and its static environment.
 void lwi_checker_require( lw_checker* checker, const lwi_kept* kept );
 
 /// Values of a variable for which near_mask holds: its limits, widened; infinite for angles that go round and quaternions.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checkers by snapshots: what an edited scene, or a robot with an object in its hand, shares with what was before.
+// Checkers by snapshots: the parts that an edited scene, or a robot with an object in its hand, shares with its predecessor.
 //
-// A checker made after another one is what it would be if it were made from nothing: whatever is taken over was computed from
+// A checker made after another one equals one made from nothing: every part taken over was computed from
 // the same bits. Design and costs: core/docs/edits.md.
 #include "checker/edit.h"
 
@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-// --- what is the same ------------------------------------------------------------------------------------------------
+// --- equal parts -----------------------------------------------------------------------------------------------------
 
 static bool same_shape( const lw_scene_shape_def* x, const lw_scene_shape_def* y )
 {
@@ -28,7 +28,7 @@ static bool same_object( const lw_scene* x, uint32_t i, const lw_scene* y, uint3
 
 void lwi_match_scenes( const lw_scene* previous, const lw_scene* scene, uint32_t* source )
 {
-	uint32_t next = 0; // edits keep the order of what stays
+	uint32_t next = 0; // edits keep the order of the shapes that stay
 	for ( uint32_t i = 0; scene != NULL && i < scene->shape_count; ++i )
 	{
 		source[i] = LW_INVALID_INDEX;
@@ -77,8 +77,8 @@ static double margin_of( const lw_checker* c, uint32_t body, uint32_t shape )
 	return lwi_environment_margin( c, body, c->scene->shapes[shape].object );
 }
 
-/// True if a shape is to be measured against a static body: it was not before, or with another margin, and may be nearer than
-/// what is known.
+/// True if a shape is to be measured against a static body: it was not before, or with another margin, and may be nearer
+/// than the known static clearance.
 static bool may_be_nearer( const lw_checker* c, const lw_checker* old, uint32_t place, uint32_t shape, uint32_t source )
 {
 	uint32_t body = c->tree->bodies[place], before = old->tree->bodies[place];
@@ -178,7 +178,8 @@ static lw_status check_edit( const lw_checker* c, const lw_checker_edit_def* def
 	return LW_OK;
 }
 
-/// Where things are in the edited checker: arrays of what was, with LW_INVALID_INDEX for what is gone. And what they keep.
+/// New places of the links and objects of the edited checker, LW_INVALID_INDEX for removed ones, and the arrays of their
+/// defs.
 typedef struct carried
 {
 	lw_allocator allocator;
@@ -224,7 +225,7 @@ static void carried_destroy( carried* k )
 	lwi_free( &k->allocator, k->self_pairs, k->self_room * sizeof( lw_pair_margin ) );
 }
 
-/// Links of the bare robot stay where they are; what is attached, and objects, are found by name.
+/// Links of the bare robot keep their indices; attached links, and objects, are found by name.
 static void locate( carried* k, const lw_checker* c, const lw_checker_def* next )
 {
 	for ( uint32_t i = 0; i < k->old_links; ++i )
@@ -242,7 +243,7 @@ static void locate( carried* k, const lw_checker* c, const lw_checker_def* next 
 	}
 }
 
-/// What was allowed stays so.
+/// Allowed pairs stay allowed.
 static void carry_allowed( carried* k, const lw_checker* c, lw_checker_def* next )
 {
 	for ( uint32_t i = 0; i < c->allowed_count; ++i )

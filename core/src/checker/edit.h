@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a checker can take over from an earlier one. Design: core/docs/edits.md.
+// The parts that a checker can take over from an earlier one. Design: core/docs/edits.md.
 #ifndef LEEWAY_CHECKER_EDIT_H
 #define LEEWAY_CHECKER_EDIT_H
 
 #include "checker/culling.h"
 
-/// Where each shape of `scene` is in `previous`: the same shape at the same pose, to the bit. Scenes that were edited in a few
-/// places are recognised; what is not is LW_INVALID_INDEX and will be looked at again.
+/// Where each shape of `scene` is in `previous`: the same shape at the same pose, to the bit. Scenes that were edited in a
+/// few places are recognised; other shapes get LW_INVALID_INDEX and are measured again.
 /// @param source [shape_count of scene], written. Scenes may be NULL
 void lwi_match_scenes( const lw_scene* previous, const lw_scene* scene, uint32_t* source );
 

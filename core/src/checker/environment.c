@@ -13,7 +13,7 @@
 
 enum
 {
-	MOST_FAILURES = 5 ///< of a sphere M in a row: then it is asked in every 31st state
+	MOST_FAILURES = 5 ///< of a sphere M in a row: then it is tested in every 31st state
 };
 
 static void search_environment_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape, lwi_bound* bound )
@@ -25,15 +25,15 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 	lwi_search( &query->search, checker->bodies[body].shape, obstacle->shape, &relative, bound );
 }
 
-/// Decides what the questions below look at: all obstacles, or those near enough for this range in this state.
-/// @param whole everything is asked, static bodies included
+/// Chooses the obstacles of this query: all, or those near enough for this range in this state.
+/// @param whole the query covers everything, static bodies included
 static void choose_obstacles( const lw_checker* checker, lw_query* query, const lw_range* range, bool whole )
 {
 	bool enough = range->max_d <= checker->horizon || ( whole && checker->horizon_is_complete );
 	query->near = query->within && enough;
 }
 
-/// Blocks of obstacles that are looked at.
+/// Number of blocks of the chosen obstacles.
 static uint32_t block_count( const lw_checker* checker, const lw_query* query )
 {
 	return query->near ? checker->near_block_count : checker->scene->block_count;
@@ -51,8 +51,8 @@ static bool any_below( const float* gaps, uint32_t count, double limit )
 	return far != count;
 }
 
-/// Gaps of a sphere (world) to the obstacles that are looked at, margins taken off. Returns their slack; *near: some gap does not
-/// reach `prune` and that.
+/// Gaps of a sphere (world) to the chosen obstacles, less margins. Returns their slack; *near: some gap is below
+/// `prune` plus the slack.
 /// @param margins of each obstacle, or NULL
 static double gaps_of( const lw_checker* checker, lw_query* query, const double center[3], double radius, const float* margins,
 	double prune, float* gaps, bool* near )
@@ -67,8 +67,8 @@ static double gaps_of( const lw_checker* checker, lw_query* query, const double 
 	return slack;
 }
 
-/// The same for a body, which need not be posed: its sphere hangs on the top of its node. That is a roundoff or two of double away from
-/// where the body's pose takes it, and the slack is one of floats.
+/// The same for a body, which need not be posed: its sphere hangs on the top of its node. That is a roundoff or two of
+/// double away from where the body's pose takes it, and the slack is one of floats.
 static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, double prune, float* gaps, bool* near )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -88,7 +88,7 @@ static const uint8_t* masks_of( const lw_checker* checker, const lw_query* query
 	return ( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * checker->scene->block_count;
 }
 
-/// Those of a block, of a body with these masks, whose gap in a row does not reach the limit; nor does what is not a number.
+/// Lanes of a block that a body with these masks is checked against and whose gap in a row is below the limit, or NaN.
 static uint32_t near_lanes( const lw_query* query, const uint8_t* masks, const float* gaps, uint32_t block, float limit )
 {
 	const float zero = 0;
@@ -184,15 +184,15 @@ static void search_environment( const lw_checker* checker, lw_query* query, cons
 
 // --- by nodes --------------------------------------------------------------------------------------------------------
 
-/// Where a body's row of gaps is kept: bodies of node 0 come first in the tree, they are not asked and have no row.
+/// A body's row of gaps. Bodies of node 0 come first in the tree; they are static and have no row.
 static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place )
 {
 	uint32_t row = place - checker->tree->nodes[0].body_count;
 	return query->gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
 }
 
-/// True if some obstacle is nearer to a sphere of the tree than the bound asks for. Which objects are allowed to whom is not
-/// looked at: that could only make it true more often.
+/// True if some obstacle is nearer to a sphere of the tree than the bound's cutoff. Ignores the allowed collisions:
+/// that can only make it true more often.
 static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sphere, const lwi_bound* bound )
 {
 	if ( bound->prune == INFINITY )
@@ -228,9 +228,9 @@ static void add_near( const lw_checker* checker, lw_query* query, uint32_t body,
 	}
 }
 
-/// The row of gaps of a body, given by its place in the tree; its near pairs become candidates. Where the bound reaches far beyond the
-/// body, as that of a pair that was nearest in another state may, or where there is none, most pairs would be: then the nearest obstacle
-/// alone.
+/// The row of gaps of a body, given by its place in the tree; its near pairs become candidates. Where the bound reaches far
+/// beyond the body, as that of a pair that was nearest in another state may, or where there is none, most pairs would be:
+/// then the nearest obstacle alone.
 static double add_row( const lw_checker* checker, lw_query* query, uint32_t place, const lwi_bound* bound, uint32_t* count )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -255,8 +255,8 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	return slack;
 }
 
-/// True if the sphere M of a node rules its subtree out. Where it did not the last times, it is asked seldom: it costs as much as a
-/// body does, and the bodies find out what it would.
+/// True if the sphere M of a node rules its subtree out. After failures it is tested less often: it costs as much as the
+/// test of one body, and the tests of the bodies give the same result.
 static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t node, const lwi_bound* bound )
 {
 	lwi_trial* trial = &query->motion_trials[node];
@@ -275,8 +275,8 @@ static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t 
 	return false;
 }
 
-/// Descends the nodes. A subtree whose M is known and out of reach is neither posed nor looked at, nor are the bodies of a node
-/// whose R is. Returns the slack of all rows.
+/// Descends the nodes. A subtree whose M is known and out of reach is neither posed nor looked at, nor are the bodies of a
+/// node whose R is. Returns the slack of all rows.
 static double descend( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )
 {
 	const lwi_checker_tree* tree = checker->tree;

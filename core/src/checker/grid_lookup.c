@@ -205,7 +205,7 @@ static void enter_views( const lw_checker* c, lwi_checker_tree* t, const bool* i
 	}
 }
 
-/// What the charts of the reach have in common, by variable.
+/// The scales that all charts of the reach share, by variable.
 static void fill_scales( const lw_checker* c, lwi_checker_tree* t )
 {
 	for ( uint32_t i = 0; i < c->reach->chart_count; ++i )

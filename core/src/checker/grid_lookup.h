@@ -17,8 +17,8 @@ typedef struct lwi_chart_scale
 	bool turns;
 } lwi_chart_scale;
 
-/// A chart at the reference of what the group does not move. The cells are the reach's. Small, as all of them are looked at where
-/// memory is cold: what does not differ between charts is in lwi_chart_scale.
+/// A chart at the reference values of the variables outside of the group. The reach owns the cells. Small, since queries
+/// read all charts from cold memory: the data that all charts share are in lwi_chart_scale.
 typedef struct lwi_chart_view
 {
 	const uint8_t* cells;
@@ -28,7 +28,7 @@ typedef struct lwi_chart_view
 	uint8_t dimension;                  ///< at least 1
 } lwi_chart_view;
 
-/// What a cell proves, less what poses in double may be off by: as lwi_checker_separation(). 0 = nothing
+/// Separation that a cell proves, less the rounding of poses in double: as lwi_checker_separation(). 0 = nothing
 static inline double lwi_chart_value( uint8_t number )
 {
 	return number > 0 ? number * LWI_CHART_STEP * ( 1 - 0x1p-20 ) - 1e-9 : 0;

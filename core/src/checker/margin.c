@@ -53,7 +53,7 @@ static lw_status check_objects( const double* values, const lw_scene* scene, lw_
 
 // --- listed pairs ----------------------------------------------------------------------------------------------------
 
-/// What pairs are between.
+/// The names of the partners of a pair, for messages.
 typedef struct naming
 {
 	const char* what;
@@ -274,7 +274,7 @@ bool lwi_self_margins_equal( const lwi_self_margins* x, const lwi_self_margins* 
 	return equal;
 }
 
-/// What listed pairs add to the shares of two bodies.
+/// Excess of listed pairs' margins over the shares of two bodies.
 static void fill_self_row( const lwi_self_margins* m, const lwi_checker_body* mine, const lwi_checker_body* bodies,
 	uint32_t count, float* row )
 {
@@ -346,7 +346,7 @@ static lw_status fill_given( lwi_margins* m, const lw_margins* def, const naming
 		return lwi_out_of_memory( diag, "margins" );
 	}
 	lw_status status = copy_pairs( &m->listed, def->environment_pairs, def->environment_pair_count, n, &m->allocator, diag );
-	if ( status == LW_OK ) // without objects too: what is given is kept for scenes that have some
+	if ( status == LW_OK ) // without objects too: the margins given are kept for scenes that have some
 	{
 		double sum = m->all + largest_of( m->link, m->link_count ) + largest_of( m->object, m->object_count );
 		m->largest = fmax( sum, largest_listed( &m->listed ) );
@@ -354,7 +354,7 @@ static lw_status fill_given( lwi_margins* m, const lw_margins* def, const naming
 	return status;
 }
 
-/// What the shapes of the scene add to a body's margin, if its link is listed.
+/// Excess of a body's margins to the shapes of the scene, if its link is listed.
 static void fill_row( const lwi_margins* m, const lw_checker* c, uint32_t body, float* row )
 {
 	for ( uint32_t i = 0; i < c->scene->shape_count; ++i )
@@ -365,7 +365,7 @@ static void fill_row( const lwi_margins* m, const lw_checker* c, uint32_t body, 
 	}
 }
 
-/// What a body's margins are at most, but for what `objects` adds.
+/// Largest margin of a body, without the share of `objects`.
 static double largest_of_body( const lwi_margins* m, const lw_checker* c, uint32_t body )
 {
 	double largest = m->bodies[body];
@@ -412,7 +412,7 @@ static bool fill_objects( lwi_margins* m, const lw_checker* c )
 	return m->objects != NULL;
 }
 
-/// What queries read. @return false without memory
+/// The tables that queries read. @return false without memory
 static bool fill_tables( lwi_margins* m, const lw_checker* c )
 {
 	m->bodies = lwi_alloc_zero( &m->allocator, m->body_count, sizeof( double ) );

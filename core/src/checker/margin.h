@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Margins of pairs as a checker keeps them: what was given, exact, and rounded rows for whole blocks of pairs.
+// Margins of pairs in a checker: the given ones, exact, and rounded rows for whole blocks of pairs.
 //
-// Margins are made of parts, so that a robot of 100 links among 1,000 objects takes 1,100 numbers and not 100,000: links' parts
-// are added to radii before gaps are computed, objects' parts are taken off a row of gaps behind it, listed pairs have rows of
-// their own. Derivation: core/docs/margins.md.
+// Margins are made of parts, so that a robot of 100 links among 1,000 objects takes 1,100 numbers and not 100,000: links'
+// parts are added to radii before gaps are computed, objects' parts are taken off a row of gaps behind it, listed pairs have
+// rows of their own. Derivation: core/docs/margins.md.
 #ifndef LEEWAY_CHECKER_MARGIN_H
 #define LEEWAY_CHECKER_MARGIN_H
 
@@ -46,7 +46,7 @@ typedef struct lwi_margins
 	double* bodies;     ///< [body_count] all + link
 	double* nodes;      ///< [2 * node_count] largest of a node's bodies, then of its subtree's, but for the objects' parts
 	float* objects;     ///< [row_size] of each scene shape its object's part, rounded up; NULL if all are 0
-	const float** body_row; ///< [body_count] what shapes add to a body's margin: `objects`, a row of `rows`, or NULL
+	const float** body_row; ///< [body_count] addends of a body's margin by shape: `objects`, a row of `rows`, or NULL
 	float* rows;        ///< rows of bodies in listed pairs, rounded up
 	size_t row_bytes;
 } lwi_margins;
@@ -54,7 +54,7 @@ typedef struct lwi_margins
 struct lwi_checker_body;
 
 /// Copies the margins of self pairs. *out_margins is NULL if all of them are 0.
-/// @return LW_ERROR_INVALID_ARGUMENT (diag says which), LW_ERROR_OUT_OF_MEMORY
+/// @return LW_ERROR_INVALID_ARGUMENT (diag names the entry), LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_self_margins_create( const lw_margins* def, const lw_robot* robot, const lw_allocator* allocator, lw_diag* diag,
 	lwi_self_margins** out_margins );
 void lwi_self_margins_destroy( lwi_self_margins* margins );                              ///< NULL is ignored
@@ -76,7 +76,7 @@ static inline void lwi_subtract_margins( float* gaps, const float* row, uint32_t
 {
 	for ( uint32_t i = 0; row != NULL && i < count; ++i )
 	{
-		float less = gaps[i] - row[i]; // to half a roundoff; so is the product. Infinities stay, what is not a number too
+		float less = gaps[i] - row[i]; // to half a roundoff; so is the product. Infinities and NaN stay
 		gaps[i] = less * ( less < 0 ? 1 + 0x1p-22f : 1 - 0x1p-22f );
 	}
 }

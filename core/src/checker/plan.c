@@ -5,7 +5,7 @@
 //   1. R_n against the subtree of each child (the child itself included where its pairs are not allowed),
 //   2. the subtrees of the children against each other,
 //   3. each child on its own.
-// A test of two subtrees opens the one whose M is larger; what is left in the end are pairs of nodes, R against R. Every
+// A test of two subtrees opens the one whose M is larger; the recursion ends at pairs of nodes, R against R. Every
 // test carries the least separation of the pairs it stands for: entries of rigid (3), motion (4) and scfree (12), but of
 // these nodes and of the pairs that this checker checks, hence never less than the reach's own, but for margins.
 #include "checker/checker.h"
@@ -178,7 +178,7 @@ static void plan_pair( plan* p, uint32_t a, uint32_t b )
 	}
 }
 
-/// R of a against everything in the subtree of b. Next to each other their spheres always meet: then only the table is asked.
+/// R of a against everything in the subtree of b. The spheres of neighbours always meet: then only the table decides.
 static void plan_rigid( plan* p, uint32_t a, uint32_t b )
 {
 	lwi_checker_tree* t = p->tree;

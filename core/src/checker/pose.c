@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Poses of a state, node by node when a question gets there.
 //
-// A pose follows from the pose of the node above in one way only, whatever is asked for first, so it has the same bits however it
-// came about, and so have the distances measured with it.
+// A pose follows from the pose of the node above in one way only, in whatever order poses are used, so it has the same bits
+// in every order, and so have the distances measured with it.
 #include "checker/pose.h"
 #include "base/math_inline.h"
 
@@ -31,7 +31,7 @@ void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* 
 		const lwi_node_turn* turn = &tree->turns[i];
 		query->angles[i] = turn->multiplier * state[turn->variable] + turn->offset;
 	}
-	// what follows the last one are angles of another time, or 0
+	// the padding behind the last angle holds angles of another time, or 0
 	query->search.kernels->turns( query->angles, lwi_padded_nodes( tree ), cosines, sines );
 }
 
@@ -110,7 +110,7 @@ void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index
 	const lwi_checker_node* node = &checker->tree->nodes[index];
 	const double* r = lwi_sphere( checker, query, 2 * index );
 	const lw_transform* pose = &query->world_from_link[node->top];
-	double rounding = r[3] - node->r.radius; // each body lies within R: what that was enlarged by is enough for it
+	double rounding = r[3] - node->r.radius; // each body lies within R: the enlargement of R is enough for it
 	float* out = query->blocks + (size_t)node->first_block * 4 * LWI_WIDTH;
 	const uint32_t padded = lwi_padded( node->body_count );
 	for ( uint32_t i = 0; i < padded; ++i )
@@ -142,7 +142,7 @@ void lwi_pose_all( const lw_checker* checker, lw_query* query )
 	}
 }
 
-/// What does not depend on the state. The query keeps a reference to the checker, so that no other one can appear at the
+/// The static part of all states. The query keeps a reference to the checker, so that no other one can appear at the
 /// same address.
 static void pose_static( const lw_checker* checker, lw_query* query )
 {
@@ -156,7 +156,7 @@ static void pose_static( const lw_checker* checker, lw_query* query )
 	{
 		pose_body( checker, query, i ); // static ones stay there, the others are posed again by every state
 	}
-	// node 0 never moves: what is known of it is stamped anew for every state
+	// node 0 never moves: its data are stamped anew for every state
 	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
 	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
 	query->node_stamp[0] = query->state_stamp;
@@ -208,8 +208,8 @@ static bool within_ranges( const lw_checker* checker, const double* q )
 
 bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb )
 {
-	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions, have
-	// no limits.
+	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions,
+	// have no limits.
 	return checker->tree->proves && query->search.def.hierarchy && query->search.def.pair_tables && within_ranges( checker, qa ) &&
 		   within_ranges( checker, qb );
 }
@@ -220,10 +220,11 @@ bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const 
 		   within_box( checker->variable_count, checker->near_lower, qb, checker->near_upper );
 }
 
-/// Metres: a state whose poses may be off by more is no state. Shifts of 1e12 m, or angles of 1e13 radians times a mimic joint's factor.
+/// Metres: a state whose poses may be off by more is no state. Shifts of 1e12 m, or angles of 1e13 radians times a mimic
+/// joint's factor.
 static const double most_rounding = 1.0;
 
-/// A new state: everything is to be posed again but for what never moves.
+/// A new state: all poses are to be computed again, except for the static ones.
 static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
 {
 	const lwi_checker_tree* tree = checker->tree;

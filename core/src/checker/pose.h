@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of a state, as far as a question needs them: nodes, bodies and spheres are taken to the world when asked for.
+// Poses of a state, on demand: each node, body and sphere is taken to the world at its first use.
 //
-// A stamp says for which state something was computed; a new state makes all stamps old at once.
+// A stamp names the state for which a value was computed; a new state makes all stamps old at once.
 #ifndef LEEWAY_CHECKER_POSE_H
 #define LEEWAY_CHECKER_POSE_H
 
@@ -9,11 +9,11 @@
 #include "checker/clusters.h"
 #include "query/query.h"
 
-/// Relative to the coordinates that a sphere's pose went through, which sum up to less than four times the longest chain: thousands
-/// of joints' worth of roundoffs (each turns a few of 2^-53), and still only 0.6 nm for a robot that reaches 10 m.
+/// Relative to the coordinates that a sphere's pose went through, which sum up to less than four times the longest chain:
+/// thousands of joints' worth of roundoffs (each turns a few of 2^-53), and still only 0.6 nm for a robot that reaches 10 m.
 #define LWI_POSE_ROUNDING 0x1p-36
 
-/// Cosines and sines of all joints above nodes at once, whatever is asked for first: one alone takes as long as four.
+/// Cosines and sines of all joints above nodes at once, whatever is used first: one alone takes as long as four.
 /// @param state [robot variable_count] @param cosines, sines [lwi_padded_nodes()]
 void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines );
 

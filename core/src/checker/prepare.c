@@ -90,6 +90,6 @@ lw_status lw_checker_prepare( const lw_checker* checker,
 		(void)visit_needed( checker, note, &ahead );
 		lwi_ahead_flush( &ahead );
 	}
-	// what is left, one by one: so an error has its reason
+	// the remaining ones one by one: an error then has its reason
 	return visit_needed( checker, make, diag );
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The units of a checker's self query, and what is to be checked between them.
+// The units of a checker's self query, and the pairs of them to be checked.
 #include "checker/proxies.h"
 
 #include "checker/checker.h"

@@ -11,7 +11,7 @@ struct lwi_checker_tree;
 
 enum
 {
-	LWI_MOST_UNITS = 24, ///< more are told apart by steps: the number of pairs grows, what steps rule out does too
+	LWI_MOST_UNITS = 24, ///< robots of more use steps: the number of pairs grows, and so does the share that steps rule out
 	LWI_UNIT_BLOCKS = LWI_MOST_UNITS / LWI_WIDTH
 };
 
@@ -30,7 +30,7 @@ typedef struct lwi_self_units
 {
 	uint32_t count, pair_count;
 	uint32_t node[LWI_MOST_UNITS];
-	lw_sphere sphere[LWI_MOST_UNITS]; ///< frame of the node's `top`, what roundings of its centre may take is in it
+	lw_sphere sphere[LWI_MOST_UNITS]; ///< frame of the node's `top`; includes the rounding of its centre
 	uint8_t mask[LWI_MOST_UNITS][LWI_UNIT_BLOCKS]; ///< of unit u: bit = this later unit is to be checked against u
 	double largest_margin, largest_radius;
 	float separation; ///< least of all pairs
@@ -42,7 +42,7 @@ enum
 	LWI_MOST_ROWS = 256 ///< pairs of the kernel are two bytes
 };
 
-/// Which nodes are to be checked against which, for robots of more nodes: asked eight at a time where nothing is proved of a state.
+/// Pairs of nodes to be checked, for robots of more nodes: tested eight at a time where nothing is proved of a state.
 typedef struct lwi_node_rows
 {
 	uint32_t count, stride; ///< nodes, and blocks of them; count = 0: none, or too many

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot against itself: by nodes, along the steps of the paper where motion hulls and tables are known; or all pairs at once.
+// The robot against itself: by nodes, along the steps of the paper where motion hulls and tables are known; or all pairs at
+// once.
 //
-// Paper: Steinbach et al. 2006, section IV. A step is passed over, with all pairs below it, if their proved separation or the
-// gap of two spheres reaches the running bound; both are lower bounds, so the answer is that of all pairs. What is left is
-// searched nearest first: core/docs/self_collision.md.
+// Paper: Steinbach et al. 2006, section IV. A step is passed over, with all pairs below it, if their proved separation or
+// the gap of two spheres reaches the running bound; both are lower bounds, so the answer is that of all pairs. The remaining
+// pairs are searched nearest first: core/docs/self_collision.md.
 #include "checker/pose.h"
 #include "base/math_inline.h"
 
@@ -24,7 +25,8 @@ static void search_self_pair( const lw_checker* checker, lw_query* query, uint32
 
 // --- all pairs -------------------------------------------------------------------------------------------------------
 
-/// Bounding spheres of all bodies, enlarged by their shares of margins, in float about the first one. Returns the slack of gaps between them.
+/// Bounding spheres of all bodies, enlarged by their shares of margins, in float about the first one. Returns the slack of
+/// gaps between them.
 static double body_spheres( const lw_checker* checker, lw_query* query )
 {
 	uint32_t bodies = lw_robot_body_count( checker->robot );
@@ -113,7 +115,8 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 
 // --- by nodes --------------------------------------------------------------------------------------------------------
 
-/// Gap of two spheres (x, y, z, r) less a margin, if it is below the limit, else +INFINITY. What overflows is near: -INFINITY.
+/// Gap of two spheres (x, y, z, r) less a margin, if it is below the limit, else +INFINITY. An overflow counts as near:
+/// -INFINITY.
 static double gap_below( const double* a, const double* b, double margin, double limit )
 {
 	double d[3] = { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
@@ -138,8 +141,8 @@ static float above( double v )
 	return (float)( v + v * 0x1p-22 + FLT_MIN );
 }
 
-/// What is known of a pair: the key of its candidate. Sorting by it rather than by the gap alone has pairs that are known to
-/// stay apart wait behind those that may be nearer.
+/// The lower bound of a pair's distance: the key of its candidate. Sorted by it rather than by the gap alone, pairs that are
+/// known to stay apart wait behind those that may be nearer.
 static float lower_bound( double gap, float separation )
 {
 	float low = below( gap );
@@ -153,7 +156,7 @@ static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t 
 	return (lwi_candidate){ gap, a < b ? a * stride + b : b * stride + a };
 }
 
-/// The larger of the separation of a pair in all states and what its chart says of this one.
+/// The larger of the separation of a pair in all states and that of its chart in this one.
 /// @param margin that the separation is less by @param view index into the tree's views, or LW_INVALID_INDEX
 static float separation_now( const lw_checker* checker, const lw_query* query, float separation, double margin, uint32_t view )
 {
@@ -189,7 +192,7 @@ static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lw
 	return count;
 }
 
-/// Walks the steps: what no test rules out becomes a candidate.
+/// Walks the steps: pairs that no test rules out become candidates.
 static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -333,7 +336,8 @@ static double node_spheres( const lw_checker* checker, lw_query* query, float* b
 /// Metres beyond which spheres are compared in double.
 #define LARGEST_SLACK 0x1p40
 
-/// All pairs of nodes by their R, where nothing is proved of this state: what they do not rule out becomes a candidate.
+/// All pairs of nodes by their R, where nothing is proved of this state: pairs that the spheres do not rule out become
+/// candidates.
 static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -348,7 +352,7 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 	{
 		return list_pairs( checker, query, bound );
 	}
-	uint16_t* near = (uint16_t*)(void*)query->gaps; // a pair of nodes is one of bodies, of which gaps has two floats at least
+	uint16_t* near = (uint16_t*)(void*)query->gaps; // gaps has two floats at least per pair of nodes
 	float limit = above( bound->prune + (double)rows->largest_margin + slack );
 	uint32_t found = query->search.kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
@@ -364,16 +368,16 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 	return count;
 }
 
-/// A sphere (x, y, z, r) of the world, asked against the bodies of a node by LWI_WIDTH.
+/// A sphere (x, y, z, r) of the world, tested against the bodies of a node by LWI_WIDTH.
 typedef struct probe
 {
 	const float* blocks;
 	float sphere[4];
-	double slack; ///< what the float gaps may be too large by
+	double slack; ///< largest excess of the float gaps over the true ones
 	float limit;  ///< of these gaps
 } probe;
 
-/// @param margin the largest of the pairs that it is asked for
+/// @param margin the largest of the pairs under test
 static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t node, const double sphere[4], double margin,
 	const lwi_bound* bound )
 {
@@ -392,8 +396,8 @@ static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t no
 	return p;
 }
 
-/// Lanes of a block of a node's bodies from number `first` on that are near a sphere. Where the sphere's numbers overflow, all are,
-/// but never those that pad the block.
+/// Lanes of a block of a node's bodies from number `first` on that are near a sphere. Where the sphere's numbers overflow,
+/// all are, but never those that pad the block.
 static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, uint32_t node, uint32_t first, const probe* p,
 	float gap[LWI_WIDTH] )
 {
@@ -506,9 +510,9 @@ static bool pair_counts( const lw_checker* checker, uint32_t pair )
 	return a < bodies && b < bodies && ( checker->self_mask[(size_t)a * checker->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) & 1 ) != 0;
 }
 
-/// The pairs that were nearest in states before get their first look before all others, the least gap of spheres first: which witness was
-/// nearest says little of another state, which pair was says much, and a bound early spares most other pairs their look. Only where
-/// nothing is proved of pairs, which would rule many of these out, and not for yes or no.
+/// The pairs that were nearest in states before get their first look before all others, the least gap of spheres first:
+/// which witness was nearest says little of another state, which pair was says much, and a bound early spares most other
+/// pairs their look. Only where nothing is proved of pairs, which would rule many of these out, and not for yes or no.
 static void look_at_known( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	const uint32_t stride = checker->body_block_count * LWI_WIDTH, count = query->known_count;
@@ -572,8 +576,9 @@ static void remember_pair( lw_query* query, uint32_t pair )
 
 // --- by nodes, from the nearest on -----------------------------------------------------------------------------------
 
-/// Takes the least lower bound until none is left below the running bound. Parts that lie within each other overlap with their spheres and boxes,
-/// and which of them is nearest no lower bound tells; so something of each pair is measured before one is searched to its end.
+/// Takes the least lower bound until none is left below the running bound. Parts that lie within each other overlap with
+/// their spheres and boxes, and no lower bound tells the nearest of them; so something of each pair is measured before one
+/// is searched to its end.
 static void search_candidates( const lw_checker* checker, lw_query* query, uint32_t count, lwi_bound* bound )
 {
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;

@@ -17,7 +17,7 @@ typedef struct lwi_bound
 	double upper; ///< least clearance measured so far; +inf before the first below max_d
 	double prune; ///< cutoff: pairs proved to be this far or farther are not opened; never grows
 	double floor; ///< least certified lower bound of all pairs measured in double
-	double give_up_above, give_up_below; ///< a distance between them ends the search: then only `upper` holds; none by default
+	double give_up_above, give_up_below; ///< a distance between them ends the search: then only `upper` holds; default: none
 	bool done;    ///< upper <= min_d, given up, or failed: the search is over
 	bool failed;  ///< a deferred mesh could not be made: no answer
 	double lowest; ///< no clearance is below it: minus the largest margin

@@ -96,7 +96,7 @@ typedef struct lwi_searching
 	double error; ///< metres: largest error of a distance in double
 	bool bricks;   ///< both have them
 	bool has_direction;
-	float direction_a[3], direction_b[3]; ///< from a to b across the nearest pair found, in either tree frame: unit to rounding
+	float direction_a[3], direction_b[3]; ///< from a to b across the nearest pair found, in either tree frame: unit vectors
 	lwi_tie tie;     ///< of the nearest pair found
 	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart
 	double least; ///< pairs nearer than this are measured whatever the bound: solid meshes (distance/primitives.c); or -inf

@@ -59,7 +59,7 @@ typedef struct lwi_places
 	bool made;           ///< `at` is filled; of drifts it may wait until it is needed
 	lw_vec3 turn, shift;
 	lwi_cloud* cloud; ///< of more than one place
-	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape, of several; of drifts linear maps, not rigid: points move to their images
+	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape, of several; of drifts linear maps, not rigid motions
 	bool boxed;                      ///< the box around the shape is at its places: it is when it is needed
 	lw_vec3 box_middle[LWI_MAX_PLACES];
 	double box_size; ///< sum of the coordinates of three half axes, at most

@@ -36,7 +36,7 @@ struct lw_query
 	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
 	void ( *release_posed )( lw_checker* posed ); ///< drops that reference
 	uint64_t bindings;            ///< how often another checker was posed: memory of an earlier one's bodies is void
-	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold; the two flags below choose
+	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, flags choose
 	bool hulls, tables;           ///< which of the two hold: both only if covered
 	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
 	bool near;                    ///< the current call uses only that mask

@@ -520,7 +520,7 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	lw_vec3 center = lwi_v3( entry->center[0], entry->center[1], planar ? 0 : entry->center[2] );
 	m.turn = planar ? fabs( lwi_wrapped_difference( a[2], b[2] ) ) : 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
 	m.shift = lwi_distance( pa, pb );
-	m.excess = lwi_larger( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // of a straight way the ends are farthest away
+	m.excess = lwi_larger( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // ends are farthest
 	m.reach = lwi_larger( lwi_length( pa ), lwi_length( pb ) );
 	m.value = planar ? fabs( a[2] ) + fabs( b[2] ) + 4 : 4;
 	return m;

@@ -78,7 +78,7 @@ double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch );
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 /// The same for every ancestor of one body: entry i is the motion by the first i + 1 moving joints above it.
 const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body );
-double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< its path length
+double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< path
 /// How fast the acceleration of its points changes at most, metres per cubed unit of t.
 double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 

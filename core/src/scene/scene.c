@@ -197,7 +197,7 @@ void lwi_scene_bound( lw_scene* scene )
 		uint32_t lane = i % LWI_WIDTH;
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			bool real = i < scene->shape_count && scene->box_max[i][axis] < INFINITY; // others have no box
+			bool real = i < scene->shape_count && scene->box_max[i][axis] < INFINITY; // else: nothing is near the lane
 			block->min[axis][lane] = real ? lwi_round_down( scene->box_min[i][axis] - scene->origin[axis] ) : INFINITY;
 			block->max[axis][lane] = real ? lwi_round_up( scene->box_max[i][axis] - scene->origin[axis] ) : -INFINITY;
 		}

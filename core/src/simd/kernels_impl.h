@@ -92,7 +92,7 @@ static uint32_t brick_gap( const lwi_node* node, const lwi_bricks* bricks, const
 	}
 	v3 across = v3_sub( v3_set( other->center ), ( v3 ){ f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) } );
 	f8 length = f8_sqrt( v3_dot( across, across ) );
-	m8 vanishes = f8_lt( length, f8_set( 0x1p-62f ) ); // with its squares: no direction, or not of length 1: proves nothing
+	m8 vanishes = f8_lt( length, f8_set( 0x1p-62f ) ); // or its squares do: no unit direction, no proof
 	length = f8_max( length, f8_set( 0x1p-62f ) );
 	v3 u = { f8_div( across.x, length ), f8_div( across.y, length ), f8_div( across.z, length ) };
 	f8 reach = f8_add( brick_reach( u, axis, low, high, radius ), brick_reach( u, other_axis, other_low, other_high, other_radius ) );
