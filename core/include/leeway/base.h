@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Status codes, diagnosis, allocator, version: what every other header needs.
+// Status codes, diagnosis, allocator, version. Every other header includes this one.
 #ifndef LEEWAY_BASE_H
 #define LEEWAY_BASE_H
 
@@ -18,8 +18,8 @@
 #endif
 
 #ifdef __cplusplus
-#define LW_EXTERN_C_BEGIN                                                                                                    \
-	extern "C"                                                                                                               \
+#define LW_EXTERN_C_BEGIN                                                                                                   \
+	extern "C"                                                                                                              \
 	{
 #define LW_EXTERN_C_END }
 #else
@@ -41,12 +41,12 @@ typedef enum lw_status
 	LW_ERROR_OUT_OF_MEMORY = -3,    ///< the allocator returned NULL; nothing was leaked or changed
 	LW_ERROR_BAD_GEOMETRY = -4,     ///< see lw_diag.index for the offending vertex, triangle or element
 	LW_ERROR_UNSUPPORTED = -5,      ///< a valid request this build cannot answer
-	LW_ERROR_CANCELLED = -6,        ///< a progress callback said stop
-	LW_ERROR_DAMAGED = -7,          ///< saved bytes that are cut short, changed, or no blob at all
+	LW_ERROR_CANCELLED = -6,        ///< a progress callback returned false
+	LW_ERROR_DAMAGED = -7,          ///< saved bytes are truncated, altered, or not a blob
 	LW_ERROR_STALE = -8             ///< saved bytes of another version, machine or content
 } lw_status;
 
-/// Where and why a call failed. Caller-owned; NULL is accepted wherever one is taken.
+/// Where and why a call failed. Owned by the caller; every function accepts NULL in its place.
 typedef struct lw_diag
 {
 	lw_status status;
@@ -54,8 +54,8 @@ typedef struct lw_diag
 	char message[240]; ///< one line, UTF-8, always terminated
 } lw_diag;
 
-/// Memory source of an object, given at creation and remembered by it. Must be thread-safe if objects are created or
-/// released on several threads. A NULL allocator pointer anywhere means malloc and free.
+/// Memory source of an object. The object stores it at creation. It must be thread-safe if several threads create or
+/// release objects. A NULL allocator pointer means malloc and free.
 typedef struct lw_allocator
 {
 	/// @return memory of `size` bytes aligned to `align` (a power of two, at most 64), or NULL
@@ -67,23 +67,23 @@ typedef struct lw_allocator
 /// Instruction set used by the float kernels. All levels give the same bits.
 typedef enum lw_simd
 {
-	LW_SIMD_BEST = 0, ///< the highest level that this machine and build have
+	LW_SIMD_BEST = 0, ///< the highest level that this machine and this build support
 	LW_SIMD_SCALAR = 1,
 	LW_SIMD_SSE2 = 2,
 	LW_SIMD_AVX2 = 3
 } lw_simd;
 
-/// The highest level usable here: machine and build. The environment variable LW_CPU_MASK (a lw_simd value as a decimal
-/// number) lowers it, so that one binary tests every level.
+/// The highest level that this machine and this build support. The environment variable LW_CPU_MASK (a lw_simd value as a
+/// decimal number) lowers it, so that one binary can test every level.
 LW_API lw_simd lw_simd_available( void );
 
-/// 128 bits that differ if the content differs (not a cryptographic hash).
+/// A 128-bit content hash: different contents give different values, but for chance. Not cryptographic.
 typedef struct lw_digest
 {
 	uint64_t word[2];
 } lw_digest;
 
-/// Digest of `size` bytes, continuing from `from` ({0} to begin): one digest of several parts, in order.
+/// Digest of `size` bytes, appended to the digest `from` ({0} to begin). Parts must come in the same order each time.
 LW_API lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size );
 LW_API bool lw_digest_equal( lw_digest a, lw_digest b );
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Saving what is costly to build: sphere trees, motion hulls and pair tables, as bytes to keep in a file.
+// Blobs: sphere trees, motion hulls and pair tables as bytes, to be stored in a file.
 //
-// A blob is versioned, tied to a key that its owner computes from the content it was made of, and checksummed. Reading one
-// refuses what is damaged, of another version or machine, or stale. It is no defence against an attacker's blob.
+// A blob has a format version, a checksum, and a key that its owner computes from the source content. Reading refuses a
+// damaged or stale blob, and one of another version or machine. It does not protect against a malicious blob.
 #ifndef LEEWAY_BLOB_H
 #define LEEWAY_BLOB_H
 
@@ -10,10 +10,10 @@
 
 LW_EXTERN_C_BEGIN
 
-/// What a blob holds: shapes, or a reach, or both. Make it with lw_blob_def_default().
+/// Contents of a blob: shapes, a reach, or both. Make it with lw_blob_def_default().
 typedef struct lw_blob_def
 {
-	lw_digest key; ///< of the content that it was made of (files, options)
+	lw_digest key; ///< digest of the source content (files, options)
 	const lw_shape* const* shapes; ///< [shape_count]
 	uint32_t shape_count;
 	const lw_reach* reach; ///< nullable
@@ -36,19 +36,19 @@ typedef struct lw_blob_info
 	bool has_reach;
 } lw_blob_info;
 
-/// Checks header and checksum and says what is inside.
+/// Checks header and checksum and reads the header.
 /// @return LW_OK, LW_ERROR_DAMAGED (not a blob, cut short, changed), LW_ERROR_STALE (another version, byte order or layout)
 LW_API lw_status lw_blob_get_info( const void* bytes, size_t size, lw_diag* diag, lw_blob_info* out );
 
 /// Reads the shapes.
-/// @param key what the blob must have been made of
+/// @param key must equal the key of the blob
 /// @param out_shapes [shape_count], written; each owned by the caller. All NULL on failure.
-/// @return as lw_blob_get_info(); LW_ERROR_STALE also for another key, LW_ERROR_DAMAGED for contents that make no sense,
-/// LW_ERROR_INVALID_ARGUMENT if shape_count is not the blob's, LW_ERROR_OUT_OF_MEMORY
+/// @return as lw_blob_get_info(); LW_ERROR_STALE also for another key, LW_ERROR_DAMAGED for inconsistent contents,
+/// LW_ERROR_INVALID_ARGUMENT if shape_count differs from the blob's, LW_ERROR_OUT_OF_MEMORY
 LW_API lw_status lw_blob_read_shapes( const void* bytes, size_t size, lw_digest key, const lw_allocator* allocator,
 	lw_diag* diag, lw_shape** out_shapes, uint32_t shape_count );
 
-/// Reads the reach of a robot that must be equal to the one it was made of (lw_robot_digest()), else LW_ERROR_STALE.
+/// Reads the reach. `robot` must equal the robot of the blob (lw_robot_digest()), else LW_ERROR_STALE.
 /// @param out_reach owned by the caller: lw_reach_release(). Set to NULL on failure.
 /// @return as lw_blob_read_shapes(); LW_ERROR_INVALID_ARGUMENT if the blob holds no reach
 LW_API lw_status lw_blob_read_reach( const void* bytes, size_t size, lw_digest key, const lw_robot* robot,

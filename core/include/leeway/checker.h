@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The two questions of a planner: is this state valid, and is this motion? Both answered with a proof.
+// The two questions of a planner, answered with a proof: is this state valid, and is this motion valid?
 #ifndef LEEWAY_CHECKER_H
 #define LEEWAY_CHECKER_H
 
@@ -8,26 +8,25 @@
 
 LW_EXTERN_C_BEGIN
 
-/// Contact between a link and an object that does not count.
+/// A link and an object that may touch.
 typedef struct lw_link_object_pair
 {
 	uint32_t link, object;
 } lw_link_object_pair;
 
-/// The margin of one pair, in place of the sum of its parts.
+/// The margin of one pair; it replaces the sum of the general margins.
 typedef struct lw_pair_margin
 {
 	uint32_t a;    ///< link
-	uint32_t b;    ///< object; of a self pair the other link
+	uint32_t b;    ///< object; in a self pair the other link
 	double margin; ///< metres, >= 0
 } lw_pair_margin;
 
-/// How much of a distance does not count: the *clearance* of a pair is its distance less its margin. Metres, finite and >= 0;
-/// zeroed: no margins.
+/// Margins. The *clearance* of a pair is its distance minus its margin. Metres, finite and >= 0; zeroed: no margins.
 ///   link to object:  environment + link_environment[link] + object[object], summed in this order
 ///   link to link:    self + link_self[lower index] + link_self[higher index], in this order
-/// and of a pair that is listed what is listed, larger or smaller. Everything that a checker answers is clearance in these
-/// terms, for states and edges alike: core/docs/margins.md.
+/// A pair in a list below has the listed margin instead, larger or smaller. Every answer of a checker is a clearance, for
+/// states and edges alike: core/docs/margins.md.
 typedef struct lw_margins
 {
 	double environment;
@@ -45,31 +44,31 @@ typedef struct lw_checker_def
 {
 	const lw_robot* robot; ///< a reference is taken
 	const lw_scene* scene; ///< a reference is taken; NULL = no environment
-	/// The group: robot variables that a state vector of this checker holds, in its order; NULL = all variables in robot
-	/// order. All variables of a planar or floating joint are in a group or none.
+	/// The group: the robot variables in a state vector of this checker, in its order; NULL = all variables in robot order.
+	/// A planar or floating joint has all of its variables in the group or none.
 	const uint32_t* variables;
 	uint32_t variable_count;
-	/// [robot variable_count] values of the variables outside the group; NULL = default state. The group's have to be finite, and say nothing.
+	/// [robot variable_count] values of the variables outside the group; NULL = default state. Entries of group variables
+	/// must be finite; their values are ignored.
 	const double* reference;
 	const lw_link_object_pair* allowed; ///< [allowed_count]
 	uint32_t allowed_count;
-	lw_margins margins; ///< copied. Contact that is allowed stays so, whatever its margin
-	/// Motion hulls and pair tables of this robot, or of an equal one (lw_robot_digest()); a reference is taken. NULL = none.
-	/// They make queries faster and change no answer: what is passed over is proved to be beyond what was found already.
-	/// States outside of lw_reach_variable_range() are asked as without them. See core/docs/self_collision.md.
+	lw_margins margins; ///< copied. Allowed contacts stay allowed, whatever their margin
+	/// Motion hulls and pair tables of this robot, or of an equal one (lw_robot_digest()); a reference is taken. NULL =
+	/// none. They make queries faster and change no answer: a query skips only pairs that are proved to be irrelevant.
+	/// States outside lw_reach_variable_range() are checked without them. See core/docs/self_collision.md.
 	const lw_reach* reach;
-	/// Metres, > 0: the largest clearance that queries will ask for (range.max_d, or clearance worth a number); INFINITY if any.
-	/// Obstacles that the group cannot come this near to within its limits are passed over at once, and those that are deferred
-	/// (lw_shape_create_deferred()) are never made for it. No answer depends on it: queries that ask for more, and states outside
-	/// of the limits, are asked with everything there is.
+	/// Metres, > 0: the largest clearance of interest (the max_d of later ranges); INFINITY if unknown. Obstacles that the
+	/// group cannot approach to within max_d inside its limits are skipped, and deferred ones (lw_shape_create_deferred())
+	/// are never made. It changes no answer: queries with a larger max_d, and states outside the limits, use all obstacles.
 	double max_d;
-	/// A checker that this one differs little from: another pose of an obstacle, one more, one less. What is the same is shared
-	/// with it (the robot and its group, when robot, reach, variables and reference are the same) or copied, and only the rest is
-	/// computed: microseconds instead of milliseconds. No answer depends on it. No reference is taken; NULL = none.
+	/// A similar checker, for instance with one obstacle moved, added or removed. The new checker shares or copies all equal
+	/// parts (the robot and its group, if robot, reach, variables and reference are equal) and computes the rest:
+	/// microseconds instead of milliseconds. It changes no answer. No reference is taken; NULL = none.
 	const struct lw_checker* previous;
-	/// Called on this thread when several deferred shapes are needed at once, with up to 64 of them: by lw_shape_complete() it may make
-	/// them on as many threads as it likes, and returns when it is done. What it leaves is made one by one. No answer depends on
-	/// it. NULL = none.
+	/// Called on the calling thread with up to 64 deferred shapes that are needed at once. It may make them by
+	/// lw_shape_complete() on any number of threads, and returns when they are done. Shapes that it does not make are then
+	/// made one by one. It changes no answer. NULL = none.
 	void ( *prepare )( void* user, const lw_shape* const* shapes, uint32_t shape_count );
 	void* prepare_user;
 	uint32_t cookie;
@@ -78,30 +77,32 @@ typedef struct lw_checker_def
 LW_API lw_checker_def lw_checker_def_default( void );
 
 /// Everything needed to check one group of one robot in one scene. Immutable, shared by all threads, reference counted.
-/// All its answers are clearances, distances less margins: lower and upper of an interval, min_d, max_d and slack of a
-/// question. Where a pair is nearer than its margin they are negative, no lower than minus the margin; alpha is relative to
-/// clearances above min_d, and so to positive ones. Witness points are on the geometry itself: the distance of the pair is
-/// upper + its margin. A lower of 0 "when contact cannot be excluded" is minus the largest margin where there are any.
+///
+/// All its numbers are clearances (distance minus margin): lower and upper of intervals, min_d, max_d and slack of calls.
+/// A clearance is negative if the pair is nearer than its margin, and never below minus the margin; where contact cannot be
+/// excluded, lower is minus the largest margin. alpha is relative to clearances above min_d. Witness points are on the
+/// geometry: the distance of a pair is its upper plus its margin.
+///
 /// Links that the group does not move are static: their distance to the scene is measured once, at creation, and is part
-/// of every environment interval. Self pairs are those whose relative pose the group can change and that are not allowed.
+/// of every environment interval. Self pairs are the pairs whose relative pose the group can change and that may not touch.
 typedef struct lw_checker lw_checker;
 
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag says which), LW_ERROR_OUT_OF_MEMORY
 LW_API lw_status lw_checker_create( const lw_checker_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lw_checker** out_checker );
 
-/// What is to be different. Make it with lw_checker_edit_def_default(): nothing.
+/// Differences to an existing checker. Make it with lw_checker_edit_def_default(): no difference.
 typedef struct lw_checker_edit_def
 {
-	const lw_scene* scene; ///< NULL = the same. From lw_scene_edit(), or any other: what is the same to the bit is recognised
+	const lw_scene* scene; ///< NULL = the same. From lw_scene_edit(), or any other: bit-equal parts are recognised
 	const lw_robot* robot; ///< NULL = the same. From lw_robot_attach() and lw_robot_detach()
-	const lw_link_object_pair* allowed; ///< [allowed_count], indices of the robot and the scene as they are to be
+	const lw_link_object_pair* allowed; ///< [allowed_count], indices of the new robot and the new scene
 	uint32_t allowed_count;
-	/// False: what was allowed stays so, for links and objects that are still there by name; `allowed` comes on top. True: only
-	/// `allowed` counts.
+	/// False: allowed contacts stay allowed for links and objects whose names still exist, and `allowed` adds to them. True:
+	/// `allowed` replaces them.
 	bool replace_allowed;
-	/// NULL: each link, object and pair that is still there by name keeps its margin, what is new has none of its own. Otherwise
-	/// these count, and nothing of what was.
+	/// NULL: each link, object and pair whose names still exist keeps its margin; new ones have only the general margins.
+	/// Otherwise these margins replace the old ones.
 	const lw_margins* margins;
 	double max_d; ///< as lw_checker_def::max_d; NaN = the same
 	uint32_t cookie;
@@ -109,13 +110,14 @@ typedef struct lw_checker_edit_def
 
 LW_API lw_checker_edit_def lw_checker_edit_def_default( void );
 
-/// A snapshot: the checker with another scene, or with something in its hand. The checker itself stays as it is; queries that
-/// use it keep it, with its scene. Answers are those of a checker made from nothing, and it shares or copies what is the same.
-/// Queries made for one snapshot serve the others as long as they are large enough: lw_query_fits(), and the spare_... of
-/// lw_query_def.
-/// @return as lw_checker_create(); LW_ERROR_INVALID_ARGUMENT also for a robot of other origin
-/// Cost: another scene: microseconds, plus a few for each shape that changed; more only if what stands still may have got another
-/// nearest obstacle. Another robot: what depends on bodies is computed again. Figures in core/docs/edits.md.
+/// Makes a new checker with another scene or another attached object. `checker` is unchanged; queries that use it keep
+/// it and its scene alive. The answers equal those of a checker made from scratch; equal parts are shared or copied.
+/// Queries made for one checker serve its edits as long as they are large enough: lw_query_fits(), and spare_shapes and
+/// spare_bodies of lw_query_def.
+/// @return as lw_checker_create(); LW_ERROR_INVALID_ARGUMENT also if def->robot does not come from this
+/// checker's robot by lw_robot_attach() and lw_robot_detach()
+/// Cost: another scene: microseconds, plus a few per changed shape; more only if the nearest obstacle of the static links
+/// may have changed. Another robot: all data that depend on bodies are computed again. Figures: core/docs/edits.md.
 LW_API lw_status lw_checker_edit( const lw_checker* checker, const lw_checker_edit_def* def, const lw_allocator* allocator,
 	lw_diag* diag, lw_checker** out_checker );
 
@@ -124,7 +126,7 @@ LW_API void lw_checker_release( lw_checker* checker );
 
 LW_API const lw_robot* lw_checker_robot( const lw_checker* checker );
 LW_API const lw_scene* lw_checker_scene( const lw_checker* checker ); ///< NULL if none
-/// Margin of a link to an object, or of two links: what is taken off the distance of the pair. 0 for indices out of range.
+/// Margin of a link and an object, or of two links, in metres. 0 for out-of-range indices.
 LW_API double lw_checker_environment_margin( const lw_checker* checker, uint32_t link, uint32_t object );
 LW_API double lw_checker_self_margin( const lw_checker* checker, uint32_t link_a, uint32_t link_b );
 LW_API uint32_t lw_checker_variable_count( const lw_checker* checker );
@@ -132,52 +134,55 @@ LW_API uint32_t lw_checker_variable( const lw_checker* checker, uint32_t index )
 /// Writes the full robot state [robot variable_count] of a group state q [variable_count].
 LW_API void lw_checker_full_state( const lw_checker* checker, const double* q, double* full );
 
-/// What a checker keeps. Counts of bodies (shapes of links) and pairs.
+/// Contents of a checker. Counts are of bodies (shapes of links) and of pairs.
 typedef struct lw_checker_info
 {
 	uint32_t moving_bodies;  ///< bodies on links that the group moves
 	uint32_t static_bodies;  ///< the others
 	uint32_t environment_pairs; ///< moving bodies x scene shapes, without allowed ones
 	uint32_t self_pairs;     ///< pairs of bodies to check for self-collision
-	uint32_t never_pairs;    ///< of these: proved apart by the reach, never searched where only contact is asked for
-	bool hierarchy;          ///< queries can use the reach: there is one, and it covers the variables outside of the group
-	/// Metres of clearance: obstacles that the group cannot come this near to within its limits are passed over. The least of max_d and what
-	/// the static bodies have already: no state has more.
+	uint32_t never_pairs;    ///< of self_pairs: proved apart by the reach; contact-only checks skip them
+	bool hierarchy;          ///< the checker has a reach, and the reach covers the values of variables outside the group
+	/// Metres of clearance: obstacles that the group cannot approach to within this, inside its limits, are skipped. The
+	/// smaller of max_d and the clearance of the static bodies, which no state exceeds.
 	double horizon;
-	uint32_t near_shapes;    ///< scene shapes that are not passed over
-	double environment_margin, self_margin; ///< metres: the largest of any pair, or more
-	lw_clearance static_environment; ///< of the static bodies; a = link, b = object; FAR with lower = +inf if there is nothing
+	uint32_t near_shapes;    ///< scene shapes that are not skipped
+	double environment_margin, self_margin; ///< metres: upper bounds of the margins of all pairs
+	lw_clearance static_environment; ///< of the static bodies; a = link, b = object; FAR, lower = +inf if there is no pair
 	size_t bytes;
 } lw_checker_info;
 LW_API lw_checker_info lw_checker_get_info( const lw_checker* checker );
 
-/// Metres: a proved lower bound of the clearance of all moving bodies to a scene shape, in all states within the limits; 0 less
-/// the margin if nothing is proved, +inf if no moving body is checked against it. At or above the horizon it is passed over.
+/// Metres: a proved lower bound of the clearance between all moving bodies and a scene shape, over all states within the
+/// limits. Minus the margin if nothing is proved; +inf if no moving body is checked against the shape. Shapes at or above
+/// lw_checker_info.horizon are skipped.
 LW_API double lw_checker_obstacle_distance( const lw_checker* checker, uint32_t scene_shape );
 
-/// Makes deferred shapes that states within the limits can need, so that no question has to: bodies that stand still and that a body
-/// which moves, and is checked against them, may come within lw_checker_def::max_d of; scene shapes that are not passed over. Others stay
-/// deferred. No answer depends on it; a question that needs a shape which is still deferred makes it.
-/// @param prepare as lw_checker_def::prepare, NULL = all are made on this thread. @param user passed on to it
-/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, or what making a shape returned (diag says why): questions that come near it fail alike
-/// Cost: a fraction of a millisecond, and that of the shapes' trees, half a microsecond per triangle. Any number of threads may call
-/// it, and ask questions meanwhile.
+/// Makes the deferred shapes that states within the limits can need, so that no later call has to: scene shapes that are not
+/// skipped, and static bodies that a moving body checked against them can approach to within lw_checker_def::max_d. Other
+/// shapes stay deferred. It changes no answer; a call that needs a deferred shape makes it.
+/// @param prepare as lw_checker_def::prepare; NULL = all are made on this thread
+/// @param user passed to prepare
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, or the status of the shape that could not be made (diag says why): calls that
+/// come near that shape fail with the same status
+/// Cost: below a millisecond, plus half a microsecond per triangle for the trees. Any number of threads may call it, also
+/// while others use the checker.
 LW_API lw_status lw_checker_prepare( const lw_checker* checker,
 	void ( *prepare )( void* user, const lw_shape* const* shapes, uint32_t shape_count ), void* user, lw_diag* diag );
 
-/// What a state or an edge turned out to be.
+/// Outcome of a state or edge check.
 typedef enum lw_verdict
 {
 	LW_VERDICT_UNKNOWN = 0, ///< an error
-	LW_VERDICT_FREE = 1,    ///< proved: every clearance asked for is > min_d
-	LW_VERDICT_BLOCKED = 2, ///< found: a clearance is <= min_d
-	LW_VERDICT_REFUSED = 3  ///< neither: within the stated band just above min_d
+	LW_VERDICT_FREE = 1,    ///< proved: every selected clearance is > min_d
+	LW_VERDICT_BLOCKED = 2, ///< found: a selected clearance is <= min_d
+	LW_VERDICT_REFUSED = 3  ///< not decided: the clearance is in the stated band just above min_d
 } lw_verdict;
 
 /// "FREE", "BLOCKED", "REFUSED" or "UNKNOWN".
 LW_API const char* lw_verdict_name( lw_verdict verdict );
 
-/// Which clearances are asked for.
+/// Selects the clearances to check.
 typedef enum lw_what
 {
 	LW_WHAT_ENVIRONMENT = 1,
@@ -188,20 +193,20 @@ typedef enum lw_what
 typedef struct lw_state_result
 {
 	lw_verdict verdict;
-	lw_clearance environment; ///< a = link, b = object; FAR with lower = +inf if there is no scene; UNKNOWN if not asked
-	lw_clearance self;        ///< a, b = links; FAR with lower = +inf if there are no pairs; UNKNOWN if not asked
+	lw_clearance environment; ///< a = link, b = object; FAR, lower = +inf without a scene; UNKNOWN if not selected
+	lw_clearance self;        ///< a, b = links; FAR, lower = +inf if there are no pairs; UNKNOWN if not selected
 } lw_state_result;
 
 /// Checks one state.
-/// With an exact range both intervals are always measured. If `stop_at_first` is set, the first violation found ends the
-/// whole query (the other interval may then be UNKNOWN): the fastest validity check is range {min_d, nextafter(min_d), 0}
-/// with stop_at_first.
-/// Intervals hold for the exact kinematics of q: what double arithmetic may be off by, P = 2^-53 (n + 2) (192 L + 24 |root| + 64 distance)
-/// with n joints and L metres of offsets and shifts along the longest chain (1e-12 m for an arm), is taken off lower. So with alpha = 0
-/// upper - lower is at most P and the rounding of lw_clearance.
-/// @param q [lw_checker_variable_count()]; a non-finite value, a zero quaternion, or shifts so large that P exceeds three metres
-/// are LW_ERROR_INVALID_ARGUMENT, verdict UNKNOWN, intervals [0, +inf]: an error never reads as free
+/// With an exact range both intervals are measured. If `stop_at_first` is set, the first violation ends the call, and the
+/// other interval may be UNKNOWN: the fastest validity check is range {min_d, nextafter(min_d), 0} with stop_at_first.
+/// Intervals hold for the exact kinematics of q: the rounding bound P of the poses is subtracted from lower (about 1e-12 m
+/// for an arm; formula in core/docs/numerics.md). So with alpha = 0, upper - lower is at most P plus the rounding of
+/// lw_clearance.
+/// @param q [lw_checker_variable_count()]
 /// @param range NULL = exact
+/// @return LW_OK, or LW_ERROR_INVALID_ARGUMENT for a non-finite value, a zero quaternion, or translations so large that P
+/// exceeds three metres. On an error the verdict is UNKNOWN and the intervals are [0, +inf]: an error never reads as free
 LW_API lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_what what,
 	const lw_range* range, bool stop_at_first, lw_state_result* out );
 
@@ -214,7 +219,7 @@ typedef enum lw_edge_method
 
 enum
 {
-	LW_EDGE_MOST_STATES = 1 << 18 ///< of one edge: longer ones, thousands of turns, are to be cut
+	LW_EDGE_MOST_STATES = 1 << 18 ///< limit of states per edge; cut longer edges (thousands of turns) into pieces
 };
 
 typedef struct lw_edge_def
@@ -222,13 +227,13 @@ typedef struct lw_edge_def
 	lw_edge_method method;
 	lw_what what;
 	double min_d; ///< metres, >= 0: the edge must keep every clearance above it
-	/// Metres, > 0, CERTIFIED: clearances in (min_d, min_d + slack] may be refused. An upper bound that nobody has to know: a pair within it
-	/// gets a slack of its own, half of the room that it has, down to rounding.
+	/// Metres, > 0, CERTIFIED: clearances in (min_d, min_d + slack] may be REFUSED. It is an upper bound that needs no
+	/// tuning: a pair within the band gets its own slack, half of its remaining clearance, down to rounding.
 	double slack;
-	uint32_t close_windows; ///< CERTIFIED: parts of the edge that are halved for pairs within the slack, 1,024; 0: they are refused at once
+	uint32_t close_windows; ///< CERTIFIED: how many time intervals may be halved for pairs within slack, 1,024; 0: none
 	double max_d; ///< metres, > 0, STEPS: bound of the motion of any robot point between two checked states
 	double alpha; ///< relative tolerance of the distances used, [0, 1)
-	/// Compute proved_until even when a violation was found early (t_last of OMPL's checkMotion). Costs extra queries.
+	/// Compute proved_until also if a violation is found early (t_last of OMPL's checkMotion). Costs extra states.
 	bool want_proved_until;
 	uint32_t cookie;
 } lw_edge_def;
@@ -237,25 +242,27 @@ LW_API lw_edge_def lw_edge_def_default( void );
 
 typedef struct lw_edge_result
 {
-	/// CERTIFIED: FREE is a proof for every t in [0, 1]. BLOCKED: a state with clearance <= min_d was found, at t. REFUSED: at
-	/// t the clearance of `pair` is at most (min_d + slack) / (1 - alpha), and the proof was given up: the pair has next to no room there, or
-	/// stays near for so long that windows ran out (below). Disable it if it may touch, or ask for a smaller min_d.
-	/// STEPS: FREE means that all checked states are > min_d, no more; see core/docs/edges.md for what follows from max_d.
+	/// CERTIFIED: FREE is a proof for every t in [0, 1]. BLOCKED comes with a colliding state, at t: its clearance is <=
+	/// min_d. REFUSED: the clearance of `pair` at t is at most (min_d + slack) / (1 - alpha), and the proof ended there
+	/// because the pair is too close to min_d or stays close for too long (close_windows). Allow the pair if it may touch,
+	/// or reduce min_d.
+	/// STEPS: FREE means that all checked states are > min_d, and no more; core/docs/edges.md says what follows from max_d.
 	/// Both: REFUSED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it.
 	lw_verdict verdict;
 	double t;            ///< of the violation or refusal; 1 if FREE
 	double proved_until; ///< all of [0, proved_until] is proved (STEPS: checked); 1 if FREE; 0 if not wanted
 	bool self;           ///< the pair below is a self pair
-	lw_clearance pair;   ///< the deciding clearance at t: a = link, b = object or link; UNKNOWN if FREE, or REFUSED for its length
+	lw_clearance pair;   ///< the deciding clearance at t: a = link, b = object or link; UNKNOWN if FREE or too long
 	double lower_bound;  ///< CERTIFIED and FREE: a proved lower bound of all clearances along the edge, > min_d; else 0
 	uint32_t queries;    ///< states at which distances were measured
 } lw_edge_result;
 
 /// Checks the straight edge from qa to qb (see lw_robot_interpolate): both ends and everything between.
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (verdict UNKNOWN)
-/// Cost: CERTIFIED: at most 2 V / slack + 2 states, V the largest motion bound over the edge; 2 close_windows more if pairs are within the slack, and 4
-/// in search of a collision; never more than LW_EDGE_MOST_STATES. Typically a handful. proved_until may take as many again. STEPS: V / max_d
-/// states. Method: Schwarzer, Saha, Latombe 2005, with motion bounded by chords; formulas and proof in core/docs/edges.md.
+/// Cost: CERTIFIED: typically a handful of states. At most 2 V / slack + 2, where V bounds the motion of any robot point
+/// over the edge; plus 2 close_windows if pairs are within slack, plus 4 to search for a collision; never more than
+/// LW_EDGE_MOST_STATES. proved_until may cost as many again. STEPS: V / max_d states.
+/// Method: Schwarzer, Saha, Latombe 2005, with motion bounded by chords; formulas and proof in core/docs/edges.md.
 LW_API lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
 	const lw_edge_def* def, lw_edge_result* out );
 

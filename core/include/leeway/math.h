@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Vectors and rigid transforms. A transform is named by what it maps: world_from_link * link_from_mesh = world_from_mesh.
+// Vectors and rigid transforms. The name of a transform gives both frames: world_from_link * link_from_mesh =
+// world_from_mesh.
 #ifndef LEEWAY_MATH_H
 #define LEEWAY_MATH_H
 
@@ -36,11 +37,11 @@ LW_API lw_transform lw_transform_multiply( const lw_transform* a_from_b, const l
 LW_API lw_transform lw_transform_inverse( const lw_transform* a_from_b );
 LW_API lw_vec3 lw_transform_point( const lw_transform* a_from_b, lw_vec3 point_b );
 
-/// Metres: no coordinate of a translation may be larger. Beyond it distances leave the range of the float filters.
+/// Metres: largest allowed coordinate of a translation. Larger ones would overflow the float filters.
 #define LW_MAX_TRANSLATION 1e15
 
-/// True if all numbers are finite, no translation is beyond LW_MAX_TRANSLATION and r is a rotation to 1e-6 (|r r^T - 1| per entry,
-/// determinant positive). Whoever takes such a pose means the rotation that its rows make when they are orthonormalised.
+/// True if all numbers are finite, every translation coordinate is at most LW_MAX_TRANSLATION in size, and r is a rotation
+/// to 1e-6 (each entry of r r^T - 1; positive determinant). Functions that take such a pose use its orthonormalised rows.
 LW_API bool lw_transform_is_valid( const lw_transform* transform );
 
 LW_EXTERN_C_END

@@ -25,7 +25,7 @@ typedef struct lw_scene_def
 
 LW_API lw_scene_def lw_scene_def_default( void );
 
-/// Immutable once built; shared by threads and checkers; reference counted.
+/// Immutable; threads and checkers may share it; reference counted.
 typedef struct lw_scene lw_scene;
 
 /// An empty scene (no shapes) is valid: every distance to it is FAR.
@@ -35,26 +35,27 @@ LW_API lw_status lw_scene_create( const lw_scene_def* def, const lw_allocator* a
 
 typedef enum lw_scene_change_type
 {
-	LW_SCENE_ADD = 1,    ///< an object, behind the others
-	LW_SCENE_REMOVE = 2, ///< an object; the indices of those behind it become one less
-	LW_SCENE_MOVE = 3    ///< other poses for an object's shapes
+	LW_SCENE_ADD = 1,    ///< appends an object
+	LW_SCENE_REMOVE = 2, ///< removes an object; the indices of later objects drop by one
+	LW_SCENE_MOVE = 3    ///< gives the shapes of an object new poses
 } lw_scene_change_type;
 
-/// One change of a scene. What does not belong to its type is not looked at.
+/// One change of a scene. Members that the type does not use are ignored.
 typedef struct lw_scene_change
 {
 	lw_scene_change_type type;
-	const char* object;            ///< name; of ADD one that no object has, of the others one that one object has
+	const char* object;            ///< name; ADD: not in use yet; REMOVE and MOVE: of an existing object
 	const lw_shape* const* shapes; ///< ADD: [shape_count], references are taken
 	const lw_transform* world_from_shape; ///< ADD, MOVE: [shape_count]
 	uint32_t shape_count;          ///< MOVE: as many as the object has; poses in the order of its shapes
 } lw_scene_change;
 
-/// A snapshot: the scene with some changes, one after the other. The scene itself stays as it is, and whoever uses it keeps
-/// it; shapes and names are shared. It is what lw_scene_create() would make of the same objects in the same order.
-/// lw_checker_edit() makes a checker for it.
-/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (diag.index = change: no such object, a name that is taken, a pose), LW_ERROR_OUT_OF_MEMORY
-/// Cost: some ten nanoseconds per object; for each shape that is added or moved, its vertices once.
+/// Makes a new scene by applying the changes in order. `scene` is unchanged and stays valid for its users; both share shapes
+/// and names. The result equals lw_scene_create() with the same objects in the same order. lw_checker_edit() makes a
+/// checker for it.
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (diag.index = change: no such object, name in use, bad pose),
+/// LW_ERROR_OUT_OF_MEMORY
+/// Cost: some ten nanoseconds per object; for each added or moved shape one pass over its vertices.
 LW_API lw_status lw_scene_edit( const lw_scene* scene, const lw_scene_change* changes, uint32_t change_count,
 	const lw_allocator* allocator, lw_diag* diag, lw_scene** out_scene );
 
@@ -65,11 +66,12 @@ LW_API uint32_t lw_scene_object_count( const lw_scene* scene );
 LW_API uint32_t lw_scene_shape_count( const lw_scene* scene );
 LW_API const char* lw_scene_object_name( const lw_scene* scene, uint32_t object );
 LW_API uint32_t lw_scene_find_object( const lw_scene* scene, const char* name ); ///< LW_INVALID_INDEX if none
-LW_API lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index ); ///< the shape stays the scene's
+LW_API lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index ); ///< the scene keeps the reference
 
-/// Distance of one shape to the scene: nearest obstacle first, one running bound.
-/// @param out out->a is the triangle, point, sphere or box of `shape` or LW_INVALID_INDEX, out->b the object
-/// @return as lw_shape_distance(); LW_ERROR_UNSUPPORTED if `shape` is a half-space or plane; LW_ERROR_INVALID_ARGUMENT also if the query was not made for a scene of this size
+/// Distance of one shape to the nearest obstacle of the scene.
+/// @param out out->a is the triangle, point, sphere or box of `shape`, or LW_INVALID_INDEX; out->b is the object
+/// @return as lw_shape_distance(); LW_ERROR_UNSUPPORTED if `shape` is a half-space or plane; LW_ERROR_INVALID_ARGUMENT also
+/// if the query is too small for this scene
 LW_API lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const lw_transform* world_from_shape,
 	const lw_range* range, lw_query* query, lw_clearance* out );
 

@@ -12,7 +12,7 @@
 namespace leeway
 {
 
-/// A core call that failed, with its status and message.
+/// Failure of a core call, with its status and message.
 class CoreError : public std::runtime_error
 {
 public:
@@ -47,7 +47,7 @@ class Ref
 {
 public:
 	Ref() = default;
-	/// Takes over the reference that the caller holds (what lw_*_create() gave).
+	/// Takes over the reference that the caller holds, such as the result of lw_*_create().
 	static Ref adopt( T* object )
 	{
 		Ref ref;
@@ -79,7 +79,7 @@ struct QueryDeleter
 {
 	void operator()( lw_query* query ) const { lw_query_destroy( query ); }
 };
-/// Scratch of one thread.
+/// Working memory of one thread.
 using Query = std::unique_ptr<lw_query, QueryDeleter>;
 
 /// A query for this checker (and its scene).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A loop whose rounds run on several threads.
+// A parallel loop.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 namespace leeway
 {
 
-/// Calls work( i ) for each i of [0, count), begun in that order, on at most so many threads, the caller's among them, and waits for all of
-/// them. The first exception ends the loop and is thrown again here.
+/// Calls work( i ) for each i in [0, count), started in this order, on at most `threads` threads (the caller's included),
+/// and waits for all of them. The first exception ends the loop and is rethrown here.
 template <typename Work> void inParallel( std::size_t count, unsigned threads, const Work& work )
 {
 	std::atomic<std::size_t> next{ 0 };
@@ -46,7 +46,7 @@ template <typename Work> void inParallel( std::size_t count, unsigned threads, c
 		}
 		catch ( const std::system_error& )
 		{
-			break; // no more threads to be had: those that there are do it
+			break; // no more threads available: the running ones do all rounds
 		}
 	}
 	run();

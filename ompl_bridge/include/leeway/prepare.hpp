@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Deferred meshes made on several threads, before the first question needs them.
+// Makes deferred meshes on several threads, before the first query needs them.
 #pragma once
 
 #include "leeway/checker.h"
@@ -12,12 +12,13 @@
 namespace leeway
 {
 
-/// For lw_checker_def::prepare and lw_checker_prepare(): makes meshes on several threads. @param user points to their number, an unsigned. A mesh that
-/// cannot be made is reported by the first query that needs it.
+/// Makes meshes on several threads; for lw_checker_def::prepare and lw_checker_prepare(). The first query that needs a mesh
+/// reports it if the mesh cannot be made.
+/// @param user points to the number of threads, an unsigned
 inline void makeShapes( void* user, const lw_shape* const* shapes, std::uint32_t count )
 {
 	std::vector<const lw_shape*> list( shapes, shapes + count );
-	// Those that take longest first
+	// Largest meshes first: they take longest
 	std::sort( list.begin(), list.end(),
 	    []( const lw_shape* a, const lw_shape* b )
 	    { return lw_shape_peek_info( a ).triangle_count > lw_shape_peek_info( b ).triangle_count; } );
@@ -25,10 +26,10 @@ inline void makeShapes( void* user, const lw_shape* const* shapes, std::uint32_t
 	    [&list]( std::size_t i ) { (void)lw_shape_complete( list[i], nullptr ); } );
 }
 
-/// Makes the deferred meshes that states within the limits can need, so that the first questions cost what later ones do
-/// (lw_checker_prepare()). What no state within the limits can come near stays unmade. Answers are the same without it.
-/// @param threads that make them; 0 = one per core
-/// @return LW_OK, or why a mesh cannot be made (diag names it): questions that come near it have no answer
+/// Makes the deferred meshes that states within the limits can need, so that the first queries cost as much as later ones
+/// (lw_checker_prepare()). Meshes that no state within the limits can approach stay deferred. It changes no answer.
+/// @param threads number of threads; 0 = one per core
+/// @return LW_OK, or the status of the mesh that cannot be made (diag names it): queries that come near it fail
 inline lw_status prepare( const lw_checker* checker, unsigned threads = 0, lw_diag* diag = nullptr )
 {
 	unsigned most = threads > 0 ? threads : std::max( 1U, std::thread::hardware_concurrency() );

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How much a file may ask for before it is refused: sizes that no honest model has, and that a hostile or damaged one
-// reaches with few bytes (a compressed picture, aliases of aliases, a mesh that is placed a million times).
+// Limits on input files: sizes that no honest model has, but that a hostile or damaged file can demand with few bytes (a
+// compressed picture, aliases of aliases, a mesh that is placed a million times).
 //
-// The limits in force are those of the innermost LimitScope of the calling thread, or else the defaults.
+// The innermost LimitScope of the calling thread is in force, or else the defaults.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,23 @@
 namespace leeway::io
 {
 
-/// Far beyond real models, below what a machine chokes on. Whoever has more raises the one that the error names.
+/// Default limits: far above real models, low enough for any machine. For larger models raise the limit that the error
+/// names.
 struct Limits
 {
-	std::uint64_t file_bytes = std::uint64_t( 4 ) << 30; ///< of any file that is read; of a pipe or device too
+	std::uint64_t file_bytes = std::uint64_t( 4 ) << 30; ///< of any file, pipe or device
 	std::uint64_t triangles = 200'000'000;               ///< of one mesh, each instance in its file counted
 	std::uint64_t points = 500'000'000;                  ///< of one cloud; boxes of one octomap; heights of one height map
 	std::uint64_t links = 10'000;          ///< of one robot or articulation: tables of pairs grow with their square
 	std::uint64_t objects = 1'000'000;     ///< of one scene
-	std::uint64_t alias_nodes = 1'000'000; ///< of one YAML file: what its aliases add to what it spells out
-	std::uint64_t nesting = 128;           ///< YAML lists and maps in each other; nodes of a mesh file above each other
+	std::uint64_t alias_nodes = 1'000'000; ///< of one YAML file: nodes that its aliases add
+	std::uint64_t nesting = 128;           ///< depth of YAML lists and maps, and of the node tree of a mesh file
 };
 
-/// Each limit with its name, as errors and options give it.
+/// Each limit with its name in errors and options.
 const std::vector<std::pair<std::string, std::uint64_t Limits::*>>& limitNames();
 
-/// While it lives, these limits hold for what this thread reads.
+/// Sets the limits of the calling thread for its lifetime.
 class LimitScope
 {
 public:
@@ -42,7 +43,7 @@ private:
 	const Limits* m_outer;
 };
 
-/// In force on this thread.
+/// The limits of the calling thread.
 const Limits& currentLimits();
 
 /// The bytes of a file, pipe or device, within Limits::file_bytes.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Model files: URDF, SRDF, meshes, MoveIt planning scenes and requests, read into core objects. No OMPL here.
 //
-// Everything that cannot be used is an Error that names file, element and remedy; everything that was changed or ignored on
-// the way is a Notice. Nothing is dropped silently. Units: metres, radians; quaternions x, y, z, w.
+// Unusable input is an Error that names file, element and remedy; input that was changed or ignored is a Notice. Nothing is
+// dropped silently. Units: metres, radians; quaternions x, y, z, w.
 #pragma once
 
 #include "leeway/handles.hpp"
@@ -41,60 +41,61 @@ struct Notice
 	std::string file, element, text;
 };
 
-/// What one collision element became.
+/// Result of loading one collision element.
 struct LoadedShape
 {
 	std::string owner;  ///< link or object name
 	std::string source; ///< "mesh package://...", "box 0.1 x 0.2 x 0.3", "inline mesh"
 	std::string file;   ///< resolved mesh file; empty for primitives
 	double scale[3] = { 1, 1, 1 };
-	bool shared = false;     ///< an instance of a shape that another element already built
-	bool cached = false;     ///< the tree comes from the cache, when it is needed
-	double milliseconds = 0; ///< of loading: reading, and building what is not deferred; 0 if shared
-	/// Milliseconds of making the tree of a mesh that is deferred (LoadOptions::defer); negative until a query needed it. Empty
-	/// for primitives and shared shapes.
+	bool shared = false;     ///< another element built the shape
+	bool cached = false;     ///< the tree is read from the cache when it is needed
+	double milliseconds = 0; ///< of reading, and of building unless deferred; 0 if shared
+	/// Milliseconds of building the tree of a deferred mesh (LoadOptions::defer); negative until a query needs it. Empty for
+	/// primitives and shared shapes.
 	std::shared_ptr<const std::atomic<double>> built;
-	/// Of both, so far.
+	/// Sum of both, so far.
 	double totalMilliseconds() const { return milliseconds + ( built && *built > 0 ? built->load() : 0 ); }
 };
 
-/// What loading did: one LoadedShape per collision element, the links without geometry, and all notices.
+/// Report of a loading call: one LoadedShape per collision element, the links without geometry, and all notices.
 struct LoadReport
 {
 	std::vector<LoadedShape> shapes;
 	std::vector<std::string> links_without_geometry;
 	std::vector<Notice> notices;
-	std::string cache;             ///< the folder where the trees of meshes are kept; empty if they are not
-	double cache_milliseconds = 0; ///< digesting the files and looking them up there; in no shape's milliseconds
+	std::string cache;             ///< the folder that keeps the trees of meshes; empty if none
+	double cache_milliseconds = 0; ///< of digests and look-ups; not in the shapes' times
 };
 
-/// What the files of a cache folder may take together before those that were used longest ago are removed.
+/// Bytes: default size limit of a cache folder; above it the least recently used files are removed.
 constexpr std::uint64_t default_cache_limit = std::uint64_t( 1 ) << 30;
 
 struct LoadOptions
 {
-	/// Where package://<name>/<path> is looked for: each entry is a folder that contains <name>, or is named <name>, or
-	/// "name=folder". Tried before ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders upwards from the file with the URI.
+	/// Folders for package://<name>/<path>: each entry contains a folder <name>, is itself named <name>, or is
+	/// "name=folder". Searched before ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders upwards from the file with the
+	/// URI.
 	std::vector<std::string> package_paths;
 	lw_tree_def tree = lw_tree_def_default();
 	double weld_tolerance = 0; ///< metres
-	/// Metres: meshes, point clouds and sets of spheres may be replaced by coarser shapes that contain them and reach at most this
-	/// far beyond (lw_shape_create_detail()). 0 = none. Answers are those of the coarser shapes: cautious ones. Each shape's
-	/// excess is in its lw_shape_info. What has them cannot be scaled (Padding).
+	/// Metres: coarser shapes that contain the original and exceed it by at most this may replace meshes, point clouds and
+	/// sets of spheres (lw_shape_create_detail()). 0 = none. Answers are those of the coarser shapes, so they stay
+	/// conservative. The lw_shape_info of each shape has its excess. Coarser shapes cannot be scaled (Padding).
 	double detail = 0;
-	/// A link without collision geometry uses its visual geometry, with a notice. Never done silently.
+	/// A link without collision geometry uses its visual geometry, with a notice.
 	bool use_visual = false;
-	/// An SRDF element that lacks an attribute, or names a link, joint or group that is not there, is an Error. Otherwise it is
-	/// left out with a notice, as srdfdom does, and a group or state that lost a part by it cannot be used.
+	/// True: an SRDF element that lacks an attribute, or names an absent link, joint or group, is an Error. False: such an
+	/// element is left out with a notice, as in srdfdom; a group or state that thereby lost a part cannot be used.
 	bool strict = false;
-	/// Links of the URDF whose meshes are closed and solid: whatever is inside touches them. "*" = all. A mesh that is not
-	/// closed is an error. (Planning scenes say it of each mesh themselves: leeway_solid.)
+	/// Links of the URDF whose meshes are closed and solid: a point inside touches them. "*" = all. A mesh that is not
+	/// closed is an error. (Planning scenes mark their meshes themselves: leeway_solid.)
 	std::vector<std::string> solid;
-	/// Meshes are looked at when they are loaded (whether they are usable, their box) and get their tree when a query first
-	/// comes near them, on the thread that does: lw_shape_create_deferred(). What is wrong with them is told at once either way.
+	/// Loading checks each mesh and computes its box; the first query that comes near the mesh builds its tree, on its own
+	/// thread: lw_shape_create_deferred(). Errors in meshes are reported at loading either way.
 	bool defer = true;
-	/// A folder, made if it is missing; empty = none. Sphere trees of meshes are kept there, one file for each mesh, named for
-	/// it and a digest of all that it is made of: the file's bytes, scale, options, version. Answers do not depend on it.
+	/// A folder, created if missing; empty = none. It keeps the sphere trees of meshes, one file per mesh, named for the
+	/// mesh and a digest of its sources: the file's bytes, scale, options, version. It changes no answer.
 	std::string cache;
 	std::uint64_t cache_limit = default_cache_limit; ///< bytes, see leeway/io/cache.hpp
 };
@@ -137,8 +138,8 @@ struct Group
 	std::string name;
 	std::vector<std::string> joints;
 	std::vector<std::string> links;
-	/// What its parts name and the URDF lacks, with lines of the SRDF; empty if nothing. Joints and links are those that are
-	/// there, but they are not the group that was meant: using it is an Error (useGroup()).
+	/// Names in the group that the URDF lacks, with their lines in the SRDF; empty if none. `joints` and `links` are then
+	/// incomplete, and using the group is an Error (useGroup()).
 	std::string defect;
 };
 
@@ -147,7 +148,7 @@ struct GroupState
 {
 	std::string name, group;
 	std::map<std::string, std::vector<double>> joints;
-	/// As that of a Group. Joints that the URDF lacks are one only if some joint of the group has no value.
+	/// As Group::defect. Joints that the URDF lacks count only if some joint of the group has no value.
 	std::string defect;
 };
 
@@ -165,9 +166,9 @@ struct RobotModel
 	LoadReport report;
 
 	const Group* findGroup( const std::string& group ) const; ///< nullptr if none
-	/// A group that can be planned for. @throws Error (there is none of this name, or it has a defect)
+	/// The group of this name, for planning. @throws Error (no such group, or it has a defect)
 	const Group& useGroup( const std::string& group ) const;
-	/// @param group empty: the state of this name that is the only one. @throws Error (there is none, or it has a defect)
+	/// @param group may be empty if only one state has this name @throws Error (no such state, or it has a defect)
 	const GroupState& useGroupState( const std::string& group, const std::string& state ) const;
 };
 
@@ -175,62 +176,63 @@ struct RobotModel
 /// @throws Error
 RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options = {} );
 
-/// The robot as buildProblem() makes it without a scene: allowed pairs are those of the SRDF. @throws Error
+/// The robot of a buildProblem() without a scene: the SRDF lists the allowed pairs. @throws Error
 Robot buildRobot( const RobotModel& model );
 
-/// True for reasons that say what can be computed: Adjacent, Never, Default, Always, alone or followed by " (...)". Any
-/// other reason of a disabled pair, or none, is somebody's decision.
+/// True for reasons that a program can compute: Adjacent, Never, Default, Always, alone or followed by " (...)". Any other
+/// reason of a disabled pair, or none, is a decision of its author.
 bool isComputedReason( const std::string& reason );
 
 struct WrittenSrdf
 {
 	std::string text;
-	std::vector<DisabledPair> kept;    ///< elements that were kept as they are
-	std::vector<DisabledPair> written; ///< of the new pairs, those that no kept element covers, in the order of the text
+	std::vector<DisabledPair> kept;    ///< elements that were kept unchanged
+	std::vector<DisabledPair> written; ///< new pairs without a kept element, in the order of the text
 };
-/// The model's SRDF with its computed disable_collisions replaced by `pairs`, in alphabetical order, and everything else,
-/// comments included, as it was; without an SRDF a document with nothing but `pairs`. What somebody decided stays: other
-/// reasons, disable_default_collisions, and pairs of links that the URDF lacks.
+/// The model's SRDF with its computed disable_collisions replaced by `pairs`, in alphabetical order; the rest of the text,
+/// comments included, is unchanged. Without an SRDF: a document that contains only `pairs`. Decisions of the author are
+/// kept: other reasons, disable_default_collisions, and pairs of links that the URDF lacks.
 /// @throws Error
 WrittenSrdf writeSrdf( const RobotModel& model, const std::vector<DisabledPair>& pairs );
 
-/// Seconds that a run waits for proofs unless it is told otherwise.
+/// Default time budget of a run for proofs, in seconds.
 constexpr double default_proof_seconds = 1;
 
-/// Motion hulls and pair tables (lw_reach): where they are kept, and what to build.
+/// Motion hulls and pair tables (lw_reach): their cache folder, and build settings.
 struct ReachOptions
 {
 	ReachOptions() { def.seconds = default_proof_seconds; }
-	/// A folder, made if it is missing; empty = none. One file per robot (lw_robot_digest) and version.
+	/// A folder, created if missing; empty = none. One file per robot (lw_robot_digest) and version.
 	std::string cache;
 	std::uint64_t cache_limit = default_cache_limit; ///< bytes, see leeway/io/cache.hpp
-	bool build = true;   ///< build one if the cache has none; and what is built or proved anew is kept there
-	bool proceed = true; ///< go on with one from the cache, for def.seconds, as long as it is not complete; and build anew if def.seed differs
-	unsigned threads = 0; ///< that prove; 0 = as many as the machine has
-	/// What to build, and the seconds of this run for proofs (default_proof_seconds): the next run goes on. The robot is filled in, and
-	/// `parallel` unless it is given.
+	bool build = true;   ///< build a reach if the cache has none; the cache keeps new builds and new proofs
+	/// Continue an incomplete reach from the cache for def.seconds. A different def.seed builds anew.
+	bool proceed = true;
+	unsigned threads = 0; ///< threads that prove; 0 = as many as the machine has
+	/// Build settings, and the seconds of this run for proofs (default_proof_seconds); the next run continues them.
+	/// loadReach() sets the robot, and `parallel` unless it is given.
 	lw_reach_def def = lw_reach_def_default();
 };
 
-/// Options with the folder where the platform keeps caches (defaultCacheFolder()), or without one if that cannot be written.
+/// Options with defaultCacheFolder(), or without a folder if that one is not writable.
 ReachOptions cachedReach();
 
 struct LoadedReach
 {
-	Reach reach; ///< empty if the cache has none and none was to be built, or this build has no qhull (a notice)
-	bool cached = false;     ///< there was one in the cache
-	bool advanced = false;   ///< it was built, or proofs went on
-	lw_reach_info info{};    ///< how far its proofs are
+	Reach reach; ///< empty if not cached and build is false, or without qhull (a notice)
+	bool cached = false;     ///< the cache had a reach
+	bool advanced = false;   ///< the reach was built, or its proofs continued
+	lw_reach_info info{};    ///< progress of its proofs
 	double milliseconds = 0; ///< reading, building, proving
 	std::string file;        ///< in the cache; empty without one
 	std::vector<Notice> notices;
 };
-/// @throws Error (a cache that is no folder), CoreError
+/// @throws Error (the cache is not a folder), CoreError
 LoadedReach loadReach( const Robot& robot, const ReachOptions& options );
 
-/// MoveIt's enlarged geometry, as planning scenes and parameter files give it. A scale is a factor of a geometry: of each
-/// primitive and ball about its centre, of each mesh about the mean of its vertices. Padding is metres that are kept around it:
-/// a margin to the scene (lw_margins::link_environment and object), as MoveIt checks a robot against itself without padding.
+/// MoveIt's padding and scale of geometry, from planning scenes and parameter files. A scale is a factor: each primitive and
+/// ball is scaled about its centre, each mesh about the mean of its vertices. Padding, in metres, is a margin to the scene
+/// (lw_margins::link_environment and object); like MoveIt, self-collision checks ignore padding.
 struct Padding
 {
 	double robot = 0, robot_scale = 1; ///< of links that the maps do not name
@@ -240,21 +242,21 @@ struct Padding
 
 /// MoveIt's parameters default_robot_padding, default_robot_scale, default_object_padding, default_attached_padding,
 /// default_robot_link_padding and default_robot_link_scale, wherever they are in a YAML file of parameters (ROS 1 or 2).
-/// @throws Error (none of them is there, or one is there twice; a negative padding, a scale that is not above 0)
+/// @throws Error (no such parameter, or one twice; a negative padding, a scale that is not above 0)
 Padding loadPadding( const std::string& file );
 
-/// By how much pairs have to be further apart than by min_d, metres, >= 0: lw_margins by names. Objects that are attached to
-/// the robot are links. A link's or object's padding is added; pairs in the list have what is there and nothing else.
+/// Margins by names, metres, >= 0 (lw_margins): they add to min_d. Objects that are attached to the robot are links. The
+/// padding of a link or object is added; a listed pair has exactly its listed margin.
 struct Margins
 {
 	std::string file; ///< for errors
-	double environment = 0, self = 0;                    ///< of every link to every object, of every two links
-	std::map<std::string, double> links, self_links;     ///< of these links to objects, and to other links
+	double environment = 0, self = 0;                    ///< all links to all objects; all pairs of links
+	std::map<std::string, double> links, self_links;     ///< of single links to objects, and to other links
 	std::map<std::string, double> objects;
 	std::map<std::pair<std::string, std::string>, double> pairs; ///< link and object, or two links, in either order
 };
 
-/// YAML: ompl_bridge/docs/scenes.md. @throws Error (an unknown key, a negative margin, a pair that is there twice)
+/// Format: YAML, ompl_bridge/docs/scenes.md. @throws Error (an unknown key, a negative margin, a pair listed twice)
 Margins loadMargins( const std::string& file );
 
 /// Joint values and multi-dof transforms as MoveIt's robot_state and start_state give them.
@@ -280,7 +282,7 @@ struct AttachedObject
 	std::vector<std::string> touch_links;
 };
 
-/// A URDF that stands in a scene, such as a kitchen with doors: each of its links with geometry is an object of the scene.
+/// A URDF that is part of a scene, such as a kitchen with doors: each of its links with geometry is an object.
 struct Articulation
 {
 	std::string name;
@@ -289,10 +291,10 @@ struct Articulation
 	RobotModel model;
 	Robot robot;                      ///< its kinematics
 	std::vector<double> values;       ///< [robot variable_count], by which its objects are placed
-	std::vector<std::string> objects; ///< for each link of the model its object, "<name>/<link>"; empty without geometry
+	std::vector<std::string> objects; ///< for each link its object, "<name>/<link>"; empty without geometry
 };
 
-/// A MoveIt planning scene, with what ompl_bridge/docs/scenes.md adds to it.
+/// A MoveIt planning scene, with the extensions of ompl_bridge/docs/scenes.md.
 struct SceneModel
 {
 	std::string name, file;
@@ -302,7 +304,8 @@ struct SceneModel
 	JointState state;                                         ///< robot_state
 	std::vector<std::pair<std::string, std::string>> allowed; ///< pairs of the allowed collision matrix that are true
 	std::vector<std::string> default_allowed;                 ///< names allowed with everything (default_entry_values)
-	std::vector<std::string> matrix_names; ///< names of the matrix: it decides on every pair of them, defaults on the others
+	/// Names of the matrix: it decides on every pair of them; defaults decide on other pairs.
+	std::vector<std::string> matrix_names;
 	/// child_frame_id -> (header.frame_id, transform). With the planning frame as child this is MoveIt's own spelling: it
 	/// places the header's frame in the planning frame. Otherwise, as in tf: it places the child in the header's frame.
 	std::multimap<std::string, std::pair<std::string, lw_transform>> fixed_frames;
@@ -310,14 +313,14 @@ struct SceneModel
 	LoadReport report;
 };
 
-/// A planning scene YAML (lists or ROS-message maps), or a URDF (by its .urdf ending): an articulation of the robot's name
-/// whose objects are called as its links, at the zero pose.
+/// Loads a planning scene YAML (lists or ROS-message maps), or a URDF (.urdf): an articulation at the zero pose, with the
+/// robot's name, whose objects have the names of its links.
 /// @throws Error
 SceneModel loadScene( const std::string& file, const LoadOptions& options = {} );
 
-/// The scene with an articulation's joints at other values: the same shapes at other poses, nothing is read or built. Joints
-/// that are not named stay; an object that was attached to the robot, or removed, stays so.
-/// @param values by variable name (variableName()); limits are the caller's business
+/// The scene with other joint values of an articulation: the same shapes at other poses, nothing is read or built. Joints
+/// that `values` does not name keep their values; an object that was attached to the robot, or removed, stays so.
+/// @param values by variable name (variableName()); not compared with limits
 /// @throws Error (no such articulation or joint, a value that is not finite)
 SceneModel setArticulation( const SceneModel& scene, const std::string& name, const std::map<std::string, double>& values );
 
@@ -333,7 +336,7 @@ struct Request
 	std::string file, group, planner_id; ///< group: empty if the file names none
 	JointState start;
 	std::vector<JointGoal> goal; ///< joint constraints of goal_constraints[0]
-	/// Variables of the group that the goal does not name keep the start's value; else the goal has to name them all.
+	/// True: variables of the group that the goal does not name keep their start value. False: the goal must name them all.
 	bool goal_keeps_rest = false;
 	std::string goal_file, goal_element = "goal_constraints[0]"; ///< for errors; goal_file empty: `file`
 	double allowed_planning_time = 0;
@@ -343,7 +346,7 @@ struct Request
 /// @throws Error
 Request loadRequest( const std::string& file );
 
-/// Everything put together for one group: robot with attached objects, scene in the world frame, reference state, checker.
+/// A complete problem for one group: robot with attached objects, scene in the world frame, reference state, checker.
 struct Problem
 {
 	Robot robot;
@@ -353,10 +356,10 @@ struct Problem
 	std::vector<uint32_t> variables;         ///< robot variables of a state vector
 	std::vector<std::string> variable_names; ///< of those, e.g. joint names
 	std::vector<double> reference;           ///< [robot variable_count]
-	/// Of each object its frame (SceneObject::pose) in the planning frame; of attached ones in that of their link.
+	/// Pose of each object (SceneObject::pose): in the planning frame; of attached objects in the frame of their link.
 	std::map<std::string, lw_transform> object_poses;
-	LoadedReach reach;                       ///< what the checker uses; empty if none
-	/// Of the options and the scene. The scales are in the robot, padding is in the checker's margins.
+	LoadedReach reach;                       ///< the reach of the checker; empty if none
+	/// From the options and the scene. The robot contains the scales, the checker's margins contain the padding.
 	Padding padding;
 	std::vector<Notice> notices;
 };
@@ -368,40 +371,42 @@ struct ProblemOptions
 	const Request* request = nullptr; ///< its start state becomes the reference (over the scene's robot_state)
 	/// Values that override both, by variable name (columns of a file that are not in the group)
 	JointState overrides{};
-	/// Motion hulls and pair tables for the checker: found or built by these options, unless `reach` is given. They are those of
-	/// the robot without attached objects, and hold for its links whatever is attached; of attached objects nothing is proved.
+	/// Motion hulls and pair tables for the checker: loaded or built with these options, unless `reach` is given. They
+	/// describe the robot without attached objects and stay valid for its links; they contain no proofs about attached
+	/// objects.
 	std::optional<ReachOptions> find_reach = std::nullopt;
 	Reach reach{};     ///< of an equal robot, from an earlier problem
-	/// Links and objects, or two links, by name in either order, whose contact does not count; besides what SRDF and scene allow.
-	/// Names of neither are ignored.
+	/// Links and objects, or two links, by name in either order, that may touch; in addition to SRDF and scene. Unknown
+	/// names are ignored.
 	std::vector<std::pair<std::string, std::string>> allowed{};
-	Padding padding{}; ///< loadPadding(), or of your own; what the scene says of a link is stronger
-	Margins margins{}; ///< loadMargins(), or of your own
-	/// Metres of clearance: the least that is wanted, and the largest that the caller cares about. Neither changes an answer: obstacles that the
-	/// group cannot come within max_d of are passed over where nothing more is asked (lw_checker_def::max_d), and links that
-	/// stand still within min_d of an obstacle are told once, in a notice.
+	Padding padding{}; ///< loadPadding(), or your own; values of the scene for a link override it
+	Margins margins{}; ///< loadMargins(), or your own
+	/// Metres: the required clearance, and the largest clearance of interest. Neither changes an answer: obstacles that the
+	/// group cannot approach to within max_d are skipped unless a query needs more (lw_checker_def::max_d), and one notice
+	/// lists static links within min_d of an obstacle.
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity();
-	/// Threads that make deferred meshes, where the checker needs several at once: those of links that the group moves, and those
-	/// nearest each other of what stands still.
+	/// Threads that make deferred meshes if the checker needs several at once: meshes of moving links, and the nearest
+	/// meshes among the static ones.
 	unsigned threads = 2;
-	/// A notice if the mesh of an obstacle encloses the robot in the reference state: a mesh is a surface, and has no inside. To
-	/// be switched off where the same problem is built again and again.
+	/// Notice if the mesh of an obstacle encloses the robot in the reference state: a mesh is a surface and has no inside.
+	/// Set it to false if the same problem is built many times.
 	bool notice_enclosed = true;
 };
 
-/// @throws Error (unknown group, unknown frame, start outside of what the robot has, ...)
+/// @throws Error (unknown group, unknown frame, start state with joints that the robot lacks, ...)
 Problem buildProblem( const RobotModel& robot, const ProblemOptions& options );
 
 /// Name of a robot variable: the joint's name for joints of one variable; "<joint>/x", "/y" and "/theta" of a planar one;
 /// "<joint>/trans_x", "/trans_y", "/trans_z", "/rot_x", "/rot_y", "/rot_z" and "/rot_w" of a floating one.
 std::string variableName( const lw_robot* robot, uint32_t variable );
-/// The same names of a joint, in order; none for a joint that is fixed or mimics another.
+/// Variable names of a joint, in order; none for a fixed or mimic joint.
 std::vector<std::string> variableNames( const JointModel& joint );
 
-/// Values of the group's variables in a request's start state (reference values where it is silent) or goal.
+/// Values of the group's variables in the start state: of the request, else reference values.
 std::vector<double> startState( const Problem& problem );
-/// @throws Error if the goal does not name every variable of the group (unless Request::goal_keeps_rest), or names a joint outside of the group with another
-/// value
+/// Values of the group's variables in the goal of the request.
+/// @throws Error if the goal does not name every variable of the group (unless Request::goal_keeps_rest), or names a joint
+/// outside the group with another value
 std::vector<double> goalState( const Problem& problem, const Request& request );
 
 /// One line per variable outside its limits: "joint elbow: 2.9 is above its limit 2.6".

@@ -12,7 +12,7 @@
 namespace leeway::ompl
 {
 
-/// What was counted between two calls of Engine::counters().
+/// Counts between two calls of Engine::counters().
 Counters difference( const Counters& later, const Counters& earlier );
 
 /// Counters as properties of a run: "leeway states INTEGER", "leeway edges INTEGER", "leeway edges free INTEGER", "...
@@ -20,11 +20,11 @@ Counters difference( const Counters& later, const Counters& earlier );
 /// INTEGER", "leeway cost queries INTEGER". The last word is the column's type, for ompl_benchmark_statistics.py.
 std::map<std::string, std::string> runProperties( const Counters& counters );
 
-/// Adds those of each run to its properties. Sets the benchmark's pre-run and post-run events, because Benchmark keeps one
-/// of each and gives none back: events of your own go in here, and are called after leeway's. Call it before benchmark().
+/// Adds runProperties() of each run to its properties. Sets the benchmark's pre-run and post-run events; Benchmark keeps one
+/// of each and cannot return it, so pass your own events here: they are called after leeway's. Call it before benchmark().
 ///
-/// OMPL calls the post-run event last: the numbers include what it asks about the solution (a second check of the path, its
-/// clearance) and the simplification of it.
+/// OMPL calls the post-run event last: the counts include OMPL's checks of the solution (a second check of the path, its
+/// clearance) and its simplification.
 void addRunProperties( ::ompl::tools::Benchmark& benchmark, std::shared_ptr<const Engine> engine,
 	::ompl::tools::Benchmark::PreSetupEvent pre_run = {}, ::ompl::tools::Benchmark::PostSetupEvent post_run = {} );
 

@@ -6,7 +6,7 @@
 //     leeway::ompl::install( si, checker );
 //     si->setup();
 //
-// Works with OMPL 1.5.2 to 2.0. Everything const here may be called by any number of threads at once.
+// Works with OMPL 1.5.2 to 2.0. Any number of threads may call const members at the same time.
 #pragma once
 
 #include "leeway/handles.hpp"
@@ -29,22 +29,22 @@
 namespace leeway::ompl
 {
 
-/// How states and motions are judged.
+/// Settings of the state and motion checks.
 struct Options
 {
 	double min_d = 0;     ///< metres, >= 0: smaller clearances are invalid
-	/// Metres, > min_d. Clearances are not measured beyond this; clearance() never returns more than max_d - min_d. +inf =
-	/// always the exact distance. A cap makes plateaus: an objective that maximises clearance sees no gain above it.
+	/// Metres, > min_d. Larger clearances are not measured; clearance() never returns more than max_d - min_d. +inf = always
+	/// the exact distance. A cap makes plateaus: an objective that maximises clearance sees no gain above it.
 	double max_d = 0.5;
 	double alpha = 0;     ///< relative tolerance of clearance(), [0, 1)
-	/// Metres, > 0: certified edges may refuse clearances from min_d up to (min_d + slack) / 0.9. An upper bound that nobody has to know:
-	/// pairs that are nearer get a slack of their own, as lw_edge_def says. What is refused all the same is told by Engine::refusals().
+	/// Metres, > 0: certified edges may refuse clearances from min_d up to (min_d + slack) / 0.9. It is an upper bound that
+	/// needs no tuning: nearer pairs get a slack of their own, see lw_edge_def. Engine::refusals() lists the refused pairs.
 	double slack = 0.001;
 	lw_edge_method method = LW_EDGE_CERTIFIED;
 	double step = 0.01;   ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
 	lw_what what = LW_WHAT_BOTH;
-	/// install() makes deferred meshes that states within the limits can need, on all cores (leeway::prepare()): milliseconds once, where
-	/// single states would pay for them while a planner runs.
+	/// install() makes the deferred meshes that states within the limits can need, on all cores (leeway::prepare()):
+	/// milliseconds once, instead of delays while a planner runs.
 	bool prepare = true;
 };
 
@@ -62,18 +62,18 @@ std::shared_ptr<::ompl::base::StateSpace> makeStateSpace( const Checker& checker
 /// nesting of RealVector, SO2, SO3, SE2, SE3, compound and wrapper spaces (or of their subclasses with the same state
 /// layout) whose numbers, in order, are those of the state vector.
 ///
-/// Certified edges follow lw_robot_interpolate(). Whether the space interpolates along the same curve is found out at
-/// construction, by type (spaces on a constraint manifold do not) and by comparing the space's interpolate() with the
-/// formulas below on random states (Dubins, Reeds-Shepp and other overrides do not). Spaces that do not can still be checked
-/// state by state; straight() is false then and MotionValidator refuses them.
+/// Certified edges follow lw_robot_interpolate(). The constructor tests whether the space interpolates along the same curve:
+/// by type (spaces on a constraint manifold do not) and by comparing the space's interpolate() with the formulas below on
+/// random states (Dubins, Reeds-Shepp and other overrides do not). For other curves straight() is false: states can still be
+/// checked one by one, and MotionValidator refuses the space.
 class StateAdapter
 {
 public:
-	/// @throws std::invalid_argument if the space does not fit the checker, saying where
+	/// @throws std::invalid_argument if the space does not fit the checker; the message says where
 	StateAdapter( const ::ompl::base::StateSpacePtr& space, const Checker& checker );
 
 	void toVector( const ::ompl::base::State* state, double* q ) const;
-	/// Angles of SO2 subspaces are brought into [-pi, pi); everything else is copied as it is.
+	/// Wraps angles of SO2 subspaces into [-pi, pi) and copies all other numbers unchanged.
 	void fromVector( const double* q, ::ompl::base::State* state ) const;
 	std::size_t size() const { return m_size; }
 	const ::ompl::base::StateSpacePtr& space() const { return m_space; }
@@ -85,19 +85,19 @@ public:
 	/// @param out [size()], must not alias a or b
 	void interpolate( const double* a, const double* b, double t, double* out ) const;
 
-	/// Number of equal parts of OMPL's curve such that on each the curve and lw_robot_interpolate() cannot differ. Nearly
-	/// always 1; more where a wrapping angle moves by pi or more (the long way round in a RealVector dimension, or exactly
-	/// opposite), or two rotations are opposite: there, which way is shorter is a matter of rounding.
+	/// Number of equal parts of OMPL's curve such that on each part the curve and lw_robot_interpolate() agree. Nearly
+	/// always 1; more if a wrapping angle moves by pi or more (the long way round in a RealVector dimension, or exactly
+	/// opposite), or if two rotations are opposite: there rounding decides which way is shorter.
 	unsigned pieceCount( const double* a, const double* b ) const;
 
-	/// OMPL takes rotations with |<q1, q2>| > 1 - 1e-9 (less than 9e-5 rad apart) for equal: its curve keeps the first one
+	/// OMPL treats rotations with |<q1, q2>| > 1 - 1e-9 (less than 9e-5 rad apart) as equal: its curve keeps the first one
 	/// and jumps at the end. True if a and b have such rotations that are not identical; replaceCloseRotations() makes them
-	/// so.
+	/// identical.
 	bool hasCloseRotations( const double* a, const double* b ) const;
 	/// Copies the rotations of `from` that are close to those of q into q.
 	void replaceCloseRotations( const double* from, double* q ) const;
 
-	/// Moves what rounding may have put outside of the space's bounds back onto them, and normalises quaternions.
+	/// Moves numbers outside the space's bounds (by rounding) back onto them, and normalises quaternions.
 	void enforceBounds( double* q ) const;
 
 private:
@@ -139,23 +139,23 @@ struct Counters
 	std::uint64_t blocked = 0;
 	std::uint64_t refused = 0;
 	std::uint64_t edge_queries = 0; ///< states at which edges measured distances
-	std::uint64_t motion_costs = 0; ///< motions whose clearance a ClearanceObjective was asked for
-	std::uint64_t cost_edges = 0;   ///< edge checks made for them
-	std::uint64_t cost_queries = 0; ///< states at which distances were measured for them
+	std::uint64_t motion_costs = 0; ///< motion costs computed by ClearanceObjectives
+	std::uint64_t cost_edges = 0;   ///< edge checks for these costs
+	std::uint64_t cost_queries = 0; ///< states at which these costs measured distances
 };
 
-/// Motions that were refused for one pair: neither proved free nor found to collide.
+/// Motions refused because of one pair: neither proved free nor found to collide.
 struct Refusal
 {
 	std::uint64_t count = 0;
 	bool self = false;
-	std::string first, second; ///< links, or a link and an object; both empty: motions so long that they must be cut
-	double clearance = 0;      ///< metres: the least at which one was refused
+	std::string first, second; ///< links, or a link and an object; both empty: motions too long to check
+	double clearance = 0;      ///< metres: the smallest clearance at a refusal
 };
 
-/// What the checker and the validator share: checker, options, adapter, and a pool of queries, one per thread in use. The
-/// pool grows on first use by a thread and never shrinks; after that nothing is allocated and nobody waits, but for the first
-/// question of a thread after update().
+/// Shared by the state checker and the motion validator: core checker, options, adapter, and a pool of queries, one per
+/// thread in use. The pool grows when a thread first uses it and never shrinks; after that calls neither allocate nor wait,
+/// except the first call of a thread after update().
 class Engine
 {
 public:
@@ -165,29 +165,29 @@ public:
 	Engine( const Engine& ) = delete;
 	Engine& operator=( const Engine& ) = delete;
 
-	Checker checker() const; ///< that new questions are asked
-	/// Another snapshot of the same group: lw_checker_edit(), io::World. Questions that are being answered keep the one they began
-	/// with, each as a whole; those that begin later are asked of this one. From any thread, at any time; it waits for nobody who asks,
-	/// and they do not wait for it. Threads that ask no more keep their last snapshot in memory until they do.
-	/// What planners keep is theirs: edges that they proved before are not proved in this one.
-	/// @throws std::invalid_argument if its state vector is another one, saying where
+	Checker checker() const; ///< the checker of new calls
+	/// Replaces the checker by another one of the same group: from lw_checker_edit() or io::World. Calls in progress finish
+	/// with the old checker; later calls use the new one. Any thread may call it at any time; it waits for no other call,
+	/// and no other call waits for it. A thread that makes no more calls keeps its last checker in memory until its next
+	/// call. Planners keep their own data: edges that they proved earlier are not proved in the new scene.
+	/// @throws std::invalid_argument if its state vector differs; the message says where
 	void update( Checker checker );
 	const Options& options() const { return m_options; }
 	const StateAdapter& adapter() const { return m_adapter; }
 	Counters counters() const;
-	/// Pairs that motions were refused for since the last update(), the most frequent first. Up to 32 pairs are told apart; those that come
-	/// later are in counters() alone.
+	/// Refused pairs since the last update(), the most frequent first. The list holds up to 32 pairs; refusals of further
+	/// pairs are only in counters().
 	std::vector<Refusal> refusals() const;
-	/// A sentence on them and what to do, for people; empty if no motion was refused.
+	/// Human-readable summary of refusals() with a remedy; empty if no motion was refused.
 	std::string describeRefusals() const;
-	/// Queries made so far: the largest number of threads that were inside at the same time.
+	/// Queries in the pool: the largest number of threads that used the engine at the same time.
 	std::size_t queryCount() const;
 
 private:
 	struct Slot;
 
 public:
-	/// A query of the pool for the lifetime of the lease.
+	/// Holds one query of the pool for the lifetime of the lease.
 	class Lease
 	{
 	public:
@@ -195,10 +195,10 @@ public:
 		~Lease();
 		Lease( const Lease& ) = delete;
 		Lease& operator=( const Lease& ) = delete;
-		/// False if there was no memory for another query: the question must then be answered "invalid".
+		/// False if there was no memory for another query: treat the state or motion as invalid.
 		explicit operator bool() const { return m_slot != nullptr; }
 		lw_query* query() const;
-		const lw_checker* checker() const; ///< what this lease asks, for as long as it lives
+		const lw_checker* checker() const; ///< the checker for the lifetime of this lease
 		double* a() const; ///< scratch state vectors of the adapter's size; null without a slot
 		double* b() const;
 
@@ -241,16 +241,16 @@ private:
 class StateValidityChecker : public ::ompl::base::StateValidityChecker
 {
 public:
-	/// @param si of the space that the engine was made with, the same object
-	/// @throws std::invalid_argument if it is another one
+	/// @param si its space must be the object that the engine was made with
+	/// @throws std::invalid_argument if it is another space
 	StateValidityChecker( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine );
 	bool isValid( const ::ompl::base::State* state ) const override;
 	/// One evaluation for both answers.
 	bool isValid( const ::ompl::base::State* state, double& dist ) const override;
-	/// No state is offered: validStateAvailable is always set to false.
+	/// Never writes validState: validStateAvailable is always set to false.
 	bool isValid( const ::ompl::base::State* state, double& dist, ::ompl::base::State* validState,
 		bool& validStateAvailable ) const override;
-	/// Metres: a lower bound of (distance - min_d), capped at max_d - min_d; 0 in violation, where no depth is measured.
+	/// Metres: a lower bound of (distance - min_d), capped at max_d - min_d; 0 in violation (penetration is not measured).
 	double clearance( const ::ompl::base::State* state ) const override;
 	double clearance( const ::ompl::base::State* state, ::ompl::base::State* validState,
 		bool& validStateAvailable ) const override;
@@ -262,26 +262,26 @@ private:
 	std::shared_ptr<const Engine> m_engine;
 };
 
-/// checkMotion() proved along the whole edge (or by fixed steps), see lw_checker_edge(). A motion whose ends are out of
-/// bounds, that is refused or that meets an error is invalid. What is certified is OMPL's own curve, the one that
-/// interpolate() of the space gives later (see StateAdapter for the cases where that needs care), up to rounding of single
-/// coordinates. Conditions of another state validity checker (set by the user besides leeway's) are not looked at.
+/// checkMotion() with a proof along the whole edge (or by fixed steps), see lw_checker_edge(). A motion is invalid if an end
+/// is out of bounds, if it is refused, or if an error occurs. The certified curve is OMPL's own, the curve of the space's
+/// interpolate() (StateAdapter handles the special cases), up to rounding of single coordinates. Conditions of other state
+/// validity checkers are ignored.
 class MotionValidator : public ::ompl::base::MotionValidator
 {
 public:
-	/// @param si of the space that the engine was made with, the same object
-	/// @throws std::invalid_argument if it is another one, or if its curves are not straight edges
+	/// @param si its space must be the object that the engine was made with
+	/// @throws std::invalid_argument if it is another space, or if its curves are not straight edges
 	/// (StateAdapter::straight())
 	MotionValidator( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine );
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2 ) const override;
-	/// On failure lastValid.first, if not null, receives a state that was proved, and then checked by itself: the end of the
-	/// proved run, or s1 if even that fails the check; lastValid.second in [0, 1) is its place. It may alias s1 or s2. On
-	/// success neither field is touched.
+	/// On failure lastValid.first, if not null, receives the end of the proved part of the motion, after a check of that
+	/// state by itself; or s1 if that check fails. lastValid.second in [0, 1) is its place. lastValid.first may alias s1 or
+	/// s2. On success neither field is changed.
 	///
-	/// Certified: the run ends before the first clearance of (min_d + slack) / 0.9 or less. The motion from s1 to the last
-	/// valid state is then never refused when it is checked again: planners such as KPIECE1 keep it as an edge,
-	/// unchecked. If s1 itself is nearer than that, the run ends later, and the motion to its end is proved both ways before
-	/// it is returned (two to ten proofs more).
+	/// Certified: the proved part ends before the first clearance of (min_d + slack) / 0.9 or less. So a later check of the
+	/// motion from s1 to the last valid state never refuses: planners such as KPIECE1 keep that motion as an edge without
+	/// checking it. If s1 itself is nearer than that, the proved part ends later, and the motion to its end is proved in
+	/// both directions before it is returned (two to ten proofs more).
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2,
 		std::pair<::ompl::base::State*, double>& lastValid ) const override;
 
@@ -304,9 +304,9 @@ private:
 	lw_edge_def m_last_def; ///< for the run up to the last valid state
 };
 
-/// Sets both on `si` and returns the shared engine. Call si->setup() afterwards as usual.
-/// @throws as Engine and MotionValidator. For spaces whose curves are not straight, make an Engine and set a
-/// StateValidityChecker alone: OMPL's own motion validator then asks it state by state.
+/// Sets a StateValidityChecker and a MotionValidator on `si` and returns their engine. Call si->setup() afterwards as usual.
+/// @throws as Engine and MotionValidator. For spaces whose curves are not straight, make an Engine and set only a
+/// StateValidityChecker: OMPL's own motion validator then checks states along the motion.
 std::shared_ptr<Engine> install( const ::ompl::base::SpaceInformationPtr& si, Checker checker,
 	const Options& options = {} );
 
