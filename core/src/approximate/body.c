@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Builds a body: its parts in one frame, its shells, the fans over their holes, its skin, and the grids for rays.
 //
-// Cycles modulo 2: a set of triangles in which each edge occurs an even number of times bounds what a ray from it crosses
-//   an odd number of times (Hatcher, "Algebraic Topology", 2002, section 2.1); orientation plays no part.
+// Cycles modulo 2: a set of triangles in which each edge occurs an even number of times bounds the set of points from which
+// a ray
+//   crosses it an odd number of times (Hatcher, "Algebraic Topology", 2002, section 2.1); orientation plays no part.
 #include "approximate/body_internal.h"
 
 #include "base/grow.h"
@@ -20,12 +21,12 @@ enum
 	MIN_SIDES = 16,       ///< of a prism around a cylinder or cone, which stands out by 2.0e-2 of the radius
 	MAX_SIDES = 128,      ///< 3.0e-4 of the radius
 	MAX_RINGS = 64,       ///< of the quadrangles of a prism
-	MAX_HIDDEN_SPLITS = 8 ///< bisections of a triangle that is partly inside of another shell: what is left counts as
+	MAX_HIDDEN_SPLITS = 8 ///< bisections of a triangle that is partly inside of another shell: the undecided parts count as
 	                      ///< visible
 };
 
-/// What prisms may stand out of their cylinders, and how small parts are of which it is known which are hidden, both as a
-/// share of the grain.
+/// By how much prisms may stand out of their cylinders, and the size of the parts that are classified as hidden or visible,
+/// both as a share of the grain.
 #define CHORD_SHARE 0.01
 #define HIDDEN_SHARE 0.25
 
@@ -97,8 +98,9 @@ static uint32_t sides_for( double radius, double chord )
 	return sides;
 }
 
-/// A regular polygon of `sides` (a power of 2) corners first, first + 1, ...: ears over every second corner, again over those
-/// that are left. The trees have small triangles at the rim and large ones in the middle; those of a fan would all be long.
+/// A regular polygon of `sides` (a power of 2) corners first, first + 1, ...: ears over every second corner, again over
+/// those that are left. The trees have small triangles at the rim and large ones in the middle; those of a fan would all be
+/// long.
 static bool add_polygon( soup* s, const lw_allocator* memory, uint32_t first, uint32_t sides )
 {
 	bool ok = true;
@@ -302,7 +304,7 @@ static void join_shells( const edge_use* uses, size_t count, uint32_t* parent, u
 	}
 }
 
-/// What the search for shells works on.
+/// Data of the search for shells.
 typedef struct shells
 {
 	const lw_shape* mesh;
@@ -313,7 +315,7 @@ typedef struct shells
 	size_t use_count;
 	uint32_t* loop;       ///< [vertex_count], union-find of vertices of odd edges of one shell
 	lwi_array odd_edges;  ///< edge_use: odd edges with the root of their shell
-	lwi_array fans, tips; ///< uint32_t[3]; double[3]: what closes holes
+	lwi_array fans, tips; ///< uint32_t[3]; double[3]: triangles and apexes that close holes
 	lwi_array fan_roots;  ///< uint32_t: shell of each fan triangle
 } shells;
 
@@ -382,8 +384,7 @@ static bool collect_holes( shells* s, const lw_allocator* memory )
 }
 
 /// Closes one hole, the odd edges of a shell that hang together, by a fan from the mean of their middles: each of its
-/// vertices
-/// is on an even number of the edges, so each spoke belongs to an even number of fan triangles.
+/// vertices is on an even number of the edges, so each spoke belongs to an even number of fan triangles.
 static bool add_fan( shells* s, const edge_use* edges, size_t count, uint32_t loop, const lw_allocator* memory )
 {
 	lw_vec3 sum = { 0, 0, 0 };
@@ -478,7 +479,7 @@ static bool close_shell( shells* s, const edge_use* edges, size_t count, double 
 	return true;
 }
 
-/// Fills body->closed, shell, shell_solid from what is closed now.
+/// Fills body->closed, shell, shell_solid from the shells closed so far.
 static lw_status keep_closed( shells* s, lwi_body* body, lw_diag* diag )
 {
 	const lw_allocator* memory = &body->memory;
@@ -672,7 +673,7 @@ static lw_status fill_grid( lwi_body* body, lwi_ray_grid* grid )
 	return LW_OK;
 }
 
-/// What the search for hidden triangles writes: the skin, as a soup.
+/// Output of the search for hidden triangles: the skin, as a soup.
 typedef struct skinner
 {
 	lwi_body* body;

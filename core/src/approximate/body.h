@@ -44,9 +44,9 @@ typedef struct lwi_body
 	struct lwi_ray_grid* grids;
 	uint8_t* parity;       ///< [shell_count], scratch, zero between calls
 	uint32_t inside_shell; ///< the shell that lwi_body_encloses() found
-	double chord;       ///< metres: what prisms around cylinders and cones stand out by
+	double chord;       ///< metres: by how much prisms around cylinders and cones stand out
 	double extent;      ///< largest |coordinate| of any vertex
-	double slack;       ///< metres: what a computed distance or position of a vertex may be off by
+	double slack;       ///< metres: largest error of a computed distance or position of a vertex
 	bool ( *stop )( void* ); ///< ends searches; NULL: nothing does
 	void* user;              ///< given to stop
 	uint32_t calls;          ///< of lwi_body_stopped()
@@ -54,14 +54,15 @@ typedef struct lwi_body
 } lwi_body;
 
 /// @param close_holes metres: fans close the holes of a shell if each is at most this wide
-/// @param grain metres, >= 0: depths that are too small by less than that do no harm, which saves time. 0: as exact as it gets
-/// @param stop, user see lwi_body: the search for hidden parts takes what is left for visible once it is stopped
+/// @param grain metres, >= 0: depths that are too small by less than that do no harm, which saves time. 0: as exact as it
+/// gets
+/// @param stop, user see lwi_body: once stopped, the search for hidden parts counts all undecided parts as visible
 /// @return LW_OK, LW_ERROR_BAD_GEOMETRY or LW_ERROR_OUT_OF_MEMORY; *out is zeroed on failure
 lw_status lwi_body_create( const lwi_body_part* parts, uint32_t part_count, double close_holes, double grain,
 	bool ( *stop )( void* ), void* user, const lw_allocator* allocator, lw_diag* diag, lwi_body* out );
 void lwi_body_free( lwi_body* body );
 
-/// True once body->stop has returned true (asked at every 16th call). What is under way then fails.
+/// True once body->stop has returned true (called at every 16th call). The work in progress then fails.
 bool lwi_body_stopped( lwi_body* body );
 
 /// Nearest triangle of a mesh shape to a point of its frame.
@@ -74,7 +75,7 @@ typedef struct lwi_nearest
 
 /// @param stop nothing at or beyond it is of interest
 /// @param certified distances by lwi_tri_tri (error: LWI_TRI_TRI_ERROR of the extents), otherwise about 5 times faster
-/// @param group [triangle_count]: only triangles with group[triangle] == of are looked at; NULL: all are
+/// @param group [triangle_count]: visits only triangles with group[triangle] == of; NULL: all of them
 lwi_nearest lwi_shape_nearest( const lw_shape* shape, lw_vec3 p, double stop, bool certified, const uint32_t* group,
 	uint32_t of );
 
@@ -83,17 +84,16 @@ bool lwi_shape_is_near( const lw_shape* shape, lw_vec3 p, double distance );
 /// As lwi_shape_is_near(), of the triangles whose group is another than `of`.
 bool lwi_shape_is_near_but( const lw_shape* shape, lw_vec3 p, double distance, const uint32_t* group, uint32_t of );
 
-/// Nearest point of a triangle: within 16u of the coordinates' size of being on it, but among slivers there may be a nearer one
-/// (lwi_tri_tri() does not have that weakness).
+/// Nearest point of a triangle: within 16u of the coordinates' size of being on it, but among slivers there may be a nearer
+/// one (lwi_tri_tri() does not have that weakness).
 lw_vec3 lwi_nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p );
 
 /// True if a closed shell is proved to have p inside. False where it has not, or rounding leaves it open.
 bool lwi_body_encloses( lwi_body* body, lw_vec3 p );
 
 /// Signed depth s of a point: each ball about p of radius r protrudes from the body by at most r - s. That is, no point
-/// of the
-/// ball that is outside of the body is farther than r - s from the body's surface. Positive inside: the distance to the
-/// skin; negative outside: minus the distance to the surface.
+/// of the ball that is outside of the body is farther than r - s from the body's surface. Positive inside: the distance to
+/// the skin; negative outside: minus the distance to the surface.
 /// @param certified rounding is taken off; otherwise a fast estimate for searches
 double lwi_body_depth( lwi_body* body, lw_vec3 p, bool certified );
 

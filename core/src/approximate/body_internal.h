@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What approximate/body.c builds and approximate/body_point.c reads: the grids that rays are cast through.
+// The grids through which rays are cast: approximate/body.c builds them, approximate/body_point.c reads them.
 #ifndef LEEWAY_APPROXIMATE_BODY_INTERNAL_H
 #define LEEWAY_APPROXIMATE_BODY_INTERNAL_H
 

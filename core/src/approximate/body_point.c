@@ -112,7 +112,7 @@ static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double
 {
 	lwi_nearest best = { stop, LW_INVALID_INDEX, p };
 	lw_vec3 moved = lwi_sub( p, lwi_load( shape->origin ) );
-	// the tree stands in its own frame: what moving p there may be off by
+	// the tree stands in its own frame: rounding of p's move to that frame
 	double shift = 4 * LWI_U64 * ( lwi_length( p ) + lwi_length( lwi_load( shape->origin ) ) );
 	entry stack[LWI_MAX_DEPTH * LWI_WIDTH + 1];
 	stack[0] = (entry){ 0, shape->root };
@@ -188,7 +188,7 @@ static int orient_3d( const double* a, const double* b, const double* c, lw_vec3
 	return volume > error ? 1 : volume < -error ? -1 : 0;
 }
 
-/// Does the ray from p along +z cross the triangle? 1 yes, 0 no, -1 cannot be told.
+/// Does the ray from p along +z cross the triangle? 1 yes, 0 no, -1 undecided.
 static int crosses( const double* a, const double* b, const double* c, lw_vec3 p )
 {
 	if ( fmax( a[2], fmax( b[2], c[2] ) ) < p.z )
@@ -210,7 +210,7 @@ static int crosses( const double* a, const double* b, const double* c, lw_vec3 p
 	return side == 0 ? -1 : side == s0 ? 1 : 0;
 }
 
-/// Odd crossings with some shell along the grid's direction: 1 yes, 0 no, -1 cannot be told.
+/// Odd crossings with some shell along the grid's direction: 1 yes, 0 no, -1 undecided.
 static int odd_crossings( lwi_body* body, const lwi_ray_grid* grid, lw_vec3 point, uint32_t but,
 	const bool* among )
 {

@@ -49,8 +49,8 @@ static void cell_of( const grid* g, lw_vec3 p, double cell[3] )
 	cell[2] = floor( p.z / g->size );
 }
 
-/// Takes all balls out of the lists that are within `room` beyond the ball of an item, and returns what it has to grow by; below
-/// 0 if they are inside.
+/// Takes all balls out of the lists that are within `room` beyond the ball of an item. Returns the growth that the item's
+/// ball needs; below 0 if they are inside.
 static double absorb( grid* g, const lw_shape* set, uint32_t item, double room )
 {
 	lw_vec3 center = lwi_load( set->vertices + 3 * (size_t)item );

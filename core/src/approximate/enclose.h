@@ -15,7 +15,7 @@ typedef struct lwi_piece
 	lw_vec3 center;
 	double size;     ///< from the centre to the farthest corner
 	double dilation;
-	double weight;   ///< what covering it is worth: its area
+	double weight;   ///< weight in the cover: its area
 } lwi_piece;
 
 /// A centre, and how deep it lies: a sphere about it of radius r has an excess of at most r - depth.
@@ -61,11 +61,11 @@ bool lwi_enclose_spheres( lwi_body* body, const lwi_piece_tree* tree, lwi_array*
 /// Walks through the inside of the solids of a body whose surface is covered with at least this margin. With excess > 0 a
 /// sphere of that excess is appended wherever there is a void; with 0 nothing is, and *gap says how far the centre of the
 /// void that was met first is from the spheres, *at where.
-/// @return 1 nothing is left open, 0 something is, -1 out of memory
+/// @return 1 no void is open, 0 some void is, -1 out of memory
 int lwi_enclose_voids( lwi_body* body, lwi_array* spheres, double margin, double excess, double* gap, lw_vec3* at );
 
-/// Spheres (double[4], appended) by formulas for the shapes of a body, of at most `excess`. What they miss or exceed is for
-/// lwi_enclose_check() to say.
+/// Spheres (double[4], appended) by formulas for the shapes of a body, of at most `excess`. lwi_enclose_check() finds the
+/// parts that they miss or exceed.
 /// @param margin how much deeper than just enough the surface is to lie in them
 /// @param made false: some shape is no box, cylinder, capsule or sphere, or takes too many
 lw_status lwi_enclose_forms( lwi_body* body, const lw_geometry_def* def, double excess, double margin, lwi_array* out,
@@ -74,7 +74,7 @@ lw_status lwi_enclose_forms( lwi_body* body, const lw_geometry_def* def, double 
 /// Proves that spheres contain a box or cylinder whole. @return 1 proved, 0 not, -1 out of memory or stopped
 int lwi_enclose_solid( lwi_body* body, const lw_shape* shape, const lw_transform* pose, const double* spheres, uint32_t count );
 
-/// Report of spheres against a body; see lw_spheres_check(). @param def what the body was made of
+/// Report of spheres against a body; see lw_spheres_check(). @param def the def from which the body was made
 lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const double* spheres, uint32_t count, lw_diag* diag,
 	lw_spheres_report* out );
 

@@ -13,11 +13,11 @@ enum
 	MAX_CUTS = 48 ///< of one triangle; each three halve its size
 };
 
-/// What a proof may fail at without saying that something is uncovered: pieces below this share of the body.
+/// Pieces below this share of the body may fail their proof without being reported as uncovered.
 #define FINEST 1e-8
 /// Once something is uncovered only its extent is of interest.
 #define COARSEST 0.01
-/// What the attained excess may fall short of what another sphere would show.
+/// The attained excess is within this share of the largest one over all spheres.
 #define ATTAINED_SHARE 1e-3
 /// Solids: how deep in the spheres their surface must be, as a share of the body's size.
 #define SOLID_MARGIN 1e-5
@@ -88,7 +88,7 @@ static double half_reach( const lw_vec3 v[3], double dilation, lw_vec3 center, l
 	return low >= 0 ? sqrt( fmax( 2 * a * share - a * a, 0 ) + ( aside + dilation ) * ( aside + dilation ) ) : INFINITY;
 }
 
-/// A thick piece between two spheres, each of which contains what is on its side of the plane of their intersection.
+/// A thick piece between two spheres, each of which contains the part on its side of the plane of their intersection.
 static bool piece_shared( const checker* c, const lw_vec3 v[3], double dilation )
 {
 	const uint32_t* list = c->list.data;
@@ -345,7 +345,7 @@ lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const d
 	bool ok = proved >= 0;
 	if ( proved == 0 )
 	{
-		// once more by the surface, which can say what is open
+		// once more by the surface: this proof finds the open parts
 		out->encloses = true;
 		out->uncovered = 0;
 		c.slack += margin;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Chooses few spheres that cover all pieces: greedy set cover over a k-d tree, then what became superfluous goes.
+// Chooses few spheres that cover all pieces: greedy set cover over a k-d tree, then removal of superfluous ones.
 //
 // Chvatal, "A greedy heuristic for the set-covering problem", 1979 (within ln n of the fewest); Minoux, "Accelerated greedy
 //   algorithms for maximizing submodular set functions", 1978 (gains only fall, so most need no second look); Bentley,
@@ -246,7 +246,7 @@ typedef struct cover
 	const lwi_piece_tree* tree;
 	const lwi_site* sites;
 	double excess;
-	lwi_body* body; ///< asked whether to go on
+	lwi_body* body; ///< its stop function ends the search
 	const lw_allocator* memory;
 	uint32_t* times;  ///< [piece]: how many chosen spheres cover it
 	size_t left;      ///< pieces that none covers
@@ -303,7 +303,7 @@ static double value_of( const cover* c, uint32_t candidate )
 	return value;
 }
 
-/// Looks up what each candidate covers, and makes the heap.
+/// Computes the pieces that each candidate covers, and makes the heap.
 static bool make_heap( cover* c, const uint32_t* candidates, size_t count )
 {
 	c->covered.count = c->begin.count = c->heap_count = 0;
@@ -392,7 +392,7 @@ static void drop_superfluous( cover* c )
 	}
 }
 
-/// Covers what is left with some of the candidates; what they chose is appended to `chosen`.
+/// Covers the open pieces with some of the candidates; appends the chosen ones to `chosen`.
 static bool cover_with( cover* c, const uint32_t* candidates, size_t count, lwi_array* chosen )
 {
 	if ( !make_heap( c, candidates, count ) || !choose( c ) )
@@ -420,7 +420,7 @@ lw_status lwi_enclose_cover( lwi_body* body, const lwi_piece_tree* tree, const l
 			  cover_with( &c, kept.data, kept.count, chosen );
 	if ( ok && c.left > 0 )
 	{
-		// what the thinned sites leave is covered by all: for each piece there is one
+		// pieces that the thinned sites leave open are covered by all sites: for each piece there is one
 		kept.count = 0;
 		ok = lwi_array_reserve( &kept, memory, sizeof( uint32_t ), site_count );
 		for ( size_t i = 0; ok && i < site_count; ++i )

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Spheres around boxes, cylinders, capsules and spheres without a search: rows along the edges at growing depths, then a sheet
-// or a stack in the middle. Nothing here is trusted: lwi_enclose_check() judges what is made.
+// Spheres around boxes, cylinders, capsules and spheres without a search: rows along the edges at growing depths, then a
+// sheet or a stack in the middle. Nothing here is trusted: lwi_enclose_check() judges the result.
 //
-// Kershner, "The number of circles covering a set", 1939 (staggered rows cover a plane with the fewest equal discs); Bellman,
+// Kershner, "The number of circles covering a set", 1939 (staggered rows cover a plane with the fewest equal discs);
+// Bellman,
 //   "Dynamic programming", 1957 (which depths). Derivations: core/docs/detail.md.
 #include "approximate/enclose.h"
 
@@ -61,7 +62,8 @@ static double place( double half, double i, double count )
 	return count > 0 ? half * ( 2 * i / count - 1 ) : 0;
 }
 
-/// Half the chord that a sphere at depth s cuts out of a line in the surface, at `aside` from the nearest point of it, squared.
+/// Half the chord that a sphere at depth s cuts out of a line in the surface, at `aside` from the nearest point of it,
+/// squared.
 static double chord_sq( const form* f, double s, double aside )
 {
 	return 2 * s * f->excess + f->excess * f->excess - aside * aside;
@@ -116,7 +118,7 @@ static double box_row( form* f, double u, double s )
 	return count;
 }
 
-/// Spheres of a ring of this radius, each `aside` from what it covers, out to radius `rim`; 0 if none do.
+/// Spheres of a ring of this radius, each `aside` from the points that it covers, out to radius `rim`; 0 if none do.
 static double ring_count( double free_sq, double rim, double radius )
 {
 	// a point of the rim at the angle phi from a sphere is 2 rim radius ( 1 - cos phi ) farther from it, squared
@@ -227,7 +229,7 @@ static double box_sheet( form* f, double inset )
 		return g.count;
 	}
 	double along = g.turned ? y : x, across = g.turned ? x : y;
-	// the rows keep their least distance from the rim or less: what they could be apart is shared
+	// the rows keep their least distance from the rim or less: the spare width is shared between them
 	double pitch = g.rows > 1 ? fmin( g.pitch, ( across - 2 * g.edge ) / ( g.rows - 1 ) ) : 0;
 	for ( double r = 0; r < g.rows; ++r )
 	{
@@ -326,8 +328,8 @@ static void put_grid( form* f, const double n[3] )
 	}
 }
 
-/// Depths of rows that together take the fewest spheres: each row covers the surface from one node (a distance from the edges) to
-/// the next; the last lies in the middle, and leaves a sheet to cover. *last is the node that it begins at.
+/// Depths of rows that together take the fewest spheres: each row covers the surface from one node (a distance from the
+/// edges) to the next; the last lies in the middle, and leaves a sheet to cover. *last is the node that it begins at.
 static double best_rows( form* f, double node[NODES], int before[NODES], int* last )
 {
 	double count[NODES], best = INFINITY, low = fmin( FIRST_DEPTH * f->excess, 0.5 * f->middle );

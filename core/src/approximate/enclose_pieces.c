@@ -19,20 +19,19 @@ enum
 };
 
 /// Size of a piece relative to the patch of a plane that a sphere of the site's depth covers, of radius sqrt( 2 d e + e^2 ).
-/// Larger pieces waste what of a sphere's patch is no whole piece; smaller ones cost time in proportion to their square.
+/// Larger pieces waste the part of a sphere's patch that holds no whole piece; smaller ones cost time in proportion to their
+/// square.
 #define PIECE_SHARE 0.3
 /// A ball may reach this share of the excess through the surface while it shrinks: facets of a round body then do not
-/// stop it
-/// (the medial axis has a branch to each convex edge, however blunt).
+/// stop it (the medial axis has a branch to each convex edge, however blunt).
 #define BALL_SHARE 0.12
 
-/// How far from the surface, as a share of the excess, a side is asked whether it is inside. Thinner walls have no ball
-/// worth
-/// looking for.
+/// Distance from the surface, as a share of the excess, of the first point of a side that is tested for being inside.
+/// Thinner walls have no ball worth a search.
 #define FIRST_LOOK 0.02
 
-/// Pieces in a cell of this share of the excess, and with normals alike, share the sites of the first of them, if these cover
-/// them: of a fine mesh there are many more triangles than it needs sites.
+/// Pieces in a cell of this share of the excess, and with normals alike, share the sites of the first of them, if these
+/// cover them: of a fine mesh there are many more triangles than it needs sites.
 #define PLACE_SHARE 0.1
 
 /// A cell of pieces, and the sites found for the first of them.
@@ -283,7 +282,7 @@ lw_status lwi_enclose_pieces( lwi_body* body, double excess, lwi_array* pieces, 
 	const lw_shape* mesh = body->surface;
 	lw_shape_info info = lw_shape_get_info( mesh );
 	cutter cut = { body, excess, info.sphere_radius, pieces, sites, NULL };
-	// a piece of size s has an area of at most 1.3 s^2 (the equilateral triangle): what cannot end need not begin
+	// a piece of size s has an area of at most 1.3 s^2 (the equilateral triangle): a cut into too many pieces is not begun
 	double area = 0, most = largest_piece( &cut );
 	for ( uint32_t t = 0; t < mesh->item_count; ++t )
 	{

@@ -3,7 +3,7 @@
 // need least for their pieces, and again.
 //
 // Lloyd, "Least squares quantization in PCM", 1982; Wang, Zhou, Snyder, Liu, Bao, Peng, Guo, "Variational sphere set
-//   approximation for solid objects", 2006 (Lloyd's iteration for spheres around a solid; here what is minimised is the
+//   approximation for solid objects", 2006 (Lloyd's iteration for spheres around a solid; here it minimises the
 //   certified excess instead of the volume outside); Hooke, Jeeves, "Direct search", 1961 (the moves).
 #include "approximate/enclose.h"
 
@@ -41,7 +41,7 @@ static void adopt( refiner* r, uint32_t piece )
 	}
 }
 
-/// Gives each piece to the site that needs the least excess for it. Sites are looked at as far as `excess` takes them.
+/// Gives each piece to the site that needs the least excess for it. Visits sites as far away as `excess` allows.
 static bool assign( refiner* r, double excess )
 {
 	const lwi_piece_tree* tree = r->tree;
@@ -208,7 +208,7 @@ double lwi_enclose_refine( lwi_body* body, const lwi_piece_tree* tree, lwi_array
 				move_site( &r, i, now );
 			}
 		}
-		// each piece is still within what its own site needs: nothing is lost by looking no farther
+		// each piece is still within the excess of its own site: a search no farther than that loses nothing
 		ok = assign( &r, largest( &r ) );
 		now = ok ? largest( &r ) : -1;
 	}
@@ -228,7 +228,7 @@ bool lwi_enclose_spheres( lwi_body* body, const lwi_piece_tree* tree, lwi_array*
 			continue; // others cover all that it covers
 		}
 		lw_vec3 c = r.sites[i].center;
-		// the roundings of a reach, and what bisecting triangles may have moved their corners by
+		// the rounding of a reach, and the displacement of corners by bisecting triangles
 		double radius = reach_of( &r, i, c ) * ( 1 + 16 * LWI_U64 ) + body->slack + margin;
 		const double sphere[4] = { c.x, c.y, c.z, radius };
 		ok = lwi_array_push( spheres, &body->memory, sizeof( sphere ), sphere );

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Proves that spheres contain boxes and cylinders whole, by cells that are each in one sphere.
 //
-// The cells lie in the coordinates of the shape (x, y, z, or radius, angle, z), so none reaches out of it, where spheres are thin:
-// a walk through a grid takes area / excess^2 cells at the surface, this one some hundred for each sphere. Samet, "The quadtree
-// and related hierarchical data structures", 1984.
+// The cells lie in the coordinates of the shape (x, y, z, or radius, angle, z), so none reaches out of it, where spheres are
+// thin: a walk through a grid takes area / excess^2 cells at the surface, this one some hundred for each sphere. Samet, "The
+// quadtree and related hierarchical data structures", 1984.
 #include "approximate/enclose.h"
 
 #include "base/math_inline.h"

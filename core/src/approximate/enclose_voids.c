@@ -49,7 +49,7 @@ static bool add_sphere( walk* w, lw_vec3 p, double radius )
 	return lwi_array_push( w->spheres, &w->body->memory, sizeof( sphere ), sphere );
 }
 
-/// What is left open at a cell that no single sphere contains: noted, or filled.
+/// Handles a cell that no single sphere contains: notes it, or fills it.
 static bool leave_open( walk* w, lw_vec3 c )
 {
 	if ( w->excess > 0 )

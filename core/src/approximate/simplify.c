@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fewer triangles near those of a mesh: edges collapse while both stay near each other.
 //
-// Garland, Heckbert, "Surface simplification using quadric error metrics", 1997 (order and places); Klein, Liebich, Strasser,
-// "Mesh reduction with error control", 1996 (each triangle of the original is kept with the one that stands for it).
-// Nothing here is promised: approximate/simplify_prove.c judges the outcome, and core/docs/detail.md says what for.
+// Garland, Heckbert, "Surface simplification using quadric error metrics", 1997 (order and places); Klein, Liebich,
+// Strasser, "Mesh reduction with error control", 1996 (each triangle of the original is kept with the one that stands for
+// it). Nothing here is promised: approximate/simplify_prove.c judges the outcome; core/docs/detail.md has the purpose.
 #include "approximate/body.h"
 #include "approximate/simplify.h"
 #include "base/math_inline.h"
@@ -16,7 +16,7 @@ enum
 {
 	MAX_STAR = 96,    ///< triangles around an edge; busier ones stay
 	MAX_NEAR = 256,   ///< of these and around them
-	MAX_PIECES = 60,  ///< of an original triangle in a proof: more gain nothing, and much of the time goes into those that fail
+	MAX_PIECES = 60,  ///< of an original triangle in a proof: more gain nothing, and failing proofs take much of the time
 	MOST_PIECES = 4000, ///< of a moved one: as many as there are triangles under it
 	LEVELS = 8,       ///< rounds of growing error, each twice the one before
 	MAX_PASSES = 12   ///< in one round
@@ -61,7 +61,7 @@ typedef struct simplifier
 	lw_vec3 center;           ///< quadrics are about it
 } simplifier;
 
-/// What a collapse is about.
+/// The triangles around a collapse.
 typedef struct star
 {
 	uint32_t triangles[MAX_STAR], count; ///< at u or v
@@ -299,7 +299,7 @@ static uint32_t add_ring( simplifier* s, const star* st, uint32_t u, uint32_t v,
 	return count;
 }
 
-/// Are all triangles of the original that the star stands for near the moved star and what is around it?
+/// Are all original triangles that the star represents near the moved star and the triangles around it?
 static bool covers( const simplifier* s, const star* st, const lwi_candidate* near, uint32_t count )
 {
 	uint32_t hint = LW_INVALID_INDEX;
@@ -318,7 +318,7 @@ static bool covers( const simplifier* s, const star* st, const lwi_candidate* ne
 	return true;
 }
 
-/// What the star stands for goes to the triangles that are nearest now.
+/// Hands the original triangles of the star to the triangles that are nearest now.
 static void hand_over( simplifier* s, const star* st, const lwi_candidate* triangles )
 {
 	uint32_t all = LW_INVALID_INDEX;

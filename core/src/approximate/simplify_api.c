@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coarser shapes: what the search found, judged, mended and made a shape.
+// Coarser shapes: the result of the search, judged, mended and made a shape.
 //
-// A mesh S, its coarser triangles D, thick by r. Those of D that are not proved to be within e of S are dropped, those of S that
-// are not proved to be within r of what is left are put back. Then S is in D thickened by r, and no point of that is farther
-// from S than r + e. Derivation: core/docs/detail.md.
+// A mesh S, its coarser triangles D, thick by r. Those of D that are not proved to be within e of S are dropped, those of S
+// that are not proved to be within r of the rest of D are put back. Then S is in D thickened by r, and no point of that is
+// farther from S than r + e. Derivation: core/docs/detail.md.
 #include "approximate/simplify.h"
 #include "leeway/detail.h"
 #include "base/math_inline.h"
@@ -19,17 +19,17 @@ enum
 /// Share of the tolerance that the search may use on either side: the proof may take half of it.
 #define SEARCH_SHARE 0.499
 
-/// A mesh that keeps more of its triangles than this stays what it is.
+/// A mesh that keeps more of its triangles than this stays unchanged.
 #define WORTHWHILE 0.8
 
 /// A mesh in the making.
 typedef struct detailing
 {
-	const lw_shape* shape; ///< what it stands for
+	const lw_shape* shape; ///< the original
 	lw_allocator memory;
 	lw_tree_def tree;
 	double half;           ///< of the tolerance: most that either side may be off by
-	lwi_soup soup;         ///< what is left of the coarser triangles
+	lwi_soup soup;         ///< the coarser triangles that are not dropped
 	uint32_t* restored;    ///< [triangles of shape] those that are put back
 	uint32_t restored_count;
 	double radius, away;   ///< proved: from the shape to the coarser one, and back
@@ -61,7 +61,7 @@ static void drop_strays( detailing* d )
 	d->soup.triangle_count = kept;
 }
 
-/// Finds the triangles of the shape that are not near what is left.
+/// Finds the triangles of the shape that are not near the remaining coarser ones.
 static void find_uncovered( detailing* d, const lw_shape* coarser )
 {
 	uint32_t hint = LW_INVALID_INDEX;
@@ -82,7 +82,7 @@ static void find_uncovered( detailing* d, const lw_shape* coarser )
 	}
 }
 
-/// A mesh of what is left of the coarser triangles and of what is put back.
+/// A mesh of the remaining coarser triangles and the restored ones.
 static lw_status make_mesh( const detailing* d, double radius, lw_diag* diag, lw_shape** out )
 {
 	size_t coarser = d->soup.triangle_count, vertices = d->soup.vertex_count, restored = d->restored_count;
@@ -118,7 +118,7 @@ static lw_status make_mesh( const detailing* d, double radius, lw_diag* diag, lw
 	return status;
 }
 
-/// Proves the coarser triangles, and mends what is not proved.
+/// Proves the coarser triangles; drops and restores triangles where a proof fails.
 static lw_status judge( detailing* d, lw_diag* diag )
 {
 	drop_strays( d );

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How far the points of a triangle are from a mesh, at most: one side of a Hausdorff distance, proved piece by piece.
 //
-// The distance to a convex set is a convex function, so a convex polygon is as near to a triangle of the mesh as its farthest
-// corner. A polygon that no single triangle is near to is cut along the sides of the one nearest to its middle, or halved.
-// Derivation and rounding: core/docs/detail.md. Related: Tang, Lee, Kim, "Interactive Hausdorff distance computation for
-// general polygonal models", 2009.
+// The distance to a convex set is a convex function, so a convex polygon is as near to a triangle of the mesh as its
+// farthest corner. A polygon that no single triangle is near to is cut along the sides of the one nearest to its middle, or
+// halved. Derivation and rounding: core/docs/detail.md. Related: Tang, Lee, Kim, "Interactive Hausdorff distance computation
+// for general polygonal models", 2009.
 #include "approximate/body.h"
 #include "approximate/simplify.h"
 #include "base/math_inline.h"
@@ -17,7 +17,7 @@ enum
 	MAX_CUTS = 64      ///< one after the other
 };
 
-/// Share of the limit by which the prism over a triangle is widened, so that what is left beside it is no sliver.
+/// Share of the limit by which the prism over a triangle is widened, so that the parts beside it are no slivers.
 #define PRISM_MARGIN 0.1
 
 /// Pieces of this share of the limit that are still near to no single triangle are not worth halving.
@@ -61,8 +61,8 @@ typedef struct prover
 	const lw_shape* mesh; ///< NULL: the few triangles
 	const lwi_candidate* few;
 	uint32_t few_count;
-	double limit;      ///< what distances of computed corners may reach
-	double bound;      ///< largest so far; less is not looked for
+	double limit;      ///< bound for the distances of computed corners
+	double bound;      ///< largest so far; smaller ones are not computed
 	uint32_t pieces, most_pieces;
 	uint32_t nearest;  ///< triangle that the last piece was near to
 } prover;
@@ -147,7 +147,7 @@ static void halve( const polygon* p, polygon* a, polygon* b )
 	part_of( &whole, to, from, b );
 }
 
-/// Cuts along the plane where `height` of a corner is 0: what is above, and what is not. False if it has but one side.
+/// Cuts along the plane where `height` of a corner is 0, into the parts above and below. False if there is but one side.
 static bool cut( const polygon* p, const double* height, polygon* above, polygon* below )
 {
 	above->count = below->count = 0;
@@ -169,7 +169,7 @@ static bool cut( const polygon* p, const double* height, polygon* above, polygon
 
 static bool prove( prover* s, const polygon* p, uint32_t hint, uint32_t cuts );
 
-/// The parts beside the prism over a triangle are proved on their own; *p becomes what is over it. False if one of them is
+/// Proves the parts beside the prism over a triangle on their own; *p becomes the part over it. False if one of them is
 /// not proved.
 static bool cut_along( prover* s, polygon* p, uint32_t triangle, uint32_t* cuts )
 {

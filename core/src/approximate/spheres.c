@@ -112,15 +112,15 @@ static void round_outward( lwi_array* spheres, uint32_t decimals )
 		lw_vec3 c = lwi_load( data );
 		for ( int k = 0; k < 3; ++k )
 		{
-			// a quotient of integers: the double nearest to the decimals, which is what they read back as
+			// a quotient of integers: the double nearest to the decimals, the same that reading them gives
 			data[k] = rint( data[k] * scale ) / scale;
 		}
 		data[3] = ceil( ( data[3] + lwi_distance( c, lwi_load( data ) ) ) * scale * ( 1 + 1e-9 ) ) / scale;
 	}
 }
 
-/// What rounding to so many decimals may add to the excess: a centre moves by at most sqrt(3)/2 of a unit, and a radius grows
-/// by that and one unit.
+/// Bound on the excess added by rounding to so many decimals: a centre moves by at most sqrt(3)/2 of a unit, and a radius
+/// grows by that and one unit.
 static double rounding_of( uint32_t decimals )
 {
 	return decimals > 0 ? 3 / pow( 10, decimals ) : 0;
@@ -248,8 +248,8 @@ static lw_status fill_by_excess( lwi_body* body, const lw_spheres_def* def, cove
 	return formed && ( body->stopped || status == LW_ERROR_UNSUPPORTED ) ? LW_OK : status;
 }
 
-/// The least excess, to a few percent, for which at most so many spheres are found. Their number is no monotone function of the
-/// excess, but what is kept has been found.
+/// The least excess, to a few percent, for which at most so many spheres are found. Their number is no monotone function of
+/// the excess, but each set that is kept was computed.
 static lw_status fill_by_count( lwi_body* body, const lw_spheres_def* def, cover_set* best, cover_set* set, bool* met,
 	lw_diag* diag )
 {

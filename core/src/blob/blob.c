@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Blobs: header, checksum, table of sections; what may be believed before the contents are looked at. Docs: blobs.md.
+// Blobs: header, checksum, table of sections; the checks that come before any content is read. Docs: blobs.md.
 #include "blob/blob.h"
 #include "simd/tree_layout.h"
 
 enum
 {
 	BLOB_COOKIE = 0x6c77426c, // "lwBl"
-	VERSION = 6,              // raised when the format, or what its contents promise, changes
+	VERSION = 6,              // raised when the format, or the promises of its contents, change
 	SECTION_SHAPE = 1,        // shapes come first
 	SECTION_REACH = 2         // at most one, last
 };
@@ -191,7 +191,7 @@ typedef struct envelope
 	uint32_t section_count, shape_count;
 } envelope;
 
-/// Whole, and what was written: magic, size, checksum. Holds for blobs of all versions.
+/// Complete and unchanged since it was written: magic, size, checksum. Holds for blobs of all versions.
 static lw_status check_intact( const unsigned char* bytes, size_t size, lw_diag* diag )
 {
 	if ( bytes == NULL || size < LWI_BLOB_TABLE )
@@ -287,7 +287,7 @@ static lw_status open_envelope( const void* bytes, size_t size, lw_diag* diag, e
 	return LW_OK;
 }
 
-/// The same, and made of what the caller has.
+/// The same, and made from the caller's inputs.
 static lw_status open_keyed( const void* bytes, size_t size, lw_digest key, lw_diag* diag, envelope* out )
 {
 	lw_status status = open_envelope( bytes, size, diag, out );

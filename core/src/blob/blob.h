@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What blobs are written and read with: bytes with bounds, and the contents of sections. Format: core/docs/blobs.md.
+// Tools that write and read blobs: bytes with bounds, and the contents of sections. Format: core/docs/blobs.md.
 #ifndef LEEWAY_BLOB_BLOB_H
 #define LEEWAY_BLOB_BLOB_H
 
@@ -27,7 +27,7 @@ enum
 /// Ends every message about bytes that cannot be used.
 #define LWI_BLOB_REMEDY "; delete it and build again"
 
-// --- bytes, native byte order: the header's layout field says which that is ------------------------------------------
+// --- bytes, native byte order: the header's layout field names it ----------------------------------------------------
 
 /// Writes behind each other. With bytes = NULL it only counts, so that one piece of code tells the size and then fills it.
 typedef struct lwi_writer

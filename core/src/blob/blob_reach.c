@@ -44,7 +44,7 @@ static void write_pair( lwi_writer* w, const lw_reach_pair* pair, uint32_t state
 	lwi_write_double( w, pair->contact_share );
 }
 
-/// What proofs go on from, of a pair that moves. Open cells follow behind all of these.
+/// State from which the proofs of a pair that moves continue. Open cells follow behind all of these.
 static void write_effort( lwi_writer* w, const lwi_effort* effort )
 {
 	lwi_write_u32( w, effort->flags );
@@ -394,7 +394,7 @@ static const char* read_chart( lwi_reader* r, lw_reach* reach, lwi_chart* chart,
 	return NULL;
 }
 
-/// @return what is wrong, or NULL; *out_of_memory is set where memory was
+/// @return a message that names the fault, or NULL; *out_of_memory is set where memory ran out
 static const char* read_charts( lwi_reader* r, lw_reach* reach, bool* out_of_memory )
 {
 	size_t last = 0;
@@ -415,7 +415,7 @@ static const char* read_charts( lwi_reader* r, lw_reach* reach, bool* out_of_mem
 	return NULL;
 }
 
-/// Everything behind the counts, into arrays that are allocated. @return what is wrong, or NULL
+/// Everything behind the counts, into arrays that are allocated. @return a message that names the fault, or NULL
 static const char* read_contents( lwi_reader* r, lw_reach* reach, bool* out_of_memory )
 {
 	for ( uint32_t i = 0; i < reach->link_count; ++i )

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shapes in blobs: what cannot be computed again quickly is stored, the rest is computed; everything is checked.
+// Shapes in blobs: stores the parts that cannot be computed again quickly; the rest is computed, and everything is checked.
 //
-// Primitives are their dimensions. Meshes and sets are their vertices, triangles, radii and sphere tree; bounds and the frame
-// of the tree follow from the vertices. Before a query may see a shape, all indices and references are in range, the tree is
-// a tree of bounded depth, numbers are finite, and every sphere contains what is under it (lw_shape_validate()).
+// Primitives are their dimensions. Meshes and sets are their vertices, triangles, radii and sphere tree; bounds and the
+// frame of the tree follow from the vertices. Before a query may see a shape, all indices and references are in range, the
+// tree is a tree of bounded depth, numbers are finite, and every sphere contains the items under it (lw_shape_validate()).
 #include "blob/blob.h"
 #include "shape/mesh.h"
 #include "shape/shape.h"
@@ -74,7 +74,7 @@ void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 	lwi_write( w, leaves_of( shape ), sizes.leaves );
 }
 
-// ---- checks: each returns what is wrong, or NULL --------------------------------------------------------------------
+// ---- checks: each returns a message that names the fault, or NULL ---------------------------------------------------
 
 /// Counts, before memory is taken for them. @param left bytes that follow in the section
 static const char* check_counts( const lw_shape* shape, size_t left )

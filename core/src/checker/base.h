@@ -38,8 +38,8 @@ typedef struct lwi_checker_base
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_OUT_OF_MEMORY, the status of a deferred mesh that could not be made
 lw_status lwi_checker_base_create( lw_checker* checker, const lw_checker_def* def, lwi_self_margins* margins,
 	lw_diag* diag );
-/// Shares the base of another checker if it fits this def: the same robot, reach, group, reference
-/// and margins of self pairs.
+/// Shares the base of another checker if it fits this def: the same robot, reach, group, reference and margins of self
+/// pairs.
 bool lwi_checker_base_share( lw_checker* checker, const lw_checker_def* def, const lwi_self_margins* margins,
 	const lw_checker* other );
 void lwi_checker_base_release( lwi_checker_base* base ); ///< NULL is ignored

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes charts: blocks of cells are measured at their centres and halved, until what is left of the distance after all
+// Makes charts: blocks of cells are measured at their centres and halved, until the distance less the largest motion
 // motion within the block is good enough, or the block is a cell; a cell is cut further, worst part first.
 //
 // Branch and bound with a Lipschitz bound, as in reachability/subdivide.c, but for a whole function instead of its minimum:
@@ -17,17 +17,18 @@ static const double pi = 3.14159265358979323846;
 enum
 {
 	FINE_BITS = 6,     ///< halvings of a cell along each axis, at most
-	PARTS_OF_CELL = 24, ///< parts of a cell that are told apart at most
+	PARTS_OF_CELL = 24, ///< parts of a cell that the search keeps apart, at most
 	PARTS_OF_FINE = 6,  ///< the same in a chart whose cells had a coarser cell's parts before
 	FINE_CHART_BITS = 13, ///< of the number of cells of such a chart
 	SLAB_BITS = 6,      ///< of the number of cells that are made in one go: a run without time for so many would never end
 	BLOCKS_PER_LOOK = 32 ///< measurements between two looks at the clock
 };
 
-/// Blocks and cells are good enough if they are proved to this share of what they could be proved to at best.
+/// Blocks and cells are good enough if they are proved to this share of the best possible bound.
 #define GOOD_BLOCK 0.5
 #define GOOD_CELL 0.5
-/// Metres. What is proved to be this far is good enough: queries and edges that ask for more are rare. Distances are measured up to MOST.
+/// Metres. A proved distance of ENOUGH is good enough: queries and edges rarely need more. Distances are measured up to
+/// MOST.
 #define ENOUGH 0x1p-4
 #define MOST 0x1p-3
 /// Relative tolerance of distances.
@@ -96,7 +97,7 @@ bool lwi_chart_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b
 		lwi_chart_axis* axis = &chart->axes[i];
 		axis->lower = axis->turns ? -pi : axis->lower;
 		axis->upper = axis->turns ? pi : axis->upper;
-		// what is narrower has no cells that could be told apart
+		// the cells of a narrower axis could not be told apart
 		wide = wide && axis->upper - axis->lower > 0x1p-20 * ( fabs( axis->lower ) + fabs( axis->upper ) );
 	}
 	return wide && chart->dimension > 0;
@@ -131,7 +132,7 @@ typedef struct block
 	double lower;    ///< proved for all of it
 	double distance; ///< at the centre, or an estimate from above
 	lwi_nearest nearest; ///< there, or at a centre close to it
-	double motion;   ///< what the distance may be off by elsewhere in it
+	double motion;   ///< by how much the distance may differ elsewhere in the block
 	uint32_t widest; ///< axis along which it is to be halved; LW_INVALID_INDEX: none
 	double share;    ///< of that axis in the motion
 } block;
@@ -142,7 +143,7 @@ typedef struct maker
 	lwi_chart* chart;
 	double deadline;
 	uint32_t parts; ///< of a cell, at most
-	double most_cut;   ///< motion within a cell over that within so many parts, about: axes have bits by what they contribute
+	double most_cut;   ///< motion within a cell over that within so many parts, about; axes get bits by their motion
 	double separation; ///< proved for all states
 	uint64_t seen; ///< blocks
 	bool late, cancelled;
@@ -159,7 +160,7 @@ static uint32_t place_of( const lwi_prober* p, uint32_t variable )
 	return place;
 }
 
-/// Takes the centre of a block in hand, with what overlaps of its neighbours.
+/// Selects the centre of a block, with the overlap of its neighbours.
 static void set_block( maker* m, const block* b )
 {
 	double cell[2 * LWI_CHART_AXES];
@@ -191,7 +192,7 @@ static void choose_axis( const maker* m, block* b, uint32_t least )
 	}
 }
 
-/// Proves of a block what its centre proves, and finds out along which axis it would be halved.
+/// Measures a block at its centre: proves its lower bound and chooses the axis along which it would be halved.
 static void measure( maker* m, block* b, uint32_t least_level )
 {
 	lwi_prober* p = m->prober;
@@ -209,7 +210,7 @@ static void measure( maker* m, block* b, uint32_t least_level )
 	{
 		return; // nothing is needed, or where it came from says that nothing is to be gained
 	}
-	// nearer than what would raise the bound, all that is asked for is some distance from above
+	// for distances too small to raise the bound, any upper bound of the distance will do
 	lw_range range = { needed + b->lower, MOST + needed + CHART_ROUNDING, CHART_ALPHA };
 	lwi_bound bound;
 	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &b->nearest, &bound );
@@ -230,7 +231,7 @@ static block halve( block* b )
 
 static uint8_t number_of( double lower )
 {
-	return (uint8_t)fmin( fmax( lower / LWI_CHART_STEP, 0 ), LWI_CHART_MOST ); // 0 also for what is not a number
+	return (uint8_t)fmin( fmax( lower / LWI_CHART_STEP, 0 ), LWI_CHART_MOST ); // 0 also for NaN
 }
 
 static bool is_cell( const maker* m, const block* b )
@@ -243,7 +244,7 @@ static bool is_cell( const maker* m, const block* b )
 	return cell;
 }
 
-/// Proves more of a cell by its parts, the worst one first, and returns what is proved of it.
+/// Proves more of a cell by its parts, the worst one first, and returns the bound proved for the whole cell.
 static double prove_cell( maker* m, const block* cell )
 {
 	block parts[PARTS_OF_CELL] = { *cell };
@@ -354,7 +355,7 @@ static void make_cells( maker* m, block slab )
 	for ( bool done = false; !done && !m->late; )
 	{
 		block* b = &stack[waiting];
-		b->lower = fmax( fmax( b->lower, m->separation ), fill( m, b, 0 ) * LWI_CHART_STEP ); // what is known already
+		b->lower = fmax( fmax( b->lower, m->separation ), fill( m, b, 0 ) * LWI_CHART_STEP ); // bounds known already
 		measure( m, b, FINE_BITS );
 		bool cell = is_cell( m, b );
 		bool good = b->lower >= fmin( GOOD_BLOCK * ( b->distance + b->motion ), ENOUGH );
@@ -380,7 +381,7 @@ static bool is_worth_keeping( const lwi_chart* chart, double separation )
 	return most * LWI_CHART_STEP > separation;
 }
 
-/// What the coarser chart says, cell by cell. Axes have the same or more bits, since each halving is chosen as before.
+/// Copies the coarser chart's bounds, cell by cell. Axes have the same or more bits, since each halving is chosen as before.
 static void inherit( lwi_chart* fine, const lwi_chart* coarse )
 {
 	uint32_t total = 0;

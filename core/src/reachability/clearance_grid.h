@@ -17,7 +17,7 @@ enum
 	LWI_CHART_AXES = 3,      ///< variables at most
 	LWI_CHART_AXIS_BITS = 9, ///< of the number of cells along an axis, at most
 	LWI_CHART_BITS = 16,     ///< of the number of cells, at most
-	LWI_CHART_MOST = 255     ///< what a cell can say
+	LWI_CHART_MOST = 255     ///< largest number of a cell
 };
 
 /// Metres. A power of two, so that numbers become distances without rounding; 255 of them are a quarter of a metre.

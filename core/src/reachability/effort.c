@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Charts and proofs by subdivision of all pairs, for as long as time is given: round by round, coarse charts and small proofs of all
-// pairs before fine charts and large proofs of any. Every pair goes on from what was done before, in this run or an earlier one.
+// Charts and proofs by subdivision of all pairs, for as long as time is given: round by round, coarse charts and small
+// proofs of all pairs before fine charts and large proofs of any. Work on every pair continues earlier work, of this run or
+// an earlier one.
 #include "base/math_inline.h"
 #include "reachability/effort.h"
 
@@ -21,7 +22,8 @@ enum
 /// Share of the box that a proof must have certified to be in the last round.
 #define LEAST_DONE 0.01
 
-/// Bits of the number of cells, by rounds and the number of variables: coarse charts of all pairs come before fine ones of any.
+/// Bits of the number of cells, by rounds and the number of variables: coarse charts of all pairs come before fine ones of
+/// any.
 enum
 {
 	CHART_ROUNDS = 3,
@@ -29,7 +31,7 @@ enum
 };
 static const uint32_t chart_bits[CHART_ROUNDS][LWI_CHART_AXES + 1] = { { 0, 6, 8, 9 }, { 0, 8, 12, 12 }, { 0, 8, 12, 15 } };
 
-/// Proofs first aim at a tenth of the closest distance found: cells are cut until their motion fits into what is left, so a
+/// Proofs first aim at a tenth of the closest distance found: cells are cut until their motion fits into the rest, so a
 /// modest aim needs few. Later rounds aim higher, since queries pass over a pair only where its separation is beyond the
 /// running bound.
 static const double fractions[] = { 0.1, 0.5, 0.8 };
@@ -38,7 +40,7 @@ enum
 	FRACTION_COUNT = sizeof( fractions ) / sizeof( fractions[0] )
 };
 
-// ---- what is left to do ----------------------------------------------------------------------------------------------
+// ---- remaining work -------------------------------------------------------------------------------------------------
 
 double lwi_effort_aim( const lw_reach_pair* pair, const lwi_effort* effort )
 {
@@ -74,7 +76,7 @@ bool lwi_effort_wants_chart( const lw_reach* reach, const lw_reach_pair* pair, c
 
 // ---- tasks -----------------------------------------------------------------------------------------------------------
 
-/// What a round does with the pairs that it lists.
+/// A round's work on the pairs that it lists.
 typedef enum step
 {
 	STEP_PROVE,   ///< pairs without a proof that queries would check
@@ -153,7 +155,8 @@ static bool is_in_reach( const effort_round* r, lwi_prober* prober, const lwi_ac
 	return effort->expected <= (double)IN_REACH * (double)budget && active->pair->closest > 0;
 }
 
-/// True if a proof has had all cells that it may have, or all but those of the last round and hardly anything to show for them.
+/// True if a proof has had all cells that it may have, or all but those of the last round and hardly anything to show for
+/// them.
 static bool is_too_large( const lwi_prober* prober, const lwi_effort* effort )
 {
 	return effort->cells >= cells_of( LAST_ROUND ) ||
@@ -260,13 +263,13 @@ static bool is_chosen( const effort_round* r, uint32_t index )
 	return wanted && lwi_effort_aim( pair, active->effort ) > 0 && active->effort->cells < cells_of( r->number );
 }
 
-/// A pair and what it is sorted by.
+/// A pair and its sort keys.
 typedef struct ranked
 {
 	uint32_t visits, variable_count, index;
 } ranked;
 
-/// What queries look at most often first; among equals few variables first.
+/// Pairs that queries visit most often first; among equals few variables first.
 static int by_use( const void* x, const void* y )
 {
 	const ranked *a = x, *b = y;

@@ -21,7 +21,7 @@ typedef struct lwi_pair_list
 	uint64_t seed;
 } lwi_pair_list;
 
-/// Of random numbers for one pair: what it finds does not depend on the others.
+/// Seed of the random numbers for one pair: its results do not depend on the other pairs.
 static inline uint64_t lwi_pair_seed( const lwi_pair_list* list, const lwi_active* active )
 {
 	return list->seed + lwi_reach_pair_index( active->link_a, active->link_b ) * 0x9e3779b97f4a7c15u;

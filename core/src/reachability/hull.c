@@ -13,14 +13,15 @@ enum
 {
 	/// Points of one hull. Where that binds, more is dropped than the budget has for it, and `dilation` says so.
 	MAX_POINTS = 1500,
-	/// The same of a link swept up to an ancestor: there are ten times as many of these, and what they are too coarse to
-	/// prove is left to the subdivision.
+	/// The same of a link swept up to an ancestor: there are ten times as many of these, and the subdivision proves the
+	/// pairs for which they are too coarse.
 	MAX_SWEEP_POINTS = 480
 };
 
 // ---- plan ------------------------------------------------------------------------------------------------------------
 
-/// What a link's hull and its children's are thinned by together, before the joint: nearly nothing, only to be quick.
+/// Share of the tolerance for thinning the joint hull of a link and its children, before the joint: nearly nothing, only to
+/// be quick.
 #define UNION_SHARE 0.125
 
 /// The longest chain from the root, as lengths and as counts.
@@ -127,7 +128,7 @@ static lw_status add_children( builder* b, uint32_t link, lwi_hull* mr )
 	return status;
 }
 
-/// Radius about center of what the children's M contain.
+/// Radius about center of a sphere that contains the children's M.
 static double children_radius( const builder* b, uint32_t link, lw_vec3 center )
 {
 	const lw_robot* robot = b->plan.robot;

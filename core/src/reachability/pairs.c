@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is known of each pair of links: contact found, proved apart, or to be checked. Samples first, since what touches
-// needs no proof; then proofs by hulls; a search for contact; and charts and proofs by subdivision (reachability/effort.c).
+// Classifies each pair of links: contact found, proved apart, or to be checked. Samples first, since pairs in contact
+// need no proof; then proofs by hulls; a search for contact; and charts and proofs by subdivision (reachability/effort.c).
 //
 // Classes as MoveIt's Setup Assistant names them (adjacent, never, always, default), but "never" is proved here, not
 // sampled.
@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/// Metres. Pairs that were found in contact are asked no more than whether they are again.
+/// Metres. Pairs found in contact before are only tested for contact again.
 #define CONTACT_LIMIT 1e-6
 
 enum
@@ -77,7 +77,8 @@ static bool is_listed( const lw_robot* robot, uint32_t a, uint32_t b )
 	return ( ( robot->allowed[bit / 32] >> ( bit % 32 ) ) & 1u ) != 0;
 }
 
-/// Fills what does not depend on distances, for all pairs. Returns the number of those that may move, which get a state.
+/// Fills the fields that do not depend on distances, for all pairs. Returns the number of those that may move, which get a
+/// state.
 static uint32_t classify_by_links( work* w )
 {
 	uint32_t count = 0;
@@ -161,7 +162,7 @@ static lw_status fill_list( work* w )
 
 // ---- samples ---------------------------------------------------------------------------------------------------------
 
-/// What a part of the random states found of a pair.
+/// The closest distance of a pair in a part of the random states.
 typedef struct sighting
 {
 	double closest;
@@ -179,7 +180,7 @@ typedef struct batch
 	atomic_uint measured;
 } batch;
 
-/// Each random state has its own stream, so that it does not matter who measures it.
+/// Each random state has its own stream, so that its values do not depend on the thread.
 static void sample_state( const work* w, const lwi_prober* prober, uint32_t sample, double* q )
 {
 	uint64_t random = w->reach->seed ^ ( ( sample + 1u ) * 0xd1342543de82ef95u );
@@ -256,7 +257,7 @@ static void measure_part( void* context, uint32_t part )
 	lwi_probers_give( &b->w->probers, prober );
 }
 
-/// Enters what was seen, part by part: what comes out does not depend on threads.
+/// Enters the sightings, part by part: the result does not depend on threads.
 static void enter_sightings( const batch* b, lwi_prober* prober )
 {
 	const work* w = b->w;
@@ -297,7 +298,7 @@ static void measure_default( work* w, lwi_prober* prober, lw_transform* poses, s
 	}
 }
 
-/// Random states from the last one on, in batches that double: each knows what those before it found.
+/// Random states from the last one on, in batches that double: each batch knows the results of those before it.
 static lw_status measure_batches( work* w, batch* b, lwi_prober* prober, uint32_t samples )
 {
 	lw_reach* reach = w->reach;
@@ -540,8 +541,8 @@ static double plain_distance( const lwi_prober* p, const lw_transform* poses, ui
 	return least;
 }
 
-/// The evidence moves nothing but the pair's own variables away from the default state, and its distance is what a user
-/// measures there. (Searches measure seen from the common ancestor: the same up to rounding.)
+/// The evidence moves nothing but the pair's own variables away from the default state, and its distance equals a user's
+/// measurement there. (Searches measure seen from the common ancestor: the same up to rounding.)
 static void finish_evidence( const lwi_active* active, lwi_prober* p, lw_transform* poses )
 {
 	lwi_prober_select( p, active->link_a, active->link_b );

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all questions about a pair of links share: the joints between them, poses, measurements, random states.
+// The data and steps that all computations on a pair of links share: the joints between them, poses, measurements, random
+// states.
 //
 // Uniform random rotations: K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
 #include "base/arena.h"
@@ -143,7 +144,7 @@ lwi_prober* lwi_probers_take( lwi_probers* probers )
 		atomic_store( &probers->out_of_memory, true );
 		return NULL;
 	}
-	memset( p->query->search.hints, 0, sizeof( p->query->search.hints ) ); // what a pair's answers are does not depend on who came before it
+	memset( p->query->search.hints, 0, sizeof( p->query->search.hints ) ); // answers do not depend on earlier pairs
 	return p;
 }
 
@@ -293,7 +294,7 @@ static lw_transform a_from_b( const lw_transform* poses, const lw_body_def* a, c
 	return lwi_relative( &pose_a, &pose_b );
 }
 
-/// What was nearest elsewhere goes into the bound.
+/// Offers the distance of the pair that was nearest in another state to the bound.
 static void measure_nearest( lwi_prober* p, const lw_transform* poses, const uint32_t first[2], const lwi_nearest* nearest, lwi_bound* bound )
 {
 	const lw_body_def* a = &p->robot->bodies[p->body_order[first[0] + nearest->body_a]];

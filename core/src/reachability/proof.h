@@ -8,8 +8,8 @@
 #include "reachability/clearance_grid.h"
 #include "reachability/reach.h"
 
-/// Items of a body of each link that were nearest in some state: measured first in a state next to it, they bound the distance from the
-/// start, and often answer all that was asked. Zeroed: none is known.
+/// Items of a body of each link that were nearest in some state: measured first in a state next to it, they bound the
+/// distance from the start, and often complete the answer. Zeroed: none is known.
 typedef struct lwi_nearest
 {
 	bool known;
@@ -81,8 +81,8 @@ lwi_prober* lwi_probers_take( lwi_probers* probers );
 void lwi_probers_give( lwi_probers* probers, lwi_prober* prober ); ///< NULL is ignored
 void lwi_probers_free( lwi_probers* probers );
 
-/// Distance of two links whose poses are known, in one frame. @param nearest is measured first, if known, and becomes what was found, if
-/// anything was; may be NULL
+/// Distance of two links whose poses are known, in one frame. @param nearest is measured first, if known, and becomes the
+/// nearest pair found, if any; may be NULL
 void lwi_prober_measure_links( lwi_prober* prober, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
 	const lw_range* range, lwi_nearest* nearest, lwi_bound* out_bound );
 
@@ -121,13 +121,13 @@ void lwi_prober_search( lwi_prober* prober, uint64_t seed, uint32_t budget, doub
 
 // --- reachability/subdivide.c -----------------------------------------------------------------------------------------------
 
-/// Sets `state` to the centre of a cell and half_width to what covers the cell from there.
+/// Sets `state` to the centre of a cell and half_width to the half widths that cover the cell from there.
 /// @param cell [2 * variable_count] lower and upper end of each variable of the pair
 void lwi_prober_set_cell( lwi_prober* prober, const double* cell );
 
-/// By how much the distance of the two links may differ between the centre (posed) and any state of the cell; `shares` becomes
-/// what each variable contributes. The motion is looked at from whichever link between the two makes it least: joints before it
-/// move a, joints behind it b.
+/// By how much the distance of the two links may differ between the centre (posed) and any state of the cell; `shares`
+/// becomes the contribution of each variable. The motion is taken relative to the link between the two that makes it least:
+/// joints before it move a, joints behind it b.
 double lwi_prober_cell_motion( lwi_prober* prober );
 
 typedef enum lwi_proof_outcome
@@ -139,15 +139,16 @@ typedef enum lwi_proof_outcome
 	LWI_PROOF_CANCELLED
 } lwi_proof_outcome;
 
-/// Estimates how many cells lwi_prober_subdivide() would need, from a few random ways down its tree; +inf if there is no end in
-/// sight. Rough: within some powers of ten of the truth, but it costs a few hundred cells.
+/// Estimates how many cells lwi_prober_subdivide() would need, from a few random ways down its tree; +inf if there is no end
+/// in sight. Rough: within some powers of ten of the truth, but it costs a few hundred cells.
 double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, double* closest, double* q );
 
-/// Goes on to prove the pair in hand (which is `bounded`) apart by at least effort->fraction of the least distance found, until
-/// effort->cells is `budget` or `deadline` comes. What is left open is in effort, memory of the reach; none is open at first, and none
-/// once the outcome is PROVED or HOPELESS. *closest and q are updated if a nearer state inside the limits is met.
+/// Goes on to prove the pair in hand (which is `bounded`) apart by at least effort->fraction of the least distance found,
+/// until effort->cells is `budget` or `deadline` comes. The open cells are in effort, memory of the reach; none is open at
+/// first, and none once the outcome is PROVED or HOPELESS. *closest and q are updated if a nearer state inside the limits is
+/// met.
 /// @param out_separation proved; 0 unless the outcome is PROVED
-/// @return LW_OK, LW_ERROR_OUT_OF_MEMORY (what was open still is)
+/// @return LW_OK, LW_ERROR_OUT_OF_MEMORY (open cells stay open)
 lw_status lwi_prober_subdivide( lwi_prober* prober, lwi_effort* effort, uint64_t budget, double deadline, double* closest,
 	double* q, lwi_proof_outcome* out_outcome, double* out_separation );
 
@@ -159,11 +160,11 @@ void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variab
 
 // --- reachability/clearance_grid.c ---------------------------------------------------------------------------------------------------
 
-/// Goes on with the chart of a pair, slab by slab. What is not measured yet says what a coarser chart said, or nothing.
-/// @param separation proved for all states @param total_bits of the number of cells, by the number of variables: no less than
-/// what the chart has
-/// @param chart its cells are the caller's; cells = NULL if there is no chart yet. If none is possible, or it is finished and says
-/// nothing that is not known, they are NULL afterwards
+/// Continues the chart of a pair, slab by slab. Cells not measured yet have the bounds of a coarser chart, or none.
+/// @param separation proved for all states @param total_bits of the number of cells, by the number of variables: no less
+/// than the chart's own
+/// @param chart its cells are the caller's; cells = NULL if there is no chart yet. If none is possible, or the finished one
+/// proves nothing new, they are NULL afterwards
 /// @param slabs finished with these bits, goes on from there; 0 for new bits
 /// @param out_complete all of it is measured
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_CANCELLED

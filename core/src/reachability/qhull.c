@@ -5,13 +5,13 @@
 // that are close to a facet, the farthest are added first). The walk over facets is the visibility walk of Devillers, Pion,
 // Teillaud, Walking in a triangulation, 2002, on the facets seen from the centre.
 //
-// What qhull says is only a proposal. For each point p that is dropped, a point of the hull of the kept ones is written down
-// as a convex combination of the centre c (the mean of the kept ones) and the corners v0 v1 v2 of the facet that the ray
-// from c to p leaves through,
+// The output of qhull is only a proposal. For each point p that is dropped, a point of the hull of the kept ones is written
+// down as a convex combination of the centre c (the mean of the kept ones) and the corners v0 v1 v2 of the facet that the
+// ray from c to p leaves through,
 //     p' = c + sum w_k ( v_k - c ),  w_k >= 0,  sum w_k <= 1,
 // p itself where that is possible, and |p - p'| bounds how far p is outside. A wrong facet gives a larger bound, never a
-// false one. Where that bound is larger than others', the distance of distance/convex.h decides (its upper bound is attained by a
-// point of the hull too).
+// false one. Where that bound is larger than others', the distance of distance/convex.h decides (its upper bound is attained
+// by a point of the hull too).
 #include "reachability/qhull.h"
 
 #include "distance/convex.h"
@@ -58,7 +58,7 @@ typedef struct hull_work
 	const double* points;
 	size_t count, kept_count;
 	unsigned char* kept; ///< [count]
-	size_t source_count; ///< what qhull is given: all points, or those that it kept with a smaller width
+	size_t source_count; ///< number of points given to qhull: all, or those that it kept with a smaller width
 	uint32_t* source;    ///< [count] indices
 	double* copy;        ///< [count][3] of the source
 	lw_vec3 center;      ///< mean of the kept points
@@ -69,7 +69,7 @@ typedef struct hull_work
 	hull_rest* rests; ///< [count - allocated]
 } hull_work;
 
-/// What belongs to one attempt: all but kept, source and copy.
+/// Frees the data of one attempt: all but kept, source and copy.
 static void free_attempt( hull_work* w )
 {
 	lwi_free( w->allocator, w->facets, w->facet_count * sizeof( hull_facet ) );
@@ -156,7 +156,7 @@ static bool copy_hull( hull_work* w, qhT* qh )
 	return true;
 }
 
-/// qhull writes what it thinks to a file; nobody reads it here.
+/// qhull writes its messages to a file; nobody reads them here.
 static FILE* open_nowhere( void )
 {
 	FILE* file = fopen( "/dev/null", "w" );
@@ -247,7 +247,7 @@ static void keep_extremes( hull_work* w, size_t max_points )
 // ---- proof -----------------------------------------------------------------------------------------------------------
 
 /// The facet that the ray from the centre along v leaves through, from `start` across the edge that v is farthest beyond.
-/// It may end elsewhere if the facets are not what they should be.
+/// It may end elsewhere if the facets are wrong.
 static uint32_t walk( const hull_work* w, lw_vec3 v, uint32_t start )
 {
 	uint32_t at = start;
@@ -343,7 +343,7 @@ static int by_bound( const void* a, const void* b )
 /// Largest distance of a dropped point from the hull of the kept ones, without rounding.
 static double prove( hull_work* w )
 {
-	double floor = ROUNDING * farthest_from_center( w ); // nobody asks which of the inner points is closest to the surface
+	double floor = ROUNDING * farthest_from_center( w ); // smaller bounds are not refined: the rounding covers them
 	size_t rest_count = 0, hull_count = 0;
 	uint32_t facet = 0;
 	for ( size_t i = 0; i < w->count; ++i )
@@ -382,7 +382,7 @@ static double prove( hull_work* w )
 
 // ---- attempts --------------------------------------------------------------------------------------------------------
 
-/// Proves what kept[] says; the kept points are then in w->hull. @param out_outside without rounding
+/// Proves the choice in kept[]; the kept points are then in w->hull. @param out_outside without rounding
 static lw_status prove_attempt( hull_work* w, double* out_outside )
 {
 	w->allocated = w->kept_count;
@@ -412,7 +412,7 @@ static lw_status attempt_extremes( hull_work* w, size_t max_points, double* out_
 	return prove_attempt( w, out_outside );
 }
 
-/// All points, or what is kept now: all others are close to its hull already.
+/// All points, or the points kept now: all others are close to their hull already.
 static void choose_source( hull_work* w, bool only_kept )
 {
 	w->source_count = 0;
@@ -425,8 +425,8 @@ static void choose_source( hull_work* w, bool only_kept )
 	}
 }
 
-/// Finds how much qhull may leave out. Too many points: more. What it leaves out of a thin set within its tolerance of two
-/// opposite facets may be far outside beyond their rims: less, and once that happened never again more than then.
+/// Finds the tolerance for qhull. Too many points: larger. Points that it leaves out of a thin set within its tolerance of
+/// two opposite facets may be far outside beyond their rims: less, and once that happened never again more than then.
 static lw_status attempt_all( hull_work* w, double tolerance, size_t max_points, double* out_outside )
 {
 	double width = tolerance, limit = INFINITY;

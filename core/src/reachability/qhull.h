@@ -11,8 +11,8 @@ bool lwi_hulls_available( void );
 /// Keeps few of the points: the convex hull of the kept ones, dilated by *out_outside, contains all.
 /// @param points [*count][3], finite, *count >= 1; the kept ones are moved to the front, in their order
 /// @param count in and out
-/// @param tolerance metres, >= 0: how far a point may lie outside of the others' hull and be dropped, roughly; what that
-/// came to is *out_outside. 0 drops only what is inside to rounding
+/// @param tolerance metres, >= 0: how far a point may lie outside of the others' hull and be dropped, roughly;
+/// *out_outside is the proved value. 0 drops only points that are inside to rounding
 /// @param max_points >= 8; the tolerance is raised until no more points are kept
 /// @param out_outside proved, metres, rounding included
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_UNSUPPORTED

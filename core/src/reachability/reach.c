@@ -348,7 +348,7 @@ lw_status lw_reach_continue( const lw_reach* reach, const lw_reach_def* def, con
 	return LW_OK;
 }
 
-/// True if more time may change what is known of the pair.
+/// True if more time may improve the class or bounds of the pair.
 static bool is_open( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort )
 {
 	bool compared = !( pair->closest > 0 ) || ( effort->flags & LWI_EFFORT_HULLS ) != 0;
@@ -385,7 +385,7 @@ lw_reach_info lw_reach_get_info( const lw_reach* reach )
 
 lw_reach* lw_reach_retain( const lw_reach* reach )
 {
-	lw_reach* shared = (lw_reach*)reach; // reference counts are not part of what is immutable
+	lw_reach* shared = (lw_reach*)reach; // reference counts are exempt from immutability
 	if ( shared != NULL )
 	{
 		lwi_retain( &shared->references );

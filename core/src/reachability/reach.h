@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a reach is made of, and the doors between its rooms: hulls, proofs, search, tables.
+// The parts of a reach, and the functions that its files share: hulls, proofs, search, tables.
 #ifndef LEEWAY_REACHABILITY_REACH_H
 #define LEEWAY_REACHABILITY_REACH_H
 
@@ -27,7 +27,7 @@ enum
 	LWI_CELL_DEPTH = 300     ///< cuts above each other; 43 halvings bring a full turn below 1e-12 rad
 };
 
-/// What was done for a pair that moves, and what is under way: proofs go on from here.
+/// The work done for a pair that moves, and its open cells: proofs continue from here.
 typedef struct lwi_effort
 {
 	uint32_t flags;    ///< LWI_EFFORT_...
@@ -96,8 +96,8 @@ static inline bool lwi_reach_is_checked( const lw_reach_pair* pair )
 void lwi_reach_free( lw_reach* reach );
 
 /// Allocates the arrays whose sizes follow from reach->robot (all but points and evidence), fills lower and upper with the
-/// limits widened by reach->limit_margin; pairs have nothing measured and no state. What it allocated before it failed is
-/// left to lwi_reach_free().
+/// limits widened by reach->limit_margin; pairs have nothing measured and no state. After a failure
+/// lwi_reach_free() frees the arrays allocated before it.
 lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag );
 
 /// Bytes of all that a finished reach holds, the robot left out.
@@ -111,7 +111,7 @@ static inline size_t lwi_effort_bytes( const lwi_effort* effort, uint32_t variab
 
 // --- reachability/run.c -----------------------------------------------------------------------------------------------------
 
-/// What is under way, for all threads.
+/// The stage in progress, for all threads.
 typedef struct lwi_reach_stage
 {
 	const char* name;
@@ -149,7 +149,7 @@ lw_status lwi_reach_run( const lwi_reach_job* job, void ( *task )( void* context
 /// Fills links and points: R, M and MR of every link, bottom-up.
 lw_status lwi_reach_build_hulls( const lwi_reach_job* job );
 
-/// Hulls of single links swept up to an ancestor, made when asked for and kept while pairs are proved.
+/// Hulls of single links swept up to an ancestor, made at their first use and kept while pairs are proved.
 typedef struct lwi_sweeps lwi_sweeps;
 lw_status lwi_sweeps_create( const lwi_reach_job* job, lwi_sweeps** out_sweeps );
 void lwi_sweeps_destroy( lwi_sweeps* sweeps );
@@ -165,12 +165,13 @@ lw_status lwi_sweeps_separation( lwi_sweeps* sweeps, uint32_t link_a, uint32_t l
 
 /// Lists the pairs that move, with evidence and efforts: nothing is measured.
 lw_status lwi_reach_list_pairs( const lwi_reach_job* job );
-/// Goes on with pairs, states, evidence and efforts: sampling, hull proofs, search for contact, what takes time, classes.
+/// Continues pairs, states, evidence and efforts: sampling, hull proofs, search for contact, timed proofs and charts,
+/// classes.
 lw_status lwi_reach_build_pairs( const lwi_reach_job* job );
 
 // --- reachability/effort.c --------------------------------------------------------------------------------------------------
 
-/// What the next proof of a pair aims at, as a fraction of its closest distance; 0: nothing is to be tried (any more).
+/// Aim of the next proof of a pair, as a fraction of its closest distance; 0: no proof is to be tried (any more).
 double lwi_effort_aim( const lw_reach_pair* pair, const lwi_effort* effort );
 /// True if a chart of a pair is wanted and not finished.
 bool lwi_effort_wants_chart( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tasks of a reach on the threads that its user provides, and progress told by any of them.
+// Tasks of a reach on the threads that its user provides, and progress reported by any of them.
 #define _POSIX_C_SOURCE 199309L // clock_gettime
 #include "base/math_inline.h"
 #include "reachability/reach.h"
@@ -35,7 +35,7 @@ void lwi_reach_begin( const lwi_reach_job* job, const char* name, double seconds
 		stage->seconds = seconds;
 		stage->count = count;
 		atomic_store( &stage->done, 0u );
-		atomic_store( &stage->last_report, 0.0 ); // each stage is told at once
+		atomic_store( &stage->last_report, 0.0 ); // each stage is reported at once
 	}
 }
 
@@ -46,7 +46,7 @@ void lwi_reach_step( const lwi_reach_job* job )
 		atomic_fetch_add( &job->stage->done, 1u );
 		if ( job->stage->count <= FEW_STEPS )
 		{
-			atomic_store( &job->stage->last_report, 0.0 ); // each of them is told
+			atomic_store( &job->stage->last_report, 0.0 ); // each of them is reported
 		}
 	}
 }

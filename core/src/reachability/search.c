@@ -12,7 +12,7 @@
 
 enum
 {
-	START_CANDIDATES = 8, ///< random states of which the nearest begins a restart
+	START_CANDIDATES = 8, ///< random states; the nearest of them begins a restart
 	HALVINGS = 12         ///< from a quarter of the range to 6e-5 of it
 };
 
@@ -55,7 +55,7 @@ static bool wraps( const lwi_prober* p, uint32_t v )
 	return p->robot->variables[v].wraps;
 }
 
-/// Keeps a value inside what random states may have: clamped, or turned back into [-pi, pi].
+/// Keeps a value inside the range of random states: clamped, or turned back into [-pi, pi].
 static double inside( const lwi_prober* p, uint32_t v, double value )
 {
 	double low = p->sample_lower[v], high = p->sample_upper[v];

@@ -65,7 +65,7 @@ static void motion_of_side( lwi_prober* p, uint32_t link, const uint32_t* way, u
 	}
 }
 
-/// Adds what one joint contributes to the bound to the shares of its variables.
+/// Adds one joint's contribution to the bound to the shares of its variables.
 static void add_share( lwi_prober* p, uint32_t joint_index, double length )
 {
 	const lwi_joint* joint = &p->robot->joints[joint_index];
@@ -155,7 +155,7 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 	{
 		return false; // the parent's distance says so: no need to measure
 	}
-	// A large cell near contact is cut whatever its distance is; what it needs is that it is small
+	// a large cell near contact is cut whatever its distance: it must become small
 	lw_range range = { CUT_SHARE * fmax( 0.0, motion - 4 * s->target ), needed, CELL_ALPHA };
 	lwi_bound bound;
 	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &s->nearest, &bound );
@@ -265,14 +265,14 @@ void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variab
 	effort->flags &= ~(uint32_t)LWI_EFFORT_TOO_MANY;
 }
 
-/// Takes up what is open, or the whole box.
+/// Resumes with the open cells, or begins with the whole box.
 static subdivision take_up( lwi_prober* p, const lwi_effort* effort, double* closest, double* q )
 {
 	subdivision s = make( p, effort->fraction, closest, q );
 	begin( &s );
 	if ( effort->height > 0 )
 	{
-		// what was certified was so for this target, or a larger one
+		// closed cells were certified for this target, or a larger one
 		s.least = fmin( effort->least, *closest );
 		s.target = fmin( effort->target, s.fraction * s.least );
 		s.height = effort->height;
@@ -281,7 +281,7 @@ static subdivision take_up( lwi_prober* p, const lwi_effort* effort, double* clo
 	return s;
 }
 
-/// Keeps what is open.
+/// Stores the open cells.
 static lw_status put_down( const subdivision* s, lwi_effort* effort )
 {
 	const lw_reach* reach = s->prober->job->reach;

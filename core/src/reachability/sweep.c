@@ -18,10 +18,10 @@
 static const double two_pi = 6.28318530717958647692;
 
 /// A transform, a rotation and forward kinematics each lose at most a few u of the lengths that go in: 64 u per joint and
-/// metre of chain (core/docs/kinematics.md), doubled for what is computed here.
+/// metre of chain (core/docs/kinematics.md), doubled for the computations here.
 #define ROUNDING ( 128.0 * LWI_U64 )
 
-/// Small hulls do not take their whole share of the budget: fingers would be lost in what is nothing to an arm. Shares of
+/// Small hulls do not take their whole share of the budget: an arm's tolerance would swallow whole fingers. Shares of
 /// the radius: of the turn for sampling (a step is then 16 degrees at most), of the hull for dropping points.
 #define SAMPLING_SHARE 0.01
 #define REDUCTION_SHARE 0.001
@@ -266,7 +266,8 @@ static lw_status add_balls( const lwi_hull_plan* plan, const lw_shape* shape, co
 	return status;
 }
 
-/// Vertices of a mesh, corners of boxes; of points, spheres and capsules (one radius) balls around the hull of their vertices.
+/// Vertices of a mesh, corners of boxes; of points, spheres and capsules (one radius) balls around the hull of their
+/// vertices.
 static lw_status add_soup( const lwi_hull_plan* plan, const lw_shape* shape, const lw_transform* m, lwi_hull* hull )
 {
 	lwi_hull vertices = { 0 };
@@ -339,7 +340,7 @@ static lw_status add_round( const lwi_hull_plan* plan, const lw_shape* shape, co
 	return LW_OK;
 }
 
-/// What is added below about the largest coordinate of a body, its pose included.
+/// Bound on the largest coordinate of a body, its pose included; the code below adds up the same lengths.
 static double body_extent( const lw_body_def* body )
 {
 	const lw_shape* shape = lwi_shape_now( body->shape );
@@ -554,7 +555,7 @@ static lw_status sweep_all_turns( const lwi_hull_plan* plan, const lwi_hull* in,
 	return LW_OK;
 }
 
-/// hull becomes what it fills when it is shifted along `directions`, each by all values of its range.
+/// hull becomes the volume that it sweeps when it is shifted along `directions`, each by all values of its range.
 static lw_status sweep_shifts( const lwi_hull_plan* plan, lw_vec3 directions[], lwi_joint_range ranges[], int count,
 	lwi_hull* hull )
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Point hulls of links, and what a joint makes of them over its range.
+// Point hulls of links, and the volumes that they sweep over the range of a joint.
 #ifndef LEEWAY_REACHABILITY_SWEEP_H
 #define LEEWAY_REACHABILITY_SWEEP_H
 
@@ -13,7 +13,7 @@ typedef struct lwi_hull
 	double* points; ///< [capacity][3]
 	size_t count, capacity;
 	double dilation; ///< metres
-	double excess;   ///< metres: how far the dilated hull may exceed that of what it stands for
+	double excess;   ///< metres: how far the dilated hull may exceed the hull of the geometry
 	bool unbounded;  ///< everything; there are no points then
 } lwi_hull;
 
@@ -41,7 +41,7 @@ lwi_joint_range lwi_joint_value_range( const lwi_hull_plan* plan, const lwi_join
 
 void lwi_hull_free( const lwi_hull_plan* plan, lwi_hull* hull );
 
-/// Drops what is inside, or nearly. @param share of plan->reduction that this may cost
+/// Drops points that are inside, or nearly. @param share of plan->reduction that this may cost
 /// @return LW_OK or an error of lwi_reduce_points()
 lw_status lwi_hull_reduce( const lwi_hull_plan* plan, double share, lwi_hull* hull );
 
@@ -54,8 +54,8 @@ lw_status lwi_hull_of_link( const lwi_hull_plan* plan, uint32_t link, lwi_hull* 
 /// Upper bound of the distance of a link's geometry from a point of its frame; -1 if it has none.
 double lwi_link_radius( const lw_robot* robot, uint32_t link, lw_vec3 center );
 
-/// What a hull in the child frame sweeps in the parent's frame as the joint takes all its values, reduced. *out is empty
-/// before.
+/// The volume that a hull in the child frame sweeps in the parent's frame as the joint takes all its values, reduced. *out
+/// is empty before.
 lw_status lwi_hull_sweep( const lwi_hull_plan* plan, uint32_t joint, const lwi_hull* in, lwi_hull* out );
 
 /// The hull moved by a transform. *out is empty before.

@@ -12,7 +12,7 @@
 // (9) takes rigid over grandchildren because the paper has no collision between neighbours at all. Here the robot says
 // which pairs are exempt, and a neighbour that is not exempt must be looked at. So r_i takes rigid over *children*: R_i
 // against M_c is R_i against R_c and all M below c, that is min( base_ic, rigid_id over the children d of c ). Where the
-// robot allows contact of i and c, or they are rigid, base_ic is +inf and what is left is (9) to the letter.
+// robot allows contact of i and c, or they are rigid, base_ic is +inf and (9) remains to the letter.
 
 uint32_t lwi_reach_common_ancestor( const lw_robot* robot, uint32_t a, uint32_t b )
 {

@@ -532,8 +532,8 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 /// In the child frame of joint j its axis is fixed, and a point moves only by the joints between j and the body: from
 /// its place in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
 /// centre in the poses) + radius + share (path length below j), and at most the ring, enlarged by how far the shifts below
-/// get from where the rings assume them. A rotation turns the velocities below it
-/// (Coriolis, twice) and its own; shifts are at constant speed.
+/// get from where the rings assume them. A rotation turns the velocities below it (Coriolis, twice) and its own; shifts
+/// are at constant speed.
 /// @param rough by rings alone: uses no pose
 static inline lwi_motion_rate measure( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, bool rough,
 	lw_vec3 center, double radius, double share )

@@ -38,8 +38,8 @@ size_t lwi_motion_table_bytes( const lwi_motion_table* table );
 
 /// Upper bound, for any point of any body, of the distance between where it is in the world at a state and where double
 /// arithmetic puts it. Poses are not quite rigid: a distance of two bodies, in the frame of one of them, is off by up to
-/// three times that and
-/// *stretch times itself. Derivation: core/docs/numerics.md. Cost: the moving joints that shift, or that follow others.
+/// three times that and *stretch times itself. Derivation: core/docs/numerics.md. Cost: the moving joints that shift, or
+/// that follow others.
 /// @param state [variable_count] finite
 double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch, double* reach );
 
