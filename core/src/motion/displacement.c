@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the robot moves along an edge: states, poses of nodes at the ends of cells, and what bodies do in between.
+// The robot's motion along an edge: states, poses of nodes at the ends of cells, and bounds for bodies in between.
 //
-// A point's way is bounded by where it is at both ends and how fast its velocity can change in between (linear interpolation),
-// which beats path lengths by far where joints' motions cancel or cells are short. Derivation: core/docs/edges.md.
+// A point's way is bounded by its places at both ends and the largest change of its velocity in between (linear
+// interpolation), which beats path lengths by far where joints' motions cancel or cells are short. Derivation:
+// core/docs/edges.md.
 #include "base/arena.h"
 #include "checker/pose.h"
 #include "motion/edge.h"
@@ -84,7 +85,7 @@ bool lwi_edge_begin( lwi_edge* edge )
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 {
 	lwi_edge edge = { .checker = checker };
-	// Each more may move, and meet all others: what lay_out() would take for as many items, and its rounding of five arrays
+	// Each more may move, and meet all others: the memory of lay_out() for as many items, and its rounding of five arrays
 	size_t items = spare_bodies * ( 1 + (size_t)checker->robot->body_count + spare_bodies );
 	size_t more = items * ( sizeof( lwi_edge_item ) + 2 * 4 * sizeof( lwi_edge_gap ) ) + 5 * LWI_ALIGNMENT +
 				  spare_bodies * ( sizeof( lwi_rake_point ) + sizeof( bool ) ) +
@@ -204,7 +205,7 @@ static size_t frame_at( lwi_edge* e, double t )
 	return frame;
 }
 
-/// World_from_top of a node at t. What can fail, a zero quaternion, was ruled out when the motion was measured.
+/// World_from_top of a node at t. The one possible failure, a zero quaternion, was ruled out when the motion was measured.
 static const lw_transform* node_pose( lwi_edge* e, double t, uint32_t node )
 {
 	const lw_checker* c = e->checker;
@@ -311,8 +312,8 @@ double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, doubl
 
 // ---- displacements ---------------------------------------------------------------------------------------------------
 
-/// How far a point at distance 1 gets by the turn from one pose to another. Of two rotations by an angle a from each other, the
-/// difference has the Frobenius norm 2 sqrt( 2 ) sin( a / 2 ).
+/// How far a point at distance 1 gets by the turn from one pose to another. Of two rotations by an angle a from each other,
+/// the difference has the Frobenius norm 2 sqrt( 2 ) sin( a / 2 ).
 static double turn_between( const lw_transform* from, const lw_transform* to )
 {
 	double sum = 0;
@@ -332,7 +333,7 @@ static bool is_swing( const lwi_edge_swing* s, uint32_t node, uint32_t ancestor,
 	return s->node == node && s->ancestor == ancestor && s->window.t == window.t && s->window.half == window.half;
 }
 
-/// Bodies of one node are asked for one after the other, or two of a pair by turns: what they have in common is kept.
+/// Callers go through the bodies of one node, or alternate between the two bodies of a pair: the last two swings are kept.
 static lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
 {
 	if ( is_swing( &e->swings[e->last_swing], node, ancestor, window ) )
@@ -363,7 +364,7 @@ static double chord_of( const lwi_edge* e, const lwi_edge_swing* s, const double
 	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->checker->motion, e->motion );
 }
 
-/// How far the second step of what a sphere holds is from the first at most, on the way from left to middle to right.
+/// Largest difference between the first and the second step of a point in a sphere, on the way from left to middle to right.
 static double second_of( const lwi_edge* e, lwi_edge_swing* s, const lw_sphere* local )
 {
 	if ( s->second < 0 )

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Everything about the edge at hand: its motion, its items, and the cells of it that are not proved yet.
 //
-// The edge is cut into dyadic *cells*. At the middle of a cell the robot is measured as far as the motion in the cell asks for:
-// first by nodes of the checker's tree (links that the group does not move against each other), then, where that is not enough,
-// by *items*: one body against the scene, or two bodies. A cell is proved for an item, or its halves are looked at.
+// The edge is cut into dyadic *cells*. At the middle of a cell the robot is measured as far as the motion in the cell asks
+// for: first by nodes of the checker's tree (links that the group does not move against each other), then, where that is not
+// enough, by *items*: one body against the scene, or two bodies. A cell is proved for an item, or it is halved.
 #ifndef LEEWAY_MOTION_EDGE_H
 #define LEEWAY_MOTION_EDGE_H
 
@@ -22,7 +22,7 @@ enum
 
 /// Shrinks a surplus of clearance, 2^-40 relative: far above its dozen roundings, far below any slack.
 #define LWI_EDGE_INWARD ( 1.0 - 0x1p-40 )
-/// Enlarges what a clearance may lose, by no less.
+/// Enlarges a loss of clearance, by at least as much.
 #define LWI_EDGE_OUTWARD ( 1.0 + 0x1p-39 )
 
 /// A body against the scene, or two bodies; how they move is bounded for the whole edge.
@@ -32,13 +32,14 @@ typedef struct lwi_edge_item
 	uint32_t ancestor;       ///< node in whose frame both are seen; 0 for the scene
 	lwi_motion_rate rate_a, rate_b;
 	uint32_t warm;   ///< index into `warm`
-	uint8_t cells;   ///< of LWI_WIDTH, those that a rake has left
-	bool neighbours; ///< a pair whose spheres are always near: what a rake has left of it is no hint of a collision
-	uint32_t near;   ///< obstacles that were found near it just now, the first of query->candidates; 0: not known
+	uint8_t cells;   ///< of LWI_WIDTH, those that a rake has not proved
+	bool neighbours; ///< a pair whose spheres are always near: cells that a rake leaves open are no hint of a collision
+	uint32_t near;   ///< obstacles found near it just now, the first of query->candidates; 0: not known
 	double slack;    ///< metres: the edge's, or less once a clearance was found to be within that, see lwi_edge_slack()
 } lwi_edge_item;
 
-/// What kept a pair apart the last few times: directions are few, and states that planners ask for go to and fro.
+/// Planes and directions that separated a pair the last few times: directions are few, and states that planners check
+/// alternate.
 typedef struct lwi_edge_plane
 {
 	uint32_t key;      ///< of the pair; 0: empty
@@ -50,11 +51,11 @@ typedef struct lwi_edge_plane
 	uint8_t served;    ///< lanes of planes that served since the last new one came
 	uint8_t next;      ///< lane that goes for a new one, unless it served
 	bool near_known;   ///< the direction below is one
-	float near[3];     ///< along which what is near was apart; tree frame of what stands, towards the other one
+	float near[3];     ///< along which the near obstacle was apart; tree frame of the static shape, towards the other one
 	lwi_planes8 planes;
 } lwi_edge_plane;
 
-/// What edges of one checker leave for later ones, by a hash of the pair.
+/// Memory that edges of one checker keep for later ones, by a hash of the pair.
 typedef struct lwi_edge_memory
 {
 	uint64_t bindings; ///< lw_query::bindings when it was begun: it is void for any other
@@ -62,11 +63,11 @@ typedef struct lwi_edge_memory
 	lwi_edge_plane planes[LWI_EDGE_WARM];
 } lwi_edge_memory;
 
-/// What a window's planes say. In ascending order of work that is left.
+/// Result of the plane tests of a window. In ascending order of remaining work.
 typedef enum lwi_edge_sweep
 {
 	LWI_EDGE_PROVED,  ///< nothing comes too near
-	LWI_EDGE_CLOSER,  ///< nothing is too near at the middle, the window is too wide to tell more
+	LWI_EDGE_CLOSER,  ///< nothing is too near at the middle, but the window is too wide for a proof
 	LWI_EDGE_MEASURE  ///< nothing is known
 } lwi_edge_sweep;
 
@@ -98,8 +99,8 @@ typedef struct lwi_edge_swing
 	uint32_t node, ancestor; ///< LW_INVALID_INDEX: nothing yet
 	lwi_edge_window window;
 	lw_transform middle, left, right;
-	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet asked for
-	double second; ///< how much the turn from left to middle and that from middle to right differ at most, the same; < 0: likewise
+	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet computed
+	double second; ///< largest difference of the turns from left to middle and from middle to right; < 0: likewise
 	double jerk;   ///< see lwi_motion_jerk(); known if `second` is
 } lwi_edge_swing;
 
@@ -146,33 +147,33 @@ typedef struct lwi_edge
 	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
 	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
 	lwi_edge_rake rake;
-	lwi_edge_swing swings[2]; ///< the last ones that were asked for
+	lwi_edge_swing swings[2]; ///< the last two computed
 	int last_swing;
 	lwi_edge_item* items;  ///< [item_capacity]
 	lwi_edge_level levels[2];
 	uint32_t item_count, item_capacity, gap_capacity;
 	double longest;         ///< V: the largest path length of a node along the edge
 	double static_rounding; ///< of the poses of static bodies
-	double rounding[2]; ///< what a lower bound of an item's clearance counts less by; [1] of a pair
+	double rounding[2]; ///< rounding subtracted from a lower bound of an item's clearance; [1] of a pair
 	double slack[2];    ///< the def's, unless rounding is coarser
-	double enough[2];   ///< clearance that proves what loses nothing by motion, margins not in it
+	double enough[2];   ///< clearance that proves an item without motion; margins excluded
 	uint32_t close;     ///< windows of items with less than slack[] that were not proved
 	double twist_error;     ///< see lwi_motion_twist_error()
-	double spare;           ///< everything that is proved is proved to be min_d + spare at least
+	double spare;           ///< every proof holds with clearance min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
-	int looked;             ///< levels of halving at which whole states were looked at
+	int looked;             ///< levels of halving at which whole states were tested for a collision
 	uint32_t most_states;   ///< out->queries at which the proof is given up
 	bool runs;              ///< the run from the start is being proved: slacks follow the room there
-	bool failed;            ///< a state could not be posed or asked
+	bool failed;            ///< a state could not be posed or measured
 	lw_status failure;      ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
 
-/// What one measurement of an item says.
+/// Result of one measurement of an item.
 typedef struct lwi_edge_sample
 {
 	bool proved;  ///< on all of the window
-	bool low;     ///< the clearance is within the item's slack, which cannot get smaller, or the edge has had its states: to be refused
+	bool low;     ///< to be refused: the clearance is within the item's least slack, or the edge's states are used up
 	bool blocked;
 	uint8_t skip; ///< levels below on which the item need not be looked at: their cells would be too wide
 	lw_clearance pair;
@@ -180,14 +181,15 @@ typedef struct lwi_edge_sample
 
 // --- motion/displacement.c ---------------------------------------------------------------------------------------------------
 
-/// Bytes of scratch that edges of this checker need. @param spare_bodies that the robot may have beyond those it has, and as many links
+/// Bytes of scratch that edges of this checker need. @param spare_bodies that the robot may have beyond those it has, and as
+/// many links
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
 
 /// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, query, qa and qb.
 /// @return false if the query's scratch is too small
 bool lwi_edge_begin( lwi_edge* edge );
 
-/// What items have to allow for. @param of_poses metres, of poses and states
+/// Sets the rounding that items allow for. @param of_poses metres, of poses and states
 void lwi_edge_allow_rounding( lwi_edge* edge, double of_poses );
 
 /// Measures the motion of the edge. @return false for an edge that cannot be measured
@@ -199,8 +201,8 @@ const double* lwi_edge_state( lwi_edge* edge, double t );
 /// Poses the query at t. @return false if that failed; edge->failed is set
 bool lwi_edge_pose( lwi_edge* edge, double t );
 
-/// How far a sphere carried by a node gets at most from its place at the middle of a window, within it, in the frame of another
-/// node above it.
+/// How far a sphere carried by a node gets at most from its place at the middle of a window, within it, in the frame of
+/// another node above it.
 /// @param local frame of the node's `top`
 double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, const lw_sphere* local,
 	lwi_motion_rate rate, lwi_edge_window window );
@@ -237,7 +239,7 @@ static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_pace* pace, const lw
 	return joints > 0 ? pace->rates[joints - 1] : (lwi_motion_rate){ 0, 0 };
 }
 
-/// What a point of a node does on half a window besides going on by its velocity in the middle, at most.
+/// Largest deviation of a node's point over half a window from the motion with its velocity in the middle.
 static inline double lwi_edge_bulge( const lwi_edge* edge, lwi_motion_rate rate, double half )
 {
 	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->twist_error ) * half * LWI_EDGE_OUTWARD : 0;
@@ -259,7 +261,7 @@ bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window );
 void lwi_edge_places( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
 	const lwi_edge_drift* drift, lwi_places* out );
 
-/// Radians in half a window, all joints together: beyond, nothing is said of what directions in rakes round to.
+/// Radians in half a window, all joints together: beyond, the rounding of directions in rakes is not bounded.
 #define LWI_EDGE_MOST_TURN 1.0
 
 static inline bool lwi_edge_turns_little( const lwi_edge* edge, lwi_edge_window window )
@@ -270,7 +272,7 @@ static inline bool lwi_edge_turns_little( const lwi_edge* edge, lwi_edge_window 
 // --- motion/plane_test.c ----------------------------------------------------------------------------------------------------
 
 /// Looks for planes that prove an item during a window, at whose middle the query is posed.
-/// @param last_try nothing is left out that mostly is in vain
+/// @param last_try run also the tests that mostly fail
 /// @param skip levels below that are not worth a look, if the answer is CLOSER
 lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip );
 
@@ -293,8 +295,8 @@ static inline bool lwi_edge_cell_is_open( const lwi_edge_item* item, uint64_t ce
 					  : ( cells >> ( cell >> -finer ) & 1 ) != 0;
 }
 
-/// Looks at whole states for a collision: at the end, then between both ends in halving order, but for those that it has looked
-/// at before. @param levels of halving, 1 is the middle. @return true if none was found
+/// Looks at whole states for a collision: at the end, then between both ends in halving order, but for those that it has
+/// looked at before. @param levels of halving, 1 is the middle. @return true if none was found
 bool lwi_edge_look( lwi_edge* edge, int levels );
 
 /// Is an item above min_d at t? Only a collision, which ends the proof, is false.
@@ -307,7 +309,7 @@ bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_item* item, double t, const l
 /// replaces a collision found elsewhere. @return true if it is free
 bool lwi_edge_state_is_free( lwi_edge* edge, double t );
 
-/// Lower bound of the static bodies' clearance; +infinity if it was not asked for.
+/// Lower bound of the static bodies' clearance; +infinity if the query does not cover them.
 double lwi_edge_static_lower( const lwi_edge* edge );
 
 static inline bool lwi_edge_item_is_pair( const lwi_edge_item* item )
@@ -321,7 +323,7 @@ static inline bool lwi_edge_is_close( const lwi_edge* edge, const lwi_edge_item*
 	return item->slack < edge->slack[lwi_edge_item_is_pair( item )] && edge->close < edge->def->close_windows;
 }
 
-/// The slack of an item: the edge's, or what its own clearance leaves room for.
+/// The slack of an item: the edge's, or the smaller one that its own clearance allows.
 static inline double lwi_edge_slack( const lwi_edge* edge, const lwi_edge_item* item )
 {
 	return lwi_edge_is_close( edge, item ) ? item->slack : edge->slack[lwi_edge_item_is_pair( item )];
@@ -337,13 +339,14 @@ static inline double lwi_edge_enough( const lwi_edge* edge, const lwi_edge_item*
 /// Notes that something was proved by as much as edge->enough.
 void lwi_edge_note_proof( lwi_edge* edge );
 
-/// Fills in what an item needs besides its bodies, their ancestor and its cells.
+/// Fills in the fields of an item other than its bodies, their ancestor and its cells.
 void lwi_edge_prepare_item( lwi_edge* edge, lwi_edge_item* item );
 
 // --- motion/midpoint_pass.c ---------------------------------------------------------------------------------------------------
 
-/// Measures everything at window.t, at which nodes were measured, nodes first. What is not proved is added to edge->items and, as an
-/// open gap of cell 0, to `level`. @param may_look where much is left over, whole states are looked at for a collision, see lwi_edge_look()
+/// Measures everything at window.t, at which nodes were measured, nodes first. Unproved pairs are added to edge->items and,
+/// as an open gap of cell 0, to `level`. @param may_look with many unproved pairs, test whole states for a collision, see
+/// lwi_edge_look()
 /// @return false if the proof ends here: something is blocked or refused
 bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_look );
 
@@ -366,7 +369,8 @@ bool lwi_edge_measure_nodes( lwi_edge* edge, double t, double share );
 /// True for edges that are long and bent enough for rakes, of robots that have them. Nodes were measured.
 bool lwi_edge_rakes( lwi_edge* edge );
 
-/// Everything in eight windows at once, by spheres; what they leave are the edge's items, with their cells. Nodes were measured.
+/// Everything in eight windows at once, by spheres; the unproved pairs become the edge's items, with their cells. Nodes were
+/// measured.
 void lwi_edge_rake_all( lwi_edge* edge );
 
 /// Takes the poses of all nodes, and how they move, from a lane of the rake that the query's state is that of.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one measurement proves: clearance against motion, for items, and whole states.
+// Proofs by one measurement: clearance against motion, for items, and whole states.
 //
 // Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
 // environments. IEEE Transactions on Robotics 21(3), 2005. Proofs, cost and rounding: core/docs/edges.md.
@@ -24,7 +24,7 @@ static const lw_sphere* sphere_of( const lw_checker* c, uint32_t body )
 	return &c->tree->body_spheres[c->tree->body_place[body]];
 }
 
-/// Motion of a body, by what bounds that of its node: where it matters, what the body does is measured besides.
+/// Bound on a body's motion by that of its node: where the difference matters, the body's own motion is measured besides.
 static lwi_motion_rate rate_of( const lwi_edge* e, uint32_t body, uint32_t ancestor )
 {
 	const lw_checker* c = e->checker;
@@ -92,7 +92,8 @@ static void note_plane( lwi_edge* e, const lwi_edge_item* item )
 }
 
 /// Proves an item during the window by planes, if there are any.
-/// @param last_try see lwi_edge_sweep_item(); looking closer ends where distances would prove what is not refused
+/// @param last_try see lwi_edge_sweep_item(); measures short windows, in which distances prove every item that is not
+/// refused
 /// @return false if it is to be measured
 static bool sweep( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool last_try, lwi_edge_sample* out )
 {
@@ -111,8 +112,9 @@ static bool sweep( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window windo
 	return true;
 }
 
-/// Gives an item that is within the edge's slack a smaller one: half of its room above min_d in the middle of the window. While the run from
-/// the start is proved, a quarter of its room at the start, so that the run does not follow the item into the contact that ended the edge.
+/// Gives an item that is within the edge's slack a smaller one: half of its room above min_d in the middle of the window.
+/// While the run from the start is proved, a quarter of its room at the start, so that the run does not follow the item into
+/// the contact that ended the edge.
 /// @return false if the clearance in the middle is within that too
 static bool tighten( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, lwi_edge_sample* s )
 {
@@ -142,12 +144,12 @@ static bool tighten( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, l
 	return true;
 }
 
-/// Distance of an item at the middle of a window, against what motion takes.
+/// Measures the distance of an item at the middle of a window, and compares it with the motion.
 static void measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up, double loss, lwi_edge_sample* s )
 {
 	const bool pair = lwi_edge_item_is_pair( item );
 	const double min_d = e->def->min_d, slack = lwi_edge_slack( e, item ), rounding = e->rounding[pair];
-	// of what does not move the verdict is that of the state, whose clearance may be just above min_d
+	// without motion the verdict is that of the state, whose clearance may be just above min_d
 	const double alpha = window.half > 0 ? e->def->alpha : 0;
 	const lwi_threshold threshold = { { min_d, lwi_edge_enough( e, item ) + loss, alpha }, min_d + slack,
 		may_give_up ? min_d + rounding + loss : 0 };
@@ -160,7 +162,7 @@ static void measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window win
 	s->low = !given_up && !( s->pair.lower > min_d + slack ); // also if lower is not a number
 }
 
-/// Is the window proved by what was measured?
+/// Does the measured distance prove the window?
 static bool is_proved( lwi_edge* e, const lwi_edge_item* item, double loss, lwi_edge_sample* s )
 {
 	const double room = s->pair.lower - e->def->min_d - e->rounding[lwi_edge_item_is_pair( item )];
@@ -199,7 +201,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_item* item, lwi_edge_win
 		note_plane( e, item );
 		return s;
 	}
-	// what one order of questions leaves out must not be refused, lest another one proves it
+	// an item that one order of tests skips must not be refused, since another order might prove it
 	if ( s.low && !s.blocked && !close && sweep( e, item, window, true, &s ) )
 	{
 		return s;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first look at a long edge: eight windows at once, by spheres. What they leave becomes items.
+// The first pass over a long edge: eight windows at once, by spheres. Unproved pairs become items.
 //
-// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024 (rakes). Here lanes are
-// windows and not states: spheres move on by their velocity at the window's middle, but for a bulge. Proof and rounding:
+// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024 (rakes). Here lanes
+// are windows and not states: spheres move on by their velocity at the window's middle, but for a bulge. Proof and rounding:
 // core/docs/edges.md.
 #include "checker/pose.h"
 #include "motion/edge.h"
@@ -14,14 +14,14 @@
 enum
 {
 	MOST_TESTS = 32, ///< of two spheres, for two trees whose roots meet
-	NEIGHBOURS = 2   ///< joints between two bodies, at most: their trees are not asked
+	NEIGHBOURS = 2   ///< joints between two bodies, at most: their trees are not tested
 };
 
 /// Metres per squared unit of t, and slacks.
 #define LEAST_CHANGE 2.5
 #define LEAST_SLACKS 64.0
 
-/// Of what keeps two things near besides their size: smaller spheres are not opened.
+/// Share of reach and motion, the lengths that keep two spheres near besides their size: smaller spheres are not opened.
 #define LEAST_SPHERE 0.5
 
 typedef struct raking
@@ -31,9 +31,9 @@ typedef struct raking
 	const lwi_checker_tree* tree;
 	lwi_rake_frame* frames;  ///< [nodes]
 	lwi_rake_point* bodies;  ///< [bodies] by place: middles of their spheres, from `origin`
-	bool* known;             ///< [bodies] which of these are
+	bool* known;             ///< [bodies] those whose `bodies` entry is valid
 	lwi_rake_point* nodes;   ///< [nodes] the same for those of nodes
-	double origin[3];        ///< of what the robot's own spheres are compared in
+	double origin[3];        ///< origin of the coordinates in which the robot's own spheres are compared
 	double half;             ///< width of half a window
 	double rounding;         ///< of places in the lanes, for one of two
 } raking;
@@ -209,8 +209,8 @@ static void place_point( const raking* r, const side* s, const float local[3], l
 	}
 }
 
-/// True if the spheres of a shape's tree hold all that is in contact with what touches them: those of a mesh that was declared solid
-/// leave its inside out, of which only the sphere around it tells.
+/// True if the spheres of a shape's tree contain all points at which another shape can touch it: those of a mesh declared
+/// solid leave its inside out, and only the sphere around it covers that.
 static bool has_tree( const lw_shape* shape )
 {
 	return !shape->solid && !shape->filled && shape->deferred == NULL;
@@ -238,13 +238,13 @@ static fence fence_of( const lw_scene* scene, uint32_t shape )
 		{ boxes->max[0][lane], boxes->max[1][lane], boxes->max[2][lane] } };
 }
 
-/// What two trees, or a sphere and a tree, are asked.
+/// Test of two trees, or of a sphere and a tree.
 typedef struct question
 {
 	const side *a, *b;   ///< NULL: a sphere alone, or a box alone
 	const fence* around; ///< b lies in it; NULL: no box is known
 	float reach;         ///< all but radii
-	float least;         ///< smaller spheres are not opened: their motion is what keeps them near
+	float least;         ///< smaller spheres are not opened: their motion keeps them near
 } question;
 
 /// Lanes in which they do not stay apart, as far as MOST_TESTS spheres tell. The larger sphere is opened.
@@ -306,7 +306,7 @@ static uint32_t trees_meet( const raking* r, const question* q, const ball* firs
 typedef struct scout
 {
 	lwi_rake_point at; ///< from the scene's origin
-	double radius, need; ///< `need` with all but the margins of objects and what floats round
+	double radius, need; ///< `need` with all but the margins of objects and the rounding of floats
 	double slack, path;
 	float reach;
 } scout;
@@ -434,7 +434,7 @@ static uint32_t near_node( const raking* r, uint32_t node, bool near_only, scout
 	return count;
 }
 
-/// Lanes in which a body is near some of these obstacles. @param own its own scout, if these are what that is near
+/// Lanes in which a body is near some of these obstacles. @param own its own scout, if the obstacles were found near that
 static uint32_t near_body( const raking* r, uint32_t place, const lwi_candidate* obstacles, uint32_t count, const scout* own,
 	bool near_only )
 {
@@ -494,11 +494,11 @@ static void rake_environment( const raking* r )
 
 // --- the robot itself ------------------------------------------------------------------------------------------------
 
-/// Two nodes, and what is asked of their spheres.
+/// Two nodes, and the parameters of the test of their spheres.
 typedef struct couple
 {
 	const lwi_node_pair* pair;
-	bool covered; ///< charts may be asked
+	bool covered; ///< charts may be used
 	bool neighbours;
 	double reach; ///< all but radii
 	double path;  ///< of both
@@ -532,7 +532,7 @@ static uint32_t nodes_meet( const raking* r, const couple* c, const lwi_node_pai
 		nodes[pair->node_b].r.radius );
 }
 
-/// What holds for all pairs of nodes.
+/// Parameters shared by all pairs of nodes.
 static couple any_couple( const raking* r )
 {
 	lwi_edge* e = r->e;
@@ -653,8 +653,8 @@ static void rake_self( const raking* r )
 	}
 }
 
-/// True if some body gets so far off the lines between its places at the ends and the middle of the edge that planes for all of
-/// it are not to be had.
+/// True if some body gets so far off the lines between its places at the ends and the middle of the edge that planes for all
+/// of it are not to be had.
 static bool is_bent( lwi_edge* e )
 {
 	const lwi_edge_pace* root = lwi_edge_pace_of( e, 0 );

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first look at an edge: everything in the middle of a window, by spheres and how they move; what is left becomes items.
+// The first pass over an edge: everything in the middle of a window, by spheres and their motion; unproved pairs become
+// items.
 //
 // Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
 // environments. IEEE Transactions on Robotics 21(3), 2005, by nodes. Proofs, cost and rounding: core/docs/edges.md.
@@ -9,25 +10,25 @@
 
 enum
 {
-	LOOK_WORK = 8,     ///< cells left over by a screening for which whole states are looked at, see look()
+	LOOK_WORK = 8,     ///< open cells after a screening from which whole states are tested for a collision, see look()
 	LOOK_LEVELS = 4,   ///< at most, each for twice the work
-	FEW_CELLS = 3,     ///< of a rake: an item that has fewer is looked at there first
+	FEW_CELLS = 3,     ///< of a rake: an item that has fewer is measured there first
 	LOOK_MOST_SKIP = 3 ///< of an item, in the count of cells
 };
 
-/// What all accelerations are known to be below before anything is measured may be so many times what they have to be.
+/// Largest ratio of the bound on accelerations known before any measurement to the bound that a proof needs.
 #define MOST_ROUGH 8
 
-/// What a screening is about.
+/// Data of a screening.
 typedef struct screening
 {
 	lwi_edge* edge;
 	lwi_edge_window window;
 	lwi_edge_level* level;
-	uint32_t work; ///< that is left: cells on which items have to be measured
+	uint32_t work; ///< remaining work: cells on which items have to be measured
 	bool may_look;
 	bool covered; ///< the whole edge by the reach
-	bool moves;   ///< all nodes have a twist, and turn so little that what is said of moving units holds
+	bool moves;   ///< all nodes have a twist, and turn so little that the bounds for moving units hold
 } screening;
 
 /// Poses all nodes.
@@ -45,7 +46,8 @@ static bool pose_all( lwi_edge* e, double t )
 	return true;
 }
 
-/// Measures nodes without their poses. @return true if that is enough: all of them drift, and how far off that does not matter then
+/// Measures nodes without their poses. @return true if that is enough: all of them drift, and how far off that does not
+/// matter then
 static bool measure_roughly( lwi_edge* e, double share )
 {
 	const lwi_motion_table* motion = e->checker->motion;
@@ -79,8 +81,8 @@ bool lwi_edge_measure_nodes( lwi_edge* e, double t, double share )
 	return true;
 }
 
-/// The more is left over, the more likely is a collision somewhere, and the more a proof would cost: most edges of a planner that are
-/// not free end here. @return false if there is one
+/// The more pairs are unproved, the more likely is a collision somewhere, and the more a proof would cost: most blocked
+/// edges of a planner end here. @return false if there is a collision
 static bool look( screening* s )
 {
 	lwi_edge* e = s->edge;
@@ -96,7 +98,7 @@ static bool look( screening* s )
 	return levels == e->looked || ( lwi_edge_look( e, levels ) && pose_all( e, s->window.t ) );
 }
 
-/// Measures an item of the screening; what is not proved goes to the items. @return false if the proof ends here
+/// Measures an item of the screening; an unproved one is added to the items. @return false if the proof ends here
 static bool screen_item( screening* s, lwi_edge_item item )
 {
 	lwi_edge* e = s->edge;
@@ -148,8 +150,8 @@ static double pair_path( screening* s, const lwi_node_pair* pair )
 	return s->window.half * ( lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path );
 }
 
-/// How much the clearance of two nodes may lose by how they move in the middle, and with `whole` that of any of their bodies,
-/// else of their spheres.
+/// How much the clearance of two nodes may lose by how they move in the middle, and with `whole` that of any of their
+/// bodies, else of their spheres.
 static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
 {
 	lwi_edge* e = s->edge;
@@ -181,7 +183,7 @@ static bool screen_environment( screening* s, uint32_t node )
 	}
 	const lwi_edge_pace* pace = lwi_edge_pace_of( e, node ); // poses the node
 	const double limit = e->enough[0] + length_of_way( s, pace, pace->center );
-	lwi_edge_note_proof( e ); // of what is not near
+	lwi_edge_note_proof( e ); // for the bodies that are not near
 	if ( n->body_count > 1 && !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
 	{
 		return true;
@@ -285,7 +287,7 @@ typedef struct moving_unit
 {
 	const lwi_edge_pace* pace;
 	lw_vec3 center, way;
-	double radius; ///< and what roundings of its centre may take
+	double radius; ///< includes the rounding of its centre
 } moving_unit;
 
 static moving_unit make_unit( screening* s, uint32_t node, const lw_sphere* sphere )
@@ -309,7 +311,7 @@ static bool units_meet( const screening* s, const moving_unit* a, const moving_u
 	const double half = s->window.half, length = lwi_length( d ), path = half * ( rate_a.path + rate_b.path ) * LWI_EDGE_OUTWARD;
 	const double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
 	const double closer = fabs( lwi_dot( d, way ) ) * LWI_EDGE_OUTWARD / length + bulge;
-	// the direction is off by what both centres are, and so is how the ancestor's turn counts along it
+	// the direction is off by the error of both centres, and so is the component of the ancestor's turn along it
 	const double reach = a->radius + b->radius + e->enough[1] + margin + 4 * e->rounding[1];
 	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
 }
@@ -329,7 +331,7 @@ static bool screen_near_nodes( screening* s, const lwi_node_pair* pair )
 {
 	const lw_checker* c = s->edge->checker;
 	const uint32_t count = near_bodies( s, pair ), stride = c->body_block_count * LWI_WIDTH;
-	bool go_on = true; // what pairs are asked leaves the candidates alone
+	bool go_on = true; // tests of pairs leave the candidates unchanged
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
 		const uint32_t candidate = s->edge->query->candidates[i].pair;
@@ -368,8 +370,8 @@ static double size_of( lw_vec3 v )
 	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
 }
 
-/// All units, and in blocks of [LWI_MOVING_ROWS][LWI_WIDTH] floats, about the robot's root, their bulges in the radii. Returns the slack
-/// of gaps between them.
+/// All units, and in blocks of [LWI_MOVING_ROWS][LWI_WIDTH] floats, about the robot's root, their bulges in the radii.
+/// Returns the slack of gaps between them.
 static double make_units( screening* s, moving_unit* all, float* blocks )
 {
 	lwi_edge* e = s->edge;
@@ -403,7 +405,7 @@ static bool screen_units( screening* s )
 	{
 		return true;
 	}
-	lwi_edge_note_proof( e ); // of what is not near
+	lwi_edge_note_proof( e ); // for the bodies that are not near
 	float blocks[LWI_UNIT_BLOCKS * LWI_MOVING_ROWS * LWI_WIDTH] = { 0 };
 	moving_unit all[LWI_MOST_UNITS];
 	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Planes that keep a body away from what is around it during all of a window, not only at its middle.
+// Planes that keep a body away from the obstacles around it during all of a window, not only at its middle.
 //
-// A point of the body never gets far from the lines between its places at the window's left end, middle and right end: what lies on
-// one side of a plane at all three, and a little beyond, stays there in between. Clearance against motion bounds (Schwarzer,
-// Saha, Latombe 2005) gives away what moves along the obstacle or away from it; this does not. Proof: core/docs/edges.md.
+// A point of the body never gets far from the lines between its places at the window's left end, middle and right end: a
+// point on one side of a plane at all three, and a little beyond, stays there in between. Clearance against motion bounds
+// (Schwarzer, Saha, Latombe 2005) also charges motion along the obstacle or away from it; this test does not. Proof:
+// core/docs/edges.md.
 #include "checker/pose.h"
 #include "motion/edge.h"
 #include "base/math_inline.h"
@@ -22,7 +23,7 @@ enum
 #define BODY_KEY 0xc0000000u
 #define OBSTACLE_KEY 0xe0000000u
 
-/// Metres. What bulges more than this between its places has no plane where it is near anything: a look at halves is cheaper.
+/// Metres. A body that bulges more than this between its places has no plane near obstacles: halving the window is cheaper.
 #define MAX_BULGE 0.05
 
 /// Metres. Where ways between exact places bend more than this, hardly any is found to stay away.
@@ -45,7 +46,7 @@ typedef struct sweeping
 	lwi_edge_window window;
 	const lwi_edge_drift* drifts; ///< of both bodies; NULL if one has none
 	double enough; ///< clearance that proves the item, without margins
-	bool last_try; ///< nothing is left out that mostly is in vain
+	bool last_try; ///< run also the tests that mostly fail
 	double bulge;  ///< of both ways between their places: NAN if there is no point in planes
 
 	lwi_places *a, *b;
@@ -94,7 +95,7 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 		p->begun = p->near_known = false;
 		p->edge = 0;
 	}
-	if ( p->edge != e->query->edge_count ) // planes are proofs wherever they hold; what is not tried must not depend on other edges
+	if ( p->edge != e->query->edge_count ) // skipping must not depend on other edges; planes may
 	{
 		p->edge = e->query->edge_count;
 		p->failures = p->wait = 0;
@@ -108,7 +109,7 @@ static uint32_t obstacle_key( const lw_checker* c, uint32_t body, uint32_t obsta
 	return body * c->scene->block_count * LWI_WIDTH + obstacle;
 }
 
-/// True if planes may be asked for.
+/// True if the shapes admit plane tests.
 static bool has_planes( const sweeping* s )
 {
 	bool here = s->a->shape->deferred == NULL && s->b->shape->deferred == NULL; // a mesh is not made for this
@@ -171,7 +172,7 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double margin )
 	{
 		return false;
 	}
-	// what keeps one body away keeps its neighbours away
+	// a plane that keeps one body away keeps its neighbours away
 	lwi_edge_plane* any = planes_of( s, s->any_key );
 	which = lwi_places_apart_by( kernels, s->a, s->b, need, &any->planes, true );
 	if ( which < LWI_WIDTH )
@@ -214,7 +215,7 @@ static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) * LWI_EDGE_OUTWARD;
 }
 
-/// What moves against what stands in the frame of the item's ancestor.
+/// A moving shape against a static one, in the frame of the item's ancestor.
 typedef struct nearing
 {
 	lwi_edge* edge;
@@ -222,10 +223,10 @@ typedef struct nearing
 	double enough; ///< clearance that proves it, without margins
 	double bend;   ///< of the way between its places
 	double way;    ///< metres that the middle of its sphere gets
-	lw_vec3 n;     ///< towards what stands, where they were measured to be nearest
+	lw_vec3 n;     ///< towards the static shape, where they were measured to be nearest
 } nearing;
 
-/// What moves, and how far.
+/// Sets the moving shape and the length of its way.
 static void set_out( nearing* s, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
 {
 	lwi_edge_places( s->edge, body, ancestor, rate, window, NULL, &s->moving );
@@ -239,7 +240,7 @@ static bool is_away( const nearing* s, const lwi_places* stands, double need )
 	return lwi_separate_near( s->edge->query->search.kernels, &s->moving, stands, need, s->bend, s->n, reach );
 }
 
-/// Does what is near stay apart along the direction of another time?
+/// Does the near part of the obstacle stay apart along the direction of another time?
 static bool near_holds( const sweeping* s, const lwi_edge_plane* p, double need )
 {
 	lwi_edge* e = s->edge;
@@ -324,7 +325,7 @@ static lwi_edge_sweep sweep_pair( sweeping s )
 	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
 	const lwi_checker_tree* tree = c->tree;
 	bool alone = tree->nodes[tree->body_node[a]].body_count == 1 && tree->nodes[tree->body_node[b]].body_count == 1;
-	s.turned = item->rate_a.path == 0; // what stands has the plane
+	s.turned = item->rate_a.path == 0; // the static shape has the plane
 	s.any_key = alone ? 0 : BODY_KEY | ( s.turned ? a : b );
 	lwi_edge_plane* p = NULL;
 	// places are seen from the ancestor, which is rounded too
@@ -362,7 +363,7 @@ static lwi_edge_sweep sweep_scene( sweeping s )
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
 	const lwi_edge_item* item = s.item;
-	uint32_t count = s.last_try ? 0 : item->near; // a measurement has asked for others
+	uint32_t count = s.last_try ? 0 : item->near; // a measurement has replaced the candidates
 	if ( count == 0 )
 	{
 		double way = way_of( e, item->body_a, 0, item->rate_a, s.window );

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The proof of an edge: everything is measured at its middle, what is left over in cells halved level by level.
+// The proof of an edge: everything is measured at its middle; unproved pairs are measured in cells, halved level by level.
 //
-// Schwarzer, Saha, Latombe, IEEE T-RO 21(3), 2005, with shared samples: the places of samples are the middles of dyadic cells for
-// all items alike, so that a posed state serves many. Proofs and work: core/docs/edges.md.
+// Schwarzer, Saha, Latombe, IEEE T-RO 21(3), 2005, with shared samples: the places of samples are the middles of dyadic
+// cells for all items alike, so that a posed state serves many. Proofs and work: core/docs/edges.md.
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
 enum
 {
-	SEARCH_LEVELS = 2, ///< of halving, at which a refused edge is looked at for a collision
-	WORK_PER_LOOK = 6, ///< cells that a rake has left
-	MOST_LOOKS = 20    ///< states that looks of a screening take, poses of the middle again among them
+	SEARCH_LEVELS = 2, ///< of halving, at which states of a refused edge are tested for a collision
+	WORK_PER_LOOK = 6, ///< open cells of a rake
+	MOST_LOOKS = 20    ///< states that the collision tests of a screening take, poses of the middle again among them
 };
 
 // ---- one gap ---------------------------------------------------------------------------------------------------------
@@ -67,8 +67,8 @@ static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* fr
 	return true;
 }
 
-/// Once an item is within the slack, whole states are looked at for a collision before its windows are halved: a proof near contact takes many,
-/// and most edges that need one are blocked. @return true if none was found
+/// Once an item is within the slack, whole states are tested for a collision before its windows are halved: a proof near
+/// contact takes many, and most edges that need one are blocked. @return true if none was found
 static bool look_if_close( lwi_edge* e )
 {
 	return e->close == 0 || e->looked >= SEARCH_LEVELS || lwi_edge_look( e, SEARCH_LEVELS );
@@ -166,7 +166,8 @@ static bool check_static( lwi_edge* e )
 	return false;
 }
 
-/// Looks for a collision where it is most likely, unless the screening has done so: edges that are not free mostly end in one.
+/// Looks for a collision where it is most likely, unless the screening has done so: edges that are not free mostly end in
+/// one.
 static bool end_is_free( lwi_edge* e )
 {
 	for ( uint32_t i = 0; i < e->item_count && e->looked == 0; ++i )
@@ -188,7 +189,7 @@ static bool has_room_for_looks( const lwi_edge* e )
 	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_LOOKS;
 }
 
-/// What a screening leaves is looked at in both halves.
+/// Measures the unproved pairs of a screening in both halves.
 static bool prove_by_screening( lwi_edge* e, lwi_edge_window whole )
 {
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
@@ -213,8 +214,8 @@ static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
 	return true;
 }
 
-/// Looks for collisions of items, in the end and where a rake has left most of them: edges of a planner that are not free end here. Pairs
-/// of neighbours, which a rake always leaves, say nothing of that.
+/// Looks for collisions of items, in the end and where a rake has left most of them: edges of a planner that are not free
+/// end here. Pairs of neighbours, which a rake always leaves, say nothing of that.
 static bool look_at_cells( lwi_edge* e )
 {
 	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;
@@ -249,7 +250,7 @@ static bool look_at_cells( lwi_edge* e )
 	return true;
 }
 
-/// What a rake leaves is looked at in its cells.
+/// Measures the unproved pairs of a rake in their cells.
 static bool prove_by_rake( lwi_edge* e )
 {
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
@@ -287,7 +288,7 @@ bool lwi_edge_prove( lwi_edge* e )
 
 // ---- from the left ---------------------------------------------------------------------------------------------------
 
-/// Extends the proof of one item from the left as far as it goes, not beyond `until`. @return the end of what is proved
+/// Extends the proof of one item from the left as far as it goes, not beyond `until`. @return the end of the proved part
 static double prove_from_left( lwi_edge* e, lwi_edge_item* item, double until )
 {
 	piece stack[LWI_EDGE_MAX_DEPTH + 2];
