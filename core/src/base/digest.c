@@ -56,7 +56,7 @@ lw_digest lw_digest_bytes( lw_digest from, const void* bytes, size_t size )
 	}
 	if ( left > 0 )
 	{
-		// filled up with zeros: the length, mixed in below, tells them from zeros of the input
+		// padded with zeros: the length, mixed in below, distinguishes them from zeros of the input
 		unsigned char last[STRIPE] = { 0 };
 		for ( size_t i = 0; i < left; ++i )
 		{

@@ -20,7 +20,7 @@ typedef struct lwi_turn
 /// Radians: libm serves larger angles, infinities and NaN. Multiples of the first part of pi / 2 up to here are exact.
 #define LWI_MOST_TURN 0x1p19
 
-/// |angle| <= LWI_MOST_TURN, else of no meaning.
+/// |angle| <= LWI_MOST_TURN; beyond, the result is meaningless.
 static inline lwi_turn lwi_turn_reduced( double angle )
 {
 	const double magic = 0x1.8p52; // a double plus this constant has its nearest whole number in the last bits of the sum

@@ -111,7 +111,7 @@ static placed_body place_body( const lwi_checker_base* b, const draft* d, uint32
 /// Metres: boxes that overlap have the gap 0.
 #define BOXES_MEET 1e-12
 
-/// True if the box of a body that stands still meets that of one that moves and is checked against it.
+/// True if the box of a static body meets that of a moving one that is checked against it.
 static bool meets_moving( const lwi_checker_base* b, const draft* d, const placed_body* mine )
 {
 	for ( uint32_t k = 0; k < lw_robot_body_count( b->robot ); ++k )
@@ -204,7 +204,7 @@ static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker
 }
 
 /// Visits the self pairs; `pairs` NULL only counts. The group moves two links against each other if a joint of it lies on
-/// the way between them, that is if they do not hang together below the same one.
+/// the way between them, that is, unless the nearest joint of the group above both is the same.
 static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, lwi_self_pair* pairs )
 {
 	uint32_t bodies = lw_robot_body_count( b->robot ), count = 0;

@@ -136,12 +136,12 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 /// True if `separation` of the self pairs holds in both states and everywhere between them, and the query may use it.
 bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb );
 
-/// True if nothing that near_mask leaves out comes nearer than `limit` in both states and everywhere between them.
+/// True if no obstacle outside of near_mask comes nearer than `limit` in both states and everywhere between them.
 bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const double* qb, double limit );
 
 // --- parts of the robot, at the posed state --------------------------------------------------------------------------
 
-/// A question whose answer is of no use if it is between two distances: then the first such distance found ends it.
+/// A range with a band of useless results: the first distance found inside the band ends the search.
 typedef struct lwi_threshold
 {
 	lw_range range;

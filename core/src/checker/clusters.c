@@ -163,7 +163,7 @@ static void number_nodes( lwi_checker_tree* t, const lw_robot* robot, const bool
 	}
 }
 
-/// Where the nodes hang on each other, the same in all states.
+/// Fixed transforms between the nodes, the same in all states.
 static void fill_hooks( lwi_checker_tree* t, const lw_checker* c )
 {
 	for ( uint32_t i = 0; i < t->node_count; ++i )
@@ -346,7 +346,7 @@ static void cover_attached( lwi_checker_tree* t, const lw_checker* c )
 	}
 }
 
-/// The reach has it in the frame of the link that the node hangs on.
+/// The reach has it in the frame of the link to which the node is attached.
 static lw_sphere motion_sphere( const lw_checker* c, const lwi_checker_tree* t, const lwi_checker_node* node )
 {
 	lw_sphere m = lw_reach_get_node( c->reach, node->top ).m;

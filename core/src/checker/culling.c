@@ -21,12 +21,12 @@ enum
 	MAX_STEPS = 8 ///< that a joint's range is cut into
 };
 
-/// Radians or metres by which the ranges are widened: limits in files are rounded, and states stand on them.
+/// Radians or metres by which the ranges are widened: limits in files are rounded, and states may lie on them.
 static const double margin = 1e-4;
 
 static const double pi = 3.14159265358979323846;
 
-/// Everything on the way is a few dozen roundoffs of the coordinates met there per joint: this share of them is thousands of
+/// Every step rounds by a few dozen roundoffs of its coordinates per joint: this share of them covers thousands of
 /// joints' worth, and 0.15 nm for a robot 10 m across.
 static const double rounding = 0x1p-36;
 
@@ -104,7 +104,7 @@ static int widest_axis( const ball* balls, uint32_t count )
 	return widest;
 }
 
-/// Leaves at most LWI_COVER_BALLS, around the ones there are: halves along the widest axis, as often as there is room for.
+/// Merges the balls into at most LWI_COVER_BALLS around them: halves along the widest axis, as often as there is room for.
 static void merge( cover* c )
 {
 	uint32_t first[LWI_COVER_BALLS + 1] = { 0 }, parts = 1;

@@ -28,7 +28,7 @@ typedef struct lwi_cover
 /// For a checker with its tree. Depends on no scene.
 void lwi_cover_node( const lw_checker* checker, const lwi_checker_node* node, const bool* joint_moves, lwi_cover* out );
 
-/// Metres: nothing in the cover is nearer to a shape that stands still; 0 if nothing is proved.
+/// Metres: proved distance between the cover and every static shape; 0 if nothing is proved.
 double lwi_cover_distance( const lw_shape* shape, const lw_transform* world_from_shape, const lwi_cover* cover );
 
 /// Results of an earlier checker of a similar scene.

@@ -47,7 +47,7 @@ void lwi_match_scenes( const lw_scene* previous, const lw_scene* scene, uint32_t
 
 // --- the static environment ------------------------------------------------------------------------------------------
 
-/// The bodies that stand still are the same, in the same order.
+/// True if the static bodies are the same, in the same order.
 static bool same_static_bodies( const lw_checker* x, const lw_checker* y )
 {
 	if ( x->base == y->base )
@@ -97,7 +97,7 @@ static bool may_be_nearer( const lw_checker* c, const lw_checker* old, uint32_t 
 bool lwi_keep_static( lw_checker* c, const lwi_kept* kept, uint8_t* fresh )
 {
 	const lw_checker* old = kept->previous;
-	// Of a violation only the first pair was found, whatever else there is: that cannot be gone on from
+	// a violation comes from the first pair found, and others may exist: its measurement cannot be continued
 	if ( old == NULL || old->static_environment.kind == LW_CLEARANCE_VIOLATION || !same_static_bodies( c, old ) )
 	{
 		return false;

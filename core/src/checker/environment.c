@@ -8,7 +8,7 @@
 /// `pair` of a bound whose upper bound came from the static bodies.
 #define STATIC_PAIR 0xfffffffeu
 
-/// Candidates at or above this are bodies of whose row only the nearest obstacle is known yet: ROW + body.
+/// Candidates at or above this are bodies, as ROW + body: so far only the nearest obstacle of their row is known.
 #define ROW 0x80000000u
 
 enum
@@ -111,7 +111,7 @@ static uint32_t mask_row( const lw_checker* checker, const lw_query* query, uint
 		}
 		else if ( !( gaps[i] >= least ) )
 		{
-			gaps[i] = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: look first
+			gaps[i] = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: searched first
 			least = gaps[i];
 			nearest = i;
 		}
@@ -197,7 +197,7 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 {
 	if ( bound->prune == INFINITY )
 	{
-		return true; // whatever it is
+		return true; // no bound yet: any sphere is near
 	}
 	query->search.stats.robot_tests++;
 	const double* world = lwi_sphere( checker, query, sphere );
@@ -212,7 +212,7 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 	return near;
 }
 
-/// The pairs of a body whose gap in a row does not reach the limit become candidates.
+/// The pairs of a body whose gap in a row is below the limit become candidates.
 static void add_near( const lw_checker* checker, lw_query* query, uint32_t body, const float* gaps, float limit, uint32_t* count )
 {
 	const uint8_t* masks = masks_of( checker, query, body );
@@ -222,7 +222,7 @@ static void add_near( const lw_checker* checker, lw_query* query, uint32_t body,
 		for ( uint32_t left = near_lanes( query, masks, gaps, block, limit ); left != 0; left &= left - 1 )
 		{
 			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
-			float gap = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: looked at first
+			float gap = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: searched first
 			lwi_heap_push( query->candidates, count, (lwi_candidate){ gap, first + i } );
 		}
 	}
@@ -275,7 +275,7 @@ static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t 
 	return false;
 }
 
-/// Descends the nodes. A subtree whose M is known and out of reach is neither posed nor looked at, nor are the bodies of a
+/// Descends the nodes. A subtree whose M is known and out of reach is neither posed nor measured, nor are the bodies of a
 /// node whose R is. Returns the slack of all rows.
 static double descend( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )
 {
@@ -284,7 +284,7 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 	for ( uint32_t i = 1; i < tree->node_count; )
 	{
 		const lwi_checker_node* node = &tree->nodes[i];
-		bool one_body = node->end == i + 1 && node->body_count == 1; // asking its M first would cost as much as asking it
+		bool one_body = node->end == i + 1 && node->body_count == 1; // testing its M first would cost as much as testing it
 		bool asks = ( checker->node_environment[i] & LWI_SUBTREE_ASKS ) != 0;
 		if ( !asks || ( query->hulls && !one_body && motion_is_far( checker, query, i, bound ) ) )
 		{
@@ -304,7 +304,7 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 	return slack;
 }
 
-/// Searches the nearest pair of a row at once, the rest of it becomes candidates as far as the bound leaves it.
+/// Searches the nearest pair of a row at once; the rest of the row below the bound become candidates.
 static void open_row( const lw_checker* checker, lw_query* query, lwi_candidate row, double slack, lwi_bound* bound,
 	uint32_t* count )
 {
@@ -495,7 +495,7 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	}
 }
 
-/// Both shapes of a pair that stands still.
+/// Both shapes of a static pair.
 static void note_pair( const lw_checker* checker, uint32_t pair, lwi_ahead* ahead )
 {
 	uint32_t stride = checker->scene_block_count * LWI_WIDTH;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of a state, node by node when a question gets there.
+// Poses of a state, node by node at their first use.
 //
 // A pose follows from the pose of the node above in one way only, in whatever order poses are used, so it has the same bits
 // in every order, and so have the distances measured with it.
@@ -92,7 +92,7 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 	uint32_t index = sphere / 2;
 	const lwi_checker_node* node = &checker->tree->nodes[index];
 	bool motion = sphere % 2 != 0;
-	uint32_t frame = motion ? node->parent : index; // the node whose pose the sphere hangs on
+	uint32_t frame = motion ? node->parent : index; // the node whose pose carries the sphere
 	lwi_pose_node( checker, query, frame );
 	const lw_sphere* local = motion ? &node->m : &node->r;
 	const lw_transform* pose = &query->world_from_link[motion ? node->parent_top : node->top];
@@ -220,7 +220,7 @@ bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const 
 		   within_box( checker->variable_count, checker->near_lower, qb, checker->near_upper );
 }
 
-/// Metres: a state whose poses may be off by more is no state. Shifts of 1e12 m, or angles of 1e13 radians times a mimic
+/// Metres: a state with larger rounding of its poses is invalid. Shifts of 1e12 m, or angles of 1e13 radians times a mimic
 /// joint's factor.
 static const double most_rounding = 1.0;
 

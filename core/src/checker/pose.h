@@ -29,7 +29,7 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 
 void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t node );
 
-/// Everything, for those who go through all pairs.
+/// All poses, for callers that go through all pairs.
 void lwi_pose_all( const lw_checker* checker, lw_query* query );
 
 /// Makes world_from_link of a node's top valid.

@@ -24,7 +24,7 @@ static bool is_checked( const lw_checker* checker, const lwi_checker_node* node,
 	return false;
 }
 
-/// True if something that moves may come within max_d of a body that stands still.
+/// True if a moving body may come within max_d of a static one.
 static bool is_reached( const lw_checker* checker, uint32_t body, double largest_margin )
 {
 	const lwi_checker_body* b = &checker->bodies[body];

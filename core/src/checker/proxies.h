@@ -25,7 +25,7 @@ typedef struct lwi_unit_pair
 	uint32_t view;      ///< of a pair of bodies: index into the tree's views, or LW_INVALID_INDEX
 } lwi_unit_pair;
 
-/// Bodies, or where there are too many of them nodes.
+/// The bodies, or for robots with too many of them the nodes.
 typedef struct lwi_self_units
 {
 	uint32_t count, pair_count;

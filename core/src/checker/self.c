@@ -78,7 +78,7 @@ static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* n
 				}
 				else if ( !( row[lane] >= least ) )
 				{
-					row[lane] = row[lane] == row[lane] ? row[lane] : -INFINITY; // overflowed: look first
+					row[lane] = row[lane] == row[lane] ? row[lane] : -INFINITY; // overflowed: searched first
 					least = row[lane];
 					*nearest = a * stride + block * LWI_WIDTH + lane;
 				}
@@ -510,9 +510,10 @@ static bool pair_counts( const lw_checker* checker, uint32_t pair )
 	return a < bodies && b < bodies && ( checker->self_mask[(size_t)a * checker->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) & 1 ) != 0;
 }
 
-/// The pairs that were nearest in states before get their first look before all others, the least gap of spheres first:
-/// which witness was nearest says little of another state, which pair was says much, and a bound early spares most other
-/// pairs their look. Only where nothing is proved of pairs, which would rule many of these out, and not for yes or no.
+/// The pairs that were nearest in earlier states are measured before all others, the least gap of spheres first:
+/// the nearest witness of one state says little of another state, the nearest pair says much, and an early bound saves most
+/// other pairs their first pass. Only where nothing is proved of pairs, which would rule many of these out, and not for yes
+/// or no.
 static void look_at_known( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	const uint32_t stride = checker->body_block_count * LWI_WIDTH, count = query->known_count;

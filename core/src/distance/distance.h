@@ -43,19 +43,19 @@ bool lwi_range_is_valid( const lw_range* range );
 /// upper bound; the witness is then the caller's to set, `pair` is current_pair.
 bool lwi_bound_offer( lwi_bound* bound, double lower, double upper );
 
-/// Interval and class of an answered question; witness and names are left to the caller (kind tells if there is one).
+/// Interval and class of a finished search; the caller adds witness and names (kind shows whether there is one).
 lw_clearance lwi_bound_result( const lwi_bound* bound );
 
 /// Lowers the bound to the distance of a and b, less the bound's margin, where that is smaller.
 /// @param a_from_b shape frames; finite, a rotation
 void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 
-/// lwi_search() of one of several pairs, any of which may be the nearest. Two trees are searched until something of them was
-/// measured, or for a few leaves; if that does not end it the search waits, and lwi_search_waiting() goes on with it when
-/// all pairs had their turn.
+/// lwi_search() of one of several pairs, any of which may be the nearest. Searches two trees until the first measurement,
+/// or for a few leaves; if that does not end the search it is suspended, and lwi_search_waiting() resumes it after all
+/// pairs had their turn.
 void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
 
-/// Ends the searches that wait, that of the nearest measured pair first.
+/// Ends the suspended searches, that of the nearest measured pair first.
 void lwi_search_waiting( lwi_search_memory* memory, lwi_bound* bound );
 
 /// Measures one pair of items, or of solids, for warm starts. Out-of-range indices are ignored.

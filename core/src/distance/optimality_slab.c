@@ -12,14 +12,14 @@
 /// Rounding of a slab's width in units of LWI_EXACT_ERROR: 29 roundoffs, where LWI_EXACT_ERROR counts 120.
 #define SLAB_ERROR 0.5
 
-/// Looks how far a mesh reaches along a direction: no farther than `most`, or it does not matter how far.
+/// Tests whether a mesh reaches farther than `most` along a direction.
 typedef struct ascent
 {
 	const lwi_kernels* kernels;
 	const lw_shape* shape;
 	lw_vec3 n;       ///< unit, shape frame
 	double most;     ///< height above which the answer is no
-	double enough;   ///< subtrees below it are not looked at
+	double enough;   ///< subtrees below it are skipped
 	double top;      ///< proved: nothing is higher
 	uint32_t budget; ///< leaves
 } ascent;
@@ -95,8 +95,8 @@ static bool climb( ascent* up )
 }
 
 /// True if the slab across n (unit, a's shape frame) is at least `width` wide.
-/// @param at_a, at_b where its sides are to be looked for: heights of the witness points. Any will do, the answer is never
-/// wrong
+/// @param at_a, at_b heights at which the search of its sides begins: those of the witness points. Any value gives a correct
+/// answer
 static bool slab_is_wide( lwi_searching* s, lw_vec3 n, double at_a, double at_b, double width, uint32_t* budget )
 {
 	double spare = at_b - at_a - width;

@@ -103,25 +103,25 @@ typedef struct lwi_searching
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
 } lwi_searching;
 
-/// When the slab across the nearest pair is tried: when there was none nearer for long, and again only where it was leaves
-/// that it ran out of, not a shape that was in its way.
+/// Back-off of the slab across the nearest pair: tried after many comparisons without a nearer pair, and again only if it
+/// ran out of leaves, not if a shape was in its way.
 typedef struct lwi_witness_trial
 {
 	double upper;  ///< of the pair
 	uint32_t next; ///< comparisons until the next try
 } lwi_witness_trial;
 
-/// Where a search of two trees has got to.
+/// Progress of a search of two trees.
 typedef struct lwi_walk
 {
 	uint32_t bottom, height; ///< its entries in the query's stack
 	uint32_t leaves;         ///< compared so far
-	uint32_t late_plane;     ///< comparison before which a plane is looked for again; 0: none
+	uint32_t late_plane;     ///< number of comparisons before the next plane search; 0: none
 	bool bounded;            ///< there was a limit when it began
 	lwi_witness_trial trial;
 } lwi_walk;
 
-/// A search that waits until the other pairs of the question have had their first look.
+/// A suspended search: it resumes after the first pass over the other pairs.
 typedef struct lwi_waiting
 {
 	lwi_searching search;

@@ -33,7 +33,7 @@ static lw_vec3 point_of_item( const lw_shape* shape, uint32_t item )
 	return lwi_load( shape->vertices + 3 * vertex );
 }
 
-/// Asks for the point of one item; contact if it is inside.
+/// Tests a point of one item; contact if it is inside.
 static bool ask_item( const inside* q, uint32_t item )
 {
 	const lw_transform* m = q->s->a_from_b;

@@ -213,8 +213,8 @@ static bool leaf_side_rules_out( lwi_searching* s, lwi_entry* e )
 
 enum
 {
-	LEAVES_BEFORE_PLANE = 1, ///< comparisons of leaves after which a plane is looked for: most searches need none
-	LEAVES_BEFORE_LATE_PLANE = 2, ///< and again when a search goes on that waited: many end at once
+	LEAVES_BEFORE_PLANE = 1, ///< comparisons of leaves before the first search for a plane: most searches end without
+	LEAVES_BEFORE_LATE_PLANE = 2, ///< and again when a suspended search resumes: many end at once
 	MAX_FAILURES = 3,        ///< after so many, one search in 2^3 tries
 	PLANE_LOOKS_KNOWN = 2,
 	PLANE_LOOKS_NEW = LWI_MAX_LOOKS
@@ -256,7 +256,7 @@ static bool old_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_LOOKS_KNOWN );
 }
 
-/// Searches a new plane, less often after searches that found none.
+/// Searches for a new plane, less often after searches that found none.
 static bool new_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 {
 	if ( hint->wait > 0 )
@@ -330,7 +330,7 @@ static bool witness_rules_out( lwi_searching* s, uint32_t compared, lwi_witness_
 
 enum
 {
-	LEAVES_OF_A_LOOK = 4,    ///< comparisons after which a first look is over even if nothing was measured
+	LEAVES_OF_A_LOOK = 4,    ///< comparisons after which a first pass is over even if nothing was measured
 	LEAVES_BEFORE_LEAST = 8, ///< comparisons after which the entry with the least gap is next, wherever it is
 };
 
@@ -405,7 +405,7 @@ static bool meet_leaves( lwi_searching* s, lwi_entry* e, lwi_walk* walk )
 	return false;
 }
 
-/// @param look stop when something was measured, or after LEAVES_OF_A_LOOK
+/// @param look stop after the first measurement, or after LEAVES_OF_A_LOOK
 /// @return false if it did; else the search is done
 static bool walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
 {
@@ -433,7 +433,7 @@ static bool walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
 			}
 			continue;
 		}
-		// a leaf much larger than the node it faces is a poor sphere: ask its triangles first
+		// a leaf much larger than the node it faces is a poor sphere: test its triangles first
 		if ( leaf_a != leaf_b && ( leaf_a ? 2 * e.radius_a > e.radius_b : 2 * e.radius_b > e.radius_a ) &&
 			 leaf_side_rules_out( s, &e ) )
 		{
@@ -619,7 +619,7 @@ static const lw_shape* geometry_of( lwi_search_memory* memory, const lw_shape* s
 	return made;
 }
 
-/// Leaves a search to lwi_search_waiting(). False if there is no room for it.
+/// Suspends a search; lwi_search_waiting() resumes it. False if there is no room for it.
 static bool wait_for_others( lwi_searching* s, const lwi_walk* walk )
 {
 	lwi_search_memory* memory = s->memory;
@@ -642,7 +642,7 @@ static void end_search( lwi_searching* s )
 	}
 }
 
-/// @param look it may wait when it had a first look
+/// @param look the search may be suspended after its first pass
 static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound, bool look )
 {
 	bool deferred = lwi_shape_now( a )->deferred != NULL || lwi_shape_now( b )->deferred != NULL;
@@ -692,7 +692,7 @@ void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_sh
 	search_pair( memory, a, b, a_from_b, bound, true );
 }
 
-/// Goes on with a search that waited.
+/// Resumes a suspended search.
 static void resume( lwi_search_memory* memory, lwi_waiting* waiting, lwi_bound* bound )
 {
 	lwi_searching* s = &waiting->search;

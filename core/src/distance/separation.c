@@ -259,7 +259,8 @@ static void make_boxes( lwi_places* s )
 	s->boxed = true;
 }
 
-/// Planes of b, standing, that the box around a stays below at all its places. @param room see lwi_kernels::planes_clear
+/// Planes of the static shape b that the box around a stays below at all its places. @param room see
+/// lwi_kernels::planes_clear
 static uint32_t planes_clear( const lwi_kernels* kernels, lwi_places* a, const lwi_places* b, const between_places* q,
 	const lwi_planes8* planes, float room[LWI_WIDTH] )
 {
@@ -331,7 +332,7 @@ typedef struct core
 	uint32_t blocks;
 	const lw_transform* local; ///< frame of the points; NULL: axes of the places' frame
 	lw_vec3 origin;            ///< theirs, above q->from
-	lw_vec3 cut[LWI_MAX_LOOKS]; ///< further points, that were found by exact looks; above q->from
+	lw_vec3 cut[LWI_MAX_LOOKS]; ///< further points, from searches of all geometry; above q->from
 	int cuts;
 } core;
 
@@ -474,7 +475,7 @@ static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s
 	return LWI_UNKNOWN;
 }
 
-/// True if everything stays below a plane of b. @param core_b NULL: b stands
+/// True if everything stays below a plane of b. @param core_b NULL: b is static
 static bool hulls_stay_below( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, const between_places* q, const core* core_a,
 	const core* core_b, lwi_places_plane plane )
 {

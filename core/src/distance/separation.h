@@ -32,12 +32,12 @@ typedef struct lwi_hint
 /// Any direction to begin with: from centre to centre.
 lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a );
 
-/// Looks for a plane on which the gap between the convex hulls of a and b is at least the limit.
+/// Searches for a plane on which the gap between the convex hulls of a and b is at least the limit.
 /// @param a_from_b tree frames
 /// @param limit as for all gaps: the slack of floats (simd/kernels.h) included
 /// @param plane the search begins there; on return it ended there
 /// @param looks number of directions tried on all geometry, at most LWI_MAX_LOOKS
-/// @return true if there is one: nothing of a is nearer to anything of b than the limit. False says nothing
+/// @return true if there is one: nothing of a is nearer to anything of b than the limit. False proves nothing
 bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* a_from_b, float limit,
 	lwi_plane* plane, int looks );
 
@@ -113,16 +113,16 @@ typedef enum lwi_separation
 	LWI_MEET     ///< there is none for any limit, to rounding
 } lwi_separation;
 
-/// Looks for a plane between the convex hulls of all places.
+/// Searches for a plane between the convex hulls of all places.
 /// @param direction where to begin: b's tree frame at its middle place, any length; where it ended
 /// @param out the separating plane; written only then
 lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, float direction[3],
 	lwi_places_plane* out );
 
-/// Looks for a direction along which a stays below b on its way, too: at the share s of the way from place to place
-/// everything is within s ( 1 - s ) bend of its place on a straight line. At either end of the way the distance may be as
-/// small as the limit.
-/// @param a at its middle place, its left and its right one, or standing @param b likewise
+/// Searches for a direction along which a stays below b on its way, too: at the share s of the way from place to
+/// place everything is within s ( 1 - s ) bend of its place on a straight line. At either end of the way the distance may be
+/// as small as the limit.
+/// @param a at its middle place, its left and its right one, or static @param b likewise
 /// @param direction where to begin: b's tree frame at its middle place; where it ended, of length 1 to rounding if there is
 /// one
 /// @return true if there is one: on all of the way nothing of a is nearer to anything of b than the limit
@@ -130,7 +130,7 @@ bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const l
 	float direction[3] );
 
 /// Does a, on its bent way, stay below all of b that it could come near to?
-/// @param a at its middle place, its left and its right one, or standing @param b standing
+/// @param a at its middle place, its left and its right one, or static @param b static
 /// @param n frame of the places, of any length: along which
 /// @param reach metres: no point of a gets farther from the middle of its sphere, at the middle place
 /// @return true if it does: on all of the way nothing of a is nearer to anything of b than the limit

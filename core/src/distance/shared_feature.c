@@ -20,7 +20,7 @@ static lw_vec3 corner_of( const lw_shape* shape, uint32_t vertex )
 	return lwi_load( shape->vertices + 3 * (size_t)vertex );
 }
 
-/// An order of points that says nothing of where they are kept.
+/// An order of points by their coordinates, whatever their indices.
 static bool comes_first( lw_vec3 a, lw_vec3 b )
 {
 	return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
@@ -100,7 +100,7 @@ bool lwi_tie_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, con
 	}
 	lw_vec3 across = lwi_sub( q, p );
 	out->distance = lwi_length( across );
-	// it is that of the triangles, or another point of these was nearer (or squares vanished)
+	// it is the distance of the triangles, or another point of them was nearer (or squares vanished)
 	if ( !( fabs( out->distance - distance ) <= LWI_TIE_ERROR * lengths ) )
 	{
 		return false;

@@ -64,7 +64,7 @@ struct lw_query
 	lwi_warm warm_environment, warm_self, warm_scene;
 	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
 	uint32_t known_count;
-	uint32_t known_looked; ///< bits: those that had a look in the state at hand
+	uint32_t known_looked; ///< bits: those measured first in the current state
 	uint32_t last_edge_body;      ///< of the item that ended the last proof of an edge: tried first. Any value will do
 	bool last_edge_self;          ///< it was a pair
 	void* edge_scratch;
@@ -78,7 +78,7 @@ static inline bool lwi_warm_pays( const lw_query* query, const lwi_warm* warm, c
 	return query->search.def.warm_start && warm->valid && warm->clearance < bound->prune;
 }
 
-/// lwi_measure() of the pair that was nearest last time, which is then known to be as far as it is now.
+/// lwi_measure() of the pair that was nearest last time: offers its distance in the current state to the bound.
 static inline void lwi_measure_warm( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
 	lwi_warm* warm, lwi_bound* bound )
 {

@@ -4,7 +4,7 @@
 #include "query/query.h"
 #include "scene/scene.h"
 
-/// Nearest first: the shape with the least gap is searched, then whatever the bound leaves.
+/// Nearest first: the shape with the least gap is searched, then all others whose gap is below the bound.
 static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape* shape, const lw_transform* world_from_shape,
 	lwi_bound* bound )
 {
@@ -20,7 +20,7 @@ static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape
 		if ( !( query->gaps[i] >= limit ) )
 		{
 			float gap = query->gaps[i];
-			query->candidates[count++] = (lwi_candidate){ gap == gap ? gap : -INFINITY, i }; // overflowed: look first
+			query->candidates[count++] = (lwi_candidate){ gap == gap ? gap : -INFINITY, i }; // overflowed: searched first
 		}
 	}
 	lwi_heap_build( query->candidates, count );

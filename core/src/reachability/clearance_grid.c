@@ -208,7 +208,7 @@ static void measure( maker* m, block* b, uint32_t least_level )
 	double needed = ( b->motion + p->rounding ) * ( 1 + 16 * LWI_U64 ) + CHART_ROUNDING;
 	if ( !( needed < CHART_LARGEST ) || b->lower >= ENOUGH || b->distance <= needed + b->lower )
 	{
-		return; // nothing is needed, or where it came from says that nothing is to be gained
+		return; // nothing is needed, or the parent's distance shows that a measurement gains nothing
 	}
 	// for distances too small to raise the bound, any upper bound of the distance will do
 	lw_range range = { needed + b->lower, MOST + needed + CHART_ROUNDING, CHART_ALPHA };
@@ -293,7 +293,7 @@ static uint8_t fill( maker* m, const block* b, uint8_t number )
 			uint8_t* row = chart->cells + ( ( ( ( (size_t)x << bits[1] ) + y ) << bits[2] ) + first[2] );
 			for ( uint32_t z = 0; z < count[2]; ++z )
 			{
-				row[z] = number > row[z] ? number : row[z]; // a coarser chart may have said more
+				row[z] = number > row[z] ? number : row[z]; // a coarser chart may have a larger number
 				least = row[z] < least ? row[z] : least;
 			}
 		}
@@ -347,11 +347,11 @@ static block slab_of( const lwi_chart* chart, uint32_t index, uint32_t slab_bits
 	return b;
 }
 
-/// Goes through all blocks of a slab, depth first: one sibling per halving waits. Ends early if it is late.
+/// Goes through all blocks of a slab, depth first: one sibling per halving waits. Ends early when the time is over.
 static void make_cells( maker* m, block slab )
 {
 	block stack[LWI_CHART_BITS + 2] = { slab };
-	uint32_t waiting = 0; // below the one in hand
+	uint32_t waiting = 0; // below the current one
 	for ( bool done = false; !done && !m->late; )
 	{
 		block* b = &stack[waiting];
@@ -370,7 +370,7 @@ static void make_cells( maker* m, block slab )
 	}
 }
 
-/// True if some cell says more than is known of all.
+/// True if some cell proves more than the separation of all states.
 static bool is_worth_keeping( const lwi_chart* chart, double separation )
 {
 	uint8_t most = 0;

@@ -14,7 +14,7 @@ enum
 	ROUND_GROWTH = 4,          ///< each round has as many times more
 	LAST_ROUND = 6,            ///< 2 million cells: a proof that takes more is given up
 	SEARCH_SHARE = 20,         ///< a round's search for contact has this many times fewer measurements than its proof cells
-	LONGEST_SEARCH = 1000,     ///< measurements; a search does not look at the clock
+	LONGEST_SEARCH = 1000,     ///< measurements; a search does not check the clock
 	MOST_CHART_BYTES = 1 << 26, ///< of one reach
 	IN_REACH = 2               ///< a proof is tried if it is expected to take at most this many times the round's cells
 };
@@ -204,7 +204,7 @@ static void prove_pair( const effort_round* r, lwi_prober* prober, const lwi_act
 	lwi_prober_select( prober, active->link_a, active->link_b );
 	if ( !prober->bounded || prober->variable_count == 0 || prober->variable_count != pair->variable_count )
 	{
-		effort->flags &= ~(uint32_t)LWI_EFFORT_BOUNDED; // a blob said otherwise
+		effort->flags &= ~(uint32_t)LWI_EFFORT_BOUNDED; // a blob had the flag set
 		return;
 	}
 	bool first = effort->height == 0 || effort->cells < budget / ROUND_GROWTH + 1;

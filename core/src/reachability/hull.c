@@ -11,7 +11,7 @@
 
 enum
 {
-	/// Points of one hull. Where that binds, more is dropped than the budget has for it, and `dilation` says so.
+	/// Points of one hull. Where this limit binds, more points are dropped than the tolerance allows, and `dilation` grows.
 	MAX_POINTS = 1500,
 	/// The same of a link swept up to an ancestor: there are ten times as many of these, and the subdivision proves the
 	/// pairs for which they are too coarse.

@@ -14,7 +14,7 @@ static const double pi = 3.14159265358979323846;
 /// Half the width, in metres, of the window from which random values of a joint without limits are taken.
 #define WINDOW 1.0
 
-/// By how much more than the range to be proved a proof may look at, relative to its ends: charts overlap by less.
+/// How far beyond the range to be proved a proof may reach, relative to its ends: charts overlap by less.
 #define WIDER 0x1p-36
 
 /// Everything a prober holds but the query and the motion table is one block, laid out by this list.

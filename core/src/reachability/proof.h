@@ -31,7 +31,7 @@ typedef struct lwi_prober
 	double* sample_lower; ///< [variable_count] where random states come from: the limits, or a window where there are none
 	double* sample_upper;
 
-	// the pair in hand
+	// the selected pair
 	uint32_t link_a, link_b, ancestor;
 	uint32_t chain_count;
 	uint32_t* chain;      ///< links below the ancestor on the ways to both, parents first
@@ -60,7 +60,7 @@ typedef struct lwi_prober
 lw_status lwi_prober_create( const lwi_reach_job* job, lwi_prober** out_prober );
 void lwi_prober_destroy( lwi_prober* prober ); ///< NULL is ignored
 
-/// Takes two different links in hand.
+/// Selects a pair of different links.
 void lwi_prober_select( lwi_prober* prober, uint32_t link_a, uint32_t link_b );
 
 enum
@@ -76,7 +76,7 @@ typedef struct lwi_probers
 	atomic_bool out_of_memory;
 } lwi_probers;
 
-/// One that nobody else uses, as if it were new. NULL without memory, and probers->out_of_memory says so.
+/// A prober for one thread, in its initial state. NULL without memory, and probers->out_of_memory is set.
 lwi_prober* lwi_probers_take( lwi_probers* probers );
 void lwi_probers_give( lwi_probers* probers, lwi_prober* prober ); ///< NULL is ignored
 void lwi_probers_free( lwi_probers* probers );
@@ -86,10 +86,10 @@ void lwi_probers_free( lwi_probers* probers );
 void lwi_prober_measure_links( lwi_prober* prober, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
 	const lw_range* range, lwi_nearest* nearest, lwi_bound* out_bound );
 
-/// Puts the chain of the pair in hand at q (full state) into `poses`. False for a zero quaternion.
+/// Puts the chain of the selected pair at q (full state) into `poses`. False for a zero quaternion.
 bool lwi_prober_pose( lwi_prober* prober, const double* q );
 
-/// Upper bound of the distance of the pair in hand at q if it is below `limit`, else +inf.
+/// Upper bound of the distance of the selected pair at q if it is below `limit`, else +inf.
 double lwi_prober_distance( lwi_prober* prober, const double* q, double limit );
 
 /// splitmix64 (Steele, Lea, Flood 2014).
@@ -115,8 +115,8 @@ void lwi_prober_random_state( const lwi_prober* prober, uint64_t* random, const 
 
 // --- reachability/search.c --------------------------------------------------------------------------------------------------
 
-/// Looks for a state of the pair in hand that is nearer than *closest, inside the limits. @param q full state where *closest
-/// was found; both are updated. Deterministic; at most about `budget` measurements.
+/// Searches for a state of the selected pair that is nearer than *closest, inside the limits. @param q full state where
+/// *closest was found; both are updated. Deterministic; at most about `budget` measurements.
 void lwi_prober_search( lwi_prober* prober, uint64_t seed, uint32_t budget, double* closest, double* q );
 
 // --- reachability/subdivide.c -----------------------------------------------------------------------------------------------
@@ -143,7 +143,7 @@ typedef enum lwi_proof_outcome
 /// in sight. Rough: within some powers of ten of the truth, but it costs a few hundred cells.
 double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, double* closest, double* q );
 
-/// Goes on to prove the pair in hand (which is `bounded`) apart by at least effort->fraction of the least distance found,
+/// Continues to prove the selected pair (which is `bounded`) apart by at least effort->fraction of the least distance found,
 /// until effort->cells is `budget` or `deadline` comes. The open cells are in effort, memory of the reach; none is open at
 /// first, and none once the outcome is PROVED or HOPELESS. *closest and q are updated if a nearer state inside the limits is
 /// met.
@@ -152,10 +152,10 @@ double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, 
 lw_status lwi_prober_subdivide( lwi_prober* prober, lwi_effort* effort, uint64_t budget, double deadline, double* closest,
 	double* q, lwi_proof_outcome* out_outcome, double* out_separation );
 
-/// Share of the box, by volume, that the subdivision under way has left open.
+/// Share of the box, by volume, that the current subdivision has left open.
 double lwi_effort_open_share( const lwi_prober* prober, const lwi_effort* effort );
 
-/// Forgets the subdivision under way.
+/// Discards the current subdivision.
 void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variable_count );
 
 // --- reachability/clearance_grid.c ---------------------------------------------------------------------------------------------------
@@ -165,7 +165,7 @@ void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variab
 /// than the chart's own
 /// @param chart its cells are the caller's; cells = NULL if there is no chart yet. If none is possible, or the finished one
 /// proves nothing new, they are NULL afterwards
-/// @param slabs finished with these bits, goes on from there; 0 for new bits
+/// @param slabs finished with these bits, continues behind them; 0 for new bits
 /// @param out_complete all of it is measured
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_CANCELLED
 lw_status lwi_chart_refine( lwi_prober* prober, uint32_t link_a, uint32_t link_b, double separation,

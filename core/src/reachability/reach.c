@@ -184,7 +184,7 @@ static lw_status build( const lwi_reach_job* job )
 	lw_status status = LW_OK;
 	for ( uint32_t i = 0; i < robot->body_count && status == LW_OK; ++i )
 	{
-		status = lw_shape_complete( robot->bodies[i].shape, job->diag ); // all that follows looks at its geometry
+		status = lw_shape_complete( robot->bodies[i].shape, job->diag ); // all later steps read its geometry
 	}
 	status = status == LW_OK ? lwi_reach_allocate( job->reach, job->diag ) : status;
 	status = status == LW_OK ? lwi_reach_build_hulls( job ) : status;
@@ -477,7 +477,7 @@ lw_reach_pair lw_reach_get_pair( const lw_reach* reach, uint32_t link_a, uint32_
 {
 	if ( link_a >= reach->link_count || link_b >= reach->link_count )
 	{
-		return (lw_reach_pair){ .kind = LW_PAIR_CHECK, .closest = INFINITY }; // nothing is known of it
+		return (lw_reach_pair){ .kind = LW_PAIR_CHECK, .closest = INFINITY }; // no data
 	}
 	if ( link_a == link_b )
 	{

@@ -22,7 +22,7 @@ enum
 	LWI_EFFORT_SEARCH = 4,   ///< contact was searched for
 	LWI_EFFORT_DEFAULT = 8,  ///< in contact at the default state
 	LWI_EFFORT_HOPELESS = 16, ///< in contact inside the margin around the limits
-	LWI_EFFORT_TOO_MANY = 32, ///< the aim at hand takes too many cells
+	LWI_EFFORT_TOO_MANY = 32, ///< the current aim takes too many cells
 	LWI_EFFORT_FLAGS = 64,   ///< above all of them
 	LWI_CELL_DEPTH = 300     ///< cuts above each other; 43 halvings bring a full turn below 1e-12 rad
 };
@@ -35,8 +35,8 @@ typedef struct lwi_effort
 	uint32_t visits;   ///< random states in which bounding spheres met: where queries may have to search the pair
 	uint32_t chart_rounds, chart_slabs; ///< charts made, and parts of the one under way (reachability/clearance_grid.c)
 	// the subdivision under way (reachability/subdivide.c)
-	uint64_t cells;    ///< measured for the aim at hand
-	double expected;   ///< cells that it takes, by forecast; 0 = not known
+	uint64_t cells;    ///< measured for the current aim
+	double expected;   ///< cells that the aim takes, by forecast; 0 = not known
 	double fraction;   ///< of the least distance, aimed at; 0 = none is under way
 	double target, least;
 	uint32_t height;   ///< open cells
@@ -128,7 +128,7 @@ typedef struct lwi_reach_job
 	const lw_reach_def* def;
 	lw_reach* reach;
 	lw_diag* diag;
-	lwi_reach_stage* stage; ///< NULL: nobody waits for progress
+	lwi_reach_stage* stage; ///< NULL: no progress is reported
 } lwi_reach_job;
 
 /// Begins a stage of progress. @param seconds its time budget; 0 = none, it has `count` steps

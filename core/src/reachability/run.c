@@ -80,7 +80,7 @@ bool lwi_reach_goes_on( const lwi_reach_job* job )
 	return goes_on;
 }
 
-/// Tasks that are each run once, whatever the user's function does.
+/// Tasks that run once each, even if the user's function calls one twice or not at all.
 typedef struct run
 {
 	void ( *task )( void* context, uint32_t index );

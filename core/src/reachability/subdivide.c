@@ -22,7 +22,7 @@ enum
 /// `needed` in any case; a cell that is not needs no more than a rough distance. Fetch's proofs take 0.55 of the time.
 #define CELL_ALPHA 0.5
 
-/// Of a cell's motion: a distance below it does not have to be known better, since the cell's halves will be cut too.
+/// Share of a cell's motion: a distance below it need not be known more exactly, since the cell's halves will be cut too.
 #define CUT_SHARE 0.25
 
 /// One proof under way. The stack's entries are [lower, upper] of each variable of the pair, then an estimate from above of
@@ -153,7 +153,7 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 	*out_distance = cell[2 * s->dimension];
 	if ( !isfinite( needed ) || *out_distance < needed )
 	{
-		return false; // the parent's distance says so: no need to measure
+		return false; // by the parent's distance: no need to measure
 	}
 	// a large cell near contact is cut whatever its distance: it must become small
 	lw_range range = { CUT_SHARE * fmax( 0.0, motion - 4 * s->target ), needed, CELL_ALPHA };

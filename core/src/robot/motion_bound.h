@@ -36,10 +36,10 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 void lwi_motion_table_destroy( lwi_motion_table* table ); ///< NULL is ignored
 size_t lwi_motion_table_bytes( const lwi_motion_table* table );
 
-/// Upper bound, for any point of any body, of the distance between where it is in the world at a state and where double
-/// arithmetic puts it. Poses are not quite rigid: a distance of two bodies, in the frame of one of them, is off by up to
-/// three times that and *stretch times itself. Derivation: core/docs/numerics.md. Cost: the moving joints that shift, or
-/// that follow others.
+/// Upper bound, for any point of any body, of the distance between its place in the world at a state and the place that
+/// double arithmetic computes. Poses are not quite rigid: a distance of two bodies, in the frame of one of them, is off by
+/// up to three times that and *stretch times itself. Derivation: core/docs/numerics.md. Cost: the moving joints that shift,
+/// or that follow others.
 /// @param state [variable_count] finite
 double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch, double* reach );
 
@@ -122,7 +122,7 @@ double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratc
 /// of its parts.
 double lwi_motion_total( const lwi_motion_table* table, const void* scratch );
 
-/// Upper bound of the distance between where a point of any body is at t and where double arithmetic puts it in the world.
+/// Upper bound of the distance between a body's point at t and its place in the world by double arithmetic, for all bodies.
 double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch );
 
 // --- cells of the joint space, seen from one of two links ----------------------------------------------------------------
@@ -130,8 +130,9 @@ double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch )
 // A *way* leads from the link of a body to another link: the joints that a variable moves, in order, constant ones left out;
 // the first `upward` of them lead towards the root. None is a floating joint. Derivation: core/docs/self_collision.md.
 
-/// Raises lengths[k], k = 0 .. count, to how far any point of `body` may be from its place at `center`, in any state whose
-/// variables differ from `center` by at most half_width, seen from behind the first k joints of the way. Rounded outward.
+/// Raises lengths[k], k = 0 .. count, to the largest distance of any point of `body` from its place at `center`, in any
+/// state whose variables differ from `center` by at most half_width, in a frame behind the first k joints of the way.
+/// Rounded outward.
 /// @param center, half_width [variable_count] @param table made without fixed variables
 /// @param poses [link_count] of the links next to the way's joints and of the body's link at `center`, in one frame
 /// @param rounding bounds the rounding of those poses, see lwi_motion_box_rounding()

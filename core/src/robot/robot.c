@@ -39,7 +39,7 @@ lw_robot_def lw_robot_def_default( void )
 	return (lw_robot_def){ .name = "robot", .world_from_root = lw_transform_identity(), .cookie = ROBOT_COOKIE };
 }
 
-// ---- validation: everything that can be said of the def before any memory is taken -----------------------------------
+// ---- validation: all checks of the def, before any allocation ---------------------------------------------------------
 
 static bool has_axis( lw_joint_type type )
 {
@@ -627,7 +627,7 @@ static void build_variables( lw_robot* robot )
 		}
 	}
 	// A joint that follows a wrapping one at, say, half its angle would jump where the variable goes from pi to -pi. Such a
-	// variable does not wrap: the motion of the whole robot must be continuous, or nothing could be proved of it.
+	// variable does not wrap: the proofs need a continuous motion of the whole robot.
 	for ( uint32_t i = 0; i < robot->joint_count; ++i )
 	{
 		const lwi_joint* joint = &robot->joints[i];

@@ -33,7 +33,7 @@ typedef struct draft
 	draft_shape* shapes;
 } draft;
 
-/// The object of this name that is there now. @return its index; LW_INVALID_INDEX with a message if there is none, or
+/// The object of this name in the draft. @return its index; LW_INVALID_INDEX with a message if there is none, or
 /// several
 static uint32_t find( const draft* d, const lw_scene_change* change, uint32_t at, lw_diag* diag )
 {

@@ -13,7 +13,7 @@ typedef struct work
 {
 	lw_shape* shape;
 	const lw_allocator* memory;
-	uint32_t count, edges; ///< triangles, edges of those that have an area to speak of
+	uint32_t count, edges; ///< triangles; edges of the triangles that are not degenerate
 	uint32_t* parent;      ///< [count] union-find; also over vertices, then [vertex_count]
 	uint8_t* turned;       ///< [count] against its parent
 	uint8_t* mixed;        ///< [count] of a root: no orientation

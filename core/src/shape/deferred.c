@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Deferred meshes: a box now, the triangles and their tree when a query first gets there.
+// Deferred meshes: a box now, the triangles and their tree at the first query that needs them.
 //
 // The shape that is made in the end is an ordinary one, owned by the deferred one. Whichever thread is first publishes its
 // own by one compare-and-swap and the others drop theirs: nothing is locked here, and every reader sees one shape for good.

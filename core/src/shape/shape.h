@@ -93,7 +93,7 @@ struct lw_shape
 	// Meshes only.
 	uint32_t part_count;            ///< connected parts
 	uint32_t parts[LWI_MAX_PARTS];  ///< a triangle of each, if there are no more than these
-	bool filled;                    ///< declared solid: closed, and whatever is inside touches it
+	bool filled;                    ///< declared solid: closed, and all points inside belong to it
 	uint32_t sheet_count;           ///< closed surfaces of a filled mesh
 	uint32_t* sheets;               ///< [item_count] of a filled mesh: number << 2 | flags; LW_INVALID_INDEX: degenerate
 
@@ -116,7 +116,7 @@ struct lw_shape
 /// The shape with its geometry, made now if it was not. NULL with a status if it cannot be. For deferred shapes only.
 const lw_shape* lwi_shape_make( const lw_shape* shape, lw_status* out_status, lw_diag* diag );
 
-/// The shape with its geometry, whatever it takes. NULL with a status if it cannot be had.
+/// The shape with its geometry, made now if it is deferred. NULL with a status if that fails.
 static inline const lw_shape* lwi_shape_made( const lw_shape* shape, lw_status* out_status, lw_diag* diag )
 {
 	*out_status = LW_OK;

@@ -168,7 +168,7 @@ static bool circumcenter( lw_vec3 p, const lw_vec3* e, int n, lw_vec3* center )
 	return isfinite( center->x ) && isfinite( center->y ) && isfinite( center->z );
 }
 
-/// Points on whose sphere the current one stands.
+/// Support points of the current sphere: they lie on its surface.
 typedef struct lwi_basis
 {
 	lw_vec3 point[4];

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/// A subtree still to be looked at, and how far it may reach.
+/// A subtree still to be visited, and an upper bound of its support.
 typedef struct candidate
 {
 	float high;

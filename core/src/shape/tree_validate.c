@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Checks a sphere tree against the geometry it was built over, without trusting the builder.
 //
-// Walks the tree from the root with the spheres of all ancestors at hand. Each must contain the float triangles of the
+// Walks the tree from the root and keeps the spheres of all ancestors. Each must contain the float triangles of the
 // leaf, and the double vertices of the original triangle where the leaf holds it whole. Tiles are checked as a cover: their
 // areas add up to that of the triangle, and each of its corners is a corner of a tile. Balls and boxes are in one lane each.
 #include "base/math_inline.h"
@@ -32,7 +32,7 @@ typedef struct walker
 	uint32_t nodes, leaves, depth;
 	const char* problem;
 	uint32_t where;
-	// the spheres above the subtree in hand, the root's first, and the turned boxes of all but that
+	// the spheres above the current subtree, the root's first, and the oriented boxes of all but the root
 	float spheres[LWI_MAX_DEPTH + 1][4];
 	const lwi_bricks* bricks[LWI_MAX_DEPTH + 1]; ///< NULL where they are not found yet
 	uint32_t brick_lanes[LWI_MAX_DEPTH + 1];

@@ -86,7 +86,7 @@ static uint32_t brick_gap( const lwi_node* node, const lwi_bricks* bricks, const
 		low[i] = f8_load( bricks->low[i] );
 		high[i] = f8_load( bricks->high[i] );
 		other_axis[i] = v3_set( other->axis[i] );
-		// looked at from the other side, its faces change places
+		// along the opposite normal its faces change places
 		other_low[i] = f8_sub( zero, f8_set( other->high[i] ) );
 		other_high[i] = f8_sub( zero, f8_set( other->low[i] ) );
 	}

@@ -37,7 +37,7 @@ typedef struct lwi_bricks
 	float low[3][LWI_WIDTH], high[3][LWI_WIDTH];
 } lwi_bricks;
 
-/// One of them with its sphere, in the frame of the node that it is compared with.
+/// One oriented box with its sphere, in the frame of the node with which it is compared.
 typedef struct lwi_brick
 {
 	float center[3], radius, axis[3][3], low[3], high[3];
