@@ -99,7 +99,7 @@ static uint32_t sides_for( double radius, double chord )
 }
 
 /// A regular polygon of `sides` (a power of 2) corners first, first + 1, ...: ears over every second corner, again over
-/// those that are left. The trees have small triangles at the rim and large ones in the middle; those of a fan would all be
+/// the remaining ones. The trees have small triangles at the rim and large ones in the middle; those of a fan would all be
 /// long.
 static bool add_polygon( soup* s, const lw_allocator* memory, uint32_t first, uint32_t sides )
 {
@@ -679,7 +679,7 @@ typedef struct skinner
 	lwi_body* body;
 	lwi_array vertices; ///< double[3]
 	double finest;      ///< parts smaller than that are not cut
-	uint32_t shell;     ///< of the triangle in hand
+	uint32_t shell;     ///< of the current triangle
 	bool any_hidden;    ///< a part of it is hidden
 	bool ok;
 } skinner;
@@ -704,7 +704,7 @@ static void keep_visible( skinner* s, const lw_vec3 v[3], int splits )
 	}
 	lw_vec3 center = lwi_scale( 1.0 / 3, lwi_add( lwi_add( v[0], v[1] ), v[2] ) );
 	double radius = fmax( lwi_distance( center, v[0] ), fmax( lwi_distance( center, v[1] ), lwi_distance( center, v[2] ) ) );
-	// a part that is hidden has its centre inside; one whose centre is not may still have hidden parts, if another shell
+	// a hidden part has its centre inside; a part with its centre outside may still have hidden parts, if another shell
 	// is near
 	bool inside = lwi_body_encloses_by( body, center, s->shell, NULL );
 	double reach = radius + 2 * body->slack;

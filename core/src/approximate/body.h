@@ -39,7 +39,7 @@ typedef struct lwi_body
 	uint32_t open_shells;    ///< shells that stay open
 	uint32_t holes;          ///< closed by fans
 	double widest_hole;      ///< metres, of those closed: the diagonal of its box
-	double widest_open_hole; ///< metres, of those left; 0 if there is none
+	double widest_open_hole; ///< metres, of the open ones; 0 if there is none
 	uint32_t hidden;         ///< triangles of closed shells that are partly or wholly inside of others
 	struct lwi_ray_grid* grids;
 	uint8_t* parity;       ///< [shell_count], scratch, zero between calls
@@ -88,7 +88,7 @@ bool lwi_shape_is_near_but( const lw_shape* shape, lw_vec3 p, double distance, c
 /// one (lwi_tri_tri() does not have that weakness).
 lw_vec3 lwi_nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p );
 
-/// True if a closed shell is proved to have p inside. False where it has not, or rounding leaves it open.
+/// True if a closed shell is proved to have p inside. False if none has, or rounding leaves it open.
 bool lwi_body_encloses( lwi_body* body, lw_vec3 p );
 
 /// Signed depth s of a point: each ball about p of radius r protrudes from the body by at most r - s. That is, no point

@@ -87,7 +87,7 @@ static uint32_t push_children( const lwi_node* node, lw_vec3 p, double limit, en
 	for ( uint32_t lane = 0; lane < LWI_WIDTH && node->child[lane] != LW_INVALID_INDEX; ++lane )
 	{
 		lw_vec3 c = lwi_v3( (double)node->x[lane], (double)node->y[lane], (double)node->z[lane] );
-		// the sphere contains the geometry; the roundings of this gap are taken off
+		// the sphere contains the geometry; the rounding of this gap is subtracted
 		double apart = lwi_distance( p, c );
 		double gap = apart - (double)node->r[lane] - 8 * LWI_U64 * apart;
 		if ( gap >= limit )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fewer balls that contain those of a set: the largest left over takes in all near it, and grows as far as it must.
+// Fewer balls that contain those of a set: the largest remaining one absorbs all balls near it, and grows as far as it must.
 #include "approximate/simplify.h"
 #include "base/math_inline.h"
 #include "shape/shape.h"

@@ -29,7 +29,7 @@ typedef struct checker
 	double slack, finest, coarsest;
 	lw_spheres_report* report;
 	const lw_allocator* memory;
-	lwi_array list; ///< uint32_t: spheres that meet the triangle in hand
+	lwi_array list; ///< uint32_t: spheres that meet the current triangle
 } checker;
 
 static double gap_of( const checker* c, const uint32_t* list, size_t count, lw_vec3 p, double dilation )

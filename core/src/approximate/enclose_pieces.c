@@ -134,7 +134,7 @@ static place* remembered( const cutter* cut, const place* p )
 	return &cut->places[hash & ( PLACES - 1 )];
 }
 
-/// Has the first piece of this one's cell found sites, one of which covers this one too?
+/// True if the first piece of this one's cell has sites, and one of them covers this piece too.
 static bool is_served( const cutter* cut, const place* here, const lwi_piece* piece )
 {
 	const place* there = remembered( cut, here );

@@ -27,7 +27,8 @@ typedef struct refiner
 	lwi_array found;
 } refiner;
 
-/// The owner of a piece that none reaches with the excess in hand: not seen, but a piece without a sphere must not be.
+/// Gives an owner to a piece that no site reaches with the current excess. Never seen, but a piece without a sphere must not
+/// be.
 static void adopt( refiner* r, uint32_t piece )
 {
 	for ( size_t i = 0; i < r->site_count; ++i )
@@ -137,7 +138,7 @@ static void move_site( refiner* r, size_t site, double excess )
 			{
 				lwi_site next = { lwi_add_scaled( s->center, step, lwi_load( directions[d] ) ), 0 };
 				double reach = reach_of( r, site, next.center );
-				// the depth grows by at most the step: often that says enough
+				// the depth grows by at most the step: this test often suffices
 				if ( reach - ( s->depth + step ) >= r->worst[site] )
 				{
 					continue;

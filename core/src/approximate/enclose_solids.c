@@ -22,7 +22,7 @@ typedef struct solid_walk
 	const double* spheres;
 	lw_transform pose;
 	bool round;
-	lwi_array lists; ///< uint32_t: per level, the spheres that meet the cell in hand
+	lwi_array lists; ///< uint32_t: per level, the spheres that meet the current cell
 } solid_walk;
 
 /// A box in the coordinates of the shape.

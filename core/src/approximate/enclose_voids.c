@@ -19,8 +19,8 @@ typedef struct walk
 	lwi_body* body;
 	lwi_array* spheres;
 	double margin, excess;
-	size_t given;    ///< spheres before the walk; later ones are in no list and always looked at
-	lwi_array lists; ///< uint32_t: per level, the spheres that meet the cell in hand
+	size_t given;    ///< spheres before the walk; later ones are in no list and always tested
+	lwi_array lists; ///< uint32_t: per level, the spheres that meet the current cell
 	double gap;
 	lw_vec3 at;
 	bool open;

@@ -49,7 +49,7 @@ typedef struct simplifier
 	quadric* quadrics;     ///< [vertices]
 	uint32_t* corner_head; ///< [vertices] a corner 3 t + k at the vertex, then by corner_next; may name dead triangles
 	uint32_t* corner_next; ///< [3 triangles]
-	uint32_t* own_head;    ///< [triangles] triangles of the mesh that one stands for, then by own_next
+	uint32_t* own_head;    ///< [triangles] original triangles that a triangle represents, then by own_next
 	uint32_t* own_next;    ///< [triangles]
 	uint32_t* seen;        ///< [triangles] stamps
 	uint32_t star_corners[3 * MAX_STAR], stamp;
@@ -65,7 +65,7 @@ typedef struct simplifier
 typedef struct star
 {
 	uint32_t triangles[MAX_STAR], count; ///< at u or v
-	uint32_t kept;                       ///< the first of them, that have only one of both
+	uint32_t kept;                       ///< the first `kept` triangles have only one of u and v
 	lw_vec3 w;
 } star;
 
@@ -116,7 +116,7 @@ static bool best_point( const quadric* q, lw_vec3* out )
 	return isfinite( out->x ) && isfinite( out->y ) && isfinite( out->z );
 }
 
-// --- the mesh in hand ------------------------------------------------------------------------------------------------
+// --- the current mesh ------------------------------------------------------------------------------------------------
 
 static lw_vec3 at( const simplifier* s, uint32_t vertex )
 {
@@ -455,7 +455,7 @@ static int by_cost( const void* left, const void* right )
 	return a->u != b->u ? ( a->u < b->u ? -1 : 1 ) : a->v != b->v ? ( a->v < b->v ? -1 : 1 ) : 0;
 }
 
-/// Edges of this round's costs that were not tried since something changed about them.
+/// Edges of this round's costs that were not tried since a triangle around them changed.
 static uint32_t find_candidates( simplifier* s )
 {
 	uint32_t count = 0;
@@ -551,7 +551,7 @@ static bool take_memory( simplifier* s )
 		   s->locked != NULL && s->candidates != NULL;
 }
 
-/// Copies the mesh; each triangle stands for itself.
+/// Copies the mesh; each triangle represents itself.
 static void begin( simplifier* s )
 {
 	const lw_shape* mesh = s->mesh;

@@ -22,7 +22,7 @@ enum
 	COUNT_STEPS = 12 ///< bisections of the excess where a number of spheres is given
 };
 
-/// Part of the excess that pieces are not cut for: roundings of radii and depths come out of it.
+/// Share of the excess that is reserved for the rounding of radii and depths when pieces are cut.
 #define KEPT_BACK 1e-9
 /// Margin at the surface of solids, as a share of the excess.
 #define SOLID_SHARE 0.04

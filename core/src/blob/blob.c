@@ -14,7 +14,7 @@ enum
 /// Not text (first byte), not cut to 7 bits, line ends not converted, not printed by a careless `type`: as PNG's.
 static const unsigned char magic[8] = { 0x8c, 'L', 'W', 'B', '\r', '\n', 0x1a, '\n' };
 
-/// Bytes in memory differ between builds that differ in one of these.
+/// The properties of a build on which the bytes in memory depend.
 static void get_layout( unsigned char layout[8] )
 {
 	const uint32_t order = 0x01020304u;
@@ -217,7 +217,7 @@ static lw_status check_intact( const unsigned char* bytes, size_t size, lw_diag*
 	return LW_OK;
 }
 
-/// Of this version of the format, and of a build whose numbers and trees have the same bytes.
+/// Checks the version of the format, and that this build has the same numbers and trees byte by byte.
 static lw_status check_origin( const unsigned char* bytes, lw_diag* diag )
 {
 	uint64_t version = load_number( bytes + LWI_BLOB_VERSION, 4 );

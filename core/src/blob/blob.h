@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/// Where the fields of the header are. The first three have their place in every version: they tell whether the bytes are
-/// a blob, whole and unchanged, before anything else is believed. Numbers of the header are little-endian everywhere.
+/// Offsets of the header's fields. The first three have their place in every version: they tell whether the bytes are
+/// a blob, whole and unchanged, before any other field is read. Numbers of the header are little-endian everywhere.
 enum
 {
 	LWI_BLOB_MAGIC = 0,          ///< 8 bytes
@@ -29,7 +29,7 @@ enum
 
 // --- bytes, native byte order: the header's layout field names it ----------------------------------------------------
 
-/// Writes behind each other. With bytes = NULL it only counts, so that one piece of code tells the size and then fills it.
+/// Appends values. With bytes = NULL it only counts, so that the same code first computes the size and then fills it.
 typedef struct lwi_writer
 {
 	unsigned char* bytes; ///< nullable

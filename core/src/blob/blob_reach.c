@@ -97,7 +97,7 @@ void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
 	lw_digest robot = { { 0, 0 } };
 	if ( w->bytes != NULL )
 	{
-		robot = lw_robot_digest( reach->robot ); // not for counting: it goes over all geometry
+		robot = lw_robot_digest( reach->robot ); // not while counting: the digest reads all geometry
 	}
 	lwi_write_u64( w, robot.word[0] );
 	lwi_write_u64( w, robot.word[1] );
@@ -186,7 +186,7 @@ static const char* read_link( lwi_reader* r, const lw_reach* reach, lwi_reach_li
 	return NULL;
 }
 
-/// A pair that no checker looks at must be so by the robot, not by the blob alone.
+/// True if the robot itself exempts a pair that the blob says no checker needs to check.
 static bool exemption_holds( const lw_robot* robot, const lw_reach_pair* pair, uint32_t a, uint32_t b )
 {
 	bool a_has_body = false, b_has_body = false;

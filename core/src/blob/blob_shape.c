@@ -76,7 +76,7 @@ void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 
 // ---- checks: each returns a message that names the fault, or NULL ---------------------------------------------------
 
-/// Counts, before memory is taken for them. @param left bytes that follow in the section
+/// Counts, before memory is allocated for them. @param left bytes that follow in the section
 static const char* check_counts( const lw_shape* shape, size_t left )
 {
 	if ( shape->item_count == 0 || shape->item_count > LWI_MAX_ITEMS || shape->vertex_count == 0 )
@@ -104,7 +104,7 @@ static const char* check_counts( const lw_shape* shape, size_t left )
 
 static const char* check_numbers( const lw_shape* shape )
 {
-	// a mesh is thick if it stands for another one, and is no solid then
+	// a mesh is thick if it approximates another one, and is no solid then
 	bool has_radius = shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 && !shape->filled );
 	bool radius_valid = shape->radius >= 0.0 && shape->radius <= ( has_radius ? LWI_MAX_COORDINATE : 0.0 );
 	if ( !radius_valid || !( shape->dimensions[0] == shape->radius ) || !( shape->dimensions[1] == 0.0 ) ||

@@ -116,7 +116,7 @@ typedef struct lwi_walk
 {
 	uint32_t bottom, height; ///< its entries in the query's stack
 	uint32_t leaves;         ///< compared so far
-	uint32_t late_plane;     ///< number of comparisons before the next plane search; 0: none
+	uint32_t late_plane;     ///< value of `leaves` at which planes are searched for again; 0: none
 	bool bounded;            ///< there was a limit when it began
 	lwi_witness_trial trial;
 } lwi_walk;

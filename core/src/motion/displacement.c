@@ -255,7 +255,8 @@ static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t a
 
 // ---- drifts ----------------------------------------------------------------------------------------------------------
 
-/// Metres. Where paths bend more than this, where a body is at the window's ends says more than how it moves in the middle.
+/// Metres. Where paths bend more than this, a body's places at the window's ends bound its motion better than its velocity
+/// in the middle.
 #define MAX_DRIFT_BULGE 0.004
 
 const lwi_edge_pace* lwi_edge_pace_now( lwi_edge* e, uint32_t node )
@@ -312,7 +313,7 @@ double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, doubl
 
 // ---- displacements ---------------------------------------------------------------------------------------------------
 
-/// How far a point at distance 1 gets by the turn from one pose to another. Of two rotations by an angle a from each other,
+/// Chord of a point at distance 1 by the turn from one pose to another. Of two rotations by an angle a from each other,
 /// the difference has the Frobenius norm 2 sqrt( 2 ) sin( a / 2 ).
 static double turn_between( const lw_transform* from, const lw_transform* to )
 {
@@ -401,7 +402,7 @@ lwi_motion_bow lwi_edge_bow( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_
 	return bow_of( e, tree->body_node[body], ancestor, &tree->body_spheres[tree->body_place[body]], rate, window );
 }
 
-/// How far a sphere gets, where drifts are worth having; else INFINITY.
+/// Largest distance of a sphere from its place at the middle, where drifts pay; else INFINITY.
 static double drift_bound( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
 	lwi_edge_window window )
 {

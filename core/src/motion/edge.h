@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Everything about the edge at hand: its motion, its items, and the cells of it that are not proved yet.
+// All data of the current edge: its motion, its items, and its unproved cells.
 //
 // The edge is cut into dyadic *cells*. At the middle of a cell the robot is measured as far as the motion in the cell asks
 // for: first by nodes of the checker's tree (links that the group does not move against each other), then, where that is not
@@ -29,7 +29,7 @@ enum
 typedef struct lwi_edge_item
 {
 	uint32_t body_a, body_b; ///< robot bodies; body_b = LW_INVALID_INDEX: the scene
-	uint32_t ancestor;       ///< node in whose frame both are seen; 0 for the scene
+	uint32_t ancestor;       ///< node in whose frame both are given; 0 for the scene
 	lwi_motion_rate rate_a, rate_b;
 	uint32_t warm;   ///< index into `warm`
 	uint8_t cells;   ///< of LWI_WIDTH, those that a rake has not proved
@@ -175,7 +175,7 @@ typedef struct lwi_edge_sample
 	bool proved;  ///< on all of the window
 	bool low;     ///< to be refused: the clearance is within the item's least slack, or the edge's states are used up
 	bool blocked;
-	uint8_t skip; ///< levels below on which the item need not be looked at: their cells would be too wide
+	uint8_t skip; ///< levels below to skip for the item: their cells would be too wide
 	lw_clearance pair;
 } lwi_edge_sample;
 
@@ -201,22 +201,22 @@ const double* lwi_edge_state( lwi_edge* edge, double t );
 /// Poses the query at t. @return false if that failed; edge->failed is set
 bool lwi_edge_pose( lwi_edge* edge, double t );
 
-/// How far a sphere carried by a node gets at most from its place at the middle of a window, within it, in the frame of
+/// Largest distance of a sphere carried by a node from its place at the middle of a window, within it, in the frame of
 /// another node above it.
 /// @param local frame of the node's `top`
 double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, const lw_sphere* local,
 	lwi_motion_rate rate, lwi_edge_window window );
 
-/// How far a point carried by a node gets at most from its place at the middle of a window, in the same frame.
+/// Largest distance of a point carried by a node from its place at the middle of a window, in the same frame.
 /// @param local frame of the node's `top` @param rate of it, or of a sphere that contains it
 double lwi_edge_way( lwi_edge* edge, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
 	lwi_edge_window window );
 
-/// How far a body gets from the straight lines between its places at the middle and both ends of a window.
+/// Largest distance of a body from the straight lines between its places at the middle and both ends of a window.
 lwi_motion_bow lwi_edge_bow( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window );
 
-/// How a node goes on from the middle of a window, seen from another one above it: all within the window by its twist, but
-/// for `bulge` at the most.
+/// First-order motion of a node over a window, in the frame of a node above it: its velocity at the middle;
+/// `bulge` bounds the deviation from it.
 typedef struct lwi_edge_drift
 {
 	lwi_twist twist; ///< coordinates of the world, at the middle; NaN if there is none
@@ -249,11 +249,11 @@ static inline double lwi_edge_bulge( const lwi_edge* edge, lwi_motion_rate rate,
 lwi_edge_drift lwi_edge_drift_of( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
 	lwi_edge_window window );
 
-/// How far a sphere gets from where it is at the middle, by its drift; NaN if there is none.
+/// Largest distance of a sphere from its place at the middle, by its drift; NaN if there is none.
 /// @param center in the world at the middle
 double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, double radius, double half );
 
-/// True if the acceleration is so small that drifts say as much as places at the window's ends.
+/// True if the acceleration is so small that a drift bounds the motion as well as the places at the window's ends do.
 bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window );
 
 /// Places of a body that are on both sides of all its places within a window.
@@ -271,13 +271,13 @@ static inline bool lwi_edge_turns_little( const lwi_edge* edge, lwi_edge_window 
 
 // --- motion/plane_test.c ----------------------------------------------------------------------------------------------------
 
-/// Looks for planes that prove an item during a window, at whose middle the query is posed.
+/// Searches for planes that prove an item during a window, at whose middle the query is posed.
 /// @param last_try run also the tests that mostly fail
-/// @param skip levels below that are not worth a look, if the answer is CLOSER
+/// @param skip number of levels below to skip, if the answer is CLOSER
 lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip );
 
 /// Is an item proved during a window by the part of an obstacle that it may come near to? For hulls that meet.
-/// @param measured at the middle: its nearest points tell along which direction
+/// @param measured at the middle: its nearest points give the direction
 bool lwi_edge_sweep_near( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured );
 
 // --- motion/edge_pair.c -----------------------------------------------------------------------------------------------------
@@ -295,8 +295,8 @@ static inline bool lwi_edge_cell_is_open( const lwi_edge_item* item, uint64_t ce
 					  : ( cells >> ( cell >> -finer ) & 1 ) != 0;
 }
 
-/// Looks at whole states for a collision: at the end, then between both ends in halving order, but for those that it has
-/// looked at before. @param levels of halving, 1 is the middle. @return true if none was found
+/// Tests whole states for a collision: at the end, then between both ends in halving order, except for states tested
+/// before. @param levels of halving, 1 is the middle. @return true if none was found
 bool lwi_edge_look( lwi_edge* edge, int levels );
 
 /// Is an item above min_d at t? Only a collision, which ends the proof, is false.
@@ -350,10 +350,10 @@ void lwi_edge_prepare_item( lwi_edge* edge, lwi_edge_item* item );
 /// @return false if the proof ends here: something is blocked or refused
 bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_look );
 
-/// Measures the items of a rake at the edge's middle, and goes on like lwi_edge_screen().
+/// Measures the items of a rake at the edge's middle, and continues like lwi_edge_screen().
 bool lwi_edge_screen_items( lwi_edge* edge, lwi_edge_level* level );
 
-/// True if a separation that holds along all of the edge, less margins, is as much as a certificate would look for.
+/// True if a separation that holds along all of the edge, less margins, is at least the clearance of a certificate.
 bool lwi_edge_is_apart( lwi_edge* edge, float separation );
 
 /// True if the chart of two bodies proves all of the edge, both ends of which are covered, with as much clearance.

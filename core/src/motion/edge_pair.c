@@ -7,7 +7,7 @@
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
-/// Levels are passed through while the motion in a cell would be more than this share of the clearance at hand.
+/// Levels are skipped while the motion in a cell would be more than this share of the current clearance.
 #define HOPEFUL 0.7
 
 // ---- items -----------------------------------------------------------------------------------------------------------

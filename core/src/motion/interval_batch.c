@@ -38,12 +38,12 @@ typedef struct raking
 	double rounding;         ///< of places in the lanes, for one of two
 } raking;
 
-/// A tree, and where its frame is: in the lanes, or where it stands.
+/// A tree and its frame: moving in the lanes, or static.
 typedef struct side
 {
 	const lw_shape* shape;
 	bool stands;
-	float r[9], t[3];   ///< if it stands, from the origin of the lanes
+	float r[9], t[3];   ///< if static, from the origin of the lanes
 	lwi_rake_body body; ///< if not
 } side;
 
@@ -247,7 +247,7 @@ typedef struct question
 	float least;         ///< smaller spheres are not opened: their motion keeps them near
 } question;
 
-/// Lanes in which they do not stay apart, as far as MOST_TESTS spheres tell. The larger sphere is opened.
+/// Lanes in which they may come near, after tests of at most MOST_TESTS spheres. The larger sphere is opened.
 static uint32_t trees_meet( const raking* r, const question* q, const ball* first, uint32_t lanes )
 {
 	ball balls[2 + MOST_TESTS + LWI_WIDTH];
@@ -653,8 +653,8 @@ static void rake_self( const raking* r )
 	}
 }
 
-/// True if some body gets so far off the lines between its places at the ends and the middle of the edge that planes for all
-/// of it are not to be had.
+/// True if some body gets so far off the lines between its places at the ends and the middle of the edge that no planes hold
+/// for all of it.
 static bool is_bent( lwi_edge* e )
 {
 	const lwi_edge_pace* root = lwi_edge_pace_of( e, 0 );

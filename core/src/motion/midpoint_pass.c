@@ -46,8 +46,8 @@ static bool pose_all( lwi_edge* e, double t )
 	return true;
 }
 
-/// Measures nodes without their poses. @return true if that is enough: all of them drift, and how far off that does not
-/// matter then
+/// Bounds the nodes' motion without their poses. @return true if that suffices: all of them drift, and their deviation is
+/// negligible
 static bool measure_roughly( lwi_edge* e, double share )
 {
 	const lwi_motion_table* motion = e->checker->motion;
@@ -128,13 +128,13 @@ static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
 	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
 }
 
-/// How a point that a node carries goes on from the middle of the window in the world, until its end.
+/// Displacement of a point that a node carries from the middle of the window to its end, by its velocity in the world.
 static lw_vec3 way_of( const screening* s, const lwi_edge_pace* pace, lw_vec3 at )
 {
 	return lwi_scale( s->window.half, lwi_add( pace->twist.shift, lwi_cross( pace->twist.turn, at ) ) );
 }
 
-/// How far it gets within the window, by that or by the length of its path.
+/// Length of a point's way within the window, by its velocity or by the length of its path.
 static double length_of_way( screening* s, const lwi_edge_pace* pace, lw_vec3 at )
 {
 	const lwi_motion_rate rate = lwi_edge_rate( pace, lwi_edge_pace_of( s->edge, 0 ) );
@@ -161,7 +161,7 @@ static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
 	const lwi_motion_rate rate_a = lwi_edge_rate( a, above ), rate_b = lwi_edge_rate( b, above );
 	double half = s->window.half, path = half * ( rate_a.path + rate_b.path );
 	lw_vec3 turn_a = lwi_sub( a->twist.turn, above->twist.turn ), turn_b = lwi_sub( b->twist.turn, above->twist.turn );
-	// both from the ancestor, whose own shift is the same for both
+	// both relative to the ancestor, whose own shift is the same for both
 	lw_vec3 speed_a = lwi_add( a->twist.shift, lwi_cross( turn_a, a->center ) );
 	lw_vec3 speed_b = lwi_add( b->twist.shift, lwi_cross( turn_b, b->center ) );
 	double around_a = lwi_length( turn_a ) * nodes[pair->node_a].r.radius;
@@ -218,7 +218,7 @@ static bool spheres_meet( const screening* s, const lwi_node_pair* pair, double 
 	return !( x * x + y * y + z * z > reach * fabs( reach ) );
 }
 
-/// As much clearance as a certificate of a pair would look for.
+/// The clearance that a certificate of a pair aims at.
 static double looked_for( const lwi_edge* e )
 {
 	return e->def->min_d + 0.25 * e->def->slack;
@@ -273,7 +273,7 @@ static uint32_t near_bodies( screening* s, const lwi_node_pair* pair )
 	}
 	double way = pair_way( s, pair, true );
 	uint32_t count = lwi_checker_near_pairs( c, e->query, index, e->enough[1] + way * LWI_EDGE_OUTWARD );
-	if ( count > 2 ) // a few items look for themselves
+	if ( count > 2 ) // a few items are tested on their own
 	{
 		double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
 		double limit = e->enough[1] + loss * LWI_EDGE_OUTWARD;
@@ -434,7 +434,7 @@ static bool screen_units( screening* s )
 
 // ---- all -------------------------------------------------------------------------------------------------------------
 
-/// The node of the last failure comes first: planners ask for edges near each other.
+/// The node of the last failure comes first: planners check edges near each other.
 static bool screen_environments( screening* s )
 {
 	lwi_edge* e = s->edge;

@@ -17,8 +17,7 @@ enum
 	MAX_FAILURES = 6 ///< after so many, one in 2^6 tries
 };
 
-/// Keys of pairs of bodies, and of one body or obstacle with whatever comes near it; those of a body and an obstacle are
-/// below.
+/// Keys of pairs of bodies, and of one body or obstacle with any partner; those of a body and an obstacle are below.
 #define SELF_KEY 0x80000000u
 #define BODY_KEY 0xc0000000u
 #define OBSTACLE_KEY 0xe0000000u
@@ -26,7 +25,7 @@ enum
 /// Metres. A body that bulges more than this between its places has no plane near obstacles: halving the window is cheaper.
 #define MAX_BULGE 0.05
 
-/// Metres. Where ways between exact places bend more than this, hardly any is found to stay away.
+/// Metres. Where ways between exact places bend more than this, hardly any body is found to stay away.
 #define MAX_BEND 0.02
 
 /// Slacks. Where paths are no longer than this the distance is measured at once: looking closer would not end.
@@ -52,7 +51,7 @@ typedef struct sweeping
 	lwi_places *a, *b;
 	bool turned;      ///< b is the first of the two
 	uint32_t any_key; ///< of planes that keep anything away from b; 0: a new one costs no more than these
-	double way;       ///< metres: no point gets farther from where it is at the middle; INFINITY if planes pay in any case
+	double way;       ///< metres: largest displacement of a point from the middle; INFINITY if planes pay in any case
 } sweeping;
 
 /// How far both bodies of an item get from straight lines between their places, together.
@@ -138,14 +137,14 @@ static void begin_planes( lwi_edge_plane* p, const lw_shape* b, bool turned )
 static lwi_edge_plane* planes_of( const sweeping* s, uint32_t key )
 {
 	lwi_edge_plane* p = plane_of( s->edge, key );
-	if ( !p->begun || p->turned != s->turned ) // the other one's would say nothing of this one
+	if ( !p->begun || p->turned != s->turned ) // planes of the other frame prove nothing here
 	{
 		begin_planes( p, s->b->shape, s->turned );
 	}
 	return p;
 }
 
-/// A plane that was not known; one that did not serve for a while is forgotten for it.
+/// Adds a new plane in the place of one that did not serve for a while.
 static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
 {
 	uint32_t lane = p->next;
@@ -207,7 +206,7 @@ static bool stays_away( const sweeping* s, double need, float direction[3] )
 	return lwi_separate_bent( e->query->search.kernels, a, b, need, bend, direction );
 }
 
-/// How far the middle of a body's sphere gets within a window.
+/// Largest displacement of the middle of a body's sphere within a window.
 static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
 {
 	const lwi_checker_tree* tree = e->checker->tree;
@@ -222,7 +221,7 @@ typedef struct nearing
 	lwi_places moving;
 	double enough; ///< clearance that proves it, without margins
 	double bend;   ///< of the way between its places
-	double way;    ///< metres that the middle of its sphere gets
+	double way;    ///< metres: displacement of the middle of its sphere
 	lw_vec3 n;     ///< towards the static shape, where they were measured to be nearest
 } nearing;
 
@@ -289,7 +288,7 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin 
 	{
 		if ( dense )
 		{
-			return LWI_EDGE_MEASURE; // so little is lost by motion that it does not matter why there is none
+			return LWI_EDGE_MEASURE; // motion costs so little clearance that a measurement decides, whatever the reason
 		}
 		if ( whole != LWI_MEET && stays_away( s, need, direction ) )
 		{

@@ -166,7 +166,7 @@ static bool check_static( lwi_edge* e )
 	return false;
 }
 
-/// Looks for a collision where it is most likely, unless the screening has done so: edges that are not free mostly end in
+/// Tests the end of the edge for a collision, unless the screening has done so: edges that are not free mostly end in
 /// one.
 static bool end_is_free( lwi_edge* e )
 {
@@ -201,7 +201,7 @@ static bool prove_by_screening( lwi_edge* e, lwi_edge_window whole )
 	return look_if_close( e ) && hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
-/// Are the items that a rake has left in a cell free at t?
+/// Are the items that a rake has not proved in a cell free at t?
 static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
 {
 	for ( uint32_t i = 0; i < e->item_count; ++i )
@@ -214,8 +214,8 @@ static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
 	return true;
 }
 
-/// Looks for collisions of items, in the end and where a rake has left most of them: edges of a planner that are not free
-/// end here. Pairs of neighbours, which a rake always leaves, say nothing of that.
+/// Tests items for collisions, at the end and where a rake has left most of them unproved: edges of a planner that are not
+/// free end here. Pairs of neighbours, which a rake never proves, do not count.
 static bool look_at_cells( lwi_edge* e )
 {
 	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;
@@ -307,7 +307,7 @@ static double prove_from_left( lwi_edge* e, lwi_edge_item* item, double until )
 		{
 			lwi_edge_fail( e, item, window.t, &s );
 		}
-		// look closer, down to the width that a slack would prove
+		// halve again, down to the width that a slack would prove
 		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH || !( e->longest * ( window.t - gap.a ) > 0.5 * lwi_edge_slack( e, item ) ) )
 		{
 			return gap.a;
@@ -326,8 +326,8 @@ static double prove_from_left( lwi_edge* e, lwi_edge_item* item, double until )
 	return until;
 }
 
-/// A state not free, as far left before `until` as a look at eighths and six halvings finds: without it most items would be
-/// proved far beyond where another one ends the run.
+/// A state that is not free, as far left before `until` as a search by eighths and six halvings finds: without it most items
+/// would be proved far beyond where another one ends the run.
 static double locate_failure( lwi_edge* e, double until )
 {
 	double free_t = 0, blocked_t = until;
