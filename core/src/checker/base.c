@@ -21,7 +21,7 @@ typedef struct draft
 	bool* variable_moves; ///< [variables]: in the group
 	bool* joint_moves;    ///< [joints]: driven by a variable of the group
 	bool* link_moves;     ///< [links]: in the world
-	uint32_t* link_top;   ///< [links]: the nearest link above, or itself, that hangs on a joint of the group; else the root
+	uint32_t* link_top;   ///< [links]: the nearest link above, or itself, whose joint the group moves; else the root
 } draft;
 
 static bool draft_create( draft* d, const lw_robot* robot, const lw_allocator* allocator )
@@ -108,7 +108,7 @@ static placed_body place_body( const lwi_checker_base* b, const draft* d, uint32
 	return p;
 }
 
-/// Metres: boxes that overlap have the gap 0.
+/// Metres: boxes nearer than this meet; overlapping ones have the gap 0.
 #define BOXES_MEET 1e-12
 
 /// True if the box of a static body meets that of a moving one that is checked against it.
@@ -170,7 +170,7 @@ static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* de
 	}
 }
 
-/// Bodies that move are needed whole, for motion bounds if for nothing else; of the others bounds will do for the time
+/// Moving bodies need their geometry, at least for motion bounds; for the others their boxes suffice for the time
 /// being.
 static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker_def, const draft* d, lw_diag* diag )
 {

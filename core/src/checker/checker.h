@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The checker's tables, and the questions about a posed state that states (checker/checker.c) and edges (motion/edge.c) are
-// made of.
+// The checker's tables, and the measurements of a posed state of which states (checker/checker.c) and edges (motion/edge.c)
+// are composed.
 #ifndef LEEWAY_CHECKER_CHECKER_H
 #define LEEWAY_CHECKER_CHECKER_H
 
@@ -22,7 +22,7 @@ typedef struct lwi_self_pair
 	uint32_t body_a, body_b; ///< robot bodies
 } lwi_self_pair;
 
-/// A robot body as the queries want it.
+/// A robot body in the form that queries read.
 typedef struct lwi_checker_body
 {
 	const lw_shape* shape; ///< the robot's; complete if the body moves, perhaps deferred if not
@@ -69,7 +69,7 @@ struct lw_checker
 	uint32_t environment_pair_count; ///< of moving bodies
 	// Obstacles that the group can come near to: checker/culling.c. The rest is skipped where that changes no answer.
 	double horizon;           ///< metres: least distance of moving bodies to obstacles outside of near_mask
-	bool horizon_is_complete; ///< static_environment is nearer than that: no state's clearance is beyond the horizon
+	bool horizon_is_complete; ///< static_environment is nearer than the horizon: no state's clearance is beyond it
 	uint8_t* near_mask;       ///< as environment_mask, which it is a part of; rows of moving bodies
 	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
 	double* obstacle_distance; ///< [shape_count] proved distance to all moving bodies, less margins; +INFINITY: unchecked
@@ -110,7 +110,7 @@ static inline double lwi_lowest_self( const lw_checker* checker )
 	return checker->self_margins != NULL ? -checker->self_margins->largest : 0;
 }
 
-/// Poses all that does not depend on the state, unless the query holds this checker's poses already.
+/// Computes the static poses, unless the query holds this checker's poses already.
 void lwi_checker_bind( const lw_checker* checker, lw_query* query );
 
 /// Sets the state for the queries below. With a tree, and a query that uses it, each pose is computed at its first
@@ -118,7 +118,7 @@ void lwi_checker_bind( const lw_checker* checker, lw_query* query );
 /// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite, zero quaternion)
 lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q );
 
-/// The answer where there is nothing to measure: FAR with lower = +inf.
+/// The clearance if nothing is to be checked: FAR with lower = +inf.
 static inline lw_clearance lwi_nothing_to_check( void )
 {
 	lw_clearance out = lw_clearance_unknown();
@@ -156,7 +156,7 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 
 /// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
 /// out->b = object. FAR if nothing is to be checked.
-/// @param warm where its nearest pair was; written if one was found
+/// @param warm its nearest pair of the last time; written if one was found
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
 	struct lwi_warm* warm, lw_clearance* out );
 
@@ -187,7 +187,7 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, cons
 	lwi_ahead* ahead );
 
 /// Arrays that a query needs for states of this checker; edge_bytes is 0.
-/// @param spare_shapes, spare_bodies that scene and robot may have beyond those they have; a spare body brings a link
+/// @param spare_shapes, spare_bodies room for more than scene and robot have; a spare body brings a link
 lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spare_shapes, uint32_t spare_bodies );
 
 /// False if an array of the query is too small for states of this checker.

@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-/// Metres taken off every separation: poses in double are better than this within 1000 km of the world's origin.
+/// Metres subtracted from every separation: the rounding of poses is below this within 1000 km of the world's origin.
 #define POSE_MARGIN 1e-9
 
 float lwi_checker_separation( const lw_checker* c, const lwi_checker_tree* t, uint32_t body_a, uint32_t body_b )
@@ -121,7 +121,7 @@ typedef struct numbering
 {
 	uint32_t* node_top; ///< [links] the top link of each link's node
 	uint32_t* node_of;  ///< [links] node of a top link
-	uint32_t* next;     ///< [links] chains of top links that hang on the same node; newest first
+	uint32_t* next;     ///< [links] chains of top links that have the same parent node; newest first
 	uint32_t* child;    ///< [links] first of the chain, by top link
 } numbering;
 

@@ -21,7 +21,7 @@ typedef struct lwi_checker_node
 	uint32_t end;         ///< nodes are in depth-first order: the subtree is [this node, end)
 	uint32_t top;         ///< the link nearest to the root
 	uint32_t parent_top;  ///< `top` of the parent
-	uint32_t parent_link; ///< the link that `top` hangs on, in the parent node; LW_INVALID_INDEX for node 0
+	uint32_t parent_link; ///< parent link of `top`, in the parent node; LW_INVALID_INDEX for node 0
 	lw_transform hook;    ///< frame of the parent's `top` to where the joint above this node begins
 	bool hook_translates; ///< the hook is a translation to the bit
 	uint32_t first_body, body_count; ///< range of bodies
@@ -31,8 +31,8 @@ typedef struct lwi_checker_node
 	double r_rounding, m_rounding; ///< rounding of their centres in the world, except for that of the poses
 } lwi_checker_node;
 
-/// The angle of the joint above a node, multiplier * value of a robot variable + offset. 0 where it does more or less than
-/// turn.
+/// The angle of the joint above a node, multiplier * value of a robot variable + offset. 0 where it is not a pure
+/// rotation.
 typedef struct lwi_node_turn
 {
 	double multiplier, offset;

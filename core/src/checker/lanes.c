@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The joints of a checker's tree as rakes want them.
+// The joints of a checker's tree in the form that rakes read.
 #include "checker/clusters.h"
 
 #include "checker/checker.h"

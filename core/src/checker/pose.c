@@ -150,7 +150,7 @@ static void pose_static( const lw_checker* checker, lw_query* query )
 	const lw_robot* robot = checker->robot;
 	memcpy( query->state, checker->reference, robot->variable_count * sizeof( double ) );
 	memcpy( query->world_from_link, checker->reference_poses, robot->link_count * sizeof( lw_transform ) );
-	// stamps of another checker are no good: its nodes were others
+	// stamps of another checker belong to other nodes
 	++query->state_stamp;
 	for ( uint32_t i = 0; i < robot->body_count; ++i )
 	{

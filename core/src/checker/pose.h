@@ -17,7 +17,7 @@
 /// @param state [robot variable_count] @param cosines, sines [lwi_padded_nodes()]
 void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines );
 
-/// Where a state has a node other than 0 whose parent is at `above`. @param cosines, sines of that state
+/// Pose of a node other than 0 at a state, given that of its parent, `above`. @param cosines, sines of that state
 void lwi_pose_under( const lw_checker* checker, uint32_t node, const lw_transform* above, const double* state, const double* cosines,
 	const double* sines, lw_transform* out );
 

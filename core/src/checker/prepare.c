@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Deferred shapes that states can need, made before the first question instead of by it.
+// Deferred shapes that states can need, made before the first query instead of by it.
 #include "checker/base.h"
 #include "checker/clusters.h"
 #include "base/math_inline.h"

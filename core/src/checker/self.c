@@ -502,7 +502,7 @@ static double body_gap_below( const lw_checker* checker, lw_query* query, uint32
 
 // --- pairs that were nearest before ----------------------------------------------------------------------------------
 
-/// True if a pair that was remembered is one that counts still.
+/// True if a remembered pair is still checked.
 static bool pair_counts( const lw_checker* checker, uint32_t pair )
 {
 	const uint32_t stride = checker->body_block_count * LWI_WIDTH, a = pair / stride, b = pair % stride;
@@ -514,7 +514,7 @@ static bool pair_counts( const lw_checker* checker, uint32_t pair )
 /// the nearest witness of one state says little of another state, the nearest pair says much, and an early bound saves most
 /// other pairs their first pass. Only where nothing is proved of pairs, which would rule many of these out, and not for yes
 /// or no.
-static void look_at_known( const lw_checker* checker, lw_query* query, lwi_bound* bound )
+static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	const uint32_t stride = checker->body_block_count * LWI_WIDTH, count = query->known_count;
 	double gap[LWI_KNOWN_PAIRS];
@@ -546,7 +546,7 @@ static void look_at_known( const lw_checker* checker, lw_query* query, lwi_bound
 	}
 }
 
-static bool was_looked_at( const lw_query* query, uint32_t pair )
+static bool was_measured_first( const lw_query* query, uint32_t pair )
 {
 	for ( uint32_t left = query->known_looked; left != 0; left &= left - 1 )
 	{
@@ -558,7 +558,7 @@ static bool was_looked_at( const lw_query* query, uint32_t pair )
 	return false;
 }
 
-/// Puts the nearest pair of a state in front of those known.
+/// Puts the nearest pair of a state in front of the remembered ones.
 static void remember_pair( lw_query* query, uint32_t pair )
 {
 	uint32_t i = 0;
@@ -595,7 +595,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 			open_pair( checker, query, &checker->tree->pairs[next.pair - LWI_OPEN], bound, &count );
 			continue;
 		}
-		if ( was_looked_at( query, next.pair ) )
+		if ( was_measured_first( query, next.pair ) )
 		{
 			continue;
 		}
@@ -607,7 +607,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
-	look_at_known( checker, query, bound );
+	measure_known( checker, query, bound );
 	bool at_once = checker->tree->units != NULL && bound->prune < INFINITY; // without a bound nothing would be ruled out
 	uint32_t count = bound->done      ? 0
 					 : at_once        ? compare_units( checker, query, bound )
@@ -618,7 +618,7 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 	lwi_search_waiting( &query->search, bound );
 }
 
-// --- questions -------------------------------------------------------------------------------------------------------
+// --- queries ---------------------------------------------------------------------------------------------------------
 
 static void self_result( const lw_checker* checker, const lw_query* query, const lwi_bound* bound, uint32_t body_a,
 	uint32_t body_b, lw_clearance* out )
@@ -633,7 +633,7 @@ static void self_result( const lw_checker* checker, const lw_query* query, const
 	}
 }
 
-/// Measures the nearest pair of the last time, if it is still one that counts.
+/// Measures the nearest pair of the last time, if it is still checked.
 static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
 {
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;

@@ -12,7 +12,7 @@ enum
 	FEW_ITEMS = 8 ///< sets of no more are tested one by one
 };
 
-/// One order of the question.
+/// The test in one order: is something of `other` inside `mesh`?
 typedef struct inside
 {
 	lwi_searching* s;
@@ -34,7 +34,7 @@ static lw_vec3 point_of_item( const lw_shape* shape, uint32_t item )
 }
 
 /// Tests a point of one item; contact if it is inside.
-static bool ask_item( const inside* q, uint32_t item )
+static bool test_item( const inside* q, uint32_t item )
 {
 	const lw_transform* m = q->s->a_from_b;
 	lw_vec3 p = point_of_item( q->other, item );
@@ -110,7 +110,7 @@ static uint32_t first_item( const lw_shape* shape, lwi_ref ref )
 }
 
 /// Descends the other's tree: opens spheres that the surface enters, tests one point of each other sphere.
-static bool ask_tree( const inside* q )
+static bool test_tree( const inside* q )
 {
 	lwi_entry* stack = q->s->memory->stack;
 	const lw_shape* other = q->other;
@@ -129,7 +129,7 @@ static bool ask_tree( const inside* q )
 		}
 		if ( !surface_enters( q, sphere ) )
 		{
-			if ( ask_item( q, first_item( other, e.a ) ) )
+			if ( test_item( q, first_item( other, e.a ) ) )
 			{
 				return true;
 			}
@@ -139,7 +139,7 @@ static bool ask_tree( const inside* q )
 		{
 			for ( uint32_t lane = 0; lane < lwi_ref_count( e.a ); ++lane )
 			{
-				if ( ask_item( q, lwi_leaf_item( other, e.a, lane ) ) )
+				if ( test_item( q, lwi_leaf_item( other, e.a, lane ) ) )
 				{
 					return true;
 				}
@@ -160,7 +160,7 @@ static bool ask_tree( const inside* q )
 	return false;
 }
 
-static bool ask( const inside* q )
+static bool test( const inside* q )
 {
 	const lw_shape* other = q->other;
 	if ( other->family == LWI_UNBOUNDED )
@@ -169,24 +169,24 @@ static bool ask( const inside* q )
 	}
 	if ( other->solid )
 	{
-		return ask_item( q, LW_INVALID_INDEX );
+		return test_item( q, LW_INVALID_INDEX );
 	}
 	if ( other->type == LW_SHAPE_MESH ? other->part_count <= LWI_MAX_PARTS : other->item_count <= FEW_ITEMS )
 	{
 		uint32_t count = other->type == LW_SHAPE_MESH ? other->part_count : other->item_count;
 		for ( uint32_t i = 0; i < count; ++i )
 		{
-			if ( ask_item( q, other->type == LW_SHAPE_MESH ? other->parts[i] : i ) )
+			if ( test_item( q, other->type == LW_SHAPE_MESH ? other->parts[i] : i ) )
 			{
 				return true;
 			}
 		}
 		return false;
 	}
-	return ask_tree( q );
+	return test_tree( q );
 }
 
-static inside question( lwi_searching* s, bool mesh_is_a )
+static inside one_order( lwi_searching* s, bool mesh_is_a )
 {
 	return (inside){ s, mesh_is_a ? s->a : s->b, mesh_is_a ? s->b : s->a, mesh_is_a,
 		mesh_is_a ? &s->tree_a_from_b : &s->tree_b_from_a };
@@ -199,18 +199,18 @@ void lwi_search_inside( lwi_searching* s )
 	bool found = false;
 	for ( int side = 0; side < 2 && !found && !s->bound->done; ++side )
 	{
-		inside q = question( s, side == 0 );
-		found = q.mesh->filled && ask( &q );
+		inside q = one_order( s, side == 0 );
+		found = q.mesh->filled && test( &q );
 	}
 }
 
 void lwi_measure_inside( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
 	bool mesh_is_a = item_a == LW_INVALID_INDEX && s->a->filled;
-	inside q = question( s, mesh_is_a );
+	inside q = one_order( s, mesh_is_a );
 	uint32_t item = mesh_is_a ? item_b : item_a;
 	if ( q.mesh->filled && q.other->family != LWI_UNBOUNDED && ( q.other->solid || item < q.other->item_count ) )
 	{
-		ask_item( &q, item );
+		test_item( &q, item );
 	}
 }

@@ -266,7 +266,7 @@ void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variab
 }
 
 /// Resumes with the open cells, or begins with the whole box.
-static subdivision take_up( lwi_prober* p, const lwi_effort* effort, double* closest, double* q )
+static subdivision resume( lwi_prober* p, const lwi_effort* effort, double* closest, double* q )
 {
 	subdivision s = make( p, effort->fraction, closest, q );
 	begin( &s );
@@ -282,7 +282,7 @@ static subdivision take_up( lwi_prober* p, const lwi_effort* effort, double* clo
 }
 
 /// Stores the open cells.
-static lw_status put_down( const subdivision* s, lwi_effort* effort )
+static lw_status store( const subdivision* s, lwi_effort* effort )
 {
 	const lw_reach* reach = s->prober->job->reach;
 	if ( effort->height != s->height )
@@ -356,7 +356,7 @@ static lwi_proof_outcome work_off( subdivision* s, lwi_effort* effort, uint64_t 
 lw_status lwi_prober_subdivide( lwi_prober* p, lwi_effort* effort, uint64_t budget, double deadline, double* closest, double* q,
 	lwi_proof_outcome* out_outcome, double* out_separation )
 {
-	subdivision s = take_up( p, effort, closest, q );
+	subdivision s = resume( p, effort, closest, q );
 	lwi_proof_outcome outcome = work_off( &s, effort, budget, deadline );
 	*out_outcome = outcome;
 	*out_separation = outcome == LWI_PROOF_PROVED ? s.target : 0;
@@ -365,5 +365,5 @@ lw_status lwi_prober_subdivide( lwi_prober* p, lwi_effort* effort, uint64_t budg
 		lwi_effort_drop( p->job->reach, effort, s.dimension );
 		return LW_OK;
 	}
-	return put_down( &s, effort );
+	return store( &s, effort );
 }
