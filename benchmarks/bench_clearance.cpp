@@ -54,8 +54,9 @@ public:
 	/// Is any clearance <= min_d? Nothing more precise than that is asked for.
 	Answer violates( const double* q, lw_what what, double min_d )
 	{
-		const lw_state_result result = ask( q, what, { min_d, std::nextafter( min_d, INFINITE ), 0 }, true );
-		const double answer = result.verdict == LW_VERDICT_FREE ? 0 : 1;
+		bool free = false;
+		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, what, min_d, &free ), "a state" );
+		const double answer = free ? 0 : 1;
 		return { answer, answer };
 	}
 

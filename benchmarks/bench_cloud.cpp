@@ -218,8 +218,9 @@ public:
 
 	Answer violates( const double* q, double min_d )
 	{
-		const bool yes = ask( q, { min_d, std::nextafter( min_d, INFINITE ), 0 }, true ).verdict != LW_VERDICT_FREE;
-		return { yes ? 1.0 : 0.0, yes ? 1.0 : 0.0 };
+		bool free = false;
+		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, LW_WHAT_ENVIRONMENT, min_d, &free ), "a state" );
+		return { free ? 0.0 : 1.0, free ? 0.0 : 1.0 };
 	}
 
 private:

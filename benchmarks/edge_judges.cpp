@@ -86,10 +86,9 @@ bool EdgeJudges::byStates( const Motion& motion, bool tables, double fraction )
 	return discrete( motion, fraction,
 		[checker, query]( const double* q )
 		{
-			const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
-			lw_state_result result;
-			leeway::require( lw_checker_state( checker, query, q, LW_WHAT_BOTH, &range, true, &result ), "a state" );
-			return result.verdict == LW_VERDICT_FREE;
+			bool free = false;
+			leeway::require( lw_checker_is_free( checker, query, q, LW_WHAT_BOTH, 0, &free ), "a state" );
+			return free;
 		} );
 }
 

@@ -120,11 +120,9 @@ private:
 
 	bool isFree( const std::vector<double>& q )
 	{
-		const lw_range range = { m_settings.min_d, std::nextafter( m_settings.min_d, HUGE_VAL ), 0 };
-		lw_state_result result;
-		require( lw_checker_state( m_bench.checker(), m_bench.query(), q.data(), m_settings.what, &range, true, &result ),
-		    "a state" );
-		return result.verdict == LW_VERDICT_FREE;
+		bool free = false;
+		require( lw_checker_is_free( m_bench.checker(), m_bench.query(), q.data(), m_settings.what, m_settings.min_d, &free ), "a state" );
+		return free;
 	}
 
 	// In a narrow world few random states are free: then the way to one from the reference is tried, ever shorter.

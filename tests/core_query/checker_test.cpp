@@ -308,6 +308,14 @@ TEST( Checker, differs_from_all_pairs )
 			lw_range margin = { min_d, std::nextafter( min_d, 1.0 ), 0 };
 			ASSERT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_WHAT_BOTH, &margin, true, &got ) );
 			EXPECT_EQ( got.verdict, std::min( environment, self ) > min_d ? LW_VERDICT_FREE : LW_VERDICT_BLOCKED );
+			for ( const double asked : { 0.0, min_d, 0.3 } )
+			{
+				bool both = false, one = false;
+				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_WHAT_BOTH, asked, &both ) );
+				EXPECT_EQ( both, std::min( environment, self ) > asked ) << asked;
+				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_WHAT_SELF, asked, &one ) );
+				EXPECT_EQ( one, self > asked ) << asked;
+			}
 		}
 	}
 	EXPECT_GE( std::min( { environment_free, environment_hit, self_free, self_hit } ), 50 );
@@ -360,6 +368,16 @@ TEST( Checker, error_reads_as_free )
 		EXPECT_EQ( out.environment.lower, 0 );
 		EXPECT_EQ( out.environment.upper, inf );
 		EXPECT_EQ( out.self.kind, LW_CLEARANCE_UNKNOWN );
+		bool free = true;
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_is_free( world.checker, query.get(), q.data(), LW_WHAT_BOTH, 0, &free ) );
+		EXPECT_FALSE( free );
+	}
+	for ( double bad : { -0.1, inf, std::nan( "" ) } )
+	{
+		bool free = true;
+		std::vector<double> zero( world.group.size() );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_is_free( world.checker, query.get(), zero.data(), LW_WHAT_BOTH, bad, &free ) ) << bad;
+		EXPECT_FALSE( free ) << bad;
 	}
 	q[0] = 0;
 	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,

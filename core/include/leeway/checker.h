@@ -199,7 +199,7 @@ typedef struct lw_state_result
 
 /// Checks one state.
 /// With an exact range both intervals are measured. If `stop_at_first` is set, the first violation ends the call, and the
-/// other interval may be UNKNOWN: the fastest validity check is range {min_d, nextafter(min_d), 0} with stop_at_first.
+/// other interval may be UNKNOWN.
 /// Intervals hold for the exact kinematics of q: the rounding bound P of the poses is subtracted from lower (about 1e-12 m
 /// for an arm; formula in core/docs/numerics.md). So with alpha = 0, upper - lower is at most P plus the rounding of
 /// lw_clearance.
@@ -209,6 +209,14 @@ typedef struct lw_state_result
 /// exceeds three metres. On an error the verdict is UNKNOWN and the intervals are [0, +inf]: an error never reads as free
 LW_API lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_what what,
 	const lw_range* range, bool stop_at_first, lw_state_result* out );
+
+/// Is every clearance of the state above min_d? The fastest validity check: no distance is measured further than the answer needs.
+/// @param q as for lw_checker_state()
+/// @param min_d safety margin, metres, finite, >= 0
+/// @param out_free true: proved. False: a clearance is at most min_d, or rounding (1e-12 m for an arm) decides, or an error
+/// @return as lw_checker_state()
+LW_API lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_what what, double min_d,
+	bool* out_free );
 
 /// How an edge is validated.
 typedef enum lw_edge_method

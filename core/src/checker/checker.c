@@ -79,3 +79,17 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	out->verdict = violated ? LW_VERDICT_BLOCKED : free ? LW_VERDICT_FREE : LW_VERDICT_REFUSED;
 	return LW_OK;
 }
+
+lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_what what, double min_d, bool* out_free )
+{
+	if ( out_free == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	// an empty range of interest: distances are measured until they are on one side of min_d
+	const lw_range range = { min_d, nextafter( min_d, INFINITY ), 0 };
+	lw_state_result result;
+	const lw_status status = lw_checker_state( checker, query, q, what, &range, true, &result );
+	*out_free = status == LW_OK && result.verdict == LW_VERDICT_FREE;
+	return status;
+}

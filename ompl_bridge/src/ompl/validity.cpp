@@ -31,13 +31,12 @@ std::shared_ptr<const Engine> checkedEngine( const ob::SpaceInformationPtr& si, 
 	return engine;
 }
 
-// Is the clearance of q above min_d? Nothing beyond min_d is measured: the quickest question there is.
+// An error is not free.
 bool clear( const Options& options, const lw_checker* checker, lw_query* query, const double* q )
 {
-	const lw_range range = { options.min_d, std::nextafter( options.min_d, std::numeric_limits<double>::infinity() ), 0 };
-	lw_state_result result;
-	return lw_checker_state( checker, query, q, options.what, &range, true, &result ) == LW_OK &&
-		result.verdict == LW_VERDICT_FREE;
+	bool free = false;
+	lw_checker_is_free( checker, query, q, options.what, options.min_d, &free );
+	return free;
 }
 
 // The base class counts in plain unsigned ints, which planners with several threads share.
