@@ -451,21 +451,31 @@ static World ballOnAChain( SeededRng& rng, double radius, lw_transform* link_fro
 	World world;
 	world.model.link( "root" );
 	const int joints = rng.integer( 1, 3 );
+	const bool drives = rng.integer( 0, 3 ) == 0; // its first joint roams a plane
 	for ( int k = 0; k < joints; ++k )
 	{
 		lw_joint_def& joint = world.model.joint( "l" + std::to_string( k ),
-			k == 0 || rng.integer( 0, 3 ) > 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, static_cast<uint32_t>( k ) );
+			k == 0 && drives ? LW_JOINT_PLANAR : k == 0 || rng.integer( 0, 3 ) > 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC,
+			static_cast<uint32_t>( k ) );
 		joint.parent_from_joint = randomTransform( rng, 0.5 );
 		joint.lower = rng.uniform( -3, 0 );
 		joint.upper = joint.lower + rng.decade( -1, 0.8 );
-		world.group.push_back( static_cast<uint32_t>( k ) );
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			joint.position_lower[axis] = -rng.decade( -1, 0.5 );
+			joint.position_upper[axis] = rng.decade( -1, 0.5 );
+		}
 	}
 	*link_from_ball = lw_transform_identity();
-	link_from_ball->t[0] = rng.uniform( 0.2, 1 );
+	link_from_ball->t[0] = drives ? rng.uniform( 0, 0.2 ) : rng.uniform( 0.2, 1 );
 	lw_shape* shape = nullptr;
 	EXPECT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, &radius, nullptr, nullptr, &shape ) );
 	world.model.body( static_cast<uint32_t>( joints ), shape, *link_from_ball );
 	world.robot = world.model.create();
+	for ( uint32_t v = 0; v < lw_robot_variable_count( world.robot.get() ); ++v )
+	{
+		world.group.push_back( v );
+	}
 	world.reference = randomState( rng, world.robot.get() );
 	return world;
 }
@@ -549,7 +559,8 @@ TEST( Required, obstacle_beside_the_way_is_out_of_reach )
 			{
 				const lw_variable_info info = lw_robot_variable( world.robot.get(), v );
 				const int where = rng.integer( 0, 5 );
-				q[v] = where == 0 ? info.lower : where == 1 ? info.upper : q[v];
+				const double limit = where == 0 ? info.lower : info.upper;
+				q[v] = where < 2 && std::isfinite( limit ) ? limit : q[v];
 			}
 			gaps.push_back( rng.decade( -4, -1 ) );
 			placeBeside( rng, world, at, q, 0.002, gaps.back() );
