@@ -2,10 +2,10 @@
 // Inputs that change, never end or ask for too much: a whole state of a file or an error, and limits that are told by name.
 #include "files.hpp"
 
-#include "cache_file.hpp"
-#include "height_map.hpp"
-#include "octomap_reader.hpp"
-#include "point_cloud.hpp"
+#include "cache/cache_file.hpp"
+#include "cloud/height_map.hpp"
+#include "cloud/octomap_reader.hpp"
+#include "cloud/point_cloud.hpp"
 #include "seeded_rng.hpp"
 
 #include "leeway/io/limits.hpp"

@@ -3,7 +3,7 @@
 // past the checksum, and what is behind it would go untested.
 #include "fuzz.hpp"
 
-#include "cache_file.hpp"
+#include "cache/cache_file.hpp"
 #include "leeway/blob.h"
 #include "leeway/io/cache.hpp"
 

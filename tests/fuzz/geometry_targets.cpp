@@ -2,10 +2,10 @@
 // Files of geometry: meshes by our reader and by assimp, point clouds, octomaps, height maps.
 #include "fuzz.hpp"
 
-#include "height_map.hpp"
-#include "mesh_source.hpp"
-#include "octomap_reader.hpp"
-#include "point_cloud.hpp"
+#include "cloud/height_map.hpp"
+#include "shape/mesh_source.hpp"
+#include "cloud/octomap_reader.hpp"
+#include "cloud/point_cloud.hpp"
 
 #include <limits>
 

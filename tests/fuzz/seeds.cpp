@@ -4,7 +4,7 @@
 
 #include "probe.h"
 
-#include "cache_file.hpp"
+#include "cache/cache_file.hpp"
 
 #define OCTOMAP_NODEBUGOUT // without NDEBUG it tells on stderr what it writes
 #include <octomap/ColorOcTree.h>

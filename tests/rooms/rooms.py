@@ -41,6 +41,15 @@ HOUSES = [
         ("approximate", "simplification, enclosing spheres: offline, no room includes it"),
         ("blob", "shapes and reachability as bytes"),
     ], "core/CMakeFiles/leeway_core.dir/src"),
+    House("ompl_bridge/src/io", [
+        ("base", "errors, limits, names, paths of packages; bytes, XML and YAML"),
+        ("cache", "the cache folder and the format of its files"),
+        ("cloud", "point clouds, octrees, height maps"),
+        ("mesh", "triangles from mesh files, one reader for each format"),
+        ("shape", "shapes of the core from meshes, clouds and numbers"),
+        ("robot", "URDF, SRDF, pair tables, spheres of links; notices of implausible numbers"),
+        ("scene", "scenes, requests, margins; a problem, which joins a robot with a scene"),
+    ]),
 ]
 
 

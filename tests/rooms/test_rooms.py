@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The room script sees an include and a call that point up, made on purpose in a house of two rooms."""
 import pathlib
+import re
 import tempfile
 import unittest
 
@@ -47,6 +48,22 @@ class Rooms(unittest.TestCase):
         found = problems({**GOOD, **{f"roof/tile{i}.c": "" for i in range(rooms.LARGEST_ROOM)}}, CALLS_DOWN)
         self.assertEqual(len(found), 1)
         self.assertIn("at most", found[0])
+
+    def test_house_without_objects_sees_includes(self):
+        found = problems({**GOOD, "cellar/wine.c": '#include "roof/tiles.h"\n#include "other/house.h"\n#include "plain.h"\n'}, {})
+        self.assertEqual(len(found), 1)
+        self.assertIn("includes roof/tiles.h", found[0])
+
+
+class Houses(unittest.TestCase):
+    def test_every_include_of_a_house_names_a_file_that_is_there(self):
+        """Else a header of another room, named without its room, would be an arrow that nobody sees."""
+        root = pathlib.Path(__file__).resolve().parents[2]
+        for house in rooms.HOUSES:
+            there = {path.name for _, path in rooms.files_of(root, house) if path.suffix in (".h", ".hpp")}
+            for room, path in rooms.files_of(root, house):
+                for header in re.findall(r'^\s*#\s*include\s+"([^"/]+)"', path.read_text(), re.MULTILINE):
+                    self.assertFalse(header in there and not (path.parent / header).exists(), f"{path}: {header} without its room")
 
 
 if __name__ == "__main__":

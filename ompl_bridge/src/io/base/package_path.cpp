@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a mesh URI points: package:// by given paths, ROS and ament environments, then upwards from the naming file.
+#include "base/io_internal.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fmt/format.h>
+#include <sstream>
+
+namespace leeway::io::detail
+{
+
+namespace fs = std::filesystem;
+
+namespace
+{
+
+const std::string package_scheme = "package://";
+
+/// package://NAME/PATH. With slashes in front of NAME (package:///NAME/PATH, an empty authority) it means the same, as in
+/// pinocchio.
+struct PackageUri
+{
+	explicit PackageUri( const std::string& uri )
+	{
+		const std::size_t begin = uri.find_first_not_of( '/', package_scheme.size() );
+		const std::string rest = begin != std::string::npos ? uri.substr( begin ) : "";
+		const std::size_t slash = rest.find( '/' );
+		name = rest.substr( 0, slash );
+		path = slash != std::string::npos ? rest.substr( slash + 1 ) : "";
+	}
+
+	std::string name, path;
+};
+
+/// The folder's own name, whether or not the path ends in a slash.
+std::string folderName( const fs::path& folder )
+{
+	fs::path normal = folder.lexically_normal();
+	return normal.has_filename() ? normal.filename().string() : normal.parent_path().filename().string();
+}
+
+/// Looks at one place after the other, and remembers which.
+class Search
+{
+public:
+	explicit Search( std::vector<std::string>& tried ) : m_tried( tried ) {}
+
+	/// @return true if it is a file
+	bool at( const fs::path& candidate )
+	{
+		std::string path = candidate.lexically_normal().string();
+		std::error_code error;
+		if ( fs::is_regular_file( path, error ) )
+		{
+			m_found = path;
+		}
+		m_tried.push_back( std::move( path ) );
+		return !m_found.empty();
+	}
+
+	/// A search entry either is the package or contains it.
+	bool inEntry( const fs::path& entry, const std::string& package, const std::string& path )
+	{
+		return ( folderName( entry ) == package && at( entry / path ) ) || at( entry / package / path );
+	}
+
+	const std::string& found() const { return m_found; }
+
+private:
+	std::vector<std::string>& m_tried;
+	std::string m_found;
+};
+
+bool searchEnvironment( const char* variable, const std::string& package, const std::string& path, bool ament, Search& search )
+{
+	const char* value = std::getenv( variable );
+	std::istringstream entries( value != nullptr ? value : "" );
+	for ( std::string entry; std::getline( entries, entry, ':' ); )
+	{
+		if ( entry.empty() )
+		{
+			continue;
+		}
+		if ( ament ? search.at( fs::path( entry ) / "share" / package / path ) : search.inEntry( entry, package, path ) )
+		{
+			return true;
+		}
+	}
+	return false;
+}
+
+void searchPackage( const std::string& package, const std::string& path, const fs::path& from_folder, const LoadOptions& options,
+    Search& search )
+{
+	for ( const std::string& entry : options.package_paths )
+	{
+		std::size_t equals = entry.find( '=' );
+		std::error_code error;
+		if ( equals == std::string::npos || fs::is_directory( entry, error ) )
+		{
+			if ( search.inEntry( entry, package, path ) )
+			{
+				return;
+			}
+		}
+		else if ( entry.substr( 0, equals ) == package && search.at( fs::path( entry.substr( equals + 1 ) ) / path ) )
+		{
+			return;
+		}
+	}
+	if ( searchEnvironment( "ROS_PACKAGE_PATH", package, path, false, search ) ||
+	     searchEnvironment( "AMENT_PREFIX_PATH", package, path, true, search ) )
+	{
+		return;
+	}
+	for ( fs::path folder = from_folder; !search.inEntry( folder, package, path ) && folder != folder.parent_path(); )
+	{
+		folder = folder.parent_path();
+	}
+}
+
+/// What keeps a URI from naming a file, wherever that would be; empty if nothing.
+std::string uriProblem( const std::string& uri )
+{
+	const std::size_t colon = uri.find( "://" );
+	const std::string scheme = colon != std::string::npos ? uri.substr( 0, colon ) : "";
+	if ( scheme == "package" )
+	{
+		const PackageUri parts( uri );
+		return parts.name.empty()   ? "names no package"
+		       : parts.path.empty() ? fmt::format( "names package {} and no file in it", parts.name )
+		                            : "";
+	}
+	return scheme.empty() || scheme == "file" ? "" : fmt::format( "begins with {}://, which is not known", scheme );
+}
+
+/// @param tried every path that was looked at, in order
+/// @return the first that is a file; empty if none is
+std::string resolveUri(
+    const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried )
+{
+	const std::string file_scheme = "file://";
+	fs::path from_folder = fs::absolute( from_file ).lexically_normal().parent_path();
+	Search search( tried );
+	if ( uri.compare( 0, package_scheme.size(), package_scheme ) == 0 )
+	{
+		const PackageUri parts( uri );
+		searchPackage( parts.name, parts.path, from_folder, options, search );
+	}
+	else if ( uri.compare( 0, file_scheme.size(), file_scheme ) == 0 )
+	{
+		search.at( from_folder / uri.substr( file_scheme.size() ) );
+	}
+	else
+	{
+		search.at( from_folder / uri ); // an absolute path replaces the folder
+	}
+	return search.found();
+}
+
+} // namespace
+
+std::string findResource( const char* kind, const std::string& uri, const std::string& from_file, const std::string& element,
+    const LoadOptions& options )
+{
+	if ( const std::string problem = uriProblem( uri ); !problem.empty() )
+	{
+		throw Error( from_file, element, fmt::format( "{} \"{}\" {}", kind, uri, problem ),
+		    "write package://NAME/PATH, file:///PATH, or a path from the folder of this file" );
+	}
+	std::vector<std::string> tried;
+	const std::string file = resolveUri( uri, from_file, options, tried );
+	if ( !file.empty() )
+	{
+		return file;
+	}
+	const bool package = uri.compare( 0, package_scheme.size(), package_scheme ) == 0;
+	throw Error( from_file, element, fmt::format( "{} {} was not found, tried {}", kind, uri, joinNames( tried, 12 ) ),
+	    package ? "put the package beside the file, name its folder as a package path (--package-path), or set "
+	              "ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
+	            : "correct the path" );
+}
+
+} // namespace leeway::io::detail

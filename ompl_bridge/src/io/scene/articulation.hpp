@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// URDFs as parts of a scene: kitchens with doors and drawers at given joint values.
+#pragma once
+
+#include "base/io_internal.hpp"
+
+namespace leeway::io::detail
+{
+
+/// Reads a URDF and sets it up at these joint values; joints that are not named are at zero. The articulation's shapes and
+/// notices are in its model's report.
+/// @param prefix of the objects' names: "" or "kitchen/"
+/// @param place who asks for it, for the errors about values
+/// @throws Error
+Articulation readArticulation( const std::string& urdf_file, const std::string& name, const std::string& prefix,
+    const std::map<std::string, double>& values, const ShapeLoader::Place& place, const LoadOptions& options );
+
+/// Its objects where its values put them, one for each link with geometry.
+std::vector<SceneObject> articulatedObjects( const Articulation& articulation );
+
+} // namespace leeway::io::detail

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Motion plan requests (moveit_msgs/MotionPlanRequest in YAML): start state, joint goal, group.
+#include "base/yaml.hpp"
+
+#include <fmt/format.h>
+
+namespace leeway::io
+{
+
+namespace
+{
+
+using detail::YamlNode;
+
+/// Constraints that would be dropped silently change what is asked for.
+void refuseConstraints( const YamlNode& constraints, std::initializer_list<const char*> kinds, const char* remedy )
+{
+	for ( const char* kind : kinds )
+	{
+		YamlNode list = constraints[kind];
+		if ( list.size() > 0 )
+		{
+			list.fail( "these constraints are not supported", remedy );
+		}
+	}
+}
+
+JointGoal readJointGoal( const YamlNode& node )
+{
+	JointGoal goal;
+	goal.joint = node.firstOf( { "joint_name", "name" } ).text();
+	YamlNode constraint = node.named( goal.joint );
+	goal.position = constraint["position"].number();
+	for ( auto [key, value] :
+	    { std::pair( "tolerance_above", &goal.tolerance_above ), std::pair( "tolerance_below", &goal.tolerance_below ) } )
+	{
+		YamlNode tolerance = constraint[key];
+		if ( tolerance.defined() )
+		{
+			*value = tolerance.number();
+		}
+		if ( *value < 0 )
+		{
+			tolerance.fail( fmt::format( "{} is negative", *value ), "write 0 or more" );
+		}
+	}
+	constraint.noticeUnknownKeys( { "joint_name", "name", "position", "tolerance_above", "tolerance_below", "weight" } );
+	return goal;
+}
+
+std::vector<JointGoal> readGoal( const YamlNode& root )
+{
+	YamlNode constraints = root["goal_constraints"];
+	if ( constraints.size() == 0 )
+	{
+		root["goal_constraints"].fail( "there is no goal", "add goal_constraints with joint_constraints" );
+	}
+	if ( constraints.size() > 1 )
+	{
+		constraints.notice( fmt::format( "{} alternative goals: the first is used", constraints.size() ) );
+	}
+	YamlNode first = constraints[std::size_t{ 0 }];
+	refuseConstraints( first, { "position_constraints", "orientation_constraints", "visibility_constraints" },
+	    "only joint goals are: give joint_constraints" );
+	YamlNode joints = first["joint_constraints"];
+	if ( joints.size() == 0 )
+	{
+		joints.fail( "the goal names no joint", "give one joint constraint for each joint of the group" );
+	}
+	std::vector<JointGoal> goal;
+	for ( std::size_t i = 0; i < joints.size(); ++i )
+	{
+		goal.push_back( readJointGoal( joints[i] ) );
+		for ( std::size_t k = 0; k < i; ++k )
+		{
+			if ( goal[k].joint == goal[i].joint )
+			{
+				joints[i].fail( fmt::format( "joint {} is there twice", goal[i].joint ), "remove one of them" );
+			}
+		}
+	}
+	first.noticeUnknownKeys(
+	    { "name", "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" } );
+	return goal;
+}
+
+} // namespace
+
+Request loadRequest( const std::string& file )
+{
+	Request request;
+	request.file = file;
+	YamlNode root = YamlNode::load( file, request.notices );
+	if ( !root["goal_constraints"].defined() && ( root["world"].defined() || root["robot_state"].defined() ) )
+	{
+		throw Error( file, "goal_constraints", "this is a planning scene, not a request",
+		    "give a file with start_state and goal_constraints" );
+	}
+	root.noticeUnknownKeys( { "workspace_parameters", "start_state", "goal_constraints", "path_constraints",
+	    "trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name",
+	    "num_planning_attempts", "allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor",
+	    "cartesian_speed_limited_link", "max_cartesian_speed" } );
+	request.group = root["group_name"].textOr( "" );
+	request.planner_id = root["planner_id"].textOr( "" );
+	YamlNode time = root["allowed_planning_time"];
+	request.allowed_planning_time = time.defined() ? time.number() : 0;
+	if ( request.allowed_planning_time < 0 )
+	{
+		time.fail( "is below 0", "give seconds, or leave it out" );
+	}
+	YamlNode start = root["start_state"];
+	if ( !start.defined() )
+	{
+		start.fail( "is missing", "add start_state with a joint_state" );
+	}
+	if ( start["attached_collision_objects"].size() > 0 )
+	{
+		start["attached_collision_objects"].fail(
+		    "attached objects are not read from requests", "put them into robot_state of the planning scene" );
+	}
+	start.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
+	request.start = detail::readJointState( start );
+	refuseConstraints( root["path_constraints"],
+	    { "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },
+	    "remove them from path_constraints" );
+	refuseConstraints( root["trajectory_constraints"], { "constraints" }, "remove them from trajectory_constraints" );
+	request.goal = readGoal( root );
+	return request;
+}
+
+} // namespace leeway::io

@@ -1,0 +1,704 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// MoveIt planning scenes in YAML (MotionBenchMaker, robowflex, ROS messages as printed), and URDFs as scenes.
+//
+// Poses compose as in MoveIt: frame * object pose * shape pose. What cannot be used is an error, never left out: an obstacle
+// that silently disappears reads as free space.
+#include "scene/articulation.hpp"
+#include "shape/geometry_loader.hpp"
+#include "scene/padding.hpp"
+#include "robot/plausibility.hpp"
+#include "base/yaml.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <set>
+
+namespace leeway::io
+{
+
+namespace
+{
+
+using detail::GeometryLoader;
+using detail::ShapeLoader;
+using detail::TriangleSoup;
+using detail::YamlNode;
+
+std::string lower( std::string text )
+{
+	std::transform( text.begin(), text.end(), text.begin(), []( unsigned char c ) { return std::tolower( c ); } );
+	return text;
+}
+
+class SceneReader
+{
+public:
+	SceneReader( const std::string& file, const LoadOptions& options, SceneModel& scene )
+	    : m_root( YamlNode::load( file, scene.report.notices ) ), m_options( options ), m_shapes( options, scene.report ),
+	      m_geometry( options, scene.report ), m_scene( scene )
+	{
+	}
+	void read();
+
+private:
+	void checkTop() const;
+	void readObjects();
+	SceneObject readObject( const YamlNode& node );
+	enum class Kind
+	{
+		primitive,
+		mesh,
+		plane
+	};
+	void readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, Kind kind, SceneObject& out );
+	PlacedShape readShape( const YamlNode& shape, Kind kind, const std::string& owner );
+	PlacedShape readPlane( const YamlNode& node, const std::string& owner );
+	Shape readPrimitive( const YamlNode& node, const std::string& owner );
+	Shape readMesh( const YamlNode& node, const std::string& owner );
+	TriangleSoup readInlineMesh( const YamlNode& node ) const;
+	void readOtherShapes( const YamlNode& object, SceneObject& out );
+	Shape readOtherShape( const YamlNode& node, const std::string& owner );
+	Shape readCloud( const YamlNode& node, const std::string& owner );
+	Shape readOctomapShape( const YamlNode& node, const std::string& owner );
+	Shape readHeightMap( const YamlNode& node, const std::string& owner );
+	Shape readSpheres( const YamlNode& node, const std::string& owner );
+	void readOctomapMessage();
+	void readArticulations();
+	void readAttached( const YamlNode& state );
+	void readMatrix();
+	void readDefaults( const YamlNode& matrix );
+	void readFixedFrames();
+	void readPadding();
+	ShapeLoader::Place place( const YamlNode& node, const std::string& owner ) const
+	{
+		return { m_scene.file, node.place(), owner };
+	}
+
+	YamlNode m_root;
+	const LoadOptions& m_options;
+	ShapeLoader m_shapes;
+	GeometryLoader m_geometry;
+	SceneModel& m_scene;
+	std::set<std::string> m_ids;
+};
+
+void SceneReader::checkTop() const
+{
+	const std::vector<std::string> parts = { "world", "robot_state", "allowed_collision_matrix", "fixed_frame_transforms" };
+	const bool is_scene =
+	    std::any_of( parts.begin(), parts.end(), [&]( const std::string& key ) { return m_root[key.c_str()].defined(); } );
+	if ( !is_scene )
+	{
+		for ( const std::string& key : m_root.keys() )
+		{
+			m_root.refuseMisspelt( key, parts );
+		}
+		bool request = m_root["goal_constraints"].defined() || m_root["start_state"].defined();
+		throw Error( m_scene.file, "world", request ? "this is a request, not a planning scene" : "there is no world",
+		    "give a planning scene with world.collision_objects" );
+	}
+	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms",
+	    "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff" } );
+	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap", "leeway_articulations" } );
+}
+
+Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner )
+{
+	node.noticeUnknownKeys( { "type", "dimensions" } );
+	std::string type = lower( node["type"].text() );
+	YamlNode dimensions = node["dimensions"];
+	if ( type == "box" || type == "1" )
+	{
+		std::vector<double> d = dimensions.vector( { "x", "y", "z" } );
+		return m_shapes.primitive( place( node, owner ), LW_SHAPE_BOX, { d[0], d[1], d[2] } );
+	}
+	if ( type == "sphere" || type == "2" )
+	{
+		std::vector<double> d = dimensions.vector( { "radius" } );
+		return m_shapes.primitive( place( node, owner ), LW_SHAPE_SPHERE, { d[0], 0, 0 } );
+	}
+	if ( type == "cylinder" || type == "3" || type == "cone" || type == "4" )
+	{
+		// shape_msgs/SolidPrimitive: height first
+		std::vector<double> d = dimensions.vector( { "height", "radius" } );
+		lw_shape_type shape = type == "cylinder" || type == "3" ? LW_SHAPE_CYLINDER : LW_SHAPE_CONE;
+		return m_shapes.primitive( place( node, owner ), shape, { d[1], d[0], 0 } );
+	}
+	node["type"].fail(
+	    fmt::format( "primitive type {} is not supported", type ), "use box (1), sphere (2), cylinder (3) or cone (4)" );
+}
+
+TriangleSoup SceneReader::readInlineMesh( const YamlNode& node ) const
+{
+	TriangleSoup soup;
+	YamlNode vertices = node["vertices"], triangles = node["triangles"];
+	for ( std::size_t i = 0; i < vertices.size(); ++i )
+	{
+		std::vector<double> v = vertices[i].vector( { "x", "y", "z" } );
+		soup.vertices.insert( soup.vertices.end(), v.begin(), v.end() );
+	}
+	double vertex_count = static_cast<double>( vertices.size() );
+	for ( std::size_t i = 0; i < triangles.size(); ++i )
+	{
+		YamlNode triangle = triangles[i];
+		std::vector<double> indices = triangle.isMap() ? triangle["vertex_indices"].numberList() : triangle.numberList();
+		if ( indices.size() != 3 )
+		{
+			triangle.fail( fmt::format( "has {} vertices, not 3", indices.size() ), "write three vertex indices" );
+		}
+		for ( double index : indices )
+		{
+			if ( !( index >= 0 && index < vertex_count ) ||
+			     index != static_cast<double>( static_cast<std::uint32_t>( index ) ) )
+			{
+				triangle.fail( fmt::format( "there is no vertex {}", index ),
+				    fmt::format( "vertices are numbered 0 to {}", vertices.size() - 1 ) );
+			}
+			soup.indices.push_back( static_cast<std::uint32_t>( index ) );
+		}
+	}
+	if ( soup.indices.empty() )
+	{
+		node.fail( "the mesh has no triangles", "give vertices and triangles, or a resource" );
+	}
+	return soup;
+}
+
+Shape SceneReader::readMesh( const YamlNode& node, const std::string& owner )
+{
+	YamlNode resource = node.firstOf( { "resource", "mesh_resource" } ), solid_node = node["leeway_solid"];
+	bool solid = solid_node.defined() && solid_node.boolean();
+	if ( !resource.defined() )
+	{
+		node.noticeUnknownKeys( { "vertices", "triangles", "leeway_solid" } );
+		TriangleSoup soup = readInlineMesh( node );
+		return solid ? m_geometry.solidInlineMesh( place( node, owner ), soup )
+		             : m_shapes.inlineMesh( place( node, owner ), soup );
+	}
+	if ( node["triangles"].size() > 0 )
+	{
+		node.fail( "has both a resource and triangles", "keep one of them" );
+	}
+	node.noticeUnknownKeys(
+	    { "resource", "mesh_resource", "scale", "dimensions", "vertices", "triangles", "leeway_solid" } );
+	std::array<double, 3> scale = { 1, 1, 1 };
+	YamlNode factor = node.firstOf( { "scale", "dimensions" } ); // robowflex calls the scale dimensions
+	if ( factor.isScalar() )
+	{
+		scale.fill( factor.number() );
+	}
+	else if ( factor.defined() )
+	{
+		std::vector<double> s = factor.vector( { "x", "y", "z" } );
+		scale = { s[0], s[1], s[2] };
+	}
+	return solid ? m_geometry.solidMesh( place( node, owner ), resource.text(), scale )
+	             : m_shapes.mesh( place( node, owner ), resource.text(), scale );
+}
+
+/// shape_msgs/Plane: a x + b y + c z + d = 0. It has no inside; leeway_solid makes everything behind it solid.
+PlacedShape SceneReader::readPlane( const YamlNode& node, const std::string& owner )
+{
+	node.noticeUnknownKeys( { "coef", "leeway_solid" } );
+	std::vector<double> c = node["coef"].vector( { "a", "b", "c", "d" } );
+	YamlNode solid = node["leeway_solid"];
+	return m_geometry.plane( place( node, owner ), { c[0], c[1], c[2], c[3] }, solid.defined() && solid.boolean() );
+}
+
+PlacedShape SceneReader::readShape( const YamlNode& shape, Kind kind, const std::string& owner )
+{
+	switch ( kind )
+	{
+	case Kind::primitive:
+		return { readPrimitive( shape, owner ), lw_transform_identity() };
+	case Kind::mesh:
+		return { readMesh( shape, owner ), lw_transform_identity() };
+	case Kind::plane:
+		break;
+	}
+	return readPlane( shape, owner );
+}
+
+void SceneReader::readShapes(
+    const YamlNode& object, const char* shapes_key, const char* poses_key, Kind kind, SceneObject& out )
+{
+	YamlNode shapes = object[shapes_key], poses = object[poses_key], object_pose = object["pose"];
+	std::size_t count = shapes.size();
+	// Only an object that has a pose of its own can leave out those of its shapes
+	bool poses_left_out = poses.size() == 0 && object_pose.defined();
+	if ( poses.size() != count && !poses_left_out )
+	{
+		( poses.defined() ? poses : object )
+		    .fail( fmt::format( "{} has {} {} and {} {}", shapes_key, count, count == 1 ? "entry" : "entries", poses_key, poses.size() ),
+		        "give one pose for each shape" );
+	}
+	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		lw_transform object_from_shape = poses.size() > 0 ? poses[i].pose() : lw_transform_identity();
+		lw_transform frame_from_shape = lw_transform_multiply( &frame_from_object, &object_from_shape );
+		PlacedShape placed = readShape( shapes[i], kind, out.name );
+		placed.pose = lw_transform_multiply( &frame_from_shape, &placed.pose );
+		out.shapes.push_back( std::move( placed ) );
+	}
+}
+
+Shape SceneReader::readCloud( const YamlNode& node, const std::string& owner )
+{
+	node.refuseUnknownKeys( { "type", "pose", "resource", "radius" } );
+	double radius = node["radius"].number();
+	if ( radius < 0 )
+	{
+		node["radius"].fail( fmt::format( "{} is negative", radius ), "give the radius of a ball around each point" );
+	}
+	return m_geometry.pointCloud( place( node, owner ), node["resource"].text(), radius );
+}
+
+/// "free" or "occupied".
+bool readUnknown( const YamlNode& node )
+{
+	std::string text = lower( node.text() );
+	if ( text != "free" && text != "occupied" )
+	{
+		node.fail( fmt::format( "{} is neither free nor occupied", text ), "write free or occupied" );
+	}
+	return text == "occupied";
+}
+
+detail::OctomapUse readOctomapUse( const YamlNode& unknown, const YamlNode& bounds )
+{
+	detail::OctomapUse use;
+	use.unknown_is_occupied = unknown.defined() && readUnknown( unknown );
+	if ( bounds.defined() )
+	{
+		bounds.refuseUnknownKeys( { "min", "max" } );
+		std::vector<double> low = bounds["min"].vector( { "x", "y", "z" } ),
+		                    high = bounds["max"].vector( { "x", "y", "z" } );
+		use.bounds = { low[0], low[1], low[2], high[0], high[1], high[2] };
+	}
+	if ( bounds.defined() && !use.unknown_is_occupied )
+	{
+		bounds.fail( "has no meaning where unknown is free", "remove it, or make unknown occupied" );
+	}
+	return use;
+}
+
+Shape SceneReader::readOctomapShape( const YamlNode& node, const std::string& owner )
+{
+	node.refuseUnknownKeys( { "type", "pose", "resource", "unknown", "bounds" } );
+	if ( !node["unknown"].defined() )
+	{
+		node["unknown"].fail(
+		    "is missing: what are cells that nobody has seen?", "write unknown: free or unknown: occupied" );
+	}
+	return m_geometry.octomapFile(
+	    place( node, owner ), node["resource"].text(), readOctomapUse( node["unknown"], node["bounds"] ) );
+}
+
+Shape SceneReader::readHeightMap( const YamlNode& node, const std::string& owner )
+{
+	node.refuseUnknownKeys( { "type", "pose", "resource", "resolution", "z_scale", "origin", "depth", "unknown" } );
+	detail::HeightMapUse use;
+	auto positive = [&]( const char* key, double fallback )
+	{
+		double value = node[key].defined() || fallback == 0 ? node[key].number() : fallback;
+		if ( !( value > 0 ) )
+		{
+			node[key].fail( fmt::format( "{} is not above 0", value ), "give metres above 0" );
+		}
+		return value;
+	};
+	use.resolution = positive( "resolution", 0 );
+	use.depth = positive( "depth", use.depth );
+	use.z_scale = node["z_scale"].number();
+	if ( node["origin"].defined() )
+	{
+		std::vector<double> origin = node["origin"].vector( { "x", "y", "z" } );
+		use.origin = { origin[0], origin[1], origin[2] };
+	}
+	if ( node["unknown"].defined() )
+	{
+		use.unknown_is_ground = readUnknown( node["unknown"] );
+	}
+	return m_geometry.heightMap( place( node, owner ), node["resource"].text(), use );
+}
+
+Shape SceneReader::readSpheres( const YamlNode& node, const std::string& owner )
+{
+	node.refuseUnknownKeys( { "type", "pose", "spheres" } );
+	YamlNode list = node["spheres"];
+	std::vector<double> spheres;
+	for ( std::size_t i = 0; i < list.size(); ++i )
+	{
+		std::vector<double> sphere = list[i].vector( { "x", "y", "z", "radius" } );
+		if ( !( sphere[3] > 0 ) )
+		{
+			list[i].fail( fmt::format( "radius {} is not above 0", sphere[3] ), "give x, y, z and a radius above 0" );
+		}
+		spheres.insert( spheres.end(), sphere.begin(), sphere.end() );
+	}
+	if ( spheres.empty() )
+	{
+		list.fail( "there are no spheres", "give a list of [x, y, z, radius]" );
+	}
+	return m_geometry.spheres( place( node, owner ), spheres );
+}
+
+Shape SceneReader::readOtherShape( const YamlNode& node, const std::string& owner )
+{
+	std::string type = lower( node["type"].text() );
+	if ( type == "point_cloud" )
+	{
+		return readCloud( node, owner );
+	}
+	if ( type == "octomap" )
+	{
+		return readOctomapShape( node, owner );
+	}
+	if ( type == "height_map" )
+	{
+		return readHeightMap( node, owner );
+	}
+	if ( type == "spheres" )
+	{
+		return readSpheres( node, owner );
+	}
+	node["type"].fail(
+	    fmt::format( "shape type {} is not known", type ), "use point_cloud, octomap, height_map or spheres" );
+}
+
+/// leeway_shapes: what MoveIt's messages have no place for.
+void SceneReader::readOtherShapes( const YamlNode& object, SceneObject& out )
+{
+	YamlNode shapes = object["leeway_shapes"], object_pose = object["pose"];
+	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();
+	for ( std::size_t i = 0; i < shapes.size(); ++i )
+	{
+		YamlNode pose = shapes[i]["pose"];
+		lw_transform object_from_shape = pose.defined() ? pose.pose() : lw_transform_identity();
+		Shape shape = readOtherShape( shapes[i], out.name );
+		if ( shape ) // else a map without anything in it, which was told
+		{
+			out.shapes.push_back( { std::move( shape ), lw_transform_multiply( &frame_from_object, &object_from_shape ) } );
+		}
+	}
+}
+
+SceneObject SceneReader::readObject( const YamlNode& unnamed )
+{
+	SceneObject object;
+	object.name = unnamed["id"].text();
+	if ( object.name.empty() )
+	{
+		unnamed["id"].fail( "is empty", "give every object a name" );
+	}
+	YamlNode node = unnamed.named( object.name );
+	if ( !m_ids.insert( object.name ).second )
+	{
+		node.fail( "an object of this id was defined before", "rename or remove one of them" );
+	}
+	node.noticeUnknownKeys( { "id", "header", "pose", "type", "primitives", "primitive_poses", "meshes", "mesh_poses",
+	    "planes", "plane_poses", "subframe_names", "subframe_poses", "operation", "leeway_shapes" } );
+	std::string operation = lower( node["operation"].textOr( "add" ) );
+	if ( operation != "add" && operation != "0" && operation != std::string( 1, '\0' ) )
+	{
+		node["operation"].fail(
+		    fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
+	}
+	if ( node["subframe_names"].size() > 0 )
+	{
+		node["subframe_names"].notice( "subframes are ignored" );
+	}
+	object.frame = node.frame();
+	if ( node["pose"].defined() )
+	{
+		object.pose = node["pose"].pose();
+	}
+	readShapes( node, "primitives", "primitive_poses", Kind::primitive, object );
+	readShapes( node, "meshes", "mesh_poses", Kind::mesh, object );
+	readShapes( node, "planes", "plane_poses", Kind::plane, object );
+	readOtherShapes( node, object );
+	// Shapes of leeway may be empty maps
+	if ( object.shapes.empty() && node["leeway_shapes"].size() == 0 )
+	{
+		node.fail( "has no shape", "give it primitives, meshes, planes or leeway_shapes, or remove it" );
+	}
+	return object;
+}
+
+void SceneReader::readObjects()
+{
+	YamlNode objects = m_root["world"]["collision_objects"];
+	detail::checkLimit( &Limits::objects, objects.size(), "objects", m_scene.file, "world.collision_objects" );
+	for ( std::size_t i = 0; i < objects.size(); ++i )
+	{
+		m_scene.objects.push_back( readObject( objects[i] ) );
+	}
+}
+
+/// octomap_msgs/OctomapWithPose. MoveIt's name of the object is <octomap>, and what is unknown to it is free.
+void SceneReader::readOctomapMessage()
+{
+	YamlNode node = m_root["world"]["octomap"], map = node["octomap"];
+	node.noticeUnknownKeys( { "header", "origin", "octomap", "leeway_unknown", "leeway_bounds" } );
+	map.noticeUnknownKeys( { "header", "binary", "id", "resolution", "data" } );
+	std::string bytes = map["data"].bytes();
+	if ( bytes.empty() )
+	{
+		return; // a scene without an octomap has an empty message
+	}
+	detail::OctomapData data;
+	data.id = map["id"].text();
+	data.resolution = map["resolution"].number();
+	data.binary = map["binary"].boolean();
+	data.bytes = bytes;
+	SceneObject object;
+	object.name = "<octomap>";
+	object.frame = node.frame();
+	detail::OctomapUse use = readOctomapUse( node["leeway_unknown"], node["leeway_bounds"] );
+	if ( !node["leeway_unknown"].defined() )
+	{
+		node.notice( "cells that nobody has seen are free, as in MoveIt; leeway_unknown: occupied makes them obstacles" );
+	}
+	Shape shape = m_geometry.octomapMessage( place( map, object.name ), data, use );
+	if ( shape )
+	{
+		object.shapes.push_back( { shape, node["origin"].defined() ? node["origin"].pose() : lw_transform_identity() } );
+		if ( !m_ids.insert( object.name ).second )
+		{
+			node.fail( "there is an object <octomap> already", "rename that one" );
+		}
+		m_scene.objects.push_back( std::move( object ) );
+	}
+}
+
+/// Appends what a reader of another file reported.
+void append( const LoadReport& report, LoadReport& out )
+{
+	out.shapes.insert( out.shapes.end(), report.shapes.begin(), report.shapes.end() );
+	out.links_without_geometry.insert(
+	    out.links_without_geometry.end(), report.links_without_geometry.begin(), report.links_without_geometry.end() );
+	out.notices.insert( out.notices.end(), report.notices.begin(), report.notices.end() );
+	out.cache_milliseconds += report.cache_milliseconds;
+}
+
+/// leeway_articulations: URDFs as objects.
+void SceneReader::readArticulations()
+{
+	YamlNode list = m_root["world"]["leeway_articulations"];
+	for ( std::size_t i = 0; i < list.size(); ++i )
+	{
+		std::string name = list[i]["id"].text();
+		YamlNode node = list[i].named( name );
+		node.refuseUnknownKeys( { "id", "header", "pose", "resource", "joint_values", "solid" } );
+		if ( name.empty() || !m_ids.insert( name ).second )
+		{
+			node["id"].fail(
+			    name.empty() ? "is empty" : "an object of this id was defined before", "give it a name of its own" );
+		}
+		std::string file = detail::findResource( "URDF", node["resource"].text(), m_scene.file, node.place(), m_options );
+		LoadOptions options = m_options;
+		options.solid = node["solid"].textList();
+		Articulation articulation = detail::readArticulation(
+		    file, name, name + "/", node["joint_values"].numberMap(), place( node, name ), options );
+		articulation.frame = node.frame();
+		if ( node["pose"].defined() )
+		{
+			articulation.pose = node["pose"].pose();
+		}
+		for ( SceneObject& object : detail::articulatedObjects( articulation ) )
+		{
+			if ( !m_ids.insert( object.name ).second )
+			{
+				node.fail( fmt::format( "there is an object {} already", object.name ), "rename one of them" );
+			}
+			m_scene.objects.push_back( std::move( object ) );
+		}
+		append( articulation.model.report, m_scene.report );
+		m_scene.articulations.push_back( std::move( articulation ) );
+	}
+}
+
+void SceneReader::readAttached( const YamlNode& state )
+{
+	YamlNode list = state["attached_collision_objects"];
+	for ( std::size_t i = 0; i < list.size(); ++i )
+	{
+		YamlNode node = list[i];
+		node.noticeUnknownKeys( { "link_name", "object", "touch_links", "detach_posture", "weight" } );
+		AttachedObject attached;
+		attached.link = node["link_name"].text();
+		attached.touch_links = node["touch_links"].textList();
+		// An id of the world without shapes of its own: that object is picked up where it is, as MoveIt does
+		std::string id = node["object"]["id"].text();
+		auto in_world = std::find_if(
+		    m_scene.objects.begin(), m_scene.objects.end(), [&]( const SceneObject& object ) { return object.name == id; } );
+		bool bare = true;
+		for ( const char* key : { "primitives", "meshes", "planes", "leeway_shapes" } )
+		{
+			bare = bare && node["object"][key].size() == 0;
+		}
+		if ( in_world != m_scene.objects.end() && bare )
+		{
+			attached.object = *in_world;
+			if ( attached.object.frame.empty() )
+			{
+				attached.object.frame = "/"; // empty would mean the link's frame here
+			}
+			m_scene.objects.erase( in_world );
+		}
+		else
+		{
+			attached.object = readObject( node["object"] );
+		}
+		m_scene.attached.push_back( attached );
+	}
+}
+
+void SceneReader::readDefaults( const YamlNode& matrix )
+{
+	YamlNode names = matrix["default_entry_names"], values = matrix["default_entry_values"];
+	if ( names.size() != values.size() )
+	{
+		matrix.fail( fmt::format( "has {} default_entry_names and {} default_entry_values", names.size(), values.size() ),
+		    "give one value for each name" );
+	}
+	for ( std::size_t i = 0; i < names.size(); ++i )
+	{
+		if ( values[i].boolean() )
+		{
+			m_scene.default_allowed.push_back( names[i].text() );
+		}
+	}
+}
+
+void SceneReader::readMatrix()
+{
+	YamlNode matrix = m_root["allowed_collision_matrix"];
+	matrix.noticeUnknownKeys( { "entry_names", "entry_values", "default_entry_names", "default_entry_values" } );
+	m_scene.matrix_names = matrix["entry_names"].textList();
+	const std::vector<std::string>& names = m_scene.matrix_names;
+	YamlNode rows = matrix["entry_values"];
+	if ( rows.size() != names.size() )
+	{
+		matrix.fail( fmt::format( "has {} entry_names and {} rows of entry_values", names.size(), rows.size() ),
+		    "give one row for each name" );
+	}
+	std::vector<std::vector<bool>> values;
+	for ( std::size_t i = 0; i < rows.size(); ++i )
+	{
+		rows[i].noticeUnknownKeys( { "enabled" } ); // of a map
+		YamlNode row = rows[i].isMap() ? rows[i]["enabled"] : rows[i];
+		if ( row.size() != names.size() )
+		{
+			row.fail(
+			    fmt::format( "has {} values for {} names", row.size(), names.size() ), "give one value for each name" );
+		}
+		values.emplace_back();
+		for ( std::size_t k = 0; k < row.size(); ++k )
+		{
+			values.back().push_back( row[k].boolean() );
+		}
+	}
+	for ( std::size_t i = 0; i < names.size(); ++i )
+	{
+		for ( std::size_t k = i + 1; k < names.size(); ++k )
+		{
+			if ( values[i][k] != values[k][i] )
+			{
+				rows.notice( fmt::format( "the matrix is not symmetric for {} and {}: not allowed", names[i], names[k] ) );
+			}
+			else if ( values[i][k] )
+			{
+				m_scene.allowed.emplace_back( names[i], names[k] );
+			}
+		}
+	}
+	readDefaults( matrix );
+}
+
+void SceneReader::readFixedFrames()
+{
+	YamlNode frames = m_root["fixed_frame_transforms"];
+	for ( std::size_t i = 0; i < frames.size(); ++i )
+	{
+		YamlNode frame = frames[i];
+		frame.noticeUnknownKeys( { "header", "child_frame_id", "transform" } );
+		std::string child = frame["child_frame_id"].text();
+		child = !child.empty() && child[0] == '/' ? child.substr( 1 ) : child;
+		m_scene.fixed_frames.emplace( child, std::pair( frame.frame(), frame["transform"].pose() ) );
+	}
+}
+
+/// link_padding and link_scale: lists of {link_name, padding or scale}.
+void SceneReader::readPadding()
+{
+	for ( bool scale : { false, true } )
+	{
+		const char* value_key = scale ? "scale" : "padding";
+		std::map<std::string, double>& values = scale ? m_scene.link_scale : m_scene.link_padding;
+		YamlNode list = m_root[scale ? "link_scale" : "link_padding"];
+		for ( std::size_t i = 0; i < list.size(); ++i )
+		{
+			std::string link = list[i]["link_name"].text();
+			YamlNode node = list[i].named( link );
+			node.noticeUnknownKeys( { "link_name", value_key } );
+			detail::checkPadding( node[value_key], scale );
+			if ( !values.emplace( link, node[value_key].number() ).second )
+			{
+				node.fail( "the link is there twice", "remove one of them" );
+			}
+		}
+	}
+}
+
+void SceneReader::read()
+{
+	checkTop();
+	m_scene.name = m_root["name"].textOr( "" );
+	readObjects();
+	readArticulations();
+	readOctomapMessage();
+	YamlNode state = m_root["robot_state"];
+	state.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
+	m_scene.state = detail::readJointState( state );
+	readAttached( state );
+	readMatrix();
+	readFixedFrames();
+	readPadding();
+	if ( m_scene.objects.empty() && m_scene.attached.empty() )
+	{
+		m_scene.report.notices.push_back( { m_scene.file, "world", "holds no object: nothing is in the robot's way" } );
+	}
+}
+
+/// A URDF as a scene: each link with geometry becomes an object, where it is with all joints at zero.
+void readUrdfScene( const std::string& file, const LoadOptions& options, SceneModel& scene )
+{
+	Articulation articulation = detail::readArticulation( file, "", "", {}, { file, "<robot>", "" }, options );
+	scene.name = articulation.name;
+	scene.report = articulation.model.report;
+	scene.objects = detail::articulatedObjects( articulation );
+	scene.articulations.push_back( std::move( articulation ) );
+}
+
+} // namespace
+
+SceneModel loadScene( const std::string& file, const LoadOptions& options )
+{
+	SceneModel scene;
+	scene.file = file;
+	if ( lower( std::filesystem::path( file ).extension().string() ) == ".urdf" )
+	{
+		readUrdfScene( file, options, scene );
+	}
+	else
+	{
+		SceneReader( file, options, scene ).read();
+	}
+	detail::noticeOddSizes( scene, scene.report.notices );
+	return scene;
+}
+
+} // namespace leeway::io
