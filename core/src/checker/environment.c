@@ -353,7 +353,7 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 	}
 }
 
-// --- questions -------------------------------------------------------------------------------------------------------
+// --- queries ---------------------------------------------------------------------------------------------------------
 
 /// The answer of an environment bound, with names and world points.
 static void environment_result( const lw_checker* checker, const lw_query* query, const lwi_bound* bound, lw_clearance* out )

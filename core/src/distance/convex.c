@@ -118,7 +118,7 @@ static lw_vec3 place_precisely( const lw_transform* m, lw_vec3 p, lw_vec3 q )
 }
 
 /// Offset from a's reference point to b's. The plain sum is wrong by up to 8 u of the magnitudes in it, so it is used only
-/// where these are at most twice the extent of the question.
+/// where these are at most twice the extent of the pair.
 static lw_vec3 reference_offset( const lw_transform* a_from_b, lw_vec3 origin_a, lw_vec3 origin_b, double radii )
 {
 	lw_vec3 t = lwi_load( a_from_b->t );

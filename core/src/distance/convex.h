@@ -46,12 +46,12 @@ typedef struct lwi_convex_result
 } lwi_convex_result;
 
 /// Distance of two convex pieces; 0 if they touch. Never fails and never loops without end: at the iteration limit the
-/// interval is honest and wider. b is the image of its piece under a_from_b as given, exactly, also where the rotation is
+/// interval is certified and wider. b is the image of its piece under a_from_b as given, exactly, also where the rotation is
 /// orthogonal only to rounding. Finite input is the caller's duty; sizes from 1e-12 to 1e12.
 /// Pieces that overlap, or touch to LWI_CONVEX_ROUNDING / 2 of the extent, give lower = upper = 0 and one common point;
 /// lower > 0 proves that they do not.
-/// @param stop_above the caller does not care once lower >= stop_above (+inf: wants all);
-/// @param stop_below nor once upper <= stop_below (0: wants all)
+/// @param stop_above the search stops once lower >= stop_above (+inf: never);
+/// @param stop_below or once upper <= stop_below (0: never)
 lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,
 	double stop_above, double stop_below );
 

@@ -18,7 +18,7 @@ typedef struct lwi_piece
 	double radius;     ///< >= |x| for all its points
 } lwi_piece;
 
-/// The question: pieces a and b about their reference points, b placed by rotation and offset (from a's point to b's).
+/// The pair: pieces a and b about their reference points, b placed by rotation and offset (from a's point to b's).
 typedef struct lwi_pair
 {
 	lwi_piece a, b;

@@ -2,7 +2,7 @@
 // Point against box, cylinder and cone: closed forms.
 //
 // A cylinder or cone is a planar profile turned about z: the nearest point lies in the half plane through the axis and the
-// point, where the question is about a rectangle or a triangle in (distance from the axis, z).
+// point, where it is the distance to a rectangle or a triangle in (distance from the axis, z).
 #include "distance/convex.h"
 #include "base/math_inline.h"
 

@@ -9,7 +9,7 @@
 
 typedef struct lwi_search_memory lwi_search_memory;
 
-/// The running bound of one question, shared by all pairs that belong to it. Method and proof: core/docs/distance.md.
+/// The running bound of one search, shared by all its pairs. Method and proof: core/docs/distance.md.
 /// Everything in it is clearance: distance less the margin of the pair, which may make it negative (core/docs/margins.md).
 typedef struct lwi_bound
 {

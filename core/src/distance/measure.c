@@ -108,7 +108,7 @@ lwi_convex lwi_convex_of_solid( const lw_shape* shape )
 	return convex;
 }
 
-/// An item as the convex routine wants it; *center is where the frame of the piece has its origin.
+/// An item as a convex piece; *center is the origin of the piece's frame.
 static lwi_convex convex_of_item( const lw_shape* shape, uint32_t item, lw_vec3* center )
 {
 	*center = lwi_v3( 0, 0, 0 );

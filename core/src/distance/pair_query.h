@@ -26,7 +26,7 @@ enum
 /// Two subtrees still to be compared.
 typedef struct lwi_entry
 {
-	float gap;                ///< lower bound of their distance, minus nothing: compare with the limit
+	float gap;                ///< float gap, slack not subtracted: compare with the limit
 	lwi_ref a, b;
 	float center_a[3], radius_a; ///< a's tree frame
 	float center_b[3], radius_b; ///< b's tree frame
@@ -53,7 +53,7 @@ struct lwi_search_memory
 {
 	lwi_batch batch;
 	lwi_entry stack[LWI_STACK_SIZE];
-	uint32_t stack_bottom;       ///< entries below it belong to searches that wait
+	uint32_t stack_bottom;       ///< entries below it belong to suspended searches
 	struct lwi_waiting* waiting; ///< [LWI_MAX_WAITING]
 	uint32_t waiting_count;
 	lwi_hint hints[1 << LWI_HINT_BITS]; ///< planes that separated pairs of shapes, by a hash
@@ -221,7 +221,7 @@ bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transfo
 /// Measures one item of a against one of b in double and offers the result. LW_INVALID_INDEX for shapes without items.
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
-/// A box, cylinder or cone as the convex routine wants it.
+/// A box, cylinder or cone as a convex piece.
 lwi_convex lwi_convex_of_solid( const lw_shape* shape );
 
 // --- distance/shared_feature.c ---------------------------------------------------------------------------------------------------
@@ -232,7 +232,7 @@ lwi_convex lwi_convex_of_solid( const lw_shape* shape );
 bool lwi_tie_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3], const lw_vec3 b[3], double distance,
 	lw_vec3 point_a, lw_vec3 point_b, lwi_tie* out );
 
-/// True if two triangles are as far from each other as s->tie, which is known, says, to the last digit.
+/// True if two triangles have the distance of s->tie, which is set, to the last digit.
 bool lwi_tie_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
 // --- distance/optimality_slab.c -------------------------------------------------------------------------------------------------

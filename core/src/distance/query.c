@@ -606,7 +606,7 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	return s;
 }
 
-/// The shape with its geometry; NULL ends the question.
+/// The shape with its geometry; NULL ends the search.
 static const lw_shape* geometry_of( lwi_search_memory* memory, const lw_shape* shape, lwi_bound* bound )
 {
 	lw_status status;

@@ -71,7 +71,7 @@ static int reduce( vec_s* w, int count, const nearest_s* nearest )
 
 // --- places ----------------------------------------------------------------------------------------------------------
 
-/// Directions and origins of a question about places.
+/// Directions and origins of a plane test over places.
 typedef struct between_places
 {
 	lw_vec3 from; ///< b's tree frame's origin at its middle place: heights are taken from there
@@ -380,7 +380,7 @@ static core core_of( const lwi_kernels* kernels, lwi_places* s, const between_pl
 	return c;
 }
 
-/// How far a core reaches along n, and with which of its points.
+/// Support of a core along n, and the index of its support point.
 static double core_reach( const lwi_kernels* kernels, const core* c, lw_vec3 n, uint32_t* which )
 {
 	float high, direction[3];

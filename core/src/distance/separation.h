@@ -35,7 +35,7 @@ lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_mot
 /// Searches for a plane on which the gap between the convex hulls of a and b is at least the limit.
 /// @param a_from_b tree frames
 /// @param limit as for all gaps: the slack of floats (simd/kernels.h) included
-/// @param plane the search begins there; on return it ended there
+/// @param plane where the search begins; on return, the last plane tried
 /// @param looks number of directions tried on all geometry, at most LWI_MAX_LOOKS
 /// @return true if there is one: nothing of a is nearer to anything of b than the limit. False proves nothing
 bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* a_from_b, float limit,
@@ -63,7 +63,7 @@ typedef struct lwi_places
 	bool boxed;                      ///< the box around the shape is at its places: it is when it is needed
 	lw_vec3 box_middle[LWI_MAX_PLACES];
 	double box_size; ///< sum of the coordinates of three half axes, at most
-	lwi_turned_box boxes[LWI_MAX_PLACES]; ///< from the origin of the last question
+	lwi_turned_box boxes[LWI_MAX_PLACES]; ///< from the origin of the last plane test
 } lwi_places;
 
 /// Makes it a shape at one place.

@@ -269,7 +269,7 @@ static lwi_tri_result measure( const tri* a, const tri* b, lw_vec3 origin, doubl
 	return finish( &best, origin );
 }
 
-/// The same question in a unit of length near the size of the input, a power of two: exact.
+/// The same search in a unit of length near the size of the input, a power of two: exact.
 static lwi_tri_result measure_rescaled( const lw_vec3 pa[3], const lw_vec3 pb[3], double size )
 {
 	int exponent = isfinite( size ) ? ilogb( size ) : 1000;

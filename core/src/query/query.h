@@ -8,7 +8,7 @@
 #include "base/heap.h"
 #include "leeway/checker.h"
 
-/// Where the nearest pair of a question was: the first thing tried next time.
+/// The nearest pair of a search: the next one measures it first.
 typedef struct lwi_warm
 {
 	uint32_t pair, triangle_a, triangle_b;
@@ -19,7 +19,7 @@ typedef struct lwi_warm
 /// Back-off of a test: after failures in a row it runs less often. Only speed depends on it.
 typedef struct lwi_trial
 {
-	uint8_t failures, wait; ///< in a row; questions until the next try
+	uint8_t failures, wait; ///< in a row; calls until the next try
 } lwi_trial;
 
 struct lw_query

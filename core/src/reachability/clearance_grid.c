@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Makes charts: blocks of cells are measured at their centres and halved, until the distance less the largest motion
-// motion within the block is good enough, or the block is a cell; a cell is cut further, worst part first.
+// within the block is good enough, or the block is a cell; a cell is cut further, worst part first.
 //
 // Branch and bound with a Lipschitz bound, as in reachability/subdivide.c, but for a whole function instead of its minimum:
 // adaptively sampled distance fields (Frisken, Perry, Rockwood, Jones, SIGGRAPH 2000) in joint space, with proofs.

@@ -17,7 +17,7 @@ typedef struct lwi_nearest
 	uint32_t item_a, item_b;
 } lwi_nearest;
 
-/// Scratch for questions about pairs, one pair at a time. Memory is taken once, for the largest pair of the robot.
+/// Scratch for measurements of pairs, one pair at a time. Memory is taken once, for the largest pair of the robot.
 typedef struct lwi_prober
 {
 	const lwi_reach_job* job;

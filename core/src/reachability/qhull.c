@@ -124,7 +124,7 @@ static void copy_facet( hull_work* w, const facetT* from, hull_facet* to )
 	to->det = lwi_dot( to->corner[0], to->row[0] );
 }
 
-/// Facets and vertices of a finished hull. A facet that is no triangle is never entered: the bound is honest without it.
+/// Facets and vertices of a finished hull. A facet that is no triangle is never entered: the bound holds without it.
 static bool copy_hull( hull_work* w, qhT* qh )
 {
 	vertexT* vertex;
@@ -426,7 +426,7 @@ static void choose_source( hull_work* w, bool only_kept )
 }
 
 /// Finds the tolerance for qhull. Too many points: larger. Points that it leaves out of a thin set within its tolerance of
-/// two opposite facets may be far outside beyond their rims: less, and once that happened never again more than then.
+/// two opposite facets may be far outside beyond their rims: smaller, and from then on never as large again.
 static lw_status attempt_all( hull_work* w, double tolerance, size_t max_points, double* out_outside )
 {
 	double width = tolerance, limit = INFINITY;

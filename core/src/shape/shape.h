@@ -72,7 +72,7 @@ struct lw_shape
 	lw_allocator allocator;
 	lw_shape_type type;
 	lwi_family family;
-	lwi_deferred* deferred; ///< NULL: everything is there. Else box, sphere and bytes are all that is
+	lwi_deferred* deferred; ///< NULL: the shape is complete. Else only its box, sphere and bytes are valid
 	bool solid;            ///< convex or unbounded: no items, no tree
 	double radius;         ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
 	double dimensions[3];  ///< of primitives, as given; [0] of the radius of a set or mesh
@@ -113,7 +113,7 @@ struct lw_shape
 	size_t bytes;
 };
 
-/// The shape with its geometry, made now if it was not. NULL with a status if it cannot be. For deferred shapes only.
+/// The mesh of a deferred shape, made now if needed. NULL with a status if that fails.
 const lw_shape* lwi_shape_make( const lw_shape* shape, lw_status* out_status, lw_diag* diag );
 
 /// The shape with its geometry, made now if it is deferred. NULL with a status if that fails.
@@ -123,7 +123,7 @@ static inline const lw_shape* lwi_shape_made( const lw_shape* shape, lw_status* 
 	return shape->deferred == NULL ? shape : lwi_shape_make( shape, out_status, diag );
 }
 
-/// The shape with its geometry if that is there already, else the shape as it is: bounds only.
+/// The shape with its geometry if that is made already, else the shape as it is: bounds only.
 const lw_shape* lwi_shape_now( const lw_shape* shape );
 
 /// Lower bound of the distance of two shapes from their boxes alone, rounded down; 0 if they may touch.
@@ -214,7 +214,7 @@ void lwi_shape_set_frame( lw_shape* shape );
 /// The last step, after tree and root sphere: the bounds and the bytes.
 void lwi_shape_finish( lw_shape* shape );
 
-/// The turned boxes of a tree of triangles, found from its nodes and leaves. The tree is valid.
+/// The oriented boxes (bricks) of a tree of triangles, found from its nodes and leaves. The tree is valid.
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_shape_find_bricks( lw_shape* shape, lw_diag* diag );
 

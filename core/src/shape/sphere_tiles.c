@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tiling of triangles by small spheres, as Quinlan's leaf spheres want it.
+// Tiling of triangles by small spheres, for Quinlan's leaf spheres.
 //
 // Quinlan, "Efficient distance computation between non-convex objects", 1994 (leaf spheres of one size). Rivara, "Algorithms
 //   for refining triangular grids", 1984 (longest-edge bisection: angles do not degenerate, so tiles stay few).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Turned boxes around the children of the nodes of a tree of triangles.
+// Oriented boxes (bricks) around the children of the nodes of a tree of triangles.
 //
 // Gottschalk, Lin, Manocha, "OBBTree: a hierarchical structure for rapid interference detection", 1996; Larsen, Gottschalk,
 // Lin, Manocha,

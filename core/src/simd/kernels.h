@@ -12,7 +12,7 @@
 //   triangle vertices rounded to float: sqrt(3) u per side <= 2 u S;
 //   a gap from these: difference u, dot product 3u, both relative to |n| |p - v|, quotient and root 2u: <= 7 u S.
 // Sum 18 u S. Triangles in the frame of a solid: moved 9 u S, rounded 2 u S, two supports along n 4 u S each, their
-// difference and quotient 5 u S, in all 24 u S. Turned boxes: centres 9 u S and 7 u S, reaches 17 u of the radii, 25 u S
+// difference and quotient 5 u S, in all 24 u S. Oriented boxes: centres 9 u S and 7 u S, reaches 17 u of the radii, 25 u S
 // (core/docs/distance.md). LWI_GAP_SLACK = 32 leaves room. tests/core_query measures it.
 // Contract: every level gives the bits of the scalar one (tests/core_query/kernels_test.cpp).
 #ifndef LEEWAY_SIMD_KERNELS_H
@@ -72,8 +72,8 @@ typedef struct lwi_kernels
 
 	/// |c - c_i| - (r + r_i) of a sphere (x, y, z, r) and eight: xyzr = float[4][8], as the head of lwi_node
 	uint32_t ( *sphere_gap )( const float* xyzr, const float sphere[4], float limit, float gap[LWI_WIDTH] );
-	/// distance of one turned box and eight, by their slabs along the line of the centres of their spheres and along `along`
-	/// (unit, from the node to the other; NULL for none); NaN for pads
+	/// distance of one oriented box and eight, by their slabs along the line of the centres of their spheres and along
+	/// `along` (unit, from the node to the other; NULL for none); NaN for pads
 	uint32_t ( *brick_gap )( const lwi_node* node, const lwi_bricks* bricks, const lwi_brick* other, const float along[3], float limit,
 		float gap[LWI_WIDTH] );
 	/// pairs of spheres in blocks of float[4][8] whose gap does not reach `limit` >= 0, by its square: `near` gets 256 *

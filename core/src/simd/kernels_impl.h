@@ -452,7 +452,7 @@ static inline f8 solid_slab( v3 n, const v3 v[3], const lwi_solid* solid )
 }
 
 /// Widest slab between triangles and a box along the cross products of an edge and an axis, where edges of both are nearest.
-/// Such a direction lies in the plane of the other two axes; the box being symmetric, both ways along it are one question.
+/// Such a direction lies in the plane of the other two axes; the box being symmetric, both ways along it give one slab.
 static inline f8 edge_slabs( const v3 v[3], const lwi_solid* solid )
 {
 	const f8 x[3][3] = { { v[0].x, v[1].x, v[2].x }, { v[0].y, v[1].y, v[2].y }, { v[0].z, v[1].z, v[2].z } };

@@ -28,8 +28,8 @@ typedef struct lwi_node
 	lwi_ref child[LWI_WIDTH];
 } lwi_node;
 
-/// Turned boxes around the children of a node, for trees of triangles: for all geometry p under a child, and q = p - centre
-/// of its sphere, low[i] <= axis i . q <= high[i]. Axes are unit vectors at right angles, to rounding: n, t, and
+/// Oriented boxes around the children of a node, for trees of triangles: for all geometry p under a child, and q = p -
+/// centre of its sphere, low[i] <= axis i . q <= high[i]. Axes are unit vectors at right angles, to rounding: n, t, and
 /// lwi_third_axis(). Pads are zero.
 typedef struct lwi_bricks
 {
