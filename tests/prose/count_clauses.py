@@ -23,7 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ["core/src", "core/include", "core/docs", "ompl_bridge", "planners", "benchmarks", "tests"]
 SOURCES = {".c", ".h", ".cpp", ".hpp", ".in"}
 
-TELLING = r"(?:say|tell|know|ask|decide|choose|show|see|find|name|list|record|remember|note|state|matter|determine|learn|pick|print|count)"
+TELLING = r"(?:say|tell|know|ask|decide|choose|show|see|find|name|list|record|remember|note|matter|determine|learn|pick|print|count)"
 CLAUSE = re.compile(
     r"(?<!no matter )(?<!so )\bwhat\b(?! if\b)(?![^.;:]*\?)"
     r"|(?<!one )(?<!those )(?<!user )(?<!users )(?<!caller )(?<!callers )(?<!reader )(?<!readers )(?<!author )(?<!authors )"

@@ -20,6 +20,7 @@ OTHERS = [
     "the order is kept, no matter what the level is",
     "the box, which holds every vertex,",
     "in which case the answer is UNDECIDED",
+    "a state of which edges are composed",
     "users who link the library",
     "the caller, who owns it,",
     "returns `what` and sets \"what is near\"",

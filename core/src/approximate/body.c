@@ -2,8 +2,8 @@
 // Builds a body: its parts in one frame, its shells, the fans over their holes, its skin, and the grids for rays.
 //
 // Cycles modulo 2: a set of triangles in which each edge occurs an even number of times bounds the set of points from which
-// a ray
-//   crosses it an odd number of times (Hatcher, "Algebraic Topology", 2002, section 2.1); orientation plays no part.
+// a
+//   ray crosses it an odd number of times (Hatcher, "Algebraic Topology", 2002, section 2.1); orientation plays no part.
 #include "approximate/body_internal.h"
 
 #include "base/grow.h"

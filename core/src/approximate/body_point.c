@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Questions about one point and a body: the nearest triangle, whether a closed shell encloses it, how deep it lies.
+// Tests of one point against a body: the nearest triangle, whether a closed shell encloses it, how deep it lies.
 //
 // Quinlan, "Efficient distance computation between non-convex objects", 1994 (branch and bound over spheres); Ericson,
 //   "Real-Time Collision Detection", 2005, section 5.1.5 (nearest point of a triangle); Shewchuk, "Adaptive precision

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The checker's tables, and the measurements of a posed state of which states (checker/checker.c) and edges (motion/edge.c)
-// are composed.
+// The checker's tables, and measurements of a posed state: states (checker/checker.c) and edges (motion/edge.c) are composed
+// of them.
 #ifndef LEEWAY_CHECKER_CHECKER_H
 #define LEEWAY_CHECKER_CHECKER_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One pair of links under the magnifying glass: measured at many states, searched for contact, proved apart.
+// One pair of links: measured at many states, searched for contact, proved apart.
 #ifndef LEEWAY_REACHABILITY_PROOF_H
 #define LEEWAY_REACHABILITY_PROOF_H
 

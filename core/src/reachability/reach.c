@@ -242,7 +242,7 @@ lw_status lw_reach_create( const lw_reach_def* def, const lw_allocator* allocato
 	return LW_OK;
 }
 
-// ---- going on --------------------------------------------------------------------------------------------------------
+// ---- continuing ------------------------------------------------------------------------------------------------------
 
 static void* copy_of( const lw_allocator* memory, const void* from, size_t bytes )
 {

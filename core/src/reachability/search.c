@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Looks for the state in which two links are nearest: evidence of contact, or how large a separation may be hoped for.
+// Searches for the state in which two links are nearest: evidence of contact, or an upper bound of their separation.
 //
 // R. Hooke, T. A. Jeeves, "Direct search solution of numerical and statistical problems", J. ACM 8(2), 1961: steps along
 // each variable, a further step in the direction that helped, step widths halved when nothing helps. No gradients:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Robots with something in their hands: links that are attached to others and taken off again, everything else shared or
+// Robots with attached objects: links that are attached to others and taken off again, everything else shared or
 // copied.
 //
 // An attached object is a link behind those of the bare robot, on a fixed joint: no variable is added, and all earlier
