@@ -67,8 +67,8 @@ static double gaps_of( const lw_checker* checker, lw_query* query, const double 
 	return slack;
 }
 
-/// The same for a body, which need not be posed: its sphere hangs on the top of its node. That is a roundoff or two of
-/// double away from where the body's pose takes it, and the slack is one of floats.
+/// The same for a body, which need not be posed: its sphere is taken to the world by the pose of its node. That is a
+/// roundoff or two of double away from its place by the body's own pose, and the slack is one of floats.
 static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, double prune, float* gaps, bool* near )
 {
 	const lwi_checker_tree* tree = checker->tree;
@@ -379,7 +379,7 @@ static void environment_result( const lw_checker* checker, const lw_query* query
 	out->b = checker->scene->shapes[bound->pair % stride].object;
 }
 
-/// Measures the nearest pair of the last time, if it is still one that counts.
+/// Measures the nearest pair of the last time, if it is still checked.
 static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
 {
 	uint32_t stride = checker->scene != NULL ? checker->scene->block_count * LWI_WIDTH : 0;
@@ -503,8 +503,8 @@ static void note_pair( const lw_checker* checker, uint32_t pair, lwi_ahead* ahea
 	lwi_ahead_note( ahead, checker->scene->shapes[pair % stride].shape );
 }
 
-/// As many bodies at a time as the query has room for, nearest boxes first: this is done once, and so that few deferred
-/// meshes are made for it boxes are worth their cost.
+/// As many bodies at a time as the query has room for, nearest boxes first. This runs once, and the order by boxes pays
+/// since it makes fewer deferred meshes.
 static void search_static( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
 	const uint8_t* fresh, lwi_ahead* ahead, lwi_bound* bound )
 {

@@ -9,7 +9,7 @@
 
 enum
 {
-	MOST_PIECES = 1 << 12 ///< of an edge; longer ones are not looked at
+	MOST_PIECES = 1 << 12 ///< of an edge; longer ones have no lookup
 };
 
 // --- along edges -----------------------------------------------------------------------------------------------------

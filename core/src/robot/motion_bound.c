@@ -552,8 +552,7 @@ static inline lwi_motion_rate measure( const lwi_motion_table* table, const moti
 			{
 				lw_vec3 offset = lwi_sub( center, m->origin );
 				double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
-				// arc is the part of (distance to the axis) * turn that needs the path so far; the rest does not wait for
-				// the joint before
+				// of (distance to the axis) * turn only the summand with `path` waits for the joint before
 				arc = lwi_smaller( ( away + radius ) * m->turn + ( share * m->turn ) * path, arc );
 			}
 			change += m->turn * ( 2 * path + arc );

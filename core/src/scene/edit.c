@@ -155,7 +155,7 @@ static lw_status move( draft* d, const lw_scene_change* change, uint32_t at, lw_
 	return LW_OK;
 }
 
-/// Its shapes stay on the list, of an object that is no more.
+/// Its shapes stay on the list and name a removed object.
 static lw_status drop( draft* d, const lw_scene_change* change, uint32_t at, lw_diag* diag )
 {
 	uint32_t object = find( d, change, at, diag );
