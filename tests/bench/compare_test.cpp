@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is said of two results: change against noise, rows that belong together, results that do not.
-#include "compare.hpp"
+#include "report/compare.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What experiments hand back survives its file: quartiles, tables, plots, claims.
-#include "experiment.hpp"
+#include "report/experiment.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The experiment `plans` on one reach of the generated kitchen: paths are as promised, a bad one is noticed, and the log is
 // one that ompl_benchmark_statistics.py reads.
-#include "plans.hpp"
+#include "experiments/plans.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Time left of several pieces of work.
-#include "console_progress.hpp"
+#include "report/console_progress.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reports as files: JSON that comes back, a page with what was seen, scripts that gnuplot understands.
-#include "report.hpp"
+#include "report/report.hpp"
 
 #include <cmath>
 #include <cstdlib>

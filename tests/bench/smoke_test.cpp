@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every experiment once on little work: it comes to an end, its promises are kept, its tables and plots are whole.
-#include "experiments.hpp"
-#include "rounds.hpp"
+#include "experiments/experiments.hpp"
+#include "report/rounds.hpp"
 
 #include <cmath>
 #include <filesystem>

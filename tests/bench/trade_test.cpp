@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The experiment `trade` on little work: every promise is kept, and an error put into any knob's answers is noticed.
-#include "trade.hpp"
+#include "experiments/trade.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Edges of real robots in real scenes: a FREE that a dense look refutes, a BLOCKED that nobody can reproduce. The benchmark
 // audit_edges asks the same of 10^5 edges.
-#include "../../benchmarks/edge_worlds.hpp"
+#include "support/edge_worlds.hpp"
 #include "audit_fixture.hpp"
 
 #include <gtest/gtest.h>

@@ -50,6 +50,13 @@ HOUSES = [
         ("robot", "URDF, SRDF, pair tables, spheres of links; notices of implausible numbers"),
         ("scene", "scenes, requests, margins; a problem, which joins a robot with a scene"),
     ]),
+    House("benchmarks", [
+        ("support", "command lines, states, edges and worlds, interleaved timing, the origin of results"),
+        ("report", "experiments and their rounds, pages and plots, comparison of two runs"),
+        ("peers", "engines of other libraries, judges of answers, workloads for all engines"),
+        ("experiments", "parts switched off, figures of the paper, speed against accuracy, plans"),
+        ("programs", "one file for each program"),
+    ]),
 ]
 
 

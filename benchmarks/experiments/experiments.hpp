@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The experiments there are, and what runs them: one factory each, defined with the experiment.
+#pragma once
+
+#include "report/experiment.hpp"
+
+std::unique_ptr<Experiment> makePaperExperiment();
+std::unique_ptr<Experiment> makeAblationExperiment();
+std::unique_ptr<Experiment> makeTradeExperiment();
+#ifdef LEEWAY_BENCH_PLANS // needs OMPL
+std::unique_ptr<Experiment> makePlansExperiment();
+#endif
+
+/// All of them, in the order of the report.
+std::vector<std::unique_ptr<Experiment>> allExperiments();

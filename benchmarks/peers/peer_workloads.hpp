@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The work of the comparison (peers.hpp): A two meshes, B states of robots, C edges, D building, E growth.
+#pragma once
+
+#include "support/edge_worlds.hpp"
+#include "peers/peer_judge.hpp"
+
+#include <random>
+
+/// A triangle mesh of a workload's own.
+struct Mesh
+{
+	std::vector<double> vertices;
+	std::vector<std::uint32_t> triangles;
+};
+
+leeway::Shape shapeOf( const Mesh& mesh );
+/// Each triangle cut into four at the middles of its edges: the same surface.
+Mesh refined( const Mesh& mesh );
+
+void runMeshes( const PeersSettings& settings, const std::vector<PeerLibrary>& peers, PeerReport& out );
+
+/// One robot, each of whose worlds has its own places of the joints outside the group.
+struct Subject
+{
+	std::string name;
+	std::function<void( EdgeWorlds& )> add;
+};
+/// B and C, of all worlds that subjects add.
+void runRobots( const PeersSettings& settings, const std::vector<Subject>& subjects, bool states, bool edges,
+    const std::vector<PeerLibrary>& peers, PeerReport& out );
+
+/// Robot and scene that are built and refined.
+struct Models
+{
+	std::string name, robot, srdf, scene, request, group;
+};
+void runBuild( const PeersSettings& settings, const Models& models, const std::vector<PeerLibrary>& peers, PeerReport& out );
+void runGrowth(
+    const PeersSettings& settings, const Models& models, const std::vector<PeerLibrary>& peers, PeerReport& out );

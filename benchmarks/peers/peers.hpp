@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway and every peer that is there, at the same work: the rows of a run, and who takes part.
+#pragma once
+
+#include "peers/peer_engine.hpp"
+#include "support/race.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+struct PeersSettings
+{
+	std::string data = LEEWAY_DATA_DIR, json, csv, svg, only;
+	std::string robot, srdf, scene, request, group; ///< the user's own robot and scene; then only these
+	std::vector<std::string> modules;               ///< of engines, besides those next to the program
+	std::size_t states = 200;
+	int repetitions = 3;
+	std::uint64_t seed = 20260101;
+	double budget = 2; ///< seconds for pair proofs
+	bool quick = false;
+};
+
+/// A library that takes part.
+struct PeerLibrary
+{
+	std::string name, description;
+	std::function<std::unique_ptr<PeerEngine>()> make; ///< an engine that shares nothing
+	std::unique_ptr<PeerEngine> shared;                ///< the first of those that share geometry
+	bool managers = false;                             ///< its own broadphase answers about the environment
+};
+
+/// FCL, and the modules "leeway_peer_*.so" next to the program and those that are named.
+/// @throws std::runtime_error for a named module that cannot be used
+std::vector<PeerLibrary> findPeers( const std::vector<std::string>& modules );
+
+/// An answer that brute force contradicts.
+struct Disagreement
+{
+	std::size_t number = 0;      ///< of the state or pose, in the order in which they are made
+	double said = 0, leeway = 0; ///< metres, or 1 and 0
+	double lower = 0, upper = 0; ///< what is true
+	std::string why;
+};
+
+/// What one library did at one workload.
+struct PeerRow
+{
+	std::string workload, library;
+	std::size_t count = 0;
+	Summary time;
+	std::string answers_hash;
+	std::size_t disagreements = 0;
+	double largest_difference = 0;      ///< metres, of distances
+	double bytes_per_triangle = 0;      ///< of builds
+	std::vector<Disagreement> examined; ///< each of them
+};
+
+class PeerReport
+{
+public:
+	/// Rows of one workload, leeway's first: printed with the ratio to leeway's mean as they come.
+	void add( const std::vector<PeerRow>& rows );
+	std::size_t disagreements( const std::string& library ) const;
+	void writeJson( const std::string& file, nlohmann::ordered_json header ) const;
+	void writeCsv( const std::string& file ) const;
+	/// Pictures: one for each letter, of states for each robot and what they are asked about. By gnuplot. @throws
+	/// std::runtime_error without it
+	void writeSvg( const std::string& folder ) const;
+
+private:
+	std::vector<PeerRow> m_rows;
+};
+
+/// All of them, one after the other.
+void runPeerWorkloads( const PeersSettings& settings, const std::vector<PeerLibrary>& peers, PeerReport& report );
+/// @return exit status: 1 if brute force contradicts some answer of leeway
+int runPeers( const PeersSettings& settings );

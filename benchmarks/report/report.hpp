@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Outcomes of experiments as files: one JSON, a page that needs nothing else, pictures by gnuplot.
+#pragma once
+
+#include "report/experiment.hpp"
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+/// Outcomes, and where they come from.
+struct Report
+{
+	nlohmann::ordered_json provenance; ///< commit, machine, settings: what is the same for all of them
+	std::vector<Outcome> outcomes;
+};
+
+nlohmann::ordered_json toJson( const Report& report );
+Report reportFromJson( const nlohmann::ordered_json& json ); ///< @throws std::exception, as outcomeFromJson()
+void writeJson( const Report& report, const std::string& file );
+/// @throws std::runtime_error naming the file and what is wrong with it
+Report readReport( const std::string& file );
+
+enum class Picture
+{
+	SVG,
+	PNG
+};
+
+/// What gnuplot has to be told to draw a plot into a file.
+std::string gnuplotScript( const Plot& plot, Picture picture, const std::string& file );
+
+bool hasGnuplot();
+
+/// In a locale that knows the characters of our labels, whatever the user's is.
+/// @throws std::runtime_error if gnuplot fails
+void runGnuplot( const std::string& script );
+
+/// An SVG as part of a page: no XML header, and every id with a prefix of its own, since a page has many pictures.
+std::string embeddedSvg( const std::string& svg, const std::string& prefix );
+
+/// The page. @param pictures SVG of each plot, by "<experiment>-<plot>"; of those that are missing the caption is there
+std::string htmlPage( const Report& report, const std::map<std::string, std::string>& pictures );
+
+/// index.html, result.json, and each plot as SVG and PNG into a folder, which is made.
+/// @throws std::runtime_error without gnuplot, or if something cannot be written or drawn
+void writeReport( const Report& report, const std::string& folder );

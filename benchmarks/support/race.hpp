@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contenders that answer the same questions in turn, and the times they took.
+//
+// Each passes over a set of states several times; the time of a state is the median over the passes. Passes go over the
+// whole set, so that nobody sees the same state twice in a row and profits from what it just found. They take turns every few
+// states, as a planner asks one library and not all of them in turn: who comes next finds the caches cold and has a few
+// states to warm them. What reading the clock takes, a system call, is measured and taken off.
+#pragma once
+
+#include "support/configurations.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
+#include <string>
+#include <vector>
+
+/// An answer: an interval for distances, lower = upper = 0 or 1 for questions of yes and no.
+struct Answer
+{
+	double lower = 0, upper = 0;
+};
+
+/// Somebody who answers a question about a state.
+struct Contender
+{
+	std::string name;
+	std::function<Answer( const double* q )> ask;
+};
+
+/// What a contender did on a set: per state its answer (of the first pass) and its time.
+struct Run
+{
+	std::vector<Answer> answers;
+	std::vector<double> microseconds;
+};
+
+inline double median( std::vector<double> values )
+{
+	if ( values.empty() )
+	{
+		return 0;
+	}
+	const auto middle = values.begin() + static_cast<std::ptrdiff_t>( values.size() / 2 );
+	std::nth_element( values.begin(), middle, values.end() );
+	return *middle;
+}
+
+struct Summary
+{
+	double median = 0, mean = 0, p95 = 0;
+};
+
+inline Summary summarise( std::vector<double> values )
+{
+	Summary summary;
+	if ( values.empty() )
+	{
+		return summary;
+	}
+	std::sort( values.begin(), values.end() );
+	summary.median = median( values );
+	summary.p95 = values[std::min( values.size() - 1, values.size() * 95 / 100 )];
+	for ( double value : values )
+	{
+		summary.mean += value / static_cast<double>( values.size() );
+	}
+	return summary;
+}
+
+inline nlohmann::ordered_json toJson( const Summary& summary )
+{
+	return nlohmann::ordered_json{ { "median_us", summary.median }, { "mean_us", summary.mean }, { "p95_us", summary.p95 } };
+}
+
+/// Processor time of this thread: what others do on the machine meanwhile lengthens no query, least of all the long ones.
+inline double threadMicroseconds()
+{
+	timespec now;
+	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &now );
+	return 1e6 * static_cast<double>( now.tv_sec ) + 1e-3 * static_cast<double>( now.tv_nsec );
+}
+
+/// Median of what two readings of the clock, one after the other, are apart.
+inline double clockMicroseconds()
+{
+	std::vector<double> apart;
+	for ( int i = 0; i < 201; ++i )
+	{
+		const double start = threadMicroseconds();
+		apart.push_back( threadMicroseconds() - start );
+	}
+	return median( std::move( apart ) );
+}
+
+/// @param block states that a contender is asked about before it is the next one's turn: with 1 everybody finds the caches
+/// full of others' trees, with more they hold its own for most of the block, as when a planner asks
+inline std::vector<Run> race(
+	const std::vector<Contender>& contenders, const ConfigurationSet& set, int repetitions, std::size_t block = 24 )
+{
+	const std::size_t n = set.states.size();
+	std::vector<std::vector<std::vector<double>>> times( contenders.size(), std::vector<std::vector<double>>( n ) );
+	std::vector<Run> runs( contenders.size() );
+	std::mt19937_64 random; // its default seed
+	std::vector<std::size_t> order( contenders.size() );
+	std::iota( order.begin(), order.end(), std::size_t{ 0 } );
+	const double clock = clockMicroseconds();
+	for ( int pass = 0; pass < repetitions; ++pass )
+	{
+		for ( std::size_t first = 0; first < n; first += block )
+		{
+			for ( std::size_t k = order.size(); k-- > 1; )
+			{
+				std::swap( order[k], order[random() % ( k + 1 )] );
+			}
+			for ( const std::size_t c : order )
+			{
+				for ( std::size_t i = first; i < std::min( n, first + block ); ++i )
+				{
+					const double start = threadMicroseconds();
+					const Answer answer = contenders[c].ask( set.states[i].data() );
+					times[c][i].push_back( std::max( 0.0, threadMicroseconds() - start - clock ) );
+					if ( pass == 0 )
+					{
+						runs[c].answers.push_back( answer );
+					}
+				}
+			}
+		}
+	}
+	for ( std::size_t c = 0; c < contenders.size(); ++c )
+	{
+		for ( const std::vector<double>& of_state : times[c] )
+		{
+			runs[c].microseconds.push_back( median( of_state ) );
+		}
+	}
+	return runs;
+}
