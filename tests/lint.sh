@@ -50,7 +50,7 @@ for what in "$@"; do
 			--suppress=invalidPointerCast --suppress=uninitvar -I core/include -I "$build/core/include" )
 		echo "cppcheck: ${#files[@]} files"
 		[ "${#c_files[@]}" -eq 0 ] || cppcheck "${checks[@]}" --std=c11 -I core/src "${c_files[@]}" || bad=1
-		[ "${#cpp_files[@]}" -eq 0 ] || cppcheck "${checks[@]}" --std=c++17 -I ompl_bridge/include -I ompl_bridge/src/io "${cpp_files[@]}" || bad=1
+		[ "${#cpp_files[@]}" -eq 0 ] || cppcheck "${checks[@]}" --std=c++17 -I ompl_bridge/include -I ompl_bridge/src/io -I planners "${cpp_files[@]}" || bad=1
 		;;
 	clang) # which also draws the random numbers of one call in another order, so that tests see other worlds
 		echo "clang: a build and its tests in $build-clang"

@@ -2,8 +2,8 @@
 // Files of models and problems: URDF, SRDF, planning scenes, requests, margins and paddings, tables, paths.
 #include "fuzz.hpp"
 
-#include "csv.hpp"
-#include "path_file.hpp"
+#include "text/csv.hpp"
+#include "text/path_file.hpp"
 
 #include <cmath>
 

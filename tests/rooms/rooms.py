@@ -50,6 +50,13 @@ HOUSES = [
         ("robot", "URDF, SRDF, pair tables, spheres of links; notices of implausible numbers"),
         ("scene", "scenes, requests, margins; a problem, which joins a robot with a scene"),
     ]),
+    House("planners", [
+        ("text", "options and their domains, notices and result files, names, tables, path files"),
+        ("setup", "robot, scene and checkers from options; states, ends of plans, OMPL's planners, audits"),
+        ("pairs", "tables of link pairs, the SRDF made from them; reports on links and obstacles"),
+        ("tune", "states and motions that are measured, the settings, the choice"),
+        ("commands", "the main function, and one file for each subcommand"),
+    ]),
     House("benchmarks", [
         ("support", "command lines, states, edges and worlds, interleaved timing, the origin of results"),
         ("report", "experiments and their rounds, pages and plots, comparison of two runs"),

@@ -1,0 +1,608 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway plan: a request solved with OMPL, simplified, certified again, and audited.
+#include "setup/audit.hpp"
+#include "setup/ends.hpp"
+#include "text/names.hpp"
+#include "text/path_file.hpp"
+#include "setup/planner_registry.hpp"
+
+#include "leeway/ompl/validity.hpp"
+
+#include <ompl/base/goals/GoalState.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/PathSimplifier.h>
+#include <ompl/util/Console.h>
+#include <ompl/util/Exception.h>
+#include <ompl/util/RandomNumbers.h>
+
+#include <fmt/format.h>
+
+#include <map>
+#include <mutex>
+
+namespace leeway::cli
+{
+namespace
+{
+
+namespace ob = ::ompl::base;
+namespace og = ::ompl::geometric;
+
+// Simplification ends when a round gains less than this share of the length, or after this many rounds.
+constexpr double simplify_gain = 0.02;
+constexpr int simplify_rounds = 10;
+constexpr unsigned int simplify_attempts = 30; // shortcuts tried per round
+
+using Points = std::vector<std::vector<double>>;
+
+// OMPL's own messages: silent, or notices with --verbose.
+class OmplMessages : public ::ompl::msg::OutputHandler
+{
+public:
+	OmplMessages( Notices& notices, bool verbose ) : m_notices( notices ), m_verbose( verbose )
+	{
+		::ompl::msg::useOutputHandler( this );
+		::ompl::msg::setLogLevel( verbose ? ::ompl::msg::LOG_INFO : ::ompl::msg::LOG_WARN );
+	}
+	~OmplMessages() override { ::ompl::msg::noOutputHandler(); }
+	void log( const std::string& text, ::ompl::msg::LogLevel, const char*, int ) override
+	{
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		if ( m_verbose )
+		{
+			m_notices.add( "OMPL", "OMPL: " + text );
+		}
+	}
+
+private:
+	Notices& m_notices;
+	bool m_verbose;
+	std::mutex m_mutex;
+};
+
+struct Seconds
+{
+	double plan = 0, simplify = 0, certify = 0, audit = 0;
+};
+
+struct Edges
+{
+	std::size_t free = 0, blocked = 0, refused = 0;
+	double lower_bound = 0; // of all clearances along all edges, proved; 0 if not all are FREE
+	bool all() const { return blocked + refused == 0; }
+};
+
+struct Solution
+{
+	bool solved = false, simplified = false;
+	std::string status;
+	Points points;
+	double raw_length = 0;
+	std::size_t raw_states = 0;
+	Edges edges;
+	Seconds seconds;
+	std::string planner;  // the last one that was tried
+	unsigned threads = 1; // of the planner
+	std::map<std::string, std::string> parameters; // of the planner
+	::leeway::ompl::Counters counters;
+	std::vector<::leeway::ompl::Refusal> refusals;
+	std::string refused; // a sentence on them
+};
+
+// An end of the request must be inside the limits and free, else no planner can help.
+void requireUsable(
+    const PlanOptions& options, const Workbench& bench, const EndPlace& end, const std::vector<double>& q )
+{
+	const auto wrong = [&end]( const std::string& problem, const std::string& remedy )
+	{ throw io::Error( end.file, end.element, problem, remedy ); };
+	const std::vector<std::string> violations = groupLimitViolations( bench, q, limit_tolerance );
+	if ( !violations.empty() )
+	{
+		std::string all;
+		for ( const std::string& violation : violations )
+		{
+			all += ( all.empty() ? "" : "; " ) + violation;
+		}
+		wrong( all, end.element == "--start" ? "name these joints in --start: those that nobody names stand at 0"
+		                                     : "give a state inside the joint limits" );
+	}
+	const lw_what what = options.common.what();
+	const lw_state_result state = measure( bench, q, what, nullptr, end.file, end.element );
+	const double min_d = options.common.min_d;
+	const auto judge = [&]( const char* which, const Named& clearance, const std::string& remedy )
+	{
+		// A clearance that is not proved to be above the margin is not usable; NaN included.
+		if ( !( clearance.lower > min_d ) )
+		{
+			wrong( clearance.least() > 0 || clearance.margin > 0
+			        ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m{}", which, clearance.first,
+			              clearance.second, clearance.least(), min_d, clearance.marginText() )
+			        : fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
+			    remedy );
+		}
+	};
+	if ( ( what & LW_WHAT_ENVIRONMENT ) != 0 )
+	{
+		const lw_clearance fixed = lw_checker_get_info( bench.checker() ).static_environment;
+		judge( "environment", nameEnvironment( bench.checker(), fixed ),
+		    fmt::format(
+		        "group {} cannot move this link: move the object, the robot's base, or a joint outside of the group",
+		        bench.problem().group ) );
+		judge( "environment", nameEnvironment( bench.checker(), state.environment ),
+		    "move the object, choose another state, or lower --min-d" );
+	}
+	if ( ( what & LW_WHAT_SELF ) != 0 )
+	{
+		const Named self = nameSelf( bench.checker(), state.self );
+		judge( "self", self,
+		    fmt::format( "choose another state, lower --min-d, or, if these may touch, disable the pair in the SRDF (leeway "
+		                 "pairs writes one) or with --allow {}:{}",
+		        self.first, self.second ) );
+	}
+}
+
+lw_edge_def edgeDef( const PlanOptions& options )
+{
+	lw_edge_def def = lw_edge_def_default();
+	def.method = options.edge.validator == "steps" ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
+	def.what = options.common.what();
+	def.min_d = options.common.min_d;
+	def.slack = options.edge.slack;
+	def.max_d = stepLength( options.common );
+	return def;
+}
+
+// The planners that share the time. Trees that grow towards each other by long motions find most paths at once; where both ends are in narrow
+// places, many short motions do (b1, a quadruped with an arm: RRTConnect finds nothing in 30 s, SBL a path in 1.4 s).
+std::vector<std::string> plannersOf( const PlanOptions& options )
+{
+	if ( !options.planner.empty() )
+	{
+		return { options.planner };
+	}
+	return options.parameters.empty() && options.threads == 0 ? std::vector<std::string>{ "RRTConnect", "SBL" }
+	                                                          : std::vector<std::string>{ "RRTConnect" };
+}
+
+// All edges once more, with a query of their own: nothing of the planner's is trusted.
+Edges certify( const Workbench& bench, const Points& points, const lw_edge_def& def )
+{
+	const Query query = makeQuery( bench.checker() );
+	Edges edges;
+	edges.lower_bound = HUGE_VAL;
+	for ( std::size_t k = 0; k + 1 < points.size(); ++k )
+	{
+		lw_edge_result edge;
+		require( lw_checker_edge( bench.checker(), query.get(), points[k].data(), points[k + 1].data(), &def, &edge ),
+		    "edge check" );
+		++( edge.verdict == LW_VERDICT_FREE      ? edges.free
+		    : edge.verdict == LW_VERDICT_BLOCKED ? edges.blocked
+		                                         : edges.refused );
+		edges.lower_bound = std::min( edges.lower_bound, edge.verdict == LW_VERDICT_FREE ? edge.lower_bound : 0.0 );
+	}
+	return edges;
+}
+
+Points pointsOf( const og::PathGeometric& path, const ::leeway::ompl::Engine& engine )
+{
+	Points points;
+	for ( std::size_t i = 0; i < path.getStateCount(); ++i )
+	{
+		points.emplace_back( engine.adapter().size() );
+		engine.adapter().toVector( path.getState( static_cast<unsigned int>( i ) ), points.back().data() );
+	}
+	return points;
+}
+
+double lengthOf( const Workbench& bench, const Points& points )
+{
+	double length = 0;
+	for ( std::size_t k = 0; k + 1 < points.size(); ++k )
+	{
+		length += jointDistance( bench, points[k], points[k + 1] );
+	}
+	return length;
+}
+
+// Shortcuts only: the path stays a chain of straight edges, each judged by the motion validator. Rounds are counted, not
+// timed, so that equal seeds give equal paths. Shortcuts between points of edges keep parts of these, and a part may be refused where
+// the whole was not (its samples are elsewhere): a step after which not all edges are certified is taken back.
+template <typename Certified>
+void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si, const Certified& certified )
+{
+	og::PathSimplifier simplifier( si );
+	const auto attempt = [&]( const auto& step )
+	{
+		const og::PathGeometric before( path );
+		step();
+		if ( !certified( path ) )
+		{
+			path = before;
+		}
+	};
+	double length = path.length();
+	for ( int round = 0; round < simplify_rounds && path.getStateCount() > 2; ++round )
+	{
+		attempt( [&] { simplifier.reduceVertices( path, simplify_attempts, simplify_attempts ); } );
+		attempt( [&] { simplifier.shortcutPath( path, simplify_attempts, simplify_attempts ); } );
+		attempt( [&] { simplifier.collapseCloseVertices( path ); } );
+		const double shorter = path.length();
+		if ( length - shorter < simplify_gain * length )
+		{
+			break;
+		}
+		length = shorter;
+	}
+}
+
+// Limits of a joint that are so far away mean that there are none, and states drawn between them have nothing to do with the ends.
+constexpr double far_limits = 1000, room_beyond_ends = 10;
+
+// Bounds that are far from both ends come nearer. A joint that is told to go from a to b need not go further than ten radians or metres beyond.
+void narrow( ob::StateSpace& space, const ob::State& start, const ob::State& goal, Notices& notices )
+{
+	if ( space.isCompound() )
+	{
+		auto& compound = *space.as<ob::CompoundStateSpace>();
+		for ( unsigned int i = 0; i < compound.getSubspaceCount(); ++i )
+		{
+			narrow( *compound.getSubspace( i ), *start.as<ob::CompoundState>()->components[i],
+			    *goal.as<ob::CompoundState>()->components[i], notices );
+		}
+	}
+	else if ( space.getType() == ob::STATE_SPACE_REAL_VECTOR )
+	{
+		auto& vector = *space.as<ob::RealVectorStateSpace>();
+		ob::RealVectorBounds bounds = vector.getBounds();
+		for ( unsigned int i = 0; i < vector.getDimension(); ++i )
+		{
+			const double a = start.as<ob::RealVectorStateSpace::StateType>()->values[i];
+			const double b = goal.as<ob::RealVectorStateSpace::StateType>()->values[i];
+			if ( bounds.high[i] - bounds.low[i] > far_limits )
+			{
+				const std::string name = vector.getDimensionName( i );
+				notices.add( "joint limits",
+				    fmt::format( "joint {}: limits are {:g} to {:g}: planning keeps within {:g} of start and goal",
+				        name.empty() ? vector.getName() : name, bounds.low[i], bounds.high[i], room_beyond_ends ) );
+				bounds.low[i] = std::max( bounds.low[i], std::min( a, b ) - room_beyond_ends );
+				bounds.high[i] = std::min( bounds.high[i], std::max( a, b ) + room_beyond_ends );
+			}
+		}
+		vector.setBounds( bounds );
+	}
+}
+
+// Makes room in the bounds for a state that lies beyond them by a rounding (see limit_tolerance): planners take only ends
+// inside the bounds, and moving the end would answer another question.
+void widen( ob::StateSpace& space, const ob::State& state )
+{
+	if ( space.isCompound() )
+	{
+		auto& compound = *space.as<ob::CompoundStateSpace>();
+		for ( unsigned int i = 0; i < compound.getSubspaceCount(); ++i )
+		{
+			widen( *compound.getSubspace( i ), *state.as<ob::CompoundState>()->components[i] );
+		}
+	}
+	else if ( space.getType() == ob::STATE_SPACE_REAL_VECTOR )
+	{
+		auto& vector = *space.as<ob::RealVectorStateSpace>();
+		ob::RealVectorBounds bounds = vector.getBounds();
+		for ( unsigned int i = 0; i < vector.getDimension(); ++i )
+		{
+			const double value = state.as<ob::RealVectorStateSpace::StateType>()->values[i];
+			bounds.low[i] = std::min( bounds.low[i], value );
+			bounds.high[i] = std::max( bounds.high[i], value );
+		}
+		vector.setBounds( bounds );
+	}
+}
+
+class Planning
+{
+public:
+	Planning( const PlanOptions& options, const Workbench& bench, std::vector<double> start, std::vector<double> goal, Notices& notices )
+	    : m_options( options ), m_bench( bench ), m_start( std::move( start ) ), m_goal( std::move( goal ) )
+	{
+		::leeway::ompl::Options judge;
+		judge.min_d = options.common.min_d;
+		judge.alpha = options.common.alpha;
+		judge.max_d = std::max( judge.max_d, 2 * options.common.min_d );
+		judge.slack = options.edge.slack;
+		judge.method = options.edge.validator == "steps" ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
+		judge.step = stepLength( options.common );
+		judge.what = options.common.what();
+		m_space = ::leeway::ompl::makeStateSpace( bench.problem().checker );
+		const ::leeway::ompl::StateAdapter adapter( m_space, bench.problem().checker );
+		ob::ScopedState<> first( m_space ), last( m_space );
+		adapter.fromVector( m_start.data(), first.get() );
+		adapter.fromVector( m_goal.data(), last.get() );
+		narrow( *m_space, *first.get(), *last.get(), notices );
+		widen( *m_space, *first.get() );
+		widen( *m_space, *last.get() );
+		m_si = std::make_shared<ob::SpaceInformation>( m_space );
+		m_engine = ::leeway::ompl::install( m_si, bench.problem().checker, judge );
+		m_si->setup();
+		ensureProjection( m_space ); // after setup(), which registers the space's own
+	}
+
+	Solution solve( double time )
+	{
+		Solution solution;
+		auto definition = std::make_shared<ob::ProblemDefinition>( m_si );
+		definition->setStartAndGoalStates( state( m_start ), state( m_goal ) );
+		const std::vector<std::string> names = plannersOf( m_options );
+		for ( std::size_t i = 0; i < names.size() && !solution.solved; ++i )
+		{
+			run( findPlanner( names[i] ), time / static_cast<double>( names.size() ), definition, solution );
+		}
+		if ( solution.solved )
+		{
+			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
+		}
+		solution.counters = m_engine->counters();
+		solution.refusals = m_engine->refusals();
+		solution.refused = m_engine->describeRefusals();
+		return solution;
+	}
+
+private:
+	void run( const PlannerEntry& entry, double time, const ob::ProblemDefinitionPtr& definition, Solution& solution )
+	{
+		solution.planner = entry.name;
+		definition->clearSolutionPaths(); // an approximate one of the planner before
+		const ob::PlannerPtr planner = entry.make( m_si );
+		setParameters( *planner, m_options.parameters );
+		if ( entry.threads != nullptr )
+		{
+			if ( m_options.threads > 0 )
+			{
+				planner->params().setParam( entry.threads, std::to_string( m_options.threads ) );
+			}
+			std::string threads;
+			planner->params().getParam( entry.threads, threads );
+			solution.threads = static_cast<unsigned>( std::stoul( threads ) );
+		}
+		{
+			const Progress progress( fmt::format( "planning with {}", planner->getName() ) );
+			const double begin = now();
+			planner->setProblemDefinition( definition );
+			planner->setup();
+			planner->params().getParams( solution.parameters ); // as set up: 0 may mean the planner's own choice
+			solution.status = planner->solve( ob::timedPlannerTerminationCondition( time ) ).asString();
+			solution.seconds.plan += now() - begin;
+		}
+		// An approximate solution ends somewhere else: it is none.
+		solution.solved = definition->hasExactSolution();
+	}
+
+	ob::ScopedState<> state( const std::vector<double>& q ) const
+	{
+		ob::ScopedState<> result( m_space );
+		m_engine->adapter().fromVector( q.data(), result.get() );
+		m_space->enforceBounds( result.get() ); // angles that wrap, to one turn; the others were found inside their limits
+		return result;
+	}
+
+	void finish( og::PathGeometric& path, Solution& solution )
+	{
+		const lw_edge_def def = edgeDef( m_options );
+		solution.points = pointsOf( path, *m_engine );
+		solution.raw_states = solution.points.size();
+		solution.raw_length = lengthOf( m_bench, solution.points );
+		const double begin = now();
+		solution.edges = certify( m_bench, solution.points, def );
+		solution.seconds.certify = now() - begin;
+		if ( !m_options.simplify )
+		{
+			return;
+		}
+		const Progress progress( "simplifying the path" );
+		const double simplify_begin = now();
+		// a path that is not certified to begin with cannot get worse
+		const bool was_certified = solution.edges.all();
+		simplify( path, m_si,
+		    [&]( const og::PathGeometric& now )
+		    { return !was_certified || certify( m_bench, pointsOf( now, *m_engine ), def ).all(); } );
+		const Points shorter = pointsOf( path, *m_engine );
+		solution.simplified = shorter != solution.points;
+		solution.points = shorter;
+		solution.edges = certify( m_bench, shorter, def );
+		solution.seconds.simplify = now() - simplify_begin;
+	}
+
+	const PlanOptions& m_options;
+	const Workbench& m_bench;
+	const std::vector<double> m_start, m_goal;
+	ob::StateSpacePtr m_space;
+	ob::SpaceInformationPtr m_si;
+	std::shared_ptr<const ::leeway::ompl::Engine> m_engine;
+};
+
+PathFile pathFile(
+    const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit )
+{
+	PathFile path;
+	path.robot = input.robot.name;
+	path.group = bench.problem().group;
+	path.scene = input.scene ? input.scene->name : "";
+	path.planner = solution.planner;
+	path.validator = options.edge.validator;
+	path.seed = options.seed;
+	path.min_d = options.common.min_d;
+	path.slack = options.edge.slack;
+	path.length = audit.length;
+	path.environment = audit.environment.clearance.lower;
+	path.self = audit.self.clearance.lower;
+	const std::vector<double> full = bench.fullState( solution.points.front() );
+	for ( std::size_t i = 0; i < full.size(); ++i )
+	{
+		path.start_state.emplace_back( bench.variableNames()[i], full[i] );
+	}
+	path.joint_names = bench.problem().variable_names;
+	path.points = solution.points;
+	return path;
+}
+
+Json reportJson( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution )
+{
+	Json json;
+	const auto given = []( const std::string& text ) { return text.empty() ? Json( nullptr ) : Json( text ); };
+	json["request"] = given( options.common.request );
+	json["start"] = given( options.start );
+	json["goal"] = given( options.goal );
+	json["robot"] = input.robot.name;
+	json["group"] = bench.problem().group;
+	json["planner"] = solution.planner;
+	json["validator"] = options.edge.validator;
+	json["seed"] = options.seed;
+	json["threads"] = solution.threads;
+	json["planner_params"] = solution.parameters;
+	json["min_d"] = options.common.min_d;
+	json["slack"] = options.edge.slack;
+	json["solved"] = solution.solved;
+	json["status"] = solution.status;
+	json["seconds"] = { { "load_robot", input.robot_seconds }, { "load_scene", input.scene_seconds },
+	    { "build_checker", bench.buildSeconds() }, { "plan", solution.seconds.plan },
+	    { "certify", solution.seconds.certify }, { "simplify", solution.seconds.simplify },
+	    { "audit", solution.seconds.audit } };
+	const ::leeway::ompl::Counters& c = solution.counters;
+	json["checks"] = { { "states", c.states }, { "edges", c.edges }, { "free", c.free }, { "blocked", c.blocked },
+	    { "refused", c.refused }, { "edge_queries", c.edge_queries } };
+	json["checks"]["refused_pairs"] = Json::array();
+	for ( const ::leeway::ompl::Refusal& refusal : solution.refusals )
+	{
+		json["checks"]["refused_pairs"].push_back( { { "first", refusal.first }, { "second", refusal.second },
+		    { "self", refusal.self }, { "edges", refusal.count }, { "clearance", jsonNumber( refusal.clearance ) } } );
+	}
+	if ( solution.solved )
+	{
+		json["raw"] = { { "states", solution.raw_states }, { "length", solution.raw_length } };
+		json["path"] = { { "states", solution.points.size() }, { "length", lengthOf( bench, solution.points ) },
+		    { "simplified", solution.simplified }, { "edges_free", solution.edges.free },
+		    { "edges_blocked", solution.edges.blocked }, { "edges_refused", solution.edges.refused },
+		    { "proved_clearance",
+		        options.edge.validator == "certified" ? jsonNumber( solution.edges.lower_bound ) : Json( nullptr ) } };
+	}
+	return json;
+}
+
+std::string summary( const PlanOptions& options, const Solution& solution )
+{
+	const bool certified = options.edge.validator == "certified";
+	std::string text =
+	    fmt::format( "planner     {} (seed {}{}): {:.3f} s planning, {:.3f} s simplifying; {} and {} checked\n",
+	        solution.planner, options.seed,
+	        solution.threads > 1 ? fmt::format( ", {} threads", solution.threads ) : "", solution.seconds.plan,
+	        solution.seconds.simplify, counted( solution.counters.states, "state" ), counted( solution.counters.edges, "edge" ) );
+	text += fmt::format( "edges       {} of {} {}", solution.edges.free,
+	    solution.edges.free + solution.edges.blocked + solution.edges.refused,
+	    certified ? "proved free" : "free at fixed steps (not a proof)" );
+	if ( certified && solution.edges.all() )
+	{
+		text += fmt::format( ", clearance proved to be at least {:.6f} m", solution.edges.lower_bound );
+	}
+	text += solution.refused.empty() ? "" : "; " + solution.refused;
+	return text +
+	       fmt::format( "; before simplification {}, length {:.6g}\n", counted( solution.raw_states, "state" ), solution.raw_length );
+}
+
+double timeLimit( const PlanOptions& options, const io::Request& request )
+{
+	return options.time > 0 ? options.time : request.allowed_planning_time > 0 ? request.allowed_planning_time : 60;
+}
+
+Solution solve( const PlanOptions& options, const Workbench& bench, const PlanEnds& ends, const io::Request& request, Notices& notices )
+{
+	const std::vector<double> start = io::startState( bench.problem() ), goal = io::goalState( bench.problem(), request );
+	requireUsable( options, bench, ends.start, start );
+	requireUsable( options, bench, ends.goal, goal );
+	for ( const std::string& violation : limitViolations( bench, bench.fullState( start ) ) )
+	{
+		notices.add( "joint limits",
+		    fmt::format( "{}: {}: {}; it is used as it is", ends.start.file, ends.start.element, violation ) );
+	}
+	for ( const std::string& violation : groupLimitViolations( bench, goal ) )
+	{
+		notices.add( "joint limits",
+		    fmt::format( "{}: {}: {}; it is used as it is", ends.goal.file, ends.goal.element, violation ) );
+	}
+	const OmplMessages messages( notices, options.common.verbose );
+	try
+	{
+		::ompl::RNG::setSeed( options.seed );
+		return Planning( options, bench, start, goal, notices ).solve( timeLimit( options, request ) );
+	}
+	catch ( const ::ompl::Exception& error )
+	{
+		throw io::Error( "command line", "--planner " + plannersOf( options ).front(), error.what(), "choose another planner" );
+	}
+	catch ( const std::invalid_argument& error )
+	{
+		throw io::Error( options.common.robot, "group " + bench.problem().group, error.what(), "mend the joint's limits" );
+	}
+}
+
+} // namespace
+
+int runPlan( const PlanOptions& options )
+{
+	Notices notices( options.common.verbose );
+	requireThreads( findPlanner( plannersOf( options ).front() ), options.threads );
+	OutputFile out( "--out", options.out ), report( "--report", options.report );
+	Input input = loadInput( options.common, notices );
+	input.max_d = options.common.min_d + planning_horizon;
+	const PlanEnds ends = readEnds( options, input );
+	Workbench bench( input, ends.group, {}, notices );
+	Solution solution = solve( options, bench, ends, *input.request, notices );
+
+	AuditSettings settings;
+	settings.min_d = options.common.min_d;
+	settings.resolution = options.resolution;
+	settings.what = options.common.what();
+	Audit audit;
+	if ( solution.solved )
+	{
+		audit = auditPath( bench, solution.points, settings, input.request->file );
+		auditEnds( bench, *input.request, solution.points, audit );
+		solution.seconds.audit = audit.seconds;
+	}
+	const bool good = solution.solved && audit.valid && solution.edges.all();
+	std::vector<OutputFile*> files;
+	if ( !options.report.empty() )
+	{
+		Json json = reportJson( options, input, bench, solution );
+		json["audit"] = solution.solved ? toJson( audit, settings ) : Json( nullptr );
+		json["good"] = good;
+		report.text = jsonText( json );
+		files.push_back( &report );
+	}
+	if ( good )
+	{
+		out.text = writePath( pathFile( options, input, bench, solution, audit ) );
+		files.push_back( &out );
+	}
+	commitTogether( files );
+	if ( !solution.solved )
+	{
+		tell(
+		    "leeway: no path found by {}: {} after {:.1f} s ({} and {} checked); try more --time, another --seed "
+		    "or --planner{}{}{}\n",
+		    listed( plannersOf( options ) ), solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
+		    counted( solution.counters.edges, "edge" ), options.common.min_d > 0 ? ", or a smaller --min-d" : "",
+		    solution.refused.empty() ? "" : "; ", solution.refused );
+		return exit_no;
+	}
+	// The path itself goes to standard output if no file was named; the summary must not mix with it.
+	const std::string text = summary( options, solution ) + describe( audit, settings, solution.points );
+	out.path().empty() ? tell( "{}", text ) : printOut( text );
+	if ( !good )
+	{
+		tell( "leeway: the path found does not stand: {}; it is not written\n",
+		    audit.valid ? "not all of its edges are free" : "the audit found it not valid" );
+	}
+	return good ? exit_yes : exit_no;
+}
+
+} // namespace leeway::cli

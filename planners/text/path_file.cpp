@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Paths as YAML.
+#include "text/path_file.hpp"
+
+#include "leeway/io/keys.hpp"
+#include "leeway/io/limits.hpp"
+#include "leeway/io/model.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <iterator>
+#include <set>
+
+namespace leeway::cli
+{
+namespace
+{
+
+// A YAML double-quoted scalar: JSON's escapes are valid in it.
+std::string quoted( const std::string& text )
+{
+	std::string out = "\"";
+	for ( char c : text )
+	{
+		if ( c == '"' || c == '\\' )
+		{
+			out += '\\';
+		}
+		if ( static_cast<unsigned char>( c ) < 0x20 )
+		{
+			out += fmt::format( "\\x{:02x}", static_cast<unsigned>( c ) );
+			continue;
+		}
+		out += c;
+	}
+	return out + "\"";
+}
+
+std::string yamlNumber( double value )
+{
+	return std::isinf( value ) ? ( value > 0 ? ".inf" : "-.inf" ) : fmt::format( "{}", value );
+}
+
+template <typename Range, typename Write> std::string list( const Range& range, Write write )
+{
+	std::string out = "[";
+	for ( const auto& item : range )
+	{
+		out += out.size() == 1 ? "" : ", ";
+		out += write( item );
+	}
+	return out + "]";
+}
+
+double finite( const PathFile& path, const YAML::Node& node, const std::string& element )
+{
+	double value = NAN;
+	try
+	{
+		value = node.as<double>();
+	}
+	catch ( const YAML::Exception& )
+	{
+	}
+	if ( !std::isfinite( value ) )
+	{
+		throw io::Error( path.file, element, "is not a finite number", "give a finite number in radians or metres" );
+	}
+	return value;
+}
+
+std::vector<std::string> names( const PathFile& path, const YAML::Node& node, const std::string& element )
+{
+	std::vector<std::string> result;
+	std::set<std::string> seen;
+	if ( node.IsDefined() && node.IsSequence() ) // a key that is missing is no node at all
+	{
+		for ( const YAML::Node& name : node )
+		{
+			result.push_back( name.IsScalar() ? name.Scalar() : "" );
+			if ( result.back().empty() || !seen.insert( result.back() ).second )
+			{
+				throw io::Error( path.file, element, "has an empty or repeated name", "name every joint once" );
+			}
+		}
+	}
+	if ( result.empty() )
+	{
+		throw io::Error( path.file, element, "is missing or empty", "list the joint names" );
+	}
+	return result;
+}
+
+/// @param file_size bounds the numbers that are spelled out; by aliases of points there may be more
+void readPoints( PathFile& path, const YAML::Node& root, std::size_t file_size )
+{
+	path.joint_names = names( path, root["joint_names"], "joint_names" );
+	const YAML::Node points = root["points"];
+	if ( !points.IsDefined() || !points.IsSequence() || points.size() == 0 )
+	{
+		throw io::Error( path.file, "points", "is missing or empty", "list at least one point with its positions" );
+	}
+	const std::size_t numbers = points.size() * path.joint_names.size();
+	io::detail::checkLimit( &io::Limits::alias_nodes, numbers > file_size ? numbers - file_size : 0, "numbers by its aliases",
+	    path.file, "points" );
+	for ( std::size_t i = 0; i < points.size(); ++i )
+	{
+		const std::string element = fmt::format( "points[{}].positions", i );
+		const YAML::Node positions = points[i].IsMap() ? points[i]["positions"] : points[i];
+		if ( !positions.IsDefined() || !positions.IsSequence() || positions.size() != path.joint_names.size() )
+		{
+			throw io::Error( path.file, element, fmt::format( "is not a list of {} numbers", path.joint_names.size() ),
+			    "give one position for every name in joint_names" );
+		}
+		std::vector<double> point;
+		for ( std::size_t k = 0; k < positions.size(); ++k )
+		{
+			point.push_back( finite( path, positions[k], fmt::format( "{}[{}]", element, k ) ) );
+		}
+		path.points.push_back( std::move( point ) );
+	}
+}
+
+void readStart( PathFile& path, const YAML::Node& root )
+{
+	const YAML::Node state = root["start_state"];
+	const YAML::Node joints =
+	    state.IsDefined() && state.IsMap() ? state["joint_state"] : YAML::Node( YAML::NodeType::Undefined );
+	if ( !joints.IsDefined() || !joints.IsMap() )
+	{
+		return;
+	}
+	const std::string element = "start_state.joint_state";
+	const std::vector<std::string> joint_names = names( path, joints["name"], element + ".name" );
+	const YAML::Node positions = joints["position"];
+	if ( !positions.IsDefined() || !positions.IsSequence() || positions.size() != joint_names.size() )
+	{
+		throw io::Error( path.file, element + ".position", fmt::format( "is not a list of {} numbers", joint_names.size() ),
+		    "give one position for every name" );
+	}
+	for ( std::size_t i = 0; i < joint_names.size(); ++i )
+	{
+		path.start_state.emplace_back(
+		    joint_names[i], finite( path, positions[i], fmt::format( "{}.position[{}]", element, i ) ) );
+	}
+}
+
+/// Other programs may add keys, but min_D would be a path without its margin.
+void refuseMisspelt( const PathFile& path, const YAML::Node& root )
+{
+	const std::vector<std::string> known = { "robot", "group", "scene", "planner", "seed", "validator", "min_d", "slack",
+	    "length", "clearance", "start_state", "joint_names", "points", "joint_trajectory" };
+	for ( const auto& entry : root )
+	{
+		const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+		const std::string meant = io::meantKey( key, known );
+		if ( !meant.empty() )
+		{
+			throw io::Error( path.file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ),
+			    fmt::format( "this key is not known: is {} meant?", meant ), fmt::format( "write {}, or remove it", meant ) );
+		}
+	}
+}
+
+} // namespace
+
+std::string writePath( const PathFile& path )
+{
+	std::string out =
+	    "# A path of straight joint-space edges, radians and metres. Check it with: leeway audit --path FILE\n";
+	const auto line = [&out]( const char* key, const std::string& value ) { out += fmt::format( "{}: {}\n", key, value ); };
+	line( "robot", quoted( path.robot ) );
+	line( "group", quoted( path.group ) );
+	line( "scene", quoted( path.scene ) );
+	line( "planner", quoted( path.planner ) );
+	line( "seed", std::to_string( path.seed ) );
+	line( "validator", quoted( path.validator ) );
+	line( "min_d", yamlNumber( path.min_d ) );
+	line( "slack", yamlNumber( path.slack ) );
+	line( "length", yamlNumber( path.length ) );
+	out += fmt::format(
+	    "clearance:\n  environment: {}\n  self: {}\n", yamlNumber( path.environment ), yamlNumber( path.self ) );
+	const auto by_name = []( const std::pair<std::string, double>& joint ) { return quoted( joint.first ); };
+	const auto by_value = []( const std::pair<std::string, double>& joint ) { return yamlNumber( joint.second ); };
+	out += fmt::format( "start_state:\n  joint_state:\n    name: {}\n    position: {}\n", list( path.start_state, by_name ),
+	    list( path.start_state, by_value ) );
+	out += fmt::format( "joint_names: {}\npoints:\n", list( path.joint_names, quoted ) );
+	for ( const std::vector<double>& point : path.points )
+	{
+		out += fmt::format( "  - positions: {}\n", list( point, yamlNumber ) );
+	}
+	return out;
+}
+
+PathFile readPath( const std::string& file )
+{
+	PathFile path;
+	path.file = file;
+	const std::string bytes = io::readWholeFile( file );
+	YAML::Node root;
+	try
+	{
+		root = YAML::Load( bytes );
+	}
+	catch ( const YAML::Exception& error )
+	{
+		throw io::Error(
+		    file, fmt::format( "line {}", error.mark.line + 1 ), "is not valid YAML: " + error.msg, "mend the file" );
+	}
+	if ( !root.IsMap() )
+	{
+		throw io::Error(
+		    file, "path", "is not a YAML map", "give joint_names and points, as `leeway plan --out` writes them" );
+	}
+	refuseMisspelt( path, root );
+	const auto text = [&root]( const char* key )
+	{
+		const YAML::Node node = root[key];
+		return node.IsDefined() && node.IsScalar() ? node.Scalar() : std::string();
+	};
+	path.robot = text( "robot" );
+	path.group = text( "group" );
+	path.scene = text( "scene" );
+	path.planner = text( "planner" );
+	path.validator = text( "validator" );
+	for ( const auto& [key, value] : { std::make_pair( "min_d", &path.min_d ), std::make_pair( "slack", &path.slack ) } )
+	{
+		if ( root[key].IsDefined() )
+		{
+			*value = finite( path, root[key], key );
+			if ( *value < 0 )
+			{
+				throw io::Error( file, key, "is negative", "give metres, 0 or more" );
+			}
+		}
+	}
+	readStart( path, root );
+	const YAML::Node trajectory = root["joint_trajectory"];
+	readPoints( path, trajectory.IsDefined() && trajectory.IsMap() ? trajectory : root, bytes.size() );
+	return path;
+}
+
+} // namespace leeway::cli

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every setting of the grid, asked about the same states and motions: what it costs, and what it gives up.
+//
+// Why these settings. A state's clearance d, taken into the asked range [m, M], is reported as the lower end of an interval
+// (distance.h) for the range (min_d, max_d, alpha). It is short of d by no more than
+//     min_d - m        where d <= min_d: a violation, reported as m
+//     alpha max_d      in between: lower >= (1 - alpha) upper >= (1 - alpha) d, and d < max_d
+//     M - max_d        where d >= max_d: reported as max_d
+// so for an error e each of the three may give up e: min_d = m + e, max_d = M - e, alpha = e / max_d. Which of them pays
+// depends on the scene; the grid tries them apart and together, for each e.
+//
+// A certified motion whose clearance is everywhere above (min_d + slack) / (1 - alpha) is never turned down (checker.h). For
+// a conservatism of c above min_d the grid has slack = (1 - alpha) (min_d + c) - min_d for some alpha, at min_d = m and at
+// larger ones. Fixed steps of length h find every state with a clearance of at most min_d that they look at; in between
+// clearance falls by h / 2 at most, of two links by h (edges.md). With min_d = m + h (or h / 2) they are a proof too, with
+// that conservatism; with min_d = m none.
+#include "tune/tune.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <numeric>
+
+namespace leeway::cli
+{
+namespace
+{
+
+constexpr double shortest_step = 1e-3; // metres: shorter steps are states by the thousand
+constexpr double rounding = 1e-9;      // metres, granted to every promise
+
+// Processor time of this thread: what else the machine does lengthens nothing.
+double threadMicroseconds()
+{
+	timespec time;
+	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &time );
+	return 1e6 * static_cast<double>( time.tv_sec ) + 1e-3 * static_cast<double>( time.tv_nsec );
+}
+
+// Sorted, each once, and what the target adds: its value, and half of it, for two knobs that pay half each.
+std::vector<double> withTarget( std::vector<double> levels, const TuneTarget& target, bool counts )
+{
+	if ( counts )
+	{
+		levels.push_back( target.value / 2 );
+		levels.push_back( target.value );
+	}
+	std::sort( levels.begin(), levels.end() );
+	levels.erase( std::unique( levels.begin(), levels.end() ), levels.end() );
+	return levels;
+}
+
+// Errors of states.
+std::vector<double> errorLevels( const TuneTarget& target )
+{
+	return withTarget( { 0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2 }, target, target.kind == TuneTarget::ERROR );
+}
+
+// What a min_d above the asked one gives up at once, of states and motions alike.
+std::vector<double> marginLevels( const TuneTarget& target )
+{
+	return withTarget(
+	    { 0, 0.001, 0.005, 0.02 }, target, target.kind == TuneTarget::ERROR || target.kind == TuneTarget::CONSERVATISM );
+}
+
+// What motions give up beyond their min_d.
+std::vector<double> conservatismLevels( const TuneTarget& target )
+{
+	return withTarget(
+	    { 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05 }, target, target.kind == TuneTarget::CONSERVATISM );
+}
+
+std::vector<TuneRow> stateGrid( const TuneSettings& settings )
+{
+	std::vector<TuneRow> rows;
+	for ( const double error : errorLevels( settings.target ) )
+	{
+		for ( const double margin : marginLevels( settings.target ) )
+		{
+			for ( int choice = 0; choice < 4; ++choice )
+			{
+				const bool nearer = choice % 2 == 1, coarser = choice / 2 == 1;
+				TuneRow row;
+				row.min_d = settings.min_d + margin;
+				row.max_d = settings.max_d - ( nearer ? error : 0 );
+				row.alpha = coarser ? error / row.max_d : 0;
+				row.promised = error; // exactly: it is compared with a target
+				// Each setting once: where one of the three gives up all of it
+				const bool new_here = choice > 0 || margin == error;
+				const bool possible = error < settings.max_d - settings.min_d && row.min_d < row.max_d && row.alpha < 1;
+				if ( margin <= error && ( error > 0 || choice == 0 ) && new_here && possible )
+				{
+					rows.push_back( row );
+				}
+			}
+		}
+	}
+	return rows;
+}
+
+std::vector<TuneRow> motionGrid( const TuneSettings& settings )
+{
+	std::vector<TuneRow> rows;
+	const double reach = ( settings.what & LW_WHAT_SELF ) != 0 ? 1 : 2; // steps per clearance that may be lost between two
+	const double most = largestConservatism( settings.target );
+	for ( const double c : conservatismLevels( settings.target ) )
+	{
+		TuneRow row;
+		row.motion = true;
+		for ( const double margin : marginLevels( settings.target ) )
+		{
+			for ( const double alpha : { 0.0, lw_edge_def_default().alpha, 0.3 } )
+			{
+				row.min_d = settings.min_d + margin;
+				row.promised = margin + c;
+				row.alpha = alpha;
+				row.slack = ( 1 - alpha ) * ( row.min_d + c ) - row.min_d;
+				if ( row.slack > 1e-3 * c && row.promised <= most ) // less slack is work for nothing
+				{
+					rows.push_back( row );
+				}
+			}
+		}
+		row = TuneRow();
+		row.motion = true;
+		row.method = LW_EDGE_STEPS;
+		row.max_d = reach * c;
+		if ( row.max_d >= shortest_step )
+		{
+			row.promised = c;
+			row.min_d = settings.min_d + c;
+			rows.push_back( row );
+			row.promised = 0;
+			row.min_d = settings.min_d;
+			row.proof = false;
+			rows.push_back( row );
+		}
+	}
+	return rows;
+}
+
+class Meter
+{
+public:
+	Meter( const Workbench& bench, const TuneSettings& settings, const TuneSamples& samples )
+	    : m_bench( bench ), m_settings( settings ), m_samples( samples )
+	{
+	}
+
+	void measure( TuneRow& row )
+	{
+		// Each setting begins with the same memory, so that its counts do not depend on the one before
+		lw_query_reset( m_bench.query() );
+		lw_query_reset_stats( m_bench.query() );
+		row.motion ? motions( row ) : states( row );
+		if ( row.worst > row.promised + rounding || ( row.proof && row.missed > 0 ) )
+		{
+			throw io::Error( "leeway tune", text( row ),
+			    fmt::format( "{} m were promised, {} m were seen, and {} motions called free are not", row.promised,
+			        row.worst, row.missed ),
+			    "please report this with the command line" );
+		}
+	}
+
+private:
+	static std::string text( const TuneRow& row )
+	{
+		return fmt::format( "setting min_d {} max_d {} alpha {} slack {}{}", row.min_d, row.max_d, row.alpha, row.slack,
+		    row.method == LW_EDGE_STEPS ? " steps" : "" );
+	}
+
+	double asked( double clearance ) const { return std::min( std::max( clearance, m_settings.min_d ), m_settings.max_d ); }
+
+	double error( double exact, const lw_clearance& reported ) const
+	{
+		return std::abs( asked( exact ) - asked( reported.lower ) );
+	}
+
+	void states( TuneRow& row )
+	{
+		const lw_range range = { row.min_d, row.max_d, row.alpha };
+		const lw_what what = m_settings.what;
+		const std::size_t count = m_samples.states.size();
+		for ( std::size_t i = 0; i < count; ++i )
+		{
+			lw_state_result result;
+			const double start = threadMicroseconds();
+			const lw_status status = lw_checker_state(
+			    m_bench.checker(), m_bench.query(), m_samples.states[i].data(), what, &range, false, &result );
+			row.measured += ( threadMicroseconds() - start ) / double( count );
+			require( status, "a state" );
+			const double environment =
+			    ( what & LW_WHAT_ENVIRONMENT ) != 0 ? error( m_samples.environment[i], result.environment ) : 0;
+			const double self = ( what & LW_WHAT_SELF ) != 0 ? error( m_samples.self[i], result.self ) : 0;
+			row.worst = std::max( { row.worst, environment, self } );
+			row.mean += std::max( environment, self ) / double( count );
+			row.free += result.verdict == LW_VERDICT_FREE;
+		}
+		row.work = unitWork( lw_query_get_stats( m_bench.query() ), count, 0 ) / double( count );
+	}
+
+	void motions( TuneRow& row )
+	{
+		lw_edge_def def = lw_edge_def_default();
+		def.method = row.method;
+		def.what = m_settings.what;
+		def.min_d = row.min_d;
+		def.alpha = row.alpha;
+		def.slack = row.method == LW_EDGE_CERTIFIED ? row.slack : def.slack;
+		def.max_d = row.method == LW_EDGE_STEPS ? row.max_d : def.max_d;
+		const std::size_t count = m_samples.motions.size();
+		std::size_t states = 0, turned_down = 0;
+		for ( const TuneMotion& motion : m_samples.motions )
+		{
+			lw_edge_result edge;
+			const double start = threadMicroseconds();
+			const lw_status status =
+			    lw_checker_edge( m_bench.checker(), m_bench.query(), motion.from.data(), motion.to.data(), &def, &edge );
+			row.measured += ( threadMicroseconds() - start ) / double( count );
+			require( status, "a motion" );
+			states += edge.queries;
+			const bool free = edge.verdict == LW_VERDICT_FREE;
+			row.free += free;
+			row.missed += free && motion.high <= m_settings.min_d;
+			if ( !free && motion.low > m_settings.min_d )
+			{
+				++turned_down;
+				row.worst = std::max( row.worst, motion.low - m_settings.min_d );
+				row.mean += motion.low - m_settings.min_d;
+			}
+		}
+		row.mean /= double( std::max<std::size_t>( turned_down, 1 ) );
+		row.work = unitWork( lw_query_get_stats( m_bench.query() ), states, count ) / double( count );
+	}
+
+	const Workbench& m_bench;
+	const TuneSettings& m_settings;
+	const TuneSamples& m_samples;
+};
+
+} // namespace
+
+double largestConservatism( const TuneTarget& target )
+{
+	return conservatismLevels( target ).back();
+}
+
+double measuredRate( const Workbench& bench, const TuneSettings& settings, const TuneSamples& samples )
+{
+	constexpr int passes = 7;
+	lw_edge_def def = lw_edge_def_default();
+	def.what = settings.what;
+	def.min_d = settings.min_d;
+	std::vector<double> least( samples.states.size() + samples.motions.size(), HUGE_VAL );
+	double work = 0;
+	for ( int pass = 0; pass < passes; ++pass )
+	{
+		lw_query_reset( bench.query() );
+		lw_query_reset_stats( bench.query() );
+		std::size_t looked = samples.states.size();
+		for ( std::size_t i = 0; i < least.size(); ++i )
+		{
+			lw_state_result state;
+			lw_edge_result edge = {};
+			const std::size_t motion = i - samples.states.size();
+			const double start = threadMicroseconds();
+			const lw_status status =
+			    i < samples.states.size()
+			        ? lw_checker_state(
+			              bench.checker(), bench.query(), samples.states[i].data(), settings.what, nullptr, false, &state )
+			        : lw_checker_edge( bench.checker(), bench.query(), samples.motions[motion].from.data(),
+			              samples.motions[motion].to.data(), &def, &edge );
+			least[i] = std::min( least[i], threadMicroseconds() - start );
+			require( status, "the rate" );
+			looked += edge.queries;
+		}
+		work = unitWork( lw_query_get_stats( bench.query() ), looked, samples.motions.size() );
+	}
+	return std::accumulate( least.begin(), least.end(), 0.0 ) / work;
+}
+
+std::vector<TuneRow> measureGrid( const Workbench& bench, const TuneSettings& settings, const TuneSamples& samples )
+{
+	std::vector<TuneRow> rows = stateGrid( settings );
+	const std::vector<TuneRow> motions = motionGrid( settings );
+	rows.insert( rows.end(), motions.begin(), motions.end() );
+	Meter meter( bench, settings, samples );
+	Progress progress( "measuring settings", rows.size() );
+	for ( std::size_t i = 0; i < rows.size(); ++i )
+	{
+		meter.measure( rows[i] );
+		progress.step( i + 1 );
+	}
+	return rows;
+}
+
+} // namespace leeway::cli

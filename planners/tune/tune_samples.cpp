@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What settings are measured on: states and motions such as a planner asks about, and what is true of them.
+#include "setup/audit.hpp"
+#include "tune/tune.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace leeway::cli
+{
+namespace
+{
+
+constexpr double open_span = 1;         // metres to either side of the reference, for positions without limits
+constexpr double longest = 0.2;         // of the space's extent: how far OMPL's planners go in one motion by default
+constexpr std::size_t attempts = 20000; // random states in search of a free one
+constexpr double truth_slack = 2e-5;    // metres, of the proofs that enclose what is true of a motion
+constexpr double truth_width = 5e-5;    // metres: an enclosure this narrow is good enough
+
+class Sampler
+{
+public:
+	Sampler( const Workbench& bench, const TuneSettings& settings, std::string robot_file )
+	    : m_bench( bench ), m_settings( settings ), m_robot_file( std::move( robot_file ) ), m_random( settings.seed ),
+	      m_reference( bench.groupState( bench.problem().reference ) )
+	{
+		double squared = 0;
+		for ( std::size_t i = 0; i < m_reference.size(); ++i )
+		{
+			const auto [low, high] = span( i );
+			const double range = info( i ).wraps ? M_PI : high - low;
+			squared += range * range;
+		}
+		m_extent = std::sqrt( squared );
+	}
+
+	TuneSamples draw()
+	{
+		TuneSamples samples;
+		Progress progress( "drawing states and motions", m_settings.motions );
+		for ( std::size_t i = 0; i < m_settings.motions; ++i )
+		{
+			samples.motions.push_back( motion() );
+			progress.step( i + 1 );
+		}
+		for ( std::size_t i = 0; i < m_settings.states; ++i )
+		{
+			// half anywhere, half where planners are: on the way from a free state to another one
+			samples.states.push_back( i % 2 == 0 || samples.motions.empty() ? state() : placeOn( samples.motions ) );
+		}
+		return samples;
+	}
+
+private:
+	lw_variable_info info( std::size_t i ) const
+	{
+		return lw_robot_variable( m_bench.robot(), m_bench.problem().variables[i] );
+	}
+
+	bool isRotation( std::size_t i ) const
+	{
+		return info( i ).component >= 3 && lw_robot_joint_type( m_bench.robot(), info( i ).joint ) == LW_JOINT_FLOATING;
+	}
+
+	std::pair<double, double> span( std::size_t i ) const
+	{
+		const lw_variable_info v = info( i );
+		if ( isRotation( i ) )
+		{
+			return { -1, 1 };
+		}
+		return { std::isfinite( v.lower ) ? v.lower : m_reference[i] - open_span,
+		    std::isfinite( v.upper ) ? v.upper : m_reference[i] + open_span };
+	}
+
+	// Not std::uniform_real_distribution, which may differ between standard libraries.
+	double uniform() { return static_cast<double>( m_random() >> 11 ) * 0x1p-53; }
+
+	// Box and Muller 1958; std::normal_distribution may differ as well.
+	double normal() { return std::sqrt( -2 * std::log( 1 - uniform() ) ) * std::cos( 2 * M_PI * uniform() ); }
+
+	std::vector<double> state()
+	{
+		std::vector<double> q( m_reference.size() );
+		for ( std::size_t i = 0; i < q.size(); ++i )
+		{
+			const auto [low, high] = span( i );
+			q[i] = isRotation( i ) ? normal() : low + uniform() * ( high - low );
+		}
+		for ( std::size_t i = 0; i + 3 < q.size(); ++i )
+		{
+			if ( isRotation( i ) )
+			{
+				const double norm = std::hypot( std::hypot( q[i], q[i + 1] ), std::hypot( q[i + 2], q[i + 3] ) );
+				std::for_each( q.begin() + static_cast<std::ptrdiff_t>( i ),
+				    q.begin() + static_cast<std::ptrdiff_t>( i + 4 ), [norm]( double& value ) { value /= norm; } );
+				i += 3;
+			}
+		}
+		return q;
+	}
+
+	std::vector<double> between( const std::vector<double>& a, const std::vector<double>& b, double t ) const
+	{
+		std::vector<double> from = m_bench.fullState( a );
+		const std::vector<double> to = m_bench.fullState( b );
+		std::vector<double> out( from.size() );
+		lw_robot_interpolate( m_bench.robot(), from.data(), to.data(), t, out.data() );
+		return m_bench.groupState( out );
+	}
+
+	std::vector<double> placeOn( const std::vector<TuneMotion>& motions )
+	{
+		const TuneMotion& on = motions[m_random() % motions.size()];
+		return between( on.from, on.to, uniform() );
+	}
+
+	bool isFree( const std::vector<double>& q )
+	{
+		bool free = false;
+		require( lw_checker_is_free( m_bench.checker(), m_bench.query(), q.data(), m_settings.what, m_settings.min_d, &free ), "a state" );
+		return free;
+	}
+
+	// In a narrow world few random states are free: then the way to one from the reference is tried, ever shorter.
+	std::vector<double> freeState()
+	{
+		const bool home = isFree( m_reference );
+		for ( std::size_t i = 0; i < attempts; ++i )
+		{
+			std::vector<double> q = state();
+			if ( home && i > 0 )
+			{
+				q = between( m_reference, q, std::pow( 0.8, double( i ) ) );
+			}
+			if ( isFree( q ) )
+			{
+				return q;
+			}
+		}
+		throw io::Error( m_robot_file, m_bench.problem().group.empty() ? "robot" : "group " + m_bench.problem().group,
+		    fmt::format( "none of {} random states has more than {} m of clearance", attempts, m_settings.min_d ),
+		    "give a --request whose start state is free, or lower --min-d" );
+	}
+
+	TuneMotion motion()
+	{
+		TuneMotion motion;
+		motion.from = freeState();
+		motion.to = state();
+		const double length = jointDistance( m_bench, motion.from, motion.to ), most = uniform() * longest * m_extent;
+		motion.to = length > most ? between( motion.from, motion.to, most / length ) : motion.to;
+		return motion;
+	}
+
+	const Workbench& m_bench;
+	const TuneSettings& m_settings;
+	const std::string m_robot_file;
+	std::mt19937_64 m_random;
+	std::vector<double> m_reference;
+	double m_extent = 0;
+};
+
+// Closes in on the least clearance of a motion: each question proves that it is above a margin, or finds a state that is
+// not. What is found is kept even where it does not answer the question.
+void enclose( const Workbench& bench, const TuneSettings& settings, double most, TuneMotion& motion )
+{
+	lw_edge_def def = lw_edge_def_default();
+	def.what = settings.what;
+	def.alpha = 0;
+	def.slack = truth_slack;
+	motion.low = 0;
+	motion.high = HUGE_VAL;
+	const auto ask = [&]( double margin )
+	{
+		def.min_d = margin;
+		lw_edge_result edge;
+		require( lw_checker_edge( bench.checker(), bench.query(), motion.from.data(), motion.to.data(), &def, &edge ),
+		    "a motion" );
+		if ( edge.verdict == LW_VERDICT_FREE )
+		{
+			motion.low = std::max( motion.low, edge.lower_bound );
+			return;
+		}
+		motion.high = std::min(
+		    motion.high, edge.verdict == LW_VERDICT_BLOCKED ? std::max( edge.pair.upper, 0.0 ) : margin + def.slack );
+	};
+	ask( settings.min_d );
+	if ( motion.high <= settings.min_d )
+	{
+		return;
+	}
+	ask( most );
+	for ( int i = 0; i < 30 && motion.low < most && motion.high - motion.low > truth_width; ++i )
+	{
+		ask( 0.5 * ( std::max( motion.low, settings.min_d ) + std::min( motion.high, most ) ) );
+	}
+}
+
+} // namespace
+
+TuneSamples drawSamples( const Workbench& bench, const TuneSettings& settings, const std::string& robot_file )
+{
+	TuneSamples samples = Sampler( bench, settings, robot_file ).draw();
+	for ( const std::vector<double>& q : samples.states )
+	{
+		lw_state_result exact;
+		require(
+		    lw_checker_state( bench.checker(), bench.query(), q.data(), settings.what, nullptr, false, &exact ), "a state" );
+		samples.environment.push_back( exact.environment.upper );
+		samples.self.push_back( exact.self.upper );
+		samples.free_states += std::min( exact.environment.upper, exact.self.upper ) > settings.min_d;
+	}
+	const double most = settings.min_d + largestConservatism( settings.target );
+	Progress progress( "measuring the motions", samples.motions.size() );
+	for ( std::size_t i = 0; i < samples.motions.size(); ++i )
+	{
+		enclose( bench, settings, most, samples.motions[i] );
+		samples.free_motions += samples.motions[i].low > settings.min_d;
+		progress.step( i + 1 );
+	}
+	return samples;
+}
+
+} // namespace leeway::cli
