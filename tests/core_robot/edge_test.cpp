@@ -793,6 +793,8 @@ TEST( Edge, StepsKeepWhatTheyPromise )
 			++verdicts[r.verdict];
 			if ( r.verdict == LW_VERDICT_FREE )
 			{
+				EXPECT_EQ( r.t, 1 );
+				EXPECT_EQ( r.proved_until, 1 );
 				for ( int n = 0; n < 40; ++n )
 				{
 					EXPECT_GT( world.clearanceAt( start, end, rng.uniform( 0, 1 ), def.what ), 0 );

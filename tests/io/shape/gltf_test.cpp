@@ -181,9 +181,19 @@ Document randomDocument( SeededRng& rng )
 		{
 			double xyzw[4];
 			rng.quaternion( xyzw );
-			node["translation"] = list( rng, 3, -2, 2 );
-			node["rotation"] = { xyzw[0], xyzw[1], xyzw[2], xyzw[3] };
-			node["scale"] = list( rng, 3, -2, 2 );
+			// each may be missing
+			if ( rng.integer( 0, 3 ) > 0 )
+			{
+				node["translation"] = list( rng, 3, -2, 2 );
+			}
+			if ( rng.integer( 0, 3 ) > 0 )
+			{
+				node["rotation"] = { xyzw[0], xyzw[1], xyzw[2], xyzw[3] };
+			}
+			if ( rng.integer( 0, 3 ) > 0 )
+			{
+				node["scale"] = list( rng, 3, -2, 2 );
+			}
 		}
 		d.root["nodes"].push_back( node );
 		const int parent = rng.integer( -1, i - 1 );
