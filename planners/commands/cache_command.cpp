@@ -63,7 +63,7 @@ std::string timeText( std::int64_t seconds )
 
 std::string listText( const std::vector<io::CacheEntry>& entries )
 {
-	std::string text = fmt::format( "{:<8} {:>12} {:<20}  {}\n", "what", "bytes", "last used", "of" );
+	std::string text = fmt::format( "{:<8} {:>12} {:<20}  {}\n", "kind", "bytes", "last used", "contents" );
 	std::uint64_t bytes = 0;
 	std::size_t count = 0;
 	for ( const io::CacheEntry& entry : entries )

@@ -31,7 +31,7 @@ const char* classMeaning( lw_pair_class kind )
 	case LW_PAIR_NEVER:
 		return "proved to stay apart";
 	case LW_PAIR_ALWAYS:
-		return "in contact in every state looked at (no proof)";
+		return "in contact in every measured state (no proof)";
 	case LW_PAIR_CHECK:
 		return "to be checked";
 	default:
@@ -259,7 +259,7 @@ int runPairs( const PairsOptions& options )
 	std::string text = fmt::format( "robot {} ({}): {} links with geometry, {} pairs; tables {} in {:.2f} s\n",
 	    input.robot.name, input.robot.urdf_file, table.linksWithGeometry(), table.rows().size(),
 	    !reach.cached    ? "built"
-	    : reach.advanced ? "of earlier runs carried on"
+	    : reach.advanced ? "of earlier runs continued"
 	                     : "of earlier runs read",
 	    reach.milliseconds / 1000 );
 	text += fmt::format( "  proofs {} after {:.1f} s: {} of {} pairs that may not touch are proved to stay apart, {} can touch, {} cannot be proved, "
@@ -271,7 +271,7 @@ int runPairs( const PairsOptions& options )
 	{
 		text += comparison( table, input.robot );
 		text += findings( table, Opinion::FINDING, "findings: the SRDF disables these, but a state in contact was found" );
-		text += findings( table, Opinion::ALWAYS, "disabled, and in contact in every state looked at" );
+		text += findings( table, Opinion::ALWAYS, "disabled, and in contact in every measured state" );
 		text += findings( table, Opinion::BY_DESIGN,
 		    "disabled, and in contact in most states: taken for design, which is evidence and no proof" );
 		text += findings(

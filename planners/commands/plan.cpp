@@ -104,7 +104,7 @@ void requireUsable(
 		{
 			all += ( all.empty() ? "" : "; " ) + violation;
 		}
-		wrong( all, end.element == "--start" ? "name these joints in --start: those that nobody names stand at 0"
+		wrong( all, end.element == "--start" ? "name these joints in --start: joints without a value start at 0"
 		                                     : "give a state inside the joint limits" );
 	}
 	const lw_what what = options.common.what();
@@ -521,12 +521,12 @@ Solution solve( const PlanOptions& options, const Workbench& bench, const PlanEn
 	for ( const std::string& violation : limitViolations( bench, bench.fullState( start ) ) )
 	{
 		notices.add( "joint limits",
-		    fmt::format( "{}: {}: {}; it is used as it is", ends.start.file, ends.start.element, violation ) );
+		    fmt::format( "{}: {}: {}; it is used unchanged", ends.start.file, ends.start.element, violation ) );
 	}
 	for ( const std::string& violation : groupLimitViolations( bench, goal ) )
 	{
 		notices.add( "joint limits",
-		    fmt::format( "{}: {}: {}; it is used as it is", ends.goal.file, ends.goal.element, violation ) );
+		    fmt::format( "{}: {}: {}; it is used unchanged", ends.goal.file, ends.goal.element, violation ) );
 	}
 	const OmplMessages messages( notices, options.common.verbose );
 	try
@@ -540,7 +540,7 @@ Solution solve( const PlanOptions& options, const Workbench& bench, const PlanEn
 	}
 	catch ( const std::invalid_argument& error )
 	{
-		throw io::Error( options.common.robot, "group " + bench.problem().group, error.what(), "mend the joint's limits" );
+		throw io::Error( options.common.robot, "group " + bench.problem().group, error.what(), "correct the joint's limits" );
 	}
 }
 
@@ -599,7 +599,7 @@ int runPlan( const PlanOptions& options )
 	out.path().empty() ? tell( "{}", text ) : printOut( text );
 	if ( !good )
 	{
-		tell( "leeway: the path found does not stand: {}; it is not written\n",
+		tell( "leeway: the path is not valid: {}; it is not written\n",
 		    audit.valid ? "not all of its edges are free" : "the audit found it not valid" );
 	}
 	return good ? exit_yes : exit_no;

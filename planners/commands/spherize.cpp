@@ -35,7 +35,7 @@ public:
 		if ( error || !fs::is_directory( folder ) )
 		{
 			remove();
-			throw io::Error( folder, "--out", error ? error.message() : "is no folder", "name a folder that can be written" );
+			throw io::Error( folder, "--out", error ? error.message() : "is not a folder", "name a folder that can be written" );
 		}
 	}
 	~OutputFolder() { remove(); }

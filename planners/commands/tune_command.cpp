@@ -51,7 +51,7 @@ std::string targetText( const TuneTarget& target )
 	case TuneTarget::ERROR:
 		return fmt::format( "an error of a state's clearance of at most {:.6g} mm", 1e3 * target.value );
 	case TuneTarget::CONSERVATISM:
-		return fmt::format( "free motions not turned down above {:.6g} mm", 1e3 * target.value );
+		return fmt::format( "no free motion refused above {:.6g} mm", 1e3 * target.value );
 	default:
 		return "none";
 	}

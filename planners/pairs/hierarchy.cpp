@@ -181,7 +181,7 @@ std::string pairClassText( const io::LoadedReach& tables )
 	    info.pairs, info.proved, info.pairs > 0 ? 100.0 * info.proved / info.pairs : 100.0, info.contact, info.unprovable, info.open,
 	    info.charts, info.samples );
 	return text + ( info.complete ? fmt::format( "  proofs are complete, after {:.1f} s\n", info.seconds )
-	                              : fmt::format( "  proofs are not complete after {:.1f} s: each run that uses them goes on (--proofs S), leeway pairs "
+	                              : fmt::format( "  proofs are not complete after {:.1f} s: the next runs continue them (--proofs S); or leeway pairs "
 	                                             "--budget S at once\n",
 	                                    info.seconds ) );
 }

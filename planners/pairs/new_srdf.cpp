@@ -134,7 +134,7 @@ std::string blockingText( const PairTable& table, const ContactSamples& samples,
 	}
 	return text + ( srdf != nullptr
 	                      ? "    if their shapes are meant to overlap, disable them in the SRDF with a reason of your own, which is kept; else narrow the "
-	                        "joint limits, or mend the shapes\n"
+	                        "joint limits, or correct the shapes\n"
 	                      : "    --out writes an SRDF without the pairs that touch by design\n" );
 }
 
@@ -158,7 +158,7 @@ std::string contactText( const PairRow& row )
 		           ? fmt::format( "in contact in all {} random states", row.states )
 		           : fmt::format( "in contact in {} of {} random states", percent( row.contactShare() ), row.states );
 	}
-	return row.always ? "in contact in every state looked at" : "in contact where the search led";
+	return row.always ? "in contact in every measured state" : "in contact where the search led";
 }
 
 NewSrdf newSrdf( PairTable& table, const io::RobotModel& model )
@@ -212,7 +212,7 @@ std::string describe( const NewSrdf& srdf, const std::string& file, bool verbose
 		const std::size_t contact = pair.reason.find( " (in contact" );
 		++reasons[pair.reason.substr( 0, contact ) + ( contact != std::string::npos ? " (in contact ...)" : "" )];
 	}
-	std::string text = fmt::format( "new SRDF {}: {} pairs disabled, {} of them kept as they were\n", file,
+	std::string text = fmt::format( "new SRDF {}: {} pairs disabled, {} of them unchanged\n", file,
 	    srdf.document.written.size() + srdf.document.kept.size(), srdf.document.kept.size() );
 	for ( const auto& [reason, count] : reasons )
 	{

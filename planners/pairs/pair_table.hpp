@@ -26,7 +26,7 @@ enum class Opinion
 	NEVER_SEEN,       ///< the same, after as many states as --never-after asks for: evidence, no proof
 	FINDING,          ///< disabled, not adjacent; a state in contact was found
 	ADJACENT_CONTACT, ///< the same of an adjacent pair: usually meant
-	ALWAYS,           ///< disabled; in contact in every state looked at
+	ALWAYS,           ///< disabled; in contact in every measured state
 	BY_DESIGN,        ///< disabled; in contact in most random states, see PairTable::touchByDesign()
 	COULD_BE_DISABLED ///< enabled, and proved to stay apart
 };
@@ -41,7 +41,7 @@ struct PairRow
 	bool disabled = false; ///< by the SRDF
 	std::string reason;    ///< of the SRDF
 	Opinion opinion = Opinion::NOTHING;
-	bool always = false; ///< in contact in every state looked at
+	bool always = false; ///< in contact in every measured state
 	std::uint32_t contacts = 0, states = 0; ///< random states in contact, of those looked at
 	std::uint64_t never_seen = 0;           ///< with --never-after: random states without contact; 0 = not asked, or contact was found
 	std::vector<double> contact_state;      ///< a random state in contact, where the reach knows none

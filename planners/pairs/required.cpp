@@ -58,7 +58,7 @@ std::vector<RequiredLine> linkLines( const Workbench& bench )
 		if ( line.shapes > 0 )
 		{
 			const bool moves = groupMoves( bench, link );
-			line.why = moves ? "the group moves it" : "stands still: part of the static world";
+			line.why = moves ? "the group moves it" : "static";
 			lines.push_back( line );
 		}
 	}
@@ -206,12 +206,12 @@ std::string requiredText( const Workbench& bench, const Required& required )
 	if ( std::isfinite( horizon ) )
 	{
 		text += fmt::format( "  horizon {:.3f} m: {}\n", horizon,
-		    fixed.upper < horizon ? fmt::format( "no state has more, {} and {} stand still that near", fixed.first, fixed.second )
+		    fixed.upper < horizon ? fmt::format( "no state has more: static {} and {} are this close", fixed.first, fixed.second )
 		                          : "--max-d" );
 	}
 	else
 	{
-		text += "  no horizon: --max-d is infinite and nothing that stands still is near an obstacle\n";
+		text += "  no horizon: --max-d is infinite and no static link is near an obstacle\n";
 	}
 	text += table( "link", required.links ) + table( "obstacle", required.obstacles );
 	text += fmt::format( "  {} of {} obstacles kept\n", required.kept_obstacles, required.obstacles.size() );

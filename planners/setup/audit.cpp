@@ -319,7 +319,7 @@ std::string leastLine( const char* which, const AuditLeast& least, double betwee
 {
 	if ( !least.clearance.asked )
 	{
-		return fmt::format( "{:<12}not asked\n", which );
+		return fmt::format( "{:<12}not checked\n", which );
 	}
 	if ( least.clearance.first.empty() )
 	{

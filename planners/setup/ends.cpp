@@ -40,7 +40,7 @@ End parseValues( const std::string& option, const std::string& text, const io::R
 		const std::size_t equals = part.rfind( '=' );
 		if ( equals == std::string::npos )
 		{
-			wrong( option, fmt::format( "'{}' is no joint=value", part ), how_to_write );
+			wrong( option, fmt::format( "'{}' is not joint=value", part ), how_to_write );
 		}
 		const std::string name = trimmed( part.substr( 0, equals ) ), value = trimmed( part.substr( equals + 1 ) );
 		if ( std::find( known.begin(), known.end(), name ) == known.end() )

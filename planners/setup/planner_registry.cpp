@@ -223,7 +223,7 @@ void setParameters( ob::Planner& planner, const std::vector<std::string>& assign
 		}
 		if ( !isInRange( value, parameters[name].getRangeSuggestion() ) || !parameters.setParam( name, value ) )
 		{
-			wrong( fmt::format( "'{}' is no value for {}", value, name ) );
+			wrong( fmt::format( "'{}' is not a value for {}", value, name ) );
 		}
 	}
 }

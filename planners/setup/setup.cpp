@@ -72,7 +72,7 @@ std::vector<std::pair<std::string, std::string>> allowedPairs( const std::vector
 		}
 		if ( second.empty() || first.empty() )
 		{
-			throw io::Error( "command line", "--allow " + text, "is no pair", "write LINK:OBJECT or LINK:LINK" );
+			throw io::Error( "command line", "--allow " + text, "is not a pair", "write LINK:OBJECT or LINK:LINK" );
 		}
 		for ( const std::string& name : { first, second } )
 		{
@@ -283,7 +283,7 @@ void Workbench::build( const Values& values )
 	catch ( const CoreError& error )
 	{
 		throw io::Error( problemText( m_input.robot ), m_group.empty() ? "robot" : "group " + m_group, error.what(),
-		    "mend the named element of the description" );
+		    "correct the named element of the description" );
 	}
 	m_seconds = now() - start;
 	if ( m_built )

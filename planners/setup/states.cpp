@@ -46,7 +46,7 @@ StateColumns::StateColumns(
 	if ( !unknown.empty() )
 	{
 		notices.add( "unused columns",
-		    fmt::format( "{}: columns that are no joints of the robot are ignored: {}", table.file, listed( unknown, SIZE_MAX ) ) );
+		    fmt::format( "{}: columns that do not name a joint of the robot are ignored: {}", table.file, listed( unknown, SIZE_MAX ) ) );
 	}
 	noteMissing( prefix, bench, notices );
 }
@@ -68,7 +68,7 @@ void StateColumns::noteMissing( const std::string& prefix, const Workbench& benc
 	}
 	if ( !missing.empty() )
 	{
-		notices.add( "joints without a column", fmt::format( "{}: joints without a column stand still: {}", m_table.file,
+		notices.add( "joints without a column", fmt::format( "{}: joints without a column keep their start value: {}", m_table.file,
 		    listed( missing, notices.verbose() ? SIZE_MAX : 12 ) ) );
 	}
 }
@@ -118,7 +118,7 @@ void noteLimits( Notices& notices, const std::string& file, std::size_t row, con
 {
 	for ( const std::string& violation : violations )
 	{
-		notices.add( "joint limits", fmt::format( "{}: row {}: {}; it is used as it is", file, row, violation ) );
+		notices.add( "joint limits", fmt::format( "{}: row {}: {}; it is used unchanged", file, row, violation ) );
 	}
 }
 

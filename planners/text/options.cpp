@@ -4,6 +4,7 @@
 
 #include "leeway/io/cache.hpp"
 #include "leeway/io/model.hpp"
+#include "text/help.hpp"
 #include "text/output.hpp"
 
 #include <CLI/CLI.hpp>
@@ -35,7 +36,7 @@ void addWorldOptions( CLI::App& app, CommonOptions& options, const std::string& 
 	    ->type_name( "Y.yaml|U.urdf" )
 	    ->group( group );
 	app.add_option( "--group", options.group, group_help )->type_name( "NAME" )->group( group );
-	app.add_option( "--allow", options.allowed, "a link and an object, or two links, whose contact does not count; repeatable" )
+	app.add_option( "--allow", options.allowed, "a link and an object, or two links, that may touch; repeatable" )
 	    ->type_name( "LINK:OBJECT" )
 	    ->allow_extra_args( false )
 	    ->group( group );
@@ -44,43 +45,69 @@ void addWorldOptions( CLI::App& app, CommonOptions& options, const std::string& 
 void addQuestionOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
 {
 	const std::string question = "Question";
-	app.add_option( "--min-d", options.min_d, "metres of clearance: this close or closer is BLOCKED (default 0)" )
+	app.add_option( "--min-d", options.min_d, "required clearance in metres: at or below it is BLOCKED (default 0)" )
 	    ->type_name( "M" )
 	    ->group( question );
 	app.add_option( "--margins", options.margins,
-	       "margins of links, objects and pairs: clearance is distance less the pair's margin" )
+	       "margins of links, objects and pairs: clearance = distance - margin" )
 	    ->type_name( "M.yaml" )
 	    ->group( question );
-	app.add_option( "--margin", options.margin, "metres, the margin of every link to every object (default: the file's, or 0)" )
-	    ->type_name( "M" )
-	    ->group( question );
-	app.add_option( "--self-margin", options.self_margin,
-	       "metres, the margin of every two links that can move against each other (default: the file's, or 0)" )
-	    ->type_name( "M" )
-	    ->group( question );
-	app.add_option( "--padding", options.padding,
-	       "MoveIt's parameters of padding and scale; link_padding and link_scale of the scene are stronger" )
-	    ->type_name( "P.yaml" )
-	    ->group( question );
+	rare( app.add_option( "--margin", options.margin, "metres: margin of every link to every object (default: the file's, or 0)" )
+	          ->type_name( "M" )
+	          ->group( question ) );
+	rare( app.add_option( "--self-margin", options.self_margin,
+	             "metres: margin of every two links that can move against each other (default: the file's, or 0)" )
+	          ->type_name( "M" )
+	          ->group( question ) );
+	rare( app.add_option( "--padding", options.padding,
+	             "MoveIt's padding and scale parameters; link_padding and link_scale of the scene override them" )
+	          ->type_name( "P.yaml" )
+	          ->group( question ) );
 	if ( needs.range )
 	{
 		app.add_option( "--max-d", options.max_d,
-		       "metres; check: nothing beyond it needs a distance (default inf); steps: motion per step (default 0.01)" )
+		       "metres: larger clearances are not measured (default inf)" )
 		    ->type_name( "M" )
 		    ->group( question );
-		app.add_option( "--alpha", options.alpha,
-		       fmt::format( "relative tolerance of distances, in [0, 1); 0 is exact (default {})", options.alpha ) )
-		    ->type_name( "A" )
-		    ->group( question );
+		rare( app.add_option( "--alpha", options.alpha,
+		             fmt::format( "relative tolerance of distances in [0, 1); 0 = exact (default {})", options.alpha ) )
+		          ->type_name( "A" )
+		          ->group( question ) );
 	}
-	app.add_option( "--what", options.what_name, "which clearances count (default both)" )
+	app.add_option( "--what", options.what_name, "clearances to check (default both)" )
 	    ->check( CLI::IsMember( { "env", "self", "both" } ).description( "" ) )
 	    ->type_name( "env|self|both" )
 	    ->group( question );
-	app.add_option( "--simd", options.simd_name, "highest instruction set used; answers do not depend on it (default best)" )
-	    ->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ).description( "" ) )
-	    ->type_name( "scalar|sse2|avx2|best" )
-	    ->group( question );
+	rare( app.add_option( "--simd", options.simd_name, "highest instruction set; it changes no answer (default best)" )
+	          ->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ).description( "" ) )
+	          ->type_name( "scalar|sse2|avx2|best" )
+	          ->group( question ) );
+}
+
+void addCacheOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs, const std::string& model )
+{
+	CLI::Option* cache = app.add_option( "--cache", options.cache,
+	                             "folder of trees, hulls and pair tables (default $XDG_CACHE_HOME/leeway, else ~/.cache/leeway)" )
+	                         ->type_name( "DIR" )
+	                         ->group( model );
+	rare( cache );
+	rare( app.add_flag( "--no-cache", options.no_cache, "use no cache folder: no motion hulls, no pair tables" )
+	          ->excludes( cache )
+	          ->group( model ) );
+	rare( app.add_option( "--cache-limit", options.cache_limit,
+	             fmt::format( "megabytes: limit of that folder; the least recently used files are removed (default {:.0f})",
+	                 options.cache_limit ) )
+	          ->type_name( "MB" )
+	          ->group( model ) );
+	if ( needs.world )
+	{
+		rare( app.add_option( "--proofs", options.proofs,
+		             fmt::format( "seconds that this run may spend on proofs that links never meet; the cache keeps them, and "
+		                          "the next run continues (default {}{})",
+		                 options.proofs, needs.proofs ? "" : "; info makes none without this option" ) )
+		          ->type_name( "S" )
+		          ->group( model ) );
+	}
 }
 
 } // namespace
@@ -108,78 +135,54 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	}
 	if ( needs.request )
 	{
-		app.add_option( "--request", options.request, "its start state gives the joints that nothing else names" )
-		    ->type_name( "Q.yaml" )
-		    ->group( model );
+		rare( app.add_option( "--request", options.request, "its start state gives the values of joints without a column" )
+		          ->type_name( "Q.yaml" )
+		          ->group( model ) );
 	}
-	app.add_flag( "--visual", options.visual,
-	       "links of robot and scene that have no collision geometry use their visual geometry" )
-	    ->group( model );
-	app.add_flag( "--strict", options.strict,
-	       "what the SRDF names and the robot lacks is an error, even if no group or state that is used depends on it" )
-	    ->group( model );
+	app.add_flag( "--visual", options.visual, "use visual geometry for links without collision geometry" )->group( model );
+	rare( app.add_flag( "--strict", options.strict, "every unknown name in the SRDF is an error, even if it is not used" )
+	          ->group( model ) );
 	app.add_option( "--package-path", options.package_paths,
-	       "where package://NAME/... is found: a folder that contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
+	       "folder for package://NAME/...: contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
 	    ->type_name( "DIR" )
 	    ->allow_extra_args( false )
 	    ->group( model );
-
-	CLI::Option* cache = app.add_option( "--cache", options.cache,
-	       "folder of sphere trees, motion hulls and pair tables of earlier runs; made if it is missing (default "
-	       "$XDG_CACHE_HOME/leeway, else ~/.cache/leeway)" )
-	    ->type_name( "DIR" )
-	    ->group( model );
-	app.add_flag( "--no-cache", options.no_cache, "read and keep nothing of other runs: no motion hulls, no pair tables" )
-	    ->excludes( cache )
-	    ->group( model );
-	app.add_option( "--cache-limit", options.cache_limit,
-	       fmt::format( "megabytes of that folder: beyond it, what was used longest ago is removed (default {:.0f})",
-	           options.cache_limit ) )
-	    ->type_name( "MB" )
-	    ->group( model );
-	if ( needs.world )
-	{
-		app.add_option( "--proofs", options.proofs,
-		       fmt::format( "seconds that this run may wait for proofs of links that never meet, on all cores: each run goes on where the last "
-		                    "one stopped, until all are done, and keeps them in the cache (default {}{})",
-		           options.proofs, needs.proofs ? "" : "; info waits for none unless this is given" ) )
-		    ->type_name( "S" )
-		    ->group( model );
-	}
+	addCacheOptions( app, options, needs, model );
 	std::string limits;
 	for ( const auto& [name, member] : io::limitNames() )
 	{
 		limits += fmt::format( "{}{} {}", limits.empty() ? "" : ", ", name, io::Limits().*member );
 	}
-	app.add_option( "--input-limit", options.input_limits,
-	       fmt::format( "what a file may ask for at most, NAME=N; repeatable (defaults: {})", limits ) )
-	    ->type_name( "NAME=N" )
-	    ->allow_extra_args( false )
-	    ->group( model );
+	rare( app.add_option( "--input-limit", options.input_limits,
+	             fmt::format( "limit on input files, NAME=N; repeatable (defaults: {})", limits ) )
+	          ->type_name( "NAME=N" )
+	          ->allow_extra_args( false )
+	          ->group( model ) );
 	if ( needs.world )
 	{
 		addQuestionOptions( app, options, needs );
 	}
 	if ( needs.detail )
 	{
-		app.add_option( "--detail", options.detail,
-		       "millimetres: coarser shapes stand for robot and scene; they contain them and reach at most so far beyond (default 0)" )
-		    ->type_name( "MM" )
-		    ->group( model );
+		rare( app.add_option( "--detail", options.detail,
+		             "millimetres: use coarser shapes that contain the originals and exceed them by at most this (default 0)" )
+		          ->type_name( "MM" )
+		          ->group( model ) );
 	}
-	app.add_flag( "--verbose", options.verbose, "all notices and pairs, and the planner's own messages" );
+	app.add_flag( "--verbose", options.verbose, "print all notices and pairs, and the planner's own messages" );
 }
 
 void addEdgeOptions( CLI::App& app, EdgeOptions& options )
 {
 	const std::string question = "Question";
 	app.add_option( "--validator", options.validator,
-	       "certified: the whole motion is proved; steps: states every --max-d of motion are tested (default certified)" )
+	       "certified: prove the whole motion; steps: test states at steps (default certified)" )
 	    ->check( CLI::IsMember( { "certified", "steps" } ).description( "" ) )
 	    ->type_name( "certified|steps" )
 	    ->group( question );
+	rare( app.get_option( "--max-d" )->description( "metres, with --validator steps: motion per step (default 0.01)" ) );
 	app.add_option( "--slack", options.slack,
-	       "metres, certified: upper bound of how much nearer than needed a REFUSED clearance may be; each pair has its own, by the room it has (default 0.001)" )
+	       "metres, certified: clearances above --min-d by less than this may be REFUSED (default 0.001)" )
 	    ->type_name( "M" )
 	    ->group( question );
 }
@@ -222,7 +225,7 @@ io::Limits inputLimits( const std::vector<std::string>& given )
 		}
 		if ( !found || value.empty() || error != std::errc() || end != value.data() + value.size() )
 		{
-			wrong( "--input-limit", fmt::format( "{} is no NAME=N", text ), fmt::format( "give a whole number to one of {}", known ) );
+			wrong( "--input-limit", fmt::format( "{} is not NAME=N", text ), fmt::format( "give a whole number to one of {}", known ) );
 		}
 	}
 	return limits;
@@ -317,7 +320,7 @@ void validate( const CLI::App& app, TuneOptions& options )
 	options.conservatism_given = given( app, "--edge-conservatism" );
 	if ( !std::isfinite( options.common.max_d ) )
 	{
-		wrong( "--max-d", "is infinite, and so would be what a setting gives up", "give the largest clearance that matters, in metres" );
+		wrong( "--max-d", "is infinite", "give the largest clearance that matters, in metres" );
 	}
 	if ( options.time_given )
 	{

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-// Only main.cpp and options.cpp include CLI11: it would treble the time that every other file takes to compile.
+// Only main.cpp, help.cpp and options.cpp include CLI11: it would treble the time that every other file takes to compile.
 namespace CLI
 {
 class App;

@@ -207,7 +207,7 @@ PathFile readPath( const std::string& file )
 	catch ( const YAML::Exception& error )
 	{
 		throw io::Error(
-		    file, fmt::format( "line {}", error.mark.line + 1 ), "is not valid YAML: " + error.msg, "mend the file" );
+		    file, fmt::format( "line {}", error.mark.line + 1 ), "is not valid YAML: " + error.msg, "correct the file" );
 	}
 	if ( !root.IsMap() )
 	{

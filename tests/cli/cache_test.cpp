@@ -232,7 +232,7 @@ TEST_F( Cache, PairsKeepsItsTablesForALaterRun )
 	EXPECT_TRUE( contains( first.out, "tables built" ) ) << first.out;
 	const Outcome second = pairs( { "--cache", "cache", "--json", "second.json" } );
 	const bool complete = json( "first.json" )["complete"];
-	EXPECT_TRUE( contains( second.out, complete ? "of earlier runs read" : "of earlier runs carried on" ) ) << second.out;
+	EXPECT_TRUE( contains( second.out, complete ? "of earlier runs read" : "of earlier runs continued" ) ) << second.out;
 	if ( complete )
 	{
 		EXPECT_EQ( json( "first.json" )["pairs"], json( "second.json" )["pairs"] );

@@ -122,13 +122,13 @@ TEST_F( CliEnds, WrongEndsAreNamedWithWhatWasMeant )
 		{ { "--goal", "sholder=1" }, { "--goal sholder", "use shoulder" } },
 		{ { "--goal", "shoulder=one" }, { "--goal shoulder", "'one'" } },
 		{ { "--goal", "shoulder=nan" }, { "'nan'" } },
-		{ { "--goal", "shoulder=1,elbow" }, { "'elbow' is no joint=value" } },
+		{ { "--goal", "shoulder=1,elbow" }, { "'elbow' is not joint=value" } },
 		{ { "--goal", "shoulder=1,shoulder=2" }, { "twice" } },
 		{ { "--goal", "hihg" }, { "group_state hihg", "high of group arm" } },
 		{ { "--goal", "tool_joint=1" }, { "fixed" } },
 		{ { "--goal", "finger_joint=1" }, { "follows joint elbow" } },
 		{ { "--goal", "shoulder=3" }, { "command line: --goal", "above its limit" } },
-		{ { "--goal", "high", "--start", "elbow=2.9" }, { "command line: --start", "above its limit", "stand at 0" } },
+		{ { "--goal", "high", "--start", "elbow=2.9" }, { "command line: --start", "above its limit", "start at 0" } },
 		{ { "--goal", "elbow=1", "--group", "shoulder_only" }, { "--goal elbow", "shoulder_only" } },
 	};
 	for ( const Wrong& wrong : all )

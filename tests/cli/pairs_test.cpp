@@ -35,7 +35,7 @@ TEST_F( Pairs, EveryClassIsFound )
 	EXPECT_EQ( all["findings"].size(), 0u );
 	EXPECT_EQ( all["pairs"].size(), 13u * 12 / 2 );
 	EXPECT_TRUE( contains( result.out, "left - right: proved (hull)" ) ) << result.out;
-	EXPECT_TRUE( contains( result.out, "in contact in every state looked at" ) ) << result.out;
+	EXPECT_TRUE( contains( result.out, "in contact in every measured state" ) ) << result.out;
 }
 
 TEST_F( Pairs, AWrongNeverIsFoundWithItsEvidence )

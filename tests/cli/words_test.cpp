@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 
 using CliWords = Cli;
 
@@ -41,7 +42,7 @@ TEST_F( CliWords, PlanarJointsHaveTheColumnsThatTheDocumentsName )
 	const Outcome moved = runModel( "check", check );
 	ASSERT_EQ( moved.status, 0 ) << moved.err;
 	EXPECT_NEAR( parseTable( moved.out ).number( 0, "env_lower" ), 1.1, 1e-6 );
-	const Outcome help = run( { "check", "--help" } );
+	const Outcome help = run( { "check", "--help-all" } );
 	EXPECT_TRUE( contains( help.out, "/theta" ) && contains( help.out, "/rot_w" ) ) << help.out;
 }
 
@@ -49,7 +50,7 @@ TEST_F( CliWords, JointsWithoutAColumnAreToldWithTheirValue )
 {
 	write( "states.csv", "shoulder\n0\n" );
 	edit( "request.yaml", "position: [-1, 0]", "position: [-1, 0.5]" );
-	EXPECT_TRUE( contains( runModel( "check", check ).err, "states.csv: joints without a column stand still: elbow = 0\n" ) );
+	EXPECT_TRUE( contains( runModel( "check", check ).err, "states.csv: joints without a column keep their start value: elbow = 0\n" ) );
 	EXPECT_TRUE( contains( runModel( "check", { "--states", "states.csv", "--request", "request.yaml" } ).err, "elbow = 0.5\n" ) );
 	write( "edges.csv", "from:shoulder,to:shoulder\n0,0.1\n" );
 	const std::string edge = runModel( "edge", { "--edges", "edges.csv" } ).err;
@@ -94,6 +95,36 @@ TEST_F( CliWords, AnUnknownSubcommandIsNamedWithTheNearest )
 	EXPECT_TRUE( contains( run( { "frobnicate" } ).err, "frobnicate; use one of info, " ) );
 	const Outcome none = run( {} );
 	EXPECT_TRUE( none.status == 2 && contains( none.err, "no subcommand is given; use one of info, " ) ) << none.err;
+}
+
+TEST_F( CliWords, HelpFitsAScreenAndHelpAllListsTheRest )
+{
+	for ( const char* command : { "", "info", "pairs", "cache", "spherize", "check", "edge", "plan", "audit", "tune" } )
+	{
+		const auto help = [&]( const char* flag )
+		{ return *command == '\0' ? run( { flag } ) : run( { command, flag } ); };
+		const Outcome brief = help( "--help" ), all = help( "--help-all" );
+		EXPECT_TRUE( brief.status == 0 && all.status == 0 ) << command;
+		EXPECT_TRUE( contains( brief.out, "--help-all" ) ) << command;
+		std::istringstream lines( brief.out );
+		std::size_t count = 0;
+		for ( std::string line; std::getline( lines, line ); ++count )
+		{
+			EXPECT_LE( line.size(), 125u ) << command << ": " << line;
+			const std::size_t name = line.find( "--" );
+			if ( line.find_first_not_of( ' ' ) == name && name == 2 ) // an option
+			{
+				EXPECT_TRUE( contains( all.out, line.substr( name, line.find_first_of( " ,", name ) - name ) ) ) << line;
+			}
+		}
+		EXPECT_LE( count, 42u ) << command;
+	}
+	for ( const char* option : { "--strict", "--cache-limit", "--proofs", "--input-limit", "--simd", "--detail", "--padding" } )
+	{
+		EXPECT_FALSE( contains( run( { "check", "--help" } ).out, option ) ) << option;
+		EXPECT_TRUE( contains( run( { "check", "--help-all" } ).out, option ) ) << option;
+	}
+	EXPECT_TRUE( contains( run( { "plan", "--help-all" } ).out, "RRTConnect" ) );
 }
 
 TEST_F( CliWords, AnOptionGivenTwiceIsSaidSo )
