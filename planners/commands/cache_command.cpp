@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway cache: what is kept between runs, and keeping it small.
+// leeway cache: lists the cache folder and limits its size.
 #include "setup/json.hpp"
 #include "text/options.hpp"
 #include "text/output.hpp"

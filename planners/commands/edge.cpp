@@ -105,7 +105,7 @@ lw_edge_def edgeDef( const EdgeCommandOptions& options )
 	return def;
 }
 
-// Both intervals at the deciding state; for a certified edge what the proof says about every state of it.
+// Both intervals at the deciding state; for a certified free edge the proved bounds of all its states.
 std::string intervals( const Workbench& bench, const std::vector<double>& qa, const std::vector<double>& qb,
     const lw_edge_def& def, const lw_edge_result& edge, const std::string& file, std::size_t line )
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway info: what was read, what was built, what the checker keeps, what it leaves out and why.
+// leeway info: reports input files, built objects, and the objects that the checker keeps or drops, with reasons.
 #include "pairs/hierarchy.hpp"
 #include "setup/json.hpp"
 #include "text/names.hpp"
@@ -17,7 +17,7 @@ namespace leeway::cli
 namespace
 {
 
-// One collision element: what the reader says about it and what became of it.
+// One collision element: its source and its shape.
 struct ShapeLine
 {
 	std::string owner, source;
@@ -294,7 +294,7 @@ int runInfo( const InfoOptions& options )
 	Input input = loadInput( options.common, notices );
 	if ( input.reach )
 	{
-		input.reach->build = options.common.proofs_given; // else it tells what there is
+		input.reach->build = options.common.proofs_given; // otherwise info only reads the cache
 	}
 	input.max_d = options.common.max_d;
 	const Workbench bench( input, options.common.group, {}, notices );

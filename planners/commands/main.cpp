@@ -315,7 +315,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 	return runAudit( commands.audit );
 }
 
-// What is wrong with the first word of the command line; empty if it is a subcommand or an option.
+// Error text for the first word of the command line; empty if it is a subcommand or an option.
 std::string subcommandProblem( const CLI::App& app, int argc, char** argv )
 {
 	std::vector<std::string> known;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway pairs: which links can ever meet, what an SRDF says about them, and a new SRDF with proofs as reasons.
+// leeway pairs: the links that can ever meet, findings about an SRDF, and a new SRDF with proofs as reasons.
 #include "pairs/new_srdf.hpp"
 
 #include <fmt/format.h>
@@ -93,7 +93,7 @@ std::string evidenceText( const PairTable& table, const PairRow& row )
 	return text.empty() ? "" : ", at " + text;
 }
 
-// ---- what is printed
+// ---- printed text
 
 std::string classTable( const PairTable& table )
 {

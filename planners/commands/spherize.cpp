@@ -17,7 +17,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-/// The folder, made if it is missing; if the run fails, what was made goes again.
+/// The folder, created if missing; a failed run removes the folders that it created.
 class OutputFolder
 {
 public:
@@ -76,7 +76,7 @@ std::string linkTable( const std::vector<io::LinkSpheres>& links )
 	return text;
 }
 
-/// Links whose inside does not count, with what would make it count.
+/// Links whose inside does not count, with a remedy.
 void tellOpenShells( const std::vector<io::LinkSpheres>& links, const std::string& robot, Notices& notices )
 {
 	for ( const io::LinkSpheres& link : links )
@@ -147,7 +147,7 @@ int runSpherize( const SpherizeOptions& options )
 		Progress progress( fmt::format( "spheres (at most {:g} s)", options.time ) );
 		how.progress = [&progress]( const std::string& link, double share ) { progress.stage( link, share ); };
 		links = io::spherize( input.robot, how );
-		how.progress = nullptr; // of what ends here
+		how.progress = nullptr; // progress ends here
 	}
 	const double seconds = now() - start;
 	tellOpenShells( links, input.robot.urdf_file, notices );

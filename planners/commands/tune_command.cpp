@@ -30,7 +30,7 @@ TuneSettings settingsOf( const TuneOptions& options )
 	return settings;
 }
 
-// Two digits: what a second run measures is mostly the same then.
+// Two digits: then a second run mostly measures the same.
 double rounded( double rate )
 {
 	const double digit = std::pow( 10.0, std::floor( std::log10( rate ) ) - 1 );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which pairs of links are in contact in random states, and how near the others come: evidence, where there is no proof.
+// Contacts and distances of link pairs in random states: evidence for pairs without a proof.
 #pragma once
 
 #include "pairs/pair_table.hpp"
@@ -12,7 +12,7 @@
 namespace leeway::cli
 {
 
-/// What is measured.
+/// Settings of the measurement.
 struct SampleOptions
 {
 	std::uint32_t states = 0;      ///< in which contact of all pairs without a proof is looked for
@@ -31,12 +31,13 @@ struct NearRange
 /// Metres: below this in nearly all states a pair is near by design.
 constexpr double near_distance = 0.005;
 
-/// Random states, uniform between the joint limits, and what was measured in them. All cores work; results do not depend on their number.
+/// Random states, uniform between the joint limits, with their contacts. All cores work; results do not depend on their
+/// number.
 class ContactSamples
 {
 public:
-	/// Measures; shows progress. Enters into `table` the share of the states in contact, contacts that the table did not know, and the
-	/// number of states without contact.
+	/// Measures; shows progress. Enters into `table` the share of the states in contact, contacts that the table did not
+	/// know, and the number of states without contact.
 	/// @throws io::Error
 	ContactSamples( const Robot& robot, PairTable& table, const SampleOptions& options );
 
@@ -46,7 +47,7 @@ public:
 	/// Number of states in which no pair is in contact for which `checked` (by index of its row) is true.
 	std::size_t freeStates( const std::function<bool( std::size_t )>& checked ) const;
 
-	/// A pair in contact, and what enabling it costs.
+	/// A pair in contact, and the cost of enabling it.
 	struct Blocking
 	{
 		std::size_t row = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The hierarchy of a robot for `leeway info`: how far each link and what hangs on it can get.
+// The hierarchy of a robot for `leeway info`: the reach of each link and its subtree.
 #pragma once
 
 #include "setup/json.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which pairs the new SRDF disables, each with its reason, and what share of the robot's states that leaves free.
+// Selects the pairs that the new SRDF disables, with reasons, and counts the states that it leaves free.
 #include "pairs/new_srdf.hpp"
 
 #include <fmt/format.h>

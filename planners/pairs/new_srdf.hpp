@@ -11,7 +11,7 @@
 namespace leeway::cli
 {
 
-/// An SRDF with its computed pairs made anew, and what that changed.
+/// An SRDF with newly computed pairs, and its differences to the old one.
 struct NewSrdf
 {
 	io::WrittenSrdf document;
@@ -22,12 +22,12 @@ struct NewSrdf
 
 NewSrdf newSrdf( PairTable& table, const io::RobotModel& model );
 
-/// What changed, for people; all of it if `verbose`.
+/// Human-readable differences; all of them if `verbose`.
 std::string describe( const NewSrdf& srdf, const std::string& file, bool verbose );
 
 /// Pairs that are near in nearly all states, with the range of their distances.
 std::string describeNear( const PairTable& table, const ContactSamples& samples, const NewSrdf* srdf );
-/// The share of the random states that are free with the robot's SRDF and with the new one; what blocks the others.
+/// Share of the random states that are free with the robot's SRDF and with the new one; pairs that block the others.
 std::string describeUse( PairTable& table, const ContactSamples& samples, const io::RobotModel& model, const NewSrdf* srdf );
 
 /// The same for programs: "near" and "usability".
@@ -35,7 +35,7 @@ void addUse( Json& json, const PairTable& table, const ContactSamples& samples, 
 
 /// "12.3 %": never up to 100 by rounding.
 std::string percent( double share );
-/// "in contact in 12.3 % of 2000 random states", or what else is known of a contact.
+/// "in contact in 12.3 % of 2000 random states", or a remark on the contact.
 std::string contactText( const PairRow& row );
 std::string pairText( const PairRow& row );
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is known of every pair of links, and what that says about an SRDF.
+// Results about every pair of links, and findings about an SRDF.
 #pragma once
 
 #include "pairs/link_distances.hpp"
@@ -17,7 +17,7 @@ constexpr double nearly_all = 0.95;
 /// Metres: to know whether two links touch, nothing beyond this needs a distance.
 constexpr double contact_range = 1e-6;
 
-/// What is to be said about an SRDF's word on a pair.
+/// Finding about the SRDF's entry of a pair.
 enum class Opinion
 {
 	NOTHING,
@@ -77,7 +77,7 @@ public:
 	/// states, or in most of them while few joints are between the two. Evidence.
 	static bool touchByDesign( const PairRow& row );
 
-	/// What random states have shown. @param state one of those in contact; empty if there is none
+	/// Results of random states. @param state one of those in contact; empty if there is none
 	void setContacts( std::size_t row, std::uint32_t contacts, std::uint32_t states, const std::vector<double>& state );
 	void setContactState( std::size_t row, const std::vector<double>& state );
 	void setNeverSeen( std::size_t row, std::uint64_t states );

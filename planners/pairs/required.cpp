@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a checker keeps of robot and scene: one line for each link and obstacle.
+// Parts of robot and scene that a checker keeps: one line for each link and obstacle.
 #include "pairs/required.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a checker keeps of robot and scene, what it leaves out and why, and what that saves.
+// Parts of robot and scene that a checker keeps or drops, with reasons, and the work saved.
 #pragma once
 
 #include "setup/json.hpp"
@@ -33,7 +33,7 @@ struct Required
 	Modelled all;   ///< with everything made
 };
 
-/// Asks for one state, the reference, looks what that took, and then makes what is missing, to tell what that takes.
+/// Checks the reference state, measures the work of that check, then makes all other meshes and measures that work.
 Required findRequired( const Workbench& bench, const Input& input );
 
 std::string requiredText( const Workbench& bench, const Required& required );

@@ -4,7 +4,7 @@
 // Between two measured states whose clearances are c1 and c2, and between which no robot point travels further than m, the
 // clearance to a fixed obstacle stays above (c1 + c2 - m) / 2: a distance cannot change faster than the point moves. Both
 // bodies of a self pair may move, so there it is (c1 + c2 - 2 m) / 2. The audit measures m and reports the least of these
-// bounds; it uses nothing of what the certified edges are made of but the exact distance of a single state.
+// bounds; of the edge prover it uses only the exact distance of a single state.
 #include "setup/audit.hpp"
 
 #include "text/names.hpp"
@@ -23,8 +23,8 @@ namespace
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // A step may use this share of the room above the margin, so that states come denser the closer contact is.
 constexpr double step_share = 0.25;
-// Joint travel per step, summed over all joints, radians: no link turns further than this, so that the chord of a point's
-// motion, which is what is measured, is its arc to 1 - x / (2 sin(x / 2)) = 0.05 %, covered by arc_over_chord.
+// Joint travel per step, summed over all joints, radians: no link turns further than this, so that the measured chord of a
+// point's motion equals its arc to 1 - x / (2 sin(x / 2)) = 0.05 %, covered by arc_over_chord.
 constexpr double joint_travel_per_step = 0.1;
 constexpr double arc_over_chord = 1.001;
 // More problems than this are only counted.
@@ -202,7 +202,7 @@ private:
 		}
 	}
 
-	// One clearance of a sample: keeps the least, tells violations, returns what was measured.
+	// One clearance of a sample: keeps the least, reports violations, returns the clearance.
 	double take( const char* which, const Named& clearance, const PathPlace& place, AuditLeast& least )
 	{
 		if ( clearance.least() < least.clearance.least() )
@@ -281,7 +281,7 @@ private:
 				lw_robot_interpolate( m_bench.robot(), a.data(), b.data(), at, next.data() );
 				poses = m_meter.poses( next );
 				moved = m_meter.motion( m_poses, poses );
-				// The last ulps of t cannot be divided further: the step is taken, and `between` tells what it was worth.
+				// The last ulps of t cannot be divided further: the step is taken, and `between` accounts for it.
 				if ( moved <= allowed || step < 1e-12 )
 				{
 					break;

@@ -21,7 +21,7 @@ const char* const how_to_write = "write joint=value,joint=value or the name of a
 	throw io::Error( "command line", option, problem, remedy );
 }
 
-// What an option says.
+// The value of an option.
 struct End
 {
 	Values values;

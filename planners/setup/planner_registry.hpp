@@ -31,7 +31,7 @@ const PlannerEntry& findPlanner( const std::string& name );
 void requireThreads( const PlannerEntry& planner, unsigned threads );
 
 /// Sets parameters that the planner declares, each given as NAME=VALUE.
-/// @throws io::Error that names what is wrong and lists the planner's parameters with their values and ranges
+/// @throws io::Error that names the mistake and lists the planner's parameters with their values and ranges
 void setParameters( ::ompl::base::Planner& planner, const std::vector<std::string>& assignments );
 
 /// Planners such as KPIECE1 and PDST look at states through a projection. Spaces made of several parts have no default one,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From file names to a checker: what all subcommands share.
+// From file names to a checker, for all subcommands.
 #pragma once
 
 #include "leeway/io/model.hpp"
@@ -24,7 +24,7 @@ struct Input
 	/// With a cache: where motion hulls and pair tables are, and the seconds of this run for proofs.
 	std::optional<io::ReachOptions> reach;
 	double robot_seconds = 0, scene_seconds = 0;
-	/// The clearance wanted, and the largest that is asked for: what the checker may leave out (io::ProblemOptions).
+	/// The required clearance, and the largest clearance of interest (io::ProblemOptions).
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity();
 	std::string robot_file, scene_file, request_file;
 	io::Margins margins;
@@ -40,7 +40,7 @@ constexpr double planning_horizon = 0.25;
 /// @throws io::Error
 Input loadInput( const CommonOptions& options, Notices& notices );
 
-/// Tells about the building of motion hulls and about proofs that take longer than a moment: what is done, then how far it is.
+/// Reports slow builds of motion hulls and slow proofs: the stage, then its progress.
 class ReachProgress
 {
 public:
@@ -55,7 +55,7 @@ private:
 	Progress& m_progress;
 };
 
-/// What a subcommand cannot do without.
+/// Required inputs of a subcommand.
 /// @throws io::Error if `loaded` is empty
 void requireReach( const io::LoadedReach& loaded, const std::string& robot_file );
 
@@ -128,9 +128,9 @@ struct Named
 	std::string first, second;
 	lw_vec3 point_a{}, point_b{};
 	bool has_points = false;
-	double margin = 0; ///< of this pair: what its distance is more than its clearance
+	double margin = 0; ///< of this pair: its distance minus its clearance
 
-	/// For reports: the least known. Inside of a margin the search stops at what it finds, and proves no more than the largest margin.
+	/// For reports: the smallest known clearance. Inside a margin the search ends at the first pair found.
 	double least() const { return has_points && upper <= 0 ? upper : lower; }
 	/// ", margin 0.02 m", or nothing without one.
 	std::string marginText() const;

@@ -12,7 +12,7 @@
 namespace leeway::cli
 {
 
-/// Which column is which robot variable.
+/// Maps columns to robot variables.
 class StateColumns
 {
 public:
@@ -40,7 +40,7 @@ std::string clearanceHeader( bool margins );
 /// Their cells; those of a question that was not asked are empty.
 std::string clearanceCells( const Named& environment, const Named& self, bool margins );
 
-/// Tells about a table that has a header only: no answer is then a good answer, and maybe not what was meant.
+/// Tells about a table that has a header only: then there are no answers, perhaps by mistake.
 void noteEmpty( Notices& notices, const CsvTable& table );
 
 /// Tells about values outside of joint limits: the first rows, then a count. Nothing is clamped.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Comma-separated tables: strict about what is a number, lenient about white space.
+// Comma-separated tables: strict about numbers, lenient about white space.
 #include "text/csv.hpp"
 
 #include "text/names.hpp"

@@ -26,7 +26,7 @@ std::string counted( std::size_t count, const std::string& noun );
 /// The robot's variables in the URDF's order.
 std::vector<std::string> variableNames( const io::RobotModel& robot );
 
-/// What is known of a name that is no variable of the robot.
+/// Description of a name that is not a variable of the robot.
 struct UnknownVariable
 {
 	bool joint = false;  ///< it names a joint: fixed, mimicking, or of several variables

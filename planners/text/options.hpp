@@ -28,7 +28,7 @@ enum Exit : int
 	exit_error = 2, ///< not done
 };
 
-/// What every subcommand takes.
+/// Options of every subcommand.
 struct CommonOptions
 {
 	std::string robot, srdf, scene, group, request, cache;
@@ -135,7 +135,7 @@ struct AuditOptions
 struct TuneOptions
 {
 	CommonOptions common;
-	TuneOptions() { common.max_d = 0.5; } // what the OMPL shim measures to
+	TuneOptions() { common.max_d = 0.5; } // as Options::max_d of the OMPL shim
 	double time_per_state = 0, error = 0, edge_conservatism = 0; ///< microseconds, millimetres, millimetres
 	bool time_given = false, error_given = false, conservatism_given = false;
 	double rate = 0; ///< of the machine; 0: measure it
@@ -162,7 +162,7 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options );
 /// After parsing: fills the *_given flags, rejects values out of their domain, applies --simd.
 /// @throws io::Error
 void validate( const CLI::App& app, CommonOptions& options );
-/// Of --input-limit; what is not given is at its default. @throws io::Error
+/// Limits from --input-limit; defaults for the others. @throws io::Error
 io::Limits inputLimits( const std::vector<std::string>& given );
 void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& common );
 

@@ -118,7 +118,7 @@ bool writeAll( int file, const std::string& text )
 	return true;
 }
 
-// ---- what a run reads and writes
+// ---- files that a run reads and writes
 
 struct UsedFile
 {
@@ -127,7 +127,7 @@ struct UsedFile
 };
 std::vector<UsedFile> used_files; // of the run; one thread names them
 
-// The same file: by device and number if both are there, else by what their paths lead to.
+// The same file: by device and number if both are there, else by their resolved paths.
 bool sameFile( const std::string& a, const std::string& b )
 {
 	namespace fs = std::filesystem;

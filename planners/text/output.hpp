@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the program says and leaves: notices, progress, and result files that exist complete or not at all.
+// Output of the program: notices, progress, and result files that are written completely or not at all.
 #pragma once
 
 #include "leeway/io/model.hpp"
@@ -51,7 +51,7 @@ public:
 	Progress( const Progress& ) = delete;
 	Progress& operator=( const Progress& ) = delete;
 	void step( std::size_t done ) { m_done.store( done, std::memory_order_relaxed ); }
-	/// What is being done now, and which share of it, instead of steps.
+	/// The current stage and its share done, instead of steps.
 	void stage( const std::string& name, double share );
 
 private:
@@ -65,9 +65,9 @@ private:
 	std::thread m_thread;
 };
 
-/// Says what the run reads, so that no result takes its place: a file that is, or by links leads to, an output of the run is an error
-/// that names both. Devices and streams are nobody's. An empty path is none.
-/// @param option that names the file, or what of it: "--robot", "a mesh of --robot"
+/// Registers an input file of the run, so that no result replaces it: an input that is also an output, possibly by links, is
+/// an error that names both. Devices and streams are exempt. An empty path is ignored.
+/// @param option source of the name: "--robot", "a mesh of --robot"
 /// @throws io::Error
 void readsFile( const std::string& option, const std::string& path );
 
@@ -83,11 +83,12 @@ public:
 	~OutputFile();
 	OutputFile( const OutputFile& ) = delete;
 	OutputFile& operator=( const OutputFile& ) = delete;
-	std::string text; ///< what commit() writes
-	/// Writes the text to where commit() needs only rename it: a full disk is found here. A device or a stream has no such place.
+	std::string text; ///< the content for commit()
+	/// Writes the text to where commit() needs only rename it: a full disk is found here. A device or a stream has no such
+	/// place.
 	/// @throws io::Error
 	void stage();
-	/// The text takes the place of what was there: whole, or not at all. @throws io::Error
+	/// Replaces the old file by the text, completely or not at all. @throws io::Error
 	void commit();
 	const std::string& path() const { return m_path; }
 
@@ -110,8 +111,8 @@ template <typename... Arguments> void tell( fmt::format_string<Arguments...> for
 /// Text on standard output, all of it. @throws io::Error
 void printOut( const std::string& text );
 
-/// Removes the temporary files of all open OutputFiles when the program is interrupted or terminated. A file that grows beyond what
-/// the system allows is an error of the write, not a signal.
+/// Removes the temporary files of all open OutputFiles when the program is interrupted or terminated. A file that exceeds
+/// the system's size limit is an error of the write, not a signal.
 void installSignalHandlers();
 
 /// Shortest text that reads back as the same double; "inf", "-inf", "nan".

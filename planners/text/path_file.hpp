@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths as YAML: what `plan` writes and `audit` reads.
+// Paths as YAML, written by `plan` and read by `audit`.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct PathFile
 
 std::string writePath( const PathFile& path );
 
-/// Reads what writePath() wrote. Also takes a MoveIt trajectory: joint_names and points under `joint_trajectory`; group,
+/// Reads the output of writePath(), or a MoveIt trajectory: joint_names and points under `joint_trajectory`; group,
 /// min_d and start_state may be missing.
 /// @throws io::Error
 PathFile readPath( const std::string& file );

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Speed against accuracy on the user's own scene: what is measured, and which setting is proposed.
+// Speed against accuracy on the user's own scene: measurement, and proposal of a setting.
 //
-// Two words hold throughout. The *asked* range [min_d, max_d] is what the user wants to know of a clearance: at or below
-// min_d a state is not valid, beyond max_d all room is the same. A *setting* may give some of that up for speed.
+// Two terms. The *asked* range [min_d, max_d] is the range of clearances that the user wants to distinguish: at or below
+// min_d a state is not valid, beyond max_d clearances count as equal. A *setting* may give some of that up for speed.
 #pragma once
 
 #include "setup/setup.hpp"
@@ -14,7 +14,7 @@
 namespace leeway::cli
 {
 
-/// What must be met; the rest is then chosen for it.
+/// The target of the proposal.
 struct TuneTarget
 {
 	enum Kind
@@ -36,7 +36,7 @@ struct TuneMotion
 	double low = 0, high = 0;
 };
 
-/// What settings are measured on, and what is true there.
+/// Samples of states and motions, with their true clearances.
 struct TuneSamples
 {
 	std::vector<std::vector<double>> states; ///< group states
@@ -45,7 +45,7 @@ struct TuneSamples
 	std::size_t free_states = 0, free_motions = 0; ///< clearance above the asked min_d
 };
 
-/// One setting, for states or for motions, and what it did.
+/// One setting, for states or for motions, with its results.
 struct TuneRow
 {
 	// the setting
@@ -60,7 +60,7 @@ struct TuneRow
 	/// metres above the asked min_d up to which a motion may be turned down that is free.
 	double promised = 0;
 	double worst = 0, mean = 0; ///< of that, seen. Motions: mean over those turned down
-	bool proof = true;          ///< what is called free is free
+	bool proof = true;          ///< every FREE is a proof
 	std::size_t missed = 0;     ///< called free, but not: only without proof
 	std::size_t free = 0;       ///< called free
 	double work = 0;            ///< per state or motion: microseconds on the machine that unitWork() was fitted on
@@ -77,7 +77,7 @@ struct TuneSettings
 	TuneTarget target;
 };
 
-/// What a proposal consists of: both at the same min_d.
+/// A proposal: settings for states and for motions, both at the same min_d.
 struct TuneProposal
 {
 	const TuneRow* states = nullptr;
@@ -91,18 +91,19 @@ struct TuneProposal
 /// @param states posed and measured, @param motions begun
 double unitWork( const lw_query_stats& stats, std::size_t states, std::size_t motions );
 
-/// States and motions, and what is true of them. Equal seeds give equal samples.
+/// Draws states and motions and measures their true clearances. Equal seeds give equal samples.
 /// @throws io::Error if no free state is found
 TuneSamples drawSamples( const Workbench& bench, const TuneSettings& settings, const std::string& robot_file );
 
 /// Goes through the grid. @throws io::Error if an answer breaks its promise
 std::vector<TuneRow> measureGrid( const Workbench& bench, const TuneSettings& settings, const TuneSamples& samples );
 
-/// Marks the rows that no other row of its kind is as good as in all of work, promise, proof and what stays free, and better
-/// in one.
+/// Marks the rows of the Pareto front of each kind: no other row is as good in work, promise, proof and free share, and
+/// better in one of them.
 void markFront( std::vector<TuneRow>& rows );
 
-/// A setting that is a proof and turns down no more than a tenth of what is free. @param rate microseconds per unit of work
+/// Proposes settings with proofs that refuse at most a tenth of the free states and motions. @param rate microseconds per
+/// unit of work
 TuneProposal propose( const std::vector<TuneRow>& rows, const TuneSamples& samples, const TuneTarget& target, double rate );
 
 /// Measured microseconds per unit of work: exact states and default motions, each as fast as it was in several passes.

@@ -11,8 +11,8 @@ namespace leeway::cli
 namespace
 {
 
-// What is given up without a target: a hundredth of the asked max_d, and a millimetre of motions (what the default slack comes
-// to).
+// Accuracy given up without a target: a hundredth of the asked max_d, and a millimetre for motions (as by the default
+// slack).
 constexpr double usual_error = 0.01, usual_conservatism = 0.00112;
 // A setting that calls fewer of the free states or motions free is fast, and of no use to a planner.
 constexpr double kept = 0.9;
@@ -33,8 +33,8 @@ enum class Wish
 	FINE   // the best promise, then the least work
 };
 
-// What is proposed is a proof, leaves planners their room, and can be given to all of them: the OMPL shim and `plan` prove
-// motions with the default alpha.
+// A proposed setting proves, keeps most states free, and works for all users: the OMPL shim and `plan` prove motions with
+// the default alpha.
 bool isPossible( const TuneRow& row, const TuneSamples& samples )
 {
 	const double all = double( row.motion ? samples.free_motions : samples.free_states );
@@ -70,7 +70,7 @@ const TuneRow* best( const std::vector<TuneRow>& rows, const TuneSamples& sample
 	return found;
 }
 
-// Of one kind and one min_d, where nothing is asked of it: the cheapest that gives up what is usual, or else the least.
+// The setting of a kind without a target, at one min_d: the cheapest within the usual error, else the most accurate.
 const TuneRow* usual( const std::vector<TuneRow>& rows, const TuneSamples& samples, bool motion, double min_d )
 {
 	const TuneRow& asked = rows.front(); // exact
@@ -102,7 +102,7 @@ TuneProposal propose( const std::vector<TuneRow>& rows, const TuneSamples& sampl
 	                           ? usual( rows, samples, false, rows.front().min_d )
 	                           : best( rows, samples, by_time ? Wish::FINE : Wish::CHEAP, meets );
 	proposal.met = first != nullptr;
-	if ( first == nullptr ) // the nearest to what was asked
+	if ( first == nullptr ) // the nearest to the target
 	{
 		first = best(
 		    rows, samples, by_time ? Wish::CHEAP : Wish::FINE, [=]( const TuneRow& row ) { return row.motion == motion; } );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every setting of the grid, asked about the same states and motions: what it costs, and what it gives up.
+// Cost and error of every setting of the grid, for the same states and motions.
 //
 // Why these settings. A state's clearance d, taken into the asked range [m, M], is reported as the lower end of an interval
 // (distance.h) for the range (min_d, max_d, alpha). It is short of d by no more than
@@ -31,7 +31,7 @@ namespace
 constexpr double shortest_step = 1e-3; // metres: shorter steps are states by the thousand
 constexpr double rounding = 1e-9;      // metres, granted to every promise
 
-// Processor time of this thread: what else the machine does lengthens nothing.
+// Processor time of this thread: other programs do not lengthen it.
 double threadMicroseconds()
 {
 	timespec time;
@@ -39,7 +39,7 @@ double threadMicroseconds()
 	return 1e6 * static_cast<double>( time.tv_sec ) + 1e-3 * static_cast<double>( time.tv_nsec );
 }
 
-// Sorted, each once, and what the target adds: its value, and half of it, for two knobs that pay half each.
+// Sorted and unique, with the levels of the target: its value, and half of it for two settings that give up half each.
 std::vector<double> withTarget( std::vector<double> levels, const TuneTarget& target, bool counts )
 {
 	if ( counts )
@@ -58,14 +58,14 @@ std::vector<double> errorLevels( const TuneTarget& target )
 	return withTarget( { 0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2 }, target, target.kind == TuneTarget::ERROR );
 }
 
-// What a min_d above the asked one gives up at once, of states and motions alike.
+// Clearance given up by a min_d above the asked one, for states and motions alike.
 std::vector<double> marginLevels( const TuneTarget& target )
 {
 	return withTarget(
 	    { 0, 0.001, 0.005, 0.02 }, target, target.kind == TuneTarget::ERROR || target.kind == TuneTarget::CONSERVATISM );
 }
 
-// What motions give up beyond their min_d.
+// Clearance that motions give up beyond their min_d.
 std::vector<double> conservatismLevels( const TuneTarget& target )
 {
 	return withTarget(

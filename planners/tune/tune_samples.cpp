@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What settings are measured on: states and motions such as a planner asks about, and what is true of them.
+// Samples of states and motions such as a planner checks, with their true clearances.
 #include "setup/audit.hpp"
 #include "tune/tune.hpp"
 
@@ -17,7 +17,7 @@ namespace
 constexpr double open_span = 1;         // metres to either side of the reference, for positions without limits
 constexpr double longest = 0.2;         // of the space's extent: how far OMPL's planners go in one motion by default
 constexpr std::size_t attempts = 20000; // random states in search of a free one
-constexpr double truth_slack = 2e-5;    // metres, of the proofs that enclose what is true of a motion
+constexpr double truth_slack = 2e-5;    // metres, of the proofs that bound the true clearance of a motion
 constexpr double truth_width = 5e-5;    // metres: an enclosure this narrow is good enough
 
 class Sampler
@@ -164,8 +164,8 @@ private:
 	double m_extent = 0;
 };
 
-// Closes in on the least clearance of a motion: each question proves that it is above a margin, or finds a state that is
-// not. What is found is kept even where it does not answer the question.
+// Closes in on the least clearance of a motion: each check proves that it is above a margin, or finds a state that is
+// not. Every bound found is kept.
 void enclose( const Workbench& bench, const TuneSettings& settings, double most, TuneMotion& motion )
 {
 	lw_edge_def def = lw_edge_def_default();

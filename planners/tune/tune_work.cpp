@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What counted work costs.
+// Costs of counted work.
 //
-// Times differ from run to run, counts do not: a setting is chosen by counts, weighed with what each took on one machine.
+// Times differ from run to run, counts do not: a setting is chosen by counts, weighed with the time of each on one machine.
 // Another machine is faster or slower, mostly by one factor, which is measured (measuredRate()).
 //
 // The weights are a least-squares fit of relative errors, none negative, to 1,288 settings: ARMAR-III in the cluttered

@@ -210,7 +210,7 @@ typedef struct lw_state_result
 LW_API lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_what what,
 	const lw_range* range, bool stop_at_first, lw_state_result* out );
 
-/// Is every clearance of the state above min_d? The fastest validity check: no distance is measured further than the answer needs.
+/// Is every clearance of the state above min_d? The fastest validity check: it measures no more than the answer needs.
 /// @param q as for lw_checker_state()
 /// @param min_d safety margin, metres, finite, >= 0
 /// @param out_free true: proved. False: a clearance is at most min_d, or rounding (1e-12 m for an arm) decides, or an error
