@@ -86,7 +86,7 @@ threaded_targets()
 {
 	local folder
 	for folder in tests/*/; do
-		if grep -qsE "^TEST(_F|_P)?\(.*$threaded_tests" "$folder"*.cpp; then
+		if grep -rqsE --include="*.cpp" "^TEST(_F|_P)?\(.*$threaded_tests" "$folder"; then
 			sed -nE 's/^ *add_executable\( *([A-Za-z_0-9]+).*/\1/p' "$folder/CMakeLists.txt"
 		fi
 	done
