@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes and words of files that nobody vouches for: every read is checked against what is there.
+// Bytes and words of untrusted files: every read is checked against the end of the data.
 #pragma once
 
 #include "base/io_internal.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the readers share: text and numbers, package paths, mesh files, shapes built once per file and scale.
+// Shared by all readers: text and numbers, package paths, mesh files, shapes built once per file and scale.
 #pragma once
 
 #include "leeway/io/limits.hpp"
@@ -64,14 +64,14 @@ struct TriangleSoup
 	std::size_t dropped_faces = 0;      ///< points and lines: they have no surface
 };
 
-/// @param element what names the file, for errors
+/// @param element the place in `from_file` that names the mesh file, for errors
 /// @throws Error with `from_file` and `element` if the file cannot be read as a mesh, or is beyond a limit
-/// @param bytes of the file if they were read already, and it is self-contained; moved from. Else empty
+/// @param bytes of a self-contained file that the caller has read already (moved from); else empty
 TriangleSoup readMeshFile(
     const std::string& mesh_file, const std::string& from_file, const std::string& element, std::string bytes = {} );
 
-/// Formats whose triangles are all in the one file, so that its bytes are all that there is to know. (glTF's text form, for
-/// one, keeps them in other files.)
+/// Formats that keep all triangles in the one file, so that its bytes determine the mesh. (The text form of glTF keeps them
+/// in other files.)
 bool isSelfContained( const std::string& extension );
 
 /// ".stl" for "arm.STL"
@@ -121,7 +121,7 @@ public:
 	Shape primitive( const Place& place, lw_shape_type type, const std::array<double, 3>& dimensions );
 
 private:
-	/// A mesh that was opened before, and what the report says of it.
+	/// A mesh that was opened before, and its count of dropped faces for the report.
 	struct Known
 	{
 		Shape shape;

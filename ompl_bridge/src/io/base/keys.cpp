@@ -11,7 +11,7 @@ namespace leeway::io
 namespace
 {
 
-/// Without case, and without what separates words: collisionObjects and collision-objects are collision_objects.
+/// The key in lower case, without '_', '-' and blanks: "collisionobjects" for collisionObjects and collision-objects.
 std::string bareKey( const std::string& key )
 {
 	std::string bare;

@@ -47,7 +47,7 @@ bool sameState( const struct stat& a, const struct stat& b )
 	return a.st_size == b.st_size && a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
 }
 
-/// Up to the end, in pieces: what a device has, or a file that grows, is not known before.
+/// Reads up to the end, in pieces: the size of a device, or of a growing file, is not known before.
 /// @param stated size of the file, or 0
 std::string readToEnd( int descriptor, const std::string& file, std::size_t stated )
 {

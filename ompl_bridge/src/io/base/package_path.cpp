@@ -40,13 +40,13 @@ std::string folderName( const fs::path& folder )
 	return normal.has_filename() ? normal.filename().string() : normal.parent_path().filename().string();
 }
 
-/// Looks at one place after the other, and remembers which.
+/// Tries one path after the other and records every path that it tried.
 class Search
 {
 public:
 	explicit Search( std::vector<std::string>& tried ) : m_tried( tried ) {}
 
-	/// @return true if it is a file
+	/// @return true if the candidate, or an earlier one, is a file
 	bool at( const fs::path& candidate )
 	{
 		std::string path = candidate.lexically_normal().string();
@@ -120,7 +120,7 @@ void searchPackage( const std::string& package, const std::string& path, const f
 	}
 }
 
-/// What keeps a URI from naming a file, wherever that would be; empty if nothing.
+/// The reason why a URI cannot name a file in any folder; empty if it can.
 std::string uriProblem( const std::string& uri )
 {
 	const std::size_t colon = uri.find( "://" );
@@ -135,7 +135,7 @@ std::string uriProblem( const std::string& uri )
 	return scheme.empty() || scheme == "file" ? "" : fmt::format( "begins with {}://, which is not known", scheme );
 }
 
-/// @param tried every path that was looked at, in order
+/// @param tried receives every path that was tried, in order
 /// @return the first that is a file; empty if none is
 std::string resolveUri(
     const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried )

@@ -50,7 +50,7 @@ const tinyxml2::XMLNode* findBesideRoot( const tinyxml2::XMLDocument& document )
 	return nullptr;
 }
 
-/// What the parser found, in words where they help.
+/// The parser's error: in plain words for some errors, as the parser's name of the error for the others.
 std::string parserText( const tinyxml2::XMLDocument& document )
 {
 	switch ( document.ErrorID() )
@@ -117,7 +117,7 @@ XmlFile::XmlFile( const std::string& file, const char* kind ) : m_path( file )
 		throw Error( file, fmt::format( "<{}>", name ), fmt::format( "the root element of a {} is <robot>", kind ),
 		    fmt::format( "give a {} file", kind ) );
 	}
-	// An expanded file may still declare the xacro namespace; only what xacro would have replaced tells
+	// An expanded file may still declare the xacro namespace; only elements and values that xacro replaces mark a xacro file
 	if ( const tinyxml2::XMLElement* xacro = findXacro( root() ) )
 	{
 		fail( *xacro, fmt::format( "<{}>", xacro->Name() ), "this is a xacro file",

@@ -50,8 +50,8 @@ struct XmlProblem
 	std::string text;
 };
 
-/// Parses all of a document: one root element, and nothing beside it that tinyxml2 would take, or leave out, without a word.
-/// @return what is wrong with it, if anything
+/// Parses a whole document: one root element, and nothing beside it that tinyxml2 would silently accept or drop.
+/// @return the first problem, if there is one
 std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content );
 
 /// An XML file whose root is <robot>.

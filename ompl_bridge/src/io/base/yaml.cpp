@@ -95,8 +95,9 @@ public:
 	void OnMapEnd() override {}
 };
 
-/// True if the first line with anything in it begins with a name, and every other one with a name, an entry, a blank or a comment: a
-/// block map that nothing can come behind, so that nobody needs to parse the text twice to know. (What is no map is refused anyhow.)
+/// True if the first line that is not empty begins with a name, and every later line with a name, an entry, a blank or a
+/// comment. The text is then one block map without a second document, and need not be parsed twice. (A document that is no
+/// map is refused elsewhere.)
 bool isOneMap( const std::string& text )
 {
 	bool begun = false;
@@ -118,8 +119,8 @@ bool isOneMap( const std::string& text )
 	return begun;
 }
 
-/// YAML::LoadAll() does not end where a document begins with what none can begin with: it finds an empty one there, again and
-/// again. Two are enough to know.
+/// Parses at most two documents. YAML::LoadAll() never ends on text that no document can begin with: it finds an empty
+/// document there, again and again.
 bool hasSeveralDocuments( const std::string& text )
 {
 	std::istringstream stream( text );
@@ -443,7 +444,7 @@ std::array<double, 4> YamlNode::quaternion() const
 {
 	std::vector<double> q = vector( { "x", "y", "z", "w" } );
 	double norm = std::hypot( std::hypot( q[0], q[1] ), std::hypot( q[2], q[3] ) );
-	// Shorter than this no direction is left in what a file can mean
+	// A shorter quaternion has no usable direction
 	if ( !( norm > 1e-9 ) )
 	{
 		fail( "the quaternion is zero", "write [0, 0, 0, 1] for no rotation" );

@@ -42,13 +42,14 @@ public:
 	std::string place() const; ///< path and line
 	const std::string& file() const { return *m_file; }
 
-	/// @throws Error for a key that is not in the list. For elements of our own: a key of theirs that nobody reads is a
-	/// misspelt one, and what it asks for is missing.
+	/// @throws Error for a key that is not in the list. For elements of our own: an unknown key there is a misspelt one, and
+	/// ignoring it would lose a setting.
 	void refuseUnknownKeys( const std::vector<std::string>& known ) const;
 	/// @throws Error for a key that differs from one in the list by one letter, by case, or by '_' or '-' between words:
 	/// collision_object would be a world without objects
 	void refuseMisspelt( const std::string& key, const std::vector<std::string>& known ) const;
-	/// A notice for every key that is not in the list. @throws Error for a misspelt one, and for one that begins with leeway_
+	/// A notice for every key that is not in the list. @throws Error for a misspelt one, and for one that begins with
+	/// leeway_
 	void noticeUnknownKeys( const std::vector<std::string>& known ) const;
 
 	double number() const;    ///< a finite number
@@ -64,7 +65,7 @@ public:
 	std::vector<double> vector( std::initializer_list<const char*> keys ) const;
 	/// A quaternion x, y, z, w of length 1: others are normalised with a notice, zero is an error.
 	std::array<double, 4> quaternion() const;
-	/// position and orientation, or translation and rotation; what is missing is zero. @throws Error if both are
+	/// position and orientation, or translation and rotation; a missing one is zero. @throws Error if both are
 	lw_transform pose() const;
 	/// header.frame_id without a leading slash; empty if there is none
 	std::string frame() const;

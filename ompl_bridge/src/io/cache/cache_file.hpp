@@ -27,22 +27,22 @@ struct CacheFile
 	std::vector<std::uint64_t> words;
 };
 
-/// What the words of a mesh's file say of its size; 0 if they say nothing.
+/// The triangle count in the words of a mesh's cache file; 0 if the words are not those of a mesh.
 std::uint32_t treeTriangles( const std::vector<std::uint64_t>& words );
-/// What the words of a robot's file say of its proofs.
+/// Copies the counts of pairs and the time in the words of a robot's cache file to the entry.
 void fillReachEntry( const std::vector<std::uint64_t>& words, CacheEntry& entry );
 
-/// Reads a cache file, and has `use` make something of it.
-/// @param use returns a status of the core; its diag is told
-/// @return true if the file was there and good. A file that is not good is a notice: it will be replaced.
+/// Reads a cache file and passes its content to `use`.
+/// @param use returns a status of the core; the notice about a failure quotes its diag
+/// @return true if the file exists and `use` accepted it. Any other file gets a notice, and will be replaced.
 bool readCacheFile( const std::string& file, lw_digest key, std::vector<Notice>& notices,
     const std::function<lw_status( CacheFile&, lw_diag& )>& use );
 
 /// Splits the bytes of a file; false if they are none of ours.
 bool splitCacheFile( std::string bytes, lw_digest key, CacheFile& out );
 
-/// Writes under a temporary name and renames. Now and then it removes what was used longest ago, down to `limit` bytes of
-/// the folder. A cache that cannot be written costs time, no more: that is a notice.
+/// Writes under a temporary name and renames. Now and then it removes the least recently used files, until the folder holds
+/// at most `limit` bytes. A cache that cannot be written costs only time, and gets a notice.
 void writeCacheFile( const std::string& file, lw_digest key, const lw_blob_def& content,
     const std::vector<std::uint64_t>& words, std::uint64_t limit, std::vector<Notice>& notices );
 

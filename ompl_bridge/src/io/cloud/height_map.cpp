@@ -113,7 +113,7 @@ GroundBuilder::GroundBuilder( const HeightGrid& grid, const HeightMapUse& use, c
 	{
 		double height = use.origin[2] + use.z_scale * value;
 		m_heights.push_back( height );
-		// min and max of what compares: NaN does not
+		// min and max skip NaN: every comparison with NaN is false
 		lowest = height < lowest ? height : lowest;
 		highest = height > highest ? height : highest;
 	}

@@ -106,7 +106,7 @@ bool readPng( PngFile& file )
 	png_set_user_limits( file.png, max_side, max_side );
 	png_set_read_fn( file.png, &file, readBytes );
 	readHeader( file.png, file.info, file );
-	// One row at a time: the values grow with what the file really holds
+	// One row at a time: memory grows with the rows that the file really holds
 	file.row->resize( png_get_rowbytes( file.png, file.info ) );
 	for ( png_uint_32 y = 0; y < file.height; ++y )
 	{

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Octomaps (Hornung et al., OctoMap, Autonomous Robots 2013) as boxes: occupied cells, and unknown ones on request.
 //
-// liboctomap reads the tree and knows what is occupied. It trusts its bytes, though: it reads what is not there, descends as
-// deep as they say and prints what it dislikes. So the structure is walked here first, and it gets only what is whole.
+// liboctomap reads the tree and decides which cells are occupied. It trusts the bytes, though: it reads past their end,
+// descends as deep as they say and prints its complaints. So `StructureCheck` walks the bytes first; liboctomap gets only
+// complete trees.
 #include "cloud/octomap_reader.hpp"
 
 #include <octomap/ColorOcTree.h>
@@ -285,7 +286,7 @@ OctomapBoxes readOctomap( const OctomapData& data, const OctomapUse& use, const 
 		throw Error( name, "id", fmt::format( "trees of type \"{}\" are not known", data.id ),
 		    "use OcTree, ColorOcTree or OcTreeStamped" );
 	}
-	// Coordinates reach 2^15 cells; beyond 1e4 m per cell they would leave what a shape can hold
+	// Coordinates reach 2^15 cells; with more than 1e4 m per cell they would exceed the largest coordinate of a shape
 	if ( !( data.resolution > 1e-9 && data.resolution < 1e4 ) )
 	{
 		throw Error(

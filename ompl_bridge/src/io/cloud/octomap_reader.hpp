@@ -7,7 +7,7 @@
 namespace leeway::io::detail
 {
 
-/// What a scene says about the cells that nobody has seen.
+/// A scene's treatment of unknown cells: those that no sensor has seen.
 struct OctomapUse
 {
 	bool unknown_is_occupied = false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // PCD point clouds (Point Cloud Library, format 0.5 to 0.7): x, y, z of every point, whatever other fields there are.
 //
-// PCL itself would bring Boost, VTK and a hundred megabytes for these lines; it also allocates what the header asks for.
-// Here the header is believed only where the data behind it bears it out.
+// PCL itself would bring Boost, VTK and a hundred megabytes for these lines; it also allocates the size that the header
+// states. This reader trusts the header only as far as the data behind it confirms it.
 #include "cloud/point_cloud.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What point cloud files of all formats have in common: their endings, their headers' lines, which points are kept.
+// Shared by the readers of all point cloud formats: file endings, header lines, the test that keeps a point.
 #include "cloud/point_cloud.hpp"
 
 #include <cmath>

@@ -11,17 +11,17 @@ struct PointCloud
 {
 	std::vector<double> points;     ///< x, y, z, ... as in the file
 	std::size_t dropped = 0;        ///< points with a coordinate that is not finite: a sensor saw nothing there
-	std::vector<std::string> notes; ///< what the file says that has no place in a shape
+	std::vector<std::string> notes; ///< about parts of the file that a shape cannot represent
 
 	/// Keeps the point, or counts it as dropped.
 	void add( double x, double y, double z );
 };
 
-/// By the file's ending, .pcd or .ply. Memory is taken as the file's own bytes ask for it, never on the word of its header.
+/// Reads a .pcd or .ply file. Memory grows with the bytes of the file, never with the sizes that its header states.
 /// @throws Error with the cloud's file and the place in it
 PointCloud readPointCloud( const std::string& file );
 
-/// What the readers of both formats do alike.
+/// Base class of the readers of both formats.
 class CloudReader
 {
 protected:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // COLLADA (1.4.1, 1.5; Khronos, ISO/PAS 17506): the triangles of the nodes of its scene, in metres.
 //
-// assimp knows COLLADA too, but believes what a document says of itself, and Debian's assimp aborts the process where it does not: it was
-// seen to read a list of indices on and on where something in it is no number, to abort over fans, strips of lines, skewed nodes and
-// counts that are not true, and to read beyond the weights of a skin. What of COLLADA is geometry is less than that; only
-// polygons of more than three corners are given to assimp, to be cut.
+// assimp reads COLLADA too, but trusts the counts of a document, and Debian's assimp aborts the process over other defects.
+// It read a list of indices without end if an entry was no number, aborted over fans, strips of lines, skewed nodes and
+// false counts, and read beyond the weights of a skin. Geometry is a small part of COLLADA, so this file reads it; assimp
+// only cuts polygons of more than three corners.
 //
 // As in RViz and MoveIt (assimp), <unit> is applied and <up_axis> is not, and skins stand as their geometry does.
 #include "mesh/mesh_formats.hpp"
@@ -147,7 +147,7 @@ Placement turned( const std::vector<double>& v, const XMLElement& at )
 	return out;
 }
 
-/// From where, at what, with what upward: its -z looks there.
+/// COLLADA's <lookat>: three numbers each for the eye, the point of interest and the up direction; -z points at that point.
 Placement lookingAt( const std::vector<double>& v, const XMLElement& at )
 {
 	const lw_vec3 ahead = unit( { v[3] - v[0], v[4] - v[1], v[5] - v[2] }, at ),
@@ -415,7 +415,7 @@ private:
 		return { { { *metres, 0, 0, 0 }, { 0, *metres, 0, 0 }, { 0, 0, *metres, 0 } } };
 	}
 
-	/// What an attribute "#id" names.
+	/// The element that an attribute "#id" names.
 	const XMLElement& named( const XMLElement& asker, const char* attribute, const char* kind ) const
 	{
 		const XMLElement* found = find( asker, attribute, kind );
@@ -581,7 +581,7 @@ private:
 		}
 		const std::uint64_t all = count( accessor, "count", std::nullopt ), stride = count( accessor, "stride", 1 ),
 		                    offset = count( accessor, "offset", 0 );
-		// Which numbers of a step are x, y, z: those of these names, or the first three
+		// Positions of x, y, z within a step: the parameters X, Y, Z, or else the first three
 		std::array<std::uint64_t, 3> axes = { 0, 1, 2 };
 		std::uint64_t at = 0;
 		for ( const XMLElement& parameter : Children( accessor, "param" ) )

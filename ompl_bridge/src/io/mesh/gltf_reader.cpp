@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // glTF 2.0 (Khronos, ISO/IEC 12113:2022), binary and text: the triangles of the nodes of its scene.
 //
-// assimp knows glTF too, but believes what a file says of itself: by fuzzing, its reader and its next steps were seen to use
-// nodes that they had freed, and to ask for 64 GB for a file of 400 bytes. What of glTF is geometry is little, and JSON has a
-// library of its own.
+// assimp reads glTF too, but trusts the sizes and indices of a file: under fuzzing, its reader and its next steps used nodes
+// that they had freed, and asked for 64 GB for a file of 400 bytes. Geometry is a small part of glTF, and JSON has a library
+// of its own.
 #include "mesh/mesh_formats.hpp"
 #include "mesh/placement.hpp"
 
@@ -29,7 +29,7 @@ using Json = nlohmann::json;
 
 // ---- JSON whose author may be anybody -----------------------------------------------------------------------------------
 
-/// A member of an object; null if it is not there. What is no object has no members.
+/// A member of an object; null if the object lacks it, or if `object` is no JSON object.
 const Json* find( const Json& object, const char* key )
 {
 	if ( !object.is_object() )

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files before assimp gets them: its reader of OBJ trusts that lines are what they seem to be. And limits of all formats.
+// Checks of mesh files before assimp reads them: its OBJ reader trusts the form of every line. Also the limits of all
+// formats.
 #include "mesh/mesh_formats.hpp"
 
 #include <algorithm>
@@ -29,7 +30,7 @@ public:
 					fail( "is no text" );
 				}
 			}
-			// A line goes on behind a backslash: what follows is checked as its rest
+			// A backslash continues the line: the next line is checked as its rest
 			const bool goes_on = !line->empty() && line->back() == '\\';
 			check( goes_on ? line->substr( 0, line->size() - 1 ) : *line );
 			if ( !goes_on )

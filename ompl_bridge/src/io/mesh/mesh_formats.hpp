@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Formats of mesh files: COLLADA and glTF are read here; of OBJ and PLY it is checked, or written anew, what assimp is to read. Its
-// readers believe more of a file than is good for them. What fuzzing found is refused in words (tests/fuzz).
+// Formats of mesh files. COLLADA and glTF are read here. OBJ is checked and PLY is written anew before assimp reads them,
+// because assimp's readers trust the numbers of a file. Defects that fuzzing found are refused with a message (tests/fuzz).
 #pragma once
 
 #include "base/binary_data.hpp"
@@ -14,19 +14,19 @@ struct MeshProblem
 	std::string text;
 };
 
-/// A mesh file, and who names it: for errors that are thrown where a limit is passed.
+/// A mesh file, and the file and element that name it: for the errors thrown beyond a limit.
 struct MeshPlace
 {
 	const std::string &mesh_file, &from_file, &element;
 
-	/// Where a mesh is placed a thousand times, a small file has a large soup: asked before it is made.
-	/// @throws Error if so many more are too many
+	/// Call this before appending: a small file that places a mesh a thousand times has a large soup.
+	/// @throws Error if that many more triangles or vertices exceed a limit
 	void checkRoom( const TriangleSoup& soup, std::size_t triangles, std::size_t vertices ) const;
 	/// @param depth of a node below the root @throws Error
 	void checkDepth( std::size_t depth ) const;
 };
 
-/// What assimp is to read of a file, after the check that its extension calls for, if any. @throws MeshProblem
+/// The bytes for assimp: PLY written anew, OBJ after its check, other formats unchanged. @throws MeshProblem
 std::string checkedMesh( const std::string& extension, std::string bytes );
 
 /// A text whose lines are those of OBJ files, with numbers where there have to be some. @throws MeshProblem

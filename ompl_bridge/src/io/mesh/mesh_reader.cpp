@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files by assimp (STL, OBJ, PLY): the triangles as they are, in metres. Binary STL, which most robots come in, is a list of
-// numbers: it is read without; COLLADA and glTF by collada_reader.cpp and gltf_reader.cpp.
+// Mesh files by assimp (STL, OBJ, PLY): the triangles as they are, in metres. Binary STL, which most robots come in, is a
+// list of numbers: it is read without; COLLADA and glTF by collada_reader.cpp and gltf_reader.cpp.
 //
 // Conventions are those of RViz and MoveIt (geometric_shapes): a COLLADA file's <unit> is applied, its <up_axis> is not,
 // because robot descriptions place the mesh as it is drawn; glTF nodes are applied, its y-up convention is not turned.
@@ -29,7 +29,8 @@ Placement placement( const aiMatrix4x4& m )
 	    { double( m.c1 ), double( m.c2 ), double( m.c3 ), double( m.c4 ) } } };
 }
 
-/// assimp passes on what the file says, and its own next steps believe it: what a face or a node names has to be there.
+/// assimp passes on the indices of a file, and its own next steps trust them: each face must name existing vertices, each
+/// node existing meshes.
 struct Checks
 {
 	const MeshPlace& place;
@@ -147,7 +148,7 @@ TriangleSoup readByAssimp( const MeshPlace& place, const std::string& extension,
 	const aiScene* scene = nullptr;
 	if ( isSelfContained( extension ) )
 	{
-		// What was checked is what is read: not a file that somebody writes meanwhile
+		// assimp reads the checked bytes, not the file, which another program may write meanwhile
 		bytes = checkedMesh( extension, std::move( bytes ) );
 		scene = importer.ReadFileFromMemory( bytes.data(), bytes.size(), 0, extension.c_str() + 1 );
 	}
@@ -236,7 +237,7 @@ TriangleSoup readMeshFile(
 	TriangleSoup soup;
 	try
 	{
-		// Others are read by assimp; here for what every file is looked through for
+		// assimp opens files that are not self-contained itself; readFile() still makes its checks of every file
 		bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
 		soup = extension == ".gltf" || extension == ".glb" ? readGltf( place, bytes )
 		       : extension == ".dae"                       ? readCollada( place, bytes )

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a node of a mesh file puts points: any affine map, in double. Files' matrices are float, and chains of them would round at
-// every level.
+// Where a node of a mesh file puts points: any affine map, in double. Files' matrices are float, and chains of them would
+// round at every level.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ using Placement = std::array<std::array<double, 4>, 3>;
 
 inline constexpr Placement IN_PLACE = { { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 } } };
 
-/// a * b: what b puts somewhere, put there by a.
+/// a * b: applies b first, then a.
 inline Placement multiply( const Placement& a, const Placement& b )
 {
 	Placement product{};

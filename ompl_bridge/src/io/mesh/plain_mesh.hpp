@@ -46,7 +46,7 @@ private:
 	std::size_t m_vertex_count = 0, m_face_count = 0;
 };
 
-/// What assimp cuts the faces into: three corners each, in the vertices' numbers. @throws MeshProblem
+/// The triangles into which assimp cuts the faces, as three vertex numbers each. @throws MeshProblem
 std::vector<std::uint32_t> cutIntoTriangles( const PlainMesh& mesh );
 
 } // namespace leeway::io::detail

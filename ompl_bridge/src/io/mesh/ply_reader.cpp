@@ -2,9 +2,9 @@
 // PLY files (Turk 1994), in text or either byte order: without faces as point clouds, x, y, z of the element "vertex"; with
 // faces as meshes, which assimp cuts into triangles (mesh_reader.cpp).
 //
-// assimp is given a mesh written anew, not the file: it reads a text line by line where ours are words, takes the length of
-// a list for what it asks of memory, and keeps the last of several strips. Two readers of one file would have to agree on
-// all of that.
+// assimp gets a mesh written anew, not the file. Its own PLY reader splits a text into lines (this one into words),
+// allocates the length that a list states, and keeps the last of several strips. Two readers of one file would have to agree
+// on all of that.
 #include "mesh/mesh_formats.hpp"
 #include "mesh/plain_mesh.hpp"
 #include "cloud/point_cloud.hpp"
@@ -300,7 +300,7 @@ PointCloud PlyReader::read()
 	return std::move( m_cloud );
 }
 
-/// What an entry of a list names; nothing if it is the -1 that begins a strip anew.
+/// The vertex that an entry of a list names; empty for the -1 that begins a new strip.
 std::optional<std::uint32_t> PlyReader::vertexOf( double entry, bool in_strip ) const
 {
 	if ( in_strip && entry == -1 )
