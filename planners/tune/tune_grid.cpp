@@ -6,7 +6,7 @@
 //     min_d - m        where d <= min_d: a violation, reported as m
 //     alpha max_d      in between: lower >= (1 - alpha) upper >= (1 - alpha) d, and d < max_d
 //     M - max_d        where d >= max_d: reported as max_d
-// so for an error e each of the three may give up e: min_d = m + e, max_d = M - e, alpha = e / max_d. Which of them pays
+// so for an error e each of the three may give up e: min_d = m + e, max_d = M - e, alpha = e / max_d. The best choice
 // depends on the scene; the grid tries them apart and together, for each e.
 //
 // A certified motion whose clearance is everywhere above (min_d + slack) / (1 - alpha) is never turned down (checker.h). For

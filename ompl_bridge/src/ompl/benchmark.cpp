@@ -69,7 +69,7 @@ void addRunProperties( ot::Benchmark& benchmark, std::shared_ptr<const Engine> e
 				pre_run( planner );
 			}
 		} );
-	// RunProperties is a std::map up to OMPL 1.6 and derived from one later: only what both have is used
+	// RunProperties is a std::map up to OMPL 1.6 and derived from one later: use only members that both have
 	benchmark.setPostRunEvent(
 		[engine = std::move( engine ), before, post_run = std::move( post_run )]( const ::ompl::base::PlannerPtr& planner, ot::Benchmark::RunProperties& run )
 		{

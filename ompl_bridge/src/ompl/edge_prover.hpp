@@ -7,7 +7,7 @@
 namespace leeway::ompl
 {
 
-/// What came of a proof.
+/// Result of a proof.
 struct ProvedMotion
 {
 	lw_verdict verdict = LW_VERDICT_UNKNOWN;

@@ -33,8 +33,8 @@ constexpr int most_checks = 64;
 // because (1 + x / 4) / (1 - x / 4) < 1 + x for 0 < x < 2: a failure at c = high / (1 + tolerance) or below lowers `high`.
 //
 // Number of checks: let R = log( high / low ) / log( 1 + tolerance ); the search ends at R <= 1. A halving leaves R / 2 or,
-// if it fails, at most R / 2 + 0.7; below R = 2 a failure takes 0.3 at least. Hence log2 R + 4, the trusted failures, the cap
-// and the last check: no more than 8 + log2 R.
+// if it fails, at most R / 2 + 0.7; below R = 2 a failure takes 0.3 at least. Hence log2 R + 4, the trusted failures, the
+// cap and the last check: no more than 8 + log2 R.
 class ClearanceSearch
 {
 public:
@@ -116,13 +116,13 @@ private:
 		auto& slot = m_prover.slot();
 		m_engine.adapter().interpolate( slot.from, slot.to, m_failure, slot.result );
 		const bool clear = lowerHigh( slot.result );
-		// what the verdict itself says; never below what is proved, lest rounding turn the two round
+		// the upper bound that the verdict itself implies; never below the proved bound, in case rounding swaps the two
 		const double share = 0.25 * m_tolerance;
 		m_high = std::max( std::min( m_high, margin * ( 1 + share ) / ( 1 - share ) ), m_low );
 		return clear;
 	}
 
-	// Proves the motion at a margin if possible, and notes what follows.
+	// Proves the motion at a margin if possible, and stores the proved bound and the place of a failure.
 	lw_verdict check( double margin, double slack, double alpha )
 	{
 		lw_edge_def def = lw_edge_def_default();

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // States of OMPL spaces as state vectors, and OMPL's interpolation on state vectors.
 //
-// What makes a motion certified is that core and planner mean the same curve. The core's is lw_robot_interpolate(): linear,
-// the shorter way for wrapping angles, slerp for quaternions. OMPL's, by subspace, from a to b with d = b - a:
+// A certificate holds only if core and planner interpolate along the same curve. The core's is lw_robot_interpolate():
+// linear, the shorter way for wrapping angles, slerp for quaternions. OMPL's, by subspace, from a to b with d = b - a:
 //
-//   RealVector  a + d t. Equal to the core's; for a wrapping angle only while |d| < pi: pieces of at most pi / 2 are
-//   certified. SO2         the shorter way, and a + d t if |d| = pi exactly. Which way is shorter is a matter of rounding
-//   near |d| = pi:
-//               pieces.
-//   SO3         slerp with the sign of b chosen so that <a, b> >= 0, angle theta = acos <a, b>. The quaternions of OMPL may
-//   be
+//   RealVector  a + d t. Equal to the core's; for a wrapping angle only while |d| < pi, so longer motions are certified in
+//               pieces of at most pi / 2.
+//   SO2         the shorter way, and a + d t if |d| = pi exactly. Near |d| = pi rounding decides on the shorter way: pieces.
+//   SO3         slerp with the sign of b chosen so that <a, b> >= 0, angle theta = acos <a, b>. OMPL's quaternions may be
 //               off unit length by 1e-9, which makes theta slightly wrong, but every value is a combination of a and +-b
 //               with non-negative weights, so it lies on the same great arc: the set of rotations passed through is the
 //               same, only t is shifted (by less than 1e-8). The sign is ambiguous near <a, b> = 0: pieces.
@@ -225,8 +223,8 @@ void StateAdapter::match( const Checker& checker )
 	}
 }
 
-// Types tell the layout; whether interpolate() is what the layout suggests is tried out, because any of the classes may be
-// derived from. 200 random motions: an override that agrees with the formulas on all of them is one that means them.
+// Types give the layout. Any of the classes may be derived from, so 200 random motions compare interpolate() with the
+// formulas of the layout; an override that agrees on all 200 is taken to implement these formulas.
 void StateAdapter::compareCurves()
 {
 	constexpr int motions = 200;
@@ -385,7 +383,7 @@ void StateAdapter::interpolate( const double* a, const double* b, double t, doub
 
 unsigned StateAdapter::pieceCount( const double* a, const double* b ) const
 {
-	// what a wrapping angle moves along OMPL's curve: anything in a RealVector; at most pi in SO2, where pi + x means pi - x
+	// A wrapping angle moves by any amount in a RealVector, and by at most pi in SO2, where pi + x means pi - x
 	double largest = 0;
 	for ( std::size_t i : m_wrapping )
 	{

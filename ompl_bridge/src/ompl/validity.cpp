@@ -92,7 +92,7 @@ bool StateValidityChecker::evaluate( const ob::State* state, double& dist ) cons
 	{
 		return false;
 	}
-	// what was not asked for is UNKNOWN with lower = 0: left out
+	// a part outside `options.what` is UNKNOWN with lower = 0: left out
 	double lower = options.max_d;
 	if ( ( options.what & LW_WHAT_ENVIRONMENT ) != 0 )
 	{
@@ -148,9 +148,9 @@ MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared
 	m_def.slack = options.slack;
 	m_def.max_d = options.step;
 
-	// An edge all of whose clearances are above (min_d + slack) / (1 - alpha) is never refused (core/docs/edges.md): the run
-	// is proved at that margin, and a millionth more for the rounding of the state at its end. proveRun() says what is done
-	// where a motion begins nearer than that.
+	// An edge with all clearances above (min_d + slack) / (1 - alpha) is never refused (core/docs/edges.md): the run is
+	// proved at that margin, and a millionth more for the rounding of the state at its end. proveRun() treats motions that
+	// begin nearer than that.
 	m_last_def = m_def;
 	m_last_def.want_proved_until = true;
 	m_last_def.min_d = ( m_def.min_d + m_def.slack ) / ( 1 - m_def.alpha ) * ( 1 + 1e-6 );
@@ -192,8 +192,9 @@ double MotionValidator::writeLastValid( const EdgeProver& prover, const ProvedRu
 	const StateAdapter& adapter = m_engine->adapter();
 	Engine::Slot& slot = prover.slot();
 
-	// The end of the proved run can lie so near to min_d that rounding decides: the second candidate lies a little before it.
-	// A run that begins within the slack can end where its proof is refused as a motion of its own: the others lie well before.
+	// The end of the proved run can lie so near to min_d that rounding decides: the second candidate lies a little before
+	// it. A run that begins within the slack can end where its proof is refused as a motion of its own: the others lie well
+	// before.
 	constexpr double candidates[] = { 1.0, 1.0 - 0x1p-10, 0.75, 0.25 };
 	for ( double factor : candidates )
 	{
@@ -311,7 +312,7 @@ std::shared_ptr<Engine> install( const ob::SpaceInformationPtr& si, Checker chec
 	si->setMotionValidator( motions );
 	if ( options.prepare )
 	{
-		// what cannot be made is refused by the states and motions that need it, with or without this
+		// ignored: with or without this call, states and motions that need a mesh that cannot be made are refused
 		(void)prepare( engine->checker().get() );
 	}
 	return engine;

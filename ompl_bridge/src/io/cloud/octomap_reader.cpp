@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Octomaps (Hornung et al., OctoMap, Autonomous Robots 2013) as boxes: occupied cells, and unknown ones on request.
 //
-// liboctomap reads the tree and decides which cells are occupied. It trusts the bytes, though: it reads past their end,
+// liboctomap reads the tree and finds its occupied cells. It trusts the bytes, though: it reads past their end,
 // descends as deep as they say and prints its complaints. So `StructureCheck` walks the bytes first; liboctomap gets only
 // complete trees.
 #include "cloud/octomap_reader.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Notices about what can be read and is hardly meant. None changes an answer.
+// Notices about readable values that are hardly meant. They change no answer.
 //
 // Winding number of a mesh around a point: Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation using
 // generalized winding numbers", 2013; solid angle of a triangle: van Oosterom, Strackee, "The solid angle of a plane

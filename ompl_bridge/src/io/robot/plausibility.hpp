@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Notices about what can be read and is hardly meant: degrees, millimetres, a robot inside of an obstacle's surface.
+// Notices about readable values that are hardly meant: degrees, millimetres, a robot inside an obstacle's surface.
 #pragma once
 
 #include "base/io_internal.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Spheres of a robot's links: one excess for all, found by the number of spheres where that is what is given.
+// Spheres of a robot's links: one excess for all links. Given a number of spheres instead, a search finds that excess.
 #include "leeway/io/spheres.hpp"
 #include "leeway/parallel.hpp"
 
@@ -33,7 +33,7 @@ struct SpheresDeleter
 	void operator()( lw_spheres* spheres ) const { lw_spheres_destroy( spheres ); }
 };
 
-/// A link's shapes as the core wants them.
+/// A link's shapes in the form of lw_geometry_def.
 struct Geometry
 {
 	std::string link;
@@ -118,7 +118,7 @@ public:
 		{
 			m_end += std::chrono::duration_cast<Clock::duration>( std::chrono::duration<double>( options.seconds ) );
 		}
-		// Those that take little time first: what they leave of theirs is for the others.
+		// Links with few triangles first: the unused part of their time goes to the others.
 		std::vector<std::size_t> triangles;
 		for ( const Geometry& g : m_geometry )
 		{
@@ -151,7 +151,7 @@ public:
 			    late[link] = !out[link].met_target && Clock::now() >= stop.at;
 			    ++done;
 		    } );
-		// What others have left of their time is for a second, longer go of those that were late.
+		// Links that ran out of time get a second, longer run in the time that the other links left over.
 		std::vector<std::size_t> again;
 		std::copy_if( m_order.begin(), m_order.end(), std::back_inserter( again ),
 		    [&late]( std::size_t link ) { return late[link] != 0; } );
@@ -171,7 +171,7 @@ public:
 		return out;
 	}
 
-	/// At most so many spheres for all links together, of the least excess found for which that is so.
+	/// At most `most` spheres for all links together, of the least excess found that needs no more.
 	std::vector<LinkSpheres> byCount( std::size_t most )
 	{
 		if ( most < m_geometry.size() )

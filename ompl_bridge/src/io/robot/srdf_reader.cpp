@@ -5,8 +5,9 @@
 // of the tip), a link stands for the joint above it, subgroups are included as they are. Fixed and mimic joints have no
 // value of their own and are left out of groups. Passive joints and end effectors do not matter to collision checking.
 //
-// As in srdfdom, an element that names what the URDF lacks does not spoil the file: it is left out, with a notice. A group or
-// state that lost a part this way is kept with its defect, and using it is an error; LoadOptions::strict makes it one at once.
+// As in srdfdom, an element with a name that the URDF lacks does not spoil the file: it is left out, with a notice. A group
+// or state that lost a part this way is kept with its defect, and using it is an error; LoadOptions::strict makes it one at
+// once.
 #include "base/xml.hpp"
 
 #include <algorithm>
@@ -274,7 +275,7 @@ void SrdfReader::addChain( const XMLElement& chain, const std::string& what, Gro
 		return;
 	}
 	std::vector<const JointModel*> up = pathToRoot( base ), down = pathToRoot( tip );
-	// What both paths share lies above the common ancestor
+	// Joints on both paths lie above the common ancestor
 	while ( !up.empty() && !down.empty() && up.back() == down.back() )
 	{
 		up.pop_back();
@@ -517,8 +518,8 @@ void SrdfReader::readPairs()
 	}
 }
 
-/// A state that names joints which the URDF lacks (a root_joint, a hand that is not mounted) is the state that was meant if it
-/// has a value for each joint of its group.
+/// A state that names joints which the URDF lacks (a root_joint, a hand that is not mounted) is the state that was meant if
+/// it has a value for each joint of its group.
 void SrdfReader::readState( const XMLElement& element, const std::string& name )
 {
 	const std::string what = "group_state " + name;
@@ -579,7 +580,7 @@ void SrdfReader::readStates()
 	}
 }
 
-/// No question depends on end effectors: what they name is looked up for whoever wrote the file.
+/// No answer depends on end effectors: the notices about their unknown names help the author of the file.
 void SrdfReader::noticeEndEffectors()
 {
 	for ( const XMLElement& e : children( m_xml.root(), "end_effector" ) )
@@ -598,7 +599,7 @@ void SrdfReader::noticeEndEffectors()
 	}
 }
 
-/// A URDF has the same root element: without this it would be an SRDF that says nothing.
+/// A URDF has the same root element: without this check it would pass as an empty SRDF.
 void SrdfReader::checkKind()
 {
 	const XMLElement* urdf = nullptr;

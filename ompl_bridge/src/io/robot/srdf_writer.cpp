@@ -25,7 +25,7 @@ std::string attribute( const XMLElement& element, const char* name )
 	return value != nullptr ? value : "";
 }
 
-/// What is somebody's decision in a document, and where the rest was.
+/// A document split into the elements that a person decided on, which stay, and the position of the computed ones.
 class Document
 {
 public:

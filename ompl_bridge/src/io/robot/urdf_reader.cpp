@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// URDF: links, collision shapes and joints. urdfdom parses; the same document, checked beside it, keeps what urdfdom loses.
+// URDF: links, collision shapes and joints. urdfdom parses; a second parse of the same document keeps the parts that urdfdom
+// loses.
 //
 // urdfdom accepts some files that mean nothing (two joints moving one link, numbers it never looks at), refuses some that
-// mean something (capsules), forgets the order of the file and prints to the console. So the document is checked first, what
-// urdfdom need not see is taken out, and what it prints becomes part of the error or a notice.
+// mean something (capsules), forgets the order of the file and prints to the console. So this reader checks the document
+// first, removes the parts that urdfdom need not see, and puts urdfdom's output into the error or a notice.
 #include "shape/geometry_loader.hpp"
 #include "robot/plausibility.hpp"
 #include "base/xml.hpp"
@@ -29,7 +30,7 @@ namespace
 
 using tinyxml2::XMLElement;
 
-/// Collects what urdfdom says instead of printing it. console_bridge has one handler per process, hence the lock.
+/// Collects urdfdom's messages instead of printing them. console_bridge has one handler per process, hence the lock.
 class ConsoleCapture : public console_bridge::OutputHandler
 {
 public:
@@ -331,7 +332,7 @@ void checkJoints( const XmlFile& xml, const std::set<std::string>& links )
 	checkTree( xml, links, joint_above );
 }
 
-/// What urdfdom is given: visual, inertial and dynamic data of no interest taken out, capsules as cylinders (it knows none).
+/// The document for urdfdom: without visual, inertial and dynamic data, and with capsules as cylinders (urdfdom knows none).
 std::string textForUrdfdom( const XmlFile& xml )
 {
 	tinyxml2::XMLDocument copy;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a planning scene's allowed collision matrix says of links and objects, by names that need not be there yet.
+// A planning scene's allowed collision matrix, by names of links and objects that need not exist yet.
 #pragma once
 
 #include "leeway/io/model.hpp"

@@ -53,7 +53,7 @@ void readPair( const YamlNode& node, Margins& margins )
 	margins.pairs[{ a, b }] = checked( value.number(), value.file(), value.place() );
 }
 
-/// What is added to the margin of one link or object, if there is one of this name.
+/// Adds margins to links, objects and pairs, which it finds by name.
 class Binder
 {
 public:

@@ -11,7 +11,7 @@
 namespace leeway::io::detail
 {
 
-/// What lw_margins points to.
+/// The arrays that lw_margins points to.
 struct BoundMargins
 {
 	double environment = 0, self = 0;
@@ -21,11 +21,11 @@ struct BoundMargins
 	lw_margins def() const;
 };
 
-/// Padding is added to the margins of links and objects; what is listed as a pair is the pair's alone.
+/// Padding is added to the margins of links and objects; the margin of a listed pair is used without padding.
 /// @param problem its robot, with attached objects as links, its scene and its padding
 /// @param attached names of links that are attached objects
-/// @param allowed links and objects whose contact is allowed: a margin of such a pair is told to be in vain
-/// @throws Error (a value that is no margin; a name of nothing, unless its value changes nothing; a pair that is ambiguous)
+/// @param allowed links and objects whose contact is allowed: a margin of such a pair has no effect, and gets a notice
+/// @throws Error (a value that is no margin; an unknown name, unless its value is 0; an ambiguous pair)
 BoundMargins bindMargins( const Margins& margins, const Problem& problem, const std::set<std::string>& attached,
     const std::vector<std::pair<std::string, std::string>>& allowed, std::vector<Notice>& notices );
 

@@ -7,10 +7,11 @@
 namespace leeway::io::detail
 {
 
-/// @throws Error if no geometry can have the number of this node as its scale, or else its padding
+/// @throws Error if the number of this node is unusable, as a scale or (`scale` = false) as a padding
 void checkPadding( const YamlNode& node, bool scale );
 
-/// What holds for this robot: an entry for each link that is not as it is. @throws Error for links that the robot lacks
+/// Padding and scale of this robot, with an entry for each link that they change. @throws Error for links that the robot
+/// lacks
 Padding paddingOf( const RobotModel& robot, const ProblemOptions& options );
 
 /// The robot with each link's shapes at their scale; shapes at scale 1 are the same ones. @throws Error

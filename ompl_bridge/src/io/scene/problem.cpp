@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A problem from its parts: robot with attached objects, scene in the planning frame, reference state, allowed contacts.
 //
-// Who decides on the contact of two links: the SRDF allows what it lists; a planning scene's matrix can allow more. Its
-// "false" does not forbid what the SRDF allows: the MotionBenchMaker matrices were written for other link sets than the
-// SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. Such entries are told in a notice.
+// Contacts between links: the SRDF allows the pairs that it lists; a planning scene's matrix can allow more. A "false" in
+// the matrix does not forbid a pair of the SRDF: the MotionBenchMaker matrices were written for other link sets than the
+// SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. A notice reports such entries.
 #include "leeway/prepare.hpp"
 #include "scene/margins.hpp"
 #include "scene/padding.hpp"
@@ -542,7 +542,7 @@ void selectGroup( const RobotModel& model, const std::string& group_name, Proble
 	}
 }
 
-/// Contact between what stands still makes every state invalid: that is worth a word, once.
+/// Contact of a link that the group cannot move with an obstacle makes every state invalid: one notice reports this.
 void noticeStaticContact(
     const RobotModel& model, const SceneModel* scene, const ProblemOptions& options, Problem& problem )
 {

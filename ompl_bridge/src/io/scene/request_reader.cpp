@@ -12,7 +12,7 @@ namespace
 
 using detail::YamlNode;
 
-/// Constraints that would be dropped silently change what is asked for.
+/// A constraint that is dropped silently would change the request: refuses constraints of these kinds.
 void refuseConstraints( const YamlNode& constraints, std::initializer_list<const char*> kinds, const char* remedy )
 {
 	for ( const char* kind : kinds )

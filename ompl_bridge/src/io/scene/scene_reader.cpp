@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MoveIt planning scenes in YAML (MotionBenchMaker, robowflex, ROS messages as printed), and URDFs as scenes.
 //
-// Poses compose as in MoveIt: frame * object pose * shape pose. What cannot be used is an error, never left out: an obstacle
-// that silently disappears reads as free space.
+// Poses compose as in MoveIt: frame * object pose * shape pose. An unusable shape is an error and is never left out: an
+// obstacle that silently disappears reads as free space.
 #include "scene/articulation.hpp"
 #include "shape/geometry_loader.hpp"
 #include "scene/padding.hpp"
@@ -368,7 +368,7 @@ Shape SceneReader::readOtherShape( const YamlNode& node, const std::string& owne
 	    fmt::format( "shape type {} is not known", type ), "use point_cloud, octomap, height_map or spheres" );
 }
 
-/// leeway_shapes: what MoveIt's messages have no place for.
+/// leeway_shapes: shapes that MoveIt's messages cannot express.
 void SceneReader::readOtherShapes( const YamlNode& object, SceneObject& out )
 {
 	YamlNode shapes = object["leeway_shapes"], object_pose = object["pose"];
@@ -437,7 +437,7 @@ void SceneReader::readObjects()
 	}
 }
 
-/// octomap_msgs/OctomapWithPose. MoveIt's name of the object is <octomap>, and what is unknown to it is free.
+/// octomap_msgs/OctomapWithPose. As in MoveIt, the object's name is <octomap>, and unknown cells are free by default.
 void SceneReader::readOctomapMessage()
 {
 	YamlNode node = m_root["world"]["octomap"], map = node["octomap"];
@@ -473,7 +473,7 @@ void SceneReader::readOctomapMessage()
 	}
 }
 
-/// Appends what a reader of another file reported.
+/// Appends the report of another file's reader.
 void append( const LoadReport& report, LoadReport& out )
 {
 	out.shapes.insert( out.shapes.end(), report.shapes.begin(), report.shapes.end() );

@@ -14,7 +14,7 @@ namespace leeway::io::detail
 namespace
 {
 
-/// What a reader found wrong with a file that a scene names: both are named.
+/// Runs the reader of a file that a scene names; its errors then name the scene and the file.
 template <typename F> auto readFor( const ShapeLoader::Place& place, F read )
 {
 	try

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The first pass over a mesh file, and the second one when its tree is needed; its file in the cache.
 //
-// A file of the cache is a blob of one shape; its words say what the first pass would have found (layout: see `Words`).
+// A file of the cache is a blob of one shape; its words hold the results of the first pass (layout: see `Words`).
 #include "shape/mesh_source.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace leeway::io::detail
 namespace
 {
 
-/// What stands beside the blob of a mesh.
+/// The words beside the blob of a mesh.
 enum Words : std::size_t
 {
 	dropped_faces = 0,
@@ -56,9 +56,9 @@ lw_digest keyOf( const LoadOptions& options, const std::string& extension, const
 	return digestText( digestText( key, extension ), bytes ); // the extension says how it is read
 }
 
-/// The box of vertices as a file has them, before their scale: a product rounds monotonically, so that box and scale may change
-/// places. Many files are only looked at, so this is most of what they cost: comparisons that compilers make into minima of several
-/// lanes (not std::fmin, a call), and one sum that is not finite if any number was not.
+/// The box of the vertices of a file before scaling: a product rounds monotonically, so the box may be scaled instead of the
+/// vertices. For a mesh that stays deferred this is most of the cost: hence comparisons that compilers turn into minima of
+/// several lanes (not std::fmin, a call), and one sum that is not finite if any number was not.
 template <typename T, std::size_t lanes> class BoxFinder
 {
 public:
@@ -116,7 +116,7 @@ std::uint32_t treeTriangles( const std::vector<std::uint64_t>& words )
 	return words.size() == word_count ? static_cast<std::uint32_t>( words[triangle_count] ) : 0;
 }
 
-/// @return false if some vertex is not usable: building it will say which
+/// @return false if some vertex is unusable: the error of building the shape names it
 bool MeshSource::findBox()
 {
 	if ( !m_stl.empty() )
@@ -134,7 +134,7 @@ bool MeshSource::findBox()
 	return finder.finish( m_scale, m_def.box_min, m_def.box_max );
 }
 
-/// What a coarser mesh may reach beyond: its excess, and how its own box was rounded.
+/// Adds the excess of a coarser mesh to the box, and the rounding of that mesh's own box.
 void MeshSource::widenBox()
 {
 	for ( std::size_t k = 0; k < 3; ++k )
@@ -324,7 +324,7 @@ void MeshSource::look( const std::string& from_file, const std::string& element,
 		}
 		catch ( const Error& )
 		{
-			one_file = false; // the reader below will say what is wrong
+			one_file = false; // the reader below reports the error
 		}
 	}
 	if ( !m_options.cache.empty() && one_file )
@@ -364,7 +364,7 @@ OpenedMesh MeshSource::open( const LoadOptions& options, const std::string& file
 	source->m_scale = scale;
 	source->look( from_file, element, notices );
 	OpenedMesh mesh;
-	// What is not usable says why when it is built
+	// An unusable mesh is built at once, and its error names the reason
 	bool defer = options.defer && source->m_usable;
 	mesh.shape = defer ? source->deferredShape() : source->shapeNow( from_file, element );
 	mesh.dropped_faces = source->m_dropped_faces;

@@ -24,9 +24,9 @@ struct OpenedMesh
 
 /// One mesh file at one scale.
 ///
-/// The first pass reads the file and finds its box, and what is wrong with it: whatever can be wrong with a mesh is told by
-/// open(). Binary STL needs no more for that than its numbers; other formats are parsed. What is needed later is kept in
-/// memory, so that a file that changes meanwhile changes nothing. A deferred shape keeps its source alive.
+/// The first pass reads the file, and finds its box and its defects: open() reports every defect that a mesh can have.
+/// Binary STL needs only its numbers for that; other formats are parsed. The source data stays in memory, so that a later
+/// change of the file has no effect. A deferred shape keeps its source alive.
 class MeshSource : public std::enable_shared_from_this<MeshSource>
 {
 public:
@@ -57,7 +57,7 @@ private:
 	lw_deferred_def m_def = lw_deferred_def_default();
 	std::shared_ptr<std::atomic<double>> m_built = std::make_shared<std::atomic<double>>( -1 );
 
-	// What it is made of, until it is
+	// The source data, until the shape is made
 	std::mutex m_mutex;
 	std::string m_stl;   ///< bytes of a binary STL file
 	TriangleSoup m_soup; ///< of any other
