@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The experiment `ablation`: what each part of a query is worth, by leaving it out: alone, and all together.
+// The experiment `ablation`: the gain by each part of a query, measured by leaving the part out: alone, and all together.
 // Transform caching, range-of-motion hulls and pair tables are those of Steinbach, Kuffner, Asfour, Dillmann 2006 (II.C,
 // III, IV).
 #include "experiments/experiments.hpp"
@@ -16,7 +16,7 @@ namespace io = leeway::io;
 
 constexpr double INFINITE = std::numeric_limits<double>::infinity();
 
-/// What is left out.
+/// A setting of the query: nothing, one part or several parts left out.
 struct Variant
 {
 	const char* name;
@@ -211,8 +211,8 @@ Cellblock measureBlock(
 	return block;
 }
 
-/// Answers that are not what they are with everything on. Edges: a proof against a counterexample; that one refuses near
-/// contact what another proves is no contradiction.
+/// Number of answers that contradict those with everything on. Of edges: a proof against a counterexample; an edge near
+/// contact that one variant refuses and another proves is no contradiction.
 std::size_t contradictions( const Cellblock& block )
 {
 	std::size_t count = 0;
@@ -228,7 +228,7 @@ std::size_t contradictions( const Cellblock& block )
 	return count;
 }
 
-// --- what comes of it ------------------------------------------------------------------------------------------------
+// --- results ---------------------------------------------------------------------------------------------------------
 
 void addTable( Outcome& out, const std::vector<Cellblock>& blocks )
 {
@@ -303,7 +303,7 @@ struct Spread
 	std::string where; ///< of the most
 };
 
-/// @param against what the time is compared with
+/// @param against the variant whose time is the reference
 Spread spreadOf( const std::vector<Cellblock>& blocks, std::size_t variant,
     const std::function<bool( const Cellblock& )>& counts, std::size_t against = NOTHING )
 {

@@ -17,9 +17,9 @@
 namespace
 {
 
-constexpr int NO_DATA = 77; ///< what a test harness takes for "skipped"
+constexpr int NO_DATA = 77; ///< exit status that a test harness counts as "skipped"
 
-/// Every claim with what was seen, as a text.
+/// Prints every claim with its measured figure.
 void print( const Outcome& outcome )
 {
 	std::printf( "\n%s (%.0f s)\n", outcome.title.c_str(), outcome.seconds );

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway-bench's commands about experiments: one for each, --report for all of them, `report` and `compare` for what was
-// kept.
+// leeway-bench's commands about experiments: one for each, --report for all of them, `report` and `compare` for stored
+// results.
 #pragma once
 
 #include "report/experiment.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The experiments there are, and what runs them: one factory each, defined with the experiment.
+// The list of experiments: one factory each, defined with the experiment.
 #pragma once
 
 #include "report/experiment.hpp"

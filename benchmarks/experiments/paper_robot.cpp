@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Figures 9b and 10: what max_d, min_d and alpha are worth for ARMAR-III against itself and the kitchen.
+// Figures 9b and 10: the gain by max_d, min_d and alpha, for ARMAR-III against itself and the kitchen.
 // Paper: Steinbach, Kuffner, Asfour, Dillmann 2006, section VI.
 #include "experiments/paper.hpp"
 #include "report/rounds.hpp"
@@ -121,7 +121,7 @@ public:
 		return raceRounds( m_contenders, m_states.size(), passes, progress, what );
 	}
 
-	/// Of what a contender did, per question: pairs of shapes searched.
+	/// Pairs of shapes that a contender searched, per question.
 	double searches( std::size_t contender ) const
 	{
 		const lw_query_stats stats = lw_query_get_stats( m_queries[contender].get() );
@@ -135,7 +135,7 @@ private:
 	std::vector<Contender> m_contenders;
 };
 
-/// Mean over the members of what a contender took for each question.
+/// Mean of the members' values: a contender's times for these questions.
 double meanOf( const std::vector<double>& values, const std::vector<std::size_t>& members )
 {
 	double sum = 0;
@@ -243,7 +243,7 @@ void addMaxD( const io::Problem& problem, const std::vector<std::vector<double>>
 	out.plots.push_back( plot );
 }
 
-/// Time over max_d in multiples of each state's own distance: the paper's point is what happens above 1.
+/// Time over max_d in multiples of each state's own distance: the paper's claim is about multiples above 1.
 void addFactors( const io::Problem& problem, const std::vector<std::vector<double>>& all_states, int passes,
     Progress& progress, Outcome& out )
 {
@@ -334,7 +334,7 @@ void addFactors( const io::Problem& problem, const std::vector<std::vector<doubl
 
 // --- figure 10a: min_d -----------------------------------------------------------------------------------------------
 
-/// What is asked along the reach.
+/// A question asked at every state along the reach.
 struct Along
 {
 	const char* name;
@@ -348,7 +348,7 @@ const Along ALONG[] = {
     { "min_d 10 mm, alpha 0.3", { MARGIN, INFINITE, 0.3 } },
 };
 
-/// What an exact query does on average in some of the states.
+/// Mean work of an exact query in some of the states.
 std::string workOf(
     const io::Problem& problem, const std::vector<std::vector<double>>& states, const std::vector<std::size_t>& members )
 {
@@ -529,7 +529,7 @@ Series addAlphaSet( const io::Problem& problem, AlphaSet& set, int passes, Progr
 	    lower{ "lower end (right)", {}, Mark::LINES, true }, truth{ "true (right)", {}, Mark::DASHES, true },
 	    relative{ set.name, {}, Mark::LINES, false };
 	const std::vector<double> exact = uppers( rounds[0] );
-	double worst = 0; // share of what was promised that was used up
+	double worst = 0; // largest excess of a relative error over its alpha; 0 if none exceeds it
 	for ( std::size_t c = 0; c < std::size( ALPHAS ); ++c )
 	{
 		double error = 0, low = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Figure 9a, what GREEDY spheres cost over COMPACT and MINIMAL ones for two cubes, and figure 4, how large the spheres are.
+// Figure 9a: extra time of GREEDY spheres over COMPACT and MINIMAL ones for two cubes. Figure 4: sizes of the spheres.
 // Paper: Steinbach, Kuffner, Asfour, Dillmann 2006, sections II.B and VI.
 #include "experiments/paper.hpp"
 #include "report/rounds.hpp"
@@ -200,7 +200,7 @@ Poses posesAt( const leeway::Shape& shape, const Lie& lie, double gap, std::mt19
 	return poses;
 }
 
-/// What was measured at one separation with one alpha.
+/// Measurements at one separation with one alpha.
 struct Sample
 {
 	double gap = 0;
@@ -360,7 +360,7 @@ Claim claimOf( const std::vector<Sweep>& sweeps, const std::string& text, const 
 	return claim;
 }
 
-/// Where the work of a sample is: tests of nodes are what the fits differ in, leaves are the same triangles for all.
+/// The work of a sample: the fits differ in tests of nodes; leaves are the same triangles for all.
 std::string workOf( const Sample& s )
 {
 	return say( "at %g mm ", 1e3 * s.gap ) + say( "COMPACT tests %.0f nodes", s.nodes[COMPACT] ) +

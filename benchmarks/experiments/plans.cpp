@@ -135,7 +135,7 @@ private:
 	std::shared_ptr<const Switch> m_on;
 };
 
-/// What came of all runs of one setting.
+/// Results of all runs of one setting.
 struct Tally
 {
 	std::size_t runs = 0, solved = 0, in_contact = 0;
@@ -143,7 +143,7 @@ struct Tally
 	Promise promise{ 0 }; ///< of safe settings: 1 for a path that is not as promised, else 0
 };
 
-/// What the auditor says of a path.
+/// The auditor's findings on a path.
 struct PathLook
 {
 	bool below = false;      ///< some clearance is not above the margin

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The experiment `trade`: what each knob gives up for speed, observed beside promised.
+// The experiment `trade`: the accuracy that each knob gives up for speed, observed beside promised.
 //
-// Truth is told by others: FCL for states (in worlds that it knows), the auditor of tests/support for motions, doubles for
-// floats.
+// The truth comes from independent sources: FCL for states (in worlds that it can represent), the auditor of tests/support
+// for motions, doubles for floats.
 #pragma once
 
 #include "experiments/trade_promise.hpp"

@@ -7,7 +7,7 @@
 
 LW_EXTERN_C_BEGIN
 
-/// What float gaps of a kind came to. A unit is 2^-24 of the size of the question, as simd/kernels.h defines it.
+/// Errors of the float gaps of one kind. A unit is 2^-24 of the size of the question, as simd/kernels.h defines it.
 typedef struct trade_float_result
 {
 	uint64_t count;

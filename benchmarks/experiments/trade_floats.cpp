@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the float filters may be wrong by, and are: see trade.hpp.
+// Promised and observed errors of the float filters: see trade.hpp.
 //
-// Subtrees and triangle pairs are dropped by distances in float32 plus a slack (core/src/simd/kernels.h); what is left is
-// measured in double. The slack is a knob too, though nobody turns it: too small and answers are wrong, too large and
-// searches take longer.
+// Subtrees and triangle pairs are dropped by distances in float32 plus a slack (core/src/simd/kernels.h); the others are
+// measured in double. The slack is a knob too, though nobody turns it: with too little slack answers are wrong, with too
+// much searches take longer.
 #include "experiments/trade.hpp"
 #include "experiments/trade_float.h"
 

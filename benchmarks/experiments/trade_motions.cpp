@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What slack and alpha of certificates give up on motions, and what fixed steps miss: see trade.hpp.
+// Motions that certificates refuse because of slack and alpha, and contacts that fixed steps miss: see trade.hpp.
 //
 // Truth is a dense look along the whole motion (edge_auditor.hpp). Promises (checker.h, edges.md), at a margin of 0:
 //   certified, FREE     no contact anywhere, and every clearance is at least lower_bound
@@ -7,7 +7,7 @@
 //   certified, REFUSED  the named pair has at most slack / (1 - alpha) at t
 //   steps of h, min_d h FREE: no contact; of the clearances between two steps none is below min_d - h / 2 (obstacles) or
 //   min_d - h (links)
-// Steps of h without a margin promise nothing between two of them: what they miss is counted.
+// Steps of h without a margin promise nothing between two of them: the contacts that they miss are counted.
 #include "experiments/trade.hpp"
 
 #include "support/edge_worlds.hpp"
@@ -42,7 +42,7 @@ struct Setting
 	std::vector<double> times;     // microseconds, of each motion
 };
 
-// The clearance above which a certificate turns nothing down, metres; what steps with a margin may lose of theirs.
+// Metres. For certificates: the clearance above which none refuses a motion. For steps: their margin, min_d.
 double band( const Setting& setting )
 {
 	return setting.def.method == LW_EDGE_STEPS ? setting.def.min_d
@@ -169,7 +169,8 @@ private:
 		return false;
 	}
 
-	// By how much the least clearance that the look found is below what was promised; contact is below everything.
+	// Observes the shortfall of the least clearance that the look found below the promised one; contact is below every
+	// promise.
 	void called_free( Setting& setting, const lw_edge_result& r )
 	{
 		const std::string where = m_name + text( ", FREE; least %.9g m at t = %.17g", m_look.least, m_look.t );

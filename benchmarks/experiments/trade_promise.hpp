@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a knob promises beside what is observed, one setting at a time. An observation beyond its promise breaks it.
+// Promised and observed values of a knob, one setting at a time. An observation beyond its promise breaks it.
 #pragma once
 
 #include "report/experiment.hpp"
@@ -27,7 +27,7 @@ public:
 	/// @param granted rounding that an observation may exceed the promise by
 	explicit Promise( double granted ) : m_granted( granted ) {}
 
-	/// One answer: what it promised and what was observed of it. A NaN is beyond every promise.
+	/// One answer: its promised and its observed value. A NaN is beyond every promise.
 	/// @param what happened, kept for the first answer that breaks the promise
 	void observe( double observed, double promised, const std::string& what )
 	{

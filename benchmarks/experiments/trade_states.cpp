@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What alpha, min_d and max_d give up on states: see trade.hpp.
+// The accuracy that alpha, min_d and max_d give up on states: see trade.hpp.
 //
 // For an answer [lower, upper] and the true clearance d the promises are those of distance.h:
 //   always             lower <= d <= upper
@@ -141,7 +141,7 @@ void corrupt( const std::string& inject, const Setting& setting, lw_clearance& c
 	}
 }
 
-// Whatever the knob: the true clearance is in the interval, and the class says what the thresholds say.
+// For every knob: the true clearance is in the interval, and the class agrees with the thresholds.
 std::string refute( const lw_clearance& c, double d, const lw_range& range )
 {
 	const bool is_low = d <= range.min_d - CLOSE, is_high = d > range.min_d + CLOSE;
@@ -195,7 +195,7 @@ lw_range randomRange( std::mt19937_64& random )
 	return range;
 }
 
-// One pass over all states, settings in turn and in a new order at each: who comes after another finds warm caches.
+// One pass over all states, settings in turn and in a new order at each: a setting after another one finds warm caches.
 void pass( const Subject& subject, const std::string& inject, bool counts, std::mt19937_64& random,
     std::vector<Setting>& all, std::vector<leeway::Query>& queries )
 {
@@ -323,7 +323,7 @@ void addPlots( const std::vector<Setting>& all, Outcome& out )
 	}
 	Point exact = time.points.front();
 	Series all_of_it{ "exact", { { 0.001, exact.y }, { 1, exact.y } }, Mark::DASHES, false };
-	alpha.series = { worst, promised, mean, off, time }; // the promise over what fills it
+	alpha.series = { worst, promised, mean, off, time }; // the promise is drawn over the worst
 	cut.series = { by_min, by_max, all_of_it };
 	out.plots.push_back( alpha );
 	out.plots.push_back( cut );

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/// Adds the sphere of a subtree to its level, and what is below it to theirs. As deep as the tree: LWI_MAX_DEPTH at most.
+/// Adds the spheres of a subtree to their levels. Recursion is as deep as the tree: at most LWI_MAX_DEPTH.
 static void add_subtree(
     const lw_shape* shape, lwi_ref ref, double radius, uint32_t level, uint32_t count, bench_level* levels )
 {

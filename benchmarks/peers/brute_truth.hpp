@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is true where libraries disagree: every pair of pieces in long double (tests/support/brute_distance.hpp).
+// The truth where libraries disagree: every pair of pieces in long double (tests/support/brute_distance.hpp).
 #pragma once
 
 #include "peers/pair_peer.hpp"
@@ -9,7 +9,7 @@
 
 class BruteDistance;
 
-/// What brute force says: the distance is in the interval, between shapes of these kinds.
+/// Result of brute force: an interval of the distance, and the kinds of the two shapes.
 struct Truth
 {
 	double lower = 0, upper = 0;

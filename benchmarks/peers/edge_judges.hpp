@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Everybody who can judge an edge of a world: certificates, and what OMPL's DiscreteMotionValidator does, over leeway's
-// states and over FCL's. For one thread.
+// All judges of an edge of a world: certificates, and the method of OMPL's DiscreteMotionValidator over leeway's states and
+// over FCL's. For one thread.
 #pragma once
 
 #include "edge_world.hpp"
@@ -15,8 +15,8 @@ public:
 
 	const EdgeWorld& world() const { return m_world; }
 
-	/// Each is true for FREE. @param tables with the robot's reach @param fraction of the space's extent per step, as OMPL's longest
-	/// valid segment
+	/// Each is true for FREE. @param tables with the robot's reach @param fraction of the space's extent per step, as OMPL's
+	/// longest valid segment
 	bool byCertificate( const Motion& motion, bool tables, const lw_edge_def& def, lw_edge_result& result );
 	bool byStates( const Motion& motion, bool tables, double fraction );
 	bool byFcl( const Motion& motion, double fraction );

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What another collision library must do to be compared with: the adapter's interface.
+// The interface between leeway-bench and another collision library.
 //
-// An engine knows bodies by number: geometry at a pose. Which pairs are asked about, in which order and with which bound is
-// not its business (pair_peer.hpp), so that all are used equally well. Engines of libraries that cannot be linked with the
+// An engine knows bodies by number: geometry at a pose. The caller (pair_peer.hpp) chooses the pairs, their order and their
+// bounds, so that all engines are used equally well. Engines of libraries that cannot be linked with the
 // rest (their own versions of assimp, octomap, boost) live in modules that are loaded at run time; so this header needs
 // nothing but the core's headers, and an engine calls none of the core's functions. README.md tells how to add one.
 #pragma once
@@ -52,7 +52,7 @@ public:
 
 	/// How far its surface of a body may be from the given one, metres: round shapes as polyhedra. Explains disagreements.
 	virtual double shapeError( std::size_t ) const { return 0; }
-	/// False if primitives are surfaces: what lies inside of one does not touch it.
+	/// False if primitives are surfaces: a body inside of one does not touch it.
 	virtual bool hasSolids() const { return true; }
 	/// False for a volume that is only good for distances: such an engine is not asked collides().
 	virtual bool isForContacts() const { return true; }
@@ -64,7 +64,7 @@ public:
 	virtual void refresh() {}
 	/// @param test of a pair whose boxes overlap: true ends the search
 	virtual void overlappingPairs( const std::function<bool( std::uint32_t, std::uint32_t )>& /*test*/ ) {}
-	/// @param test of a pair that may be nearer than what it returned last: the new least distance; 0 ends the search
+	/// @param test of a pair that may be nearer than the last result; returns the new least distance, 0 to end the search
 	virtual void nearPairs( const std::function<double( std::uint32_t, std::uint32_t )>& /*test*/ ) {}
 
 	/// An engine without bodies that shares the geometry of this one.
@@ -74,5 +74,5 @@ public:
 	virtual std::size_t bytes() const = 0;   ///< of the trees it built: volumes, triangles, vertices
 };
 
-/// What a module exports, by this name.
+/// The one function that a module exports.
 extern "C" PeerEngine* leeway_peer_engine();

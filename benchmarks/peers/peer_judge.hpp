@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who is right where leeway and its peers disagree: questions, their judging, and rows of a report.
+// Judging where leeway and its peers disagree: questions, verdicts, and rows of a report.
 //
-// leeway's exact distances are what answers are held against first. Wherever an answer of anybody, leeway included, is more
-// than 1e-6 m beyond what was asked for, all pieces of the shapes in question are measured by brute force
-// (tests/support/brute_distance.hpp); what that says is the truth for everybody, and each answer that it contradicts is
-// counted, kept and explained.
+// Every answer is compared with leeway's exact distance first. If an answer of any library, leeway included, is off by more
+// than 1e-6 m, brute force measures all pieces of the shapes in question (tests/support/brute_distance.hpp). Its result is
+// the truth for all libraries, and each answer that it contradicts is counted, kept and explained.
 #pragma once
 
 #include "peers/brute_truth.hpp"
@@ -32,7 +31,7 @@ inline Answer single( double value )
 	return { value, value };
 }
 
-/// A library that was asked, and what explains its errors.
+/// A library that was asked, and two of its properties that can explain errors.
 struct Asked
 {
 	Contender contender;

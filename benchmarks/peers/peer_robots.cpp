@@ -162,7 +162,7 @@ private:
 		return truth;
 	}
 
-	/// leeway first, then peers: these are told which one they are.
+	/// leeway first, then the peers; `ask_peer` gets the number of the peer.
 	template <typename AskPeer>
 	std::vector<Asked> askedOf(
 	    const std::function<Answer( const double* )>& leeway, bool self, bool contacts, const AskPeer& ask_peer ) const
@@ -289,7 +289,7 @@ private:
 	std::vector<State> m_states;
 	std::vector<Edge> m_edges;
 	BruteDistance m_brute;
-	std::map<std::pair<std::size_t, bool>, std::pair<Truth, double>> m_truths; ///< with what they were asked up to
+	std::map<std::pair<std::size_t, bool>, std::pair<Truth, double>> m_truths; ///< each with the bound of its question
 };
 
 } // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which robots and scenes the comparison is about (peers.hpp), and what is asked about them.
+// Robots and scenes of the comparison (peers.hpp), and the questions about them.
 #include "peers/peer_workloads.hpp"
 
 #include "support/configurations.hpp"
@@ -20,7 +20,7 @@ namespace
 namespace fs = std::filesystem;
 
 /// ARMAR-III's torso and right arm, its base as in the twelve reach problems and at 20 random places near furniture: not so
-/// near that what stands still bounds all distances before anything is asked.
+/// near that the links that stand still bound all distances before the first question.
 Subject armar( const PeersSettings& settings )
 {
 	return { "armar3", [&settings]( EdgeWorlds& worlds )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who takes part in a comparison, and its results: table, JSON, CSV, pictures. See peers.hpp.
+// The libraries of a comparison, and its results: table, JSON, CSV, pictures. See peers.hpp.
 #include "peers/peers.hpp"
 
 #include "peers/fcl_peer.hpp"
@@ -66,7 +66,7 @@ std::vector<PeerLibrary> findPeers( const std::vector<std::string>& modules )
 		{
 			peers.push_back( loadModule( file ) );
 		}
-		catch ( const std::runtime_error& error ) // what it was built with may have gone
+		catch ( const std::runtime_error& error ) // libraries that the module was built with may be gone
 		{
 			std::fprintf( stderr, "leeway-bench: without %s\n", error.what() );
 		}
@@ -166,7 +166,7 @@ void PeerReport::writeCsv( const std::string& file ) const
 namespace
 {
 
-/// Of which picture a workload is a part: its letter; for states also the robot, and what it is asked about.
+/// The picture of a workload: named by its letter; for states also by the robot, and by environment or self.
 std::string pictureOf( const std::string& workload )
 {
 	for ( const char* about : { " environment ", " self " } )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway and every peer that is there, at the same work: the rows of a run, and who takes part.
+// leeway and every peer that is installed, at the same work: the rows of a run, and the participants.
 #pragma once
 
 #include "peers/peer_engine.hpp"
@@ -41,11 +41,11 @@ struct Disagreement
 {
 	std::size_t number = 0;      ///< of the state or pose, in the order in which they are made
 	double said = 0, leeway = 0; ///< metres, or 1 and 0
-	double lower = 0, upper = 0; ///< what is true
+	double lower = 0, upper = 0; ///< of the truth
 	std::string why;
 };
 
-/// What one library did at one workload.
+/// Results of one library at one workload.
 struct PeerRow
 {
 	std::string workload, library;
@@ -66,7 +66,7 @@ public:
 	std::size_t disagreements( const std::string& library ) const;
 	void writeJson( const std::string& file, nlohmann::ordered_json header ) const;
 	void writeCsv( const std::string& file ) const;
-	/// Pictures: one for each letter, of states for each robot and what they are asked about. By gnuplot. @throws
+	/// Draws one picture for each letter; for states one for each robot, environment and self apart. Needs gnuplot. @throws
 	/// std::runtime_error without it
 	void writeSvg( const std::string& folder ) const;
 
