@@ -101,6 +101,21 @@ ShapePtr make_unbounded( bool two_sided )
 }
 } // namespace
 
+TEST( UnboundedShapes, box_leaves_out_a_part )
+{
+	for ( const bool two_sided : { false, true } )
+	{
+		const lw_shape_info info = lw_shape_get_info( make_unbounded( two_sided ).get() );
+		for ( int k = 0; k < 2; ++k )
+		{
+			EXPECT_EQ( info.box_min[k], -HUGE_VAL );
+			EXPECT_EQ( info.box_max[k], HUGE_VAL );
+		}
+		EXPECT_EQ( info.box_max[2], 0 );
+		EXPECT_EQ( info.box_min[2], two_sided ? 0 : -HUGE_VAL );
+	}
+}
+
 class Unbounded : public ::testing::TestWithParam<int>
 {
 };

@@ -138,6 +138,10 @@ RobotPtr randomSparseRobot( SeededRng& rng, bool floating )
 	model.allowed.erase( std::remove_if( model.allowed.begin(), model.allowed.end(),
 							 []( const lw_link_pair& p ) { return p.link_a == p.link_b; } ),
 		model.allowed.end() );
+	if ( rng.integer( 0, 1 ) == 0 )
+	{
+		model.renumberLinks( rng );
+	}
 	return model.create();
 }
 

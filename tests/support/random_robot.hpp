@@ -66,6 +66,36 @@ struct RobotModel
 		bodyPoints.push_back( std::move( points ) );
 	}
 
+	/// Gives the links numbers in another order, so that children may come before their parents.
+	void renumberLinks( SeededRng& rng )
+	{
+		std::vector<std::uint32_t> number( linkNames.size() );
+		for ( std::uint32_t i = 0; i < number.size(); ++i )
+		{
+			number[i] = i;
+			std::swap( number[i], number[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( i ) ) )] );
+		}
+		std::vector<std::string> names( linkNames.size() );
+		for ( std::size_t i = 0; i < names.size(); ++i )
+		{
+			names[number[i]] = linkNames[i];
+		}
+		linkNames = std::move( names );
+		for ( lw_joint_def& joint : joints )
+		{
+			joint.parent = number[joint.parent];
+			joint.child = number[joint.child];
+		}
+		for ( lw_body_def& body : bodies )
+		{
+			body.link = number[body.link];
+		}
+		for ( lw_link_pair& pair : allowed )
+		{
+			pair = { number[pair.link_a], number[pair.link_b] };
+		}
+	}
+
 	lw_status create( lw_robot** out, lw_diag* diag = nullptr, const lw_allocator* allocator = nullptr ) const
 	{
 		std::vector<const char*> names;

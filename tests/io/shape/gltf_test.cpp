@@ -241,11 +241,13 @@ TEST_F( GltfTest, BinaryChunksAreCutShort )
 		bytes.append( reinterpret_cast<const char*>( &word ), sizeof word );
 	};
 	add( 2 );
-	add( 12 + 8 + json.size() + 8 + numbers.size() );
+	add( 12 + 8 + json.size() + 8 + numbers.size() + 8 + 4 );
 	add( json.size() );
 	bytes += "JSON" + json;
 	add( numbers.size() );
 	bytes += std::string( "BIN\0", 4 ) + numbers;
+	add( 4 ); // a chunk of another kind, which the format lets anybody add
+	bytes += "XTRA1234";
 	write( "m.glb", bytes );
 	EXPECT_EQ( difference( load( "m.glb" ), { { { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } } } } ), 0 );
 	for ( const std::size_t length : { bytes.size() - 1, bytes.size() - numbers.size() - 2, std::size_t{ 19 }, std::size_t{ 5 } } )
