@@ -3,9 +3,9 @@
 // several resolutions over leeway's states and FCL's, against a dense look that knows nothing of certificates
 // (tests/support/edge_auditor.hpp). Exit status 1 if a certificate is wrong, or the auditor.
 //
-// Every verdict of a certificate is put to the auditor: FREE by a look at the whole edge, its lower bound with it; BLOCKED
-// and REFUSED by the distance of the named pair at t, and by FCL; what is proved from the start by a look at that part. A
-// discrete validator cannot stumble over a free edge, so it is asked about the colliding ones.
+// The auditor checks every verdict of a certificate: FREE and its lower bound by a look at the whole edge; BLOCKED and
+// REFUSED by the distance of the named pair at t, and by FCL; `proved_until` by a look at the part up to there. A discrete
+// validator cannot err on a free edge, so only colliding edges are put to it.
 #include "support/bench_program.hpp"
 #include "peers/edge_judges.hpp"
 #include "edge_truth.hpp"
@@ -38,22 +38,22 @@ struct Settings
 	std::uint64_t seed = 20260101;
 };
 
-/// Set by Ctrl-C: what was judged so far is reported.
+/// Set by Ctrl-C: the program then reports the edges judged so far.
 volatile std::sig_atomic_t interrupted = 0;
 
 constexpr std::array<double, 3> FRACTIONS = { 0.01, 0.005, 0.001 };
 constexpr double FCL_TOLERANCE = 1e-6; ///< metres; where the distance is less, FCL may say either
 
-/// One edge to judge: a motion that was asked for, or one to be made up.
+/// One edge to judge: a given motion, or a random one.
 struct Task
 {
 	std::size_t world;
-	std::uint64_t number; ///< seeds what is made up
+	std::uint64_t number; ///< seed of a random motion
 	bool given = false;
 	Motion motion;
 };
 
-/// What came of a set of worlds.
+/// Results of a set of worlds.
 struct Tally
 {
 	std::size_t edges = 0, colliding = 0;
@@ -507,8 +507,8 @@ private:
 		}
 	}
 
-	/// Two words on contact at a state. FCL's distances of curved shapes are off by some micrometres now and then, so that
-	/// brute force says who is right where they differ.
+	/// Settles two answers on contact at a state. FCL's distances of curved shapes are off by some micrometres now and then,
+	/// so brute force decides where the two differ.
 	static void settle( Seat& seat, const std::vector<double>& state, bool auditor, bool fcl, Tally& tally )
 	{
 		if ( auditor != fcl )
@@ -545,7 +545,7 @@ private:
 		m_record << line.dump() << '\n';
 	}
 
-	// ---- what came of it --------------------------------------------------------------------------------------------
+	// ---- results ----------------------------------------------------------------------------------------------------
 
 	static Json print( const std::string& set, const Tally& t )
 	{
@@ -602,7 +602,7 @@ private:
 	EdgeWorlds m_worlds;
 	std::shared_ptr<FclModels> m_models;
 	std::vector<Task> m_tasks;
-	const Json m_provenance = provenance(); ///< of what runs: sources may change before it ends
+	const Json m_provenance = provenance(); ///< taken at the start: sources may change during the run
 	std::atomic<std::size_t> m_next{ 0 }, m_done{ 0 };
 	std::atomic<bool> m_failed{ false };
 	std::mutex m_mutex; ///< of all below

@@ -3,7 +3,7 @@
 // state, and leeway against itself with other fits, levels and switches. Exit status 1 if the answers differ.
 //
 // Each contender passes over a set of states several times; the time of a state is the median over the passes. Passes go
-// over the whole set, so that no contender sees the same state twice in a row and profits from what it just found.
+// over the whole set, so that no contender sees the same state twice in a row and profits from its last answer.
 #include "support/bench_program.hpp"
 #include "support/configurations.hpp"
 #include "peers/fcl_peer.hpp"
@@ -106,7 +106,7 @@ Agreement compareVerdicts( const Run& one, const Run& other, const Run* exact, d
 	return agreement;
 }
 
-/// States of a set by what they are.
+/// A class of the states of a set, by their distance.
 struct Class
 {
 	const char* name;

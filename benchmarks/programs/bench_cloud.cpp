@@ -167,7 +167,7 @@ Point pointOn( const Patch& patch, std::mt19937_64& random )
 	return point;
 }
 
-/// Points by area, in random order: what a sensor has seen from everywhere.
+/// Points on all surfaces, by area, in random order: a scan from all sides.
 std::vector<Point> sampleSurfaces( const lw_scene* scene, std::size_t count, std::mt19937_64& random )
 {
 	const std::vector<Patch> patches = patchesOf( scene );
@@ -320,7 +320,7 @@ private:
 
 // --- the comparison --------------------------------------------------------------------------------------------------
 
-/// Processor time of this thread: nothing here is built by several, and what else runs on the machine does not count.
+/// Processor time of this thread: one thread builds everything here, and other programs on the machine do not count.
 template <typename Work> double seconds( const Work& work )
 {
 	const double start = threadMicroseconds();
@@ -513,7 +513,7 @@ private:
 		        } } };
 	}
 
-	/// By how far an answer is outside of what the others say it must be; 0 if it is right.
+	/// Distance of an answer from the interval that the exact answers allow; 0 if it is right.
 	double excess( const char* question, std::size_t contender, const Answer& got, std::size_t state ) const
 	{
 		const double boxes = m_exact[1].answers[state].upper, cloud = m_exact[0].answers[state].upper;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a level of detail is worth: time of queries, bytes and triangles against tolerance, with the error that was seen.
+// Gain by levels of detail: time of queries, bytes and triangles against tolerance, with the observed error.
 //
-// ARMAR-III in the cluttered kitchen, the states of bench_clearance. The tolerances take turns state by state. An answer beyond
-// what the excesses allow, or one that is freer than the exact one, fails the run.
+// ARMAR-III in the cluttered kitchen, the states of bench_clearance. The tolerances take turns state by state. An answer
+// with an error beyond the excesses, or one that is freer than the exact one, fails the run.
 #include "support/bench_program.hpp"
 #include "support/configurations.hpp"
 #include "support/provenance.hpp"
@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 struct Settings
 {
 	std::string data = LEEWAY_DATA_DIR, json;
-	std::vector<double> tolerances = { 0, 0.5, 2, 5 }; ///< millimetres; the first is what the others are compared with
+	std::vector<double> tolerances = { 0, 0.5, 2, 5 }; ///< millimetres; the first is the reference of the others
 	std::size_t count = 200, repetitions = 9;
 	std::uint64_t seed = 1;
 	bool quick = false;
@@ -114,7 +114,7 @@ Answer ask( const Contender& c, const Question& question, const std::vector<doub
 	return answer;
 }
 
-/// What one question gave for one contender over a set.
+/// Results of one contender for one question over a set.
 struct Sums
 {
 	std::vector<double> seconds;

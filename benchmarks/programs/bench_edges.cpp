@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Edges: the certified validator against OMPL's discrete one at 1 % of the space's extent, over FCL and over leeway's own
-// state checker, the same edges interleaved one by one; leeway's own two without and with the tables of a reach, like against like.
-// Exit status 1 if a certificate is refuted.
+// state checker, the same edges interleaved one by one; leeway's own two without and with the tables of a reach, like
+// against like. Exit status 1 if a certificate is refuted.
 //
-// The discrete contenders do what ompl::base::DiscreteMotionValidator does (the end first, then halving, breadth first), in
-// joint vectors without OMPL around them. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for
-// the edges that are free, and for the others. Edges are random ones near obstacles and anywhere, and those that RRT-Connect
-// asks about when it solves the scenes' own problems: of these most are blocked. Those of a scene follow each other, and each query
-// has met others there before, as those of a planner have.
+// The discrete contenders use the method of ompl::base::DiscreteMotionValidator (the end first, then halving, breadth first)
+// on joint vectors without OMPL. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for free edges
+// and for the others. Edges are random ones near obstacles and anywhere, and those that RRT-Connect checks when it solves
+// the scenes' own problems: most of these are blocked. The edges of a scene follow each other, so that each query is warm,
+// as a planner's is.
 #include "support/bench_program.hpp"
 #include "peers/edge_judges.hpp"
 #include "support/edge_worlds.hpp"

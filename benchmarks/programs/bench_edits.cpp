@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a change of the world costs: each kind of edit against making everything anew.
+// Cost of a change of the world: each kind of edit against making everything anew.
 //
-// ARMAR-III, its right arm, in the cluttered KIT kitchen, all meshes made. Edits go through io::World, as a program would do them, and
-// through the core's lw_scene_edit() and lw_checker_edit() alone; verdicts of random states must be those of a checker made from nothing.
+// ARMAR-III, its right arm, in the cluttered KIT kitchen, all meshes made. Edits go through io::World, as a program would do
+// them, and through the core's lw_scene_edit() and lw_checker_edit() alone; verdicts of random states must be those of a
+// checker made from nothing.
 #include "support/bench_program.hpp"
 #include "leeway/io/world.hpp"
 #include "support/provenance.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The long form of tests/extremes: as many pairs of triangles and distance queries at the extremes as wanted, each against an oracle of
-// 64 and 113 bits. Case i of a seed is the same whatever came before it, so a run goes on where another one ended (--first).
+// The long form of tests/extremes: as many pairs of triangles and distance queries at the extremes as wanted, each against
+// an oracle of 64 and 113 bits. Case i of a seed is the same whatever came before it, so a run goes on where another one
+// ended (--first).
 #include "support/bench_program.hpp"
 #include "extreme_judge.hpp"
 #include "support/provenance.hpp"
@@ -39,7 +40,7 @@ std::uint64_t seedOf( const Settings& settings, std::uint64_t index, std::uint64
 /// Cases are handed out in blocks of this many.
 constexpr std::uint64_t block = 4096;
 
-/// What all threads share.
+/// Data that all threads share.
 struct Run
 {
 	const Settings& settings;
@@ -99,7 +100,7 @@ void work( Run& run )
 	bool more = true;
 	while ( more && !stopped )
 	{
-		// what is known to be worst already spares work
+		// a worst case known already spares the work on milder ones
 		Findings mine;
 		{
 			const std::lock_guard<std::mutex> lock( run.mutex );

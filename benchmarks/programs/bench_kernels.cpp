@@ -20,7 +20,7 @@ namespace
 
 const char* const LEVELS[] = { "", "scalar", "SSE2", "AVX2" };
 
-/// Triangles of a few centimetres, a few centimetres apart: what reaches the leaves.
+/// Triangles of a few centimetres, a few centimetres apart: typical of the pairs that reach the leaves.
 std::vector<lw_vec3> randomTriangles( std::size_t count )
 {
 	std::mt19937_64 random( 20260101 );

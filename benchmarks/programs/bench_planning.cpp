@@ -3,8 +3,8 @@
 // sampled over leeway's states and over FCL's. Exit status 1 if a path of proved motions is refuted by a dense look.
 //
 // Everybody plans with the same planner and its defaults in the same space, problem by problem in turn, several runs each
-// with random numbers of their own. The time is the processor time of solve(), then that of a simplification by shortcuts. Every path
-// is looked at afterwards (tests/support/edge_auditor.hpp), outside of its time.
+// with random numbers of their own. The time is the processor time of solve(), then that of a simplification by shortcuts.
+// Every path is looked at afterwards (tests/support/edge_auditor.hpp), outside of its time.
 #include "support/bench_program.hpp"
 #include "edge_auditor.hpp"
 #include "peers/edge_judges.hpp"
@@ -71,7 +71,7 @@ private:
 	mutable std::vector<double> m_state;
 };
 
-/// What came of one run.
+/// Result of one run.
 struct Planned
 {
 	bool solved = false, in_contact = false;
@@ -158,7 +158,7 @@ private:
 	bool m_usable = false;
 };
 
-/// What came of all runs of one judge on one set of problems.
+/// Results of all runs of one judge on one set of problems.
 struct Tally
 {
 	std::size_t runs = 0, solved = 0, in_contact = 0;

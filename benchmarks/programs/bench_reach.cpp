@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// bench_reach: what motion hulls and pair tables cost, and a long hunt for a vertex that leaves its hull.
+// bench_reach: cost of motion hulls and pair tables, and a long hunt for a vertex that leaves its hull.
 //
 // Containment is tested by support functions: a convex set contains a body if and only if in every direction it reaches at
 // least as far. Each state brings one random direction, in which all hulls and spheres of the robot are tested.
@@ -194,7 +194,7 @@ private:
 		{
 			double lower, upper;
 			lw_reach_variable_range( m_reach, i, &lower, &upper );
-			lower = std::max( lower, -3.0 ); // of what has no limits, any part will do: nothing unbounded is tested
+			lower = std::max( lower, -3.0 ); // for a variable without limits any range will do: nothing unbounded is tested
 			upper = std::min( upper, 3.0 );
 			const bool wraps = lw_robot_variable( m_robot, i ).wraps;
 			m_state[i] = wraps	  ? m_rng.uniform( -2 * M_PI, 2 * M_PI )

@@ -35,7 +35,7 @@ struct Settings
 	std::uint64_t seed = 20260101;
 };
 
-/// What is asked: the boolean check stops at the first contact.
+/// A question about a state: the boolean check stops at the first contact.
 struct Question
 {
 	const char* name;
@@ -83,7 +83,7 @@ std::vector<Model> models( const Settings& settings )
 	return named;
 }
 
-/// A robot, and what is proved of it with and without subdivision.
+/// A robot, and its proved separations with and without subdivision.
 struct Subject
 {
 	const Model* model;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From files to the first answer: everything modelled, only what is required, and with a warm cache.
+// From files to the first answer: all meshes built, only the required ones, and with a warm cache.
 //
 // ARMAR-III, its right arm, parked at the sink of the cluttered KIT kitchen. Contenders take turns; each start reads all
 // files again (the system's file cache is warm). The state's answer must be the same to the bit.
@@ -51,7 +51,7 @@ enum Stage
 };
 const char* const STAGE_NAMES[] = { "request", "robot", "scene", "checker", "answer" };
 
-/// What one start took and gave.
+/// Times and results of one start.
 struct Start
 {
 	double stage[STAGES] = {};

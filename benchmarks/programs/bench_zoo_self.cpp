@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Exact self clearance of robots as they come: any URDF with its SRDF, all joints, random states.
 //
-// The first pass over the states pays for what is made when it is first needed, so its slowest state is reported apart; the other passes are
-// what a running planner sees. Counters of the query and a hash of all answers make two versions of the engine comparable on a busy machine.
+// The first pass over the states pays for everything that is built on first use, so its slowest state is reported apart; the
+// other passes show the times of a running planner. Counters of the query and a hash of all answers make two versions of the
+// engine comparable on a busy machine.
 #include "support/bench_program.hpp"
 #include "peers/fcl_peer.hpp"
 #include "groundtruth.hpp"
@@ -81,7 +82,7 @@ Subject makeSubject( const Settings& settings, const std::string& text )
 	return subject;
 }
 
-/// Uniform within the limits; a whole turn where there are none and the joint turns, else what the neutral state has.
+/// Uniform within the limits; within a whole turn for wrapping variables; other variables keep their reference value.
 std::vector<double> randomState( const leeway::io::Problem& problem, std::mt19937_64& random )
 {
 	std::vector<double> state;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The program leeway-bench: what `leeway bench ...` hands over to, so that leeway itself links no other library of its kind.
+// The program leeway-bench. `leeway bench ...` starts it, so that leeway itself links no other collision library.
 #include "experiments/experiment_commands.hpp"
 #include "peers/peers.hpp"
 

@@ -56,7 +56,7 @@ std::string textOf( const Cell& cell )
 	return text;
 }
 
-/// What stands in front of the first column that tells better from worse.
+/// The name of a row: its cells in front of the first column with `better`.
 std::string nameOf( const Table& table, const std::vector<Cell>& row )
 {
 	std::string name;
@@ -193,7 +193,7 @@ Json valueOf( const Json& json, const char* key )
 	return json.is_object() ? json.value( key, Json() ) : Json();
 }
 
-/// What has to be the same for figures to be comparable.
+/// Adds a note for each of these entries of the provenance that differs: figures are comparable only if all are equal.
 void compareProvenance( Comparison& out, const Json& before, const Json& after )
 {
 	for ( const char* key : { "processor", "simd", "compiler", "c_flags", "quick", "seed", "data_hash" } )
@@ -206,7 +206,7 @@ void compareProvenance( Comparison& out, const Json& before, const Json& after )
 	}
 }
 
-/// What all times have in common, and how far they scatter about it: Comparison::drift and scatter.
+/// The common drift of all times, and their scatter about it: Comparison::drift and scatter.
 std::pair<double, double> driftOf( const Report& before, const Report& after )
 {
 	constexpr std::size_t ENOUGH = 20;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-/// Time left of several pieces of work one after the other. Knows no clock: it is told what time it is.
+/// Time left of several pieces of work one after the other. Reads no clock: the caller passes the time.
 class TimeLeft
 {
 public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What experiments hand back, in numbers and in files: see experiment.hpp.
+// Results of experiments, in numbers and in files: see experiment.hpp.
 #include "report/experiment.hpp"
 
 #include <algorithm>
@@ -61,7 +61,7 @@ bool promisesKept( const Outcome& outcome )
 namespace
 {
 
-/// Six digits: no figure here is better, and files stay small. JSON has no word for what is not finite, we have three.
+/// Six digits: no figure here is better, and files stay small. JSON cannot express NaN and infinities; we use three words.
 Json number( double value )
 {
 	if ( !std::isfinite( value ) )

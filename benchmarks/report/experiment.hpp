@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An experiment: what it is asked to do, and what it hands back: tables, plots, and claims held against them. report.hpp
-// makes a page of it, compare.hpp sets two of them side by side.
+// An experiment: its settings and its results (tables, plots, and claims held against them). report.hpp makes a page of the
+// results, compare.hpp sets two of them side by side.
 #pragma once
 
 #include "support/race.hpp"
@@ -19,11 +19,11 @@ namespace CLI
 class App;
 }
 
-/// What all experiments are told.
+/// Settings of all experiments.
 struct ExperimentSettings
 {
 	std::string data =
-	    LEEWAY_DATA_DIR; ///< folder with armar3, kit_kitchen and mbm; empty: only what needs none of it, for tests
+	    LEEWAY_DATA_DIR; ///< folder with armar3, kit_kitchen and mbm; empty: only work that needs no data, for tests
 	std::string out;     ///< folder for files of their own; empty: write none
 	bool quick = false;  ///< a share of the work; all experiments together stay under two minutes
 	bool smoke = false;  ///< the least that runs every line: seconds, for tests. Implies quick
@@ -40,7 +40,8 @@ class Progress
 {
 public:
 	virtual ~Progress() = default;
-	/// @param share of this experiment that is done, in [0, 1], never less than before. @param what is being done now
+	/// @param share of this experiment that is done, in [0, 1], never less than before.
+	/// @param what name of the work at hand
 	virtual void at( double share, const std::string& what ) = 0;
 };
 
@@ -71,11 +72,11 @@ using Cell = std::variant<std::string, double, Measure>;
 struct Column
 {
 	std::string name, unit; ///< unit "" = a word or a bare number
-	/// What compare.hpp may say of it: +1 more is better, -1 less is better, 0 it tells no better from worse.
+	/// For compare.hpp: +1 more is better, -1 less is better, 0 neither.
 	int better = 0;
 };
 
-/// What stands in front of the first column with `better` names the row, for compare.hpp: no two rows may have it alike.
+/// The cells in front of the first column with `better` name the row for compare.hpp: no two rows may have equal names.
 struct Table
 {
 	std::string id, title, note; ///< id: unique in the experiment, [a-z0-9-]
@@ -110,7 +111,7 @@ enum class Mark
 struct Series
 {
 	std::string name;
-	std::vector<Point> points; ///< in the order of x if they are joined; what is not finite interrupts the line
+	std::vector<Point> points; ///< in the order of x if they are joined; a point that is not finite interrupts the line
 	Mark mark = Mark::LINES;
 	bool second = false; ///< belongs to the y axis on the right
 };
@@ -127,25 +128,25 @@ struct Plot
 enum class Verdict
 {
 	HOLDS,   ///< the claim is seen in our figures
-	PARTLY,  ///< in some of them: `why` says which and why
-	DIFFERS, ///< it is not: `why` says why, by figures
+	PARTLY,  ///< seen in some of them: `why` names these and gives the reason
+	DIFFERS, ///< not seen: `why` gives the reason, by figures
 	BROKEN   ///< one of our own promises is not kept: the run fails, exit status 1
 };
 const char* verdictName( Verdict verdict ); ///< "holds", "partly", "differs", "BROKEN"
 
-/// What somebody says and what we see. Verdict and figures come from the data of the run, never from the source.
+/// A claim of a source and our figures beside it. Verdict and figures come from the data of the run, never from the source.
 struct Claim
 {
-	std::string source; ///< who says so: "paper, figure 9a"; "promise" for our own
-	std::string text;   ///< what is said
-	std::string figure; ///< what we see, with figures and units
+	std::string source; ///< of the claim: "paper, figure 9a"; "promise" for our own
+	std::string text;   ///< the claim itself
+	std::string figure; ///< our result, with figures and units
 	Verdict verdict = Verdict::HOLDS;
-	std::string why; ///< what differs and why; may be empty where it holds
+	std::string why; ///< the difference and its reason; may be empty if the claim holds
 };
 
 struct Outcome
 {
-	std::string name, title, about; ///< about: what was done, with what, one paragraph
+	std::string name, title, about; ///< about: the work and its data, one paragraph
 	std::vector<Table> tables;
 	std::vector<Plot> plots;
 	std::vector<Claim> claims;

@@ -15,7 +15,7 @@ namespace
 /// Okabe and Ito's colours: told apart by colour-blind readers too.
 const char* const COLOURS[] = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#333333", "#8c6d1f" };
 
-/// What stands inside double quotes of gnuplot.
+/// The text as it must stand inside double quotes of gnuplot.
 std::string inside( const std::string& text )
 {
 	std::string out;

@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-/// Outcomes, and where they come from.
+/// Outcomes, and their provenance.
 struct Report
 {
-	nlohmann::ordered_json provenance; ///< commit, machine, settings: what is the same for all of them
+	nlohmann::ordered_json provenance; ///< commit, machine, settings: common to all outcomes
 	std::vector<Outcome> outcomes;
 };
 
 nlohmann::ordered_json toJson( const Report& report );
 Report reportFromJson( const nlohmann::ordered_json& json ); ///< @throws std::exception, as outcomeFromJson()
 void writeJson( const Report& report, const std::string& file );
-/// @throws std::runtime_error naming the file and what is wrong with it
+/// @throws std::runtime_error naming the file and its error
 Report readReport( const std::string& file );
 
 enum class Picture
@@ -27,7 +27,7 @@ enum class Picture
 	PNG
 };
 
-/// What gnuplot has to be told to draw a plot into a file.
+/// The gnuplot script that draws a plot into a file.
 std::string gnuplotScript( const Plot& plot, Picture picture, const std::string& file );
 
 bool hasGnuplot();

@@ -15,7 +15,7 @@ std::vector<Rounds> raceRounds( const std::vector<Contender>& contenders, std::s
 		std::vector<double> sums( contenders.size(), 0.0 );
 		for ( std::size_t i = 0; i < questions; ++i )
 		{
-			// In a new order each time: who comes after somebody with much memory finds the caches cold
+			// In a new order each time: a contender that follows one with much memory finds the caches cold
 			for ( std::size_t k = order.size(); k-- > 1; )
 			{
 				std::swap( order[k], order[random() % ( k + 1 )] );

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contenders in turn, as in race.hpp, kept pass by pass: what differs from pass to pass is the noise of a figure.
+// Contenders in turn, as in race.hpp, kept pass by pass: the differences between passes are the noise of a figure.
 #pragma once
 
 #include "report/experiment.hpp"
 
-/// What a contender did.
+/// Times and answers of a contender.
 struct Rounds
 {
 	std::vector<double> means;   ///< microseconds per question, one of each pass

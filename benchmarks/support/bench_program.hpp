@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all benchmarks have in common: options, a folder of data, and what becomes of errors.
+// Common to all benchmarks: options, a folder of data, and the treatment of errors.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-/// What values an option takes, both ends included.
+/// The values that an option takes, both ends included.
 template <typename T>
 struct Between
 {
@@ -31,11 +31,12 @@ void requireData( const std::string& data, const std::string& folder );
 class BenchProgram
 {
 public:
-	/// @param about what --help says first; what the exit status means is said after it
+	/// @param about first paragraph of --help; the meaning of the exit status follows it
 	BenchProgram( std::string name, const std::string& about );
 	~BenchProgram();
 
-	/// What a variable holds now is the default, which --help shows. All variables must live until run() has returned.
+	/// The present value of the variable is the default, which --help shows. All variables must live until run() has
+	/// returned.
 	void option( const std::string& name, std::string& value, const std::string& help );
 	void option( const std::string& name, std::vector<std::string>& values, const std::string& help );
 	void option( const std::string& name, std::vector<double>& values, const std::string& help );
@@ -48,9 +49,9 @@ public:
 	void flag( const std::string& name, bool& value, const std::string& help );
 
 	/// Reads the command line, then works.
-	/// @param work what it returns is the exit status: 0, or 1 if something is wrong with what was measured
-	/// @return for main(): that; 2 for errors that were thrown, and 77 for NoData, each told on stderr; CLI11's for a command
-	/// line that is wrong
+	/// @param work returns the exit status: 0, or 1 if a measured answer is wrong
+	/// @return for main(): the status of `work`; 2 for errors that were thrown, and 77 for NoData, each reported on stderr;
+	/// CLI11's status for a wrong command line
 	int run( int argc, char** argv, const std::function<int()>& work );
 
 private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// States of ARMAR-III in the cluttered kitchen: what a planner asks about, near furniture.
+// States of ARMAR-III in the cluttered kitchen, near furniture, as a planner checks them.
 #pragma once
 
 #include "leeway/io/model.hpp"

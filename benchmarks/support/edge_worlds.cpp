@@ -67,8 +67,8 @@ void joinGroups( io::RobotModel& model, const std::string& name )
 	model.groups.push_back( joined );
 }
 
-/// What the scene's allowed collision matrix says of links and objects. Everybody who checks pairs counts them and compares
-/// with the checker's number (PairPeer).
+/// Pairs of a link and an object that the scene's allowed collision matrix allows. Every peer that checks pairs counts them
+/// and compares with the checker's number (PairPeer).
 std::vector<lw_link_object_pair> allowedContacts( const io::SceneModel& scene, const EdgeWorld& world )
 {
 	std::vector<lw_link_object_pair> pairs;

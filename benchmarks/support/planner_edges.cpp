@@ -17,7 +17,7 @@ namespace ob = ::ompl::base;
 namespace
 {
 
-/// Passes on to another validator and keeps what it was asked. One thread.
+/// Passes motions on to another validator and records them. One thread.
 class Recorder : public ob::MotionValidator
 {
 public:

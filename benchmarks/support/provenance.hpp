@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a figure comes from: what every result file says before its first number; and how such files are written.
+// Provenance of figures: the header of every result file; and functions that write such files.
 #pragma once
 
 #include <cstdint>

@@ -2,9 +2,9 @@
 // Contenders that answer the same questions in turn, and the times they took.
 //
 // Each passes over a set of states several times; the time of a state is the median over the passes. Passes go over the
-// whole set, so that nobody sees the same state twice in a row and profits from what it just found. They take turns every few
-// states, as a planner asks one library and not all of them in turn: who comes next finds the caches cold and has a few
-// states to warm them. What reading the clock takes, a system call, is measured and taken off.
+// whole set, so that no contender sees the same state twice in a row and profits from its last answer. They take turns every
+// few states, as a planner uses one library and not all of them in turn: the next contender finds the caches cold and has a
+// few states to warm them. The time of reading the clock, a system call, is measured and subtracted.
 #pragma once
 
 #include "support/configurations.hpp"
@@ -31,7 +31,7 @@ struct Contender
 	std::function<Answer( const double* q )> ask;
 };
 
-/// What a contender did on a set: per state its answer (of the first pass) and its time.
+/// Results of a contender on a set: per state its answer (of the first pass) and its time.
 struct Run
 {
 	std::vector<Answer> answers;
@@ -76,7 +76,7 @@ inline nlohmann::ordered_json toJson( const Summary& summary )
 	return nlohmann::ordered_json{ { "median_us", summary.median }, { "mean_us", summary.mean }, { "p95_us", summary.p95 } };
 }
 
-/// Processor time of this thread: what others do on the machine meanwhile lengthens no query, least of all the long ones.
+/// Processor time of this thread: other programs on the machine do not lengthen a query.
 inline double threadMicroseconds()
 {
 	timespec now;
@@ -84,7 +84,7 @@ inline double threadMicroseconds()
 	return 1e6 * static_cast<double>( now.tv_sec ) + 1e-3 * static_cast<double>( now.tv_nsec );
 }
 
-/// Median of what two readings of the clock, one after the other, are apart.
+/// Median time between two successive readings of the clock.
 inline double clockMicroseconds()
 {
 	std::vector<double> apart;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A folder for what a benchmark generates: gone with everything in it when the object is.
+// A folder for the files that a benchmark generates; the destructor removes it with everything in it.
 #pragma once
 
 #include <cstdlib>

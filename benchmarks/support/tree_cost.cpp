@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What trees cost: see tree_cost.hpp.
+// Cost of trees: see tree_cost.hpp.
 #include "support/tree_cost.hpp"
 
 #include "support/race.hpp"

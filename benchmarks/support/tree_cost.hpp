@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the trees of a robot and its scene cost: time and memory.
+// Cost of the trees of a robot and its scene: time and memory.
 #pragma once
 
 #include "leeway/io/model.hpp"
