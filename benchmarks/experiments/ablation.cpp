@@ -113,7 +113,7 @@ std::vector<double> beside(
 	return to;
 }
 
-/// States that are asked about, or edges from each state to the one in `to`.
+/// The states of a workload, or its edges from each state to the one in `to`.
 struct Work
 {
 	std::string name;

@@ -17,7 +17,7 @@ void addPaperShapes( const ExperimentSettings& settings, Progress& progress, Out
 /// ARMAR-III in the cluttered kitchen with motion hulls and pair tables, parked before the dishwasher (reach problem 5).
 leeway::io::Problem loadPaperKitchen( const ExperimentSettings& settings, const std::string& group );
 
-/// States that figures 9b and 10 are asked about.
+/// States of figures 9b and 10.
 struct PaperStates
 {
 	std::vector<std::vector<double>> reach;  ///< along a reach under the wall cupboard, evenly in joint space

@@ -340,7 +340,7 @@ Plot plotOf( const Sweep& sweep )
 	return plot;
 }
 
-/// A claim that is looked at in each sweep: it holds if it does in all, partly if in some.
+/// A claim that is tested in each sweep: it holds if it holds in all sweeps, and partly if in some.
 Claim claimOf( const std::vector<Sweep>& sweeps, const std::string& text, const std::function<bool( const Sweep& )>& holds,
     const std::function<std::string( const Sweep& )>& figure, const std::function<std::string( const Sweep& )>& why )
 {

@@ -3,7 +3,7 @@
 //
 // One OMPL Benchmark for each reach. Its "planners" are RRT-Connect under different names, and before each run the judge of
 // states and motions is changed to the setting of that name, so that Planner Arena compares settings as it compares
-// planners. Every path is looked at densely by the auditor of tests/support, after its run and outside of its time.
+// planners. The auditor of tests/support checks every path densely, after its run and outside of its time.
 #include "experiments/plans.hpp"
 
 #include "edge_auditor.hpp"

@@ -85,12 +85,12 @@ std::vector<Setting> allSettings( bool short_run )
 	return all;
 }
 
-// A world with somebody who knows its truth.
+// A world with an auditor, who measures its truth, and the queries of all settings.
 struct Seat
 {
 	const EdgeWorld& world;
 	EdgeAuditor auditor;
-	std::vector<leeway::Query> queries; // one for each setting: nobody profits from another's memory
+	std::vector<leeway::Query> queries; // one for each setting: no setting profits from another's memory
 	leeway::Query spare;
 
 	Seat( const EdgeWorld& of, std::size_t settings )

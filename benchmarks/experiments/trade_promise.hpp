@@ -69,7 +69,7 @@ inline double worstShare( const std::vector<const Promise*>& promises )
 	return worst;
 }
 
-/// The promises of all settings of a knob as a claim. Without a single observation it is broken too: nobody has looked.
+/// The promises of all settings of a knob as a claim. Without a single observation it is broken too.
 inline Claim claimOf( const std::string& what, const std::vector<const Promise*>& promises, const std::string& figure )
 {
 	Claim claim{ "promise", what, figure, Verdict::HOLDS, "" };

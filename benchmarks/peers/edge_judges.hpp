@@ -29,7 +29,7 @@ public:
 	/// FCL's word on one state: is it in contact, and how far is it from it (no further than `bound`)?
 	bool fclCollides( const std::vector<double>& q );
 	double fclDistance( const std::vector<double>& q, double bound );
-	/// Brute force's word on contact at a state, about the pairs that FCL is asked about.
+	/// Brute force's answer on contact at a state, for the same pairs as FCL's.
 	bool bruteCollides( const std::vector<double>& q );
 
 	/// A query without a part in any of that.

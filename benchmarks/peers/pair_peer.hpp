@@ -26,7 +26,7 @@ class PairPeer
 {
 public:
 	/// Bodies that the checker's group moves against the scene, and pairs of bodies whose relative pose it can change.
-	/// @param allowed contacts that the checker was told not to count
+	/// @param allowed contacts that the checker allows
 	/// @param managers the engine's own broadphase answers about the environment
 	/// @throws std::runtime_error for shapes that the library does not have: sets of points, spheres or boxes, half-spaces;
 	/// if the checker does not allow the same contacts
@@ -52,7 +52,7 @@ public:
 	const std::vector<std::uint32_t>& movingBodies() const { return m_moving; }
 	const PeerEngine& engine() const { return *m_engine; }
 
-	/// Pairs that count, at the last state posed, for somebody else to look at.
+	/// Pairs that count, at the last state posed, for brute force.
 	std::vector<PlacedPair> placedPairs( bool self ) const;
 	/// PeerEngine::shapeError() of two bodies together, at most.
 	double largestShapeError() const;

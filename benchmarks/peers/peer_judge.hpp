@@ -15,7 +15,7 @@
 
 constexpr double INFINITE = std::numeric_limits<double>::infinity();
 constexpr double AGREEMENT = 1e-6; ///< metres
-constexpr std::size_t BLOCK = 16;  ///< things that a library is asked about in a row
+constexpr std::size_t BLOCK = 16;  ///< questions to one library in a row
 
 struct Question
 {
@@ -39,7 +39,7 @@ struct Asked
 	bool has_solids = true;
 };
 
-/// One question put to everybody about the same things, leeway first.
+/// One question put to all libraries about the same things, leeway first.
 class Trial
 {
 public:
@@ -66,7 +66,7 @@ private:
 		std::string why;
 	};
 	Wrong judge( std::size_t contender, std::size_t member, const Truth& truth ) const;
-	/// leeway's word, or brute force's where somebody contradicts it.
+	/// leeway's answer, or brute force's where a library contradicts leeway.
 	Truth truthOf( std::size_t member );
 
 	const Question m_question;
@@ -77,7 +77,7 @@ private:
 	std::map<std::size_t, Truth> m_examined;
 };
 
-/// The things are asked about by their number.
+/// The number of a thing: contenders get a pointer to it as a double.
 inline std::size_t numberOf( const double* state )
 {
 	return static_cast<std::size_t>( *state );

@@ -249,7 +249,7 @@ private:
 			    }
 			    return single( free ? 0 : 1 );
 		    } );
-		// The truth of an edge: 0 if one of the states that somebody found in collision is, 1 if not
+		// The truth of an edge: 0 if one of the states that a library found in collision is, 1 if not
 		Trial trial( { "free", 0, true, 0 }, asked,
 		    [this, &found]( std::size_t edge, double )
 		    {

@@ -51,7 +51,7 @@ public:
 		return { c.lower, c.upper };
 	}
 
-	/// Is any clearance <= min_d? Nothing more precise than that is asked for.
+	/// Is any clearance <= min_d? The answer has no distance.
 	Answer violates( const double* q, lw_what what, double min_d )
 	{
 		bool free = false;

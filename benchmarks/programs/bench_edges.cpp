@@ -103,7 +103,7 @@ private:
 		return { edge.judges->byStates( edge.motion, tables, fraction ) ? 1.0 : 0.0, 0 };
 	}
 
-	/// Everybody is asked with the number of an edge.
+	/// Each contender gets the number of an edge.
 	std::vector<Contender> contenders() const
 	{
 		const double fraction = m_settings.resolution;

@@ -118,7 +118,7 @@ lw_transform Bench::near( const lw_transform& pose )
 	return moved;
 }
 
-/// Verdicts and intervals of the snapshot of now and of everything made anew; also what the latter takes.
+/// Compares verdicts and intervals of the present snapshot with those of everything made anew, and times the latter.
 void Bench::compare()
 {
 	const std::shared_ptr<const io::Problem> problem = m_world->problem();

@@ -2,9 +2,9 @@
 // Whole planning problems: RRT-Connect on MotionBenchMaker's problems of Panda and Fetch, motions proved by certificates, or
 // sampled over leeway's states and over FCL's. Exit status 1 if a path of proved motions is refuted by a dense look.
 //
-// Everybody plans with the same planner and its defaults in the same space, problem by problem in turn, several runs each
+// All judges plan with the same planner and its defaults in the same space, problem by problem in turn, several runs each
 // with random numbers of their own. The time is the processor time of solve(), then that of a simplification by shortcuts.
-// Every path is looked at afterwards (tests/support/edge_auditor.hpp), outside of its time.
+// The auditor checks every path afterwards (tests/support/edge_auditor.hpp), outside of its time.
 #include "support/bench_program.hpp"
 #include "edge_auditor.hpp"
 #include "peers/edge_judges.hpp"
@@ -193,7 +193,7 @@ bool inContact( EdgeAuditor& auditor, const EdgeWorld& world, const std::vector<
 	return false;
 }
 
-/// @return false if an end of the problem is in contact: nobody plans then
+/// @return false if an end of the problem is in contact: no judge plans then
 bool planProblem(
     const Settings& settings, const EdgeWorldEntry& entry, const std::shared_ptr<FclModels>& models, Tallies& tallies )
 {
@@ -218,7 +218,7 @@ bool planProblem(
 			Planned planned = plannings[j]->run( settings.seconds );
 			if ( run == 0 )
 			{
-				continue; // nobody's first run is counted: memory and caches
+				continue; // the first run of each judge warms memory and caches and is not counted
 			}
 			planned.in_contact = planned.solved && inContact( auditor, world, plannings[j]->path() );
 			tallies[j].add( planned );

@@ -56,7 +56,7 @@ struct Model
 	std::string name, urdf, srdf;
 	std::string tables; ///< folder of the ground truth; empty: none, random states only
 	std::vector<std::string> groups;
-	bool meshes_only; ///< FCL is asked then; its boxes and spheres are other shapes than its meshes
+	bool meshes_only; ///< then FCL takes part; its boxes and spheres are other shapes than its meshes
 };
 
 /// The three robots of the data folder, or those that were named.

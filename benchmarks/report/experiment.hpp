@@ -45,7 +45,7 @@ public:
 	virtual void at( double share, const std::string& what ) = 0;
 };
 
-/// A part of somebody else's progress: its own 0 to 1 are `from` to `to` of the whole.
+/// A part of another progress: its own 0 to 1 are `from` to `to` of the whole.
 class PartProgress : public Progress
 {
 public:

@@ -12,12 +12,12 @@ struct Rounds
 	std::vector<Answer> answers; ///< of the first pass
 };
 
-/// Questions are asked by their number, in order: `ask` of each contender gets a pointer to it as a double. Contenders take
-/// turns question by question, in a new order each time. A first pass that nobody counts warms up.
+/// Puts the questions by their number, in order: `ask` of each contender gets a pointer to it as a double. Contenders take
+/// turns question by question, in a new order each time. A first pass that is not counted warms up.
 std::vector<Rounds> raceRounds( const std::vector<Contender>& contenders, std::size_t questions, int passes,
     Progress& progress, const std::string& what );
 
-/// The number of a question that a contender of raceRounds() is asked.
+/// The number of the question that a contender of raceRounds() gets.
 inline std::size_t questionNumber( const double* q )
 {
 	return static_cast<std::size_t>( *q );

@@ -96,8 +96,8 @@ inline double clockMicroseconds()
 	return median( std::move( apart ) );
 }
 
-/// @param block states that a contender is asked about before it is the next one's turn: with 1 everybody finds the caches
-/// full of others' trees, with more they hold its own for most of the block, as when a planner asks
+/// @param block states in a row for one contender before the next one's turn: with 1 each contender finds the caches full of
+/// others' trees; with more they hold its own for most of the block, as under a planner
 inline std::vector<Run> race(
 	const std::vector<Contender>& contenders, const ConfigurationSet& set, int repetitions, std::size_t block = 24 )
 {

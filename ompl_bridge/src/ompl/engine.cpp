@@ -49,7 +49,7 @@ Checker checkedChecker( Checker checker )
 	return checker;
 }
 
-/// Both checkers are asked with the same state vectors.
+/// Both checkers must accept the same state vectors.
 void requireSameStates( const lw_checker* now, const lw_checker* next )
 {
 	const auto refuse = []( const std::string& what )

@@ -27,7 +27,7 @@ struct alignas( 64 ) Engine::Slot
 {
 	std::atomic<bool> busy{ true }; ///< a new slot belongs to the thread that made it
 	Slot* next = nullptr;           ///< written before the slot is published, never after
-	Checker checker;           ///< the snapshot that is asked
+	Checker checker;           ///< the snapshot in use
 	std::uint64_t version = 0; ///< of it
 	Query query;
 	std::unique_ptr<double[]> memory;

@@ -110,7 +110,7 @@ public:
 	/// @throws Error if there is to be a cache and its folder cannot be made, or LoadOptions::detail is no tolerance
 	ShapeLoader( const LoadOptions& options, LoadReport& report );
 
-	/// Where a shape is asked for: the file, the element for errors, and the link or object that owns it.
+	/// The place that names a shape: the file, the element for errors, and the link or object that owns the shape.
 	struct Place
 	{
 		std::string file, element, owner;

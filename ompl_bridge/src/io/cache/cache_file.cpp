@@ -163,8 +163,9 @@ bool readCacheFile( const std::string& file, lw_digest key, std::vector<Notice>&
 		}
 		if ( status == LW_OK )
 		{
-			// trimCache() goes by the time of the last change: that of the last read depends on how the file system is mounted,
-			// and looking into a file is no use of it. The content is in the name, so that no other change has to be told.
+			// trimCache() goes by the time of the last change. The time of the last read depends on how the file system is
+			// mounted, and listing the cache reads files without using them. The key in the name identifies the content,
+			// so no real change needs this time.
 			const timespec times[2] = { { 0, UTIME_OMIT }, { 0, UTIME_NOW } };
 			(void)utimensat( AT_FDCWD, file.c_str(), times, 0 );
 			return true;

@@ -128,7 +128,7 @@ lw_vec3 cross( lw_vec3 a, lw_vec3 b )
 Placement turned( const std::vector<double>& v, const XMLElement& at )
 {
 	const double half = v[3] * M_PI / 360, origin[3] = { 0, 0, 0 };
-	if ( v[3] == 0 ) // about whatever
+	if ( v[3] == 0 ) // no turn, about any axis
 	{
 		return IN_PLACE;
 	}

@@ -27,7 +27,7 @@ constexpr double large_mesh = 5;             ///< metres, with
 constexpr double large_ratio = 30;           ///< of the median of a robot's other shapes: a 20 mm finger in millimetres has more
 constexpr double tiny_mesh = 0.0005;         ///< metres
 constexpr double enclosed = 0.9;             ///< winding number: a tenth of all directions may lead out through holes
-constexpr std::size_t links_per_mesh = 2;    ///< that are looked at
+constexpr std::size_t links_per_mesh = 2;    ///< tested for being enclosed
 
 struct SizedShape
 {

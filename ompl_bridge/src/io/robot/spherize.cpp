@@ -66,7 +66,7 @@ std::vector<Geometry> geometryOf( const RobotModel& model, double close_holes )
 	return out;
 }
 
-/// When searches end: at a time, or once somebody has said so.
+/// End of a search: at a time, or once the flag is set.
 struct Stop
 {
 	Clock::time_point at = Clock::time_point::max();

@@ -132,7 +132,7 @@ private:
 	const lw_scene* m_scene;
 };
 
-/// Margins of pairs whose contact is allowed are never asked for: somebody may have meant otherwise.
+/// Margins of pairs whose contact is allowed have no effect: a notice names the pairs, in case the author expects one.
 void noticeAllowed( const Margins& margins, const Problem& problem,
     const std::vector<std::pair<std::string, std::string>>& allowed, std::vector<Notice>& notices )
 {

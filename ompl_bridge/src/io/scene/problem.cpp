@@ -761,7 +761,7 @@ std::vector<double> goalState( const Problem& problem, const Request& request )
 		auto found = variables.find( goal.joint );
 		if ( found == variables.end() )
 		{
-			continue; // buildProblem() told
+			continue; // buildProblem() has reported this
 		}
 		std::uint32_t variable = found->second;
 		double difference = goal.position - problem.reference[variable];

@@ -378,7 +378,7 @@ void SceneReader::readOtherShapes( const YamlNode& object, SceneObject& out )
 		YamlNode pose = shapes[i]["pose"];
 		lw_transform object_from_shape = pose.defined() ? pose.pose() : lw_transform_identity();
 		Shape shape = readOtherShape( shapes[i], out.name );
-		if ( shape ) // else a map without anything in it, which was told
+		if ( shape ) // else an empty map, which has a notice already
 		{
 			out.shapes.push_back( { std::move( shape ), lw_transform_multiply( &frame_from_object, &object_from_shape ) } );
 		}

@@ -187,7 +187,7 @@ std::optional<detail::BoundMargins> World::State::bind(
 	{ return lw_robot_find_link( next_problem.robot.get(), name.c_str() ) != LW_INVALID_INDEX; };
 	const auto isObject = [&]( const std::string& name )
 	{ return lw_scene_find_object( next_problem.scene.get(), name.c_str() ) != LW_INVALID_INDEX; };
-	Margins there = margins; // of names that are gone nothing is asked
+	Margins there = margins; // without the names that are gone
 	const auto keep = []( auto& map, const auto& is )
 	{
 		for ( auto entry = map.begin(); entry != map.end(); )
@@ -201,7 +201,7 @@ std::optional<detail::BoundMargins> World::State::bind(
 	keep( there.pairs, [&]( const std::pair<std::string, std::string>& pair )
 	    { return ( isLink( pair.first ) || isLink( pair.second ) ) && ( isLink( pair.first ) || isObject( pair.first ) ) &&
 		         ( isLink( pair.second ) || isObject( pair.second ) ); } );
-	std::vector<Notice> notices; // were told when the problem was built, or the margins set
+	std::vector<Notice> notices; // unused: reported when the problem was built, or the margins set
 	return detail::bindMargins( there, next_problem, attached, {}, notices );
 }
 

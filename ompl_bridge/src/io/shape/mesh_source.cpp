@@ -200,7 +200,7 @@ void MeshSource::save( const lw_shape* shape )
 	def.key = m_key;
 	def.shapes = &shape;
 	def.shape_count = 1;
-	std::vector<Notice> notices; // nobody is there any more to be told; the next start finds no file, and builds it again
+	std::vector<Notice> notices; // unused: no caller can receive them now; the next start finds no file, and builds it again
 	writeCacheFile( m_cache_file, m_key, def, words, m_options.cache_limit, notices );
 }
 
