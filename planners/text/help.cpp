@@ -9,7 +9,7 @@ namespace leeway::cli
 {
 namespace
 {
-bool help_all = false;
+bool help_all = false, help_short = false;
 }
 
 void chooseHelp( int argc, const char* const* argv )
@@ -17,12 +17,14 @@ void chooseHelp( int argc, const char* const* argv )
 	for ( int i = 1; i < argc; ++i )
 	{
 		help_all = help_all || std::strcmp( argv[i], "--help-all" ) == 0;
+		help_short = help_short || std::strcmp( argv[i], "--help" ) == 0 || std::strcmp( argv[i], "-h" ) == 0;
 	}
 }
 
 CLI::Option* rare( CLI::Option* option )
 {
-	return help_all ? option : option->group( "" ); // CLI11 does not list options of a group without a name
+	// CLI11 does not list options of a group without a name, and leaves their names out of messages, too
+	return help_short && !help_all ? option->group( "" ) : option;
 }
 
 void addHelp( CLI::App& command, const std::string& summary, const std::string& details )

@@ -13,7 +13,7 @@ class Option;
 namespace leeway::cli
 {
 
-/// True if the command line contains --help-all. Call it once, before options are added.
+/// Notes whether the command line asks for the short help or for all of it. Call it once, before options are added.
 void chooseHelp( int argc, const char* const* argv );
 
 /// Marks an option that only --help-all lists; it works either way.
