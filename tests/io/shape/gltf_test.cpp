@@ -297,7 +297,7 @@ TEST_F( GltfTest, WholeNumbersAreTakenForMetres )
 TEST_F( GltfTest, BufferInAFileWithABlankInItsName )
 {
 	Document d = oneTriangle();
-	d.root["buffers"] = { { { "byteLength", d.buffer.size() }, { "uri", "my%20numbers.bin" } } };
+	d.root["buffers"] = { { { "byteLength", d.buffer.size() }, { "uri", "my%20%6eumbers%2Ebin" } } };
 	write( "meshes/m.gltf", d.text() );
 	write( "meshes/my numbers.bin", d.buffer );
 	EXPECT_EQ( load( "meshes/m.gltf" ).size(), 1u );
