@@ -12,7 +12,7 @@
 
 extern "C"
 {
-	// What glibc's own malloc is called where a program replaces it
+	// The name of glibc's own malloc where a program replaces it
 	void* __libc_malloc( std::size_t size );
 	void* __libc_calloc( std::size_t count, std::size_t size );
 	void* __libc_realloc( void* memory, std::size_t size );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said of two results: change against noise, rows that belong together, results that do not.
+// Verdicts on two results: change against noise, rows that belong together, results that do not.
 #include "report/compare.hpp"
 
 #include <gtest/gtest.h>

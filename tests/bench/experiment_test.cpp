@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What experiments hand back survives its file: quartiles, tables, plots, claims.
+// Results of experiments survive their file: quartiles, tables, plots, claims.
 #include "report/experiment.hpp"
 
 #include <cmath>

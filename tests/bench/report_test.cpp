@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reports as files: JSON that comes back, a page with what was seen, scripts that gnuplot understands.
+// Reports as files: JSON that comes back, a page with the findings, scripts that gnuplot understands.
 #include "report/report.hpp"
 
 #include <cmath>

@@ -23,7 +23,7 @@ struct Rising : Progress
 	}
 };
 
-/// What stands in front of the first column that tells better from worse.
+/// The text in front of the first column that tells better from worse.
 std::string nameOf( const Table& table, const std::vector<Cell>& row )
 {
 	std::string name;

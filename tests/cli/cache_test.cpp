@@ -54,7 +54,7 @@ protected:
 		}
 		return text;
 	}
-	/// What a table says about motions: how they are proved may differ.
+	/// The lines of a table about motions; the ways of their proofs may differ.
 	static std::string verdicts( const Outcome& result )
 	{
 		std::string text;

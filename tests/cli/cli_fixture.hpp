@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// What one run of the program gave.
+/// Result of one run of the program.
 struct Outcome
 {
 	int status = -1;

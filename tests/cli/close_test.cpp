@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Motions that pass, leave or reach what is nearer than a millimetre, and work that would have no end: limits that mean none, edges and paths
-// without measure.
+// Motions that pass, leave or reach objects nearer than a millimetre, and work that would have no end: limits that mean
+// none, edges and paths without measure.
 #include "cli_fixture.hpp"
 
 #include <nlohmann/json.hpp>
@@ -59,7 +59,7 @@ TEST_F( CliClose, LeavesAndReachesAnObjectThatStandsAtTheArm )
 	}
 }
 
-// A gap that is rounding: nothing is proved, and the user must hear which pair, how near, and what to do.
+// A gap that is rounding: nothing is proved, and the message names the pair, its clearance and a remedy.
 TEST_F( CliClose, RefusedMotionsAreCountedAndThePairIsNamed )
 {
 	write( "table.yaml", tableBelow( 1e-9 ) );
@@ -78,7 +78,8 @@ TEST_F( CliClose, RefusedMotionsAreCountedAndThePairIsNamed )
 	EXPECT_TRUE( contains( edge.err, "1 edge refused for" ) && contains( edge.err, ":table" ) ) << edge.err;
 }
 
-// Limits of 1e16 rad mean none: states between them have nothing to do with the ends, and a path through them had no end to its audit.
+// Limits of 1e16 rad mean none: states between them have nothing to do with the ends, and a path through them had no end to
+// its audit.
 TEST_F( CliClose, LimitsThatMeanNoneAreToldAndPlanningKeepsNearTheEnds )
 {
 	edit( "arm.urdf", R"(<limit lower="-2" upper="2")", R"(<limit lower="-1e16" upper="1e16")" );

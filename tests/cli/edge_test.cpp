@@ -41,7 +41,7 @@ TEST_F( CliEdge, AFreeMotionIsProvedWithALowerBound )
 	EXPECT_EQ( table.number( 0, "proved_until" ), 1 );
 	EXPECT_EQ( table.rows.at( 0 ).at( "pair" ), "" );
 	EXPECT_EQ( table.rows.at( 0 ).at( "env_upper" ), "inf" );
-	// The true least clearance is just below 0.1 (a corner of fore leads slightly); what is proved lies above 0 and below
+	// The true least clearance is just below 0.1 (a corner of fore leads slightly); the proved bound lies above 0 and below
 	// it.
 	EXPECT_GT( table.number( 0, "env_lower" ), 0 );
 	EXPECT_LT( table.number( 0, "env_lower" ), 0.1 );

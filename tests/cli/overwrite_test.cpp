@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// No result takes the place of what the run reads, or of another result.
+// No result takes the place of a file that the run reads, or of another result.
 #include "cli_fixture.hpp"
 
 #include <filesystem>

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-/// Boxes on a base. What a pair is meant to be:
+/// Boxes on a base. The intended class of each pair:
 ///   left - right     slides far apart: never, by hulls
 ///   gear_a - gear_b  opposite ends of a circle, driven by one joint: never, but their hulls overlap
 ///   jaw_a - jaw_b    slides that meet if both are out: check

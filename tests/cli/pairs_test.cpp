@@ -52,7 +52,7 @@ TEST_F( Pairs, AWrongNeverIsFoundWithItsEvidence )
 	EXPECT_EQ( finding["state"].size(), all["variables"].size() );
 	EXPECT_TRUE( contains( result.out, "jaw_a - jaw_b (Never): in contact" ) ) << result.out;
 	EXPECT_TRUE( contains( result.out, "jaw_a_joint=" ) ) << result.out;
-	// a wrong claim is told before what somebody or the default state decided
+	// a wrong claim is told before decisions of a person or of the default state
 	EXPECT_LT( result.out.find( "jaw_a - jaw_b (Never)" ), result.out.find( "lid - pot (Default)" ) );
 
 	EXPECT_EQ( entry( all["pairs"], "left", "right" )["opinion"], "confirmed by proof" );
@@ -137,7 +137,7 @@ TEST_F( Pairs, TheNewSrdfReloadsAndFreesTheDefaultState )
 	EXPECT_EQ( with( "many.srdf" ).status, 1 ); // the lid is on the pot
 	const Outcome freed = with( "new.srdf" );
 	EXPECT_EQ( freed.status, 0 ) << freed.out << freed.err;
-	// judged again, only what touches at the default state is left to be said
+	// judged again, only the contacts at the default state are left to be told
 	const Outcome again = pairs( { "--srdf", "new.srdf", "--json", "again.json", "--out", "newer.srdf" } );
 	EXPECT_EQ( again.status, 1 );
 	EXPECT_TRUE( entry( json( "again.json" )["findings"], "jaw_a", "jaw_b" ).is_null() );

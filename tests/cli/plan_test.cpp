@@ -82,7 +82,7 @@ TEST_F( CliPlan, PlannersOfManyKindsAreFoundByName )
 	}
 }
 
-// Not named for its threads, which would put the program under the thread sanitizer: what that has to say of pSBL's own
+// Not named for its threads, which would put the program under the thread sanitizer: its reports on pSBL's own
 // mutexes is dealt with where the shim is tested (tests/ompl/psbl_test.cpp).
 TEST_F( CliPlan, ParallelPlannersGetTheirNumber )
 {
@@ -198,8 +198,8 @@ TEST_F( CliAudit, CatchesABadPath )
 
 TEST_F( CliAudit, SeesACornerThatGrazesForAHundredthOfARadian )
 {
-	// A fin 0.15 mm beyond the tip: only the corners of the tip, 0.39 mm further out, touch it, each for 0.012 rad. Steps of a
-	// tenth of a radian pass -0.1, 0 and 0.1 and see nothing but a small clearance.
+	// A fin 0.15 mm beyond the tip: only the corners of the tip, 0.39 mm further out, touch it, each for 0.012 rad. Steps of
+	// a tenth of a radian pass -0.1, 0 and 0.1 and see nothing but a small clearance.
 	edit( "blocked.yaml", "[0.6, 0, 0]", "[0.81015, 0, 0]" );
 	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.02, 0.0005, 1]" );
 	write( "graze.yaml", "joint_names: [elbow, shoulder]\npoints:\n  - positions: [0, -1]\n  - positions: [0, 1]\n" );

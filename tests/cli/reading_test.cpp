@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of real robots that are not as they should be: what is read, what is said, and what the options change.
+// Files of real robots that are not as they should be: values read, notices, effects of the options.
 #include "cli_fixture.hpp"
 
 #include <algorithm>

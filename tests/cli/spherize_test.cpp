@@ -113,7 +113,7 @@ TEST_F( Cli, SpheresOfTheFilesDifferOrMissPoints )
 	EXPECT_LT( clearance, 0.1 );
 	EXPECT_GE( clearance, 0.1 - 0.015 );
 
-	// and so is the SRDF: spherizing twice replaces what the first time wrote
+	// and so is the SRDF: spherizing twice replaces the elements of the first time
 	const Outcome again = run( { "spherize", "--robot", "arm.urdf", "--srdf", "out/arm_spheres.srdf", "--excess", "30",
 	    "--out", "." } );
 	ASSERT_EQ( again.status, 0 ) << again.err;

@@ -32,7 +32,7 @@ protected:
 	}
 };
 
-/// What a run says, but for the times that it measured.
+/// Output of a run without the times that it measured.
 std::string withoutTimes( json report )
 {
 	for ( json& row : report["settings"] )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the program says of slips that are easily made: columns, subcommands, numbers of things.
+// Messages about common slips: columns, subcommands, numbers of things.
 #include "cli_fixture.hpp"
 
 #include <cstdlib>

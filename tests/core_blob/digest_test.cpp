@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Digests: what must differ differs, what is equal does not, and the values never change unnoticed.
+// Digests: unequal inputs differ, equal ones agree, and no value changes unnoticed.
 #include "random_robot.hpp"
 
 #include "leeway/blob.h"

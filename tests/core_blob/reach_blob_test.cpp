@@ -471,7 +471,7 @@ TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
 	refused( "order", charts + 12 + cells, 1u );
 }
 
-// Fewer bytes than links and pairs take, and a point count that fits what is left of 2^64.
+// Fewer bytes than links and pairs take, and a point count that fits the rest of 2^64.
 TEST( ReachBlobNonsense, CountsThatWrapAroundAreRefused )
 {
 	RobotPtr robot = makeRobot();

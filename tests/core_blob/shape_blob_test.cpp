@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shapes in blobs: what comes back is what went in, and nothing else ever comes back.
+// Shapes in blobs: the same shape comes back, or none.
 #include "blob_support.hpp"
 
 #include <cfloat>
@@ -169,7 +169,7 @@ void expectSameAnswers( SeededRng& rng, const lw_shape* a, const lw_shape* b, co
 	}
 }
 
-/// Fills what it hands out: bytes that were never written would differ between two fills.
+/// Fills each block that it hands out: bytes that were never written would differ between two fills.
 struct FillingAllocator
 {
 	int fill;
@@ -472,7 +472,7 @@ struct MeshBlob
 		type = fields.table + fields.table_entry;
 		dimensions = type + 4;
 		counts = dimensions + 24;
-		radius = counts + 36; // six counts, the root, solid or not, what it stands for
+		radius = counts + 36; // six counts, the root, solid or not, the excess
 		sphere = radius + 16; // the excess before it
 		vertices = sphere + 16;
 		indices = vertices + std::size_t( 24 ) * info.vertex_count;

@@ -167,7 +167,7 @@ TEST( ConvexCase, flat_and_line_contacts_down_to_nothing )
 
 TEST( ConvexCase, far_frames_lose_nothing )
 {
-	// A triangle stored 1e4 to 1e7 m from its frame's origin, brought back by its pose: what counts is the local question
+	// A triangle stored 1e4 to 1e7 m from its frame's origin, brought back by its pose: only the local question counts
 	SeededRng rng( 13 );
 	for ( int i = 0; i < 5000; ++i )
 	{
@@ -185,7 +185,7 @@ TEST( ConvexCase, far_frames_lose_nothing )
 		m.t[1] = (double)( -t.y ) + rng.uniform( -2, 2 );
 		m.t[2] = (double)( -t.z ) + rng.uniform( -2, 2 );
 
-		// The same triangle in a's frame, near the origin. What long double loses at 1e7 is 1e-12.
+		// The same triangle in a's frame, near the origin. Long double loses 1e-12 at 1e7.
 		lwi_convex near = b;
 		for ( int k = 0; k < 3; ++k )
 		{

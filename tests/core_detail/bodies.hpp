@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bodies for the tests of enclosing spheres and of detail: soups with and without an inside, and what is known about them.
+// Bodies for the tests of enclosing spheres and of detail: soups with and without an inside, and known facts about them.
 #pragma once
 
 #include "shapes.hpp"

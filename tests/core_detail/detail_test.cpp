@@ -109,7 +109,7 @@ Mesh randomMesh( SeededRng& rng, int kind )
 		double amplitude = rng.decade( -4, -1 ), f = rng.uniform( 1, 12 ), g = rng.uniform( 1, 12 );
 		return sheet( rng.integer( 3, 14 ), [&]( double x, double y ) { return amplitude * std::sin( f * x ) * std::cos( g * y ); } );
 	}
-	case 3: // thin plates, one inside the other: what is near both sides may stand for both
+	case 3: // thin plates, one inside the other: a triangle near both sides may replace both
 	{
 		Mesh mesh = boxMesh( 0.2, 0.1, 0.001 );
 		mesh.add( boxMesh( 0.1, 0.05, 0.0005, { 0.02, 0, 0 }, true ) );

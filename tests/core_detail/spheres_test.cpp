@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Enclosing spheres: nothing sticks out, the excess holds, the check sees what is missing.
+// Enclosing spheres: nothing sticks out, the excess holds, the check sees each gap.
 #include "bodies.hpp"
 
 #include "leeway/spheres.h"
@@ -492,7 +492,7 @@ TEST( Spheres, StoppedSearchLeavesHolesOrForgetsItsBest )
 
 // --- primitives ------------------------------------------------------------------------------------------------------
 
-/// A box (full sides), cylinder (radius, length) or capsule (radius, length of its axis) and what is plain to say about it.
+/// A box (full sides), cylinder (radius, length) or capsule (radius, length of its axis) and its known volume and surface.
 struct Primitive
 {
 	lw_shape_type type;
@@ -598,7 +598,7 @@ TEST( Spheres, FormOfPrimitiveLeavesHolesOrReachesTooFar )
 
 TEST( Spheres, FormTakesMoreSpheresOrWorkThanASearch )
 {
-	// the last column is what the search took
+	// the last column is the time of the search
 	struct Case
 	{
 		Primitive primitive;
@@ -633,7 +633,7 @@ TEST( Spheres, FormTakesMoreSpheresOrWorkThanASearch )
 		SpheresPtr set( out );
 		EXPECT_TRUE( lw_spheres_met_target( set.get() ) );
 		EXPECT_LE( lw_spheres_get_report( set.get() ).excess, 0.0005 );
-		// stopped within the form: what is returned is complete all the same
+		// stopped within the form: the result is complete all the same
 		for ( int calls : { 0, 1, 5, 20, 100 } )
 		{
 			countdown.calls = calls;

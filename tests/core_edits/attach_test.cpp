@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Robots with objects in their hands: equal to those of a longer def, and what cannot be attached or detached.
+// Robots with objects in their hands: equal to those of a longer def, and calls that cannot attach or detach.
 #include "changing_world.hpp"
 
 #include "leeway/blob.h"

@@ -33,7 +33,7 @@ public:
 	std::string change( SeededRng& rng );
 
 	leeway::Scene sceneFromNothing() const;
-	leeway::Robot robotFromNothing() const; ///< with what is attached, by one def
+	leeway::Robot robotFromNothing() const; ///< with the attached objects, by one def
 	/// @param robot robotFromNothing(), or the edited one
 	leeway::Checker checkerFromNothing( const leeway::Robot& robot, const leeway::Scene& scene, const leeway::Reach& tables ) const;
 	State randomGroupState( SeededRng& rng, double excess = 0 ) const;
@@ -53,7 +53,7 @@ public:
 	std::map<std::pair<std::string, std::string>, double> environment_pairs, self_pairs;
 
 private:
-	/// lw_margins and what it points to.
+	/// lw_margins and the arrays that it points to.
 	struct Margins
 	{
 		std::vector<double> link_environment, link_self, object;
@@ -61,7 +61,7 @@ private:
 		lw_margins def{};
 	};
 	void fillMargins( const lw_robot* of_robot, const lw_scene* of_scene, Margins& out ) const;
-	void forget( const std::string& name, bool object ); ///< what is known of an object, or of a link, that goes away
+	void forget( const std::string& name, bool object ); ///< forgets the margins of an object, or of a link, that goes away
 	std::string margin( SeededRng& rng );
 	ChangingObject randomObject( SeededRng& rng );
 	lw_transform randomPose( SeededRng& rng ) const;
@@ -538,7 +538,7 @@ inline std::string ChangingWorld::allow( SeededRng& rng )
 	}
 	const std::uint32_t links = lw_robot_link_count( robot.get() );
 	const lw_clearance standing = lw_checker_get_info( checker.get() ).static_environment;
-	// what stands nearest is what a checker remembers: as often as any other pair
+	// a checker remembers the nearest pair: as often as any other pair
 	const bool nearest = standing.a != LW_INVALID_INDEX && rng.integer( 0, 1 ) == 0;
 	const std::uint32_t link = nearest ? standing.a : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( links ) - 1 ) );
 	const std::uint32_t object =

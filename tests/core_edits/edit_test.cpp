@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Edited scenes and checkers against those made from nothing: the same to the bit. And what cannot be edited.
+// Edited scenes and checkers against those made from nothing: the same to the bit. And edits that are refused.
 #include "changing_world.hpp"
 
 #include <gtest/gtest.h>
@@ -185,7 +185,8 @@ TEST( Edits, tables_of_the_bare_robot_change_an_answer )
 	EXPECT_GT( never, 10 );
 }
 
-// What is attached to a link that stands still is taken off and put back elsewhere on it, the same shape: its clearance is another one.
+// An object on a link that stands still is taken off and put back elsewhere on it, the same shape: its clearance is another
+// one.
 TEST( Edits, standing_object_is_measured_where_it_was )
 {
 	RobotModel model;
@@ -287,18 +288,18 @@ TEST( Edits, query_with_room_does_not_serve_later_snapshots )
 					fits ? LW_OK : LW_ERROR_INVALID_ARGUMENT );
 				EXPECT_TRUE( fits || result.verdict == LW_VERDICT_UNKNOWN );
 			}
-			// what is remembered of earlier snapshots changes no verdict
+			// memory of earlier snapshots changes no verdict
 			const leeway::Query fresh = leeway::makeQuery( world.checker.get() );
 			edges.push_back( { world.randomGroupState( rng ), world.randomGroupState( rng ) } );
 			const lw_range range = { 0.01, 0.3, 0 };
 			const State& qa = edges.back().first;
 			EXPECT_EQ( ask( world.checker, query.get(), qa, range ).verdict, ask( world.checker, fresh.get(), qa, range ).verdict );
-			for ( const auto& [a, b] : edges ) // what was near them before the edit is remembered
+			for ( const auto& [a, b] : edges ) // the pairs near before the edit are remembered
 			{
 				const lw_edge_result x = askEdge( world.checker, query.get(), a, b ), y = askEdge( world.checker, fresh.get(), a, b );
 				EXPECT_FALSE( x.verdict == LW_VERDICT_FREE && y.verdict == LW_VERDICT_BLOCKED ) << kind;
 				EXPECT_FALSE( x.verdict == LW_VERDICT_BLOCKED && y.verdict == LW_VERDICT_FREE ) << kind;
-				different += x.verdict != y.verdict; // a refusal may depend on what is remembered
+				different += x.verdict != y.verdict; // a refusal may depend on remembered pairs
 				++asked;
 				blocked += y.verdict == LW_VERDICT_BLOCKED;
 			}

@@ -13,7 +13,7 @@
 namespace
 {
 
-/// A snapshot, and what a checker made from nothing says of some states.
+/// A snapshot, and the answers of a checker made from nothing at some states.
 struct Published
 {
 	leeway::Checker checker;

@@ -492,7 +492,7 @@ TEST( Checker, threads_disagree )
 TEST( Checker, query_keeps_poses_of_another_checker )
 {
 	SeededRng rng;
-	World one( rng, 14, 12 ), two( rng, 5, 4 ); // what fits the one fits the other
+	World one( rng, 14, 12 ), two( rng, 5, 4 ); // a query fits both
 	lw_query_def def = lw_query_def_default();
 	def.warm_start = false;
 	// made for the larger, used for both in turn

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Checkers with motion hulls and pair tables against the same checkers without: random robots with joints of every type,
-// random groups, states inside and outside of what the tables cover. The answers must not differ.
+// random groups, states inside and outside of the tables' cells. The answers must not differ.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
 
@@ -16,7 +16,7 @@ namespace
 
 const double inf = std::numeric_limits<double>::infinity();
 
-/// Coarse hulls: a tenth of what they cost by default.
+/// Coarse hulls: a tenth of the default cost.
 ReachPtr makeReach( const lw_robot* robot, double seconds, uint32_t samples = 100 )
 {
 	lw_reach_def def = lw_reach_def_default();
@@ -56,7 +56,7 @@ ScenePtr randomScene( SeededRng& rng, int objects, double spread )
 	return ScenePtr( scene );
 }
 
-/// A robot in a scene, a group of its variables, and what is proved of it.
+/// A robot in a scene, a group of its variables, and its proofs.
 struct World
 {
 	RobotPtr robot;
@@ -448,7 +448,8 @@ World farReference( const World& world )
 
 } // namespace
 
-/// Links were put to each other with the roundings of such a state, which no answer accounts for, and spheres of what stands overflowed.
+/// Links were put to each other with the roundings of such a state, which no answer accounts for, and spheres of bodies that
+/// stand overflowed.
 TEST( Hierarchy, reference_of_the_group_changes_an_answer )
 {
 	SeededRng rng;
@@ -487,8 +488,8 @@ TEST( Hierarchy, reference_of_the_group_changes_an_answer )
 	EXPECT_GT( tests, 0u );
 }
 
-/// The default state of a slider whose limits are absurd: spheres of what stands overflow, and by that all are near. Lanes without a body
-/// were too, and read what is behind the array of bodies (seen by the address sanitizer).
+/// The default state of a slider whose limits are absurd: spheres of standing bodies overflow, and by that all are near.
+/// Lanes without a body were too, and read behind the array of bodies (seen by the address sanitizer).
 TEST( Hierarchy, bodies_that_there_are_not_are_near )
 {
 	RobotModel model;
@@ -598,7 +599,7 @@ TEST( Hierarchy, edge_contradicts_its_states )
 	EXPECT_GE( ruled_out, 10 );
 }
 
-// The paper's promise: what is far away costs one test, however many links it has.
+// The paper's promise: a distant object costs one test, however many links it has.
 TEST( Hierarchy, distant_arm_is_posed )
 {
 	SeededRng rng;
@@ -677,7 +678,7 @@ TEST( Hierarchy, tables_stay_in_use_when_they_are_left_out )
 		const State from = { -0.4, 0 }, to = { 0.4, 0.5 };
 		ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), from.data(), to.data(), &edge, &out ) );
 		EXPECT_EQ( out.verdict, LW_VERDICT_FREE );
-		EXPECT_EQ( out.lower_bound > 0.1, tables ) << out.lower_bound; // what tables prove is a metre
+		EXPECT_EQ( out.lower_bound > 0.1, tables ) << out.lower_bound; // tables prove a metre
 	}
 }
 
@@ -722,7 +723,7 @@ TEST( Hierarchy, zero_quaternion_is_posed )
 namespace
 {
 
-/// Fails at one call; what it gave and did not get back is in `live`.
+/// Fails at one call; blocks given and not yet returned are in `live`.
 struct FailingAllocator
 {
 	std::size_t calls = 0, fail_at = 0, live = 0;

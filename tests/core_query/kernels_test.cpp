@@ -226,7 +226,8 @@ TEST( Kernels, level_differs_from_scalar )
 	}
 }
 
-// Poses have the same bits however they were asked for, so joints turned together must turn as one alone; and numerics.md says how much
+// Poses have the same bits however they were asked for, so joints turned together must turn as one alone; and numerics.md
+// says how much
 TEST( Kernels, turns_differ_from_one_alone_or_from_the_truth )
 {
 	SeededRng rng;
@@ -308,7 +309,7 @@ TEST( Kernels, farthest_point_is_not_the_first_of_those )
 	}
 }
 
-// Edges stand on it: what stays below a plane is held to be apart from what is above
+// Edges stand on it: a body below a plane counts as apart from one above
 TEST( Kernels, box_is_below_a_plane_that_it_reaches )
 {
 	SeededRng rng;
@@ -463,8 +464,8 @@ TEST( Kernels, pads_are_not_infinitely_far )
 	EXPECT_EQ( gap[7], INFINITY );
 }
 
-// The slack of simd/kernels.h: a gap never exceeds the exact distance by more than LWI_GAP_SLACK roundoffs of the size involved,
-// and for separated triangles it is the distance itself to about as much.
+// The slack of simd/kernels.h: a gap never exceeds the exact distance by more than LWI_GAP_SLACK roundoffs of the size
+// involved, and for separated triangles it is the distance itself to about as much.
 TEST( Kernels, triangle_gap_exceeds_distance )
 {
 	SeededRng rng;
@@ -573,8 +574,8 @@ TEST( Kernels, solid_gap_exceeds_distance )
 	EXPECT_GT( tight, separated * 0.99 );
 }
 
-// What turned boxes promise: no two points of two of them, cut by their spheres, are nearer than the gap. The points tried are those that
-// reach farthest along the line of the centres and along other directions, where a wrong formula would show.
+// The promise of turned boxes: no two points of two of them, cut by their spheres, are nearer than the gap. The points tried
+// are those that reach farthest along the line of the centres and along other directions, where a wrong formula would show.
 TEST( Kernels, brick_gap_exceeds_distance )
 {
 	SeededRng rng;
@@ -653,7 +654,8 @@ TEST( Kernels, brick_gap_exceeds_distance )
 	EXPECT_GT( reached, 10000 );
 }
 
-// Slabs of triangles before boxes and cylinders: never too wide, and mostly the distance itself, or measurements in double are in vain.
+// Slabs of triangles before boxes and cylinders: never too wide, and mostly the distance itself, or measurements in double
+// are in vain.
 TEST( Kernels, leaf_solid_gap_exceeds_distance )
 {
 	SeededRng rng;

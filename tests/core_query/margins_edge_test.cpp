@@ -102,7 +102,8 @@ TEST( Margins, edge_enters_a_margin )
 	EXPECT_GE( std::min( tally.partial, tally.nearly ), 10 );
 }
 
-/// Two links that turn against each other, proved apart by a chart of their joints: verdict and lower bound count the margin.
+/// Two links that turn against each other, proved apart by a chart of their joints: verdict and lower bound count the
+/// margin.
 TEST( Margins, edge_by_a_chart_enters_a_margin )
 {
 #ifndef LEEWAY_HULLS
@@ -155,7 +156,7 @@ TEST( Margins, edge_by_a_chart_enters_a_margin )
 			State to = stateAt( world, from, groupState( rng, world, 0 ), rng.decade( -2, 0 ) );
 			if ( k % 2 == 0 )
 			{
-				// far by its path, and about as near all the way: what a chart is for
+				// far by its path, and about as near all the way: the purpose of a chart
 				to = { -from[0], std::clamp( from[1] + rng.uniform( -0.05, 0.05 ), -3.1, 3.1 ) };
 			}
 			lw_edge_def edge = lw_edge_def_default();

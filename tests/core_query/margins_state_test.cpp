@@ -86,8 +86,8 @@ TEST( Margins, state_is_not_distance_less_margin )
 namespace
 {
 
-/// A chain of boxes that can hardly bend, so that spheres and tables rule out whole parts of it; few of its links have a margin,
-/// and that is large.
+/// A chain of boxes that can hardly bend, so that spheres and tables rule out whole parts of it; few of its links have a
+/// margin, and that is large.
 World stiffWorld( SeededRng& rng )
 {
 	World world;
@@ -153,7 +153,7 @@ TEST( Margins, part_of_a_robot_is_ruled_out_by_less_than_its_margin )
 		const CheckerPtr plain = world.build( nullptr, 1e9 ), tables = world.build( world.reach.get(), 1e9 );
 		EXPECT_EQ( lw_checker_get_info( tables.get() ).hierarchy, world.reach != nullptr );
 		const QueryPtr one = makeQuery( plain.get(), false, false );
-		const QueryPtr other = makeQuery( tables.get(), true, false ); // a warm start would find what the spheres hide
+		const QueryPtr other = makeQuery( tables.get(), true, false ); // a warm start would find the pair that the spheres hide
 		for ( int k = 0; k < 4; ++k )
 		{
 			judgeState( world, oracle, { { plain.get(), one.get() }, { tables.get(), other.get() } },
@@ -192,7 +192,7 @@ TEST( Margins, obstacle_is_passed_over_within_its_margin )
 	EXPECT_GE( negative, 100 );
 }
 
-// A checker made after another one, with other margins, must not believe what held for the old ones.
+// A checker made after another one, with other margins, must not believe bounds of the old ones.
 TEST( Margins, edit_keeps_an_old_margin )
 {
 	SeededRng rng;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Margins of pairs: what must hold of any, and definitions that are none.
+// Margins of pairs: rules for all, and definitions that are refused.
 #include "margins_world.hpp"
 
 // --- laws ------------------------------------------------------------------------------------------------------------

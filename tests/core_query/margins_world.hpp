@@ -22,7 +22,7 @@ const double inf = std::numeric_limits<double>::infinity();
 /// Of distances of a few metres, with poses that are multiplied in another order.
 const double rounding = 1e-10;
 
-/// Margins that own their arrays, and what they mean.
+/// Margins that own their arrays, and their values by pair.
 struct Margins
 {
 	double environment = 0, self = 0;
@@ -432,7 +432,7 @@ private:
 	std::map<std::pair<uint32_t, uint32_t>, bool> m_self;
 };
 
-/// What an interval claims of the true clearance.
+/// The claims of an interval about the true clearance.
 inline void judge( const lw_clearance& got, double truth, const lw_range& range, double lowest, const char* which )
 {
 	SCOPED_TRACE( ::testing::Message() << which << ": truth " << truth << " in [" << got.lower << ", " << got.upper

@@ -295,7 +295,7 @@ inline lw_transform random_pose( SeededRng& rng, double far )
 	return m;
 }
 
-/// The parts of a subject; of what is no set, itself.
+/// The parts of a set; any other subject is its own part.
 inline std::vector<Part> parts_of( const Subject& s )
 {
 	return is_set( s ) ? s.parts : std::vector<Part>{ { s.model, { 0, 0, 0 } } };

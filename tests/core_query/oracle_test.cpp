@@ -44,7 +44,7 @@ enum Regime
 	REGIMES
 };
 
-/// One random pair in a world, and what was found out about it.
+/// One random pair in a world, and the findings about it.
 struct Pair
 {
 	Subject a, b;

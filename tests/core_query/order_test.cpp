@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// In which order a search takes what it has to compare: counters of queries, not clocks, tell whether it goes astray.
+// The order in which a search compares its pairs: counters of queries, not clocks, show a detour.
 //
-// Parts that lie within each other, ball in shell, overlap with all their spheres and boxes: lower bounds do not tell which is nearest, nor where.
+// Parts that lie within each other, ball in shell, overlap with all their spheres and boxes: lower bounds show neither the
+// nearest part nor its place.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
 
@@ -77,8 +78,8 @@ lw_clearance selfClearance( const lw_checker* checker, lw_query* query, const St
 
 } // namespace
 
-/// A ball within a shell, 10 mm away everywhere, and one outside of it, 0.1 mm away. By their spheres the pair within comes first; searched to its
-/// end first, it takes thousands of comparisons.
+/// A ball within a shell, 10 mm away everywhere, and one outside of it, 0.1 mm away. By their spheres the pair within comes
+/// first; searched to its end first, it takes thousands of comparisons.
 TEST( Order, first_pair_is_searched_to_its_end_before_a_nearer_one )
 {
 	SeededRng rng;
@@ -113,7 +114,7 @@ TEST( Order, first_pair_is_searched_to_its_end_before_a_nearer_one )
 	EXPECT_LE( leaves, leaves_beside + 0.25 * leaves_within );
 }
 
-/// A ball within a shell, 10 mm away but for one spike: what is searched before it is found, is in vain.
+/// A ball within a shell, 10 mm away but for one spike: all work before the spike is found is in vain.
 TEST( Order, search_stays_where_it_began )
 {
 	SeededRng rng;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Kernels of rakes: every level against the scalar one bit for bit, frames against joints one by one in long double, and what is
-// held to stay apart against many moments of its window.
+// Kernels of rakes: every level against the scalar one bit for bit, frames against joints one by one in long double, and
+// pairs held to stay apart against many moments of its window.
 #include "kernel_levels.hpp"
 #include "seeded_rng.hpp"
 
@@ -371,7 +371,7 @@ TEST( Rakes, no_number_reads_as_apart )
 		EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_box( &a, min, max, 1.0f ) );
 		EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_pair( &a, &b, 1.0f ) );
 	}
-	// what is in the box, and unbounded boxes
+	// bodies in the box, and unbounded boxes
 	lwi_rake_point inside = random_point( rng, 1 );
 	const float min[3] = { -INFINITY, -INFINITY, -INFINITY }, max[3] = { INFINITY, INFINITY, INFINITY };
 	EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_box( &inside, min, max, 1e-6f ) );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The contract of a range (min_d, max_d, alpha) on every path, and what switches may not change.
+// The contract of a range (min_d, max_d, alpha) on every path, and the answers that switches may not change.
 #include "shapes.hpp"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST( Range, interval_breaks_its_promise )
 		lw_transform pose_a = randomPose( rng, 2 ), pose_b = randomPose( rng, 2 * size + 1 );
 		lw_clearance exact, got;
 		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &pose_a, b.get(), &pose_b, nullptr, query.get(), &exact ) );
-		double noise = 1e-9 * ( 1 + size ); // widest certified interval of the convex kernels, far below what is tested
+		double noise = 1e-9 * ( 1 + size ); // widest certified interval of the convex kernels, far below the tested differences
 		ASSERT_LE( exact.lower, exact.upper );
 		ASSERT_LE( exact.upper - exact.lower, noise );
 		double min_d = rng.uniform( 0, 1 ) < 0.3 ? 0 : rng.decade( -3, 0.3 );

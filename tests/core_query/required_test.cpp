@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Model only what a scene requires: deferred meshes, and obstacles that a group cannot come near to. Random robots and scenes
-// against the same ones with everything modelled; states inside and outside of the limits. No answer may differ.
+// Model only the meshes that a scene requires: deferred meshes, and obstacles that a group cannot come near to. Random
+// robots and scenes against the same ones with everything modelled; states inside and outside of the limits. No answer may
+// differ.
 #include "leeway/blob.h"
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
@@ -18,7 +19,7 @@ namespace
 
 const double inf = std::numeric_limits<double>::infinity();
 
-/// What deferred meshes of a test count.
+/// Counters of a test's deferred meshes.
 struct Counts
 {
 	std::atomic<int> made{ 0 }, released{ 0 };
@@ -104,7 +105,7 @@ ScenePtr makeScene( const std::vector<lw_scene_shape_def>& placed )
 	return ScenePtr( scene );
 }
 
-/// lw_checker_def::prepare of a test: what it was given, and the threads that make it.
+/// lw_checker_def::prepare of a test: the meshes given to it, and the threads that make them.
 struct Preparation
 {
 	unsigned threads = 0; ///< 0 leaves everything to the checker
@@ -326,8 +327,8 @@ TEST( Required, less_changes_an_answer )
 				lw_edge_result got = askEdge( less.get(), other.get(), q, to, method, min_d, got_status );
 				EXPECT_EQ( want_status, got_status );
 				edges += want_status == LW_OK;
-				// Proofs are made of coarse distances, which depend on the order of the search. So does which state ends one, and
-				// whether it is a refused one or a blocked one; a proof may not contradict a blocked state.
+				// Proofs are made of coarse distances, which depend on the order of the search. So does which state ends
+				// one, and whether it is a refused one or a blocked one; a proof may not contradict a blocked state.
 				different += want.verdict != got.verdict;
 				EXPECT_FALSE( want.verdict == LW_VERDICT_FREE && got.verdict == LW_VERDICT_BLOCKED );
 				EXPECT_FALSE( got.verdict == LW_VERDICT_FREE && want.verdict == LW_VERDICT_BLOCKED );
@@ -497,8 +498,8 @@ static void placeBeside( SeededRng& rng, World& world, const lw_transform& link_
 	world.placed.push_back( { shape, static_cast<uint32_t>( world.placed.size() ), there } );
 }
 
-// A planner may ask for more room than it told the checker that anybody asks for: then nothing may be passed over. A ball swings past
-// obstacles outside of its circle, which it cannot come near to by as much as the checker was told.
+// A planner may ask for more room than it told the checker that anybody asks for: then nothing may be passed over. A ball
+// swings past obstacles outside of its circle, which it cannot come near to by as much as the checker was told.
 TEST( Required, edge_asks_for_more_than_its_checker_was_told )
 {
 	SeededRng rng;
@@ -541,8 +542,8 @@ TEST( Required, edge_asks_for_more_than_its_checker_was_told )
 	EXPECT_GE( std::min( { beyond, free, passed_over } ), 300 );
 }
 
-// Small balls on short chains, and small obstacles right beside places that they come to: there a bound that is a few per cent of an
-// arm's length too large is wrong.
+// Small balls on short chains, and small obstacles right beside places that they come to: there a bound that is a few per
+// cent of an arm's length too large is wrong.
 TEST( Required, obstacle_beside_the_way_is_out_of_reach )
 {
 	SeededRng rng;
@@ -627,7 +628,7 @@ TEST( Required, failed_mesh_reads_as_free_space )
 	EXPECT_GE( failed, 20 );
 }
 
-/// Who makes a mesh, and when, is nobody's business but the clock's.
+/// The maker of a mesh, and the time of making, change no answer, only durations.
 TEST( Required, threads_that_prepare_meshes_change_an_answer )
 {
 	SeededRng rng;

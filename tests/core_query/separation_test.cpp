@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Planes between shapes at several places, against heights of all their points: what is said to be apart, near, or neither.
+// Planes between shapes at several places, against heights of all their points: verdicts apart, near and neither.
 #include "oracle_subject.hpp"
 #include "sanitized.hpp"
 
@@ -230,7 +230,7 @@ struct Way
 };
 
 /// Puts a subject to its places at -1, 0 and 1 of a way through where it is, about an axis perpendicular to d.
-/// @return what its points accelerate by at the most
+/// @return the greatest acceleration of its points
 double go_along( SeededRng& rng, Moving& m, Vec d, double size, Way& way )
 {
 	const Vec axis = cross( d, from( random_direction( rng ) ) );

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Brute-force distance of two whole shapes in long double: every pair of convex pieces, no tree, no kernel of the engine.
 //
-// What is minimised by what:
+// The method for each kind of pair:
 // - point against anything: projection in closed form;
 // - segment against anything: golden section over the segment of the former, a convex function;
 // - polytopes (triangle, box): their nearest points, or a common one, include a point of an edge: the least over all edges;
@@ -202,7 +202,7 @@ inline std::vector<std::pair<Vec, Vec>> edges_of( const Piece& piece )
 }
 
 /// Two pieces; x in its frame, y in x's frame unless it is a solid, which stands at x_from_y.
-/// @param enough the caller does not care for what is not below it
+/// @param enough the caller does not care for distances that are not below it
 inline Interval piece_distance( const Piece& x, const Piece& y, const Pose& x_from_y, real scale, real enough )
 {
 	auto is_round = []( const Piece& p ) { return p.corners == 0 && p.solid->type != LWI_CONVEX_BOX; };

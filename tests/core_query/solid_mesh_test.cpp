@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Meshes declared solid: what counts as closed, what counts as inside. The oracle: winding numbers by solid angles in long
+// Meshes declared solid: when one is closed, when a point is inside. The oracle: winding numbers by solid angles in long
 // double (van Oosterom, Strackee 1983), which knows nothing of rays, and brute-force distances of the surfaces.
 #include "oracle_subject.hpp"
 
@@ -464,7 +464,7 @@ TEST( SolidMesh, unwelded_seams_need_a_tolerance )
 
 TEST( SolidMesh, solids_that_share_an_edge_or_corner_stay_apart )
 {
-	// two cubes that touch along an edge: four triangles there. Both are solid, what lies between them is not
+	// two cubes that touch along an edge: four triangles there. Both are solid, the space between them is not
 	Solid s;
 	add_box( s, 1, { 1, 1, 1 }, { 0, 0, 0 }, lw_transform_identity() );
 	add_box( s, 1, { 1, 1, 1 }, { 2, 2, 0 }, lw_transform_identity() );
@@ -485,8 +485,8 @@ TEST( SolidMesh, solids_that_share_an_edge_or_corner_stay_apart )
 	EXPECT_FALSE( touches( 0.5, 1.5 ) );
 }
 
-// Boxes side by side, each with walls of its own: edges of four triangles around each wall, at which the sheets of two boxes meet with one
-// triangle each and would be left open.
+// Boxes side by side, each with walls of its own: edges of four triangles around each wall, at which the sheets of two boxes
+// meet with one triangle each and would be left open.
 TEST( SolidMesh, boxes_that_share_a_wall_leave_no_gap_and_reach_no_further )
 {
 	SeededRng rng;
@@ -633,7 +633,7 @@ struct Slide
 };
 } // namespace
 
-// A ball of 0.1 m and a cube of half edge 1 m, either of them the robot: what is inside is found by states and edges.
+// A ball of 0.1 m and a cube of half edge 1 m, either of them the robot: states and edges find the inner one.
 TEST( SolidMesh, checker_drives_through_a_solid )
 {
 	Solid s;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Half-spaces and planes against every type of shape, in scenes, under checkers and edges. The oracle: heights of all points of
-// a shape above the plane in long double, those of solids in closed form.
+// Half-spaces and planes against every type of shape, in scenes, under checkers and edges. The oracle: heights of all points
+// of a shape above the plane in long double, those of solids in closed form.
 #include "oracle_subject.hpp"
 
 #include <cstring>
@@ -214,7 +214,7 @@ TEST( UnboundedScenes, scene_differs_from_its_pairs )
 			lw_transform pose = random_pose( rng, rng.uniform( 0, 40 ) );
 			lw_range range = lw_range_exact();
 			range.max_d = i % 2 == 0 ? inf : rng.uniform( 0.1, 5 );
-			lw_query_reset( query.get() ); // a warm start would hide what the gaps lose
+			lw_query_reset( query.get() ); // a warm start would hide the loss by the gaps
 			double least = inf;
 			lw_clearance c;
 			for ( const lw_scene_shape_def& one : shapes )

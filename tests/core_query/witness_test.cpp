@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Slabs across the nearest pair: what they leave out must not be nearer, and what they save is why they are there.
+// Slabs across the nearest pair: pairs that they leave out are not nearer, and they save most pairs.
 //
 // The oracle is the drawing: a plate with one vertex raised by h over a plane face at distance d is d - h from it.
 #include "sanitized.hpp"

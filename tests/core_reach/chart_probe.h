@@ -19,7 +19,7 @@ typedef struct chart_probe
 
 uint32_t chart_probe_count( const lw_reach* reach );
 chart_probe chart_probe_get( const lw_reach* reach, uint32_t chart );
-/// Metres, what the cell with these indices says.
+/// The bound of the cell with these indices, metres.
 double chart_probe_cell( const lw_reach* reach, uint32_t chart, const uint32_t index[3] );
 
 uint32_t view_probe_count( const lw_checker* checker );

@@ -10,7 +10,7 @@
 namespace
 {
 
-constexpr double ROUNDING = 1e-9; ///< metres: what an attack may find below a cell
+constexpr double ROUNDING = 1e-9; ///< metres: an attack may find this much below a cell
 
 struct CheckerReleaser
 {
@@ -269,7 +269,7 @@ TEST( Charts, NoStateOfAnEdgeSaysLessThanTheEdge )
 	EXPECT_GE( said, 100 );
 }
 
-// Two balls of 0.1 and 0.05, the second at the end of two joints: what a chart could say at best is known.
+// Two balls of 0.1 and 0.05, the second at the end of two joints: the best possible chart is known.
 TEST( Charts, SayMostOfWhatIsTrue )
 {
 	RobotModel model;

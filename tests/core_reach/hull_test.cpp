@@ -93,7 +93,7 @@ State coveredState( SeededRng& rng, const lw_reach* reach, bool corner )
 	return q;
 }
 
-/// Which nodes' M hold a link: its own and those of all links above it.
+/// The nodes whose M hold a link: its own and those of all links above it.
 std::vector<std::uint32_t> chainUp( const lw_robot* robot, std::uint32_t link )
 {
 	std::vector<std::uint32_t> chain = { link };
@@ -108,7 +108,7 @@ std::vector<std::uint32_t> chainUp( const lw_robot* robot, std::uint32_t link )
 struct Directions
 {
 	std::vector<lw_vec3> all;
-	std::vector<std::vector<double>> reach; ///< [link][direction]; +inf for what is unbounded
+	std::vector<std::vector<double>> reach; ///< [link][direction]; +inf where it is unbounded
 
 	Directions( SeededRng& rng, const lw_reach* of, int count )
 	{
@@ -294,7 +294,7 @@ TEST( MotionHull, HoldsTheWholeArcAtEveryResolution )
 			for ( std::size_t k = 0; k < most.size(); ++k )
 			{
 				EXPECT_LE( most[k], directions.reach[1][k] + rounding );
-				if ( k % 50 == 0 ) // what it says of its excess is true: between the states 2e-4 are lost at most
+				if ( k % 50 == 0 ) // its claimed excess is true: between the states 2e-4 are lost at most
 				{
 					EXPECT_GE( most[k], directions.reach[1][k] - node.excess - 2e-4 ) << "width " << width;
 				}
@@ -406,7 +406,7 @@ TEST( MotionHull, UnlimitedJointsAreUnboundedUpToTheRoot )
 		EXPECT_EQ( node( link ).hull_point_count, 0u );
 		EXPECT_EQ( lw_reach_hull_points( reach.get(), link ), nullptr );
 	}
-	EXPECT_EQ( node( 1 ).mr.radius, inf ); // what slides is seen from it
+	EXPECT_EQ( node( 1 ).mr.radius, inf ); // the slider is seen from it
 	EXPECT_LT( node( 2 ).mr.radius, 1 );   // seen from the sliding link it is not far
 	EXPECT_LT( node( 2 ).r.radius, 0 );
 	EXPECT_LT( node( 3 ).m.radius, 1 );
@@ -473,7 +473,8 @@ TEST( MotionHull, ExcessKeepsTheBudgetOverAChain )
 namespace
 {
 
-/// A plate with a flat tip in the middle of the side towards +x: a point that is dropped where the error may be coarser than its height.
+/// A plate with a flat tip in the middle of the side towards +x: a point that is dropped where the error may be coarser than
+/// its height.
 /// @param turned how the mesh stands in its own frame, along whose axes the farthest vertices are never dropped
 lw_shape* plateWithTip( double height, const lw_transform& turned, std::vector<lw_vec3>* points )
 {
@@ -496,7 +497,8 @@ lw_shape* plateWithTip( double height, const lw_transform& turned, std::vector<l
 	return shape;
 }
 
-/// An arm that slides, and turns by a thousandth: its hulls have hardly any error of sampling, in which one of dropped points could hide.
+/// An arm that slides, and turns by a thousandth: its hulls have hardly any error of sampling, in which one of dropped
+/// points could hide.
 /// @param turned where the plate's tip looks: not along an axis, whose farthest points are never dropped
 /// @param mesh how the plate stands in the frame of its mesh; where it is on the link does not depend on it
 std::uint32_t slidingArm( RobotModel& model, const std::string& name, const lw_transform& base, const lw_transform& turned, double tip,
@@ -728,7 +730,7 @@ TEST( MotionSweeps, NeverAboveTheDistanceOfAnyState )
 	EXPECT_GT( apart, 30 );
 }
 
-/// What circumscribed sampling is for: no error across the planes in which fingers turn.
+/// The purpose of circumscribed sampling: no error across the planes in which fingers turn.
 TEST( MotionSweeps, FingersInParallelPlanesStayApart )
 {
 	RobotModel model;
@@ -757,7 +759,7 @@ TEST( MotionSweeps, FingersInParallelPlanesStayApart )
 namespace
 {
 
-/// What is kept, dilated, holds all; it is a subset in order; the loss is about what was asked for.
+/// The kept points, dilated, hold all; they are a subset in order; the loss is about the requested one.
 void expectReduced( SeededRng& rng, const std::vector<double>& points, double tolerance, std::size_t limit, double most )
 {
 	std::vector<double> kept = points;

@@ -171,7 +171,7 @@ TEST( MotionCell, NoPointLeavesItsBound )
 	EXPECT_GE( tight, checks / 4 ) << "a bound that is never nearly reached is a bound of something else";
 }
 
-// Where joints below a turn shift, the bound has to follow what they shift by together, not by the farthest of them.
+// Where joints below a turn shift, the bound has to follow their shift together, not by the farthest of them.
 TEST( MotionCell, NoPointOfATelescopeLeavesItsBound )
 {
 	SeededRng rng;

@@ -10,7 +10,7 @@
 namespace
 {
 
-constexpr double ROUNDING = 1e-9; ///< metres: what an attack may find below a separation
+constexpr double ROUNDING = 1e-9; ///< metres: an attack may find this much below a separation
 
 lw_transform at( double x, double y, double z )
 {
@@ -46,7 +46,7 @@ lw_joint_def& addJoint( RobotModel& model, const char* name, lw_joint_type type,
 	return joint;
 }
 
-/// A pin in an arm, so that what is on both sides of it is not adjacent: below everything else.
+/// A pin in an arm, so that the links on both sides of it are not adjacent: below everything else.
 void addPin( RobotModel& model, std::uint32_t link )
 {
 	addBall( model, link, 1e-3, 0, 0, -5 );
@@ -444,7 +444,7 @@ TEST( ReachPairs, ClassesInTheirOrder )
 	EXPECT_EQ( rigid.kind, LW_PAIR_RIGID );
 	EXPECT_TRUE( rigid.adjacent );
 	EXPECT_TRUE( rigid.allowed );
-	// Samples are what ALWAYS rests on
+	// ALWAYS rests on samples
 	EXPECT_EQ( pairOf( makeReach( robot.get(), 0, 0 ), 0, 2 ).kind, LW_PAIR_CHECK );
 }
 
@@ -675,7 +675,7 @@ lw_reach* continued( const lw_reach* reach, double seconds, const lw_allocator* 
 	return more;
 }
 
-// A run that begins anew each time never ends; one that forgets what was proved is worse than none.
+// A run that begins anew each time never ends; one that forgets its proofs is worse than none.
 TEST( ReachPairs, ManyShortRunsProveWhatALongOneDoes )
 {
 	SeededRng rng;

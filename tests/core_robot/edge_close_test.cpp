@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Edges closer than the slack: refused though there is room, called FREE though there is none, work without bound. All clearances here are
-// known in closed form.
+// Edges closer than the slack: refused though there is room, called FREE though there is none, work without bound. All
+// clearances here are known in closed form.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
 
@@ -13,7 +13,8 @@ namespace
 
 constexpr double PI = 3.14159265358979323846;
 
-/// Windows within the slack that an edge may take besides 2 V / slack + 2 states, and states that look for a collision (checker.h).
+/// Windows within the slack that an edge may take besides 2 V / slack + 2 states, and states that look for a collision
+/// (checker.h).
 constexpr double CLOSE_WINDOWS = 2 * 1024, LOOKS = 4;
 
 lw_shape* primitive( lw_shape_type type, double x, double y, double z )
@@ -128,8 +129,8 @@ void expectBounded( const lw_edge_result& r, const lw_edge_def& def, double way 
 
 } // namespace
 
-// Links that are near each other by design keep a small gap whatever the joint does: faces that slide past each other, and a shaft in its
-// bearing, whose hulls meet so that no plane is between them.
+// Links that are near each other by design keep a small gap whatever the joint does: faces that slide past each other, and a
+// shaft in its bearing, whose hulls meet so that no plane is between them.
 TEST( EdgeClose, LinksThatAreNearByDesignAreFreeWithoutASlackThatSomeoneHasToKnow )
 {
 	SeededRng rng;
@@ -177,7 +178,8 @@ TEST( EdgeClose, MotionsLeaveAndReachWhatIsNearerThanTheSlack )
 	}
 }
 
-// Counterexamples are looked for where they would be: edges whose least clearance, somewhere in between, is a hair above or below min_d.
+// Counterexamples are looked for where they would be: edges whose least clearance, somewhere in between, is a hair above or
+// below min_d.
 TEST( EdgeClose, NoEdgeIsFreeWhoseLeastClearanceIsNotAboveMinD )
 {
 	SeededRng rng;
@@ -229,7 +231,8 @@ TEST( EdgeClose, NoEdgeIsFreeWhoseLeastClearanceIsNotAboveMinD )
 	EXPECT_GE( blocked, 200 );
 }
 
-// The same head-on, where each bound of a motion is used up: a ball goes straight at a ball until their clearance is a hair above or below min_d.
+// The same head-on, where each bound of a motion is used up: a ball goes straight at a ball until their clearance is a hair
+// above or below min_d.
 TEST( EdgeClose, NoEdgeIsFreeThatEndsNotAboveMinD )
 {
 	SeededRng rng;
@@ -256,8 +259,8 @@ TEST( EdgeClose, NoEdgeIsFreeThatEndsNotAboveMinD )
 	}
 }
 
-// Gaps below what planes in floats can tell, on a way that no distance proves in the windows that there are: refused, with the pair, and
-// soon.
+// Gaps below the resolution of planes in floats, on a way that no distance proves in the windows that there are: refused,
+// with the pair, and soon.
 TEST( EdgeClose, WorkEndsWhereTheRoomIsRounding )
 {
 	const lw_edge_def def = lw_edge_def_default();
@@ -277,7 +280,7 @@ TEST( EdgeClose, WorkEndsWhereTheRoomIsRounding )
 	}
 }
 
-// The slack is a bound of work, not of what can be proved.
+// The slack is a bound of work, not of provable clearance.
 TEST( EdgeClose, SmallerSlacksProveNoMore )
 {
 	SeededRng rng;

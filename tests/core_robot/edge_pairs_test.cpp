@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of links that take turns to move: what a query remembers of one edge must not prove the next.
+// Pairs of links that take turns to move: the memory of one edge must not prove the next.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first look at an edge: robots of balls among boxes along the axes, whose clearance is known in closed form, asked for a hair
-// more than their least clearance along the edge. Whatever the screening gives away makes such an edge FREE.
+// The first look at an edge: robots of balls among boxes along the axes, whose clearance is known in closed form, asked for
+// a hair more than their least clearance along the edge. Whatever the screening gives away makes such an edge FREE.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
 #include "sanitized.hpp"
@@ -51,8 +51,8 @@ struct Balls
 		open();
 	}
 
-	/// One ball on a chain, and a wall that it meets head-on at the end of the motion from a to b: further away than it would get at
-	/// the speed that it has in the middle, for some.
+	/// One ball on a chain, and a wall that it meets head-on at the end of the motion from a to b: further away than it
+	/// would get at the speed that it has in the middle, for some.
 	Balls( SeededRng& rng, int joints, const State& a, const State& b )
 	{
 		model.link( "root" );
@@ -87,7 +87,7 @@ struct Balls
 				const bool asked = model.bodies[a].link != model.bodies[b].link;
 				least = asked ? std::min( least, apart( at, other ) - radii[a] - radii[b] ) : least;
 			}
-			// the root stands: its clearance is not what an edge is about
+			// the root stands: no edge asks for its clearance
 			for ( std::size_t b = 0; b < obstacles.size() && what == LW_WHAT_ENVIRONMENT && model.bodies[a].link != 0; ++b )
 			{
 				double d[3];
@@ -113,7 +113,7 @@ private:
 		return { at.t[0], at.t[1], at.t[2] };
 	}
 
-	/// Turns the robot so that what is `way` becomes the x axis: by half a turn about the line between both.
+	/// Turns the robot so that the direction `way` becomes the x axis: by half a turn about the line between both.
 	void turnTo( const double way[3] )
 	{
 		const double length = std::hypot( way[0], way[1], way[2] );
@@ -293,7 +293,8 @@ void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
 
 } // namespace
 
-// Without the bulge of a unit, with another velocity or a smaller radius these are red. One body for each link: units are bodies.
+// Without the bulge of a unit, with another velocity or a smaller radius these are red. One body for each link: units are
+// bodies.
 TEST( EdgeScreen, own_balls_come_nearer_than_was_proved )
 {
 	attackAll( unlessSanitized( 300, 60 ), 6, 2, LW_WHAT_SELF );
@@ -322,7 +323,7 @@ TEST( EdgeScreen, ball_passes_a_box_nearer_than_was_proved )
 	attackAll( unlessSanitized( 300, 60 ), 5, 4, LW_WHAT_ENVIRONMENT );
 }
 
-// Without the bulge of a body's way this is red: what gets faster gets further than its velocity in the middle says.
+// Without the bulge of a body's way this is red: an accelerated body gets further than its velocity in the middle says.
 TEST( EdgeScreen, ball_that_gets_faster_runs_into_a_wall )
 {
 	const int worlds = unlessSanitized( 1500, 300 );

@@ -310,8 +310,8 @@ void slider( World& world, double gap, double slabTurn = 0 )
 
 } // namespace
 
-// The heart: no FREE edge has a state at or below min_d, its lower bound holds, BLOCKED and REFUSED can be reproduced, what
-// is proved from the left holds, and clearance well above the band is never refused.
+// The heart: no FREE edge has a state at or below min_d, its lower bound holds, BLOCKED and REFUSED can be reproduced, the
+// part proved from the left holds, and clearance well above the band is never refused.
 TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 {
 	SeededRng rng;
@@ -389,8 +389,8 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 	EXPECT_GE( partial, 60 );
 }
 
-// hpp-core's stall: a ball slides past a slab at a constant small gap, of which floats tell no plane. Work is bounded by the slack and a number of
-// windows, not by the gap.
+// hpp-core's stall: a ball slides past a slab at a constant small gap, of which floats tell no plane. Work is bounded by the
+// slack and a number of windows, not by the gap.
 TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 {
 	struct Case
@@ -461,7 +461,7 @@ TEST( Edge, ThinObstacleBetweenSamplesIsFound )
 	}
 }
 
-// A turn that two slides all but undo in one half of the edge: what is proved of that half says nothing of the other one. A small
+// A turn that two slides all but undo in one half of the edge: a proof of that half says nothing of the other one. A small
 // ball in the way anywhere must be found, on the way there and back.
 TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
 {
@@ -486,8 +486,8 @@ TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
 	}
 }
 
-// A ball on an arm, or the end of a bar that turns about its middle, swings past a box that a plane keeps apart from it at the start,
-// in the middle and at the end; between two of them the arc bulges into the box.
+// A ball on an arm, or the end of a bar that turns about its middle, swings past a box that a plane keeps apart from it at
+// the start, in the middle and at the end; between two of them the arc bulges into the box.
 TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
 {
 	const auto cases = { std::pair( 1.0, false ), std::pair( -1.0, false ), std::pair( 1.0, true ), std::pair( -1.0, true ) };
@@ -524,8 +524,8 @@ TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
 	}
 }
 
-// Two arms, the second of which turns back twice as fast, take a ball along a line, and a slide takes it back: at the start, in
-// the middle and at the end it is at one place, and what it does in between is all jerk.
+// Two arms, the second of which turns back twice as fast, take a ball along a line, and a slide takes it back: at the start,
+// in the middle and at the end it is at one place, and its motion in between is all jerk.
 TEST( Edge, WayThatIsCurvedToBothSidesIsNoParabola )
 {
 	const double arm = 0.5, radius = 0.05, half = 0.35, slide = 2 * arm * std::sin( half );
@@ -569,7 +569,7 @@ TEST( Edge, ShortEdgeBetweenFreeStatesInsideTheSlackIsProvedFromBothEnds )
 	r = world.edge( { 0 }, { 0 }, def );
 	EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
 	EXPECT_EQ( r.queries, 1u );
-	// along the slab: what it keeps to all the way, it is proved to
+	// along the slab: the clearance that it keeps all the way is proved
 	r = world.edge( { 0 }, { 0.1 }, def );
 	EXPECT_EQ( r.verdict, LW_VERDICT_FREE );
 	EXPECT_EQ( r.queries, 1u );
@@ -625,8 +625,8 @@ static lw_shape* frame( double side )
 	return shape;
 }
 
-/// With alpha a search may pass over an obstacle that is a little nearer than the one that it has found. What that proves is the lower
-/// end of the interval: a plate in the way, nearer than the frame around the way, is hit.
+/// With alpha a search may pass over an obstacle that is a little nearer than the one that it has found. Its proof is the
+/// lower end of the interval: a plate in the way, nearer than the frame around the way, is hit.
 TEST( Edge, PlateWithinAlphaOfTheNearestObstacleIsPassedOver )
 {
 	SeededRng rng;
@@ -700,7 +700,7 @@ TEST( Edge, StaticBodiesCount )
 	}
 }
 
-// The sample of an end is the given state: what lw_checker_state calls a violation, no edge into it survives.
+// The sample of an end is the given state: no edge into a violation of lw_checker_state survives.
 TEST( Edge, EndsAgreeWithStates )
 {
 	SeededRng rng;

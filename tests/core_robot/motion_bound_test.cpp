@@ -184,7 +184,7 @@ TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
 	EXPECT_GE( outside, 100 );
 }
 
-// What joints shift by below one that turns adds up. Rings know it without poses (lwi_motion_measure_rough() asks only those).
+// Shifts of joints below one that turns add up. Rings know it without poses (lwi_motion_measure_rough() asks only those).
 TEST( MotionBound, NoPointOfATelescopeTravelsFurtherThanTheBound )
 {
 	SeededRng rng;
@@ -280,8 +280,8 @@ lw_vec3 onLine( lw_vec3 a, lw_vec3 b, double s )
 
 } // namespace
 
-// Between two states of an edge, from where a point is at both and how fast its velocity can change: joints whose motions cancel
-// each other move little, which the path length does not see. Rates are measured anywhere on the edge.
+// Between two states of an edge, from where a point is at both and how fast its velocity can change: joints whose motions
+// cancel each other move little, which the path length does not see. Rates are measured anywhere on the edge.
 TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 {
 	SeededRng rng;
@@ -334,8 +334,8 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 	EXPECT_GE( gains.back(), 5 ) << "never any better than the path length";
 }
 
-// A speed limit for the whole edge, measured from a pose near an end: from there points get twice as far as from the middle. A slide
-// carries a small body away from the axis about which the whole turns.
+// A speed limit for the whole edge, measured from a pose near an end: from there points get twice as far as from the middle.
+// A slide carries a small body away from the axis about which the whole turns.
 TEST( MotionBound, StepIsLongerThanMeasuredFromAPoseNearAnEnd )
 {
 	SeededRng rng;
@@ -381,8 +381,8 @@ TEST( MotionBound, StepIsLongerThanMeasuredFromAPoseNearAnEnd )
 }
 
 // A slide that undoes the velocity of two turns: there and back again, both ends are one place and all that is left is
-// acceleration, in which the two turns and their product have equal parts. The bound is then exact up to third order: anything
-// missing in it shows.
+// acceleration, in which the two turns and their product have equal parts. The bound is then exact up to third order:
+// anything missing in it shows.
 TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
 {
 	const double upper_arm = 0.5, forearm = 0.3, radius = 1e-9;
@@ -420,8 +420,8 @@ TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
 	}
 }
 
-// What a parabola through three places is off, a point may be off the two lines between them, and a little more: how much more
-// depends on how its acceleration changes. Joints turn by up to a radian each.
+// By as much as a parabola through three places is off, a point may be off the two lines between them, and a little more:
+// how much more depends on how its acceleration changes. Joints turn by up to a radian each.
 TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
 {
 	constexpr int STEPS = 12; // of each half
@@ -590,7 +590,7 @@ TEST( MotionBound, OnlyJointsBelowTheAncestorCount )
 	}
 }
 
-// A table that knows which variables stand still gives valid bounds, mostly tighter ones.
+// A table that knows the variables that stand still gives valid bounds, mostly tighter ones.
 TEST( MotionBound, FixedVariablesKeepTheBoundValid )
 {
 	SeededRng rng;
@@ -660,7 +660,7 @@ TEST( MotionBound, OverflowAndZeroQuaternionAreRefused )
 	EXPECT_FALSE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
 }
 
-// What is known without poses must be no less than what poses say, about which the tests above are
+// Bounds without poses must be no less than those from poses, of which the tests above are
 TEST( MotionBound, RoughBoundIsBelowTheMeasuredOne )
 {
 	SeededRng rng;

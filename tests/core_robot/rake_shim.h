@@ -7,7 +7,7 @@
 
 LW_EXTERN_C_BEGIN
 
-/// What a rake leaves: a body and the scene, or two bodies (a < b), in some of eight cells.
+/// A pair that a rake leaves: a body and the scene, or two bodies (a < b), in some of eight cells.
 typedef struct shim_left
 {
 	uint32_t body_a, body_b; ///< b = LW_INVALID_INDEX: the scene

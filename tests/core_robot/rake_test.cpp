@@ -79,7 +79,7 @@ struct World
 		open();
 	}
 
-	/// Balls on a chain, and boxes that they pass by a hair on the way from qa to qb: nothing is given away but what the rake does.
+	/// Balls on a chain, and boxes that they pass by a hair on the way from qa to qb: only the rake's own loss is allowed.
 	/// Or bunches of triangles instead of balls, and of most boxes.
 	World( SeededRng& rng, State& qa, State& qb, bool meshes )
 	{
@@ -112,8 +112,8 @@ struct World
 		open();
 	}
 
-	/// Two long arms, mirrored, that swing so that their balls come nearer and nearer, and end by meeting or by a hair before: velocities say less
-	/// than what bends, and both bend as much.
+	/// Two long arms, mirrored, that swing so that their balls come nearer and nearer, and end by meeting or by a hair
+	/// before: velocities say less than the bent one, and both bend as much.
 	void meet( SeededRng& rng, State& qa, State& qb )
 	{
 		model.link( "root" );
@@ -343,7 +343,7 @@ public:
 	{
 		for ( int k = 0; k < 8 * STATES; ++k )
 		{
-			// both ends of every cell, too: that is where what bends gets farthest
+			// both ends of every cell, too: there a bent path gets farthest
 			const int cell = k / STATES, state = k % STATES;
 			pose( ( cell + static_cast<double>( state ) / ( STATES - 1 ) ) / 8 );
 			attack( static_cast<std::uint32_t>( cell ), tally );
@@ -482,7 +482,7 @@ TEST( Rake, ball_passes_a_box_by_less_than_was_proved )
 	EXPECT_GE( attack_narrow_passes( 1000, false ).tight, 1000u );
 }
 
-// Either ball bends as far as it can, and both towards each other: a bound that counts one of them is half of what they do.
+// Either ball bends as far as it can, and both towards each other: a bound that counts one of them is half of the truth.
 TEST( Rake, two_arms_bend_towards_each_other_by_more_than_was_proved )
 {
 	SeededRng rng;
@@ -505,7 +505,7 @@ TEST( Rake, bunch_passes_a_bunch_by_less_than_was_proved )
 	EXPECT_GE( attack_narrow_passes( 300, true ).tight, 50u );
 }
 
-// The spheres of a tree contain triangles: what is inside of a solid mesh, away from all of them, is in contact all the same
+// The spheres of a tree contain triangles: a body inside of a solid mesh, away from all of them, is in contact all the same
 TEST( Rake, inside_of_a_solid_mesh_is_held_to_be_free )
 {
 	World world( 2 );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What lw_robot_create accepts, rejects and says; variables, pairs, memory.
+// Defs that lw_robot_create accepts and rejects, its messages; variables, pairs, memory.
 #include "counting_allocator.hpp"
 #include "random_robot.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rigid transforms: quaternions and angles there and back, by matrices in long double; what is no rotation is refused.
+// Rigid transforms: quaternions and angles there and back, by matrices in long double; a matrix that is no rotation is
+// refused.
 #include "leeway/math.h"
 #include "random_robot.hpp"
 

@@ -171,7 +171,7 @@ TEST( Points, AreBallsOfOneRadius )
 	}
 }
 
-// What would make clouds slow or large.
+// Inputs that would make clouds slow or large.
 TEST( Points, LargeCloudsAreShallowAndSmall )
 {
 	SeededRng rng;

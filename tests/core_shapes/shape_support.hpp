@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the shape tests share: soups, a counting allocator, an independent walk over a tree.
+// Shared by the shape tests: soups, a counting allocator, an independent walk over a tree.
 #pragma once
 
 #include "leeway/shape.h"
@@ -91,7 +91,7 @@ inline ShapePtr makeMesh( const Soup& soup, lw_sphere_fit fit = LW_FIT_MINIMAL, 
 	return makeMesh( def );
 }
 
-/// Counts what is live, fills memory with garbage, checks sizes and alignment, and fails at call `failAt` (from 1).
+/// Counts live blocks, fills memory with garbage, checks sizes and alignment, and fails at call `failAt` (from 1).
 class CountingAllocator
 {
 public:
@@ -127,7 +127,7 @@ private:
 	}
 };
 
-/// What a walk over a tree saw.
+/// Findings of a walk over a tree.
 struct TreeStats
 {
 	std::vector<std::vector<double>> radii; ///< of each level, the root's first

@@ -9,7 +9,7 @@
 namespace
 {
 
-/// Good tables are not what is tested here.
+/// The quality of tables is tested elsewhere.
 lw_reach_def reachDef()
 {
 	lw_reach_def def = lw_reach_def_default();

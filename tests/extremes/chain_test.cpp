@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Robots at the extremes: chains of 200 links, joints at 1e6 radians, 1e7 m from the origin; states against exact kinematics.
+// Robots at the extremes: chains of 200 links, joints at 1e6 radians, 1e7 m from the origin; states against exact
+// kinematics.
 #include "checker_handles.hpp"
 #include "extreme_judge.hpp"
 
@@ -13,7 +14,7 @@ namespace
 
 constexpr std::uint32_t robot_links = 201;
 
-/// What a state is promised for its poses (leeway/checker.h), but for the share of the distance.
+/// The promised error of a state for its poses (leeway/checker.h), but for the share of the distance.
 double poseRounding( double length, double root )
 {
 	return ( 192 * length + 24 * root ) * 0x1p-53 * ( robot_links + 1 );
@@ -163,7 +164,7 @@ private:
 
 struct Seen
 {
-	double lower = 0, upper = 0; ///< worst, in units of what is promised
+	double lower = 0, upper = 0; ///< worst, in units of the promise
 	int answers = 0;
 };
 
@@ -257,7 +258,7 @@ TEST( ExtremeChains, state_differs_from_exact_kinematics )
 					poses += stretch * std::max( static_cast<double>( truth.upper ), static_cast<double>( own.upper ) );
 					judge( result.environment, truth, poses, promise, environment );
 					judge( result.self, own, poses, promise, self );
-					// a range that ends within what is known of the distance: FAR would say more than is known
+					// a range that ends within the known interval of the distance: FAR would claim more
 					const lw_state_result known = result;
 					for ( double share : { 0.1, 0.4, 0.7, 0.95 } )
 					{

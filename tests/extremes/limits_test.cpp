@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is accepted and what is refused at the ends of the range, poses that were composed a million times, and threads.
+// Inputs accepted and refused at the ends of the range, poses that were composed a million times, and threads.
 #include "extreme_judge.hpp"
 #include "shapes.hpp"
 
@@ -129,7 +129,7 @@ TEST( ExtremePoses, a_million_compositions )
 	{
 		ShapePair p = randomShapes( random, static_cast<Arrangement>( i % coinciding ) );
 		lw_transform turned = lw_transform_multiply( &pose, &p.world_from_a ), more = lw_transform_multiply( &pose, &p.world_from_b );
-		// nearly rotations, to what is still taken for one
+		// nearly rotations, up to the tolerance
 		double off = i % 2 == 0 ? 0 : 2e-7 * random.unit();
 		for ( int k = 0; k < 9; ++k )
 		{

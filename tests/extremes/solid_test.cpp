@@ -59,7 +59,7 @@ TEST( ExtremeSolids, promise_is_broken_below_a_nanometre )
 	}
 }
 
-// Squares of a normal of 1e-23 vanish in float; the cylinder then had no width across it, and was apart from what is inside.
+// Squares of a normal of 1e-23 vanish in float; the cylinder then had no width across it, and was apart from its inside.
 TEST( ExtremeSolids, cylinder_is_thin_across_short_normals )
 {
 	QueryPtr query = makeQuery();
@@ -107,7 +107,7 @@ TEST( ExtremeSolids, great_alpha_leaves_a_solid_mesh_undecided )
 	}
 }
 
-// What was asked before decides within alpha which pair is found first; after a reset nothing was.
+// Within alpha, earlier questions decide the pair that is found first; after a reset there are none.
 TEST( ExtremeSolids, reset_forgets_less_than_everything )
 {
 	QueryPtr query = makeQuery();

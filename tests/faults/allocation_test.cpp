@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Memory runs out at the first allocation, at the second, ...: for everything of the core that creates, edits, reads or
-// writes. Each time there is a status, no object, nothing is left over, and what was there before is as it was. Questions
+// writes. Each time there is a status, no object, nothing is left over, and earlier objects are unchanged. Questions
 // take no memory.
 #include "checker_handles.hpp"
 #include "counting_allocator.hpp"

@@ -195,7 +195,7 @@ TEST_F( Input, EachLimitIsMetByItsFile )
 	expectLimit( &Limits::nesting, 5, "nesting", [&] { (void)loadScene( deep ); } );
 }
 
-/// Each line doubles what the one before stands for: 40 lines are 10^12 nodes. They are counted, not visited.
+/// Each line doubles the nodes of the one before: 40 lines are 10^12 nodes. They are counted, not visited.
 TEST_F( Input, AliasesOfAliasesAreCountedNotVisited )
 {
 	std::string text = "x0: &x0 [1, 2]\n";

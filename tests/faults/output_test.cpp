@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Outputs that cannot be written, by every command that writes: a full disk, a place that is no folder, a limit of the
-// system. Exit status 2, one line that names the output, what was there before untouched, nothing left behind.
+// system. Exit status 2, one line that names the output, the old file untouched, nothing left behind.
 #include "cli_fixture.hpp"
 
 #include <filesystem>
@@ -141,7 +141,7 @@ TEST_P( Output, BelowAFileIsAnError )
 	EXPECT_EQ( files(), before );
 }
 
-/// The system's limit is one kilobyte below what the output needs or less: the temporary file is cut, as on a full disk.
+/// The system's limit is at least one kilobyte less than the output needs: the temporary file is cut, as on a full disk.
 TEST_P( Output, ThatDoesNotFitLeavesTheEarlierOne )
 {
 	if ( GetParam().name == "CacheJson" )
@@ -158,7 +158,7 @@ TEST_P( Output, ThatDoesNotFitLeavesTheEarlierOne )
 		const Outcome good = run( arguments( GetParam().output ) );
 		ASSERT_LE( good.status, 1 ) << good.err;
 	}
-	// What was there before is something else
+	// The old file is something else
 	for ( const auto& entry : std::filesystem::recursive_directory_iterator( path( "" ) ) )
 	{
 		const std::string name = std::filesystem::relative( entry.path(), path( "" ) ).string();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Blobs and cache files. Each input is tried as it is, and once more with size and checksum made right: else no fuzzer comes
-// past the checksum, and what is behind it would go untested.
+// past the checksum, and the code behind it would go untested.
 #include "fuzz.hpp"
 
 #include "cache/cache_file.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The core's interface as a structured fuzzer: bytes choose calls, and arguments from among what is there and what makes no
-// sense. Every object comes from one counting allocator, which may be told to fail.
+// The core's interface as a structured fuzzer: bytes choose calls, and arguments from among valid ones and those that make
+// no sense. Every object comes from one counting allocator, which may be told to fail.
 //
 // Promises that are checked: a status and an outcome go together, errors have no verdict and the interval of an error,
 // intervals are intervals, the same pair measured both ways gives intervals that meet, and nothing is left when all is
@@ -161,7 +161,7 @@ private:
 		expect( status != LW_OK || result.verdict != LW_VERDICT_UNKNOWN, "a state that was checked has a verdict" );
 	}
 
-	/// What an edge costs is its motion over its slack (or step): both are kept such that it ends soon, or are refused.
+	/// The cost of an edge is its motion over its slack (or step): both are kept such that it ends soon, or are refused.
 	void checkEdge()
 	{
 		const lw_checker* checker = pick( m_checkers );

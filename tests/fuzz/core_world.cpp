@@ -85,7 +85,7 @@ CoreWorld::~CoreWorld()
 	{
 		lw_query_destroy( query );
 	}
-	for ( lw_shape* shape : m_shapes ) // objects hold references to what they need, so that any order will do
+	for ( lw_shape* shape : m_shapes ) // objects hold references to the objects that they need, so that any order will do
 	{
 		lw_shape_release( shape );
 	}
@@ -551,7 +551,7 @@ void CoreWorld::addReach()
 	{
 		def.robot = lw_reach_robot( before ); // the only one that it takes
 	}
-	// qhull takes its memory where it wants: what it leaves is looked for by the leak sanitizer
+	// qhull takes its memory where it wants: the leak sanitizer finds its leaks
 	const lw_status status = before != nullptr ? lw_reach_continue( before, &def, memory(), &diag, &reach )
 							   : lw_reach_create( &def, memory(), &diag, &reach );
 	keep( m_reaches, lw_reach_release, status, reach );

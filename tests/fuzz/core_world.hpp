@@ -39,7 +39,7 @@ private:
 	Input m_left;
 };
 
-/// Counts what is live, and fails once when `left` allocations are used up.
+/// Counts live blocks, and fails once when `left` allocations are used up.
 struct FailingAllocator
 {
 	long left = -1; ///< negative: does not fail
@@ -125,7 +125,7 @@ protected:
 private:
 	const lw_allocator* memory() const { return &allocator()->interface; }
 	lw_tree_def tree();
-	/// Keeps what was made; the oldest is released where there are many.
+	/// Keeps objects that were made; releases the oldest of many.
 	template <typename T> void keep( std::vector<T*>& all, void ( *release )( T* ), lw_status status, T* made );
 	bool moderate( const lw_shape* shape ) const;
 	void makeMargins( const lw_robot* robot, const lw_scene* scene, lw_margins& margins );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table of targets, the folder of inputs, and what is done with every shape that was read.
+// The table of targets, the folder of inputs, and the queries made of every shape that was read.
 #include "fuzz.hpp"
 
 #include <cmath>

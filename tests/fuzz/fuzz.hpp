@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What fuzz targets share: their table, a folder for the file that a reader is given, and what a reader may do with bad
+// Shared by fuzz targets: their table, a folder for the file that a reader is given, and the permitted effects of bad
 // input.
 //
 // A target takes any bytes and returns. It ends the process (by an exception that leaves it, a sanitizer, expect()) only
@@ -23,7 +23,7 @@ struct Target
 {
 	const char* name;
 	void ( *run )( Input );
-	std::size_t longest; ///< bytes: what is longer is slow and shows nothing new
+	std::size_t longest; ///< bytes: longer input is slow and shows nothing new
 	const char* seeds;   ///< folder of the corpus, where several targets share one
 };
 

@@ -15,7 +15,7 @@ namespace
 
 namespace io = leeway::io;
 
-/// A state check and an edge at the values that the model itself gives: what was loaded has to be usable.
+/// A state check and an edge at the values that the model itself gives: a loaded model has to be usable.
 void useProblem( const io::Problem& problem )
 {
 	const lw_checker* checker = problem.checker.get();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The corpora once more, in normal runs: every seed, what the fuzzers found and was mended, and cuts and flipped bits of
+// The corpora once more, in normal runs: every seed, inputs of mended faults, and cuts and flipped bits of
 // each.
 #include "fuzz.hpp"
 
@@ -48,7 +48,7 @@ std::vector<Case> corpusOf( const std::string& target )
 class FuzzCorpus : public testing::TestWithParam<fuzz::Target>
 {
 protected:
-	/// An exception that leaves a target is a failure with the name of its input; a crash says which one by
+	/// An exception that leaves a target is a failure with the name of its input; a crash names it by
 	/// LEEWAY_FUZZ_VERBOSE.
 	static void run( const std::string& name, fuzz::Input input )
 	{

@@ -6,7 +6,7 @@
 
 #include "cache/cache_file.hpp"
 
-#define OCTOMAP_NODEBUGOUT // without NDEBUG it tells on stderr what it writes
+#define OCTOMAP_NODEBUGOUT // without NDEBUG it reports its writing on stderr
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
 #include <png.h>

@@ -7,7 +7,7 @@
 
 #include <string>
 
-/// What became of a series of damaged files.
+/// The fate of a series of damaged files.
 struct DamageCount
 {
 	int read = 0, refused = 0;

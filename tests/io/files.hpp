@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A folder of small model files, written by a test and removed with it, and what tests expect of errors and notices.
+// A folder of small model files, written by a test and removed with it, and checks of errors and notices.
 #pragma once
 
 #include "leeway/io/model.hpp"

@@ -314,7 +314,7 @@ TEST_P( Conformance, LastValidMayBeEitherEnd )
 
 TEST_P( Conformance, LastValidOfAnInvalidEndIsNotTheEnd )
 {
-	// the end alone is invalid, by a hair: what is returned must be valid all the same
+	// the end alone is invalid, by a hair: the returned state must be valid all the same
 	ob::State *s1 = state(), *s2 = state(), *middle = state();
 	for ( int i = 0; i < 30; ++i )
 	{
@@ -472,7 +472,7 @@ TEST_P( Conformance, ThreadsGetTheAnswersOfOne )
 		ASSERT_TRUE( together[i].last_is_valid ) << i;
 		different += alone[i].motion != together[i].motion;
 	}
-	// a proof near the limit of its slack may depend on what its thread was asked before
+	// a proof near the limit of its slack may depend on earlier questions of its thread
 	EXPECT_LE( different, count / 50 );
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What OMPL asks of a state validity checker and of a motion validator, word by word, as tests of any pair of them. Compile
+// OMPL's rules for a state validity checker and for a motion validator, word by word, as tests of any pair of them. Compile
 // conformance.cpp into a test program, and there
 //
 //     INSTANTIATE_TEST_SUITE_P( Mine, Conformance, testing::Values( subject ), conformance::name );
 //
-// The rules are those of OMPL's headers (StateValidityChecker.h, MotionValidator.h). What goes further, or what OMPL's own
-// classes do not keep, may be left out by a subject that states why.
+// The rules are those of OMPL's headers (StateValidityChecker.h, MotionValidator.h). Tests that go further, or that OMPL's
+// own classes do not pass, may be left out by a subject that states why.
 #pragma once
 
 #include "seeded_rng.hpp"
@@ -22,7 +22,7 @@
 namespace conformance
 {
 
-/// What a subject does not promise: the reason, or null if it does.
+/// A promise that a subject does not make: the reason, or null if it does.
 struct Exceptions
 {
 	const char* clearance = nullptr;    ///< clearance() is a lower bound of the truth, above 0 for valid states, else <= 0
@@ -42,7 +42,7 @@ struct Motion
 	bool valid;
 };
 
-/// One pair of checker and validator, ready to be asked, and what is known of the truth.
+/// One pair of checker and validator, ready to be asked, and the known truth.
 struct Instance
 {
 	::ompl::base::SpaceInformationPtr si; ///< set up

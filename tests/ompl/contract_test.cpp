@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // OMPL's two interfaces: the conformance tests, run on leeway's classes and on OMPL's own (a test that those fail misreads
-// the contract), and what leeway promises beyond them.
+// the contract), and leeway's promises beyond them.
 #include "conformance.hpp"
 #include "leeway/ompl/objective.hpp"
 #include "world.hpp"
@@ -234,7 +234,8 @@ TEST( CheckerSpecs, NothingToTouchIsAsFarAsMaxD )
 	EXPECT_TRUE( rig.si->checkMotion( state.get(), state.get() ) );
 }
 
-// A ball on a rail before a wall, 1.4 m from it at 0: what a planner is told is less by the margin, all along a motion too.
+// A ball on a rail before a wall, 1.4 m from it at 0: the clearance told to a planner is less by the margin, all along a
+// motion too.
 TEST( CheckerSpecs, MarginsCountForStatesMotionsAndCosts )
 {
 	const double of_object = 0.2;
@@ -489,7 +490,7 @@ bool isClose( const Rig& rig, lw_query* query, const ob::State* s1, const ob::St
 	return lowest > 0 && lowest < 0.03;
 }
 
-// A ball that slides along a wall within rounding: who plans must hear which pair is in the way of all proofs.
+// A ball that slides along a wall within rounding: the planner must hear the pair in the way of all proofs.
 TEST( MotionCounters, RefusedPairsAreNamed )
 {
 	const leeway::Checker checker = makeChecker( { slider( "cart", 0, -1, 1, makeBox( 0.2, 0.2, 0.2 ) ) },

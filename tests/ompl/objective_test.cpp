@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The clearance objective: costs of motions against dense exact sampling, the algebra that OMPL's planners rely on, and what
-// planners make of it.
+// The clearance objective: costs of motions against dense exact sampling, the algebra that OMPL's planners rely on, and
+// its use by planners.
 #include "world.hpp"
 
 #include "leeway/ompl/objective.hpp"
@@ -88,7 +88,7 @@ TEST_P( Objective, MotionCostsAreProvedAndClose )
 			}
 			if ( truth > ( 1 + tolerance ) * ( options.min_d + options.slack ) + 1e-4 )
 			{
-				// a tenth of a millimetre for what the samples may have missed
+				// a tenth of a millimetre for minima that the samples may have missed
 				ASSERT_GE( options.min_d + cost, ( truth - 1e-4 ) / ( 1 + tolerance ) ) << tolerance;
 			}
 			positive += cost > 0;
@@ -157,7 +157,7 @@ TEST_P( Objective, DirectionDoesNotMatter )
 			EXPECT_GE( standing + 0.01, ( state + 0.01 ) / ( 1 + objective.tolerance() ) - 1e-9 );
 		}
 	}
-	// what a query remembers may tip a proof that is near its limit
+	// the memory of a query may tip a proof that is near its limit
 	EXPECT_LE( different, 3 );
 }
 

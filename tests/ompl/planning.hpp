@@ -14,7 +14,7 @@ namespace og = ::ompl::geometric;
 
 constexpr double min_d = 0.005;
 
-// A limit for planners that have gone astray, far above what any needs even with sanitizers on; none is asserted.
+// A limit for planners that have gone astray, far above any need even with sanitizers on; none is asserted.
 constexpr double patience = 60;
 
 inline leeway::ompl::Options plannerOptions()
@@ -42,7 +42,7 @@ inline void audit( const Rig& rig, const og::PathGeometric& path )
 	}
 }
 
-/// From start to goal with a planner: the path, and what OMPL's simplification leaves of it, must be free all the way.
+/// From start to goal with a planner: the path, and its simplification by OMPL, must be free all the way.
 inline void solveAndAudit( const World& problem, ob::PlannerPtr ( *make )( const ob::SpaceInformationPtr& ) )
 {
 	const Rig rig( problem.make(), plannerOptions() );
@@ -74,8 +74,8 @@ inline void solveAndAudit( const World& problem, ob::PlannerPtr ( *make )( const
 	EXPECT_LE( rig.space->distance( path->getStates().back(), goal.get() ), 0.1 + 1e-9 );
 	audit( rig, *path );
 
-	// What OMPL makes of it afterwards goes through the same validator. It is mostly shorter, but OMPL asks for all edges once more
-	// in the end and replaces those that are refused then: within the slack a proof may depend on what was asked before.
+	// OMPL's later versions of it go through the same validator. It is mostly shorter, but OMPL asks for all edges once more
+	// in the end and replaces those that are refused then: within the slack a proof may depend on earlier questions.
 	og::PathSimplifier( rig.si ).simplifyMax( *path );
 	audit( rig, *path );
 	EXPECT_EQ( rig.engine->counters().edges,

@@ -3,10 +3,10 @@
 //
 // pSBL keeps its threads from using motions that one of them deletes by a mutex that the first thread to enter a section
 // locks and the last one to leave unlocks (loopLock_ in pSBL.cpp, from 1.5.2 to 2.0.2 the same). The C++ standard forbids to
-// unlock another thread's mutex. glibc does what pSBL means, but the sanitizer reports it, and then misses that whoever
+// unlock another thread's mutex. glibc does as pSBL means, but the sanitizer reports it, and then misses that whoever
 // deletes comes after whoever made: each deletion of a motion, and each look at one that is to be deleted, is a report more.
 // Those are left out below by the names of OMPL's functions. The validity checker and the motion validator are called from
-// none of them: what happens there is looked at in full.
+// none of them: all events there are looked at in full.
 #include "planning.hpp"
 
 #include <ompl/geometric/planners/sbl/pSBL.h>

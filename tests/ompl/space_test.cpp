@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// State spaces of groups: layout, bounds, the curve that OMPL draws against the one that the core proves, and what is
-// refused.
+// State spaces of groups: layout, bounds, the curve that OMPL draws against the one that the core proves, and
+// requests that are refused.
 #include "world.hpp"
 
 #include <ompl/base/Constraint.h>
@@ -18,7 +18,7 @@
 namespace
 {
 
-/// Distance of what two group states make of the robot: the largest difference of any entry of any link's pose.
+/// Distance of the robot at two group states: the largest difference of any entry of any link's pose.
 double poseDifference( const Rig& rig, const double* a, const double* b )
 {
 	const lw_checker* checker = rig.checker.get();
@@ -216,7 +216,7 @@ TEST( SpaceLayout, UnlimitedPositionsGetTheGivenBounds )
 	EXPECT_EQ( bounds( leeway::ompl::makeStateSpace( beyond, 30 ) ).high[0], 30 );
 }
 
-// ---- curves that are not what they seem ----
+// ---- curves that deceive ----
 
 /// A turntable with a post that its arm must pass at angle 0.
 leeway::Checker postWorld()

@@ -98,7 +98,7 @@ TEST_F( Updates, checker_of_another_group )
 
 TEST_F( Updates, threads_that_ask_meet_a_half_made_world )
 {
-	// an obstacle that is here or there: a motion by both places is always blocked, and what is far from both is free
+	// an obstacle that is here or there: a motion by both places is always blocked, and one far from both is free
 	const leeway::Checker here = withObstacles( base, { { "new", at( -0.65, -0.8, 0 ) } } );
 	const leeway::Checker there = withObstacles( base, { { "x", at( 0.9, 0.9, 2 ) }, { "new", at( -0.45, -0.8, 0 ) } } );
 	engine->update( here );

@@ -93,7 +93,7 @@ private:
 class BruteDistance
 {
 public:
-	static constexpr double width = 1e-9; ///< of the intervals, metres, beside what is granted below `bound`
+	static constexpr double width = 1e-9; ///< of the intervals, metres, beside the allowance below `bound`
 
 	/// @param bound metres: nothing at or above it needs a distance; then lower = upper = bound
 	oracle::Interval distance( const lw_shape* a, const lw_transform& world_from_a, const lw_shape* b,
@@ -149,7 +149,7 @@ private:
 		return std::sqrt( squared );
 	}
 
-	/// Boxes are a little too large: what rounding does to them is far below `width`.
+	/// Boxes are a little too large: their rounding is far below `width`.
 	static Box boxOf( const lw_shape_info& info, const lw_transform& pose )
 	{
 		Box box;

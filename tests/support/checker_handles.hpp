@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Owners of what checkers are made of and asked with, for tests of the core.
+// Owners of the objects that checkers are made of and asked with, for tests of the core.
 #pragma once
 
 #include "leeway/checker.h"

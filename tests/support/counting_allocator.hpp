@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An lw_allocator that counts what is live and fails when a given number of allocations are used up.
+// An lw_allocator that counts live blocks and fails when a given number of allocations are used up.
 #pragma once
 
 #include "leeway/base.h"
@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdlib>
 
-/// Fails when none are left; counts what is live.
+/// Fails when none are left; counts live blocks.
 struct CountingAllocator
 {
 	int left = 1 << 30;

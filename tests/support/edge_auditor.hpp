@@ -7,7 +7,8 @@
 //
 // Motion is measured, not bounded: forward kinematics at states between which nothing turns by more than 0.2 rad; how far
 // the centre of a sphere around the body went, and how far it turned about it. Bodies that are rigid to each other are a
-// cluster and move as one. With margins a distance counts less by that of its pair. Where the boxes of the shapes are far enough apart for an interval no distance is taken.
+// cluster and move as one. With margins a distance counts less by that of its pair. Where the boxes of the shapes are far
+// enough apart for an interval no distance is taken.
 #pragma once
 
 #include "leeway/leeway.h"
@@ -35,12 +36,12 @@ public:
 		bool contact = false;
 		double t = 0;            ///< of the contact, otherwise of the least distance measured
 		double least = INFINITY; ///< of all distances measured
-		bool self = false;       ///< what it was between: two links, or link and object
+		bool self = false;       ///< its bodies: two links, or link and object
 		std::uint32_t link = LW_INVALID_INDEX, other = LW_INVALID_INDEX;
 		std::uint64_t distances = 0, poses = 0;
 	};
 
-	/// What is taken off the distance of two links, or of a link and an object.
+	/// The margin taken off the distance of two links, or of a link and an object.
 	using Margin = std::function<double( bool self, std::uint32_t link, std::uint32_t other )>;
 
 	/// @param variables of the group; everything else stands. @param resolution metres
@@ -180,7 +181,7 @@ private:
 
 	static double norm( double x, double y, double z ) { return std::sqrt( x * x + y * y + z * z ); }
 
-	// ---- what there is ----------------------------------------------------------------------------------------------
+	// ---- bodies and pairs -------------------------------------------------------------------------------------------
 
 	Body makeBody( const lw_shape* shape, std::uint32_t link, const lw_transform& pose ) const
 	{
@@ -311,7 +312,7 @@ private:
 		m_pairs.push_back( pair );
 	}
 
-	/// Pairs whose relative pose the group changes, less what is allowed; and bodies that never move against the scene.
+	/// Pairs whose relative pose the group changes, less the allowed ones; and bodies that never move against the scene.
 	void listPairs( const std::vector<lw_link_object_pair>& allowed )
 	{
 		for ( std::uint32_t i = 0; m_scene != nullptr && i < lw_scene_shape_count( m_scene ); ++i )
@@ -618,7 +619,8 @@ private:
 			{
 				continue;
 			}
-			// What a sample here cannot settle anyway is left to the halves: without a sample so far that is a guess
+			// An interval that a sample here cannot settle anyway is left to the halves: without a sample so far that is a
+			// guess
 			const double most = o.distance >= 0 ? room + path( item, o.at, middle ) : 2 * std::max( 0.0, least ) + 0.1;
 			if ( most < 2 * half && 2 * half > m_resolution && high - low > 1 )
 			{

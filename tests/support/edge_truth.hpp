@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is true of one edge, found out by an auditor, and whether a verdict on it holds.
+// The truth about one edge, found by an auditor, and whether a verdict on it holds.
 #pragma once
 
 #include "edge_auditor.hpp"

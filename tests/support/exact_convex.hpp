@@ -2,10 +2,10 @@
 // Certified distances of convex pieces, independent of the engine: hulls of points, cylinders, cones, all with a radius
 // around them, and half-spaces and planes.
 //
-// What is measured is the difference of two pieces, which support functions tell all about. A point of a simplex of its
+// The code measures the difference of two pieces, which support functions describe. A point of a simplex of its
 // support points bounds the distance from above, whatever chose it; the support plane across any direction bounds it from
 // below. Both are found by the iteration of Gilbert, Johnson and Keerthi (1988) with the projection onto triangles of
-// exact_triangles.hpp, first in 64 bits, then in 113; neither is trusted for having been found: the interval is what holds.
+// exact_triangles.hpp, first in 64 bits, then in 113; neither is trusted for having been found: the interval holds.
 #pragma once
 
 #include "exact_rotation.hpp"
@@ -31,7 +31,7 @@ struct Piece
 	double radius = 0;      ///< around all of it
 
 	bool isUnbounded() const { return kind == halfspace || kind == plane; }
-	/// Largest |coordinate|, radius included; of what is unbounded 0.
+	/// Largest |coordinate|, radius included; 0 if unbounded.
 	double coordinates() const
 	{
 		double most = std::max( r, half );
@@ -152,7 +152,7 @@ template <class R> inline R surrounds( const Simplex<R>& s, R enough )
 	return R( INFINITY );
 }
 
-/// The point of the simplex's faces that is nearest to the origin, to rounding; what it is not on is dropped.
+/// The point of the simplex's faces that is nearest to the origin, to rounding; the rest of the simplex is dropped.
 template <class R> inline Vec<R> reduce( Simplex<R>& s )
 {
 	const Vec<R> origin = { 0, 0, 0 };
@@ -227,7 +227,7 @@ template <class R> inline Bounds<R> between( const PlacedPiece<R>& a, const Plac
 	return out;
 }
 
-/// What bounds between pieces must be widened by, in terms of a size that all coordinates are within: rotating a corner is
+/// The widening of bounds between pieces, in terms of a size that all coordinates are within: rotating a corner is
 /// 16 roundoffs of it (5 of them of the rotation itself), a rim 8 more, a difference 2, a foot 14, lengths and products with
 /// directions 7.
 template <class R> inline R convexError( R size )
@@ -310,7 +310,7 @@ inline Enclosure distance( const PieceSet& a, const PieceSet& b, double width )
 			}
 			else
 			{
-				double radii = x.radius + y.radius; // of what is culled; it rounds
+				double radii = x.radius + y.radius; // of culled pieces; it rounds
 				if ( ( length( pb.center - pa.center ) - pa.reach - pb.reach - radii ) * ( 1 - 0x1p-40L ) >= best.upper )
 				{
 					continue;

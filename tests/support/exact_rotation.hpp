@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rotations in more than double precision: what a matrix of doubles means.
+// Rotations in more than double precision: the meaning of a matrix of doubles.
 #pragma once
 
 #include "exact_triangles.hpp"
 
 namespace exact
 {
-/// The rotation that is meant by a matrix that is one to rounding, or to what lw_transform_is_valid() takes: its rows made
-/// orthonormal.
+/// The rotation that is meant by a matrix that is one to rounding, or to the tolerance of lw_transform_is_valid(): its rows
+/// made orthonormal.
 template <class R> struct RotationOf
 {
 	Vec<R> row[3];
@@ -20,7 +20,7 @@ template <class R> struct RotationOf
 			row[i] = { R( m.r[i][0] ), R( m.r[i][1] ), R( m.r[i][2] ) };
 		}
 		row[0] = ( 1 / length( row[0] ) ) * row[0];
-		for ( int i = 0; i < 2; ++i ) // the second time for what rounding left of the first
+		for ( int i = 0; i < 2; ++i ) // the second time against rounding in the first
 		{
 			row[1] = row[1] - dot( row[0], row[1] ) * row[0];
 			row[1] = ( 1 / length( row[1] ) ) * row[1];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Certified distances of whole shapes at poses: all pairs of triangles, segments, points and boxes, or of convex pieces, in more
-// than double precision.
+// Certified distances of whole shapes at poses: all pairs of triangles, segments, points and boxes, or of convex pieces, in
+// more than double precision.
 #pragma once
 
 #include "exact_convex.hpp"
@@ -24,7 +24,7 @@ struct Box
 	double min[3], max[3];
 };
 
-/// What a shape is made of, in its frame: items and boxes, whose faces are items too; or pieces.
+/// The parts of a shape, in its frame: items and boxes, whose faces are items too; or pieces.
 struct Body
 {
 	std::vector<Item> items; ///< of a body of pieces only if it is a solid mesh: its faces
@@ -134,8 +134,8 @@ inline void lowerTo( Enclosure& best, const std::vector<Placed>& pa, const std::
 	}
 }
 
-/// The distance of two bodies, [lower, upper], to about `width`; the poses are taken as the rotations that they mean. Both are of
-/// pieces, or neither.
+/// The distance of two bodies, [lower, upper], to about `width`; the poses are taken as the rotations that they mean. Both
+/// are of pieces, or neither.
 inline Enclosure distance( const Body& a, const lw_transform& world_from_a, const Body& b, const lw_transform& world_from_b, double width )
 {
 	if ( !a.pieces.empty() )
@@ -185,7 +185,7 @@ inline Wide outside( const Body& body, lw_vec3 p, std::uint32_t element, double 
 	return distance( PieceSet( only.empty() ? body.pieces : only, here, { 0, 0, 0 } ), PieceSet( point, here, { 0, 0, 0 } ), width ).upper;
 }
 
-/// What lw_clearance promises (leeway/distance.h), relative to the size of the question.
+/// The promise of lw_clearance (leeway/distance.h), relative to the size of the question.
 struct Promise
 {
 	double rounding; ///< 2^-46, and 1e-56 m: upper is not below the truth by more

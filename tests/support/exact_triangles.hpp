@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Certified distances of triangles, segments and points, independent of the engine: enclosures from certificates.
 //
-// A pair of convex combinations of the corners bounds the distance from above, whatever chose its weights; the slab between two
-// support planes bounds it from below, whatever chose its direction. Both are evaluated in 64 bits (long double), and where that
-// does not decide in 113 (__float128); their own rounding is added outward. The engine's arithmetic is nowhere in it.
+// A pair of convex combinations of the corners bounds the distance from above, whatever chose its weights; the slab between
+// two support planes bounds it from below, whatever chose its direction. Both are evaluated in 64 bits (long double), and
+// where that does not decide in 113 (__float128); their own rounding is added outward. The engine's arithmetic is nowhere in
+// it.
 #pragma once
 
 #include "leeway/math.h"
@@ -115,7 +116,8 @@ template <class R> struct Foot
 	int corner; ///< first corner of the edge it is on, -1 inside, 3 + i at corner i
 };
 
-/// The point of a triangle that is nearest to p, to rounding; always a point of it. One that is within `enough` (squared) will do.
+/// The point of a triangle that is nearest to p, to rounding; always a point of it. One that is within `enough` (squared)
+/// will do.
 template <class R> inline Foot<R> nearestPoint( const Vec<R> t[3], Vec<R> p, R enough = 0 )
 {
 	const Vec<R> from[3] = { p - t[0], p - t[1], p - t[2] }, e[3] = { t[1] - t[0], t[2] - t[1], t[0] - t[2] };
@@ -194,16 +196,17 @@ template <class R> inline void offerSlab( const Pair<R>& pair, Vec<R> n, Bounds<
 	}
 }
 
-/// What an enclosure must be widened by: roundoffs of R times the extent. Below: two differences of corners 1 each, two products of
-/// three terms 3 each, with |n| |d| <= sqrt 3 extent |n| 13.9 in all; their difference 3.5, quotient and root 3 of at most 2 sqrt 3:
-/// 28. Above: a corner 1, an edge 2, its multiple and the sum 2 more, of numbers up to sqrt 3: 8.7 per point (inside of a triangle
-/// 14), their difference 3.5, its length 3 of at most 2 sqrt 3: 42.
+/// The widening of an enclosure: roundoffs of R times the extent. Below: two differences of corners 1 each, two products of
+/// three terms 3 each, with |n| |d| <= sqrt 3 extent |n| 13.9 in all; their difference 3.5, quotient and root 3 of at most 2
+/// sqrt 3: 28. Above: a corner 1, an edge 2, its multiple and the sum 2 more, of numbers up to sqrt 3: 8.7 per point (inside
+/// of a triangle 14), their difference 3.5, its length 3 of at most 2 sqrt 3: 42.
 template <class R> inline R enclosureError( R extent )
 {
 	return 48 * R( Unit<R>::roundoff ) * extent;
 }
 
-/// Closest points of the lines of two edges, clamped as in Ericson 5.1.9 but for the determinant, which is that of the cross product.
+/// Closest points of the lines of two edges, clamped as in Ericson 5.1.9 but for the determinant, which is that of the cross
+/// product.
 template <class R>
 inline void nearestOfEdges( Vec<R> a, Vec<R> u, Vec<R> b, Vec<R> v, Vec<R>& pa, Vec<R>& pb )
 {
@@ -288,7 +291,8 @@ template <class R> inline bool offerFeature( const Pair<R>& pair, int feature, R
 	return square < before;
 }
 
-/// Slabs along the normals of both and the products of all edges: where the vector between the nearest points has too few digits.
+/// Slabs along the normals of both and the products of all edges: where the vector between the nearest points has too few
+/// digits.
 template <class R> inline void offerNormals( const Pair<R>& pair, Bounds<R>& bounds )
 {
 	const Vec<R>*a = pair.a, *b = pair.b;
@@ -386,8 +390,8 @@ template <class P> inline Enclosure distance( const P* a, const P* b, double wid
 	return out;
 }
 
-/// Distance of a point from a triangle, an upper bound: to a few of R's roundoffs, but for points inside of needles, whose aspect
-/// takes as many digits.
+/// Distance of a point from a triangle, an upper bound: to a few of R's roundoffs, but for points inside of needles, whose
+/// aspect takes as many digits.
 template <class R> inline R pointDistance( const lw_vec3 t[3], lw_vec3 p )
 {
 	lw_vec3 at[3] = { p, p, p };
@@ -395,8 +399,9 @@ template <class R> inline R pointDistance( const lw_vec3 t[3], lw_vec3 p )
 	return squareRoot( nearestPoint( pair.a, pair.b[0] ).square );
 }
 
-/// The same, given points that are said to be the nearest: an enclosure that shows `claimed` to be right to `tolerance`, if they are
-/// what they are said to be; otherwise as distance(). How far the points are from their triangles goes to *outside, in 64 bits.
+/// The same, given points that are said to be the nearest: an enclosure that shows `claimed` to be right to `tolerance`, if
+/// they are the given ones; otherwise as distance(). How far the points are from their triangles goes to *outside, in 64
+/// bits.
 inline Enclosure distanceNear( const lw_vec3 a[3], const lw_vec3 b[3], lw_vec3 near_a, lw_vec3 near_b, double claimed,
 	double tolerance, Wide* outside )
 {

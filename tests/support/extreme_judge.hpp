@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Everything that answers promise, judged at the extremes: counts, the worst of what was seen in units of what is promised, and what
-// was broken.
+// Everything that answers promise, judged at the extremes: counts, the worst error in units of the promise, and broken
+// promises.
 #pragma once
 
 #include "extreme_solids.hpp"
@@ -21,7 +21,7 @@ enum Stage
 {
 	triangle_distance, ///< |lwi_tri_tri() - truth| in LWI_TRI_TRI_ERROR of the extent
 	triangle_witness,  ///< its points beside their triangles, in the same and one roundoff of their coordinates
-	query_lower,       ///< of what is taken off a measured distance for rounding, the share that was needed (neither boxes nor curved)
+	query_lower,       ///< of the allowance for rounding in a measured distance, the share that was needed (neither boxes nor curved)
 	query_upper,       ///< truth - upper, in the promised rounding
 	query_width,       ///< upper - lower for alpha 0, in the promised rounding (neither boxes nor curved)
 	box_width,         ///< the same with boxes
@@ -35,7 +35,7 @@ enum Stage
 constexpr const char* stage_names[stage_count] = { "triangle distance", "triangle witness", "query lower", "query upper", "query width",
 	"query width, boxes", "query width, curved", "query witness", "query exchanged", "query moved" };
 
-/// What was seen so far.
+/// Findings so far.
 struct Findings
 {
 	std::uint64_t pairs = 0, queries = 0, placements = 0, refused = 0;
@@ -43,7 +43,7 @@ struct Findings
 	std::uint64_t kinds[5] = {};   ///< answers by class
 	double worst[stage_count] = {};
 	std::uint64_t broken = 0;
-	std::vector<std::string> examples; ///< of what is broken, the first few
+	std::vector<std::string> examples; ///< the first few broken promises
 
 	void add( Stage stage, double ratio, const std::string& where )
 	{
@@ -175,7 +175,7 @@ public:
 			lw_query_reset( m_query );
 			lw_clearance again = ask( range );
 			judge( again, range );
-			// within alpha there is a choice, which what was asked before may decide
+			// within alpha there is a choice, which earlier questions may decide
 			requireSame( range.alpha == 0 ? first : again, again, range );
 			lw_query_reset( m_query );
 			requireSame( ask( range ), again, range );
@@ -268,7 +268,7 @@ private:
 		m_range = nullptr;
 	}
 
-	/// How far a point is beside what it is said to be a point of; world coordinates.
+	/// Distance of a point from the body that it should be a point of; world coordinates.
 	double beside( const Subject& subject, const lw_transform& world_from_shape, lw_vec3 point, std::uint32_t element ) const
 	{
 		exact::Rotation rotation( world_from_shape );
@@ -340,7 +340,7 @@ private:
 		require( moved.lower <= m_truth.upper + allowed, "a motion raises lower" );
 	}
 
-	/// FAR for less and less, VIOLATION for more and more, but for what is within rounding of the truth.
+	/// FAR for less and less, VIOLATION for more and more, but for values within rounding of the truth.
 	void ascend( Random& random )
 	{
 		double about = m_truth.upper > 0 ? static_cast<double>( m_truth.upper ) : random.octave( -40, 10 );

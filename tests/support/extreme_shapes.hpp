@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of shapes at poses at the extremes, with what they are made of: for tests and for long runs.
+// Pairs of shapes at poses at the extremes, with their parts: for tests and for long runs.
 #pragma once
 
 #include "exact_shapes.hpp"
@@ -28,7 +28,7 @@ struct ShapePair
 	Subject a, b;
 	lw_transform world_from_a, world_from_b;
 	const char* name;
-	bool skewed = false; ///< rotations that are ones to 1e-6 only: what a product of such means is not the product of what they mean
+	bool skewed = false; ///< rotations that are ones to 1e-6 only: the meaning of a product of such is not the product of their meanings
 };
 
 enum Arrangement
@@ -71,7 +71,7 @@ inline lw_transform randomRotation( Random& random )
 	return m;
 }
 
-/// What a body is made of becomes a shape, with any kind of tree. @return null if the core refuses it
+/// The parts of a body become a shape, with any kind of tree. @return null if the core refuses it
 inline std::unique_ptr<lw_shape, ReleaseShape> makeShape( Random& random, const exact::Body& body )
 {
 	lw_tree_def tree = lw_tree_def_default();
@@ -216,7 +216,8 @@ inline void scaleBody( exact::Body& body, lw_vec3 shift, double factor )
 	}
 }
 
-/// Sizes from `least` octaves (1e-9 m by default) to 1e9 m, ratios to 1e12, offsets in the shapes' own frames and in the world to 1e7.
+/// Sizes from `least` octaves (1e-9 m by default) to 1e9 m, ratios to 1e12, offsets in the shapes' own frames and in the
+/// world to 1e7.
 inline ShapePair randomShapes( Random& random, Arrangement arrangement, int least = -30 )
 {
 	ShapePair p;

@@ -25,7 +25,7 @@ struct ShapeReleaser
 };
 using ShapePtr = std::unique_ptr<lw_shape, ShapeReleaser>;
 
-/// A robot def that owns what it points to.
+/// A robot def that owns the arrays that it points to.
 struct RobotModel
 {
 	std::vector<std::string> linkNames, jointNames;

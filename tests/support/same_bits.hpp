@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two answers that are one: member by member, since what lies between members has no value.
+// Two answers that are one: member by member, since the padding between members has no value.
 #pragma once
 
 #include "leeway/distance.h"

@@ -11,7 +11,7 @@
 #define LEEWAY_TESTS_SANITIZED
 #endif
 
-/// Rounds of a test, and what it expects of them: few under sanitizers.
+/// Rounds of a test, and its expected counts: few under sanitizers.
 inline int unlessSanitized( [[maybe_unused]] int many, [[maybe_unused]] int few )
 {
 #ifdef LEEWAY_TESTS_SANITIZED

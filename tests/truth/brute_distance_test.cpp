@@ -54,7 +54,7 @@ TEST( BruteDistance, WhatIsInsideOfASolidTouchesIt )
 	}
 }
 
-// A pair of triangles passed over by its boxes, or a bound that cuts off what is below it
+// A pair of triangles passed over by its boxes, or a bound that cuts off pairs below it
 TEST( BruteDistance, SoupsOfTrianglesAreAsFarApartAsTheEngineProves )
 {
 	SeededRng rng( 71 );

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shared robots in scenes, asked with motion hulls and pair tables and without: no answer may differ. bench_self does the
-// same with more states and finer hulls.
+// The shared robots in scenes, asked with motion hulls and pair tables and without: no answer may differ. bench_self does
+// the same with more states and finer hulls.
 #include "leeway/io/model.hpp"
 #include "seeded_rng.hpp"
 
@@ -49,7 +49,7 @@ std::vector<double> randomState( SeededRng& rng, const leeway::io::Problem& prob
 	return q;
 }
 
-/// True if the two say the same: class, upper end to the bit, lower end to rounding. Which violation is found first is free.
+/// True if the two say the same: class, upper end to the bit, lower end to rounding. Any violation may be found first.
 bool same( const lw_clearance& a, const lw_clearance& b )
 {
 	return a.kind == b.kind && ( a.kind == LW_CLEARANCE_VIOLATION || ( a.upper == b.upper &&

@@ -115,7 +115,7 @@ std::unique_ptr<Subject> makeSubject( const std::filesystem::path& file )
 			state.push_back( full[variable] );
 			rest[variable] = subject->all_states[0][variable];
 		}
-		// What the group does not move is the same in all rows: one checker serves them all
+		// Other variables are the same in all rows: one checker serves them all
 		EXPECT_EQ( rest, subject->all_states[0] ) << table.name;
 		subject->group_states.push_back( state );
 	}
@@ -137,7 +137,7 @@ std::unique_ptr<Subject> makeSubject( const std::filesystem::path& file )
 	return subject;
 }
 
-/// Counts what disagrees, and describes the first few.
+/// Counts disagreements, and describes the first few.
 class Findings
 {
 public:
@@ -168,7 +168,7 @@ std::string describe( const lw_clearance& c, double truth )
 	return text;
 }
 
-/// True if the answer is what the range promises of a distance that is known to within `tolerance`.
+/// True if the answer keeps the promise of the range for a distance that is known to within `tolerance`.
 bool agrees( const lw_clearance& c, const lw_range& range, double truth, double tolerance )
 {
 	// Within the tolerance of an end of the range either class is right

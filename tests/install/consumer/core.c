@@ -18,7 +18,7 @@ int main( void )
 	ok = ok && lw_query_create( &def, NULL, NULL, NULL, &query ) == LW_OK;
 	ok = ok && lw_shape_distance( box, &a, box, &b, NULL, query, &clearance ) == LW_OK;
 	ok = ok && clearance.lower <= 3 && clearance.upper >= 3 - 1e-12 && clearance.upper - clearance.lower < 1e-6;
-	lw_reach* reach = NULL; // what is behind it is linked with qhull
+	lw_reach* reach = NULL; // the function behind it is linked with qhull
 	ok = ok && lw_reach_create( NULL, NULL, NULL, &reach ) == LW_ERROR_INVALID_ARGUMENT;
 	printf( "leeway %u: two boxes are %.9f to %.9f m apart\n", lw_version(), clearance.lower, clearance.upper );
 	lw_query_destroy( query );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Notices about what can be read and is hardly meant, and that honest files get none.
+// Notices about legible but implausible values; honest files get none.
 #include "files.hpp"
 
 using namespace leeway::io;

@@ -55,7 +55,7 @@ protected:
 		parts.push_back( "r.srdf" );
 		expectError( [&] { load( srdf, true ); }, parts );
 	}
-	/// Of the group a or, without one, of the state s: what using it says.
+	/// Of the group a or, without one, of the state s: the message when it is used.
 	void expectUnusable( const std::string& srdf, std::vector<std::string> parts )
 	{
 		const RobotModel model = load( srdf );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// URDF: what is read, and every way in which a file can be wrong.
+// URDF: elements that are read, and every kind of wrong file.
 #include "files.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Margins from files: by name to the right pairs, padding the same as margins that say so, and what cannot be meant.
+// Margins from files: by name to the right pairs, padding the same as margins that say so, and margins that make no sense.
 #include "files.hpp"
 #include "leeway/handles.hpp"
 #include "same_bits.hpp"
@@ -77,7 +77,8 @@ TEST_F( MarginsTest, PartsAddUpAndPairsStandAlone )
 	EXPECT_EQ( ofLinks( problem, "base", "hand" ), 0.002 );
 	EXPECT_EQ( ofLinks( problem, "hand", "arm" ), 0.002 + 0.001 );
 	EXPECT_EQ( ofLinks( problem, "base", "cup" ), 0.07 );
-	// The cup ends at x = 1.15, the table begins at 1.55; the hand may touch it, and of the way to the person 0.5 m do not count
+	// The cup ends at x = 1.15, the table begins at 1.55; the hand may touch it, and of the way to the person 0.5 m do not
+	// count
 	lw_state_result state;
 	const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 	const double q[2] = { 0, 0 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Motion plan requests: both spellings, what is missing, what is not supported.
+// Motion plan requests: both spellings, missing parts, unsupported parts.
 #include "files.hpp"
 
 #include <cmath>
@@ -63,7 +63,7 @@ TEST_F( RequestTest, MultiDofInBothSpellings )
 
 TEST_F( RequestTest, PartsMissing )
 {
-	EXPECT_EQ( load( start + goal ).group, "" ); // who plans may say it otherwise, or mean all joints
+	EXPECT_EQ( load( start + goal ).group, "" ); // a planner may give it otherwise, or mean all joints
 	EXPECT_EQ( load( start + goal + "group_name: \"\"\n" ).group, "" );
 	expectBad( goal + group, { "start_state", "missing" } );
 	expectBad( start + group, { "goal_constraints", "no goal" } );

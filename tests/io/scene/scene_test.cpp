@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Planning scenes: every spelling gives the same objects; what cannot be used is an error that names it.
+// Planning scenes: every spelling gives the same objects; an unusable element is an error that names it.
 #include "files.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shapes and motion hulls kept between loads: what makes another file, and what is told again.
+// Shapes and motion hulls kept between loads: changes that make another file, and notices that are repeated.
 #include "files.hpp"
 #include "leeway/io/cache.hpp"
 
@@ -215,7 +215,7 @@ TEST_F( IoCache, TheLeastRecentlyUsedGoFirst )
 	EXPECT_FALSE( fs::exists( oldest ) );
 	EXPECT_EQ( trimmed.remaining + trimmed.bytes, bytes );
 	EXPECT_EQ( cachedShapes( load() ), 2u );
-	// what was read is the last to go
+	// the file just read is the last to go
 	all = listCache( options.cache );
 	for ( const CacheEntry& entry : all )
 	{

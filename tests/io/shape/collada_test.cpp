@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// COLLADA documents: random scenes against assimp's reader, units and transforms, what assimp does not survive, and faults.
+// COLLADA documents: random scenes against assimp's reader, units and transforms, documents that crash assimp, and faults.
 #include "mesh_triangles.hpp"
 #include "seeded_rng.hpp"
 
@@ -75,7 +75,7 @@ std::string replaced( std::string text, const std::string& what, const std::stri
 	return text.replace( at, what.size(), by );
 }
 
-/// Matrices, turns and moves in any order. Axes are of length 1, and what is upward is across to what is ahead: else assimp shears.
+/// Matrices, turns and moves in any order. Axes are of length 1, and upward is across to ahead: else assimp shears.
 std::string randomTransforms( SeededRng& rng )
 {
 	const auto write = [&]( const char* name, const std::vector<double>& numbers )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Levels of detail of loaded geometry: every kind that has one, deferred or not, from the cache, and what cannot have one.
+// Levels of detail of loaded geometry: every kind that has one, deferred or not, from the cache, and geometry without one.
 #include "files.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// glTF files: random scenes against assimp's reader, what the format allows beyond that, and faults.
+// glTF files: random scenes against assimp's reader, features beyond those, and faults.
 #include "mesh_triangles.hpp"
 #include "seeded_rng.hpp"
 

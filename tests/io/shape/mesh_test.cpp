@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files of every format but COLLADA and glTF: the same tetrahedron, with the units, transforms and faults that each format allows.
+// Mesh files of every format but COLLADA and glTF: the same tetrahedron, with the units, transforms and faults that each
+// format allows.
 #include "files.hpp"
 
 #include <algorithm>
@@ -176,7 +177,7 @@ TEST_F( MeshTest, PlyStripsAreAllThere )
 
 TEST_F( MeshTest, PlyBeyondABlockOfAssimps )
 {
-	// 3 MB and more: its numbers lie across what assimp reads at a time
+	// 3 MB and more: its numbers lie across the blocks that assimp reads
 	constexpr int n = 200;
 	std::string vertices, ply_faces, obj_faces;
 	for ( int i = 0; i < n * n; ++i )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Octomaps in scenes: what liboctomap writes is read as the boxes that liboctomap sees, and damage never as free space.
+// Octomaps in scenes: trees written by liboctomap are read as the boxes that it sees, and damage never as free space.
 #include "damage.hpp"
 
 #include <octomap/ColorOcTree.h>
@@ -186,7 +186,7 @@ TEST_F( OctomapTest, UnknownIsWhatTheLibraryFindsNothingAt )
 		std::string more = "unknown: occupied";
 		if ( bounded )
 		{
-			bounds = { -1.23, -5, -0.55, 4, 1.11, 0.33 }; // cuts cells, and reaches beyond what is known
+			bounds = { -1.23, -5, -0.55, 4, 1.11, 0.33 }; // cuts cells, and reaches beyond the known space
 			more += ", bounds: {min: [-1.23, -5, -0.55], max: {x: 4, y: 1.11, z: 0.33}}";
 		}
 		Boxes boxes = boxesOf( shape( load( "m.bt", binaryFile( m_tree ), more ) ) );
