@@ -28,7 +28,7 @@ struct Options
 };
 
 constexpr double crease = 0.35; ///< radians: a hull's facets are seen where it is coarse
-/// One for every part in turn, by opacity: what is inside is denser, so that it shows through what is around it.
+/// One for every part in turn, by opacity: inner parts are denser, so that they show through outer ones.
 const Surface tints[] = { { "blue", { 0.10, 0.42, 0.92, 0.16 }, 0.35, 0 },
 	{ "magenta", { 0.88, 0.14, 0.50, 0.26 }, 0.35, 0 },
 	{ "orange", { 1.0, 0.42, 0.0, 0.40 }, 0.35, 0 } };
@@ -103,7 +103,7 @@ Triangles backdrop()
 	return paper;
 }
 
-/// The picture and what it is drawn from.
+/// The picture and its source.
 class Picture
 {
 public:

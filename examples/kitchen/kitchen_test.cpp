@@ -35,7 +35,7 @@ fs::path written( const std::string& parent )
 	return folder;
 }
 
-/// Removes what written() made when the program ends.
+/// Removes the files of written() when the program ends.
 class Cleaner : public testing::Environment
 {
 	void TearDown() override

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the demo consists of before it is written: materials, the robot's links and joints, the kitchen's meshes and objects.
+// The parts of the demo before they are written: materials, the robot's links and joints, the kitchen's meshes and objects.
 #pragma once
 
 #include "geometry.hpp"
@@ -109,7 +109,7 @@ struct Reach
 
 /// The pose in which the robot drives: arms folded before the chest.
 std::map<std::string, double> tuckedPose();
-/// Where the robot parks and what it reaches for, without goals.
+/// The robot's parking place and the targets of its reaches, without goals.
 std::vector<Reach> reachTasks();
 /// The goal that kitchen_reaches found for a task; empty if none is stored.
 std::vector<double> storedGoal( const std::string& reach );

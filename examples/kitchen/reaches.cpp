@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the robot parks and what it reaches for. The goals are in reach_goals.cpp, found by kitchen_reaches.
+// The robot's parking place and the targets of its reaches. The goals are in reach_goals.cpp, found by kitchen_reaches.
 #include "model.hpp"
 
 namespace kitchen

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The kitchen: a room corner of 4.2 x 3.6 m. Along the back wall (y = 3.6, from the left): fridge, drawers, sink, cupboard,
-// oven with hob, counter, each with what hangs above it; a sideboard on the left wall (x = 0); a table with chairs in front.
+// oven with hob, counter, each with the cupboards above it; a sideboard on the left wall (x = 0); a table with chairs in
+// front.
 #include "crockery.hpp"
 #include "model.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the pictures share: a robot and a scene as glTF nodes, their colours, and a light to see them by.
+// Shared by the pictures: a robot and a scene as glTF nodes, their colours, and a light to see them by.
 #pragma once
 
 #include "gltf.hpp"
@@ -15,7 +15,7 @@ namespace kitchen
 
 namespace io = leeway::io;
 
-/// Surfaces by mesh file and by primitive, from the table that kitchen_demo writes; a plain grey for what it does not name.
+/// Surfaces by mesh file and by primitive, from the table that kitchen_demo writes; a plain grey for names that it lacks.
 class Colours
 {
 public:

@@ -162,7 +162,7 @@ std::string sceneYaml( const Room& room, const std::string& package )
 	return text;
 }
 
-/// What a planning scene has no place for: materials, and which mesh or primitive object has which.
+/// Data without a place in a planning scene: materials, and the material of each mesh or primitive object.
 std::string coloursYaml( const Demo& demo )
 {
 	std::string text = "# Colours for pictures: base colour (sRGB and alpha), roughness, metallic.\nmaterials:\n";

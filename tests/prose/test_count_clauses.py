@@ -24,6 +24,7 @@ OTHERS = [
     "users who link the library",
     "the caller, who owns it,",
     "returns `what` and sets \"what is near\"",
+    "@param what the element in words; what() has it, as --what does",
     "somewhat whatever whichever whole",
 ]
 
@@ -43,6 +44,10 @@ class Lines(unittest.TestCase):
         source = 'int a; // one\n/* two\n * three */ int b;\nchar c[] = "// none"; int d = 4 / 2;\n/// four\nint e; ///< five\n//\n'
         self.assertEqual(list(count_clauses.comment_lines(source)), [(1, "one"), (2, "two"), (3, "three"), (5, "four"), (6, "five")])
 
+    def test_comments_and_docstrings_of_scripts(self):
+        source = '#!/bin/sh\n# one\nrun "$#" # two\n"""three\n\nfour"""\nfive = {}\n# SPDX-License-Identifier: none\n"""six"""\n'
+        self.assertEqual(list(count_clauses.script_lines(source)), [(2, "one"), (3, "two"), (4, "three"), (6, "four"), (9, "six")])
+
     def test_fenced_blocks_are_no_docs(self):
         self.assertEqual(list(count_clauses.doc_lines("# Title\n\n```\nwhat is\n```\n- item\n")), [(1, "Title"), (6, "item")])
 
@@ -53,6 +58,8 @@ class Lines(unittest.TestCase):
             (folder / "a.c").write_text("// what is near\nint a; // the box\n")
             (folder / "b.md").write_text("Who calls is known.\n")
             (folder / "c.txt").write_text("what is not read\n")
+            (folder / "build").mkdir()
+            (folder / "build" / "d.c").write_text("// what is built\n")
             lines, hits = count_clauses.count("room", pathlib.Path(root))
             self.assertEqual(lines, 3)
             self.assertEqual([(path.name, number) for path, number, _ in hits], [("a.c", 1), ("b.md", 1)])

@@ -87,7 +87,7 @@ LW_API lw_checker_def lw_checker_def_default( void );
 /// of every environment interval. Self pairs are the pairs whose relative pose the group can change and that may not touch.
 typedef struct lw_checker lw_checker;
 
-/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag says which), LW_ERROR_OUT_OF_MEMORY
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag names it), LW_ERROR_OUT_OF_MEMORY
 LW_API lw_status lw_checker_create( const lw_checker_def* def, const lw_allocator* allocator, lw_diag* diag,
 	lw_checker** out_checker );
 
@@ -254,7 +254,7 @@ typedef struct lw_edge_result
 	/// min_d. REFUSED: the clearance of `pair` at t is at most (min_d + slack) / (1 - alpha), and the proof ended there
 	/// because the pair is too close to min_d or stays close for too long (close_windows). Allow the pair if it may touch,
 	/// or reduce min_d.
-	/// STEPS: FREE means that all checked states are > min_d, and no more; core/docs/edges.md says what follows from max_d.
+	/// STEPS: FREE means that all checked states are > min_d, and no more; core/docs/edges.md derives the use of max_d.
 	/// Both: REFUSED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it.
 	lw_verdict verdict;
 	double t;            ///< of the violation or refusal; 1 if FREE

@@ -48,7 +48,7 @@ LW_API lw_reach_def lw_reach_def_default( void );
 /// Motion hulls and pair tables of one robot. Immutable, shared by threads and checkers, reference counted.
 typedef struct lw_reach lw_reach;
 
-/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag says which), LW_ERROR_OUT_OF_MEMORY,
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag names it), LW_ERROR_OUT_OF_MEMORY,
 /// LW_ERROR_CANCELLED, LW_ERROR_UNSUPPORTED (a build without qhull)
 /// Cost: up to seconds for the motion hulls of a humanoid, plus def->seconds; it runs on the threads of def->parallel.
 LW_API lw_status lw_reach_create( const lw_reach_def* def, const lw_allocator* allocator, lw_diag* diag,

@@ -87,7 +87,7 @@ public:
 
 	/// Number of equal parts of OMPL's curve such that on each part the curve and lw_robot_interpolate() agree. Nearly
 	/// always 1; more if a wrapping angle moves by pi or more (the long way round in a RealVector dimension, or exactly
-	/// opposite), or if two rotations are opposite: there rounding decides which way is shorter.
+	/// opposite), or if two rotations are opposite: there rounding decides the shorter way.
 	unsigned pieceCount( const double* a, const double* b ) const;
 
 	/// OMPL treats rotations with |<q1, q2>| > 1 - 1e-9 (less than 9e-5 rad apart) as equal: its curve keeps the first one

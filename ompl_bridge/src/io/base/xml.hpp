@@ -66,7 +66,7 @@ public:
 	const tinyxml2::XMLDocument& document() const { return m_doc; }
 	tinyxml2::XMLDocument& document() { return m_doc; }
 
-	/// @param what the element in words, e.g. "link forearm"; the line is added
+	/// @param what, the element in words, e.g. "link forearm"; the line is added
 	[[noreturn]] void fail( const tinyxml2::XMLElement& at, const std::string& what, const std::string& problem,
 	    const std::string& remedy ) const;
 	std::string place( const tinyxml2::XMLElement& at, const std::string& what ) const;
