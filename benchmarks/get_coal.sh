@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Puts Coal into a build folder, so that leeway-bench has it as a peer: the Python wheel "coal" carries headers and libraries.
 #
-#   benchmarks/get_coal.sh BUILD_FOLDER      needs python3 with pip, and the network; about 400 MB with what Coal depends on
+#   benchmarks/get_coal.sh BUILD_FOLDER      needs python3 with pip, and the network; about 400 MB with Coal's dependencies
 set -euo pipefail
 
 if [ $# -ne 1 ] || [ ! -e "$1/CMakeCache.txt" ]; then

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# From nothing to planned motions: installs what is missing (Debian 12), builds a release in build/, writes the kitchen demo,
-# plans every reach in it with certified edges, draws one, and draws where the robot's arms can get to.
+# From nothing to planned motions: installs missing packages (Debian 12), builds a release in build/, writes the kitchen
+# demo, plans every reach in it with certified edges, draws one, and draws where the robot's arms can get to.
 #
 # Leaves in build/kitchen: the demo (robot.urdf, robot.srdf, scene.yaml, reach/, meshes/), paths/*.yaml with a report each,
 # motions/*.glb (animated glTF; for instance f3d or Blender play them), kitchen.png and motion_hulls.png. Exit status 0 if
@@ -105,7 +105,7 @@ if [ -e "$demo/paths/$pictured.yaml" ]; then
 	picture "$demo/still.glb" "$demo/kitchen.png" --resolution 1200,780 --ssao --tone-mapping --depth-peeling \
 		--camera-position 4.9,2.15,1.3 --camera-focal-point 2.2,0.98,-1.75
 fi
-# what each arm reaches from the shoulder, its forearm from the elbow, its hand from the wrist: hulls right, spheres left
+# the reach of each arm from the shoulder, its forearm from the elbow, its hand from the wrist: hulls right, spheres left
 hulls=( "$build/bin/kitchen_hulls" --robot "$demo/robot.urdf" --colours "$demo/colours.yaml" )
 hulls+=( --still "$demo/motion_hulls.glb" )
 for side in left right; do
@@ -116,7 +116,7 @@ for link in shoulder_pitch_link elbow_link wrist_link; do
 done
 "${hulls[@]}"
 # no --depth-peeling: with so much of the picture translucent, f3d 1.3 at times stops at the outermost surface. Without it,
-# surfaces are painted in the order of the file: what is inside last
+# surfaces are painted in the order of the file: inner parts last
 picture "$demo/motion_hulls.glb" "$demo/motion_hulls.png" --resolution 1200,830 \
 	--camera-position 3.4,1.7,-0.75 --camera-focal-point 0,0.96,0
 

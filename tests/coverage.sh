@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Which lines and branches of the core do the release tests execute? Builds with gcc's counters, runs the tests, prints a table by file and
-# writes what is not covered to BUILD/not_covered.txt.
+# writes lines not covered to BUILD/not_covered.txt.
 #
 #   tests/coverage.sh [BUILD (default build-coverage)]
 #
@@ -22,7 +22,7 @@ fi
 cmake -S . -B "$build" "${options[@]}" >/dev/null
 cmake --build "$build" --parallel "$jobs"
 
-# What an earlier run counted does not count
+# Counts of an earlier run do not count
 find "$build" -name '*.gcda' -delete
 status=0
 ctest --test-dir "$build" --parallel "$jobs" --timeout 900 --output-on-failure --exclude-regex '^(install|as_built|memcheck|zoo|mutation)\.' |

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What other eyes see: clang-tidy and cppcheck over the core, the bridge and the program; and all of it built by clang, whose warnings
-# are errors, and tested.
+# Second opinions: clang-tidy and cppcheck over the core, the bridge and the program; and all of it built by clang, whose
+# warnings are errors, and tested.
 #
 #   tests/lint.sh [BUILD (default build)] [tidy] [cppcheck] [clang]
 #
-# BUILD is a configured folder, for its compile_commands.json. tests/run.sh runs cppcheck, which takes 20 seconds of one processor over
-# everything. The rest is no stage of it, because all of CI is to take less than half an hour: on two processors clang-tidy
-# takes a minute over the core and five over the C++, and clang eight for its build (BUILD-clang) and two for its tests.
-# FILES="core/src/blob/blob.c ..." looks at these only.
+# BUILD is a configured folder, for its compile_commands.json. tests/run.sh runs cppcheck, which takes 20 seconds of one
+# processor over everything. The rest is no stage of it, because all of CI is to take less than half an hour: on two
+# processors clang-tidy takes a minute over the core and five over the C++, and clang eight for its build (BUILD-clang) and
+# two for its tests. FILES="core/src/blob/blob.c ..." looks at these only.
 set -euo pipefail
 cd "$( dirname "${BASH_SOURCE[0]}" )/.."
 build=build
@@ -41,9 +41,10 @@ for what in "$@"; do
 		printf '%s\0' "${files[@]}" | xargs -0 -n 2 -P "$jobs" clang-tidy-14 -p "$build" --quiet 2>/dev/null || bad=1
 		;;
 	cppcheck)
-		# invalidPointerCast: an arena is bytes that become arrays, aligned by who laid it out. uninitvar: of arrays that a loop fills
-		# which this tool thinks may run zero times; memcheck and the sanitizers see the real ones. missingIncludeSystem: headers of
-		# the system are not looked for. The rest are matters of taste in C++ (useStlAlgorithm is not asked for).
+		# invalidPointerCast: an arena is bytes that become arrays, aligned by their owner. uninitvar: of arrays that a loop
+		# fills which this tool thinks may run zero times; memcheck and the sanitizers see the real ones.
+		# missingIncludeSystem: headers of the system are not looked for. The rest are matters of taste in C++
+		# (useStlAlgorithm is not asked for).
 		mapfile -t c_files < <( printf '%s\n' "${files[@]}" | grep '\.c$' || true )
 		mapfile -t cpp_files < <( printf '%s\n' "${files[@]}" | grep '\.cpp$' || true )
 		checks=( --enable=warning,performance,portability --inline-suppr --quiet -j "$jobs" --error-exitcode=1 --suppress=missingIncludeSystem

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Everything that must hold before a change goes in, from nothing: installs what is missing (Debian 12), then
+# Everything that must hold before a change goes in, from nothing: installs missing packages (Debian 12), then
 #
 #   1. build-asan: the tests under the address and undefined-behaviour sanitizers, but for the long ground-truth sweeps
 #   2. build-tsan: the tests that start threads, under the thread sanitizer
 #   3. build-fuzz: by clang, warnings are errors; every fuzz target for FUZZ_SECONDS (default 30, ten minutes of processor time in
-#                  all; 0 leaves the stage out). What was fuzzed for longer is told in tests/fuzz/README.md
+#                  all; 0 leaves the stage out). Longer runs are listed in tests/fuzz/README.md
 #   4. build:      release, warnings are errors; cppcheck over all sources; query tests at lower SIMD levels; last, all tests
 #
-# clang-tidy, and a build of all of it by clang with its tests, are tests/lint.sh: another fifteen minutes, which are more than CI has.
+# clang-tidy, and a build of all of it by clang with its tests, are tests/lint.sh: another fifteen minutes, which are more
+# than CI has.
 #
 # The cheap builds come first and the whole CTest run last, so that its summary closes the output. All tests of a stage
 # run; the first stage that fails ends the run with its status. May be called from any folder; reads no input.
@@ -17,9 +18,9 @@ cd "$( dirname "${BASH_SOURCE[0]}" )/.."
 exec </dev/null
 
 jobs=$( nproc )
-# Tests are named for what they do: those that start threads say Thread in suite or test, the ground-truth sweeps begin
-# with truth. The programs that hold such tests are built under the thread sanitizer. Long under sanitizers are sweeps over ARMAR-III's
-# meshes, too: the same over smaller robots stay.
+# Names of tests tell: those that start threads say Thread in suite or test, the ground-truth sweeps begin
+# with truth. The programs that hold such tests are built under the thread sanitizer. Long under sanitizers are sweeps over
+# ARMAR-III's meshes, too: the same over smaller robots stay.
 threaded_tests='[Tt]hread'
 long_tests='^truth|^zoo|^install|^SpheresData.Armar|armar3/armar3|^ReachPairsData.Armar'
 
@@ -138,7 +139,7 @@ if ! sanitizer_works address env; then
 	notes+=( "the leak sanitizer does not work on this machine: leaks were not looked for" )
 fi
 # urdfdom's links own each other in a circle when it rejects a tree; the memory is its own.
-# assimp forgets what it had read of a file that it refuses.
+# assimp forgets its data of a file that it refuses.
 printf '%s\n' leak:liburdfdom_model leak:libassimp >"$scratch/leaks"
 runner=( env ASAN_OPTIONS="$asan_options" UBSAN_OPTIONS=print_stacktrace=1
 	LSAN_OPTIONS="suppressions=$scratch/leaks:print_suppressions=0" )
@@ -150,8 +151,8 @@ runner=( env )
 if ! sanitizer_works thread "${runner[@]}"; then
 	runner=( setarch -R )
 fi
-# assimp is not built with the sanitizer, which then misses the guards of its static variables. OMPL's CForest hands a sampler
-# to its other threads while it is being made.
+# assimp is not built with the sanitizer, which then misses the guards of its static variables. OMPL's CForest hands a
+# sampler to its other threads while it is being made.
 printf '%s\n' called_from_lib:libassimp race:ompl::base::CForestStateSampler >"$scratch/races"
 runner+=( env TSAN_OPTIONS="suppressions=$scratch/races" )
 if sanitizer_works thread "${runner[@]}"; then
@@ -175,7 +176,7 @@ else
 		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF \
 		-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
 	stage "fuzz: build" build build-fuzz fuzzers
-	# The seed is fixed, so that a change that breaks nothing is not blamed for what another day finds.
+	# The seed is fixed, so that a change that breaks nothing is not blamed for the finds of another day.
 	stage "fuzz: each target for ${FUZZ_SECONDS:-30} s" env JOBS="$jobs" SEED=1 tests/fuzz/run.sh "${FUZZ_SECONDS:-30}"
 fi
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Robot descriptions of the zoo: where they are, which SRDF belongs to which URDF, and what their XML says by itself.
+"""Robot descriptions of the zoo: their places, the SRDF of each URDF, and the contents of their XML.
 
 Nothing here uses leeway: whether a file should be readable is decided independently of whether leeway reads it.
 """
@@ -102,7 +102,7 @@ def belongs(longer, shorter):
 
 
 def assign_srdfs(robots, srdfs):
-    """The SRDF of a robot is the one of the same package with its name, or the longest one that begins its name; what is
+    """The SRDF of a robot is the one of the same package with its name, or the longest one that begins its name; an SRDF
     left goes to the robot whose name begins the SRDF's. The first one of a robot is the one that it is used with."""
     left = set(srdfs)
     package = lambda path: path.parent.parent

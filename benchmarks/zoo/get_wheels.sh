@@ -5,8 +5,9 @@
 #   benchmarks/zoo/get_wheels.sh [--tests-only]
 #
 # Robot descriptions come out of three wheels, by name, version and digest; only their data is unpacked, and nothing of it is
-# code that runs. pinocchio and coal, which answers are compared with, go into a virtual environment of their own. What is
-# there already stays. --tests-only leaves out what the tests labelled "zoo" do not use. Robots and peers together: 900 MB.
+# code that runs. pinocchio and coal, which answers are compared with, go into a virtual environment of their own. A file
+# that is there already stays. --tests-only leaves out files that the tests labelled "zoo" do not use. Robots and peers
+# together: 900 MB.
 set -euo pipefail
 cd "$( dirname "${BASH_SOURCE[0]}" )/../.."
 zoo=${LEEWAY_ZOO_DIR:-build/zoo}

@@ -38,7 +38,7 @@ def summary(rows):
     read = [row for row in robots if row.get("info") == "yes"]
     srdfs = [row["srdf_read"] for row in rows if row.get("srdf_read")]
     srdfs += [extra["read"] for row in rows for extra in row.get("more_srdfs", [])]
-    # Two free states are what a plan needs.
+    # A plan needs two free states.
     asked = [row for row in read if row.get("plan") and row["plan"] != "fewer than two free states"]
     valid = [row for row in asked if row.get("plan_audit") == "valid"]
     compared = [row for row in read if "oracle_states" in row]

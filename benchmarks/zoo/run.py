@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs one command with a time limit, and says what became of it."""
+"""Runs one command with a time limit, and reports its end."""
 import os
 import signal
 import subprocess

@@ -95,7 +95,7 @@ def values(names, state):
 
 
 class RobotRun:
-    """`row` is the table's row. Every stage writes into it; one that needs what an earlier stage did not give writes nothing."""
+    """`row` is the table's row. Every stage writes into it; one that lacks the result of an earlier stage writes nothing."""
 
     def __init__(self, description, settings):
         self.description = description

@@ -16,7 +16,7 @@ GRID = {1: 2000, 2: 200, 3: 44}  # values of a variable, by the number of variab
 
 
 class Movers:
-    """Which variables move two links against each other."""
+    """The variables that move two links against each other."""
 
     def __init__(self, robot):
         self.parent = {joint.child: joint for joint in robot.description.all_joints}

@@ -120,7 +120,7 @@ def report_line(row):
 
 
 def broken_expectations(rows, expectations):
-    """What the rows say otherwise than expected. `--expect plan=found`, `--expect free>=2`."""
+    """Rows that differ from the expected ones. `--expect plan=found`, `--expect free>=2`."""
     wrong = []
     for expectation in expectations:
         column, least, value = expectation.partition(">=")

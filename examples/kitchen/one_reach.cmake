@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Test: kitchen_demo writes, leeway plans one reach, kitchen_render draws it, kitchen_hulls what an arm can reach; a .glb
+# Test: kitchen_demo writes, leeway plans one reach, kitchen_render draws it, kitchen_hulls the reach of an arm; a .glb
 # begins with "glTF" and holds the motion, or the hull and the sphere. Without qhull HULLS is empty.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status)

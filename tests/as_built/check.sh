@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What the core's binary is made of. All findings are told, then the status is 1.
+# The parts of the core's binary. All findings are told, then the status is 1.
 #
 #   check.sh LIBRARY.so LIBRARY.a BUILD PREFIX HULLS
 #
@@ -11,7 +11,7 @@ shared=$1 archive=$2 build=$3 prefix=$4 hulls=$5
 readelf=${READELF:-readelf} nm=${NM:-nm} size=${SIZE:-size} cmake=${CMAKE:-cmake}
 bad=0
 
-# report WHAT LINES: each line is a finding
+# report RULE LINES: each line is a finding
 report()
 {
 	if [ -n "$2" ]; then
@@ -51,7 +51,7 @@ report "text relocations" "$( "$readelf" -dW "$shared" | grep TEXTREL || true )"
 
 # ---- imports: this list, and nothing that ends the process or prints ----------------------------------------------------
 # strtol and getenv: LW_CPU_MASK. clock_gettime: the time budget of proofs. fopen, tmpfile, fclose: the stream that qhull wants for
-# its errors, /dev/null where there is one. malloc's kin only in the default allocator. bcmp: what clang makes of memcmp() == 0.
+# its errors, /dev/null where there is one. malloc's kin only in the default allocator. bcmp: clang's form of memcmp() == 0.
 allowed='__cxa_finalize __gmon_start__ _ITM_deregisterTMCloneTable _ITM_registerTMCloneTable __stack_chk_fail __cpu_indicator_init
 aligned_alloc bcmp free memcmp memcpy memmove memset qsort snprintf vsnprintf strcmp strlen strncmp strchr strtol __isoc23_strtol getenv
 clock_gettime acos asin atan atan2 cos sin sincos tan exp2 log2 log exp pow floor ceil trunc rint round nearbyint fmod fmax fmaxf fmin fminf
@@ -65,11 +65,11 @@ report "imported without a reason in $0" "$( comm -23 <( printf '%s\n' "$importe
 report "ends the process, or prints" \
 	"$( grep -E '^(_?_?exit|_Exit|quick_exit|abort|raise|kill|__assert_fail|perror|err|errx|v?f?printf|v?dprintf|__v?f?printf_chk|f?puts?c?|putchar|putc|fwrite|write|longjmp|_longjmp|__longjmp_chk)$' <<<"$imported" || true )"
 
-# ---- who takes memory: the default allocator alone ----------------------------------------------------------------------
+# ---- sources of memory: the default allocator alone ----------------------------------------------------------------------
 case "$archive" in
 *.a) report "takes or gives memory past lw_allocator" \
 	"$( "$nm" -A --undefined-only "$archive" 2>/dev/null | awk '$NF ~ /^(malloc|calloc|realloc|aligned_alloc|posix_memalign|memalign|free|strdup|alloca)$/ { split( $1, part, ":" ); print part[2], $NF }' | grep -v '^base\.c\.o ' || true )"
-	# Distances, states, edges and kernels are compiled apart from what builds: their objects cannot even ask for memory
+	# Distances, states, edges and kernels are compiled apart from builders: their objects cannot even ask for memory
 	report "a question that takes memory" \
 		"$( "$nm" -A --undefined-only "$archive" 2>/dev/null | awk '$NF ~ /^(lwi_alloc|lwi_alloc_zero|lwi_free)$/ { split( $1, part, ":" ); print part[2], $NF }' |
 			grep -E '^(distance_.*|edge.*|kernels.*|tri_tri|separation|witness_.*|convex|convex_simplex.*|solid_contains|body_point|kinematics|checker_environment|checker_self|checker_pose)\.c\.o ' || true )" ;;

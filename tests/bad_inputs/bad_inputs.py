@@ -42,7 +42,7 @@ def digests(folder):
 
 
 def error_faults(message, before, after):
-    """What is wrong with an error: its one line, and what it left behind."""
+    """Faults of an error: of its one line, and files left behind."""
     lines = message.splitlines()
     errors = [line for line in lines if line.startswith("leeway: error: ")]
     if len(errors) != 1 or lines[-1] != errors[0]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Bad inputs for every file and option: models, tables, scenes, requests, paths, options, outputs.
 
-A case is Case(name, command, edits, status, words): what is changed in the small arm's files, the command, the exit status that is
+A case is Case(name, command, edits, status, words): the changes of the small arm's files, the command, the exit status that is
 expected, and words that must be said (regular expressions). `edits` maps a file to (from, to), to a whole new text or bytes,
 or to None, which removes it.
 """

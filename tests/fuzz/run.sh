@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Fuzzes every target for a while, from the corpora of this folder, and prints what each did.
+# Fuzzes every target for a while, from the corpora of this folder, and prints the work of each.
 #
 #   tests/fuzz/run.sh [SECONDS per target (default 60)] [TARGET...]
 #
@@ -10,7 +10,8 @@
 #   SEED=n         of libFuzzer's random choices (default: another one each time)
 #   KEEP=folder    where corpora grow from run to run (default: a temporary folder, removed)
 #
-# Exit status 1 if something was found: the inputs are then in BUILD/findings, and belong into tests/fuzz/corpus/TARGET with the fix.
+# Exit status 1 if something was found: the inputs are then in BUILD/findings, and belong into tests/fuzz/corpus/TARGET with
+# the fix.
 set -euo pipefail
 cd "$( dirname "${BASH_SOURCE[0]}" )/../.."
 exec </dev/null
@@ -45,12 +46,13 @@ fi
 for target in ${EXCEPT:-}; do
 	sed -i "/^$target /d" "$scratch/targets"
 done
-# urdfdom's links own each other in a circle when it rejects a tree, and assimp forgets what it had read of a file that it rejects;
+# urdfdom's links own each other in a circle when it rejects a tree, and assimp forgets its data of a file that it rejects;
 # the memory is theirs.
 printf '%s\n' leak:liburdfdom_model leak:libassimp >"$scratch/leaks"
 
-# one TARGET LONGEST: a run of libFuzzer, and a line of what it did, with the processor's time: where others work too, it is less. The
-# timeout is one of the clock, and longer than a process has to stand still for others (20 s were not); what takes ten is kept as slow-unit.
+# one TARGET LONGEST: a run of libFuzzer, and a line about its work, with the processor's time: where others work too, it is
+# less. The timeout is one of the clock, and longer than a process has to stand still for others (20 s were not); an input
+# that takes ten is kept as slow-unit.
 one()
 {
 	local target=$1 longest=$2 status=0 more=() TIMEFORMAT='%U %S'

@@ -41,7 +41,7 @@ endforeach()
 
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} "${prefix}/${LIBDIR}/pkgconfig")
-  # without --static, as everybody asks: a static library must name what it needs
+  # without --static, as everybody asks: a static library must name its needs
   execute_process(COMMAND "${PKG_CONFIG}" --cflags --libs "leeway = ${VERSION}" OUTPUT_VARIABLE flags
     OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status)
   if(NOT status EQUAL 0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which tests a mutant meets, and in which order: those first that can be expected to kill most per second."""
+"""The tests that a mutant meets, in order: those first that can be expected to kill most per second."""
 import heapq
 import threading
 from collections import Counter
@@ -29,7 +29,7 @@ class Chooser:
         self.sizes = [sum(bits.bit_count() for bits in t["lines"].values()) for t in tests]
 
     def saw(self, file, survived, killer):
-        """Tells what tests (by number) let a mutant of the file pass, and which one did not, or None."""
+        """Notes the tests (by number) that let a mutant of the file pass, and the one that did not, or None."""
         with self.lock:
             self.runs.update(survived)
             if killer is not None:
@@ -43,7 +43,7 @@ class Chooser:
         return [i for i, test in enumerate(self.tests) if test["lines"].get(file, 0) & mask]
 
     def value(self, number, special):
-        """Kills to expect per second. `special` in (0, 1]: how much of what the test executes is the file, beside other tests."""
+        """Kills to expect per second. `special` in (0, 1]: the share of the file in the test's executed lines, beside other tests."""
         own, here = self.kills[number], self.here[number]
         chance = (own + 6 * here + special) / (self.runs[number] + 6 * here + 8)
         return chance / (self.tests[number]["seconds"] + 0.1)

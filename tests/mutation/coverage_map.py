@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which lines of the libraries each test of CTest executes, and how long it takes: found once per commit, by running every test once
+"""The lines of the libraries that each test of CTest executes, and how long it takes: found once per commit, by running every test once
 beside libraries that clang built to count. The test programs are those of the workshop."""
 import concurrent.futures
 import gzip
@@ -42,7 +42,7 @@ def filter_of(test):
 
 
 def run_test(test, environment, scratch, limit, command=None):
-    """Runs a test away from all others: (status, seconds, output). Status -9 or 124 after the limit. What a test starts ends with it,
+    """Runs a test away from all others: (status, seconds, output). Status -9 or 124 after the limit. Processes of a test end with it,
     and its limit holds even when this program ends first."""
     shutil.rmtree(scratch, ignore_errors=True)
     scratch.mkdir(parents=True)
@@ -71,7 +71,7 @@ def run_test(test, environment, scratch, limit, command=None):
 
 
 def end(process):
-    """Ends a test and what it started."""
+    """Ends a test and its processes."""
     try:
         os.killpg(process.pid, 9)
     except ProcessLookupError:
@@ -79,7 +79,7 @@ def end(process):
 
 
 def covered_libraries(workshop, jobs):
-    """The libraries again, built to count what is executed; the folder that holds them."""
+    """The libraries again, built to count executed lines; the folder that holds them."""
     folder = workshop.folder / "covered"
     if (folder / "built").exists():
         return folder

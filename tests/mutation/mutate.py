@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes mistakes in the libraries on purpose, one at a time, and shows which the tests do not see. README.md says how to read it.
+"""Makes mistakes in the libraries on purpose, one at a time, and shows those that the tests do not see. README.md says how to read it.
 
     .ci/install.sh mutation
     nice tests/mutation/mutate.py --build build/mutation/work --sample 400 --seed 1 --budget 240 --jobs 2
@@ -105,7 +105,7 @@ class Run:
                 self.chooser.saw(record["file"], [], self.numbers[record["by"]])
 
     def reaching(self, mutant):
-        """The tests that execute the mutant's lines; of a line that is no instruction, those that execute its file or who includes it."""
+        """The tests that execute the mutant's lines; of a line that is no instruction, those that execute its file or a file that includes it."""
         found = self.chooser.reaching(mutant["file"], mutant.get("lines") or [mutant["line"]])
         if found:
             return found
@@ -147,7 +147,7 @@ class Run:
         return batch[0], how
 
     def measure(self, mutant, job):
-        """Builds a mutant and runs the tests that reach it, until one fails; the record of what became of it."""
+        """Builds a mutant and runs the tests that reach it, until one fails; the record of its fate."""
         begin = time.monotonic()
         known = self.state.results.get(mutant["id"], {})
         known = known if known.get("fingerprint") == mutant["fingerprint"] else {}
@@ -240,7 +240,7 @@ class Run:
 
 
 def end_tests(*_):
-    """Ends the run at once. What was measured is in the state file."""
+    """Ends the run at once. The measurements are in the state file."""
     STOP.set()
     for process in list(cm.LIVE):
         cm.end(process)

@@ -5,7 +5,7 @@
     VENV/bin/python operators.py TREE FILE...
 
 Runs in the virtual environment that .ci/install.sh mutation makes. The rules of universalmutator are used as they come; it
-compiles nothing here, because mutate.py compiles what it draws.
+compiles nothing here, because mutate.py compiles its mutants.
 """
 import contextlib
 import json

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a run remembers: a file of JSON lines that grows with every mutant, the classes that people gave to survivors, and the table."""
+"""The memory of a run: a file of JSON lines that grows with every mutant, the classes that people gave to survivors, and the table."""
 import csv
 import json
 import os
@@ -13,7 +13,7 @@ COLUMNS = ("id", "file", "line", "function", "before", "after", "result", "by", 
 
 
 class State:
-    """The JSON lines of a run: the first says what is run, each later one what became of a mutant (the last one of an id counts)."""
+    """The JSON lines of a run: the first names the run, each later one the fate of a mutant (the last one of an id counts)."""
 
     def __init__(self, path, header):
         self.path = pathlib.Path(path)
@@ -25,7 +25,7 @@ class State:
             for name, value in header.items():
                 if known.get(name) != value:
                     raise ValueError(f"{self.path} is of a run with {name} {known.get(name)}, not {value}")
-            for line in lines[1:-1]:  # what follows the last line end was cut off by a kill
+            for line in lines[1:-1]:  # the text after the last line end was cut off by a kill
                 record = json.loads(line)
                 self.results[record["id"]] = record
             if lines[-1]:
@@ -64,7 +64,7 @@ def class_of(record, classes):
 
 def counts(records, classes):
     """How many compiled, were killed, and so on; and scores in percent: killed of those that are not equivalent, and of those that change an
-    answer (neither rounding nor speed, nor what does not happen)."""
+    answer (neither rounding nor speed, nor events that do not happen)."""
     found = Counter()
     for record in records:
         if record["result"] in ("killed", "equivalent", "stale"):
@@ -85,7 +85,7 @@ def counts(records, classes):
 
 
 def write_table(path, header, records, classes):
-    """The table of a run: survivors first, then what was killed."""
+    """The table of a run: survivors first, then the killed."""
     totals, scores = counts(records, classes)
     order = {"survived": 0, "stale": 1, "equivalent": 2, "killed": 3}
     rows = sorted((r for r in records if r["result"] in order), key=lambda r: (order[r["result"]], r["file"], r["line"], r["id"]))

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What mutation needs to know of C and C++ text: functions, code without comments, lines that may be mutated, patterns."""
+"""Facts about C and C++ text for mutation: functions, code without comments, lines that may be mutated, patterns."""
 import hashlib
 import re
 
 
 def blank(text):
-    """The text with comments, and what stands in strings and characters, as spaces: places and line ends stay."""
+    """The text with comments, and the contents of strings and characters, as spaces: places and line ends stay."""
     pattern = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', re.DOTALL)
 
     def spaces(match):
@@ -40,7 +40,7 @@ def function_bodies(code, name):
         after = closing(code, bracket)
         if after < 0:
             continue
-        # Between the parameters and the body of a definition: qualifiers, or what a constructor initialises
+        # Between the parameters and the body of a definition: qualifiers, or the initialisers of a constructor
         body = re.match(r"\s*(?:(?:const|noexcept|override|final)\s*)*(?::(?!:)[^;{]*?(?:\{[^{}]*\}[^;{]*?)*)?\{", code[after + 1:])
         if body:
             opening = after + body.end()
@@ -145,6 +145,6 @@ def with_mistake(text, mistake):
 
 
 def fingerprint(file, function, before, after):
-    """Names a mutant by what it changes, so that it keeps its name when lines move, and functions between files of one part."""
+    """Names a mutant by its change, so that it keeps its name when lines move, and functions between files of one part."""
     text = "\0".join((file.split("/")[0], function, " ".join(before.split()), " ".join(after.split())))
     return hashlib.sha256(text.encode()).hexdigest()[:12]

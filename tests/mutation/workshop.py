@@ -14,7 +14,7 @@ COMPILE_SECONDS = 300
 
 
 class Broken(Exception):
-    """What a mutation run cannot go on without is missing or does not work."""
+    """A tool that a mutation run needs is missing or does not work."""
 
 
 def run(command, **options):

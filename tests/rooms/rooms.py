@@ -120,7 +120,7 @@ def listings_of(root, build, house):
 
 
 def problems_of(house, placed, arrows):
-    """placed: (room, path) of files; arrows: (kind, room, file, room, what)."""
+    """placed: (room, path) of files; arrows: (kind, room, file, room, name)."""
     floor = {name: i for i, (name, _) in enumerate(house.rooms)}
     found = []
     for room, path in placed:
