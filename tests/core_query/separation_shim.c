@@ -7,51 +7,62 @@
 #include <math.h>
 #include <string.h>
 
-static lwi_places places_of( const shim_places* s, lwi_cloud* cloud )
+static lwi_swept_poses places_of( const shim_swept_poses* s, lwi_cloud* cloud )
 {
 	cloud->made = false;
-	lwi_places out = { .shape = s->shape, .count = s->count, .boxed = false, .middle = s->at[0], .drifts = s->drifts, .made = !s->drifts,
-		.turn = s->turn, .shift = s->shift, .cloud = cloud };
+	lwi_swept_poses out = { .shape = s->shape,
+		.count = s->count,
+		.boxed = false,
+		.middle = s->at[0],
+		.is_linear = s->is_linear,
+		.made = !s->is_linear,
+		.turn = s->turn,
+		.shift = s->shift,
+		.cloud = cloud };
 	memcpy( out.at, s->at, sizeof( out.at ) );
 	return out;
 }
 
-int shim_separate( const shim_places* a, const shim_places* b, double limit, const float direction[3], shim_plane* out )
+int shim_separate( const shim_swept_poses* a, const shim_swept_poses* b, double limit, const float direction[3],
+	shim_plane* out )
 {
 	lwi_cloud clouds[2];
-	lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
-	lwi_places_plane plane = { .reach_b = 0 };
+	lwi_swept_poses place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
+	lwi_swept_plane plane = { .reach_b = 0 };
 	const lwi_kernels* kernels = lwi_kernels_get( lw_simd_available() );
 	float next[3] = { direction[0], direction[1], direction[2] };
-	lwi_separation result = lwi_separate_places( kernels, &place_a, &place_b, limit, next, &plane );
+	lwi_separation result = lwi_separate_swept( kernels, &place_a, &place_b, limit, next, &plane );
 	memcpy( out->direction, plane.direction, sizeof( plane.direction ) );
 	out->reach_b = plane.reach_b;
 	return result == LWI_APART ? 0 : result == LWI_UNKNOWN ? 1 : 2;
 }
 
-bool shim_separate_bent( const shim_places* a, const shim_places* b, double limit, double bend, float direction[3] )
+bool shim_separate_bent( const shim_swept_poses* a, const shim_swept_poses* b, double limit, double bend,
+	float direction[3] )
 {
 	lwi_cloud clouds[2];
-	const lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
+	const lwi_swept_poses place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
 	return lwi_separate_bent( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, bend, direction );
 }
 
-bool shim_separate_near( const shim_places* a, const shim_places* b, double limit, double bend, lw_vec3 n, double way )
+bool shim_separate_near( const shim_swept_poses* a, const shim_swept_poses* b, double limit, double bend, lw_vec3 n,
+	double displacement )
 {
 	lwi_cloud clouds[2];
-	const lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
-	const double reach = a->shape->sphere_radius + way;
+	const lwi_swept_poses place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
+	const double reach = a->shape->sphere_radius + displacement;
 	return lwi_separate_near( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, bend, n, reach );
 }
 
-uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count )
+uint32_t shim_apart_by( const shim_swept_poses* a, const shim_swept_poses* b, double limit, const shim_plane* known,
+	uint32_t count )
 {
 	lwi_cloud clouds[2];
-	lwi_places place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
+	lwi_swept_poses place_a = places_of( a, &clouds[0] ), place_b = places_of( b, &clouds[1] );
 	lwi_planes8 planes = { .reach = { 0 } };
 	for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
 	{
-		lwi_places_plane plane = { .reach_b = INFINITY };
+		lwi_swept_plane plane = { .reach_b = INFINITY };
 		if ( i < count )
 		{
 			memcpy( plane.direction, known[i].direction, sizeof( plane.direction ) );
@@ -59,11 +70,12 @@ uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit
 		}
 		lwi_plane_to_lane( &planes, i, plane );
 	}
-	uint32_t which = lwi_places_apart_by( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, &planes, false );
+	uint32_t which = lwi_swept_apart_by( lwi_kernels_get( lw_simd_available() ), &place_a, &place_b, limit, &planes, false );
 	return which < LWI_WIDTH ? which : count;
 }
 
-bool shim_separate_two( const shim_places* a, const shim_places* b, float limit, float direction[3], int looks )
+bool shim_separate_two( const shim_swept_poses* a, const shim_swept_poses* b, float limit, float direction[3],
+	int directions )
 {
 	lw_transform from_a = a->at[0], from_b = b->at[0];
 	const lw_vec3 origin_a = lwi_transform( &from_a, lwi_load( a->shape->origin ) );
@@ -80,7 +92,8 @@ bool shim_separate_two( const shim_places* a, const shim_places* b, float limit,
 	}
 	lwi_plane plane;
 	memcpy( plane.direction, direction, sizeof( plane.direction ) );
-	const bool apart = lwi_separate( lwi_kernels_get( lw_simd_available() ), a->shape, b->shape, &m, limit, &plane, looks );
+	const bool apart = lwi_separate( lwi_kernels_get( lw_simd_available() ), a->shape, b->shape, &m, limit, &plane,
+		directions );
 	memcpy( direction, plane.direction, sizeof( plane.direction ) );
 	return apart;
 }

@@ -5,15 +5,15 @@
 
 #include "leeway/leeway.h"
 
-/// lwi_places: a shape at one place, at three, or at the two where it drifts to.
-typedef struct shim_places
+/// lwi_swept_poses: a shape at one pose, at three, or at the two ends of a linear motion.
+typedef struct shim_swept_poses
 {
 	const lw_shape* shape;
 	int count;
 	lw_transform at[3]; ///< the first is the middle
-	bool drifts;
+	bool is_linear;
 	lw_vec3 turn, shift;
-} shim_places;
+} shim_swept_poses;
 
 /// A direction in the tree frame of b, and how far b reaches against it from the origin of that.
 typedef struct shim_plane
@@ -21,20 +21,26 @@ typedef struct shim_plane
 	float direction[3], reach_b;
 } shim_plane;
 
-/// lwi_separate_places(): 0 apart, 1 unknown, 2 near or nearer still
-int shim_separate( const shim_places* a, const shim_places* b, double limit, const float direction[3], shim_plane* out );
+/// lwi_separate_swept(): 0 apart, 1 unknown, 2 near or nearer still
+int shim_separate( const shim_swept_poses* a, const shim_swept_poses* b, double limit, const float direction[3],
+	shim_plane* out );
 
-/// lwi_separate_bent(), of three places of a. @param direction in: where to begin, out: along which they stay apart; tree frame of b
-bool shim_separate_bent( const shim_places* a, const shim_places* b, double limit, double bend, float direction[3] );
+/// lwi_separate_bent(), of three poses of a. @param direction in: where to begin, out: along which they stay apart; tree frame
+/// of b
+bool shim_separate_bent( const shim_swept_poses* a, const shim_swept_poses* b, double limit, double bend,
+	float direction[3] );
 
-/// lwi_separate_near(), of three places of a, and b standing. @param n world @param way of the middle of a's sphere
-bool shim_separate_near( const shim_places* a, const shim_places* b, double limit, double bend, lw_vec3 n, double way );
+/// lwi_separate_near(), of three poses of a, and b static. @param n world @param displacement of the middle of a's sphere
+bool shim_separate_near( const shim_swept_poses* a, const shim_swept_poses* b, double limit, double bend, lw_vec3 n,
+	double displacement );
 
-/// lwi_places_apart_by(), of LWI_WIDTH planes at the most. @return which, or `count`
-uint32_t shim_apart_by( const shim_places* a, const shim_places* b, double limit, const shim_plane* known, uint32_t count );
+/// lwi_swept_apart_by(), of LWI_WIDTH planes at the most. @return which, or `count`
+uint32_t shim_apart_by( const shim_swept_poses* a, const shim_swept_poses* b, double limit, const shim_plane* known,
+	uint32_t count );
 
-/// lwi_separate(), both at their middle places. @param direction in: where to begin, out: the plane; tree frame of b
-bool shim_separate_two( const shim_places* a, const shim_places* b, float limit, float direction[3], int looks );
+/// lwi_separate(), both at their middle poses. @param direction in: where to begin, out: the plane; tree frame of b
+bool shim_separate_two( const shim_swept_poses* a, const shim_swept_poses* b, float limit, float direction[3],
+	int directions );
 
 /// Points of the core, shape frame. @return how many
 uint32_t shim_core( const lw_shape* shape, double points[64][3] );

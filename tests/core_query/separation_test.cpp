@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Planes between shapes at several places, against heights of all their points: verdicts apart, near and neither.
+// Planes between shapes at several poses, against heights of all their points: verdicts apart, near and neither.
 #include "oracle_subject.hpp"
 #include "sanitized.hpp"
 
@@ -33,11 +33,11 @@ double reach( const Model& m, Vec n, real radius )
 	return to_double( most + radius );
 }
 
-/// A subject at its places.
+/// A subject at its poses.
 struct Moving
 {
 	Subject subject;
-	shim_places places = {};
+	shim_swept_poses places = {};
 
 	std::vector<Pose> poses() const
 	{
@@ -48,7 +48,7 @@ struct Moving
 			out.push_back( pose_from( places.at[i] ) );
 		}
 		const Vec turn = from( places.turn ), shift = from( places.shift );
-		for ( int i = 0; i < 2 && places.drifts; ++i )
+		for ( int i = 0; i < 2 && places.is_linear; ++i )
 		{
 			const real by = i == 0 ? -1 : 1;
 			for ( int k = 0; k < 3; ++k )
@@ -60,7 +60,7 @@ struct Moving
 		return out;
 	}
 
-	/// Of all places along a unit n. Triangles are dilated afterwards, balls move as they are.
+	/// Of all poses along a unit n. Triangles are dilated afterwards, balls move as they are.
 	double reach( Vec n ) const
 	{
 		double most = -INFINITY;
@@ -77,7 +77,7 @@ struct Moving
 		return most;
 	}
 
-	/// A point of the hull of all places that is farthest along n, by differences: far less exact than reach().
+	/// A point of the hull of all poses that is farthest along n, by differences: far less exact than reach().
 	Vec farthest( Vec n ) const
 	{
 		const real h = 1e-6L, length_n = length( n );
@@ -112,7 +112,7 @@ Moving random_moving( SeededRng& rng, double size, double far, bool moves )
 	if ( kind == 1 )
 	{
 		m.places.count = 2;
-		m.places.drifts = true;
+		m.places.is_linear = true;
 		m.places.turn = to_double( random_point( rng, turn ) );
 		m.places.shift = to_double( random_point( rng, step ) );
 	}
@@ -199,14 +199,14 @@ void random_pair( SeededRng& rng, Moving& a, Moving& b )
 	const lw_vec3 d = random_direction( rng );
 	const double far = rng.uniform( 0.3, 1.5 ) * ( a.size() + b.size() );
 	const double away[3] = { far * d.x, far * d.y, far * d.z };
-	for ( int i = 0; i < b.places.count && !b.places.drifts; ++i )
+	for ( int i = 0; i < b.places.count && !b.places.is_linear; ++i )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
 			b.places.at[i].t[k] += away[k];
 		}
 	}
-	for ( int k = 0; k < 3 && b.places.drifts; ++k )
+	for ( int k = 0; k < 3 && b.places.is_linear; ++k )
 	{
 		b.places.at[0].t[k] += away[k];
 	}
@@ -229,7 +229,7 @@ struct Way
 	}
 };
 
-/// Puts a subject to its places at -1, 0 and 1 of a way through where it is, about an axis perpendicular to d.
+/// Puts a subject to its poses at -1, 0 and 1 of a way through where it is, about an axis perpendicular to d.
 /// @return the greatest acceleration of its points
 double go_along( SeededRng& rng, Moving& m, Vec d, double size, Way& way )
 {
@@ -237,7 +237,7 @@ double go_along( SeededRng& rng, Moving& m, Vec d, double size, Way& way )
 	way = { m.places.at[0], to_double( 1 / length( axis ) * axis ), to_double( random_point( rng, size * rng.decade( -3, 0.3 ) ) ),
 		rng.decade( -2, -0.3 ) };
 	m.places.count = 3;
-	m.places.drifts = false;
+	m.places.is_linear = false;
 	for ( int i = 0; i < 3; ++i )
 	{
 		m.places.at[i] = way.at( i == 0 ? 0 : 2 * i - 3 );
@@ -325,7 +325,7 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 		Moving a, b;
 		random_pair( rng, a, b );
 		b.places.count = 1;
-		b.places.drifts = false;
+		b.places.is_linear = false;
 		Way ways[2];
 		const bool both = rng.integer( 0, 3 ) == 0;
 		// b is farther from the origin, so that the way bends towards it
@@ -340,7 +340,7 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 		}
 		double bend = 0.5 * go_along( rng, a, d, a.size() * rng.decade( -3, 0 ), ways[0] );
 		bend += both ? 0.5 * go_along( rng, b, d, a.size() * rng.decade( -3, 0 ), ways[1] ) : 0;
-		const shim_places all_a = a.places, all_b = b.places;
+		const shim_swept_poses all_a = a.places, all_b = b.places;
 		auto go_to = [&]( double at ) {
 			a.places.count = b.places.count = 1;
 			a.places.at[0] = ways[0].at( at );
@@ -361,7 +361,7 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 			continue;
 		}
 		++apart;
-		ends += at_places - 0.25 * bend < limit; // as far as places alone tell, it may be nearer in between
+		ends += at_places - 0.25 * bend < limit; // as far as poses alone tell, it may be nearer in between
 		go_to( 0 );
 		n = direction_of( b, { { direction[0], direction[1], direction[2] }, 0 } );
 		for ( int k = -16; k <= 16; ++k )
@@ -376,7 +376,7 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 	EXPECT_GE( ends, unlessSanitized( 10, 0 ) );
 }
 
-// Bodies that an edge does not move have one place, not three.
+// Bodies that an edge does not move have one pose, not three.
 TEST( Separation, what_stands_is_said_to_come_near )
 {
 	SeededRng rng;
@@ -386,7 +386,7 @@ TEST( Separation, what_stands_is_said_to_come_near )
 		Moving a, b;
 		random_pair( rng, a, b );
 		a.places.count = b.places.count = 1;
-		a.places.drifts = b.places.drifts = false;
+		a.places.is_linear = b.places.is_linear = false;
 		Vec n;
 		const double widest = widest_gap( a, b, &n ), limit = 0.5 * widest;
 		if ( !( widest > 1e-3 * ( a.size() + b.size() ) ) )
@@ -463,7 +463,7 @@ TEST( Separation, two_shapes_are_nearer_than_their_plane_says )
 		for ( Moving* m : { &a, &b } )
 		{
 			m->places.count = 1;
-			m->places.drifts = false;
+			m->places.is_linear = false;
 		}
 		Vec best;
 		const double widest = widest_gap( a, b, &best ) + dilation( a ) + dilation( b ), size = a.size() + b.size();

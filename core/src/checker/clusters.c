@@ -41,7 +41,7 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->floating, variable_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->nodes, t->link_count * sizeof( lwi_checker_node ) );
 	lwi_free( &allocator, t->turns, t->link_count * sizeof( lwi_node_turn ) );
-	lwi_free( &allocator, t->rake_joints, t->link_count * sizeof( lwi_rake_joint ) );
+	lwi_free( &allocator, t->batch_joints, t->link_count * sizeof( lwi_batch_joint ) );
 	lwi_free( &allocator, t->body_poses, t->body_count * sizeof( lw_transform ) );
 	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
@@ -67,17 +67,18 @@ static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, u
 	t->floating = lwi_alloc_zero( &t->allocator, variables, sizeof( uint32_t ) );
 	t->nodes = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_checker_node ) );
 	t->turns = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_node_turn ) );
-	t->rake_joints = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_rake_joint ) );
+	t->batch_joints = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_batch_joint ) );
 	t->body_poses = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_transform ) );
 	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_place = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
 	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
-			   links * ( sizeof( lwi_checker_node ) + sizeof( lwi_node_turn ) + sizeof( lwi_rake_joint ) ) +
+			   links * ( sizeof( lwi_checker_node ) + sizeof( lwi_node_turn ) + sizeof( lwi_batch_joint ) ) +
 			   bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) + sizeof( lw_transform ) );
-	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->turns != NULL && t->rake_joints != NULL &&
-		   t->body_poses != NULL && t->bodies != NULL && t->body_node != NULL && t->body_place != NULL && t->body_spheres != NULL;
+	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->turns != NULL &&
+		   t->batch_joints != NULL && t->body_poses != NULL && t->bodies != NULL && t->body_node != NULL &&
+		   t->body_place != NULL && t->body_spheres != NULL;
 }
 
 /// True if there is a reach and every variable outside of the group is inside of its range.
@@ -241,7 +242,7 @@ static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bo
 	number_nodes( t, c->robot, joint_moves, &n );
 	fill_hooks( t, c );
 	fill_turns( t, c->robot );
-	lwi_checker_fill_rakes( t, c->robot );
+	lwi_checker_fill_batch_joints( t, c->robot );
 	fill_nodes( t, c, &n );
 	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
 	return LW_OK;

@@ -72,8 +72,8 @@ typedef struct lwi_checker_tree
 	uint32_t node_count;
 	lwi_checker_node* nodes; ///< [node_count] depth first, parents before children
 	lwi_node_turn* turns; ///< [node_count] angles of the joints above the nodes
-	bool rakes;                  ///< each joint above a node has one variable
-	lwi_rake_joint* rake_joints; ///< [node_count] if so
+	bool can_batch;                ///< each joint above a node has one variable
+	lwi_batch_joint* batch_joints; ///< [node_count] if so
 	uint32_t link_count, body_count;
 	uint32_t* bodies;        ///< [body_count] robot bodies by node
 	uint32_t* body_node;     ///< [body_count] node of a robot body
@@ -117,8 +117,8 @@ void lwi_checker_tree_destroy( lwi_checker_tree* tree, uint32_t variable_count )
 lw_status lwi_checker_tree_motion( const lw_checker* checker, const bool* fixed_variables, lw_diag* diag,
 	lwi_motion_table** out_motion );
 
-/// Fills rakes and rake_joints: for a tree with its nodes.
-void lwi_checker_fill_rakes( lwi_checker_tree* tree, const lw_robot* robot );
+/// Fills can_batch and batch_joints: for a tree with its nodes.
+void lwi_checker_fill_batch_joints( lwi_checker_tree* tree, const lw_robot* robot );
 
 /// Candidates of a self query at or above this are pairs of nodes still to be opened: LWI_OPEN + index.
 #define LWI_OPEN 0x80000000u

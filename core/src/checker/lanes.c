@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The joints of a checker's tree in the form that rakes read.
+// The joints of a checker's tree in the form that interval batches read.
 #include "checker/clusters.h"
 
 #include "checker/checker.h"
 #include "base/math_inline.h"
 
 /// hook.r times the turn about a unit axis a by an angle: r a a^T + cos (r - r a a^T) + sin r [a]x (Rodrigues).
-static lwi_rake_joint rake_joint( const lwi_joint* joint, const lw_transform* hook )
+static lwi_batch_joint batch_joint( const lwi_joint* joint, const lw_transform* hook )
 {
 	const double* a = joint->axis;
 	const double cross[3][3] = { { 0, -a[2], a[1] }, { a[2], 0, -a[0] }, { -a[1], a[0], 0 } };
-	lwi_rake_joint out = { .turns = joint->type != LW_JOINT_PRISMATIC,
+	lwi_batch_joint out = { .turns = joint->type != LW_JOINT_PRISMATIC,
 		.multiplier = joint->multiplier,
 		.variable_offset = joint->offset,
 		.variable = joint->variable };
@@ -28,17 +28,17 @@ static lwi_rake_joint rake_joint( const lwi_joint* joint, const lw_transform* ho
 	return out;
 }
 
-void lwi_checker_fill_rakes( lwi_checker_tree* t, const lw_robot* robot )
+void lwi_checker_fill_batch_joints( lwi_checker_tree* t, const lw_robot* robot )
 {
-	t->rakes = true;
+	t->can_batch = true;
 	for ( uint32_t i = 1; i < t->node_count; ++i )
 	{
 		const lwi_joint* joint = &robot->joints[robot->link_joint[t->nodes[i].top]];
 		if ( joint->type != LW_JOINT_REVOLUTE && joint->type != LW_JOINT_CONTINUOUS && joint->type != LW_JOINT_PRISMATIC )
 		{
-			t->rakes = false; // several variables
+			t->can_batch = false; // several variables
 			return;
 		}
-		t->rake_joints[i] = rake_joint( joint, &t->nodes[i].hook );
+		t->batch_joints[i] = batch_joint( joint, &t->nodes[i].hook );
 	}
 }

@@ -216,8 +216,8 @@ enum
 	LEAVES_BEFORE_PLANE = 1, ///< comparisons of leaves before the first search for a plane: most searches end without
 	LEAVES_BEFORE_LATE_PLANE = 2, ///< and again when a suspended search resumes: many end at once
 	MAX_FAILURES = 3,        ///< after so many, one search in 2^3 tries
-	PLANE_LOOKS_KNOWN = 2,
-	PLANE_LOOKS_NEW = LWI_MAX_LOOKS
+	PLANE_DIRECTIONS_KNOWN = 2,
+	PLANE_DIRECTIONS_NEW = LWI_MAX_DIRECTIONS
 };
 
 /// Depends on the geometry, not on addresses: within alpha, the known planes choose the one of the nearest pairs that is
@@ -253,7 +253,7 @@ static lwi_hint* hint_of( lwi_searching* s )
 static bool old_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 {
 	return hint->known &&
-		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_LOOKS_KNOWN );
+		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_DIRECTIONS_KNOWN );
 }
 
 /// Searches for a new plane, less often after searches that found none.
@@ -265,7 +265,7 @@ static bool new_plane_rules_out( lwi_searching* s, lwi_hint* hint )
 		return false;
 	}
 	hint->plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
-	hint->known = lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_LOOKS_NEW );
+	hint->known = lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_DIRECTIONS_NEW );
 	if ( hint->known )
 	{
 		hint->failures = 0;
@@ -293,7 +293,7 @@ static bool plane_rules_out_late( lwi_searching* s )
 		return false;
 	}
 	lwi_plane plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
-	if ( !lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &plane, PLANE_LOOKS_NEW ) )
+	if ( !lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &plane, PLANE_DIRECTIONS_NEW ) )
 	{
 		hint->late_failures = (uint8_t)( hint->late_failures < MAX_FAILURES ? hint->late_failures + 1 : MAX_FAILURES );
 		hint->late_wait = (uint8_t)( ( 1u << hint->late_failures ) - 2 ); // the first failure says little

@@ -2,7 +2,7 @@
 // Planes between bounded shapes: GJK on their convex hulls, with support points from the sphere trees.
 //
 // Paper: Gilbert, Johnson, Keerthi 1988 (see distance/convex.c). Whatever direction comes out, its gap is that of all
-// geometry: a bad one proves less, never something wrong. Between places the first directions come from cores, a few points
+// geometry: a bad one proves less, never something wrong. Between poses the first directions come from cores, a few points
 // inside the hulls: edges.md.
 #include "distance/separation.h"
 
@@ -69,14 +69,14 @@ static int reduce( vec_s* w, int count, const nearest_s* nearest )
 	return kept;
 }
 
-// --- places ----------------------------------------------------------------------------------------------------------
+// --- poses ----------------------------------------------------------------------------------------------------------
 
-/// Directions and origins of a plane test over places.
-typedef struct between_places
+/// Directions and origins of a plane test over poses.
+typedef struct plane_query
 {
-	lw_vec3 from; ///< b's tree frame's origin at its middle place: heights are taken from there
+	lw_vec3 from; ///< b's tree frame's origin at its middle pose: heights are taken from there
 	double need;  ///< width of the slab between float heights that proves the limit
-} between_places;
+} plane_query;
 
 static lw_vec3 origin_of( const lw_transform* at, const lw_shape* shape )
 {
@@ -88,12 +88,12 @@ static double size_of( const lw_shape* shape )
 	return shape->solid ? shape->sphere_radius : (double)shape->extent;
 }
 
-/// No coordinate of the places' origins is larger than this.
-static double coordinates_of( const lwi_places* s )
+/// No coordinate of the poses' origins is larger than this.
+static double coordinates_of( const lwi_swept_poses* s )
 {
 	const double* t = s->middle.t;
 	double far = fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] );
-	if ( s->drifts )
+	if ( s->is_linear )
 	{
 		const lw_vec3 *v = &s->shift, *w = &s->turn;
 		return far + fabs( v->x ) + fabs( v->y ) + fabs( v->z ) + ( fabs( w->x ) + fabs( w->y ) + fabs( w->z ) ) * far;
@@ -105,8 +105,8 @@ static double coordinates_of( const lwi_places* s )
 	return far;
 }
 
-/// The place that a drift leads to, one way or the other.
-static lw_transform drifted( const lwi_places* s, double by )
+/// The pose at one end of a linear motion. @param by -1: its beginning, 1: its end
+static lw_transform moved_linearly( const lwi_swept_poses* s, double by )
 {
 	lw_transform m;
 	const lw_transform* from = &s->middle;
@@ -125,17 +125,17 @@ static lw_transform drifted( const lwi_places* s, double by )
 }
 
 /// @param i below the count
-static inline const lw_transform* place( const lwi_places* s, int i )
+static inline const lw_transform* swept_pose( const lwi_swept_poses* s, int i )
 {
 	return s->count > 1 ? &s->at[i] : &s->middle;
 }
 
-static void make_places( lwi_places* s )
+static void make_swept_poses( lwi_swept_poses* s )
 {
 	if ( !s->made )
 	{
-		s->at[0] = drifted( s, -1 );
-		s->at[1] = drifted( s, 1 );
+		s->at[0] = moved_linearly( s, -1 );
+		s->at[1] = moved_linearly( s, 1 );
 		s->made = true;
 	}
 }
@@ -147,9 +147,9 @@ static double dilation_of( const lw_shape* shape )
 }
 
 /// Dilations, and rounding: edges.md.
-static between_places question_of( const lwi_places* a, const lwi_places* b, double limit )
+static plane_query plane_query_of( const lwi_swept_poses* a, const lwi_swept_poses* b, double limit )
 {
-	between_places q = { .from = origin_of( &b->middle, b->shape ) };
+	plane_query q = { .from = origin_of( &b->middle, b->shape ) };
 	double extents = size_of( a->shape ) + size_of( b->shape ), far = coordinates_of( a ) + coordinates_of( b );
 	double dilation = dilation_of( a->shape ) + dilation_of( b->shape );
 	q.need = ( limit + dilation ) * ( 1 + 0x1p-21 ) + lwi_gap_slack( extents ) + 0x1p-46 * ( far + extents );
@@ -164,15 +164,15 @@ static void local_direction( const lw_transform* at, lw_vec3 n, float local[3] )
 	local[2] = (float)v.z;
 }
 
-/// The same for one of the places, of length 1. Returns the factor for heights along it.
-static double place_direction( const lwi_places* s, int i, lw_vec3 n, float local[3] )
+/// The same for one of the poses, of length 1. Returns the factor for heights along it.
+static double direction_at( const lwi_swept_poses* s, int i, lw_vec3 n, float local[3] )
 {
-	if ( !s->drifts )
+	if ( !s->is_linear )
 	{
-		local_direction( place( s, i ), n, local );
+		local_direction( swept_pose( s, i ), n, local );
 		return 1;
 	}
-	lw_vec3 v = lwi_unrotate( place( s, i ), n );
+	lw_vec3 v = lwi_unrotate( swept_pose( s, i ), n );
 	double length = lwi_length( v ), inverse = 1 / length;
 	local[0] = (float)( inverse * v.x );
 	local[1] = (float)( inverse * v.y );
@@ -180,37 +180,37 @@ static double place_direction( const lwi_places* s, int i, lw_vec3 n, float loca
 	return length;
 }
 
-/// The farthest point of all places along n. Returns how far, above q->from.
+/// The farthest point of all poses along n. Returns how far, above q->from.
 /// @param start point where the search begins, tree frame; on return the farthest point
-static double farthest_of_places( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n,
+static double farthest_of_poses( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q, lw_vec3 n,
 	float start[3], lw_vec3* farthest )
 {
-	make_places( s );
+	make_swept_poses( s );
 	double best = -INFINITY;
 	float first[3];
 	memcpy( first, start, sizeof( first ) );
 	for ( int i = 0; i < s->count; ++i )
 	{
 		float local[3], point[3];
-		double scale = place_direction( s, i, n, local );
+		double scale = direction_at( s, i, n, local );
 		memcpy( point, first, sizeof( point ) );
-		lw_vec3 origin = lwi_sub( origin_of( place( s, i ), s->shape ), q->from );
+		lw_vec3 origin = lwi_sub( origin_of( swept_pose( s, i ), s->shape ), q->from );
 		double high = scale * (double)lwi_support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
 		if ( !( high <= best ) )
 		{
 			best = high;
 			lw_vec3 p = lwi_v3( (double)point[0], (double)point[1], (double)point[2] );
-			*farthest = lwi_add( origin, lwi_rotate( place( s, i ), p ) );
+			*farthest = lwi_add( origin, lwi_rotate( swept_pose( s, i ), p ) );
 			memcpy( start, point, sizeof( point ) );
 		}
 	}
 	return best;
 }
 
-/// A point of the places' hull that is far along n: the middle's farthest, at that of the places where it is farthest.
-static lw_vec3 far_point( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n, float start[3] )
+/// A point of the poses' hull that is far along n: the middle's farthest, at that pose where it is farthest.
+static lw_vec3 far_point( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q, lw_vec3 n, float start[3] )
 {
-	make_places( s );
+	make_swept_poses( s );
 	float local[3];
 	local_direction( &s->middle, n, local );
 	lwi_support( kernels, s->shape, local, start );
@@ -218,7 +218,8 @@ static lw_vec3 far_point( const lwi_kernels* kernels, lwi_places* s, const betwe
 	double best = -INFINITY;
 	for ( int i = 0; i < s->count; ++i )
 	{
-		lw_vec3 at = lwi_add( lwi_sub( origin_of( place( s, i ), s->shape ), q->from ), lwi_rotate( place( s, i ), point ) );
+		lw_vec3 at = lwi_add( lwi_sub( origin_of( swept_pose( s, i ), s->shape ), q->from ),
+			lwi_rotate( swept_pose( s, i ), point ) );
 		double high = lwi_dot( n, at );
 		if ( !( high <= best ) )
 		{
@@ -232,8 +233,8 @@ static lw_vec3 far_point( const lwi_kernels* kernels, lwi_places* s, const betwe
 /// Of coordinates: heights of boxes in floats, edges.md.
 #define BOX_SLACK ( 16 * 0.5 * (double)FLT_EPSILON )
 
-/// Puts the box around a shape to all its places, world axes.
-static void make_boxes( lwi_places* s )
+/// Puts the box around a shape at all its poses, world axes.
+static void make_boxes( lwi_swept_poses* s )
 {
 	if ( s->boxed )
 	{
@@ -241,11 +242,11 @@ static void make_boxes( lwi_places* s )
 	}
 	const double *low = s->shape->box_min, *high = s->shape->box_max;
 	const lw_vec3 middle = lwi_v3( 0.5 * ( low[0] + high[0] ), 0.5 * ( low[1] + high[1] ), 0.5 * ( low[2] + high[2] ) );
-	make_places( s );
+	make_swept_poses( s );
 	s->box_size = 0;
 	for ( int i = 0; i < s->count; ++i )
 	{
-		const lw_transform* at = place( s, i );
+		const lw_transform* at = swept_pose( s, i );
 		double size = 0;
 		s->box_middle[i] = lwi_transform( at, middle );
 		for ( int k = 0; k < 9; ++k )
@@ -259,9 +260,9 @@ static void make_boxes( lwi_places* s )
 	s->boxed = true;
 }
 
-/// Planes of the static shape b that the box around a stays below at all its places. @param room see
+/// Planes of the static shape b that the box around a stays below at all its poses. @param room see
 /// lwi_kernels::planes_clear
-static uint32_t planes_clear( const lwi_kernels* kernels, lwi_places* a, const lwi_places* b, const between_places* q,
+static uint32_t planes_clear( const lwi_kernels* kernels, lwi_swept_poses* a, const lwi_swept_poses* b, const plane_query* q,
 	const lwi_planes8* planes, float room[LWI_WIDTH] )
 {
 	make_boxes( a );
@@ -284,8 +285,8 @@ static uint32_t planes_clear( const lwi_kernels* kernels, lwi_places* a, const l
 		lwi_round_down( q->need - slack - dilation_of( a->shape ) ), room );
 }
 
-static bool box_stays_below( const lwi_kernels* kernels, lwi_places* a, const lwi_places* b, const between_places* q,
-	const lwi_places_plane* plane )
+static bool box_stays_below( const lwi_kernels* kernels, lwi_swept_poses* a, const lwi_swept_poses* b, const plane_query* q,
+	const lwi_swept_plane* plane )
 {
 	lwi_planes8 one = { .reach = { 0 } };
 	float room[LWI_WIDTH];
@@ -293,15 +294,15 @@ static bool box_stays_below( const lwi_kernels* kernels, lwi_places* a, const lw
 	return ( planes_clear( kernels, a, b, q, &one, room ) & 1 ) != 0;
 }
 
-/// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its places.
-static bool all_stay_below( const lwi_kernels* kernels, lwi_places* s, const between_places* q, lw_vec3 n, double most )
+/// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its poses.
+static bool all_stay_below( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q, lw_vec3 n, double most )
 {
-	make_places( s );
+	make_swept_poses( s );
 	for ( int i = 0; i < s->count; ++i )
 	{
 		float local[3];
-		double scale = place_direction( s, i, n, local );
-		double left = ( most - lwi_dot( n, lwi_sub( origin_of( place( s, i ), s->shape ), q->from ) ) ) / scale;
+		double scale = direction_at( s, i, n, local );
+		double left = ( most - lwi_dot( n, lwi_sub( origin_of( swept_pose( s, i ), s->shape ), q->from ) ) ) / scale;
 		if ( !( left > -INFINITY && lwi_stays_below( kernels, s->shape, local, lwi_round_down( left ) ) ) )
 		{
 			return false;
@@ -310,7 +311,7 @@ static bool all_stay_below( const lwi_kernels* kernels, lwi_places* s, const bet
 	return true;
 }
 
-static lw_vec3 normal_of( const lwi_places* b, const float direction[3] )
+static lw_vec3 normal_of( const lwi_swept_poses* b, const float direction[3] )
 {
 	return lwi_rotate( &b->middle, lwi_v3( (double)direction[0], (double)direction[1], (double)direction[2] ) );
 }
@@ -325,30 +326,30 @@ enum
 /// Of the distance of the cores: a gap that wide is not worth another step.
 #define WIDE_ENOUGH 0.5
 
-/// Points inside the hull of a shape at all its places.
+/// Points inside the hull of a shape at all its poses.
 typedef struct core
 {
 	const lwi_points8* points;
 	uint32_t blocks;
-	const lw_transform* local; ///< frame of the points; NULL: axes of the places' frame
+	const lw_transform* local; ///< frame of the points; NULL: axes of the poses' frame
 	lw_vec3 origin;            ///< theirs, above q->from
-	lw_vec3 cut[LWI_MAX_LOOKS]; ///< further points, from searches of all geometry; above q->from
+	lw_vec3 cut[LWI_MAX_DIRECTIONS]; ///< further points, from searches of all geometry; above q->from
 	int cuts;
 } core;
 
-static void make_cloud( const lwi_kernels* kernels, lwi_places* s )
+static void make_cloud( const lwi_kernels* kernels, lwi_swept_poses* s )
 {
-	make_places( s );
+	make_swept_poses( s );
 	lwi_cloud* cloud = s->cloud;
 	lw_vec3 middle = origin_of( &s->middle, s->shape );
 	uint32_t blocks = s->shape->core_blocks;
 	for ( int i = 0; i < s->count; ++i )
 	{
 		lwi_motion motion;
-		lw_vec3 from = lwi_sub( origin_of( place( s, i ), s->shape ), middle );
+		lw_vec3 from = lwi_sub( origin_of( swept_pose( s, i ), s->shape ), middle );
 		for ( int k = 0; k < 9; ++k )
 		{
-			motion.r[k] = (float)place( s, i )->r[k / 3][k % 3];
+			motion.r[k] = (float)swept_pose( s, i )->r[k / 3][k % 3];
 		}
 		motion.t[0] = (float)from.x;
 		motion.t[1] = (float)from.y;
@@ -359,7 +360,7 @@ static void make_cloud( const lwi_kernels* kernels, lwi_places* s )
 	cloud->made = true;
 }
 
-static core core_of( const lwi_kernels* kernels, lwi_places* s, const between_places* q )
+static core core_of( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q )
 {
 	core c;
 	c.points = s->shape->core;
@@ -414,7 +415,7 @@ static lw_vec3 core_point( const core* c, uint32_t which )
 	return lwi_add( c->origin, c->local != NULL ? lwi_rotate( c->local, p ) : p );
 }
 
-/// The same in the tree frame of the shape; for a point of the cut `point` keeps the place where the cut was found.
+/// The same in the tree frame of the shape; for a point of the cut `point` keeps the pose where the cut was found.
 static void core_start( const lw_shape* shape, const core* c, uint32_t which, float point[3] )
 {
 	if ( which >= c->blocks * LWI_WIDTH )
@@ -476,8 +477,8 @@ static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s
 }
 
 /// True if everything stays below a plane of b. @param core_b NULL: b is static
-static bool hulls_stay_below( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, const between_places* q, const core* core_a,
-	const core* core_b, lwi_places_plane plane )
+static bool hulls_stay_below( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, const plane_query* q,
+	const core* core_a, const core* core_b, lwi_swept_plane plane )
 {
 	uint32_t which_a, which_b = 0;
 	lw_vec3 n = normal_of( b, plane.direction ), down = lwi_scale( -1, n ), lowest;
@@ -491,15 +492,15 @@ static bool hulls_stay_below( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 	{
 		float point[3];
 		core_start( b->shape, core_b, which_b, point );
-		bottom = -farthest_of_places( kernels, b, q, down, point, &lowest );
+		bottom = -farthest_of_poses( kernels, b, q, down, point, &lowest );
 	}
 	return all_stay_below( kernels, a, q, n, bottom - q->need );
 }
 
-uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, const lwi_planes8* known,
-	bool only_boxes )
+uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, double limit,
+	const lwi_planes8* known, bool only_boxes )
 {
-	const between_places q = question_of( a, b, limit );
+	const plane_query q = plane_query_of( a, b, limit );
 	const bool stands = b->count == 1;
 	float room[LWI_WIDTH];
 	if ( stands )
@@ -510,7 +511,7 @@ uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 			return clear != 0 ? lwi_lowest_bit( clear ) : LWI_WIDTH;
 		}
 	}
-	make_places( a );
+	make_swept_poses( a );
 	core core_a = core_of( kernels, a, &q ), core_b;
 	if ( !stands )
 	{
@@ -524,7 +525,7 @@ uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 		{
 			lane = room[i] > room[lane] ? i : lane;
 		}
-		const lwi_places_plane plane = lwi_plane_of_lane( known, lane );
+		const lwi_swept_plane plane = lwi_plane_of_lane( known, lane );
 		if ( !( room[lane] > -INFINITY ) )
 		{
 			break;
@@ -538,10 +539,10 @@ uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_pla
 	return LWI_WIDTH;
 }
 
-lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit,
-	float direction[3], lwi_places_plane* out )
+lwi_separation lwi_separate_swept( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, double limit,
+	float direction[3], lwi_swept_plane* out )
 {
-	between_places q = question_of( a, b, limit );
+	plane_query q = plane_query_of( a, b, limit );
 	float point_a[3], point_b[3], *d = direction;
 	if ( !normalize( d ) )
 	{
@@ -550,7 +551,7 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 	core_search s = { .need = q.need, .upper = 0, .n = normal_of( b, d ) };
 	s.a = core_of( kernels, a, &q );
 	s.b = core_of( kernels, b, &q );
-	for ( int look = 0; look < LWI_MAX_LOOKS; ++look )
+	for ( int tried = 0; tried < LWI_MAX_DIRECTIONS; ++tried )
 	{
 		lwi_separation cores = separate_cores( kernels, &s );
 		local_direction( &b->middle, s.n, d );
@@ -561,8 +562,8 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 		core_start( a->shape, &s.a, s.which_a, point_a );
 		core_start( b->shape, &s.b, s.which_b, point_b );
 		lw_vec3 n = normal_of( b, d ), lowest;
-		double low = -farthest_of_places( kernels, b, &q, lwi_scale( -1, n ), point_b, &lowest );
-		const lwi_places_plane next = { { d[0], d[1], d[2] }, lwi_round_up( -low ) };
+		double low = -farthest_of_poses( kernels, b, &q, lwi_scale( -1, n ), point_b, &lowest );
+		const lwi_swept_plane next = { { d[0], d[1], d[2] }, lwi_round_up( -low ) };
 		if ( box_stays_below( kernels, a, b, &q, &next ) || all_stay_below( kernels, a, &q, n, low - q.need ) )
 		{
 			*out = next;
@@ -577,13 +578,14 @@ lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, l
 
 // --- bent ways -------------------------------------------------------------------------------------------------------
 
-/// How far a shape reaches along n at one of its places, above q->from.
+/// How far a shape reaches along n at one of its poses, above q->from.
 /// @param start point where the search begins, tree frame; on return the farthest point
-static double reach_at( const lwi_kernels* kernels, const lwi_places* s, int i, const between_places* q, lw_vec3 n, float start[3] )
+static double reach_at( const lwi_kernels* kernels, const lwi_swept_poses* s, int i, const plane_query* q, lw_vec3 n,
+	float start[3] )
 {
 	float local[3];
-	local_direction( place( s, i ), n, local );
-	double origin = lwi_dot( n, lwi_sub( origin_of( place( s, i ), s->shape ), q->from ) );
+	local_direction( swept_pose( s, i ), n, local );
+	double origin = lwi_dot( n, lwi_sub( origin_of( swept_pose( s, i ), s->shape ), q->from ) );
 	return (double)lwi_support( kernels, s->shape, local, start ) + origin;
 }
 
@@ -594,34 +596,34 @@ static double least_on_way( double x, double y, double bend )
 	return missing > 0 ? least - missing * missing / ( 4 * bend ) : least;
 }
 
-/// Least value at any time, from the values at the middle, the left and the right place.
-static double least_of_ways( const double at[LWI_MAX_PLACES], double bend )
+/// Least value at any time, from the values at the middle, the left and the right pose.
+static double least_of_parabola( const double at[LWI_MAX_SWEPT_POSES], double bend )
 {
 	bend *= 1 + 0x1p-21; // directions are of length 1 to rounding, and so are heights along them
 	return lwi_smaller( least_on_way( at[1], at[0], bend ), least_on_way( at[0], at[2], bend ) );
 }
 
-/// @param gaps along the direction, at all places
-static bool bent_holds( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, const between_places* q, double bend,
-	const float direction[3], double gaps[LWI_MAX_PLACES] )
+/// @param gaps along the direction, at all poses
+static bool bent_holds( const lwi_kernels* kernels, const lwi_swept_poses* a, const lwi_swept_poses* b, const plane_query* q,
+	double bend, const float direction[3], double gaps[LWI_MAX_SWEPT_POSES] )
 {
 	const lw_vec3 n = normal_of( b, direction ), down = lwi_scale( -1, n );
 	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
 	double low = 0, high = 0;
-	for ( int i = 0; i < LWI_MAX_PLACES; ++i ) // a static shape has one place
+	for ( int i = 0; i < LWI_MAX_SWEPT_POSES; ++i ) // a static shape has one pose
 	{
 		low = i < b->count ? -reach_at( kernels, b, i, q, down, point_b ) : low;
 		high = i < a->count ? reach_at( kernels, a, i, q, n, point_a ) : high;
 		gaps[i] = low - high;
 	}
-	return least_of_ways( gaps, bend ) >= q->need;
+	return least_of_parabola( gaps, bend ) >= q->need;
 }
 
-bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
-	float direction[3] )
+bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_swept_poses* a, const lwi_swept_poses* b, double limit,
+	double bend, float direction[3] )
 {
-	const between_places q = question_of( a, b, limit );
-	double gaps[LWI_MAX_PLACES];
+	const plane_query q = plane_query_of( a, b, limit );
+	double gaps[LWI_MAX_SWEPT_POSES];
 	if ( !normalize( direction ) )
 	{
 		return false;
@@ -632,11 +634,11 @@ bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const l
 	}
 	// the plane that separates them at the end where they are nearer
 	const int end = gaps[1] < gaps[2] ? 1 : 2;
-	lwi_places end_a, end_b;
-	lwi_places_plane plane;
-	lwi_places_stand( &end_a, a->shape, place( a, end ) );
-	lwi_places_stand( &end_b, b->shape, place( b, b->count > 1 ? end : 0 ) );
-	if ( lwi_separate_places( kernels, &end_a, &end_b, limit, direction, &plane ) != LWI_APART )
+	lwi_swept_poses end_a, end_b;
+	lwi_swept_plane plane;
+	lwi_swept_poses_static( &end_a, a->shape, swept_pose( a, end ) );
+	lwi_swept_poses_static( &end_b, b->shape, swept_pose( b, b->count > 1 ? end : 0 ) );
+	if ( lwi_separate_swept( kernels, &end_a, &end_b, limit, direction, &plane ) != LWI_APART )
 	{
 		return false;
 	}
@@ -644,10 +646,10 @@ bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const l
 	return normalize( direction ) && bent_holds( kernels, a, b, &q, bend, direction, gaps );
 }
 
-bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend, lw_vec3 n,
-	double reach )
+bool lwi_separate_near( const lwi_kernels* kernels, const lwi_swept_poses* a, const lwi_swept_poses* b, double limit,
+	double bend, lw_vec3 n, double reach )
 {
-	between_places q = question_of( a, b, limit );
+	plane_query q = plane_query_of( a, b, limit );
 	const double length = lwi_length( n );
 	if ( !( length > 0 && length < INFINITY ) || a->shape->filled || b->shape->filled )
 	{
@@ -660,13 +662,13 @@ bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const l
 		return false;
 	}
 	n = lwi_scale( -1, normal_of( b, down ) );
-	double below[LWI_MAX_PLACES], high = 0;
-	for ( int i = 0; i < LWI_MAX_PLACES; ++i )
+	double below[LWI_MAX_SWEPT_POSES], high = 0;
+	for ( int i = 0; i < LWI_MAX_SWEPT_POSES; ++i )
 	{
 		high = i < a->count ? reach_at( kernels, a, i, &q, n, point ) : high;
 		below[i] = -high;
 	}
-	const double most = least_of_ways( below, bend ) - q.need;
+	const double most = least_of_parabola( below, bend ) - q.need;
 	const lw_vec3 center = lwi_untransform( &b->middle, lwi_transform( &a->middle, lwi_load( a->shape->sphere_center ) ) );
 	const double* o = b->shape->origin;
 	const double radius = reach + q.need + lwi_gap_slack( 2 * ( reach + q.need + size_of( b->shape ) ) );
@@ -674,7 +676,7 @@ bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const l
 	return lwi_near_stays_below( kernels, b->shape, down, lwi_round_down( most ), ball );
 }
 
-// --- two shapes at one place -----------------------------------------------------------------------------------------
+// --- two shapes at one pose -----------------------------------------------------------------------------------------
 
 lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a )
 {
@@ -718,7 +720,7 @@ static float slab_gap( const slab* s, float point_a[3], float point_b[3], lw_vec
 }
 
 bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* m, float limit,
-	lwi_plane* plane, int looks )
+	lwi_plane* plane, int directions )
 {
 	slab between = { .kernels = kernels, .a = a, .b = b, .m = m };
 	turn( m, plane->direction, between.n );
@@ -736,7 +738,7 @@ bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape
 	s.b = (core){ .points = b->core, .blocks = b->core_blocks, .local = &a_from_b };
 	s.b.origin = lwi_v3( (double)m->t[0], (double)m->t[1], (double)m->t[2] );
 	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
-	for ( int look = 0; look < looks && separate_cores( kernels, &s ) == LWI_APART; ++look )
+	for ( int tried = 0; tried < directions && separate_cores( kernels, &s ) == LWI_APART; ++tried )
 	{
 		between.n[0] = (float)s.n.x;
 		between.n[1] = (float)s.n.y;

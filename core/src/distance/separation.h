@@ -8,8 +8,8 @@
 
 enum
 {
-	LWI_MAX_PLACES = 3,
-	LWI_MAX_LOOKS = 3 ///< full-geometry directions of one search: without a plane after the second there is hardly ever one
+	LWI_MAX_SWEPT_POSES = 3,
+	LWI_MAX_DIRECTIONS = 3 ///< of one search on all geometry: without a plane after the second there is hardly ever one
 };
 
 /// A plane between two shapes.
@@ -36,55 +36,55 @@ lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_mot
 /// @param a_from_b tree frames
 /// @param limit as for all gaps: the slack of floats (simd/kernels.h) included
 /// @param plane where the search begins; on return, the last plane tried
-/// @param looks number of directions tried on all geometry, at most LWI_MAX_LOOKS
+/// @param directions number of directions tried on all geometry, at most LWI_MAX_DIRECTIONS
 /// @return true if there is one: nothing of a is nearer to anything of b than the limit. False proves nothing
 bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape* b, const lwi_motion* a_from_b, float limit,
-	lwi_plane* plane, int looks );
+	lwi_plane* plane, int directions );
 
-/// The core of a shape at its places: axes of their frame, from the origin of its tree at its middle place.
+/// The core of a shape at its poses: axes of their frame, from the origin of its tree at its middle pose.
 typedef struct lwi_cloud
 {
 	bool made; ///< else it is when it is needed
 	uint32_t blocks;
-	lwi_points8 points[LWI_MAX_PLACES * LWI_CORE_BLOCKS];
+	lwi_points8 points[LWI_MAX_SWEPT_POSES * LWI_CORE_BLOCKS];
 } lwi_cloud;
 
-/// A bounded shape with its geometry at a few places, in a frame that two of these have in common.
-typedef struct lwi_places
+/// A bounded shape at a few poses, in a frame that two of these have in common.
+typedef struct lwi_swept_poses
 {
 	const lw_shape* shape;
 	int count;
 	lw_transform middle; ///< frame_from_shape: between the others, or one of them
-	bool drifts;         ///< the places are two: where points x of the middle get by -+ ( shift + turn x x )
-	bool made;           ///< `at` is filled; of drifts it may wait until it is needed
+	bool is_linear;      ///< two poses: points x of the middle one displaced by -+ ( shift + turn x x )
+	bool made;           ///< `at` is filled; of linear motions it is filled when it is needed
 	lw_vec3 turn, shift;
-	lwi_cloud* cloud; ///< of more than one place
-	lw_transform at[LWI_MAX_PLACES]; ///< frame_from_shape, of several; of drifts linear maps, not rigid motions
-	bool boxed;                      ///< the box around the shape is at its places: it is when it is needed
-	lw_vec3 box_middle[LWI_MAX_PLACES];
+	lwi_cloud* cloud; ///< of more than one pose
+	lw_transform at[LWI_MAX_SWEPT_POSES]; ///< frame_from_shape, of several; linear maps, not rigid motions, if is_linear
+	bool boxed;                      ///< `boxes` are filled
+	lw_vec3 box_middle[LWI_MAX_SWEPT_POSES];
 	double box_size; ///< sum of the coordinates of three half axes, at most
-	lwi_turned_box boxes[LWI_MAX_PLACES]; ///< from the origin of the last plane test
-} lwi_places;
+	lwi_turned_box boxes[LWI_MAX_SWEPT_POSES]; ///< from the origin of the last plane test
+} lwi_swept_poses;
 
-/// Makes it a shape at one place.
-static inline void lwi_places_stand( lwi_places* s, const lw_shape* shape, const lw_transform* frame_from_shape )
+/// A static shape: one pose.
+static inline void lwi_swept_poses_static( lwi_swept_poses* s, const lw_shape* shape, const lw_transform* frame_from_shape )
 {
 	s->shape = shape;
 	s->count = 1;
 	s->middle = *frame_from_shape;
-	s->drifts = s->boxed = false;
+	s->is_linear = s->boxed = false;
 	s->made = true;
 	s->cloud = NULL;
 }
 
-/// A plane between two shapes at all their places.
-typedef struct lwi_places_plane
+/// A plane between two shapes at all their poses.
+typedef struct lwi_swept_plane
 {
-	float direction[3]; ///< b's tree frame at its middle place, from a to b, of length 1 to rounding
+	float direction[3]; ///< b's tree frame at its middle pose, from a to b, of length 1 to rounding
 	float reach_b;      ///< how far b reaches against the direction, in its tree frame
-} lwi_places_plane;
+} lwi_swept_plane;
 
-static inline void lwi_plane_to_lane( lwi_planes8* planes, uint32_t lane, lwi_places_plane plane )
+static inline void lwi_plane_to_lane( lwi_planes8* planes, uint32_t lane, lwi_swept_plane plane )
 {
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -93,17 +93,17 @@ static inline void lwi_plane_to_lane( lwi_planes8* planes, uint32_t lane, lwi_pl
 	planes->reach[lane] = plane.reach_b;
 }
 
-static inline lwi_places_plane lwi_plane_of_lane( const lwi_planes8* planes, uint32_t lane )
+static inline lwi_swept_plane lwi_plane_of_lane( const lwi_planes8* planes, uint32_t lane )
 {
-	return (lwi_places_plane){ { planes->direction[0][lane], planes->direction[1][lane], planes->direction[2][lane] },
+	return (lwi_swept_plane){ { planes->direction[0][lane], planes->direction[1][lane], planes->direction[2][lane] },
 		planes->reach[lane] };
 }
 
 /// Planes of other times, in the same frame: one that separates these too, or LWI_WIDTH.
-/// @param limit metres, >= 0: nothing of a, at any of its places, is then nearer to anything of b than that
+/// @param limit metres, >= 0: nothing of a, at any of its poses, is then nearer to anything of b than that
 /// @param only_boxes where b is static test only the box around a: finds fewer planes, far more quickly
-uint32_t lwi_places_apart_by( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, const lwi_planes8* known,
-	bool only_boxes );
+uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, double limit,
+	const lwi_planes8* known, bool only_boxes );
 
 typedef enum lwi_separation
 {
@@ -113,28 +113,28 @@ typedef enum lwi_separation
 	LWI_MEET     ///< there is none for any limit, to rounding
 } lwi_separation;
 
-/// Searches for a plane between the convex hulls of all places.
-/// @param direction where to begin: b's tree frame at its middle place, any length; where it ended
+/// Searches for a plane between the convex hulls of all poses.
+/// @param direction where to begin: b's tree frame at its middle pose, any length; where it ended
 /// @param out the separating plane; written only then
-lwi_separation lwi_separate_places( const lwi_kernels* kernels, lwi_places* a, lwi_places* b, double limit, float direction[3],
-	lwi_places_plane* out );
+lwi_separation lwi_separate_swept( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, double limit,
+	float direction[3], lwi_swept_plane* out );
 
-/// Searches for a direction along which a stays below b on its way, too: at the share s of the way from place to
-/// place everything is within s ( 1 - s ) bend of its place on a straight line. At either end of the way the distance may be
-/// as small as the limit.
-/// @param a at its middle place, its left and its right one, or static @param b likewise
-/// @param direction where to begin: b's tree frame at its middle place; where it ended, of length 1 to rounding if there is
+/// Searches for a direction along which a stays below b between its poses, too: at the share s of the
+/// path from pose to pose each point is within s ( 1 - s ) bend of the straight line. At either end of the path the distance
+/// may be as small as the limit.
+/// @param a at its middle pose, its left and its right one, or static @param b likewise
+/// @param direction where to begin: b's tree frame at its middle pose; where it ended, of length 1 to rounding if there is
 /// one
-/// @return true if there is one: on all of the way nothing of a is nearer to anything of b than the limit
-bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend,
-	float direction[3] );
+/// @return true if there is one: on all of the path nothing of a is nearer to anything of b than the limit
+bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_swept_poses* a, const lwi_swept_poses* b, double limit,
+	double bend, float direction[3] );
 
-/// Does a, on its bent way, stay below all of b that it could come near to?
-/// @param a at its middle place, its left and its right one, or static @param b static
-/// @param n frame of the places, of any length: along which
-/// @param reach metres: no point of a gets farther from the middle of its sphere, at the middle place
-/// @return true if it does: on all of the way nothing of a is nearer to anything of b than the limit
-bool lwi_separate_near( const lwi_kernels* kernels, const lwi_places* a, const lwi_places* b, double limit, double bend, lw_vec3 n,
-	double reach );
+/// Does a, on its bent path, stay below all of b that it could come near to?
+/// @param a at its middle pose, its left and its right one, or static @param b static
+/// @param n frame of the poses, of any length: along which
+/// @param reach metres: no point of a gets farther from the middle of its sphere, at the middle pose
+/// @return true if it does: on all of the path nothing of a is nearer to anything of b than the limit
+bool lwi_separate_near( const lwi_kernels* kernels, const lwi_swept_poses* a, const lwi_swept_poses* b, double limit,
+	double bend, lw_vec3 n, double reach );
 
 #endif

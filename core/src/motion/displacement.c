@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The robot's motion along an edge: states, poses of nodes at the ends of cells, and bounds for bodies in between.
 //
-// A point's way is bounded by its places at both ends and the largest change of its velocity in between (linear
+// A point's displacement is bounded by its positions at both ends and the largest change of its velocity in between (linear
 // interpolation), which beats path lengths by far where joints' motions cancel or cells are short. Derivation:
 // core/docs/edges.md.
 #include "base/arena.h"
@@ -13,7 +13,7 @@
 
 enum
 {
-	SPARE_GAPS = 1024 ///< places on a level beyond four per item
+	SPARE_GAPS = 1024 ///< places on a level beyond four per pair
 };
 
 // ---- scratch ---------------------------------------------------------------------------------------------------------
@@ -26,7 +26,7 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	const size_t nodes = c->tree->node_count;
 	uint32_t variables = c->robot->variable_count;
 	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
-	e->paces = lwi_arena_take( &arena, nodes, sizeof( lwi_edge_pace ) );
+	e->velocities = lwi_arena_take( &arena, nodes, sizeof( lwi_edge_velocity ) );
 	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->motion ), 1 );
 	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
@@ -38,15 +38,15 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * nodes, sizeof( bool ) );
 	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * nodes, sizeof( lw_transform ) );
 	const size_t lanes = nodes * LWI_WIDTH;
-	e->rake.frames = lwi_arena_take( &arena, nodes, sizeof( lwi_rake_frame ) );
-	e->rake.nodes = lwi_arena_take( &arena, nodes, sizeof( lwi_rake_point ) );
-	e->rake.bodies = lwi_arena_take( &arena, c->tree->body_count, sizeof( lwi_rake_point ) );
-	e->rake.known = lwi_arena_take( &arena, c->tree->body_count, sizeof( bool ) );
-	e->rake.values = lwi_arena_take( &arena, 3 * lanes, sizeof( double ) );
-	e->rake.speeds = lwi_arena_take( &arena, nodes, sizeof( double ) );
-	e->item_capacity = c->moving_body_count + c->self_pair_count;
-	e->gap_capacity = 4 * e->item_capacity + SPARE_GAPS;
-	e->items = lwi_arena_take( &arena, e->item_capacity, sizeof( lwi_edge_item ) );
+	e->batch.frames = lwi_arena_take( &arena, nodes, sizeof( lwi_batch_frame ) );
+	e->batch.nodes = lwi_arena_take( &arena, nodes, sizeof( lwi_batch_point ) );
+	e->batch.bodies = lwi_arena_take( &arena, c->tree->body_count, sizeof( lwi_batch_point ) );
+	e->batch.known = lwi_arena_take( &arena, c->tree->body_count, sizeof( bool ) );
+	e->batch.values = lwi_arena_take( &arena, 3 * lanes, sizeof( double ) );
+	e->batch.speeds = lwi_arena_take( &arena, nodes, sizeof( double ) );
+	e->pair_capacity = c->moving_body_count + c->self_pair_count;
+	e->gap_capacity = 4 * e->pair_capacity + SPARE_GAPS;
+	e->pairs = lwi_arena_take( &arena, e->pair_capacity, sizeof( lwi_edge_pair ) );
 	e->levels[0].gaps = lwi_arena_take( &arena, e->gap_capacity, sizeof( lwi_edge_gap ) );
 	e->levels[1].gaps = lwi_arena_take( &arena, e->gap_capacity, sizeof( lwi_edge_gap ) );
 	return arena.used;
@@ -67,7 +67,7 @@ bool lwi_edge_begin( lwi_edge* edge )
 	}
 	for ( int i = 0; i < 2; ++i )
 	{
-		edge->swings[i].node = LW_INVALID_INDEX;
+		edge->triplets[i].node = LW_INVALID_INDEX;
 	}
 	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
 	{
@@ -75,7 +75,7 @@ bool lwi_edge_begin( lwi_edge* edge )
 	}
 	for ( uint32_t i = 0; i < edge->checker->tree->node_count; ++i )
 	{
-		edge->paces[i].stamp = 0; // no state has it
+		edge->velocities[i].stamp = 0; // no state has it
 	}
 	lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
 	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
@@ -85,10 +85,10 @@ bool lwi_edge_begin( lwi_edge* edge )
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 {
 	lwi_edge edge = { .checker = checker };
-	// Each more may move, and meet all others: the memory of lay_out() for as many items, and its rounding of five arrays
-	size_t items = spare_bodies * ( 1 + (size_t)checker->robot->body_count + spare_bodies );
-	size_t more = items * ( sizeof( lwi_edge_item ) + 2 * 4 * sizeof( lwi_edge_gap ) ) + 5 * LWI_ALIGNMENT +
-				  spare_bodies * ( sizeof( lwi_rake_point ) + sizeof( bool ) ) +
+	// Each more may move, and meet all others: the memory of lay_out() for as many pairs, and its rounding of five arrays
+	size_t pairs = spare_bodies * ( 1 + (size_t)checker->robot->body_count + spare_bodies );
+	size_t more = pairs * ( sizeof( lwi_edge_pair ) + 2 * 4 * sizeof( lwi_edge_gap ) ) + 5 * LWI_ALIGNMENT +
+				  spare_bodies * ( sizeof( lwi_batch_point ) + sizeof( bool ) ) +
 				  lwi_motion_scratch_spare( spare_bodies );
 	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );
 }
@@ -97,13 +97,13 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 
 void lwi_edge_allow_rounding( lwi_edge* e, double of_poses )
 {
-	for ( int pair = 0; pair < 2; ++pair )
+	for ( int self = 0; self < 2; ++self )
 	{
-		// t itself is rounded too (2^-53 of the way), and so is the surplus (2^-53 of min_d, a few times).
+		// t itself is rounded too (2^-53 of the path), and so is the surplus (2^-53 of min_d, a few times).
 		// A quarter of the slack more, with which proofs hold, becomes lower_bound.
-		e->rounding[pair] = ( 1 + pair ) * of_poses + 0x1p-47 * ( e->longest + e->def->min_d );
-		e->slack[pair] = lwi_larger( e->def->slack, 4 * e->rounding[pair] );
-		e->enough[pair] = e->def->min_d + e->rounding[pair] + 0.25 * e->slack[pair];
+		e->rounding[self] = ( 1 + self ) * of_poses + 0x1p-47 * ( e->longest + e->def->min_d );
+		e->slack[self] = lwi_larger( e->def->slack, 4 * e->rounding[self] );
+		e->enough[self] = e->def->min_d + e->rounding[self] + 0.25 * e->slack[self];
 	}
 }
 
@@ -170,9 +170,9 @@ bool lwi_edge_pose( lwi_edge* e, double t )
 	e->posed_t = t;
 	++e->out->queries;
 	const double lane = t * LWI_WIDTH - 0.5;
-	if ( e->rake.posed && lane == floor( lane ) )
+	if ( e->batch.posed && lane == floor( lane ) )
 	{
-		lwi_edge_rake_pose( e, (uint32_t)lane );
+		lwi_edge_batch_pose( e, (uint32_t)lane );
 	}
 	return true;
 }
@@ -253,51 +253,52 @@ static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t a
 	return ancestor == 0 ? *pose : lwi_relative( pose_at( e, t, ancestor ), pose );
 }
 
-// ---- drifts ----------------------------------------------------------------------------------------------------------
+// ---- linear motions --------------------------------------------------------------------------------------------------
 
-/// Metres. Where paths bend more than this, a body's places at the window's ends bound its motion better than its velocity
+/// Metres. Where paths bend more than this, a body's poses at the window's ends bound its motion better than its velocity
 /// in the middle.
-#define MAX_DRIFT_BULGE 0.004
+#define MAX_LINEAR_BULGE 0.004
 
-const lwi_edge_pace* lwi_edge_pace_now( lwi_edge* e, uint32_t node )
+const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t node )
 {
 	const lw_checker* c = e->checker;
 	const lwi_checker_node* nodes = c->tree->nodes;
 	const uint64_t stamp = e->query->state_stamp;
-	while ( e->paces[node].stamp != stamp )
+	while ( e->velocities[node].stamp != stamp )
 	{
 		uint32_t next = node;
-		while ( next != 0 && e->paces[nodes[next].parent].stamp != stamp )
+		while ( next != 0 && e->velocities[nodes[next].parent].stamp != stamp )
 		{
 			next = nodes[next].parent;
 		}
-		lwi_edge_pace* pace = &e->paces[next];
+		lwi_edge_velocity* velocity = &e->velocities[next];
 		lwi_pose_node( c, e->query, next );
 		const lw_transform* pose = &e->query->world_from_link[nodes[next].top];
-		*pace = (lwi_edge_pace){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( nodes[next].r.center ) ) };
+		*velocity = (lwi_edge_velocity){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( nodes[next].r.center ) ) };
 		if ( next != 0 )
 		{
 			lwi_twist own = lwi_motion_twist( c->motion, e->motion, next, pose );
-			const lwi_edge_pace* above = &e->paces[nodes[next].parent];
-			pace->twist = (lwi_twist){ lwi_add( above->twist.turn, own.turn ), lwi_add( above->twist.shift, own.shift ) };
-			pace->depth = above->depth + 1;
-			pace->rates = lwi_motion_rates( c->motion, e->motion, next );
+			const lwi_edge_velocity* above = &e->velocities[nodes[next].parent];
+			velocity->twist = (lwi_twist){ lwi_add( above->twist.turn, own.turn ),
+				lwi_add( above->twist.shift, own.shift ) };
+			velocity->depth = above->depth + 1;
+			velocity->rates = lwi_motion_rates( c->motion, e->motion, next );
 		}
 	}
-	return &e->paces[node];
+	return &e->velocities[node];
 }
 
-bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window )
+bool lwi_edge_is_linear( lwi_motion_rate rate, lwi_edge_window window )
 {
-	return 0.5 * window.half * window.half * rate.change <= MAX_DRIFT_BULGE;
+	return 0.5 * window.half * window.half * rate.change <= MAX_LINEAR_BULGE;
 }
 
-lwi_edge_drift lwi_edge_drift_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
+lwi_edge_linear_motion lwi_edge_linear_motion_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
-	const lwi_twist *own = &lwi_edge_pace_of( e, node )->twist, *above = &lwi_edge_pace_of( e, ancestor )->twist;
+	const lwi_twist *own = &lwi_edge_velocity_of( e, node )->twist, *above = &lwi_edge_velocity_of( e, ancestor )->twist;
 	const double bulge = lwi_edge_bulge( e, rate, window.half );
-	return (lwi_edge_drift){ { lwi_sub( own->turn, above->turn ), lwi_sub( own->shift, above->shift ) }, bulge };
+	return (lwi_edge_linear_motion){ { lwi_sub( own->turn, above->turn ), lwi_sub( own->shift, above->shift ) }, bulge };
 }
 
 static inline lw_vec3 velocity( const lwi_twist* twist, lw_vec3 at )
@@ -305,10 +306,10 @@ static inline lw_vec3 velocity( const lwi_twist* twist, lw_vec3 at )
 	return lwi_add( twist->shift, lwi_cross( twist->turn, at ) );
 }
 
-double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, double radius, double half )
+double lwi_edge_linear_length( const lwi_edge_linear_motion* linear, lw_vec3 center, double radius, double half )
 {
-	double turn = radius > 0 ? lwi_length( drift->twist.turn ) * radius : 0;
-	return half * ( lwi_length( velocity( &drift->twist, center ) ) + turn ) * LWI_EDGE_OUTWARD + drift->bulge;
+	double turn = radius > 0 ? lwi_length( linear->twist.turn ) * radius : 0;
+	return half * ( lwi_length( velocity( &linear->twist, center ) ) + turn ) * LWI_EDGE_OUTWARD + linear->bulge;
 }
 
 // ---- displacements ---------------------------------------------------------------------------------------------------
@@ -329,21 +330,21 @@ static double turn_between( const lw_transform* from, const lw_transform* to )
 	return sqrt( 0.5 * sum );
 }
 
-static bool is_swing( const lwi_edge_swing* s, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+static bool is_triplet( const lwi_edge_pose_triplet* s, uint32_t node, uint32_t ancestor, lwi_edge_window window )
 {
 	return s->node == node && s->ancestor == ancestor && s->window.t == window.t && s->window.half == window.half;
 }
 
-/// Callers go through the bodies of one node, or alternate between the two bodies of a pair: the last two swings are kept.
-static lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+/// Callers go through the bodies of one node, or alternate between the two bodies of a pair: the last two triplets are kept.
+static lwi_edge_pose_triplet* triplet_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
 {
-	if ( is_swing( &e->swings[e->last_swing], node, ancestor, window ) )
+	if ( is_triplet( &e->triplets[e->last_triplet], node, ancestor, window ) )
 	{
-		return &e->swings[e->last_swing];
+		return &e->triplets[e->last_triplet];
 	}
-	e->last_swing = 1 - e->last_swing;
-	lwi_edge_swing* s = &e->swings[e->last_swing];
-	if ( !is_swing( s, node, ancestor, window ) )
+	e->last_triplet = 1 - e->last_triplet;
+	lwi_edge_pose_triplet* s = &e->triplets[e->last_triplet];
+	if ( !is_triplet( s, node, ancestor, window ) )
 	{
 		s->node = node;
 		s->ancestor = ancestor;
@@ -356,8 +357,8 @@ static lwi_edge_swing* swing_of( lwi_edge* e, uint32_t node, uint32_t ancestor, 
 	return s;
 }
 
-/// The longer way of a point from the middle to one of the ends, rounded outward.
-static double chord_of( const lwi_edge* e, const lwi_edge_swing* s, const double local[3] )
+/// The longer chord of a point from the middle to one of the ends, rounded outward.
+static double chord_of( const lwi_edge* e, const lwi_edge_pose_triplet* s, const double local[3] )
 {
 	lw_vec3 p = lwi_load( local ), middle = lwi_transform( &s->middle, p );
 	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
@@ -365,8 +366,8 @@ static double chord_of( const lwi_edge* e, const lwi_edge_swing* s, const double
 	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->checker->motion, e->motion );
 }
 
-/// Largest difference between the first and the second step of a point in a sphere, on the way from left to middle to right.
-static double second_of( const lwi_edge* e, lwi_edge_swing* s, const lw_sphere* local )
+/// Largest difference between the first and the second step of a point in a sphere, from left to middle to right.
+static double second_of( const lwi_edge* e, lwi_edge_pose_triplet* s, const lw_sphere* local )
 {
 	if ( s->second < 0 )
 	{
@@ -387,11 +388,11 @@ static double second_of( const lwi_edge* e, lwi_edge_swing* s, const lw_sphere* 
 static lwi_motion_bow bow_of( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
-	if ( lwi_edge_drifts( rate, window ) )
+	if ( lwi_edge_is_linear( rate, window ) )
 	{
 		return lwi_motion_bow_of( rate, window.half ); // so little that it does not pay to pose both ends
 	}
-	lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+	lwi_edge_pose_triplet* s = triplet_of( e, node, ancestor, window );
 	const double second = second_of( e, s, local );
 	return lwi_motion_bow_through( rate, s->jerk, window.half, second );
 }
@@ -402,18 +403,18 @@ lwi_motion_bow lwi_edge_bow( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_
 	return bow_of( e, tree->body_node[body], ancestor, &tree->body_spheres[tree->body_place[body]], rate, window );
 }
 
-/// Largest distance of a sphere from its place at the middle, where drifts pay; else INFINITY.
-static double drift_bound( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+/// Largest distance of a sphere from its place at the middle, where a linear motion bounds it well; else INFINITY.
+static double linear_bound( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
-	if ( !lwi_edge_drifts( rate, window ) )
+	if ( !lwi_edge_is_linear( rate, window ) )
 	{
 		return INFINITY;
 	}
-	lwi_edge_drift drift = lwi_edge_drift_of( e, node, ancestor, rate, window ); // poses the node
+	lwi_edge_linear_motion linear = lwi_edge_linear_motion_of( e, node, ancestor, rate, window ); // poses the node
 	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->nodes[node].top];
 	double length =
-		lwi_edge_drift_length( &drift, lwi_transform( pose, lwi_load( local->center ) ), local->radius, window.half );
+		lwi_edge_linear_length( &linear, lwi_transform( pose, lwi_load( local->center ) ), local->radius, window.half );
 	double path = window.half * rate.path;
 	return length < path ? length : length >= path ? path : INFINITY; // no number without a twist
 }
@@ -425,12 +426,12 @@ double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, con
 	{
 		return 0;
 	}
-	double by_drift = drift_bound( e, node, ancestor, local, rate, window );
-	if ( by_drift < INFINITY )
+	double by_velocity = linear_bound( e, node, ancestor, local, rate, window );
+	if ( by_velocity < INFINITY )
 	{
-		return by_drift;
+		return by_velocity;
 	}
-	lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+	lwi_edge_pose_triplet* s = triplet_of( e, node, ancestor, window );
 	if ( s->turn < 0 )
 	{
 		s->turn = lwi_larger( turn_between( &s->middle, &s->left ), turn_between( &s->middle, &s->right ) );
@@ -439,35 +440,35 @@ double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, con
 	return lwi_motion_between( chord, bow_of( e, node, ancestor, local, rate, window ), window.half * rate.path );
 }
 
-double lwi_edge_way( lwi_edge* e, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
-	lwi_edge_window window )
+double lwi_edge_point_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, const double local[3],
+	lwi_motion_rate rate, lwi_edge_window window )
 {
 	if ( rate.path == 0 || window.half == 0 )
 	{
 		return 0;
 	}
 	const lw_sphere point = { { local[0], local[1], local[2] }, 0 };
-	double by_drift = drift_bound( e, node, ancestor, &point, rate, window );
-	if ( by_drift < INFINITY )
+	double by_velocity = linear_bound( e, node, ancestor, &point, rate, window );
+	if ( by_velocity < INFINITY )
 	{
-		return by_drift;
+		return by_velocity;
 	}
-	const double chord = chord_of( e, swing_of( e, node, ancestor, window ), local );
+	const double chord = chord_of( e, triplet_of( e, node, ancestor, window ), local );
 	return lwi_motion_between( chord, bow_of( e, node, ancestor, &point, rate, window ), window.half * rate.path );
 }
 
-void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
-	const lwi_edge_drift* drift, lwi_places* out )
+void lwi_edge_swept_poses( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
+	const lwi_edge_linear_motion* linear, lwi_swept_poses* out )
 {
 	const lw_checker* c = e->checker;
 	const lw_transform* top_from_shape = &c->tree->body_poses[c->tree->body_place[body]];
 	const uint32_t node = c->tree->body_node[body];
 	out->shape = lwi_shape_now( c->bodies[body].shape );
 	out->count = 1;
-	out->drifts = drift != NULL && rate.path > 0;
-	out->made = !out->drifts;
+	out->is_linear = linear != NULL && rate.path > 0;
+	out->made = !out->is_linear;
 	out->boxed = false;
-	if ( drift != NULL )
+	if ( linear != NULL )
 	{
 		lwi_pose_body( c, e->query, body );
 		out->middle = e->query->world_from_body[body];
@@ -477,16 +478,16 @@ void lwi_edge_places( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_
 		lw_transform top = pose_below( e, window.t, node, ancestor );
 		out->middle = lwi_multiply( &top, top_from_shape );
 	}
-	if ( out->drifts )
+	if ( out->is_linear )
 	{
-		out->turn = lwi_scale( window.half, drift->twist.turn );
-		out->shift = lwi_scale( window.half, drift->twist.shift );
+		out->turn = lwi_scale( window.half, linear->twist.turn );
+		out->shift = lwi_scale( window.half, linear->twist.shift );
 		out->count = 2;
 		return;
 	}
 	if ( rate.path > 0 )
 	{
-		const lwi_edge_swing* s = swing_of( e, node, ancestor, window );
+		const lwi_edge_pose_triplet* s = triplet_of( e, node, ancestor, window );
 		out->at[0] = out->middle;
 		out->at[1] = lwi_multiply( &s->left, top_from_shape );
 		out->at[2] = lwi_multiply( &s->right, top_from_shape );

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All data of the current edge: its motion, its items, and its unproved cells.
+// All data of the current edge: its motion, its pairs, and its unproved cells.
 //
 // The edge is cut into dyadic *cells*. At the middle of a cell the robot is measured as far as the motion in the cell asks
 // for: first by nodes of the checker's tree (links that the group does not move against each other), then, where that is not
-// enough, by *items*: one body against the scene, or two bodies. A cell is proved for an item, or it is halved.
+// enough, by *edge pairs*: one body against the scene, or two bodies. A cell is proved for a pair, or it is halved.
 #ifndef LEEWAY_MOTION_EDGE_H
 #define LEEWAY_MOTION_EDGE_H
 
@@ -16,7 +16,7 @@ enum
 {
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
 	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
-	LWI_RAKE_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of a rake
+	LWI_BATCH_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of an interval batch
 	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
@@ -25,18 +25,18 @@ enum
 /// Enlarges a loss of clearance, by at least as much.
 #define LWI_EDGE_OUTWARD ( 1.0 + 0x1p-39 )
 
-/// A body against the scene, or two bodies; how they move is bounded for the whole edge.
-typedef struct lwi_edge_item
+/// A body against the scene, or two bodies, with bounds of their motion along the whole edge.
+typedef struct lwi_edge_pair
 {
 	uint32_t body_a, body_b; ///< robot bodies; body_b = LW_INVALID_INDEX: the scene
 	uint32_t ancestor;       ///< node in whose frame both are given; 0 for the scene
 	lwi_motion_rate rate_a, rate_b;
 	uint32_t warm;   ///< index into `warm`
-	uint8_t cells;   ///< of LWI_WIDTH, those that a rake has not proved
-	bool neighbours; ///< a pair whose spheres are always near: cells that a rake leaves open are no hint of a collision
+	uint8_t cells;   ///< of LWI_WIDTH, not proved by the interval batch
+	bool neighbours; ///< its spheres are always near: cells that the interval batch leaves open are no hint of a collision
 	uint32_t near;   ///< obstacles found near it just now, the first of query->candidates; 0: not known
 	double slack;    ///< metres: the edge's, or less once a clearance was found to be within that, see lwi_edge_slack()
-} lwi_edge_item;
+} lwi_edge_pair;
 
 /// Planes and directions that separated a pair the last few times: directions are few, and states that planners check
 /// alternate.
@@ -47,7 +47,7 @@ typedef struct lwi_edge_plane
 	uint16_t failures; ///< times in a row that their hulls were too near at one time
 	uint16_t wait;     ///< windows until the next try
 	bool begun;        ///< there are some
-	bool turned;       ///< they are given in the frame of the first of the two
+	bool swapped;       ///< they are given in the frame of the first of the two
 	uint8_t served;    ///< lanes of planes that served since the last new one came
 	uint8_t next;      ///< lane that goes for a new one, unless it served
 	bool near_known;   ///< the direction below is one
@@ -64,18 +64,18 @@ typedef struct lwi_edge_memory
 } lwi_edge_memory;
 
 /// Result of the plane tests of a window. In ascending order of remaining work.
-typedef enum lwi_edge_sweep
+typedef enum lwi_edge_plane_result
 {
 	LWI_EDGE_PROVED,  ///< nothing comes too near
 	LWI_EDGE_CLOSER,  ///< nothing is too near at the middle, but the window is too wide for a proof
 	LWI_EDGE_MEASURE  ///< nothing is known
-} lwi_edge_sweep;
+} lwi_edge_plane_result;
 
-/// A cell that is not proved for an item.
+/// A cell that is not proved for a pair.
 typedef struct lwi_edge_gap
 {
 	uint64_t cell; ///< [cell, cell + 1] / 2^level
-	uint32_t item;
+	uint32_t pair;
 	uint8_t skip;  ///< levels to pass through without a sample
 	bool open;     ///< not proved yet
 } lwi_edge_gap;
@@ -93,8 +93,8 @@ typedef struct lwi_edge_window
 	double t, half;
 } lwi_edge_window;
 
-/// Where a node is, seen from another one above it, in the middle of a window and at its ends.
-typedef struct lwi_edge_swing
+/// Poses of a node in the middle of a window and at its ends, seen from another node above it.
+typedef struct lwi_edge_pose_triplet
 {
 	uint32_t node, ancestor; ///< LW_INVALID_INDEX: nothing yet
 	lwi_edge_window window;
@@ -102,29 +102,29 @@ typedef struct lwi_edge_swing
 	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet computed
 	double second; ///< largest difference of the turns from left to middle and from middle to right; < 0: likewise
 	double jerk;   ///< see lwi_motion_jerk(); known if `second` is
-} lwi_edge_swing;
+} lwi_edge_pose_triplet;
 
-/// How a node moves in the world at the posed state, and how fast that may change.
-typedef struct lwi_edge_pace
+/// Velocity of a node in the world at the posed state, and bounds of its change.
+typedef struct lwi_edge_velocity
 {
 	uint64_t stamp; ///< of the state; 0: none
 	lwi_twist twist;
 	lw_vec3 center; ///< of its sphere
 	uint32_t depth; ///< nodes above it
 	const lwi_motion_rate* rates; ///< [depth] of the whole edge, seen from the first, second, .. node above it
-} lwi_edge_pace;
+} lwi_edge_velocity;
 
-/// Memory of a rake.
-typedef struct lwi_edge_rake
+/// Memory of an interval batch.
+typedef struct lwi_edge_batch
 {
-	lwi_rake_frame* frames; ///< [nodes]
-	lwi_rake_point* bodies; ///< [bodies]
+	lwi_batch_frame* frames; ///< [nodes]
+	lwi_batch_point* bodies; ///< [bodies]
 	bool* known;            ///< [bodies]
-	lwi_rake_point* nodes;  ///< [nodes]
+	lwi_batch_point* nodes;  ///< [nodes]
 	double* values;         ///< [3][nodes][LWI_WIDTH] of joints, their cosines, their sines
 	double* speeds;         ///< [nodes]
 	bool posed;             ///< frames are those of this edge
-} lwi_edge_rake;
+} lwi_edge_batch;
 
 typedef struct lwi_edge
 {
@@ -143,43 +143,43 @@ typedef struct lwi_edge
 	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose node poses are kept; NaN: unused
 	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
 	double* frame_turns;       ///< [LWI_EDGE_FRAMES][2][nodes, padded] cosines and sines of the joints above nodes
-	lwi_edge_pace* paces;      ///< [nodes]
+	lwi_edge_velocity* velocities;      ///< [nodes]
 	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
 	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
-	lwi_edge_rake rake;
-	lwi_edge_swing swings[2]; ///< the last two computed
-	int last_swing;
-	lwi_edge_item* items;  ///< [item_capacity]
+	lwi_edge_batch batch;
+	lwi_edge_pose_triplet triplets[2]; ///< the last two computed
+	int last_triplet;
+	lwi_edge_pair* pairs;  ///< [pair_capacity]
 	lwi_edge_level levels[2];
-	uint32_t item_count, item_capacity, gap_capacity;
+	uint32_t pair_count, pair_capacity, gap_capacity;
 	double longest;         ///< V: the largest path length of a node along the edge
 	double static_rounding; ///< of the poses of static bodies
-	double rounding[2]; ///< rounding subtracted from a lower bound of an item's clearance; [1] of a pair
+	double rounding[2]; ///< subtracted from a lower bound of a pair's clearance; [1] of a self pair
 	double slack[2];    ///< the def's, unless rounding is coarser
-	double enough[2];   ///< clearance that proves an item without motion; margins excluded
-	uint32_t close;     ///< windows of items with less than slack[] that were not proved
+	double enough[2];   ///< clearance that proves a pair without motion; margins excluded
+	uint32_t close;     ///< windows of pairs with less than slack[] that were not proved
 	double twist_error;     ///< see lwi_motion_twist_error()
 	double spare;           ///< every proof holds with clearance min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
-	int looked;             ///< levels of halving at which whole states were tested for a collision
+	int probed_levels;             ///< levels of halving at which whole states were tested for a collision
 	uint32_t most_states;   ///< out->queries at which the proof is given up
 	bool runs;              ///< the run from the start is being proved: slacks follow the room there
 	bool failed;            ///< a state could not be posed or measured
 	lw_status failure;      ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
 
-/// Result of one measurement of an item.
+/// Result of one measurement of a pair.
 typedef struct lwi_edge_sample
 {
 	bool proved;  ///< on all of the window
-	bool low;     ///< to be refused: the clearance is within the item's least slack, or the edge's states are used up
+	bool low;     ///< to be refused: the clearance is within the pair's least slack, or the edge's states are used up
 	bool blocked;
-	uint8_t skip; ///< levels below to skip for the item: their cells would be too wide
-	lw_clearance pair;
+	uint8_t skip; ///< levels below to skip for the pair: their cells would be too wide
+	lw_clearance clearance;
 } lwi_edge_sample;
 
-// --- motion/displacement.c ---------------------------------------------------------------------------------------------------
+// --- motion/displacement.c ------------------------------------------------------------------------------------------------
 
 /// Bytes of scratch that edges of this checker need. @param spare_bodies that the robot may have beyond those it has, and as
 /// many links
@@ -189,7 +189,7 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 /// @return false if the query's scratch is too small
 bool lwi_edge_begin( lwi_edge* edge );
 
-/// Sets the rounding that items allow for. @param of_poses metres, of poses and states
+/// Sets the rounding that pairs allow for. @param of_poses metres, of poses and states
 void lwi_edge_allow_rounding( lwi_edge* edge, double of_poses );
 
 /// Measures the motion of the edge. @return false for an edge that cannot be measured
@@ -209,34 +209,34 @@ double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, 
 
 /// Largest distance of a point carried by a node from its place at the middle of a window, in the same frame.
 /// @param local frame of the node's `top` @param rate of it, or of a sphere that contains it
-double lwi_edge_way( lwi_edge* edge, uint32_t node, uint32_t ancestor, const double local[3], lwi_motion_rate rate,
-	lwi_edge_window window );
+double lwi_edge_point_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, const double local[3],
+	lwi_motion_rate rate, lwi_edge_window window );
 
-/// Largest distance of a body from the straight lines between its places at the middle and both ends of a window.
+/// Largest distance of a body from the straight lines between its positions at the middle and both ends of a window.
 lwi_motion_bow lwi_edge_bow( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window );
 
 /// First-order motion of a node over a window, in the frame of a node above it: its velocity at the middle;
 /// `bulge` bounds the deviation from it.
-typedef struct lwi_edge_drift
+typedef struct lwi_edge_linear_motion
 {
 	lwi_twist twist; ///< coordinates of the world, at the middle; NaN if there is none
 	double bulge;    ///< metres
-} lwi_edge_drift;
+} lwi_edge_linear_motion;
 
-/// The pace of a node at the state that the query is posed at.
-const lwi_edge_pace* lwi_edge_pace_now( lwi_edge* edge, uint32_t node );
+/// The velocity of a node at the state that the query is posed at.
+const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* edge, uint32_t node );
 
-static inline const lwi_edge_pace* lwi_edge_pace_of( lwi_edge* edge, uint32_t node )
+static inline const lwi_edge_velocity* lwi_edge_velocity_of( lwi_edge* edge, uint32_t node )
 {
-	const lwi_edge_pace* pace = &edge->paces[node];
-	return pace->stamp == edge->query->state_stamp ? pace : lwi_edge_pace_now( edge, node );
+	const lwi_edge_velocity* velocity = &edge->velocities[node];
+	return velocity->stamp == edge->query->state_stamp ? velocity : lwi_edge_velocity_now( edge, node );
 }
 
 /// Bounds for a node's geometry over the whole edge, seen from a node above it. The node was measured.
-static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_pace* pace, const lwi_edge_pace* ancestor )
+static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_velocity* velocity, const lwi_edge_velocity* ancestor )
 {
-	const uint32_t joints = pace->depth - ancestor->depth;
-	return joints > 0 ? pace->rates[joints - 1] : (lwi_motion_rate){ 0, 0 };
+	const uint32_t joints = velocity->depth - ancestor->depth;
+	return joints > 0 ? velocity->rates[joints - 1] : (lwi_motion_rate){ 0, 0 };
 }
 
 /// Largest deviation of a node's point over half a window from the motion with its velocity in the middle.
@@ -245,23 +245,23 @@ static inline double lwi_edge_bulge( const lwi_edge* edge, lwi_motion_rate rate,
 	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->twist_error ) * half * LWI_EDGE_OUTWARD : 0;
 }
 
-/// The drift in a window at whose middle the query is posed.
-lwi_edge_drift lwi_edge_drift_of( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
+/// The linear motion in a window at whose middle the query is posed.
+lwi_edge_linear_motion lwi_edge_linear_motion_of( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
 	lwi_edge_window window );
 
-/// Largest distance of a sphere from its place at the middle, by its drift; NaN if there is none.
+/// Largest distance of a sphere from its place at the middle, by its linear motion; NaN if there is none.
 /// @param center in the world at the middle
-double lwi_edge_drift_length( const lwi_edge_drift* drift, lw_vec3 center, double radius, double half );
+double lwi_edge_linear_length( const lwi_edge_linear_motion* linear, lw_vec3 center, double radius, double half );
 
-/// True if the acceleration is so small that a drift bounds the motion as well as the places at the window's ends do.
-bool lwi_edge_drifts( lwi_motion_rate rate, lwi_edge_window window );
+/// True if the acceleration is so small that a linear motion bounds as well as the poses at the window's ends.
+bool lwi_edge_is_linear( lwi_motion_rate rate, lwi_edge_window window );
 
-/// Places of a body that are on both sides of all its places within a window.
-/// @param drift of its node; NULL: places at the middle and both ends, seen from the ancestor, instead of two in the world
-void lwi_edge_places( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
-	const lwi_edge_drift* drift, lwi_places* out );
+/// Poses of a body on both sides of all its poses within a window.
+/// @param linear motion of its node: two poses in the world; NULL: the middle and both ends, seen from the ancestor
+void lwi_edge_swept_poses( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
+	const lwi_edge_linear_motion* linear, lwi_swept_poses* out );
 
-/// Radians in half a window, all joints together: beyond, the rounding of directions in rakes is not bounded.
+/// Radians in half a window, all joints together: beyond, the rounding of directions in interval batches is not bounded.
 #define LWI_EDGE_MOST_TURN 1.0
 
 static inline bool lwi_edge_turns_little( const lwi_edge* edge, lwi_edge_window window )
@@ -269,41 +269,42 @@ static inline bool lwi_edge_turns_little( const lwi_edge* edge, lwi_edge_window 
 	return lwi_motion_turns( edge->checker->motion, edge->motion ) * window.half <= LWI_EDGE_MOST_TURN;
 }
 
-// --- motion/plane_test.c ----------------------------------------------------------------------------------------------------
+// --- motion/plane_test.c --------------------------------------------------------------------------------------------------
 
-/// Searches for planes that prove an item during a window, at whose middle the query is posed.
+/// Searches for planes that prove a pair during a window, at whose middle the query is posed.
 /// @param last_try run also the tests that mostly fail
 /// @param skip number of levels below to skip, if the answer is CLOSER
-lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip );
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window, bool last_try,
+	uint8_t* skip );
 
-/// Is an item proved during a window by the part of an obstacle that it may come near to? For hulls that meet.
+/// Is a pair proved during a window by the part of an obstacle that it may come near to? For hulls that meet.
 /// @param measured at the middle: its nearest points give the direction
-bool lwi_edge_sweep_near( lwi_edge* edge, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured );
+bool lwi_edge_near_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window, const lw_clearance* measured );
 
-// --- motion/edge_pair.c -----------------------------------------------------------------------------------------------------
+// --- motion/edge_pair.c ---------------------------------------------------------------------------------------------------
 
-/// Measures an item at window.t, no further than needed to prove the window and a little more.
+/// Measures a pair at window.t, no further than needed to prove the window and a little more.
 /// @param may_give_up a distance too small for that ends it
-lwi_edge_sample lwi_edge_measure( lwi_edge* edge, lwi_edge_item* item, lwi_edge_window window, bool may_give_up );
+lwi_edge_sample lwi_edge_measure( lwi_edge* edge, lwi_edge_pair* pair, lwi_edge_window window, bool may_give_up );
 
-/// False for cells of a level that a rake has proved for an item.
-static inline bool lwi_edge_cell_is_open( const lwi_edge_item* item, uint64_t cell, int level )
+/// False for cells of a level that an interval batch has proved for a pair.
+static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t cell, int level )
 {
-	const int finer = LWI_RAKE_LEVEL - level;
-	const uint32_t cells = item->cells;
+	const int finer = LWI_BATCH_LEVEL - level;
+	const uint32_t cells = pair->cells;
 	return finer >= 0 ? ( cells >> ( cell << finer ) & ( ( 1u << ( 1 << finer ) ) - 1 ) ) != 0
 					  : ( cells >> ( cell >> -finer ) & 1 ) != 0;
 }
 
 /// Tests whole states for a collision: at the end, then between both ends in halving order, except for states tested
 /// before. @param levels of halving, 1 is the middle. @return true if none was found
-bool lwi_edge_look( lwi_edge* edge, int levels );
+bool lwi_edge_probe( lwi_edge* edge, int levels );
 
-/// Is an item above min_d at t? Only a collision, which ends the proof, is false.
-bool lwi_edge_item_is_free( lwi_edge* edge, const lwi_edge_item* item, double t );
+/// Is a pair above min_d at t? Only a collision, which ends the proof, is false.
+bool lwi_edge_pair_is_free( lwi_edge* edge, const lwi_edge_pair* pair, double t );
 
 /// The verdict for a sample that ends the proof; always false. A refusal never replaces a collision found elsewhere.
-bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_item* item, double t, const lwi_edge_sample* sample );
+bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_pair* pair, double t, const lwi_edge_sample* sample );
 
 /// Is one state above min_d or not? The whole robot at once, nearest pair first. A failure is reported; a refusal never
 /// replaces a collision found elsewhere. @return true if it is free
@@ -312,46 +313,47 @@ bool lwi_edge_state_is_free( lwi_edge* edge, double t );
 /// Lower bound of the static bodies' clearance; +infinity if the query does not cover them.
 double lwi_edge_static_lower( const lwi_edge* edge );
 
-static inline bool lwi_edge_item_is_pair( const lwi_edge_item* item )
+static inline bool lwi_edge_pair_is_self( const lwi_edge_pair* pair )
 {
-	return item->body_b != LW_INVALID_INDEX;
+	return pair->body_b != LW_INVALID_INDEX;
 }
 
-/// True if the item has a slack of its own, and the edge has not used up def->close_windows.
-static inline bool lwi_edge_is_close( const lwi_edge* edge, const lwi_edge_item* item )
+/// True if the pair has a slack of its own, and the edge has not used up def->close_windows.
+static inline bool lwi_edge_is_close( const lwi_edge* edge, const lwi_edge_pair* pair )
 {
-	return item->slack < edge->slack[lwi_edge_item_is_pair( item )] && edge->close < edge->def->close_windows;
+	return pair->slack < edge->slack[lwi_edge_pair_is_self( pair )] && edge->close < edge->def->close_windows;
 }
 
-/// The slack of an item: the edge's, or the smaller one that its own clearance allows.
-static inline double lwi_edge_slack( const lwi_edge* edge, const lwi_edge_item* item )
+/// The slack of a pair: the edge's, or the smaller one that its own clearance allows.
+static inline double lwi_edge_slack( const lwi_edge* edge, const lwi_edge_pair* pair )
 {
-	return lwi_edge_is_close( edge, item ) ? item->slack : edge->slack[lwi_edge_item_is_pair( item )];
+	return lwi_edge_is_close( edge, pair ) ? pair->slack : edge->slack[lwi_edge_pair_is_self( pair )];
 }
 
-/// Clearance that proves an item if it loses nothing by motion, margins not in it.
-static inline double lwi_edge_enough( const lwi_edge* edge, const lwi_edge_item* item )
+/// Clearance that proves a pair if it loses nothing by motion, margins not in it.
+static inline double lwi_edge_enough( const lwi_edge* edge, const lwi_edge_pair* pair )
 {
-	const bool pair = lwi_edge_item_is_pair( item );
-	return lwi_edge_is_close( edge, item ) ? edge->def->min_d + edge->rounding[pair] + 0.25 * item->slack : edge->enough[pair];
+	const bool self = lwi_edge_pair_is_self( pair );
+	return lwi_edge_is_close( edge, pair ) ? edge->def->min_d + edge->rounding[self] + 0.25 * pair->slack
+										   : edge->enough[self];
 }
 
 /// Notes that something was proved by as much as edge->enough.
 void lwi_edge_note_proof( lwi_edge* edge );
 
-/// Fills in the fields of an item other than its bodies, their ancestor and its cells.
-void lwi_edge_prepare_item( lwi_edge* edge, lwi_edge_item* item );
+/// Fills in the fields of a pair other than its bodies, their ancestor and its cells.
+void lwi_edge_prepare_pair( lwi_edge* edge, lwi_edge_pair* pair );
 
-// --- motion/midpoint_pass.c ---------------------------------------------------------------------------------------------------
+// --- motion/midpoint_pass.c -----------------------------------------------------------------------------------------------
 
-/// Measures everything at window.t, at which nodes were measured, nodes first. Unproved pairs are added to edge->items and,
-/// as an open gap of cell 0, to `level`. @param may_look with many unproved pairs, test whole states for a collision, see
-/// lwi_edge_look()
+/// Measures everything at window.t, at which nodes were measured, nodes first. Unproved pairs are added to edge->pairs and,
+/// as an open gap of cell 0, to `level`. @param may_probe with many unproved pairs, test whole states for a collision, see
+/// lwi_edge_probe()
 /// @return false if the proof ends here: something is blocked or refused
-bool lwi_edge_screen( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_look );
+bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_probe );
 
-/// Measures the items of a rake at the edge's middle, and continues like lwi_edge_screen().
-bool lwi_edge_screen_items( lwi_edge* edge, lwi_edge_level* level );
+/// Measures the pairs of an interval batch at the edge's middle, and continues like lwi_edge_midpoint_pass().
+bool lwi_edge_midpoint_pairs( lwi_edge* edge, lwi_edge_level* level );
 
 /// True if a separation that holds along all of the edge, less margins, is at least the clearance of a certificate.
 bool lwi_edge_is_apart( lwi_edge* edge, float separation );
@@ -364,24 +366,24 @@ bool lwi_edge_is_charted( lwi_edge* edge, const lwi_chart_view* view, uint32_t b
 /// @return false if that failed
 bool lwi_edge_measure_nodes( lwi_edge* edge, double t, double share );
 
-// --- motion/interval_batch.c -----------------------------------------------------------------------------------------------------
+// --- motion/interval_batch.c ----------------------------------------------------------------------------------------------
 
-/// True for edges that are long and bent enough for rakes, of robots that have them. Nodes were measured.
-bool lwi_edge_rakes( lwi_edge* edge );
+/// True for edges that are long and bent enough for an interval batch, of robots that can have one. Nodes were measured.
+bool lwi_edge_has_batch( lwi_edge* edge );
 
-/// Everything in eight windows at once, by spheres; the unproved pairs become the edge's items, with their cells. Nodes were
+/// Everything in eight windows at once, by spheres; pairs not proved become the edge's pairs, with their cells. Nodes were
 /// measured.
-void lwi_edge_rake_all( lwi_edge* edge );
+void lwi_edge_batch_pass( lwi_edge* edge );
 
-/// Takes the poses of all nodes, and how they move, from a lane of the rake that the query's state is that of.
-void lwi_edge_rake_pose( lwi_edge* edge, uint32_t lane );
+/// Takes the poses and velocities of all nodes from a lane of the interval batch, at the state of the query.
+void lwi_edge_batch_pose( lwi_edge* edge, uint32_t lane );
 
 // --- motion/prove.c ----------------------------------------------------------------------------------------------------
 
-/// Proves all items on [0, 1] and lowers out->lower_bound, or sets the verdict. @return true if the edge is free
+/// Proves all pairs on [0, 1] and lowers out->lower_bound, or sets the verdict. @return true if the edge is free
 bool lwi_edge_prove( lwi_edge* edge );
 
-/// The right end of the run that is proved for every item from t = 0, before the failure at out->t.
+/// The right end of the run that is proved for every pair from t = 0, before the failure at out->t.
 double lwi_edge_proved_run( lwi_edge* edge );
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Proofs by one measurement: clearance against motion, for items, and whole states.
+// Proofs by one measurement: clearance against motion, for pairs, and whole states.
 //
 // Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
 // environments. IEEE Transactions on Robotics 21(3), 2005. Proofs, cost and rounding: core/docs/edges.md.
@@ -10,12 +10,12 @@
 /// Levels are skipped while the motion in a cell would be more than this share of the current clearance.
 #define HOPEFUL 0.7
 
-// ---- items -----------------------------------------------------------------------------------------------------------
+// ---- pairs -----------------------------------------------------------------------------------------------------------
 
-/// Names an item, for its place among the nearest pairs and for the memory of the last failure.
-static uint32_t item_id( const lw_checker* c, const lwi_edge_item* item )
+/// Names a pair, for its place among the nearest pairs and for the memory of the last failure.
+static uint32_t pair_id( const lw_checker* c, const lwi_edge_pair* pair )
 {
-	return lwi_edge_item_is_pair( item ) ? lwi_body_pair_id( c, item->body_a, item->body_b ) : item->body_a;
+	return lwi_edge_pair_is_self( pair ) ? lwi_body_pair_id( c, pair->body_a, pair->body_b ) : pair->body_a;
 }
 
 /// The sphere of a body, frame of its node's `top`.
@@ -31,25 +31,25 @@ static lwi_motion_rate rate_of( const lwi_edge* e, uint32_t body, uint32_t ances
 	return lwi_motion_of( c->motion, e->motion, c->tree->body_node[body], c->tree->nodes[ancestor].top );
 }
 
-void lwi_edge_prepare_item( lwi_edge* e, lwi_edge_item* item )
+void lwi_edge_prepare_pair( lwi_edge* e, lwi_edge_pair* pair )
 {
-	const bool pair = lwi_edge_item_is_pair( item );
-	item->rate_a = rate_of( e, item->body_a, item->ancestor );
-	item->rate_b = pair ? rate_of( e, item->body_b, item->ancestor ) : (lwi_motion_rate){ 0, 0 };
-	item->warm = ( item_id( e->checker, item ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
-	item->slack = e->slack[pair];
+	const bool self = lwi_edge_pair_is_self( pair );
+	pair->rate_a = rate_of( e, pair->body_a, pair->ancestor );
+	pair->rate_b = self ? rate_of( e, pair->body_b, pair->ancestor ) : (lwi_motion_rate){ 0, 0 };
+	pair->warm = ( pair_id( e->checker, pair ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
+	pair->slack = e->slack[self];
 }
 
-/// How much the clearance of an item may lose within a window.
-static double loss_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
+/// How much the clearance of a pair may lose within a window.
+static double loss_of( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
 {
 	const lw_checker* c = e->checker;
-	double loss = lwi_edge_displacement( e, c->tree->body_node[item->body_a], item->ancestor, sphere_of( c, item->body_a ),
-		item->rate_a, window );
-	if ( lwi_edge_item_is_pair( item ) )
+	double loss = lwi_edge_displacement( e, c->tree->body_node[pair->body_a], pair->ancestor, sphere_of( c, pair->body_a ),
+		pair->rate_a, window );
+	if ( lwi_edge_pair_is_self( pair ) )
 	{
-		loss += lwi_edge_displacement( e, c->tree->body_node[item->body_b], item->ancestor, sphere_of( c, item->body_b ),
-			item->rate_b, window );
+		loss += lwi_edge_displacement( e, c->tree->body_node[pair->body_b], pair->ancestor, sphere_of( c, pair->body_b ),
+			pair->rate_b, window );
 	}
 	return loss * LWI_EDGE_OUTWARD;
 }
@@ -62,18 +62,18 @@ static void note_proof( lwi_edge* e, double spare )
 
 // ---- samples ---------------------------------------------------------------------------------------------------------
 
-/// Clearance of an item at the posed state. @return false if there is no answer
-static bool ask( lwi_edge* e, const lwi_edge_item* item, const lwi_threshold* threshold, lw_clearance* out )
+/// Clearance of a pair at the posed state. @return false if there is no answer
+static bool ask( lwi_edge* e, const lwi_edge_pair* pair, const lwi_threshold* threshold, lw_clearance* out )
 {
-	uint32_t id = item_id( e->checker, item );
+	uint32_t id = pair_id( e->checker, pair );
 	e->query->search.failure = LW_OK;
-	if ( lwi_edge_item_is_pair( item ) )
+	if ( lwi_edge_pair_is_self( pair ) )
 	{
-		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->memory->warm[item->warm], out );
+		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->memory->warm[pair->warm], out );
 	}
 	else
 	{
-		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->memory->warm[item->warm], out );
+		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->memory->warm[pair->warm], out );
 	}
 	e->failure = e->query->search.failure;
 	e->failed = e->failed || e->failure != LW_OK;
@@ -86,19 +86,20 @@ void lwi_edge_note_proof( lwi_edge* e )
 }
 
 /// The same by as much as lwi_edge_enough().
-static void note_plane( lwi_edge* e, const lwi_edge_item* item )
+static void note_plane( lwi_edge* e, const lwi_edge_pair* pair )
 {
-	note_proof( e, 0.25 * lwi_smaller( e->def->slack, lwi_edge_slack( e, item ) ) * LWI_EDGE_INWARD );
+	note_proof( e, 0.25 * lwi_smaller( e->def->slack, lwi_edge_slack( e, pair ) ) * LWI_EDGE_INWARD );
 }
 
-/// Proves an item during the window by planes, if there are any.
-/// @param last_try see lwi_edge_sweep_item(); measures short windows, in which distances prove every item that is not
+/// Proves a pair during the window by planes, if there are any.
+/// @param last_try see lwi_edge_plane_test(); measures short windows, in which distances prove every pair that is not
 /// refused
 /// @return false if it is to be measured
-static bool sweep( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool last_try, lwi_edge_sample* out )
+static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, bool last_try,
+	lwi_edge_sample* out )
 {
-	const lwi_edge_sweep by = lwi_edge_sweep_item( e, item, window, last_try, &out->skip );
-	const bool ends = last_try && !( e->longest * window.half > lwi_edge_slack( e, item ) );
+	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window, last_try, &out->skip );
+	const bool ends = last_try && !( e->longest * window.half > lwi_edge_slack( e, pair ) );
 	if ( by == LWI_EDGE_MEASURE || ( ends && by == LWI_EDGE_CLOSER ) )
 	{
 		return false;
@@ -107,65 +108,66 @@ static bool sweep( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window windo
 	out->low = false;
 	if ( out->proved )
 	{
-		note_plane( e, item );
+		note_plane( e, pair );
 	}
 	return true;
 }
 
-/// Gives an item that is within the edge's slack a smaller one: half of its room above min_d in the middle of the window.
-/// While the run from the start is proved, a quarter of its room at the start, so that the run does not follow the item into
+/// Gives a pair that is within the edge's slack a smaller one: half of its room above min_d in the middle of the window.
+/// While the run from the start is proved, a quarter of its room at the start, so that the run does not follow the pair into
 /// the contact that ended the edge.
 /// @return false if the clearance in the middle is within that too
-static bool tighten( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, lwi_edge_sample* s )
+static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window, lwi_edge_sample* s )
 {
-	const bool pair = lwi_edge_item_is_pair( item );
+	const bool self = lwi_edge_pair_is_self( pair );
 	const double min_d = e->def->min_d;
-	const lwi_threshold exact = { { min_d, min_d + e->slack[pair], 0 }, 0, 0 };
-	if ( e->close >= e->def->close_windows || !ask( e, item, &exact, &s->pair ) )
+	const lwi_threshold exact = { { min_d, min_d + e->slack[self], 0 }, 0, 0 };
+	if ( e->close >= e->def->close_windows || !ask( e, pair, &exact, &s->clearance ) )
 	{
 		return false;
 	}
-	const double room = s->pair.lower - min_d - e->rounding[pair];
+	const double room = s->clearance.lower - min_d - e->rounding[self];
 	double slack = 0.5 * room;
 	if ( e->runs )
 	{
 		lw_clearance start;
-		if ( !lwi_edge_pose( e, 0 ) || !ask( e, item, &exact, &start ) || !lwi_edge_pose( e, window.t ) )
+		if ( !lwi_edge_pose( e, 0 ) || !ask( e, pair, &exact, &start ) || !lwi_edge_pose( e, window.t ) )
 		{
 			return false;
 		}
-		slack = 0.25 * ( start.lower - min_d - e->rounding[pair] );
+		slack = 0.25 * ( start.lower - min_d - e->rounding[self] );
 	}
-	if ( !( slack < room ) || !( slack > 4 * e->rounding[pair] ) )
+	if ( !( slack < room ) || !( slack > 4 * e->rounding[self] ) )
 	{
 		return false;
 	}
-	item->slack = lwi_smaller( item->slack, slack );
+	pair->slack = lwi_smaller( pair->slack, slack );
 	return true;
 }
 
-/// Measures the distance of an item at the middle of a window, and compares it with the motion.
-static void measure( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool may_give_up, double loss, lwi_edge_sample* s )
+/// Measures the distance of a pair at the middle of a window, and compares it with the motion.
+static void measure( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, bool may_give_up, double loss,
+	lwi_edge_sample* s )
 {
-	const bool pair = lwi_edge_item_is_pair( item );
-	const double min_d = e->def->min_d, slack = lwi_edge_slack( e, item ), rounding = e->rounding[pair];
+	const bool self = lwi_edge_pair_is_self( pair );
+	const double min_d = e->def->min_d, slack = lwi_edge_slack( e, pair ), rounding = e->rounding[self];
 	// without motion the verdict is that of the state, whose clearance may be just above min_d
 	const double alpha = window.half > 0 ? e->def->alpha : 0;
-	const lwi_threshold threshold = { { min_d, lwi_edge_enough( e, item ) + loss, alpha }, min_d + slack,
+	const lwi_threshold threshold = { { min_d, lwi_edge_enough( e, pair ) + loss, alpha }, min_d + slack,
 		may_give_up ? min_d + rounding + loss : 0 };
-	if ( !ask( e, item, &threshold, &s->pair ) )
+	if ( !ask( e, pair, &threshold, &s->clearance ) )
 	{
 		return;
 	}
-	s->blocked = s->pair.upper <= min_d;
-	const bool given_up = s->pair.upper > threshold.give_up_above && s->pair.upper < threshold.give_up_below;
-	s->low = !given_up && !( s->pair.lower > min_d + slack ); // also if lower is not a number
+	s->blocked = s->clearance.upper <= min_d;
+	const bool given_up = s->clearance.upper > threshold.give_up_above && s->clearance.upper < threshold.give_up_below;
+	s->low = !given_up && !( s->clearance.lower > min_d + slack ); // also if lower is not a number
 }
 
 /// Does the measured distance prove the window?
-static bool is_proved( lwi_edge* e, const lwi_edge_item* item, double loss, lwi_edge_sample* s )
+static bool is_proved( lwi_edge* e, const lwi_edge_pair* pair, double loss, lwi_edge_sample* s )
 {
-	const double room = s->pair.lower - e->def->min_d - e->rounding[lwi_edge_item_is_pair( item )];
+	const double room = s->clearance.lower - e->def->min_d - e->rounding[lwi_edge_pair_is_self( pair )];
 	const double left = room * LWI_EDGE_INWARD - loss;
 	s->proved = left > 0;
 	if ( s->proved )
@@ -175,87 +177,87 @@ static bool is_proved( lwi_edge* e, const lwi_edge_item* item, double loss, lwi_
 	return s->proved;
 }
 
-lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_item* item, lwi_edge_window window, bool may_give_up )
+lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window, bool may_give_up )
 {
-	lwi_edge_sample s = { .low = true, .pair = lw_clearance_unknown() };
-	const bool close = lwi_edge_is_close( e, item );
+	lwi_edge_sample s = { .low = true, .clearance = lw_clearance_unknown() };
+	const bool close = lwi_edge_is_close( e, pair );
 	if ( e->out->queries >= e->most_states || !lwi_edge_pose( e, window.t ) )
 	{
 		return s;
 	}
-	if ( sweep( e, item, window, close, &s ) )
+	if ( prove_by_planes( e, pair, window, close, &s ) )
 	{
 		e->close += close && !s.proved;
 		return s;
 	}
-	const double loss = loss_of( e, item, window );
-	measure( e, item, window, may_give_up, loss, &s );
-	if ( e->failed || is_proved( e, item, loss, &s ) )
+	const double loss = loss_of( e, pair, window );
+	measure( e, pair, window, may_give_up, loss, &s );
+	if ( e->failed || is_proved( e, pair, loss, &s ) )
 	{
 		return s;
 	}
-	if ( !s.blocked && lwi_edge_sweep_near( e, item, window, &s.pair ) )
+	if ( !s.blocked && lwi_edge_near_test( e, pair, window, &s.clearance ) )
 	{
 		s.proved = true;
 		s.low = false;
-		note_plane( e, item );
+		note_plane( e, pair );
 		return s;
 	}
-	// an item that one order of tests skips must not be refused, since another order might prove it
-	if ( s.low && !s.blocked && !close && sweep( e, item, window, true, &s ) )
+	// a pair that one order of tests skips must not be refused, since another order might prove it
+	if ( s.low && !s.blocked && !close && prove_by_planes( e, pair, window, true, &s ) )
 	{
 		return s;
 	}
-	if ( s.low && !s.blocked && tighten( e, item, window, &s ) )
+	if ( s.low && !s.blocked && tighten( e, pair, window, &s ) )
 	{
 		s.low = false;
-		if ( is_proved( e, item, loss, &s ) || ( sweep( e, item, window, true, &s ) && s.proved ) )
+		if ( is_proved( e, pair, loss, &s ) || ( prove_by_planes( e, pair, window, true, &s ) && s.proved ) )
 		{
 			return s;
 		}
 	}
-	if ( item->slack < e->slack[lwi_edge_item_is_pair( item )] )
+	if ( pair->slack < e->slack[lwi_edge_pair_is_self( pair )] )
 	{
 		++e->close;
 		return s;
 	}
-	for ( double reach = 0.5 * loss; reach > HOPEFUL * ( s.pair.upper - e->def->min_d ) && s.skip < 16; reach *= 0.5 )
+	for ( double reach = 0.5 * loss; reach > HOPEFUL * ( s.clearance.upper - e->def->min_d ) && s.skip < 16; reach *= 0.5 )
 	{
 		++s.skip;
 	}
 	return s;
 }
 
-bool lwi_edge_fail( lwi_edge* e, const lwi_edge_item* item, double t, const lwi_edge_sample* s )
+bool lwi_edge_fail( lwi_edge* e, const lwi_edge_pair* pair, double t, const lwi_edge_sample* s )
 {
 	lw_edge_result* out = e->out;
 	if ( out->verdict != LW_VERDICT_BLOCKED || s->blocked )
 	{
 		out->verdict = s->blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_REFUSED;
 		out->t = t;
-		out->self = lwi_edge_item_is_pair( item );
-		out->pair = s->pair;
-		e->query->last_edge_body = item->body_a;
+		out->self = lwi_edge_pair_is_self( pair );
+		out->pair = s->clearance;
+		e->query->last_edge_body = pair->body_a;
 		e->query->last_edge_self = out->self;
 	}
 	return false;
 }
 
-bool lwi_edge_item_is_free( lwi_edge* e, const lwi_edge_item* item, double t )
+bool lwi_edge_pair_is_free( lwi_edge* e, const lwi_edge_pair* pair, double t )
 {
 	double min_d = e->def->min_d;
-	lwi_edge_sample s = { .pair = lw_clearance_unknown() };
+	lwi_edge_sample s = { .clearance = lw_clearance_unknown() };
 	const lwi_threshold collision = { { min_d, nextafter( min_d, INFINITY ), 0 }, 0, 0 };
 	if ( !lwi_edge_pose( e, t ) )
 	{
 		return false;
 	}
-	if ( !ask( e, item, &collision, &s.pair ) )
+	if ( !ask( e, pair, &collision, &s.clearance ) )
 	{
 		return false;
 	}
-	s.blocked = s.pair.upper <= min_d;
-	return !s.blocked || lwi_edge_fail( e, item, t, &s );
+	s.blocked = s.clearance.upper <= min_d;
+	return !s.blocked || lwi_edge_fail( e, pair, t, &s );
 }
 
 // ---- whole states ----------------------------------------------------------------------------------------------------
@@ -288,13 +290,13 @@ bool lwi_edge_state_is_free( lwi_edge* e, double t )
 	return state.verdict == LW_VERDICT_FREE;
 }
 
-bool lwi_edge_look( lwi_edge* e, int levels )
+bool lwi_edge_probe( lwi_edge* e, int levels )
 {
-	if ( e->looked == 0 && !lwi_edge_state_is_free( e, 1 ) )
+	if ( e->probed_levels == 0 && !lwi_edge_state_is_free( e, 1 ) )
 	{
 		return false;
 	}
-	for ( int level = e->looked > 0 ? e->looked + 1 : 1; level <= levels; ++level )
+	for ( int level = e->probed_levels > 0 ? e->probed_levels + 1 : 1; level <= levels; ++level )
 	{
 		for ( int i = 1; i < 1 << level; i += 2 )
 		{
@@ -304,7 +306,7 @@ bool lwi_edge_look( lwi_edge* e, int levels )
 			}
 		}
 	}
-	e->looked = levels;
+	e->probed_levels = levels;
 	return true;
 }
 

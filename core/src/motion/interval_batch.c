@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first pass over a long edge: eight windows at once, by spheres. Unproved pairs become items.
+// The first pass over a long edge: eight windows at once, by spheres. Pairs not proved become edge pairs.
 //
-// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024 (rakes). Here lanes
+// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024 ("rakes"). Here lanes
 // are windows and not states: spheres move on by their velocity at the window's middle, but for a bulge. Proof and rounding:
 // core/docs/edges.md.
 #include "checker/pose.h"
@@ -24,28 +24,28 @@ enum
 /// Share of reach and motion, the lengths that keep two spheres near besides their size: smaller spheres are not opened.
 #define LEAST_SPHERE 0.5
 
-typedef struct raking
+typedef struct interval_batch
 {
 	lwi_edge* e;
 	const lwi_kernels* kernels;
 	const lwi_checker_tree* tree;
-	lwi_rake_frame* frames;  ///< [nodes]
-	lwi_rake_point* bodies;  ///< [bodies] by place: middles of their spheres, from `origin`
+	lwi_batch_frame* frames;  ///< [nodes]
+	lwi_batch_point* bodies;  ///< [bodies] by place: middles of their spheres, from `origin`
 	bool* known;             ///< [bodies] those whose `bodies` entry is valid
-	lwi_rake_point* nodes;   ///< [nodes] the same for those of nodes
+	lwi_batch_point* nodes;   ///< [nodes] the same for those of nodes
 	double origin[3];        ///< origin of the coordinates in which the robot's own spheres are compared
 	double half;             ///< width of half a window
 	double rounding;         ///< of places in the lanes, for one of two
-} raking;
+} interval_batch;
 
 /// A tree and its frame: moving in the lanes, or static.
-typedef struct side
+typedef struct operand
 {
 	const lw_shape* shape;
-	bool stands;
+	bool is_static;
 	float r[9], t[3];   ///< if static, from the origin of the lanes
-	lwi_rake_body body; ///< if not
-} side;
+	lwi_batch_body body; ///< if not
+} operand;
 
 /// A float no smaller than a sum of three floats that are not negative was meant to be.
 static float above( float sum )
@@ -53,11 +53,11 @@ static float above( float sum )
 	return sum * ( 1 + 0x1p-21f );
 }
 
-/// @param item with its bodies, ancestor and cells. The query is posed at the edge's middle
-static void add_item( lwi_edge* e, lwi_edge_item item )
+/// @param pair with its bodies, ancestor and cells. The query is posed at the edge's middle
+static void add_pair( lwi_edge* e, lwi_edge_pair pair )
 {
-	lwi_edge_prepare_item( e, &item );
-	e->items[e->item_count++] = item;
+	lwi_edge_prepare_pair( e, &pair );
+	e->pairs[e->pair_count++] = pair;
 }
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------
@@ -71,12 +71,12 @@ static void broadcast( double value, double out[LWI_WIDTH] )
 }
 
 /// Values of the joints above all nodes. They go uniformly, from where the interpolation starts.
-static void values_of( const raking* r, double* values, double* speeds )
+static void values_of( const interval_batch* batch, double* values, double* speeds )
 {
-	const lwi_edge* e = r->e;
-	for ( uint32_t i = 1; i < r->tree->node_count; ++i )
+	const lwi_edge* e = batch->e;
+	for ( uint32_t i = 1; i < batch->tree->node_count; ++i )
 	{
-		const lwi_rake_joint* joint = &r->tree->rake_joints[i];
+		const lwi_batch_joint* joint = &batch->tree->batch_joints[i];
 		const double start = joint->multiplier * e->full_a[joint->variable] + joint->variable_offset;
 		speeds[i] = lwi_motion_speed( e->checker->motion, e->motion, i );
 		for ( int l = 0; l < LWI_WIDTH; ++l )
@@ -86,84 +86,86 @@ static void values_of( const raking* r, double* values, double* speeds )
 	}
 }
 
-static void pose_frames( raking* r )
+static void pose_frames( interval_batch* batch )
 {
-	const lwi_checker_tree* tree = r->tree;
-	const lwi_edge_rake* memory = &r->e->rake;
+	const lwi_checker_tree* tree = batch->tree;
+	const lwi_edge_batch* memory = &batch->e->batch;
 	const uint32_t nodes = tree->node_count;
 	double *values = memory->values, *cosines = values + nodes * LWI_WIDTH, *sines = cosines + nodes * LWI_WIDTH;
-	values_of( r, values, memory->speeds );
+	values_of( batch, values, memory->speeds );
 	broadcast( 0, values ); // node 0
-	r->kernels->turns( values, nodes * LWI_WIDTH, cosines, sines );
+	batch->kernels->turns( values, nodes * LWI_WIDTH, cosines, sines );
 	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
-	memset( &r->frames[0], 0, sizeof( r->frames[0] ) );
-	const lw_transform* root = &r->e->checker->reference_poses[tree->nodes[0].top];
+	memset( &batch->frames[0], 0, sizeof( batch->frames[0] ) );
+	const lw_transform* root = &batch->e->checker->reference_poses[tree->nodes[0].top];
 	for ( int i = 0; i < 9; ++i )
 	{
-		broadcast( root->r[i / 3][i % 3], r->frames[0].r[i] );
-		broadcast( root->t[i % 3], r->frames[0].t[i % 3] );
+		broadcast( root->r[i / 3][i % 3], batch->frames[0].r[i] );
+		broadcast( root->t[i % 3], batch->frames[0].t[i % 3] );
 	}
 	for ( uint32_t i = 1; i < nodes; ++i )
 	{
-		const lwi_rake_joint* joint = &tree->rake_joints[i];
+		const lwi_batch_joint* joint = &tree->batch_joints[i];
 		const size_t at = (size_t)i * LWI_WIDTH;
-		const lwi_rake_frame* above = &r->frames[tree->nodes[i].parent];
-		r->kernels->rake_frame( above, joint, joint->turns ? cosines + at : ones, joint->turns ? sines + at : zeros,
-			joint->turns ? zeros : values + at, memory->speeds[i], &r->frames[i] );
+		const lwi_batch_frame* above = &batch->frames[tree->nodes[i].parent];
+		batch->kernels->batch_frame( above, joint, joint->turns ? cosines + at : ones, joint->turns ? sines + at : zeros,
+			joint->turns ? zeros : values + at, memory->speeds[i], &batch->frames[i] );
 	}
 }
 
 /// Middles of the spheres of all nodes.
-static void pose_spheres( raking* r )
+static void pose_spheres( interval_batch* batch )
 {
-	const lwi_checker_tree* tree = r->tree;
+	const lwi_checker_tree* tree = batch->tree;
 	for ( uint32_t i = 0; i < tree->node_count; ++i )
 	{
 		if ( tree->nodes[i].body_count > 0 )
 		{
-			r->kernels->rake_point( &r->frames[i], tree->nodes[i].r.center, r->origin, r->half, &r->nodes[i] );
+			batch->kernels->batch_point( &batch->frames[i], tree->nodes[i].r.center, batch->origin, batch->half,
+				&batch->nodes[i] );
 		}
 	}
-	memset( r->known, 0, tree->body_count * sizeof( bool ) );
+	memset( batch->known, 0, tree->body_count * sizeof( bool ) );
 }
 
 /// The same for a body, by its place.
-static const lwi_rake_point* body_point( const raking* r, uint32_t place )
+static const lwi_batch_point* body_point( const interval_batch* batch, uint32_t place )
 {
-	const lwi_checker_tree* tree = r->tree;
-	if ( !r->known[place] )
+	const lwi_checker_tree* tree = batch->tree;
+	if ( !batch->known[place] )
 	{
-		const lwi_rake_frame* frame = &r->frames[tree->body_node[tree->bodies[place]]];
-		r->kernels->rake_point( frame, tree->body_spheres[place].center, r->origin, r->half, &r->bodies[place] );
-		r->known[place] = true;
+		const lwi_batch_frame* frame = &batch->frames[tree->body_node[tree->bodies[place]]];
+		batch->kernels->batch_point( frame, tree->body_spheres[place].center, batch->origin, batch->half,
+			&batch->bodies[place] );
+		batch->known[place] = true;
 	}
-	return &r->bodies[place];
+	return &batch->bodies[place];
 }
 
-/// No coordinate of a point in the lanes is larger, nor its way. @param path of the point along all of the edge
-static double size_of( const lwi_rake_point* p, double path )
+/// No coordinate of a point in the lanes is larger, nor its displacement. @param path of the point along all of the edge
+static double size_of( const lwi_batch_point* p, double path )
 {
 	return (double)fabsf( p->p[0][0] ) + (double)fabsf( p->p[1][0] ) + (double)fabsf( p->p[2][0] ) + 2 * path;
 }
 
 // --- trees -----------------------------------------------------------------------------------------------------------
 
-static void side_of_body( const raking* r, uint32_t place, const double origin[3], side* s )
+static void operand_of_body( const interval_batch* batch, uint32_t place, const double origin[3], operand* s )
 {
-	const lwi_checker_tree* tree = r->tree;
+	const lwi_checker_tree* tree = batch->tree;
 	const uint32_t body = tree->bodies[place];
 	const lw_transform* pose = &tree->body_poses[place];
-	s->shape = lwi_shape_now( r->e->checker->bodies[body].shape );
-	s->stands = false;
+	s->shape = lwi_shape_now( batch->e->checker->bodies[body].shape );
+	s->is_static = false;
 	lw_vec3 at = lwi_transform( pose, lwi_load( s->shape->origin ) );
 	const double local[3] = { at.x, at.y, at.z };
-	r->kernels->rake_body( &r->frames[tree->body_node[body]], pose->r, local, origin, r->half, &s->body );
+	batch->kernels->batch_body( &batch->frames[tree->body_node[body]], pose->r, local, origin, batch->half, &s->body );
 }
 
-static void side_of_obstacle( const lw_scene_shape_def* obstacle, const double origin[3], side* s )
+static void operand_of_obstacle( const lw_scene_shape_def* obstacle, const double origin[3], operand* s )
 {
 	s->shape = lwi_shape_now( obstacle->shape );
-	s->stands = true;
+	s->is_static = true;
 	const lw_transform* pose = &obstacle->world_from_shape;
 	lw_vec3 at = lwi_transform( pose, lwi_load( s->shape->origin ) );
 	for ( int i = 0; i < 9; ++i )
@@ -176,26 +178,26 @@ static void side_of_obstacle( const lw_scene_shape_def* obstacle, const double o
 }
 
 /// A sphere in the lanes, perhaps of a tree.
-typedef struct ball
+typedef struct lane_sphere
 {
-	lwi_rake_point at;
+	lwi_batch_point at;
 	float radius;
 	lwi_ref ref;
-} ball;
+} lane_sphere;
 
 /// Two spheres, one of each tree, that meet in some lanes.
-typedef struct meeting
+typedef struct stack_entry
 {
-	uint8_t a, b; ///< among the balls
+	uint8_t a, b; ///< among the spheres
 	uint8_t lanes;
-} meeting;
+} stack_entry;
 
 /// A point of a tree in the lanes.
-static void place_point( const raking* r, const side* s, const float local[3], lwi_rake_point* out )
+static void point_in_lanes( const interval_batch* batch, const operand* s, const float local[3], lwi_batch_point* out )
 {
-	if ( !s->stands )
+	if ( !s->is_static )
 	{
-		r->kernels->rake_move( &s->body, local, out );
+		batch->kernels->batch_move( &s->body, local, out );
 		return;
 	}
 	for ( int i = 0; i < 3; ++i )
@@ -204,7 +206,7 @@ static void place_point( const raking* r, const side* s, const float local[3], l
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
 			out->p[i][l] = p;
-			out->way[i][l] = 0;
+			out->displacement[i][l] = 0;
 		}
 	}
 }
@@ -217,52 +219,52 @@ static bool has_tree( const lw_shape* shape )
 }
 
 /// The sphere around a tree.
-static void root_of( const raking* r, const side* s, ball* root )
+static void root_of( const interval_batch* batch, const operand* s, lane_sphere* root )
 {
 	root->radius = s->shape->root_sphere[3];
 	root->ref = s->shape->root;
-	place_point( r, s, s->shape->root_sphere, &root->at );
+	point_in_lanes( batch, s, s->shape->root_sphere, &root->at );
 }
 
 /// A box in the world, from the origin of the lanes.
-typedef struct fence
+typedef struct box
 {
 	float min[3], max[3];
-} fence;
+} box;
 
-static fence fence_of( const lw_scene* scene, uint32_t shape )
+static box box_of( const lw_scene* scene, uint32_t shape )
 {
 	const lwi_box8* boxes = &scene->boxes[shape / LWI_WIDTH];
 	const uint32_t lane = shape % LWI_WIDTH;
-	return (fence){ { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] },
+	return (box){ { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] },
 		{ boxes->max[0][lane], boxes->max[1][lane], boxes->max[2][lane] } };
 }
 
 /// Test of two trees, or of a sphere and a tree.
-typedef struct question
+typedef struct tree_test
 {
-	const side *a, *b;   ///< NULL: a sphere alone, or a box alone
-	const fence* around; ///< b lies in it; NULL: no box is known
+	const operand *a, *b;   ///< NULL: a sphere alone, or a box alone
+	const box* around; ///< b lies in it; NULL: no box is known
 	float reach;         ///< all but radii
 	float least;         ///< smaller spheres are not opened: their motion keeps them near
-} question;
+} tree_test;
 
 /// Lanes in which they may come near, after tests of at most MOST_TESTS spheres. The larger sphere is opened.
-static uint32_t trees_meet( const raking* r, const question* q, const ball* first, uint32_t lanes )
+static uint32_t trees_meet( const interval_batch* batch, const tree_test* q, const lane_sphere* first, uint32_t lanes )
 {
-	ball balls[2 + MOST_TESTS + LWI_WIDTH];
-	meeting stack[1 + MOST_TESTS + LWI_WIDTH] = { { 0, 1, (uint8_t)lanes } };
+	lane_sphere spheres[2 + MOST_TESTS + LWI_WIDTH];
+	stack_entry stack[1 + MOST_TESTS + LWI_WIDTH] = { { 0, 1, (uint8_t)lanes } };
 	uint32_t height = 1, count = 2, met = 0;
-	balls[0] = *first;
+	spheres[0] = *first;
 	if ( q->b != NULL )
 	{
-		root_of( r, q->b, &balls[1] );
+		root_of( batch, q->b, &spheres[1] );
 	}
 	while ( height > 0 && met != lanes )
 	{
-		const meeting m = stack[--height];
+		const stack_entry m = stack[--height];
 		const uint32_t left = m.lanes & ~met;
-		const ball *a = &balls[m.a], *b = q->b != NULL ? &balls[m.b] : NULL;
+		const lane_sphere *a = &spheres[m.a], *b = q->b != NULL ? &spheres[m.b] : NULL;
 		const bool inner_a = q->a != NULL && !lwi_ref_is_leaf( a->ref ) && a->radius > q->least;
 		const bool inner_b = b != NULL && !lwi_ref_is_leaf( b->ref ) && b->radius > q->least;
 		if ( left == 0 || count >= 2 + MOST_TESTS || ( !inner_a && !inner_b ) )
@@ -271,28 +273,31 @@ static uint32_t trees_meet( const raking* r, const question* q, const ball* firs
 			continue;
 		}
 		const bool open_a = inner_a && ( !inner_b || a->radius >= b->radius );
-		const side* s = open_a ? q->a : q->b;
-		const ball* other = open_a ? b : a;
+		const operand* s = open_a ? q->a : q->b;
+		const lane_sphere* other = open_a ? b : a;
 		const lwi_node* node = &s->shape->nodes[open_a ? a->ref : b->ref];
 		for ( uint32_t k = 0; k < LWI_WIDTH && node->child[k] != LW_INVALID_INDEX; ++k )
 		{
-			ball* child = &balls[count];
+			lane_sphere* child = &spheres[count];
 			const float local[3] = { node->x[k], node->y[k], node->z[k] };
 			uint32_t near = left;
 			child->radius = node->r[k];
 			child->ref = node->child[k];
-			place_point( r, s, local, &child->at );
+			point_in_lanes( batch, s, local, &child->at );
 			if ( open_a && q->around != NULL )
 			{
-				near &= r->kernels->rake_box( &child->at, q->around->min, q->around->max, above( q->reach + child->radius ) );
+				near &= batch->kernels->batch_box( &child->at, q->around->min, q->around->max,
+					above( q->reach + child->radius ) );
 			}
 			if ( other != NULL && near != 0 )
 			{
-				near &= r->kernels->rake_pair( &child->at, &other->at, above( q->reach + child->radius + other->radius ) );
+				near &= batch->kernels->batch_pair( &child->at, &other->at,
+					above( q->reach + child->radius + other->radius ) );
 			}
 			if ( near != 0 )
 			{
-				stack[height++] = (meeting){ (uint8_t)( open_a ? count : m.a ), (uint8_t)( open_a ? m.b : count ), (uint8_t)near };
+				stack[height++] = (stack_entry){ (uint8_t)( open_a ? count : m.a ), (uint8_t)( open_a ? m.b : count ),
+					(uint8_t)near };
 				++count;
 			}
 		}
@@ -303,21 +308,21 @@ static uint32_t trees_meet( const raking* r, const question* q, const ball* firs
 // --- the scene -------------------------------------------------------------------------------------------------------
 
 /// A sphere of the robot in the lanes, against obstacles.
-typedef struct scout
+typedef struct query_sphere
 {
-	lwi_rake_point at; ///< from the scene's origin
+	lwi_batch_point at; ///< from the scene's origin
 	double radius, need; ///< `need` with all but the margins of objects and the rounding of floats
 	double slack, path;
 	float reach;
-} scout;
+} query_sphere;
 
-static scout make_scout( const raking* r, uint32_t node, const lw_sphere* sphere, double margin )
+static query_sphere make_query_sphere( const interval_batch* batch, uint32_t node, const lw_sphere* sphere, double margin )
 {
-	const lw_scene* scene = r->e->checker->scene;
-	scout s = { .radius = sphere->radius };
-	r->kernels->rake_point( &r->frames[node], sphere->center, scene->origin, r->half, &s.at );
-	lwi_motion_rate rate = lwi_edge_rate( lwi_edge_pace_of( r->e, node ), lwi_edge_pace_of( r->e, 0 ) );
-	s.need = r->e->enough[0] + r->rounding + lwi_edge_bulge( r->e, rate, r->half ) + margin;
+	const lw_scene* scene = batch->e->checker->scene;
+	query_sphere s = { .radius = sphere->radius };
+	batch->kernels->batch_point( &batch->frames[node], sphere->center, scene->origin, batch->half, &s.at );
+	lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( batch->e, node ), lwi_edge_velocity_of( batch->e, 0 ) );
+	s.need = batch->e->enough[0] + batch->rounding + lwi_edge_bulge( batch->e, rate, batch->half ) + margin;
 	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, rate.path ) + scene->extent + 2 * sphere->radius ) );
 	s.reach = lwi_round_up( s.radius + s.need + s.slack );
 	s.path = rate.path;
@@ -325,75 +330,79 @@ static scout make_scout( const raking* r, uint32_t node, const lw_sphere* sphere
 }
 
 /// Lanes in which a sphere does not stay away from a half-space or plane.
-static uint32_t meets_unbounded( const raking* r, const scout* s, uint32_t shape )
+static uint32_t meets_unbounded( const interval_batch* batch, const query_sphere* s, uint32_t shape )
 {
-	const lw_scene* scene = r->e->checker->scene;
+	const lw_scene* scene = batch->e->checker->scene;
 	uint32_t lanes = 0;
 	for ( int l = 0; l < LWI_WIDTH; ++l )
 	{
-		double center[3], way = 0;
+		double center[3], displacement = 0;
 		for ( int i = 0; i < 3; ++i )
 		{
 			center[i] = (double)s->at.p[i][l] + scene->origin[i];
-			way += fabs( (double)s->at.way[i][l] );
+			displacement += fabs( (double)s->at.displacement[i][l] );
 		}
-		double gap = lwi_unbounded_gap( &scene->shapes[shape], center, s->radius ) - way;
+		double gap = lwi_unbounded_gap( &scene->shapes[shape], center, s->radius ) - displacement;
 		lanes |= gap >= s->need + s->slack ? 0u : 1u << l;
 	}
 	return lanes;
 }
 
 /// Lanes in which a sphere does not stay away from the box of an obstacle.
-static uint32_t meets_obstacle( const raking* r, const scout* s, uint32_t shape, double margin )
+static uint32_t meets_obstacle( const interval_batch* batch, const query_sphere* s, uint32_t shape, double margin )
 {
-	const lw_scene* scene = r->e->checker->scene;
+	const lw_scene* scene = batch->e->checker->scene;
 	if ( scene->shapes[shape].shape->family == LWI_UNBOUNDED )
 	{
-		scout wider = *s;
+		query_sphere wider = *s;
 		wider.need += margin;
-		return meets_unbounded( r, &wider, shape );
+		return meets_unbounded( batch, &wider, shape );
 	}
-	const fence around = fence_of( scene, shape );
-	return r->kernels->rake_box( &s->at, around.min, around.max, margin != 0 ? lwi_round_up( (double)s->reach + margin ) : s->reach );
+	const box around = box_of( scene, shape );
+	return batch->kernels->batch_box( &s->at, around.min, around.max,
+		margin != 0 ? lwi_round_up( (double)s->reach + margin ) : s->reach );
 }
 
 /// Lanes in which a body's tree, or a sphere alone, does not stay away from an obstacle's box and tree.
 /// @param body NULL: a sphere alone
-static uint32_t tree_meets_obstacle( const raking* r, const side* body, const scout* s, uint32_t shape, double margin,
-	uint32_t lanes )
+static uint32_t tree_meets_obstacle( const interval_batch* batch, const operand* body, const query_sphere* s, uint32_t shape,
+	double margin, uint32_t lanes )
 {
-	const lw_scene* scene = r->e->checker->scene;
-	const fence around = fence_of( scene, shape );
+	const lw_scene* scene = batch->e->checker->scene;
+	const box around = box_of( scene, shape );
 	const bool tree_a = body != NULL && has_tree( body->shape ), tree_b = has_tree( lwi_shape_now( scene->shapes[shape].shape ) );
 	if ( !tree_a && !tree_b )
 	{
 		return lanes;
 	}
-	side obstacle;
-	ball first = { .at = s->at, .radius = lwi_round_up( s->radius ), .ref = tree_a ? body->shape->root : 0 };
-	question q = { .a = tree_a ? body : NULL,
+	operand obstacle;
+	lane_sphere first = { .at = s->at, .radius = lwi_round_up( s->radius ), .ref = tree_a ? body->shape->root : 0 };
+	tree_test q = { .a = tree_a ? body : NULL,
 		.around = &around,
-		.least = (float)( LEAST_SPHERE * ( s->need + r->half * s->path ) ) };
+		.least = (float)( LEAST_SPHERE * ( s->need + batch->half * s->path ) ) };
 	double dilation = tree_a ? body->shape->radius : 0;
 	if ( tree_b )
 	{
-		side_of_obstacle( &scene->shapes[shape], scene->origin, &obstacle );
+		operand_of_obstacle( &scene->shapes[shape], scene->origin, &obstacle );
 		q.b = &obstacle;
 		dilation += obstacle.shape->radius;
 	}
 	q.reach = lwi_round_up( s->need + s->slack + margin + dilation );
-	return trees_meet( r, &q, &first, lanes );
+	return trees_meet( batch, &q, &first, lanes );
 }
 
 /// Obstacles that a node's sphere meets: the first of query->candidates, lanes in place of the gap. Returns their count.
-static uint32_t near_node( const raking* r, uint32_t node, bool near_only, scout* out )
+static uint32_t near_node( const interval_batch* batch, uint32_t node, bool near_only, query_sphere* out )
 {
-	const lw_checker* c = r->e->checker;
-	const lwi_checker_node* n = &r->tree->nodes[node];
+	const lw_checker* c = batch->e->checker;
+	const lwi_checker_node* n = &batch->tree->nodes[node];
 	const lwi_margins* m = c->margins;
 	const bool alone = n->body_count == 1;
-	const scout s = make_scout( r, node, &n->r, m == NULL ? 0 : alone ? m->bodies[r->tree->bodies[n->first_body]] : m->nodes[2 * node] );
-	const float* margins = m == NULL ? NULL : alone ? m->body_row[r->tree->bodies[n->first_body]] : m->objects;
+	const query_sphere s = make_query_sphere( batch, node, &n->r,
+		m == NULL ? 0
+		: alone   ? m->bodies[batch->tree->bodies[n->first_body]]
+				  : m->nodes[2 * node] );
+	const float* margins = m == NULL ? NULL : alone ? m->body_row[batch->tree->bodies[n->first_body]] : m->objects;
 	const uint8_t* masks = near_only ? c->near_mask : c->environment_mask;
 	const uint32_t blocks = near_only ? c->near_block_count : c->scene->block_count;
 	const double middle[3] = { (double)s.at.p[0][4] + c->scene->origin[0], (double)s.at.p[1][4] + c->scene->origin[1],
@@ -402,31 +411,31 @@ static uint32_t near_node( const raking* r, uint32_t node, bool near_only, scout
 	bool any;
 	// all that the sphere passes lies in one: 5 / 8 of the edge are left on the longer side of the fifth window's middle
 	double largest = margins != NULL ? c->margins->largest : 0;
-	double slack = lwi_scene_gaps( c->scene, blocks, r->kernels, middle, s.radius + s.need + 0.625 * s.path + largest, s.slack,
-		r->e->query->row, &any );
+	double slack = lwi_scene_gaps( c->scene, blocks, batch->kernels, middle, s.radius + s.need + 0.625 * s.path + largest,
+		s.slack, batch->e->query->row, &any );
 	const float limit = lwi_round_up( s.slack + slack );
 	for ( uint32_t block = 0; any && block < blocks; ++block )
 	{
 		uint32_t mask = 0;
 		for ( uint32_t k = 0; k < n->body_count; ++k )
 		{
-			mask |= masks[(size_t)r->tree->bodies[n->first_body + k] * c->scene->block_count + block];
+			mask |= masks[(size_t)batch->tree->bodies[n->first_body + k] * c->scene->block_count + block];
 		}
 		for ( ; mask != 0; mask &= mask - 1 )
 		{
 			uint32_t shape = block * LWI_WIDTH + lwi_lowest_bit( mask );
-			if ( r->e->query->row[shape] >= limit )
+			if ( batch->e->query->row[shape] >= limit )
 			{
 				continue;
 			}
-			uint32_t lanes = meets_obstacle( r, &s, shape, margins != NULL ? (double)margins[shape] : 0 );
+			uint32_t lanes = meets_obstacle( batch, &s, shape, margins != NULL ? (double)margins[shape] : 0 );
 			if ( lanes != 0 && !alone )
 			{
-				lanes = tree_meets_obstacle( r, NULL, &s, shape, margins != NULL ? (double)margins[shape] : 0, lanes );
+				lanes = tree_meets_obstacle( batch, NULL, &s, shape, margins != NULL ? (double)margins[shape] : 0, lanes );
 			}
 			if ( lanes != 0 )
 			{
-				r->e->query->candidates[count++] = (lwi_candidate){ (float)lanes, shape };
+				batch->e->query->candidates[count++] = (lwi_candidate){ (float)lanes, shape };
 			}
 		}
 	}
@@ -434,19 +443,21 @@ static uint32_t near_node( const raking* r, uint32_t node, bool near_only, scout
 	return count;
 }
 
-/// Lanes in which a body is near some of these obstacles. @param own its own scout, if the obstacles were found near that
-static uint32_t near_body( const raking* r, uint32_t place, const lwi_candidate* obstacles, uint32_t count, const scout* own,
-	bool near_only )
+/// Lanes in which a body is near some of these obstacles. @param own its query sphere, if the obstacles were found near that
+static uint32_t near_body( const interval_batch* batch, uint32_t place, const lwi_candidate* obstacles, uint32_t count,
+	const query_sphere* own, bool near_only )
 {
-	const lw_checker* c = r->e->checker;
+	const lw_checker* c = batch->e->checker;
 	const lwi_margins* m = c->margins;
-	const uint32_t body = r->tree->bodies[place], node = r->tree->body_node[body];
+	const uint32_t body = batch->tree->bodies[place], node = batch->tree->body_node[body];
 	const uint8_t* mask = ( near_only ? c->near_mask : c->environment_mask ) + (size_t)body * c->scene->block_count;
 	const float* row = m != NULL ? m->body_row[body] : NULL;
-	const scout s = own != NULL ? *own : make_scout( r, node, &r->tree->body_spheres[place], m != NULL ? m->bodies[body] : 0 );
+	const query_sphere s = own != NULL ? *own
+									   : make_query_sphere( batch, node, &batch->tree->body_spheres[place],
+											 m != NULL ? m->bodies[body] : 0 );
 	uint32_t met = 0;
 	bool made = false;
-	side tree;
+	operand tree;
 	for ( uint32_t i = 0; i < count && met != 0xffu; ++i )
 	{
 		const uint32_t shape = obstacles[i].pair, lanes = (uint32_t)obstacles[i].gap & ~met;
@@ -455,38 +466,41 @@ static uint32_t near_body( const raking* r, uint32_t place, const lwi_candidate*
 			continue;
 		}
 		const double margin = row != NULL ? (double)row[shape] : 0;
-		uint32_t near = own != NULL ? lanes : meets_obstacle( r, &s, shape, margin ) & lanes;
+		uint32_t near = own != NULL ? lanes : meets_obstacle( batch, &s, shape, margin ) & lanes;
 		if ( near != 0 && !made )
 		{
-			side_of_body( r, place, c->scene->origin, &tree );
+			operand_of_body( batch, place, c->scene->origin, &tree );
 			made = true;
 		}
-		met |= near != 0 ? tree_meets_obstacle( r, &tree, &s, shape, margin, near ) : 0;
+		met |= near != 0 ? tree_meets_obstacle( batch, &tree, &s, shape, margin, near ) : 0;
 	}
 	return met;
 }
 
-static void rake_environment( const raking* r )
+static void batch_environment( const interval_batch* batch )
 {
-	lwi_edge* e = r->e;
+	lwi_edge* e = batch->e;
 	const lw_checker* c = e->checker;
 	if ( ( e->def->what & LW_WHAT_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
 	{
 		return;
 	}
 	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, e->enough[0] );
-	for ( uint32_t i = r->tree->node_count; i-- > 1; )
+	for ( uint32_t i = batch->tree->node_count; i-- > 1; )
 	{
-		const lwi_checker_node* n = &r->tree->nodes[i];
-		scout of_node;
-		uint32_t count = ( c->node_environment[i] & LWI_NODE_ASKS ) != 0 ? near_node( r, i, near_only, &of_node ) : 0;
+		const lwi_checker_node* n = &batch->tree->nodes[i];
+		query_sphere of_node;
+		uint32_t count = ( c->node_environment[i] & LWI_NODE_ASKS ) != 0 ? near_node( batch, i, near_only, &of_node ) : 0;
 		for ( uint32_t k = n->first_body; count > 0 && k < n->first_body + n->body_count; ++k )
 		{
-			uint32_t lanes = near_body( r, k, e->query->candidates, count, n->body_count == 1 ? &of_node : NULL, near_only );
+			uint32_t lanes = near_body( batch, k, e->query->candidates, count, n->body_count == 1 ? &of_node : NULL,
+				near_only );
 			if ( lanes != 0 )
 			{
-				lwi_edge_item item = { .body_a = r->tree->bodies[k], .body_b = LW_INVALID_INDEX, .cells = (uint8_t)lanes };
-				add_item( e, item );
+				lwi_edge_pair pair = { .body_a = batch->tree->bodies[k],
+					.body_b = LW_INVALID_INDEX,
+					.cells = (uint8_t)lanes };
+				add_pair( e, pair );
 			}
 		}
 	}
@@ -495,172 +509,175 @@ static void rake_environment( const raking* r )
 // --- the robot itself ------------------------------------------------------------------------------------------------
 
 /// Two nodes, and the parameters of the test of their spheres.
-typedef struct couple
+typedef struct node_pair
 {
 	const lwi_node_pair* pair;
 	bool covered; ///< charts may be used
 	bool neighbours;
 	double reach; ///< all but radii
 	double path;  ///< of both
-} couple;
+} node_pair;
 
-static couple make_couple( const raking* r, const lwi_node_pair* pair )
+static node_pair make_node_pair( const interval_batch* batch, const lwi_node_pair* pair )
 {
-	lwi_edge* e = r->e;
-	const lwi_edge_pace *a = lwi_edge_pace_of( e, pair->node_a ), *b = lwi_edge_pace_of( e, pair->node_b );
-	const lwi_edge_pace *above = lwi_edge_pace_of( e, pair->ancestor ), *root = lwi_edge_pace_of( e, 0 );
-	const lwi_checker_node *node_a = &r->tree->nodes[pair->node_a], *node_b = &r->tree->nodes[pair->node_b];
-	double bulge = lwi_edge_bulge( e, lwi_edge_rate( a, above ), r->half ) + lwi_edge_bulge( e, lwi_edge_rate( b, above ), r->half );
-	double size = size_of( &r->nodes[pair->node_a], lwi_edge_rate( a, root ).path ) +
-				  size_of( &r->nodes[pair->node_b], lwi_edge_rate( b, root ).path ) + 2 * ( node_a->r.radius + node_b->r.radius );
-	return (couple){ .pair = pair,
+	lwi_edge* e = batch->e;
+	const lwi_edge_velocity *a = lwi_edge_velocity_of( e, pair->node_a ), *b = lwi_edge_velocity_of( e, pair->node_b );
+	const lwi_edge_velocity *above = lwi_edge_velocity_of( e, pair->ancestor ), *root = lwi_edge_velocity_of( e, 0 );
+	const lwi_checker_node *node_a = &batch->tree->nodes[pair->node_a], *node_b = &batch->tree->nodes[pair->node_b];
+	double bulge = lwi_edge_bulge( e, lwi_edge_rate( a, above ), batch->half ) +
+				   lwi_edge_bulge( e, lwi_edge_rate( b, above ), batch->half );
+	double size = size_of( &batch->nodes[pair->node_a], lwi_edge_rate( a, root ).path ) +
+				  size_of( &batch->nodes[pair->node_b], lwi_edge_rate( b, root ).path ) +
+				  2 * ( node_a->r.radius + node_b->r.radius );
+	return (node_pair){ .pair = pair,
 		.path = lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path,
 		.neighbours = a->depth + b->depth - 2 * above->depth <= NEIGHBOURS,
-		.reach = e->enough[1] + 2 * r->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
+		.reach = e->enough[1] + 2 * batch->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
 }
 
-static uint32_t points_meet( const raking* r, const couple* c, const lwi_rake_point* a, double radius_a, const lwi_rake_point* b,
-	double radius_b )
+static uint32_t points_meet( const interval_batch* batch, const node_pair* c, const lwi_batch_point* a, double radius_a,
+	const lwi_batch_point* b, double radius_b )
 {
-	return r->kernels->rake_pair( a, b, lwi_round_up( c->reach + radius_a + radius_b ) );
+	return batch->kernels->batch_pair( a, b, lwi_round_up( c->reach + radius_a + radius_b ) );
 }
 
-static uint32_t nodes_meet( const raking* r, const couple* c, const lwi_node_pair* pair )
+static uint32_t nodes_meet( const interval_batch* batch, const node_pair* c, const lwi_node_pair* pair )
 {
-	const lwi_checker_node* nodes = r->tree->nodes;
-	return points_meet( r, c, &r->nodes[pair->node_a], nodes[pair->node_a].r.radius, &r->nodes[pair->node_b],
+	const lwi_checker_node* nodes = batch->tree->nodes;
+	return points_meet( batch, c, &batch->nodes[pair->node_a], nodes[pair->node_a].r.radius, &batch->nodes[pair->node_b],
 		nodes[pair->node_b].r.radius );
 }
 
 /// Parameters shared by all pairs of nodes.
-static couple any_couple( const raking* r )
+static node_pair any_node_pair( const interval_batch* batch )
 {
-	lwi_edge* e = r->e;
-	const lwi_edge_pace* root = lwi_edge_pace_of( e, 0 );
+	lwi_edge* e = batch->e;
+	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	double bulge = 0, size = 0, margin = 0;
-	for ( uint32_t i = 0; i < r->tree->node_count; ++i )
+	for ( uint32_t i = 0; i < batch->tree->node_count; ++i )
 	{
-		lwi_motion_rate rate = lwi_edge_rate( lwi_edge_pace_of( e, i ), root );
-		if ( r->tree->nodes[i].body_count > 0 )
+		lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( e, i ), root );
+		if ( batch->tree->nodes[i].body_count > 0 )
 		{
-			bulge = lwi_larger( bulge, lwi_edge_bulge( e, rate, r->half ) );
-			size = lwi_larger( size, size_of( &r->nodes[i], rate.path ) + 2 * r->tree->nodes[i].r.radius );
+			bulge = lwi_larger( bulge, lwi_edge_bulge( e, rate, batch->half ) );
+			size = lwi_larger( size, size_of( &batch->nodes[i], rate.path ) + 2 * batch->tree->nodes[i].r.radius );
 		}
 	}
-	for ( uint32_t i = 0; e->checker->self_margins != NULL && i < r->tree->pair_count; ++i )
+	for ( uint32_t i = 0; e->checker->self_margins != NULL && i < batch->tree->pair_count; ++i )
 	{
-		margin = lwi_larger( margin, (double)r->tree->pairs[i].margin );
+		margin = lwi_larger( margin, (double)batch->tree->pairs[i].margin );
 	}
-	return (couple){ .reach = e->enough[1] + 2 * r->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
+	return (node_pair){ .reach = e->enough[1] + 2 * batch->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
 }
 
 /// Lanes in which two bodies, given by their places, do not stay apart.
-static uint32_t bodies_meet( const raking* r, const couple* c, uint32_t a, uint32_t b, uint32_t lanes )
+static uint32_t bodies_meet( const interval_batch* batch, const node_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
-	const lw_sphere* spheres = r->tree->body_spheres;
-	lanes &= points_meet( r, c, body_point( r, a ), spheres[a].radius, body_point( r, b ), spheres[b].radius );
+	const lw_sphere* spheres = batch->tree->body_spheres;
+	lanes &= points_meet( batch, c, body_point( batch, a ), spheres[a].radius, body_point( batch, b ), spheres[b].radius );
 	if ( lanes == 0 || c->neighbours )
 	{
 		return lanes;
 	}
-	side side_a, side_b;
-	side_of_body( r, a, r->origin, &side_a );
-	side_of_body( r, b, r->origin, &side_b );
-	if ( !has_tree( side_a.shape ) || !has_tree( side_b.shape ) )
+	operand operand_a, operand_b;
+	operand_of_body( batch, a, batch->origin, &operand_a );
+	operand_of_body( batch, b, batch->origin, &operand_b );
+	if ( !has_tree( operand_a.shape ) || !has_tree( operand_b.shape ) )
 	{
 		return lanes;
 	}
-	const question q = { .a = &side_a,
-		.b = &side_b,
-		.reach = lwi_round_up( c->reach + side_a.shape->radius + side_b.shape->radius ),
-		.least = (float)( LEAST_SPHERE * ( c->reach + r->half * c->path ) ) };
-	ball first;
-	root_of( r, &side_a, &first );
-	return trees_meet( r, &q, &first, lanes );
+	const tree_test q = { .a = &operand_a,
+		.b = &operand_b,
+		.reach = lwi_round_up( c->reach + operand_a.shape->radius + operand_b.shape->radius ),
+		.least = (float)( LEAST_SPHERE * ( c->reach + batch->half * c->path ) ) };
+	lane_sphere first;
+	root_of( batch, &operand_a, &first );
+	return trees_meet( batch, &q, &first, lanes );
 }
 
-static void add_pair( const raking* r, const couple* c, uint32_t a, uint32_t b, uint32_t lanes )
+static void add_self_pair( const interval_batch* batch, const node_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
-	uint32_t body_a = r->tree->bodies[a], body_b = r->tree->bodies[b];
-	const uint32_t index = (uint32_t)( c->pair - r->tree->pairs );
-	if ( c->covered && lwi_edge_is_charted( r->e, lwi_checker_view( r->tree, index, body_a, body_b ), body_a, body_b ) )
+	uint32_t body_a = batch->tree->bodies[a], body_b = batch->tree->bodies[b];
+	const uint32_t index = (uint32_t)( c->pair - batch->tree->pairs );
+	if ( c->covered &&
+		 lwi_edge_is_charted( batch->e, lwi_checker_view( batch->tree, index, body_a, body_b ), body_a, body_b ) )
 	{
 		return;
 	}
-	lwi_edge_item item = { .body_a = body_a < body_b ? body_a : body_b,
+	lwi_edge_pair pair = { .body_a = body_a < body_b ? body_a : body_b,
 		.body_b = body_a < body_b ? body_b : body_a,
 		.ancestor = c->pair->ancestor,
 		.neighbours = c->neighbours,
 		.cells = (uint8_t)lanes };
-	add_item( r->e, item );
+	add_pair( batch->e, pair );
 }
 
 /// The bodies of two nodes whose spheres meet in some lanes.
-static void rake_bodies( const raking* r, const couple* c, uint32_t lanes )
+static void batch_bodies( const interval_batch* batch, const node_pair* c, uint32_t lanes )
 {
-	const lwi_checker_tree* tree = r->tree;
+	const lwi_checker_tree* tree = batch->tree;
 	const lwi_checker_node *a = &tree->nodes[c->pair->node_a], *b = &tree->nodes[c->pair->node_b];
 	for ( uint32_t i = 0; i < a->body_count; ++i )
 	{
 		const uint32_t place_a = a->first_body + i;
-		uint32_t left = lanes & points_meet( r, c, body_point( r, place_a ), tree->body_spheres[place_a].radius,
-									&r->nodes[c->pair->node_b], b->r.radius );
+		uint32_t left = lanes & points_meet( batch, c, body_point( batch, place_a ), tree->body_spheres[place_a].radius,
+									&batch->nodes[c->pair->node_b], b->r.radius );
 		for ( uint32_t k = 0; k < b->body_count && left != 0; ++k )
 		{
 			uint32_t met = 0;
 			if ( tree->separations[c->pair->first + (size_t)i * b->body_count + k] < INFINITY )
 			{
-				met = bodies_meet( r, c, place_a, b->first_body + k, left );
+				met = bodies_meet( batch, c, place_a, b->first_body + k, left );
 			}
 			if ( met != 0 )
 			{
-				add_pair( r, c, place_a, b->first_body + k, met );
+				add_self_pair( batch, c, place_a, b->first_body + k, met );
 			}
 		}
 	}
 }
 
-static void rake_self( const raking* r )
+static void batch_self( const interval_batch* batch )
 {
-	lwi_edge* e = r->e;
+	lwi_edge* e = batch->e;
 	const lw_checker* c = e->checker;
-	const uint32_t count = r->tree->pair_count;
+	const uint32_t count = batch->tree->pair_count;
 	if ( ( e->def->what & LW_WHAT_SELF ) == 0 || count == 0 )
 	{
 		return;
 	}
 	const bool covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
-	const couple any = any_couple( r ); // mostly that is all
+	const node_pair any = any_node_pair( batch ); // mostly that is all
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		const lwi_node_pair* pair = &r->tree->pairs[i];
+		const lwi_node_pair* pair = &batch->tree->pairs[i];
 		if ( covered && lwi_edge_is_apart( e, pair->separation ) )
 		{
 			continue;
 		}
-		couple two = any;
-		uint32_t lanes = nodes_meet( r, &two, pair );
+		node_pair two = any;
+		uint32_t lanes = nodes_meet( batch, &two, pair );
 		if ( lanes != 0 )
 		{
-			two = make_couple( r, pair );
+			two = make_node_pair( batch, pair );
 			two.covered = covered;
-			lanes = nodes_meet( r, &two, pair );
+			lanes = nodes_meet( batch, &two, pair );
 		}
 		if ( lanes != 0 )
 		{
-			rake_bodies( r, &two, lanes );
+			batch_bodies( batch, &two, lanes );
 		}
 	}
 }
 
-/// True if some body gets so far off the lines between its places at the ends and the middle of the edge that no planes hold
+/// True if some body gets so far off the lines between its positions at the ends and the middle of the edge that no planes hold
 /// for all of it.
 static bool is_bent( lwi_edge* e )
 {
-	const lwi_edge_pace* root = lwi_edge_pace_of( e, 0 );
+	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	for ( uint32_t i = 1; i < e->checker->tree->node_count; ++i )
 	{
-		if ( lwi_edge_rate( lwi_edge_pace_of( e, i ), root ).change > LEAST_CHANGE )
+		if ( lwi_edge_rate( lwi_edge_velocity_of( e, i ), root ).change > LEAST_CHANGE )
 		{
 			return true;
 		}
@@ -668,20 +685,20 @@ static bool is_bent( lwi_edge* e )
 	return false;
 }
 
-bool lwi_edge_rakes( lwi_edge* e )
+bool lwi_edge_has_batch( lwi_edge* e )
 {
-	return e->checker->tree->rakes && e->longest > LEAST_SLACKS * e->def->slack &&
+	return e->checker->tree->can_batch && e->longest > LEAST_SLACKS * e->def->slack &&
 		   lwi_edge_turns_little( e, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
 }
 
-void lwi_edge_rake_pose( lwi_edge* e, uint32_t lane )
+void lwi_edge_batch_pose( lwi_edge* e, uint32_t lane )
 {
 	const lw_checker* c = e->checker;
 	lw_query* query = e->query;
 	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
 	{
 		const lwi_checker_node* node = &c->tree->nodes[i];
-		const lwi_rake_frame* frame = &e->rake.frames[i];
+		const lwi_batch_frame* frame = &e->batch.frames[i];
 		lw_transform* pose = &query->world_from_link[node->top];
 		for ( int k = 0; k < 9; ++k )
 		{
@@ -692,33 +709,33 @@ void lwi_edge_rake_pose( lwi_edge* e, uint32_t lane )
 			pose->t[k] = frame->t[k][lane];
 		}
 		query->node_stamp[i] = query->state_stamp;
-		lwi_edge_pace* pace = &e->paces[i];
-		pace->stamp = query->state_stamp; // depth and rates are those of the edge
-		pace->twist.turn = lwi_v3( frame->turn[0][lane], frame->turn[1][lane], frame->turn[2][lane] );
-		pace->twist.shift = lwi_v3( frame->shift[0][lane], frame->shift[1][lane], frame->shift[2][lane] );
-		pace->center = lwi_transform( pose, lwi_load( node->r.center ) );
+		lwi_edge_velocity* velocity = &e->velocities[i];
+		velocity->stamp = query->state_stamp; // depth and rates are those of the edge
+		velocity->twist.turn = lwi_v3( frame->turn[0][lane], frame->turn[1][lane], frame->turn[2][lane] );
+		velocity->twist.shift = lwi_v3( frame->shift[0][lane], frame->shift[1][lane], frame->shift[2][lane] );
+		velocity->center = lwi_transform( pose, lwi_load( node->r.center ) );
 	}
 }
 
-void lwi_edge_rake_all( lwi_edge* e )
+void lwi_edge_batch_pass( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
 	const double rounding = 2 * lwi_motion_rounding( c->motion, e->motion );
 	lwi_edge_allow_rounding( e, rounding ); // from here on lanes pose some states
-	raking r = { .e = e,
+	interval_batch batch = { .e = e,
 		.kernels = e->query->search.kernels,
 		.tree = c->tree,
-		.frames = e->rake.frames,
-		.bodies = e->rake.bodies,
-		.known = e->rake.known,
-		.nodes = e->rake.nodes,
+		.frames = e->batch.frames,
+		.bodies = e->batch.bodies,
+		.known = e->batch.known,
+		.nodes = e->batch.nodes,
 		.half = 0.5 / LWI_WIDTH,
 		.rounding = rounding };
-	memcpy( r.origin, c->reference_poses[c->tree->nodes[0].top].t, sizeof( r.origin ) );
-	pose_frames( &r );
-	e->rake.posed = true;
-	pose_spheres( &r );
+	memcpy( batch.origin, c->reference_poses[c->tree->nodes[0].top].t, sizeof( batch.origin ) );
+	pose_frames( &batch );
+	e->batch.posed = true;
+	pose_spheres( &batch );
 	lwi_edge_note_proof( e );
-	rake_environment( &r );
-	rake_self( &r );
+	batch_environment( &batch );
+	batch_self( &batch );
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first pass over an edge: everything in the middle of a window, by spheres and their motion; unproved pairs become
-// items.
+// The first pass over an edge: everything in the middle of a window, by spheres and their motion. Pairs not proved
+// become edge pairs.
 //
 // Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
 // environments. IEEE Transactions on Robotics 21(3), 2005, by nodes. Proofs, cost and rounding: core/docs/edges.md.
@@ -10,26 +10,26 @@
 
 enum
 {
-	LOOK_WORK = 8,     ///< open cells after a screening from which whole states are tested for a collision, see look()
-	LOOK_LEVELS = 4,   ///< at most, each for twice the work
-	FEW_CELLS = 3,     ///< of a rake: an item that has fewer is measured there first
-	LOOK_MOST_SKIP = 3 ///< of an item, in the count of cells
+	PROBE_WORK = 8,     ///< open cells after a midpoint pass from which whole states are probed, see probe_if_many()
+	PROBE_LEVELS = 4,   ///< at most, each for twice the work
+	FEW_CELLS = 3,      ///< of an interval batch: a pair that has fewer is measured there first
+	PROBE_MOST_SKIP = 3 ///< of a pair, in the count of cells
 };
 
 /// Largest ratio of the bound on accelerations known before any measurement to the bound that a proof needs.
 #define MOST_ROUGH 8
 
-/// Data of a screening.
-typedef struct screening
+/// Data of a midpoint pass.
+typedef struct midpoint_pass
 {
 	lwi_edge* edge;
 	lwi_edge_window window;
 	lwi_edge_level* level;
-	uint32_t work; ///< remaining work: cells on which items have to be measured
-	bool may_look;
+	uint32_t work; ///< remaining work: cells on which pairs have to be measured
+	bool may_probe;
 	bool covered; ///< the whole edge by the reach
 	bool moves;   ///< all nodes have a twist, and turn so little that the bounds for moving units hold
-} screening;
+} midpoint_pass;
 
 /// Poses all nodes.
 static bool pose_all( lwi_edge* e, double t )
@@ -46,20 +46,20 @@ static bool pose_all( lwi_edge* e, double t )
 	return true;
 }
 
-/// Bounds the nodes' motion without their poses. @return true if that suffices: all of them drift, and their deviation is
-/// negligible
+/// Bounds the nodes' motion without their poses. @return true if that suffices: the motion of all of them is linear, and
+/// their deviation is negligible
 static bool measure_roughly( lwi_edge* e, double share )
 {
 	const lwi_motion_table* motion = e->checker->motion;
 	const lwi_edge_window longest = { 0, share };
 	// no acceleration is larger than twice the longest path times all turns
 	lwi_motion_rate rate = { 0, 2 * e->longest * lwi_motion_turns( motion, e->motion ) / MOST_ROUGH };
-	if ( !lwi_edge_drifts( rate, longest ) )
+	if ( !lwi_edge_is_linear( rate, longest ) )
 	{
 		return false;
 	}
 	rate.change = lwi_motion_measure_rough( motion, e->motion );
-	return lwi_edge_drifts( rate, longest );
+	return lwi_edge_is_linear( rate, longest );
 }
 
 bool lwi_edge_measure_nodes( lwi_edge* e, double t, double share )
@@ -83,11 +83,11 @@ bool lwi_edge_measure_nodes( lwi_edge* e, double t, double share )
 
 /// The more pairs are unproved, the more likely is a collision somewhere, and the more a proof would cost: most blocked
 /// edges of a planner end here. @return false if there is a collision
-static bool look( screening* s )
+static bool probe_if_many( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
-	int levels = e->looked;
-	while ( s->may_look && levels < LOOK_LEVELS && s->work >= (uint32_t)LOOK_WORK << levels )
+	int levels = e->probed_levels;
+	while ( s->may_probe && levels < PROBE_LEVELS && s->work >= (uint32_t)PROBE_WORK << levels )
 	{
 		levels += levels == 0 ? 2 : 1; // the first is the middle, where it stands
 	}
@@ -95,32 +95,32 @@ static bool look( screening* s )
 	{
 		levels = 2;
 	}
-	return levels == e->looked || ( lwi_edge_look( e, levels ) && pose_all( e, s->window.t ) );
+	return levels == e->probed_levels || ( lwi_edge_probe( e, levels ) && pose_all( e, s->window.t ) );
 }
 
-/// Measures an item of the screening; an unproved one is added to the items. @return false if the proof ends here
-static bool screen_item( screening* s, lwi_edge_item item )
+/// Measures a pair of the midpoint pass; an unproved one is added to the pairs. @return false if the proof ends here
+static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 {
 	lwi_edge* e = s->edge;
-	lwi_edge_prepare_item( e, &item );
-	lwi_edge_sample sample = lwi_edge_measure( e, &item, s->window, true );
+	lwi_edge_prepare_pair( e, &pair );
+	lwi_edge_sample sample = lwi_edge_measure( e, &pair, s->window, true );
 	if ( !sample.proved && sample.low )
 	{
-		return lwi_edge_fail( e, &item, s->window.t, &sample );
+		return lwi_edge_fail( e, &pair, s->window.t, &sample );
 	}
 	if ( !sample.proved )
 	{
-		s->level->gaps[s->level->count++] = (lwi_edge_gap){ 0, e->item_count, sample.skip, true };
-		item.near = 0;
-		item.cells = 0xff;
-		e->items[e->item_count++] = item;
-		s->work += 1u << ( sample.skip < LOOK_MOST_SKIP ? sample.skip : LOOK_MOST_SKIP );
+		s->level->gaps[s->level->count++] = (lwi_edge_gap){ 0, e->pair_count, sample.skip, true };
+		pair.near = 0;
+		pair.cells = 0xff;
+		e->pairs[e->pair_count++] = pair;
+		s->work += 1u << ( sample.skip < PROBE_MOST_SKIP ? sample.skip : PROBE_MOST_SKIP );
 	}
 	return true;
 }
 
-/// How far the bodies of a node get within the window, in the frame of another one.
-static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
+/// Displacement of the bodies of a node within the window, in the frame of another node.
+static double node_loss( midpoint_pass* s, uint32_t node, uint32_t ancestor )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
@@ -129,35 +129,37 @@ static double node_loss( screening* s, uint32_t node, uint32_t ancestor )
 }
 
 /// Displacement of a point that a node carries from the middle of the window to its end, by its velocity in the world.
-static lw_vec3 way_of( const screening* s, const lwi_edge_pace* pace, lw_vec3 at )
+static lw_vec3 displacement_of( const midpoint_pass* s, const lwi_edge_velocity* velocity, lw_vec3 at )
 {
-	return lwi_scale( s->window.half, lwi_add( pace->twist.shift, lwi_cross( pace->twist.turn, at ) ) );
+	return lwi_scale( s->window.half, lwi_add( velocity->twist.shift, lwi_cross( velocity->twist.turn, at ) ) );
 }
 
-/// Length of a point's way within the window, by its velocity or by the length of its path.
-static double length_of_way( screening* s, const lwi_edge_pace* pace, lw_vec3 at )
+/// Length of a point's displacement within the window, by its velocity or by the length of its path.
+static double displacement_length( midpoint_pass* s, const lwi_edge_velocity* velocity, lw_vec3 at )
 {
-	const lwi_motion_rate rate = lwi_edge_rate( pace, lwi_edge_pace_of( s->edge, 0 ) );
-	double path = s->window.half * rate.path, length = lwi_length( way_of( s, pace, at ) ) + lwi_edge_bulge( s->edge, rate, s->window.half );
+	const lwi_motion_rate rate = lwi_edge_rate( velocity, lwi_edge_velocity_of( s->edge, 0 ) );
+	double path = s->window.half * rate.path,
+		   length = lwi_length( displacement_of( s, velocity, at ) ) + lwi_edge_bulge( s->edge, rate, s->window.half );
 	return ( length < path ? length : path ) * LWI_EDGE_OUTWARD; // no number without a twist
 }
 
 /// How much the clearance of two nodes may lose by the lengths of their paths.
-static double pair_path( screening* s, const lwi_node_pair* pair )
+static double pair_path( midpoint_pass* s, const lwi_node_pair* pair )
 {
-	const lwi_edge_pace *a = lwi_edge_pace_of( s->edge, pair->node_a ), *b = lwi_edge_pace_of( s->edge, pair->node_b );
-	const lwi_edge_pace* above = lwi_edge_pace_of( s->edge, pair->ancestor );
+	const lwi_edge_velocity *a = lwi_edge_velocity_of( s->edge, pair->node_a ),
+							*b = lwi_edge_velocity_of( s->edge, pair->node_b );
+	const lwi_edge_velocity* above = lwi_edge_velocity_of( s->edge, pair->ancestor );
 	return s->window.half * ( lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path );
 }
 
 /// How much the clearance of two nodes may lose by how they move in the middle, and with `whole` that of any of their
 /// bodies, else of their spheres.
-static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
+static double pair_displacement( midpoint_pass* s, const lwi_node_pair* pair, bool whole )
 {
 	lwi_edge* e = s->edge;
 	const lwi_checker_node* nodes = e->checker->tree->nodes;
-	const lwi_edge_pace *a = lwi_edge_pace_of( e, pair->node_a ), *b = lwi_edge_pace_of( e, pair->node_b );
-	const lwi_edge_pace* above = lwi_edge_pace_of( e, pair->ancestor );
+	const lwi_edge_velocity *a = lwi_edge_velocity_of( e, pair->node_a ), *b = lwi_edge_velocity_of( e, pair->node_b );
+	const lwi_edge_velocity* above = lwi_edge_velocity_of( e, pair->ancestor );
 	const lwi_motion_rate rate_a = lwi_edge_rate( a, above ), rate_b = lwi_edge_rate( b, above );
 	double half = s->window.half, path = half * ( rate_a.path + rate_b.path );
 	lw_vec3 turn_a = lwi_sub( a->twist.turn, above->twist.turn ), turn_b = lwi_sub( b->twist.turn, above->twist.turn );
@@ -172,7 +174,7 @@ static double pair_way( screening* s, const lwi_node_pair* pair, bool whole )
 	return length < path ? length : path;
 }
 
-static bool screen_environment( screening* s, uint32_t node )
+static bool test_node_environment( midpoint_pass* s, uint32_t node )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
@@ -181,8 +183,8 @@ static bool screen_environment( screening* s, uint32_t node )
 	{
 		return true;
 	}
-	const lwi_edge_pace* pace = lwi_edge_pace_of( e, node ); // poses the node
-	const double limit = e->enough[0] + length_of_way( s, pace, pace->center );
+	const lwi_edge_velocity* velocity = lwi_edge_velocity_of( e, node ); // poses the node
+	const double limit = e->enough[0] + displacement_length( s, velocity, velocity->center );
 	lwi_edge_note_proof( e ); // for the bodies that are not near
 	if ( n->body_count > 1 && !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
 	{
@@ -191,15 +193,15 @@ static bool screen_environment( screening* s, uint32_t node )
 	const lw_transform* pose = &e->query->world_from_link[n->top];
 	for ( uint32_t i = n->first_body; i < n->first_body + n->body_count; ++i )
 	{
-		lwi_edge_item item = { .body_a = c->tree->bodies[i], .body_b = LW_INVALID_INDEX };
+		lwi_edge_pair pair = { .body_a = c->tree->bodies[i], .body_b = LW_INVALID_INDEX };
 		double reach = limit;
 		if ( n->body_count > 1 )
 		{
 			lw_vec3 middle = lwi_transform( pose, lwi_load( c->tree->body_spheres[i].center ) );
-			reach = e->enough[0] + length_of_way( s, pace, middle );
+			reach = e->enough[0] + displacement_length( s, velocity, middle );
 		}
-		item.near = lwi_checker_near_obstacles( c, e->query, item.body_a, reach );
-		if ( item.near > 0 && !screen_item( s, item ) )
+		pair.near = lwi_checker_near_obstacles( c, e->query, pair.body_a, reach );
+		if ( pair.near > 0 && !test_edge_pair( s, pair ) )
 		{
 			return false;
 		}
@@ -208,7 +210,7 @@ static bool screen_environment( screening* s, uint32_t node )
 }
 
 /// False if the spheres around two nodes stay `limit` apart.
-static bool spheres_meet( const screening* s, const lwi_node_pair* pair, double limit )
+static bool spheres_meet( const midpoint_pass* s, const lwi_node_pair* pair, double limit )
 {
 	lw_query* query = s->edge->query;
 	const double* a = lwi_sphere( s->edge->checker, query, 2 * pair->node_a );
@@ -219,14 +221,14 @@ static bool spheres_meet( const screening* s, const lwi_node_pair* pair, double 
 }
 
 /// The clearance that a certificate of a pair aims at.
-static double looked_for( const lwi_edge* e )
+static double required_clearance( const lwi_edge* e )
 {
 	return e->def->min_d + 0.25 * e->def->slack;
 }
 
 bool lwi_edge_is_apart( lwi_edge* e, float separation )
 {
-	if ( separation > looked_for( e ) )
+	if ( separation > required_clearance( e ) )
 	{
 		e->apart = lwi_smaller( e->apart, separation );
 		return true;
@@ -241,7 +243,7 @@ bool lwi_edge_is_charted( lwi_edge* e, const lwi_chart_view* view, uint32_t body
 	{
 		return false;
 	}
-	double margin = lwi_self_margin( c, body_a, body_b ), least = looked_for( e );
+	double margin = lwi_self_margin( c, body_a, body_b ), least = required_clearance( e );
 	double apart = lwi_chart_along( view, c->tree->scales, c->robot, e->full_a, e->full_b, least + margin ) - margin;
 	if ( !( apart > least ) )
 	{
@@ -252,15 +254,15 @@ bool lwi_edge_is_charted( lwi_edge* e, const lwi_chart_view* view, uint32_t body
 }
 
 /// Two bodies that may come near each other. @param view as for lwi_edge_is_charted()
-static bool screen_bodies( screening* s, uint32_t candidate, uint32_t ancestor, const lwi_chart_view* view )
+static bool test_bodies( midpoint_pass* s, uint32_t candidate, uint32_t ancestor, const lwi_chart_view* view )
 {
 	const uint32_t stride = s->edge->checker->body_block_count * LWI_WIDTH;
-	lwi_edge_item item = { .body_a = candidate / stride, .body_b = candidate % stride, .ancestor = ancestor };
-	return ( s->covered && lwi_edge_is_charted( s->edge, view, item.body_a, item.body_b ) ) || screen_item( s, item );
+	lwi_edge_pair pair = { .body_a = candidate / stride, .body_b = candidate % stride, .ancestor = ancestor };
+	return ( s->covered && lwi_edge_is_charted( s->edge, view, pair.body_a, pair.body_b ) ) || test_edge_pair( s, pair );
 }
 
 /// Pairs of bodies of two nodes that may come near each other become candidates of the query. Returns their count.
-static uint32_t near_bodies( screening* s, const lwi_node_pair* pair )
+static uint32_t near_bodies( midpoint_pass* s, const lwi_node_pair* pair )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
@@ -271,13 +273,13 @@ static uint32_t near_bodies( screening* s, const lwi_node_pair* pair )
 		e->query->candidates[0].pair = only;
 		return 1;
 	}
-	double way = pair_way( s, pair, true );
-	uint32_t count = lwi_checker_near_pairs( c, e->query, index, e->enough[1] + way * LWI_EDGE_OUTWARD );
-	if ( count > 2 ) // a few items are tested on their own
+	double displacement = pair_displacement( s, pair, true );
+	uint32_t count = lwi_checker_near_pairs( c, e->query, index, e->enough[1] + displacement * LWI_EDGE_OUTWARD );
+	if ( count > 2 ) // a few pairs are tested on their own
 	{
 		double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
 		double limit = e->enough[1] + loss * LWI_EDGE_OUTWARD;
-		count = loss < 0.9 * way ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
+		count = loss < 0.9 * displacement ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
 	}
 	return count;
 }
@@ -285,39 +287,41 @@ static uint32_t near_bodies( screening* s, const lwi_node_pair* pair )
 /// A sphere of the robot in the middle of the window, and how its velocity takes it on until the end.
 typedef struct moving_unit
 {
-	const lwi_edge_pace* pace;
-	lw_vec3 center, way;
+	const lwi_edge_velocity* velocity;
+	lw_vec3 center, displacement;
 	double radius; ///< includes the rounding of its centre
 } moving_unit;
 
-static moving_unit make_unit( screening* s, uint32_t node, const lw_sphere* sphere )
+static moving_unit make_unit( midpoint_pass* s, uint32_t node, const lw_sphere* sphere )
 {
 	lwi_edge* e = s->edge;
-	moving_unit m = { .pace = lwi_edge_pace_of( e, node ) }; // poses the node
+	moving_unit m = { .velocity = lwi_edge_velocity_of( e, node ) }; // poses the node
 	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->nodes[node].top];
 	m.center = lwi_transform( pose, lwi_load( sphere->center ) );
-	m.way = way_of( s, m.pace, m.center );
+	m.displacement = displacement_of( s, m.velocity, m.center );
 	m.radius = sphere->radius + e->query->pose_rounding;
 	return m;
 }
 
-/// Do two units come near each other, by how they move in the frame of their ancestor? As rakes have it, but in double.
-static bool units_meet( const screening* s, const moving_unit* a, const moving_unit* b, uint32_t ancestor, double margin )
+/// Do two units come near each other, by their velocities in the frame of their ancestor? The test of interval batches, in
+/// double.
+static bool units_meet( const midpoint_pass* s, const moving_unit* a, const moving_unit* b, uint32_t ancestor,
+	double margin )
 {
 	const lwi_edge* e = s->edge;
-	const lwi_edge_pace* above = &e->paces[ancestor];
-	const lwi_motion_rate rate_a = lwi_edge_rate( a->pace, above ), rate_b = lwi_edge_rate( b->pace, above );
-	const lw_vec3 d = lwi_sub( a->center, b->center ), way = lwi_sub( a->way, b->way );
+	const lwi_edge_velocity* above = &e->velocities[ancestor];
+	const lwi_motion_rate rate_a = lwi_edge_rate( a->velocity, above ), rate_b = lwi_edge_rate( b->velocity, above );
+	const lw_vec3 d = lwi_sub( a->center, b->center ), displacement = lwi_sub( a->displacement, b->displacement );
 	const double half = s->window.half, length = lwi_length( d ), path = half * ( rate_a.path + rate_b.path ) * LWI_EDGE_OUTWARD;
 	const double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
-	const double closer = fabs( lwi_dot( d, way ) ) * LWI_EDGE_OUTWARD / length + bulge;
+	const double closer = fabs( lwi_dot( d, displacement ) ) * LWI_EDGE_OUTWARD / length + bulge;
 	// the direction is off by the error of both centres, and so is the component of the ancestor's turn along it
 	const double reach = a->radius + b->radius + e->enough[1] + margin + 4 * e->rounding[1];
 	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
 }
 
 /// Do two bodies come near each other? Their spheres are no units.
-static bool bodies_meet( screening* s, uint32_t a, uint32_t b, uint32_t ancestor )
+static bool bodies_meet( midpoint_pass* s, uint32_t a, uint32_t b, uint32_t ancestor )
 {
 	const lw_checker* c = s->edge->checker;
 	const lwi_checker_tree* tree = c->tree;
@@ -327,7 +331,7 @@ static bool bodies_meet( screening* s, uint32_t a, uint32_t b, uint32_t ancestor
 }
 
 /// The bodies of two nodes whose spheres come near each other.
-static bool screen_near_nodes( screening* s, const lwi_node_pair* pair )
+static bool test_near_nodes( midpoint_pass* s, const lwi_node_pair* pair )
 {
 	const lw_checker* c = s->edge->checker;
 	const uint32_t count = near_bodies( s, pair ), stride = c->body_block_count * LWI_WIDTH;
@@ -341,13 +345,13 @@ static bool screen_near_nodes( screening* s, const lwi_node_pair* pair )
 			continue;
 		}
 		const lwi_chart_view* view = lwi_checker_view( c->tree, (uint32_t)( pair - c->tree->pairs ), a, b );
-		go_on = screen_bodies( s, candidate, pair->ancestor, view );
+		go_on = test_bodies( s, candidate, pair->ancestor, view );
 	}
 	return go_on;
 }
 
 /// The bodies of two nodes.
-static bool screen_nodes( screening* s, const lwi_node_pair* pair )
+static bool test_nodes( midpoint_pass* s, const lwi_node_pair* pair )
 {
 	lwi_edge* e = s->edge;
 	if ( s->covered && lwi_edge_is_apart( e, pair->separation ) )
@@ -356,11 +360,11 @@ static bool screen_nodes( screening* s, const lwi_node_pair* pair )
 	}
 	lwi_edge_note_proof( e );
 	if ( !spheres_meet( s, pair, e->enough[1] + pair_path( s, pair ) * LWI_EDGE_OUTWARD ) || // mostly that is all
-		 !spheres_meet( s, pair, e->enough[1] + pair_way( s, pair, false ) * LWI_EDGE_OUTWARD ) )
+		 !spheres_meet( s, pair, e->enough[1] + pair_displacement( s, pair, false ) * LWI_EDGE_OUTWARD ) )
 	{
 		return true;
 	}
-	return screen_near_nodes( s, pair );
+	return test_near_nodes( s, pair );
 }
 
 // ---- units -----------------------------------------------------------------------------------------------------------
@@ -372,31 +376,33 @@ static double size_of( lw_vec3 v )
 
 /// All units, and in blocks of [LWI_MOVING_ROWS][LWI_WIDTH] floats, about the robot's root, their bulges in the radii.
 /// Returns the slack of gaps between them.
-static double make_units( screening* s, moving_unit* all, float* blocks )
+static double make_units( midpoint_pass* s, moving_unit* all, float* blocks )
 {
 	lwi_edge* e = s->edge;
 	const lwi_checker_tree* tree = e->checker->tree;
 	const lw_vec3 origin = lwi_load( e->query->world_from_link[tree->nodes[0].top].t );
-	const lwi_edge_pace* root = lwi_edge_pace_of( e, 0 );
+	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	double size = 0;
 	for ( uint32_t i = 0; i < tree->units->count; ++i )
 	{
 		all[i] = make_unit( s, tree->units->node[i], &tree->units->sphere[i] );
-		const lw_vec3 center = lwi_sub( all[i].center, origin ), way = all[i].way;
-		const double radius = all[i].radius + lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].pace, root ), s->window.half );
-		const double rows[LWI_MOVING_ROWS] = { center.x, center.y, center.z, radius * ( 1 + 0x1p-21 ), way.x, way.y, way.z };
+		const lw_vec3 center = lwi_sub( all[i].center, origin ), displacement = all[i].displacement;
+		const double radius = all[i].radius +
+							  lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].velocity, root ), s->window.half );
+		const double rows[LWI_MOVING_ROWS] = { center.x, center.y, center.z, radius * ( 1 + 0x1p-21 ), displacement.x,
+			displacement.y, displacement.z };
 		float* lane = blocks + (size_t)LWI_MOVING_ROWS * LWI_WIDTH * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
 		for ( int row = 0; row < LWI_MOVING_ROWS; ++row )
 		{
 			lane[row * LWI_WIDTH] = (float)rows[row];
 		}
-		size = lwi_larger( size, size_of( center ) + size_of( way ) + 2 * radius );
+		size = lwi_larger( size, size_of( center ) + size_of( displacement ) + 2 * radius );
 	}
 	return lwi_gap_slack( 4 * size );
 }
 
 /// All pairs of units at once, by their spheres.
-static bool screen_units( screening* s )
+static bool test_units( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lwi_checker_tree* tree = e->checker->tree;
@@ -422,9 +428,9 @@ static bool screen_units( screening* s )
 			continue;
 		}
 		const lwi_chart_view* view = pair->view != LW_INVALID_INDEX ? &tree->views[pair->view] : NULL;
-		if ( !( pair->candidate < LWI_OPEN ? screen_bodies( s, pair->candidate, pair->ancestor, view )
-										   : screen_near_nodes( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
-			 !look( s ) )
+		if ( !( pair->candidate < LWI_OPEN ? test_bodies( s, pair->candidate, pair->ancestor, view )
+										   : test_near_nodes( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
+			 !probe_if_many( s ) )
 		{
 			return false;
 		}
@@ -435,7 +441,7 @@ static bool screen_units( screening* s )
 // ---- all -------------------------------------------------------------------------------------------------------------
 
 /// The node of the last failure comes first: planners check edges near each other.
-static bool screen_environments( screening* s )
+static bool test_environment( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
@@ -445,15 +451,15 @@ static bool screen_environments( screening* s )
 	}
 	uint32_t last = e->query->last_edge_body;
 	uint32_t first = !e->query->last_edge_self && last < c->tree->body_count ? c->tree->body_node[last] : 0;
-	bool go_on = first == 0 || screen_environment( s, first );
+	bool go_on = first == 0 || test_node_environment( s, first );
 	for ( uint32_t i = c->tree->node_count; go_on && i-- > 1; ) // hands move most
 	{
-		go_on = i == first || ( screen_environment( s, i ) && look( s ) );
+		go_on = i == first || ( test_node_environment( s, i ) && probe_if_many( s ) );
 	}
 	return go_on;
 }
 
-static bool screen_pairs( screening* s )
+static bool test_self( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
@@ -463,58 +469,58 @@ static bool screen_pairs( screening* s )
 		return true;
 	}
 	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
-	s->moves = c->tree->rakes && lwi_edge_turns_little( e, s->window );
+	s->moves = c->tree->can_batch && lwi_edge_turns_little( e, s->window );
 	if ( c->tree->units != NULL && s->moves )
 	{
-		return screen_units( s );
+		return test_units( s );
 	}
 	bool go_on = true;
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
-		go_on = screen_nodes( s, &c->tree->pairs[i] ) && look( s );
+		go_on = test_nodes( s, &c->tree->pairs[i] ) && probe_if_many( s );
 	}
 	return go_on;
 }
 
-bool lwi_edge_screen( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level, bool may_look )
+bool lwi_edge_midpoint_pass( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level, bool may_probe )
 {
-	screening s = { .edge = e,
+	midpoint_pass s = { .edge = e,
 		.window = window,
 		.level = level,
-		.may_look = may_look };
-	level->count = e->item_count = 0;
-	return screen_environments( &s ) && screen_pairs( &s );
+		.may_probe = may_probe };
+	level->count = e->pair_count = 0;
+	return test_environment( &s ) && test_self( &s );
 }
 
-bool lwi_edge_screen_items( lwi_edge* e, lwi_edge_level* level )
+bool lwi_edge_midpoint_pairs( lwi_edge* e, lwi_edge_level* level )
 {
 	const lwi_edge_window whole = { 0.5, 0.5 };
-	const uint32_t count = e->item_count;
+	const uint32_t count = e->pair_count;
 	uint32_t kept = 0;
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		lwi_edge_item* item = &e->items[i];
-		lwi_edge_sample sample = { .skip = LWI_RAKE_LEVEL - 1 };
+		lwi_edge_pair* pair = &e->pairs[i];
+		lwi_edge_sample sample = { .skip = LWI_BATCH_LEVEL - 1 };
 		uint32_t cells = 0;
-		for ( uint32_t left = item->cells; left != 0; left &= left - 1 )
+		for ( uint32_t left = pair->cells; left != 0; left &= left - 1 )
 		{
 			++cells;
 		}
 		if ( cells >= FEW_CELLS )
 		{
-			sample = lwi_edge_measure( e, item, whole, true );
+			sample = lwi_edge_measure( e, pair, whole, true );
 			if ( !sample.proved && sample.low )
 			{
-				return lwi_edge_fail( e, item, whole.t, &sample );
+				return lwi_edge_fail( e, pair, whole.t, &sample );
 			}
 		}
 		if ( !sample.proved )
 		{
 			level->gaps[level->count++] = (lwi_edge_gap){ 0, kept, sample.skip, true };
-			e->items[kept++] = *item;
+			e->pairs[kept++] = *pair;
 		}
 	}
-	e->item_count = kept;
+	e->pair_count = kept;
 	return true;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Planes that keep a body away from the obstacles around it during all of a window, not only at its middle.
 //
-// A point of the body never gets far from the lines between its places at the window's left end, middle and right end: a
+// A point of the body never gets far from the lines between its positions at the window's left end, middle and right end: a
 // point on one side of a plane at all three, and a little beyond, stays there in between. Clearance against motion bounds
 // (Schwarzer, Saha, Latombe 2005) also charges motion along the obstacle or away from it; this test does not. Proof:
 // core/docs/edges.md.
@@ -22,10 +22,10 @@ enum
 #define BODY_KEY 0xc0000000u
 #define OBSTACLE_KEY 0xe0000000u
 
-/// Metres. A body that bulges more than this between its places has no plane near obstacles: halving the window is cheaper.
+/// Metres. A body that bulges more than this between its poses has no plane near obstacles: halving the window is cheaper.
 #define MAX_BULGE 0.05
 
-/// Metres. Where ways between exact places bend more than this, hardly any body is found to stay away.
+/// Metres. Where paths between exact poses bend more than this, hardly any body is found to stay away.
 #define MAX_BEND 0.02
 
 /// Slacks. Where paths are no longer than this the distance is measured at once: looking closer would not end.
@@ -37,30 +37,30 @@ enum
 #define TINY_WAY 0.02
 #define DENSE 128u
 
-/// An item during a window: two bodies, or a body and the obstacles one after the other.
-typedef struct sweeping
+/// A pair during a window: two bodies, or a body and the obstacles one after the other.
+typedef struct plane_test
 {
 	lwi_edge* edge;
-	const lwi_edge_item* item;
+	const lwi_edge_pair* pair;
 	lwi_edge_window window;
-	const lwi_edge_drift* drifts; ///< of both bodies; NULL if one has none
-	double enough; ///< clearance that proves the item, without margins
+	const lwi_edge_linear_motion* linear; ///< of both bodies; NULL if one has none
+	double enough; ///< clearance that proves the pair, without margins
 	bool last_try; ///< run also the tests that mostly fail
-	double bulge;  ///< of both ways between their places: NAN if there is no point in planes
+	double bulge;  ///< of both paths between the poses: NAN if there is no point in planes
 
-	lwi_places *a, *b;
-	bool turned;      ///< b is the first of the two
+	lwi_swept_poses *a, *b;
+	bool swapped;      ///< b is the first of the two
 	uint32_t any_key; ///< of planes that keep anything away from b; 0: a new one costs no more than these
-	double way;       ///< metres: largest displacement of a point from the middle; INFINITY if planes pay in any case
-} sweeping;
+	double displacement; ///< metres: largest one of a point from the middle; INFINITY if planes pay in any case
+} plane_test;
 
-/// How far both bodies of an item get from straight lines between their places, together.
-static lwi_motion_bow bow_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window )
+/// How far both bodies of a pair get from straight lines between their poses, together.
+static lwi_motion_bow bow_of( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
 {
-	lwi_motion_bow bow = lwi_edge_bow( e, item->body_a, item->ancestor, item->rate_a, window );
-	if ( lwi_edge_item_is_pair( item ) )
+	lwi_motion_bow bow = lwi_edge_bow( e, pair->body_a, pair->ancestor, pair->rate_a, window );
+	if ( lwi_edge_pair_is_self( pair ) )
 	{
-		const lwi_motion_bow other = lwi_edge_bow( e, item->body_b, item->ancestor, item->rate_b, window );
+		const lwi_motion_bow other = lwi_edge_bow( e, pair->body_b, pair->ancestor, pair->rate_b, window );
 		bow.bend += other.bend;
 		bow.bulge += other.bulge;
 	}
@@ -68,7 +68,7 @@ static lwi_motion_bow bow_of( lwi_edge* e, const lwi_edge_item* item, lwi_edge_w
 }
 
 /// From a's middle to the nearest point of the box around b, in b's tree frame.
-static void direction_between( const lwi_places* a, const lwi_places* b, float direction[3] )
+static void direction_between( const lwi_swept_poses* a, const lwi_swept_poses* b, float direction[3] )
 {
 	lw_vec3 center = lwi_transform( &a->middle, lwi_load( a->shape->sphere_center ) );
 	lw_vec3 seen = lwi_untransform( &b->middle, center );
@@ -109,17 +109,17 @@ static uint32_t obstacle_key( const lw_checker* c, uint32_t body, uint32_t obsta
 }
 
 /// True if the shapes admit plane tests.
-static bool has_planes( const sweeping* s )
+static bool has_planes( const plane_test* s )
 {
 	bool here = s->a->shape->deferred == NULL && s->b->shape->deferred == NULL; // a mesh is not made for this
 	return here && s->b->shape->family != LWI_UNBOUNDED && s->edge->query->search.def.planes;
 }
 
 /// The first planes of b are the faces of its box.
-static void begin_planes( lwi_edge_plane* p, const lw_shape* b, bool turned )
+static void begin_planes( lwi_edge_plane* p, const lw_shape* b, bool swapped )
 {
 	p->begun = true;
-	p->turned = turned;
+	p->swapped = swapped;
 	p->served = 0;
 	p->next = 6;
 	memset( &p->planes, 0, sizeof( p->planes ) );
@@ -134,18 +134,18 @@ static void begin_planes( lwi_edge_plane* p, const lw_shape* b, bool turned )
 }
 
 /// Planes of b, in its frame.
-static lwi_edge_plane* planes_of( const sweeping* s, uint32_t key )
+static lwi_edge_plane* planes_of( const plane_test* s, uint32_t key )
 {
 	lwi_edge_plane* p = plane_of( s->edge, key );
-	if ( !p->begun || p->turned != s->turned ) // planes of the other frame prove nothing here
+	if ( !p->begun || p->swapped != s->swapped ) // planes of the other frame prove nothing here
 	{
-		begin_planes( p, s->b->shape, s->turned );
+		begin_planes( p, s->b->shape, s->swapped );
 	}
 	return p;
 }
 
 /// Adds a new plane in the place of one that did not serve for a while.
-static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
+static void add_plane( lwi_edge_plane* p, lwi_swept_plane plane )
 {
 	uint32_t lane = p->next;
 	for ( ; ( (uint32_t)p->served >> lane & 1u ) != 0; lane = ( lane + 1 ) % LWI_WIDTH )
@@ -157,11 +157,11 @@ static void add_plane( lwi_edge_plane* p, lwi_places_plane plane )
 }
 
 /// One of the planes of other times. @param margin on top of the clearance
-static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double margin )
+static bool old_plane_holds( plane_test* s, lwi_edge_plane* p, double margin )
 {
 	const double need = lwi_larger( s->enough + s->bulge + margin, 0 );
 	const lwi_kernels* kernels = s->edge->query->search.kernels;
-	uint32_t which = lwi_places_apart_by( kernels, s->a, s->b, need, &p->planes, false );
+	uint32_t which = lwi_swept_apart_by( kernels, s->a, s->b, need, &p->planes, false );
 	if ( which < LWI_WIDTH )
 	{
 		p->served = (uint8_t)( p->served | 1u << which );
@@ -173,7 +173,7 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double margin )
 	}
 	// a plane that keeps one body away keeps its neighbours away
 	lwi_edge_plane* any = planes_of( s, s->any_key );
-	which = lwi_places_apart_by( kernels, s->a, s->b, need, &any->planes, true );
+	which = lwi_swept_apart_by( kernels, s->a, s->b, need, &any->planes, true );
 	if ( which < LWI_WIDTH )
 	{
 		any->served = (uint8_t)( any->served | 1u << which );
@@ -183,93 +183,96 @@ static bool old_plane_holds( sweeping* s, lwi_edge_plane* p, double margin )
 	return false;
 }
 
-/// Does the item stay away on the bent way between its exact places?
+/// Does the pair stay away on the bent path between its exact poses?
 /// @param need clearance that proves it @param direction as for lwi_separate_bent()
-static bool stays_away( const sweeping* s, double need, float direction[3] )
+static bool stays_away( const plane_test* s, double need, float direction[3] )
 {
 	lwi_edge* e = s->edge;
-	const lwi_edge_item* item = s->item;
-	const double bend = bow_of( e, item, s->window ).bend;
+	const lwi_edge_pair* pair = s->pair;
+	const double bend = bow_of( e, pair, s->window ).bend;
 	if ( !( bend <= MAX_BEND ) )
 	{
 		return false;
 	}
-	lwi_places places[2];
-	const lwi_places *a = &places[0], *b = s->b;
-	lwi_edge_places( e, item->body_a, item->ancestor, item->rate_a, s->window, NULL, &places[0] );
-	if ( lwi_edge_item_is_pair( item ) )
+	lwi_swept_poses poses[2];
+	const lwi_swept_poses *a = &poses[0], *b = s->b;
+	lwi_edge_swept_poses( e, pair->body_a, pair->ancestor, pair->rate_a, s->window, NULL, &poses[0] );
+	if ( lwi_edge_pair_is_self( pair ) )
 	{
-		lwi_edge_places( e, item->body_b, item->ancestor, item->rate_b, s->window, NULL, &places[1] );
-		a = &places[s->turned ? 1 : 0];
-		b = &places[s->turned ? 0 : 1];
+		lwi_edge_swept_poses( e, pair->body_b, pair->ancestor, pair->rate_b, s->window, NULL, &poses[1] );
+		a = &poses[s->swapped ? 1 : 0];
+		b = &poses[s->swapped ? 0 : 1];
 	}
 	return lwi_separate_bent( e->query->search.kernels, a, b, need, bend, direction );
 }
 
 /// Largest displacement of the middle of a body's sphere within a window.
-static double way_of( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+static double center_displacement( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate,
+	lwi_edge_window window )
 {
 	const lwi_checker_tree* tree = e->checker->tree;
 	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
-	return lwi_edge_way( e, tree->body_node[body], ancestor, sphere->center, rate, window ) * LWI_EDGE_OUTWARD;
+	return lwi_edge_point_displacement( e, tree->body_node[body], ancestor, sphere->center, rate, window ) *
+		   LWI_EDGE_OUTWARD;
 }
 
-/// A moving shape against a static one, in the frame of the item's ancestor.
+/// A moving shape against a static one, in the frame of the pair's ancestor.
 typedef struct nearing
 {
 	lwi_edge* edge;
-	lwi_places moving;
+	lwi_swept_poses moving;
 	double enough; ///< clearance that proves it, without margins
-	double bend;   ///< of the way between its places
-	double way;    ///< metres: displacement of the middle of its sphere
+	double bend;   ///< of the path between its poses
+	double displacement; ///< metres: of the middle of its sphere
 	lw_vec3 n;     ///< towards the static shape, where they were measured to be nearest
 } nearing;
 
-/// Sets the moving shape and the length of its way.
+/// Sets the moving shape and its displacement.
 static void set_out( nearing* s, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
 {
-	lwi_edge_places( s->edge, body, ancestor, rate, window, NULL, &s->moving );
-	s->way = way_of( s->edge, body, ancestor, rate, window );
+	lwi_edge_swept_poses( s->edge, body, ancestor, rate, window, NULL, &s->moving );
+	s->displacement = center_displacement( s->edge, body, ancestor, rate, window );
 }
 
 /// @param need clearance that proves it
-static bool is_away( const nearing* s, const lwi_places* stands, double need )
+static bool is_away( const nearing* s, const lwi_swept_poses* fixed, double need )
 {
-	const double reach = s->moving.shape->sphere_radius + s->way;
-	return lwi_separate_near( s->edge->query->search.kernels, &s->moving, stands, need, s->bend, s->n, reach );
+	const double reach = s->moving.shape->sphere_radius + s->displacement;
+	return lwi_separate_near( s->edge->query->search.kernels, &s->moving, fixed, need, s->bend, s->n, reach );
 }
 
 /// Does the near part of the obstacle stay apart along the direction of another time?
-static bool near_holds( const sweeping* s, const lwi_edge_plane* p, double need )
+static bool near_holds( const plane_test* s, const lwi_edge_plane* p, double need )
 {
 	lwi_edge* e = s->edge;
-	const lwi_edge_item* item = s->item;
-	if ( !p->near_known || lwi_edge_item_is_pair( item ) )
+	const lwi_edge_pair* pair = s->pair;
+	if ( !p->near_known || lwi_edge_pair_is_self( pair ) )
 	{
 		return false;
 	}
 	nearing near;
 	near.edge = e;
-	near.bend = bow_of( e, item, s->window ).bend;
+	near.bend = bow_of( e, pair, s->window ).bend;
 	if ( !( near.bend <= MAX_BEND ) )
 	{
 		return false;
 	}
 	near.n = lwi_rotate( &s->b->middle, lwi_v3( (double)p->near[0], (double)p->near[1], (double)p->near[2] ) );
-	set_out( &near, item->body_a, 0, item->rate_a, s->window );
+	set_out( &near, pair->body_a, 0, pair->rate_a, s->window );
 	return is_away( &near, s->b, need );
 }
 
 /// A new plane. @param margin on top of the clearance
-static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin )
+static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, double margin )
 {
 	const double need = lwi_larger( s->enough + margin, 0 );
 	if ( near_holds( s, p, need ) )
 	{
 		return LWI_EDGE_PROVED;
 	}
-	bool dense = !s->last_try && s->way < SMALL_WAY && s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
-	if ( dense && s->way < TINY_WAY )
+	bool dense = !s->last_try && s->displacement < SMALL_WAY && s->a->shape->item_count > DENSE &&
+				 s->b->shape->item_count > DENSE;
+	if ( dense && s->displacement < TINY_WAY )
 	{
 		return LWI_EDGE_MEASURE;
 	}
@@ -281,9 +284,9 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin 
 	const lwi_kernels* kernels = s->edge->query->search.kernels;
 	float direction[3];
 	direction_between( s->a, s->b, direction );
-	lwi_places_plane plane;
-	lwi_edge_sweep found = LWI_EDGE_PROVED;
-	lwi_separation whole = lwi_separate_places( kernels, s->a, s->b, need + s->bulge, direction, &plane );
+	lwi_swept_plane plane;
+	lwi_edge_plane_result found = LWI_EDGE_PROVED;
+	lwi_separation whole = lwi_separate_swept( kernels, s->a, s->b, need + s->bulge, direction, &plane );
 	if ( whole != LWI_APART )
 	{
 		if ( dense )
@@ -295,10 +298,10 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin 
 			return LWI_EDGE_PROVED;
 		}
 		// is it the window that is too wide, or are their hulls too near?
-		lwi_places middle_a, middle_b;
-		lwi_places_stand( &middle_a, s->a->shape, &s->a->middle );
-		lwi_places_stand( &middle_b, s->b->shape, &s->b->middle );
-		lwi_separation middle = lwi_separate_places( kernels, &middle_a, &middle_b, need, direction, &plane );
+		lwi_swept_poses middle_a, middle_b;
+		lwi_swept_poses_static( &middle_a, s->a->shape, &s->a->middle );
+		lwi_swept_poses_static( &middle_b, s->b->shape, &s->b->middle );
+		lwi_separation middle = lwi_separate_swept( kernels, &middle_a, &middle_b, need, direction, &plane );
 		found = middle == LWI_APART ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
 	}
 	if ( found == LWI_EDGE_MEASURE )
@@ -316,31 +319,31 @@ static lwi_edge_sweep find_plane( sweeping* s, lwi_edge_plane* p, double margin 
 	return found;
 }
 
-static lwi_edge_sweep sweep_pair( sweeping s )
+static lwi_edge_plane_result test_self( plane_test s )
 {
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
-	const lwi_edge_item* item = s.item;
-	uint32_t a = item->body_a, b = item->body_b, above = item->ancestor;
+	const lwi_edge_pair* pair = s.pair;
+	uint32_t a = pair->body_a, b = pair->body_b, above = pair->ancestor;
 	const lwi_checker_tree* tree = c->tree;
 	bool alone = tree->nodes[tree->body_node[a]].body_count == 1 && tree->nodes[tree->body_node[b]].body_count == 1;
-	s.turned = item->rate_a.path == 0; // the static shape has the plane
-	s.any_key = alone ? 0 : BODY_KEY | ( s.turned ? a : b );
+	s.swapped = pair->rate_a.path == 0; // the static shape has the plane
+	s.any_key = alone ? 0 : BODY_KEY | ( s.swapped ? a : b );
 	lwi_edge_plane* p = NULL;
-	// places are seen from the ancestor, which is rounded too
+	// poses are seen from the ancestor, which is rounded too
 	double margin = lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
 	bool planes = s.bulge < MAX_BULGE;
 	lwi_cloud clouds[2];
 	clouds[0].made = clouds[1].made = false;
-	lwi_places places[2];
-	places[0].cloud = &clouds[0];
-	places[1].cloud = &clouds[1];
-	s.a = &places[s.turned ? 1 : 0];
-	s.b = &places[s.turned ? 0 : 1];
+	lwi_swept_poses poses[2];
+	poses[0].cloud = &clouds[0];
+	poses[1].cloud = &clouds[1];
+	s.a = &poses[s.swapped ? 1 : 0];
+	s.b = &poses[s.swapped ? 0 : 1];
 	if ( planes )
 	{
-		lwi_edge_places( e, a, above, item->rate_a, s.window, s.drifts != NULL ? &s.drifts[0] : NULL, &places[0] );
-		lwi_edge_places( e, b, above, item->rate_b, s.window, s.drifts != NULL ? &s.drifts[1] : NULL, &places[1] );
+		lwi_edge_swept_poses( e, a, above, pair->rate_a, s.window, s.linear != NULL ? &s.linear[0] : NULL, &poses[0] );
+		lwi_edge_swept_poses( e, b, above, pair->rate_b, s.window, s.linear != NULL ? &s.linear[1] : NULL, &poses[1] );
 		planes = has_planes( &s );
 		p = planes ? planes_of( &s, SELF_KEY | lwi_body_pair_id( c, a, b ) ) : NULL;
 		if ( planes && old_plane_holds( &s, p, margin ) )
@@ -348,8 +351,9 @@ static lwi_edge_sweep sweep_pair( sweeping s )
 			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
 		}
 	}
-	double way = way_of( e, a, above, item->rate_a, s.window ) + way_of( e, b, above, item->rate_b, s.window );
-	if ( !lwi_checker_pair_is_near( c, e->query, a, b, s.enough + way ) )
+	double displacement = center_displacement( e, a, above, pair->rate_a, s.window ) +
+						  center_displacement( e, b, above, pair->rate_b, s.window );
+	if ( !lwi_checker_pair_is_near( c, e->query, a, b, s.enough + displacement ) )
 	{
 		return LWI_EDGE_PROVED;
 	}
@@ -357,16 +361,16 @@ static lwi_edge_sweep sweep_pair( sweeping s )
 }
 
 /// All obstacles that are near the body's sphere.
-static lwi_edge_sweep sweep_scene( sweeping s )
+static lwi_edge_plane_result test_scene( plane_test s )
 {
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
-	const lwi_edge_item* item = s.item;
-	uint32_t count = s.last_try ? 0 : item->near; // a measurement has replaced the candidates
+	const lwi_edge_pair* pair = s.pair;
+	uint32_t count = s.last_try ? 0 : pair->near; // a measurement has replaced the candidates
 	if ( count == 0 )
 	{
-		double way = way_of( e, item->body_a, 0, item->rate_a, s.window );
-		count = lwi_checker_near_obstacles( c, e->query, item->body_a, s.enough + way );
+		double displacement = center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
+		count = lwi_checker_near_obstacles( c, e->query, pair->body_a, s.enough + displacement );
 	}
 	if ( count == 0 )
 	{
@@ -378,24 +382,24 @@ static lwi_edge_sweep sweep_scene( sweeping s )
 	}
 	lwi_cloud cloud;
 	cloud.made = false;
-	lwi_places places, stands;
-	places.cloud = &cloud;
-	s.a = &places;
-	s.b = &stands;
-	s.way = s.window.half * item->rate_a.path;
-	lwi_edge_places( e, item->body_a, 0, item->rate_a, s.window, s.drifts, &places );
-	lwi_edge_sweep worst = LWI_EDGE_PROVED;
+	lwi_swept_poses poses, fixed;
+	poses.cloud = &cloud;
+	s.a = &poses;
+	s.b = &fixed;
+	s.displacement = s.window.half * pair->rate_a.path;
+	lwi_edge_swept_poses( e, pair->body_a, 0, pair->rate_a, s.window, s.linear, &poses );
+	lwi_edge_plane_result worst = LWI_EDGE_PROVED;
 	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
 	{
 		uint32_t index = e->query->candidates[i].pair;
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
-		lwi_places_stand( &stands, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
-		s.any_key = stands.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
-		double margin = lwi_environment_margin( c, item->body_a, obstacle->object );
-		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, obstacle_key( c, item->body_a, index ) ) : NULL;
+		lwi_swept_poses_static( &fixed, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
+		s.any_key = fixed.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
+		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
+		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, obstacle_key( c, pair->body_a, index ) ) : NULL;
 		if ( p == NULL || !old_plane_holds( &s, p, margin ) )
 		{
-			lwi_edge_sweep now = p == NULL ? LWI_EDGE_MEASURE : find_plane( &s, p, margin );
+			lwi_edge_plane_result now = p == NULL ? LWI_EDGE_MEASURE : find_plane( &s, p, margin );
 			worst = now > worst ? now : worst;
 		}
 	}
@@ -407,30 +411,33 @@ static bool is_number( lw_vec3 v )
 	return v.x == v.x;
 }
 
-lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, bool last_try, uint8_t* skip )
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, bool last_try,
+	uint8_t* skip )
 {
 	*skip = 0;
 	if ( !( window.half > 0 ) )
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	bool is_short = !last_try && window.half * ( item->rate_a.path + item->rate_b.path ) <= SHORT_WAY * lwi_edge_slack( e, item );
+	bool is_short = !last_try &&
+					window.half * ( pair->rate_a.path + pair->rate_b.path ) <= SHORT_WAY * lwi_edge_slack( e, pair );
 	const uint32_t* node = e->checker->tree->body_node;
-	bool pair = lwi_edge_item_is_pair( item );
-	lwi_edge_drift drift[2] = { { .bulge = 0 }, { .bulge = 0 } };
-	bool drifts = lwi_edge_drifts( item->rate_a, window ) && ( !pair || lwi_edge_drifts( item->rate_b, window ) );
-	if ( drifts )
+	bool self = lwi_edge_pair_is_self( pair );
+	lwi_edge_linear_motion linear[2] = { { .bulge = 0 }, { .bulge = 0 } };
+	bool is_linear = lwi_edge_is_linear( pair->rate_a, window ) && ( !self || lwi_edge_is_linear( pair->rate_b, window ) );
+	if ( is_linear )
 	{
-		drift[0] = lwi_edge_drift_of( e, node[item->body_a], item->ancestor, item->rate_a, window );
-		drift[1] = pair ? lwi_edge_drift_of( e, node[item->body_b], item->ancestor, item->rate_b, window ) : drift[1];
-		drifts = is_number( drift[0].twist.turn ) && is_number( drift[1].twist.turn );
+		linear[0] = lwi_edge_linear_motion_of( e, node[pair->body_a], pair->ancestor, pair->rate_a, window );
+		linear[1] = self ? lwi_edge_linear_motion_of( e, node[pair->body_b], pair->ancestor, pair->rate_b, window )
+						 : linear[1];
+		is_linear = is_number( linear[0].twist.turn ) && is_number( linear[1].twist.turn );
 	}
-	sweeping s = { .edge = e, .item = item, .window = window, .last_try = last_try, .way = INFINITY };
-	s.enough = lwi_edge_enough( e, item );
-	s.drifts = drifts ? drift : NULL;
-	s.bulge = is_short ? NAN : drifts ? drift[0].bulge + drift[1].bulge : bow_of( e, item, window ).bulge;
-	lwi_edge_sweep sweep = pair ? sweep_pair( s ) : sweep_scene( s );
-	if ( sweep == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
+	plane_test s = { .edge = e, .pair = pair, .window = window, .last_try = last_try, .displacement = INFINITY };
+	s.enough = lwi_edge_enough( e, pair );
+	s.linear = is_linear ? linear : NULL;
+	s.bulge = is_short ? NAN : is_linear ? linear[0].bulge + linear[1].bulge : bow_of( e, pair, window ).bulge;
+	lwi_edge_plane_result result = self ? test_self( s ) : test_scene( s );
+	if ( result == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
 	{
 		for ( double next = 0.25 * s.bulge; !( next < MAX_BULGE ) && *skip < 16; next *= 0.25 )
 		{
@@ -438,7 +445,7 @@ lwi_edge_sweep lwi_edge_sweep_item( lwi_edge* e, const lwi_edge_item* item, lwi_
 		}
 		return LWI_EDGE_CLOSER;
 	}
-	return sweep;
+	return result;
 }
 
 static bool stays_away_from( const nearing* s, const lw_shape* shape, const lw_transform* pose, double margin )
@@ -447,52 +454,52 @@ static bool stays_away_from( const nearing* s, const lw_shape* shape, const lw_t
 	{
 		return false;
 	}
-	lwi_places stands;
-	lwi_places_stand( &stands, shape, pose );
-	return is_away( s, &stands, lwi_larger( s->enough + margin, 0 ) );
+	lwi_swept_poses fixed;
+	lwi_swept_poses_static( &fixed, shape, pose );
+	return is_away( s, &fixed, lwi_larger( s->enough + margin, 0 ) );
 }
 
-static bool pair_stays_away( nearing* s, const lwi_edge_item* item, lwi_edge_window window )
+static bool pair_stays_away( nearing* s, const lwi_edge_pair* pair, lwi_edge_window window )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const bool turned = item->rate_a.path == 0;
-	const uint32_t moving = turned ? item->body_b : item->body_a, stands = turned ? item->body_a : item->body_b;
-	if ( !turned && item->rate_b.path != 0 )
+	const bool swapped = pair->rate_a.path == 0;
+	const uint32_t moving = swapped ? pair->body_b : pair->body_a, fixed = swapped ? pair->body_a : pair->body_b;
+	if ( !swapped && pair->rate_b.path != 0 )
 	{
 		return false; // both move
 	}
-	if ( item->ancestor != 0 )
+	if ( pair->ancestor != 0 )
 	{
-		lwi_pose_node( c, e->query, item->ancestor );
-		s->n = lwi_unrotate( &e->query->world_from_link[c->tree->nodes[item->ancestor].top], s->n );
+		lwi_pose_node( c, e->query, pair->ancestor );
+		s->n = lwi_unrotate( &e->query->world_from_link[c->tree->nodes[pair->ancestor].top], s->n );
 	}
-	s->n = turned ? lwi_scale( -1, s->n ) : s->n;
-	const lwi_motion_rate rate = turned ? item->rate_b : item->rate_a;
-	lwi_places still;
-	set_out( s, moving, item->ancestor, rate, window );
-	lwi_edge_places( e, stands, item->ancestor, (lwi_motion_rate){ 0, 0 }, window, NULL, &still );
-	double margin = lwi_self_margin( c, item->body_a, item->body_b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
+	s->n = swapped ? lwi_scale( -1, s->n ) : s->n;
+	const lwi_motion_rate rate = swapped ? pair->rate_b : pair->rate_a;
+	lwi_swept_poses still;
+	set_out( s, moving, pair->ancestor, rate, window );
+	lwi_edge_swept_poses( e, fixed, pair->ancestor, (lwi_motion_rate){ 0, 0 }, window, NULL, &still );
+	double margin = lwi_self_margin( c, pair->body_a, pair->body_b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
 	return stays_away_from( s, still.shape, &still.middle, margin );
 }
 
-static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_edge_window window )
+static bool stays_away_from_scene( nearing* s, const lwi_edge_pair* pair, lwi_edge_window window )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	set_out( s, item->body_a, 0, item->rate_a, window );
-	uint32_t count = lwi_checker_near_obstacles( c, e->query, item->body_a, s->enough + s->way );
+	set_out( s, pair->body_a, 0, pair->rate_a, window );
+	uint32_t count = lwi_checker_near_obstacles( c, e->query, pair->body_a, s->enough + s->displacement );
 	bool away = true;
 	for ( uint32_t i = 0; i < count && away; ++i )
 	{
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[e->query->candidates[i].pair];
-		double margin = lwi_environment_margin( c, item->body_a, obstacle->object );
+		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
 		away = stays_away_from( s, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape, margin );
 	}
 	for ( uint32_t i = 0; i < count && away; ++i )
 	{
 		const uint32_t index = e->query->candidates[i].pair;
-		lwi_edge_plane* p = plane_of( e, obstacle_key( c, item->body_a, index ) );
+		lwi_edge_plane* p = plane_of( e, obstacle_key( c, pair->body_a, index ) );
 		const lw_vec3 n = lwi_unrotate( &c->scene->shapes[index].world_from_shape, s->n );
 		p->near_known = true;
 		p->near[0] = (float)n.x;
@@ -502,19 +509,19 @@ static bool stays_away_from_scene( nearing* s, const lwi_edge_item* item, lwi_ed
 	return away;
 }
 
-bool lwi_edge_sweep_near( lwi_edge* e, const lwi_edge_item* item, lwi_edge_window window, const lw_clearance* measured )
+bool lwi_edge_near_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, const lw_clearance* measured )
 {
-	const bool pair = lwi_edge_item_is_pair( item );
-	nearing s = { .edge = e, .enough = lwi_edge_enough( e, item ), .n = lwi_sub( measured->point_b, measured->point_a ) };
+	const bool self = lwi_edge_pair_is_self( pair );
+	nearing s = { .edge = e, .enough = lwi_edge_enough( e, pair ), .n = lwi_sub( measured->point_b, measured->point_a ) };
 	// along no direction they are farther from each other than they were measured to be
 	if ( !e->query->search.def.planes || !( measured->upper > s.enough && measured->upper < INFINITY ) )
 	{
 		return false;
 	}
-	s.bend = bow_of( e, item, window ).bend;
+	s.bend = bow_of( e, pair, window ).bend;
 	if ( !( s.bend <= MAX_BEND ) )
 	{
 		return false;
 	}
-	return pair ? pair_stays_away( &s, item, window ) : stays_away_from_scene( &s, item, window );
+	return self ? pair_stays_away( &s, pair, window ) : stays_away_from_scene( &s, pair, window );
 }

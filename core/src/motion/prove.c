@@ -2,15 +2,15 @@
 // The proof of an edge: everything is measured at its middle; unproved pairs are measured in cells, halved level by level.
 //
 // Schwarzer, Saha, Latombe, IEEE T-RO 21(3), 2005, with shared samples: the places of samples are the middles of dyadic
-// cells for all items alike, so that a posed state serves many. Proofs and work: core/docs/edges.md.
+// cells for all pairs alike, so that a posed state serves many. Proofs and work: core/docs/edges.md.
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
 enum
 {
 	SEARCH_LEVELS = 2, ///< of halving, at which states of a refused edge are tested for a collision
-	WORK_PER_LOOK = 6, ///< open cells of a rake
-	MOST_LOOKS = 20    ///< states that the collision tests of a screening take, poses of the middle again among them
+	WORK_PER_PROBE = 6, ///< open cells of an interval batch
+	MOST_PROBES = 20    ///< states that the collision tests of a midpoint pass take, poses of the middle again among them
 };
 
 // ---- one gap ---------------------------------------------------------------------------------------------------------
@@ -27,7 +27,7 @@ static lwi_edge_window window_of( piece p )
 }
 
 /// Closes one gap by halving it, left parts first.
-static bool close_gap( lwi_edge* e, lwi_edge_item* item, piece gap )
+static bool close_gap( lwi_edge* e, lwi_edge_pair* pair, piece gap )
 {
 	piece stack[LWI_EDGE_MAX_DEPTH + 2];
 	int depth = 0;
@@ -36,10 +36,10 @@ static bool close_gap( lwi_edge* e, lwi_edge_item* item, piece gap )
 	{
 		piece next = stack[--depth];
 		lwi_edge_window window = window_of( next );
-		lwi_edge_sample s = lwi_edge_measure( e, item, window, true );
+		lwi_edge_sample s = lwi_edge_measure( e, pair, window, true );
 		if ( !s.proved && ( s.low || depth > LWI_EDGE_MAX_DEPTH ) )
 		{
-			return lwi_edge_fail( e, item, window.t, &s );
+			return lwi_edge_fail( e, pair, window.t, &s );
 		}
 		if ( !s.proved )
 		{
@@ -55,23 +55,23 @@ static bool close_gap( lwi_edge* e, lwi_edge_item* item, piece gap )
 /// Hands half a cell down to the next level; where there is no room it is closed at once.
 static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* from, uint64_t cell, double width, int level )
 {
-	if ( !lwi_edge_cell_is_open( &e->items[from->item], cell, level ) )
+	if ( !lwi_edge_cell_is_open( &e->pairs[from->pair], cell, level ) )
 	{
 		return true;
 	}
 	if ( next->count == e->gap_capacity )
 	{
-		return close_gap( e, &e->items[from->item], (piece){ (double)cell * width, (double)( cell + 1 ) * width } );
+		return close_gap( e, &e->pairs[from->pair], (piece){ (double)cell * width, (double)( cell + 1 ) * width } );
 	}
-	next->gaps[next->count++] = (lwi_edge_gap){ cell, from->item, from->skip, true };
+	next->gaps[next->count++] = (lwi_edge_gap){ cell, from->pair, from->skip, true };
 	return true;
 }
 
-/// Once an item is within the slack, whole states are tested for a collision before its windows are halved: a proof near
+/// Once a pair is within the slack, whole states are tested for a collision before its windows are halved: a proof near
 /// contact takes many, and most edges that need one are blocked. @return true if none was found
-static bool look_if_close( lwi_edge* e )
+static bool probe_if_close( lwi_edge* e )
 {
-	return e->close == 0 || e->looked >= SEARCH_LEVELS || lwi_edge_look( e, SEARCH_LEVELS );
+	return e->close == 0 || e->probed_levels >= SEARCH_LEVELS || lwi_edge_probe( e, SEARCH_LEVELS );
 }
 
 /// Measures the gaps of one cell at its middle.
@@ -87,14 +87,14 @@ static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, doubl
 			--g->skip;
 			continue;
 		}
-		lwi_edge_sample s = lwi_edge_measure( e, &e->items[g->item], window, true );
+		lwi_edge_sample s = lwi_edge_measure( e, &e->pairs[g->pair], window, true );
 		if ( !s.proved && s.low )
 		{
-			return lwi_edge_fail( e, &e->items[g->item], window.t, &s );
+			return lwi_edge_fail( e, &e->pairs[g->pair], window.t, &s );
 		}
 		g->skip = s.skip;
 		g->open = !s.proved;
-		if ( !look_if_close( e ) )
+		if ( !probe_if_close( e ) )
 		{
 			return false;
 		}
@@ -133,9 +133,9 @@ static bool prove_levels( lwi_edge* e, int level )
 		next = swap;
 		if ( level > LWI_EDGE_MAX_DEPTH )
 		{
-			const lwi_edge_sample given_up = { .pair = lw_clearance_unknown() };
+			const lwi_edge_sample given_up = { .clearance = lw_clearance_unknown() };
 			const lwi_edge_gap* gap = &now->gaps[0];
-			return lwi_edge_fail( e, &e->items[gap->item], (double)gap->cell * width, &given_up );
+			return lwi_edge_fail( e, &e->pairs[gap->pair], (double)gap->cell * width, &given_up );
 		}
 		next->count = 0;
 		for ( uint32_t first = 0, end; first < now->count; first = end )
@@ -166,13 +166,13 @@ static bool check_static( lwi_edge* e )
 	return false;
 }
 
-/// Tests the end of the edge for a collision, unless the screening has done so: edges that are not free mostly end in
+/// Tests the end of the edge for a collision, unless the midpoint pass has done so: edges that are not free mostly end in
 /// one.
 static bool end_is_free( lwi_edge* e )
 {
-	for ( uint32_t i = 0; i < e->item_count && e->looked == 0; ++i )
+	for ( uint32_t i = 0; i < e->pair_count && e->probed_levels == 0; ++i )
 	{
-		if ( !lwi_edge_item_is_free( e, &e->items[i], 1 ) )
+		if ( !lwi_edge_pair_is_free( e, &e->pairs[i], 1 ) )
 		{
 			return false;
 		}
@@ -181,32 +181,33 @@ static bool end_is_free( lwi_edge* e )
 }
 
 /// States of a proof are fewer than 2^k of at least V / slack; 2 V / slack + 2 are promised.
-static bool has_room_for_looks( const lwi_edge* e )
+static bool has_room_for_probes( const lwi_edge* e )
 {
 	int k;
 	double cells = e->longest / e->def->slack;
 	frexp( cells, &k );
-	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_LOOKS;
+	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_PROBES;
 }
 
-/// Measures the unproved pairs of a screening in both halves.
-static bool prove_by_screening( lwi_edge* e, lwi_edge_window whole )
+/// Measures the unproved pairs of a midpoint pass in both halves.
+static bool prove_by_midpoint_pass( lwi_edge* e, lwi_edge_window whole )
 {
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
-	if ( !lwi_edge_screen( e, whole, first, has_room_for_looks( e ) ) || !end_is_free( e ) )
+	if ( !lwi_edge_midpoint_pass( e, whole, first, has_room_for_probes( e ) ) || !end_is_free( e ) )
 	{
 		return false;
 	}
 	next->count = 0;
-	return look_if_close( e ) && hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
+	return probe_if_close( e ) && hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
-/// Are the items that a rake has not proved in a cell free at t?
+/// Are the pairs that an interval batch has not proved in a cell free at t?
 static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
 {
-	for ( uint32_t i = 0; i < e->item_count; ++i )
+	for ( uint32_t i = 0; i < e->pair_count; ++i )
 	{
-		if ( !e->items[i].neighbours && ( e->items[i].cells >> cell & 1 ) != 0 && !lwi_edge_item_is_free( e, &e->items[i], t ) )
+		if ( !e->pairs[i].neighbours && ( e->pairs[i].cells >> cell & 1 ) != 0 &&
+			 !lwi_edge_pair_is_free( e, &e->pairs[i], t ) )
 		{
 			return false;
 		}
@@ -214,14 +215,14 @@ static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
 	return true;
 }
 
-/// Tests items for collisions, at the end and where a rake has left most of them unproved: edges of a planner that are not
-/// free end here. Pairs of neighbours, which a rake never proves, do not count.
-static bool look_at_cells( lwi_edge* e )
+/// Tests pairs for collisions, at the end and where the interval batch has left most of them unproved: edges of a planner that
+/// are not free end here. Pairs of neighbours, which an interval batch never proves, do not count.
+static bool probe_cells( lwi_edge* e )
 {
 	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;
-	for ( uint32_t i = 0; i < e->item_count; ++i )
+	for ( uint32_t i = 0; i < e->pair_count; ++i )
 	{
-		for ( uint32_t left = e->items[i].neighbours ? 0 : e->items[i].cells; left != 0; left &= left - 1, ++work )
+		for ( uint32_t left = e->pairs[i].neighbours ? 0 : e->pairs[i].cells; left != 0; left &= left - 1, ++work )
 		{
 			++counts[lwi_lowest_bit( left )];
 		}
@@ -230,7 +231,7 @@ static bool look_at_cells( lwi_edge* e )
 	{
 		return false;
 	}
-	for ( uint32_t looks = work / WORK_PER_LOOK; looks > 0; --looks )
+	for ( uint32_t probes = work / WORK_PER_PROBE; probes > 0; --probes )
 	{
 		uint32_t most = 0;
 		for ( uint32_t cell = 1; cell < LWI_WIDTH; ++cell )
@@ -250,13 +251,13 @@ static bool look_at_cells( lwi_edge* e )
 	return true;
 }
 
-/// Measures the unproved pairs of a rake in their cells.
-static bool prove_by_rake( lwi_edge* e )
+/// Measures the unproved pairs of an interval batch in their cells.
+static bool prove_by_batch( lwi_edge* e )
 {
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
-	first->count = next->count = e->item_count = 0;
-	lwi_edge_rake_all( e );
-	return ( !has_room_for_looks( e ) || look_at_cells( e ) ) && lwi_edge_screen_items( e, first ) && look_if_close( e ) &&
+	first->count = next->count = e->pair_count = 0;
+	lwi_edge_batch_pass( e );
+	return ( !has_room_for_probes( e ) || probe_cells( e ) ) && lwi_edge_midpoint_pairs( e, first ) && probe_if_close( e ) &&
 		   hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
@@ -269,7 +270,7 @@ bool lwi_edge_prove( lwi_edge* e )
 	// nothing moves: one state, the given one
 	const lwi_edge_window whole = e->longest > 0 ? (lwi_edge_window){ 0.5, 0.5 } : (lwi_edge_window){ 1, 0 };
 	if ( lwi_edge_measure_nodes( e, whole.t, whole.t ) &&
-		 ( lwi_edge_rakes( e ) ? prove_by_rake( e ) : prove_by_screening( e, whole ) ) )
+		 ( lwi_edge_has_batch( e ) ? prove_by_batch( e ) : prove_by_midpoint_pass( e, whole ) ) )
 	{
 		double proved = INFINITY; // nothing was to be measured
 		if ( e->spare < INFINITY )
@@ -281,15 +282,15 @@ bool lwi_edge_prove( lwi_edge* e )
 	}
 	if ( e->out->verdict == LW_VERDICT_REFUSED && e->longest > 0 )
 	{
-		lwi_edge_look( e, SEARCH_LEVELS ); // blocked elsewhere is worth knowing
+		lwi_edge_probe( e, SEARCH_LEVELS ); // blocked elsewhere is worth knowing
 	}
 	return false;
 }
 
 // ---- from the left ---------------------------------------------------------------------------------------------------
 
-/// Extends the proof of one item from the left as far as it goes, not beyond `until`. @return the end of the proved part
-static double prove_from_left( lwi_edge* e, lwi_edge_item* item, double until )
+/// Extends the proof of one pair from the left as far as it goes, not beyond `until`. @return the end of the proved part
+static double prove_from_left( lwi_edge* e, lwi_edge_pair* pair, double until )
 {
 	piece stack[LWI_EDGE_MAX_DEPTH + 2];
 	int depth = 0;
@@ -298,17 +299,18 @@ static double prove_from_left( lwi_edge* e, lwi_edge_item* item, double until )
 	{
 		piece gap = stack[--depth]; // everything left of it is proved
 		lwi_edge_window window = window_of( gap );
-		lwi_edge_sample s = lwi_edge_measure( e, item, window, false );
+		lwi_edge_sample s = lwi_edge_measure( e, pair, window, false );
 		if ( s.proved )
 		{
 			continue;
 		}
 		if ( s.blocked )
 		{
-			lwi_edge_fail( e, item, window.t, &s );
+			lwi_edge_fail( e, pair, window.t, &s );
 		}
 		// halve again, down to the width that a slack would prove
-		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH || !( e->longest * ( window.t - gap.a ) > 0.5 * lwi_edge_slack( e, item ) ) )
+		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH ||
+			 !( e->longest * ( window.t - gap.a ) > 0.5 * lwi_edge_slack( e, pair ) ) )
 		{
 			return gap.a;
 		}
@@ -326,7 +328,7 @@ static double prove_from_left( lwi_edge* e, lwi_edge_item* item, double until )
 	return until;
 }
 
-/// A state that is not free, as far left before `until` as a search by eighths and six halvings finds: without it most items
+/// A state that is not free, as far left before `until` as a search by eighths and six halvings finds: without it most pairs
 /// would be proved far beyond where another one ends the run.
 static double locate_failure( lwi_edge* e, double until )
 {
@@ -344,10 +346,10 @@ static double locate_failure( lwi_edge* e, double until )
 	return blocked_t;
 }
 
-static bool screen_run( lwi_edge* e, lwi_edge_window window )
+static bool run_midpoint_pass( lwi_edge* e, lwi_edge_window window )
 {
 	return lwi_edge_measure_nodes( e, window.t, lwi_larger( window.t, 1 - window.t ) ) &&
-		   lwi_edge_screen( e, window, &e->levels[0], false );
+		   lwi_edge_midpoint_pass( e, window, &e->levels[0], false );
 }
 
 double lwi_edge_proved_run( lwi_edge* e )
@@ -360,14 +362,14 @@ double lwi_edge_proved_run( lwi_edge* e )
 	e->close = 0;
 	e->most_states = e->out->queries + LW_EDGE_MOST_STATES;
 	double until = e->out->t > 0 ? nextafter( locate_failure( e, e->out->t ), 0 ) : 0;
-	while ( until > 0 && !e->failed && !screen_run( e, window_of( (piece){ 0, until } ) ) )
+	while ( until > 0 && !e->failed && !run_midpoint_pass( e, window_of( (piece){ 0, until } ) ) )
 	{
 		// something is too near at the middle already
 		until = e->longest * until > e->def->slack ? nextafter( 0.5 * until, 0 ) : 0;
 	}
-	for ( uint32_t i = 0; i < e->item_count && until > 0 && !e->failed; ++i )
+	for ( uint32_t i = 0; i < e->pair_count && until > 0 && !e->failed; ++i )
 	{
-		until = lwi_smaller( until, prove_from_left( e, &e->items[i], until ) );
+		until = lwi_smaller( until, prove_from_left( e, &e->pairs[i], until ) );
 	}
 	return e->failed ? 0 : until;
 }

@@ -119,23 +119,24 @@ typedef struct lwi_kernels
 	/// cosines and sines of angles as lwi_turn_of() has them; fastest for multiples of four
 	void ( *turns )( const double* angle, uint32_t count, double* cosine, double* sine );
 
-	// Rakes: simd/lanes.h. [LWI_WIDTH] lanes
+	// Interval batches: simd/lanes.h. [LWI_WIDTH] lanes
 
 	/// The frame behind a joint. @param value of a joint that shifts, else zeros @param cosine, sine 1 and 0 of one that
 	/// does
 	/// @param speed how fast it turns or shifts, per unit of t
-	void ( *rake_frame )( const lwi_rake_frame* above, const lwi_rake_joint* joint, const double* cosine, const double* sine,
-		const double* value, double speed, lwi_rake_frame* out );
+	void ( *batch_frame )( const lwi_batch_frame* above, const lwi_batch_joint* joint, const double* cosine,
+		const double* sine, const double* value, double speed, lwi_batch_frame* out );
 	/// A point of a frame, from an origin in the world. @param half width of half a window in t
-	void ( *rake_point )( const lwi_rake_frame* frame, const double local[3], const double origin[3], double half, lwi_rake_point* out );
+	void ( *batch_point )( const lwi_batch_frame* frame, const double local[3], const double origin[3], double half,
+		lwi_batch_point* out );
 	/// A frame in a frame: frame_from_body r, local
-	void ( *rake_body )( const lwi_rake_frame* frame, const double r[3][3], const double local[3], const double origin[3], double half,
-		lwi_rake_body* out );
+	void ( *batch_body )( const lwi_batch_frame* frame, const double r[3][3], const double local[3], const double origin[3],
+		double half, lwi_batch_body* out );
 	/// A point of a body
-	void ( *rake_move )( const lwi_rake_body* body, const float local[3], lwi_rake_point* out );
+	void ( *batch_move )( const lwi_batch_body* body, const float local[3], lwi_batch_point* out );
 	/// Lanes in which a point may come within `reach` > 0 of a box or of another point, except for changes of velocity
-	uint32_t ( *rake_box )( const lwi_rake_point* point, const float min[3], const float max[3], float reach );
-	uint32_t ( *rake_pair )( const lwi_rake_point* a, const lwi_rake_point* b, float reach );
+	uint32_t ( *batch_box )( const lwi_batch_point* point, const float min[3], const float max[3], float reach );
+	uint32_t ( *batch_pair )( const lwi_batch_point* a, const lwi_batch_point* b, float reach );
 	/// One interval, many spheres: pairs that may come within `reach` > 0, likewise; the rest as sphere_pairs
 	uint32_t ( *moving_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near );
 } lwi_kernels;

@@ -546,4 +546,4 @@ static void turns( const double* restrict angle, uint32_t count, double* restric
 
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, brick_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
 	leaf_project, leaf_transform, points_move, points_farthest, planes_clear, triangle_gap, node_solid_gap, leaf_solid_gap, turns,
-	rake_frame, rake_point, rake_body, rake_move, rake_box, rake_pair, moving_pairs };
+	batch_frame, batch_point, batch_body, batch_move, batch_box, batch_pair, moving_pairs };

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Kernels of rakes (simd/lanes.h), a part of simd/kernels_impl.h. Those in double are plain loops over lanes, which
+// Kernels of interval batches (simd/lanes.h), a part of simd/kernels_impl.h. Those in double are plain loops over lanes, which
 // compilers turn into vector instructions.
 
-static void rake_frame( const lwi_rake_frame* restrict above, const lwi_rake_joint* restrict joint, const double* restrict cosine,
-	const double* restrict sine, const double* restrict value, double speed, lwi_rake_frame* restrict out )
+static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_joint* restrict joint,
+	const double* restrict cosine, const double* restrict sine, const double* restrict value, double speed,
+	lwi_batch_frame* restrict out )
 {
 	const double *still = joint->still, *by_cosine = joint->cosine, *by_sine = joint->sine;
 	const double *offset = joint->offset, *along = joint->along;
@@ -45,8 +46,8 @@ static void rake_frame( const lwi_rake_frame* restrict above, const lwi_rake_joi
 	}
 }
 
-static void rake_point( const lwi_rake_frame* restrict frame, const double local[3], const double origin[3], double half,
-	lwi_rake_point* restrict out )
+static void batch_point( const lwi_batch_frame* restrict frame, const double local[3], const double origin[3], double half,
+	lwi_batch_point* restrict out )
 {
 	const double x = local[0], y = local[1], z = local[2], o0 = origin[0], o1 = origin[1], o2 = origin[2];
 	for ( int l = 0; l < LWI_WIDTH; ++l )
@@ -58,14 +59,14 @@ static void rake_point( const lwi_rake_frame* restrict frame, const double local
 		out->p[0][l] = (float)( p0 - o0 );
 		out->p[1][l] = (float)( p1 - o1 );
 		out->p[2][l] = (float)( p2 - o2 );
-		out->way[0][l] = (float)( half * ( frame->shift[0][l] + ( w1 * p2 - w2 * p1 ) ) );
-		out->way[1][l] = (float)( half * ( frame->shift[1][l] + ( w2 * p0 - w0 * p2 ) ) );
-		out->way[2][l] = (float)( half * ( frame->shift[2][l] + ( w0 * p1 - w1 * p0 ) ) );
+		out->displacement[0][l] = (float)( half * ( frame->shift[0][l] + ( w1 * p2 - w2 * p1 ) ) );
+		out->displacement[1][l] = (float)( half * ( frame->shift[1][l] + ( w2 * p0 - w0 * p2 ) ) );
+		out->displacement[2][l] = (float)( half * ( frame->shift[2][l] + ( w0 * p1 - w1 * p0 ) ) );
 	}
 }
 
-static void rake_body( const lwi_rake_frame* restrict frame, const double r[3][3], const double local[3], const double origin[3],
-	double half, lwi_rake_body* restrict out )
+static void batch_body( const lwi_batch_frame* restrict frame, const double r[3][3], const double local[3],
+	const double origin[3], double half, lwi_batch_body* restrict out )
 {
 	for ( int i = 0; i < 3; ++i )
 	{
@@ -78,10 +79,10 @@ static void rake_body( const lwi_rake_frame* restrict frame, const double r[3][3
 			out->turn[i][l] = (float)( half * frame->turn[i][l] );
 		}
 	}
-	rake_point( frame, local, origin, half, &out->origin );
+	batch_point( frame, local, origin, half, &out->origin );
 }
 
-static void rake_move( const lwi_rake_body* body, const float local[3], lwi_rake_point* out )
+static void batch_move( const lwi_batch_body* body, const float local[3], lwi_batch_point* out )
 {
 	f8 x = f8_set( local[0] ), y = f8_set( local[1] ), z = f8_set( local[2] );
 	v3 along, turn = v3_load( body->turn );
@@ -92,19 +93,19 @@ static void rake_move( const lwi_rake_body* body, const float local[3], lwi_rake
 		*d[i] = f8_add( sum, f8_mul( f8_load( body->r[3 * i + 2] ), z ) );
 	}
 	v3_store( out->p, v3_add( v3_load( body->origin.p ), along ) );
-	v3_store( out->way, v3_add( v3_load( body->origin.way ), v3_cross( turn, along ) ) );
+	v3_store( out->displacement, v3_add( v3_load( body->origin.displacement ), v3_cross( turn, along ) ) );
 }
 
 /// Lanes in which two things do not stay apart: d from one to the other at the middle, along which the gap shrinks by at
-/// most |d . way| / |d|. They do if |d| >= reach and |d|^2 - |d . way| >= reach |d|.
-static inline uint32_t rake_meet( v3 d, v3 way, f8 reach )
+/// most |d . displacement| / |d|. They do if |d| >= reach and |d|^2 - |d . displacement| >= reach |d|.
+static inline uint32_t batch_meet( v3 d, v3 displacement, f8 reach )
 {
 	f8 square = v3_dot( d, d ), length = f8_sqrt( square );
-	f8 left = f8_sub( square, f8_abs( v3_dot( d, way ) ) );
+	f8 left = f8_sub( square, f8_abs( v3_dot( d, displacement ) ) );
 	return ~m8_bits( m8_and( f8_ge( length, reach ), f8_ge( left, f8_mul( reach, length ) ) ) ) & 0xffu;
 }
 
-static uint32_t rake_box( const lwi_rake_point* point, const float min[3], const float max[3], float reach )
+static uint32_t batch_box( const lwi_batch_point* point, const float min[3], const float max[3], float reach )
 {
 	v3 p = v3_load( point->p ), d;
 	f8 zero = f8_set( 0.0f );
@@ -116,12 +117,13 @@ static uint32_t rake_box( const lwi_rake_point* point, const float min[3], const
 		f8 above = f8_max( f8_sub( at[i], f8_set( max[i] ) ), zero ), below = f8_max( f8_sub( f8_set( min[i] ), at[i] ), zero );
 		*out[i] = f8_sub( above, below );
 	}
-	return rake_meet( d, v3_load( point->way ), f8_set( reach ) );
+	return batch_meet( d, v3_load( point->displacement ), f8_set( reach ) );
 }
 
-static uint32_t rake_pair( const lwi_rake_point* a, const lwi_rake_point* b, float reach )
+static uint32_t batch_pair( const lwi_batch_point* a, const lwi_batch_point* b, float reach )
 {
-	return rake_meet( v3_sub( v3_load( a->p ), v3_load( b->p ) ), v3_sub( v3_load( a->way ), v3_load( b->way ) ), f8_set( reach ) );
+	return batch_meet( v3_sub( v3_load( a->p ), v3_load( b->p ) ),
+		v3_sub( v3_load( a->displacement ), v3_load( b->displacement ) ), f8_set( reach ) );
 }
 
 /// Eight centres, or ways, of a block of moving spheres.
@@ -138,7 +140,7 @@ static uint32_t moving_pairs( const float* blocks, uint32_t count, const uint8_t
 	{
 		const float* mine = blocks + size * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
 		const float center[3] = { mine[0], mine[LWI_WIDTH], mine[2 * LWI_WIDTH] };
-		const float way[3] = { mine[4 * LWI_WIDTH], mine[5 * LWI_WIDTH], mine[6 * LWI_WIDTH] };
+		const float displacement[3] = { mine[4 * LWI_WIDTH], mine[5 * LWI_WIDTH], mine[6 * LWI_WIDTH] };
 		const f8 radius = f8_set( mine[3 * LWI_WIDTH] + reach );
 		for ( uint32_t block = i / LWI_WIDTH; block * LWI_WIDTH < count; ++block )
 		{
@@ -149,8 +151,8 @@ static uint32_t moving_pairs( const float* blocks, uint32_t count, const uint8_t
 			}
 			const float* other = blocks + size * block;
 			const f8 apart = f8_add( radius, f8_load( other + 3 * LWI_WIDTH ) );
-			lanes &= rake_meet( v3_sub( moving_rows( other ), v3_set( center ) ),
-				v3_sub( moving_rows( other + 4 * LWI_WIDTH ), v3_set( way ) ), apart );
+			lanes &= batch_meet( v3_sub( moving_rows( other ), v3_set( center ) ),
+				v3_sub( moving_rows( other + 4 * LWI_WIDTH ), v3_set( displacement ) ), apart );
 			for ( ; lanes != 0; lanes &= lanes - 1 )
 			{
 				near[found++] = (uint16_t)( 256 * i + LWI_WIDTH * block + lwi_lowest_bit( lanes ) );

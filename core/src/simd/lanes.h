@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rakes: a robot at the middles of eight windows of an edge at once, and how it moves there.
+// Interval batches: a robot at the middles of eight windows of an edge at once, and how it moves there.
 //
 // Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024, has eight states
-// of an edge as the lanes of vectors, spread over it like the teeth of a rake. Here a lane is not a state but a window
-// around it, with the velocity of every point: spheres are proved to stay apart for all of it. Proof and rounding:
+// of an edge as the lanes of vectors, spread over it like the teeth of a rake. Here a lane is not a state but
+// a window around it, with the velocity of every point: spheres are proved to stay apart for all of it. Proof and rounding:
 // core/docs/edges.md.
 #ifndef LEEWAY_SIMD_LANES_H
 #define LEEWAY_SIMD_LANES_H
@@ -13,7 +13,7 @@
 /// A moving joint and the constant transform above it, frame_from_joint r, t: r times the turn by an angle with cosine c and
 /// sine s is still + c cosine + s sine, and the joint's origin is offset + value along, in the frame above. Matrices by
 /// rows.
-typedef struct lwi_rake_joint
+typedef struct lwi_batch_joint
 {
 	double still[9], cosine[9], sine[9];
 	double offset[3];
@@ -21,28 +21,28 @@ typedef struct lwi_rake_joint
 	bool turns;      ///< else it shifts
 	double multiplier, variable_offset; ///< its value is multiplier * q[variable] + variable_offset
 	uint32_t variable;
-} lwi_rake_joint;
+} lwi_batch_joint;
 
 /// A frame in the lanes: world_from_frame, and its twist per unit of t: a point x has the velocity shift + turn x x.
-typedef struct lwi_rake_frame
+typedef struct lwi_batch_frame
 {
 	double r[9][LWI_WIDTH], t[3][LWI_WIDTH];
 	double turn[3][LWI_WIDTH], shift[3][LWI_WIDTH];
-} lwi_rake_frame;
+} lwi_batch_frame;
 
-/// A point in the lanes: where it is at the middle, from some origin, and how far its velocity takes it in half a window.
-typedef struct lwi_rake_point
+/// A point in the lanes: where it is at the middle, from some origin, and its displacement by its velocity in half a window.
+typedef struct lwi_batch_point
 {
-	float p[3][LWI_WIDTH], way[3][LWI_WIDTH];
-} lwi_rake_point;
+	float p[3][LWI_WIDTH], displacement[3][LWI_WIDTH];
+} lwi_batch_point;
 
 /// The frame of a shape's tree in the lanes.
-typedef struct lwi_rake_body
+typedef struct lwi_batch_body
 {
 	float r[9][LWI_WIDTH];
 	float turn[3][LWI_WIDTH]; ///< in half a window
-	lwi_rake_point origin;
-} lwi_rake_body;
+	lwi_batch_point origin;
+} lwi_batch_body;
 
 enum
 {

@@ -7,11 +7,11 @@
 
 enum
 {
-	LWI_WIDTH = 8,     ///< children per node, items per leaf, lanes of a kernel
+	LWI_WIDTH = 8,     ///< children per node, pairs per leaf, lanes of a kernel
 	LWI_MAX_DEPTH = 24 ///< inner levels of a tree; the builder guarantees it (8-wide, median splits as a fallback)
 };
 
-/// Reference to a subtree: bit 31 set = leaf, bits 28 to 30 = its item count - 1, bits 0 to 27 = leaf index.
+/// Reference to a subtree: bit 31 set = leaf, bits 28 to 30 = its pair count - 1, bits 0 to 27 = leaf index.
 /// Otherwise a node index. LW_INVALID_INDEX = no child (pad lane).
 typedef uint32_t lwi_ref;
 #define LWI_LEAF_BIT 0x80000000u

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Kernels of rakes: every level against the scalar one bit for bit, frames against joints one by one in long double, and
-// pairs held to stay apart against many moments of its window.
+// Kernels of interval batches: every level against the scalar one bit for bit, frames against joints one by one in long double,
+// and pairs held to stay apart against many moments of their window.
 #include "kernel_levels.hpp"
 #include "seeded_rng.hpp"
 
@@ -58,7 +58,7 @@ Vector plus( const Vector& a, const Vector& b, real s = 1 )
 	return { a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2] };
 }
 
-/// A chain of joints, each with a constant transform above it; and the same as rakes want it.
+/// A chain of joints, each with a constant transform above it; and the same in the form of interval batches.
 struct Chain
 {
 	struct Joint
@@ -95,9 +95,9 @@ struct Chain
 	}
 
 	/// Lanes at the middles of eight windows of [0, 1].
-	lwi_rake_frame lanes( const lwi_kernels* kernels ) const
+	lwi_batch_frame lanes( const lwi_kernels* kernels ) const
 	{
-		lwi_rake_frame frame;
+		lwi_batch_frame frame;
 		std::memset( &frame, 0, sizeof( frame ) );
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
@@ -105,7 +105,7 @@ struct Chain
 		}
 		for ( const Joint& j : joints )
 		{
-			const lwi_rake_joint joint = rake( j );
+			const lwi_batch_joint joint = batch_joint_of( j );
 			double c[LWI_WIDTH], s[LWI_WIDTH], value[LWI_WIDTH];
 			for ( int l = 0; l < LWI_WIDTH; ++l )
 			{
@@ -114,17 +114,17 @@ struct Chain
 				s[l] = j.turns ? std::sin( v ) : 0;
 				value[l] = j.turns ? 0 : v;
 			}
-			lwi_rake_frame next;
-			kernels->rake_frame( &frame, &joint, c, s, value, static_cast<double>( j.speed ), &next );
+			lwi_batch_frame next;
+			kernels->batch_frame( &frame, &joint, c, s, value, static_cast<double>( j.speed ), &next );
 			frame = next;
 		}
 		return frame;
 	}
 
 private:
-	static lwi_rake_joint rake( const Joint& j )
+	static lwi_batch_joint batch_joint_of( const Joint& j )
 	{
-		lwi_rake_joint out = {};
+		lwi_batch_joint out = {};
 		const Vector& a = j.axis;
 		const Matrix cross = { { { 0, -a[2], a[1] }, { a[2], 0, -a[0] }, { -a[1], a[0], 0 } } }, sine = times( j.r, cross );
 		const Vector along = times( j.r, a );
@@ -144,31 +144,32 @@ private:
 	}
 };
 
-lwi_rake_point random_point( SeededRng& rng, double scale )
+lwi_batch_point random_point( SeededRng& rng, double scale )
 {
-	lwi_rake_point p;
+	lwi_batch_point p;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
 			p.p[axis][l] = static_cast<float>( scale * rng.uniform( -1, 1 ) );
-			p.way[axis][l] = static_cast<float>( scale * rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -4, 0 ) ) );
+			p.displacement[axis][l] = static_cast<float>(
+				scale * rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -4, 0 ) ) );
 		}
 	}
 	return p;
 }
 
 /// Distance of a lane to a box or to another point at the moment s in [-1, 1] of its window.
-double distance_at( const lwi_rake_point& a, int l, double s, const float* min, const float* max, const lwi_rake_point* b )
+double distance_at( const lwi_batch_point& a, int l, double s, const float* min, const float* max, const lwi_batch_point* b )
 {
 	double square = 0;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		const double x = static_cast<double>( a.p[axis][l] ) + s * static_cast<double>( a.way[axis][l] );
+		const double x = static_cast<double>( a.p[axis][l] ) + s * static_cast<double>( a.displacement[axis][l] );
 		double d;
 		if ( b != nullptr )
 		{
-			d = x - ( static_cast<double>( b->p[axis][l] ) + s * static_cast<double>( b->way[axis][l] ) );
+			d = x - ( static_cast<double>( b->p[axis][l] ) + s * static_cast<double>( b->displacement[axis][l] ) );
 		}
 		else
 		{
@@ -181,7 +182,7 @@ double distance_at( const lwi_rake_point& a, int l, double s, const float* min, 
 
 } // namespace
 
-TEST( Rakes, level_differs_from_scalar )
+TEST( BatchKernels, level_differs_from_scalar )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 2000; ++i )
@@ -190,12 +191,12 @@ TEST( Rakes, level_differs_from_scalar )
 		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, origin[3] = { 1, -2, 0.5 };
 		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
 		const float point[3] = { 0.1f, static_cast<float>( local[0] ), -0.3f }, min[3] = { -1, -1, -1 }, max[3] = { 0, 0, 1 };
-		const lwi_rake_point other = random_point( rng, 2 );
+		const lwi_batch_point other = random_point( rng, 2 );
 		struct Output
 		{
-			lwi_rake_frame frame;
-			lwi_rake_body body;
-			lwi_rake_point point, moved;
+			lwi_batch_frame frame;
+			lwi_batch_body body;
+			lwi_batch_point point, moved;
 			uint32_t box, pair;
 		};
 		std::vector<Output> outputs;
@@ -204,33 +205,33 @@ TEST( Rakes, level_differs_from_scalar )
 			Output o;
 			std::memset( &o, 0, sizeof( o ) );
 			o.frame = chain.lanes( table );
-			table->rake_point( &o.frame, local, origin, 0.0625, &o.point );
-			table->rake_body( &o.frame, r, local, origin, 0.0625, &o.body );
-			table->rake_move( &o.body, point, &o.moved );
-			o.box = table->rake_box( &o.moved, min, max, 0.5f );
-			o.pair = table->rake_pair( &o.moved, &other, 1.0f );
+			table->batch_point( &o.frame, local, origin, 0.0625, &o.point );
+			table->batch_body( &o.frame, r, local, origin, 0.0625, &o.body );
+			table->batch_move( &o.body, point, &o.moved );
+			o.box = table->batch_box( &o.moved, min, max, 0.5f );
+			o.pair = table->batch_pair( &o.moved, &other, 1.0f );
 			outputs.push_back( o );
 			ASSERT_EQ( 0, std::memcmp( &outputs[0], &o, sizeof( o ) ) ) << "level " << table->level << ", input " << i;
 		}
 	}
 }
 
-TEST( Rakes, points_are_elsewhere_or_move_otherwise )
+TEST( BatchKernels, points_are_elsewhere_or_move_otherwise )
 {
 	SeededRng rng;
 	const real half = 1.0L / 16;
 	for ( int i = 0; i < 3000; ++i )
 	{
 		const Chain chain( rng );
-		const lwi_rake_frame frame = chain.lanes( &lwi_kernels_scalar );
+		const lwi_batch_frame frame = chain.lanes( &lwi_kernels_scalar );
 		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, origin[3] = { 1, -2, 0.5 };
 		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
 		const float inner[3] = { 0.25f, -0.5f, 0.125f };
-		lwi_rake_point point, moved;
-		lwi_rake_body body;
-		lwi_kernels_scalar.rake_point( &frame, local, origin, static_cast<double>( half ), &point );
-		lwi_kernels_scalar.rake_body( &frame, r, local, origin, static_cast<double>( half ), &body );
-		lwi_kernels_scalar.rake_move( &body, inner, &moved );
+		lwi_batch_point point, moved;
+		lwi_batch_body body;
+		lwi_kernels_scalar.batch_point( &frame, local, origin, static_cast<double>( half ), &point );
+		lwi_kernels_scalar.batch_body( &frame, r, local, origin, static_cast<double>( half ), &body );
+		lwi_kernels_scalar.batch_move( &body, inner, &moved );
 		const Vector at{ local[0], local[1], local[2] }, in{ local[0] + 0.5L, local[1] + 0.25L, local[2] + 0.125L };
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
@@ -242,21 +243,21 @@ TEST( Rakes, points_are_elsewhere_or_move_otherwise )
 				{
 					EXPECT_NEAR( static_cast<double>( now[axis] ) - origin[axis], static_cast<double>( lanes->p[axis][l] ), 4e-6 );
 					EXPECT_NEAR( static_cast<double>( half * ( after[axis] - before[axis] ) / ( 2 * h ) ),
-						static_cast<double>( lanes->way[axis][l] ), 4e-6 );
+						static_cast<double>( lanes->displacement[axis][l] ), 4e-6 );
 				}
 			}
 		}
 	}
 }
 
-TEST( Rakes, what_meets_is_held_to_stay_apart )
+TEST( BatchKernels, what_meets_is_held_to_stay_apart )
 {
 	SeededRng rng;
 	size_t apart = 0, tight = 0;
 	for ( int i = 0; i < 20000; ++i )
 	{
 		const double scale = rng.decade( -6, 6 );
-		const lwi_rake_point a = random_point( rng, scale ), b = random_point( rng, scale );
+		const lwi_batch_point a = random_point( rng, scale ), b = random_point( rng, scale );
 		float min[3], max[3];
 		for ( int axis = 0; axis < 3; ++axis )
 		{
@@ -267,7 +268,8 @@ TEST( Rakes, what_meets_is_held_to_stay_apart )
 		const float reach = static_cast<float>( scale * rng.uniform( 1e-6, 0.7 ) );
 		for ( const bool box : { true, false } )
 		{
-			const uint32_t met = box ? lwi_kernels_scalar.rake_box( &a, min, max, reach ) : lwi_kernels_scalar.rake_pair( &a, &b, reach );
+			const uint32_t met = box ? lwi_kernels_scalar.batch_box( &a, min, max, reach )
+									 : lwi_kernels_scalar.batch_pair( &a, &b, reach );
 			for ( int l = 0; l < LWI_WIDTH; ++l )
 			{
 				double least = INFINITY;
@@ -288,7 +290,7 @@ TEST( Rakes, what_meets_is_held_to_stay_apart )
 	EXPECT_GE( tight, 500u ); // some come as near as they may
 }
 
-TEST( Rakes, moving_spheres_that_meet_are_left_out )
+TEST( BatchKernels, moving_spheres_that_meet_are_left_out )
 {
 	SeededRng rng;
 	size_t met = 0, apart = 0, tight = 0;
@@ -298,14 +300,14 @@ TEST( Rakes, moving_spheres_that_meet_are_left_out )
 		const double scale = rng.decade( -6, 6 );
 		float blocks[3][LWI_MOVING_ROWS][LWI_WIDTH] = {};
 		uint8_t mask[24][3] = {};
-		lwi_rake_point points[24]; // lane 0 of each
+		lwi_batch_point points[24]; // lane 0 of each
 		for ( uint32_t k = 0; k < count; ++k )
 		{
 			points[k] = random_point( rng, scale );
 			for ( int axis = 0; axis < 3; ++axis )
 			{
 				blocks[k / 8][axis][k % 8] = points[k].p[axis][0];
-				blocks[k / 8][4 + axis][k % 8] = points[k].way[axis][0];
+				blocks[k / 8][4 + axis][k % 8] = points[k].displacement[axis][0];
 			}
 			blocks[k / 8][3][k % 8] = static_cast<float>( scale * rng.uniform( 0, 0.3 ) );
 			for ( uint32_t other = k + 1; other < count; ++other )
@@ -344,21 +346,21 @@ TEST( Rakes, moving_spheres_that_meet_are_left_out )
 	EXPECT_GE( tight, 100u ); // some come as near as they may
 }
 
-TEST( Rakes, no_number_reads_as_apart )
+TEST( BatchKernels, no_number_reads_as_apart )
 {
 	SeededRng rng;
 	for ( const float bad : { NAN, INFINITY, 1e30f } )
 	{
-		lwi_rake_point a = random_point( rng, 1 ), b = random_point( rng, 1 );
+		lwi_batch_point a = random_point( rng, 1 ), b = random_point( rng, 1 );
 		const float min[3] = { -9, -9, -9 }, max[3] = { -8, -8, -8 };
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			std::fill( a.way[axis], a.way[axis] + LWI_WIDTH, bad );
+			std::fill( a.displacement[axis], a.displacement[axis] + LWI_WIDTH, bad );
 		}
 		for ( const lwi_kernels* table : kernelLevels() )
 		{
-			EXPECT_EQ( 0xffu, table->rake_box( &a, min, max, 1.0f ) ) << bad;
-			EXPECT_EQ( 0xffu, table->rake_pair( &a, &b, 1.0f ) ) << bad;
+			EXPECT_EQ( 0xffu, table->batch_box( &a, min, max, 1.0f ) ) << bad;
+			EXPECT_EQ( 0xffu, table->batch_pair( &a, &b, 1.0f ) ) << bad;
 		}
 		const float pair[LWI_MOVING_ROWS][LWI_WIDTH] = { { 0, 9 }, {}, {}, { 1, 1 }, { bad, 0 } };
 		const uint8_t second[2] = { 2, 0 };
@@ -368,11 +370,11 @@ TEST( Rakes, no_number_reads_as_apart )
 			EXPECT_EQ( 1u, table->moving_pairs( pair[0], 2, second, 1, 1.0f, near ) ) << bad;
 		}
 		std::fill( a.p[1], a.p[1] + LWI_WIDTH, NAN );
-		EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_box( &a, min, max, 1.0f ) );
-		EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_pair( &a, &b, 1.0f ) );
+		EXPECT_EQ( 0xffu, lwi_kernels_scalar.batch_box( &a, min, max, 1.0f ) );
+		EXPECT_EQ( 0xffu, lwi_kernels_scalar.batch_pair( &a, &b, 1.0f ) );
 	}
 	// bodies in the box, and unbounded boxes
-	lwi_rake_point inside = random_point( rng, 1 );
+	lwi_batch_point inside = random_point( rng, 1 );
 	const float min[3] = { -INFINITY, -INFINITY, -INFINITY }, max[3] = { INFINITY, INFINITY, INFINITY };
-	EXPECT_EQ( 0xffu, lwi_kernels_scalar.rake_box( &inside, min, max, 1e-6f ) );
+	EXPECT_EQ( 0xffu, lwi_kernels_scalar.batch_box( &inside, min, max, 1e-6f ) );
 }

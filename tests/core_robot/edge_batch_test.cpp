@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rakes of edges: cells that are held to be proved, attacked pair by pair with the exact distances of many of their states.
+// Interval batches of edges: proved cells, attacked pair by pair with the exact distances of many of their states.
 #include "checker_handles.hpp"
-#include "rake_shim.h"
+#include "edge_batch_shim.h"
 #include "random_robot.hpp"
 
 #include <gtest/gtest.h>
@@ -79,8 +79,8 @@ struct World
 		open();
 	}
 
-	/// Balls on a chain, and boxes that they pass by a hair on the way from qa to qb: only the rake's own loss is allowed.
-	/// Or bunches of triangles instead of balls, and of most boxes.
+	/// Balls on a chain, and boxes that they pass by a hair on the path from qa to qb: only the batch's own loss is
+	/// allowed. Or bunches of triangles instead of balls, and of most boxes.
 	World( SeededRng& rng, State& qa, State& qb, bool meshes )
 	{
 		model.link( "root" );
@@ -323,10 +323,10 @@ private:
 
 struct Tally
 {
-	size_t rakes = 0, proved = 0, left = 0, tight = 0;
+	size_t batches = 0, proved = 0, left = 0, tight = 0;
 };
 
-/// All cells that the rake has not left, of all bodies and pairs.
+/// All cells that the interval batch has not left, of all bodies and pairs.
 class Attack
 {
 public:
@@ -412,7 +412,7 @@ private:
 	std::vector<lw_transform> m_links, m_poses;
 };
 
-/// The rake of one edge, attacked.
+/// The interval batch of one edge, attacked.
 void judge( World& world, const State& qa, const State& qb, double min_d, Tally& tally )
 {
 	lw_edge_def def = lw_edge_def_default();
@@ -420,24 +420,24 @@ void judge( World& world, const State& qa, const State& qb, double min_d, Tally&
 	def.slack = SLACK;
 	def.alpha = 0;
 	std::vector<shim_left> left( 512 );
-	const int count = shim_rake( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, left.data(), 512 );
+	const int count = shim_batch( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, left.data(), 512 );
 	if ( count >= 0 )
 	{
 		left.resize( static_cast<std::size_t>( count ) );
 		Attack( world, qa, qb, left, min_d + SLACK ).run( tally );
-		++tally.rakes;
+		++tally.batches;
 	}
 }
 
 void print( const char* what, const Tally& t )
 {
-	std::printf( "%s: %zu rakes, %zu distances in proved cells, %zu within a centimetre, %zu cells left\n", what, t.rakes, t.proved,
-		t.tight, t.left );
+	std::printf( "%s: %zu batches, %zu distances in proved cells, %zu within a centimetre, %zu cells left\n", what,
+		t.batches, t.proved, t.tight, t.left );
 }
 
 } // namespace
 
-TEST( Rake, proved_cell_has_something_near )
+TEST( IntervalBatch, proved_cell_has_something_near )
 {
 	SeededRng rng;
 	Tally tally;
@@ -457,7 +457,7 @@ TEST( Rake, proved_cell_has_something_near )
 		}
 	}
 	print( "anything", tally );
-	EXPECT_GE( tally.rakes, 150u );
+	EXPECT_GE( tally.batches, 150u );
 	EXPECT_GE( tally.left, 1000u );
 }
 
@@ -473,17 +473,17 @@ static Tally attack_narrow_passes( int worlds, bool meshes )
 		judge( world, qa, qb, 0, tally );
 	}
 	print( meshes ? "bunches" : "balls and boxes", tally );
-	EXPECT_GE( tally.rakes, 150u );
+	EXPECT_GE( tally.batches, 150u );
 	return tally;
 }
 
-TEST( Rake, ball_passes_a_box_by_less_than_was_proved )
+TEST( IntervalBatch, ball_passes_a_box_by_less_than_was_proved )
 {
 	EXPECT_GE( attack_narrow_passes( 1000, false ).tight, 1000u );
 }
 
 // Either ball bends as far as it can, and both towards each other: a bound that counts one of them is half of the truth.
-TEST( Rake, two_arms_bend_towards_each_other_by_more_than_was_proved )
+TEST( IntervalBatch, two_arms_bend_towards_each_other_by_more_than_was_proved )
 {
 	SeededRng rng;
 	Tally tally;
@@ -495,24 +495,24 @@ TEST( Rake, two_arms_bend_towards_each_other_by_more_than_was_proved )
 		judge( world, qa, qb, 0, tally );
 	}
 	print( "two arms", tally );
-	EXPECT_GE( tally.rakes, 500u );
+	EXPECT_GE( tally.batches, 500u );
 	EXPECT_GE( tally.proved, 50000u );
 	EXPECT_GE( tally.tight, 40u );
 }
 
-TEST( Rake, bunch_passes_a_bunch_by_less_than_was_proved )
+TEST( IntervalBatch, bunch_passes_a_bunch_by_less_than_was_proved )
 {
 	EXPECT_GE( attack_narrow_passes( 300, true ).tight, 50u );
 }
 
 // The spheres of a tree contain triangles: a body inside of a solid mesh, away from all of them, is in contact all the same
-TEST( Rake, inside_of_a_solid_mesh_is_held_to_be_free )
+TEST( IntervalBatch, inside_of_a_solid_mesh_is_held_to_be_free )
 {
 	World world( 2 );
 	const State qa{ 0 }, qb{ 3.1 };
 	const lw_edge_def def = lw_edge_def_default();
 	shim_left left[4];
-	ASSERT_EQ( 1, shim_rake( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, left, 4 ) );
+	ASSERT_EQ( 1, shim_batch( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, left, 4 ) );
 	EXPECT_EQ( 0xffu, left[0].cells );
 	lw_edge_result result;
 	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, &result ) );

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first look at an edge: robots of balls among boxes along the axes, whose clearance is known in closed form, asked for
-// a hair more than their least clearance along the edge. Whatever the screening gives away makes such an edge FREE.
+// The first pass over an edge: robots of balls among boxes along the axes, whose clearance is known in closed form, asked for
+// a hair more than their least clearance along the edge. Any amount that the midpoint pass gives away makes such an edge FREE.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
 #include "sanitized.hpp"
@@ -295,19 +295,19 @@ void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
 
 // Without the bulge of a unit, with another velocity or a smaller radius these are red. One body for each link: units are
 // bodies.
-TEST( EdgeScreen, own_balls_come_nearer_than_was_proved )
+TEST( EdgeMidpoint, own_balls_come_nearer_than_was_proved )
 {
 	attackAll( unlessSanitized( 300, 60 ), 6, 2, LW_WHAT_SELF );
 }
 
 // More than 24 bodies: units are nodes, and bodies of two nodes are told apart after them.
-TEST( EdgeScreen, one_of_many_balls_comes_nearer_than_was_proved )
+TEST( EdgeMidpoint, one_of_many_balls_comes_nearer_than_was_proved )
 {
 	attackAll( unlessSanitized( 60, 12 ), 10, 6, LW_WHAT_SELF );
 }
 
 // More than 24 nodes: pairs of nodes one by one.
-TEST( EdgeScreen, ball_of_a_long_chain_comes_nearer_than_was_proved )
+TEST( EdgeMidpoint, ball_of_a_long_chain_comes_nearer_than_was_proved )
 {
 	const int worlds = unlessSanitized( 12, 3 );
 	attackWorlds( worlds, worlds,
@@ -318,13 +318,13 @@ TEST( EdgeScreen, ball_of_a_long_chain_comes_nearer_than_was_proved )
 		} );
 }
 
-TEST( EdgeScreen, ball_passes_a_box_nearer_than_was_proved )
+TEST( EdgeMidpoint, ball_passes_a_box_nearer_than_was_proved )
 {
 	attackAll( unlessSanitized( 300, 60 ), 5, 4, LW_WHAT_ENVIRONMENT );
 }
 
 // Without the bulge of a body's way this is red: an accelerated body gets further than its velocity in the middle says.
-TEST( EdgeScreen, ball_that_gets_faster_runs_into_a_wall )
+TEST( EdgeMidpoint, ball_that_gets_faster_runs_into_a_wall )
 {
 	const int worlds = unlessSanitized( 1500, 300 );
 	attackWorlds( worlds, worlds / 2,
