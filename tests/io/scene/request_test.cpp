@@ -110,11 +110,12 @@ TEST_F( RequestTest, ListsThatDisagree )
 TEST_F( RequestTest, WhatIsNotSupportedIsAnError )
 {
 	std::string head = start + group;
-	expectBad( head + "goal_constraints: [{position_constraints: [{link_name: hand}]}]\n",
-	    { "position_constraints", "joint goals" } );
-	expectBad(
-	    head + "goal_constraints: [{orientation_constraints: [{link_name: hand}]}]\n", { "orientation_constraints" } );
-	expectBad( head + goal + "path_constraints: {orientation_constraints: [{link_name: hand}]}\n", { "path_constraints" } );
+	expectBad( head + "goal_constraints: [{visibility_constraints: [{sensor_pose: {}}]}]\n",
+	    { "goal_constraints[0].visibility_constraints[0]", "not supported" } );
+	expectBad( head + goal + "path_constraints: {orientation_constraints: [{link_name: hand}]}\n",
+	    { "path_constraints.orientation_constraints[0] hand" } );
+	expectBad( head + goal + "path_constraints: {joint_constraints: [{joint_name: a}]}\n",
+	    { "path_constraints.joint_constraints[0] a" } );
 	EXPECT_NO_THROW( load( head + goal + "path_constraints: {orientation_constraints: []}\n" ) );
 	expectBad(
 	    group + goal + start + "  attached_collision_objects: [{link_name: hand}]\n", { "attached", "planning scene" } );

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "leeway/handles.hpp"
+#include "leeway/io/goal.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -324,18 +325,16 @@ SceneModel loadScene( const std::string& file, const LoadOptions& options = {} )
 /// @throws Error (no such articulation or joint, a value that is not finite)
 SceneModel setArticulation( const SceneModel& scene, const std::string& name, const std::map<std::string, double>& values );
 
-struct JointGoal
-{
-	std::string joint; ///< variable name
-	double position = 0, tolerance_above = 0, tolerance_below = 0;
-};
-
 /// A motion plan request.
 struct Request
 {
 	std::string file, group, planner_id; ///< group: empty if the file names none
 	JointState start;
-	std::vector<JointGoal> goal; ///< joint constraints of goal_constraints[0]
+	/// Constraints of goal_constraints[0]. A state reaches the goal if it satisfies all of them.
+	std::vector<JointGoal> goal;
+	std::vector<PositionGoal> goal_positions;
+	std::vector<OrientationGoal> goal_orientations;
+	bool hasPoseGoal() const { return !goal_positions.empty() || !goal_orientations.empty(); }
 	/// True: variables of the group that the goal does not name keep their start value. False: the goal must name them all.
 	bool goal_keeps_rest = false;
 	std::string goal_file, goal_element = "goal_constraints[0]"; ///< for errors; goal_file empty: `file`
@@ -358,6 +357,9 @@ struct Problem
 	std::vector<double> reference;           ///< [robot variable_count]
 	/// Pose of each object (SceneObject::pose): in the planning frame; of attached objects in the frame of their link.
 	std::map<std::string, lw_transform> object_poses;
+	/// By name: the planning frame (also under the empty name, and as "world" unless a link or frame has that name) and the
+	/// scene's fixed frames. findFrame() looks here, too.
+	std::map<std::string, Frame> frames;
 	LoadedReach reach;                       ///< the reach of the checker; empty if none
 	/// From the options and the scene. The robot contains the scales, the checker's margins contain the padding.
 	Padding padding;
@@ -404,8 +406,13 @@ std::vector<std::string> variableNames( const JointModel& joint );
 
 /// Values of the group's variables in the start state: of the request, else reference values.
 std::vector<double> startState( const Problem& problem );
+/// A link of the robot, an attached object, an object of the scene or a fixed frame, in this order, by its name.
+/// @param file, element that name the frame, for errors
+/// @throws Error (no such frame)
+Frame findFrame( const Problem& problem, const std::string& name, const std::string& file, const std::string& element );
+
 /// Values of the group's variables in the goal of the request.
-/// @throws Error if the goal does not name every variable of the group (unless Request::goal_keeps_rest), or names a joint
+/// @throws Error if the request has a pose goal, if the goal does not name every variable of the group (unless Request::goal_keeps_rest), or names a joint
 /// outside the group with another value
 std::vector<double> goalState( const Problem& problem, const Request& request );
 

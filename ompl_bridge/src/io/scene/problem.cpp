@@ -5,6 +5,7 @@
 // the matrix does not forbid a pair of the SRDF: the MotionBenchMaker matrices were written for other link sets than the
 // SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. A notice reports such entries.
 #include "leeway/prepare.hpp"
+#include "scene/frames.hpp"
 #include "scene/margins.hpp"
 #include "scene/padding.hpp"
 #include "robot/plausibility.hpp"
@@ -20,6 +21,7 @@ namespace leeway::io
 namespace
 {
 
+using detail::Frames;
 using detail::joinNames;
 
 constexpr double pi = 3.14159265358979323846;
@@ -129,121 +131,6 @@ void StateWriter::apply(
 		    fmt::format(
 		        "joints that the robot lacks, fixes or drives by another joint were ignored: {}", joinNames( ignored ) ) } );
 	}
-}
-
-// ---- frames
-
-/// Poses of frames in the planning frame: links at the reference state, then the scene's fixed frames.
-class Frames
-{
-public:
-	Frames( const RobotModel& model, const lw_robot* robot, const std::vector<double>& q, const SceneModel* scene,
-	    std::vector<Notice>& notices );
-	/// @param wanted_by the file and element that name the frame, for the error
-	lw_transform planningFrom( const std::string& name, const std::string& file, const std::string& wanted_by ) const;
-
-private:
-	bool isPlanning( const std::string& name ) const;
-	std::vector<std::string> known() const;
-
-	const RobotModel& m_model;
-	const lw_robot* m_robot;
-	std::vector<lw_transform> m_links;
-	std::map<std::string, std::pair<std::string, lw_transform>> m_fixed; ///< frame -> parent, pose
-};
-
-bool isIdentity( const lw_transform& pose )
-{
-	lw_transform identity = lw_transform_identity();
-	return std::equal( pose.t, pose.t + 3, identity.t ) && std::equal( &pose.r[0][0], &pose.r[0][0] + 9, &identity.r[0][0] );
-}
-
-Frames::Frames( const RobotModel& model, const lw_robot* robot, const std::vector<double>& q, const SceneModel* scene,
-    std::vector<Notice>& notices )
-    : m_model( model ), m_robot( robot ), m_links( lw_robot_link_count( robot ) )
-{
-	if ( lw_robot_fk( robot, q.data(), m_links.data() ) != LW_OK )
-	{
-		throw Error(
-		    model.urdf_file, "reference state", "holds a non-finite value or a zero quaternion", "correct the start state" );
-	}
-	if ( scene == nullptr )
-	{
-		return;
-	}
-	auto is_link = [&]( const std::string& name ) { return lw_robot_find_link( robot, name.c_str() ) != LW_INVALID_INDEX; };
-	for ( const auto& [child, value] : scene->fixed_frames )
-	{
-		// MoveIt's spelling has the planning frame as child; where no link is called so, a file may call it "world"
-		const auto& [parent, pose] = value;
-		bool places_parent = !parent.empty() && !is_link( parent ) && ( child == model.planning_frame || child == "world" );
-		std::string placed = places_parent ? parent : child;
-		if ( !is_link( placed ) )
-		{
-			bool first = m_fixed.emplace( placed, std::pair( places_parent ? std::string() : parent, pose ) ).second;
-			if ( !first )
-			{
-				throw Error( scene->file, "fixed_frame_transforms", fmt::format( "frame {} is placed twice", placed ),
-				    "keep one of them" );
-			}
-		}
-		else if ( !isIdentity( pose ) )
-		{
-			notices.push_back( { scene->file, "fixed_frame_transforms",
-			    fmt::format( "{} has its place by the robot: this transform is ignored", placed ) } );
-		}
-	}
-}
-
-bool Frames::isPlanning( const std::string& name ) const
-{
-	return name.empty() || name == m_model.planning_frame ||
-	       ( name == "world" && lw_robot_find_link( m_robot, "world" ) == LW_INVALID_INDEX && m_fixed.count( name ) == 0 );
-}
-
-std::vector<std::string> Frames::known() const
-{
-	std::vector<std::string> names = { m_model.planning_frame, "world" };
-	for ( const auto& frame : m_fixed )
-	{
-		names.push_back( frame.first );
-	}
-	for ( const LinkModel& link : m_model.links )
-	{
-		if ( link.name != m_model.planning_frame )
-		{
-			names.push_back( link.name );
-		}
-	}
-	return names;
-}
-
-lw_transform Frames::planningFrom(
-    const std::string& full_name, const std::string& file, const std::string& wanted_by ) const
-{
-	std::string name = !full_name.empty() && full_name[0] == '/' ? full_name.substr( 1 ) : full_name;
-	lw_transform pose = lw_transform_identity();
-	for ( std::size_t step = 0; step <= m_fixed.size(); ++step )
-	{
-		std::uint32_t link = lw_robot_find_link( m_robot, name.c_str() );
-		if ( link != LW_INVALID_INDEX )
-		{
-			return lw_transform_multiply( &m_links[link], &pose );
-		}
-		if ( isPlanning( name ) )
-		{
-			return pose;
-		}
-		auto found = m_fixed.find( name );
-		if ( found == m_fixed.end() )
-		{
-			throw Error( file, wanted_by, fmt::format( "frame {} is not known", name ),
-			    fmt::format( "use one of {}", joinNames( known(), 12 ) ) );
-		}
-		pose = lw_transform_multiply( &found->second.second, &pose );
-		name = found->second.first;
-	}
-	throw Error( file, "fixed_frame_transforms", fmt::format( "frame {} hangs on itself", full_name ), "break the cycle" );
 }
 
 // ---- allowed contacts
@@ -674,6 +561,7 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	writer.apply( options.overrides, "", "joint values", problem.notices );
 
 	Frames frames( model, bare, problem.reference, scene, problem.notices );
+	problem.frames = frames.fixed();
 	std::vector<AttachedLink> attached;
 	if ( scene != nullptr )
 	{
@@ -749,6 +637,11 @@ std::vector<double> goalState( const Problem& problem, const Request& request )
 {
 	const lw_robot* robot = problem.robot.get();
 	const std::string& file = request.goal_file.empty() ? request.file : request.goal_file;
+	if ( request.hasPoseGoal() )
+	{
+		throw Error( file, request.goal_element, "constrains poses of links: no single state of the joints is the goal",
+		    "solve it by inverse kinematics (leeway plan does), or give joint_constraints alone" );
+	}
 	std::map<std::string, std::uint32_t> variables;
 	for ( std::uint32_t i = 0; i < lw_robot_variable_count( robot ); ++i )
 	{

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Motion plan requests (moveit_msgs/MotionPlanRequest in YAML): start state, joint goal, group.
+// Motion plan requests (moveit_msgs/MotionPlanRequest in YAML): start state, goal, group.
 #include "base/yaml.hpp"
+#include "scene/pose_goal_reader.hpp"
 
 #include <fmt/format.h>
 
@@ -20,7 +21,9 @@ void refuseConstraints( const YamlNode& constraints, std::initializer_list<const
 		YamlNode list = constraints[kind];
 		if ( list.size() > 0 )
 		{
-			list.fail( "these constraints are not supported", remedy );
+			YamlNode first = list[std::size_t{ 0 }];
+			YamlNode name = first.firstOf( { "link_name", "joint_name", "target_pose", "name" } );
+			( name.isScalar() ? first.named( name.text() ) : first ).fail( "this constraint is not supported", remedy );
 		}
 	}
 }
@@ -48,25 +51,8 @@ JointGoal readJointGoal( const YamlNode& node )
 	return goal;
 }
 
-std::vector<JointGoal> readGoal( const YamlNode& root )
+std::vector<JointGoal> readJointGoals( const YamlNode& joints )
 {
-	YamlNode constraints = root["goal_constraints"];
-	if ( constraints.size() == 0 )
-	{
-		root["goal_constraints"].fail( "there is no goal", "add goal_constraints with joint_constraints" );
-	}
-	if ( constraints.size() > 1 )
-	{
-		constraints.notice( fmt::format( "{} alternative goals: the first is used", constraints.size() ) );
-	}
-	YamlNode first = constraints[std::size_t{ 0 }];
-	refuseConstraints( first, { "position_constraints", "orientation_constraints", "visibility_constraints" },
-	    "only joint goals are: give joint_constraints" );
-	YamlNode joints = first["joint_constraints"];
-	if ( joints.size() == 0 )
-	{
-		joints.fail( "the goal names no joint", "give one joint constraint for each joint of the group" );
-	}
 	std::vector<JointGoal> goal;
 	for ( std::size_t i = 0; i < joints.size(); ++i )
 	{
@@ -79,9 +65,41 @@ std::vector<JointGoal> readGoal( const YamlNode& root )
 			}
 		}
 	}
+	return goal;
+}
+
+void readGoal( const YamlNode& root, Request& request )
+{
+	YamlNode constraints = root["goal_constraints"];
+	if ( constraints.size() == 0 )
+	{
+		root["goal_constraints"].fail( "there is no goal", "add goal_constraints with joint_constraints" );
+	}
+	if ( constraints.size() > 1 )
+	{
+		constraints.notice( fmt::format( "{} alternative goals: the first is used", constraints.size() ) );
+	}
+	YamlNode first = constraints[std::size_t{ 0 }];
+	refuseConstraints( first, { "visibility_constraints" },
+	    "give joint_constraints, position_constraints or orientation_constraints" );
+	YamlNode joints = first["joint_constraints"], positions = first["position_constraints"],
+	         orientations = first["orientation_constraints"];
+	if ( joints.size() + positions.size() + orientations.size() == 0 )
+	{
+		joints.fail( "the goal names no joint and no link", "give one joint constraint for each joint of the group, or "
+		                                                    "position_constraints and orientation_constraints" );
+	}
+	request.goal = readJointGoals( joints );
+	for ( std::size_t i = 0; i < positions.size(); ++i )
+	{
+		request.goal_positions.push_back( detail::readPositionGoal( positions[i] ) );
+	}
+	for ( std::size_t i = 0; i < orientations.size(); ++i )
+	{
+		request.goal_orientations.push_back( detail::readOrientationGoal( orientations[i] ) );
+	}
 	first.noticeUnknownKeys(
 	    { "name", "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" } );
-	return goal;
 }
 
 } // namespace
@@ -122,9 +140,9 @@ Request loadRequest( const std::string& file )
 	request.start = detail::readJointState( start );
 	refuseConstraints( root["path_constraints"],
 	    { "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },
-	    "remove them from path_constraints" );
-	refuseConstraints( root["trajectory_constraints"], { "constraints" }, "remove them from trajectory_constraints" );
-	request.goal = readGoal( root );
+	    "remove it from path_constraints: paths are planned without constraints" );
+	refuseConstraints( root["trajectory_constraints"], { "constraints" }, "remove it from trajectory_constraints" );
+	readGoal( root, request );
 	return request;
 }
 
