@@ -136,7 +136,7 @@ protected:
 		lw_status of_shapes = LW_OK, of_reach = LW_OK;
 		const std::vector<ShapePtr> loaded = readShapes( bytes, shapes.size(), &of_shapes );
 		const ShapePtr& probe = shapes[0];
-		const lw_transform here = lw_transform_identity(), there = translation( 0.3, 0.2, 0.1 );
+		const lw_transform here = lw_transform_identity(), there = at( 0.3, 0.2, 0.1 );
 		for ( const ShapePtr& shape : loaded )
 		{
 			lw_clearance out;

@@ -311,7 +311,7 @@ TEST( ReachBlob, EveryAllocationMayFail )
 	std::size_t failures = 0;
 	for ( ; status != LW_OK && failures < 1000; ++failures )
 	{
-		CountingAllocator memory;
+		FailingAllocator memory;
 		memory.fail_at = failures + 1;
 		lw_diag diag = {};
 		{

@@ -250,7 +250,7 @@ TEST( ShapeBlob, LoadedShapesLiveLikeOthers )
 	std::vector<ShapePtr> shapes;
 	shapes.push_back( randomSoup( rng, 50, 1.0 ) );
 	Bytes blob = writeBlob( shapes );
-	CountingAllocator memory;
+	FailingAllocator memory;
 	{
 		lw_status status = LW_OK;
 		std::vector<ShapePtr> loaded = readShapes( blob, 1, &status, nullptr, &memory.allocator );
@@ -430,7 +430,7 @@ TEST( ShapeBlob, EveryAllocationMayFail )
 	shapes.push_back( makePrimitive( LW_SHAPE_CYLINDER, 1, 2 ) );
 	shapes.push_back( makePrimitive( LW_SHAPE_CAPSULE, 1, 2 ) );
 	shapes.push_back( randomPoints( rng, 30, 0.1 ) );
-	CountingAllocator writing;
+	FailingAllocator writing;
 	writing.fail_at = 1;
 	lw_blob_def def = lw_blob_def_default();
 	void* bytes = nullptr;
@@ -442,7 +442,7 @@ TEST( ShapeBlob, EveryAllocationMayFail )
 	std::size_t failures = 0;
 	for ( ; status != LW_OK && failures < 1000; ++failures )
 	{
-		CountingAllocator memory;
+		FailingAllocator memory;
 		memory.fail_at = failures + 1;
 		lw_diag diag = {};
 		{

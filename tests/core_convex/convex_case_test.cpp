@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Convex distance: single cases that a wrong branch would get wrong, and the promises that need no oracle.
 #include "convex_oracle.hpp"
+#include "poses.hpp"
 
 #include <gtest/gtest.h>
 
@@ -28,15 +29,6 @@ lwi_convex triangle( lw_vec3 a, lw_vec3 b, lw_vec3 c )
 	t.vertex[1] = b;
 	t.vertex[2] = c;
 	return t;
-}
-
-lw_transform at( double x, double y, double z )
-{
-	lw_transform m = lw_transform_identity();
-	m.t[0] = x;
-	m.t[1] = y;
-	m.t[2] = z;
-	return m;
 }
 
 lwi_convex_result measure( const lwi_convex& a, const lwi_convex& b, const lw_transform& m )

@@ -339,7 +339,7 @@ TEST( Detail, everyFailedAllocationIsToldAndNothingLeaks )
 		bool done = false;
 		for ( std::size_t fail_at = 1; !done; ++fail_at )
 		{
-			CountingAllocator counting;
+			FailingAllocator counting;
 			counting.fail_at = fail_at;
 			lw_shape* out = nullptr;
 			lw_status status = lw_shape_create_detail( shape, 3e-2, nullptr, &counting.allocator, nullptr, &out );
@@ -391,7 +391,7 @@ TEST( Detail, holdsForTheMeshesOfARobotAndAKitchen )
 			ASSERT_LE( info.excess, tolerance );
 			auto apart = [&]( const lw_shape* from, const Point& p )
 			{
-				lw_transform here = lw_transform_identity(), there = translation( p[0], p[1], p[2] );
+				lw_transform here = lw_transform_identity(), there = at( p[0], p[1], p[2] );
 				lw_clearance c;
 				EXPECT_EQ( lw_shape_distance( from, &here, probe.get(), &there, nullptr, query.get(), &c ), LW_OK );
 				return c.lower;

@@ -415,7 +415,7 @@ TEST( Checker, bad_def_is_accepted )
 TEST( Checker, query_allocates )
 {
 	SeededRng rng;
-	CountingAllocator counting;
+	FailingAllocator counting;
 	World world( rng, 10, 12, &counting.allocator );
 	ASSERT_EQ( LW_OK, world.status );
 	QueryPtr query = makeQuery( nullptr, world.checker, lw_query_def_default(), &counting.allocator );
@@ -436,7 +436,7 @@ TEST( Checker, failed_allocation_leaks )
 {
 	for ( std::size_t fail_at = 1;; ++fail_at )
 	{
-		CountingAllocator counting;
+		FailingAllocator counting;
 		counting.fail_at = fail_at;
 		lw_status status;
 		{

@@ -2,6 +2,7 @@
 // Checkers with motion hulls and pair tables against the same checkers without: random robots with joints of every type,
 // random groups, states inside and outside of the tables' cells. The answers must not differ.
 #include "checker_handles.hpp"
+#include "counting_allocator.hpp"
 #include "random_robot.hpp"
 
 #include <gtest/gtest.h>
@@ -719,34 +720,6 @@ TEST( Hierarchy, zero_quaternion_is_posed )
 	EXPECT_EQ( LW_OK, lw_checker_state( world.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
 	EXPECT_EQ( out.verdict, LW_VERDICT_FREE );
 }
-
-namespace
-{
-
-/// Fails at one call; blocks given and not yet returned are in `live`.
-struct FailingAllocator
-{
-	std::size_t calls = 0, fail_at = 0, live = 0;
-	lw_allocator allocator{ alloc, release, this };
-
-	static void* alloc( void* user, std::size_t size, std::size_t align )
-	{
-		auto* self = static_cast<FailingAllocator*>( user );
-		if ( ++self->calls == self->fail_at )
-		{
-			return nullptr;
-		}
-		self->live += size;
-		return std::aligned_alloc( align, ( size / align + 1 ) * align );
-	}
-	static void release( void* user, void* memory, std::size_t size )
-	{
-		static_cast<FailingAllocator*>( user )->live -= size;
-		std::free( memory );
-	}
-};
-
-} // namespace
 
 TEST( Hierarchy, failed_allocation_leaks )
 {

@@ -474,7 +474,7 @@ TEST( SolidMesh, solids_that_share_an_edge_or_corner_stay_apart )
 	QueryPtr query = makeQuery();
 	lw_transform id = lw_transform_identity();
 	auto touches = [&]( double x, double y ) {
-		lw_transform pose = translation( x, y, 0.3 );
+		lw_transform pose = at( x, y, 0.3 );
 		lw_clearance c;
 		EXPECT_EQ( LW_OK, lw_shape_distance( shape.get(), &id, ball.get(), &pose, nullptr, query.get(), &c ) );
 		return c.kind == LW_CLEARANCE_VIOLATION;
@@ -564,7 +564,7 @@ TEST( SolidMesh, tiles_are_refused_and_allocations_may_fail )
 	lw_shape* shape = nullptr;
 	for ( std::size_t fail = 1; fail < 100; ++fail )
 	{
-		CountingAllocator memory;
+		FailingAllocator memory;
 		memory.fail_at = fail;
 		lw_status status = lw_shape_create_mesh( &def, &memory.allocator, &diag, &shape );
 		if ( status == LW_OK )

@@ -270,7 +270,7 @@ struct Arm
 		joint.axis[1] = 1;
 		joint.lower = -3;
 		joint.upper = 3;
-		lw_body_def body = { ball.get(), 1, translation( 1, 0, 0 ) };
+		lw_body_def body = { ball.get(), 1, at( 1, 0, 0 ) };
 		lw_robot_def def = lw_robot_def_default();
 		def.name = "arm";
 		def.link_names = links;
@@ -287,7 +287,7 @@ struct Arm
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_robot_create( &def, nullptr, &diag, &none ) );
 		EXPECT_NE( nullptr, std::strstr( diag.message, "'arm'" ) ) << diag.message;
 		const char* objects[1] = { "floor" };
-		lw_scene_shape_def shape = { floor.get(), 0, translation( 3, 4, -0.5 ) };
+		lw_scene_shape_def shape = { floor.get(), 0, at( 3, 4, -0.5 ) };
 		lw_scene_def scene_def = lw_scene_def_default();
 		scene_def.object_names = objects;
 		scene_def.object_count = 1;

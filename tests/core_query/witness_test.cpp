@@ -115,8 +115,8 @@ TEST( Witness, facing_faces_cost_all_their_pairs )
 	const ShapePtr a = plate( 64, -1, 0 ), b = plate( 64, -1, 0 ), box = makePrimitive( LW_SHAPE_BOX, 1, 1, 1 );
 	for ( const double gap : { 1e-3, 0.1, 1.0 } )
 	{
-		const lw_transform here = lw_transform_identity(), there = translation( 0.003, 0.002, gap ),
-						   below = translation( 0.003, 0.002, -0.5 - gap );
+		const lw_transform here = lw_transform_identity(), there = at( 0.003, 0.002, gap ),
+						   below = at( 0.003, 0.002, -0.5 - gap );
 		for ( const bool solid : { false, true } )
 		{
 			lw_query_reset( query.get() );
@@ -137,7 +137,7 @@ TEST( Witness, facing_faces_cost_all_their_pairs )
 TEST( Witness, slab_is_looked_for_where_it_is_left_out )
 {
 	const ShapePtr a = plate( 64, -1, 0 ), b = plate( 64, -1, 0 );
-	const lw_transform here = lw_transform_identity(), there = translation( 0.003, 0.002, 0.1 );
+	const lw_transform here = lw_transform_identity(), there = at( 0.003, 0.002, 0.1 );
 	uint64_t leaf_tests[2], separated[2];
 	for ( const bool planes : { false, true } )
 	{

@@ -12,12 +12,6 @@ namespace
 
 constexpr double ROUNDING = 1e-9; ///< metres: an attack may find this much below a cell
 
-struct CheckerReleaser
-{
-	void operator()( lw_checker* checker ) const { lw_checker_release( checker ); }
-};
-using CheckerPtr = std::unique_ptr<lw_checker, CheckerReleaser>;
-
 CheckerPtr makeChecker( const lw_reach* reach, const State& reference, const std::vector<std::uint32_t>& group )
 {
 	const std::uint32_t none = 0;

@@ -2,6 +2,7 @@
 // A reach for tests, and the search that tries to prove it wrong: written anew, over the public interface only.
 #pragma once
 
+#include "checker_handles.hpp"
 #include "leeway/distance.h"
 #include "leeway/reach.h"
 #include "seeded_rng.hpp"
@@ -9,15 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <memory>
 #include <set>
 #include <vector>
-
-struct ReachReleaser
-{
-	void operator()( lw_reach* reach ) const { lw_reach_release( reach ); }
-};
-using ReachPtr = std::unique_ptr<lw_reach, ReachReleaser>;
 
 inline ReachPtr makeReach( const lw_robot* robot, double seconds, std::uint32_t samples = 200 )
 {

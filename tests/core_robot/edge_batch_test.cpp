@@ -3,6 +3,7 @@
 #include "checker_handles.hpp"
 #include "edge_batch_shim.h"
 #include "random_robot.hpp"
+#include "simple_shapes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,14 +34,7 @@ lw_shape* bunches( SeededRng& rng, double extent, std::vector<lw_vec3>* points )
 			}
 		}
 	}
-	lw_mesh_def def = lw_mesh_def_default();
-	def.vertices = vertices.data();
-	def.vertex_count = static_cast<std::uint32_t>( vertices.size() / 3 );
-	def.indices = indices.data();
-	def.triangle_count = def.vertex_count / 3;
-	lw_shape* shape = nullptr;
-	EXPECT_EQ( LW_OK, lw_shape_create_mesh( &def, nullptr, nullptr, &shape ) );
-	return shape;
+	return meshOf( vertices, indices );
 }
 
 /// Robots without planar and floating joints, among boxes and meshes.

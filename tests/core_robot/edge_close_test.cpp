@@ -3,6 +3,7 @@
 // clearances here are known in closed form.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
+#include "simple_shapes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,23 +18,6 @@ constexpr double PI = 3.14159265358979323846;
 /// (checker.h).
 constexpr double CLOSE_WINDOWS = 2 * 1024, LOOKS = 4;
 
-lw_shape* primitive( lw_shape_type type, double x, double y, double z )
-{
-	const double size[3] = { x, y, z };
-	lw_shape* shape = nullptr;
-	EXPECT_EQ( LW_OK, lw_shape_create_primitive( type, size, nullptr, nullptr, &shape ) );
-	return shape;
-}
-
-lw_transform at( double x, double y, double z )
-{
-	lw_transform m = lw_transform_identity();
-	m.t[0] = x;
-	m.t[1] = y;
-	m.t[2] = z;
-	return m;
-}
-
 /// The sides of a prism about z, a regular polygon whose corners are `radius` from it.
 lw_shape* sides( int corners, double radius, double height )
 {
@@ -46,14 +30,7 @@ lw_shape* sides( int corners, double radius, double height )
 		const auto a = static_cast<std::uint32_t>( 2 * i ), b = static_cast<std::uint32_t>( 2 * ( ( i + 1 ) % corners ) );
 		indices.insert( indices.end(), { a, b, a + 1, b, b + 1, a + 1 } );
 	}
-	lw_mesh_def def = lw_mesh_def_default();
-	def.vertices = vertices.data();
-	def.vertex_count = static_cast<std::uint32_t>( vertices.size() / 3 );
-	def.indices = indices.data();
-	def.triangle_count = static_cast<std::uint32_t>( indices.size() / 3 );
-	lw_shape* shape = nullptr;
-	EXPECT_EQ( LW_OK, lw_shape_create_mesh( &def, nullptr, nullptr, &shape ) );
-	return shape;
+	return meshOf( vertices, indices );
 }
 
 /// A link that turns about z on its base, or among obstacles.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "leeway/ompl/validity.hpp"
+#include "poses.hpp"
 #include "seeded_rng.hpp"
 
 #include <gtest/gtest.h>
@@ -35,15 +36,6 @@ inline leeway::Shape makeShape( lw_shape_type type, double x, double y = 0, doub
 
 inline leeway::Shape makeBox( double x, double y, double z ) { return makeShape( LW_SHAPE_BOX, x, y, z ); }
 inline leeway::Shape makeBall( double radius ) { return makeShape( LW_SHAPE_SPHERE, radius ); }
-
-inline lw_transform at( double x, double y, double z )
-{
-	lw_transform pose = lw_transform_identity();
-	pose.t[0] = x;
-	pose.t[1] = y;
-	pose.t[2] = z;
-	return pose;
-}
 
 /// A joint and the link that it moves; the links are a chain. The name is the joint's.
 struct Segment

@@ -2,7 +2,9 @@
 // Shapes, poses and allocators for tests of the core's public interface.
 #pragma once
 
+#include "counting_allocator.hpp"
 #include "leeway/leeway.h"
+#include "poses.hpp"
 #include "seeded_rng.hpp"
 
 #include <cstdlib>
@@ -83,15 +85,6 @@ inline lw_transform randomPose( SeededRng& rng, double spread )
 	return pose;
 }
 
-inline lw_transform translation( double x, double y, double z )
-{
-	lw_transform pose = lw_transform_identity();
-	pose.t[0] = x;
-	pose.t[1] = y;
-	pose.t[2] = z;
-	return pose;
-}
-
 inline QueryPtr makeQuery( const lw_scene* scene = nullptr, const lw_checker* checker = nullptr,
 	lw_query_def def = lw_query_def_default(), const lw_allocator* allocator = nullptr )
 {
@@ -102,27 +95,3 @@ inline QueryPtr makeQuery( const lw_scene* scene = nullptr, const lw_checker* ch
 	}
 	return QueryPtr( query );
 }
-
-/// Counts calls and bytes; fails at call number `fail_at` (0 = never).
-struct CountingAllocator
-{
-	std::size_t calls = 0, live = 0, fail_at = 0;
-	lw_allocator allocator{ alloc, release, this };
-
-	static void* alloc( void* user, std::size_t size, std::size_t align )
-	{
-		auto* self = static_cast<CountingAllocator*>( user );
-		if ( ++self->calls == self->fail_at )
-		{
-			return nullptr;
-		}
-		self->live += size;
-		std::size_t rounded = ( size + align - 1 ) / align * align;
-		return std::aligned_alloc( align, rounded > 0 ? rounded : align );
-	}
-	static void release( void* user, void* memory, std::size_t size )
-	{
-		static_cast<CountingAllocator*>( user )->live -= size;
-		std::free( memory );
-	}
-};

@@ -30,7 +30,7 @@ TEST( BruteDistance, SolidsSideBySideAreAsFarApartAsTheirReachSays )
 			               y = makePrimitive( b.type, b.dimensions[0], b.dimensions[1], b.dimensions[2] );
 			for ( const double gap : { 1e-5, 0.01, 1.0 } )
 			{
-				const lw_transform apart = translation( a.reach + b.reach + gap, 0, 0 );
+				const lw_transform apart = at( a.reach + b.reach + gap, 0, 0 );
 				const oracle::Interval d = brute.distance( x.get(), lw_transform_identity(), y.get(), apart, 10 );
 				EXPECT_NEAR( static_cast<double>( d.upper ), gap, 1e-8 );
 				EXPECT_LE( static_cast<double>( d.lower ), gap + 1e-12 );
@@ -49,7 +49,7 @@ TEST( BruteDistance, WhatIsInsideOfASolidTouchesIt )
 	for ( const ShapePtr* inner : { &small, &mesh } )
 	{
 		const oracle::Interval d =
-		    brute.distance( big.get(), lw_transform_identity(), inner->get(), translation( 0.3, 0.2, 0.1 ), 1 );
+		    brute.distance( big.get(), lw_transform_identity(), inner->get(), at( 0.3, 0.2, 0.1 ), 1 );
 		EXPECT_EQ( static_cast<double>( d.upper ), 0 );
 	}
 }

@@ -3,6 +3,7 @@
 #include "files.hpp"
 
 #include "leeway/io/world.hpp"
+#include "poses.hpp"
 #include "seeded_rng.hpp"
 
 #include <algorithm>
@@ -59,14 +60,6 @@ protected:
 		return "{id: " + id + ", pose: {position: [" + position +
 		       "], orientation: [0, 0, 0, 1]}, primitives: [{type: box, dimensions: [0.1, 0.1, 0.1]}], "
 		       "primitive_poses: [{position: [0, 0, 0.05], orientation: [0, 0, 0, 1]}]}";
-	}
-	static lw_transform at( double x, double y, double z )
-	{
-		lw_transform pose = lw_transform_identity();
-		pose.t[0] = x;
-		pose.t[1] = y;
-		pose.t[2] = z;
-		return pose;
 	}
 	static lw_state_result ask( const Checker& checker, std::vector<double> q )
 	{
