@@ -23,13 +23,13 @@ namespace
 struct Input
 {
 	lwi_node node;
-	lwi_bricks bricks;
-	lwi_brick brick;
+	lwi_obb8 obbs;
+	lwi_obb obb;
 	float along[3];
 	lwi_leaf leaf, other;
 	lwi_box8 boxes;
 	lwi_motion motion;
-	lwi_solid solid;
+	lwi_primitive primitive;
 	float sphere[4];
 	double scale;
 };
@@ -125,7 +125,7 @@ Input random_input( SeededRng& rng )
 	for ( int i = 0; i < 3; ++i )
 	{
 		in.motion.t[i] = static_cast<float>( 2 * in.scale * m.t[i] );
-		in.solid.size[i] = static_cast<float>( in.scale * rng.uniform( 0.01, 1 ) );
+		in.primitive.size[i] = static_cast<float>( in.scale * rng.uniform( 0.01, 1 ) );
 		in.sphere[i] = value( rng, 2 * in.scale );
 	}
 	in.sphere[3] = std::abs( value( rng, in.scale ) );
@@ -136,20 +136,20 @@ Input random_input( SeededRng& rng )
 		faces( rng, in.node.r[lane], low, high );
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			in.bricks.n[axis][lane] = n[axis];
-			in.bricks.t[axis][lane] = t[axis];
-			in.bricks.low[axis][lane] = low[axis];
-			in.bricks.high[axis][lane] = high[axis];
+			in.obbs.n[axis][lane] = n[axis];
+			in.obbs.t[axis][lane] = t[axis];
+			in.obbs.low[axis][lane] = low[axis];
+			in.obbs.high[axis][lane] = high[axis];
 		}
 	}
-	axes( rng, in.brick.axis[0], in.brick.axis[1] );
-	lwi_third_axis( in.brick.axis[0], in.brick.axis[1], in.brick.axis[2] );
-	std::memcpy( in.brick.center, in.sphere, sizeof( in.brick.center ) );
-	in.brick.radius = in.sphere[3];
-	faces( rng, in.brick.radius, in.brick.low, in.brick.high );
+	axes( rng, in.obb.axis[0], in.obb.axis[1] );
+	lwi_third_axis( in.obb.axis[0], in.obb.axis[1], in.obb.axis[2] );
+	std::memcpy( in.obb.center, in.sphere, sizeof( in.obb.center ) );
+	in.obb.radius = in.sphere[3];
+	faces( rng, in.obb.radius, in.obb.low, in.obb.high );
 	unit( rng, in.along );
 	const lw_shape_type types[3] = { LW_SHAPE_BOX, LW_SHAPE_CYLINDER, LW_SHAPE_CONE };
-	in.solid.type = types[rng.integer( 0, 2 )];
+	in.primitive.type = types[rng.integer( 0, 2 )];
 	return in;
 }
 
@@ -172,15 +172,15 @@ std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 	std::memcpy( &out[64], a, 3 * 8 * sizeof( float ) );
 	k->triangle_gap( a, b, INFINITY, &out[88] );
 	out[122] = static_cast<float>( k->triangle_gap( a, b, limit, &out[96] ) );
-	out[123] = static_cast<float>( k->node_solid_gap( &in.node, &in.motion, &in.solid, limit, &out[104] ) );
-	out[124] = static_cast<float>( k->leaf_solid_gap( &in.leaf, &in.motion, &in.solid, limit, &out[112] ) );
+	out[123] = static_cast<float>( k->node_primitive_gap( &in.node, &in.motion, &in.primitive, limit, &out[104] ) );
+	out[124] = static_cast<float>( k->leaf_primitive_gap( &in.leaf, &in.motion, &in.primitive, limit, &out[112] ) );
 	float low[2][8];
 	std::memcpy( low, &out[48], sizeof( low ) );
 	out[125] = static_cast<float>( k->slab_gap( low, in.sphere, limit, 2 ) );
 	float flat[8]; // pads are not numbers, of either sign
-	out[176] = static_cast<float>( k->brick_gap( &in.node, &in.bricks, &in.brick, nullptr, limit, flat ) );
+	out[176] = static_cast<float>( k->obb_gap( &in.node, &in.obbs, &in.obb, nullptr, limit, flat ) );
 	std::memcpy( &out[177], flat, 7 * sizeof( float ) );
-	out[184] = static_cast<float>( k->brick_gap( &in.node, &in.bricks, &in.brick, in.along, limit, flat ) );
+	out[184] = static_cast<float>( k->obb_gap( &in.node, &in.obbs, &in.obb, in.along, limit, flat ) );
 	std::memcpy( &out[185], flat, 7 * sizeof( float ) );
 	lwi_points8 points[3], moved[3];
 	static_assert( sizeof( points ) == sizeof( in.leaf.v ), "a leaf's vertices are three blocks of points" );
@@ -332,7 +332,7 @@ TEST( Kernels, box_is_below_a_plane_that_it_reaches )
 		}
 		float r[9];
 		double far = scale;
-		lwi_turned_box boxes[3];
+		lwi_sheared_box boxes[3];
 		double exact[3][4][3];
 		const auto count = static_cast<uint32_t>( rng.integer( 1, 3 ) );
 		for ( int k = 0; k < 9; ++k )
@@ -460,7 +460,7 @@ TEST( Kernels, pads_are_not_infinitely_far )
 	EXPECT_EQ( gap[7], INFINITY );
 	(void)lwi_kernels_scalar.box_gap( &in.boxes, in.sphere, INFINITY, gap );
 	EXPECT_EQ( gap[7], INFINITY );
-	lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, INFINITY, gap );
+	lwi_kernels_scalar.node_primitive_gap( &in.node, &in.motion, &in.primitive, INFINITY, gap );
 	EXPECT_EQ( gap[7], INFINITY );
 }
 
@@ -539,14 +539,14 @@ TEST( Kernels, solid_gap_exceeds_distance )
 	{
 		Input in = random_input( rng );
 		float gap[8];
-		lwi_kernels_scalar.node_solid_gap( &in.node, &in.motion, &in.solid, INFINITY, gap );
+		lwi_kernels_scalar.node_primitive_gap( &in.node, &in.motion, &in.primitive, INFINITY, gap );
 		lwi_convex solid = {};
-		solid.type = in.solid.type == LW_SHAPE_BOX		? LWI_CONVEX_BOX
-					 : in.solid.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE
+		solid.type = in.primitive.type == LW_SHAPE_BOX		? LWI_CONVEX_BOX
+					 : in.primitive.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE
 														: LWI_CONVEX_CYLINDER;
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			solid.size[axis] = in.solid.size[axis];
+			solid.size[axis] = in.primitive.size[axis];
 		}
 		for ( int lane = 0; lane < 7; ++lane )
 		{
@@ -574,9 +574,10 @@ TEST( Kernels, solid_gap_exceeds_distance )
 	EXPECT_GT( tight, separated * 0.99 );
 }
 
-// The promise of turned boxes: no two points of two of them, cut by their spheres, are nearer than the gap. The points tried
-// are those that reach farthest along the line of the centres and along other directions, where a wrong formula would show.
-TEST( Kernels, brick_gap_exceeds_distance )
+// The promise of oriented boxes: no two points of two of them, cut by their spheres, are nearer than the gap. The points
+// tried are those that reach farthest along the line of the centres and along other directions, where a wrong formula would
+// show.
+TEST( Kernels, obb_gap_exceeds_distance )
 {
 	SeededRng rng;
 	const auto farthest = []( const float axis[3][3], const float low[3], const float high[3], double r, const double u[3], double out[3] )
@@ -606,19 +607,19 @@ TEST( Kernels, brick_gap_exceeds_distance )
 		Input in = random_input( rng );
 		float gap[8], sphere_gap[8];
 		lwi_kernels_scalar.sphere_gap( in.node.x, in.sphere, INFINITY, sphere_gap );
-		lwi_kernels_scalar.brick_gap( &in.node, &in.bricks, &in.brick, in.along, INFINITY, gap );
+		lwi_kernels_scalar.obb_gap( &in.node, &in.obbs, &in.obb, in.along, INFINITY, gap );
 		for ( int lane = 0; lane < 7; ++lane )
 		{
 			const double c[3] = { in.node.x[lane], in.node.y[lane], in.node.z[lane] };
 			float axis[3][3], low[3], high[3];
-			double u[3], size = in.node.r[lane] + in.brick.radius, length = 0;
+			double u[3], size = in.node.r[lane] + in.obb.radius, length = 0;
 			for ( int k = 0; k < 3; ++k )
 			{
-				axis[0][k] = in.bricks.n[k][lane];
-				axis[1][k] = in.bricks.t[k][lane];
-				low[k] = in.bricks.low[k][lane];
-				high[k] = in.bricks.high[k][lane];
-				u[k] = in.brick.center[k] - c[k];
+				axis[0][k] = in.obbs.n[k][lane];
+				axis[1][k] = in.obbs.t[k][lane];
+				low[k] = in.obbs.low[k][lane];
+				high[k] = in.obbs.high[k][lane];
+				u[k] = in.obb.center[k] - c[k];
 				length += u[k] * u[k];
 				size += std::abs( u[k] ) + std::abs( c[k] );
 			}
@@ -635,7 +636,7 @@ TEST( Kernels, brick_gap_exceeds_distance )
 					back[k] = -along[k];
 				}
 				farthest( axis, low, high, in.node.r[lane], along, p );
-				farthest( in.brick.axis, in.brick.low, in.brick.high, in.brick.radius, back, q );
+				farthest( in.obb.axis, in.obb.low, in.obb.high, in.obb.radius, back, q );
 				for ( int k = 0; k < 3; ++k )
 				{
 					const double d = u[k] + q[k] - p[k];
@@ -656,7 +657,7 @@ TEST( Kernels, brick_gap_exceeds_distance )
 
 // Slabs of triangles before boxes and cylinders: never too wide, and mostly the distance itself, or measurements in double
 // are in vain.
-TEST( Kernels, leaf_solid_gap_exceeds_distance )
+TEST( Kernels, leaf_primitive_gap_exceeds_distance )
 {
 	SeededRng rng;
 	double worst = 0;
@@ -664,10 +665,10 @@ TEST( Kernels, leaf_solid_gap_exceeds_distance )
 	for ( int i = 0; i < 4000; ++i )
 	{
 		Input in = random_input( rng );
-		in.solid.type = i % 2 != 0 ? LW_SHAPE_BOX : LW_SHAPE_CYLINDER;
+		in.primitive.type = i % 2 != 0 ? LW_SHAPE_BOX : LW_SHAPE_CYLINDER;
 		lwi_convex solid = {};
 		solid.type = i % 2 != 0 ? LWI_CONVEX_BOX : LWI_CONVEX_CYLINDER;
-		std::copy_n( in.solid.size, 3, solid.size );
+		std::copy_n( in.primitive.size, 3, solid.size );
 		lw_transform place = lw_transform_identity();
 		for ( int axis = 0; axis < 3; ++axis )
 		{
@@ -675,7 +676,7 @@ TEST( Kernels, leaf_solid_gap_exceeds_distance )
 			place.t[axis] = in.motion.t[axis];
 		}
 		float gap[8];
-		lwi_kernels_scalar.leaf_solid_gap( &in.leaf, &in.motion, &in.solid, INFINITY, gap );
+		lwi_kernels_scalar.leaf_primitive_gap( &in.leaf, &in.motion, &in.primitive, INFINITY, gap );
 		for ( int lane = 0; lane < 8; ++lane )
 		{
 			lwi_convex triangle = {};

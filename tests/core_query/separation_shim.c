@@ -98,16 +98,16 @@ bool shim_separate_two( const shim_swept_poses* a, const shim_swept_poses* b, fl
 	return apart;
 }
 
-uint32_t shim_core( const lw_shape* shape, double points[64][3] )
+uint32_t shim_extreme_points( const lw_shape* shape, double points[64][3] )
 {
-	for ( uint32_t i = 0; i < shape->core_blocks * LWI_WIDTH; ++i )
+	for ( uint32_t i = 0; i < shape->extreme_blocks * LWI_WIDTH; ++i )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			points[i][k] = (double)shape->core[i / LWI_WIDTH].at[k][i % LWI_WIDTH] + shape->origin[k];
+			points[i][k] = (double)shape->extreme_points[i / LWI_WIDTH].at[k][i % LWI_WIDTH] + shape->origin[k];
 		}
 	}
-	return shape->core_blocks * LWI_WIDTH;
+	return shape->extreme_blocks * LWI_WIDTH;
 }
 
 lw_vec3 shim_origin( const lw_shape* shape )

@@ -43,7 +43,7 @@ bool shim_separate_two( const shim_swept_poses* a, const shim_swept_poses* b, fl
 	int directions );
 
 /// Points of the core, shape frame. @return how many
-uint32_t shim_core( const lw_shape* shape, double points[64][3] );
+uint32_t shim_extreme_points( const lw_shape* shape, double points[64][3] );
 
 /// Origin of the tree frame.
 lw_vec3 shim_origin( const lw_shape* shape );

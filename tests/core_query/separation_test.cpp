@@ -256,7 +256,7 @@ TEST( Separation, core_outside_of_hull )
 		Moving m = random_moving( rng, rng.decade( -3, 1 ), 0, false );
 		m.places.at[0] = lw_transform_identity();
 		double core[64][3];
-		const uint32_t count = shim_core( m.places.shape, core );
+		const uint32_t count = shim_extreme_points( m.places.shape, core );
 		ASSERT_GE( count, 8u );
 		const double slack = 8 * u * to_double( m.subject.model.size );
 		for ( int k = 0; k < 60; ++k )

@@ -485,8 +485,8 @@ TEST( SolidMesh, solids_that_share_an_edge_or_corner_stay_apart )
 	EXPECT_FALSE( touches( 0.5, 1.5 ) );
 }
 
-// Boxes side by side, each with walls of its own: edges of four triangles around each wall, at which the sheets of two boxes
-// meet with one triangle each and would be left open.
+// Boxes side by side, each with walls of its own: edges of four triangles around each wall, at which the components of two
+// boxes meet with one triangle each and would be left open.
 TEST( SolidMesh, boxes_that_share_a_wall_leave_no_gap_and_reach_no_further )
 {
 	SeededRng rng;

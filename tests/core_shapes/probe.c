@@ -10,7 +10,7 @@ _Static_assert( (int)PROBE_WIDTH == (int)LWI_WIDTH && (int)PROBE_MAX_DEPTH == (i
 
 probe_shape probe_open( const lw_shape* shape )
 {
-	probe_shape p = { .solid = shape->solid,
+	probe_shape p = { .solid = shape->primitive,
 		.radius = shape->radius,
 		.extent = shape->extent,
 		.root = shape->root,

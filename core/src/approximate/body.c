@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Builds a body: its parts in one frame, its shells, the fans over their holes, its skin, and the grids for rays.
+// Builds a body: its parts in one frame, its shells, the caps over their holes, its outer surface, and the grids for rays.
 //
 // Cycles modulo 2: a set of triangles in which each edge occurs an even number of times bounds the set of points from which
 // a
@@ -192,7 +192,7 @@ static bool add_part( soup* s, const lw_allocator* memory, const lwi_body_part* 
 	{
 		const uint32_t ball[3] = { i, i, i };
 		const uint32_t* t = shape->indices != NULL ? shape->indices + 3 * (size_t)i : ball;
-		ok = add_triangle( s, memory, first + t[0], first + t[1], first + t[2], lwi_item_radius( shape, i ), shape->filled );
+		ok = add_triangle( s, memory, first + t[0], first + t[1], first + t[2], lwi_item_radius( shape, i ), shape->closed );
 	}
 	return ok;
 }
@@ -315,8 +315,8 @@ typedef struct shells
 	size_t use_count;
 	uint32_t* loop;       ///< [vertex_count], union-find of vertices of odd edges of one shell
 	lwi_array odd_edges;  ///< edge_use: odd edges with the root of their shell
-	lwi_array fans, tips; ///< uint32_t[3]; double[3]: triangles and apexes that close holes
-	lwi_array fan_roots;  ///< uint32_t: shell of each fan triangle
+	lwi_array caps, tips; ///< uint32_t[3]; double[3]: triangles and apexes that close holes
+	lwi_array cap_roots;  ///< uint32_t: shell of each cap triangle
 } shells;
 
 static void free_shells( shells* s, const lw_allocator* memory )
@@ -328,9 +328,9 @@ static void free_shells( shells* s, const lw_allocator* memory )
 	lwi_free( memory, s->uses, 3 * triangles * sizeof( edge_use ) );
 	lwi_free( memory, s->loop, s->mesh->vertex_count * sizeof( uint32_t ) );
 	lwi_array_free( &s->odd_edges, memory, sizeof( edge_use ) );
-	lwi_array_free( &s->fans, memory, 3 * sizeof( uint32_t ) );
+	lwi_array_free( &s->caps, memory, 3 * sizeof( uint32_t ) );
 	lwi_array_free( &s->tips, memory, 3 * sizeof( double ) );
-	lwi_array_free( &s->fan_roots, memory, sizeof( uint32_t ) );
+	lwi_array_free( &s->cap_roots, memory, sizeof( uint32_t ) );
 }
 
 static void collect_edges( shells* s )
@@ -383,9 +383,10 @@ static bool collect_holes( shells* s, const lw_allocator* memory )
 	return true;
 }
 
-/// Closes one hole, the odd edges of a shell that hang together, by a fan from the mean of their middles: each of its
-/// vertices is on an even number of the edges, so each spoke belongs to an even number of fan triangles.
-static bool add_fan( shells* s, const edge_use* edges, size_t count, uint32_t loop, const lw_allocator* memory )
+/// Closes one hole, the odd edges of a shell that hang together, by a cap, a fan of triangles from the mean of their
+/// middles: each of its vertices is on an even number of the edges, so each spoke belongs to an even number of cap
+/// triangles.
+static bool add_cap( shells* s, const edge_use* edges, size_t count, uint32_t loop, const lw_allocator* memory )
 {
 	lw_vec3 sum = { 0, 0, 0 };
 	double used = 0;
@@ -406,9 +407,9 @@ static bool add_fan( shells* s, const edge_use* edges, size_t count, uint32_t lo
 	{
 		if ( find( s->loop, edges[i].low ) == loop )
 		{
-			ok = lwi_array_push( &s->fans, memory, 3 * sizeof( uint32_t ), ( uint32_t[3] ){ edges[i].low, edges[i].high,
+			ok = lwi_array_push( &s->caps, memory, 3 * sizeof( uint32_t ), ( uint32_t[3] ){ edges[i].low, edges[i].high,
 				tip } ) &&
-				 lwi_array_push( &s->fan_roots, memory, sizeof( uint32_t ), &edges[i].triangle );
+				 lwi_array_push( &s->cap_roots, memory, sizeof( uint32_t ), &edges[i].triangle );
 		}
 	}
 	return ok;
@@ -470,7 +471,7 @@ static bool close_shell( shells* s, const edge_use* edges, size_t count, double 
 		if ( first )
 		{
 			++body->holes;
-			if ( !add_fan( s, edges, count, edges[i].low, memory ) )
+			if ( !add_cap( s, edges, count, edges[i].low, memory ) )
 			{
 				return false;
 			}
@@ -486,8 +487,8 @@ static lw_status keep_closed( shells* s, lwi_body* body, lw_diag* diag )
 	const lw_shape* mesh = s->mesh;
 	lwi_array vertices = { 0 }, indices = { 0 }, shell = { 0 };
 	bool ok = lwi_array_reserve( &vertices, memory, 3 * sizeof( double ), mesh->vertex_count + s->tips.count ) &&
-			  lwi_array_reserve( &indices, memory, 3 * sizeof( uint32_t ), mesh->item_count + s->fans.count ) &&
-			  lwi_array_reserve( &shell, memory, sizeof( uint32_t ), mesh->item_count + s->fans.count );
+			  lwi_array_reserve( &indices, memory, 3 * sizeof( uint32_t ), mesh->item_count + s->caps.count ) &&
+			  lwi_array_reserve( &shell, memory, sizeof( uint32_t ), mesh->item_count + s->caps.count );
 	lw_status status = LW_ERROR_OUT_OF_MEMORY;
 	if ( ok )
 	{
@@ -509,10 +510,10 @@ static lw_status keep_closed( shells* s, lwi_body* body, lw_diag* diag )
 				lwi_array_push( &shell, memory, sizeof( uint32_t ), &number[t] );
 			}
 		}
-		for ( size_t i = 0; i < s->fans.count; ++i )
+		for ( size_t i = 0; i < s->caps.count; ++i )
 		{
-			lwi_array_push( &indices, memory, 3 * sizeof( uint32_t ), (const uint32_t*)s->fans.data + 3 * i );
-			lwi_array_push( &shell, memory, sizeof( uint32_t ), &number[( (const uint32_t*)s->fan_roots.data )[i]] );
+			lwi_array_push( &indices, memory, 3 * sizeof( uint32_t ), (const uint32_t*)s->caps.data + 3 * i );
+			lwi_array_push( &shell, memory, sizeof( uint32_t ), &number[( (const uint32_t*)s->cap_roots.data )[i]] );
 		}
 		body->shell_solid = lwi_alloc_zero( memory, body->shell_count, sizeof( bool ) );
 		for ( uint32_t t = 0; t < mesh->item_count && body->shell_solid != NULL; ++t )
@@ -576,7 +577,7 @@ static lw_status find_shells( lwi_body* body, double close_holes, lw_diag* diag 
 	return status;
 }
 
-// --- rays and skin ---------------------------------------------------------------------------------------------------
+// --- rays and outer surface ---------------------------------------------------------------------------------------------
 
 static lw_status make_grid( lwi_body* body, int which, lwi_ray_grid* grid )
 {
@@ -673,8 +674,8 @@ static lw_status fill_grid( lwi_body* body, lwi_ray_grid* grid )
 	return LW_OK;
 }
 
-/// Output of the search for hidden triangles: the skin, as a soup.
-typedef struct skinner
+/// Output of the search for hidden triangles: the outer surface, as a soup.
+typedef struct outer_search
 {
 	lwi_body* body;
 	lwi_array vertices; ///< double[3]
@@ -682,9 +683,9 @@ typedef struct skinner
 	uint32_t shell;     ///< of the current triangle
 	bool any_hidden;    ///< a part of it is hidden
 	bool ok;
-} skinner;
+} outer_search;
 
-static void keep_part( skinner* s, const lw_vec3 v[3] )
+static void keep_part( outer_search* s, const lw_vec3 v[3] )
 {
 	for ( int k = 0; k < 3 && s->ok; ++k )
 	{
@@ -694,7 +695,7 @@ static void keep_part( skinner* s, const lw_vec3 v[3] )
 }
 
 /// Keeps the parts of a triangle that are not proved to lie inside of another shell.
-static void keep_visible( skinner* s, const lw_vec3 v[3], int splits )
+static void keep_visible( outer_search* s, const lw_vec3 v[3], int splits )
 {
 	lwi_body* body = s->body;
 	if ( lwi_body_stopped( body ) )
@@ -733,11 +734,11 @@ static void keep_visible( skinner* s, const lw_vec3 v[3], int splits )
 	keep_visible( s, second, splits - 1 );
 }
 
-static lw_status make_skin( lwi_body* body, double finest, lw_diag* diag )
+static lw_status make_outer( lwi_body* body, double finest, lw_diag* diag )
 {
 	const lw_shape* mesh = body->closed;
 	const lw_allocator* memory = &body->memory;
-	skinner s = { .body = body, .finest = finest, .ok = true };
+	outer_search s = { .body = body, .finest = finest, .ok = true };
 	for ( uint32_t t = 0; t < mesh->item_count && s.ok; ++t )
 	{
 		lw_vec3 v[3];
@@ -769,7 +770,7 @@ static lw_status make_skin( lwi_body* body, double finest, lw_diag* diag )
 	lw_status status = LW_ERROR_OUT_OF_MEMORY;
 	if ( s.ok )
 	{
-		status = mesh_of( s.vertices.data, s.vertices.count, indices.data, indices.count / 3, memory, diag, &body->skin );
+		status = mesh_of( s.vertices.data, s.vertices.count, indices.data, indices.count / 3, memory, diag, &body->outer );
 	}
 	lwi_array_free( &indices, memory, sizeof( uint32_t ) );
 	lwi_array_free( &s.vertices, memory, 3 * sizeof( double ) );
@@ -850,7 +851,7 @@ static lw_status build( const lwi_body_part* parts, uint32_t part_count, double 
 		status = body->grids == NULL ? LW_ERROR_OUT_OF_MEMORY : make_grid( body, i, &body->grids[i] );
 		status = status == LW_OK ? fill_grid( body, &body->grids[i] ) : status;
 	}
-	return status == LW_OK ? make_skin( body, HIDDEN_SHARE * grain, diag ) : status;
+	return status == LW_OK ? make_outer( body, HIDDEN_SHARE * grain, diag ) : status;
 }
 
 bool lwi_body_stopped( lwi_body* body )
@@ -898,7 +899,7 @@ void lwi_body_free( lwi_body* body )
 	}
 	lwi_free( memory, body->shell_solid, body->shell_count * sizeof( bool ) );
 	lwi_free( memory, body->parity, body->shell_count * sizeof( uint8_t ) );
-	lw_shape_release( body->skin );
+	lw_shape_release( body->outer );
 	lw_shape_release( body->closed );
 	lw_shape_release( body->surface );
 	memset( body, 0, sizeof( *body ) );

@@ -29,15 +29,15 @@ typedef struct lwi_body
 	double dilation_max;
 	bool* solid; ///< [triangle_count]: of a solid (primitive or mesh), whose inside is geometry too
 	bool any_solid;
-	/// Closed shells with the fans that close their holes, and the part of them that is not inside another shell. NULL:
+	/// Closed shells with the caps that close their holes, and the part of them that is not inside another shell. NULL:
 	/// none.
 	lw_shape* closed;
-	lw_shape* skin;
+	lw_shape* outer;
 	uint32_t* shell; ///< [triangle_count of closed]
 	uint32_t shell_count;
 	bool* shell_solid; ///< [shell_count]
 	uint32_t open_shells;    ///< shells that stay open
-	uint32_t holes;          ///< closed by fans
+	uint32_t holes;          ///< closed by caps
 	double widest_hole;      ///< metres, of those closed: the diagonal of its box
 	double widest_open_hole; ///< metres, of the open ones; 0 if there is none
 	uint32_t hidden;         ///< triangles of closed shells that are partly or wholly inside of others
@@ -53,7 +53,7 @@ typedef struct lwi_body
 	bool stopped;            ///< stop has returned true
 } lwi_body;
 
-/// @param close_holes metres: fans close the holes of a shell if each is at most this wide
+/// @param close_holes metres: caps close the holes of a shell if each is at most this wide
 /// @param grain metres, >= 0: depths that are too small by less than that do no harm, which saves time. 0: as exact as it
 /// gets
 /// @param stop, user see lwi_body: once stopped, the search for hidden parts counts all undecided parts as visible
@@ -93,7 +93,7 @@ bool lwi_body_encloses( lwi_body* body, lw_vec3 p );
 
 /// Signed depth s of a point: each ball about p of radius r protrudes from the body by at most r - s. That is, no point
 /// of the ball that is outside of the body is farther than r - s from the body's surface. Positive inside: the distance to
-/// the skin; negative outside: minus the distance to the surface.
+/// the outer surface; negative outside: minus the distance to the surface.
 /// @param certified rounding is taken off; otherwise a fast estimate for searches
 double lwi_body_depth( lwi_body* body, lw_vec3 p, bool certified );
 

@@ -315,9 +315,9 @@ static double dilated_distance( const lwi_body* body, lw_vec3 p, bool certified 
 double lwi_body_depth( lwi_body* body, lw_vec3 p, bool certified )
 {
 	double inside = -INFINITY;
-	if ( body->skin != NULL )
+	if ( body->outer != NULL )
 	{
-		double distance = lwi_shape_nearest( body->skin, p, INFINITY, certified, NULL, 0 ).distance;
+		double distance = lwi_shape_nearest( body->outer, p, INFINITY, certified, NULL, 0 ).distance;
 		// nearer to the surface than rounding, a ray proves nothing
 		inside = distance > body->slack && lwi_body_encloses( body, p ) ? distance : -INFINITY;
 		if ( inside > 0 && body->dilation_max == 0 )

@@ -233,13 +233,13 @@ static double distance_to_body( lwi_body* body, lw_vec3 p )
 static double attained_by( lwi_body* body, lw_vec3 center, double radius )
 {
 	const lw_shape* mesh = body->surface;
-	bool inside = body->skin != NULL && lwi_body_encloses( body, center );
-	lwi_nearest x = lwi_shape_nearest( inside ? body->skin : mesh, center, INFINITY, false, NULL, 0 );
+	bool inside = body->outer != NULL && lwi_body_encloses( body, center );
+	lwi_nearest x = lwi_shape_nearest( inside ? body->outer : mesh, center, INFINITY, false, NULL, 0 );
 	lw_vec3 out = inside ? lwi_sub( x.point, center ) : lwi_sub( center, x.point );
 	double length = lwi_length( out );
 	if ( !( length > 1e-6 * radius ) )
 	{
-		const lw_shape* of = inside ? body->skin : mesh;
+		const lw_shape* of = inside ? body->outer : mesh;
 		const uint32_t* index = of->indices + 3 * (size_t)x.triangle;
 		lw_vec3 a = lwi_load( of->vertices + 3 * (size_t)index[0] ), b = lwi_load( of->vertices + 3 * (size_t)index[1] );
 		out = lwi_cross( lwi_sub( b, a ), lwi_sub( lwi_load( of->vertices + 3 * (size_t)index[2] ), a ) );

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Spheres around boxes, cylinders, capsules and spheres without a search: rows along the edges at growing depths, then a
-// sheet or a stack in the middle. Nothing here is trusted: lwi_enclose_check() judges the result.
+// layer or a stack in the middle. Nothing here is trusted: lwi_enclose_check() judges the result.
 //
 // Kershner, "The number of circles covering a set", 1939 (staggered rows cover a plane with the fewest equal discs);
 // Bellman,
@@ -15,7 +15,7 @@
 enum
 {
 	NODES = 320,         ///< depths that are tried for the rows
-	WIDTHS = 48,         ///< widths that are tried for a ring of a sheet
+	WIDTHS = 48,         ///< widths that are tried for a ring of a layer
 	MAX_CELLS = 12,      ///< of a grid, per axis
 	MAX_SPHERES = 200000 ///< of one shape
 };
@@ -161,7 +161,7 @@ static double row( form* f, double u, double s )
 	return f->round ? cylinder_row( f, u, s ) : box_row( f, u, s );
 }
 
-// --- sheets ----------------------------------------------------------------------------------------------------------
+// --- layers ----------------------------------------------------------------------------------------------------------
 
 /// Staggered rows of discs of radius rho over a rectangle.
 typedef struct stagger
@@ -214,7 +214,7 @@ static stagger best_stagger( double x, double y, double rho )
 }
 
 /// Covers a rectangle of the two larger faces of a box with spheres in its middle plane.
-static double box_sheet( form* f, double inset )
+static double box_layer( form* f, double inset )
 {
 	int thin = f->half[0] <= f->half[1] && f->half[0] <= f->half[2] ? 0 : f->half[1] <= f->half[2] ? 1 : 2;
 	int a = ( thin + 1 ) % 3, b = ( thin + 2 ) % 3;
@@ -249,7 +249,7 @@ static double box_sheet( form* f, double inset )
 }
 
 /// Covers a disc of the ends of a flat cylinder with rings of spheres in its middle plane.
-static double cylinder_sheet( form* f, double inset )
+static double cylinder_layer( form* f, double inset )
 {
 	double rho = sqrt( chord_sq( f, f->middle, 0 ) ), rim = f->half[0] - inset, count = 0;
 	if ( f->half[0] <= f->half[2] )
@@ -282,9 +282,9 @@ static double cylinder_sheet( form* f, double inset )
 	return count;
 }
 
-static double sheet( form* f, double inset )
+static double layer( form* f, double inset )
 {
-	return f->round ? cylinder_sheet( f, inset ) : box_sheet( f, inset );
+	return f->round ? cylinder_layer( f, inset ) : box_layer( f, inset );
 }
 
 // --- the whole -------------------------------------------------------------------------------------------------------
@@ -329,7 +329,7 @@ static void put_grid( form* f, const double n[3] )
 }
 
 /// Depths of rows that together take the fewest spheres: each row covers the surface from one node (a distance from the
-/// edges) to the next; the last lies in the middle, and leaves a sheet to cover. *last is the node that it begins at.
+/// edges) to the next; the last lies in the middle, and leaves a layer to cover. *last is the node that it begins at.
 static double best_rows( form* f, double node[NODES], int before[NODES], int* last )
 {
 	double count[NODES], best = INFINITY, low = fmin( FIRST_DEPTH * f->excess, 0.5 * f->middle );
@@ -351,7 +351,7 @@ static double best_rows( form* f, double node[NODES], int before[NODES], int* la
 		double sum = count[j] < best ? count[j] + row( f, node[j], f->middle ) : INFINITY;
 		if ( sum < best )
 		{
-			sum += sheet( f, 2 * f->middle - node[j] );
+			sum += layer( f, 2 * f->middle - node[j] );
 		}
 		if ( sum < best )
 		{
@@ -381,7 +381,7 @@ static bool put_form( form* f )
 		return true;
 	}
 	row( f, node[last], f->middle );
-	sheet( f, 2 * f->middle - node[last] );
+	layer( f, 2 * f->middle - node[last] );
 	for ( int j = last; before[j] >= 0; j = before[j] )
 	{
 		row( f, node[before[j]], 0.5 * ( node[before[j]] + node[j] ) );

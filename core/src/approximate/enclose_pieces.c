@@ -60,11 +60,11 @@ static bool shrink_ball( const cutter* cut, lw_vec3 q, lw_vec3 n, lwi_site* out 
 	for ( int i = 0; i < MAX_SHRINKS && r > give; ++i )
 	{
 		lw_vec3 c = lwi_add_scaled( q, r, n );
-		lwi_nearest x = lwi_shape_nearest( body->skin, c, r - give, false, NULL, 0 );
+		lwi_nearest x = lwi_shape_nearest( body->outer, c, r - give, false, NULL, 0 );
 		if ( x.distance == INFINITY )
 		{
 			out->center = c;
-			out->depth = lwi_shape_nearest( body->skin, c, INFINITY, false, NULL, 0 ).distance;
+			out->depth = lwi_shape_nearest( body->outer, c, INFINITY, false, NULL, 0 ).distance;
 			return lwi_body_encloses( cut->body, c );
 		}
 		lw_vec3 d = lwi_sub( x.point, q );
@@ -167,7 +167,7 @@ static int keep_piece( const cutter* cut, const lwi_piece* piece )
 		return lwi_array_push( cut->pieces, memory, sizeof( lwi_piece ), piece ) ? 1 : -1;
 	}
 	double length = lwi_length( normal );
-	for ( int side = 0; side < 2 && length > 0 && cut->body->skin != NULL; ++side )
+	for ( int side = 0; side < 2 && length > 0 && cut->body->outer != NULL; ++side )
 	{
 		lw_vec3 n = lwi_scale( ( side == 0 ? -1 : 1 ) / length, normal );
 		// outside of all shells there is no ball to be found, and the search for it would be the longest

@@ -54,7 +54,7 @@ static bool leave_open( walk* w, lw_vec3 c )
 {
 	if ( w->excess > 0 )
 	{
-		lwi_nearest x = lwi_shape_nearest( w->body->skin, c, INFINITY, false, NULL, 0 );
+		lwi_nearest x = lwi_shape_nearest( w->body->outer, c, INFINITY, false, NULL, 0 );
 		double depth = lwi_body_depth( w->body, c, true );
 		return depth > 0 ? add_sphere( w, c, depth + w->excess ) : add_sphere( w, x.point, w->excess );
 	}

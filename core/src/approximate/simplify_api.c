@@ -225,7 +225,7 @@ lw_status lw_shape_create_detail( const lw_shape* shape, double tolerance, const
 		return status;
 	}
 	lw_allocator memory = lwi_allocator_or_default( allocator );
-	if ( shape->type == LW_SHAPE_MESH && !shape->filled )
+	if ( shape->type == LW_SHAPE_MESH && !shape->closed )
 	{
 		return coarser_mesh( shape, tolerance, &tree_def, &memory, diag, out_shape );
 	}

@@ -61,7 +61,7 @@ void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
 	lwi_write_u32( w, shape->leaf_count );
 	lwi_write_u32( w, shape->depth );
 	lwi_write_u32( w, shape->root );
-	lwi_write_u32( w, shape->filled ? 1u : 0u );
+	lwi_write_u32( w, shape->closed ? 1u : 0u );
 	lwi_write_u32( w, shape->original_count );
 	lwi_write_double( w, shape->radius );
 	lwi_write_double( w, shape->excess );
@@ -105,7 +105,8 @@ static const char* check_counts( const lw_shape* shape, size_t left )
 static const char* check_numbers( const lw_shape* shape )
 {
 	// a mesh is thick if it approximates another one, and is no solid then
-	bool has_radius = shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 && !shape->filled );
+	bool has_radius = shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 &&
+		!shape->closed );
 	bool radius_valid = shape->radius >= 0.0 && shape->radius <= ( has_radius ? LWI_MAX_COORDINATE : 0.0 );
 	if ( !radius_valid || !( shape->dimensions[0] == shape->radius ) || !( shape->dimensions[1] == 0.0 ) ||
 		 !( shape->dimensions[2] == 0.0 ) )
@@ -193,13 +194,13 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	shape->leaf_count = lwi_read_u32( r );
 	shape->depth = lwi_read_u32( r );
 	shape->root = lwi_read_u32( r );
-	uint32_t filled = lwi_read_u32( r );
+	uint32_t closed = lwi_read_u32( r );
 	shape->original_count = lwi_read_u32( r );
 	shape->radius = lwi_read_double( r );
 	shape->excess = lwi_read_double( r );
 	lwi_read( r, shape->root_sphere, sizeof( shape->root_sphere ) );
 	const char* problem = check_counts( shape, lwi_reader_left( r ) );
-	problem = filled > ( shape->type == LW_SHAPE_MESH ? 1u : 0u ) ? "an unknown kind of solid" : problem;
+	problem = closed > ( shape->type == LW_SHAPE_MESH ? 1u : 0u ) ? "an unknown kind of solid" : problem;
 	if ( r->failed || problem != NULL )
 	{
 		return damaged( diag, index, r->failed ? "too few bytes" : problem );
@@ -218,7 +219,7 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );
 	}
-	shape->filled = filled != 0;
+	shape->closed = closed != 0;
 	problem = check_numbers( shape );
 	problem = problem == NULL ? check_indices( shape ) : problem;
 	if ( problem != NULL )
@@ -229,7 +230,7 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	lw_status status = LW_OK;
 	if ( shape->type == LW_SHAPE_MESH )
 	{
-		status = filled != 0 ? lwi_mesh_close( shape, &inner ) : LW_OK;
+		status = closed != 0 ? lwi_mesh_close( shape, &inner ) : LW_OK;
 		status = status == LW_OK ? lwi_mesh_find_parts( shape, &inner ) : status;
 	}
 	lwi_shape_set_frame( shape );
@@ -237,8 +238,8 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	// The walk of the validation is bounded whatever the tree holds: it stops at a reference out of range, below
 	// LWI_MAX_DEPTH, and once it has met more nodes than there are. A query's walk is a part of it.
 	status = status == LW_OK ? lw_shape_validate( shape, &inner ) : status;
-	status = status == LW_OK ? lwi_shape_find_bricks( shape, &inner ) : status;
-	status = status == LW_OK ? lwi_shape_find_core( shape, &inner ) : status;
+	status = status == LW_OK ? lwi_shape_find_obbs( shape, &inner ) : status;
+	status = status == LW_OK ? lwi_shape_find_extreme_points( shape, &inner ) : status;
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );

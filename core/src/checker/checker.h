@@ -14,7 +14,7 @@
 
 #include <math.h>
 
-struct lwi_warm;
+struct lwi_cached_pair;
 
 /// Two bodies to check against each other; `a` < `b`.
 typedef struct lwi_self_pair
@@ -156,9 +156,9 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 
 /// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
 /// out->b = object. FAR if nothing is to be checked.
-/// @param warm its nearest pair of the last time; written if one was found
+/// @param cached its nearest pair of the last time; written if one was found
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
-	struct lwi_warm* warm, lw_clearance* out );
+	struct lwi_cached_pair* cached, lw_clearance* out );
 
 /// The pairs of bodies of a pair of nodes (index into the tree's pairs) that spheres and separations do not prove `limit`
 /// apart: the first entries of query->candidates, each lwi_body_pair_id(). Returns their count.
@@ -175,7 +175,7 @@ bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint3
 
 /// Clearance of one pair of bodies. out->a, out->b = links.
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
-	struct lwi_warm* warm, lw_clearance* out );
+	struct lwi_cached_pair* cached, lw_clearance* out );
 
 // ---------------------------------------------------------------------------------------------------------------------
 

@@ -293,7 +293,7 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* 
 	return (lw_sphere){ { ball.center.x, ball.center.y, ball.center.z }, radius };
 }
 
-/// A point of the convex hull of a body: the mean of its points, or of the corners of its box if it is a convex solid.
+/// A point of the convex hull of a body: the mean of its points, or of the corners of its box if it is a convex primitive.
 static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_tree* t, uint32_t body )
 {
 	const lw_shape* shape = c->bodies[body].shape;

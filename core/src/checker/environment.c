@@ -52,24 +52,25 @@ static bool any_below( const float* gaps, uint32_t count, double limit )
 }
 
 /// Gaps of a sphere (world) to the chosen obstacles, less margins. Returns their slack; *near: some gap is below
-/// `prune` plus the slack.
+/// `cutoff` plus the slack.
 /// @param margins of each obstacle, or NULL
 static double gaps_of( const lw_checker* checker, lw_query* query, const double center[3], double radius, const float* margins,
-	double prune, float* gaps, bool* near )
+	double cutoff, float* gaps, bool* near )
 {
 	uint32_t blocks = block_count( checker, query );
-	double slack = lwi_scene_gaps( checker->scene, blocks, query->search.kernels, center, radius, prune, gaps, near );
+	double slack = lwi_scene_gaps( checker->scene, blocks, query->search.kernels, center, radius, cutoff, gaps, near );
 	if ( margins != NULL )
 	{
 		lwi_subtract_margins( gaps, margins, blocks * LWI_WIDTH );
-		*near = any_below( gaps, blocks * LWI_WIDTH, prune + slack );
+		*near = any_below( gaps, blocks * LWI_WIDTH, cutoff + slack );
 	}
 	return slack;
 }
 
 /// The same for a body, which need not be posed: its sphere is taken to the world by the pose of its node. That is a
 /// roundoff or two of double away from its place by the body's own pose, and the slack is one of floats.
-static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, double prune, float* gaps, bool* near )
+static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, double cutoff, float* gaps,
+	bool* near )
 {
 	const lwi_checker_tree* tree = checker->tree;
 	const lwi_margins* m = checker->margins;
@@ -79,7 +80,7 @@ static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t 
 	lw_vec3 world = lwi_transform( &query->world_from_link[tree->nodes[node].top], lwi_load( local->center ) );
 	const double center[3] = { world.x, world.y, world.z };
 	double radius = local->radius + ( m != NULL ? m->bodies[body] : 0 );
-	return gaps_of( checker, query, center, radius, m != NULL ? m->body_row[body] : NULL, prune, gaps, near );
+	return gaps_of( checker, query, center, radius, m != NULL ? m->body_row[body] : NULL, cutoff, gaps, near );
 }
 
 /// Shapes of the scene that a body is compared with, a byte for each block.
@@ -151,17 +152,17 @@ static void search_rows( const lw_checker* checker, lw_query* query, const uint3
 {
 	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
 	uint32_t entries = body_count * stride;
-	if ( !( query->gaps[nearest] < lwi_round_up( bound->prune + slack ) ) )
+	if ( !( query->gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
 	{
 		return;
 	}
 	bound->current_pair = bodies[nearest / stride] * stride + nearest % stride;
 	search_environment_pair( checker, query, bodies[nearest / stride], nearest % stride, bound );
-	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->prune + slack ), nearest );
+	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->cutoff + slack ), nearest );
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
-		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
 		{
 			break;
 		}
@@ -195,7 +196,7 @@ static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place
 /// that can only make it true more often.
 static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sphere, const lwi_bound* bound )
 {
-	if ( bound->prune == INFINITY )
+	if ( bound->cutoff == INFINITY )
 	{
 		return true; // no bound yet: any sphere is near
 	}
@@ -208,7 +209,7 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 	const lwi_margins* m = checker->margins;
 	double radius = world[3] + ( m != NULL ? m->nodes[sphere] : 0 );
 	bool near;
-	gaps_of( checker, query, world, radius, m != NULL ? m->objects : NULL, bound->prune, query->row, &near );
+	gaps_of( checker, query, world, radius, m != NULL ? m->objects : NULL, bound->cutoff, query->row, &near );
 	return near;
 }
 
@@ -237,18 +238,18 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	uint32_t body = tree->bodies[place], nearest;
 	float* gaps = row_of( checker, query, place );
 	bool near;
-	double slack = row_of_gaps( checker, query, body, bound->prune, gaps, &near );
+	double slack = row_of_gaps( checker, query, body, bound->cutoff, gaps, &near );
 	if ( !near )
 	{
 		return slack;
 	}
-	if ( bound->prune < tree->body_spheres[place].radius )
+	if ( bound->cutoff < tree->body_spheres[place].radius )
 	{
-		add_near( checker, query, body, gaps, lwi_round_up( bound->prune + slack ), count );
+		add_near( checker, query, body, gaps, lwi_round_up( bound->cutoff + slack ), count );
 		return slack;
 	}
 	nearest = mask_row( checker, query, body, gaps );
-	if ( gaps[nearest] < lwi_round_up( bound->prune + slack ) )
+	if ( gaps[nearest] < lwi_round_up( bound->cutoff + slack ) )
 	{
 		lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
 	}
@@ -317,7 +318,7 @@ static void open_row( const lw_checker* checker, lw_query* query, lwi_candidate 
 	}
 	bound->current_pair = body * stride + nearest;
 	search_environment_pair( checker, query, body, nearest, bound );
-	float limit = lwi_round_up( bound->prune + slack );
+	float limit = lwi_round_up( bound->cutoff + slack );
 	for ( uint32_t i = 0; i < stride && !bound->done; ++i )
 	{
 		if ( i != nearest && gaps[i] < limit )
@@ -339,7 +340,7 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
-		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
 		{
 			break;
 		}
@@ -380,23 +381,24 @@ static void environment_result( const lw_checker* checker, const lw_query* query
 }
 
 /// Measures the nearest pair of the last time, if it is still checked.
-static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
+static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi_cached_pair* cached, lwi_bound* bound )
 {
 	uint32_t stride = checker->scene != NULL ? checker->scene->block_count * LWI_WIDTH : 0;
-	if ( stride == 0 || !lwi_warm_pays( query, warm, bound ) )
+	if ( stride == 0 || !lwi_cached_pair_pays( query, cached, bound ) )
 	{
 		return;
 	}
-	uint32_t body = warm->pair / stride, shape = warm->pair % stride;
+	uint32_t body = cached->pair / stride, shape = cached->pair % stride;
 	if ( body < lw_robot_body_count( checker->robot ) && shape < checker->scene->shape_count &&
 		 ( checker->environment_mask[(size_t)body * checker->scene->block_count + shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) &
 			 1 ) != 0 )
 	{
 		lwi_pose_body( checker, query, body );
 		lw_transform relative = lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
-		bound->current_pair = warm->pair;
+		bound->current_pair = cached->pair;
 		bound->margin = lwi_environment_margin( checker, body, checker->scene->shapes[shape].object );
-		lwi_measure_warm( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, warm, bound );
+		lwi_measure_cached_pair( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, cached,
+			bound );
 	}
 }
 
@@ -415,10 +417,10 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	const lw_clearance* fixed = &checker->static_environment;
 	bound.current_pair = STATIC_PAIR;
 	lwi_bound_offer( &bound, fixed->lower, fixed->upper );
-	lwi_warm* warm = &query->warm_environment;
+	lwi_cached_pair* cached = &query->nearest_environment;
 	if ( !bound.done )
 	{
-		measure_warm( checker, query, warm, &bound );
+		measure_cached_pair( checker, query, cached, &bound );
 	}
 	if ( !bound.done && query->search.def.hierarchy )
 	{
@@ -432,13 +434,13 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	environment_result( checker, query, &bound, out );
 	if ( out->upper < INFINITY && bound.pair != STATIC_PAIR )
 	{
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }
 
 bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit )
 {
-	const lwi_bound bound = { .prune = limit };
+	const lwi_bound bound = { .cutoff = limit };
 	const lw_range range = { 0, limit, 0 };
 	choose_obstacles( checker, query, &range, false );
 	return ( checker->node_environment[node] & LWI_NODE_ASKS ) != 0 && meets_scene( checker, query, 2 * node, &bound );
@@ -469,7 +471,7 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 }
 
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
-	lwi_warm* warm, lw_clearance* out )
+	lwi_cached_pair* cached, lw_clearance* out )
 {
 	lwi_bound bound;
 	lwi_bound_init( &bound, &threshold->range );
@@ -478,11 +480,11 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	bound.give_up_below = threshold->give_up_below;
 	choose_obstacles( checker, query, &threshold->range, false );
 	bool near;
-	double slack = row_of_gaps( checker, query, body, bound.prune, query->gaps, &near );
+	double slack = row_of_gaps( checker, query, body, bound.cutoff, query->gaps, &near );
 	if ( near ) // mostly it is not
 	{
 		uint32_t nearest = mask_row( checker, query, body, query->gaps );
-		measure_warm( checker, query, warm, &bound );
+		measure_cached_pair( checker, query, cached, &bound );
 		if ( !bound.done )
 		{
 			search_rows( checker, query, &body, 1, slack, nearest, &bound );
@@ -491,7 +493,7 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	environment_result( checker, query, &bound, out );
 	if ( out->upper < INFINITY )
 	{
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }
 
@@ -520,7 +522,7 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 			lw_transform relative = lwi_relative( &query->world_from_body[body], &scene->shapes[shape].world_from_shape );
 			double gap = lwi_box_gap( checker->bodies[body].shape, scene->shapes[shape].shape, &relative ) -
 						 lwi_environment_margin( checker, body, scene->shapes[shape].object );
-			if ( gap < bound->prune )
+			if ( gap < bound->cutoff )
 			{
 				query->candidates[count++] = (lwi_candidate){ lwi_round_down( gap ), body * stride + shape };
 			}
@@ -530,7 +532,7 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
-		if ( next.gap >= bound->prune )
+		if ( next.gap >= bound->cutoff )
 		{
 			break;
 		}

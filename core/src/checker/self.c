@@ -93,18 +93,18 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
 	uint32_t nearest;
 	double slack = self_gaps( checker, query, &nearest );
-	if ( !( query->gaps[nearest] < lwi_round_up( bound->prune + slack ) ) )
+	if ( !( query->gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
 	{
 		return;
 	}
 	bound->current_pair = nearest;
 	search_self_pair( checker, query, nearest / stride, nearest % stride, bound, lwi_search );
 	uint32_t entries = lw_robot_body_count( checker->robot ) * stride;
-	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->prune + slack ), nearest );
+	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->cutoff + slack ), nearest );
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
-		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
 		{
 			break;
 		}
@@ -182,7 +182,7 @@ static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lw
 	{
 		const lwi_node_pair* pair = &tree->pairs[i];
 		const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
-		double gap = gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, bound->prune );
+		double gap = gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, bound->cutoff );
 		if ( gap < INFINITY )
 		{
 			query->candidates[count++] = node_pair( checker, i, below( gap ) );
@@ -196,7 +196,7 @@ static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lw
 static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
 	const lwi_checker_tree* tree = checker->tree;
-	double limit = bound->prune;
+	double limit = bound->cutoff;
 	uint32_t count = 0, tests = 0;
 	for ( uint32_t i = 0; i < tree->step_count; )
 	{
@@ -277,7 +277,7 @@ static double gap_of_lanes( const float* blocks, uint32_t a, uint32_t b )
 static uint32_t compare_units( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
 	const lwi_self_units* units = checker->tree->units;
-	if ( query->tables && units->separation >= bound->prune )
+	if ( query->tables && units->separation >= bound->cutoff )
 	{
 		query->search.stats.robot_tests++;
 		return 0; // nothing needs to be posed
@@ -285,7 +285,7 @@ static uint32_t compare_units( const lw_checker* checker, lw_query* query, const
 	float blocks[LWI_UNIT_BLOCKS * 4 * LWI_WIDTH] = { 0 };
 	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
 	double slack = unit_spheres( checker, query, blocks );
-	float limit = above( bound->prune + units->largest_margin + slack );
+	float limit = above( bound->cutoff + units->largest_margin + slack );
 	uint32_t found = query->search.kernels->sphere_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS, limit, near ), count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
 	{
@@ -293,12 +293,12 @@ static uint32_t compare_units( const lw_checker* checker, lw_query* query, const
 		const lwi_unit_pair* pair = &units->pairs[low][high];
 		float separation = query->tables ? pair->separation : 0 - pair->margin;
 		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
-		if ( separation >= bound->prune || gap >= bound->prune )
+		if ( separation >= bound->cutoff || gap >= bound->cutoff )
 		{
 			continue;
 		}
 		separation = separation_now( checker, query, separation, pair->margin, pair->view );
-		if ( separation < bound->prune )
+		if ( separation < bound->cutoff )
 		{
 			query->candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
 		}
@@ -344,7 +344,7 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 	const lwi_node_rows* rows = &tree->rows;
 	float blocks[4 * LWI_MOST_ROWS] = { 0 };
 	double slack = INFINITY;
-	if ( rows->count > 0 && bound->prune < INFINITY )
+	if ( rows->count > 0 && bound->cutoff < INFINITY )
 	{
 		slack = node_spheres( checker, query, blocks );
 	}
@@ -353,13 +353,13 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 		return list_pairs( checker, query, bound );
 	}
 	uint16_t* near = (uint16_t*)(void*)query->gaps; // gaps has two floats at least per pair of nodes
-	float limit = above( bound->prune + (double)rows->largest_margin + slack );
+	float limit = above( bound->cutoff + (double)rows->largest_margin + slack );
 	uint32_t found = query->search.kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
 	{
 		uint32_t low = near[i] / 256, high = near[i] % 256, index = rows->pair[low * rows->count + high];
 		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)tree->pairs[index].margin;
-		if ( gap < bound->prune )
+		if ( gap < bound->cutoff )
 		{
 			query->candidates[count++] = node_pair( checker, index, below( gap ) );
 		}
@@ -392,7 +392,7 @@ static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t no
 	}
 	p.sphere[3] = above( sphere[3] );
 	p.slack = lwi_gap_slack( 2 * ( largest + sphere[3] + r[3] ) ); // as for all pairs
-	p.limit = above( bound->prune + margin + p.slack );
+	p.limit = above( bound->cutoff + margin + p.slack );
 	return p;
 }
 
@@ -419,7 +419,7 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node
 	{
 		separation = 0 - pair->margin; // proved for other states than this one, or not to be used
 	}
-	if ( separation >= bound->prune )
+	if ( separation >= bound->cutoff )
 	{
 		return;
 	}
@@ -427,7 +427,7 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node
 	double margin = lwi_self_margin( checker, body_a, body_b );
 	uint32_t view = tree->view_count > 0 ? tree->pair_views[index] : LW_INVALID_INDEX;
 	separation = separation_now( checker, query, separation, margin, view );
-	if ( separation < bound->prune )
+	if ( separation < bound->cutoff )
 	{
 		lwi_heap_push( query->candidates, count,
 			body_pair( checker, body_a, body_b, lower_bound( gap - margin, separation ) ) );
@@ -526,7 +526,8 @@ static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const uint32_t pair = query->known_pairs[i];
-		gap[i] = pair_counts( checker, pair ) ? body_gap_below( checker, query, pair / stride, pair % stride, bound->prune ) : INFINITY;
+		gap[i] = pair_counts( checker, pair ) ? body_gap_below( checker, query, pair / stride, pair % stride, bound->cutoff )
+			: INFINITY;
 	}
 	while ( count > 0 && !bound->done )
 	{
@@ -535,7 +536,7 @@ static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound
 		{
 			next = gap[i] < gap[next] ? i : next;
 		}
-		if ( !( gap[next] < bound->prune ) )
+		if ( !( gap[next] < bound->cutoff ) )
 		{
 			return;
 		}
@@ -586,7 +587,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
-		if ( next.gap >= bound->prune )
+		if ( next.gap >= bound->cutoff )
 		{
 			break;
 		}
@@ -608,7 +609,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	measure_known( checker, query, bound );
-	bool at_once = checker->tree->units != NULL && bound->prune < INFINITY; // without a bound nothing would be ruled out
+	bool at_once = checker->tree->units != NULL && bound->cutoff < INFINITY; // without a bound nothing would be ruled out
 	uint32_t count = bound->done      ? 0
 					 : at_once        ? compare_units( checker, query, bound )
 					 : query->covered ? walk_steps( checker, query, bound )
@@ -634,18 +635,18 @@ static void self_result( const lw_checker* checker, const lw_query* query, const
 }
 
 /// Measures the nearest pair of the last time, if it is still checked.
-static void measure_warm( const lw_checker* checker, lw_query* query, lwi_warm* warm, lwi_bound* bound )
+static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi_cached_pair* cached, lwi_bound* bound )
 {
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
-	uint32_t a = warm->pair / stride, b = warm->pair % stride;
-	if ( lwi_warm_pays( query, warm, bound ) && pair_counts( checker, warm->pair ) )
+	uint32_t a = cached->pair / stride, b = cached->pair % stride;
+	if ( lwi_cached_pair_pays( query, cached, bound ) && pair_counts( checker, cached->pair ) )
 	{
 		lwi_pose_body( checker, query, a );
 		lwi_pose_body( checker, query, b );
 		lw_transform relative = lwi_relative( &query->world_from_body[a], &query->world_from_body[b] );
-		bound->current_pair = warm->pair;
+		bound->current_pair = cached->pair;
 		bound->margin = lwi_self_margin( checker, a, b );
-		lwi_measure_warm( query, checker->bodies[a].shape, checker->bodies[b].shape, &relative, warm, bound );
+		lwi_measure_cached_pair( query, checker->bodies[a].shape, checker->bodies[b].shape, &relative, cached, bound );
 	}
 }
 
@@ -661,8 +662,8 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	bound.lowest = lwi_lowest_self( checker );
 	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
 	uint32_t stride = checker->body_block_count * LWI_WIDTH;
-	lwi_warm* warm = &query->warm_self;
-	measure_warm( checker, query, warm, &bound );
+	lwi_cached_pair* cached = &query->nearest_self;
+	measure_cached_pair( checker, query, cached, &bound );
 	if ( !bound.done && query->search.def.hierarchy )
 	{
 		search_tree( checker, query, &bound );
@@ -675,7 +676,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	self_result( checker, query, &bound, bound.pair / stride, bound.pair % stride, out );
 	if ( out->upper < INFINITY )
 	{
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 		remember_pair( query, bound.pair );
 	}
 }
@@ -683,7 +684,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t index, double limit )
 {
 	const lwi_node_pair* pair = &checker->tree->pairs[index];
-	const lwi_bound bound = { .prune = limit };
+	const lwi_bound bound = { .cutoff = limit };
 	uint32_t count = 0;
 	const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
 	if ( !( query->tables && pair->separation >= limit ) &&
@@ -708,7 +709,7 @@ bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint3
 }
 
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
-	lwi_warm* warm, lw_clearance* out )
+	lwi_cached_pair* cached, lw_clearance* out )
 {
 	uint32_t stride = checker->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
 	lwi_bound bound;
@@ -716,11 +717,11 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 	bound.lowest = lwi_lowest_self( checker );
 	bound.give_up_above = threshold->give_up_above;
 	bound.give_up_below = threshold->give_up_below;
-	if ( body_gap_below( checker, query, a, b, bound.prune ) < INFINITY )
+	if ( body_gap_below( checker, query, a, b, bound.cutoff ) < INFINITY )
 	{
-		if ( warm->pair == id )
+		if ( cached->pair == id )
 		{
-			measure_warm( checker, query, warm, &bound );
+			measure_cached_pair( checker, query, cached, &bound );
 		}
 		if ( !bound.done )
 		{
@@ -731,6 +732,6 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 	self_result( checker, query, &bound, a, b, out );
 	if ( out->upper < INFINITY )
 	{
-		*warm = (lwi_warm){ id, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = (lwi_cached_pair){ id, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }

@@ -84,6 +84,6 @@ static bool edges_are_apart( const boxes* x, double limit, double error )
 bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, const lwi_bound* bound )
 {
 	boxes x = boxes_of( a, b, a_from_b );
-	double error = LWI_EXACT_ERROR * x.size, limit = fmax( bound->prune + bound->margin, 0 ) + error + LEAST_LIMIT;
+	double error = LWI_EXACT_ERROR * x.size, limit = fmax( bound->cutoff + bound->margin, 0 ) + error + LEAST_LIMIT;
 	return limit < INFINITY && ( face_gap_squared( &x ) >= limit * limit * ( 1 + 0x1p-40 ) || edges_are_apart( &x, limit, error ) );
 }

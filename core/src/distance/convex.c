@@ -246,7 +246,7 @@ static bool is_point( const lwi_piece* piece )
 	return piece->type == LWI_CONVEX_TRIANGLE && piece->radius == 0.0;
 }
 
-static bool is_solid( const lwi_piece* piece )
+static bool is_primitive( const lwi_piece* piece )
 {
 	return piece->type != LWI_CONVEX_TRIANGLE && piece->type != LWI_CONVEX_POINTS;
 }
@@ -269,29 +269,29 @@ static bool is_curved( const lwi_piece* piece )
 	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
 }
 
-static lwi_convex solid_of( const lwi_piece* piece )
+static lwi_convex primitive_of( const lwi_piece* piece )
 {
-	lwi_convex solid = { .type = piece->type, .size = { piece->size[0], piece->size[1], piece->size[2] } };
-	return solid;
+	lwi_convex primitive = { .type = piece->type, .size = { piece->size[0], piece->size[1], piece->size[2] } };
+	return primitive;
 }
 
-/// One piece is a point, the other a solid.
-static void point_and_solid( const lwi_pair* pair, lwi_bounds* bounds )
+/// One piece is a point, the other a primitive.
+static void point_and_primitive( const lwi_pair* pair, lwi_bounds* bounds )
 {
 	lw_vec3 t = lwi_load( pair->place.t );
 	lw_vec3 closest;
 	if ( is_point( &pair->b ) )
 	{
-		lwi_convex solid = solid_of( &pair->a );
-		bounds->upper = lwi_convex_point_distance( &solid, t, &closest );
+		lwi_convex primitive = primitive_of( &pair->a );
+		bounds->upper = lwi_convex_point_distance( &primitive, t, &closest );
 		bounds->point_a = closest;
 		bounds->point_b = t;
 	}
 	else
 	{
-		lwi_convex solid = solid_of( &pair->b );
+		lwi_convex primitive = primitive_of( &pair->b );
 		lw_vec3 p = lwi_unrotate( &pair->place, lwi_scale( -1.0, t ) );
-		lwi_convex_point_distance( &solid, p, &closest );
+		lwi_convex_point_distance( &primitive, p, &closest );
 		bounds->point_a = lwi_v3( 0.0, 0.0, 0.0 );
 		bounds->point_b = is_same( p, closest ) ? bounds->point_a : lwi_transform( &pair->place, closest );
 		bounds->upper = lwi_length( bounds->point_b );
@@ -319,9 +319,9 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 	{
 		triangles( &pair, &bounds );
 	}
-	else if ( ( is_point( &pair.a ) && is_solid( &pair.b ) ) || ( is_solid( &pair.a ) && is_point( &pair.b ) ) )
+	else if ( ( is_point( &pair.a ) && is_primitive( &pair.b ) ) || ( is_primitive( &pair.a ) && is_point( &pair.b ) ) )
 	{
-		point_and_solid( &pair, &bounds );
+		point_and_primitive( &pair, &bounds );
 	}
 	else
 	{

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Certified distance of convex pieces: solids, triangles and hulls of points, each against each other.
+// Certified distance of convex pieces: primitives, triangles and hulls of points, each against each other.
 #ifndef LEEWAY_DISTANCE_CONVEX_H
 #define LEEWAY_DISTANCE_CONVEX_H
 
@@ -9,7 +9,7 @@
 #include <float.h>
 
 /// Slack of `lower`, relative to the extent of the pair: radius of a + radius of b + distance of their
-/// reference points (a solid's centre, the first vertex of a triangle or point set). 48 roundings, counted in
+/// reference points (a primitive's centre, the first vertex of a triangle or point set). 48 roundings, counted in
 /// core/docs/convex_distance.md.
 #define LWI_CONVEX_ROUNDING ( 48.0 * ( DBL_EPSILON / 2 ) )
 
@@ -55,8 +55,9 @@ typedef struct lwi_convex_result
 lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,
 	double stop_above, double stop_below );
 
-/// Distance of a point to a solid (BOX, CYLINDER, CONE) in the solid's frame: 0 inside. @param closest the nearest point of
-/// the solid, p itself inside. Closed form; wrong by at most LWI_CONVEX_ROUNDING * ( radius of the solid + |p| ).
-double lwi_convex_point_distance( const lwi_convex* solid, lw_vec3 p, lw_vec3* closest );
+/// Distance of a point to a primitive (BOX, CYLINDER, CONE) in the primitive's frame: 0 inside. @param closest the nearest
+/// point of the primitive, p itself inside. Closed form; wrong by at most LWI_CONVEX_ROUNDING * ( radius of the primitive +
+/// |p| ).
+double lwi_convex_point_distance( const lwi_convex* primitive, lw_vec3 p, lw_vec3* closest );
 
 #endif

@@ -7,7 +7,7 @@
 #include "distance/convex.h"
 #include "base/math_inline.h"
 
-/// A piece relative to its reference point: the centre of a solid, vertex 0 of a triangle, point 0 of a point set.
+/// A piece relative to its reference point: the centre of a primitive, vertex 0 of a triangle, point 0 of a point set.
 typedef struct lwi_piece
 {
 	lwi_convex_type type;

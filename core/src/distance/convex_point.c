@@ -41,23 +41,23 @@ static lw_vec3 nearest_of_cone( double radius, double half, lw_vec3 p )
 	return lwi_v3( f * p.x, f * p.y, -half + t * height );
 }
 
-double lwi_convex_point_distance( const lwi_convex* solid, lw_vec3 p, lw_vec3* closest )
+double lwi_convex_point_distance( const lwi_convex* primitive, lw_vec3 p, lw_vec3* closest )
 {
 	lw_vec3 q = p;
-	switch ( solid->type )
+	switch ( primitive->type )
 	{
 	case LWI_CONVEX_BOX:
-		q = nearest_of_box( solid->size, p );
+		q = nearest_of_box( primitive->size, p );
 		break;
 	case LWI_CONVEX_CYLINDER:
-		q = nearest_of_cylinder( solid->size[0], solid->size[1], p );
+		q = nearest_of_cylinder( primitive->size[0], primitive->size[1], p );
 		break;
 	case LWI_CONVEX_CONE:
-		q = nearest_of_cone( solid->size[0], solid->size[1], p );
+		q = nearest_of_cone( primitive->size[0], primitive->size[1], p );
 		break;
 	case LWI_CONVEX_TRIANGLE:
 	case LWI_CONVEX_POINTS:
-		assert( false && "not a solid" );
+		assert( false && "not a primitive" );
 		break;
 	}
 	*closest = q;

@@ -15,7 +15,7 @@ typedef struct lwi_bound
 {
 	lw_range range;
 	double upper; ///< least clearance measured so far; +inf before the first below max_d
-	double prune; ///< cutoff: pairs proved to be this far or farther are not opened; never grows
+	double cutoff; ///< pairs proved to be this far or farther are not opened; never grows
 	double floor; ///< least certified lower bound of all pairs measured in double
 	double give_up_above, give_up_below; ///< a distance between them ends the search: then only `upper` holds; default: none
 	bool done;    ///< upper <= min_d, given up, or failed: the search is over
@@ -58,12 +58,12 @@ void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_sh
 /// Ends the suspended searches, that of the nearest measured pair first.
 void lwi_search_waiting( lwi_search_memory* memory, lwi_bound* bound );
 
-/// Measures one pair of items, or of solids, for warm starts. Out-of-range indices are ignored.
+/// Measures one pair of items, or of primitives, for the pair cache. Out-of-range indices are ignored.
 void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
 	uint32_t item_b, lwi_bound* bound );
 
 /// The element index of a witness as callers see it: of a triangle, point, sphere or box. LW_INVALID_INDEX for the one point
-/// of a sphere, the segment of a capsule (both internal), and solids.
+/// of a sphere, the segment of a capsule (both internal), and primitives.
 static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t element )
 {
 	return shape->type == LW_SHAPE_SPHERE || shape->type == LW_SHAPE_CAPSULE ? LW_INVALID_INDEX : element;

@@ -29,8 +29,8 @@ static void dilate( double radius_a, double radius_b, double distance, lw_vec3* 
 static void offer( lwi_searching* s, double lower, double upper, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a,
 	uint32_t item_b )
 {
-	double radius_a = s->a->solid ? 0 : lwi_item_radius( s->a, item_a );
-	double radius_b = s->b->solid ? 0 : lwi_item_radius( s->b, item_b );
+	double radius_a = s->a->primitive ? 0 : lwi_item_radius( s->a, item_a );
+	double radius_b = s->b->primitive ? 0 : lwi_item_radius( s->b, item_b );
 	double radii = radius_a + radius_b, low = lower - radii, high = upper - radii;
 	if ( lwi_bound_offer( s->bound, low > 0 ? low : 0, high > 0 ? high : 0 ) )
 	{
@@ -74,20 +74,20 @@ static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_
 		b[i] = lwi_transform( s->a_from_b, b[i] );
 	}
 	lwi_tri_result r = lwi_tri_tri( a, b );
-	lwi_tie tie;
-	if ( !lwi_tie_find( s, item_a, item_b, a, b, r.distance, r.point_a, r.point_b, &tie ) )
+	lwi_shared_feature shared;
+	if ( !lwi_shared_feature_find( s, item_a, item_b, a, b, r.distance, r.point_a, r.point_b, &shared ) )
 	{
 		offer( s, r.distance - s->error, r.distance, r.point_a, r.point_b, item_a, item_b );
 		return;
 	}
-	offer( s, tie.distance - s->error, tie.distance, tie.point_a, tie.point_b, item_a, item_b );
-	if ( s->tie.count_a == 0 || tie.distance <= s->tie.distance )
+	offer( s, shared.distance - s->error, shared.distance, shared.point_a, shared.point_b, item_a, item_b );
+	if ( s->shared.count_a == 0 || shared.distance <= s->shared.distance )
 	{
-		s->tie = tie;
+		s->shared = shared;
 	}
 }
 
-lwi_convex lwi_convex_of_solid( const lw_shape* shape )
+lwi_convex lwi_convex_of_primitive( const lw_shape* shape )
 {
 	lwi_convex convex = { .type = LWI_CONVEX_BOX };
 	if ( shape->family == LWI_UNBOUNDED )
@@ -112,9 +112,9 @@ lwi_convex lwi_convex_of_solid( const lw_shape* shape )
 static lwi_convex convex_of_item( const lw_shape* shape, uint32_t item, lw_vec3* center )
 {
 	*center = lwi_v3( 0, 0, 0 );
-	if ( shape->solid )
+	if ( shape->primitive )
 	{
-		return lwi_convex_of_solid( shape );
+		return lwi_convex_of_primitive( shape );
 	}
 	lwi_convex convex = { .type = LWI_CONVEX_TRIANGLE };
 	if ( shape->family != LWI_BOXES )
@@ -144,12 +144,13 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	place.t[0] += shift.x;
 	place.t[1] += shift.y;
 	place.t[2] += shift.z;
-	double radii = ( s->a->solid ? 0 : lwi_item_radius( s->a, item_a ) ) + ( s->b->solid ? 0 : lwi_item_radius( s->b, item_b ) );
+	double radii = ( s->a->primitive ? 0 : lwi_item_radius( s->a, item_a ) ) + ( s->b->primitive ? 0 : lwi_item_radius( s->b,
+		item_b ) );
 	radii += s->bound->margin;
 	// and a distance is near enough if it stays a violation without radii and margin; subtracting them rounds
 	double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
-	// a distance is far enough to stop if it is at least prune after subtracting the error
-	double stop_above = s->bound->prune + radii + 2 * s->error;
+	// a distance is far enough to stop if it is at least cutoff after subtracting the error
+	double stop_above = s->bound->cutoff + radii + 2 * s->error;
 	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );
 	offer( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a, item_b );
 }
@@ -176,14 +177,14 @@ static void widen( span* s, double z, lw_vec3 p )
 }
 
 /// @param n, on_plane normal and a point of the plane in the frame of the piece
-/// Corners one by one; of solids only the two that the support function names.
+/// Corners one by one; of primitives only the two that the support function names.
 static span span_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, lw_vec3 on_plane )
 {
 	span s = { INFINITY, -INFINITY, { 0, 0, 0 }, { 0, 0, 0 } };
 	if ( shape->family == LWI_CONVEX )
 	{
-		lwi_convex solid = lwi_convex_of_solid( shape );
-		lwi_piece piece = { .type = solid.type, .size = { solid.size[0], solid.size[1], solid.size[2] } };
+		lwi_convex primitive = lwi_convex_of_primitive( shape );
+		lwi_piece piece = { .type = primitive.type, .size = { primitive.size[0], primitive.size[1], primitive.size[2] } };
 		for ( int sign = -1; sign <= 1; sign += 2 )
 		{
 			lw_vec3 p = lwi_piece_support( &piece, lwi_scale( sign, n ) );
@@ -250,7 +251,7 @@ static void measure_unbounded( lwi_searching* s, uint32_t item_a, uint32_t item_
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
 	lwi_family a = s->a->family, b = s->b->family;
-	if ( s->tie.count_a > 0 && lwi_tie_holds( s, item_a, item_b ) )
+	if ( s->shared.count_a > 0 && lwi_shared_feature_holds( s, item_a, item_b ) )
 	{
 		return; // offered already
 	}

@@ -41,15 +41,15 @@ static bool climb_leaf( ascent* up, lwi_ref ref )
 }
 
 /// How far a box, cylinder or cone reaches along a unit direction.
-static double reach_of_solid( const lw_shape* shape, lw_vec3 n )
+static double support_of_primitive( const lw_shape* shape, lw_vec3 n )
 {
-	lwi_convex solid = lwi_convex_of_solid( shape );
-	if ( solid.type == LWI_CONVEX_BOX )
+	lwi_convex primitive = lwi_convex_of_primitive( shape );
+	if ( primitive.type == LWI_CONVEX_BOX )
 	{
-		return solid.size[0] * fabs( n.x ) + solid.size[1] * fabs( n.y ) + solid.size[2] * fabs( n.z );
+		return primitive.size[0] * fabs( n.x ) + primitive.size[1] * fabs( n.y ) + primitive.size[2] * fabs( n.z );
 	}
-	double across = solid.size[0] * sqrt( n.x * n.x + n.y * n.y ), along = solid.size[1] * n.z;
-	return solid.type == LWI_CONVEX_CYLINDER ? across + fabs( along ) : fmax( across - along, along );
+	double across = primitive.size[0] * sqrt( n.x * n.x + n.y * n.y ), along = primitive.size[1] * n.z;
+	return primitive.type == LWI_CONVEX_CYLINDER ? across + fabs( along ) : fmax( across - along, along );
 }
 
 static bool climb( ascent* up )
@@ -57,7 +57,7 @@ static bool climb( ascent* up )
 	const lw_shape* shape = up->shape;
 	if ( shape->family == LWI_CONVEX )
 	{
-		up->top = fmax( up->enough, reach_of_solid( shape, up->n ) );
+		up->top = fmax( up->enough, support_of_primitive( shape, up->n ) );
 		return up->top <= up->most;
 	}
 	const float n[3] = { (float)up->n.x, (float)up->n.y, (float)up->n.z };
@@ -136,22 +136,23 @@ static double dilation( const lw_shape* shape )
 bool lwi_witness_proves( lwi_searching* s, uint32_t* budget )
 {
 	lwi_bound* bound = s->bound;
-	bool known_a = s->a->solid || bound->triangle_a < s->a->item_count, known_b = s->b->solid || bound->triangle_b < s->b->item_count;
+	bool known_a = s->a->primitive || bound->triangle_a < s->a->item_count, known_b = s->b->primitive ||
+		bound->triangle_b < s->b->item_count;
 	if ( !( bound->upper < INFINITY ) || bound->pair != bound->current_pair || !known_a || !known_b )
 	{
 		return false; // another pair of shapes has it
 	}
 	// left to prove: no pair is nearer than `target`, which for the rest of the search is as good as the bound
-	double target = fmin( bound->prune, bound->upper - s->error );
+	double target = fmin( bound->cutoff, bound->upper - s->error );
 	double width = target + s->radii + SLAB_ERROR * s->error;
 	// across the witness points; where they are faces of one of the two, their normals have more digits
 	lw_vec3 between = lwi_sub( bound->point_b, bound->point_a );
 	lw_vec3 direction[3] = { between, { 0, 0, 0 }, { 0, 0, 0 } };
-	if ( !s->a->solid && s->a->indices != NULL )
+	if ( !s->a->primitive && s->a->indices != NULL )
 	{
 		direction[1] = normal_of( s->a, bound->triangle_a );
 	}
-	if ( !s->b->solid && s->b->indices != NULL )
+	if ( !s->b->primitive && s->b->indices != NULL )
 	{
 		direction[2] = lwi_rotate( s->a_from_b, normal_of( s->b, bound->triangle_b ) );
 	}

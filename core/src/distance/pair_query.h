@@ -19,7 +19,7 @@ enum
 	/// opens.
 	LWI_STACK_SIZE = 3 * LWI_STACK_PATH,
 	LWI_MAX_WAITING = 16, ///< searches
-	LWI_HINT_BITS = 10,
+	LWI_AXIS_CACHE_BITS = 10,
 	LWI_KNOWN_PAIRS = 16 ///< half as many give half as much
 };
 
@@ -30,7 +30,7 @@ typedef struct lwi_entry
 	lwi_ref a, b;
 	float center_a[3], radius_a; ///< a's tree frame
 	float center_b[3], radius_b; ///< b's tree frame
-	uint32_t brick_a, brick_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
+	uint32_t obb_a, obb_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
 	float moved[3];           ///< cached centre, see `cached`
 	enum
 	{
@@ -56,7 +56,7 @@ struct lwi_search_memory
 	uint32_t stack_bottom;       ///< entries below it belong to suspended searches
 	struct lwi_waiting* waiting; ///< [LWI_MAX_WAITING]
 	uint32_t waiting_count;
-	lwi_hint hints[1 << LWI_HINT_BITS]; ///< planes that separated pairs of shapes, by a hash
+	lwi_cached_axis axis_cache[1 << LWI_AXIS_CACHE_BITS]; ///< planes that separated pairs of shapes, by a hash
 	lw_query_def def;
 	const lwi_kernels* kernels;
 	lw_query_stats stats;
@@ -65,21 +65,21 @@ struct lwi_search_memory
 
 /// Rounding of a distance measured in double, in units of roundoff times the largest coordinate involved: lwi_tri_tri's 64
 /// (distance/tri_tri.h), 16 for moving b's vertices into a's frame (three products and sums and the pose's own rounding), 36
-/// for poses that are rotations to ALREADY_ORTHONORMAL only, and 4 for ties. Counted in core/docs/numerics.md.
+/// for poses that are rotations to ALREADY_ORTHONORMAL only, and 4 for shared features. Counted in core/docs/numerics.md.
 #define LWI_EXACT_ERROR ( 120.0 * LWI_U64 )
 
 /// By how much the distance of a corner to a corner or edge may exceed that of the triangles it is taken for.
-#define LWI_TIE_ERROR ( 4.0 * LWI_U64 )
+#define LWI_SHARED_ERROR ( 4.0 * LWI_U64 )
 
 /// The corners that are nearest: one of each shape, or one and the two of an edge.
-typedef struct lwi_tie
+typedef struct lwi_shared_feature
 {
 	uint32_t count_a, count_b; ///< count_a = 0: none is known
 	uint32_t a[2], b[2];       ///< vertices
 	lw_vec3 direction_a, direction_b; ///< unit, each in its shape's frame: from it to the other
 	double distance;
 	lw_vec3 point_a, point_b; ///< a's shape frame
-} lwi_tie;
+} lwi_shared_feature;
 
 /// Working data of the search of one pair.
 typedef struct lwi_searching
@@ -94,22 +94,22 @@ typedef struct lwi_searching
 	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
 	double slack; ///< metres: largest excess of a float gap over the true one
 	double error; ///< metres: largest error of a distance in double
-	bool bricks;   ///< both have them
+	bool obbs;   ///< both have them
 	bool has_direction;
 	float direction_a[3], direction_b[3]; ///< from a to b across the nearest pair found, in either tree frame: unit vectors
-	lwi_tie tie;     ///< of the nearest pair found
+	lwi_shared_feature shared;     ///< of the nearest pair found
 	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart
 	double least; ///< pairs nearer than this are measured whatever the bound: solid meshes (distance/primitives.c); or -inf
-	float limit;  ///< subtrees whose gap reaches it are dropped: bound->prune + radii + slack, rounded up
+	float limit;  ///< subtrees whose gap reaches it are dropped: bound->cutoff + radii + slack, rounded up
 } lwi_searching;
 
 /// Back-off of the slab across the nearest pair: tried after many comparisons without a nearer pair, and again only if it
 /// ran out of leaves, not if a shape was in its way.
-typedef struct lwi_witness_trial
+typedef struct lwi_slab_backoff
 {
 	double upper;  ///< of the pair
 	uint32_t next; ///< comparisons until the next try
-} lwi_witness_trial;
+} lwi_slab_backoff;
 
 /// Progress of a search of two trees.
 typedef struct lwi_walk
@@ -118,7 +118,7 @@ typedef struct lwi_walk
 	uint32_t leaves;         ///< compared so far
 	uint32_t late_plane;     ///< value of `leaves` at which planes are searched for again; 0: none
 	bool bounded;            ///< there was a limit when it began
-	lwi_witness_trial trial;
+	lwi_slab_backoff backoff;
 } lwi_walk;
 
 /// A suspended search: it resumes after the first pass over the other pairs.
@@ -134,7 +134,7 @@ typedef struct lwi_waiting
 
 static inline void lwi_update_limit( lwi_searching* s )
 {
-	double limit = s->bound->prune + s->radii;
+	double limit = s->bound->cutoff + s->radii;
 	s->limit = lwi_round_up( ( limit > s->least ? limit : s->least ) + s->slack );
 }
 
@@ -222,23 +222,24 @@ bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transfo
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
 /// A box, cylinder or cone as a convex piece.
-lwi_convex lwi_convex_of_solid( const lw_shape* shape );
+lwi_convex lwi_convex_of_primitive( const lw_shape* shape );
 
 // --- distance/shared_feature.c ---------------------------------------------------------------------------------------------------
 
 /// The nearest corners, if two measured triangles are nearest at one corner of each, or at a corner and an edge.
 /// @param a, b the corners in a's shape frame
 /// @return false if it is anything else; out->count_a is 0 then
-bool lwi_tie_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3], const lw_vec3 b[3], double distance,
-	lw_vec3 point_a, lw_vec3 point_b, lwi_tie* out );
+bool lwi_shared_feature_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3],
+	const lw_vec3 b[3], double distance,
+	lw_vec3 point_a, lw_vec3 point_b, lwi_shared_feature* out );
 
-/// True if two triangles have the distance of s->tie, which is set, to the last digit.
-bool lwi_tie_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b );
+/// True if two triangles have the distance of s->shared, which is set, to the last digit.
+bool lwi_shared_feature_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
 // --- distance/optimality_slab.c -------------------------------------------------------------------------------------------------
 
 /// True if a plane across the nearest pair found, which is of these two, proves that no other pair of items of them is
-/// nearer than alpha and rounding leave open: then bound->floor says so. Meshes and solids (LWI_TRIANGLES, LWI_CONVEX).
+/// nearer than alpha and rounding leave open: then bound->floor says so. Meshes and primitives (LWI_TRIANGLES, LWI_CONVEX).
 /// @param budget number of leaves that may be visited; the rest of it on return
 bool lwi_witness_proves( lwi_searching* s, uint32_t* budget );
 

@@ -25,7 +25,7 @@ typedef struct inside
 /// A point of an item, in the other's shape frame.
 static lw_vec3 point_of_item( const lw_shape* shape, uint32_t item )
 {
-	if ( shape->solid )
+	if ( shape->primitive )
 	{
 		return lwi_v3( 0, 0, 0 ); // the centre of a box, cylinder or cone
 	}
@@ -167,7 +167,7 @@ static bool test( const inside* q )
 	{
 		return false; // nothing unbounded is inside
 	}
-	if ( other->solid )
+	if ( other->primitive )
 	{
 		return test_item( q, LW_INVALID_INDEX );
 	}
@@ -200,16 +200,16 @@ void lwi_search_inside( lwi_searching* s )
 	for ( int side = 0; side < 2 && !found && !s->bound->done; ++side )
 	{
 		inside q = one_order( s, side == 0 );
-		found = q.mesh->filled && test( &q );
+		found = q.mesh->closed && test( &q );
 	}
 }
 
 void lwi_measure_inside( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
-	bool mesh_is_a = item_a == LW_INVALID_INDEX && s->a->filled;
+	bool mesh_is_a = item_a == LW_INVALID_INDEX && s->a->closed;
 	inside q = one_order( s, mesh_is_a );
 	uint32_t item = mesh_is_a ? item_b : item_a;
-	if ( q.mesh->filled && q.other->family != LWI_UNBOUNDED && ( q.other->solid || item < q.other->item_count ) )
+	if ( q.mesh->closed && q.other->family != LWI_UNBOUNDED && ( q.other->primitive || item < q.other->item_count ) )
 	{
 		test_item( &q, item );
 	}

@@ -22,7 +22,7 @@ void lwi_bound_init( lwi_bound* bound, const lw_range* range )
 	memset( bound, 0, sizeof( *bound ) );
 	bound->range = *range;
 	bound->upper = INFINITY;
-	bound->prune = range->max_d;
+	bound->cutoff = range->max_d;
 	bound->floor = INFINITY;
 	bound->triangle_a = bound->triangle_b = bound->pair = bound->current_pair = LW_INVALID_INDEX;
 }
@@ -37,7 +37,7 @@ void lwi_bound_allow_rounding( lwi_bound* bound, double rounding, double stretch
 {
 	bound->rounding = rounding - stretch * bound->lowest; // of a distance: margins are not stretched
 	bound->stretch = stretch;
-	bound->prune = beyond( bound->range.max_d * ( 1 + 2 * stretch ) + bound->rounding );
+	bound->cutoff = beyond( bound->range.max_d * ( 1 + 2 * stretch ) + bound->rounding );
 }
 
 /// Lower bound of a clearance, given a lower bound v of the measured one.
@@ -61,12 +61,12 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 	bound->upper = upper;
 	bound->done = upper <= bound->range.min_d || ( upper > bound->give_up_above && upper < bound->give_up_below );
 	// Within alpha of the best is good enough, but not at or below min_d while the best is above: the verdict needs that.
-	double prune = ( 1 - bound->range.alpha ) * upper;
+	double cutoff = ( 1 - bound->range.alpha ) * upper;
 	double min_d = bound->range.min_d;
 	double decisive = bound->rounding > 0 ? beyond( min_d * ( 1 + 2 * bound->stretch ) + bound->rounding ) : nextafter( min_d, INFINITY );
 	decisive = decisive < upper ? decisive : upper;
-	prune = prune > decisive ? prune : decisive;
-	bound->prune = prune < bound->prune ? prune : bound->prune;
+	cutoff = cutoff > decisive ? cutoff : decisive;
+	bound->cutoff = cutoff < bound->cutoff ? cutoff : bound->cutoff;
 	bound->pair = bound->current_pair;
 	return true;
 }
@@ -91,7 +91,7 @@ lw_clearance lwi_bound_result( const lwi_bound* bound )
 		out.kind = bound->upper <= bound->range.min_d ? LW_CLEARANCE_VIOLATION : LW_CLEARANCE_UNDECIDED;
 		return out;
 	}
-	double lower = less_rounding( bound, bound->floor < bound->prune ? bound->floor : bound->prune );
+	double lower = less_rounding( bound, bound->floor < bound->cutoff ? bound->floor : bound->cutoff );
 	if ( lower >= bound->range.max_d ) // of a pair that was beyond it by less than rounding
 	{
 		out = lw_clearance_unknown();
@@ -107,27 +107,28 @@ lw_clearance lwi_bound_result( const lwi_bound* bound )
 // --- tree against tree -----------------------------------------------------------------------------------------------
 
 /// The box around a subtree, its centre and axes moved; of a root only its sphere.
-static lwi_brick brick_of( const lw_shape* shape, uint32_t place, const lwi_motion* motion, const float sphere[4] )
+static lwi_obb obb_of( const lw_shape* shape, uint32_t place, const lwi_motion* motion, const float sphere[4] )
 {
-	lwi_brick out = { .center = { sphere[0], sphere[1], sphere[2] }, .radius = sphere[3] };
+	lwi_obb out = { .center = { sphere[0], sphere[1], sphere[2] }, .radius = sphere[3] };
 	float r = sphere[3];
 	if ( place == LW_INVALID_INDEX )
 	{
-		const lwi_brick cube = { .axis = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, .low = { -r, -r, -r }, .high = { r, r, r } };
+		const lwi_obb cube = { .axis = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, .low = { -r, -r, -r }, .high = { r, r,
+			r } };
 		memcpy( out.axis, cube.axis, sizeof( out.axis ) );
 		memcpy( out.low, cube.low, sizeof( out.low ) );
 		memcpy( out.high, cube.high, sizeof( out.high ) );
 		return out;
 	}
-	const lwi_bricks* bricks = &shape->bricks[place / LWI_WIDTH];
+	const lwi_obb8* obbs = &shape->obbs[place / LWI_WIDTH];
 	uint32_t lane = place % LWI_WIDTH;
 	for ( int i = 0; i < 3; ++i )
 	{
 		const float* row = motion->r + 3 * i;
-		out.axis[0][i] = row[0] * bricks->n[0][lane] + row[1] * bricks->n[1][lane] + row[2] * bricks->n[2][lane];
-		out.axis[1][i] = row[0] * bricks->t[0][lane] + row[1] * bricks->t[1][lane] + row[2] * bricks->t[2][lane];
-		out.low[i] = bricks->low[i][lane];
-		out.high[i] = bricks->high[i][lane];
+		out.axis[0][i] = row[0] * obbs->n[0][lane] + row[1] * obbs->n[1][lane] + row[2] * obbs->n[2][lane];
+		out.axis[1][i] = row[0] * obbs->t[0][lane] + row[1] * obbs->t[1][lane] + row[2] * obbs->t[2][lane];
+		out.low[i] = obbs->low[i][lane];
+		out.high[i] = obbs->high[i][lane];
 	}
 	lwi_third_axis( out.axis[0], out.axis[1], out.axis[2] );
 	return out;
@@ -141,11 +142,11 @@ static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 	lwi_sphere_a_in_b( s, e, sphere );
 	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
 	s->memory->stats.node_tests++;
-	if ( mask != 0 && s->bricks )
+	if ( mask != 0 && s->obbs )
 	{
-		lwi_brick other = brick_of( s->a, e->brick_a, &s->tree_b_from_a, sphere );
+		lwi_obb other = obb_of( s->a, e->obb_a, &s->tree_b_from_a, sphere );
 		float back[3] = { -s->direction_b[0], -s->direction_b[1], -s->direction_b[2] };
-		mask &= s->kernels->brick_gap( node, &s->b->bricks[e->b], &other, s->has_direction ? back : NULL, s->limit, gap );
+		mask &= s->kernels->obb_gap( node, &s->b->obbs[e->b], &other, s->has_direction ? back : NULL, s->limit, gap );
 	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
@@ -154,7 +155,7 @@ static uint32_t open_b( lwi_searching* s, lwi_entry* e, uint32_t height )
 		uint32_t lane = lanes[i];
 		lwi_entry* child = &s->memory->stack[height++];
 		*child = *e;
-		child->brick_b = e->b * LWI_WIDTH + lane;
+		child->obb_b = e->b * LWI_WIDTH + lane;
 		child->b = node->child[lane];
 		child->gap = gap[lane];
 		child->center_b[0] = node->x[lane];
@@ -172,10 +173,11 @@ static uint32_t open_a( lwi_searching* s, lwi_entry* e, uint32_t height )
 	lwi_sphere_b_in_a( s, e, sphere );
 	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
 	s->memory->stats.node_tests++;
-	if ( mask != 0 && s->bricks )
+	if ( mask != 0 && s->obbs )
 	{
-		lwi_brick other = brick_of( s->b, e->brick_b, &s->tree_a_from_b, sphere );
-		mask &= s->kernels->brick_gap( node, &s->a->bricks[e->a], &other, s->has_direction ? s->direction_a : NULL, s->limit, gap );
+		lwi_obb other = obb_of( s->b, e->obb_b, &s->tree_a_from_b, sphere );
+		mask &= s->kernels->obb_gap( node, &s->a->obbs[e->a], &other, s->has_direction ? s->direction_a : NULL, s->limit,
+			gap );
 	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
@@ -184,7 +186,7 @@ static uint32_t open_a( lwi_searching* s, lwi_entry* e, uint32_t height )
 		uint32_t lane = lanes[i];
 		lwi_entry* child = &s->memory->stack[height++];
 		*child = *e;
-		child->brick_a = e->a * LWI_WIDTH + lane;
+		child->obb_a = e->a * LWI_WIDTH + lane;
 		child->a = node->child[lane];
 		child->gap = gap[lane];
 		child->center_a[0] = node->x[lane];
@@ -236,72 +238,72 @@ static uint64_t hash_of( const lw_shape* shape )
 	return hash;
 }
 
-static lwi_hint* hint_of( lwi_searching* s )
+static lwi_cached_axis* cached_axis_of( lwi_searching* s )
 {
 	uint64_t shapes = hash_of( s->a ) * 0x9e3779b97f4a7c15u ^ hash_of( s->b ) * 0xc2b2ae3d27d4eb4fu;
 	uint32_t key = (uint32_t)( shapes >> 32 ) ^ s->bound->current_pair * 0x85ebca6bu;
 	key = key != 0 ? key : 1;
-	lwi_hint* hint = &s->memory->hints[key >> ( 32 - LWI_HINT_BITS )];
-	if ( hint->key != key )
+	lwi_cached_axis* axis = &s->memory->axis_cache[key >> ( 32 - LWI_AXIS_CACHE_BITS )];
+	if ( axis->key != key )
 	{
-		*hint = (lwi_hint){ .key = key };
+		*axis = (lwi_cached_axis){ .key = key };
 	}
-	return hint;
+	return axis;
 }
 
 /// True if the plane that separated the two last time does so again, or one near it.
-static bool old_plane_rules_out( lwi_searching* s, lwi_hint* hint )
+static bool old_plane_rules_out( lwi_searching* s, lwi_cached_axis* axis )
 {
-	return hint->known &&
-		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_DIRECTIONS_KNOWN );
+	return axis->known &&
+		   lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &axis->plane, PLANE_DIRECTIONS_KNOWN );
 }
 
 /// Searches for a new plane, less often after searches that found none.
-static bool new_plane_rules_out( lwi_searching* s, lwi_hint* hint )
+static bool new_plane_rules_out( lwi_searching* s, lwi_cached_axis* axis )
 {
-	if ( hint->wait > 0 )
+	if ( axis->wait > 0 )
 	{
-		--hint->wait;
+		--axis->wait;
 		return false;
 	}
-	hint->plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
-	hint->known = lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &hint->plane, PLANE_DIRECTIONS_NEW );
-	if ( hint->known )
+	axis->plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
+	axis->known = lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &axis->plane, PLANE_DIRECTIONS_NEW );
+	if ( axis->known )
 	{
-		hint->failures = 0;
+		axis->failures = 0;
 		return true;
 	}
-	hint->failures = (uint16_t)( hint->failures < MAX_FAILURES ? hint->failures + 1 : MAX_FAILURES );
-	hint->wait = (uint16_t)( 1u << hint->failures );
+	axis->failures = (uint16_t)( axis->failures < MAX_FAILURES ? axis->failures + 1 : MAX_FAILURES );
+	axis->wait = (uint16_t)( 1u << axis->failures );
 	return false;
 }
 
 static bool plane_rules_out( lwi_searching* s )
 {
-	lwi_hint* hint = hint_of( s );
-	return old_plane_rules_out( s, hint ) || new_plane_rules_out( s, hint );
+	lwi_cached_axis* axis = cached_axis_of( s );
+	return old_plane_rules_out( s, axis ) || new_plane_rules_out( s, axis );
 }
 
 /// The same for a resumed search: the bound is tighter since another pair was searched, so planes that failed before are
 /// tried again. The back-off of these late tries is kept apart from that of the first ones.
 static bool plane_rules_out_late( lwi_searching* s )
 {
-	lwi_hint* hint = hint_of( s );
-	if ( hint->late_wait > 0 )
+	lwi_cached_axis* axis = cached_axis_of( s );
+	if ( axis->late_wait > 0 )
 	{
-		--hint->late_wait;
+		--axis->late_wait;
 		return false;
 	}
 	lwi_plane plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
 	if ( !lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &plane, PLANE_DIRECTIONS_NEW ) )
 	{
-		hint->late_failures = (uint8_t)( hint->late_failures < MAX_FAILURES ? hint->late_failures + 1 : MAX_FAILURES );
-		hint->late_wait = (uint8_t)( ( 1u << hint->late_failures ) - 2 ); // the first failure says little
+		axis->late_failures = (uint8_t)( axis->late_failures < MAX_FAILURES ? axis->late_failures + 1 : MAX_FAILURES );
+		axis->late_wait = (uint8_t)( ( 1u << axis->late_failures ) - 2 ); // the first failure says little
 		return false;
 	}
-	hint->plane = plane;
-	hint->known = true;
-	hint->late_failures = 0;
+	axis->plane = plane;
+	axis->known = true;
+	axis->late_failures = 0;
 	return true;
 }
 
@@ -311,20 +313,20 @@ enum
 	WITNESS_LEAVES = 64   ///< leaves that it may visit per comparison so far: few where it fails
 };
 
-/// @param compared leaves against leaves, or triangles against a solid, so far
-static bool witness_rules_out( lwi_searching* s, uint32_t compared, lwi_witness_trial* trial )
+/// @param compared leaves against leaves, or triangles against a primitive, so far
+static bool witness_rules_out( lwi_searching* s, uint32_t compared, lwi_slab_backoff* backoff )
 {
-	if ( s->bound->upper != trial->upper )
+	if ( s->bound->upper != backoff->upper )
 	{
-		*trial = (lwi_witness_trial){ s->bound->upper, compared + BEFORE_WITNESS };
+		*backoff = (lwi_slab_backoff){ s->bound->upper, compared + BEFORE_WITNESS };
 	}
-	if ( compared < trial->next )
+	if ( compared < backoff->next )
 	{
 		return false;
 	}
 	uint32_t budget = WITNESS_LEAVES * compared;
 	bool proved = lwi_witness_proves( s, &budget );
-	trial->next = budget == 0 ? 2 * compared : UINT32_MAX;
+	backoff->next = budget == 0 ? 2 * compared : UINT32_MAX;
 	return proved;
 }
 
@@ -338,7 +340,7 @@ static lwi_walk begin_walk( lwi_searching* s )
 {
 	lwi_search_memory* memory = s->memory;
 	lwi_walk walk = { .bottom = memory->stack_bottom, .height = memory->stack_bottom + 1, .bounded = s->limit < INFINITY,
-		.trial = { INFINITY, UINT32_MAX } };
+		.backoff = { INFINITY, UINT32_MAX } };
 	lwi_entry* root = &memory->stack[walk.bottom];
 	memset( root, 0, sizeof( *root ) );
 	root->a = s->a->root;
@@ -347,8 +349,8 @@ static lwi_walk begin_walk( lwi_searching* s )
 	memcpy( root->center_b, s->b->root_sphere, 3 * sizeof( float ) );
 	root->radius_a = s->a->root_sphere[3];
 	root->radius_b = s->b->root_sphere[3];
-	root->brick_a = root->brick_b = LW_INVALID_INDEX;
-	s->bricks = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
+	root->obb_a = root->obb_b = LW_INVALID_INDEX;
+	s->obbs = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
 	s->guess_gap = INFINITY;
 	if ( s->bound->upper < INFINITY && s->bound->pair == s->bound->current_pair )
 	{
@@ -393,7 +395,7 @@ static bool meet_leaves( lwi_searching* s, lwi_entry* e, lwi_walk* walk )
 	{
 		return true;
 	}
-	if ( s->bricks && planes && witness_rules_out( s, walk->leaves, &walk->trial ) )
+	if ( s->obbs && planes && witness_rules_out( s, walk->leaves, &walk->backoff ) )
 	{
 		return true;
 	}
@@ -448,16 +450,16 @@ static bool walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
 	return true;
 }
 
-// --- tree against solid ----------------------------------------------------------------------------------------------
+// --- tree against primitive ----------------------------------------------------------------------------------------------
 
-/// Items of a leaf that are near a solid.
-static uint32_t solid_leaf_mask( const lwi_searching* s, const lw_shape* tree, lwi_ref ref, const lwi_motion* motion,
-	const lwi_solid* solid, float gap[LWI_WIDTH] )
+/// Items of a leaf that are near a primitive.
+static uint32_t primitive_leaf_mask( const lwi_searching* s, const lw_shape* tree, lwi_ref ref, const lwi_motion* motion,
+	const lwi_primitive* primitive, float gap[LWI_WIDTH] )
 {
 	uint32_t index = lwi_ref_index( ref ), real = lwi_low_bits( lwi_ref_count( ref ) );
 	if ( tree->family == LWI_TRIANGLES )
 	{
-		return s->kernels->leaf_solid_gap( &tree->leaves[index], motion, solid, s->limit, gap ) & real;
+		return s->kernels->leaf_primitive_gap( &tree->leaves[index], motion, primitive, s->limit, gap ) & real;
 	}
 	lwi_node spheres;
 	if ( tree->family == LWI_BOXES )
@@ -465,29 +467,29 @@ static uint32_t solid_leaf_mask( const lwi_searching* s, const lw_shape* tree, l
 		lwi_box_leaf_spheres( &tree->box_leaves[index], &spheres );
 	}
 	const lwi_node* node = tree->family == LWI_BALLS ? &tree->ball_leaves[index] : &spheres;
-	return s->kernels->node_solid_gap( node, motion, solid, s->limit, gap ) & real;
+	return s->kernels->node_primitive_gap( node, motion, primitive, s->limit, gap ) & real;
 }
 
-/// One shape with a tree (a or b) against one solid.
-static void search_solid( lwi_searching* s )
+/// One shape with a tree (a or b) against one primitive.
+static void search_primitive( lwi_searching* s )
 {
 	lwi_search_memory* memory = s->memory;
-	bool solid_is_a = s->a->solid;
-	const lw_shape* tree = solid_is_a ? s->b : s->a;
-	const lw_shape* solid_shape = solid_is_a ? s->a : s->b;
-	lwi_convex convex = lwi_convex_of_solid( solid_shape );
-	lwi_solid solid = { solid_shape->type,
+	bool primitive_is_a = s->a->primitive;
+	const lw_shape* tree = primitive_is_a ? s->b : s->a;
+	const lw_shape* primitive_shape = primitive_is_a ? s->a : s->b;
+	lwi_convex convex = lwi_convex_of_primitive( primitive_shape );
+	lwi_primitive primitive = { primitive_shape->type,
 		{ lwi_round_up( convex.size[0] ), lwi_round_up( convex.size[1] ), lwi_round_up( convex.size[2] ) } };
-	const lwi_motion* motion = solid_is_a ? &s->tree_a_from_b : &s->tree_b_from_a;
+	const lwi_motion* motion = primitive_is_a ? &s->tree_a_from_b : &s->tree_b_from_a;
 	lwi_entry root;
 	memset( &root, 0, sizeof( root ) );
 	root.a = tree->root;
 	const uint32_t bottom = memory->stack_bottom;
 	memory->stack[bottom] = root;
-	bool convex_solid = solid_shape->family == LWI_CONVEX && memory->def.planes;
-	bool plane_is_open = s->limit < INFINITY && convex_solid;
-	bool mesh = convex_solid && tree->family == LWI_TRIANGLES;
-	lwi_witness_trial trial = { INFINITY, UINT32_MAX };
+	bool convex_primitive = primitive_shape->family == LWI_CONVEX && memory->def.planes;
+	bool plane_is_open = s->limit < INFINITY && convex_primitive;
+	bool mesh = convex_primitive && tree->family == LWI_TRIANGLES;
+	lwi_slab_backoff backoff = { INFINITY, UINT32_MAX };
 	uint32_t measured = 0;
 	uint32_t height = bottom + 1;
 	while ( height > bottom && !s->bound->done )
@@ -501,7 +503,7 @@ static void search_solid( lwi_searching* s )
 		uint32_t lanes[LWI_WIDTH];
 		if ( lwi_ref_is_leaf( e.a ) )
 		{
-			uint32_t mask = solid_leaf_mask( s, tree, e.a, motion, &solid, gap );
+			uint32_t mask = primitive_leaf_mask( s, tree, e.a, motion, &primitive, gap );
 			memory->stats.leaf_tests++;
 			if ( mask != 0 && plane_is_open && plane_rules_out( s ) ) // before anything is measured: that costs as much
 			{
@@ -513,18 +515,19 @@ static void search_solid( lwi_searching* s )
 			{
 				if ( !( gap[lanes[i]] >= s->limit ) )
 				{
-					if ( mesh && witness_rules_out( s, measured++, &trial ) )
+					if ( mesh && witness_rules_out( s, measured++, &backoff ) )
 					{
 						return;
 					}
 					uint32_t item = lwi_leaf_item( tree, e.a, lanes[i] );
-					lwi_measure_items( s, solid_is_a ? LW_INVALID_INDEX : item, solid_is_a ? item : LW_INVALID_INDEX );
+					lwi_measure_items( s, primitive_is_a ? LW_INVALID_INDEX : item, primitive_is_a ? item
+						: LW_INVALID_INDEX );
 				}
 			}
 			continue;
 		}
 		const lwi_node* node = &tree->nodes[e.a];
-		uint32_t mask = s->kernels->node_solid_gap( node, motion, &solid, s->limit, gap );
+		uint32_t mask = s->kernels->node_primitive_gap( node, motion, &primitive, s->limit, gap );
 		memory->stats.node_tests++;
 		for ( uint32_t i = lwi_sorted_lanes( gap, mask, lanes ); i-- > 0; )
 		{
@@ -542,14 +545,14 @@ static double max_abs3( const double v[3] )
 	return fmax( fabs( v[0] ), fmax( fabs( v[1] ), fabs( v[2] ) ) );
 }
 
-/// Reach of the geometry about the tree's origin, or about the shape's if it is solid.
+/// Reach of the geometry about the tree's origin, or about the shape's if it is a primitive.
 static double extent_of( const lw_shape* shape )
 {
 	if ( shape->family == LWI_UNBOUNDED )
 	{
 		return 0; // distances from it are those of the other's points along its normal
 	}
-	return shape->solid ? shape->sphere_radius + max_abs3( shape->sphere_center ) : (double)shape->extent;
+	return shape->primitive ? shape->sphere_radius + max_abs3( shape->sphere_center ) : (double)shape->extent;
 }
 
 static lwi_motion motion_of( const lw_transform* m )
@@ -578,7 +581,7 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	s.a_from_b = a_from_b;
 	s.bound = bound;
 	s.radii = ( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
-	// tree frames are the shape frames shifted by `origin` (zero for solids)
+	// tree frames are the shape frames shifted by `origin` (zero for primitives)
 	lw_transform tree = *a_from_b;
 	lw_vec3 origin_b = lwi_transform( a_from_b, lwi_load( b->origin ) );
 	tree.t[0] = origin_b.x - a->origin[0];
@@ -601,7 +604,7 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	double reach = max_abs3( a->origin ) + max_abs3( b->origin ) + max_abs3( a_from_b->t ) + extent_of( a ) + extent_of( b );
 	s.error = LWI_EXACT_ERROR * reach;
 	s.slack += s.error;
-	s.least = a->filled || b->filled ? s.error + s.radii - bound->margin : -INFINITY;
+	s.least = a->closed || b->closed ? s.error + s.radii - bound->margin : -INFINITY;
 	lwi_update_limit( &s );
 	return s;
 }
@@ -636,7 +639,7 @@ static bool wait_for_others( lwi_searching* s, const lwi_walk* walk )
 
 static void end_search( lwi_searching* s )
 {
-	if ( s->a->filled || s->b->filled )
+	if ( s->a->closed || s->b->closed )
 	{
 		lwi_search_inside( s );
 	}
@@ -646,7 +649,7 @@ static void end_search( lwi_searching* s )
 static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound, bool look )
 {
 	bool deferred = lwi_shape_now( a )->deferred != NULL || lwi_shape_now( b )->deferred != NULL;
-	if ( deferred && lwi_box_gap( a, b, a_from_b ) >= bound->prune + bound->margin )
+	if ( deferred && lwi_box_gap( a, b, a_from_b ) >= bound->cutoff + bound->margin )
 	{
 		return; // not worth making it
 	}
@@ -662,13 +665,13 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 		return; // so nothing is inside of the other either
 	}
 	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
-	if ( a->solid && b->solid )
+	if ( a->primitive && b->primitive )
 	{
 		lwi_measure_items( &s, LW_INVALID_INDEX, LW_INVALID_INDEX );
 	}
-	else if ( a->solid || b->solid )
+	else if ( a->primitive || b->primitive )
 	{
-		search_solid( &s );
+		search_primitive( &s );
 	}
 	else
 	{
@@ -734,12 +737,12 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 {
 	a = lwi_shape_now( a );
 	b = lwi_shape_now( b );
-	if ( ( a->solid || item_a < a->item_count ) && ( b->solid || item_b < b->item_count ) )
+	if ( ( a->primitive || item_a < a->item_count ) && ( b->primitive || item_b < b->item_count ) )
 	{
 		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 		lwi_measure_items( &s, item_a, item_b );
 	}
-	else if ( a->filled || b->filled )
+	else if ( a->closed || b->closed )
 	{
 		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 		lwi_measure_inside( &s, item_a, item_b );

@@ -2,8 +2,8 @@
 // Planes between bounded shapes: GJK on their convex hulls, with support points from the sphere trees.
 //
 // Paper: Gilbert, Johnson, Keerthi 1988 (see distance/convex.c). Whatever direction comes out, its gap is that of all
-// geometry: a bad one proves less, never something wrong. Between poses the first directions come from cores, a few points
-// inside the hulls: edges.md.
+// geometry: a bad one proves less, never something wrong. Between poses the first directions come from extreme points, a
+// few points inside the hulls: edges.md.
 #include "distance/separation.h"
 
 #include "base/math_inline.h"
@@ -85,7 +85,7 @@ static lw_vec3 origin_of( const lw_transform* at, const lw_shape* shape )
 
 static double size_of( const lw_shape* shape )
 {
-	return shape->solid ? shape->sphere_radius : (double)shape->extent;
+	return shape->primitive ? shape->sphere_radius : (double)shape->extent;
 }
 
 /// No coordinate of the poses' origins is larger than this.
@@ -316,18 +316,18 @@ static lw_vec3 normal_of( const lwi_swept_poses* b, const float direction[3] )
 	return lwi_rotate( &b->middle, lwi_v3( (double)direction[0], (double)direction[1], (double)direction[2] ) );
 }
 
-// --- cores -----------------------------------------------------------------------------------------------------------
+// --- extreme points ---------------------------------------------------------------------------------------------------
 
 enum
 {
-	CORE_STEPS = 24 ///< directions tried on the cores between two tests of all geometry
+	GJK_STEPS = 24 ///< directions tried on the extreme points between two tests of all geometry
 };
 
-/// Of the distance of the cores: a gap that wide is not worth another step.
+/// Of the distance of their hulls: a gap that wide is not worth another step.
 #define WIDE_ENOUGH 0.5
 
 /// Points inside the hull of a shape at all its poses.
-typedef struct core
+typedef struct extremes
 {
 	const lwi_points8* points;
 	uint32_t blocks;
@@ -335,14 +335,14 @@ typedef struct core
 	lw_vec3 origin;            ///< theirs, above q->from
 	lw_vec3 cut[LWI_MAX_DIRECTIONS]; ///< further points, from searches of all geometry; above q->from
 	int cuts;
-} core;
+} extremes;
 
 static void make_cloud( const lwi_kernels* kernels, lwi_swept_poses* s )
 {
 	make_swept_poses( s );
 	lwi_cloud* cloud = s->cloud;
 	lw_vec3 middle = origin_of( &s->middle, s->shape );
-	uint32_t blocks = s->shape->core_blocks;
+	uint32_t blocks = s->shape->extreme_blocks;
 	for ( int i = 0; i < s->count; ++i )
 	{
 		lwi_motion motion;
@@ -354,17 +354,17 @@ static void make_cloud( const lwi_kernels* kernels, lwi_swept_poses* s )
 		motion.t[0] = (float)from.x;
 		motion.t[1] = (float)from.y;
 		motion.t[2] = (float)from.z;
-		kernels->points_move( s->shape->core, blocks, &motion, cloud->points + blocks * (uint32_t)i );
+		kernels->points_move( s->shape->extreme_points, blocks, &motion, cloud->points + blocks * (uint32_t)i );
 	}
 	cloud->blocks = blocks * (uint32_t)s->count;
 	cloud->made = true;
 }
 
-static core core_of( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q )
+static extremes extremes_of( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q )
 {
-	core c;
-	c.points = s->shape->core;
-	c.blocks = s->shape->core_blocks;
+	extremes c;
+	c.points = s->shape->extreme_points;
+	c.blocks = s->shape->extreme_blocks;
 	c.local = &s->middle;
 	c.cuts = 0;
 	c.origin = lwi_sub( origin_of( &s->middle, s->shape ), q->from );
@@ -381,8 +381,8 @@ static core core_of( const lwi_kernels* kernels, lwi_swept_poses* s, const plane
 	return c;
 }
 
-/// Support of a core along n, and the index of its support point.
-static double core_reach( const lwi_kernels* kernels, const core* c, lw_vec3 n, uint32_t* which )
+/// Support of extreme points along n, and the index of its support point.
+static double extremes_support( const lwi_kernels* kernels, const extremes* c, lw_vec3 n, uint32_t* which )
 {
 	float high, direction[3];
 	lw_vec3 local = c->local != NULL ? lwi_unrotate( c->local, n ) : n;
@@ -403,7 +403,7 @@ static double core_reach( const lwi_kernels* kernels, const core* c, lw_vec3 n, 
 	return reach;
 }
 
-static lw_vec3 core_point( const core* c, uint32_t which )
+static lw_vec3 extreme_point( const extremes* c, uint32_t which )
 {
 	if ( which >= c->blocks * LWI_WIDTH )
 	{
@@ -416,44 +416,44 @@ static lw_vec3 core_point( const core* c, uint32_t which )
 }
 
 /// The same in the tree frame of the shape; for a point of the cut `point` keeps the pose where the cut was found.
-static void core_start( const lw_shape* shape, const core* c, uint32_t which, float point[3] )
+static void extreme_start( const lw_shape* shape, const extremes* c, uint32_t which, float point[3] )
 {
 	if ( which >= c->blocks * LWI_WIDTH )
 	{
 		return;
 	}
-	const lwi_points8* block = &shape->core[which / LWI_WIDTH % shape->core_blocks];
+	const lwi_points8* block = &shape->extreme_points[which / LWI_WIDTH % shape->extreme_blocks];
 	for ( int k = 0; k < 3; ++k )
 	{
 		point[k] = block->at[k][which % LWI_WIDTH];
 	}
 }
 
-/// GJK between cores.
-typedef struct core_search
+/// GJK between two sets of extreme points.
+typedef struct gjk
 {
-	core a, b;
+	extremes a, b;
 	double need;
 	vec_s w[4];
 	int count;
-	double upper;              ///< of the distance of the cores; 0 at first: the first good enough direction ends the search
+	double upper; ///< of the distance of their hulls; 0 at first: the first good enough direction ends the search
 	lw_vec3 n;                 ///< unit, from a to b: the direction to try next
 	uint32_t which_a, which_b; ///< points that are nearest to the plane
 	double high, low;          ///< of a and of b along it
-} core_search;
+} gjk;
 
 /// LWI_APART: s->n is the direction in which to search for a plane.
-static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s )
+static lwi_separation separate_extremes( const lwi_kernels* kernels, gjk* s )
 {
-	for ( int step = 0; step < CORE_STEPS; ++step )
+	for ( int step = 0; step < GJK_STEPS; ++step )
 	{
-		s->high = core_reach( kernels, &s->a, s->n, &s->which_a );
-		s->low = -core_reach( kernels, &s->b, lwi_scale( -1, s->n ), &s->which_b );
+		s->high = extremes_support( kernels, &s->a, s->n, &s->which_a );
+		s->low = -extremes_support( kernels, &s->b, lwi_scale( -1, s->n ), &s->which_b );
 		if ( s->low - s->high >= s->need && s->low - s->high >= WIDE_ENOUGH * s->upper )
 		{
 			return LWI_APART;
 		}
-		lw_vec3 difference = lwi_sub( core_point( &s->b, s->which_b ), core_point( &s->a, s->which_a ) );
+		lw_vec3 difference = lwi_sub( extreme_point( &s->b, s->which_b ), extreme_point( &s->a, s->which_a ) );
 		s->w[s->count++] = (vec_s){ difference.x, difference.y, difference.z };
 		nearest_s nearest;
 		if ( nearest_to_origin_s( s->w, s->count, &nearest ) )
@@ -476,22 +476,23 @@ static lwi_separation separate_cores( const lwi_kernels* kernels, core_search* s
 	return LWI_UNKNOWN;
 }
 
-/// True if everything stays below a plane of b. @param core_b NULL: b is static
+/// True if everything stays below a plane of b. @param extremes_b NULL: b is static
 static bool hulls_stay_below( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, const plane_query* q,
-	const core* core_a, const core* core_b, lwi_swept_plane plane )
+	const extremes* extremes_a, const extremes* extremes_b, lwi_swept_plane plane )
 {
 	uint32_t which_a, which_b = 0;
 	lw_vec3 n = normal_of( b, plane.direction ), down = lwi_scale( -1, n ), lowest;
-	double high = core_reach( kernels, core_a, n, &which_a );
-	double bottom = -( core_b == NULL ? (double)plane.reach_b : core_reach( kernels, core_b, down, &which_b ) );
+	double high = extremes_support( kernels, extremes_a, n, &which_a );
+	double bottom = -( extremes_b == NULL ? (double)plane.reach_b : extremes_support( kernels, extremes_b, down,
+		&which_b ) );
 	if ( !( high <= bottom - q->need ) )
 	{
-		return false; // core points are points of the shape: if they are not below, the shape is not
+		return false; // extreme points belong to the shape: if they are not below, the shape is not
 	}
-	if ( core_b != NULL )
+	if ( extremes_b != NULL )
 	{
 		float point[3];
-		core_start( b->shape, core_b, which_b, point );
+		extreme_start( b->shape, extremes_b, which_b, point );
 		bottom = -farthest_of_poses( kernels, b, q, down, point, &lowest );
 	}
 	return all_stay_below( kernels, a, q, n, bottom - q->need );
@@ -512,10 +513,10 @@ uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi
 		}
 	}
 	make_swept_poses( a );
-	core core_a = core_of( kernels, a, &q ), core_b;
+	extremes extremes_a = extremes_of( kernels, a, &q ), extremes_b;
 	if ( !stands )
 	{
-		core_b = core_of( kernels, b, &q );
+		extremes_b = extremes_of( kernels, b, &q );
 		memset( room, 0, sizeof( room ) );
 	}
 	for ( uint32_t tries = 0; tries < LWI_WIDTH; ++tries )
@@ -531,7 +532,8 @@ uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi
 			break;
 		}
 		room[lane] = -INFINITY;
-		if ( plane.reach_b < INFINITY && hulls_stay_below( kernels, a, b, &q, &core_a, stands ? NULL : &core_b, plane ) )
+		if ( plane.reach_b < INFINITY && hulls_stay_below( kernels, a, b, &q, &extremes_a, stands ? NULL : &extremes_b,
+			plane ) )
 		{
 			return lane;
 		}
@@ -548,19 +550,19 @@ lwi_separation lwi_separate_swept( const lwi_kernels* kernels, lwi_swept_poses* 
 	{
 		return LWI_UNKNOWN;
 	}
-	core_search s = { .need = q.need, .upper = 0, .n = normal_of( b, d ) };
-	s.a = core_of( kernels, a, &q );
-	s.b = core_of( kernels, b, &q );
+	gjk s = { .need = q.need, .upper = 0, .n = normal_of( b, d ) };
+	s.a = extremes_of( kernels, a, &q );
+	s.b = extremes_of( kernels, b, &q );
 	for ( int tried = 0; tried < LWI_MAX_DIRECTIONS; ++tried )
 	{
-		lwi_separation cores = separate_cores( kernels, &s );
+		lwi_separation found = separate_extremes( kernels, &s );
 		local_direction( &b->middle, s.n, d );
-		if ( cores != LWI_APART || !normalize( d ) )
+		if ( found != LWI_APART || !normalize( d ) )
 		{
-			return cores == LWI_APART ? LWI_UNKNOWN : cores;
+			return found == LWI_APART ? LWI_UNKNOWN : found;
 		}
-		core_start( a->shape, &s.a, s.which_a, point_a );
-		core_start( b->shape, &s.b, s.which_b, point_b );
+		extreme_start( a->shape, &s.a, s.which_a, point_a );
+		extreme_start( b->shape, &s.b, s.which_b, point_b );
 		lw_vec3 n = normal_of( b, d ), lowest;
 		double low = -farthest_of_poses( kernels, b, &q, lwi_scale( -1, n ), point_b, &lowest );
 		const lwi_swept_plane next = { { d[0], d[1], d[2] }, lwi_round_up( -low ) };
@@ -651,7 +653,7 @@ bool lwi_separate_near( const lwi_kernels* kernels, const lwi_swept_poses* a, co
 {
 	plane_query q = plane_query_of( a, b, limit );
 	const double length = lwi_length( n );
-	if ( !( length > 0 && length < INFINITY ) || a->shape->filled || b->shape->filled )
+	if ( !( length > 0 && length < INFINITY ) || a->shape->closed || b->shape->closed )
 	{
 		return false; // a point deep inside a solid is far from the surface, and only triangles near it are tested here
 	}
@@ -733,12 +735,12 @@ bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape
 	{
 		a_from_b.r[i / 3][i % 3] = (double)m->r[i];
 	}
-	core_search s = { .need = (double)limit, .n = lwi_v3( (double)between.n[0], (double)between.n[1], (double)between.n[2] ) };
-	s.a = (core){ .points = a->core, .blocks = a->core_blocks };
-	s.b = (core){ .points = b->core, .blocks = b->core_blocks, .local = &a_from_b };
+	gjk s = { .need = (double)limit, .n = lwi_v3( (double)between.n[0], (double)between.n[1], (double)between.n[2] ) };
+	s.a = (extremes){ .points = a->extreme_points, .blocks = a->extreme_blocks };
+	s.b = (extremes){ .points = b->extreme_points, .blocks = b->extreme_blocks, .local = &a_from_b };
 	s.b.origin = lwi_v3( (double)m->t[0], (double)m->t[1], (double)m->t[2] );
 	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
-	for ( int tried = 0; tried < directions && separate_cores( kernels, &s ) == LWI_APART; ++tried )
+	for ( int tried = 0; tried < directions && separate_extremes( kernels, &s ) == LWI_APART; ++tried )
 	{
 		between.n[0] = (float)s.n.x;
 		between.n[1] = (float)s.n.y;
@@ -749,10 +751,10 @@ bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape
 		{
 			between.back[i] = -between.back[i];
 		}
-		core_start( a, &s.a, s.which_a, point_a );
-		core_start( b, &s.b, s.which_b, point_b );
+		extreme_start( a, &s.a, s.which_a, point_a );
+		extreme_start( b, &s.b, s.which_b, point_b );
 		lw_vec3 *cut_a = &s.a.cut[s.a.cuts++], *cut_b = &s.b.cut[s.b.cuts++];
-		// the cores leave some room: a quick test tells whether it is enough, else the gap is computed
+		// the extreme points leave some room: a quick test tells whether it is enough, else the gap is computed
 		if ( slab_holds( &between, 0.5 * ( s.high + s.low - s.need ), s.need ) ||
 			 slab_gap( &between, point_a, point_b, cut_a, cut_b ) >= limit )
 		{

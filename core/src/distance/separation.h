@@ -19,7 +19,7 @@ typedef struct lwi_plane
 } lwi_plane;
 
 /// A query's memory of one pair of shapes. Only speed depends on it.
-typedef struct lwi_hint
+typedef struct lwi_cached_axis
 {
 	uint32_t key;      ///< of the pair; 0: empty
 	uint16_t failures; ///< searches in a row for which no plane was found
@@ -27,7 +27,7 @@ typedef struct lwi_hint
 	uint8_t late_failures, late_wait; ///< the same of searches that waited for another pair
 	bool known;        ///< the plane below separated them last time
 	lwi_plane plane;
-} lwi_hint;
+} lwi_cached_axis;
 
 /// Any direction to begin with: from centre to centre.
 lwi_plane lwi_plane_between( const lw_shape* a, const lw_shape* b, const lwi_motion* b_from_a );
@@ -46,7 +46,7 @@ typedef struct lwi_cloud
 {
 	bool made; ///< else it is when it is needed
 	uint32_t blocks;
-	lwi_points8 points[LWI_MAX_SWEPT_POSES * LWI_CORE_BLOCKS];
+	lwi_points8 points[LWI_MAX_SWEPT_POSES * LWI_EXTREME_BLOCKS];
 } lwi_cloud;
 
 /// A bounded shape at a few poses, in a frame that two of these have in common.
@@ -63,7 +63,7 @@ typedef struct lwi_swept_poses
 	bool boxed;                      ///< `boxes` are filled
 	lw_vec3 box_middle[LWI_MAX_SWEPT_POSES];
 	double box_size; ///< sum of the coordinates of three half axes, at most
-	lwi_turned_box boxes[LWI_MAX_SWEPT_POSES]; ///< from the origin of the last plane test
+	lwi_sheared_box boxes[LWI_MAX_SWEPT_POSES]; ///< from the origin of the last plane test
 } lwi_swept_poses;
 
 /// A static shape: one pose.

@@ -71,8 +71,9 @@ static bool foot_on( lw_vec3 p, lw_vec3 from, lw_vec3 to, lw_vec3* foot )
 	return true;
 }
 
-bool lwi_tie_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3], const lw_vec3 b[3], double distance,
-	lw_vec3 point_a, lw_vec3 point_b, lwi_tie* out )
+bool lwi_shared_feature_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3],
+	const lw_vec3 b[3], double distance,
+	lw_vec3 point_a, lw_vec3 point_b, lwi_shared_feature* out )
 {
 	out->count_a = 0;
 	double lengths = s->error / LWI_EXACT_ERROR;
@@ -101,7 +102,7 @@ bool lwi_tie_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, con
 	lw_vec3 across = lwi_sub( q, p );
 	out->distance = lwi_length( across );
 	// it is the distance of the triangles, or another point of them was nearer (or squares vanished)
-	if ( !( fabs( out->distance - distance ) <= LWI_TIE_ERROR * lengths ) )
+	if ( !( fabs( out->distance - distance ) <= LWI_SHARED_ERROR * lengths ) )
 	{
 		return false;
 	}
@@ -143,9 +144,9 @@ static bool shares( const lw_shape* shape, uint32_t item, const uint32_t corner[
 	return true;
 }
 
-bool lwi_tie_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b )
+bool lwi_shared_feature_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
-	const lwi_tie* tie = &s->tie;
-	return shares( s->a, item_a, tie->a, tie->count_a, tie->direction_a ) &&
-		   shares( s->b, item_b, tie->b, tie->count_b, tie->direction_b );
+	const lwi_shared_feature* shared = &s->shared;
+	return shares( s->a, item_a, shared->a, shared->count_a, shared->direction_a ) &&
+		   shares( s->b, item_b, shared->b, shared->count_b, shared->direction_b );
 }

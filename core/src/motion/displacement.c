@@ -13,7 +13,7 @@
 
 enum
 {
-	SPARE_GAPS = 1024 ///< places on a level beyond four per pair
+	SPARE_INTERVALS = 1024 ///< places on a level beyond four per pair
 };
 
 // ---- scratch ---------------------------------------------------------------------------------------------------------
@@ -45,10 +45,10 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->batch.values = lwi_arena_take( &arena, 3 * lanes, sizeof( double ) );
 	e->batch.speeds = lwi_arena_take( &arena, nodes, sizeof( double ) );
 	e->pair_capacity = c->moving_body_count + c->self_pair_count;
-	e->gap_capacity = 4 * e->pair_capacity + SPARE_GAPS;
+	e->interval_capacity = 4 * e->pair_capacity + SPARE_INTERVALS;
 	e->pairs = lwi_arena_take( &arena, e->pair_capacity, sizeof( lwi_edge_pair ) );
-	e->levels[0].gaps = lwi_arena_take( &arena, e->gap_capacity, sizeof( lwi_edge_gap ) );
-	e->levels[1].gaps = lwi_arena_take( &arena, e->gap_capacity, sizeof( lwi_edge_gap ) );
+	e->levels[0].intervals = lwi_arena_take( &arena, e->interval_capacity, sizeof( lwi_open_interval ) );
+	e->levels[1].intervals = lwi_arena_take( &arena, e->interval_capacity, sizeof( lwi_open_interval ) );
 	return arena.used;
 }
 
@@ -87,7 +87,7 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 	lwi_edge edge = { .checker = checker };
 	// Each more may move, and meet all others: the memory of lay_out() for as many pairs, and its rounding of five arrays
 	size_t pairs = spare_bodies * ( 1 + (size_t)checker->robot->body_count + spare_bodies );
-	size_t more = pairs * ( sizeof( lwi_edge_pair ) + 2 * 4 * sizeof( lwi_edge_gap ) ) + 5 * LWI_ALIGNMENT +
+	size_t more = pairs * ( sizeof( lwi_edge_pair ) + 2 * 4 * sizeof( lwi_open_interval ) ) + 5 * LWI_ALIGNMENT +
 				  spare_bodies * ( sizeof( lwi_batch_point ) + sizeof( bool ) ) +
 				  lwi_motion_scratch_spare( spare_bodies );
 	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );

@@ -15,7 +15,7 @@
 enum
 {
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
-	LWI_EDGE_WARM_BITS = 10, LWI_EDGE_WARM = 1 << LWI_EDGE_WARM_BITS, ///< places for nearest pairs, by a hash
+	LWI_EDGE_CACHE_BITS = 10, LWI_EDGE_CACHE = 1 << LWI_EDGE_CACHE_BITS, ///< places for nearest pairs, by a hash
 	LWI_BATCH_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of an interval batch
 	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
@@ -31,7 +31,7 @@ typedef struct lwi_edge_pair
 	uint32_t body_a, body_b; ///< robot bodies; body_b = LW_INVALID_INDEX: the scene
 	uint32_t ancestor;       ///< node in whose frame both are given; 0 for the scene
 	lwi_motion_rate rate_a, rate_b;
-	uint32_t warm;   ///< index into `warm`
+	uint32_t pair_cache; ///< index into `pair_cache`
 	uint8_t cells;   ///< of LWI_WIDTH, not proved by the interval batch
 	bool neighbours; ///< its spheres are always near: cells that the interval batch leaves open are no hint of a collision
 	uint32_t near;   ///< obstacles found near it just now, the first of query->candidates; 0: not known
@@ -59,8 +59,8 @@ typedef struct lwi_edge_plane
 typedef struct lwi_edge_memory
 {
 	uint64_t bindings; ///< lw_query::bindings when it was begun: it is void for any other
-	lwi_warm warm[LWI_EDGE_WARM]; ///< nearest pairs
-	lwi_edge_plane planes[LWI_EDGE_WARM];
+	lwi_cached_pair pair_cache[LWI_EDGE_CACHE]; ///< nearest pairs
+	lwi_edge_plane planes[LWI_EDGE_CACHE];
 } lwi_edge_memory;
 
 /// Result of the plane tests of a window. In ascending order of remaining work.
@@ -72,18 +72,18 @@ typedef enum lwi_edge_plane_result
 } lwi_edge_plane_result;
 
 /// A cell that is not proved for a pair.
-typedef struct lwi_edge_gap
+typedef struct lwi_open_interval
 {
 	uint64_t cell; ///< [cell, cell + 1] / 2^level
 	uint32_t pair;
 	uint8_t skip;  ///< levels to pass through without a sample
 	bool open;     ///< not proved yet
-} lwi_edge_gap;
+} lwi_open_interval;
 
-/// The gaps of one level, by cell.
+/// The open intervals of one level, by cell.
 typedef struct lwi_edge_level
 {
-	lwi_edge_gap* gaps; ///< [gap_capacity]
+	lwi_open_interval* intervals; ///< [interval_capacity]
 	uint32_t count;
 } lwi_edge_level;
 
@@ -151,7 +151,7 @@ typedef struct lwi_edge
 	int last_triplet;
 	lwi_edge_pair* pairs;  ///< [pair_capacity]
 	lwi_edge_level levels[2];
-	uint32_t pair_count, pair_capacity, gap_capacity;
+	uint32_t pair_count, pair_capacity, interval_capacity;
 	double longest;         ///< V: the largest path length of a node along the edge
 	double static_rounding; ///< of the poses of static bodies
 	double rounding[2]; ///< subtracted from a lower bound of a pair's clearance; [1] of a self pair
@@ -347,8 +347,8 @@ void lwi_edge_prepare_pair( lwi_edge* edge, lwi_edge_pair* pair );
 // --- motion/midpoint_pass.c -----------------------------------------------------------------------------------------------
 
 /// Measures everything at window.t, at which nodes were measured, nodes first. Unproved pairs are added to edge->pairs and,
-/// as an open gap of cell 0, to `level`. @param may_probe with many unproved pairs, test whole states for a collision, see
-/// lwi_edge_probe()
+/// as an open interval, cell 0, to `level`. @param may_probe with many unproved pairs, test whole states for a collision,
+/// see lwi_edge_probe()
 /// @return false if the proof ends here: something is blocked or refused
 bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_probe );
 

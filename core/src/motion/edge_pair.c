@@ -36,7 +36,7 @@ void lwi_edge_prepare_pair( lwi_edge* e, lwi_edge_pair* pair )
 	const bool self = lwi_edge_pair_is_self( pair );
 	pair->rate_a = rate_of( e, pair->body_a, pair->ancestor );
 	pair->rate_b = self ? rate_of( e, pair->body_b, pair->ancestor ) : (lwi_motion_rate){ 0, 0 };
-	pair->warm = ( pair_id( e->checker, pair ) * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS );
+	pair->pair_cache = ( pair_id( e->checker, pair ) * 2654435769u ) >> ( 32 - LWI_EDGE_CACHE_BITS );
 	pair->slack = e->slack[self];
 }
 
@@ -69,11 +69,11 @@ static bool ask( lwi_edge* e, const lwi_edge_pair* pair, const lwi_threshold* th
 	e->query->search.failure = LW_OK;
 	if ( lwi_edge_pair_is_self( pair ) )
 	{
-		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->memory->warm[pair->warm], out );
+		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->memory->pair_cache[pair->pair_cache], out );
 	}
 	else
 	{
-		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->memory->warm[pair->warm], out );
+		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->memory->pair_cache[pair->pair_cache], out );
 	}
 	e->failure = e->query->search.failure;
 	e->failed = e->failed || e->failure != LW_OK;

@@ -215,7 +215,7 @@ static void point_in_lanes( const interval_batch* batch, const operand* s, const
 /// solid leave its inside out, and only the sphere around it covers that.
 static bool has_tree( const lw_shape* shape )
 {
-	return !shape->solid && !shape->filled && shape->deferred == NULL;
+	return !shape->primitive && !shape->closed && shape->deferred == NULL;
 }
 
 /// The sphere around a tree.

@@ -110,7 +110,7 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 	}
 	if ( !sample.proved )
 	{
-		s->level->gaps[s->level->count++] = (lwi_edge_gap){ 0, e->pair_count, sample.skip, true };
+		s->level->intervals[s->level->count++] = (lwi_open_interval){ 0, e->pair_count, sample.skip, true };
 		pair.near = 0;
 		pair.cells = 0xff;
 		e->pairs[e->pair_count++] = pair;
@@ -516,7 +516,7 @@ bool lwi_edge_midpoint_pairs( lwi_edge* e, lwi_edge_level* level )
 		}
 		if ( !sample.proved )
 		{
-			level->gaps[level->count++] = (lwi_edge_gap){ 0, kept, sample.skip, true };
+			level->intervals[level->count++] = (lwi_open_interval){ 0, kept, sample.skip, true };
 			e->pairs[kept++] = *pair;
 		}
 	}

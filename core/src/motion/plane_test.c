@@ -87,7 +87,7 @@ static void direction_between( const lwi_swept_poses* a, const lwi_swept_poses* 
 
 static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 {
-	lwi_edge_plane* p = &e->memory->planes[( key * 2654435769u ) >> ( 32 - LWI_EDGE_WARM_BITS )];
+	lwi_edge_plane* p = &e->memory->planes[( key * 2654435769u ) >> ( 32 - LWI_EDGE_CACHE_BITS )];
 	if ( p->key != key + 1 )
 	{
 		p->key = key + 1;

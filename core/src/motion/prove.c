@@ -13,7 +13,7 @@ enum
 	MOST_PROBES = 20    ///< states that the collision tests of a midpoint pass take, poses of the middle again among them
 };
 
-// ---- one gap ---------------------------------------------------------------------------------------------------------
+// ---- one open interval -------------------------------------------------------------------------------------------------
 
 /// Part of an edge that is still to be proved.
 typedef struct piece
@@ -26,12 +26,12 @@ static lwi_edge_window window_of( piece p )
 	return (lwi_edge_window){ 0.5 * p.a + 0.5 * p.b, 0.5 * ( p.b - p.a ) };
 }
 
-/// Closes one gap by halving it, left parts first.
-static bool close_gap( lwi_edge* e, lwi_edge_pair* pair, piece gap )
+/// Closes one open interval by halving it, left parts first.
+static bool close_interval( lwi_edge* e, lwi_edge_pair* pair, piece open )
 {
 	piece stack[LWI_EDGE_MAX_DEPTH + 2];
 	int depth = 0;
-	stack[depth++] = gap;
+	stack[depth++] = open;
 	while ( depth > 0 )
 	{
 		piece next = stack[--depth];
@@ -53,17 +53,18 @@ static bool close_gap( lwi_edge* e, lwi_edge_pair* pair, piece gap )
 // ---- cells -----------------------------------------------------------------------------------------------------------
 
 /// Hands half a cell down to the next level; where there is no room it is closed at once.
-static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_edge_gap* from, uint64_t cell, double width, int level )
+static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_open_interval* from, uint64_t cell, double width,
+	int level )
 {
 	if ( !lwi_edge_cell_is_open( &e->pairs[from->pair], cell, level ) )
 	{
 		return true;
 	}
-	if ( next->count == e->gap_capacity )
+	if ( next->count == e->interval_capacity )
 	{
-		return close_gap( e, &e->pairs[from->pair], (piece){ (double)cell * width, (double)( cell + 1 ) * width } );
+		return close_interval( e, &e->pairs[from->pair], (piece){ (double)cell * width, (double)( cell + 1 ) * width } );
 	}
-	next->gaps[next->count++] = (lwi_edge_gap){ cell, from->pair, from->skip, true };
+	next->intervals[next->count++] = (lwi_open_interval){ cell, from->pair, from->skip, true };
 	return true;
 }
 
@@ -74,14 +75,14 @@ static bool probe_if_close( lwi_edge* e )
 	return e->close == 0 || e->probed_levels >= SEARCH_LEVELS || lwi_edge_probe( e, SEARCH_LEVELS );
 }
 
-/// Measures the gaps of one cell at its middle.
-static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, double width )
+/// Measures the intervals of one cell at its middle.
+static bool measure_cell( lwi_edge* e, lwi_open_interval* intervals, uint32_t count, double width )
 {
-	uint64_t cell = gaps[0].cell;
+	uint64_t cell = intervals[0].cell;
 	lwi_edge_window window = { ( (double)cell + 0.5 ) * width, 0.5 * width };
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		lwi_edge_gap* g = &gaps[i];
+		lwi_open_interval* g = &intervals[i];
 		if ( g->skip > 0 )
 		{
 			--g->skip;
@@ -102,19 +103,20 @@ static bool measure_cell( lwi_edge* e, lwi_edge_gap* gaps, uint32_t count, doubl
 	return true;
 }
 
-/// Both halves of a cell's gaps that are still open, left ones first.
-static bool hand_down_cell( lwi_edge* e, const lwi_edge_gap* gaps, uint32_t count, double width, int level, lwi_edge_level* next )
+/// Both halves of a cell's intervals that are still open, left ones first.
+static bool hand_down_cell( lwi_edge* e, const lwi_open_interval* intervals, uint32_t count, double width, int level,
+	lwi_edge_level* next )
 {
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell, 0.5 * width, level + 1 ) )
+		if ( intervals[i].open && !hand_down( e, next, &intervals[i], 2 * intervals[i].cell, 0.5 * width, level + 1 ) )
 		{
 			return false;
 		}
 	}
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		if ( gaps[i].open && !hand_down( e, next, &gaps[i], 2 * gaps[i].cell + 1, 0.5 * width, level + 1 ) )
+		if ( intervals[i].open && !hand_down( e, next, &intervals[i], 2 * intervals[i].cell + 1, 0.5 * width, level + 1 ) )
 		{
 			return false;
 		}
@@ -122,7 +124,7 @@ static bool hand_down_cell( lwi_edge* e, const lwi_edge_gap* gaps, uint32_t coun
 	return true;
 }
 
-/// From the gaps of a level that are not measured yet, levels[1], level by level.
+/// From the intervals of a level that are not measured yet, levels[1], level by level.
 static bool prove_levels( lwi_edge* e, int level )
 {
 	lwi_edge_level *now = &e->levels[0], *next = &e->levels[1];
@@ -134,17 +136,17 @@ static bool prove_levels( lwi_edge* e, int level )
 		if ( level > LWI_EDGE_MAX_DEPTH )
 		{
 			const lwi_edge_sample given_up = { .clearance = lw_clearance_unknown() };
-			const lwi_edge_gap* gap = &now->gaps[0];
-			return lwi_edge_fail( e, &e->pairs[gap->pair], (double)gap->cell * width, &given_up );
+			const lwi_open_interval* open = &now->intervals[0];
+			return lwi_edge_fail( e, &e->pairs[open->pair], (double)open->cell * width, &given_up );
 		}
 		next->count = 0;
 		for ( uint32_t first = 0, end; first < now->count; first = end )
 		{
-			for ( end = first + 1; end < now->count && now->gaps[end].cell == now->gaps[first].cell; ++end )
+			for ( end = first + 1; end < now->count && now->intervals[end].cell == now->intervals[first].cell; ++end )
 			{
 			}
-			if ( !measure_cell( e, now->gaps + first, end - first, width ) ||
-				 !hand_down_cell( e, now->gaps + first, end - first, width, level, next ) )
+			if ( !measure_cell( e, now->intervals + first, end - first, width ) ||
+				 !hand_down_cell( e, now->intervals + first, end - first, width, level, next ) )
 			{
 				return false;
 			}
@@ -198,7 +200,7 @@ static bool prove_by_midpoint_pass( lwi_edge* e, lwi_edge_window whole )
 		return false;
 	}
 	next->count = 0;
-	return probe_if_close( e ) && hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
+	return probe_if_close( e ) && hand_down_cell( e, first->intervals, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
 /// Are the pairs that an interval batch has not proved in a cell free at t?
@@ -258,7 +260,7 @@ static bool prove_by_batch( lwi_edge* e )
 	first->count = next->count = e->pair_count = 0;
 	lwi_edge_batch_pass( e );
 	return ( !has_room_for_probes( e ) || probe_cells( e ) ) && lwi_edge_midpoint_pairs( e, first ) && probe_if_close( e ) &&
-		   hand_down_cell( e, first->gaps, first->count, 1, 0, next ) && prove_levels( e, 1 );
+		   hand_down_cell( e, first->intervals, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
 bool lwi_edge_prove( lwi_edge* e )
@@ -297,8 +299,8 @@ static double prove_from_left( lwi_edge* e, lwi_edge_pair* pair, double until )
 	stack[depth++] = (piece){ 0, until };
 	while ( depth > 0 )
 	{
-		piece gap = stack[--depth]; // everything left of it is proved
-		lwi_edge_window window = window_of( gap );
+		piece open = stack[--depth]; // everything left of it is proved
+		lwi_edge_window window = window_of( open );
 		lwi_edge_sample s = lwi_edge_measure( e, pair, window, false );
 		if ( s.proved )
 		{
@@ -310,9 +312,9 @@ static double prove_from_left( lwi_edge* e, lwi_edge_pair* pair, double until )
 		}
 		// halve again, down to the width that a slack would prove
 		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH ||
-			 !( e->longest * ( window.t - gap.a ) > 0.5 * lwi_edge_slack( e, pair ) ) )
+			 !( e->longest * ( window.t - open.a ) > 0.5 * lwi_edge_slack( e, pair ) ) )
 		{
-			return gap.a;
+			return open.a;
 		}
 		if ( s.low )
 		{
@@ -321,9 +323,9 @@ static double prove_from_left( lwi_edge* e, lwi_edge_pair* pair, double until )
 		}
 		else
 		{
-			stack[depth++] = (piece){ window.t, gap.b };
+			stack[depth++] = (piece){ window.t, open.b };
 		}
-		stack[depth++] = (piece){ gap.a, window.t };
+		stack[depth++] = (piece){ open.a, window.t };
 	}
 	return until;
 }

@@ -118,11 +118,11 @@ void lw_query_destroy( lw_query* query )
 
 void lw_query_reset( lw_query* query )
 {
-	query->warm_environment.valid = false;
-	query->warm_self.valid = false;
+	query->nearest_environment.valid = false;
+	query->nearest_self.valid = false;
 	query->known_count = 0;
-	query->warm_scene.valid = false;
-	memset( query->search.hints, 0, sizeof( query->search.hints ) );
+	query->nearest_scene.valid = false;
+	memset( query->search.axis_cache, 0, sizeof( query->search.axis_cache ) );
 	query->last_edge_body = 0;
 	query->last_edge_self = false;
 	lwi_query_forget_checker( query );

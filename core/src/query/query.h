@@ -9,12 +9,12 @@
 #include "leeway/checker.h"
 
 /// The nearest pair of a search: the next one measures it first.
-typedef struct lwi_warm
+typedef struct lwi_cached_pair
 {
 	uint32_t pair, triangle_a, triangle_b;
 	double clearance; ///< of these two when they were last measured
 	bool valid;
-} lwi_warm;
+} lwi_cached_pair;
 
 /// Back-off of a test: after failures in a row it runs less often. Only speed depends on it.
 typedef struct lwi_trial
@@ -61,7 +61,7 @@ struct lw_query
 	float* gaps;                  ///< [gap_capacity]
 	float* row;                   ///< [scene_capacity, padded] gaps of a node's sphere
 	lwi_candidate* candidates;    ///< [gap_capacity]
-	lwi_warm warm_environment, warm_self, warm_scene;
+	lwi_cached_pair nearest_environment, nearest_self, nearest_scene;
 	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
 	uint32_t known_count;
 	uint32_t known_looked; ///< bits: those measured first in the current state
@@ -71,21 +71,22 @@ struct lw_query
 	size_t bytes;
 };
 
-/// A warm pair pays only if its last clearance was below the cutoff: where a call wants contact or a margin, measuring a
+/// A cached pair pays only if its last clearance was below the cutoff: where a call wants contact or a margin, measuring a
 /// farther pair only costs.
-static inline bool lwi_warm_pays( const lw_query* query, const lwi_warm* warm, const lwi_bound* bound )
+static inline bool lwi_cached_pair_pays( const lw_query* query, const lwi_cached_pair* cached, const lwi_bound* bound )
 {
-	return query->search.def.warm_start && warm->valid && warm->clearance < bound->prune;
+	return query->search.def.warm_start && cached->valid && cached->clearance < bound->cutoff;
 }
 
 /// lwi_measure() of the pair that was nearest last time: offers its distance in the current state to the bound.
-static inline void lwi_measure_warm( lw_query* query, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
-	lwi_warm* warm, lwi_bound* bound )
+static inline void lwi_measure_cached_pair( lw_query* query, const lw_shape* a, const lw_shape* b,
+	const lw_transform* a_from_b,
+	lwi_cached_pair* cached, lwi_bound* bound )
 {
 	double floor = bound->floor;
 	bound->floor = INFINITY;
-	lwi_measure( &query->search, a, b, a_from_b, warm->triangle_a, warm->triangle_b, bound );
-	warm->clearance = bound->floor;
+	lwi_measure( &query->search, a, b, a_from_b, cached->triangle_a, cached->triangle_b, bound );
+	cached->clearance = bound->floor;
 	bound->floor = floor < bound->floor ? floor : bound->floor;
 }
 

@@ -11,10 +11,11 @@ static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape
 	lw_vec3 center = lwi_transform( world_from_shape, lwi_load( shape->sphere_center ) );
 	double world_center[3] = { center.x, center.y, center.z };
 	bool near;
-	double slack = lwi_scene_gaps( scene, scene->block_count, query->search.kernels, world_center, shape->sphere_radius, bound->prune,
+	double slack = lwi_scene_gaps( scene, scene->block_count, query->search.kernels, world_center, shape->sphere_radius,
+		bound->cutoff,
 		query->gaps, &near );
 	uint32_t count = 0;
-	float limit = lwi_round_up( bound->prune + slack );
+	float limit = lwi_round_up( bound->cutoff + slack );
 	for ( uint32_t i = 0; i < scene->shape_count; ++i )
 	{
 		if ( !( query->gaps[i] >= limit ) )
@@ -27,7 +28,7 @@ static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
-		if ( next.gap >= lwi_round_up( bound->prune + slack ) )
+		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
 		{
 			break;
 		}
@@ -60,13 +61,13 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 	query->search.failure = LW_OK;
 	lwi_bound bound;
 	lwi_bound_init( &bound, &wanted );
-	lwi_warm* warm = &query->warm_scene;
-	if ( lwi_warm_pays( query, warm, &bound ) && warm->pair < scene->shape_count )
+	lwi_cached_pair* cached = &query->nearest_scene;
+	if ( lwi_cached_pair_pays( query, cached, &bound ) && cached->pair < scene->shape_count )
 	{
-		const lw_scene_shape_def* obstacle = &scene->shapes[warm->pair];
+		const lw_scene_shape_def* obstacle = &scene->shapes[cached->pair];
 		lw_transform relative = lwi_relative( &pose, &obstacle->world_from_shape );
-		bound.current_pair = warm->pair;
-		lwi_measure_warm( query, shape, obstacle->shape, &relative, warm, &bound );
+		bound.current_pair = cached->pair;
+		lwi_measure_cached_pair( query, shape, obstacle->shape, &relative, cached, &bound );
 	}
 	if ( !bound.done )
 	{
@@ -83,7 +84,7 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 		out->point_b = lwi_transform( &pose, bound.point_b );
 		out->a = lwi_named_element( shape, bound.triangle_a );
 		out->b = scene->shapes[bound.pair].object;
-		*warm = (lwi_warm){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 	return LW_OK;
 }

@@ -144,7 +144,7 @@ lwi_prober* lwi_probers_take( lwi_probers* probers )
 		atomic_store( &probers->out_of_memory, true );
 		return NULL;
 	}
-	memset( p->query->search.hints, 0, sizeof( p->query->search.hints ) ); // answers do not depend on earlier pairs
+	memset( p->query->search.axis_cache, 0, sizeof( p->query->search.axis_cache ) ); // equal answers in any order
 	return p;
 }
 
@@ -326,7 +326,7 @@ void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_
 			double apart = lwi_distance( center_a, center_b );
 			// the centres carry the rounding of two transforms: a few roundoffs of their coordinates
 			double slack = 64 * LWI_U64 * ( apart + radii + lwi_length( center_a ) + lwi_length( center_b ) );
-			if ( apart - radii - slack >= bound->prune )
+			if ( apart - radii - slack >= bound->cutoff )
 			{
 				continue;
 			}

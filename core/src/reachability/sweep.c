@@ -362,7 +362,7 @@ lw_status lwi_hull_of_link( const lwi_hull_plan* plan, uint32_t link, lwi_hull* 
 		const lw_shape* shape = lwi_shape_now( body->shape );
 		extent = fmax( extent, body_extent( body ) );
 		status = shape->radii != NULL           ? add_balls( plan, shape, &body->link_from_shape, out )
-				 : !shape->solid                ? add_soup( plan, shape, &body->link_from_shape, out )
+				 : !shape->primitive                ? add_soup( plan, shape, &body->link_from_shape, out )
 				 : shape->type == LW_SHAPE_BOX ? add_box( plan, shape, &body->link_from_shape, out )
 											   : add_round( plan, shape, &body->link_from_shape, out );
 	}
@@ -378,7 +378,7 @@ lw_status lwi_hull_of_link( const lwi_hull_plan* plan, uint32_t link, lwi_hull* 
 static double shape_radius( const lw_shape* shape, lw_vec3 c )
 {
 	double most = 0;
-	if ( !shape->solid )
+	if ( !shape->primitive )
 	{
 		size_t count = lwi_hull_count( shape );
 		for ( size_t i = 0; i < count; ++i )

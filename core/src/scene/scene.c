@@ -19,7 +19,7 @@ lw_scene_def lw_scene_def_default( void )
 	return def;
 }
 
-/// World box of the geometry: vertices, balls, corners of boxes; of a convex solid or a deferred mesh the corners of its
+/// World box of the geometry: vertices, balls, corners of boxes; of a convex primitive or a deferred mesh the corners of its
 /// box, moved.
 void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] )
 {
@@ -339,7 +339,7 @@ float lwi_unbounded_gap( const lw_scene_shape_def* obstacle, const double center
 }
 
 double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
-	double prune, float* gaps, bool* near )
+	double cutoff, float* gaps, bool* near )
 {
 	float sphere[4];
 	double reach = 0;
@@ -352,7 +352,7 @@ double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels
 	sphere[3] = lwi_round_up( radius );
 	// as in simd/kernels.h; the centre is only rounded here, not moved
 	double slack = lwi_gap_slack( reach + scene->extent + radius );
-	float limit = lwi_round_up( prune + slack );
+	float limit = lwi_round_up( cutoff + slack );
 	uint32_t lanes = 0;
 	for ( uint32_t block = 0; block < blocks; ++block )
 	{

@@ -45,8 +45,8 @@ float lwi_unbounded_gap( const lw_scene_shape_def* obstacle, const double center
 
 /// Gaps of a bounding sphere (world) to the boxes, half-spaces and planes of the first blocks of the scene: gaps[blocks *
 /// LWI_WIDTH], pads +INFINITY. Returns the metres to add to a limit before comparing a gap with it. *near: some gap is below
-/// `prune` plus these metres, or is not a number.
+/// `cutoff` plus these metres, or is not a number.
 double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
-	double prune, float* gaps, bool* near );
+	double cutoff, float* gaps, bool* near );
 
 #endif

@@ -12,7 +12,7 @@
 
 enum
 {
-	SHEETS_AT_ONCE = 256,
+	COMPONENTS_AT_ONCE = 256,
 	STACK_SIZE = ( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
 };
 
@@ -25,8 +25,8 @@ typedef struct ray
 	bool forward;
 	double slack;     ///< metres: error of tree_p and of the spheres
 	bool on_surface;
-	uint32_t first_sheet; ///< of those counted now
-	int32_t winding[SHEETS_AT_ONCE];
+	uint32_t first_component; ///< of those counted now
+	int32_t winding[COMPONENTS_AT_ONCE];
 } ray;
 
 static double snapped( double v )
@@ -70,8 +70,8 @@ static int winding_of( const double vertex[3][3], const double p[3], int axis )
 
 static void count_triangle( ray* r, uint32_t triangle )
 {
-	uint32_t sheet = r->shape->sheets[triangle];
-	if ( sheet == LW_INVALID_INDEX || ( sheet >> 2 ) - r->first_sheet >= SHEETS_AT_ONCE )
+	uint32_t component = r->shape->components[triangle];
+	if ( component == LW_INVALID_INDEX || ( component >> 2 ) - r->first_component >= COMPONENTS_AT_ONCE )
 	{
 		return;
 	}
@@ -98,8 +98,9 @@ static void count_triangle( ray* r, uint32_t triangle )
 	{
 		return;
 	}
-	int32_t* sum = &r->winding[( sheet >> 2 ) - r->first_sheet];
-	*sum = ( sheet & LWI_SHEET_MIXED ) != 0 ? *sum ^ 1 : *sum + ( ( sheet & LWI_SHEET_TURNED ) != 0 ? -winding : winding );
+	int32_t* sum = &r->winding[( component >> 2 ) - r->first_component];
+	*sum = ( component & LWI_COMPONENT_MIXED ) != 0 ? *sum ^ 1 : *sum + ( ( component & LWI_COMPONENT_FLIPPED ) != 0
+		? -winding : winding );
 }
 
 /// True if the ray may meet the sphere.
@@ -163,11 +164,11 @@ bool lwi_mesh_contains( const lw_shape* shape, lw_vec3 point )
 	}
 	// differences of coordinates within the box, and displacements by snapping
 	r.slack = 16 * LWI_U64 * ( largest + (double)shape->extent ) + LWI_EXACT_LEAST;
-	for ( ; r.first_sheet < shape->sheet_count; r.first_sheet += SHEETS_AT_ONCE )
+	for ( ; r.first_component < shape->component_count; r.first_component += COMPONENTS_AT_ONCE )
 	{
 		memset( r.winding, 0, sizeof( r.winding ) );
 		cast( &r );
-		for ( int i = 0; i < SHEETS_AT_ONCE && !r.on_surface; ++i )
+		for ( int i = 0; i < COMPONENTS_AT_ONCE && !r.on_surface; ++i )
 		{
 			if ( r.winding[i] != 0 )
 			{

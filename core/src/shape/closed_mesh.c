@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The parts of a mesh: connected components, and the closed surfaces (sheets) of a solid one.
+// The parts of a mesh: connected parts, and the closed surfaces (components) of a solid one.
 //
 // Edges are sorted (counting sort by both ends), so that the triangles around each lie next to each other. Triangles that
-// share an edge with nobody else belong to one sheet, with the orientation that makes the edge run both ways (union-find
-// with parity). At edges of more triangles the sheets that meet there with an even number each stay apart: two cubes that
-// touch along an edge are two cubes. Sheets that would stay open are joined to one sheet.
+// share an edge with nobody else belong to one component, with the orientation that makes the edge run both ways (union-find
+// with parity). At edges of more triangles the components that meet there with an even number each stay apart: two cubes
+// that touch along an edge are two cubes. Components that would stay open are joined to one component.
 #include "shape/closed_mesh.h"
 
 #include <string.h>
@@ -159,7 +159,7 @@ static lw_status join_neighbours( work* w, lw_diag* diag )
 	return LW_OK;
 }
 
-/// At one edge of four or more triangles: counts those of each sheet, or with `balance` how often it runs up less down.
+/// At one edge of four or more triangles: counts those of each component, or with `balance` how often it runs up less down.
 static void tally_edge( work* w, uint32_t first, uint32_t end, bool balance )
 {
 	uint8_t turned;
@@ -175,7 +175,7 @@ static void tally_edge( work* w, uint32_t first, uint32_t end, bool balance )
 	}
 }
 
-/// Sheets that are open at an edge of many are joined there, until none is open. Those that run up and down an edge
+/// Components that are open at an edge of many are joined there, until none is open. Those that run up and down an edge
 /// unequally often have no orientation.
 static void join_at_thick_edges( work* w )
 {
@@ -219,26 +219,26 @@ static void join_at_thick_edges( work* w )
 	}
 }
 
-/// Numbers the sheets in the order of their first triangles.
-static void number_sheets( work* w )
+/// Numbers the components in the order of their first triangles.
+static void number_components( work* w )
 {
 	lw_shape* shape = w->shape;
 	uint8_t turned;
-	shape->sheet_count = 0;
+	shape->component_count = 0;
 	for ( uint32_t t = 0; t < w->count; ++t )
 	{
 		const uint32_t* v = shape->indices + 3 * (size_t)t;
 		if ( v[0] == v[1] || v[1] == v[2] || v[2] == v[0] )
 		{
-			shape->sheets[t] = LW_INVALID_INDEX;
+			shape->components[t] = LW_INVALID_INDEX;
 			continue;
 		}
 		uint32_t root = find( w, t, &turned );
 		if ( root == t )
 		{
-			w->tally[t] = (int32_t)shape->sheet_count++;
+			w->tally[t] = (int32_t)shape->component_count++;
 		}
-		shape->sheets[t] = (uint32_t)w->tally[root] << 2 | ( w->mixed[root] != 0 ? LWI_SHEET_MIXED : 0u ) | turned;
+		shape->components[t] = (uint32_t)w->tally[root] << 2 | ( w->mixed[root] != 0 ? LWI_COMPONENT_MIXED : 0u ) | turned;
 	}
 }
 
@@ -263,10 +263,10 @@ lw_status lwi_mesh_close( lw_shape* shape, lw_diag* diag )
 	w.order = lwi_alloc( w.memory, 3 * (size_t)w.count * sizeof( uint32_t ) );
 	w.other = lwi_alloc( w.memory, 3 * (size_t)w.count * sizeof( uint32_t ) );
 	w.places = lwi_alloc( w.memory, ( (size_t)shape->vertex_count + 1 ) * sizeof( uint32_t ) );
-	shape->sheets = lwi_alloc( w.memory, w.count * sizeof( uint32_t ) );
+	shape->components = lwi_alloc( w.memory, w.count * sizeof( uint32_t ) );
 	lw_status status = LW_OK;
 	if ( w.parent == NULL || w.turned == NULL || w.mixed == NULL || w.tally == NULL || w.order == NULL || w.other == NULL ||
-		 w.places == NULL || shape->sheets == NULL )
+		 w.places == NULL || shape->components == NULL )
 	{
 		status = lwi_out_of_memory( diag, "a solid mesh" );
 	}
@@ -282,7 +282,7 @@ lw_status lwi_mesh_close( lw_shape* shape, lw_diag* diag )
 	if ( status == LW_OK )
 	{
 		join_at_thick_edges( &w );
-		number_sheets( &w );
+		number_components( &w );
 	}
 	free_work( &w, shape->vertex_count );
 	return status;

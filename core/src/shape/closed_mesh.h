@@ -9,7 +9,7 @@
 /// LWI_MAX_PARTS are only counted. Cost: O(n).
 lw_status lwi_mesh_find_parts( lw_shape* shape, lw_diag* diag );
 
-/// Checks that a mesh is closed and fills `sheets`: its closed surfaces, each with one orientation where it has one.
+/// Checks that a mesh is closed and fills `components`: its closed surfaces, each with one orientation where it has one.
 /// @return LW_OK, LW_ERROR_BAD_GEOMETRY (diag names an open edge; index = its triangle) or LW_ERROR_OUT_OF_MEMORY. Cost:
 /// O(n).
 lw_status lwi_mesh_close( lw_shape* shape, lw_diag* diag );

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cores: a few extreme points of a shape, inside its convex hull.
 //
-// Where no plane separates the cores none separates their shapes: a few vectors of points end most hopeless searches, and
-// give the others a starting direction (distance/separation.c, core/docs/edges.md). Directions: the axes and tilted ones
-// close to them, for faces and small protrusions, and points of a spiral, which cover the sphere evenly (Swinbank, Purser,
-// "Fibonacci grids: a novel approach to global modelling", 2006).
+// Where no plane separates the extreme points of two shapes, none separates the shapes: a few vectors of points end most
+// hopeless searches, and give the others a starting direction (distance/separation.c, core/docs/edges.md). Directions: the
+// axes and tilted ones close to them, for faces and small protrusions, and points of a spiral, which cover the sphere
+// evenly (Swinbank, Purser, "Fibonacci grids: a novel approach to global modelling", 2006).
 #include "shape/shape.h"
 #include "shape/support.h"
 #include "base/sincos.h"
@@ -16,7 +16,7 @@ enum
 	AXES = 6,
 	SPIRAL = 58,
 	TILTS = 2 * 4 * AXES, ///< of the axes, by little and by more
-	POINTS = LWI_CORE_BLOCKS * LWI_WIDTH,
+	POINTS = LWI_EXTREME_BLOCKS * LWI_WIDTH,
 	FEW_VERTICES = 2048 ///< up to this many vertices a scan beats a search of the tree
 };
 
@@ -109,7 +109,7 @@ static uint32_t find_points( const lw_shape* shape, const lwi_points8* vertices,
 	return count;
 }
 
-lw_status lwi_shape_find_core( lw_shape* shape, lw_diag* diag )
+lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag )
 {
 	float found[POINTS][3];
 	size_t size = blocks_of( shape->vertex_count ) * sizeof( lwi_points8 );
@@ -127,19 +127,19 @@ lw_status lwi_shape_find_core( lw_shape* shape, lw_diag* diag )
 	{
 		lwi_free( &shape->allocator, vertices, size );
 	}
-	shape->core_blocks = blocks_of( count );
-	shape->core = lwi_alloc( &shape->allocator, shape->core_blocks * sizeof( lwi_points8 ) );
-	if ( shape->core == NULL )
+	shape->extreme_blocks = blocks_of( count );
+	shape->extreme_points = lwi_alloc( &shape->allocator, shape->extreme_blocks * sizeof( lwi_points8 ) );
+	if ( shape->extreme_points == NULL )
 	{
 		return lwi_out_of_memory( diag, "a sphere tree" );
 	}
-	for ( uint32_t i = 0; i < shape->core_blocks * LWI_WIDTH; ++i )
+	for ( uint32_t i = 0; i < shape->extreme_blocks * LWI_WIDTH; ++i )
 	{
 		for ( uint32_t k = 0; k < 3; ++k )
 		{
-			shape->core[i / LWI_WIDTH].at[k][i % LWI_WIDTH] = found[i < count ? i : 0][k];
+			shape->extreme_points[i / LWI_WIDTH].at[k][i % LWI_WIDTH] = found[i < count ? i : 0][k];
 		}
 	}
-	shape->bytes += shape->core_blocks * sizeof( lwi_points8 );
+	shape->bytes += shape->extreme_blocks * sizeof( lwi_points8 );
 	return LW_OK;
 }

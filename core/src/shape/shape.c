@@ -54,7 +54,7 @@ lw_shape* lwi_shape_new( lw_shape_type type, const lw_allocator* allocator )
 		shape->allocator = *allocator;
 		shape->type = type;
 		shape->family = lwi_family_of( type );
-		shape->solid = shape->family == LWI_CONVEX || shape->family == LWI_UNBOUNDED;
+		shape->primitive = shape->family == LWI_CONVEX || shape->family == LWI_UNBOUNDED;
 		shape->root = LW_INVALID_INDEX;
 		shape->bytes = sizeof( lw_shape );
 	}
@@ -67,16 +67,16 @@ static void free_shape( lw_shape* shape )
 	lwi_deferred_free( &allocator, shape->deferred );
 	lwi_free( &allocator, shape->vertices, 3 * (size_t)shape->vertex_count * sizeof( double ) );
 	lwi_free( &allocator, shape->indices, 3 * (size_t)shape->item_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, shape->sheets, shape->item_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, shape->components, shape->item_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, shape->radii, shape->item_count * sizeof( double ) );
 	lwi_free( &allocator, shape->nodes, shape->node_count * sizeof( lwi_node ) );
-	if ( shape->bricks != NULL )
+	if ( shape->obbs != NULL )
 	{
-		lwi_free( &allocator, shape->bricks, shape->node_count * sizeof( lwi_bricks ) );
+		lwi_free( &allocator, shape->obbs, shape->node_count * sizeof( lwi_obb8 ) );
 	}
-	if ( shape->core != NULL )
+	if ( shape->extreme_points != NULL )
 	{
-		lwi_free( &allocator, shape->core, shape->core_blocks * sizeof( *shape->core ) );
+		lwi_free( &allocator, shape->extreme_points, shape->extreme_blocks * sizeof( *shape->extreme_points ) );
 	}
 	lwi_free( &allocator, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
 	lwi_free( &allocator, shape->ball_leaves, shape->leaf_count * sizeof( lwi_ball_leaf ) );
@@ -159,9 +159,9 @@ void lwi_shape_finish( lw_shape* shape )
 									 : sizeof( lwi_leaf );
 	shape->bytes = sizeof( lw_shape ) + 3 * (size_t)shape->vertex_count * sizeof( double ) +
 		( shape->indices != NULL ? 3 * (size_t)shape->item_count * sizeof( uint32_t ) : 0 ) +
-		( shape->sheets != NULL ? shape->item_count * sizeof( uint32_t ) : 0 ) +
+		( shape->components != NULL ? shape->item_count * sizeof( uint32_t ) : 0 ) +
 		( shape->radii != NULL ? shape->item_count * sizeof( double ) : 0 ) + shape->node_count * sizeof( lwi_node ) +
-		( shape->family == LWI_TRIANGLES ? shape->node_count * sizeof( lwi_bricks ) : 0 ) + shape->leaf_count * leaf_size;
+		( shape->family == LWI_TRIANGLES ? shape->node_count * sizeof( lwi_obb8 ) : 0 ) + shape->leaf_count * leaf_size;
 }
 
 // Trees
@@ -233,8 +233,8 @@ lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* dia
 	shape->ball_leaves = tree.ball_leaves;
 	shape->box_leaves = tree.box_leaves;
 	lwi_shape_finish( shape );
-	status = lwi_shape_find_bricks( shape, diag );
-	return status == LW_OK ? lwi_shape_find_core( shape, diag ) : status;
+	status = lwi_shape_find_obbs( shape, diag );
+	return status == LW_OK ? lwi_shape_find_extreme_points( shape, diag ) : status;
 }
 
 lw_status lw_shape_create_mesh( const lw_mesh_def* def, const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape )
@@ -288,7 +288,7 @@ lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_alloca
 	shape->degenerate_count = mesh.degenerate_count;
 	shape->vertices = mesh.vertices;
 	shape->indices = mesh.indices;
-	shape->filled = def->solid;
+	shape->closed = def->solid;
 	shape->radius = shape->dimensions[0] = radius;
 	status = def->solid ? lwi_mesh_close( shape, diag ) : LW_OK;
 	status = status == LW_OK ? lwi_mesh_find_parts( shape, diag ) : status;
@@ -366,7 +366,7 @@ static lw_status build_dilated( lw_shape* shape, lw_diag* diag )
 }
 
 /// Bounds of a box, cylinder or cone: box, and the smallest sphere. 16u cover the few roundings of each.
-static void set_solid_bounds( lw_shape* shape )
+static void set_primitive_bounds( lw_shape* shape )
 {
 	const double* d = shape->dimensions;
 	bool is_box = shape->type == LW_SHAPE_BOX;
@@ -447,10 +447,10 @@ lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions
 	{
 		set_no_bounds( shape );
 	}
-	else if ( shape->solid )
+	else if ( shape->primitive )
 	{
-		set_solid_bounds( shape );
-		status = lwi_shape_find_core( shape, diag );
+		set_primitive_bounds( shape );
+		status = lwi_shape_find_extreme_points( shape, diag );
 	}
 	else
 	{
@@ -553,7 +553,7 @@ lw_shape_info lw_shape_peek_info( const lw_shape* shape )
 		.excess = shape->excess,
 		.original_count = shape->original_count > 0 ? shape->original_count : has_public_vertices( shape ) ? triangles : 0,
 		.deferred = shape->deferred != NULL,
-		.solid = shape->filled || ( shape->type != LW_SHAPE_MESH && shape->type != LW_SHAPE_PLANE ),
+		.solid = shape->closed || ( shape->type != LW_SHAPE_MESH && shape->type != LW_SHAPE_PLANE ),
 	};
 	memcpy( info.box_min, shape->box_min, sizeof( info.box_min ) );
 	memcpy( info.box_max, shape->box_max, sizeof( info.box_max ) );

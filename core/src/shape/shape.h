@@ -18,12 +18,12 @@
 enum
 {
 	LWI_MAX_PARTS = 16, ///< connected parts of a mesh that are known one by one
-	LWI_CORE_BLOCKS = 8 ///< of a core, at most
+	LWI_EXTREME_BLOCKS = 8 ///< of the extreme points of a shape, at most
 };
 
-/// Flags of lw_shape.sheets, below the number of the sheet.
-#define LWI_SHEET_TURNED 1u ///< this triangle is against the orientation of its sheet
-#define LWI_SHEET_MIXED 2u  ///< the sheet has no orientation
+/// Flags of lw_shape.components, below the number of the component.
+#define LWI_COMPONENT_FLIPPED 1u ///< this triangle is against the orientation of its component
+#define LWI_COMPONENT_MIXED 2u  ///< the component has no orientation
 
 typedef enum lwi_family
 {
@@ -73,7 +73,7 @@ struct lw_shape
 	lw_shape_type type;
 	lwi_family family;
 	lwi_deferred* deferred; ///< NULL: the shape is complete. Else only its box, sphere and bytes are valid
-	bool solid;            ///< convex or unbounded: no items, no tree
+	bool primitive;        ///< convex or unbounded: no items, no tree
 	double radius;         ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
 	double dimensions[3];  ///< of primitives, as given; [0] of the radius of a set or mesh
 	double excess;           ///< metres: of a coarser shape, how far it may reach beyond the original
@@ -93,9 +93,9 @@ struct lw_shape
 	// Meshes only.
 	uint32_t part_count;            ///< connected parts
 	uint32_t parts[LWI_MAX_PARTS];  ///< a triangle of each, if there are no more than these
-	bool filled;                    ///< declared solid: closed, and all points inside belong to it
-	uint32_t sheet_count;           ///< closed surfaces of a filled mesh
-	uint32_t* sheets;               ///< [item_count] of a filled mesh: number << 2 | flags; LW_INVALID_INDEX: degenerate
+	bool closed;                    ///< declared solid: closed, and all points inside belong to it
+	uint32_t component_count;           ///< closed surfaces of a closed mesh
+	uint32_t* components;               ///< [item_count] of a closed mesh: number << 2 | flags; LW_INVALID_INDEX: degenerate
 
 	// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin.
 	double origin[3];   ///< centre of the vertices' box
@@ -104,12 +104,12 @@ struct lw_shape
 	float root_sphere[4]; ///< x, y, z, r: contains everything, tree frame
 	uint32_t node_count, leaf_count, depth;
 	lwi_node* nodes;
-	lwi_bricks* bricks;           ///< [node_count] of triangles, else NULL
+	lwi_obb8* obbs;           ///< [node_count] of triangles, else NULL
 	lwi_leaf* leaves;           ///< of triangles
 	lwi_ball_leaf* ball_leaves; ///< of balls
 	lwi_box_leaf* box_leaves;   ///< of boxes
-	uint32_t core_blocks;       ///< of the core: extreme points of a bounded shape, inside its convex hull; tree frame
-	lwi_points8* core;
+	uint32_t extreme_blocks; ///< vertices of a bounded shape far along some directions, inside its convex hull; tree frame
+	lwi_points8* extreme_points;
 	size_t bytes;
 };
 
@@ -181,15 +181,15 @@ static inline double lwi_item_radius( const lw_shape* shape, uint32_t item )
 }
 
 /// Points whose balls (lwi_hull_radius()) have the same convex hull as a bounded shape, or one that contains it: vertices,
-/// centres, corners of boxes; corners of the box around a convex solid or a deferred mesh.
+/// centres, corners of boxes; corners of the box around a convex primitive or a deferred mesh.
 static inline size_t lwi_hull_count( const lw_shape* shape )
 {
-	bool one_box = shape->solid || shape->deferred != NULL;
+	bool one_box = shape->primitive || shape->deferred != NULL;
 	return one_box ? 8 : shape->family == LWI_BOXES ? 8 * (size_t)shape->item_count : shape->vertex_count;
 }
 static inline lw_vec3 lwi_hull_point( const lw_shape* shape, size_t index )
 {
-	bool one_box = shape->solid || shape->deferred != NULL;
+	bool one_box = shape->primitive || shape->deferred != NULL;
 	if ( !one_box && shape->family != LWI_BOXES )
 	{
 		return lwi_load( shape->vertices + 3 * index );
@@ -214,13 +214,13 @@ void lwi_shape_set_frame( lw_shape* shape );
 /// The last step, after tree and root sphere: the bounds and the bytes.
 void lwi_shape_finish( lw_shape* shape );
 
-/// The oriented boxes (bricks) of a tree of triangles, found from its nodes and leaves. The tree is valid.
+/// The oriented boxes (OBBs) of a tree of triangles, found from its nodes and leaves. The tree is valid.
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
-lw_status lwi_shape_find_bricks( lw_shape* shape, lw_diag* diag );
+lw_status lwi_shape_find_obbs( lw_shape* shape, lw_diag* diag );
 
-/// The core of a bounded shape whose tree, if it has one, is valid.
+/// The extreme points of a bounded shape whose tree, if it has one, is valid.
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
-lw_status lwi_shape_find_core( lw_shape* shape, lw_diag* diag );
+lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag );
 
 /// All steps, for a shape whose vertices, indices, radii and counts are set.
 lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );

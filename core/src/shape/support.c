@@ -125,7 +125,7 @@ static float take_leaf( const lwi_kernels* kernels, const lw_shape* shape, lwi_r
 }
 
 /// The farthest point of a box, cylinder or cone along n.
-static float support_solid( const lw_shape* shape, const float n[3], float point[3] )
+static float support_primitive( const lw_shape* shape, const float n[3], float point[3] )
 {
 	float half[3];
 	for ( int axis = 0; axis < 3; ++axis )
@@ -153,7 +153,7 @@ float lwi_support( const lwi_kernels* kernels, const lw_shape* shape, const floa
 {
 	if ( shape->family == LWI_CONVEX )
 	{
-		return support_solid( shape, n, point );
+		return support_primitive( shape, n, point );
 	}
 	candidate stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
 	uint32_t height = 0;
@@ -237,7 +237,7 @@ static bool stays_below( const lwi_kernels* kernels, const lw_shape* shape, cons
 	if ( shape->family == LWI_CONVEX )
 	{
 		float point[3];
-		return support_solid( shape, n, point ) <= most;
+		return support_primitive( shape, n, point ) <= most;
 	}
 	lwi_ref stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
 	uint32_t height = 0;

@@ -6,7 +6,7 @@
 #include "simd/kernels.h"
 #include "shape/shape.h"
 
-/// Support of a shape with a tree, or of a solid, along a unit direction, and the point there, in its tree frame. Never
+/// Support of a shape with a tree, or of a primitive, along a unit direction, and the point there, in its tree frame. Never
 /// below the true support, whatever `point` is at first; a start nearer to the answer visits fewer nodes.
 float lwi_support( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float point[3] );
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Oriented boxes (bricks) around the children of the nodes of a tree of triangles.
+// oriented boxes (OBBs) around the children of the nodes of a tree of triangles.
 //
 // Gottschalk, Lin, Manocha, "OBBTree: a hierarchical structure for rapid interference detection", 1996; Larsen, Gottschalk,
 // Lin, Manocha,
@@ -15,7 +15,7 @@
 
 /// Metres per metre of extent by which faces are moved outward. Products of a leaf's corners with an axis, rounded floats
 /// all, are off by 7 roundoffs of the extent, the height of the centre, in double, by none; one more from rounding the sum.
-#define BRICK_SLACK ( 16 * LWI_U32 )
+#define OBB_SLACK ( 16 * LWI_U32 )
 
 typedef struct finder
 {
@@ -177,8 +177,8 @@ static patch find( const finder* f, lwi_ref ref )
 		return patch_of_leaf( &shape->leaves[lwi_ref_index( ref )], lwi_ref_count( ref ) );
 	}
 	const lwi_node* node = &shape->nodes[ref];
-	double slack = BRICK_SLACK * (double)shape->extent + 0x1p-140; // denormals
-	lwi_bricks bricks = { 0 };
+	double slack = OBB_SLACK * (double)shape->extent + 0x1p-140; // denormals
+	lwi_obb8 obbs = { 0 };
 	patch out = { .largest = -1 };
 	for ( int i = 0; i < LWI_WIDTH && node->child[i] != LW_INVALID_INDEX; ++i )
 	{
@@ -196,24 +196,24 @@ static patch find( const finder* f, lwi_ref ref )
 		{
 			const float* a = axis[k];
 			double middle = (double)a[0] * (double)node->x[i] + (double)a[1] * (double)node->y[i] + (double)a[2] * (double)node->z[i];
-			bricks.n[k][i] = axis[0][k];
-			bricks.t[k][i] = axis[1][k];
-			bricks.low[k][i] = lwi_round_down( (double)spans[k].low - middle - slack );
-			bricks.high[k][i] = lwi_round_up( (double)spans[k].high - middle + slack );
+			obbs.n[k][i] = axis[0][k];
+			obbs.t[k][i] = axis[1][k];
+			obbs.low[k][i] = lwi_round_down( (double)spans[k].low - middle - slack );
+			obbs.high[k][i] = lwi_round_up( (double)spans[k].high - middle + slack );
 		}
 	}
-	shape->bricks[ref] = bricks;
+	shape->obbs[ref] = obbs;
 	return out;
 }
 
-lw_status lwi_shape_find_bricks( lw_shape* shape, lw_diag* diag )
+lw_status lwi_shape_find_obbs( lw_shape* shape, lw_diag* diag )
 {
 	if ( shape->family != LWI_TRIANGLES || shape->node_count == 0 )
 	{
 		return LW_OK;
 	}
-	shape->bricks = lwi_alloc( &shape->allocator, shape->node_count * sizeof( lwi_bricks ) );
-	if ( shape->bricks == NULL )
+	shape->obbs = lwi_alloc( &shape->allocator, shape->node_count * sizeof( lwi_obb8 ) );
+	if ( shape->obbs == NULL )
 	{
 		return lwi_out_of_memory( diag, "a sphere tree" );
 	}

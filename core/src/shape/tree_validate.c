@@ -34,8 +34,8 @@ typedef struct walker
 	uint32_t where;
 	// the spheres above the current subtree, the root's first, and the oriented boxes of all but the root
 	float spheres[LWI_MAX_DEPTH + 1][4];
-	const lwi_bricks* bricks[LWI_MAX_DEPTH + 1]; ///< NULL where they are not found yet
-	uint32_t brick_lanes[LWI_MAX_DEPTH + 1];
+	const lwi_obb8* obbs[LWI_MAX_DEPTH + 1]; ///< NULL where they are not found yet
+	uint32_t obb_lanes[LWI_MAX_DEPTH + 1];
 } walker;
 
 static bool fail( walker* w, uint32_t where, const char* problem )
@@ -52,14 +52,14 @@ static bool contains( const float sphere[4], lw_vec3 p, double slack )
 }
 
 /// True if a point is in the oriented box of a level, and the axes of the box are orthogonal unit vectors within rounding.
-static bool is_in_brick( const walker* w, uint32_t level, lw_vec3 p, double slack )
+static bool is_in_obb( const walker* w, uint32_t level, lw_vec3 p, double slack )
 {
-	const lwi_bricks* b = w->bricks[level];
+	const lwi_obb8* b = w->obbs[level];
 	if ( b == NULL )
 	{
 		return true;
 	}
-	uint32_t lane = w->brick_lanes[level];
+	uint32_t lane = w->obb_lanes[level];
 	const float* c = w->spheres[level];
 	lw_vec3 q = lwi_sub( p, lwi_v3( (double)c[0], (double)c[1], (double)c[2] ) ), axis[3];
 	axis[0] = lwi_v3( (double)b->n[0][lane], (double)b->n[1][lane], (double)b->n[2][lane] );
@@ -121,9 +121,9 @@ static bool check_lane( walker* w, const lwi_leaf* leaf, uint32_t lane, uint32_t
 			{
 				return fail( w, where, "a sphere does not contain a leaf triangle under it" );
 			}
-			if ( !is_in_brick( w, l, p[k], exact_slack ) )
+			if ( !is_in_obb( w, l, p[k], exact_slack ) )
 			{
-				return fail( w, where, "a turned box does not contain a leaf triangle under it" );
+				return fail( w, where, "a oriented box does not contain a leaf triangle under it" );
 			}
 			if ( whole && !contains( w->spheres[l], original[k], exact_slack ) )
 			{
@@ -292,8 +292,8 @@ static bool check_node( walker* w, lwi_ref ref, uint32_t level )
 			return fail( w, ref, padding ? "a child behind a pad lane" : "a radius is negative or not finite" );
 		}
 		memcpy( w->spheres[level + 1], ( float[4] ){ node->x[i], node->y[i], node->z[i], node->r[i] }, 4 * sizeof( float ) );
-		w->bricks[level + 1] = w->shape->bricks != NULL ? &w->shape->bricks[ref] : NULL;
-		w->brick_lanes[level + 1] = (uint32_t)i;
+		w->obbs[level + 1] = w->shape->obbs != NULL ? &w->shape->obbs[ref] : NULL;
+		w->obb_lanes[level + 1] = (uint32_t)i;
 		if ( !check_node( w, node->child[i], level + 1 ) )
 		{
 			return false;
@@ -339,7 +339,7 @@ lw_status lw_shape_validate( const lw_shape* shape, lw_diag* diag )
 	}
 	lw_status status;
 	shape = lwi_shape_made( shape, &status, diag );
-	if ( shape == NULL || shape->solid )
+	if ( shape == NULL || shape->primitive )
 	{
 		return status;
 	}

@@ -11,7 +11,7 @@
 //     <= sqrt(3) (5 u |c| + 2 u |t|) <= 9 u S;
 //   triangle vertices rounded to float: sqrt(3) u per side <= 2 u S;
 //   a gap from these: difference u, dot product 3u, both relative to |n| |p - v|, quotient and root 2u: <= 7 u S.
-// Sum 18 u S. Triangles in the frame of a solid: moved 9 u S, rounded 2 u S, two supports along n 4 u S each, their
+// Sum 18 u S. Triangles in the frame of a primitive: moved 9 u S, rounded 2 u S, two supports along n 4 u S each, their
 // difference and quotient 5 u S, in all 24 u S. Oriented boxes: centres 9 u S and 7 u S, reaches 17 u of the radii, 25 u S
 // (core/docs/distance.md). LWI_GAP_SLACK = 32 leaves room. tests/core_query measures it.
 // Contract: every level gives the bits of the scalar one (tests/core_query/kernels_test.cpp).
@@ -52,18 +52,18 @@ typedef struct lwi_planes8
 } lwi_planes8;
 
 /// A box that is not along the axes, maybe sheared: its middle, and from there to the middles of three faces.
-typedef struct lwi_turned_box
+typedef struct lwi_sheared_box
 {
 	float middle[3], half[3][3];
-} lwi_turned_box;
+} lwi_sheared_box;
 
-/// A solid primitive for the filters: lw_shape_type and half sizes (box), radius and half height (cylinder, cone); nothing
+/// A primitive for the filters: lw_shape_type and half sizes (box), radius and half height (cylinder, cone); nothing
 /// (half-space, plane).
-typedef struct lwi_solid
+typedef struct lwi_primitive
 {
 	lw_shape_type type;
 	float size[3];
-} lwi_solid;
+} lwi_primitive;
 
 typedef struct lwi_kernels
 {
@@ -74,7 +74,8 @@ typedef struct lwi_kernels
 	uint32_t ( *sphere_gap )( const float* xyzr, const float sphere[4], float limit, float gap[LWI_WIDTH] );
 	/// distance of one oriented box and eight, by their slabs along the line of the centres of their spheres and along
 	/// `along` (unit, from the node to the other; NULL for none); NaN for pads
-	uint32_t ( *brick_gap )( const lwi_node* node, const lwi_bricks* bricks, const lwi_brick* other, const float along[3], float limit,
+	uint32_t ( *obb_gap )( const lwi_node* node, const lwi_obb8* obbs, const lwi_obb* other, const float along[3],
+		float limit,
 		float gap[LWI_WIDTH] );
 	/// pairs of spheres in blocks of float[4][8] whose gap does not reach `limit` >= 0, by its square: `near` gets 256 *
 	/// lower + higher index. mask[i * stride + block]: which of a block's are compared with sphere i, a later one; returns
@@ -106,15 +107,18 @@ typedef struct lwi_kernels
 	/// planes that `count` > 0 boxes stay `need` below. Boxes have the axes of the world and the planes' origin; r: rows of
 	/// world_from_planes room[lane]: how far below they stay, -INFINITY where nothing that touches all faces of one of the
 	/// boxes stays `hope` below
-	uint32_t ( *planes_clear )( const lwi_planes8* planes, const float r[9], const lwi_turned_box* boxes, uint32_t count, float need,
+	uint32_t ( *planes_clear )( const lwi_planes8* planes, const float r[9], const lwi_sheared_box* boxes, uint32_t count,
+		float need,
 		float hope, float room[LWI_WIDTH] );
 	/// distances of eight pairs of triangles. Lanes that reach `limit` by a cheap direction may stop there.
 	uint32_t ( *triangle_gap )( lwi_triangles8 a, lwi_triangles8 b, float limit, float gap[LWI_WIDTH] );
-	/// distance of the centres of a node's spheres to a solid, minus their radii; motion = solid_from_tree
-	uint32_t ( *node_solid_gap )( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float limit,
+	/// distance of the centres of a node's spheres to a primitive, minus their radii; motion = primitive_from_tree
+	uint32_t ( *node_primitive_gap )( const lwi_node* node, const lwi_motion* motion, const lwi_primitive* primitive,
+		float limit,
 		float gap[LWI_WIDTH] );
-	/// distance of the triangles of a leaf to a solid, of the spheres around them where that is enough and to cones
-	uint32_t ( *leaf_solid_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
+	/// distance of the triangles of a leaf to a primitive, of the spheres around them where that is enough and to cones
+	uint32_t ( *leaf_primitive_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_primitive* primitive,
+		float limit,
 		float gap[LWI_WIDTH] );
 	/// cosines and sines of angles as lwi_turn_of() has them; fastest for multiples of four
 	void ( *turns )( const double* angle, uint32_t count, double* cosine, double* sine );

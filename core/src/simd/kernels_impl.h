@@ -63,7 +63,7 @@ static uint32_t sphere_gap( const float* xyzr, const float sphere[4], float limi
 }
 
 /// How far a box with these axes reaches along u from 0, or its sphere if that is less.
-static inline f8 brick_reach( v3 u, const v3 axis[3], const f8 low[3], const f8 high[3], f8 radius )
+static inline f8 obb_extent( v3 u, const v3 axis[3], const f8 low[3], const f8 high[3], f8 radius )
 {
 	f8 sum = f8_set( 0.0f );
 	for ( int i = 0; i < 3; ++i )
@@ -74,17 +74,17 @@ static inline f8 brick_reach( v3 u, const v3 axis[3], const f8 low[3], const f8 
 	return f8_min( sum, radius );
 }
 
-static uint32_t brick_gap( const lwi_node* node, const lwi_bricks* bricks, const lwi_brick* other, const float along[3], float limit,
+static uint32_t obb_gap( const lwi_node* node, const lwi_obb8* obbs, const lwi_obb* other, const float along[3], float limit,
 	float gap[LWI_WIDTH] )
 {
 	f8 zero = f8_set( 0.0f ), radius = f8_load( node->r ), other_radius = f8_set( other->radius );
-	v3 axis[3] = { v3_load( bricks->n ), v3_load( bricks->t ) }, other_axis[3];
+	v3 axis[3] = { v3_load( obbs->n ), v3_load( obbs->t ) }, other_axis[3];
 	axis[2] = v3_cross( axis[0], axis[1] );
 	f8 low[3], high[3], other_low[3], other_high[3];
 	for ( int i = 0; i < 3; ++i )
 	{
-		low[i] = f8_load( bricks->low[i] );
-		high[i] = f8_load( bricks->high[i] );
+		low[i] = f8_load( obbs->low[i] );
+		high[i] = f8_load( obbs->high[i] );
 		other_axis[i] = v3_set( other->axis[i] );
 		// along the opposite normal its faces change places
 		other_low[i] = f8_sub( zero, f8_set( other->high[i] ) );
@@ -95,12 +95,14 @@ static uint32_t brick_gap( const lwi_node* node, const lwi_bricks* bricks, const
 	m8 vanishes = f8_lt( length, f8_set( 0x1p-62f ) ); // or its squares do: no unit direction, no proof
 	length = f8_max( length, f8_set( 0x1p-62f ) );
 	v3 u = { f8_div( across.x, length ), f8_div( across.y, length ), f8_div( across.z, length ) };
-	f8 reach = f8_add( brick_reach( u, axis, low, high, radius ), brick_reach( u, other_axis, other_low, other_high, other_radius ) );
+	f8 reach = f8_add( obb_extent( u, axis, low, high, radius ), obb_extent( u, other_axis, other_low, other_high,
+		other_radius ) );
 	f8 best = f8_select( vanishes, f8_set( -INFINITY ), f8_sub( v3_dot( u, across ), reach ) );
 	if ( along != NULL )
 	{
 		u = v3_set( along );
-		reach = f8_add( brick_reach( u, axis, low, high, radius ), brick_reach( u, other_axis, other_low, other_high, other_radius ) );
+		reach = f8_add( obb_extent( u, axis, low, high, radius ), obb_extent( u, other_axis, other_low, other_high,
+			other_radius ) );
 		best = f8_max( best, f8_sub( v3_dot( u, across ), reach ) );
 	}
 	return store_gap( gap, best, limit );
@@ -276,7 +278,8 @@ static uint32_t points_farthest( const lwi_points8* points, uint32_t blocks, con
 	return LWI_WIDTH * (uint32_t)found[lane] + lane;
 }
 
-static uint32_t planes_clear( const lwi_planes8* planes, const float r[9], const lwi_turned_box* boxes, uint32_t count, float need,
+static uint32_t planes_clear( const lwi_planes8* planes, const float r[9], const lwi_sheared_box* boxes, uint32_t count,
+	float need,
 	float hope, float room[LWI_WIDTH] )
 {
 	const lwi_motion turn = { { r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8] }, { 0, 0, 0 } };
@@ -370,16 +373,16 @@ static uint32_t triangle_gap( lwi_triangles8 a_in, lwi_triangles8 b_in, float li
 	return store_gap( gap, best, limit );
 }
 
-/// Distance of points in the solid's frame to the solid; of a half-space less than 0 inside.
-static inline f8 solid_distance( v3 p, const lwi_solid* solid )
+/// Distance of points in the primitive's frame to the primitive; of a half-space less than 0 inside.
+static inline f8 primitive_distance( v3 p, const lwi_primitive* primitive )
 {
 	f8 zero = f8_set( 0.0f );
-	f8 sx = f8_set( solid->size[0] ), sy = f8_set( solid->size[1] ), sz = f8_set( solid->size[2] );
-	if ( solid->type == LW_SHAPE_HALFSPACE || solid->type == LW_SHAPE_PLANE )
+	f8 sx = f8_set( primitive->size[0] ), sy = f8_set( primitive->size[1] ), sz = f8_set( primitive->size[2] );
+	if ( primitive->type == LW_SHAPE_HALFSPACE || primitive->type == LW_SHAPE_PLANE )
 	{
-		return solid->type == LW_SHAPE_PLANE ? f8_abs( p.z ) : p.z;
+		return primitive->type == LW_SHAPE_PLANE ? f8_abs( p.z ) : p.z;
 	}
-	if ( solid->type == LW_SHAPE_BOX )
+	if ( primitive->type == LW_SHAPE_BOX )
 	{
 		f8 x = f8_max( f8_sub( f8_abs( p.x ), sx ), zero );
 		f8 y = f8_max( f8_sub( f8_abs( p.y ), sy ), zero );
@@ -387,7 +390,7 @@ static inline f8 solid_distance( v3 p, const lwi_solid* solid )
 		return f8_sqrt( f8_add( f8_add( f8_mul( x, x ), f8_mul( y, y ) ), f8_mul( z, z ) ) );
 	}
 	f8 radial = f8_sqrt( f8_add( f8_mul( p.x, p.x ), f8_mul( p.y, p.y ) ) );
-	if ( solid->type == LW_SHAPE_CYLINDER )
+	if ( primitive->type == LW_SHAPE_CYLINDER )
 	{
 		f8 x = f8_max( f8_sub( radial, sx ), zero );
 		f8 z = f8_max( f8_sub( f8_abs( p.z ), sy ), zero );
@@ -411,18 +414,20 @@ static inline f8 solid_distance( v3 p, const lwi_solid* solid )
 	return f8_max( f8_max( f8_max( below, slant ), nearest ), zero );
 }
 
-static uint32_t node_solid_gap( const lwi_node* node, const lwi_motion* motion, const lwi_solid* solid, float limit,
+static uint32_t node_primitive_gap( const lwi_node* node, const lwi_motion* motion, const lwi_primitive* primitive,
+	float limit,
 	float gap[LWI_WIDTH] )
 {
 	v3 center = { f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) };
-	return store_gap( gap, f8_sub( solid_distance( v3_move( motion, center ), solid ), f8_load( node->r ) ), limit );
+	return store_gap( gap, f8_sub( primitive_distance( v3_move( motion, center ), primitive ), f8_load( node->r ) ), limit );
 }
 
 /// The point of a box or cylinder that is nearest to p.
-static inline v3 solid_nearest( v3 p, const lwi_solid* solid )
+static inline v3 primitive_nearest( v3 p, const lwi_primitive* primitive )
 {
-	f8 sx = f8_set( solid->size[0] ), sy = f8_set( solid->size[1] ), sz = f8_set( solid->size[2] ), zero = f8_set( 0.0f );
-	if ( solid->type == LW_SHAPE_BOX )
+	f8 sx = f8_set( primitive->size[0] ), sy = f8_set( primitive->size[1] ), sz = f8_set( primitive->size[2] ),
+		zero = f8_set( 0.0f );
+	if ( primitive->type == LW_SHAPE_BOX )
 	{
 		return ( v3 ){ f8_min( f8_max( p.x, f8_sub( zero, sx ) ), sx ), f8_min( f8_max( p.y, f8_sub( zero, sy ) ), sy ),
 			f8_min( f8_max( p.z, f8_sub( zero, sz ) ), sz ) };
@@ -432,11 +437,11 @@ static inline v3 solid_nearest( v3 p, const lwi_solid* solid )
 	return ( v3 ){ f8_mul( share, p.x ), f8_mul( share, p.y ), f8_min( f8_max( p.z, f8_sub( zero, sy ) ), sy ) };
 }
 
-/// Width of the slab between triangles and a box or cylinder along n, from triangle to solid.
-static inline f8 solid_slab( v3 n, const v3 v[3], const lwi_solid* solid )
+/// Width of the slab between triangles and a box or cylinder along n, from triangle to primitive.
+static inline f8 primitive_slab( v3 n, const v3 v[3], const lwi_primitive* primitive )
 {
-	f8 sx = f8_set( solid->size[0] ), sy = f8_set( solid->size[1] ), sz = f8_set( solid->size[2] ), reach;
-	if ( solid->type == LW_SHAPE_BOX )
+	f8 sx = f8_set( primitive->size[0] ), sy = f8_set( primitive->size[1] ), sz = f8_set( primitive->size[2] ), reach;
+	if ( primitive->type == LW_SHAPE_BOX )
 	{
 		reach = f8_add( f8_add( f8_mul( sx, f8_abs( n.x ) ), f8_mul( sy, f8_abs( n.y ) ) ), f8_mul( sz, f8_abs( n.z ) ) );
 	}
@@ -453,7 +458,7 @@ static inline f8 solid_slab( v3 n, const v3 v[3], const lwi_solid* solid )
 
 /// Widest slab between triangles and a box along the cross products of an edge and an axis, where edges of both are nearest.
 /// Such a direction lies in the plane of the other two axes; the box being symmetric, both ways along it give one slab.
-static inline f8 edge_slabs( const v3 v[3], const lwi_solid* solid )
+static inline f8 edge_slabs( const v3 v[3], const lwi_primitive* primitive )
 {
 	const f8 x[3][3] = { { v[0].x, v[1].x, v[2].x }, { v[0].y, v[1].y, v[2].y }, { v[0].z, v[1].z, v[2].z } };
 	f8 zero = f8_set( 0.0f ), best = f8_sub( zero, f8_set( INFINITY ) );
@@ -467,7 +472,8 @@ static inline f8 edge_slabs( const v3 v[3], const lwi_solid* solid )
 			f8 h1 = f8_add( f8_mul( np, x[p][1] ), f8_mul( nq, x[q][1] ) );
 			f8 h2 = f8_add( f8_mul( np, x[p][2] ), f8_mul( nq, x[q][2] ) );
 			f8 low = f8_min( f8_min( h0, h1 ), h2 ), high = f8_max( f8_max( h0, h1 ), h2 );
-			f8 reach = f8_add( f8_mul( f8_set( solid->size[p] ), f8_abs( np ) ), f8_mul( f8_set( solid->size[q] ), f8_abs( nq ) ) );
+			f8 reach = f8_add( f8_mul( f8_set( primitive->size[p] ), f8_abs( np ) ), f8_mul( f8_set( primitive->size[q] ),
+				f8_abs( nq ) ) );
 			f8 width = f8_sub( f8_max( low, f8_sub( zero, high ) ), reach );
 			f8 length = f8_sqrt( f8_divisor( f8_add( f8_mul( np, np ), f8_mul( nq, nq ) ) ) );
 			best = f8_max( best, f8_div( width, length ) );
@@ -480,45 +486,46 @@ static inline f8 edge_slabs( const v3 v[3], const lwi_solid* solid )
 /// (Cheney and Goldstein, Proximity maps for convex sets, Proceedings of the AMS 10, 1959), which finds faces and their
 /// normals; the corners' own nearest points; and, where that is not enough, pairs of edges. These are all the features that
 /// can be nearest but corners of the box, which the first step finds where triangles are not much larger.
-static inline f8 triangle_solid( const v3 v[3], v3 center, const lwi_solid* solid, float limit )
+static inline f8 triangle_primitive( const v3 v[3], v3 center, const lwi_primitive* primitive, float limit )
 {
 	v3 along, nearest;
-	point_triangle( solid_nearest( center, solid ), v[0], v[1], v[2], &along, &nearest );
-	f8 best = solid_slab( along, v, solid );
+	point_triangle( primitive_nearest( center, primitive ), v[0], v[1], v[2], &along, &nearest );
+	f8 best = primitive_slab( along, v, primitive );
 	for ( int i = 0; i < 3; ++i )
 	{
-		best = f8_max( best, solid_slab( v3_sub( solid_nearest( v[i], solid ), v[i] ), v, solid ) );
+		best = f8_max( best, primitive_slab( v3_sub( primitive_nearest( v[i], primitive ), v[i] ), v, primitive ) );
 	}
-	if ( solid->type == LW_SHAPE_BOX && m8_bits( f8_ge( best, f8_set( limit ) ) ) != 0xffu )
+	if ( primitive->type == LW_SHAPE_BOX && m8_bits( f8_ge( best, f8_set( limit ) ) ) != 0xffu )
 	{
-		best = f8_max( best, edge_slabs( v, solid ) );
+		best = f8_max( best, edge_slabs( v, primitive ) );
 	}
 	return best;
 }
 
-static uint32_t leaf_solid_gap( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_solid* solid, float limit,
+static uint32_t leaf_primitive_gap( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_primitive* primitive,
+	float limit,
 	float gap[LWI_WIDTH] )
 {
 	v3 v0 = v3_load( leaf->v[0] ), v1 = v3_load( leaf->v[1] ), v2 = v3_load( leaf->v[2] );
-	if ( solid->type == LW_SHAPE_HALFSPACE || solid->type == LW_SHAPE_PLANE )
+	if ( primitive->type == LW_SHAPE_HALFSPACE || primitive->type == LW_SHAPE_PLANE )
 	{
 		f8 z0 = v3_move( motion, v0 ).z, z1 = v3_move( motion, v1 ).z, z2 = v3_move( motion, v2 ).z;
 		f8 above = f8_min( f8_min( z0, z1 ), z2 );
 		f8 below = f8_sub( f8_set( 0.0f ), f8_max( f8_max( z0, z1 ), z2 ) );
-		return store_gap( gap, solid->type == LW_SHAPE_PLANE ? f8_max( above, below ) : above, limit );
+		return store_gap( gap, primitive->type == LW_SHAPE_PLANE ? f8_max( above, below ) : above, limit );
 	}
 	v3 center = v3_mul( f8_set( 1.0f / 3.0f ), v3_add( v3_add( v0, v1 ), v2 ) );
 	v3 d0 = v3_sub( v0, center ), d1 = v3_sub( v1, center ), d2 = v3_sub( v2, center );
 	f8 radius = f8_sqrt( f8_max( f8_max( v3_dot( d0, d0 ), v3_dot( d1, d1 ) ), v3_dot( d2, d2 ) ) );
 	v3 moved = v3_move( motion, center );
-	f8 by_sphere = f8_sub( solid_distance( moved, solid ), radius );
+	f8 by_sphere = f8_sub( primitive_distance( moved, primitive ), radius );
 	uint32_t near = store_gap( gap, by_sphere, limit );
-	if ( near == 0 || solid->type == LW_SHAPE_CONE )
+	if ( near == 0 || primitive->type == LW_SHAPE_CONE )
 	{
 		return near;
 	}
 	const v3 v[3] = { v3_move( motion, v0 ), v3_move( motion, v1 ), v3_move( motion, v2 ) };
-	return store_gap( gap, f8_max( triangle_solid( v, moved, solid, limit ), by_sphere ), limit );
+	return store_gap( gap, f8_max( triangle_primitive( v, moved, primitive, limit ), by_sphere ), limit );
 }
 
 static void turns( const double* restrict angle, uint32_t count, double* restrict cosine, double* restrict sine )
@@ -544,6 +551,8 @@ static void turns( const double* restrict angle, uint32_t count, double* restric
 
 #include "simd/kernels_lanes_impl.h"
 
-const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, brick_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap, slab_gap, node_project,
-	leaf_project, leaf_transform, points_move, points_farthest, planes_clear, triangle_gap, node_solid_gap, leaf_solid_gap, turns,
+const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, obb_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap,
+	slab_gap, node_project,
+	leaf_project, leaf_transform, points_move, points_farthest, planes_clear, triangle_gap, node_primitive_gap,
+		leaf_primitive_gap, turns,
 	batch_frame, batch_point, batch_body, batch_move, batch_box, batch_pair, moving_pairs };

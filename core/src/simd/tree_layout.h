@@ -31,17 +31,17 @@ typedef struct lwi_node
 /// Oriented boxes around the children of a node, for trees of triangles: for all geometry p under a child, and q = p -
 /// centre of its sphere, low[i] <= axis i . q <= high[i]. Axes are unit vectors at right angles, to rounding: n, t, and
 /// lwi_third_axis(). Pads are zero.
-typedef struct lwi_bricks
+typedef struct lwi_obb8
 {
 	float n[3][LWI_WIDTH], t[3][LWI_WIDTH];
 	float low[3][LWI_WIDTH], high[3][LWI_WIDTH];
-} lwi_bricks;
+} lwi_obb8;
 
 /// One oriented box with its sphere, in the frame of the node with which it is compared.
-typedef struct lwi_brick
+typedef struct lwi_obb
 {
 	float center[3], radius, axis[3][3], low[3], high[3];
-} lwi_brick;
+} lwi_obb;
 
 /// n x t
 static inline void lwi_third_axis( const float n[3], const float t[3], float out[3] )

@@ -73,7 +73,7 @@ ShapePtr shuffled( SeededRng& rng, const Surface& s )
 
 } // namespace
 
-TEST( Ties, answers_depend_on_the_order_of_triangles )
+TEST( SharedFeatures, answers_depend_on_the_order_of_triangles )
 {
 	SeededRng rng;
 	const QueryPtr query = makeQuery();
@@ -101,7 +101,7 @@ TEST( Ties, answers_depend_on_the_order_of_triangles )
 	EXPECT_GE( apart, 4000 );
 }
 
-TEST( Ties, corners_are_measured_by_all_their_triangles )
+TEST( SharedFeatures, corners_are_measured_by_all_their_triangles )
 {
 	SeededRng rng;
 	const QueryPtr query = makeQuery();
