@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Robots: validation of the def, mimic chains, topological order, rigid groups, allowed pairs, accessors.
+// Robots: mimic chains, topological order, rigid groups, allowed pairs.
 //
 // Basis of planar joints: Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin: Building an orthonormal basis,
 // revisited. Journal of Computer Graphics Techniques 6(1), 2017.
@@ -10,293 +10,7 @@
 
 #include <string.h>
 
-enum
-{
-	ROBOT_COOKIE = 0x6c775262 // "lwRb": a def that was zeroed or copied over does not carry it
-};
-
 static const double pi = 3.14159265358979323846;
-
-lw_joint_def lw_joint_def_default( void )
-{
-	return (lw_joint_def){
-		.type = LW_JOINT_FIXED,
-		.parent = LW_INVALID_INDEX,
-		.child = LW_INVALID_INDEX,
-		.parent_from_joint = lw_transform_identity(),
-		.axis = { 1, 0, 0 },
-		.lower = -INFINITY,
-		.upper = INFINITY,
-		.mimic = LW_INVALID_INDEX,
-		.mimic_multiplier = 1,
-		.position_lower = { -INFINITY, -INFINITY, -INFINITY },
-		.position_upper = { INFINITY, INFINITY, INFINITY },
-	};
-}
-
-lw_robot_def lw_robot_def_default( void )
-{
-	return (lw_robot_def){ .name = "robot", .world_from_root = lw_transform_identity(), .cookie = ROBOT_COOKIE };
-}
-
-// ---- validation: all checks of the def, before any allocation ---------------------------------------------------------
-
-static bool has_axis( lw_joint_type type )
-{
-	return type == LW_JOINT_REVOLUTE || type == LW_JOINT_CONTINUOUS || type == LW_JOINT_PRISMATIC || type == LW_JOINT_PLANAR;
-}
-
-static uint32_t own_variable_count( const lw_joint_def* joint )
-{
-	if ( joint->mimic != LW_INVALID_INDEX )
-	{
-		return 0;
-	}
-	switch ( joint->type )
-	{
-		case LW_JOINT_FIXED:
-			return 0;
-		case LW_JOINT_REVOLUTE:
-		case LW_JOINT_CONTINUOUS:
-		case LW_JOINT_PRISMATIC:
-			return 1;
-		case LW_JOINT_PLANAR:
-			return 3;
-		case LW_JOINT_FLOATING:
-			return 7;
-	}
-	return 0;
-}
-
-static lw_status check_names( const lw_robot_def* def, lw_diag* diag )
-{
-	for ( uint32_t i = 0; i < def->link_count; ++i )
-	{
-		const char* name = def->link_names[i];
-		if ( name == NULL || name[0] == '\0' )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "link %u has no name", i );
-		}
-		for ( uint32_t k = 0; k < i; ++k )
-		{
-			if ( strcmp( name, def->link_names[k] ) == 0 )
-			{
-				return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "two links are named '%s': rename one", name );
-			}
-		}
-	}
-	for ( uint32_t i = 0; i < def->joint_count; ++i )
-	{
-		const char* name = def->joints[i].name;
-		if ( name == NULL || name[0] == '\0' )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint %u has no name", i );
-		}
-		for ( uint32_t k = 0; k < i; ++k )
-		{
-			if ( strcmp( name, def->joints[k].name ) == 0 )
-			{
-				return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "two joints are named '%s': rename one", name );
-			}
-		}
-	}
-	return LW_OK;
-}
-
-/// Limits: an interval that is not empty and holds a finite number. Infinite ends only where `may_be_infinite`.
-static bool limits_valid( double lower, double upper, bool may_be_infinite )
-{
-	bool ordered = lower <= upper && lower < INFINITY && upper > -INFINITY; // false for NaN
-	return ordered && ( may_be_infinite || ( isfinite( lower ) && isfinite( upper ) ) );
-}
-
-static lw_status check_joint_numbers( const lw_robot_def* def, uint32_t i, lw_diag* diag )
-{
-	const lw_joint_def* j = &def->joints[i];
-	if ( !lw_transform_is_valid( &j->parent_from_joint ) )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"joint '%s': its origin is not a rigid transform (finite numbers, rotation matrix)", j->name );
-	}
-	double longest = fmax( fabs( j->axis[0] ), fmax( fabs( j->axis[1] ), fabs( j->axis[2] ) ) );
-	bool axis_finite = isfinite( j->axis[0] ) && isfinite( j->axis[1] ) && isfinite( j->axis[2] );
-	if ( has_axis( j->type ) && ( !axis_finite || !( longest > 0 ) ) )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"joint '%s': its axis is %s; give a direction in the joint frame", j->name,
-			axis_finite ? "zero" : "not finite" );
-	}
-	bool follows = j->mimic != LW_INVALID_INDEX;
-	if ( j->type == LW_JOINT_REVOLUTE && !limits_valid( j->lower, j->upper, follows ) )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"joint '%s': limits [%g, %g] need lower <= upper, both finite; a revolute joint without limits is continuous",
-			j->name, j->lower, j->upper );
-	}
-	if ( j->type == LW_JOINT_PRISMATIC && !limits_valid( j->lower, j->upper, true ) )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': limits [%g, %g] need lower <= upper", j->name,
-			j->lower, j->upper );
-	}
-	int positions = j->type == LW_JOINT_PLANAR ? 2 : j->type == LW_JOINT_FLOATING ? 3 : 0;
-	for ( int k = 0; k < positions; ++k )
-	{
-		if ( !limits_valid( j->position_lower[k], j->position_upper[k], true ) )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': limits [%g, %g] of its %c need lower <= upper",
-				j->name, j->position_lower[k], j->position_upper[k], "xyz"[k] );
-		}
-	}
-	return LW_OK;
-}
-
-static lw_status check_mimic( const lw_robot_def* def, uint32_t i, lw_diag* diag )
-{
-	const lw_joint_def* j = &def->joints[i];
-	if ( j->mimic == LW_INVALID_INDEX || j->type == LW_JOINT_FIXED )
-	{
-		return LW_OK;
-	}
-	if ( j->type == LW_JOINT_PLANAR || j->type == LW_JOINT_FLOATING )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"joint '%s' is planar or floating and cannot mimic another: it has no single value", j->name );
-	}
-	if ( !isfinite( j->mimic_multiplier ) || !isfinite( j->mimic_offset ) )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': its mimic multiplier or offset is not finite",
-			j->name );
-	}
-	uint32_t at = i;
-	for ( uint32_t steps = 0; def->joints[at].mimic != LW_INVALID_INDEX && def->joints[at].type != LW_JOINT_FIXED; ++steps )
-	{
-		uint32_t next = def->joints[at].mimic;
-		if ( next >= def->joint_count )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s' mimics joint %u, but there are only %u joints",
-				def->joints[at].name, next, def->joint_count );
-		}
-		if ( steps >= def->joint_count )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-				"joint '%s': its mimic chain comes back to itself and never ends at a joint of its own", j->name );
-		}
-		at = next;
-	}
-	if ( def->joints[at].type == LW_JOINT_PLANAR || def->joints[at].type == LW_JOINT_FLOATING )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"joint '%s' mimics '%s', which is planar or floating and has no single value", j->name, def->joints[at].name );
-	}
-	return LW_OK;
-}
-
-static lw_status check_joints( const lw_robot_def* def, lw_diag* diag )
-{
-	for ( uint32_t i = 0; i < def->joint_count; ++i )
-	{
-		const lw_joint_def* j = &def->joints[i];
-		if ( j->type < LW_JOINT_FIXED || j->type > LW_JOINT_FLOATING )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': unknown type %d", j->name, (int)j->type );
-		}
-		if ( j->parent >= def->link_count || j->child >= def->link_count )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-				"joint '%s': its %s link %u is not one of the %u links", j->name,
-				j->parent >= def->link_count ? "parent" : "child",
-				j->parent >= def->link_count ? j->parent : j->child, def->link_count );
-		}
-		if ( j->parent == j->child )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s' connects link '%s' to itself", j->name,
-				def->link_names[j->parent] );
-		}
-		lw_status status = check_joint_numbers( def, i, diag );
-		if ( status == LW_OK )
-		{
-			status = check_mimic( def, i, diag );
-		}
-		if ( status != LW_OK )
-		{
-			return status;
-		}
-	}
-	return LW_OK;
-}
-
-lw_status lwi_robot_check_body( const lw_body_def* b, uint32_t i, const char* link, lw_diag* diag )
-{
-	if ( b->shape == NULL )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "body %u of link '%s' has no shape", i, link );
-	}
-	if ( b->shape->family == LWI_UNBOUNDED )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"body %u of link '%s' is a half-space or plane; these have no bounds and can only be obstacles: use a box", i, link );
-	}
-	if ( !lw_transform_is_valid( &b->link_from_shape ) )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"body %u of link '%s': its pose is not a rigid transform (finite numbers, rotation matrix)", i, link );
-	}
-	return LW_OK;
-}
-
-static lw_status check_bodies_and_pairs( const lw_robot_def* def, lw_diag* diag )
-{
-	for ( uint32_t i = 0; i < def->body_count; ++i )
-	{
-		const lw_body_def* b = &def->bodies[i];
-		if ( b->link >= def->link_count )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "body %u: link %u is not one of the %u links", i, b->link,
-				def->link_count );
-		}
-		lw_status status = lwi_robot_check_body( b, i, def->link_names[b->link], diag );
-		if ( status != LW_OK )
-		{
-			return status;
-		}
-	}
-	for ( uint32_t i = 0; i < def->allowed_pair_count; ++i )
-	{
-		uint32_t a = def->allowed_pairs[i].link_a, b = def->allowed_pairs[i].link_b;
-		if ( a >= def->link_count || b >= def->link_count )
-		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "allowed pair %u names link %u; there are only %u links", i,
-				a >= def->link_count ? a : b, def->link_count );
-		}
-	}
-	return LW_OK;
-}
-
-static lw_status check_def( const lw_robot_def* def, lw_diag* diag )
-{
-	if ( def->link_count == 0 || def->link_names == NULL )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a robot needs at least one link" );
-	}
-	if ( ( def->joint_count > 0 && def->joints == NULL ) || ( def->body_count > 0 && def->bodies == NULL ) ||
-		 ( def->allowed_pair_count > 0 && def->allowed_pairs == NULL ) )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "an array of the robot def is NULL" );
-	}
-	if ( !lw_transform_is_valid( &def->world_from_root ) )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
-			"world_from_root is not a rigid transform (finite numbers, rotation matrix)" );
-	}
-	lw_status status = check_names( def, diag );
-	if ( status == LW_OK )
-	{
-		status = check_joints( def, diag );
-	}
-	return status == LW_OK ? check_bodies_and_pairs( def, diag ) : status;
-}
-
-// ---- building --------------------------------------------------------------------------------------------------------
 
 /// Defs may be rotations to 1e-6 only; lengths would then be wrong by as much. Two Newton steps of the polar decomposition,
 /// R <- R (3 - R^T R) / 2, square the error twice: 1e-6 -> 1e-12 -> rounding. Exact rotations stay exact.
@@ -389,7 +103,7 @@ static lw_robot* allocate_robot( const lw_robot_def* def, const lw_allocator* al
 	lwi_robot_counts counts = { def->link_count, def->joint_count, def->body_count, 0, text_size( def ) };
 	for ( uint32_t i = 0; i < def->joint_count; ++i )
 	{
-		counts.variables += own_variable_count( &def->joints[i] );
+		counts.variables += lwi_joint_own_variable_count( &def->joints[i] );
 	}
 	char* end;
 	lw_robot* robot = lwi_robot_allocate( &counts, allocator, &end );
@@ -558,7 +272,7 @@ static lw_status build_joints( lw_robot* robot, const lw_robot_def* def, lw_diag
 	uint32_t next_variable = 0;
 	for ( uint32_t i = 0; i < robot->joint_count; ++i )
 	{
-		uint32_t count = own_variable_count( &def->joints[i] );
+		uint32_t count = lwi_joint_own_variable_count( &def->joints[i] );
 		robot->joints[i].own_variable = count > 0 ? next_variable : LW_INVALID_INDEX;
 		next_variable += count;
 	}
@@ -574,7 +288,7 @@ static lw_status build_joints( lw_robot* robot, const lw_robot_def* def, lw_diag
 		joint->upper = d->type == LW_JOINT_CONTINUOUS ? INFINITY : d->upper;
 		memcpy( joint->position_lower, d->position_lower, sizeof( joint->position_lower ) );
 		memcpy( joint->position_upper, d->position_upper, sizeof( joint->position_upper ) );
-		if ( has_axis( d->type ) )
+		if ( lwi_joint_has_axis( d->type ) )
 		{
 			build_axis( joint, d->axis );
 		}
@@ -683,12 +397,7 @@ lw_status lw_robot_create( const lw_robot_def* def, const lw_allocator* allocato
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_robot is NULL" );
 	}
 	*out_robot = NULL;
-	if ( def == NULL || def->cookie != ROBOT_COOKIE )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX,
-			"the robot def was not made by lw_robot_def_default()" );
-	}
-	lw_status status = check_def( def, diag );
+	lw_status status = lwi_robot_check_def( def, diag );
 	if ( status != LW_OK )
 	{
 		return status;
@@ -738,151 +447,4 @@ void lw_robot_release( lw_robot* robot )
 	lw_robot_release( robot->bare );
 	lw_allocator memory = robot->allocator;
 	lwi_free( &memory, robot, robot->bytes );
-}
-
-// ---- accessors -------------------------------------------------------------------------------------------------------
-
-uint32_t lw_robot_link_count( const lw_robot* robot )
-{
-	return robot->link_count;
-}
-
-uint32_t lw_robot_joint_count( const lw_robot* robot )
-{
-	return robot->joint_count;
-}
-
-uint32_t lw_robot_body_count( const lw_robot* robot )
-{
-	return robot->body_count;
-}
-
-uint32_t lw_robot_variable_count( const lw_robot* robot )
-{
-	return robot->variable_count;
-}
-
-const char* lw_robot_name( const lw_robot* robot )
-{
-	return robot->name;
-}
-
-const char* lw_robot_link_name( const lw_robot* robot, uint32_t link )
-{
-	return link < robot->link_count ? robot->link_names[link] : "";
-}
-
-const char* lw_robot_joint_name( const lw_robot* robot, uint32_t joint )
-{
-	return joint < robot->joint_count ? robot->joint_names[joint] : "";
-}
-
-static uint32_t find_name( const char* const* names, uint32_t count, const char* name )
-{
-	for ( uint32_t i = 0; i < count && name != NULL; ++i )
-	{
-		if ( strcmp( names[i], name ) == 0 )
-		{
-			return i;
-		}
-	}
-	return LW_INVALID_INDEX;
-}
-
-uint32_t lw_robot_find_link( const lw_robot* robot, const char* name )
-{
-	return find_name( robot->link_names, robot->link_count, name );
-}
-
-uint32_t lw_robot_find_joint( const lw_robot* robot, const char* name )
-{
-	return find_name( robot->joint_names, robot->joint_count, name );
-}
-
-lw_joint_type lw_robot_joint_type( const lw_robot* robot, uint32_t joint )
-{
-	return joint < robot->joint_count ? robot->joints[joint].type : LW_JOINT_FIXED;
-}
-
-uint32_t lw_robot_joint_parent( const lw_robot* robot, uint32_t joint )
-{
-	return joint < robot->joint_count ? robot->joints[joint].parent : LW_INVALID_INDEX;
-}
-
-uint32_t lw_robot_joint_child( const lw_robot* robot, uint32_t joint )
-{
-	return joint < robot->joint_count ? robot->joints[joint].child : LW_INVALID_INDEX;
-}
-
-uint32_t lw_robot_joint_mimic( const lw_robot* robot, uint32_t joint )
-{
-	return joint < robot->joint_count ? robot->joints[joint].mimic : LW_INVALID_INDEX;
-}
-
-uint32_t lw_robot_link_joint( const lw_robot* robot, uint32_t link )
-{
-	return link < robot->link_count ? robot->link_joint[link] : LW_INVALID_INDEX;
-}
-
-uint32_t lw_robot_joint_variable( const lw_robot* robot, uint32_t joint )
-{
-	return joint < robot->joint_count ? robot->joints[joint].own_variable : LW_INVALID_INDEX;
-}
-
-uint32_t lw_robot_joint_variable_count( const lw_robot* robot, uint32_t joint )
-{
-	if ( lw_robot_joint_variable( robot, joint ) == LW_INVALID_INDEX )
-	{
-		return 0;
-	}
-	const lwi_joint* j = &robot->joints[joint];
-	return j->type == LW_JOINT_PLANAR ? 3u : j->type == LW_JOINT_FLOATING ? 7u : 1u;
-}
-
-lw_body_def lw_robot_body( const lw_robot* robot, uint32_t body )
-{
-	const lw_body_def none = { .link = LW_INVALID_INDEX };
-	return body < robot->body_count ? robot->bodies[body] : none;
-}
-
-lw_variable_info lw_robot_variable( const lw_robot* robot, uint32_t variable )
-{
-	const lw_variable_info none = { .joint = LW_INVALID_INDEX };
-	return variable < robot->variable_count ? robot->variables[variable] : none;
-}
-
-double lwi_robot_default_value( const lw_robot* robot, uint32_t variable )
-{
-	const lw_variable_info* info = &robot->variables[variable];
-	bool quaternion_w = robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 6;
-	return quaternion_w ? 1.0 : lwi_clamp( 0.0, info->lower, info->upper );
-}
-
-void lw_robot_default_state( const lw_robot* robot, double* q )
-{
-	for ( uint32_t i = 0; i < robot->variable_count; ++i )
-	{
-		q[i] = lwi_robot_default_value( robot, i );
-	}
-}
-
-bool lw_robot_pair_allowed( const lw_robot* robot, uint32_t link_a, uint32_t link_b )
-{
-	if ( link_a >= robot->link_count || link_b >= robot->link_count )
-	{
-		return false;
-	}
-	size_t bit = (size_t)link_a * robot->link_count + link_b;
-	return robot->rigid_group[link_a] == robot->rigid_group[link_b] ||
-		( ( robot->allowed[bit / 32] >> ( bit % 32 ) ) & 1u ) != 0;
-}
-
-const uint32_t* lwi_robot_link_order( const lw_robot* robot )
-{
-	return robot->link_order;
-}
-
-uint32_t lwi_robot_joint_driver( const lw_robot* robot, uint32_t joint )
-{
-	return robot->joints[joint].driver;
 }

@@ -81,6 +81,11 @@ void lwi_robot_allow( lw_robot* robot, uint32_t a, uint32_t b );
 uint32_t lwi_robot_order_links( lw_robot* robot, uint32_t root );
 /// Fills rigid_group, for a robot with its order and joints.
 void lwi_robot_group_links( lw_robot* robot );
+/// LW_OK, or the status and message of the first fault of a def; robot/validate.c.
+lw_status lwi_robot_check_def( const lw_robot_def* def, lw_diag* diag );
+bool lwi_joint_has_axis( lw_joint_type type );
+/// Variables that a joint adds to a robot: 0 if it is fixed or mimics another.
+uint32_t lwi_joint_own_variable_count( const lw_joint_def* joint );
 /// LW_OK, or the status and message of the first fault of body i, of a link of this name.
 lw_status lwi_robot_check_body( const lw_body_def* body, uint32_t i, const char* link, lw_diag* diag );
 /// A body as robots keep it: with a reference to its shape.
