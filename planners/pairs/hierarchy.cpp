@@ -177,9 +177,9 @@ std::string pairClassText( const io::LoadedReach& tables )
 	const lw_reach_info& info = tables.info;
 	text = fmt::format( "pair tables of all joints, from the cache: {}\n", text );
 	text += fmt::format( "  of {} pairs that may not touch {} are proved to stay apart ({:.0f} %), {} can touch, {} cannot be proved, {} are open; "
-	                     "charts of {} pairs; {} random states\n",
+	                     "grids of {} pairs; {} random states\n",
 	    info.pairs, info.proved, info.pairs > 0 ? 100.0 * info.proved / info.pairs : 100.0, info.contact, info.unprovable, info.open,
-	    info.charts, info.samples );
+	    info.grids, info.samples );
 	return text + ( info.complete ? fmt::format( "  proofs are complete, after {:.1f} s\n", info.seconds )
 	                              : fmt::format( "  proofs are not complete after {:.1f} s: the next runs continue them (--proofs S); or leeway pairs "
 	                                             "--budget S at once\n",
@@ -196,7 +196,7 @@ Json pairClassJson( const io::LoadedReach& tables )
 	const lw_reach_info& info = tables.info;
 	json["seconds_spent"] = info.seconds;
 	json["proofs"] = { { "pairs", info.pairs }, { "proved", info.proved }, { "contact", info.contact },
-	    { "unprovable", info.unprovable }, { "open", info.open }, { "charts", info.charts }, { "samples", info.samples },
+	    { "unprovable", info.unprovable }, { "open", info.open }, { "grids", info.grids }, { "samples", info.samples },
 	    { "complete", info.complete } };
 	return json;
 }

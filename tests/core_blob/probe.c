@@ -59,39 +59,39 @@ static lw_reach_pair random_pair( const lw_robot* robot, uint32_t a, uint32_t b,
 	return pair;
 }
 
-/// Charts of every third pair that may have one.
-static void add_charts( lw_reach* reach, uint64_t* state )
+/// Grids of every third pair that may have one.
+static void add_grids( lw_reach* reach, uint64_t* state )
 {
 	size_t links = reach->link_count, pairs = links * ( links - 1u ) / 2;
-	lwi_chart* charts = lwi_alloc_zero( &reach->allocator, pairs, sizeof( lwi_chart ) );
+	lwi_grid* grids = lwi_alloc_zero( &reach->allocator, pairs, sizeof( lwi_grid ) );
 	for ( uint32_t a = 1; a < reach->link_count; ++a )
 	{
 		for ( uint32_t b = 0; b < a; ++b )
 		{
-			lwi_chart* chart = &charts[reach->chart_count];
-			if ( next_random( state ) >= 0.33 || !lwi_chart_describe( reach, a, b, chart ) )
+			lwi_grid* grid = &grids[reach->grid_count];
+			if ( next_random( state ) >= 0.33 || !lwi_grid_describe( reach, a, b, grid ) )
 			{
 				continue;
 			}
-			for ( uint32_t i = 0; i < chart->dimension; ++i )
+			for ( uint32_t i = 0; i < grid->dimension; ++i )
 			{
-				chart->axes[i].bits = (uint8_t)( 4.0 * next_random( state ) );
+				grid->axes[i].bits = (uint8_t)( 4.0 * next_random( state ) );
 			}
-			chart->cells = lwi_alloc( &reach->allocator, lwi_chart_size( chart ) );
-			for ( size_t i = 0; i < lwi_chart_size( chart ); ++i )
+			grid->cells = lwi_alloc( &reach->allocator, lwi_grid_size( grid ) );
+			for ( size_t i = 0; i < lwi_grid_size( grid ); ++i )
 			{
-				chart->cells[i] = (uint8_t)( 256.0 * next_random( state ) );
+				grid->cells[i] = (uint8_t)( 256.0 * next_random( state ) );
 			}
-			++reach->chart_count;
+			++reach->grid_count;
 		}
 	}
-	reach->chart_capacity = reach->chart_count;
-	reach->charts = lwi_alloc_zero( &reach->allocator, reach->chart_count, sizeof( lwi_chart ) );
-	for ( uint32_t i = 0; i < reach->chart_count; ++i )
+	reach->grid_capacity = reach->grid_count;
+	reach->grids = lwi_alloc_zero( &reach->allocator, reach->grid_count, sizeof( lwi_grid ) );
+	for ( uint32_t i = 0; i < reach->grid_count; ++i )
 	{
-		reach->charts[i] = charts[i];
+		reach->grids[i] = grids[i];
 	}
-	lwi_free( &reach->allocator, charts, pairs * sizeof( lwi_chart ) );
+	lwi_free( &reach->allocator, grids, pairs * sizeof( lwi_grid ) );
 }
 
 static double* random_doubles( const lw_reach* reach, size_t count, uint64_t* state )
@@ -121,7 +121,7 @@ static void add_efforts( lw_reach* reach, uint64_t* state )
 			continue;
 		}
 		*effort = (lwi_effort){ .flags = (uint32_t)( 63.0 * next_random( state ) ), .contacts = (uint32_t)( 100.0 * next_random( state ) ),
-			.visits = 100, .chart_rounds = 2, .chart_slabs = 3, .cells = 12345, .expected = INFINITY, .target = next_random( state ),
+			.visits = 100, .grid_rounds = 2, .grid_slabs = 3, .cells = 12345, .expected = INFINITY, .target = next_random( state ),
 			.least = next_random( state ) };
 		if ( next_random( state ) < 0.5 )
 		{
@@ -140,35 +140,35 @@ static void add_efforts( lw_reach* reach, uint64_t* state )
 /// NULL if all members are the same.
 static const char* effort_difference( const lwi_effort* a, const lwi_effort* b, uint32_t variable_count )
 {
-	bool same = a->flags == b->flags && a->contacts == b->contacts && a->visits == b->visits && a->chart_rounds == b->chart_rounds &&
-		a->chart_slabs == b->chart_slabs && a->cells == b->cells && a->height == b->height;
+	bool same = a->flags == b->flags && a->contacts == b->contacts && a->visits == b->visits && a->grid_rounds == b->grid_rounds &&
+		a->grid_slabs == b->grid_slabs && a->cells == b->cells && a->height == b->height;
 	const double x[] = { a->expected, a->fraction, a->target, a->least }, y[] = { b->expected, b->fraction, b->target, b->least };
 	same = same && memcmp( x, y, sizeof( x ) ) == 0;
 	bool same_cells = same && ( a->height == 0 || memcmp( a->open, b->open, lwi_effort_bytes( a, variable_count ) ) == 0 );
 	return !same ? "efforts" : !same_cells ? "open cells" : NULL;
 }
 
-static bool same_charts( const lw_reach* a, const lw_reach* b )
+static bool same_grids( const lw_reach* a, const lw_reach* b )
 {
-	bool same = a->chart_count == b->chart_count;
-	for ( uint32_t i = 0; same && i < a->chart_count; ++i )
+	bool same = a->grid_count == b->grid_count;
+	for ( uint32_t i = 0; same && i < a->grid_count; ++i )
 	{
-		const lwi_chart *x = &a->charts[i], *y = &b->charts[i];
+		const lwi_grid *x = &a->grids[i], *y = &b->grids[i];
 		same = x->link_a == y->link_a && x->link_b == y->link_b && x->dimension == y->dimension;
 		for ( uint32_t k = 0; same && k < x->dimension; ++k )
 		{
-			const lwi_chart_axis *p = &x->axes[k], *q = &y->axes[k];
-			same = p->variable == q->variable && p->bits == q->bits && p->turns == q->turns &&
+			const lwi_grid_axis *p = &x->axes[k], *q = &y->axes[k];
+			same = p->variable == q->variable && p->bits == q->bits && p->periodic == q->periodic &&
 				memcmp( &p->lower, &q->lower, sizeof( double ) ) == 0 && memcmp( &p->upper, &q->upper, sizeof( double ) ) == 0;
 		}
-		same = same && memcmp( x->cells, y->cells, lwi_chart_size( x ) ) == 0;
+		same = same && memcmp( x->cells, y->cells, lwi_grid_size( x ) ) == 0;
 	}
 	return same;
 }
 
-uint32_t probe_chart_count( const lw_reach* reach )
+uint32_t probe_grid_count( const lw_reach* reach )
 {
-	return reach->chart_count;
+	return reach->grid_count;
 }
 
 size_t probe_open_bytes( const lw_reach* reach )
@@ -228,7 +228,7 @@ lw_reach* probe_random_reach( const lw_robot* robot, uint64_t seed )
 		}
 	}
 	add_efforts( reach, &state );
-	add_charts( reach, &state );
+	add_grids( reach, &state );
 	lwi_reach_build_tables( reach );
 	reach->bytes = lwi_reach_count_bytes( reach );
 	return reach;
@@ -288,7 +288,7 @@ const char* probe_difference( const lw_reach* a, const lw_reach* b )
 			return difference;
 		}
 	}
-	return !same_charts( a, b )                                     ? "charts"
+	return !same_grids( a, b )                                     ? "grids"
 		: !same_doubles( &a->hull_error, &b->hull_error, 1 )       ? "hull_error"
 		: !same_doubles( &a->limit_margin, &b->limit_margin, 1 )    ? "limit_margin"
 		: !same_doubles( a->lower, b->lower, v )                    ? "lower"

@@ -22,7 +22,7 @@ lw_reach* probe_random_reach( const lw_robot* robot, uint64_t seed );
 
 /// Of all open cells of proofs under way.
 size_t probe_open_bytes( const lw_reach* reach );
-uint32_t probe_chart_count( const lw_reach* reach );
+uint32_t probe_grid_count( const lw_reach* reach );
 
 /* Name of the first member in which two reaches differ in any bit, or NULL. */
 const char* probe_difference( const lw_reach* a, const lw_reach* b );

@@ -163,7 +163,7 @@ void expectUsable( const lw_reach* reach )
 
 TEST( ReachBlob, WhatComesBackIsWhatWentIn )
 {
-	std::uint32_t charts = 0;
+	std::uint32_t grids = 0;
 	for ( std::uint64_t seed = 1; seed < 40; ++seed )
 	{
 		RobotOptions options;
@@ -182,9 +182,9 @@ TEST( ReachBlob, WhatComesBackIsWhatWentIn )
 		expectUsable( loaded.get() );
 		robot.reset(); // the reach holds it
 		expectUsable( loaded.get() );
-		charts += probe_chart_count( loaded.get() );
+		grids += probe_grid_count( loaded.get() );
 	}
-	EXPECT_GT( charts, 50u );
+	EXPECT_GT( grids, 50u );
 }
 
 TEST( ReachBlob, TheProbeSeesDifferences )
@@ -418,8 +418,8 @@ TEST( ReachBlobNonsense, ImpossibleProofsUnderWayAreRefused )
 	refused( "flags", under_way, 64u );
 	refused( "contacts", under_way + 4, 101u );
 	refused( "visits", under_way + 8, 101u );
-	refused( "charts", under_way + 12, 9u );
-	refused( "parts of a chart", under_way + 16, 1u << 30 );
+	refused( "grids", under_way + 12, 9u );
+	refused( "parts of a grid", under_way + 16, 1u << 30 );
 	for ( std::uint32_t height : { 0u, 302u, 0xffffffffu } )
 	{
 		refused( "open cells", under_way + 20, height );
@@ -445,9 +445,9 @@ TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
 	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
 	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
 	const std::uint32_t efforts = blob.get<std::uint32_t>( counts + 16 );
-	const std::size_t charts = evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + probe_open_bytes( reach.get() );
-	const std::uint32_t count = blob.get<std::uint32_t>( counts + 20 ), bits = blob.get<std::uint32_t>( charts + 8 );
-	ASSERT_EQ( count, probe_chart_count( reach.get() ) ) << "the places below are not right any more";
+	const std::size_t grids = evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + probe_open_bytes( reach.get() );
+	const std::uint32_t count = blob.get<std::uint32_t>( counts + 20 ), bits = blob.get<std::uint32_t>( grids + 8 );
+	ASSERT_EQ( count, probe_grid_count( reach.get() ) ) << "the places below are not right any more";
 	ASSERT_GE( count, 2u );
 	auto refused = [&]( const char* what, std::size_t at, std::uint32_t value ) {
 		Bytes bytes( blob.begin(), blob.size() );
@@ -459,16 +459,16 @@ TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
 	{
 		refused( "count", counts + 20, wrong );
 	}
-	refused( "link that is none", charts, 7u );
-	refused( "links the wrong way round", charts, 0u );
-	refused( "links the wrong way round", charts + 4, blob.get<std::uint32_t>( charts ) );
-	refused( "links that are none", charts + 4, 0xffffffffu );
+	refused( "link that is none", grids, 7u );
+	refused( "links the wrong way round", grids, 0u );
+	refused( "links the wrong way round", grids + 4, blob.get<std::uint32_t>( grids ) );
+	refused( "links that are none", grids + 4, 0xffffffffu );
 	for ( std::uint32_t wrong : { bits + 1, bits | 0xffu, bits | 0x0a000000u, 0xffffffffu, 0x090909u } )
 	{
-		refused( "size", charts + 8, wrong );
+		refused( "size", grids + 8, wrong );
 	}
 	const std::size_t cells = std::size_t( 1 ) << ( ( bits & 255 ) + ( bits >> 8 & 255 ) + ( bits >> 16 & 255 ) );
-	refused( "order", charts + 12 + cells, 1u );
+	refused( "order", grids + 12 + cells, 1u );
 }
 
 // Fewer bytes than links and pairs take, and a point count that fits the rest of 2^64.

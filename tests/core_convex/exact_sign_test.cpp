@@ -11,7 +11,7 @@
 // The internal interface, declared here because its headers are C only.
 extern "C"
 {
-	int lwi_exact_turn( const double a[2], const double b[2], const double p[2] );
+	int lwi_exact_orientation( const double a[2], const double b[2], const double p[2] );
 	int lwi_exact_side( const double a[3], const double b[3], const double c[3], const double p[3] );
 }
 
@@ -133,8 +133,8 @@ TEST( ExactSign, SidesAndTurnsAreThoseOfWholeNumbers )
 		ASSERT_EQ( lwi_exact_side( b.data(), a.data(), c.data(), d.data() ), -side ) << "round " << i;
 		++signs[side + 1];
 		// two of the three coordinates, of which two points may share a line through the third
-		ASSERT_EQ( lwi_exact_turn( a.data(), b.data(), c.data() ), turnOf( p[0], p[1], p[2] ) ) << "round " << i;
-		ASSERT_EQ( lwi_exact_turn( b.data() + 1, c.data() + 1, d.data() + 1 ),
+		ASSERT_EQ( lwi_exact_orientation( a.data(), b.data(), c.data() ), turnOf( p[0], p[1], p[2] ) ) << "round " << i;
+		ASSERT_EQ( lwi_exact_orientation( b.data() + 1, c.data() + 1, d.data() + 1 ),
 			turnOf( { p[1][1], p[1][2], 0 }, { p[2][1], p[2][2], 0 }, { p[3][1], p[3][2], 0 } ) ) << "round " << i;
 	}
 	for ( int count : signs )

@@ -65,7 +65,7 @@ struct Chain
 	{
 		Matrix r;
 		Vector t, axis;
-		bool turns;
+		bool rotates;
 		real start, speed;
 	};
 	std::vector<Joint> joints;
@@ -88,7 +88,7 @@ struct Chain
 		for ( auto j = joints.rbegin(); j != joints.rend(); ++j )
 		{
 			const real value = j->start + t * j->speed;
-			p = j->turns ? times( turn( j->axis, value ), p ) : plus( p, j->axis, value );
+			p = j->rotates ? times( turn( j->axis, value ), p ) : plus( p, j->axis, value );
 			p = plus( times( j->r, p ), j->t );
 		}
 		return p;
@@ -110,9 +110,9 @@ struct Chain
 			for ( int l = 0; l < LWI_WIDTH; ++l )
 			{
 				const double v = static_cast<double>( j.start + ( l + 0.5L ) / LWI_WIDTH * j.speed );
-				c[l] = j.turns ? std::cos( v ) : 1;
-				s[l] = j.turns ? std::sin( v ) : 0;
-				value[l] = j.turns ? 0 : v;
+				c[l] = j.rotates ? std::cos( v ) : 1;
+				s[l] = j.rotates ? std::sin( v ) : 0;
+				value[l] = j.rotates ? 0 : v;
 			}
 			lwi_batch_frame next;
 			kernels->batch_frame( &frame, &joint, c, s, value, static_cast<double>( j.speed ), &next );
@@ -139,7 +139,7 @@ private:
 				out.sine[3 * i + k] = static_cast<double>( sine[i][k] );
 			}
 		}
-		out.turns = j.turns;
+		out.rotates = j.rotates;
 		return out;
 	}
 };

@@ -306,7 +306,7 @@ TEST( Hierarchy, changes_an_answer )
 	EXPECT_GE( std::min( free, blocked ), 60 );
 }
 
-// More nodes than there are units for, and nothing proved of any state: all of them are asked at once.
+// More clusters than there are proxies for, and nothing proved of any state: all of them are asked at once.
 TEST( Hierarchy, pair_of_many_nodes_is_lost )
 {
 	SeededRng rng;

@@ -242,24 +242,24 @@ TEST( Kernels, turns_differ_from_one_alone_or_from_the_truth )
 			angle = kind < 4    ? rng.uniform( -4, 4 )
 					: kind < 6  ? rng.integer( -9, 9 ) * 1.5707963267948966 + rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -18, -1 ) )
 					: kind == 6 ? rng.integer( -9, 9 ) * 0.78539816339744831 + rng.uniform( -1e-15, 1e-15 )
-					: kind == 7 ? rng.uniform( -1, 1 ) * LWI_MOST_TURN
+					: kind == 7 ? rng.uniform( -1, 1 ) * LWI_SINCOS_LARGEST
 					: kind == 8 ? rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( 5, 15 ) )
 								: rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -300, 0 ) );
 		}
 		for ( const lwi_kernels* table : kernelLevels() )
 		{
 			double cosine[12], sine[12];
-			table->turns( angles, count, cosine, sine );
+			table->sincos( angles, count, cosine, sine );
 			for ( uint32_t k = 0; k < count; ++k )
 			{
-				lwi_turn alone = lwi_turn_of( angles[k] );
+				lwi_sincos alone = lwi_sincos_of( angles[k] );
 				ASSERT_EQ( 0, std::memcmp( &alone.c, &cosine[k], sizeof( double ) ) ) << "level " << table->level << " at " << angles[k];
 				ASSERT_EQ( 0, std::memcmp( &alone.s, &sine[k], sizeof( double ) ) ) << "level " << table->level << " at " << angles[k];
 			}
 		}
 		for ( uint32_t k = 0; k < count; ++k )
 		{
-			lwi_turn turn = lwi_turn_of( angles[k] );
+			lwi_sincos turn = lwi_sincos_of( angles[k] );
 			long double exact = angles[k];
 			worst = std::max( worst, static_cast<double>( std::abs( turn.c - std::cos( exact ) ) ) );
 			worst = std::max( worst, static_cast<double>( std::abs( turn.s - std::sin( exact ) ) ) );

@@ -102,9 +102,9 @@ TEST( Margins, edge_enters_a_margin )
 	EXPECT_GE( std::min( tally.partial, tally.nearly ), 10 );
 }
 
-/// Two links that turn against each other, proved apart by a chart of their joints: verdict and lower bound count the
+/// Two links that turn against each other, proved apart by a grid of their joints: verdict and lower bound count the
 /// margin.
-TEST( Margins, edge_by_a_chart_enters_a_margin )
+TEST( Margins, edge_by_a_grid_enters_a_margin )
 {
 #ifndef LEEWAY_HULLS
 	GTEST_SKIP() << "built without qhull";
@@ -138,15 +138,15 @@ TEST( Margins, edge_by_a_chart_enters_a_margin )
 		world.robot = world.model.create();
 		world.reference = { 0, 0 };
 		world.group = { 0, 1 };
-		world.margins.self = rng.uniform( 0.03, 0.1 ); // more than charts leave of a distance
+		world.margins.self = rng.uniform( 0.03, 0.1 ); // more than grids leave of a distance
 		lw_reach_def def = lw_reach_def_default();
 		def.robot = world.robot.get();
-		def.seconds = 5; // ample: charts of one pair of two joints
+		def.seconds = 5; // ample: grids of one pair of two joints
 		def.samples = 50;
 		lw_reach* reach = nullptr;
 		ASSERT_EQ( LW_OK, lw_reach_create( &def, nullptr, nullptr, &reach ) );
 		world.reach.reset( reach );
-		folds += lw_reach_get_pair( reach, 0, 2 ).separation == 0; // else tables prove all edges before a chart is asked
+		folds += lw_reach_get_pair( reach, 0, 2 ).separation == 0; // else tables prove all edges before a grid is asked
 		Oracle oracle( world );
 		const CheckerPtr tables = world.build( world.reach.get() );
 		const QueryPtr query = makeQuery( tables.get(), true );
@@ -156,7 +156,7 @@ TEST( Margins, edge_by_a_chart_enters_a_margin )
 			State to = stateAt( world, from, groupState( rng, world, 0 ), rng.decade( -2, 0 ) );
 			if ( k % 2 == 0 )
 			{
-				// far by its path, and about as near all the way: the purpose of a chart
+				// far by its path, and about as near all the way: the purpose of a grid
 				to = { -from[0], std::clamp( from[1] + rng.uniform( -0.05, 0.05 ), -3.1, 3.1 ) };
 			}
 			lw_edge_def edge = lw_edge_def_default();

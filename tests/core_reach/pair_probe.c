@@ -11,17 +11,17 @@ double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, 
 {
 	lw_reach_def def = lw_reach_def_default();
 	lwi_reach_job job = { &def, reach, NULL, NULL };
-	lwi_prober* prober;
+	lwi_pair_analyser* analyser;
 	double* q = calloc( reach->variable_count + 1u, sizeof( double ) );
 	*cells = 0;
-	if ( q == NULL || lwi_prober_create( &job, &prober ) != LW_OK )
+	if ( q == NULL || lwi_pair_analyser_create( &job, &analyser ) != LW_OK )
 	{
 		free( q );
 		return 0;
 	}
-	lwi_prober_select( prober, link_a, link_b );
+	lwi_pair_analyser_select( analyser, link_a, link_b );
 	double separation = 0;
-	if ( prober->bounded )
+	if ( analyser->bounded )
 	{
 		double closest = first_guess;
 		lwi_effort effort = { .fraction = fraction };
@@ -30,16 +30,16 @@ double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, 
 		for ( uint64_t some = 100; outcome == LWI_PROOF_EXHAUSTED && effort.cells < budget; some += 100 )
 		{
 			uint64_t before = effort.cells;
-			if ( lwi_prober_subdivide( prober, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60, &closest, q,
+			if ( lwi_pair_analyser_subdivide( analyser, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60, &closest, q,
 					 &outcome, &separation ) != LW_OK )
 			{
 				break;
 			}
 			*cells = effort.cells > before ? effort.cells : *cells + 1;
 		}
-		lwi_effort_drop( reach, &effort, prober->variable_count );
+		lwi_effort_drop( reach, &effort, analyser->variable_count );
 	}
-	lwi_prober_destroy( prober );
+	lwi_pair_analyser_destroy( analyser );
 	free( q );
 	return separation;
 }
@@ -48,24 +48,24 @@ uint32_t pair_probe_open( lw_reach* reach, uint32_t link_a, uint32_t link_b, uin
 {
 	lw_reach_def def = lw_reach_def_default();
 	lwi_reach_job job = { &def, reach, NULL, NULL };
-	lwi_prober* prober;
+	lwi_pair_analyser* analyser;
 	double* q = calloc( reach->variable_count + 1u, sizeof( double ) );
 	*out_volume = 0;
-	if ( q == NULL || lwi_prober_create( &job, &prober ) != LW_OK )
+	if ( q == NULL || lwi_pair_analyser_create( &job, &analyser ) != LW_OK )
 	{
 		free( q );
 		return 0;
 	}
-	lwi_prober_select( prober, link_a, link_b );
+	lwi_pair_analyser_select( analyser, link_a, link_b );
 	double closest = 1, separation = 0;
 	lwi_effort effort = { .fraction = 0.9 };
 	lwi_proof_outcome outcome = LWI_PROOF_EXHAUSTED;
 	for ( uint64_t some = step; outcome == LWI_PROOF_EXHAUSTED && effort.cells < budget; some += step )
 	{
-		lwi_prober_subdivide( prober, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60, &closest, q, &outcome,
+		lwi_pair_analyser_subdivide( analyser, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60, &closest, q, &outcome,
 			&separation );
 	}
-	uint32_t height = effort.height, n = prober->variable_count;
+	uint32_t height = effort.height, n = analyser->variable_count;
 	for ( uint32_t k = 0; k < height; ++k )
 	{
 		double volume = 1;
@@ -77,7 +77,7 @@ uint32_t pair_probe_open( lw_reach* reach, uint32_t link_a, uint32_t link_b, uin
 		*out_volume += volume;
 	}
 	lwi_effort_drop( reach, &effort, n );
-	lwi_prober_destroy( prober );
+	lwi_pair_analyser_destroy( analyser );
 	free( q );
 	return height;
 }

@@ -203,7 +203,7 @@ TEST( ReachPairs, GoingOnRefusesAnotherRobotAndKeepsTheReachWhenMemoryEnds )
 TEST( ReachPairs, GivingUpIsReported )
 {
 	RobotPtr robot = PlanarArm( 1.5, 2.6 ).model.create(); // 17 mm apart: too near for hulls
-	for ( const char* when : { "samples", "hulls of pairs", "search for contact", "charts and proofs" } )
+	for ( const char* when : { "samples", "hulls of pairs", "search for contact", "grids and proofs" } )
 	{
 		lw_reach_def def = lw_reach_def_default();
 		def.robot = robot.get();

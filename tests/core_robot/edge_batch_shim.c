@@ -10,7 +10,7 @@ int shim_batch( const lw_checker* checker, lw_query* query, const double* qa, co
 	lw_edge_result out = { .verdict = LW_VERDICT_UNKNOWN };
 	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = &out, .qa = qa, .qb = qb, .posed_t = NAN };
 	lwi_edge_begin( &e );
-	if ( !lwi_edge_measure_motion( &e ) || !lwi_edge_measure_nodes( &e, 0.5, 0.5 ) || !lwi_edge_has_batch( &e ) )
+	if ( !lwi_edge_measure_motion( &e ) || !lwi_edge_measure_clusters( &e, 0.5, 0.5 ) || !lwi_edge_has_batch( &e ) )
 	{
 		return -1;
 	}
@@ -22,9 +22,9 @@ int shim_batch( const lw_checker* checker, lw_query* query, const double* qa, co
 	return e.pair_count <= most ? (int)e.pair_count : -1;
 }
 
-uint32_t shim_node( const lw_checker* checker, uint32_t body )
+uint32_t shim_cluster( const lw_checker* checker, uint32_t body )
 {
-	return checker->tree->body_node[body];
+	return checker->tree->body_cluster[body];
 }
 
 double shim_radius( const lw_shape* shape )

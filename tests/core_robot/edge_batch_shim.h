@@ -18,8 +18,8 @@ typedef struct shim_left
 int shim_batch( const lw_checker* checker, lw_query* query, const double* qa, const double* qb, const lw_edge_def* def,
 	shim_left* left, uint32_t most );
 
-/// The node of a body; 0: it never moves.
-uint32_t shim_node( const lw_checker* checker, uint32_t body );
+/// The cluster of a body; 0: it never moves.
+uint32_t shim_cluster( const lw_checker* checker, uint32_t body );
 
 /// Of the sphere around a shape.
 double shim_radius( const lw_shape* shape );

@@ -379,9 +379,9 @@ private:
 		for ( std::uint32_t a = 0; a < m_poses.size(); ++a )
 		{
 			const lw_body_def body = lw_robot_body( robot, a );
-			const std::uint32_t node = shim_node( m_world.checker.get(), a );
+			const std::uint32_t cluster = shim_cluster( m_world.checker.get(), a );
 			tally.left += isProved( a, LW_INVALID_INDEX, cell ) ? 0u : 1u;
-			for ( std::size_t i = 0; node != 0 && i < m_world.obstacles.size() && isProved( a, LW_INVALID_INDEX, cell ); ++i )
+			for ( std::size_t i = 0; cluster != 0 && i < m_world.obstacles.size() && isProved( a, LW_INVALID_INDEX, cell ); ++i )
 			{
 				const lw_scene_shape_def& o = m_world.obstacles[i];
 				judge( m_world.clearance( body.shape, m_poses[a], o.shape, o.world_from_shape ), "scene", a,
@@ -390,7 +390,7 @@ private:
 			for ( std::uint32_t b = a + 1; b < m_poses.size(); ++b )
 			{
 				const lw_body_def other = lw_robot_body( robot, b );
-				if ( node != shim_node( m_world.checker.get(), b ) && !lw_robot_pair_allowed( robot, body.link, other.link ) &&
+				if ( cluster != shim_cluster( m_world.checker.get(), b ) && !lw_robot_pair_allowed( robot, body.link, other.link ) &&
 					 isProved( a, b, cell ) )
 				{
 					judge( m_world.clearance( body.shape, m_poses[a], other.shape, m_poses[b] ), "self", a, b, tally );

@@ -293,14 +293,14 @@ void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
 
 } // namespace
 
-// Without the bulge of a unit, with another velocity or a smaller radius these are red. One body for each link: units are
+// Without the bulge of a proxy, with another velocity or a smaller radius these are red. One body for each link: proxies are
 // bodies.
 TEST( EdgeMidpoint, own_balls_come_nearer_than_was_proved )
 {
 	attackAll( unlessSanitized( 300, 60 ), 6, 2, LW_WHAT_SELF );
 }
 
-// More than 24 bodies: units are nodes, and bodies of two nodes are told apart after them.
+// More than 24 bodies: proxies are clusters, and bodies of two clusters are told apart after them.
 TEST( EdgeMidpoint, one_of_many_balls_comes_nearer_than_was_proved )
 {
 	attackAll( unlessSanitized( 60, 12 ), 10, 6, LW_WHAT_SELF );

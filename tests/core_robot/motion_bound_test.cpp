@@ -25,13 +25,13 @@ extern "C"
 		double share );
 	double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch );
 	lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
-	struct lwi_motion_bow
+	struct lwi_chord_error
 	{
-		double bend, bulge;
+		double coefficient, max;
 	};
-	lwi_motion_bow lwi_motion_bow_of( lwi_motion_rate rate, double h );
-	lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double h, double second );
-	double lwi_motion_between( double chord, lwi_motion_bow bow, double path );
+	lwi_chord_error lwi_chord_error_of( lwi_motion_rate rate, double h );
+	lwi_chord_error lwi_chord_error_through( lwi_motion_rate rate, double jerk, double h, double second );
+	double lwi_motion_between( double chord, lwi_chord_error error, double path );
 	double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, std::uint32_t body, std::uint32_t ancestor );
 	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch );
@@ -264,7 +264,7 @@ std::vector<lw_vec3> wayOf(
 
 double furthestBetween( double chord, lwi_motion_rate rate, double h )
 {
-	return lwi_motion_between( chord, lwi_motion_bow_of( rate, h ), h * rate.path );
+	return lwi_motion_between( chord, lwi_chord_error_of( rate, h ), h * rate.path );
 }
 
 double length( lw_vec3 v )
@@ -450,21 +450,21 @@ TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
 				const std::vector<lw_vec3> at = wayOf( poses, ancestor, def, p );
 				const lw_vec3 x = at[0], y = at[STEPS], z = at[2 * STEPS];
 				const double second = length( { x.x - 2 * y.x + z.x, x.y - 2 * y.y + z.y, x.z - 2 * y.z + z.z } );
-				const lwi_motion_bow bow = lwi_motion_bow_through( rate, jerk, h, second + 8 * rounding );
+				const lwi_chord_error error = lwi_chord_error_through( rate, jerk, h, second + 8 * rounding );
 				double furthest = 0;
 				for ( int k = 0; k <= 2 * STEPS; ++k )
 				{
 					const int half = k < STEPS ? 0 : STEPS;
 					const double s = static_cast<double>( k - half ) / STEPS;
 					const double off = distance( at[static_cast<std::size_t>( k )], half == 0 ? onLine( x, y, s ) : onLine( y, z, s ) );
-					ASSERT_LE( off, s * ( 1 - s ) * bow.bend + 4 * rounding ) << "at the share " << s << " of a part of length " << h;
+					ASSERT_LE( off, s * ( 1 - s ) * error.coefficient + 4 * rounding ) << "at the share " << s << " of a part of length " << h;
 					furthest = std::max( furthest, off );
 				}
-				ASSERT_LE( furthest, bow.bulge + 4 * rounding );
+				ASSERT_LE( furthest, error.max + 4 * rounding );
 				if ( furthest > 1e-6 )
 				{
-					ratios.push_back( furthest / bow.bulge );
-					gains.push_back( lwi_motion_bow_of( rate, h ).bulge / bow.bulge );
+					ratios.push_back( furthest / error.max );
+					gains.push_back( lwi_chord_error_of( rate, h ).max / error.max );
 				}
 			}
 		}
@@ -517,7 +517,7 @@ TEST( MotionBound, JerkOfJointsAboutOneAxisIsThatOfOneJoint )
 TEST( MotionBound, CubicIsAsFarOffItsPlacesAsItsJerkSays )
 {
 	const double jerk = 3, h = 0.4, far = jerk * h * h * h / 6;
-	const lwi_motion_bow bow = lwi_motion_bow_through( { 100, 100 }, jerk, h, 0 );
+	const lwi_chord_error error = lwi_chord_error_through( { 100, 100 }, jerk, h, 0 );
 	double bend = 0, bulge = 0;
 	for ( double s = 0.001; s < 1; s += 0.001 ) // u = s - 1
 	{
@@ -525,10 +525,10 @@ TEST( MotionBound, CubicIsAsFarOffItsPlacesAsItsJerkSays )
 		bend = std::max( bend, off / ( s * ( 1 - s ) ) );
 		bulge = std::max( bulge, off );
 	}
-	EXPECT_GE( bow.bend, bend );
-	EXPECT_LE( bow.bend, 1.01 * bend );
-	EXPECT_GE( bow.bulge, bulge );
-	EXPECT_LE( bow.bulge, 1.01 * bulge );
+	EXPECT_GE( error.coefficient, bend );
+	EXPECT_LE( error.coefficient, 1.01 * bend );
+	EXPECT_GE( error.max, bulge );
+	EXPECT_LE( error.max, 1.01 * bulge );
 }
 
 // One revolute joint and a body far from the centre of its sphere: the bound is the arc of the farthest vertex.

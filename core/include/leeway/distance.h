@@ -79,7 +79,7 @@ typedef struct lw_query_def
 	bool hierarchy;
 	/// The next three can be switched off to measure their benefit. Answers stay the same.
 	bool motion_hulls; ///< spheres M of the reach exclude subtrees of the robot; needs hierarchy
-	bool pair_tables;  ///< separations and charts of the reach exclude pairs of links; needs hierarchy
+	bool pair_tables;  ///< separations and grids of the reach exclude pairs of links; needs hierarchy
 	bool planes;       ///< boxes, planes and slabs between two shapes end searches earlier than spheres alone
 	/// Room for growth: shapes beyond those of the scene, bodies beyond those of the robot (bodies of attached objects
 	/// included). With 0 a query serves only checkers that are no larger.

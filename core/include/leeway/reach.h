@@ -22,10 +22,10 @@ typedef struct lw_reach_def
 	/// Radians or metres: joint ranges are widened by this, so that they cover states on a limit or beyond it by rounding.
 	/// covered.
 	double limit_margin;
-	/// Seconds, >= 0: time budget of all steps after the motion hulls: samples, hulls of pairs, search for contact, charts
-	/// and proofs by subdivision. With less time more pairs remain to be checked; no answer becomes wrong, and
-	/// lw_reach_continue() goes on from there. 0 = samples, hulls of pairs and the search run to their end, without charts
-	/// and subdivision: such a build repeats bit for bit.
+	/// Seconds, >= 0: time budget of all steps after the motion hulls: samples, hulls of pairs, search for contact,
+	/// clearance grids and proofs by subdivision. With less time more pairs remain to be checked; no answer becomes wrong,
+	/// and lw_reach_continue() goes on from there. 0 = samples, hulls of pairs and the search run to their end, without
+	/// grids and subdivision: such a build repeats bit for bit.
 	/// build repeats bit for bit.
 	double seconds;
 	bool hulls_only;  ///< make no proofs: every pair that is not rigid, adjacent or allowed remains to be checked
@@ -72,7 +72,7 @@ typedef struct lw_reach_info
 	uint32_t contact;    ///< found in contact in some state: no proof exists
 	uint32_t unprovable; ///< neither, and given up: endless joints, contact just outside the limits, too many cells
 	uint32_t open;       ///< neither, so far: more time may prove them
-	uint32_t charts;     ///< charts made; only pairs with at most three variables between them have one
+	uint32_t grids;      ///< clearance grids made; only pairs with at most three variables between them have one
 	uint32_t samples;    ///< random states measured
 	uint64_t seed;       ///< seed of the random states
 	double seconds;      ///< spent of the time budgets of this reach and of those that it continues

@@ -68,7 +68,7 @@ static void add_triple( expansion* e, double sign, lwi_dd x, lwi_dd y, lwi_dd z 
 	}
 }
 
-int lwi_exact_turn( const double a[2], const double b[2], const double p[2] )
+int lwi_exact_orientation( const double a[2], const double b[2], const double p[2] )
 {
 	double left = ( a[0] - p[0] ) * ( b[1] - p[1] ), right = ( a[1] - p[1] ) * ( b[0] - p[0] );
 	double det = left - right, bound = ( 3.0 + 16.0 * ROUNDOFF ) * ROUNDOFF * ( fabs( left ) + fabs( right ) );

@@ -8,7 +8,7 @@
 #define LWI_EXACT_LEAST 0x1p-248
 
 /// Sign of (a - p) x (b - p): positive if a, b, p turn left.
-int lwi_exact_turn( const double a[2], const double b[2], const double p[2] );
+int lwi_exact_orientation( const double a[2], const double b[2], const double p[2] );
 
 /// Sign of (a - p) . ((b - p) x (c - p)): positive if p is behind the triangle, on the side from which a, b, c turn right.
 int lwi_exact_side( const double a[3], const double b[3], const double c[3], const double p[3] );

@@ -12,16 +12,16 @@
 #include <string.h>
 
 /// Cosine and sine of an angle.
-typedef struct lwi_turn
+typedef struct lwi_sincos
 {
 	double c, s;
-} lwi_turn;
+} lwi_sincos;
 
 /// Radians: libm serves larger angles, infinities and NaN. Multiples of the first part of pi / 2 up to here are exact.
-#define LWI_MOST_TURN 0x1p19
+#define LWI_SINCOS_LARGEST 0x1p19
 
-/// |angle| <= LWI_MOST_TURN; beyond, the result is meaningless.
-static inline lwi_turn lwi_turn_reduced( double angle )
+/// |angle| <= LWI_SINCOS_LARGEST; beyond, the result is meaningless.
+static inline lwi_sincos lwi_sincos_reduced( double angle )
 {
 	const double magic = 0x1.8p52; // a double plus this constant has its nearest whole number in the last bits of the sum
 	const double first = 0x1.921fb544p0, second = 0x1.0b4611a626331p-34; // of pi / 2: 33 bits, and 53 of the rest
@@ -49,20 +49,20 @@ static inline lwi_turn lwi_turn_reduced( double angle )
 	uint64_t exchanged = ( sine_bits ^ cosine_bits ) & odd;
 	sine_bits ^= exchanged ^ ( ( bits & 2 ) << 62 );
 	cosine_bits ^= exchanged ^ ( ( ( bits + 1 ) & 2 ) << 62 );
-	lwi_turn turn;
-	memcpy( &turn.s, &sine_bits, sizeof( turn.s ) );
-	memcpy( &turn.c, &cosine_bits, sizeof( turn.c ) );
-	return turn;
+	lwi_sincos out;
+	memcpy( &out.s, &sine_bits, sizeof( out.s ) );
+	memcpy( &out.c, &cosine_bits, sizeof( out.c ) );
+	return out;
 }
 
-static inline lwi_turn lwi_turn_of( double angle )
+static inline lwi_sincos lwi_sincos_of( double angle )
 {
-	if ( fabs( angle ) <= LWI_MOST_TURN )
+	if ( fabs( angle ) <= LWI_SINCOS_LARGEST )
 	{
-		return lwi_turn_reduced( angle );
+		return lwi_sincos_reduced( angle );
 	}
-	lwi_turn turn = { cos( angle ), sin( angle ) };
-	return turn;
+	lwi_sincos out = { cos( angle ), sin( angle ) };
+	return out;
 }
 
 #endif

@@ -50,8 +50,8 @@ static void write_effort( lwi_writer* w, const lwi_effort* effort )
 	lwi_write_u32( w, effort->flags );
 	lwi_write_u32( w, effort->contacts );
 	lwi_write_u32( w, effort->visits );
-	lwi_write_u32( w, effort->chart_rounds );
-	lwi_write_u32( w, effort->chart_slabs );
+	lwi_write_u32( w, effort->grid_rounds );
+	lwi_write_u32( w, effort->grid_slabs );
 	lwi_write_u32( w, effort->height );
 	lwi_write_u64( w, effort->cells );
 	lwi_write_double( w, effort->expected );
@@ -63,7 +63,7 @@ static void write_effort( lwi_writer* w, const lwi_effort* effort )
 enum
 {
 	EFFORT_BYTES = 6 * 4 + 8 + 4 * 8,
-	CHART_BYTES = 3 * 4, // and one per cell
+	GRID_BYTES = 3 * 4, // and one per cell
 	LINK_BYTES = 3 * 32 + 2 * 8 + 8 + 4,
 	PAIR_BYTES = 5 * 4 + 3 * 8
 };
@@ -78,18 +78,18 @@ static size_t evidence_bytes( const lw_reach* reach )
 	return (size_t)reach->evidence_count * reach->variable_count * sizeof( double );
 }
 
-/// A chart: its links, bits of each axis, cells. The rest follows from the reach.
-static void write_chart( lwi_writer* w, const lwi_chart* chart )
+/// A grid: its links, bits of each axis, cells. The rest follows from the reach.
+static void write_grid( lwi_writer* w, const lwi_grid* grid )
 {
 	uint32_t bits = 0;
-	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	for ( uint32_t i = 0; i < grid->dimension; ++i )
 	{
-		bits |= (uint32_t)chart->axes[i].bits << ( 8 * i );
+		bits |= (uint32_t)grid->axes[i].bits << ( 8 * i );
 	}
-	lwi_write_u32( w, chart->link_a );
-	lwi_write_u32( w, chart->link_b );
+	lwi_write_u32( w, grid->link_a );
+	lwi_write_u32( w, grid->link_b );
 	lwi_write_u32( w, bits );
-	lwi_write( w, chart->cells, lwi_chart_size( chart ) );
+	lwi_write( w, grid->cells, lwi_grid_size( grid ) );
 }
 
 void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
@@ -107,7 +107,7 @@ void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
 	lwi_write_u32( w, reach->link_count );
 	lwi_write_u32( w, reach->variable_count );
 	lwi_write_u32( w, reach->evidence_count );
-	lwi_write_u32( w, reach->chart_count );
+	lwi_write_u32( w, reach->grid_count );
 	lwi_write_u64( w, reach->seed );
 	lwi_write_double( w, reach->seconds );
 	lwi_write_u32( w, reach->sample_count );
@@ -135,9 +135,9 @@ void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach )
 			lwi_write( w, effort->open, lwi_effort_bytes( effort, reach->pairs[i].variable_count ) );
 		}
 	}
-	for ( uint32_t i = 0; i < reach->chart_count; ++i )
+	for ( uint32_t i = 0; i < reach->grid_count; ++i )
 	{
-		write_chart( w, &reach->charts[i] );
+		write_grid( w, &reach->grids[i] );
 	}
 }
 
@@ -254,8 +254,8 @@ static const char* read_effort( lwi_reader* r, const lw_reach* reach, lwi_effort
 	effort->flags = lwi_read_u32( r );
 	effort->contacts = lwi_read_u32( r );
 	effort->visits = lwi_read_u32( r );
-	effort->chart_rounds = lwi_read_u32( r );
-	effort->chart_slabs = lwi_read_u32( r );
+	effort->grid_rounds = lwi_read_u32( r );
+	effort->grid_slabs = lwi_read_u32( r );
 	uint32_t height = lwi_read_u32( r ); // the effort has no cells yet
 	effort->cells = lwi_read_u64( r );
 	effort->expected = lwi_read_double( r );
@@ -263,7 +263,7 @@ static const char* read_effort( lwi_reader* r, const lw_reach* reach, lwi_effort
 	effort->target = lwi_read_double( r );
 	effort->least = lwi_read_double( r );
 	bool counts = effort->flags < LWI_EFFORT_FLAGS && effort->contacts <= reach->sample_count &&
-				  effort->visits <= reach->sample_count && effort->chart_rounds <= 8u && effort->chart_slabs <= 1u << LWI_CHART_BITS &&
+				  effort->visits <= reach->sample_count && effort->grid_rounds <= 8u && effort->grid_slabs <= 1u << LWI_GRID_BITS &&
 				  height <= LWI_CELL_DEPTH + 1u;
 	bool amounts = effort->expected >= 0.0 && effort->fraction >= 0.0 && effort->fraction < 1.0 && effort->target >= 0.0 &&
 				   effort->least >= 0.0 && ( height == 0 || ( effort->fraction > 0.0 && isfinite( effort->target ) ) );
@@ -358,55 +358,55 @@ static const char* check_states( const lw_reach* reach )
 	return next == reach->evidence_count ? NULL : "evidence of no pair";
 }
 
-/// @param last pair index of the chart before it
-static const char* read_chart( lwi_reader* r, lw_reach* reach, lwi_chart* chart, size_t* last )
+/// @param last pair index of the grid before it
+static const char* read_grid( lwi_reader* r, lw_reach* reach, lwi_grid* grid, size_t* last )
 {
 	uint32_t a = lwi_read_u32( r ), b = lwi_read_u32( r ), bits = lwi_read_u32( r ), sum = 0;
 	if ( r->failed || a >= reach->link_count || b >= a )
 	{
-		return "a chart of links that do not exist";
+		return "a grid of links that do not exist";
 	}
 	size_t index = lwi_reach_pair_index( a, b );
-	bool in_order = reach->chart_count == 0 || index > *last;
+	bool in_order = reach->grid_count == 0 || index > *last;
 	*last = index;
-	if ( !in_order || !lwi_chart_describe( reach, a, b, chart ) )
+	if ( !in_order || !lwi_grid_describe( reach, a, b, grid ) )
 	{
-		return "a chart of links that have none";
+		return "a grid of links that have none";
 	}
-	bool possible = bits >> ( 8 * chart->dimension ) == 0; // one byte per axis
-	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	bool possible = bits >> ( 8 * grid->dimension ) == 0; // one byte per axis
+	for ( uint32_t i = 0; i < grid->dimension; ++i )
 	{
-		chart->axes[i].bits = (uint8_t)( bits >> ( 8 * i ) );
-		possible = possible && chart->axes[i].bits <= LWI_CHART_AXIS_BITS;
-		sum += chart->axes[i].bits;
+		grid->axes[i].bits = (uint8_t)( bits >> ( 8 * i ) );
+		possible = possible && grid->axes[i].bits <= LWI_GRID_AXIS_BITS;
+		sum += grid->axes[i].bits;
 	}
-	if ( !possible || sum > LWI_CHART_BITS || (size_t)1 << sum > lwi_reader_left( r ) )
+	if ( !possible || sum > LWI_GRID_BITS || (size_t)1 << sum > lwi_reader_left( r ) )
 	{
-		return "a chart of an impossible size";
+		return "a grid of an impossible size";
 	}
-	size_t size = lwi_chart_size( chart );
-	chart->cells = lwi_alloc( &reach->allocator, size );
-	if ( chart->cells != NULL )
+	size_t size = lwi_grid_size( grid );
+	grid->cells = lwi_alloc( &reach->allocator, size );
+	if ( grid->cells != NULL )
 	{
-		lwi_read( r, chart->cells, size );
-		reach->chart_count++; // from now on it is the reach's
+		lwi_read( r, grid->cells, size );
+		reach->grid_count++; // from now on it is the reach's
 	}
 	return NULL;
 }
 
 /// @return a message that names the fault, or NULL; *out_of_memory is set where memory ran out
-static const char* read_charts( lwi_reader* r, lw_reach* reach, bool* out_of_memory )
+static const char* read_grids( lwi_reader* r, lw_reach* reach, bool* out_of_memory )
 {
 	size_t last = 0;
-	while ( reach->chart_count < reach->chart_capacity )
+	while ( reach->grid_count < reach->grid_capacity )
 	{
-		lwi_chart* chart = &reach->charts[reach->chart_count];
-		const char* problem = read_chart( r, reach, chart, &last );
+		lwi_grid* grid = &reach->grids[reach->grid_count];
+		const char* problem = read_grid( r, reach, grid, &last );
 		if ( problem != NULL )
 		{
 			return problem;
 		}
-		if ( chart->cells == NULL )
+		if ( grid->cells == NULL )
 		{
 			*out_of_memory = true;
 			return NULL;
@@ -440,7 +440,7 @@ static const char* read_contents( lwi_reader* r, lw_reach* reach, bool* out_of_m
 	}
 	problem = check_states( reach );
 	problem = problem == NULL ? read_efforts( r, reach, out_of_memory ) : problem;
-	problem = problem == NULL && !*out_of_memory ? read_charts( r, reach, out_of_memory ) : problem;
+	problem = problem == NULL && !*out_of_memory ? read_grids( r, reach, out_of_memory ) : problem;
 	if ( problem != NULL || *out_of_memory )
 	{
 		return problem;
@@ -460,7 +460,7 @@ static const char* read_counts( lwi_reader* r, lw_reach* reach )
 	reach->limit_margin = lwi_read_double( r );
 	uint64_t points = lwi_read_u64( r );
 	uint32_t links = lwi_read_u32( r ), variables = lwi_read_u32( r ), evidence = lwi_read_u32( r );
-	uint32_t charts = lwi_read_u32( r );
+	uint32_t grids = lwi_read_u32( r );
 	reach->seed = lwi_read_u64( r );
 	reach->seconds = lwi_read_double( r );
 	reach->sample_count = lwi_read_u32( r );
@@ -484,11 +484,11 @@ static const char* read_counts( lwi_reader* r, lw_reach* reach )
 	uint64_t rest = fits ? left - fixed - points * 3 * sizeof( double ) : 0;
 	fits = fits && (uint64_t)evidence * state_bytes <= rest;
 	rest = fits ? rest - (uint64_t)evidence * state_bytes : 0;
-	if ( !fits || charts > rest / CHART_BYTES )
+	if ( !fits || grids > rest / GRID_BYTES )
 	{
 		return "arrays longer or shorter than their counts";
 	}
-	reach->chart_capacity = charts;
+	reach->grid_capacity = grids;
 	reach->point_count = (size_t)points;
 	reach->evidence_count = evidence;
 	return NULL;
@@ -511,11 +511,11 @@ static lw_status read_reach( lwi_reader* r, lw_reach* reach, lw_diag* diag )
 	reach->points = points > 0 ? lwi_alloc( &reach->allocator, points ) : NULL;
 	reach->evidence = evidence > 0 ? lwi_alloc( &reach->allocator, evidence ) : NULL;
 	reach->efforts = lwi_alloc_zero( &reach->allocator, reach->evidence_count, sizeof( lwi_effort ) );
-	reach->charts = reach->chart_capacity > 0
-						? lwi_alloc_zero( &reach->allocator, reach->chart_capacity, sizeof( lwi_chart ) )
+	reach->grids = reach->grid_capacity > 0
+						? lwi_alloc_zero( &reach->allocator, reach->grid_capacity, sizeof( lwi_grid ) )
 						: NULL;
 	bool out_of_memory = reach->efforts == NULL || ( points > 0 && reach->points == NULL ) || ( evidence > 0 && reach->evidence == NULL ) ||
-						 ( reach->chart_capacity > 0 && reach->charts == NULL );
+						 ( reach->grid_capacity > 0 && reach->grids == NULL );
 	if ( out_of_memory )
 	{
 		return lwi_out_of_memory( diag, "a reach from a blob" );

@@ -21,7 +21,7 @@ typedef struct draft
 	bool* variable_moves; ///< [variables]: in the group
 	bool* joint_moves;    ///< [joints]: driven by a variable of the group
 	bool* link_moves;     ///< [links]: in the world
-	uint32_t* link_top;   ///< [links]: the nearest link above, or itself, whose joint the group moves; else the root
+	uint32_t* root_link;  ///< [links]: the nearest link above, or itself, whose joint the group moves; else the root
 } draft;
 
 static bool draft_create( draft* d, const lw_robot* robot, const lw_allocator* allocator )
@@ -33,8 +33,8 @@ static bool draft_create( draft* d, const lw_robot* robot, const lw_allocator* a
 	d->variable_moves = lwi_alloc_zero( allocator, d->variables, sizeof( bool ) );
 	d->joint_moves = lwi_alloc_zero( allocator, d->joints, sizeof( bool ) );
 	d->link_moves = lwi_alloc_zero( allocator, d->links, sizeof( bool ) );
-	d->link_top = lwi_alloc_zero( allocator, d->links, sizeof( uint32_t ) );
-	return d->variable_moves != NULL && d->joint_moves != NULL && d->link_moves != NULL && d->link_top != NULL;
+	d->root_link = lwi_alloc_zero( allocator, d->links, sizeof( uint32_t ) );
+	return d->variable_moves != NULL && d->joint_moves != NULL && d->link_moves != NULL && d->root_link != NULL;
 }
 
 static void draft_destroy( draft* d )
@@ -42,7 +42,7 @@ static void draft_destroy( draft* d )
 	lwi_free( d->allocator, d->variable_moves, d->variables * sizeof( bool ) );
 	lwi_free( d->allocator, d->joint_moves, d->joints * sizeof( bool ) );
 	lwi_free( d->allocator, d->link_moves, d->links * sizeof( bool ) );
-	lwi_free( d->allocator, d->link_top, d->links * sizeof( uint32_t ) );
+	lwi_free( d->allocator, d->root_link, d->links * sizeof( uint32_t ) );
 }
 
 static lw_status mark_group( lwi_checker_base* b, const lw_checker_def* def, draft* d, lw_diag* diag )
@@ -81,12 +81,12 @@ static lw_status mark_group( lwi_checker_base* b, const lw_checker_def* def, dra
 	for ( uint32_t i = 0; i < d->links; ++i )
 	{
 		uint32_t link = order[i], joint = lw_robot_link_joint( robot, link );
-		d->link_top[link] = link;
+		d->root_link[link] = link;
 		if ( joint != LW_INVALID_INDEX )
 		{
 			uint32_t parent = lw_robot_joint_parent( robot, joint );
 			d->link_moves[link] = d->joint_moves[joint] || d->link_moves[parent];
-			d->link_top[link] = d->joint_moves[joint] ? link : d->link_top[parent];
+			d->root_link[link] = d->joint_moves[joint] ? link : d->root_link[parent];
 		}
 	}
 	return LW_OK;
@@ -133,7 +133,7 @@ static bool meets_moving( const lwi_checker_base* b, const draft* d, const place
 
 /// Notes the static shapes that almost every query uses: those whose box meets the box of a checked partner in the reference
 /// state, and the pair with which the search for the static clearance begins.
-static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* def, const draft* d, lwi_ahead* ahead )
+static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* def, const draft* d, lwi_prefetch* prefetch )
 {
 	const uint32_t shapes = def->scene != NULL ? def->scene->shape_count : 0;
 	const lw_shape* nearest[2] = { NULL, NULL };
@@ -143,7 +143,7 @@ static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* de
 		const placed_body body = place_body( b, d, i );
 		if ( !body.moves && meets_moving( b, d, &body ) )
 		{
-			lwi_ahead_note( ahead, body.def.shape );
+			lwi_prefetch_note( prefetch, body.def.shape );
 		}
 		for ( uint32_t k = 0; k < shapes; ++k )
 		{
@@ -153,8 +153,8 @@ static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* de
 				lwi_box_gap_below( limit, body.def.shape, other->shape, &body.world_from_shape, &other->world_from_shape );
 			if ( gap < BOXES_MEET )
 			{
-				lwi_ahead_note( ahead, body.def.shape );
-				lwi_ahead_note( ahead, other->shape );
+				lwi_prefetch_note( prefetch, body.def.shape );
+				lwi_prefetch_note( prefetch, other->shape );
 			}
 			if ( !body.moves && gap < least )
 			{
@@ -166,7 +166,7 @@ static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* de
 	}
 	for ( int i = 0; i < 2 && nearest[i] != NULL; ++i )
 	{
-		lwi_ahead_note( ahead, nearest[i] );
+		lwi_prefetch_note( prefetch, nearest[i] );
 	}
 }
 
@@ -175,19 +175,19 @@ static void note_neighbours( const lwi_checker_base* b, const lw_checker_def* de
 static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker_def, const draft* d, lw_diag* diag )
 {
 	lw_status status = LW_OK;
-	lwi_ahead ahead = { .prepare = checker_def->prepare, .user = checker_def->prepare_user };
+	lwi_prefetch prefetch = { .prepare = checker_def->prepare, .user = checker_def->prepare_user };
 	for ( uint32_t body = 0; body < lw_robot_body_count( b->robot ); ++body )
 	{
 		lw_body_def def = lw_robot_body( b->robot, body );
 		if ( d->link_moves[def.link] )
 		{
-			lwi_ahead_note( &ahead, def.shape );
+			lwi_prefetch_note( &prefetch, def.shape );
 		}
 	}
-	if ( ahead.prepare != NULL )
+	if ( prefetch.prepare != NULL )
 	{
-		note_neighbours( b, checker_def, d, &ahead );
-		lwi_ahead_flush( &ahead );
+		note_neighbours( b, checker_def, d, &prefetch );
+		lwi_prefetch_flush( &prefetch );
 	}
 	for ( uint32_t body = 0; body < lw_robot_body_count( b->robot ) && status == LW_OK; ++body )
 	{
@@ -213,7 +213,7 @@ static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, lwi_
 		for ( uint32_t second = first + 1; second < bodies; ++second )
 		{
 			uint32_t link_a = b->bodies[first].link, link_b = b->bodies[second].link;
-			if ( d->link_top[link_a] != d->link_top[link_b] && !lw_robot_pair_allowed( b->robot, link_a, link_b ) )
+			if ( d->root_link[link_a] != d->root_link[link_b] && !lw_robot_pair_allowed( b->robot, link_a, link_b ) )
 			{
 				if ( pairs != NULL )
 				{
@@ -291,11 +291,11 @@ static void refer( lw_checker* c, lwi_checker_base* b )
 	c->motion = b->motion;
 }
 
-/// The tree, the motion and swept volumes of its nodes, and the separations of self pairs that the reach proves.
+/// The tree, the motion and swept volumes of its clusters, and the separations of self pairs that the reach proves.
 static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_diag* diag )
 {
 	refer( c, b );
-	lw_status status = lwi_checker_tree_create( c, d->joint_moves, diag, &b->tree );
+	lw_status status = lwi_cluster_tree_create( c, d->joint_moves, diag, &b->tree );
 	if ( status != LW_OK )
 	{
 		return status;
@@ -310,25 +310,25 @@ static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_di
 		d->variable_moves[i] = !d->variable_moves[i]; // from here on: fixed
 	}
 	refer( c, b );
-	status = lwi_checker_tree_motion( c, d->variable_moves, diag, &b->motion );
+	status = lwi_cluster_tree_motion( c, d->variable_moves, diag, &b->motion );
 	if ( status != LW_OK )
 	{
 		return status;
 	}
-	b->covers = lwi_alloc_zero( &b->allocator, b->tree->node_count, sizeof( lwi_cover ) );
-	if ( b->covers == NULL )
+	b->envelopes = lwi_alloc_zero( &b->allocator, b->tree->cluster_count, sizeof( lwi_envelope ) );
+	if ( b->envelopes == NULL )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	for ( uint32_t i = 0; i < b->tree->node_count; ++i )
+	for ( uint32_t i = 0; i < b->tree->cluster_count; ++i )
 	{
-		lwi_cover_node( c, &b->tree->nodes[i], d->joint_moves, &b->covers[i] );
+		lwi_envelope_of_cluster( c, &b->tree->clusters[i], d->joint_moves, &b->envelopes[i] );
 	}
 	for ( uint32_t i = 0; i < b->variable_count; ++i )
 	{
-		lwi_required_range( b->robot, b->variables[i], &b->near_lower[i], &b->near_upper[i] );
+		lwi_cull_range( b->robot, b->variables[i], &b->near_lower[i], &b->near_upper[i] );
 	}
-	b->bytes += b->tree->bytes + lwi_motion_table_bytes( b->motion ) + b->tree->node_count * sizeof( lwi_cover );
+	b->bytes += b->tree->bytes + lwi_motion_table_bytes( b->motion ) + b->tree->cluster_count * sizeof( lwi_envelope );
 	return LW_OK;
 }
 
@@ -446,10 +446,10 @@ void lwi_checker_base_release( lwi_checker_base* b )
 	lwi_free( &allocator, b->self_mask, (size_t)bodies * b->body_block_count );
 	lwi_free( &allocator, b->near_lower, b->variable_count * sizeof( double ) );
 	lwi_free( &allocator, b->near_upper, b->variable_count * sizeof( double ) );
-	lwi_free( &allocator, b->covers, b->tree != NULL ? b->tree->node_count * sizeof( lwi_cover ) : 0 );
+	lwi_free( &allocator, b->envelopes, b->tree != NULL ? b->tree->cluster_count * sizeof( lwi_envelope ) : 0 );
 	lwi_self_margins_destroy( b->margins );
 	lwi_motion_table_destroy( b->motion );
-	lwi_checker_tree_destroy( b->tree, b->variable_count );
+	lwi_cluster_tree_destroy( b->tree, b->variable_count );
 	lw_reach_release( b->reach );
 	lw_robot_release( b->robot );
 	lwi_free( &allocator, b, sizeof( lwi_checker_base ) );

@@ -28,9 +28,9 @@ typedef struct lwi_checker_base
 	uint8_t* self_mask;
 	lwi_self_margins* margins; ///< NULL = none
 	double *near_lower, *near_upper; ///< [variable_count]
-	struct lwi_checker_tree* tree;
+	struct lwi_cluster_tree* tree;
 	lwi_motion_table* motion;
-	lwi_cover* covers; ///< [node_count] spheres around all places of each node
+	lwi_envelope* envelopes; ///< [cluster_count] spheres around all places of each cluster
 } lwi_checker_base;
 
 /// For a def that was checked. `checker` has its allocator; it gets the base and pointers to its contents.

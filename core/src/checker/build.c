@@ -26,18 +26,18 @@ lw_checker_def lw_checker_def_default( void )
 static void checker_free( lw_checker* c )
 {
 	const lw_allocator allocator = c->allocator;
-	uint32_t bodies = 0, nodes = 0, shapes = c->scene != NULL ? c->scene->shape_count : 0;
+	uint32_t bodies = 0, clusters = 0, shapes = c->scene != NULL ? c->scene->shape_count : 0;
 	if ( c->base != NULL && c->tree != NULL )
 	{
 		bodies = lw_robot_body_count( c->robot );
-		nodes = c->tree->node_count;
+		clusters = c->tree->cluster_count;
 	}
 	lwi_free( &allocator, c->allowed, c->allowed_count * sizeof( lw_link_object_pair ) );
 	lwi_free( &allocator, c->environment_mask, (size_t)bodies * c->scene_block_count );
 	lwi_free( &allocator, c->near_mask, (size_t)bodies * c->scene_block_count );
-	lwi_free( &allocator, c->node_environment, nodes );
+	lwi_free( &allocator, c->cluster_environment, clusters );
 	lwi_free( &allocator, c->obstacle_distance, c->scene_block_count * sizeof( double[LWI_WIDTH] ) );
-	lwi_free( &allocator, c->node_distance, (size_t)nodes * shapes * sizeof( double ) );
+	lwi_free( &allocator, c->cluster_distance, (size_t)clusters * shapes * sizeof( double ) );
 	lwi_margins_destroy( c->margins );
 	lwi_checker_base_release( c->base );
 	lw_scene_release( c->scene );
@@ -115,19 +115,19 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 static bool allocate_tables( lw_checker* c )
 {
 	const lw_allocator* allocator = &c->allocator;
-	uint32_t bodies = lw_robot_body_count( c->robot ), nodes = c->tree->node_count;
+	uint32_t bodies = lw_robot_body_count( c->robot ), clusters = c->tree->cluster_count;
 	uint32_t shapes = c->scene != NULL ? c->scene->shape_count : 0;
 	c->scene_block_count = c->scene != NULL ? c->scene->block_count : 0;
 	c->environment_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
 	c->near_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
-	c->node_environment = lwi_alloc_zero( allocator, nodes, 1 );
+	c->cluster_environment = lwi_alloc_zero( allocator, clusters, 1 );
 	c->obstacle_distance = lwi_alloc_zero( allocator, c->scene_block_count, sizeof( double[LWI_WIDTH] ) );
-	c->node_distance = lwi_alloc_zero( allocator, (size_t)nodes * shapes, sizeof( double ) );
+	c->cluster_distance = lwi_alloc_zero( allocator, (size_t)clusters * shapes, sizeof( double ) );
 	c->allowed = lwi_alloc_zero( allocator, c->allowed_count, sizeof( lw_link_object_pair ) );
-	c->bytes = sizeof( lw_checker ) + c->scene_block_count * ( sizeof( double[LWI_WIDTH] ) + (size_t)2 * bodies ) + nodes +
-			   (size_t)nodes * shapes * sizeof( double ) + c->allowed_count * sizeof( lw_link_object_pair );
-	return c->environment_mask != NULL && c->near_mask != NULL && c->node_environment != NULL && c->obstacle_distance != NULL &&
-		   c->node_distance != NULL && c->allowed != NULL;
+	c->bytes = sizeof( lw_checker ) + c->scene_block_count * ( sizeof( double[LWI_WIDTH] ) + (size_t)2 * bodies ) + clusters +
+			   (size_t)clusters * shapes * sizeof( double ) + c->allowed_count * sizeof( lw_link_object_pair );
+	return c->environment_mask != NULL && c->near_mask != NULL && c->cluster_environment != NULL && c->obstacle_distance != NULL &&
+		   c->cluster_distance != NULL && c->allowed != NULL;
 }
 
 /// Sets the masks: every body is checked against every obstacle except for allowed pairs.
@@ -157,17 +157,17 @@ static void fill_masks( lw_checker* c )
 	}
 }
 
-/// Summarises the masks per node, and counts the pairs.
+/// Summarises the masks per cluster, and counts the pairs.
 static void count_masks( lw_checker* c )
 {
-	const lwi_checker_tree* t = c->tree;
-	for ( uint32_t i = t->node_count; i-- > 0; )
+	const lwi_cluster_tree* t = c->tree;
+	for ( uint32_t i = t->cluster_count; i-- > 0; )
 	{
-		const lwi_checker_node* node = &t->nodes[i];
+		const lwi_cluster* cluster = &t->clusters[i];
 		uint32_t pairs = 0;
-		for ( uint32_t k = 0; k < node->body_count; ++k )
+		for ( uint32_t k = 0; k < cluster->body_count; ++k )
 		{
-			const uint8_t* row = c->environment_mask + (size_t)t->bodies[node->first_body + k] * c->scene_block_count;
+			const uint8_t* row = c->environment_mask + (size_t)t->bodies[cluster->first_body + k] * c->scene_block_count;
 			for ( uint32_t block = 0; block < c->scene_block_count; ++block )
 			{
 				for ( uint32_t bits = row[block]; bits != 0; bits &= bits - 1 )
@@ -177,11 +177,11 @@ static void count_masks( lw_checker* c )
 			}
 		}
 		c->environment_pair_count += i > 0 ? pairs : 0;
-		uint32_t mine = c->node_environment[i] | ( pairs > 0 ? LWI_NODE_ASKS | LWI_SUBTREE_ASKS : 0u );
-		c->node_environment[i] = (uint8_t)mine;
-		if ( i > 1 && node->parent > 0 )
+		uint32_t mine = c->cluster_environment[i] | ( pairs > 0 ? LWI_CLUSTER_CHECKED | LWI_SUBTREE_CHECKED : 0u );
+		c->cluster_environment[i] = (uint8_t)mine;
+		if ( i > 1 && cluster->parent > 0 )
 		{
-			c->node_environment[node->parent] = (uint8_t)( c->node_environment[node->parent] | ( mine & LWI_SUBTREE_ASKS ) );
+			c->cluster_environment[cluster->parent] = (uint8_t)( c->cluster_environment[cluster->parent] | ( mine & LWI_SUBTREE_CHECKED ) );
 		}
 	}
 }
@@ -189,7 +189,7 @@ static void count_masks( lw_checker* c )
 /// Measures the static bodies against the shapes whose bit is set, NULL for all.
 static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const uint8_t* fresh, double known, lw_diag* diag )
 {
-	lwi_ahead ahead = { .prepare = def->prepare, .user = def->prepare_user };
+	lwi_prefetch prefetch = { .prepare = def->prepare, .user = def->prepare_user };
 	lw_query_def query_def = lw_query_def_default();
 	lw_query* query = NULL;
 	const lwi_query_sizes sizes = lwi_checker_query_sizes( c, 0, 0 );
@@ -210,7 +210,7 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 		status = lwi_checker_pose( c, query, group );
 		if ( status == LW_OK )
 		{
-			status = lwi_checker_measure_static( c, query, fresh, known, &ahead );
+			status = lwi_checker_measure_static( c, query, fresh, known, &prefetch );
 			if ( status != LW_OK )
 			{
 				lwi_fail( diag, status, LW_INVALID_INDEX, "a deferred mesh next to the links that do not move cannot be made: %s",
@@ -228,11 +228,11 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 }
 
 /// The static environment: measurements of the previous checker still hold for shapes that it had too.
-static lw_status find_static( lw_checker* c, const lw_checker_def* def, const lwi_kept* kept, lw_diag* diag )
+static lw_status find_static( lw_checker* c, const lw_checker_def* def, const lwi_reuse* reuse, lw_diag* diag )
 {
 	c->static_environment = lwi_nothing_to_check();
 	c->static_body = c->static_shape = LW_INVALID_INDEX;
-	if ( c->scene_block_count == 0 || c->tree->nodes[0].body_count == 0 )
+	if ( c->scene_block_count == 0 || c->tree->clusters[0].body_count == 0 )
 	{
 		return LW_OK;
 	}
@@ -242,7 +242,7 @@ static lw_status find_static( lw_checker* c, const lw_checker_def* def, const lw
 		return lwi_out_of_memory( diag, "a checker" );
 	}
 	lw_status status = LW_OK;
-	if ( !lwi_keep_static( c, kept, fresh ) )
+	if ( !lwi_reuse_static( c, reuse, fresh ) )
 	{
 		status = measure_static( c, def, NULL, INFINITY, diag );
 	}
@@ -300,18 +300,18 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 	}
 	c->bytes += c->margins != NULL ? c->margins->bytes : 0;
 	uint32_t shapes = c->scene != NULL ? c->scene->shape_count : 0;
-	lwi_kept kept = { def->previous, lwi_alloc_zero( &c->allocator, shapes, sizeof( uint32_t ) ) };
-	if ( kept.source == NULL )
+	lwi_reuse reuse = { def->previous, lwi_alloc_zero( &c->allocator, shapes, sizeof( uint32_t ) ) };
+	if ( reuse.source == NULL )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	lwi_match_scenes( def->previous != NULL ? def->previous->scene : NULL, c->scene, kept.source );
-	status = find_static( c, def, &kept, diag );
+	lwi_match_scenes( def->previous != NULL ? def->previous->scene : NULL, c->scene, reuse.source );
+	status = find_static( c, def, &reuse, diag );
 	if ( status == LW_OK )
 	{
-		lwi_checker_require( c, &kept );
+		lwi_checker_cull( c, &reuse );
 	}
-	lwi_free( &c->allocator, kept.source, shapes * sizeof( uint32_t ) );
+	lwi_free( &c->allocator, reuse.source, shapes * sizeof( uint32_t ) );
 	return status;
 }
 

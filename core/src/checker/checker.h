@@ -54,8 +54,8 @@ struct lw_checker
 	uint8_t* self_mask;         ///< [body_count][body_block_count]: bit = this pair is in self_pairs (in the row of body_a)
 	double* near_lower;         ///< [variable_count] the states for which near_mask holds
 	double* near_upper;
-	lwi_motion_table* motion;   ///< of the tree's nodes
-	struct lwi_checker_tree* tree; ///< clusters of the robot, with their pairs' separations proved by the reach
+	lwi_motion_table* motion;      ///< of the tree's clusters
+	struct lwi_cluster_tree* tree; ///< clusters of the robot, with their pairs' separations proved by the reach
 	uint32_t never_pair_count;
 	lwi_self_margins* self_margins; ///< NULL = none
 	// This scene's
@@ -65,7 +65,7 @@ struct lw_checker
 	double max_d;               ///< as given
 	uint32_t scene_block_count; ///< of LWI_WIDTH scene shapes
 	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
-	uint8_t* node_environment;  ///< [node_count] bits of lwi_node_asks
+	uint8_t* cluster_environment;  ///< [cluster_count] bits of lwi_cluster_checked
 	uint32_t environment_pair_count; ///< of moving bodies
 	// Obstacles that the group can come near to: checker/culling.c. The rest is skipped where that changes no answer.
 	double horizon;           ///< metres: least distance of moving bodies to obstacles outside of near_mask
@@ -73,17 +73,17 @@ struct lw_checker
 	uint8_t* near_mask;       ///< as environment_mask, which it is a part of; rows of moving bodies
 	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
 	double* obstacle_distance; ///< [shape_count] proved distance to all moving bodies, less margins; +INFINITY: unchecked
-	double* node_distance;    ///< [shape_count][node_count] proved distance to a node's bodies; NaN where none is checked
+	double* cluster_distance; ///< [shape_count][cluster_count] proved distance to a cluster's bodies; NaN where none is checked
 	lw_clearance static_environment;
 	uint32_t static_body, static_shape; ///< where it is attained; LW_INVALID_INDEX if there is nothing
 	size_t bytes;             ///< of this checker alone
 };
 
-/// Bits: does a node, or its subtree, have bodies to check against the scene?
-enum lwi_node_asks
+/// Bits: does a cluster, or its subtree, have bodies to check against the scene?
+enum lwi_cluster_checked
 {
-	LWI_NODE_ASKS = 1,   ///< some body of the node itself is checked against some obstacle
-	LWI_SUBTREE_ASKS = 2 ///< some body of its subtree is
+	LWI_CLUSTER_CHECKED = 1, ///< some body of the cluster itself is checked against some obstacle
+	LWI_SUBTREE_CHECKED = 2  ///< some body of its subtree is
 };
 
 /// Margin of a body to an object.
@@ -148,8 +148,8 @@ typedef struct lwi_threshold
 	double give_up_above, give_up_below; ///< out->upper between them: UNDECIDED, lower 0; never if below <= above
 } lwi_threshold;
 
-/// False if all bodies of a node are `limit` or farther from the scene by their common sphere.
-bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit );
+/// False if all bodies of a cluster are `limit` or farther from the scene by their common sphere.
+bool lwi_checker_cluster_is_near( const lw_checker* checker, lw_query* query, uint32_t cluster, double limit );
 /// Obstacles that the sphere of a body does not prove `limit` away: the first entries of query->candidates. Returns their
 /// count.
 uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit );
@@ -160,7 +160,7 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
 	struct lwi_cached_pair* cached, lw_clearance* out );
 
-/// The pairs of bodies of a pair of nodes (index into the tree's pairs) that spheres and separations do not prove `limit`
+/// The pairs of bodies of a pair of clusters (index into the tree's pairs) that spheres and separations do not prove `limit`
 /// apart: the first entries of query->candidates, each lwi_body_pair_id(). Returns their count.
 uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t pair, double limit );
 
@@ -184,7 +184,7 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 /// @param fresh [scene_block_count] bits of the shapes to measure; NULL: all
 /// @param known metres, INFINITY if nothing is known
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known,
-	lwi_ahead* ahead );
+	lwi_prefetch* prefetch );
 
 /// Arrays that a query needs for states of this checker; edge_bytes is 0.
 /// @param spare_shapes, spare_bodies room for more than scene and robot have; a spare body brings a link

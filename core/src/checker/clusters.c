@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Building the nodes of a checker: links merged where the group does not move them, spheres around them.
+// Building the clusters of a checker: links merged where the group does not move them, spheres around them.
 // Paper: Steinbach et al. 2006, section III. The M spheres are those of the reach: they hold for all joints below, so also
 // for the joints of the group alone.
 #include "checker/clusters.h"
@@ -16,7 +16,7 @@
 /// Metres subtracted from every separation: the rounding of poses is below this within 1000 km of the world's origin.
 #define POSE_MARGIN 1e-9
 
-float lwi_checker_separation( const lw_checker* c, const lwi_checker_tree* t, uint32_t body_a, uint32_t body_b )
+float lwi_checker_separation( const lw_checker* c, const lwi_cluster_tree* t, uint32_t body_a, uint32_t body_b )
 {
 	double proved = 0, margin = lwi_self_margin( c, body_a, body_b );
 	uint32_t link_a = c->bodies[body_a].link, link_b = c->bodies[body_b].link;
@@ -29,7 +29,7 @@ float lwi_checker_separation( const lw_checker* c, const lwi_checker_tree* t, ui
 	return usable > 0 || margin > 0 ? lwi_round_down( usable - margin ) : 0;
 }
 
-void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
+void lwi_cluster_tree_destroy( lwi_cluster_tree* t, uint32_t variable_count )
 {
 	if ( t == NULL )
 	{
@@ -39,45 +39,45 @@ void lwi_checker_tree_destroy( lwi_checker_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->lower, variable_count * sizeof( double ) );
 	lwi_free( &allocator, t->upper, variable_count * sizeof( double ) );
 	lwi_free( &allocator, t->floating, variable_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, t->nodes, t->link_count * sizeof( lwi_checker_node ) );
-	lwi_free( &allocator, t->turns, t->link_count * sizeof( lwi_node_turn ) );
+	lwi_free( &allocator, t->clusters, t->link_count * sizeof( lwi_cluster ) );
+	lwi_free( &allocator, t->angles, t->link_count * sizeof( lwi_cluster_angle ) );
 	lwi_free( &allocator, t->batch_joints, t->link_count * sizeof( lwi_batch_joint ) );
 	lwi_free( &allocator, t->body_poses, t->body_count * sizeof( lw_transform ) );
 	lwi_free( &allocator, t->bodies, t->body_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, t->body_node, t->body_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->body_cluster, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_place, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
-	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_node_pair ) );
+	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_cluster_pair ) );
 	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
-	lwi_free( &allocator, t->views, t->view_capacity * sizeof( lwi_chart_view ) );
-	lwi_free( &allocator, t->scales, t->scale_count * sizeof( lwi_chart_scale ) );
-	lwi_free( &allocator, t->pair_views, t->separation_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, t->units, sizeof( lwi_self_units ) );
-	lwi_node_rows_destroy( t, &t->rows );
+	lwi_free( &allocator, t->slices, t->slice_capacity * sizeof( lwi_grid_slice ) );
+	lwi_free( &allocator, t->spacings, t->spacing_count * sizeof( lwi_grid_spacing ) );
+	lwi_free( &allocator, t->pair_slices, t->separation_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, t->proxies, sizeof( lwi_self_proxies ) );
+	lwi_cluster_rows_destroy( t, &t->rows );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
-	lwi_free( &allocator, t, sizeof( lwi_checker_tree ) );
+	lwi_free( &allocator, t, sizeof( lwi_cluster_tree ) );
 }
 
-static bool allocate( lwi_checker_tree* t, uint32_t variables, uint32_t links, uint32_t bodies )
+static bool allocate( lwi_cluster_tree* t, uint32_t variables, uint32_t links, uint32_t bodies )
 {
 	t->link_count = links;
 	t->body_count = bodies;
 	t->lower = lwi_alloc_zero( &t->allocator, variables, sizeof( double ) );
 	t->upper = lwi_alloc_zero( &t->allocator, variables, sizeof( double ) );
 	t->floating = lwi_alloc_zero( &t->allocator, variables, sizeof( uint32_t ) );
-	t->nodes = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_checker_node ) );
-	t->turns = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_node_turn ) );
+	t->clusters = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_cluster ) );
+	t->angles = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_cluster_angle ) );
 	t->batch_joints = lwi_alloc_zero( &t->allocator, links, sizeof( lwi_batch_joint ) );
 	t->body_poses = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_transform ) );
 	t->bodies = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
-	t->body_node = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
+	t->body_cluster = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_place = lwi_alloc_zero( &t->allocator, bodies, sizeof( uint32_t ) );
 	t->body_spheres = lwi_alloc_zero( &t->allocator, bodies, sizeof( lw_sphere ) );
 	t->bytes = sizeof( *t ) + variables * ( 2 * sizeof( double ) + sizeof( uint32_t ) ) +
-			   links * ( sizeof( lwi_checker_node ) + sizeof( lwi_node_turn ) + sizeof( lwi_batch_joint ) ) +
+			   links * ( sizeof( lwi_cluster ) + sizeof( lwi_cluster_angle ) + sizeof( lwi_batch_joint ) ) +
 			   bodies * ( 3 * sizeof( uint32_t ) + sizeof( lw_sphere ) + sizeof( lw_transform ) );
-	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->nodes != NULL && t->turns != NULL &&
-		   t->batch_joints != NULL && t->body_poses != NULL && t->bodies != NULL && t->body_node != NULL &&
+	return t->lower != NULL && t->upper != NULL && t->floating != NULL && t->clusters != NULL && t->angles != NULL &&
+		   t->batch_joints != NULL && t->body_poses != NULL && t->bodies != NULL && t->body_cluster != NULL &&
 		   t->body_place != NULL && t->body_spheres != NULL;
 }
 
@@ -97,7 +97,7 @@ static bool reach_covers( const lw_checker* c, const bool* in_group )
 }
 
 /// Ranges of the group's variables, and its floating joints.
-static void fill_variables( lwi_checker_tree* t, const lw_checker* c )
+static void fill_variables( lwi_cluster_tree* t, const lw_checker* c )
 {
 	for ( uint32_t i = 0; i < c->variable_count; ++i )
 	{
@@ -115,19 +115,19 @@ static void fill_variables( lwi_checker_tree* t, const lw_checker* c )
 	}
 }
 
-// --- nodes -----------------------------------------------------------------------------------------------------------
+// --- clusters --------------------------------------------------------------------------------------------------------
 
-/// Scratch of the numbering: link_node[link] and lists of links by the node they head or belong to.
+/// Scratch of the numbering: link_cluster[link] and lists of links by the cluster they head or belong to.
 typedef struct numbering
 {
-	uint32_t* node_top; ///< [links] the top link of each link's node
-	uint32_t* node_of;  ///< [links] node of a top link
-	uint32_t* next;     ///< [links] chains of top links that have the same parent node; newest first
-	uint32_t* child;    ///< [links] first of the chain, by top link
+	uint32_t* root_link_of; ///< [links] the root link of each link's cluster
+	uint32_t* cluster_of;   ///< [links] cluster of a root link
+	uint32_t* next;         ///< [links] chains of root links that have the same parent cluster; newest first
+	uint32_t* child;        ///< [links] first of the chain, by root link
 } numbering;
 
-/// Numbers the nodes depth first. Chains are as deep as the robot, so there is no recursion: the way back is in `parent`.
-static void number_nodes( lwi_checker_tree* t, const lw_robot* robot, const bool* joint_moves, numbering* n )
+/// Numbers the clusters depth first. Chains are as deep as the robot, so there is no recursion: the way back is in `parent`.
+static void number_clusters( lwi_cluster_tree* t, const lw_robot* robot, const bool* joint_moves, numbering* n )
 {
 	for ( uint32_t i = 0; i < robot->link_count; ++i )
 	{
@@ -137,100 +137,100 @@ static void number_nodes( lwi_checker_tree* t, const lw_robot* robot, const bool
 	{
 		uint32_t link = robot->link_order[i], joint = robot->link_joint[link];
 		bool head = joint == LW_INVALID_INDEX || joint_moves[joint];
-		n->node_top[link] = head ? link : n->node_top[robot->joints[joint].parent];
+		n->root_link_of[link] = head ? link : n->root_link_of[robot->joints[joint].parent];
 		if ( head && joint != LW_INVALID_INDEX )
 		{
-			uint32_t above = n->node_top[robot->joints[joint].parent];
+			uint32_t above = n->root_link_of[robot->joints[joint].parent];
 			n->next[link] = n->child[above];
 			n->child[above] = link;
 		}
 	}
-	uint32_t top = robot->link_order[0], node = LW_INVALID_INDEX;
-	while ( top != LW_INVALID_INDEX )
+	uint32_t root_link = robot->link_order[0], cluster = LW_INVALID_INDEX;
+	while ( root_link != LW_INVALID_INDEX )
 	{
-		uint32_t joint = robot->link_joint[top];
-		lwi_checker_node* fresh = &t->nodes[t->node_count];
-		fresh->parent = node;
-		fresh->top = top;
+		uint32_t joint = robot->link_joint[root_link];
+		lwi_cluster* fresh = &t->clusters[t->cluster_count];
+		fresh->parent = cluster;
+		fresh->root_link = root_link;
 		fresh->parent_link = joint != LW_INVALID_INDEX ? robot->joints[joint].parent : LW_INVALID_INDEX;
-		n->node_of[top] = node = t->node_count++;
-		top = n->child[top];
-		while ( top == LW_INVALID_INDEX && node != LW_INVALID_INDEX )
+		n->cluster_of[root_link] = cluster = t->cluster_count++;
+		root_link = n->child[root_link];
+		while ( root_link == LW_INVALID_INDEX && cluster != LW_INVALID_INDEX )
 		{
-			t->nodes[node].end = t->node_count;
-			top = n->next[t->nodes[node].top];
-			node = t->nodes[node].parent;
+			t->clusters[cluster].end = t->cluster_count;
+			root_link = n->next[t->clusters[cluster].root_link];
+			cluster = t->clusters[cluster].parent;
 		}
 	}
 }
 
-/// Fixed transforms between the nodes, the same in all states.
-static void fill_hooks( lwi_checker_tree* t, const lw_checker* c )
+/// Fixed transforms between the clusters, the same in all states.
+static void fill_joint_frames( lwi_cluster_tree* t, const lw_checker* c )
 {
-	for ( uint32_t i = 0; i < t->node_count; ++i )
+	for ( uint32_t i = 0; i < t->cluster_count; ++i )
 	{
-		lwi_checker_node* node = &t->nodes[i];
-		node->hook = lw_transform_identity();
-		if ( node->parent != LW_INVALID_INDEX )
+		lwi_cluster* cluster = &t->clusters[i];
+		cluster->parent_from_joint = lw_transform_identity();
+		if ( cluster->parent != LW_INVALID_INDEX )
 		{
-			const lwi_joint* joint = &c->robot->joints[c->robot->link_joint[node->top]];
-			uint32_t top = node->parent_top = t->nodes[node->parent].top;
-			bool direct = top == node->parent_link; // the usual case: not a digit is lost
-			lw_transform top_from_link = lwi_relative( &c->reference_poses[top], &c->reference_poses[node->parent_link] );
-			node->hook = direct ? joint->parent_from_joint : lwi_multiply( &top_from_link, &joint->parent_from_joint );
-			node->hook_translates = direct && joint->pure_translation;
+			const lwi_joint* joint = &c->robot->joints[c->robot->link_joint[cluster->root_link]];
+			uint32_t root_link = cluster->parent_root = t->clusters[cluster->parent].root_link;
+			bool direct = root_link == cluster->parent_link; // the usual case: not a digit is lost
+			lw_transform root_link_from_link = lwi_relative( &c->reference_poses[root_link], &c->reference_poses[cluster->parent_link] );
+			cluster->parent_from_joint = direct ? joint->parent_from_joint : lwi_multiply( &root_link_from_link, &joint->parent_from_joint );
+			cluster->translates = direct && joint->pure_translation;
 		}
 	}
 }
 
-static void fill_turns( lwi_checker_tree* t, const lw_robot* robot )
+static void fill_angles( lwi_cluster_tree* t, const lw_robot* robot )
 {
-	for ( uint32_t i = 1; i < t->node_count; ++i )
+	for ( uint32_t i = 1; i < t->cluster_count; ++i )
 	{
-		const lwi_joint* joint = &robot->joints[robot->link_joint[t->nodes[i].top]];
-		if ( lwi_joint_only_turns( joint ) )
+		const lwi_joint* joint = &robot->joints[robot->link_joint[t->clusters[i].root_link]];
+		if ( lwi_joint_only_rotates( joint ) )
 		{
-			t->turns[i] = (lwi_node_turn){ joint->multiplier, joint->offset, joint->variable, true };
+			t->angles[i] = (lwi_cluster_angle){ joint->multiplier, joint->offset, joint->variable, true };
 		}
 	}
 }
 
-/// top_from_shape at the reference, and thereby in every state.
-static lw_transform body_in_node( const lw_checker* c, const lwi_checker_node* node, uint32_t body )
+/// root_link_from_shape at the reference, and thereby in every state.
+static lw_transform body_in_cluster( const lw_checker* c, const lwi_cluster* cluster, uint32_t body )
 {
 	const lwi_checker_body* b = &c->bodies[body];
-	lw_transform top_from_link = lwi_relative( &c->reference_poses[node->top], &c->reference_poses[b->link] );
-	return lwi_multiply( &top_from_link, &b->link_from_shape );
+	lw_transform root_link_from_link = lwi_relative( &c->reference_poses[cluster->root_link], &c->reference_poses[b->link] );
+	return lwi_multiply( &root_link_from_link, &b->link_from_shape );
 }
 
-/// Bodies by node: counting sort, so that within a node they keep their order.
-static void fill_nodes( lwi_checker_tree* t, const lw_checker* c, const numbering* n )
+/// Bodies by cluster: counting sort, so that within a cluster they keep their order.
+static void fill_clusters( lwi_cluster_tree* t, const lw_checker* c, const numbering* n )
 {
 	for ( uint32_t i = 0; i < t->body_count; ++i )
 	{
-		t->body_node[i] = n->node_of[n->node_top[c->bodies[i].link]];
-		t->nodes[t->body_node[i]].body_count++;
+		t->body_cluster[i] = n->cluster_of[n->root_link_of[c->bodies[i].link]];
+		t->clusters[t->body_cluster[i]].body_count++;
 	}
 	uint32_t bodies = 0, blocks = 0;
-	for ( uint32_t i = 0; i < t->node_count; ++i )
+	for ( uint32_t i = 0; i < t->cluster_count; ++i )
 	{
-		lwi_checker_node* node = &t->nodes[i];
-		node->first_body = bodies;
-		bodies += node->body_count;
-		node->first_block = blocks;
-		blocks += ( node->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
-		node->body_count = 0;
+		lwi_cluster* cluster = &t->clusters[i];
+		cluster->first_body = bodies;
+		bodies += cluster->body_count;
+		cluster->first_block = blocks;
+		blocks += ( cluster->body_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
+		cluster->body_count = 0;
 	}
 	for ( uint32_t body = 0; body < t->body_count; ++body )
 	{
-		lwi_checker_node* node = &t->nodes[t->body_node[body]];
-		t->body_place[body] = node->first_body + node->body_count;
-		t->body_poses[t->body_place[body]] = body_in_node( c, node, body );
-		t->bodies[node->first_body + node->body_count++] = body;
+		lwi_cluster* cluster = &t->clusters[t->body_cluster[body]];
+		t->body_place[body] = cluster->first_body + cluster->body_count;
+		t->body_poses[t->body_place[body]] = body_in_cluster( c, cluster, body );
+		t->bodies[cluster->first_body + cluster->body_count++] = body;
 	}
 }
 
-static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
+static lw_status build_clusters( lwi_cluster_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
 {
 	uint32_t links = t->link_count;
 	uint32_t* memory = lwi_alloc_zero( &t->allocator, links, 4 * sizeof( uint32_t ) );
@@ -239,19 +239,19 @@ static lw_status build_nodes( lwi_checker_tree* t, const lw_checker* c, const bo
 		return lwi_out_of_memory( diag, "a checker" );
 	}
 	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links };
-	number_nodes( t, c->robot, joint_moves, &n );
-	fill_hooks( t, c );
-	fill_turns( t, c->robot );
+	number_clusters( t, c->robot, joint_moves, &n );
+	fill_joint_frames( t, c );
+	fill_angles( t, c->robot );
 	lwi_checker_fill_batch_joints( t, c->robot );
-	fill_nodes( t, c, &n );
+	fill_clusters( t, c, &n );
 	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
 	return LW_OK;
 }
 
 // --- spheres ---------------------------------------------------------------------------------------------------------
 
-/// A body's own sphere, carried over. It is the R of a node of one body.
-static lw_sphere sphere_of_body( const lw_checker* c, const lwi_checker_tree* t, uint32_t place )
+/// A body's own sphere, carried over. It is the R of a cluster of one body.
+static lw_sphere sphere_of_body( const lw_checker* c, const lwi_cluster_tree* t, uint32_t place )
 {
 	const lw_shape* shape = c->bodies[t->bodies[place]].shape;
 	lw_vec3 center = lwi_transform( &t->body_poses[place], lwi_load( shape->sphere_center ) );
@@ -259,14 +259,14 @@ static lw_sphere sphere_of_body( const lw_checker* c, const lwi_checker_tree* t,
 }
 
 /// Minimal sphere around the points of all bodies. The centre is free to choose; the radius is measured from it.
-static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* t, const lwi_checker_node* node,
+static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_cluster_tree* t, const lwi_cluster* cluster,
 	double* points )
 {
 	size_t count = 0;
-	for ( uint32_t i = 0; i < node->body_count; ++i )
+	for ( uint32_t i = 0; i < cluster->body_count; ++i )
 	{
-		uint32_t body = t->bodies[node->first_body + i];
-		const lw_transform* pose = &t->body_poses[node->first_body + i];
+		uint32_t body = t->bodies[cluster->first_body + i];
+		const lw_transform* pose = &t->body_poses[cluster->first_body + i];
 		size_t n = lwi_hull_count( c->bodies[body].shape );
 		for ( size_t k = 0; k < n; ++k )
 		{
@@ -280,9 +280,9 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* 
 	lwi_ball ball = lwi_fit_minimal( points, count );
 	double radius = 0;
 	count = 0;
-	for ( uint32_t i = 0; i < node->body_count; ++i )
+	for ( uint32_t i = 0; i < cluster->body_count; ++i )
 	{
-		const lw_shape* shape = c->bodies[t->bodies[node->first_body + i]].shape;
+		const lw_shape* shape = c->bodies[t->bodies[cluster->first_body + i]].shape;
 		size_t n = lwi_hull_count( shape );
 		for ( size_t k = 0; k < n; ++k )
 		{
@@ -294,7 +294,7 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_checker_tree* 
 }
 
 /// A point of the convex hull of a body: the mean of its points, or of the corners of its box if it is a convex primitive.
-static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_tree* t, uint32_t body )
+static lw_vec3 inner_point( const lw_checker* c, const lwi_cluster_tree* t, uint32_t body )
 {
 	const lw_shape* shape = c->bodies[body].shape;
 	lw_vec3 sum = lwi_v3( 0, 0, 0 );
@@ -306,15 +306,15 @@ static lw_vec3 inner_point( const lw_checker* c, const lwi_checker_tree* t, uint
 	return lwi_transform( &t->body_poses[t->body_place[body]], lwi_scale( 1.0 / (double)count, sum ) );
 }
 
-/// By how much an attached body sticks out of the reach's sphere of its node: all of it is this near to a point that every M
-/// contains. Infinite if the reach has no data of the node.
-static double attached_excess( const lw_checker* c, const lwi_checker_tree* t, uint32_t body )
+/// By how much an attached body sticks out of the reach's sphere of its cluster: all of it is this near to a point that
+/// every M contains. Infinite if the reach has no data of the cluster.
+static double attached_excess( const lw_checker* c, const lwi_cluster_tree* t, uint32_t body )
 {
-	const lwi_checker_node* node = &t->nodes[t->body_node[body]];
+	const lwi_cluster* cluster = &t->clusters[t->body_cluster[body]];
 	const lw_sphere* mine = &t->body_spheres[t->body_place[body]];
 	double nearest = INFINITY;
 	uint32_t anchor = LW_INVALID_INDEX;
-	for ( uint32_t k = node->first_body; k < node->first_body + node->body_count; ++k )
+	for ( uint32_t k = cluster->first_body; k < cluster->first_body + cluster->body_count; ++k )
 	{
 		double distance = lwi_distance( lwi_load( t->body_spheres[k].center ), lwi_load( mine->center ) );
 		if ( c->bodies[t->bodies[k]].link < c->reach->link_count && distance < nearest )
@@ -329,33 +329,33 @@ static double attached_excess( const lw_checker* c, const lwi_checker_tree* t, u
 }
 
 /// M spheres of a reach, enlarged by the objects attached to the robot since it was made.
-static void cover_attached( lwi_checker_tree* t, const lw_checker* c )
+static void cover_attached( lwi_cluster_tree* t, const lw_checker* c )
 {
-	for ( uint32_t i = t->node_count; i-- > 1; )
+	for ( uint32_t i = t->cluster_count; i-- > 1; )
 	{
-		lwi_checker_node* node = &t->nodes[i];
+		lwi_cluster* cluster = &t->clusters[i];
 		double excess = 0;
-		for ( uint32_t k = 0; k < t->body_count; ++k ) // its own and those of the nodes below
+		for ( uint32_t k = 0; k < t->body_count; ++k ) // its own and those of the clusters below
 		{
 			uint32_t body = t->bodies[k];
-			if ( c->bodies[body].link >= c->reach->link_count && t->body_node[body] >= i && t->body_node[body] < node->end )
+			if ( c->bodies[body].link >= c->reach->link_count && t->body_cluster[body] >= i && t->body_cluster[body] < cluster->end )
 			{
 				excess = fmax( excess, attached_excess( c, t, body ) );
 			}
 		}
-		node->m.radius = excess > 0 && node->m.radius < 0 ? INFINITY : node->m.radius + excess;
+		cluster->m.radius = excess > 0 && cluster->m.radius < 0 ? INFINITY : cluster->m.radius + excess;
 	}
 }
 
-/// The reach has it in the frame of the link to which the node is attached.
-static lw_sphere motion_sphere( const lw_checker* c, const lwi_checker_tree* t, const lwi_checker_node* node )
+/// The reach has it in the frame of the link to which the cluster is attached.
+static lw_sphere motion_sphere( const lw_checker* c, const lwi_cluster_tree* t, const lwi_cluster* cluster )
 {
-	lw_sphere m = lw_reach_get_node( c->reach, node->top ).m;
-	uint32_t top = t->nodes[node->parent].top;
-	if ( top != node->parent_link )
+	lw_sphere m = lw_reach_get_node( c->reach, cluster->root_link ).m;
+	uint32_t root_link = t->clusters[cluster->parent].root_link;
+	if ( root_link != cluster->parent_link )
 	{
-		lw_transform top_from_link = lwi_relative( &c->reference_poses[top], &c->reference_poses[node->parent_link] );
-		lw_vec3 center = lwi_transform( &top_from_link, lwi_load( m.center ) );
+		lw_transform root_link_from_link = lwi_relative( &c->reference_poses[root_link], &c->reference_poses[cluster->parent_link] );
+		lw_vec3 center = lwi_transform( &root_link_from_link, lwi_load( m.center ) );
 		m = (lw_sphere){ { center.x, center.y, center.z }, m.radius };
 	}
 	return m;
@@ -366,38 +366,38 @@ static double rounding_of( const lw_sphere* s )
 	return LWI_POSE_ROUNDING * ( fabs( s->center[0] ) + fabs( s->center[1] ) + fabs( s->center[2] ) + fabs( s->radius ) );
 }
 
-/// R and M of all nodes. Their own rounding is far below the rounding of the poses that take them to the world
+/// R and M of all clusters. Their own rounding is far below the rounding of the poses that take them to the world
 /// (lwi_sphere()).
-static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_diag* diag )
+static lw_status build_spheres( lwi_cluster_tree* t, const lw_checker* c, lw_diag* diag )
 {
-	for ( uint32_t i = 0; i < t->node_count; ++i )
+	for ( uint32_t i = 0; i < t->cluster_count; ++i )
 	{
-		lwi_checker_node* node = &t->nodes[i];
+		lwi_cluster* cluster = &t->clusters[i];
 		const lw_sphere nothing = { { 0, 0, 0 }, -1 };
 		const lw_sphere anywhere = { { 0, 0, 0 }, INFINITY };
-		node->m = i == 0 ? nothing : t->proves ? motion_sphere( c, t, node ) : anywhere;
-		node->r = nothing;
-		for ( uint32_t k = 0; k < node->body_count; ++k )
+		cluster->m = i == 0 ? nothing : t->proves ? motion_sphere( c, t, cluster ) : anywhere;
+		cluster->r = nothing;
+		for ( uint32_t k = 0; k < cluster->body_count; ++k )
 		{
-			t->body_spheres[node->first_body + k] = sphere_of_body( c, t, node->first_body + k );
+			t->body_spheres[cluster->first_body + k] = sphere_of_body( c, t, cluster->first_body + k );
 		}
-		if ( node->body_count == 1 )
+		if ( cluster->body_count == 1 )
 		{
-			node->r = t->body_spheres[node->first_body];
+			cluster->r = t->body_spheres[cluster->first_body];
 		}
-		else if ( node->body_count > 1 )
+		else if ( cluster->body_count > 1 )
 		{
 			size_t count = 0;
-			for ( uint32_t k = 0; k < node->body_count; ++k )
+			for ( uint32_t k = 0; k < cluster->body_count; ++k )
 			{
-				count += lwi_hull_count( c->bodies[t->bodies[node->first_body + k]].shape );
+				count += lwi_hull_count( c->bodies[t->bodies[cluster->first_body + k]].shape );
 			}
 			double* points = lwi_alloc( &t->allocator, count * sizeof( double[3] ) );
 			if ( points == NULL )
 			{
 				return lwi_out_of_memory( diag, "a checker" );
 			}
-			node->r = sphere_of_bodies( c, t, node, points );
+			cluster->r = sphere_of_bodies( c, t, cluster, points );
 			lwi_free( &t->allocator, points, count * sizeof( double[3] ) );
 		}
 	}
@@ -405,18 +405,18 @@ static lw_status build_spheres( lwi_checker_tree* t, const lw_checker* c, lw_dia
 	{
 		cover_attached( t, c );
 	}
-	for ( uint32_t i = 0; i < t->node_count; ++i )
+	for ( uint32_t i = 0; i < t->cluster_count; ++i )
 	{
-		t->nodes[i].r_rounding = rounding_of( &t->nodes[i].r );
-		t->nodes[i].m_rounding = rounding_of( &t->nodes[i].m );
+		t->clusters[i].r_rounding = rounding_of( &t->clusters[i].r );
+		t->clusters[i].m_rounding = rounding_of( &t->clusters[i].m );
 	}
 	return LW_OK;
 }
 
-lw_status lwi_checker_tree_create( const lw_checker* c, const bool* joint_moves, lw_diag* diag, lwi_checker_tree** out_tree )
+lw_status lwi_cluster_tree_create( const lw_checker* c, const bool* joint_moves, lw_diag* diag, lwi_cluster_tree** out_tree )
 {
 	*out_tree = NULL;
-	lwi_checker_tree* t = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_checker_tree ) );
+	lwi_cluster_tree* t = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_cluster_tree ) );
 	bool* in_group = lwi_alloc_zero( &c->allocator, c->robot->variable_count, sizeof( bool ) );
 	lw_status status = LW_OK;
 	if ( t != NULL )
@@ -436,7 +436,7 @@ lw_status lwi_checker_tree_create( const lw_checker* c, const bool* joint_moves,
 		}
 		t->proves = reach_covers( c, in_group );
 		fill_variables( t, c );
-		status = build_nodes( t, c, joint_moves, diag );
+		status = build_clusters( t, c, joint_moves, diag );
 		status = status == LW_OK ? build_spheres( t, c, diag ) : status;
 		status = status == LW_OK ? lwi_checker_plan_self( c, t, diag ) : status;
 	}
@@ -447,43 +447,43 @@ lw_status lwi_checker_tree_create( const lw_checker* c, const bool* joint_moves,
 	}
 	else
 	{
-		lwi_checker_tree_destroy( t, c->variable_count );
+		lwi_cluster_tree_destroy( t, c->variable_count );
 	}
 	return status;
 }
 
-lw_status lwi_checker_tree_motion( const lw_checker* c, const bool* fixed_variables, lw_diag* diag,
+lw_status lwi_cluster_tree_motion( const lw_checker* c, const bool* fixed_variables, lw_diag* diag,
 	lwi_motion_table** out_motion )
 {
-	const lwi_checker_tree* t = c->tree;
-	lwi_motion_piece* pieces = lwi_alloc_zero( &c->allocator, t->node_count, sizeof( lwi_motion_piece ) );
+	const lwi_cluster_tree* t = c->tree;
+	lwi_rigid_group* rigid_groups = lwi_alloc_zero( &c->allocator, t->cluster_count, sizeof( lwi_rigid_group ) );
 	const lw_shape** shapes = lwi_alloc_zero( &c->allocator, t->body_count, sizeof( lw_shape* ) );
 	lw_status status = LW_OK;
 	*out_motion = NULL;
-	if ( pieces == NULL || shapes == NULL )
+	if ( rigid_groups == NULL || shapes == NULL )
 	{
 		status = lwi_out_of_memory( diag, "a checker" );
 	}
-	for ( uint32_t i = 0; status == LW_OK && i < t->node_count; ++i )
+	for ( uint32_t i = 0; status == LW_OK && i < t->cluster_count; ++i )
 	{
-		const lwi_checker_node* node = &t->nodes[i];
-		for ( uint32_t k = node->first_body; k < node->first_body + node->body_count; ++k )
+		const lwi_cluster* cluster = &t->clusters[i];
+		for ( uint32_t k = cluster->first_body; k < cluster->first_body + cluster->body_count; ++k )
 		{
 			shapes[k] = c->bodies[t->bodies[k]].shape;
 		}
 		const lw_sphere point = { { 0, 0, 0 }, 0 };
-		pieces[i] = (lwi_motion_piece){ .link = node->top,
-			.sphere = node->body_count > 0 ? node->r : point,
-			.count = node->body_count,
-			.shapes = shapes + node->first_body,
-			.link_from_shape = t->body_poses + node->first_body };
+		rigid_groups[i] = (lwi_rigid_group){ .link = cluster->root_link,
+			.sphere = cluster->body_count > 0 ? cluster->r : point,
+			.count = cluster->body_count,
+			.shapes = shapes + cluster->first_body,
+			.link_from_shape = t->body_poses + cluster->first_body };
 	}
 	if ( status == LW_OK )
 	{
-		status = lwi_motion_table_create_pieces( c->robot, pieces, t->node_count, fixed_variables, c->reference, &c->allocator,
+		status = lwi_motion_table_create_groups( c->robot, rigid_groups, t->cluster_count, fixed_variables, c->reference, &c->allocator,
 			diag, out_motion );
 	}
-	lwi_free( &c->allocator, pieces, t->node_count * sizeof( lwi_motion_piece ) );
+	lwi_free( &c->allocator, rigid_groups, t->cluster_count * sizeof( lwi_rigid_group ) );
 	lwi_free( &c->allocator, shapes, t->body_count * sizeof( lw_shape* ) );
 	return status;
 }

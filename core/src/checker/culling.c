@@ -2,10 +2,10 @@
 // The obstacles that a group can come near to: spheres around the swept volumes of its links, against the boxes of the
 // obstacles.
 //
-// Model only the required part of a scene (Steinbach et al. 2006, section IV, for links; here for obstacles). Two covers of
-// each node, both in the frame of the world: one ball about the first joint that moves it, as large as the chain is long,
-// and a few smaller balls, carried from joint to joint over its range. An obstacle is as far away as the better of the two
-// proves.
+// Model only the required part of a scene (Steinbach et al. 2006, section IV, for links; here for obstacles). Two envelopes
+// of each cluster, both in the frame of the world: one ball about the first joint that moves it, as large as the chain is
+// long, and a few smaller balls, carried from joint to joint over its range. An obstacle is as far away as the better of the
+// two proves.
 // Derivation: core/docs/required.md.
 #include "checker/culling.h"
 
@@ -30,19 +30,19 @@ static const double pi = 3.14159265358979323846;
 /// joints' worth, and 0.15 nm for a robot 10 m across.
 static const double rounding = 0x1p-36;
 
-typedef lwi_cover_ball ball;
+typedef lwi_envelope_sphere ball;
 
-/// The swept volume of one node, seen from one frame on the way to the world.
-typedef struct cover
+/// The swept volume of one cluster, seen from one frame on the way to the world.
+typedef struct envelope
 {
-	ball balls[LWI_COVER_BALLS * MAX_STEPS];
+	ball balls[LWI_ENVELOPE_SPHERES * MAX_STEPS];
 	uint32_t count;
 	ball chain;    ///< about the origin of the last joint that moves; r < 0 before there was one
 	double extent; ///< sum of all lengths on the way
 	bool unbounded;
-} cover;
+} envelope;
 
-// --- covers of few balls ---------------------------------------------------------------------------------------------
+// --- envelopes of few balls ------------------------------------------------------------------------------------------
 
 /// A ball around balls.
 static ball enclose( const ball* balls, uint32_t count )
@@ -65,7 +65,7 @@ static ball enclose( const ball* balls, uint32_t count )
 	return out;
 }
 
-/// Sorts by one coordinate of the centres; there are at most LWI_COVER_BALLS * MAX_STEPS.
+/// Sorts by one coordinate of the centres; there are at most LWI_ENVELOPE_SPHERES * MAX_STEPS.
 static void sort_balls( ball* balls, uint32_t count, int axis )
 {
 	for ( uint32_t gap = count / 2; gap > 0; gap /= 2 )
@@ -104,16 +104,17 @@ static int widest_axis( const ball* balls, uint32_t count )
 	return widest;
 }
 
-/// Merges the balls into at most LWI_COVER_BALLS around them: halves along the widest axis, as often as there is room for.
-static void merge( cover* c )
+/// Merges the balls into at most LWI_ENVELOPE_SPHERES around them: halves along the widest axis, as often as there is room
+/// for.
+static void merge( envelope* c )
 {
-	uint32_t first[LWI_COVER_BALLS + 1] = { 0 }, parts = 1;
+	uint32_t first[LWI_ENVELOPE_SPHERES + 1] = { 0 }, parts = 1;
 	first[1] = c->count;
-	if ( c->count <= LWI_COVER_BALLS )
+	if ( c->count <= LWI_ENVELOPE_SPHERES )
 	{
 		return;
 	}
-	for ( ; parts < LWI_COVER_BALLS; parts *= 2 )
+	for ( ; parts < LWI_ENVELOPE_SPHERES; parts *= 2 )
 	{
 		for ( uint32_t i = parts; i-- > 0; )
 		{
@@ -137,7 +138,7 @@ static void merge( cover* c )
 static void value_range( const lw_robot* robot, const lwi_joint* joint, double* out_lower, double* out_upper )
 {
 	double lower, upper;
-	lwi_required_range( robot, joint->variable, &lower, &upper );
+	lwi_cull_range( robot, joint->variable, &lower, &upper );
 	double a = joint->multiplier * lower, b = joint->multiplier * upper;
 	double slack = rounding * ( fabs( joint->offset ) + 1 );
 	*out_lower = fmin( a, b ) + joint->offset - slack;
@@ -146,13 +147,13 @@ static void value_range( const lw_robot* robot, const lwi_joint* joint, double* 
 
 /// Replaces each ball by those around its arcs. On an arc of half-angle h <= pi / 2 about the axis, at the distance d from
 /// it, all is within d sin h of the point in the arc's middle direction at the distance d cos h.
-static void turn( cover* c, const lwi_joint* joint, double lower, double upper )
+static void rotate( envelope* c, const lwi_joint* joint, double lower, double upper )
 {
 	double width = upper - lower < 2 * pi ? upper - lower : 2 * pi; // also if they are infinite
 	double from = width < 2 * pi ? lower : -pi;
 	uint32_t count = c->count;
 	_Static_assert( MAX_STEPS >= 2, "a full turn takes arcs of at most half a turn" );
-	ball old[LWI_COVER_BALLS];
+	ball old[LWI_ENVELOPE_SPHERES];
 	memcpy( old, c->balls, count * sizeof( ball ) );
 	c->count = 0;
 	lw_vec3 axis = lwi_load( joint->axis );
@@ -176,10 +177,10 @@ static void turn( cover* c, const lwi_joint* joint, double lower, double upper )
 	merge( c );
 }
 
-static void slide( cover* c, const lwi_joint* joint, double lower, double upper )
+static void translate( envelope* c, const lwi_joint* joint, double lower, double upper )
 {
 	uint32_t count = c->count, steps = 4;
-	ball old[LWI_COVER_BALLS];
+	ball old[LWI_ENVELOPE_SPHERES];
 	memcpy( old, c->balls, count * sizeof( ball ) );
 	c->count = 0;
 	double half = 0.5 * ( upper - lower ) / steps;
@@ -195,14 +196,14 @@ static void slide( cover* c, const lwi_joint* joint, double lower, double upper 
 }
 
 /// Shifts within a box, after any turn about the origin: planar and floating joints.
-static void roam( cover* c, const lw_robot* robot, const lwi_joint* joint )
+static void roam( envelope* c, const lw_robot* robot, const lwi_joint* joint )
 {
 	uint32_t axes = joint->type == LW_JOINT_PLANAR ? 2 : 3;
 	double center[3] = { 0, 0, 0 }, reach = 0, half_sq = 0;
 	for ( uint32_t i = 0; i < axes; ++i )
 	{
 		double lower, upper;
-		lwi_required_range( robot, joint->variable + i, &lower, &upper );
+		lwi_cull_range( robot, joint->variable + i, &lower, &upper );
 		c->unbounded = c->unbounded || !( upper - lower < INFINITY );
 		half_sq += 0.25 * ( upper - lower ) * ( upper - lower );
 		for ( uint32_t k = 0; k < 3; ++k )
@@ -231,7 +232,7 @@ static double largest_shift( const lw_robot* robot, const lwi_joint* joint )
 	}
 	for ( uint32_t i = 0; i < shifts; ++i )
 	{
-		lwi_required_range( robot, joint->variable + i, &lower, &upper );
+		lwi_cull_range( robot, joint->variable + i, &lower, &upper );
 		double most = fmax( fabs( lower ), fabs( upper ) );
 		sum_sq += most * most;
 	}
@@ -239,7 +240,7 @@ static double largest_shift( const lw_robot* robot, const lwi_joint* joint )
 }
 
 /// From the child's frame to the joint's frame, over all values.
-static void sweep( cover* c, const lw_robot* robot, const lwi_joint* joint )
+static void sweep( envelope* c, const lw_robot* robot, const lwi_joint* joint )
 {
 	double lower, upper, shift = largest_shift( robot, joint );
 	c->chain.r = lwi_length( lwi_load( c->chain.c ) ) + c->chain.r + shift;
@@ -255,11 +256,11 @@ static void sweep( cover* c, const lw_robot* robot, const lwi_joint* joint )
 		case LW_JOINT_REVOLUTE:
 		case LW_JOINT_CONTINUOUS:
 			value_range( robot, joint, &lower, &upper );
-			turn( c, joint, lower, upper );
+			rotate( c, joint, lower, upper );
 			break;
 		case LW_JOINT_PRISMATIC:
 			value_range( robot, joint, &lower, &upper );
-			slide( c, joint, lower, upper );
+			translate( c, joint, lower, upper );
 			break;
 		case LW_JOINT_PLANAR:
 		case LW_JOINT_FLOATING:
@@ -270,7 +271,7 @@ static void sweep( cover* c, const lw_robot* robot, const lwi_joint* joint )
 	}
 }
 
-static void move( cover* c, const lw_transform* m )
+static void move( envelope* c, const lw_transform* m )
 {
 	for ( uint32_t i = 0; i <= c->count; ++i )
 	{
@@ -284,7 +285,7 @@ static void move( cover* c, const lw_transform* m )
 }
 
 /// Coordinates whose squares leave the range of doubles end as numbers that no comparison holds back.
-static bool is_finite( const cover* c )
+static bool is_finite( const envelope* c )
 {
 	for ( uint32_t i = 0; i <= c->count; ++i )
 	{
@@ -297,24 +298,24 @@ static bool is_finite( const cover* c )
 	return true;
 }
 
-void lwi_cover_node( const lw_checker* checker, const lwi_checker_node* node, const bool* joint_moves, lwi_cover* out )
+void lwi_envelope_of_cluster( const lw_checker* checker, const lwi_cluster* cluster, const bool* joint_moves, lwi_envelope* out )
 {
 	const lw_robot* robot = checker->robot;
-	cover work;
-	cover* c = &work;
+	envelope work;
+	envelope* c = &work;
 	c->extent = 0;
 	c->unbounded = false;
 	memset( out, 0, sizeof( *out ) );
-	if ( node->body_count == 0 )
+	if ( cluster->body_count == 0 )
 	{
 		return;
 	}
-	memcpy( c->balls[0].c, node->r.center, sizeof( c->balls[0].c ) );
-	c->balls[0].r = node->r.radius;
+	memcpy( c->balls[0].c, cluster->r.center, sizeof( c->balls[0].c ) );
+	c->balls[0].r = cluster->r.radius;
 	c->count = 1;
 	c->chain = c->balls[0];
-	c->extent = lwi_length( lwi_load( node->r.center ) ) + node->r.radius;
-	for ( uint32_t link = node->top; robot->link_joint[link] != LW_INVALID_INDEX && !c->unbounded; )
+	c->extent = lwi_length( lwi_load( cluster->r.center ) ) + cluster->r.radius;
+	for ( uint32_t link = cluster->root_link; robot->link_joint[link] != LW_INVALID_INDEX && !c->unbounded; )
 	{
 		uint32_t index = robot->link_joint[link];
 		const lwi_joint* joint = &robot->joints[index];
@@ -364,7 +365,7 @@ static double box_distance( const lw_shape* shape, const lw_transform* world_fro
 	return sqrt( sum_sq ) - b->r - rounding * size;
 }
 
-double lwi_cover_distance( const lw_shape* shape, const lw_transform* world_from_shape, const lwi_cover* c )
+double lwi_envelope_distance( const lw_shape* shape, const lw_transform* world_from_shape, const lwi_envelope* c )
 {
 	double nearest = INFINITY;
 	for ( uint32_t i = 0; i < c->count; ++i )
@@ -374,7 +375,7 @@ double lwi_cover_distance( const lw_shape* shape, const lw_transform* world_from
 	return c->unbounded ? 0 : fmax( 0, fmax( nearest, box_distance( shape, world_from_shape, &c->chain ) ) );
 }
 
-void lwi_required_range( const lw_robot* robot, uint32_t variable, double* out_lower, double* out_upper )
+void lwi_cull_range( const lw_robot* robot, uint32_t variable, double* out_lower, double* out_upper )
 {
 	const lw_variable_info* info = &robot->variables[variable];
 	// Quaternions and angles that go round have no limits; infinite ends stay so
@@ -382,32 +383,32 @@ void lwi_required_range( const lw_robot* robot, uint32_t variable, double* out_l
 	*out_upper = info->wraps || info->component >= 3 ? INFINITY : info->upper + margin;
 }
 
-/// A node's clearance given its distance from a shape; rounded down.
-static double less_margin( const lw_checker* checker, uint32_t node, uint32_t shape, double distance )
+/// A cluster's clearance given its distance from a shape; rounded down.
+static double less_margin( const lw_checker* checker, uint32_t cluster, uint32_t shape, double distance )
 {
 	const lwi_margins* m = checker->margins;
 	if ( m == NULL )
 	{
 		return distance;
 	}
-	double largest = m->nodes[2 * node] + m->object[checker->scene->shapes[shape].object];
+	double largest = m->clusters[2 * cluster] + m->object[checker->scene->shapes[shape].object];
 	return distance - largest - rounding * largest;
 }
 
-/// Marks the obstacles that some body of a node is checked against and that are not proved to stay beyond the horizon.
-static void mark_near( lw_checker* checker, const lwi_kept* kept, uint32_t index )
+/// Marks the obstacles that some body of a cluster is checked against and that are not proved to stay beyond the horizon.
+static void mark_near( lw_checker* checker, const lwi_reuse* reuse, uint32_t index )
 {
-	const lwi_checker_node* node = &checker->tree->nodes[index];
-	const uint32_t blocks = checker->scene_block_count, nodes = checker->tree->node_count;
-	const lw_checker* old = kept->previous;
-	bool same_cover = old != NULL && index < old->tree->node_count &&
-		memcmp( &checker->base->covers[index], &old->base->covers[index], sizeof( lwi_cover ) ) == 0;
+	const lwi_cluster* cluster = &checker->tree->clusters[index];
+	const uint32_t blocks = checker->scene_block_count, clusters = checker->tree->cluster_count;
+	const lw_checker* old = reuse->previous;
+	bool same_envelope = old != NULL && index < old->tree->cluster_count &&
+		memcmp( &checker->base->envelopes[index], &old->base->envelopes[index], sizeof( lwi_envelope ) ) == 0;
 	for ( uint32_t block = 0; block < blocks; ++block )
 	{
 		uint32_t asked = 0, near = 0;
-		for ( uint32_t i = 0; i < node->body_count; ++i )
+		for ( uint32_t i = 0; i < cluster->body_count; ++i )
 		{
-			asked |= checker->environment_mask[(size_t)checker->tree->bodies[node->first_body + i] * blocks + block];
+			asked |= checker->environment_mask[(size_t)checker->tree->bodies[cluster->first_body + i] * blocks + block];
 		}
 		for ( uint32_t lane = 0; lane < LWI_WIDTH && asked >> lane != 0; ++lane )
 		{
@@ -416,27 +417,27 @@ static void mark_near( lw_checker* checker, const lwi_kept* kept, uint32_t index
 			{
 				continue;
 			}
-			uint32_t source = same_cover ? kept->source[shape] : LW_INVALID_INDEX;
-			double distance = source != LW_INVALID_INDEX ? old->node_distance[(size_t)source * old->tree->node_count + index] : NAN;
+			uint32_t source = same_envelope ? reuse->source[shape] : LW_INVALID_INDEX;
+			double distance = source != LW_INVALID_INDEX ? old->cluster_distance[(size_t)source * old->tree->cluster_count + index] : NAN;
 			if ( isnan( distance ) )
 			{
 				const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
-				distance = lwi_cover_distance( obstacle->shape, &obstacle->world_from_shape, &checker->base->covers[index] );
+				distance = lwi_envelope_distance( obstacle->shape, &obstacle->world_from_shape, &checker->base->envelopes[index] );
 			}
-			checker->node_distance[(size_t)shape * nodes + index] = distance;
+			checker->cluster_distance[(size_t)shape * clusters + index] = distance;
 			double clearance = less_margin( checker, index, shape, distance );
 			checker->obstacle_distance[shape] = fmin( checker->obstacle_distance[shape], clearance );
 			near |= clearance >= checker->horizon ? 0 : 1u << lane;
 		}
-		for ( uint32_t i = 0; i < node->body_count; ++i )
+		for ( uint32_t i = 0; i < cluster->body_count; ++i )
 		{
-			size_t at = (size_t)checker->tree->bodies[node->first_body + i] * blocks + block;
+			size_t at = (size_t)checker->tree->bodies[cluster->first_body + i] * blocks + block;
 			checker->near_mask[at] = (uint8_t)( checker->environment_mask[at] & near );
 		}
 	}
 }
 
-void lwi_checker_require( lw_checker* checker, const lwi_kept* kept )
+void lwi_checker_cull( lw_checker* checker, const lwi_reuse* reuse )
 {
 	uint32_t shapes = checker->scene != NULL ? checker->scene->shape_count : 0;
 	// No state is farther from the scene than the static bodies are. (The excess is for ties.)
@@ -447,15 +448,15 @@ void lwi_checker_require( lw_checker* checker, const lwi_kept* kept )
 	{
 		checker->obstacle_distance[i] = INFINITY;
 	}
-	for ( size_t i = 0; i < (size_t)shapes * checker->tree->node_count; ++i )
+	for ( size_t i = 0; i < (size_t)shapes * checker->tree->cluster_count; ++i )
 	{
-		checker->node_distance[i] = NAN;
+		checker->cluster_distance[i] = NAN;
 	}
-	for ( uint32_t i = 1; i < checker->tree->node_count && shapes > 0; ++i )
+	for ( uint32_t i = 1; i < checker->tree->cluster_count && shapes > 0; ++i )
 	{
-		if ( ( checker->node_environment[i] & LWI_NODE_ASKS ) != 0 )
+		if ( ( checker->cluster_environment[i] & LWI_CLUSTER_CHECKED ) != 0 )
 		{
-			mark_near( checker, kept, i );
+			mark_near( checker, reuse, i );
 		}
 	}
 	checker->near_block_count = 0;

@@ -54,8 +54,8 @@ static bool same_static_bodies( const lw_checker* x, const lw_checker* y )
 	{
 		return true;
 	}
-	uint32_t count = x->tree->nodes[0].body_count;
-	bool same = count == y->tree->nodes[0].body_count;
+	uint32_t count = x->tree->clusters[0].body_count;
+	bool same = count == y->tree->clusters[0].body_count;
 	for ( uint32_t i = 0; same && i < count; ++i )
 	{
 		const lwi_checker_body* a = &x->bodies[x->tree->bodies[i]];
@@ -94,21 +94,21 @@ static bool may_be_nearer( const lw_checker* c, const lw_checker* old, uint32_t 
 	return lwi_box_gap( b->shape, c->scene->shapes[shape].shape, &relative ) - margin < c->static_environment.upper;
 }
 
-bool lwi_keep_static( lw_checker* c, const lwi_kept* kept, uint8_t* fresh )
+bool lwi_reuse_static( lw_checker* c, const lwi_reuse* reuse, uint8_t* fresh )
 {
-	const lw_checker* old = kept->previous;
+	const lw_checker* old = reuse->previous;
 	// a violation comes from the first pair found, and others may exist: its measurement cannot be continued
 	if ( old == NULL || old->static_environment.kind == LW_CLEARANCE_VIOLATION || !same_static_bodies( c, old ) )
 	{
 		return false;
 	}
-	const uint32_t shapes = c->scene->shape_count, count = c->tree->nodes[0].body_count;
+	const uint32_t shapes = c->scene->shape_count, count = c->tree->clusters[0].body_count;
 	if ( old->static_shape != LW_INVALID_INDEX )
 	{
 		uint32_t place = old->tree->body_place[old->static_body], body = c->tree->bodies[place], found = LW_INVALID_INDEX;
 		for ( uint32_t i = 0; i < shapes; ++i )
 		{
-			bool same = kept->source[i] == old->static_shape && is_checked( c, body, i ) &&
+			bool same = reuse->source[i] == old->static_shape && is_checked( c, body, i ) &&
 						margin_of( c, body, i ) == margin_of( old, old->static_body, old->static_shape );
 			found = same ? i : found;
 		}
@@ -126,7 +126,7 @@ bool lwi_keep_static( lw_checker* c, const lwi_kept* kept, uint8_t* fresh )
 	{
 		for ( uint32_t place = 0; place < count; ++place )
 		{
-			if ( may_be_nearer( c, old, place, shape, kept->source[shape] ) )
+			if ( may_be_nearer( c, old, place, shape, reuse->source[shape] ) )
 			{
 				fresh[shape / LWI_WIDTH] = (uint8_t)( fresh[shape / LWI_WIDTH] | ( 1u << ( shape % LWI_WIDTH ) ) );
 				break;

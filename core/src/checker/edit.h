@@ -13,6 +13,6 @@ void lwi_match_scenes( const lw_scene* previous, const lw_scene* scene, uint32_t
 /// Takes over the static environment of an earlier checker as far as it holds.
 /// @param fresh [scene_block_count] zero; gets the bits of shapes that may be nearer and are yet to be measured
 /// @return false if everything has to be measured
-bool lwi_keep_static( lw_checker* checker, const lwi_kept* kept, uint8_t* fresh );
+bool lwi_reuse_static( lw_checker* checker, const lwi_reuse* reuse, uint8_t* fresh );
 
 #endif

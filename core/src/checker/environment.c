@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot against the scene: node by node, by subtrees where motion hulls are known; or all bodies at once.
+// The robot against the scene: cluster by cluster, by subtrees where motion hulls are known; or all bodies at once.
 // Paper: Steinbach et al. 2006, section III.B. One running bound, nearest pair first, either way.
 #include "checker/pose.h"
 #include "base/math_inline.h"
@@ -67,17 +67,17 @@ static double gaps_of( const lw_checker* checker, lw_query* query, const double 
 	return slack;
 }
 
-/// The same for a body, which need not be posed: its sphere is taken to the world by the pose of its node. That is a
+/// The same for a body, which need not be posed: its sphere is taken to the world by the pose of its cluster. That is a
 /// roundoff or two of double away from its place by the body's own pose, and the slack is one of floats.
 static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, double cutoff, float* gaps,
 	bool* near )
 {
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	const lwi_margins* m = checker->margins;
-	uint32_t node = tree->body_node[body];
-	lwi_pose_node( checker, query, node );
+	uint32_t cluster = tree->body_cluster[body];
+	lwi_pose_cluster( checker, query, cluster );
 	const lw_sphere* local = &tree->body_spheres[tree->body_place[body]];
-	lw_vec3 world = lwi_transform( &query->world_from_link[tree->nodes[node].top], lwi_load( local->center ) );
+	lw_vec3 world = lwi_transform( &query->world_from_link[tree->clusters[cluster].root_link], lwi_load( local->center ) );
 	const double center[3] = { world.x, world.y, world.z };
 	double radius = local->radius + ( m != NULL ? m->bodies[body] : 0 );
 	return gaps_of( checker, query, center, radius, m != NULL ? m->body_row[body] : NULL, cutoff, gaps, near );
@@ -183,12 +183,12 @@ static void search_environment( const lw_checker* checker, lw_query* query, cons
 	}
 }
 
-// --- by nodes --------------------------------------------------------------------------------------------------------
+// --- by clusters -----------------------------------------------------------------------------------------------------
 
-/// A body's row of gaps. Bodies of node 0 come first in the tree; they are static and have no row.
+/// A body's row of gaps. Bodies of cluster 0 come first in the tree; they are static and have no row.
 static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place )
 {
-	uint32_t row = place - checker->tree->nodes[0].body_count;
+	uint32_t row = place - checker->tree->clusters[0].body_count;
 	return query->gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
 }
 
@@ -207,7 +207,7 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 		return true;
 	}
 	const lwi_margins* m = checker->margins;
-	double radius = world[3] + ( m != NULL ? m->nodes[sphere] : 0 );
+	double radius = world[3] + ( m != NULL ? m->clusters[sphere] : 0 );
 	bool near;
 	gaps_of( checker, query, world, radius, m != NULL ? m->objects : NULL, bound->cutoff, query->row, &near );
 	return near;
@@ -234,7 +234,7 @@ static void add_near( const lw_checker* checker, lw_query* query, uint32_t body,
 /// then the nearest obstacle alone.
 static double add_row( const lw_checker* checker, lw_query* query, uint32_t place, const lwi_bound* bound, uint32_t* count )
 {
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	uint32_t body = tree->bodies[place], nearest;
 	float* gaps = row_of( checker, query, place );
 	bool near;
@@ -256,17 +256,17 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	return slack;
 }
 
-/// True if the sphere M of a node rules its subtree out. After failures it is tested less often: it costs as much as the
+/// True if the sphere M of a cluster rules its subtree out. After failures it is tested less often: it costs as much as the
 /// test of one body, and the tests of the bodies give the same result.
-static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t node, const lwi_bound* bound )
+static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t cluster, const lwi_bound* bound )
 {
-	lwi_trial* trial = &query->motion_trials[node];
+	lwi_trial* trial = &query->motion_trials[cluster];
 	if ( trial->wait > 0 )
 	{
 		--trial->wait;
 		return false;
 	}
-	if ( !meets_scene( checker, query, 2 * node + 1, bound ) )
+	if ( !meets_scene( checker, query, 2 * cluster + 1, bound ) )
 	{
 		trial->failures = 0;
 		return true;
@@ -276,27 +276,27 @@ static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t 
 	return false;
 }
 
-/// Descends the nodes. A subtree whose M is known and out of reach is neither posed nor measured, nor are the bodies of a
-/// node whose R is. Returns the slack of all rows.
+/// Descends the clusters. A subtree whose M is known and out of reach is neither posed nor measured, nor are the bodies of a
+/// cluster whose R is. Returns the slack of all rows.
 static double descend( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )
 {
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	double slack = 0;
-	for ( uint32_t i = 1; i < tree->node_count; )
+	for ( uint32_t i = 1; i < tree->cluster_count; )
 	{
-		const lwi_checker_node* node = &tree->nodes[i];
-		bool one_body = node->end == i + 1 && node->body_count == 1; // testing its M first would cost as much as testing it
-		bool asks = ( checker->node_environment[i] & LWI_SUBTREE_ASKS ) != 0;
+		const lwi_cluster* cluster = &tree->clusters[i];
+		bool one_body = cluster->end == i + 1 && cluster->body_count == 1; // testing its M first would cost as much as testing it
+		bool asks = ( checker->cluster_environment[i] & LWI_SUBTREE_CHECKED ) != 0;
 		if ( !asks || ( query->hulls && !one_body && motion_is_far( checker, query, i, bound ) ) )
 		{
-			i = node->end;
+			i = cluster->end;
 			continue;
 		}
-		if ( node->body_count == 1 || ( node->body_count > 1 && meets_scene( checker, query, 2 * i, bound ) ) )
+		if ( cluster->body_count == 1 || ( cluster->body_count > 1 && meets_scene( checker, query, 2 * i, bound ) ) )
 		{
-			for ( uint32_t k = 0; k < node->body_count; ++k )
+			for ( uint32_t k = 0; k < cluster->body_count; ++k )
 			{
-				double mine = add_row( checker, query, node->first_body + k, bound, count );
+				double mine = add_row( checker, query, cluster->first_body + k, bound, count );
 				slack = mine > slack ? mine : slack;
 			}
 		}
@@ -438,12 +438,12 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	}
 }
 
-bool lwi_checker_node_nears_scene( const lw_checker* checker, lw_query* query, uint32_t node, double limit )
+bool lwi_checker_cluster_is_near( const lw_checker* checker, lw_query* query, uint32_t cluster, double limit )
 {
 	const lwi_bound bound = { .cutoff = limit };
 	const lw_range range = { 0, limit, 0 };
 	choose_obstacles( checker, query, &range, false );
-	return ( checker->node_environment[node] & LWI_NODE_ASKS ) != 0 && meets_scene( checker, query, 2 * node, &bound );
+	return ( checker->cluster_environment[cluster] & LWI_CLUSTER_CHECKED ) != 0 && meets_scene( checker, query, 2 * cluster, &bound );
 }
 
 uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit )
@@ -498,17 +498,17 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 }
 
 /// Both shapes of a static pair.
-static void note_pair( const lw_checker* checker, uint32_t pair, lwi_ahead* ahead )
+static void note_pair( const lw_checker* checker, uint32_t pair, lwi_prefetch* prefetch )
 {
 	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
-	lwi_ahead_note( ahead, checker->bodies[pair / stride].shape );
-	lwi_ahead_note( ahead, checker->scene->shapes[pair % stride].shape );
+	lwi_prefetch_note( prefetch, checker->bodies[pair / stride].shape );
+	lwi_prefetch_note( prefetch, checker->scene->shapes[pair % stride].shape );
 }
 
 /// As many bodies at a time as the query has room for, nearest boxes first. This runs once, and the order by boxes pays
 /// since it makes fewer deferred meshes.
 static void search_static( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
-	const uint8_t* fresh, lwi_ahead* ahead, lwi_bound* bound )
+	const uint8_t* fresh, lwi_prefetch* prefetch, lwi_bound* bound )
 {
 	const lw_scene* scene = checker->scene;
 	uint32_t stride = checker->scene_block_count * LWI_WIDTH, count = 0;
@@ -536,18 +536,18 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 		{
 			break;
 		}
-		note_pair( checker, next.pair, ahead );
-		lwi_ahead_flush( ahead );
+		note_pair( checker, next.pair, prefetch );
+		lwi_prefetch_flush( prefetch );
 		bound->current_pair = next.pair;
 		search_environment_pair( checker, query, next.pair / stride, next.pair % stride, bound );
 	}
 }
 
-lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known, lwi_ahead* ahead )
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known, lwi_prefetch* prefetch )
 {
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
-	uint32_t left = stride > 0 ? tree->nodes[0].body_count : 0;
+	uint32_t left = stride > 0 ? tree->clusters[0].body_count : 0;
 	lwi_bound bound;
 	const lw_range nearer = { 0, known, 0 };
 	lwi_bound_init( &bound, &nearer );
@@ -556,7 +556,7 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, cons
 	for ( uint32_t first = 0; left > 0; )
 	{
 		uint32_t count = query->gap_capacity / stride < left ? query->gap_capacity / stride : left;
-		search_static( checker, query, tree->bodies + first, count, fresh, ahead, &bound );
+		search_static( checker, query, tree->bodies + first, count, fresh, prefetch, &bound );
 		first += count;
 		left -= count;
 	}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Views of charts: made with a checker's tree, followed along edges. Proof: core/docs/self_collision.md, "Charts".
+// Slices of grids: made with a checker's tree, followed along edges. Proof: core/docs/self_collision.md, "Clearance grids".
 #include "checker/grid_lookup.h"
 
 #include "checker/checker.h"
@@ -21,21 +21,21 @@ typedef struct cell_range
 } cell_range;
 
 /// The least number in a box of cells.
-static uint8_t least_in( const lwi_chart_view* view, const cell_range* ranges )
+static uint8_t least_in( const lwi_grid_slice* slice, const cell_range* ranges )
 {
-	cell_range all[LWI_CHART_AXES] = { { 0, 0 } };
-	uint32_t shift[LWI_CHART_AXES] = { 0 };
-	int32_t mask[LWI_CHART_AXES] = { 0 };
-	for ( uint32_t i = 0; i < view->dimension; ++i )
+	cell_range all[LWI_GRID_AXES] = { { 0, 0 } };
+	uint32_t shift[LWI_GRID_AXES] = { 0 };
+	int32_t mask[LWI_GRID_AXES] = { 0 };
+	for ( uint32_t i = 0; i < slice->dimension; ++i )
 	{
 		all[i] = ranges[i];
-		shift[i] = view->shifts[i];
-		mask[i] = ( 1 << view->bits[i] ) - 1;
+		shift[i] = slice->shifts[i];
+		mask[i] = ( 1 << slice->bits[i] ) - 1;
 	}
 	uint8_t least = UINT8_MAX;
 	for ( int32_t x = all[0].first; x <= all[0].last; ++x )
 	{
-		const uint8_t* plane = view->cells + ( (size_t)( x & mask[0] ) << shift[0] );
+		const uint8_t* plane = slice->cells + ( (size_t)( x & mask[0] ) << shift[0] );
 		for ( int32_t y = all[1].first; y <= all[1].last; ++y )
 		{
 			const uint8_t* row = plane + ( (size_t)( y & mask[1] ) << shift[1] );
@@ -50,11 +50,11 @@ static uint8_t least_in( const lwi_chart_view* view, const cell_range* ranges )
 }
 
 /// The cells that a piece of the edge goes through along one axis.
-static cell_range range_of( bool turns, uint32_t bits, double begin, double end )
+static cell_range range_of( bool periodic, uint32_t bits, double begin, double end )
 {
 	cell_range r = { lwi_floor( begin < end ? begin : end ), lwi_floor( begin < end ? end : begin ) };
 	int32_t last = ( 1 << bits ) - 1;
-	if ( !turns )
+	if ( !periodic )
 	{
 		r.first = r.first < 0 ? 0 : r.first > last ? last : r.first;
 		r.last = r.last < 0 ? 0 : r.last > last ? last : r.last;
@@ -62,21 +62,21 @@ static cell_range range_of( bool turns, uint32_t bits, double begin, double end 
 	return r;
 }
 
-double lwi_chart_along( const lwi_chart_view* view, const lwi_chart_scale* scales, const lw_robot* robot, const double* qa,
+double lwi_grid_along( const lwi_grid_slice* slice, const lwi_grid_spacing* spacings, const lw_robot* robot, const double* qa,
 	const double* qb, double at_least )
 {
-	double from[LWI_CHART_AXES], way[LWI_CHART_AXES], longest = 1;
-	for ( uint32_t i = 0; i < view->dimension; ++i )
+	double from[LWI_GRID_AXES], way[LWI_GRID_AXES], longest = 1;
+	for ( uint32_t i = 0; i < slice->dimension; ++i )
 	{
-		uint32_t v = view->variables[i], bits = view->bits[i];
-		const lwi_chart_scale* scale = &scales[v];
-		if ( scale->turns && !( fabs( qa[v] ) < LWI_CHART_TURNS && fabs( qb[v] ) < LWI_CHART_TURNS ) )
+		uint32_t v = slice->variables[i], bits = slice->bits[i];
+		const lwi_grid_spacing* spacing = &spacings[v];
+		if ( spacing->periodic && !( fabs( qa[v] ) < LWI_GRID_LARGEST_ANGLE && fabs( qb[v] ) < LWI_GRID_LARGEST_ANGLE ) )
 		{
 			return 0;
 		}
 		double difference = robot->variables[v].wraps ? lwi_wrapped_difference( qa[v], qb[v] ) : qb[v] - qa[v];
-		from[i] = lwi_chart_place( scale, bits, qa[v] );
-		way[i] = difference * scale->inv_width * (double)( 1u << bits );
+		from[i] = lwi_grid_coordinate( spacing, bits, qa[v] );
+		way[i] = difference * spacing->inv_width * (double)( 1u << bits );
 		longest = fmax( longest, fabs( way[i] ) );
 	}
 	if ( !( longest < MOST_PIECES ) )
@@ -87,34 +87,34 @@ double lwi_chart_along( const lwi_chart_view* view, const lwi_chart_scale* scale
 	uint8_t least = UINT8_MAX;
 	for ( double k = 0; k < pieces; ++k )
 	{
-		cell_range ranges[LWI_CHART_AXES];
-		for ( uint32_t i = 0; i < view->dimension; ++i )
+		cell_range ranges[LWI_GRID_AXES];
+		for ( uint32_t i = 0; i < slice->dimension; ++i )
 		{
-			ranges[i] = range_of( scales[view->variables[i]].turns, view->bits[i], from[i] + k / pieces * way[i],
+			ranges[i] = range_of( spacings[slice->variables[i]].periodic, slice->bits[i], from[i] + k / pieces * way[i],
 				from[i] + ( k + 1 ) / pieces * way[i] );
 		}
-		uint8_t number = least_in( view, ranges );
+		uint8_t number = least_in( slice, ranges );
 		least = number < least ? number : least;
-		if ( !( lwi_chart_value( least ) >= at_least ) )
+		if ( !( lwi_grid_value( least ) >= at_least ) )
 		{
 			return 0;
 		}
 	}
-	return lwi_chart_value( least );
+	return lwi_grid_value( least );
 }
 
 // --- making them -----------------------------------------------------------------------------------------------------
 
-/// The view of a chart for a group. @return false if the group moves none of its variables
-static bool make_view( const lw_checker* c, const bool* in_group, const lwi_chart* chart, lwi_chart_view* out )
+/// The slice of a grid for a group. @return false if the group moves none of its variables
+static bool make_slice( const lw_checker* c, const bool* in_group, const lwi_grid* grid, lwi_grid_slice* out )
 {
-	*out = (lwi_chart_view){ .cells = chart->cells };
+	*out = (lwi_grid_slice){ .cells = grid->cells };
 	uint32_t shift = 0;
-	for ( uint32_t i = chart->dimension; i-- > 0; shift += chart->axes[i].bits )
+	for ( uint32_t i = grid->dimension; i-- > 0; shift += grid->axes[i].bits )
 	{
-		const lwi_chart_axis* axis = &chart->axes[i];
+		const lwi_grid_axis* axis = &grid->axes[i];
 		double x = c->reference[axis->variable];
-		const lwi_chart_scale scale = { axis->lower, 1 / ( axis->upper - axis->lower ), axis->turns };
+		const lwi_grid_spacing spacing = { axis->lower, 1 / ( axis->upper - axis->lower ), axis->periodic };
 		if ( in_group[axis->variable] )
 		{
 			out->variables[out->dimension] = (uint16_t)axis->variable;
@@ -122,103 +122,103 @@ static bool make_view( const lw_checker* c, const bool* in_group, const lwi_char
 			out->shifts[out->dimension++] = (uint8_t)shift;
 			continue;
 		}
-		if ( axis->turns && !( fabs( x ) < LWI_CHART_TURNS ) )
+		if ( axis->periodic && !( fabs( x ) < LWI_GRID_LARGEST_ANGLE ) )
 		{
 			return false;
 		}
-		double place = lwi_chart_place( &scale, axis->bits, x );
-		int32_t index = range_of( axis->turns, axis->bits, place, place ).first & ( ( 1 << axis->bits ) - 1 );
+		double place = lwi_grid_coordinate( &spacing, axis->bits, x );
+		int32_t index = range_of( axis->periodic, axis->bits, place, place ).first & ( ( 1 << axis->bits ) - 1 );
 		out->cells += (size_t)index << shift;
 	}
 	return out->dimension > 0;
 }
 
-/// The largest number that a view can answer.
-static uint8_t most_in( const lwi_chart_view* view )
+/// The largest number that a slice can answer.
+static uint8_t most_in( const lwi_grid_slice* slice )
 {
 	uint8_t most = 0;
-	uint32_t bits = (uint32_t)view->bits[0] + view->bits[1] + view->bits[2];
+	uint32_t bits = (uint32_t)slice->bits[0] + slice->bits[1] + slice->bits[2];
 	for ( size_t k = 0; k < (size_t)1 << bits; ++k )
 	{
 		size_t cell = 0, rest = k;
-		for ( uint32_t i = 0; i < view->dimension; ++i )
+		for ( uint32_t i = 0; i < slice->dimension; ++i )
 		{
-			cell += ( rest & ( ( 1u << view->bits[i] ) - 1u ) ) << view->shifts[i];
-			rest >>= view->bits[i];
+			cell += ( rest & ( ( 1u << slice->bits[i] ) - 1u ) ) << slice->shifts[i];
+			rest >>= slice->bits[i];
 		}
-		most = view->cells[cell] > most ? view->cells[cell] : most;
+		most = slice->cells[cell] > most ? slice->cells[cell] : most;
 	}
 	return most;
 }
 
-static size_t pair_index( const lwi_checker_tree* t, const lwi_node_pair* pair, uint32_t body_a, uint32_t body_b )
+static size_t pair_index( const lwi_cluster_tree* t, const lwi_cluster_pair* pair, uint32_t body_a, uint32_t body_b )
 {
-	bool forth = t->body_node[body_a] == pair->node_a;
-	uint32_t a = t->body_place[forth ? body_a : body_b] - t->nodes[pair->node_a].first_body;
-	uint32_t b = t->body_place[forth ? body_b : body_a] - t->nodes[pair->node_b].first_body;
-	return pair->first + (size_t)a * t->nodes[pair->node_b].body_count + b;
+	bool forth = t->body_cluster[body_a] == pair->cluster_a;
+	uint32_t a = t->body_place[forth ? body_a : body_b] - t->clusters[pair->cluster_a].first_body;
+	uint32_t b = t->body_place[forth ? body_b : body_a] - t->clusters[pair->cluster_b].first_body;
+	return pair->first + (size_t)a * t->clusters[pair->cluster_b].body_count + b;
 }
 
-const lwi_chart_view* lwi_checker_view( const lwi_checker_tree* t, uint32_t pair, uint32_t body_a, uint32_t body_b )
+const lwi_grid_slice* lwi_checker_slice( const lwi_cluster_tree* t, uint32_t pair, uint32_t body_a, uint32_t body_b )
 {
-	uint32_t view = t->view_count == 0 ? LW_INVALID_INDEX : t->pair_views[pair_index( t, &t->pairs[pair], body_a, body_b )];
-	return view == LW_INVALID_INDEX ? NULL : &t->views[view];
+	uint32_t slice = t->slice_count == 0 ? LW_INVALID_INDEX : t->pair_slices[pair_index( t, &t->pairs[pair], body_a, body_b )];
+	return slice == LW_INVALID_INDEX ? NULL : &t->slices[slice];
 }
 
-/// The view of two bodies if it can say more than their separation. @return false if there is none
-static bool find_view( const lw_checker* c, const lwi_checker_tree* t, const bool* in_group, uint32_t body_a,
-	uint32_t body_b, lwi_chart_view* out )
+/// The slice of two bodies if it can say more than their separation. @return false if there is none
+static bool find_slice( const lw_checker* c, const lwi_cluster_tree* t, const bool* in_group, uint32_t body_a,
+	uint32_t body_b, lwi_grid_slice* out )
 {
 	uint32_t a = c->bodies[body_a].link, b = c->bodies[body_b].link;
 	if ( !t->proves || a >= c->reach->link_count || b >= c->reach->link_count )
 	{
 		return false; // attached since
 	}
-	const lwi_chart* chart = lwi_reach_chart( c->reach, a, b );
-	return chart != NULL && c->robot->variable_count <= UINT16_MAX && make_view( c, in_group, chart, out ) &&
-		   most_in( out ) * LWI_CHART_STEP > lw_reach_get_pair( c->reach, a, b ).separation;
+	const lwi_grid* grid = lwi_reach_grid( c->reach, a, b );
+	return grid != NULL && c->robot->variable_count <= UINT16_MAX && make_slice( c, in_group, grid, out ) &&
+		   most_in( out ) * LWI_GRID_STEP > lw_reach_get_pair( c->reach, a, b ).separation;
 }
 
-/// Enters the views of all pairs of bodies, or only counts them while there is no room for them yet.
-static void enter_views( const lw_checker* c, lwi_checker_tree* t, const bool* in_group )
+/// Enters the slices of all pairs of bodies, or only counts them while there is no room for them yet.
+static void enter_slices( const lw_checker* c, lwi_cluster_tree* t, const bool* in_group )
 {
-	t->view_count = 0;
+	t->slice_count = 0;
 	for ( uint32_t p = 0; p < t->pair_count; ++p )
 	{
-		const lwi_node_pair* pair = &t->pairs[p];
-		const lwi_checker_node *a = &t->nodes[pair->node_a], *b = &t->nodes[pair->node_b];
+		const lwi_cluster_pair* pair = &t->pairs[p];
+		const lwi_cluster *a = &t->clusters[pair->cluster_a], *b = &t->clusters[pair->cluster_b];
 		for ( size_t k = 0; k < (size_t)a->body_count * b->body_count; ++k )
 		{
-			lwi_chart_view view;
+			lwi_grid_slice slice;
 			uint32_t body_a = t->bodies[a->first_body + k / b->body_count], body_b = t->bodies[b->first_body + k % b->body_count];
-			bool found = t->separations[pair->first + k] < INFINITY && find_view( c, t, in_group, body_a, body_b, &view );
-			if ( t->views != NULL )
+			bool found = t->separations[pair->first + k] < INFINITY && find_slice( c, t, in_group, body_a, body_b, &slice );
+			if ( t->slices != NULL )
 			{
-				t->pair_views[pair->first + k] = found ? t->view_count : LW_INVALID_INDEX;
+				t->pair_slices[pair->first + k] = found ? t->slice_count : LW_INVALID_INDEX;
 			}
-			if ( t->views != NULL && found )
+			if ( t->slices != NULL && found )
 			{
-				t->views[t->view_count] = view;
+				t->slices[t->slice_count] = slice;
 			}
-			t->view_count += found ? 1u : 0u;
+			t->slice_count += found ? 1u : 0u;
 		}
 	}
 }
 
-/// The scales that all charts of the reach share, by variable.
-static void fill_scales( const lw_checker* c, lwi_checker_tree* t )
+/// The spacings that all grids of the reach share, by variable.
+static void fill_spacings( const lw_checker* c, lwi_cluster_tree* t )
 {
-	for ( uint32_t i = 0; i < c->reach->chart_count; ++i )
+	for ( uint32_t i = 0; i < c->reach->grid_count; ++i )
 	{
-		for ( uint32_t k = 0; k < c->reach->charts[i].dimension; ++k )
+		for ( uint32_t k = 0; k < c->reach->grids[i].dimension; ++k )
 		{
-			const lwi_chart_axis* axis = &c->reach->charts[i].axes[k];
-			t->scales[axis->variable] = (lwi_chart_scale){ axis->lower, 1 / ( axis->upper - axis->lower ), axis->turns };
+			const lwi_grid_axis* axis = &c->reach->grids[i].axes[k];
+			t->spacings[axis->variable] = (lwi_grid_spacing){ axis->lower, 1 / ( axis->upper - axis->lower ), axis->periodic };
 		}
 	}
 }
 
-bool lwi_checker_views_create( const lw_checker* c, lwi_checker_tree* t )
+bool lwi_checker_slices_create( const lw_checker* c, lwi_cluster_tree* t )
 {
 	uint32_t variables = c->robot->variable_count;
 	bool* in_group = lwi_alloc_zero( &t->allocator, variables, sizeof( bool ) );
@@ -230,22 +230,22 @@ bool lwi_checker_views_create( const lw_checker* c, lwi_checker_tree* t )
 	{
 		in_group[c->variables[i]] = true;
 	}
-	enter_views( c, t, in_group );
+	enter_slices( c, t, in_group );
 	bool room = true;
-	if ( t->view_count > 0 )
+	if ( t->slice_count > 0 )
 	{
-		t->view_capacity = t->view_count;
-		t->views = lwi_alloc_zero( &t->allocator, t->view_count, sizeof( lwi_chart_view ) );
-		t->pair_views = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( uint32_t ) );
-		t->scales = lwi_alloc_zero( &t->allocator, variables, sizeof( lwi_chart_scale ) );
-		t->scale_count = variables;
-		room = t->views != NULL && t->pair_views != NULL && t->scales != NULL;
+		t->slice_capacity = t->slice_count;
+		t->slices = lwi_alloc_zero( &t->allocator, t->slice_count, sizeof( lwi_grid_slice ) );
+		t->pair_slices = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( uint32_t ) );
+		t->spacings = lwi_alloc_zero( &t->allocator, variables, sizeof( lwi_grid_spacing ) );
+		t->spacing_count = variables;
+		room = t->slices != NULL && t->pair_slices != NULL && t->spacings != NULL;
 		if ( room )
 		{
-			enter_views( c, t, in_group );
-			fill_scales( c, t );
-			t->bytes += t->view_count * sizeof( lwi_chart_view ) + t->separation_count * sizeof( uint32_t ) +
-						variables * sizeof( lwi_chart_scale );
+			enter_slices( c, t, in_group );
+			fill_spacings( c, t );
+			t->bytes += t->slice_count * sizeof( lwi_grid_slice ) + t->separation_count * sizeof( uint32_t ) +
+						variables * sizeof( lwi_grid_spacing );
 		}
 	}
 	lwi_free( &t->allocator, in_group, variables * sizeof( bool ) );

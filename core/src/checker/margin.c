@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Margins of pairs: checked, copied, looked up, and spread over the bodies and nodes of a checker.
+// Margins of pairs: checked, copied, looked up, and spread over the bodies and clusters of a checker.
 #include "checker/margin.h"
 
 #include "checker/checker.h"
@@ -329,7 +329,7 @@ void lwi_margins_destroy( lwi_margins* m )
 	lwi_free( &allocator, m->object, m->object_count * sizeof( double ) );
 	lwi_free( &allocator, m->listed.pairs, m->listed.count * sizeof( lw_pair_margin ) );
 	lwi_free( &allocator, m->bodies, m->body_count * sizeof( double ) );
-	lwi_free( &allocator, m->nodes, m->node_count * sizeof( double[2] ) );
+	lwi_free( &allocator, m->clusters, m->cluster_count * sizeof( double[2] ) );
 	lwi_free( &allocator, m->objects, m->row_size * sizeof( float ) );
 	lwi_free( &allocator, (void*)m->body_row, m->body_count * sizeof( float* ) );
 	lwi_free( &allocator, m->rows, m->row_bytes );
@@ -377,21 +377,21 @@ static double largest_of_body( const lwi_margins* m, const lw_checker* c, uint32
 	return largest;
 }
 
-/// The largest margin of each node and subtree, children before parents.
-static void fill_nodes( lwi_margins* m, const lw_checker* c )
+/// The largest margin of each cluster and subtree, children before parents.
+static void fill_clusters( lwi_margins* m, const lw_checker* c )
 {
-	const lwi_checker_tree* t = c->tree;
-	for ( uint32_t i = t->node_count; i-- > 0; )
+	const lwi_cluster_tree* t = c->tree;
+	for ( uint32_t i = t->cluster_count; i-- > 0; )
 	{
-		const lwi_checker_node* node = &t->nodes[i];
-		for ( uint32_t k = 0; k < node->body_count; ++k )
+		const lwi_cluster* cluster = &t->clusters[i];
+		for ( uint32_t k = 0; k < cluster->body_count; ++k )
 		{
-			m->nodes[2 * i] = fmax( m->nodes[2 * i], largest_of_body( m, c, t->bodies[node->first_body + k] ) );
+			m->clusters[2 * i] = fmax( m->clusters[2 * i], largest_of_body( m, c, t->bodies[cluster->first_body + k] ) );
 		}
-		m->nodes[2 * i + 1] = fmax( m->nodes[2 * i + 1], m->nodes[2 * i] );
+		m->clusters[2 * i + 1] = fmax( m->clusters[2 * i + 1], m->clusters[2 * i] );
 		if ( i > 0 )
 		{
-			m->nodes[2 * node->parent + 1] = fmax( m->nodes[2 * node->parent + 1], m->nodes[2 * i + 1] );
+			m->clusters[2 * cluster->parent + 1] = fmax( m->clusters[2 * cluster->parent + 1], m->clusters[2 * i + 1] );
 		}
 	}
 }
@@ -416,9 +416,9 @@ static bool fill_objects( lwi_margins* m, const lw_checker* c )
 static bool fill_tables( lwi_margins* m, const lw_checker* c )
 {
 	m->bodies = lwi_alloc_zero( &m->allocator, m->body_count, sizeof( double ) );
-	m->nodes = lwi_alloc_zero( &m->allocator, m->node_count, sizeof( double[2] ) );
+	m->clusters = lwi_alloc_zero( &m->allocator, m->cluster_count, sizeof( double[2] ) );
 	m->body_row = lwi_alloc_zero( &m->allocator, m->body_count, sizeof( float* ) );
-	if ( m->bodies == NULL || m->nodes == NULL || m->body_row == NULL || !fill_objects( m, c ) )
+	if ( m->bodies == NULL || m->clusters == NULL || m->body_row == NULL || !fill_objects( m, c ) )
 	{
 		return false;
 	}
@@ -445,9 +445,9 @@ static bool fill_tables( lwi_margins* m, const lw_checker* c )
 			row += m->row_size;
 		}
 	}
-	fill_nodes( m, c );
+	fill_clusters( m, c );
 	m->bytes += sizeof( *m ) + ( m->link_count + (size_t)m->object_count + m->body_count ) * sizeof( double ) +
-				m->node_count * sizeof( double[2] ) + m->listed.count * sizeof( lw_pair_margin ) +
+				m->cluster_count * sizeof( double[2] ) + m->listed.count * sizeof( lw_pair_margin ) +
 				m->body_count * sizeof( float* ) + m->row_bytes;
 	return true;
 }
@@ -473,7 +473,7 @@ lw_status lwi_margins_create( const lw_margins* def, const lw_checker* c, lw_dia
 	m->link_count = lw_robot_link_count( c->robot );
 	m->object_count = c->scene != NULL ? c->scene->object_count : 0;
 	m->body_count = lw_robot_body_count( c->robot );
-	m->node_count = c->tree->node_count;
+	m->cluster_count = c->tree->cluster_count;
 	m->row_size = c->scene_block_count * LWI_WIDTH;
 	status = fill_given( m, def, &n, diag );
 	bool none = m->largest == 0;

@@ -36,7 +36,7 @@ typedef struct lwi_margins
 {
 	lw_allocator allocator;
 	size_t bytes;
-	uint32_t link_count, object_count, body_count, node_count, row_size;
+	uint32_t link_count, object_count, body_count, cluster_count, row_size;
 	double all;
 	double* link;   ///< [link_count]
 	double* object; ///< [object_count]
@@ -44,7 +44,7 @@ typedef struct lwi_margins
 	double largest; ///< of all pairs, or more
 	// for queries
 	double* bodies;     ///< [body_count] all + link
-	double* nodes;      ///< [2 * node_count] largest of a node's bodies, then of its subtree's, but for the objects' parts
+	double* clusters; ///< [2 * cluster_count] largest of a cluster's bodies, then of its subtree's, but for the objects' parts
 	float* objects;     ///< [row_size] of each scene shape its object's part, rounded up; NULL if all are 0
 	const float** body_row; ///< [body_count] addends of a body's margin by shape: `objects`, a row of `rows`, or NULL
 	float* rows;        ///< rows of bodies in listed pairs, rounded up

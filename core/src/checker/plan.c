@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The self query of a checker, unrolled: the recursion of the paper as a list of tests with jumps.
 //
-// Steinbach et al. 2006, section IV. The tree of a checker does not change, so neither does the recursion: for each node n
-//   1. R_n against the subtree of each child (the child itself included where its pairs are not allowed),
+// Steinbach et al. 2006, section IV. The tree of a checker does not change, so neither does the recursion: for each cluster
+// n   1. R_n against the subtree of each child (the child itself included where its pairs are not allowed),
 //   2. the subtrees of the children against each other,
 //   3. each child on its own.
-// A test of two subtrees opens the one whose M is larger; the recursion ends at pairs of nodes, R against R. Every
+// A test of two subtrees opens the one whose M is larger; the recursion ends at pairs of clusters, R against R. Every
 // test carries the least separation of the pairs it stands for: entries of rigid (3), motion (4) and scfree (12), but of
-// these nodes and of the pairs that this checker checks, hence never less than the reach's own, but for margins.
+// these clusters and of the pairs that this checker checks, hence never less than the reach's own, but for margins.
 #include "checker/checker.h"
 #include "checker/clusters.h"
 #include "base/math_inline.h"
@@ -15,22 +15,22 @@
 
 #include <string.h>
 
-/// A test's worth: the least separation and the largest margin of the pairs below, and how many pairs of nodes these are.
+/// A test's worth: the least separation and the largest margin of the pairs below, and how many pairs of clusters these are.
 typedef struct share
 {
 	float separation, margin;
 	uint32_t count;
 } share;
 
-/// Tables over the nodes, freed when the plan is made.
+/// Tables over the clusters, freed when the plan is made.
 typedef struct plan
 {
-	lwi_checker_tree* tree;
-	share* base;     ///< [nodes * nodes] R_a, R_b
-	share* rigid;    ///< [nodes * nodes] R_a, subtree of b
-	share* motion;   ///< [nodes * nodes] subtrees of a and b; only used where neither contains the other
-	share* scfree;   ///< [nodes] inside the subtree
-	uint32_t* pairs; ///< [nodes * nodes] index into node_pairs, for a < b
+	lwi_cluster_tree* tree;
+	share* base;     ///< [clusters * clusters] R_a, R_b
+	share* rigid;    ///< [clusters * clusters] R_a, subtree of b
+	share* motion;   ///< [clusters * clusters] subtrees of a and b; only used where neither contains the other
+	share* scfree;   ///< [clusters] inside the subtree
+	uint32_t* pairs; ///< [clusters * clusters] index into cluster_pairs, for a < b
 	uint32_t step_count;
 } plan;
 
@@ -44,7 +44,7 @@ static share joined( share a, share b )
 
 static size_t entry( const plan* p, uint32_t a, uint32_t b )
 {
-	return (size_t)a * p->tree->node_count + b;
+	return (size_t)a * p->tree->cluster_count + b;
 }
 
 static uint32_t least( uint32_t a, uint32_t b )
@@ -52,20 +52,20 @@ static uint32_t least( uint32_t a, uint32_t b )
 	return a < b ? a : b;
 }
 
-static uint32_t common_ancestor( const lwi_checker_tree* t, uint32_t a, uint32_t b )
+static uint32_t common_ancestor( const lwi_cluster_tree* t, uint32_t a, uint32_t b )
 {
-	while ( b >= t->nodes[a].end || b < a )
+	while ( b >= t->clusters[a].end || b < a )
 	{
-		a = t->nodes[a].parent;
+		a = t->clusters[a].parent;
 	}
 	return a;
 }
 
-/// The pairs of nodes that hold self pairs, in base and pairs.
+/// The pairs of clusters that hold self pairs, in base and pairs.
 static void find_pairs( plan* p, const lw_checker* c )
 {
-	lwi_checker_tree* t = p->tree;
-	size_t entries = (size_t)t->node_count * t->node_count;
+	lwi_cluster_tree* t = p->tree;
+	size_t entries = (size_t)t->cluster_count * t->cluster_count;
 	for ( size_t i = 0; i < entries; ++i )
 	{
 		p->base[i] = p->rigid[i] = p->motion[i] = nothing;
@@ -74,14 +74,14 @@ static void find_pairs( plan* p, const lw_checker* c )
 	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
 	{
 		const lwi_self_pair* pair = &c->self_pairs[i];
-		uint32_t a = t->body_node[pair->body_a], b = t->body_node[pair->body_b];
+		uint32_t a = t->body_cluster[pair->body_a], b = t->body_cluster[pair->body_b];
 		double margin = lwi_self_margin( c, pair->body_a, pair->body_b );
 		share both = { lwi_checker_separation( c, p->tree, pair->body_a, pair->body_b ), margin > 0 ? lwi_round_up( margin ) : 0, 1 };
 		share* forth = &p->base[entry( p, a, b )];
 		if ( forth->count == 0 )
 		{
 			p->pairs[entry( p, least( a, b ), a < b ? b : a )] = t->pair_count++;
-			t->separation_count += (size_t)t->nodes[a].body_count * t->nodes[b].body_count;
+			t->separation_count += (size_t)t->clusters[a].body_count * t->clusters[b].body_count;
 		}
 		both.separation = both.separation < forth->separation ? both.separation : forth->separation;
 		both.margin = both.margin > forth->margin ? both.margin : forth->margin;
@@ -92,8 +92,8 @@ static void find_pairs( plan* p, const lw_checker* c )
 /// rigid, motion and scfree from base, children before parents.
 static void sum_up( plan* p )
 {
-	lwi_checker_tree* t = p->tree;
-	uint32_t n = t->node_count;
+	lwi_cluster_tree* t = p->tree;
+	uint32_t n = t->cluster_count;
 	for ( uint32_t a = 0; a < n; ++a )
 	{
 		for ( uint32_t b = n; b-- > 0; )
@@ -102,7 +102,7 @@ static void sum_up( plan* p )
 			*rigid = joined( *rigid, p->base[entry( p, a, b )] );
 			if ( b > 0 )
 			{
-				share* above = &p->rigid[entry( p, a, t->nodes[b].parent )];
+				share* above = &p->rigid[entry( p, a, t->clusters[b].parent )];
 				*above = joined( *above, *rigid );
 			}
 		}
@@ -115,7 +115,7 @@ static void sum_up( plan* p )
 			*motion = joined( *motion, p->rigid[entry( p, a, b )] );
 			if ( a > 0 )
 			{
-				share* above = &p->motion[entry( p, t->nodes[a].parent, b )];
+				share* above = &p->motion[entry( p, t->clusters[a].parent, b )];
 				*above = joined( *above, *motion );
 			}
 		}
@@ -124,10 +124,10 @@ static void sum_up( plan* p )
 	{
 		share* mine = &p->scfree[a];
 		*mine = nothing;
-		for ( uint32_t c = a + 1; c < t->nodes[a].end; c = t->nodes[c].end )
+		for ( uint32_t c = a + 1; c < t->clusters[a].end; c = t->clusters[c].end )
 		{
 			*mine = joined( *mine, joined( p->rigid[entry( p, a, c )], p->scfree[c] ) );
-			for ( uint32_t d = t->nodes[c].end; d < t->nodes[a].end; d = t->nodes[d].end )
+			for ( uint32_t d = t->clusters[c].end; d < t->clusters[a].end; d = t->clusters[d].end )
 			{
 				*mine = joined( *mine, p->motion[entry( p, c, d )] );
 			}
@@ -181,16 +181,16 @@ static void plan_pair( plan* p, uint32_t a, uint32_t b )
 /// R of a against everything in the subtree of b. The spheres of neighbours always meet: then only the table decides.
 static void plan_rigid( plan* p, uint32_t a, uint32_t b )
 {
-	lwi_checker_tree* t = p->tree;
+	lwi_cluster_tree* t = p->tree;
 	share stands_for = p->rigid[entry( p, a, b )];
 	if ( stands_for.count == 0 )
 	{
 		return;
 	}
-	bool useful = t->nodes[b].parent != a && t->nodes[a].body_count > 0 && t->nodes[b].m.radius < INFINITY;
+	bool useful = t->clusters[b].parent != a && t->clusters[a].body_count > 0 && t->clusters[b].m.radius < INFINITY;
 	uint32_t step = open( p, stands_for, useful ? 2 * a : LW_INVALID_INDEX, useful ? 2 * b + 1 : LW_INVALID_INDEX );
 	plan_pair( p, a, b );
-	for ( uint32_t c = b + 1; c < t->nodes[b].end; c = t->nodes[c].end )
+	for ( uint32_t c = b + 1; c < t->clusters[b].end; c = t->clusters[c].end )
 	{
 		plan_rigid( p, a, c );
 	}
@@ -200,17 +200,17 @@ static void plan_rigid( plan* p, uint32_t a, uint32_t b )
 /// Two subtrees, neither inside of the other.
 static void plan_motion( plan* p, uint32_t a, uint32_t b )
 {
-	lwi_checker_tree* t = p->tree;
+	lwi_cluster_tree* t = p->tree;
 	share stands_for = p->motion[entry( p, a, b )];
 	if ( stands_for.count == 0 )
 	{
 		return;
 	}
-	bool useful = t->nodes[a].m.radius < INFINITY && t->nodes[b].m.radius < INFINITY;
+	bool useful = t->clusters[a].m.radius < INFINITY && t->clusters[b].m.radius < INFINITY;
 	uint32_t step = open( p, stands_for, useful ? 2 * a + 1 : LW_INVALID_INDEX, useful ? 2 * b + 1 : LW_INVALID_INDEX );
-	uint32_t larger = t->nodes[a].m.radius >= t->nodes[b].m.radius ? a : b, other = larger == a ? b : a;
+	uint32_t larger = t->clusters[a].m.radius >= t->clusters[b].m.radius ? a : b, other = larger == a ? b : a;
 	plan_rigid( p, larger, other );
-	for ( uint32_t c = larger + 1; c < t->nodes[larger].end; c = t->nodes[c].end )
+	for ( uint32_t c = larger + 1; c < t->clusters[larger].end; c = t->clusters[c].end )
 	{
 		plan_motion( p, c, other );
 	}
@@ -219,24 +219,24 @@ static void plan_motion( plan* p, uint32_t a, uint32_t b )
 
 static void plan_subtree( plan* p, uint32_t n )
 {
-	lwi_checker_tree* t = p->tree;
+	lwi_cluster_tree* t = p->tree;
 	if ( p->scfree[n].count == 0 )
 	{
 		return;
 	}
 	uint32_t step = open( p, p->scfree[n], LW_INVALID_INDEX, LW_INVALID_INDEX );
-	for ( uint32_t c = n + 1; c < t->nodes[n].end; c = t->nodes[c].end )
+	for ( uint32_t c = n + 1; c < t->clusters[n].end; c = t->clusters[c].end )
 	{
 		plan_rigid( p, n, c );
 	}
-	for ( uint32_t c = n + 1; c < t->nodes[n].end; c = t->nodes[c].end )
+	for ( uint32_t c = n + 1; c < t->clusters[n].end; c = t->clusters[c].end )
 	{
-		for ( uint32_t d = t->nodes[c].end; d < t->nodes[n].end; d = t->nodes[d].end )
+		for ( uint32_t d = t->clusters[c].end; d < t->clusters[n].end; d = t->clusters[d].end )
 		{
 			plan_motion( p, c, d );
 		}
 	}
-	for ( uint32_t c = n + 1; c < t->nodes[n].end; c = t->nodes[c].end )
+	for ( uint32_t c = n + 1; c < t->clusters[n].end; c = t->clusters[c].end )
 	{
 		plan_subtree( p, c );
 	}
@@ -247,18 +247,18 @@ static void plan_subtree( plan* p, uint32_t n )
 
 static void fill_pairs( const plan* p, const lw_checker* c )
 {
-	lwi_checker_tree* t = p->tree;
+	lwi_cluster_tree* t = p->tree;
 	size_t used = 0;
-	for ( uint32_t a = 0; a < t->node_count; ++a )
+	for ( uint32_t a = 0; a < t->cluster_count; ++a )
 	{
-		for ( uint32_t b = a + 1; b < t->node_count; ++b )
+		for ( uint32_t b = a + 1; b < t->cluster_count; ++b )
 		{
 			uint32_t index = p->pairs[entry( p, a, b )];
 			if ( index != LW_INVALID_INDEX )
 			{
 				share base = p->base[entry( p, a, b )];
-				t->pairs[index] = (lwi_node_pair){ a, b, common_ancestor( t, a, b ), base.separation, base.margin, used };
-				used += (size_t)t->nodes[a].body_count * t->nodes[b].body_count;
+				t->pairs[index] = (lwi_cluster_pair){ a, b, common_ancestor( t, a, b ), base.separation, base.margin, used };
+				used += (size_t)t->clusters[a].body_count * t->clusters[b].body_count;
 			}
 		}
 	}
@@ -266,33 +266,33 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 	{
 		t->separations[i] = INFINITY;
 	}
-	uint32_t* rank = p->pairs + (size_t)t->node_count * t->node_count; // of a body within its node
-	for ( uint32_t node = 0; node < t->node_count; ++node )
+	uint32_t* rank = p->pairs + (size_t)t->cluster_count * t->cluster_count; // of a body within its cluster
+	for ( uint32_t cluster = 0; cluster < t->cluster_count; ++cluster )
 	{
-		for ( uint32_t i = 0; i < t->nodes[node].body_count; ++i )
+		for ( uint32_t i = 0; i < t->clusters[cluster].body_count; ++i )
 		{
-			rank[t->bodies[t->nodes[node].first_body + i]] = i;
+			rank[t->bodies[t->clusters[cluster].first_body + i]] = i;
 		}
 	}
 	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
 	{
 		uint32_t a = c->self_pairs[i].body_a, b = c->self_pairs[i].body_b;
-		if ( t->body_node[a] > t->body_node[b] )
+		if ( t->body_cluster[a] > t->body_cluster[b] )
 		{
 			uint32_t swap = a;
 			a = b;
 			b = swap;
 		}
-		const lwi_node_pair* pair = &t->pairs[p->pairs[entry( p, t->body_node[a], t->body_node[b] )]];
-		t->separations[pair->first + (size_t)rank[a] * t->nodes[pair->node_b].body_count + rank[b]] =
+		const lwi_cluster_pair* pair = &t->pairs[p->pairs[entry( p, t->body_cluster[a], t->body_cluster[b] )]];
+		t->separations[pair->first + (size_t)rank[a] * t->clusters[pair->cluster_b].body_count + rank[b]] =
 			lwi_checker_separation( c, t, c->self_pairs[i].body_a, c->self_pairs[i].body_b );
 	}
 }
 
-uint32_t lwi_node_pair_candidate( const lw_checker* checker, const lwi_checker_tree* tree, uint32_t index )
+uint32_t lwi_cluster_pair_candidate( const lw_checker* checker, const lwi_cluster_tree* tree, uint32_t index )
 {
-	const lwi_node_pair* pair = &tree->pairs[index];
-	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
+	const lwi_cluster_pair* pair = &tree->pairs[index];
+	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
 	if ( a->body_count != 1 || b->body_count != 1 )
 	{
 		return LWI_OPEN + index;
@@ -303,11 +303,11 @@ uint32_t lwi_node_pair_candidate( const lw_checker* checker, const lwi_checker_t
 
 static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
 {
-	lwi_checker_tree* t = p->tree;
+	lwi_cluster_tree* t = p->tree;
 	find_pairs( p, c );
 	sum_up( p );
 	plan_subtree( p, 0 ); // counts
-	t->pairs = lwi_alloc_zero( &t->allocator, t->pair_count, sizeof( lwi_node_pair ) );
+	t->pairs = lwi_alloc_zero( &t->allocator, t->pair_count, sizeof( lwi_cluster_pair ) );
 	t->separations = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( float ) );
 	lwi_self_step* steps = lwi_alloc_zero( &t->allocator, p->step_count, sizeof( lwi_self_step ) );
 	t->steps = steps;
@@ -319,26 +319,26 @@ static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
 	p->step_count = 0;
 	plan_subtree( p, 0 );
 	fill_pairs( p, c );
-	if ( !lwi_checker_views_create( c, t ) || !lwi_self_units_create( c, t, &t->units ) ||
-		 ( t->units == NULL && !lwi_node_rows_create( t, &t->rows ) ) )
+	if ( !lwi_checker_slices_create( c, t ) || !lwi_self_proxies_create( c, t, &t->proxies ) ||
+		 ( t->proxies == NULL && !lwi_cluster_rows_create( t, &t->rows ) ) )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	t->bytes += t->units != NULL ? sizeof( lwi_self_units ) : lwi_node_rows_bytes( &t->rows );
-	t->bytes += t->pair_count * sizeof( lwi_node_pair ) + t->separation_count * sizeof( float ) +
+	t->bytes += t->proxies != NULL ? sizeof( lwi_self_proxies ) : lwi_cluster_rows_bytes( &t->rows );
+	t->bytes += t->pair_count * sizeof( lwi_cluster_pair ) + t->separation_count * sizeof( float ) +
 				t->step_count * sizeof( lwi_self_step );
 	return LW_OK;
 }
 
-lw_status lwi_checker_plan_self( const lw_checker* c, lwi_checker_tree* t, lw_diag* diag )
+lw_status lwi_checker_plan_self( const lw_checker* c, lwi_cluster_tree* t, lw_diag* diag )
 {
-	size_t entries = (size_t)t->node_count * t->node_count;
+	size_t entries = (size_t)t->cluster_count * t->cluster_count;
 	size_t ranks = entries + t->body_count;
 	plan p = { .tree = t };
 	p.base = lwi_alloc( &t->allocator, entries * sizeof( share ) );
 	p.rigid = lwi_alloc( &t->allocator, entries * sizeof( share ) );
 	p.motion = lwi_alloc( &t->allocator, entries * sizeof( share ) );
-	p.scfree = lwi_alloc( &t->allocator, t->node_count * sizeof( share ) );
+	p.scfree = lwi_alloc( &t->allocator, t->cluster_count * sizeof( share ) );
 	p.pairs = lwi_alloc( &t->allocator, ranks * sizeof( uint32_t ) );
 	lw_status status = LW_OK;
 	if ( p.base == NULL || p.rigid == NULL || p.motion == NULL || p.scfree == NULL || p.pairs == NULL )
@@ -352,7 +352,7 @@ lw_status lwi_checker_plan_self( const lw_checker* c, lwi_checker_tree* t, lw_di
 	lwi_free( &t->allocator, p.base, entries * sizeof( share ) );
 	lwi_free( &t->allocator, p.rigid, entries * sizeof( share ) );
 	lwi_free( &t->allocator, p.motion, entries * sizeof( share ) );
-	lwi_free( &t->allocator, p.scfree, t->node_count * sizeof( share ) );
+	lwi_free( &t->allocator, p.scfree, t->cluster_count * sizeof( share ) );
 	lwi_free( &t->allocator, p.pairs, ranks * sizeof( uint32_t ) );
 	return status;
 }

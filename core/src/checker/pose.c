@@ -1,80 +1,80 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of a state, node by node at their first use.
+// Poses of a state, cluster by cluster at their first use.
 //
-// A pose follows from the pose of the node above in one way only, in whatever order poses are used, so it has the same bits
-// in every order, and so have the distances measured with it.
+// A pose follows from the pose of the cluster above in one way only, in whatever order poses are used, so it has the same
+// bits in every order, and so have the distances measured with it.
 #include "checker/pose.h"
 #include "base/math_inline.h"
 
 #include <string.h>
 
-/// Bodies that never move are where their links are, the others where their node's top takes them.
+/// Bodies that never move are where their links are, the others where their cluster's root link takes them.
 static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
 {
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	const lwi_checker_body* b = &checker->bodies[body];
-	const uint32_t node = tree->body_node[body];
+	const uint32_t cluster = tree->body_cluster[body];
 	lw_transform* pose = &query->world_from_body[body];
-	*pose = node == 0 ? lwi_multiply( &query->world_from_link[b->link], &b->link_from_shape )
-	                  : lwi_multiply( &query->world_from_link[tree->nodes[node].top], &tree->body_poses[tree->body_place[body]] );
+	*pose = cluster == 0 ? lwi_multiply( &query->world_from_link[b->link], &b->link_from_shape )
+	                  : lwi_multiply( &query->world_from_link[tree->clusters[cluster].root_link], &tree->body_poses[tree->body_place[body]] );
 	lw_vec3 center = lwi_transform( pose, lwi_load( b->shape->sphere_center ) );
 	query->body_center[3 * (size_t)body] = center.x;
 	query->body_center[3 * (size_t)body + 1] = center.y;
 	query->body_center[3 * (size_t)body + 2] = center.z;
 }
 
-void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines )
+void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	for ( uint32_t i = 0; i < tree->node_count; ++i )
+	const lwi_cluster_tree* tree = checker->tree;
+	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
 	{
-		const lwi_node_turn* turn = &tree->turns[i];
-		query->angles[i] = turn->multiplier * state[turn->variable] + turn->offset;
+		const lwi_cluster_angle* angle = &tree->angles[i];
+		query->angles[i] = angle->multiplier * state[angle->variable] + angle->offset;
 	}
 	// the padding behind the last angle holds angles of another time, or 0
-	query->search.kernels->turns( query->angles, lwi_padded_nodes( tree ), cosines, sines );
+	query->search.kernels->sincos( query->angles, lwi_padded_clusters( tree ), cosines, sines );
 }
 
 void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transform* above, const double* state, const double* cosines,
 	const double* sines, lw_transform* out )
 {
-	const lwi_checker_node* node = &checker->tree->nodes[index];
-	const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[node->top]];
-	if ( checker->tree->turns[index].turns )
+	const lwi_cluster* cluster = &checker->tree->clusters[index];
+	const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[cluster->root_link]];
+	if ( checker->tree->angles[index].rotates )
 	{
-		const lwi_turn by = { cosines[index], sines[index] };
-		lwi_joint_pose_turned( joint, above, &node->hook, node->hook_translates, by, out );
+		const lwi_sincos by = { cosines[index], sines[index] };
+		lwi_joint_pose_sincos( joint, above, &cluster->parent_from_joint, cluster->translates, by, out );
 	}
 	else
 	{
-		lwi_joint_pose( joint, above, &node->hook, node->hook_translates, state, out );
+		lwi_joint_pose( joint, above, &cluster->parent_from_joint, cluster->translates, state, out );
 	}
 }
 
 void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index )
 {
-	const lwi_checker_node* node = &checker->tree->nodes[index];
-	if ( query->turn_stamp != query->state_stamp )
+	const lwi_cluster* cluster = &checker->tree->clusters[index];
+	if ( query->sincos_stamp != query->state_stamp )
 	{
-		lwi_turn_joints( checker, query, query->state, query->cosines, query->sines );
-		query->turn_stamp = query->state_stamp;
+		lwi_sincos_joints( checker, query, query->state, query->cosines, query->sines );
+		query->sincos_stamp = query->state_stamp;
 	}
 	// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
-	lwi_pose_under( checker, index, &query->world_from_link[node->parent_top], query->state, query->cosines, query->sines,
-		&query->world_from_link[node->top] );
+	lwi_pose_under( checker, index, &query->world_from_link[cluster->parent_root], query->state, query->cosines, query->sines,
+		&query->world_from_link[cluster->root_link] );
 	query->search.stats.links_posed++;
-	query->node_stamp[index] = query->state_stamp;
+	query->cluster_stamp[index] = query->state_stamp;
 }
 
-void lwi_pose_node_now( const lw_checker* checker, lw_query* query, uint32_t index )
+void lwi_pose_cluster_now( const lw_checker* checker, lw_query* query, uint32_t index )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	while ( query->node_stamp[index] != query->state_stamp )
+	const lwi_cluster_tree* tree = checker->tree;
+	while ( query->cluster_stamp[index] != query->state_stamp )
 	{
-		uint32_t highest = index; // node 0 always has the stamp of the state
-		while ( query->node_stamp[tree->nodes[highest].parent] != query->state_stamp )
+		uint32_t highest = index; // cluster 0 always has the stamp of the state
+		while ( query->cluster_stamp[tree->clusters[highest].parent] != query->state_stamp )
 		{
-			highest = tree->nodes[highest].parent;
+			highest = tree->clusters[highest].parent;
 		}
 		lwi_pose_child( checker, query, highest );
 	}
@@ -82,7 +82,7 @@ void lwi_pose_node_now( const lw_checker* checker, lw_query* query, uint32_t ind
 
 void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t body )
 {
-	lwi_pose_node( checker, query, checker->tree->body_node[body] );
+	lwi_pose_cluster( checker, query, checker->tree->body_cluster[body] );
 	pose_body( checker, query, body );
 	query->body_stamp[body] = query->state_stamp;
 }
@@ -90,44 +90,44 @@ void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t bod
 void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
 {
 	uint32_t index = sphere / 2;
-	const lwi_checker_node* node = &checker->tree->nodes[index];
+	const lwi_cluster* cluster = &checker->tree->clusters[index];
 	bool motion = sphere % 2 != 0;
-	uint32_t frame = motion ? node->parent : index; // the node whose pose carries the sphere
-	lwi_pose_node( checker, query, frame );
-	const lw_sphere* local = motion ? &node->m : &node->r;
-	const lw_transform* pose = &query->world_from_link[motion ? node->parent_top : node->top];
+	uint32_t frame = motion ? cluster->parent : index; // the cluster whose pose carries the sphere
+	lwi_pose_cluster( checker, query, frame );
+	const lw_sphere* local = motion ? &cluster->m : &cluster->r;
+	const lw_transform* pose = &query->world_from_link[motion ? cluster->parent_root : cluster->root_link];
 	lw_vec3 center = lwi_transform( pose, lwi_load( local->center ) );
 	double* out = query->spheres + 4 * (size_t)sphere;
 	out[0] = center.x;
 	out[1] = center.y;
 	out[2] = center.z;
-	out[3] = local->radius + ( motion ? node->m_rounding : node->r_rounding ) + query->pose_rounding;
+	out[3] = local->radius + ( motion ? cluster->m_rounding : cluster->r_rounding ) + query->pose_rounding;
 	query->sphere_stamp[sphere] = query->state_stamp;
 }
 
 void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index )
 {
-	const lwi_checker_node* node = &checker->tree->nodes[index];
+	const lwi_cluster* cluster = &checker->tree->clusters[index];
 	const double* r = lwi_sphere( checker, query, 2 * index );
-	const lw_transform* pose = &query->world_from_link[node->top];
-	double rounding = r[3] - node->r.radius; // each body lies within R: the enlargement of R is enough for it
-	float* out = query->blocks + (size_t)node->first_block * 4 * LWI_WIDTH;
-	const uint32_t padded = lwi_padded( node->body_count );
+	const lw_transform* pose = &query->world_from_link[cluster->root_link];
+	double rounding = r[3] - cluster->r.radius; // each body lies within R: the enlargement of R is enough for it
+	float* out = query->blocks + (size_t)cluster->first_block * 4 * LWI_WIDTH;
+	const uint32_t padded = lwi_padded( cluster->body_count );
 	for ( uint32_t i = 0; i < padded; ++i )
 	{
 		float* lane = out + (size_t)( i / LWI_WIDTH ) * 4 * LWI_WIDTH + i % LWI_WIDTH;
 		lw_vec3 center = lwi_v3( r[0], r[1], r[2] );
-		if ( i < node->body_count )
+		if ( i < cluster->body_count )
 		{
-			center = lwi_transform( pose, lwi_load( checker->tree->body_spheres[node->first_body + i].center ) );
+			center = lwi_transform( pose, lwi_load( checker->tree->body_spheres[cluster->first_body + i].center ) );
 		}
 		lane[0] = (float)( center.x - r[0] );
 		lane[LWI_WIDTH] = (float)( center.y - r[1] );
 		lane[2 * LWI_WIDTH] = (float)( center.z - r[2] );
 		lane[3 * LWI_WIDTH] = -INFINITY;
-		if ( i < node->body_count )
+		if ( i < cluster->body_count )
 		{
-			double radius = checker->tree->body_spheres[node->first_body + i].radius + rounding;
+			double radius = checker->tree->body_spheres[cluster->first_body + i].radius + rounding;
 			lane[3 * LWI_WIDTH] = (float)( radius * ( 1 + 0x1p-22 ) );
 		}
 	}
@@ -150,19 +150,19 @@ static void pose_static( const lw_checker* checker, lw_query* query )
 	const lw_robot* robot = checker->robot;
 	memcpy( query->state, checker->reference, robot->variable_count * sizeof( double ) );
 	memcpy( query->world_from_link, checker->reference_poses, robot->link_count * sizeof( lw_transform ) );
-	// stamps of another checker belong to other nodes
+	// stamps of another checker belong to other clusters
 	++query->state_stamp;
 	for ( uint32_t i = 0; i < robot->body_count; ++i )
 	{
 		pose_body( checker, query, i ); // static ones stay there, the others are posed again by every state
 	}
-	// node 0 never moves: its data are stamped anew for every state
+	// cluster 0 never moves: its data are stamped anew for every state
 	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
 	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
-	query->node_stamp[0] = query->state_stamp;
+	query->cluster_stamp[0] = query->state_stamp;
 	lwi_pose_sphere( checker, query, 0 );
 	lwi_pose_blocks( checker, query, 0 );
-	memset( query->motion_trials, 0, checker->tree->node_count * sizeof( lwi_trial ) );
+	memset( query->motion_trials, 0, checker->tree->cluster_count * sizeof( lwi_trial ) );
 	query->bindings++;
 	query->posed = lw_checker_retain( checker );
 	query->release_posed = lw_checker_release;
@@ -177,7 +177,7 @@ void lwi_checker_bind( const lw_checker* checker, lw_query* query )
 }
 
 /// True if the quaternions of the group's floating joints are usable: then forward kinematics cannot fail.
-static bool quaternions_are_valid( const lwi_checker_tree* tree, const double* state )
+static bool quaternions_are_valid( const lwi_cluster_tree* tree, const double* state )
 {
 	for ( uint32_t i = 0; i < tree->floating_count; ++i )
 	{
@@ -227,7 +227,7 @@ static const double most_rounding = 1.0;
 /// A new state: all poses are to be computed again, except for the static ones.
 static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
 {
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
 	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
 	if ( !( query->rounding <= most_rounding ) || !quaternions_are_valid( tree, query->state ) )
@@ -239,8 +239,8 @@ static bool begin_state( const lw_checker* checker, lw_query* query, const doubl
 	query->tables = holds && query->search.def.pair_tables;
 	query->covered = query->hulls || query->tables;
 	query->within = within_box( checker->variable_count, checker->near_lower, q, checker->near_upper );
-	query->node_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
-	for ( uint32_t i = 0; i < tree->nodes[0].body_count; ++i )
+	query->cluster_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
+	for ( uint32_t i = 0; i < tree->clusters[0].body_count; ++i )
 	{
 		query->body_stamp[tree->bodies[i]] = query->state_stamp;
 	}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of a state, on demand: each node, body and sphere is taken to the world at its first use.
+// Poses of a state, on demand: each cluster, body and sphere is taken to the world at its first use.
 //
 // A stamp names the state for which a value was computed; a new state makes all stamps old at once.
 #ifndef LEEWAY_CHECKER_POSE_H
@@ -13,31 +13,31 @@
 /// thousands of joints' worth of roundoffs (each turns a few of 2^-53), and still only 0.6 nm for a robot that reaches 10 m.
 #define LWI_POSE_ROUNDING 0x1p-36
 
-/// Cosines and sines of all joints above nodes at once, whatever is used first: one alone takes as long as four.
-/// @param state [robot variable_count] @param cosines, sines [lwi_padded_nodes()]
-void lwi_turn_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines );
+/// Cosines and sines of all joints above clusters at once, whatever is used first: one alone takes as long as four.
+/// @param state [robot variable_count] @param cosines, sines [lwi_padded_clusters()]
+void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines );
 
-/// Pose of a node other than 0 at a state, given that of its parent, `above`. @param cosines, sines of that state
-void lwi_pose_under( const lw_checker* checker, uint32_t node, const lw_transform* above, const double* state, const double* cosines,
+/// Pose of a cluster other than 0 at a state, given that of its parent, `above`. @param cosines, sines of that state
+void lwi_pose_under( const lw_checker* checker, uint32_t cluster, const lw_transform* above, const double* state, const double* cosines,
 	const double* sines, lw_transform* out );
 
-/// A node other than 0 whose parent is posed.
-void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t node );
-void lwi_pose_node_now( const lw_checker* checker, lw_query* query, uint32_t node );
+/// A cluster other than 0 whose parent is posed.
+void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t cluster );
+void lwi_pose_cluster_now( const lw_checker* checker, lw_query* query, uint32_t cluster );
 void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t body );
 void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere );
 
-void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t node );
+void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t cluster );
 
 /// All poses, for callers that go through all pairs.
 void lwi_pose_all( const lw_checker* checker, lw_query* query );
 
-/// Makes world_from_link of a node's top valid.
-static inline void lwi_pose_node( const lw_checker* checker, lw_query* query, uint32_t node )
+/// Makes world_from_link of a cluster's root link valid.
+static inline void lwi_pose_cluster( const lw_checker* checker, lw_query* query, uint32_t cluster )
 {
-	if ( query->node_stamp[node] != query->state_stamp )
+	if ( query->cluster_stamp[cluster] != query->state_stamp )
 	{
-		lwi_pose_node_now( checker, query, node );
+		lwi_pose_cluster_now( checker, query, cluster );
 	}
 }
 
@@ -50,7 +50,7 @@ static inline void lwi_pose_body( const lw_checker* checker, lw_query* query, ui
 	}
 }
 
-/// Sphere 2 * node (R) or 2 * node + 1 (M) in the world: x, y, z, radius, the rounding of poses included.
+/// Sphere 2 * cluster (R) or 2 * cluster + 1 (M) in the world: x, y, z, radius, the rounding of poses included.
 static inline const double* lwi_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
 {
 	if ( query->sphere_stamp[sphere] != query->state_stamp )
@@ -60,14 +60,14 @@ static inline const double* lwi_sphere( const lw_checker* checker, lw_query* que
 	return query->spheres + 4 * (size_t)sphere;
 }
 
-/// The spheres of a node's bodies by LWI_WIDTH, [4][LWI_WIDTH] each, relative to the centre of the node's R.
-static inline const float* lwi_blocks( const lw_checker* checker, lw_query* query, uint32_t node )
+/// The spheres of a cluster's bodies by LWI_WIDTH, [4][LWI_WIDTH] each, relative to the centre of the cluster's R.
+static inline const float* lwi_blocks( const lw_checker* checker, lw_query* query, uint32_t cluster )
 {
-	if ( query->block_stamp[node] != query->state_stamp )
+	if ( query->block_stamp[cluster] != query->state_stamp )
 	{
-		lwi_pose_blocks( checker, query, node );
+		lwi_pose_blocks( checker, query, cluster );
 	}
-	return query->blocks + (size_t)checker->tree->nodes[node].first_block * 4 * LWI_WIDTH;
+	return query->blocks + (size_t)checker->tree->clusters[cluster].first_block * 4 * LWI_WIDTH;
 }
 
 #endif

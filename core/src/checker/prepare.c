@@ -8,12 +8,12 @@
 /// Called for each shape that may be needed. @return LW_OK to go on
 typedef lw_status visit( void* user, const lw_shape* shape );
 
-/// True if a body of the node is checked against this one.
-static bool is_checked( const lw_checker* checker, const lwi_checker_node* node, uint32_t body )
+/// True if a body of the cluster is checked against this one.
+static bool is_checked( const lw_checker* checker, const lwi_cluster* cluster, uint32_t body )
 {
-	for ( uint32_t i = 0; i < node->body_count; ++i )
+	for ( uint32_t i = 0; i < cluster->body_count; ++i )
 	{
-		const uint32_t other = checker->tree->bodies[node->first_body + i];
+		const uint32_t other = checker->tree->bodies[cluster->first_body + i];
 		const uint32_t row = body < other ? body : other, column = body < other ? other : body;
 		const uint8_t* mask = checker->self_mask + (size_t)row * checker->body_block_count;
 		if ( ( mask[column / LWI_WIDTH] >> ( column % LWI_WIDTH ) & 1 ) != 0 )
@@ -29,10 +29,10 @@ static bool is_reached( const lw_checker* checker, uint32_t body, double largest
 {
 	const lwi_checker_body* b = &checker->bodies[body];
 	const lw_transform world_from_shape = lwi_multiply( &checker->reference_poses[b->link], &b->link_from_shape );
-	for ( uint32_t i = 1; i < checker->tree->node_count; ++i )
+	for ( uint32_t i = 1; i < checker->tree->cluster_count; ++i )
 	{
-		if ( is_checked( checker, &checker->tree->nodes[i], body ) &&
-			 lwi_cover_distance( b->shape, &world_from_shape, &checker->base->covers[i] ) - largest_margin < checker->max_d )
+		if ( is_checked( checker, &checker->tree->clusters[i], body ) &&
+			 lwi_envelope_distance( b->shape, &world_from_shape, &checker->base->envelopes[i] ) - largest_margin < checker->max_d )
 		{
 			return true;
 		}
@@ -43,11 +43,11 @@ static bool is_reached( const lw_checker* checker, uint32_t body, double largest
 static lw_status visit_needed( const lw_checker* checker, visit* each, void* user )
 {
 	lw_status status = LW_OK;
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	const double margin = -lwi_lowest_self( checker );
-	for ( uint32_t i = 0; tree->node_count > 0 && i < tree->nodes[0].body_count && status == LW_OK; ++i )
+	for ( uint32_t i = 0; tree->cluster_count > 0 && i < tree->clusters[0].body_count && status == LW_OK; ++i )
 	{
-		const uint32_t body = tree->bodies[tree->nodes[0].first_body + i];
+		const uint32_t body = tree->bodies[tree->clusters[0].first_body + i];
 		if ( lwi_shape_now( checker->bodies[body].shape )->deferred != NULL && is_reached( checker, body, margin ) )
 		{
 			status = each( user, checker->bodies[body].shape );
@@ -66,7 +66,7 @@ static lw_status visit_needed( const lw_checker* checker, visit* each, void* use
 
 static lw_status note( void* user, const lw_shape* shape )
 {
-	lwi_ahead_note( user, shape );
+	lwi_prefetch_note( user, shape );
 	return LW_OK;
 }
 
@@ -84,11 +84,11 @@ lw_status lw_checker_prepare( const lw_checker* checker,
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "checker is NULL" );
 	}
-	lwi_ahead ahead = { .prepare = prepare, .user = user };
+	lwi_prefetch prefetch = { .prepare = prepare, .user = user };
 	if ( prepare != NULL )
 	{
-		(void)visit_needed( checker, note, &ahead );
-		lwi_ahead_flush( &ahead );
+		(void)visit_needed( checker, note, &prefetch );
+		lwi_prefetch_flush( &prefetch );
 	}
 	// the remaining ones one by one: an error then has its reason
 	return visit_needed( checker, make, diag );

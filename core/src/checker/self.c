@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot against itself: by nodes, along the steps of the paper where motion hulls and tables are known; or all pairs at
-// once.
+// The robot against itself: by clusters, along the steps of the paper where motion hulls and tables are known; or all pairs
+// at once.
 //
 // Paper: Steinbach et al. 2006, section IV. A step is passed over, with all pairs below it, if their proved separation or
 // the gap of two spheres reaches the running bound; both are lower bounds, so the answer is that of all pairs. The remaining
@@ -113,7 +113,7 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 	}
 }
 
-// --- by nodes --------------------------------------------------------------------------------------------------------
+// --- by clusters -----------------------------------------------------------------------------------------------------
 
 /// Gap of two spheres (x, y, z, r) less a margin, if it is below the limit, else +INFINITY. An overflow counts as near:
 /// -INFINITY.
@@ -156,36 +156,36 @@ static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t 
 	return (lwi_candidate){ gap, a < b ? a * stride + b : b * stride + a };
 }
 
-/// The larger of the separation of a pair in all states and that of its chart in this one.
-/// @param margin that the separation is less by @param view index into the tree's views, or LW_INVALID_INDEX
-static float separation_now( const lw_checker* checker, const lw_query* query, float separation, double margin, uint32_t view )
+/// The larger of the separation of a pair in all states and that of its grid in this one.
+/// @param margin that the separation is less by @param slice index into the tree's slices, or LW_INVALID_INDEX
+static float separation_now( const lw_checker* checker, const lw_query* query, float separation, double margin, uint32_t slice )
 {
-	if ( view == LW_INVALID_INDEX || !query->tables )
+	if ( slice == LW_INVALID_INDEX || !query->tables )
 	{
 		return separation;
 	}
-	float charted = below( lwi_chart_at( &checker->tree->views[view], checker->tree->scales, query->state ) - margin );
-	return charted > separation ? charted : separation;
+	float by_grid = below( lwi_grid_at( &checker->tree->slices[slice], checker->tree->spacings, query->state ) - margin );
+	return by_grid > separation ? by_grid : separation;
 }
 
-static lwi_candidate node_pair( const lw_checker* checker, uint32_t index, float key )
+static lwi_candidate cluster_pair( const lw_checker* checker, uint32_t index, float key )
 {
-	return (lwi_candidate){ key, lwi_node_pair_candidate( checker, checker->tree, index ) };
+	return (lwi_candidate){ key, lwi_cluster_pair_candidate( checker, checker->tree, index ) };
 }
 
-/// All pairs of nodes by their R, one by one: without a bound nothing is ruled out.
+/// All pairs of clusters by their R, one by one: without a bound nothing is ruled out.
 static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	uint32_t count = 0;
 	for ( uint32_t i = 0; i < tree->pair_count; ++i )
 	{
-		const lwi_node_pair* pair = &tree->pairs[i];
-		const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
-		double gap = gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, bound->cutoff );
+		const lwi_cluster_pair* pair = &tree->pairs[i];
+		const double* a = lwi_sphere( checker, query, 2 * pair->cluster_a );
+		double gap = gap_below( a, lwi_sphere( checker, query, 2 * pair->cluster_b ), pair->margin, bound->cutoff );
 		if ( gap < INFINITY )
 		{
-			query->candidates[count++] = node_pair( checker, i, below( gap ) );
+			query->candidates[count++] = cluster_pair( checker, i, below( gap ) );
 		}
 	}
 	query->search.stats.robot_tests += tree->pair_count;
@@ -195,7 +195,7 @@ static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lw
 /// Walks the steps: pairs that no test rules out become candidates.
 static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_checker_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->tree;
 	double limit = bound->cutoff;
 	uint32_t count = 0, tests = 0;
 	for ( uint32_t i = 0; i < tree->step_count; )
@@ -216,11 +216,11 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 		}
 		if ( step->pair != LW_INVALID_INDEX )
 		{
-			uint32_t view = lwi_node_pair_view( tree, &tree->pairs[step->pair] );
-			float charted = separation_now( checker, query, separation, step->margin, view );
-			if ( charted < limit )
+			uint32_t slice = lwi_cluster_pair_slice( tree, &tree->pairs[step->pair] );
+			float by_grid = separation_now( checker, query, separation, step->margin, slice );
+			if ( by_grid < limit )
 			{
-				query->candidates[count++] = node_pair( checker, step->pair, lower_bound( gap, charted ) );
+				query->candidates[count++] = cluster_pair( checker, step->pair, lower_bound( gap, by_grid ) );
 			}
 		}
 		++i;
@@ -229,24 +229,24 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 	return count;
 }
 
-/// The spheres of all units in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
-static double unit_spheres( const lw_checker* checker, lw_query* query, float* blocks )
+/// The spheres of all proxies in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
+static double proxy_spheres( const lw_checker* checker, lw_query* query, float* blocks )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	const lwi_self_units* units = tree->units;
-	const double* origin = query->world_from_link[tree->nodes[0].top].t;
+	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_self_proxies* proxies = tree->proxies;
+	const double* origin = query->world_from_link[tree->clusters[0].root_link].t;
 	double reach = 0;
-	for ( uint32_t i = 1; i < tree->node_count; ++i )
+	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
 	{
-		if ( query->node_stamp[i] != query->state_stamp )
+		if ( query->cluster_stamp[i] != query->state_stamp )
 		{
 			lwi_pose_child( checker, query, i );
 		}
 	}
-	for ( uint32_t i = 0; i < units->count; ++i )
+	for ( uint32_t i = 0; i < proxies->count; ++i )
 	{
-		const lw_transform* pose = &query->world_from_link[tree->nodes[units->node[i]].top];
-		lw_vec3 center = lwi_transform( pose, lwi_load( units->sphere[i].center ) );
+		const lw_transform* pose = &query->world_from_link[tree->clusters[proxies->cluster[i]].root_link];
+		lw_vec3 center = lwi_transform( pose, lwi_load( proxies->sphere[i].center ) );
 		const double relative[3] = { center.x - origin[0], center.y - origin[1], center.z - origin[2] };
 		float* lane = blocks + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
 		for ( int axis = 0; axis < 3; ++axis )
@@ -254,9 +254,9 @@ static double unit_spheres( const lw_checker* checker, lw_query* query, float* b
 			lane[axis * LWI_WIDTH] = (float)relative[axis];
 			reach = fabs( relative[axis] ) > reach ? fabs( relative[axis] ) : reach;
 		}
-		lane[3 * LWI_WIDTH] = above( units->sphere[i].radius + query->pose_rounding );
+		lane[3 * LWI_WIDTH] = above( proxies->sphere[i].radius + query->pose_rounding );
 	}
-	return lwi_gap_slack( 2 * ( reach + units->largest_radius + query->pose_rounding ) );
+	return lwi_gap_slack( 2 * ( reach + proxies->largest_radius + query->pose_rounding ) );
 }
 
 /// Gap of two lanes of such blocks.
@@ -273,49 +273,49 @@ static double gap_of_lanes( const float* blocks, uint32_t a, uint32_t b )
 	return sqrt( square ) - (double)p[3 * LWI_WIDTH] - (double)q[3 * LWI_WIDTH];
 }
 
-/// Robots of few parts: all pairs of units by their spheres, eight at a time.
-static uint32_t compare_units( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+/// Robots of few parts: all pairs of proxies by their spheres, eight at a time.
+static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_self_units* units = checker->tree->units;
-	if ( query->tables && units->separation >= bound->cutoff )
+	const lwi_self_proxies* proxies = checker->tree->proxies;
+	if ( query->tables && proxies->separation >= bound->cutoff )
 	{
 		query->search.stats.robot_tests++;
 		return 0; // nothing needs to be posed
 	}
-	float blocks[LWI_UNIT_BLOCKS * 4 * LWI_WIDTH] = { 0 };
-	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
-	double slack = unit_spheres( checker, query, blocks );
-	float limit = above( bound->cutoff + units->largest_margin + slack );
-	uint32_t found = query->search.kernels->sphere_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS, limit, near ), count = 0;
+	float blocks[LWI_PROXY_BLOCKS * 4 * LWI_WIDTH] = { 0 };
+	uint16_t near[LWI_MOST_PROXIES * LWI_MOST_PROXIES / 2];
+	double slack = proxy_spheres( checker, query, blocks );
+	float limit = above( bound->cutoff + proxies->largest_margin + slack );
+	uint32_t found = query->search.kernels->sphere_pairs( blocks, proxies->count, proxies->mask[0], LWI_PROXY_BLOCKS, limit, near ), count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
 	{
 		uint32_t low = near[i] / 256, high = near[i] % 256;
-		const lwi_unit_pair* pair = &units->pairs[low][high];
+		const lwi_proxy_pair* pair = &proxies->pairs[low][high];
 		float separation = query->tables ? pair->separation : 0 - pair->margin;
 		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
 		if ( separation >= bound->cutoff || gap >= bound->cutoff )
 		{
 			continue;
 		}
-		separation = separation_now( checker, query, separation, pair->margin, pair->view );
+		separation = separation_now( checker, query, separation, pair->margin, pair->slice );
 		if ( separation < bound->cutoff )
 		{
 			query->candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
 		}
 	}
-	query->search.stats.robot_tests += units->pair_count;
+	query->search.stats.robot_tests += proxies->pair_count;
 	return count;
 }
 
-/// The R of all nodes in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
-static double node_spheres( const lw_checker* checker, lw_query* query, float* blocks )
+/// The R of all clusters in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
+static double cluster_spheres( const lw_checker* checker, lw_query* query, float* blocks )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	const double* origin = query->world_from_link[tree->nodes[0].top].t;
+	const lwi_cluster_tree* tree = checker->tree;
+	const double* origin = query->world_from_link[tree->clusters[0].root_link].t;
 	double reach = 0, largest = 0;
-	for ( uint32_t i = 0; i < tree->node_count; ++i )
+	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
 	{
-		if ( tree->nodes[i].body_count == 0 )
+		if ( tree->clusters[i].body_count == 0 )
 		{
 			continue;
 		}
@@ -336,23 +336,23 @@ static double node_spheres( const lw_checker* checker, lw_query* query, float* b
 /// Metres beyond which spheres are compared in double.
 #define LARGEST_SLACK 0x1p40
 
-/// All pairs of nodes by their R, where nothing is proved of this state: pairs that the spheres do not rule out become
+/// All pairs of clusters by their R, where nothing is proved of this state: pairs that the spheres do not rule out become
 /// candidates.
 static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	const lwi_node_rows* rows = &tree->rows;
+	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_rows* rows = &tree->rows;
 	float blocks[4 * LWI_MOST_ROWS] = { 0 };
 	double slack = INFINITY;
 	if ( rows->count > 0 && bound->cutoff < INFINITY )
 	{
-		slack = node_spheres( checker, query, blocks );
+		slack = cluster_spheres( checker, query, blocks );
 	}
 	if ( !( slack < LARGEST_SLACK ) )
 	{
 		return list_pairs( checker, query, bound );
 	}
-	uint16_t* near = (uint16_t*)(void*)query->gaps; // gaps has two floats at least per pair of nodes
+	uint16_t* near = (uint16_t*)(void*)query->gaps; // gaps has two floats at least per pair of clusters
 	float limit = above( bound->cutoff + (double)rows->largest_margin + slack );
 	uint32_t found = query->search.kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
@@ -361,14 +361,14 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)tree->pairs[index].margin;
 		if ( gap < bound->cutoff )
 		{
-			query->candidates[count++] = node_pair( checker, index, below( gap ) );
+			query->candidates[count++] = cluster_pair( checker, index, below( gap ) );
 		}
 	}
 	query->search.stats.robot_tests += tree->pair_count;
 	return count;
 }
 
-/// A sphere (x, y, z, r) of the world, tested against the bodies of a node by LWI_WIDTH.
+/// A sphere (x, y, z, r) of the world, tested against the bodies of a cluster by LWI_WIDTH.
 typedef struct probe
 {
 	const float* blocks;
@@ -378,11 +378,11 @@ typedef struct probe
 } probe;
 
 /// @param margin the largest of the pairs under test
-static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t node, const double sphere[4], double margin,
+static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t cluster, const double sphere[4], double margin,
 	const lwi_bound* bound )
 {
-	const double* r = lwi_sphere( checker, query, 2 * node );
-	probe p = { .blocks = lwi_blocks( checker, query, node ) };
+	const double* r = lwi_sphere( checker, query, 2 * cluster );
+	probe p = { .blocks = lwi_blocks( checker, query, cluster ) };
 	double largest = 0;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
@@ -396,23 +396,23 @@ static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t no
 	return p;
 }
 
-/// Lanes of a block of a node's bodies from number `first` on that are near a sphere. Where the sphere's numbers overflow,
-/// all are, but never those that pad the block.
-static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, uint32_t node, uint32_t first, const probe* p,
+/// Lanes of a block of a cluster's bodies from number `first` on that are near a sphere. Where the sphere's numbers
+/// overflow, all are, but never those that pad the block.
+static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, uint32_t cluster, uint32_t first, const probe* p,
 	float gap[LWI_WIDTH] )
 {
-	const uint32_t left = checker->tree->nodes[node].body_count - first;
+	const uint32_t left = checker->tree->clusters[cluster].body_count - first;
 	return query->search.kernels->sphere_gap( p->blocks + 4 * (size_t)first, p->sphere, p->limit, gap ) &
 		   lwi_low_bits( left < LWI_WIDTH ? left : LWI_WIDTH );
 }
 
-/// Bodies number `rank_a` of node a and `rank_b` of node b become a candidate, unless their separation rules them out.
+/// Bodies number `rank_a` of cluster a and `rank_b` of cluster b become a candidate, unless their separation rules them out.
 /// @param gap of their spheres
-static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, uint32_t rank_a, uint32_t rank_b,
+static void add_pair( const lw_checker* checker, lw_query* query, const lwi_cluster_pair* pair, uint32_t rank_a, uint32_t rank_b,
 	double gap, const lwi_bound* bound, uint32_t* count )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	const lwi_checker_node *a = &tree->nodes[pair->node_a], *b = &tree->nodes[pair->node_b];
+	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
 	size_t index = pair->first + (size_t)rank_a * b->body_count + rank_b;
 	float separation = tree->separations[index];
 	if ( !query->tables && separation < INFINITY )
@@ -425,8 +425,8 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node
 	}
 	uint32_t body_a = tree->bodies[a->first_body + rank_a], body_b = tree->bodies[b->first_body + rank_b];
 	double margin = lwi_self_margin( checker, body_a, body_b );
-	uint32_t view = tree->view_count > 0 ? tree->pair_views[index] : LW_INVALID_INDEX;
-	separation = separation_now( checker, query, separation, margin, view );
+	uint32_t slice = tree->slice_count > 0 ? tree->pair_slices[index] : LW_INVALID_INDEX;
+	separation = separation_now( checker, query, separation, margin, slice );
 	if ( separation < bound->cutoff )
 	{
 		lwi_heap_push( query->candidates, count,
@@ -434,18 +434,18 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_node
 	}
 }
 
-/// One body of a pair of nodes against the bodies of the other node. @param of_a it is a body of node a
-static void open_body( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, bool of_a, uint32_t rank,
+/// One body of a pair of clusters against the bodies of the other cluster. @param of_a it is a body of cluster a
+static void open_body( const lw_checker* checker, lw_query* query, const lwi_cluster_pair* pair, bool of_a, uint32_t rank,
 	const lwi_bound* bound, uint32_t* count )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	uint32_t mine = of_a ? pair->node_a : pair->node_b, other = of_a ? pair->node_b : pair->node_a;
-	const lw_sphere* local = &tree->body_spheres[tree->nodes[mine].first_body + rank];
-	lw_vec3 center = lwi_transform( &query->world_from_link[tree->nodes[mine].top], lwi_load( local->center ) );
-	double rounding = lwi_sphere( checker, query, 2 * mine )[3] - tree->nodes[mine].r.radius;
+	const lwi_cluster_tree* tree = checker->tree;
+	uint32_t mine = of_a ? pair->cluster_a : pair->cluster_b, other = of_a ? pair->cluster_b : pair->cluster_a;
+	const lw_sphere* local = &tree->body_spheres[tree->clusters[mine].first_body + rank];
+	lw_vec3 center = lwi_transform( &query->world_from_link[tree->clusters[mine].root_link], lwi_load( local->center ) );
+	double rounding = lwi_sphere( checker, query, 2 * mine )[3] - tree->clusters[mine].r.radius;
 	const double sphere[4] = { center.x, center.y, center.z, local->radius + rounding };
 	probe p = make_probe( checker, query, other, sphere, pair->margin, bound );
-	for ( uint32_t i = 0; i < tree->nodes[other].body_count; i += LWI_WIDTH )
+	for ( uint32_t i = 0; i < tree->clusters[other].body_count; i += LWI_WIDTH )
 	{
 		float gap[LWI_WIDTH];
 		uint32_t near = near_lanes( checker, query, other, i, &p, gap );
@@ -457,23 +457,23 @@ static void open_body( const lw_checker* checker, lw_query* query, const lwi_nod
 	}
 }
 
-/// The bodies of a pair of nodes that come near each other. The node with more bodies is opened first, against the R of the
-/// other one: most of it is out of the way then (a hand against all that the group does not move).
-static void open_pair( const lw_checker* checker, lw_query* query, const lwi_node_pair* pair, const lwi_bound* bound,
+/// The bodies of a pair of clusters that come near each other. The cluster with more bodies is opened first, against the R
+/// of the other one: most of it is out of the way then (a hand against all that the group does not move).
+static void open_pair( const lw_checker* checker, lw_query* query, const lwi_cluster_pair* pair, const lwi_bound* bound,
 	uint32_t* count )
 {
-	const lwi_checker_tree* tree = checker->tree;
-	bool a_first = tree->nodes[pair->node_a].body_count >= tree->nodes[pair->node_b].body_count;
-	uint32_t many = a_first ? pair->node_a : pair->node_b, few = a_first ? pair->node_b : pair->node_a;
+	const lwi_cluster_tree* tree = checker->tree;
+	bool a_first = tree->clusters[pair->cluster_a].body_count >= tree->clusters[pair->cluster_b].body_count;
+	uint32_t many = a_first ? pair->cluster_a : pair->cluster_b, few = a_first ? pair->cluster_b : pair->cluster_a;
 	probe outer = make_probe( checker, query, many, lwi_sphere( checker, query, 2 * few ), pair->margin, bound );
-	for ( uint32_t i = 0; i < tree->nodes[many].body_count; i += LWI_WIDTH )
+	for ( uint32_t i = 0; i < tree->clusters[many].body_count; i += LWI_WIDTH )
 	{
 		float gap[LWI_WIDTH];
 		uint32_t near = near_lanes( checker, query, many, i, &outer, gap );
 		for ( ; near != 0; near &= near - 1 )
 		{
 			uint32_t lane = lwi_lowest_bit( near );
-			if ( tree->nodes[few].body_count == 1 )
+			if ( tree->clusters[few].body_count == 1 )
 			{
 				add_pair( checker, query, pair, a_first ? i + lane : 0, a_first ? 0 : i + lane, gap[lane] - outer.slack, bound,
 					count );
@@ -492,7 +492,7 @@ static double body_gap_below( const lw_checker* checker, lw_query* query, uint32
 	lwi_pose_body( checker, query, a );
 	lwi_pose_body( checker, query, b );
 	const double *center_a = query->body_center + 3 * (size_t)a, *center_b = query->body_center + 3 * (size_t)b;
-	// poses of bodies are rounded as those of nodes are
+	// poses of bodies are rounded as those of clusters are
 	double rounding = query->pose_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
 											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
 	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
@@ -576,7 +576,7 @@ static void remember_pair( lw_query* query, uint32_t pair )
 	query->known_pairs[0] = pair;
 }
 
-// --- by nodes, from the nearest on -----------------------------------------------------------------------------------
+// --- by clusters, from the nearest on --------------------------------------------------------------------------------
 
 /// Takes the least lower bound until none is left below the running bound. Parts that lie within each other overlap with
 /// their spheres and boxes, and no lower bound tells the nearest of them; so something of each pair is measured before one
@@ -609,9 +609,9 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	measure_known( checker, query, bound );
-	bool at_once = checker->tree->units != NULL && bound->cutoff < INFINITY; // without a bound nothing would be ruled out
+	bool at_once = checker->tree->proxies != NULL && bound->cutoff < INFINITY; // without a bound nothing would be ruled out
 	uint32_t count = bound->done      ? 0
-					 : at_once        ? compare_units( checker, query, bound )
+					 : at_once        ? compare_proxies( checker, query, bound )
 					 : query->covered ? walk_steps( checker, query, bound )
 									  : walk_pairs( checker, query, bound );
 	lwi_heap_build( query->candidates, count );
@@ -683,14 +683,14 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 
 uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t index, double limit )
 {
-	const lwi_node_pair* pair = &checker->tree->pairs[index];
+	const lwi_cluster_pair* pair = &checker->tree->pairs[index];
 	const lwi_bound bound = { .cutoff = limit };
 	uint32_t count = 0;
-	const double* a = lwi_sphere( checker, query, 2 * pair->node_a );
+	const double* a = lwi_sphere( checker, query, 2 * pair->cluster_a );
 	if ( !( query->tables && pair->separation >= limit ) &&
-		 gap_below( a, lwi_sphere( checker, query, 2 * pair->node_b ), pair->margin, limit ) < INFINITY )
+		 gap_below( a, lwi_sphere( checker, query, 2 * pair->cluster_b ), pair->margin, limit ) < INFINITY )
 	{
-		lwi_candidate only = node_pair( checker, index, 0 );
+		lwi_candidate only = cluster_pair( checker, index, 0 );
 		if ( only.pair < LWI_OPEN )
 		{
 			query->candidates[count++] = only;

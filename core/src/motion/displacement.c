@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot's motion along an edge: states, poses of nodes at the ends of cells, and bounds for bodies in between.
+// The robot's motion along an edge: states, poses of clusters at the ends of cells, and bounds for bodies in between.
 //
 // A point's displacement is bounded by its positions at both ends and the largest change of its velocity in between (linear
 // interpolation), which beats path lengths by far where joints' motions cancel or cells are short. Derivation:
@@ -23,10 +23,10 @@ static size_t lay_out( lwi_edge* e, void* memory )
 {
 	lwi_arena arena = lwi_arena_begin( memory, 0 );
 	const lw_checker* c = e->checker;
-	const size_t nodes = c->tree->node_count;
+	const size_t clusters = c->tree->cluster_count;
 	uint32_t variables = c->robot->variable_count;
 	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
-	e->velocities = lwi_arena_take( &arena, nodes, sizeof( lwi_edge_velocity ) );
+	e->velocities = lwi_arena_take( &arena, clusters, sizeof( lwi_edge_velocity ) );
 	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->motion ), 1 );
 	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
@@ -34,16 +34,16 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->group_t = lwi_arena_take( &arena, c->variable_count, sizeof( double ) );
 	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
 	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
-	e->frame_turns = lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_nodes( c->tree ), sizeof( double ) );
-	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * nodes, sizeof( bool ) );
-	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * nodes, sizeof( lw_transform ) );
-	const size_t lanes = nodes * LWI_WIDTH;
-	e->batch.frames = lwi_arena_take( &arena, nodes, sizeof( lwi_batch_frame ) );
-	e->batch.nodes = lwi_arena_take( &arena, nodes, sizeof( lwi_batch_point ) );
+	e->frame_sincos = lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_clusters( c->tree ), sizeof( double ) );
+	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( bool ) );
+	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
+	const size_t lanes = clusters * LWI_WIDTH;
+	e->batch.frames = lwi_arena_take( &arena, clusters, sizeof( lwi_batch_frame ) );
+	e->batch.clusters = lwi_arena_take( &arena, clusters, sizeof( lwi_batch_point ) );
 	e->batch.bodies = lwi_arena_take( &arena, c->tree->body_count, sizeof( lwi_batch_point ) );
 	e->batch.known = lwi_arena_take( &arena, c->tree->body_count, sizeof( bool ) );
 	e->batch.values = lwi_arena_take( &arena, 3 * lanes, sizeof( double ) );
-	e->batch.speeds = lwi_arena_take( &arena, nodes, sizeof( double ) );
+	e->batch.speeds = lwi_arena_take( &arena, clusters, sizeof( double ) );
 	e->pair_capacity = c->moving_body_count + c->self_pair_count;
 	e->interval_capacity = 4 * e->pair_capacity + SPARE_INTERVALS;
 	e->pairs = lwi_arena_take( &arena, e->pair_capacity, sizeof( lwi_edge_pair ) );
@@ -67,13 +67,13 @@ bool lwi_edge_begin( lwi_edge* edge )
 	}
 	for ( int i = 0; i < 2; ++i )
 	{
-		edge->triplets[i].node = LW_INVALID_INDEX;
+		edge->triplets[i].cluster = LW_INVALID_INDEX;
 	}
 	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
 	{
 		edge->frame_t[i] = NAN;
 	}
-	for ( uint32_t i = 0; i < edge->checker->tree->node_count; ++i )
+	for ( uint32_t i = 0; i < edge->checker->tree->cluster_count; ++i )
 	{
 		edge->velocities[i].stamp = 0; // no state has it
 	}
@@ -177,7 +177,7 @@ bool lwi_edge_pose( lwi_edge* e, double t )
 	return true;
 }
 
-// ---- poses of nodes --------------------------------------------------------------------------------------------------
+// ---- poses of clusters ----------------------------------------------------------------------------------------------
 
 /// The place of a state's poses: by a multiplicative hash, so that neighbours on all levels get along (Knuth, TAOCP 6.4).
 static size_t frame_at( lwi_edge* e, double t )
@@ -187,9 +187,9 @@ static size_t frame_at( lwi_edge* e, double t )
 	size_t frame = (size_t)( ( bits * 0x9e3779b97f4a7c15u ) >> ( 64 - LWI_EDGE_FRAME_BITS ) );
 	if ( e->frame_t[frame] != t )
 	{
-		size_t nodes = e->checker->tree->node_count, variables = e->checker->robot->variable_count;
+		size_t clusters = e->checker->tree->cluster_count, variables = e->checker->robot->variable_count;
 		e->frame_t[frame] = t;
-		memset( e->frame_known + frame * nodes, 0, nodes * sizeof( bool ) );
+		memset( e->frame_known + frame * clusters, 0, clusters * sizeof( bool ) );
 		double* state = e->frame_states + frame * variables;
 		if ( t == 0 || t == 1 )
 		{
@@ -199,57 +199,58 @@ static size_t frame_at( lwi_edge* e, double t )
 		{
 			interpolate( e, t, state );
 		}
-		double* cosines = e->frame_turns + 2 * frame * lwi_padded_nodes( e->checker->tree );
-		lwi_turn_joints( e->checker, e->query, state, cosines, cosines + lwi_padded_nodes( e->checker->tree ) );
+		double* cosines = e->frame_sincos + 2 * frame * lwi_padded_clusters( e->checker->tree );
+		lwi_sincos_joints( e->checker, e->query, state, cosines, cosines + lwi_padded_clusters( e->checker->tree ) );
 	}
 	return frame;
 }
 
-/// World_from_top of a node at t. The one possible failure, a zero quaternion, was ruled out when the motion was measured.
-static const lw_transform* node_pose( lwi_edge* e, double t, uint32_t node )
+/// World_from_root_link of a cluster at t. The one possible failure, a zero quaternion, was ruled out when the motion was
+/// measured.
+static const lw_transform* cluster_pose( lwi_edge* e, double t, uint32_t cluster )
 {
 	const lw_checker* c = e->checker;
-	const lwi_checker_node* nodes = c->tree->nodes;
-	if ( node == 0 )
+	const lwi_cluster* clusters = c->tree->clusters;
+	if ( cluster == 0 )
 	{
-		return &c->reference_poses[nodes[0].top];
+		return &c->reference_poses[clusters[0].root_link];
 	}
 	size_t frame = frame_at( e, t );
 	const double* state = e->frame_states + frame * c->robot->variable_count;
-	bool* known = e->frame_known + frame * c->tree->node_count;
-	lw_transform* poses = e->frame_poses + frame * c->tree->node_count;
-	const size_t padded = lwi_padded_nodes( c->tree );
-	const double* cosines = e->frame_turns + 2 * frame * padded;
-	while ( !known[node] )
+	bool* known = e->frame_known + frame * c->tree->cluster_count;
+	lw_transform* poses = e->frame_poses + frame * c->tree->cluster_count;
+	const size_t padded = lwi_padded_clusters( c->tree );
+	const double* cosines = e->frame_sincos + 2 * frame * padded;
+	while ( !known[cluster] )
 	{
-		uint32_t next = node;
-		while ( nodes[next].parent != 0 && !known[nodes[next].parent] )
+		uint32_t next = cluster;
+		while ( clusters[next].parent != 0 && !known[clusters[next].parent] )
 		{
-			next = nodes[next].parent;
+			next = clusters[next].parent;
 		}
-		uint32_t parent = nodes[next].parent;
-		const lw_transform* above = parent == 0 ? &c->reference_poses[nodes[0].top] : &poses[parent];
+		uint32_t parent = clusters[next].parent;
+		const lw_transform* above = parent == 0 ? &c->reference_poses[clusters[0].root_link] : &poses[parent];
 		lwi_pose_under( c, next, above, state, cosines, cosines + padded, &poses[next] );
 		known[next] = true;
 	}
-	return &poses[node];
+	return &poses[cluster];
 }
 
 /// The query's own pose where it is at t.
-static const lw_transform* pose_at( lwi_edge* e, double t, uint32_t node )
+static const lw_transform* pose_at( lwi_edge* e, double t, uint32_t cluster )
 {
 	if ( t != e->posed_t )
 	{
-		return node_pose( e, t, node );
+		return cluster_pose( e, t, cluster );
 	}
-	lwi_pose_node( e->checker, e->query, node );
-	return &e->query->world_from_link[e->checker->tree->nodes[node].top];
+	lwi_pose_cluster( e->checker, e->query, cluster );
+	return &e->query->world_from_link[e->checker->tree->clusters[cluster].root_link];
 }
 
-/// Pose of a node in the frame of one above it.
-static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t ancestor )
+/// Pose of a cluster in the frame of one above it.
+static lw_transform pose_below( lwi_edge* e, double t, uint32_t cluster, uint32_t ancestor )
 {
-	const lw_transform* pose = pose_at( e, t, node );
+	const lw_transform* pose = pose_at( e, t, cluster );
 	return ancestor == 0 ? *pose : lwi_relative( pose_at( e, t, ancestor ), pose );
 }
 
@@ -259,33 +260,33 @@ static lw_transform pose_below( lwi_edge* e, double t, uint32_t node, uint32_t a
 /// in the middle.
 #define MAX_LINEAR_BULGE 0.004
 
-const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t node )
+const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t cluster )
 {
 	const lw_checker* c = e->checker;
-	const lwi_checker_node* nodes = c->tree->nodes;
+	const lwi_cluster* clusters = c->tree->clusters;
 	const uint64_t stamp = e->query->state_stamp;
-	while ( e->velocities[node].stamp != stamp )
+	while ( e->velocities[cluster].stamp != stamp )
 	{
-		uint32_t next = node;
-		while ( next != 0 && e->velocities[nodes[next].parent].stamp != stamp )
+		uint32_t next = cluster;
+		while ( next != 0 && e->velocities[clusters[next].parent].stamp != stamp )
 		{
-			next = nodes[next].parent;
+			next = clusters[next].parent;
 		}
 		lwi_edge_velocity* velocity = &e->velocities[next];
-		lwi_pose_node( c, e->query, next );
-		const lw_transform* pose = &e->query->world_from_link[nodes[next].top];
-		*velocity = (lwi_edge_velocity){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( nodes[next].r.center ) ) };
+		lwi_pose_cluster( c, e->query, next );
+		const lw_transform* pose = &e->query->world_from_link[clusters[next].root_link];
+		*velocity = (lwi_edge_velocity){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( clusters[next].r.center ) ) };
 		if ( next != 0 )
 		{
 			lwi_twist own = lwi_motion_twist( c->motion, e->motion, next, pose );
-			const lwi_edge_velocity* above = &e->velocities[nodes[next].parent];
-			velocity->twist = (lwi_twist){ lwi_add( above->twist.turn, own.turn ),
-				lwi_add( above->twist.shift, own.shift ) };
+			const lwi_edge_velocity* above = &e->velocities[clusters[next].parent];
+			velocity->twist = (lwi_twist){ lwi_add( above->twist.angular, own.angular ),
+				lwi_add( above->twist.linear, own.linear ) };
 			velocity->depth = above->depth + 1;
 			velocity->rates = lwi_motion_rates( c->motion, e->motion, next );
 		}
 	}
-	return &e->velocities[node];
+	return &e->velocities[cluster];
 }
 
 bool lwi_edge_is_linear( lwi_motion_rate rate, lwi_edge_window window )
@@ -293,22 +294,22 @@ bool lwi_edge_is_linear( lwi_motion_rate rate, lwi_edge_window window )
 	return 0.5 * window.half * window.half * rate.change <= MAX_LINEAR_BULGE;
 }
 
-lwi_edge_linear_motion lwi_edge_linear_motion_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
+lwi_edge_linear_motion lwi_edge_linear_motion_of( lwi_edge* e, uint32_t cluster, uint32_t ancestor, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
-	const lwi_twist *own = &lwi_edge_velocity_of( e, node )->twist, *above = &lwi_edge_velocity_of( e, ancestor )->twist;
+	const lwi_twist *own = &lwi_edge_velocity_of( e, cluster )->twist, *above = &lwi_edge_velocity_of( e, ancestor )->twist;
 	const double bulge = lwi_edge_bulge( e, rate, window.half );
-	return (lwi_edge_linear_motion){ { lwi_sub( own->turn, above->turn ), lwi_sub( own->shift, above->shift ) }, bulge };
+	return (lwi_edge_linear_motion){ { lwi_sub( own->angular, above->angular ), lwi_sub( own->linear, above->linear ) }, bulge };
 }
 
 static inline lw_vec3 velocity( const lwi_twist* twist, lw_vec3 at )
 {
-	return lwi_add( twist->shift, lwi_cross( twist->turn, at ) );
+	return lwi_add( twist->linear, lwi_cross( twist->angular, at ) );
 }
 
 double lwi_edge_linear_length( const lwi_edge_linear_motion* linear, lw_vec3 center, double radius, double half )
 {
-	double turn = radius > 0 ? lwi_length( linear->twist.turn ) * radius : 0;
+	double turn = radius > 0 ? lwi_length( linear->twist.angular ) * radius : 0;
 	return half * ( lwi_length( velocity( &linear->twist, center ) ) + turn ) * LWI_EDGE_OUTWARD + linear->bulge;
 }
 
@@ -330,28 +331,29 @@ static double turn_between( const lw_transform* from, const lw_transform* to )
 	return sqrt( 0.5 * sum );
 }
 
-static bool is_triplet( const lwi_edge_pose_triplet* s, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+static bool is_triplet( const lwi_edge_pose_triplet* s, uint32_t cluster, uint32_t ancestor, lwi_edge_window window )
 {
-	return s->node == node && s->ancestor == ancestor && s->window.t == window.t && s->window.half == window.half;
+	return s->cluster == cluster && s->ancestor == ancestor && s->window.t == window.t && s->window.half == window.half;
 }
 
-/// Callers go through the bodies of one node, or alternate between the two bodies of a pair: the last two triplets are kept.
-static lwi_edge_pose_triplet* triplet_of( lwi_edge* e, uint32_t node, uint32_t ancestor, lwi_edge_window window )
+/// Callers go through the bodies of one cluster, or alternate between the two bodies of a pair: the last two triplets are
+/// kept.
+static lwi_edge_pose_triplet* triplet_of( lwi_edge* e, uint32_t cluster, uint32_t ancestor, lwi_edge_window window )
 {
-	if ( is_triplet( &e->triplets[e->last_triplet], node, ancestor, window ) )
+	if ( is_triplet( &e->triplets[e->last_triplet], cluster, ancestor, window ) )
 	{
 		return &e->triplets[e->last_triplet];
 	}
 	e->last_triplet = 1 - e->last_triplet;
 	lwi_edge_pose_triplet* s = &e->triplets[e->last_triplet];
-	if ( !is_triplet( s, node, ancestor, window ) )
+	if ( !is_triplet( s, cluster, ancestor, window ) )
 	{
-		s->node = node;
+		s->cluster = cluster;
 		s->ancestor = ancestor;
 		s->window = window;
-		s->middle = pose_below( e, window.t, node, ancestor );
-		s->left = pose_below( e, window.t - window.half, node, ancestor );
-		s->right = pose_below( e, window.t + window.half, node, ancestor );
+		s->middle = pose_below( e, window.t, cluster, ancestor );
+		s->left = pose_below( e, window.t - window.half, cluster, ancestor );
+		s->right = pose_below( e, window.t + window.half, cluster, ancestor );
 		s->turn = s->second = -1;
 	}
 	return s;
@@ -378,69 +380,69 @@ static double second_of( const lwi_edge* e, lwi_edge_pose_triplet* s, const lw_s
 			sum += d * d;
 		}
 		s->second = sqrt( sum );
-		s->jerk = lwi_motion_jerk( e->checker->motion, e->motion, s->node, e->checker->tree->nodes[s->ancestor].top );
+		s->jerk = lwi_motion_jerk( e->checker->motion, e->motion, s->cluster, e->checker->tree->clusters[s->ancestor].root_link );
 	}
 	const lw_vec3 p = lwi_load( local->center ), middle = lwi_transform( &s->middle, p );
 	const lw_vec3 first = lwi_sub( lwi_transform( &s->left, p ), middle ), then = lwi_sub( lwi_transform( &s->right, p ), middle );
 	return lwi_length( lwi_add( first, then ) ) + local->radius * s->second + 16 * lwi_motion_rounding( e->checker->motion, e->motion );
 }
 
-static lwi_motion_bow bow_of( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+static lwi_chord_error chord_error_of( lwi_edge* e, uint32_t cluster, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
 	if ( lwi_edge_is_linear( rate, window ) )
 	{
-		return lwi_motion_bow_of( rate, window.half ); // so little that it does not pay to pose both ends
+		return lwi_chord_error_of( rate, window.half ); // so little that it does not pay to pose both ends
 	}
-	lwi_edge_pose_triplet* s = triplet_of( e, node, ancestor, window );
+	lwi_edge_pose_triplet* s = triplet_of( e, cluster, ancestor, window );
 	const double second = second_of( e, s, local );
-	return lwi_motion_bow_through( rate, s->jerk, window.half, second );
+	return lwi_chord_error_through( rate, s->jerk, window.half, second );
 }
 
-lwi_motion_bow lwi_edge_bow( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
+lwi_chord_error lwi_edge_chord_error( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
 {
-	const lwi_checker_tree* tree = e->checker->tree;
-	return bow_of( e, tree->body_node[body], ancestor, &tree->body_spheres[tree->body_place[body]], rate, window );
+	const lwi_cluster_tree* tree = e->checker->tree;
+	return chord_error_of( e, tree->body_cluster[body], ancestor, &tree->body_spheres[tree->body_place[body]], rate, window );
 }
 
 /// Largest distance of a sphere from its place at the middle, where a linear motion bounds it well; else INFINITY.
-static double linear_bound( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+static double linear_bound( lwi_edge* e, uint32_t cluster, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
 	if ( !lwi_edge_is_linear( rate, window ) )
 	{
 		return INFINITY;
 	}
-	lwi_edge_linear_motion linear = lwi_edge_linear_motion_of( e, node, ancestor, rate, window ); // poses the node
-	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->nodes[node].top];
+	lwi_edge_linear_motion linear = lwi_edge_linear_motion_of( e, cluster, ancestor, rate, window ); // poses the cluster
+	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->clusters[cluster].root_link];
 	double length =
 		lwi_edge_linear_length( &linear, lwi_transform( pose, lwi_load( local->center ) ), local->radius, window.half );
 	double path = window.half * rate.path;
 	return length < path ? length : length >= path ? path : INFINITY; // no number without a twist
 }
 
-double lwi_edge_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
+double lwi_edge_displacement( lwi_edge* e, uint32_t cluster, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
 	if ( rate.path == 0 || window.half == 0 )
 	{
 		return 0;
 	}
-	double by_velocity = linear_bound( e, node, ancestor, local, rate, window );
+	double by_velocity = linear_bound( e, cluster, ancestor, local, rate, window );
 	if ( by_velocity < INFINITY )
 	{
 		return by_velocity;
 	}
-	lwi_edge_pose_triplet* s = triplet_of( e, node, ancestor, window );
+	lwi_edge_pose_triplet* s = triplet_of( e, cluster, ancestor, window );
 	if ( s->turn < 0 )
 	{
 		s->turn = lwi_larger( turn_between( &s->middle, &s->left ), turn_between( &s->middle, &s->right ) );
 	}
 	double chord = chord_of( e, s, local->center ) + local->radius * s->turn;
-	return lwi_motion_between( chord, bow_of( e, node, ancestor, local, rate, window ), window.half * rate.path );
+	return lwi_motion_between( chord, chord_error_of( e, cluster, ancestor, local, rate, window ), window.half * rate.path );
 }
 
-double lwi_edge_point_displacement( lwi_edge* e, uint32_t node, uint32_t ancestor, const double local[3],
+double lwi_edge_point_displacement( lwi_edge* e, uint32_t cluster, uint32_t ancestor, const double local[3],
 	lwi_motion_rate rate, lwi_edge_window window )
 {
 	if ( rate.path == 0 || window.half == 0 )
@@ -448,21 +450,21 @@ double lwi_edge_point_displacement( lwi_edge* e, uint32_t node, uint32_t ancesto
 		return 0;
 	}
 	const lw_sphere point = { { local[0], local[1], local[2] }, 0 };
-	double by_velocity = linear_bound( e, node, ancestor, &point, rate, window );
+	double by_velocity = linear_bound( e, cluster, ancestor, &point, rate, window );
 	if ( by_velocity < INFINITY )
 	{
 		return by_velocity;
 	}
-	const double chord = chord_of( e, triplet_of( e, node, ancestor, window ), local );
-	return lwi_motion_between( chord, bow_of( e, node, ancestor, &point, rate, window ), window.half * rate.path );
+	const double chord = chord_of( e, triplet_of( e, cluster, ancestor, window ), local );
+	return lwi_motion_between( chord, chord_error_of( e, cluster, ancestor, &point, rate, window ), window.half * rate.path );
 }
 
 void lwi_edge_swept_poses( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
 	const lwi_edge_linear_motion* linear, lwi_swept_poses* out )
 {
 	const lw_checker* c = e->checker;
-	const lw_transform* top_from_shape = &c->tree->body_poses[c->tree->body_place[body]];
-	const uint32_t node = c->tree->body_node[body];
+	const lw_transform* root_link_from_shape = &c->tree->body_poses[c->tree->body_place[body]];
+	const uint32_t cluster = c->tree->body_cluster[body];
 	out->shape = lwi_shape_now( c->bodies[body].shape );
 	out->count = 1;
 	out->is_linear = linear != NULL && rate.path > 0;
@@ -475,22 +477,22 @@ void lwi_edge_swept_poses( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_mo
 	}
 	else
 	{
-		lw_transform top = pose_below( e, window.t, node, ancestor );
-		out->middle = lwi_multiply( &top, top_from_shape );
+		lw_transform root_link = pose_below( e, window.t, cluster, ancestor );
+		out->middle = lwi_multiply( &root_link, root_link_from_shape );
 	}
 	if ( out->is_linear )
 	{
-		out->turn = lwi_scale( window.half, linear->twist.turn );
-		out->shift = lwi_scale( window.half, linear->twist.shift );
+		out->turn = lwi_scale( window.half, linear->twist.angular );
+		out->shift = lwi_scale( window.half, linear->twist.linear );
 		out->count = 2;
 		return;
 	}
 	if ( rate.path > 0 )
 	{
-		const lwi_edge_pose_triplet* s = triplet_of( e, node, ancestor, window );
+		const lwi_edge_pose_triplet* s = triplet_of( e, cluster, ancestor, window );
 		out->at[0] = out->middle;
-		out->at[1] = lwi_multiply( &s->left, top_from_shape );
-		out->at[2] = lwi_multiply( &s->right, top_from_shape );
+		out->at[1] = lwi_multiply( &s->left, root_link_from_shape );
+		out->at[2] = lwi_multiply( &s->right, root_link_from_shape );
 		out->count = 3;
 	}
 }

@@ -80,10 +80,10 @@ static lw_status check_steps( lwi_edge* e )
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	double furthest = 0;
-	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
 	{
 		double length = lwi_motion_bound( c->motion, e->motion, i, LW_INVALID_INDEX );
-		furthest = c->tree->nodes[i].body_count > 0 ? lwi_larger( furthest, length ) : furthest;
+		furthest = c->tree->clusters[i].body_count > 0 ? lwi_larger( furthest, length ) : furthest;
 	}
 	double steps = ceil( furthest / e->def->max_d );
 	if ( !( steps < LW_EDGE_MOST_STATES ) )

@@ -2,8 +2,8 @@
 // All data of the current edge: its motion, its pairs, and its unproved cells.
 //
 // The edge is cut into dyadic *cells*. At the middle of a cell the robot is measured as far as the motion in the cell asks
-// for: first by nodes of the checker's tree (links that the group does not move against each other), then, where that is not
-// enough, by *edge pairs*: one body against the scene, or two bodies. A cell is proved for a pair, or it is halved.
+// for: first by clusters of the checker's tree (links that the group does not move against each other), then, where that is
+// not enough, by *edge pairs*: one body against the scene, or two bodies. A cell is proved for a pair, or it is halved.
 #ifndef LEEWAY_MOTION_EDGE_H
 #define LEEWAY_MOTION_EDGE_H
 
@@ -29,7 +29,7 @@ enum
 typedef struct lwi_edge_pair
 {
 	uint32_t body_a, body_b; ///< robot bodies; body_b = LW_INVALID_INDEX: the scene
-	uint32_t ancestor;       ///< node in whose frame both are given; 0 for the scene
+	uint32_t ancestor;       ///< cluster in whose frame both are given; 0 for the scene
 	lwi_motion_rate rate_a, rate_b;
 	uint32_t pair_cache; ///< index into `pair_cache`
 	uint8_t cells;   ///< of LWI_WIDTH, not proved by the interval batch
@@ -93,10 +93,10 @@ typedef struct lwi_edge_window
 	double t, half;
 } lwi_edge_window;
 
-/// Poses of a node in the middle of a window and at its ends, seen from another node above it.
+/// Poses of a cluster in the middle of a window and at its ends, seen from another cluster above it.
 typedef struct lwi_edge_pose_triplet
 {
-	uint32_t node, ancestor; ///< LW_INVALID_INDEX: nothing yet
+	uint32_t cluster, ancestor; ///< LW_INVALID_INDEX: nothing yet
 	lwi_edge_window window;
 	lw_transform middle, left, right;
 	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet computed
@@ -104,26 +104,26 @@ typedef struct lwi_edge_pose_triplet
 	double jerk;   ///< see lwi_motion_jerk(); known if `second` is
 } lwi_edge_pose_triplet;
 
-/// Velocity of a node in the world at the posed state, and bounds of its change.
+/// Velocity of a cluster in the world at the posed state, and bounds of its change.
 typedef struct lwi_edge_velocity
 {
 	uint64_t stamp; ///< of the state; 0: none
 	lwi_twist twist;
-	lw_vec3 center; ///< of its sphere
-	uint32_t depth; ///< nodes above it
-	const lwi_motion_rate* rates; ///< [depth] of the whole edge, seen from the first, second, .. node above it
+	lw_vec3 center;               ///< of its sphere
+	uint32_t depth;               ///< clusters above it
+	const lwi_motion_rate* rates; ///< [depth] of the whole edge, seen from the first, second, .. cluster above it
 } lwi_edge_velocity;
 
 /// Memory of an interval batch.
 typedef struct lwi_edge_batch
 {
-	lwi_batch_frame* frames; ///< [nodes]
-	lwi_batch_point* bodies; ///< [bodies]
-	bool* known;            ///< [bodies]
-	lwi_batch_point* nodes;  ///< [nodes]
-	double* values;         ///< [3][nodes][LWI_WIDTH] of joints, their cosines, their sines
-	double* speeds;         ///< [nodes]
-	bool posed;             ///< frames are those of this edge
+	lwi_batch_frame* frames;   ///< [clusters]
+	lwi_batch_point* bodies;   ///< [bodies]
+	bool* known;               ///< [bodies]
+	lwi_batch_point* clusters; ///< [clusters]
+	double* values;            ///< [3][clusters][LWI_WIDTH] of joints, their cosines, their sines
+	double* speeds;            ///< [clusters]
+	bool posed;                ///< frames are those of this edge
 } lwi_edge_batch;
 
 typedef struct lwi_edge
@@ -138,31 +138,31 @@ typedef struct lwi_edge
 	double* full_a; ///< [robot variable_count]
 	double* full_b;
 	double* full_t;
-	double* group_t;       ///< [variable_count]
-	lwi_edge_memory* memory; ///< of this edge and the ones before
-	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose node poses are kept; NaN: unused
-	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
-	double* frame_turns;       ///< [LWI_EDGE_FRAMES][2][nodes, padded] cosines and sines of the joints above nodes
-	lwi_edge_velocity* velocities;      ///< [nodes]
-	bool* frame_known;         ///< [LWI_EDGE_FRAMES][nodes]
-	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][nodes] world_from_top
+	double* group_t;               ///< [variable_count]
+	lwi_edge_memory* memory;       ///< of this edge and the ones before
+	double* frame_t;               ///< [LWI_EDGE_FRAMES] states whose cluster poses are kept; NaN: unused
+	double* frame_states;          ///< [LWI_EDGE_FRAMES][robot variable_count]
+	double* frame_sincos;          ///< [LWI_EDGE_FRAMES][2][clusters, padded] cosines and sines of the joints above clusters
+	lwi_edge_velocity* velocities; ///< [clusters]
+	bool* frame_known;             ///< [LWI_EDGE_FRAMES][clusters]
+	lw_transform* frame_poses;     ///< [LWI_EDGE_FRAMES][clusters] world_from_root_link
 	lwi_edge_batch batch;
 	lwi_edge_pose_triplet triplets[2]; ///< the last two computed
 	int last_triplet;
 	lwi_edge_pair* pairs;  ///< [pair_capacity]
 	lwi_edge_level levels[2];
 	uint32_t pair_count, pair_capacity, interval_capacity;
-	double longest;         ///< V: the largest path length of a node along the edge
+	double longest;         ///< V: the largest path length of a cluster along the edge
 	double static_rounding; ///< of the poses of static bodies
-	double rounding[2]; ///< subtracted from a lower bound of a pair's clearance; [1] of a self pair
-	double slack[2];    ///< the def's, unless rounding is coarser
-	double enough[2];   ///< clearance that proves a pair without motion; margins excluded
-	uint32_t close;     ///< windows of pairs with less than slack[] that were not proved
+	double rounding[2];     ///< subtracted from a lower bound of a pair's clearance; [1] of a self pair
+	double slack[2];        ///< the def's, unless rounding is coarser
+	double enough[2];       ///< clearance that proves a pair without motion; margins excluded
+	uint32_t close;         ///< windows of pairs with less than slack[] that were not proved
 	double twist_error;     ///< see lwi_motion_twist_error()
 	double spare;           ///< every proof holds with clearance min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
-	int probed_levels;             ///< levels of halving at which whole states were tested for a collision
+	int probed_levels;      ///< levels of halving at which whole states were tested for a collision
 	uint32_t most_states;   ///< out->queries at which the proof is given up
 	bool runs;              ///< the run from the start is being proved: slacks follow the room there
 	bool failed;            ///< a state could not be posed or measured
@@ -201,21 +201,21 @@ const double* lwi_edge_state( lwi_edge* edge, double t );
 /// Poses the query at t. @return false if that failed; edge->failed is set
 bool lwi_edge_pose( lwi_edge* edge, double t );
 
-/// Largest distance of a sphere carried by a node from its place at the middle of a window, within it, in the frame of
-/// another node above it.
-/// @param local frame of the node's `top`
-double lwi_edge_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, const lw_sphere* local,
+/// Largest distance of a sphere carried by a cluster from its place at the middle of a window, within it, in the frame of
+/// another cluster above it.
+/// @param local frame of the cluster's `root_link`
+double lwi_edge_displacement( lwi_edge* edge, uint32_t cluster, uint32_t ancestor, const lw_sphere* local,
 	lwi_motion_rate rate, lwi_edge_window window );
 
-/// Largest distance of a point carried by a node from its place at the middle of a window, in the same frame.
-/// @param local frame of the node's `top` @param rate of it, or of a sphere that contains it
-double lwi_edge_point_displacement( lwi_edge* edge, uint32_t node, uint32_t ancestor, const double local[3],
+/// Largest distance of a point carried by a cluster from its place at the middle of a window, in the same frame.
+/// @param local frame of the cluster's `root_link` @param rate of it, or of a sphere that contains it
+double lwi_edge_point_displacement( lwi_edge* edge, uint32_t cluster, uint32_t ancestor, const double local[3],
 	lwi_motion_rate rate, lwi_edge_window window );
 
 /// Largest distance of a body from the straight lines between its positions at the middle and both ends of a window.
-lwi_motion_bow lwi_edge_bow( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window );
+lwi_chord_error lwi_edge_chord_error( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window );
 
-/// First-order motion of a node over a window, in the frame of a node above it: its velocity at the middle;
+/// First-order motion of a cluster over a window, in the frame of a cluster above it: its velocity at the middle;
 /// `bulge` bounds the deviation from it.
 typedef struct lwi_edge_linear_motion
 {
@@ -223,30 +223,30 @@ typedef struct lwi_edge_linear_motion
 	double bulge;    ///< metres
 } lwi_edge_linear_motion;
 
-/// The velocity of a node at the state that the query is posed at.
-const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* edge, uint32_t node );
+/// The velocity of a cluster at the state that the query is posed at.
+const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* edge, uint32_t cluster );
 
-static inline const lwi_edge_velocity* lwi_edge_velocity_of( lwi_edge* edge, uint32_t node )
+static inline const lwi_edge_velocity* lwi_edge_velocity_of( lwi_edge* edge, uint32_t cluster )
 {
-	const lwi_edge_velocity* velocity = &edge->velocities[node];
-	return velocity->stamp == edge->query->state_stamp ? velocity : lwi_edge_velocity_now( edge, node );
+	const lwi_edge_velocity* velocity = &edge->velocities[cluster];
+	return velocity->stamp == edge->query->state_stamp ? velocity : lwi_edge_velocity_now( edge, cluster );
 }
 
-/// Bounds for a node's geometry over the whole edge, seen from a node above it. The node was measured.
+/// Bounds for a cluster's geometry over the whole edge, seen from a cluster above it. The cluster was measured.
 static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_velocity* velocity, const lwi_edge_velocity* ancestor )
 {
 	const uint32_t joints = velocity->depth - ancestor->depth;
 	return joints > 0 ? velocity->rates[joints - 1] : (lwi_motion_rate){ 0, 0 };
 }
 
-/// Largest deviation of a node's point over half a window from the motion with its velocity in the middle.
+/// Largest deviation of a cluster's point over half a window from the motion with its velocity in the middle.
 static inline double lwi_edge_bulge( const lwi_edge* edge, lwi_motion_rate rate, double half )
 {
 	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->twist_error ) * half * LWI_EDGE_OUTWARD : 0;
 }
 
 /// The linear motion in a window at whose middle the query is posed.
-lwi_edge_linear_motion lwi_edge_linear_motion_of( lwi_edge* edge, uint32_t node, uint32_t ancestor, lwi_motion_rate rate,
+lwi_edge_linear_motion lwi_edge_linear_motion_of( lwi_edge* edge, uint32_t cluster, uint32_t ancestor, lwi_motion_rate rate,
 	lwi_edge_window window );
 
 /// Largest distance of a sphere from its place at the middle, by its linear motion; NaN if there is none.
@@ -257,16 +257,16 @@ double lwi_edge_linear_length( const lwi_edge_linear_motion* linear, lw_vec3 cen
 bool lwi_edge_is_linear( lwi_motion_rate rate, lwi_edge_window window );
 
 /// Poses of a body on both sides of all its poses within a window.
-/// @param linear motion of its node: two poses in the world; NULL: the middle and both ends, seen from the ancestor
+/// @param linear motion of its cluster: two poses in the world; NULL: the middle and both ends, seen from the ancestor
 void lwi_edge_swept_poses( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,
 	const lwi_edge_linear_motion* linear, lwi_swept_poses* out );
 
 /// Radians in half a window, all joints together: beyond, the rounding of directions in interval batches is not bounded.
-#define LWI_EDGE_MOST_TURN 1.0
+#define LWI_EDGE_MOST_ROTATION 1.0
 
-static inline bool lwi_edge_turns_little( const lwi_edge* edge, lwi_edge_window window )
+static inline bool lwi_edge_rotates_little( const lwi_edge* edge, lwi_edge_window window )
 {
-	return lwi_motion_turns( edge->checker->motion, edge->motion ) * window.half <= LWI_EDGE_MOST_TURN;
+	return lwi_motion_rotation( edge->checker->motion, edge->motion ) * window.half <= LWI_EDGE_MOST_ROTATION;
 }
 
 // --- motion/plane_test.c --------------------------------------------------------------------------------------------------
@@ -346,9 +346,9 @@ void lwi_edge_prepare_pair( lwi_edge* edge, lwi_edge_pair* pair );
 
 // --- motion/midpoint_pass.c -----------------------------------------------------------------------------------------------
 
-/// Measures everything at window.t, at which nodes were measured, nodes first. Unproved pairs are added to edge->pairs and,
-/// as an open interval, cell 0, to `level`. @param may_probe with many unproved pairs, test whole states for a collision,
-/// see lwi_edge_probe()
+/// Measures everything at window.t, at which clusters were measured, clusters first. Unproved pairs are added to edge->pairs
+/// and, as an open interval, cell 0, to `level`. @param may_probe with many unproved pairs, test whole states for a
+/// collision, see lwi_edge_probe()
 /// @return false if the proof ends here: something is blocked or refused
 bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_probe );
 
@@ -358,24 +358,24 @@ bool lwi_edge_midpoint_pairs( lwi_edge* edge, lwi_edge_level* level );
 /// True if a separation that holds along all of the edge, less margins, is at least the clearance of a certificate.
 bool lwi_edge_is_apart( lwi_edge* edge, float separation );
 
-/// True if the chart of two bodies proves all of the edge, both ends of which are covered, with as much clearance.
-/// @param view NULL: there is none
-bool lwi_edge_is_charted( lwi_edge* edge, const lwi_chart_view* view, uint32_t body_a, uint32_t body_b );
+/// True if the grid of two bodies proves all of the edge, both ends of which are covered, with as much clearance.
+/// @param slice NULL: there is none
+bool lwi_edge_grid_proves( lwi_edge* edge, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b );
 
-/// Poses all nodes at t, and measures how they move, from there. @param share of the edge on the longer side of t
+/// Poses all clusters at t, and measures how they move, from there. @param share of the edge on the longer side of t
 /// @return false if that failed
-bool lwi_edge_measure_nodes( lwi_edge* edge, double t, double share );
+bool lwi_edge_measure_clusters( lwi_edge* edge, double t, double share );
 
 // --- motion/interval_batch.c ----------------------------------------------------------------------------------------------
 
-/// True for edges that are long and bent enough for an interval batch, of robots that can have one. Nodes were measured.
+/// True for edges that are long and bent enough for an interval batch, of robots that can have one. Clusters were measured.
 bool lwi_edge_has_batch( lwi_edge* edge );
 
-/// Everything in eight windows at once, by spheres; pairs not proved become the edge's pairs, with their cells. Nodes were
-/// measured.
+/// Everything in eight windows at once, by spheres; pairs not proved become the edge's pairs, with their cells. Clusters
+/// were measured.
 void lwi_edge_batch_pass( lwi_edge* edge );
 
-/// Takes the poses and velocities of all nodes from a lane of the interval batch, at the state of the query.
+/// Takes the poses and velocities of all clusters from a lane of the interval batch, at the state of the query.
 void lwi_edge_batch_pose( lwi_edge* edge, uint32_t lane );
 
 // --- motion/prove.c ----------------------------------------------------------------------------------------------------

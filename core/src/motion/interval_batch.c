@@ -28,14 +28,14 @@ typedef struct interval_batch
 {
 	lwi_edge* e;
 	const lwi_kernels* kernels;
-	const lwi_checker_tree* tree;
-	lwi_batch_frame* frames;  ///< [nodes]
-	lwi_batch_point* bodies;  ///< [bodies] by place: middles of their spheres, from `origin`
-	bool* known;             ///< [bodies] those whose `bodies` entry is valid
-	lwi_batch_point* nodes;   ///< [nodes] the same for those of nodes
-	double origin[3];        ///< origin of the coordinates in which the robot's own spheres are compared
-	double half;             ///< width of half a window
-	double rounding;         ///< of places in the lanes, for one of two
+	const lwi_cluster_tree* tree;
+	lwi_batch_frame* frames;   ///< [clusters]
+	lwi_batch_point* bodies;   ///< [bodies] by place: middles of their spheres, from `origin`
+	bool* known;               ///< [bodies] those whose `bodies` entry is valid
+	lwi_batch_point* clusters; ///< [clusters] the same for those of clusters
+	double origin[3];          ///< origin of the coordinates in which the robot's own spheres are compared
+	double half;               ///< width of half a window
+	double rounding;           ///< of places in the lanes, for one of two
 } interval_batch;
 
 /// A tree and its frame: moving in the lanes, or static.
@@ -70,11 +70,11 @@ static void broadcast( double value, double out[LWI_WIDTH] )
 	}
 }
 
-/// Values of the joints above all nodes. They go uniformly, from where the interpolation starts.
+/// Values of the joints above all clusters. They go uniformly, from where the interpolation starts.
 static void values_of( const interval_batch* batch, double* values, double* speeds )
 {
 	const lwi_edge* e = batch->e;
-	for ( uint32_t i = 1; i < batch->tree->node_count; ++i )
+	for ( uint32_t i = 1; i < batch->tree->cluster_count; ++i )
 	{
 		const lwi_batch_joint* joint = &batch->tree->batch_joints[i];
 		const double start = joint->multiplier * e->full_a[joint->variable] + joint->variable_offset;
@@ -88,41 +88,41 @@ static void values_of( const interval_batch* batch, double* values, double* spee
 
 static void pose_frames( interval_batch* batch )
 {
-	const lwi_checker_tree* tree = batch->tree;
+	const lwi_cluster_tree* tree = batch->tree;
 	const lwi_edge_batch* memory = &batch->e->batch;
-	const uint32_t nodes = tree->node_count;
-	double *values = memory->values, *cosines = values + nodes * LWI_WIDTH, *sines = cosines + nodes * LWI_WIDTH;
+	const uint32_t clusters = tree->cluster_count;
+	double *values = memory->values, *cosines = values + clusters * LWI_WIDTH, *sines = cosines + clusters * LWI_WIDTH;
 	values_of( batch, values, memory->speeds );
-	broadcast( 0, values ); // node 0
-	batch->kernels->turns( values, nodes * LWI_WIDTH, cosines, sines );
+	broadcast( 0, values ); // cluster 0
+	batch->kernels->sincos( values, clusters * LWI_WIDTH, cosines, sines );
 	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
 	memset( &batch->frames[0], 0, sizeof( batch->frames[0] ) );
-	const lw_transform* root = &batch->e->checker->reference_poses[tree->nodes[0].top];
+	const lw_transform* root = &batch->e->checker->reference_poses[tree->clusters[0].root_link];
 	for ( int i = 0; i < 9; ++i )
 	{
 		broadcast( root->r[i / 3][i % 3], batch->frames[0].r[i] );
 		broadcast( root->t[i % 3], batch->frames[0].t[i % 3] );
 	}
-	for ( uint32_t i = 1; i < nodes; ++i )
+	for ( uint32_t i = 1; i < clusters; ++i )
 	{
 		const lwi_batch_joint* joint = &tree->batch_joints[i];
 		const size_t at = (size_t)i * LWI_WIDTH;
-		const lwi_batch_frame* above = &batch->frames[tree->nodes[i].parent];
-		batch->kernels->batch_frame( above, joint, joint->turns ? cosines + at : ones, joint->turns ? sines + at : zeros,
-			joint->turns ? zeros : values + at, memory->speeds[i], &batch->frames[i] );
+		const lwi_batch_frame* above = &batch->frames[tree->clusters[i].parent];
+		batch->kernels->batch_frame( above, joint, joint->rotates ? cosines + at : ones, joint->rotates ? sines + at : zeros,
+			joint->rotates ? zeros : values + at, memory->speeds[i], &batch->frames[i] );
 	}
 }
 
-/// Middles of the spheres of all nodes.
+/// Middles of the spheres of all clusters.
 static void pose_spheres( interval_batch* batch )
 {
-	const lwi_checker_tree* tree = batch->tree;
-	for ( uint32_t i = 0; i < tree->node_count; ++i )
+	const lwi_cluster_tree* tree = batch->tree;
+	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
 	{
-		if ( tree->nodes[i].body_count > 0 )
+		if ( tree->clusters[i].body_count > 0 )
 		{
-			batch->kernels->batch_point( &batch->frames[i], tree->nodes[i].r.center, batch->origin, batch->half,
-				&batch->nodes[i] );
+			batch->kernels->batch_point( &batch->frames[i], tree->clusters[i].r.center, batch->origin, batch->half,
+				&batch->clusters[i] );
 		}
 	}
 	memset( batch->known, 0, tree->body_count * sizeof( bool ) );
@@ -131,10 +131,10 @@ static void pose_spheres( interval_batch* batch )
 /// The same for a body, by its place.
 static const lwi_batch_point* body_point( const interval_batch* batch, uint32_t place )
 {
-	const lwi_checker_tree* tree = batch->tree;
+	const lwi_cluster_tree* tree = batch->tree;
 	if ( !batch->known[place] )
 	{
-		const lwi_batch_frame* frame = &batch->frames[tree->body_node[tree->bodies[place]]];
+		const lwi_batch_frame* frame = &batch->frames[tree->body_cluster[tree->bodies[place]]];
 		batch->kernels->batch_point( frame, tree->body_spheres[place].center, batch->origin, batch->half,
 			&batch->bodies[place] );
 		batch->known[place] = true;
@@ -152,14 +152,14 @@ static double size_of( const lwi_batch_point* p, double path )
 
 static void operand_of_body( const interval_batch* batch, uint32_t place, const double origin[3], operand* s )
 {
-	const lwi_checker_tree* tree = batch->tree;
+	const lwi_cluster_tree* tree = batch->tree;
 	const uint32_t body = tree->bodies[place];
 	const lw_transform* pose = &tree->body_poses[place];
 	s->shape = lwi_shape_now( batch->e->checker->bodies[body].shape );
 	s->is_static = false;
 	lw_vec3 at = lwi_transform( pose, lwi_load( s->shape->origin ) );
 	const double local[3] = { at.x, at.y, at.z };
-	batch->kernels->batch_body( &batch->frames[tree->body_node[body]], pose->r, local, origin, batch->half, &s->body );
+	batch->kernels->batch_body( &batch->frames[tree->body_cluster[body]], pose->r, local, origin, batch->half, &s->body );
 }
 
 static void operand_of_obstacle( const lw_scene_shape_def* obstacle, const double origin[3], operand* s )
@@ -316,12 +316,12 @@ typedef struct query_sphere
 	float reach;
 } query_sphere;
 
-static query_sphere make_query_sphere( const interval_batch* batch, uint32_t node, const lw_sphere* sphere, double margin )
+static query_sphere make_query_sphere( const interval_batch* batch, uint32_t cluster, const lw_sphere* sphere, double margin )
 {
 	const lw_scene* scene = batch->e->checker->scene;
 	query_sphere s = { .radius = sphere->radius };
-	batch->kernels->batch_point( &batch->frames[node], sphere->center, scene->origin, batch->half, &s.at );
-	lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( batch->e, node ), lwi_edge_velocity_of( batch->e, 0 ) );
+	batch->kernels->batch_point( &batch->frames[cluster], sphere->center, scene->origin, batch->half, &s.at );
+	lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( batch->e, cluster ), lwi_edge_velocity_of( batch->e, 0 ) );
 	s.need = batch->e->enough[0] + batch->rounding + lwi_edge_bulge( batch->e, rate, batch->half ) + margin;
 	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, rate.path ) + scene->extent + 2 * sphere->radius ) );
 	s.reach = lwi_round_up( s.radius + s.need + s.slack );
@@ -391,17 +391,17 @@ static uint32_t tree_meets_obstacle( const interval_batch* batch, const operand*
 	return trees_meet( batch, &q, &first, lanes );
 }
 
-/// Obstacles that a node's sphere meets: the first of query->candidates, lanes in place of the gap. Returns their count.
-static uint32_t near_node( const interval_batch* batch, uint32_t node, bool near_only, query_sphere* out )
+/// Obstacles that a cluster's sphere meets: the first of query->candidates, lanes in place of the gap. Returns their count.
+static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, bool near_only, query_sphere* out )
 {
 	const lw_checker* c = batch->e->checker;
-	const lwi_checker_node* n = &batch->tree->nodes[node];
+	const lwi_cluster* n = &batch->tree->clusters[cluster];
 	const lwi_margins* m = c->margins;
 	const bool alone = n->body_count == 1;
-	const query_sphere s = make_query_sphere( batch, node, &n->r,
+	const query_sphere s = make_query_sphere( batch, cluster, &n->r,
 		m == NULL ? 0
 		: alone   ? m->bodies[batch->tree->bodies[n->first_body]]
-				  : m->nodes[2 * node] );
+				  : m->clusters[2 * cluster] );
 	const float* margins = m == NULL ? NULL : alone ? m->body_row[batch->tree->bodies[n->first_body]] : m->objects;
 	const uint8_t* masks = near_only ? c->near_mask : c->environment_mask;
 	const uint32_t blocks = near_only ? c->near_block_count : c->scene->block_count;
@@ -449,11 +449,11 @@ static uint32_t near_body( const interval_batch* batch, uint32_t place, const lw
 {
 	const lw_checker* c = batch->e->checker;
 	const lwi_margins* m = c->margins;
-	const uint32_t body = batch->tree->bodies[place], node = batch->tree->body_node[body];
+	const uint32_t body = batch->tree->bodies[place], cluster = batch->tree->body_cluster[body];
 	const uint8_t* mask = ( near_only ? c->near_mask : c->environment_mask ) + (size_t)body * c->scene->block_count;
 	const float* row = m != NULL ? m->body_row[body] : NULL;
 	const query_sphere s = own != NULL ? *own
-									   : make_query_sphere( batch, node, &batch->tree->body_spheres[place],
+									   : make_query_sphere( batch, cluster, &batch->tree->body_spheres[place],
 											 m != NULL ? m->bodies[body] : 0 );
 	uint32_t met = 0;
 	bool made = false;
@@ -486,14 +486,14 @@ static void batch_environment( const interval_batch* batch )
 		return;
 	}
 	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, e->enough[0] );
-	for ( uint32_t i = batch->tree->node_count; i-- > 1; )
+	for ( uint32_t i = batch->tree->cluster_count; i-- > 1; )
 	{
-		const lwi_checker_node* n = &batch->tree->nodes[i];
-		query_sphere of_node;
-		uint32_t count = ( c->node_environment[i] & LWI_NODE_ASKS ) != 0 ? near_node( batch, i, near_only, &of_node ) : 0;
+		const lwi_cluster* n = &batch->tree->clusters[i];
+		query_sphere of_cluster;
+		uint32_t count = ( c->cluster_environment[i] & LWI_CLUSTER_CHECKED ) != 0 ? near_cluster( batch, i, near_only, &of_cluster ) : 0;
 		for ( uint32_t k = n->first_body; count > 0 && k < n->first_body + n->body_count; ++k )
 		{
-			uint32_t lanes = near_body( batch, k, e->query->candidates, count, n->body_count == 1 ? &of_node : NULL,
+			uint32_t lanes = near_body( batch, k, e->query->candidates, count, n->body_count == 1 ? &of_cluster : NULL,
 				near_only );
 			if ( lanes != 0 )
 			{
@@ -508,70 +508,70 @@ static void batch_environment( const interval_batch* batch )
 
 // --- the robot itself ------------------------------------------------------------------------------------------------
 
-/// Two nodes, and the parameters of the test of their spheres.
-typedef struct node_pair
+/// Two clusters, and the parameters of the test of their spheres.
+typedef struct cluster_pair
 {
-	const lwi_node_pair* pair;
-	bool covered; ///< charts may be used
+	const lwi_cluster_pair* pair;
+	bool covered; ///< grids may be used
 	bool neighbours;
 	double reach; ///< all but radii
 	double path;  ///< of both
-} node_pair;
+} cluster_pair;
 
-static node_pair make_node_pair( const interval_batch* batch, const lwi_node_pair* pair )
+static cluster_pair make_cluster_pair( const interval_batch* batch, const lwi_cluster_pair* pair )
 {
 	lwi_edge* e = batch->e;
-	const lwi_edge_velocity *a = lwi_edge_velocity_of( e, pair->node_a ), *b = lwi_edge_velocity_of( e, pair->node_b );
+	const lwi_edge_velocity *a = lwi_edge_velocity_of( e, pair->cluster_a ), *b = lwi_edge_velocity_of( e, pair->cluster_b );
 	const lwi_edge_velocity *above = lwi_edge_velocity_of( e, pair->ancestor ), *root = lwi_edge_velocity_of( e, 0 );
-	const lwi_checker_node *node_a = &batch->tree->nodes[pair->node_a], *node_b = &batch->tree->nodes[pair->node_b];
+	const lwi_cluster *cluster_a = &batch->tree->clusters[pair->cluster_a], *cluster_b = &batch->tree->clusters[pair->cluster_b];
 	double bulge = lwi_edge_bulge( e, lwi_edge_rate( a, above ), batch->half ) +
 				   lwi_edge_bulge( e, lwi_edge_rate( b, above ), batch->half );
-	double size = size_of( &batch->nodes[pair->node_a], lwi_edge_rate( a, root ).path ) +
-				  size_of( &batch->nodes[pair->node_b], lwi_edge_rate( b, root ).path ) +
-				  2 * ( node_a->r.radius + node_b->r.radius );
-	return (node_pair){ .pair = pair,
+	double size = size_of( &batch->clusters[pair->cluster_a], lwi_edge_rate( a, root ).path ) +
+				  size_of( &batch->clusters[pair->cluster_b], lwi_edge_rate( b, root ).path ) +
+				  2 * ( cluster_a->r.radius + cluster_b->r.radius );
+	return (cluster_pair){ .pair = pair,
 		.path = lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path,
 		.neighbours = a->depth + b->depth - 2 * above->depth <= NEIGHBOURS,
 		.reach = e->enough[1] + 2 * batch->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
 }
 
-static uint32_t points_meet( const interval_batch* batch, const node_pair* c, const lwi_batch_point* a, double radius_a,
+static uint32_t points_meet( const interval_batch* batch, const cluster_pair* c, const lwi_batch_point* a, double radius_a,
 	const lwi_batch_point* b, double radius_b )
 {
 	return batch->kernels->batch_pair( a, b, lwi_round_up( c->reach + radius_a + radius_b ) );
 }
 
-static uint32_t nodes_meet( const interval_batch* batch, const node_pair* c, const lwi_node_pair* pair )
+static uint32_t clusters_meet( const interval_batch* batch, const cluster_pair* c, const lwi_cluster_pair* pair )
 {
-	const lwi_checker_node* nodes = batch->tree->nodes;
-	return points_meet( batch, c, &batch->nodes[pair->node_a], nodes[pair->node_a].r.radius, &batch->nodes[pair->node_b],
-		nodes[pair->node_b].r.radius );
+	const lwi_cluster* clusters = batch->tree->clusters;
+	return points_meet( batch, c, &batch->clusters[pair->cluster_a], clusters[pair->cluster_a].r.radius, &batch->clusters[pair->cluster_b],
+		clusters[pair->cluster_b].r.radius );
 }
 
-/// Parameters shared by all pairs of nodes.
-static node_pair any_node_pair( const interval_batch* batch )
+/// Parameters shared by all pairs of clusters.
+static cluster_pair any_cluster_pair( const interval_batch* batch )
 {
 	lwi_edge* e = batch->e;
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	double bulge = 0, size = 0, margin = 0;
-	for ( uint32_t i = 0; i < batch->tree->node_count; ++i )
+	for ( uint32_t i = 0; i < batch->tree->cluster_count; ++i )
 	{
 		lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( e, i ), root );
-		if ( batch->tree->nodes[i].body_count > 0 )
+		if ( batch->tree->clusters[i].body_count > 0 )
 		{
 			bulge = lwi_larger( bulge, lwi_edge_bulge( e, rate, batch->half ) );
-			size = lwi_larger( size, size_of( &batch->nodes[i], rate.path ) + 2 * batch->tree->nodes[i].r.radius );
+			size = lwi_larger( size, size_of( &batch->clusters[i], rate.path ) + 2 * batch->tree->clusters[i].r.radius );
 		}
 	}
 	for ( uint32_t i = 0; e->checker->self_margins != NULL && i < batch->tree->pair_count; ++i )
 	{
 		margin = lwi_larger( margin, (double)batch->tree->pairs[i].margin );
 	}
-	return (node_pair){ .reach = e->enough[1] + 2 * batch->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
+	return (cluster_pair){ .reach = e->enough[1] + 2 * batch->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
 }
 
 /// Lanes in which two bodies, given by their places, do not stay apart.
-static uint32_t bodies_meet( const interval_batch* batch, const node_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
+static uint32_t bodies_meet( const interval_batch* batch, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
 	const lw_sphere* spheres = batch->tree->body_spheres;
 	lanes &= points_meet( batch, c, body_point( batch, a ), spheres[a].radius, body_point( batch, b ), spheres[b].radius );
@@ -595,12 +595,12 @@ static uint32_t bodies_meet( const interval_batch* batch, const node_pair* c, ui
 	return trees_meet( batch, &q, &first, lanes );
 }
 
-static void add_self_pair( const interval_batch* batch, const node_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
+static void add_self_pair( const interval_batch* batch, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
 	uint32_t body_a = batch->tree->bodies[a], body_b = batch->tree->bodies[b];
 	const uint32_t index = (uint32_t)( c->pair - batch->tree->pairs );
 	if ( c->covered &&
-		 lwi_edge_is_charted( batch->e, lwi_checker_view( batch->tree, index, body_a, body_b ), body_a, body_b ) )
+		 lwi_edge_grid_proves( batch->e, lwi_checker_slice( batch->tree, index, body_a, body_b ), body_a, body_b ) )
 	{
 		return;
 	}
@@ -612,16 +612,16 @@ static void add_self_pair( const interval_batch* batch, const node_pair* c, uint
 	add_pair( batch->e, pair );
 }
 
-/// The bodies of two nodes whose spheres meet in some lanes.
-static void batch_bodies( const interval_batch* batch, const node_pair* c, uint32_t lanes )
+/// The bodies of two clusters whose spheres meet in some lanes.
+static void batch_bodies( const interval_batch* batch, const cluster_pair* c, uint32_t lanes )
 {
-	const lwi_checker_tree* tree = batch->tree;
-	const lwi_checker_node *a = &tree->nodes[c->pair->node_a], *b = &tree->nodes[c->pair->node_b];
+	const lwi_cluster_tree* tree = batch->tree;
+	const lwi_cluster *a = &tree->clusters[c->pair->cluster_a], *b = &tree->clusters[c->pair->cluster_b];
 	for ( uint32_t i = 0; i < a->body_count; ++i )
 	{
 		const uint32_t place_a = a->first_body + i;
 		uint32_t left = lanes & points_meet( batch, c, body_point( batch, place_a ), tree->body_spheres[place_a].radius,
-									&batch->nodes[c->pair->node_b], b->r.radius );
+									&batch->clusters[c->pair->cluster_b], b->r.radius );
 		for ( uint32_t k = 0; k < b->body_count && left != 0; ++k )
 		{
 			uint32_t met = 0;
@@ -647,21 +647,21 @@ static void batch_self( const interval_batch* batch )
 		return;
 	}
 	const bool covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
-	const node_pair any = any_node_pair( batch ); // mostly that is all
+	const cluster_pair any = any_cluster_pair( batch ); // mostly that is all
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		const lwi_node_pair* pair = &batch->tree->pairs[i];
+		const lwi_cluster_pair* pair = &batch->tree->pairs[i];
 		if ( covered && lwi_edge_is_apart( e, pair->separation ) )
 		{
 			continue;
 		}
-		node_pair two = any;
-		uint32_t lanes = nodes_meet( batch, &two, pair );
+		cluster_pair two = any;
+		uint32_t lanes = clusters_meet( batch, &two, pair );
 		if ( lanes != 0 )
 		{
-			two = make_node_pair( batch, pair );
+			two = make_cluster_pair( batch, pair );
 			two.covered = covered;
-			lanes = nodes_meet( batch, &two, pair );
+			lanes = clusters_meet( batch, &two, pair );
 		}
 		if ( lanes != 0 )
 		{
@@ -675,7 +675,7 @@ static void batch_self( const interval_batch* batch )
 static bool is_bent( lwi_edge* e )
 {
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
-	for ( uint32_t i = 1; i < e->checker->tree->node_count; ++i )
+	for ( uint32_t i = 1; i < e->checker->tree->cluster_count; ++i )
 	{
 		if ( lwi_edge_rate( lwi_edge_velocity_of( e, i ), root ).change > LEAST_CHANGE )
 		{
@@ -688,18 +688,18 @@ static bool is_bent( lwi_edge* e )
 bool lwi_edge_has_batch( lwi_edge* e )
 {
 	return e->checker->tree->can_batch && e->longest > LEAST_SLACKS * e->def->slack &&
-		   lwi_edge_turns_little( e, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
+		   lwi_edge_rotates_little( e, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
 }
 
 void lwi_edge_batch_pose( lwi_edge* e, uint32_t lane )
 {
 	const lw_checker* c = e->checker;
 	lw_query* query = e->query;
-	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
 	{
-		const lwi_checker_node* node = &c->tree->nodes[i];
+		const lwi_cluster* cluster = &c->tree->clusters[i];
 		const lwi_batch_frame* frame = &e->batch.frames[i];
-		lw_transform* pose = &query->world_from_link[node->top];
+		lw_transform* pose = &query->world_from_link[cluster->root_link];
 		for ( int k = 0; k < 9; ++k )
 		{
 			pose->r[k / 3][k % 3] = frame->r[k][lane];
@@ -708,12 +708,12 @@ void lwi_edge_batch_pose( lwi_edge* e, uint32_t lane )
 		{
 			pose->t[k] = frame->t[k][lane];
 		}
-		query->node_stamp[i] = query->state_stamp;
+		query->cluster_stamp[i] = query->state_stamp;
 		lwi_edge_velocity* velocity = &e->velocities[i];
 		velocity->stamp = query->state_stamp; // depth and rates are those of the edge
-		velocity->twist.turn = lwi_v3( frame->turn[0][lane], frame->turn[1][lane], frame->turn[2][lane] );
-		velocity->twist.shift = lwi_v3( frame->shift[0][lane], frame->shift[1][lane], frame->shift[2][lane] );
-		velocity->center = lwi_transform( pose, lwi_load( node->r.center ) );
+		velocity->twist.angular = lwi_v3( frame->angular[0][lane], frame->angular[1][lane], frame->angular[2][lane] );
+		velocity->twist.linear = lwi_v3( frame->linear[0][lane], frame->linear[1][lane], frame->linear[2][lane] );
+		velocity->center = lwi_transform( pose, lwi_load( cluster->r.center ) );
 	}
 }
 
@@ -728,10 +728,10 @@ void lwi_edge_batch_pass( lwi_edge* e )
 		.frames = e->batch.frames,
 		.bodies = e->batch.bodies,
 		.known = e->batch.known,
-		.nodes = e->batch.nodes,
+		.clusters = e->batch.clusters,
 		.half = 0.5 / LWI_WIDTH,
 		.rounding = rounding };
-	memcpy( batch.origin, c->reference_poses[c->tree->nodes[0].top].t, sizeof( batch.origin ) );
+	memcpy( batch.origin, c->reference_poses[c->tree->clusters[0].root_link].t, sizeof( batch.origin ) );
 	pose_frames( &batch );
 	e->batch.posed = true;
 	pose_spheres( &batch );

@@ -3,7 +3,7 @@
 // become edge pairs.
 //
 // Schwarzer, Saha, Latombe: Adaptive dynamic collision checking for single and multiple articulated robots in complex
-// environments. IEEE Transactions on Robotics 21(3), 2005, by nodes. Proofs, cost and rounding: core/docs/edges.md.
+// environments. IEEE Transactions on Robotics 21(3), 2005, by clusters. Proofs, cost and rounding: core/docs/edges.md.
 #include "checker/pose.h"
 #include "motion/edge.h"
 #include "base/math_inline.h"
@@ -28,10 +28,10 @@ typedef struct midpoint_pass
 	uint32_t work; ///< remaining work: cells on which pairs have to be measured
 	bool may_probe;
 	bool covered; ///< the whole edge by the reach
-	bool moves;   ///< all nodes have a twist, and turn so little that the bounds for moving units hold
+	bool moves;   ///< all clusters have a twist, and turn so little that the bounds for moving proxies hold
 } midpoint_pass;
 
-/// Poses all nodes.
+/// Poses all clusters.
 static bool pose_all( lwi_edge* e, double t )
 {
 	const lw_checker* c = e->checker;
@@ -39,21 +39,21 @@ static bool pose_all( lwi_edge* e, double t )
 	{
 		return false;
 	}
-	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
 	{
-		lwi_pose_node( c, e->query, i );
+		lwi_pose_cluster( c, e->query, i );
 	}
 	return true;
 }
 
-/// Bounds the nodes' motion without their poses. @return true if that suffices: the motion of all of them is linear, and
+/// Bounds the clusters' motion without their poses. @return true if that suffices: the motion of all of them is linear, and
 /// their deviation is negligible
 static bool measure_roughly( lwi_edge* e, double share )
 {
 	const lwi_motion_table* motion = e->checker->motion;
 	const lwi_edge_window longest = { 0, share };
 	// no acceleration is larger than twice the longest path times all turns
-	lwi_motion_rate rate = { 0, 2 * e->longest * lwi_motion_turns( motion, e->motion ) / MOST_ROUGH };
+	lwi_motion_rate rate = { 0, 2 * e->longest * lwi_motion_rotation( motion, e->motion ) / MOST_ROUGH };
 	if ( !lwi_edge_is_linear( rate, longest ) )
 	{
 		return false;
@@ -62,7 +62,7 @@ static bool measure_roughly( lwi_edge* e, double share )
 	return lwi_edge_is_linear( rate, longest );
 }
 
-bool lwi_edge_measure_nodes( lwi_edge* e, double t, double share )
+bool lwi_edge_measure_clusters( lwi_edge* e, double t, double share )
 {
 	const lw_checker* c = e->checker;
 	if ( !pose_all( e, t ) )
@@ -74,7 +74,7 @@ bool lwi_edge_measure_nodes( lwi_edge* e, double t, double share )
 		return true;
 	}
 	lwi_motion_place( c->motion, e->motion, e->query->world_from_link );
-	for ( uint32_t i = 1; i < c->tree->node_count; ++i )
+	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
 	{
 		lwi_motion_measure_body( c->motion, e->motion, i, e->query->world_from_link, share );
 	}
@@ -119,19 +119,19 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 	return true;
 }
 
-/// Displacement of the bodies of a node within the window, in the frame of another node.
-static double node_loss( midpoint_pass* s, uint32_t node, uint32_t ancestor )
+/// Displacement of the bodies of a cluster within the window, in the frame of another cluster.
+static double cluster_loss( midpoint_pass* s, uint32_t cluster, uint32_t ancestor )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	lwi_motion_rate rate = lwi_motion_of( c->motion, e->motion, node, c->tree->nodes[ancestor].top );
-	return lwi_edge_displacement( e, node, ancestor, &c->tree->nodes[node].r, rate, s->window );
+	lwi_motion_rate rate = lwi_motion_of( c->motion, e->motion, cluster, c->tree->clusters[ancestor].root_link );
+	return lwi_edge_displacement( e, cluster, ancestor, &c->tree->clusters[cluster].r, rate, s->window );
 }
 
-/// Displacement of a point that a node carries from the middle of the window to its end, by its velocity in the world.
+/// Displacement of a point that a cluster carries from the middle of the window to its end, by its velocity in the world.
 static lw_vec3 displacement_of( const midpoint_pass* s, const lwi_edge_velocity* velocity, lw_vec3 at )
 {
-	return lwi_scale( s->window.half, lwi_add( velocity->twist.shift, lwi_cross( velocity->twist.turn, at ) ) );
+	return lwi_scale( s->window.half, lwi_add( velocity->twist.linear, lwi_cross( velocity->twist.angular, at ) ) );
 }
 
 /// Length of a point's displacement within the window, by its velocity or by the length of its path.
@@ -143,54 +143,54 @@ static double displacement_length( midpoint_pass* s, const lwi_edge_velocity* ve
 	return ( length < path ? length : path ) * LWI_EDGE_OUTWARD; // no number without a twist
 }
 
-/// How much the clearance of two nodes may lose by the lengths of their paths.
-static double pair_path( midpoint_pass* s, const lwi_node_pair* pair )
+/// How much the clearance of two clusters may lose by the lengths of their paths.
+static double pair_path( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
-	const lwi_edge_velocity *a = lwi_edge_velocity_of( s->edge, pair->node_a ),
-							*b = lwi_edge_velocity_of( s->edge, pair->node_b );
+	const lwi_edge_velocity *a = lwi_edge_velocity_of( s->edge, pair->cluster_a ),
+							*b = lwi_edge_velocity_of( s->edge, pair->cluster_b );
 	const lwi_edge_velocity* above = lwi_edge_velocity_of( s->edge, pair->ancestor );
 	return s->window.half * ( lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path );
 }
 
-/// How much the clearance of two nodes may lose by how they move in the middle, and with `whole` that of any of their
+/// How much the clearance of two clusters may lose by how they move in the middle, and with `whole` that of any of their
 /// bodies, else of their spheres.
-static double pair_displacement( midpoint_pass* s, const lwi_node_pair* pair, bool whole )
+static double pair_displacement( midpoint_pass* s, const lwi_cluster_pair* pair, bool whole )
 {
 	lwi_edge* e = s->edge;
-	const lwi_checker_node* nodes = e->checker->tree->nodes;
-	const lwi_edge_velocity *a = lwi_edge_velocity_of( e, pair->node_a ), *b = lwi_edge_velocity_of( e, pair->node_b );
+	const lwi_cluster* clusters = e->checker->tree->clusters;
+	const lwi_edge_velocity *a = lwi_edge_velocity_of( e, pair->cluster_a ), *b = lwi_edge_velocity_of( e, pair->cluster_b );
 	const lwi_edge_velocity* above = lwi_edge_velocity_of( e, pair->ancestor );
 	const lwi_motion_rate rate_a = lwi_edge_rate( a, above ), rate_b = lwi_edge_rate( b, above );
 	double half = s->window.half, path = half * ( rate_a.path + rate_b.path );
-	lw_vec3 turn_a = lwi_sub( a->twist.turn, above->twist.turn ), turn_b = lwi_sub( b->twist.turn, above->twist.turn );
+	lw_vec3 turn_a = lwi_sub( a->twist.angular, above->twist.angular ), turn_b = lwi_sub( b->twist.angular, above->twist.angular );
 	// both relative to the ancestor, whose own shift is the same for both
-	lw_vec3 speed_a = lwi_add( a->twist.shift, lwi_cross( turn_a, a->center ) );
-	lw_vec3 speed_b = lwi_add( b->twist.shift, lwi_cross( turn_b, b->center ) );
-	double around_a = lwi_length( turn_a ) * nodes[pair->node_a].r.radius;
-	double around_b = lwi_length( turn_b ) * nodes[pair->node_b].r.radius;
+	lw_vec3 speed_a = lwi_add( a->twist.linear, lwi_cross( turn_a, a->center ) );
+	lw_vec3 speed_b = lwi_add( b->twist.linear, lwi_cross( turn_b, b->center ) );
+	double around_a = lwi_length( turn_a ) * clusters[pair->cluster_a].r.radius;
+	double around_b = lwi_length( turn_b ) * clusters[pair->cluster_b].r.radius;
 	double turns = whole ? around_a + around_b : 0;
 	double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
 	double length = ( half * ( lwi_distance( speed_a, speed_b ) + turns ) + bulge ) * LWI_EDGE_OUTWARD;
 	return length < path ? length : path;
 }
 
-static bool test_node_environment( midpoint_pass* s, uint32_t node )
+static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const lwi_checker_node* n = &c->tree->nodes[node];
-	if ( ( c->node_environment[node] & LWI_NODE_ASKS ) == 0 )
+	const lwi_cluster* n = &c->tree->clusters[cluster];
+	if ( ( c->cluster_environment[cluster] & LWI_CLUSTER_CHECKED ) == 0 )
 	{
 		return true;
 	}
-	const lwi_edge_velocity* velocity = lwi_edge_velocity_of( e, node ); // poses the node
+	const lwi_edge_velocity* velocity = lwi_edge_velocity_of( e, cluster ); // poses the cluster
 	const double limit = e->enough[0] + displacement_length( s, velocity, velocity->center );
 	lwi_edge_note_proof( e ); // for the bodies that are not near
-	if ( n->body_count > 1 && !lwi_checker_node_nears_scene( c, e->query, node, limit ) )
+	if ( n->body_count > 1 && !lwi_checker_cluster_is_near( c, e->query, cluster, limit ) )
 	{
 		return true;
 	}
-	const lw_transform* pose = &e->query->world_from_link[n->top];
+	const lw_transform* pose = &e->query->world_from_link[n->root_link];
 	for ( uint32_t i = n->first_body; i < n->first_body + n->body_count; ++i )
 	{
 		lwi_edge_pair pair = { .body_a = c->tree->bodies[i], .body_b = LW_INVALID_INDEX };
@@ -209,12 +209,12 @@ static bool test_node_environment( midpoint_pass* s, uint32_t node )
 	return true;
 }
 
-/// False if the spheres around two nodes stay `limit` apart.
-static bool spheres_meet( const midpoint_pass* s, const lwi_node_pair* pair, double limit )
+/// False if the spheres around two clusters stay `limit` apart.
+static bool spheres_meet( const midpoint_pass* s, const lwi_cluster_pair* pair, double limit )
 {
 	lw_query* query = s->edge->query;
-	const double* a = lwi_sphere( s->edge->checker, query, 2 * pair->node_a );
-	const double* b = lwi_sphere( s->edge->checker, query, 2 * pair->node_b );
+	const double* a = lwi_sphere( s->edge->checker, query, 2 * pair->cluster_a );
+	const double* b = lwi_sphere( s->edge->checker, query, 2 * pair->cluster_b );
 	double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
 	double reach = ( limit + a[3] + b[3] + (double)pair->margin ) * ( 1 + LWI_POSE_ROUNDING );
 	return !( x * x + y * y + z * z > reach * fabs( reach ) );
@@ -236,15 +236,15 @@ bool lwi_edge_is_apart( lwi_edge* e, float separation )
 	return false;
 }
 
-bool lwi_edge_is_charted( lwi_edge* e, const lwi_chart_view* view, uint32_t body_a, uint32_t body_b )
+bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b )
 {
 	const lw_checker* c = e->checker;
-	if ( view == NULL )
+	if ( slice == NULL )
 	{
 		return false;
 	}
 	double margin = lwi_self_margin( c, body_a, body_b ), least = required_clearance( e );
-	double apart = lwi_chart_along( view, c->tree->scales, c->robot, e->full_a, e->full_b, least + margin ) - margin;
+	double apart = lwi_grid_along( slice, c->tree->spacings, c->robot, e->full_a, e->full_b, least + margin ) - margin;
 	if ( !( apart > least ) )
 	{
 		return false;
@@ -253,21 +253,21 @@ bool lwi_edge_is_charted( lwi_edge* e, const lwi_chart_view* view, uint32_t body
 	return true;
 }
 
-/// Two bodies that may come near each other. @param view as for lwi_edge_is_charted()
-static bool test_bodies( midpoint_pass* s, uint32_t candidate, uint32_t ancestor, const lwi_chart_view* view )
+/// Two bodies that may come near each other. @param slice as for lwi_edge_grid_proves()
+static bool test_bodies( midpoint_pass* s, uint32_t candidate, uint32_t ancestor, const lwi_grid_slice* slice )
 {
 	const uint32_t stride = s->edge->checker->body_block_count * LWI_WIDTH;
 	lwi_edge_pair pair = { .body_a = candidate / stride, .body_b = candidate % stride, .ancestor = ancestor };
-	return ( s->covered && lwi_edge_is_charted( s->edge, view, pair.body_a, pair.body_b ) ) || test_edge_pair( s, pair );
+	return ( s->covered && lwi_edge_grid_proves( s->edge, slice, pair.body_a, pair.body_b ) ) || test_edge_pair( s, pair );
 }
 
-/// Pairs of bodies of two nodes that may come near each other become candidates of the query. Returns their count.
-static uint32_t near_bodies( midpoint_pass* s, const lwi_node_pair* pair )
+/// Pairs of bodies of two clusters that may come near each other become candidates of the query. Returns their count.
+static uint32_t near_bodies( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
 	const uint32_t index = (uint32_t)( pair - c->tree->pairs );
-	const uint32_t only = lwi_node_pair_candidate( c, c->tree, index );
+	const uint32_t only = lwi_cluster_pair_candidate( c, c->tree, index );
 	if ( only < LWI_OPEN )
 	{
 		e->query->candidates[0].pair = only;
@@ -277,7 +277,7 @@ static uint32_t near_bodies( midpoint_pass* s, const lwi_node_pair* pair )
 	uint32_t count = lwi_checker_near_pairs( c, e->query, index, e->enough[1] + displacement * LWI_EDGE_OUTWARD );
 	if ( count > 2 ) // a few pairs are tested on their own
 	{
-		double loss = node_loss( s, pair->node_a, pair->ancestor ) + node_loss( s, pair->node_b, pair->ancestor );
+		double loss = cluster_loss( s, pair->cluster_a, pair->ancestor ) + cluster_loss( s, pair->cluster_b, pair->ancestor );
 		double limit = e->enough[1] + loss * LWI_EDGE_OUTWARD;
 		count = loss < 0.9 * displacement ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
 	}
@@ -285,27 +285,27 @@ static uint32_t near_bodies( midpoint_pass* s, const lwi_node_pair* pair )
 }
 
 /// A sphere of the robot in the middle of the window, and how its velocity takes it on until the end.
-typedef struct moving_unit
+typedef struct moving_proxy
 {
 	const lwi_edge_velocity* velocity;
 	lw_vec3 center, displacement;
 	double radius; ///< includes the rounding of its centre
-} moving_unit;
+} moving_proxy;
 
-static moving_unit make_unit( midpoint_pass* s, uint32_t node, const lw_sphere* sphere )
+static moving_proxy make_proxy( midpoint_pass* s, uint32_t cluster, const lw_sphere* sphere )
 {
 	lwi_edge* e = s->edge;
-	moving_unit m = { .velocity = lwi_edge_velocity_of( e, node ) }; // poses the node
-	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->nodes[node].top];
+	moving_proxy m = { .velocity = lwi_edge_velocity_of( e, cluster ) }; // poses the cluster
+	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->clusters[cluster].root_link];
 	m.center = lwi_transform( pose, lwi_load( sphere->center ) );
 	m.displacement = displacement_of( s, m.velocity, m.center );
 	m.radius = sphere->radius + e->query->pose_rounding;
 	return m;
 }
 
-/// Do two units come near each other, by their velocities in the frame of their ancestor? The test of interval batches, in
+/// Do two proxies come near each other, by their velocities in the frame of their ancestor? The test of interval batches, in
 /// double.
-static bool units_meet( const midpoint_pass* s, const moving_unit* a, const moving_unit* b, uint32_t ancestor,
+static bool proxies_meet( const midpoint_pass* s, const moving_proxy* a, const moving_proxy* b, uint32_t ancestor,
 	double margin )
 {
 	const lwi_edge* e = s->edge;
@@ -320,18 +320,18 @@ static bool units_meet( const midpoint_pass* s, const moving_unit* a, const movi
 	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
 }
 
-/// Do two bodies come near each other? Their spheres are no units.
+/// Do two bodies come near each other? Their spheres are no proxies.
 static bool bodies_meet( midpoint_pass* s, uint32_t a, uint32_t b, uint32_t ancestor )
 {
 	const lw_checker* c = s->edge->checker;
-	const lwi_checker_tree* tree = c->tree;
+	const lwi_cluster_tree* tree = c->tree;
 	const lw_sphere *of_a = &tree->body_spheres[tree->body_place[a]], *of_b = &tree->body_spheres[tree->body_place[b]];
-	const moving_unit unit_a = make_unit( s, tree->body_node[a], of_a ), unit_b = make_unit( s, tree->body_node[b], of_b );
-	return units_meet( s, &unit_a, &unit_b, ancestor, lwi_self_margin( c, a, b ) );
+	const moving_proxy proxy_a = make_proxy( s, tree->body_cluster[a], of_a ), proxy_b = make_proxy( s, tree->body_cluster[b], of_b );
+	return proxies_meet( s, &proxy_a, &proxy_b, ancestor, lwi_self_margin( c, a, b ) );
 }
 
-/// The bodies of two nodes whose spheres come near each other.
-static bool test_near_nodes( midpoint_pass* s, const lwi_node_pair* pair )
+/// The bodies of two clusters whose spheres come near each other.
+static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
 	const lw_checker* c = s->edge->checker;
 	const uint32_t count = near_bodies( s, pair ), stride = c->body_block_count * LWI_WIDTH;
@@ -344,14 +344,14 @@ static bool test_near_nodes( midpoint_pass* s, const lwi_node_pair* pair )
 		{
 			continue;
 		}
-		const lwi_chart_view* view = lwi_checker_view( c->tree, (uint32_t)( pair - c->tree->pairs ), a, b );
-		go_on = test_bodies( s, candidate, pair->ancestor, view );
+		const lwi_grid_slice* slice = lwi_checker_slice( c->tree, (uint32_t)( pair - c->tree->pairs ), a, b );
+		go_on = test_bodies( s, candidate, pair->ancestor, slice );
 	}
 	return go_on;
 }
 
-/// The bodies of two nodes.
-static bool test_nodes( midpoint_pass* s, const lwi_node_pair* pair )
+/// The bodies of two clusters.
+static bool test_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
 	lwi_edge* e = s->edge;
 	if ( s->covered && lwi_edge_is_apart( e, pair->separation ) )
@@ -364,28 +364,28 @@ static bool test_nodes( midpoint_pass* s, const lwi_node_pair* pair )
 	{
 		return true;
 	}
-	return test_near_nodes( s, pair );
+	return test_near_clusters( s, pair );
 }
 
-// ---- units -----------------------------------------------------------------------------------------------------------
+// ---- proxies --------------------------------------------------------------------------------------------------------
 
 static double size_of( lw_vec3 v )
 {
 	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
 }
 
-/// All units, and in blocks of [LWI_MOVING_ROWS][LWI_WIDTH] floats, about the robot's root, their bulges in the radii.
+/// All proxies, and in blocks of [LWI_MOVING_ROWS][LWI_WIDTH] floats, about the robot's root, their bulges in the radii.
 /// Returns the slack of gaps between them.
-static double make_units( midpoint_pass* s, moving_unit* all, float* blocks )
+static double make_proxies( midpoint_pass* s, moving_proxy* all, float* blocks )
 {
 	lwi_edge* e = s->edge;
-	const lwi_checker_tree* tree = e->checker->tree;
-	const lw_vec3 origin = lwi_load( e->query->world_from_link[tree->nodes[0].top].t );
+	const lwi_cluster_tree* tree = e->checker->tree;
+	const lw_vec3 origin = lwi_load( e->query->world_from_link[tree->clusters[0].root_link].t );
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	double size = 0;
-	for ( uint32_t i = 0; i < tree->units->count; ++i )
+	for ( uint32_t i = 0; i < tree->proxies->count; ++i )
 	{
-		all[i] = make_unit( s, tree->units->node[i], &tree->units->sphere[i] );
+		all[i] = make_proxy( s, tree->proxies->cluster[i], &tree->proxies->sphere[i] );
 		const lw_vec3 center = lwi_sub( all[i].center, origin ), displacement = all[i].displacement;
 		const double radius = all[i].radius +
 							  lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].velocity, root ), s->window.half );
@@ -401,35 +401,35 @@ static double make_units( midpoint_pass* s, moving_unit* all, float* blocks )
 	return lwi_gap_slack( 4 * size );
 }
 
-/// All pairs of units at once, by their spheres.
-static bool test_units( midpoint_pass* s )
+/// All pairs of proxies at once, by their spheres.
+static bool test_proxies( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
-	const lwi_checker_tree* tree = e->checker->tree;
-	const lwi_self_units* units = tree->units;
-	if ( s->covered && lwi_edge_is_apart( e, units->separation ) )
+	const lwi_cluster_tree* tree = e->checker->tree;
+	const lwi_self_proxies* proxies = tree->proxies;
+	if ( s->covered && lwi_edge_is_apart( e, proxies->separation ) )
 	{
 		return true;
 	}
 	lwi_edge_note_proof( e ); // for the bodies that are not near
-	float blocks[LWI_UNIT_BLOCKS * LWI_MOVING_ROWS * LWI_WIDTH] = { 0 };
-	moving_unit all[LWI_MOST_UNITS];
-	uint16_t near[LWI_MOST_UNITS * LWI_MOST_UNITS / 2];
-	const double slack = make_units( s, all, blocks );
-	const double reach = e->enough[1] + 4 * e->rounding[1] + units->largest_margin + slack;
-	const uint32_t count = e->query->search.kernels->moving_pairs( blocks, units->count, units->mask[0], LWI_UNIT_BLOCKS,
+	float blocks[LWI_PROXY_BLOCKS * LWI_MOVING_ROWS * LWI_WIDTH] = { 0 };
+	moving_proxy all[LWI_MOST_PROXIES];
+	uint16_t near[LWI_MOST_PROXIES * LWI_MOST_PROXIES / 2];
+	const double slack = make_proxies( s, all, blocks );
+	const double reach = e->enough[1] + 4 * e->rounding[1] + proxies->largest_margin + slack;
+	const uint32_t count = e->query->search.kernels->moving_pairs( blocks, proxies->count, proxies->mask[0], LWI_PROXY_BLOCKS,
 		lwi_round_up( reach * ( 1 + 0x1p-21 ) ), near );
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const uint32_t a = near[i] / 256, b = near[i] % 256;
-		const lwi_unit_pair* pair = &units->pairs[a][b];
-		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation ) ) || !units_meet( s, &all[a], &all[b], pair->ancestor, (double)pair->margin ) )
+		const lwi_proxy_pair* pair = &proxies->pairs[a][b];
+		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation ) ) || !proxies_meet( s, &all[a], &all[b], pair->ancestor, (double)pair->margin ) )
 		{
 			continue;
 		}
-		const lwi_chart_view* view = pair->view != LW_INVALID_INDEX ? &tree->views[pair->view] : NULL;
-		if ( !( pair->candidate < LWI_OPEN ? test_bodies( s, pair->candidate, pair->ancestor, view )
-										   : test_near_nodes( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
+		const lwi_grid_slice* slice = pair->slice != LW_INVALID_INDEX ? &tree->slices[pair->slice] : NULL;
+		if ( !( pair->candidate < LWI_OPEN ? test_bodies( s, pair->candidate, pair->ancestor, slice )
+										   : test_near_clusters( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
 			 !probe_if_many( s ) )
 		{
 			return false;
@@ -440,7 +440,7 @@ static bool test_units( midpoint_pass* s )
 
 // ---- all -------------------------------------------------------------------------------------------------------------
 
-/// The node of the last failure comes first: planners check edges near each other.
+/// The cluster of the last failure comes first: planners check edges near each other.
 static bool test_environment( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
@@ -450,11 +450,11 @@ static bool test_environment( midpoint_pass* s )
 		return true;
 	}
 	uint32_t last = e->query->last_edge_body;
-	uint32_t first = !e->query->last_edge_self && last < c->tree->body_count ? c->tree->body_node[last] : 0;
-	bool go_on = first == 0 || test_node_environment( s, first );
-	for ( uint32_t i = c->tree->node_count; go_on && i-- > 1; ) // hands move most
+	uint32_t first = !e->query->last_edge_self && last < c->tree->body_count ? c->tree->body_cluster[last] : 0;
+	bool go_on = first == 0 || test_cluster_environment( s, first );
+	for ( uint32_t i = c->tree->cluster_count; go_on && i-- > 1; ) // hands move most
 	{
-		go_on = i == first || ( test_node_environment( s, i ) && probe_if_many( s ) );
+		go_on = i == first || ( test_cluster_environment( s, i ) && probe_if_many( s ) );
 	}
 	return go_on;
 }
@@ -469,15 +469,15 @@ static bool test_self( midpoint_pass* s )
 		return true;
 	}
 	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
-	s->moves = c->tree->can_batch && lwi_edge_turns_little( e, s->window );
-	if ( c->tree->units != NULL && s->moves )
+	s->moves = c->tree->can_batch && lwi_edge_rotates_little( e, s->window );
+	if ( c->tree->proxies != NULL && s->moves )
 	{
-		return test_units( s );
+		return test_proxies( s );
 	}
 	bool go_on = true;
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
-		go_on = test_nodes( s, &c->tree->pairs[i] ) && probe_if_many( s );
+		go_on = test_clusters( s, &c->tree->pairs[i] ) && probe_if_many( s );
 	}
 	return go_on;
 }

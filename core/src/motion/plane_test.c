@@ -55,16 +55,16 @@ typedef struct plane_test
 } plane_test;
 
 /// How far both bodies of a pair get from straight lines between their poses, together.
-static lwi_motion_bow bow_of( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
+static lwi_chord_error chord_error_of( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
 {
-	lwi_motion_bow bow = lwi_edge_bow( e, pair->body_a, pair->ancestor, pair->rate_a, window );
+	lwi_chord_error error = lwi_edge_chord_error( e, pair->body_a, pair->ancestor, pair->rate_a, window );
 	if ( lwi_edge_pair_is_self( pair ) )
 	{
-		const lwi_motion_bow other = lwi_edge_bow( e, pair->body_b, pair->ancestor, pair->rate_b, window );
-		bow.bend += other.bend;
-		bow.bulge += other.bulge;
+		const lwi_chord_error other = lwi_edge_chord_error( e, pair->body_b, pair->ancestor, pair->rate_b, window );
+		error.coefficient += other.coefficient;
+		error.max += other.max;
 	}
-	return bow;
+	return error;
 }
 
 /// From a's middle to the nearest point of the box around b, in b's tree frame.
@@ -189,7 +189,7 @@ static bool stays_away( const plane_test* s, double need, float direction[3] )
 {
 	lwi_edge* e = s->edge;
 	const lwi_edge_pair* pair = s->pair;
-	const double bend = bow_of( e, pair, s->window ).bend;
+	const double bend = chord_error_of( e, pair, s->window ).coefficient;
 	if ( !( bend <= MAX_BEND ) )
 	{
 		return false;
@@ -210,9 +210,9 @@ static bool stays_away( const plane_test* s, double need, float direction[3] )
 static double center_displacement( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
-	const lwi_checker_tree* tree = e->checker->tree;
+	const lwi_cluster_tree* tree = e->checker->tree;
 	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
-	return lwi_edge_point_displacement( e, tree->body_node[body], ancestor, sphere->center, rate, window ) *
+	return lwi_edge_point_displacement( e, tree->body_cluster[body], ancestor, sphere->center, rate, window ) *
 		   LWI_EDGE_OUTWARD;
 }
 
@@ -252,7 +252,7 @@ static bool near_holds( const plane_test* s, const lwi_edge_plane* p, double nee
 	}
 	nearing near;
 	near.edge = e;
-	near.bend = bow_of( e, pair, s->window ).bend;
+	near.bend = chord_error_of( e, pair, s->window ).coefficient;
 	if ( !( near.bend <= MAX_BEND ) )
 	{
 		return false;
@@ -325,8 +325,8 @@ static lwi_edge_plane_result test_self( plane_test s )
 	const lw_checker* c = e->checker;
 	const lwi_edge_pair* pair = s.pair;
 	uint32_t a = pair->body_a, b = pair->body_b, above = pair->ancestor;
-	const lwi_checker_tree* tree = c->tree;
-	bool alone = tree->nodes[tree->body_node[a]].body_count == 1 && tree->nodes[tree->body_node[b]].body_count == 1;
+	const lwi_cluster_tree* tree = c->tree;
+	bool alone = tree->clusters[tree->body_cluster[a]].body_count == 1 && tree->clusters[tree->body_cluster[b]].body_count == 1;
 	s.swapped = pair->rate_a.path == 0; // the static shape has the plane
 	s.any_key = alone ? 0 : BODY_KEY | ( s.swapped ? a : b );
 	lwi_edge_plane* p = NULL;
@@ -421,21 +421,21 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 	}
 	bool is_short = !last_try &&
 					window.half * ( pair->rate_a.path + pair->rate_b.path ) <= SHORT_WAY * lwi_edge_slack( e, pair );
-	const uint32_t* node = e->checker->tree->body_node;
+	const uint32_t* cluster = e->checker->tree->body_cluster;
 	bool self = lwi_edge_pair_is_self( pair );
 	lwi_edge_linear_motion linear[2] = { { .bulge = 0 }, { .bulge = 0 } };
 	bool is_linear = lwi_edge_is_linear( pair->rate_a, window ) && ( !self || lwi_edge_is_linear( pair->rate_b, window ) );
 	if ( is_linear )
 	{
-		linear[0] = lwi_edge_linear_motion_of( e, node[pair->body_a], pair->ancestor, pair->rate_a, window );
-		linear[1] = self ? lwi_edge_linear_motion_of( e, node[pair->body_b], pair->ancestor, pair->rate_b, window )
+		linear[0] = lwi_edge_linear_motion_of( e, cluster[pair->body_a], pair->ancestor, pair->rate_a, window );
+		linear[1] = self ? lwi_edge_linear_motion_of( e, cluster[pair->body_b], pair->ancestor, pair->rate_b, window )
 						 : linear[1];
-		is_linear = is_number( linear[0].twist.turn ) && is_number( linear[1].twist.turn );
+		is_linear = is_number( linear[0].twist.angular ) && is_number( linear[1].twist.angular );
 	}
 	plane_test s = { .edge = e, .pair = pair, .window = window, .last_try = last_try, .displacement = INFINITY };
 	s.enough = lwi_edge_enough( e, pair );
 	s.linear = is_linear ? linear : NULL;
-	s.bulge = is_short ? NAN : is_linear ? linear[0].bulge + linear[1].bulge : bow_of( e, pair, window ).bulge;
+	s.bulge = is_short ? NAN : is_linear ? linear[0].bulge + linear[1].bulge : chord_error_of( e, pair, window ).max;
 	lwi_edge_plane_result result = self ? test_self( s ) : test_scene( s );
 	if ( result == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
 	{
@@ -471,8 +471,8 @@ static bool pair_stays_away( nearing* s, const lwi_edge_pair* pair, lwi_edge_win
 	}
 	if ( pair->ancestor != 0 )
 	{
-		lwi_pose_node( c, e->query, pair->ancestor );
-		s->n = lwi_unrotate( &e->query->world_from_link[c->tree->nodes[pair->ancestor].top], s->n );
+		lwi_pose_cluster( c, e->query, pair->ancestor );
+		s->n = lwi_unrotate( &e->query->world_from_link[c->tree->clusters[pair->ancestor].root_link], s->n );
 	}
 	s->n = swapped ? lwi_scale( -1, s->n ) : s->n;
 	const lwi_motion_rate rate = swapped ? pair->rate_b : pair->rate_a;
@@ -518,7 +518,7 @@ bool lwi_edge_near_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window
 	{
 		return false;
 	}
-	s.bend = bow_of( e, pair, window ).bend;
+	s.bend = chord_error_of( e, pair, window ).coefficient;
 	if ( !( s.bend <= MAX_BEND ) )
 	{
 		return false;

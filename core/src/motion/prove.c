@@ -271,7 +271,7 @@ bool lwi_edge_prove( lwi_edge* e )
 	}
 	// nothing moves: one state, the given one
 	const lwi_edge_window whole = e->longest > 0 ? (lwi_edge_window){ 0.5, 0.5 } : (lwi_edge_window){ 1, 0 };
-	if ( lwi_edge_measure_nodes( e, whole.t, whole.t ) &&
+	if ( lwi_edge_measure_clusters( e, whole.t, whole.t ) &&
 		 ( lwi_edge_has_batch( e ) ? prove_by_batch( e ) : prove_by_midpoint_pass( e, whole ) ) )
 	{
 		double proved = INFINITY; // nothing was to be measured
@@ -350,7 +350,7 @@ static double locate_failure( lwi_edge* e, double until )
 
 static bool run_midpoint_pass( lwi_edge* e, lwi_edge_window window )
 {
-	return lwi_edge_measure_nodes( e, window.t, lwi_larger( window.t, 1 - window.t ) ) &&
+	return lwi_edge_measure_clusters( e, window.t, lwi_larger( window.t, 1 - window.t ) ) &&
 		   lwi_edge_midpoint_pass( e, window, &e->levels[0], false );
 }
 

@@ -34,7 +34,7 @@ static size_t lay_out( lw_query* q, void* block )
 	q->search.waiting = lwi_arena_take( &arena, LWI_MAX_WAITING, sizeof( lwi_waiting ) );
 	q->state = lwi_arena_take( &arena, q->variable_capacity, sizeof( double ) );
 	q->world_from_link = lwi_arena_take( &arena, q->link_capacity, sizeof( lw_transform ) );
-	q->node_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t ) );
+	q->cluster_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t ) );
 	q->sphere_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t[2] ) );
 	q->body_stamp = lwi_arena_take( &arena, q->body_capacity, sizeof( uint64_t ) );
 	q->angles = lwi_arena_take( &arena, lwi_padded( q->link_capacity ), sizeof( double ) );
@@ -43,7 +43,7 @@ static size_t lay_out( lw_query* q, void* block )
 	q->motion_trials = lwi_arena_take( &arena, q->link_capacity, sizeof( lwi_trial ) );
 	q->spheres = lwi_arena_take( &arena, q->link_capacity, sizeof( double[2][4] ) );
 	q->block_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t ) );
-	// each node begins a block of its own
+	// each cluster begins a block of its own
 	q->blocks = lwi_arena_take( &arena, q->body_capacity + LWI_WIDTH * (size_t)q->link_capacity, sizeof( float[4] ) );
 	q->world_from_body = lwi_arena_take( &arena, q->body_capacity, sizeof( lw_transform ) );
 	q->body_center = lwi_arena_take( &arena, q->body_capacity, sizeof( double[3] ) );

@@ -43,24 +43,24 @@ struct lw_query
 	double rounding, stretch;     ///< of forward kinematics in this state, see lwi_motion_state_rounding()
 	double pose_rounding;         ///< metres: centres of spheres, and of bodies, are less than half of that off
 	uint64_t state_stamp;         ///< stamp of the current state; data with this stamp is valid
-	uint64_t* node_stamp;         ///< [link_capacity] links of a node are posed
-	uint64_t turn_stamp;          ///< of the three below
-	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above nodes, as far as they only turn
+	uint64_t* cluster_stamp;         ///< [link_capacity] links of a cluster are posed
+	uint64_t sincos_stamp;          ///< of the three below
+	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above clusters, as far as they only turn
 	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
 	uint64_t* body_stamp;         ///< [body_capacity]
-	lwi_trial* motion_trials;     ///< [link_capacity] spheres M of nodes against the scene
-	double* spheres;              ///< [2 * link_capacity][4] R and M of nodes, world
+	lwi_trial* motion_trials;     ///< [link_capacity] spheres M of clusters against the scene
+	double* spheres;              ///< [2 * link_capacity][4] R and M of clusters, world
 	uint64_t* block_stamp;        ///< [link_capacity]
-	float* blocks;                ///< body spheres of nodes as [4][8], relative to the centre of the node's R
+	float* blocks;                ///< body spheres of clusters as [4][8], relative to the centre of the cluster's R
 	double* state;                ///< [variable_capacity] full state
 	lw_transform* world_from_link; ///< [link_capacity]
 	lw_transform* world_from_body; ///< [body_capacity]
 	double* body_center;          ///< [body_capacity][3] bounding spheres, world
 	float* body_spheres;          ///< blocks of [4][8] relative to `origin`, padded with r = -INFINITY
 	double origin[3];
-	float* gaps;                  ///< [gap_capacity]
-	float* row;                   ///< [scene_capacity, padded] gaps of a node's sphere
-	lwi_candidate* candidates;    ///< [gap_capacity]
+	float* gaps;               ///< [gap_capacity]
+	float* row;                ///< [scene_capacity, padded] gaps of a cluster's sphere
+	lwi_candidate* candidates; ///< [gap_capacity]
 	lwi_cached_pair nearest_environment, nearest_self, nearest_scene;
 	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
 	uint32_t known_count;

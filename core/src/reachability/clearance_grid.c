@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes charts: blocks of cells are measured at their centres and halved, until the distance less the largest motion
-// within the block is good enough, or the block is a cell; a cell is cut further, worst part first.
+// Makes clearance grids: blocks of cells are measured at their centres and halved, until the distance less the largest
+// motion within the block is good enough, or the block is a cell; a cell is cut further, worst part first.
 //
 // Branch and bound with a Lipschitz bound, as in reachability/subdivide.c, but for a whole function instead of its minimum:
 // adaptively sampled distance fields (Frisken, Perry, Rockwood, Jones, SIGGRAPH 2000) in joint space, with proofs.
-// Derivation: core/docs/self_collision.md, "Charts".
+// Derivation: core/docs/self_collision.md, "Clearance grids".
 #include "reachability/clearance_grid.h"
 
 #include "base/math_inline.h"
@@ -16,11 +16,11 @@ static const double pi = 3.14159265358979323846;
 
 enum
 {
-	FINE_BITS = 6,     ///< halvings of a cell along each axis, at most
-	PARTS_OF_CELL = 24, ///< parts of a cell that the search keeps apart, at most
-	PARTS_OF_FINE = 6,  ///< the same in a chart whose cells had a coarser cell's parts before
-	FINE_CHART_BITS = 13, ///< of the number of cells of such a chart
-	SLAB_BITS = 6,      ///< of the number of cells that are made in one go: a run without time for so many would never end
+	FINE_BITS = 6,       ///< halvings of a cell along each axis, at most
+	PARTS_OF_CELL = 24,  ///< parts of a cell that the search keeps apart, at most
+	PARTS_OF_FINE = 6,   ///< the same in a grid whose cells had a coarser cell's parts before
+	FINE_GRID_BITS = 13, ///< of the number of cells of such a grid
+	SLAB_BITS = 6,       ///< of the number of cells that are made in one go: a run without time for so many would never end
 	BLOCKS_PER_LOOK = 32 ///< measurements between two looks at the clock
 };
 
@@ -32,17 +32,17 @@ enum
 #define ENOUGH 0x1p-4
 #define MOST 0x1p-3
 /// Relative tolerance of distances.
-#define CHART_ALPHA 0.05
+#define GRID_ALPHA 0.05
 /// Metres off every bound, for roundings of its last operations; and the motion up to which these are that small.
-#define CHART_ROUNDING 1e-9
-#define CHART_LARGEST 1e5
+#define GRID_ROUNDING 1e-9
+#define GRID_LARGEST 1e5
 /// Of the motion within a cell over that within its parts.
 #define CUT_SPARE 1.2
 
 // ---- which variables --------------------------------------------------------------------------------------------------
 
 /// Enters the variables of a joint. @return false if it cannot be charted
-static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_chart* chart )
+static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_grid* grid )
 {
 	uint32_t count = joint->type == LW_JOINT_PLANAR ? 3 : 1;
 	bool angle = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
@@ -51,22 +51,22 @@ static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_chart*
 	{
 		uint32_t v = joint->variable + k, i = 0;
 		bool periodic = ( angle && whole ) || ( joint->type == LW_JOINT_PLANAR && k == 2 );
-		while ( i < chart->dimension && chart->axes[i].variable != v )
+		while ( i < grid->dimension && grid->axes[i].variable != v )
 		{
 			++i;
 		}
-		if ( i == LWI_CHART_AXES || joint->type == LW_JOINT_FLOATING )
+		if ( i == LWI_GRID_AXES || joint->type == LW_JOINT_FLOATING )
 		{
 			return false;
 		}
-		lwi_chart_axis* axis = &chart->axes[i];
-		if ( i == chart->dimension )
+		lwi_grid_axis* axis = &grid->axes[i];
+		if ( i == grid->dimension )
 		{
-			*axis = (lwi_chart_axis){ .variable = v, .lower = reach->lower[v], .upper = reach->upper[v] };
-			axis->turns = !isfinite( axis->lower ) && !isfinite( axis->upper );
-			chart->dimension++;
+			*axis = (lwi_grid_axis){ .variable = v, .lower = reach->lower[v], .upper = reach->upper[v] };
+			axis->periodic = !isfinite( axis->lower ) && !isfinite( axis->upper );
+			grid->dimension++;
 		}
-		if ( axis->turns ? !periodic : !isfinite( axis->lower ) || !isfinite( axis->upper ) )
+		if ( axis->periodic ? !periodic : !isfinite( axis->lower ) || !isfinite( axis->upper ) )
 		{
 			return false;
 		}
@@ -74,17 +74,17 @@ static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_chart*
 	return true;
 }
 
-bool lwi_chart_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b, lwi_chart* chart )
+bool lwi_grid_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b, lwi_grid* grid )
 {
 	const lw_robot* robot = reach->robot;
-	*chart = (lwi_chart){ .link_a = link_a, .link_b = link_b };
+	*grid = (lwi_grid){ .link_a = link_a, .link_b = link_b };
 	uint32_t ancestor = lwi_reach_common_ancestor( robot, link_a, link_b );
 	for ( int side = 0; side < 2; ++side )
 	{
 		for ( uint32_t link = side == 0 ? link_a : link_b; link != ancestor; )
 		{
 			const lwi_joint* joint = &robot->joints[robot->link_joint[link]];
-			if ( !joint->constant && !add_joint( reach, joint, chart ) )
+			if ( !joint->constant && !add_joint( reach, joint, grid ) )
 			{
 				return false;
 			}
@@ -92,29 +92,29 @@ bool lwi_chart_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b
 		}
 	}
 	bool wide = true;
-	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	for ( uint32_t i = 0; i < grid->dimension; ++i )
 	{
-		lwi_chart_axis* axis = &chart->axes[i];
-		axis->lower = axis->turns ? -pi : axis->lower;
-		axis->upper = axis->turns ? pi : axis->upper;
+		lwi_grid_axis* axis = &grid->axes[i];
+		axis->lower = axis->periodic ? -pi : axis->lower;
+		axis->upper = axis->periodic ? pi : axis->upper;
 		// the cells of a narrower axis could not be told apart
 		wide = wide && axis->upper - axis->lower > 0x1p-20 * ( fabs( axis->lower ) + fabs( axis->upper ) );
 	}
-	return wide && chart->dimension > 0;
+	return wide && grid->dimension > 0;
 }
 
-const lwi_chart* lwi_reach_chart( const lw_reach* reach, uint32_t link_a, uint32_t link_b )
+const lwi_grid* lwi_reach_grid( const lw_reach* reach, uint32_t link_a, uint32_t link_b )
 {
 	size_t wanted = lwi_reach_pair_index( link_a, link_b );
-	uint32_t low = 0, high = reach->chart_count;
+	uint32_t low = 0, high = reach->grid_count;
 	while ( low < high )
 	{
 		uint32_t middle = low + ( high - low ) / 2;
-		const lwi_chart* chart = &reach->charts[middle];
-		size_t index = lwi_reach_pair_index( chart->link_a, chart->link_b );
+		const lwi_grid* grid = &reach->grids[middle];
+		size_t index = lwi_reach_pair_index( grid->link_a, grid->link_b );
 		if ( index == wanted )
 		{
-			return chart;
+			return grid;
 		}
 		low = index < wanted ? middle + 1 : low;
 		high = index < wanted ? high : middle;
@@ -127,8 +127,8 @@ const lwi_chart* lwi_reach_chart( const lw_reach* reach, uint32_t link_a, uint32
 /// A part of the box: [at, at + 2^level) along each axis, in units of 2^-FINE_BITS cells.
 typedef struct block
 {
-	uint32_t at[LWI_CHART_AXES];
-	uint8_t level[LWI_CHART_AXES];
+	uint32_t at[LWI_GRID_AXES];
+	uint8_t level[LWI_GRID_AXES];
 	double lower;    ///< proved for all of it
 	double distance; ///< at the centre, or an estimate from above
 	lwi_nearest nearest; ///< there, or at a centre close to it
@@ -139,8 +139,8 @@ typedef struct block
 
 typedef struct maker
 {
-	lwi_prober* prober;
-	lwi_chart* chart;
+	lwi_pair_analyser* analyser;
+	lwi_grid* grid;
 	double deadline;
 	uint32_t parts; ///< of a cell, at most
 	double most_cut;   ///< motion within a cell over that within so many parts, about; axes get bits by their motion
@@ -149,8 +149,8 @@ typedef struct maker
 	bool late, cancelled;
 } maker;
 
-/// The prober's variables are in ascending order, the chart's as they were met.
-static uint32_t place_of( const lwi_prober* p, uint32_t variable )
+/// The analyser's variables are in ascending order, the grid's as they were met.
+static uint32_t place_of( const lwi_pair_analyser* p, uint32_t variable )
 {
 	uint32_t place = 0;
 	while ( p->variables[place] != variable )
@@ -163,17 +163,17 @@ static uint32_t place_of( const lwi_prober* p, uint32_t variable )
 /// Selects the centre of a block, with the overlap of its neighbours.
 static void set_block( maker* m, const block* b )
 {
-	double cell[2 * LWI_CHART_AXES];
-	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	double cell[2 * LWI_GRID_AXES];
+	for ( uint32_t i = 0; i < m->grid->dimension; ++i )
 	{
-		const lwi_chart_axis* axis = &m->chart->axes[i];
-		uint32_t place = place_of( m->prober, axis->variable );
+		const lwi_grid_axis* axis = &m->grid->axes[i];
+		uint32_t place = place_of( m->analyser, axis->variable );
 		double width = ldexp( axis->upper - axis->lower, -(int)axis->bits - FINE_BITS );
-		double overlap = LWI_CHART_OVERLAP * ( fabs( axis->lower ) + fabs( axis->upper ) );
+		double overlap = LWI_GRID_OVERLAP * ( fabs( axis->lower ) + fabs( axis->upper ) );
 		cell[2 * place] = axis->lower + width * b->at[i] - overlap;
 		cell[2 * place + 1] = axis->lower + width * ( b->at[i] + (double)( 1u << b->level[i] ) ) + overlap;
 	}
-	lwi_prober_set_cell( m->prober, cell );
+	lwi_pair_analyser_set_cell( m->analyser, cell );
 }
 
 /// The axis that contributes most, of those of more than 2^least.
@@ -181,9 +181,9 @@ static void choose_axis( const maker* m, block* b, uint32_t least )
 {
 	b->widest = LW_INVALID_INDEX;
 	b->share = 0;
-	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	for ( uint32_t i = 0; i < m->grid->dimension; ++i )
 	{
-		double share = m->prober->shares[m->chart->axes[i].variable];
+		double share = m->analyser->shares[m->grid->axes[i].variable];
 		if ( b->level[i] > least && ( b->widest == LW_INVALID_INDEX || share > b->share ) )
 		{
 			b->widest = i;
@@ -195,25 +195,25 @@ static void choose_axis( const maker* m, block* b, uint32_t least )
 /// Measures a block at its centre: proves its lower bound and chooses the axis along which it would be halved.
 static void measure( maker* m, block* b, uint32_t least_level )
 {
-	lwi_prober* p = m->prober;
+	lwi_pair_analyser* p = m->analyser;
 	if ( ++m->seen % BLOCKS_PER_LOOK == 0 )
 	{
 		m->cancelled = m->cancelled || !lwi_reach_goes_on( p->job );
 		m->late = m->cancelled || lwi_monotonic_seconds() >= m->deadline;
 	}
 	set_block( m, b );
-	lwi_prober_pose( p, p->state ); // there is no floating joint
-	b->motion = lwi_prober_cell_motion( p );
+	lwi_pair_analyser_pose( p, p->state ); // there is no floating joint
+	b->motion = lwi_pair_analyser_cell_motion( p );
 	choose_axis( m, b, least_level );
-	double needed = ( b->motion + p->rounding ) * ( 1 + 16 * LWI_U64 ) + CHART_ROUNDING;
-	if ( !( needed < CHART_LARGEST ) || b->lower >= ENOUGH || b->distance <= needed + b->lower )
+	double needed = ( b->motion + p->rounding ) * ( 1 + 16 * LWI_U64 ) + GRID_ROUNDING;
+	if ( !( needed < GRID_LARGEST ) || b->lower >= ENOUGH || b->distance <= needed + b->lower )
 	{
 		return; // nothing is needed, or the parent's distance shows that a measurement gains nothing
 	}
 	// for distances too small to raise the bound, any upper bound of the distance will do
-	lw_range range = { needed + b->lower, MOST + needed + CHART_ROUNDING, CHART_ALPHA };
+	lw_range range = { needed + b->lower, MOST + needed + GRID_ROUNDING, GRID_ALPHA };
 	lwi_bound bound;
-	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &b->nearest, &bound );
+	lwi_pair_analyser_measure_links( p, p->poses, p->link_a, p->link_b, &range, &b->nearest, &bound );
 	lw_clearance clearance = lwi_bound_result( &bound );
 	b->lower = fmax( b->lower, clearance.lower - needed );
 	b->distance = clearance.upper;
@@ -231,13 +231,13 @@ static block halve( block* b )
 
 static uint8_t number_of( double lower )
 {
-	return (uint8_t)fmin( fmax( lower / LWI_CHART_STEP, 0 ), LWI_CHART_MOST ); // 0 also for NaN
+	return (uint8_t)fmin( fmax( lower / LWI_GRID_STEP, 0 ), LWI_GRID_MOST ); // 0 also for NaN
 }
 
 static bool is_cell( const maker* m, const block* b )
 {
 	bool cell = true;
-	for ( uint32_t i = 0; i < m->chart->dimension; ++i )
+	for ( uint32_t i = 0; i < m->grid->dimension; ++i )
 	{
 		cell = cell && b->level[i] == FINE_BITS;
 	}
@@ -262,7 +262,7 @@ static double prove_cell( maker* m, const block* cell )
 			worst = parts[i].lower < worst->lower ? &parts[i] : worst;
 		}
 		bool good = worst->lower >= fmin( GOOD_CELL * nearest, ENOUGH );
-		if ( good || nearest < LWI_CHART_STEP || count == m->parts || worst->widest == LW_INVALID_INDEX || m->late )
+		if ( good || nearest < LWI_GRID_STEP || count == m->parts || worst->widest == LW_INVALID_INDEX || m->late )
 		{
 			return worst->lower;
 		}
@@ -276,24 +276,24 @@ static double prove_cell( maker* m, const block* cell )
 /// Raises the numbers of all cells of a block to one. @return the least of them
 static uint8_t fill( maker* m, const block* b, uint8_t number )
 {
-	const lwi_chart* chart = m->chart;
-	uint32_t first[LWI_CHART_AXES] = { 0 }, count[LWI_CHART_AXES] = { 1, 1, 1 }, bits[LWI_CHART_AXES] = { 0 };
-	uint8_t least = LWI_CHART_MOST;
-	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	const lwi_grid* grid = m->grid;
+	uint32_t first[LWI_GRID_AXES] = { 0 }, count[LWI_GRID_AXES] = { 1, 1, 1 }, bits[LWI_GRID_AXES] = { 0 };
+	uint8_t least = LWI_GRID_MOST;
+	for ( uint32_t i = 0; i < grid->dimension; ++i )
 	{
-		uint32_t place = LWI_CHART_AXES - chart->dimension + i; // the last axis is the innermost
+		uint32_t place = LWI_GRID_AXES - grid->dimension + i; // the last axis is the innermost
 		first[place] = b->at[i] >> FINE_BITS;
 		count[place] = 1u << ( b->level[i] - FINE_BITS );
-		bits[place] = chart->axes[i].bits;
+		bits[place] = grid->axes[i].bits;
 	}
 	for ( uint32_t x = first[0]; x < first[0] + count[0]; ++x )
 	{
 		for ( uint32_t y = first[1]; y < first[1] + count[1]; ++y )
 		{
-			uint8_t* row = chart->cells + ( ( ( ( (size_t)x << bits[1] ) + y ) << bits[2] ) + first[2] );
+			uint8_t* row = grid->cells + ( ( ( ( (size_t)x << bits[1] ) + y ) << bits[2] ) + first[2] );
 			for ( uint32_t z = 0; z < count[2]; ++z )
 			{
-				row[z] = number > row[z] ? number : row[z]; // a coarser chart may have a larger number
+				row[z] = number > row[z] ? number : row[z]; // a coarser grid may have a larger number
 				least = row[z] < least ? row[z] : least;
 			}
 		}
@@ -304,41 +304,41 @@ static uint8_t fill( maker* m, const block* b, uint8_t number )
 /// Gives the axes their bits: each halving goes to the one that contributes most to the motion.
 static void choose_bits( maker* m, uint32_t total_bits )
 {
-	lwi_chart* chart = m->chart;
+	lwi_grid* grid = m->grid;
 	block all = { .at = { 0 } };
-	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	for ( uint32_t i = 0; i < grid->dimension; ++i )
 	{
 		all.level[i] = FINE_BITS;
 	}
 	set_block( m, &all ); // one cell per axis as yet
-	lwi_prober_pose( m->prober, m->prober->state );
-	lwi_prober_cell_motion( m->prober );
-	double share[LWI_CHART_AXES];
-	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	lwi_pair_analyser_pose( m->analyser, m->analyser->state );
+	lwi_pair_analyser_cell_motion( m->analyser );
+	double share[LWI_GRID_AXES];
+	for ( uint32_t i = 0; i < grid->dimension; ++i )
 	{
-		share[i] = m->prober->shares[chart->axes[i].variable];
+		share[i] = m->analyser->shares[grid->axes[i].variable];
 	}
 	for ( uint32_t bits = 0; bits < total_bits; ++bits )
 	{
 		uint32_t widest = 0;
-		for ( uint32_t i = 1; i < chart->dimension; ++i )
+		for ( uint32_t i = 1; i < grid->dimension; ++i )
 		{
-			bool full = chart->axes[widest].bits == LWI_CHART_AXIS_BITS;
-			bool wider = full || ( share[i] > share[widest] && chart->axes[i].bits < LWI_CHART_AXIS_BITS );
+			bool full = grid->axes[widest].bits == LWI_GRID_AXIS_BITS;
+			bool wider = full || ( share[i] > share[widest] && grid->axes[i].bits < LWI_GRID_AXIS_BITS );
 			widest = wider ? i : widest;
 		}
-		chart->axes[widest].bits = (uint8_t)( chart->axes[widest].bits + 1u );
+		grid->axes[widest].bits = (uint8_t)( grid->axes[widest].bits + 1u );
 		share[widest] *= 0.5;
 	}
 }
 
 /// Part `index` of 2^slab_bits: the first bits of the index of a cell in `cells` are those of the slab.
-static block slab_of( const lwi_chart* chart, uint32_t index, uint32_t slab_bits )
+static block slab_of( const lwi_grid* grid, uint32_t index, uint32_t slab_bits )
 {
 	block b = { .distance = INFINITY };
-	for ( uint32_t i = 0; i < chart->dimension; ++i )
+	for ( uint32_t i = 0; i < grid->dimension; ++i )
 	{
-		uint32_t bits = chart->axes[i].bits, own = slab_bits < bits ? slab_bits : bits;
+		uint32_t bits = grid->axes[i].bits, own = slab_bits < bits ? slab_bits : bits;
 		slab_bits -= own;
 		uint32_t at = ( index >> slab_bits ) & ( ( 1u << own ) - 1u );
 		b.level[i] = (uint8_t)( bits - own + FINE_BITS );
@@ -350,12 +350,12 @@ static block slab_of( const lwi_chart* chart, uint32_t index, uint32_t slab_bits
 /// Goes through all blocks of a slab, depth first: one sibling per halving waits. Ends early when the time is over.
 static void make_cells( maker* m, block slab )
 {
-	block stack[LWI_CHART_BITS + 2] = { slab };
+	block stack[LWI_GRID_BITS + 2] = { slab };
 	uint32_t waiting = 0; // below the current one
 	for ( bool done = false; !done && !m->late; )
 	{
 		block* b = &stack[waiting];
-		b->lower = fmax( fmax( b->lower, m->separation ), fill( m, b, 0 ) * LWI_CHART_STEP ); // bounds known already
+		b->lower = fmax( fmax( b->lower, m->separation ), fill( m, b, 0 ) * LWI_GRID_STEP ); // bounds known already
 		measure( m, b, FINE_BITS );
 		bool cell = is_cell( m, b );
 		bool good = b->lower >= fmin( GOOD_BLOCK * ( b->distance + b->motion ), ENOUGH );
@@ -371,25 +371,25 @@ static void make_cells( maker* m, block slab )
 }
 
 /// True if some cell proves more than the separation of all states.
-static bool is_worth_keeping( const lwi_chart* chart, double separation )
+static bool is_worth_keeping( const lwi_grid* grid, double separation )
 {
 	uint8_t most = 0;
-	for ( size_t i = 0; i < lwi_chart_size( chart ); ++i )
+	for ( size_t i = 0; i < lwi_grid_size( grid ); ++i )
 	{
-		most = chart->cells[i] > most ? chart->cells[i] : most;
+		most = grid->cells[i] > most ? grid->cells[i] : most;
 	}
-	return most * LWI_CHART_STEP > separation;
+	return most * LWI_GRID_STEP > separation;
 }
 
-/// Copies the coarser chart's bounds, cell by cell. Axes have the same or more bits, since each halving is chosen as before.
-static void inherit( lwi_chart* fine, const lwi_chart* coarse )
+/// Copies the coarser grid's bounds, cell by cell. Axes have the same or more bits, since each halving is chosen as before.
+static void inherit( lwi_grid* fine, const lwi_grid* coarse )
 {
 	uint32_t total = 0;
 	for ( uint32_t i = 0; i < fine->dimension; ++i )
 	{
 		total += fine->axes[i].bits;
 	}
-	for ( size_t cell = 0; cell < lwi_chart_size( fine ); ++cell )
+	for ( size_t cell = 0; cell < lwi_grid_size( fine ); ++cell )
 	{
 		size_t from = 0;
 		uint32_t below = total; // bits of this axis and those after it
@@ -404,21 +404,21 @@ static void inherit( lwi_chart* fine, const lwi_chart* coarse )
 	}
 }
 
-static void drop_cells( const lw_reach* reach, lwi_chart* chart )
+static void drop_cells( const lw_reach* reach, lwi_grid* grid )
 {
-	if ( chart->cells != NULL )
+	if ( grid->cells != NULL )
 	{
-		lwi_free( &reach->allocator, chart->cells, lwi_chart_size( chart ) );
-		chart->cells = NULL;
+		lwi_free( &reach->allocator, grid->cells, lwi_grid_size( grid ) );
+		grid->cells = NULL;
 	}
 }
 
-/// A chart of so many cells, if it has not got them. @return false without memory
+/// A grid of so many cells, if it has not got them. @return false without memory
 static bool make_finer( maker* m, uint32_t total_bits )
 {
-	const lw_reach* reach = m->prober->job->reach;
-	lwi_chart coarse = *m->chart, *fine = m->chart;
-	lwi_chart_describe( reach, coarse.link_a, coarse.link_b, fine ); // no bits
+	const lw_reach* reach = m->analyser->job->reach;
+	lwi_grid coarse = *m->grid, *fine = m->grid;
+	lwi_grid_describe( reach, coarse.link_a, coarse.link_b, fine ); // no bits
 	choose_bits( m, total_bits );
 	bool same = coarse.cells != NULL, finer = true;
 	for ( uint32_t i = 0; i < fine->dimension; ++i )
@@ -431,7 +431,7 @@ static bool make_finer( maker* m, uint32_t total_bits )
 		*fine = coarse;
 		return true;
 	}
-	fine->cells = lwi_alloc_zero( &reach->allocator, lwi_chart_size( fine ), 1 );
+	fine->cells = lwi_alloc_zero( &reach->allocator, lwi_grid_size( fine ), 1 );
 	if ( fine->cells == NULL )
 	{
 		*fine = coarse;
@@ -445,38 +445,38 @@ static bool make_finer( maker* m, uint32_t total_bits )
 	return true;
 }
 
-lw_status lwi_chart_refine( lwi_prober* p, uint32_t link_a, uint32_t link_b, double separation,
-	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* chart, uint32_t* slabs, bool* out_complete )
+lw_status lwi_grid_refine( lwi_pair_analyser* p, uint32_t link_a, uint32_t link_b, double separation,
+	const uint32_t total_bits[LWI_GRID_AXES + 1], double deadline, lwi_grid* grid, uint32_t* slabs, bool* out_complete )
 {
 	const lwi_reach_job* job = p->job;
 	*out_complete = true;
-	lwi_chart described;
-	if ( separation >= MOST || !lwi_chart_describe( job->reach, link_a, link_b, &described ) )
+	lwi_grid described;
+	if ( separation >= MOST || !lwi_grid_describe( job->reach, link_a, link_b, &described ) )
 	{
-		drop_cells( job->reach, chart );
+		drop_cells( job->reach, grid );
 		return LW_OK;
 	}
-	*chart = chart->cells != NULL ? *chart : described;
-	lwi_prober_select( p, link_a, link_b );
-	maker m = { .prober = p, .chart = chart, .deadline = deadline };
-	uint32_t bits = total_bits[chart->dimension];
+	*grid = grid->cells != NULL ? *grid : described;
+	lwi_pair_analyser_select( p, link_a, link_b );
+	maker m = { .analyser = p, .grid = grid, .deadline = deadline };
+	uint32_t bits = total_bits[grid->dimension];
 	if ( !make_finer( &m, bits ) )
 	{
-		return lwi_out_of_memory( job->diag, "charts of pairs" );
+		return lwi_out_of_memory( job->diag, "grids of pairs" );
 	}
-	m.parts = bits < FINE_CHART_BITS ? PARTS_OF_CELL : PARTS_OF_FINE;
-	m.most_cut = CUT_SPARE * pow( m.parts, 1.0 / chart->dimension );
+	m.parts = bits < FINE_GRID_BITS ? PARTS_OF_CELL : PARTS_OF_FINE;
+	m.most_cut = CUT_SPARE * pow( m.parts, 1.0 / grid->dimension );
 	m.separation = separation;
 	uint32_t slab_bits = bits > SLAB_BITS ? bits - SLAB_BITS : 0;
 	while ( *slabs < 1u << slab_bits && !m.late )
 	{
-		make_cells( &m, slab_of( chart, *slabs, slab_bits ) );
+		make_cells( &m, slab_of( grid, *slabs, slab_bits ) );
 		*slabs += m.late ? 0u : 1u;
 	}
 	*out_complete = *slabs >= 1u << slab_bits;
-	if ( *out_complete && !is_worth_keeping( chart, separation ) )
+	if ( *out_complete && !is_worth_keeping( grid, separation ) )
 	{
-		drop_cells( job->reach, chart );
+		drop_cells( job->reach, grid );
 	}
 	return m.cancelled ? lwi_fail( job->diag, LW_ERROR_CANCELLED, LW_INVALID_INDEX, "given up by the progress callback" )
 					   : LW_OK;

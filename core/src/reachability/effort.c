@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Charts and proofs by subdivision of all pairs, for as long as time is given: round by round, coarse charts and small
-// proofs of all pairs before fine charts and large proofs of any. Work on every pair continues earlier work, of this run or
+// Grids and proofs by subdivision of all pairs, for as long as time is given: round by round, coarse grids and small
+// proofs of all pairs before fine grids and large proofs of any. Work on every pair continues earlier work, of this run or
 // an earlier one.
 #include "base/math_inline.h"
 #include "reachability/effort.h"
@@ -15,21 +15,21 @@ enum
 	LAST_ROUND = 6,            ///< 2 million cells: a proof that takes more is given up
 	SEARCH_SHARE = 20,         ///< a round's search for contact has this many times fewer measurements than its proof cells
 	LONGEST_SEARCH = 1000,     ///< measurements; a search does not check the clock
-	MOST_CHART_BYTES = 1 << 26, ///< of one reach
+	MOST_GRID_BYTES = 1 << 26, ///< of one reach
 	IN_REACH = 2               ///< a proof is tried if it is expected to take at most this many times the round's cells
 };
 
 /// Share of the box that a proof must have certified to be in the last round.
 #define LEAST_DONE 0.01
 
-/// Bits of the number of cells, by rounds and the number of variables: coarse charts of all pairs come before fine ones of
+/// Bits of the number of cells, by rounds and the number of variables: coarse grids of all pairs come before fine ones of
 /// any.
 enum
 {
-	CHART_ROUNDS = 3,
-	ROUNDS_PER_CHART = 2 ///< charts are made finer every second round of proofs: the finest take longest
+	GRID_ROUNDS = 3,
+	ROUNDS_PER_GRID = 2 ///< grids are made finer every second round of proofs: the finest take longest
 };
-static const uint32_t chart_bits[CHART_ROUNDS][LWI_CHART_AXES + 1] = { { 0, 6, 8, 9 }, { 0, 8, 12, 12 }, { 0, 8, 12, 15 } };
+static const uint32_t grid_bits[GRID_ROUNDS][LWI_GRID_AXES + 1] = { { 0, 6, 8, 9 }, { 0, 8, 12, 12 }, { 0, 8, 12, 15 } };
 
 /// Proofs first aim at a tenth of the closest distance found: cells are cut until their motion fits into the rest, so a
 /// modest aim needs few. Later rounds aim higher, since queries pass over a pair only where its separation is beyond the
@@ -67,11 +67,11 @@ double lwi_effort_aim( const lw_reach_pair* pair, const lwi_effort* effort )
 	return 0;
 }
 
-bool lwi_effort_wants_chart( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort )
+bool lwi_effort_wants_grid( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort )
 {
 	bool always = reach->sample_count > 0 && effort->contacts == reach->sample_count && ( effort->flags & LWI_EFFORT_DEFAULT ) != 0;
-	bool possible = ( effort->flags & LWI_EFFORT_BOUNDED ) != 0 && pair->variable_count <= LWI_CHART_AXES;
-	return possible && !always && !pair->allowed && effort->chart_rounds < CHART_ROUNDS;
+	bool possible = ( effort->flags & LWI_EFFORT_BOUNDED ) != 0 && pair->variable_count <= LWI_GRID_AXES;
+	return possible && !always && !pair->allowed && effort->grid_rounds < GRID_ROUNDS;
 }
 
 // ---- tasks -----------------------------------------------------------------------------------------------------------
@@ -82,16 +82,16 @@ typedef enum step
 	STEP_PROVE,   ///< pairs without a proof that queries would check
 	STEP_IMPROVE, ///< pairs with a proof whose separation is far below the closest distance found
 	STEP_ALLOWED, ///< pairs without a proof whose contact is allowed: for the user, not for queries
-	STEP_CHART,
+	STEP_GRID,
 	STEP_COUNT
 } step;
 
 typedef struct effort_round
 {
 	const lwi_pair_list* list;
-	lwi_probers* probers;
-	lwi_chart* charts;  ///< [list->count]
-	uint32_t* chosen;   ///< [list->count] indices of active pairs
+	lwi_pair_analysers* analysers;
+	lwi_grid* grids;  ///< [list->count]
+	uint32_t* chosen; ///< [list->count] indices of active pairs
 	uint32_t chosen_count;
 	step step;
 	uint32_t number;
@@ -108,72 +108,72 @@ static uint64_t cells_of( uint32_t number )
 	return cells;
 }
 
-/// Makes or refines the chart of a pair.
-static void refine_chart( const effort_round* r, lwi_prober* prober, uint32_t index )
+/// Makes or refines the grid of a pair.
+static void refine_grid( const effort_round* r, lwi_pair_analyser* analyser, uint32_t index )
 {
 	const lwi_active* active = &r->list->active[index];
 	lwi_effort* effort = active->effort;
 	bool complete;
-	uint32_t made = r->number / ROUNDS_PER_CHART;
-	lw_status status = lwi_chart_refine( prober, active->link_a, active->link_b, active->pair->separation, chart_bits[made], r->deadline,
-		&r->charts[index], &effort->chart_slabs, &complete );
+	uint32_t made = r->number / ROUNDS_PER_GRID;
+	lw_status status = lwi_grid_refine( analyser, active->link_a, active->link_b, active->pair->separation, grid_bits[made], r->deadline,
+		&r->grids[index], &effort->grid_slabs, &complete );
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{
-		atomic_store( &r->probers->out_of_memory, true );
+		atomic_store( &r->analysers->out_of_memory, true );
 	}
 	else if ( status == LW_OK && complete )
 	{
-		effort->chart_slabs = 0;
-		effort->chart_rounds = made + 1;
+		effort->grid_slabs = 0;
+		effort->grid_rounds = made + 1;
 		uint32_t n = active->pair->variable_count;
-		while ( effort->chart_rounds < CHART_ROUNDS && chart_bits[effort->chart_rounds][n] == chart_bits[made][n] )
+		while ( effort->grid_rounds < GRID_ROUNDS && grid_bits[effort->grid_rounds][n] == grid_bits[made][n] )
 		{
-			++effort->chart_rounds; // the next one would be the same
+			++effort->grid_rounds; // the next one would be the same
 		}
 	}
 }
 
 /// From the second round on, pairs that are still open are searched on: contact may be all that there is to find.
-static void search_on( const effort_round* r, lwi_prober* prober, const lwi_active* active, uint64_t budget )
+static void search_on( const effort_round* r, lwi_pair_analyser* analyser, const lwi_active* active, uint64_t budget )
 {
 	uint64_t measurements = budget / SEARCH_SHARE;
 	if ( active->pair->separation <= 0 && budget > FIRST_CELLS )
 	{
-		lwi_prober_search( prober, lwi_pair_seed( r->list, active ) + budget,
+		lwi_pair_analyser_search( analyser, lwi_pair_seed( r->list, active ) + budget,
 			measurements < LONGEST_SEARCH ? (uint32_t)measurements : LONGEST_SEARCH, &active->pair->closest, active->state );
 	}
 }
 
 /// The first round tries everything; later ones ask for a forecast before they spend cells.
-static bool is_in_reach( const effort_round* r, lwi_prober* prober, const lwi_active* active, double fraction, uint64_t budget )
+static bool is_in_reach( const effort_round* r, lwi_pair_analyser* analyser, const lwi_active* active, double fraction, uint64_t budget )
 {
 	lwi_effort* effort = active->effort;
 	if ( budget > FIRST_CELLS && effort->expected <= 0 )
 	{
-		effort->expected = lwi_prober_forecast( prober, fraction, lwi_pair_seed( r->list, active ), &active->pair->closest, active->state );
+		effort->expected = lwi_pair_analyser_forecast( analyser, fraction, lwi_pair_seed( r->list, active ), &active->pair->closest, active->state );
 	}
 	return effort->expected <= (double)IN_REACH * (double)budget && active->pair->closest > 0;
 }
 
 /// True if a proof has had all cells that it may have, or all but those of the last round and hardly anything to show for
 /// them.
-static bool is_too_large( const lwi_prober* prober, const lwi_effort* effort )
+static bool is_too_large( const lwi_pair_analyser* analyser, const lwi_effort* effort )
 {
 	return effort->cells >= cells_of( LAST_ROUND ) ||
-		   ( effort->cells >= cells_of( LAST_ROUND - 1 ) && lwi_effort_open_share( prober, effort ) > 1 - LEAST_DONE );
+		   ( effort->cells >= cells_of( LAST_ROUND - 1 ) && lwi_effort_open_share( analyser, effort ) > 1 - LEAST_DONE );
 }
 
 /// @return true if there may be more to do for this pair in this round
-static bool attempt( const effort_round* r, lwi_prober* prober, const lwi_active* active, double fraction, uint64_t budget )
+static bool attempt( const effort_round* r, lwi_pair_analyser* analyser, const lwi_active* active, double fraction, uint64_t budget )
 {
 	lw_reach_pair* pair = active->pair;
 	lwi_effort* effort = active->effort;
 	lwi_proof_outcome outcome = LWI_PROOF_EXHAUSTED;
 	double separation = 0;
 	effort->fraction = fraction;
-	if ( lwi_prober_subdivide( prober, effort, budget, r->deadline, &pair->closest, active->state, &outcome, &separation ) != LW_OK )
+	if ( lwi_pair_analyser_subdivide( analyser, effort, budget, r->deadline, &pair->closest, active->state, &outcome, &separation ) != LW_OK )
 	{
-		atomic_store( &r->probers->out_of_memory, true );
+		atomic_store( &r->analysers->out_of_memory, true );
 		return false;
 	}
 	if ( separation > pair->separation )
@@ -182,10 +182,10 @@ static bool attempt( const effort_round* r, lwi_prober* prober, const lwi_active
 		pair->proof = LW_PROOF_SUBDIVISION;
 	}
 	effort->flags |= outcome == LWI_PROOF_HOPELESS ? (uint32_t)LWI_EFFORT_HOPELESS : 0u;
-	bool gives_up = outcome == LWI_PROOF_TOO_FINE || ( outcome == LWI_PROOF_EXHAUSTED && is_too_large( prober, effort ) );
+	bool gives_up = outcome == LWI_PROOF_TOO_FINE || ( outcome == LWI_PROOF_EXHAUSTED && is_too_large( analyser, effort ) );
 	if ( gives_up )
 	{
-		lwi_effort_drop( r->probers->job->reach, effort, pair->variable_count );
+		lwi_effort_drop( r->analysers->job->reach, effort, pair->variable_count );
 		effort->flags |= (uint32_t)LWI_EFFORT_TOO_MANY;
 	}
 	else if ( outcome == LWI_PROOF_EXHAUSTED && effort->cells >= budget && budget > FIRST_CELLS )
@@ -196,13 +196,13 @@ static bool attempt( const effort_round* r, lwi_prober* prober, const lwi_active
 }
 
 /// Proofs of a pair with as many cells as this round has for each aim.
-static void prove_pair( const effort_round* r, lwi_prober* prober, const lwi_active* active )
+static void prove_pair( const effort_round* r, lwi_pair_analyser* analyser, const lwi_active* active )
 {
 	lw_reach_pair* pair = active->pair;
 	lwi_effort* effort = active->effort;
 	uint64_t budget = cells_of( r->number );
-	lwi_prober_select( prober, active->link_a, active->link_b );
-	if ( !prober->bounded || prober->variable_count == 0 || prober->variable_count != pair->variable_count )
+	lwi_pair_analyser_select( analyser, active->link_a, active->link_b );
+	if ( !analyser->bounded || analyser->variable_count == 0 || analyser->variable_count != pair->variable_count )
 	{
 		effort->flags &= ~(uint32_t)LWI_EFFORT_BOUNDED; // a blob had the flag set
 		return;
@@ -210,7 +210,7 @@ static void prove_pair( const effort_round* r, lwi_prober* prober, const lwi_act
 	bool first = effort->height == 0 || effort->cells < budget / ROUND_GROWTH + 1;
 	if ( first )
 	{
-		search_on( r, prober, active, budget );
+		search_on( r, analyser, active, budget );
 	}
 	bool more = true;
 	while ( more && lwi_monotonic_seconds() < r->deadline )
@@ -218,15 +218,15 @@ static void prove_pair( const effort_round* r, lwi_prober* prober, const lwi_act
 		double fraction = lwi_effort_aim( pair, effort );
 		if ( !( pair->closest > 0 ) && effort->fraction > 0 )
 		{
-			lwi_effort_drop( r->probers->job->reach, effort, pair->variable_count ); // contact was found meanwhile
+			lwi_effort_drop( r->analysers->job->reach, effort, pair->variable_count ); // contact was found meanwhile
 		}
-		more = fraction > 0 && effort->cells < budget && is_in_reach( r, prober, active, fraction, budget ) &&
-			   attempt( r, prober, active, fraction, budget ) && r->step == STEP_IMPROVE;
+		more = fraction > 0 && effort->cells < budget && is_in_reach( r, analyser, active, fraction, budget ) &&
+			   attempt( r, analyser, active, fraction, budget ) && r->step == STEP_IMPROVE;
 	}
 	bool hopeless = r->number == LAST_ROUND && effort->expected > (double)IN_REACH * (double)budget;
 	if ( hopeless )
 	{
-		lwi_effort_drop( r->probers->job->reach, effort, pair->variable_count );
+		lwi_effort_drop( r->analysers->job->reach, effort, pair->variable_count );
 		effort->flags |= (uint32_t)LWI_EFFORT_TOO_MANY;
 	}
 }
@@ -234,17 +234,17 @@ static void prove_pair( const effort_round* r, lwi_prober* prober, const lwi_act
 static void work_on( void* context, uint32_t index )
 {
 	const effort_round* r = context;
-	bool late = lwi_monotonic_seconds() >= r->deadline || !lwi_reach_goes_on( r->probers->job );
-	lwi_prober* prober = late ? NULL : lwi_probers_take( r->probers );
-	if ( prober != NULL && r->step == STEP_CHART )
+	bool late = lwi_monotonic_seconds() >= r->deadline || !lwi_reach_goes_on( r->analysers->job );
+	lwi_pair_analyser* analyser = late ? NULL : lwi_pair_analysers_take( r->analysers );
+	if ( analyser != NULL && r->step == STEP_GRID )
 	{
-		refine_chart( r, prober, r->chosen[index] );
+		refine_grid( r, analyser, r->chosen[index] );
 	}
-	else if ( prober != NULL )
+	else if ( analyser != NULL )
 	{
-		prove_pair( r, prober, &r->list->active[r->chosen[index]] );
+		prove_pair( r, analyser, &r->list->active[r->chosen[index]] );
 	}
-	lwi_probers_give( r->probers, prober );
+	lwi_pair_analysers_give( r->analysers, analyser );
 }
 
 // ---- rounds ----------------------------------------------------------------------------------------------------------
@@ -253,10 +253,10 @@ static bool is_chosen( const effort_round* r, uint32_t index )
 {
 	const lwi_active* active = &r->list->active[index];
 	const lw_reach_pair* pair = active->pair;
-	if ( r->step == STEP_CHART )
+	if ( r->step == STEP_GRID )
 	{
-		return r->number % ROUNDS_PER_CHART == 0 && active->effort->chart_rounds == r->number / ROUNDS_PER_CHART &&
-			   lwi_effort_wants_chart( r->probers->job->reach, pair, active->effort );
+		return r->number % ROUNDS_PER_GRID == 0 && active->effort->grid_rounds == r->number / ROUNDS_PER_GRID &&
+			   lwi_effort_wants_grid( r->analysers->job->reach, pair, active->effort );
 	}
 	bool wanted = r->step == STEP_IMPROVE ? pair->separation > 0 && !pair->allowed
 										  : pair->separation <= 0 && pair->allowed == ( r->step == STEP_ALLOWED );
@@ -284,12 +284,12 @@ static int by_use( const void* x, const void* y )
 	return a->index < b->index ? -1 : a->index > b->index;
 }
 
-static size_t chart_bytes( const effort_round* r )
+static size_t grid_bytes( const effort_round* r )
 {
 	size_t bytes = 0;
 	for ( uint32_t i = 0; i < r->list->count; ++i )
 	{
-		bytes += r->charts[i].cells != NULL ? lwi_chart_size( &r->charts[i] ) : 0;
+		bytes += r->grids[i].cells != NULL ? lwi_grid_size( &r->grids[i] ) : 0;
 	}
 	return bytes;
 }
@@ -298,7 +298,7 @@ static size_t chart_bytes( const effort_round* r )
 static lw_status run_step( effort_round* r, const ranked* order )
 {
 	r->chosen_count = 0;
-	bool full = r->step == STEP_CHART && chart_bytes( r ) >= MOST_CHART_BYTES;
+	bool full = r->step == STEP_GRID && grid_bytes( r ) >= MOST_GRID_BYTES;
 	for ( uint32_t i = 0; i < r->list->count && !full; ++i )
 	{
 		if ( is_chosen( r, order[i].index ) )
@@ -306,8 +306,8 @@ static lw_status run_step( effort_round* r, const ranked* order )
 			r->chosen[r->chosen_count++] = order[i].index;
 		}
 	}
-	lw_status status = r->chosen_count > 0 ? lwi_reach_run( r->probers->job, work_on, r, r->chosen_count ) : LW_OK;
-	return atomic_load( &r->probers->out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;
+	lw_status status = r->chosen_count > 0 ? lwi_reach_run( r->analysers->job, work_on, r, r->chosen_count ) : LW_OK;
+	return atomic_load( &r->analysers->out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;
 }
 
 static lw_status run_rounds( effort_round* r, const ranked* order )
@@ -324,77 +324,77 @@ static lw_status run_rounds( effort_round* r, const ranked* order )
 	return status;
 }
 
-// ---- charts of the reach ---------------------------------------------------------------------------------------------
+// ---- grids of the reach ---------------------------------------------------------------------------------------------
 
 static int by_pair( const void* x, const void* y )
 {
-	const lwi_chart *a = x, *b = y;
+	const lwi_grid *a = x, *b = y;
 	size_t i = lwi_reach_pair_index( a->link_a, a->link_b ), j = lwi_reach_pair_index( b->link_a, b->link_b );
 	return i < j ? -1 : i > j;
 }
 
-/// Takes the charts that there are over to their pairs.
-static void take_charts( lw_reach* reach, const lwi_pair_list* list, lwi_chart* charts )
+/// Takes the grids that there are over to their pairs.
+static void take_grids( lw_reach* reach, const lwi_pair_list* list, lwi_grid* grids )
 {
 	for ( uint32_t i = 0; i < list->count; ++i )
 	{
-		const lwi_chart* chart = lwi_reach_chart( reach, list->active[i].link_a, list->active[i].link_b );
-		charts[i] = chart != NULL ? *chart : charts[i];
+		const lwi_grid* grid = lwi_reach_grid( reach, list->active[i].link_a, list->active[i].link_b );
+		grids[i] = grid != NULL ? *grid : grids[i];
 	}
-	lwi_free( &reach->allocator, reach->charts, reach->chart_capacity * sizeof( lwi_chart ) );
-	reach->charts = NULL;
-	reach->chart_count = reach->chart_capacity = 0;
+	lwi_free( &reach->allocator, reach->grids, reach->grid_capacity * sizeof( lwi_grid ) );
+	reach->grids = NULL;
+	reach->grid_count = reach->grid_capacity = 0;
 }
 
-/// Hands charts over to the reach, in the order of their pairs. @return false without memory
-static bool keep_charts( lw_reach* reach, const lwi_pair_list* list, lwi_chart* charts )
+/// Hands grids over to the reach, in the order of their pairs. @return false without memory
+static bool keep_grids( lw_reach* reach, const lwi_pair_list* list, lwi_grid* grids )
 {
 	uint32_t count = 0;
 	for ( uint32_t i = 0; i < list->count; ++i )
 	{
-		if ( charts[i].cells != NULL )
+		if ( grids[i].cells != NULL )
 		{
-			charts[count++] = charts[i];
+			grids[count++] = grids[i];
 		}
 	}
-	reach->charts = count > 0 ? lwi_alloc_zero( &reach->allocator, count, sizeof( lwi_chart ) ) : NULL;
-	if ( reach->charts == NULL )
+	reach->grids = count > 0 ? lwi_alloc_zero( &reach->allocator, count, sizeof( lwi_grid ) ) : NULL;
+	if ( reach->grids == NULL )
 	{
 		for ( uint32_t i = 0; i < count; ++i )
 		{
-			lwi_free( &reach->allocator, charts[i].cells, lwi_chart_size( &charts[i] ) );
+			lwi_free( &reach->allocator, grids[i].cells, lwi_grid_size( &grids[i] ) );
 		}
 		return count == 0;
 	}
-	qsort( charts, count, sizeof( lwi_chart ), by_pair );
-	memcpy( reach->charts, charts, count * sizeof( lwi_chart ) );
-	reach->chart_count = reach->chart_capacity = count;
+	qsort( grids, count, sizeof( lwi_grid ), by_pair );
+	memcpy( reach->grids, grids, count * sizeof( lwi_grid ) );
+	reach->grid_count = reach->grid_capacity = count;
 	return true;
 }
 
-lw_status lwi_reach_spend( lwi_probers* probers, const lwi_pair_list* list, double deadline )
+lw_status lwi_reach_spend( lwi_pair_analysers* analysers, const lwi_pair_list* list, double deadline )
 {
-	lw_reach* reach = probers->job->reach;
+	lw_reach* reach = analysers->job->reach;
 	const lw_allocator* memory = &reach->allocator;
 	uint32_t count = list->count;
-	effort_round r = { .list = list, .probers = probers, .deadline = deadline };
-	r.charts = lwi_alloc_zero( memory, count, sizeof( lwi_chart ) );
+	effort_round r = { .list = list, .analysers = analysers, .deadline = deadline };
+	r.grids = lwi_alloc_zero( memory, count, sizeof( lwi_grid ) );
 	r.chosen = lwi_alloc_zero( memory, count, sizeof( uint32_t ) );
 	ranked* order = lwi_alloc_zero( memory, count, sizeof( ranked ) );
 	lw_status status = LW_ERROR_OUT_OF_MEMORY;
-	if ( r.charts != NULL && r.chosen != NULL && order != NULL )
+	if ( r.grids != NULL && r.chosen != NULL && order != NULL )
 	{
 		for ( uint32_t i = 0; i < count; ++i )
 		{
 			order[i] = (ranked){ list->active[i].effort->visits, list->active[i].pair->variable_count, i };
 		}
 		qsort( order, count, sizeof( ranked ), by_use );
-		take_charts( reach, list, r.charts );
+		take_grids( reach, list, r.grids );
 		status = run_rounds( &r, order );
-		status = keep_charts( reach, list, r.charts ) ? status : LW_ERROR_OUT_OF_MEMORY;
+		status = keep_grids( reach, list, r.grids ) ? status : LW_ERROR_OUT_OF_MEMORY;
 	}
 	lwi_free( memory, order, count * sizeof( ranked ) );
 	lwi_free( memory, r.chosen, count * sizeof( uint32_t ) );
-	lwi_free( memory, r.charts, count * sizeof( lwi_chart ) );
+	lwi_free( memory, r.grids, count * sizeof( lwi_grid ) );
 	return status;
 }

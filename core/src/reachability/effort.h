@@ -27,8 +27,8 @@ static inline uint64_t lwi_pair_seed( const lwi_pair_list* list, const lwi_activ
 	return list->seed + lwi_reach_pair_index( active->link_a, active->link_b ) * 0x9e3779b97f4a7c15u;
 }
 
-/// Makes charts and proofs by subdivision until `deadline`, or until there is nothing left to do.
+/// Makes grids and proofs by subdivision until `deadline`, or until there is nothing left to do.
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY
-lw_status lwi_reach_spend( lwi_probers* probers, const lwi_pair_list* list, double deadline );
+lw_status lwi_reach_spend( lwi_pair_analysers* analysers, const lwi_pair_list* list, double deadline );
 
 #endif

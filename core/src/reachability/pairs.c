@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Classifies each pair of links: contact found, proved apart, or to be checked. Samples first, since pairs in contact
-// need no proof; then proofs by hulls; a search for contact; and charts and proofs by subdivision (reachability/effort.c).
+// need no proof; then proofs by hulls; a search for contact; and grids and proofs by subdivision (reachability/effort.c).
 //
 // Classes as MoveIt's Setup Assistant names them (adjacent, never, always, default), but "never" is proved here, not
 // sampled.
@@ -30,7 +30,7 @@ typedef struct work
 	const lwi_reach_job* job; ///< without a diag: threads must not write to it
 	lw_reach* reach;
 	const lw_robot* robot;
-	lwi_probers probers;
+	lwi_pair_analysers analysers;
 	lwi_pair_list list;
 	double begin, seconds;      ///< INFINITY: no limit
 	uint32_t* geometry_parent;  ///< [link_count] nearest link above that has geometry, or LW_INVALID_INDEX
@@ -106,8 +106,8 @@ static lw_status list_pairs( work* w )
 	reach->evidence = lwi_alloc_zero( &reach->allocator, (size_t)count * reach->variable_count, sizeof( double ) );
 	reach->efforts = lwi_alloc_zero( &reach->allocator, count, sizeof( lwi_effort ) );
 	reach->evidence_count = reach->evidence != NULL && reach->efforts != NULL ? count : 0;
-	lwi_prober* prober = reach->evidence != NULL && reach->efforts != NULL ? lwi_probers_take( &w->probers ) : NULL;
-	if ( prober == NULL )
+	lwi_pair_analyser* analyser = reach->evidence != NULL && reach->efforts != NULL ? lwi_pair_analysers_take( &w->analysers ) : NULL;
+	if ( analyser == NULL )
 	{
 		lwi_free( &reach->allocator, reach->evidence, (size_t)count * reach->variable_count * sizeof( double ) );
 		lwi_free( &reach->allocator, reach->efforts, count * sizeof( lwi_effort ) );
@@ -123,13 +123,13 @@ static lw_status list_pairs( work* w )
 			size_t index = lwi_reach_pair_index( a, b );
 			if ( reach->states[index] != LW_INVALID_INDEX )
 			{
-				lwi_prober_select( prober, a, b );
-				reach->pairs[index].variable_count = prober->variable_count;
-				reach->efforts[reach->states[index]].flags = prober->bounded ? (uint32_t)LWI_EFFORT_BOUNDED : 0u;
+				lwi_pair_analyser_select( analyser, a, b );
+				reach->pairs[index].variable_count = analyser->variable_count;
+				reach->efforts[reach->states[index]].flags = analyser->bounded ? (uint32_t)LWI_EFFORT_BOUNDED : 0u;
 			}
 		}
 	}
-	lwi_probers_give( &w->probers, prober );
+	lwi_pair_analysers_give( &w->analysers, analyser );
 	return LW_OK;
 }
 
@@ -181,14 +181,14 @@ typedef struct batch
 } batch;
 
 /// Each random state has its own stream, so that its values do not depend on the thread.
-static void sample_state( const work* w, const lwi_prober* prober, uint32_t sample, double* q )
+static void sample_state( const work* w, const lwi_pair_analyser* analyser, uint32_t sample, double* q )
 {
 	uint64_t random = w->reach->seed ^ ( ( sample + 1u ) * 0xd1342543de82ef95u );
-	lwi_prober_random_state( prober, &random, NULL, w->robot->variable_count, q );
+	lwi_pair_analyser_random_state( analyser, &random, NULL, w->robot->variable_count, q );
 }
 
 /// True if bounding spheres of two links meet.
-static bool spheres_meet( const lwi_prober* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b )
+static bool spheres_meet( const lwi_pair_analyser* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b )
 {
 	for ( uint32_t i = p->first_body[link_a]; i < p->first_body[link_a + 1]; ++i )
 	{
@@ -209,10 +209,10 @@ static bool spheres_meet( const lwi_prober* p, const lw_transform* poses, uint32
 	return false;
 }
 
-/// Measures all pairs at prober->state as far as they are nearer than before, or in contact again.
-static void measure_state( const work* w, lwi_prober* prober, lw_transform* poses, uint32_t sample, sighting* seen )
+/// Measures all pairs at analyser->state as far as they are nearer than before, or in contact again.
+static void measure_state( const work* w, lwi_pair_analyser* analyser, lw_transform* poses, uint32_t sample, sighting* seen )
 {
-	if ( lw_robot_fk( w->robot, prober->state, poses ) != LW_OK )
+	if ( lw_robot_fk( w->robot, analyser->state, poses ) != LW_OK )
 	{
 		return;
 	}
@@ -221,14 +221,14 @@ static void measure_state( const work* w, lwi_prober* prober, lw_transform* pose
 		const lwi_active* active = &w->list.active[i];
 		lw_range range = { 0, fmax( seen[i].closest, CONTACT_LIMIT ), 0 };
 		lwi_bound bound;
-		lwi_prober_measure_links( prober, poses, active->link_a, active->link_b, &range, NULL, &bound );
+		lwi_pair_analyser_measure_links( analyser, poses, active->link_a, active->link_b, &range, NULL, &bound );
 		if ( bound.upper < seen[i].closest )
 		{
 			seen[i].closest = bound.upper;
 			seen[i].sample = sample;
 		}
 		seen[i].contacts += bound.upper <= 0 ? 1u : 0u;
-		seen[i].visits += bound.upper <= 0 || spheres_meet( prober, poses, active->link_a, active->link_b ) ? 1u : 0u;
+		seen[i].visits += bound.upper <= 0 || spheres_meet( analyser, poses, active->link_a, active->link_b ) ? 1u : 0u;
 	}
 }
 
@@ -237,28 +237,28 @@ static void measure_part( void* context, uint32_t part )
 	batch* b = context;
 	const work* w = b->w;
 	sighting* seen = b->seen + (size_t)part * w->list.count;
-	lwi_prober* prober = lwi_probers_take( &b->w->probers );
+	lwi_pair_analyser* analyser = lwi_pair_analysers_take( &b->w->analysers );
 	lw_transform* poses = lwi_alloc_zero( &w->reach->allocator, w->reach->link_count, sizeof( lw_transform ) );
 	if ( poses == NULL )
 	{
-		atomic_store( &b->w->probers.out_of_memory, true );
+		atomic_store( &b->w->analysers.out_of_memory, true );
 	}
-	for ( uint32_t k = part; k < b->count && prober != NULL && poses != NULL; k += b->parts )
+	for ( uint32_t k = part; k < b->count && analyser != NULL && poses != NULL; k += b->parts )
 	{
 		if ( !lwi_reach_goes_on( w->job ) )
 		{
 			break;
 		}
-		sample_state( w, prober, b->first + k, prober->state );
-		measure_state( w, prober, poses, b->first + k, seen );
+		sample_state( w, analyser, b->first + k, analyser->state );
+		measure_state( w, analyser, poses, b->first + k, seen );
 		lwi_reach_step( w->job );
 	}
 	lwi_free( &w->reach->allocator, poses, w->reach->link_count * sizeof( lw_transform ) );
-	lwi_probers_give( &b->w->probers, prober );
+	lwi_pair_analysers_give( &b->w->analysers, analyser );
 }
 
 /// Enters the sightings, part by part: the result does not depend on threads.
-static void enter_sightings( const batch* b, lwi_prober* prober )
+static void enter_sightings( const batch* b, lwi_pair_analyser* analyser )
 {
 	const work* w = b->w;
 	for ( uint32_t part = 0; part < b->parts; ++part )
@@ -272,20 +272,20 @@ static void enter_sightings( const batch* b, lwi_prober* prober )
 			if ( seen->sample != LW_INVALID_INDEX && seen->closest < active->pair->closest )
 			{
 				active->pair->closest = seen->closest;
-				sample_state( w, prober, seen->sample, active->state );
+				sample_state( w, analyser, seen->sample, active->state );
 			}
 		}
 	}
 }
 
-static void measure_default( work* w, lwi_prober* prober, lw_transform* poses, sighting* seen )
+static void measure_default( work* w, lwi_pair_analyser* analyser, lw_transform* poses, sighting* seen )
 {
 	for ( uint32_t i = 0; i < w->list.count; ++i )
 	{
 		seen[i] = (sighting){ .closest = INFINITY, .sample = LW_INVALID_INDEX };
 	}
-	lw_robot_default_state( w->robot, prober->state );
-	measure_state( w, prober, poses, 0, seen );
+	lw_robot_default_state( w->robot, analyser->state );
+	measure_state( w, analyser, poses, 0, seen );
 	for ( uint32_t i = 0; i < w->list.count; ++i )
 	{
 		const lwi_active* active = &w->list.active[i];
@@ -293,13 +293,13 @@ static void measure_default( work* w, lwi_prober* prober, lw_transform* poses, s
 		if ( seen[i].sample != LW_INVALID_INDEX )
 		{
 			active->pair->closest = seen[i].closest;
-			memcpy( active->state, prober->state, state_bytes( w ) );
+			memcpy( active->state, analyser->state, state_bytes( w ) );
 		}
 	}
 }
 
 /// Random states from the last one on, in batches that double: each batch knows the results of those before it.
-static lw_status measure_batches( work* w, batch* b, lwi_prober* prober, uint32_t samples )
+static lw_status measure_batches( work* w, batch* b, lwi_pair_analyser* analyser, uint32_t samples )
 {
 	lw_reach* reach = w->reach;
 	double deadline = until( w, SAMPLES_UNTIL );
@@ -316,11 +316,11 @@ static lw_status measure_batches( work* w, batch* b, lwi_prober* prober, uint32_
 			b->seen[k] = (sighting){ w->list.active[k % w->list.count].pair->closest, LW_INVALID_INDEX, 0, 0 };
 		}
 		lw_status status = lwi_reach_run( w->job, measure_part, b, b->parts );
-		if ( status != LW_OK || atomic_load( &w->probers.out_of_memory ) )
+		if ( status != LW_OK || atomic_load( &w->analysers.out_of_memory ) )
 		{
 			return LW_ERROR_OUT_OF_MEMORY;
 		}
-		enter_sightings( b, prober );
+		enter_sightings( b, analyser );
 		reach->sample_count += b->count;
 	}
 	return LW_OK;
@@ -339,17 +339,17 @@ static lw_status take_samples( work* w )
 	size_t rows = (size_t)SAMPLE_TASKS * w->list.count;
 	batch b = { .w = w, .seen = lwi_alloc( &reach->allocator, rows * sizeof( sighting ) ) };
 	lw_transform* poses = lwi_alloc_zero( &reach->allocator, reach->link_count, sizeof( lw_transform ) );
-	lwi_prober* prober = lwi_probers_take( &w->probers );
+	lwi_pair_analyser* analyser = lwi_pair_analysers_take( &w->analysers );
 	lw_status status = LW_ERROR_OUT_OF_MEMORY;
-	if ( b.seen != NULL && poses != NULL && prober != NULL )
+	if ( b.seen != NULL && poses != NULL && analyser != NULL )
 	{
 		if ( fresh )
 		{
-			measure_default( w, prober, poses, b.seen );
+			measure_default( w, analyser, poses, b.seen );
 		}
-		status = measure_batches( w, &b, prober, samples );
+		status = measure_batches( w, &b, analyser, samples );
 	}
-	lwi_probers_give( &w->probers, prober );
+	lwi_pair_analysers_give( &w->analysers, analyser );
 	lwi_free( &reach->allocator, poses, reach->link_count * sizeof( lw_transform ) );
 	lwi_free( &reach->allocator, b.seen, rows * sizeof( sighting ) );
 	return status;
@@ -500,14 +500,14 @@ static void search_pair( void* context, uint32_t index )
 	work* w = context;
 	const lwi_active* active = &w->list.active[index];
 	bool late = lwi_monotonic_seconds() >= until( w, SEARCH_UNTIL ) || !lwi_reach_goes_on( w->job );
-	lwi_prober* prober = !late && wants_search( active ) ? lwi_probers_take( &w->probers ) : NULL;
-	if ( prober != NULL )
+	lwi_pair_analyser* analyser = !late && wants_search( active ) ? lwi_pair_analysers_take( &w->analysers ) : NULL;
+	if ( analyser != NULL )
 	{
-		lwi_prober_select( prober, active->link_a, active->link_b );
-		lwi_prober_search( prober, lwi_pair_seed( &w->list, active ), SEARCH_PER_VARIABLE * ( active->pair->variable_count + 1 ),
+		lwi_pair_analyser_select( analyser, active->link_a, active->link_b );
+		lwi_pair_analyser_search( analyser, lwi_pair_seed( &w->list, active ), SEARCH_PER_VARIABLE * ( active->pair->variable_count + 1 ),
 			&active->pair->closest, active->state );
 		active->effort->flags |= (uint32_t)LWI_EFFORT_SEARCH;
-		lwi_probers_give( &w->probers, prober );
+		lwi_pair_analysers_give( &w->analysers, analyser );
 	}
 	lwi_reach_step( w->job );
 }
@@ -516,13 +516,13 @@ static lw_status search_contacts( work* w )
 {
 	lwi_reach_begin( w->job, "search for contact", 0, w->list.count );
 	lw_status status = lwi_reach_run( w->job, search_pair, w, w->list.count );
-	return atomic_load( &w->probers.out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;
+	return atomic_load( &w->analysers.out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;
 }
 
 // ---- classes ---------------------------------------------------------------------------------------------------------
 
-/// Distance of two links at prober->trial as anyone would measure it: lw_robot_fk() and lw_shape_distance().
-static double plain_distance( const lwi_prober* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b )
+/// Distance of two links at analyser->trial as anyone would measure it: lw_robot_fk() and lw_shape_distance().
+static double plain_distance( const lwi_pair_analyser* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b )
 {
 	double least = INFINITY;
 	for ( uint32_t i = p->first_body[link_a]; i < p->first_body[link_a + 1]; ++i )
@@ -543,9 +543,9 @@ static double plain_distance( const lwi_prober* p, const lw_transform* poses, ui
 
 /// The evidence moves nothing but the pair's own variables away from the default state, and its distance equals a user's
 /// measurement there. (Searches measure seen from the common ancestor: the same up to rounding.)
-static void finish_evidence( const lwi_active* active, lwi_prober* p, lw_transform* poses )
+static void finish_evidence( const lwi_active* active, lwi_pair_analyser* p, lw_transform* poses )
 {
-	lwi_prober_select( p, active->link_a, active->link_b );
+	lwi_pair_analyser_select( p, active->link_a, active->link_b );
 	lw_robot_default_state( p->robot, p->trial );
 	for ( uint32_t i = 0; i < p->variable_count; ++i )
 	{
@@ -578,17 +578,17 @@ static void finish_pair( void* context, uint32_t index )
 	work* w = context;
 	const lwi_active* active = &w->list.active[index];
 	lw_transform* poses = lwi_alloc_zero( &w->reach->allocator, w->reach->link_count, sizeof( lw_transform ) );
-	lwi_prober* prober = poses != NULL ? lwi_probers_take( &w->probers ) : NULL;
-	if ( prober != NULL )
+	lwi_pair_analyser* analyser = poses != NULL ? lwi_pair_analysers_take( &w->analysers ) : NULL;
+	if ( analyser != NULL )
 	{
-		finish_evidence( active, prober, poses );
+		finish_evidence( active, analyser, poses );
 		classify( w, active );
 	}
 	else
 	{
-		atomic_store( &w->probers.out_of_memory, true );
+		atomic_store( &w->analysers.out_of_memory, true );
 	}
-	lwi_probers_give( &w->probers, prober );
+	lwi_pair_analysers_give( &w->analysers, analyser );
 	lwi_free( &w->reach->allocator, poses, w->reach->link_count * sizeof( lw_transform ) );
 }
 
@@ -607,7 +607,7 @@ lw_status lwi_reach_list_pairs( const lwi_reach_job* job )
 {
 	lwi_reach_job quiet = { job->def, job->reach, NULL, job->stage };
 	work w = { .job = &quiet, .reach = job->reach, .robot = job->reach->robot };
-	w.probers.job = &quiet;
+	w.analysers.job = &quiet;
 	const lw_allocator* memory = &w.reach->allocator;
 	size_t links = w.reach->link_count;
 	w.geometry_parent = lwi_alloc_zero( memory, links, sizeof( uint32_t ) );
@@ -618,7 +618,7 @@ lw_status lwi_reach_list_pairs( const lwi_reach_job* job )
 		find_geometry( &w );
 		status = list_pairs( &w );
 	}
-	lwi_probers_free( &w.probers );
+	lwi_pair_analysers_free( &w.analysers );
 	lwi_free( memory, w.geometry_parent, links * sizeof( uint32_t ) );
 	lwi_free( memory, w.has_geometry, links * sizeof( bool ) );
 	return report( job, &w, status );
@@ -633,22 +633,22 @@ static lw_status measure_and_prove( work* w )
 	status = status == LW_OK && !is_cancelled( w ) ? search_contacts( w ) : status;
 	if ( w->seconds < INFINITY && status == LW_OK && !is_cancelled( w ) )
 	{
-		lwi_reach_begin( w->job, "charts and proofs", w->begin + w->seconds - lwi_monotonic_seconds(), 0 );
-		status = lwi_reach_spend( &w->probers, &w->list, w->begin + w->seconds );
+		lwi_reach_begin( w->job, "grids and proofs", w->begin + w->seconds - lwi_monotonic_seconds(), 0 );
+		status = lwi_reach_spend( &w->analysers, &w->list, w->begin + w->seconds );
 	}
 	if ( status == LW_OK && !is_cancelled( w ) )
 	{
 		status = lwi_reach_run( w->job, finish_pair, w, w->list.count );
 		w->reach->seconds += lwi_monotonic_seconds() - w->begin;
 	}
-	return atomic_load( &w->probers.out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;
+	return atomic_load( &w->analysers.out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;
 }
 
 lw_status lwi_reach_build_pairs( const lwi_reach_job* job )
 {
 	lwi_reach_job quiet = { job->def, job->reach, NULL, job->stage };
 	work w = { .job = &quiet, .reach = job->reach, .robot = job->reach->robot };
-	w.probers.job = &quiet;
+	w.analysers.job = &quiet;
 	lw_status status = fill_list( &w );
 	if ( status == LW_OK && job->def->hulls_only )
 	{
@@ -661,7 +661,7 @@ lw_status lwi_reach_build_pairs( const lwi_reach_job* job )
 	{
 		status = measure_and_prove( &w );
 	}
-	lwi_probers_free( &w.probers );
+	lwi_pair_analysers_free( &w.analysers );
 	lwi_free( &w.reach->allocator, w.list.active, w.reach->evidence_count * sizeof( lwi_active ) );
 	return report( job, &w, status );
 }

@@ -14,15 +14,15 @@ static const double pi = 3.14159265358979323846;
 /// Half the width, in metres, of the window from which random values of a joint without limits are taken.
 #define WINDOW 1.0
 
-/// How far beyond the range to be proved a proof may reach, relative to its ends: charts overlap by less.
+/// How far beyond the range to be proved a proof may reach, relative to its ends: grids overlap by less.
 #define WIDER 0x1p-36
 
-/// Everything a prober holds but the query and the motion table is one block, laid out by this list.
-static size_t lay_out( lwi_prober* p, void* block )
+/// Everything an analyser holds but the query and the motion table is one block, laid out by this list.
+static size_t lay_out( lwi_pair_analyser* p, void* block )
 {
 	const lw_robot* robot = p->robot;
 	size_t links = robot->link_count, joints = robot->joint_count, variables = robot->variable_count;
-	lwi_arena arena = lwi_arena_begin( block, sizeof( lwi_prober ) );
+	lwi_arena arena = lwi_arena_begin( block, sizeof( lwi_pair_analyser ) );
 	p->body_order = lwi_arena_take( &arena, robot->body_count, sizeof( uint32_t ) );
 	p->first_body = lwi_arena_take( &arena, links + 1, sizeof( uint32_t ) );
 	p->centers = lwi_arena_take( &arena, robot->body_count, sizeof( double[3] ) );
@@ -43,7 +43,7 @@ static size_t lay_out( lwi_prober* p, void* block )
 	return arena.used;
 }
 
-static void sort_bodies( lwi_prober* p )
+static void sort_bodies( lwi_pair_analyser* p )
 {
 	const lw_robot* robot = p->robot;
 	uint32_t placed = 0;
@@ -69,7 +69,7 @@ static void sort_bodies( lwi_prober* p )
 	}
 }
 
-static void set_sample_ranges( lwi_prober* p )
+static void set_sample_ranges( lwi_pair_analyser* p )
 {
 	lw_robot_default_state( p->robot, p->state );
 	for ( uint32_t i = 0; i < p->robot->variable_count; ++i )
@@ -80,16 +80,16 @@ static void set_sample_ranges( lwi_prober* p )
 	}
 }
 
-lw_status lwi_prober_create( const lwi_reach_job* job, lwi_prober** out_prober )
+lw_status lwi_pair_analyser_create( const lwi_reach_job* job, lwi_pair_analyser** out_analyser )
 {
-	*out_prober = NULL;
-	lwi_prober sizes;
+	*out_analyser = NULL;
+	lwi_pair_analyser sizes;
 	memset( &sizes, 0, sizeof( sizes ) );
 	sizes.job = job;
 	sizes.robot = job->reach->robot;
 	sizes.allocator = job->reach->allocator;
 	size_t bytes = lay_out( &sizes, NULL );
-	lwi_prober* p = lwi_alloc_zero( &sizes.allocator, 1, bytes );
+	lwi_pair_analyser* p = lwi_alloc_zero( &sizes.allocator, 1, bytes );
 	if ( p == NULL )
 	{
 		return lwi_out_of_memory( job->diag, "proofs of pairs" );
@@ -111,58 +111,58 @@ lw_status lwi_prober_create( const lwi_reach_job* job, lwi_prober** out_prober )
 	}
 	if ( status != LW_OK )
 	{
-		lwi_prober_destroy( p );
+		lwi_pair_analyser_destroy( p );
 		return status;
 	}
-	*out_prober = p;
+	*out_analyser = p;
 	return LW_OK;
 }
 
-void lwi_prober_destroy( lwi_prober* p )
+void lwi_pair_analyser_destroy( lwi_pair_analyser* p )
 {
 	if ( p != NULL )
 	{
 		lw_query_destroy( p->query );
 		lwi_motion_table_destroy( p->motion );
 		lw_allocator allocator = p->allocator;
-		lwi_prober sizes = *p;
+		lwi_pair_analyser sizes = *p;
 		lwi_free( &allocator, p, lay_out( &sizes, NULL ) );
 	}
 }
 
 // ---- one for each thread ---------------------------------------------------------------------------------------------
 
-lwi_prober* lwi_probers_take( lwi_probers* probers )
+lwi_pair_analyser* lwi_pair_analysers_take( lwi_pair_analysers* analysers )
 {
-	lwi_prober* p = NULL;
-	for ( uint32_t i = 0; i < LWI_PROBERS && p == NULL; ++i )
+	lwi_pair_analyser* p = NULL;
+	for ( uint32_t i = 0; i < LWI_PAIR_ANALYSERS && p == NULL; ++i )
 	{
-		p = atomic_exchange( &probers->idle[i], NULL );
+		p = atomic_exchange( &analysers->idle[i], NULL );
 	}
-	if ( p == NULL && lwi_prober_create( probers->job, &p ) != LW_OK )
+	if ( p == NULL && lwi_pair_analyser_create( analysers->job, &p ) != LW_OK )
 	{
-		atomic_store( &probers->out_of_memory, true );
+		atomic_store( &analysers->out_of_memory, true );
 		return NULL;
 	}
 	memset( p->query->search.axis_cache, 0, sizeof( p->query->search.axis_cache ) ); // equal answers in any order
 	return p;
 }
 
-void lwi_probers_give( lwi_probers* probers, lwi_prober* p )
+void lwi_pair_analysers_give( lwi_pair_analysers* analysers, lwi_pair_analyser* p )
 {
-	for ( uint32_t i = 0; i < LWI_PROBERS && p != NULL; ++i )
+	for ( uint32_t i = 0; i < LWI_PAIR_ANALYSERS && p != NULL; ++i )
 	{
-		lwi_prober* none = NULL;
-		p = atomic_compare_exchange_strong( &probers->idle[i], &none, p ) ? NULL : p;
+		lwi_pair_analyser* none = NULL;
+		p = atomic_compare_exchange_strong( &analysers->idle[i], &none, p ) ? NULL : p;
 	}
-	lwi_prober_destroy( p );
+	lwi_pair_analyser_destroy( p );
 }
 
-void lwi_probers_free( lwi_probers* probers )
+void lwi_pair_analysers_free( lwi_pair_analysers* analysers )
 {
-	for ( uint32_t i = 0; i < LWI_PROBERS; ++i )
+	for ( uint32_t i = 0; i < LWI_PAIR_ANALYSERS; ++i )
 	{
-		lwi_prober_destroy( atomic_exchange( &probers->idle[i], NULL ) );
+		lwi_pair_analyser_destroy( atomic_exchange( &analysers->idle[i], NULL ) );
 	}
 }
 
@@ -170,7 +170,7 @@ void lwi_probers_free( lwi_probers* probers )
 
 /// Appends the links below the ancestor on the way to `link`, parents first, and the joints that move, from `link` up.
 /// Returns the count of those joints.
-static uint32_t climb( lwi_prober* p, uint32_t link, uint32_t* way )
+static uint32_t climb( lwi_pair_analyser* p, uint32_t link, uint32_t* way )
 {
 	uint32_t depth = 0, count = 0;
 	for ( uint32_t at = link; at != p->ancestor; at = p->robot->joints[p->robot->link_joint[at]].parent )
@@ -197,7 +197,7 @@ static uint32_t joint_variables( const lwi_joint* joint )
 }
 
 /// True if adding a turn to the variable changes no pose of the chain: an angle, followed by whole multiples only.
-static bool is_periodic( const lwi_prober* p, uint32_t variable )
+static bool is_periodic( const lwi_pair_analyser* p, uint32_t variable )
 {
 	for ( uint32_t i = 0; i < p->way_count; ++i )
 	{
@@ -218,7 +218,7 @@ static bool is_periodic( const lwi_prober* p, uint32_t variable )
 }
 
 /// The range to be proved: limits widened, or one whole turn (and the rounding of pi) of an angle without limits.
-static void set_box( lwi_prober* p )
+static void set_box( lwi_pair_analyser* p )
 {
 	const lw_reach* reach = p->job->reach;
 	p->bounded = true;
@@ -251,7 +251,7 @@ static void set_box( lwi_prober* p )
 	}
 }
 
-void lwi_prober_select( lwi_prober* p, uint32_t link_a, uint32_t link_b )
+void lwi_pair_analyser_select( lwi_pair_analyser* p, uint32_t link_a, uint32_t link_b )
 {
 	p->link_a = link_a;
 	p->link_b = link_b;
@@ -295,7 +295,7 @@ static lw_transform a_from_b( const lw_transform* poses, const lw_body_def* a, c
 }
 
 /// Offers the distance of the pair that was nearest in another state to the bound.
-static void measure_nearest( lwi_prober* p, const lw_transform* poses, const uint32_t first[2], const lwi_nearest* nearest, lwi_bound* bound )
+static void measure_nearest( lwi_pair_analyser* p, const lw_transform* poses, const uint32_t first[2], const lwi_nearest* nearest, lwi_bound* bound )
 {
 	const lw_body_def* a = &p->robot->bodies[p->body_order[first[0] + nearest->body_a]];
 	const lw_body_def* b = &p->robot->bodies[p->body_order[first[1] + nearest->body_b]];
@@ -303,7 +303,7 @@ static void measure_nearest( lwi_prober* p, const lw_transform* poses, const uin
 	lwi_measure( &p->query->search, a->shape, b->shape, &m, nearest->item_a, nearest->item_b, bound );
 }
 
-void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
+void lwi_pair_analyser_measure_links( lwi_pair_analyser* p, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
 	const lw_range* range, lwi_nearest* nearest, lwi_bound* bound )
 {
 	const lw_robot* robot = p->robot;
@@ -341,20 +341,20 @@ void lwi_prober_measure_links( lwi_prober* p, const lw_transform* poses, uint32_
 	}
 }
 
-bool lwi_prober_pose( lwi_prober* p, const double* q )
+bool lwi_pair_analyser_pose( lwi_pair_analyser* p, const double* q )
 {
 	return lwi_robot_fk_links( p->robot, q, p->chain, p->chain_count, p->poses );
 }
 
-double lwi_prober_distance( lwi_prober* p, const double* q, double limit )
+double lwi_pair_analyser_distance( lwi_pair_analyser* p, const double* q, double limit )
 {
-	if ( !( limit > 0 ) || !lwi_prober_pose( p, q ) )
+	if ( !( limit > 0 ) || !lwi_pair_analyser_pose( p, q ) )
 	{
 		return INFINITY;
 	}
 	lw_range range = { 0, limit, 0 };
 	lwi_bound bound;
-	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, NULL, &bound );
+	lwi_pair_analyser_measure_links( p, p->poses, p->link_a, p->link_b, &range, NULL, &bound );
 	return bound.upper;
 }
 
@@ -370,7 +370,7 @@ static void random_quaternion( uint64_t* random, double q[4] )
 	q[3] = sqrt( u ) * cos( b );
 }
 
-void lwi_prober_random_state( const lwi_prober* p, uint64_t* random, const uint32_t* variables, uint32_t count, double* q )
+void lwi_pair_analyser_random_state( const lwi_pair_analyser* p, uint64_t* random, const uint32_t* variables, uint32_t count, double* q )
 {
 	for ( uint32_t i = 0; i < count; ++i )
 	{

@@ -18,7 +18,7 @@ typedef struct lwi_nearest
 } lwi_nearest;
 
 /// Scratch for measurements of pairs, one pair at a time. Memory is taken once, for the largest pair of the robot.
-typedef struct lwi_prober
+typedef struct lwi_pair_analyser
 {
 	const lwi_reach_job* job;
 	const lw_robot* robot;
@@ -55,42 +55,42 @@ typedef struct lwi_prober
 	double* lengths_a;    ///< [joint_count + 1]
 	double* lengths_b;
 	double* cells;        ///< stack of the subdivision: [LWI_CELL_DEPTH + 1][2 * variable_count + 1]
-} lwi_prober;
+} lwi_pair_analyser;
 
-lw_status lwi_prober_create( const lwi_reach_job* job, lwi_prober** out_prober );
-void lwi_prober_destroy( lwi_prober* prober ); ///< NULL is ignored
+lw_status lwi_pair_analyser_create( const lwi_reach_job* job, lwi_pair_analyser** out_analyser );
+void lwi_pair_analyser_destroy( lwi_pair_analyser* analyser ); ///< NULL is ignored
 
 /// Selects a pair of different links.
-void lwi_prober_select( lwi_prober* prober, uint32_t link_a, uint32_t link_b );
+void lwi_pair_analyser_select( lwi_pair_analyser* analyser, uint32_t link_a, uint32_t link_b );
 
 enum
 {
-	LWI_PROBERS = 64 ///< that are kept; more threads make and destroy theirs
+	LWI_PAIR_ANALYSERS = 64 ///< that are kept; more threads make and destroy theirs
 };
 
-/// Probers for tasks on several threads. Zero-initialised but for the job, whose diag must be NULL.
-typedef struct lwi_probers
+/// Analysers for tasks on several threads. Zero-initialised but for the job, whose diag must be NULL.
+typedef struct lwi_pair_analysers
 {
 	const lwi_reach_job* job;
-	_Atomic( lwi_prober* ) idle[LWI_PROBERS];
+	_Atomic( lwi_pair_analyser* ) idle[LWI_PAIR_ANALYSERS];
 	atomic_bool out_of_memory;
-} lwi_probers;
+} lwi_pair_analysers;
 
-/// A prober for one thread, in its initial state. NULL without memory, and probers->out_of_memory is set.
-lwi_prober* lwi_probers_take( lwi_probers* probers );
-void lwi_probers_give( lwi_probers* probers, lwi_prober* prober ); ///< NULL is ignored
-void lwi_probers_free( lwi_probers* probers );
+/// An analyser for one thread, in its initial state. NULL without memory, and analysers->out_of_memory is set.
+lwi_pair_analyser* lwi_pair_analysers_take( lwi_pair_analysers* analysers );
+void lwi_pair_analysers_give( lwi_pair_analysers* analysers, lwi_pair_analyser* analyser ); ///< NULL is ignored
+void lwi_pair_analysers_free( lwi_pair_analysers* analysers );
 
 /// Distance of two links whose poses are known, in one frame. @param nearest is measured first, if known, and becomes the
 /// nearest pair found, if any; may be NULL
-void lwi_prober_measure_links( lwi_prober* prober, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
+void lwi_pair_analyser_measure_links( lwi_pair_analyser* analyser, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
 	const lw_range* range, lwi_nearest* nearest, lwi_bound* out_bound );
 
 /// Puts the chain of the selected pair at q (full state) into `poses`. False for a zero quaternion.
-bool lwi_prober_pose( lwi_prober* prober, const double* q );
+bool lwi_pair_analyser_pose( lwi_pair_analyser* analyser, const double* q );
 
 /// Upper bound of the distance of the selected pair at q if it is below `limit`, else +inf.
-double lwi_prober_distance( lwi_prober* prober, const double* q, double limit );
+double lwi_pair_analyser_distance( lwi_pair_analyser* analyser, const double* q, double limit );
 
 /// splitmix64 (Steele, Lea, Flood 2014).
 static inline uint64_t lwi_random( uint64_t* state )
@@ -110,25 +110,25 @@ static inline double lwi_random_in( uint64_t* state, double lower, double upper 
 }
 
 /// Fills the listed variables of q (all if the list is NULL) at random; quaternions as a whole, uniform over rotations.
-void lwi_prober_random_state( const lwi_prober* prober, uint64_t* random, const uint32_t* variables, uint32_t count,
+void lwi_pair_analyser_random_state( const lwi_pair_analyser* analyser, uint64_t* random, const uint32_t* variables, uint32_t count,
 	double* q );
 
 // --- reachability/search.c --------------------------------------------------------------------------------------------------
 
 /// Searches for a state of the selected pair that is nearer than *closest, inside the limits. @param q full state where
 /// *closest was found; both are updated. Deterministic; at most about `budget` measurements.
-void lwi_prober_search( lwi_prober* prober, uint64_t seed, uint32_t budget, double* closest, double* q );
+void lwi_pair_analyser_search( lwi_pair_analyser* analyser, uint64_t seed, uint32_t budget, double* closest, double* q );
 
 // --- reachability/subdivide.c -----------------------------------------------------------------------------------------------
 
 /// Sets `state` to the centre of a cell and half_width to the half widths that cover the cell from there.
 /// @param cell [2 * variable_count] lower and upper end of each variable of the pair
-void lwi_prober_set_cell( lwi_prober* prober, const double* cell );
+void lwi_pair_analyser_set_cell( lwi_pair_analyser* analyser, const double* cell );
 
 /// By how much the distance of the two links may differ between the centre (posed) and any state of the cell; `shares`
 /// becomes the contribution of each variable. The motion is taken relative to the link between the two that makes it least:
 /// joints before it move a, joints behind it b.
-double lwi_prober_cell_motion( lwi_prober* prober );
+double lwi_pair_analyser_cell_motion( lwi_pair_analyser* analyser );
 
 typedef enum lwi_proof_outcome
 {
@@ -139,9 +139,9 @@ typedef enum lwi_proof_outcome
 	LWI_PROOF_CANCELLED
 } lwi_proof_outcome;
 
-/// Estimates how many cells lwi_prober_subdivide() would need, from a few random ways down its tree; +inf if there is no end
-/// in sight. Rough: within some powers of ten of the truth, but it costs a few hundred cells.
-double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, double* closest, double* q );
+/// Estimates how many cells lwi_pair_analyser_subdivide() would need, from a few random ways down its tree; +inf if there is
+/// no end in sight. Rough: within some powers of ten of the truth, but it costs a few hundred cells.
+double lwi_pair_analyser_forecast( lwi_pair_analyser* analyser, double fraction, uint64_t seed, double* closest, double* q );
 
 /// Continues to prove the selected pair (which is `bounded`) apart by at least effort->fraction of the least distance found,
 /// until effort->cells is `budget` or `deadline` comes. The open cells are in effort, memory of the reach; none is open at
@@ -149,26 +149,26 @@ double lwi_prober_forecast( lwi_prober* prober, double fraction, uint64_t seed, 
 /// met.
 /// @param out_separation proved; 0 unless the outcome is PROVED
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY (open cells stay open)
-lw_status lwi_prober_subdivide( lwi_prober* prober, lwi_effort* effort, uint64_t budget, double deadline, double* closest,
+lw_status lwi_pair_analyser_subdivide( lwi_pair_analyser* analyser, lwi_effort* effort, uint64_t budget, double deadline, double* closest,
 	double* q, lwi_proof_outcome* out_outcome, double* out_separation );
 
 /// Share of the box, by volume, that the current subdivision has left open.
-double lwi_effort_open_share( const lwi_prober* prober, const lwi_effort* effort );
+double lwi_effort_open_share( const lwi_pair_analyser* analyser, const lwi_effort* effort );
 
 /// Discards the current subdivision.
 void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variable_count );
 
 // --- reachability/clearance_grid.c ---------------------------------------------------------------------------------------------------
 
-/// Continues the chart of a pair, slab by slab. Cells not measured yet have the bounds of a coarser chart, or none.
+/// Continues the grid of a pair, slab by slab. Cells not measured yet have the bounds of a coarser grid, or none.
 /// @param separation proved for all states @param total_bits of the number of cells, by the number of variables: no less
-/// than the chart's own
-/// @param chart its cells are the caller's; cells = NULL if there is no chart yet. If none is possible, or the finished one
+/// than the grid's own
+/// @param grid its cells are the caller's; cells = NULL if there is no grid yet. If none is possible, or the finished one
 /// proves nothing new, they are NULL afterwards
 /// @param slabs finished with these bits, continues behind them; 0 for new bits
 /// @param out_complete all of it is measured
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_CANCELLED
-lw_status lwi_chart_refine( lwi_prober* prober, uint32_t link_a, uint32_t link_b, double separation,
-	const uint32_t total_bits[LWI_CHART_AXES + 1], double deadline, lwi_chart* chart, uint32_t* slabs, bool* out_complete );
+lw_status lwi_grid_refine( lwi_pair_analyser* analyser, uint32_t link_a, uint32_t link_b, double separation,
+	const uint32_t total_bits[LWI_GRID_AXES + 1], double deadline, lwi_grid* grid, uint32_t* slabs, bool* out_complete );
 
 #endif

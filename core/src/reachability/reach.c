@@ -106,12 +106,12 @@ lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag )
 	return LW_OK;
 }
 
-static size_t chart_bytes( const lw_reach* reach )
+static size_t grid_bytes( const lw_reach* reach )
 {
-	size_t bytes = reach->chart_capacity * sizeof( lwi_chart );
-	for ( uint32_t i = 0; i < reach->chart_count; ++i )
+	size_t bytes = reach->grid_capacity * sizeof( lwi_grid );
+	for ( uint32_t i = 0; i < reach->grid_count; ++i )
 	{
-		bytes += lwi_chart_size( &reach->charts[i] );
+		bytes += lwi_grid_size( &reach->grids[i] );
 	}
 	return bytes;
 }
@@ -124,7 +124,7 @@ size_t lwi_reach_count_bytes( const lw_reach* reach )
 		const lwi_effort* effort = lwi_reach_effort( reach, i );
 		efforts += effort != NULL ? lwi_effort_bytes( effort, reach->pairs[i].variable_count ) : 0;
 	}
-	return efforts + chart_bytes( reach ) + sizeof( lw_reach ) + 2 * (size_t)reach->variable_count * sizeof( double ) +
+	return efforts + grid_bytes( reach ) + sizeof( lw_reach ) + 2 * (size_t)reach->variable_count * sizeof( double ) +
 		   reach->link_count * ( sizeof( lwi_reach_link ) + sizeof( double ) ) +
 		   pair_count( reach ) * ( sizeof( lw_reach_pair ) + sizeof( uint32_t ) ) + 2 * square( reach ) * sizeof( double ) +
 		   3 * reach->point_count * sizeof( double ) +
@@ -155,11 +155,11 @@ void lwi_reach_free( lw_reach* reach )
 	lwi_free( &memory, reach->pairs, pairs * sizeof( lw_reach_pair ) );
 	lwi_free( &memory, reach->states, pairs * sizeof( uint32_t ) );
 	lwi_free( &memory, reach->evidence, (size_t)reach->evidence_count * reach->variable_count * sizeof( double ) );
-	for ( uint32_t i = 0; i < reach->chart_count; ++i )
+	for ( uint32_t i = 0; i < reach->grid_count; ++i )
 	{
-		lwi_free( &memory, reach->charts[i].cells, lwi_chart_size( &reach->charts[i] ) );
+		lwi_free( &memory, reach->grids[i].cells, lwi_grid_size( &reach->grids[i] ) );
 	}
-	lwi_free( &memory, reach->charts, reach->chart_capacity * sizeof( lwi_chart ) );
+	lwi_free( &memory, reach->grids, reach->grid_capacity * sizeof( lwi_grid ) );
 	lwi_free( &memory, reach->rigid, square( reach ) * sizeof( double ) );
 	lwi_free( &memory, reach->motion, square( reach ) * sizeof( double ) );
 	lwi_free( &memory, reach->scfree, reach->link_count * sizeof( double ) );
@@ -254,21 +254,21 @@ static void* copy_of( const lw_allocator* memory, const void* from, size_t bytes
 	return copy;
 }
 
-/// Charts and open cells, each in memory of its own.
+/// Grids and open cells, each in memory of its own.
 static bool copy_efforts( const lw_reach* from, lw_reach* to )
 {
 	const lw_allocator* memory = &to->allocator;
-	to->charts = from->chart_count > 0 ? lwi_alloc_zero( memory, from->chart_count, sizeof( lwi_chart ) ) : NULL;
+	to->grids = from->grid_count > 0 ? lwi_alloc_zero( memory, from->grid_count, sizeof( lwi_grid ) ) : NULL;
 	to->efforts = lwi_alloc_zero( memory, from->evidence_count, sizeof( lwi_effort ) );
 	to->evidence_count = to->efforts != NULL ? from->evidence_count : 0;
-	bool complete = to->efforts != NULL && ( to->charts != NULL || from->chart_count == 0 );
-	to->chart_capacity = to->charts != NULL ? from->chart_count : 0;
-	for ( uint32_t i = 0; i < to->chart_capacity && complete; ++i )
+	bool complete = to->efforts != NULL && ( to->grids != NULL || from->grid_count == 0 );
+	to->grid_capacity = to->grids != NULL ? from->grid_count : 0;
+	for ( uint32_t i = 0; i < to->grid_capacity && complete; ++i )
 	{
-		to->charts[i] = from->charts[i];
-		to->charts[i].cells = copy_of( memory, from->charts[i].cells, lwi_chart_size( &from->charts[i] ) );
-		complete = to->charts[i].cells != NULL;
-		to->chart_count += complete ? 1u : 0u;
+		to->grids[i] = from->grids[i];
+		to->grids[i].cells = copy_of( memory, from->grids[i].cells, lwi_grid_size( &from->grids[i] ) );
+		complete = to->grids[i].cells != NULL;
+		to->grid_count += complete ? 1u : 0u;
 	}
 	for ( size_t i = 0; i < pair_count( from ) && complete; ++i )
 	{
@@ -352,12 +352,12 @@ lw_status lw_reach_continue( const lw_reach* reach, const lw_reach_def* def, con
 static bool is_open( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort )
 {
 	bool compared = !( pair->closest > 0 ) || ( effort->flags & LWI_EFFORT_HULLS ) != 0;
-	return !compared || lwi_effort_aim( pair, effort ) > 0 || lwi_effort_wants_chart( reach, pair, effort );
+	return !compared || lwi_effort_aim( pair, effort ) > 0 || lwi_effort_wants_grid( reach, pair, effort );
 }
 
 lw_reach_info lw_reach_get_info( const lw_reach* reach )
 {
-	lw_reach_info info = { .charts = reach->chart_count, .samples = reach->sample_count, .seed = reach->seed,
+	lw_reach_info info = { .grids = reach->grid_count, .samples = reach->sample_count, .seed = reach->seed,
 		.seconds = reach->seconds };
 	info.complete = reach->sample_count > 0;
 	for ( size_t i = 0; i < pair_count( reach ); ++i )

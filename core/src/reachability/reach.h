@@ -33,7 +33,7 @@ typedef struct lwi_effort
 	uint32_t flags;    ///< LWI_EFFORT_...
 	uint32_t contacts; ///< random states in contact
 	uint32_t visits;   ///< random states in which bounding spheres met: where queries may have to search the pair
-	uint32_t chart_rounds, chart_slabs; ///< charts made, and parts of the one under way (reachability/clearance_grid.c)
+	uint32_t grid_rounds, grid_slabs; ///< grids made, and parts of the one under way (reachability/clearance_grid.c)
 	// the subdivision under way (reachability/subdivide.c)
 	uint64_t cells;    ///< measured for the current aim
 	double expected;   ///< cells that the aim takes, by forecast; 0 = not known
@@ -64,11 +64,11 @@ struct lw_reach
 	uint32_t sample_count; ///< random states measured, those of `seed`
 	uint64_t seed;
 	double seconds;        ///< spent on pairs
-	uint32_t chart_count, chart_capacity;
-	lwi_chart* charts;     ///< [chart_count] by lwi_reach_pair_index(), ascending; each owns its cells
-	double* rigid;         ///< [link_count * link_count] equation (3): row i, column j
-	double* motion;        ///< [link_count * link_count] equation (4)
-	double* scfree;        ///< [link_count] equation (12)
+	uint32_t grid_count, grid_capacity;
+	lwi_grid* grids; ///< [grid_count] by lwi_reach_pair_index(), ascending; each owns its cells
+	double* rigid;   ///< [link_count * link_count] equation (3): row i, column j
+	double* motion;  ///< [link_count * link_count] equation (4)
+	double* scfree;  ///< [link_count] equation (12)
 };
 
 /// Index of an unordered pair of different links.
@@ -165,7 +165,7 @@ lw_status lwi_sweeps_separation( lwi_sweeps* sweeps, uint32_t link_a, uint32_t l
 
 /// Lists the pairs that move, with evidence and efforts: nothing is measured.
 lw_status lwi_reach_list_pairs( const lwi_reach_job* job );
-/// Continues pairs, states, evidence and efforts: sampling, hull proofs, search for contact, timed proofs and charts,
+/// Continues pairs, states, evidence and efforts: sampling, hull proofs, search for contact, timed proofs and grids,
 /// classes.
 lw_status lwi_reach_build_pairs( const lwi_reach_job* job );
 
@@ -173,8 +173,8 @@ lw_status lwi_reach_build_pairs( const lwi_reach_job* job );
 
 /// Aim of the next proof of a pair, as a fraction of its closest distance; 0: no proof is to be tried (any more).
 double lwi_effort_aim( const lw_reach_pair* pair, const lwi_effort* effort );
-/// True if a chart of a pair is wanted and not finished.
-bool lwi_effort_wants_chart( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort );
+/// True if a grid of a pair is wanted and not finished.
+bool lwi_effort_wants_grid( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort );
 
 // --- reachability/tables.c --------------------------------------------------------------------------------------------------
 

@@ -16,16 +16,16 @@ enum
 	HALVINGS = 12         ///< from a quarter of the range to 6e-5 of it
 };
 
-/// One descent: the best state is in prober->best.
+/// One descent: the best state is in analyser->best.
 typedef struct descent
 {
-	lwi_prober* prober;
-	double value;  ///< distance at prober->best
+	lwi_pair_analyser* analyser;
+	double value;  ///< distance at analyser->best
 	uint32_t used; ///< measurements
 	uint32_t budget;
 } descent;
 
-static size_t state_bytes( const lwi_prober* p )
+static size_t state_bytes( const lwi_pair_analyser* p )
 {
 	return p->robot->variable_count * sizeof( double );
 }
@@ -35,12 +35,12 @@ static bool is_over( const descent* d )
 	return d->used >= d->budget || d->value <= 0;
 }
 
-/// Measures prober->trial; takes it over if it is nearer.
+/// Measures analyser->trial; takes it over if it is nearer.
 static bool try_trial( descent* d )
 {
-	lwi_prober* p = d->prober;
+	lwi_pair_analyser* p = d->analyser;
 	++d->used;
-	double found = lwi_prober_distance( p, p->trial, d->value );
+	double found = lwi_pair_analyser_distance( p, p->trial, d->value );
 	if ( found < d->value )
 	{
 		d->value = found;
@@ -50,13 +50,13 @@ static bool try_trial( descent* d )
 	return false;
 }
 
-static bool wraps( const lwi_prober* p, uint32_t v )
+static bool wraps( const lwi_pair_analyser* p, uint32_t v )
 {
 	return p->robot->variables[v].wraps;
 }
 
 /// Keeps a value inside the range of random states: clamped, or turned back into [-pi, pi].
-static double inside( const lwi_prober* p, uint32_t v, double value )
+static double inside( const lwi_pair_analyser* p, uint32_t v, double value )
 {
 	double low = p->sample_lower[v], high = p->sample_upper[v];
 	return lwi_clamp( wraps( p, v ) ? remainder( value, high - low ) : value, low, high );
@@ -65,7 +65,7 @@ static double inside( const lwi_prober* p, uint32_t v, double value )
 /// A step along each variable, forwards or else backwards. True if any helped.
 static bool explore( descent* d, double scale )
 {
-	lwi_prober* p = d->prober;
+	lwi_pair_analyser* p = d->analyser;
 	bool helped = false;
 	for ( uint32_t i = 0; i < p->variable_count; ++i )
 	{
@@ -88,7 +88,7 @@ static bool explore( descent* d, double scale )
 /// Once more the way from `previous` to `best`, as long as that helps.
 static void follow( descent* d )
 {
-	lwi_prober* p = d->prober;
+	lwi_pair_analyser* p = d->analyser;
 	bool helped = true;
 	while ( helped && !is_over( d ) )
 	{
@@ -105,7 +105,7 @@ static void follow( descent* d )
 
 static void run( descent* d )
 {
-	lwi_prober* p = d->prober;
+	lwi_pair_analyser* p = d->analyser;
 	double scale = 0.25;
 	for ( int halving = 0; halving < HALVINGS && !is_over( d ); )
 	{
@@ -122,21 +122,21 @@ static void run( descent* d )
 	}
 }
 
-/// Puts the nearest of a few random states of the pair's variables into prober->best.
+/// Puts the nearest of a few random states of the pair's variables into analyser->best.
 static void restart( descent* d, uint64_t* random, const double* q )
 {
-	lwi_prober* p = d->prober;
+	lwi_pair_analyser* p = d->analyser;
 	d->value = INFINITY;
 	memcpy( p->best, q, state_bytes( p ) );
 	for ( int i = 0; i < START_CANDIDATES && !is_over( d ); ++i )
 	{
 		memcpy( p->trial, q, state_bytes( p ) );
-		lwi_prober_random_state( p, random, p->variables, p->variable_count, p->trial );
+		lwi_pair_analyser_random_state( p, random, p->variables, p->variable_count, p->trial );
 		try_trial( d );
 	}
 }
 
-void lwi_prober_search( lwi_prober* p, uint64_t seed, uint32_t budget, double* closest, double* q )
+void lwi_pair_analyser_search( lwi_pair_analyser* p, uint64_t seed, uint32_t budget, double* closest, double* q )
 {
 	uint64_t random = seed;
 	uint32_t used = 0;

@@ -15,7 +15,7 @@
 enum
 {
 	CELLS_PER_LOOK = 32, ///< cells between two looks at the clock
-	DIVES = 16           ///< ways down the tree for a forecast
+	DESCENTS = 16        ///< ways down the tree for a forecast
 };
 
 /// Relative tolerance of a cell's distance. Whether a cell is certified does not depend on it, since FAR means beyond
@@ -29,7 +29,7 @@ enum
 /// the distance at the cell's centre.
 typedef struct subdivision
 {
-	lwi_prober* prober;
+	lwi_pair_analyser* analyser;
 	double target; ///< metres, to be proved; shrinks with `least`
 	double least;  ///< least distance met at a centre
 	double fraction;
@@ -41,10 +41,10 @@ typedef struct subdivision
 
 static double* cell_at( const subdivision* s, uint32_t index )
 {
-	return s->prober->cells + (size_t)index * s->stride;
+	return s->analyser->cells + (size_t)index * s->stride;
 }
 
-void lwi_prober_set_cell( lwi_prober* p, const double* cell )
+void lwi_pair_analyser_set_cell( lwi_pair_analyser* p, const double* cell )
 {
 	for ( uint32_t i = 0; i < p->variable_count; ++i )
 	{
@@ -55,7 +55,7 @@ void lwi_prober_set_cell( lwi_prober* p, const double* cell )
 	}
 }
 
-static void motion_of_side( lwi_prober* p, uint32_t link, const uint32_t* way, uint32_t up, double* lengths )
+static void motion_of_side( lwi_pair_analyser* p, uint32_t link, const uint32_t* way, uint32_t up, double* lengths )
 {
 	memset( lengths, 0, ( p->way_count + 1 ) * sizeof( double ) );
 	for ( uint32_t i = p->first_body[link]; i < p->first_body[link + 1]; ++i )
@@ -66,7 +66,7 @@ static void motion_of_side( lwi_prober* p, uint32_t link, const uint32_t* way, u
 }
 
 /// Adds one joint's contribution to the bound to the shares of its variables.
-static void add_share( lwi_prober* p, uint32_t joint_index, double length )
+static void add_share( lwi_pair_analyser* p, uint32_t joint_index, double length )
 {
 	const lwi_joint* joint = &p->robot->joints[joint_index];
 	const double* h = p->half_width + joint->variable;
@@ -82,7 +82,7 @@ static void add_share( lwi_prober* p, uint32_t joint_index, double length )
 	share[2] += length > shift ? length - shift : 0;
 }
 
-double lwi_prober_cell_motion( lwi_prober* p )
+double lwi_pair_analyser_cell_motion( lwi_pair_analyser* p )
 {
 	uint32_t n = p->way_count, from = 0;
 	motion_of_side( p, p->link_a, p->way_a, p->way_up, p->lengths_a );
@@ -112,7 +112,7 @@ double lwi_prober_cell_motion( lwi_prober* p )
 /// the margin outside the limits; evidence may not.
 static void note_distance( subdivision* s, double distance )
 {
-	lwi_prober* p = s->prober;
+	lwi_pair_analyser* p = s->analyser;
 	if ( distance < s->least )
 	{
 		s->least = distance;
@@ -130,7 +130,7 @@ static void note_distance( subdivision* s, double distance )
 		p->trial[v] = lwi_clamp( p->state[v], p->sample_lower[v], p->sample_upper[v] );
 		moved = moved || p->trial[v] != p->state[v];
 	}
-	double inside = moved ? lwi_prober_distance( p, p->trial, *s->closest ) : distance;
+	double inside = moved ? lwi_pair_analyser_distance( p, p->trial, *s->closest ) : distance;
 	if ( inside < *s->closest )
 	{
 		*s->closest = inside;
@@ -141,14 +141,14 @@ static void note_distance( subdivision* s, double distance )
 /// True if the cell is certified. Otherwise *out_distance is (about) the distance at its centre.
 static bool certify( subdivision* s, const double* cell, double* out_distance )
 {
-	lwi_prober* p = s->prober;
-	lwi_prober_set_cell( p, cell );
-	if ( !lwi_prober_pose( p, p->state ) )
+	lwi_pair_analyser* p = s->analyser;
+	lwi_pair_analyser_set_cell( p, cell );
+	if ( !lwi_pair_analyser_pose( p, p->state ) )
 	{
 		*out_distance = INFINITY;
 		return false;
 	}
-	double motion = lwi_prober_cell_motion( p );
+	double motion = lwi_pair_analyser_cell_motion( p );
 	double needed = ( s->target + motion + p->rounding ) * ( 1 + 16 * LWI_U64 );
 	*out_distance = cell[2 * s->dimension];
 	if ( !isfinite( needed ) || *out_distance < needed )
@@ -158,7 +158,7 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 	// a large cell near contact is cut whatever its distance: it must become small
 	lw_range range = { CUT_SHARE * fmax( 0.0, motion - 4 * s->target ), needed, CELL_ALPHA };
 	lwi_bound bound;
-	lwi_prober_measure_links( p, p->poses, p->link_a, p->link_b, &range, &s->nearest, &bound );
+	lwi_pair_analyser_measure_links( p, p->poses, p->link_a, p->link_b, &range, &s->nearest, &bound );
 	lw_clearance clearance = lwi_bound_result( &bound );
 	if ( clearance.kind == LW_CLEARANCE_FAR )
 	{
@@ -173,7 +173,7 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 /// or the stack is full.
 static bool cut( subdivision* s, double distance )
 {
-	lwi_prober* p = s->prober;
+	lwi_pair_analyser* p = s->analyser;
 	uint32_t widest = 0;
 	for ( uint32_t i = 1; i < s->dimension; ++i )
 	{
@@ -196,7 +196,7 @@ static bool cut( subdivision* s, double distance )
 /// Makes the whole box the only cell.
 static void begin( subdivision* s )
 {
-	lwi_prober* p = s->prober;
+	lwi_pair_analyser* p = s->analyser;
 	double* box = cell_at( s, 0 );
 	for ( uint32_t i = 0; i < s->dimension; ++i )
 	{
@@ -208,15 +208,15 @@ static void begin( subdivision* s )
 	memcpy( p->state, s->q, p->robot->variable_count * sizeof( double ) );
 }
 
-static subdivision make( lwi_prober* p, double fraction, double* closest, double* q )
+static subdivision make( lwi_pair_analyser* p, double fraction, double* closest, double* q )
 {
 	assert( p->bounded && fraction > 0 && fraction < 1 );
-	return (subdivision){ .prober = p, .target = fraction * *closest, .least = *closest, .fraction = fraction,
+	return (subdivision){ .analyser = p, .target = fraction * *closest, .least = *closest, .fraction = fraction,
 		.dimension = p->variable_count, .stride = 2 * p->variable_count + 1, .closest = closest, .q = q };
 }
 
 /// Cells of a tree that is like the one way down it which `random` takes: at each depth twice as many as at the one above.
-static double dive( subdivision* s, uint64_t* random )
+static double random_descent( subdivision* s, uint64_t* random )
 {
 	double cells = 0, at_depth = 1;
 	begin( s );
@@ -242,16 +242,16 @@ static double dive( subdivision* s, uint64_t* random )
 	}
 }
 
-double lwi_prober_forecast( lwi_prober* p, double fraction, uint64_t seed, double* closest, double* q )
+double lwi_pair_analyser_forecast( lwi_pair_analyser* p, double fraction, uint64_t seed, double* closest, double* q )
 {
 	subdivision s = make( p, fraction, closest, q );
 	uint64_t random = seed;
 	double sum = 0;
-	for ( int i = 0; i < DIVES && sum < INFINITY; ++i )
+	for ( int i = 0; i < DESCENTS && sum < INFINITY; ++i )
 	{
-		sum += dive( &s, &random );
+		sum += random_descent( &s, &random );
 	}
-	return sum / DIVES;
+	return sum / DESCENTS;
 }
 
 void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variable_count )
@@ -266,7 +266,7 @@ void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variab
 }
 
 /// Resumes with the open cells, or begins with the whole box.
-static subdivision resume( lwi_prober* p, const lwi_effort* effort, double* closest, double* q )
+static subdivision resume( lwi_pair_analyser* p, const lwi_effort* effort, double* closest, double* q )
 {
 	subdivision s = make( p, effort->fraction, closest, q );
 	begin( &s );
@@ -284,7 +284,7 @@ static subdivision resume( lwi_prober* p, const lwi_effort* effort, double* clos
 /// Stores the open cells.
 static lw_status store( const subdivision* s, lwi_effort* effort )
 {
-	const lw_reach* reach = s->prober->job->reach;
+	const lw_reach* reach = s->analyser->job->reach;
 	if ( effort->height != s->height )
 	{
 		size_t bytes = (size_t)s->height * s->stride * sizeof( double );
@@ -297,13 +297,13 @@ static lw_status store( const subdivision* s, lwi_effort* effort )
 		effort->open = open;
 		effort->height = s->height;
 	}
-	memcpy( effort->open, s->prober->cells, lwi_effort_bytes( effort, s->dimension ) );
+	memcpy( effort->open, s->analyser->cells, lwi_effort_bytes( effort, s->dimension ) );
 	effort->target = s->target;
 	effort->least = s->least;
 	return LW_OK;
 }
 
-double lwi_effort_open_share( const lwi_prober* p, const lwi_effort* effort )
+double lwi_effort_open_share( const lwi_pair_analyser* p, const lwi_effort* effort )
 {
 	const uint32_t n = p->variable_count;
 	double sum = 0;
@@ -327,7 +327,7 @@ static lwi_proof_outcome work_off( subdivision* s, lwi_effort* effort, uint64_t 
 	for ( uint64_t seen = 0; s->height > 0; ++seen )
 	{
 		bool look = seen % CELLS_PER_LOOK == 0;
-		if ( look && !lwi_reach_goes_on( s->prober->job ) )
+		if ( look && !lwi_reach_goes_on( s->analyser->job ) )
 		{
 			return LWI_PROOF_CANCELLED;
 		}
@@ -353,7 +353,7 @@ static lwi_proof_outcome work_off( subdivision* s, lwi_effort* effort, uint64_t 
 	return LWI_PROOF_PROVED;
 }
 
-lw_status lwi_prober_subdivide( lwi_prober* p, lwi_effort* effort, uint64_t budget, double deadline, double* closest, double* q,
+lw_status lwi_pair_analyser_subdivide( lwi_pair_analyser* p, lwi_effort* effort, uint64_t budget, double deadline, double* closest, double* q,
 	lwi_proof_outcome* out_outcome, double* out_separation )
 {
 	subdivision s = resume( p, effort, closest, q );

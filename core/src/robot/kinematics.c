@@ -24,15 +24,15 @@ static inline void turn_columns( lw_transform* m, int i, int j, double c, double
 static void turn_general( lw_transform* m, const double axis[3], double c, double s )
 {
 	double x = axis[0], y = axis[1], z = axis[2], d = 1 - c;
-	lw_transform turn = { { { c + d * x * x, d * x * y - s * z, d * x * z + s * y },
+	lw_transform rotation = { { { c + d * x * x, d * x * y - s * z, d * x * z + s * y },
 							  { d * x * y + s * z, c + d * y * y, d * y * z - s * x },
 							  { d * x * z - s * y, d * y * z + s * x, c + d * z * z } },
 		{ 0, 0, 0 } };
-	*m = lwi_multiply( m, &turn );
+	*m = lwi_multiply( m, &rotation );
 }
 
 /// Turns m about the joint's axis, on the right: m * rotation( axis, angle ).
-static void turn( const lwi_joint* joint, lwi_turn by, lw_transform* m )
+static void rotate( const lwi_joint* joint, lwi_sincos by, lw_transform* m )
 {
 	double c = by.c, s = joint->axis_sign * by.s;
 	switch ( joint->axis_kind )
@@ -52,7 +52,7 @@ static void turn( const lwi_joint* joint, lwi_turn by, lw_transform* m )
 	}
 }
 
-static inline void shift( lw_transform* m, lw_vec3 by )
+static inline void translate( lw_transform* m, lw_vec3 by )
 {
 	lw_vec3 v = lwi_rotate( m, by );
 	m->t[0] += v.x;
@@ -69,14 +69,14 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 			break;
 		case LW_JOINT_REVOLUTE:
 		case LW_JOINT_CONTINUOUS:
-			turn( joint, lwi_turn_of( lwi_joint_angle( joint, q ) ), m );
+			rotate( joint, lwi_sincos_of( lwi_joint_angle( joint, q ) ), m );
 			break;
 		case LW_JOINT_PRISMATIC:
-			shift( m, lwi_scale( joint->multiplier * v[0] + joint->offset, lwi_load( joint->axis ) ) );
+			translate( m, lwi_scale( joint->multiplier * v[0] + joint->offset, lwi_load( joint->axis ) ) );
 			break;
 		case LW_JOINT_PLANAR:
-			shift( m, lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) );
-			turn( joint, lwi_turn_of( v[2] ), m );
+			translate( m, lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) );
+			rotate( joint, lwi_sincos_of( v[2] ), m );
 			break;
 		case LW_JOINT_FLOATING:
 		{
@@ -92,36 +92,36 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 	return true;
 }
 
-void lwi_joint_pose_turned( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
-	bool translates, lwi_turn by, lw_transform* m )
+void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
+	bool translates, lwi_sincos by, lw_transform* m )
 {
 	if ( translates )
 	{
 		*m = *world_from_frame;
-		shift( m, lwi_load( frame_from_joint->t ) );
-		turn( joint, by, m );
+		translate( m, lwi_load( frame_from_joint->t ) );
+		rotate( joint, by, m );
 	}
 	else // turn first: this product does not depend on the frame's pose
 	{
-		lw_transform turned = *frame_from_joint;
-		turn( joint, by, &turned );
-		*m = lwi_multiply( world_from_frame, &turned );
+		lw_transform rotated = *frame_from_joint;
+		rotate( joint, by, &rotated );
+		*m = lwi_multiply( world_from_frame, &rotated );
 	}
 }
 
 bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
 	bool translates, const double* q, lw_transform* m )
 {
-	if ( lwi_joint_only_turns( joint ) )
+	if ( lwi_joint_only_rotates( joint ) )
 	{
-		lwi_turn by = lwi_turn_of( lwi_joint_angle( joint, q ) );
-		lwi_joint_pose_turned( joint, world_from_frame, frame_from_joint, translates, by, m );
+		lwi_sincos by = lwi_sincos_of( lwi_joint_angle( joint, q ) );
+		lwi_joint_pose_sincos( joint, world_from_frame, frame_from_joint, translates, by, m );
 		return true;
 	}
 	if ( translates )
 	{
 		*m = *world_from_frame;
-		shift( m, lwi_load( frame_from_joint->t ) );
+		translate( m, lwi_load( frame_from_joint->t ) );
 	}
 	else
 	{

@@ -23,9 +23,9 @@
 typedef struct motion_entry
 {
 	uint32_t joint;
-	uint32_t mover;   ///< the same joint among the table's movers
-	double ring;      ///< largest distance of the body to the rotation axis (floating: centre), shifts below it at `center`
-	double center[3]; ///< shift (prismatic: its value; planar: x, y; floating: x, y, z) that the rings above start from
+	uint32_t moving_joint;   ///< the same joint among the table's moving joints
+	double axis_radius; ///< largest distance of the body to the rotation axis (floating: centre), shifts below it at `center`
+	double center[3]; ///< shift (prismatic: its value; planar: x, y; floating: x, y, z) that the axis radii above start from
 } motion_entry;
 
 typedef struct motion_body
@@ -35,7 +35,7 @@ typedef struct motion_body
 	uint32_t joint_count;              ///< joints between body and root, constant ones included
 	lw_vec3 center;                    ///< enclosing sphere, link frame
 	double radius;
-	double first_ring; ///< distance to the axis of the first entry, from the geometry itself; +inf if it does not rotate
+	double first_axis_radius; ///< distance to the axis of the first entry, from the geometry itself; +inf if it does not rotate
 	double length;     ///< sum of the offsets from the world's origin to the farthest point of the body, without shifts
 } motion_body;
 
@@ -49,10 +49,10 @@ struct lwi_motion_table
 	lw_allocator allocator;
 	size_t bytes;
 	const lw_robot* robot;
-	uint32_t body_count, entry_count, moving_link_count, mover_count;
-	motion_body* bodies;           ///< [body_count] or pieces
+	uint32_t body_count, entry_count, moving_link_count, moving_joint_count;
+	motion_body* bodies;           ///< [body_count] or groups
 	motion_entry* entries;         ///< [entry_count]
-	motion_entry* movers;          ///< [mover_count] joints that entries name, with the largest of their rings
+	motion_entry* moving_joints; ///< [moving_joint_count] joints that entries name, with the largest of their axis radii
 	uint32_t* moving_depth;        ///< [link_count] moving joints between link and root
 	uint32_t* moving_links;        ///< [moving_link_count] parents first
 	lw_transform* reference_poses; ///< [link_count] valid for the links that no edge moves
@@ -69,13 +69,13 @@ struct lwi_motion_table
 /// The motion of one joint along an edge.
 typedef struct joint_motion
 {
-	double turn;   ///< radians
-	double shift;  ///< metres
-	double excess; ///< largest distance of the shift from the centre that the rings assume
-	double reach;  ///< largest distance of the shift from zero
-	double value;  ///< largest |angle|: its rounding is proportional to it
-	double speed;  ///< turn or shift with its sign; NaN for joints of several variables
-	bool any_axis; ///< of a floating joint
+	double rotation;      ///< radians
+	double translation;   ///< metres
+	double excess;        ///< largest distance of the shift from the centre that the axis radii assume
+	double reach;         ///< largest distance of the shift from zero
+	double value;         ///< largest |angle|: its rounding is proportional to it
+	double speed;         ///< turn or shift with its sign; NaN for joints of several variables
+	bool any_axis;        ///< of a floating joint
 	lw_vec3 axis, origin; ///< in the world, where the poses last taken over have it
 } joint_motion;
 
@@ -84,7 +84,7 @@ typedef struct whole_motion
 {
 	double rounding;      ///< of the place of any point of any body
 	double pose_rounding; ///< the part of it that poses have
-	double total;         ///< path length of any body over all of the edge, from rings
+	double total;         ///< path length of any body over all of the edge, from axis radii
 	double turns;         ///< of all joints
 	double twist_error;   ///< of the velocity of any point, by twists
 } whole_motion;
@@ -92,10 +92,10 @@ typedef struct whole_motion
 /// Scratch of one edge.
 typedef struct motion_scratch
 {
-	lw_transform* poses; ///< [link_count] at the middle of the edge
-	double* state;       ///< [variable_count] the middle
+	lw_transform* poses;    ///< [link_count] at the middle of the edge
+	double* state;          ///< [variable_count] the middle
 	lwi_motion_rate* rates; ///< [entry_count] by the entry's joint and all joints between it and the body
-	joint_motion* motions; ///< [mover_count]
+	joint_motion* motions;  ///< [moving_joint_count]
 	whole_motion* whole;
 } motion_scratch;
 
@@ -104,7 +104,7 @@ static size_t scratch_offsets( const lwi_motion_table* table, size_t at[SCRATCH_
 {
 	const lw_robot* robot = table->robot;
 	const size_t sizes[SCRATCH_PARTS] = { robot->link_count * sizeof( lw_transform ), robot->variable_count * sizeof( double ),
-		table->entry_count * sizeof( lwi_motion_rate ), table->mover_count * sizeof( joint_motion ),
+		table->entry_count * sizeof( lwi_motion_rate ), table->moving_joint_count * sizeof( joint_motion ),
 		sizeof( whole_motion ) };
 	size_t used = 0;
 	for ( size_t i = 0; i < SCRATCH_PARTS; ++i )
@@ -184,24 +184,24 @@ static void center_of_shift( const lw_robot* robot, const lwi_joint* joint, doub
 }
 
 /// Sweeps the sphere (center, radius), given in the child frame of a joint, over all rotations of the joint and puts it into
-/// the joint's parent link frame at the middle shift. The ring of a rotated sphere lies in the sphere around its centre's
-/// projection on the axis.
+/// the joint's parent link frame at the middle shift. The axis radius of a rotated sphere lies in the sphere around its
+/// centre's projection on the axis.
 static void sweep( const lw_robot* robot, const lwi_joint* joint, motion_entry* entry, lw_vec3* center, double* radius )
 {
 	lw_vec3 axis = lwi_load( joint->axis );
 	center_of_shift( robot, joint, entry->center );
 	if ( joint->type == LW_JOINT_FLOATING )
 	{
-		entry->ring = lwi_length( *center ) + *radius;
+		entry->axis_radius = lwi_length( *center ) + *radius;
 		*center = lwi_load( entry->center );
 	}
 	else if ( rotates( joint->type ) )
 	{
-		entry->ring = distance_to_axis( axis, *center ) + *radius;
+		entry->axis_radius = distance_to_axis( axis, *center ) + *radius;
 		*center = lwi_scale( lwi_dot( axis, *center ), axis );
 	}
-	entry->ring *= OUTWARD;
-	*radius = fmax( *radius, entry->ring );
+	entry->axis_radius *= OUTWARD;
+	*radius = fmax( *radius, entry->axis_radius );
 	if ( joint->type == LW_JOINT_PRISMATIC )
 	{
 		*center = lwi_add_scaled( *center, entry->center[0], axis );
@@ -214,40 +214,40 @@ static void sweep( const lw_robot* robot, const lwi_joint* joint, motion_entry* 
 	*center = lwi_transform( &joint->parent_from_joint, *center );
 }
 
-/// Largest distance of a piece's geometry to an axis of frame f (see geometry_distance()).
-static double piece_distance( const lwi_motion_piece* piece, const lw_transform* f_from_link, const double* axis )
+/// Largest distance of a group's geometry to an axis of frame f (see geometry_distance()).
+static double group_distance( const lwi_rigid_group* group, const lw_transform* f_from_link, const double* axis )
 {
 	double largest = 0;
-	for ( uint32_t i = 0; i < piece->count; ++i )
+	for ( uint32_t i = 0; i < group->count; ++i )
 	{
-		lw_transform f_from_shape = lwi_multiply( f_from_link, &piece->link_from_shape[i] );
-		largest = fmax( largest, geometry_distance( piece->shapes[i], &f_from_shape, axis ) );
+		lw_transform f_from_shape = lwi_multiply( f_from_link, &group->link_from_shape[i] );
+		largest = fmax( largest, geometry_distance( group->shapes[i], &f_from_shape, axis ) );
 	}
 	return largest;
 }
 
 /// Walks from the body to the root and fills its entries.
-static bool build_body( lwi_motion_table* table, uint32_t body, const lwi_motion_piece* piece, const bool* fixed_variables,
+static bool build_body( lwi_motion_table* table, uint32_t body, const lwi_rigid_group* group, const bool* fixed_variables,
 	const double* reference )
 {
 	const lw_robot* robot = table->robot;
 	motion_body* b = &table->bodies[body];
-	b->link = piece->link;
-	b->center = lwi_load( piece->sphere.center );
-	b->radius = piece->sphere.radius * OUTWARD;
-	b->first_ring = INFINITY;
+	b->link = group->link;
+	b->center = lwi_load( group->sphere.center );
+	b->radius = group->sphere.radius * OUTWARD;
+	b->first_axis_radius = INFINITY;
 	b->length = b->radius + lwi_length( b->center );
-	for ( uint32_t i = 0; i < piece->count; ++i )
+	for ( uint32_t i = 0; i < group->count; ++i )
 	{
-		double detour = lwi_length( lwi_load( piece->shapes[i]->sphere_center ) ) + piece->shapes[i]->sphere_radius;
-		b->length = fmax( b->length, detour + lwi_length( lwi_load( piece->link_from_shape[i].t ) ) );
+		double detour = lwi_length( lwi_load( group->shapes[i]->sphere_center ) ) + group->shapes[i]->sphere_radius;
+		b->length = fmax( b->length, detour + lwi_length( lwi_load( group->link_from_shape[i].t ) ) );
 	}
 
 	lw_vec3 center = b->center;
 	double radius = b->radius;
 	lw_transform here_from_link = lw_transform_identity(); // of the link that the walk has reached, while nothing moved yet
 	uint32_t entry = b->first_entry;
-	for ( uint32_t link = piece->link; robot->link_joint[link] != LW_INVALID_INDEX; )
+	for ( uint32_t link = group->link; robot->link_joint[link] != LW_INVALID_INDEX; )
 	{
 		uint32_t index = robot->link_joint[link];
 		const lwi_joint* joint = &robot->joints[index];
@@ -260,7 +260,7 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const lwi_motion
 			if ( entry == b->first_entry && rotates( joint->type ) )
 			{
 				const double* axis = joint->type == LW_JOINT_FLOATING ? NULL : joint->axis;
-				b->first_ring = OUTWARD * piece_distance( piece, &here_from_link, axis );
+				b->first_axis_radius = OUTWARD * group_distance( group, &here_from_link, axis );
 			}
 			sweep( robot, joint, e, &center, &radius );
 			++entry;
@@ -285,7 +285,7 @@ static bool build_body( lwi_motion_table* table, uint32_t body, const lwi_motion
 }
 
 /// Lists the joints that entries name, each once.
-static void list_movers( lwi_motion_table* table )
+static void list_moving_joints( lwi_motion_table* table )
 {
 	for ( uint32_t i = 0; i < table->body_count; ++i )
 	{
@@ -293,16 +293,16 @@ static void list_movers( lwi_motion_table* table )
 		for ( uint32_t k = b->first_entry; k < b->first_entry + b->entry_count; ++k )
 		{
 			motion_entry* e = &table->entries[k];
-			for ( e->mover = 0; e->mover < table->mover_count && table->movers[e->mover].joint != e->joint; )
+			for ( e->moving_joint = 0; e->moving_joint < table->moving_joint_count && table->moving_joints[e->moving_joint].joint != e->joint; )
 			{
-				++e->mover;
+				++e->moving_joint;
 			}
-			if ( e->mover == table->mover_count )
+			if ( e->moving_joint == table->moving_joint_count )
 			{
-				table->movers[table->mover_count++] = *e;
+				table->moving_joints[table->moving_joint_count++] = *e;
 			}
-			double* ring = &table->movers[e->mover].ring;
-			*ring = fmax( *ring, e->ring );
+			double* axis_radius = &table->moving_joints[e->moving_joint].axis_radius;
+			*axis_radius = fmax( *axis_radius, e->axis_radius );
 		}
 	}
 }
@@ -332,7 +332,7 @@ static void survey( lwi_motion_table* table, const bool* fixed_variables )
 	}
 }
 
-static bool build_table( lwi_motion_table* table, const lwi_motion_piece* pieces, const bool* fixed_variables,
+static bool build_table( lwi_motion_table* table, const lwi_rigid_group* groups, const bool* fixed_variables,
 	const double* reference )
 {
 	const lw_robot* robot = table->robot;
@@ -356,13 +356,13 @@ static bool build_table( lwi_motion_table* table, const lwi_motion_piece* pieces
 	for ( uint32_t i = 0; i < table->body_count; ++i )
 	{
 		table->bodies[i].first_entry = first;
-		if ( !build_body( table, i, &pieces[i], fixed_variables, reference ) )
+		if ( !build_body( table, i, &groups[i], fixed_variables, reference ) )
 		{
 			return false;
 		}
 		first += table->bodies[i].entry_count;
 	}
-	list_movers( table );
+	list_moving_joints( table );
 	survey( table, fixed_variables );
 	return true;
 }
@@ -378,27 +378,27 @@ static size_t lay_out( lwi_motion_table* table, void* block )
 	table->moving_links = lwi_arena_take( &arena, robot->link_count, sizeof( uint32_t ) );
 	table->reference_poses = lwi_arena_take( &arena, robot->link_count, sizeof( lw_transform ) );
 	table->inexact = lwi_arena_take( &arena, robot->joint_count, sizeof( uint32_t ) );
-	table->movers = lwi_arena_take( &arena, robot->joint_count, sizeof( motion_entry ) );
+	table->moving_joints = lwi_arena_take( &arena, robot->joint_count, sizeof( motion_entry ) );
 	return arena.used;
 }
 
-lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motion_piece* pieces, uint32_t piece_count,
+lw_status lwi_motion_table_create_groups( const lw_robot* robot, const lwi_rigid_group* groups, uint32_t group_count,
 	const bool* fixed_variables, const double* reference, const lw_allocator* allocator, lw_diag* diag,
 	lwi_motion_table** out_table )
 {
 	*out_table = NULL;
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	size_t entry_count = 0;
-	for ( uint32_t i = 0; i < piece_count; ++i )
+	for ( uint32_t i = 0; i < group_count; ++i )
 	{
-		uint32_t link = pieces[i].link;
+		uint32_t link = groups[i].link;
 		for ( uint32_t joint = robot->link_joint[link]; joint != LW_INVALID_INDEX; joint = robot->link_joint[link] )
 		{
 			entry_count += is_moving( robot, joint, fixed_variables ) ? 1u : 0u;
 			link = robot->joints[joint].parent;
 		}
 	}
-	lwi_motion_table measured = { .robot = robot, .body_count = piece_count, .entry_count = (uint32_t)entry_count };
+	lwi_motion_table measured = { .robot = robot, .body_count = group_count, .entry_count = (uint32_t)entry_count };
 	const size_t bytes = lay_out( &measured, NULL );
 	lwi_motion_table* table = lwi_alloc_zero( &memory, bytes, 1 );
 	if ( table == NULL )
@@ -409,7 +409,7 @@ lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motio
 	lay_out( table, table );
 	table->allocator = memory;
 	table->bytes = bytes;
-	if ( !build_table( table, pieces, fixed_variables, reference ) )
+	if ( !build_table( table, groups, fixed_variables, reference ) )
 	{
 		lwi_free( &memory, table, bytes );
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a quaternion of the reference state is zero" );
@@ -425,10 +425,10 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 	*out_table = NULL;
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	uint32_t count = robot->body_count;
-	lwi_motion_piece* pieces = lwi_alloc( &memory, count * sizeof( lwi_motion_piece ) );
+	lwi_rigid_group* groups = lwi_alloc( &memory, count * sizeof( lwi_rigid_group ) );
 	const lw_shape** shapes = lwi_alloc( &memory, count * sizeof( lw_shape* ) );
 	lw_status status = LW_ERROR_OUT_OF_MEMORY;
-	if ( pieces == NULL || shapes == NULL )
+	if ( groups == NULL || shapes == NULL )
 	{
 		lwi_out_of_memory( diag, "motion bounds" );
 	}
@@ -439,15 +439,15 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 			const lw_body_def* def = &robot->bodies[i];
 			shapes[i] = lwi_shape_now( def->shape );
 			lw_vec3 center = lwi_transform( &def->link_from_shape, lwi_load( shapes[i]->sphere_center ) );
-			pieces[i] = (lwi_motion_piece){ .link = def->link,
+			groups[i] = (lwi_rigid_group){ .link = def->link,
 				.sphere = { { center.x, center.y, center.z }, shapes[i]->sphere_radius },
 				.count = 1,
 				.shapes = &shapes[i],
 				.link_from_shape = &def->link_from_shape };
 		}
-		status = lwi_motion_table_create_pieces( robot, pieces, count, fixed_variables, reference, allocator, diag, out_table );
+		status = lwi_motion_table_create_groups( robot, groups, count, fixed_variables, reference, allocator, diag, out_table );
 	}
-	lwi_free( &memory, pieces, count * sizeof( lwi_motion_piece ) );
+	lwi_free( &memory, groups, count * sizeof( lwi_rigid_group ) );
 	lwi_free( &memory, shapes, count * sizeof( lw_shape* ) );
 	return status;
 }
@@ -505,8 +505,8 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 		double va = joint->multiplier * a[0] + joint->offset, vb = joint->multiplier * b[0] + joint->offset;
 		bool prismatic = joint->type == LW_JOINT_PRISMATIC;
 		m.speed = joint->multiplier * difference;
-		m.turn = prismatic ? 0 : change;
-		m.shift = prismatic ? change : 0;
+		m.rotation = prismatic ? 0 : change;
+		m.translation = prismatic ? change : 0;
 		m.excess = prismatic ? lwi_larger( fabs( va - entry->center[0] ), fabs( vb - entry->center[0] ) ) : 0;
 		m.reach = prismatic ? lwi_larger( fabs( va ), fabs( vb ) ) : 0;
 		// the wrapped way passes angles up to |a| + pi; the offset and the two products round too
@@ -518,8 +518,8 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 	bool planar = joint->type == LW_JOINT_PLANAR;
 	lw_vec3 pa = lwi_v3( a[0], a[1], planar ? 0 : a[2] ), pb = lwi_v3( b[0], b[1], planar ? 0 : b[2] );
 	lw_vec3 center = lwi_v3( entry->center[0], entry->center[1], planar ? 0 : entry->center[2] );
-	m.turn = planar ? fabs( lwi_wrapped_difference( a[2], b[2] ) ) : 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
-	m.shift = lwi_distance( pa, pb );
+	m.rotation = planar ? fabs( lwi_wrapped_difference( a[2], b[2] ) ) : 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
+	m.translation = lwi_distance( pa, pb );
 	m.excess = lwi_larger( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // ends are farthest
 	m.reach = lwi_larger( lwi_length( pa ), lwi_length( pb ) );
 	m.value = planar ? fabs( a[2] ) + fabs( b[2] ) + 4 : 4;
@@ -531,10 +531,10 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 ///
 /// In the child frame of joint j its axis is fixed, and a point moves only by the joints between j and the body: from
 /// its place in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
-/// centre in the poses) + radius + share (path length below j), and at most the ring, enlarged by how far the shifts below
-/// get from where the rings assume them. A rotation turns the velocities below it (Coriolis, twice) and its own; shifts
-/// are at constant speed.
-/// @param rough by rings alone: uses no pose
+/// centre in the poses) + radius + share (path length below j), and at most the axis radius, enlarged by how far the shifts
+/// below get from where the axis radii assume them. A rotation turns the velocities below it (Coriolis, twice) and its own;
+/// shifts are at constant speed.
+/// @param rough by axis radii alone: uses no pose
 static inline lwi_motion_rate measure( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, bool rough,
 	lw_vec3 center, double radius, double share )
 {
@@ -544,21 +544,21 @@ static inline lwi_motion_rate measure( const lwi_motion_table* table, const moti
 	for ( uint32_t k = 0; k < b->entry_count; ++k )
 	{
 		const motion_entry* entry = &table->entries[b->first_entry + k];
-		const joint_motion* m = &s->motions[entry->mover];
-		if ( m->turn > 0 )
+		const joint_motion* m = &s->motions[entry->moving_joint];
+		if ( m->rotation > 0 )
 		{
-			double arc = ( ( k == 0 ? lwi_smaller( entry->ring, b->first_ring ) : entry->ring ) + excess ) * m->turn;
+			double arc = ( ( k == 0 ? lwi_smaller( entry->axis_radius, b->first_axis_radius ) : entry->axis_radius ) + excess ) * m->rotation;
 			if ( !rough )
 			{
 				lw_vec3 offset = lwi_sub( center, m->origin );
 				double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
 				// of (distance to the axis) * turn only the summand with `path` waits for the joint before
-				arc = lwi_smaller( ( away + radius ) * m->turn + ( share * m->turn ) * path, arc );
+				arc = lwi_smaller( ( away + radius ) * m->rotation + ( share * m->rotation ) * path, arc );
 			}
-			change += m->turn * ( 2 * path + arc );
+			change += m->rotation * ( 2 * path + arc );
 			path += arc;
 		}
-		path += m->shift;
+		path += m->translation;
 		excess += m->excess;
 		all = (lwi_motion_rate){ path * OUTWARD, change * OUTWARD };
 		s->rates[b->first_entry + k] = all;
@@ -576,9 +576,9 @@ static uint32_t joints_below( const lwi_motion_table* table, uint32_t body, uint
 void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses )
 {
 	motion_scratch s = scratch_parts( table, scratch );
-	for ( uint32_t i = 0; i < table->mover_count; ++i )
+	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
-		const lwi_joint* joint = &table->robot->joints[table->movers[i].joint];
+		const lwi_joint* joint = &table->robot->joints[table->moving_joints[i].joint];
 		const lw_transform* pose = &poses[joint->child];
 		s.motions[i].axis = lwi_rotate( pose, lwi_load( joint->axis ) );
 		s.motions[i].origin = lwi_load( pose->t );
@@ -623,7 +623,7 @@ double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint
 	double jerk = 0;
 	for ( uint32_t k = 0; k < count; ++k )
 	{
-		const double turn = s.motions[table->entries[b->first_entry + k].mover].turn;
+		const double turn = s.motions[table->entries[b->first_entry + k].moving_joint].rotation;
 		const lwi_motion_rate now = s.rates[b->first_entry + k];
 		jerk += turn * ( turn * ( now.path + 2 * below.path ) + 3 * below.change );
 		below = now;
@@ -639,11 +639,11 @@ lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, 
 	{
 		const motion_entry* entry = &table->entries[b->first_entry];
 		const lwi_joint* joint = &table->robot->joints[entry->joint];
-		lw_vec3 along = lwi_scale( scratch_parts( table, scratch ).motions[entry->mover].speed,
+		lw_vec3 along = lwi_scale( scratch_parts( table, scratch ).motions[entry->moving_joint].speed,
 			lwi_rotate( pose, lwi_load( joint->axis ) ) );
 		bool turns = rotates( joint->type );
-		twist.turn = turns ? along : twist.turn;
-		twist.shift = turns ? lwi_cross( lwi_load( pose->t ), along ) : along;
+		twist.angular = turns ? along : twist.angular;
+		twist.linear = turns ? lwi_cross( lwi_load( pose->t ), along ) : along;
 	}
 	return twist;
 }
@@ -651,10 +651,10 @@ lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, 
 double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body )
 {
 	const motion_body* b = &table->bodies[body];
-	return b->entry_count > 0 ? scratch_parts( table, scratch ).motions[table->entries[b->first_entry].mover].speed : 0;
+	return b->entry_count > 0 ? scratch_parts( table, scratch ).motions[table->entries[b->first_entry].moving_joint].speed : 0;
 }
 
-double lwi_motion_turns( const lwi_motion_table* table, const void* scratch )
+double lwi_motion_rotation( const lwi_motion_table* table, const void* scratch )
 {
 	return scratch_parts( table, scratch ).whole->turns;
 }
@@ -681,22 +681,22 @@ size_t lwi_motion_scratch_spare( uint32_t links )
 
 /// Distances to axes are at most a body's chain with all its shifts, and so are those to joints' origins: roundings are
 /// bounded for all bodies at once (core/docs/kinematics.md: 64 u per joint and metre of chain). So is the longest path, by
-/// the largest rings.
+/// the largest axis radii.
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
 {
 	motion_scratch s = scratch_parts( table, scratch );
 	double length = table->farthest, angles = 0, excess = 0;
 	double turns = 0, shifts = 0;
 	whole_motion w = { 0 };
-	for ( uint32_t i = 0; i < table->mover_count; ++i )
+	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
-		joint_motion m = motion_of( table->robot, &table->movers[i], qa, qb );
+		joint_motion m = motion_of( table->robot, &table->moving_joints[i], qa, qb );
 		length += m.reach;
 		excess += m.excess;
-		angles += rotates( table->robot->joints[table->movers[i].joint].type ) ? m.value : 0;
-		w.total += table->movers[i].ring * m.turn + m.shift;
-		turns += m.turn;
-		shifts += m.shift;
+		angles += rotates( table->robot->joints[table->moving_joints[i].joint].type ) ? m.value : 0;
+		w.total += table->moving_joints[i].axis_radius * m.rotation + m.translation;
+		turns += m.rotation;
+		shifts += m.translation;
 		s.motions[i] = m;
 	}
 	w.pose_rounding = 64 * LWI_U64 * ( table->most_joints + 2 ) * length;
@@ -737,27 +737,27 @@ bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const 
 }
 
 /// Linear interpolation; and no point gets further from the line than half of its path.
-lwi_motion_bow lwi_motion_bow_of( lwi_motion_rate rate, double h )
+lwi_chord_error lwi_chord_error_of( lwi_motion_rate rate, double h )
 {
 	const double most = lwi_smaller( 0.125 * h * rate.change, 0.5 * rate.path ) * h;
-	return (lwi_motion_bow){ 0.5 * h * h * rate.change * OUTWARD, most * OUTWARD };
+	return (lwi_chord_error){ 0.5 * h * h * rate.change * OUTWARD, most * OUTWARD };
 }
 
 /// The parabola through three places is s (1 - s) second / 2 off the lines between them; the point is within h^3 jerk / 6
 /// times |u (u^2 - 1)| of it, u from -1 to 1 (interpolation of second order), which is at most 2 s (1 - s), and at most 2 /
 /// sqrt( 27 ).
-lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double h, double second )
+lwi_chord_error lwi_chord_error_through( lwi_motion_rate rate, double jerk, double h, double second )
 {
-	const lwi_motion_bow whole = lwi_motion_bow_of( rate, h );
+	const lwi_chord_error whole = lwi_chord_error_of( rate, h );
 	const double beyond = h * h * h * jerk;
-	return (lwi_motion_bow){ lwi_smaller( whole.bend, ( 0.5 * second + beyond / 3 ) * OUTWARD ),
-		lwi_smaller( whole.bulge, ( 0.125 * second + 0.06416 * beyond ) * OUTWARD ) };
+	return (lwi_chord_error){ lwi_smaller( whole.coefficient, ( 0.5 * second + beyond / 3 ) * OUTWARD ),
+		lwi_smaller( whole.max, ( 0.125 * second + 0.06416 * beyond ) * OUTWARD ) };
 }
 
 /// Between s = 0 and 1 a point is at most max over s of s chord + s (1 - s) bend away from its place at 0.
-double lwi_motion_between( double chord, lwi_motion_bow bow, double path )
+double lwi_motion_between( double chord, lwi_chord_error error, double path )
 {
-	const double a = bow.bend, bound = chord >= a ? chord : ( a + chord ) * ( a + chord ) / ( 4 * a );
+	const double a = error.coefficient, bound = chord >= a ? chord : ( a + chord ) * ( a + chord ) / ( 4 * a );
 	return lwi_smaller( bound, path ) * OUTWARD;
 }
 
@@ -787,15 +787,15 @@ static joint_motion motion_in_cell( const motion_entry* entry, const lwi_joint* 
 	joint_motion m = { 0 };
 	if ( joint->type == LW_JOINT_PLANAR )
 	{
-		m.turn = h[2];
-		m.shift = sqrt( h[0] * h[0] + h[1] * h[1] );
+		m.rotation = h[2];
+		m.translation = sqrt( h[0] * h[0] + h[1] * h[1] );
 		m.excess = hypot( c[0] - entry->center[0], c[1] - entry->center[1] );
 		return m;
 	}
 	double change = fabs( joint->multiplier ) * h[0];
 	bool prismatic = joint->type == LW_JOINT_PRISMATIC;
-	m.turn = prismatic ? 0 : change;
-	m.shift = prismatic ? change : 0;
+	m.rotation = prismatic ? 0 : change;
+	m.translation = prismatic ? change : 0;
 	m.excess = prismatic ? fabs( joint->multiplier * c[0] + joint->offset - entry->center[0] ) : 0;
 	return m;
 }
@@ -819,22 +819,22 @@ void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32
 		const lwi_joint* joint = &robot->joints[way[k]];
 		assert( joint->type != LW_JOINT_FLOATING && !joint->constant && ( !up || entry->joint == way[k] ) );
 		joint_motion m = motion_in_cell( entry, joint, center, half_width );
-		if ( m.turn > 0 )
+		if ( m.rotation > 0 )
 		{
 			const lw_transform* pose = &poses[joint->child];
 			lw_vec3 offset = lwi_sub( middle_point, lwi_load( pose->t ) );
-			double ring = distance_to_axis( lwi_rotate( pose, lwi_load( joint->axis ) ), offset ) + b->radius;
-			ring = up ? lwi_smaller( ring, entry->ring + excess ) : ring; // these rings are of joints below
-			ring = up && k == 0 ? lwi_smaller( ring, b->first_ring ) : ring;
-			length += ( ring + rounding ) * ( m.turn < HALF_TURN ? 2 * sin( 0.5 * m.turn ) : 2.0 );
+			double axis_radius = distance_to_axis( lwi_rotate( pose, lwi_load( joint->axis ) ), offset ) + b->radius;
+			axis_radius = up ? lwi_smaller( axis_radius, entry->axis_radius + excess ) : axis_radius; // these axis radii are of joints below
+			axis_radius = up && k == 0 ? lwi_smaller( axis_radius, b->first_axis_radius ) : axis_radius;
+			length += ( axis_radius + rounding ) * ( m.rotation < HALF_TURN ? 2 * sin( 0.5 * m.rotation ) : 2.0 );
 		}
-		length = ( length + m.shift ) * OUTWARD;
+		length = ( length + m.translation ) * OUTWARD;
 		excess = ( excess + m.excess ) * OUTWARD;
 		lengths[k + 1] = lwi_larger( lengths[k + 1], length );
 	}
 }
 
-/// The sums of measure_body() with the largest values of the box. Every ring is at most the whole length.
+/// The sums of measure_body() with the largest values of the box. Every axis radius is at most the whole length.
 double lwi_motion_box_rounding( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count,
 	const double* lower, const double* upper )
 {

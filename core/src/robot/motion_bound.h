@@ -12,21 +12,21 @@
 typedef struct lwi_motion_table lwi_motion_table;
 
 /// A rigid group: bodies on links between which no joint of the edges moves, and a sphere around them.
-typedef struct lwi_motion_piece
+typedef struct lwi_rigid_group
 {
 	uint32_t link;     ///< its frame is the frame of the fields below
 	lw_sphere sphere;  ///< contains the bodies
 	uint32_t count;    ///< of shapes, where they are
 	const lw_shape* const* shapes;
 	const lw_transform* link_from_shape;
-} lwi_motion_piece;
+} lwi_rigid_group;
 
-/// A table over pieces instead of bodies: below, `body` is then a piece. Nothing of `pieces` is kept.
-lw_status lwi_motion_table_create_pieces( const lw_robot* robot, const lwi_motion_piece* pieces, uint32_t piece_count,
+/// A table over groups instead of bodies: below, `body` is then a group. Nothing of `groups` is kept.
+lw_status lwi_motion_table_create_groups( const lw_robot* robot, const lwi_rigid_group* groups, uint32_t group_count,
 	const bool* fixed_variables, const double* reference, const lw_allocator* allocator, lw_diag* diag,
 	lwi_motion_table** out_table );
 
-/// Each body is a piece.
+/// Each body is a group.
 /// @param fixed_variables [variable_count] true where the variable stays at reference[variable] in every edge; NULL = none.
 /// All variables of a planar or floating joint are fixed or none.
 /// @param reference [variable_count]; finite. May be NULL if fixed_variables is
@@ -83,27 +83,27 @@ double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uin
 double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 
 /// How far points get from the straight line between their places at both ends of a part of the edge.
-typedef struct lwi_motion_bow
+typedef struct lwi_chord_error
 {
-	double bend;  ///< metres: s ( 1 - s ) of this at the share s of the part
-	double bulge; ///< metres, at the most
-} lwi_motion_bow;
+	double coefficient; ///< metres: s ( 1 - s ) of this at the share s of the part
+	double max;         ///< metres, at the most
+} lwi_chord_error;
 
 /// @param h the part's length in t
-lwi_motion_bow lwi_motion_bow_of( lwi_motion_rate rate, double h );
+lwi_chord_error lwi_chord_error_of( lwi_motion_rate rate, double h );
 /// The same for both of two parts, one after the other and each h long.
 /// @param jerk see lwi_motion_jerk() @param second |a - 2 b + c| for places a, b, c of the points at the ends of both, or
 /// more
-lwi_motion_bow lwi_motion_bow_through( lwi_motion_rate rate, double jerk, double h, double second );
+lwi_chord_error lwi_chord_error_through( lwi_motion_rate rate, double jerk, double h, double second );
 
 /// Upper bound of the distance of a point from where it is at one end of a part of the edge, anywhere on the part.
 /// @param chord of its places at both ends, or more @param path along the part
-double lwi_motion_between( double chord, lwi_motion_bow bow, double path );
+double lwi_motion_between( double chord, lwi_chord_error error, double path );
 
-/// How things move at one moment: a point x has the velocity shift + turn x x, per unit of t.
+/// How things move at one moment: a point x has the velocity linear + angular x x, per unit of t.
 typedef struct lwi_twist
 {
-	lw_vec3 turn, shift;
+	lw_vec3 angular, linear;
 } lwi_twist;
 
 /// Velocity that the first moving joint above a body gives to everything below it, in the world. NaN for joints of several
@@ -114,7 +114,7 @@ lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, 
 /// variables.
 double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body );
 /// Radians that all joints together turn along the edge.
-double lwi_motion_turns( const lwi_motion_table* table, const void* scratch );
+double lwi_motion_rotation( const lwi_motion_table* table, const void* scratch );
 /// How far the velocity of a point of any body, of twists that were summed up from these, is from the true one at most.
 double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch );
 

@@ -116,7 +116,7 @@ bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_fram
 	bool translates, const double* q, lw_transform* m );
 
 /// True if all that the joint does is turn, by lwi_joint_angle().
-static inline bool lwi_joint_only_turns( const lwi_joint* joint )
+static inline bool lwi_joint_only_rotates( const lwi_joint* joint )
 {
 	return !joint->constant && ( joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS );
 }
@@ -125,8 +125,8 @@ static inline double lwi_joint_angle( const lwi_joint* joint, const double* q )
 	return joint->multiplier * q[joint->variable] + joint->offset;
 }
 /// lwi_joint_pose() of such a joint, to the bit, where the sine and cosine of its angle are known.
-void lwi_joint_pose_turned( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
-	bool translates, lwi_turn by, lw_transform* m );
+void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
+	bool translates, lwi_sincos by, lw_transform* m );
 
 /// Signed difference that lw_robot_interpolate goes through from `from` to `to` for a variable that wraps: in [-pi, pi].
 double lwi_wrapped_difference( double from, double to );

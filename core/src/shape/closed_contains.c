@@ -60,7 +60,7 @@ static int winding_of( const double vertex[3][3], const double p[3], int axis )
 		int low = above[k] ? next : k, high = above[k] ? k : next;
 		const double a[2] = { vertex[low][u], vertex[low][v] }, b[2] = { vertex[high][u], vertex[high][v] };
 		const double q[2] = { p[u], p[v] };
-		if ( lwi_exact_turn( a, b, q ) > 0 )
+		if ( lwi_exact_orientation( a, b, q ) > 0 )
 		{
 			winding += above[next] ? 1 : -1;
 		}

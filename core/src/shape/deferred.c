@@ -179,33 +179,33 @@ double lwi_box_gap( const lw_shape* a, const lw_shape* b, const lw_transform* a_
 	return fmax( gap_in_frame( a, b, a_from_b ), gap_in_frame( b, a, &b_from_a ) );
 }
 
-void lwi_ahead_note( lwi_ahead* ahead, const lw_shape* shape )
+void lwi_prefetch_note( lwi_prefetch* prefetch, const lw_shape* shape )
 {
-	if ( ahead->prepare == NULL || lwi_shape_now( shape )->deferred == NULL )
+	if ( prefetch->prepare == NULL || lwi_shape_now( shape )->deferred == NULL )
 	{
 		return;
 	}
-	for ( uint32_t i = 0; i < ahead->count; ++i )
+	for ( uint32_t i = 0; i < prefetch->count; ++i )
 	{
-		if ( ahead->shapes[i] == shape )
+		if ( prefetch->shapes[i] == shape )
 		{
 			return;
 		}
 	}
-	if ( ahead->count == LWI_AHEAD_CAPACITY )
+	if ( prefetch->count == LWI_PREFETCH_CAPACITY )
 	{
-		lwi_ahead_flush( ahead );
+		lwi_prefetch_flush( prefetch );
 	}
-	ahead->shapes[ahead->count++] = shape;
+	prefetch->shapes[prefetch->count++] = shape;
 }
 
-void lwi_ahead_flush( lwi_ahead* ahead )
+void lwi_prefetch_flush( lwi_prefetch* prefetch )
 {
-	if ( ahead->count > 1 )
+	if ( prefetch->count > 1 )
 	{
-		ahead->prepare( ahead->user, ahead->shapes, ahead->count );
+		prefetch->prepare( prefetch->user, prefetch->shapes, prefetch->count );
 	}
-	ahead->count = 0;
+	prefetch->count = 0;
 }
 
 lw_status lw_shape_complete( const lw_shape* shape, lw_diag* diag )

@@ -30,7 +30,7 @@ static void spiral( uint32_t i, float n[3] )
 {
 	const double golden = 2.39996322972865332; // pi (3 - sqrt 5)
 	double z = 1 - ( 2 * i + 1.0 ) / SPIRAL, across = sqrt( 1 - z * z );
-	lwi_turn turn = lwi_turn_of( golden * i );
+	lwi_sincos turn = lwi_sincos_of( golden * i );
 	n[0] = (float)( across * turn.c );
 	n[1] = (float)( across * turn.s );
 	n[2] = (float)z;

@@ -156,21 +156,21 @@ static inline double lwi_box_gap_below( double limit, const lw_shape* a, const l
 /// Deferred shapes that are needed next, for lw_checker_def::prepare.
 enum
 {
-	LWI_AHEAD_CAPACITY = 64
+	LWI_PREFETCH_CAPACITY = 64
 };
 
-typedef struct lwi_ahead
+typedef struct lwi_prefetch
 {
 	void ( *prepare )( void* user, const lw_shape* const* shapes, uint32_t shape_count ); ///< NULL: nothing is noted
 	void* user;
-	const lw_shape* shapes[LWI_AHEAD_CAPACITY];
+	const lw_shape* shapes[LWI_PREFETCH_CAPACITY];
 	uint32_t count;
-} lwi_ahead;
+} lwi_prefetch;
 
 /// Notes a deferred shape that has not been made; hands over the noted shapes when the list is full.
-void lwi_ahead_note( lwi_ahead* ahead, const lw_shape* shape );
+void lwi_prefetch_note( lwi_prefetch* prefetch, const lw_shape* shape );
 /// Hands over the noted shapes, if there are at least two.
-void lwi_ahead_flush( lwi_ahead* ahead );
+void lwi_prefetch_flush( lwi_prefetch* prefetch );
 
 void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred ); ///< NULL is ignored
 

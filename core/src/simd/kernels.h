@@ -120,8 +120,8 @@ typedef struct lwi_kernels
 	uint32_t ( *leaf_primitive_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_primitive* primitive,
 		float limit,
 		float gap[LWI_WIDTH] );
-	/// cosines and sines of angles as lwi_turn_of() has them; fastest for multiples of four
-	void ( *turns )( const double* angle, uint32_t count, double* cosine, double* sine );
+	/// cosines and sines of angles as lwi_sincos_of() has them; fastest for multiples of four
+	void ( *sincos )( const double* angle, uint32_t count, double* cosine, double* sine );
 
 	// Interval batches: simd/lanes.h. [LWI_WIDTH] lanes
 

@@ -528,24 +528,24 @@ static uint32_t leaf_primitive_gap( const lwi_leaf* leaf, const lwi_motion* moti
 	return store_gap( gap, f8_max( triangle_primitive( v, moved, primitive, limit ), by_sphere ), limit );
 }
 
-static void turns( const double* restrict angle, uint32_t count, double* restrict cosine, double* restrict sine )
+static void sincos_all( const double* restrict angle, uint32_t count, double* restrict cosine, double* restrict sine )
 {
 	bool reduced = true;
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		lwi_turn turn = lwi_turn_reduced( angle[i] );
-		cosine[i] = turn.c;
-		sine[i] = turn.s;
+		lwi_sincos out = lwi_sincos_reduced( angle[i] );
+		cosine[i] = out.c;
+		sine[i] = out.s;
 	}
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		reduced = reduced && fabs( angle[i] ) <= LWI_MOST_TURN;
+		reduced = reduced && fabs( angle[i] ) <= LWI_SINCOS_LARGEST;
 	}
 	for ( uint32_t i = 0; i < count && !reduced; ++i )
 	{
-		lwi_turn turn = lwi_turn_of( angle[i] );
-		cosine[i] = turn.c;
-		sine[i] = turn.s;
+		lwi_sincos out = lwi_sincos_of( angle[i] );
+		cosine[i] = out.c;
+		sine[i] = out.s;
 	}
 }
 
@@ -554,5 +554,5 @@ static void turns( const double* restrict angle, uint32_t count, double* restric
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, obb_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap,
 	slab_gap, node_project,
 	leaf_project, leaf_transform, points_move, points_farthest, planes_clear, triangle_gap, node_primitive_gap,
-		leaf_primitive_gap, turns,
+		leaf_primitive_gap, sincos_all,
 	batch_frame, batch_point, batch_body, batch_move, batch_box, batch_pair, moving_pairs };

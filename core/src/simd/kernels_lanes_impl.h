@@ -8,7 +8,7 @@ static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_
 {
 	const double *still = joint->still, *by_cosine = joint->cosine, *by_sine = joint->sine;
 	const double *offset = joint->offset, *along = joint->along;
-	const double turning = joint->turns ? speed : 0, shifting = joint->turns ? 0 : speed;
+	const double turning = joint->rotates ? speed : 0, shifting = joint->rotates ? 0 : speed;
 	for ( int l = 0; l < LWI_WIDTH; ++l )
 	{
 		const double c = cosine[l], s = sine[l], v = value[l];
@@ -37,12 +37,12 @@ static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_
 		out->t[1][l] = t1;
 		out->t[2][l] = t2;
 		const double w0 = turning * a0, w1 = turning * a1, w2 = turning * a2;
-		out->turn[0][l] = above->turn[0][l] + w0;
-		out->turn[1][l] = above->turn[1][l] + w1;
-		out->turn[2][l] = above->turn[2][l] + w2;
-		out->shift[0][l] = above->shift[0][l] + ( t1 * w2 - t2 * w1 + shifting * a0 );
-		out->shift[1][l] = above->shift[1][l] + ( t2 * w0 - t0 * w2 + shifting * a1 );
-		out->shift[2][l] = above->shift[2][l] + ( t0 * w1 - t1 * w0 + shifting * a2 );
+		out->angular[0][l] = above->angular[0][l] + w0;
+		out->angular[1][l] = above->angular[1][l] + w1;
+		out->angular[2][l] = above->angular[2][l] + w2;
+		out->linear[0][l] = above->linear[0][l] + ( t1 * w2 - t2 * w1 + shifting * a0 );
+		out->linear[1][l] = above->linear[1][l] + ( t2 * w0 - t0 * w2 + shifting * a1 );
+		out->linear[2][l] = above->linear[2][l] + ( t0 * w1 - t1 * w0 + shifting * a2 );
 	}
 }
 
@@ -55,13 +55,13 @@ static void batch_point( const lwi_batch_frame* restrict frame, const double loc
 		const double p0 = frame->r[0][l] * x + frame->r[1][l] * y + frame->r[2][l] * z + frame->t[0][l];
 		const double p1 = frame->r[3][l] * x + frame->r[4][l] * y + frame->r[5][l] * z + frame->t[1][l];
 		const double p2 = frame->r[6][l] * x + frame->r[7][l] * y + frame->r[8][l] * z + frame->t[2][l];
-		const double w0 = frame->turn[0][l], w1 = frame->turn[1][l], w2 = frame->turn[2][l];
+		const double w0 = frame->angular[0][l], w1 = frame->angular[1][l], w2 = frame->angular[2][l];
 		out->p[0][l] = (float)( p0 - o0 );
 		out->p[1][l] = (float)( p1 - o1 );
 		out->p[2][l] = (float)( p2 - o2 );
-		out->displacement[0][l] = (float)( half * ( frame->shift[0][l] + ( w1 * p2 - w2 * p1 ) ) );
-		out->displacement[1][l] = (float)( half * ( frame->shift[1][l] + ( w2 * p0 - w0 * p2 ) ) );
-		out->displacement[2][l] = (float)( half * ( frame->shift[2][l] + ( w0 * p1 - w1 * p0 ) ) );
+		out->displacement[0][l] = (float)( half * ( frame->linear[0][l] + ( w1 * p2 - w2 * p1 ) ) );
+		out->displacement[1][l] = (float)( half * ( frame->linear[1][l] + ( w2 * p0 - w0 * p2 ) ) );
+		out->displacement[2][l] = (float)( half * ( frame->linear[2][l] + ( w0 * p1 - w1 * p0 ) ) );
 	}
 }
 
@@ -76,7 +76,7 @@ static void batch_body( const lwi_batch_frame* restrict frame, const double r[3]
 			out->r[3 * i][l] = (float)( p0 * r[0][0] + p1 * r[1][0] + p2 * r[2][0] );
 			out->r[3 * i + 1][l] = (float)( p0 * r[0][1] + p1 * r[1][1] + p2 * r[2][1] );
 			out->r[3 * i + 2][l] = (float)( p0 * r[0][2] + p1 * r[1][2] + p2 * r[2][2] );
-			out->turn[i][l] = (float)( half * frame->turn[i][l] );
+			out->turn[i][l] = (float)( half * frame->angular[i][l] );
 		}
 	}
 	batch_point( frame, local, origin, half, &out->origin );

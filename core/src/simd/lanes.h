@@ -17,17 +17,17 @@ typedef struct lwi_batch_joint
 {
 	double still[9], cosine[9], sine[9];
 	double offset[3];
-	double along[3]; ///< the axis
-	bool turns;      ///< else it shifts
+	double along[3];                    ///< the axis
+	bool rotates;                       ///< else it translates
 	double multiplier, variable_offset; ///< its value is multiplier * q[variable] + variable_offset
 	uint32_t variable;
 } lwi_batch_joint;
 
-/// A frame in the lanes: world_from_frame, and its twist per unit of t: a point x has the velocity shift + turn x x.
+/// A frame in the lanes: world_from_frame, and its twist per unit of t: a point x has the velocity linear + angular x x.
 typedef struct lwi_batch_frame
 {
 	double r[9][LWI_WIDTH], t[3][LWI_WIDTH];
-	double turn[3][LWI_WIDTH], shift[3][LWI_WIDTH];
+	double angular[3][LWI_WIDTH], linear[3][LWI_WIDTH];
 } lwi_batch_frame;
 
 /// A point in the lanes: where it is at the middle, from some origin, and its displacement by its velocity in half a window.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Charts: no state of a cell is nearer than the cell says, cells say something, checkers look into the right one.
-#include "chart_probe.h"
+// Grids: no state of a cell is nearer than the cell says, cells say something, checkers look into the right one.
+#include "grid_probe.h"
 #include "random_robot.hpp"
 #include "reach_attack.hpp"
 
@@ -63,19 +63,19 @@ RobotPtr randomRobotOf( SeededRng& rng, int round )
 }
 
 /// A state inside of a cell, on its border in some variables.
-void drawInCell( SeededRng& rng, const chart_probe& chart, const std::uint32_t index[3], State& q )
+void drawInCell( SeededRng& rng, const grid_probe& grid, const std::uint32_t index[3], State& q )
 {
-	for ( std::uint32_t i = 0; i < chart.dimension; ++i )
+	for ( std::uint32_t i = 0; i < grid.dimension; ++i )
 	{
-		double width = ( chart.upper[i] - chart.lower[i] ) / chart.cells[i];
-		double low = chart.lower[i] + width * index[i], high = low + width;
+		double width = ( grid.upper[i] - grid.lower[i] ) / grid.cells[i];
+		double low = grid.lower[i] + width * index[i], high = low + width;
 		int where = rng.integer( 0, 3 );
-		q[chart.variable[i]] = where == 0 ? low : where == 1 ? high : rng.uniform( low, high );
+		q[grid.variable[i]] = where == 0 ? low : where == 1 ? high : rng.uniform( low, high );
 	}
 }
 
 /// The least distance in a cell: random states, then random steps from the best one.
-double attackCell( SeededRng& rng, PairAttacker& attacker, const chart_probe& chart, const std::uint32_t index[3], State q )
+double attackCell( SeededRng& rng, PairAttacker& attacker, const grid_probe& grid, const std::uint32_t index[3], State q )
 {
 	State best = q;
 	double least = INFINITY;
@@ -83,17 +83,17 @@ double attackCell( SeededRng& rng, PairAttacker& attacker, const chart_probe& ch
 	{
 		if ( i < 15 )
 		{
-			drawInCell( rng, chart, index, q );
+			drawInCell( rng, grid, index, q );
 		}
 		else
 		{
-			std::uint32_t k = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( chart.dimension ) - 1 ) );
-			double width = ( chart.upper[k] - chart.lower[k] ) / chart.cells[k], low = chart.lower[k] + width * index[k];
+			std::uint32_t k = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( grid.dimension ) - 1 ) );
+			double width = ( grid.upper[k] - grid.lower[k] ) / grid.cells[k], low = grid.lower[k] + width * index[k];
 			q = best;
-			q[chart.variable[k]] += rng.normal() * 0.3 * width;
-			q[chart.variable[k]] = std::min( std::max( q[chart.variable[k]], low ), low + width );
+			q[grid.variable[k]] += rng.normal() * 0.3 * width;
+			q[grid.variable[k]] = std::min( std::max( q[grid.variable[k]], low ), low + width );
 		}
-		double found = attacker.distance( chart.link_a, chart.link_b, q, least );
+		double found = attacker.distance( grid.link_a, grid.link_b, q, least );
 		if ( found < least )
 		{
 			least = found;
@@ -103,10 +103,10 @@ double attackCell( SeededRng& rng, PairAttacker& attacker, const chart_probe& ch
 	return least;
 }
 
-/// A random robot with its charts, a state, and a group of its variables.
-struct Charted
+/// A random robot with its grids, a state, and a group of its variables.
+struct RobotWithGrids
 {
-	Charted( SeededRng& rng, int round )
+	RobotWithGrids( SeededRng& rng, int round )
 		: robot( randomRobotOf( rng, round ) ), reach( makeReach( robot.get(), 0.5, 50 ) ), attacker( reach.get(), rng.engine()() ),
 		  reference( attacker.randomState() )
 	{
@@ -123,10 +123,10 @@ struct Charted
 
 } // namespace
 
-TEST( Charts, NoStateIsNearerThanItsCellSays )
+TEST( ClearanceGrids, NoStateIsNearerThanItsCellSays )
 {
 	SeededRng rng;
-	int charts = 0, cells = 0, tight = 0, near = 0;
+	int grids = 0, cells = 0, tight = 0, near = 0;
 	std::uint32_t dimensions[4] = { 0, 0, 0, 0 };
 	for ( int round = 0; round < 24; ++round )
 	{
@@ -135,34 +135,34 @@ TEST( Charts, NoStateIsNearerThanItsCellSays )
 		ReachPtr reach = makeReach( robot.get(), 1, 50 );
 		ASSERT_NE( reach, nullptr );
 		PairAttacker attacker( reach.get(), rng.engine()() );
-		for ( std::uint32_t c = 0; c < chart_probe_count( reach.get() ); ++c )
+		for ( std::uint32_t c = 0; c < grid_probe_count( reach.get() ); ++c )
 		{
-			const chart_probe chart = chart_probe_get( reach.get(), c );
-			++charts;
-			++dimensions[chart.dimension];
+			const grid_probe grid = grid_probe_get( reach.get(), c );
+			++grids;
+			++dimensions[grid.dimension];
 			for ( int i = 0; i < 25; ++i )
 			{
 				std::uint32_t index[3] = { 0, 0, 0 };
-				for ( std::uint32_t k = 0; k < chart.dimension; ++k )
+				for ( std::uint32_t k = 0; k < grid.dimension; ++k )
 				{
-					index[k] = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( chart.cells[k] ) - 1 ) );
+					index[k] = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( grid.cells[k] ) - 1 ) );
 				}
-				double says = chart_probe_cell( reach.get(), c, index );
+				double says = grid_probe_cell( reach.get(), c, index );
 				if ( says <= 0 )
 				{
 					continue;
 				}
-				double least = attackCell( rng, attacker, chart, index, attacker.randomState() );
-				EXPECT_GE( least, says - ROUNDING ) << "round " << round << ", links " << chart.link_a << " " << chart.link_b;
+				double least = attackCell( rng, attacker, grid, index, attacker.randomState() );
+				EXPECT_GE( least, says - ROUNDING ) << "round " << round << ", links " << grid.link_a << " " << grid.link_b;
 				++cells;
 				tight += least < 1.5 * says + 0.002;
 				near += says < 0.02;
 			}
 		}
 	}
-	std::printf( "%d charts of %u, %u, %u variables; %d cells, %d within half, %d near\n", charts, dimensions[1], dimensions[2],
+	std::printf( "%d grids of %u, %u, %u variables; %d cells, %d within half, %d near\n", grids, dimensions[1], dimensions[2],
 		dimensions[3], cells, tight, near );
-	EXPECT_GE( charts, 30 );
+	EXPECT_GE( grids, 30 );
 	EXPECT_GE( dimensions[1], 3u );
 	EXPECT_GE( dimensions[2], 5u );
 	EXPECT_GE( dimensions[3], 3u );
@@ -171,13 +171,13 @@ TEST( Charts, NoStateIsNearerThanItsCellSays )
 }
 
 // The cell of a state is computed anew, in long double; all cells are as good where a state is on a border.
-TEST( Charts, CheckersLookIntoTheRightCell )
+TEST( ClearanceGrids, CheckersLookIntoTheRightCell )
 {
 	SeededRng rng;
 	int looked = 0, said = 0;
 	for ( int round = 0; round < 8; ++round )
 	{
-		Charted world( rng, round );
+		RobotWithGrids world( rng, round );
 		for ( std::uint32_t v = 0; v < world.reference.size(); ++v )
 		{
 			const std::uint32_t joint = lw_robot_variable( world.robot.get(), v ).joint;
@@ -187,16 +187,16 @@ TEST( Charts, CheckersLookIntoTheRightCell )
 			}
 		}
 		CheckerPtr checker = world.checker();
-		for ( std::uint32_t view = 0; view < view_probe_count( checker.get() ); ++view )
+		for ( std::uint32_t slice = 0; slice < slice_probe_count( checker.get() ); ++slice )
 		{
 			std::uint32_t a = 0, b = 0, c = 0;
-			view_probe_links( checker.get(), view, &a, &b );
-			while ( !( chart_probe_get( world.reach.get(), c ).link_a == std::max( a, b ) &&
-					   chart_probe_get( world.reach.get(), c ).link_b == std::min( a, b ) ) )
+			slice_probe_links( checker.get(), slice, &a, &b );
+			while ( !( grid_probe_get( world.reach.get(), c ).link_a == std::max( a, b ) &&
+					   grid_probe_get( world.reach.get(), c ).link_b == std::min( a, b ) ) )
 			{
-				ASSERT_LT( ++c, chart_probe_count( world.reach.get() ) );
+				ASSERT_LT( ++c, grid_probe_count( world.reach.get() ) );
 			}
-			const chart_probe chart = chart_probe_get( world.reach.get(), c );
+			const grid_probe grid = grid_probe_get( world.reach.get(), c );
 			for ( int i = 0; i < 200; ++i )
 			{
 				State q = world.reference, drawn = world.attacker.randomState();
@@ -207,16 +207,16 @@ TEST( Charts, CheckersLookIntoTheRightCell )
 					q[v] = drawn[v] + turns;
 				}
 				bool onBorder = false;
-				for ( std::uint32_t k = 0; k < chart.dimension; ++k )
+				for ( std::uint32_t k = 0; k < grid.dimension; ++k )
 				{
-					long double x = q[chart.variable[k]], width = chart.upper[k] - static_cast<long double>( chart.lower[k] );
-					long double u = ( x - chart.lower[k] ) / width;
-					u -= chart.turns[k] ? std::floor( u ) : 0;
-					long double cell = u * chart.cells[k];
+					long double x = q[grid.variable[k]], width = grid.upper[k] - static_cast<long double>( grid.lower[k] );
+					long double u = ( x - grid.lower[k] ) / width;
+					u -= grid.periodic[k] ? std::floor( u ) : 0;
+					long double cell = u * grid.cells[k];
 					onBorder = onBorder || std::fabs( cell - std::round( cell ) ) < 1e-9L;
-					index[k] = static_cast<std::uint32_t>( std::min( std::floor( cell ), chart.cells[k] - 1.0L ) );
+					index[k] = static_cast<std::uint32_t>( std::min( std::floor( cell ), grid.cells[k] - 1.0L ) );
 				}
-				double says = chart_probe_cell( world.reach.get(), c, index ), got = view_probe_at( checker.get(), view, q.data() );
+				double says = grid_probe_cell( world.reach.get(), c, index ), got = slice_probe_at( checker.get(), slice, q.data() );
 				looked += !onBorder;
 				said += says > 0;
 				EXPECT_TRUE( onBorder || ( got <= says && got >= says * ( 1 - 1e-6 ) - 2e-9 ) ) << got << " " << says;
@@ -227,17 +227,17 @@ TEST( Charts, CheckersLookIntoTheRightCell )
 	EXPECT_GE( said, 300 );
 }
 
-TEST( Charts, NoStateOfAnEdgeSaysLessThanTheEdge )
+TEST( ClearanceGrids, NoStateOfAnEdgeSaysLessThanTheEdge )
 {
 	SeededRng rng;
 	int edges = 0, said = 0;
 	for ( int round = 0; round < 8; ++round )
 	{
-		Charted world( rng, round );
+		RobotWithGrids world( rng, round );
 		world.group.resize( world.reference.size() );
 		std::iota( world.group.begin(), world.group.end(), 0u );
 		CheckerPtr checker = world.checker();
-		for ( std::uint32_t view = 0; view < view_probe_count( checker.get() ); ++view )
+		for ( std::uint32_t slice = 0; slice < slice_probe_count( checker.get() ); ++slice )
 		{
 			for ( int i = 0; i < 60; ++i )
 			{
@@ -248,13 +248,13 @@ TEST( Charts, NoStateOfAnEdgeSaysLessThanTheEdge )
 					bool wraps = lw_robot_variable( world.robot.get(), v ).wraps; // over the seam, too
 					to[v] = wraps ? from[v] + rng.uniform( -3, 3 ) * length : from[v] + ( to[v] - from[v] ) * length;
 				}
-				double along = view_probe_along( checker.get(), view, from.data(), to.data() );
+				double along = slice_probe_along( checker.get(), slice, from.data(), to.data() );
 				++edges;
 				said += along > 0;
 				for ( int k = 0; k <= 100; ++k )
 				{
 					lw_robot_interpolate( world.robot.get(), from.data(), to.data(), k / 100.0, q.data() );
-					EXPECT_GE( view_probe_at( checker.get(), view, q.data() ) + 1e-12, along ) << "at " << k;
+					EXPECT_GE( slice_probe_at( checker.get(), slice, q.data() ) + 1e-12, along ) << "at " << k;
 				}
 			}
 		}
@@ -263,8 +263,8 @@ TEST( Charts, NoStateOfAnEdgeSaysLessThanTheEdge )
 	EXPECT_GE( said, 100 );
 }
 
-// Two balls of 0.1 and 0.05, the second at the end of two joints: the best possible chart is known.
-TEST( Charts, SayMostOfWhatIsTrue )
+// Two balls of 0.1 and 0.05, the second at the end of two joints: the best possible grid is known.
+TEST( ClearanceGrids, SayMostOfWhatIsTrue )
 {
 	RobotModel model;
 	auto ball = [&]( std::uint32_t link, double radius, double x, double z ) {
@@ -284,9 +284,9 @@ TEST( Charts, SayMostOfWhatIsTrue )
 	ball( 2, 0.05, 0.2, 0 );
 	RobotPtr robot = model.create();
 	ReachPtr reach = makeReach( robot.get(), 20, 50 ); // it takes a small part of that
-	ASSERT_EQ( chart_probe_count( reach.get() ), 1u );
+	ASSERT_EQ( grid_probe_count( reach.get() ), 1u );
 	CheckerPtr checker = makeChecker( reach.get(), { 0, 0 }, { 0, 1 } );
-	ASSERT_EQ( view_probe_count( checker.get() ), 1u );
+	ASSERT_EQ( slice_probe_count( checker.get() ), 1u );
 	SeededRng rng;
 	int near = 0;
 	for ( int i = 0; i < 2000; ++i )
@@ -294,20 +294,20 @@ TEST( Charts, SayMostOfWhatIsTrue )
 		double q[2] = { rng.uniform( -3, 3 ), rng.uniform( -20, 20 ) };
 		double x = 0.2 + 0.15 * std::cos( q[0] ) + 0.2 * std::cos( q[0] + q[1] );
 		double y = 0.15 * std::sin( q[0] ) + 0.2 * std::sin( q[0] + q[1] ), distance = std::hypot( x, y ) - 0.15;
-		double says = view_probe_at( checker.get(), 0, q );
+		double says = slice_probe_at( checker.get(), 0, q );
 		EXPECT_LE( says, std::max( distance, 0.0 ) );
 		EXPECT_GE( says, std::min( 0.5 * distance - 0.02, 0.06 ) ) << q[0] << " " << q[1];
 		near += says > 0 && says < 0.05;
 	}
 	EXPECT_GE( near, 50 );
 	double far[2] = { 0, 1e9 };
-	EXPECT_EQ( view_probe_at( checker.get(), 0, far ), 0 ) << "turns that cannot be taken off exactly";
+	EXPECT_EQ( slice_probe_at( checker.get(), 0, far ), 0 ) << "turns that cannot be taken off exactly";
 }
 
-TEST( Charts, WithoutATimeBudgetThereAreNone )
+TEST( ClearanceGrids, WithoutATimeBudgetThereAreNone )
 {
 	SeededRng rng;
 	RobotPtr robot = randomNeighbours( rng );
 	ReachPtr reach = makeReach( robot.get(), 0, 50 );
-	EXPECT_EQ( chart_probe_count( reach.get() ), 0u );
+	EXPECT_EQ( grid_probe_count( reach.get() ), 0u );
 }
