@@ -243,6 +243,30 @@ void addMaxD( const io::Problem& problem, const std::vector<std::vector<double>>
 	out.plots.push_back( plot );
 }
 
+/// States that are not in contact and their exact distances.
+struct Apart
+{
+	std::vector<std::vector<double>> states;
+	std::vector<double> exact;
+};
+
+Apart findApart( const io::Problem& problem, lw_what what, const std::vector<std::vector<double>>& all_states, Progress& progress )
+{
+	Apart apart;
+	Field field( problem.checker.get(), all_states );
+	field.add( what, lw_range_exact() );
+	const std::vector<double> found = uppers( field.race( 0, progress, "figure 9b, exact distances" )[0] );
+	for ( std::size_t i = 0; i < found.size(); ++i )
+	{
+		if ( found[i] > 1e-6 && found[i] < INFINITE )
+		{
+			apart.states.push_back( all_states[i] );
+			apart.exact.push_back( found[i] );
+		}
+	}
+	return apart;
+}
+
 /// Time over max_d in multiples of each state's own distance: the paper's claim is about multiples above 1.
 void addFactors( const io::Problem& problem, const std::vector<std::vector<double>>& all_states, int passes,
     Progress& progress, Outcome& out )
@@ -261,28 +285,14 @@ void addFactors( const io::Problem& problem, const std::vector<std::vector<doubl
 	{
 		PartProgress part( progress, share, share + 1.0 / 3 );
 		share += 1.0 / 3;
-		std::vector<std::vector<double>> states;
-		std::vector<double> exact;
-		{
-			Field field( problem.checker.get(), all_states );
-			field.add( asked.what, lw_range_exact() );
-			PartProgress none( part, 0, 0.05 );
-			const std::vector<double> found = uppers( field.race( 0, none, "figure 9b, exact distances" )[0] );
-			for ( std::size_t i = 0; i < found.size(); ++i )
-			{
-				if ( found[i] > 1e-6 && found[i] < INFINITE )
-				{
-					states.push_back( all_states[i] );
-					exact.push_back( found[i] );
-				}
-			}
-		}
+		PartProgress first( part, 0, 0.05 );
+		const auto [states, exact] = findApart( problem, asked.what, all_states, first );
 		Field field( problem.checker.get(), states );
 		for ( const double factor : FACTORS )
 		{
 			field.add(
 			    asked.what,
-			    [&exact, factor]( std::size_t i ) {
+			    [&exact = exact, factor]( std::size_t i ) {
 				    return lw_range{ 0, factor * exact[i], 0 };
 			    },
 			    asked.hierarchy );

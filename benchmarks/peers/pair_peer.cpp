@@ -88,9 +88,7 @@ bool PairPeer::isAllowed( std::uint32_t body, std::uint32_t obstacle ) const
 	    { return p.link == m_bodies[body].link && p.object == m_bodies[obstacle].object; } );
 }
 
-PairPeer::PairPeer( const lw_checker* checker, std::unique_ptr<PeerEngine> engine,
-    const std::vector<lw_link_object_pair>& allowed, bool managers )
-    : m_checker( checker ), m_robot( lw_checker_robot( checker ) ), m_engine( std::move( engine ) ), m_allowed( allowed )
+void PairPeer::addBodies()
 {
 	for ( std::uint32_t i = 0; i < lw_robot_body_count( m_robot ); ++i )
 	{
@@ -99,7 +97,7 @@ PairPeer::PairPeer( const lw_checker* checker, std::unique_ptr<PeerEngine> engin
 		m_bodies.back().link = def.link;
 	}
 	m_robot_bodies = static_cast<std::uint32_t>( m_bodies.size() );
-	const lw_scene* scene = lw_checker_scene( checker );
+	const lw_scene* scene = lw_checker_scene( m_checker );
 	const lw_transform identity = lw_transform_identity();
 	for ( std::uint32_t i = 0; scene != nullptr && i < lw_scene_shape_count( scene ); ++i )
 	{
@@ -108,19 +106,16 @@ PairPeer::PairPeer( const lw_checker* checker, std::unique_ptr<PeerEngine> engin
 		m_bodies.back().object = def.object;
 		placeBody( m_robot_bodies + i, identity );
 	}
-	const std::uint32_t all = static_cast<std::uint32_t>( m_bodies.size() );
-	m_full.resize( lw_robot_variable_count( m_robot ) );
-	m_link_poses.resize( lw_robot_link_count( m_robot ) );
-	m_heap.reserve( m_bodies.size() * m_robot_bodies );
+}
 
-	std::vector<bool> joint_moves, link_moves;
-	findMoving( joint_moves, link_moves );
+void PairPeer::findEnvironmentPairs( const std::vector<bool>& link_moves )
+{
 	for ( std::uint32_t i = 0; i < m_robot_bodies; ++i )
 	{
 		if ( link_moves[m_bodies[i].link] )
 		{
 			m_moving.push_back( i );
-			for ( std::uint32_t k = m_robot_bodies; k < all; ++k )
+			for ( std::uint32_t k = m_robot_bodies; k < m_bodies.size(); ++k )
 			{
 				if ( !isAllowed( i, k ) )
 				{
@@ -129,10 +124,15 @@ PairPeer::PairPeer( const lw_checker* checker, std::unique_ptr<PeerEngine> engin
 			}
 		}
 	}
-	if ( scene != nullptr && m_environment_pairs.size() != lw_checker_get_info( checker ).environment_pairs )
+	if ( lw_checker_scene( m_checker ) != nullptr &&
+	     m_environment_pairs.size() != lw_checker_get_info( m_checker ).environment_pairs )
 	{
 		throw std::runtime_error( "a comparison would not be about the same pairs: other contacts are allowed" );
 	}
+}
+
+void PairPeer::findSelfPairs( const std::vector<bool>& joint_moves )
+{
 	// The relative pose of two links can change if a joint that moves is above exactly one of them.
 	std::vector<std::vector<bool>> above( lw_robot_link_count( m_robot ) );
 	for ( uint32_t link = 0; link < above.size(); ++link )
@@ -155,20 +155,22 @@ PairPeer::PairPeer( const lw_checker* checker, std::unique_ptr<PeerEngine> engin
 			}
 		}
 	}
+}
 
-	// Bodies that never move: once, the others in their neutral state.
+void PairPeer::measureStatic( const std::vector<bool>& link_moves )
+{
 	std::vector<double> neutral( m_full.size() ), q;
 	lw_robot_default_state( m_robot, neutral.data() );
-	for ( std::uint32_t i = 0; i < lw_checker_variable_count( checker ); ++i )
+	for ( std::uint32_t i = 0; i < lw_checker_variable_count( m_checker ); ++i )
 	{
-		q.push_back( neutral[lw_checker_variable( checker, i )] );
+		q.push_back( neutral[lw_checker_variable( m_checker, i )] );
 	}
 	pose( q.data() );
 	m_heap.clear();
 	for ( std::uint32_t body = 0; body < m_robot_bodies; ++body )
 	{
 		placeBody( body, m_link_poses[m_bodies[body].link] );
-		for ( std::uint32_t obstacle = m_robot_bodies; obstacle < all; ++obstacle )
+		for ( std::uint32_t obstacle = m_robot_bodies; obstacle < m_bodies.size(); ++obstacle )
 		{
 			if ( !link_moves[m_bodies[body].link] && !isAllowed( body, obstacle ) )
 			{
@@ -178,10 +180,26 @@ PairPeer::PairPeer( const lw_checker* checker, std::unique_ptr<PeerEngine> engin
 		}
 	}
 	m_static_distance = nearest( INFINITE, 0 );
+}
+
+PairPeer::PairPeer( const lw_checker* checker, std::unique_ptr<PeerEngine> engine,
+    const std::vector<lw_link_object_pair>& allowed, bool managers )
+    : m_checker( checker ), m_robot( lw_checker_robot( checker ) ), m_engine( std::move( engine ) ), m_allowed( allowed )
+{
+	addBodies();
+	m_full.resize( lw_robot_variable_count( m_robot ) );
+	m_link_poses.resize( lw_robot_link_count( m_robot ) );
+	m_heap.reserve( m_bodies.size() * m_robot_bodies );
+
+	std::vector<bool> joint_moves, link_moves;
+	findMoving( joint_moves, link_moves );
+	findEnvironmentPairs( link_moves );
+	findSelfPairs( joint_moves );
+	measureStatic( link_moves );
 	if ( managers && m_engine->hasManagers() )
 	{
 		std::vector<std::uint32_t> fixed;
-		for ( std::uint32_t i = m_robot_bodies; i < all; ++i )
+		for ( std::uint32_t i = m_robot_bodies; i < m_bodies.size(); ++i )
 		{
 			fixed.push_back( i );
 		}

@@ -86,7 +86,12 @@ private:
 	bool managedCollides();
 	bool isAllowed( std::uint32_t body, std::uint32_t obstacle ) const;
 	template <typename Test> bool anyOf( const Pairs& pairs, double margin, const Test& test ) const;
+	void addBodies(); ///< of the robot, then of the scene
 	void findMoving( std::vector<bool>& joint_moves, std::vector<bool>& link_moves ) const;
+	void findEnvironmentPairs( const std::vector<bool>& link_moves );
+	void findSelfPairs( const std::vector<bool>& joint_moves );
+	/// Bodies that never move: once, the others in their neutral state.
+	void measureStatic( const std::vector<bool>& link_moves );
 
 	const lw_checker* m_checker;
 	const lw_robot* m_robot;

@@ -511,44 +511,78 @@ void addTable( Builder& b )
 	b.object( "chair_4", { seat_part, frame_part }, at( cx + 0.98, cy - 0.02, 0, 0, 0, pi - 0.20 ) );
 }
 
-void addThings( Builder& b )
+/// The things that lie and stand about: their parts, each once, and their places.
+class Things
 {
-	const int plate = b.part( "plate.obj", makePlate(), "porcelain" ),
-	          blue_plate = b.part( "plate_blue.obj", makePlate(), "blue_glaze" );
-	const int cup = b.part( "cup.obj", makeCup(), "porcelain" ), red_cup = b.part( "cup_red.obj", makeCup(), "red_glaze" );
-	const int glass = b.part( "glass.obj", makeGlass(), "window" ),
-	          wine = b.part( "bottle_wine.obj", makeWineBottle(), "green_glass" );
-	const int milk = b.part( "bottle_milk.obj", makeMilkBottle(), "milk" ), jar = b.part( "jar.obj", makeJar(), "jam" );
-	const int lid = b.part( "jar_lid.obj", makeJarLid(), "yellow" ), pan = b.part( "pan.obj", makePan(), "iron" ),
-	          copper_pan = b.part( "pan_copper.obj", makePan(), "copper" );
-	const int pot = b.part( "pot.obj", makePot(), "steel" ), pot_lid = b.part( "pot_lid.obj", makePotLid(), "steel" ),
-	          kettle = b.part( "kettle.obj", makeKettle(), "red_glaze" );
-	const int bowl = b.part( "bowl.obj", makeBowl( 0.14, 0.085 ), "blue_glaze" ),
-	          small_bowl = b.part( "bowl_small.obj", makeBowl( 0.075, 0.055 ), "yellow" );
-	const int apple = b.part( "apple.obj", makeFruit( 0.037, 0.92 ), "apple" ),
-	          pear = b.part( "pear.obj", makeFruit( 0.034, 1.12 ), "pear" ),
-	          orange = b.part( "orange.obj", makeFruit( 0.038, 0.98 ), "orange" );
-	const int spoon = b.part( "spoon.stl", makeSpoon(), "steel" ), fork = b.part( "fork.stl", makeFork(), "steel" ),
-	          knife = b.part( "knife.stl", makeKnife(), "steel" );
-	const int leaves = b.part( "leaves.obj", makeLeaves(), "leaf" ),
-	          plant_pot = b.part( "plant_pot.obj", makePlantPot(), "terracotta" );
-	const int bread = b.part( "bread.obj", makeBread(), "bread" ),
-	          loaf_board =
-	              b.part( "cutting_board.stl", board( { -0.17, -0.11, 0 }, { 0.17, 0.11, 0.018 }, 0.006, 2 ), "walnut" );
+public:
+	explicit Things( Builder& builder ) : m_b( builder ) {}
 
-	int counter = 0;
-	auto stand = [&]( const std::string& what, const std::vector<int>& parts, double x, double y, double z, double yaw = 0 )
-	{ b.object( fmt::format( "{}_{}", what, ++counter ), parts, at( x, y, z, 0, 0, yaw ) ); };
-	const double t = tableCentre.z + 0.001, c = top + 0.001;
-	// table: four covers, a bowl of fruit, bottle and glasses
+	void add()
+	{
+		layTable();
+		fillCounterLeft();
+		fillSink();
+		fillHob();
+		fillFridge();
+		fillDrawer();
+		fillCupboards();
+		fillSideboard();
+		addCylinders();
+	}
+
+private:
+	void layTable();
+	void fillCounterLeft();
+	void fillSink();
+	void fillHob();
+	void fillFridge();
+	void fillDrawer();
+	void fillCupboards();
+	void fillSideboard();
+	void addCylinders();
+	void stand( const std::string& name, const std::vector<int>& parts, double x, double y, double z, double yaw = 0 )
+	{
+		m_b.object( fmt::format( "{}_{}", name, ++m_counter ), parts, at( x, y, z, 0, 0, yaw ) );
+	}
+
+	Builder& m_b;
+	const double t = tableCentre.z + 0.001, c = top + 0.001; ///< heights of table and counter, and a gap
+	int m_counter = 0;
+	const int plate = m_b.part( "plate.obj", makePlate(), "porcelain" ),
+	          blue_plate = m_b.part( "plate_blue.obj", makePlate(), "blue_glaze" );
+	const int cup = m_b.part( "cup.obj", makeCup(), "porcelain" ), red_cup = m_b.part( "cup_red.obj", makeCup(), "red_glaze" );
+	const int glass = m_b.part( "glass.obj", makeGlass(), "window" ),
+	          wine = m_b.part( "bottle_wine.obj", makeWineBottle(), "green_glass" );
+	const int milk = m_b.part( "bottle_milk.obj", makeMilkBottle(), "milk" ), jar = m_b.part( "jar.obj", makeJar(), "jam" );
+	const int lid = m_b.part( "jar_lid.obj", makeJarLid(), "yellow" ), pan = m_b.part( "pan.obj", makePan(), "iron" ),
+	          copper_pan = m_b.part( "pan_copper.obj", makePan(), "copper" );
+	const int pot = m_b.part( "pot.obj", makePot(), "steel" ), pot_lid = m_b.part( "pot_lid.obj", makePotLid(), "steel" ),
+	          kettle = m_b.part( "kettle.obj", makeKettle(), "red_glaze" );
+	const int bowl = m_b.part( "bowl.obj", makeBowl( 0.14, 0.085 ), "blue_glaze" ),
+	          small_bowl = m_b.part( "bowl_small.obj", makeBowl( 0.075, 0.055 ), "yellow" );
+	const int apple = m_b.part( "apple.obj", makeFruit( 0.037, 0.92 ), "apple" ),
+	          pear = m_b.part( "pear.obj", makeFruit( 0.034, 1.12 ), "pear" ),
+	          orange = m_b.part( "orange.obj", makeFruit( 0.038, 0.98 ), "orange" );
+	const int spoon = m_b.part( "spoon.stl", makeSpoon(), "steel" ), fork = m_b.part( "fork.stl", makeFork(), "steel" ),
+	          knife = m_b.part( "knife.stl", makeKnife(), "steel" );
+	const int leaves = m_b.part( "leaves.obj", makeLeaves(), "leaf" ),
+	          plant_pot = m_b.part( "plant_pot.obj", makePlantPot(), "terracotta" );
+	const int bread = m_b.part( "bread.obj", makeBread(), "bread" ),
+	          loaf_board =
+	              m_b.part( "cutting_board.stl", board( { -0.17, -0.11, 0 }, { 0.17, 0.11, 0.018 }, 0.006, 2 ), "walnut" );
+};
+
+/// Table: four covers, a bowl of fruit, bottle and glasses.
+void Things::layTable()
+{
 	const double covers[4][3] = {
 	    { -0.36, -0.24, 0 }, { 0.36, -0.24, 0 }, { -0.52, 0.06, -0.5 * pi }, { 0.52, 0.02, 0.5 * pi } };
 	for ( auto& cover : covers )
 	{
 		const Pose p = at( tableCentre.x + cover[0], tableCentre.y + cover[1], t, 0, 0, cover[2] );
-		b.object( fmt::format( "cover_{}", ++counter ), { plate }, p );
+		m_b.object( fmt::format( "cover_{}", ++m_counter ), { plate }, p );
 		auto beside = [&]( int part, double x, double y, double yaw ) {
-			b.room.objects.back().shapes.push_back( { part, "", {}, "", p * at( x, y, 0, 0, 0, yaw ) } );
+			m_b.room.objects.back().shapes.push_back( { part, "", {}, "", p * at( x, y, 0, 0, 0, yaw ) } );
 		};
 		beside( fork, -0.165, 0.05, -0.5 * pi );
 		beside( knife, 0.160, -0.04, 0.5 * pi );
@@ -569,24 +603,36 @@ void addThings( Builder& b )
 	stand( "cup", { red_cup }, 3.08, 1.23, t, 0.8 );
 	stand( "cup", { cup }, 2.42, 1.26, t, 2.2 );
 	stand( "jar", { jar, lid }, 2.98, 1.24, t );
-	// counter left, under the wall cupboard
+}
+
+/// Counter left, under the wall cupboard.
+void Things::fillCounterLeft()
+{
 	stand( "bread_board", { loaf_board }, 1.03, 3.22, c, 0.15 );
 	stand( "bread", { bread }, 1.03, 3.22, c + 0.019, 0.15 );
 	for ( int i = 0; i < 3; ++i )
 		stand( "jar", { jar, lid }, 0.86 + 0.105 * i, 3.51, c );
 	stand( "utensils",
-	    { b.part( "utensil_jar.obj", makeUtensilJar(), "terracotta" ), b.part( "utensils.obj", makeUtensils(), "oak" ) },
+	    { m_b.part( "utensil_jar.obj", makeUtensilJar(), "terracotta" ), m_b.part( "utensils.obj", makeUtensils(), "oak" ) },
 	    1.31, 3.48, c );
-	// sink: plates in the basin, a rack beside
+}
+
+/// Sink: plates in the basin, a rack beside.
+void Things::fillSink()
+{
 	stand( "sink_plate", { blue_plate }, 1.72, 3.27, top - 0.180 );
 	stand( "sink_bowl", { small_bowl }, 1.93, 3.36, top - 0.178 );
-	stand( "dish_rack", { b.part( "dish_rack.obj", makeDishRack(), "steel" ) }, 2.30, 3.33, c, 0.5 * pi );
+	stand( "dish_rack", { m_b.part( "dish_rack.obj", makeDishRack(), "steel" ) }, 2.30, 3.33, c, 0.5 * pi );
 	for ( int i = 0; i < 4; ++i )
-		b.object( fmt::format( "rack_plate_{}", i + 1 ), { i % 2 ? blue_plate : plate },
+		m_b.object( fmt::format( "rack_plate_{}", i + 1 ), { i % 2 ? blue_plate : plate },
 		    at( 2.30, 3.24 + 0.07 * i - 0.003, c + 0.165, 0.5 * pi + 0.02 ) );
 	stand( "rack_cup", { cup }, 2.55, 3.30, c, 0.6 );
 	stand( "rack_cup", { red_cup }, 2.58, 3.45, c, -0.6 );
-	// hob and counter right
+}
+
+/// Hob and counter right.
+void Things::fillHob()
+{
 	stand( "pan", { pan }, 3.21, 3.17, top + 0.0145, -1.15 );
 	stand( "pot", { pot, pot_lid }, 2.95, 3.41, top + 0.0145, 0.1 );
 	stand( "pot", { pot }, 3.21, 3.41, top + 0.0145, 0.1 );
@@ -595,7 +641,11 @@ void addThings( Builder& b )
 	stand( "wine", { wine }, 3.76, 3.47, c );
 	stand( "wine", { wine }, 3.87, 3.44, c );
 	stand( "milk", { milk }, 3.89, 3.27, c );
-	// fridge: shelves at 0.40, 0.80, 1.20, 1.50 (+ 0.008 glass, 0.001 gap)
+}
+
+/// Fridge: shelves at 0.40, 0.80, 1.20, 1.50 (+ 0.008 glass, 0.001 gap).
+void Things::fillFridge()
+{
 	const double fx = 0.12, fy = 3.59;
 	stand( "fridge_milk", { milk }, fx + 0.13, fy - 0.20, 1.2100 );
 	stand( "fridge_milk", { milk }, fx + 0.25, fy - 0.15, 1.2100 );
@@ -608,17 +658,25 @@ void addThings( Builder& b )
 	const Pose hinge = at( fx, fy - 0.624, 0, 0, 0, -1.60 );
 	const double racks[5][2] = { { 0.15, 1.512 }, { 0.27, 1.512 }, { 0.18, 0.713 }, { 0.32, 0.713 }, { 0.45, 0.713 } };
 	for ( int i = 0; i < 5; ++i )
-		b.object( fmt::format( "door_bottle_{}", i + 1 ),
+		m_b.object( fmt::format( "door_bottle_{}", i + 1 ),
 		    i < 2 ? std::vector<int>{ jar, lid } : std::vector<int>{ i == 3 ? wine : milk },
 		    hinge * at( racks[i][0], 0.046, racks[i][1] ) );
-	// drawer (open by 0.34): cutlery
+}
+
+/// Drawer (open by 0.34): cutlery.
+void Things::fillDrawer()
+{
 	for ( int i = 0; i < 9; ++i )
-		b.object( fmt::format( "drawer_cutlery_{}", i + 1 ),
+		m_b.object( fmt::format( "drawer_cutlery_{}", i + 1 ),
 		    { i < 3     ? spoon
 		        : i < 6 ? fork
 		                : knife },
 		    at( 0.86 + 0.05 * i, 2.86, 0.7235, 0, 0, 0.5 * pi ) );
-	// cupboard, open: pots and pans; oven: a loaf in a dish; wall cupboards: plates and cups
+}
+
+/// Cupboard, open: pots and pans; oven: a loaf in a dish; wall cupboards: plates and cups.
+void Things::fillCupboards()
+{
 	stand( "cupboard_pot", { pot, pot_lid }, 2.35, 3.33, 0.479, 1.57 );
 	stand( "cupboard_pan", { copper_pan }, 2.58, 3.33, 0.479, 1.9 );
 	stand( "cupboard_bowl", { bowl }, 2.36, 3.32, 0.119 );
@@ -634,9 +692,13 @@ void addThings( Builder& b )
 	for ( int i = 0; i < 3; ++i )
 		stand( "wall_bowl", { small_bowl }, 1.00, 3.44, 1.779 + 0.018 * i );
 	stand( "wall_jar", { jar, lid }, 1.22, 3.44, 1.779 );
-	// sideboard and shelf
-	b.object( "table_lamp",
-	    { b.part( "lamp_foot.obj", makeTableLamp(), "terracotta" ), b.part( "lamp_shade.obj", makeLampShade(), "linen" ) },
+}
+
+/// Sideboard and shelf.
+void Things::fillSideboard()
+{
+	m_b.object( "table_lamp",
+	    { m_b.part( "lamp_foot.obj", makeTableLamp(), "terracotta" ), m_b.part( "lamp_shade.obj", makeLampShade(), "linen" ) },
 	    at( 0.21, 0.66, 0.821 ) );
 	stand( "fruit_bowl", { bowl }, 0.22, 1.12, 0.821 );
 	for ( int i = 0; i < 3; ++i )
@@ -647,14 +709,18 @@ void addThings( Builder& b )
 		stand( "shelf_cup", { i % 2 ? cup : red_cup }, 0.115, 0.72 + 0.13 * i, 1.407, 0.4 * i );
 	stand( "shelf_jar", { jar, lid }, 0.115, 1.26, 1.407 );
 	stand( "plant", { plant_pot, leaves }, 1.55, 3.535, 1.324, 0.5 );
-	b.object( "pendant_lamp", { b.part( "pendant.obj", makePendant(), "yellow" ) }, at( 2.75, 1.02, 1.95 ) );
-	// rolling pin and a post of a coat rack: solid cylinders
-	b.object( "rolling_pin", {} );
-	b.cylinder( 0.26, 0.024, "oak", at( 3.52, 3.10, c + 0.0245, 0, 0.5 * pi, 0 ) * at( 0, 0, 0 ) );
-	b.cylinder( 0.40, 0.010, "walnut", at( 3.52, 3.10, c + 0.0245, 0, 0.5 * pi, 0 ) );
-	b.object( "bin", {} );
-	b.cylinder( 0.44, 0.14, "steel", at( 0.20, 2.08, 0.22 ) );
-	b.cylinder( 0.03, 0.145, "graphite", at( 0.20, 2.08, 0.455 ) );
+	m_b.object( "pendant_lamp", { m_b.part( "pendant.obj", makePendant(), "yellow" ) }, at( 2.75, 1.02, 1.95 ) );
+}
+
+/// Rolling pin and a post of a coat rack: solid cylinders.
+void Things::addCylinders()
+{
+	m_b.object( "rolling_pin", {} );
+	m_b.cylinder( 0.26, 0.024, "oak", at( 3.52, 3.10, c + 0.0245, 0, 0.5 * pi, 0 ) * at( 0, 0, 0 ) );
+	m_b.cylinder( 0.40, 0.010, "walnut", at( 3.52, 3.10, c + 0.0245, 0, 0.5 * pi, 0 ) );
+	m_b.object( "bin", {} );
+	m_b.cylinder( 0.44, 0.14, "steel", at( 0.20, 2.08, 0.22 ) );
+	m_b.cylinder( 0.03, 0.145, "graphite", at( 0.20, 2.08, 0.455 ) );
 }
 
 } // namespace
@@ -672,7 +738,7 @@ Room makeRoom()
 	addAbove( b );
 	addSideboard( b );
 	addTable( b );
-	addThings( b );
+	Things( b ).add();
 	return b.room;
 }
 

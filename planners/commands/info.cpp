@@ -285,21 +285,9 @@ Json pairsJson( const PairCounts& pairs )
 	    { "group_cannot_move", pairs.still }, { "srdf_reasons", pairs.reasons } };
 }
 
-} // namespace
-
-int runInfo( const InfoOptions& options )
+/// Lines for the shapes of the robot's links, and of the scene's objects, attached ones included.
+void addShapes( const Input& input, std::vector<ShapeLine>& robot_shapes, std::vector<ShapeLine>& scene_shapes )
 {
-	Notices notices( options.common.verbose );
-	OutputFile json_file( "--json", options.json );
-	Input input = loadInput( options.common, notices );
-	if ( input.reach )
-	{
-		input.reach->build = options.common.proofs_given; // otherwise info only reads the cache
-	}
-	input.max_d = options.common.max_d;
-	const Workbench bench( input, options.common.group, {}, notices );
-	const Required required = findRequired( bench, input ); // from here on everything is made
-	std::vector<ShapeLine> robot_shapes, scene_shapes;
 	for ( const io::LinkModel& link : input.robot.links )
 	{
 		add( robot_shapes, link.name, link.collision, input.robot.report );
@@ -315,6 +303,24 @@ int runInfo( const InfoOptions& options )
 			add( scene_shapes, attached.object.name, attached.object.shapes, input.scene->report );
 		}
 	}
+}
+
+} // namespace
+
+int runInfo( const InfoOptions& options )
+{
+	Notices notices( options.common.verbose );
+	OutputFile json_file( "--json", options.json );
+	Input input = loadInput( options.common, notices );
+	if ( input.reach )
+	{
+		input.reach->build = options.common.proofs_given; // otherwise info only reads the cache
+	}
+	input.max_d = options.common.max_d;
+	const Workbench bench( input, options.common.group, {}, notices );
+	const Required required = findRequired( bench, input ); // from here on everything is made
+	std::vector<ShapeLine> robot_shapes, scene_shapes;
+	addShapes( input, robot_shapes, scene_shapes );
 	const PairCounts pairs = countPairs( bench, input.robot );
 	const lw_checker_info info = lw_checker_get_info( bench.checker() );
 	std::vector<ShapeLine> all = robot_shapes;

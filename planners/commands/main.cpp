@@ -226,6 +226,38 @@ CLI::App* addTune( CLI::App& app, TuneOptions& options )
 	return command;
 }
 
+void validate( const CLI::App& chosen, const SpherizeOptions& options )
+{
+	requireNotNegative( "--close-holes", options.close_holes );
+	requirePositive( "--time", options.time );
+	if ( chosen.get_option( "--spheres" )->count() > 0 )
+	{
+		requirePositive( "--spheres", options.spheres );
+	}
+	else if ( chosen.get_option( "--excess" )->count() > 0 )
+	{
+		requirePositive( "--excess", options.excess );
+	}
+	else
+	{
+		throw io::Error( "command line", "--excess", "is missing", "give --excess MM or --spheres N" );
+	}
+}
+
+void validate( const CLI::App& chosen, const PlanOptions& options )
+{
+	requirePositive( "--resolution", options.resolution );
+	requirePositive( "--seed", options.seed );
+	if ( chosen.get_option( "--time" )->count() > 0 )
+	{
+		requirePositive( "--time", options.time );
+	}
+	if ( chosen.get_option( "--threads" )->count() > 0 )
+	{
+		requirePositive( "--threads", options.threads );
+	}
+}
+
 int dispatch( const CLI::App& app, Commands& commands )
 {
 	const CLI::App* chosen = app.get_subcommands().front();
@@ -258,23 +290,9 @@ int dispatch( const CLI::App& app, Commands& commands )
 	}
 	if ( name == "spherize" )
 	{
-		SpherizeOptions& spherize = commands.spherize;
-		validate( *chosen, spherize.common );
-		requireNotNegative( "--close-holes", spherize.close_holes );
-		requirePositive( "--time", spherize.time );
-		if ( chosen->get_option( "--spheres" )->count() > 0 )
-		{
-			requirePositive( "--spheres", spherize.spheres );
-		}
-		else if ( chosen->get_option( "--excess" )->count() > 0 )
-		{
-			requirePositive( "--excess", spherize.excess );
-		}
-		else
-		{
-			throw io::Error( "command line", "--excess", "is missing", "give --excess MM or --spheres N" );
-		}
-		return runSpherize( spherize );
+		validate( *chosen, commands.spherize.common );
+		validate( *chosen, commands.spherize );
+		return runSpherize( commands.spherize );
 	}
 	if ( name == "check" )
 	{
@@ -291,16 +309,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 	{
 		validate( *chosen, commands.plan.common );
 		validate( *chosen, commands.plan.edge, commands.plan.common );
-		requirePositive( "--resolution", commands.plan.resolution );
-		requirePositive( "--seed", commands.plan.seed );
-		if ( chosen->get_option( "--time" )->count() > 0 )
-		{
-			requirePositive( "--time", commands.plan.time );
-		}
-		if ( chosen->get_option( "--threads" )->count() > 0 )
-		{
-			requirePositive( "--threads", commands.plan.threads );
-		}
+		validate( *chosen, commands.plan );
 		return runPlan( commands.plan );
 	}
 	if ( name == "tune" )

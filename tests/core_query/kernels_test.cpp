@@ -309,6 +309,57 @@ TEST( Kernels, farthest_point_is_not_the_first_of_those )
 	}
 }
 
+namespace
+{
+
+/// Up to three sheared boxes in float, and in double as they were meant: the middle, three half axes.
+struct ShearedBoxes
+{
+	uint32_t count;
+	lwi_sheared_box boxes[3];
+	double exact[3][4][3];
+	double far; ///< sum of all coordinates, and `scale`
+
+	ShearedBoxes( SeededRng& rng, double scale ) : count( static_cast<uint32_t>( rng.integer( 1, 3 ) ) ), far( scale )
+	{
+		for ( uint32_t box = 0; box < count; ++box )
+		{
+			for ( int k = 0; k < 12; ++k )
+			{
+				const double x = rng.uniform( -1, 1 ) * scale * ( k < 3 ? 2 : 0.3 );
+				exact[box][k / 3][k % 3] = x;
+				float* to = k < 3 ? &boxes[box].middle[0] : &boxes[box].half[k / 3 - 1][0];
+				to[k % 3] = static_cast<float>( x );
+				far += std::abs( x );
+			}
+		}
+	}
+
+	/// Room of the boxes below a plane: of the least lower one, and that which some corner of each box has.
+	void room( const lw_transform& turn, const lwi_planes8& planes, int lane, double& least, double& most ) const
+	{
+		least = most = INFINITY;
+		for ( uint32_t box = 0; box < count && lane < 7; ++box )
+		{
+			double h[4] = { 0, 0, 0, 0 };
+			for ( int k = 0; k < 12; ++k )
+			{
+				double n = 0;
+				for ( int axis = 0; axis < 3; ++axis )
+				{
+					n += turn.r[k % 3][axis] * static_cast<double>( planes.direction[axis][lane] );
+				}
+				h[k / 3] += n * exact[box][k / 3][k % 3];
+			}
+			const double all = std::abs( h[1] ) + std::abs( h[2] ) + std::abs( h[3] ), left = -planes.reach[lane] - h[0];
+			least = std::min( least, left - all );
+			most = std::min( most, left + all - 2 * std::max( { std::abs( h[1] ), std::abs( h[2] ), std::abs( h[3] ) } ) );
+		}
+	}
+};
+
+} // namespace
+
 // Edges stand on it: a body below a plane counts as apart from one above
 TEST( Kernels, box_is_below_a_plane_that_it_reaches )
 {
@@ -331,48 +382,21 @@ TEST( Kernels, box_is_below_a_plane_that_it_reaches )
 			planes.reach[lane] = lane == 7 ? INFINITY : value( rng, scale );
 		}
 		float r[9];
-		double far = scale;
-		lwi_sheared_box boxes[3];
-		double exact[3][4][3];
-		const auto count = static_cast<uint32_t>( rng.integer( 1, 3 ) );
 		for ( int k = 0; k < 9; ++k )
 		{
 			r[k] = static_cast<float>( turn.r[k / 3][k % 3] );
 		}
-		for ( uint32_t box = 0; box < count; ++box )
-		{
-			for ( int k = 0; k < 12; ++k ) // the middle, three half axes
-			{
-				const double x = rng.uniform( -1, 1 ) * scale * ( k < 3 ? 2 : 0.3 );
-				exact[box][k / 3][k % 3] = x;
-				float* to = k < 3 ? &boxes[box].middle[0] : &boxes[box].half[k / 3 - 1][0];
-				to[k % 3] = static_cast<float>( x );
-				far += std::abs( x );
-			}
-		}
-		const double slack = 16 * 0x1p-24 * far, need = rng.uniform( 0, scale ), hope = rng.uniform( 0, scale );
+		const ShearedBoxes turned( rng, scale );
+		const lwi_sheared_box* boxes = turned.boxes;
+		const uint32_t count = turned.count;
+		const double slack = 16 * 0x1p-24 * turned.far, need = rng.uniform( 0, scale ), hope = rng.uniform( 0, scale );
 		float room[8];
 		const uint32_t clear =
 			lwi_kernels_scalar.planes_clear( &planes, r, boxes, count, static_cast<float>( need ), static_cast<float>( hope ), room );
 		for ( int lane = 0; lane < 8; ++lane )
 		{
-			double least = INFINITY, most = INFINITY;
-			for ( uint32_t box = 0; box < count && lane < 7; ++box )
-			{
-				double h[4] = { 0, 0, 0, 0 };
-				for ( int k = 0; k < 12; ++k )
-				{
-					double n = 0;
-					for ( int axis = 0; axis < 3; ++axis )
-					{
-						n += turn.r[k % 3][axis] * static_cast<double>( planes.direction[axis][lane] );
-					}
-					h[k / 3] += n * exact[box][k / 3][k % 3];
-				}
-				const double all = std::abs( h[1] ) + std::abs( h[2] ) + std::abs( h[3] ), left = -planes.reach[lane] - h[0];
-				least = std::min( least, left - all );
-				most = std::min( most, left + all - 2 * std::max( { std::abs( h[1] ), std::abs( h[2] ), std::abs( h[3] ) } ) );
-			}
+			double least, most;
+			turned.room( turn, planes, lane, least, most );
 			const bool is_clear = ( clear >> lane & 1 ) != 0, hopeless = room[lane] == -INFINITY;
 			ASSERT_FALSE( lane == 7 && ( is_clear || !hopeless ) ) << "a pad";
 			if ( lane < 7 )

@@ -3,6 +3,26 @@
 // everything modelled; states inside and outside of the limits. No answer may differ.
 #include "required_world.hpp"
 
+namespace
+{
+
+/// The state at which a verdict blocks an edge is blocked.
+void expectBlocked( const World& world, const lw_checker* checker, lw_query* query, const State& q, const State& to, double t, double min_d )
+{
+	lw_range range = { min_d, std::nextafter( min_d, 1.0 ), 0 };
+	State full_a( world.reference.size() ), full_b( full_a ), full_t( full_a ), at;
+	lw_checker_full_state( checker, q.data(), full_a.data() );
+	lw_checker_full_state( checker, to.data(), full_b.data() );
+	lw_robot_interpolate( world.robot.get(), full_a.data(), full_b.data(), t, full_t.data() );
+	for ( uint32_t variable : world.group )
+	{
+		at.push_back( full_t[variable] );
+	}
+	EXPECT_EQ( LW_VERDICT_BLOCKED, ask( checker, query, at, range ).verdict );
+}
+
+} // namespace
+
 TEST( Required, less_changes_an_answer )
 {
 	SeededRng rng;
@@ -54,16 +74,7 @@ TEST( Required, less_changes_an_answer )
 				EXPECT_FALSE( got.verdict == LW_VERDICT_FREE && want.verdict == LW_VERDICT_BLOCKED );
 				if ( got.verdict == LW_VERDICT_BLOCKED && got_status == LW_OK )
 				{
-					lw_range range = { min_d, std::nextafter( min_d, 1.0 ), 0 };
-					State full_a( world.reference.size() ), full_b( full_a ), full_t( full_a ), at;
-					lw_checker_full_state( whole.get(), q.data(), full_a.data() );
-					lw_checker_full_state( whole.get(), to.data(), full_b.data() );
-					lw_robot_interpolate( world.robot.get(), full_a.data(), full_b.data(), got.t, full_t.data() );
-					for ( uint32_t variable : world.group )
-					{
-						at.push_back( full_t[variable] );
-					}
-					EXPECT_EQ( LW_VERDICT_BLOCKED, ask( whole.get(), query.get(), at, range ).verdict );
+					expectBlocked( world, whole.get(), query.get(), q, to, got.t, min_d );
 				}
 				EXPECT_NEAR( want.proved_until, got.proved_until, 0.25 ); // the last window that was proved may be a quarter of the edge
 			}

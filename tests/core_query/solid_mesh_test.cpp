@@ -327,6 +327,69 @@ class SolidMeshPairs : public ::testing::TestWithParam<int>
 {
 };
 
+/// A solid mesh and another subject, which is a solid (`second`) too if there is one; their poses.
+struct SolidPair
+{
+	Solid solid, second;
+	Subject surface, other;
+	ShapePtr shape;
+	lw_transform pose_a, pose_b;
+
+	/// @param kind index of the other's type; -1: another solid, which may be inside or around
+	SolidPair( SeededRng& rng, int kind, double size, bool costly );
+
+	bool is_inside_the_solid() const; ///< some point of the other
+	bool is_inside_the_second() const; ///< some corner of the solid
+	real scale() const { return length( offset( pose_a ) - offset( pose_b ) ) + 2 * ( surface.model.size + other.model.size ); }
+};
+
+SolidPair::SolidPair( SeededRng& rng, int kind, double size, bool costly )
+{
+	solid = random_solid( rng, size, false, costly ? 5 : 14 );
+	lw_diag diag = {};
+	EXPECT_EQ( LW_OK, make_solid( solid, 1e-12 * size, &diag, shape ) ) << diag.message;
+	surface = surface_of( solid );
+	double other_size = size * rng.decade( kind < 0 ? -1.5 : -2, kind < 0 ? 1.5 : 0 );
+	if ( kind < 0 )
+	{
+		second = random_solid( rng, other_size, false, 5 );
+		EXPECT_EQ( LW_OK, make_solid( second, 1e-12 * other_size, &diag, other.shape ) ) << diag.message;
+		other.model = surface_of( second ).model;
+	}
+	else
+	{
+		other = make_subject( rng, types[kind], other_size );
+	}
+	pose_a = random_pose( rng, rng.uniform( 0, 3 ) * size );
+	pose_b = random_pose( rng, 0 );
+	const double reach = kind < 0 ? 0.3 * std::max( size, other_size ) : 0.7 * size;
+	lw_vec3 goal = to_double( offset( pose_a ) + rotate( pose_a, random_point( rng, reach ) ) );
+	pose_b.t[0] = goal.x;
+	pose_b.t[1] = goal.y;
+	pose_b.t[2] = goal.z;
+}
+
+bool SolidPair::is_inside_the_solid() const
+{
+	bool inside = false;
+	for ( Vec p : points_of( other ) )
+	{
+		inside = inside || is_inside( solid, unrotate( pose_a, rotate( pose_b, p ) + offset( pose_b ) - offset( pose_a ) ) );
+	}
+	return inside;
+}
+
+bool SolidPair::is_inside_the_second() const
+{
+	bool inside = false;
+	for ( std::size_t t = 0; t < solid.count() && second.count() > 0; ++t )
+	{
+		Vec world = rotate( pose_a, solid.corner( t, 0 ) ) + offset( pose_a );
+		inside = inside || is_inside( second, unrotate( pose_b, world - offset( pose_b ) ) );
+	}
+	return inside;
+}
+
 TEST_P( SolidMeshPairs, distance_contradicts_brute_force )
 {
 	SeededRng rng( 20260501u + (unsigned)GetParam() );
@@ -343,43 +406,11 @@ TEST_P( SolidMeshPairs, distance_contradicts_brute_force )
 	for ( int round = 0; round < rounds || ( round < 10 * rounds && !is_enough() ); ++round )
 	{
 		double size = rng.decade( -2, 2 );
-		Solid s = random_solid( rng, size, false, costly ? 5 : 14 );
-		lw_diag diag = {};
-		ShapePtr shape;
-		ASSERT_EQ( LW_OK, make_solid( s, 1e-12 * size, &diag, shape ) ) << diag.message;
-		Subject surface = surface_of( s );
-		// -1: another solid, which may be inside or around
-		double other_size = size * rng.decade( GetParam() < 0 ? -1.5 : -2, GetParam() < 0 ? 1.5 : 0 );
-		Solid second;
-		Subject other;
-		if ( GetParam() < 0 )
-		{
-			second = random_solid( rng, other_size, false, 5 );
-			ASSERT_EQ( LW_OK, make_solid( second, 1e-12 * other_size, &diag, other.shape ) ) << diag.message;
-			other.model = surface_of( second ).model;
-		}
-		else
-		{
-			other = make_subject( rng, types[GetParam()], other_size );
-		}
-		lw_transform pose_a = random_pose( rng, rng.uniform( 0, 3 ) * size ), pose_b = random_pose( rng, 0 );
-		const double reach = GetParam() < 0 ? 0.3 * std::max( size, other_size ) : 0.7 * size;
-		lw_vec3 goal = to_double( offset( pose_a ) + rotate( pose_a, random_point( rng, reach ) ) );
-		pose_b.t[0] = goal.x;
-		pose_b.t[1] = goal.y;
-		pose_b.t[2] = goal.z;
-		real scale = length( offset( pose_a ) - offset( pose_b ) ) + 2 * ( surface.model.size + other.model.size );
-		Interval truth = truth_of( surface, pose_a, other, pose_b, scale );
-		bool inside = false, around = false;
-		for ( Vec p : points_of( other ) )
-		{
-			inside = inside || is_inside( s, unrotate( pose_a, rotate( pose_b, p ) + offset( pose_b ) - offset( pose_a ) ) );
-		}
-		for ( std::size_t t = 0; t < s.count() && GetParam() < 0; ++t )
-		{
-			Vec world = rotate( pose_a, s.corner( t, 0 ) ) + offset( pose_a );
-			around = around || is_inside( second, unrotate( pose_b, world - offset( pose_b ) ) );
-		}
+		const SolidPair pair( rng, GetParam(), size, costly );
+		ASSERT_FALSE( HasFailure() );
+		const real scale = pair.scale();
+		Interval truth = truth_of( pair.surface, pair.pose_a, pair.other, pair.pose_b, scale );
+		const bool inside = pair.is_inside_the_solid(), around = pair.is_inside_the_second();
 		bool separate = truth.lower > 1e-9L * scale;
 		if ( !separate && truth.upper > 0 )
 		{
@@ -395,10 +426,11 @@ TEST_P( SolidMeshPairs, distance_contradicts_brute_force )
 		}
 		lw_clearance c;
 		bool first = rng.integer( 0, 1 ) == 0;
-		const lw_shape *a = first ? shape.get() : other.shape.get(), *b = first ? other.shape.get() : shape.get();
+		const lw_shape *mine = pair.shape.get(), *other = pair.other.shape.get();
 		lw_range range = lw_range_exact();
 		range.max_d = rng.integer( 0, 2 ) == 0 ? to_double( scale ) * rng.decade( -4, 0 ) : inf;
-		ASSERT_EQ( LW_OK, lw_shape_distance( a, first ? &pose_a : &pose_b, b, first ? &pose_b : &pose_a, &range, query.get(), &c ) );
+		ASSERT_EQ( LW_OK, lw_shape_distance( first ? mine : other, first ? &pair.pose_a : &pair.pose_b, first ? other : mine,
+							  first ? &pair.pose_b : &pair.pose_a, &range, query.get(), &c ) );
 		::testing::Message story;
 		story << "round " << round << " scale " << scale << " oracle " << truth.lower << " " << truth.upper << " got " << c.lower
 			  << " " << c.upper << " inside " << inside << " around " << around;

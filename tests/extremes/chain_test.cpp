@@ -180,6 +180,108 @@ void judge( const lw_clearance& got, const exact::Enclosure& truth, double poses
 	seen.lower = std::max( seen.lower, static_cast<double>( got.upper - truth.lower ) / ( got.upper - got.lower ) );
 }
 
+/// A checker of a chain and of an obstacle near its tip at some state.
+struct Tip
+{
+	exact::Body obstacle;
+	lw_transform pose;
+	std::unique_ptr<lw_shape, ReleaseShape> shape;
+	ScenePtr scene;
+	CheckerPtr checker;
+
+	Tip( Random& random, const Chain& chain, const std::vector<double>& q );
+};
+
+Tip::Tip( Random& random, const Chain& chain, const std::vector<double>& q )
+{
+	double length;
+	const exact::Vec<Wide> tip = chain.poses( q, &length ).back()[0].center;
+	obstacle = randomBody( random );
+	scaleBody( obstacle, { 0, 0, 0 }, 0.1 );
+	shape = makeShape( random, obstacle );
+	const char* names[1] = { "obstacle" };
+	lw_scene_shape_def in_scene = { shape.get(), 0, randomRotation( random ) };
+	for ( int k = 0; k < 3; ++k )
+	{
+		const Wide c[3] = { tip.x, tip.y, tip.z };
+		in_scene.world_from_shape.t[k] = chain.root().t[k] + static_cast<double>( c[k] ) + 0.2 * random.unit();
+	}
+	pose = in_scene.world_from_shape;
+	lw_scene_def scene_def = lw_scene_def_default();
+	scene_def.object_names = names;
+	scene_def.object_count = 1;
+	scene_def.shapes = &in_scene;
+	scene_def.shape_count = 1;
+	lw_scene* new_scene = nullptr;
+	lw_diag diag = {};
+	EXPECT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, &diag, &new_scene ) ) << diag.message;
+	scene.reset( new_scene );
+	lw_checker_def checker_def = lw_checker_def_default();
+	checker_def.robot = chain.robot();
+	checker_def.scene = new_scene;
+	lw_checker* made = nullptr;
+	EXPECT_EQ( LW_OK, lw_checker_create( &checker_def, nullptr, &diag, &made ) ) << diag.message;
+	checker.reset( made );
+}
+
+/// Distances by exact kinematics, and the promised roundings of answers.
+struct Truth
+{
+	exact::Enclosure environment = { INFINITY, INFINITY, 0 }, self = environment;
+	double poses, promise; ///< metres: of the poses, but for the share of the distance; of the distance
+	double stretch = 64 * 0x1p-53 * ( robot_links + 1 ); ///< that share
+};
+
+Truth truthOf( const Chain& chain, const Tip& tip, const std::vector<double>& q )
+{
+	Truth truth;
+	double length;
+	const std::vector<std::vector<exact::Placed>> links = chain.poses( q, &length );
+	const exact::Vec<Wide> offset = { Wide( tip.pose.t[0] ) - chain.root().t[0], Wide( tip.pose.t[1] ) - chain.root().t[1],
+		Wide( tip.pose.t[2] ) - chain.root().t[2] };
+	const exact::Rotation turned( tip.pose );
+	const std::vector<exact::Placed> there = exact::place( tip.obstacle, turned, offset );
+	truth.poses = poseRounding( length, std::abs( chain.root().t[0] ) );
+	for ( std::size_t a = 0; a < links.size(); ++a )
+	{
+		exact::lowerTo( truth.environment, links[a], there, 0.01 * truth.poses );
+		if ( exact::isInside( links[a], tip.obstacle, turned, offset ) )
+		{
+			truth.environment = { 0, 0, 0 };
+		}
+		for ( std::size_t b = a + 4; b < links.size(); ++b )
+		{
+			exact::lowerTo( truth.self, links[a], links[b], 0.01 * truth.poses );
+		}
+	}
+	const double size = length + 3 * tip.obstacle.coordinates();
+	truth.promise = ( 0x1p-46 + ( tip.obstacle.boxes.empty() ? 0 : 1e-12 ) ) * size;
+	return truth;
+}
+
+/// Ranges that end within the known interval of the distance: FAR would claim more.
+void expectNotFar( const lw_checker* checker, lw_query* query, const std::vector<double>& q, const lw_state_result& known, const Truth& truth )
+{
+	for ( double share : { 0.1, 0.4, 0.7, 0.95 } )
+	{
+		for ( lw_what what : { LW_WHAT_ENVIRONMENT, LW_WHAT_SELF } )
+		{
+			const bool is_self = what == LW_WHAT_SELF;
+			const lw_clearance& of = is_self ? known.self : known.environment;
+			const lw_range range = { 0, of.lower + share * ( of.upper - of.lower ), 0 };
+			if ( !( of.lower > 0 && range.max_d > of.lower && range.max_d < of.upper ) )
+			{
+				continue;
+			}
+			lw_state_result result;
+			ASSERT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), what, &range, false, &result ) );
+			const lw_clearance& got = is_self ? result.self : result.environment;
+			EXPECT_NE( got.kind, LW_CLEARANCE_FAR ) << "max_d " << range.max_d << " in [" << of.lower << ", " << of.upper << "]";
+			EXPECT_LE( got.lower, is_self ? truth.self.upper : truth.environment.upper );
+		}
+	}
+}
+
 } // namespace
 
 TEST( ExtremeChains, state_differs_from_exact_kinematics )
@@ -192,91 +294,26 @@ TEST( ExtremeChains, state_differs_from_exact_kinematics )
 		{
 			Random random( 100 * seed + static_cast<unsigned>( kind ) );
 			Chain chain( random, static_cast<Kind>( kind ) );
-			// an obstacle near the tip of some state
 			std::vector<double> q = chain.randomState( random );
-			double length;
-			std::vector<std::vector<exact::Placed>> links = chain.poses( q, &length );
-			exact::Vec<Wide> tip = links.back()[0].center;
-			exact::Body obstacle = randomBody( random );
-			scaleBody( obstacle, { 0, 0, 0 }, 0.1 );
-			std::unique_ptr<lw_shape, ReleaseShape> shape = makeShape( random, obstacle );
-			const char* names[1] = { "obstacle" };
-			lw_scene_shape_def in_scene = { shape.get(), 0, randomRotation( random ) };
-			for ( int k = 0; k < 3; ++k )
-			{
-				const Wide c[3] = { tip.x, tip.y, tip.z };
-				in_scene.world_from_shape.t[k] = chain.root().t[k] + static_cast<double>( c[k] ) + 0.2 * random.unit();
-			}
-			lw_scene_def scene_def = lw_scene_def_default();
-			scene_def.object_names = names;
-			scene_def.object_count = 1;
-			scene_def.shapes = &in_scene;
-			scene_def.shape_count = 1;
-			lw_scene* scene = nullptr;
-			lw_diag diag = {};
-			ASSERT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, &diag, &scene ) ) << diag.message;
-			ScenePtr scene_owner( scene );
-			lw_checker_def checker_def = lw_checker_def_default();
-			checker_def.robot = chain.robot();
-			checker_def.scene = scene;
-			lw_checker* made = nullptr;
-			ASSERT_EQ( LW_OK, lw_checker_create( &checker_def, nullptr, &diag, &made ) ) << diag.message;
-			CheckerPtr checker( made );
+			const Tip tip( random, chain, q );
+			ASSERT_FALSE( HasFailure() );
 			for ( bool hierarchy : { true, false } )
 			{
-				QueryPtr query = makeQuery( checker.get(), hierarchy );
+				QueryPtr query = makeQuery( tip.checker.get(), hierarchy );
 				for ( int i = 0; i < 3; ++i )
 				{
-					links = chain.poses( q, &length );
-					lw_transform o = in_scene.world_from_shape;
-					exact::Vec<Wide> offset = { Wide( o.t[0] ) - chain.root().t[0], Wide( o.t[1] ) - chain.root().t[1],
-						Wide( o.t[2] ) - chain.root().t[2] };
-					exact::Rotation turned( o );
-					std::vector<exact::Placed> there = exact::place( obstacle, turned, offset );
-					double poses = poseRounding( length, std::abs( chain.root().t[0] ) ), stretch = 64 * 0x1p-53 * ( robot_links + 1 );
-					exact::Enclosure truth = { INFINITY, INFINITY, 0 }, own = truth;
-					for ( std::size_t a = 0; a < links.size(); ++a )
-					{
-						exact::lowerTo( truth, links[a], there, 0.01 * poses );
-						if ( exact::isInside( links[a], obstacle, turned, offset ) )
-						{
-							truth = { 0, 0, 0 };
-						}
-						for ( std::size_t b = a + 4; b < links.size(); ++b )
-						{
-							exact::lowerTo( own, links[a], links[b], 0.01 * poses );
-						}
-					}
-					double size = length + 3 * obstacle.coordinates();
-					double promise = ( 0x1p-46 + ( obstacle.boxes.empty() ? 0 : 1e-12 ) ) * size;
+					const Truth truth = truthOf( chain, tip, q );
+					double poses = truth.poses;
 					lw_state_result result;
-					ASSERT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result ) );
+					ASSERT_EQ( LW_OK, lw_checker_state( tip.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result ) );
 					SCOPED_TRACE( ::testing::Message()
-								  << "kind " << kind << " seed " << seed << " state " << i << " truth " << (double)truth.upper << " own "
-								  << (double)own.upper << " got [" << result.environment.lower << ", " << result.environment.upper << "] self ["
+								  << "kind " << kind << " seed " << seed << " state " << i << " truth " << (double)truth.environment.upper << " own "
+								  << (double)truth.self.upper << " got [" << result.environment.lower << ", " << result.environment.upper << "] self ["
 								  << result.self.lower << ", " << result.self.upper << "] poses " << poses );
-					poses += stretch * std::max( static_cast<double>( truth.upper ), static_cast<double>( own.upper ) );
-					judge( result.environment, truth, poses, promise, environment );
-					judge( result.self, own, poses, promise, self );
-					// a range that ends within the known interval of the distance: FAR would claim more
-					const lw_state_result known = result;
-					for ( double share : { 0.1, 0.4, 0.7, 0.95 } )
-					{
-						for ( lw_what what : { LW_WHAT_ENVIRONMENT, LW_WHAT_SELF } )
-						{
-							const bool is_self = what == LW_WHAT_SELF;
-							const lw_clearance& of = is_self ? known.self : known.environment;
-							const lw_range range = { 0, of.lower + share * ( of.upper - of.lower ), 0 };
-							if ( !( of.lower > 0 && range.max_d > of.lower && range.max_d < of.upper ) )
-							{
-								continue;
-							}
-							ASSERT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), what, &range, false, &result ) );
-							const lw_clearance& got = is_self ? result.self : result.environment;
-							EXPECT_NE( got.kind, LW_CLEARANCE_FAR ) << "max_d " << range.max_d << " in [" << of.lower << ", " << of.upper << "]";
-							EXPECT_LE( got.lower, is_self ? own.upper : truth.upper );
-						}
-					}
+					poses += truth.stretch * std::max( static_cast<double>( truth.environment.upper ), static_cast<double>( truth.self.upper ) );
+					judge( result.environment, truth.environment, poses, truth.promise, environment );
+					judge( result.self, truth.self, poses, truth.promise, self );
+					expectNotFar( tip.checker.get(), query.get(), q, result, truth );
 					q = chain.randomState( random );
 				}
 			}

@@ -122,24 +122,11 @@ inline lw_vec3 unitNormal( const lw_vec3 t[3] )
 	return length > 0 ? lw_vec3{ n.x / length, n.y / length, n.z / length } : lw_vec3{ 0, 0, 1 };
 }
 
-/// Both about 1 in size. Scaling and shifting come after.
-inline TrianglePair basicPair( Random& random, Family family )
+/// Families whose second triangle stands near the first one: where it stays. @return false of others
+inline bool placeBeside( Random& random, Family family, lw_vec3 a[3], lw_vec3 b[3] )
 {
-	TrianglePair p;
-	lw_vec3 *a = p.a, *b = p.b;
-	random.below( 4 ) == 0 ? randomNeedle( random, a ) : randomTriangle( random, a );
-	randomTriangle( random, b );
-	double apart = random.below( 2 ) == 0 ? 1.5 : random.octave( -30, 3 );
 	switch ( family )
 	{
-	case ordinary:
-	case far_away:
-	case family_count:
-		break;
-	case needles:
-		randomNeedle( random, a );
-		randomNeedle( random, b );
-		break;
 	case needle_and_face:
 	{
 		randomTriangle( random, a );
@@ -148,8 +135,108 @@ inline TrianglePair basicPair( Random& random, Family family )
 		b[0] = plus( target, height, n );
 		b[1] = plus( b[0], thin, random.point() );
 		b[2] = plus( plus( b[0], 1, n ), 0.5, random.point() );
-		return p;
+		return true;
 	}
+	case corner_touches:
+		b[0] = pointOf( random, a );
+		return true;
+	case edges_touch:
+	case crossing:
+	{
+		lw_vec3 x = pointOf( random, a ), d = random.point();
+		if ( family == edges_touch || random.below( 3 ) == 0 )
+		{
+			d = plus( minus( a[1], a[0] ), random.octave( -52, 0 ), random.point() );
+		}
+		b[0] = plus( x, random.octave( -52, 0 ), d );
+		b[1] = plus( x, -random.octave( -10, 0 ), d );
+		return true;
+	}
+	case size_ratio:
+	{
+		double size = random.octave( -40, -1 );
+		lw_vec3 at = random.below( 2 ) == 0 ? plus( pointOf( random, a ), size * 4 * random.unit(), random.point() ) : random.point();
+		for ( int i = 0; i < 3; ++i )
+		{
+			b[i] = plus( at, size, b[i] );
+		}
+		return true;
+	}
+	case tiny_gap:
+	{
+		lw_vec3 n = unitNormal( a );
+		b[0] = plus( pointOf( random, a ), random.octave( -60, -30 ), n );
+		b[1] = plus( b[0], 1, random.below( 2 ) == 0 ? n : plus( minus( a[1], a[0] ), random.octave( -50, -5 ), n ) );
+		return true;
+	}
+	default:
+		return false;
+	}
+}
+
+/// Families whose triangles share corners, a plane or a lattice: where the second one stays. @return false of others
+inline bool placeAligned( Random& random, Family family, lw_vec3 a[3], lw_vec3 b[3] )
+{
+	switch ( family )
+	{
+	case shared_corner:
+		b[1] = a[random.below( 3 )];
+		return true;
+	case shared_edge:
+		b[1] = a[2];
+		b[2] = a[0];
+		return true;
+	case coincident:
+		for ( int i = 0; i < 3; ++i )
+		{
+			b[i] = a[( i + 1 ) % 3];
+		}
+		if ( random.below( 2 ) == 0 )
+		{
+			b[0] = plus( b[0], random.octave( -52, -20 ), random.point() );
+		}
+		return true;
+	case coplanar:
+		for ( int i = 0; i < 3; ++i )
+		{
+			b[i] = plus( plus( a[0], 2 * random.unit(), minus( a[1], a[0] ) ), 2 * random.unit(), minus( a[2], a[0] ) );
+		}
+		return true;
+	case parallel_faces:
+	{
+		double gap = random.octave( -40, 10 ), tilt = random.below( 2 ) == 0 ? 0 : random.octave( -52, -10 );
+		lw_vec3 n = unitNormal( a );
+		for ( int i = 0; i < 3; ++i )
+		{
+			b[i] = plus( plus( a[0], 2 * random.unit(), minus( a[1], a[0] ) ), 2 * random.unit(), minus( a[2], a[0] ) );
+			b[i] = plus( plus( b[i], gap, n ), tilt, random.point() );
+		}
+		return true;
+	}
+	case lattice:
+	{
+		double shift = random.below( 2 );
+		for ( int i = 0; i < 3; ++i )
+		{
+			a[i] = { random.below( 3 ) - 1.0, random.below( 3 ) - 1.0, random.below( 3 ) - 1.0 };
+			b[i] = { random.below( 3 ) - 1.0 + shift, random.below( 3 ) - 1.0, random.below( 3 ) - 1.0 };
+		}
+		return true;
+	}
+	default:
+		return false;
+	}
+}
+
+/// Families by the shape of each triangle, or by a direction that they share.
+inline void shapeTriangles( Random& random, Family family, lw_vec3 a[3], lw_vec3 b[3] )
+{
+	switch ( family )
+	{
+	case needles:
+		randomNeedle( random, a );
+		randomNeedle( random, b );
+		break;
 	case segments:
 		b[2] = b[random.below( 2 )];
 		if ( random.below( 2 ) == 0 )
@@ -164,86 +251,27 @@ inline TrianglePair basicPair( Random& random, Family family )
 			a[1] = a[2] = a[0];
 		}
 		break;
-	case shared_corner:
-		b[1] = a[random.below( 3 )];
-		return p;
-	case shared_edge:
-		b[1] = a[2];
-		b[2] = a[0];
-		return p;
-	case coincident:
-		for ( int i = 0; i < 3; ++i )
-		{
-			b[i] = a[( i + 1 ) % 3];
-		}
-		if ( random.below( 2 ) == 0 )
-		{
-			b[0] = plus( b[0], random.octave( -52, -20 ), random.point() );
-		}
-		return p;
-	case coplanar:
-		for ( int i = 0; i < 3; ++i )
-		{
-			b[i] = plus( plus( a[0], 2 * random.unit(), minus( a[1], a[0] ) ), 2 * random.unit(), minus( a[2], a[0] ) );
-		}
-		return p;
 	case parallel_edges:
 		b[1] = plus( plus( b[0], 2 * random.unit(), minus( a[1], a[0] ) ), random.octave( -56, -10 ), random.point() );
 		break;
-	case parallel_faces:
+	default: // as they are
+		break;
+	}
+}
+
+/// Both about 1 in size. Scaling and shifting come after.
+inline TrianglePair basicPair( Random& random, Family family )
+{
+	TrianglePair p;
+	lw_vec3 *a = p.a, *b = p.b;
+	random.below( 4 ) == 0 ? randomNeedle( random, a ) : randomTriangle( random, a );
+	randomTriangle( random, b );
+	double apart = random.below( 2 ) == 0 ? 1.5 : random.octave( -30, 3 );
+	if ( placeBeside( random, family, a, b ) || placeAligned( random, family, a, b ) )
 	{
-		double gap = random.octave( -40, 10 ), tilt = random.below( 2 ) == 0 ? 0 : random.octave( -52, -10 );
-		lw_vec3 n = unitNormal( a );
-		for ( int i = 0; i < 3; ++i )
-		{
-			b[i] = plus( plus( a[0], 2 * random.unit(), minus( a[1], a[0] ) ), 2 * random.unit(), minus( a[2], a[0] ) );
-			b[i] = plus( plus( b[i], gap, n ), tilt, random.point() );
-		}
 		return p;
 	}
-	case corner_touches:
-		b[0] = pointOf( random, a );
-		return p;
-	case edges_touch:
-	case crossing:
-	{
-		lw_vec3 x = pointOf( random, a ), d = random.point();
-		if ( family == edges_touch || random.below( 3 ) == 0 )
-		{
-			d = plus( minus( a[1], a[0] ), random.octave( -52, 0 ), random.point() );
-		}
-		b[0] = plus( x, random.octave( -52, 0 ), d );
-		b[1] = plus( x, -random.octave( -10, 0 ), d );
-		return p;
-	}
-	case size_ratio:
-	{
-		double size = random.octave( -40, -1 );
-		lw_vec3 at = random.below( 2 ) == 0 ? plus( pointOf( random, a ), size * 4 * random.unit(), random.point() ) : random.point();
-		for ( int i = 0; i < 3; ++i )
-		{
-			b[i] = plus( at, size, b[i] );
-		}
-		return p;
-	}
-	case lattice:
-	{
-		double shift = random.below( 2 );
-		for ( int i = 0; i < 3; ++i )
-		{
-			a[i] = { random.below( 3 ) - 1.0, random.below( 3 ) - 1.0, random.below( 3 ) - 1.0 };
-			b[i] = { random.below( 3 ) - 1.0 + shift, random.below( 3 ) - 1.0, random.below( 3 ) - 1.0 };
-		}
-		return p;
-	}
-	case tiny_gap:
-	{
-		lw_vec3 n = unitNormal( a );
-		b[0] = plus( pointOf( random, a ), random.octave( -60, -30 ), n );
-		b[1] = plus( b[0], 1, random.below( 2 ) == 0 ? n : plus( minus( a[1], a[0] ), random.octave( -50, -5 ), n ) );
-		return p;
-	}
-	}
+	shapeTriangles( random, family, a, b );
 	lw_vec3 shift = random.point();
 	for ( int i = 0; i < 3; ++i )
 	{

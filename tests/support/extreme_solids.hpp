@@ -277,6 +277,23 @@ inline void skew( Random& random, lw_transform& pose )
 	}
 }
 
+/// The gap that an arrangement has between bodies of these sizes; negative if they overlap.
+inline double gapOf( Random& random, Arrangement arrangement, double size_a, double size_b )
+{
+	const double larger = std::fmax( size_a, size_b ), smaller = std::fmin( size_a, size_b );
+	switch ( arrangement )
+	{
+	case apart_by_a_gap:
+		return std::fmin( ( random.below( 2 ) == 0 ? larger : smaller ) * random.octave( -45, 10 ), 0x1p30 );
+	case overlapping:
+		return -smaller * random.octave( -45, 1 );
+	case nested:
+		return -size_a * random.uniform( 0, 1 );
+	default:
+		return 0;
+	}
+}
+
 /// As randomShapes(): sizes from `least` octaves to 1e9 m, ratios to 1e12, places stored far from their frames and in worlds
 /// to 1.6e7 m. Axes and faces are parallel as often as not; some rotations are not quite ones. Half-spaces and planes are
 /// always the first.
@@ -325,21 +342,7 @@ inline ShapePair randomSolids( Random& random, Arrangement arrangement, int leas
 	}
 	lw_vec3 at = farthest( random, mine, p.world_from_a, n ),
 	        from = farthest( random, other, p.world_from_b, { -n.x, -n.y, -n.z } );
-	double larger = std::fmax( size_a, size_b ), smaller = std::fmin( size_a, size_b ), gap = 0;
-	switch ( arrangement )
-	{
-	case apart_by_a_gap:
-		gap = std::fmin( ( random.below( 2 ) == 0 ? larger : smaller ) * random.octave( -45, 10 ), 0x1p30 );
-		break;
-	case overlapping:
-		gap = -smaller * random.octave( -45, 1 );
-		break;
-	case nested:
-		gap = -size_a * random.uniform( 0, 1 );
-		break;
-	default:
-		break;
-	}
+	const double gap = gapOf( random, arrangement, size_a, size_b ), smaller = std::fmin( size_a, size_b );
 	lw_vec3 t = plus( minus( at, from ), gap, n );
 	if ( random.below( 3 ) == 0 ) // beside each other, too
 	{
