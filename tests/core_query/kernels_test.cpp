@@ -386,17 +386,17 @@ TEST( Kernels, box_is_below_a_plane_that_it_reaches )
 		{
 			r[k] = static_cast<float>( turn.r[k / 3][k % 3] );
 		}
-		const ShearedBoxes turned( rng, scale );
-		const lwi_sheared_box* boxes = turned.boxes;
-		const uint32_t count = turned.count;
-		const double slack = 16 * 0x1p-24 * turned.far, need = rng.uniform( 0, scale ), hope = rng.uniform( 0, scale );
+		const ShearedBoxes sheared( rng, scale );
+		const lwi_sheared_box* boxes = sheared.boxes;
+		const uint32_t count = sheared.count;
+		const double slack = 16 * 0x1p-24 * sheared.far, need = rng.uniform( 0, scale ), hope = rng.uniform( 0, scale );
 		float room[8];
 		const uint32_t clear =
 			lwi_kernels_scalar.planes_clear( &planes, r, boxes, count, static_cast<float>( need ), static_cast<float>( hope ), room );
 		for ( int lane = 0; lane < 8; ++lane )
 		{
 			double least, most;
-			turned.room( turn, planes, lane, least, most );
+			sheared.room( turn, planes, lane, least, most );
 			const bool is_clear = ( clear >> lane & 1 ) != 0, hopeless = room[lane] == -INFINITY;
 			ASSERT_FALSE( lane == 7 && ( is_clear || !hopeless ) ) << "a pad";
 			if ( lane < 7 )
