@@ -51,6 +51,7 @@ HOUSES = [
         ("scene", "scenes, requests, margins; a problem, which joins a robot with a scene"),
     ]),
     House("planners", [
+        ("native", "the library leeway::planners: search trees of joint space, samples, path smoothing"),
         ("text", "options and their domains, notices and result files, names, tables, path files"),
         ("setup", "robot, scene and checkers from options; states, ends of plans, OMPL's planners, audits"),
         ("pairs", "tables of link pairs, the SRDF made from them; reports on links and obstacles"),

@@ -1,0 +1,463 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search: see planner.hpp.
+#include "judge.hpp"
+#include "samples.hpp"
+#include "space.hpp"
+#include "tree.hpp"
+
+#include <algorithm>
+
+namespace leeway::planners
+{
+
+namespace
+{
+
+Settings checked( const Settings& settings )
+{
+	const auto need = []( bool condition, const char* sentence )
+	{
+		if ( !condition ) // written as "condition holds" so that a NaN is refused
+		{
+			throw InputError( std::string( "leeway::planners: Settings: " ) + sentence );
+		}
+	};
+	const lw_edge_def& edge = settings.edge;
+	need( edge.cookie == lw_edge_def_default().cookie, "make edge with lw_edge_def_default()" );
+	need( edge.min_d >= 0 && std::isfinite( edge.min_d ), "edge.min_d must be finite and at least 0" );
+	need( edge.slack > 0 && std::isfinite( edge.slack ), "edge.slack must be finite and above 0" );
+	need( settings.range >= 0 && std::isfinite( settings.range ), "range must be finite and at least 0" );
+	need( settings.sample_radius >= 0 && std::isfinite( settings.sample_radius ), "sample_radius must be finite and at least 0" );
+	need( settings.most_nodes >= 2 && settings.most_nodes <= no_node, "most_nodes must be 2 to 2^32 - 1" );
+	return settings;
+}
+
+/// Rough quantile of a bell curve with variance near 1 (Tukey's lambda, 0.14): directions of samples need no more.
+double normalQuantile( double u )
+{
+	u = std::clamp( u, 1e-9, 1 - 1e-9 );
+	return ( std::pow( u, 0.14 ) - std::pow( 1 - u, 0.14 ) ) / 0.1975;
+}
+
+Checker checkedChecker( Checker checker )
+{
+	if ( !checker )
+	{
+		throw InputError( "leeway::planners: Planner: no checker" );
+	}
+	return checker;
+}
+
+} // namespace
+
+const char* name( Outcome outcome )
+{
+	switch ( outcome )
+	{
+	case Outcome::SOLVED: return "solved";
+	case Outcome::TIMED_OUT: return "timed out";
+	case Outcome::CANCELLED: return "cancelled";
+	case Outcome::NODES_FULL: return "most_nodes reached";
+	case Outcome::NO_START: return "no usable start";
+	case Outcome::NO_GOAL: return "no usable goal";
+	case Outcome::FAILED: return "check failed";
+	}
+	return "?";
+}
+
+struct Planner::Parts
+{
+	Parts( Checker given, const Settings& s )
+	    : checker( checkedChecker( std::move( given ) ) ), settings( checked( s ) ), space( checker.get(), s.lower, s.upper ),
+	      random( s.seed ), halton( space.size() + 1, s.seed ), trees{ Tree( space ), Tree( space ) }
+	{
+		range = settings.range > 0 ? settings.range : geometricRange( checker.get(), space.lower(), space.upper() );
+		sample.resize( space.size() );
+		next.resize( space.size() );
+		unit.resize( space.size() + 1 );
+	}
+
+	Outcome solve( lw_query* query, const Stop& stop );
+	bool addEnds( Judge& judge, Deadline& deadline );
+	bool joinStraight( Judge& judge, Deadline& deadline, std::size_t first_start, std::size_t first_goal );
+	bool isLineFree( Judge& judge, const double* a, const double* b );
+	bool grow( Judge& judge );
+	bool connect( Judge& judge, unsigned from, std::uint32_t node );
+	std::uint32_t extend( Judge& judge, Tree& tree, std::uint32_t near, const double* q );
+	void drawSample( const Tree& tree );
+	void drawUnit();
+	void finish( unsigned from, std::uint32_t a, std::uint32_t b );
+	void appendBranch( const Tree& tree, std::uint32_t node, Path& out ) const;
+	std::size_t nodeCount() const { return trees[0].size() + trees[1].size(); }
+
+	Checker checker;
+	Settings settings;
+	Space space;
+	double range;
+	Random random;
+	Halton halton;
+	Tree trees[2]; ///< from starts, from goals
+	std::vector<double> ends[2]; ///< not yet checked
+	std::vector<std::uint32_t> roots[2];
+	std::vector<double> sample, next, unit;
+	std::string problem;
+	Path path;
+	Statistics statistics;
+	lw_status failure = LW_OK;
+};
+
+/// Numbers in [0, 1), one per variable, and one more for the radius.
+void Planner::Parts::drawUnit()
+{
+	if ( settings.samples == Samples::HALTON )
+	{
+		halton.next( unit.data() );
+		return;
+	}
+	for ( double& u : unit )
+	{
+		u = random.uniform();
+	}
+}
+
+/// A sample of the bounds, or of the ball around a random node of the tree, cut to the bounds.
+void Planner::Parts::drawSample( const Tree& tree )
+{
+	++statistics.samples;
+	drawUnit();
+	if ( !( settings.sample_radius > 0 ) )
+	{
+		for ( std::size_t i = 0; i < space.size(); ++i )
+		{
+			sample[i] = space.lower()[i] + unit[i] * ( space.upper()[i] - space.lower()[i] );
+		}
+		return;
+	}
+	double square = 0;
+	for ( std::size_t i = 0; i < space.size(); ++i )
+	{
+		sample[i] = normalQuantile( unit[i] );
+		square += sample[i] * sample[i];
+	}
+	const double* center = tree.state( static_cast<std::uint32_t>( random.below( tree.size() ) ) );
+	const double radius = settings.sample_radius * range *
+	                      std::pow( unit[space.size()], 1 / static_cast<double>( space.size() ) ) / std::sqrt( square );
+	for ( std::size_t i = 0; i < space.size(); ++i )
+	{
+		sample[i] = center[i] + ( square > 0 ? radius * sample[i] : 0 );
+	}
+	space.normalise( sample.data() );
+}
+
+bool Planner::Parts::isLineFree( Judge& judge, const double* a, const double* b )
+{
+	if ( space.partCount( a, b ) == 1 )
+	{
+		return judge.isEdgeFree( a, b );
+	}
+	space.between( a, b, 0.5, next.data() );
+	return judge.isEdgeFree( a, next.data() ) && judge.isEdgeFree( next.data(), b );
+}
+
+/// New ends that are free become roots. @return false if the deadline is over
+bool Planner::Parts::addEnds( Judge& judge, Deadline& deadline )
+{
+	for ( unsigned side = 0; side < 2; ++side )
+	{
+		std::size_t used = 0;
+		for ( ; used < ends[side].size() && !deadline.over(); used += space.size() )
+		{
+			const double* q = ends[side].data() + used;
+			if ( judge.isStateFree( q ) )
+			{
+				roots[side].push_back( trees[side].add( q, no_node ) );
+			}
+			else
+			{
+				problem = std::string( side == 0 ? "a start" : "a goal" ) + " is not proved free at the clearance asked for";
+			}
+		}
+		ends[side].erase( ends[side].begin(), ends[side].begin() + static_cast<std::ptrdiff_t>( used ) );
+	}
+	return !deadline.over();
+}
+
+/// Straight edges between roots of which at least one is new.
+bool Planner::Parts::joinStraight( Judge& judge, Deadline& deadline, std::size_t first_start, std::size_t first_goal )
+{
+	for ( std::size_t s = 0; s < roots[0].size(); ++s )
+	{
+		for ( std::size_t g = s < first_start ? first_goal : 0; g < roots[1].size() && !deadline.over(); ++g )
+		{
+			const double *a = trees[0].state( roots[0][s] ), *b = trees[1].state( roots[1][g] );
+			if ( isLineFree( judge, a, b ) )
+			{
+				if ( space.partCount( a, b ) > 1 )
+				{
+					finish( 0, trees[0].add( next.data(), roots[0][s] ), roots[1][g] );
+				}
+				else
+				{
+					finish( 0, roots[0][s], roots[1][g] );
+				}
+				return true;
+			}
+		}
+	}
+	return false;
+}
+
+/// Adds q to the tree if it and the edge from `near` are free. @return no_node if not
+std::uint32_t Planner::Parts::extend( Judge& judge, Tree& tree, std::uint32_t near, const double* q )
+{
+	// The state alone costs a fraction of an edge, and most edges that fail have a blocked end
+	if ( !judge.isStateFree( q ) || !judge.isEdgeFree( tree.state( near ), q ) )
+	{
+		return no_node;
+	}
+	return tree.add( q, near );
+}
+
+/// One edge of the smaller tree towards a sample, and the way from there to the other tree. @return true if they met
+bool Planner::Parts::grow( Judge& judge )
+{
+	const unsigned side = trees[0].size() <= trees[1].size() ? 0 : 1;
+	Tree& tree = trees[side];
+	drawSample( tree );
+	const std::uint32_t near = tree.nearest( sample.data() );
+	const double distance = space.distance( tree.state( near ), sample.data() );
+	space.between( tree.state( near ), sample.data(), std::min( 1.0, range / distance ), next.data() );
+	const std::uint32_t node = extend( judge, tree, near, next.data() );
+	if ( node == no_node )
+	{
+		return false;
+	}
+	return connect( judge, side, node );
+}
+
+/// Steps of equal length from a new node to the nearest node of the other tree, until one fails.
+bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
+{
+	Tree &tree = trees[side], &other = trees[1 - side];
+	const std::uint32_t goal = other.nearest( tree.state( node ) );
+	const double distance = space.distance( tree.state( node ), other.state( goal ) );
+	const auto steps = static_cast<unsigned>( std::max( 1.0, std::ceil( distance / std::min( range, longest_turn ) ) ) );
+	for ( unsigned step = 1; step < steps; ++step )
+	{
+		space.between( tree.state( node ), other.state( goal ), 1.0 / ( steps - step + 1 ), next.data() );
+		const std::uint32_t added = extend( judge, tree, node, next.data() );
+		if ( added == no_node )
+		{
+			return false;
+		}
+		node = added;
+	}
+	if ( !judge.isEdgeFree( tree.state( node ), other.state( goal ) ) )
+	{
+		return false;
+	}
+	finish( side, node, goal );
+	return true;
+}
+
+/// States from the node to its root.
+void Planner::Parts::appendBranch( const Tree& tree, std::uint32_t node, Path& out ) const
+{
+	for ( ; node != no_node; node = tree.parent( node ) )
+	{
+		out.values.insert( out.values.end(), tree.state( node ), tree.state( node ) + space.size() );
+	}
+}
+
+namespace
+{
+
+void reverse( Path& path )
+{
+	for ( std::size_t i = 0, j = path.count(); i + 1 < j; ++i )
+	{
+		--j;
+		std::swap_ranges( path[i], path[i] + path.dimension, path[j] );
+	}
+}
+
+} // namespace
+
+void Planner::Parts::finish( unsigned side, std::uint32_t a, std::uint32_t b )
+{
+	path.dimension = space.size();
+	path.values.clear();
+	appendBranch( trees[0], side == 0 ? a : b, path );
+	reverse( path );
+	appendBranch( trees[1], side == 0 ? b : a, path );
+}
+
+Outcome Planner::Parts::solve( lw_query* query, const Stop& stop )
+{
+	if ( path.count() > 0 )
+	{
+		return Outcome::SOLVED;
+	}
+	lw_query_reset( query );
+	Judge judge( checker.get(), query, settings.edge, statistics );
+	Deadline deadline( stop );
+	const std::size_t old_starts = roots[0].size(), old_goals = roots[1].size();
+	const auto ended = [&]( Outcome outcome )
+	{
+		failure = judge.status();
+		statistics.start_nodes = trees[0].size();
+		statistics.goal_nodes = trees[1].size();
+		return failure != LW_OK ? Outcome::FAILED : outcome;
+	};
+	if ( !addEnds( judge, deadline ) )
+	{
+		return ended( deadline.outcome() );
+	}
+	if ( roots[0].empty() || roots[1].empty() )
+	{
+		const bool start = roots[0].empty();
+		problem = problem.empty() ? ( start ? "no start was given" : "no goal was given" ) : problem;
+		return ended( start ? Outcome::NO_START : Outcome::NO_GOAL );
+	}
+	bool met = joinStraight( judge, deadline, old_starts, old_goals );
+	while ( !met && !deadline.over() && judge.status() == LW_OK )
+	{
+		if ( nodeCount() >= settings.most_nodes )
+		{
+			return ended( Outcome::NODES_FULL );
+		}
+		met = grow( judge );
+	}
+	return ended( met ? Outcome::SOLVED : deadline.outcome() );
+}
+
+Planner::Planner( Checker checker, const Settings& settings )
+    : m_parts( std::make_unique<Parts>( std::move( checker ), settings ) )
+{
+}
+Planner::~Planner() = default;
+Planner::Planner( Planner&& ) noexcept = default;
+Planner& Planner::operator=( Planner&& ) noexcept = default;
+
+namespace
+{
+
+void addEnd( const Space& space, const lw_checker* checker, const double* q, const char* kind, std::vector<double>& ends )
+{
+	const std::size_t bad = space.firstUnusable( q );
+	if ( bad < space.size() )
+	{
+		throw InputError( std::string( "leeway::planners: " ) + kind + ": joint " + jointName( checker, bad ) + " is at " +
+		                  std::to_string( q[bad] ) + ", outside of " + std::to_string( space.lower()[bad] ) + " to " +
+		                  std::to_string( space.upper()[bad] ) + "; give a state within the bounds" );
+	}
+	ends.insert( ends.end(), q, q + space.size() );
+	space.wrapAngles( ends.data() + ends.size() - space.size() );
+}
+
+} // namespace
+
+void Planner::addStart( const double* q )
+{
+	addEnd( m_parts->space, m_parts->checker.get(), q, "start", m_parts->ends[0] );
+	m_parts->path.values.clear();
+}
+
+void Planner::addGoal( const double* q )
+{
+	addEnd( m_parts->space, m_parts->checker.get(), q, "goal", m_parts->ends[1] );
+	m_parts->path.values.clear();
+}
+
+Outcome Planner::solve( lw_query* query, const Stop& stop )
+{
+	return m_parts->solve( query, stop );
+}
+
+const Path& Planner::path() const
+{
+	return m_parts->path;
+}
+
+Path Planner::approximatePath( double* distance ) const
+{
+	const Parts& p = *m_parts;
+	Path path;
+	path.dimension = p.space.size();
+	std::uint32_t best = no_node;
+	*distance = HUGE_VAL;
+	for ( const std::uint32_t goal : p.roots[1] )
+	{
+		const std::uint32_t near = p.trees[0].size() > 0 ? p.trees[0].nearest( p.trees[1].state( goal ) ) : no_node;
+		const double far = near == no_node ? HUGE_VAL : p.space.distance( p.trees[0].state( near ), p.trees[1].state( goal ) );
+		if ( far < *distance )
+		{
+			best = near;
+			*distance = far;
+		}
+	}
+	p.appendBranch( p.trees[0], best, path );
+	reverse( path );
+	return path;
+}
+
+void Planner::clear()
+{
+	Parts& p = *m_parts;
+	for ( unsigned side = 0; side < 2; ++side )
+	{
+		p.trees[side].clear();
+		p.ends[side].clear();
+		p.roots[side].clear();
+	}
+	p.path.values.clear();
+	p.problem.clear();
+	p.statistics = {};
+	p.failure = LW_OK;
+	p.random = Random( p.settings.seed );
+	p.halton = Halton( p.space.size() + 1, p.settings.seed );
+}
+
+const Statistics& Planner::statistics() const
+{
+	return m_parts->statistics;
+}
+
+double Planner::range() const
+{
+	return m_parts->range;
+}
+
+std::size_t Planner::dimension() const
+{
+	return m_parts->space.size();
+}
+
+double Planner::distance( const double* a, const double* b ) const
+{
+	return m_parts->space.distance( a, b );
+}
+
+const std::string& Planner::endProblem() const
+{
+	return m_parts->problem;
+}
+
+lw_status Planner::failure() const
+{
+	return m_parts->failure;
+}
+
+void Planner::visitNodes( void ( *visit )( void*, bool, std::uint32_t, const double* ), void* user ) const
+{
+	for ( unsigned side = 0; side < 2; ++side )
+	{
+		const Tree& tree = m_parts->trees[side];
+		for ( std::uint32_t i = 0; i < tree.size(); ++i )
+		{
+			visit( user, side == 1, tree.parent( i ), tree.state( i ) );
+		}
+	}
+}
+
+} // namespace leeway::planners
