@@ -95,7 +95,8 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 
 // ---- states ----------------------------------------------------------------------------------------------------------
 
-void lwi_edge_allow_rounding( lwi_edge* e, double of_poses )
+/// Sets the rounding that pairs allow for. @param of_poses metres, of poses and states
+static void allow_rounding( lwi_edge* e, double of_poses )
 {
 	for ( int self = 0; self < 2; ++self )
 	{
@@ -120,7 +121,7 @@ bool lwi_edge_measure_motion( lwi_edge* e )
 	e->static_rounding = lwi_motion_rounding( c->motion, e->motion );
 	e->longest = lwi_motion_total( c->motion, e->motion );
 	e->twist_error = lwi_motion_twist_error( c->motion, e->motion );
-	lwi_edge_allow_rounding( e, e->static_rounding );
+	allow_rounding( e, e->static_rounding );
 	return true;
 }
 
@@ -169,11 +170,6 @@ bool lwi_edge_pose( lwi_edge* e, double t )
 	}
 	e->posed_t = t;
 	++e->out->queries;
-	const double lane = t * LWI_WIDTH - 0.5;
-	if ( e->batch.posed && lane == floor( lane ) )
-	{
-		lwi_edge_batch_pose( e, (uint32_t)lane );
-	}
 	return true;
 }
 

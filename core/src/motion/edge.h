@@ -123,7 +123,6 @@ typedef struct lwi_edge_batch
 	lwi_batch_point* clusters; ///< [clusters]
 	double* values;            ///< [3][clusters][LWI_WIDTH] of joints, their cosines, their sines
 	double* speeds;            ///< [clusters]
-	bool posed;                ///< frames are those of this edge
 } lwi_edge_batch;
 
 typedef struct lwi_edge
@@ -188,9 +187,6 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 /// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, query, qa and qb.
 /// @return false if the query's scratch is too small
 bool lwi_edge_begin( lwi_edge* edge );
-
-/// Sets the rounding that pairs allow for. @param of_poses metres, of poses and states
-void lwi_edge_allow_rounding( lwi_edge* edge, double of_poses );
 
 /// Measures the motion of the edge. @return false for an edge that cannot be measured
 bool lwi_edge_measure_motion( lwi_edge* edge );
@@ -272,9 +268,8 @@ static inline bool lwi_edge_rotates_little( const lwi_edge* edge, lwi_edge_windo
 // --- motion/plane_test.c --------------------------------------------------------------------------------------------------
 
 /// Searches for planes that prove a pair during a window, at whose middle the query is posed.
-/// @param last_try run also the tests that mostly fail
 /// @param skip number of levels below to skip, if the answer is CLOSER
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window, bool last_try,
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window,
 	uint8_t* skip );
 
 /// Is a pair proved during a window by the part of an obstacle that it may come near to? For hulls that meet.
@@ -374,9 +369,6 @@ bool lwi_edge_has_batch( lwi_edge* edge );
 /// Everything in eight windows at once, by spheres; pairs not proved become the edge's pairs, with their cells. Clusters
 /// were measured.
 void lwi_edge_batch_pass( lwi_edge* edge );
-
-/// Takes the poses and velocities of all clusters from a lane of the interval batch, at the state of the query.
-void lwi_edge_batch_pose( lwi_edge* edge, uint32_t lane );
 
 // --- motion/prove.c ----------------------------------------------------------------------------------------------------
 

@@ -91,16 +91,14 @@ static void note_plane( lwi_edge* e, const lwi_edge_pair* pair )
 	note_proof( e, 0.25 * lwi_smaller( e->def->slack, lwi_edge_slack( e, pair ) ) * LWI_EDGE_INWARD );
 }
 
-/// Proves a pair during the window by planes, if there are any.
-/// @param last_try see lwi_edge_plane_test(); measures short windows, in which distances prove every pair that is not
-/// refused
+/// Proves a pair during the window by planes, if there are any. In the shortest windows a distance proves every pair that is
+/// not given up, so there a window that is too wide for planes is measured.
 /// @return false if it is to be measured
-static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, bool last_try,
-	lwi_edge_sample* out )
+static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, lwi_edge_sample* out )
 {
-	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window, last_try, &out->skip );
-	const bool ends = last_try && !( e->longest * window.half > lwi_edge_slack( e, pair ) );
-	if ( by == LWI_EDGE_MEASURE || ( ends && by == LWI_EDGE_CLOSER ) )
+	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window, &out->skip );
+	const bool shortest = !( e->longest * window.half > lwi_edge_slack( e, pair ) );
+	if ( by == LWI_EDGE_MEASURE || ( shortest && by == LWI_EDGE_CLOSER ) )
 	{
 		return false;
 	}
@@ -185,13 +183,14 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 	{
 		return s;
 	}
-	if ( prove_by_planes( e, pair, window, close, &s ) )
+	if ( prove_by_planes( e, pair, window, &s ) )
 	{
 		e->close += close && !s.proved;
 		return s;
 	}
 	const double loss = loss_of( e, pair, window );
 	measure( e, pair, window, may_give_up, loss, &s );
+	pair->near = 0; // a measurement replaces the candidates
 	if ( e->failed || is_proved( e, pair, loss, &s ) )
 	{
 		return s;
@@ -203,15 +202,10 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 		note_plane( e, pair );
 		return s;
 	}
-	// a pair that one order of tests skips must not be refused, since another order might prove it
-	if ( s.low && !s.blocked && !close && prove_by_planes( e, pair, window, true, &s ) )
-	{
-		return s;
-	}
 	if ( s.low && !s.blocked && tighten( e, pair, window, &s ) )
 	{
 		s.low = false;
-		if ( is_proved( e, pair, loss, &s ) || ( prove_by_planes( e, pair, window, true, &s ) && s.proved ) )
+		if ( is_proved( e, pair, loss, &s ) || ( prove_by_planes( e, pair, window, &s ) && s.proved ) )
 		{
 			return s;
 		}
@@ -237,8 +231,6 @@ bool lwi_edge_fail( lwi_edge* e, const lwi_edge_pair* pair, double t, const lwi_
 		out->t = t;
 		out->self = lwi_edge_pair_is_self( pair );
 		out->pair = s->clearance;
-		e->query->last_edge_body = pair->body_a;
-		e->query->last_edge_self = out->self;
 	}
 	return false;
 }

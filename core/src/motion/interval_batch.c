@@ -691,37 +691,10 @@ bool lwi_edge_has_batch( lwi_edge* e )
 		   lwi_edge_rotates_little( e, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
 }
 
-void lwi_edge_batch_pose( lwi_edge* e, uint32_t lane )
-{
-	const lw_checker* c = e->checker;
-	lw_query* query = e->query;
-	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
-	{
-		const lwi_cluster* cluster = &c->tree->clusters[i];
-		const lwi_batch_frame* frame = &e->batch.frames[i];
-		lw_transform* pose = &query->world_from_link[cluster->root_link];
-		for ( int k = 0; k < 9; ++k )
-		{
-			pose->r[k / 3][k % 3] = frame->r[k][lane];
-		}
-		for ( int k = 0; k < 3; ++k )
-		{
-			pose->t[k] = frame->t[k][lane];
-		}
-		query->cluster_stamp[i] = query->state_stamp;
-		lwi_edge_velocity* velocity = &e->velocities[i];
-		velocity->stamp = query->state_stamp; // depth and rates are those of the edge
-		velocity->twist.angular = lwi_v3( frame->angular[0][lane], frame->angular[1][lane], frame->angular[2][lane] );
-		velocity->twist.linear = lwi_v3( frame->linear[0][lane], frame->linear[1][lane], frame->linear[2][lane] );
-		velocity->center = lwi_transform( pose, lwi_load( cluster->r.center ) );
-	}
-}
-
 void lwi_edge_batch_pass( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
 	const double rounding = 2 * lwi_motion_rounding( c->motion, e->motion );
-	lwi_edge_allow_rounding( e, rounding ); // from here on lanes pose some states
 	interval_batch batch = { .e = e,
 		.kernels = e->query->search.kernels,
 		.tree = c->tree,
@@ -733,7 +706,6 @@ void lwi_edge_batch_pass( lwi_edge* e )
 		.rounding = rounding };
 	memcpy( batch.origin, c->reference_poses[c->tree->clusters[0].root_link].t, sizeof( batch.origin ) );
 	pose_frames( &batch );
-	e->batch.posed = true;
 	pose_spheres( &batch );
 	lwi_edge_note_proof( e );
 	batch_environment( &batch );

@@ -16,9 +16,6 @@ enum
 	PROBE_MOST_SKIP = 3 ///< of a pair, in the count of cells
 };
 
-/// Largest ratio of the bound on accelerations known before any measurement to the bound that a proof needs.
-#define MOST_ROUGH 8
-
 /// Data of a midpoint pass.
 typedef struct midpoint_pass
 {
@@ -46,32 +43,12 @@ static bool pose_all( lwi_edge* e, double t )
 	return true;
 }
 
-/// Bounds the clusters' motion without their poses. @return true if that suffices: the motion of all of them is linear, and
-/// their deviation is negligible
-static bool measure_roughly( lwi_edge* e, double share )
-{
-	const lwi_motion_table* motion = e->checker->motion;
-	const lwi_edge_window longest = { 0, share };
-	// no acceleration is larger than twice the longest path times all turns
-	lwi_motion_rate rate = { 0, 2 * e->longest * lwi_motion_rotation( motion, e->motion ) / MOST_ROUGH };
-	if ( !lwi_edge_is_linear( rate, longest ) )
-	{
-		return false;
-	}
-	rate.change = lwi_motion_measure_rough( motion, e->motion );
-	return lwi_edge_is_linear( rate, longest );
-}
-
 bool lwi_edge_measure_clusters( lwi_edge* e, double t, double share )
 {
 	const lw_checker* c = e->checker;
 	if ( !pose_all( e, t ) )
 	{
 		return false;
-	}
-	if ( measure_roughly( e, share ) )
-	{
-		return true;
 	}
 	lwi_motion_place( c->motion, e->motion, e->query->world_from_link );
 	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
@@ -119,15 +96,6 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 	return true;
 }
 
-/// Displacement of the bodies of a cluster within the window, in the frame of another cluster.
-static double cluster_loss( midpoint_pass* s, uint32_t cluster, uint32_t ancestor )
-{
-	lwi_edge* e = s->edge;
-	const lw_checker* c = e->checker;
-	lwi_motion_rate rate = lwi_motion_of( c->motion, e->motion, cluster, c->tree->clusters[ancestor].root_link );
-	return lwi_edge_displacement( e, cluster, ancestor, &c->tree->clusters[cluster].r, rate, s->window );
-}
-
 /// Displacement of a point that a cluster carries from the middle of the window to its end, by its velocity in the world.
 static lw_vec3 displacement_of( const midpoint_pass* s, const lwi_edge_velocity* velocity, lw_vec3 at )
 {
@@ -141,15 +109,6 @@ static double displacement_length( midpoint_pass* s, const lwi_edge_velocity* ve
 	double path = s->window.half * rate.path,
 		   length = lwi_length( displacement_of( s, velocity, at ) ) + lwi_edge_bulge( s->edge, rate, s->window.half );
 	return ( length < path ? length : path ) * LWI_EDGE_OUTWARD; // no number without a twist
-}
-
-/// How much the clearance of two clusters may lose by the lengths of their paths.
-static double pair_path( midpoint_pass* s, const lwi_cluster_pair* pair )
-{
-	const lwi_edge_velocity *a = lwi_edge_velocity_of( s->edge, pair->cluster_a ),
-							*b = lwi_edge_velocity_of( s->edge, pair->cluster_b );
-	const lwi_edge_velocity* above = lwi_edge_velocity_of( s->edge, pair->ancestor );
-	return s->window.half * ( lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path );
 }
 
 /// How much the clearance of two clusters may lose by how they move in the middle, and with `whole` that of any of their
@@ -274,14 +233,7 @@ static uint32_t near_bodies( midpoint_pass* s, const lwi_cluster_pair* pair )
 		return 1;
 	}
 	double displacement = pair_displacement( s, pair, true );
-	uint32_t count = lwi_checker_near_pairs( c, e->query, index, e->enough[1] + displacement * LWI_EDGE_OUTWARD );
-	if ( count > 2 ) // a few pairs are tested on their own
-	{
-		double loss = cluster_loss( s, pair->cluster_a, pair->ancestor ) + cluster_loss( s, pair->cluster_b, pair->ancestor );
-		double limit = e->enough[1] + loss * LWI_EDGE_OUTWARD;
-		count = loss < 0.9 * displacement ? lwi_checker_near_pairs( c, e->query, index, limit ) : count;
-	}
-	return count;
+	return lwi_checker_near_pairs( c, e->query, index, e->enough[1] + displacement * LWI_EDGE_OUTWARD );
 }
 
 /// A sphere of the robot in the middle of the window, and how its velocity takes it on until the end.
@@ -320,7 +272,8 @@ static bool proxies_meet( const midpoint_pass* s, const moving_proxy* a, const m
 	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
 }
 
-/// Do two bodies come near each other? Their spheres are no proxies.
+/// Do two bodies come near each other? Their spheres are no proxies. Without this test edges of 0.5 rad of ARMAR-III's torso
+/// and arm take 11 % more time.
 static bool bodies_meet( midpoint_pass* s, uint32_t a, uint32_t b, uint32_t ancestor )
 {
 	const lw_checker* c = s->edge->checker;
@@ -359,12 +312,8 @@ static bool test_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 		return true;
 	}
 	lwi_edge_note_proof( e );
-	if ( !spheres_meet( s, pair, e->enough[1] + pair_path( s, pair ) * LWI_EDGE_OUTWARD ) || // mostly that is all
-		 !spheres_meet( s, pair, e->enough[1] + pair_displacement( s, pair, false ) * LWI_EDGE_OUTWARD ) )
-	{
-		return true;
-	}
-	return test_near_clusters( s, pair );
+	return !spheres_meet( s, pair, e->enough[1] + pair_displacement( s, pair, false ) * LWI_EDGE_OUTWARD ) ||
+		   test_near_clusters( s, pair );
 }
 
 // ---- proxies --------------------------------------------------------------------------------------------------------
@@ -440,7 +389,6 @@ static bool test_proxies( midpoint_pass* s )
 
 // ---- all -------------------------------------------------------------------------------------------------------------
 
-/// The cluster of the last failure comes first: planners check edges near each other.
 static bool test_environment( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
@@ -449,12 +397,10 @@ static bool test_environment( midpoint_pass* s )
 	{
 		return true;
 	}
-	uint32_t last = e->query->last_edge_body;
-	uint32_t first = !e->query->last_edge_self && last < c->tree->body_count ? c->tree->body_cluster[last] : 0;
-	bool go_on = first == 0 || test_cluster_environment( s, first );
+	bool go_on = true;
 	for ( uint32_t i = c->tree->cluster_count; go_on && i-- > 1; ) // hands move most
 	{
-		go_on = i == first || ( test_cluster_environment( s, i ) && probe_if_many( s ) );
+		go_on = test_cluster_environment( s, i ) && probe_if_many( s );
 	}
 	return go_on;
 }

@@ -28,14 +28,9 @@ enum
 /// Metres. Where paths between exact poses bend more than this, hardly any body is found to stay away.
 #define MAX_BEND 0.02
 
-/// Slacks. Where paths are no longer than this the distance is measured at once: looking closer would not end.
-#define SHORT_WAY 2.0
-
-/// Metres, and triangles of both: where so little is lost by motion a distance of dense meshes costs hardly more than a
-/// plane between them, and where still less is, less.
-#define SMALL_WAY 0.06
-#define TINY_WAY 0.02
-#define DENSE 128u
+/// Metres. A body that is displaced less and has no plane is measured at once: so little clearance is lost by motion that
+/// the distance decides, whatever keeps the hulls together.
+#define SMALL_DISPLACEMENT 0.06
 
 /// A pair during a window: two bodies, or a body and the obstacles one after the other.
 typedef struct plane_test
@@ -45,8 +40,8 @@ typedef struct plane_test
 	lwi_edge_window window;
 	const lwi_edge_linear_motion* linear; ///< of both bodies; NULL if one has none
 	double enough; ///< clearance that proves the pair, without margins
-	bool last_try; ///< run also the tests that mostly fail
-	double bulge;  ///< of both paths between the poses: NAN if there is no point in planes
+	bool close;    ///< the pair is within the edge's slack: every test of planes is worth its time
+	double bulge;  ///< metres: deviation of both paths from the lines between the poses
 
 	lwi_swept_poses *a, *b;
 	bool swapped;      ///< b is the first of the two
@@ -270,13 +265,7 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 	{
 		return LWI_EDGE_PROVED;
 	}
-	bool dense = !s->last_try && s->displacement < SMALL_WAY && s->a->shape->item_count > DENSE &&
-				 s->b->shape->item_count > DENSE;
-	if ( dense && s->displacement < TINY_WAY )
-	{
-		return LWI_EDGE_MEASURE;
-	}
-	if ( p->wait > 0 && !s->last_try )
+	if ( p->wait > 0 && !s->close )
 	{
 		--p->wait;
 		return LWI_EDGE_MEASURE;
@@ -289,13 +278,13 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 	lwi_separation whole = lwi_separate_swept( kernels, s->a, s->b, need + s->bulge, direction, &plane );
 	if ( whole != LWI_APART )
 	{
-		if ( dense )
-		{
-			return LWI_EDGE_MEASURE; // motion costs so little clearance that a measurement decides, whatever the reason
-		}
 		if ( whole != LWI_MEET && stays_away( s, need, direction ) )
 		{
 			return LWI_EDGE_PROVED;
+		}
+		if ( !s->close && s->displacement < SMALL_DISPLACEMENT )
+		{
+			return LWI_EDGE_MEASURE;
 		}
 		// is it the window that is too wide, or are their hulls too near?
 		lwi_swept_poses middle_a, middle_b;
@@ -366,7 +355,7 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
 	const lwi_edge_pair* pair = s.pair;
-	uint32_t count = s.last_try ? 0 : pair->near; // a measurement has replaced the candidates
+	uint32_t count = pair->near;
 	if ( count == 0 )
 	{
 		double displacement = center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
@@ -411,16 +400,13 @@ static bool is_number( lw_vec3 v )
 	return v.x == v.x;
 }
 
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, bool last_try,
-	uint8_t* skip )
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, uint8_t* skip )
 {
 	*skip = 0;
 	if ( !( window.half > 0 ) )
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	bool is_short = !last_try &&
-					window.half * ( pair->rate_a.path + pair->rate_b.path ) <= SHORT_WAY * lwi_edge_slack( e, pair );
 	const uint32_t* cluster = e->checker->tree->body_cluster;
 	bool self = lwi_edge_pair_is_self( pair );
 	lwi_edge_linear_motion linear[2] = { { .bulge = 0 }, { .bulge = 0 } };
@@ -432,10 +418,11 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 						 : linear[1];
 		is_linear = is_number( linear[0].twist.angular ) && is_number( linear[1].twist.angular );
 	}
-	plane_test s = { .edge = e, .pair = pair, .window = window, .last_try = last_try, .displacement = INFINITY };
+	plane_test s = { .edge = e, .pair = pair, .window = window, .displacement = INFINITY };
+	s.close = lwi_edge_is_close( e, pair );
 	s.enough = lwi_edge_enough( e, pair );
 	s.linear = is_linear ? linear : NULL;
-	s.bulge = is_short ? NAN : is_linear ? linear[0].bulge + linear[1].bulge : chord_error_of( e, pair, window ).max;
+	s.bulge = is_linear ? linear[0].bulge + linear[1].bulge : chord_error_of( e, pair, window ).max;
 	lwi_edge_plane_result result = self ? test_self( s ) : test_scene( s );
 	if ( result == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
 	{

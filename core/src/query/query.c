@@ -123,8 +123,6 @@ void lw_query_reset( lw_query* query )
 	query->known_count = 0;
 	query->nearest_scene.valid = false;
 	memset( query->search.axis_cache, 0, sizeof( query->search.axis_cache ) );
-	query->last_edge_body = 0;
-	query->last_edge_self = false;
 	lwi_query_forget_checker( query );
 }
 

@@ -65,8 +65,6 @@ struct lw_query
 	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
 	uint32_t known_count;
 	uint32_t known_looked; ///< bits: those measured first in the current state
-	uint32_t last_edge_body;      ///< of the item that ended the last proof of an edge: tried first. Any value will do
-	bool last_edge_self;          ///< it was a pair
 	void* edge_scratch;
 	size_t bytes;
 };

@@ -527,43 +527,37 @@ static joint_motion motion_of( const lw_robot* robot, const motion_entry* entry,
 }
 
 /// Bounds along the whole edge for the points of a body, by its first 1, 2, .. joints upwards: path length, and acceleration
-/// per squared unit of t. Both are sums over the joints so far; every partial sum is kept. @return the sums over all joints
+/// per squared unit of t. Both are sums over the joints so far; every partial sum is kept.
 ///
 /// In the child frame of joint j its axis is fixed, and a point moves only by the joints between j and the body: from
 /// its place in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
 /// centre in the poses) + radius + share (path length below j), and at most the axis radius, enlarged by how far the shifts
 /// below get from where the axis radii assume them. A rotation turns the velocities below it (Coriolis, twice) and its own;
 /// shifts are at constant speed.
-/// @param rough by axis radii alone: uses no pose
-static inline lwi_motion_rate measure( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, bool rough,
-	lw_vec3 center, double radius, double share )
+static void measure( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, lw_vec3 center, double radius,
+	double share )
 {
 	const motion_body* b = &table->bodies[body];
 	double path = 0, change = 0, excess = s->whole->pose_rounding;
-	lwi_motion_rate all = { 0, 0 };
 	for ( uint32_t k = 0; k < b->entry_count; ++k )
 	{
 		const motion_entry* entry = &table->entries[b->first_entry + k];
 		const joint_motion* m = &s->motions[entry->moving_joint];
 		if ( m->rotation > 0 )
 		{
-			double arc = ( ( k == 0 ? lwi_smaller( entry->axis_radius, b->first_axis_radius ) : entry->axis_radius ) + excess ) * m->rotation;
-			if ( !rough )
-			{
-				lw_vec3 offset = lwi_sub( center, m->origin );
-				double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
-				// of (distance to the axis) * turn only the summand with `path` waits for the joint before
-				arc = lwi_smaller( ( away + radius ) * m->rotation + ( share * m->rotation ) * path, arc );
-			}
+			const double any_state = k == 0 ? lwi_smaller( entry->axis_radius, b->first_axis_radius ) : entry->axis_radius;
+			const lw_vec3 offset = lwi_sub( center, m->origin );
+			const double away = m->any_axis ? lwi_length( offset ) : distance_to_axis( m->axis, offset );
+			// of (distance to the axis) * turn only the summand with `path` waits for the joint before
+			const double arc = lwi_smaller( ( away + radius ) * m->rotation + ( share * m->rotation ) * path,
+				( any_state + excess ) * m->rotation );
 			change += m->rotation * ( 2 * path + arc );
 			path += arc;
 		}
 		path += m->translation;
 		excess += m->excess;
-		all = (lwi_motion_rate){ path * OUTWARD, change * OUTWARD };
-		s->rates[b->first_entry + k] = all;
+		s->rates[b->first_entry + k] = (lwi_motion_rate){ path * OUTWARD, change * OUTWARD };
 	}
-	return all;
 }
 
 /// Joints that move a body below an ancestor.
@@ -591,18 +585,7 @@ void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint
 	motion_scratch s = scratch_parts( table, scratch );
 	const motion_body* b = &table->bodies[body];
 	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
-	measure( table, &s, body, false, center, b->radius + s.whole->pose_rounding, share );
-}
-
-double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch )
-{
-	motion_scratch s = scratch_parts( table, scratch );
-	double most = 0;
-	for ( uint32_t i = 0; i < table->body_count; ++i )
-	{
-		most = lwi_larger( most, measure( table, &s, i, true, lwi_v3( 0, 0, 0 ), 0, 0 ).change );
-	}
-	return most;
+	measure( table, &s, body, center, b->radius + s.whole->pose_rounding, share );
 }
 
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )

@@ -69,10 +69,6 @@ void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_tr
 void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 	double share );
 
-/// All bodies of a begun edge by bounds that hold for all states, without any pose: loose, cheap. @return the largest
-/// acceleration
-double lwi_motion_measure_rough( const lwi_motion_table* table, void* scratch );
-
 /// Motion of a measured body in the frame of `ancestor`: a link above the body's link or that link itself, or
 /// LW_INVALID_INDEX for the world.
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
