@@ -34,7 +34,7 @@ packages_of()
 	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev libbenchmark-dev gnuplot-nox ;;
 	# clang and its runtimes: fuzzers, and warnings of a second compiler
 	tests) echo python3 libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
-	lint) echo clang-tidy-14 ;;
+	lint) echo git clang-tidy-14 clang-format-14 ;;
 	# llvm-cov lists the lines that a test executes
 	mutation) echo python3 python3-venv clang libclang-rt-14-dev llvm ninja-build ;;
 	zoo | zoo-tests) echo python3 python3-venv ;;

@@ -1,9 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Second opinions: clang-tidy and cppcheck over the core, the bridge and the program; and all of it built by clang, whose
-# warnings are errors, and tested.
+# Second opinions: the layout of changed lines; clang-tidy and cppcheck over the core, the bridge and the program; and all of
+# it built by clang, whose warnings are errors, and tested.
 #
-#   tests/lint.sh [BUILD (default build)] [tidy] [cppcheck] [clang]
+#   tests/lint.sh [BUILD (default build)] [format] [tidy] [cppcheck] [clang]
+#
+# format shows the lines changed since the commit BASE (default: since main, or of the last commit on main itself) that
+# git clang-format would lay out otherwise; `git clang-format-14 BASE` does so. It needs no build.
 #
 # BUILD is a configured folder, for its compile_commands.json. tests/run.sh runs cppcheck, which takes 20 seconds of one
 # processor over everything. The rest is no stage of it, because all of CI is to take less than half an hour: on two
@@ -16,14 +19,14 @@ if [ "$#" -gt 0 ] && [ -d "$1" ]; then
 	build=$1
 	shift
 fi
-[ "$#" -gt 0 ] || set -- tidy cppcheck clang
-if [ ! -e "$build/compile_commands.json" ]; then
+[ "$#" -gt 0 ] || set -- format tidy cppcheck clang
+if [ "$*" != format ] && [ ! -e "$build/compile_commands.json" ]; then
 	echo "$0: $build/compile_commands.json is not there: configure a build first, or name its folder" >&2
 	exit 2
 fi
 sets=( tests )
 case " $* " in
-*' tidy '*) sets+=( lint ) ;;
+*' tidy '* | *' format '*) sets+=( lint ) ;;
 esac
 .ci/install.sh "${sets[@]}"
 jobs=$( nproc )
@@ -36,6 +39,21 @@ bad=0
 
 for what in "$@"; do
 	case "$what" in
+	format)
+		base=${BASE:-$( git merge-base HEAD main 2>/dev/null || git merge-base HEAD origin/main 2>/dev/null || git rev-parse HEAD~1 )}
+		[ -n "${BASE:-}" ] || [ "$( git rev-parse "$base" )" != "$( git rev-parse HEAD )" ] || base=HEAD~1
+		echo "clang-format: lines changed since $( git rev-parse --short "$base" )"
+		if ! layout=$( git-clang-format-14 --binary clang-format-14 --diff --extensions c,h,cpp,hpp "$base" ); then
+			bad=1
+		fi
+		case "$layout" in
+		'' | 'no modified files to format' | 'clang-format did not modify any files') ;;
+		*)
+			printf '%s\n' "$layout"
+			bad=1
+			;;
+		esac
+		;;
 	tidy) # checks, and why others are left out: .clang-tidy
 		echo "clang-tidy: ${#files[@]} files"
 		printf '%s\0' "${files[@]}" | xargs -0 -n 2 -P "$jobs" clang-tidy-14 -p "$build" --quiet 2>/dev/null || bad=1
@@ -66,7 +84,7 @@ for what in "$@"; do
 			bad=1
 		;;
 	*)
-		echo "$0: '$what' is none of tidy, cppcheck, clang" >&2
+		echo "$0: '$what' is none of format, tidy, cppcheck, clang" >&2
 		exit 2
 		;;
 	esac
