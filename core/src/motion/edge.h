@@ -291,19 +291,11 @@ static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t ce
 					  : ( cells >> ( cell >> -finer ) & 1 ) != 0;
 }
 
-/// Tests whole states for a collision: at the end, then between both ends in halving order, except for states tested
-/// before. @param levels of halving, 1 is the middle. @return true if none was found
-bool lwi_edge_probe( lwi_edge* edge, int levels );
-
 /// Is a pair above min_d at t? Only a collision, which ends the proof, is false.
 bool lwi_edge_pair_is_free( lwi_edge* edge, const lwi_edge_pair* pair, double t );
 
 /// The verdict for a sample that ends the proof; always false. A refusal never replaces a collision found elsewhere.
 bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_pair* pair, double t, const lwi_edge_sample* sample );
-
-/// Is one state above min_d or not? The whole robot at once, nearest pair first. A failure is reported; a refusal never
-/// replaces a collision found elsewhere. @return true if it is free
-bool lwi_edge_state_is_free( lwi_edge* edge, double t );
 
 /// Lower bound of the static bodies' clearance; +infinity if the query does not cover them.
 double lwi_edge_static_lower( const lwi_edge* edge );
@@ -342,10 +334,9 @@ void lwi_edge_prepare_pair( lwi_edge* edge, lwi_edge_pair* pair );
 // --- motion/midpoint_pass.c -----------------------------------------------------------------------------------------------
 
 /// Measures everything at window.t, at which clusters were measured, clusters first. Unproved pairs are added to edge->pairs
-/// and, as an open interval, cell 0, to `level`. @param may_probe with many unproved pairs, test whole states for a
-/// collision, see lwi_edge_probe()
+/// and, as an open interval, cell 0, to `level`. With many unproved pairs whole states are probed.
 /// @return false if the proof ends here: something is blocked or refused
-bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level, bool may_probe );
+bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level );
 
 /// Measures the pairs of an interval batch at the edge's middle, and continues like lwi_edge_midpoint_pass().
 bool lwi_edge_midpoint_pairs( lwi_edge* edge, lwi_edge_level* level );
@@ -369,6 +360,26 @@ bool lwi_edge_has_batch( lwi_edge* edge );
 /// Everything in eight windows at once, by spheres; pairs not proved become the edge's pairs, with their cells. Clusters
 /// were measured.
 void lwi_edge_batch_pass( lwi_edge* edge );
+
+// --- motion/probe.c -------------------------------------------------------------------------------------------------------
+
+/// Is the whole robot above min_d at t? Nearest pair first. A failure is reported; a refusal never replaces a collision found
+/// elsewhere.
+bool lwi_edge_state_is_free( lwi_edge* edge, double t );
+
+/// Probes whole states where a proof would cost much: with many open cells, or pairs within the slack.
+/// @param work open cells so far @return false if there is a collision
+bool lwi_edge_probe( lwi_edge* edge, uint32_t work );
+
+/// Probes whole states after a proof that was given up.
+void lwi_edge_probe_undecided( lwi_edge* edge );
+
+/// Probes the pairs at the edge's end, unless whole states were probed. @return false if there is a collision
+bool lwi_edge_probe_end( lwi_edge* edge );
+
+/// Probes the pairs of an interval batch in the middles of the cells that have most of them. @return false if there is a
+/// collision
+bool lwi_edge_probe_cells( lwi_edge* edge );
 
 // --- motion/prove.c ----------------------------------------------------------------------------------------------------
 

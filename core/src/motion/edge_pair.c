@@ -252,56 +252,6 @@ bool lwi_edge_pair_is_free( lwi_edge* e, const lwi_edge_pair* pair, double t )
 	return !s.blocked || lwi_edge_fail( e, pair, t, &s );
 }
 
-// ---- whole states ----------------------------------------------------------------------------------------------------
-
-bool lwi_edge_state_is_free( lwi_edge* e, double t )
-{
-	// an empty range of interest: is it above min_d or not
-	lw_range range = { e->def->min_d, nextafter( e->def->min_d, INFINITY ), 0 };
-	lw_state_result state;
-	e->out->queries += t == e->posed_t ? 0 : 1;
-	e->posed_t = NAN;
-	if ( lw_checker_state( e->checker, e->query, lwi_edge_state( e, t ), e->def->what, &range, true, &state ) != LW_OK )
-	{
-		e->failed = true;
-		e->failure = e->query->search.failure;
-		return false;
-	}
-	e->posed_t = t; // lw_checker_state has posed the query
-	lw_edge_result* out = e->out;
-	if ( state.verdict == LW_VERDICT_BLOCKED ||
-		 ( state.verdict != LW_VERDICT_FREE && out->verdict != LW_VERDICT_BLOCKED ) )
-	{
-		bool environment = state.environment.kind == LW_CLEARANCE_VIOLATION ||
-						   ( state.environment.kind == LW_CLEARANCE_UNDECIDED && state.self.kind != LW_CLEARANCE_VIOLATION );
-		out->verdict = state.verdict;
-		out->t = t;
-		out->self = !environment;
-		out->pair = environment ? state.environment : state.self;
-	}
-	return state.verdict == LW_VERDICT_FREE;
-}
-
-bool lwi_edge_probe( lwi_edge* e, int levels )
-{
-	if ( e->probed_levels == 0 && !lwi_edge_state_is_free( e, 1 ) )
-	{
-		return false;
-	}
-	for ( int level = e->probed_levels > 0 ? e->probed_levels + 1 : 1; level <= levels; ++level )
-	{
-		for ( int i = 1; i < 1 << level; i += 2 )
-		{
-			if ( !lwi_edge_state_is_free( e, ldexp( i, -level ) ) )
-			{
-				return false;
-			}
-		}
-	}
-	e->probed_levels = levels;
-	return true;
-}
-
 double lwi_edge_static_lower( const lwi_edge* e )
 {
 	bool asked = ( e->def->what & LW_WHAT_ENVIRONMENT ) != 0;

@@ -10,10 +10,8 @@
 
 enum
 {
-	PROBE_WORK = 8,     ///< open cells after a midpoint pass from which whole states are probed, see probe_if_many()
-	PROBE_LEVELS = 4,   ///< at most, each for twice the work
-	FEW_CELLS = 3,      ///< of an interval batch: a pair that has fewer is measured there first
-	PROBE_MOST_SKIP = 3 ///< of a pair, in the count of cells
+	FEW_CELLS = 3, ///< of an interval batch: a pair that has fewer is measured there first
+	MOST_SKIP = 3  ///< of a pair, in the count of cells
 };
 
 /// Data of a midpoint pass.
@@ -23,7 +21,6 @@ typedef struct midpoint_pass
 	lwi_edge_window window;
 	lwi_edge_level* level;
 	uint32_t work; ///< remaining work: cells on which pairs have to be measured
-	bool may_probe;
 	bool covered; ///< the whole edge by the reach
 	bool moves;   ///< all clusters have a twist, and turn so little that the bounds for moving proxies hold
 } midpoint_pass;
@@ -58,21 +55,11 @@ bool lwi_edge_measure_clusters( lwi_edge* e, double t, double share )
 	return true;
 }
 
-/// The more pairs are unproved, the more likely is a collision somewhere, and the more a proof would cost: most blocked
-/// edges of a planner end here. @return false if there is a collision
-static bool probe_if_many( midpoint_pass* s )
+/// Probes whole states if many pairs are unproved. @return false if there is a collision
+static bool probe( midpoint_pass* s )
 {
-	lwi_edge* e = s->edge;
-	int levels = e->probed_levels;
-	while ( s->may_probe && levels < PROBE_LEVELS && s->work >= (uint32_t)PROBE_WORK << levels )
-	{
-		levels += levels == 0 ? 2 : 1; // the first is the middle, where it stands
-	}
-	if ( levels == 0 && e->close > 0 && !e->runs )
-	{
-		levels = 2;
-	}
-	return levels == e->probed_levels || ( lwi_edge_probe( e, levels ) && pose_all( e, s->window.t ) );
+	const int before = s->edge->probed_levels;
+	return lwi_edge_probe( s->edge, s->work ) && ( s->edge->probed_levels == before || pose_all( s->edge, s->window.t ) );
 }
 
 /// Measures a pair of the midpoint pass; an unproved one is added to the pairs. @return false if the proof ends here
@@ -91,7 +78,7 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 		pair.near = 0;
 		pair.cells = 0xff;
 		e->pairs[e->pair_count++] = pair;
-		s->work += 1u << ( sample.skip < PROBE_MOST_SKIP ? sample.skip : PROBE_MOST_SKIP );
+		s->work += 1u << ( sample.skip < MOST_SKIP ? sample.skip : MOST_SKIP );
 	}
 	return true;
 }
@@ -379,7 +366,7 @@ static bool test_proxies( midpoint_pass* s )
 		const lwi_grid_slice* slice = pair->slice != LW_INVALID_INDEX ? &tree->slices[pair->slice] : NULL;
 		if ( !( pair->candidate < LWI_OPEN ? test_bodies( s, pair->candidate, pair->ancestor, slice )
 										   : test_near_clusters( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
-			 !probe_if_many( s ) )
+			 !probe( s ) )
 		{
 			return false;
 		}
@@ -400,7 +387,7 @@ static bool test_environment( midpoint_pass* s )
 	bool go_on = true;
 	for ( uint32_t i = c->tree->cluster_count; go_on && i-- > 1; ) // hands move most
 	{
-		go_on = test_cluster_environment( s, i ) && probe_if_many( s );
+		go_on = test_cluster_environment( s, i ) && probe( s );
 	}
 	return go_on;
 }
@@ -423,17 +410,14 @@ static bool test_self( midpoint_pass* s )
 	bool go_on = true;
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
-		go_on = test_clusters( s, &c->tree->pairs[i] ) && probe_if_many( s );
+		go_on = test_clusters( s, &c->tree->pairs[i] ) && probe( s );
 	}
 	return go_on;
 }
 
-bool lwi_edge_midpoint_pass( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level, bool may_probe )
+bool lwi_edge_midpoint_pass( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level )
 {
-	midpoint_pass s = { .edge = e,
-		.window = window,
-		.level = level,
-		.may_probe = may_probe };
+	midpoint_pass s = { .edge = e, .window = window, .level = level };
 	level->count = e->pair_count = 0;
 	return test_environment( &s ) && test_self( &s );
 }

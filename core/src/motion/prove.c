@@ -6,13 +6,6 @@
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
-enum
-{
-	SEARCH_LEVELS = 2, ///< of halving, at which states of a refused edge are tested for a collision
-	WORK_PER_PROBE = 6, ///< open cells of an interval batch
-	MOST_PROBES = 20    ///< states that the collision tests of a midpoint pass take, poses of the middle again among them
-};
-
 // ---- one open interval -------------------------------------------------------------------------------------------------
 
 /// Part of an edge that is still to be proved.
@@ -68,13 +61,6 @@ static bool hand_down( lwi_edge* e, lwi_edge_level* next, const lwi_open_interva
 	return true;
 }
 
-/// Once a pair is within the slack, whole states are tested for a collision before its windows are halved: a proof near
-/// contact takes many, and most edges that need one are blocked. @return true if none was found
-static bool probe_if_close( lwi_edge* e )
-{
-	return e->close == 0 || e->probed_levels >= SEARCH_LEVELS || lwi_edge_probe( e, SEARCH_LEVELS );
-}
-
 /// Measures the intervals of one cell at its middle.
 static bool measure_cell( lwi_edge* e, lwi_open_interval* intervals, uint32_t count, double width )
 {
@@ -95,7 +81,7 @@ static bool measure_cell( lwi_edge* e, lwi_open_interval* intervals, uint32_t co
 		}
 		g->skip = s.skip;
 		g->open = !s.proved;
-		if ( !probe_if_close( e ) )
+		if ( !lwi_edge_probe( e, 0 ) )
 		{
 			return false;
 		}
@@ -168,89 +154,16 @@ static bool check_static( lwi_edge* e )
 	return false;
 }
 
-/// Tests the end of the edge for a collision, unless the midpoint pass has done so: edges that are not free mostly end in
-/// one.
-static bool end_is_free( lwi_edge* e )
-{
-	for ( uint32_t i = 0; i < e->pair_count && e->probed_levels == 0; ++i )
-	{
-		if ( !lwi_edge_pair_is_free( e, &e->pairs[i], 1 ) )
-		{
-			return false;
-		}
-	}
-	return true;
-}
-
-/// States of a proof are fewer than 2^k of at least V / slack; 2 V / slack + 2 are promised.
-static bool has_room_for_probes( const lwi_edge* e )
-{
-	int k;
-	double cells = e->longest / e->def->slack;
-	frexp( cells, &k );
-	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_PROBES;
-}
-
 /// Measures the unproved pairs of a midpoint pass in both halves.
 static bool prove_by_midpoint_pass( lwi_edge* e, lwi_edge_window whole )
 {
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
-	if ( !lwi_edge_midpoint_pass( e, whole, first, has_room_for_probes( e ) ) || !end_is_free( e ) )
+	if ( !lwi_edge_midpoint_pass( e, whole, first ) || !lwi_edge_probe_end( e ) )
 	{
 		return false;
 	}
 	next->count = 0;
-	return probe_if_close( e ) && hand_down_cell( e, first->intervals, first->count, 1, 0, next ) && prove_levels( e, 1 );
-}
-
-/// Are the pairs that an interval batch has not proved in a cell free at t?
-static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
-{
-	for ( uint32_t i = 0; i < e->pair_count; ++i )
-	{
-		if ( !e->pairs[i].neighbours && ( e->pairs[i].cells >> cell & 1 ) != 0 &&
-			 !lwi_edge_pair_is_free( e, &e->pairs[i], t ) )
-		{
-			return false;
-		}
-	}
-	return true;
-}
-
-/// Tests pairs for collisions, at the end and where the interval batch has left most of them unproved: edges of a planner that
-/// are not free end here. Pairs of neighbours, which an interval batch never proves, do not count.
-static bool probe_cells( lwi_edge* e )
-{
-	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;
-	for ( uint32_t i = 0; i < e->pair_count; ++i )
-	{
-		for ( uint32_t left = e->pairs[i].neighbours ? 0 : e->pairs[i].cells; left != 0; left &= left - 1, ++work )
-		{
-			++counts[lwi_lowest_bit( left )];
-		}
-	}
-	if ( !cell_is_free( e, LWI_WIDTH - 1, 1 ) )
-	{
-		return false;
-	}
-	for ( uint32_t probes = work / WORK_PER_PROBE; probes > 0; --probes )
-	{
-		uint32_t most = 0;
-		for ( uint32_t cell = 1; cell < LWI_WIDTH; ++cell )
-		{
-			most = counts[cell] > counts[most] ? cell : most;
-		}
-		if ( counts[most] == 0 )
-		{
-			break;
-		}
-		if ( !cell_is_free( e, most, ( most + 0.5 ) / LWI_WIDTH ) )
-		{
-			return false;
-		}
-		counts[most] = 0;
-	}
-	return true;
+	return lwi_edge_probe( e, 0 ) && hand_down_cell( e, first->intervals, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
 /// Measures the unproved pairs of an interval batch in their cells.
@@ -259,7 +172,7 @@ static bool prove_by_batch( lwi_edge* e )
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
 	first->count = next->count = e->pair_count = 0;
 	lwi_edge_batch_pass( e );
-	return ( !has_room_for_probes( e ) || probe_cells( e ) ) && lwi_edge_midpoint_pairs( e, first ) && probe_if_close( e ) &&
+	return lwi_edge_probe_end( e ) && lwi_edge_probe_cells( e ) && lwi_edge_midpoint_pairs( e, first ) && lwi_edge_probe( e, 0 ) &&
 		   hand_down_cell( e, first->intervals, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 
@@ -282,10 +195,7 @@ bool lwi_edge_prove( lwi_edge* e )
 		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->apart ), proved );
 		return true;
 	}
-	if ( e->out->verdict == LW_VERDICT_REFUSED && e->longest > 0 )
-	{
-		lwi_edge_probe( e, SEARCH_LEVELS ); // blocked elsewhere is worth knowing
-	}
+	lwi_edge_probe_undecided( e );
 	return false;
 }
 
@@ -351,7 +261,7 @@ static double locate_failure( lwi_edge* e, double until )
 static bool run_midpoint_pass( lwi_edge* e, lwi_edge_window window )
 {
 	return lwi_edge_measure_clusters( e, window.t, lwi_larger( window.t, 1 - window.t ) ) &&
-		   lwi_edge_midpoint_pass( e, window, &e->levels[0], false );
+		   lwi_edge_midpoint_pass( e, window, &e->levels[0] );
 }
 
 double lwi_edge_proved_run( lwi_edge* e )

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Probes: single states of an edge tested for a collision, of the whole robot or of pairs.
+//
+// A collision ends a proof; a free state proves nothing. Most edges of a planner that are not free end here, long before a
+// proof would come to their collision. Policy and count of states: core/docs/edges.md.
+#include "motion/edge.h"
+#include "base/math_inline.h"
+
+enum
+{
+	PROBE_WORK = 8,     ///< open cells from which whole states are probed, two levels of halving at first
+	PROBE_LEVELS = 4,   ///< of halving at most, each of the others for twice the work
+	CLOSE_LEVELS = 2,   ///< of halving, for pairs within the slack and after a proof that was given up
+	WORK_PER_PROBE = 6, ///< open cells of an interval batch, for each cell that is probed
+	MOST_PROBES = 20    ///< states of all probes before a proof is given up, poses of the middle again among them
+};
+
+bool lwi_edge_state_is_free( lwi_edge* e, double t )
+{
+	// an empty range of interest: is it above min_d or not
+	lw_range range = { e->def->min_d, nextafter( e->def->min_d, INFINITY ), 0 };
+	lw_state_result state;
+	e->out->queries += t == e->posed_t ? 0 : 1;
+	e->posed_t = NAN;
+	if ( lw_checker_state( e->checker, e->query, lwi_edge_state( e, t ), e->def->what, &range, true, &state ) != LW_OK )
+	{
+		e->failed = true;
+		e->failure = e->query->search.failure;
+		return false;
+	}
+	e->posed_t = t; // lw_checker_state has posed the query
+	lw_edge_result* out = e->out;
+	if ( state.verdict == LW_VERDICT_BLOCKED ||
+		 ( state.verdict != LW_VERDICT_FREE && out->verdict != LW_VERDICT_BLOCKED ) )
+	{
+		bool environment = state.environment.kind == LW_CLEARANCE_VIOLATION ||
+						   ( state.environment.kind == LW_CLEARANCE_UNDECIDED && state.self.kind != LW_CLEARANCE_VIOLATION );
+		out->verdict = state.verdict;
+		out->t = t;
+		out->self = !environment;
+		out->pair = environment ? state.environment : state.self;
+	}
+	return state.verdict == LW_VERDICT_FREE;
+}
+
+/// States of a proof are fewer than 2^k of at least V / slack; 2 V / slack + 2 are promised.
+static bool has_room( const lwi_edge* e )
+{
+	int k;
+	double cells = e->longest / e->def->slack;
+	frexp( cells, &k );
+	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_PROBES;
+}
+
+// ---- whole states ----------------------------------------------------------------------------------------------------
+
+/// Probes whole states: the end, then between both ends in halving order, except for states probed before.
+/// @param levels of halving, 1 is the middle
+static bool probe_states( lwi_edge* e, int levels )
+{
+	if ( e->probed_levels == 0 && !lwi_edge_state_is_free( e, 1 ) )
+	{
+		return false;
+	}
+	for ( int level = e->probed_levels + 1; level <= levels; ++level )
+	{
+		for ( int i = 1; i < 1 << level; i += 2 )
+		{
+			if ( !lwi_edge_state_is_free( e, ldexp( i, -level ) ) )
+			{
+				return false;
+			}
+		}
+	}
+	e->probed_levels = levels;
+	return true;
+}
+
+/// The more pairs are unproved, the more likely is a collision somewhere, and the more a proof would cost. Near contact it
+/// takes many windows, and most edges that need one are blocked.
+bool lwi_edge_probe( lwi_edge* e, uint32_t work )
+{
+	if ( e->runs )
+	{
+		return true; // the run ends before a collision that is known
+	}
+	int levels = e->probed_levels;
+	if ( work >= PROBE_WORK && has_room( e ) )
+	{
+		while ( levels < PROBE_LEVELS && work >= (uint32_t)PROBE_WORK << levels )
+		{
+			levels += levels == 0 ? 2 : 1;
+		}
+	}
+	levels = levels < CLOSE_LEVELS && e->close > 0 ? CLOSE_LEVELS : levels;
+	return levels == e->probed_levels || probe_states( e, levels );
+}
+
+void lwi_edge_probe_undecided( lwi_edge* e )
+{
+	if ( e->out->verdict == LW_VERDICT_REFUSED && e->longest > 0 )
+	{
+		probe_states( e, CLOSE_LEVELS ); // a collision elsewhere is worth knowing
+	}
+}
+
+// ---- pairs -----------------------------------------------------------------------------------------------------------
+
+/// Are the pairs that are open in a cell of an interval batch free at t? Pairs of neighbours, which are always open, do not
+/// count.
+static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
+{
+	for ( uint32_t i = 0; i < e->pair_count; ++i )
+	{
+		if ( !e->pairs[i].neighbours && ( e->pairs[i].cells >> cell & 1 ) != 0 &&
+			 !lwi_edge_pair_is_free( e, &e->pairs[i], t ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+bool lwi_edge_probe_end( lwi_edge* e )
+{
+	return e->probed_levels > 0 || cell_is_free( e, LWI_WIDTH - 1, 1 );
+}
+
+bool lwi_edge_probe_cells( lwi_edge* e )
+{
+	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;
+	for ( uint32_t i = 0; i < e->pair_count; ++i )
+	{
+		for ( uint32_t left = e->pairs[i].neighbours ? 0 : e->pairs[i].cells; left != 0; left &= left - 1, ++work )
+		{
+			++counts[lwi_lowest_bit( left )];
+		}
+	}
+	for ( uint32_t probes = has_room( e ) ? work / WORK_PER_PROBE : 0; probes > 0; --probes )
+	{
+		uint32_t most = 0;
+		for ( uint32_t cell = 1; cell < LWI_WIDTH; ++cell )
+		{
+			most = counts[cell] > counts[most] ? cell : most;
+		}
+		if ( counts[most] == 0 )
+		{
+			break;
+		}
+		if ( !cell_is_free( e, most, ( most + 0.5 ) / LWI_WIDTH ) )
+		{
+			return false;
+		}
+		counts[most] = 0;
+	}
+	return true;
+}
