@@ -52,18 +52,18 @@ enum
 struct Question
 {
 	const char* name;
-	lw_what what;
+	lw_check_flags flags;
 	lw_range range;
 	bool boolean; ///< stops at the first violation
 	bool edge;
 };
 
 const Question QUESTIONS[] = {
-    { "environment, exact", LW_WHAT_ENVIRONMENT, { 0, INFINITE, 0 }, false, false },
-    { "environment, > 10 mm?", LW_WHAT_ENVIRONMENT, { 0.01, 0.010000000000000002, 0 }, true, false },
-    { "self, exact", LW_WHAT_SELF, { 0, INFINITE, 0 }, false, false },
-    { "self, in contact?", LW_WHAT_SELF, { 0, 5e-324, 0 }, true, false },
-    { "edge, certified", LW_WHAT_BOTH, { 0, INFINITE, 0 }, false, true },
+    { "environment, exact", LW_CHECK_ENVIRONMENT, { 0, INFINITE, 0 }, false, false },
+    { "environment, > 10 mm?", LW_CHECK_ENVIRONMENT, { 0.01, 0.010000000000000002, 0 }, true, false },
+    { "self, exact", LW_CHECK_SELF, { 0, INFINITE, 0 }, false, false },
+    { "self, in contact?", LW_CHECK_SELF, { 0, 5e-324, 0 }, true, false },
+    { "edge, certified", LW_CHECK_BOTH, { 0, INFINITE, 0 }, false, true },
 };
 
 double uniform( std::mt19937_64& random )
@@ -85,7 +85,7 @@ std::vector<double> freeState( const io::Problem& problem, lw_query* query, std:
 		}
 		lw_state_result result;
 		leeway::require(
-		    lw_checker_state( problem.checker.get(), query, state.data(), LW_WHAT_BOTH, &contact, true, &result ),
+		    lw_checker_state( problem.checker.get(), query, state.data(), LW_CHECK_BOTH, &contact, true, &result ),
 		    "a state" );
 		if ( result.verdict == LW_VERDICT_FREE )
 		{
@@ -169,7 +169,7 @@ Answer ask( const io::Problem& problem, lw_query* query, const Question& questio
 	if ( question.edge )
 	{
 		lw_edge_def def = lw_edge_def_default();
-		def.what = question.what;
+		def.flags = question.flags;
 		lw_edge_result result;
 		leeway::require( lw_checker_edge( problem.checker.get(), query, work.states[number].data(), work.to[number].data(),
 		                     &def, &result ),
@@ -178,11 +178,11 @@ Answer ask( const io::Problem& problem, lw_query* query, const Question& questio
 		return { verdict, verdict };
 	}
 	lw_state_result result;
-	leeway::require( lw_checker_state( problem.checker.get(), query, work.states[number].data(), question.what,
+	leeway::require( lw_checker_state( problem.checker.get(), query, work.states[number].data(), question.flags,
 	                     &question.range, question.boolean, &result ),
 	    "a state" );
 	const double verdict = result.verdict;
-	const lw_clearance& c = question.what == LW_WHAT_SELF ? result.self : result.environment;
+	const lw_clearance& c = question.flags == LW_CHECK_SELF ? result.self : result.environment;
 	return question.boolean ? Answer{ verdict, verdict } : Answer{ c.lower, c.upper };
 }
 
@@ -221,7 +221,7 @@ std::size_t contradictions( const Cellblock& block )
 		for ( std::size_t i = 0; i < rounds.answers.size(); ++i )
 		{
 			const double mine = rounds.answers[i].upper, with = block.rounds[NOTHING].answers[i].upper;
-			const bool proof = block.question->edge && ( mine == LW_VERDICT_REFUSED || with == LW_VERDICT_REFUSED );
+			const bool proof = block.question->edge && ( mine == LW_VERDICT_UNDECIDED || with == LW_VERDICT_UNDECIDED );
 			count += !( mine == with ) && !proof;
 		}
 	}
@@ -361,7 +361,7 @@ void addClaims( Outcome& out, const std::vector<Cellblock>& blocks )
 	        "but one transform serves a test of eight spheres or triangles here, where it served one sphere in the "
 	        "paper." } );
 
-	const auto self = []( const Cellblock& block ) { return block.question->what == LW_WHAT_SELF; };
+	const auto self = []( const Cellblock& block ) { return block.question->flags == LW_CHECK_SELF; };
 	const Spread tables = spreadOf( blocks, TABLES, self ), hulls = spreadOf( blocks, HULLS, self );
 	out.claims.push_back( { "section IV", "tables of pairs that can never collide avoid computations of self-collision",
 	    "without tables self queries take " + sayOf( tables ) + ", most for: " + tables.where, verdictOf( tables, 10 ),

@@ -90,35 +90,35 @@ public:
 	}
 
 	/// @return its number
-	std::size_t add( lw_what what, RangeOf range, bool hierarchy = true )
+	std::size_t add( lw_check_flags flags, RangeOf range, bool hierarchy = true )
 	{
 		lw_query_def def = lw_query_def_default();
 		def.hierarchy = hierarchy;
 		m_queries.push_back( leeway::makeQuery( m_checker, def ) );
 		lw_query* query = m_queries.back().get();
-		m_contenders.push_back( { "", [this, query, what, range = std::move( range )]( const double* q )
+		m_contenders.push_back( { "", [this, query, flags, range = std::move( range )]( const double* q )
 		    {
 			    const std::size_t number = questionNumber( q );
 			    const lw_range wanted = range( number );
 			    lw_state_result result;
 			    leeway::require(
-			        lw_checker_state( m_checker, query, m_states[number].data(), what, &wanted, false, &result ),
+			        lw_checker_state( m_checker, query, m_states[number].data(), flags, &wanted, false, &result ),
 			        "a state" );
-			    const lw_clearance& c = what == LW_WHAT_SELF ? result.self : result.environment;
+			    const lw_clearance& c = flags == LW_CHECK_SELF ? result.self : result.environment;
 			    return Answer{ c.lower, c.upper };
 		    } } );
 		return m_contenders.size() - 1;
 	}
 
-	std::size_t add( lw_what what, const lw_range& range, bool hierarchy = true )
+	std::size_t add( lw_check_flags flags, const lw_range& range, bool hierarchy = true )
 	{
 		return add(
-		    what, [range]( std::size_t ) { return range; }, hierarchy );
+		    flags, [range]( std::size_t ) { return range; }, hierarchy );
 	}
 
-	std::vector<Rounds> race( int passes, Progress& progress, const std::string& what ) const
+	std::vector<Rounds> race( int passes, Progress& progress, const std::string& title ) const
 	{
-		return raceRounds( m_contenders, m_states.size(), passes, progress, what );
+		return raceRounds( m_contenders, m_states.size(), passes, progress, title );
 	}
 
 	/// Pairs of shapes that a contender searched, per question.
@@ -180,15 +180,15 @@ const double FACTORS[] = { 0.2, 0.5, 0.9, 1.1, 1.5, 2, 5, 10, INFINITE };
 
 struct Asked
 {
-	lw_what what;
+	lw_check_flags flags;
 	bool hierarchy;
 	const char *name, *short_name;
 };
 
 const Asked ASKED[] = {
-    { LW_WHAT_SELF, true, "self", "self" },
-    { LW_WHAT_SELF, false, "self, all pairs without hulls and tables", "self, all pairs" },
-    { LW_WHAT_ENVIRONMENT, true, "environment", "environment" },
+    { LW_CHECK_SELF, true, "self", "self" },
+    { LW_CHECK_SELF, false, "self, all pairs without hulls and tables", "self, all pairs" },
+    { LW_CHECK_ENVIRONMENT, true, "environment", "environment" },
 };
 
 /// Time over max_d in metres.
@@ -200,7 +200,7 @@ void addMaxD( const io::Problem& problem, const std::vector<std::vector<double>>
 	{
 		for ( const double max_d : MAX_D )
 		{
-			field.add( asked.what, { 0, max_d, 0 }, asked.hierarchy );
+			field.add( asked.flags, { 0, max_d, 0 }, asked.hierarchy );
 		}
 	}
 	const std::vector<Rounds> rounds = field.race( passes, progress, "figure 9b, max_d" );
@@ -250,11 +250,11 @@ struct Apart
 	std::vector<double> exact;
 };
 
-Apart findApart( const io::Problem& problem, lw_what what, const std::vector<std::vector<double>>& all_states, Progress& progress )
+Apart findApart( const io::Problem& problem, lw_check_flags flags, const std::vector<std::vector<double>>& all_states, Progress& progress )
 {
 	Apart apart;
 	Field field( problem.checker.get(), all_states );
-	field.add( what, lw_range_exact() );
+	field.add( flags, lw_range_exact() );
 	const std::vector<double> found = uppers( field.race( 0, progress, "figure 9b, exact distances" )[0] );
 	for ( std::size_t i = 0; i < found.size(); ++i )
 	{
@@ -286,12 +286,12 @@ void addFactors( const io::Problem& problem, const std::vector<std::vector<doubl
 		PartProgress part( progress, share, share + 1.0 / 3 );
 		share += 1.0 / 3;
 		PartProgress first( part, 0, 0.05 );
-		const auto [states, exact] = findApart( problem, asked.what, all_states, first );
+		const auto [states, exact] = findApart( problem, asked.flags, all_states, first );
 		Field field( problem.checker.get(), states );
 		for ( const double factor : FACTORS )
 		{
 			field.add(
-			    asked.what,
+			    asked.flags,
 			    [&exact = exact, factor]( std::size_t i ) {
 				    return lw_range{ 0, factor * exact[i], 0 };
 			    },
@@ -326,7 +326,7 @@ void addFactors( const io::Problem& problem, const std::vector<std::vector<doubl
 		        field.searches( 5 ) / static_cast<double>( states.size() ) / ( passes + 1 ) ) +
 		    say( "with half of it %.1f: ", field.searches( 1 ) / static_cast<double>( states.size() ) / ( passes + 1 ) );
 		out.claims.push_back( { "figure 9b",
-		    asked.what == LW_WHAT_SELF ? "max_d makes self-collision faster below the real distance, and also above it"
+		    asked.flags == LW_CHECK_SELF ? "max_d makes self-collision faster below the real distance, and also above it"
 		                               : "the same holds between robot and kitchen",
 		    figures,
 		    smaller && higher ? Verdict::HOLDS
@@ -367,7 +367,7 @@ std::string workOf(
 	for ( const std::size_t i : members )
 	{
 		lw_state_result result;
-		leeway::require( lw_checker_state( problem.checker.get(), query.get(), states[i].data(), LW_WHAT_ENVIRONMENT, &exact,
+		leeway::require( lw_checker_state( problem.checker.get(), query.get(), states[i].data(), LW_CHECK_ENVIRONMENT, &exact,
 		                     false, &result ),
 		    "a state" );
 	}
@@ -384,7 +384,7 @@ void addReach( const io::Problem& problem, const std::vector<std::vector<double>
 	Field field( problem.checker.get(), states );
 	for ( const Along& along : ALONG )
 	{
-		field.add( LW_WHAT_ENVIRONMENT, along.range );
+		field.add( LW_CHECK_ENVIRONMENT, along.range );
 	}
 	const std::vector<Rounds> rounds = field.race( passes, progress, "figure 10a, along the reach" );
 	Plot time{ "10a-reach-time", "Robot against kitchen along a reach: time",
@@ -454,7 +454,7 @@ void addMinD( const io::Problem& problem, const std::vector<std::vector<double>>
 	Field field( problem.checker.get(), states );
 	for ( const double d : min_d )
 	{
-		field.add( LW_WHAT_ENVIRONMENT, { d, INFINITE, 0 } );
+		field.add( LW_CHECK_ENVIRONMENT, { d, INFINITE, 0 } );
 	}
 	const std::vector<Rounds> rounds = field.race( passes, progress, "figure 10a, min_d" );
 	Table table{ "min-d", "Robot against kitchen along a reach, over min_d (figure 10a)",
@@ -514,7 +514,7 @@ constexpr std::size_t ALPHA_30 = 5; ///< index of 0.3
 struct AlphaSet
 {
 	const char *id, *name;
-	lw_what what;
+	lw_check_flags flags;
 	const std::vector<std::vector<double>>* states;
 	double gain = 0; ///< time at 0 over time at 0.3
 };
@@ -525,10 +525,10 @@ Series addAlphaSet( const io::Problem& problem, AlphaSet& set, int passes, Progr
 	Field field( problem.checker.get(), *set.states );
 	for ( const double alpha : ALPHAS )
 	{
-		field.add( set.what, { 0, INFINITE, alpha } );
+		field.add( set.flags, { 0, INFINITE, alpha } );
 	}
 	const std::vector<Rounds> rounds = field.race( passes, progress, std::string( "figure 10, alpha, " ) + set.name );
-	Plot plot{ std::string( set.what == LW_WHAT_SELF ? "10b-" : "10a-alpha-" ) + set.id,
+	Plot plot{ std::string( set.flags == LW_CHECK_SELF ? "10b-" : "10a-alpha-" ) + set.id,
 	    std::string( set.name ) + ": time and reported distance over alpha",
 	    "Mean over the states; the interval [lower, upper] holds the true distance (its mean is dashed). Bands are "
 	    "quartiles over "
@@ -580,10 +580,10 @@ void addAlpha( const io::Problem& problem, const PaperStates& states, int passes
 	        { "upper", "mm" }, { "true", "mm" }, { "largest error", "%" } },
 	    {} };
 	AlphaSet sets[] = {
-	    { "reach", "environment, along the reach", LW_WHAT_ENVIRONMENT, &states.reach },
-	    { "random", "environment, near furniture", LW_WHAT_ENVIRONMENT, &states.random },
-	    { "reach", "self, along the reach", LW_WHAT_SELF, &states.reach },
-	    { "random", "self, near furniture", LW_WHAT_SELF, &states.random },
+	    { "reach", "environment, along the reach", LW_CHECK_ENVIRONMENT, &states.reach },
+	    { "random", "environment, near furniture", LW_CHECK_ENVIRONMENT, &states.random },
+	    { "reach", "self, along the reach", LW_CHECK_SELF, &states.reach },
+	    { "random", "self, near furniture", LW_CHECK_SELF, &states.random },
 	};
 	Plot together{ "10-gain", "What alpha is worth: environment and self", "100 % is the exact distance.", { "alpha", "" },
 	    { "of the exact query's time", "%" }, {}, {}, {} };

@@ -4,7 +4,7 @@
 // Truth is a dense look along the whole motion (edge_auditor.hpp). Promises (checker.h, edges.md), at a margin of 0:
 //   certified, FREE     no contact anywhere, and every clearance is at least lower_bound
 //   certified, BLOCKED  the named pair is in contact at t
-//   certified, REFUSED  the named pair has at most slack / (1 - alpha) at t
+//   certified, UNDECIDED  the named pair has at most slack / (1 - alpha) at t
 //   steps of h, min_d h FREE: no contact; of the clearances between two steps none is below min_d - h / 2 (obstacles) or
 //   min_d - h (links)
 // Steps of h without a margin promise nothing between two of them: the contacts that they miss are counted.
@@ -163,7 +163,7 @@ private:
 		}
 		if ( m_inject == "slack" && setting.knob == SLACK && r.verdict == LW_VERDICT_FREE )
 		{
-			r.verdict = LW_VERDICT_REFUSED;
+			r.verdict = LW_VERDICT_UNDECIDED;
 			return true;
 		}
 		return false;
@@ -193,8 +193,8 @@ private:
 	{
 		const std::vector<double> state = m_seat.world.full( m_seat.world.at( m_motion, r.t ) );
 		const double d = injected ? m_look.least : m_seat.auditor.clearance( state.data(), r.self, r.pair.a, r.pair.b );
-		const bool refused = r.verdict == LW_VERDICT_REFUSED;
-		const double most = refused ? band( setting ) : setting.def.min_d;
+		const bool undecided = r.verdict == LW_VERDICT_UNDECIDED;
+		const double most = undecided ? band( setting ) : setting.def.min_d;
 		setting.promise.observe(
 		    std::max( 0.0, d ), most, m_name + text( ", %s at t = %.17g", lw_verdict_name( r.verdict ), r.t ) );
 	}
@@ -338,7 +338,7 @@ void addClaims( const std::vector<Setting>& all, const Totals& totals, Outcome& 
 	out.claims.push_back( claimOf( "certified: FREE is free, with at least the clearance said; what is turned down has no "
 	                               "more than (min_d + slack) / (1 - alpha)",
 	    promisesOf( all, { SLACK, ALPHA } ),
-	    text( "%zu of %zu collisions missed in %d settings; the largest clearance of a refusal is %.1f %% of the promise",
+	    text( "%zu of %zu collisions missed in %d settings; the largest clearance of an undecided verdict is %.1f %% of the promise",
 	        certified, totals.colliding, 10, 100 * worstShare( promisesOf( all, { SLACK, ALPHA } ) ) ) ) );
 	out.claims.push_back( claimOf(
 	    "steps with their length as margin miss no collision, and clearance between two falls by no more than promised",

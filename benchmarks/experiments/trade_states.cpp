@@ -67,7 +67,7 @@ Subject randomWorlds( const ExperimentSettings& settings )
 	{
 		subject.states.push_back( world.randomState( random ) );
 		lw_state_result exact;
-		leeway::require( lw_checker_state( world.checker.get(), query.get(), subject.states.back().data(), LW_WHAT_BOTH,
+		leeway::require( lw_checker_state( world.checker.get(), query.get(), subject.states.back().data(), LW_CHECK_BOTH,
 		                     nullptr, false, &exact ),
 		    "a state" );
 		subject.truth.push_back( { exact.environment.upper, exact.self.upper } );
@@ -161,9 +161,9 @@ std::string refute( const lw_clearance& c, double d, const lw_range& range )
 	return "";
 }
 
-void judge( Setting& setting, const lw_range& range, const lw_clearance& c, double d, const char* what, std::size_t state )
+void judge( Setting& setting, const lw_range& range, const lw_clearance& c, double d, const char* part, std::size_t state )
 {
-	const std::string where = text( "%s of state %zu, true %.9g, interval [%.9g, %.9g]", what, state, d, c.lower, c.upper );
+	const std::string where = text( "%s of state %zu, true %.9g, interval [%.9g, %.9g]", part, state, d, c.lower, c.upper );
 	const std::string wrong = refute( c, d, range );
 	double observed = 0, promised = 0;
 	if ( c.kind == LW_CLEARANCE_NEAR )
@@ -214,7 +214,7 @@ void pass( const Subject& subject, const std::string& inject, bool counts, std::
 			lw_state_result result;
 			const double start = threadMicroseconds();
 			const lw_status status = lw_checker_state(
-			    subject.checker.get(), queries[s].get(), subject.states[i].data(), LW_WHAT_BOTH, &range, false, &result );
+			    subject.checker.get(), queries[s].get(), subject.states[i].data(), LW_CHECK_BOTH, &range, false, &result );
 			setting.pass += threadMicroseconds() - start;
 			leeway::require( status, "a state" );
 			if ( counts )

@@ -131,7 +131,7 @@ private:
 			    const lw_range range = { 0, question.verdict ? std::nextafter( 0.0, 1.0 ) : INFINITE, 0 };
 			    lw_state_result result;
 			    leeway::require( lw_checker_state( m_problem.checker.get(), m_query.get(), m_states[numberOf( n )].data(),
-			                         LW_WHAT_ENVIRONMENT, &range, question.verdict, &result ),
+			                         LW_CHECK_ENVIRONMENT, &range, question.verdict, &result ),
 			        "a state" );
 			    return question.verdict ? single( result.verdict == LW_VERDICT_FREE ? 0 : 1 )
 			                            : Answer{ result.environment.lower, result.environment.upper };

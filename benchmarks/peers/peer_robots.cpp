@@ -115,7 +115,7 @@ private:
 		const lw_range range = { 0, NEAR, 0 };
 		lw_state_result result;
 		leeway::require( lw_checker_state( state.place->world->with_tables.get(), state.place->query.get(), state.q.data(),
-		                     LW_WHAT_BOTH, &range, false, &result ),
+		                     LW_CHECK_BOTH, &range, false, &result ),
 		    "a state" );
 		return result.verdict == LW_VERDICT_FREE && result.environment.kind == LW_CLEARANCE_NEAR;
 	}
@@ -204,7 +204,7 @@ private:
 		                                        : lw_range{ 0, INFINITE, question.alpha };
 		lw_state_result result;
 		leeway::require( lw_checker_state( state.place->world->with_tables.get(), state.place->query.get(), state.q.data(),
-		                     self ? LW_WHAT_SELF : LW_WHAT_ENVIRONMENT, &range, question.verdict, &result ),
+		                     self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, &range, question.verdict, &result ),
 		    "a state" );
 		const lw_clearance& c = self ? result.self : result.environment;
 		return question.verdict ? single( result.verdict == LW_VERDICT_FREE ? 0 : 1 ) : Answer{ c.lower, c.upper };

@@ -4,7 +4,7 @@
 // (tests/support/edge_auditor.hpp). Exit status 1 if a certificate is wrong, or the auditor.
 //
 // The auditor checks every verdict of a certificate: FREE and its lower bound by a look at the whole edge; BLOCKED and
-// REFUSED by the distance of the named pair at t, and by FCL; `proved_until` by a look at the part up to there. A discrete
+// UNDECIDED by the distance of the named pair at t, and by FCL; `proved_until` by a look at the part up to there. A discrete
 // validator cannot err on a free edge, so only colliding edges are put to it.
 #include "support/bench_program.hpp"
 #include "peers/edge_judges.hpp"
@@ -57,7 +57,7 @@ struct Task
 struct Tally
 {
 	std::size_t edges = 0, colliding = 0;
-	std::array<std::size_t, 2> free{}, refused{}, wrong{}; ///< certified; certified with tables
+	std::array<std::size_t, 2> free{}, undecided{}, wrong{}; ///< certified; certified with tables
 	std::array<std::size_t, FRACTIONS.size()> missed_own{}, missed_fcl{};
 	std::size_t fcl_differs = 0;   ///< states at which FCL's word on contact is not the auditor's
 	std::size_t auditor_wrong = 0; ///< those of them at which brute force is with FCL
@@ -71,7 +71,7 @@ struct Tally
 		for ( std::size_t i = 0; i < 2; ++i )
 		{
 			free[i] += o.free[i];
-			refused[i] += o.refused[i];
+			undecided[i] += o.undecided[i];
 			wrong[i] += o.wrong[i];
 		}
 		for ( std::size_t i = 0; i < FRACTIONS.size(); ++i )
@@ -437,7 +437,7 @@ private:
 		{
 			seat.judges.byCertificate( motion, i == 1, def, results[i] );
 			tally.free[i] += results[i].verdict == LW_VERDICT_FREE;
-			tally.refused[i] += results[i].verdict == LW_VERDICT_REFUSED;
+			tally.undecided[i] += results[i].verdict == LW_VERDICT_UNDECIDED;
 			const double before = threadMilliseconds();
 			complain( truth.refute( def, results[i] ), task, motion, i, def, tally );
 			audit += threadMilliseconds() - before;
@@ -551,14 +551,14 @@ private:
 	{
 		const double n = static_cast<double>( std::max<std::size_t>( t.edges, 1 ) );
 		std::printf( "%-36s %7zu %7zu | %7zu %6zu %5zu | %7zu %6zu %5zu | %5zu %5zu %5zu | %5zu %5zu %5zu | %7.0f %6.2f\n",
-			set.c_str(), t.edges, t.colliding, t.free[0], t.refused[0], t.wrong[0], t.free[1], t.refused[1], t.wrong[1],
+			set.c_str(), t.edges, t.colliding, t.free[0], t.undecided[0], t.wrong[0], t.free[1], t.undecided[1], t.wrong[1],
 			t.missed_own[0], t.missed_own[1], t.missed_own[2], t.missed_fcl[0], t.missed_fcl[1], t.missed_fcl[2],
 			static_cast<double>( t.distances ) / n, t.audit_ms / n );
 		Json row = { { "set", set }, { "edges", t.edges }, { "colliding", t.colliding } };
 		for ( std::size_t i = 0; i < 2; ++i )
 		{
 			row[i == 0 ? "certified" : "certified_tables"] = {
-				{ "free", t.free[i] }, { "refused", t.refused[i] }, { "wrong", t.wrong[i] } };
+				{ "free", t.free[i] }, { "undecided", t.undecided[i] }, { "wrong", t.wrong[i] } };
 		}
 		row["missed_by_own_states"] = t.missed_own;
 		row["missed_by_fcl"] = t.missed_fcl;
@@ -572,7 +572,7 @@ private:
 
 	int report()
 	{
-		std::printf( "edges judged, those that collide; certificates without and with tables: called free, refused, wrong; "
+		std::printf( "edges judged, those that collide; certificates without and with tables: called free, undecided, wrong; "
 					 "colliding edges that discrete\n"
 					 "validation calls free; distances and milliseconds of processor time per audit\n"
 					 "%-36s %7s %7s | %7s %6s %5s | %7s %6s %5s | %5s %5s %5s | %5s %5s %5s | %7s %6s\n",

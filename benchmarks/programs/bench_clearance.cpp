@@ -44,28 +44,28 @@ public:
 	{
 	}
 
-	Answer clearance( const double* q, lw_what what, const lw_range& range )
+	Answer clearance( const double* q, lw_check_flags flags, const lw_range& range )
 	{
-		const lw_state_result result = ask( q, what, range, false );
-		const lw_clearance& c = what == LW_WHAT_SELF ? result.self : result.environment;
+		const lw_state_result result = ask( q, flags, range, false );
+		const lw_clearance& c = flags == LW_CHECK_SELF ? result.self : result.environment;
 		return { c.lower, c.upper };
 	}
 
 	/// Is any clearance <= min_d? The answer has no distance.
-	Answer violates( const double* q, lw_what what, double min_d )
+	Answer violates( const double* q, lw_check_flags flags, double min_d )
 	{
 		bool free = false;
-		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, what, min_d, &free ), "a state" );
+		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, flags, min_d, &free ), "a state" );
 		const double answer = free ? 0 : 1;
 		return { answer, answer };
 	}
 
 private:
-	lw_state_result ask( const double* q, lw_what what, const lw_range& range, bool stop_at_first )
+	lw_state_result ask( const double* q, lw_check_flags flags, const lw_range& range, bool stop_at_first )
 	{
 		lw_state_result result;
 		leeway::require(
-			lw_checker_state( m_problem.checker.get(), m_query.get(), q, what, &range, stop_at_first, &result ), "a state" );
+			lw_checker_state( m_problem.checker.get(), m_query.get(), q, flags, &range, stop_at_first, &result ), "a state" );
 		return result;
 	}
 
@@ -219,7 +219,7 @@ private:
 	std::vector<Contender> environmentExact()
 	{
 		return { { "FCL", [this]( const double* q ) { m_fcl.pose( q ); return single( m_fcl.environmentDistance( INFINITE ) ); } },
-			{ "leeway", [this]( const double* q ) { return m_leeway.clearance( q, LW_WHAT_ENVIRONMENT, lw_range_exact() ); } } };
+			{ "leeway", [this]( const double* q ) { return m_leeway.clearance( q, LW_CHECK_ENVIRONMENT, lw_range_exact() ); } } };
 	}
 
 	// FCL: found <= (1 + rel_err) true. leeway: (1 - alpha) found <= true. Hence rel_err = alpha / (1 - alpha).
@@ -230,7 +230,7 @@ private:
 					m_fcl.pose( q );
 					return single( m_fcl.environmentDistance( INFINITE, ALPHA / ( 1 - ALPHA ) ) );
 				} },
-			{ "leeway", [this, range]( const double* q ) { return m_leeway.clearance( q, LW_WHAT_ENVIRONMENT, range ); } } };
+			{ "leeway", [this, range]( const double* q ) { return m_leeway.clearance( q, LW_CHECK_ENVIRONMENT, range ); } } };
 	}
 
 	std::vector<Contender> environmentMargin()
@@ -239,19 +239,19 @@ private:
 					m_fcl.pose( q );
 					return single( m_fcl.environmentDistance( MARGIN ) < MARGIN );
 				} },
-			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_WHAT_ENVIRONMENT, MARGIN ); } } };
+			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_CHECK_ENVIRONMENT, MARGIN ); } } };
 	}
 
 	std::vector<Contender> environmentCollision()
 	{
 		return { { "FCL", [this]( const double* q ) { m_fcl.pose( q ); return single( m_fcl.environmentCollides() ); } },
-			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_WHAT_ENVIRONMENT, 0 ); } } };
+			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_CHECK_ENVIRONMENT, 0 ); } } };
 	}
 
 	std::vector<Contender> selfExact()
 	{
 		return { { "FCL", [this]( const double* q ) { m_fcl.pose( q ); return single( m_fcl.selfDistance( INFINITE ) ); } },
-			{ "leeway", [this]( const double* q ) { return m_leeway.clearance( q, LW_WHAT_SELF, lw_range_exact() ); } } };
+			{ "leeway", [this]( const double* q ) { return m_leeway.clearance( q, LW_CHECK_SELF, lw_range_exact() ); } } };
 	}
 
 	std::vector<Contender> validity()
@@ -260,7 +260,7 @@ private:
 					m_fcl.pose( q );
 					return single( m_fcl.environmentCollides() || m_fcl.selfCollides() );
 				} },
-			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_WHAT_BOTH, 0 ); } } };
+			{ "leeway", [this]( const double* q ) { return m_leeway.violates( q, LW_CHECK_BOTH, 0 ); } } };
 	}
 
 	static void add( Json& rows, const Json& row )
@@ -333,7 +333,7 @@ bool compareVariants( const Settings& settings, const leeway::io::Problem& probl
 		engines.push_back( std::make_unique<Leeway>( of, def ) );
 		Leeway* engine = engines.back().get();
 		return Contender{ name,
-			[engine]( const double* q ) { return engine->clearance( q, LW_WHAT_ENVIRONMENT, lw_range_exact() ); } };
+			[engine]( const double* q ) { return engine->clearance( q, LW_CHECK_ENVIRONMENT, lw_range_exact() ); } };
 	};
 	std::vector<Contender> switches = { enter( "default", problem, lw_query_def_default() ) };
 	lw_query_def def = lw_query_def_default();

@@ -219,7 +219,7 @@ public:
 	Answer violates( const double* q, double min_d )
 	{
 		bool free = false;
-		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, LW_WHAT_ENVIRONMENT, min_d, &free ), "a state" );
+		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, LW_CHECK_ENVIRONMENT, min_d, &free ), "a state" );
 		return { free ? 0.0 : 1.0, free ? 0.0 : 1.0 };
 	}
 
@@ -227,7 +227,7 @@ private:
 	lw_state_result ask( const double* q, const lw_range& range, bool stop_at_first )
 	{
 		lw_state_result result;
-		leeway::require( lw_checker_state( m_problem.checker.get(), m_query.get(), q, LW_WHAT_ENVIRONMENT, &range,
+		leeway::require( lw_checker_state( m_problem.checker.get(), m_query.get(), q, LW_CHECK_ENVIRONMENT, &range,
 		                     stop_at_first, &result ),
 		    "a state" );
 		return result;

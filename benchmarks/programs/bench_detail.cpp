@@ -82,11 +82,11 @@ Contender load( const Settings& settings, double tolerance )
 struct Question
 {
 	const char* name;
-	lw_what what;
+	lw_check_flags flags;
 	bool exact; ///< else: free or not
 };
-const Question QUESTIONS[] = { { "environment exact", LW_WHAT_ENVIRONMENT, true }, { "self exact", LW_WHAT_SELF, true },
-	{ "valid (both)?", LW_WHAT_BOTH, false } };
+const Question QUESTIONS[] = { { "environment exact", LW_CHECK_ENVIRONMENT, true }, { "self exact", LW_CHECK_SELF, true },
+	{ "valid (both)?", LW_CHECK_BOTH, false } };
 
 /// One state, one question, one contender.
 struct Answer
@@ -102,12 +102,12 @@ Answer ask( const Contender& c, const Question& question, const std::vector<doub
 	const lw_range free_or_not = { 0, 1e-9, 0 };
 	lw_state_result result;
 	const double start = seconds( CLOCK_THREAD_CPUTIME_ID );
-	leeway::require( lw_checker_state( c.problem.checker.get(), c.query.get(), state.data(), question.what,
+	leeway::require( lw_checker_state( c.problem.checker.get(), c.query.get(), state.data(), question.flags,
 	                     question.exact ? nullptr : &free_or_not, false, &result ),
 	    "lw_checker_state" );
 	Answer answer;
 	answer.seconds = seconds( CLOCK_THREAD_CPUTIME_ID ) - start;
-	const lw_clearance& clearance = question.what == LW_WHAT_SELF ? result.self : result.environment;
+	const lw_clearance& clearance = question.flags == LW_CHECK_SELF ? result.self : result.environment;
 	answer.clearance = clearance.upper;
 	answer.lower = clearance.lower;
 	answer.verdict = result.verdict;
@@ -132,7 +132,7 @@ void judge( const Question& question, const Contender& c, const Answer& exact, c
 		sums.wrong += answer.verdict == LW_VERDICT_FREE && exact.verdict != LW_VERDICT_FREE ? 1 : 0;
 		return;
 	}
-	sums.promise = c.robot_excess + ( question.what == LW_WHAT_SELF ? c.robot_excess : c.scene_excess );
+	sums.promise = c.robot_excess + ( question.flags == LW_CHECK_SELF ? c.robot_excess : c.scene_excess );
 	const double error = exact.clearance - answer.clearance;
 	sums.error = std::max( sums.error, error );
 	sums.wrong += !( answer.lower <= exact.clearance + rounding ) || !( error <= sums.promise + rounding ) ? 1 : 0;

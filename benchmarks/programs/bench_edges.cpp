@@ -4,7 +4,7 @@
 // against like. Exit status 1 if a certificate is refuted.
 //
 // The discrete contenders use the method of ompl::base::DiscreteMotionValidator (the end first, then halving, breadth first)
-// on joint vectors without OMPL. An edge is FREE, BLOCKED or REFUSED by the certificate; times are reported for free edges
+// on joint vectors without OMPL. An edge is FREE, BLOCKED or UNDECIDED by the certificate; times are reported for free edges
 // and for the others. Edges are random ones near obstacles and anywhere, and those that RRT-Connect checks when it solves
 // the scenes' own problems: most of these are blocked. The edges of a scene follow each other, so that each query is warm,
 // as a planner's is.
@@ -204,7 +204,7 @@ private:
 			m_contradicted += proved && ( runs[FCL].answers[i].lower == 0 || runs[OWN].answers[i].lower == 0 ||
 											runs[OWN_TABLES].answers[i].lower == 0 );
 		}
-		for ( const lw_verdict verdict : { LW_VERDICT_FREE, LW_VERDICT_BLOCKED, LW_VERDICT_REFUSED } )
+		for ( const lw_verdict verdict : { LW_VERDICT_FREE, LW_VERDICT_BLOCKED, LW_VERDICT_UNDECIDED } )
 		{
 			print( name, length, verdict, runs, rows );
 		}

@@ -143,8 +143,8 @@ void Bench::compare()
 		lw_state_result x, y;
 		lw_query_reset( m_query.get() );
 		lw_query_reset( query.get() );
-		leeway::require( lw_checker_state( problem->checker.get(), m_query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &x ), "state" );
-		leeway::require( lw_checker_state( fresh.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &y ), "state" );
+		leeway::require( lw_checker_state( problem->checker.get(), m_query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &x ), "state" );
+		leeway::require( lw_checker_state( fresh.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &y ), "state" );
 		++m_states;
 		m_different += x.verdict != y.verdict || x.environment.upper != y.environment.upper || x.self.upper != y.self.upper;
 		m_answers.add( x.verdict );

@@ -178,7 +178,7 @@ public:
 	lw_clearance ask( const double* q, const Question& question )
 	{
 		lw_state_result result;
-		leeway::require( lw_checker_state( m_checker, m_query.get(), q, LW_WHAT_SELF, &question.range, question.boolean,
+		leeway::require( lw_checker_state( m_checker, m_query.get(), q, LW_CHECK_SELF, &question.range, question.boolean,
 							 &result ),
 			"a state" );
 		return result.self;

@@ -123,7 +123,7 @@ Start run( const Settings& settings, const Contender& contender )
 	const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 	const std::vector<double> q = io::startState( problem );
 	leeway::require(
-	    lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &start.answer ),
+	    lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &start.answer ),
 	    "lw_checker_state" );
 	note( ANSWER );
 	start.wall = wallClock() - wall;

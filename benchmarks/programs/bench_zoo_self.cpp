@@ -144,7 +144,7 @@ public:
 		{
 			const lw_range exact = lw_range_exact();
 			lw_state_result result;
-			leeway::require( lw_checker_state( checker, query.get(), q, LW_WHAT_SELF, &exact, false, &result ), "a state" );
+			leeway::require( lw_checker_state( checker, query.get(), q, LW_CHECK_SELF, &exact, false, &result ), "a state" );
 			return Answer{ result.self.lower, result.self.upper };
 		};
 		std::vector<double> first_times;
@@ -198,7 +198,7 @@ private:
 		{
 			const lw_range exact = lw_range_exact();
 			lw_state_result result;
-			leeway::require( lw_checker_state( checker, query.get(), set.states[i].data(), LW_WHAT_SELF, &exact, false, &result ), "a state" );
+			leeway::require( lw_checker_state( checker, query.get(), set.states[i].data(), LW_CHECK_SELF, &exact, false, &result ), "a state" );
 			m_differ += result.self.upper != answers[i].upper;
 			m_largest = std::max( m_largest, result.self.upper == answers[i].upper ? 0 : std::abs( result.self.upper - answers[i].upper ) );
 		}

@@ -191,7 +191,7 @@ public:
 	{
 		const lw_range range = lw_range_exact();
 		lw_state_result result;
-		if ( lw_checker_state( checker.get(), query.get(), q.data(), LW_WHAT_BOTH, &range, false, &result ) != LW_OK )
+		if ( lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, &range, false, &result ) != LW_OK )
 			return 0;
 		const bool self = result.self.lower < result.environment.lower;
 		const lw_clearance& least = self ? result.self : result.environment;

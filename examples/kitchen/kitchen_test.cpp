@@ -131,7 +131,7 @@ double clearance( const io::Problem& problem, const std::vector<double>& state )
 	const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 	const lw_range range = lw_range_exact();
 	lw_state_result result;
-	if ( lw_checker_state( problem.checker.get(), query.get(), state.data(), LW_WHAT_BOTH, &range, false, &result ) !=
+	if ( lw_checker_state( problem.checker.get(), query.get(), state.data(), LW_CHECK_BOTH, &range, false, &result ) !=
 	     LW_OK )
 		return 0;
 	return std::min( result.environment.lower, result.self.lower );

@@ -102,7 +102,7 @@ int runAudit( const AuditOptions& options )
 	settings.min_d = options.common.min_d_given ? options.common.min_d : path.min_d;
 	settings.resolution = options.resolution;
 	settings.time = options.time;
-	settings.what = options.common.what();
+	settings.flags = options.common.checkFlags();
 	Audit audit = auditPath( bench, points, settings, path.file );
 	if ( input.request )
 	{

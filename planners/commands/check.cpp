@@ -15,10 +15,10 @@ namespace
 
 struct Counts
 {
-	std::size_t free = 0, blocked = 0, refused = 0;
+	std::size_t free = 0, blocked = 0, undecided = 0;
 	void count( lw_verdict verdict )
 	{
-		++( verdict == LW_VERDICT_FREE ? free : verdict == LW_VERDICT_BLOCKED ? blocked : refused );
+		++( verdict == LW_VERDICT_FREE ? free : verdict == LW_VERDICT_BLOCKED ? blocked : undecided );
 	}
 };
 
@@ -52,8 +52,8 @@ int runCheck( const CheckOptions& options )
 		noteLimits( notices, options.states, row, limitViolations( bench, states.back() ) );
 	}
 
-	const lw_what what = options.common.what();
-	const bool environment = ( what & LW_WHAT_ENVIRONMENT ) != 0, self = ( what & LW_WHAT_SELF ) != 0;
+	const lw_check_flags flags = options.common.checkFlags();
+	const bool environment = ( flags & LW_CHECK_ENVIRONMENT ) != 0, self = ( flags & LW_CHECK_SELF ) != 0;
 	const lw_range range = { options.common.min_d, options.common.max_d, options.common.alpha };
 	const bool margins = hasMargins( bench.checker() );
 	out.text = fmt::format( "index,verdict,{},microseconds\n", clearanceHeader( margins ) );
@@ -71,7 +71,7 @@ int runCheck( const CheckOptions& options )
 		const std::vector<double> q = bench.groupState( states[row] );
 		const double start = now();
 		const lw_state_result result =
-		    measure( bench, q, what, &range, options.states, fmt::format( "line {}", table.rows[row].line ) );
+		    measure( bench, q, flags, &range, options.states, fmt::format( "line {}", table.rows[row].line ) );
 		microseconds.push_back( 1e6 * ( now() - start ) );
 		fmt::format_to( std::back_inserter( out.text ), "{},{},{},{:.3f}\n", row, lw_verdict_name( result.verdict ),
 		    clearanceCells( nameEnvironment( bench.checker(), result.environment, environment ),
@@ -83,8 +83,8 @@ int runCheck( const CheckOptions& options )
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
 	tell(
-	    "leeway: {}: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per state\n",
-	    counted( states.size(), "state" ), counts.free, counts.blocked, counts.refused, median, mean );
+	    "leeway: {}: {} FREE, {} BLOCKED, {} UNDECIDED; median {:.1f}, mean {:.1f} microseconds per state\n",
+	    counted( states.size(), "state" ), counts.free, counts.blocked, counts.undecided, median, mean );
 	return counts.free == states.size() ? exit_yes : exit_no;
 }
 

@@ -96,7 +96,7 @@ lw_edge_def edgeDef( const EdgeCommandOptions& options )
 {
 	lw_edge_def def = lw_edge_def_default();
 	def.method = options.edge.validator == "steps" ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
-	def.what = options.common.what();
+	def.flags = options.common.checkFlags();
 	def.min_d = options.common.min_d;
 	def.slack = options.edge.slack;
 	def.max_d = stepLength( options.common );
@@ -109,7 +109,7 @@ lw_edge_def edgeDef( const EdgeCommandOptions& options )
 std::string intervals( const Workbench& bench, const std::vector<double>& qa, const std::vector<double>& qb,
     const lw_edge_def& def, const lw_edge_result& edge, const std::string& file, std::size_t line )
 {
-	const bool environment = ( def.what & LW_WHAT_ENVIRONMENT ) != 0, self = ( def.what & LW_WHAT_SELF ) != 0;
+	const bool environment = ( def.flags & LW_CHECK_ENVIRONMENT ) != 0, self = ( def.flags & LW_CHECK_SELF ) != 0;
 	const bool margins = hasMargins( bench.checker() );
 	if ( edge.verdict == LW_VERDICT_FREE )
 	{
@@ -125,7 +125,7 @@ std::string intervals( const Workbench& bench, const std::vector<double>& qa, co
 	std::vector<double> full( bench.problem().reference.size() );
 	lw_robot_interpolate( bench.robot(), bench.fullState( qa ).data(), bench.fullState( qb ).data(), edge.t, full.data() );
 	const lw_state_result state =
-	    measure( bench, bench.groupState( full ), def.what, nullptr, file, fmt::format( "line {}", line ) );
+	    measure( bench, bench.groupState( full ), def.flags, nullptr, file, fmt::format( "line {}", line ) );
 	return clearanceCells(
 	    nameEnvironment( bench.checker(), state.environment, environment ), nameSelf( bench.checker(), state.self, self ),
 	    margins );
@@ -142,25 +142,25 @@ std::string pairCell( const Workbench& bench, const lw_edge_result& edge )
 }
 
 // Edges that were neither proved free nor found to collide, for one pair.
-struct Refused
+struct UndecidedEdges
 {
 	std::size_t edges = 0;
 	double clearance = HUGE_VAL; // metres, the least
 };
 
 // By the cell of the pair; "" for edges that are too long.
-void tellRefusals( const std::map<std::string, Refused>& refusals, double min_d )
+void tellUndecided( const std::map<std::string, UndecidedEdges>& undecided_pairs, double min_d )
 {
-	const auto most = std::max_element( refusals.begin(), refusals.end(),
+	const auto most = std::max_element( undecided_pairs.begin(), undecided_pairs.end(),
 	    []( const auto& x, const auto& y ) { return x.second.edges < y.second.edges; } );
-	if ( most != refusals.end() && most->first.empty() )
+	if ( most != undecided_pairs.end() && most->first.empty() )
 	{
-		tell( "leeway: {} refused because they take more than {} states: cut them into shorter edges\n",
+		tell( "leeway: {} undecided because they take more than {} states: cut them into shorter edges\n",
 		    counted( most->second.edges, "edge" ), int( LW_EDGE_MOST_STATES ) );
 	}
-	else if ( most != refusals.end() )
+	else if ( most != undecided_pairs.end() )
 	{
-		tell( "leeway: {} refused for {}, which come within {:.3g} m of each other: disable the pair in the SRDF if it may touch "
+		tell( "leeway: {} undecided for {}, which come within {:.3g} m of each other: disable the pair in the SRDF if it may touch "
 		      "(leeway pairs shows which){}\n",
 		    counted( most->second.edges, "edge" ), most->first, most->second.clearance, min_d > 0 ? ", or lower --min-d" : "" );
 	}
@@ -184,8 +184,8 @@ int runEdge( const EdgeCommandOptions& options )
 
 	out.text = fmt::format( "index,verdict,t,proved_until,{},pair,queries,microseconds\n",
 	    clearanceHeader( hasMargins( bench.checker() ) ) );
-	std::size_t free = 0, blocked = 0, refused = 0;
-	std::map<std::string, Refused> refusals;
+	std::size_t free = 0, blocked = 0, undecided = 0;
+	std::map<std::string, UndecidedEdges> undecided_pairs;
 	std::vector<double> microseconds;
 	Progress progress( "checking edges", edges.size() );
 	for ( std::size_t row = 0; row < edges.size(); ++row )
@@ -206,21 +206,21 @@ int runEdge( const EdgeCommandOptions& options )
 		    lw_verdict_name( edge.verdict ), edge.t, edge.proved_until,
 		    intervals( bench, qa, qb, def, edge, options.edges, table.rows[row].line ), pairCell( bench, edge ),
 		    edge.queries, microseconds.back() );
-		if ( edge.verdict == LW_VERDICT_REFUSED )
+		if ( edge.verdict == LW_VERDICT_UNDECIDED )
 		{
-			Refused& pair = refusals[pairCell( bench, edge )];
+			UndecidedEdges& pair = undecided_pairs[pairCell( bench, edge )];
 			++pair.edges;
 			pair.clearance = std::min( pair.clearance, edge.pair.upper );
 		}
-		++( edge.verdict == LW_VERDICT_FREE ? free : edge.verdict == LW_VERDICT_BLOCKED ? blocked : refused );
+		++( edge.verdict == LW_VERDICT_FREE ? free : edge.verdict == LW_VERDICT_BLOCKED ? blocked : undecided );
 		progress.step( row + 1 );
 	}
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
 	tell(
-	    "leeway: {}: {} FREE, {} BLOCKED, {} REFUSED; median {:.1f}, mean {:.1f} microseconds per edge\n",
-	    counted( edges.size(), "edge" ), free, blocked, refused, median, mean );
-	tellRefusals( refusals, options.common.min_d );
+	    "leeway: {}: {} FREE, {} BLOCKED, {} UNDECIDED; median {:.1f}, mean {:.1f} microseconds per edge\n",
+	    counted( edges.size(), "edge" ), free, blocked, undecided, median, mean );
+	tellUndecided( undecided_pairs, options.common.min_d );
 	return free == edges.size() ? exit_yes : exit_no;
 }
 

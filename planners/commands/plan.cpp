@@ -68,9 +68,9 @@ struct Seconds
 
 struct Edges
 {
-	std::size_t free = 0, blocked = 0, refused = 0;
+	std::size_t free = 0, blocked = 0, undecided = 0;
 	double lower_bound = 0; // of all clearances along all edges, proved; 0 if not all are FREE
-	bool all() const { return blocked + refused == 0; }
+	bool all() const { return blocked + undecided == 0; }
 };
 
 struct Solution
@@ -86,8 +86,8 @@ struct Solution
 	unsigned threads = 1; // of the planner
 	std::map<std::string, std::string> parameters; // of the planner
 	::leeway::ompl::Counters counters;
-	std::vector<::leeway::ompl::Refusal> refusals;
-	std::string refused; // a sentence on them
+	std::vector<::leeway::ompl::UndecidedPair> undecided_pairs;
+	std::string undecided; // a sentence on them
 };
 
 // An end of the request must be inside the limits and free, else no planner can help.
@@ -107,8 +107,8 @@ void requireUsable(
 		wrong( all, end.element == "--start" ? "name these joints in --start: joints without a value start at 0"
 		                                     : "give a state inside the joint limits" );
 	}
-	const lw_what what = options.common.what();
-	const lw_state_result state = measure( bench, q, what, nullptr, end.file, end.element );
+	const lw_check_flags flags = options.common.checkFlags();
+	const lw_state_result state = measure( bench, q, flags, nullptr, end.file, end.element );
 	const double min_d = options.common.min_d;
 	const auto judge = [&]( const char* which, const Named& clearance, const std::string& remedy )
 	{
@@ -122,7 +122,7 @@ void requireUsable(
 			    remedy );
 		}
 	};
-	if ( ( what & LW_WHAT_ENVIRONMENT ) != 0 )
+	if ( ( flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{
 		const lw_clearance fixed = lw_checker_get_info( bench.checker() ).static_environment;
 		judge( "environment", nameEnvironment( bench.checker(), fixed ),
@@ -132,7 +132,7 @@ void requireUsable(
 		judge( "environment", nameEnvironment( bench.checker(), state.environment ),
 		    "move the object, choose another state, or lower --min-d" );
 	}
-	if ( ( what & LW_WHAT_SELF ) != 0 )
+	if ( ( flags & LW_CHECK_SELF ) != 0 )
 	{
 		const Named self = nameSelf( bench.checker(), state.self );
 		judge( "self", self,
@@ -146,7 +146,7 @@ lw_edge_def edgeDef( const PlanOptions& options )
 {
 	lw_edge_def def = lw_edge_def_default();
 	def.method = options.edge.validator == "steps" ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
-	def.what = options.common.what();
+	def.flags = options.common.checkFlags();
 	def.min_d = options.common.min_d;
 	def.slack = options.edge.slack;
 	def.max_d = stepLength( options.common );
@@ -178,7 +178,7 @@ Edges certify( const Workbench& bench, const Points& points, const lw_edge_def& 
 		    "edge check" );
 		++( edge.verdict == LW_VERDICT_FREE      ? edges.free
 		    : edge.verdict == LW_VERDICT_BLOCKED ? edges.blocked
-		                                         : edges.refused );
+		                                         : edges.undecided );
 		edges.lower_bound = std::min( edges.lower_bound, edge.verdict == LW_VERDICT_FREE ? edge.lower_bound : 0.0 );
 	}
 	return edges;
@@ -206,7 +206,7 @@ double lengthOf( const Workbench& bench, const Points& points )
 }
 
 // Shortcuts only: the path stays a chain of straight edges, each judged by the motion validator. Rounds are counted, not
-// timed, so that equal seeds give equal paths. Shortcuts between points of edges keep parts of these, and a part may be refused where
+// timed, so that equal seeds give equal paths. Shortcuts between points of edges keep parts of these, and a part may be undecided where
 // the whole was not (its samples are elsewhere): a step after which not all edges are certified is taken back.
 template <typename Certified>
 void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si, const Certified& certified )
@@ -312,7 +312,7 @@ public:
 		judge.slack = options.edge.slack;
 		judge.method = options.edge.validator == "steps" ? LW_EDGE_STEPS : LW_EDGE_CERTIFIED;
 		judge.step = stepLength( options.common );
-		judge.what = options.common.what();
+		judge.flags = options.common.checkFlags();
 		m_space = ::leeway::ompl::makeStateSpace( bench.problem().checker );
 		const ::leeway::ompl::StateAdapter adapter( m_space, bench.problem().checker );
 		ob::ScopedState<> first( m_space ), last( m_space );
@@ -342,8 +342,8 @@ public:
 			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
 		}
 		solution.counters = m_engine->counters();
-		solution.refusals = m_engine->refusals();
-		solution.refused = m_engine->describeRefusals();
+		solution.undecided_pairs = m_engine->undecidedPairs();
+		solution.undecided = m_engine->describeUndecided();
 		return solution;
 	}
 
@@ -469,19 +469,19 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 	    { "audit", solution.seconds.audit } };
 	const ::leeway::ompl::Counters& c = solution.counters;
 	json["checks"] = { { "states", c.states }, { "edges", c.edges }, { "free", c.free }, { "blocked", c.blocked },
-	    { "refused", c.refused }, { "edge_queries", c.edge_queries } };
-	json["checks"]["refused_pairs"] = Json::array();
-	for ( const ::leeway::ompl::Refusal& refusal : solution.refusals )
+	    { "undecided", c.undecided }, { "edge_queries", c.edge_queries } };
+	json["checks"]["undecided_pairs"] = Json::array();
+	for ( const ::leeway::ompl::UndecidedPair& pair : solution.undecided_pairs )
 	{
-		json["checks"]["refused_pairs"].push_back( { { "first", refusal.first }, { "second", refusal.second },
-		    { "self", refusal.self }, { "edges", refusal.count }, { "clearance", jsonNumber( refusal.clearance ) } } );
+		json["checks"]["undecided_pairs"].push_back( { { "first", pair.first }, { "second", pair.second },
+		    { "self", pair.self }, { "edges", pair.count }, { "clearance", jsonNumber( pair.clearance ) } } );
 	}
 	if ( solution.solved )
 	{
 		json["raw"] = { { "states", solution.raw_states }, { "length", solution.raw_length } };
 		json["path"] = { { "states", solution.points.size() }, { "length", lengthOf( bench, solution.points ) },
 		    { "simplified", solution.simplified }, { "edges_free", solution.edges.free },
-		    { "edges_blocked", solution.edges.blocked }, { "edges_refused", solution.edges.refused },
+		    { "edges_blocked", solution.edges.blocked }, { "edges_undecided", solution.edges.undecided },
 		    { "proved_clearance",
 		        options.edge.validator == "certified" ? jsonNumber( solution.edges.lower_bound ) : Json( nullptr ) } };
 	}
@@ -497,13 +497,13 @@ std::string summary( const PlanOptions& options, const Solution& solution )
 	        solution.threads > 1 ? fmt::format( ", {} threads", solution.threads ) : "", solution.seconds.plan,
 	        solution.seconds.simplify, counted( solution.counters.states, "state" ), counted( solution.counters.edges, "edge" ) );
 	text += fmt::format( "edges       {} of {} {}", solution.edges.free,
-	    solution.edges.free + solution.edges.blocked + solution.edges.refused,
+	    solution.edges.free + solution.edges.blocked + solution.edges.undecided,
 	    certified ? "proved free" : "free at fixed steps (not a proof)" );
 	if ( certified && solution.edges.all() )
 	{
 		text += fmt::format( ", clearance proved to be at least {:.6f} m", solution.edges.lower_bound );
 	}
-	text += solution.refused.empty() ? "" : "; " + solution.refused;
+	text += solution.undecided.empty() ? "" : "; " + solution.undecided;
 	return text +
 	       fmt::format( "; before simplification {}, length {:.6g}\n", counted( solution.raw_states, "state" ), solution.raw_length );
 }
@@ -560,7 +560,7 @@ int runPlan( const PlanOptions& options )
 	AuditSettings settings;
 	settings.min_d = options.common.min_d;
 	settings.resolution = options.resolution;
-	settings.what = options.common.what();
+	settings.flags = options.common.checkFlags();
 	Audit audit;
 	if ( solution.solved )
 	{
@@ -591,7 +591,7 @@ int runPlan( const PlanOptions& options )
 		    "or --planner{}{}{}\n",
 		    listed( plannersOf( options ) ), solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
 		    counted( solution.counters.edges, "edge" ), options.common.min_d > 0 ? ", or a smaller --min-d" : "",
-		    solution.refused.empty() ? "" : "; ", solution.refused );
+		    solution.undecided.empty() ? "" : "; ", solution.undecided );
 		return exit_no;
 	}
 	// The path itself goes to standard output if no file was named; the summary must not mix with it.

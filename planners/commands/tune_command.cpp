@@ -19,7 +19,7 @@ TuneSettings settingsOf( const TuneOptions& options )
 	TuneSettings settings;
 	settings.min_d = options.common.min_d;
 	settings.max_d = options.common.max_d;
-	settings.what = options.common.what();
+	settings.flags = options.common.checkFlags();
 	settings.states = options.states;
 	settings.motions = options.edges;
 	settings.seed = options.seed;
@@ -51,7 +51,7 @@ std::string targetText( const TuneTarget& target )
 	case TuneTarget::ERROR:
 		return fmt::format( "an error of a state's clearance of at most {:.6g} mm", 1e3 * target.value );
 	case TuneTarget::CONSERVATISM:
-		return fmt::format( "no free motion refused above {:.6g} mm", 1e3 * target.value );
+		return fmt::format( "no free motion undecided above {:.6g} mm", 1e3 * target.value );
 	default:
 		return "none";
 	}

@@ -60,7 +60,7 @@ public:
 	{
 		bool free = false;
 		++m_statistics.states;
-		note( lw_checker_is_free( m_checker, m_query, q, m_def.what, m_def.min_d, &free ) );
+		note( lw_checker_is_free( m_checker, m_query, q, m_def.flags, m_def.min_d, &free ) );
 		m_statistics.states_free += free;
 		return free;
 	}
@@ -78,7 +78,7 @@ public:
 		m_statistics.edge_queries += result.queries;
 		m_statistics.free += result.verdict == LW_VERDICT_FREE;
 		m_statistics.blocked += result.verdict == LW_VERDICT_BLOCKED;
-		m_statistics.undecided += result.verdict == LW_VERDICT_REFUSED;
+		m_statistics.undecided += result.verdict == LW_VERDICT_UNDECIDED;
 		return result.verdict == LW_VERDICT_FREE;
 	}
 

@@ -128,7 +128,7 @@ Modelled count( const Workbench& bench, const Input& input )
 	return modelled;
 }
 
-std::string table( const char* what, const std::vector<RequiredLine>& lines )
+std::string table( const char* title, const std::vector<RequiredLine>& lines )
 {
 	std::size_t width = 5;
 	for ( const RequiredLine& line : lines )
@@ -138,15 +138,15 @@ std::string table( const char* what, const std::vector<RequiredLine>& lines )
 	std::string text;
 	for ( const RequiredLine& line : lines )
 	{
-		fmt::format_to( std::back_inserter( text ), "  {:<8} {:<{}}  {:>9} {:<7}  {}\n", what, line.name, width,
+		fmt::format_to( std::back_inserter( text ), "  {:<8} {:<{}}  {:>9} {:<7}  {}\n", title, line.name, width,
 		    line.triangles, !line.kept ? "dropped" : line.made > 0 ? "kept" : "waits", line.why );
 	}
 	return text;
 }
 
-std::string line( const char* what, const Modelled& m )
+std::string line( const char* title, const Modelled& m )
 {
-	return fmt::format( "  {}: {} distinct shapes, {} triangles, {} bytes, {:.1f} ms of reading and building\n", what, m.shapes,
+	return fmt::format( "  {}: {} distinct shapes, {} triangles, {} bytes, {:.1f} ms of reading and building\n", title, m.shapes,
 	    m.triangles, m.bytes, m.milliseconds );
 }
 
@@ -172,7 +172,7 @@ Required findRequired( const Workbench& bench, const Input& input )
 {
 	Required required;
 	required.checker = lw_checker_get_info( bench.checker() );
-	(void)measure( bench, io::startState( bench.problem() ), LW_WHAT_BOTH, nullptr, input.robot_file, "reference state" );
+	(void)measure( bench, io::startState( bench.problem() ), LW_CHECK_BOTH, nullptr, input.robot_file, "reference state" );
 	required.links = linkLines( bench );
 	required.obstacles = obstacleLines( bench, required.checker );
 	for ( const RequiredLine& obstacle : required.obstacles )

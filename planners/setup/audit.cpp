@@ -101,8 +101,8 @@ public:
 	    : m_bench( bench ), m_settings( settings ), m_file( file ), m_meter( bench ), m_query( makeQuery( bench.checker() ) )
 	{
 		m_audit.environment.clearance = {
-		    ( settings.what & LW_WHAT_ENVIRONMENT ) != 0, infinity, infinity, "", "", {}, {}, false };
-		m_audit.self.clearance = { ( settings.what & LW_WHAT_SELF ) != 0, infinity, infinity, "", "", {}, {}, false };
+		    ( settings.flags & LW_CHECK_ENVIRONMENT ) != 0, infinity, infinity, "", "", {}, {}, false };
+		m_audit.self.clearance = { ( settings.flags & LW_CHECK_SELF ) != 0, infinity, infinity, "", "", {}, {}, false };
 		m_audit.environment_between = m_audit.self_between = infinity;
 	}
 
@@ -226,7 +226,7 @@ private:
 		const std::vector<double> q = m_bench.groupState( m_full );
 		lw_state_result state;
 		const lw_status status =
-		    lw_checker_state( m_bench.checker(), m_query.get(), q.data(), m_settings.what, nullptr, false, &state );
+		    lw_checker_state( m_bench.checker(), m_query.get(), q.data(), m_settings.flags, nullptr, false, &state );
 		if ( status != LW_OK )
 		{
 			throw io::Error( m_file, fmt::format( "edge {}", place.edge ),

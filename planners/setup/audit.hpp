@@ -37,7 +37,7 @@ struct AuditSettings
 	double min_d = 0;
 	/// Metres: near contact no robot point moves more than this between two measured states.
 	double resolution = 1e-4;
-	lw_what what = LW_WHAT_BOTH;
+	lw_check_flags flags = LW_CHECK_BOTH;
 	double time = 60; ///< seconds, after which it ends where it is: the path is then not valid
 	/// An audit that needs more states is an error before it begins: some hours of work.
 	static constexpr double most_states = 1e8;

@@ -451,11 +451,11 @@ Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool a
 	return result;
 }
 
-lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_what what, const lw_range* range,
+lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_check_flags flags, const lw_range* range,
     const std::string& file, const std::string& element )
 {
 	lw_state_result result;
-	const lw_status status = lw_checker_state( bench.checker(), bench.query(), q.data(), what, range, false, &result );
+	const lw_status status = lw_checker_state( bench.checker(), bench.query(), q.data(), flags, range, false, &result );
 	if ( status != LW_OK )
 	{
 		throw io::Error( file, element, std::string( "the state cannot be used (" ) + lw_status_name( status ) + ")",

@@ -142,7 +142,7 @@ Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool a
 
 /// Measures one state exactly.
 /// @throws io::Error naming `element` if the state has no meaning (a zero quaternion)
-lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_what what, const lw_range* range,
+lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_check_flags flags, const lw_range* range,
     const std::string& file, const std::string& element );
 
 } // namespace leeway::cli

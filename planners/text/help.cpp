@@ -54,7 +54,7 @@ const char* const footer =
 Units: metres, radians, seconds. Results go to --out or to standard output; notices, progress and errors go to
 standard error. Result files are written completely or not at all.
 
-Verdicts: FREE: proved. BLOCKED: a clearance at or below --min-d was found. REFUSED: undecided; the clearance lies in a
+Verdicts: FREE: proved. BLOCKED: a clearance at or below --min-d was found. UNDECIDED: neither; the clearance lies in a
 stated band just above --min-d.
 
 Exit status: 0 = yes; 1 = no (a state or edge that is not FREE, no path, an invalid path, an SRDF that disables pairs
@@ -150,7 +150,7 @@ out.csv: index,verdict,t,proved_until, the eight clearance columns of `leeway ch
     R"(edges.csv: "-" reads standard input; joint names as for `leeway check`. Joints without columns keep the value of the request's
 start state, else 0. Angles without limits take the shorter way.
 
-out.csv: t is the place of a BLOCKED or REFUSED verdict, and the clearances are the exact ones there; pair (link:object or
+out.csv: t is the place of a BLOCKED or UNDECIDED verdict, and the clearances are the exact ones there; pair (link:object or
 link:link) decided the verdict. For a FREE motion t is 1, pair is empty, both lower columns hold the clearance proved along
 the whole motion, and both upper columns are inf. The part [0, proved_until] is proved free. queries counts the measured
 states. --validator steps tests states at most --max-d of motion apart; its FREE is not a proof.)" };
@@ -197,7 +197,7 @@ equal. States and motions are drawn by --seed and checked with each setting of a
 states; min_d, validator, slack or step, and alpha of motions.
 
 Standard output: the Pareto fronts of states and of motions, and the proposal. Error of a state: how far the reported clearance
-may be off, promised by the setting, and seen. Conservatism of a motion: a free motion may be refused if its clearance exceeds
+may be off, promised by the setting, and seen. Conservatism of a motion: a free motion may be undecided if its clearance exceeds
 --min-d by less. Only settings whose FREE is a proof are proposed; the report also shows the time that other settings
 would save and the collisions that they would miss.
 

@@ -112,9 +112,9 @@ void addCacheOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& 
 
 } // namespace
 
-lw_what CommonOptions::what() const
+lw_check_flags CommonOptions::checkFlags() const
 {
-	return what_name == "env" ? LW_WHAT_ENVIRONMENT : what_name == "self" ? LW_WHAT_SELF : LW_WHAT_BOTH;
+	return what_name == "env" ? LW_CHECK_ENVIRONMENT : what_name == "self" ? LW_CHECK_SELF : LW_CHECK_BOTH;
 }
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
@@ -182,7 +182,7 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options )
 	    ->group( question );
 	rare( app.get_option( "--max-d" )->description( "metres, with --validator steps: motion per step (default 0.01)" ) );
 	app.add_option( "--slack", options.slack,
-	       "metres, certified: clearances above --min-d by less than this may be REFUSED (default 0.001)" )
+	       "metres, certified: clearances above --min-d by less than this may be UNDECIDED (default 0.001)" )
 	    ->type_name( "M" )
 	    ->group( question );
 }

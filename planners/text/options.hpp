@@ -51,7 +51,7 @@ struct CommonOptions
 	double proofs = io::default_proof_seconds; ///< seconds
 	bool proofs_given = false;
 
-	lw_what what() const;
+	lw_check_flags checkFlags() const;
 };
 
 struct EdgeOptions

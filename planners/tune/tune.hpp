@@ -71,7 +71,7 @@ struct TuneRow
 struct TuneSettings
 {
 	double min_d = 0, max_d = 0.5; ///< asked
-	lw_what what = LW_WHAT_BOTH;
+	lw_check_flags flags = LW_CHECK_BOTH;
 	std::size_t states = 400, motions = 100;
 	std::uint64_t seed = 1;
 	TuneTarget target;

@@ -103,7 +103,7 @@ std::vector<TuneRow> stateGrid( const TuneSettings& settings )
 std::vector<TuneRow> motionGrid( const TuneSettings& settings )
 {
 	std::vector<TuneRow> rows;
-	const double reach = ( settings.what & LW_WHAT_SELF ) != 0 ? 1 : 2; // steps per clearance that may be lost between two
+	const double reach = ( settings.flags & LW_CHECK_SELF ) != 0 ? 1 : 2; // steps per clearance that may be lost between two
 	const double most = largestConservatism( settings.target );
 	for ( const double c : conservatismLevels( settings.target ) )
 	{
@@ -181,19 +181,19 @@ private:
 	void states( TuneRow& row )
 	{
 		const lw_range range = { row.min_d, row.max_d, row.alpha };
-		const lw_what what = m_settings.what;
+		const lw_check_flags flags = m_settings.flags;
 		const std::size_t count = m_samples.states.size();
 		for ( std::size_t i = 0; i < count; ++i )
 		{
 			lw_state_result result;
 			const double start = threadMicroseconds();
 			const lw_status status = lw_checker_state(
-			    m_bench.checker(), m_bench.query(), m_samples.states[i].data(), what, &range, false, &result );
+			    m_bench.checker(), m_bench.query(), m_samples.states[i].data(), flags, &range, false, &result );
 			row.measured += ( threadMicroseconds() - start ) / double( count );
 			require( status, "a state" );
 			const double environment =
-			    ( what & LW_WHAT_ENVIRONMENT ) != 0 ? error( m_samples.environment[i], result.environment ) : 0;
-			const double self = ( what & LW_WHAT_SELF ) != 0 ? error( m_samples.self[i], result.self ) : 0;
+			    ( flags & LW_CHECK_ENVIRONMENT ) != 0 ? error( m_samples.environment[i], result.environment ) : 0;
+			const double self = ( flags & LW_CHECK_SELF ) != 0 ? error( m_samples.self[i], result.self ) : 0;
 			row.worst = std::max( { row.worst, environment, self } );
 			row.mean += std::max( environment, self ) / double( count );
 			row.free += result.verdict == LW_VERDICT_FREE;
@@ -205,7 +205,7 @@ private:
 	{
 		lw_edge_def def = lw_edge_def_default();
 		def.method = row.method;
-		def.what = m_settings.what;
+		def.flags = m_settings.flags;
 		def.min_d = row.min_d;
 		def.alpha = row.alpha;
 		def.slack = row.method == LW_EDGE_CERTIFIED ? row.slack : def.slack;
@@ -251,7 +251,7 @@ double measuredRate( const Workbench& bench, const TuneSettings& settings, const
 {
 	constexpr int passes = 7;
 	lw_edge_def def = lw_edge_def_default();
-	def.what = settings.what;
+	def.flags = settings.flags;
 	def.min_d = settings.min_d;
 	std::vector<double> least( samples.states.size() + samples.motions.size(), HUGE_VAL );
 	double work = 0;
@@ -269,7 +269,7 @@ double measuredRate( const Workbench& bench, const TuneSettings& settings, const
 			const lw_status status =
 			    i < samples.states.size()
 			        ? lw_checker_state(
-			              bench.checker(), bench.query(), samples.states[i].data(), settings.what, nullptr, false, &state )
+			              bench.checker(), bench.query(), samples.states[i].data(), settings.flags, nullptr, false, &state )
 			        : lw_checker_edge( bench.checker(), bench.query(), samples.motions[motion].from.data(),
 			              samples.motions[motion].to.data(), &def, &edge );
 			least[i] = std::min( least[i], threadMicroseconds() - start );

@@ -121,7 +121,7 @@ private:
 	bool isFree( const std::vector<double>& q )
 	{
 		bool free = false;
-		require( lw_checker_is_free( m_bench.checker(), m_bench.query(), q.data(), m_settings.what, m_settings.min_d, &free ), "a state" );
+		require( lw_checker_is_free( m_bench.checker(), m_bench.query(), q.data(), m_settings.flags, m_settings.min_d, &free ), "a state" );
 		return free;
 	}
 
@@ -169,7 +169,7 @@ private:
 void enclose( const Workbench& bench, const TuneSettings& settings, double most, TuneMotion& motion )
 {
 	lw_edge_def def = lw_edge_def_default();
-	def.what = settings.what;
+	def.flags = settings.flags;
 	def.alpha = 0;
 	def.slack = truth_slack;
 	motion.low = 0;
@@ -209,7 +209,7 @@ TuneSamples drawSamples( const Workbench& bench, const TuneSettings& settings, c
 	{
 		lw_state_result exact;
 		require(
-		    lw_checker_state( bench.checker(), bench.query(), q.data(), settings.what, nullptr, false, &exact ), "a state" );
+		    lw_checker_state( bench.checker(), bench.query(), q.data(), settings.flags, nullptr, false, &exact ), "a state" );
 		samples.environment.push_back( exact.environment.upper );
 		samples.self.push_back( exact.self.upper );
 		samples.free_states += std::min( exact.environment.upper, exact.self.upper ) > settings.min_d;

@@ -139,8 +139,8 @@ TEST( AsBuilt, QueriesAllocateNothing )
 				const lw_shape* body = lw_robot_body( world.robot.get(), 0 ).shape;
 				const Watch watch;
 				const lw_status status[] = {
-				    lw_checker_state( checker->get(), query.get(), b.data(), LW_WHAT_BOTH, nullptr, false, &state ),
-				    lw_checker_state( checker->get(), query.get(), b.data(), LW_WHAT_BOTH, &near, true, &state ),
+				    lw_checker_state( checker->get(), query.get(), b.data(), LW_CHECK_BOTH, nullptr, false, &state ),
+				    lw_checker_state( checker->get(), query.get(), b.data(), LW_CHECK_BOTH, &near, true, &state ),
 				    lw_checker_edge( checker->get(), query.get(), a.data(), b.data(), &edge_def, &edge ),
 				    empty ? LW_OK : lw_shape_distance( object, &here, body, &here, nullptr, query.get(), &pair ),
 				    empty ? LW_OK : lw_scene_distance( world.scene.get(), body, &here, nullptr, query.get(), &pair ),

@@ -32,8 +32,8 @@ TEST_F( CliClose, PlansAlongATableThatIsNearerThanTheSlack )
 	const Outcome plan = runModel( "plan", { "--request", "request.yaml", "--out", "path.yaml", "--report", "r.json" }, "table.yaml" );
 	ASSERT_EQ( plan.status, 0 ) << plan.err;
 	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
-	EXPECT_EQ( report["checks"]["refused"], 0 );
-	EXPECT_EQ( report["checks"]["refused_pairs"].size(), 0u );
+	EXPECT_EQ( report["checks"]["undecided"], 0 );
+	EXPECT_EQ( report["checks"]["undecided_pairs"].size(), 0u );
 	EXPECT_LT( report["path"]["proved_clearance"], 5.1e-5 );
 	EXPECT_EQ( runModel( "edge", { "--group", "arm", "--edges", "edges.csv" }, "table.yaml" ).status, 0 );
 }
@@ -66,16 +66,16 @@ TEST_F( CliClose, RefusedMotionsAreCountedAndThePairIsNamed )
 	const Outcome plan =
 	    runModel( "plan", { "--request", "request.yaml", "--time", "0.5", "--out", "path.yaml", "--report", "r.json" }, "table.yaml" );
 	EXPECT_EQ( plan.status, 1 );
-	EXPECT_TRUE( contains( plan.err, "were refused" ) && contains( plan.err, " - table" ) ) << plan.err;
+	EXPECT_TRUE( contains( plan.err, "were undecided" ) && contains( plan.err, " - table" ) ) << plan.err;
 	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
-	ASSERT_GE( report["checks"]["refused_pairs"].size(), 1u );
-	const auto& most = report["checks"]["refused_pairs"][0];
+	ASSERT_GE( report["checks"]["undecided_pairs"].size(), 1u );
+	const auto& most = report["checks"]["undecided_pairs"][0];
 	EXPECT_EQ( most["second"], "table" );
 	EXPECT_GT( most["edges"], 0 );
 	EXPECT_NEAR( most["clearance"].get<double>(), 1e-9, 1e-9 );
 	const Outcome edge = runModel( "edge", { "--group", "arm", "--edges", "edges.csv" }, "table.yaml" );
 	EXPECT_EQ( edge.status, 1 );
-	EXPECT_TRUE( contains( edge.err, "1 edge refused for" ) && contains( edge.err, ":table" ) ) << edge.err;
+	EXPECT_TRUE( contains( edge.err, "1 edge undecided for" ) && contains( edge.err, ":table" ) ) << edge.err;
 }
 
 // Limits of 1e16 rad mean none: states between them have nothing to do with the ends, and a path through them had no end to
@@ -114,7 +114,7 @@ TEST_F( CliClose, EdgesOfAbsurdLengthAreRefusedForTheirLength )
 	{
 		const Outcome edge = runModel( "edge", { "--group", "arm", "--edges", "edges.csv", "--validator", validator } );
 		EXPECT_EQ( edge.status, 1 ) << edge.err;
-		EXPECT_EQ( parseTable( edge.out ).rows.at( 0 ).at( "verdict" ), "REFUSED" );
+		EXPECT_EQ( parseTable( edge.out ).rows.at( 0 ).at( "verdict" ), "UNDECIDED" );
 		EXPECT_TRUE( contains( edge.err, "cut" ) ) << edge.err;
 	}
 }

@@ -71,7 +71,7 @@ TEST_F( CliEdge, NearContactIsRefusedNotCalledFree )
 	const Table table = parseTable( edge.out );
 	EXPECT_NE( table.rows.at( 0 ).at( "verdict" ), "BLOCKED" );
 	EXPECT_EQ( edge.status, table.rows.at( 0 ).at( "verdict" ) == "FREE" ? 0 : 1 );
-	if ( table.rows.at( 0 ).at( "verdict" ) == "REFUSED" )
+	if ( table.rows.at( 0 ).at( "verdict" ) == "UNDECIDED" )
 	{
 		EXPECT_EQ( table.rows.at( 0 ).at( "pair" ), "fore:wall" );
 	}

@@ -27,7 +27,7 @@ TEST_F( CliPlan, FindsTheWayAroundAPostAndAuditsIt )
 	EXPECT_TRUE( report["good"] );
 	EXPECT_TRUE( report["audit"]["valid"] );
 	EXPECT_EQ( report["path"]["edges_blocked"], 0 );
-	EXPECT_EQ( report["path"]["edges_refused"], 0 );
+	EXPECT_EQ( report["path"]["edges_undecided"], 0 );
 	EXPECT_GT( report["path"]["proved_clearance"], 0 );
 	EXPECT_GT( report["path"]["length"], 2.0 ); // longer than the straight line
 	const YAML::Node file = YAML::LoadFile( path( "path.yaml" ) );
@@ -117,7 +117,7 @@ TEST_F( CliPlan, ParametersReachThePlanner )
 	}
 }
 
-// Many short edges make many parts of edges when they are cut short; one that is refused must not undo the rest.
+// Many short edges make many parts of edges when they are cut short; one that is undecided must not undo the rest.
 TEST_F( CliPlan, OneRefusedPartDoesNotUndoAllShortcuts )
 {
 	for ( int seed = 1; seed <= 20; ++seed )
@@ -129,7 +129,7 @@ TEST_F( CliPlan, OneRefusedPartDoesNotUndoAllShortcuts )
 		ASSERT_EQ( plan.status, 0 ) << plan.err;
 		const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
 		EXPECT_LT( report["path"]["length"], 0.99 * report["raw"]["length"].get<double>() ) << "seed " << seed;
-		EXPECT_EQ( report["path"]["edges_refused"], 0 ) << "seed " << seed;
+		EXPECT_EQ( report["path"]["edges_undecided"], 0 ) << "seed " << seed;
 	}
 }
 

@@ -57,7 +57,7 @@ void expectSameInfo( const leeway::Checker& edited, const leeway::Checker& fresh
 lw_state_result ask( const leeway::Checker& checker, lw_query* query, const State& q, const lw_range& range )
 {
 	lw_state_result result;
-	lw_status status = lw_checker_state( checker.get(), query, q.data(), LW_WHAT_BOTH, &range, false, &result );
+	lw_status status = lw_checker_state( checker.get(), query, q.data(), LW_CHECK_BOTH, &range, false, &result );
 	EXPECT_EQ( status, LW_OK );
 	return result;
 }
@@ -284,7 +284,7 @@ TEST( Edits, query_with_room_does_not_serve_later_snapshots )
 				lw_state_result result;
 				const State q = world.randomGroupState( rng );
 				const bool fits = lw_query_fits( tight.get(), world.checker.get() );
-				EXPECT_EQ( lw_checker_state( world.checker.get(), tight.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result ),
+				EXPECT_EQ( lw_checker_state( world.checker.get(), tight.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result ),
 					fits ? LW_OK : LW_ERROR_INVALID_ARGUMENT );
 				EXPECT_TRUE( fits || result.verdict == LW_VERDICT_UNKNOWN );
 			}
@@ -299,7 +299,7 @@ TEST( Edits, query_with_room_does_not_serve_later_snapshots )
 				const lw_edge_result x = askEdge( world.checker, query.get(), a, b ), y = askEdge( world.checker, fresh.get(), a, b );
 				EXPECT_FALSE( x.verdict == LW_VERDICT_FREE && y.verdict == LW_VERDICT_BLOCKED ) << kind;
 				EXPECT_FALSE( x.verdict == LW_VERDICT_BLOCKED && y.verdict == LW_VERDICT_FREE ) << kind;
-				different += x.verdict != y.verdict; // a refusal may depend on remembered pairs
+				different += x.verdict != y.verdict; // an undecided verdict may depend on remembered pairs
 				++asked;
 				blocked += y.verdict == LW_VERDICT_BLOCKED;
 			}

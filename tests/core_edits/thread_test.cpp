@@ -32,7 +32,7 @@ std::shared_ptr<const Published> publish( const ChangingWorld& world, SeededRng&
 		made->states.push_back( world.randomGroupState( rng ) );
 		made->answers.emplace_back();
 		lw_query_reset( query.get() );
-		EXPECT_EQ( lw_checker_state( fresh.get(), query.get(), made->states.back().data(), LW_WHAT_BOTH, nullptr, false,
+		EXPECT_EQ( lw_checker_state( fresh.get(), query.get(), made->states.back().data(), LW_CHECK_BOTH, nullptr, false,
 					   &made->answers.back() ),
 			LW_OK );
 	}
@@ -76,7 +76,7 @@ TEST( EditThreads, answers_of_other_snapshots )
 				lw_query_reset( query.get() ); // warm starts may change the last bits
 				lw_state_result result;
 				lw_status status = lw_checker_state(
-					mine->checker.get(), query.get(), mine->states[i].data(), LW_WHAT_BOTH, nullptr, false, &result );
+					mine->checker.get(), query.get(), mine->states[i].data(), LW_CHECK_BOTH, nullptr, false, &result );
 				wrong += status != LW_OK || result.verdict != mine->answers[i].verdict ||
 						 !sameInterval( result.environment, mine->answers[i].environment ) ||
 						 !sameInterval( result.self, mine->answers[i].self );

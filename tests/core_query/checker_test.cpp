@@ -296,7 +296,7 @@ TEST( Checker, differs_from_all_pairs )
 			double environment = all_environment_pairs( world, poses, plain.get() );
 			double self = all_self_pairs( world, poses, plain.get(), rng );
 			lw_state_result got;
-			ASSERT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &got ) );
+			ASSERT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &got ) );
 			SCOPED_TRACE( ::testing::Message() << "world " << i << " state " << k );
 			expect_distance( got.environment, environment );
 			expect_distance( got.self, self );
@@ -306,14 +306,14 @@ TEST( Checker, differs_from_all_pairs )
 			// the planner's question
 			double min_d = 0.02;
 			lw_range margin = { min_d, std::nextafter( min_d, 1.0 ), 0 };
-			ASSERT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_WHAT_BOTH, &margin, true, &got ) );
+			ASSERT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, &margin, true, &got ) );
 			EXPECT_EQ( got.verdict, std::min( environment, self ) > min_d ? LW_VERDICT_FREE : LW_VERDICT_BLOCKED );
 			for ( const double asked : { 0.0, min_d, 0.3 } )
 			{
 				bool both = false, one = false;
-				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_WHAT_BOTH, asked, &both ) );
+				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, asked, &both ) );
 				EXPECT_EQ( both, std::min( environment, self ) > asked ) << asked;
-				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_WHAT_SELF, asked, &one ) );
+				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_SELF, asked, &one ) );
 				EXPECT_EQ( one, self > asked ) << asked;
 			}
 		}
@@ -363,26 +363,26 @@ TEST( Checker, error_reads_as_free )
 	{
 		q[0] = bad;
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			lw_checker_state( world.checker, query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
+			lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 		EXPECT_EQ( out.verdict, LW_VERDICT_UNKNOWN );
 		EXPECT_EQ( out.environment.lower, 0 );
 		EXPECT_EQ( out.environment.upper, inf );
 		EXPECT_EQ( out.self.kind, LW_CLEARANCE_UNKNOWN );
 		bool free = true;
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_is_free( world.checker, query.get(), q.data(), LW_WHAT_BOTH, 0, &free ) );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, 0, &free ) );
 		EXPECT_FALSE( free );
 	}
 	for ( double bad : { -0.1, inf, std::nan( "" ) } )
 	{
 		bool free = true;
 		std::vector<double> zero( world.group.size() );
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_is_free( world.checker, query.get(), zero.data(), LW_WHAT_BOTH, bad, &free ) ) << bad;
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_is_free( world.checker, query.get(), zero.data(), LW_CHECK_BOTH, bad, &free ) ) << bad;
 		EXPECT_FALSE( free ) << bad;
 	}
 	q[0] = 0;
 	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-		lw_checker_state( world.checker, too_small.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
-	EXPECT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
+		lw_checker_state( world.checker, too_small.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
+	EXPECT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 }
 
 TEST( Checker, bad_def_is_accepted )
@@ -424,7 +424,7 @@ TEST( Checker, query_allocates )
 	{
 		std::vector<double> qa = world.random_state( rng ), qb = world.random_state( rng );
 		lw_state_result state;
-		ASSERT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), qa.data(), LW_WHAT_BOTH, nullptr, false, &state ) );
+		ASSERT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), qa.data(), LW_CHECK_BOTH, nullptr, false, &state ) );
 		lw_edge_def def = lw_edge_def_default();
 		lw_edge_result edge;
 		ASSERT_EQ( LW_OK, lw_checker_edge( world.checker, query.get(), qa.data(), qb.data(), &def, &edge ) );
@@ -473,7 +473,7 @@ TEST( Checker, threads_disagree )
 			for ( const std::vector<double>& q : states )
 			{
 				lw_state_result out;
-				lw_checker_state( world.checker, query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out );
+				lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out );
 				answers[t].push_back( out.environment.lower );
 				answers[t].push_back( out.self.upper );
 			}
@@ -505,10 +505,10 @@ TEST( Checker, query_keeps_poses_of_another_checker )
 			QueryPtr fresh = makeQuery( nullptr, world->checker, def );
 			std::vector<double> q = world->random_state( rng );
 			lw_state_result want, got;
-			ASSERT_EQ( LW_OK, lw_checker_state( world->checker, fresh.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &want ) );
+			ASSERT_EQ( LW_OK, lw_checker_state( world->checker, fresh.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &want ) );
 			for ( lw_query* query : { shared.get(), also.get() } )
 			{
-				if ( lw_checker_state( world->checker, query, q.data(), LW_WHAT_BOTH, nullptr, false, &got ) == LW_OK )
+				if ( lw_checker_state( world->checker, query, q.data(), LW_CHECK_BOTH, nullptr, false, &got ) == LW_OK )
 				{
 					EXPECT_EQ( want.environment.upper, got.environment.upper );
 					EXPECT_EQ( want.self.upper, got.self.upper );

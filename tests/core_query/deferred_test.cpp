@@ -25,7 +25,7 @@ TEST( Required, failed_mesh_reads_as_free_space )
 		{
 			State q = groupState( rng, world, 0 ), to = groupState( rng, world, 0 );
 			lw_state_result out;
-			lw_status status = lw_checker_state( checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out );
+			lw_status status = lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out );
 			if ( status != LW_OK )
 			{
 				++failed;
@@ -43,7 +43,7 @@ TEST( Required, failed_mesh_reads_as_free_space )
 			EXPECT_TRUE( answered || refused || no_motion_bound ) << lw_status_name( status );
 			// and once it can be made, the same query goes on as if nothing had been
 			counts.fail = false;
-			EXPECT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
+			EXPECT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 			counts.fail = true;
 		}
 	}
@@ -77,7 +77,7 @@ TEST( Required, threads_that_prepare_meshes_change_an_answer )
 			for ( const State& q : states )
 			{
 				answers[k].emplace_back();
-				ASSERT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false,
+				ASSERT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false,
 									  &answers[k].back() ) );
 			}
 			calls += preparation[k].calls;

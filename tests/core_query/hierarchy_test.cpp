@@ -205,7 +205,7 @@ void expectContains( const lw_clearance& exact, const lw_clearance& got, const l
 lw_state_result ask( const World& world, lw_query* query, const State& q, const lw_range* range, bool stop_at_first = false )
 {
 	lw_state_result out;
-	EXPECT_EQ( LW_OK, lw_checker_state( world.checker.get(), query, q.data(), LW_WHAT_BOTH, range, stop_at_first, &out ) );
+	EXPECT_EQ( LW_OK, lw_checker_state( world.checker.get(), query, q.data(), LW_CHECK_BOTH, range, stop_at_first, &out ) );
 	return out;
 }
 
@@ -378,7 +378,7 @@ TEST( Hierarchy, one_query_mixes_up_two_checkers )
 			State q = groupState( rng, asked, 0 );
 			lw_state_result want = ask( asked, fresh[k % 2].get(), q, nullptr ), got;
 			lw_status status =
-				lw_checker_state( asked.checker.get(), shared.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &got );
+				lw_checker_state( asked.checker.get(), shared.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &got );
 			if ( status == LW_OK ) // else it was too small
 			{
 				expectSame( want.environment, got.environment, "environment" );
@@ -535,7 +535,7 @@ TEST( Hierarchy, edge_lower_bound_forgets_pairs_that_need_no_proof )
 	world.build();
 	QueryPtr query = makeQuery( world.checker.get(), true, true ), plain = makeQuery( world.checker.get(), false, true );
 	lw_edge_def edge = lw_edge_def_default();
-	edge.what = LW_WHAT_SELF;
+	edge.flags = LW_CHECK_SELF;
 	lw_edge_result got, want;
 	const double from[2] = { 0, -1 }, to[2] = { 1.5, 1 };
 	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), from, to, &edge, &got ) );
@@ -640,7 +640,7 @@ TEST( Hierarchy, distant_arm_is_posed )
 	State q = groupState( rng, world, 0 );
 	lw_state_result out;
 	ASSERT_EQ( LW_OK,
-		lw_checker_state( world.checker.get(), query.get(), q.data(), LW_WHAT_ENVIRONMENT, &range, false, &out ) );
+		lw_checker_state( world.checker.get(), query.get(), q.data(), LW_CHECK_ENVIRONMENT, &range, false, &out ) );
 	EXPECT_EQ( out.environment.kind, LW_CLEARANCE_FAR );
 	EXPECT_EQ( lw_query_get_stats( query.get() ).robot_tests, 1u );
 	EXPECT_EQ( lw_query_get_stats( query.get() ).links_posed, 0u );
@@ -651,7 +651,7 @@ TEST( Hierarchy, distant_arm_is_posed )
 	ASSERT_EQ( LW_OK, lw_query_create( &without, nullptr, world.checker.get(), nullptr, &made ) );
 	QueryPtr posing( made );
 	ASSERT_EQ( LW_OK,
-		lw_checker_state( world.checker.get(), posing.get(), q.data(), LW_WHAT_ENVIRONMENT, &range, false, &out ) );
+		lw_checker_state( world.checker.get(), posing.get(), q.data(), LW_CHECK_ENVIRONMENT, &range, false, &out ) );
 	EXPECT_EQ( out.environment.kind, LW_CLEARANCE_FAR );
 	EXPECT_GT( lw_query_get_stats( posing.get() ).links_posed, 0u );
 }
@@ -674,7 +674,7 @@ TEST( Hierarchy, tables_stay_in_use_when_they_are_left_out )
 		const uint64_t posed = lw_query_get_stats( query.get() ).links_posed;
 		EXPECT_EQ( posed == 0, tables );
 		lw_edge_def edge = lw_edge_def_default();
-		edge.what = LW_WHAT_SELF;
+		edge.flags = LW_CHECK_SELF;
 		lw_edge_result out;
 		const State from = { -0.4, 0 }, to = { 0.4, 0.5 };
 		ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), query.get(), from.data(), to.data(), &edge, &out ) );
@@ -714,10 +714,10 @@ TEST( Hierarchy, zero_quaternion_is_posed )
 	State q = { 1, 2, 3, 0, 0, 0, 0 };
 	lw_state_result out;
 	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-		lw_checker_state( world.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
+		lw_checker_state( world.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 	EXPECT_EQ( out.verdict, LW_VERDICT_UNKNOWN );
 	q[6] = 1;
-	EXPECT_EQ( LW_OK, lw_checker_state( world.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &out ) );
+	EXPECT_EQ( LW_OK, lw_checker_state( world.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 	EXPECT_EQ( out.verdict, LW_VERDICT_FREE );
 }
 
@@ -760,7 +760,7 @@ TEST( HierarchyThread, threads_share_more_than_they_should )
 			for ( std::size_t i = 0; i < states.size(); ++i )
 			{
 				lw_state_result got;
-				lw_checker_state( world.checker.get(), query.get(), states[i].data(), LW_WHAT_BOTH, nullptr, false, &got );
+				lw_checker_state( world.checker.get(), query.get(), states[i].data(), LW_CHECK_BOTH, nullptr, false, &got );
 				wrong += got.verdict != want[i].verdict || got.environment.kind != want[i].environment.kind ||
 						 got.self.kind != want[i].self.kind;
 			}

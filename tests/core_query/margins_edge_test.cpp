@@ -27,7 +27,7 @@ double lookAt( const World& world, Oracle& oracle, const State& a, const State& 
 
 struct EdgeTally
 {
-	int free = 0, blocked = 0, refused = 0, partial = 0, nearly = 0;
+	int free = 0, blocked = 0, undecided = 0, partial = 0, nearly = 0;
 };
 
 void judgeEdge( const World& world, Oracle& oracle, const lw_checker* checker, lw_query* query, const State& a,
@@ -53,7 +53,7 @@ void judgeEdge( const World& world, Oracle& oracle, const lw_checker* checker, l
 	oracle.ask( stateAt( world, a, b, r.t ) );
 	const double pair = oracle.ofPair( r.self, r.pair.a, r.pair.b );
 	const bool blocked = r.verdict == LW_VERDICT_BLOCKED;
-	++( blocked ? tally.blocked : tally.refused );
+	++( blocked ? tally.blocked : tally.undecided );
 	EXPECT_LE( pair, ( blocked ? def.min_d : ( def.min_d + def.slack ) / ( 1 - def.alpha ) ) + rounding );
 	EXPECT_TRUE( !blocked || r.pair.upper <= def.min_d );
 	if ( r.proved_until > 0 && certified )
@@ -96,8 +96,8 @@ TEST( Margins, edge_enters_a_margin )
 			judgeEdge( world, oracle, tables.get(), other.get(), home, to, def, tally );
 		}
 	}
-	std::printf( "%d free, %d nearly not, %d blocked, %d refused, %d proved in part\n", tally.free, tally.nearly,
-		tally.blocked, tally.refused, tally.partial );
+	std::printf( "%d free, %d nearly not, %d blocked, %d undecided, %d proved in part\n", tally.free, tally.nearly,
+		tally.blocked, tally.undecided, tally.partial );
 	EXPECT_GE( std::min( tally.free, tally.blocked ), 80 );
 	EXPECT_GE( std::min( tally.partial, tally.nearly ), 10 );
 }

@@ -489,7 +489,7 @@ inline void judgeWitness( const World& world, const lw_checker* checker, const l
 inline lw_state_result ask( const lw_checker* checker, lw_query* query, const State& q, const lw_range& range, bool stop = false )
 {
 	lw_state_result out;
-	EXPECT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), LW_WHAT_BOTH, &range, stop, &out ) );
+	EXPECT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), LW_CHECK_BOTH, &range, stop, &out ) );
 	return out;
 }
 

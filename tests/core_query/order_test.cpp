@@ -72,7 +72,7 @@ double leavesOf( const lw_shape* a, const lw_shape* b, const lw_transform& at, d
 lw_clearance selfClearance( const lw_checker* checker, lw_query* query, const State& q )
 {
 	lw_state_result out;
-	EXPECT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), LW_WHAT_SELF, nullptr, false, &out ) );
+	EXPECT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), LW_CHECK_SELF, nullptr, false, &out ) );
 	return out.self;
 }
 

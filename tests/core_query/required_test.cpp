@@ -68,7 +68,7 @@ TEST( Required, less_changes_an_answer )
 				EXPECT_EQ( want_status, got_status );
 				edges += want_status == LW_OK;
 				// Proofs are made of coarse distances, which depend on the order of the search. So does which state ends
-				// one, and whether it is a refused one or a blocked one; a proof may not contradict a blocked state.
+				// one, and whether it is an undecided one or a blocked one; a proof may not contradict a blocked state.
 				different += want.verdict != got.verdict;
 				EXPECT_FALSE( want.verdict == LW_VERDICT_FREE && got.verdict == LW_VERDICT_BLOCKED );
 				EXPECT_FALSE( got.verdict == LW_VERDICT_FREE && want.verdict == LW_VERDICT_BLOCKED );
@@ -339,7 +339,7 @@ void expectNotPassedOver( const lw_robot_def& def, const lw_shape* obstacle, boo
 	const double q = 0.3;
 	const lw_range range = { 0, 0.1, 0 };
 	lw_state_result result;
-	ASSERT_EQ( LW_OK, lw_checker_state( checker, query.get(), &q, LW_WHAT_BOTH, &range, false, &result ) );
+	ASSERT_EQ( LW_OK, lw_checker_state( checker, query.get(), &q, LW_CHECK_BOTH, &range, false, &result ) );
 	EXPECT_EQ( contact, result.verdict == LW_VERDICT_BLOCKED );
 }
 

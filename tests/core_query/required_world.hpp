@@ -258,7 +258,7 @@ inline void expectSame( const lw_clearance& want, const lw_clearance& got, const
 inline lw_state_result ask( const lw_checker* checker, lw_query* query, const State& q, const lw_range& range )
 {
 	lw_state_result out;
-	EXPECT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), LW_WHAT_BOTH, &range, false, &out ) );
+	EXPECT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), LW_CHECK_BOTH, &range, false, &out ) );
 	return out;
 }
 

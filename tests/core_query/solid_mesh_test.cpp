@@ -678,12 +678,12 @@ TEST( SolidMesh, checker_drives_through_a_solid )
 		Slide slide( robot_is_cube ? cube.get() : ball.get(), robot_is_cube ? ball.get() : cube.get() );
 		QueryPtr query = makeQuery( nullptr, slide.checker );
 		lw_edge_def edge = lw_edge_def_default();
-		edge.what = LW_WHAT_ENVIRONMENT;
+		edge.flags = LW_CHECK_ENVIRONMENT;
 		for ( double q = -3; q <= 3; q += 0.0625 )
 		{
 			double truth = std::max( 0.0, std::abs( q ) - 1.1 );
 			lw_state_result state;
-			ASSERT_EQ( LW_OK, lw_checker_state( slide.checker, query.get(), &q, LW_WHAT_ENVIRONMENT, nullptr, false, &state ) );
+			ASSERT_EQ( LW_OK, lw_checker_state( slide.checker, query.get(), &q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ) );
 			ASSERT_NEAR( truth, state.environment.upper, 1e-13 ) << q;
 			ASSERT_LE( state.environment.lower, truth + 1e-15 ) << q;
 			double to = q + 0.01;

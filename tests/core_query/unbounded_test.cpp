@@ -313,14 +313,14 @@ TEST( UnboundedScenes, checker_loses_the_floor )
 	Arm arm;
 	QueryPtr query = makeQuery( nullptr, arm.checker );
 	lw_edge_def edge = lw_edge_def_default();
-	edge.what = LW_WHAT_ENVIRONMENT;
+	edge.flags = LW_CHECK_ENVIRONMENT;
 	edge.min_d = 0.01;
 	edge.slack = 0.001;
 	for ( double q = -2.9; q < 2.9; q += 0.05 )
 	{
 		double truth = std::max( 0.0, 0.5 - std::sin( q ) - 0.1 ); // turning about y takes x down
 		lw_state_result state;
-		ASSERT_EQ( LW_OK, lw_checker_state( arm.checker, query.get(), &q, LW_WHAT_ENVIRONMENT, nullptr, false, &state ) );
+		ASSERT_EQ( LW_OK, lw_checker_state( arm.checker, query.get(), &q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ) );
 		ASSERT_NEAR( truth, state.environment.upper, 1e-14 );
 		ASSERT_LE( state.environment.lower, truth + 1e-15 );
 		double from = -2.9, to = q;

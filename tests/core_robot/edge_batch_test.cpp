@@ -366,9 +366,9 @@ private:
 		}
 	}
 
-	void judge( double clearance, const char* what, std::uint32_t a, std::uint32_t b, Tally& tally ) const
+	void judge( double clearance, const char* flags, std::uint32_t a, std::uint32_t b, Tally& tally ) const
 	{
-		ASSERT_GE( clearance, m_least ) << what << " of body " << a << " and " << b;
+		ASSERT_GE( clearance, m_least ) << flags << " of body " << a << " and " << b;
 		++tally.proved;
 		tally.tight += clearance < m_least + 0.01 ? 1u : 0u;
 	}
@@ -423,9 +423,9 @@ void judge( World& world, const State& qa, const State& qb, double min_d, Tally&
 	}
 }
 
-void print( const char* what, const Tally& t )
+void print( const char* flags, const Tally& t )
 {
-	std::printf( "%s: %zu batches, %zu distances in proved cells, %zu within a centimetre, %zu cells left\n", what,
+	std::printf( "%s: %zu batches, %zu distances in proved cells, %zu within a centimetre, %zu cells left\n", flags,
 		t.batches, t.proved, t.tight, t.left );
 }
 

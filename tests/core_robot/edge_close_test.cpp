@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Edges closer than the slack: refused though there is room, called FREE though there is none, work without bound. All
+// Edges closer than the slack: undecided though there is room, called FREE though there is none, work without bound. All
 // clearances here are known in closed form.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
@@ -160,7 +160,7 @@ TEST( EdgeClose, MotionsLeaveAndReachWhatIsNearerThanTheSlack )
 TEST( EdgeClose, NoEdgeIsFreeWhoseLeastClearanceIsNotAboveMinD )
 {
 	SeededRng rng;
-	int free = 0, blocked = 0, refused = 0;
+	int free = 0, blocked = 0, undecided = 0;
 	for ( int i = 0; i < 1000; ++i )
 	{
 		lw_edge_def def = lw_edge_def_default();
@@ -187,8 +187,8 @@ TEST( EdgeClose, NoEdgeIsFreeWhoseLeastClearanceIsNotAboveMinD )
 			EXPECT_LE( there, def.min_d + rounding );
 			break;
 		default:
-			++refused;
-			ASSERT_EQ( LW_VERDICT_REFUSED, r.verdict );
+			++undecided;
+			ASSERT_EQ( LW_VERDICT_UNDECIDED, r.verdict );
 			EXPECT_LE( there, ( def.min_d + def.slack ) / ( 1 - def.alpha ) + rounding );
 			EXPECT_LT( std::abs( above ), 3e-6 ) << "there is room, or a collision"; // floats of planes, 1 m from the origin
 		}
@@ -203,7 +203,7 @@ TEST( EdgeClose, NoEdgeIsFreeWhoseLeastClearanceIsNotAboveMinD )
 			expectBounded( r, def, ( cam.arm + cam.ball ) * ( b - a ) );
 		}
 	}
-	std::printf( "FREE %d, BLOCKED %d, REFUSED %d\n", free, blocked, refused );
+	std::printf( "FREE %d, BLOCKED %d, UNDECIDED %d\n", free, blocked, undecided );
 	EXPECT_GE( free, 200 );
 	EXPECT_GE( blocked, 200 );
 }
@@ -236,7 +236,7 @@ TEST( EdgeClose, NoEdgeIsFreeThatEndsNotAboveMinD )
 	}
 }
 
-// Gaps below the resolution of planes in floats, on a way that no distance proves in the windows that there are: refused,
+// Gaps below the resolution of planes in floats, on a way that no distance proves in the windows that there are: undecided,
 // with the pair, and soon.
 TEST( EdgeClose, WorkEndsWhereTheRoomIsRounding )
 {
@@ -248,7 +248,7 @@ TEST( EdgeClose, WorkEndsWhereTheRoomIsRounding )
 		faces.model.body( 1, sides( 12, 0.09, 0.1 ), at( 0, 0, 0.05 + gap ) );
 		faces.open();
 		const lw_edge_result r = faces.edge( -1, 1, def );
-		EXPECT_EQ( LW_VERDICT_REFUSED, r.verdict ) << gap;
+		EXPECT_EQ( LW_VERDICT_UNDECIDED, r.verdict ) << gap;
 		EXPECT_TRUE( r.self );
 		EXPECT_EQ( 0u, std::min( r.pair.a, r.pair.b ) );
 		EXPECT_EQ( 1u, std::max( r.pair.a, r.pair.b ) );
@@ -310,7 +310,7 @@ TEST( EdgeClose, EdgesOfAbsurdLengthAreRefusedForTheirLength )
 		for ( const double turn : { 1e9, 1e15 } )
 		{
 			const lw_edge_result r = faces.edge( 0.3, turn, def );
-			EXPECT_EQ( LW_VERDICT_REFUSED, r.verdict );
+			EXPECT_EQ( LW_VERDICT_UNDECIDED, r.verdict );
 			EXPECT_TRUE( r.pair.kind == LW_CLEARANCE_UNKNOWN || turn > 1e9 ) << "where poses round to more than the pair's clearance, it is named";
 			EXPECT_LE( r.queries, 2u * LW_EDGE_MOST_STATES );
 		}

@@ -73,7 +73,7 @@ struct Balls
 	}
 
 	/// Least clearance at a state; of itself, or of the scene.
-	double clearance( const State& q, lw_what what ) const
+	double clearance( const State& q, lw_check_flags flags ) const
 	{
 		std::vector<lw_transform> links( lw_robot_link_count( robot.get() ) );
 		EXPECT_EQ( LW_OK, lw_robot_fk( robot.get(), q.data(), links.data() ) );
@@ -81,14 +81,14 @@ struct Balls
 		for ( std::size_t a = 0; a < model.bodies.size(); ++a )
 		{
 			const lw_transform at = lw_transform_multiply( &links[model.bodies[a].link], &model.bodies[a].link_from_shape );
-			for ( std::size_t b = a + 1; b < model.bodies.size() && what == LW_WHAT_SELF; ++b )
+			for ( std::size_t b = a + 1; b < model.bodies.size() && flags == LW_CHECK_SELF; ++b )
 			{
 				const lw_transform other = lw_transform_multiply( &links[model.bodies[b].link], &model.bodies[b].link_from_shape );
 				const bool asked = model.bodies[a].link != model.bodies[b].link;
 				least = asked ? std::min( least, apart( at, other ) - radii[a] - radii[b] ) : least;
 			}
 			// the root stands: no edge asks for its clearance
-			for ( std::size_t b = 0; b < obstacles.size() && what == LW_WHAT_ENVIRONMENT && model.bodies[a].link != 0; ++b )
+			for ( std::size_t b = 0; b < obstacles.size() && flags == LW_CHECK_ENVIRONMENT && model.bodies[a].link != 0; ++b )
 			{
 				double d[3];
 				for ( int axis = 0; axis < 3; ++axis )
@@ -182,14 +182,14 @@ private:
 };
 
 /// The least clearance along an edge, from above: densely, then by thirds around the least.
-double leastAlong( const Balls& world, const State& a, const State& b, lw_what what )
+double leastAlong( const Balls& world, const State& a, const State& b, lw_check_flags flags )
 {
 	constexpr int STEPS = 160;
 	State q( a.size() );
 	const auto at = [&]( double t )
 	{
 		lw_robot_interpolate( world.robot.get(), a.data(), b.data(), t, q.data() );
-		return world.clearance( q, what );
+		return world.clearance( q, flags );
 	};
 	double least = INFINITY, where = 0;
 	for ( int k = 0; k <= STEPS; ++k )
@@ -229,15 +229,15 @@ void randomEdge( SeededRng& rng, State& a, State& b )
 	}
 }
 
-void attack( Balls& world, const State& a, const State& b, lw_what what, Tally& tally )
+void attack( Balls& world, const State& a, const State& b, lw_check_flags flags, Tally& tally )
 {
-	const double least = leastAlong( world, a, b, what );
+	const double least = leastAlong( world, a, b, flags );
 	if ( !( least > 1e-3 && least < 10 ) )
 	{
 		return;
 	}
 	lw_edge_def def = lw_edge_def_default();
-	def.what = what;
+	def.flags = flags;
 	def.slack = SLACK;
 	def.alpha = 0;
 	def.min_d = least + HAIR;
@@ -255,16 +255,16 @@ void attack( Balls& world, const State& a, const State& b, lw_what what, Tally& 
 	// the samples have missed a moment that is nearer
 	State q( a.size() );
 	lw_robot_interpolate( world.robot.get(), a.data(), b.data(), result.t, q.data() );
-	ASSERT_LE( world.clearance( q, what ), def.min_d + SLACK + 1e-9 ) << lw_verdict_name( result.verdict ) << " at " << result.t;
+	ASSERT_LE( world.clearance( q, flags ), def.min_d + SLACK + 1e-9 ) << lw_verdict_name( result.verdict ) << " at " << result.t;
 }
 
-void attackSome( Balls& world, SeededRng& rng, int edges, lw_what what, Tally& tally )
+void attackSome( Balls& world, SeededRng& rng, int edges, lw_check_flags flags, Tally& tally )
 {
 	State a( lw_robot_variable_count( world.robot.get() ) ), b = a;
 	for ( int k = 0; k < edges && !testing::Test::HasFatalFailure(); ++k )
 	{
 		randomEdge( rng, a, b );
-		attack( world, a, b, what, tally );
+		attack( world, a, b, flags, tally );
 	}
 }
 
@@ -281,13 +281,13 @@ void attackWorlds( int worlds, int least, const One& one )
 	tally.expect( least );
 }
 
-void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
+void attackAll( int worlds, int most_joints, int most_bodies, lw_check_flags flags )
 {
 	attackWorlds( worlds, worlds,
 		[=]( SeededRng& rng, Tally& tally )
 		{
 			Balls world( rng, rng.integer( 2, most_joints ), rng.integer( 1, most_bodies ), rng.integer( 0, 2 ) == 0 );
-			attackSome( world, rng, 8, what, tally );
+			attackSome( world, rng, 8, flags, tally );
 		} );
 }
 
@@ -297,13 +297,13 @@ void attackAll( int worlds, int most_joints, int most_bodies, lw_what what )
 // bodies.
 TEST( EdgeMidpoint, own_balls_come_nearer_than_was_proved )
 {
-	attackAll( unlessSanitized( 300, 60 ), 6, 2, LW_WHAT_SELF );
+	attackAll( unlessSanitized( 300, 60 ), 6, 2, LW_CHECK_SELF );
 }
 
 // More than 24 bodies: proxies are clusters, and bodies of two clusters are told apart after them.
 TEST( EdgeMidpoint, one_of_many_balls_comes_nearer_than_was_proved )
 {
-	attackAll( unlessSanitized( 60, 12 ), 10, 6, LW_WHAT_SELF );
+	attackAll( unlessSanitized( 60, 12 ), 10, 6, LW_CHECK_SELF );
 }
 
 // More than 24 nodes: pairs of nodes one by one.
@@ -314,13 +314,13 @@ TEST( EdgeMidpoint, ball_of_a_long_chain_comes_nearer_than_was_proved )
 		[]( SeededRng& rng, Tally& tally )
 		{
 			Balls world( rng, 26, 1, true );
-			attackSome( world, rng, 20, LW_WHAT_SELF, tally );
+			attackSome( world, rng, 20, LW_CHECK_SELF, tally );
 		} );
 }
 
 TEST( EdgeMidpoint, ball_passes_a_box_nearer_than_was_proved )
 {
-	attackAll( unlessSanitized( 300, 60 ), 5, 4, LW_WHAT_ENVIRONMENT );
+	attackAll( unlessSanitized( 300, 60 ), 5, 4, LW_CHECK_ENVIRONMENT );
 }
 
 // Without the bulge of a body's way this is red: an accelerated body gets further than its velocity in the middle says.
@@ -333,6 +333,6 @@ TEST( EdgeMidpoint, ball_that_gets_faster_runs_into_a_wall )
 			State a( static_cast<std::size_t>( rng.integer( 2, 4 ) ) ), b = a;
 			randomEdge( rng, a, b );
 			Balls world( rng, static_cast<int>( a.size() ), a, b );
-			attack( world, a, b, LW_WHAT_ENVIRONMENT, tally );
+			attack( world, a, b, LW_CHECK_ENVIRONMENT, tally );
 		} );
 }

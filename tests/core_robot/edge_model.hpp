@@ -142,7 +142,7 @@ struct World
 	}
 
 	/// Least distance at a full state, pair by pair, without the checker. With links given only that pair.
-	double clearance( const State& fullState, lw_what what, std::uint32_t a = LW_INVALID_INDEX,
+	double clearance( const State& fullState, lw_check_flags flags, std::uint32_t a = LW_INVALID_INDEX,
 		std::uint32_t b = LW_INVALID_INDEX ) const
 	{
 		std::vector<lw_transform> poses( lw_robot_link_count( robot.get() ) );
@@ -151,7 +151,7 @@ struct World
 		for ( std::size_t i = 0; i < model.bodies.size(); ++i )
 		{
 			lw_body_def bodyI = lw_robot_body( robot.get(), static_cast<std::uint32_t>( i ) );
-			for ( std::uint32_t k = 0; ( what & LW_WHAT_ENVIRONMENT ) != 0 && k < objects.size(); ++k )
+			for ( std::uint32_t k = 0; ( flags & LW_CHECK_ENVIRONMENT ) != 0 && k < objects.size(); ++k )
 			{
 				if ( !objectAllowed( bodyI.link, k ) && ( a == LW_INVALID_INDEX || ( a == bodyI.link && b == k ) ) )
 				{
@@ -159,7 +159,7 @@ struct World
 						shapeDistance( bodyI, poses[bodyI.link], objects[k].shape, objects[k].pose ) );
 				}
 			}
-			for ( std::size_t k = 0; ( what & LW_WHAT_SELF ) != 0 && k < i; ++k )
+			for ( std::size_t k = 0; ( flags & LW_CHECK_SELF ) != 0 && k < i; ++k )
 			{
 				lw_body_def bodyK = lw_robot_body( robot.get(), static_cast<std::uint32_t>( k ) );
 				std::uint32_t linkI = bodyI.link, linkK = bodyK.link;
@@ -174,12 +174,12 @@ struct World
 		return least;
 	}
 
-	double clearanceAt( const State& qa, const State& qb, double t, lw_what what, std::uint32_t a = LW_INVALID_INDEX,
+	double clearanceAt( const State& qa, const State& qb, double t, lw_check_flags flags, std::uint32_t a = LW_INVALID_INDEX,
 		std::uint32_t b = LW_INVALID_INDEX ) const
 	{
 		State fullA = full( qa ), fullB = full( qb ), q( fullA.size() );
 		lw_robot_interpolate( robot.get(), fullA.data(), fullB.data(), t, q.data() );
-		return clearance( q, what, a, b );
+		return clearance( q, flags, a, b );
 	}
 
 	lw_edge_result edge( const State& qa, const State& qb, const lw_edge_def& def ) const
@@ -237,14 +237,14 @@ inline void randomWorld( SeededRng& rng, World& world, State* start )
 	{
 		for ( std::uint32_t b = 0; b < world.model.linkNames.size(); ++b )
 		{
-			if ( b < a && world.clearance( full, LW_WHAT_SELF, a, b ) < close )
+			if ( b < a && world.clearance( full, LW_CHECK_SELF, a, b ) < close )
 			{
 				world.model.allowed.push_back( { a, b } );
 			}
 		}
 		for ( std::uint32_t k = 0; k < world.objects.size(); ++k )
 		{
-			if ( world.clearance( full, LW_WHAT_ENVIRONMENT, a, k ) < close )
+			if ( world.clearance( full, LW_CHECK_ENVIRONMENT, a, k ) < close )
 			{
 				world.allowed.push_back( { a, k } );
 			}

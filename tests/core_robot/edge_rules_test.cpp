@@ -30,10 +30,10 @@ TEST( Edge, StaticBodiesCount )
 			EXPECT_EQ( r.pair.b, 0u );
 			EXPECT_FALSE( r.self );
 		}
-		def.what = LW_WHAT_SELF;
+		def.flags = LW_CHECK_SELF;
 		EXPECT_EQ( world.edge( { 0 }, { 0.5 }, def ).verdict, LW_VERDICT_FREE );
 		def.method = LW_EDGE_STEPS;
-		def.what = LW_WHAT_ENVIRONMENT;
+		def.flags = LW_CHECK_ENVIRONMENT;
 		EXPECT_EQ( world.edge( { 0 }, { 0.5 }, def ).verdict, gap > 0 ? LW_VERDICT_FREE : LW_VERDICT_BLOCKED );
 	}
 }
@@ -52,7 +52,7 @@ TEST( Edge, EndsAgreeWithStates )
 		{
 			State end = randomEnd( rng, world, start );
 			lw_state_result state;
-			ASSERT_EQ( lw_checker_state( world.checker, world.query, end.data(), LW_WHAT_BOTH, nullptr, false, &state ),
+			ASSERT_EQ( lw_checker_state( world.checker, world.query, end.data(), LW_CHECK_BOTH, nullptr, false, &state ),
 				LW_OK );
 			for ( lw_edge_method method : { LW_EDGE_CERTIFIED, LW_EDGE_STEPS } )
 			{
@@ -82,7 +82,7 @@ TEST( Edge, EdgeWithoutLengthIsNotItsState )
 		State start;
 		randomWorld( rng, world, &start );
 		lw_state_result state;
-		ASSERT_EQ( lw_checker_state( world.checker, world.query, start.data(), LW_WHAT_BOTH, nullptr, false, &state ), LW_OK );
+		ASSERT_EQ( lw_checker_state( world.checker, world.query, start.data(), LW_CHECK_BOTH, nullptr, false, &state ), LW_OK );
 		const double clearance = std::min( state.environment.upper, state.self.upper );
 		if ( state.verdict != LW_VERDICT_FREE || !( clearance > 1e-3 && clearance < INFINITY ) )
 		{
@@ -123,8 +123,8 @@ TEST( Edge, StepsKeepWhatTheyPromise )
 			lw_edge_def def = lw_edge_def_default();
 			def.method = LW_EDGE_STEPS;
 			def.max_d = rng.decade( -3, -1.5 );
-			def.what = rng.integer( 0, 1 ) ? LW_WHAT_ENVIRONMENT : LW_WHAT_BOTH;
-			def.min_d = def.what == LW_WHAT_ENVIRONMENT ? def.max_d / 2 : def.max_d;
+			def.flags = rng.integer( 0, 1 ) ? LW_CHECK_ENVIRONMENT : LW_CHECK_BOTH;
+			def.min_d = def.flags == LW_CHECK_ENVIRONMENT ? def.max_d / 2 : def.max_d;
 			def.want_proved_until = true;
 			State end = randomEnd( rng, world, start );
 			lw_edge_result r = world.edge( start, end, def );
@@ -135,22 +135,22 @@ TEST( Edge, StepsKeepWhatTheyPromise )
 				EXPECT_EQ( r.proved_until, 1 );
 				for ( int n = 0; n < 40; ++n )
 				{
-					EXPECT_GT( world.clearanceAt( start, end, rng.uniform( 0, 1 ), def.what ), 0 );
+					EXPECT_GT( world.clearanceAt( start, end, rng.uniform( 0, 1 ), def.flags ), 0 );
 				}
 				continue;
 			}
-			double there = world.clearanceAt( start, end, r.t, r.self ? LW_WHAT_SELF : LW_WHAT_ENVIRONMENT, r.pair.a,
+			double there = world.clearanceAt( start, end, r.t, r.self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, r.pair.a,
 				r.pair.b );
 			EXPECT_LE( there, def.min_d + 1e-10 );
 			EXPECT_TRUE( r.proved_until < r.t || r.t == 0 );
 			partial += r.proved_until > 0 ? 1 : 0;
 			if ( r.proved_until > 0 )
 			{
-				EXPECT_GT( world.clearanceAt( start, end, r.proved_until, def.what ), def.min_d );
+				EXPECT_GT( world.clearanceAt( start, end, r.proved_until, def.flags ), def.min_d );
 			}
 		}
 	}
-	std::printf( "FREE %d BLOCKED %d REFUSED %d, partly free %d\n", verdicts[1], verdicts[2], verdicts[3], partial );
+	std::printf( "FREE %d BLOCKED %d UNDECIDED %d, partly free %d\n", verdicts[1], verdicts[2], verdicts[3], partial );
 	EXPECT_GE( verdicts[LW_VERDICT_FREE], 60 );
 	EXPECT_GE( verdicts[LW_VERDICT_BLOCKED], 60 );
 	EXPECT_GE( partial, 30 );
@@ -169,7 +169,7 @@ TEST( Edge, StepsVisitEachStateOnce )
 	}
 	def.max_d = 1e-12;
 	const lw_edge_result r = world.edge( { -0.5 }, { 0.5 }, def ); // the step is absurdly small for this edge
-	EXPECT_EQ( r.verdict, LW_VERDICT_REFUSED );
+	EXPECT_EQ( r.verdict, LW_VERDICT_UNDECIDED );
 	EXPECT_EQ( r.pair.kind, LW_CLEARANCE_UNKNOWN );
 }
 
@@ -224,7 +224,7 @@ TEST( Edge, BadInputNeverReadsAsFree )
 		def.cookie = 0;
 		refused( def, LW_ERROR_INVALID_DEF );
 		def = good;
-		def.what = static_cast<lw_what>( 0 );
+		def.flags = static_cast<lw_check_flags>( 0 );
 		refused( def, LW_ERROR_INVALID_ARGUMENT );
 	}
 	lw_edge_def def = lw_edge_def_default();

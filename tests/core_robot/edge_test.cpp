@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Edges: a FREE that dense sampling refutes, a REFUSED outside its band, work without bound near contact.
+// Edges: a FREE that dense sampling refutes, an UNDECIDED outside its band, work without bound near contact.
 #include "edge_model.hpp"
 
-// The heart: no FREE edge has a state at or below min_d, its lower bound holds, BLOCKED and REFUSED can be reproduced, the
-// part proved from the left holds, and clearance well above the band is never refused.
+// The heart: no FREE edge has a state at or below min_d, its lower bound holds, BLOCKED and UNDECIDED can be reproduced, the
+// part proved from the left holds, and clearance well above the band is never undecided.
 TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 {
 	SeededRng rng;
@@ -16,8 +16,8 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 		for ( int k = 0; k < 4; ++k )
 		{
 			lw_edge_def def = lw_edge_def_default();
-			static const lw_what whats[] = { LW_WHAT_BOTH, LW_WHAT_BOTH, LW_WHAT_ENVIRONMENT, LW_WHAT_SELF };
-			def.what = whats[rng.integer( 0, 3 )];
+			static const lw_check_flags flag_sets[] = { LW_CHECK_BOTH, LW_CHECK_BOTH, LW_CHECK_ENVIRONMENT, LW_CHECK_SELF };
+			def.flags = flag_sets[rng.integer( 0, 3 )];
 			def.min_d = rng.integer( 0, 1 ) ? 0 : rng.decade( -4, -2 );
 			def.slack = rng.decade( -4, -2 );
 			def.alpha = rng.integer( 0, 1 ) ? 0 : rng.uniform( 0, 0.5 );
@@ -30,7 +30,7 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 			for ( int n = 0; n <= 60; ++n )
 			{
 				double t = n == 0 ? 0 : n == 60 ? 1 : rng.uniform( 0, 1 );
-				double c = world.clearanceAt( start, end, t, def.what );
+				double c = world.clearanceAt( start, end, t, def.flags );
 				least = std::min( least, c );
 				leastBefore = t <= r.proved_until ? std::min( leastBefore, c ) : leastBefore;
 			}
@@ -47,7 +47,7 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 			ASSERT_NE( r.verdict, LW_VERDICT_UNKNOWN );
 			++( r.self ? selfFailures : environmentFailures );
 			EXPECT_EQ( r.lower_bound, 0 );
-			double there = world.clearanceAt( start, end, r.t, r.self ? LW_WHAT_SELF : LW_WHAT_ENVIRONMENT, r.pair.a,
+			double there = world.clearanceAt( start, end, r.t, r.self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, r.pair.a,
 				r.pair.b );
 			double top = r.verdict == LW_VERDICT_BLOCKED ? def.min_d : ( def.min_d + def.slack ) / ( 1 - def.alpha );
 			EXPECT_LE( there, top + 1e-10 ) << lw_verdict_name( r.verdict );
@@ -61,7 +61,7 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 					EXPECT_GT( leastBefore, def.min_d );
 					for ( double share : { 1.0, 0.999999, 0.99, 0.9 } )
 					{
-						EXPECT_GT( world.clearanceAt( start, end, share * r.proved_until, def.what ), def.min_d );
+						EXPECT_GT( world.clearanceAt( start, end, share * r.proved_until, def.flags ), def.min_d );
 					}
 				}
 			}
@@ -71,7 +71,7 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 			}
 		}
 	}
-	std::printf( "FREE %d (with halving %d), BLOCKED %d, REFUSED %d; self %d, environment %d; partly proved %d\n",
+	std::printf( "FREE %d (with halving %d), BLOCKED %d, UNDECIDED %d; self %d, environment %d; partly proved %d\n",
 		verdicts[1], deepProofs, verdicts[2], verdicts[3], selfFailures, environmentFailures, partial );
 	EXPECT_GE( verdicts[LW_VERDICT_FREE], 200 );
 	EXPECT_GE( deepProofs, 80 );
@@ -94,9 +94,9 @@ TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 		{ 1.01e-3, 0, 1e-3, LW_VERDICT_FREE },
 		{ 1.01e-3, 0, 1e-5, LW_VERDICT_FREE },
 		{ 1.01e-3, 1e-3, 5e-6, LW_VERDICT_FREE },
-		{ 1.01e-3, 1e-3, 1e-4, LW_VERDICT_REFUSED },
-		{ 1e-6, 0, 1e-3, LW_VERDICT_REFUSED },
-		{ 1e-6, 0, 1e-4, LW_VERDICT_REFUSED },
+		{ 1.01e-3, 1e-3, 1e-4, LW_VERDICT_UNDECIDED },
+		{ 1e-6, 0, 1e-3, LW_VERDICT_UNDECIDED },
+		{ 1e-6, 0, 1e-4, LW_VERDICT_UNDECIDED },
 		{ 1e-4, 0, 9e-5, LW_VERDICT_FREE },
 		{ 0, 0, 1e-3, LW_VERDICT_BLOCKED },
 		{ -1e-9, 0, 1e-3, LW_VERDICT_BLOCKED },
@@ -115,7 +115,7 @@ TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 		lw_edge_result r = world.edge( { -0.1 }, { -0.1 + travel }, def );
 		std::printf( "gap %g min_d %g slack %g: %s after %u states\n", c.gap, c.min_d, c.slack,
 			lw_verdict_name( r.verdict ), r.queries );
-		if ( c.gap == 0 ) // 0 to rounding: contact or refused, never free
+		if ( c.gap == 0 ) // 0 to rounding: contact or undecided, never free
 		{
 			EXPECT_NE( r.verdict, LW_VERDICT_FREE );
 		}

@@ -10,12 +10,12 @@
 
 struct AuditTally
 {
-	int free = 0, blocked = 0, refused = 0, partial = 0;
+	int free = 0, blocked = 0, undecided = 0, partial = 0;
 
 	/// A test in which one of these never happened tests nothing; the few edges under sanitizers are about memory.
 	void expectVariety() const
 	{
-		std::printf( "%d free, %d blocked, %d refused, %d proved in part\n", free, blocked, refused, partial );
+		std::printf( "%d free, %d blocked, %d undecided, %d proved in part\n", free, blocked, undecided, partial );
 		EXPECT_GT( free, 5 );
 		EXPECT_GT( blocked, unlessSanitized( 2, -1 ) );
 		EXPECT_GT( partial, unlessSanitized( 0, -1 ) );
@@ -52,7 +52,7 @@ struct AuditBench
 				LW_OK );
 			tally.free += r.verdict == LW_VERDICT_FREE;
 			tally.blocked += r.verdict == LW_VERDICT_BLOCKED;
-			tally.refused += r.verdict == LW_VERDICT_REFUSED;
+			tally.undecided += r.verdict == LW_VERDICT_UNDECIDED;
 			tally.partial += r.verdict != LW_VERDICT_FREE && r.proved_until > 0;
 			EXPECT_EQ( truth.refute( def, r ), "" ) << describe( motion, def, with_tables );
 		}

@@ -264,9 +264,9 @@ void expectNotFar( const lw_checker* checker, lw_query* query, const std::vector
 {
 	for ( double share : { 0.1, 0.4, 0.7, 0.95 } )
 	{
-		for ( lw_what what : { LW_WHAT_ENVIRONMENT, LW_WHAT_SELF } )
+		for ( lw_check_flags flags : { LW_CHECK_ENVIRONMENT, LW_CHECK_SELF } )
 		{
-			const bool is_self = what == LW_WHAT_SELF;
+			const bool is_self = flags == LW_CHECK_SELF;
 			const lw_clearance& of = is_self ? known.self : known.environment;
 			const lw_range range = { 0, of.lower + share * ( of.upper - of.lower ), 0 };
 			if ( !( of.lower > 0 && range.max_d > of.lower && range.max_d < of.upper ) )
@@ -274,7 +274,7 @@ void expectNotFar( const lw_checker* checker, lw_query* query, const std::vector
 				continue;
 			}
 			lw_state_result result;
-			ASSERT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), what, &range, false, &result ) );
+			ASSERT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), flags, &range, false, &result ) );
 			const lw_clearance& got = is_self ? result.self : result.environment;
 			EXPECT_NE( got.kind, LW_CLEARANCE_FAR ) << "max_d " << range.max_d << " in [" << of.lower << ", " << of.upper << "]";
 			EXPECT_LE( got.lower, is_self ? truth.self.upper : truth.environment.upper );
@@ -305,7 +305,7 @@ TEST( ExtremeChains, state_differs_from_exact_kinematics )
 					const Truth truth = truthOf( chain, tip, q );
 					double poses = truth.poses;
 					lw_state_result result;
-					ASSERT_EQ( LW_OK, lw_checker_state( tip.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result ) );
+					ASSERT_EQ( LW_OK, lw_checker_state( tip.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result ) );
 					SCOPED_TRACE( ::testing::Message()
 								  << "kind " << kind << " seed " << seed << " state " << i << " truth " << (double)truth.environment.upper << " own "
 								  << (double)truth.self.upper << " got [" << result.environment.lower << ", " << result.environment.upper << "] self ["

@@ -434,7 +434,7 @@ TEST( Faults, QuestionsTakeNoMemory )
 			a = randomState( w.rng, robot.get() );
 			b = randomState( w.rng, robot.get() );
 			lw_state_result state;
-			EXPECT_EQ( LW_OK, lw_checker_state( checker, query, a.data(), LW_WHAT_BOTH, nullptr, false, &state ) );
+			EXPECT_EQ( LW_OK, lw_checker_state( checker, query, a.data(), LW_CHECK_BOTH, nullptr, false, &state ) );
 			lw_edge_def edge_def = lw_edge_def_default();
 			edge_def.slack = 0.05;
 			lw_edge_result edge;
@@ -461,7 +461,7 @@ TEST( Smoke, BuildAskSaveRead )
 	{
 		const State a = randomState( w.rng, w.robot.get() ), b = randomState( w.rng, w.robot.get() );
 		lw_state_result state;
-		ASSERT_EQ( LW_OK, lw_checker_state( w.checker.get(), query.get(), a.data(), LW_WHAT_BOTH, nullptr, false, &state ) );
+		ASSERT_EQ( LW_OK, lw_checker_state( w.checker.get(), query.get(), a.data(), LW_CHECK_BOTH, nullptr, false, &state ) );
 		lw_edge_def def = lw_edge_def_default();
 		def.slack = 0.05;
 		lw_edge_result edge;

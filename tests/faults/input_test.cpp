@@ -235,7 +235,7 @@ TEST( Smoke, FilesOfEachKind )
 	lw_state_result result;
 	const std::vector<double> q = startState( problem );
 	EXPECT_EQ(
-	    LW_OK, lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result ) );
+	    LW_OK, lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result ) );
 	EXPECT_THROW( (void)loadScene( files.write( "bad.yaml", "world: [" ) ), Error );
 	EXPECT_THROW( (void)loadRobot( files.write( "bad.urdf", "<robot" ), "" ), Error );
 }

@@ -92,7 +92,7 @@ void readReach( const std::string& bytes )
 		const leeway::Query query = leeway::makeQuery( checker );
 		const double q[2] = { 0.5, 0.1 };
 		lw_state_result result;
-		(void)lw_checker_state( checker, query.get(), q, LW_WHAT_BOTH, nullptr, false, &result );
+		(void)lw_checker_state( checker, query.get(), q, LW_CHECK_BOTH, nullptr, false, &result );
 	}
 	lw_checker_release( checker );
 	lw_reach_release( reach );

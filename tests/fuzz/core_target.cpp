@@ -152,9 +152,9 @@ private:
 		std::vector<double> q = stateOf( checker, m_bytes.oneIn( 2 ) );
 		const lw_range asked = range();
 		lw_state_result result;
-		const lw_what what = static_cast<lw_what>( m_bytes.below( 4 ) );
+		const lw_check_flags flags = static_cast<lw_check_flags>( m_bytes.below( 4 ) );
 		const lw_status status = lw_checker_state(
-		    checker, query, q.data(), what, m_bytes.oneIn( 2 ) ? nullptr : &asked, m_bytes.oneIn( 2 ), &result );
+		    checker, query, q.data(), flags, m_bytes.oneIn( 2 ) ? nullptr : &asked, m_bytes.oneIn( 2 ), &result );
 		checkInterval( status, result.environment );
 		checkInterval( status, result.self );
 		expect( status == LW_OK || result.verdict == LW_VERDICT_UNKNOWN, "an error has no verdict" );
@@ -172,7 +172,7 @@ private:
 		def.method = m_bytes.oneIn( 8 )   ? static_cast<lw_edge_method>( m_bytes.below( 4 ) )
 		             : m_bytes.oneIn( 3 ) ? LW_EDGE_STEPS
 		                                  : LW_EDGE_CERTIFIED;
-		def.what = static_cast<lw_what>( m_bytes.oneIn( 8 ) ? 0 : 1 + m_bytes.below( 3 ) );
+		def.flags = static_cast<lw_check_flags>( m_bytes.oneIn( 8 ) ? 0 : 1 + m_bytes.below( 3 ) );
 		def.min_d = m_bytes.oneIn( 2 ) ? 0.0 : m_bytes.between( -0.1, 1 );
 		const double odd[] = { 0, -1, NAN, INFINITY, 1e300 };
 		def.slack = m_bytes.oneIn( 4 ) ? odd[m_bytes.below( 5 )] : m_bytes.between( 0.02, 0.5 );

@@ -23,7 +23,7 @@ void useProblem( const io::Problem& problem )
 	std::vector<double> q = io::startState( problem );
 	expect( q.size() == lw_checker_variable_count( checker ), "a start state has all variables" );
 	lw_state_result result;
-	const lw_status status = lw_checker_state( checker, query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result );
+	const lw_status status = lw_checker_state( checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result );
 	expect( status == LW_OK || result.verdict == LW_VERDICT_UNKNOWN, "an error has no verdict" );
 	(void)io::limitViolations( problem, q );
 }

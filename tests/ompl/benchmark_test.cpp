@@ -83,7 +83,7 @@ TEST( BenchmarkLog, CarriesTheCountersOfEachRun )
 			queries += number( run, "leeway edge queries INTEGER" );
 			EXPECT_EQ( number( run, "leeway edges INTEGER" ),
 				number( run, "leeway edges free INTEGER" ) + number( run, "leeway edges blocked INTEGER" ) +
-					number( run, "leeway edges refused INTEGER" ) );
+					number( run, "leeway edges undecided INTEGER" ) );
 			EXPECT_GT( number( run, "leeway edges free INTEGER" ), 0u );
 			EXPECT_EQ( number( run, "leeway motion costs INTEGER" ), 0u );
 			EXPECT_EQ( run.count( "name of planner STRING" ), 1u );

@@ -273,9 +273,9 @@ TEST( CheckerSpecs, OnlyWhatIsAskedForCounts )
 {
 	// the arm folded onto itself, far from the scene
 	leeway::ompl::Options options;
-	options.what = LW_WHAT_ENVIRONMENT;
+	options.flags = LW_CHECK_ENVIRONMENT;
 	const Rig environment( armWorld(), options );
-	options.what = LW_WHAT_SELF;
+	options.flags = LW_CHECK_SELF;
 	const Rig self( armWorld(), options );
 	const Rig both( armWorld() );
 	const double folded[3] = { -1.57, 2.8, 2.4 }, pillar[3] = { 0.62, 0, 0 };
@@ -310,7 +310,7 @@ TEST_P( CertifiedMotion, EverythingUpToLastValidIsFree )
 	const Rig rig( GetParam().make(), options );
 	const leeway::Query query = leeway::makeQuery( rig.checker.get() );
 	ob::ScopedState<> s1( rig.space ), s2( rig.space ), between( rig.space );
-	int free = 0, proved_on_the_way = 0, wrongly_refused = 0;
+	int free = 0, proved_on_the_way = 0, wrongly_undecided = 0;
 	for ( int i = 0; i < 150; ++i )
 	{
 		rig.sampleValid( rng, s1.get() );
@@ -336,11 +336,11 @@ TEST_P( CertifiedMotion, EverythingUpToLastValidIsFree )
 		free += valid;
 		proved_on_the_way += !valid && last_valid.second > 0.05;
 		// far above the band that the slack permits, and 200 samples cannot have missed more than their spacing
-		wrongly_refused += !valid && lowest > options.min_d + 0.03;
+		wrongly_undecided += !valid && lowest > options.min_d + 0.03;
 	}
 	EXPECT_GT( free, 20 );
 	EXPECT_GT( proved_on_the_way, 10 );
-	EXPECT_EQ( wrongly_refused, 0 );
+	EXPECT_EQ( wrongly_undecided, 0 );
 }
 
 TEST_P( CertifiedMotion, StartWithinTheSlackIsNoReasonToStayThere )
@@ -441,7 +441,7 @@ TEST( MotionCounters, EngineTotalsAddUp )
 	EXPECT_EQ( after.states - before.states, states );
 	EXPECT_EQ( after.edges - before.edges, 100u );
 	EXPECT_EQ( after.free - before.free, valid );
-	EXPECT_EQ( after.free + after.blocked + after.refused, after.edges );
+	EXPECT_EQ( after.free + after.blocked + after.undecided, after.edges );
 	EXPECT_GE( after.edge_queries - before.edge_queries, 100u );
 	EXPECT_EQ( rig.engine->queryCount(), 1u ) << "one thread needs one query";
 }
@@ -496,8 +496,8 @@ TEST( MotionCounters, RefusedPairsAreNamed )
 	const leeway::Checker checker = makeChecker( { slider( "cart", 0, -1, 1, makeBox( 0.2, 0.2, 0.2 ) ) },
 		{ { makeBox( 4, 1, 4 ), at( 0, 0.6 + 1e-10, 0 ) }, { makeBox( 0.1, 0.1, 0.1 ), at( 0, -1, 0 ) } } );
 	Rig rig( checker, {} );
-	EXPECT_TRUE( rig.engine->refusals().empty() );
-	EXPECT_EQ( "", rig.engine->describeRefusals() );
+	EXPECT_TRUE( rig.engine->undecidedPairs().empty() );
+	EXPECT_EQ( "", rig.engine->describeUndecided() );
 	ob::ScopedState<> from( rig.space ), to( rig.space );
 	for ( int i = 0; i < 3; ++i )
 	{
@@ -506,16 +506,16 @@ TEST( MotionCounters, RefusedPairsAreNamed )
 		rig.engine->adapter().fromVector( &b, to.get() );
 		EXPECT_FALSE( rig.si->checkMotion( from.get(), to.get() ) );
 	}
-	const std::vector<leeway::ompl::Refusal> refusals = rig.engine->refusals();
-	ASSERT_EQ( 1u, refusals.size() );
-	EXPECT_EQ( 3u, refusals[0].count );
-	EXPECT_FALSE( refusals[0].self );
-	EXPECT_EQ( "cart link", refusals[0].first );
-	EXPECT_EQ( lw_scene_object_name( lw_checker_scene( checker.get() ), 0 ), refusals[0].second );
-	EXPECT_NEAR( 1e-10, refusals[0].clearance, 1e-12 );
-	EXPECT_NE( std::string::npos, rig.engine->describeRefusals().find( "3 of 3 motions" ) );
+	const std::vector<leeway::ompl::UndecidedPair> undecided_pairs = rig.engine->undecidedPairs();
+	ASSERT_EQ( 1u, undecided_pairs.size() );
+	EXPECT_EQ( 3u, undecided_pairs[0].count );
+	EXPECT_FALSE( undecided_pairs[0].self );
+	EXPECT_EQ( "cart link", undecided_pairs[0].first );
+	EXPECT_EQ( lw_scene_object_name( lw_checker_scene( checker.get() ), 0 ), undecided_pairs[0].second );
+	EXPECT_NEAR( 1e-10, undecided_pairs[0].clearance, 1e-12 );
+	EXPECT_NE( std::string::npos, rig.engine->describeUndecided().find( "3 of 3 motions" ) );
 	std::const_pointer_cast<leeway::ompl::Engine>( rig.engine )->update( checker );
-	EXPECT_TRUE( rig.engine->refusals().empty() );
+	EXPECT_TRUE( rig.engine->undecidedPairs().empty() );
 }
 
 TEST( CheckerThreads, EightThreadsGetTheAnswersOfOne )

@@ -75,9 +75,9 @@ inline void solveAndAudit( const World& problem, ob::PlannerPtr ( *make )( const
 	audit( rig, *path );
 
 	// OMPL's later versions of it go through the same validator. It is mostly shorter, but OMPL asks for all edges once more
-	// in the end and replaces those that are refused then: within the slack a proof may depend on earlier questions.
+	// in the end and replaces those that are undecided then: within the slack a proof may depend on earlier questions.
 	og::PathSimplifier( rig.si ).simplifyMax( *path );
 	audit( rig, *path );
 	EXPECT_EQ( rig.engine->counters().edges,
-		rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().refused );
+		rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().undecided );
 }

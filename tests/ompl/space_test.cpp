@@ -645,7 +645,7 @@ TEST( Refusals, Options )
 	expect( "max_d", []( Options& options ) { options.max_d = -1; } );
 	expect( "max_d", []( Options& options ) { options.min_d = options.max_d; } );
 	expect( "method", []( Options& options ) { options.method = static_cast<lw_edge_method>( 0 ); } );
-	expect( "clearances", []( Options& options ) { options.what = static_cast<lw_what>( 0 ); } );
+	expect( "clearances", []( Options& options ) { options.flags = static_cast<lw_check_flags>( 0 ); } );
 
 	Options unlimited;
 	unlimited.max_d = inf;

@@ -299,7 +299,7 @@ inline double exactClearance( const Rig& rig, lw_query* query, const ob::State* 
 {
 	const std::vector<double> q = rig.vector( state );
 	lw_state_result result;
-	if ( lw_checker_state( rig.checker.get(), query, q.data(), LW_WHAT_BOTH, nullptr, false, &result ) != LW_OK ||
+	if ( lw_checker_state( rig.checker.get(), query, q.data(), LW_CHECK_BOTH, nullptr, false, &result ) != LW_OK ||
 		result.verdict != LW_VERDICT_FREE )
 	{
 		return 0;

@@ -55,7 +55,7 @@ public:
 			}
 			break;
 		case LW_VERDICT_BLOCKED:
-		case LW_VERDICT_REFUSED:
+		case LW_VERDICT_UNDECIDED:
 			refuteFailure( def, r, text, sizeof text );
 			break;
 		default:

@@ -174,7 +174,7 @@ struct EdgeWorld
 		const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
 		lw_state_result result;
 		leeway::require(
-			lw_checker_state( checker.get(), query, q.data(), LW_WHAT_BOTH, &range, true, &result ), "a state" );
+			lw_checker_state( checker.get(), query, q.data(), LW_CHECK_BOTH, &range, true, &result ), "a state" );
 		return result.verdict == LW_VERDICT_FREE;
 	}
 
@@ -243,7 +243,7 @@ private:
 			const lw_range range = { 0, 0.05, 0 };
 			lw_state_result result;
 			leeway::require(
-				lw_checker_state( checker.get(), query, q.data(), LW_WHAT_BOTH, &range, false, &result ), "a state" );
+				lw_checker_state( checker.get(), query, q.data(), LW_CHECK_BOTH, &range, false, &result ), "a state" );
 			if ( result.verdict != LW_VERDICT_FREE )
 			{
 				continue;

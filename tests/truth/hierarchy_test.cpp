@@ -87,9 +87,9 @@ TEST_P( HierarchyTruth, changes_an_answer )
 		const lw_range& range = ranges[i % 3];
 		lw_state_result want, got;
 		ASSERT_EQ( LW_OK,
-			lw_checker_state( problem.checker.get(), all_pairs.get(), q.data(), LW_WHAT_BOTH, &range, false, &want ) );
+			lw_checker_state( problem.checker.get(), all_pairs.get(), q.data(), LW_CHECK_BOTH, &range, false, &want ) );
 		ASSERT_EQ( LW_OK,
-			lw_checker_state( problem.checker.get(), by_nodes.get(), q.data(), LW_WHAT_BOTH, &range, false, &got ) );
+			lw_checker_state( problem.checker.get(), by_nodes.get(), q.data(), LW_CHECK_BOTH, &range, false, &got ) );
 		EXPECT_EQ( want.verdict, got.verdict ) << "state " << i;
 		EXPECT_TRUE( same( want.environment, got.environment ) )
 			<< "state " << i << ": " << want.environment.upper << ' ' << got.environment.upper;

@@ -219,7 +219,7 @@ protected:
 		{
 			const groundtruth::Row& row = m_subject->table.rows[i];
 			lw_state_result got;
-			ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_WHAT_BOTH,
+			ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_CHECK_BOTH,
 						   &range, false, &got ),
 				LW_OK );
 			if ( !agrees( got.environment, range, row.d_env, m_subject->tolerance( row, got.environment.b ) ) )
@@ -273,7 +273,7 @@ TEST_P( Truth, ExactDistancesAgree )
 	{
 		const groundtruth::Row& row = m_subject->table.rows[i];
 		lw_state_result got;
-		ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_WHAT_BOTH,
+		ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_CHECK_BOTH,
 					   nullptr, false, &got ),
 			LW_OK );
 		const lw_clearance &env = got.environment, &self = got.self;
@@ -304,7 +304,7 @@ TEST_P( Truth, SelfDistancesOverAllJointsAgree )
 	{
 		const groundtruth::Row& row = m_subject->table.rows[i];
 		lw_state_result got;
-		ASSERT_EQ( lw_checker_state( m_subject->all.get(), query.get(), m_subject->all_states[i].data(), LW_WHAT_SELF, nullptr,
+		ASSERT_EQ( lw_checker_state( m_subject->all.get(), query.get(), m_subject->all_states[i].data(), LW_CHECK_SELF, nullptr,
 					   false, &got ),
 			LW_OK );
 		if ( !agrees( got.self, lw_range_exact(), row.d_self, TOLERANCE ) || ( got.self.upper == 0 ) != row.in_collision_self )
@@ -345,7 +345,7 @@ TEST_P( Truth, StopAtFirstGivesTheSameVerdict )
 	{
 		const groundtruth::Row& row = m_subject->table.rows[i];
 		lw_state_result got;
-		ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_WHAT_BOTH,
+		ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_CHECK_BOTH,
 					   &range, true, &got ),
 			LW_OK );
 		bool blocked = row.d_env == 0 || row.d_self_moving == 0;

@@ -176,19 +176,19 @@ typedef enum lw_verdict
 	LW_VERDICT_UNKNOWN = 0, ///< an error
 	LW_VERDICT_FREE = 1,    ///< proved: every selected clearance is > min_d
 	LW_VERDICT_BLOCKED = 2, ///< found: a selected clearance is <= min_d
-	LW_VERDICT_REFUSED = 3  ///< not decided: the clearance is in the stated band just above min_d
+	LW_VERDICT_UNDECIDED = 3  ///< not decided: the clearance is in the stated band just above min_d
 } lw_verdict;
 
-/// "FREE", "BLOCKED", "REFUSED" or "UNKNOWN".
+/// "FREE", "BLOCKED", "UNDECIDED" or "UNKNOWN".
 LW_API const char* lw_verdict_name( lw_verdict verdict );
 
 /// Selects the clearances to check.
-typedef enum lw_what
+typedef enum lw_check_flags
 {
-	LW_WHAT_ENVIRONMENT = 1,
-	LW_WHAT_SELF = 2,
-	LW_WHAT_BOTH = 3
-} lw_what;
+	LW_CHECK_ENVIRONMENT = 1,
+	LW_CHECK_SELF = 2,
+	LW_CHECK_BOTH = 3
+} lw_check_flags;
 
 typedef struct lw_state_result
 {
@@ -207,7 +207,7 @@ typedef struct lw_state_result
 /// @param range NULL = exact
 /// @return LW_OK, or LW_ERROR_INVALID_ARGUMENT for a non-finite value, a zero quaternion, or translations so large that P
 /// exceeds three metres. On an error the verdict is UNKNOWN and the intervals are [0, +inf]: an error never reads as free
-LW_API lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_what what,
+LW_API lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags,
 	const lw_range* range, bool stop_at_first, lw_state_result* out );
 
 /// Is every clearance of the state above min_d? The fastest validity check: it measures no more than the answer needs.
@@ -215,7 +215,7 @@ LW_API lw_status lw_checker_state( const lw_checker* checker, lw_query* query, c
 /// @param min_d safety margin, metres, finite, >= 0
 /// @param out_free true: proved. False: a clearance is at most min_d, or rounding (1e-12 m for an arm) decides, or an error
 /// @return as lw_checker_state()
-LW_API lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_what what, double min_d,
+LW_API lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, double min_d,
 	bool* out_free );
 
 /// How an edge is validated.
@@ -233,9 +233,9 @@ enum
 typedef struct lw_edge_def
 {
 	lw_edge_method method;
-	lw_what what;
+	lw_check_flags flags;
 	double min_d; ///< metres, >= 0: the edge must keep every clearance above it
-	/// Metres, > 0, CERTIFIED: clearances in (min_d, min_d + slack] may be REFUSED. It is an upper bound that needs no
+	/// Metres, > 0, CERTIFIED: clearances in (min_d, min_d + slack] may be UNDECIDED. It is an upper bound that needs no
 	/// tuning: a pair within the band gets its own slack, half of its remaining clearance, down to rounding.
 	double slack;
 	uint32_t close_windows; ///< CERTIFIED: how many time intervals may be halved for pairs within slack, 1,024; 0: none
@@ -251,13 +251,13 @@ LW_API lw_edge_def lw_edge_def_default( void );
 typedef struct lw_edge_result
 {
 	/// CERTIFIED: FREE is a proof for every t in [0, 1]. BLOCKED comes with a colliding state, at t: its clearance is <=
-	/// min_d. REFUSED: the clearance of `pair` at t is at most (min_d + slack) / (1 - alpha), and the proof ended there
+	/// min_d. UNDECIDED: the clearance of `pair` at t is at most (min_d + slack) / (1 - alpha), and the proof ended there
 	/// because the pair is too close to min_d or stays close for too long (close_windows). Allow the pair if it may touch,
 	/// or reduce min_d.
 	/// STEPS: FREE means that all checked states are > min_d, and no more; core/docs/edges.md derives the use of max_d.
-	/// Both: REFUSED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it.
+	/// Both: UNDECIDED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it.
 	lw_verdict verdict;
-	double t;            ///< of the violation or refusal; 1 if FREE
+	double t;            ///< of the violation or undecided verdict; 1 if FREE
 	double proved_until; ///< all of [0, proved_until] is proved (STEPS: checked); 1 if FREE; 0 if not wanted
 	bool self;           ///< the pair below is a self pair
 	lw_clearance pair;   ///< the deciding clearance at t: a = link, b = object or link; UNKNOWN if FREE or too long

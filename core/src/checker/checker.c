@@ -11,8 +11,8 @@ const char* lw_verdict_name( lw_verdict verdict )
 			return "FREE";
 		case LW_VERDICT_BLOCKED:
 			return "BLOCKED";
-		case LW_VERDICT_REFUSED:
-			return "REFUSED";
+		case LW_VERDICT_UNDECIDED:
+			return "UNDECIDED";
 		case LW_VERDICT_UNKNOWN:
 			break;
 	}
@@ -38,7 +38,7 @@ lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spa
 	return sizes;
 }
 
-lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_what what, const lw_range* range,
+lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, const lw_range* range,
 	bool stop_at_first, lw_state_result* out )
 {
 	if ( out == NULL )
@@ -48,7 +48,7 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
 	lw_range wanted = range != NULL ? *range : lw_range_exact();
 	if ( checker == NULL || query == NULL || ( q == NULL && checker->variable_count > 0 ) || !lwi_range_is_valid( &wanted ) ||
-		 ( what & LW_WHAT_BOTH ) == 0 || !lwi_query_fits( query, checker ) )
+		 ( flags & LW_CHECK_BOTH ) == 0 || !lwi_query_fits( query, checker ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
@@ -58,7 +58,7 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	{
 		return status;
 	}
-	bool ask_environment = ( what & LW_WHAT_ENVIRONMENT ) != 0, ask_self = ( what & LW_WHAT_SELF ) != 0;
+	bool ask_environment = ( flags & LW_CHECK_ENVIRONMENT ) != 0, ask_self = ( flags & LW_CHECK_SELF ) != 0;
 	if ( ask_environment )
 	{
 		lwi_checker_environment( checker, query, &wanted, &out->environment );
@@ -76,11 +76,11 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	}
 	bool free = ( !ask_environment || is_proved_free( &out->environment, wanted.min_d ) ) &&
 				( !ask_self || is_proved_free( &out->self, wanted.min_d ) );
-	out->verdict = violated ? LW_VERDICT_BLOCKED : free ? LW_VERDICT_FREE : LW_VERDICT_REFUSED;
+	out->verdict = violated ? LW_VERDICT_BLOCKED : free ? LW_VERDICT_FREE : LW_VERDICT_UNDECIDED;
 	return LW_OK;
 }
 
-lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_what what, double min_d, bool* out_free )
+lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, double min_d, bool* out_free )
 {
 	if ( out_free == NULL )
 	{
@@ -89,7 +89,7 @@ lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const 
 	// an empty range of interest: distances are measured until they are on one side of min_d
 	const lw_range range = { min_d, nextafter( min_d, INFINITY ), 0 };
 	lw_state_result result;
-	const lw_status status = lw_checker_state( checker, query, q, what, &range, true, &result );
+	const lw_status status = lw_checker_state( checker, query, q, flags, &range, true, &result );
 	*out_free = status == LW_OK && result.verdict == LW_VERDICT_FREE;
 	return status;
 }

@@ -12,7 +12,7 @@ enum
 lw_edge_def lw_edge_def_default( void )
 {
 	return (lw_edge_def){ .method = LW_EDGE_CERTIFIED,
-		.what = LW_WHAT_BOTH,
+		.flags = LW_CHECK_BOTH,
 		.min_d = 0,
 		.slack = 1e-3,
 		.close_windows = 1024,
@@ -90,7 +90,7 @@ static lw_status check_steps( lwi_edge* e )
 	{
 		if ( lwi_edge_state_is_free( e, 1 ) && lwi_edge_state_is_free( e, 0 ) )
 		{
-			e->out->verdict = LW_VERDICT_REFUSED;
+			e->out->verdict = LW_VERDICT_UNDECIDED;
 		}
 		return e->failed ? LW_ERROR_INVALID_ARGUMENT : LW_OK;
 	}
@@ -119,11 +119,11 @@ static lw_status check_steps( lwi_edge* e )
 
 static bool def_is_valid( const lw_edge_def* def )
 {
-	bool what = def->what == LW_WHAT_ENVIRONMENT || def->what == LW_WHAT_SELF || def->what == LW_WHAT_BOTH;
+	bool flags = def->flags == LW_CHECK_ENVIRONMENT || def->flags == LW_CHECK_SELF || def->flags == LW_CHECK_BOTH;
 	bool margins = def->min_d >= 0 && def->min_d < INFINITY && def->alpha >= 0 && def->alpha < 1;
 	bool certified = def->method == LW_EDGE_CERTIFIED && def->slack > 0 && def->slack < INFINITY;
 	bool steps = def->method == LW_EDGE_STEPS && def->max_d > 0 && def->max_d < INFINITY;
-	return what && margins && ( certified || steps );
+	return flags && margins && ( certified || steps );
 }
 
 lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,

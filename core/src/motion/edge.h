@@ -172,7 +172,7 @@ typedef struct lwi_edge
 typedef struct lwi_edge_sample
 {
 	bool proved;  ///< on all of the window
-	bool low;     ///< to be refused: the clearance is within the pair's least slack, or the edge's states are used up
+	bool low;     ///< to be undecided: the clearance is within the pair's least slack, or the edge's states are used up
 	bool blocked;
 	uint8_t skip; ///< levels below to skip for the pair: their cells would be too wide
 	lw_clearance clearance;
@@ -294,7 +294,7 @@ static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t ce
 /// Is a pair above min_d at t? Only a collision, which ends the proof, is false.
 bool lwi_edge_pair_is_free( lwi_edge* edge, const lwi_edge_pair* pair, double t );
 
-/// The verdict for a sample that ends the proof; always false. A refusal never replaces a collision found elsewhere.
+/// The verdict for a sample that ends the proof; always false. An undecided verdict never replaces a collision found elsewhere.
 bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_pair* pair, double t, const lwi_edge_sample* sample );
 
 /// Lower bound of the static bodies' clearance; +infinity if the query does not cover them.
@@ -335,7 +335,7 @@ void lwi_edge_prepare_pair( lwi_edge* edge, lwi_edge_pair* pair );
 
 /// Measures everything at window.t, at which clusters were measured, clusters first. Unproved pairs are added to edge->pairs
 /// and, as an open interval, cell 0, to `level`. With many unproved pairs whole states are probed.
-/// @return false if the proof ends here: something is blocked or refused
+/// @return false if the proof ends here: something is blocked or undecided
 bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level );
 
 /// Measures the pairs of an interval batch at the edge's middle, and continues like lwi_edge_midpoint_pass().
@@ -363,7 +363,7 @@ void lwi_edge_batch_pass( lwi_edge* edge );
 
 // --- motion/probe.c -------------------------------------------------------------------------------------------------------
 
-/// Is the whole robot above min_d at t? Nearest pair first. A failure is reported; a refusal never replaces a collision found
+/// Is the whole robot above min_d at t? Nearest pair first. A failure is reported; an undecided verdict never replaces a collision found
 /// elsewhere.
 bool lwi_edge_state_is_free( lwi_edge* edge, double t );
 

@@ -227,7 +227,7 @@ bool lwi_edge_fail( lwi_edge* e, const lwi_edge_pair* pair, double t, const lwi_
 	lw_edge_result* out = e->out;
 	if ( out->verdict != LW_VERDICT_BLOCKED || s->blocked )
 	{
-		out->verdict = s->blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_REFUSED;
+		out->verdict = s->blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_UNDECIDED;
 		out->t = t;
 		out->self = lwi_edge_pair_is_self( pair );
 		out->pair = s->clearance;
@@ -254,6 +254,6 @@ bool lwi_edge_pair_is_free( lwi_edge* e, const lwi_edge_pair* pair, double t )
 
 double lwi_edge_static_lower( const lwi_edge* e )
 {
-	bool asked = ( e->def->what & LW_WHAT_ENVIRONMENT ) != 0;
+	bool asked = ( e->def->flags & LW_CHECK_ENVIRONMENT ) != 0;
 	return asked ? e->checker->static_environment.lower - e->static_rounding : INFINITY;
 }

@@ -481,7 +481,7 @@ static void batch_environment( const interval_batch* batch )
 {
 	lwi_edge* e = batch->e;
 	const lw_checker* c = e->checker;
-	if ( ( e->def->what & LW_WHAT_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
+	if ( ( e->def->flags & LW_CHECK_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
 	{
 		return;
 	}
@@ -642,7 +642,7 @@ static void batch_self( const interval_batch* batch )
 	lwi_edge* e = batch->e;
 	const lw_checker* c = e->checker;
 	const uint32_t count = batch->tree->pair_count;
-	if ( ( e->def->what & LW_WHAT_SELF ) == 0 || count == 0 )
+	if ( ( e->def->flags & LW_CHECK_SELF ) == 0 || count == 0 )
 	{
 		return;
 	}

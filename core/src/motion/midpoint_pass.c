@@ -380,7 +380,7 @@ static bool test_environment( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	if ( ( e->def->what & LW_WHAT_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
+	if ( ( e->def->flags & LW_CHECK_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
 	{
 		return true;
 	}
@@ -396,7 +396,7 @@ static bool test_self( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const uint32_t count = ( e->def->what & LW_WHAT_SELF ) != 0 ? c->tree->pair_count : 0;
+	const uint32_t count = ( e->def->flags & LW_CHECK_SELF ) != 0 ? c->tree->pair_count : 0;
 	if ( count == 0 )
 	{
 		return true;

@@ -22,7 +22,7 @@ bool lwi_edge_state_is_free( lwi_edge* e, double t )
 	lw_state_result state;
 	e->out->queries += t == e->posed_t ? 0 : 1;
 	e->posed_t = NAN;
-	if ( lw_checker_state( e->checker, e->query, lwi_edge_state( e, t ), e->def->what, &range, true, &state ) != LW_OK )
+	if ( lw_checker_state( e->checker, e->query, lwi_edge_state( e, t ), e->def->flags, &range, true, &state ) != LW_OK )
 	{
 		e->failed = true;
 		e->failure = e->query->search.failure;
@@ -98,7 +98,7 @@ bool lwi_edge_probe( lwi_edge* e, uint32_t work )
 
 void lwi_edge_probe_undecided( lwi_edge* e )
 {
-	if ( e->out->verdict == LW_VERDICT_REFUSED && e->longest > 0 )
+	if ( e->out->verdict == LW_VERDICT_UNDECIDED && e->longest > 0 )
 	{
 		probe_states( e, CLOSE_LEVELS ); // a collision elsewhere is worth knowing
 	}

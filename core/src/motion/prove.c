@@ -148,7 +148,7 @@ static bool check_static( lwi_edge* e )
 		return true;
 	}
 	const lw_clearance* fixed = &e->checker->static_environment;
-	e->out->verdict = fixed->upper <= e->def->min_d ? LW_VERDICT_BLOCKED : LW_VERDICT_REFUSED;
+	e->out->verdict = fixed->upper <= e->def->min_d ? LW_VERDICT_BLOCKED : LW_VERDICT_UNDECIDED;
 	e->out->t = 0;
 	e->out->pair = *fixed;
 	return false;

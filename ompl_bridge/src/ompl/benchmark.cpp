@@ -23,7 +23,7 @@ constexpr Property properties[] = {
 	{ "leeway edges INTEGER", &Counters::edges },
 	{ "leeway edges free INTEGER", &Counters::free },
 	{ "leeway edges blocked INTEGER", &Counters::blocked },
-	{ "leeway edges refused INTEGER", &Counters::refused },
+	{ "leeway edges undecided INTEGER", &Counters::undecided },
 	{ "leeway edge queries INTEGER", &Counters::edge_queries },
 	{ "leeway motion costs INTEGER", &Counters::motion_costs },
 	{ "leeway cost edges INTEGER", &Counters::cost_edges },

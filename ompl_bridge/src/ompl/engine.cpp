@@ -36,7 +36,7 @@ Options checkedOptions( const Options& options )
 	requireOption( options.slack > 0 && std::isfinite( options.slack ), "slack must be finite and above 0" );
 	requireOption( options.step > 0 && std::isfinite( options.step ), "step must be finite and above 0" );
 	requireOption( options.method == LW_EDGE_CERTIFIED || options.method == LW_EDGE_STEPS, "unknown edge method" );
-	requireOption( options.what >= LW_WHAT_ENVIRONMENT && options.what <= LW_WHAT_BOTH, "unknown choice of clearances" );
+	requireOption( options.flags >= LW_CHECK_ENVIRONMENT && options.flags <= LW_CHECK_BOTH, "unknown choice of clearances" );
 	return options;
 }
 
@@ -114,7 +114,7 @@ void Engine::update( Checker checker )
 	requireSameStates( this->checker().get(), checker.get() );
 	const std::lock_guard<std::mutex> lock( m_mutex );
 	std::swap( m_checker, checker ); // the old one is released when the lock is
-	m_refused_count = 0;
+	m_undecided_count = 0;
 	m_version.fetch_add( 1, std::memory_order_release );
 }
 
@@ -239,7 +239,7 @@ Counters Engine::counters() const
 		total.edges += slot->edges.value();
 		total.free += slot->free.value();
 		total.blocked += slot->blocked.value();
-		total.refused += slot->refused.value();
+		total.undecided += slot->undecided.value();
 		total.edge_queries += slot->edge_queries.value();
 		total.motion_costs += slot->motion_costs.value();
 		total.cost_edges += slot->cost_edges.value();
@@ -248,61 +248,61 @@ Counters Engine::counters() const
 	return total;
 }
 
-void Engine::noteRefusal( bool self, const lw_clearance& pair ) const
+void Engine::noteUndecided( bool self, const lw_clearance& pair ) const
 {
 	const bool named = pair.kind != LW_CLEARANCE_UNKNOWN;
 	const std::uint32_t a = named ? pair.a : LW_INVALID_INDEX, b = named ? pair.b : LW_INVALID_INDEX;
 	const std::lock_guard<std::mutex> lock( m_mutex );
-	const auto end = m_refused.begin() + static_cast<std::ptrdiff_t>( m_refused_count );
-	const auto found = std::find_if( m_refused.begin(), end,
-		[=]( const RefusedPair& p ) { return p.self == self && p.a == a && p.b == b; } );
+	const auto end = m_undecided.begin() + static_cast<std::ptrdiff_t>( m_undecided_count );
+	const auto found = std::find_if( m_undecided.begin(), end,
+		[=]( const UndecidedIds& p ) { return p.self == self && p.a == a && p.b == b; } );
 	if ( found != end )
 	{
 		++found->count;
 		found->clearance = std::min( found->clearance, pair.upper );
 	}
-	else if ( m_refused_count < m_refused.size() )
+	else if ( m_undecided_count < m_undecided.size() )
 	{
-		m_refused[m_refused_count++] = { self, a, b, 1, pair.upper };
+		m_undecided[m_undecided_count++] = { self, a, b, 1, pair.upper };
 	}
 }
 
-std::vector<Refusal> Engine::refusals() const
+std::vector<UndecidedPair> Engine::undecidedPairs() const
 {
-	std::vector<Refusal> refusals;
+	std::vector<UndecidedPair> undecided_pairs;
 	const std::lock_guard<std::mutex> lock( m_mutex );
 	const lw_robot* robot = lw_checker_robot( m_checker.get() );
-	for ( std::size_t i = 0; i < m_refused_count; ++i )
+	for ( std::size_t i = 0; i < m_undecided_count; ++i )
 	{
-		const RefusedPair& pair = m_refused[i];
-		Refusal refusal{ pair.count, pair.self, "", "", pair.clearance };
+		const UndecidedIds& pair = m_undecided[i];
+		UndecidedPair undecided_pair{ pair.count, pair.self, "", "", pair.clearance };
 		if ( pair.a != LW_INVALID_INDEX )
 		{
 			// of a snapshot that was replaced while the motion was judged an object may be no more
 			const char* link = lw_robot_link_name( robot, pair.a );
 			const char* other = pair.self ? lw_robot_link_name( robot, pair.b )
 										  : lw_scene_object_name( lw_checker_scene( m_checker.get() ), pair.b );
-			refusal.first = link != nullptr ? link : "?";
-			refusal.second = other != nullptr ? other : "?";
+			undecided_pair.first = link != nullptr ? link : "?";
+			undecided_pair.second = other != nullptr ? other : "?";
 		}
-		refusals.push_back( std::move( refusal ) );
+		undecided_pairs.push_back( std::move( undecided_pair ) );
 	}
 	std::stable_sort(
-		refusals.begin(), refusals.end(), []( const Refusal& x, const Refusal& y ) { return x.count > y.count; } );
-	return refusals;
+		undecided_pairs.begin(), undecided_pairs.end(), []( const UndecidedPair& x, const UndecidedPair& y ) { return x.count > y.count; } );
+	return undecided_pairs;
 }
 
-std::string Engine::describeRefusals() const
+std::string Engine::describeUndecided() const
 {
-	const std::vector<Refusal> all = refusals();
+	const std::vector<UndecidedPair> all = undecidedPairs();
 	if ( all.empty() )
 	{
 		return "";
 	}
 	const Counters total = counters();
-	const Refusal& most = all.front();
+	const UndecidedPair& most = all.front();
 	std::ostringstream text;
-	text << total.refused << " of " << total.edges << " motions were refused, neither proved free nor found to collide: ";
+	text << total.undecided << " of " << total.edges << " motions were undecided, neither proved free nor found to collide: ";
 	if ( most.first.empty() )
 	{
 		text << most.count << " are so long that they would take more than " << LW_EDGE_MOST_STATES << " states (narrow the joints' limits)";

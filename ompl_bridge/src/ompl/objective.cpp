@@ -102,7 +102,7 @@ private:
 		lw_state_result state;
 		slot.cost_queries.add( 1 );
 		const lw_checker* checker = slot.checker.get();
-		if ( lw_checker_state( checker, slot.query.get(), q, options.what, &range, true, &state ) != LW_OK ||
+		if ( lw_checker_state( checker, slot.query.get(), q, options.flags, &range, true, &state ) != LW_OK ||
 			state.verdict != LW_VERDICT_FREE )
 		{
 			return false;
@@ -126,10 +126,10 @@ private:
 	lw_verdict check( double margin, double slack, double alpha )
 	{
 		lw_edge_def def = lw_edge_def_default();
-		def.what = m_engine.options().what;
+		def.flags = m_engine.options().flags;
 		def.min_d = margin;
 		def.slack = slack;
-		def.close_windows = 0; // bisection goes to where motions are refused: within the tolerance a refusal is the answer
+		def.close_windows = 0; // bisection goes to where motions are undecided: within the tolerance that is the answer
 		def.alpha = alpha;
 		auto& slot = m_prover.slot();
 		slot.cost_edges.add( 1 );

@@ -34,7 +34,7 @@ struct alignas( 64 ) Engine::Slot
 	double *a, *b;           ///< the ends of the motion (or the state), as read; [adapter size]
 	double *from, *to;       ///< the piece that is being proved; [adapter size]
 	double *varied, *result; ///< [adapter size]
-	SlotCounter states, edges, free, blocked, refused, edge_queries, motion_costs, cost_edges, cost_queries;
+	SlotCounter states, edges, free, blocked, undecided, edge_queries, motion_costs, cost_edges, cost_queries;
 };
 
 } // namespace leeway::ompl

@@ -35,7 +35,7 @@ std::shared_ptr<const Engine> checkedEngine( const ob::SpaceInformationPtr& si, 
 bool clear( const Options& options, const lw_checker* checker, lw_query* query, const double* q )
 {
 	bool free = false;
-	lw_checker_is_free( checker, query, q, options.what, options.min_d, &free );
+	lw_checker_is_free( checker, query, q, options.flags, options.min_d, &free );
 	return free;
 }
 
@@ -87,18 +87,18 @@ bool StateValidityChecker::evaluate( const ob::State* state, double& dist ) cons
 	const Options& options = m_engine->options();
 	const lw_range range = { options.min_d, options.max_d, options.alpha };
 	lw_state_result result;
-	if ( lw_checker_state( lease.checker(), lease.query(), lease.a(), options.what, &range, true, &result ) != LW_OK ||
+	if ( lw_checker_state( lease.checker(), lease.query(), lease.a(), options.flags, &range, true, &result ) != LW_OK ||
 		result.verdict != LW_VERDICT_FREE )
 	{
 		return false;
 	}
 	// a part outside `options.what` is UNKNOWN with lower = 0: left out
 	double lower = options.max_d;
-	if ( ( options.what & LW_WHAT_ENVIRONMENT ) != 0 )
+	if ( ( options.flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{
 		lower = std::min( lower, result.environment.lower );
 	}
-	if ( ( options.what & LW_WHAT_SELF ) != 0 )
+	if ( ( options.flags & LW_CHECK_SELF ) != 0 )
 	{
 		lower = std::min( lower, result.self.lower );
 	}
@@ -143,12 +143,12 @@ MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared
 	}
 	const Options& options = m_engine->options();
 	m_def.method = options.method;
-	m_def.what = options.what;
+	m_def.flags = options.flags;
 	m_def.min_d = options.min_d;
 	m_def.slack = options.slack;
 	m_def.max_d = options.step;
 
-	// An edge with all clearances above (min_d + slack) / (1 - alpha) is never refused (core/docs/edges.md): the run is
+	// An edge with all clearances above (min_d + slack) / (1 - alpha) is never undecided (core/docs/edges.md): the run is
 	// proved at that margin, and a millionth more for the rounding of the state at its end. proveRun() treats motions that
 	// begin nearer than that.
 	m_last_def = m_def;
@@ -163,10 +163,10 @@ ProvedMotion MotionValidator::prove( const EdgeProver& prover, const lw_edge_def
 	slot.edges.add( 1 );
 	slot.free.add( run.verdict == LW_VERDICT_FREE );
 	slot.blocked.add( run.verdict == LW_VERDICT_BLOCKED );
-	slot.refused.add( run.verdict == LW_VERDICT_REFUSED );
-	if ( run.verdict == LW_VERDICT_REFUSED )
+	slot.undecided.add( run.verdict == LW_VERDICT_UNDECIDED );
+	if ( run.verdict == LW_VERDICT_UNDECIDED )
 	{
-		m_engine->noteRefusal( run.self, run.pair );
+		m_engine->noteUndecided( run.self, run.pair );
 	}
 	return run;
 }
@@ -193,7 +193,7 @@ double MotionValidator::writeLastValid( const EdgeProver& prover, const ProvedRu
 	Engine::Slot& slot = prover.slot();
 
 	// The end of the proved run can lie so near to min_d that rounding decides: the second candidate lies a little before
-	// it. A run that begins within the slack can end where its proof is refused as a motion of its own: the others lie well
+	// it. A run that begins within the slack can end where its proof is undecided as a motion of its own: the others lie well
 	// before.
 	constexpr double candidates[] = { 1.0, 1.0 - 0x1p-10, 0.75, 0.25 };
 	for ( double factor : candidates )

@@ -82,7 +82,7 @@ TEST_F( MarginsTest, PartsAddUpAndPairsStandAlone )
 	lw_state_result state;
 	const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 	const double q[2] = { 0, 0 };
-	ASSERT_EQ( lw_checker_state( problem.checker.get(), query.get(), q, LW_WHAT_ENVIRONMENT, nullptr, false, &state ), LW_OK );
+	ASSERT_EQ( lw_checker_state( problem.checker.get(), query.get(), q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ), LW_OK );
 	EXPECT_STREQ( lw_robot_link_name( problem.robot.get(), state.environment.a ), "cup" );
 	EXPECT_NEAR( state.environment.upper, 0.4 - 0.01 - 0.005, 1e-12 );
 }
@@ -105,8 +105,8 @@ TEST_F( MarginsTest, PaddingIsTheMarginThatSaysTheSame )
 	{
 		const double q[2] = { rng.uniform( -0.3, 0.3 ), rng.uniform( -0.3, 0.3 ) };
 		lw_state_result a, b;
-		ASSERT_EQ( lw_checker_state( padded.checker.get(), one.get(), q, LW_WHAT_BOTH, nullptr, false, &a ), LW_OK );
-		ASSERT_EQ( lw_checker_state( explicit_one.checker.get(), other.get(), q, LW_WHAT_BOTH, nullptr, false, &b ), LW_OK );
+		ASSERT_EQ( lw_checker_state( padded.checker.get(), one.get(), q, LW_CHECK_BOTH, nullptr, false, &a ), LW_OK );
+		ASSERT_EQ( lw_checker_state( explicit_one.checker.get(), other.get(), q, LW_CHECK_BOTH, nullptr, false, &b ), LW_OK );
 		EXPECT_EQ( a.verdict, b.verdict );
 		EXPECT_TRUE( sameBits( a.environment, b.environment ) );
 		EXPECT_TRUE( sameBits( a.self, b.self ) );

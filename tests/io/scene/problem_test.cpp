@@ -79,7 +79,7 @@ protected:
 	{
 		Query query = makeQuery( problem.checker.get() );
 		lw_state_result result;
-		require( lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result ),
+		require( lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result ),
 		    "check" );
 		return result;
 	}

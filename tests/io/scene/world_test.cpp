@@ -65,7 +65,7 @@ protected:
 	{
 		const Query query = makeQuery( checker.get() );
 		lw_state_result result;
-		EXPECT_EQ( lw_checker_state( checker.get(), query.get(), q.data(), LW_WHAT_BOTH, nullptr, false, &result ), LW_OK );
+		EXPECT_EQ( lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result ), LW_OK );
 		return result;
 	}
 	static std::string obstacle( const Checker& checker, const lw_state_result& result )

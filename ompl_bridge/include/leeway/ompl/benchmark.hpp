@@ -16,7 +16,7 @@ namespace leeway::ompl
 Counters difference( const Counters& later, const Counters& earlier );
 
 /// Counters as properties of a run: "leeway states INTEGER", "leeway edges INTEGER", "leeway edges free INTEGER", "...
-/// blocked ...", "... refused ...", "leeway edge queries INTEGER", "leeway motion costs INTEGER", "leeway cost edges
+/// blocked ...", "... undecided ...", "leeway edge queries INTEGER", "leeway motion costs INTEGER", "leeway cost edges
 /// INTEGER", "leeway cost queries INTEGER". The last word is the column's type, for ompl_benchmark_statistics.py.
 std::map<std::string, std::string> runProperties( const Counters& counters );
 

@@ -38,11 +38,11 @@ struct Options
 	double max_d = 0.5;
 	double alpha = 0;     ///< relative tolerance of clearance(), [0, 1)
 	/// Metres, > 0: certified edges may refuse clearances from min_d up to (min_d + slack) / 0.9. It is an upper bound that
-	/// needs no tuning: nearer pairs get a slack of their own, see lw_edge_def. Engine::refusals() lists the refused pairs.
+	/// needs no tuning: nearer pairs get a slack of their own, see lw_edge_def. Engine::undecidedPairs() lists them.
 	double slack = 0.001;
 	lw_edge_method method = LW_EDGE_CERTIFIED;
 	double step = 0.01;   ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
-	lw_what what = LW_WHAT_BOTH;
+	lw_check_flags flags = LW_CHECK_BOTH;
 	/// install() makes the deferred meshes that states within the limits can need, on all cores (leeway::prepare()):
 	/// milliseconds once, instead of delays while a planner runs.
 	bool prepare = true;
@@ -134,23 +134,23 @@ struct ProvedMotion;
 struct Counters
 {
 	std::uint64_t states = 0;       ///< states checked
-	std::uint64_t edges = 0;        ///< motions checked: free + blocked + refused + errors
+	std::uint64_t edges = 0;        ///< motions checked: free + blocked + undecided + errors
 	std::uint64_t free = 0;
 	std::uint64_t blocked = 0;
-	std::uint64_t refused = 0;
+	std::uint64_t undecided = 0;
 	std::uint64_t edge_queries = 0; ///< states at which edges measured distances
 	std::uint64_t motion_costs = 0; ///< motion costs computed by ClearanceObjectives
 	std::uint64_t cost_edges = 0;   ///< edge checks for these costs
 	std::uint64_t cost_queries = 0; ///< states at which these costs measured distances
 };
 
-/// Motions refused because of one pair: neither proved free nor found to collide.
-struct Refusal
+/// Motions left undecided by one pair: neither proved free nor found to collide.
+struct UndecidedPair
 {
 	std::uint64_t count = 0;
 	bool self = false;
 	std::string first, second; ///< links, or a link and an object; both empty: motions too long to check
-	double clearance = 0;      ///< metres: the smallest clearance at a refusal
+	double clearance = 0;      ///< metres: the smallest clearance at an undecided verdict
 };
 
 /// Shared by the state checker and the motion validator: core checker, options, adapter, and a pool of queries, one per
@@ -175,11 +175,11 @@ public:
 	const Options& options() const { return m_options; }
 	const StateAdapter& adapter() const { return m_adapter; }
 	Counters counters() const;
-	/// Refused pairs since the last update(), the most frequent first. The list holds up to 32 pairs; refusals of further
+	/// Undecided pairs since the last update(), the most frequent first. The list holds up to 32 pairs; counts of further
 	/// pairs are only in counters().
-	std::vector<Refusal> refusals() const;
-	/// Human-readable summary of refusals() with a remedy; empty if no motion was refused.
-	std::string describeRefusals() const;
+	std::vector<UndecidedPair> undecidedPairs() const;
+	/// Human-readable summary of undecidedPairs() with a remedy; empty if no motion was undecided.
+	std::string describeUndecided() const;
 	/// Queries in the pool: the largest number of threads that used the engine at the same time.
 	std::size_t queryCount() const;
 
@@ -216,9 +216,9 @@ private:
 	Slot* makeSlot() const;
 	bool refresh( Slot& slot ) const; ///< the slot gets the snapshot of now; false if out of memory
 	Query makeQuery( const lw_checker* checker ) const; ///< null if out of memory
-	void noteRefusal( bool self, const lw_clearance& pair ) const; ///< allocates nothing
+	void noteUndecided( bool self, const lw_clearance& pair ) const; ///< allocates nothing
 
-	struct RefusedPair
+	struct UndecidedIds
 	{
 		bool self;
 		std::uint32_t a, b; ///< of m_checker; LW_INVALID_INDEX: no pair
@@ -226,10 +226,10 @@ private:
 		double clearance;
 	};
 
-	mutable std::mutex m_mutex; ///< of m_checker and refused pairs, which are rare and cost milliseconds each
+	mutable std::mutex m_mutex; ///< of m_checker and undecided pairs, which are rare and cost milliseconds each
 	Checker m_checker;
-	mutable std::array<RefusedPair, 32> m_refused{};
-	mutable std::size_t m_refused_count = 0;
+	mutable std::array<UndecidedIds, 32> m_undecided{};
+	mutable std::size_t m_undecided_count = 0;
 	std::atomic<std::uint64_t> m_version{ 1 }; ///< of m_checker: slots with another one are out of date
 	Options m_options;
 	StateAdapter m_adapter;
@@ -263,7 +263,7 @@ private:
 };
 
 /// checkMotion() with a proof along the whole edge (or by fixed steps), see lw_checker_edge(). A motion is invalid if an end
-/// is out of bounds, if it is refused, or if an error occurs. The certified curve is OMPL's own, the curve of the space's
+/// is out of bounds, if it is undecided, or if an error occurs. The certified curve is OMPL's own, the curve of the space's
 /// interpolate() (StateAdapter handles the special cases), up to rounding of single coordinates. Conditions of other state
 /// validity checkers are ignored.
 class MotionValidator : public ::ompl::base::MotionValidator
@@ -292,7 +292,7 @@ private:
 	struct ProvedRun
 	{
 		double until;      ///< place on the motion
-		bool within_slack; ///< it may end where the motion up to there would be refused
+		bool within_slack; ///< it may end where the motion up to there would be undecided
 	};
 	bool isFreeBothWays( const EdgeProver& prover ) const;
 	ProvedRun proveRun( const EdgeProver& prover ) const;
