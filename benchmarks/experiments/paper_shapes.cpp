@@ -3,7 +3,7 @@
 // Paper: Steinbach, Kuffner, Asfour, Dillmann 2006, sections II.B and VI.
 #include "experiments/paper.hpp"
 #include "report/rounds.hpp"
-#include "experiments/tree_levels.h"
+#include "shape/shape.h"
 
 #include <algorithm>
 #include <array>
@@ -460,12 +460,60 @@ leeway::Shape rebuilt( const lw_shape* shape, const lw_tree_def& tree )
 	return shapeOf( mesh, tree );
 }
 
+/// Sums over the spheres of one level of a tree. Each level contains all of the geometry: where a branch ends above it, the
+/// branch's last sphere counts.
+struct TreeLevel
+{
+	double volume = 0; // cubic metres
+	std::uint32_t spheres = 0;
+};
+using TreeLevels = std::array<TreeLevel, LWI_MAX_DEPTH + 2>;
+
+/// Adds the spheres of a subtree to their levels. Recursion is as deep as the tree: at most LWI_MAX_DEPTH.
+void addSubtree( const lw_shape& shape, lwi_ref ref, double radius, std::uint32_t level, std::uint32_t count, TreeLevels& levels )
+{
+	const double volume = 4.0 / 3.0 * std::acos( -1.0 ) * radius * radius * radius;
+	const std::uint32_t last = lwi_ref_is_leaf( ref ) ? count - 1 : level;
+	for ( std::uint32_t i = level; i <= last; ++i )
+	{
+		levels[i].volume += volume;
+		levels[i].spheres++;
+	}
+	for ( std::uint32_t lane = 0; !lwi_ref_is_leaf( ref ) && lane < LWI_WIDTH; ++lane )
+	{
+		const lwi_node& node = shape.nodes[lwi_ref_index( ref )];
+		if ( node.child[lane] != LW_INVALID_INDEX )
+		{
+			addSubtree( shape, node.child[lane], static_cast<double>( node.r[lane] ), level + 1, count, levels );
+		}
+	}
+}
+
+/// @param shape a mesh. @return number of levels; 0 if it has no tree
+std::uint32_t treeLevels( const lw_shape* shape, TreeLevels& levels )
+{
+	levels = {};
+	if ( lw_shape_complete( shape, nullptr ) != LW_OK )
+	{
+		return 0;
+	}
+	const lw_shape* made = lwi_shape_now( shape );
+	if ( made->family != LWI_TRIANGLES )
+	{
+		return 0;
+	}
+	const std::uint32_t count = made->depth + 1; // the root's own sphere, and one level below each inner one
+	addSubtree( *made, made->root, static_cast<double>( made->root_sphere[3] ), 0, count, levels );
+	return count;
+}
+
 Levels levelsOf( const std::string& name, const std::vector<const lw_shape*>& shapes )
 {
 	Levels levels;
 	levels.name = name;
-	levels.volume.resize( BENCH_MAX_LEVELS );
-	levels.spheres.resize( BENCH_MAX_LEVELS );
+	TreeLevels mine;
+	levels.volume.resize( mine.size() );
+	levels.spheres.resize( mine.size() );
 	std::uint32_t deepest = 0;
 	for ( const lw_shape* shape : shapes )
 	{
@@ -475,10 +523,9 @@ Levels levelsOf( const std::string& name, const std::vector<const lw_shape*>& sh
 		for ( int fit = 0; fit < FIT_COUNT; ++fit )
 		{
 			const lw_tree_def tree = { FITS[fit], 8, 0 };
-			bench_level mine[BENCH_MAX_LEVELS];
-			const std::uint32_t count = bench_tree_levels( rebuilt( shape, tree ).get(), mine );
+			const std::uint32_t count = treeLevels( rebuilt( shape, tree ).get(), mine );
 			deepest = std::max( deepest, count );
-			for ( std::uint32_t i = 0; i < BENCH_MAX_LEVELS && count > 0; ++i )
+			for ( std::uint32_t i = 0; i < mine.size() && count > 0; ++i )
 			{
 				// below its last level a tree stays as it is there
 				levels.volume[i][static_cast<std::size_t>( fit )] += mine[std::min( i, count - 1 )].volume;

@@ -3,15 +3,12 @@
 // of two finely meshed spheres facing each other (the weak spot of sphere trees).
 #include "leeway/leeway.h"
 
-extern "C"
-{
-#include "programs/kernel_shim.h"
 #include "distance/tri_tri.h"
-}
+#include "simd/kernels.h"
 
 #include <benchmark/benchmark.h>
 #include <cmath>
-#include <cstdlib>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -47,19 +44,68 @@ void exactTriangles( benchmark::State& state )
 }
 BENCHMARK( exactTriangles );
 
+/// Random input of the kernels: enough that nothing is predicted, few enough to stay in the first cache.
+struct alignas( 64 ) KernelInput // the kernels load whole registers
+{
+	static constexpr int COUNT = 64;
+	lwi_node nodes[COUNT] = {};
+	lwi_leaf leaves[COUNT] = {};
+	float spheres[COUNT][4];
+
+	KernelInput()
+	{
+		for ( int i = 0; i < COUNT; ++i )
+		{
+			for ( int lane = 0; lane < LWI_WIDTH; ++lane )
+			{
+				nodes[i].x[lane] = nextNumber();
+				nodes[i].y[lane] = nextNumber();
+				nodes[i].z[lane] = nextNumber();
+				nodes[i].r[lane] = 0.1f * nextNumber();
+				for ( int k = 0; k < 9; ++k )
+				{
+					leaves[i].v[k / 3][k % 3][lane] = nextNumber();
+				}
+			}
+			for ( float& value : spheres[i] )
+			{
+				value = nextNumber();
+			}
+		}
+	}
+
+	/// One call for eight lanes. @param kernel 0 sphere against spheres, 1 sphere against triangles, 2 triangles against triangles
+	/// @return one of the gaps, or 0
+	float run( const lwi_kernels& kernels, int kernel )
+	{
+		const std::uint32_t i = m_next;
+		m_next = ( i + 1 ) % COUNT;
+		float gap[LWI_WIDTH], direction[3][LWI_WIDTH];
+		const std::uint32_t lanes = kernel == 0 ? kernels.sphere_gap( nodes[i].x, spheres[i], INFINITY, gap )
+		    : kernel == 1 ? kernels.leaf_gap( &leaves[i], spheres[i], INFINITY, gap, direction )
+		                  : kernels.triangle_gap( leaves[i].v, leaves[m_next].v, INFINITY, gap );
+		return lanes != 0 ? gap[0] : 0;
+	}
+
+private:
+	std::uint32_t m_state = 1, m_next = 0;
+
+	/// In [0, 0.1): a linear congruence is random enough to feed a kernel.
+	float nextNumber()
+	{
+		m_state = m_state * 1664525u + 1013904223u;
+		return static_cast<float>( m_state >> 8 ) * ( 0.1f / 16777216.0f );
+	}
+};
+
 void filter( benchmark::State& state, int kernel, int level )
 {
-	void* work = bench_kernel_create( static_cast<lw_simd>( level ) );
-	if ( work == nullptr )
-	{
-		state.SkipWithError( "out of memory" );
-		return;
-	}
+	const lwi_kernels* kernels = lwi_kernels_get( static_cast<lw_simd>( level ) );
+	const auto input = std::make_unique<KernelInput>();
 	for ( auto _ : state )
 	{
-		benchmark::DoNotOptimize( bench_kernel_run( work, kernel ) );
+		benchmark::DoNotOptimize( input->run( *kernels, kernel ) );
 	}
-	bench_kernel_destroy( work );
 	// Each run is eight tests
 	state.SetItemsProcessed( 8 * static_cast<std::int64_t>( state.iterations() ) );
 }

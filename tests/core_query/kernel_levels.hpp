@@ -7,10 +7,7 @@
 #include <algorithm>
 #include <vector>
 
-extern "C"
-{
 #include "simd/kernels.h"
-}
 
 inline std::vector<const lwi_kernels*> kernelLevels()
 {

@@ -10,12 +10,9 @@
 #include <cstring>
 #include <vector>
 
-extern "C"
-{
 #include "distance/convex.h"
 #include "distance/tri_tri.h"
 #include "base/sincos.h"
-}
 
 namespace
 {

@@ -3,10 +3,7 @@
 #include "oracle_subject.hpp"
 #include "sanitized.hpp"
 
-extern "C"
-{
-#include "separation_shim.h"
-}
+#include "distance/separation.h"
 
 namespace
 {
@@ -33,11 +30,66 @@ double reach( const Model& m, Vec n, real radius )
 	return to_double( most + radius );
 }
 
+const lwi_kernels& kernels() { return *lwi_kernels_get( lw_simd_available() ); }
+
+/// Shapes at their poses `at`, the first of which is the middle, made ready for a search.
+struct Ready
+{
+	lwi_cloud cloud = {};
+	lwi_swept_poses poses;
+
+	explicit Ready( const lwi_swept_poses& from ) : poses( from )
+	{
+		poses.middle = from.at[0];
+		poses.made = !from.is_linear;
+		poses.cloud = &cloud;
+	}
+};
+
+/// lwi_separate_bent(), of three poses of a.
+bool separate_bent( const lwi_swept_poses& a, const lwi_swept_poses& b, double limit, double bend, float direction[3] )
+{
+	const Ready ready_a( a ), ready_b( b );
+	return lwi_separate_bent( &kernels(), &ready_a.poses, &ready_b.poses, limit, bend, direction );
+}
+
+/// lwi_separate_near(), of three poses of a, and b static. @param n world @param displacement of the middle of a's sphere
+bool separate_near( const lwi_swept_poses& a, const lwi_swept_poses& b, double limit, double bend, Vec n, double displacement )
+{
+	const Ready ready_a( a ), ready_b( b );
+	const double reach = a.shape->sphere_radius + displacement;
+	return lwi_separate_near( &kernels(), &ready_a.poses, &ready_b.poses, limit, bend, to_double( n ), reach );
+}
+
+/// lwi_separate(), both at their middle poses. @param direction in: where to begin, out: the plane; tree frame of b
+bool separate_two( const lwi_swept_poses& a, const lwi_swept_poses& b, float limit, float direction[3], int directions )
+{
+	lw_transform from[2] = { a.at[0], b.at[0] };
+	const lw_shape* shapes[2] = { a.shape, b.shape };
+	for ( int i = 0; i < 2; ++i )
+	{
+		const lw_vec3 origin = lwi_transform( &from[i], lwi_load( shapes[i]->origin ) );
+		const double t[3] = { origin.x, origin.y, origin.z };
+		std::copy( t, t + 3, from[i].t );
+	}
+	const lw_transform a_from_b = lwi_relative( &from[0], &from[1] );
+	lwi_motion m;
+	for ( int i = 0; i < 9; ++i )
+	{
+		m.r[i] = (float)a_from_b.r[i / 3][i % 3];
+		m.t[i / 3] = (float)a_from_b.t[i / 3];
+	}
+	lwi_plane plane = { { direction[0], direction[1], direction[2] } };
+	const bool apart = lwi_separate( &kernels(), a.shape, b.shape, &m, limit, &plane, directions );
+	std::copy( plane.direction, plane.direction + 3, direction );
+	return apart;
+}
+
 /// A subject at its poses.
 struct Moving
 {
 	Subject subject;
-	shim_swept_poses places = {};
+	lwi_swept_poses places = {};
 
 	std::vector<Pose> poses() const
 	{
@@ -168,11 +220,11 @@ double dilation( const Moving& m )
 	return m.subject.model.corners > 1 ? to_double( m.subject.model.radius ) : 0;
 }
 
-shim_plane plane_along( const Moving& b, Vec n )
+lwi_swept_plane plane_along( const Moving& b, Vec n )
 {
-	shim_plane out = {};
+	lwi_swept_plane out = {};
 	const Pose pose = pose_from( b.places.at[0] );
-	const lw_vec3 o = shim_origin( b.places.shape );
+	const lw_vec3 o = lwi_load( b.places.shape->origin );
 	for ( int k = 0; k < 3; ++k )
 	{
 		out.direction[k] = static_cast<float>( dot( pose.column[k], n ) );
@@ -183,7 +235,7 @@ shim_plane plane_along( const Moving& b, Vec n )
 	return out;
 }
 
-Vec direction_of( const Moving& b, const shim_plane& plane )
+Vec direction_of( const Moving& b, const lwi_swept_plane& plane )
 {
 	const Pose pose = pose_from( b.places.at[0] );
 	const float* d = plane.direction;
@@ -248,15 +300,15 @@ double go_along( SeededRng& rng, Moving& m, Vec d, double size, Way& way )
 
 } // namespace
 
-TEST( Separation, core_outside_of_hull )
+TEST( Separation, extreme_point_outside_of_hull )
 {
 	SeededRng rng;
 	for ( int i = 0; i < unlessSanitized( 600, 100 ); ++i )
 	{
 		Moving m = random_moving( rng, rng.decade( -3, 1 ), 0, false );
 		m.places.at[0] = lw_transform_identity();
-		double core[64][3];
-		const uint32_t count = shim_extreme_points( m.places.shape, core );
+		const lw_shape& shape = *m.places.shape;
+		const uint32_t count = shape.extreme_blocks * LWI_WIDTH;
 		ASSERT_GE( count, 8u );
 		const double slack = 8 * u * to_double( m.subject.model.size );
 		for ( int k = 0; k < 60; ++k )
@@ -264,7 +316,10 @@ TEST( Separation, core_outside_of_hull )
 			const Vec n = from( random_direction( rng ) );
 			for ( uint32_t j = 0; j < count; ++j )
 			{
-				ASSERT_LE( dot( n, Vec{ core[j][0], core[j][1], core[j][2] } ), m.reach( n ) - dilation( m ) + slack )
+				const auto& at = shape.extreme_points[j / LWI_WIDTH].at;
+				const uint32_t lane = j % LWI_WIDTH;
+				const Vec point = { at[0][lane] + shape.origin[0], at[1][lane] + shape.origin[1], at[2][lane] + shape.origin[2] };
+				ASSERT_LE( dot( n, point ), m.reach( n ) - dilation( m ) + slack )
 					<< type_names[m.subject.type == types[0] ? 0 : 1] << ", type " << m.subject.type << ", shape " << i;
 			}
 		}
@@ -284,30 +339,32 @@ TEST( Separation, near_is_not_near_or_apart_is_not_apart )
 		const double shares[6] = { 0.1, 0.5, 0.9, 0.99, 1.01, 1.5 };
 		const double limit = widest > 0 ? widest * shares[rng.integer( 0, 5 )] : rng.integer( 0, 1 ) * size * rng.decade( -4, -1 );
 		const lw_vec3 start = random_direction( rng );
-		const float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
-		shim_plane plane;
-		const int result = shim_separate( &a.places, &b.places, limit, direction, &plane );
+		float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
+		lwi_swept_plane plane = {};
+		Ready ready_a( a.places ), ready_b( b.places );
+		const lwi_separation result = lwi_separate_swept( &kernels(), &ready_a.poses, &ready_b.poses, limit, direction, &plane );
+		const bool is_apart = result == LWI_APART, is_near = result == LWI_NEAR || result == LWI_MEET;
 		const std::string what = "pair " + std::to_string( i ) + ", types " + std::to_string( a.subject.type ) + " " +
 								 std::to_string( b.subject.type ) + ", widest " + std::to_string( widest / size );
-		apart += result == 0;
-		near += result == 2;
-		if ( result == 0 )
+		apart += is_apart;
+		near += is_near;
+		if ( is_apart )
 		{
 			const Vec n = direction_of( b, plane );
 			ASSERT_GE( gap( a, b, n ), limit ) << what;
-			const lw_vec3 origin = to_double( pose_from( b.places.at[0] ).apply( from( shim_origin( b.places.shape ) ) ) );
+			const lw_vec3 origin = to_double( pose_from( b.places.at[0] ).apply( from( lwi_load( b.places.shape->origin ) ) ) );
 			ASSERT_GE( (double)plane.reach_b + 16 * u * size,
 				b.reach( -1.0L * n ) - dilation( b ) + to_double( dot( n, from( origin ) ) ) ) << what;
 		}
 		const double rounding = ( limit + dilation( a ) + dilation( b ) ) * 0x1p-20 + 128 * u * size;
-		if ( result == 2 )
+		if ( is_near )
 		{
 			ASSERT_LE( widest, limit + rounding ) << what;
 		}
 		if ( widest >= limit + rounding )
 		{
 			++separable;
-			missed += result != 0;
+			missed += !is_apart;
 		}
 	}
 	std::printf( "%d apart, %d near; %d of %d planes missed\n", apart, near, missed, separable );
@@ -340,7 +397,7 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 		}
 		double bend = 0.5 * go_along( rng, a, d, a.size() * rng.decade( -3, 0 ), ways[0] );
 		bend += both ? 0.5 * go_along( rng, b, d, a.size() * rng.decade( -3, 0 ), ways[1] ) : 0;
-		const shim_swept_poses all_a = a.places, all_b = b.places;
+		const lwi_swept_poses all_a = a.places, all_b = b.places;
 		auto go_to = [&]( double at ) {
 			a.places.count = b.places.count = 1;
 			a.places.at[0] = ways[0].at( at );
@@ -356,7 +413,7 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 		const double limit = std::max( at_places - rng.integer( 0, 1 ) * rng.uniform( 0, 0.3 ) * bend, 0.0 ) * rng.uniform( 0.95, 1 );
 		const lw_vec3 start = random_direction( rng );
 		float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
-		if ( !shim_separate_bent( &all_a, &all_b, limit, bend, direction ) )
+		if ( !separate_bent( all_a, all_b, limit, bend, direction ) )
 		{
 			continue;
 		}
@@ -394,10 +451,10 @@ TEST( Separation, what_stands_is_said_to_come_near )
 			continue;
 		}
 		++separable;
-		const shim_plane along = plane_along( b, n );
+		const lwi_swept_plane along = plane_along( b, n );
 		float direction[3] = { along.direction[0], along.direction[1], along.direction[2] };
-		bent += shim_separate_bent( &a.places, &b.places, limit, 0, direction );
-		near += shim_separate_near( &a.places, &b.places, limit, 0, to_double( n ), 0 );
+		bent += separate_bent( a.places, b.places, limit, 0, direction );
+		near += separate_near( a.places, b.places, limit, 0, n, 0 );
 	}
 	EXPECT_GE( separable, 50 );
 	EXPECT_EQ( bent, separable );
@@ -430,7 +487,7 @@ TEST( Separation, what_is_far_at_first_comes_near )
 		const double far = to_double( length( pose_from( way.start ).t ) + a.subject.model.size );
 		const double goes = to_double( length( from( way.shift ) ) ) + way.turn * far, limit = middle.lower * rng.uniform( 0, 0.8 );
 		Vec n = from( middle.point_b ) - from( middle.point_a );
-		if ( !shim_separate_near( &a.places, &b.places, limit, bend, to_double( n ), goes ) )
+		if ( !separate_near( a.places, b.places, limit, bend, n, goes ) )
 		{
 			continue;
 		}
@@ -471,7 +528,7 @@ TEST( Separation, two_shapes_are_nearer_than_their_plane_says )
 		const double limit = std::max( widest, 1e-3 * size ) * shares[rng.integer( 0, 5 )];
 		const lw_vec3 start = random_direction( rng );
 		float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
-		const bool found = shim_separate_two( &a.places, &b.places, static_cast<float>( limit ), direction, 3 );
+		const bool found = separate_two( a.places, b.places, static_cast<float>( limit ), direction, 3 );
 		const double far = to_double( length( pose_from( b.places.at[0] ).t - pose_from( a.places.at[0] ).t ) );
 		const double rounding = 64 * u * ( size + far );
 		if ( found )
@@ -500,7 +557,7 @@ TEST( Separation, known_plane_that_holds_is_passed_over )
 	{
 		Moving a, b;
 		random_pair( rng, a, b );
-		shim_plane known[4];
+		lwi_swept_plane known[4];
 		double gaps[4], size = a.size() + b.size();
 		Vec best = from( random_direction( rng ) );
 		widest_gap( a, b, &best );
@@ -511,7 +568,13 @@ TEST( Separation, known_plane_that_holds_is_passed_over )
 			gaps[k] = gap( a, b, direction_of( b, known[k] ) );
 		}
 		const double limit = std::max( 0.0, rng.uniform( 0.5, 1.5 ) * gaps[rng.integer( 0, 3 )] );
-		const uint32_t which = shim_apart_by( &a.places, &b.places, limit, known, 4 );
+		lwi_planes8 planes = {};
+		for ( uint32_t k = 0; k < LWI_WIDTH; ++k )
+		{
+			lwi_plane_to_lane( &planes, k, k < 4 ? known[k] : lwi_swept_plane{ {}, INFINITY } );
+		}
+		Ready ready_a( a.places ), ready_b( b.places );
+		const uint32_t which = std::min( lwi_swept_apart_by( &kernels(), &ready_a.poses, &ready_b.poses, limit, &planes, false ), 4u );
 		const double rounding = ( limit + dilation( a ) + dilation( b ) ) * 0x1p-20 + 128 * u * size;
 		for ( uint32_t k = 0; k < 4; ++k )
 		{

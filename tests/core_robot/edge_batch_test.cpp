@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Interval batches of edges: proved cells, attacked pair by pair with the exact distances of many of their states.
 #include "checker_handles.hpp"
-#include "edge_batch_shim.h"
+#include "motion/edge.h"
 #include "random_robot.hpp"
 #include "simple_shapes.hpp"
 
@@ -15,6 +15,39 @@ namespace
 
 constexpr double SLACK = 1e-5;
 constexpr int STATES = 24; // of a cell
+
+/// A pair not proved by an interval batch: a body and the scene, or two bodies (a < b), in some of eight cells.
+struct PairLeft
+{
+	std::uint32_t body_a, body_b; // b = LW_INVALID_INDEX: the scene
+	std::uint32_t cells;
+};
+
+/// The interval batch of an edge. @param left written. @return false if this edge has none
+bool pairsLeft( const lw_checker* checker, lw_query* query, const double* qa, const double* qb, const lw_edge_def& def,
+	std::vector<PairLeft>* left )
+{
+	lw_edge_result out = {};
+	lwi_edge e = {};
+	e.checker = checker;
+	e.query = query;
+	e.def = &def;
+	e.out = &out;
+	e.qa = qa;
+	e.qb = qb;
+	e.posed_t = NAN;
+	lwi_edge_begin( &e );
+	if ( !lwi_edge_measure_motion( &e ) || !lwi_edge_measure_clusters( &e, 0.5, 0.5 ) || !lwi_edge_has_batch( &e ) )
+	{
+		return false;
+	}
+	lwi_edge_batch_pass( &e );
+	for ( std::uint32_t i = 0; i < e.pair_count; ++i )
+	{
+		left->push_back( { e.pairs[i].body_a, e.pairs[i].body_b, e.pairs[i].cells } );
+	}
+	return true;
+}
 
 /// Tiny triangles in bunches far apart: a tree whose spheres are small below the root.
 lw_shape* bunches( SeededRng& rng, double extent, std::vector<lw_vec3>* points )
@@ -223,7 +256,7 @@ private:
 		const lw_body_def& body = model.bodies[index];
 		const std::vector<lw_vec3>& points = model.bodyPoints[index];
 		const lw_transform at = lw_transform_multiply( &links[body.link], &body.link_from_shape );
-		*radius = points.size() > 1 ? 0.004 : shim_radius( body.shape );
+		*radius = points.size() > 1 ? 0.004 : body.shape->sphere_radius;
 		if ( out_links != nullptr )
 		{
 			*out_links = links;
@@ -324,10 +357,10 @@ struct Tally
 class Attack
 {
 public:
-	Attack( World& world, const State& qa, const State& qb, const std::vector<shim_left>& left, double least )
+	Attack( World& world, const State& qa, const State& qb, const std::vector<PairLeft>& left, double least )
 		: m_world( world ), m_qa( qa ), m_qb( qb ), m_least( least )
 	{
-		for ( const shim_left& item : left )
+		for ( const PairLeft& item : left )
 		{
 			m_left[{ item.body_a, item.body_b }] = item.cells;
 		}
@@ -379,7 +412,7 @@ private:
 		for ( std::uint32_t a = 0; a < m_poses.size(); ++a )
 		{
 			const lw_body_def body = lw_robot_body( robot, a );
-			const std::uint32_t cluster = shim_cluster( m_world.checker.get(), a );
+			const std::uint32_t cluster = m_world.checker->tree->body_cluster[a];
 			tally.left += isProved( a, LW_INVALID_INDEX, cell ) ? 0u : 1u;
 			for ( std::size_t i = 0; cluster != 0 && i < m_world.obstacles.size() && isProved( a, LW_INVALID_INDEX, cell ); ++i )
 			{
@@ -390,7 +423,7 @@ private:
 			for ( std::uint32_t b = a + 1; b < m_poses.size(); ++b )
 			{
 				const lw_body_def other = lw_robot_body( robot, b );
-				if ( cluster != shim_cluster( m_world.checker.get(), b ) && !lw_robot_pair_allowed( robot, body.link, other.link ) &&
+				if ( cluster != m_world.checker->tree->body_cluster[b] && !lw_robot_pair_allowed( robot, body.link, other.link ) &&
 					 isProved( a, b, cell ) )
 				{
 					judge( m_world.clearance( body.shape, m_poses[a], other.shape, m_poses[b] ), "self", a, b, tally );
@@ -413,11 +446,9 @@ void judge( World& world, const State& qa, const State& qb, double min_d, Tally&
 	def.min_d = min_d;
 	def.slack = SLACK;
 	def.alpha = 0;
-	std::vector<shim_left> left( 512 );
-	const int count = shim_batch( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, left.data(), 512 );
-	if ( count >= 0 )
+	std::vector<PairLeft> left;
+	if ( pairsLeft( world.checker.get(), world.query.get(), qa.data(), qb.data(), def, &left ) )
 	{
-		left.resize( static_cast<std::size_t>( count ) );
 		Attack( world, qa, qb, left, min_d + SLACK ).run( tally );
 		++tally.batches;
 	}
@@ -505,8 +536,9 @@ TEST( IntervalBatch, inside_of_a_solid_mesh_is_held_to_be_free )
 	World world( 2 );
 	const State qa{ 0 }, qb{ 3.1 };
 	const lw_edge_def def = lw_edge_def_default();
-	shim_left left[4];
-	ASSERT_EQ( 1, shim_batch( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, left, 4 ) );
+	std::vector<PairLeft> left;
+	ASSERT_TRUE( pairsLeft( world.checker.get(), world.query.get(), qa.data(), qb.data(), def, &left ) );
+	ASSERT_EQ( 1u, left.size() );
 	EXPECT_EQ( 0xffu, left[0].cells );
 	lw_edge_result result;
 	ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), world.query.get(), qa.data(), qb.data(), &def, &result ) );

@@ -274,11 +274,11 @@ TEST( Mesh, BuildIsDeterministic )
 			lw_allocator allocator = memory.get();
 			{
 				ShapePtr first = makeMesh( def, &allocator ), second = makeMesh( def );
-				probe_shape a = probe_open( first.get() ), b = probe_open( second.get() );
-				ASSERT_EQ( a.nodes_size, b.nodes_size );
-				ASSERT_EQ( a.leaves_size, b.leaves_size );
-				EXPECT_EQ( 0, std::memcmp( a.nodes, b.nodes, a.nodes_size ) );
-				EXPECT_EQ( 0, std::memcmp( a.leaves, b.leaves, a.leaves_size ) );
+				const lw_shape &a = *first, &b = *second;
+				ASSERT_EQ( a.node_count, b.node_count );
+				ASSERT_EQ( a.leaf_count, b.leaf_count );
+				EXPECT_EQ( 0, std::memcmp( a.nodes, b.nodes, a.node_count * sizeof( lwi_node ) ) );
+				EXPECT_EQ( 0, std::memcmp( a.leaves, b.leaves, a.leaf_count * sizeof( lwi_leaf ) ) );
 				EXPECT_EQ( 0, std::memcmp( a.root_sphere, b.root_sphere, sizeof( a.root_sphere ) ) );
 			}
 			EXPECT_EQ( memory.live, 0u );

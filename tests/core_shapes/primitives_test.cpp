@@ -81,7 +81,7 @@ TEST( Primitives, BoundsContainTheSurfaceTightly )
 			EXPECT_LE( largest, info.sphere_radius * ( 1 + 1e-15 ) );
 			double exact = type == LW_SHAPE_SPHERE ? d[0] : type == LW_SHAPE_CAPSULE ? d[0] + 0.5 * d[1] : largest;
 			EXPECT_LE( info.sphere_radius, exact * ( 1 + 1e-6 ) );
-			EXPECT_EQ( probe_open( shape.get() ).solid, type != LW_SHAPE_SPHERE && type != LW_SHAPE_CAPSULE );
+			EXPECT_EQ( shape->primitive, type != LW_SHAPE_SPHERE && type != LW_SHAPE_CAPSULE );
 			EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_OK );
 		}
 	}
@@ -98,12 +98,12 @@ TEST( Primitives, ConeSphereIsMinimal )
 TEST( Primitives, SphereIsABallAndCapsuleASegment )
 {
 	ShapePtr sphere = makePrimitive( LW_SHAPE_SPHERE, 0.25 ), capsule = makePrimitive( LW_SHAPE_CAPSULE, 0.1, 0.8 );
-	probe_shape s = probe_open( sphere.get() ), c = probe_open( capsule.get() );
-	EXPECT_EQ( s.triangle_count, 1u );
+	const lw_shape &s = *sphere, &c = *capsule;
+	EXPECT_EQ( s.item_count, 1u );
 	EXPECT_EQ( s.radius, 0.25 );
 	EXPECT_NEAR( s.root_sphere[3], 0.25, 1e-6 );
 	EXPECT_GE( static_cast<double>( s.root_sphere[3] ), 0.25 );
-	EXPECT_EQ( c.triangle_count, 1u );
+	EXPECT_EQ( c.item_count, 1u );
 	EXPECT_EQ( c.radius, 0.1 );
 	EXPECT_EQ( c.vertices[3 * c.indices[0] + 2], -0.4 );
 	EXPECT_EQ( c.vertices[3 * c.indices[1] + 2], 0.4 );

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "leeway/shape.h"
-#include "probe.h"
+#include "shape/shape.h"
 #include "seeded_rng.hpp"
 
 #include <gtest/gtest.h>
@@ -136,18 +136,29 @@ struct TreeStats
 	double meanFill() const { return static_cast<double>( lanes ) / leaves; }
 };
 
+/// The three vertices of a lane of a leaf.
+inline std::array<Point, 3> leafTriangle( const lw_shape* shape, std::uint32_t leaf, std::uint32_t lane )
+{
+	std::array<Point, 3> v;
+	for ( int k = 0; k < 9; ++k )
+	{
+		v[k / 3][k % 3] = shape->leaves[leaf].v[k / 3][k % 3][lane];
+	}
+	return v;
+}
+
 /// Walks a tree and checks it against the soup in long double, without any of the library's code: leaf vertices are in all
 /// spheres above them, and so are whole original triangles unless the tree is tiled.
 class TreeWalk
 {
 public:
-	TreeWalk( const lw_shape* shape, bool tiled ) : m_shape( shape ), m_probe( probe_open( shape ) ), m_tiled( tiled )
+	TreeWalk( const lw_shape* shape, bool tiled ) : m_shape( shape ), m_tiled( tiled )
 	{
-		stats.seen.assign( m_probe.triangle_count, 0 );
+		stats.seen.assign( m_shape->item_count, 0 );
 		std::array<float, 4> root = {};
-		std::copy( m_probe.root_sphere, m_probe.root_sphere + 4, root.begin() );
+		std::copy( m_shape->root_sphere, m_shape->root_sphere + 4, root.begin() );
 		m_spheres.push_back( root );
-		visit( m_probe.root );
+		visit( m_shape->root );
 	}
 
 	TreeStats stats;
@@ -169,9 +180,10 @@ private:
 			stats.radii.resize( m_spheres.size() );
 		}
 		stats.radii[m_spheres.size() - 1].push_back( m_spheres.back()[3] );
-		std::uint32_t index = 0, count = 0;
-		if ( probe_is_leaf( ref, &index, &count ) )
+		const std::uint32_t index = lwi_ref_index( ref );
+		if ( lwi_ref_is_leaf( ref ) )
 		{
+			const std::uint32_t count = lwi_ref_count( ref );
 			++stats.leaves;
 			stats.lanes += count;
 			for ( std::uint32_t lane = 0; lane < count; ++lane )
@@ -182,10 +194,11 @@ private:
 		}
 		++stats.nodes;
 		stats.depth = std::max( stats.depth, static_cast<std::uint32_t>( m_spheres.size() ) );
-		for ( std::uint32_t lane = 0; lane < PROBE_WIDTH; ++lane )
+		for ( std::uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
 		{
-			std::array<float, 4> sphere = {};
-			std::uint32_t child = probe_child( m_shape, index, lane, sphere.data() );
+			const lwi_node& node = m_shape->nodes[index];
+			const std::array<float, 4> sphere = { node.x[lane], node.y[lane], node.z[lane], node.r[lane] };
+			const lwi_ref child = node.child[lane];
 			if ( child != LW_INVALID_INDEX )
 			{
 				++stats.children;
@@ -198,26 +211,25 @@ private:
 
 	void check( std::uint32_t leaf, std::uint32_t lane )
 	{
-		float v[9];
-		std::uint32_t triangle = probe_triangle( m_shape, leaf, lane, v );
-		ASSERT_LT( triangle, m_probe.triangle_count );
+		const std::array<Point, 3> v = leafTriangle( m_shape, leaf, lane );
+		const std::uint32_t triangle = m_shape->leaves[leaf].triangle[lane];
+		ASSERT_LT( triangle, m_shape->item_count );
 		++stats.seen[triangle];
 		for ( const auto& sphere : m_spheres )
 		{
 			for ( int k = 0; k < 3; ++k )
 			{
-				outside += excess( sphere, v[3 * k], v[3 * k + 1], v[3 * k + 2] ) > 0 ? 1 : 0;
-				const double* p = m_probe.vertices + 3 * static_cast<std::size_t>( m_probe.indices[3 * triangle + k] );
-				long double x = static_cast<long double>( p[0] ) - m_probe.origin[0];
-				long double y = static_cast<long double>( p[1] ) - m_probe.origin[1];
-				long double z = static_cast<long double>( p[2] ) - m_probe.origin[2];
+				outside += excess( sphere, v[k][0], v[k][1], v[k][2] ) > 0 ? 1 : 0;
+				const double* p = m_shape->vertices + 3 * static_cast<std::size_t>( m_shape->indices[3 * triangle + k] );
+				long double x = static_cast<long double>( p[0] ) - m_shape->origin[0];
+				long double y = static_cast<long double>( p[1] ) - m_shape->origin[1];
+				long double z = static_cast<long double>( p[2] ) - m_shape->origin[2];
 				outside += !m_tiled && excess( sphere, x, y, z ) > 0 ? 1 : 0;
 			}
 		}
 	}
 
 	const lw_shape* m_shape;
-	probe_shape m_probe;
 	bool m_tiled;
 	std::vector<std::array<float, 4>> m_spheres;
 };
@@ -233,13 +245,12 @@ inline TreeStats expectSoundTree( const lw_shape* shape, bool tiled = false )
 	EXPECT_EQ( walk.stats.nodes, info.node_count );
 	EXPECT_EQ( walk.stats.leaves, info.leaf_count );
 	EXPECT_EQ( walk.stats.depth, info.depth );
-	EXPECT_LE( walk.stats.depth, static_cast<std::uint32_t>( PROBE_MAX_DEPTH ) );
-	probe_shape probe = probe_open( shape );
-	for ( std::size_t i = 0; i < 3 * static_cast<std::size_t>( probe.triangle_count ); ++i )
+	EXPECT_LE( walk.stats.depth, static_cast<std::uint32_t>( LWI_MAX_DEPTH ) );
+	for ( std::size_t i = 0; i < 3 * static_cast<std::size_t>( shape->item_count ); ++i )
 	{
-		const double* v = probe.vertices + 3 * static_cast<std::size_t>( probe.indices[i] );
-		Point p = { v[0] - probe.origin[0], v[1] - probe.origin[1], v[2] - probe.origin[2] };
-		EXPECT_LE( distance( p, { 0, 0, 0 } ), static_cast<double>( probe.extent ) );
+		const double* v = shape->vertices + 3 * static_cast<std::size_t>( shape->indices[i] );
+		Point p = { v[0] - shape->origin[0], v[1] - shape->origin[1], v[2] - shape->origin[2] };
+		EXPECT_LE( distance( p, { 0, 0, 0 } ), static_cast<double>( shape->extent ) );
 	}
 	for ( std::uint32_t count : walk.stats.seen )
 	{

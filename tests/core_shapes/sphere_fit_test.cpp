@@ -2,10 +2,7 @@
 // The three fits against brute force and against each other, and the outward rounding.
 #include "shape_support.hpp"
 
-extern "C"
-{
 #include "shape/sphere_fit.h"
-}
 
 namespace
 {

@@ -4,10 +4,7 @@
 
 #include <cstring>
 
-extern "C"
-{
 #include "shape/sphere_fit.h"
-}
 
 namespace
 {
@@ -99,36 +96,32 @@ TEST( SphereTree, MinimalNodesAreMinimal )
 {
 	Soup soup = torus( 40, 1.0, 0.3 );
 	ShapePtr shape = makeMesh( soup );
-	probe_shape p = probe_open( shape.get() );
 	// every leaf sphere against the fit of exactly the leaf's vertices
-	std::vector<std::uint32_t> open = { p.root };
+	std::vector<std::uint32_t> open = { shape->root };
 	int leaves = 0;
 	while ( !open.empty() )
 	{
 		std::uint32_t node = open.back();
 		open.pop_back();
-		for ( std::uint32_t lane = 0; lane < PROBE_WIDTH; ++lane )
+		for ( std::uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
 		{
-			float s[4];
-			std::uint32_t index = 0, count = 0, child = probe_child( shape.get(), node, lane, s );
+			const lwi_node& n = shape->nodes[node];
+			const float s[4] = { n.x[lane], n.y[lane], n.z[lane], n.r[lane] };
+			const lwi_ref child = n.child[lane];
 			if ( child == LW_INVALID_INDEX )
 			{
 				continue;
 			}
-			if ( !probe_is_leaf( child, &index, &count ) )
+			if ( !lwi_ref_is_leaf( child ) )
 			{
 				open.push_back( child );
 				continue;
 			}
 			std::vector<Point> points;
-			for ( std::uint32_t t = 0; t < count; ++t )
+			for ( std::uint32_t t = 0; t < lwi_ref_count( child ); ++t )
 			{
-				float v[9];
-				probe_triangle( shape.get(), index, t, v );
-				for ( int k = 0; k < 3; ++k )
-				{
-					points.push_back( { v[3 * k], v[3 * k + 1], v[3 * k + 2] } );
-				}
+				const std::array<Point, 3> v = leafTriangle( shape.get(), lwi_ref_index( child ), t );
+				points.insert( points.end(), v.begin(), v.end() );
 			}
 			lwi_ball ball = lwi_fit_minimal( points[0].data(), points.size() );
 			EXPECT_NEAR( s[3], ball.radius, 1e-6 * ball.radius + 2e-7 );
@@ -192,9 +185,7 @@ TEST( SphereTree, TilesCoverTrianglesAndKeepTheirIndex )
 			EXPECT_GT( stats.lanes, soup.triangles.size() * ( radius < 0.1 ? 20 : 2 ) );
 			for ( std::uint32_t leaf = 0; leaf < stats.leaves; ++leaf )
 			{
-				float v[9];
-				probe_triangle( shape.get(), leaf, 0, v );
-				std::vector<Point> points = { { v[0], v[1], v[2] }, { v[3], v[4], v[5] }, { v[6], v[7], v[8] } };
+				const std::array<Point, 3> points = leafTriangle( shape.get(), leaf, 0 );
 				EXPECT_LE( lwi_fit_minimal( points[0].data(), 3 ).radius, radius * ( 1 + 1e-5 ) );
 			}
 		}
@@ -275,7 +266,7 @@ TEST( SphereTree, DepthIsBoundedForGeometricRows )
 			}
 		}
 	}
-	EXPECT_LE( deepest, static_cast<std::uint32_t>( PROBE_MAX_DEPTH ) );
+	EXPECT_LE( deepest, static_cast<std::uint32_t>( LWI_MAX_DEPTH ) );
 	EXPECT_GE( deepest, 8u ) << "the input is not adversarial any more";
 }
 
@@ -360,7 +351,7 @@ TEST( SphereTree, ValidationSeesDamage )
 		ShapePtr shape = makeMesh( soup );
 		lw_diag diag = {};
 		ASSERT_EQ( lw_shape_validate( shape.get(), &diag ), LW_OK );
-		probe_scale_radius( shape.get(), 0, lane, 0.999f );
+		shape->nodes[0].r[lane] *= 0.999f;
 		EXPECT_EQ( lw_shape_validate( shape.get(), &diag ), LW_ERROR_BAD_GEOMETRY );
 		EXPECT_EQ( diag.status, LW_ERROR_BAD_GEOMETRY );
 		++found;
@@ -369,15 +360,16 @@ TEST( SphereTree, ValidationSeesDamage )
 	for ( std::uint32_t other : { 5u, 1000000u } )
 	{
 		ShapePtr shape = makeMesh( soup );
-		float v[9];
-		other = probe_triangle( shape.get(), 3, 0, v ) == other ? 6u : other;
-		probe_set_triangle( shape.get(), 3, 0, other ); // one triangle twice, or one that does not exist; another missing
+		std::uint32_t& triangle = shape->leaves[3].triangle[0];
+		triangle = triangle == other ? 6u : other; // one triangle twice, or one that does not exist; another missing
 		EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
 	}
 	// a float triangle that sticks out of its sphere while the original does not
 	ShapePtr shape = makeMesh( soup );
-	const float far[3] = { 9, 9, 9 };
-	probe_set_vertex( shape.get(), 3, 1, 2, far );
+	for ( auto& coordinate : shape->leaves[3].v[2] )
+	{
+		coordinate[1] = 9;
+	}
 	lw_diag diag = {};
 	EXPECT_EQ( lw_shape_validate( shape.get(), &diag ), LW_ERROR_BAD_GEOMETRY );
 	EXPECT_NE( std::strstr( diag.message, "leaf triangle" ), nullptr ) << diag.message;
@@ -385,10 +377,12 @@ TEST( SphereTree, ValidationSeesDamage )
 	Soup segment;
 	segment.add( { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 2 } );
 	shape = makeMesh( segment );
-	const float middle[3] = { 0, 0, 0 };
-	for ( std::uint32_t lane = 0; lane < PROBE_WIDTH; ++lane )
+	for ( std::uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
 	{
-		probe_set_vertex( shape.get(), 0, lane, 2, middle );
+		for ( auto& coordinate : shape->leaves[0].v[2] )
+		{
+			coordinate[lane] = 0;
+		}
 	}
 	EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
 }

@@ -3,11 +3,8 @@
 // golden sections instead of closed forms.
 #pragma once
 
-extern "C"
-{
 #include "distance/convex.h"
 #include "distance/tri_tri.h"
-}
 
 #include "seeded_rng.hpp"
 

@@ -10,10 +10,7 @@
 #include <limits>
 #include <string>
 
-extern "C"
-{
 #include "distance/tri_tri.h"
-}
 
 namespace extremes
 {

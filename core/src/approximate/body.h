@@ -10,6 +10,8 @@
 #include "base/base.h"
 #include "leeway/shape.h"
 
+LW_EXTERN_C_BEGIN
+
 /// One shape of a body.
 typedef struct lwi_body_part
 {
@@ -96,5 +98,7 @@ bool lwi_body_encloses( lwi_body* body, lw_vec3 p );
 /// the outer surface; negative outside: minus the distance to the surface.
 /// @param certified rounding is taken off; otherwise a fast estimate for searches
 double lwi_body_depth( lwi_body* body, lw_vec3 p, bool certified );
+
+LW_EXTERN_C_END
 
 #endif

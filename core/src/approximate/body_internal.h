@@ -7,6 +7,8 @@
 #include "approximate/body.h"
 #include "base/grow.h"
 
+LW_EXTERN_C_BEGIN
+
 enum
 {
 	LWI_RAY_GRIDS = 3, ///< directions that are tried where a ray grazes an edge
@@ -54,5 +56,7 @@ lw_status lwi_body_mesh_of( const double* vertices, size_t vertex_count, const u
 
 /// Fills closed, shell, shell_solid, parity and the counts of shells and holes from the surface.
 lw_status lwi_body_find_shells( lwi_body* body, double close_holes, lw_diag* diag );
+
+LW_EXTERN_C_END
 
 #endif

@@ -8,6 +8,8 @@
 #include "base/grow.h"
 #include "leeway/spheres.h"
 
+LW_EXTERN_C_BEGIN
+
 /// A piece of a triangle (or of a solid's inside): a sphere covers it if it contains its corners.
 typedef struct lwi_piece
 {
@@ -77,5 +79,7 @@ int lwi_enclose_solid( lwi_body* body, const lw_shape* shape, const lw_transform
 /// Report of spheres against a body; see lw_spheres_check(). @param def the def from which the body was made
 lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const double* spheres, uint32_t count, lw_diag* diag,
 	lw_spheres_report* out );
+
+LW_EXTERN_C_END
 
 #endif

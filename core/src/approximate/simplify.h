@@ -6,6 +6,8 @@
 #include "base/base.h"
 #include "leeway/shape.h"
 
+LW_EXTERN_C_BEGIN
+
 /// A soup of triangles. From lwi_alloc; the arrays may be longer than the counts.
 typedef struct lwi_soup
 {
@@ -51,5 +53,7 @@ uint32_t lwi_nearest_candidate( const lwi_candidate* few, uint32_t count, lw_vec
 /// counted.
 bool lwi_detail_is_near( const lwi_candidate* few, uint32_t count, const lw_vec3 triangle[3], double limit, uint32_t pieces,
 	uint32_t* hint );
+
+LW_EXTERN_C_END
 
 #endif

@@ -15,7 +15,8 @@ typedef struct lwi_arena
 /// @param header bytes of the struct that the block begins with; 0 for none
 static inline lwi_arena lwi_arena_begin( void* block, size_t header )
 {
-	return (lwi_arena){ (char*)block, lwi_align_up( header ) };
+	lwi_arena arena = { (char*)block, lwi_align_up( header ) };
+	return arena;
 }
 
 /// The next `count` items of `size` bytes, aligned to LWI_ALIGNMENT; NULL while measuring.

@@ -6,7 +6,17 @@
 #include "leeway/base.h"
 
 #include <assert.h>
+
+/// A variable that threads share. C++ reads it as std::atomic, which GCC and Clang lay out alike; tests/headers compares sizes.
+#ifdef __cplusplus
+#include <atomic>
+#define LWI_ATOMIC( type ) std::atomic<type>
+#else
 #include <stdatomic.h>
+#define LWI_ATOMIC( type ) _Atomic( type )
+#endif
+
+LW_EXTERN_C_BEGIN
 
 #if defined( __GNUC__ )
 #define LWI_PRINTF( text, first ) __attribute__( ( format( printf, text, first ) ) )
@@ -34,17 +44,22 @@ lw_status lwi_fail( lw_diag* diag, lw_status status, uint32_t index, const char*
 /// LW_ERROR_OUT_OF_MEMORY with a message that names `what`, the object under construction.
 lw_status lwi_out_of_memory( lw_diag* diag, const char* what );
 
-/// Reference counts of immutable objects: incremented relaxed, the last decrement synchronises.
-static inline void lwi_retain( atomic_uint* count )
+/// The reference count of an immutable object.
+typedef LWI_ATOMIC( unsigned ) lwi_refcount;
+
+#ifndef __cplusplus
+/// One more reference.
+static inline void lwi_retain( lwi_refcount* count )
 {
 	atomic_fetch_add_explicit( count, 1u, memory_order_relaxed );
 }
 
-/// True if this was the last reference.
-static inline bool lwi_release( atomic_uint* count )
+/// True if this was the last reference: the decrement synchronises with those of other threads.
+static inline bool lwi_release( lwi_refcount* count )
 {
 	return atomic_fetch_sub_explicit( count, 1u, memory_order_acq_rel ) == 1u;
 }
+#endif
 
 /// The finaliser of MurmurHash3 (Appleby 2011) over a running value: a bijection of h and of v, in which every bit changes
 /// every other with a probability near one half.
@@ -63,5 +78,7 @@ static inline size_t lwi_align_up( size_t size )
 {
 	return ( size + ( LWI_ALIGNMENT - 1 ) ) & ~(size_t)( LWI_ALIGNMENT - 1 );
 }
+
+LW_EXTERN_C_END
 
 #endif

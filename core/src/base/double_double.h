@@ -17,7 +17,8 @@ typedef struct lwi_dd
 static inline lwi_dd lwi_dd_fast_two_sum( double a, double b )
 {
 	double s = a + b;
-	return (lwi_dd){ s, b - ( s - a ) };
+	const lwi_dd sum = { s, b - ( s - a ) };
+	return sum;
 }
 
 /// a + b exactly.
@@ -25,7 +26,8 @@ static inline lwi_dd lwi_dd_two_sum( double a, double b )
 {
 	double s = a + b;
 	double t = s - a;
-	return (lwi_dd){ s, ( a - ( s - t ) ) + ( b - t ) };
+	const lwi_dd sum = { s, ( a - ( s - t ) ) + ( b - t ) };
+	return sum;
 }
 
 /// High 26 bits of a; 2^27 + 1 shifts the rest out.
@@ -41,12 +43,14 @@ static inline lwi_dd lwi_dd_two_product( double a, double b )
 	double p = a * b;
 	double ah = lwi_dd_high( a ), al = a - ah;
 	double bh = lwi_dd_high( b ), bl = b - bh;
-	return (lwi_dd){ p, ( ( ah * bh - p ) + ah * bl + al * bh ) + al * bl };
+	const lwi_dd product = { p, ( ( ah * bh - p ) + ah * bl + al * bh ) + al * bl };
+	return product;
 }
 
 static inline lwi_dd lwi_dd_from( double a )
 {
-	return (lwi_dd){ a, 0.0 };
+	const lwi_dd exact = { a, 0.0 };
+	return exact;
 }
 
 static inline lwi_dd lwi_dd_add( lwi_dd a, lwi_dd b )
@@ -59,7 +63,8 @@ static inline lwi_dd lwi_dd_add( lwi_dd a, lwi_dd b )
 
 static inline lwi_dd lwi_dd_negate( lwi_dd a )
 {
-	return (lwi_dd){ -a.hi, -a.lo };
+	const lwi_dd negative = { -a.hi, -a.lo };
+	return negative;
 }
 
 static inline lwi_dd lwi_dd_sub( lwi_dd a, lwi_dd b )

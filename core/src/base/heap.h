@@ -3,8 +3,9 @@
 #ifndef LEEWAY_BASE_HEAP_H
 #define LEEWAY_BASE_HEAP_H
 
-#include <stdbool.h>
-#include <stdint.h>
+#include "leeway/base.h"
+
+LW_EXTERN_C_BEGIN
 
 /// A pair of bodies whose bounds do not rule it out.
 typedef struct lwi_candidate
@@ -19,5 +20,7 @@ void lwi_heap_build( lwi_candidate* heap, uint32_t count );
 void lwi_heap_push( lwi_candidate* heap, uint32_t* count, lwi_candidate fresh );
 /// Removes and returns the smallest; count > 0.
 lwi_candidate lwi_heap_pop( lwi_candidate* heap, uint32_t* count );
+
+LW_EXTERN_C_END
 
 #endif

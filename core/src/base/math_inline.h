@@ -14,8 +14,16 @@
 #define LWI_U64 ( DBL_EPSILON / 2 )
 #define LWI_U32 ( FLT_EPSILON / 2 )
 
-static inline lw_vec3 lwi_v3( double x, double y, double z ) { return (lw_vec3){ x, y, z }; }
-static inline lw_vec3 lwi_load( const double p[3] ) { return (lw_vec3){ p[0], p[1], p[2] }; }
+static inline lw_vec3 lwi_v3( double x, double y, double z )
+{
+	lw_vec3 v = { x, y, z };
+	return v;
+}
+static inline lw_vec3 lwi_load( const double p[3] )
+{
+	lw_vec3 v = { p[0], p[1], p[2] };
+	return v;
+}
 static inline lw_vec3 lwi_add( lw_vec3 a, lw_vec3 b ) { return lwi_v3( a.x + b.x, a.y + b.y, a.z + b.z ); }
 static inline lw_vec3 lwi_sub( lw_vec3 a, lw_vec3 b ) { return lwi_v3( a.x - b.x, a.y - b.y, a.z - b.z ); }
 static inline lw_vec3 lwi_scale( double s, lw_vec3 a ) { return lwi_v3( s * a.x, s * a.y, s * a.z ); }

@@ -8,6 +8,8 @@
 
 #include <string.h>
 
+LW_EXTERN_C_BEGIN
+
 /// Offsets of the header's fields. The first three have their place in every version: they tell whether the bytes are
 /// a blob, whole and unchanged, before any other field is read. Numbers of the header are little-endian everywhere.
 enum
@@ -109,5 +111,7 @@ void lwi_blob_write_reach( lwi_writer* w, const lw_reach* reach );
 /// @return the same, or LW_ERROR_STALE: of another robot
 lw_status lwi_blob_read_reach( lwi_reader* r, const lw_robot* robot, const lw_allocator* allocator, lw_diag* diag,
 	lw_reach** out_reach );
+
+LW_EXTERN_C_END
 
 #endif

@@ -7,10 +7,12 @@
 #include "checker/checker.h"
 #include "checker/culling.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Immutable once made, reference counted. A checker holds a reference, and copies of these pointers.
 typedef struct lwi_checker_base
 {
-	atomic_uint references;
+	lwi_refcount references;
 	lw_allocator allocator;
 	size_t bytes;
 	lw_robot* robot;
@@ -43,5 +45,7 @@ lw_status lwi_checker_base_create( lw_checker* checker, const lw_checker_def* de
 bool lwi_checker_base_share( lw_checker* checker, const lw_checker_def* def, const lwi_self_margins* margins,
 	const lw_checker* other );
 void lwi_checker_base_release( lwi_checker_base* base ); ///< NULL is ignored
+
+LW_EXTERN_C_END
 
 #endif

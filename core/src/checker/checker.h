@@ -14,6 +14,8 @@
 
 #include <math.h>
 
+LW_EXTERN_C_BEGIN
+
 struct lwi_cached_pair;
 
 /// Two bodies to check against each other; `a` < `b`.
@@ -34,7 +36,7 @@ typedef struct lwi_checker_body
 
 struct lw_checker
 {
-	atomic_uint references;
+	lwi_refcount references;
 	lw_allocator allocator;
 	lw_scene* scene; ///< NULL = none
 	// Shared with checkers that differ in their scene only, and owned by the base: its contents are immutable
@@ -196,5 +198,7 @@ static inline bool lwi_query_fits( const lw_query* query, const lw_checker* chec
 	const lwi_query_sizes sizes = lwi_checker_query_sizes( checker, 0, 0 );
 	return query->posed == checker || lwi_query_has_room( query, &sizes );
 }
+
+LW_EXTERN_C_END
 
 #endif

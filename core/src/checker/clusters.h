@@ -12,6 +12,8 @@
 #include "robot/motion_bound.h"
 #include "simd/lanes.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Separations here are of clearance: the distance that the reach proves for a pair, less its margin.
 
 /// Links that the group cannot move against each other, e.g. a whole hand if the group is the arm.
@@ -132,5 +134,7 @@ lw_status lwi_checker_plan_self( const lw_checker* checker, lwi_cluster_tree* tr
 /// The separation of two bodies as queries use it: that of the reach, if it holds here, else 0; less the rounding of poses
 /// in double, so that no skipped pair could have changed a digit of the answer, and less the margin. Rounded down.
 float lwi_checker_separation( const lw_checker* checker, const lwi_cluster_tree* tree, uint32_t body_a, uint32_t body_b );
+
+LW_EXTERN_C_END
 
 #endif

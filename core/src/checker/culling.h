@@ -6,6 +6,8 @@
 #include "checker/checker.h"
 #include "checker/clusters.h"
 
+LW_EXTERN_C_BEGIN
+
 enum
 {
 	LWI_ENVELOPE_SPHERES = 16 ///< of an envelope between two joints
@@ -43,5 +45,7 @@ void lwi_checker_cull( lw_checker* checker, const lwi_reuse* reuse );
 
 /// Values of a variable for which near_mask holds: its limits, widened; infinite for angles that go round and quaternions.
 void lwi_cull_range( const lw_robot* robot, uint32_t variable, double* out_lower, double* out_upper );
+
+LW_EXTERN_C_END
 
 #endif

@@ -7,6 +7,8 @@
 #include "leeway/robot.h"
 #include "reachability/clearance_grid.h"
 
+LW_EXTERN_C_BEGIN
+
 struct lw_checker;
 struct lw_robot;
 struct lwi_cluster_tree;
@@ -79,5 +81,7 @@ bool lwi_checker_slices_create( const struct lw_checker* checker, struct lwi_clu
 /// The slice of two bodies of a pair of clusters (index into the tree's pairs), NULL if there is none.
 const lwi_grid_slice* lwi_checker_slice( const struct lwi_cluster_tree* tree, uint32_t pair, uint32_t body_a,
 	uint32_t body_b );
+
+LW_EXTERN_C_END
 
 #endif

@@ -10,6 +10,8 @@
 #include "base/base.h"
 #include "leeway/checker.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Pairs with a margin of their own, ascending by a, then b; of self pairs a < b.
 typedef struct lwi_listed_margins
 {
@@ -80,5 +82,7 @@ static inline void lwi_subtract_margins( float* gaps, const float* row, uint32_t
 		gaps[i] = less * ( less < 0 ? 1 + 0x1p-22f : 1 - 0x1p-22f );
 	}
 }
+
+LW_EXTERN_C_END
 
 #endif

@@ -9,6 +9,8 @@
 #include "checker/clusters.h"
 #include "query/query.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Relative to the coordinates that a sphere's pose went through, which sum up to less than four times the longest chain:
 /// thousands of joints' worth of roundoffs (each turns a few of 2^-53), and still only 0.6 nm for a robot that reaches 10 m.
 #define LWI_POSE_ROUNDING 0x1p-36
@@ -69,5 +71,7 @@ static inline const float* lwi_blocks( const lw_checker* checker, lw_query* quer
 	}
 	return query->blocks + (size_t)checker->tree->clusters[cluster].first_block * 4 * LWI_WIDTH;
 }
+
+LW_EXTERN_C_END
 
 #endif

@@ -6,6 +6,8 @@
 #include "simd/kernels.h"
 #include "leeway/reach.h"
 
+LW_EXTERN_C_BEGIN
+
 struct lw_checker;
 struct lwi_cluster_tree;
 
@@ -60,5 +62,7 @@ size_t lwi_cluster_rows_bytes( const lwi_cluster_rows* rows );
 /// For a tree with its pairs. *out_proxies is NULL if the robot has too many clusters, or nothing to check.
 /// @return false without memory
 bool lwi_self_proxies_create( const struct lw_checker* checker, const struct lwi_cluster_tree* tree, lwi_self_proxies** out_proxies );
+
+LW_EXTERN_C_END
 
 #endif

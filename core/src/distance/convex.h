@@ -8,6 +8,8 @@
 
 #include <float.h>
 
+LW_EXTERN_C_BEGIN
+
 /// Slack of `lower`, relative to the extent of the pair: radius of a + radius of b + distance of their
 /// reference points (a primitive's centre, the first vertex of a triangle or point set). 48 roundings, counted in
 /// core/docs/convex_distance.md.
@@ -59,5 +61,7 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 /// point of the primitive, p itself inside. Closed form; wrong by at most LWI_CONVEX_ROUNDING * ( radius of the primitive +
 /// |p| ).
 double lwi_convex_point_distance( const lwi_convex* primitive, lw_vec3 p, lw_vec3* closest );
+
+LW_EXTERN_C_END
 
 #endif

@@ -7,6 +7,8 @@
 #include "distance/convex.h"
 #include "base/math_inline.h"
 
+LW_EXTERN_C_BEGIN
+
 /// A piece relative to its reference point: the centre of a primitive, vertex 0 of a triangle, point 0 of a point set.
 typedef struct lwi_piece
 {
@@ -93,5 +95,7 @@ static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, d
 /// @param width the interval to reach, metres
 void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width, double stop_above, double stop_below,
 	lwi_bounds* bounds );
+
+LW_EXTERN_C_END
 
 #endif

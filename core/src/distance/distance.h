@@ -7,6 +7,8 @@
 #include "leeway/distance.h"
 #include "shape/shape.h"
 
+LW_EXTERN_C_BEGIN
+
 typedef struct lwi_search_memory lwi_search_memory;
 
 /// The running bound of one search, shared by all its pairs. Method and proof: core/docs/distance.md.
@@ -71,5 +73,7 @@ static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t elemen
 
 /// A copy whose rotation is orthonormal to rounding; rotations that are so already keep their bits.
 lw_transform lwi_orthonormal( const lw_transform* transform );
+
+LW_EXTERN_C_END
 
 #endif

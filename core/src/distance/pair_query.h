@@ -11,6 +11,8 @@
 
 #include <string.h>
 
+LW_EXTERN_C_BEGIN
+
 enum
 {
 	/// One opening replaces an entry by at most LWI_WIDTH; a path has at most LWI_MAX_DEPTH + 1 openings per tree.
@@ -23,6 +25,14 @@ enum
 	LWI_KNOWN_PAIRS = 16 ///< half as many give half as much
 };
 
+/// The sphere whose centre an entry keeps in the frame of the other tree.
+typedef enum lwi_moved
+{
+	LWI_CACHED_NONE,
+	LWI_CACHED_A_IN_B, ///< center_a in b's frame
+	LWI_CACHED_B_IN_A  ///< center_b in a's frame
+} lwi_moved;
+
 /// Two subtrees still to be compared.
 typedef struct lwi_entry
 {
@@ -32,12 +42,7 @@ typedef struct lwi_entry
 	float center_b[3], radius_b; ///< b's tree frame
 	uint32_t obb_a, obb_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
 	float moved[3];           ///< cached centre, see `cached`
-	enum
-	{
-		LWI_CACHED_NONE,
-		LWI_CACHED_A_IN_B, ///< moved = center_a in b's frame
-		LWI_CACHED_B_IN_A  ///< moved = center_b in a's frame
-	} cached;
+	lwi_moved cached;
 } lwi_entry;
 
 /// Triangle pairs waiting for the float filter.
@@ -269,5 +274,7 @@ void lwi_search_inside( lwi_searching* s );
 
 /// The same for one item that was inside before; LW_INVALID_INDEX on the side of the mesh.
 void lwi_measure_inside( lwi_searching* s, uint32_t item_a, uint32_t item_b );
+
+LW_EXTERN_C_END
 
 #endif

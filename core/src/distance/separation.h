@@ -6,6 +6,8 @@
 #include "simd/kernels.h"
 #include "shape/shape.h"
 
+LW_EXTERN_C_BEGIN
+
 enum
 {
 	LWI_MAX_SWEPT_POSES = 3,
@@ -95,8 +97,9 @@ static inline void lwi_plane_to_lane( lwi_planes8* planes, uint32_t lane, lwi_sw
 
 static inline lwi_swept_plane lwi_plane_of_lane( const lwi_planes8* planes, uint32_t lane )
 {
-	return (lwi_swept_plane){ { planes->direction[0][lane], planes->direction[1][lane], planes->direction[2][lane] },
+	const lwi_swept_plane plane = { { planes->direction[0][lane], planes->direction[1][lane], planes->direction[2][lane] },
 		planes->reach[lane] };
+	return plane;
 }
 
 /// Planes of other times, in the same frame: one that separates these too, or LWI_WIDTH.
@@ -136,5 +139,7 @@ bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_swept_poses* a, co
 /// @return true if it does: on all of the path nothing of a is nearer to anything of b than the limit
 bool lwi_separate_near( const lwi_kernels* kernels, const lwi_swept_poses* a, const lwi_swept_poses* b, double limit,
 	double bend, lw_vec3 n, double reach );
+
+LW_EXTERN_C_END
 
 #endif

@@ -7,6 +7,8 @@
 
 #include <float.h>
 
+LW_EXTERN_C_BEGIN
+
 /// Error of lwi_tri_tri() relative to the extent of its input: |distance - exact| <= LWI_TRI_TRI_ERROR * extent, where
 /// extent is the largest |coordinate difference| between any two of the six vertices. Derived in
 /// core/docs/convex_distance.md; the test suite measures the worst error seen and asserts that it stays below.
@@ -23,5 +25,7 @@ typedef struct lwi_tri_result
 /// other it is 0 and the points are equal. Finite input never gives a NaN. No absolute tolerance: scaling the input by a
 /// power of two scales the result.
 lwi_tri_result lwi_tri_tri( const lw_vec3 a[3], const lw_vec3 b[3] );
+
+LW_EXTERN_C_END
 
 #endif

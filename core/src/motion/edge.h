@@ -12,6 +12,8 @@
 #include "query/query.h"
 #include "distance/separation.h"
 
+LW_EXTERN_C_BEGIN
+
 enum
 {
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
@@ -232,7 +234,8 @@ static inline const lwi_edge_velocity* lwi_edge_velocity_of( lwi_edge* edge, uin
 static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_velocity* velocity, const lwi_edge_velocity* ancestor )
 {
 	const uint32_t joints = velocity->depth - ancestor->depth;
-	return joints > 0 ? velocity->rates[joints - 1] : (lwi_motion_rate){ 0, 0 };
+	const lwi_motion_rate still = { 0, 0 };
+	return joints > 0 ? velocity->rates[joints - 1] : still;
 }
 
 /// Largest deviation of a cluster's point over half a window from the motion with its velocity in the middle.
@@ -388,5 +391,7 @@ bool lwi_edge_prove( lwi_edge* edge );
 
 /// The right end of the run that is proved for every pair from t = 0, before the failure at out->t.
 double lwi_edge_proved_run( lwi_edge* edge );
+
+LW_EXTERN_C_END
 
 #endif

@@ -8,6 +8,8 @@
 #include "base/heap.h"
 #include "leeway/checker.h"
 
+LW_EXTERN_C_BEGIN
+
 /// The nearest pair of a search: the next one measures it first.
 typedef struct lwi_cached_pair
 {
@@ -109,5 +111,7 @@ void lwi_query_forget_checker( lw_query* query );
 
 /// The first `entries` gaps that are below the limit, except `skip`, as a heap. Returns their count.
 uint32_t lwi_collect( lw_query* query, uint32_t entries, float limit, uint32_t skip );
+
+LW_EXTERN_C_END
 
 #endif

@@ -7,9 +7,9 @@
 #ifndef LEEWAY_REACHABILITY_CLEARANCE_GRID_H
 #define LEEWAY_REACHABILITY_CLEARANCE_GRID_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "leeway/base.h"
+
+LW_EXTERN_C_BEGIN
 
 struct lw_reach;
 
@@ -64,5 +64,7 @@ bool lwi_grid_describe( const struct lw_reach* reach, uint32_t link_a, uint32_t 
 
 /// The grid of two links, NULL if there is none.
 const lwi_grid* lwi_reach_grid( const struct lw_reach* reach, uint32_t link_a, uint32_t link_b );
+
+LW_EXTERN_C_END
 
 #endif

@@ -5,6 +5,8 @@
 
 #include "reachability/proof.h"
 
+LW_EXTERN_C_BEGIN
+
 /// A pair that moves and has geometry on both sides: where its entries in the reach are.
 typedef struct lwi_active
 {
@@ -30,5 +32,7 @@ static inline uint64_t lwi_pair_seed( const lwi_pair_list* list, const lwi_activ
 /// Makes grids and proofs by subdivision until `deadline`, or until there is nothing left to do.
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_reach_spend( lwi_pair_analysers* analysers, const lwi_pair_list* list, double deadline );
+
+LW_EXTERN_C_END
 
 #endif

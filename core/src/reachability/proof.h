@@ -8,6 +8,8 @@
 #include "reachability/clearance_grid.h"
 #include "reachability/reach.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Items of a body of each link that were nearest in some state: measured first in a state next to it, they bound the
 /// distance from the start, and often complete the answer. Zeroed: none is known.
 typedef struct lwi_nearest
@@ -72,8 +74,8 @@ enum
 typedef struct lwi_pair_analysers
 {
 	const lwi_reach_job* job;
-	_Atomic( lwi_pair_analyser* ) idle[LWI_PAIR_ANALYSERS];
-	atomic_bool out_of_memory;
+	LWI_ATOMIC( lwi_pair_analyser* ) idle[LWI_PAIR_ANALYSERS];
+	LWI_ATOMIC( bool ) out_of_memory;
 } lwi_pair_analysers;
 
 /// An analyser for one thread, in its initial state. NULL without memory, and analysers->out_of_memory is set.
@@ -170,5 +172,7 @@ void lwi_effort_drop( const lw_reach* reach, lwi_effort* effort, uint32_t variab
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY, LW_ERROR_CANCELLED
 lw_status lwi_grid_refine( lwi_pair_analyser* analyser, uint32_t link_a, uint32_t link_b, double separation,
 	const uint32_t total_bits[LWI_GRID_AXES + 1], double deadline, lwi_grid* grid, uint32_t* slabs, bool* out_complete );
+
+LW_EXTERN_C_END
 
 #endif

@@ -5,6 +5,8 @@
 
 #include "base/base.h"
 
+LW_EXTERN_C_BEGIN
+
 /// False in a build without qhull (LEEWAY_HULLS=OFF): lwi_reduce_points() then is LW_ERROR_UNSUPPORTED.
 bool lwi_hulls_available( void );
 
@@ -19,5 +21,7 @@ bool lwi_hulls_available( void );
 /// Cost: that of qhull, O(n log n) mostly, and a few tests per point. Its memory does not come from the allocator.
 lw_status lwi_reduce_points( double* points, size_t* count, double tolerance, size_t max_points,
 	const lw_allocator* allocator, double* out_outside );
+
+LW_EXTERN_C_END
 
 #endif

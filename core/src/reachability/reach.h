@@ -8,6 +8,8 @@
 #include "reachability/clearance_grid.h"
 #include "robot/robot.h"
 
+LW_EXTERN_C_BEGIN
+
 /// The node of one link, and where its M hull's points are.
 typedef struct lwi_reach_link
 {
@@ -45,7 +47,7 @@ typedef struct lwi_effort
 
 struct lw_reach
 {
-	atomic_uint references;
+	lwi_refcount references;
 	lw_allocator allocator;
 	lw_robot* robot;
 	size_t bytes;
@@ -117,10 +119,10 @@ typedef struct lwi_reach_stage
 	const char* name;
 	double begin, seconds;     ///< a stage with a time budget; seconds = 0: without
 	uint32_t count;            ///< steps of a stage without one
-	atomic_uint done;          ///< steps
-	atomic_bool reporting;     ///< one thread is about to report
-	atomic_bool cancelled;
-	_Atomic double last_report;
+	LWI_ATOMIC( unsigned ) done;          ///< steps
+	LWI_ATOMIC( bool ) reporting;     ///< one thread is about to report
+	LWI_ATOMIC( bool ) cancelled;
+	LWI_ATOMIC( double ) last_report;
 } lwi_reach_stage;
 
 typedef struct lwi_reach_job
@@ -183,5 +185,7 @@ void lwi_reach_build_tables( lw_reach* reach );
 
 /// Lowest common ancestor of two links.
 uint32_t lwi_reach_common_ancestor( const lw_robot* robot, uint32_t a, uint32_t b );
+
+LW_EXTERN_C_END
 
 #endif

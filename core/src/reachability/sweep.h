@@ -7,6 +7,8 @@
 #include "base/math_inline.h"
 #include "robot/robot.h"
 
+LW_EXTERN_C_BEGIN
+
 /// A convex set: the hull of points, dilated. Zeroed: the empty set.
 typedef struct lwi_hull
 {
@@ -63,5 +65,7 @@ lw_status lwi_hull_move( const lwi_hull_plan* plan, const lw_transform* m, const
 
 /// A sphere around the dilated hull: the compact fit. Radius -1 if it is empty, +inf if unbounded.
 lw_sphere lwi_hull_sphere( const lwi_hull* hull );
+
+LW_EXTERN_C_END
 
 #endif

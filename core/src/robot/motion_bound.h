@@ -6,6 +6,8 @@
 #include "leeway/reach.h"
 #include "robot/robot.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Data of a robot's bodies that no edge changes: enclosing spheres, distances to the first joint axis, and for each
 /// joint j above body b the largest distance from b to the axis of j over *all* configurations. Immutable, kept by the
 /// checker, which also keeps the robot alive.
@@ -138,5 +140,7 @@ void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32
 /// Upper bound of lwi_motion_rounding() for poses relative to any link of the way, at all states in a finite box.
 double lwi_motion_box_rounding( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count,
 	const double* lower, const double* upper );
+
+LW_EXTERN_C_END
 
 #endif

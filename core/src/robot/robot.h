@@ -7,6 +7,8 @@
 #include "leeway/robot.h"
 #include "base/sincos.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Shape of a joint's rotation: about +x, +y, +z (two columns turn), or about any axis (Rodrigues).
 typedef enum lwi_axis_kind
 {
@@ -40,7 +42,7 @@ typedef struct lwi_joint
 /// One block of memory; every pointer points into it.
 struct lw_robot
 {
-	atomic_uint references;
+	lwi_refcount references;
 	lw_allocator allocator;
 	size_t bytes;
 	const char* name;
@@ -136,5 +138,7 @@ double lwi_interpolate_variable( const lw_variable_info* info, double a, double 
 /// Angle between two quaternions of any non-zero length as *four-vectors*, the shorter way: in [0, pi / 2]. The rotation
 /// between them is twice this. NaN for a zero or non-finite quaternion.
 double lwi_quaternion_half_angle( const double a[4], const double b[4] );
+
+LW_EXTERN_C_END
 
 #endif

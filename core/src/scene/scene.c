@@ -66,7 +66,7 @@ void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape,
 
 typedef struct shared_name
 {
-	atomic_uint references;
+	lwi_refcount references;
 	lw_allocator allocator;
 	size_t bytes;
 	char text[];

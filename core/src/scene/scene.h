@@ -8,9 +8,11 @@
 #include "leeway/scene.h"
 #include "distance/distance.h"
 
+LW_EXTERN_C_BEGIN
+
 struct lw_scene
 {
-	atomic_uint references;
+	lwi_refcount references;
 	lw_allocator allocator;
 	uint32_t object_count, shape_count;
 	uint32_t block_count;        ///< of LWI_WIDTH shapes
@@ -48,5 +50,7 @@ float lwi_unbounded_gap( const lw_scene_shape_def* obstacle, const double center
 /// `cutoff` plus these metres, or is not a number.
 double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
 	double cutoff, float* gaps, bool* near );
+
+LW_EXTERN_C_END
 
 #endif

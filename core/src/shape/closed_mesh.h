@@ -5,6 +5,8 @@
 
 #include "shape/shape.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Finds the parts of a mesh: the components connected by shared vertices. Fills part_count and parts; more than
 /// LWI_MAX_PARTS are only counted. Cost: O(n).
 lw_status lwi_mesh_find_parts( lw_shape* shape, lw_diag* diag );
@@ -18,5 +20,7 @@ lw_status lwi_mesh_close( lw_shape* shape, lw_diag* diag );
 /// on the surface, whose distance is 0 whatever the inside is, either. Exact for the point and the vertices as given (but
 /// for coordinates below 2^-248 m, which count as 0). Cost: one ray through the tree.
 bool lwi_mesh_contains( const lw_shape* shape, lw_vec3 point );
+
+LW_EXTERN_C_END
 
 #endif

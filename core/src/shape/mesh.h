@@ -6,6 +6,8 @@
 #include "base/base.h"
 #include "leeway/shape.h"
 
+LW_EXTERN_C_BEGIN
+
 /// Largest coordinate or dimension of a shape, metres. Float kernels multiply up to four lengths, each at most
 /// 2 sqrt(3) times this: (3.5e9)^4 = 1.5e38 is still a float. Anything larger is a unit mistake.
 #define LWI_MAX_COORDINATE 1e9
@@ -27,5 +29,7 @@ void lwi_mesh_free( const lw_allocator* allocator, lwi_mesh* mesh );
 
 /// A point that is finite and within LWI_MAX_COORDINATE.
 bool lwi_coordinates_valid( const double p[3] );
+
+LW_EXTERN_C_END
 
 #endif

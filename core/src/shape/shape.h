@@ -15,6 +15,8 @@
 #include "base/math_inline.h"
 #include "simd/tree_layout.h"
 
+LW_EXTERN_C_BEGIN
+
 enum
 {
 	LWI_MAX_PARTS = 16, ///< connected parts of a mesh that are known one by one
@@ -63,12 +65,12 @@ static inline lwi_family lwi_family_of( lw_shape_type type )
 typedef struct lwi_deferred
 {
 	lw_deferred_def def;
-	_Atomic( lw_shape* ) made; ///< NULL until then; a reference
+	LWI_ATOMIC( lw_shape* ) made; ///< NULL until then; a reference
 } lwi_deferred;
 
 struct lw_shape
 {
-	atomic_uint references;
+	lwi_refcount references;
 	lw_allocator allocator;
 	lw_shape_type type;
 	lwi_family family;
@@ -230,5 +232,7 @@ lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_alloca
 	lw_shape** out_shape );
 
 lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag );
+
+LW_EXTERN_C_END
 
 #endif

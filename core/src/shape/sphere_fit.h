@@ -5,6 +5,8 @@
 
 #include "leeway/math.h"
 
+LW_EXTERN_C_BEGIN
+
 /// A sphere in double. Its radius is a computed number: whoever certifies something with it rounds outward first
 /// (lwi_ball_around_points(), lwi_ball_around_spheres()).
 typedef struct lwi_ball
@@ -37,5 +39,7 @@ void lwi_ball_around_balls( lw_vec3 center, const double* centers, const double*
 
 /// The same around float spheres [count][4].
 void lwi_ball_around_spheres( lw_vec3 center, const float ( *spheres )[4], size_t count, float sphere[4] );
+
+LW_EXTERN_C_END
 
 #endif

@@ -5,6 +5,8 @@
 
 #include "shape/shape.h"
 
+LW_EXTERN_C_BEGIN
+
 /// The items below a tree: triangles or tiles of triangles, balls, or boxes.
 typedef struct lwi_tree_input
 {
@@ -54,5 +56,7 @@ typedef struct lwi_tiles
 lw_status lwi_tiles_create( const double* points, size_t point_count, const uint32_t* corners, size_t triangle_count,
 	double tile_radius, const lw_allocator* allocator, lw_diag* diag, lwi_tiles* out );
 void lwi_tiles_free( const lw_allocator* allocator, lwi_tiles* tiles );
+
+LW_EXTERN_C_END
 
 #endif

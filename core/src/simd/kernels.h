@@ -24,6 +24,8 @@
 
 #include <float.h>
 
+LW_EXTERN_C_BEGIN
+
 #define LWI_GAP_SLACK 32.0
 
 /// Underflow's share of the slack, metres. Products below 2^-126 are off by up to 2^-150 each: three squares under a root by
@@ -151,5 +153,7 @@ const lwi_kernels* lwi_kernels_get( lw_simd level );
 extern const lwi_kernels lwi_kernels_scalar;
 extern const lwi_kernels lwi_kernels_sse2;
 extern const lwi_kernels lwi_kernels_avx2;
+
+LW_EXTERN_C_END
 
 #endif
