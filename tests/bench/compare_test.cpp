@@ -101,7 +101,7 @@ TEST( Compare, ClaimThatNoLongerHoldsGoesUnsaid )
 	EXPECT_NE( c.notes[0].find( "from holds to differs" ), std::string::npos );
 }
 
-TEST( Compare, TextLeavesOutWhatGotWorse )
+TEST( Compare, TextLeavesOutALoss )
 {
 	const Measure before = { 10, 9, 11, 9 }, after = { 13, 12, 14, 9 };
 	const Comparison c = compare( reportOf( { row( "self", 10, before ), row( "self", 20, before ) } ),

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
+#include <unistd.h>
 
 namespace
 {
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 class Folder
 {
 public:
-	Folder() : m_path( fs::temp_directory_path() / ( "leeway report's " + std::to_string( std::rand() ) ) )
+	Folder() : m_path( fs::temp_directory_path() / ( "leeway report's " + std::to_string( ::getpid() ) ) )
 	{
 		fs::remove_all( m_path );
 	}
@@ -130,7 +131,7 @@ TEST( Report, PicturesOfOnePageShareTheirIds )
 	                                     "clip-path=\"url(#p-clip)\"/><clipPath id='p-clip'/></svg>" );
 }
 
-TEST( Report, LineIsDrawnAcrossWhatIsMissing )
+TEST( Report, LineIsDrawnAcrossAGap )
 {
 	const std::string script = gnuplotScript( linePlot(), Picture::SVG, "out.svg" );
 	// 0 has no place on a logarithmic axis; a blank line interrupts

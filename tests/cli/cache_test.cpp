@@ -112,7 +112,7 @@ TEST_F( Cache, EdgesPlansAndAuditsReadItToo )
 	EXPECT_EQ( cached( ".reach" ).size(), 1u );
 }
 
-TEST_F( Cache, InfoSaysWhatCameFromIt )
+TEST_F( Cache, InfoNamesThePartsFromIt )
 {
 	check();
 	const Outcome result =
@@ -275,7 +275,7 @@ TEST_F( Cache, WithoutAnOptionItIsWherePlatformsKeepCaches )
 }
 
 // A read-only or missing home must not stop a run.
-TEST_F( Cache, AHomeThatCannotBeWrittenIsANoticeToThoseWhoAsk )
+TEST_F( Cache, AHomeThatCannotBeWrittenIsANotice )
 {
 	write( ".caches", "a file where the folder of caches would be" );
 	const Outcome quiet = check( {} );
@@ -285,7 +285,7 @@ TEST_F( Cache, AHomeThatCannotBeWrittenIsANoticeToThoseWhoAsk )
 	EXPECT_TRUE( contains( told.err, "cannot be written" ) ) << told.err;
 }
 
-TEST_F( Cache, TablesMissWhatTheRobotHolds )
+TEST_F( Cache, TablesMissTheHeldObject )
 {
 	const std::string attached =
 	    "robot_state:\n  attached_collision_objects:\n    - link_name: tool\n      object:\n"

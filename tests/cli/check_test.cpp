@@ -26,7 +26,7 @@ TEST_F( Cli, HelpTeachesEverySubcommandAndItsExitStatus )
 	}
 }
 
-TEST_F( CliInfo, TellsWhatWasBuiltKeptAndDropped )
+TEST_F( CliInfo, TellsThePartsBuiltKeptAndDropped )
 {
 	const Outcome info = runModel( "info", { "--group", "shoulder_only", "--json", "info.json" } );
 	ASSERT_EQ( info.status, 0 ) << info.err;

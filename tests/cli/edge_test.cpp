@@ -47,7 +47,7 @@ TEST_F( CliEdge, AFreeMotionIsProvedWithALowerBound )
 	EXPECT_LT( table.number( 0, "env_lower" ), 0.1 );
 }
 
-TEST_F( CliEdge, FixedStepsMissWhatTheyStepOverAndCertifiedEdgesDoNot )
+TEST_F( CliEdge, FixedStepsMissThinObstaclesAndCertifiedEdgesDoNot )
 {
 	// A thin fin that steps of half a metre jump over.
 	edit( "blocked.yaml", "[0.1, 0.1, 1]", "[0.1, 0.002, 1]" );

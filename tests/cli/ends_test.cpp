@@ -98,7 +98,7 @@ TEST_F( CliEnds, EndsOnTheCommandLineGoBeforeThoseOfTheRequest )
 	EXPECT_EQ( point( true ), ( Vector{ 1, 0 } ) );
 }
 
-TEST_F( CliEnds, TheGroupOfTheCommandLineGoesBeforeTheRequestsWhichMayNameNone )
+TEST_F( CliEnds, TheGroupOfTheCommandLineGoesBeforeTheRequests )
 {
 	edit( "request.yaml", "group_name: arm\n", "" );
 	const std::vector<std::string> request = srdf + std::vector<std::string>{ "--request", "request.yaml" };
@@ -111,7 +111,7 @@ TEST_F( CliEnds, TheGroupOfTheCommandLineGoesBeforeTheRequestsWhichMayNameNone )
 	EXPECT_EQ( plan( { "--request", "request.yaml" } ).status, 0 );
 }
 
-TEST_F( CliEnds, WrongEndsAreNamedWithWhatWasMeant )
+TEST_F( CliEnds, WrongEndsAreNamedWithTheLikelyOnes )
 {
 	struct Wrong
 	{
@@ -183,7 +183,7 @@ TEST_F( CliEnds, AnAllowedContactDoesNotCount )
 	EXPECT_EQ( runModel( "edge", { "--edges", "edges.csv", "--allow", "fore:wall" } ).status, 0 );
 }
 
-TEST_F( CliEnds, AnAllowedContactOfWhatStandsStillDoesNotCount )
+TEST_F( CliEnds, AnAllowedContactOfAStandingLinkDoesNotCount )
 {
 	edit( "scene.yaml", "[1.0, 0, 0]", "[0, 0, -1.2]" ); // the base in the wall, whose top the arm stays 0.175 m above
 	EXPECT_EQ( runModel( "plan", { "--goal", "high" } ).status, 2 );

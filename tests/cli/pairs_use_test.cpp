@@ -106,7 +106,7 @@ TEST_F( PairsUse, ClaimsOfContactThatIsThereStay )
 	EXPECT_EQ( reason( "new.srdf", "lid", "pot" ), "" );
 }
 
-TEST_F( PairsUse, WhatEnablingCostsIsTold )
+TEST_F( PairsUse, TheCostOfEnablingIsTold )
 {
 	slideLid( 0.001, "-0.02", "0.05" );
 	disable( { { "lid", "pot", "Never" }, { "jaw_a", "jaw_b", "Default" }, { "bolt", "nut", "Default" } } );
@@ -139,7 +139,7 @@ TEST_F( PairsUse, TheShareOfFreeStatesIsTold )
 	EXPECT_EQ( use["free_new"].get<int>() + use["blocking"][0]["states"].get<int>(), 200 );
 }
 
-TEST_F( PairsUse, WhatBlocksEveryStateIsNamed )
+TEST_F( PairsUse, AContactThatBlocksEveryStateIsNamed )
 {
 	const Outcome result = pairs( {} );
 	ASSERT_EQ( result.status, 0 ) << result.err;

@@ -79,7 +79,7 @@ TEST_F( ReadingCli, VisualGeometryOnRequest )
 	EXPECT_EQ( a.number( 0, "env_lower" ), b.number( 0, "env_lower" ) );
 }
 
-TEST_F( ReadingCli, WhatAVisualLinkAddsIsNotTakenFromTheCacheOfTheRobotWithoutIt )
+TEST_F( ReadingCli, PairsOfAVisualLinkAreNotTakenFromTheCacheOfTheRobotWithoutIt )
 {
 	edit( "arm.urdf", "<link name=\"tool\"/>", "<link name=\"tool\"><visual><origin xyz=\"0.05 0 0\"/><geometry><box size=\"0.06 0.02 0.02\"/></geometry></visual></link>" );
 	const std::vector<std::string> question = { "--group", "arm", "--states", "states.csv", "--cache", "cache" };

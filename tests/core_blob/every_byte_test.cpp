@@ -166,7 +166,7 @@ protected:
 
 } // namespace
 
-TEST_F( EveryByte, cut_short_is_damage )
+TEST_F( EveryByte, CutShortIsDamage )
 {
 	for ( std::size_t size = 0; size < blob->size(); ++size )
 	{
@@ -174,7 +174,7 @@ TEST_F( EveryByte, cut_short_is_damage )
 	}
 }
 
-TEST_F( EveryByte, changed_is_damage )
+TEST_F( EveryByte, ChangedIsDamage )
 {
 	for ( std::size_t at = 0; at < blob->size(); ++at )
 	{
@@ -189,7 +189,7 @@ TEST_F( EveryByte, changed_is_damage )
 	EXPECT_NE( nullptr, readReach( *blob, &status ) );
 }
 
-TEST_F( EveryByte, cut_short_and_sealed_is_refused )
+TEST_F( EveryByte, CutShortAndSealedIsRefused )
 {
 	QueryPtr query = makeQuery();
 	const probe_header fields = probe_header_fields();
@@ -203,7 +203,7 @@ TEST_F( EveryByte, cut_short_and_sealed_is_refused )
 	}
 }
 
-TEST_F( EveryByte, changed_and_sealed_is_refused_or_sound )
+TEST_F( EveryByte, ChangedAndSealedIsRefusedOrSound )
 {
 	QueryPtr query = makeQuery();
 	const std::size_t payload = probe_header_fields().table;

@@ -161,7 +161,7 @@ void expectUsable( const lw_reach* reach )
 
 } // namespace
 
-TEST( ReachBlob, WhatComesBackIsWhatWentIn )
+TEST( ReachBlob, TheSameComesBack )
 {
 	std::uint32_t grids = 0;
 	for ( std::uint64_t seed = 1; seed < 40; ++seed )

@@ -191,7 +191,7 @@ bool mentions( const lw_diag& diag, const char* text )
 
 } // namespace
 
-TEST( ShapeBlob, WhatComesBackIsWhatWentIn )
+TEST( ShapeBlob, TheSameComesBack )
 {
 	SeededRng rng;
 	std::vector<ShapePtr> shapes = manyShapes( rng );

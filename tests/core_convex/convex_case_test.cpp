@@ -52,7 +52,7 @@ const lwi_convex can = solid( LWI_CONVEX_CYLINDER, 1, 2 );
 const lwi_convex cone = solid( LWI_CONVEX_CONE, 1, 2 );
 } // namespace
 
-TEST( ConvexPoint, closed_forms_agree_with_projection )
+TEST( ConvexPoint, ClosedFormsAgreeWithProjection )
 {
 	SeededRng rng( 11 );
 	int inside = 0, outside = 0;
@@ -80,7 +80,7 @@ TEST( ConvexPoint, closed_forms_agree_with_projection )
 	EXPECT_GT( outside, 5000 );
 }
 
-TEST( ConvexPoint, apex_rim_and_axis_of_a_cone )
+TEST( ConvexPoint, ApexRimAndAxisOfACone )
 {
 	lw_vec3 q;
 	EXPECT_EQ( lwi_convex_point_distance( &cone, { 0, 0, 5 }, &q ), 3 ); // over the apex
@@ -92,7 +92,7 @@ TEST( ConvexPoint, apex_rim_and_axis_of_a_cone )
 	EXPECT_EQ( lwi_convex_point_distance( &cone, { 0.1, 0.1, 0 }, &q ), 0 );
 }
 
-TEST( ConvexCase, points_and_segments_are_triangles )
+TEST( ConvexCase, PointsAndSegmentsAreTriangles )
 {
 	lwi_convex point = triangle( { 4, 0, 0 }, { 4, 0, 0 }, { 4, 0, 0 } );
 	lwi_convex segment = triangle( { 4, -1, 0 }, { 4, 1, 0 }, { 4, 1, 0 } );
@@ -111,7 +111,7 @@ TEST( ConvexCase, points_and_segments_are_triangles )
 	expect_distance( point, segment, at( 1, 0, 0 ), 1 );
 }
 
-TEST( ConvexCase, nested_and_coincident_pieces_share_a_point )
+TEST( ConvexCase, NestedAndCoincidentPiecesShareAPoint )
 {
 	const lwi_convex* solids[3] = { &box, &can, &cone };
 	lwi_convex facet = triangle( { -0.1, 0, 0 }, { 0.1, 0, 0 }, { 0, 0.1, 0.1 } );
@@ -133,7 +133,7 @@ TEST( ConvexCase, nested_and_coincident_pieces_share_a_point )
 	}
 }
 
-TEST( ConvexCase, flat_and_line_contacts_down_to_nothing )
+TEST( ConvexCase, FlatAndLineContactsDownToNothing )
 {
 	lw_transform lying = lw_transform_identity(); // axis along x
 	lying.r[0][0] = 0;
@@ -157,7 +157,7 @@ TEST( ConvexCase, flat_and_line_contacts_down_to_nothing )
 	}
 }
 
-TEST( ConvexCase, far_frames_lose_nothing )
+TEST( ConvexCase, FarFramesLoseNothing )
 {
 	// A triangle stored 1e4 to 1e7 m from its frame's origin, brought back by its pose: only the local question counts
 	SeededRng rng( 13 );
@@ -192,7 +192,7 @@ TEST( ConvexCase, far_frames_lose_nothing )
 	}
 }
 
-TEST( ConvexCase, stopping_early_keeps_the_interval )
+TEST( ConvexCase, StoppingEarlyKeepsTheInterval )
 {
 	SeededRng rng( 14 );
 	uint64_t all = 0, above = 0, below = 0;
@@ -222,7 +222,7 @@ TEST( ConvexCase, stopping_early_keeps_the_interval )
 	EXPECT_LT( 2 * below, all );
 }
 
-TEST( ConvexCase, scaling_by_powers_of_two_changes_no_bit )
+TEST( ConvexCase, ScalingByPowersOfTwoChangesNoBit )
 {
 	SeededRng rng( 15 );
 	for ( int i = 0; i < 5000; ++i )
@@ -249,7 +249,7 @@ TEST( ConvexCase, scaling_by_powers_of_two_changes_no_bit )
 	}
 }
 
-TEST( ConvexCase, either_order_gives_compatible_intervals )
+TEST( ConvexCase, EitherOrderGivesCompatibleIntervals )
 {
 	SeededRng rng( 16 );
 	for ( int i = 0; i < 5000; ++i )

@@ -202,7 +202,7 @@ class ConvexContact : public ::testing::TestWithParam<std::pair<int, int>>
 };
 } // namespace
 
-TEST_P( ConvexContact, known_gap_between_features )
+TEST_P( ConvexContact, KnownGapBetweenFeatures )
 {
 	auto [ta, tb] = GetParam();
 	SeededRng rng( 77u + 10u * (unsigned)ta + (unsigned)tb );

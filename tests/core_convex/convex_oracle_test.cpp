@@ -84,7 +84,7 @@ class ConvexOracle : public ::testing::TestWithParam<std::pair<int, int>>
 };
 } // namespace
 
-TEST_P( ConvexOracle, interval_contains_the_minimised_distance )
+TEST_P( ConvexOracle, IntervalContainsTheMinimisedDistance )
 {
 	auto [ta, tb] = GetParam();
 	SeededRng rng( 20260101u + 10u * (unsigned)ta + (unsigned)tb );

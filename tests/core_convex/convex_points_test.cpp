@@ -79,7 +79,7 @@ double all_triangles( const Points& a, const Points& b, const lw_transform& m )
 
 } // namespace
 
-TEST( ConvexPoints, corners_of_a_box_are_the_box )
+TEST( ConvexPoints, CornersOfABoxAreTheBox )
 {
 	SeededRng rng( 41 );
 	int apart = 0;
@@ -115,7 +115,7 @@ TEST( ConvexPoints, corners_of_a_box_are_the_box )
 	EXPECT_GT( apart, 1000 );
 }
 
-TEST( ConvexPoints, hulls_agree_with_all_their_triangles )
+TEST( ConvexPoints, HullsAgreeWithAllTheirTriangles )
 {
 	SeededRng rng( 42 );
 	int apart = 0, touching = 0;
@@ -145,7 +145,7 @@ TEST( ConvexPoints, hulls_agree_with_all_their_triangles )
 	EXPECT_GT( touching, 10 );
 }
 
-TEST( ConvexPoints, far_from_the_origin_of_their_frame )
+TEST( ConvexPoints, FarFromTheOriginOfTheirFrame )
 {
 	SeededRng rng( 43 );
 	for ( int i = 0; i < 300; ++i )
@@ -169,7 +169,7 @@ TEST( ConvexPoints, far_from_the_origin_of_their_frame )
 	}
 }
 
-TEST( ConvexPoints, repeated_points_and_single_points )
+TEST( ConvexPoints, RepeatedPointsAndSinglePoints )
 {
 	Points one = { 1, 2, 3 }, same, square = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
 	for ( int i = 0; i < 50; ++i )

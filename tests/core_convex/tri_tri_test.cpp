@@ -161,7 +161,7 @@ real witness_error( const Triangle& a, const Triangle& b, const lwi_tri_result& 
 lwi_tri_result measure( const Triangle& a, const Triangle& b ) { return lwi_tri_tri( a.data(), b.data() ); }
 } // namespace
 
-TEST( TriTri, agrees_with_the_minimum_over_features )
+TEST( TriTri, AgreesWithTheMinimumOverFeatures )
 {
 	SeededRng rng( 1 );
 	real worst = 0, worst_witness = 0;
@@ -210,7 +210,7 @@ TEST( TriTri, agrees_with_the_minimum_over_features )
 	EXPECT_GT( close, 1000 );
 }
 
-TEST( TriTri, crossing_is_not_missed )
+TEST( TriTri, CrossingIsNotMissed )
 {
 	// Edge-triangle minima see crossings; the features above do not
 	SeededRng rng( 2 );
@@ -228,7 +228,7 @@ TEST( TriTri, crossing_is_not_missed )
 	EXPECT_GT( zero, 30 );
 }
 
-TEST( TriTri, pierced_by_construction )
+TEST( TriTri, PiercedByConstruction )
 {
 	SeededRng rng( 3 );
 	int needles = 0;
@@ -250,7 +250,7 @@ TEST( TriTri, pierced_by_construction )
 	EXPECT_GT( needles, 1000 );
 }
 
-TEST( TriTri, small_integers_hit_every_tie )
+TEST( TriTri, SmallIntegersHitEveryTie )
 {
 	// Coordinates -1, 0, 1: most pairs are coplanar, touch, share features or are degenerate, exactly
 	SeededRng rng( 4 );
@@ -276,7 +276,7 @@ TEST( TriTri, small_integers_hit_every_tie )
 	EXPECT_GT( apart, 150 );
 }
 
-TEST( TriTri, scaling_by_powers_of_two_changes_no_bit )
+TEST( TriTri, ScalingByPowersOfTwoChangesNoBit )
 {
 	SeededRng rng( 5 );
 	for ( int i = 0; i < 20000; ++i )
@@ -298,7 +298,7 @@ TEST( TriTri, scaling_by_powers_of_two_changes_no_bit )
 	}
 }
 
-TEST( TriTri, order_of_triangles_and_vertices_does_not_matter )
+TEST( TriTri, OrderOfTrianglesAndVerticesDoesNotMatter )
 {
 	SeededRng rng( 6 );
 	for ( int i = 0; i < 20000; ++i )
@@ -314,7 +314,7 @@ TEST( TriTri, order_of_triangles_and_vertices_does_not_matter )
 	}
 }
 
-TEST( TriTri, never_nan_at_the_ends_of_the_range )
+TEST( TriTri, NeverNanAtTheEndsOfTheRange )
 {
 	const double ends[] = { 0, 5e-324, 1e-320, 1e-308, 1e-200, 1e-160, 1, 1e150, 1e200, 1e300, 8.9e307, 1.7e308 };
 	SeededRng rng( 7 );

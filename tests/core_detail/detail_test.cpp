@@ -144,7 +144,7 @@ Mesh randomMesh( SeededRng& rng, int kind )
 
 // A collapse that is accepted by its corners alone leaves parts of the shape outside; one that is accepted by samples of one
 // side lets the coarser one grow where nothing is.
-TEST( Detail, containsTheShapeAndStaysNearIt )
+TEST( Detail, ContainsTheShapeAndStaysNearIt )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 60; ++i )
@@ -160,7 +160,7 @@ TEST( Detail, containsTheShapeAndStaysNearIt )
 	}
 }
 
-TEST( Detail, distancesAreBelowTheTrueOnesByAtMostTheExcess )
+TEST( Detail, DistancesAreBelowTheTrueOnesByAtMostTheExcess )
 {
 	SeededRng rng;
 	QueryPtr query = makeQuery();
@@ -191,7 +191,7 @@ TEST( Detail, distancesAreBelowTheTrueOnesByAtMostTheExcess )
 	}
 }
 
-TEST( Detail, fineMeshesGetFarFewerTriangles )
+TEST( Detail, FineMeshesGetFarFewerTriangles )
 {
 	ShapePtr flat = sheet( 40, []( double, double ) { return 0.0; } ).shape();
 	EXPECT_LE( lw_shape_get_info( coarser( flat.get(), 1e-3 ).get() ).triangle_count, 20u ) << "of 3200 in one plane";
@@ -203,7 +203,7 @@ TEST( Detail, fineMeshesGetFarFewerTriangles )
 	EXPECT_LT( info.bytes, lw_shape_get_info( torus.get() ).bytes / 3 );
 }
 
-TEST( Detail, shapesThatCannotGainStayThemselves )
+TEST( Detail, ShapesThatCannotGainStayThemselves )
 {
 	Mesh box = boxMesh( 0.3, 0.2, 0.1 );
 	lw_mesh_def def = lw_mesh_def_default();
@@ -227,7 +227,7 @@ TEST( Detail, shapesThatCannotGainStayThemselves )
 	}
 }
 
-TEST( Detail, setsOfBallsAreContainedToo )
+TEST( Detail, SetsOfBallsAreContainedToo )
 {
 	SeededRng rng;
 	for ( int round = 0; round < 6; ++round )
@@ -285,7 +285,7 @@ TEST( Detail, setsOfBallsAreContainedToo )
 	}
 }
 
-TEST( Detail, aCoarserOneOfACoarserOneAddsUp )
+TEST( Detail, ACoarserOneOfACoarserOneAddsUp )
 {
 	SeededRng rng;
 	ShapePtr shape = torusMesh( 0.2, 0.05, 48, 24 ).shape(), once = coarser( shape.get(), 1e-3 ), twice = coarser( once.get(), 5e-3 );
@@ -296,7 +296,7 @@ TEST( Detail, aCoarserOneOfACoarserOneAddsUp )
 	hunt( rng, shape.get(), twice.get(), 6e-3, 500 );
 }
 
-TEST( Detail, twoRunsAreEqualToTheBit )
+TEST( Detail, TwoRunsAreEqualToTheBit )
 {
 	SeededRng rng;
 	ShapePtr shape = bumpyMesh( rng, 0.2, 20, 30 ).shape();
@@ -304,7 +304,7 @@ TEST( Detail, twoRunsAreEqualToTheBit )
 		lw_shape_digest( coarser( shape.get(), 1e-2 ).get() ), lw_shape_digest( coarser( shape.get(), 1e-2 ).get() ) ) );
 }
 
-TEST( Detail, badInputIsNamed )
+TEST( Detail, BadInputIsNamed )
 {
 	ShapePtr shape = boxMesh( 1, 1, 1 ).shape();
 	for ( double tolerance : { 0.0, -1.0, double( NAN ), double( INFINITY ) } )
@@ -323,7 +323,7 @@ TEST( Detail, badInputIsNamed )
 	EXPECT_EQ( lw_shape_create_detail( shape.get(), 1, &tiled, nullptr, nullptr, &out ), LW_ERROR_INVALID_ARGUMENT );
 }
 
-TEST( Detail, everyFailedAllocationIsToldAndNothingLeaks )
+TEST( Detail, EveryFailedAllocationIsToldAndNothingLeaks )
 {
 	ShapePtr mesh = torusMesh( 0.2, 0.05, 24, 12 ).shape();
 	std::vector<double> points;
@@ -354,7 +354,7 @@ TEST( Detail, everyFailedAllocationIsToldAndNothingLeaks )
 }
 
 // Meshes as they are drawn: shells in shells, slivers, holes, corners where many triangles meet.
-TEST( Detail, holdsForTheMeshesOfARobotAndAKitchen )
+TEST( Detail, HoldsForTheMeshesOfARobotAndAKitchen )
 {
 	SeededRng rng;
 	QueryPtr query = makeQuery();

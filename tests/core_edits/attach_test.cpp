@@ -9,7 +9,7 @@
 namespace
 {
 
-TEST( Attach, robot_differs_from_one_of_a_longer_def )
+TEST( Attach, RobotDiffersFromOneOfALongerDef )
 {
 	SeededRng rng( 20261126 );
 	int compared = 0, several = 0;
@@ -87,7 +87,7 @@ protected:
 	lw_attachment_def def = lw_attachment_def_default();
 };
 
-TEST_F( BadAttach, link_that_the_robot_lacks )
+TEST_F( BadAttach, LinkThatTheRobotLacks )
 {
 	def.link = 2;
 	expectRefused( "link 2 is not one of the 2 links" );
@@ -98,7 +98,7 @@ TEST_F( BadAttach, link_that_the_robot_lacks )
 	expectRefused( "touch link 5 is not one of the 2 links" );
 }
 
-TEST_F( BadAttach, name_that_is_taken )
+TEST_F( BadAttach, NameThatIsTaken )
 {
 	def.name = "hand";
 	expectRefused( "a link of robot 'test' has this name" );
@@ -111,7 +111,7 @@ TEST_F( BadAttach, name_that_is_taken )
 	expectRefused( "has this name" );
 }
 
-TEST_F( BadAttach, shape_or_pose_that_cannot_move )
+TEST_F( BadAttach, ShapeOrPoseThatCannotMove )
 {
 	pose.t[0] = INFINITY;
 	expectRefused( "not a rigid transform" );
@@ -130,7 +130,7 @@ TEST_F( BadAttach, shape_or_pose_that_cannot_move )
 	EXPECT_EQ( lw_robot_attach( robot.get(), &def, nullptr, nullptr, &out ), LW_ERROR_INVALID_DEF );
 }
 
-TEST_F( BadAttach, detached_without_being_attached )
+TEST_F( BadAttach, DetachedWithoutBeingAttached )
 {
 	lw_robot* out = nullptr;
 	lw_diag diag = {};

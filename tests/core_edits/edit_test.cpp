@@ -108,7 +108,7 @@ struct Comparison
 	}
 };
 
-TEST( Edits, checker_differs_from_one_made_from_nothing )
+TEST( Edits, CheckerDiffersFromOneMadeFromNothing )
 {
 	SeededRng rng( 20261121 );
 	Comparison comparison;
@@ -143,7 +143,7 @@ TEST( Edits, checker_differs_from_one_made_from_nothing )
 							  << comparison.blocked << " blocked, " << comparison.edges_free << " free edges";
 }
 
-TEST( Edits, tables_of_the_bare_robot_change_an_answer )
+TEST( Edits, TablesOfTheBareRobotChangeAnAnswer )
 {
 #ifndef LEEWAY_HULLS
 	GTEST_SKIP() << "built without qhull";
@@ -187,7 +187,7 @@ TEST( Edits, tables_of_the_bare_robot_change_an_answer )
 
 // An object on a link that stands still is taken off and put back elsewhere on it, the same shape: its clearance is another
 // one.
-TEST( Edits, standing_object_is_measured_where_it_was )
+TEST( Edits, StandingObjectIsMeasuredWhereItWas )
 {
 	RobotModel model;
 	model.link( "base" );
@@ -255,7 +255,7 @@ TEST( Edits, standing_object_is_measured_where_it_was )
 	}
 }
 
-TEST( Edits, query_with_room_does_not_serve_later_snapshots )
+TEST( Edits, QueryWithRoomDoesNotServeLaterSnapshots )
 {
 	SeededRng rng( 20261123 );
 	int worlds = 0, asked = 0, blocked = 0, different = 0;
@@ -314,7 +314,7 @@ TEST( Edits, query_with_room_does_not_serve_later_snapshots )
 	EXPECT_LE( different, asked / 50 );
 }
 
-TEST( Edits, snapshot_in_use_changes )
+TEST( Edits, SnapshotInUseChanges )
 {
 	SeededRng rng( 20261124 );
 	ChangingWorld world( rng, false );
@@ -366,14 +366,14 @@ protected:
 	ChangingWorld world;
 };
 
-TEST_F( BadEdits, object_that_is_not_there )
+TEST_F( BadEdits, ObjectThatIsNotThere )
 {
 	expectRefused( { LW_SCENE_REMOVE, "teapot", nullptr, nullptr, 0 }, "there is no object 'teapot'" );
 	expectRefused( { LW_SCENE_MOVE, "teapot", nullptr, nullptr, 0 }, "there is no object 'teapot'" );
 	expectRefused( { LW_SCENE_MOVE, nullptr, nullptr, nullptr, 0 }, "names no object" );
 }
 
-TEST_F( BadEdits, name_that_is_taken )
+TEST_F( BadEdits, NameThatIsTaken )
 {
 	const std::string name = world.objects[1].name;
 	expectRefused( { LW_SCENE_ADD, name.c_str(), nullptr, nullptr, 0 }, "there is an object '" + name + "' already" );
@@ -387,7 +387,7 @@ TEST_F( BadEdits, name_that_is_taken )
 	lw_scene_release( out );
 }
 
-TEST_F( BadEdits, poses_of_wrong_number_or_kind )
+TEST_F( BadEdits, PosesOfWrongNumberOrKind )
 {
 	std::vector<lw_transform> poses( 9, lw_transform_identity() );
 	const std::string name = world.objects[1].name;
@@ -404,7 +404,7 @@ TEST_F( BadEdits, poses_of_wrong_number_or_kind )
 	expectRefused( { static_cast<lw_scene_change_type>( 7 ), "new", nullptr, nullptr, 0 }, "unknown type" );
 }
 
-TEST_F( BadEdits, object_whose_name_two_have )
+TEST_F( BadEdits, ObjectWhoseNameTwoHave )
 {
 	const char* names[] = { "twin", "twin" };
 	lw_scene_def def = lw_scene_def_default();
@@ -419,7 +419,7 @@ TEST_F( BadEdits, object_whose_name_two_have )
 	lw_scene_release( scene );
 }
 
-TEST_F( BadEdits, checker_edit_that_does_not_fit )
+TEST_F( BadEdits, CheckerEditThatDoesNotFit )
 {
 	lw_checker* out = nullptr;
 	lw_diag diag = {};

@@ -39,7 +39,7 @@ std::shared_ptr<const Published> publish( const ChangingWorld& world, SeededRng&
 	return made;
 }
 
-TEST( EditThreads, answers_of_other_snapshots )
+TEST( EditThreads, AnswersOfOtherSnapshots )
 {
 	SeededRng rng( 20261127 );
 	ChangingWorld world( rng, false );

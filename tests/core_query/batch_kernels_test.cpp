@@ -182,7 +182,7 @@ double distance_at( const lwi_batch_point& a, int l, double s, const float* min,
 
 } // namespace
 
-TEST( BatchKernels, level_differs_from_scalar )
+TEST( BatchKernels, LevelDiffersFromScalar )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 2000; ++i )
@@ -216,7 +216,7 @@ TEST( BatchKernels, level_differs_from_scalar )
 	}
 }
 
-TEST( BatchKernels, points_are_elsewhere_or_move_otherwise )
+TEST( BatchKernels, PointsAreElsewhereOrMoveOtherwise )
 {
 	SeededRng rng;
 	const real half = 1.0L / 16;
@@ -250,7 +250,7 @@ TEST( BatchKernels, points_are_elsewhere_or_move_otherwise )
 	}
 }
 
-TEST( BatchKernels, what_meets_is_held_to_stay_apart )
+TEST( BatchKernels, MeetingBodiesAreHeldToStayApart )
 {
 	SeededRng rng;
 	size_t apart = 0, tight = 0;
@@ -290,7 +290,7 @@ TEST( BatchKernels, what_meets_is_held_to_stay_apart )
 	EXPECT_GE( tight, 500u ); // some come as near as they may
 }
 
-TEST( BatchKernels, moving_spheres_that_meet_are_left_out )
+TEST( BatchKernels, MovingSpheresThatMeetAreLeftOut )
 {
 	SeededRng rng;
 	size_t met = 0, apart = 0, tight = 0;
@@ -346,7 +346,7 @@ TEST( BatchKernels, moving_spheres_that_meet_are_left_out )
 	EXPECT_GE( tight, 100u ); // some come as near as they may
 }
 
-TEST( BatchKernels, no_number_reads_as_apart )
+TEST( BatchKernels, NoNumberReadsAsApart )
 {
 	SeededRng rng;
 	for ( const float bad : { NAN, INFINITY, 1e30f } )

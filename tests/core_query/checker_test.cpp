@@ -279,7 +279,7 @@ void expect_distance( const lw_clearance& got, double want )
 
 } // namespace
 
-TEST( Checker, differs_from_all_pairs )
+TEST( Checker, DiffersFromAllPairs )
 {
 	SeededRng rng;
 	int environment_free = 0, environment_hit = 0, self_free = 0, self_hit = 0;
@@ -321,7 +321,7 @@ TEST( Checker, differs_from_all_pairs )
 	EXPECT_GE( std::min( { environment_free, environment_hit, self_free, self_hit } ), 50 );
 }
 
-TEST( Checker, scene_distance_differs_from_all_pairs )
+TEST( Checker, SceneDistanceDiffersFromAllPairs )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 40; ++i )
@@ -352,7 +352,7 @@ TEST( Checker, scene_distance_differs_from_all_pairs )
 	}
 }
 
-TEST( Checker, error_reads_as_free )
+TEST( Checker, ErrorReadsAsFree )
 {
 	SeededRng rng;
 	World world( rng, 8, 5 );
@@ -385,7 +385,7 @@ TEST( Checker, error_reads_as_free )
 	EXPECT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 }
 
-TEST( Checker, bad_def_is_accepted )
+TEST( Checker, BadDefIsAccepted )
 {
 	SeededRng rng;
 	World world( rng, 8, 5 );
@@ -412,7 +412,7 @@ TEST( Checker, bad_def_is_accepted )
 	EXPECT_EQ( checker, nullptr );
 }
 
-TEST( Checker, query_allocates )
+TEST( Checker, QueryAllocates )
 {
 	SeededRng rng;
 	FailingAllocator counting;
@@ -432,7 +432,7 @@ TEST( Checker, query_allocates )
 	EXPECT_EQ( before, counting.calls );
 }
 
-TEST( Checker, failed_allocation_leaks )
+TEST( Checker, FailedAllocationLeaks )
 {
 	for ( std::size_t fail_at = 1;; ++fail_at )
 	{
@@ -454,7 +454,7 @@ TEST( Checker, failed_allocation_leaks )
 	}
 }
 
-TEST( Checker, threads_disagree )
+TEST( Checker, ThreadsDisagree )
 {
 	SeededRng rng;
 	World world( rng, 12, 15 );
@@ -489,7 +489,7 @@ TEST( Checker, threads_disagree )
 	}
 }
 
-TEST( Checker, query_keeps_poses_of_another_checker )
+TEST( Checker, QueryKeepsPosesOfAnotherChecker )
 {
 	SeededRng rng;
 	World one( rng, 14, 12 ), two( rng, 5, 4 ); // a query fits both

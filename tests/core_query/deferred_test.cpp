@@ -2,7 +2,7 @@
 // Deferred meshes: made late, on threads, or not at all. No answer may differ, and a failure never reads as free.
 #include "required_world.hpp"
 
-TEST( Required, failed_mesh_reads_as_free_space )
+TEST( Required, FailedMeshReadsAsFreeSpace )
 {
 	SeededRng rng;
 	int failed = 0;
@@ -51,7 +51,7 @@ TEST( Required, failed_mesh_reads_as_free_space )
 }
 
 /// The maker of a mesh, and the time of making, change no answer, only durations.
-TEST( Required, threads_that_prepare_meshes_change_an_answer )
+TEST( Required, ThreadsThatPrepareMeshesChangeAnAnswer )
 {
 	SeededRng rng;
 	std::size_t calls = 0, shapes = 0;
@@ -98,7 +98,7 @@ TEST( Required, threads_that_prepare_meshes_change_an_answer )
 	EXPECT_GE( shapes, 300u );
 }
 
-TEST( Required, box_that_was_not_true )
+TEST( Required, BoxThatWasNotTrue )
 {
 	SeededRng rng;
 	ShapePtr mesh( randomMesh( rng, 10, 0.2, nullptr ) );
@@ -122,7 +122,7 @@ TEST( Required, box_that_was_not_true )
 	lw_query_destroy( query );
 }
 
-TEST( Required, bad_deferred_def )
+TEST( Required, BadDeferredDef )
 {
 	SeededRng rng;
 	ShapePtr mesh( randomMesh( rng, 10, 0.2, nullptr ) );
@@ -143,7 +143,7 @@ TEST( Required, bad_deferred_def )
 	Later::release( good.user );
 }
 
-TEST( Required, deferred_mesh_says_what_it_knows )
+TEST( Required, DeferredMeshTellsItsBounds )
 {
 	SeededRng rng;
 	ShapePtr mesh( randomMesh( rng, 10, 0.2, nullptr ) );
@@ -165,7 +165,7 @@ TEST( Required, deferred_mesh_says_what_it_knows )
 	EXPECT_EQ( 1, counts.made );
 }
 
-TEST( Required, threads_meet_at_a_deferred_mesh )
+TEST( Required, ThreadsMeetAtADeferredMesh )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 10; ++i )
@@ -204,7 +204,7 @@ TEST( Required, threads_meet_at_a_deferred_mesh )
 	}
 }
 
-TEST( Required, reach_of_a_deferred_robot_differs )
+TEST( Required, ReachOfADeferredRobotDiffers )
 {
 	SeededRng rng;
 	Counts counts;
@@ -239,7 +239,7 @@ TEST( Required, reach_of_a_deferred_robot_differs )
 }
 
 /// Prepared once, no state within the limits makes a mesh; whatever is made, answers are the same.
-TEST( Required, prepared_checker_leaves_a_mesh_to_a_state )
+TEST( Required, PreparedCheckerLeavesAMeshToAState )
 {
 	SeededRng rng;
 	int prepared = 0, unmade = 0, later = 0;
@@ -285,7 +285,7 @@ TEST( Required, prepared_checker_leaves_a_mesh_to_a_state )
 	EXPECT_GE( shared, 50u );
 }
 
-TEST( Required, failed_preparation_goes_unsaid )
+TEST( Required, FailedPreparationGoesUnsaid )
 {
 	SeededRng rng;
 	int failed = 0;

@@ -280,7 +280,7 @@ World sliderWorld( double lower, double upper )
 
 } // namespace
 
-TEST( Hierarchy, changes_an_answer )
+TEST( Hierarchy, ChangesAnAnswer )
 {
 	SeededRng rng;
 	int covered = 0, ruled_out = 0, blocked = 0, free = 0;
@@ -307,7 +307,7 @@ TEST( Hierarchy, changes_an_answer )
 }
 
 // More clusters than there are proxies for, and nothing proved of any state: all of them are asked at once.
-TEST( Hierarchy, pair_of_many_nodes_is_lost )
+TEST( Hierarchy, PairOfManyNodesIsLost )
 {
 	SeededRng rng;
 	int apart = 0;
@@ -332,7 +332,7 @@ TEST( Hierarchy, pair_of_many_nodes_is_lost )
 }
 
 // Without reach the same checker must say the same: a reach is no part of a checker's meaning.
-TEST( Hierarchy, reach_changes_a_checker )
+TEST( Hierarchy, ReachChangesAChecker )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 20; ++i )
@@ -359,7 +359,7 @@ TEST( Hierarchy, reach_changes_a_checker )
 	}
 }
 
-TEST( Hierarchy, one_query_mixes_up_two_checkers )
+TEST( Hierarchy, OneQueryMixesUpTwoCheckers )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 10; ++i )
@@ -388,7 +388,7 @@ TEST( Hierarchy, one_query_mixes_up_two_checkers )
 	}
 }
 
-TEST( Hierarchy, tables_are_used_outside_their_ranges )
+TEST( Hierarchy, TablesAreUsedOutsideTheirRanges )
 {
 	World world = sliderWorld( -1, 1.5 );
 	world.build();
@@ -413,7 +413,7 @@ TEST( Hierarchy, tables_are_used_outside_their_ranges )
 	EXPECT_EQ( out.verdict, LW_VERDICT_BLOCKED );
 }
 
-TEST( Hierarchy, tables_are_used_for_a_reference_outside_their_ranges )
+TEST( Hierarchy, TablesAreUsedForAReferenceOutsideTheirRanges )
 {
 	World world = sliderWorld( -1, 1.5 );
 	world.group = { 1 };
@@ -451,7 +451,7 @@ World farReference( const World& world )
 
 /// Links were put to each other with the roundings of such a state, which no answer accounts for, and spheres of bodies that
 /// stand overflowed.
-TEST( Hierarchy, reference_of_the_group_changes_an_answer )
+TEST( Hierarchy, ReferenceOfTheGroupChangesAnAnswer )
 {
 	SeededRng rng;
 	uint64_t tests = 0;
@@ -491,7 +491,7 @@ TEST( Hierarchy, reference_of_the_group_changes_an_answer )
 
 /// The default state of a slider whose limits are absurd: spheres of standing bodies overflow, and by that all are near.
 /// Lanes without a body were too, and read behind the array of bodies (seen by the address sanitizer).
-TEST( Hierarchy, bodies_that_there_are_not_are_near )
+TEST( Hierarchy, BodiesThatThereAreNotAreNear )
 {
 	RobotModel model;
 	uint32_t root = model.link( "root" );
@@ -529,7 +529,7 @@ TEST( Hierarchy, bodies_that_there_are_not_are_near )
 	}
 }
 
-TEST( Hierarchy, edge_lower_bound_forgets_pairs_that_need_no_proof )
+TEST( Hierarchy, EdgeLowerBoundForgetsPairsThatNeedNoProof )
 {
 	World world = sliderWorld( -1, 1.5 );
 	world.build();
@@ -550,7 +550,7 @@ TEST( Hierarchy, edge_lower_bound_forgets_pairs_that_need_no_proof )
 	EXPECT_EQ( got.verdict, LW_VERDICT_BLOCKED );
 }
 
-TEST( Hierarchy, edge_contradicts_its_states )
+TEST( Hierarchy, EdgeContradictsItsStates )
 {
 	SeededRng rng;
 	int free = 0, blocked = 0, ruled_out = 0;
@@ -601,7 +601,7 @@ TEST( Hierarchy, edge_contradicts_its_states )
 }
 
 // The paper's promise: a distant object costs one test, however many links it has.
-TEST( Hierarchy, distant_arm_is_posed )
+TEST( Hierarchy, DistantArmIsPosed )
 {
 	SeededRng rng;
 	World world;
@@ -657,7 +657,7 @@ TEST( Hierarchy, distant_arm_is_posed )
 }
 
 // Two links that tables prove apart, and spheres too: without tables their spheres are asked.
-TEST( Hierarchy, tables_stay_in_use_when_they_are_left_out )
+TEST( Hierarchy, TablesStayInUseWhenTheyAreLeftOut )
 {
 	World world = sliderWorld( -0.5, 0.5 );
 	world.build();
@@ -683,7 +683,7 @@ TEST( Hierarchy, tables_stay_in_use_when_they_are_left_out )
 	}
 }
 
-TEST( Hierarchy, reach_of_another_robot_is_accepted )
+TEST( Hierarchy, ReachOfAnotherRobotIsAccepted )
 {
 	World world = sliderWorld( -1, 1.5 ), twin = sliderWorld( -1, 1.5 ), other = sliderWorld( -1, 1.6 );
 	lw_diag diag = {};
@@ -695,7 +695,7 @@ TEST( Hierarchy, reach_of_another_robot_is_accepted )
 	EXPECT_TRUE( lw_checker_get_info( world.checker.get() ).hierarchy );
 }
 
-TEST( Hierarchy, zero_quaternion_is_posed )
+TEST( Hierarchy, ZeroQuaternionIsPosed )
 {
 	RobotModel model;
 	uint32_t root = model.link( "root" );
@@ -721,7 +721,7 @@ TEST( Hierarchy, zero_quaternion_is_posed )
 	EXPECT_EQ( out.verdict, LW_VERDICT_FREE );
 }
 
-TEST( Hierarchy, failed_allocation_leaks )
+TEST( Hierarchy, FailedAllocationLeaks )
 {
 	SeededRng rng;
 	World world = randomWorld( rng );
@@ -739,7 +739,7 @@ TEST( Hierarchy, failed_allocation_leaks )
 	}
 }
 
-TEST( HierarchyThread, threads_share_more_than_they_should )
+TEST( HierarchyThread, ThreadsShareMoreThanTheyShould )
 {
 	SeededRng rng;
 	World world = randomWorld( rng );

@@ -205,7 +205,7 @@ double largest( std::initializer_list<lw_vec3> points )
 
 } // namespace
 
-TEST( Kernels, level_differs_from_scalar )
+TEST( Kernels, LevelDiffersFromScalar )
 {
 	SeededRng rng;
 	auto tables = kernelLevels();
@@ -225,7 +225,7 @@ TEST( Kernels, level_differs_from_scalar )
 
 // Poses have the same bits however they were asked for, so joints turned together must turn as one alone; and numerics.md
 // says how much
-TEST( Kernels, turns_differ_from_one_alone_or_from_the_truth )
+TEST( Kernels, TurnsDifferFromOneAloneOrFromTheTruth )
 {
 	SeededRng rng;
 	double worst = 0;
@@ -267,7 +267,7 @@ TEST( Kernels, turns_differ_from_one_alone_or_from_the_truth )
 }
 
 // Self queries of small robots stand on it: a pair that is left out is held to be far
-TEST( Kernels, farthest_point_is_not_the_first_of_those )
+TEST( Kernels, FarthestPointIsNotTheFirstOfThose )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 5000; ++i )
@@ -358,7 +358,7 @@ struct ShearedBoxes
 } // namespace
 
 // Edges stand on it: a body below a plane counts as apart from one above
-TEST( Kernels, box_is_below_a_plane_that_it_reaches )
+TEST( Kernels, BoxIsBelowAPlaneThatItReaches )
 {
 	SeededRng rng;
 	int clear_lanes = 0, hopeless_lanes = 0;
@@ -417,7 +417,7 @@ TEST( Kernels, box_is_below_a_plane_that_it_reaches )
 	EXPECT_GE( hopeless_lanes, 1000 );
 }
 
-TEST( Kernels, near_spheres_are_left_out )
+TEST( Kernels, NearSpheresAreLeftOut )
 {
 	SeededRng rng;
 	size_t near_pairs = 0, far_pairs = 0;
@@ -472,7 +472,7 @@ TEST( Kernels, near_spheres_are_left_out )
 	EXPECT_GE( std::min( near_pairs, far_pairs ), 10000u );
 }
 
-TEST( Kernels, pads_are_not_infinitely_far )
+TEST( Kernels, PadsAreNotInfinitelyFar )
 {
 	SeededRng rng;
 	Input in = random_input( rng );
@@ -487,7 +487,7 @@ TEST( Kernels, pads_are_not_infinitely_far )
 
 // The slack of simd/kernels.h: a gap never exceeds the exact distance by more than LWI_GAP_SLACK roundoffs of the size
 // involved, and for separated triangles it is the distance itself to about as much.
-TEST( Kernels, triangle_gap_exceeds_distance )
+TEST( Kernels, TriangleGapExceedsDistance )
 {
 	SeededRng rng;
 	double worst = 0;
@@ -520,7 +520,7 @@ TEST( Kernels, triangle_gap_exceeds_distance )
 	EXPECT_GT( tight, separated * 0.99 );
 }
 
-TEST( Kernels, point_triangle_gap_exceeds_distance )
+TEST( Kernels, PointTriangleGapExceedsDistance )
 {
 	SeededRng rng;
 	double worst = 0;
@@ -551,7 +551,7 @@ TEST( Kernels, point_triangle_gap_exceeds_distance )
 	EXPECT_GT( tight, separated * 0.99 );
 }
 
-TEST( Kernels, solid_gap_exceeds_distance )
+TEST( Kernels, SolidGapExceedsDistance )
 {
 	SeededRng rng;
 	double worst = 0;
@@ -598,7 +598,7 @@ TEST( Kernels, solid_gap_exceeds_distance )
 // The promise of oriented boxes: no two points of two of them, cut by their spheres, are nearer than the gap. The points
 // tried are those that reach farthest along the line of the centres and along other directions, where a wrong formula would
 // show.
-TEST( Kernels, obb_gap_exceeds_distance )
+TEST( Kernels, ObbGapExceedsDistance )
 {
 	SeededRng rng;
 	const auto farthest = []( const float axis[3][3], const float low[3], const float high[3], double r, const double u[3], double out[3] )
@@ -678,7 +678,7 @@ TEST( Kernels, obb_gap_exceeds_distance )
 
 // Slabs of triangles before boxes and cylinders: never too wide, and mostly the distance itself, or measurements in double
 // are in vain.
-TEST( Kernels, leaf_primitive_gap_exceeds_distance )
+TEST( Kernels, LeafPrimitiveGapExceedsDistance )
 {
 	SeededRng rng;
 	double worst = 0;
@@ -723,7 +723,7 @@ TEST( Kernels, leaf_primitive_gap_exceeds_distance )
 }
 
 // Huge and tiny coordinates overflow or vanish in float: the answer may be NaN or small, it may not say "far".
-TEST( Kernels, overflow_reads_as_far )
+TEST( Kernels, OverflowReadsAsFar )
 {
 	SeededRng rng;
 	for ( double scale : { 1e-30, 1e-20, 1e-12, 1e6, 1e9 } ) // shapes to 1e9 m (core/docs/numerics.md): beyond, gaps of some are infinite

@@ -65,7 +65,7 @@ void judgeEdge( const World& world, Oracle& oracle, const lw_checker* checker, l
 
 } // namespace
 
-TEST( Margins, edge_enters_a_margin )
+TEST( Margins, EdgeEntersAMargin )
 {
 	SeededRng rng;
 	EdgeTally tally;
@@ -104,7 +104,7 @@ TEST( Margins, edge_enters_a_margin )
 
 /// Two links that turn against each other, proved apart by a grid of their joints: verdict and lower bound count the
 /// margin.
-TEST( Margins, edge_by_a_grid_enters_a_margin )
+TEST( Margins, EdgeByAGridEntersAMargin )
 {
 #ifndef LEEWAY_HULLS
 	GTEST_SKIP() << "built without qhull";

@@ -52,7 +52,7 @@ void judgeState( const World& world, Oracle& oracle, const std::vector<std::pair
 
 } // namespace
 
-TEST( Margins, state_is_not_distance_less_margin )
+TEST( Margins, StateIsNotDistanceLessMargin )
 {
 	SeededRng rng;
 	Tally tally;
@@ -141,7 +141,7 @@ World stiffWorld( SeededRng& rng )
 
 } // namespace
 
-TEST( Margins, part_of_a_robot_is_ruled_out_by_less_than_its_margin )
+TEST( Margins, PartOfARobotIsRuledOutByLessThanItsMargin )
 {
 	SeededRng rng;
 	Tally tally;
@@ -164,7 +164,7 @@ TEST( Margins, part_of_a_robot_is_ruled_out_by_less_than_its_margin )
 	EXPECT_GE( tally.inside, 50 );
 }
 
-TEST( Margins, obstacle_is_passed_over_within_its_margin )
+TEST( Margins, ObstacleIsPassedOverWithinItsMargin )
 {
 	SeededRng rng;
 	int passed_over = 0, negative = 0;
@@ -193,7 +193,7 @@ TEST( Margins, obstacle_is_passed_over_within_its_margin )
 }
 
 // A checker made after another one, with other margins, must not believe bounds of the old ones.
-TEST( Margins, edit_keeps_an_old_margin )
+TEST( Margins, EditKeepsAnOldMargin )
 {
 	SeededRng rng;
 	int fixed = 0, shared = 0;

@@ -5,7 +5,7 @@
 // --- laws ------------------------------------------------------------------------------------------------------------
 
 // Zeros, however they are spelt, are no margins: bit for bit, and without a byte.
-TEST( Margins, zeros_change_an_answer )
+TEST( Margins, ZerosChangeAnAnswer )
 {
 	SeededRng rng;
 	for ( int i = 0; i < 15; ++i )
@@ -36,7 +36,7 @@ TEST( Margins, zeros_change_an_answer )
 }
 
 // The same margin for all pairs moves all answers by it, and nothing else.
-TEST( Margins, uniform_margin_is_not_a_shift )
+TEST( Margins, UniformMarginIsNotAShift )
 {
 	SeededRng rng;
 	int shifted = 0;
@@ -69,7 +69,7 @@ TEST( Margins, uniform_margin_is_not_a_shift )
 }
 
 // A ball with a margin is a larger ball.
-TEST( Margins, margin_of_a_ball_is_not_its_radius )
+TEST( Margins, MarginOfABallIsNotItsRadius )
 {
 	for ( const double gap : { 0.5, 0.031, 0.03, 0.02, -0.01 } )
 	{
@@ -105,7 +105,7 @@ TEST( Margins, margin_of_a_ball_is_not_its_radius )
 
 // --- bad input -------------------------------------------------------------------------------------------------------
 
-TEST( Margins, nonsense_is_a_margin )
+TEST( Margins, NonsenseIsAMargin )
 {
 	SeededRng rng;
 	World world = randomWorld( rng, false );
@@ -159,7 +159,7 @@ TEST( Margins, nonsense_is_a_margin )
 	EXPECT_STREQ( diag.message, "margins: self pairs are NULL, their count is not 0" );
 }
 
-TEST( Margins, leak_without_memory )
+TEST( Margins, LeakWithoutMemory )
 {
 	SeededRng rng;
 	World world = randomWorld( rng, false );

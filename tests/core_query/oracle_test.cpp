@@ -264,7 +264,7 @@ void one_pair( SeededRng& rng, int i, int ta, int tb, lw_query* query, Tally& ta
 }
 } // namespace
 
-TEST_P( ShapeOracle, engine_contradicts_brute_force )
+TEST_P( ShapeOracle, EngineContradictsBruteForce )
 {
 	auto [ta, tb] = GetParam();
 	SeededRng rng( 20260201u + 10u * (unsigned)ta + (unsigned)tb );

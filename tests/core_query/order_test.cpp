@@ -80,7 +80,7 @@ lw_clearance selfClearance( const lw_checker* checker, lw_query* query, const St
 
 /// A ball within a shell, 10 mm away everywhere, and one outside of it, 0.1 mm away. By their spheres the pair within comes
 /// first; searched to its end first, it takes thousands of comparisons.
-TEST( Order, first_pair_is_searched_to_its_end_before_a_nearer_one )
+TEST( Order, FirstPairIsSearchedToItsEndBeforeANearerOne )
 {
 	SeededRng rng;
 	RobotModel model;
@@ -115,7 +115,7 @@ TEST( Order, first_pair_is_searched_to_its_end_before_a_nearer_one )
 }
 
 /// A ball within a shell, 10 mm away but for one spike: all work before the spike is found is in vain.
-TEST( Order, search_stays_where_it_began )
+TEST( Order, SearchStaysWhereItBegan )
 {
 	SeededRng rng;
 	const ShapePtr shell( ball( 40, 0.1 ) );

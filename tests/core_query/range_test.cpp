@@ -52,7 +52,7 @@ double distance( lw_vec3 a, lw_vec3 b )
 
 } // namespace
 
-TEST( Range, interval_breaks_its_promise )
+TEST( Range, IntervalBreaksItsPromise )
 {
 	SeededRng rng;
 	QueryPtr query = makeQuery();
@@ -109,7 +109,7 @@ TEST( Range, interval_breaks_its_promise )
 }
 
 // Boxes end most searches before they begin. A limit just beyond the distance is where they must not.
-TEST( Range, boxes_are_held_to_be_farther_apart_than_they_are )
+TEST( Range, BoxesAreHeldToBeFartherApartThanTheyAre )
 {
 	SeededRng rng;
 	QueryPtr query = makeQuery();
@@ -138,7 +138,7 @@ TEST( Range, boxes_are_held_to_be_farther_apart_than_they_are )
 	EXPECT_GE( edges, 5000 );
 }
 
-TEST( Range, order_of_the_shapes_matters )
+TEST( Range, OrderOfTheShapesMatters )
 {
 	SeededRng rng;
 	QueryPtr query = makeQuery();
@@ -154,7 +154,7 @@ TEST( Range, order_of_the_shapes_matters )
 	}
 }
 
-TEST( Range, a_switch_changes_the_answer )
+TEST( Range, ASwitchChangesTheAnswer )
 {
 	SeededRng rng;
 	lw_query_def no_cache = lw_query_def_default(), scalar = lw_query_def_default();
@@ -197,7 +197,7 @@ TEST( Range, a_switch_changes_the_answer )
 	EXPECT_GT( lw_query_get_stats( uncached.get() ).center_transforms, lw_query_get_stats( plain.get() ).center_transforms );
 }
 
-TEST( Range, far_from_the_world_origin_loses_digits )
+TEST( Range, FarFromTheWorldOriginLosesDigits )
 {
 	SeededRng rng;
 	QueryPtr query = makeQuery();
@@ -221,7 +221,7 @@ TEST( Range, far_from_the_world_origin_loses_digits )
 	}
 }
 
-TEST( Range, bad_input_reads_as_free )
+TEST( Range, BadInputReadsAsFree )
 {
 	ShapePtr ball = makePrimitive( LW_SHAPE_SPHERE, 1 );
 	QueryPtr query = makeQuery();
@@ -247,7 +247,7 @@ TEST( Range, bad_input_reads_as_free )
 	expect_cautious( lw_shape_distance( ball.get(), &good, ball.get(), &good, nullptr, nullptr, &out ) );
 }
 
-TEST( Range, meshes_are_surfaces_and_primitives_are_solids )
+TEST( Range, MeshesAreSurfacesAndPrimitivesAreSolids )
 {
 	SeededRng rng;
 	QueryPtr query = makeQuery();

@@ -23,7 +23,7 @@ void expectBlocked( const World& world, const lw_checker* checker, lw_query* que
 
 } // namespace
 
-TEST( Required, less_changes_an_answer )
+TEST( Required, LessChangesAnAnswer )
 {
 	SeededRng rng;
 	int free = 0, blocked = 0, outside = 0, edges = 0, different = 0, fewer = 0, unmade = 0;
@@ -101,7 +101,7 @@ TEST( Required, less_changes_an_answer )
 }
 
 // The bound itself, against random states: it is proved, so no state may come nearer.
-TEST( Required, obstacle_nearer_than_proved )
+TEST( Required, ObstacleNearerThanProved )
 {
 	SeededRng rng;
 	int proved = 0, tight = 0;
@@ -231,7 +231,7 @@ static void placeBeside( SeededRng& rng, World& world, const lw_transform& link_
 
 // A planner may ask for more room than it told the checker that anybody asks for: then nothing may be passed over. A ball
 // swings past obstacles outside of its circle, which it cannot come near to by as much as the checker was told.
-TEST( Required, edge_asks_for_more_than_its_checker_was_told )
+TEST( Required, EdgeAsksForMoreThanItsCheckerWasTold )
 {
 	SeededRng rng;
 	int beyond = 0, free = 0, passed_over = 0;
@@ -275,7 +275,7 @@ TEST( Required, edge_asks_for_more_than_its_checker_was_told )
 
 // Small balls on short chains, and small obstacles right beside places that they come to: there a bound that is a few per
 // cent of an arm's length too large is wrong.
-TEST( Required, obstacle_beside_the_way_is_out_of_reach )
+TEST( Required, ObstacleBesideTheWayIsOutOfReach )
 {
 	SeededRng rng;
 	int proved = 0, beside = 0;
@@ -348,7 +348,7 @@ void expectNotPassedOver( const lw_robot_def& def, const lw_shape* obstacle, boo
 // The sweep of a body so far from the axis of its joint that squares leave the range of doubles has no number of arcs. It
 // must not get lost, nor the obstacles with it. Nor may that of a point on the axis, whose number of arcs is 0 / 0 if its
 // ball has no radius.
-TEST( Required, sweeps_without_a_number_of_arcs_are_not_lost )
+TEST( Required, SweepsWithoutANumberOfArcsAreNotLost )
 {
 	const double origin[3] = { 0, 0, 0 }, sizes[3] = { 0.5, 0, 0 };
 	lw_shape *point = nullptr, *ball = nullptr;

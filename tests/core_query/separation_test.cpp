@@ -300,7 +300,7 @@ double go_along( SeededRng& rng, Moving& m, Vec d, double size, Way& way )
 
 } // namespace
 
-TEST( Separation, extreme_point_outside_of_hull )
+TEST( Separation, ExtremePointOutsideOfHull )
 {
 	SeededRng rng;
 	for ( int i = 0; i < unlessSanitized( 600, 100 ); ++i )
@@ -326,7 +326,7 @@ TEST( Separation, extreme_point_outside_of_hull )
 	}
 }
 
-TEST( Separation, near_is_not_near_or_apart_is_not_apart )
+TEST( Separation, NearIsNotNearOrApartIsNotApart )
 {
 	SeededRng rng;
 	int apart = 0, near = 0, separable = 0, missed = 0;
@@ -373,7 +373,7 @@ TEST( Separation, near_is_not_near_or_apart_is_not_apart )
 	EXPECT_LE( missed, separable / 20 );
 }
 
-TEST( Separation, nearer_between_places_than_a_bent_way_allows )
+TEST( Separation, NearerBetweenPlacesThanABentWayAllows )
 {
 	SeededRng rng;
 	int apart = 0, ends = 0;
@@ -434,7 +434,7 @@ TEST( Separation, nearer_between_places_than_a_bent_way_allows )
 }
 
 // Bodies that an edge does not move have one pose, not three.
-TEST( Separation, what_stands_is_said_to_come_near )
+TEST( Separation, StandingBodyIsSaidToComeNear )
 {
 	SeededRng rng;
 	int separable = 0, bent = 0, near = 0;
@@ -462,7 +462,7 @@ TEST( Separation, what_stands_is_said_to_come_near )
 }
 
 // Mostly b is larger, and a within its hull.
-TEST( Separation, what_is_far_at_first_comes_near )
+TEST( Separation, BodyFarAtFirstComesNear )
 {
 	SeededRng rng;
 	const QueryPtr query = makeQuery();
@@ -509,7 +509,7 @@ TEST( Separation, what_is_far_at_first_comes_near )
 	EXPECT_GE( within, unlessSanitized( 50, 2 ) );
 }
 
-TEST( Separation, two_shapes_are_nearer_than_their_plane_says )
+TEST( Separation, TwoShapesAreNearerThanTheirPlaneSays )
 {
 	SeededRng rng;
 	int apart = 0, separable = 0, missed = 0;
@@ -549,7 +549,7 @@ TEST( Separation, two_shapes_are_nearer_than_their_plane_says )
 	EXPECT_LE( missed, separable / 20 );
 }
 
-TEST( Separation, known_plane_that_holds_is_passed_over )
+TEST( Separation, KnownPlaneThatHoldsIsPassedOver )
 {
 	SeededRng rng;
 	int held = 0, none = 0;

@@ -73,7 +73,7 @@ ShapePtr shuffled( SeededRng& rng, const Surface& s )
 
 } // namespace
 
-TEST( SharedFeatures, answers_depend_on_the_order_of_triangles )
+TEST( SharedFeatures, AnswersDependOnTheOrderOfTriangles )
 {
 	SeededRng rng;
 	const QueryPtr query = makeQuery();
@@ -101,7 +101,7 @@ TEST( SharedFeatures, answers_depend_on_the_order_of_triangles )
 	EXPECT_GE( apart, 4000 );
 }
 
-TEST( SharedFeatures, corners_are_measured_by_all_their_triangles )
+TEST( SharedFeatures, CornersAreMeasuredByAllTheirTriangles )
 {
 	SeededRng rng;
 	const QueryPtr query = makeQuery();

@@ -232,7 +232,7 @@ Vec awkward_point( SeededRng& rng, const Solid& s, double size )
 }
 } // namespace
 
-TEST( SolidMesh, inside_contradicts_the_winding_number )
+TEST( SolidMesh, InsideContradictsTheWindingNumber )
 {
 	SeededRng rng;
 	QueryPtr query = makeQuery();
@@ -289,7 +289,7 @@ TEST( SolidMesh, inside_contradicts_the_winding_number )
 }
 
 /// A box of whole numbers, and points in the planes of its faces and edges: where rays meet corners and edges of triangles.
-TEST( SolidMesh, points_in_line_with_corners_are_on_the_wrong_side )
+TEST( SolidMesh, PointsInLineWithCornersAreOnTheWrongSide )
 {
 	SeededRng rng;
 	Solid box;
@@ -390,7 +390,7 @@ bool SolidPair::is_inside_the_second() const
 	return inside;
 }
 
-TEST_P( SolidMeshPairs, distance_contradicts_brute_force )
+TEST_P( SolidMeshPairs, DistanceContradictsBruteForce )
 {
 	SeededRng rng( 20260501u + (unsigned)GetParam() );
 	QueryPtr query = makeQuery();
@@ -456,7 +456,7 @@ INSTANTIATE_TEST_SUITE_P( types, SolidMeshPairs, ::testing::Range( -1, type_coun
 	return std::string( one.param < 0 ? "solid" : type_names[one.param] );
 } );
 
-TEST( SolidMesh, open_mesh_is_taken_for_closed )
+TEST( SolidMesh, OpenMeshIsTakenForClosed )
 {
 	SeededRng rng;
 	for ( int round = 0; round < 50; ++round )
@@ -479,7 +479,7 @@ TEST( SolidMesh, open_mesh_is_taken_for_closed )
 	}
 }
 
-TEST( SolidMesh, unwelded_seams_need_a_tolerance )
+TEST( SolidMesh, UnweldedSeamsNeedATolerance )
 {
 	Solid s;
 	add_box( s, 2, { 1, 1, 1 }, { 0, 0, 0 }, lw_transform_identity() );
@@ -494,7 +494,7 @@ TEST( SolidMesh, unwelded_seams_need_a_tolerance )
 	EXPECT_EQ( LW_OK, make_solid( s, 1e-6, &diag, shape ) ) << diag.message;
 }
 
-TEST( SolidMesh, solids_that_share_an_edge_or_corner_stay_apart )
+TEST( SolidMesh, SolidsThatShareAnEdgeOrCornerStayApart )
 {
 	// two cubes that touch along an edge: four triangles there. Both are solid, the space between them is not
 	Solid s;
@@ -519,7 +519,7 @@ TEST( SolidMesh, solids_that_share_an_edge_or_corner_stay_apart )
 
 // Boxes side by side, each with walls of its own: edges of four triangles around each wall, at which the components of two
 // boxes meet with one triangle each and would be left open.
-TEST( SolidMesh, boxes_that_share_a_wall_leave_no_gap_and_reach_no_further )
+TEST( SolidMesh, BoxesThatShareAWallLeaveNoGapAndReachNoFurther )
 {
 	SeededRng rng;
 	int inside = 0, outside = 0;
@@ -563,7 +563,7 @@ TEST( SolidMesh, boxes_that_share_a_wall_leave_no_gap_and_reach_no_further )
 	EXPECT_GE( outside, 1000 );
 }
 
-TEST( SolidMesh, a_void_counts_as_inside )
+TEST( SolidMesh, AVoidCountsAsInside )
 {
 	Solid s;
 	add_box( s, 1, { 1, 1, 1 }, { 0, 0, 0 }, lw_transform_identity() );
@@ -581,7 +581,7 @@ TEST( SolidMesh, a_void_counts_as_inside )
 	EXPECT_EQ( 0, c.upper );
 }
 
-TEST( SolidMesh, tiles_are_refused_and_allocations_may_fail )
+TEST( SolidMesh, TilesAreRefusedAndAllocationsMayFail )
 {
 	Solid s;
 	add_grid( s, 8, 6, true, 1, { 0, 0, 0 }, lw_transform_identity() );
@@ -666,7 +666,7 @@ struct Slide
 } // namespace
 
 // A ball of 0.1 m and a cube of half edge 1 m, either of them the robot: states and edges find the inner one.
-TEST( SolidMesh, checker_drives_through_a_solid )
+TEST( SolidMesh, CheckerDrivesThroughASolid )
 {
 	Solid s;
 	add_box( s, 3, { 1, 1, 1 }, { 0, 0, 0 }, lw_transform_identity() );

@@ -101,7 +101,7 @@ ShapePtr make_unbounded( bool two_sided )
 }
 } // namespace
 
-TEST( UnboundedShapes, box_leaves_out_a_part )
+TEST( UnboundedShapes, BoxLeavesOutAPart )
 {
 	for ( const bool two_sided : { false, true } )
 	{
@@ -120,7 +120,7 @@ class Unbounded : public ::testing::TestWithParam<int>
 {
 };
 
-TEST_P( Unbounded, distance_contradicts_the_heights_of_points )
+TEST_P( Unbounded, DistanceContradictsTheHeightsOfPoints )
 {
 	SeededRng rng( 20260401u + (unsigned)GetParam() );
 	QueryPtr query = makeQuery();
@@ -175,7 +175,7 @@ TEST_P( Unbounded, distance_contradicts_the_heights_of_points )
 INSTANTIATE_TEST_SUITE_P( types, Unbounded, ::testing::Range( 0, type_count ),
 	[]( const auto& one ) { return std::string( type_names[one.param] ); } );
 
-TEST( UnboundedScenes, scene_differs_from_its_pairs )
+TEST( UnboundedScenes, SceneDiffersFromItsPairs )
 {
 	SeededRng rng;
 	for ( int round = 0; round < 60; ++round )
@@ -308,7 +308,7 @@ struct Arm
 };
 } // namespace
 
-TEST( UnboundedScenes, checker_loses_the_floor )
+TEST( UnboundedScenes, CheckerLosesTheFloor )
 {
 	Arm arm;
 	QueryPtr query = makeQuery( nullptr, arm.checker );

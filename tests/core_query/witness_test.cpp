@@ -76,7 +76,7 @@ lw_transform compose( const lw_transform& a, const lw_transform& b )
 
 } // namespace
 
-TEST( Witness, slab_forgets_a_spike )
+TEST( Witness, SlabForgetsASpike )
 {
 	SeededRng rng;
 	const QueryPtr query = makeQuery();
@@ -109,7 +109,7 @@ TEST( Witness, slab_forgets_a_spike )
 	EXPECT_GE( std::min( spikes, flat ), rounds / 5 );
 }
 
-TEST( Witness, facing_faces_cost_all_their_pairs )
+TEST( Witness, FacingFacesCostAllTheirPairs )
 {
 	const QueryPtr query = makeQuery();
 	const ShapePtr a = plate( 64, -1, 0 ), b = plate( 64, -1, 0 ), box = makePrimitive( LW_SHAPE_BOX, 1, 1, 1 );
@@ -134,7 +134,7 @@ TEST( Witness, facing_faces_cost_all_their_pairs )
 }
 
 // The comparison without planes has to be one.
-TEST( Witness, slab_is_looked_for_where_it_is_left_out )
+TEST( Witness, SlabIsLookedForWhereItIsLeftOut )
 {
 	const ShapePtr a = plate( 64, -1, 0 ), b = plate( 64, -1, 0 );
 	const lw_transform here = lw_transform_identity(), there = at( 0.003, 0.002, 0.1 );

@@ -264,7 +264,7 @@ TEST( ClearanceGrids, NoStateOfAnEdgeSaysLessThanTheEdge )
 }
 
 // Two balls of 0.1 and 0.05, the second at the end of two joints: the best possible grid is known.
-TEST( ClearanceGrids, SayMostOfWhatIsTrue )
+TEST( ClearanceGrids, SayMostOfTheTruth )
 {
 	RobotModel model;
 	auto ball = [&]( std::uint32_t link, double radius, double x, double z ) {

@@ -104,7 +104,7 @@ lw_reach* continued( const lw_reach* reach, double seconds, const lw_allocator* 
 }
 
 // A run that begins anew each time never ends; one that forgets its proofs is worse than none.
-TEST( ReachPairs, ManyShortRunsProveWhatALongOneDoes )
+TEST( ReachPairs, ManyShortRunsProveAsMuchAsALongOne )
 {
 	SeededRng rng;
 	int runs = 0, proved = 0, by_subdivision = 0;

@@ -136,7 +136,7 @@ TEST( ReachPairs, ContactInTheMarginOutsideTheLimitsIsNoNever )
 	PairAttacker( reach.get(), 1 ).checkEvidence( 2, 0 ); // in the order in which it was measured: the other one rounds otherwise
 }
 
-TEST( ReachPairs, MimicCouplingKeepsApartWhatWouldMeetWithoutIt )
+TEST( ReachPairs, MimicCouplingKeepsApartLinksThatWouldMeetWithoutIt )
 {
 	for ( int chain = 0; chain < 3; ++chain ) // independent, following, following the follower
 	{

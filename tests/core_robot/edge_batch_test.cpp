@@ -462,7 +462,7 @@ void print( const char* flags, const Tally& t )
 
 } // namespace
 
-TEST( IntervalBatch, proved_cell_has_something_near )
+TEST( IntervalBatch, ProvedCellHasSomethingNear )
 {
 	SeededRng rng;
 	Tally tally;
@@ -502,13 +502,13 @@ static Tally attack_narrow_passes( int worlds, bool meshes )
 	return tally;
 }
 
-TEST( IntervalBatch, ball_passes_a_box_by_less_than_was_proved )
+TEST( IntervalBatch, BallPassesABoxByLessThanWasProved )
 {
 	EXPECT_GE( attack_narrow_passes( 1000, false ).tight, 1000u );
 }
 
 // Either ball bends as far as it can, and both towards each other: a bound that counts one of them is half of the truth.
-TEST( IntervalBatch, two_arms_bend_towards_each_other_by_more_than_was_proved )
+TEST( IntervalBatch, TwoArmsBendTowardsEachOtherByMoreThanWasProved )
 {
 	SeededRng rng;
 	Tally tally;
@@ -525,13 +525,13 @@ TEST( IntervalBatch, two_arms_bend_towards_each_other_by_more_than_was_proved )
 	EXPECT_GE( tally.tight, 40u );
 }
 
-TEST( IntervalBatch, bunch_passes_a_bunch_by_less_than_was_proved )
+TEST( IntervalBatch, BunchPassesABunchByLessThanWasProved )
 {
 	EXPECT_GE( attack_narrow_passes( 300, true ).tight, 50u );
 }
 
 // The spheres of a tree contain triangles: a body inside of a solid mesh, away from all of them, is in contact all the same
-TEST( IntervalBatch, inside_of_a_solid_mesh_is_held_to_be_free )
+TEST( IntervalBatch, InsideOfASolidMeshIsHeldToBeFree )
 {
 	World world( 2 );
 	const State qa{ 0 }, qb{ 3.1 };

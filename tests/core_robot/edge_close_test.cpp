@@ -137,7 +137,7 @@ TEST( EdgeClose, LinksThatAreNearByDesignAreFreeWithoutASlackThatSomeoneHasToKno
 }
 
 // Gripping begins and ends near contact: there the room is small, and it grows.
-TEST( EdgeClose, MotionsLeaveAndReachWhatIsNearerThanTheSlack )
+TEST( EdgeClose, MotionsLeaveAndReachObjectsNearerThanTheSlack )
 {
 	SeededRng rng;
 	const lw_edge_def def = lw_edge_def_default();

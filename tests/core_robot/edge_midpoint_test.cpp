@@ -295,19 +295,19 @@ void attackAll( int worlds, int most_joints, int most_bodies, lw_check_flags fla
 
 // Without the bulge of a proxy, with another velocity or a smaller radius these are red. One body for each link: proxies are
 // bodies.
-TEST( EdgeMidpoint, own_balls_come_nearer_than_was_proved )
+TEST( EdgeMidpoint, OwnBallsComeNearerThanWasProved )
 {
 	attackAll( unlessSanitized( 300, 60 ), 6, 2, LW_CHECK_SELF );
 }
 
 // More than 24 bodies: proxies are clusters, and bodies of two clusters are told apart after them.
-TEST( EdgeMidpoint, one_of_many_balls_comes_nearer_than_was_proved )
+TEST( EdgeMidpoint, OneOfManyBallsComesNearerThanWasProved )
 {
 	attackAll( unlessSanitized( 60, 12 ), 10, 6, LW_CHECK_SELF );
 }
 
 // More than 24 nodes: pairs of nodes one by one.
-TEST( EdgeMidpoint, ball_of_a_long_chain_comes_nearer_than_was_proved )
+TEST( EdgeMidpoint, BallOfALongChainComesNearerThanWasProved )
 {
 	const int worlds = unlessSanitized( 12, 3 );
 	attackWorlds( worlds, worlds,
@@ -318,13 +318,13 @@ TEST( EdgeMidpoint, ball_of_a_long_chain_comes_nearer_than_was_proved )
 		} );
 }
 
-TEST( EdgeMidpoint, ball_passes_a_box_nearer_than_was_proved )
+TEST( EdgeMidpoint, BallPassesABoxNearerThanWasProved )
 {
 	attackAll( unlessSanitized( 300, 60 ), 5, 4, LW_CHECK_ENVIRONMENT );
 }
 
 // Without the bulge of a body's way this is red: an accelerated body gets further than its velocity in the middle says.
-TEST( EdgeMidpoint, ball_that_gets_faster_runs_into_a_wall )
+TEST( EdgeMidpoint, BallThatGetsFasterRunsIntoAWall )
 {
 	const int worlds = unlessSanitized( 1500, 300 );
 	attackWorlds( worlds, worlds / 2,

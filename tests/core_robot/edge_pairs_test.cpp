@@ -62,7 +62,7 @@ struct TwoArms
 
 } // namespace
 
-TEST( EdgePairs, arm_is_proved_by_what_was_seen_of_the_other_one )
+TEST( EdgePairs, ArmIsProvedByTheOther )
 {
 	SeededRng rng;
 	int free = 0, close = 0, blocked = 0;

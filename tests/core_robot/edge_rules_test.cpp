@@ -109,7 +109,7 @@ TEST( Edge, EdgeWithoutLengthIsNotItsState )
 
 // Between two steps no point moves more than max_d, so with min_d >= max_d / 2 the environment is really free of contact,
 // with min_d >= max_d the robot is of itself.
-TEST( Edge, StepsKeepWhatTheyPromise )
+TEST( Edge, StepsKeepTheirPromise )
 {
 	SeededRng rng;
 	int verdicts[4] = {}, partial = 0;

@@ -271,7 +271,7 @@ TEST( Edge, ShortEdgeBetweenFreeStatesInsideTheSlackIsProvedFromBothEnds )
 
 // A ball that goes straight for a wall and stops short of it: the least clearance is that of the end. With a slack that
 // asks for more than there is, the bound found is that clearance itself.
-TEST( Edge, LowerBoundIsNotAboveWhatIsAttained )
+TEST( Edge, LowerBoundIsNotAboveAnAttainedDistance )
 {
 	for ( double end : { 1e-4, 1e-3, 2e-2 } )
 	{

@@ -284,7 +284,7 @@ void expectNotFar( const lw_checker* checker, lw_query* query, const std::vector
 
 } // namespace
 
-TEST( ExtremeChains, state_differs_from_exact_kinematics )
+TEST( ExtremeChains, StateDiffersFromExactKinematics )
 {
 	double worst = 0;
 	for ( int kind = 0; kind < kind_count; ++kind )

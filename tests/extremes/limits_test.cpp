@@ -45,7 +45,7 @@ lw_status create( double coordinate, std::unique_ptr<lw_shape, ReleaseShape>* ou
 
 } // namespace
 
-TEST( ExtremeLimits, sizes )
+TEST( ExtremeLimits, Sizes )
 {
 	EXPECT_EQ( LW_OK, create( 1e9 ) );
 	EXPECT_EQ( LW_ERROR_BAD_GEOMETRY, create( std::nextafter( 1e9, inf ) ) );
@@ -67,7 +67,7 @@ TEST( ExtremeLimits, sizes )
 	}
 }
 
-TEST( ExtremeLimits, far_poses_overflow_floats )
+TEST( ExtremeLimits, FarPosesOverflowFloats )
 {
 	Random random( 5 );
 	exact::Body body = sheet( 1, 0 );
@@ -92,7 +92,7 @@ TEST( ExtremeLimits, far_poses_overflow_floats )
 	}
 }
 
-TEST( ExtremeLimits, range_without_width )
+TEST( ExtremeLimits, RangeWithoutWidth )
 {
 	Random random( 6 );
 	std::unique_ptr<lw_shape, ReleaseShape> shape = makeShape( random, sheet( 1, 0 ) );
@@ -112,7 +112,7 @@ TEST( ExtremeLimits, range_without_width )
 	EXPECT_EQ( LW_CLEARANCE_NEAR, out.kind );
 }
 
-TEST( ExtremePoses, a_million_compositions )
+TEST( ExtremePoses, AMillionCompositions )
 {
 	Random random( 7 );
 	lw_transform pose = lw_transform_identity(), step = lw_transform_identity();
@@ -151,7 +151,7 @@ TEST( ExtremePoses, a_million_compositions )
 	}
 }
 
-TEST( ExtremeThreads, answers_depend_on_their_number )
+TEST( ExtremeThreads, AnswersDependOnTheirNumber )
 {
 	struct Case
 	{

@@ -35,7 +35,7 @@ void hunt( std::uint64_t seed, std::uint64_t count, int least, Findings& finding
 }
 } // namespace
 
-TEST( ExtremeSolids, promise_is_broken )
+TEST( ExtremeSolids, PromiseIsBroken )
 {
 	Findings findings;
 	hunt( 1, 20000, -30, findings );
@@ -50,7 +50,7 @@ TEST( ExtremeSolids, promise_is_broken )
 	}
 }
 
-TEST( ExtremeSolids, promise_is_broken_below_a_nanometre )
+TEST( ExtremeSolids, PromiseIsBrokenBelowANanometre )
 {
 	for ( int least : { -60, -140 } )
 	{
@@ -60,7 +60,7 @@ TEST( ExtremeSolids, promise_is_broken_below_a_nanometre )
 }
 
 // Squares of a normal of 1e-23 vanish in float; the cylinder then had no width across it, and was apart from its inside.
-TEST( ExtremeSolids, cylinder_is_thin_across_short_normals )
+TEST( ExtremeSolids, CylinderIsThinAcrossShortNormals )
 {
 	QueryPtr query = makeQuery();
 	Random random( 7 );
@@ -88,7 +88,7 @@ TEST( ExtremeSolids, cylinder_is_thin_across_short_normals )
 
 // Within alpha of the best is good enough, but not within rounding of contact: the surface was no longer looked at there,
 // and a mesh that somebody might have been inside of left everything undecided.
-TEST( ExtremeSolids, great_alpha_leaves_a_solid_mesh_undecided )
+TEST( ExtremeSolids, GreatAlphaLeavesASolidMeshUndecided )
 {
 	QueryPtr query = makeQuery();
 	Random random( 8 );
@@ -108,7 +108,7 @@ TEST( ExtremeSolids, great_alpha_leaves_a_solid_mesh_undecided )
 }
 
 // Within alpha, earlier questions decide the pair that is found first; after a reset there are none.
-TEST( ExtremeSolids, reset_forgets_less_than_everything )
+TEST( ExtremeSolids, ResetForgetsLessThanEverything )
 {
 	QueryPtr query = makeQuery();
 	for ( std::uint64_t i = 0; i < 8000; ++i )

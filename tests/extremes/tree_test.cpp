@@ -35,7 +35,7 @@ void hunt( std::uint64_t seed, std::uint64_t count, int least, Findings& finding
 
 } // namespace
 
-TEST( ExtremeTrees, promise_is_broken )
+TEST( ExtremeTrees, PromiseIsBroken )
 {
 	Findings findings;
 	hunt( 1, 12000, -30, findings );
@@ -50,7 +50,7 @@ TEST( ExtremeTrees, promise_is_broken )
 	}
 }
 
-TEST( ExtremeTrees, promise_is_broken_below_a_nanometre )
+TEST( ExtremeTrees, PromiseIsBrokenBelowANanometre )
 {
 	for ( int least : { -60, -140, -1060 } )
 	{
@@ -60,7 +60,7 @@ TEST( ExtremeTrees, promise_is_broken_below_a_nanometre )
 }
 
 // Case 89527 of bench_extremes --seed 20261121: a box stopped at min_d + radius, and taking the radius off rounded up.
-TEST( ExtremeTrees, violation_at_min_d_is_left_undecided )
+TEST( ExtremeTrees, ViolationAtMinDIsLeftUndecided )
 {
 	QueryPtr query = makeQuery();
 	Random random( 3 );

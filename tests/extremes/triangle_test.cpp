@@ -20,7 +20,7 @@ void expectNothingBroken( const Findings& findings )
 
 } // namespace
 
-TEST( ExtremeTriangles, distance_beyond_its_bound )
+TEST( ExtremeTriangles, DistanceBeyondItsBound )
 {
 	double worst = 0;
 	for ( int f = 0; f < family_count; ++f )
@@ -40,7 +40,7 @@ TEST( ExtremeTriangles, distance_beyond_its_bound )
 	EXPECT_GT( worst, 0.001 ) << "a bound so loose says nothing";
 }
 
-TEST( ExtremeTriangles, denormals )
+TEST( ExtremeTriangles, Denormals )
 {
 	Findings findings;
 	for ( std::uint64_t i = 0; i < 200000; ++i )

@@ -6,7 +6,7 @@
 
 #include <iterator>
 
-TEST( Layout, cpp_differs_from_c )
+TEST( Layout, CppDiffersFromC )
 {
 	const layout cpp[] = { LAYOUTS( LAYOUT_OF ) };
 	std::size_t count;

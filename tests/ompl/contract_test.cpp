@@ -269,7 +269,7 @@ TEST( CheckerSpecs, MarginsCountForStatesMotionsAndCosts )
 	EXPECT_GT( last.second, 1.1 / 1.25 );
 }
 
-TEST( CheckerSpecs, OnlyWhatIsAskedForCounts )
+TEST( CheckerSpecs, OnlyTheRequestedPartCounts )
 {
 	// the arm folded onto itself, far from the scene
 	leeway::ompl::Options options;

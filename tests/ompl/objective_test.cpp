@@ -164,7 +164,7 @@ TEST_P( Objective, DirectionDoesNotMatter )
 INSTANTIATE_TEST_SUITE_P( Worlds, Objective, testing::ValuesIn( worlds() ),
 	[]( const testing::TestParamInfo<World>& world ) { return std::string( world.param.name ); } );
 
-TEST( ObjectiveRules, WhatIsPassedCountsNotOnlyTheEnds )
+TEST( ObjectiveRules, PassedObstaclesCountNotOnlyTheEnds )
 {
 	// through the gap of the wall, 15 cm on both sides; both ends are further than the cap from everything
 	const leeway::ompl::Options options = objectiveOptions();
@@ -214,7 +214,7 @@ TEST( ObjectiveRules, ANarrowDipIsFoundInFewChecks )
 	}
 }
 
-TEST( ObjectiveRules, WhatPlannersRelyOn )
+TEST( ObjectiveRules, PlannersMayRelyOnTheAlgebra )
 {
 	SeededRng rng;
 	const Rig rig( gantryWorld(), objectiveOptions() );
@@ -294,7 +294,7 @@ TEST( ObjectiveRules, BadStatesCostTheWorst )
 	EXPECT_GT( objective.motionCost( good.get(), good.get() ).value(), 0 );
 }
 
-TEST( ObjectiveRules, WhatCannotWorkIsRefused )
+TEST( ObjectiveRules, ImpossibleRequestsAreRefused )
 {
 	const Rig rig( cartWorld() );
 	for ( double wrong : { 0.0, -0.1, 1.1, nan_value, inf } )

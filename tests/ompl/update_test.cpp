@@ -68,7 +68,7 @@ protected:
 	std::vector<ob::State*> states;
 };
 
-TEST_F( Updates, question_after_an_update_gets_an_answer_of_before )
+TEST_F( Updates, QuestionAfterAnUpdateGetsAnAnswerOfBefore )
 {
 	EXPECT_TRUE( si->isValid( left ) && si->checkMotion( left, right ) );
 	engine->update( withObstacles( base, { { "new", at( -0.55, -0.8, 0 ) } } ) );
@@ -89,14 +89,14 @@ TEST_F( Updates, question_after_an_update_gets_an_answer_of_before )
 	EXPECT_TRUE( si->isValid( right ) );
 }
 
-TEST_F( Updates, checker_of_another_group )
+TEST_F( Updates, CheckerOfAnotherGroup )
 {
 	EXPECT_THROW( engine->update( armWorld() ), std::invalid_argument );
 	EXPECT_THROW( engine->update( leeway::Checker() ), std::invalid_argument );
 	EXPECT_TRUE( si->isValid( left ) );
 }
 
-TEST_F( Updates, threads_that_ask_meet_a_half_made_world )
+TEST_F( Updates, ThreadsThatAskMeetAHalfMadeWorld )
 {
 	// an obstacle that is here or there: a motion by both places is always blocked, and one far from both is free
 	const leeway::Checker here = withObstacles( base, { { "new", at( -0.65, -0.8, 0 ) } } );

@@ -41,7 +41,7 @@ TEST( BruteDistance, SolidsSideBySideAreAsFarApartAsTheirReachSays )
 }
 
 // One solid inside of another, and a mesh inside of a solid: no surfaces meet
-TEST( BruteDistance, WhatIsInsideOfASolidTouchesIt )
+TEST( BruteDistance, BodyInsideOfASolidTouchesIt )
 {
 	BruteDistance brute;
 	const ShapePtr big = makePrimitive( LW_SHAPE_BOX, 2, 2, 2 ), small = makePrimitive( LW_SHAPE_SPHERE, 0.1 );

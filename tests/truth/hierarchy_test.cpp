@@ -62,7 +62,7 @@ class HierarchyTruth : public ::testing::TestWithParam<Case>
 {
 };
 
-TEST_P( HierarchyTruth, changes_an_answer )
+TEST_P( HierarchyTruth, ChangesAnAnswer )
 {
 	SeededRng rng;
 	const std::string data = LEEWAY_DATA_DIR;

@@ -128,7 +128,7 @@ TEST_F( PlausibilityTest, ARobotInsideOfASurface )
 	EXPECT_FALSE( hasNotice( inScene( robot, "room.obj", "[0, 0, 0]", "", allowed ), "encloses" ) );
 }
 
-TEST_F( PlausibilityTest, WhatARobotHoldsOrStandsInAsAPrimitiveIsNoEnclosure )
+TEST_F( PlausibilityTest, AHeldOrSurroundingPrimitiveIsNoEnclosure )
 {
 	writeCube( "crate.obj", 0.02 );
 	const RobotModel robot = load( { box, box } );

@@ -259,7 +259,7 @@ TEST_F( SrdfTest, GroupStates )
 	    { "group_state up", "nan" } );
 }
 
-TEST_F( SrdfTest, WhatTheXmlReaderWouldLeaveOut )
+TEST_F( SrdfTest, TextThatTheXmlReaderWouldLeaveOut )
 {
 	(void)load( "" );
 	auto bad = [&]( const std::string& text, const std::vector<std::string>& parts )

@@ -141,7 +141,7 @@ TEST_F( UrdfTest, OneNoticeForAllLinksThatAreAlike )
 	EXPECT_EQ( load( content, options ).report.notices.size(), 2u );
 }
 
-TEST_F( UrdfTest, OddFilesSayWhatIsOdd )
+TEST_F( UrdfTest, OddFilesNameTheOddity )
 {
 	const std::string robot = "<robot name=\"r\">" + linkXml( "base" ) + "</robot>";
 	const auto refused = [&]( const std::string& text, const std::vector<std::string>& parts )
@@ -302,7 +302,7 @@ TEST_F( UrdfTest, GeometryThatIsNone )
 	    { "zero quaternion" } );
 }
 
-TEST_F( UrdfTest, WhatOtherToolsAddIsNoObstacle )
+TEST_F( UrdfTest, ElementsOfOtherToolsAreNoObstacle )
 {
 	RobotModel model =
 	    load( "<gazebo reference=\"base\"><sensor/></gazebo><transmission name=\"t\"/><material name=\"m\"/>" +

@@ -127,7 +127,7 @@ TEST_F( MarginsTest, PaddingAndMarginsAddUpButNotForListedPairs )
 	EXPECT_EQ( toObject( problem, "hand", "table" ), 0.004 );
 }
 
-TEST_F( MarginsTest, WhatCannotBeMeant )
+TEST_F( MarginsTest, ValuesThatMakeNoSense )
 {
 	const auto bad = [&]( const std::string& text, std::vector<std::string> parts )
 	{

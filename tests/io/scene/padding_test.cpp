@@ -164,7 +164,7 @@ TEST_F( PaddingTest, ParametersOfRos1AndRos2 )
 	expectError( [&] { loadPadding( path( "none.yaml" ) ); }, { "none.yaml", "no such file" } );
 }
 
-TEST_F( PaddingTest, WhatNoLinkCanHave )
+TEST_F( PaddingTest, ShapesThatNoLinkCanHave )
 {
 	auto bad = [&]( const std::string& text, std::vector<std::string> parts )
 	{

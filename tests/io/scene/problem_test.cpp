@@ -350,7 +350,7 @@ TEST_F( ProblemTest, DefaultEntriesGiveWayToTheMatrix )
 	EXPECT_EQ( link( problem, check( problem, { 0, 0 } ).environment.a ), "tool" );
 }
 
-TEST_F( ProblemTest, MatrixDoesNotForbidWhatTheSrdfAllows )
+TEST_F( ProblemTest, MatrixDoesNotForbidPairsOfTheSrdf )
 {
 	RobotModel model = robot( "<disable_collisions link1=\"arm\" link2=\"base\" reason=\"\"/>" );
 	Problem problem =

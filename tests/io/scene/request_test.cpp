@@ -107,7 +107,7 @@ TEST_F( RequestTest, ListsThatDisagree )
 	expectBad( start + start + goal + group, { "start_state", "twice" } );
 }
 
-TEST_F( RequestTest, WhatIsNotSupportedIsAnError )
+TEST_F( RequestTest, UnsupportedPartsAreErrors )
 {
 	std::string head = start + group;
 	expectBad( head + "goal_constraints: [{visibility_constraints: [{sensor_pose: {}}]}]\n",
@@ -121,7 +121,7 @@ TEST_F( RequestTest, WhatIsNotSupportedIsAnError )
 	    group + goal + start + "  attached_collision_objects: [{link_name: hand}]\n", { "attached", "planning scene" } );
 }
 
-TEST_F( RequestTest, WhatIsIgnoredIsTold )
+TEST_F( RequestTest, IgnoredPartsAreTold )
 {
 	Request request =
 	    load( start + group + goal + "  - joint_constraints:\n      - {joint_name: a, position: 3}\ncolour: red\n" );

@@ -211,7 +211,7 @@ TEST_F( SceneTest, ShapesThatAreNone )
 	expectBadObject( mesh( "{vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: [[0,1]]}" ), { "2 vertices, not 3" } );
 }
 
-TEST_F( SceneTest, WhatIsNotSupportedIsAnError )
+TEST_F( SceneTest, UnsupportedPartsAreErrors )
 {
 	expectBadObject( posed_box + ", operation: REMOVE", { "operation remove" } );
 	expectBadObject( posed_box + ", operation: 1", { "operation 1" } );

@@ -87,7 +87,7 @@ protected:
 	}
 };
 
-TEST_F( WorldTest, moved_object_is_where_it_was )
+TEST_F( WorldTest, MovedObjectIsWhereItWas )
 {
 	const SceneModel model = scene();
 	ProblemOptions options;
@@ -103,7 +103,7 @@ TEST_F( WorldTest, moved_object_is_where_it_was )
 	EXPECT_NEAR( world.problem()->object_poses.at( "cup" ).t[2], -0.45, 1e-12 );
 }
 
-TEST_F( WorldTest, attached_object_stays_behind_or_touches_its_fingers )
+TEST_F( WorldTest, AttachedObjectStaysBehindOrTouchesItsFingers )
 {
 	const SceneModel model = scene( "allowed_collision_matrix: {entry_names: [jar, left], entry_values: [[false, true], [true, false]]}" );
 	ProblemOptions options;
@@ -134,7 +134,7 @@ TEST_F( WorldTest, attached_object_stays_behind_or_touches_its_fingers )
 	EXPECT_NE( ask( world.allow( "left", "jar", true ), { 0, 0 } ).verdict, LW_VERDICT_BLOCKED );
 }
 
-TEST_F( WorldTest, margin_is_lost_by_a_change )
+TEST_F( WorldTest, MarginIsLostByAChange )
 {
 	const SceneModel model = scene();
 	ProblemOptions options;
@@ -155,7 +155,7 @@ TEST_F( WorldTest, margin_is_lost_by_a_change )
 	EXPECT_NEAR( ask( world.problem()->checker, { 0, 0 } ).environment.upper, 0.07, 1e-9 );
 }
 
-TEST_F( WorldTest, names_that_are_wrong )
+TEST_F( WorldTest, NamesThatAreWrong )
 {
 	const SceneModel model = scene();
 	ProblemOptions options;
@@ -332,7 +332,7 @@ private:
 	int m_made = 0;
 };
 
-TEST_F( WorldTest, changes_differ_from_a_problem_built_anew )
+TEST_F( WorldTest, ChangesDifferFromAProblemBuiltAnew )
 {
 	const SceneModel model = scene();
 	const RobotModel r = robot( true );

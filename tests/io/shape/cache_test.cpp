@@ -440,7 +440,7 @@ TEST_F( IoCache, TheDefaultFolderIsWherePlatformsKeepCaches )
 	EXPECT_FALSE( isUsableCache( "/proc/leeway" ) );
 }
 
-TEST_F( IoCache, AProblemUsesWhatItIsTold )
+TEST_F( IoCache, AProblemUsesItsOptions )
 {
 	const RobotModel model = load();
 	ProblemOptions problem;

@@ -336,7 +336,7 @@ TEST_F( CloudTest, AHeaderThatIsNoTextIsNotRepeated )
 	expectError( [&] { load( "a.pcd", "# a comment\n\nFIE\x1b[2JLDS x y z\n" ); }, { "a.pcd", "header line 3", "is no text" } );
 }
 
-TEST_F( CloudTest, WhatTheSceneMustSay )
+TEST_F( CloudTest, KeysThatTheSceneMustHave )
 {
 	std::string good = pcd( plain, { { 1, 2, 3 } }, "binary" );
 	expectError( [&] { load( "a.pcd", good, "radius: -0.1" ); }, { "scene.yaml", "radius", "-0.1 is negative" } );

@@ -224,7 +224,7 @@ TEST_F( ColladaTest, NodeTransformIsApplied )
 }
 
 /// Each of them made assimp read without end, or ask for more memory than there is.
-TEST_F( ColladaTest, WhatIsNotThereIsReadAllTheSame )
+TEST_F( ColladaTest, MissingNumbersAreReadAllTheSame )
 {
 	const std::string good = collada( "<unit meter=\"1\"/>", "Z_UP", identity_matrix );
 	const auto refused = [&]( const std::string& what, const std::string& by, const std::string& words )

@@ -52,7 +52,7 @@ protected:
 
 } // namespace
 
-TEST_F( IoDetail, meshesAreCoarserWhetherTheyAreDeferredOrNot )
+TEST_F( IoDetail, MeshesAreCoarserWhetherTheyAreDeferredOrNot )
 {
 	Shape later = ring();
 	ASSERT_TRUE( lw_shape_peek_info( later.get() ).deferred );
@@ -72,7 +72,7 @@ TEST_F( IoDetail, meshesAreCoarserWhetherTheyAreDeferredOrNot )
 }
 
 // A tree of another tolerance under the same name would be another shape than was asked for.
-TEST_F( IoDetail, theCacheKeepsEachToleranceForItself )
+TEST_F( IoDetail, TheCacheKeepsEachToleranceForItself )
 {
 	options.cache = path( "cache" );
 	const auto cached = [&]
@@ -95,7 +95,7 @@ TEST_F( IoDetail, theCacheKeepsEachToleranceForItself )
 	EXPECT_TRUE( cached() );
 }
 
-TEST_F( IoDetail, scenesHaveItToo )
+TEST_F( IoDetail, ScenesHaveItToo )
 {
 	write( "s.yaml", "name: s\nworld:\n  collision_objects:\n    - id: cloud\n      header: {frame_id: base}\n      leeway_shapes:\n"
 	                 "        - {type: point_cloud, resource: c.pcd, radius: 0.001}\n" );
@@ -108,7 +108,7 @@ TEST_F( IoDetail, scenesHaveItToo )
 	EXPECT_LE( info.excess, detail );
 }
 
-TEST_F( IoDetail, whatCannotBeIsNamed )
+TEST_F( IoDetail, WhatCannotBeIsNamed )
 {
 	for ( double wrong : { -0.001, double( NAN ), double( INFINITY ) } )
 	{

@@ -330,7 +330,7 @@ TEST_F( GltfTest, PointsAndLinesAreDroppedWithANotice )
 	EXPECT_NOTICE( m_model.report.notices, "9 points and lines" );
 }
 
-TEST_F( GltfTest, WhatIsNotThereIsReadAllTheSame )
+TEST_F( GltfTest, MissingNumbersAreReadAllTheSame )
 {
 	const Document good = oneTriangle();
 	const auto refused = [&]( const std::vector<std::string>& parts, const std::function<void( Json& )>& change )
@@ -383,7 +383,7 @@ TEST_F( GltfTest, NodesPlaceThemselves )
 	expectRefused( d, { "the limit nesting is 128" } );
 }
 
-TEST_F( GltfTest, WhatItNeedsIsLeftOutWithoutAWord )
+TEST_F( GltfTest, ANeededExtensionIsLeftOutWithoutAWord )
 {
 	Document d = oneTriangle();
 	d.root["meshes"][0]["primitives"][0]["extensions"] = { { "KHR_draco_mesh_compression", Json::object() } };

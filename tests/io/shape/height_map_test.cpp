@@ -204,7 +204,7 @@ TEST_F( HeightMapTest, FlatGroundHasFewTriangles )
 	EXPECT_EQ( i.triangle_count, 2u * 100 + 2 * 40 + 40 ) << "top, walls, and a fan for the bottom";
 }
 
-TEST_F( HeightMapTest, WhatIsNoMap )
+TEST_F( HeightMapTest, TextsThatAreNoMap )
 {
 	Rows rows = { { 1, 2 }, { 3, 4 } };
 	expectBad( "g.png", picture( rows, 8, PNG_COLOR_TYPE_RGB ), { "g.png", "not grey" } );

@@ -173,7 +173,7 @@ TEST_F( OctomapTest, FilesOfEveryKindGiveTheLibrarysCells )
 	EXPECT_TRUE( scene.report.notices.empty() ) << allNotices( scene.report.notices );
 }
 
-TEST_F( OctomapTest, UnknownIsWhatTheLibraryFindsNothingAt )
+TEST_F( OctomapTest, UnknownCellsAreThoseTheLibraryFindsNothingAt )
 {
 	m_tree.toMaxLikelihood();
 	m_tree.prune();
@@ -282,7 +282,7 @@ TEST_F( OctomapTest, NothingOccupied )
 	expectSame( boxes, { { 0, 0, 0, 1, 1, 1 } } );
 }
 
-TEST_F( OctomapTest, WhatASceneMustSay )
+TEST_F( OctomapTest, KeysThatASceneMustHave )
 {
 	std::string bytes = binaryFile( m_tree );
 	expectBad( "m.bt", bytes, { "unknown", "what are cells that nobody has seen" }, "pose: {position: [0, 0, 0]}" );
