@@ -108,7 +108,7 @@ TEST_F( IoDetail, ScenesHaveItToo )
 	EXPECT_LE( info.excess, detail );
 }
 
-TEST_F( IoDetail, WhatCannotBeIsNamed )
+TEST_F( IoDetail, ImpossibleLevelsAreNamed )
 {
 	for ( double wrong : { -0.001, double( NAN ), double( INFINITY ) } )
 	{
