@@ -203,6 +203,31 @@ double largest( std::initializer_list<lw_vec3> points )
 	return size;
 }
 
+/// How far gaps in float exceed distances, and how many reach them.
+struct Tightness
+{
+	double worst = 0; ///< excess in roundoffs of the size
+	int tight = 0, separated = 0;
+
+	void add( float gap, double exact, double size )
+	{
+		worst = std::max( worst, ( gap - exact ) / ( size * 0x1p-24 ) );
+		if ( exact > 0.01 * size )
+		{
+			++separated;
+			tight += gap > 0.99 * exact;
+		}
+	}
+
+	/// @param share of the lanes that must be tight
+	void expect( double share ) const
+	{
+		std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
+		EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
+		EXPECT_GT( tight, separated * share );
+	}
+};
+
 } // namespace
 
 TEST( Kernels, LevelDiffersFromScalar )
@@ -490,8 +515,7 @@ TEST( Kernels, PadsAreNotInfinitelyFar )
 TEST( Kernels, TriangleGapExceedsDistance )
 {
 	SeededRng rng;
-	double worst = 0;
-	int tight = 0, separated = 0;
+	Tightness seen;
 	for ( int i = 0; i < 20000; ++i )
 	{
 		Input in = random_input( rng );
@@ -506,25 +530,17 @@ TEST( Kernels, TriangleGapExceedsDistance )
 			lw_vec3 tb[3] = { vertex( b, 0, lane ), vertex( b, 1, lane ), vertex( b, 2, lane ) };
 			double exact = lwi_tri_tri( ta, tb ).distance;
 			double size = 2 * largest( { ta[0], ta[1], ta[2], tb[0], tb[1], tb[2] } );
-			worst = std::max( worst, ( gap[lane] - exact ) / ( size * 0x1p-24 ) );
-			if ( exact > 0.01 * size )
-			{
-				++separated;
-				tight += gap[lane] > 0.99 * exact;
-			}
+			seen.add( gap[lane], exact, size );
 		}
 	}
-	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
-	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
-	EXPECT_GE( separated, 50000 );
-	EXPECT_GT( tight, separated * 0.99 );
+	seen.expect( 0.99 );
+	EXPECT_GE( seen.separated, 50000 );
 }
 
 TEST( Kernels, PointTriangleGapExceedsDistance )
 {
 	SeededRng rng;
-	double worst = 0;
-	int tight = 0, separated = 0;
+	Tightness seen;
 	for ( int i = 0; i < 20000; ++i )
 	{
 		Input in = random_input( rng );
@@ -538,24 +554,16 @@ TEST( Kernels, PointTriangleGapExceedsDistance )
 			lw_vec3 point[3] = { p, p, p };
 			double exact = lwi_tri_tri( t, point ).distance;
 			double size = 2 * largest( { t[0], t[1], t[2], p } );
-			worst = std::max( worst, ( gap[lane] - exact ) / ( size * 0x1p-24 ) );
-			if ( exact > 0.01 * size )
-			{
-				++separated;
-				tight += gap[lane] > 0.99 * exact;
-			}
+			seen.add( gap[lane], exact, size );
 		}
 	}
-	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
-	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
-	EXPECT_GT( tight, separated * 0.99 );
+	seen.expect( 0.99 );
 }
 
 TEST( Kernels, SolidGapExceedsDistance )
 {
 	SeededRng rng;
-	double worst = 0;
-	int tight = 0, separated = 0;
+	Tightness seen;
 	for ( int i = 0; i < 20000; ++i )
 	{
 		Input in = random_input( rng );
@@ -582,17 +590,10 @@ TEST( Kernels, SolidGapExceedsDistance )
 			double exact = lwi_convex_point_distance( &solid, p, &closest ) - double( in.node.r[lane] );
 			double size = 2 * largest( { p, { solid.size[0], solid.size[1], solid.size[2] }, { c[0], c[1], c[2] } } ) +
 						  in.node.r[lane];
-			worst = std::max( worst, ( gap[lane] - exact ) / ( size * 0x1p-24 ) );
-			if ( exact > 0.01 * size )
-			{
-				++separated;
-				tight += gap[lane] > 0.99 * exact;
-			}
+			seen.add( gap[lane], exact, size );
 		}
 	}
-	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
-	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
-	EXPECT_GT( tight, separated * 0.99 );
+	seen.expect( 0.99 );
 }
 
 // The promise of oriented boxes: no two points of two of them, cut by their spheres, are nearer than the gap. The points
@@ -681,8 +682,7 @@ TEST( Kernels, ObbGapExceedsDistance )
 TEST( Kernels, LeafPrimitiveGapExceedsDistance )
 {
 	SeededRng rng;
-	double worst = 0;
-	int tight = 0, separated = 0;
+	Tightness seen;
 	for ( int i = 0; i < 4000; ++i )
 	{
 		Input in = random_input( rng );
@@ -709,17 +709,10 @@ TEST( Kernels, LeafPrimitiveGapExceedsDistance )
 			double exact = lwi_convex_distance( &solid, &triangle, &place, INFINITY, 0 ).upper;
 			double size = 2 * largest( { triangle.vertex[0], triangle.vertex[1], triangle.vertex[2] } ) +
 						  largest( { { solid.size[0], solid.size[1], solid.size[2] }, { place.t[0], place.t[1], place.t[2] } } );
-			worst = std::max( worst, ( gap[lane] - exact ) / ( size * 0x1p-24 ) );
-			if ( exact > 0.01 * size )
-			{
-				++separated;
-				tight += gap[lane] > 0.99 * exact;
-			}
+			seen.add( gap[lane], exact, size );
 		}
 	}
-	std::printf( "worst excess: %.2f roundoffs of the size; tight %d of %d\n", worst, tight, separated );
-	EXPECT_LT( worst, LWI_GAP_SLACK / 2 );
-	EXPECT_GT( tight, separated * 0.9 );
+	seen.expect( 0.9 );
 }
 
 // Huge and tiny coordinates overflow or vanish in float: the answer may be NaN or small, it may not say "far".

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Meshes declared solid: when one is closed, when a point is inside. The oracle: winding numbers by solid angles in long
 // double (van Oosterom, Strackee 1983), which knows nothing of rays, and brute-force distances of the surfaces.
+#include "one_joint.hpp"
 #include "oracle_subject.hpp"
 
 #include <array>
@@ -616,51 +617,13 @@ TEST( SolidMesh, TilesAreRefusedAndAllocationsMayFail )
 namespace
 {
 /// A body that slides along x, an obstacle at the origin.
-struct Slide
+struct Slide : OneJoint
 {
-	lw_robot* robot = nullptr;
-	lw_scene* scene = nullptr;
-	lw_checker* checker = nullptr;
-
-	Slide( const lw_shape* body_shape, const lw_shape* obstacle )
+	Slide( const lw_shape* body, const lw_shape* obstacle )
 	{
-		const char* links[2] = { "rail", "body" };
-		lw_joint_def joint = lw_joint_def_default();
-		joint.name = "slide";
-		joint.type = LW_JOINT_PRISMATIC;
-		joint.parent = 0;
-		joint.child = 1;
-		joint.lower = -5;
-		joint.upper = 5;
-		lw_body_def body = { body_shape, 1, lw_transform_identity() };
-		lw_robot_def def = lw_robot_def_default();
-		def.name = "slide";
-		def.link_names = links;
-		def.link_count = 2;
-		def.joints = &joint;
-		def.joint_count = 1;
-		def.bodies = &body;
-		def.body_count = 1;
-		def.world_from_root = lw_transform_identity();
-		EXPECT_EQ( LW_OK, lw_robot_create( &def, nullptr, nullptr, &robot ) );
-		const char* objects[1] = { "obstacle" };
-		lw_scene_shape_def shape = { obstacle, 0, lw_transform_identity() };
-		lw_scene_def scene_def = lw_scene_def_default();
-		scene_def.object_names = objects;
-		scene_def.object_count = 1;
-		scene_def.shapes = &shape;
-		scene_def.shape_count = 1;
-		EXPECT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
-		lw_checker_def checker_def = lw_checker_def_default();
-		checker_def.robot = robot;
-		checker_def.scene = scene;
-		EXPECT_EQ( LW_OK, lw_checker_create( &checker_def, nullptr, nullptr, &checker ) );
-	}
-	~Slide()
-	{
-		lw_checker_release( checker );
-		lw_scene_release( scene );
-		lw_robot_release( robot );
+		const double along_x[3] = { 1, 0, 0 };
+		EXPECT_EQ( LW_OK, makeRobot( body, lw_transform_identity(), LW_JOINT_PRISMATIC, along_x, 5, nullptr ) );
+		makeChecker( obstacle, lw_transform_identity() );
 	}
 };
 } // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Half-spaces and planes against every type of shape, in scenes, under checkers and edges. The oracle: heights of all points
 // of a shape above the plane in long double, those of solids in closed form.
+#include "one_joint.hpp"
 #include "oracle_subject.hpp"
 
 #include <cstring>
@@ -250,60 +251,19 @@ TEST( UnboundedScenes, SceneDiffersFromItsPairs )
 namespace
 {
 /// A ball of radius 0.1 at the end of an arm of 1 m that turns about the y axis at the origin, above a floor at z = -0.5.
-struct Arm
+struct Arm : OneJoint
 {
 	ShapePtr ball = makePrimitive( LW_SHAPE_SPHERE, 0.1 );
 	ShapePtr floor = make_unbounded( false );
-	lw_robot* robot = nullptr;
-	lw_scene* scene = nullptr;
-	lw_checker* checker = nullptr;
 
 	Arm()
 	{
-		const char* links[2] = { "base", "arm" };
-		lw_joint_def joint = lw_joint_def_default();
-		joint.name = "turn";
-		joint.type = LW_JOINT_REVOLUTE;
-		joint.parent = 0;
-		joint.child = 1;
-		joint.axis[0] = 0;
-		joint.axis[1] = 1;
-		joint.lower = -3;
-		joint.upper = 3;
-		lw_body_def body = { ball.get(), 1, at( 1, 0, 0 ) };
-		lw_robot_def def = lw_robot_def_default();
-		def.name = "arm";
-		def.link_names = links;
-		def.link_count = 2;
-		def.joints = &joint;
-		def.joint_count = 1;
-		def.bodies = &body;
-		def.body_count = 1;
-		def.world_from_root = lw_transform_identity();
-		EXPECT_EQ( LW_OK, lw_robot_create( &def, nullptr, nullptr, &robot ) );
-		body.shape = floor.get();
-		lw_robot* none = nullptr;
+		const double about_y[3] = { 0, 1, 0 };
 		lw_diag diag = {};
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_robot_create( &def, nullptr, &diag, &none ) );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, makeRobot( floor.get(), at( 1, 0, 0 ), LW_JOINT_REVOLUTE, about_y, 3, &diag ) );
 		EXPECT_NE( nullptr, std::strstr( diag.message, "'arm'" ) ) << diag.message;
-		const char* objects[1] = { "floor" };
-		lw_scene_shape_def shape = { floor.get(), 0, at( 3, 4, -0.5 ) };
-		lw_scene_def scene_def = lw_scene_def_default();
-		scene_def.object_names = objects;
-		scene_def.object_count = 1;
-		scene_def.shapes = &shape;
-		scene_def.shape_count = 1;
-		EXPECT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
-		lw_checker_def checker_def = lw_checker_def_default();
-		checker_def.robot = robot;
-		checker_def.scene = scene;
-		EXPECT_EQ( LW_OK, lw_checker_create( &checker_def, nullptr, nullptr, &checker ) );
-	}
-	~Arm()
-	{
-		lw_checker_release( checker );
-		lw_scene_release( scene );
-		lw_robot_release( robot );
+		EXPECT_EQ( LW_OK, makeRobot( ball.get(), at( 1, 0, 0 ), LW_JOINT_REVOLUTE, about_y, 3, &diag ) );
+		makeChecker( floor.get(), at( 3, 4, -0.5 ) );
 	}
 };
 } // namespace

@@ -1,44 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Primitives, sets, solid meshes, half-spaces and planes at the extremes, each against each: every promise of lw_clearance
 // against convex pieces in 64 and 113 bits.
-#include "extreme_judge.hpp"
-#include "shapes.hpp"
-
-#include <gtest/gtest.h>
+#include "extreme_hunt.hpp"
 
 using namespace extremes;
-
-namespace
-{
-void hunt( std::uint64_t seed, std::uint64_t count, int least, Findings& findings )
-{
-	QueryPtr query = makeQuery();
-	for ( std::uint64_t i = 0; i < count; ++i )
-	{
-		Random random( seed + i );
-		judgeShapes(
-		    random, static_cast<Arrangement>( i % arrangement_count ), i, query.get(), findings, least, randomSolids );
-	}
-	for ( const std::string& text : findings.examples )
-	{
-		ADD_FAILURE() << text;
-	}
-	EXPECT_EQ( findings.broken, 0u );
-	for ( int stage = query_lower; stage < stage_count; ++stage )
-	{
-		std::printf( "%-20s worst / promised %.4f\n", stage_names[stage], findings.worst[stage] );
-	}
-	std::printf( "%d queries: %d near, %d far, %d violations, %d undecided; %d placements, %d refused\n",
-	    (int)findings.queries, (int)findings.kinds[LW_CLEARANCE_NEAR], (int)findings.kinds[LW_CLEARANCE_FAR],
-	    (int)findings.kinds[LW_CLEARANCE_VIOLATION], (int)findings.kinds[LW_CLEARANCE_UNDECIDED], (int)findings.placements,
-	    (int)findings.refused );
-}
-} // namespace
 
 TEST( ExtremeSolids, PromiseIsBroken )
 {
 	Findings findings;
-	hunt( 1, 20000, -30, findings );
+	hunt( 1, 20000, -30, findings, randomSolids );
 	for ( int kind = LW_CLEARANCE_NEAR; kind <= LW_CLEARANCE_UNDECIDED; ++kind )
 	{
 		EXPECT_GT( findings.kinds[kind], 10000u );
@@ -55,7 +25,7 @@ TEST( ExtremeSolids, PromiseIsBrokenBelowANanometre )
 	for ( int least : { -60, -140 } )
 	{
 		Findings findings;
-		hunt( 100000, 3000, least, findings );
+		hunt( 100000, 3000, least, findings, randomSolids );
 	}
 }
 
