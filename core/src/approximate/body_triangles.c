@@ -5,8 +5,6 @@
 #include "base/math_inline.h"
 #include "shape/shape.h"
 
-#define PI 3.14159265358979323846
-
 enum
 {
 	MIN_SIDES = 16,  ///< of a prism around a cylinder or cone, which stands out by 2.0e-2 of the radius
@@ -63,7 +61,7 @@ static bool add_box(
 static uint32_t sides_for( double radius, double chord )
 {
 	uint32_t sides = MIN_SIDES;
-	while ( sides < MAX_SIDES && radius / cos( PI / sides ) - radius > chord )
+	while ( sides < MAX_SIDES && radius / cos( LWI_PI / sides ) - radius > chord )
 	{
 		sides *= 2;
 	}
@@ -92,7 +90,7 @@ static bool add_circle( lwi_body_triangles* s, const lw_allocator* memory, const
 	bool ok = true;
 	for ( uint32_t i = 0; i < sides && ok; ++i )
 	{
-		double angle = 2 * PI * i / sides;
+		double angle = 2 * LWI_PI * i / sides;
 		ok = add_vertex( s, memory, pose, radius * cos( angle ), radius * sin( angle ), z );
 	}
 	return ok;
@@ -105,10 +103,10 @@ static bool add_round( lwi_body_triangles* s, const lw_allocator* memory, const 
 	const lw_transform* pose = &part->body_from_shape;
 	bool cone = part->shape->type == LW_SHAPE_CONE;
 	uint32_t sides = sides_for( d[0], chord ), first = (uint32_t)s->vertices.count;
-	double radius = d[0] / cos( PI / sides ) * ( 1 + 64 * LWI_U64 ), half = 0.5 * d[1];
+	double radius = d[0] / cos( LWI_PI / sides ) * ( 1 + 64 * LWI_U64 ), half = 0.5 * d[1];
 	*stands_out = fmax( *stands_out, radius - d[0] );
 	// rings so near that the quadrangles between them are not much longer than wide
-	double rings = cone ? 0 : ceil( d[1] * sides / ( 4 * 2 * PI * radius ) );
+	double rings = cone ? 0 : ceil( d[1] * sides / ( 4 * 2 * LWI_PI * radius ) );
 	uint32_t ring_count = rings < 1 ? 1 : rings > MAX_RINGS ? MAX_RINGS : (uint32_t)rings;
 	bool ok = add_circle( s, memory, pose, radius, -half, sides ) && add_polygon( s, memory, first, sides );
 	if ( cone )

@@ -10,8 +10,6 @@
 #include "base/math_inline.h"
 #include "shape/shape.h"
 
-#define PI 3.14159265358979323846
-
 enum
 {
 	NODES = 320,         ///< depths that are tried for the rows
@@ -123,14 +121,14 @@ static double ring_count( double free_sq, double rim, double radius )
 {
 	// a point of the rim at the angle phi from a sphere is 2 rim radius ( 1 - cos phi ) farther from it, squared
 	double q = rim * radius > 0 ? free_sq / ( 2 * rim * radius ) : 2;
-	return !( free_sq >= 0 ) ? 0 : q >= 2 ? 1 : intervals( PI, acos( 1 - q ) );
+	return !( free_sq >= 0 ) ? 0 : q >= 2 ? 1 : intervals( LWI_PI, acos( 1 - q ) );
 }
 
 static void put_ring( form* f, double radius, double z, double count, double depth )
 {
 	for ( double i = 0; i < count && f->out != NULL; ++i )
 	{
-		put( f, radius * cos( 2 * PI * i / count ), radius * sin( 2 * PI * i / count ), z, depth );
+		put( f, radius * cos( 2 * LWI_PI * i / count ), radius * sin( 2 * LWI_PI * i / count ), z, depth );
 	}
 }
 

@@ -9,8 +9,6 @@
 #include "base/math_inline.h"
 #include "shape/shape.h"
 
-#define PI 3.14159265358979323846
-
 enum
 {
 	MAX_HALVINGS = 72
@@ -122,7 +120,7 @@ int lwi_enclose_solid( lwi_body* body, const lw_shape* shape, const lw_transform
 	for ( int quarter = 0; quarter < ( w.round ? 4 : 1 ) && proved == 1; ++quarter )
 	{
 		cell box = { { -0.5 * d[0], -0.5 * d[1], -0.5 * d[2] }, { 0.5 * d[0], 0.5 * d[1], 0.5 * d[2] } };
-		cell wedge = { { 0, 0.5 * PI * quarter, -0.5 * d[1] }, { d[0], 0.5 * PI * ( quarter + 1 ), 0.5 * d[1] } };
+		cell wedge = { { 0, 0.5 * LWI_PI * quarter, -0.5 * d[1] }, { d[0], 0.5 * LWI_PI * ( quarter + 1 ), 0.5 * d[1] } };
 		proved = visit( &w, w.round ? &wedge : &box, 0, 0 );
 	}
 	lwi_array_free( &w.lists, &body->memory, sizeof( uint32_t ) );

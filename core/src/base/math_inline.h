@@ -14,6 +14,9 @@
 #define LWI_U64 ( DBL_EPSILON / 2 )
 #define LWI_U32 ( FLT_EPSILON / 2 )
 
+#define LWI_PI 3.14159265358979323846
+#define LWI_TWO_PI ( 2 * LWI_PI )
+
 static inline lw_vec3 lwi_v3( double x, double y, double z )
 {
 	lw_vec3 v = { x, y, z };

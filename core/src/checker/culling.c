@@ -24,8 +24,6 @@ enum
 /// Radians or metres by which the ranges are widened: limits in files are rounded, and states may lie on them.
 static const double margin = 1e-4;
 
-static const double pi = 3.14159265358979323846;
-
 /// Every step rounds by a few dozen roundoffs of its coordinates per joint: this share of them covers thousands of
 /// joints' worth, and 0.15 nm for a robot 10 m across.
 static const double rounding = 0x1p-36;
@@ -149,8 +147,8 @@ static void value_range( const lw_robot* robot, const lwi_joint* joint, double* 
 /// it, all is within d sin h of the point in the arc's middle direction at the distance d cos h.
 static void rotate( envelope* c, const lwi_joint* joint, double lower, double upper )
 {
-	double width = upper - lower < 2 * pi ? upper - lower : 2 * pi; // also if they are infinite
-	double from = width < 2 * pi ? lower : -pi;
+	double width = upper - lower < 2 * LWI_PI ? upper - lower : 2 * LWI_PI; // also if they are infinite
+	double from = width < 2 * LWI_PI ? lower : -LWI_PI;
 	uint32_t count = c->count;
 	_Static_assert( MAX_STEPS >= 2, "a full turn takes arcs of at most half a turn" );
 	ball old[LWI_ENVELOPE_SPHERES];

@@ -260,19 +260,17 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 /// test of one body, and the tests of the bodies give the same result.
 static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t cluster, const lwi_bound* bound )
 {
-	lwi_trial* trial = &query->motion_trials[cluster];
-	if ( trial->wait > 0 )
+	lwi_backoff* backoff = &query->motion_backoff[cluster];
+	if ( !lwi_backoff_is_due( backoff ) )
 	{
-		--trial->wait;
 		return false;
 	}
 	if ( !meets_scene( checker, query, 2 * cluster + 1, bound ) )
 	{
-		trial->failures = 0;
+		lwi_backoff_succeeded( backoff );
 		return true;
 	}
-	trial->failures = (uint8_t)( trial->failures < MOST_FAILURES ? trial->failures + 1 : MOST_FAILURES );
-	trial->wait = (uint8_t)( ( 1u << trial->failures ) - 2 );
+	lwi_backoff_failed( backoff, MOST_FAILURES, 2 );
 	return false;
 }
 

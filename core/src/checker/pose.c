@@ -162,7 +162,7 @@ static void pose_static( const lw_checker* checker, lw_query* query )
 	query->cluster_stamp[0] = query->state_stamp;
 	lwi_pose_sphere( checker, query, 0 );
 	lwi_pose_blocks( checker, query, 0 );
-	memset( query->motion_trials, 0, checker->tree->cluster_count * sizeof( lwi_trial ) );
+	memset( query->motion_backoff, 0, checker->tree->cluster_count * sizeof( lwi_backoff ) );
 	query->bindings++;
 	query->posed = lw_checker_retain( checker );
 	query->release_posed = lw_checker_release;

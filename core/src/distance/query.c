@@ -261,20 +261,18 @@ static bool old_plane_rules_out( lwi_searching* s, lwi_cached_axis* axis )
 /// Searches for a new plane, less often after searches that found none.
 static bool new_plane_rules_out( lwi_searching* s, lwi_cached_axis* axis )
 {
-	if ( axis->wait > 0 )
+	if ( !lwi_backoff_is_due( &axis->backoff ) )
 	{
-		--axis->wait;
 		return false;
 	}
 	axis->plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
 	axis->known = lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &axis->plane, PLANE_DIRECTIONS_NEW );
 	if ( axis->known )
 	{
-		axis->failures = 0;
+		lwi_backoff_succeeded( &axis->backoff );
 		return true;
 	}
-	axis->failures = (uint16_t)( axis->failures < MAX_FAILURES ? axis->failures + 1 : MAX_FAILURES );
-	axis->wait = (uint16_t)( 1u << axis->failures );
+	lwi_backoff_failed( &axis->backoff, MAX_FAILURES, 0 );
 	return false;
 }
 
@@ -289,21 +287,19 @@ static bool plane_rules_out( lwi_searching* s )
 static bool plane_rules_out_late( lwi_searching* s )
 {
 	lwi_cached_axis* axis = cached_axis_of( s );
-	if ( axis->late_wait > 0 )
+	if ( !lwi_backoff_is_due( &axis->late_backoff ) )
 	{
-		--axis->late_wait;
 		return false;
 	}
 	lwi_plane plane = lwi_plane_between( s->a, s->b, &s->tree_b_from_a );
 	if ( !lwi_separate( s->kernels, s->a, s->b, &s->tree_a_from_b, s->limit, &plane, PLANE_DIRECTIONS_NEW ) )
 	{
-		axis->late_failures = (uint8_t)( axis->late_failures < MAX_FAILURES ? axis->late_failures + 1 : MAX_FAILURES );
-		axis->late_wait = (uint8_t)( ( 1u << axis->late_failures ) - 2 ); // the first failure says little
+		lwi_backoff_failed( &axis->late_backoff, MAX_FAILURES, 2 ); // no wait after the first failure: it says little
 		return false;
 	}
 	axis->plane = plane;
 	axis->known = true;
-	axis->late_failures = 0;
+	lwi_backoff_succeeded( &axis->late_backoff );
 	return true;
 }
 

@@ -3,6 +3,7 @@
 #ifndef LEEWAY_DISTANCE_SEPARATION_H
 #define LEEWAY_DISTANCE_SEPARATION_H
 
+#include "base/backoff.h"
 #include "simd/kernels.h"
 #include "shape/shape.h"
 
@@ -23,11 +24,10 @@ typedef struct lwi_plane
 /// A query's memory of one pair of shapes. Only speed depends on it.
 typedef struct lwi_cached_axis
 {
-	uint32_t key;      ///< of the pair; 0: empty
-	uint16_t failures; ///< searches in a row for which no plane was found
-	uint16_t wait;     ///< searches until the next try
-	uint8_t late_failures, late_wait; ///< the same of searches that waited for another pair
-	bool known;        ///< the plane below separated them last time
+	uint32_t key;             ///< of the pair; 0: empty
+	lwi_backoff backoff;      ///< of searches for a new plane
+	lwi_backoff late_backoff; ///< of those in searches that waited for another pair
+	bool known;               ///< the plane below separated them last time
 	lwi_plane plane;
 } lwi_cached_axis;
 

@@ -46,8 +46,7 @@ typedef struct lwi_edge_plane
 {
 	uint32_t key;      ///< of the pair; 0: empty
 	uint32_t edge;     ///< lwi_query::edge_count of the two below
-	uint16_t failures; ///< times in a row that their hulls were too near at one time
-	uint16_t wait;     ///< windows until the next try
+	lwi_backoff backoff; ///< of searches for a new one; a failure: their hulls were too near at one time
 	bool begun;        ///< there are some
 	bool swapped;       ///< they are given in the frame of the first of the two
 	uint8_t served;    ///< lanes of planes that served since the last new one came

@@ -92,7 +92,7 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 	if ( p->edge != e->query->edge_count ) // skipping must not depend on other edges; planes may
 	{
 		p->edge = e->query->edge_count;
-		p->failures = p->wait = 0;
+		p->backoff = (lwi_backoff){ 0 };
 	}
 	return p;
 }
@@ -265,9 +265,8 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 	{
 		return LWI_EDGE_PROVED;
 	}
-	if ( p->wait > 0 && !s->close )
+	if ( !s->close && !lwi_backoff_is_due( &p->backoff ) )
 	{
-		--p->wait;
 		return LWI_EDGE_MEASURE;
 	}
 	const lwi_kernels* kernels = s->edge->query->search.kernels;
@@ -295,11 +294,10 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 	}
 	if ( found == LWI_EDGE_MEASURE )
 	{
-		p->failures = (uint16_t)( p->failures < MAX_FAILURES ? p->failures + 1 : MAX_FAILURES );
-		p->wait = (uint16_t)( 1u << p->failures );
+		lwi_backoff_failed( &p->backoff, MAX_FAILURES, 0 );
 		return found;
 	}
-	p->failures = 0;
+	lwi_backoff_succeeded( &p->backoff );
 	add_plane( p, plane );
 	if ( s->any_key != 0 )
 	{

@@ -40,7 +40,7 @@ static size_t lay_out( lw_query* q, void* block )
 	q->angles = lwi_arena_take( &arena, lwi_padded( q->link_capacity ), sizeof( double ) );
 	q->cosines = lwi_arena_take( &arena, lwi_padded( q->link_capacity ), sizeof( double ) );
 	q->sines = lwi_arena_take( &arena, lwi_padded( q->link_capacity ), sizeof( double ) );
-	q->motion_trials = lwi_arena_take( &arena, q->link_capacity, sizeof( lwi_trial ) );
+	q->motion_backoff = lwi_arena_take( &arena, q->link_capacity, sizeof( lwi_backoff ) );
 	q->spheres = lwi_arena_take( &arena, q->link_capacity, sizeof( double[2][4] ) );
 	q->block_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t ) );
 	// each cluster begins a block of its own

@@ -5,6 +5,7 @@
 #define LEEWAY_QUERY_QUERY_H
 
 #include "distance/pair_query.h"
+#include "base/backoff.h"
 #include "base/heap.h"
 #include "leeway/checker.h"
 
@@ -17,12 +18,6 @@ typedef struct lwi_cached_pair
 	double clearance; ///< of these two when they were last measured
 	bool valid;
 } lwi_cached_pair;
-
-/// Back-off of a test: after failures in a row it runs less often. Only speed depends on it.
-typedef struct lwi_trial
-{
-	uint8_t failures, wait; ///< in a row; calls until the next try
-} lwi_trial;
 
 struct lw_query
 {
@@ -50,7 +45,7 @@ struct lw_query
 	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above clusters, as far as they only turn
 	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
 	uint64_t* body_stamp;         ///< [body_capacity]
-	lwi_trial* motion_trials;     ///< [link_capacity] spheres M of clusters against the scene
+	lwi_backoff* motion_backoff;  ///< [link_capacity] of tests of clusters' spheres M against the scene
 	double* spheres;              ///< [2 * link_capacity][4] R and M of clusters, world
 	uint64_t* block_stamp;        ///< [link_capacity]
 	float* blocks;                ///< body spheres of clusters as [4][8], relative to the centre of the cluster's R

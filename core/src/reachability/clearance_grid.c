@@ -12,8 +12,6 @@
 
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 enum
 {
 	FINE_BITS = 6,       ///< halvings of a cell along each axis, at most
@@ -95,8 +93,8 @@ bool lwi_grid_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b,
 	for ( uint32_t i = 0; i < grid->dimension; ++i )
 	{
 		lwi_grid_axis* axis = &grid->axes[i];
-		axis->lower = axis->periodic ? -pi : axis->lower;
-		axis->upper = axis->periodic ? pi : axis->upper;
+		axis->lower = axis->periodic ? -LWI_PI : axis->lower;
+		axis->upper = axis->periodic ? LWI_PI : axis->upper;
 		// the cells of a narrower axis could not be told apart
 		wide = wide && axis->upper - axis->lower > 0x1p-20 * ( fabs( axis->lower ) + fabs( axis->upper ) );
 	}

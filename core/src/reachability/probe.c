@@ -9,8 +9,6 @@
 
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 /// Half the width, in metres, of the window from which random values of a joint without limits are taken.
 #define WINDOW 1.0
 
@@ -229,8 +227,8 @@ static void set_box( lwi_pair_analyser* p )
 		p->upper[v] = reach->upper[v];
 		if ( !isfinite( p->lower[v] ) && !isfinite( p->upper[v] ) && is_periodic( p, v ) )
 		{
-			p->lower[v] = -pi - 1e-12;
-			p->upper[v] = pi + 1e-12;
+			p->lower[v] = -LWI_PI - 1e-12;
+			p->upper[v] = LWI_PI + 1e-12;
 		}
 		bool floating = p->robot->joints[p->robot->variables[v].joint].type == LW_JOINT_FLOATING;
 		p->bounded = p->bounded && !floating && isfinite( p->lower[v] ) && isfinite( p->upper[v] );
@@ -363,7 +361,7 @@ double lwi_pair_analyser_distance( lwi_pair_analyser* p, const double* q, double
 static void random_quaternion( uint64_t* random, double q[4] )
 {
 	double u = lwi_random_in( random, 0, 1 );
-	double a = lwi_random_in( random, -pi, pi ), b = lwi_random_in( random, -pi, pi );
+	double a = lwi_random_in( random, -LWI_PI, LWI_PI ), b = lwi_random_in( random, -LWI_PI, LWI_PI );
 	q[0] = sqrt( 1 - u ) * sin( a );
 	q[1] = sqrt( 1 - u ) * cos( a );
 	q[2] = sqrt( u ) * sin( b );

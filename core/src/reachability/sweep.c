@@ -15,8 +15,6 @@
 
 #include <string.h>
 
-static const double two_pi = 6.28318530717958647692;
-
 /// A transform, a rotation and forward kinematics each lose at most a few u of the lengths that go in: 64 u per joint and
 /// metre of chain (core/docs/kinematics.md), doubled for the computations here.
 #define ROUNDING ( 128.0 * LWI_U64 )
@@ -189,19 +187,19 @@ lw_sphere lwi_hull_sphere( const lwi_hull* hull )
 static uint32_t circle_steps( double radius, double error, uint32_t most )
 {
 	double half = acos( radius / ( radius + error ) );
-	double steps = half > 0 ? ceil( 0.5 * two_pi / half ) : most;
+	double steps = half > 0 ? ceil( LWI_PI / half ) : most;
 	return steps >= most ? most : steps <= BALL_STEPS_MIN ? (uint32_t)BALL_STEPS_MIN : (uint32_t)steps;
 }
 
 static double polygon_excess( uint32_t steps )
 {
-	return 1 / cos( 0.5 * two_pi / steps ) - 1;
+	return 1 / cos( LWI_PI / steps ) - 1;
 }
 
 /// Corner i of the polygon of `steps` corners around the unit circle.
 static void corner( uint32_t i, uint32_t steps, double* out_c, double* out_s )
 {
-	double angle = two_pi * ( i + 0.5 ) / steps, grow = 1 + polygon_excess( steps );
+	double angle = LWI_TWO_PI * ( i + 0.5 ) / steps, grow = 1 + polygon_excess( steps );
 	*out_c = grow * cos( angle );
 	*out_s = grow * sin( angle );
 }
@@ -441,10 +439,10 @@ typedef struct turn_steps
 static turn_steps steps_of( lwi_joint_range range, double radius, double error )
 {
 	double width = range.upper - range.lower;
-	bool full = !( width < two_pi );
-	width = full ? two_pi : width;
+	bool full = !( width < LWI_TWO_PI );
+	width = full ? LWI_TWO_PI : width;
 	// r ( 1 / cos( a / 2 ) - 1 ) <= error, and a third of a circle at most: the middle is then at 2 r
-	double step = two_pi / 3;
+	double step = LWI_TWO_PI / 3;
 	if ( radius > 0 )
 	{
 		step = fmin( step, 2 * acos( radius / ( radius + error ) ) );
@@ -525,7 +523,7 @@ static lw_status sweep_turn( const lwi_hull_plan* plan, const lwi_joint* joint, 
 		excess = fmax( excess, p.radius * ( grow - 1 ) );
 	}
 	// angles are right to a few u of themselves
-	double angle = range.upper - range.lower < two_pi ? fmax( fabs( range.lower ), fabs( range.upper ) ) : two_pi;
+	double angle = range.upper - range.lower < LWI_TWO_PI ? fmax( fabs( range.lower ), fabs( range.upper ) ) : LWI_TWO_PI;
 	dilate( out, ROUNDING * ( 1 + angle ) * farthest( in ) );
 	out->excess += excess;
 	return LW_OK;

@@ -8,8 +8,6 @@
 
 #include <string.h>
 
-static const double two_pi = 6.28318530717958647692;
-
 /// m's columns i and j turn into each other: (i, j) <- (c i + s j, c j - s i).
 static inline void turn_columns( lw_transform* m, int i, int j, double c, double s )
 {
@@ -167,10 +165,10 @@ lw_status lw_robot_fk( const lw_robot* robot, const double* q, lw_transform* wor
 
 // ---- interpolation ---------------------------------------------------------------------------------------------------
 
-/// remainder( v, two_pi ), which is v itself up to half a turn: without the call.
+/// remainder( v, LWI_TWO_PI ), which is v itself up to half a turn: without the call.
 static double wrapped( double v )
 {
-	return fabs( v ) <= 0.5 * two_pi ? v : remainder( v, two_pi );
+	return fabs( v ) <= LWI_PI ? v : remainder( v, LWI_TWO_PI );
 }
 
 double lwi_wrapped_difference( double from, double to )

@@ -6,47 +6,36 @@
 // edge's middle plus half the motion of the joints in between, which for short edges is far below the bounds by joint
 // limits.
 // Derivation: core/docs/edges.md. Rounding: core/docs/kinematics.md.
+#include "base/arena.h"
 #include "robot/motion_table.h"
 #include "shape/shape.h"
 
 #include <string.h>
 
-/// Scratch of one edge.
+/// Scratch of one edge: begins with this header, which lwi_motion_begin() fills.
 typedef struct motion_scratch
 {
-	lw_transform* poses;    ///< [link_count] at the middle of the edge
-	double* state;          ///< [variable_count] the middle
-	lwi_motion_rate* rates; ///< [entry_count] by the entry's joint and all joints between it and the body
-	lwi_joint_motion* motions;  ///< [moving_joint_count]
-	lwi_whole_motion* whole;
+	lw_transform* poses;       ///< [link_count] at the middle of the edge
+	double* state;             ///< [variable_count] the middle
+	lwi_motion_rate* rates;    ///< [entry_count] by the entry's joint and all joints between it and the body
+	lwi_joint_motion* motions; ///< [moving_joint_count]
+	lwi_whole_motion whole;
 } motion_scratch;
 
-/// Where the parts of the scratch begin. Returns its size.
-size_t lwi_motion_scratch_offsets( const lwi_motion_table* table, size_t at[LWI_SCRATCH_PARTS] )
+/// Places the parts of the scratch behind its header. @param memory NULL: only measures. Returns the size.
+static size_t lay_out_scratch( const lwi_motion_table* table, void* memory, motion_scratch* s )
 {
-	const lw_robot* robot = table->robot;
-	const size_t sizes[LWI_SCRATCH_PARTS] = { robot->link_count * sizeof( lw_transform ),
-		robot->variable_count * sizeof( double ),
-		table->entry_count * sizeof( lwi_motion_rate ), table->moving_joint_count * sizeof( lwi_joint_motion ),
-		sizeof( lwi_whole_motion ) };
-	size_t used = 0;
-	for ( size_t i = 0; i < LWI_SCRATCH_PARTS; ++i )
-	{
-		at[i] = used;
-		used += lwi_align_up( sizes[i] );
-	}
-	return used;
+	lwi_arena arena = lwi_arena_begin( memory, sizeof( motion_scratch ) );
+	s->poses = lwi_arena_take( &arena, table->robot->link_count, sizeof( lw_transform ) );
+	s->state = lwi_arena_take( &arena, table->robot->variable_count, sizeof( double ) );
+	s->rates = lwi_arena_take( &arena, table->entry_count, sizeof( lwi_motion_rate ) );
+	s->motions = lwi_arena_take( &arena, table->moving_joint_count, sizeof( lwi_joint_motion ) );
+	return arena.used;
 }
 
-static inline motion_scratch scratch_parts( const lwi_motion_table* table, const void* memory )
+static inline const motion_scratch* scratch_of( const void* memory )
 {
-	char* base = (char*)memory;
-	const size_t* at = table->scratch_at;
-	return (motion_scratch){ .poses = (lw_transform*)( base + at[0] ),
-		.state = (double*)( base + at[1] ),
-		.rates = (lwi_motion_rate*)( base + at[2] ),
-		.motions = (lwi_joint_motion*)( base + at[3] ),
-		.whole = (lwi_whole_motion*)( base + at[4] ) };
+	return memory;
 }
 
 // ---- an edge ---------------------------------------------------------------------------------------------------------
@@ -98,7 +87,7 @@ static void measure( const lwi_motion_table* table, const motion_scratch* s, uin
 	double share )
 {
 	const lwi_motion_body* b = &table->bodies[body];
-	double path = 0, change = 0, excess = s->whole->pose_rounding;
+	double path = 0, change = 0, excess = s->whole.pose_rounding;
 	for ( uint32_t k = 0; k < b->entry_count; ++k )
 	{
 		const lwi_motion_entry* entry = &table->entries[b->first_entry + k];
@@ -129,45 +118,45 @@ static uint32_t joints_below( const lwi_motion_table* table, uint32_t body, uint
 
 void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses )
 {
-	motion_scratch s = scratch_parts( table, scratch );
+	const motion_scratch* s = scratch;
 	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
 		const lwi_joint* joint = &table->robot->joints[table->moving_joints[i].joint];
 		const lw_transform* pose = &poses[joint->child];
-		s.motions[i].axis = lwi_rotate( pose, lwi_load( joint->axis ) );
-		s.motions[i].origin = lwi_load( pose->t );
+		s->motions[i].axis = lwi_rotate( pose, lwi_load( joint->axis ) );
+		s->motions[i].origin = lwi_load( pose->t );
 	}
 }
 
 void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 	double share )
 {
-	motion_scratch s = scratch_parts( table, scratch );
+	const motion_scratch* s = scratch;
 	const lwi_motion_body* b = &table->bodies[body];
 	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
-	measure( table, &s, body, center, b->radius + s.whole->pose_rounding, share );
+	measure( table, s, body, center, b->radius + s->whole.pose_rounding, share );
 }
 
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
 {
-	motion_scratch s = scratch_parts( table, scratch );
+	const motion_scratch* s = scratch;
 	uint32_t count = joints_below( table, body, ancestor ), last = table->bodies[body].first_entry + count - 1;
-	return count == 0 ? (lwi_motion_rate){ 0, 0 } : s.rates[last];
+	return count == 0 ? (lwi_motion_rate){ 0, 0 } : s->rates[last];
 }
 
 /// A rotation at the rate w maps the motion below it, with derivatives v, a and j, to a motion with the third
 /// derivative w x (w x (w x x)) + 3 w x (w x v) + 3 w x a + j; |w x x| and |v| together are the path so far.
 double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
 {
-	motion_scratch s = scratch_parts( table, scratch );
+	const motion_scratch* s = scratch;
 	const lwi_motion_body* b = &table->bodies[body];
 	const uint32_t count = joints_below( table, body, ancestor );
 	lwi_motion_rate below = { 0 };
 	double jerk = 0;
 	for ( uint32_t k = 0; k < count; ++k )
 	{
-		const double turn = s.motions[table->entries[b->first_entry + k].moving_joint].rotation;
-		const lwi_motion_rate now = s.rates[b->first_entry + k];
+		const double turn = s->motions[table->entries[b->first_entry + k].moving_joint].rotation;
+		const lwi_motion_rate now = s->rates[b->first_entry + k];
 		jerk += turn * ( turn * ( now.path + 2 * below.path ) + 3 * below.change );
 		below = now;
 	}
@@ -182,7 +171,7 @@ lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, 
 	{
 		const lwi_motion_entry* entry = &table->entries[b->first_entry];
 		const lwi_joint* joint = &table->robot->joints[entry->joint];
-		lw_vec3 along = lwi_scale( scratch_parts( table, scratch ).motions[entry->moving_joint].speed,
+		lw_vec3 along = lwi_scale( scratch_of( scratch )->motions[entry->moving_joint].speed,
 			lwi_rotate( pose, lwi_load( joint->axis ) ) );
 		bool turns = lwi_joint_rotates( joint->type );
 		twist.angular = turns ? along : twist.angular;
@@ -194,27 +183,28 @@ lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, 
 double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body )
 {
 	const lwi_motion_body* b = &table->bodies[body];
-	return b->entry_count > 0 ? scratch_parts( table, scratch ).motions[table->entries[b->first_entry].moving_joint].speed : 0;
+	return b->entry_count > 0 ? scratch_of( scratch )->motions[table->entries[b->first_entry].moving_joint].speed : 0;
 }
 
 double lwi_motion_rotation( const lwi_motion_table* table, const void* scratch )
 {
-	return scratch_parts( table, scratch ).whole->turns;
+	return scratch_of( scratch )->whole.turns;
 }
 
 double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch )
 {
-	return scratch_parts( table, scratch ).whole->twist_error;
+	return scratch_of( scratch )->whole.twist_error;
 }
 
 const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body )
 {
-	return scratch_parts( table, scratch ).rates + table->bodies[body].first_entry;
+	return scratch_of( scratch )->rates + table->bodies[body].first_entry;
 }
 
 size_t lwi_motion_scratch_size( const lwi_motion_table* table )
 {
-	return table->scratch_size;
+	motion_scratch parts;
+	return lay_out_scratch( table, NULL, &parts );
 }
 
 size_t lwi_motion_scratch_spare( uint32_t links )
@@ -227,7 +217,8 @@ size_t lwi_motion_scratch_spare( uint32_t links )
 /// the largest axis radii.
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
 {
-	motion_scratch s = scratch_parts( table, scratch );
+	motion_scratch* s = scratch;
+	lay_out_scratch( table, scratch, s );
 	double length = table->farthest, angles = 0, excess = 0;
 	double turns = 0, shifts = 0;
 	lwi_whole_motion w = { 0 };
@@ -240,7 +231,7 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 		w.total += table->moving_joints[i].axis_radius * m.rotation + m.translation;
 		turns += m.rotation;
 		shifts += m.translation;
-		s.motions[i] = m;
+		s->motions[i] = m;
 	}
 	w.pose_rounding = 64 * LWI_U64 * ( table->most_joints + 2 ) * length;
 	w.rounding = ( w.pose_rounding + 8 * LWI_U64 * ( angles + 1 ) * length ) * LWI_MOTION_OUTWARD;
@@ -249,32 +240,33 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 	// axes are at their places in the poses, so each joint's part is off by its turn times their error; and sums of
 	// coordinates round
 	w.twist_error = turns * ( 4 * w.rounding + ( LWI_MOTION_OUTWARD - 1 ) * length ) + ( LWI_MOTION_OUTWARD - 1 ) * shifts;
-	*s.whole = w;
+	s->whole = w;
 	return isfinite( w.total ) && isfinite( w.rounding );
 }
 
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
 {
 	const lw_robot* robot = table->robot;
-	motion_scratch s = scratch_parts( table, scratch );
-	memcpy( s.poses, table->reference_poses, robot->link_count * sizeof( lw_transform ) );
-	lw_robot_interpolate( robot, qa, qb, 0.5, s.state );
+	motion_scratch* s = scratch;
+	lay_out_scratch( table, scratch, s );
+	memcpy( s->poses, table->reference_poses, robot->link_count * sizeof( lw_transform ) );
+	lw_robot_interpolate( robot, qa, qb, 0.5, s->state );
 	for ( uint32_t i = 0; i < robot->variable_count; ++i )
 	{
-		if ( !isfinite( s.state[i] ) )
+		if ( !isfinite( s->state[i] ) )
 		{
 			return false;
 		}
 	}
-	if ( !lwi_robot_fk_links( robot, s.state, table->moving_links, table->moving_link_count, s.poses ) ||
+	if ( !lwi_robot_fk_links( robot, s->state, table->moving_links, table->moving_link_count, s->poses ) ||
 		 !lwi_motion_begin( table, qa, qb, scratch ) )
 	{
 		return false;
 	}
-	lwi_motion_place( table, scratch, s.poses );
+	lwi_motion_place( table, scratch, s->poses );
 	for ( uint32_t i = 0; i < table->body_count; ++i )
 	{
-		lwi_motion_measure_body( table, scratch, i, s.poses, 0.5 );
+		lwi_motion_measure_body( table, scratch, i, s->poses, 0.5 );
 	}
 	return true;
 }
@@ -311,12 +303,12 @@ double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uin
 
 double lwi_motion_total( const lwi_motion_table* table, const void* scratch )
 {
-	return scratch_parts( table, scratch ).whole->total;
+	return scratch_of( scratch )->whole.total;
 }
 
 double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch )
 {
-	return scratch_parts( table, scratch ).whole->rounding;
+	return scratch_of( scratch )->whole.rounding;
 }
 
 // ---- a cell ----------------------------------------------------------------------------------------------------------

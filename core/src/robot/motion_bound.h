@@ -45,7 +45,7 @@ size_t lwi_motion_table_bytes( const lwi_motion_table* table );
 /// @param state [variable_count] finite
 double lwi_motion_state_rounding( const lwi_motion_table* table, const double* state, double* stretch, double* reach );
 
-/// Bytes of scratch, 64-aligned, that lwi_motion_measure() fills.
+/// Bytes of scratch, 64-aligned, that lwi_motion_measure() fills. It holds pointers into itself: it must not be moved.
 size_t lwi_motion_scratch_size( const lwi_motion_table* table );
 /// How much more that may be for a robot with this many more links on fixed joints.
 size_t lwi_motion_scratch_spare( uint32_t links );

@@ -282,7 +282,6 @@ lw_status lwi_motion_table_create_groups( const lw_robot* robot, const lwi_rigid
 		lwi_free( &memory, table, bytes );
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a quaternion of the reference state is zero" );
 	}
-	table->scratch_size = lwi_motion_scratch_offsets( table, table->scratch_at );
 	*out_table = table;
 	return LW_OK;
 }

@@ -34,11 +34,6 @@ typedef struct lwi_motion_body
 	double length;     ///< sum of the offsets from the world's origin to the farthest point of the body, without shifts
 } lwi_motion_body;
 
-enum
-{
-	LWI_SCRATCH_PARTS = 5
-};
-
 struct lwi_motion_table
 {
 	lw_allocator allocator;
@@ -51,8 +46,6 @@ struct lwi_motion_table
 	uint32_t* moving_depth;        ///< [link_count] moving joints between link and root
 	uint32_t* moving_links;        ///< [moving_link_count] parents first
 	lw_transform* reference_poses; ///< [link_count] valid for the links that no edge moves
-	size_t scratch_at[LWI_SCRATCH_PARTS]; ///< bytes
-	size_t scratch_size;
 	// inputs of lwi_motion_state_rounding()
 	uint32_t most_joints;   ///< of any body
 	double longest, root;   ///< the longest chain, without shifts and without the root's own place; that place
@@ -83,9 +76,6 @@ typedef struct lwi_whole_motion
 	double turns;         ///< of all joints
 	double twist_error;   ///< of the velocity of any point, by twists
 } lwi_whole_motion;
-
-/// Where the parts of an edge's scratch begin. Returns its size.
-size_t lwi_motion_scratch_offsets( const lwi_motion_table* table, size_t at[LWI_SCRATCH_PARTS] );
 
 static inline bool lwi_joint_rotates( lw_joint_type type )
 {

@@ -10,8 +10,6 @@
 
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 /// Defs may be rotations to 1e-6 only; lengths would then be wrong by as much. Two Newton steps of the polar decomposition,
 /// R <- R (3 - R^T R) / 2, square the error twice: 1e-6 -> 1e-12 -> rounding. Exact rotations stay exact.
 static lw_transform orthonormalized( const lw_transform* m )
@@ -333,8 +331,8 @@ static void build_variables( lw_robot* robot )
 			}
 			if ( quaternion || angle )
 			{
-				info.lower = quaternion ? -1 : -pi;
-				info.upper = quaternion ? 1 : pi;
+				info.lower = quaternion ? -1 : -LWI_PI;
+				info.upper = quaternion ? 1 : LWI_PI;
 			}
 			info.wraps = angle;
 			robot->variables[joint->own_variable + k] = info;
