@@ -39,12 +39,12 @@ double grid_probe_cell( const lw_reach* reach, uint32_t grid, const uint32_t ind
 
 uint32_t slice_probe_count( const lw_checker* checker )
 {
-	return checker->tree->slice_count;
+	return checker->base->tree->slice_count;
 }
 
 void slice_probe_links( const lw_checker* checker, uint32_t slice, uint32_t* link_a, uint32_t* link_b )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	for ( uint32_t a = 0; a < tree->body_count; ++a )
 	{
 		for ( uint32_t b = 0; b < tree->body_count; ++b )
@@ -54,8 +54,8 @@ void slice_probe_links( const lw_checker* checker, uint32_t slice, uint32_t* lin
 				bool here = tree->pairs[p].cluster_a == tree->body_cluster[a] && tree->pairs[p].cluster_b == tree->body_cluster[b];
 				if ( here && lwi_checker_slice( tree, p, a, b ) == &tree->slices[slice] )
 				{
-					*link_a = checker->bodies[a].link;
-					*link_b = checker->bodies[b].link;
+					*link_a = checker->base->bodies[a].link;
+					*link_b = checker->base->bodies[b].link;
 				}
 			}
 		}
@@ -64,10 +64,10 @@ void slice_probe_links( const lw_checker* checker, uint32_t slice, uint32_t* lin
 
 double slice_probe_at( const lw_checker* checker, uint32_t slice, const double* q )
 {
-	return lwi_grid_at( &checker->tree->slices[slice], checker->tree->spacings, q );
+	return lwi_grid_at( &checker->base->tree->slices[slice], checker->base->tree->spacings, q );
 }
 
 double slice_probe_along( const lw_checker* checker, uint32_t slice, const double* qa, const double* qb )
 {
-	return lwi_grid_along( &checker->tree->slices[slice], checker->tree->spacings, checker->robot, qa, qb, 0 );
+	return lwi_grid_along( &checker->base->tree->slices[slice], checker->base->tree->spacings, checker->base->robot, qa, qb, 0 );
 }

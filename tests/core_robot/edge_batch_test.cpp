@@ -412,7 +412,7 @@ private:
 		for ( std::uint32_t a = 0; a < m_poses.size(); ++a )
 		{
 			const lw_body_def body = lw_robot_body( robot, a );
-			const std::uint32_t cluster = m_world.checker->tree->body_cluster[a];
+			const std::uint32_t cluster = m_world.checker->base->tree->body_cluster[a];
 			tally.left += isProved( a, LW_INVALID_INDEX, cell ) ? 0u : 1u;
 			for ( std::size_t i = 0; cluster != 0 && i < m_world.obstacles.size() && isProved( a, LW_INVALID_INDEX, cell ); ++i )
 			{
@@ -423,7 +423,7 @@ private:
 			for ( std::uint32_t b = a + 1; b < m_poses.size(); ++b )
 			{
 				const lw_body_def other = lw_robot_body( robot, b );
-				if ( cluster != m_world.checker->tree->body_cluster[b] && !lw_robot_pair_allowed( robot, body.link, other.link ) &&
+				if ( cluster != m_world.checker->base->tree->body_cluster[b] && !lw_robot_pair_allowed( robot, body.link, other.link ) &&
 					 isProved( a, b, cell ) )
 				{
 					judge( m_world.clearance( body.shape, m_poses[a], other.shape, m_poses[b] ), "self", a, b, tally );

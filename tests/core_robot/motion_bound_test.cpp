@@ -33,7 +33,7 @@ extern "C"
 	double lwi_motion_between( double chord, lwi_chord_error error, double path );
 	double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, std::uint32_t body, std::uint32_t ancestor );
 	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
-	double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch );
+	double lwi_motion_rounding( const void* scratch );
 }
 
 namespace
@@ -159,7 +159,7 @@ TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
 			}
 			++( ancestor == LW_INVALID_INDEX ? worldCases : relativeCases );
 			double bound = lwi_motion_bound( motion.table, motion.scratch, body, ancestor );
-			double rounding = lwi_motion_rounding( motion.table, motion.scratch );
+			double rounding = lwi_motion_rounding( motion.scratch );
 			EXPECT_LE( rounding, 1e-10 );
 			double longest = longestPath( model, poses, body, ancestor, bound, 4 * rounding );
 			EXPECT_LE( longest, bound + 4 * steps * rounding );
@@ -215,7 +215,7 @@ TEST( MotionBound, NoPointOfATelescopeTravelsFurtherThanTheBound )
 		ASSERT_TRUE( lwi_motion_begin( ringed.table, a.data(), b.data(), ringed.scratch ) );
 		lwi_motion_place( ringed.table, ringed.scratch, poses[0].data() );
 		lwi_motion_measure_body( ringed.table, ringed.scratch, 0, poses[0].data(), 1e6 );
-		const double rounding = lwi_motion_rounding( measured.table, measured.scratch );
+		const double rounding = lwi_motion_rounding( measured.scratch );
 		const double bound = lwi_motion_bound( measured.table, measured.scratch, 0, LW_INVALID_INDEX );
 		const double ringBound = lwi_motion_of( ringed.table, ringed.scratch, 0, LW_INVALID_INDEX ).path;
 		const double longest = longestPath( model, poses, 0, LW_INVALID_INDEX, bound, 4 * rounding );
@@ -306,7 +306,7 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 			std::uint32_t ancestor = randomAncestor( rng, robot.get(), def.link );
 			lwi_motion_measure_body( motion.table, motion.scratch, body, reference.data(), share );
 			const lwi_motion_rate rate = lwi_motion_of( motion.table, motion.scratch, body, ancestor );
-			double rounding = lwi_motion_rounding( motion.table, motion.scratch );
+			double rounding = lwi_motion_rounding( motion.scratch );
 			for ( lw_vec3 p : model.bodyPoints[body] )
 			{
 				const std::vector<lw_vec3> at = wayOf( between, ancestor, def, p );
@@ -438,7 +438,7 @@ TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
 		ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
 		const double h = rng.decade( -2, -0.31 ), from = rng.uniform( 0, 1 - 2 * h );
 		const std::vector<std::vector<lw_transform>> poses = posesBetween( robot.get(), a, b, from, from + 2 * h, 2 * STEPS );
-		const double rounding = lwi_motion_rounding( motion.table, motion.scratch );
+		const double rounding = lwi_motion_rounding( motion.scratch );
 		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
 		{
 			const lw_body_def& def = model.bodies[body];

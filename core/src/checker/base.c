@@ -48,7 +48,7 @@ static void draft_destroy( draft* d )
 static lw_status mark_group( lwi_checker_base* b, const lw_checker_def* def, draft* d, lw_diag* diag )
 {
 	const lw_robot* robot = b->robot;
-	for ( uint32_t i = 0; i < b->variable_count; ++i )
+	for ( uint32_t i = 0; i < b->group.variable_count; ++i )
 	{
 		uint32_t variable = def->variables != NULL ? def->variables[i] : i;
 		if ( d->variable_moves[variable] )
@@ -56,7 +56,7 @@ static lw_status mark_group( lwi_checker_base* b, const lw_checker_def* def, dra
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "variable %u is in the group twice", variable );
 		}
 		d->variable_moves[variable] = true;
-		b->variables[i] = variable;
+		b->group.variables[i] = variable;
 	}
 	for ( uint32_t joint = 0; joint < d->joints; ++joint )
 	{
@@ -104,7 +104,7 @@ static placed_body place_body( const lwi_checker_base* b, const draft* d, uint32
 {
 	placed_body p = { .def = lw_robot_body( b->robot, body ) };
 	p.moves = d->link_moves[p.def.link];
-	p.world_from_shape = lwi_multiply( &b->reference_poses[p.def.link], &p.def.link_from_shape );
+	p.world_from_shape = lwi_multiply( &b->group.reference_poses[p.def.link], &p.def.link_from_shape );
 	return p;
 }
 
@@ -229,18 +229,18 @@ static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, lwi_
 static lw_status fill_self_pairs( lwi_checker_base* b, const draft* d, lw_diag* diag )
 {
 	uint32_t pairs = list_self_pairs( b, d, NULL );
-	b->self_pairs = lwi_alloc_zero( &b->allocator, pairs, sizeof( lwi_self_pair ) );
-	if ( b->self_pairs == NULL )
+	b->self.pairs = lwi_alloc_zero( &b->allocator, pairs, sizeof( lwi_self_pair ) );
+	if ( b->self.pairs == NULL )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	b->self_pair_count = pairs;
+	b->self.pair_count = pairs;
 	b->bytes += pairs * sizeof( lwi_self_pair );
-	list_self_pairs( b, d, b->self_pairs );
+	list_self_pairs( b, d, b->self.pairs );
 	for ( uint32_t i = 0; i < pairs; ++i )
 	{
-		uint32_t second = b->self_pairs[i].body_b;
-		uint8_t* row = b->self_mask + (size_t)b->self_pairs[i].body_a * b->body_block_count;
+		uint32_t second = b->self.pairs[i].body_b;
+		uint8_t* row = b->self.mask + (size_t)b->self.pairs[i].body_a * b->body_block_count;
 		row[second / LWI_WIDTH] = (uint8_t)( row[second / LWI_WIDTH] | ( 1u << ( second % LWI_WIDTH ) ) );
 	}
 	return LW_OK;
@@ -251,66 +251,40 @@ static bool allocate_tables( lwi_checker_base* b )
 	const lw_allocator* allocator = &b->allocator;
 	uint32_t bodies = lw_robot_body_count( b->robot ), links = lw_robot_link_count( b->robot );
 	b->body_block_count = ( bodies + LWI_WIDTH - 1 ) / LWI_WIDTH;
-	b->variables = lwi_alloc_zero( allocator, b->variable_count, sizeof( uint32_t ) );
-	b->reference = lwi_alloc_zero( allocator, lw_robot_variable_count( b->robot ), sizeof( double ) );
-	b->reference_poses = lwi_alloc_zero( allocator, links, sizeof( lw_transform ) );
+	b->group.variables = lwi_alloc_zero( allocator, b->group.variable_count, sizeof( uint32_t ) );
+	b->group.reference = lwi_alloc_zero( allocator, lw_robot_variable_count( b->robot ), sizeof( double ) );
+	b->group.reference_poses = lwi_alloc_zero( allocator, links, sizeof( lw_transform ) );
 	b->bodies = lwi_alloc_zero( allocator, bodies, sizeof( lwi_checker_body ) );
 	b->moving_bodies = lwi_alloc_zero( allocator, bodies, sizeof( uint32_t ) );
-	b->self_mask = lwi_alloc_zero( allocator, bodies, b->body_block_count );
-	b->near_lower = lwi_alloc_zero( allocator, b->variable_count, sizeof( double ) );
-	b->near_upper = lwi_alloc_zero( allocator, b->variable_count, sizeof( double ) );
-	b->bytes = sizeof( lwi_checker_base ) + b->variable_count * ( sizeof( double[2] ) + sizeof( uint32_t ) ) +
+	b->self.mask = lwi_alloc_zero( allocator, bodies, b->body_block_count );
+	b->group.lower = lwi_alloc_zero( allocator, b->group.variable_count, sizeof( double ) );
+	b->group.upper = lwi_alloc_zero( allocator, b->group.variable_count, sizeof( double ) );
+	b->bytes = sizeof( lwi_checker_base ) + b->group.variable_count * ( sizeof( double[2] ) + sizeof( uint32_t ) ) +
 			   lw_robot_variable_count( b->robot ) * sizeof( double ) + links * sizeof( lw_transform ) +
 			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + b->body_block_count );
-	return b->variables != NULL && b->reference != NULL && b->reference_poses != NULL && b->bodies != NULL &&
-		   b->moving_bodies != NULL && b->self_mask != NULL && b->near_lower != NULL && b->near_upper != NULL;
-}
-
-/// Points the checker at the data that its base has so far.
-static void refer( lw_checker* c, lwi_checker_base* b )
-{
-	c->base = b;
-	c->robot = b->robot;
-	c->reach = b->reach;
-	c->variable_count = b->variable_count;
-	c->variables = b->variables;
-	c->reference = b->reference;
-	c->reference_poses = b->reference_poses;
-	c->bodies = b->bodies;
-	c->moving_body_count = b->moving_body_count;
-	c->moving_bodies = b->moving_bodies;
-	c->self_pair_count = b->self_pair_count;
-	c->never_pair_count = b->never_pair_count;
-	c->self_pairs = b->self_pairs;
-	c->body_block_count = b->body_block_count;
-	c->self_mask = b->self_mask;
-	c->self_margins = b->margins;
-	c->near_lower = b->near_lower;
-	c->near_upper = b->near_upper;
-	c->tree = b->tree;
-	c->motion = b->motion;
+	return b->group.variables != NULL && b->group.reference != NULL && b->group.reference_poses != NULL &&
+		   b->bodies != NULL && b->moving_bodies != NULL && b->self.mask != NULL && b->group.lower != NULL &&
+		   b->group.upper != NULL;
 }
 
 /// The tree, the motion and swept volumes of its clusters, and the separations of self pairs that the reach proves.
-static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_diag* diag )
+static lw_status build_tree( lwi_checker_base* b, draft* d, lw_diag* diag )
 {
-	refer( c, b );
-	lw_status status = lwi_cluster_tree_create( c, d->joint_moves, diag, &b->tree );
+	lw_status status = lwi_cluster_tree_create( b, d->joint_moves, diag, &b->tree );
 	if ( status != LW_OK )
 	{
 		return status;
 	}
-	for ( uint32_t i = 0; b->tree->proves && i < b->self_pair_count; ++i )
+	for ( uint32_t i = 0; b->tree->proves && i < b->self.pair_count; ++i )
 	{
-		uint32_t body_a = b->self_pairs[i].body_a, body_b = b->self_pairs[i].body_b;
-		b->never_pair_count += lwi_checker_separation( c, b->tree, body_a, body_b ) > 0 ? 1u : 0u;
+		uint32_t body_a = b->self.pairs[i].body_a, body_b = b->self.pairs[i].body_b;
+		b->self.never_count += lwi_checker_separation( b, b->tree, body_a, body_b ) > 0 ? 1u : 0u;
 	}
 	for ( uint32_t i = 0; i < d->variables; ++i )
 	{
 		d->variable_moves[i] = !d->variable_moves[i]; // from here on: fixed
 	}
-	refer( c, b );
-	status = lwi_cluster_tree_motion( c, d->variable_moves, diag, &b->motion );
+	status = lwi_cluster_tree_motion( b, d->variable_moves, diag, &b->motion );
 	if ( status != LW_OK )
 	{
 		return status;
@@ -322,11 +296,11 @@ static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_di
 	}
 	for ( uint32_t i = 0; i < b->tree->cluster_count; ++i )
 	{
-		lwi_envelope_of_cluster( c, &b->tree->clusters[i], d->joint_moves, &b->envelopes[i] );
+		lwi_envelope_of_cluster( b, &b->tree->clusters[i], d->joint_moves, &b->envelopes[i] );
 	}
-	for ( uint32_t i = 0; i < b->variable_count; ++i )
+	for ( uint32_t i = 0; i < b->group.variable_count; ++i )
 	{
-		lwi_cull_range( b->robot, b->variables[i], &b->near_lower[i], &b->near_upper[i] );
+		lwi_envelope_range( b->robot, b->group.variables[i], &b->group.lower[i], &b->group.upper[i] );
 	}
 	b->bytes += b->tree->bytes + lwi_motion_table_bytes( b->motion ) + b->tree->cluster_count * sizeof( lwi_envelope );
 	return LW_OK;
@@ -337,14 +311,14 @@ static lw_status build_tree( lwi_checker_base* b, lw_checker* c, draft* d, lw_di
 static double reference_value( const lwi_checker_base* b, const lw_checker_def* def, uint32_t variable )
 {
 	bool by_default = def->reference == NULL;
-	for ( uint32_t i = 0; i < b->variable_count && !by_default; ++i )
+	for ( uint32_t i = 0; i < b->group.variable_count && !by_default; ++i )
 	{
-		by_default = b->variables[i] == variable;
+		by_default = b->group.variables[i] == variable;
 	}
 	return by_default ? lwi_robot_default_value( b->robot, variable ) : def->reference[variable];
 }
 
-static lw_status build( lwi_checker_base* b, lw_checker* c, const lw_checker_def* def, draft* d, lw_diag* diag )
+static lw_status build( lwi_checker_base* b, const lw_checker_def* def, draft* d, lw_diag* diag )
 {
 	if ( !allocate_tables( b ) || !draft_create( d, b->robot, &b->allocator ) )
 	{
@@ -357,61 +331,66 @@ static lw_status build( lwi_checker_base* b, lw_checker* c, const lw_checker_def
 	}
 	for ( uint32_t i = 0; i < lw_robot_variable_count( b->robot ); ++i )
 	{
-		b->reference[i] = reference_value( b, def, i );
+		b->group.reference[i] = reference_value( b, def, i );
 	}
-	status = lw_robot_fk( b->robot, b->reference, b->reference_poses );
+	status = lw_robot_fk( b->robot, b->group.reference, b->group.reference_poses );
 	if ( status != LW_OK )
 	{
 		return lwi_fail( diag, status, LW_INVALID_INDEX, "the reference state has a zero quaternion" );
 	}
 	status = fill_bodies( b, def, d, diag );
 	uint32_t bodies = lw_robot_body_count( b->robot );
-	if ( status == LW_OK && b->margins != NULL &&
-		 !lwi_self_margins_apply( b->margins, b->bodies, bodies, b->body_block_count * LWI_WIDTH ) )
+	if ( status == LW_OK && b->self.margins != NULL &&
+		 !lwi_self_margins_apply( b->self.margins, b->bodies, bodies, b->body_block_count * LWI_WIDTH ) )
 	{
 		return lwi_out_of_memory( diag, "margins" );
 	}
-	b->bytes += b->margins != NULL ? b->margins->bytes : 0;
+	b->bytes += b->self.margins != NULL ? b->self.margins->bytes : 0;
 	status = status == LW_OK ? fill_self_pairs( b, d, diag ) : status;
-	return status == LW_OK ? build_tree( b, c, d, diag ) : status;
+	return status == LW_OK ? build_tree( b, d, diag ) : status;
 }
 
-lw_status lwi_checker_base_create( lw_checker* c, const lw_checker_def* def, lwi_self_margins* margins, lw_diag* diag )
+lw_status lwi_checker_base_create( const lw_checker_def* def, const lw_allocator* allocator, lwi_self_margins* margins,
+	lw_diag* diag, lwi_checker_base** out_base )
 {
-	lwi_checker_base* b = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_checker_base ) );
+	*out_base = NULL;
+	lwi_checker_base* b = lwi_alloc_zero( allocator, 1, sizeof( lwi_checker_base ) );
 	if ( b == NULL )
 	{
 		lwi_self_margins_destroy( margins );
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	b->margins = margins;
+	b->self.margins = margins;
 	atomic_init( &b->references, 1u );
-	b->allocator = c->allocator;
+	b->allocator = *allocator;
 	b->robot = lw_robot_retain( def->robot );
 	b->reach = lw_reach_retain( def->reach );
-	b->variable_count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
+	b->group.variable_count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
 	draft d;
 	memset( &d, 0, sizeof( d ) );
 	d.allocator = &b->allocator;
-	lw_status status = build( b, c, def, &d, diag );
+	lw_status status = build( b, def, &d, diag );
 	draft_destroy( &d );
-	refer( c, b ); // a checker that fails releases it
-	return status;
+	if ( status != LW_OK )
+	{
+		lwi_checker_base_release( b );
+		return status;
+	}
+	*out_base = b;
+	return LW_OK;
 }
 
-bool lwi_checker_base_share( lw_checker* c, const lw_checker_def* def, const lwi_self_margins* margins,
-	const lw_checker* other )
+bool lwi_checker_base_fits( const lwi_checker_base* b, const lw_checker_def* def, const lwi_self_margins* margins )
 {
-	lwi_checker_base* b = other->base;
 	uint32_t count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
-	if ( b->robot != def->robot || b->reach != def->reach || b->variable_count != count ||
-		 !lwi_self_margins_equal( b->margins, margins ) )
+	if ( b->robot != def->robot || b->reach != def->reach || b->group.variable_count != count ||
+		 !lwi_self_margins_equal( b->self.margins, margins ) )
 	{
 		return false;
 	}
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		if ( b->variables[i] != ( def->variables != NULL ? def->variables[i] : i ) )
+		if ( b->group.variables[i] != ( def->variables != NULL ? def->variables[i] : i ) )
 		{
 			return false;
 		}
@@ -419,13 +398,11 @@ bool lwi_checker_base_share( lw_checker* c, const lw_checker_def* def, const lwi
 	for ( uint32_t i = 0; i < lw_robot_variable_count( def->robot ); ++i )
 	{
 		double value = reference_value( b, def, i );
-		if ( memcmp( &b->reference[i], &value, sizeof( double ) ) != 0 )
+		if ( memcmp( &b->group.reference[i], &value, sizeof( double ) ) != 0 )
 		{
 			return false;
 		}
 	}
-	lwi_retain( &b->references );
-	refer( c, b );
 	return true;
 }
 
@@ -437,19 +414,19 @@ void lwi_checker_base_release( lwi_checker_base* b )
 	}
 	const lw_allocator allocator = b->allocator;
 	uint32_t bodies = lw_robot_body_count( b->robot );
-	lwi_free( &allocator, b->variables, b->variable_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, b->reference, lw_robot_variable_count( b->robot ) * sizeof( double ) );
-	lwi_free( &allocator, b->reference_poses, lw_robot_link_count( b->robot ) * sizeof( lw_transform ) );
+	lwi_free( &allocator, b->group.variables, b->group.variable_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, b->group.reference, lw_robot_variable_count( b->robot ) * sizeof( double ) );
+	lwi_free( &allocator, b->group.reference_poses, lw_robot_link_count( b->robot ) * sizeof( lw_transform ) );
 	lwi_free( &allocator, b->bodies, bodies * sizeof( lwi_checker_body ) );
 	lwi_free( &allocator, b->moving_bodies, bodies * sizeof( uint32_t ) );
-	lwi_free( &allocator, b->self_pairs, b->self_pair_count * sizeof( lwi_self_pair ) );
-	lwi_free( &allocator, b->self_mask, (size_t)bodies * b->body_block_count );
-	lwi_free( &allocator, b->near_lower, b->variable_count * sizeof( double ) );
-	lwi_free( &allocator, b->near_upper, b->variable_count * sizeof( double ) );
+	lwi_free( &allocator, b->self.pairs, b->self.pair_count * sizeof( lwi_self_pair ) );
+	lwi_free( &allocator, b->self.mask, (size_t)bodies * b->body_block_count );
+	lwi_free( &allocator, b->group.lower, b->group.variable_count * sizeof( double ) );
+	lwi_free( &allocator, b->group.upper, b->group.variable_count * sizeof( double ) );
 	lwi_free( &allocator, b->envelopes, b->tree != NULL ? b->tree->cluster_count * sizeof( lwi_envelope ) : 0 );
-	lwi_self_margins_destroy( b->margins );
+	lwi_self_margins_destroy( b->self.margins );
 	lwi_motion_table_destroy( b->motion );
-	lwi_cluster_tree_destroy( b->tree, b->variable_count );
+	lwi_cluster_tree_destroy( b->tree, b->group.variable_count );
 	lw_reach_release( b->reach );
 	lw_robot_release( b->robot );
 	lwi_free( &allocator, b, sizeof( lwi_checker_base ) );

@@ -4,47 +4,99 @@
 #ifndef LEEWAY_CHECKER_BASE_H
 #define LEEWAY_CHECKER_BASE_H
 
-#include "checker/checker.h"
-#include "checker/culling.h"
+#include "checker/clusters.h"
+#include "checker/envelope.h"
+#include "checker/margin.h"
+#include "leeway/checker.h"
+#include "robot/motion_bound.h"
+#include "robot/robot.h"
+#include "shape/shape.h"
+#include "simd/tree_layout.h"
 
 LW_EXTERN_C_BEGIN
 
-/// Immutable once made, reference counted. A checker holds a reference, and copies of these pointers.
+/// Two bodies to check against each other; `a` < `b`.
+typedef struct lwi_self_pair
+{
+	uint32_t body_a, body_b; ///< robot bodies
+} lwi_self_pair;
+
+/// A robot body in the form that queries read.
+typedef struct lwi_checker_body
+{
+	const lw_shape* shape; ///< the robot's; complete if the body moves, perhaps deferred if not
+	uint32_t link;
+	lw_transform link_from_shape;
+	double self_margin;    ///< its share of margins to other bodies, but for `self_row`
+	const float* self_row; ///< [body_block_count * LWI_WIDTH] listed margins less these shares, rounded up; NULL = none
+} lwi_checker_body;
+
+/// The variables that a planner moves, and the state of all others.
+typedef struct lwi_group
+{
+	uint32_t variable_count;
+	uint32_t* variables;           ///< [variable_count] robot variables of a state vector
+	double* reference;             ///< [robot variable_count] the default in the group, def's outside of it
+	lw_transform* reference_poses; ///< [link_count] world_from_link at the reference
+	double *lower, *upper;         ///< [variable_count] the states for which near masks of checkers hold
+} lwi_group;
+
+/// The pairs of bodies to check against each other.
+typedef struct lwi_self_pairs
+{
+	uint32_t pair_count;
+	lwi_self_pair* pairs;
+	uint32_t never_count;      ///< pairs whose separation the reach proves to be above 0
+	uint8_t* mask;             ///< [body_count][body_block_count] bit = this pair is in `pairs` (in the row of body_a)
+	lwi_self_margins* margins; ///< NULL = none
+} lwi_self_pairs;
+
+/// Immutable once made, reference counted.
 typedef struct lwi_checker_base
 {
 	lwi_refcount references;
 	lw_allocator allocator;
 	size_t bytes;
 	lw_robot* robot;
-	lw_reach* reach;       ///< NULL = none
-	uint32_t variable_count;
-	uint32_t* variables;   ///< [variable_count]
-	double* reference;     ///< [robot variable_count] the default in the group, def's outside of it
-	lw_transform* reference_poses; ///< [link_count]
-	lwi_checker_body* bodies;      ///< [robot body_count]
+	lw_reach* reach; ///< NULL = none
+	lwi_group group;
+	lwi_checker_body* bodies;  ///< [robot body_count]
+	uint32_t body_block_count; ///< of LWI_WIDTH robot bodies
 	uint32_t moving_body_count;
-	uint32_t* moving_bodies;       ///< [robot body_count]
-	uint32_t self_pair_count, never_pair_count;
-	lwi_self_pair* self_pairs;
-	uint32_t body_block_count;
-	uint8_t* self_mask;
-	lwi_self_margins* margins; ///< NULL = none
-	double *near_lower, *near_upper; ///< [variable_count]
-	struct lwi_cluster_tree* tree;
-	lwi_motion_table* motion;
-	lwi_envelope* envelopes; ///< [cluster_count] spheres around all places of each cluster
+	uint32_t* moving_bodies; ///< [moving_body_count] robot bodies on moving links, ascending
+	lwi_self_pairs self;
+	lwi_cluster_tree* tree;   ///< clusters of the robot, with their pairs' separations proved by the reach
+	lwi_motion_table* motion; ///< of the tree's clusters
+	lwi_envelope* envelopes;  ///< [cluster_count]
 } lwi_checker_base;
 
-/// For a def that was checked. `checker` has its allocator; it gets the base and pointers to its contents.
-/// @param margins the base's from now on, also after a failure. NULL = none
+/// For a def that was checked. @param margins the base's from now on, also after a failure. NULL = none
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_OUT_OF_MEMORY, the status of a deferred mesh that could not be made
-lw_status lwi_checker_base_create( lw_checker* checker, const lw_checker_def* def, lwi_self_margins* margins,
-	lw_diag* diag );
-/// Shares the base of another checker if it fits this def: the same robot, reach, group, reference and margins of self
-/// pairs.
-bool lwi_checker_base_share( lw_checker* checker, const lw_checker_def* def, const lwi_self_margins* margins,
-	const lw_checker* other );
+lw_status lwi_checker_base_create( const lw_checker_def* def, const lw_allocator* allocator, lwi_self_margins* margins,
+	lw_diag* diag, lwi_checker_base** out_base );
+/// True if a base serves this def: the same robot, reach, group, reference and margins of self pairs.
+bool lwi_checker_base_fits( const lwi_checker_base* base, const lw_checker_def* def, const lwi_self_margins* margins );
 void lwi_checker_base_release( lwi_checker_base* base ); ///< NULL is ignored
+
+/// Margin of two bodies.
+static inline double lwi_self_margin( const lwi_checker_base* base, uint32_t body_a, uint32_t body_b )
+{
+	return base->self.margins != NULL
+			   ? lwi_margin_of_links( base->self.margins, base->bodies[body_a].link, base->bodies[body_b].link )
+			   : 0;
+}
+
+/// No self clearance is below this; 0 without margins.
+static inline double lwi_lowest_self( const lwi_checker_base* base )
+{
+	return base->self.margins != NULL ? -base->self.margins->largest : 0;
+}
+
+/// Names a pair of robot bodies; body_a < body_b.
+static inline uint32_t lwi_body_pair_id( const lwi_checker_base* base, uint32_t body_a, uint32_t body_b )
+{
+	return body_a * ( base->body_block_count * LWI_WIDTH ) + body_b;
+}
 
 LW_EXTERN_C_END
 

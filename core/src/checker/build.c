@@ -27,17 +27,17 @@ static void checker_free( lw_checker* c )
 {
 	const lw_allocator allocator = c->allocator;
 	uint32_t bodies = 0, clusters = 0, shapes = c->scene != NULL ? c->scene->shape_count : 0;
-	if ( c->base != NULL && c->tree != NULL )
+	if ( c->base != NULL )
 	{
-		bodies = lw_robot_body_count( c->robot );
-		clusters = c->tree->cluster_count;
+		bodies = lw_robot_body_count( c->base->robot );
+		clusters = c->base->tree->cluster_count;
 	}
 	lwi_free( &allocator, c->allowed, c->allowed_count * sizeof( lw_link_object_pair ) );
-	lwi_free( &allocator, c->environment_mask, (size_t)bodies * c->scene_block_count );
-	lwi_free( &allocator, c->near_mask, (size_t)bodies * c->scene_block_count );
-	lwi_free( &allocator, c->cluster_environment, clusters );
-	lwi_free( &allocator, c->obstacle_distance, c->scene_block_count * sizeof( double[LWI_WIDTH] ) );
-	lwi_free( &allocator, c->cluster_distance, (size_t)clusters * shapes * sizeof( double ) );
+	lwi_free( &allocator, c->environment.mask, (size_t)bodies * c->environment.block_count );
+	lwi_free( &allocator, c->culling.near_mask, (size_t)bodies * c->environment.block_count );
+	lwi_free( &allocator, c->environment.clusters, clusters );
+	lwi_free( &allocator, c->culling.obstacle_distance, c->environment.block_count * sizeof( double[LWI_WIDTH] ) );
+	lwi_free( &allocator, c->culling.cluster_distance, (size_t)clusters * shapes * sizeof( double ) );
 	lwi_margins_destroy( c->margins );
 	lwi_checker_base_release( c->base );
 	lw_scene_release( c->scene );
@@ -93,8 +93,9 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "the reference value of variable %u is not finite", i );
 		}
 	}
-	bool known = def->previous != NULL && def->previous->reach == def->reach &&
-		( def->previous->robot == def->robot || lw_robot_bare( def->previous->robot ) == lw_robot_bare( def->robot ) );
+	bool known = def->previous != NULL && def->previous->base->reach == def->reach &&
+				 ( def->previous->base->robot == def->robot ||
+					 lw_robot_bare( def->previous->base->robot ) == lw_robot_bare( def->robot ) );
 	if ( def->reach != NULL && !known && !serves( def->reach, def->robot ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
@@ -115,29 +116,29 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 static bool allocate_tables( lw_checker* c )
 {
 	const lw_allocator* allocator = &c->allocator;
-	uint32_t bodies = lw_robot_body_count( c->robot ), clusters = c->tree->cluster_count;
+	uint32_t bodies = lw_robot_body_count( c->base->robot ), clusters = c->base->tree->cluster_count;
 	uint32_t shapes = c->scene != NULL ? c->scene->shape_count : 0;
-	c->scene_block_count = c->scene != NULL ? c->scene->block_count : 0;
-	c->environment_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
-	c->near_mask = lwi_alloc_zero( allocator, bodies, c->scene_block_count );
-	c->cluster_environment = lwi_alloc_zero( allocator, clusters, 1 );
-	c->obstacle_distance = lwi_alloc_zero( allocator, c->scene_block_count, sizeof( double[LWI_WIDTH] ) );
-	c->cluster_distance = lwi_alloc_zero( allocator, (size_t)clusters * shapes, sizeof( double ) );
+	c->environment.block_count = c->scene != NULL ? c->scene->block_count : 0;
+	c->environment.mask = lwi_alloc_zero( allocator, bodies, c->environment.block_count );
+	c->culling.near_mask = lwi_alloc_zero( allocator, bodies, c->environment.block_count );
+	c->environment.clusters = lwi_alloc_zero( allocator, clusters, 1 );
+	c->culling.obstacle_distance = lwi_alloc_zero( allocator, c->environment.block_count, sizeof( double[LWI_WIDTH] ) );
+	c->culling.cluster_distance = lwi_alloc_zero( allocator, (size_t)clusters * shapes, sizeof( double ) );
 	c->allowed = lwi_alloc_zero( allocator, c->allowed_count, sizeof( lw_link_object_pair ) );
-	c->bytes = sizeof( lw_checker ) + c->scene_block_count * ( sizeof( double[LWI_WIDTH] ) + (size_t)2 * bodies ) + clusters +
-			   (size_t)clusters * shapes * sizeof( double ) + c->allowed_count * sizeof( lw_link_object_pair );
-	return c->environment_mask != NULL && c->near_mask != NULL && c->cluster_environment != NULL && c->obstacle_distance != NULL &&
-		   c->cluster_distance != NULL && c->allowed != NULL;
+	c->bytes = sizeof( lw_checker ) + c->environment.block_count * ( sizeof( double[LWI_WIDTH] ) + (size_t)2 * bodies ) +
+			   clusters + (size_t)clusters * shapes * sizeof( double ) + c->allowed_count * sizeof( lw_link_object_pair );
+	return c->environment.mask != NULL && c->culling.near_mask != NULL && c->environment.clusters != NULL &&
+		   c->culling.obstacle_distance != NULL && c->culling.cluster_distance != NULL && c->allowed != NULL;
 }
 
 /// Sets the masks: every body is checked against every obstacle except for allowed pairs.
 static void fill_masks( lw_checker* c )
 {
-	const uint32_t bodies = lw_robot_body_count( c->robot ), shapes = c->scene != NULL ? c->scene->shape_count : 0;
+	const uint32_t bodies = lw_robot_body_count( c->base->robot ), shapes = c->scene != NULL ? c->scene->shape_count : 0;
 	for ( uint32_t body = 0; body < bodies; ++body )
 	{
-		uint8_t* row = c->environment_mask + (size_t)body * c->scene_block_count;
-		for ( uint32_t block = 0; block < c->scene_block_count; ++block )
+		uint8_t* row = c->environment.mask + (size_t)body * c->environment.block_count;
+		for ( uint32_t block = 0; block < c->environment.block_count; ++block )
 		{
 			uint32_t left = shapes - block * LWI_WIDTH;
 			row[block] = (uint8_t)( left < LWI_WIDTH ? ( 1u << left ) - 1 : 0xffu );
@@ -149,8 +150,8 @@ static void fill_masks( lw_checker* c )
 		{
 			for ( uint32_t body = 0; c->scene->shapes[shape].object == c->allowed[i].object && body < bodies; ++body )
 			{
-				uint8_t* entry = c->environment_mask + (size_t)body * c->scene_block_count + shape / LWI_WIDTH;
-				uint32_t bit = c->bodies[body].link == c->allowed[i].link ? 1u << ( shape % LWI_WIDTH ) : 0;
+				uint8_t* entry = c->environment.mask + (size_t)body * c->environment.block_count + shape / LWI_WIDTH;
+				uint32_t bit = c->base->bodies[body].link == c->allowed[i].link ? 1u << ( shape % LWI_WIDTH ) : 0;
 				*entry = (uint8_t)( *entry & ~bit );
 			}
 		}
@@ -160,15 +161,16 @@ static void fill_masks( lw_checker* c )
 /// Summarises the masks per cluster, and counts the pairs.
 static void count_masks( lw_checker* c )
 {
-	const lwi_cluster_tree* t = c->tree;
+	const lwi_cluster_tree* t = c->base->tree;
 	for ( uint32_t i = t->cluster_count; i-- > 0; )
 	{
 		const lwi_cluster* cluster = &t->clusters[i];
 		uint32_t pairs = 0;
 		for ( uint32_t k = 0; k < cluster->body_count; ++k )
 		{
-			const uint8_t* row = c->environment_mask + (size_t)t->bodies[cluster->first_body + k] * c->scene_block_count;
-			for ( uint32_t block = 0; block < c->scene_block_count; ++block )
+			const uint8_t* row =
+				c->environment.mask + (size_t)t->bodies[cluster->first_body + k] * c->environment.block_count;
+			for ( uint32_t block = 0; block < c->environment.block_count; ++block )
 			{
 				for ( uint32_t bits = row[block]; bits != 0; bits &= bits - 1 )
 				{
@@ -176,12 +178,13 @@ static void count_masks( lw_checker* c )
 				}
 			}
 		}
-		c->environment_pair_count += i > 0 ? pairs : 0;
-		uint32_t mine = c->cluster_environment[i] | ( pairs > 0 ? LWI_CLUSTER_CHECKED | LWI_SUBTREE_CHECKED : 0u );
-		c->cluster_environment[i] = (uint8_t)mine;
+		c->environment.pair_count += i > 0 ? pairs : 0;
+		uint32_t mine = c->environment.clusters[i] | ( pairs > 0 ? LWI_CLUSTER_CHECKED | LWI_SUBTREE_CHECKED : 0u );
+		c->environment.clusters[i] = (uint8_t)mine;
 		if ( i > 1 && cluster->parent > 0 )
 		{
-			c->cluster_environment[cluster->parent] = (uint8_t)( c->cluster_environment[cluster->parent] | ( mine & LWI_SUBTREE_CHECKED ) );
+			c->environment.clusters[cluster->parent] =
+				(uint8_t)( c->environment.clusters[cluster->parent] | ( mine & LWI_SUBTREE_CHECKED ) );
 		}
 	}
 }
@@ -199,11 +202,11 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 		return lwi_fail( diag, status, LW_INVALID_INDEX, "no query for the static part of a checker: %s",
 			status == LW_ERROR_OUT_OF_MEMORY ? "out of memory" : "too many bodies times scene shapes" );
 	}
-	double* group = lwi_alloc_zero( &c->allocator, c->variable_count, sizeof( double ) );
+	double* group = lwi_alloc_zero( &c->allocator, c->base->group.variable_count, sizeof( double ) );
 	status = group != NULL ? LW_OK : lwi_out_of_memory( diag, "a checker" );
-	for ( uint32_t i = 0; status == LW_OK && i < c->variable_count; ++i )
+	for ( uint32_t i = 0; status == LW_OK && i < c->base->group.variable_count; ++i )
 	{
-		group[i] = c->reference[c->variables[i]];
+		group[i] = c->base->group.reference[c->base->group.variables[i]];
 	}
 	if ( status == LW_OK )
 	{
@@ -222,7 +225,7 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 			lwi_fail( diag, status, LW_INVALID_INDEX, "the robot has links so far away that their poses are not exact" );
 		}
 	}
-	lwi_free( &c->allocator, group, c->variable_count * sizeof( double ) );
+	lwi_free( &c->allocator, group, c->base->group.variable_count * sizeof( double ) );
 	lw_query_destroy( query );
 	return status;
 }
@@ -230,13 +233,13 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 /// The static environment: measurements of the previous checker still hold for shapes that it had too.
 static lw_status find_static( lw_checker* c, const lw_checker_def* def, const lwi_reuse* reuse, lw_diag* diag )
 {
-	c->static_environment = lwi_nothing_to_check();
-	c->static_body = c->static_shape = LW_INVALID_INDEX;
-	if ( c->scene_block_count == 0 || c->tree->clusters[0].body_count == 0 )
+	c->nearest_static.clearance = lwi_nothing_to_check();
+	c->nearest_static.body = c->nearest_static.shape = LW_INVALID_INDEX;
+	if ( c->environment.block_count == 0 || c->base->tree->clusters[0].body_count == 0 )
 	{
 		return LW_OK;
 	}
-	uint8_t* fresh = lwi_alloc_zero( &c->allocator, c->scene_block_count, 1 );
+	uint8_t* fresh = lwi_alloc_zero( &c->allocator, c->environment.block_count, 1 );
 	if ( fresh == NULL )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
@@ -248,17 +251,17 @@ static lw_status find_static( lw_checker* c, const lw_checker_def* def, const lw
 	}
 	else
 	{
-		double known = c->static_environment.upper, lower = c->static_environment.lower;
+		double known = c->nearest_static.clearance.upper, lower = c->nearest_static.clearance.lower;
 		bool any = false;
-		for ( uint32_t block = 0; block < c->scene_block_count; ++block )
+		for ( uint32_t block = 0; block < c->environment.block_count; ++block )
 		{
 			any = any || fresh[block] != 0;
 		}
 		status = any ? measure_static( c, def, fresh, known, diag ) : LW_OK;
 		// Both bounds hold; they differ in order only where the two nearest pairs are equally far to rounding
-		c->static_environment.lower = fmin( c->static_environment.lower, lower );
+		c->nearest_static.clearance.lower = fmin( c->nearest_static.clearance.lower, lower );
 	}
-	lwi_free( &c->allocator, fresh, c->scene_block_count );
+	lwi_free( &c->allocator, fresh, c->environment.block_count );
 	return status;
 }
 
@@ -270,13 +273,15 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 	{
 		return status;
 	}
-	if ( def->previous != NULL && lwi_checker_base_share( c, def, self, def->previous ) )
+	if ( def->previous != NULL && lwi_checker_base_fits( def->previous->base, def, self ) )
 	{
+		c->base = def->previous->base;
+		lwi_retain( &c->base->references );
 		lwi_self_margins_destroy( self );
 	}
 	else
 	{
-		status = lwi_checker_base_create( c, def, self, diag );
+		status = lwi_checker_base_create( def, &c->allocator, self, diag, &c->base );
 	}
 	if ( status != LW_OK )
 	{
@@ -368,7 +373,7 @@ void lw_checker_release( lw_checker* checker )
 
 const lw_robot* lw_checker_robot( const lw_checker* checker )
 {
-	return checker->robot;
+	return checker->base->robot;
 }
 
 const lw_scene* lw_checker_scene( const lw_checker* checker )
@@ -378,23 +383,23 @@ const lw_scene* lw_checker_scene( const lw_checker* checker )
 
 uint32_t lw_checker_variable_count( const lw_checker* checker )
 {
-	return checker->variable_count;
+	return checker->base->group.variable_count;
 }
 
 uint32_t lw_checker_variable( const lw_checker* checker, uint32_t index )
 {
-	return index < checker->variable_count ? checker->variables[index] : LW_INVALID_INDEX;
+	return index < checker->base->group.variable_count ? checker->base->group.variables[index] : LW_INVALID_INDEX;
 }
 
 void lw_checker_full_state( const lw_checker* checker, const double* q, double* full )
 {
-	for ( uint32_t i = 0; i < checker->robot->variable_count; ++i )
+	for ( uint32_t i = 0; i < checker->base->robot->variable_count; ++i )
 	{
-		full[i] = checker->reference[i];
+		full[i] = checker->base->group.reference[i];
 	}
-	for ( uint32_t i = 0; i < checker->variable_count; ++i )
+	for ( uint32_t i = 0; i < checker->base->group.variable_count; ++i )
 	{
-		full[checker->variables[i]] = q[i];
+		full[checker->base->group.variables[i]] = q[i];
 	}
 }
 
@@ -402,22 +407,24 @@ lw_checker_info lw_checker_get_info( const lw_checker* checker )
 {
 	lw_checker_info info;
 	memset( &info, 0, sizeof( info ) );
-	info.moving_bodies = checker->moving_body_count;
-	info.static_bodies = lw_robot_body_count( checker->robot ) - checker->moving_body_count;
-	info.environment_pairs = checker->environment_pair_count;
-	info.self_pairs = checker->self_pair_count;
-	info.never_pairs = checker->never_pair_count;
-	info.hierarchy = checker->tree->proves;
-	info.horizon = checker->horizon;
-	info.near_shapes = checker->near_shape_count;
+	info.moving_bodies = checker->base->moving_body_count;
+	info.static_bodies = lw_robot_body_count( checker->base->robot ) - checker->base->moving_body_count;
+	info.environment_pairs = checker->environment.pair_count;
+	info.self_pairs = checker->base->self.pair_count;
+	info.never_pairs = checker->base->self.never_count;
+	info.hierarchy = checker->base->tree->proves;
+	info.horizon = checker->culling.horizon;
+	info.near_shapes = checker->culling.near_shape_count;
 	info.environment_margin = 0 - lwi_lowest_environment( checker ); // not -0
-	info.self_margin = 0 - lwi_lowest_self( checker );
-	info.static_environment = checker->static_environment;
+	info.self_margin = 0 - lwi_lowest_self( checker->base );
+	info.static_environment = checker->nearest_static.clearance;
 	info.bytes = checker->bytes + checker->base->bytes;
 	return info;
 }
 
 double lw_checker_obstacle_distance( const lw_checker* checker, uint32_t scene_shape )
 {
-	return checker->scene != NULL && scene_shape < checker->scene->shape_count ? checker->obstacle_distance[scene_shape] : 0;
+	return checker->scene != NULL && scene_shape < checker->scene->shape_count
+			   ? checker->culling.obstacle_distance[scene_shape]
+			   : 0;
 }

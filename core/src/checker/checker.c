@@ -27,11 +27,11 @@ static bool is_proved_free( const lw_clearance* clearance, double min_d )
 lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spare_shapes, uint32_t spare_bodies )
 {
 	const uint32_t scene_shapes = checker->scene != NULL ? checker->scene->shape_count : 0;
-	lwi_query_sizes sizes = { .links = lw_robot_link_count( checker->robot ) + spare_bodies,
-		.bodies = lw_robot_body_count( checker->robot ) + spare_bodies,
-		.variables = lw_robot_variable_count( checker->robot ),
+	lwi_query_sizes sizes = { .links = lw_robot_link_count( checker->base->robot ) + spare_bodies,
+		.bodies = lw_robot_body_count( checker->base->robot ) + spare_bodies,
+		.variables = lw_robot_variable_count( checker->base->robot ),
 		.shapes = scene_shapes + spare_shapes };
-	const size_t rows = (size_t)checker->moving_body_count + spare_bodies;
+	const size_t rows = (size_t)checker->base->moving_body_count + spare_bodies;
 	const size_t environment = ( rows > 0 ? rows : 1 ) * lwi_padded( sizes.shapes );
 	const size_t self = sizes.bodies * (size_t)lwi_padded( sizes.bodies );
 	sizes.gaps = environment > self ? environment : self;
@@ -47,8 +47,8 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	}
 	*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
 	lw_range wanted = range != NULL ? *range : lw_range_exact();
-	if ( checker == NULL || query == NULL || ( q == NULL && checker->variable_count > 0 ) || !lwi_range_is_valid( &wanted ) ||
-		 ( flags & LW_CHECK_BOTH ) == 0 || !lwi_query_fits( query, checker ) )
+	if ( checker == NULL || query == NULL || ( q == NULL && checker->base->group.variable_count > 0 ) ||
+		 !lwi_range_is_valid( &wanted ) || ( flags & LW_CHECK_BOTH ) == 0 || !lwi_query_fits( query, checker ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}

@@ -4,13 +4,8 @@
 #ifndef LEEWAY_CHECKER_CHECKER_H
 #define LEEWAY_CHECKER_CHECKER_H
 
-#include "checker/margin.h"
-#include "leeway/checker.h"
-#include "robot/motion_bound.h"
+#include "checker/base.h"
 #include "query/query.h"
-#include "simd/tree_layout.h"
-#include "robot/robot.h"
-#include "shape/shape.h"
 
 #include <math.h>
 
@@ -18,67 +13,47 @@ LW_EXTERN_C_BEGIN
 
 struct lwi_cached_pair;
 
-/// Two bodies to check against each other; `a` < `b`.
-typedef struct lwi_self_pair
+/// The pairs of bodies and scene shapes to check.
+typedef struct lwi_environment_pairs
 {
-	uint32_t body_a, body_b; ///< robot bodies
-} lwi_self_pair;
+	uint32_t block_count; ///< of LWI_WIDTH scene shapes
+	uint8_t* mask;        ///< [body_count][block_count] bit = this body is checked against this scene shape
+	uint8_t* clusters;    ///< [cluster_count] bits of lwi_cluster_checked
+	uint32_t pair_count;  ///< of moving bodies
+} lwi_environment_pairs;
 
-/// A robot body in the form that queries read.
-typedef struct lwi_checker_body
+/// Obstacles that the group can come near to: checker/culling.c. The rest is skipped where that changes no answer.
+typedef struct lwi_culling
 {
-	const lw_shape* shape; ///< the robot's; complete if the body moves, perhaps deferred if not
-	uint32_t link;
-	lw_transform link_from_shape;
-	double self_margin;    ///< its share of margins to other bodies, but for `self_row`
-	const float* self_row; ///< [body_block_count * LWI_WIDTH] listed margins less these shares, rounded up; NULL = none
-} lwi_checker_body;
+	double horizon; ///< metres: least distance of moving bodies to obstacles outside of near_mask
+	bool is_complete;                            ///< the static bodies are nearer than the horizon: so is every state
+	uint8_t* near_mask;                          ///< as the mask of all pairs, a part of it; rows of moving bodies
+	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
+	double* obstacle_distance; ///< [shape_count] proved distance to all moving bodies, less margins; +INFINITY: unchecked
+	double* cluster_distance;  ///< [shape_count][cluster_count] proved distance to a cluster's bodies; NaN: none is checked
+} lwi_culling;
+
+/// The nearest pair of a static body and an obstacle.
+typedef struct lwi_static_pair
+{
+	lw_clearance clearance;
+	uint32_t body, shape; ///< LW_INVALID_INDEX if there is nothing
+} lwi_static_pair;
 
 struct lw_checker
 {
 	lwi_refcount references;
 	lw_allocator allocator;
+	size_t bytes; ///< of this checker alone
+	lwi_checker_base* base;
 	lw_scene* scene; ///< NULL = none
-	// Shared with checkers that differ in their scene only, and owned by the base: its contents are immutable
-	struct lwi_checker_base* base;
-	lw_robot* robot;
-	lw_reach* reach; ///< NULL = none
-	uint32_t variable_count;
-	uint32_t* variables;   ///< [variable_count] robot variables of a state vector
-	double* reference;     ///< [robot variable_count] the default in the group, def's outside of it
-	lw_transform* reference_poses; ///< [link_count] world_from_link at the reference
-	lwi_checker_body* bodies; ///< [robot body_count]
-	uint32_t moving_body_count;
-	uint32_t* moving_bodies; ///< [moving_body_count] robot bodies on moving links, ascending
-	uint32_t self_pair_count;
-	lwi_self_pair* self_pairs;
-	uint32_t body_block_count;  ///< of LWI_WIDTH robot bodies
-	uint8_t* self_mask;         ///< [body_count][body_block_count]: bit = this pair is in self_pairs (in the row of body_a)
-	double* near_lower;         ///< [variable_count] the states for which near_mask holds
-	double* near_upper;
-	lwi_motion_table* motion;      ///< of the tree's clusters
-	struct lwi_cluster_tree* tree; ///< clusters of the robot, with their pairs' separations proved by the reach
-	uint32_t never_pair_count;
-	lwi_self_margins* self_margins; ///< NULL = none
-	// This scene's
-	lwi_margins* margins;       ///< NULL = none
 	uint32_t allowed_count;
 	lw_link_object_pair* allowed; ///< [allowed_count] as given
-	double max_d;               ///< as given
-	uint32_t scene_block_count; ///< of LWI_WIDTH scene shapes
-	uint8_t* environment_mask;  ///< [body_count][scene_block_count]: bit = this body is checked against this scene shape
-	uint8_t* cluster_environment;  ///< [cluster_count] bits of lwi_cluster_checked
-	uint32_t environment_pair_count; ///< of moving bodies
-	// Obstacles that the group can come near to: checker/culling.c. The rest is skipped where that changes no answer.
-	double horizon;           ///< metres: least distance of moving bodies to obstacles outside of near_mask
-	bool horizon_is_complete; ///< static_environment is nearer than the horizon: no state's clearance is beyond it
-	uint8_t* near_mask;       ///< as environment_mask, which it is a part of; rows of moving bodies
-	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
-	double* obstacle_distance; ///< [shape_count] proved distance to all moving bodies, less margins; +INFINITY: unchecked
-	double* cluster_distance; ///< [shape_count][cluster_count] proved distance to a cluster's bodies; NaN where none is checked
-	lw_clearance static_environment;
-	uint32_t static_body, static_shape; ///< where it is attained; LW_INVALID_INDEX if there is nothing
-	size_t bytes;             ///< of this checker alone
+	double max_d;                 ///< as given
+	lwi_margins* margins;         ///< to objects; NULL = none
+	lwi_environment_pairs environment;
+	lwi_culling culling;
+	lwi_static_pair nearest_static;
 };
 
 /// Bits: does a cluster, or its subtree, have bodies to check against the scene?
@@ -91,25 +66,13 @@ enum lwi_cluster_checked
 /// Margin of a body to an object.
 static inline double lwi_environment_margin( const lw_checker* checker, uint32_t body, uint32_t object )
 {
-	return checker->margins != NULL ? lwi_margin_to_object( checker->margins, checker->bodies[body].link, object ) : 0;
-}
-
-/// Margin of two bodies.
-static inline double lwi_self_margin( const lw_checker* checker, uint32_t body_a, uint32_t body_b )
-{
-	return checker->self_margins != NULL
-			   ? lwi_margin_of_links( checker->self_margins, checker->bodies[body_a].link, checker->bodies[body_b].link )
-			   : 0;
+	return checker->margins != NULL ? lwi_margin_to_object( checker->margins, checker->base->bodies[body].link, object ) : 0;
 }
 
 /// No clearance is below this; 0 without margins.
 static inline double lwi_lowest_environment( const lw_checker* checker )
 {
 	return checker->margins != NULL ? -checker->margins->largest : 0;
-}
-static inline double lwi_lowest_self( const lw_checker* checker )
-{
-	return checker->self_margins != NULL ? -checker->self_margins->largest : 0;
 }
 
 /// Computes the static poses, unless the query holds this checker's poses already.
@@ -166,12 +129,6 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 /// apart: the first entries of query->candidates, each lwi_body_pair_id(). Returns their count.
 uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t pair, double limit );
 
-/// Names a pair of robot bodies; body_a < body_b.
-static inline uint32_t lwi_body_pair_id( const lw_checker* checker, uint32_t body_a, uint32_t body_b )
-{
-	return body_a * ( checker->body_block_count * LWI_WIDTH ) + body_b;
-}
-
 /// False if the spheres of two bodies are `limit` or farther apart.
 bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit );
 
@@ -181,8 +138,7 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// Measures the static bodies: fills static_environment, static_body and static_shape with the nearest pair, if it is nearer
-/// than `known`; else leaves them alone. Called by lw_checker_create() with a query posed at the reference.
+/// Measures the static bodies: fills nearest_static, if the nearest pair is nearer than `known`; else leaves it alone. Called by lw_checker_create() with a query posed at the reference.
 /// @param fresh [scene_block_count] bits of the shapes to measure; NULL: all
 /// @param known metres, INFINITY if nothing is known
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known,

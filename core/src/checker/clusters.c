@@ -4,7 +4,7 @@
 // for the joints of the group alone.
 #include "checker/clusters.h"
 
-#include "checker/checker.h"
+#include "checker/base.h"
 #include "checker/pose.h"
 #include "base/math_inline.h"
 #include "reachability/reach.h"
@@ -16,13 +16,13 @@
 /// Metres subtracted from every separation: the rounding of poses is below this within 1000 km of the world's origin.
 #define POSE_MARGIN 1e-9
 
-float lwi_checker_separation( const lw_checker* c, const lwi_cluster_tree* t, uint32_t body_a, uint32_t body_b )
+float lwi_checker_separation( const lwi_checker_base* base, const lwi_cluster_tree* t, uint32_t body_a, uint32_t body_b )
 {
-	double proved = 0, margin = lwi_self_margin( c, body_a, body_b );
-	uint32_t link_a = c->bodies[body_a].link, link_b = c->bodies[body_b].link;
-	if ( t->proves && link_a < c->reach->link_count && link_b < c->reach->link_count ) // not of later links
+	double proved = 0, margin = lwi_self_margin( base, body_a, body_b );
+	uint32_t link_a = base->bodies[body_a].link, link_b = base->bodies[body_b].link;
+	if ( t->proves && link_a < base->reach->link_count && link_b < base->reach->link_count ) // not of later links
 	{
-		proved = lw_reach_get_pair( c->reach, link_a, link_b ).separation;
+		proved = lw_reach_get_pair( base->reach, link_a, link_b ).separation;
 	}
 	double usable = proved * ( 1 - 0x1p-20 ) - POSE_MARGIN;
 	usable = usable > 0 ? usable : 0;
@@ -82,35 +82,35 @@ static bool allocate( lwi_cluster_tree* t, uint32_t variables, uint32_t links, u
 }
 
 /// True if there is a reach and every variable outside of the group is inside of its range.
-static bool reach_covers( const lw_checker* c, const bool* in_group )
+static bool reach_covers( const lwi_checker_base* base, const bool* in_group )
 {
-	for ( uint32_t i = 0; c->reach != NULL && i < c->robot->variable_count; ++i )
+	for ( uint32_t i = 0; base->reach != NULL && i < base->robot->variable_count; ++i )
 	{
 		double lower, upper;
-		lw_reach_variable_range( c->reach, i, &lower, &upper );
-		if ( !in_group[i] && !( c->reference[i] >= lower && c->reference[i] <= upper ) )
+		lw_reach_variable_range( base->reach, i, &lower, &upper );
+		if ( !in_group[i] && !( base->group.reference[i] >= lower && base->group.reference[i] <= upper ) )
 		{
 			return false;
 		}
 	}
-	return c->reach != NULL;
+	return base->reach != NULL;
 }
 
 /// Ranges of the group's variables, and its floating joints.
-static void fill_variables( lwi_cluster_tree* t, const lw_checker* c )
+static void fill_variables( lwi_cluster_tree* t, const lwi_checker_base* base )
 {
-	for ( uint32_t i = 0; i < c->variable_count; ++i )
+	for ( uint32_t i = 0; i < base->group.variable_count; ++i )
 	{
 		t->lower[i] = -INFINITY;
 		t->upper[i] = INFINITY;
 		if ( t->proves )
 		{
-			lw_reach_variable_range( c->reach, c->variables[i], &t->lower[i], &t->upper[i] );
+			lw_reach_variable_range( base->reach, base->group.variables[i], &t->lower[i], &t->upper[i] );
 		}
-		const lw_variable_info* info = &c->robot->variables[c->variables[i]];
-		if ( c->robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 0 )
+		const lw_variable_info* info = &base->robot->variables[base->group.variables[i]];
+		if ( base->robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component == 0 )
 		{
-			t->floating[t->floating_count++] = c->variables[i];
+			t->floating[t->floating_count++] = base->group.variables[i];
 		}
 	}
 }
@@ -165,7 +165,7 @@ static void number_clusters( lwi_cluster_tree* t, const lw_robot* robot, const b
 }
 
 /// Fixed transforms between the clusters, the same in all states.
-static void fill_joint_frames( lwi_cluster_tree* t, const lw_checker* c )
+static void fill_joint_frames( lwi_cluster_tree* t, const lwi_checker_base* base )
 {
 	for ( uint32_t i = 0; i < t->cluster_count; ++i )
 	{
@@ -173,10 +173,11 @@ static void fill_joint_frames( lwi_cluster_tree* t, const lw_checker* c )
 		cluster->parent_from_joint = lw_transform_identity();
 		if ( cluster->parent != LW_INVALID_INDEX )
 		{
-			const lwi_joint* joint = &c->robot->joints[c->robot->link_joint[cluster->root_link]];
+			const lwi_joint* joint = &base->robot->joints[base->robot->link_joint[cluster->root_link]];
 			uint32_t root_link = cluster->parent_root = t->clusters[cluster->parent].root_link;
 			bool direct = root_link == cluster->parent_link; // the usual case: not a digit is lost
-			lw_transform root_link_from_link = lwi_relative( &c->reference_poses[root_link], &c->reference_poses[cluster->parent_link] );
+			lw_transform root_link_from_link =
+				lwi_relative( &base->group.reference_poses[root_link], &base->group.reference_poses[cluster->parent_link] );
 			cluster->parent_from_joint = direct ? joint->parent_from_joint : lwi_multiply( &root_link_from_link, &joint->parent_from_joint );
 			cluster->translates = direct && joint->pure_translation;
 		}
@@ -196,19 +197,20 @@ static void fill_angles( lwi_cluster_tree* t, const lw_robot* robot )
 }
 
 /// root_link_from_shape at the reference, and thereby in every state.
-static lw_transform body_in_cluster( const lw_checker* c, const lwi_cluster* cluster, uint32_t body )
+static lw_transform body_in_cluster( const lwi_checker_base* base, const lwi_cluster* cluster, uint32_t body )
 {
-	const lwi_checker_body* b = &c->bodies[body];
-	lw_transform root_link_from_link = lwi_relative( &c->reference_poses[cluster->root_link], &c->reference_poses[b->link] );
+	const lwi_checker_body* b = &base->bodies[body];
+	lw_transform root_link_from_link =
+		lwi_relative( &base->group.reference_poses[cluster->root_link], &base->group.reference_poses[b->link] );
 	return lwi_multiply( &root_link_from_link, &b->link_from_shape );
 }
 
 /// Bodies by cluster: counting sort, so that within a cluster they keep their order.
-static void fill_clusters( lwi_cluster_tree* t, const lw_checker* c, const numbering* n )
+static void fill_clusters( lwi_cluster_tree* t, const lwi_checker_base* base, const numbering* n )
 {
 	for ( uint32_t i = 0; i < t->body_count; ++i )
 	{
-		t->body_cluster[i] = n->cluster_of[n->root_link_of[c->bodies[i].link]];
+		t->body_cluster[i] = n->cluster_of[n->root_link_of[base->bodies[i].link]];
 		t->clusters[t->body_cluster[i]].body_count++;
 	}
 	uint32_t bodies = 0, blocks = 0;
@@ -225,12 +227,12 @@ static void fill_clusters( lwi_cluster_tree* t, const lw_checker* c, const numbe
 	{
 		lwi_cluster* cluster = &t->clusters[t->body_cluster[body]];
 		t->body_place[body] = cluster->first_body + cluster->body_count;
-		t->body_poses[t->body_place[body]] = body_in_cluster( c, cluster, body );
+		t->body_poses[t->body_place[body]] = body_in_cluster( base, cluster, body );
 		t->bodies[cluster->first_body + cluster->body_count++] = body;
 	}
 }
 
-static lw_status build_clusters( lwi_cluster_tree* t, const lw_checker* c, const bool* joint_moves, lw_diag* diag )
+static lw_status build_clusters( lwi_cluster_tree* t, const lwi_checker_base* base, const bool* joint_moves, lw_diag* diag )
 {
 	uint32_t links = t->link_count;
 	uint32_t* memory = lwi_alloc_zero( &t->allocator, links, 4 * sizeof( uint32_t ) );
@@ -239,11 +241,11 @@ static lw_status build_clusters( lwi_cluster_tree* t, const lw_checker* c, const
 		return lwi_out_of_memory( diag, "a checker" );
 	}
 	numbering n = { memory, memory + links, memory + 2 * (size_t)links, memory + 3 * (size_t)links };
-	number_clusters( t, c->robot, joint_moves, &n );
-	fill_joint_frames( t, c );
-	fill_angles( t, c->robot );
-	lwi_checker_fill_batch_joints( t, c->robot );
-	fill_clusters( t, c, &n );
+	number_clusters( t, base->robot, joint_moves, &n );
+	fill_joint_frames( t, base );
+	fill_angles( t, base->robot );
+	lwi_checker_fill_batch_joints( t, base->robot );
+	fill_clusters( t, base, &n );
 	lwi_free( &t->allocator, memory, links * 4 * sizeof( uint32_t ) );
 	return LW_OK;
 }
@@ -251,15 +253,15 @@ static lw_status build_clusters( lwi_cluster_tree* t, const lw_checker* c, const
 // --- spheres ---------------------------------------------------------------------------------------------------------
 
 /// A body's own sphere, carried over. It is the R of a cluster of one body.
-static lw_sphere sphere_of_body( const lw_checker* c, const lwi_cluster_tree* t, uint32_t place )
+static lw_sphere sphere_of_body( const lwi_checker_base* base, const lwi_cluster_tree* t, uint32_t place )
 {
-	const lw_shape* shape = c->bodies[t->bodies[place]].shape;
+	const lw_shape* shape = base->bodies[t->bodies[place]].shape;
 	lw_vec3 center = lwi_transform( &t->body_poses[place], lwi_load( shape->sphere_center ) );
 	return (lw_sphere){ { center.x, center.y, center.z }, shape->sphere_radius };
 }
 
 /// Minimal sphere around the points of all bodies. The centre is free to choose; the radius is measured from it.
-static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_cluster_tree* t, const lwi_cluster* cluster,
+static lw_sphere sphere_of_bodies( const lwi_checker_base* base, const lwi_cluster_tree* t, const lwi_cluster* cluster,
 	double* points )
 {
 	size_t count = 0;
@@ -267,10 +269,10 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_cluster_tree* 
 	{
 		uint32_t body = t->bodies[cluster->first_body + i];
 		const lw_transform* pose = &t->body_poses[cluster->first_body + i];
-		size_t n = lwi_hull_count( c->bodies[body].shape );
+		size_t n = lwi_hull_count( base->bodies[body].shape );
 		for ( size_t k = 0; k < n; ++k )
 		{
-			lw_vec3 p = lwi_transform( pose, lwi_hull_point( c->bodies[body].shape, k ) );
+			lw_vec3 p = lwi_transform( pose, lwi_hull_point( base->bodies[body].shape, k ) );
 			double* out = points + 3 * count++;
 			out[0] = p.x;
 			out[1] = p.y;
@@ -282,7 +284,7 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_cluster_tree* 
 	count = 0;
 	for ( uint32_t i = 0; i < cluster->body_count; ++i )
 	{
-		const lw_shape* shape = c->bodies[t->bodies[cluster->first_body + i]].shape;
+		const lw_shape* shape = base->bodies[t->bodies[cluster->first_body + i]].shape;
 		size_t n = lwi_hull_count( shape );
 		for ( size_t k = 0; k < n; ++k )
 		{
@@ -294,9 +296,9 @@ static lw_sphere sphere_of_bodies( const lw_checker* c, const lwi_cluster_tree* 
 }
 
 /// A point of the convex hull of a body: the mean of its points, or of the corners of its box if it is a convex primitive.
-static lw_vec3 inner_point( const lw_checker* c, const lwi_cluster_tree* t, uint32_t body )
+static lw_vec3 inner_point( const lwi_checker_base* base, const lwi_cluster_tree* t, uint32_t body )
 {
-	const lw_shape* shape = c->bodies[body].shape;
+	const lw_shape* shape = base->bodies[body].shape;
 	lw_vec3 sum = lwi_v3( 0, 0, 0 );
 	size_t count = lwi_hull_count( shape );
 	for ( size_t i = 0; i < count; ++i )
@@ -308,7 +310,7 @@ static lw_vec3 inner_point( const lw_checker* c, const lwi_cluster_tree* t, uint
 
 /// By how much an attached body sticks out of the reach's sphere of its cluster: all of it is this near to a point that
 /// every M contains. Infinite if the reach has no data of the cluster.
-static double attached_excess( const lw_checker* c, const lwi_cluster_tree* t, uint32_t body )
+static double attached_excess( const lwi_checker_base* base, const lwi_cluster_tree* t, uint32_t body )
 {
 	const lwi_cluster* cluster = &t->clusters[t->body_cluster[body]];
 	const lw_sphere* mine = &t->body_spheres[t->body_place[body]];
@@ -317,7 +319,7 @@ static double attached_excess( const lw_checker* c, const lwi_cluster_tree* t, u
 	for ( uint32_t k = cluster->first_body; k < cluster->first_body + cluster->body_count; ++k )
 	{
 		double distance = lwi_distance( lwi_load( t->body_spheres[k].center ), lwi_load( mine->center ) );
-		if ( c->bodies[t->bodies[k]].link < c->reach->link_count && distance < nearest )
+		if ( base->bodies[t->bodies[k]].link < base->reach->link_count && distance < nearest )
 		{
 			nearest = distance;
 			anchor = t->bodies[k];
@@ -325,11 +327,11 @@ static double attached_excess( const lw_checker* c, const lwi_cluster_tree* t, u
 	}
 	return anchor == LW_INVALID_INDEX
 			   ? INFINITY
-			   : lwi_distance( inner_point( c, t, anchor ), lwi_load( mine->center ) ) + mine->radius;
+			   : lwi_distance( inner_point( base, t, anchor ), lwi_load( mine->center ) ) + mine->radius;
 }
 
 /// M spheres of a reach, enlarged by the objects attached to the robot since it was made.
-static void cover_attached( lwi_cluster_tree* t, const lw_checker* c )
+static void cover_attached( lwi_cluster_tree* t, const lwi_checker_base* base )
 {
 	for ( uint32_t i = t->cluster_count; i-- > 1; )
 	{
@@ -338,9 +340,10 @@ static void cover_attached( lwi_cluster_tree* t, const lw_checker* c )
 		for ( uint32_t k = 0; k < t->body_count; ++k ) // its own and those of the clusters below
 		{
 			uint32_t body = t->bodies[k];
-			if ( c->bodies[body].link >= c->reach->link_count && t->body_cluster[body] >= i && t->body_cluster[body] < cluster->end )
+			if ( base->bodies[body].link >= base->reach->link_count && t->body_cluster[body] >= i &&
+				 t->body_cluster[body] < cluster->end )
 			{
-				excess = fmax( excess, attached_excess( c, t, body ) );
+				excess = fmax( excess, attached_excess( base, t, body ) );
 			}
 		}
 		cluster->m.radius = excess > 0 && cluster->m.radius < 0 ? INFINITY : cluster->m.radius + excess;
@@ -348,13 +351,14 @@ static void cover_attached( lwi_cluster_tree* t, const lw_checker* c )
 }
 
 /// The reach has it in the frame of the link to which the cluster is attached.
-static lw_sphere motion_sphere( const lw_checker* c, const lwi_cluster_tree* t, const lwi_cluster* cluster )
+static lw_sphere motion_sphere( const lwi_checker_base* base, const lwi_cluster_tree* t, const lwi_cluster* cluster )
 {
-	lw_sphere m = lw_reach_get_node( c->reach, cluster->root_link ).m;
+	lw_sphere m = lw_reach_get_node( base->reach, cluster->root_link ).m;
 	uint32_t root_link = t->clusters[cluster->parent].root_link;
 	if ( root_link != cluster->parent_link )
 	{
-		lw_transform root_link_from_link = lwi_relative( &c->reference_poses[root_link], &c->reference_poses[cluster->parent_link] );
+		lw_transform root_link_from_link =
+			lwi_relative( &base->group.reference_poses[root_link], &base->group.reference_poses[cluster->parent_link] );
 		lw_vec3 center = lwi_transform( &root_link_from_link, lwi_load( m.center ) );
 		m = (lw_sphere){ { center.x, center.y, center.z }, m.radius };
 	}
@@ -368,18 +372,18 @@ static double rounding_of( const lw_sphere* s )
 
 /// R and M of all clusters. Their own rounding is far below the rounding of the poses that take them to the world
 /// (lwi_sphere()).
-static lw_status build_spheres( lwi_cluster_tree* t, const lw_checker* c, lw_diag* diag )
+static lw_status build_spheres( lwi_cluster_tree* t, const lwi_checker_base* base, lw_diag* diag )
 {
 	for ( uint32_t i = 0; i < t->cluster_count; ++i )
 	{
 		lwi_cluster* cluster = &t->clusters[i];
 		const lw_sphere nothing = { { 0, 0, 0 }, -1 };
 		const lw_sphere anywhere = { { 0, 0, 0 }, INFINITY };
-		cluster->m = i == 0 ? nothing : t->proves ? motion_sphere( c, t, cluster ) : anywhere;
+		cluster->m = i == 0 ? nothing : t->proves ? motion_sphere( base, t, cluster ) : anywhere;
 		cluster->r = nothing;
 		for ( uint32_t k = 0; k < cluster->body_count; ++k )
 		{
-			t->body_spheres[cluster->first_body + k] = sphere_of_body( c, t, cluster->first_body + k );
+			t->body_spheres[cluster->first_body + k] = sphere_of_body( base, t, cluster->first_body + k );
 		}
 		if ( cluster->body_count == 1 )
 		{
@@ -390,20 +394,20 @@ static lw_status build_spheres( lwi_cluster_tree* t, const lw_checker* c, lw_dia
 			size_t count = 0;
 			for ( uint32_t k = 0; k < cluster->body_count; ++k )
 			{
-				count += lwi_hull_count( c->bodies[t->bodies[cluster->first_body + k]].shape );
+				count += lwi_hull_count( base->bodies[t->bodies[cluster->first_body + k]].shape );
 			}
 			double* points = lwi_alloc( &t->allocator, count * sizeof( double[3] ) );
 			if ( points == NULL )
 			{
 				return lwi_out_of_memory( diag, "a checker" );
 			}
-			cluster->r = sphere_of_bodies( c, t, cluster, points );
+			cluster->r = sphere_of_bodies( base, t, cluster, points );
 			lwi_free( &t->allocator, points, count * sizeof( double[3] ) );
 		}
 	}
-	if ( t->proves && c->robot->link_count > c->reach->link_count )
+	if ( t->proves && base->robot->link_count > base->reach->link_count )
 	{
-		cover_attached( t, c );
+		cover_attached( t, base );
 	}
 	for ( uint32_t i = 0; i < t->cluster_count; ++i )
 	{
@@ -413,51 +417,52 @@ static lw_status build_spheres( lwi_cluster_tree* t, const lw_checker* c, lw_dia
 	return LW_OK;
 }
 
-lw_status lwi_cluster_tree_create( const lw_checker* c, const bool* joint_moves, lw_diag* diag, lwi_cluster_tree** out_tree )
+lw_status lwi_cluster_tree_create(
+	const lwi_checker_base* base, const bool* joint_moves, lw_diag* diag, lwi_cluster_tree** out_tree )
 {
 	*out_tree = NULL;
-	lwi_cluster_tree* t = lwi_alloc_zero( &c->allocator, 1, sizeof( lwi_cluster_tree ) );
-	bool* in_group = lwi_alloc_zero( &c->allocator, c->robot->variable_count, sizeof( bool ) );
+	lwi_cluster_tree* t = lwi_alloc_zero( &base->allocator, 1, sizeof( lwi_cluster_tree ) );
+	bool* in_group = lwi_alloc_zero( &base->allocator, base->robot->variable_count, sizeof( bool ) );
 	lw_status status = LW_OK;
 	if ( t != NULL )
 	{
-		t->allocator = c->allocator;
+		t->allocator = base->allocator;
 	}
 	if ( t == NULL || in_group == NULL ||
-		 !allocate( t, c->variable_count, c->robot->link_count, c->robot->body_count ) )
+		 !allocate( t, base->group.variable_count, base->robot->link_count, base->robot->body_count ) )
 	{
 		status = lwi_out_of_memory( diag, "a checker" );
 	}
 	else
 	{
-		for ( uint32_t i = 0; i < c->variable_count; ++i )
+		for ( uint32_t i = 0; i < base->group.variable_count; ++i )
 		{
-			in_group[c->variables[i]] = true;
+			in_group[base->group.variables[i]] = true;
 		}
-		t->proves = reach_covers( c, in_group );
-		fill_variables( t, c );
-		status = build_clusters( t, c, joint_moves, diag );
-		status = status == LW_OK ? build_spheres( t, c, diag ) : status;
-		status = status == LW_OK ? lwi_checker_plan_self( c, t, diag ) : status;
+		t->proves = reach_covers( base, in_group );
+		fill_variables( t, base );
+		status = build_clusters( t, base, joint_moves, diag );
+		status = status == LW_OK ? build_spheres( t, base, diag ) : status;
+		status = status == LW_OK ? lwi_checker_plan_self( base, t, diag ) : status;
 	}
-	lwi_free( &c->allocator, in_group, c->robot->variable_count * sizeof( bool ) );
+	lwi_free( &base->allocator, in_group, base->robot->variable_count * sizeof( bool ) );
 	if ( status == LW_OK )
 	{
 		*out_tree = t;
 	}
 	else
 	{
-		lwi_cluster_tree_destroy( t, c->variable_count );
+		lwi_cluster_tree_destroy( t, base->group.variable_count );
 	}
 	return status;
 }
 
-lw_status lwi_cluster_tree_motion( const lw_checker* c, const bool* fixed_variables, lw_diag* diag,
+lw_status lwi_cluster_tree_motion( const lwi_checker_base* base, const bool* fixed_variables, lw_diag* diag,
 	lwi_motion_table** out_motion )
 {
-	const lwi_cluster_tree* t = c->tree;
-	lwi_rigid_group* rigid_groups = lwi_alloc_zero( &c->allocator, t->cluster_count, sizeof( lwi_rigid_group ) );
-	const lw_shape** shapes = lwi_alloc_zero( &c->allocator, t->body_count, sizeof( lw_shape* ) );
+	const lwi_cluster_tree* t = base->tree;
+	lwi_rigid_group* rigid_groups = lwi_alloc_zero( &base->allocator, t->cluster_count, sizeof( lwi_rigid_group ) );
+	const lw_shape** shapes = lwi_alloc_zero( &base->allocator, t->body_count, sizeof( lw_shape* ) );
 	lw_status status = LW_OK;
 	*out_motion = NULL;
 	if ( rigid_groups == NULL || shapes == NULL )
@@ -469,7 +474,7 @@ lw_status lwi_cluster_tree_motion( const lw_checker* c, const bool* fixed_variab
 		const lwi_cluster* cluster = &t->clusters[i];
 		for ( uint32_t k = cluster->first_body; k < cluster->first_body + cluster->body_count; ++k )
 		{
-			shapes[k] = c->bodies[t->bodies[k]].shape;
+			shapes[k] = base->bodies[t->bodies[k]].shape;
 		}
 		const lw_sphere point = { { 0, 0, 0 }, 0 };
 		rigid_groups[i] = (lwi_rigid_group){ .link = cluster->root_link,
@@ -480,10 +485,10 @@ lw_status lwi_cluster_tree_motion( const lw_checker* c, const bool* fixed_variab
 	}
 	if ( status == LW_OK )
 	{
-		status = lwi_motion_table_create_groups( c->robot, rigid_groups, t->cluster_count, fixed_variables, c->reference, &c->allocator,
-			diag, out_motion );
+		status = lwi_motion_table_create_groups( base->robot, rigid_groups, t->cluster_count, fixed_variables,
+			base->group.reference, &base->allocator, diag, out_motion );
 	}
-	lwi_free( &c->allocator, rigid_groups, t->cluster_count * sizeof( lwi_rigid_group ) );
-	lwi_free( &c->allocator, shapes, t->body_count * sizeof( lw_shape* ) );
+	lwi_free( &base->allocator, rigid_groups, t->cluster_count * sizeof( lwi_rigid_group ) );
+	lwi_free( &base->allocator, shapes, t->body_count * sizeof( lw_shape* ) );
 	return status;
 }

@@ -14,6 +14,8 @@
 
 LW_EXTERN_C_BEGIN
 
+struct lwi_checker_base;
+
 /// Separations here are of clearance: the distance that the reach proves for a pair, less its margin.
 
 /// Links that the group cannot move against each other, e.g. a whole hand if the group is the arm.
@@ -111,12 +113,12 @@ static inline uint32_t lwi_cluster_pair_slice( const lwi_cluster_tree* tree, con
 
 /// @param joint_moves [joint count] driven by a variable of the group
 /// The reach proves nothing if the reference state is outside of its ranges: the tree is then as without one.
-lw_status lwi_cluster_tree_create( const lw_checker* checker, const bool* joint_moves, lw_diag* diag,
+lw_status lwi_cluster_tree_create( const struct lwi_checker_base* base, const bool* joint_moves, lw_diag* diag,
 	lwi_cluster_tree** out_tree );
 void lwi_cluster_tree_destroy( lwi_cluster_tree* tree, uint32_t variable_count ); ///< NULL is ignored
 
 /// How the clusters move along edges: one rigid_group per cluster, in their order. For a checker with its tree.
-lw_status lwi_cluster_tree_motion( const lw_checker* checker, const bool* fixed_variables, lw_diag* diag,
+lw_status lwi_cluster_tree_motion( const struct lwi_checker_base* base, const bool* fixed_variables, lw_diag* diag,
 	lwi_motion_table** out_motion );
 
 /// Fills can_batch and batch_joints: for a tree with its clusters.
@@ -126,14 +128,15 @@ void lwi_checker_fill_batch_joints( lwi_cluster_tree* tree, const lw_robot* robo
 #define LWI_OPEN 0x80000000u
 
 /// A pair of clusters as a candidate: the pair of bodies where each has one, since their R are the bodies' spheres.
-uint32_t lwi_cluster_pair_candidate( const lw_checker* checker, const lwi_cluster_tree* tree, uint32_t pair );
+uint32_t lwi_cluster_pair_candidate( const struct lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t pair );
 
 /// Fills pairs, separations and steps. Part of lwi_cluster_tree_create().
-lw_status lwi_checker_plan_self( const lw_checker* checker, lwi_cluster_tree* tree, lw_diag* diag );
+lw_status lwi_checker_plan_self( const struct lwi_checker_base* base, lwi_cluster_tree* tree, lw_diag* diag );
 
 /// The separation of two bodies as queries use it: that of the reach, if it holds here, else 0; less the rounding of poses
 /// in double, so that no skipped pair could have changed a digit of the answer, and less the margin. Rounded down.
-float lwi_checker_separation( const lw_checker* checker, const lwi_cluster_tree* tree, uint32_t body_a, uint32_t body_b );
+float lwi_checker_separation(
+	const struct lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t body_a, uint32_t body_b );
 
 LW_EXTERN_C_END
 

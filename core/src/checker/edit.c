@@ -54,22 +54,24 @@ static bool same_static_bodies( const lw_checker* x, const lw_checker* y )
 	{
 		return true;
 	}
-	uint32_t count = x->tree->clusters[0].body_count;
-	bool same = count == y->tree->clusters[0].body_count;
+	uint32_t count = x->base->tree->clusters[0].body_count;
+	bool same = count == y->base->tree->clusters[0].body_count;
 	for ( uint32_t i = 0; same && i < count; ++i )
 	{
-		const lwi_checker_body* a = &x->bodies[x->tree->bodies[i]];
-		const lwi_checker_body* b = &y->bodies[y->tree->bodies[i]];
+		const lwi_checker_body* a = &x->base->bodies[x->base->tree->bodies[i]];
+		const lwi_checker_body* b = &y->base->bodies[y->base->tree->bodies[i]];
 		same = a->shape == b->shape && a->link == b->link &&
-			memcmp( &a->link_from_shape, &b->link_from_shape, sizeof( lw_transform ) ) == 0 &&
-			memcmp( &x->reference_poses[a->link], &y->reference_poses[b->link], sizeof( lw_transform ) ) == 0;
+			   memcmp( &a->link_from_shape, &b->link_from_shape, sizeof( lw_transform ) ) == 0 &&
+			   memcmp( &x->base->group.reference_poses[a->link], &y->base->group.reference_poses[b->link],
+				   sizeof( lw_transform ) ) == 0;
 	}
 	return same;
 }
 
 static bool is_checked( const lw_checker* c, uint32_t body, uint32_t shape )
 {
-	return ( c->environment_mask[(size_t)body * c->scene_block_count + shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) & 1 ) != 0;
+	return ( c->environment.mask[(size_t)body * c->environment.block_count + shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) &
+			   1 ) != 0;
 }
 
 static double margin_of( const lw_checker* c, uint32_t body, uint32_t shape )
@@ -81,46 +83,47 @@ static double margin_of( const lw_checker* c, uint32_t body, uint32_t shape )
 /// than the known static clearance.
 static bool may_be_nearer( const lw_checker* c, const lw_checker* old, uint32_t place, uint32_t shape, uint32_t source )
 {
-	uint32_t body = c->tree->bodies[place], before = old->tree->bodies[place];
+	uint32_t body = c->base->tree->bodies[place], before = old->base->tree->bodies[place];
 	double margin = margin_of( c, body, shape );
 	if ( !is_checked( c, body, shape ) ||
 		 ( source != LW_INVALID_INDEX && is_checked( old, before, source ) && margin_of( old, before, source ) == margin ) )
 	{
 		return false;
 	}
-	const lwi_checker_body* b = &c->bodies[body];
-	lw_transform world_from_body = lwi_multiply( &c->reference_poses[b->link], &b->link_from_shape );
+	const lwi_checker_body* b = &c->base->bodies[body];
+	lw_transform world_from_body = lwi_multiply( &c->base->group.reference_poses[b->link], &b->link_from_shape );
 	lw_transform relative = lwi_relative( &world_from_body, &c->scene->shapes[shape].world_from_shape );
-	return lwi_box_gap( b->shape, c->scene->shapes[shape].shape, &relative ) - margin < c->static_environment.upper;
+	return lwi_box_gap( b->shape, c->scene->shapes[shape].shape, &relative ) - margin < c->nearest_static.clearance.upper;
 }
 
 bool lwi_reuse_static( lw_checker* c, const lwi_reuse* reuse, uint8_t* fresh )
 {
 	const lw_checker* old = reuse->previous;
 	// a violation comes from the first pair found, and others may exist: its measurement cannot be continued
-	if ( old == NULL || old->static_environment.kind == LW_CLEARANCE_VIOLATION || !same_static_bodies( c, old ) )
+	if ( old == NULL || old->nearest_static.clearance.kind == LW_CLEARANCE_VIOLATION || !same_static_bodies( c, old ) )
 	{
 		return false;
 	}
-	const uint32_t shapes = c->scene->shape_count, count = c->tree->clusters[0].body_count;
-	if ( old->static_shape != LW_INVALID_INDEX )
+	const uint32_t shapes = c->scene->shape_count, count = c->base->tree->clusters[0].body_count;
+	if ( old->nearest_static.shape != LW_INVALID_INDEX )
 	{
-		uint32_t place = old->tree->body_place[old->static_body], body = c->tree->bodies[place], found = LW_INVALID_INDEX;
+		uint32_t place = old->base->tree->body_place[old->nearest_static.body], body = c->base->tree->bodies[place],
+				 found = LW_INVALID_INDEX;
 		for ( uint32_t i = 0; i < shapes; ++i )
 		{
-			bool same = reuse->source[i] == old->static_shape && is_checked( c, body, i ) &&
-						margin_of( c, body, i ) == margin_of( old, old->static_body, old->static_shape );
+			bool same = reuse->source[i] == old->nearest_static.shape && is_checked( c, body, i ) &&
+						margin_of( c, body, i ) == margin_of( old, old->nearest_static.body, old->nearest_static.shape );
 			found = same ? i : found;
 		}
 		if ( found == LW_INVALID_INDEX )
 		{
 			return false; // the nearest one is gone
 		}
-		c->static_environment = old->static_environment;
-		c->static_environment.lower = fmax( c->static_environment.lower, lwi_lowest_environment( c ) );
-		c->static_environment.b = c->scene->shapes[found].object;
-		c->static_body = body;
-		c->static_shape = found;
+		c->nearest_static.clearance = old->nearest_static.clearance;
+		c->nearest_static.clearance.lower = fmax( c->nearest_static.clearance.lower, lwi_lowest_environment( c ) );
+		c->nearest_static.clearance.b = c->scene->shapes[found].object;
+		c->nearest_static.body = body;
+		c->nearest_static.shape = found;
 	}
 	for ( uint32_t shape = 0; shape < shapes; ++shape )
 	{
@@ -168,7 +171,7 @@ static lw_status check_edit( const lw_checker* c, const lw_checker_edit_def* def
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
 			"checker edit def: allowed is NULL, its count is not 0" );
 	}
-	if ( def->robot != NULL && lw_robot_bare( def->robot ) != lw_robot_bare( c->robot ) )
+	if ( def->robot != NULL && lw_robot_bare( def->robot ) != lw_robot_bare( c->base->robot ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
 			"checker edit def: robot '%.60s' was not made from this checker's by lw_robot_attach() or lw_robot_detach(); create a "
@@ -194,13 +197,13 @@ typedef struct carried
 static bool carried_create( carried* k, const lw_checker* c, const lw_checker_def* next, uint32_t more_allowed )
 {
 	const uint64_t allowed = (uint64_t)c->allowed_count + more_allowed;
-	k->old_links = lw_robot_link_count( c->robot );
+	k->old_links = lw_robot_link_count( c->base->robot );
 	k->old_objects = c->scene != NULL ? c->scene->object_count : 0;
 	k->links = lw_robot_link_count( next->robot );
 	k->objects = next->scene != NULL ? next->scene->object_count : 0;
 	k->allowed_room = allowed < UINT32_MAX ? (uint32_t)allowed : 0;
 	k->environment_room = c->margins != NULL ? c->margins->listed.count : 0;
-	k->self_room = c->self_margins != NULL ? c->self_margins->listed.count : 0;
+	k->self_room = c->base->self.margins != NULL ? c->base->self.margins->listed.count : 0;
 	k->link = lwi_alloc_zero( &k->allocator, k->old_links, sizeof( uint32_t ) );
 	k->object = lwi_alloc_zero( &k->allocator, k->old_objects, sizeof( uint32_t ) );
 	k->allowed = lwi_alloc_zero( &k->allocator, k->allowed_room, sizeof( lw_link_object_pair ) );
@@ -230,8 +233,8 @@ static void locate( carried* k, const lw_checker* c, const lw_checker_def* next 
 {
 	for ( uint32_t i = 0; i < k->old_links; ++i )
 	{
-		bool stays = next->robot == c->robot || !lw_robot_is_attached( c->robot, i );
-		k->link[i] = stays ? i : lw_robot_find_link( next->robot, c->robot->link_names[i] );
+		bool stays = next->robot == c->base->robot || !lw_robot_is_attached( c->base->robot, i );
+		k->link[i] = stays ? i : lw_robot_find_link( next->robot, c->base->robot->link_names[i] );
 	}
 	for ( uint32_t i = 0; i < k->old_objects; ++i )
 	{
@@ -296,13 +299,13 @@ static void carry_margins( carried* k, const lw_checker* c, lw_margins* out )
 		out->environment_pairs = k->environment_pairs;
 		out->environment_pair_count = carry_pairs( &c->margins->listed, k->link, k->object, k->environment_pairs );
 	}
-	if ( c->self_margins != NULL )
+	if ( c->base->self.margins != NULL )
 	{
-		out->self = c->self_margins->all;
-		carry_values( c->self_margins->link, k->link, k->old_links, k->link_self );
+		out->self = c->base->self.margins->all;
+		carry_values( c->base->self.margins->link, k->link, k->old_links, k->link_self );
 		out->link_self = k->link_self;
 		out->self_pairs = k->self_pairs;
-		out->self_pair_count = carry_pairs( &c->self_margins->listed, k->link, k->link, k->self_pairs );
+		out->self_pair_count = carry_pairs( &c->base->self.margins->listed, k->link, k->link, k->self_pairs );
 	}
 }
 
@@ -320,12 +323,12 @@ lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, 
 		return status;
 	}
 	lw_checker_def next = lw_checker_def_default();
-	next.robot = def->robot != NULL ? def->robot : c->robot;
+	next.robot = def->robot != NULL ? def->robot : c->base->robot;
 	next.scene = def->scene != NULL ? def->scene : c->scene;
-	next.variables = c->variables;
-	next.variable_count = c->variable_count;
-	next.reference = c->reference;
-	next.reach = c->reach;
+	next.variables = c->base->group.variables;
+	next.variable_count = c->base->group.variable_count;
+	next.reference = c->base->group.reference;
+	next.reach = c->base->reach;
 	next.max_d = isnan( def->max_d ) ? c->max_d : def->max_d;
 	next.previous = c;
 	carried kept = { .allocator = lwi_allocator_or_default( allocator_in ) };

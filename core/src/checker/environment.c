@@ -22,21 +22,21 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 	lwi_pose_body( checker, query, body );
 	lw_transform relative = lwi_relative( &query->world_from_body[body], &obstacle->world_from_shape );
 	bound->margin = lwi_environment_margin( checker, body, obstacle->object );
-	lwi_search( &query->search, checker->bodies[body].shape, obstacle->shape, &relative, bound );
+	lwi_search( &query->search, checker->base->bodies[body].shape, obstacle->shape, &relative, bound );
 }
 
 /// Chooses the obstacles of this query: all, or those near enough for this range in this state.
 /// @param whole the query covers everything, static bodies included
 static void choose_obstacles( const lw_checker* checker, lw_query* query, const lw_range* range, bool whole )
 {
-	bool enough = range->max_d <= checker->horizon || ( whole && checker->horizon_is_complete );
+	bool enough = range->max_d <= checker->culling.horizon || ( whole && checker->culling.is_complete );
 	query->near = query->within && enough;
 }
 
 /// Number of blocks of the chosen obstacles.
 static uint32_t block_count( const lw_checker* checker, const lw_query* query )
 {
-	return query->near ? checker->near_block_count : checker->scene->block_count;
+	return query->near ? checker->culling.near_block_count : checker->scene->block_count;
 }
 
 /// True if some gap does not reach the limit, or is not a number.
@@ -72,7 +72,7 @@ static double gaps_of( const lw_checker* checker, lw_query* query, const double 
 static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t body, double cutoff, float* gaps,
 	bool* near )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_margins* m = checker->margins;
 	uint32_t cluster = tree->body_cluster[body];
 	lwi_pose_cluster( checker, query, cluster );
@@ -86,7 +86,8 @@ static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t 
 /// Shapes of the scene that a body is compared with, a byte for each block.
 static const uint8_t* masks_of( const lw_checker* checker, const lw_query* query, uint32_t body )
 {
-	return ( query->near ? checker->near_mask : checker->environment_mask ) + (size_t)body * checker->scene->block_count;
+	return ( query->near ? checker->culling.near_mask : checker->environment.mask ) +
+		   (size_t)body * checker->scene->block_count;
 }
 
 /// Lanes of a block that a body with these masks is checked against and whose gap in a row is below the limit, or NaN.
@@ -188,7 +189,7 @@ static void search_environment( const lw_checker* checker, lw_query* query, cons
 /// A body's row of gaps. Bodies of cluster 0 come first in the tree; they are static and have no row.
 static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place )
 {
-	uint32_t row = place - checker->tree->clusters[0].body_count;
+	uint32_t row = place - checker->base->tree->clusters[0].body_count;
 	return query->gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
 }
 
@@ -234,7 +235,7 @@ static void add_near( const lw_checker* checker, lw_query* query, uint32_t body,
 /// then the nearest obstacle alone.
 static double add_row( const lw_checker* checker, lw_query* query, uint32_t place, const lwi_bound* bound, uint32_t* count )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	uint32_t body = tree->bodies[place], nearest;
 	float* gaps = row_of( checker, query, place );
 	bool near;
@@ -278,13 +279,13 @@ static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t 
 /// cluster whose R is. Returns the slack of all rows.
 static double descend( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	double slack = 0;
 	for ( uint32_t i = 1; i < tree->cluster_count; )
 	{
 		const lwi_cluster* cluster = &tree->clusters[i];
 		bool one_body = cluster->end == i + 1 && cluster->body_count == 1; // testing its M first would cost as much as testing it
-		bool asks = ( checker->cluster_environment[i] & LWI_SUBTREE_CHECKED ) != 0;
+		bool asks = ( checker->environment.clusters[i] & LWI_SUBTREE_CHECKED ) != 0;
 		if ( !asks || ( query->hulls && !one_body && motion_is_far( checker, query, i, bound ) ) )
 		{
 			i = cluster->end;
@@ -308,7 +309,7 @@ static void open_row( const lw_checker* checker, lw_query* query, lwi_candidate 
 	uint32_t* count )
 {
 	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
-	uint32_t place = row.pair - ROW, body = checker->tree->bodies[place], nearest = 0;
+	uint32_t place = row.pair - ROW, body = checker->base->tree->bodies[place], nearest = 0;
 	const float* gaps = row_of( checker, query, place );
 	while ( gaps[nearest] != row.gap )
 	{
@@ -364,17 +365,17 @@ static void environment_result( const lw_checker* checker, const lw_query* query
 	}
 	if ( bound->pair == STATIC_PAIR )
 	{
-		out->point_a = checker->static_environment.point_a;
-		out->point_b = checker->static_environment.point_b;
-		out->a = checker->static_environment.a;
-		out->b = checker->static_environment.b;
+		out->point_a = checker->nearest_static.clearance.point_a;
+		out->point_b = checker->nearest_static.clearance.point_b;
+		out->a = checker->nearest_static.clearance.a;
+		out->b = checker->nearest_static.clearance.b;
 		return;
 	}
 	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
 	uint32_t body = bound->pair / stride;
 	out->point_a = lwi_transform( &query->world_from_body[body], bound->point_a );
 	out->point_b = lwi_transform( &query->world_from_body[body], bound->point_b );
-	out->a = checker->bodies[body].link;
+	out->a = checker->base->bodies[body].link;
 	out->b = checker->scene->shapes[bound->pair % stride].object;
 }
 
@@ -387,22 +388,23 @@ static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi
 		return;
 	}
 	uint32_t body = cached->pair / stride, shape = cached->pair % stride;
-	if ( body < lw_robot_body_count( checker->robot ) && shape < checker->scene->shape_count &&
-		 ( checker->environment_mask[(size_t)body * checker->scene->block_count + shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) &
+	if ( body < lw_robot_body_count( checker->base->robot ) && shape < checker->scene->shape_count &&
+		 ( checker->environment.mask[(size_t)body * checker->scene->block_count + shape / LWI_WIDTH] >>
+				 ( shape % LWI_WIDTH ) &
 			 1 ) != 0 )
 	{
 		lwi_pose_body( checker, query, body );
 		lw_transform relative = lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
 		bound->current_pair = cached->pair;
 		bound->margin = lwi_environment_margin( checker, body, checker->scene->shapes[shape].object );
-		lwi_measure_cached_pair( query, checker->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, cached,
-			bound );
+		lwi_measure_cached_pair(
+			query, checker->base->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, cached, bound );
 	}
 }
 
 void lwi_checker_environment( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out )
 {
-	if ( checker->environment_pair_count == 0 && checker->static_environment.lower == INFINITY )
+	if ( checker->environment.pair_count == 0 && checker->nearest_static.clearance.lower == INFINITY )
 	{
 		*out = lwi_nothing_to_check();
 		return;
@@ -412,7 +414,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	lwi_bound_init( &bound, range );
 	bound.lowest = lwi_lowest_environment( checker );
 	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
-	const lw_clearance* fixed = &checker->static_environment;
+	const lw_clearance* fixed = &checker->nearest_static.clearance;
 	bound.current_pair = STATIC_PAIR;
 	lwi_bound_offer( &bound, fixed->lower, fixed->upper );
 	lwi_cached_pair* cached = &query->nearest_environment;
@@ -427,7 +429,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	else if ( !bound.done )
 	{
 		lwi_pose_all( checker, query );
-		search_environment( checker, query, checker->moving_bodies, checker->moving_body_count, &bound );
+		search_environment( checker, query, checker->base->moving_bodies, checker->base->moving_body_count, &bound );
 	}
 	environment_result( checker, query, &bound, out );
 	if ( out->upper < INFINITY && bound.pair != STATIC_PAIR )
@@ -441,7 +443,8 @@ bool lwi_checker_cluster_is_near( const lw_checker* checker, lw_query* query, ui
 	const lwi_bound bound = { .cutoff = limit };
 	const lw_range range = { 0, limit, 0 };
 	choose_obstacles( checker, query, &range, false );
-	return ( checker->cluster_environment[cluster] & LWI_CLUSTER_CHECKED ) != 0 && meets_scene( checker, query, 2 * cluster, &bound );
+	return ( checker->environment.clusters[cluster] & LWI_CLUSTER_CHECKED ) != 0 &&
+		   meets_scene( checker, query, 2 * cluster, &bound );
 }
 
 uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit )
@@ -498,8 +501,8 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 /// Both shapes of a static pair.
 static void note_pair( const lw_checker* checker, uint32_t pair, lwi_prefetch* prefetch )
 {
-	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
-	lwi_prefetch_note( prefetch, checker->bodies[pair / stride].shape );
+	uint32_t stride = checker->environment.block_count * LWI_WIDTH;
+	lwi_prefetch_note( prefetch, checker->base->bodies[pair / stride].shape );
 	lwi_prefetch_note( prefetch, checker->scene->shapes[pair % stride].shape );
 }
 
@@ -509,16 +512,16 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 	const uint8_t* fresh, lwi_prefetch* prefetch, lwi_bound* bound )
 {
 	const lw_scene* scene = checker->scene;
-	uint32_t stride = checker->scene_block_count * LWI_WIDTH, count = 0;
+	uint32_t stride = checker->environment.block_count * LWI_WIDTH, count = 0;
 	for ( uint32_t i = 0; i < body_count * scene->shape_count; ++i )
 	{
 		uint32_t body = bodies[i / scene->shape_count], shape = i % scene->shape_count;
-		uint32_t bits = checker->environment_mask[(size_t)body * checker->scene_block_count + shape / LWI_WIDTH];
+		uint32_t bits = checker->environment.mask[(size_t)body * checker->environment.block_count + shape / LWI_WIDTH];
 		bits &= fresh != NULL ? fresh[shape / LWI_WIDTH] : 0xffu;
 		if ( ( bits >> ( shape % LWI_WIDTH ) & 1 ) != 0 )
 		{
 			lw_transform relative = lwi_relative( &query->world_from_body[body], &scene->shapes[shape].world_from_shape );
-			double gap = lwi_box_gap( checker->bodies[body].shape, scene->shapes[shape].shape, &relative ) -
+			double gap = lwi_box_gap( checker->base->bodies[body].shape, scene->shapes[shape].shape, &relative ) -
 						 lwi_environment_margin( checker, body, scene->shapes[shape].object );
 			if ( gap < bound->cutoff )
 			{
@@ -543,8 +546,8 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 
 lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known, lwi_prefetch* prefetch )
 {
-	const lwi_cluster_tree* tree = checker->tree;
-	uint32_t stride = checker->scene_block_count * LWI_WIDTH;
+	const lwi_cluster_tree* tree = checker->base->tree;
+	uint32_t stride = checker->environment.block_count * LWI_WIDTH;
 	uint32_t left = stride > 0 ? tree->clusters[0].body_count : 0;
 	lwi_bound bound;
 	const lw_range nearer = { 0, known, 0 };
@@ -560,9 +563,9 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, cons
 	}
 	if ( bound.upper < INFINITY )
 	{
-		environment_result( checker, query, &bound, &checker->static_environment );
-		checker->static_body = bound.pair / stride;
-		checker->static_shape = bound.pair % stride;
+		environment_result( checker, query, &bound, &checker->nearest_static.clearance );
+		checker->nearest_static.body = bound.pair / stride;
+		checker->nearest_static.shape = bound.pair % stride;
 	}
 	return query->search.failure;
 }

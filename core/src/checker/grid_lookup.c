@@ -2,7 +2,7 @@
 // Slices of grids: made with a checker's tree, followed along edges. Proof: core/docs/self_collision.md, "Clearance grids".
 #include "checker/grid_lookup.h"
 
-#include "checker/checker.h"
+#include "checker/base.h"
 #include "checker/clusters.h"
 #include "base/math_inline.h"
 #include "reachability/reach.h"
@@ -106,14 +106,14 @@ double lwi_grid_along( const lwi_grid_slice* slice, const lwi_grid_spacing* spac
 // --- making them -----------------------------------------------------------------------------------------------------
 
 /// The slice of a grid for a group. @return false if the group moves none of its variables
-static bool make_slice( const lw_checker* c, const bool* in_group, const lwi_grid* grid, lwi_grid_slice* out )
+static bool make_slice( const lwi_checker_base* base, const bool* in_group, const lwi_grid* grid, lwi_grid_slice* out )
 {
 	*out = (lwi_grid_slice){ .cells = grid->cells };
 	uint32_t shift = 0;
 	for ( uint32_t i = grid->dimension; i-- > 0; shift += grid->axes[i].bits )
 	{
 		const lwi_grid_axis* axis = &grid->axes[i];
-		double x = c->reference[axis->variable];
+		double x = base->group.reference[axis->variable];
 		const lwi_grid_spacing spacing = { axis->lower, 1 / ( axis->upper - axis->lower ), axis->periodic };
 		if ( in_group[axis->variable] )
 		{
@@ -166,21 +166,21 @@ const lwi_grid_slice* lwi_checker_slice( const lwi_cluster_tree* t, uint32_t pai
 }
 
 /// The slice of two bodies if it can say more than their separation. @return false if there is none
-static bool find_slice( const lw_checker* c, const lwi_cluster_tree* t, const bool* in_group, uint32_t body_a,
+static bool find_slice( const lwi_checker_base* base, const lwi_cluster_tree* t, const bool* in_group, uint32_t body_a,
 	uint32_t body_b, lwi_grid_slice* out )
 {
-	uint32_t a = c->bodies[body_a].link, b = c->bodies[body_b].link;
-	if ( !t->proves || a >= c->reach->link_count || b >= c->reach->link_count )
+	uint32_t a = base->bodies[body_a].link, b = base->bodies[body_b].link;
+	if ( !t->proves || a >= base->reach->link_count || b >= base->reach->link_count )
 	{
 		return false; // attached since
 	}
-	const lwi_grid* grid = lwi_reach_grid( c->reach, a, b );
-	return grid != NULL && c->robot->variable_count <= UINT16_MAX && make_slice( c, in_group, grid, out ) &&
-		   most_in( out ) * LWI_GRID_STEP > lw_reach_get_pair( c->reach, a, b ).separation;
+	const lwi_grid* grid = lwi_reach_grid( base->reach, a, b );
+	return grid != NULL && base->robot->variable_count <= UINT16_MAX && make_slice( base, in_group, grid, out ) &&
+		   most_in( out ) * LWI_GRID_STEP > lw_reach_get_pair( base->reach, a, b ).separation;
 }
 
 /// Enters the slices of all pairs of bodies, or only counts them while there is no room for them yet.
-static void enter_slices( const lw_checker* c, lwi_cluster_tree* t, const bool* in_group )
+static void enter_slices( const lwi_checker_base* base, lwi_cluster_tree* t, const bool* in_group )
 {
 	t->slice_count = 0;
 	for ( uint32_t p = 0; p < t->pair_count; ++p )
@@ -191,7 +191,8 @@ static void enter_slices( const lw_checker* c, lwi_cluster_tree* t, const bool* 
 		{
 			lwi_grid_slice slice;
 			uint32_t body_a = t->bodies[a->first_body + k / b->body_count], body_b = t->bodies[b->first_body + k % b->body_count];
-			bool found = t->separations[pair->first + k] < INFINITY && find_slice( c, t, in_group, body_a, body_b, &slice );
+			bool found =
+				t->separations[pair->first + k] < INFINITY && find_slice( base, t, in_group, body_a, body_b, &slice );
 			if ( t->slices != NULL )
 			{
 				t->pair_slices[pair->first + k] = found ? t->slice_count : LW_INVALID_INDEX;
@@ -206,31 +207,31 @@ static void enter_slices( const lw_checker* c, lwi_cluster_tree* t, const bool* 
 }
 
 /// The spacings that all grids of the reach share, by variable.
-static void fill_spacings( const lw_checker* c, lwi_cluster_tree* t )
+static void fill_spacings( const lwi_checker_base* base, lwi_cluster_tree* t )
 {
-	for ( uint32_t i = 0; i < c->reach->grid_count; ++i )
+	for ( uint32_t i = 0; i < base->reach->grid_count; ++i )
 	{
-		for ( uint32_t k = 0; k < c->reach->grids[i].dimension; ++k )
+		for ( uint32_t k = 0; k < base->reach->grids[i].dimension; ++k )
 		{
-			const lwi_grid_axis* axis = &c->reach->grids[i].axes[k];
+			const lwi_grid_axis* axis = &base->reach->grids[i].axes[k];
 			t->spacings[axis->variable] = (lwi_grid_spacing){ axis->lower, 1 / ( axis->upper - axis->lower ), axis->periodic };
 		}
 	}
 }
 
-bool lwi_checker_slices_create( const lw_checker* c, lwi_cluster_tree* t )
+bool lwi_checker_slices_create( const lwi_checker_base* base, lwi_cluster_tree* t )
 {
-	uint32_t variables = c->robot->variable_count;
+	uint32_t variables = base->robot->variable_count;
 	bool* in_group = lwi_alloc_zero( &t->allocator, variables, sizeof( bool ) );
 	if ( in_group == NULL )
 	{
 		return false;
 	}
-	for ( uint32_t i = 0; i < c->variable_count; ++i )
+	for ( uint32_t i = 0; i < base->group.variable_count; ++i )
 	{
-		in_group[c->variables[i]] = true;
+		in_group[base->group.variables[i]] = true;
 	}
-	enter_slices( c, t, in_group );
+	enter_slices( base, t, in_group );
 	bool room = true;
 	if ( t->slice_count > 0 )
 	{
@@ -242,8 +243,8 @@ bool lwi_checker_slices_create( const lw_checker* c, lwi_cluster_tree* t )
 		room = t->slices != NULL && t->pair_slices != NULL && t->spacings != NULL;
 		if ( room )
 		{
-			enter_slices( c, t, in_group );
-			fill_spacings( c, t );
+			enter_slices( base, t, in_group );
+			fill_spacings( base, t );
 			t->bytes += t->slice_count * sizeof( lwi_grid_slice ) + t->separation_count * sizeof( uint32_t ) +
 						variables * sizeof( lwi_grid_spacing );
 		}

@@ -9,7 +9,7 @@
 
 LW_EXTERN_C_BEGIN
 
-struct lw_checker;
+struct lwi_checker_base;
 struct lw_robot;
 struct lwi_cluster_tree;
 
@@ -76,7 +76,7 @@ double lwi_grid_along( const lwi_grid_slice* slice, const lwi_grid_spacing* spac
 	const double* qa, const double* qb, double at_least );
 
 /// Fills slices, pair_slices and spacings of a tree that has its pairs. @return false without memory
-bool lwi_checker_slices_create( const struct lw_checker* checker, struct lwi_cluster_tree* tree );
+bool lwi_checker_slices_create( const struct lwi_checker_base* base, struct lwi_cluster_tree* tree );
 
 /// The slice of two bodies of a pair of clusters (index into the tree's pairs), NULL if there is none.
 const lwi_grid_slice* lwi_checker_slice( const struct lwi_cluster_tree* tree, uint32_t pair, uint32_t body_a,

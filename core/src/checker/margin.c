@@ -360,7 +360,7 @@ static void fill_row( const lwi_margins* m, const lw_checker* c, uint32_t body, 
 	for ( uint32_t i = 0; i < c->scene->shape_count; ++i )
 	{
 		uint32_t object = c->scene->shapes[i].object;
-		const lw_pair_margin* listed = find_pair( &m->listed, c->bodies[body].link, object );
+		const lw_pair_margin* listed = find_pair( &m->listed, c->base->bodies[body].link, object );
 		row[i] = lwi_round_up( listed != NULL ? listed->margin - m->bodies[body] : m->object[object] );
 	}
 }
@@ -372,7 +372,7 @@ static double largest_of_body( const lwi_margins* m, const lw_checker* c, uint32
 	for ( uint32_t i = 0; i < m->listed.count; ++i )
 	{
 		const lw_pair_margin* pair = &m->listed.pairs[i];
-		largest = fmax( largest, pair->a == c->bodies[body].link ? pair->margin - m->object[pair->b] : 0 );
+		largest = fmax( largest, pair->a == c->base->bodies[body].link ? pair->margin - m->object[pair->b] : 0 );
 	}
 	return largest;
 }
@@ -380,7 +380,7 @@ static double largest_of_body( const lwi_margins* m, const lw_checker* c, uint32
 /// The largest margin of each cluster and subtree, children before parents.
 static void fill_clusters( lwi_margins* m, const lw_checker* c )
 {
-	const lwi_cluster_tree* t = c->tree;
+	const lwi_cluster_tree* t = c->base->tree;
 	for ( uint32_t i = t->cluster_count; i-- > 0; )
 	{
 		const lwi_cluster* cluster = &t->clusters[i];
@@ -425,9 +425,9 @@ static bool fill_tables( lwi_margins* m, const lw_checker* c )
 	size_t rows = 0;
 	for ( uint32_t i = 0; i < m->body_count; ++i )
 	{
-		m->bodies[i] = m->all + m->link[c->bodies[i].link];
+		m->bodies[i] = m->all + m->link[c->base->bodies[i].link];
 		m->body_row[i] = m->objects;
-		rows += is_listed( &m->listed, c->bodies[i].link, false ) ? 1u : 0u;
+		rows += is_listed( &m->listed, c->base->bodies[i].link, false ) ? 1u : 0u;
 	}
 	m->rows = lwi_alloc_zero( &m->allocator, rows * m->row_size, sizeof( float ) );
 	if ( m->rows == NULL )
@@ -438,7 +438,7 @@ static bool fill_tables( lwi_margins* m, const lw_checker* c )
 	float* row = m->rows;
 	for ( uint32_t i = 0; i < m->body_count; ++i )
 	{
-		if ( is_listed( &m->listed, c->bodies[i].link, false ) )
+		if ( is_listed( &m->listed, c->base->bodies[i].link, false ) )
 		{
 			fill_row( m, c, i, row );
 			m->body_row[i] = row;
@@ -454,10 +454,10 @@ static bool fill_tables( lwi_margins* m, const lw_checker* c )
 
 lw_status lwi_margins_create( const lw_margins* def, const lw_checker* c, lw_diag* diag, lwi_margins** out_margins )
 {
-	const naming n = { "pair", c->robot, c->scene, false };
+	const naming n = { "pair", c->base->robot, c->scene, false };
 	*out_margins = NULL;
 	lw_status status = check_general( def->environment, "environment", diag );
-	status = status == LW_OK ? check_links( def->link_environment, "link_environment", c->robot, diag ) : status;
+	status = status == LW_OK ? check_links( def->link_environment, "link_environment", c->base->robot, diag ) : status;
 	status = status == LW_OK ? check_objects( def->object, c->scene, diag ) : status;
 	status = status == LW_OK ? check_pairs( def->environment_pairs, def->environment_pair_count, &n, diag ) : status;
 	if ( status != LW_OK )
@@ -470,11 +470,11 @@ lw_status lwi_margins_create( const lw_margins* def, const lw_checker* c, lw_dia
 		return lwi_out_of_memory( diag, "margins" );
 	}
 	m->allocator = c->allocator;
-	m->link_count = lw_robot_link_count( c->robot );
+	m->link_count = lw_robot_link_count( c->base->robot );
 	m->object_count = c->scene != NULL ? c->scene->object_count : 0;
-	m->body_count = lw_robot_body_count( c->robot );
-	m->cluster_count = c->tree->cluster_count;
-	m->row_size = c->scene_block_count * LWI_WIDTH;
+	m->body_count = lw_robot_body_count( c->base->robot );
+	m->cluster_count = c->base->tree->cluster_count;
+	m->row_size = c->environment.block_count * LWI_WIDTH;
 	status = fill_given( m, def, &n, diag );
 	bool none = m->largest == 0;
 	if ( status == LW_OK && !none && !fill_tables( m, c ) )
@@ -513,7 +513,7 @@ double lw_checker_environment_margin( const lw_checker* checker, uint32_t link, 
 
 double lw_checker_self_margin( const lw_checker* checker, uint32_t link_a, uint32_t link_b )
 {
-	const lwi_self_margins* m = checker->self_margins;
+	const lwi_self_margins* m = checker->base->self.margins;
 	bool pair = m != NULL && link_a < m->link_count && link_b < m->link_count && link_a != link_b;
 	return pair ? lwi_margin_of_links( m, link_a, link_b ) : 0;
 }

@@ -8,7 +8,7 @@
 // A test of two subtrees opens the one whose M is larger; the recursion ends at pairs of clusters, R against R. Every
 // test carries the least separation of the pairs it stands for: entries of rigid (3), motion (4) and scfree (12), but of
 // these clusters and of the pairs that this checker checks, hence never less than the reach's own, but for margins.
-#include "checker/checker.h"
+#include "checker/base.h"
 #include "checker/clusters.h"
 #include "base/math_inline.h"
 #include "reachability/reach.h"
@@ -26,7 +26,7 @@ typedef struct share
 typedef struct plan
 {
 	lwi_cluster_tree* tree;
-	share* base;     ///< [clusters * clusters] R_a, R_b
+	share* direct;    ///< [clusters * clusters] R_a, R_b
 	share* rigid;    ///< [clusters * clusters] R_a, subtree of b
 	share* motion;   ///< [clusters * clusters] subtrees of a and b; only used where neither contains the other
 	share* scfree;   ///< [clusters] inside the subtree
@@ -62,22 +62,23 @@ static uint32_t common_ancestor( const lwi_cluster_tree* t, uint32_t a, uint32_t
 }
 
 /// The pairs of clusters that hold self pairs, in base and pairs.
-static void find_pairs( plan* p, const lw_checker* c )
+static void find_pairs( plan* p, const lwi_checker_base* base )
 {
 	lwi_cluster_tree* t = p->tree;
 	size_t entries = (size_t)t->cluster_count * t->cluster_count;
 	for ( size_t i = 0; i < entries; ++i )
 	{
-		p->base[i] = p->rigid[i] = p->motion[i] = nothing;
+		p->direct[i] = p->rigid[i] = p->motion[i] = nothing;
 		p->pairs[i] = LW_INVALID_INDEX;
 	}
-	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
+	for ( uint32_t i = 0; i < base->self.pair_count; ++i )
 	{
-		const lwi_self_pair* pair = &c->self_pairs[i];
+		const lwi_self_pair* pair = &base->self.pairs[i];
 		uint32_t a = t->body_cluster[pair->body_a], b = t->body_cluster[pair->body_b];
-		double margin = lwi_self_margin( c, pair->body_a, pair->body_b );
-		share both = { lwi_checker_separation( c, p->tree, pair->body_a, pair->body_b ), margin > 0 ? lwi_round_up( margin ) : 0, 1 };
-		share* forth = &p->base[entry( p, a, b )];
+		double margin = lwi_self_margin( base, pair->body_a, pair->body_b );
+		share both = { lwi_checker_separation( base, p->tree, pair->body_a, pair->body_b ),
+			margin > 0 ? lwi_round_up( margin ) : 0, 1 };
+		share* forth = &p->direct[entry( p, a, b )];
 		if ( forth->count == 0 )
 		{
 			p->pairs[entry( p, least( a, b ), a < b ? b : a )] = t->pair_count++;
@@ -85,7 +86,7 @@ static void find_pairs( plan* p, const lw_checker* c )
 		}
 		both.separation = both.separation < forth->separation ? both.separation : forth->separation;
 		both.margin = both.margin > forth->margin ? both.margin : forth->margin;
-		*forth = p->base[entry( p, b, a )] = both;
+		*forth = p->direct[entry( p, b, a )] = both;
 	}
 }
 
@@ -99,7 +100,7 @@ static void sum_up( plan* p )
 		for ( uint32_t b = n; b-- > 0; )
 		{
 			share* rigid = &p->rigid[entry( p, a, b )];
-			*rigid = joined( *rigid, p->base[entry( p, a, b )] );
+			*rigid = joined( *rigid, p->direct[entry( p, a, b )] );
 			if ( b > 0 )
 			{
 				share* above = &p->rigid[entry( p, a, t->clusters[b].parent )];
@@ -169,12 +170,12 @@ static void close( plan* p, uint32_t step )
 
 static void plan_pair( plan* p, uint32_t a, uint32_t b )
 {
-	share base = p->base[entry( p, a, b )];
-	if ( base.count > 0 )
+	share direct = p->direct[entry( p, a, b )];
+	if ( direct.count > 0 )
 	{
 		uint32_t low = least( a, b ), high = a < b ? b : a;
-		close( p,
-			emit( p, (lwi_self_step){ base.separation, base.margin, 2 * low, 2 * high, 0, p->pairs[entry( p, low, high )] } ) );
+		close( p, emit( p, (lwi_self_step){
+							   direct.separation, direct.margin, 2 * low, 2 * high, 0, p->pairs[entry( p, low, high )] } ) );
 	}
 }
 
@@ -245,7 +246,7 @@ static void plan_subtree( plan* p, uint32_t n )
 
 // --- pairs -----------------------------------------------------------------------------------------------------------
 
-static void fill_pairs( const plan* p, const lw_checker* c )
+static void fill_pairs( const plan* p, const lwi_checker_base* base )
 {
 	lwi_cluster_tree* t = p->tree;
 	size_t used = 0;
@@ -256,8 +257,9 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 			uint32_t index = p->pairs[entry( p, a, b )];
 			if ( index != LW_INVALID_INDEX )
 			{
-				share base = p->base[entry( p, a, b )];
-				t->pairs[index] = (lwi_cluster_pair){ a, b, common_ancestor( t, a, b ), base.separation, base.margin, used };
+				share direct = p->direct[entry( p, a, b )];
+				t->pairs[index] =
+					(lwi_cluster_pair){ a, b, common_ancestor( t, a, b ), direct.separation, direct.margin, used };
 				used += (size_t)t->clusters[a].body_count * t->clusters[b].body_count;
 			}
 		}
@@ -274,9 +276,9 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 			rank[t->bodies[t->clusters[cluster].first_body + i]] = i;
 		}
 	}
-	for ( uint32_t i = 0; i < c->self_pair_count; ++i )
+	for ( uint32_t i = 0; i < base->self.pair_count; ++i )
 	{
-		uint32_t a = c->self_pairs[i].body_a, b = c->self_pairs[i].body_b;
+		uint32_t a = base->self.pairs[i].body_a, b = base->self.pairs[i].body_b;
 		if ( t->body_cluster[a] > t->body_cluster[b] )
 		{
 			uint32_t swap = a;
@@ -285,11 +287,11 @@ static void fill_pairs( const plan* p, const lw_checker* c )
 		}
 		const lwi_cluster_pair* pair = &t->pairs[p->pairs[entry( p, t->body_cluster[a], t->body_cluster[b] )]];
 		t->separations[pair->first + (size_t)rank[a] * t->clusters[pair->cluster_b].body_count + rank[b]] =
-			lwi_checker_separation( c, t, c->self_pairs[i].body_a, c->self_pairs[i].body_b );
+			lwi_checker_separation( base, t, base->self.pairs[i].body_a, base->self.pairs[i].body_b );
 	}
 }
 
-uint32_t lwi_cluster_pair_candidate( const lw_checker* checker, const lwi_cluster_tree* tree, uint32_t index )
+uint32_t lwi_cluster_pair_candidate( const lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t index )
 {
 	const lwi_cluster_pair* pair = &tree->pairs[index];
 	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
@@ -298,13 +300,13 @@ uint32_t lwi_cluster_pair_candidate( const lw_checker* checker, const lwi_cluste
 		return LWI_OPEN + index;
 	}
 	uint32_t x = tree->bodies[a->first_body], y = tree->bodies[b->first_body];
-	return x < y ? lwi_body_pair_id( checker, x, y ) : lwi_body_pair_id( checker, y, x );
+	return x < y ? lwi_body_pair_id( base, x, y ) : lwi_body_pair_id( base, y, x );
 }
 
-static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
+static lw_status build_plan( plan* p, const lwi_checker_base* base, lw_diag* diag )
 {
 	lwi_cluster_tree* t = p->tree;
-	find_pairs( p, c );
+	find_pairs( p, base );
 	sum_up( p );
 	plan_subtree( p, 0 ); // counts
 	t->pairs = lwi_alloc_zero( &t->allocator, t->pair_count, sizeof( lwi_cluster_pair ) );
@@ -318,8 +320,8 @@ static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
 	}
 	p->step_count = 0;
 	plan_subtree( p, 0 );
-	fill_pairs( p, c );
-	if ( !lwi_checker_slices_create( c, t ) || !lwi_self_proxies_create( c, t, &t->proxies ) ||
+	fill_pairs( p, base );
+	if ( !lwi_checker_slices_create( base, t ) || !lwi_self_proxies_create( base, t, &t->proxies ) ||
 		 ( t->proxies == NULL && !lwi_cluster_rows_create( t, &t->rows ) ) )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
@@ -330,26 +332,26 @@ static lw_status build_plan( plan* p, const lw_checker* c, lw_diag* diag )
 	return LW_OK;
 }
 
-lw_status lwi_checker_plan_self( const lw_checker* c, lwi_cluster_tree* t, lw_diag* diag )
+lw_status lwi_checker_plan_self( const lwi_checker_base* base, lwi_cluster_tree* t, lw_diag* diag )
 {
 	size_t entries = (size_t)t->cluster_count * t->cluster_count;
 	size_t ranks = entries + t->body_count;
 	plan p = { .tree = t };
-	p.base = lwi_alloc( &t->allocator, entries * sizeof( share ) );
+	p.direct = lwi_alloc( &t->allocator, entries * sizeof( share ) );
 	p.rigid = lwi_alloc( &t->allocator, entries * sizeof( share ) );
 	p.motion = lwi_alloc( &t->allocator, entries * sizeof( share ) );
 	p.scfree = lwi_alloc( &t->allocator, t->cluster_count * sizeof( share ) );
 	p.pairs = lwi_alloc( &t->allocator, ranks * sizeof( uint32_t ) );
 	lw_status status = LW_OK;
-	if ( p.base == NULL || p.rigid == NULL || p.motion == NULL || p.scfree == NULL || p.pairs == NULL )
+	if ( p.direct == NULL || p.rigid == NULL || p.motion == NULL || p.scfree == NULL || p.pairs == NULL )
 	{
 		status = lwi_out_of_memory( diag, "a checker" );
 	}
 	else
 	{
-		status = build_plan( &p, c, diag );
+		status = build_plan( &p, base, diag );
 	}
-	lwi_free( &t->allocator, p.base, entries * sizeof( share ) );
+	lwi_free( &t->allocator, p.direct, entries * sizeof( share ) );
 	lwi_free( &t->allocator, p.rigid, entries * sizeof( share ) );
 	lwi_free( &t->allocator, p.motion, entries * sizeof( share ) );
 	lwi_free( &t->allocator, p.scfree, t->cluster_count * sizeof( share ) );

@@ -11,8 +11,8 @@
 /// Bodies that never move are where their links are, the others where their cluster's root link takes them.
 static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
 {
-	const lwi_cluster_tree* tree = checker->tree;
-	const lwi_checker_body* b = &checker->bodies[body];
+	const lwi_cluster_tree* tree = checker->base->tree;
+	const lwi_checker_body* b = &checker->base->bodies[body];
 	const uint32_t cluster = tree->body_cluster[body];
 	lw_transform* pose = &query->world_from_body[body];
 	*pose = cluster == 0 ? lwi_multiply( &query->world_from_link[b->link], &b->link_from_shape )
@@ -25,7 +25,7 @@ static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body
 
 void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
 	{
 		const lwi_cluster_angle* angle = &tree->angles[i];
@@ -38,9 +38,9 @@ void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double
 void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transform* above, const double* state, const double* cosines,
 	const double* sines, lw_transform* out )
 {
-	const lwi_cluster* cluster = &checker->tree->clusters[index];
-	const lwi_joint* joint = &checker->robot->joints[checker->robot->link_joint[cluster->root_link]];
-	if ( checker->tree->angles[index].rotates )
+	const lwi_cluster* cluster = &checker->base->tree->clusters[index];
+	const lwi_joint* joint = &checker->base->robot->joints[checker->base->robot->link_joint[cluster->root_link]];
+	if ( checker->base->tree->angles[index].rotates )
 	{
 		const lwi_sincos by = { cosines[index], sines[index] };
 		lwi_joint_pose_sincos( joint, above, &cluster->parent_from_joint, cluster->translates, by, out );
@@ -53,7 +53,7 @@ void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transfo
 
 void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index )
 {
-	const lwi_cluster* cluster = &checker->tree->clusters[index];
+	const lwi_cluster* cluster = &checker->base->tree->clusters[index];
 	if ( query->sincos_stamp != query->state_stamp )
 	{
 		lwi_sincos_joints( checker, query, query->state, query->cosines, query->sines );
@@ -68,7 +68,7 @@ void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index 
 
 void lwi_pose_cluster_now( const lw_checker* checker, lw_query* query, uint32_t index )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	while ( query->cluster_stamp[index] != query->state_stamp )
 	{
 		uint32_t highest = index; // cluster 0 always has the stamp of the state
@@ -82,7 +82,7 @@ void lwi_pose_cluster_now( const lw_checker* checker, lw_query* query, uint32_t 
 
 void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t body )
 {
-	lwi_pose_cluster( checker, query, checker->tree->body_cluster[body] );
+	lwi_pose_cluster( checker, query, checker->base->tree->body_cluster[body] );
 	pose_body( checker, query, body );
 	query->body_stamp[body] = query->state_stamp;
 }
@@ -90,7 +90,7 @@ void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t bod
 void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
 {
 	uint32_t index = sphere / 2;
-	const lwi_cluster* cluster = &checker->tree->clusters[index];
+	const lwi_cluster* cluster = &checker->base->tree->clusters[index];
 	bool motion = sphere % 2 != 0;
 	uint32_t frame = motion ? cluster->parent : index; // the cluster whose pose carries the sphere
 	lwi_pose_cluster( checker, query, frame );
@@ -107,7 +107,7 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 
 void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index )
 {
-	const lwi_cluster* cluster = &checker->tree->clusters[index];
+	const lwi_cluster* cluster = &checker->base->tree->clusters[index];
 	const double* r = lwi_sphere( checker, query, 2 * index );
 	const lw_transform* pose = &query->world_from_link[cluster->root_link];
 	double rounding = r[3] - cluster->r.radius; // each body lies within R: the enlargement of R is enough for it
@@ -119,7 +119,7 @@ void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index
 		lw_vec3 center = lwi_v3( r[0], r[1], r[2] );
 		if ( i < cluster->body_count )
 		{
-			center = lwi_transform( pose, lwi_load( checker->tree->body_spheres[cluster->first_body + i].center ) );
+			center = lwi_transform( pose, lwi_load( checker->base->tree->body_spheres[cluster->first_body + i].center ) );
 		}
 		lane[0] = (float)( center.x - r[0] );
 		lane[LWI_WIDTH] = (float)( center.y - r[1] );
@@ -127,7 +127,7 @@ void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index
 		lane[3 * LWI_WIDTH] = -INFINITY;
 		if ( i < cluster->body_count )
 		{
-			double radius = checker->tree->body_spheres[cluster->first_body + i].radius + rounding;
+			double radius = checker->base->tree->body_spheres[cluster->first_body + i].radius + rounding;
 			lane[3 * LWI_WIDTH] = (float)( radius * ( 1 + 0x1p-22 ) );
 		}
 	}
@@ -136,9 +136,9 @@ void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index
 
 void lwi_pose_all( const lw_checker* checker, lw_query* query )
 {
-	for ( uint32_t i = 0; i < checker->moving_body_count; ++i )
+	for ( uint32_t i = 0; i < checker->base->moving_body_count; ++i )
 	{
-		lwi_pose_body( checker, query, checker->moving_bodies[i] );
+		lwi_pose_body( checker, query, checker->base->moving_bodies[i] );
 	}
 }
 
@@ -147,9 +147,9 @@ void lwi_pose_all( const lw_checker* checker, lw_query* query )
 static void pose_static( const lw_checker* checker, lw_query* query )
 {
 	lwi_query_forget_checker( query );
-	const lw_robot* robot = checker->robot;
-	memcpy( query->state, checker->reference, robot->variable_count * sizeof( double ) );
-	memcpy( query->world_from_link, checker->reference_poses, robot->link_count * sizeof( lw_transform ) );
+	const lw_robot* robot = checker->base->robot;
+	memcpy( query->state, checker->base->group.reference, robot->variable_count * sizeof( double ) );
+	memcpy( query->world_from_link, checker->base->group.reference_poses, robot->link_count * sizeof( lw_transform ) );
 	// stamps of another checker belong to other clusters
 	++query->state_stamp;
 	for ( uint32_t i = 0; i < robot->body_count; ++i )
@@ -157,12 +157,13 @@ static void pose_static( const lw_checker* checker, lw_query* query )
 		pose_body( checker, query, i ); // static ones stay there, the others are posed again by every state
 	}
 	// cluster 0 never moves: its data are stamped anew for every state
-	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
+	query->rounding =
+		lwi_motion_state_rounding( checker->base->motion, query->state, &query->stretch, &query->pose_rounding );
 	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
 	query->cluster_stamp[0] = query->state_stamp;
 	lwi_pose_sphere( checker, query, 0 );
 	lwi_pose_blocks( checker, query, 0 );
-	memset( query->motion_backoff, 0, checker->tree->cluster_count * sizeof( lwi_backoff ) );
+	memset( query->motion_backoff, 0, checker->base->tree->cluster_count * sizeof( lwi_backoff ) );
 	query->bindings++;
 	query->posed = lw_checker_retain( checker );
 	query->release_posed = lw_checker_release;
@@ -203,21 +204,22 @@ static bool within_box( uint32_t count, const double* lower, const double* q, co
 
 static bool within_ranges( const lw_checker* checker, const double* q )
 {
-	return within_box( checker->variable_count, checker->tree->lower, q, checker->tree->upper );
+	return within_box( checker->base->group.variable_count, checker->base->tree->lower, q, checker->base->tree->upper );
 }
 
 bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb )
 {
 	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions,
 	// have no limits.
-	return checker->tree->proves && query->search.def.hierarchy && query->search.def.pair_tables && within_ranges( checker, qa ) &&
-		   within_ranges( checker, qb );
+	return checker->base->tree->proves && query->search.def.hierarchy && query->search.def.pair_tables &&
+		   within_ranges( checker, qa ) && within_ranges( checker, qb );
 }
 
 bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const double* qb, double limit )
 {
-	return limit <= checker->horizon && within_box( checker->variable_count, checker->near_lower, qa, checker->near_upper ) &&
-		   within_box( checker->variable_count, checker->near_lower, qb, checker->near_upper );
+	return limit <= checker->culling.horizon &&
+		   within_box( checker->base->group.variable_count, checker->base->group.lower, qa, checker->base->group.upper ) &&
+		   within_box( checker->base->group.variable_count, checker->base->group.lower, qb, checker->base->group.upper );
 }
 
 /// Metres: a state with larger rounding of its poses is invalid. Shifts of 1e12 m, or angles of 1e13 radians times a mimic
@@ -227,8 +229,9 @@ static const double most_rounding = 1.0;
 /// A new state: all poses are to be computed again, except for the static ones.
 static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
 {
-	const lwi_cluster_tree* tree = checker->tree;
-	query->rounding = lwi_motion_state_rounding( checker->motion, query->state, &query->stretch, &query->pose_rounding );
+	const lwi_cluster_tree* tree = checker->base->tree;
+	query->rounding =
+		lwi_motion_state_rounding( checker->base->motion, query->state, &query->stretch, &query->pose_rounding );
 	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
 	if ( !( query->rounding <= most_rounding ) || !quaternions_are_valid( tree, query->state ) )
 	{
@@ -238,7 +241,8 @@ static bool begin_state( const lw_checker* checker, lw_query* query, const doubl
 	query->hulls = holds && query->search.def.motion_hulls;
 	query->tables = holds && query->search.def.pair_tables;
 	query->covered = query->hulls || query->tables;
-	query->within = within_box( checker->variable_count, checker->near_lower, q, checker->near_upper );
+	query->within =
+		within_box( checker->base->group.variable_count, checker->base->group.lower, q, checker->base->group.upper );
 	query->cluster_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
 	for ( uint32_t i = 0; i < tree->clusters[0].body_count; ++i )
 	{
@@ -249,7 +253,7 @@ static bool begin_state( const lw_checker* checker, lw_query* query, const doubl
 
 lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q )
 {
-	for ( uint32_t i = 0; i < checker->variable_count; ++i )
+	for ( uint32_t i = 0; i < checker->base->group.variable_count; ++i )
 	{
 		if ( !isfinite( q[i] ) )
 		{
@@ -258,9 +262,9 @@ lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const do
 	}
 	lwi_checker_bind( checker, query );
 	++query->state_stamp;
-	for ( uint32_t i = 0; i < checker->variable_count; ++i )
+	for ( uint32_t i = 0; i < checker->base->group.variable_count; ++i )
 	{
-		query->state[checker->variables[i]] = q[i];
+		query->state[checker->base->group.variables[i]] = q[i];
 	}
 	if ( !begin_state( checker, query, q ) )
 	{

@@ -69,7 +69,7 @@ static inline const float* lwi_blocks( const lw_checker* checker, lw_query* quer
 	{
 		lwi_pose_blocks( checker, query, cluster );
 	}
-	return query->blocks + (size_t)checker->tree->clusters[cluster].first_block * 4 * LWI_WIDTH;
+	return query->blocks + (size_t)checker->base->tree->clusters[cluster].first_block * 4 * LWI_WIDTH;
 }
 
 LW_EXTERN_C_END

@@ -2,7 +2,7 @@
 // The proxies of a checker's self query, and the pairs of them to be checked.
 #include "checker/proxies.h"
 
-#include "checker/checker.h"
+#include "checker/base.h"
 #include "checker/pose.h"
 #include "checker/clusters.h"
 #include "base/math_inline.h"
@@ -28,7 +28,7 @@ static void add_pair( lwi_self_proxies* u, uint32_t low, uint32_t high, lwi_prox
 }
 
 /// One proxy per body, by their places in the tree.
-static void fill_bodies( const lw_checker* c, const lwi_cluster_tree* t, lwi_self_proxies* u )
+static void fill_bodies( const lwi_checker_base* base, const lwi_cluster_tree* t, lwi_self_proxies* u )
 {
 	for ( uint32_t place = 0; place < t->body_count; ++place )
 	{
@@ -46,8 +46,8 @@ static void fill_bodies( const lw_checker* c, const lwi_cluster_tree* t, lwi_sel
 			{
 				uint32_t x = t->bodies[place_a], y = t->bodies[place_b];
 				const lwi_proxy_pair two = { .separation = separation,
-					.margin = lwi_round_up( lwi_self_margin( c, x, y ) ),
-					.candidate = x < y ? lwi_body_pair_id( c, x, y ) : lwi_body_pair_id( c, y, x ),
+					.margin = lwi_round_up( lwi_self_margin( base, x, y ) ),
+					.candidate = x < y ? lwi_body_pair_id( base, x, y ) : lwi_body_pair_id( base, y, x ),
 					.ancestor = pair->ancestor,
 					.slice = t->slice_count > 0 ? t->pair_slices[pair->first + k] : LW_INVALID_INDEX };
 				add_pair( u, place_a, place_b, two );
@@ -57,7 +57,7 @@ static void fill_bodies( const lw_checker* c, const lwi_cluster_tree* t, lwi_sel
 }
 
 /// One proxy per cluster that has bodies.
-static void fill_clusters( const lw_checker* c, const lwi_cluster_tree* t, lwi_self_proxies* u )
+static void fill_clusters( const lwi_checker_base* base, const lwi_cluster_tree* t, lwi_self_proxies* u )
 {
 	uint32_t of_cluster[LWI_MOST_PROXIES];
 	for ( uint32_t i = 0; i < t->cluster_count; ++i )
@@ -73,14 +73,14 @@ static void fill_clusters( const lw_checker* c, const lwi_cluster_tree* t, lwi_s
 		const lwi_cluster_pair* pair = &t->pairs[i];
 		const lwi_proxy_pair two = { .separation = pair->separation,
 			.margin = pair->margin,
-			.candidate = lwi_cluster_pair_candidate( c, t, i ),
+			.candidate = lwi_cluster_pair_candidate( base, t, i ),
 			.ancestor = pair->ancestor,
 			.slice = lwi_cluster_pair_slice( t, pair ) };
 		add_pair( u, of_cluster[pair->cluster_a], of_cluster[pair->cluster_b], two );
 	}
 }
 
-bool lwi_self_proxies_create( const lw_checker* c, const lwi_cluster_tree* t, lwi_self_proxies** out_proxies )
+bool lwi_self_proxies_create( const lwi_checker_base* base, const lwi_cluster_tree* t, lwi_self_proxies** out_proxies )
 {
 	*out_proxies = NULL;
 	if ( t->pair_count == 0 || t->cluster_count > LWI_MOST_PROXIES )
@@ -90,11 +90,11 @@ bool lwi_self_proxies_create( const lw_checker* c, const lwi_cluster_tree* t, lw
 	lwi_self_proxies* u = lwi_alloc_zero( &t->allocator, 1, sizeof( lwi_self_proxies ) );
 	if ( u != NULL && t->body_count <= LWI_MOST_PROXIES )
 	{
-		fill_bodies( c, t, u );
+		fill_bodies( base, t, u );
 	}
 	else if ( u != NULL )
 	{
-		fill_clusters( c, t, u );
+		fill_clusters( base, t, u );
 	}
 	*out_proxies = u;
 	return u != NULL;

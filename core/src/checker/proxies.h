@@ -8,7 +8,7 @@
 
 LW_EXTERN_C_BEGIN
 
-struct lw_checker;
+struct lwi_checker_base;
 struct lwi_cluster_tree;
 
 enum
@@ -61,7 +61,8 @@ size_t lwi_cluster_rows_bytes( const lwi_cluster_rows* rows );
 
 /// For a tree with its pairs. *out_proxies is NULL if the robot has too many clusters, or nothing to check.
 /// @return false without memory
-bool lwi_self_proxies_create( const struct lw_checker* checker, const struct lwi_cluster_tree* tree, lwi_self_proxies** out_proxies );
+bool lwi_self_proxies_create(
+	const struct lwi_checker_base* base, const struct lwi_cluster_tree* tree, lwi_self_proxies** out_proxies );
 
 LW_EXTERN_C_END
 

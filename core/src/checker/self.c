@@ -19,8 +19,8 @@ static void search_self_pair( const lw_checker* checker, lw_query* query, uint32
 	lwi_pose_body( checker, query, body_a );
 	lwi_pose_body( checker, query, body_b );
 	lw_transform relative = lwi_relative( &query->world_from_body[body_a], &query->world_from_body[body_b] );
-	bound->margin = lwi_self_margin( checker, body_a, body_b );
-	search( &query->search, checker->bodies[body_a].shape, checker->bodies[body_b].shape, &relative, bound );
+	bound->margin = lwi_self_margin( checker->base, body_a, body_b );
+	search( &query->search, checker->base->bodies[body_a].shape, checker->base->bodies[body_b].shape, &relative, bound );
 }
 
 // --- all pairs -------------------------------------------------------------------------------------------------------
@@ -29,10 +29,10 @@ static void search_self_pair( const lw_checker* checker, lw_query* query, uint32
 /// gaps between them.
 static double body_spheres( const lw_checker* checker, lw_query* query )
 {
-	uint32_t bodies = lw_robot_body_count( checker->robot );
+	uint32_t bodies = lw_robot_body_count( checker->base->robot );
 	double reach = 0, largest = 0;
 	memcpy( query->origin, query->body_center, sizeof( query->origin ) );
-	for ( uint32_t i = 0; i < checker->body_block_count * LWI_WIDTH; ++i )
+	for ( uint32_t i = 0; i < checker->base->body_block_count * LWI_WIDTH; ++i )
 	{
 		float* block = query->body_spheres + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
 		for ( int axis = 0; axis < 3; ++axis )
@@ -41,7 +41,8 @@ static double body_spheres( const lw_checker* checker, lw_query* query )
 			block[axis * LWI_WIDTH] = (float)relative;
 			reach = fmax( reach, fabs( relative ) );
 		}
-		double radius = i < bodies ? checker->bodies[i].shape->sphere_radius + checker->bodies[i].self_margin : 0;
+		double radius =
+			i < bodies ? checker->base->bodies[i].shape->sphere_radius + checker->base->bodies[i].self_margin : 0;
 		block[3 * LWI_WIDTH] = i < bodies ? lwi_round_up( radius ) : -INFINITY;
 		largest = fmax( largest, radius );
 	}
@@ -51,13 +52,13 @@ static double body_spheres( const lw_checker* checker, lw_query* query )
 static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* nearest )
 {
 	double slack = body_spheres( checker, query );
-	uint32_t bodies = lw_robot_body_count( checker->robot );
-	uint32_t blocks = checker->body_block_count, stride = blocks * LWI_WIDTH;
+	uint32_t bodies = lw_robot_body_count( checker->base->robot );
+	uint32_t blocks = checker->base->body_block_count, stride = blocks * LWI_WIDTH;
 	float least = INFINITY;
 	*nearest = 0;
 	for ( uint32_t a = 0; a < bodies; ++a )
 	{
-		const uint8_t* mask = checker->self_mask + (size_t)a * blocks;
+		const uint8_t* mask = checker->base->self.mask + (size_t)a * blocks;
 		float* gaps = query->gaps + (size_t)a * stride;
 		const float* mine = query->body_spheres + 4 * (size_t)( a / LWI_WIDTH ) * LWI_WIDTH + a % LWI_WIDTH;
 		const float sphere[4] = { mine[0], mine[LWI_WIDTH], mine[2 * LWI_WIDTH], mine[3 * LWI_WIDTH] };
@@ -67,7 +68,7 @@ static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* n
 			if ( mask[block] != 0 )
 			{
 				query->search.kernels->sphere_gap( query->body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere, INFINITY, row );
-				const float* listed = checker->bodies[a].self_row;
+				const float* listed = checker->base->bodies[a].self_row;
 				lwi_subtract_margins( row, listed != NULL ? listed + block * LWI_WIDTH : NULL, LWI_WIDTH );
 			}
 			for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
@@ -90,7 +91,7 @@ static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* n
 
 static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
-	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
 	uint32_t nearest;
 	double slack = self_gaps( checker, query, &nearest );
 	if ( !( query->gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
@@ -99,7 +100,7 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 	}
 	bound->current_pair = nearest;
 	search_self_pair( checker, query, nearest / stride, nearest % stride, bound, lwi_search );
-	uint32_t entries = lw_robot_body_count( checker->robot ) * stride;
+	uint32_t entries = lw_robot_body_count( checker->base->robot ) * stride;
 	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->cutoff + slack ), nearest );
 	while ( count > 0 && !bound->done )
 	{
@@ -152,7 +153,7 @@ static float lower_bound( double gap, float separation )
 /// The candidate of a pair of bodies.
 static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t b, float gap )
 {
-	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
 	return (lwi_candidate){ gap, a < b ? a * stride + b : b * stride + a };
 }
 
@@ -164,19 +165,20 @@ static float separation_now( const lw_checker* checker, const lw_query* query, f
 	{
 		return separation;
 	}
-	float by_grid = below( lwi_grid_at( &checker->tree->slices[slice], checker->tree->spacings, query->state ) - margin );
+	float by_grid =
+		below( lwi_grid_at( &checker->base->tree->slices[slice], checker->base->tree->spacings, query->state ) - margin );
 	return by_grid > separation ? by_grid : separation;
 }
 
 static lwi_candidate cluster_pair( const lw_checker* checker, uint32_t index, float key )
 {
-	return (lwi_candidate){ key, lwi_cluster_pair_candidate( checker, checker->tree, index ) };
+	return (lwi_candidate){ key, lwi_cluster_pair_candidate( checker->base, checker->base->tree, index ) };
 }
 
 /// All pairs of clusters by their R, one by one: without a bound nothing is ruled out.
 static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	uint32_t count = 0;
 	for ( uint32_t i = 0; i < tree->pair_count; ++i )
 	{
@@ -195,7 +197,7 @@ static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lw
 /// Walks the steps: pairs that no test rules out become candidates.
 static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	double limit = bound->cutoff;
 	uint32_t count = 0, tests = 0;
 	for ( uint32_t i = 0; i < tree->step_count; )
@@ -232,7 +234,7 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 /// The spheres of all proxies in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
 static double proxy_spheres( const lw_checker* checker, lw_query* query, float* blocks )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_self_proxies* proxies = tree->proxies;
 	const double* origin = query->world_from_link[tree->clusters[0].root_link].t;
 	double reach = 0;
@@ -276,7 +278,7 @@ static double gap_of_lanes( const float* blocks, uint32_t a, uint32_t b )
 /// Robots of few parts: all pairs of proxies by their spheres, eight at a time.
 static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_self_proxies* proxies = checker->tree->proxies;
+	const lwi_self_proxies* proxies = checker->base->tree->proxies;
 	if ( query->tables && proxies->separation >= bound->cutoff )
 	{
 		query->search.stats.robot_tests++;
@@ -310,7 +312,7 @@ static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, con
 /// The R of all clusters in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
 static double cluster_spheres( const lw_checker* checker, lw_query* query, float* blocks )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	const double* origin = query->world_from_link[tree->clusters[0].root_link].t;
 	double reach = 0, largest = 0;
 	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
@@ -340,7 +342,7 @@ static double cluster_spheres( const lw_checker* checker, lw_query* query, float
 /// candidates.
 static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_cluster_rows* rows = &tree->rows;
 	float blocks[4 * LWI_MOST_ROWS] = { 0 };
 	double slack = INFINITY;
@@ -401,7 +403,7 @@ static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t cl
 static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, uint32_t cluster, uint32_t first, const probe* p,
 	float gap[LWI_WIDTH] )
 {
-	const uint32_t left = checker->tree->clusters[cluster].body_count - first;
+	const uint32_t left = checker->base->tree->clusters[cluster].body_count - first;
 	return query->search.kernels->sphere_gap( p->blocks + 4 * (size_t)first, p->sphere, p->limit, gap ) &
 		   lwi_low_bits( left < LWI_WIDTH ? left : LWI_WIDTH );
 }
@@ -411,7 +413,7 @@ static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, ui
 static void add_pair( const lw_checker* checker, lw_query* query, const lwi_cluster_pair* pair, uint32_t rank_a, uint32_t rank_b,
 	double gap, const lwi_bound* bound, uint32_t* count )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
 	size_t index = pair->first + (size_t)rank_a * b->body_count + rank_b;
 	float separation = tree->separations[index];
@@ -424,7 +426,7 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_clus
 		return;
 	}
 	uint32_t body_a = tree->bodies[a->first_body + rank_a], body_b = tree->bodies[b->first_body + rank_b];
-	double margin = lwi_self_margin( checker, body_a, body_b );
+	double margin = lwi_self_margin( checker->base, body_a, body_b );
 	uint32_t slice = tree->slice_count > 0 ? tree->pair_slices[index] : LW_INVALID_INDEX;
 	separation = separation_now( checker, query, separation, margin, slice );
 	if ( separation < bound->cutoff )
@@ -438,7 +440,7 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_clus
 static void open_body( const lw_checker* checker, lw_query* query, const lwi_cluster_pair* pair, bool of_a, uint32_t rank,
 	const lwi_bound* bound, uint32_t* count )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	uint32_t mine = of_a ? pair->cluster_a : pair->cluster_b, other = of_a ? pair->cluster_b : pair->cluster_a;
 	const lw_sphere* local = &tree->body_spheres[tree->clusters[mine].first_body + rank];
 	lw_vec3 center = lwi_transform( &query->world_from_link[tree->clusters[mine].root_link], lwi_load( local->center ) );
@@ -462,7 +464,7 @@ static void open_body( const lw_checker* checker, lw_query* query, const lwi_clu
 static void open_pair( const lw_checker* checker, lw_query* query, const lwi_cluster_pair* pair, const lwi_bound* bound,
 	uint32_t* count )
 {
-	const lwi_cluster_tree* tree = checker->tree;
+	const lwi_cluster_tree* tree = checker->base->tree;
 	bool a_first = tree->clusters[pair->cluster_a].body_count >= tree->clusters[pair->cluster_b].body_count;
 	uint32_t many = a_first ? pair->cluster_a : pair->cluster_b, few = a_first ? pair->cluster_b : pair->cluster_a;
 	probe outer = make_probe( checker, query, many, lwi_sphere( checker, query, 2 * few ), pair->margin, bound );
@@ -495,9 +497,11 @@ static double body_gap_below( const lw_checker* checker, lw_query* query, uint32
 	// poses of bodies are rounded as those of clusters are
 	double rounding = query->pose_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
 											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
-	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2], checker->bodies[a].shape->sphere_radius + rounding };
-	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2], checker->bodies[b].shape->sphere_radius + rounding };
-	return gap_below( sphere_a, sphere_b, lwi_self_margin( checker, a, b ), limit );
+	const double sphere_a[4] = {
+		center_a[0], center_a[1], center_a[2], checker->base->bodies[a].shape->sphere_radius + rounding };
+	const double sphere_b[4] = {
+		center_b[0], center_b[1], center_b[2], checker->base->bodies[b].shape->sphere_radius + rounding };
+	return gap_below( sphere_a, sphere_b, lwi_self_margin( checker->base, a, b ), limit );
 }
 
 // --- pairs that were nearest before ----------------------------------------------------------------------------------
@@ -505,9 +509,11 @@ static double body_gap_below( const lw_checker* checker, lw_query* query, uint32
 /// True if a remembered pair is still checked.
 static bool pair_counts( const lw_checker* checker, uint32_t pair )
 {
-	const uint32_t stride = checker->body_block_count * LWI_WIDTH, a = pair / stride, b = pair % stride;
-	const uint32_t bodies = lw_robot_body_count( checker->robot );
-	return a < bodies && b < bodies && ( checker->self_mask[(size_t)a * checker->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) & 1 ) != 0;
+	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH, a = pair / stride, b = pair % stride;
+	const uint32_t bodies = lw_robot_body_count( checker->base->robot );
+	return a < bodies && b < bodies &&
+		   ( checker->base->self.mask[(size_t)a * checker->base->body_block_count + b / LWI_WIDTH] >> ( b % LWI_WIDTH ) &
+			   1 ) != 0;
 }
 
 /// The pairs that were nearest in earlier states are measured before all others, the least gap of spheres first:
@@ -516,7 +522,7 @@ static bool pair_counts( const lw_checker* checker, uint32_t pair )
 /// or no.
 static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
-	const uint32_t stride = checker->body_block_count * LWI_WIDTH, count = query->known_count;
+	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH, count = query->known_count;
 	double gap[LWI_KNOWN_PAIRS];
 	query->known_looked = 0;
 	if ( query->covered || !query->search.def.warm_start || !( bound->range.max_d > nextafter( bound->range.min_d, INFINITY ) ) )
@@ -583,7 +589,7 @@ static void remember_pair( lw_query* query, uint32_t pair )
 /// is searched to its end.
 static void search_candidates( const lw_checker* checker, lw_query* query, uint32_t count, lwi_bound* bound )
 {
-	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
@@ -593,7 +599,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 		}
 		if ( next.pair >= LWI_OPEN )
 		{
-			open_pair( checker, query, &checker->tree->pairs[next.pair - LWI_OPEN], bound, &count );
+			open_pair( checker, query, &checker->base->tree->pairs[next.pair - LWI_OPEN], bound, &count );
 			continue;
 		}
 		if ( was_measured_first( query, next.pair ) )
@@ -609,7 +615,8 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	measure_known( checker, query, bound );
-	bool at_once = checker->tree->proxies != NULL && bound->cutoff < INFINITY; // without a bound nothing would be ruled out
+	bool at_once =
+		checker->base->tree->proxies != NULL && bound->cutoff < INFINITY; // without a bound nothing would be ruled out
 	uint32_t count = bound->done      ? 0
 					 : at_once        ? compare_proxies( checker, query, bound )
 					 : query->covered ? walk_steps( checker, query, bound )
@@ -629,15 +636,15 @@ static void self_result( const lw_checker* checker, const lw_query* query, const
 	{
 		out->point_a = lwi_transform( &query->world_from_body[body_a], bound->point_a );
 		out->point_b = lwi_transform( &query->world_from_body[body_a], bound->point_b );
-		out->a = checker->bodies[body_a].link;
-		out->b = checker->bodies[body_b].link;
+		out->a = checker->base->bodies[body_a].link;
+		out->b = checker->base->bodies[body_b].link;
 	}
 }
 
 /// Measures the nearest pair of the last time, if it is still checked.
 static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi_cached_pair* cached, lwi_bound* bound )
 {
-	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
 	uint32_t a = cached->pair / stride, b = cached->pair % stride;
 	if ( lwi_cached_pair_pays( query, cached, bound ) && pair_counts( checker, cached->pair ) )
 	{
@@ -645,23 +652,24 @@ static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi
 		lwi_pose_body( checker, query, b );
 		lw_transform relative = lwi_relative( &query->world_from_body[a], &query->world_from_body[b] );
 		bound->current_pair = cached->pair;
-		bound->margin = lwi_self_margin( checker, a, b );
-		lwi_measure_cached_pair( query, checker->bodies[a].shape, checker->bodies[b].shape, &relative, cached, bound );
+		bound->margin = lwi_self_margin( checker->base, a, b );
+		lwi_measure_cached_pair(
+			query, checker->base->bodies[a].shape, checker->base->bodies[b].shape, &relative, cached, bound );
 	}
 }
 
 void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_range* range, lw_clearance* out )
 {
-	if ( checker->self_pair_count == 0 )
+	if ( checker->base->self.pair_count == 0 )
 	{
 		*out = lwi_nothing_to_check();
 		return;
 	}
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
-	bound.lowest = lwi_lowest_self( checker );
+	bound.lowest = lwi_lowest_self( checker->base );
 	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
-	uint32_t stride = checker->body_block_count * LWI_WIDTH;
+	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
 	lwi_cached_pair* cached = &query->nearest_self;
 	measure_cached_pair( checker, query, cached, &bound );
 	if ( !bound.done && query->search.def.hierarchy )
@@ -683,7 +691,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 
 uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t index, double limit )
 {
-	const lwi_cluster_pair* pair = &checker->tree->pairs[index];
+	const lwi_cluster_pair* pair = &checker->base->tree->pairs[index];
 	const lwi_bound bound = { .cutoff = limit };
 	uint32_t count = 0;
 	const double* a = lwi_sphere( checker, query, 2 * pair->cluster_a );
@@ -711,10 +719,10 @@ bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint3
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
 	lwi_cached_pair* cached, lw_clearance* out )
 {
-	uint32_t stride = checker->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
+	uint32_t stride = checker->base->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
 	lwi_bound bound;
 	lwi_bound_init( &bound, &threshold->range );
-	bound.lowest = lwi_lowest_self( checker );
+	bound.lowest = lwi_lowest_self( checker->base );
 	bound.give_up_above = threshold->give_up_above;
 	bound.give_up_below = threshold->give_up_below;
 	if ( body_gap_below( checker, query, a, b, bound.cutoff ) < INFINITY )

@@ -23,28 +23,29 @@ static size_t lay_out( lwi_edge* e, void* memory )
 {
 	lwi_arena arena = lwi_arena_begin( memory, 0 );
 	const lw_checker* c = e->checker;
-	const size_t clusters = c->tree->cluster_count;
-	uint32_t variables = c->robot->variable_count;
+	const size_t clusters = c->base->tree->cluster_count;
+	uint32_t variables = c->base->robot->variable_count;
 	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
 	e->velocities = lwi_arena_take( &arena, clusters, sizeof( lwi_edge_velocity ) );
-	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->motion ), 1 );
+	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->base->motion ), 1 );
 	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->group_t = lwi_arena_take( &arena, c->variable_count, sizeof( double ) );
+	e->group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
 	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
 	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
-	e->frame_sincos = lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_clusters( c->tree ), sizeof( double ) );
+	e->frame_sincos =
+		lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_clusters( c->base->tree ), sizeof( double ) );
 	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( bool ) );
 	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
 	const size_t lanes = clusters * LWI_WIDTH;
 	e->batch.frames = lwi_arena_take( &arena, clusters, sizeof( lwi_batch_frame ) );
 	e->batch.clusters = lwi_arena_take( &arena, clusters, sizeof( lwi_batch_point ) );
-	e->batch.bodies = lwi_arena_take( &arena, c->tree->body_count, sizeof( lwi_batch_point ) );
-	e->batch.known = lwi_arena_take( &arena, c->tree->body_count, sizeof( bool ) );
+	e->batch.bodies = lwi_arena_take( &arena, c->base->tree->body_count, sizeof( lwi_batch_point ) );
+	e->batch.known = lwi_arena_take( &arena, c->base->tree->body_count, sizeof( bool ) );
 	e->batch.values = lwi_arena_take( &arena, 3 * lanes, sizeof( double ) );
 	e->batch.speeds = lwi_arena_take( &arena, clusters, sizeof( double ) );
-	e->pair_capacity = c->moving_body_count + c->self_pair_count;
+	e->pair_capacity = c->base->moving_body_count + c->base->self.pair_count;
 	e->interval_capacity = 4 * e->pair_capacity + SPARE_INTERVALS;
 	e->pairs = lwi_arena_take( &arena, e->pair_capacity, sizeof( lwi_edge_pair ) );
 	e->levels[0].intervals = lwi_arena_take( &arena, e->interval_capacity, sizeof( lwi_open_interval ) );
@@ -73,7 +74,7 @@ bool lwi_edge_begin( lwi_edge* edge )
 	{
 		edge->frame_t[i] = NAN;
 	}
-	for ( uint32_t i = 0; i < edge->checker->tree->cluster_count; ++i )
+	for ( uint32_t i = 0; i < edge->checker->base->tree->cluster_count; ++i )
 	{
 		edge->velocities[i].stamp = 0; // no state has it
 	}
@@ -86,7 +87,7 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 {
 	lwi_edge edge = { .checker = checker };
 	// Each more may move, and meet all others: the memory of lay_out() for as many pairs, and its rounding of five arrays
-	size_t pairs = spare_bodies * ( 1 + (size_t)checker->robot->body_count + spare_bodies );
+	size_t pairs = spare_bodies * ( 1 + (size_t)checker->base->robot->body_count + spare_bodies );
 	size_t more = pairs * ( sizeof( lwi_edge_pair ) + 2 * 4 * sizeof( lwi_open_interval ) ) + 5 * LWI_ALIGNMENT +
 				  spare_bodies * ( sizeof( lwi_batch_point ) + sizeof( bool ) ) +
 				  lwi_motion_scratch_spare( spare_bodies );
@@ -114,13 +115,13 @@ bool lwi_edge_measure_motion( lwi_edge* e )
 	e->query->edge_count++;
 	e->apart = e->spare = INFINITY;
 	e->most_states = LW_EDGE_MOST_STATES;
-	if ( !lwi_motion_begin( c->motion, e->full_a, e->full_b, e->motion ) )
+	if ( !lwi_motion_begin( c->base->motion, e->full_a, e->full_b, e->motion ) )
 	{
 		return false;
 	}
-	e->static_rounding = lwi_motion_rounding( c->motion, e->motion );
-	e->longest = lwi_motion_total( c->motion, e->motion );
-	e->twist_error = lwi_motion_twist_error( c->motion, e->motion );
+	e->static_rounding = lwi_motion_rounding( e->motion );
+	e->longest = lwi_motion_total( e->motion );
+	e->twist_error = lwi_motion_twist_error( e->motion );
 	allow_rounding( e, e->static_rounding );
 	return true;
 }
@@ -129,16 +130,16 @@ bool lwi_edge_measure_motion( lwi_edge* e )
 static void interpolate( const lwi_edge* e, double t, double* state )
 {
 	const lw_checker* c = e->checker;
-	if ( c->tree->floating_count > 0 )
+	if ( c->base->tree->floating_count > 0 )
 	{
-		lw_robot_interpolate( c->robot, e->full_a, e->full_b, t, state );
+		lw_robot_interpolate( c->base->robot, e->full_a, e->full_b, t, state );
 		return;
 	}
-	memcpy( state, e->full_a, c->robot->variable_count * sizeof( double ) );
-	for ( uint32_t i = 0; i < c->variable_count; ++i )
+	memcpy( state, e->full_a, c->base->robot->variable_count * sizeof( double ) );
+	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
 	{
-		uint32_t v = c->variables[i];
-		state[v] = lwi_interpolate_variable( &c->robot->variables[v], e->qa[i], e->qb[i], t );
+		uint32_t v = c->base->group.variables[i];
+		state[v] = lwi_interpolate_variable( &c->base->robot->variables[v], e->qa[i], e->qb[i], t );
 	}
 }
 
@@ -149,9 +150,9 @@ const double* lwi_edge_state( lwi_edge* e, double t )
 		return t == 0 ? e->qa : e->qb;
 	}
 	interpolate( e, t, e->full_t );
-	for ( uint32_t i = 0; i < e->checker->variable_count; ++i )
+	for ( uint32_t i = 0; i < e->checker->base->group.variable_count; ++i )
 	{
-		e->group_t[i] = e->full_t[e->checker->variables[i]];
+		e->group_t[i] = e->full_t[e->checker->base->group.variables[i]];
 	}
 	return e->group_t;
 }
@@ -183,7 +184,7 @@ static size_t frame_at( lwi_edge* e, double t )
 	size_t frame = (size_t)( ( bits * 0x9e3779b97f4a7c15u ) >> ( 64 - LWI_EDGE_FRAME_BITS ) );
 	if ( e->frame_t[frame] != t )
 	{
-		size_t clusters = e->checker->tree->cluster_count, variables = e->checker->robot->variable_count;
+		size_t clusters = e->checker->base->tree->cluster_count, variables = e->checker->base->robot->variable_count;
 		e->frame_t[frame] = t;
 		memset( e->frame_known + frame * clusters, 0, clusters * sizeof( bool ) );
 		double* state = e->frame_states + frame * variables;
@@ -195,8 +196,8 @@ static size_t frame_at( lwi_edge* e, double t )
 		{
 			interpolate( e, t, state );
 		}
-		double* cosines = e->frame_sincos + 2 * frame * lwi_padded_clusters( e->checker->tree );
-		lwi_sincos_joints( e->checker, e->query, state, cosines, cosines + lwi_padded_clusters( e->checker->tree ) );
+		double* cosines = e->frame_sincos + 2 * frame * lwi_padded_clusters( e->checker->base->tree );
+		lwi_sincos_joints( e->checker, e->query, state, cosines, cosines + lwi_padded_clusters( e->checker->base->tree ) );
 	}
 	return frame;
 }
@@ -206,16 +207,16 @@ static size_t frame_at( lwi_edge* e, double t )
 static const lw_transform* cluster_pose( lwi_edge* e, double t, uint32_t cluster )
 {
 	const lw_checker* c = e->checker;
-	const lwi_cluster* clusters = c->tree->clusters;
+	const lwi_cluster* clusters = c->base->tree->clusters;
 	if ( cluster == 0 )
 	{
-		return &c->reference_poses[clusters[0].root_link];
+		return &c->base->group.reference_poses[clusters[0].root_link];
 	}
 	size_t frame = frame_at( e, t );
-	const double* state = e->frame_states + frame * c->robot->variable_count;
-	bool* known = e->frame_known + frame * c->tree->cluster_count;
-	lw_transform* poses = e->frame_poses + frame * c->tree->cluster_count;
-	const size_t padded = lwi_padded_clusters( c->tree );
+	const double* state = e->frame_states + frame * c->base->robot->variable_count;
+	bool* known = e->frame_known + frame * c->base->tree->cluster_count;
+	lw_transform* poses = e->frame_poses + frame * c->base->tree->cluster_count;
+	const size_t padded = lwi_padded_clusters( c->base->tree );
 	const double* cosines = e->frame_sincos + 2 * frame * padded;
 	while ( !known[cluster] )
 	{
@@ -225,7 +226,7 @@ static const lw_transform* cluster_pose( lwi_edge* e, double t, uint32_t cluster
 			next = clusters[next].parent;
 		}
 		uint32_t parent = clusters[next].parent;
-		const lw_transform* above = parent == 0 ? &c->reference_poses[clusters[0].root_link] : &poses[parent];
+		const lw_transform* above = parent == 0 ? &c->base->group.reference_poses[clusters[0].root_link] : &poses[parent];
 		lwi_pose_under( c, next, above, state, cosines, cosines + padded, &poses[next] );
 		known[next] = true;
 	}
@@ -240,7 +241,7 @@ static const lw_transform* pose_at( lwi_edge* e, double t, uint32_t cluster )
 		return cluster_pose( e, t, cluster );
 	}
 	lwi_pose_cluster( e->checker, e->query, cluster );
-	return &e->query->world_from_link[e->checker->tree->clusters[cluster].root_link];
+	return &e->query->world_from_link[e->checker->base->tree->clusters[cluster].root_link];
 }
 
 /// Pose of a cluster in the frame of one above it.
@@ -259,7 +260,7 @@ static lw_transform pose_below( lwi_edge* e, double t, uint32_t cluster, uint32_
 const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t cluster )
 {
 	const lw_checker* c = e->checker;
-	const lwi_cluster* clusters = c->tree->clusters;
+	const lwi_cluster* clusters = c->base->tree->clusters;
 	const uint64_t stamp = e->query->state_stamp;
 	while ( e->velocities[cluster].stamp != stamp )
 	{
@@ -274,12 +275,12 @@ const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t cluster )
 		*velocity = (lwi_edge_velocity){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( clusters[next].r.center ) ) };
 		if ( next != 0 )
 		{
-			lwi_twist own = lwi_motion_twist( c->motion, e->motion, next, pose );
+			lwi_twist own = lwi_motion_twist( c->base->motion, e->motion, next, pose );
 			const lwi_edge_velocity* above = &e->velocities[clusters[next].parent];
 			velocity->twist = (lwi_twist){ lwi_add( above->twist.angular, own.angular ),
 				lwi_add( above->twist.linear, own.linear ) };
 			velocity->depth = above->depth + 1;
-			velocity->rates = lwi_motion_rates( c->motion, e->motion, next );
+			velocity->rates = lwi_motion_rates( c->base->motion, e->motion, next );
 		}
 	}
 	return &e->velocities[cluster];
@@ -361,7 +362,7 @@ static double chord_of( const lwi_edge* e, const lwi_edge_pose_triplet* s, const
 	lw_vec3 p = lwi_load( local ), middle = lwi_transform( &s->middle, p );
 	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
 	double right = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->right, p ) ) );
-	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->checker->motion, e->motion );
+	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->motion );
 }
 
 /// Largest difference between the first and the second step of a point in a sphere, from left to middle to right.
@@ -376,11 +377,12 @@ static double second_of( const lwi_edge* e, lwi_edge_pose_triplet* s, const lw_s
 			sum += d * d;
 		}
 		s->second = sqrt( sum );
-		s->jerk = lwi_motion_jerk( e->checker->motion, e->motion, s->cluster, e->checker->tree->clusters[s->ancestor].root_link );
+		s->jerk = lwi_motion_jerk(
+			e->checker->base->motion, e->motion, s->cluster, e->checker->base->tree->clusters[s->ancestor].root_link );
 	}
 	const lw_vec3 p = lwi_load( local->center ), middle = lwi_transform( &s->middle, p );
 	const lw_vec3 first = lwi_sub( lwi_transform( &s->left, p ), middle ), then = lwi_sub( lwi_transform( &s->right, p ), middle );
-	return lwi_length( lwi_add( first, then ) ) + local->radius * s->second + 16 * lwi_motion_rounding( e->checker->motion, e->motion );
+	return lwi_length( lwi_add( first, then ) ) + local->radius * s->second + 16 * lwi_motion_rounding( e->motion );
 }
 
 static lwi_chord_error chord_error_of( lwi_edge* e, uint32_t cluster, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
@@ -397,7 +399,7 @@ static lwi_chord_error chord_error_of( lwi_edge* e, uint32_t cluster, uint32_t a
 
 lwi_chord_error lwi_edge_chord_error( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
 {
-	const lwi_cluster_tree* tree = e->checker->tree;
+	const lwi_cluster_tree* tree = e->checker->base->tree;
 	return chord_error_of( e, tree->body_cluster[body], ancestor, &tree->body_spheres[tree->body_place[body]], rate, window );
 }
 
@@ -410,7 +412,7 @@ static double linear_bound( lwi_edge* e, uint32_t cluster, uint32_t ancestor, co
 		return INFINITY;
 	}
 	lwi_edge_linear_motion linear = lwi_edge_linear_motion_of( e, cluster, ancestor, rate, window ); // poses the cluster
-	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->clusters[cluster].root_link];
+	const lw_transform* pose = &e->query->world_from_link[e->checker->base->tree->clusters[cluster].root_link];
 	double length =
 		lwi_edge_linear_length( &linear, lwi_transform( pose, lwi_load( local->center ) ), local->radius, window.half );
 	double path = window.half * rate.path;
@@ -459,9 +461,9 @@ void lwi_edge_swept_poses( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_mo
 	const lwi_edge_linear_motion* linear, lwi_swept_poses* out )
 {
 	const lw_checker* c = e->checker;
-	const lw_transform* root_link_from_shape = &c->tree->body_poses[c->tree->body_place[body]];
-	const uint32_t cluster = c->tree->body_cluster[body];
-	out->shape = lwi_shape_now( c->bodies[body].shape );
+	const lw_transform* root_link_from_shape = &c->base->tree->body_poses[c->base->tree->body_place[body]];
+	const uint32_t cluster = c->base->tree->body_cluster[body];
+	out->shape = lwi_shape_now( c->base->bodies[body].shape );
 	out->count = 1;
 	out->is_linear = linear != NULL && rate.path > 0;
 	out->made = !out->is_linear;

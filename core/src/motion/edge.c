@@ -75,15 +75,15 @@ static bool check_steps_in_order( lwi_edge* e, uint32_t n )
 static lw_status check_steps( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	if ( !lwi_motion_measure( c->motion, e->full_a, e->full_b, e->motion ) )
+	if ( !lwi_motion_measure( c->base->motion, e->full_a, e->full_b, e->motion ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	double furthest = 0;
-	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
+	for ( uint32_t i = 1; i < c->base->tree->cluster_count; ++i )
 	{
-		double length = lwi_motion_bound( c->motion, e->motion, i, LW_INVALID_INDEX );
-		furthest = c->tree->clusters[i].body_count > 0 ? lwi_larger( furthest, length ) : furthest;
+		double length = lwi_motion_bound( c->base->motion, e->motion, i, LW_INVALID_INDEX );
+		furthest = c->base->tree->clusters[i].body_count > 0 ? lwi_larger( furthest, length ) : furthest;
 	}
 	double steps = ceil( furthest / e->def->max_d );
 	if ( !( steps < LW_EDGE_MOST_STATES ) )
@@ -144,7 +144,7 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	for ( uint32_t i = 0; i < checker->variable_count; ++i )
+	for ( uint32_t i = 0; i < checker->base->group.variable_count; ++i )
 	{
 		if ( !isfinite( qa[i] ) || !isfinite( qb[i] ) )
 		{

@@ -264,7 +264,7 @@ void lwi_edge_swept_poses( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi
 
 static inline bool lwi_edge_rotates_little( const lwi_edge* edge, lwi_edge_window window )
 {
-	return lwi_motion_rotation( edge->checker->motion, edge->motion ) * window.half <= LWI_EDGE_MOST_ROTATION;
+	return lwi_motion_rotation( edge->motion ) * window.half <= LWI_EDGE_MOST_ROTATION;
 }
 
 // --- motion/plane_test.c --------------------------------------------------------------------------------------------------

@@ -15,20 +15,21 @@
 /// Names a pair, for its place among the nearest pairs and for the memory of the last failure.
 static uint32_t pair_id( const lw_checker* c, const lwi_edge_pair* pair )
 {
-	return lwi_edge_pair_is_self( pair ) ? lwi_body_pair_id( c, pair->body_a, pair->body_b ) : pair->body_a;
+	return lwi_edge_pair_is_self( pair ) ? lwi_body_pair_id( c->base, pair->body_a, pair->body_b ) : pair->body_a;
 }
 
 /// The sphere of a body, frame of its cluster's `root_link`.
 static const lw_sphere* sphere_of( const lw_checker* c, uint32_t body )
 {
-	return &c->tree->body_spheres[c->tree->body_place[body]];
+	return &c->base->tree->body_spheres[c->base->tree->body_place[body]];
 }
 
 /// Bound on a body's motion by that of its cluster: where the difference matters, the body's own motion is measured besides.
 static lwi_motion_rate rate_of( const lwi_edge* e, uint32_t body, uint32_t ancestor )
 {
 	const lw_checker* c = e->checker;
-	return lwi_motion_of( c->motion, e->motion, c->tree->body_cluster[body], c->tree->clusters[ancestor].root_link );
+	return lwi_motion_of(
+		c->base->motion, e->motion, c->base->tree->body_cluster[body], c->base->tree->clusters[ancestor].root_link );
 }
 
 void lwi_edge_prepare_pair( lwi_edge* e, lwi_edge_pair* pair )
@@ -44,12 +45,12 @@ void lwi_edge_prepare_pair( lwi_edge* e, lwi_edge_pair* pair )
 static double loss_of( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
 {
 	const lw_checker* c = e->checker;
-	double loss = lwi_edge_displacement( e, c->tree->body_cluster[pair->body_a], pair->ancestor, sphere_of( c, pair->body_a ),
-		pair->rate_a, window );
+	double loss = lwi_edge_displacement(
+		e, c->base->tree->body_cluster[pair->body_a], pair->ancestor, sphere_of( c, pair->body_a ), pair->rate_a, window );
 	if ( lwi_edge_pair_is_self( pair ) )
 	{
-		loss += lwi_edge_displacement( e, c->tree->body_cluster[pair->body_b], pair->ancestor, sphere_of( c, pair->body_b ),
-			pair->rate_b, window );
+		loss += lwi_edge_displacement( e, c->base->tree->body_cluster[pair->body_b], pair->ancestor,
+			sphere_of( c, pair->body_b ), pair->rate_b, window );
 	}
 	return loss * LWI_EDGE_OUTWARD;
 }
@@ -255,5 +256,5 @@ bool lwi_edge_pair_is_free( lwi_edge* e, const lwi_edge_pair* pair, double t )
 double lwi_edge_static_lower( const lwi_edge* e )
 {
 	bool asked = ( e->def->flags & LW_CHECK_ENVIRONMENT ) != 0;
-	return asked ? e->checker->static_environment.lower - e->static_rounding : INFINITY;
+	return asked ? e->checker->nearest_static.clearance.lower - e->static_rounding : INFINITY;
 }

@@ -78,7 +78,7 @@ static void values_of( const interval_batch* batch, double* values, double* spee
 	{
 		const lwi_batch_joint* joint = &batch->tree->batch_joints[i];
 		const double start = joint->multiplier * e->full_a[joint->variable] + joint->variable_offset;
-		speeds[i] = lwi_motion_speed( e->checker->motion, e->motion, i );
+		speeds[i] = lwi_motion_speed( e->checker->base->motion, e->motion, i );
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
 			values[i * LWI_WIDTH + (uint32_t)l] = start + ( ( l + 0.5 ) / LWI_WIDTH ) * speeds[i];
@@ -97,7 +97,7 @@ static void pose_frames( interval_batch* batch )
 	batch->kernels->sincos( values, clusters * LWI_WIDTH, cosines, sines );
 	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
 	memset( &batch->frames[0], 0, sizeof( batch->frames[0] ) );
-	const lw_transform* root = &batch->e->checker->reference_poses[tree->clusters[0].root_link];
+	const lw_transform* root = &batch->e->checker->base->group.reference_poses[tree->clusters[0].root_link];
 	for ( int i = 0; i < 9; ++i )
 	{
 		broadcast( root->r[i / 3][i % 3], batch->frames[0].r[i] );
@@ -155,7 +155,7 @@ static void operand_of_body( const interval_batch* batch, uint32_t place, const 
 	const lwi_cluster_tree* tree = batch->tree;
 	const uint32_t body = tree->bodies[place];
 	const lw_transform* pose = &tree->body_poses[place];
-	s->shape = lwi_shape_now( batch->e->checker->bodies[body].shape );
+	s->shape = lwi_shape_now( batch->e->checker->base->bodies[body].shape );
 	s->is_static = false;
 	lw_vec3 at = lwi_transform( pose, lwi_load( s->shape->origin ) );
 	const double local[3] = { at.x, at.y, at.z };
@@ -403,8 +403,8 @@ static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, boo
 		: alone   ? m->bodies[batch->tree->bodies[n->first_body]]
 				  : m->clusters[2 * cluster] );
 	const float* margins = m == NULL ? NULL : alone ? m->body_row[batch->tree->bodies[n->first_body]] : m->objects;
-	const uint8_t* masks = near_only ? c->near_mask : c->environment_mask;
-	const uint32_t blocks = near_only ? c->near_block_count : c->scene->block_count;
+	const uint8_t* masks = near_only ? c->culling.near_mask : c->environment.mask;
+	const uint32_t blocks = near_only ? c->culling.near_block_count : c->scene->block_count;
 	const double middle[3] = { (double)s.at.p[0][4] + c->scene->origin[0], (double)s.at.p[1][4] + c->scene->origin[1],
 		(double)s.at.p[2][4] + c->scene->origin[2] };
 	uint32_t count = 0;
@@ -450,7 +450,7 @@ static uint32_t near_body( const interval_batch* batch, uint32_t place, const lw
 	const lw_checker* c = batch->e->checker;
 	const lwi_margins* m = c->margins;
 	const uint32_t body = batch->tree->bodies[place], cluster = batch->tree->body_cluster[body];
-	const uint8_t* mask = ( near_only ? c->near_mask : c->environment_mask ) + (size_t)body * c->scene->block_count;
+	const uint8_t* mask = ( near_only ? c->culling.near_mask : c->environment.mask ) + (size_t)body * c->scene->block_count;
 	const float* row = m != NULL ? m->body_row[body] : NULL;
 	const query_sphere s = own != NULL ? *own
 									   : make_query_sphere( batch, cluster, &batch->tree->body_spheres[place],
@@ -481,7 +481,7 @@ static void batch_environment( const interval_batch* batch )
 {
 	lwi_edge* e = batch->e;
 	const lw_checker* c = e->checker;
-	if ( ( e->def->flags & LW_CHECK_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
+	if ( ( e->def->flags & LW_CHECK_ENVIRONMENT ) == 0 || c->environment.pair_count == 0 )
 	{
 		return;
 	}
@@ -490,7 +490,8 @@ static void batch_environment( const interval_batch* batch )
 	{
 		const lwi_cluster* n = &batch->tree->clusters[i];
 		query_sphere of_cluster;
-		uint32_t count = ( c->cluster_environment[i] & LWI_CLUSTER_CHECKED ) != 0 ? near_cluster( batch, i, near_only, &of_cluster ) : 0;
+		uint32_t count =
+			( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) != 0 ? near_cluster( batch, i, near_only, &of_cluster ) : 0;
 		for ( uint32_t k = n->first_body; count > 0 && k < n->first_body + n->body_count; ++k )
 		{
 			uint32_t lanes = near_body( batch, k, e->query->candidates, count, n->body_count == 1 ? &of_cluster : NULL,
@@ -563,7 +564,7 @@ static cluster_pair any_cluster_pair( const interval_batch* batch )
 			size = lwi_larger( size, size_of( &batch->clusters[i], rate.path ) + 2 * batch->tree->clusters[i].r.radius );
 		}
 	}
-	for ( uint32_t i = 0; e->checker->self_margins != NULL && i < batch->tree->pair_count; ++i )
+	for ( uint32_t i = 0; e->checker->base->self.margins != NULL && i < batch->tree->pair_count; ++i )
 	{
 		margin = lwi_larger( margin, (double)batch->tree->pairs[i].margin );
 	}
@@ -675,7 +676,7 @@ static void batch_self( const interval_batch* batch )
 static bool is_bent( lwi_edge* e )
 {
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
-	for ( uint32_t i = 1; i < e->checker->tree->cluster_count; ++i )
+	for ( uint32_t i = 1; i < e->checker->base->tree->cluster_count; ++i )
 	{
 		if ( lwi_edge_rate( lwi_edge_velocity_of( e, i ), root ).change > LEAST_CHANGE )
 		{
@@ -687,24 +688,24 @@ static bool is_bent( lwi_edge* e )
 
 bool lwi_edge_has_batch( lwi_edge* e )
 {
-	return e->checker->tree->can_batch && e->longest > LEAST_SLACKS * e->def->slack &&
+	return e->checker->base->tree->can_batch && e->longest > LEAST_SLACKS * e->def->slack &&
 		   lwi_edge_rotates_little( e, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
 }
 
 void lwi_edge_batch_pass( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	const double rounding = 2 * lwi_motion_rounding( c->motion, e->motion );
+	const double rounding = 2 * lwi_motion_rounding( e->motion );
 	interval_batch batch = { .e = e,
 		.kernels = e->query->search.kernels,
-		.tree = c->tree,
+		.tree = c->base->tree,
 		.frames = e->batch.frames,
 		.bodies = e->batch.bodies,
 		.known = e->batch.known,
 		.clusters = e->batch.clusters,
 		.half = 0.5 / LWI_WIDTH,
 		.rounding = rounding };
-	memcpy( batch.origin, c->reference_poses[c->tree->clusters[0].root_link].t, sizeof( batch.origin ) );
+	memcpy( batch.origin, c->base->group.reference_poses[c->base->tree->clusters[0].root_link].t, sizeof( batch.origin ) );
 	pose_frames( &batch );
 	pose_spheres( &batch );
 	lwi_edge_note_proof( e );

@@ -33,7 +33,7 @@ static bool pose_all( lwi_edge* e, double t )
 	{
 		return false;
 	}
-	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
+	for ( uint32_t i = 1; i < c->base->tree->cluster_count; ++i )
 	{
 		lwi_pose_cluster( c, e->query, i );
 	}
@@ -47,10 +47,10 @@ bool lwi_edge_measure_clusters( lwi_edge* e, double t, double share )
 	{
 		return false;
 	}
-	lwi_motion_place( c->motion, e->motion, e->query->world_from_link );
-	for ( uint32_t i = 1; i < c->tree->cluster_count; ++i )
+	lwi_motion_place( c->base->motion, e->motion, e->query->world_from_link );
+	for ( uint32_t i = 1; i < c->base->tree->cluster_count; ++i )
 	{
-		lwi_motion_measure_body( c->motion, e->motion, i, e->query->world_from_link, share );
+		lwi_motion_measure_body( c->base->motion, e->motion, i, e->query->world_from_link, share );
 	}
 	return true;
 }
@@ -103,7 +103,7 @@ static double displacement_length( midpoint_pass* s, const lwi_edge_velocity* ve
 static double pair_displacement( midpoint_pass* s, const lwi_cluster_pair* pair, bool whole )
 {
 	lwi_edge* e = s->edge;
-	const lwi_cluster* clusters = e->checker->tree->clusters;
+	const lwi_cluster* clusters = e->checker->base->tree->clusters;
 	const lwi_edge_velocity *a = lwi_edge_velocity_of( e, pair->cluster_a ), *b = lwi_edge_velocity_of( e, pair->cluster_b );
 	const lwi_edge_velocity* above = lwi_edge_velocity_of( e, pair->ancestor );
 	const lwi_motion_rate rate_a = lwi_edge_rate( a, above ), rate_b = lwi_edge_rate( b, above );
@@ -124,8 +124,8 @@ static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const lwi_cluster* n = &c->tree->clusters[cluster];
-	if ( ( c->cluster_environment[cluster] & LWI_CLUSTER_CHECKED ) == 0 )
+	const lwi_cluster* n = &c->base->tree->clusters[cluster];
+	if ( ( c->environment.clusters[cluster] & LWI_CLUSTER_CHECKED ) == 0 )
 	{
 		return true;
 	}
@@ -139,11 +139,11 @@ static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
 	const lw_transform* pose = &e->query->world_from_link[n->root_link];
 	for ( uint32_t i = n->first_body; i < n->first_body + n->body_count; ++i )
 	{
-		lwi_edge_pair pair = { .body_a = c->tree->bodies[i], .body_b = LW_INVALID_INDEX };
+		lwi_edge_pair pair = { .body_a = c->base->tree->bodies[i], .body_b = LW_INVALID_INDEX };
 		double reach = limit;
 		if ( n->body_count > 1 )
 		{
-			lw_vec3 middle = lwi_transform( pose, lwi_load( c->tree->body_spheres[i].center ) );
+			lw_vec3 middle = lwi_transform( pose, lwi_load( c->base->tree->body_spheres[i].center ) );
 			reach = e->enough[0] + displacement_length( s, velocity, middle );
 		}
 		pair.near = lwi_checker_near_obstacles( c, e->query, pair.body_a, reach );
@@ -189,8 +189,9 @@ bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t bo
 	{
 		return false;
 	}
-	double margin = lwi_self_margin( c, body_a, body_b ), least = required_clearance( e );
-	double apart = lwi_grid_along( slice, c->tree->spacings, c->robot, e->full_a, e->full_b, least + margin ) - margin;
+	double margin = lwi_self_margin( c->base, body_a, body_b ), least = required_clearance( e );
+	double apart =
+		lwi_grid_along( slice, c->base->tree->spacings, c->base->robot, e->full_a, e->full_b, least + margin ) - margin;
 	if ( !( apart > least ) )
 	{
 		return false;
@@ -202,7 +203,7 @@ bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t bo
 /// Two bodies that may come near each other. @param slice as for lwi_edge_grid_proves()
 static bool test_bodies( midpoint_pass* s, uint32_t candidate, uint32_t ancestor, const lwi_grid_slice* slice )
 {
-	const uint32_t stride = s->edge->checker->body_block_count * LWI_WIDTH;
+	const uint32_t stride = s->edge->checker->base->body_block_count * LWI_WIDTH;
 	lwi_edge_pair pair = { .body_a = candidate / stride, .body_b = candidate % stride, .ancestor = ancestor };
 	return ( s->covered && lwi_edge_grid_proves( s->edge, slice, pair.body_a, pair.body_b ) ) || test_edge_pair( s, pair );
 }
@@ -212,8 +213,8 @@ static uint32_t near_bodies( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const uint32_t index = (uint32_t)( pair - c->tree->pairs );
-	const uint32_t only = lwi_cluster_pair_candidate( c, c->tree, index );
+	const uint32_t index = (uint32_t)( pair - c->base->tree->pairs );
+	const uint32_t only = lwi_cluster_pair_candidate( c->base, c->base->tree, index );
 	if ( only < LWI_OPEN )
 	{
 		e->query->candidates[0].pair = only;
@@ -235,7 +236,7 @@ static moving_proxy make_proxy( midpoint_pass* s, uint32_t cluster, const lw_sph
 {
 	lwi_edge* e = s->edge;
 	moving_proxy m = { .velocity = lwi_edge_velocity_of( e, cluster ) }; // poses the cluster
-	const lw_transform* pose = &e->query->world_from_link[e->checker->tree->clusters[cluster].root_link];
+	const lw_transform* pose = &e->query->world_from_link[e->checker->base->tree->clusters[cluster].root_link];
 	m.center = lwi_transform( pose, lwi_load( sphere->center ) );
 	m.displacement = displacement_of( s, m.velocity, m.center );
 	m.radius = sphere->radius + e->query->pose_rounding;
@@ -264,17 +265,17 @@ static bool proxies_meet( const midpoint_pass* s, const moving_proxy* a, const m
 static bool bodies_meet( midpoint_pass* s, uint32_t a, uint32_t b, uint32_t ancestor )
 {
 	const lw_checker* c = s->edge->checker;
-	const lwi_cluster_tree* tree = c->tree;
+	const lwi_cluster_tree* tree = c->base->tree;
 	const lw_sphere *of_a = &tree->body_spheres[tree->body_place[a]], *of_b = &tree->body_spheres[tree->body_place[b]];
 	const moving_proxy proxy_a = make_proxy( s, tree->body_cluster[a], of_a ), proxy_b = make_proxy( s, tree->body_cluster[b], of_b );
-	return proxies_meet( s, &proxy_a, &proxy_b, ancestor, lwi_self_margin( c, a, b ) );
+	return proxies_meet( s, &proxy_a, &proxy_b, ancestor, lwi_self_margin( c->base, a, b ) );
 }
 
 /// The bodies of two clusters whose spheres come near each other.
 static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
 	const lw_checker* c = s->edge->checker;
-	const uint32_t count = near_bodies( s, pair ), stride = c->body_block_count * LWI_WIDTH;
+	const uint32_t count = near_bodies( s, pair ), stride = c->base->body_block_count * LWI_WIDTH;
 	bool go_on = true; // tests of pairs leave the candidates unchanged
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
@@ -284,7 +285,7 @@ static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 		{
 			continue;
 		}
-		const lwi_grid_slice* slice = lwi_checker_slice( c->tree, (uint32_t)( pair - c->tree->pairs ), a, b );
+		const lwi_grid_slice* slice = lwi_checker_slice( c->base->tree, (uint32_t)( pair - c->base->tree->pairs ), a, b );
 		go_on = test_bodies( s, candidate, pair->ancestor, slice );
 	}
 	return go_on;
@@ -315,7 +316,7 @@ static double size_of( lw_vec3 v )
 static double make_proxies( midpoint_pass* s, moving_proxy* all, float* blocks )
 {
 	lwi_edge* e = s->edge;
-	const lwi_cluster_tree* tree = e->checker->tree;
+	const lwi_cluster_tree* tree = e->checker->base->tree;
 	const lw_vec3 origin = lwi_load( e->query->world_from_link[tree->clusters[0].root_link].t );
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	double size = 0;
@@ -341,7 +342,7 @@ static double make_proxies( midpoint_pass* s, moving_proxy* all, float* blocks )
 static bool test_proxies( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
-	const lwi_cluster_tree* tree = e->checker->tree;
+	const lwi_cluster_tree* tree = e->checker->base->tree;
 	const lwi_self_proxies* proxies = tree->proxies;
 	if ( s->covered && lwi_edge_is_apart( e, proxies->separation ) )
 	{
@@ -380,12 +381,12 @@ static bool test_environment( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	if ( ( e->def->flags & LW_CHECK_ENVIRONMENT ) == 0 || c->environment_pair_count == 0 )
+	if ( ( e->def->flags & LW_CHECK_ENVIRONMENT ) == 0 || c->environment.pair_count == 0 )
 	{
 		return true;
 	}
 	bool go_on = true;
-	for ( uint32_t i = c->tree->cluster_count; go_on && i-- > 1; ) // hands move most
+	for ( uint32_t i = c->base->tree->cluster_count; go_on && i-- > 1; ) // hands move most
 	{
 		go_on = test_cluster_environment( s, i ) && probe( s );
 	}
@@ -396,21 +397,21 @@ static bool test_self( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const uint32_t count = ( e->def->flags & LW_CHECK_SELF ) != 0 ? c->tree->pair_count : 0;
+	const uint32_t count = ( e->def->flags & LW_CHECK_SELF ) != 0 ? c->base->tree->pair_count : 0;
 	if ( count == 0 )
 	{
 		return true;
 	}
 	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
-	s->moves = c->tree->can_batch && lwi_edge_rotates_little( e, s->window );
-	if ( c->tree->proxies != NULL && s->moves )
+	s->moves = c->base->tree->can_batch && lwi_edge_rotates_little( e, s->window );
+	if ( c->base->tree->proxies != NULL && s->moves )
 	{
 		return test_proxies( s );
 	}
 	bool go_on = true;
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
-		go_on = test_clusters( s, &c->tree->pairs[i] ) && probe( s );
+		go_on = test_clusters( s, &c->base->tree->pairs[i] ) && probe( s );
 	}
 	return go_on;
 }

@@ -205,7 +205,7 @@ static bool stays_away( const plane_test* s, double need, float direction[3] )
 static double center_displacement( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate,
 	lwi_edge_window window )
 {
-	const lwi_cluster_tree* tree = e->checker->tree;
+	const lwi_cluster_tree* tree = e->checker->base->tree;
 	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
 	return lwi_edge_point_displacement( e, tree->body_cluster[body], ancestor, sphere->center, rate, window ) *
 		   LWI_EDGE_OUTWARD;
@@ -312,13 +312,13 @@ static lwi_edge_plane_result test_self( plane_test s )
 	const lw_checker* c = e->checker;
 	const lwi_edge_pair* pair = s.pair;
 	uint32_t a = pair->body_a, b = pair->body_b, above = pair->ancestor;
-	const lwi_cluster_tree* tree = c->tree;
+	const lwi_cluster_tree* tree = c->base->tree;
 	bool alone = tree->clusters[tree->body_cluster[a]].body_count == 1 && tree->clusters[tree->body_cluster[b]].body_count == 1;
 	s.swapped = pair->rate_a.path == 0; // the static shape has the plane
 	s.any_key = alone ? 0 : BODY_KEY | ( s.swapped ? a : b );
 	lwi_edge_plane* p = NULL;
 	// poses are seen from the ancestor, which is rounded too
-	double margin = lwi_self_margin( c, a, b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
+	double margin = lwi_self_margin( c->base, a, b ) + 4 * lwi_motion_rounding( e->motion );
 	bool planes = s.bulge < MAX_BULGE;
 	lwi_cloud clouds[2];
 	clouds[0].made = clouds[1].made = false;
@@ -332,7 +332,7 @@ static lwi_edge_plane_result test_self( plane_test s )
 		lwi_edge_swept_poses( e, a, above, pair->rate_a, s.window, s.linear != NULL ? &s.linear[0] : NULL, &poses[0] );
 		lwi_edge_swept_poses( e, b, above, pair->rate_b, s.window, s.linear != NULL ? &s.linear[1] : NULL, &poses[1] );
 		planes = has_planes( &s );
-		p = planes ? planes_of( &s, SELF_KEY | lwi_body_pair_id( c, a, b ) ) : NULL;
+		p = planes ? planes_of( &s, SELF_KEY | lwi_body_pair_id( c->base, a, b ) ) : NULL;
 		if ( planes && old_plane_holds( &s, p, margin ) )
 		{
 			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
@@ -405,7 +405,7 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	const uint32_t* cluster = e->checker->tree->body_cluster;
+	const uint32_t* cluster = e->checker->base->tree->body_cluster;
 	bool self = lwi_edge_pair_is_self( pair );
 	lwi_edge_linear_motion linear[2] = { { .bulge = 0 }, { .bulge = 0 } };
 	bool is_linear = lwi_edge_is_linear( pair->rate_a, window ) && ( !self || lwi_edge_is_linear( pair->rate_b, window ) );
@@ -457,14 +457,14 @@ static bool pair_stays_away( nearing* s, const lwi_edge_pair* pair, lwi_edge_win
 	if ( pair->ancestor != 0 )
 	{
 		lwi_pose_cluster( c, e->query, pair->ancestor );
-		s->n = lwi_unrotate( &e->query->world_from_link[c->tree->clusters[pair->ancestor].root_link], s->n );
+		s->n = lwi_unrotate( &e->query->world_from_link[c->base->tree->clusters[pair->ancestor].root_link], s->n );
 	}
 	s->n = swapped ? lwi_scale( -1, s->n ) : s->n;
 	const lwi_motion_rate rate = swapped ? pair->rate_b : pair->rate_a;
 	lwi_swept_poses still;
 	set_out( s, moving, pair->ancestor, rate, window );
 	lwi_edge_swept_poses( e, fixed, pair->ancestor, (lwi_motion_rate){ 0, 0 }, window, NULL, &still );
-	double margin = lwi_self_margin( c, pair->body_a, pair->body_b ) + 4 * lwi_motion_rounding( c->motion, e->motion );
+	double margin = lwi_self_margin( c->base, pair->body_a, pair->body_b ) + 4 * lwi_motion_rounding( e->motion );
 	return stays_away_from( s, still.shape, &still.middle, margin );
 }
 

@@ -147,7 +147,7 @@ static bool check_static( lwi_edge* e )
 	{
 		return true;
 	}
-	const lw_clearance* fixed = &e->checker->static_environment;
+	const lw_clearance* fixed = &e->checker->nearest_static.clearance;
 	e->out->verdict = fixed->upper <= e->def->min_d ? LW_VERDICT_BLOCKED : LW_VERDICT_UNDECIDED;
 	e->out->t = 0;
 	e->out->pair = *fixed;

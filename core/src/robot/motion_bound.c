@@ -186,12 +186,12 @@ double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uin
 	return b->entry_count > 0 ? scratch_of( scratch )->motions[table->entries[b->first_entry].moving_joint].speed : 0;
 }
 
-double lwi_motion_rotation( const lwi_motion_table* table, const void* scratch )
+double lwi_motion_rotation( const void* scratch )
 {
 	return scratch_of( scratch )->whole.turns;
 }
 
-double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch )
+double lwi_motion_twist_error( const void* scratch )
 {
 	return scratch_of( scratch )->whole.twist_error;
 }
@@ -301,12 +301,12 @@ double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uin
 	return lwi_motion_of( table, scratch, body, ancestor ).path;
 }
 
-double lwi_motion_total( const lwi_motion_table* table, const void* scratch )
+double lwi_motion_total( const void* scratch )
 {
 	return scratch_of( scratch )->whole.total;
 }
 
-double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch )
+double lwi_motion_rounding( const void* scratch )
 {
 	return scratch_of( scratch )->whole.rounding;
 }

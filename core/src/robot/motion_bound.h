@@ -112,16 +112,16 @@ lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, 
 /// variables.
 double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body );
 /// Radians that all joints together turn along the edge.
-double lwi_motion_rotation( const lwi_motion_table* table, const void* scratch );
+double lwi_motion_rotation( const void* scratch );
 /// How far the velocity of a point of any body, of twists that were summed up from these, is from the true one at most.
-double lwi_motion_twist_error( const lwi_motion_table* table, const void* scratch );
+double lwi_motion_twist_error( const void* scratch );
 
 /// Upper bound of the path length of any body in the world along the whole edge, once it was begun: looser than that of any
 /// of its parts.
-double lwi_motion_total( const lwi_motion_table* table, const void* scratch );
+double lwi_motion_total( const void* scratch );
 
 /// Upper bound of the distance between a body's point at t and its place in the world by double arithmetic, for all bodies.
-double lwi_motion_rounding( const lwi_motion_table* table, const void* scratch );
+double lwi_motion_rounding( const void* scratch );
 
 // --- cells of the joint space, seen from one of two links ----------------------------------------------------------------
 //
