@@ -137,6 +137,9 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	command->add_option( "--goal", options.goal, "joint=value,... or a group_state of the SRDF; other joints keep their start value" )
 	    ->type_name( "GOAL" );
 	command
+	    ->add_option( "--goal-pose", options.goal_poses, "LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW in the planning frame; repeatable" )
+	    ->type_name( "POSE" );
+	command
 	    ->add_option( "--start", options.start,
 	        "joint=value,... or a group_state; other joints have the request's value, else 0" )
 	    ->type_name( "START" );
@@ -148,7 +151,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->add_option(
 	        "--time", options.time, "seconds for planning (default: the request's allowed_planning_time, else 60)" )
 	    ->type_name( "S" );
-	command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )->type_name( "N" );
+	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )->type_name( "N" ) );
 	rare( command
 	          ->add_option( "--threads", options.threads,
 	              "threads of planners marked 'threads' in the list below (default: the planner's own choice)" )

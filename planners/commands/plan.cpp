@@ -6,9 +6,10 @@
 #include "text/path_file.hpp"
 #include "setup/planner_registry.hpp"
 
+#include "leeway/ik/goal_states.hpp"
 #include "leeway/ompl/validity.hpp"
 
-#include <ompl/base/goals/GoalState.h>
+#include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/PathSimplifier.h>
@@ -88,6 +89,8 @@ struct Solution
 	::leeway::ompl::Counters counters;
 	std::vector<::leeway::ompl::UndecidedPair> undecided_pairs;
 	std::string undecided; // a sentence on them
+	ik::GoalStates goals; // of a pose goal
+	double ik_seconds = 0;
 };
 
 // An end of the request must be inside the limits and free, else no planner can help.
@@ -302,8 +305,8 @@ void widen( ob::StateSpace& space, const ob::State& state )
 class Planning
 {
 public:
-	Planning( const PlanOptions& options, const Workbench& bench, std::vector<double> start, std::vector<double> goal, Notices& notices )
-	    : m_options( options ), m_bench( bench ), m_start( std::move( start ) ), m_goal( std::move( goal ) )
+	Planning( const PlanOptions& options, const Workbench& bench, std::vector<double> start, Points goals, Notices& notices )
+	    : m_options( options ), m_bench( bench ), m_start( std::move( start ) ), m_goals( std::move( goals ) )
 	{
 		::leeway::ompl::Options judge;
 		judge.min_d = options.common.min_d;
@@ -317,10 +320,14 @@ public:
 		const ::leeway::ompl::StateAdapter adapter( m_space, bench.problem().checker );
 		ob::ScopedState<> first( m_space ), last( m_space );
 		adapter.fromVector( m_start.data(), first.get() );
-		adapter.fromVector( m_goal.data(), last.get() );
+		adapter.fromVector( m_goals.front().data(), last.get() );
 		narrow( *m_space, *first.get(), *last.get(), notices );
 		widen( *m_space, *first.get() );
-		widen( *m_space, *last.get() );
+		for ( const std::vector<double>& goal : m_goals )
+		{
+			adapter.fromVector( goal.data(), last.get() );
+			widen( *m_space, *last.get() );
+		}
 		m_si = std::make_shared<ob::SpaceInformation>( m_space );
 		m_engine = ::leeway::ompl::install( m_si, bench.problem().checker, judge );
 		m_si->setup();
@@ -331,7 +338,13 @@ public:
 	{
 		Solution solution;
 		auto definition = std::make_shared<ob::ProblemDefinition>( m_si );
-		definition->setStartAndGoalStates( state( m_start ), state( m_goal ) );
+		definition->addStartState( state( m_start ) );
+		const auto goals = std::make_shared<ob::GoalStates>( m_si );
+		for ( const std::vector<double>& goal : m_goals )
+		{
+			goals->addState( state( goal ) );
+		}
+		definition->setGoal( goals );
 		const std::vector<std::string> names = plannersOf( m_options );
 		for ( std::size_t i = 0; i < names.size() && !solution.solved; ++i )
 		{
@@ -414,7 +427,8 @@ private:
 
 	const PlanOptions& m_options;
 	const Workbench& m_bench;
-	const std::vector<double> m_start, m_goal;
+	const std::vector<double> m_start;
+	const Points m_goals; // alternatives
 	ob::StateSpacePtr m_space;
 	ob::SpaceInformationPtr m_si;
 	std::shared_ptr<const ::leeway::ompl::Engine> m_engine;
@@ -452,6 +466,7 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 	json["request"] = given( options.common.request );
 	json["start"] = given( options.start );
 	json["goal"] = given( options.goal );
+	json["goal_poses"] = options.goal_poses;
 	json["robot"] = input.robot.name;
 	json["group"] = bench.problem().group;
 	json["planner"] = solution.planner;
@@ -476,6 +491,12 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 		json["checks"]["undecided_pairs"].push_back( { { "first", pair.first }, { "second", pair.second },
 		    { "self", pair.self }, { "edges", pair.count }, { "clearance", jsonNumber( pair.clearance ) } } );
 	}
+	if ( solution.goals.searches > 0 )
+	{
+		json["seconds"]["inverse_kinematics"] = solution.ik_seconds;
+		json["goal_states"] = { { "found", solution.goals.states.size() }, { "searches", solution.goals.searches },
+		    { "reached", solution.goals.reached }, { "not_free", solution.goals.blocked } };
+	}
 	if ( solution.solved )
 	{
 		json["raw"] = { { "states", solution.raw_states }, { "length", solution.raw_length } };
@@ -491,7 +512,14 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 std::string summary( const PlanOptions& options, const Solution& solution )
 {
 	const bool certified = options.edge.validator == "certified";
-	std::string text =
+	std::string text;
+	if ( solution.goals.searches > 0 )
+	{
+		text = fmt::format( "goal        {} from {} searches, {:.4f} s of inverse kinematics; {} states not free\n",
+		    counted( solution.goals.states.size(), "state" ), solution.goals.searches, solution.ik_seconds,
+		    solution.goals.blocked );
+	}
+	text +=
 	    fmt::format( "planner     {} (seed {}{}): {:.3f} s planning, {:.3f} s simplifying; {} and {} checked\n",
 	        solution.planner, options.seed,
 	        solution.threads > 1 ? fmt::format( ", {} threads", solution.threads ) : "", solution.seconds.plan,
@@ -513,26 +541,55 @@ double timeLimit( const PlanOptions& options, const io::Request& request )
 	return options.time > 0 ? options.time : request.allowed_planning_time > 0 ? request.allowed_planning_time : 60;
 }
 
-Solution solve( const PlanOptions& options, const Workbench& bench, const PlanEnds& ends, const io::Request& request, Notices& notices )
+ik::GoalStates solvePoses( const PlanOptions& options, const Input& input, const Workbench& bench, const PlanEnds& ends )
 {
-	const std::vector<double> start = io::startState( bench.problem() ), goal = io::goalState( bench.problem(), request );
+	ik::Options settings;
+	settings.seed = options.seed;
+	settings.min_d = options.common.min_d;
+	settings.flags = options.common.checkFlags();
+	ik::GoalStates goals = ik::findGoalStates( input.robot, bench.problem(), *input.request, settings );
+	if ( goals.states.empty() )
+	{
+		throw io::Error( ends.goal.file, ends.goal.element, goals.problem, goals.remedy );
+	}
+	return goals;
+}
+
+void noteEnd( const EndPlace& end, const std::vector<std::string>& violations, Notices& notices )
+{
+	for ( const std::string& violation : violations )
+	{
+		notices.add( "joint limits", fmt::format( "{}: {}: {}; it is used unchanged", end.file, end.element, violation ) );
+	}
+}
+
+Solution solve( const PlanOptions& options, const Input& input, const Workbench& bench, const PlanEnds& ends, Notices& notices )
+{
+	const io::Request& request = *input.request;
+	const std::vector<double> start = io::startState( bench.problem() );
 	requireUsable( options, bench, ends.start, start );
-	requireUsable( options, bench, ends.goal, goal );
-	for ( const std::string& violation : limitViolations( bench, bench.fullState( start ) ) )
+	noteEnd( ends.start, limitViolations( bench, bench.fullState( start ) ), notices );
+	ik::GoalStates goals;
+	const double begin = now();
+	if ( request.hasPoseGoal() )
 	{
-		notices.add( "joint limits",
-		    fmt::format( "{}: {}: {}; it is used unchanged", ends.start.file, ends.start.element, violation ) );
+		goals = solvePoses( options, input, bench, ends );
 	}
-	for ( const std::string& violation : groupLimitViolations( bench, goal ) )
+	else
 	{
-		notices.add( "joint limits",
-		    fmt::format( "{}: {}: {}; it is used unchanged", ends.goal.file, ends.goal.element, violation ) );
+		goals.states = { io::goalState( bench.problem(), request ) };
+		requireUsable( options, bench, ends.goal, goals.states.front() );
+		noteEnd( ends.goal, groupLimitViolations( bench, goals.states.front() ), notices );
 	}
+	const double ik_seconds = now() - begin;
 	const OmplMessages messages( notices, options.common.verbose );
 	try
 	{
 		::ompl::RNG::setSeed( options.seed );
-		return Planning( options, bench, start, goal, notices ).solve( timeLimit( options, request ) );
+		Solution solution = Planning( options, bench, start, goals.states, notices ).solve( timeLimit( options, request ) );
+		solution.goals = std::move( goals );
+		solution.ik_seconds = ik_seconds;
+		return solution;
 	}
 	catch ( const ::ompl::Exception& error )
 	{
@@ -555,7 +612,7 @@ int runPlan( const PlanOptions& options )
 	input.max_d = options.common.min_d + planning_horizon;
 	const PlanEnds ends = readEnds( options, input );
 	Workbench bench( input, ends.group, {}, notices );
-	Solution solution = solve( options, bench, ends, *input.request, notices );
+	Solution solution = solve( options, input, bench, ends, notices );
 
 	AuditSettings settings;
 	settings.min_d = options.common.min_d;

@@ -9,6 +9,8 @@
 
 #include "text/names.hpp"
 
+#include "leeway/ik/goal_states.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -367,17 +369,28 @@ void auditEnds(
 {
 	// Ends are compared as a planner keeps them: angles that wrap may come back a turn and some roundings away.
 	constexpr double tolerance = 1e-9;
-	const std::vector<double> start = io::startState( bench.problem() ), goal = io::goalState( bench.problem(), request );
-	for ( const auto& [name, wanted, given] :
-	    { std::make_tuple( "start", &start, &points.front() ), std::make_tuple( "goal", &goal, &points.back() ) } )
+	const auto add = [&audit]( const std::string& problem )
 	{
-		const double difference = jointDistance( bench, *wanted, *given );
+		audit.valid = false;
+		audit.problems.push_back( problem );
+	};
+	const auto compare = [&]( const char* name, const std::vector<double>& wanted, const std::vector<double>& given )
+	{
+		const double difference = jointDistance( bench, wanted, given );
 		if ( !( difference <= tolerance ) )
 		{
-			audit.valid = false;
-			audit.problems.push_back(
-			    fmt::format( "the path's {} is {:.3g} (joint space) away from the request's", name, difference ) );
+			add( fmt::format( "the path's {} is {:.3g} (joint space) away from the request's", name, difference ) );
 		}
+	};
+	compare( "start", io::startState( bench.problem() ), points.front() );
+	if ( !request.hasPoseGoal() )
+	{
+		compare( "goal", io::goalState( bench.problem(), request ), points.back() );
+		return;
+	}
+	for ( const std::string& violation : ik::goalViolations( bench.problem(), request, points.back().data() ) )
+	{
+		add( fmt::format( "the path's goal is not the request's: {}", violation ) );
 	}
 }
 

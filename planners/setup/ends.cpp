@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace leeway::cli
 {
@@ -110,6 +111,73 @@ End parse( const std::string& option, const std::string& text, const std::string
 	           : parseValues( option, text, robot );
 }
 
+// As RViz has them for goals: metres, radians.
+constexpr double place_tolerance = 1e-4, turn_tolerance = 1e-3;
+
+// LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW, in the planning frame.
+void readGoalPose( const std::string& text, io::Request& request )
+{
+	const char* const format = "write LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW";
+	const std::string option = "--goal-pose " + text;
+	const std::size_t equals = text.rfind( '=' );
+	if ( equals == std::string::npos || trimmed( text.substr( 0, equals ) ).empty() )
+	{
+		wrong( option, "names no link", format );
+	}
+	std::vector<double> numbers;
+	for ( std::size_t from = equals + 1; from <= text.size(); )
+	{
+		const std::size_t comma = std::min( text.find( ',', from ), text.size() );
+		const std::string part = trimmed( text.substr( from, comma - from ) );
+		const std::optional<double> value = finiteNumber( part );
+		if ( !value )
+		{
+			wrong( option, fmt::format( "'{}' is not a finite number", part ), format );
+		}
+		numbers.push_back( *value );
+		from = comma + 1;
+	}
+	if ( numbers.size() != 3 && numbers.size() != 7 )
+	{
+		wrong( option, fmt::format( "has {}, not 3 or 7", counted( numbers.size(), "number" ) ), format );
+	}
+	io::PositionGoal position;
+	position.link = trimmed( text.substr( 0, equals ) );
+	position.element = option;
+	position.regions.emplace_back();
+	position.regions.back().size = { place_tolerance, 0, 0 };
+	std::copy_n( numbers.begin(), 3, position.regions.back().pose.t );
+	request.goal_positions.push_back( position );
+	if ( numbers.size() == 3 )
+	{
+		return;
+	}
+	io::OrientationGoal orientation;
+	orientation.link = position.link;
+	orientation.element = option;
+	orientation.tolerance.fill( turn_tolerance );
+	const double length = std::hypot( std::hypot( numbers[3], numbers[4] ), std::hypot( numbers[5], numbers[6] ) );
+	if ( !( std::fabs( length - 1 ) <= 0.01 ) )
+	{
+		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ), "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
+	}
+	for ( std::size_t i = 0; i < 4; ++i )
+	{
+		orientation.quaternion[i] = numbers[3 + i] / length;
+	}
+	request.goal_orientations.push_back( orientation );
+}
+
+void clearGoal( io::Request& request, PlanEnds& ends, const char* option )
+{
+	request.goal.clear();
+	request.goal_positions.clear();
+	request.goal_orientations.clear();
+	ends.goal = { "command line", option };
+	request.goal_file = ends.goal.file;
+	request.goal_element = ends.goal.element;
+}
+
 } // namespace
 
 PlanEnds readEnds( const PlanOptions& options, Input& input )
@@ -119,6 +187,10 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	ends.start = ends.goal = { options.common.request, "" };
 	ends.start.element = "start_state";
 	ends.goal.element = "goal_constraints";
+	if ( !options.goal.empty() && !options.goal_poses.empty() )
+	{
+		wrong( "--goal-pose", "stands beside --goal", "give one of them" );
+	}
 	io::Request request = from_file ? *input.request : io::Request();
 	std::string state_group;
 	if ( !options.goal.empty() )
@@ -126,19 +198,24 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 		const std::string wanted = options.common.group.empty() ? request.group : options.common.group;
 		const End goal = parse( "--goal", options.goal, wanted, input.robot );
 		state_group = goal.group;
-		request.goal.clear();
+		clearGoal( request, ends, "--goal" );
 		for ( const auto& [name, value] : goal.values )
 		{
 			request.goal.push_back( { name, value, 0, 0 } );
 		}
 		request.goal_keeps_rest = true;
-		ends.goal = { "command line", "--goal" };
-		request.goal_file = ends.goal.file;
-		request.goal_element = ends.goal.element;
+	}
+	else if ( !options.goal_poses.empty() )
+	{
+		clearGoal( request, ends, "--goal-pose" );
+		for ( const std::string& pose : options.goal_poses )
+		{
+			readGoalPose( pose, request );
+		}
 	}
 	else if ( !from_file )
 	{
-		wrong( "--goal", "is missing", std::string( how_to_write ) + ", or give --request Q.yaml" );
+		wrong( "--goal", "is missing", std::string( how_to_write ) + ", or give --goal-pose or --request Q.yaml" );
 	}
 	ends.group = !options.common.group.empty() ? options.common.group : request.group;
 	if ( !options.start.empty() )

@@ -21,9 +21,9 @@ struct PlanEnds
 	EndPlace start, goal;
 };
 
-/// Puts the ends of --start and --goal into input.request, which may be empty before. A group_state stands for its joints' values.
+/// Puts the ends of --start, --goal and --goal-pose into input.request, which may be empty before. A group_state stands for its joints' values.
 /// The group is that of --group, else of the request, else of the state that --goal or --start names, else all joints.
-/// @throws io::Error (no such state, joint or value; none of request and goal given)
+/// @throws io::Error (no such state, joint or value; no goal)
 PlanEnds readEnds( const PlanOptions& options, Input& input );
 
 } // namespace leeway::cli

@@ -161,11 +161,16 @@ const HelpText plan_help = {
 Example: leeway plan --robot arm.urdf --goal shoulder=1.2,elbow=-0.4 --out path.yaml
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out path.yaml
 
-Exit status 0: a path; 1: no path; 2: error, also if start or goal is not free or violates a limit.)",
+Exit status 0: a path; 1: no path; 2: error, also if start or goal is not free, violates a limit or cannot be reached.)",
     R"(--start and --goal are joint=value,joint=value (names as for `leeway check`) or a group_state of the SRDF; they override the
 request. Joints that --goal does not name keep their start value; joints without any start value start at 0. Without a
 group all joints can move. Without an SRDF neighbouring links that overlap are in contact: `leeway pairs --out` writes
 an SRDF, or --allow LINK:LINK allows a pair. The request's planner_id is not used.
+
+A goal may also be poses of links: --goal-pose hand=0.4,0.1,0.5,0,1,0,0 (x, y, z, quaternion; without the quaternion any
+orientation), or position_constraints and orientation_constraints of the request, alone or with joint_constraints. Inverse
+kinematics finds up to eight free states that reach it, by --seed, and the planner goes to any of them. --goal-pose keeps within
+0.1 mm of the place and 0.001 rad of the orientation; a request has tolerances of its own.
 
 Shortcuts simplify the path, and all its edges are checked once more; if one fails, the path before simplification is
 kept. The audit measures exact states so densely that near contact no robot point moves further than --resolution between

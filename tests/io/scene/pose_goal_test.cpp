@@ -97,7 +97,8 @@ goal_constraints:
 TEST_F( PoseGoalTest, JointConstraintsAreKeptBesidePoses )
 {
 	Request request = load( "joint_constraints: [{joint_name: a, position: 1, tolerance_above: 0.5}], position_constraints: "
-	                        "[{link_name: hand, constraint_region: " + region + "}]" );
+	                        "[{link_name: hand, constraint_region: " +
+	                        region + "}]" );
 	EXPECT_EQ( request.goal.size(), 1u );
 	EXPECT_EQ( request.goal_positions.size(), 1u );
 	EXPECT_EQ( request.goal_positions[0].frame, "" );
@@ -138,7 +139,7 @@ TEST_F( PoseGoalTest, BadOrientationConstraintsNameTheFieldAndTheLink )
 TEST_F( PoseGoalTest, NoGoalStateOfAPoseGoalIsMadeUpFromTheStart )
 {
 	write( "r.urdf", robot_head + "<joint name='a' type='continuous'>"
-	                 "<parent link='base'/><child link='hand'/></joint></robot>" );
+	                              "<parent link='base'/><child link='hand'/></joint></robot>" );
 	RobotModel robot = loadRobot( path( "r.urdf" ), "" );
 	Request request = position( "link_name: hand, constraint_region: " + region );
 	request.goal_keeps_rest = true;
@@ -148,7 +149,8 @@ TEST_F( PoseGoalTest, NoGoalStateOfAPoseGoalIsMadeUpFromTheStart )
 
 TEST_F( PoseGoalTest, FramesOfLinksObjectsAndFixedFramesAreFound )
 {
-	write( "r.urdf", robot_head + "<joint name='a' type='prismatic'>"
+	write( "r.urdf",
+	    robot_head + "<joint name='a' type='prismatic'>"
 	                 "<parent link='base'/><child link='hand'/><limit lower='0' upper='1' effort='1' velocity='1'/></joint>"
 	                 "</robot>" );
 	RobotModel robot = loadRobot( path( "r.urdf" ), "" );

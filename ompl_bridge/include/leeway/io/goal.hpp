@@ -16,7 +16,7 @@ namespace leeway::io
 /// A frame by its place: fixed to a link of the robot, or to the planning frame.
 struct Frame
 {
-	std::uint32_t link = LW_INVALID_INDEX; ///< LW_INVALID_INDEX: the planning frame
+	std::uint32_t link = LW_INVALID_INDEX;       ///< LW_INVALID_INDEX: the planning frame
 	lw_transform pose = lw_transform_identity(); ///< of the frame, in the frame of `link` or in the planning frame
 };
 
@@ -44,11 +44,11 @@ struct GoalRegion
 /// A point of a link lies in one of the regions.
 struct PositionGoal
 {
-	std::string link;  ///< a link of the robot, or an attached object
-	std::string frame; ///< of the regions: a name for findFrame(); empty = planning frame
+	std::string link;                           ///< a link of the robot, or an attached object
+	std::string frame;                          ///< of the regions: a name for findFrame(); empty = planning frame
 	std::array<double, 3> offset = { 0, 0, 0 }; ///< the point, in the frame of the link
-	std::vector<GoalRegion> regions; ///< one or more
-	std::string element;             ///< for errors
+	std::vector<GoalRegion> regions;            ///< one or more
+	std::string element;                        ///< for errors
 };
 
 /// The rotation from the wanted orientation to the link's deviates from none by at most the tolerances. With D the link's
@@ -62,7 +62,7 @@ struct OrientationGoal
 		euler_xyz = 0,
 		rotation_vector = 1
 	};
-	std::string link, frame; ///< as PositionGoal
+	std::string link, frame;                           ///< as PositionGoal
 	std::array<double, 4> quaternion = { 0, 0, 0, 1 }; ///< wanted orientation in `frame`, of length 1
 	std::array<double, 3> tolerance = { 0, 0, 0 };     ///< >= 0; pi or more leaves an angle free
 	Parameterization parameterization = Parameterization::euler_xyz;

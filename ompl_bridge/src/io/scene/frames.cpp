@@ -119,7 +119,8 @@ lw_transform Frames::planningFrom(
 		throw Error( file, wanted_by, fmt::format( "frame {} is not known", name ),
 		    fmt::format( "use one of {}", joinNames( known(), 12 ) ) );
 	case Found::cycle:
-		throw Error( file, "fixed_frame_transforms", fmt::format( "frame {} hangs on itself", full_name ), "break the cycle" );
+		throw Error(
+		    file, "fixed_frame_transforms", fmt::format( "frame {} hangs on itself", full_name ), "break the cycle" );
 	case Found::yes:
 		break;
 	}

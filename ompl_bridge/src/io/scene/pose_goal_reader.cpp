@@ -59,8 +59,8 @@ GoalRegion readRegion( const YamlNode& node, const YamlNode& pose )
 	}
 	else
 	{
-		node["type"].fail( fmt::format( "a goal region of type {} is not supported", type ),
-		    "use box (1), sphere (2) or cylinder (3)" );
+		node["type"].fail(
+		    fmt::format( "a goal region of type {} is not supported", type ), "use box (1), sphere (2) or cylinder (3)" );
 	}
 	return region;
 }

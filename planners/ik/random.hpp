@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Random numbers that are the same on every machine.
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace leeway::ik
+{
+
+class Random
+{
+public:
+	explicit Random( std::uint64_t seed ) : m_engine( seed ) {}
+	/// In [0, 1).
+	double unit() { return static_cast<double>( m_engine() >> 11 ) * 0x1p-53; }
+	double between( double a, double b ) { return a + ( b - a ) * unit(); }
+	std::size_t below( std::size_t count ) { return static_cast<std::size_t>( unit() * static_cast<double>( count ) ); }
+
+private:
+	std::mt19937_64 m_engine;
+};
+
+} // namespace leeway::ik
