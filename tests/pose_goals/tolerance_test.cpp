@@ -147,7 +147,7 @@ TEST( PoseTolerances, BallsAndCylindersAreFilled )
 }
 
 /// Most of the box is out of reach: targets there lead to the part within reach.
-TEST( PoseTolerances, ARegionOfWhichLittleIsInReach )
+TEST( PoseTolerances, ABoxMostlyOutOfReach )
 {
 	PoseWorld world( sixAxisArm() );
 	world.askForPlace( "hand", { 3, 0, 0.3 }, 0 );
@@ -162,7 +162,7 @@ TEST( PoseTolerances, ARegionOfWhichLittleIsInReach )
 	}
 }
 
-TEST( PoseTolerances, EachOfSeveralRegionsIsReached )
+TEST( PoseTolerances, EachOfTheRegionsIsReached )
 {
 	PoseWorld world( sixAxisArm() );
 	world.askForPlace( "hand", { 0.4, 0.3, 0.4 }, 0.02 );
