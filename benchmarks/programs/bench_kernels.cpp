@@ -74,7 +74,8 @@ struct alignas( 64 ) KernelInput // the kernels load whole registers
 		}
 	}
 
-	/// One call for eight lanes. @param kernel 0 sphere against spheres, 1 sphere against triangles, 2 triangles against triangles
+	/// One call for eight lanes. @param kernel 0 sphere against spheres, 1 sphere against triangles, 2 triangles against
+	/// triangles
 	/// @return one of the gaps, or 0
 	float run( const lwi_kernels& kernels, int kernel )
 	{

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The benchmarks' command lines: see bench_program.hpp. CLI11 is compiled here once for all of them, for it takes longer than they do.
+// The benchmarks' command lines: see bench_program.hpp. CLI11 is compiled here once for all of them, for it takes longer
+// than they do.
 #include "support/bench_program.hpp"
 
 #include <CLI/CLI.hpp>

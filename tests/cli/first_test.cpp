@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The five minutes of examples/first/README.md: its commands, in its order, with the exit status and the lines that it shows.
+// The five minutes of examples/first/README.md: its commands, in its order, with the exit status and the lines that it
+// shows.
 #include "cli_fixture.hpp"
 
 #include <algorithm>
@@ -12,8 +13,8 @@ namespace fs = std::filesystem;
 namespace
 {
 
-// A command of the page: after "$ ", with "# exit status N" behind it if that is not 0, and the lines below it up to the next.
-// A line "..." stands for any number of lines.
+// A command of the page: after "$ ", with "# exit status N" behind it if that is not 0, and the lines below it up to the
+// next. A line "..." stands for any number of lines.
 struct Command
 {
 	std::vector<std::string> arguments;

@@ -88,7 +88,8 @@ std::int64_t anyNumber( SeededRng& rng )
 	return static_cast<std::int64_t>( static_cast<double>( value ) );
 }
 
-/// Points of one plane (through the origin along a diagonal of two axes, or where one axis is constant), one of them maybe a unit off it.
+/// Points of one plane (through the origin along a diagonal of two axes, or where one axis is constant), one of them maybe a
+/// unit off it.
 std::array<Point, 4> nearlyInAPlane( SeededRng& rng )
 {
 	std::array<Point, 4> points;

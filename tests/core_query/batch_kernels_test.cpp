@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Kernels of interval batches: every level against the scalar one bit for bit, frames against joints one by one in long double,
-// and pairs held to stay apart against many moments of their window.
+// Kernels of interval batches: every level against the scalar one bit for bit, frames against joints one by one in long
+// double, and pairs held to stay apart against many moments of their window.
 #include "kernel_levels.hpp"
 #include "seeded_rng.hpp"
 

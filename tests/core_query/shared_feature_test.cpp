@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Triangles that share a nearest corner: measured once, they must be as far as all of them measured one by one.
 //
-// The oracle is the same shape with its triangles in another order, which is another tree, another first pair and other pairs passed
-// over: answers have the same bits. And the least over all corners, which no answer may exceed.
+// The oracle is the same shape with its triangles in another order, which is another tree, another first pair and other
+// pairs passed over: answers have the same bits. And the least over all corners, which no answer may exceed.
 #include "shapes.hpp"
 
 #include <gtest/gtest.h>

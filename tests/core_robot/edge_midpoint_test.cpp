@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The first pass over an edge: robots of balls among boxes along the axes, whose clearance is known in closed form, asked for
-// a hair more than their least clearance along the edge. Any amount that the midpoint pass gives away makes such an edge FREE.
+// The first pass over an edge: robots of balls among boxes along the axes, whose clearance is known in closed form, asked
+// for a hair more than their least clearance along the edge. Any amount that the midpoint pass gives away makes such an edge
+// FREE.
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
 #include "sanitized.hpp"

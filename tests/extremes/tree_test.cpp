@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Distance queries of shapes at the extremes: every promise of lw_clearance against all pairs of triangles in 64 and 113 bits.
+// Distance queries of shapes at the extremes: every promise of lw_clearance against all pairs of triangles in 64 and 113
+// bits.
 #include "extreme_hunt.hpp"
 
 using namespace extremes;

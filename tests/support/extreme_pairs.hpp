@@ -280,7 +280,8 @@ inline TrianglePair basicPair( Random& random, Family family )
 	return p;
 }
 
-/// A pair of a family with coordinates between 1e-9 and 1e9 metres (far_away: up to 1e7 times their size). A quarter stays at size 1.
+/// A pair of a family with coordinates between 1e-9 and 1e9 metres (far_away: up to 1e7 times their size). A quarter stays
+/// at size 1.
 inline TrianglePair randomPair( Random& random, Family family )
 {
 	TrianglePair p = basicPair( random, family );

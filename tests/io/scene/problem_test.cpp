@@ -270,7 +270,8 @@ TEST_F( ProblemTest, AttachedObjectsInOtherFrames )
 	    { "attached object arm", "has this name" } );
 }
 
-// An object's frame and its shapes stay where they are to each other, whatever frame it was given in and however that is turned.
+// An object's frame and its shapes stay where they are to each other, whatever frame it was given in and however that is
+// turned.
 TEST_F( ProblemTest, AttachedObjectsKeepTheirShapesInTheirFrame )
 {
 	for ( const char* frame : { "base", "arm", "tool", "hand" } )

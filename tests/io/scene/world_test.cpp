@@ -16,7 +16,8 @@ using namespace leeway::io;
 namespace
 {
 
-/// A gantry: slides along x, then y, with a hand below, and two fingers. Or an arm: slides along x, then turns about a skew axis.
+/// A gantry: slides along x, then y, with a hand below, and two fingers. Or an arm: slides along x, then turns about a skew
+/// axis.
 class WorldTest : public FileTest
 {
 protected:
@@ -216,8 +217,8 @@ lw_transform worldFromHand( const std::vector<double>& q )
 	return product( turned( 1, { 0, 0, 1 }, { q[0], 0, -0.3 } ), turned( q[1], { 0.6, 0, 0.8 }, { 0, 0, 0 } ) );
 }
 
-/// Random changes by name to a world whose hand turns and whose objects are rotated; beside it the scene as it has to be, whose
-/// poses are composed here.
+/// Random changes by name to a world whose hand turns and whose objects are rotated; beside it the scene as it has to be,
+/// whose poses are composed here.
 class ChangedByName
 {
 public:
