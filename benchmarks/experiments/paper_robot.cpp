@@ -250,7 +250,8 @@ struct Apart
 	std::vector<double> exact;
 };
 
-Apart findApart( const io::Problem& problem, lw_check_flags flags, const std::vector<std::vector<double>>& all_states, Progress& progress )
+Apart findApart( const io::Problem& problem, lw_check_flags flags, const std::vector<std::vector<double>>& all_states,
+    Progress& progress )
 {
 	Apart apart;
 	Field field( problem.checker.get(), all_states );
@@ -367,8 +368,8 @@ std::string workOf(
 	for ( const std::size_t i : members )
 	{
 		lw_state_result result;
-		leeway::require( lw_checker_state( problem.checker.get(), query.get(), states[i].data(), LW_CHECK_ENVIRONMENT, &exact,
-		                     false, &result ),
+		leeway::require( lw_checker_state( problem.checker.get(), query.get(), states[i].data(), LW_CHECK_ENVIRONMENT,
+		                     &exact, false, &result ),
 		    "a state" );
 	}
 	const lw_query_stats stats = lw_query_get_stats( query.get() );

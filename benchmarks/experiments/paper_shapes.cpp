@@ -470,7 +470,8 @@ struct TreeLevel
 using TreeLevels = std::array<TreeLevel, LWI_MAX_DEPTH + 2>;
 
 /// Adds the spheres of a subtree to their levels. Recursion is as deep as the tree: at most LWI_MAX_DEPTH.
-void addSubtree( const lw_shape& shape, lwi_ref ref, double radius, std::uint32_t level, std::uint32_t count, TreeLevels& levels )
+void addSubtree(
+    const lw_shape& shape, lwi_ref ref, double radius, std::uint32_t level, std::uint32_t count, TreeLevels& levels )
 {
 	const double volume = 4.0 / 3.0 * std::acos( -1.0 ) * radius * radius * radius;
 	const std::uint32_t last = lwi_ref_is_leaf( ref ) ? count - 1 : level;

@@ -338,7 +338,8 @@ void addClaims( const std::vector<Setting>& all, const Totals& totals, Outcome& 
 	out.claims.push_back( claimOf( "certified: FREE is free, with at least the clearance said; what is turned down has no "
 	                               "more than (min_d + slack) / (1 - alpha)",
 	    promisesOf( all, { SLACK, ALPHA } ),
-	    text( "%zu of %zu collisions missed in %d settings; the largest clearance of an undecided verdict is %.1f %% of the promise",
+	    text(
+	        "%zu of %zu collisions missed in %d settings; the largest clearance of an undecided verdict is %.1f %% of the promise",
 	        certified, totals.colliding, 10, 100 * worstShare( promisesOf( all, { SLACK, ALPHA } ) ) ) ) );
 	out.claims.push_back( claimOf(
 	    "steps with their length as margin miss no collision, and clearance between two falls by no more than promised",

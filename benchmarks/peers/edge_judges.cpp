@@ -10,10 +10,11 @@
 #include <stdexcept>
 
 EdgeJudges::EdgeJudges( const EdgeWorld& world, std::shared_ptr<FclModels> models )
-	: m_world( world ), m_query( leeway::makeQuery( world.checker.get() ) ),
-	  m_table_query( leeway::makeQuery( world.with_tables.get() ) ),
-	  m_state_query( leeway::makeQuery( world.checker.get() ) ), m_table_state_query( leeway::makeQuery( world.with_tables.get() ) ),
-	  m_spare( leeway::makeQuery( world.checker.get() ) )
+    : m_world( world ), m_query( leeway::makeQuery( world.checker.get() ) ),
+      m_table_query( leeway::makeQuery( world.with_tables.get() ) ),
+      m_state_query( leeway::makeQuery( world.checker.get() ) ),
+      m_table_state_query( leeway::makeQuery( world.with_tables.get() ) ),
+      m_spare( leeway::makeQuery( world.checker.get() ) )
 {
 	try
 	{

@@ -572,12 +572,13 @@ private:
 
 	int report()
 	{
-		std::printf( "edges judged, those that collide; certificates without and with tables: called free, undecided, wrong; "
-					 "colliding edges that discrete\n"
-					 "validation calls free; distances and milliseconds of processor time per audit\n"
-					 "%-36s %7s %7s | %7s %6s %5s | %7s %6s %5s | %5s %5s %5s | %5s %5s %5s | %7s %6s\n",
-			"", "edges", "collide", "free", "ref.", "wrong", "free", "ref.", "wrong", "own1%", ".5%", ".1%", "FCL1%", ".5%",
-			".1%", "dist.", "ms" );
+		std::printf(
+		    "edges judged, those that collide; certificates without and with tables: called free, undecided, wrong; "
+		    "colliding edges that discrete\n"
+		    "validation calls free; distances and milliseconds of processor time per audit\n"
+		    "%-36s %7s %7s | %7s %6s %5s | %7s %6s %5s | %5s %5s %5s | %5s %5s %5s | %7s %6s\n",
+		    "", "edges", "collide", "free", "ref.", "wrong", "free", "ref.", "wrong", "own1%", ".5%", ".1%", "FCL1%", ".5%",
+		    ".1%", "dist.", "ms" );
 		Tally total;
 		Json rows = Json::array();
 		for ( const auto& [set, tally] : m_tallies )
@@ -587,10 +588,10 @@ private:
 		}
 		rows.push_back( print( "all", total ) );
 		std::printf(
-			"states at which FCL and the auditor disagree on contact: %zu, brute force with FCL: %zu; %.0f s, %.2f ms of processor "
-			"time per edge\n",
-			total.fcl_differs, total.auditor_wrong, m_seconds,
-			total.all_ms / static_cast<double>( std::max<std::size_t>( total.edges, 1 ) ) );
+		    "states at which FCL and the auditor disagree on contact: %zu, brute force with FCL: %zu; %.0f s, %.2f ms of processor "
+		    "time per edge\n",
+		    total.fcl_differs, total.auditor_wrong, m_seconds,
+		    total.all_ms / static_cast<double>( std::max<std::size_t>( total.edges, 1 ) ) );
 		writeResult( m_settings.json,
 			{ { "provenance", m_provenance }, { "seed", m_settings.seed }, { "edges", total.edges },
 				{ "resolution", m_settings.resolution }, { "discrete_fractions", FRACTIONS },

@@ -65,7 +65,8 @@ private:
 	{
 		lw_state_result result;
 		leeway::require(
-			lw_checker_state( m_problem.checker.get(), m_query.get(), q, flags, &range, stop_at_first, &result ), "a state" );
+		    lw_checker_state( m_problem.checker.get(), m_query.get(), q, flags, &range, stop_at_first, &result ),
+		    "a state" );
 		return result;
 	}
 
@@ -218,19 +219,28 @@ private:
 
 	std::vector<Contender> environmentExact()
 	{
-		return { { "FCL", [this]( const double* q ) { m_fcl.pose( q ); return single( m_fcl.environmentDistance( INFINITE ) ); } },
-			{ "leeway", [this]( const double* q ) { return m_leeway.clearance( q, LW_CHECK_ENVIRONMENT, lw_range_exact() ); } } };
+		return { { "FCL",
+		             [this]( const double* q )
+		             {
+			             m_fcl.pose( q );
+			             return single( m_fcl.environmentDistance( INFINITE ) );
+		             } },
+		    { "leeway",
+		        [this]( const double* q ) { return m_leeway.clearance( q, LW_CHECK_ENVIRONMENT, lw_range_exact() ); } } };
 	}
 
 	// FCL: found <= (1 + rel_err) true. leeway: (1 - alpha) found <= true. Hence rel_err = alpha / (1 - alpha).
 	std::vector<Contender> environmentRelative()
 	{
 		const lw_range range = { 0, INFINITE, ALPHA };
-		return { { "FCL", [this]( const double* q ) {
-					m_fcl.pose( q );
-					return single( m_fcl.environmentDistance( INFINITE, ALPHA / ( 1 - ALPHA ) ) );
-				} },
-			{ "leeway", [this, range]( const double* q ) { return m_leeway.clearance( q, LW_CHECK_ENVIRONMENT, range ); } } };
+		return { { "FCL",
+		             [this]( const double* q )
+		             {
+			             m_fcl.pose( q );
+			             return single( m_fcl.environmentDistance( INFINITE, ALPHA / ( 1 - ALPHA ) ) );
+		             } },
+		    { "leeway",
+		        [this, range]( const double* q ) { return m_leeway.clearance( q, LW_CHECK_ENVIRONMENT, range ); } } };
 	}
 
 	std::vector<Contender> environmentMargin()
@@ -310,8 +320,8 @@ bool raceVariants( const char* title, const std::vector<Contender>& contenders, 
 		{
 			const Summary s = summarise( runs[c].microseconds );
 			const Agreement agreement = compareDistances( runs[0], runs[c] );
-			std::printf( "%-22s %-10s | %8.1f %8.1f %8.1f | %6.2f%s\n", contenders[c].name.c_str(), set.name.c_str(), s.median,
-				s.mean, s.p95, s.mean / reference, agreement.disagreements > 0 ? "  ANSWERS DIFFER" : "" );
+			std::printf( "%-22s %-10s | %8.1f %8.1f %8.1f | %6.2f%s\n", contenders[c].name.c_str(), set.name.c_str(),
+			    s.median, s.mean, s.p95, s.mean / reference, agreement.disagreements > 0 ? "  ANSWERS DIFFER" : "" );
 			same = same && agreement.disagreements == 0;
 			rows.push_back( Json{ { "variant", contenders[c].name }, { "set", set.name }, { "leeway", toJson( s ) },
 				{ "mean_over_default", s.mean / reference },
@@ -383,11 +393,13 @@ void printTrees( const leeway::io::Problem& problem, const FclPeer& fcl, Json& r
 		cost = measureTrees( distinctMeshes( problem ), tree );
 		std::printf( "leeway %-9s %6zu %9zu | %9.3f %14.1f%s\n", name, cost.meshes, cost.triangles, cost.seconds,
 			cost.bytes_per_triangle, is_default ? "  (default)" : "" );
-		rows.push_back( Json{ { "trees", std::string( "leeway " ) + name }, { "default", is_default }, { "meshes", cost.meshes },
-			{ "triangles", cost.triangles }, { "seconds", cost.seconds }, { "bytes_per_triangle", cost.bytes_per_triangle } } );
+		rows.push_back( Json{ { "trees", std::string( "leeway " ) + name }, { "default", is_default },
+		    { "meshes", cost.meshes }, { "triangles", cost.triangles }, { "seconds", cost.seconds },
+		    { "bytes_per_triangle", cost.bytes_per_triangle } } );
 	}
 	const double bytes = static_cast<double>( fcl.engine().bytes() ) / static_cast<double>( cost.triangles );
-	std::printf( "%-16s %6zu %9zu | %9.3f %14.1f\n", "FCL OBBRSS", cost.meshes, cost.triangles, fcl.engine().buildSeconds(), bytes );
+	std::printf(
+	    "%-16s %6zu %9zu | %9.3f %14.1f\n", "FCL OBBRSS", cost.meshes, cost.triangles, fcl.engine().buildSeconds(), bytes );
 	rows.push_back( Json{ { "trees", "FCL OBBRSS" }, { "meshes", cost.meshes }, { "triangles", cost.triangles },
 		{ "seconds", fcl.engine().buildSeconds() }, { "bytes_per_triangle", bytes } } );
 }

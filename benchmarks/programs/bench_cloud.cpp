@@ -219,7 +219,8 @@ public:
 	Answer violates( const double* q, double min_d )
 	{
 		bool free = false;
-		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, LW_CHECK_ENVIRONMENT, min_d, &free ), "a state" );
+		leeway::require(
+		    lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, LW_CHECK_ENVIRONMENT, min_d, &free ), "a state" );
 		return { free ? 0.0 : 1.0, free ? 0.0 : 1.0 };
 	}
 

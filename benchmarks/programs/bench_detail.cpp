@@ -142,7 +142,8 @@ std::vector<Sums> race( const Settings& settings, const std::vector<Contender>& 
     const std::vector<std::vector<double>>& states )
 {
 	std::vector<Sums> sums( contenders.size() );
-	std::vector<std::vector<std::vector<double>>> times( contenders.size(), std::vector<std::vector<double>>( states.size() ) );
+	std::vector<std::vector<std::vector<double>>> times(
+	    contenders.size(), std::vector<std::vector<double>>( states.size() ) );
 	std::vector<std::vector<Answer>> answers( contenders.size(), std::vector<Answer>( states.size() ) );
 	const std::size_t passes = settings.quick ? 1 : settings.repetitions;
 	for ( std::size_t pass = 0; pass < passes; ++pass )
@@ -183,12 +184,12 @@ double mean( const std::vector<double>& values )
 Json contendersJson( const std::vector<Contender>& contenders )
 {
 	Json json = Json::array();
-	std::printf( "%8s %10s %10s %8s %10s %12s %12s %10s\n", "mm", "triangles", "bytes", "shapes", "unchanged", "robot excess",
-	    "scene excess", "cpu s" );
+	std::printf( "%8s %10s %10s %8s %10s %12s %12s %10s\n", "mm", "triangles", "bytes", "shapes", "unchanged",
+	    "robot excess", "scene excess", "cpu s" );
 	for ( const Contender& c : contenders )
 	{
-		std::printf( "%8g %10zu %10zu %8zu %10zu %12.3f %12.3f %10.2f\n", c.tolerance, c.triangles, c.bytes, c.shapes, c.same,
-		    1e3 * c.robot_excess, 1e3 * c.scene_excess, c.seconds );
+		std::printf( "%8g %10zu %10zu %8zu %10zu %12.3f %12.3f %10.2f\n", c.tolerance, c.triangles, c.bytes, c.shapes,
+		    c.same, 1e3 * c.robot_excess, 1e3 * c.scene_excess, c.seconds );
 		json.push_back( { { "tolerance_mm", c.tolerance }, { "triangles", c.triangles }, { "bytes", c.bytes },
 		    { "shapes", c.shapes }, { "unchanged", c.same }, { "robot_excess_mm", 1e3 * c.robot_excess },
 		    { "scene_excess_mm", 1e3 * c.scene_excess }, { "cpu_seconds", c.seconds } } );
@@ -218,7 +219,8 @@ int bench( const Settings& settings )
 			const std::vector<Sums> sums = race( settings, contenders, question, set.states );
 			for ( std::size_t k = 0; k < sums.size(); ++k )
 			{
-				const double microseconds = 1e6 * mean( sums[k].seconds ), ratio = mean( sums[0].seconds ) / mean( sums[k].seconds );
+				const double microseconds = 1e6 * mean( sums[k].seconds ),
+				             ratio = mean( sums[0].seconds ) / mean( sums[k].seconds );
 				std::printf( "%-10s %-18s %8g %10.2f %7.2fx %4zu/%-4zu %11.3f %12.3f\n", set.name.c_str(), question.name,
 				    contenders[k].tolerance, microseconds, ratio, sums[k].free, set.states.size(), 1e3 * sums[k].error,
 				    1e3 * sums[k].promise );

@@ -50,7 +50,8 @@ public:
 			name.c_str(), m_judges.size(), worlds.world( first ).size(), 100 * settings.resolution );
 		std::printf( "%-28s | %17s | %25s | %25s |\n", "", "", "without tables", "with tables" );
 		std::printf( "%-5s %-6s %-8s %5s | %8s %8s | %8s %8s %7s | %8s %8s %7s | %7s %7s %7s %7s\n", "set", "rad", "verdict",
-			"n", "FCL", "mean", "own", "certif.", "queries", "own", "certif.", "queries", "FCL/c", "own/c", "FCL/t", "own/t" );
+		    "n", "FCL", "mean", "own", "certif.", "queries", "own", "certif.", "queries", "FCL/c", "own/c", "FCL/t",
+		    "own/t" );
 	}
 
 	void run( std::mt19937_64& random, Json& rows )
@@ -110,15 +111,16 @@ private:
 		const auto edge = [this]( const double* number ) -> const Edge&
 		{ return m_edges[static_cast<std::size_t>( *number )]; };
 		return { { "FCL",
-					 [edge, fraction]( const double* number )
-					 {
+		             [edge, fraction]( const double* number )
+		             {
 						 const Edge& e = edge( number );
 						 return Answer{ e.judges->byFcl( e.motion, fraction ) ? 1.0 : 0.0, 0 };
-					 } },
-			{ "own", [edge, fraction]( const double* number ) { return byStates( edge( number ), false, fraction ); } },
-			{ "certified", [edge]( const double* number ) { return certify( edge( number ), false ); } },
-			{ "own, tables", [edge, fraction]( const double* number ) { return byStates( edge( number ), true, fraction ); } },
-			{ "certified, tables", [edge]( const double* number ) { return certify( edge( number ), true ); } } };
+		             } },
+		    { "own", [edge, fraction]( const double* number ) { return byStates( edge( number ), false, fraction ); } },
+		    { "certified", [edge]( const double* number ) { return certify( edge( number ), false ); } },
+		    { "own, tables",
+		        [edge, fraction]( const double* number ) { return byStates( edge( number ), true, fraction ); } },
+		    { "certified, tables", [edge]( const double* number ) { return certify( edge( number ), true ); } } };
 	}
 
 	/// Asks those who remember, FCL does not, about an edge that is not measured.
@@ -151,7 +153,9 @@ private:
 		for ( std::size_t i = 0; i < m_judges.size(); ++i )
 		{
 			EdgeJudges* judges = m_judges[i].get();
-			const auto draw = [&] { return Edge{ judges, judges->world().randomMotion( near, length, random, judges->spare() ) }; };
+			const auto draw = [&] {
+				return Edge{ judges, judges->world().randomMotion( near, length, random, judges->spare() ) };
+			};
 			for ( std::size_t k = 0; k < m_settings.met; ++k )
 			{
 				meet( draw() );
@@ -174,7 +178,8 @@ private:
 				const std::size_t most = ( m_settings.edges + m_judges.size() - 1 ) / m_judges.size();
 				if ( m_settings.met > 0 )
 				{
-					for ( Motion& motion : motionsOfPlanner( *m_entries[i], PLANNING_SECONDS, m_settings.met, m_settings.seed + 1 ) )
+					for ( Motion& motion :
+					    motionsOfPlanner( *m_entries[i], PLANNING_SECONDS, m_settings.met, m_settings.seed + 1 ) )
 					{
 						meet( { m_judges[i].get(), std::move( motion ) } );
 					}
@@ -198,8 +203,8 @@ private:
 		const std::vector<Run> runs = race( contenders(), set, m_settings.repetitions );
 		for ( std::size_t i = 0; i < m_edges.size(); ++i )
 		{
-			const bool proved =
-				runs[CERTIFIED].answers[i].lower == LW_VERDICT_FREE || runs[CERTIFIED_TABLES].answers[i].lower == LW_VERDICT_FREE;
+			const bool proved = runs[CERTIFIED].answers[i].lower == LW_VERDICT_FREE ||
+			                    runs[CERTIFIED_TABLES].answers[i].lower == LW_VERDICT_FREE;
 			m_refuted += proved && refuted( m_edges[i] );
 			m_contradicted += proved && ( runs[FCL].answers[i].lower == 0 || runs[OWN].answers[i].lower == 0 ||
 											runs[OWN_TABLES].answers[i].lower == 0 );
@@ -228,17 +233,18 @@ private:
 		std::array<Summary, COUNT> of;
 		std::transform( times.begin(), times.end(), of.begin(), []( const auto& all ) { return summarise( all ); } );
 		const double looks = median( queries[CERTIFIED] ), looks_tables = median( queries[CERTIFIED_TABLES] );
-		std::printf( "%-5s %-6.1f %-8s %5zu | %8.1f %8.1f | %8.1f %8.1f %7.0f | %8.1f %8.1f %7.0f | %7.2f %7.2f %7.2f %7.2f\n",
-			name.c_str(), length, lw_verdict_name( verdict ), times[FCL].size(), of[FCL].median, of[FCL].mean, of[OWN].mean,
-			of[CERTIFIED].mean, looks, of[OWN_TABLES].mean, of[CERTIFIED_TABLES].mean, looks_tables,
-			of[FCL].mean / of[CERTIFIED].mean, of[OWN].mean / of[CERTIFIED].mean, of[FCL].mean / of[CERTIFIED_TABLES].mean,
-			of[OWN_TABLES].mean / of[CERTIFIED_TABLES].mean );
+		std::printf(
+		    "%-5s %-6.1f %-8s %5zu | %8.1f %8.1f | %8.1f %8.1f %7.0f | %8.1f %8.1f %7.0f | %7.2f %7.2f %7.2f %7.2f\n",
+		    name.c_str(), length, lw_verdict_name( verdict ), times[FCL].size(), of[FCL].median, of[FCL].mean, of[OWN].mean,
+		    of[CERTIFIED].mean, looks, of[OWN_TABLES].mean, of[CERTIFIED_TABLES].mean, looks_tables,
+		    of[FCL].mean / of[CERTIFIED].mean, of[OWN].mean / of[CERTIFIED].mean, of[FCL].mean / of[CERTIFIED_TABLES].mean,
+		    of[OWN_TABLES].mean / of[CERTIFIED_TABLES].mean );
 		std::fflush( stdout );
-		rows.push_back( { { "robot", m_name }, { "set", name }, { "length", length }, { "verdict", lw_verdict_name( verdict ) },
-			{ "edges", times[FCL].size() }, { "fcl_discrete", toJson( of[FCL] ) }, { "own_discrete", toJson( of[OWN] ) },
-			{ "certified", toJson( of[CERTIFIED] ) }, { "certified_queries_median", looks },
-			{ "own_discrete_tables", toJson( of[OWN_TABLES] ) }, { "certified_tables", toJson( of[CERTIFIED_TABLES] ) },
-			{ "certified_tables_queries_median", looks_tables } } );
+		rows.push_back( { { "robot", m_name }, { "set", name }, { "length", length },
+		    { "verdict", lw_verdict_name( verdict ) }, { "edges", times[FCL].size() }, { "fcl_discrete", toJson( of[FCL] ) },
+		    { "own_discrete", toJson( of[OWN] ) }, { "certified", toJson( of[CERTIFIED] ) },
+		    { "certified_queries_median", looks }, { "own_discrete_tables", toJson( of[OWN_TABLES] ) },
+		    { "certified_tables", toJson( of[CERTIFIED_TABLES] ) }, { "certified_tables_queries_median", looks_tables } } );
 	}
 
 	const Settings& m_settings;
@@ -302,7 +308,8 @@ int main( int argc, char** argv )
 	program.option( "--only", settings.only, "only robots and groups with this in their name, such as 'armar3' or 'fetch'" );
 	program.option( "--edges", settings.edges, "per robot, set and length", { 1 } );
 	program.option( "--met", settings.met, "other edges that each query is asked about first, per scene, set and length" );
-	program.option( "--repetitions", settings.repetitions, "passes over the edges; with more than one most are no longer new", { 1 } );
+	program.option(
+	    "--repetitions", settings.repetitions, "passes over the edges; with more than one most are no longer new", { 1 } );
 	program.option(
 		"--resolution", settings.resolution, "of the discrete contenders, a fraction of the extent", POSITIVE );
 	program.option( "--budget", settings.budget, "seconds for pair proofs" );

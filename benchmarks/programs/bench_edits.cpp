@@ -143,8 +143,11 @@ void Bench::compare()
 		lw_state_result x, y;
 		lw_query_reset( m_query.get() );
 		lw_query_reset( query.get() );
-		leeway::require( lw_checker_state( problem->checker.get(), m_query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &x ), "state" );
-		leeway::require( lw_checker_state( fresh.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &y ), "state" );
+		leeway::require(
+		    lw_checker_state( problem->checker.get(), m_query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &x ),
+		    "state" );
+		leeway::require(
+		    lw_checker_state( fresh.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &y ), "state" );
 		++m_states;
 		m_different += x.verdict != y.verdict || x.environment.upper != y.environment.upper || x.self.upper != y.self.upper;
 		m_answers.add( x.verdict );
@@ -155,7 +158,8 @@ void Bench::edit( int i )
 {
 	const std::string object = m_scene.objects[static_cast<std::size_t>( i ) % m_scene.objects.size()].name;
 	const lw_transform pose = m_world->problem()->object_poses.at( object );
-	const std::vector<io::PlacedShape> shapes = m_scene.objects[static_cast<std::size_t>( i ) % m_scene.objects.size()].shapes;
+	const std::vector<io::PlacedShape> shapes =
+	    m_scene.objects[static_cast<std::size_t>( i ) % m_scene.objects.size()].shapes;
 	time( "move", [&] { m_world->move( object, near( pose ) ); } );
 	compare();
 	time( "move back", [&] { m_world->move( object, pose ); } );
@@ -184,7 +188,8 @@ void Bench::edit( int i )
 			poses.push_back( near( lw_scene_shape( scene, k ).world_from_shape ) );
 		}
 	}
-	const lw_scene_change change = { LW_SCENE_MOVE, object.c_str(), nullptr, poses.data(), static_cast<std::uint32_t>( poses.size() ) };
+	const lw_scene_change change = {
+	    LW_SCENE_MOVE, object.c_str(), nullptr, poses.data(), static_cast<std::uint32_t>( poses.size() ) };
 	lw_scene* moved = nullptr;
 	time( "core: move in the scene",
 		[&] { leeway::require( lw_scene_edit( scene, &change, 1, nullptr, nullptr, &moved ), "lw_scene_edit" ); } );
@@ -193,7 +198,9 @@ void Bench::edit( int i )
 	def.scene = moved;
 	lw_checker* next = nullptr;
 	time( "core: its checker",
-		[&] { leeway::require( lw_checker_edit( problem->checker.get(), &def, nullptr, nullptr, &next ), "lw_checker_edit" ); } );
+	    [&] {
+		    leeway::require( lw_checker_edit( problem->checker.get(), &def, nullptr, nullptr, &next ), "lw_checker_edit" );
+	    } );
 	lw_checker_release( next );
 }
 

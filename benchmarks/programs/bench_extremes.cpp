@@ -53,7 +53,8 @@ struct Run
 		ShapePair ( *generate )( Random&, Arrangement, int );
 		std::uint64_t kind, wanted;
 		std::atomic<std::uint64_t> blocks{ 0 }, queries{ 0 };
-	} sets{ randomShapes, 1, settings.queries }, solids{ randomSolids, 1ull << 62, settings.solids }; // not the stream of another seed
+	} sets{ randomShapes, 1, settings.queries },
+	    solids{ randomSolids, 1ull << 62, settings.solids }; // not the stream of another seed
 
 	explicit Run( const Settings& asked ) : settings( asked ) {}
 };
@@ -82,7 +83,8 @@ bool shapeBlock( Run& run, Run::Shapes& shapes, lw_query* query, Findings& findi
 	{
 		std::uint64_t index = run.settings.first + i;
 		Random random( seedOf( run.settings, index, shapes.kind ) );
-		judgeShapes( random, static_cast<Arrangement>( index % arrangement_count ), index, query, findings, run.settings.least, shapes.generate );
+		judgeShapes( random, static_cast<Arrangement>( index % arrangement_count ), index, query, findings,
+		    run.settings.least, shapes.generate );
 	}
 	shapes.queries += findings.queries - before;
 	return true;
@@ -117,12 +119,14 @@ void work( Run& run )
 
 void report( const Findings& f, double seconds )
 {
-	std::printf( "%llu pairs of triangles (%llu by a certificate, %llu in 64 bits, %llu in 113), %llu queries about %llu placements of shapes\n",
-		(unsigned long long)f.pairs, (unsigned long long)f.efforts[0], (unsigned long long)f.efforts[1], (unsigned long long)f.efforts[2],
-		(unsigned long long)f.queries, (unsigned long long)f.placements );
-	std::printf( "near %llu, far %llu, violations %llu, undecided %llu; shapes refused %llu; %.0f s\n", (unsigned long long)f.kinds[LW_CLEARANCE_NEAR],
-		(unsigned long long)f.kinds[LW_CLEARANCE_FAR], (unsigned long long)f.kinds[LW_CLEARANCE_VIOLATION],
-		(unsigned long long)f.kinds[LW_CLEARANCE_UNDECIDED], (unsigned long long)f.refused, seconds );
+	std::printf(
+	    "%llu pairs of triangles (%llu by a certificate, %llu in 64 bits, %llu in 113), %llu queries about %llu placements of shapes\n",
+	    (unsigned long long)f.pairs, (unsigned long long)f.efforts[0], (unsigned long long)f.efforts[1],
+	    (unsigned long long)f.efforts[2], (unsigned long long)f.queries, (unsigned long long)f.placements );
+	std::printf( "near %llu, far %llu, violations %llu, undecided %llu; shapes refused %llu; %.0f s\n",
+	    (unsigned long long)f.kinds[LW_CLEARANCE_NEAR], (unsigned long long)f.kinds[LW_CLEARANCE_FAR],
+	    (unsigned long long)f.kinds[LW_CLEARANCE_VIOLATION], (unsigned long long)f.kinds[LW_CLEARANCE_UNDECIDED],
+	    (unsigned long long)f.refused, seconds );
 	for ( int i = 0; i < stage_count; ++i )
 	{
 		std::printf( "%-22s worst / promised %.4f\n", stage_names[i], f.worst[i] );

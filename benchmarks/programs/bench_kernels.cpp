@@ -122,8 +122,8 @@ lw_shape* meshedSphere( uint32_t n )
 		for ( uint32_t j = 0; j <= n; ++j )
 		{
 			const double theta = PI * i / n, phi = 2 * PI * j / n;
-			vertices.insert( vertices.end(),
-				{ 0.5 * std::sin( theta ) * std::cos( phi ), 0.5 * std::sin( theta ) * std::sin( phi ), 0.5 * std::cos( theta ) } );
+			vertices.insert( vertices.end(), { 0.5 * std::sin( theta ) * std::cos( phi ),
+			                                     0.5 * std::sin( theta ) * std::sin( phi ), 0.5 * std::cos( theta ) } );
 		}
 	}
 	for ( uint32_t i = 0; i < n; ++i )
@@ -185,7 +185,8 @@ void registerAll()
 		}
 		for ( double gap : { 0.5, 0.05, 0.005 } )
 		{
-			const std::string name = "facingSpheres/" + std::to_string( static_cast<int>( gap * 1000 ) ) + "mm/" + LEVELS[level];
+			const std::string name =
+			    "facingSpheres/" + std::to_string( static_cast<int>( gap * 1000 ) ) + "mm/" + LEVELS[level];
 			benchmark::RegisterBenchmark( name.c_str(), facingSpheres, level, gap );
 		}
 	}

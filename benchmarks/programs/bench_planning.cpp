@@ -239,8 +239,8 @@ Json report( const std::string& name, const Tallies& tallies )
 		    ours.median > 0 ? plan.median / ours.median : 0, ours.mean > 0 ? plan.mean / ours.mean : 0, median( t.length ),
 		    t.in_contact );
 		rows.push_back( { { "problems", name }, { "judge", JUDGE_NAMES[j] }, { "runs", t.runs }, { "solved", t.solved },
-		    { "planning", toJson( plan ) }, { "simplification", toJson( simplify ) }, { "length_median", median( t.length ) },
-		    { "in_contact", t.in_contact } } );
+		    { "planning", toJson( plan ) }, { "simplification", toJson( simplify ) },
+		    { "length_median", median( t.length ) }, { "in_contact", t.in_contact } } );
 	}
 	std::fflush( stdout );
 	return rows;
@@ -292,8 +292,8 @@ int run( const Settings& settings )
 	{
 		throw std::runtime_error( "--only " + settings.only + ": no set of problems has that in its name" );
 	}
-	std::printf( "\nproblems left out because an end is in contact: %zu; paths of proved motions in contact: %zu\n", left_out,
-	    refuted );
+	std::printf( "\nproblems left out because an end is in contact: %zu; paths of proved motions in contact: %zu\n",
+	    left_out, refuted );
 	writeResult( settings.json,
 	    { { "provenance", provenance() }, { "seed", settings.seed }, { "problems", settings.problems },
 	        { "runs", settings.runs }, { "seconds", settings.seconds }, { "range", settings.range }, { "rows", rows } } );
@@ -305,7 +305,8 @@ int run( const Settings& settings )
 int main( int argc, char** argv )
 {
 	Settings settings;
-	BenchProgram program( "bench_planning", "MotionBenchMaker's problems end to end: certified motions against sampled ones." );
+	BenchProgram program(
+	    "bench_planning", "MotionBenchMaker's problems end to end: certified motions against sampled ones." );
 	program.option( "--data", settings.data, "folder of robots and scenes" );
 	program.option( "--only", settings.only, "only sets with this in their name, such as 'panda' or 'box_fetch'" );
 	program.option( "--problems", settings.problems, "of each set", { 1, 20 } );

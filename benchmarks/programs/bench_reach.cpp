@@ -256,7 +256,8 @@ private:
 		testSphere( node.m, frame, n, m_reached[link] );
 		if ( node.hull_point_count > 0 )
 		{
-			const double hull = farthest( intoFrame( frame, n ), lw_reach_hull_points( m_reach, link ), node.hull_point_count );
+			const double hull =
+			    farthest( intoFrame( frame, n ), lw_reach_hull_points( m_reach, link ), node.hull_point_count );
 			expect( m_reached[link], along( n, frame.t ) + hull + node.dilation );
 		}
 	}
@@ -319,7 +320,8 @@ double loadBlob( const lw_reach* reach, int repetitions, std::size_t& bytes )
 	{
 		times.push_back( 1000 * secondsOf( [&] {
 			lw_reach* read = nullptr;
-			leeway::require( lw_blob_read_reach( blob, bytes, def.key, lw_reach_robot( reach ), nullptr, &diag, &read ), diag );
+			leeway::require(
+			    lw_blob_read_reach( blob, bytes, def.key, lw_reach_robot( reach ), nullptr, &diag, &read ), diag );
 			lw_reach_release( read );
 		} ) );
 	}
@@ -338,8 +340,9 @@ bool runRobot( const Settings& settings, const std::string& urdf, const std::str
 	std::size_t bytes = 0;
 	const double load = loadBlob( reach.get(), settings.repetitions, bytes );
 	const Json classes = countClasses( reach.get() );
-	std::printf( "\n%s: %u links, %u variables\n  hulls and hull proofs %.2f s; with samples, search and %g s of subdivision %.2f s\n",
-		model.name.c_str(), lw_robot_link_count( robot ), lw_robot_variable_count( robot ), hulls, settings.budget, whole );
+	std::printf(
+	    "\n%s: %u links, %u variables\n  hulls and hull proofs %.2f s; with samples, search and %g s of subdivision %.2f s\n",
+	    model.name.c_str(), lw_robot_link_count( robot ), lw_robot_variable_count( robot ), hulls, settings.budget, whole );
 	std::printf( "  blob %.2f MB, read in %.2f ms\n ", bytes / 1e6, load );
 	for ( const auto& [name, count] : classes.items() )
 	{
@@ -384,7 +387,8 @@ int run( Settings settings )
 	for ( const std::string& robot : settings.robots )
 	{
 		const std::size_t comma = robot.find( ',' );
-		contained &= runRobot( settings, robot.substr( 0, comma ), comma == std::string::npos ? "" : robot.substr( comma + 1 ), rows );
+		contained &= runRobot(
+		    settings, robot.substr( 0, comma ), comma == std::string::npos ? "" : robot.substr( comma + 1 ), rows );
 	}
 	writeResult( settings.json,
 		{ { "provenance", provenance() }, { "seed", settings.seed }, { "budget_s", settings.budget }, { "robots", rows } } );

@@ -62,7 +62,8 @@ struct Model
 /// The three robots of the data folder, or those that were named.
 std::vector<Model> models( const Settings& settings )
 {
-	const std::string armar = settings.data + "/armar3", fetch = settings.data + "/mbm/fetch", panda = settings.data + "/mbm/panda";
+	const std::string armar = settings.data + "/armar3", fetch = settings.data + "/mbm/fetch",
+	                  panda = settings.data + "/mbm/panda";
 	if ( settings.robots.empty() )
 	{
 		return { { "ARMAR-III", armar + "/armar3.urdf", armar + "/armar3.srdf", armar,
@@ -78,7 +79,8 @@ std::vector<Model> models( const Settings& settings )
 		{
 			throw std::runtime_error( "--robot " + text + ": give URDF,SRDF,GROUP" );
 		}
-		named.push_back( { std::filesystem::path( parts[0] ).stem().string(), parts[0], parts[1], "", { parts[2] }, false } );
+		named.push_back(
+		    { std::filesystem::path( parts[0] ).stem().string(), parts[0], parts[1], "", { parts[2] }, false } );
 	}
 	return named;
 }
@@ -225,9 +227,9 @@ public:
 		const leeway::io::Problem hulls = makeProblem( subject, group, subject.hulls.reach );
 		const leeway::io::Problem tables = makeProblem( subject, group, subject.tables.reach );
 		const lw_checker_info info = lw_checker_get_info( tables.checker.get() );
-		std::printf( "\n%s %s: %u bodies moving, %u static, %u self pairs, %u proved apart (%u by hulls)\n", subject.model->name.c_str(),
-			group, info.moving_bodies, info.static_bodies, info.self_pairs, info.never_pairs,
-			lw_checker_get_info( hulls.checker.get() ).never_pairs );
+		std::printf( "\n%s %s: %u bodies moving, %u static, %u self pairs, %u proved apart (%u by hulls)\n",
+		    subject.model->name.c_str(), group, info.moving_bodies, info.static_bodies, info.self_pairs, info.never_pairs,
+		    lw_checker_get_info( hulls.checker.get() ).never_pairs );
 		std::unique_ptr<FclPeer> fcl;
 		if ( subject.model->meshes_only )
 		{
@@ -258,7 +260,8 @@ public:
 
 	static void printHeader()
 	{
-		std::printf( "\nself clearance, microseconds per state: mean and median; ratios of means, FCL and all pairs over tables\n" );
+		std::printf(
+		    "\nself clearance, microseconds per state: mean and median; ratios of means, FCL and all pairs over tables\n" );
 		std::printf( "%-8s %-12s | %9s %8s | %8s %8s | %8s %8s | %8s %8s | %7s %8s\n", "set", "question", "FCL", "median",
 			"all pairs", "median", "hulls", "median", "tables", "median", "FCL x", "pairs x" );
 	}
@@ -269,7 +272,8 @@ public:
 	const Json& identity() const { return m_identity; }
 
 private:
-	void compare( const Subject& subject, const char* group, const ConfigurationSet& set, const Question& question, FclPeer* fcl )
+	void compare(
+	    const Subject& subject, const char* group, const ConfigurationSet& set, const Question& question, FclPeer* fcl )
 	{
 		const auto by = [&question]( Asker& asker ) {
 			return [&asker, &question]( const double* q ) { return asker.answer( q, question ); };
@@ -282,8 +286,8 @@ private:
 		}
 		const std::vector<Run> runs = race( contenders, set, m_settings.repetitions );
 		std::vector<Summary> s;
-		Json row = { { "robot", subject.model->name }, { "group", group }, { "set", set.name }, { "question", question.name },
-			{ "states", set.states.size() } };
+		Json row = { { "robot", subject.model->name }, { "group", group }, { "set", set.name },
+		    { "question", question.name }, { "states", set.states.size() } };
 		std::size_t differ = 0;
 		for ( std::size_t i = 0; i < runs.size(); ++i )
 		{
@@ -296,9 +300,9 @@ private:
 			m_hash.add( std::llround( std::min( answer.upper, 1e3 ) * 1e9 ) );
 		}
 		const Summary f = fcl != nullptr ? s[3] : Summary{}; // 0: not asked
-		std::printf( "%-8s %-12s | %9.1f %8.1f | %8.1f %8.1f | %8.1f %8.1f | %8.1f %8.1f | %7.1f %8.2f%s\n", set.name.c_str(),
-			question.name, f.mean, f.median, s[0].mean, s[0].median, s[1].mean, s[1].median, s[2].mean, s[2].median,
-			f.mean / s[2].mean, s[0].mean / s[2].mean, differ > 0 ? "  ANSWERS DIFFER" : "" );
+		std::printf( "%-8s %-12s | %9.1f %8.1f | %8.1f %8.1f | %8.1f %8.1f | %8.1f %8.1f | %7.1f %8.2f%s\n",
+		    set.name.c_str(), question.name, f.mean, f.median, s[0].mean, s[0].median, s[1].mean, s[1].median, s[2].mean,
+		    s[2].median, f.mean / s[2].mean, s[0].mean / s[2].mean, differ > 0 ? "  ANSWERS DIFFER" : "" );
 		std::fflush( stdout );
 		row["disagreements"] = differ;
 		m_rows.push_back( row );
@@ -327,8 +331,9 @@ private:
 				contacts += violation && question.boolean;
 			}
 		}
-		std::printf( "identity: %zu states, 3 questions each: %zu answers differ, lower ends by at most %.1e m; %zu in contact\n",
-			m_settings.identity, differ, largest, contacts );
+		std::printf(
+		    "identity: %zu states, 3 questions each: %zu answers differ, lower ends by at most %.1e m; %zu in contact\n",
+		    m_settings.identity, differ, largest, contacts );
 		std::fflush( stdout );
 		m_identity.push_back( Json{ { "robot", subject.model->name }, { "group", group }, { "states", m_settings.identity },
 			{ "disagreements", differ }, { "largest_lower_difference_m", largest }, { "contacts", contacts } } );
@@ -362,8 +367,8 @@ int run( const Settings& settings )
 	{
 		const Subject subject = makeSubject( settings, model );
 		std::printf( "\n%s: hulls and their proofs %.1f s, with %.0f s of subdivision %s %.3f s\n", model.name.c_str(),
-			1e-3 * subject.hulls.milliseconds, settings.budget, subject.tables.cached ? "read from the cache in" : "built in",
-			1e-3 * subject.tables.milliseconds );
+		    1e-3 * subject.hulls.milliseconds, settings.budget,
+		    subject.tables.cached ? "read from the cache in" : "built in", 1e-3 * subject.tables.milliseconds );
 		json["reach"].push_back( Json{ { "robot", model.name }, { "hulls_ms", subject.hulls.milliseconds },
 			{ "tables_ms", subject.tables.milliseconds }, { "cached", subject.tables.cached } } );
 		for ( const std::string& group : model.groups )
@@ -375,7 +380,8 @@ int run( const Settings& settings )
 	json["identity"] = bench.identity();
 	json["answer_hash"] = bench.answerHash();
 	json["agreed"] = bench.agreed();
-	std::printf( "\nanswer hash %s: %s\n", bench.answerHash().c_str(), bench.agreed() ? "all answers agree" : "ANSWERS DIFFER" );
+	std::printf(
+	    "\nanswer hash %s: %s\n", bench.answerHash().c_str(), bench.agreed() ? "all answers agree" : "ANSWERS DIFFER" );
 	writeResult( settings.json, json );
 	return bench.agreed() ? 0 : 1;
 }
@@ -388,7 +394,8 @@ int main( int argc, char** argv )
 	bool quick = false;
 	BenchProgram program( "bench_self", "Self clearance of robots: FCL, all pairs, motion hulls and pair tables." );
 	program.option( "--data", settings.data, "folder with armar3 and mbm" );
-	program.option( "--robot", settings.robots, "URDF,SRDF,GROUP instead of the robots of the data folder; FCL is not asked" );
+	program.option(
+	    "--robot", settings.robots, "URDF,SRDF,GROUP instead of the robots of the data folder; FCL is not asked" );
 	program.option( "--states", settings.states, "states per set, at most", { 1, 100000 } );
 	program.option( "--repetitions", settings.repetitions, "passes over each set", { 1, 1000 } );
 	program.option( "--identity", settings.identity, "states per group for the count of disagreements" );

@@ -76,7 +76,8 @@ Subject makeSubject( const Settings& settings, const std::string& text )
 	subject.build_ms = 1e-3 * ( built - loaded );
 	if ( !settings.unprepared )
 	{
-		leeway::require( leeway::prepare( subject.problem.checker.get(), 1 ), "meshes" ); // one thread: its processor time is all there is
+		leeway::require( leeway::prepare( subject.problem.checker.get(), 1 ),
+		    "meshes" ); // one thread: its processor time is all there is
 	}
 	subject.prepare_ms = 1e-3 * ( threadMicroseconds() - built );
 	return subject;
@@ -124,8 +125,9 @@ public:
 
 	static void printHeader()
 	{
-		std::printf( "%-26s %5s %5s | %7s %7s %6s %6s | %8s %8s %8s | %7s %7s %7s %7s %7s | %8s | %s\n", "robot", "vars", "pairs", "prepare", "1st ms", "worst", "ratio",
-			"mean us", "median", "p95", "search", "node", "leaf", "tri", "exact", "peer us", "answers" );
+		std::printf( "%-26s %5s %5s | %7s %7s %6s %6s | %8s %8s %8s | %7s %7s %7s %7s %7s | %8s | %s\n", "robot", "vars",
+		    "pairs", "prepare", "1st ms", "worst", "ratio", "mean us", "median", "p95", "search", "node", "leaf", "tri",
+		    "exact", "peer us", "answers" );
 	}
 
 	void run( Subject& subject )
@@ -198,18 +200,22 @@ private:
 		{
 			const lw_range exact = lw_range_exact();
 			lw_state_result result;
-			leeway::require( lw_checker_state( checker, query.get(), set.states[i].data(), LW_CHECK_SELF, &exact, false, &result ), "a state" );
+			leeway::require(
+			    lw_checker_state( checker, query.get(), set.states[i].data(), LW_CHECK_SELF, &exact, false, &result ),
+			    "a state" );
 			m_differ += result.self.upper != answers[i].upper;
-			m_largest = std::max( m_largest, result.self.upper == answers[i].upper ? 0 : std::abs( result.self.upper - answers[i].upper ) );
+			m_largest = std::max(
+			    m_largest, result.self.upper == answers[i].upper ? 0 : std::abs( result.self.upper - answers[i].upper ) );
 		}
 	}
 
-	void report( const Subject& subject, const ConfigurationSet& set, const std::vector<Run>& runs, const std::vector<double>& first_times,
-		const lw_query_stats& stats, const Hash& hash, const PairPeer* peer )
+	void report( const Subject& subject, const ConfigurationSet& set, const std::vector<Run>& runs,
+	    const std::vector<double>& first_times, const lw_query_stats& stats, const Hash& hash, const PairPeer* peer )
 	{
 		const lw_checker_info info = lw_checker_get_info( subject.problem.checker.get() );
 		const double n = static_cast<double>( set.states.size() );
-		const Summary s = summarise( runs[0].microseconds ), p = runs.size() > 1 ? summarise( runs[1].microseconds ) : Summary{};
+		const Summary s = summarise( runs[0].microseconds ),
+		              p = runs.size() > 1 ? summarise( runs[1].microseconds ) : Summary{};
 		double first = 0, worst = 0, worst_ratio = 0;
 		for ( std::size_t i = 0; i < first_times.size(); ++i )
 		{
@@ -220,20 +226,26 @@ private:
 		std::size_t differ = 0;
 		for ( std::size_t i = 0; peer != nullptr && i < set.states.size(); ++i )
 		{
-			differ += !( std::abs( runs[0].answers[i].upper - runs[1].answers[i].upper ) <= AGREEMENT + peer->largestShapeError() );
+			differ += !(
+			    std::abs( runs[0].answers[i].upper - runs[1].answers[i].upper ) <= AGREEMENT + peer->largestShapeError() );
 		}
 		const auto each = [n]( std::uint64_t count ) { return static_cast<double>( count ) / n; };
-		const std::string note = m_differ == 0 ? "" : fmt::format( "  {} differ from all pairs, by {:.1e} m at the most", m_differ, m_largest );
-		std::printf( "%-26.26s %5zu %5u | %7.1f %7.1f %6.2f %6.1f | %8.1f %8.1f %8.1f | %7.1f %7.1f %7.1f %7.1f %7.1f | %8.1f | %s%s%s\n", subject.name.c_str(),
-			subject.problem.variables.size(), info.self_pairs, subject.prepare_ms, 1e-3 * first, 1e-3 * worst, worst_ratio, s.mean, s.median, s.p95, each( stats.queries ),
-			each( stats.node_tests ), each( stats.leaf_tests ), each( stats.triangle_tests ), each( stats.exact_tests ), p.mean, hash.text().c_str(),
-			note.c_str(), differ > 0 ? "  PEER DIFFERS" : "" );
+		const std::string note =
+		    m_differ == 0 ? "" : fmt::format( "  {} differ from all pairs, by {:.1e} m at the most", m_differ, m_largest );
+		std::printf(
+		    "%-26.26s %5zu %5u | %7.1f %7.1f %6.2f %6.1f | %8.1f %8.1f %8.1f | %7.1f %7.1f %7.1f %7.1f %7.1f | %8.1f | %s%s%s\n",
+		    subject.name.c_str(), subject.problem.variables.size(), info.self_pairs, subject.prepare_ms, 1e-3 * first,
+		    1e-3 * worst, worst_ratio, s.mean, s.median, s.p95, each( stats.queries ), each( stats.node_tests ),
+		    each( stats.leaf_tests ), each( stats.triangle_tests ), each( stats.exact_tests ), p.mean, hash.text().c_str(),
+		    note.c_str(), differ > 0 ? "  PEER DIFFERS" : "" );
 		std::fflush( stdout );
-		m_rows.push_back( Json{ { "robot", subject.name }, { "variables", subject.problem.variables.size() }, { "self_pairs", info.self_pairs },
-			{ "load_ms", subject.load_ms }, { "build_ms", subject.build_ms }, { "prepare_ms", subject.prepare_ms }, { "first_pass_ms", 1e-3 * first },
-			{ "worst_first_ms", 1e-3 * worst }, { "worst_first_ratio", worst_ratio }, { "leeway", toJson( s ) },
-			{ "searches", each( stats.queries ) }, { "node_tests", each( stats.node_tests ) }, { "leaf_tests", each( stats.leaf_tests ) },
-			{ "triangle_tests", each( stats.triangle_tests ) }, { "exact_tests", each( stats.exact_tests ) }, { "answers", hash.text() } } );
+		m_rows.push_back( Json{ { "robot", subject.name }, { "variables", subject.problem.variables.size() },
+		    { "self_pairs", info.self_pairs }, { "load_ms", subject.load_ms }, { "build_ms", subject.build_ms },
+		    { "prepare_ms", subject.prepare_ms }, { "first_pass_ms", 1e-3 * first }, { "worst_first_ms", 1e-3 * worst },
+		    { "worst_first_ratio", worst_ratio }, { "leeway", toJson( s ) }, { "searches", each( stats.queries ) },
+		    { "node_tests", each( stats.node_tests ) }, { "leaf_tests", each( stats.leaf_tests ) },
+		    { "triangle_tests", each( stats.triangle_tests ) }, { "exact_tests", each( stats.exact_tests ) },
+		    { "answers", hash.text() } } );
 		if ( peer != nullptr )
 		{
 			m_rows.back()[peer->engine().name()] = toJson( p );

@@ -78,8 +78,9 @@ void requireData( const std::string& data, const std::string& folder )
 }
 
 BenchProgram::BenchProgram( std::string name, const std::string& about )
-	: m_parts( std::make_unique<Parts>(
-		  about + "\nExit status: 0; 1 if what was measured is wrong; 2 after an error; 77 if there is no data.", std::move( name ) ) )
+    : m_parts( std::make_unique<Parts>(
+          about + "\nExit status: 0; 1 if what was measured is wrong; 2 after an error; 77 if there is no data.",
+          std::move( name ) ) )
 {
 }
 
@@ -110,7 +111,8 @@ void BenchProgram::option( const std::string& name, unsigned& value, const std::
 	m_parts->add( name, value, help, allowed );
 }
 
-void BenchProgram::option( const std::string& name, std::uint64_t& value, const std::string& help, Between<std::uint64_t> allowed )
+void BenchProgram::option(
+    const std::string& name, std::uint64_t& value, const std::string& help, Between<std::uint64_t> allowed )
 {
 	m_parts->add( name, value, help, allowed );
 }

@@ -42,7 +42,8 @@ public:
 	void option( const std::string& name, std::vector<double>& values, const std::string& help );
 	void option( const std::string& name, int& value, const std::string& help, Between<int> allowed = {} );
 	void option( const std::string& name, unsigned& value, const std::string& help, Between<unsigned> allowed = {} );
-	void option( const std::string& name, std::uint64_t& value, const std::string& help, Between<std::uint64_t> allowed = {} );
+	void option(
+	    const std::string& name, std::uint64_t& value, const std::string& help, Between<std::uint64_t> allowed = {} );
 	void option( const std::string& name, double& value, const std::string& help, Between<double> allowed = {} );
 	/// A file that must be there.
 	void inputFile( const std::string& name, std::string& value, const std::string& help );

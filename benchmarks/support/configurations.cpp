@@ -131,9 +131,9 @@ std::vector<std::vector<double>> basesNearFurniture(
 			state[i] = info.lower + uniform( random ) * ( info.upper - info.lower );
 		}
 		lw_state_result result;
-		leeway::require( lw_checker_state( problem.checker.get(), query.get(), state.data(), LW_CHECK_ENVIRONMENT, &range, false,
-							 &result ),
-			"a base" );
+		leeway::require( lw_checker_state( problem.checker.get(), query.get(), state.data(), LW_CHECK_ENVIRONMENT, &range,
+		                     false, &result ),
+		    "a base" );
 		if ( result.environment.kind == LW_CLEARANCE_NEAR )
 		{
 			bases.push_back( state );

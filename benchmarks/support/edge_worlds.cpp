@@ -74,8 +74,8 @@ std::vector<lw_link_object_pair> allowedContacts( const io::SceneModel& scene, c
 	std::vector<lw_link_object_pair> pairs;
 	const auto allow = [&]( const std::string& link, const std::string& object )
 	{
-		const lw_link_object_pair pair = {
-			lw_robot_find_link( world.robot.get(), link.c_str() ), lw_scene_find_object( world.scene.get(), object.c_str() ) };
+		const lw_link_object_pair pair = { lw_robot_find_link( world.robot.get(), link.c_str() ),
+		    lw_scene_find_object( world.scene.get(), object.c_str() ) };
 		if ( pair.link != LW_INVALID_INDEX && pair.object != LW_INVALID_INDEX )
 		{
 			pairs.push_back( pair );

@@ -48,7 +48,8 @@ Triangles convexHull( const double* points, size_t count )
 	qhT* qh = &state;
 	qh_zero( qh, nullptr );
 	char command[] = "qhull Qt";
-	const int failed = qh_new_qhull( qh, 3, static_cast<int>( count ), hull.vertices.data(), False, command, nullptr, nullptr );
+	const int failed =
+	    qh_new_qhull( qh, 3, static_cast<int>( count ), hull.vertices.data(), False, command, nullptr, nullptr );
 	if ( !failed )
 	{
 		for ( const facetT* facet = qh->facet_list; facet && facet->next; facet = facet->next )
@@ -130,7 +131,8 @@ public:
 			}
 		}
 		if ( !left.empty() )
-			throw io::Error( options.robot, "--joint " + left.begin()->first, "is no variable of the robot", "see `leeway info`" );
+			throw io::Error(
+			    options.robot, "--joint " + left.begin()->first, "is no variable of the robot", "see `leeway info`" );
 		leeway::require( lw_robot_fk( m_robot.get(), state.data(), m_poses.data() ), "forward kinematics" );
 	}
 
@@ -187,7 +189,8 @@ private:
 		const lw_reach_node node = lw_reach_get_node( m_reach.get(), link );
 		const Triangles hull = convexHull( lw_reach_hull_points( m_reach.get(), link ), node.hull_point_count );
 		fmt::print( "{:<28} {:>6} {:>11.3f} {:>10.1f} {:>9.0f} {:>10.0f}\n", m_options.hulls[part], node.hull_point_count,
-		    1000 * node.dilation, 1000 * node.excess, 1000 * volume( hull ), 4000 * M_PI / 3 * std::pow( node.m.radius, 3 ) );
+		    1000 * node.dilation, 1000 * node.excess, 1000 * volume( hull ),
+		    4000 * M_PI / 3 * std::pow( node.m.radius, 3 ) );
 		m_stage.gltf.addNode( "hull", parentNode( link, "M of " + m_options.hulls[part] ), { 0, 0, 0 }, { 0, 0, 0, 1 },
 		    m_stage.gltf.addTranslucentMesh( addGeometry( hull ), tint( part ) ) );
 	}

@@ -550,7 +550,8 @@ private:
 	int m_counter = 0;
 	const int plate = m_b.part( "plate.obj", makePlate(), "porcelain" ),
 	          blue_plate = m_b.part( "plate_blue.obj", makePlate(), "blue_glaze" );
-	const int cup = m_b.part( "cup.obj", makeCup(), "porcelain" ), red_cup = m_b.part( "cup_red.obj", makeCup(), "red_glaze" );
+	const int cup = m_b.part( "cup.obj", makeCup(), "porcelain" ),
+	          red_cup = m_b.part( "cup_red.obj", makeCup(), "red_glaze" );
 	const int glass = m_b.part( "glass.obj", makeGlass(), "window" ),
 	          wine = m_b.part( "bottle_wine.obj", makeWineBottle(), "green_glass" );
 	const int milk = m_b.part( "bottle_milk.obj", makeMilkBottle(), "milk" ), jar = m_b.part( "jar.obj", makeJar(), "jam" );
@@ -698,7 +699,8 @@ void Things::fillCupboards()
 void Things::fillSideboard()
 {
 	m_b.object( "table_lamp",
-	    { m_b.part( "lamp_foot.obj", makeTableLamp(), "terracotta" ), m_b.part( "lamp_shade.obj", makeLampShade(), "linen" ) },
+	    { m_b.part( "lamp_foot.obj", makeTableLamp(), "terracotta" ),
+	        m_b.part( "lamp_shade.obj", makeLampShade(), "linen" ) },
 	    at( 0.21, 0.66, 0.821 ) );
 	stand( "fruit_bowl", { bowl }, 0.22, 1.12, 0.821 );
 	for ( int i = 0; i < 3; ++i )

@@ -84,7 +84,8 @@ Colours::Colours( const std::string& file, Gltf& gltf ) : m_gltf( gltf )
 		for ( const auto& entry : root["materials"] )
 		{
 			const auto v = entry.second.as<std::vector<double>>();
-			define( { entry.first.as<std::string>(), { v.at( 0 ), v.at( 1 ), v.at( 2 ), v.at( 3 ) }, v.at( 4 ), v.at( 5 ) } );
+			define(
+			    { entry.first.as<std::string>(), { v.at( 0 ), v.at( 1 ), v.at( 2 ), v.at( 3 ) }, v.at( 4 ), v.at( 5 ) } );
 		}
 		for ( const auto& entry : root["meshes"] )
 			m_meshes[entry.first.as<std::string>()] = entry.second.as<std::string>();

@@ -239,7 +239,9 @@ TEST_F( Cache, PairsKeepsItsTablesForALaterRun )
 	}
 	EXPECT_TRUE( contains( pairs( { "--cache", "cache", "--seed", "7" } ).out, "tables built" ) );
 	EXPECT_TRUE( contains(
-	    run( { "pairs", "--robot", "many.urdf", "--cache", "cache", "--budget", "0", "--samples", "100", "--seed", "7" } ).out, "of earlier runs read" ) );
+	    run( { "pairs", "--robot", "many.urdf", "--cache", "cache", "--budget", "0", "--samples", "100", "--seed", "7" } )
+	        .out,
+	    "of earlier runs read" ) );
 }
 
 TEST_F( Cache, WithoutAnOptionItIsWherePlatformsKeepCaches )

@@ -85,7 +85,8 @@ TEST_F( CliCheck, ACoarserShapeIsNearerByNoMoreThanWasAllowed )
 		{
 			const double a = M_PI * i / rings, b = 2 * M_PI * k / sectors;
 			ball += "v " + std::to_string( 0.3 + 0.1 * std::sin( a ) * std::cos( b ) ) + " " +
-			        std::to_string( 0.1 * std::sin( a ) * std::sin( b ) ) + " " + std::to_string( 0.1 * std::cos( a ) ) + "\n";
+			        std::to_string( 0.1 * std::sin( a ) * std::sin( b ) ) + " " + std::to_string( 0.1 * std::cos( a ) ) +
+			        "\n";
 		}
 	}
 	for ( int i = 0; i < rings * sectors; ++i )

@@ -114,7 +114,8 @@ Outcome runLeeway( const std::string& folder, const std::vector<std::string>& ar
 {
 	// Streams go to hidden files beside the folder's own, so that a test can list the files that the program left.
 	// The cache of a run that names none is there too, not the user's own.
-	std::string command = "cd " + quoted( folder ) + " && XDG_CACHE_HOME=" + quoted( folder + "/.caches" ) + " " + quoted( LEEWAY_PROGRAM );
+	std::string command =
+	    "cd " + quoted( folder ) + " && XDG_CACHE_HOME=" + quoted( folder + "/.caches" ) + " " + quoted( LEEWAY_PROGRAM );
 	for ( const std::string& argument : arguments )
 	{
 		command += " " + quoted( argument );

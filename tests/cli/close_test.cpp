@@ -29,7 +29,8 @@ std::string tableBelow( double gap )
 TEST_F( CliClose, PlansAlongATableThatIsNearerThanTheSlack )
 {
 	write( "table.yaml", tableBelow( 5e-5 ) );
-	const Outcome plan = runModel( "plan", { "--request", "request.yaml", "--out", "path.yaml", "--report", "r.json" }, "table.yaml" );
+	const Outcome plan =
+	    runModel( "plan", { "--request", "request.yaml", "--out", "path.yaml", "--report", "r.json" }, "table.yaml" );
 	ASSERT_EQ( plan.status, 0 ) << plan.err;
 	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
 	EXPECT_EQ( report["checks"]["undecided"], 0 );
@@ -53,7 +54,8 @@ TEST_F( CliClose, LeavesAndReachesAnObjectThatStandsAtTheArm )
 	{
 		const std::string at = "shoulder=-1,elbow=0", elsewhere = "shoulder=1,elbow=0.5";
 		const Outcome plan = runModel( "plan",
-		    { "--group", "arm", "--start", leaves ? at : elsewhere, "--goal", leaves ? elsewhere : at, "--time", "20", "--out", "path.yaml" },
+		    { "--group", "arm", "--start", leaves ? at : elsewhere, "--goal", leaves ? elsewhere : at, "--time", "20",
+		        "--out", "path.yaml" },
 		    "ball.yaml" );
 		EXPECT_EQ( plan.status, 0 ) << plan.err;
 	}
@@ -63,8 +65,8 @@ TEST_F( CliClose, LeavesAndReachesAnObjectThatStandsAtTheArm )
 TEST_F( CliClose, RefusedMotionsAreCountedAndThePairIsNamed )
 {
 	write( "table.yaml", tableBelow( 1e-9 ) );
-	const Outcome plan =
-	    runModel( "plan", { "--request", "request.yaml", "--time", "0.5", "--out", "path.yaml", "--report", "r.json" }, "table.yaml" );
+	const Outcome plan = runModel(
+	    "plan", { "--request", "request.yaml", "--time", "0.5", "--out", "path.yaml", "--report", "r.json" }, "table.yaml" );
 	EXPECT_EQ( plan.status, 1 );
 	EXPECT_TRUE( contains( plan.err, "were undecided" ) && contains( plan.err, " - table" ) ) << plan.err;
 	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );

@@ -148,12 +148,14 @@ TEST_F( CliEnds, PlanarAndFloatingJointsAreSetByTheirVariables )
 {
 	for ( const auto& [type, goal, many] :
 	    { std::make_tuple( "planar", "base/x=0.5,base/theta=1,shoulder=0.5", "base/x, base/y, base/theta" ),
-	        std::make_tuple( "floating", "base/trans_x=0.5,base/trans_z=0.25,shoulder=0.5", "base/trans_x, base/trans_y, base/trans_z" ) } )
+	        std::make_tuple( "floating", "base/trans_x=0.5,base/trans_z=0.25,shoulder=0.5",
+	            "base/trans_x, base/trans_y, base/trans_z" ) } )
 	{
 		TearDown();
 		Cli::SetUp();
 		edit( "arm.srdf", "<group name=\"arm\">",
-		    std::string( "<virtual_joint name='base' type='" ) + type + "' parent_frame='odom' child_link='base'/><group name=\"arm\">" );
+		    std::string( "<virtual_joint name='base' type='" ) + type +
+		        "' parent_frame='odom' child_link='base'/><group name=\"arm\">" );
 		const Outcome outcome = plan( srdf + std::vector<std::string>{ "--goal", goal } );
 		ASSERT_EQ( outcome.status, 0 ) << type << outcome.err;
 		EXPECT_EQ( point( true )[0], 0.5 ) << type;

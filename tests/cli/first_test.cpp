@@ -97,7 +97,8 @@ TEST_F( Cli, TheFirstFiveMinutesAreAsThePageTellsThem )
 		for ( const std::string& shown : command.shown )
 		{
 			const auto found = std::find( from, lines.end(), words( shown ) );
-			ASSERT_NE( found, lines.end() ) << called << "\ndoes not print (there): " << shown << "\nbut\n" << outcome.err << outcome.out;
+			ASSERT_NE( found, lines.end() ) << called << "\ndoes not print (there): " << shown << "\nbut\n"
+			                                << outcome.err << outcome.out;
 			from = std::next( found );
 		}
 	}

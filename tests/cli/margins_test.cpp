@@ -101,9 +101,11 @@ TEST_F( CliMargins, PlansKeepThemAndAuditsSeeThem )
 	// Without margins the same path has as much more
 	const Outcome bare = runModel( "audit", { "--path", "path.yaml", "--report", "bare.json" }, "blocked.yaml" );
 	EXPECT_EQ( bare.status, 0 ) << bare.err;
-	EXPECT_NEAR( nlohmann::json::parse( readFile( path( "bare.json" ) ) )["audit"]["environment"]["lower"], clearance + 0.04, 1e-3 );
+	EXPECT_NEAR(
+	    nlohmann::json::parse( readFile( path( "bare.json" ) ) )["audit"]["environment"]["lower"], clearance + 0.04, 1e-3 );
 	// With more it breaks it
-	const Outcome wide = runModel( "audit", { "--path", "path.yaml", "--margin", std::to_string( clearance + 0.05 ) }, "blocked.yaml" );
+	const Outcome wide =
+	    runModel( "audit", { "--path", "path.yaml", "--margin", std::to_string( clearance + 0.05 ) }, "blocked.yaml" );
 	EXPECT_EQ( wide.status, 1 );
 	EXPECT_TRUE( contains( wide.out, "NOT VALID" ) && contains( wide.out, "is not above min-d 0, margin 0." ) ) << wide.out;
 

@@ -22,26 +22,29 @@ std::ostream& operator<<( std::ostream& stream, const Clash& clash )
 }
 
 const std::vector<Clash> clashes = {
-	{ "Robot", { "check", "--states", "states.csv", "--out", "arm.urdf" }, "--out", "--robot", "arm.urdf" },
-	{ "RobotByAnotherPath", { "check", "--states", "states.csv", "--out", "folder/../arm.urdf" }, "--out", "--robot", "arm.urdf" },
-	{ "RobotByALink", { "check", "--states", "states.csv", "--out", "link.urdf" }, "--out", "--robot", "link.urdf" },
-	{ "RobotByAHardLink", { "check", "--states", "states.csv", "--out", "hard.urdf" }, "--out", "--robot", "hard.urdf" },
-	{ "Srdf", { "info", "--json", "arm.srdf" }, "--json", "--srdf", "arm.srdf" },
-	{ "SrdfThatIsJudged", { "pairs", "--out", "arm.srdf" }, "--out", "--srdf", "arm.srdf" },
-	{ "Scene", { "edge", "--edges", "edges.csv", "--out", "scene.yaml" }, "--out", "--scene", "scene.yaml" },
-	{ "Request", { "plan", "--request", "request.yaml", "--report", "request.yaml" }, "--report", "--request", "request.yaml" },
-	{ "Mesh", { "check", "--states", "states.csv", "--out", "fore.stl" }, "--out", "a mesh of --robot", "fore.stl" },
-	{ "SceneMesh", { "check", "--states", "states.csv", "--scene", "mesh.yaml", "--out", "wall.stl" }, "--out", "a mesh of --scene",
-	    "wall.stl" },
-	{ "States", { "check", "--states", "states.csv", "--out", "states.csv" }, "--out", "--states", "states.csv" },
-	{ "Edges", { "edge", "--edges", "edges.csv", "--out", "edges.csv" }, "--out", "--edges", "edges.csv" },
-	{ "Path", { "audit", "--path", "good.yaml", "--profile", "good.yaml" }, "--profile", "--path", "good.yaml" },
-	{ "Margins", { "check", "--states", "states.csv", "--margins", "m.yaml", "--out", "m.yaml" }, "--out", "--margins", "m.yaml" },
-	{ "PlanTwice", { "plan", "--request", "request.yaml", "--out", "p", "--report", "p" }, "--report", "--out", "" },
-	{ "PlanTwiceByAnotherPath", { "plan", "--request", "request.yaml", "--out", "p", "--report", "./folder/../p" }, "--report",
-	    "--out", "" },
-	{ "AuditTwice", { "audit", "--path", "good.yaml", "--report", "p", "--profile", "p" }, "--profile", "--report", "" },
-	{ "TuneTwice", { "tune", "--states", "2", "--edges", "1", "--csv", "p", "--json", "p" }, "--json", "--csv", "" },
+    { "Robot", { "check", "--states", "states.csv", "--out", "arm.urdf" }, "--out", "--robot", "arm.urdf" },
+    { "RobotByAnotherPath", { "check", "--states", "states.csv", "--out", "folder/../arm.urdf" }, "--out", "--robot",
+        "arm.urdf" },
+    { "RobotByALink", { "check", "--states", "states.csv", "--out", "link.urdf" }, "--out", "--robot", "link.urdf" },
+    { "RobotByAHardLink", { "check", "--states", "states.csv", "--out", "hard.urdf" }, "--out", "--robot", "hard.urdf" },
+    { "Srdf", { "info", "--json", "arm.srdf" }, "--json", "--srdf", "arm.srdf" },
+    { "SrdfThatIsJudged", { "pairs", "--out", "arm.srdf" }, "--out", "--srdf", "arm.srdf" },
+    { "Scene", { "edge", "--edges", "edges.csv", "--out", "scene.yaml" }, "--out", "--scene", "scene.yaml" },
+    { "Request", { "plan", "--request", "request.yaml", "--report", "request.yaml" }, "--report", "--request",
+        "request.yaml" },
+    { "Mesh", { "check", "--states", "states.csv", "--out", "fore.stl" }, "--out", "a mesh of --robot", "fore.stl" },
+    { "SceneMesh", { "check", "--states", "states.csv", "--scene", "mesh.yaml", "--out", "wall.stl" }, "--out",
+        "a mesh of --scene", "wall.stl" },
+    { "States", { "check", "--states", "states.csv", "--out", "states.csv" }, "--out", "--states", "states.csv" },
+    { "Edges", { "edge", "--edges", "edges.csv", "--out", "edges.csv" }, "--out", "--edges", "edges.csv" },
+    { "Path", { "audit", "--path", "good.yaml", "--profile", "good.yaml" }, "--profile", "--path", "good.yaml" },
+    { "Margins", { "check", "--states", "states.csv", "--margins", "m.yaml", "--out", "m.yaml" }, "--out", "--margins",
+        "m.yaml" },
+    { "PlanTwice", { "plan", "--request", "request.yaml", "--out", "p", "--report", "p" }, "--report", "--out", "" },
+    { "PlanTwiceByAnotherPath", { "plan", "--request", "request.yaml", "--out", "p", "--report", "./folder/../p" },
+        "--report", "--out", "" },
+    { "AuditTwice", { "audit", "--path", "good.yaml", "--report", "p", "--profile", "p" }, "--profile", "--report", "" },
+    { "TuneTwice", { "tune", "--states", "2", "--edges", "1", "--csv", "p", "--json", "p" }, "--json", "--csv", "" },
 };
 
 std::string clashName( const testing::TestParamInfo<Clash>& info )
@@ -76,7 +79,8 @@ TEST_P( Overwrite, IsAnErrorThatNamesBothOptions )
 	const std::vector<std::string> listed = files();
 	const Outcome outcome = run( arguments );
 	EXPECT_EQ( outcome.status, 2 ) << outcome.out << outcome.err;
-	EXPECT_TRUE( contains( outcome.err, "command line: " + clash.option + ": " ) && contains( outcome.err, clash.other + " " ) )
+	EXPECT_TRUE(
+	    contains( outcome.err, "command line: " + clash.option + ": " ) && contains( outcome.err, clash.other + " " ) )
 	    << outcome.err;
 	EXPECT_EQ( files(), listed );
 	EXPECT_EQ( clash.file.empty() ? "" : readFile( path( clash.file ) ), before );
@@ -89,5 +93,6 @@ TEST_F( Cli, AnOlderResultIsReplacedAndADeviceMayTakeTwoResults )
 	write( "out.csv", "an older result" );
 	EXPECT_EQ( runModel( "check", { "--states", "states.csv", "--out", "out.csv" } ).status, 0 );
 	EXPECT_TRUE( contains( readFile( path( "out.csv" ) ), "verdict" ) );
-	EXPECT_EQ( runModel( "plan", { "--request", "request.yaml", "--out", "/dev/null", "--report", "/dev/null" } ).status, 0 );
+	EXPECT_EQ(
+	    runModel( "plan", { "--request", "request.yaml", "--out", "/dev/null", "--report", "/dev/null" } ).status, 0 );
 }

@@ -30,20 +30,23 @@ protected:
 		const std::string text = readFile( path( file ) );
 		const std::string begin = "link1=\"" + first + "\" link2=\"" + second + "\" reason=\"";
 		const std::size_t at = text.find( begin );
-		return at == std::string::npos ? ""
-		                               : text.substr( at + begin.size(), text.find( '"', at + begin.size() ) - at - begin.size() );
+		return at == std::string::npos
+		           ? ""
+		           : text.substr( at + begin.size(), text.find( '"', at + begin.size() ) - at - begin.size() );
 	}
 };
 
 /// A box that four slides move over another: the links in between are far away.
 std::string chain()
 {
-	std::string text = R"(<robot name="chain"><link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>)";
+	std::string text =
+	    R"(<robot name="chain"><link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>)";
 	std::string parent = "base";
 	for ( const std::string name : { "a", "b", "c", "tip" } )
 	{
 		const bool last = name == "tip";
-		text += "<link name=\"" + name + "\"><collision><origin xyz=\"" + ( last ? "0.56 0 0" : "0 0 " + std::to_string( 5 + name[0] - 'a' ) ) +
+		text += "<link name=\"" + name + "\"><collision><origin xyz=\"" +
+		        ( last ? "0.56 0 0" : "0 0 " + std::to_string( 5 + name[0] - 'a' ) ) +
 		        "\"/><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision></link>\n<joint name=\"j" + name +
 		        "\" type=\"prismatic\"><parent link=\"" + parent + "\"/><child link=\"" + name +
 		        "\"/><axis xyz=\"1 0 0\"/><limit lower=\"-0.35\" upper=\"0.25\" effort=\"1\" velocity=\"1\"/></joint>\n";
@@ -75,7 +78,8 @@ TEST_F( PairsUse, AnOverlapByDesignIsNoFinding )
 	disable( { { "lid", "pot", "Always" } } );
 	const Outcome result = pairs( { "--srdf", "given.srdf", "--out", "new.srdf", "--json", "pairs.json" } );
 	EXPECT_EQ( result.status, 0 ) << result.out;
-	EXPECT_TRUE( contains( entry( json( "pairs.json" )["pairs"], "lid", "pot" )["opinion"].get<std::string>(), "by design" ) );
+	EXPECT_TRUE(
+	    contains( entry( json( "pairs.json" )["pairs"], "lid", "pot" )["opinion"].get<std::string>(), "by design" ) );
 	EXPECT_FALSE( entry( json( "pairs.json" )["findings"], "lid", "pot" ).is_null() );
 	EXPECT_FALSE( contains( result.out, "enabled again: lid - pot" ) ) << result.out;
 	const Outcome again = pairs( { "--srdf", "new.srdf", "--out", "newer.srdf" } );
@@ -87,7 +91,8 @@ TEST_F( PairsUse, AnOverlapByDesignIsNoFinding )
 TEST_F( PairsUse, ContactOverALongChainStaysEnabled )
 {
 	write( "chain.urdf", chain() );
-	const Outcome result = run( { "pairs", "--robot", "chain.urdf", "--budget", "0", "--samples", "300", "--out", "new.srdf", "--json", "pairs.json" } );
+	const Outcome result = run( { "pairs", "--robot", "chain.urdf", "--budget", "0", "--samples", "300", "--out", "new.srdf",
+	    "--json", "pairs.json" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	const nlohmann::json pair = entry( json( "pairs.json" )["pairs"], "base", "tip" );
 	EXPECT_GT( pair["contact_share"].get<double>(), 0.55 ) << pair;
@@ -100,7 +105,8 @@ TEST_F( PairsUse, ClaimsOfContactThatIsThereStay )
 	slideLid( 0.001, "-0.02", "0.05" ); // free at 0, in contact in 27 % of the range
 	disable( { { "lid", "pot", "Default" } } );
 	ASSERT_EQ( pairs( { "--srdf", "given.srdf", "--out", "new.srdf" } ).status, 1 );
-	EXPECT_EQ( reason( "new.srdf", "lid", "pot" ).rfind( "Default (in contact in ", 0 ), 0u ) << readFile( path( "new.srdf" ) );
+	EXPECT_EQ( reason( "new.srdf", "lid", "pot" ).rfind( "Default (in contact in ", 0 ), 0u )
+	    << readFile( path( "new.srdf" ) );
 	// nobody's claim, or a claim that there is no contact: to be checked
 	ASSERT_EQ( pairs( { "--out", "new.srdf" } ).status, 0 );
 	EXPECT_EQ( reason( "new.srdf", "lid", "pot" ), "" );
@@ -113,7 +119,8 @@ TEST_F( PairsUse, TheCostOfEnablingIsTold )
 	const Outcome result = pairs( { "--srdf", "given.srdf", "--out", "new.srdf", "--json", "pairs.json" } );
 	ASSERT_EQ( result.status, 1 ) << result.err;
 	EXPECT_EQ( reason( "new.srdf", "lid", "pot" ), "" );
-	EXPECT_TRUE( contains( result.out, "enabled again: lid - pot was disabled as Never, but is in contact in " ) ) << result.out;
+	EXPECT_TRUE( contains( result.out, "enabled again: lid - pot was disabled as Never, but is in contact in " ) )
+	    << result.out;
 	EXPECT_TRUE( contains( result.out, "the pairs enabled again (1) block " ) ) << result.out;
 	const nlohmann::json use = json( "pairs.json" )["usability"];
 	EXPECT_EQ( use["states"], 200 );
@@ -126,7 +133,8 @@ TEST_F( PairsUse, TheShareOfFreeStatesIsTold )
 {
 	const Outcome result = pairs( { "--out", "new.srdf", "--json", "pairs.json" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
-	EXPECT_TRUE( contains( result.out, "free of self contact, of 200 random states: 0.0 % without an SRDF, " ) ) << result.out;
+	EXPECT_TRUE( contains( result.out, "free of self contact, of 200 random states: 0.0 % without an SRDF, " ) )
+	    << result.out;
 	EXPECT_TRUE( contains( result.out, "the default state is free" ) ) << result.out;
 	EXPECT_FALSE( contains( result.out, "block most" ) ) << result.out;
 	// all that is left is the jaws: they meet if both are out by 0.4 in all, of 0.3 each
@@ -202,7 +210,8 @@ TEST_F( PairsUse, ALidThatIsNearNowAndThenIsNotNearByDesign )
 
 TEST_F( PairsUse, WithoutRandomStatesTheDefaultStateDecides )
 {
-	const Outcome result = run( { "pairs", "--robot", "many.urdf", "--budget", "1", "--samples", "0", "--out", "new.srdf" } );
+	const Outcome result =
+	    run( { "pairs", "--robot", "many.urdf", "--budget", "1", "--samples", "0", "--out", "new.srdf" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	EXPECT_EQ( reason( "new.srdf", "lid", "pot" ), "Default (in contact at the default state)" );
 	EXPECT_FALSE( contains( result.out, "random states:" ) ) << result.out;

@@ -105,14 +105,16 @@ TEST_F( CliPlan, ParallelPlannersGetTheirNumber )
 TEST_F( CliPlan, ParametersReachThePlanner )
 {
 	const Outcome plan = runModel( "plan",
-	    { "--request", "request.yaml", "--planner-param", "range=0.3", "--no-simplify", "--report", "r.json", "--out", "path.yaml" },
+	    { "--request", "request.yaml", "--planner-param", "range=0.3", "--no-simplify", "--report", "r.json", "--out",
+	        "path.yaml" },
 	    "blocked.yaml" );
 	ASSERT_EQ( plan.status, 0 ) << plan.err;
 	EXPECT_EQ( nlohmann::json::parse( readFile( path( "r.json" ) ) )["planner_params"]["range"], "0.3" );
 	const YAML::Node points = YAML::LoadFile( path( "path.yaml" ) )["points"];
 	for ( std::size_t i = 0; i + 1 < points.size(); ++i )
 	{
-		const auto a = points[i]["positions"].as<std::vector<double>>(), b = points[i + 1]["positions"].as<std::vector<double>>();
+		const auto a = points[i]["positions"].as<std::vector<double>>(),
+		           b = points[i + 1]["positions"].as<std::vector<double>>();
 		EXPECT_LE( std::hypot( b[0] - a[0], b[1] - a[1] ), 0.3 + 1e-9 ) << i;
 	}
 }

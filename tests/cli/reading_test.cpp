@@ -37,15 +37,20 @@ protected:
 
 TEST_F( ReadingCli, ABrokenGroupOfTheSrdfMattersToNobodyElse )
 {
-	edit( "arm.srdf", "<group name=\"shoulder_only\">", "<group name=\"gripper\"><chain base_link=\"tool\" tip_link=\"palm\"/></group>\n"
-	                                                   "<group_state name=\"home\"/><group name=\"shoulder_only\">" );
+	edit( "arm.srdf", "<group name=\"shoulder_only\">",
+	    "<group name=\"gripper\"><chain base_link=\"tool\" tip_link=\"palm\"/></group>\n"
+	    "<group_state name=\"home\"/><group name=\"shoulder_only\">" );
 	const Outcome good = runModel( "info", { "--group", "arm" } );
 	EXPECT_EQ( good.status, 0 ) << good.err;
-	EXPECT_TRUE( contains( good.err, "arm.srdf: group gripper (line 4): cannot be used: the URDF has no link palm (line 4)" ) ) << good.err;
+	EXPECT_TRUE(
+	    contains( good.err, "arm.srdf: group gripper (line 4): cannot be used: the URDF has no link palm (line 4)" ) )
+	    << good.err;
 	EXPECT_TRUE( contains( good.err, "group_state home (line 5): cannot be used" ) ) << good.err;
 	EXPECT_TRUE( contains( good.out, "group gripper: cannot be used: the URDF has no link palm (line 4)" ) ) << good.out;
-	expectError( runModel( "info", { "--group", "gripper" } ), { "arm.srdf: group gripper", "no link palm (line 4)", "use one of arm, shoulder_only" } );
-	expectError( runModel( "info", { "--group", "arm", "--strict" } ), { "arm.srdf: group gripper (line 4)", "no link palm" } );
+	expectError( runModel( "info", { "--group", "gripper" } ),
+	    { "arm.srdf: group gripper", "no link palm (line 4)", "use one of arm, shoulder_only" } );
+	expectError(
+	    runModel( "info", { "--group", "arm", "--strict" } ), { "arm.srdf: group gripper (line 4)", "no link palm" } );
 }
 
 TEST_F( ReadingCli, AUrdfAsSrdfIsTold )
@@ -63,7 +68,8 @@ TEST_F( ReadingCli, VisualGeometryOnRequest )
 	}
 	write( "bare.urdf", bare );
 	expectError( run( { "info", "--robot", "bare.urdf" } ), { "bare.urdf", "no link has collision geometry", "--visual" } );
-	const std::vector<std::string> rest = { "--srdf", "arm.srdf", "--group", "arm", "--scene", "scene.yaml", "--states", "states.csv" };
+	const std::vector<std::string> rest = {
+	    "--srdf", "arm.srdf", "--group", "arm", "--scene", "scene.yaml", "--states", "states.csv" };
 	const auto check = [&]( const std::string& robot, const std::vector<std::string>& more )
 	{
 		std::vector<std::string> arguments = { "check", "--robot", robot };
@@ -72,7 +78,9 @@ TEST_F( ReadingCli, VisualGeometryOnRequest )
 		return run( arguments );
 	};
 	const Outcome by_visual = check( "bare.urdf", { "--visual" } ), by_collision = check( "arm.urdf", {} );
-	EXPECT_TRUE( contains( by_visual.err, "visual geometry is used for links without collision geometry: base, upper, fore" ) ) << by_visual.err;
+	EXPECT_TRUE(
+	    contains( by_visual.err, "visual geometry is used for links without collision geometry: base, upper, fore" ) )
+	    << by_visual.err;
 	const Table a = parseTable( by_visual.out ), b = parseTable( by_collision.out );
 	ASSERT_EQ( a.rows.size(), b.rows.size() ) << by_visual.err;
 	ASSERT_FALSE( a.rows.empty() );
@@ -81,11 +89,13 @@ TEST_F( ReadingCli, VisualGeometryOnRequest )
 
 TEST_F( ReadingCli, PairsOfAVisualLinkAreNotTakenFromTheCacheOfTheRobotWithoutIt )
 {
-	edit( "arm.urdf", "<link name=\"tool\"/>", "<link name=\"tool\"><visual><origin xyz=\"0.05 0 0\"/><geometry><box size=\"0.06 0.02 0.02\"/></geometry></visual></link>" );
+	edit( "arm.urdf", "<link name=\"tool\"/>",
+	    "<link name=\"tool\"><visual><origin xyz=\"0.05 0 0\"/><geometry><box size=\"0.06 0.02 0.02\"/></geometry></visual></link>" );
 	const std::vector<std::string> question = { "--group", "arm", "--states", "states.csv", "--cache", "cache" };
 	std::vector<std::string> with_visual = question;
 	with_visual.push_back( "--visual" );
-	const Table without = parseTable( runModel( "check", question ).out ), with = parseTable( runModel( "check", with_visual ).out ),
+	const Table without = parseTable( runModel( "check", question ).out ),
+	            with = parseTable( runModel( "check", with_visual ).out ),
 	            again = parseTable( runModel( "check", question ).out );
 	ASSERT_FALSE( without.rows.empty() );
 	EXPECT_NEAR( without.number( 0, "env_lower" ), 0.1, 1e-6 );
@@ -109,7 +119,8 @@ TEST_F( ReadingCli, AMisspeltMarginOfAPathIsNoMarginOfZero )
 TEST_F( ReadingCli, NamesThatAreNotUtf8AreNoInternalError )
 {
 	edit( "arm.urdf", "<link name=\"tool\"/>", "<link name=\"to\xe9l\"/>" );
-	expectError( runModel( "info", { "--group", "arm", "--json", "o.json" } ), { "arm.urdf: link (line ", "to\\xe9l", "UTF-8" } );
+	expectError(
+	    runModel( "info", { "--group", "arm", "--json", "o.json" } ), { "arm.urdf: link (line ", "to\\xe9l", "UTF-8" } );
 }
 
 TEST_F( ReadingCli, AFolderThatIsNotUtf8IsNoInternalError )
@@ -123,7 +134,8 @@ TEST_F( ReadingCli, AFolderThatIsNotUtf8IsNoInternalError )
 TEST_F( ReadingCli, AZeroByteDoesNotCutTheMessage )
 {
 	write( "states.csv", std::string( "shoulder,elbow\n0,0.\0005\n", 22 ) );
-	expectError( runModel( "check", { "--group", "arm", "--states", "states.csv" } ), { "states.csv", "line 2", "0.\\x005", ";" } );
+	expectError(
+	    runModel( "check", { "--group", "arm", "--states", "states.csv" } ), { "states.csv", "line 2", "0.\\x005", ";" } );
 }
 
 TEST_F( ReadingCli, LinksThatAreAlikeShareANotice )
@@ -132,7 +144,8 @@ TEST_F( ReadingCli, LinksThatAreAlikeShareANotice )
 	for ( int i = 0; i < 21; ++i )
 	{
 		const std::string n = std::to_string( i );
-		links += "<link name=\"v" + n + "\"><visual><geometry><sphere radius=\"0.01\"/></geometry></visual></link><joint name=\"jv" + n +
+		links += "<link name=\"v" + n +
+		         "\"><visual><geometry><sphere radius=\"0.01\"/></geometry></visual></link><joint name=\"jv" + n +
 		         "\" type=\"fixed\"><parent link=\"tool\"/><child link=\"v" + n + "\"/></joint>";
 	}
 	const std::size_t before = notices( runModel( "info", { "--group", "arm" } ).err );
@@ -142,8 +155,9 @@ TEST_F( ReadingCli, LinksThatAreAlikeShareANotice )
 
 TEST_F( ReadingCli, AnObjectIsToldToBeAScene )
 {
-	write( "mug.urdf", "<robot name=\"mug\"><link name=\"mug\"><collision><geometry><cylinder radius=\"0.04\" length=\"0.1\"/></geometry>"
-	                   "</collision></link></robot>" );
+	write( "mug.urdf",
+	    "<robot name=\"mug\"><link name=\"mug\"><collision><geometry><cylinder radius=\"0.04\" length=\"0.1\"/></geometry>"
+	    "</collision></link></robot>" );
 	expectError( run( { "info", "--robot", "mug.urdf" } ), { "mug.urdf", "no joint that can move", "--scene" } );
 	EXPECT_EQ( runModel( "info", { "--group", "arm" }, "mug.urdf" ).status, 0 );
 }

@@ -50,8 +50,10 @@ TEST_F( CliWords, JointsWithoutAColumnAreToldWithTheirValue )
 {
 	write( "states.csv", "shoulder\n0\n" );
 	edit( "request.yaml", "position: [-1, 0]", "position: [-1, 0.5]" );
-	EXPECT_TRUE( contains( runModel( "check", check ).err, "states.csv: joints without a column keep their start value: elbow = 0\n" ) );
-	EXPECT_TRUE( contains( runModel( "check", { "--states", "states.csv", "--request", "request.yaml" } ).err, "elbow = 0.5\n" ) );
+	EXPECT_TRUE( contains(
+	    runModel( "check", check ).err, "states.csv: joints without a column keep their start value: elbow = 0\n" ) );
+	EXPECT_TRUE(
+	    contains( runModel( "check", { "--states", "states.csv", "--request", "request.yaml" } ).err, "elbow = 0.5\n" ) );
 	write( "edges.csv", "from:shoulder,to:shoulder\n0,0.1\n" );
 	const std::string edge = runModel( "edge", { "--edges", "edges.csv" } ).err;
 	EXPECT_TRUE( contains( edge, "elbow = 0\n" ) ) << edge;
@@ -76,8 +78,9 @@ TEST_F( CliWords, ANulInACellDoesNotEndTheMessage )
 
 TEST_F( CliWords, TablesAreReadFromStandardInput )
 {
-	const std::string command = "cd '" + m_folder + "' && '" + LEEWAY_PROGRAM +
-	                            "' check --robot arm.urdf --srdf arm.srdf --scene scene.yaml --states - <states.csv >out.csv 2>err";
+	const std::string command =
+	    "cd '" + m_folder + "' && '" + LEEWAY_PROGRAM +
+	    "' check --robot arm.urdf --srdf arm.srdf --scene scene.yaml --states - <states.csv >out.csv 2>err";
 	EXPECT_EQ( std::system( command.c_str() ), 0 ) << readFile( path( "err" ) );
 	EXPECT_EQ( parseTable( readFile( path( "out.csv" ) ) ).rows.size(), 3u );
 	write( "states.csv", "shoulder,elbow\n0,x\n" );
@@ -119,7 +122,8 @@ TEST_F( CliWords, HelpFitsAScreenAndHelpAllListsTheRest )
 		}
 		EXPECT_LE( count, 42u ) << command;
 	}
-	for ( const char* option : { "--strict", "--cache-limit", "--proofs", "--input-limit", "--simd", "--detail", "--padding" } )
+	for ( const char* option :
+	    { "--strict", "--cache-limit", "--proofs", "--input-limit", "--simd", "--detail", "--padding" } )
 	{
 		EXPECT_FALSE( contains( run( { "check", "--help" } ).out, option ) ) << option;
 		EXPECT_TRUE( contains( run( { "check", "--help-all" } ).out, option ) ) << option;
@@ -144,7 +148,8 @@ TEST_F( CliWords, OneOfAThingIsNotSeveral )
 	EXPECT_TRUE( contains( audit.out, "path        1 state," ) ) << audit.out << audit.err;
 	write( "states.csv", "shoulder,elbow\n0\n" );
 	EXPECT_TRUE( contains( runModel( "check", check ).err, "has 1 cell where the header has 2 columns" ) );
-	edit( "scene.yaml", "      primitive_poses:", "        - type: box\n          dimensions: [1, 1, 1]\n      primitive_poses:" );
+	edit( "scene.yaml",
+	    "      primitive_poses:", "        - type: box\n          dimensions: [1, 1, 1]\n      primitive_poses:" );
 	const Outcome scene = runModel( "info", {} );
 	EXPECT_TRUE( contains( scene.err, "primitives has 2 entries and primitive_poses 1" ) ) << scene.err;
 }
@@ -153,7 +158,8 @@ TEST_F( CliWords, OneOfAThingIsNotSeveral )
 
 TEST_F( CliWords, ARobotOfOneLinkIsToBeGivenAsTheScene )
 {
-	write( "cube.urdf", "<robot name='cube'><link name='cube'><collision><geometry><box size='1 1 1'/></geometry></collision></link></robot>" );
+	write( "cube.urdf",
+	    "<robot name='cube'><link name='cube'><collision><geometry><box size='1 1 1'/></geometry></collision></link></robot>" );
 	const Outcome outcome = run( { "check", "--robot", "cube.urdf", "--states", "states.csv" } );
 	EXPECT_EQ( outcome.status, 2 );
 	EXPECT_TRUE( contains( outcome.err, "--scene" ) && !contains( outcome.err, "use a group" ) ) << outcome.err;

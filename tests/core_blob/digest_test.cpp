@@ -52,8 +52,9 @@ int bitCount( std::uint64_t x )
 TEST( Digest, PartsAreNotTheirConcatenation )
 {
 	std::vector<Word> all = { words( ofText( "abc" ) ), words( ofText( "c", ofText( "ab" ) ) ),
-		words( ofText( "bc", ofText( "a" ) ) ), words( ofText( "ab", ofText( "c" ) ) ), words( ofText( "abc", ofText( "" ) ) ),
-		words( ofText( "", ofText( "abc" ) ) ), words( ofText( "" ) ), words( start ) };
+		words( ofText( "bc", ofText( "a" ) ) ), words( ofText( "ab", ofText( "c" ) ) ),
+		words( ofText( "abc", ofText( "" ) ) ), words( ofText( "", ofText( "abc" ) ) ), words( ofText( "" ) ),
+		words( start ) };
 	std::sort( all.begin(), all.end() );
 	EXPECT_EQ( std::adjacent_find( all.begin(), all.end() ), all.end() );
 	EXPECT_TRUE( lw_digest_equal( ofText( "c", ofText( "ab" ) ), ofText( "c", ofText( "ab" ) ) ) );

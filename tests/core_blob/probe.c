@@ -120,8 +120,14 @@ static void add_efforts( lw_reach* reach, uint64_t* state )
 		{
 			continue;
 		}
-		*effort = (lwi_effort){ .flags = (uint32_t)( 63.0 * next_random( state ) ), .contacts = (uint32_t)( 100.0 * next_random( state ) ),
-			.visits = 100, .grid_rounds = 2, .grid_slabs = 3, .cells = 12345, .expected = INFINITY, .target = next_random( state ),
+		*effort = ( lwi_effort ){ .flags = (uint32_t)( 63.0 * next_random( state ) ),
+			.contacts = (uint32_t)( 100.0 * next_random( state ) ),
+			.visits = 100,
+			.grid_rounds = 2,
+			.grid_slabs = 3,
+			.cells = 12345,
+			.expected = INFINITY,
+			.target = next_random( state ),
 			.least = next_random( state ) };
 		if ( next_random( state ) < 0.5 )
 		{
@@ -140,9 +146,11 @@ static void add_efforts( lw_reach* reach, uint64_t* state )
 /// NULL if all members are the same.
 static const char* effort_difference( const lwi_effort* a, const lwi_effort* b, uint32_t variable_count )
 {
-	bool same = a->flags == b->flags && a->contacts == b->contacts && a->visits == b->visits && a->grid_rounds == b->grid_rounds &&
-		a->grid_slabs == b->grid_slabs && a->cells == b->cells && a->height == b->height;
-	const double x[] = { a->expected, a->fraction, a->target, a->least }, y[] = { b->expected, b->fraction, b->target, b->least };
+	bool same = a->flags == b->flags && a->contacts == b->contacts && a->visits == b->visits &&
+				a->grid_rounds == b->grid_rounds && a->grid_slabs == b->grid_slabs && a->cells == b->cells &&
+				a->height == b->height;
+	const double x[] = { a->expected, a->fraction, a->target, a->least },
+				 y[] = { b->expected, b->fraction, b->target, b->least };
 	same = same && memcmp( x, y, sizeof( x ) ) == 0;
 	bool same_cells = same && ( a->height == 0 || memcmp( a->open, b->open, lwi_effort_bytes( a, variable_count ) ) == 0 );
 	return !same ? "efforts" : !same_cells ? "open cells" : NULL;
@@ -159,7 +167,8 @@ static bool same_grids( const lw_reach* a, const lw_reach* b )
 		{
 			const lwi_grid_axis *p = &x->axes[k], *q = &y->axes[k];
 			same = p->variable == q->variable && p->bits == q->bits && p->periodic == q->periodic &&
-				memcmp( &p->lower, &q->lower, sizeof( double ) ) == 0 && memcmp( &p->upper, &q->upper, sizeof( double ) ) == 0;
+				   memcmp( &p->lower, &q->lower, sizeof( double ) ) == 0 &&
+				   memcmp( &p->upper, &q->upper, sizeof( double ) ) == 0;
 		}
 		same = same && memcmp( x->cells, y->cells, lwi_grid_size( x ) ) == 0;
 	}

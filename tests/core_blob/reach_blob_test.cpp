@@ -44,7 +44,8 @@ RobotPtr makeRobot( const RobotOptions& o = {} )
 		jointNames.push_back( "joint" + std::to_string( i ) );
 		if ( i > 0 )
 		{
-			static const lw_joint_type types[] = { LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_FIXED, LW_JOINT_PRISMATIC };
+			static const lw_joint_type types[] = { LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_FIXED,
+				LW_JOINT_PRISMATIC };
 			lw_joint_def joint = lw_joint_def_default();
 			joint.type = types[( i - 1 ) % 4];
 			joint.parent = i - 1;
@@ -317,7 +318,8 @@ TEST( ReachBlob, EveryAllocationMayFail )
 		{
 			ReachPtr loaded = readReach( blob, robot.get(), &status, &diag, &memory.allocator );
 			EXPECT_TRUE( status == LW_OK || status == LW_ERROR_OUT_OF_MEMORY ) << diag.message;
-			EXPECT_TRUE( status != LW_OK || memory.live == lw_reach_bytes( loaded.get() ) ) << "bytes do not count what is held";
+			EXPECT_TRUE( status != LW_OK || memory.live == lw_reach_bytes( loaded.get() ) )
+				<< "bytes do not count what is held";
 		}
 		EXPECT_EQ( memory.live, 0u );
 	}
@@ -398,7 +400,8 @@ TEST( ReachBlobNonsense, ImpossibleProofsUnderWayAreRefused )
 	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
 	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
 	const std::uint32_t count = blob.get<std::uint32_t>( counts + 16 );
-	const std::size_t efforts = evidence + 8u * lw_robot_variable_count( robot.get() ) * count, cells = efforts + 64u * count;
+	const std::size_t efforts = evidence + 8u * lw_robot_variable_count( robot.get() ) * count,
+					  cells = efforts + 64u * count;
 	const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 	std::size_t under_way = efforts;
 	while ( blob.get<std::uint32_t>( under_way + 20 ) == 0 )
@@ -445,7 +448,8 @@ TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
 	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
 	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
 	const std::uint32_t efforts = blob.get<std::uint32_t>( counts + 16 );
-	const std::size_t grids = evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + probe_open_bytes( reach.get() );
+	const std::size_t grids =
+		evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + probe_open_bytes( reach.get() );
 	const std::uint32_t count = blob.get<std::uint32_t>( counts + 20 ), bits = blob.get<std::uint32_t>( grids + 8 );
 	ASSERT_EQ( count, probe_grid_count( reach.get() ) ) << "the places below are not right any more";
 	ASSERT_GE( count, 2u );
@@ -505,9 +509,11 @@ TEST( ReachBlobNonsense, RandomEditsNeverGiveAnUnusableReach )
 			Bytes bytes( blob.begin(), blob.size() );
 			for ( int edits = rng.integer( 1, 3 ); edits > 0; --edits )
 			{
-				auto at = static_cast<std::size_t>( rng.integer( static_cast<int>( payload ), static_cast<int>( blob.size() ) - 1 ) );
+				auto at = static_cast<std::size_t>(
+					rng.integer( static_cast<int>( payload ), static_cast<int>( blob.size() ) - 1 ) );
 				unsigned char& byte = bytes.begin()[at];
-				byte = static_cast<unsigned char>( rng.integer( 0, 2 ) == 0 ? rng.integer( 0, 255 ) : byte ^ 1 << rng.integer( 0, 7 ) );
+				byte = static_cast<unsigned char>(
+					rng.integer( 0, 2 ) == 0 ? rng.integer( 0, 255 ) : byte ^ 1 << rng.integer( 0, 7 ) );
 			}
 			bytes.seal();
 			lw_status status = LW_OK;

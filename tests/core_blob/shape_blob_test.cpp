@@ -372,9 +372,10 @@ TEST( ShapeBlob, OtherVersionLayoutOrKeyIsStale )
 		std::size_t byte;
 		const char* says;
 	};
-	for ( Case c : { Case{ fields.version, "version" }, Case{ fields.version + 3, "version" },
-			  Case{ fields.layout, "byte order" }, Case{ fields.layout + 4, "layout" }, Case{ fields.layout + 6, "layout" },
-			  Case{ fields.layout + 7, "layout" }, Case{ fields.key, "other contents" }, Case{ fields.key + 15, "other contents" } } )
+	for ( Case c :
+		{ Case{ fields.version, "version" }, Case{ fields.version + 3, "version" }, Case{ fields.layout, "byte order" },
+			Case{ fields.layout + 4, "layout" }, Case{ fields.layout + 6, "layout" }, Case{ fields.layout + 7, "layout" },
+			Case{ fields.key, "other contents" }, Case{ fields.key + 15, "other contents" } } )
 	{
 		Bytes other( blob.begin(), blob.size() );
 		other.begin()[c.byte] = static_cast<unsigned char>( other.begin()[c.byte] ^ 4 );
@@ -569,7 +570,8 @@ TEST( ShapeBlobNonsense, ImpossibleContentsAreRefused )
 	refused( "index", [&]( Bytes& b ) { b.put( good.indices + 16, good.info.vertex_count ); } );
 	refused( "another triangle", [&]( Bytes& b ) { b.put( good.indices + 16, 0u ); } );
 	refused( "node x", [&]( Bytes& b ) { b.put( good.nodes, nan ); } );
-	refused( "sphere around everything from afar", [&]( Bytes& b ) { b.put( good.nodes, 1e14f ), b.put( good.nodes + 96, 1e38f ); } );
+	refused( "sphere around everything from afar",
+		[&]( Bytes& b ) { b.put( good.nodes, 1e14f ), b.put( good.nodes + 96, 1e38f ); } );
 	refused( "leaf vertex", [&]( Bytes& b ) { b.put( good.leaves, nan ); } );
 	refused( "leaf triangle", [&]( Bytes& b ) { b.put( good.leaves + 288, good.info.triangle_count ); } );
 }
@@ -597,7 +599,8 @@ TEST( ShapeBlobNonsense, TreesThatAreNoneAreRefused )
 				Bytes bytes( good.bytes.begin(), good.bytes.size() );
 				bytes.put( place, child );
 				bytes.seal();
-				ASSERT_EQ( readStatus( bytes, 1 ), LW_ERROR_DAMAGED ) << "node " << node << " lane " << lane << " child " << child;
+				ASSERT_EQ( readStatus( bytes, 1 ), LW_ERROR_DAMAGED )
+					<< "node " << node << " lane " << lane << " child " << child;
 			}
 		}
 	}
@@ -771,9 +774,11 @@ TEST( ShapeBlobNonsense, RandomEditsNeverGiveAnUnsoundShape )
 			Bytes bytes( blob.begin(), blob.size() );
 			for ( int edits = rng.integer( 1, 3 ); edits > 0; --edits )
 			{
-				auto at = static_cast<std::size_t>( rng.integer( static_cast<int>( payload ), static_cast<int>( blob.size() ) - 1 ) );
+				auto at = static_cast<std::size_t>(
+					rng.integer( static_cast<int>( payload ), static_cast<int>( blob.size() ) - 1 ) );
 				unsigned char& byte = bytes.begin()[at];
-				byte = static_cast<unsigned char>( rng.integer( 0, 2 ) == 0 ? rng.integer( 0, 255 ) : byte ^ 1 << rng.integer( 0, 7 ) );
+				byte = static_cast<unsigned char>(
+					rng.integer( 0, 2 ) == 0 ? rng.integer( 0, 255 ) : byte ^ 1 << rng.integer( 0, 7 ) );
 			}
 			bytes.seal();
 			lw_status status = LW_OK;

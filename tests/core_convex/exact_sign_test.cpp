@@ -53,7 +53,10 @@ public:
 	}
 
 private:
-	static std::uint64_t part( std::int64_t value, std::size_t k ) { return static_cast<std::uint64_t>( value ) >> ( 32 * k ) & 0xffffffff; }
+	static std::uint64_t part( std::int64_t value, std::size_t k )
+	{
+		return static_cast<std::uint64_t>( value ) >> ( 32 * k ) & 0xffffffff;
+	}
 	std::array<Long, 6> m_parts = {};
 };
 
@@ -128,7 +131,8 @@ TEST( ExactSign, SidesAndTurnsAreThoseOfWholeNumbers )
 	{
 		const std::array<Point, 4> p = nearlyInAPlane( rng );
 		const double unit = std::ldexp( 1.0, rng.integer( -150, -20 ) );
-		const auto a = doubles( p[0], unit ), b = doubles( p[1], unit ), c = doubles( p[2], unit ), d = doubles( p[3], unit );
+		const auto a = doubles( p[0], unit ), b = doubles( p[1], unit ), c = doubles( p[2], unit ),
+				   d = doubles( p[3], unit );
 		const int side = sideOf( p[0], p[1], p[2], p[3] );
 		ASSERT_EQ( lwi_exact_side( a.data(), b.data(), c.data(), d.data() ), side ) << "round " << i;
 		ASSERT_EQ( lwi_exact_side( b.data(), a.data(), c.data(), d.data() ), -side ) << "round " << i;

@@ -32,7 +32,8 @@ Mesh meshOf( const lw_shape* shape )
 	lw_shape_info info = lw_shape_get_info( shape );
 	Mesh mesh;
 	mesh.vertices.assign( lw_shape_vertices( shape ), lw_shape_vertices( shape ) + 3 * std::size_t( info.vertex_count ) );
-	mesh.triangles.assign( lw_shape_triangles( shape ), lw_shape_triangles( shape ) + 3 * std::size_t( info.triangle_count ) );
+	mesh.triangles.assign( lw_shape_triangles( shape ),
+		lw_shape_triangles( shape ) + 3 * std::size_t( info.triangle_count ) );
 	return mesh;
 }
 
@@ -107,7 +108,8 @@ Mesh randomMesh( SeededRng& rng, int kind )
 	case 2:
 	{
 		double amplitude = rng.decade( -4, -1 ), f = rng.uniform( 1, 12 ), g = rng.uniform( 1, 12 );
-		return sheet( rng.integer( 3, 14 ), [&]( double x, double y ) { return amplitude * std::sin( f * x ) * std::cos( g * y ); } );
+		return sheet( rng.integer( 3, 14 ),
+			[&]( double x, double y ) { return amplitude * std::sin( f * x ) * std::cos( g * y ); } );
 	}
 	case 3: // thin plates, one inside the other: a triangle near both sides may replace both
 	{
@@ -126,7 +128,8 @@ Mesh randomMesh( SeededRng& rng, int kind )
 			uint32_t v[3];
 			for ( uint32_t& vertex : v )
 			{
-				vertex = mesh.vertex( c[0] + rng.uniform( 0, size ), c[1] + rng.uniform( 0, size ), c[2] + rng.uniform( 0, size ) );
+				vertex = mesh.vertex( c[0] + rng.uniform( 0, size ), c[1] + rng.uniform( 0, size ),
+					c[2] + rng.uniform( 0, size ) );
 			}
 			bool flat = rng.integer( 0, 9 ) == 0;
 			mesh.triangle( v[0], v[1], flat ? v[rng.integer( 0, 1 )] : v[2] );
@@ -288,7 +291,8 @@ TEST( Detail, SetsOfBallsAreContainedToo )
 TEST( Detail, ACoarserOneOfACoarserOneAddsUp )
 {
 	SeededRng rng;
-	ShapePtr shape = torusMesh( 0.2, 0.05, 48, 24 ).shape(), once = coarser( shape.get(), 1e-3 ), twice = coarser( once.get(), 5e-3 );
+	ShapePtr shape = torusMesh( 0.2, 0.05, 48, 24 ).shape(), once = coarser( shape.get(), 1e-3 ),
+			 twice = coarser( once.get(), 5e-3 );
 	lw_shape_info first = lw_shape_get_info( once.get() ), second = lw_shape_get_info( twice.get() );
 	EXPECT_LT( second.triangle_count, first.triangle_count );
 	EXPECT_EQ( second.original_count, 2304u );
@@ -311,7 +315,8 @@ TEST( Detail, BadInputIsNamed )
 	{
 		lw_shape* out = shape.get();
 		lw_diag diag = {};
-		EXPECT_EQ( lw_shape_create_detail( shape.get(), tolerance, nullptr, nullptr, &diag, &out ), LW_ERROR_INVALID_ARGUMENT );
+		EXPECT_EQ( lw_shape_create_detail( shape.get(), tolerance, nullptr, nullptr, &diag, &out ),
+			LW_ERROR_INVALID_ARGUMENT );
 		EXPECT_EQ( out, nullptr );
 		EXPECT_NE( std::strstr( diag.message, "tolerance" ), nullptr ) << diag.message;
 	}

@@ -100,7 +100,8 @@ inline void expectNothingOutside( SeededRng& rng, const Mesh& mesh, const std::v
 }
 
 /// Points on the spheres against a slow oracle of the body. Returns the farthest distance seen.
-inline double farthestBeyond( SeededRng& rng, const Mesh& mesh, const std::vector<Sphere>& spheres, int samples, bool has_inside )
+inline double farthestBeyond( SeededRng& rng, const Mesh& mesh, const std::vector<Sphere>& spheres, int samples,
+	bool has_inside )
 {
 	double most = 0;
 	for ( const Sphere& s : spheres )

@@ -37,8 +37,8 @@ struct Primitive
 	{
 		if ( type == LW_SHAPE_BOX )
 		{
-			return std::hypot( std::max( std::abs( p[0] ) - 0.5 * d[0], 0.0 ), std::max( std::abs( p[1] ) - 0.5 * d[1], 0.0 ),
-				std::max( std::abs( p[2] ) - 0.5 * d[2], 0.0 ) );
+			return std::hypot( std::max( std::abs( p[0] ) - 0.5 * d[0], 0.0 ),
+				std::max( std::abs( p[1] ) - 0.5 * d[1], 0.0 ), std::max( std::abs( p[2] ) - 0.5 * d[2], 0.0 ) );
 		}
 		const double round = std::hypot( p[0], p[1] ), z = std::max( std::abs( p[2] ) - 0.5 * d[1], 0.0 );
 		return type == LW_SHAPE_CYLINDER ? std::hypot( std::max( round - d[0], 0.0 ), z )
@@ -103,7 +103,8 @@ TEST( Spheres, FormOfPrimitiveLeavesHolesOrReachesTooFar )
 		{
 			const Sphere& s = spheres[static_cast<std::size_t>( k ) % spheres.size()];
 			const double u[3] = { rng.normal(), rng.normal(), rng.normal() }, n = s.radius / std::hypot( u[0], u[1], u[2] );
-			const lw_vec3 q = lw_transform_point( &back, { s.center[0] + n * u[0], s.center[1] + n * u[1], s.center[2] + n * u[2] } );
+			const lw_vec3 q =
+				lw_transform_point( &back, { s.center[0] + n * u[0], s.center[1] + n * u[1], s.center[2] + n * u[2] } );
 			ASSERT_LE( primitive.away( { q.x, q.y, q.z } ), report.excess + rounding ) << i;
 		}
 	}

@@ -35,7 +35,8 @@ public:
 	leeway::Scene sceneFromNothing() const;
 	leeway::Robot robotFromNothing() const; ///< with the attached objects, by one def
 	/// @param robot robotFromNothing(), or the edited one
-	leeway::Checker checkerFromNothing( const leeway::Robot& robot, const leeway::Scene& scene, const leeway::Reach& tables ) const;
+	leeway::Checker checkerFromNothing( const leeway::Robot& robot, const leeway::Scene& scene,
+		const leeway::Reach& tables ) const;
 	State randomGroupState( SeededRng& rng, double excess = 0 ) const;
 
 	RobotModel model;
@@ -95,7 +96,8 @@ inline const std::pair<std::string, std::string>& key( const std::pair<std::stri
 {
 	return pair;
 }
-inline const std::pair<std::string, std::string>& key( const std::pair<const std::pair<std::string, std::string>, double>& pair )
+inline const std::pair<std::string, std::string>& key(
+	const std::pair<const std::pair<std::string, std::string>, double>& pair )
 {
 	return pair.first;
 }
@@ -162,12 +164,13 @@ inline ChangingObject ChangingWorld::randomObject( SeededRng& rng )
 	const int count = rng.integer( 0, 9 ) == 0 ? 0 : rng.integer( 1, 3 ); // an object may be empty
 	for ( int i = 0; i < count; ++i )
 	{
-		lw_shape* shape =
-			rng.integer( 0, 2 ) > 0 ? randomMesh( rng, rng.integer( 1, 20 ), 0.15, nullptr ) : randomPrimitive( rng, 0.2, nullptr );
+		lw_shape* shape = rng.integer( 0, 2 ) > 0 ? randomMesh( rng, rng.integer( 1, 20 ), 0.15, nullptr )
+												  : randomPrimitive( rng, 0.2, nullptr );
 		if ( rng.integer( 0, 19 ) == 0 )
 		{
 			lw_shape_release( shape );
-			leeway::require( lw_shape_create_primitive( LW_SHAPE_HALFSPACE, nullptr, nullptr, nullptr, &shape ), "half-space" );
+			leeway::require( lw_shape_create_primitive( LW_SHAPE_HALFSPACE, nullptr, nullptr, nullptr, &shape ),
+				"half-space" );
 		}
 		object.shapes.push_back( leeway::Shape::adopt( shape ) );
 		object.poses.push_back( randomPose( rng ) );
@@ -235,12 +238,14 @@ inline leeway::Robot ChangingWorld::robotFromNothing() const
 	return leeway::Robot::adopt( all.create().release() );
 }
 
-inline std::vector<lw_link_object_pair> ChangingWorld::allowedPairs( const lw_robot* of_robot, const lw_scene* of_scene ) const
+inline std::vector<lw_link_object_pair> ChangingWorld::allowedPairs( const lw_robot* of_robot,
+	const lw_scene* of_scene ) const
 {
 	std::vector<lw_link_object_pair> pairs;
 	for ( const auto& [link, object] : allowed )
 	{
-		pairs.push_back( { lw_robot_find_link( of_robot, link.c_str() ), lw_scene_find_object( of_scene, object.c_str() ) } );
+		pairs.push_back(
+			{ lw_robot_find_link( of_robot, link.c_str() ), lw_scene_find_object( of_scene, object.c_str() ) } );
 	}
 	return pairs;
 }
@@ -324,7 +329,8 @@ inline void ChangingWorld::forget( const std::string& name, bool object )
 	{
 		for ( auto pair = pairs.begin(); pair != pairs.end(); )
 		{
-			bool gone = ( first && changing_world::key( *pair ).first == name ) || ( second && changing_world::key( *pair ).second == name );
+			bool gone = ( first && changing_world::key( *pair ).first == name ) ||
+						( second && changing_world::key( *pair ).second == name );
 			pair = gone ? pairs.erase( pair ) : std::next( pair );
 		}
 	};
@@ -349,7 +355,8 @@ inline std::string ChangingWorld::margin( SeededRng& rng )
 	const double value = rng.integer( 0, 3 ) > 0 ? rng.uniform( 0, 0.05 ) : 0;
 	const std::string link = any_link(), other = any_link();
 	const std::string object =
-		objects.empty() ? "" : objects[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) )].name;
+		objects.empty() ? ""
+						: objects[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) )].name;
 	switch ( rng.integer( 0, objects.empty() ? 4 : 6 ) )
 	{
 		case 0:
@@ -385,8 +392,8 @@ inline void ChangingWorld::edit( const std::vector<lw_scene_change>& changes, co
 {
 	lw_diag diag = {};
 	lw_scene* next_scene = nullptr;
-	leeway::require( lw_scene_edit( scene.get(), changes.data(), static_cast<std::uint32_t>( changes.size() ), nullptr, &diag,
-						 &next_scene ),
+	leeway::require( lw_scene_edit( scene.get(), changes.data(), static_cast<std::uint32_t>( changes.size() ), nullptr,
+						 &diag, &next_scene ),
 		diag );
 	scene = leeway::Scene::adopt( next_scene );
 	robot = next_robot;
@@ -420,7 +427,8 @@ inline std::string ChangingWorld::move( SeededRng& rng )
 	{
 		pose = rng.integer( 0, 4 ) > 0 ? randomPose( rng ) : pose;
 	}
-	edit( { { LW_SCENE_MOVE, object.name.c_str(), nullptr, object.poses.data(), static_cast<std::uint32_t>( object.poses.size() ) } },
+	edit( { { LW_SCENE_MOVE, object.name.c_str(), nullptr, object.poses.data(),
+			  static_cast<std::uint32_t>( object.poses.size() ) } },
 		robot );
 	return "move";
 }
@@ -540,7 +548,8 @@ inline std::string ChangingWorld::allow( SeededRng& rng )
 	const lw_clearance standing = lw_checker_get_info( checker.get() ).static_environment;
 	// a checker remembers the nearest pair: as often as any other pair
 	const bool nearest = standing.a != LW_INVALID_INDEX && rng.integer( 0, 1 ) == 0;
-	const std::uint32_t link = nearest ? standing.a : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( links ) - 1 ) );
+	const std::uint32_t link =
+		nearest ? standing.a : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( links ) - 1 ) );
 	const std::uint32_t object =
 		nearest ? standing.b : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) );
 	if ( !allowed.empty() && rng.integer( 0, 1 ) == 0 )

@@ -43,13 +43,15 @@ void expectSameInfo( const leeway::Checker& edited, const leeway::Checker& fresh
 	EXPECT_TRUE( sameBits( a.horizon, b.horizon ) ) << what << ": " << a.horizon << " and " << b.horizon;
 	EXPECT_EQ( a.near_shapes, b.near_shapes ) << what;
 	EXPECT_EQ( a.bytes, b.bytes ) << what;
-	EXPECT_TRUE( sameBits( a.environment_margin, b.environment_margin ) && sameBits( a.self_margin, b.self_margin ) ) << what;
+	EXPECT_TRUE( sameBits( a.environment_margin, b.environment_margin ) && sameBits( a.self_margin, b.self_margin ) )
+		<< what;
 	expectSame( a.static_environment, b.static_environment, what + ", static" );
 	const lw_scene* scene = lw_checker_scene( edited.get() );
 	ASSERT_EQ( lw_scene_shape_count( scene ), lw_scene_shape_count( lw_checker_scene( fresh.get() ) ) );
 	for ( std::uint32_t i = 0; i < lw_scene_shape_count( scene ); ++i )
 	{
-		EXPECT_TRUE( sameBits( lw_checker_obstacle_distance( edited.get(), i ), lw_checker_obstacle_distance( fresh.get(), i ) ) )
+		EXPECT_TRUE(
+			sameBits( lw_checker_obstacle_distance( edited.get(), i ), lw_checker_obstacle_distance( fresh.get(), i ) ) )
 			<< what << ": shape " << i;
 	}
 }
@@ -74,7 +76,8 @@ lw_edge_result askEdge( const leeway::Checker& checker, lw_query* query, const S
 
 lw_range randomRange( SeededRng& rng )
 {
-	return rng.integer( 0, 1 ) ? lw_range_exact() : lw_range{ rng.uniform( 0, 0.05 ), rng.uniform( 0.06, 0.4 ), rng.integer( 0, 1 ) * 0.1 };
+	return rng.integer( 0, 1 ) ? lw_range_exact()
+							   : lw_range{ rng.uniform( 0, 0.05 ), rng.uniform( 0.06, 0.4 ), rng.integer( 0, 1 ) * 0.1 };
 }
 
 const char* const ALL_KINDS[] = { "move", "add", "remove", "attach", "detach", "allow", "max_d", "margin" };
@@ -139,8 +142,8 @@ TEST( Edits, CheckerDiffersFromOneMadeFromNothing )
 			comparison.states( world, world.checker, fresh, rng, what );
 		}
 	}
-	EXPECT_TRUE( isEnough() ) << edits << " edits, " << with_static << " with static bodies, " << comparison.free << " free, "
-							  << comparison.blocked << " blocked, " << comparison.edges_free << " free edges";
+	EXPECT_TRUE( isEnough() ) << edits << " edits, " << with_static << " with static bodies, " << comparison.free
+							  << " free, " << comparison.blocked << " blocked, " << comparison.edges_free << " free edges";
 }
 
 TEST( Edits, TablesOfTheBareRobotChangeAnAnswer )
@@ -171,7 +174,8 @@ TEST( Edits, TablesOfTheBareRobotChangeAnAnswer )
 			{
 				const State q = world.randomGroupState( rng );
 				const lw_state_result x = ask( world.checker, a.get(), q, lw_range_exact() ),
-									  y = ask( fresh, b.get(), q, lw_range_exact() ), z = ask( plain, c.get(), q, lw_range_exact() );
+									  y = ask( fresh, b.get(), q, lw_range_exact() ),
+									  z = ask( plain, c.get(), q, lw_range_exact() );
 				expectSame( x.environment, y.environment, what + ", environment" );
 				expectSame( x.self, y.self, what + ", self" );
 				EXPECT_EQ( x.verdict, z.verdict ) << what;
@@ -267,7 +271,8 @@ TEST( Edits, QueryWithRoomDoesNotServeLaterSnapshots )
 		def.spare_bodies = 12;
 		leeway::Query query = leeway::makeQuery( world.checker.get(), def );
 		const leeway::Query tight = leeway::makeQuery( world.checker.get() );
-		const std::uint32_t shapes = lw_scene_shape_count( world.scene.get() ), bodies = lw_robot_body_count( world.robot.get() );
+		const std::uint32_t shapes = lw_scene_shape_count( world.scene.get() ),
+							bodies = lw_robot_body_count( world.robot.get() );
 		std::vector<std::pair<State, State>> edges;
 		for ( int i = 0; i < 40; ++i )
 		{
@@ -284,7 +289,8 @@ TEST( Edits, QueryWithRoomDoesNotServeLaterSnapshots )
 				lw_state_result result;
 				const State q = world.randomGroupState( rng );
 				const bool fits = lw_query_fits( tight.get(), world.checker.get() );
-				EXPECT_EQ( lw_checker_state( world.checker.get(), tight.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result ),
+				EXPECT_EQ( lw_checker_state( world.checker.get(), tight.get(), q.data(), LW_CHECK_BOTH, nullptr, false,
+							   &result ),
 					fits ? LW_OK : LW_ERROR_INVALID_ARGUMENT );
 				EXPECT_TRUE( fits || result.verdict == LW_VERDICT_UNKNOWN );
 			}
@@ -293,10 +299,12 @@ TEST( Edits, QueryWithRoomDoesNotServeLaterSnapshots )
 			edges.push_back( { world.randomGroupState( rng ), world.randomGroupState( rng ) } );
 			const lw_range range = { 0.01, 0.3, 0 };
 			const State& qa = edges.back().first;
-			EXPECT_EQ( ask( world.checker, query.get(), qa, range ).verdict, ask( world.checker, fresh.get(), qa, range ).verdict );
+			EXPECT_EQ( ask( world.checker, query.get(), qa, range ).verdict,
+				ask( world.checker, fresh.get(), qa, range ).verdict );
 			for ( const auto& [a, b] : edges ) // the pairs near before the edit are remembered
 			{
-				const lw_edge_result x = askEdge( world.checker, query.get(), a, b ), y = askEdge( world.checker, fresh.get(), a, b );
+				const lw_edge_result x = askEdge( world.checker, query.get(), a, b ),
+									 y = askEdge( world.checker, fresh.get(), a, b );
 				EXPECT_FALSE( x.verdict == LW_VERDICT_FREE && y.verdict == LW_VERDICT_BLOCKED ) << kind;
 				EXPECT_FALSE( x.verdict == LW_VERDICT_BLOCKED && y.verdict == LW_VERDICT_FREE ) << kind;
 				different += x.verdict != y.verdict; // an undecided verdict may depend on remembered pairs

@@ -25,7 +25,8 @@ std::shared_ptr<const Published> publish( const ChangingWorld& world, SeededRng&
 {
 	auto made = std::make_shared<Published>();
 	made->checker = world.checker;
-	const leeway::Checker fresh = world.checkerFromNothing( world.robotFromNothing(), world.sceneFromNothing(), leeway::Reach() );
+	const leeway::Checker fresh =
+		world.checkerFromNothing( world.robotFromNothing(), world.sceneFromNothing(), leeway::Reach() );
 	const leeway::Query query = leeway::makeQuery( fresh.get() );
 	for ( int i = 0; i < 2; ++i )
 	{

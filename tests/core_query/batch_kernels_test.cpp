@@ -76,8 +76,8 @@ struct Chain
 		for ( int i = 0; i < count; ++i )
 		{
 			joints.push_back( { turn( unit( rng ), rng.uniform( -3, 3 ) ),
-				{ rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, unit( rng ), rng.uniform( 0, 1 ) < 0.75,
-				rng.uniform( -3, 3 ), rng.uniform( -2, 2 ) } );
+				{ rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, unit( rng ),
+				rng.uniform( 0, 1 ) < 0.75, rng.uniform( -3, 3 ), rng.uniform( -2, 2 ) } );
 		}
 	}
 
@@ -188,9 +188,11 @@ TEST( BatchKernels, LevelDiffersFromScalar )
 	for ( int i = 0; i < 2000; ++i )
 	{
 		const Chain chain( rng );
-		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, origin[3] = { 1, -2, 0.5 };
+		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) },
+					 origin[3] = { 1, -2, 0.5 };
 		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
-		const float point[3] = { 0.1f, static_cast<float>( local[0] ), -0.3f }, min[3] = { -1, -1, -1 }, max[3] = { 0, 0, 1 };
+		const float point[3] = { 0.1f, static_cast<float>( local[0] ), -0.3f }, min[3] = { -1, -1, -1 },
+					max[3] = { 0, 0, 1 };
 		const lwi_batch_point other = random_point( rng, 2 );
 		struct Output
 		{
@@ -224,7 +226,8 @@ TEST( BatchKernels, PointsAreElsewhereOrMoveOtherwise )
 	{
 		const Chain chain( rng );
 		const lwi_batch_frame frame = chain.lanes( &lwi_kernels_scalar );
-		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, origin[3] = { 1, -2, 0.5 };
+		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) },
+					 origin[3] = { 1, -2, 0.5 };
 		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
 		const float inner[3] = { 0.25f, -0.5f, 0.125f };
 		lwi_batch_point point, moved;
@@ -241,7 +244,8 @@ TEST( BatchKernels, PointsAreElsewhereOrMoveOtherwise )
 				const Vector now = chain.at( p, t ), before = chain.at( p, t - h ), after = chain.at( p, t + h );
 				for ( size_t axis = 0; axis < 3; ++axis )
 				{
-					EXPECT_NEAR( static_cast<double>( now[axis] ) - origin[axis], static_cast<double>( lanes->p[axis][l] ), 4e-6 );
+					EXPECT_NEAR( static_cast<double>( now[axis] ) - origin[axis], static_cast<double>( lanes->p[axis][l] ),
+						4e-6 );
 					EXPECT_NEAR( static_cast<double>( half * ( after[axis] - before[axis] ) / ( 2 * h ) ),
 						static_cast<double>( lanes->displacement[axis][l] ), 4e-6 );
 				}
@@ -261,7 +265,8 @@ TEST( BatchKernels, MeetingBodiesAreHeldToStayApart )
 		float min[3], max[3];
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			const float x = static_cast<float>( scale * rng.uniform( -1, 1 ) ), y = static_cast<float>( scale * rng.uniform( -1, 1 ) );
+			const float x = static_cast<float>( scale * rng.uniform( -1, 1 ) ),
+						y = static_cast<float>( scale * rng.uniform( -1, 1 ) );
 			min[axis] = std::min( x, y );
 			max[axis] = std::max( x, y );
 		}
@@ -279,7 +284,8 @@ TEST( BatchKernels, MeetingBodiesAreHeldToStayApart )
 				}
 				if ( ( met >> l & 1 ) == 0 )
 				{
-					ASSERT_GE( least, static_cast<double>( reach ) - lwi_gap_slack( 8 * scale ) ) << "box " << box << ", input " << i;
+					ASSERT_GE( least, static_cast<double>( reach ) - lwi_gap_slack( 8 * scale ) )
+						<< "box " << box << ", input " << i;
 					++apart;
 					tight += least < 1.02 * static_cast<double>( reach ) ? 1u : 0u;
 				}

@@ -296,7 +296,8 @@ TEST( Checker, DiffersFromAllPairs )
 			double environment = all_environment_pairs( world, poses, plain.get() );
 			double self = all_self_pairs( world, poses, plain.get(), rng );
 			lw_state_result got;
-			ASSERT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &got ) );
+			ASSERT_EQ( LW_OK,
+				lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &got ) );
 			SCOPED_TRACE( ::testing::Message() << "world " << i << " state " << k );
 			expect_distance( got.environment, environment );
 			expect_distance( got.self, self );
@@ -337,7 +338,8 @@ TEST( Checker, SceneDistanceDiffersFromAllPairs )
 			{
 				lw_scene_shape_def obstacle = lw_scene_shape( world.scene, shape );
 				lw_clearance one;
-				lw_shape_distance( probe.get(), &pose, obstacle.shape, &obstacle.world_from_shape, nullptr, plain.get(), &one );
+				lw_shape_distance( probe.get(), &pose, obstacle.shape, &obstacle.world_from_shape, nullptr, plain.get(),
+					&one );
 				want = std::min( want, one.upper );
 			}
 			lw_clearance got;
@@ -345,9 +347,11 @@ TEST( Checker, SceneDistanceDiffersFromAllPairs )
 			expect_distance( got, want );
 		}
 		lw_clearance out;
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_scene_distance( world.scene, probe.get(), nullptr, nullptr, query.get(), &out ) );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+			lw_scene_distance( world.scene, probe.get(), nullptr, nullptr, query.get(), &out ) );
 		lw_transform still = lw_transform_identity();
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_scene_distance( world.scene, probe.get(), &still, nullptr, plain.get(), &out ) );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+			lw_scene_distance( world.scene, probe.get(), &still, nullptr, plain.get(), &out ) );
 		EXPECT_EQ( out.lower, 0 );
 	}
 }
@@ -369,14 +373,17 @@ TEST( Checker, ErrorReadsAsFree )
 		EXPECT_EQ( out.environment.upper, inf );
 		EXPECT_EQ( out.self.kind, LW_CLEARANCE_UNKNOWN );
 		bool free = true;
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, 0, &free ) );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+			lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, 0, &free ) );
 		EXPECT_FALSE( free );
 	}
 	for ( double bad : { -0.1, inf, std::nan( "" ) } )
 	{
 		bool free = true;
 		std::vector<double> zero( world.group.size() );
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_is_free( world.checker, query.get(), zero.data(), LW_CHECK_BOTH, bad, &free ) ) << bad;
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+			lw_checker_is_free( world.checker, query.get(), zero.data(), LW_CHECK_BOTH, bad, &free ) )
+			<< bad;
 		EXPECT_FALSE( free ) << bad;
 	}
 	q[0] = 0;
@@ -505,7 +512,8 @@ TEST( Checker, QueryKeepsPosesOfAnotherChecker )
 			QueryPtr fresh = makeQuery( nullptr, world->checker, def );
 			std::vector<double> q = world->random_state( rng );
 			lw_state_result want, got;
-			ASSERT_EQ( LW_OK, lw_checker_state( world->checker, fresh.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &want ) );
+			ASSERT_EQ( LW_OK,
+				lw_checker_state( world->checker, fresh.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &want ) );
 			for ( lw_query* query : { shared.get(), also.get() } )
 			{
 				if ( lw_checker_state( world->checker, query, q.data(), LW_CHECK_BOTH, nullptr, false, &got ) == LW_OK )

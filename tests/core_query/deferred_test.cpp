@@ -43,7 +43,8 @@ TEST( Required, FailedMeshReadsAsFreeSpace )
 			EXPECT_TRUE( answered || refused || no_motion_bound ) << lw_status_name( status );
 			// and once it can be made, the same query goes on as if nothing had been
 			counts.fail = false;
-			EXPECT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
+			EXPECT_EQ( LW_OK,
+				lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 			counts.fail = true;
 		}
 	}
@@ -72,7 +73,8 @@ TEST( Required, ThreadsThatPrepareMeshesChangeAnAnswer )
 		{
 			World lazy = deferred( world, counts[k] );
 			ScenePtr scene = makeScene( lazy.placed );
-			CheckerPtr checker = makeChecker( lazy.robot.get(), scene.get(), lazy, inf, LW_OK, k > 0 ? &preparation[k] : nullptr );
+			CheckerPtr checker =
+				makeChecker( lazy.robot.get(), scene.get(), lazy, inf, LW_OK, k > 0 ? &preparation[k] : nullptr );
 			QueryPtr query = coldQuery( checker.get() );
 			for ( const State& q : states )
 			{
@@ -258,7 +260,8 @@ TEST( Required, PreparedCheckerLeavesAMeshToAState )
 		const int created = counts.made;
 		Preparation preparation;
 		preparation.threads = 2 * static_cast<unsigned>( i % 2 );
-		ASSERT_EQ( LW_OK, lw_checker_prepare( checker.get(), i % 5 == 0 ? nullptr : Preparation::prepare, &preparation, nullptr ) );
+		ASSERT_EQ( LW_OK,
+			lw_checker_prepare( checker.get(), i % 5 == 0 ? nullptr : Preparation::prepare, &preparation, nullptr ) );
 		const int made = counts.made;
 		ASSERT_EQ( LW_OK, lw_checker_prepare( checker.get(), nullptr, nullptr, nullptr ) );
 		EXPECT_EQ( made, counts.made ) << "the second time there is nothing left";

@@ -342,7 +342,8 @@ TEST( Hierarchy, ReachChangesAChecker )
 		bare.group = world.group;
 		bare.reach.reset();
 		bare.build();
-		lw_checker_info with = lw_checker_get_info( world.checker.get() ), without = lw_checker_get_info( bare.checker.get() );
+		lw_checker_info with = lw_checker_get_info( world.checker.get() ),
+						without = lw_checker_get_info( bare.checker.get() );
 		EXPECT_EQ( with.self_pairs, without.self_pairs );
 		EXPECT_EQ( with.environment_pairs, without.environment_pairs );
 		EXPECT_EQ( with.static_environment.upper, without.static_environment.upper );
@@ -371,7 +372,8 @@ TEST( Hierarchy, OneQueryMixesUpTwoCheckers )
 		// a query must be large enough for both
 		const World& large = world.group.size() > other.group.size() ? world : other;
 		QueryPtr shared = makeQuery( large.checker.get(), true, false );
-		QueryPtr fresh[2] = { makeQuery( world.checker.get(), false, false ), makeQuery( other.checker.get(), false, false ) };
+		QueryPtr fresh[2] = { makeQuery( world.checker.get(), false, false ),
+			makeQuery( other.checker.get(), false, false ) };
 		for ( int k = 0; k < 10; ++k )
 		{
 			const World& asked = k % 2 == 0 ? world : other;
@@ -463,7 +465,8 @@ TEST( Hierarchy, ReferenceOfTheGroupChangesAnAnswer )
 		{
 			continue; // no edges without variables
 		}
-		EXPECT_EQ( lw_checker_get_info( world.checker.get() ).hierarchy, lw_checker_get_info( far.checker.get() ).hierarchy );
+		EXPECT_EQ( lw_checker_get_info( world.checker.get() ).hierarchy,
+			lw_checker_get_info( far.checker.get() ).hierarchy );
 		for ( bool tables : { false, true } )
 		{
 			QueryPtr near_query = makeQuery( world.checker.get(), tables, tables );
@@ -471,13 +474,16 @@ TEST( Hierarchy, ReferenceOfTheGroupChangesAnAnswer )
 			for ( int k = 0; k < 10; ++k )
 			{
 				const State q = groupState( rng, world, 0 ), to = groupState( rng, world, 0 );
-				lw_state_result want = ask( world, near_query.get(), q, nullptr ), got = ask( far, far_query.get(), q, nullptr );
+				lw_state_result want = ask( world, near_query.get(), q, nullptr ),
+								got = ask( far, far_query.get(), q, nullptr );
 				expectSame( want.environment, got.environment, "environment" );
 				expectSame( want.self, got.self, "self" );
 				const lw_edge_def def = lw_edge_def_default();
 				lw_edge_result edge, far_edge;
-				ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), near_query.get(), q.data(), to.data(), &def, &edge ) );
-				ASSERT_EQ( LW_OK, lw_checker_edge( far.checker.get(), far_query.get(), q.data(), to.data(), &def, &far_edge ) );
+				ASSERT_EQ( LW_OK,
+					lw_checker_edge( world.checker.get(), near_query.get(), q.data(), to.data(), &def, &edge ) );
+				ASSERT_EQ( LW_OK,
+					lw_checker_edge( far.checker.get(), far_query.get(), q.data(), to.data(), &def, &far_edge ) );
 				EXPECT_EQ( edge.verdict, far_edge.verdict );
 			}
 			const lw_query_stats want = lw_query_get_stats( near_query.get() ), got = lw_query_get_stats( far_query.get() );

@@ -130,7 +130,8 @@ World stiffWorld( SeededRng& rng )
 	Margins& m = world.margins;
 	m.link.assign( links, 0 );
 	m.link[static_cast<std::size_t>( rng.integer( 0, links - 1 ) )] = rng.uniform( 0.2, 1 );
-	const uint32_t a = static_cast<uint32_t>( rng.integer( 0, 3 ) ), b = static_cast<uint32_t>( rng.integer( 4, links - 1 ) );
+	const uint32_t a = static_cast<uint32_t>( rng.integer( 0, 3 ) ),
+				   b = static_cast<uint32_t>( rng.integer( 4, links - 1 ) );
 	m.self_pairs[{ a, b }] = rng.uniform( 0.6, 1.2 ) * 0.4 * ( b - a );
 	if ( rng.integer( 0, 1 ) != 0 )
 	{
@@ -153,7 +154,8 @@ TEST( Margins, PartOfARobotIsRuledOutByLessThanItsMargin )
 		const CheckerPtr plain = world.build( nullptr, 1e9 ), tables = world.build( world.reach.get(), 1e9 );
 		EXPECT_EQ( lw_checker_get_info( tables.get() ).hierarchy, world.reach != nullptr );
 		const QueryPtr one = makeQuery( plain.get(), false, false );
-		const QueryPtr other = makeQuery( tables.get(), true, false ); // a warm start would find the pair that the spheres hide
+		const QueryPtr other =
+			makeQuery( tables.get(), true, false ); // a warm start would find the pair that the spheres hide
 		for ( int k = 0; k < 4; ++k )
 		{
 			judgeState( world, oracle, { { plain.get(), one.get() }, { tables.get(), other.get() } },

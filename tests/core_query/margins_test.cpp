@@ -28,7 +28,8 @@ TEST( Margins, ZerosChangeAnAnswer )
 		for ( int k = 0; k < 10; ++k )
 		{
 			const State q = groupState( rng, world, 0 );
-			const lw_state_result a = ask( none.get(), one.get(), q, ranges[0] ), b = ask( zeros.get(), other.get(), q, ranges[0] );
+			const lw_state_result a = ask( none.get(), one.get(), q, ranges[0] ),
+								  b = ask( zeros.get(), other.get(), q, ranges[0] );
 			EXPECT_TRUE( sameBits( a.environment, b.environment ) );
 			EXPECT_TRUE( sameBits( a.self, b.self ) );
 		}
@@ -51,7 +52,8 @@ TEST( Margins, UniformMarginIsNotAShift )
 		for ( int k = 0; k < 10; ++k )
 		{
 			const State q = groupState( rng, world, 0 );
-			const lw_state_result a = ask( none.get(), one.get(), q, ranges[0] ), b = ask( with.get(), other.get(), q, ranges[0] );
+			const lw_state_result a = ask( none.get(), one.get(), q, ranges[0] ),
+								  b = ask( with.get(), other.get(), q, ranges[0] );
 			for ( const auto& [bare, less] : { std::pair( a.environment, b.environment ), std::pair( a.self, b.self ) } )
 			{
 				if ( bare.upper < inf && bare.upper > margin )
@@ -96,7 +98,8 @@ TEST( Margins, MarginOfABallIsNotItsRadius )
 		const QueryPtr query = makeQuery( checker.get() );
 		const lw_state_result got = ask( checker.get(), query.get(), { 0 }, ranges[0] );
 		EXPECT_EQ( got.verdict, gap > 0.03 + 1e-9 ? LW_VERDICT_FREE : gap < 0.03 - 1e-9 ? LW_VERDICT_BLOCKED : got.verdict );
-		EXPECT_NEAR( got.environment.upper, std::max( gap, 0.0 ) - 0.03, 1e-12 ) << "contact is as deep as the margin, no deeper";
+		EXPECT_NEAR( got.environment.upper, std::max( gap, 0.0 ) - 0.03, 1e-12 )
+			<< "contact is as deep as the margin, no deeper";
 		EXPECT_EQ( got.environment.kind == LW_CLEARANCE_VIOLATION, got.environment.upper <= 0 );
 		EXPECT_EQ( lw_checker_environment_margin( checker.get(), 1, 0 ), 0.03 );
 		EXPECT_EQ( lw_checker_environment_margin( checker.get(), 1, 1 ), 0 ) << "no such object";

@@ -321,7 +321,8 @@ public:
 			}
 			for ( uint32_t k = 0; k < i; ++k )
 			{
-				const uint32_t a = lw_robot_body( m_world.robot.get(), i ).link, b = lw_robot_body( m_world.robot.get(), k ).link;
+				const uint32_t a = lw_robot_body( m_world.robot.get(), i ).link,
+							   b = lw_robot_body( m_world.robot.get(), k ).link;
 				if ( isSelfPair( a, b ) )
 				{
 					take( bodyDistance( i, k ), m_world.margins.ofLinks( a, b ), out.self );
@@ -486,7 +487,8 @@ inline void judgeWitness( const World& world, const lw_checker* checker, const l
 	}
 }
 
-inline lw_state_result ask( const lw_checker* checker, lw_query* query, const State& q, const lw_range& range, bool stop = false )
+inline lw_state_result ask( const lw_checker* checker, lw_query* query, const State& q, const lw_range& range,
+	bool stop = false )
 {
 	lw_state_result out;
 	EXPECT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), LW_CHECK_BOTH, &range, stop, &out ) );

@@ -12,8 +12,8 @@ namespace oracle
 inline constexpr int type_count = 9;
 inline constexpr lw_shape_type types[type_count] = { LW_SHAPE_MESH, LW_SHAPE_POINTS, LW_SHAPE_BOX, LW_SHAPE_SPHERE,
 	LW_SHAPE_CYLINDER, LW_SHAPE_CAPSULE, LW_SHAPE_CONE, LW_SHAPE_SPHERES, LW_SHAPE_BOXES };
-inline constexpr const char* type_names[type_count] = { "mesh", "points", "box", "sphere", "cylinder", "capsule", "cone", "spheres",
-	"boxes" };
+inline constexpr const char* type_names[type_count] = { "mesh", "points", "box", "sphere", "cylinder", "capsule", "cone",
+	"spheres", "boxes" };
 
 /// One sphere or box of a set: a model about its own centre.
 struct Part
@@ -210,7 +210,8 @@ inline void make_primitive( SeededRng& rng, double size, Subject& out )
 		m.solid = { LWI_CONVEX_BOX, { 0.5 * d[0], 0.5 * d[1], 0.5 * d[2] }, {}, nullptr, 0 };
 		break;
 	default:
-		m.solid = { out.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE : LWI_CONVEX_CYLINDER, { d[0], 0.5 * d[1], 0 }, {}, nullptr, 0 };
+		m.solid = { out.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE : LWI_CONVEX_CYLINDER, { d[0], 0.5 * d[1], 0 }, {}, nullptr,
+			0 };
 	}
 	out.shape = makePrimitive( out.type, d[0], d[1], d[2] );
 }
@@ -326,7 +327,8 @@ inline Interval truth_of( const Subject& subject_a, const lw_transform& pose_a, 
 			candidates.push_back( { length( offset ) - x.model.size - y.model.size, &x, &y, offset } );
 		}
 	}
-	std::sort( candidates.begin(), candidates.end(), []( const Candidate& x, const Candidate& y ) { return x.gap < y.gap; } );
+	std::sort( candidates.begin(), candidates.end(),
+		[]( const Candidate& x, const Candidate& y ) { return x.gap < y.gap; } );
 	Interval best = { INFINITY, INFINITY };
 	for ( const Candidate& c : candidates )
 	{

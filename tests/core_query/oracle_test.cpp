@@ -271,7 +271,8 @@ TEST_P( ShapeOracle, EngineContradictsBruteForce )
 	QueryPtr query = makeQuery();
 	Tally tally;
 	// meshes and boxes cost the oracle most: every edge against every box
-	const int count = std::max( ta, tb ) == 8 && ( ta == 0 || ta == 2 || tb == 2 || ta == 8 ) ? pair_count() / 4 : pair_count();
+	const int count =
+		std::max( ta, tb ) == 8 && ( ta == 0 || ta == 2 || tb == 2 || ta == 8 ) ? pair_count() / 4 : pair_count();
 	for ( int i = 0; i < count; ++i )
 	{
 		one_pair( rng, i, ta, tb, query.get(), tally );

@@ -24,7 +24,8 @@ lw_shape* ball( int n, double radius, int raised = -1, double height = 0 )
 		for ( int j = 0; j < 2 * n; ++j )
 		{
 			const double theta = pi * i / n, phi = pi * j / n, r = i * 2 * n + j == raised ? radius + height : radius;
-			vertices.insert( vertices.end(), { r * std::sin( theta ) * std::cos( phi ), r * std::sin( theta ) * std::sin( phi ), r * std::cos( theta ) } );
+			vertices.insert( vertices.end(), { r * std::sin( theta ) * std::cos( phi ),
+												 r * std::sin( theta ) * std::sin( phi ), r * std::cos( theta ) } );
 		}
 	}
 	const auto at = [n]( int i, int j ) { return static_cast<uint32_t>( i * 2 * n + j % ( 2 * n ) ); };
@@ -32,7 +33,8 @@ lw_shape* ball( int n, double radius, int raised = -1, double height = 0 )
 	{
 		for ( int j = 0; j < 2 * n; ++j )
 		{
-			indices.insert( indices.end(), { at( i, j ), at( i + 1, j ), at( i + 1, j + 1 ), at( i, j ), at( i + 1, j + 1 ), at( i, j + 1 ) } );
+			indices.insert( indices.end(),
+				{ at( i, j ), at( i + 1, j ), at( i + 1, j + 1 ), at( i, j ), at( i + 1, j + 1 ), at( i, j + 1 ) } );
 		}
 	}
 	lw_mesh_def def = lw_mesh_def_default();
@@ -107,7 +109,8 @@ TEST( Order, FirstPairIsSearchedToItsEndBeforeANearerOne )
 	for ( int i = 0; i < 50; ++i )
 	{
 		const State q = { rng.uniform( -3, 3 ), rng.uniform( -0.01, 0.01 ) };
-		EXPECT_EQ( selfClearance( checker.get(), all_pairs.get(), q ).upper, selfClearance( checker.get(), query.get(), q ).upper );
+		EXPECT_EQ( selfClearance( checker.get(), all_pairs.get(), q ).upper,
+			selfClearance( checker.get(), query.get(), q ).upper );
 	}
 	const double leaves = static_cast<double>( lw_query_get_stats( query.get() ).leaf_tests ) / 50;
 	std::printf( "comparisons of leaves: %.0f within, %.0f beside, %.0f per state\n", leaves_within, leaves_beside, leaves );

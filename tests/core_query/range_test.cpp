@@ -64,16 +64,17 @@ TEST( Range, IntervalBreaksItsPromise )
 		lw_transform pose_a = randomPose( rng, 2 ), pose_b = randomPose( rng, 2 * size + 1 );
 		lw_clearance exact, got;
 		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &pose_a, b.get(), &pose_b, nullptr, query.get(), &exact ) );
-		double noise = 1e-9 * ( 1 + size ); // widest certified interval of the convex kernels, far below the tested differences
+		double noise =
+			1e-9 * ( 1 + size ); // widest certified interval of the convex kernels, far below the tested differences
 		ASSERT_LE( exact.lower, exact.upper );
 		ASSERT_LE( exact.upper - exact.lower, noise );
 		double min_d = rng.uniform( 0, 1 ) < 0.3 ? 0 : rng.decade( -3, 0.3 );
 		double max_d = rng.uniform( 0, 1 ) < 0.3 ? inf : min_d + rng.decade( -2, 1 );
 		lw_range range = { min_d, max_d, rng.uniform( 0, 1 ) < 0.3 ? 0 : rng.uniform( 0, 0.9 ) };
 		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &pose_a, b.get(), &pose_b, &range, query.get(), &got ) );
-		SCOPED_TRACE( ::testing::Message() << "case " << i << " exact [" << exact.lower << ", " << exact.upper << "] min_d " << min_d
-										   << " max_d " << max_d << " alpha " << range.alpha << " got [" << got.lower << ", "
-										   << got.upper << "] kind " << got.kind );
+		SCOPED_TRACE( ::testing::Message() << "case " << i << " exact [" << exact.lower << ", " << exact.upper << "] min_d "
+										   << min_d << " max_d " << max_d << " alpha " << range.alpha << " got ["
+										   << got.lower << ", " << got.upper << "] kind " << got.kind );
 		ASSERT_LE( got.lower, exact.upper );
 		ASSERT_GE( got.upper, exact.lower );
 		if ( got.upper < inf )
@@ -117,13 +118,16 @@ TEST( Range, BoxesAreHeldToBeFartherApartThanTheyAre )
 	for ( int i = 0; i < 20000; ++i )
 	{
 		double size = rng.decade( -1, 1 );
-		ShapePtr a = makePrimitive( LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ) );
-		ShapePtr b = makePrimitive( LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ) );
+		ShapePtr a = makePrimitive( LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ),
+			size * rng.decade( -2, 0 ) );
+		ShapePtr b = makePrimitive( LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ),
+			size * rng.decade( -2, 0 ) );
 		lw_transform pose_a = randomPose( rng, 0.5 * size ), pose_b = i % 4 == 0 ? pose_a : randomPose( rng, 0.5 * size );
 		if ( i % 4 == 0 ) // nearly parallel, the directions of pairs of edges are short
 		{
 			lw_transform turn = lw_transform_identity();
-			double angle[3] = { rng.decade( -12, -2 ), rng.decade( -12, -2 ), rng.decade( -12, -2 ) }, shift[3] = { size, 0.1 * size, 0 };
+			double angle[3] = { rng.decade( -12, -2 ), rng.decade( -12, -2 ), rng.decade( -12, -2 ) },
+				   shift[3] = { size, 0.1 * size, 0 };
 			ASSERT_EQ( LW_OK, lw_transform_from_rpy( shift, angle, &turn ) );
 			pose_b = lw_transform_multiply( &pose_a, &turn );
 		}
@@ -258,9 +262,10 @@ TEST( Range, MeshesAreSurfacesAndPrimitivesAreSolids )
 	{
 		v.insert( v.end(), { ( i & 1 ) ? 2.0 : -2.0, ( i & 2 ) ? 2.0 : -2.0, ( i & 4 ) ? 2.0 : -2.0 } );
 	}
-	std::vector<uint32_t> t = { 0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7,
-		1, 7, 5 };
-	ShapePtr shell = makeMesh( v, t ), ball = makePrimitive( LW_SHAPE_SPHERE, 0.5 ), box = makePrimitive( LW_SHAPE_BOX, 9, 9, 9 );
+	std::vector<uint32_t> t = { 0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1,
+		3, 7, 1, 7, 5 };
+	ShapePtr shell = makeMesh( v, t ), ball = makePrimitive( LW_SHAPE_SPHERE, 0.5 ),
+			 box = makePrimitive( LW_SHAPE_BOX, 9, 9, 9 );
 	lw_clearance out;
 	lw_shape_distance( shell.get(), &still, ball.get(), &still, nullptr, query.get(), &out );
 	EXPECT_NEAR( out.upper, 1.5, 1e-12 );

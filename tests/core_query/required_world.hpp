@@ -264,8 +264,8 @@ inline lw_state_result ask( const lw_checker* checker, lw_query* query, const St
 
 const lw_range ranges[] = { { 0, inf, 0 }, { 0, 0.05, 0 }, { 0, 0.3, 0 }, { 0.01, 0.1, 0 }, { 0, 5e-324, 0 } };
 
-inline lw_edge_result askEdge( const lw_checker* checker, lw_query* query, const State& a, const State& b, lw_edge_method method,
-	double min_d, lw_status& status )
+inline lw_edge_result askEdge( const lw_checker* checker, lw_query* query, const State& a, const State& b,
+	lw_edge_method method, double min_d, lw_status& status )
 {
 	lw_edge_def def = lw_edge_def_default();
 	def.min_d = min_d;

@@ -54,7 +54,8 @@ bool separate_bent( const lwi_swept_poses& a, const lwi_swept_poses& b, double l
 }
 
 /// lwi_separate_near(), of three poses of a, and b static. @param n world @param displacement of the middle of a's sphere
-bool separate_near( const lwi_swept_poses& a, const lwi_swept_poses& b, double limit, double bend, Vec n, double displacement )
+bool separate_near( const lwi_swept_poses& a, const lwi_swept_poses& b, double limit, double bend, Vec n,
+	double displacement )
 {
 	const Ready ready_a( a ), ready_b( b );
 	const double reach = a.shape->sphere_radius + displacement;
@@ -123,7 +124,8 @@ struct Moving
 			{
 				const bool ball = part.model.corners == 1;
 				const real radius = part.model.radius * ( ball ? length( along ) : 1 );
-				most = std::max( most, ::reach( part.model, along, radius ) + to_double( dot( n, pose.t ) + dot( along, part.center ) ) );
+				most = std::max( most,
+					::reach( part.model, along, radius ) + to_double( dot( n, pose.t ) + dot( along, part.center ) ) );
 			}
 		}
 		return most;
@@ -172,7 +174,8 @@ Moving random_moving( SeededRng& rng, double size, double far, bool moves )
 	{
 		m.places.count = 3;
 		const lw_vec3 axis = random_direction( rng );
-		const double q[4] = { axis.x * std::sin( turn ), axis.y * std::sin( turn ), axis.z * std::sin( turn ), std::cos( turn ) };
+		const double q[4] = { axis.x * std::sin( turn ), axis.y * std::sin( turn ), axis.z * std::sin( turn ),
+			std::cos( turn ) };
 		lw_transform move;
 		const lw_vec3 by = to_double( random_point( rng, step ) );
 		const double t[3] = { by.x, by.y, by.z };
@@ -286,8 +289,8 @@ struct Way
 double go_along( SeededRng& rng, Moving& m, Vec d, double size, Way& way )
 {
 	const Vec axis = cross( d, from( random_direction( rng ) ) );
-	way = { m.places.at[0], to_double( 1 / length( axis ) * axis ), to_double( random_point( rng, size * rng.decade( -3, 0.3 ) ) ),
-		rng.decade( -2, -0.3 ) };
+	way = { m.places.at[0], to_double( 1 / length( axis ) * axis ),
+		to_double( random_point( rng, size * rng.decade( -3, 0.3 ) ) ), rng.decade( -2, -0.3 ) };
 	m.places.count = 3;
 	m.places.is_linear = false;
 	for ( int i = 0; i < 3; ++i )
@@ -318,7 +321,8 @@ TEST( Separation, ExtremePointOutsideOfHull )
 			{
 				const auto& at = shape.extreme_points[j / LWI_WIDTH].at;
 				const uint32_t lane = j % LWI_WIDTH;
-				const Vec point = { at[0][lane] + shape.origin[0], at[1][lane] + shape.origin[1], at[2][lane] + shape.origin[2] };
+				const Vec point = { at[0][lane] + shape.origin[0], at[1][lane] + shape.origin[1],
+					at[2][lane] + shape.origin[2] };
 				ASSERT_LE( dot( n, point ), m.reach( n ) - dilation( m ) + slack )
 					<< type_names[m.subject.type == types[0] ? 0 : 1] << ", type " << m.subject.type << ", shape " << i;
 			}
@@ -337,12 +341,14 @@ TEST( Separation, NearIsNotNearOrApartIsNotApart )
 		Vec best;
 		const double widest = widest_gap( a, b, &best ), size = a.size() + b.size();
 		const double shares[6] = { 0.1, 0.5, 0.9, 0.99, 1.01, 1.5 };
-		const double limit = widest > 0 ? widest * shares[rng.integer( 0, 5 )] : rng.integer( 0, 1 ) * size * rng.decade( -4, -1 );
+		const double limit =
+			widest > 0 ? widest * shares[rng.integer( 0, 5 )] : rng.integer( 0, 1 ) * size * rng.decade( -4, -1 );
 		const lw_vec3 start = random_direction( rng );
 		float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
 		lwi_swept_plane plane = {};
 		Ready ready_a( a.places ), ready_b( b.places );
-		const lwi_separation result = lwi_separate_swept( &kernels(), &ready_a.poses, &ready_b.poses, limit, direction, &plane );
+		const lwi_separation result =
+			lwi_separate_swept( &kernels(), &ready_a.poses, &ready_b.poses, limit, direction, &plane );
 		const bool is_apart = result == LWI_APART, is_near = result == LWI_NEAR || result == LWI_MEET;
 		const std::string what = "pair " + std::to_string( i ) + ", types " + std::to_string( a.subject.type ) + " " +
 								 std::to_string( b.subject.type ) + ", widest " + std::to_string( widest / size );
@@ -352,7 +358,8 @@ TEST( Separation, NearIsNotNearOrApartIsNotApart )
 		{
 			const Vec n = direction_of( b, plane );
 			ASSERT_GE( gap( a, b, n ), limit ) << what;
-			const lw_vec3 origin = to_double( pose_from( b.places.at[0] ).apply( from( lwi_load( b.places.shape->origin ) ) ) );
+			const lw_vec3 origin =
+				to_double( pose_from( b.places.at[0] ).apply( from( lwi_load( b.places.shape->origin ) ) ) );
 			ASSERT_GE( (double)plane.reach_b + 16 * u * size,
 				b.reach( -1.0L * n ) - dilation( b ) + to_double( dot( n, from( origin ) ) ) ) << what;
 		}
@@ -410,7 +417,8 @@ TEST( Separation, NearerBetweenPlacesThanABentWayAllows )
 			go_to( at );
 			at_places = std::min( at_places, widest_gap( a, b, &n ) );
 		}
-		const double limit = std::max( at_places - rng.integer( 0, 1 ) * rng.uniform( 0, 0.3 ) * bend, 0.0 ) * rng.uniform( 0.95, 1 );
+		const double limit =
+			std::max( at_places - rng.integer( 0, 1 ) * rng.uniform( 0, 0.3 ) * bend, 0.0 ) * rng.uniform( 0.95, 1 );
 		const lw_vec3 start = random_direction( rng );
 		float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
 		if ( !separate_bent( all_a, all_b, limit, bend, direction ) )
@@ -424,8 +432,8 @@ TEST( Separation, NearerBetweenPlacesThanABentWayAllows )
 		for ( int k = -16; k <= 16; ++k )
 		{
 			go_to( k / 16.0 );
-			ASSERT_GE( gap( a, b, n ), limit ) << "pair " << i << ", types " << a.subject.type << " " << b.subject.type << ", at " << k
-											   << "/16, bend " << bend;
+			ASSERT_GE( gap( a, b, n ), limit ) << "pair " << i << ", types " << a.subject.type << " " << b.subject.type
+											   << ", at " << k << "/16, bend " << bend;
 		}
 	}
 	std::printf( "%d stay apart, %d of them by how they come near\n", apart, ends );
@@ -474,18 +482,21 @@ TEST( Separation, BodyFarAtFirstComesNear )
 		Moving b = random_moving( rng, size * rng.decade( -0.5, 1 ), 0, false );
 		Way way;
 		const double bend = 0.5 * go_along( rng, a, from( random_direction( rng ) ), size * rng.decade( -2, 0.5 ), way );
-		const lw_vec3 by = to_double( pose_from( way.start ).t + random_point( rng, b.size() ) - pose_from( b.places.at[0] ).t );
+		const lw_vec3 by =
+			to_double( pose_from( way.start ).t + random_point( rng, b.size() ) - pose_from( b.places.at[0] ).t );
 		b.places.at[0].t[0] += by.x;
 		b.places.at[0].t[1] += by.y;
 		b.places.at[0].t[2] += by.z;
 		lw_clearance middle;
-		ASSERT_EQ( LW_OK, lw_shape_distance( a.places.shape, &way.start, b.places.shape, &b.places.at[0], nullptr, query.get(), &middle ) );
+		ASSERT_EQ( LW_OK, lw_shape_distance( a.places.shape, &way.start, b.places.shape, &b.places.at[0], nullptr,
+							  query.get(), &middle ) );
 		if ( !( middle.lower > 0 ) )
 		{
 			continue;
 		}
 		const double far = to_double( length( pose_from( way.start ).t ) + a.subject.model.size );
-		const double goes = to_double( length( from( way.shift ) ) ) + way.turn * far, limit = middle.lower * rng.uniform( 0, 0.8 );
+		const double goes = to_double( length( from( way.shift ) ) ) + way.turn * far,
+					 limit = middle.lower * rng.uniform( 0, 0.8 );
 		Vec n = from( middle.point_b ) - from( middle.point_a );
 		if ( !separate_near( a.places, b.places, limit, bend, n, goes ) )
 		{
@@ -500,8 +511,8 @@ TEST( Separation, BodyFarAtFirstComesNear )
 		for ( int k = -8; k <= 8; k += hidden ? 1 : 8 )
 		{
 			const Interval truth = truth_of( a.subject, way.at( k / 8.0 ), b.subject, b.places.at[0], (real)size );
-			ASSERT_GE( to_double( truth.upper ), limit ) << "pair " << i << ", types " << a.subject.type << " " << b.subject.type << ", at "
-														 << k << "/8, bend " << bend;
+			ASSERT_GE( to_double( truth.upper ), limit ) << "pair " << i << ", types " << a.subject.type << " "
+														 << b.subject.type << ", at " << k << "/8, bend " << bend;
 		}
 	}
 	std::printf( "%d stay away, %d of them from what is near alone\n", away, within );
@@ -574,7 +585,8 @@ TEST( Separation, KnownPlaneThatHoldsIsPassedOver )
 			lwi_plane_to_lane( &planes, k, k < 4 ? known[k] : lwi_swept_plane{ {}, INFINITY } );
 		}
 		Ready ready_a( a.places ), ready_b( b.places );
-		const uint32_t which = std::min( lwi_swept_apart_by( &kernels(), &ready_a.poses, &ready_b.poses, limit, &planes, false ), 4u );
+		const uint32_t which =
+			std::min( lwi_swept_apart_by( &kernels(), &ready_a.poses, &ready_b.poses, limit, &planes, false ), 4u );
 		const double rounding = ( limit + dilation( a ) + dilation( b ) ) * 0x1p-20 + 128 * u * size;
 		for ( uint32_t k = 0; k < 4; ++k )
 		{

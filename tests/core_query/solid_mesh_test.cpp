@@ -26,7 +26,10 @@ struct Solid
 	std::vector<std::size_t> ends; ///< of the surfaces, in triangles
 
 	std::size_t count() const { return indices.size() / 3; }
-	Vec corner( std::size_t triangle, int k ) const { return vertices[indices[3 * triangle + static_cast<std::size_t>( k )]]; }
+	Vec corner( std::size_t triangle, int k ) const
+	{
+		return vertices[indices[3 * triangle + static_cast<std::size_t>( k )]];
+	}
 };
 
 void add_face( Solid& s, std::size_t a, std::size_t b, std::size_t c )
@@ -122,8 +125,8 @@ Solid random_solid( SeededRng& rng, double size, bool shuffled, int most = 14 )
 			add_grid( s, n, m, false, size * rng.uniform( 0.2, 1 ), center, random_turn( rng ) );
 			break;
 		default:
-			add_box( s, n / 3, { size * rng.uniform( 0.1, 1 ), size * rng.uniform( 0.1, 1 ), size * rng.uniform( 0.1, 1 ) }, center,
-				random_turn( rng ) );
+			add_box( s, n / 3, { size * rng.uniform( 0.1, 1 ), size * rng.uniform( 0.1, 1 ), size * rng.uniform( 0.1, 1 ) },
+				center, random_turn( rng ) );
 		}
 	}
 	for ( std::size_t t = 0; t < s.count() && shuffled; ++t )
@@ -261,8 +264,8 @@ TEST( SolidMesh, InsideContradictsTheWindingNumber )
 			lw_transform id = lw_transform_identity();
 			lw_clearance c;
 			bool first = rng.integer( 0, 1 ) == 0;
-			ASSERT_EQ( LW_OK, lw_shape_distance( first ? probe.get() : shape.get(), &id, first ? shape.get() : probe.get(), &id,
-								  nullptr, query.get(), &c ) );
+			ASSERT_EQ( LW_OK, lw_shape_distance( first ? probe.get() : shape.get(), &id, first ? shape.get() : probe.get(),
+								  &id, nullptr, query.get(), &c ) );
 			real surface = INFINITY;
 			for ( std::size_t t = 0; t < s.count(); ++t )
 			{
@@ -298,7 +301,8 @@ TEST( SolidMesh, PointsInLineWithCornersAreOnTheWrongSide )
 	{
 		box.vertices.push_back( { i & 1 ? 5.0L : -3.0L, i & 2 ? 2.0L : -7.0L, i & 4 ? 4.0L : 1.0L } );
 	}
-	static const std::size_t quads[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
+	static const std::size_t quads[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 },
+		{ 1, 3, 7, 5 } };
 	for ( const auto& q : quads )
 	{
 		add_face( box, q[0], q[1], q[2] );
@@ -318,7 +322,8 @@ TEST( SolidMesh, PointsInLineWithCornersAreOnTheWrongSide )
 		{
 			ASSERT_EQ( lwi_mesh_contains( shape.get(), p ), within ) << p.x << ' ' << p.y << ' ' << p.z;
 			inside += within;
-			in_line += !within && ( p.x == low.x || p.x == high.x || p.y == low.y || p.y == high.y || p.z == low.z || p.z == high.z );
+			in_line += !within &&
+					   ( p.x == low.x || p.x == high.x || p.y == low.y || p.y == high.y || p.z == low.z || p.z == high.z );
 		}
 	}
 	EXPECT_GE( std::min( inside, in_line ), 1000 );
@@ -341,7 +346,10 @@ struct SolidPair
 
 	bool is_inside_the_solid() const; ///< some point of the other
 	bool is_inside_the_second() const; ///< some corner of the solid
-	real scale() const { return length( offset( pose_a ) - offset( pose_b ) ) + 2 * ( surface.model.size + other.model.size ); }
+	real scale() const
+	{
+		return length( offset( pose_a ) - offset( pose_b ) ) + 2 * ( surface.model.size + other.model.size );
+	}
 };
 
 SolidPair::SolidPair( SeededRng& rng, int kind, double size, bool costly )
@@ -433,8 +441,8 @@ TEST_P( SolidMeshPairs, DistanceContradictsBruteForce )
 		ASSERT_EQ( LW_OK, lw_shape_distance( first ? mine : other, first ? &pair.pose_a : &pair.pose_b, first ? other : mine,
 							  first ? &pair.pose_b : &pair.pose_a, &range, query.get(), &c ) );
 		::testing::Message story;
-		story << "round " << round << " scale " << scale << " oracle " << truth.lower << " " << truth.upper << " got " << c.lower
-			  << " " << c.upper << " inside " << inside << " around " << around;
+		story << "round " << round << " scale " << scale << " oracle " << truth.lower << " " << truth.upper << " got "
+			  << c.lower << " " << c.upper << " inside " << inside << " around " << around;
 		SCOPED_TRACE( story );
 		ASSERT_LE( c.lower, truth.upper + 1e-15L * scale );
 		if ( c.kind == LW_CLEARANCE_FAR )
@@ -469,7 +477,8 @@ TEST( SolidMesh, OpenMeshIsTakenForClosed )
 		{
 			continue; // a pole's: nobody misses it
 		}
-		s.indices.erase( s.indices.begin() + (std::ptrdiff_t)( 3 * gone ), s.indices.begin() + (std::ptrdiff_t)( 3 * gone + 3 ) );
+		s.indices.erase( s.indices.begin() + ( std::ptrdiff_t )( 3 * gone ),
+			s.indices.begin() + ( std::ptrdiff_t )( 3 * gone + 3 ) );
 		lw_diag diag = {};
 		ShapePtr shape;
 		EXPECT_EQ( LW_ERROR_BAD_GEOMETRY, make_solid( s, 1e-12, &diag, shape ) );
@@ -556,8 +565,8 @@ TEST( SolidMesh, BoxesThatShareAWallLeaveNoGapAndReachNoFurther )
 				truth = truth || std::max( std::fabs( p.x - c.x ), std::fabs( p.y - c.y ) ) < 1;
 			}
 			( truth ? inside : outside ) += 1;
-			ASSERT_EQ( lwi_mesh_contains( shape.get(), to_double( p ) ), truth ) << "round " << round << ", " << to_double( p ).x << ' '
-																				 << to_double( p ).y << ' ' << to_double( p ).z;
+			ASSERT_EQ( lwi_mesh_contains( shape.get(), to_double( p ) ), truth )
+				<< "round " << round << ", " << to_double( p ).x << ' ' << to_double( p ).y << ' ' << to_double( p ).z;
 		}
 	}
 	EXPECT_GE( inside, 1000 );
@@ -646,7 +655,8 @@ TEST( SolidMesh, CheckerDrivesThroughASolid )
 		{
 			double truth = std::max( 0.0, std::abs( q ) - 1.1 );
 			lw_state_result state;
-			ASSERT_EQ( LW_OK, lw_checker_state( slide.checker, query.get(), &q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ) );
+			ASSERT_EQ( LW_OK,
+				lw_checker_state( slide.checker, query.get(), &q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ) );
 			ASSERT_NEAR( truth, state.environment.upper, 1e-13 ) << q;
 			ASSERT_LE( state.environment.lower, truth + 1e-15 ) << q;
 			double to = q + 0.01;

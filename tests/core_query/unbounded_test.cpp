@@ -162,7 +162,8 @@ TEST_P( Unbounded, DistanceContradictsTheHeightsOfPoints )
 		ASSERT_LE( c.upper - c.lower, 400 * roundoff * scale );
 		real world = length( offset( pose_s ) ) + length( offset( pose_p ) );
 		Vec on_plane = from( first ? c.point_a : c.point_b ), on_shape = from( first ? c.point_b : c.point_a );
-		ASSERT_NEAR( 0, to_double( length( on_plane - on_shape ) - c.upper ), to_double( 64 * roundoff * ( scale + world ) ) );
+		ASSERT_NEAR( 0, to_double( length( on_plane - on_shape ) - c.upper ),
+			to_double( 64 * roundoff * ( scale + world ) ) );
 		real height = unrotate( pose_p, on_plane - offset( pose_p ) ).z;
 		ASSERT_LE( two_sided ? std::fabs( height ) : height, 64 * roundoff * ( scale + world ) );
 		( c.upper > 0 ? apart : touching ) += 1;
@@ -260,7 +261,8 @@ struct Arm : OneJoint
 	{
 		const double about_y[3] = { 0, 1, 0 };
 		lw_diag diag = {};
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, makeRobot( floor.get(), at( 1, 0, 0 ), LW_JOINT_REVOLUTE, about_y, 3, &diag ) );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+			makeRobot( floor.get(), at( 1, 0, 0 ), LW_JOINT_REVOLUTE, about_y, 3, &diag ) );
 		EXPECT_NE( nullptr, std::strstr( diag.message, "'arm'" ) ) << diag.message;
 		EXPECT_EQ( LW_OK, makeRobot( ball.get(), at( 1, 0, 0 ), LW_JOINT_REVOLUTE, about_y, 3, &diag ) );
 		makeChecker( floor.get(), at( 3, 4, -0.5 ) );

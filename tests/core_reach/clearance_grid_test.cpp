@@ -107,8 +107,8 @@ double attackCell( SeededRng& rng, PairAttacker& attacker, const grid_probe& gri
 struct RobotWithGrids
 {
 	RobotWithGrids( SeededRng& rng, int round )
-		: robot( randomRobotOf( rng, round ) ), reach( makeReach( robot.get(), 0.5, 50 ) ), attacker( reach.get(), rng.engine()() ),
-		  reference( attacker.randomState() )
+		: robot( randomRobotOf( rng, round ) ), reach( makeReach( robot.get(), 0.5, 50 ) ),
+		  attacker( reach.get(), rng.engine()() ), reference( attacker.randomState() )
 	{
 	}
 
@@ -160,8 +160,8 @@ TEST( ClearanceGrids, NoStateIsNearerThanItsCellSays )
 			}
 		}
 	}
-	std::printf( "%d grids of %u, %u, %u variables; %d cells, %d within half, %d near\n", grids, dimensions[1], dimensions[2],
-		dimensions[3], cells, tight, near );
+	std::printf( "%d grids of %u, %u, %u variables; %d cells, %d within half, %d near\n", grids, dimensions[1],
+		dimensions[2], dimensions[3], cells, tight, near );
 	EXPECT_GE( grids, 30 );
 	EXPECT_GE( dimensions[1], 3u );
 	EXPECT_GE( dimensions[2], 5u );
@@ -216,7 +216,8 @@ TEST( ClearanceGrids, CheckersLookIntoTheRightCell )
 					onBorder = onBorder || std::fabs( cell - std::round( cell ) ) < 1e-9L;
 					index[k] = static_cast<std::uint32_t>( std::min( std::floor( cell ), grid.cells[k] - 1.0L ) );
 				}
-				double says = grid_probe_cell( world.reach.get(), c, index ), got = slice_probe_at( checker.get(), slice, q.data() );
+				double says = grid_probe_cell( world.reach.get(), c, index ),
+					   got = slice_probe_at( checker.get(), slice, q.data() );
 				looked += !onBorder;
 				said += says > 0;
 				EXPECT_TRUE( onBorder || ( got <= says && got >= says * ( 1 - 1e-6 ) - 2e-9 ) ) << got << " " << says;

@@ -51,7 +51,8 @@ void slice_probe_links( const lw_checker* checker, uint32_t slice, uint32_t* lin
 		{
 			for ( uint32_t p = 0; p < tree->pair_count; ++p )
 			{
-				bool here = tree->pairs[p].cluster_a == tree->body_cluster[a] && tree->pairs[p].cluster_b == tree->body_cluster[b];
+				bool here =
+					tree->pairs[p].cluster_a == tree->body_cluster[a] && tree->pairs[p].cluster_b == tree->body_cluster[b];
 				if ( here && lwi_checker_slice( tree, p, a, b ) == &tree->slices[slice] )
 				{
 					*link_a = checker->base->bodies[a].link;
@@ -69,5 +70,6 @@ double slice_probe_at( const lw_checker* checker, uint32_t slice, const double* 
 
 double slice_probe_along( const lw_checker* checker, uint32_t slice, const double* qa, const double* qb )
 {
-	return lwi_grid_along( &checker->base->tree->slices[slice], checker->base->tree->spacings, checker->base->robot, qa, qb, 0 );
+	return lwi_grid_along( &checker->base->tree->slices[slice], checker->base->tree->spacings, checker->base->robot, qa, qb,
+		0 );
 }

@@ -294,10 +294,12 @@ lw_shape* denseBall( double radius, std::vector<lw_vec3>* points )
 		for ( int k = 0; k < around; ++k )
 		{
 			const double z = M_PI * i / across, angle = 2 * M_PI * ( k + 0.5 * i ) / around;
-			const lw_vec3 p = { radius * std::sin( z ) * std::cos( angle ), radius * std::sin( z ) * std::sin( angle ), radius * std::cos( z ) };
+			const lw_vec3 p = { radius * std::sin( z ) * std::cos( angle ), radius * std::sin( z ) * std::sin( angle ),
+				radius * std::cos( z ) };
 			points->push_back( p );
 			vertices.insert( vertices.end(), { p.x, p.y, p.z } );
-			const auto at = static_cast<std::uint32_t>( around * i + k ), next = static_cast<std::uint32_t>( around * i + ( k + 1 ) % around );
+			const auto at = static_cast<std::uint32_t>( around * i + k ),
+					   next = static_cast<std::uint32_t>( around * i + ( k + 1 ) % around );
 			if ( i < across )
 			{
 				indices.insert( indices.end(), { at, next, at + around } );
@@ -384,7 +386,8 @@ TEST( MotionHull, SpheresHoldPointsThatWereDropped )
 					const lw_vec3 world = apply( pose[2], p );
 					const double far = distance( of.mr.center, applyInverse( pose[node], world ) );
 					EXPECT_LE( far, of.mr.radius + rounding ) << "node " << node;
-					EXPECT_TRUE( node == 0 || distance( of.m.center, applyInverse( pose[node - 1], world ) ) <= of.m.radius + rounding );
+					EXPECT_TRUE( node == 0 ||
+								 distance( of.m.center, applyInverse( pose[node - 1], world ) ) <= of.m.radius + rounding );
 					farthest[node] = std::max( farthest[node], far );
 				}
 			}

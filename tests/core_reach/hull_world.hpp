@@ -139,8 +139,8 @@ inline std::vector<lw_vec3> linkPoints( const RobotModel& model, std::uint32_t l
 }
 
 /// All points of all bodies at one state against the hulls and spheres of all nodes above them. @return bounded checks
-inline int expectContained( SeededRng& rng, const RobotModel& model, const lw_reach* reach, const Directions& d, const State& q,
-	const std::vector<std::vector<lw_vec3>>& points )
+inline int expectContained( SeededRng& rng, const RobotModel& model, const lw_reach* reach, const Directions& d,
+	const State& q, const std::vector<std::vector<lw_vec3>>& points )
 {
 	const lw_robot* robot = lw_reach_robot( reach );
 	std::vector<lw_transform> pose( model.linkNames.size() );
@@ -179,7 +179,8 @@ inline int expectContained( SeededRng& rng, const RobotModel& model, const lw_re
 inline lw_shape* plateWithTip( double height, const lw_transform& turned, std::vector<lw_vec3>* points )
 {
 	std::vector<double> vertices = { 0, -0.2, -0.2, 0, 0.2, -0.2, 0, 0.2, 0.2, 0, -0.2, 0.2, height, 0, 0, -0.1, 0, 0 };
-	static const std::vector<std::uint32_t> indices = { 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3, 5 };
+	static const std::vector<std::uint32_t> indices = { 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3,
+		5 };
 	for ( std::size_t i = 0; i < 18; i += 3 )
 	{
 		points->push_back( apply( turned, { vertices[i], vertices[i + 1], vertices[i + 2] } ) );
@@ -194,14 +195,15 @@ inline lw_shape* plateWithTip( double height, const lw_transform& turned, std::v
 /// points could hide.
 /// @param turned where the plate's tip looks: not along an axis, whose farthest points are never dropped
 /// @param mesh how the plate stands in the frame of its mesh; where it is on the link does not depend on it
-inline std::uint32_t slidingArm( RobotModel& model, const std::string& name, const lw_transform& base, const lw_transform& turned, double tip,
-	const lw_transform& mesh = lw_transform_identity() )
+inline std::uint32_t slidingArm( RobotModel& model, const std::string& name, const lw_transform& base,
+	const lw_transform& turned, double tip, const lw_transform& mesh = lw_transform_identity() )
 {
 	std::uint32_t link = 0;
 	for ( int i = 0; i < 3; ++i )
 	{
 		const bool turns = i > 0;
-		lw_joint_def& joint = model.joint( name + std::to_string( i ), turns ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, link );
+		lw_joint_def& joint =
+			model.joint( name + std::to_string( i ), turns ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, link );
 		joint.parent_from_joint = i == 0 ? base : lw_transform_identity();
 		for ( int k = 0; k < 3; ++k )
 		{

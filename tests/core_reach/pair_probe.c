@@ -30,8 +30,8 @@ double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, 
 		for ( uint64_t some = 100; outcome == LWI_PROOF_EXHAUSTED && effort.cells < budget; some += 100 )
 		{
 			uint64_t before = effort.cells;
-			if ( lwi_pair_analyser_subdivide( analyser, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60, &closest, q,
-					 &outcome, &separation ) != LW_OK )
+			if ( lwi_pair_analyser_subdivide( analyser, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60,
+					 &closest, q, &outcome, &separation ) != LW_OK )
 			{
 				break;
 			}
@@ -44,7 +44,8 @@ double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, 
 	return separation;
 }
 
-uint32_t pair_probe_open( lw_reach* reach, uint32_t link_a, uint32_t link_b, uint64_t budget, uint64_t step, double* out_volume )
+uint32_t pair_probe_open( lw_reach* reach, uint32_t link_a, uint32_t link_b, uint64_t budget, uint64_t step,
+	double* out_volume )
 {
 	lw_reach_def def = lw_reach_def_default();
 	lwi_reach_job job = { &def, reach, NULL, NULL };
@@ -62,8 +63,8 @@ uint32_t pair_probe_open( lw_reach* reach, uint32_t link_a, uint32_t link_b, uin
 	lwi_proof_outcome outcome = LWI_PROOF_EXHAUSTED;
 	for ( uint64_t some = step; outcome == LWI_PROOF_EXHAUSTED && effort.cells < budget; some += step )
 	{
-		lwi_pair_analyser_subdivide( analyser, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60, &closest, q, &outcome,
-			&separation );
+		lwi_pair_analyser_subdivide( analyser, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60,
+			&closest, q, &outcome, &separation );
 	}
 	uint32_t height = effort.height, n = analyser->variable_count;
 	for ( uint32_t k = 0; k < height; ++k )

@@ -15,7 +15,8 @@ double pair_probe_subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, 
 	uint64_t budget, uint64_t* cells );
 
 /// Open cells of a proof after `budget` cells, that was interrupted after each `step` of them; and their volume.
-uint32_t pair_probe_open( lw_reach* reach, uint32_t link_a, uint32_t link_b, uint64_t budget, uint64_t step, double* out_volume );
+uint32_t pair_probe_open( lw_reach* reach, uint32_t link_a, uint32_t link_b, uint64_t budget, uint64_t step,
+	double* out_volume );
 
 #ifdef __cplusplus
 }

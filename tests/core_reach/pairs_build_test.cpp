@@ -91,7 +91,8 @@ TEST( ReachPairs, ThreadsChangeNothing )
 	EXPECT_GT( runs, 0 );
 }
 
-lw_reach* continued( const lw_reach* reach, double seconds, const lw_allocator* allocator = nullptr, std::uint32_t samples = 200 )
+lw_reach* continued( const lw_reach* reach, double seconds, const lw_allocator* allocator = nullptr,
+	std::uint32_t samples = 200 )
 {
 	lw_reach_def def = lw_reach_def_default();
 	def.seconds = seconds;
@@ -141,7 +142,8 @@ TEST( ReachPairs, ManyShortRunsProveAsMuchAsALongOne )
 				by_subdivision += pair.proof == LW_PROOF_SUBDIVISION;
 				if ( pair.separation > 0 )
 				{
-					EXPECT_GE( attacker.attack( a, b, 60, 120 ), pair.separation - ROUNDING ) << round << ": " << a << ' ' << b;
+					EXPECT_GE( attacker.attack( a, b, 60, 120 ), pair.separation - ROUNDING )
+						<< round << ": " << a << ' ' << b;
 				}
 			}
 		}

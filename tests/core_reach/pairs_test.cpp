@@ -133,7 +133,8 @@ TEST( ReachPairs, ContactInTheMarginOutsideTheLimitsIsNoNever )
 	EXPECT_GT( pair.closest, 0.0 );
 	EXPECT_LT( pair.closest, 1e-5 );
 	EXPECT_EQ( pair.separation, 0.0 );
-	PairAttacker( reach.get(), 1 ).checkEvidence( 2, 0 ); // in the order in which it was measured: the other one rounds otherwise
+	PairAttacker( reach.get(), 1 )
+		.checkEvidence( 2, 0 ); // in the order in which it was measured: the other one rounds otherwise
 }
 
 TEST( ReachPairs, MimicCouplingKeepsApartLinksThatWouldMeetWithoutIt )

@@ -56,7 +56,8 @@ lw_shape* bunches( SeededRng& rng, double extent, std::vector<lw_vec3>* points )
 	std::vector<std::uint32_t> indices;
 	for ( int bunch = 0; bunch < 7; ++bunch )
 	{
-		const double c[3] = { rng.uniform( -extent, extent ), rng.uniform( -extent, extent ), rng.uniform( -extent, extent ) };
+		const double c[3] = { rng.uniform( -extent, extent ), rng.uniform( -extent, extent ),
+			rng.uniform( -extent, extent ) };
 		points->push_back( { c[0], c[1], c[2] } );
 		for ( int corner = 0; corner < 24; ++corner )
 		{
@@ -95,7 +96,8 @@ struct World
 		const int count = rng.integer( 1, 14 );
 		for ( int i = 0; i < count; ++i )
 		{
-			lw_shape* shape = rng.uniform( 0, 1 ) < 0.4 ? randomMesh( rng, 40, 0.4, nullptr ) : randomPrimitive( rng, 0.5, nullptr );
+			lw_shape* shape =
+				rng.uniform( 0, 1 ) < 0.4 ? randomMesh( rng, 40, 0.4, nullptr ) : randomPrimitive( rng, 0.5, nullptr );
 			lw_transform pose = rng.uniform( 0, 1 ) < 0.5 ? lw_transform_identity() : randomTransform( rng, 0 );
 			for ( double& x : pose.t )
 			{
@@ -114,8 +116,8 @@ struct World
 		const int joints = rng.integer( 1, 4 );
 		for ( int i = 0; i < joints; ++i )
 		{
-			lw_joint_def& j = model.joint( "l" + std::to_string( i ), rng.integer( 0, 4 ) > 0 ? LW_JOINT_CONTINUOUS : LW_JOINT_PRISMATIC,
-				static_cast<std::uint32_t>( i ) );
+			lw_joint_def& j = model.joint( "l" + std::to_string( i ),
+				rng.integer( 0, 4 ) > 0 ? LW_JOINT_CONTINUOUS : LW_JOINT_PRISMATIC, static_cast<std::uint32_t>( i ) );
 			j.parent = rng.integer( 0, 2 ) > 0 ? j.parent : 0; // a second arm
 			j.parent_from_joint = randomTransform( rng, 0.5 );
 			ball( rng, static_cast<std::uint32_t>( i + 1 ), rng.uniform( -0.5, 0.5 ), meshes );
@@ -144,7 +146,8 @@ struct World
 	void meet( SeededRng& rng, State& qa, State& qb )
 	{
 		model.link( "root" );
-		const double radius[3] = { 0.01, 0, 0 }, turn = rng.uniform( 0.7, 1.3 ), arm = 2.6 / ( turn * turn ) * rng.uniform( 1, 2 );
+		const double radius[3] = { 0.01, 0, 0 }, turn = rng.uniform( 0.7, 1.3 ),
+					 arm = 2.6 / ( turn * turn ) * rng.uniform( 1, 2 );
 		const double bent = arm * turn * turn / 256, gap = bent * rng.uniform( -0.5, 2 );
 		const double apart = gap + 2 * radius[0] + 2 * arm * ( 1 - std::cos( turn ) ); // at first
 		for ( int side : { -1, 1 } )
@@ -246,7 +249,8 @@ private:
 	}
 
 	/// Where a ball or bunch is at some time.
-	lw_vec3 passes( SeededRng& rng, const State& qa, const State& qb, double* radius, std::vector<lw_transform>* out_links = nullptr ) const
+	lw_vec3 passes( SeededRng& rng, const State& qa, const State& qb, double* radius,
+		std::vector<lw_transform>* out_links = nullptr ) const
 	{
 		State q( qa.size() );
 		std::vector<lw_transform> links( lw_robot_link_count( robot.get() ) );
@@ -261,7 +265,8 @@ private:
 		{
 			*out_links = links;
 		}
-		return lw_transform_point( &at, points[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( points.size() ) - 1 ) )] );
+		return lw_transform_point( &at,
+			points[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( points.size() ) - 1 ) )] );
 	}
 
 	/// A ball of any link beside that, at that time.
@@ -290,7 +295,8 @@ private:
 	{
 		double radius;
 		const lw_vec3 point = passes( rng, qa, qb, &radius );
-		const double at[3] = { point.x, point.y, point.z }, half = rng.uniform( 0.05, 0.5 ), size[3] = { 2 * half, 2 * half, 2 * half };
+		const double at[3] = { point.x, point.y, point.z }, half = rng.uniform( 0.05, 0.5 ),
+					 size[3] = { 2 * half, 2 * half, 2 * half };
 		const int axis = rng.integer( 0, 2 );
 		const double off = ( rng.integer( 0, 1 ) ? 1 : -1 ) * ( radius + rng.uniform( -0.01, 0.03 ) );
 		lw_transform pose = lw_transform_identity();
@@ -414,7 +420,8 @@ private:
 			const lw_body_def body = lw_robot_body( robot, a );
 			const std::uint32_t cluster = m_world.checker->base->tree->body_cluster[a];
 			tally.left += isProved( a, LW_INVALID_INDEX, cell ) ? 0u : 1u;
-			for ( std::size_t i = 0; cluster != 0 && i < m_world.obstacles.size() && isProved( a, LW_INVALID_INDEX, cell ); ++i )
+			for ( std::size_t i = 0; cluster != 0 && i < m_world.obstacles.size() && isProved( a, LW_INVALID_INDEX, cell );
+				  ++i )
 			{
 				const lw_scene_shape_def& o = m_world.obstacles[i];
 				judge( m_world.clearance( body.shape, m_poses[a], o.shape, o.world_from_shape ), "scene", a,
@@ -423,8 +430,8 @@ private:
 			for ( std::uint32_t b = a + 1; b < m_poses.size(); ++b )
 			{
 				const lw_body_def other = lw_robot_body( robot, b );
-				if ( cluster != m_world.checker->base->tree->body_cluster[b] && !lw_robot_pair_allowed( robot, body.link, other.link ) &&
-					 isProved( a, b, cell ) )
+				if ( cluster != m_world.checker->base->tree->body_cluster[b] &&
+					 !lw_robot_pair_allowed( robot, body.link, other.link ) && isProved( a, b, cell ) )
 				{
 					judge( m_world.clearance( body.shape, m_poses[a], other.shape, m_poses[b] ), "self", a, b, tally );
 				}

@@ -36,9 +36,11 @@ struct Balls
 		addBalls( rng, 0, bodies );
 		for ( int i = 0; i < joints; ++i )
 		{
-			const std::uint32_t parent = branches ? static_cast<std::uint32_t>( rng.integer( 0, i ) ) : static_cast<std::uint32_t>( i );
+			const std::uint32_t parent =
+				branches ? static_cast<std::uint32_t>( rng.integer( 0, i ) ) : static_cast<std::uint32_t>( i );
 			const bool turns = rng.integer( 0, 4 ) > 0;
-			lw_joint_def& j = model.joint( "l" + std::to_string( i ), turns ? LW_JOINT_CONTINUOUS : LW_JOINT_PRISMATIC, parent );
+			lw_joint_def& j =
+				model.joint( "l" + std::to_string( i ), turns ? LW_JOINT_CONTINUOUS : LW_JOINT_PRISMATIC, parent );
 			j.parent_from_joint = randomTransform( rng, 0.4 );
 			addBalls( rng, static_cast<std::uint32_t>( i + 1 ), bodies );
 		}
@@ -59,8 +61,8 @@ struct Balls
 		model.link( "root" );
 		for ( int i = 0; i < joints; ++i )
 		{
-			model.joint( "l" + std::to_string( i ), LW_JOINT_CONTINUOUS, static_cast<std::uint32_t>( i ) ).parent_from_joint =
-				randomTransform( rng, 0.4 );
+			model.joint( "l" + std::to_string( i ), LW_JOINT_CONTINUOUS, static_cast<std::uint32_t>( i ) )
+				.parent_from_joint = randomTransform( rng, 0.4 );
 		}
 		addBalls( rng, static_cast<std::uint32_t>( joints ), 1 );
 		robot = model.create();
@@ -84,17 +86,21 @@ struct Balls
 			const lw_transform at = lw_transform_multiply( &links[model.bodies[a].link], &model.bodies[a].link_from_shape );
 			for ( std::size_t b = a + 1; b < model.bodies.size() && flags == LW_CHECK_SELF; ++b )
 			{
-				const lw_transform other = lw_transform_multiply( &links[model.bodies[b].link], &model.bodies[b].link_from_shape );
+				const lw_transform other =
+					lw_transform_multiply( &links[model.bodies[b].link], &model.bodies[b].link_from_shape );
 				const bool asked = model.bodies[a].link != model.bodies[b].link;
 				least = asked ? std::min( least, apart( at, other ) - radii[a] - radii[b] ) : least;
 			}
 			// the root stands: no edge asks for its clearance
-			for ( std::size_t b = 0; b < obstacles.size() && flags == LW_CHECK_ENVIRONMENT && model.bodies[a].link != 0; ++b )
+			for ( std::size_t b = 0; b < obstacles.size() && flags == LW_CHECK_ENVIRONMENT && model.bodies[a].link != 0;
+				  ++b )
 			{
 				double d[3];
 				for ( int axis = 0; axis < 3; ++axis )
 				{
-					d[axis] = std::max( std::abs( at.t[axis] - obstacles[b].world_from_shape.t[axis] ) - 0.5 * sizes[b][axis], 0.0 );
+					d[axis] =
+						std::max( std::abs( at.t[axis] - obstacles[b].world_from_shape.t[axis] ) - 0.5 * sizes[b][axis],
+							0.0 );
 				}
 				least = std::min( least, std::hypot( d[0], d[1], d[2] ) - radii[a] );
 			}
@@ -256,7 +262,8 @@ void attack( Balls& world, const State& a, const State& b, lw_check_flags flags,
 	// the samples have missed a moment that is nearer
 	State q( a.size() );
 	lw_robot_interpolate( world.robot.get(), a.data(), b.data(), result.t, q.data() );
-	ASSERT_LE( world.clearance( q, flags ), def.min_d + SLACK + 1e-9 ) << lw_verdict_name( result.verdict ) << " at " << result.t;
+	ASSERT_LE( world.clearance( q, flags ), def.min_d + SLACK + 1e-9 )
+		<< lw_verdict_name( result.verdict ) << " at " << result.t;
 }
 
 void attackSome( Balls& world, SeededRng& rng, int edges, lw_check_flags flags, Tally& tally )

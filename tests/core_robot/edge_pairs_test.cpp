@@ -54,8 +54,8 @@ struct TwoArms
 			bodies.push_back( lw_transform_multiply( &links[body.link], &body.link_from_shape ) );
 		}
 		lw_clearance out;
-		EXPECT_EQ( LW_OK,
-			lw_shape_distance( model.bodies[0].shape, &bodies[0], model.bodies[1].shape, &bodies[1], nullptr, plain.get(), &out ) );
+		EXPECT_EQ( LW_OK, lw_shape_distance( model.bodies[0].shape, &bodies[0], model.bodies[1].shape, &bodies[1], nullptr,
+							  plain.get(), &out ) );
 		return out.upper;
 	}
 };

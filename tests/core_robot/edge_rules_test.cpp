@@ -82,7 +82,8 @@ TEST( Edge, EdgeWithoutLengthIsNotItsState )
 		State start;
 		randomWorld( rng, world, &start );
 		lw_state_result state;
-		ASSERT_EQ( lw_checker_state( world.checker, world.query, start.data(), LW_CHECK_BOTH, nullptr, false, &state ), LW_OK );
+		ASSERT_EQ( lw_checker_state( world.checker, world.query, start.data(), LW_CHECK_BOTH, nullptr, false, &state ),
+			LW_OK );
 		const double clearance = std::min( state.environment.upper, state.self.upper );
 		if ( state.verdict != LW_VERDICT_FREE || !( clearance > 1e-3 && clearance < INFINITY ) )
 		{

@@ -182,7 +182,8 @@ TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
 // the start, in the middle and at the end; between two of them the arc bulges into the box.
 TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
 {
-	const auto cases = { std::pair( 1.0, false ), std::pair( -1.0, false ), std::pair( 1.0, true ), std::pair( -1.0, true ) };
+	const auto cases = { std::pair( 1.0, false ), std::pair( -1.0, false ), std::pair( 1.0, true ),
+		std::pair( -1.0, true ) };
 	for ( const auto& [side, bar] : cases )
 	{
 		for ( double deep : { 0.02, 0.002, -0.002 } )
@@ -340,7 +341,8 @@ TEST( Edge, PlateWithinAlphaOfTheNearestObstacleIsPassedOver )
 		if ( r.verdict == LW_VERDICT_FREE )
 		{
 			++free;
-			EXPECT_LE( r.lower_bound, gap + 1e-9 ) << "plate at " << where << ", frame at " << side << ", alpha " << def.alpha;
+			EXPECT_LE( r.lower_bound, gap + 1e-9 )
+				<< "plate at " << where << ", frame at " << side << ", alpha " << def.alpha;
 		}
 		EXPECT_TRUE( gap < 0 || r.verdict != LW_VERDICT_BLOCKED );
 	}

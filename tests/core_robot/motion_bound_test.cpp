@@ -239,7 +239,8 @@ std::vector<lw_transform> posesAt( const lw_robot* robot, const State& a, const 
 }
 
 /// Poses at `steps` + 1 states from `from` to `to`.
-std::vector<std::vector<lw_transform>> posesBetween( const lw_robot* robot, const State& a, const State& b, double from, double to, int steps )
+std::vector<std::vector<lw_transform>> posesBetween( const lw_robot* robot, const State& a, const State& b, double from,
+	double to, int steps )
 {
 	std::vector<std::vector<lw_transform>> poses;
 	for ( int k = 0; k <= steps; ++k )
@@ -327,8 +328,8 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 	}
 	std::sort( ratios.begin(), ratios.end() );
 	std::sort( gains.begin(), gains.end() );
-	std::printf( "moved / bound: median %.3f, largest %.6f; path / bound: median %.2f, largest %.1f\n", ratios[ratios.size() / 2],
-		ratios.back(), gains[gains.size() / 2], gains.back() );
+	std::printf( "moved / bound: median %.3f, largest %.6f; path / bound: median %.2f, largest %.1f\n",
+		ratios[ratios.size() / 2], ratios.back(), gains[gains.size() / 2], gains.back() );
 	ASSERT_GE( ratios.size(), 1000u );
 	EXPECT_GE( ratios[ratios.size() / 2], 0.5 );
 	EXPECT_GE( gains.back(), 5 ) << "never any better than the path length";
@@ -346,7 +347,8 @@ TEST( MotionBound, StepIsLongerThanMeasuredFromAPoseNearAnEnd )
 		model.link( "root" );
 		for ( std::uint32_t k = 0; k < 2; ++k )
 		{
-			lw_joint_def& joint = model.joint( "l" + std::to_string( k ), k == 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, k );
+			lw_joint_def& joint =
+				model.joint( "l" + std::to_string( k ), k == 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, k );
 			joint.parent_from_joint = lw_transform_identity();
 			joint.parent_from_joint.t[0] = rng.uniform( -0.02, 0.02 );
 			joint.axis[0] = k == 0 ? 0 : 1;
@@ -437,7 +439,8 @@ TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
 		lw_robot_interpolate( robot.get(), a.data(), b.data(), rng.decade( -2, -0.5 ), b.data() );
 		ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
 		const double h = rng.decade( -2, -0.31 ), from = rng.uniform( 0, 1 - 2 * h );
-		const std::vector<std::vector<lw_transform>> poses = posesBetween( robot.get(), a, b, from, from + 2 * h, 2 * STEPS );
+		const std::vector<std::vector<lw_transform>> poses =
+			posesBetween( robot.get(), a, b, from, from + 2 * h, 2 * STEPS );
 		const double rounding = lwi_motion_rounding( motion.scratch );
 		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
 		{
@@ -456,8 +459,10 @@ TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
 				{
 					const int half = k < STEPS ? 0 : STEPS;
 					const double s = static_cast<double>( k - half ) / STEPS;
-					const double off = distance( at[static_cast<std::size_t>( k )], half == 0 ? onLine( x, y, s ) : onLine( y, z, s ) );
-					ASSERT_LE( off, s * ( 1 - s ) * error.coefficient + 4 * rounding ) << "at the share " << s << " of a part of length " << h;
+					const double off =
+						distance( at[static_cast<std::size_t>( k )], half == 0 ? onLine( x, y, s ) : onLine( y, z, s ) );
+					ASSERT_LE( off, s * ( 1 - s ) * error.coefficient + 4 * rounding )
+						<< "at the share " << s << " of a part of length " << h;
 					furthest = std::max( furthest, off );
 				}
 				ASSERT_LE( furthest, error.max + 4 * rounding );

@@ -30,7 +30,8 @@ std::vector<Point> surface( SeededRng& rng, lw_shape_type type, const double* d 
 		switch ( type )
 		{
 			case LW_SHAPE_BOX:
-				points.push_back( { ( i & 1 ? 0.5 : -0.5 ) * d[0], ( i & 2 ? 0.5 : -0.5 ) * d[1], ( i & 4 ? 0.5 : -0.5 ) * d[2] } );
+				points.push_back(
+					{ ( i & 1 ? 0.5 : -0.5 ) * d[0], ( i & 2 ? 0.5 : -0.5 ) * d[1], ( i & 4 ? 0.5 : -0.5 ) * d[2] } );
 				break;
 			case LW_SHAPE_CYLINDER:
 				points.push_back( { x, y, top * d[1] } );

@@ -69,7 +69,9 @@ public:
 			}
 			joint.parent_from_joint.t[0] = kind == coiled ? 0.01 : 0.1;
 			joint.parent_from_joint.t[1] = kind == coiled ? 0.02 * random.unit() : 0;
-			lw_vec3 axis = kind == aligned ? lw_vec3{ 0, 0, 1 } : random.below( 2 ) == 0 ? lw_vec3{ 0, 1, 0 } : random.point();
+			lw_vec3 axis = kind == aligned          ? lw_vec3{ 0, 0, 1 }
+			               : random.below( 2 ) == 0 ? lw_vec3{ 0, 1, 0 }
+			                                        : random.point();
 			joint.axis[0] = axis.x, joint.axis[1] = axis.y, joint.axis[2] = axis.z;
 			m_joints.push_back( joint );
 		}
@@ -112,7 +114,9 @@ public:
 		for ( const lw_joint_def& joint : m_joints )
 		{
 			double spread = m_kind == coiled ? 1e6 : m_kind == skew ? 3 : 0.3;
-			q.push_back( m_kind == aligned ? same : joint.type == LW_JOINT_PRISMATIC ? random.unit() : spread * random.unit() );
+			q.push_back( m_kind == aligned                  ? same
+			             : joint.type == LW_JOINT_PRISMATIC ? random.unit()
+			                                                : spread * random.unit() );
 		}
 		return q;
 	}
@@ -172,8 +176,9 @@ struct Seen
 void judge( const lw_clearance& got, const exact::Enclosure& truth, double poses, double promise, Seen& seen )
 {
 	++seen.answers;
-	EXPECT_LE( got.lower, truth.upper ) << "lower is above the truth, by " << static_cast<double>( got.lower - truth.upper ) / poses
-										<< " of the poses' rounding";
+	EXPECT_LE( got.lower, truth.upper ) << "lower is above the truth, by "
+	                                    << static_cast<double>( got.lower - truth.upper ) / poses
+	                                    << " of the poses' rounding";
 	EXPECT_GE( got.upper + poses + promise, truth.lower );
 	EXPECT_LE( got.upper - got.lower, 1.25 * ( poses + promise ) );
 	seen.upper = std::max( seen.upper, static_cast<double>( truth.lower - got.upper ) / ( poses + promise ) );
@@ -260,7 +265,8 @@ Truth truthOf( const Chain& chain, const Tip& tip, const std::vector<double>& q 
 }
 
 /// Ranges that end within the known interval of the distance: FAR would claim more.
-void expectNotFar( const lw_checker* checker, lw_query* query, const std::vector<double>& q, const lw_state_result& known, const Truth& truth )
+void expectNotFar( const lw_checker* checker, lw_query* query, const std::vector<double>& q, const lw_state_result& known,
+    const Truth& truth )
 {
 	for ( double share : { 0.1, 0.4, 0.7, 0.95 } )
 	{
@@ -276,7 +282,8 @@ void expectNotFar( const lw_checker* checker, lw_query* query, const std::vector
 			lw_state_result result;
 			ASSERT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), flags, &range, false, &result ) );
 			const lw_clearance& got = is_self ? result.self : result.environment;
-			EXPECT_NE( got.kind, LW_CLEARANCE_FAR ) << "max_d " << range.max_d << " in [" << of.lower << ", " << of.upper << "]";
+			EXPECT_NE( got.kind, LW_CLEARANCE_FAR )
+			    << "max_d " << range.max_d << " in [" << of.lower << ", " << of.upper << "]";
 			EXPECT_LE( got.lower, is_self ? truth.self.upper : truth.environment.upper );
 		}
 	}
@@ -305,12 +312,15 @@ TEST( ExtremeChains, StateDiffersFromExactKinematics )
 					const Truth truth = truthOf( chain, tip, q );
 					double poses = truth.poses;
 					lw_state_result result;
-					ASSERT_EQ( LW_OK, lw_checker_state( tip.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result ) );
+					ASSERT_EQ( LW_OK, lw_checker_state( tip.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr,
+					                      false, &result ) );
 					SCOPED_TRACE( ::testing::Message()
-								  << "kind " << kind << " seed " << seed << " state " << i << " truth " << (double)truth.environment.upper << " own "
-								  << (double)truth.self.upper << " got [" << result.environment.lower << ", " << result.environment.upper << "] self ["
-								  << result.self.lower << ", " << result.self.upper << "] poses " << poses );
-					poses += truth.stretch * std::max( static_cast<double>( truth.environment.upper ), static_cast<double>( truth.self.upper ) );
+					              << "kind " << kind << " seed " << seed << " state " << i << " truth "
+					              << (double)truth.environment.upper << " own " << (double)truth.self.upper << " got ["
+					              << result.environment.lower << ", " << result.environment.upper << "] self ["
+					              << result.self.lower << ", " << result.self.upper << "] poses " << poses );
+					poses += truth.stretch * std::max( static_cast<double>( truth.environment.upper ),
+					                             static_cast<double>( truth.self.upper ) );
 					judge( result.environment, truth.environment, poses, truth.promise, environment );
 					judge( result.self, truth.self, poses, truth.promise, self );
 					expectNotFar( tip.checker.get(), query.get(), q, result, truth );
@@ -318,8 +328,8 @@ TEST( ExtremeChains, StateDiffersFromExactKinematics )
 				}
 			}
 		}
-		std::printf( "kind %d: worst / promised: environment lower %.4f upper %.4f, self lower %.4f upper %.4f\n", kind, environment.lower,
-			environment.upper, self.lower, self.upper );
+		std::printf( "kind %d: worst / promised: environment lower %.4f upper %.4f, self lower %.4f upper %.4f\n", kind,
+		    environment.lower, environment.upper, self.lower, self.upper );
 		worst = std::max( worst, environment.lower );
 	}
 	EXPECT_GT( worst, 0.001 ) << "a bound so loose says nothing";

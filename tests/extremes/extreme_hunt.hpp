@@ -30,9 +30,10 @@ inline void hunt( std::uint64_t seed, std::uint64_t count, int least, Findings& 
 	{
 		std::printf( "%-20s worst / promised %.4f\n", stage_names[stage], findings.worst[stage] );
 	}
-	std::printf( "%d queries: %d near, %d far, %d violations, %d undecided; %d placements, %d refused\n", (int)findings.queries,
-		(int)findings.kinds[LW_CLEARANCE_NEAR], (int)findings.kinds[LW_CLEARANCE_FAR], (int)findings.kinds[LW_CLEARANCE_VIOLATION],
-		(int)findings.kinds[LW_CLEARANCE_UNDECIDED], (int)findings.placements, (int)findings.refused );
+	std::printf( "%d queries: %d near, %d far, %d violations, %d undecided; %d placements, %d refused\n",
+	    (int)findings.queries, (int)findings.kinds[LW_CLEARANCE_NEAR], (int)findings.kinds[LW_CLEARANCE_FAR],
+	    (int)findings.kinds[LW_CLEARANCE_VIOLATION], (int)findings.kinds[LW_CLEARANCE_UNDECIDED], (int)findings.placements,
+	    (int)findings.refused );
 }
 
 } // namespace extremes

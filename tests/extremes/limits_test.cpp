@@ -86,7 +86,9 @@ TEST( ExtremeLimits, FarPosesOverflowFloats )
 	{
 		there.t[0] = far;
 		lw_clearance out;
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_shape_distance( shape.get(), &here, shape.get(), &there, nullptr, query.get(), &out ) ) << far;
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+		    lw_shape_distance( shape.get(), &here, shape.get(), &there, nullptr, query.get(), &out ) )
+		    << far;
 		EXPECT_EQ( 0, out.lower ) << "an error reads as free space";
 		EXPECT_FALSE( lw_transform_is_valid( &there ) );
 	}
@@ -102,7 +104,8 @@ TEST( ExtremeLimits, RangeWithoutWidth )
 	lw_clearance out;
 	for ( lw_range range : { lw_range{ 0.5, 0.5, 0 }, lw_range{ 0, 0, 0 }, lw_range{ 0, 1, 1 }, lw_range{ inf, inf, 0 } } )
 	{
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_shape_distance( shape.get(), &here, shape.get(), &there, &range, query.get(), &out ) );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+		    lw_shape_distance( shape.get(), &here, shape.get(), &there, &range, query.get(), &out ) );
 	}
 	lw_range touching = { 0.5, std::nextafter( 0.5, inf ), 1 - 0x1p-53 };
 	EXPECT_EQ( LW_OK, lw_shape_distance( shape.get(), &here, shape.get(), &there, &touching, query.get(), &out ) );
@@ -128,7 +131,8 @@ TEST( ExtremePoses, AMillionCompositions )
 	for ( std::uint64_t i = 0; i < 2000; ++i )
 	{
 		ShapePair p = randomShapes( random, static_cast<Arrangement>( i % coinciding ) );
-		lw_transform turned = lw_transform_multiply( &pose, &p.world_from_a ), more = lw_transform_multiply( &pose, &p.world_from_b );
+		lw_transform turned = lw_transform_multiply( &pose, &p.world_from_a ),
+		             more = lw_transform_multiply( &pose, &p.world_from_b );
 		// nearly rotations, up to the tolerance
 		double off = i % 2 == 0 ? 0 : 2e-7 * random.unit();
 		for ( int k = 0; k < 9; ++k )
@@ -138,7 +142,8 @@ TEST( ExtremePoses, AMillionCompositions )
 		}
 		p.world_from_a = turned;
 		p.world_from_b = more;
-		if ( p.a.shape != nullptr && p.b.shape != nullptr && lw_transform_is_valid( &turned ) && lw_transform_is_valid( &more ) )
+		if ( p.a.shape != nullptr && p.b.shape != nullptr && lw_transform_is_valid( &turned ) &&
+		     lw_transform_is_valid( &more ) )
 		{
 			ShapeJudge( p, i, query.get(), findings ).answers( random );
 		}
@@ -165,7 +170,8 @@ TEST( ExtremeThreads, AnswersDependOnTheirNumber )
 		ShapePair pair = randomShapes( random, static_cast<Arrangement>( cases.size() % arrangement_count ) );
 		if ( pair.a.shape != nullptr && pair.b.shape != nullptr )
 		{
-			cases.push_back( { std::move( pair ), { 0, random.below( 2 ) == 0 ? inf : 1.0, random.below( 2 ) == 0 ? 0 : 0.3 } } );
+			cases.push_back(
+			    { std::move( pair ), { 0, random.below( 2 ) == 0 ? inf : 1.0, random.below( 2 ) == 0 ? 0 : 0.3 } } );
 		}
 	}
 	const auto answer = [&]( std::size_t first, std::size_t step, std::vector<lw_clearance>& out )
@@ -175,7 +181,8 @@ TEST( ExtremeThreads, AnswersDependOnTheirNumber )
 		{
 			const ShapePair& p = cases[i].pair;
 			lw_query_reset( query.get() );
-			lw_shape_distance( p.a.shape.get(), &p.world_from_a, p.b.shape.get(), &p.world_from_b, &cases[i].range, query.get(), &out[i] );
+			lw_shape_distance(
+			    p.a.shape.get(), &p.world_from_a, p.b.shape.get(), &p.world_from_b, &cases[i].range, query.get(), &out[i] );
 		}
 	};
 	std::vector<lw_clearance> alone( cases.size() );

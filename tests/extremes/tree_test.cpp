@@ -16,7 +16,8 @@ TEST( ExtremeTrees, PromiseIsBroken )
 	EXPECT_LT( findings.refused, findings.placements / 100 );
 	for ( int stage = query_lower; stage < stage_count; ++stage )
 	{
-		EXPECT_TRUE( findings.worst[stage] > 0.001 || stage == curved_width ) << stage_names[stage] << ": a bound so loose says nothing";
+		EXPECT_TRUE( findings.worst[stage] > 0.001 || stage == curved_width )
+		    << stage_names[stage] << ": a bound so loose says nothing";
 	}
 }
 
@@ -43,7 +44,8 @@ TEST( ExtremeTrees, ViolationAtMinDIsLeftUndecided )
 		there.t[0] = 0.9 + radius + gap;
 		lw_clearance exactly, got;
 		ASSERT_EQ( LW_OK, lw_shape_distance( box.get(), &here, ball.get(), &there, nullptr, query.get(), &exactly ) );
-		lw_range range = { exactly.upper * ( 1 + 0x1p-53 * static_cast<double>( i % 9 - 4 ) ), std::numeric_limits<double>::infinity(), 0.5 };
+		lw_range range = { exactly.upper * ( 1 + 0x1p-53 * static_cast<double>( i % 9 - 4 ) ),
+		    std::numeric_limits<double>::infinity(), 0.5 };
 		ASSERT_EQ( LW_OK, lw_shape_distance( box.get(), &here, ball.get(), &there, &range, query.get(), &got ) );
 		decided += got.kind == LW_CLEARANCE_VIOLATION;
 		ASSERT_TRUE( got.kind == LW_CLEARANCE_VIOLATION || got.upper - got.lower <= 1e-10 || got.kind == LW_CLEARANCE_NEAR )

@@ -31,9 +31,9 @@ TEST( ExtremeTriangles, DistanceBeyondItsBound )
 			Random random( i * family_count + static_cast<unsigned>( f ) );
 			judgeTriangles( randomPair( random, static_cast<Family>( f ) ), family_names[f], i, findings );
 		}
-		std::printf( "%-16s worst / promised: distance %.4f, witness %.4f; certified %d, 64 bits %d, 113 bits %d\n", family_names[f],
-			findings.worst[triangle_distance], findings.worst[triangle_witness], (int)findings.efforts[0], (int)findings.efforts[1],
-			(int)findings.efforts[2] );
+		std::printf( "%-16s worst / promised: distance %.4f, witness %.4f; certified %d, 64 bits %d, 113 bits %d\n",
+		    family_names[f], findings.worst[triangle_distance], findings.worst[triangle_witness], (int)findings.efforts[0],
+		    (int)findings.efforts[1], (int)findings.efforts[2] );
 		expectNothingBroken( findings );
 		worst = std::max( worst, findings.worst[triangle_distance] );
 	}
@@ -59,6 +59,7 @@ TEST( ExtremeTriangles, Denormals )
 		}
 		judgeTriangles( p, family_names[family], i, findings );
 	}
-	std::printf( "worst / promised: distance %.4f, witness %.4f\n", findings.worst[triangle_distance], findings.worst[triangle_witness] );
+	std::printf( "worst / promised: distance %.4f, witness %.4f\n", findings.worst[triangle_distance],
+	    findings.worst[triangle_witness] );
 	expectNothingBroken( findings );
 }

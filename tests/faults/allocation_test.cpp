@@ -461,7 +461,8 @@ TEST( Smoke, BuildAskSaveRead )
 	{
 		const State a = randomState( w.rng, w.robot.get() ), b = randomState( w.rng, w.robot.get() );
 		lw_state_result state;
-		ASSERT_EQ( LW_OK, lw_checker_state( w.checker.get(), query.get(), a.data(), LW_CHECK_BOTH, nullptr, false, &state ) );
+		ASSERT_EQ(
+		    LW_OK, lw_checker_state( w.checker.get(), query.get(), a.data(), LW_CHECK_BOTH, nullptr, false, &state ) );
 		lw_edge_def def = lw_edge_def_default();
 		def.slack = 0.05;
 		lw_edge_result edge;

@@ -69,7 +69,8 @@ inline double difference( const std::vector<Triangle>& a, std::vector<Triangle> 
 	return most;
 }
 
-inline void addTriangles( const aiScene& scene, const aiNode& node, const aiMatrix4x4& root_from_parent, std::vector<Triangle>& out )
+inline void addTriangles(
+    const aiScene& scene, const aiNode& node, const aiMatrix4x4& root_from_parent, std::vector<Triangle>& out )
 {
 	const aiMatrix4x4 root_from_node = root_from_parent * node.mTransformation;
 	for ( unsigned m = 0; m < node.mNumMeshes; ++m )

@@ -10,7 +10,8 @@ namespace
 {
 
 /// The checker with more obstacles, of these names.
-leeway::Checker withObstacles( const leeway::Checker& checker, const std::vector<std::pair<std::string, lw_transform>>& added )
+leeway::Checker withObstacles(
+    const leeway::Checker& checker, const std::vector<std::pair<std::string, lw_transform>>& added )
 {
 	const leeway::Shape box = makeBox( 0.1, 0.1, 0.3 );
 	std::vector<lw_scene_change> changes;
@@ -21,9 +22,9 @@ leeway::Checker withObstacles( const leeway::Checker& checker, const std::vector
 	}
 	lw_scene* scene = nullptr;
 	lw_diag diag = {};
-	leeway::require( lw_scene_edit( lw_checker_scene( checker.get() ), changes.data(), static_cast<std::uint32_t>( changes.size() ),
-						 nullptr, &diag, &scene ),
-		diag );
+	leeway::require( lw_scene_edit( lw_checker_scene( checker.get() ), changes.data(),
+	                     static_cast<std::uint32_t>( changes.size() ), nullptr, &diag, &scene ),
+	    diag );
 	const leeway::Scene owner = leeway::Scene::adopt( scene );
 	lw_checker_edit_def def = lw_checker_edit_def_default();
 	def.scene = scene;

@@ -48,7 +48,8 @@ struct EdgeMargins
 				return pair.margin;
 			}
 		}
-		const auto part = []( const std::vector<double>& values, std::uint32_t i ) { return values.empty() ? 0 : values[i]; };
+		const auto part = []( const std::vector<double>& values, std::uint32_t i )
+		{ return values.empty() ? 0 : values[i]; };
 		return is_self ? self + part( self_links, a ) + part( self_links, b )
 					   : environment + part( links, a ) + part( objects, b );
 	}

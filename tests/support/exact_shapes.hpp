@@ -41,8 +41,8 @@ struct Body
 		boxes.push_back( box );
 		auto corner = [&]( int i ) -> lw_vec3
 		{ return { i & 1 ? box.max[0] : box.min[0], i & 2 ? box.max[1] : box.min[1], i & 4 ? box.max[2] : box.min[2] }; };
-		const int faces[12][3] = { { 0, 1, 3 }, { 0, 3, 2 }, { 4, 5, 7 }, { 4, 7, 6 }, { 0, 1, 5 }, { 0, 5, 4 }, { 2, 3, 7 }, { 2, 7, 6 },
-			{ 0, 2, 6 }, { 0, 6, 4 }, { 1, 3, 7 }, { 1, 7, 5 } };
+		const int faces[12][3] = { { 0, 1, 3 }, { 0, 3, 2 }, { 4, 5, 7 }, { 4, 7, 6 }, { 0, 1, 5 }, { 0, 5, 4 }, { 2, 3, 7 },
+		    { 2, 7, 6 }, { 0, 2, 6 }, { 0, 6, 4 }, { 1, 3, 7 }, { 1, 7, 5 } };
 		for ( const int* f : faces )
 		{
 			items.push_back( { { corner( f[0] ), corner( f[1] ), corner( f[2] ) }, 0 } );
@@ -61,7 +61,8 @@ struct Body
 		{
 			for ( lw_vec3 v : item.v )
 			{
-				most = std::max( { most, std::abs( v.x ) + item.radius, std::abs( v.y ) + item.radius, std::abs( v.z ) + item.radius } );
+				most = std::max(
+				    { most, std::abs( v.x ) + item.radius, std::abs( v.y ) + item.radius, std::abs( v.z ) + item.radius } );
 			}
 		}
 		return most;
@@ -90,7 +91,9 @@ inline std::vector<Placed> place( const Body& body, const Rotation& rotation, Ve
 			p.v[i] = rotation( item.v[i] ) + offset;
 		}
 		p.center = ( 1 / Wide( 3 ) ) * ( p.v[0] + p.v[1] + p.v[2] );
-		p.reach = std::max( std::max( length( p.v[0] - p.center ), length( p.v[1] - p.center ) ), length( p.v[2] - p.center ) ) + item.radius;
+		p.reach =
+		    std::max( std::max( length( p.v[0] - p.center ), length( p.v[1] - p.center ) ), length( p.v[2] - p.center ) ) +
+		    item.radius;
 		out.push_back( p );
 	}
 	return out;
@@ -104,7 +107,8 @@ inline bool isInside( const std::vector<Placed>& items, const Body& body, const 
 		Vec<Wide> p = rotation.back( item.v[0] - offset );
 		for ( const Box& box : body.boxes )
 		{
-			if ( p.x >= box.min[0] && p.x <= box.max[0] && p.y >= box.min[1] && p.y <= box.max[1] && p.z >= box.min[2] && p.z <= box.max[2] )
+			if ( p.x >= box.min[0] && p.x <= box.max[0] && p.y >= box.min[1] && p.y <= box.max[1] && p.z >= box.min[2] &&
+			     p.z <= box.max[2] )
 			{
 				return true;
 			}
@@ -136,7 +140,8 @@ inline void lowerTo( Enclosure& best, const std::vector<Placed>& pa, const std::
 
 /// The distance of two bodies, [lower, upper], to about `width`; the poses are taken as the rotations that they mean. Both
 /// are of pieces, or neither.
-inline Enclosure distance( const Body& a, const lw_transform& world_from_a, const Body& b, const lw_transform& world_from_b, double width )
+inline Enclosure distance(
+    const Body& a, const lw_transform& world_from_a, const Body& b, const lw_transform& world_from_b, double width )
 {
 	if ( !a.pieces.empty() )
 	{
@@ -145,7 +150,8 @@ inline Enclosure distance( const Body& a, const lw_transform& world_from_a, cons
 		{
 			between[k] = Quad( world_from_b.t[k] ) - world_from_a.t[k];
 		}
-		return distance( PieceSet( a.pieces, world_from_a, { 0, 0, 0 } ), PieceSet( b.pieces, world_from_b, { between[0], between[1], between[2] } ), width );
+		return distance( PieceSet( a.pieces, world_from_a, { 0, 0, 0 } ),
+		    PieceSet( b.pieces, world_from_b, { between[0], between[1], between[2] } ), width );
 	}
 	Rotation ra( world_from_a ), rb( world_from_b );
 	Vec<Wide> none = { 0, 0, 0 };
@@ -182,7 +188,9 @@ inline Wide outside( const Body& body, lw_vec3 p, std::uint32_t element, double 
 		only.push_back( body.pieces[element] );
 	}
 	const lw_transform here = lw_transform_identity();
-	return distance( PieceSet( only.empty() ? body.pieces : only, here, { 0, 0, 0 } ), PieceSet( point, here, { 0, 0, 0 } ), width ).upper;
+	return distance(
+	    PieceSet( only.empty() ? body.pieces : only, here, { 0, 0, 0 } ), PieceSet( point, here, { 0, 0, 0 } ), width )
+	    .upper;
 }
 
 /// The promise of lw_clearance (leeway/distance.h), relative to the size of the question.

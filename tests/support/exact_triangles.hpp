@@ -426,7 +426,9 @@ inline Enclosure distanceNear( const lw_vec3 a[3], const lw_vec3 b[3], lw_vec3 n
 		{
 			// the points again, from the features that they are on
 			int i = on_a.corner, j = on_b.corner;
-			int feature = i >= 3 ? corners_of_a + i - 3 : j >= 3 ? corners_of_b + j - 3 : edges + 3 * ( i > 0 ? i : 0 ) + ( j > 0 ? j : 0 );
+			int feature = i >= 3   ? corners_of_a + i - 3
+			              : j >= 3 ? corners_of_b + j - 3
+			                       : edges + 3 * ( i > 0 ? i : 0 ) + ( j > 0 ? j : 0 );
 			Bounds<Wide> again = solveOne( pair, feature );
 			bounds = { std::max( bounds.lower, again.lower ), std::min( bounds.upper, again.upper ) };
 			const Vec<Wide>*t = pair.a, *u = pair.b;

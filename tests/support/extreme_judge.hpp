@@ -18,19 +18,19 @@ enum Stage
 {
 	triangle_distance, ///< |lwi_tri_tri() - truth| in LWI_TRI_TRI_ERROR of the extent
 	triangle_witness,  ///< its points beside their triangles, in the same and one roundoff of their coordinates
-	query_lower,       ///< of the allowance for rounding in a measured distance, the share that was needed (neither boxes nor curved)
-	query_upper,       ///< truth - upper, in the promised rounding
-	query_width,       ///< upper - lower for alpha 0, in the promised rounding (neither boxes nor curved)
-	box_width,         ///< the same with boxes
-	curved_width,      ///< the same with cylinders and cones
-	query_witness,     ///< points beside the shapes, and their distance from upper
-	query_exchange,    ///< answers for a, b and for b, a
-	query_moved,       ///< answers before and after a rigid motion of both
+	query_lower, ///< of the allowance for rounding in a measured distance, the share that was needed (neither boxes nor curved)
+	query_upper,    ///< truth - upper, in the promised rounding
+	query_width,    ///< upper - lower for alpha 0, in the promised rounding (neither boxes nor curved)
+	box_width,      ///< the same with boxes
+	curved_width,   ///< the same with cylinders and cones
+	query_witness,  ///< points beside the shapes, and their distance from upper
+	query_exchange, ///< answers for a, b and for b, a
+	query_moved,    ///< answers before and after a rigid motion of both
 	stage_count
 };
 
-constexpr const char* stage_names[stage_count] = { "triangle distance", "triangle witness", "query lower", "query upper", "query width",
-	"query width, boxes", "query width, curved", "query witness", "query exchanged", "query moved" };
+constexpr const char* stage_names[stage_count] = { "triangle distance", "triangle witness", "query lower", "query upper",
+    "query width", "query width, boxes", "query width, curved", "query witness", "query exchanged", "query moved" };
 
 /// Findings so far.
 struct Findings
@@ -67,7 +67,8 @@ struct Findings
 	}
 	void merge( const Findings& other )
 	{
-		pairs += other.pairs, queries += other.queries, placements += other.placements, refused += other.refused, broken += other.broken;
+		pairs += other.pairs, queries += other.queries, placements += other.placements, refused += other.refused,
+		    broken += other.broken;
 		for ( int i = 0; i < 3; ++i )
 		{
 			efforts[i] += other.efforts[i];
@@ -134,12 +135,14 @@ class ShapeJudge
 {
 public:
 	ShapeJudge( const ShapePair& pair, std::uint64_t index, lw_query* query, Findings& findings )
-		: m_pair( pair ), m_query( query ), m_findings( findings ), m_where( std::string( pair.name ) + " " + std::to_string( index ) ),
-		  m_promise( exact::promiseOf( pair.a.body, pair.world_from_a, pair.b.body, pair.world_from_b ) ),
-		  m_width( pair.a.body.isCurved() || pair.b.body.isCurved() ? curved_width :
-				  pair.a.body.isOfBoxes() || pair.b.body.isOfBoxes() ? box_width :
-																	   query_width ),
-		  m_truth( exact::distance( pair.a.body, pair.world_from_a, pair.b.body, pair.world_from_b, 0.01 * m_promise.rounding ) )
+	    : m_pair( pair ), m_query( query ), m_findings( findings ),
+	      m_where( std::string( pair.name ) + " " + std::to_string( index ) ),
+	      m_promise( exact::promiseOf( pair.a.body, pair.world_from_a, pair.b.body, pair.world_from_b ) ),
+	      m_width( pair.a.body.isCurved() || pair.b.body.isCurved()     ? curved_width
+	               : pair.a.body.isOfBoxes() || pair.b.body.isOfBoxes() ? box_width
+	                                                                    : query_width ),
+	      m_truth(
+	          exact::distance( pair.a.body, pair.world_from_a, pair.b.body, pair.world_from_b, 0.01 * m_promise.rounding ) )
 	{
 		++findings.placements;
 		require( m_truth.upper - m_truth.lower <= 0.1 * m_promise.rounding, "the oracle is too wide" );
@@ -184,11 +187,13 @@ private:
 	{
 		return ask( m_pair.a, m_pair.world_from_a, m_pair.b, m_pair.world_from_b, range );
 	}
-	lw_clearance ask( const Subject& a, const lw_transform& world_from_a, const Subject& b, const lw_transform& world_from_b, const lw_range& range )
+	lw_clearance ask( const Subject& a, const lw_transform& world_from_a, const Subject& b, const lw_transform& world_from_b,
+	    const lw_range& range )
 	{
 		lw_clearance out;
 		++m_findings.queries;
-		lw_status status = lw_shape_distance( a.shape.get(), &world_from_a, b.shape.get(), &world_from_b, &range, m_query, &out );
+		lw_status status =
+		    lw_shape_distance( a.shape.get(), &world_from_a, b.shape.get(), &world_from_b, &range, m_query, &out );
 		require( status == LW_OK, "no answer" );
 		++m_findings.kinds[out.kind];
 		return out;
@@ -269,8 +274,8 @@ private:
 	double beside( const Subject& subject, const lw_transform& world_from_shape, lw_vec3 point, std::uint32_t element ) const
 	{
 		exact::Rotation rotation( world_from_shape );
-		exact::Vec<exact::Wide> w = { exact::Wide( point.x ) - world_from_shape.t[0], exact::Wide( point.y ) - world_from_shape.t[1],
-			exact::Wide( point.z ) - world_from_shape.t[2] };
+		exact::Vec<exact::Wide> w = { exact::Wide( point.x ) - world_from_shape.t[0],
+		    exact::Wide( point.y ) - world_from_shape.t[1], exact::Wide( point.z ) - world_from_shape.t[2] };
 		exact::Vec<exact::Wide> v = rotation.back( w );
 		lw_vec3 p = { static_cast<double>( v.x ), static_cast<double>( v.y ), static_cast<double>( v.z ) };
 		const exact::Body& body = subject.body;
@@ -281,7 +286,8 @@ private:
 		double least = INFINITY;
 		for ( const exact::Box& box : body.boxes )
 		{
-			double x = std::max( { 0.0, box.min[0] - p.x, p.x - box.max[0] } ), y = std::max( { 0.0, box.min[1] - p.y, p.y - box.max[1] } );
+			double x = std::max( { 0.0, box.min[0] - p.x, p.x - box.max[0] } ),
+			       y = std::max( { 0.0, box.min[1] - p.y, p.y - box.max[1] } );
 			double z = std::max( { 0.0, box.min[2] - p.z, p.z - box.max[2] } );
 			std::uint32_t index = static_cast<std::uint32_t>( &box - body.boxes.data() );
 			least = element == LW_INVALID_INDEX || element == index ? std::min( least, std::hypot( x, y, z ) ) : least;
@@ -290,7 +296,8 @@ private:
 		{
 			if ( element == LW_INVALID_INDEX || element == i )
 			{
-				double d = static_cast<double>( exact::pointDistance<exact::Quad>( body.items[i].v, p ) ) - body.items[i].radius;
+				double d =
+				    static_cast<double>( exact::pointDistance<exact::Quad>( body.items[i].v, p ) ) - body.items[i].radius;
 				least = std::min( least, std::max( 0.0, d ) );
 			}
 		}
@@ -325,11 +332,13 @@ private:
 		{
 			c = far * random.unit();
 		}
-		lw_transform a = lw_transform_multiply( &by, &m_pair.world_from_a ), b = lw_transform_multiply( &by, &m_pair.world_from_b );
+		lw_transform a = lw_transform_multiply( &by, &m_pair.world_from_a ),
+		             b = lw_transform_multiply( &by, &m_pair.world_from_b );
 		double coordinates = 0;
 		for ( int k = 0; k < 3; ++k )
 		{
-			coordinates += std::abs( a.t[k] ) + std::abs( b.t[k] ) + std::abs( m_pair.world_from_a.t[k] ) + std::abs( m_pair.world_from_b.t[k] );
+			coordinates += std::abs( a.t[k] ) + std::abs( b.t[k] ) + std::abs( m_pair.world_from_a.t[k] ) +
+			               std::abs( m_pair.world_from_b.t[k] );
 		}
 		lw_clearance moved = ask( m_pair.a, a, m_pair.b, b, lw_range_exact() );
 		double allowed = 2 * m_promise.width + 8 * 0x1p-53 * coordinates;
@@ -377,12 +386,13 @@ private:
 	std::string where() const
 	{
 		char text[400];
-		int n = std::snprintf( text, sizeof text, "%s, truth [%.17Lg, %.17Lg], rounding %.3g", m_where.c_str(), m_truth.lower, m_truth.upper,
-			m_promise.rounding );
+		int n = std::snprintf( text, sizeof text, "%s, truth [%.17Lg, %.17Lg], rounding %.3g", m_where.c_str(),
+		    m_truth.lower, m_truth.upper, m_promise.rounding );
 		if ( m_range != nullptr )
 		{
-			std::snprintf( text + n, sizeof text - static_cast<std::size_t>( n ), ", range %.17g %.17g %.17g, got [%.17g, %.17g] class %d", m_range->min_d,
-				m_range->max_d, m_range->alpha, m_got->lower, m_got->upper, static_cast<int>( m_got->kind ) );
+			std::snprintf( text + n, sizeof text - static_cast<std::size_t>( n ),
+			    ", range %.17g %.17g %.17g, got [%.17g, %.17g] class %d", m_range->min_d, m_range->max_d, m_range->alpha,
+			    m_got->lower, m_got->upper, static_cast<int>( m_got->kind ) );
 		}
 		return text;
 	}
@@ -400,8 +410,8 @@ private:
 };
 
 /// Some twenty questions about two random shapes, by either of the generators.
-inline void judgeShapes( Random& random, Arrangement arrangement, std::uint64_t index, lw_query* query, Findings& findings, int least = -30,
-	ShapePair ( *generate )( Random&, Arrangement, int ) = randomShapes )
+inline void judgeShapes( Random& random, Arrangement arrangement, std::uint64_t index, lw_query* query, Findings& findings,
+    int least = -30, ShapePair ( *generate )( Random&, Arrangement, int ) = randomShapes )
 {
 	ShapePair pair = generate( random, arrangement, least );
 	if ( pair.a.shape == nullptr || pair.b.shape == nullptr )

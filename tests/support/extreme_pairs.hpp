@@ -33,7 +33,8 @@ public:
 	/// Between two powers of two, uniform in its exponent
 	double octave( int low, int high )
 	{
-		return std::ldexp( 1 + 0.5 * ( unit() + 1 ), low + static_cast<int>( below( static_cast<std::uint32_t>( high - low ) ) ) );
+		return std::ldexp(
+		    1 + 0.5 * ( unit() + 1 ), low + static_cast<int>( below( static_cast<std::uint32_t>( high - low ) ) ) );
 	}
 	lw_vec3 point() { return { unit(), unit(), unit() }; }
 
@@ -77,9 +78,9 @@ enum Family
 	family_count
 };
 
-constexpr const char* family_names[family_count] = { "ordinary", "needles", "needle and face", "segments", "points", "shared corner",
-	"shared edge", "coincident", "coplanar", "parallel edges", "parallel faces", "corner touches", "edges touch", "crossing",
-	"size ratio", "far away", "lattice", "tiny gap" };
+constexpr const char* family_names[family_count] = { "ordinary", "needles", "needle and face", "segments", "points",
+    "shared corner", "shared edge", "coincident", "coplanar", "parallel edges", "parallel faces", "corner touches",
+    "edges touch", "crossing", "size ratio", "far away", "lattice", "tiny gap" };
 
 struct TrianglePair
 {
@@ -98,7 +99,8 @@ inline void randomTriangle( Random& random, lw_vec3 t[3] )
 inline void randomNeedle( Random& random, lw_vec3 t[3] )
 {
 	lw_vec3 from = random.point(), to = random.point();
-	lw_vec3 beside = plus( plus( from, random.uniform( -0.2, 1.2 ), minus( to, from ) ), random.octave( -41, -4 ), random.point() );
+	lw_vec3 beside =
+	    plus( plus( from, random.uniform( -0.2, 1.2 ), minus( to, from ) ), random.octave( -41, -4 ), random.point() );
 	std::uint32_t first = random.below( 3 );
 	t[first] = from;
 	t[( first + 1 ) % 3] = to;
@@ -155,7 +157,8 @@ inline bool placeBeside( Random& random, Family family, lw_vec3 a[3], lw_vec3 b[
 	case size_ratio:
 	{
 		double size = random.octave( -40, -1 );
-		lw_vec3 at = random.below( 2 ) == 0 ? plus( pointOf( random, a ), size * 4 * random.unit(), random.point() ) : random.point();
+		lw_vec3 at =
+		    random.below( 2 ) == 0 ? plus( pointOf( random, a ), size * 4 * random.unit(), random.point() ) : random.point();
 		for ( int i = 0; i < 3; ++i )
 		{
 			b[i] = plus( at, size, b[i] );

@@ -28,7 +28,8 @@ struct ShapePair
 	Subject a, b;
 	lw_transform world_from_a, world_from_b;
 	const char* name;
-	bool skewed = false; ///< rotations that are ones to 1e-6 only: the meaning of a product of such is not the product of their meanings
+	bool skewed =
+	    false; ///< rotations that are ones to 1e-6 only: the meaning of a product of such is not the product of their meanings
 };
 
 enum Arrangement
@@ -97,7 +98,8 @@ inline std::unique_ptr<lw_shape, ReleaseShape> makeShape( Random& random, const 
 		break;
 	}
 	case LW_SHAPE_BOXES:
-		status = lw_shape_create_boxes( body.boxes[0].min, static_cast<std::uint32_t>( body.boxes.size() ), &tree, nullptr, nullptr, &shape );
+		status = lw_shape_create_boxes(
+		    body.boxes[0].min, static_cast<std::uint32_t>( body.boxes.size() ), &tree, nullptr, nullptr, &shape );
 		break;
 	case LW_SHAPE_SPHERES:
 		for ( const exact::Item& item : body.items )

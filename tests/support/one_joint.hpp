@@ -24,8 +24,8 @@ struct OneJoint
 
 	/// Makes the robot: a base, a joint of this type and limits, and a link with the body.
 	/// @return the status, with a message in *diag
-	lw_status makeRobot( const lw_shape* shape, const lw_transform& link_from_shape, lw_joint_type type, const double axis[3], double limit,
-		lw_diag* diag )
+	lw_status makeRobot( const lw_shape* shape, const lw_transform& link_from_shape, lw_joint_type type,
+	    const double axis[3], double limit, lw_diag* diag )
 	{
 		const char* links[2] = { "base", "arm" };
 		lw_joint_def joint = lw_joint_def_default();

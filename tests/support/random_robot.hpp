@@ -292,7 +292,8 @@ inline RobotModel telescope( SeededRng& rng )
 	for ( int i = 0; i < stages; ++i )
 	{
 		const lw_joint_type type = i == 0 && rng.integer( 0, 2 ) == 0 ? LW_JOINT_PLANAR : LW_JOINT_PRISMATIC;
-		lw_joint_def& j = model.joint( "stage" + std::to_string( i ), type, static_cast<std::uint32_t>( model.linkNames.size() - 1 ) );
+		lw_joint_def& j =
+		    model.joint( "stage" + std::to_string( i ), type, static_cast<std::uint32_t>( model.linkNames.size() - 1 ) );
 		if ( type == LW_JOINT_PRISMATIC )
 		{
 			j.axis[0] = 1;

@@ -100,7 +100,8 @@ inline EdgeMargins randomMargins( SeededRng& rng, std::uint32_t links, std::uint
 	{
 		if ( objects > 0 && rng.integer( 0, 2 ) == 0 )
 		{
-			out.pairs.push_back( { a, static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( objects ) - 1 ) ), some() } );
+			out.pairs.push_back(
+			    { a, static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( objects ) - 1 ) ), some() } );
 		}
 		if ( a + 1 < links && rng.integer( 0, 2 ) == 0 )
 		{

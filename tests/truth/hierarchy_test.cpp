@@ -19,12 +19,13 @@ struct Case
 };
 
 const Case CASES[] = {
-	{ "armar3", "/armar3/armar3.urdf", "/armar3/armar3.srdf", "/kit_kitchen/scene_cluttered.yaml", "platform_torso_both_arms" },
-	{ "armar3_arm", "/armar3/armar3.urdf", "/armar3/armar3.srdf", "/kit_kitchen/scene_cluttered.yaml", "right_arm" },
-	{ "fetch", "/mbm/fetch/fetch.urdf", "/mbm/fetch/fetch.srdf", "/mbm/fetch/problems/table_pick_fetch/scene0001.yaml",
-		"arm_with_torso" },
-	{ "panda", "/mbm/panda/panda.urdf", "/mbm/panda/panda.srdf", "/mbm/panda/problems/cage_panda/scene0001.yaml",
-		"panda_arm" },
+    { "armar3", "/armar3/armar3.urdf", "/armar3/armar3.srdf", "/kit_kitchen/scene_cluttered.yaml",
+        "platform_torso_both_arms" },
+    { "armar3_arm", "/armar3/armar3.urdf", "/armar3/armar3.srdf", "/kit_kitchen/scene_cluttered.yaml", "right_arm" },
+    { "fetch", "/mbm/fetch/fetch.urdf", "/mbm/fetch/fetch.srdf", "/mbm/fetch/problems/table_pick_fetch/scene0001.yaml",
+        "arm_with_torso" },
+    { "panda", "/mbm/panda/panda.urdf", "/mbm/panda/panda.srdf", "/mbm/panda/problems/cage_panda/scene0001.yaml",
+        "panda_arm" },
 };
 
 /// Hulls a few centimetres too large and a second of proofs: enough for tables to matter.
@@ -43,7 +44,8 @@ std::vector<double> randomState( SeededRng& rng, const leeway::io::Problem& prob
 	for ( uint32_t variable : problem.variables )
 	{
 		const lw_variable_info info = lw_robot_variable( problem.robot.get(), variable );
-		const double low = std::isfinite( info.lower ) ? info.lower : -1, high = std::isfinite( info.upper ) ? info.upper : 1;
+		const double low = std::isfinite( info.lower ) ? info.lower : -1,
+		             high = std::isfinite( info.upper ) ? info.upper : 1;
 		q.push_back( rng.uniform( low - excess, high + excess ) );
 	}
 	return q;

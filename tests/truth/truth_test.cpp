@@ -45,7 +45,8 @@ struct Subject
 	bool isCylinder( uint32_t object ) const { return object < cylinder.size() && cylinder[object]; }
 	double tolerance( const groundtruth::Row& row, uint32_t nearest ) const
 	{
-		bool near_cylinder = isCylinder( nearest ) || isCylinder( lw_scene_find_object( scene.get(), row.env_object.c_str() ) );
+		bool near_cylinder =
+		    isCylinder( nearest ) || isCylinder( lw_scene_find_object( scene.get(), row.env_object.c_str() ) );
 		return near_cylinder ? CYLINDER_TOLERANCE : TOLERANCE;
 	}
 };
@@ -219,9 +220,9 @@ protected:
 		{
 			const groundtruth::Row& row = m_subject->table.rows[i];
 			lw_state_result got;
-			ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_CHECK_BOTH,
-						   &range, false, &got ),
-				LW_OK );
+			ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(),
+			               LW_CHECK_BOTH, &range, false, &got ),
+			    LW_OK );
 			if ( !agrees( got.environment, range, row.d_env, m_subject->tolerance( row, got.environment.b ) ) )
 			{
 				findings.report( m_subject->table, i, "environment " + describe( got.environment, row.d_env ) );
@@ -290,7 +291,8 @@ TEST_P( Truth, ExactDistancesAgree )
 		worst = std::max( { worst, std::abs( env.upper - row.d_env ), std::abs( self.upper - row.d_self_moving ) } );
 		++( got.verdict == LW_VERDICT_BLOCKED ? colliding : free );
 	}
-	std::printf( "largest difference %.3g m, widest interval %.3g m, %d free, %d colliding\n", worst, widest, free, colliding );
+	std::printf(
+	    "largest difference %.3g m, widest interval %.3g m, %d free, %d colliding\n", worst, widest, free, colliding );
 	EXPECT_GE( free, 100 );
 	EXPECT_GE( colliding, 100 );
 }
@@ -304,10 +306,11 @@ TEST_P( Truth, SelfDistancesOverAllJointsAgree )
 	{
 		const groundtruth::Row& row = m_subject->table.rows[i];
 		lw_state_result got;
-		ASSERT_EQ( lw_checker_state( m_subject->all.get(), query.get(), m_subject->all_states[i].data(), LW_CHECK_SELF, nullptr,
-					   false, &got ),
-			LW_OK );
-		if ( !agrees( got.self, lw_range_exact(), row.d_self, TOLERANCE ) || ( got.self.upper == 0 ) != row.in_collision_self )
+		ASSERT_EQ( lw_checker_state( m_subject->all.get(), query.get(), m_subject->all_states[i].data(), LW_CHECK_SELF,
+		               nullptr, false, &got ),
+		    LW_OK );
+		if ( !agrees( got.self, lw_range_exact(), row.d_self, TOLERANCE ) ||
+		     ( got.self.upper == 0 ) != row.in_collision_self )
 		{
 			findings.report( m_subject->table, i, "self " + describe( got.self, row.d_self ) );
 		}

@@ -31,10 +31,11 @@ protected:
 		{
 			const std::string number = std::to_string( i );
 			urdf += link( "l" + number, shapes[i] );
-			urdf += i == 0 ? ""
-			               : "<joint name=\"j" + number + "\" type=\"" + type + "\"><parent link=\"l" + std::to_string( i - 1 ) +
-			                     "\"/><child link=\"l" + number + "\"/><origin xyz=\"0.3 0 0\"/><limit " + limits +
-			                     " effort=\"1\" velocity=\"1\"/></joint>\n";
+			urdf += i == 0
+			            ? ""
+			            : "<joint name=\"j" + number + "\" type=\"" + type + "\"><parent link=\"l" +
+			                  std::to_string( i - 1 ) + "\"/><child link=\"l" + number +
+			                  "\"/><origin xyz=\"0.3 0 0\"/><limit " + limits + " effort=\"1\" velocity=\"1\"/></joint>\n";
 		}
 		return loadRobot( write( "r.urdf", urdf + "</robot>" ), "" );
 	}
@@ -42,9 +43,9 @@ protected:
 	std::vector<Notice> inScene( const RobotModel& robot, const std::string& file, const std::string& position,
 	    const std::string& more = "", const std::string& scene_more = "" )
 	{
-		const SceneModel scene = loadScene( write( "s.yaml",
-		    "world:\n  collision_objects:\n    - {id: hall, meshes: [{resource: " + file + more + "}], mesh_poses: [{position: " +
-		        position + "}]}\n" + scene_more ) );
+		const SceneModel scene =
+		    loadScene( write( "s.yaml", "world:\n  collision_objects:\n    - {id: hall, meshes: [{resource: " + file + more +
+		                                    "}], mesh_poses: [{position: " + position + "}]}\n" + scene_more ) );
 		ProblemOptions options;
 		options.scene = &scene;
 		std::vector<Notice> notices = buildProblem( robot, options ).notices;
@@ -109,7 +110,8 @@ TEST_F( PlausibilityTest, AMillimetreMeshBesideMetreOnes )
 	writeTetrahedron( "arm_mm.obj", 300 );
 	EXPECT_NOTICE( load( { mesh( "arm_mm.obj" ), mesh( "arm_mm.obj" ) } ).report.notices, "link l0 300 m, link l1 300 m" )
 	    << "a robot that is in millimetres as a whole";
-	EXPECT_NOTICE( load( { mesh( "arm.obj", "0.001 0.001 0.001" ) } ).report.notices, "link l0 0.3 mm; is a scale too much?" );
+	EXPECT_NOTICE(
+	    load( { mesh( "arm.obj", "0.001 0.001 0.001" ) } ).report.notices, "link l0 0.3 mm; is a scale too much?" );
 	EXPECT_NOTICE( inScene( robot, "arm_mm.obj", "[5, 0, 0]" ), "object hall 300 m" );
 }
 
@@ -121,10 +123,13 @@ TEST_F( PlausibilityTest, ARobotInsideOfASurface )
 	EXPECT_NOTICE( inScene( robot, "room.obj", "[0.5, 1, 2]" ), "encloses link l0" );
 	EXPECT_FALSE( hasNotice( inScene( robot, "room.obj", "[8, 0, 0]" ), "encloses" ) );
 	writeCube( "open.obj", 3, true );
-	EXPECT_FALSE( hasNotice( inScene( robot, "open.obj", "[0, 0, -2.5]" ), "encloses" ) ) << "near the opening of a box without a lid";
-	EXPECT_FALSE( hasNotice( inScene( robot, "room.obj", "[0, 0, 0]", ", leeway_solid: true" ), "encloses" ) ) << "then it is in contact";
-	const std::string allowed = "allowed_collision_matrix: {entry_names: [l0, l1, hall], entry_values: [[false, false, true], [false, false, "
-	                            "true], [true, true, false]]}\n";
+	EXPECT_FALSE( hasNotice( inScene( robot, "open.obj", "[0, 0, -2.5]" ), "encloses" ) )
+	    << "near the opening of a box without a lid";
+	EXPECT_FALSE( hasNotice( inScene( robot, "room.obj", "[0, 0, 0]", ", leeway_solid: true" ), "encloses" ) )
+	    << "then it is in contact";
+	const std::string allowed =
+	    "allowed_collision_matrix: {entry_names: [l0, l1, hall], entry_values: [[false, false, true], [false, false, "
+	    "true], [true, true, false]]}\n";
 	EXPECT_FALSE( hasNotice( inScene( robot, "room.obj", "[0, 0, 0]", "", allowed ), "encloses" ) );
 }
 
@@ -134,9 +139,9 @@ TEST_F( PlausibilityTest, AHeldOrSurroundingPrimitiveIsNoEnclosure )
 	const RobotModel robot = load( { box, box } );
 	EXPECT_FALSE( hasNotice( inScene( robot, "crate.obj", "[0, 0.5, 0]" ), "encloses" ) );
 	ProblemOptions options;
-	const SceneModel scene = loadScene( write( "room.yaml",
-	    "world:\n  collision_objects:\n    - {id: hall, pose: {position: [40, 0, 0]}, meshes: [{resource: " + writeCube( "room.obj", 3 ) +
-	        "}], mesh_poses: [{position: [-40, 0, 0]}]}\n" ) );
+	const SceneModel scene = loadScene( write(
+	    "room.yaml", "world:\n  collision_objects:\n    - {id: hall, pose: {position: [40, 0, 0]}, meshes: [{resource: " +
+	                     writeCube( "room.obj", 3 ) + "}], mesh_poses: [{position: [-40, 0, 0]}]}\n" ) );
 	options.scene = &scene;
 	EXPECT_NOTICE( buildProblem( robot, options ).notices, "encloses link l0" ) << "the object's pose counts once";
 	options.notice_enclosed = false;

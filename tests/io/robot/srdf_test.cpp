@@ -133,7 +133,8 @@ TEST_F( SrdfTest, AGroupThatLostAPartIsAnErrorOnlyWhereItIsUsed )
 	const std::string good = "<group name=\"good\"><joint name=\"j_l2\"/></group>\n";
 	expectUnusable( good + "<group name=\"a\"><joint name=\"j_l1\"/>\n<joint name=\"elbow\"/></group>",
 	    { "group a", "no joint elbow (line 5)", "use one of good" } );
-	expectUnusable( good + "<group name=\"a\"><chain base_link=\"base\" tip_link=\"hand\"/></group>", { "no link hand (line 4)" } );
+	expectUnusable(
+	    good + "<group name=\"a\"><chain base_link=\"base\" tip_link=\"hand\"/></group>", { "no link hand (line 4)" } );
 	expectUnusable( good + "<group name=\"a\"><chain tip_link=\"l2\"/></group>", { "<chain> has no base_link (line 4)" } );
 	expectUnusable( good + "<group name=\"a\"><group name=\"arms\"/></group>", { "there is no group arms (line 4)" } );
 	expectUnusable( good + "<group name=\"a\"><group name=\"b\"/></group><group name=\"b\"><link name=\"x\"/></group>",
@@ -166,15 +167,18 @@ TEST_F( SrdfTest, AGroupOfManyBrokenGroupsHasAShortDefect )
 TEST_F( SrdfTest, AUrdfIsNoSrdf )
 {
 	(void)load( "" );
-	expectError( [&] { (void)loadRobot( path( "r.urdf" ), path( "r.urdf" ) ); }, { "r.urdf", "<link> (line 1)", "this is a URDF" } );
-	const std::string both = write( "both.srdf", "<robot name=\"r\"><link name=\"base\"/><group name=\"g\"><joint name=\"j_l1\"/></group></robot>" );
+	expectError(
+	    [&] { (void)loadRobot( path( "r.urdf" ), path( "r.urdf" ) ); }, { "r.urdf", "<link> (line 1)", "this is a URDF" } );
+	const std::string both = write(
+	    "both.srdf", "<robot name=\"r\"><link name=\"base\"/><group name=\"g\"><joint name=\"j_l1\"/></group></robot>" );
 	const RobotModel model = loadRobot( path( "r.urdf" ), both );
 	EXPECT_EQ( model.useGroup( "g" ).joints, Names{ "j_l1" } );
 	EXPECT_NOTICE( model.report.notices, "links and joints of an SRDF were ignored" );
 	(void)load( "<group name=\"g\"><joint name=\"j_l1\"/></group>" );
 	expectError( [&] { (void)loadRobot( path( "r.srdf" ), "" ); }, { "r.srdf", "this is an SRDF", "as the robot" } );
 	EXPECT_NOTICE( load( "" ).report.notices, "holds no group and disables no pair" );
-	EXPECT_NOTICE( load( "<disable_collision link1=\"l1\" link2=\"l2\"/>" ).report.notices, "were ignored: <disable_collision>" );
+	EXPECT_NOTICE(
+	    load( "<disable_collision link1=\"l1\" link2=\"l2\"/>" ).report.notices, "were ignored: <disable_collision>" );
 }
 
 TEST_F( SrdfTest, DisabledPairs )
@@ -253,7 +257,8 @@ TEST_F( SrdfTest, GroupStates )
 	EXPECT_EQ( load( group + down ).useGroupState( "g", "down" ).joints.at( "j_lift" ), std::vector<double>{ 0 } );
 	expectBad( group + "<group_state name=\"s\"/>", { "group_state s (line 3)", "no group" } );
 	expectUnusable( group + "<group_state name=\"s\"/>", { "<group_state> has no group (line 3)" } );
-	expectUnusable( group + "<group_state name=\"s\" group=\"g\"><joint name=\"j_lift\" value=\"nan\"/></group_state>", { "nan" } );
+	expectUnusable(
+	    group + "<group_state name=\"s\" group=\"g\"><joint name=\"j_lift\" value=\"nan\"/></group_state>", { "nan" } );
 	EXPECT_NOTICE( model.report.notices, "no group h" );
 	expectBad( group + "<group_state name=\"up\" group=\"g\"><joint name=\"j_lift\" value=\"nan\"/></group_state>",
 	    { "group_state up", "nan" } );

@@ -142,7 +142,8 @@ TEST( SphereFiles, NamesAndNumbersOfYamlComeBack )
 	{
 		at = text.find( "\n  " + nlohmann::json( link.link ).dump() + ": #", at );
 		ASSERT_NE( at, std::string::npos ) << link.link << " in\n" << text;
-		const std::size_t begin = text.find( '[', at ), end = text.find( ']', begin ), radius = text.find( "\"radius\": ", end );
+		const std::size_t begin = text.find( '[', at ), end = text.find( ']', begin ),
+		                  radius = text.find( "\"radius\": ", end );
 		ASSERT_NE( radius, std::string::npos );
 		EXPECT_EQ( nlohmann::json::parse( text.substr( begin, end + 1 - begin ) ), nlohmann::json( { 0.125, -2.0, 3.5 } ) );
 		EXPECT_EQ( std::stod( text.substr( radius + 10 ) ), 0.25 );

@@ -159,7 +159,8 @@ TEST_F( UrdfTest, OddFilesNameTheOddity )
 TEST_F( UrdfTest, AnObjectIsNoRobotButAScene )
 {
 	RobotModel mug = load( linkXml( "mug" ) );
-	expectError( [&] { (void)buildProblem( mug, {} ); }, { "robot.urdf", "has no joint that can move", "give it as the scene" } );
+	expectError(
+	    [&] { (void)buildProblem( mug, {} ); }, { "robot.urdf", "has no joint that can move", "give it as the scene" } );
 	EXPECT_EQ( loadScene( path( "robot.urdf" ) ).objects.size(), 1u );
 }
 
@@ -167,7 +168,8 @@ TEST_F( UrdfTest, APointerOfGitLfsIsNoMesh )
 {
 	for ( const std::string name : { "m.stl", "m.obj", "m.dae", "m.ply", "m.glb", "m.3ds" } )
 	{
-		write( name, "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393\nsize 12345\n" );
+		write( name,
+		    "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393\nsize 12345\n" );
 		expectBad( linkXml( "base", "<collision><geometry><mesh filename=\"" + name + "\"/></geometry></collision>" ),
 		    { "link base, collision 1 (line 3)", name, "pointer of Git LFS", "git lfs pull" } );
 	}
@@ -249,9 +251,10 @@ TEST_F( UrdfTest, LimitsMissingOrReversed )
 // Simulators write limits of position alone, and dynamics that urdfdom does not take; no clearance depends on them.
 TEST_F( UrdfTest, EffortAndVelocityAreNotNeeded )
 {
-	const RobotModel model = load( linkXml( "a" ) + linkXml( "b" ) + linkXml( "c" ) +
-	                               jointXml( "ab", "revolute", "a", "b", "<limit lower=\"-1\" upper=\"2\"/><dynamics/>" ) +
-	                               jointXml( "bc", "prismatic", "b", "c", "<limit lower=\"0\" upper=\"0.5\" effort=\"1\"/><safety_controller/>" ) );
+	const RobotModel model = load(
+	    linkXml( "a" ) + linkXml( "b" ) + linkXml( "c" ) +
+	    jointXml( "ab", "revolute", "a", "b", "<limit lower=\"-1\" upper=\"2\"/><dynamics/>" ) +
+	    jointXml( "bc", "prismatic", "b", "c", "<limit lower=\"0\" upper=\"0.5\" effort=\"1\"/><safety_controller/>" ) );
 	ASSERT_EQ( model.joints.size(), 2u );
 	EXPECT_EQ( model.joints[0].lower, -1 );
 	EXPECT_EQ( model.joints[0].upper, 2 );

@@ -104,9 +104,11 @@ TEST_F( BadSceneTest, AKeyOneLetterFromARightOneIsNoObstacleLess )
 	expectBadObject( "poses: {}, " + ball, { "is pose meant?" } );
 	expectBadObject( "header: {frame_ids: base}, " + ball, { "header.frame_ids", "is frame_id meant?" } );
 	expectBad( "", { "robot_states", "is robot_state meant?" }, "robot_states: {}" );
-	expectBad( "", { "robot_state.joint_state.names", "is name meant?" }, "robot_state: {joint_state: {names: [j], positions: [1]}}" );
+	expectBad( "", { "robot_state.joint_state.names", "is name meant?" },
+	    "robot_state: {joint_state: {names: [j], positions: [1]}}" );
 	expectBad( "", { "link_paddings" }, "link_paddings: []" );
-	expectError( [&] { (void)loadScene( write( "w.yaml", "worlds: {collision_objects: []}" ) ); }, { "w.yaml", "is world meant?" } );
+	expectError(
+	    [&] { (void)loadScene( write( "w.yaml", "worlds: {collision_objects: []}" ) ); }, { "w.yaml", "is world meant?" } );
 	expectError( [&] { (void)loadScene( write( "w.yaml", "world:\n" ) ); }, { "w.yaml", "there is no world" } );
 	const SceneModel far = loadScene( write( "far.yaml", "world: {obstacles: [], collision_objects: [" + object + "]}" ) );
 	EXPECT_NOTICE( far.report.notices, "world.obstacles (line 1): this key is not known: ignored" );
@@ -122,18 +124,27 @@ TEST_F( BadSceneTest, PlacesBeyondAllMeasure )
 
 TEST_F( BadSceneTest, NamesThatAreNotUtf8 )
 {
-	expectBad( "collision_objects: [{id: \"caf\xe9\", " + ball + "}]", { "collision_objects[0].id (line 1)", "is not UTF-8" } );
+	expectBad(
+	    "collision_objects: [{id: \"caf\xe9\", " + ball + "}]", { "collision_objects[0].id (line 1)", "is not UTF-8" } );
 	expectError( [&] { (void)loadRobot( write( "l.urdf", "<robot name=\"r\">\n<link name=\"caf\xe9\"/></robot>" ), "" ); },
 	    { "l.urdf", "link (line 2)", "name=\"caf\\xe9\" of <link> is not UTF-8" } );
-	expectError( [&] { (void)loadRobot( write( "l.urdf", "<robot name=\"\xff\"><link name=\"a\"/></robot>" ), "" ); }, { "l.urdf", "UTF-8" } );
-	expectError( [&] { (void)loadRobot( path( "r.urdf" ), write( "l.srdf", "<robot name=\"r\"><group name=\"\xc0\x80\"/></robot>" ) ); },
+	expectError( [&] { (void)loadRobot( write( "l.urdf", "<robot name=\"\xff\"><link name=\"a\"/></robot>" ), "" ); },
+	    { "l.urdf", "UTF-8" } );
+	expectError( [&]
+	    { (void)loadRobot( path( "r.urdf" ), write( "l.srdf", "<robot name=\"r\"><group name=\"\xc0\x80\"/></robot>" ) ); },
 	    { "l.srdf", "UTF-8" } );
 	const std::string kitchen = "K\xc3\xbc" "che \xe2\x82\xac \xf0\x9f\xa4\x96";
-	const SceneModel scene = loadScene( write( "k.yaml", "world: {collision_objects: [{id: " + kitchen + ", " + ball + "}]}" ) );
+	const SceneModel scene =
+	    loadScene( write( "k.yaml", "world: {collision_objects: [{id: " + kitchen + ", " + ball + "}]}" ) );
 	EXPECT_EQ( scene.objects.at( 0 ).name, kitchen );
-	for ( const char* bad : { "\x80", "\xc1\xbf", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xe2\x82" } )
+	for ( const char* bad : { "\x80", "\xc1\xbf", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80",
+	          "\xf5\x80\x80\x80", "\xe2\x82" } )
 	{
-		expectError( [&] { (void)loadRobot( write( "l.urdf", "<robot name=\"" + std::string( bad ) + "\"><link name=\"a\"/></robot>" ), "" ); },
+		expectError(
+		    [&] {
+			    (void)loadRobot(
+			        write( "l.urdf", "<robot name=\"" + std::string( bad ) + "\"><link name=\"a\"/></robot>" ), "" );
+		    },
 		    { "UTF-8", "\\x" } );
 	}
 }

@@ -18,14 +18,16 @@ protected:
 	MarginsTest()
 	{
 		const auto link = []( const std::string& name ) {
-			return "<link name=\"" + name + "\"><collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision></link>";
+			return "<link name=\"" + name +
+			       "\"><collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision></link>";
 		};
 		std::string urdf = "<robot name=\"r\">" + link( "base" ) + link( "arm" ) + link( "hand" );
 		std::string last = "base";
 		for ( std::string name : { "arm", "hand" } )
 		{
-			urdf += "<joint name=\"to_" + name + "\" type=\"prismatic\"><origin xyz=\"0.5 0 0\"/><axis xyz=\"1 0 0\"/><parent link=\"" +
-			        last + "\"/><child link=\"" + name +
+			urdf += "<joint name=\"to_" + name +
+			        "\" type=\"prismatic\"><origin xyz=\"0.5 0 0\"/><axis xyz=\"1 0 0\"/><parent link=\"" + last +
+			        "\"/><child link=\"" + name +
 			        "\"/><limit lower=\"-0.3\" upper=\"0.3\" effort=\"1\" velocity=\"1\"/></joint>";
 			last = name;
 		}
@@ -53,10 +55,13 @@ protected:
 	}
 
 	const std::string box = "primitives: [{type: box, dimensions: [0.1, 0.1, 0.1]}], primitive_poses: [{position: ";
-	const std::string scene_text = "world: {collision_objects: [{id: table, header: {frame_id: base}, " + box +
-	                               "[1.6, 0, 0]}]}, {id: person, header: {frame_id: base}, " + box + "[0.5, 1.5, 0]}]}]}\n"
-	                               "robot_state: {attached_collision_objects: [{link_name: hand, touch_links: [hand], object: {id: "
-	                               "cup, header: {frame_id: hand}, " + box + "[0.1, 0, 0]}]}}]}\n";
+	const std::string scene_text =
+	    "world: {collision_objects: [{id: table, header: {frame_id: base}, " + box +
+	    "[1.6, 0, 0]}]}, {id: person, header: {frame_id: base}, " + box +
+	    "[0.5, 1.5, 0]}]}]}\n"
+	    "robot_state: {attached_collision_objects: [{link_name: hand, touch_links: [hand], object: {id: "
+	    "cup, header: {frame_id: hand}, " +
+	    box + "[0.1, 0, 0]}]}}]}\n";
 	RobotModel m_robot;
 	SceneModel m_scene;
 };
@@ -65,9 +70,10 @@ protected:
 
 TEST_F( MarginsTest, PartsAddUpAndPairsStandAlone )
 {
-	const Problem problem = build( margins( "environment: 0.01\nself: 0.002\nlinks: {hand: 0.03, cup: 0.005}\n"
-	                                        "self_links: {arm: 0.001}\nobjects: {person: 0.4}\n"
-	                                        "pairs:\n  - [hand, table, 0]\n  - [person, arm, 0.5]\n  - [cup, base, 0.07]\n" ) );
+	const Problem problem =
+	    build( margins( "environment: 0.01\nself: 0.002\nlinks: {hand: 0.03, cup: 0.005}\n"
+	                    "self_links: {arm: 0.001}\nobjects: {person: 0.4}\n"
+	                    "pairs:\n  - [hand, table, 0]\n  - [person, arm, 0.5]\n  - [cup, base, 0.07]\n" ) );
 	EXPECT_TRUE( problem.notices.empty() ) << allNotices( problem.notices );
 	EXPECT_EQ( toObject( problem, "hand", "person" ), 0.01 + 0.03 + 0.4 );
 	EXPECT_EQ( toObject( problem, "cup", "person" ), 0.01 + 0.005 + 0.4 );
@@ -82,7 +88,8 @@ TEST_F( MarginsTest, PartsAddUpAndPairsStandAlone )
 	lw_state_result state;
 	const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 	const double q[2] = { 0, 0 };
-	ASSERT_EQ( lw_checker_state( problem.checker.get(), query.get(), q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ), LW_OK );
+	ASSERT_EQ(
+	    lw_checker_state( problem.checker.get(), query.get(), q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ), LW_OK );
 	EXPECT_STREQ( lw_robot_link_name( problem.robot.get(), state.environment.a ), "cup" );
 	EXPECT_NEAR( state.environment.upper, 0.4 - 0.01 - 0.005, 1e-12 );
 }
@@ -98,7 +105,8 @@ TEST_F( MarginsTest, PaddingIsTheMarginThatSaysTheSame )
 	m_scene = loadScene( write( "bare.yaml", scene_text ) );
 	const Problem explicit_one =
 	    build( margins( "links: {base: 0.01, arm: 0.04, hand: 0.03, cup: 0.015}\nobjects: {table: 0.02, person: 0.02}\n" ) );
-	const leeway::Query one = leeway::makeQuery( padded.checker.get() ), other = leeway::makeQuery( explicit_one.checker.get() );
+	const leeway::Query one = leeway::makeQuery( padded.checker.get() ),
+	                    other = leeway::makeQuery( explicit_one.checker.get() );
 	SeededRng rng;
 	int near = 0;
 	for ( int i = 0; i < 200; ++i )
@@ -106,7 +114,8 @@ TEST_F( MarginsTest, PaddingIsTheMarginThatSaysTheSame )
 		const double q[2] = { rng.uniform( -0.3, 0.3 ), rng.uniform( -0.3, 0.3 ) };
 		lw_state_result a, b;
 		ASSERT_EQ( lw_checker_state( padded.checker.get(), one.get(), q, LW_CHECK_BOTH, nullptr, false, &a ), LW_OK );
-		ASSERT_EQ( lw_checker_state( explicit_one.checker.get(), other.get(), q, LW_CHECK_BOTH, nullptr, false, &b ), LW_OK );
+		ASSERT_EQ(
+		    lw_checker_state( explicit_one.checker.get(), other.get(), q, LW_CHECK_BOTH, nullptr, false, &b ), LW_OK );
 		EXPECT_EQ( a.verdict, b.verdict );
 		EXPECT_TRUE( sameBits( a.environment, b.environment ) );
 		EXPECT_TRUE( sameBits( a.self, b.self ) );

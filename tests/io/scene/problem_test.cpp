@@ -278,10 +278,13 @@ TEST_F( ProblemTest, AttachedObjectsKeepTheirShapesInTheirFrame )
 	{
 		SCOPED_TRACE( frame );
 		const Problem problem = build( robot(),
-		    scene( "robot_state: {joint_state: {name: [slide, turn], position: [0.5, 1.2]}, attached_collision_objects: [{link_name: hand, object: "
-		           "{id: cup, header: {frame_id: " + std::string( frame ) + "}, pose: {position: [1.2, 0.3, 0.4], orientation: [0.6, 0, 0, 0.8]}, "
-		           "primitives: [{type: box, dimensions: [0.2, 0.2, 0.2]}], primitive_poses: [{position: [0.1, 0.2, 0.3], orientation: [0, 0, 0.6, "
-		           "0.8]}]}}]}\n" ) );
+		    scene(
+		        "robot_state: {joint_state: {name: [slide, turn], position: [0.5, 1.2]}, attached_collision_objects: [{link_name: hand, object: "
+		        "{id: cup, header: {frame_id: " +
+		        std::string( frame ) +
+		        "}, pose: {position: [1.2, 0.3, 0.4], orientation: [0.6, 0, 0, 0.8]}, "
+		        "primitives: [{type: box, dimensions: [0.2, 0.2, 0.2]}], primitive_poses: [{position: [0.1, 0.2, 0.3], orientation: [0, 0, 0.6, "
+		        "0.8]}]}}]}\n" ) );
 		const lw_robot* r = problem.robot.get();
 		const std::uint32_t hand = lw_robot_find_link( r, "hand" );
 		const lw_body_def body = lw_robot_body( r, lw_robot_body_count( r ) - 1 );

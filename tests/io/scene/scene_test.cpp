@@ -142,7 +142,8 @@ TEST_F( SceneTest, ObjectPoseComesBeforeShapePoses )
 TEST_F( SceneTest, FewerPosesThanShapes )
 {
 	expectBadObject( box, { "primitives has 1 entry and primitive_poses 0" } );
-	expectBadObject( box + ", primitive_poses: [" + pose + ", " + pose + "]", { "primitives has 1 entry and primitive_poses 2" } );
+	expectBadObject(
+	    box + ", primitive_poses: [" + pose + ", " + pose + "]", { "primitives has 1 entry and primitive_poses 2" } );
 	expectBadObject(
 	    "pose: " + pose +
 	        ", primitives: [{type: sphere, dimensions: [1]}, {type: sphere, dimensions: [1]}], primitive_poses: [" + pose +

@@ -29,11 +29,12 @@ protected:
 			urdf += "<link name=\"" + std::string( name ) +
 			        "\"><collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision></link>";
 		}
-		const auto joint = [&]( const char* name, const char* parent, const char* child, const char* more,
-		                       const char* type = "prismatic" )
+		const auto joint =
+		    [&]( const char* name, const char* parent, const char* child, const char* more, const char* type = "prismatic" )
 		{
-			urdf += "<joint name=\"" + std::string( name ) + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" +
-			        child + "\"/>" + more + "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>";
+			urdf += "<joint name=\"" + std::string( name ) + "\" type=\"" + type + "\"><parent link=\"" + parent +
+			        "\"/><child link=\"" + child + "\"/>" + more +
+			        "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>";
 		};
 		joint( "x", "base", "bridge", "<axis xyz=\"1 0 0\"/>" );
 		if ( turning )
@@ -96,7 +97,8 @@ TEST_F( WorldTest, MovedObjectIsWhereItWas )
 	options.scene = &model;
 	World world( robot(), options );
 	const Checker before = world.problem()->checker;
-	const Checker after = world.move( "cup", at( 0, 0, -0.45 ) ); // its shape is 5 cm above: top at -0.35, where the hand begins
+	const Checker after =
+	    world.move( "cup", at( 0, 0, -0.45 ) ); // its shape is 5 cm above: top at -0.35, where the hand begins
 	EXPECT_NEAR( ask( after, { 0, 0 } ).environment.upper, 0, 1e-9 );
 	EXPECT_EQ( obstacle( after, ask( after, { 0, 0 } ) ), "cup" );
 	EXPECT_GT( ask( before, { 0, 0 } ).environment.upper, 0.3 );
@@ -106,7 +108,8 @@ TEST_F( WorldTest, MovedObjectIsWhereItWas )
 
 TEST_F( WorldTest, AttachedObjectStaysBehindOrTouchesItsFingers )
 {
-	const SceneModel model = scene( "allowed_collision_matrix: {entry_names: [jar, left], entry_values: [[false, true], [true, false]]}" );
+	const SceneModel model =
+	    scene( "allowed_collision_matrix: {entry_names: [jar, left], entry_values: [[false, true], [true, false]]}" );
 	ProblemOptions options;
 	options.group = "arm";
 	options.scene = &model;
@@ -253,7 +256,10 @@ public:
 	bool holdsSomething() const { return !m_now.attached.empty(); }
 
 private:
-	std::size_t any() { return static_cast<std::size_t>( m_rng.integer( 0, static_cast<int>( m_now.objects.size() ) - 1 ) ); }
+	std::size_t any()
+	{
+		return static_cast<std::size_t>( m_rng.integer( 0, static_cast<int>( m_now.objects.size() ) - 1 ) );
+	}
 	SceneObject take()
 	{
 		const std::size_t k = any();

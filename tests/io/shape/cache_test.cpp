@@ -400,7 +400,8 @@ TEST_F( IoCache, ProofsGoOnUntilTheyAreComplete )
 		EXPECT_TRUE( loaded.advanced );
 		complete = loaded.info.complete && loaded.info.samples >= wanted.def.samples;
 		const std::vector<CacheEntry> entries = listCache( options.cache );
-		const auto kept = std::find_if( entries.begin(), entries.end(), []( const CacheEntry& e ) { return e.kind == CacheEntry::reach; } );
+		const auto kept = std::find_if(
+		    entries.begin(), entries.end(), []( const CacheEntry& e ) { return e.kind == CacheEntry::reach; } );
 		ASSERT_NE( kept, entries.end() );
 		EXPECT_TRUE( kept->good );
 		EXPECT_EQ( kept->proved, loaded.info.proved );

@@ -333,7 +333,8 @@ TEST_F( CloudTest, AHeaderThatIsNoTextIsNotRepeated )
 {
 	expectError( [&] { load( "a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty fl\x1b[2J x\nend_header\n" ); },
 	    { "a.ply", "header line 4", "is no text" } );
-	expectError( [&] { load( "a.pcd", "# a comment\n\nFIE\x1b[2JLDS x y z\n" ); }, { "a.pcd", "header line 3", "is no text" } );
+	expectError(
+	    [&] { load( "a.pcd", "# a comment\n\nFIE\x1b[2JLDS x y z\n" ); }, { "a.pcd", "header line 3", "is no text" } );
 }
 
 TEST_F( CloudTest, KeysThatTheSceneMustHave )

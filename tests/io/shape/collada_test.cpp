@@ -120,7 +120,8 @@ std::string randomTransforms( SeededRng& rng )
 /// Faces with normals or without, whose indices stand before or after those of vertices.
 std::string randomFaces( SeededRng& rng, int vertices )
 {
-	const int kind = rng.integer( 0, 2 ), step = rng.integer( 1, 3 ), vertex = rng.integer( 0, step - 1 ), faces = rng.integer( 1, 5 );
+	const int kind = rng.integer( 0, 2 ), step = rng.integer( 1, 3 ), vertex = rng.integer( 0, step - 1 ),
+	          faces = rng.integer( 1, 5 );
 	const char* names[] = { "triangles", "polylist", "tristrips" };
 	std::string inputs = "<input semantic=\"VERTEX\" source=\"#v\" offset=\"" + std::to_string( vertex ) + "\"/>";
 	for ( int other = 0; other < step; ++other )
@@ -173,11 +174,12 @@ std::string randomDocument( SeededRng& rng )
 	       "\"/><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" "
 	       "count=\"" +
 	       std::to_string( all ) + "\">" + positions + "</float_array><technique_common><accessor source=\"#a\" count=\"" +
-	       std::to_string( vertices ) + "\" stride=\"" + std::to_string( 3 + more ) + "\" offset=\"" + std::to_string( skipped ) +
-	       "\">" + parameters +
+	       std::to_string( vertices ) + "\" stride=\"" + std::to_string( 3 + more ) + "\" offset=\"" +
+	       std::to_string( skipped ) + "\">" + parameters +
 	       "</accessor></technique_common></source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>" +
 	       faces + "</mesh></geometry></library_geometries><library_nodes><node id=\"l\">" + randomTransforms( rng ) +
-	       "<instance_geometry url=\"#g\"/></node></library_nodes><library_visual_scenes><visual_scene id=\"s\">" + nodes + ends +
+	       "<instance_geometry url=\"#g\"/></node></library_nodes><library_visual_scenes><visual_scene id=\"s\">" + nodes +
+	       ends +
 	       "<node><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene "
 	       "url=\"#s\"/></scene></COLLADA>";
 }
@@ -193,7 +195,8 @@ TEST_F( ColladaTest, TrianglesDifferFromThoseOfAssimp )
 		const std::string text = randomDocument( rng );
 		write( "m.dae", text );
 		const std::vector<Triangle> ours = load( "m.dae" );
-		ASSERT_LT( difference( ours, trianglesByAssimp( path( "m.dae" ) ) ), 1e-4 ) << i << ": " << text; // theirs are of float
+		ASSERT_LT( difference( ours, trianglesByAssimp( path( "m.dae" ) ) ), 1e-4 )
+		    << i << ": " << text; // theirs are of float
 		triangles += ours.size();
 	}
 	EXPECT_GT( triangles, 2000u );
@@ -265,7 +268,8 @@ TEST_F( ColladaTest, PolygonsOfManyCorners )
 {
 	const std::string good = collada( "<unit meter=\"1\"/>", "Z_UP", identity_matrix );
 	std::string text = replaced( good, "<triangles count=\"4\">", "<polylist count=\"2\">" );
-	text = replaced( text, "<p>0 1 2 0 1 3 0 2 3 1 2 3 </p></triangles>", "<vcount>3 4</vcount><p>0 1 2 0 1 2 3</p></polylist>" );
+	text = replaced(
+	    text, "<p>0 1 2 0 1 3 0 2 3 1 2 3 </p></triangles>", "<vcount>3 4</vcount><p>0 1 2 0 1 2 3</p></polylist>" );
 	write( "m.dae", text );
 	EXPECT_EQ( load( "m.dae" ).size(), 3u );
 	write( "n.dae", replaced( text, "<vcount>3 4", "<vcount>3 4000000" ) );

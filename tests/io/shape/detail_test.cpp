@@ -29,7 +29,8 @@ protected:
 		for ( int i = 0; i < around * tube; ++i )
 		{
 			int k = i % tube, j = i / tube;
-			obj += "f" + id( j, k ) + id( j + 1, k ) + id( j + 1, k + 1 ) + "\nf" + id( j, k ) + id( j + 1, k + 1 ) + id( j, k + 1 ) + "\n";
+			obj += "f" + id( j, k ) + id( j + 1, k ) + id( j + 1, k + 1 ) + "\nf" + id( j, k ) + id( j + 1, k + 1 ) +
+			       id( j, k + 1 ) + "\n";
 		}
 		write( "ring.obj", obj );
 		write( "r.urdf",
@@ -37,7 +38,8 @@ protected:
 		    "<link name=\"tip\"><collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision></link>"
 		    "<joint name=\"j\" type=\"revolute\"><parent link=\"base\"/><child link=\"tip\"/><origin xyz=\"0 0 1\"/>"
 		    "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>" );
-		std::string cloud = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2000\nHEIGHT 1\nPOINTS 2000\nDATA ascii\n";
+		std::string cloud =
+		    "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2000\nHEIGHT 1\nPOINTS 2000\nDATA ascii\n";
 		for ( int i = 0; i < 2000; ++i )
 		{
 			cloud += std::to_string( 0.001 * ( i % 50 ) ) + " " + std::to_string( 0.001 * ( i / 50 ) ) + " 0\n";
@@ -62,7 +64,8 @@ TEST_F( IoDetail, MeshesAreCoarserWhetherTheyAreDeferredOrNot )
 	Shape now = ring();
 	options.detail = 0;
 	Shape whole = ring();
-	const lw_shape_info info = lw_shape_get_info( later.get() ), same = lw_shape_get_info( now.get() ), all = lw_shape_get_info( whole.get() );
+	const lw_shape_info info = lw_shape_get_info( later.get() ), same = lw_shape_get_info( now.get() ),
+	                    all = lw_shape_get_info( whole.get() );
 	EXPECT_EQ( info.triangle_count, same.triangle_count );
 	EXPECT_EQ( info.original_count, all.triangle_count );
 	EXPECT_LT( info.triangle_count, all.triangle_count / 2 );
@@ -97,8 +100,9 @@ TEST_F( IoDetail, TheCacheKeepsEachToleranceForItself )
 
 TEST_F( IoDetail, ScenesHaveItToo )
 {
-	write( "s.yaml", "name: s\nworld:\n  collision_objects:\n    - id: cloud\n      header: {frame_id: base}\n      leeway_shapes:\n"
-	                 "        - {type: point_cloud, resource: c.pcd, radius: 0.001}\n" );
+	write( "s.yaml",
+	    "name: s\nworld:\n  collision_objects:\n    - id: cloud\n      header: {frame_id: base}\n      leeway_shapes:\n"
+	    "        - {type: point_cloud, resource: c.pcd, radius: 0.001}\n" );
 	const SceneModel scene = loadScene( path( "s.yaml" ), options );
 	ASSERT_EQ( scene.objects.size(), 1u );
 	const lw_shape_info info = lw_shape_get_info( scene.objects[0].shapes[0].shape.get() );
@@ -119,7 +123,8 @@ TEST_F( IoDetail, ImpossibleLevelsAreNamed )
 	const RobotModel model = loadRobot( path( "r.urdf" ), "", options );
 	ProblemOptions problem;
 	problem.padding.link_scale["base"] = 1.1;
-	expectError( [&] { buildProblem( model, problem ); }, { "base", "a coarser shape cannot be scaled", "level of detail" } );
+	expectError(
+	    [&] { buildProblem( model, problem ); }, { "base", "a coarser shape cannot be scaled", "level of detail" } );
 	problem.padding.link_scale = { { "tip", 1.1 } };
 	EXPECT_NO_THROW( buildProblem( model, problem ) );
 }

@@ -76,7 +76,8 @@ Document oneTriangle()
 	Document d;
 	const std::size_t position = d.accessor( d.view<float>( { 0, 0, 0, 1, 0, 0, 0, 1, 0 } ), 5126, 3, "VEC3" );
 	const std::size_t index = d.accessor( d.view<std::uint16_t>( { 0, 1, 2 } ), 5123, 3, "SCALAR" );
-	d.root["meshes"] = { { { "primitives", { { { "attributes", { { "POSITION", position } } }, { "indices", index } } } } } };
+	d.root["meshes"] = {
+	    { { "primitives", { { { "attributes", { { "POSITION", position } } }, { "indices", index } } } } } };
 	d.root["nodes"] = { { { "mesh", 0 } } };
 	d.root["scenes"] = { { { "nodes", { 0 } } } };
 	return d;
@@ -250,7 +251,8 @@ TEST_F( GltfTest, BinaryChunksAreCutShort )
 	bytes += "XTRA1234";
 	write( "m.glb", bytes );
 	EXPECT_EQ( difference( load( "m.glb" ), { { { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } } } } ), 0 );
-	for ( const std::size_t length : { bytes.size() - 1, bytes.size() - numbers.size() - 2, std::size_t{ 19 }, std::size_t{ 5 } } )
+	for ( const std::size_t length :
+	    { bytes.size() - 1, bytes.size() - numbers.size() - 2, std::size_t{ 19 }, std::size_t{ 5 } } )
 	{
 		std::string cut = bytes.substr( 0, length );
 		write( "cut.glb", cut );
@@ -269,8 +271,8 @@ TEST_F( GltfTest, SparsePositionsAreTheArraysOwn )
 {
 	Document d = oneTriangle();
 	const std::size_t where = d.view<std::uint8_t>( { 2 } ), what = d.view<float>( { 0, 0, 5 } );
-	d.root["accessors"][0]["sparse"] = { { "count", 1 }, { "indices", { { "bufferView", where }, { "componentType", 5121 } } },
-	    { "values", { { "bufferView", what } } } };
+	d.root["accessors"][0]["sparse"] = { { "count", 1 },
+	    { "indices", { { "bufferView", where }, { "componentType", 5121 } } }, { "values", { { "bufferView", what } } } };
 	EXPECT_EQ( difference( load( d ), { { { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 5 } } } } ), 0 );
 	// without an array all others are at the origin
 	Document e = d;
@@ -361,7 +363,10 @@ TEST_F( GltfTest, MissingNumbersAreReadAllTheSame )
 	    [&]( Json& j ) {
 		    j["buffers"] = { { { "byteLength", 43 }, { "uri", "data:;base64," + base64( std::string( 42, 'x' ) ) } } };
 	    } );
-	refused( { "no base64" }, []( Json& j ) { j["buffers"] = { { { "byteLength", 3 }, { "uri", "data:;base64,AA*A" } } }; } );
+	refused( { "no base64" },
+	    []( Json& j ) {
+		    j["buffers"] = { { { "byteLength", 3 }, { "uri", "data:;base64,AA*A" } } };
+	    } );
 	refused( { "buffer 0 has no uri" }, []( Json& j ) { j["buffers"] = { { { "byteLength", 42 } } }; } );
 }
 

@@ -246,7 +246,8 @@ TEST_F( OctomapTest, MessagesThatCannotBe )
 		expectError( [&] { message( id, binary, data, more ); }, parts );
 	};
 	bad( "Grid", true, "[1, 0]", { "\"Grid\" are not known" } );
-	for ( const char* id : { "A", "ColorOcTre", "CountingOcTree", "OcTre", "OcTreeStampe", "Octree", "Z" } ) // before, between and after those known
+	for ( const char* id : { "A", "ColorOcTre", "CountingOcTree", "OcTre", "OcTreeStampe", "Octree",
+	          "Z" } ) // before, between and after those known
 	{
 		bad( id, true, "[1, 0]", { "trees of type", id, "not known" } );
 	}
