@@ -119,7 +119,7 @@ static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf*
 	double x = (double)direction[0], y = (double)direction[1], z = (double)direction[2], norm = sqrt( x * x + y * y + z * z );
 	double inverse = norm > 0 ? 1 / norm : 0;
 	float n[3] = { (float)( x * inverse ), (float)( y * inverse ), (float)( z * inverse ) };
-	const lwi_motion* m = &s->tree_a_from_b;
+	const lwi_motion* m = &s->from_other[LWI_A];
 	float n_b[3] = { m->r[0] * n[0] + m->r[3] * n[1] + m->r[6] * n[2], m->r[1] * n[0] + m->r[4] * n[1] + m->r[7] * n[2],
 		m->r[2] * n[0] + m->r[5] * n[1] + m->r[8] * n[2] };
 	float shift = n[0] * m->t[0] + n[1] * m->t[1] + n[2] * m->t[2];
@@ -135,15 +135,15 @@ static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf*
 /// All triangle pairs of two leaves: spheres against triangles, then two slabs common to all pairs, then the batch.
 static void compare_triangles( lwi_searching* s, lwi_entry* e )
 {
-	const lwi_leaf* a = &s->a->leaves[lwi_ref_index( e->a )];
-	const lwi_leaf* b = &s->b->leaves[lwi_ref_index( e->b )];
-	uint32_t count_a = lwi_ref_count( e->a ), count_b = lwi_ref_count( e->b );
+	const lwi_leaf* a = &s->a->leaves[lwi_ref_index( e->side[LWI_A].ref )];
+	const lwi_leaf* b = &s->b->leaves[lwi_ref_index( e->side[LWI_B].ref )];
+	uint32_t count_a = lwi_ref_count( e->side[LWI_A].ref ), count_b = lwi_ref_count( e->side[LWI_B].ref );
 	s->memory->stats.leaf_tests++;
 	float high_a[3][LWI_WIDTH], low_b[3][LWI_WIDTH];
 	uint32_t slabs = 2;
 	if ( s->has_direction )
 	{
-		project_leaves( s, a, b, s->direction_a, high_a[2], low_b[2] );
+		project_leaves( s, a, b, s->direction[LWI_A], high_a[2], low_b[2] );
 		float high = high_a[2][0], low = low_b[2][0];
 		for ( int lane = 1; lane < LWI_WIDTH; ++lane )
 		{
@@ -158,7 +158,7 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	}
 
 	float sphere[4], gap_a[LWI_WIDTH], gap_b[LWI_WIDTH], direction_a[3][LWI_WIDTH], direction_b[3][LWI_WIDTH];
-	lwi_sphere_b_in_a( s, e, sphere );
+	lwi_other_sphere( s, e, LWI_A, sphere );
 	uint32_t mask_a = s->kernels->leaf_gap( a, sphere, s->limit, gap_a, direction_a ) & lwi_low_bits( count_a );
 	uint32_t nearest = least_lane( gap_a, count_a );
 	float along[3] = { direction_a[0][nearest], direction_a[1][nearest], direction_a[2][nearest] };
@@ -171,7 +171,7 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	{
 		return;
 	}
-	lwi_sphere_a_in_b( s, e, sphere );
+	lwi_other_sphere( s, e, LWI_B, sphere );
 	uint32_t mask_b = s->kernels->leaf_gap( b, sphere, s->limit, gap_b, direction_b ) & lwi_low_bits( count_b );
 	if ( mask_b == 0 )
 	{
@@ -181,7 +181,7 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 	// from b's side the direction points from b to a: turned around, and into a's frame
 	nearest = least_lane( gap_b, count_b );
 	float back[3] = { -direction_b[0][nearest], -direction_b[1][nearest], -direction_b[2][nearest] };
-	const lwi_motion* m = &s->tree_a_from_b;
+	const lwi_motion* m = &s->from_other[LWI_A];
 	for ( int i = 0; i < 3; ++i )
 	{
 		along[i] = m->r[3 * i] * back[0] + m->r[3 * i + 1] * back[1] + m->r[3 * i + 2] * back[2];
@@ -197,7 +197,7 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 		uint32_t mask = s->kernels->slab_gap( (const float( * )[LWI_WIDTH])low_b, high, s->limit, slabs ) & mask_b;
 		if ( mask != 0 && !have_moved )
 		{
-			s->kernels->leaf_transform( b, &s->tree_a_from_b, moved );
+			s->kernels->leaf_transform( b, &s->from_other[LWI_A], moved );
 			have_moved = true;
 		}
 		for ( ; mask != 0; mask &= mask - 1 )
@@ -229,12 +229,12 @@ static void measure_lanes( lwi_searching* s, bool one_is_a, uint32_t one, const 
 /// Balls, or the spheres around boxes, one by one against the items of the other leaf.
 static void compare_spheres( lwi_searching* s, lwi_entry* e, bool spheres_are_a )
 {
-	const lw_shape* mine = spheres_are_a ? s->a : s->b;
-	const lw_shape* other = spheres_are_a ? s->b : s->a;
-	lwi_ref my_leaf = spheres_are_a ? e->a : e->b, other_leaf = spheres_are_a ? e->b : e->a;
-	const lwi_motion* other_from_mine = spheres_are_a ? &s->tree_b_from_a : &s->tree_a_from_b;
+	const int my_side = spheres_are_a ? LWI_A : LWI_B, other_side = 1 - my_side;
+	const lw_shape *mine = lwi_shape_of( s, my_side ), *other = lwi_shape_of( s, other_side );
+	lwi_ref my_leaf = e->side[my_side].ref, other_leaf = e->side[other_side].ref;
+	const lwi_motion* other_from_mine = &s->from_other[other_side];
 	float sphere[4], gap[LWI_WIDTH], inner[LWI_WIDTH], direction[3][LWI_WIDTH];
-	spheres_are_a ? lwi_sphere_b_in_a( s, e, sphere ) : lwi_sphere_a_in_b( s, e, sphere );
+	lwi_other_sphere( s, e, my_side, sphere );
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, lwi_leaf_mask( s, mine, my_leaf, sphere, gap, direction ), lanes );
 	lwi_node around;
@@ -309,23 +309,24 @@ static void compare_boxes( lwi_searching* s, lwi_entry* e, bool triangles_are_a 
 {
 	const lw_shape* triangles = triangles_are_a ? s->a : s->b;
 	const lw_shape* boxes = triangles_are_a ? s->b : s->a;
-	lwi_ref leaf_ref = triangles_are_a ? e->a : e->b, box_ref = triangles_are_a ? e->b : e->a;
+	const int mine = triangles_are_a ? LWI_A : LWI_B, other = 1 - mine;
+	lwi_ref leaf_ref = e->side[mine].ref, box_ref = e->side[other].ref;
 	const lwi_leaf* leaf = &triangles->leaves[lwi_ref_index( leaf_ref )];
 	const lwi_box_leaf* box_leaf = &boxes->box_leaves[lwi_ref_index( box_ref )];
 	float sphere[4], gap[LWI_WIDTH], inner[LWI_WIDTH], direction[3][LWI_WIDTH];
-	triangles_are_a ? lwi_sphere_a_in_b( s, e, sphere ) : lwi_sphere_b_in_a( s, e, sphere );
+	lwi_other_sphere( s, e, other, sphere );
 	uint32_t near = lwi_leaf_mask( s, boxes, box_ref, sphere, inner, direction );
 	if ( near == 0 )
 	{
 		return;
 	}
-	triangles_are_a ? lwi_sphere_b_in_a( s, e, sphere ) : lwi_sphere_a_in_b( s, e, sphere );
+	lwi_other_sphere( s, e, mine, sphere );
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, lwi_leaf_mask( s, triangles, leaf_ref, sphere, gap, direction ), lanes );
 	lwi_triangles8 moved;
 	if ( count > 0 )
 	{
-		s->kernels->leaf_transform( leaf, triangles_are_a ? &s->tree_b_from_a : &s->tree_a_from_b, moved );
+		s->kernels->leaf_transform( leaf, &s->from_other[other], moved );
 	}
 	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
 	{

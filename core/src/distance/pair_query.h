@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The search of one pair of shapes, as its three files share it: traversal (distance/query.c), leaves against leaves
-// (distance/leaves.c), measurement in double (distance/measure.c).
+// The search of one pair of shapes, as its files share it: beginning and end (distance/query.c), traversal
+// (distance/traverse.c), remembered planes (distance/plane_cache.c), leaves against leaves (distance/leaves.c), measurement
+// in double (distance/measure.c).
 #ifndef LEEWAY_DISTANCE_PAIR_QUERY_H
 #define LEEWAY_DISTANCE_PAIR_QUERY_H
 
@@ -25,24 +26,28 @@ enum
 	LWI_KNOWN_PAIRS = 16 ///< half as many give half as much
 };
 
-/// The sphere whose centre an entry keeps in the frame of the other tree.
-typedef enum lwi_moved
+/// The two shapes of a pair, as indices.
+enum
 {
-	LWI_CACHED_NONE,
-	LWI_CACHED_A_IN_B, ///< center_a in b's frame
-	LWI_CACHED_B_IN_A  ///< center_b in a's frame
-} lwi_moved;
+	LWI_A = 0,
+	LWI_B = 1
+};
+
+/// A subtree of one side.
+typedef struct lwi_subtree
+{
+	lwi_ref ref;
+	uint32_t obb; ///< its place: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for a root
+	float center[3], radius; ///< tree frame
+} lwi_subtree;
 
 /// Two subtrees still to be compared.
 typedef struct lwi_entry
 {
-	float gap;                ///< float gap, slack not subtracted: compare with the limit
-	lwi_ref a, b;
-	float center_a[3], radius_a; ///< a's tree frame
-	float center_b[3], radius_b; ///< b's tree frame
-	uint32_t obb_a, obb_b;  ///< where they are: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for roots
-	float moved[3];           ///< cached centre, see `cached`
-	lwi_moved cached;
+	float gap; ///< float gap, slack not subtracted: compare with the limit
+	lwi_subtree side[2];
+	float moved[3];      ///< centre of one side in the tree frame of the other
+	uint32_t moved_side; ///< that side; LW_INVALID_INDEX: none
 } lwi_entry;
 
 /// Triangle pairs waiting for the float filter.
@@ -94,14 +99,14 @@ typedef struct lwi_searching
 	const lw_shape* a;
 	const lw_shape* b;
 	const lw_transform* a_from_b; ///< shape frames, double
-	lwi_motion tree_a_from_b, tree_b_from_a;
+	lwi_motion from_other[2]; ///< of each side: its tree frame from that of the other
 	lwi_bound* bound;
 	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
 	double slack; ///< metres: largest excess of a float gap over the true one
 	double error; ///< metres: largest error of a distance in double
 	bool obbs;   ///< both have them
 	bool has_direction;
-	float direction_a[3], direction_b[3]; ///< from a to b across the nearest pair found, in either tree frame: unit vectors
+	float direction[2][3]; ///< from a to b across the nearest pair found, in either tree frame: unit vectors
 	lwi_shared_feature shared;     ///< of the nearest pair found
 	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart
 	double least; ///< pairs nearer than this are measured whatever the bound: solid meshes (distance/primitives.c); or -inf
@@ -168,34 +173,28 @@ static inline void lwi_set_direction( lwi_searching* s, lw_vec3 point_a, lw_vec3
 	{
 		n = lwi_scale( 1 / length, n );
 		lw_vec3 m = lwi_unrotate( s->a_from_b, n );
-		lwi_set_floats( n, s->direction_a );
-		lwi_set_floats( m, s->direction_b );
+		lwi_set_floats( n, s->direction[LWI_A] );
+		lwi_set_floats( m, s->direction[LWI_B] );
 	}
 }
 
-/// The sphere of a in b's frame, from the cache where it is there.
-static inline void lwi_sphere_a_in_b( lwi_searching* s, lwi_entry* e, float sphere[4] )
+static inline const lw_shape* lwi_shape_of( const lwi_searching* s, int side )
 {
-	if ( e->cached != LWI_CACHED_A_IN_B || !s->memory->def.transform_caching )
-	{
-		lwi_move_center( &s->tree_b_from_a, e->center_a, e->moved );
-		e->cached = LWI_CACHED_A_IN_B;
-		s->memory->stats.center_transforms++;
-	}
-	memcpy( sphere, e->moved, 3 * sizeof( float ) );
-	sphere[3] = e->radius_a;
+	return side == LWI_A ? s->a : s->b;
 }
 
-static inline void lwi_sphere_b_in_a( lwi_searching* s, lwi_entry* e, float sphere[4] )
+/// The sphere of the other side in the tree frame of `side`, from the entry where it is there.
+static inline void lwi_other_sphere( lwi_searching* s, lwi_entry* e, int side, float sphere[4] )
 {
-	if ( e->cached != LWI_CACHED_B_IN_A || !s->memory->def.transform_caching )
+	const uint32_t other = (uint32_t)( 1 - side );
+	if ( e->moved_side != other || !s->memory->def.transform_caching )
 	{
-		lwi_move_center( &s->tree_a_from_b, e->center_b, e->moved );
-		e->cached = LWI_CACHED_B_IN_A;
+		lwi_move_center( &s->from_other[side], e->side[other].center, e->moved );
+		e->moved_side = other;
 		s->memory->stats.center_transforms++;
 	}
 	memcpy( sphere, e->moved, 3 * sizeof( float ) );
-	sphere[3] = e->radius_b;
+	sphere[3] = e->side[other].radius;
 }
 
 /// The lanes of a mask in ascending order of gap. Returns their count.
@@ -215,6 +214,30 @@ static inline uint32_t lwi_sorted_lanes( const float gap[LWI_WIDTH], uint32_t ma
 	}
 	return count;
 }
+
+// --- distance/traverse.c ---------------------------------------------------------------------------------------------
+
+lwi_walk lwi_walk_begin( lwi_searching* s );
+
+/// @param look stop after the first measurement, or after a few comparisons of leaves
+/// @return false if it did; else the search is done
+bool lwi_walk_trees( lwi_searching* s, lwi_walk* walk, bool look );
+
+/// Of a walk that resumes after another pair was searched: planes are searched for again.
+void lwi_walk_again( lwi_walk* walk );
+
+/// One shape with a tree (a or b) against one primitive.
+void lwi_search_primitive( lwi_searching* s );
+
+// --- distance/plane_cache.c ------------------------------------------------------------------------------------------
+
+/// True if a plane separates the two by the limit: the one of the last time, one near it, or a new one. Searches for new
+/// ones run less often after failures.
+bool lwi_plane_rules_out( lwi_searching* s );
+
+/// The same for a resumed search: the bound is tighter since another pair was searched, so planes that failed before are
+/// tried again. The back-off of these late tries is kept apart from that of the first ones.
+bool lwi_plane_rules_out_late( lwi_searching* s );
 
 // --- distance/boxes.c ------------------------------------------------------------------------------------------------
 

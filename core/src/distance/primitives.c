@@ -114,47 +114,47 @@ static bool test_tree( const inside* q )
 {
 	lwi_entry* stack = q->s->memory->stack;
 	const lw_shape* other = q->other;
-	stack[0].a = other->root;
-	memcpy( stack[0].center_a, other->root_sphere, 3 * sizeof( float ) );
-	stack[0].radius_a = other->root_sphere[3];
+	stack[0].side[LWI_A].ref = other->root;
+	memcpy( stack[0].side[LWI_A].center, other->root_sphere, 3 * sizeof( float ) );
+	stack[0].side[LWI_A].radius = other->root_sphere[3];
 	for ( uint32_t height = 1; height > 0; )
 	{
 		lwi_entry e = stack[--height];
 		float sphere[4];
-		lwi_move_center( q->mesh_from_other, e.center_a, sphere );
-		sphere[3] = e.radius_a;
+		lwi_move_center( q->mesh_from_other, e.side[LWI_A].center, sphere );
+		sphere[3] = e.side[LWI_A].radius;
 		if ( beyond_box( q, sphere ) )
 		{
 			continue;
 		}
 		if ( !surface_enters( q, sphere ) )
 		{
-			if ( test_item( q, first_item( other, e.a ) ) )
+			if ( test_item( q, first_item( other, e.side[LWI_A].ref ) ) )
 			{
 				return true;
 			}
 			continue;
 		}
-		if ( lwi_ref_is_leaf( e.a ) )
+		if ( lwi_ref_is_leaf( e.side[LWI_A].ref ) )
 		{
-			for ( uint32_t lane = 0; lane < lwi_ref_count( e.a ); ++lane )
+			for ( uint32_t lane = 0; lane < lwi_ref_count( e.side[LWI_A].ref ); ++lane )
 			{
-				if ( test_item( q, lwi_leaf_item( other, e.a, lane ) ) )
+				if ( test_item( q, lwi_leaf_item( other, e.side[LWI_A].ref, lane ) ) )
 				{
 					return true;
 				}
 			}
 			continue;
 		}
-		const lwi_node* node = &other->nodes[e.a];
+		const lwi_node* node = &other->nodes[e.side[LWI_A].ref];
 		for ( int lane = 0; lane < LWI_WIDTH && node->child[lane] != LW_INVALID_INDEX; ++lane )
 		{
 			lwi_entry* child = &stack[height++];
-			child->a = node->child[lane];
-			child->center_a[0] = node->x[lane];
-			child->center_a[1] = node->y[lane];
-			child->center_a[2] = node->z[lane];
-			child->radius_a = node->r[lane];
+			child->side[LWI_A].ref = node->child[lane];
+			child->side[LWI_A].center[0] = node->x[lane];
+			child->side[LWI_A].center[1] = node->y[lane];
+			child->side[LWI_A].center[2] = node->z[lane];
+			child->side[LWI_A].radius = node->r[lane];
 		}
 	}
 	return false;
@@ -189,7 +189,7 @@ static bool test( const inside* q )
 static inside one_order( lwi_searching* s, bool mesh_is_a )
 {
 	return (inside){ s, mesh_is_a ? s->a : s->b, mesh_is_a ? s->b : s->a, mesh_is_a,
-		mesh_is_a ? &s->tree_a_from_b : &s->tree_b_from_a };
+		mesh_is_a ? &s->from_other[LWI_A] : &s->from_other[LWI_B] };
 }
 
 void lwi_search_inside( lwi_searching* s )
