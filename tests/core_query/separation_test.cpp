@@ -380,7 +380,7 @@ TEST( Separation, NearIsNotNearOrApartIsNotApart )
 	EXPECT_LE( missed, separable / 20 );
 }
 
-TEST( Separation, NearerBetweenPlacesThanABentWayAllows )
+TEST( Separation, NearerBetweenPosesThanABentPathAllows )
 {
 	SeededRng rng;
 	int apart = 0, ends = 0;
@@ -442,7 +442,7 @@ TEST( Separation, NearerBetweenPlacesThanABentWayAllows )
 }
 
 // Bodies that an edge does not move have one pose, not three.
-TEST( Separation, StandingBodyIsSaidToComeNear )
+TEST( Separation, StaticBodyIsSaidToComeNear )
 {
 	SeededRng rng;
 	int separable = 0, bent = 0, near = 0;

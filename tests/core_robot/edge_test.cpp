@@ -180,7 +180,7 @@ TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
 
 // A ball on an arm, or the end of a bar that turns about its middle, swings past a box that a plane keeps apart from it at
 // the start, in the middle and at the end; between two of them the arc bulges into the box.
-TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
+TEST( Edge, ArcThatBulgesBetweenItsPosesIsNoStraightLine )
 {
 	const auto cases = { std::pair( 1.0, false ), std::pair( -1.0, false ), std::pair( 1.0, true ),
 		std::pair( -1.0, true ) };
@@ -219,7 +219,7 @@ TEST( Edge, ArcThatBulgesBetweenItsPlacesIsNoStraightLine )
 
 // Two arms, the second of which turns back twice as fast, take a ball along a line, and a slide takes it back: at the start,
 // in the middle and at the end it is at one place, and its motion in between is all jerk.
-TEST( Edge, WayThatIsCurvedToBothSidesIsNoParabola )
+TEST( Edge, PathCurvedToBothSidesIsNoParabola )
 {
 	const double arm = 0.5, radius = 0.05, half = 0.35, slide = 2 * arm * std::sin( half );
 	const double when = std::acos( std::sin( half ) / half ), furthest = 2 * arm * std::sin( when ) - slide * when / half;

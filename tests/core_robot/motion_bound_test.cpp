@@ -424,7 +424,7 @@ TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
 
 // By as much as a parabola through three places is off, a point may be off the two lines between them, and a little more:
 // how much more depends on how its acceleration changes. Joints turn by up to a radian each.
-TEST( MotionBound, ThreePlacesHoldTheWayBetweenThemButForTheirBow )
+TEST( MotionBound, ThreePosesBoundThePathBetweenThem )
 {
 	constexpr int STEPS = 12; // of each half
 	SeededRng rng;
@@ -519,7 +519,7 @@ TEST( MotionBound, JerkOfJointsAboutOneAxisIsThatOfOneJoint )
 }
 
 // x = u^3 is at -1, 0 and 1 where u itself is: all that keeps them apart in between is the jerk
-TEST( MotionBound, CubicIsAsFarOffItsPlacesAsItsJerkSays )
+TEST( MotionBound, CubicLeavesItsPosesByItsJerk )
 {
 	const double jerk = 3, h = 0.4, far = jerk * h * h * h / 6;
 	const lwi_chord_error error = lwi_chord_error_through( { 100, 100 }, jerk, h, 0 );
