@@ -36,7 +36,6 @@ typedef struct lwi_edge_pair
 	uint32_t pair_cache; ///< index into `pair_cache`
 	uint8_t cells;   ///< of LWI_WIDTH, not proved by the interval batch
 	bool neighbours; ///< its spheres are always near: cells that the interval batch leaves open are no hint of a collision
-	uint32_t near;   ///< obstacles found near it just now, the first of query->candidates; 0: not known
 	double slack;    ///< metres: the edge's, or less once a clearance was found to be within that, see lwi_edge_slack()
 } lwi_edge_pair;
 

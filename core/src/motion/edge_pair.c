@@ -191,7 +191,6 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 	}
 	const double loss = loss_of( e, pair, window );
 	measure( e, pair, window, may_give_up, loss, &s );
-	pair->near = 0; // a measurement replaces the candidates
 	if ( e->failed || is_proved( e, pair, loss, &s ) )
 	{
 		return s;

@@ -75,7 +75,6 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 	if ( !sample.proved )
 	{
 		s->level->intervals[s->level->count++] = (lwi_open_interval){ 0, e->pair_count, sample.skip, true };
-		pair.near = 0;
 		pair.cells = 0xff;
 		e->pairs[e->pair_count++] = pair;
 		s->work += 1u << ( sample.skip < MOST_SKIP ? sample.skip : MOST_SKIP );
@@ -146,8 +145,7 @@ static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
 			lw_vec3 middle = lwi_transform( pose, lwi_load( c->base->tree->body_spheres[i].center ) );
 			reach = e->enough[0] + displacement_length( s, velocity, middle );
 		}
-		pair.near = lwi_checker_near_obstacles( c, e->query, pair.body_a, reach );
-		if ( pair.near > 0 && !test_edge_pair( s, pair ) )
+		if ( lwi_checker_near_obstacles( c, e->query, pair.body_a, reach ) > 0 && !test_edge_pair( s, pair ) )
 		{
 			return false;
 		}

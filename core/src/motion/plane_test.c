@@ -353,12 +353,8 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
 	const lwi_edge_pair* pair = s.pair;
-	uint32_t count = pair->near;
-	if ( count == 0 )
-	{
-		double displacement = center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
-		count = lwi_checker_near_obstacles( c, e->query, pair->body_a, s.enough + displacement );
-	}
+	const double reach = s.enough + center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
+	const uint32_t count = lwi_checker_near_obstacles( c, e->query, pair->body_a, reach );
 	if ( count == 0 )
 	{
 		return LWI_EDGE_PROVED;
