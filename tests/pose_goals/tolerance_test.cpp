@@ -220,7 +220,54 @@ TEST( PoseTolerances, JointConstraintsHoldBesideThePose )
 		EXPECT_LE( q[1], 0.65 );
 		EXPECT_NEAR( q[2], centre_state[2], 0.1 + 1e-8 ) << "a turn further is the same angle";
 	}
-	Vector other = goal.states[0];
-	other[1] = 0.7;
-	EXPECT_FALSE( ik::goalViolations( world.problem, world.request, other.data() ).empty() );
+	const io::Request constrained = world.request;
+	world.request.goal.clear();
+	std::size_t outside = 0;
+	for ( const Vector& q : world.find( options ).states )
+	{
+		const std::vector<std::string> lines = ik::goalViolations( world.problem, constrained, q.data() );
+		if ( q[1] > 0.65 + 1e-6 )
+		{
+			++outside;
+			EXPECT_TRUE( !lines.empty() && lines[0].find( "joint j2" ) == 0 );
+		}
+	}
+	EXPECT_GT( outside, 0u );
+}
+
+/// Each type of region, at points within it, beside each of its faces and far away.
+TEST( PoseTolerances, ViolationsOfRegionsAgreeWithTheOracle )
+{
+	PoseWorld world( ArmText()
+	                     .add( "x", "prismatic", "xyz='0 0 0'", "1 0 0", -1, 1 )
+	                     .add( "y", "prismatic", "xyz='0 0 0'", "0 1 0", -1, 1 )
+	                     .add( "z", "prismatic", "xyz='0 0 0'", "0 0 1", -1, 1 )
+	                     .text() );
+	const double turn[4] = { 0, 0.6, 0, 0.8 };
+	const std::array<double, 3> at = { 0.1, -0.2, 0.3 };
+	const Matrix frame = fromQuaternion( at, { turn[0], turn[1], turn[2], turn[3] } );
+	world.askForPlace( "z_link", at, 0 );
+	io::GoalRegion& region = world.request.goal_positions[0].regions[0];
+	require( lw_transform_from_quaternion( at.data(), turn, &region.pose ), "pose" );
+	SeededRng rng;
+	for ( const io::GoalRegion::Type type :
+	    { io::GoalRegion::Type::Box, io::GoalRegion::Type::Sphere, io::GoalRegion::Type::Cylinder } )
+	{
+		region.type = type;
+		std::array<int, 2> counts = { 0, 0 };
+		for ( int i = 0; i < 2000; ++i )
+		{
+			region.size = { rng.uniform( 0.1, 0.5 ), rng.uniform( 0.1, 0.5 ), rng.uniform( 0.1, 0.5 ) };
+			const Vector q = { rng.uniform( -0.3, 0.5 ), rng.uniform( -0.6, 0.2 ), rng.uniform( -0.1, 0.7 ) };
+			const auto p = transformed( inverseOf( frame ), origin( world.pose( "z_link", q ) ) );
+			const double x = std::fabs( p[0] ), y = std::fabs( p[1] ), z = std::fabs( p[2] );
+			const auto& s = region.size;
+			const bool inside = type == io::GoalRegion::Type::Box      ? x <= s[0] / 2 && y <= s[1] / 2 && z <= s[2] / 2
+			                    : type == io::GoalRegion::Type::Sphere ? std::hypot( x, y, z ) <= s[0]
+			                                                           : std::hypot( x, y ) <= s[0] && z <= s[1] / 2;
+			EXPECT_EQ( inside, ik::goalViolations( world.problem, world.request, q.data() ).empty() );
+			++counts[inside ? 1 : 0];
+		}
+		EXPECT_GT( std::min( counts[0], counts[1] ), 20 );
+	}
 }
