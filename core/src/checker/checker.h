@@ -115,8 +115,8 @@ typedef struct lwi_threshold
 
 /// False if all bodies of a cluster are `limit` or farther from the scene by their common sphere.
 bool lwi_checker_cluster_is_near( const lw_checker* checker, lw_query* query, uint32_t cluster, double limit );
-/// Obstacles that the sphere of a body does not prove `limit` away: the first entries of query->candidates. Returns their
-/// count.
+/// Obstacles that the sphere of a body does not prove `limit` away: the first entries of query->scratch.candidates. Returns
+/// their count.
 uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit );
 
 /// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
@@ -126,7 +126,7 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	struct lwi_cached_pair* cached, lw_clearance* out );
 
 /// The pairs of bodies of a pair of clusters (index into the tree's pairs) that spheres and separations do not prove `limit`
-/// apart: the first entries of query->candidates, each lwi_body_pair_id(). Returns their count.
+/// apart: the first entries of query->scratch.candidates, each lwi_body_pair_id(). Returns their count.
 uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t pair, double limit );
 
 /// False if the spheres of two bodies are `limit` or farther apart.
@@ -152,7 +152,7 @@ lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spa
 static inline bool lwi_query_fits( const lw_query* query, const lw_checker* checker )
 {
 	const lwi_query_sizes sizes = lwi_checker_query_sizes( checker, 0, 0 );
-	return query->posed == checker || lwi_query_has_room( query, &sizes );
+	return query->pose.checker == checker || lwi_query_has_room( query, &sizes );
 }
 
 LW_EXTERN_C_END

@@ -20,7 +20,7 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 {
 	const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
 	lwi_pose_body( checker, query, body );
-	lw_transform relative = lwi_relative( &query->world_from_body[body], &obstacle->world_from_shape );
+	lw_transform relative = lwi_relative( &query->pose.world_from_body[body], &obstacle->world_from_shape );
 	bound->margin = lwi_environment_margin( checker, body, obstacle->object );
 	lwi_search( &query->search, checker->base->bodies[body].shape, obstacle->shape, &relative, bound );
 }
@@ -30,13 +30,13 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 static void choose_obstacles( const lw_checker* checker, lw_query* query, const lw_range* range, bool whole )
 {
 	bool enough = range->max_d <= checker->culling.horizon || ( whole && checker->culling.is_complete );
-	query->near = query->within && enough;
+	query->pose.near = query->pose.within && enough;
 }
 
 /// Number of blocks of the chosen obstacles.
 static uint32_t block_count( const lw_checker* checker, const lw_query* query )
 {
-	return query->near ? checker->culling.near_block_count : checker->scene->block_count;
+	return query->pose.near ? checker->culling.near_block_count : checker->scene->block_count;
 }
 
 /// True if some gap does not reach the limit, or is not a number.
@@ -77,7 +77,8 @@ static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t 
 	uint32_t cluster = tree->body_cluster[body];
 	lwi_pose_cluster( checker, query, cluster );
 	const lw_sphere* local = &tree->body_spheres[tree->body_place[body]];
-	lw_vec3 world = lwi_transform( &query->world_from_link[tree->clusters[cluster].root_link], lwi_load( local->center ) );
+	lw_vec3 world = lwi_transform( &query->pose.world_from_link[tree->clusters[cluster].root_link],
+		lwi_load( local->center ) );
 	const double center[3] = { world.x, world.y, world.z };
 	double radius = local->radius + ( m != NULL ? m->bodies[body] : 0 );
 	return gaps_of( checker, query, center, radius, m != NULL ? m->body_row[body] : NULL, cutoff, gaps, near );
@@ -86,7 +87,7 @@ static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t 
 /// Shapes of the scene that a body is compared with, a byte for each block.
 static const uint8_t* masks_of( const lw_checker* checker, const lw_query* query, uint32_t body )
 {
-	return ( query->near ? checker->culling.near_mask : checker->environment.mask ) +
+	return ( query->pose.near ? checker->culling.near_mask : checker->environment.mask ) +
 		   (size_t)body * checker->scene->block_count;
 }
 
@@ -123,7 +124,8 @@ static uint32_t mask_row( const lw_checker* checker, const lw_query* query, uint
 
 // --- all pairs -------------------------------------------------------------------------------------------------------
 
-/// Gaps of all of some bodies, row by row in query->gaps. Returns the slack of all rows; *nearest is the least gap's index.
+/// Gaps of all of some bodies, row by row in query->scratch.gaps. Returns the slack of all rows; *nearest is the least
+/// gap's index.
 static double environment_gaps( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
 	uint32_t* nearest )
 {
@@ -133,7 +135,7 @@ static double environment_gaps( const lw_checker* checker, lw_query* query, cons
 	*nearest = 0;
 	for ( uint32_t row = 0; row < body_count; ++row )
 	{
-		float* gaps = query->gaps + (size_t)row * stride;
+		float* gaps = query->scratch.gaps + (size_t)row * stride;
 		bool near;
 		double mine = row_of_gaps( checker, query, bodies[row], INFINITY, gaps, &near );
 		uint32_t in_row = mask_row( checker, query, bodies[row], gaps );
@@ -153,7 +155,7 @@ static void search_rows( const lw_checker* checker, lw_query* query, const uint3
 {
 	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
 	uint32_t entries = body_count * stride;
-	if ( !( query->gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
+	if ( !( query->scratch.gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
 	{
 		return;
 	}
@@ -162,7 +164,7 @@ static void search_rows( const lw_checker* checker, lw_query* query, const uint3
 	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->cutoff + slack ), nearest );
 	while ( count > 0 && !bound->done )
 	{
-		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		lwi_candidate next = lwi_heap_pop( query->scratch.candidates, &count );
 		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
 		{
 			break;
@@ -190,7 +192,7 @@ static void search_environment( const lw_checker* checker, lw_query* query, cons
 static float* row_of( const lw_checker* checker, lw_query* query, uint32_t place )
 {
 	uint32_t row = place - checker->base->tree->clusters[0].body_count;
-	return query->gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
+	return query->scratch.gaps + (size_t)row * checker->scene->block_count * LWI_WIDTH;
 }
 
 /// True if some obstacle is nearer to a sphere of the tree than the bound's cutoff. Ignores the allowed collisions:
@@ -210,7 +212,7 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 	const lwi_margins* m = checker->margins;
 	double radius = world[3] + ( m != NULL ? m->clusters[sphere] : 0 );
 	bool near;
-	gaps_of( checker, query, world, radius, m != NULL ? m->objects : NULL, bound->cutoff, query->row, &near );
+	gaps_of( checker, query, world, radius, m != NULL ? m->objects : NULL, bound->cutoff, query->scratch.row, &near );
 	return near;
 }
 
@@ -225,7 +227,7 @@ static void add_near( const lw_checker* checker, lw_query* query, uint32_t body,
 		{
 			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
 			float gap = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: searched first
-			lwi_heap_push( query->candidates, count, (lwi_candidate){ gap, first + i } );
+			lwi_heap_push( query->scratch.candidates, count, (lwi_candidate){ gap, first + i } );
 		}
 	}
 }
@@ -252,7 +254,7 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	nearest = mask_row( checker, query, body, gaps );
 	if ( gaps[nearest] < lwi_round_up( bound->cutoff + slack ) )
 	{
-		lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
+		lwi_heap_push( query->scratch.candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
 	}
 	return slack;
 }
@@ -261,7 +263,7 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 /// test of one body, and the tests of the bodies give the same result.
 static bool motion_is_far( const lw_checker* checker, lw_query* query, uint32_t cluster, const lwi_bound* bound )
 {
-	lwi_backoff* backoff = &query->motion_backoff[cluster];
+	lwi_backoff* backoff = &query->cache.motion_backoff[cluster];
 	if ( !lwi_backoff_is_due( backoff ) )
 	{
 		return false;
@@ -286,7 +288,7 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 		const lwi_cluster* cluster = &tree->clusters[i];
 		bool one_body = cluster->end == i + 1 && cluster->body_count == 1; // testing its M first would cost as much as testing it
 		bool asks = ( checker->environment.clusters[i] & LWI_SUBTREE_CHECKED ) != 0;
-		if ( !asks || ( query->hulls && !one_body && motion_is_far( checker, query, i, bound ) ) )
+		if ( !asks || ( query->pose.hulls && !one_body && motion_is_far( checker, query, i, bound ) ) )
 		{
 			i = cluster->end;
 			continue;
@@ -322,7 +324,7 @@ static void open_row( const lw_checker* checker, lw_query* query, lwi_candidate 
 	{
 		if ( i != nearest && gaps[i] < limit )
 		{
-			lwi_heap_push( query->candidates, count, (lwi_candidate){ gaps[i], body * stride + i } );
+			lwi_heap_push( query->scratch.candidates, count, (lwi_candidate){ gaps[i], body * stride + i } );
 		}
 	}
 }
@@ -338,7 +340,7 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 	double slack = descend( checker, query, bound, &count );
 	while ( count > 0 && !bound->done )
 	{
-		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		lwi_candidate next = lwi_heap_pop( query->scratch.candidates, &count );
 		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
 		{
 			break;
@@ -373,8 +375,8 @@ static void environment_result( const lw_checker* checker, const lw_query* query
 	}
 	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
 	uint32_t body = bound->pair / stride;
-	out->point_a = lwi_transform( &query->world_from_body[body], bound->point_a );
-	out->point_b = lwi_transform( &query->world_from_body[body], bound->point_b );
+	out->point_a = lwi_transform( &query->pose.world_from_body[body], bound->point_a );
+	out->point_b = lwi_transform( &query->pose.world_from_body[body], bound->point_b );
 	out->a = checker->base->bodies[body].link;
 	out->b = checker->scene->shapes[bound->pair % stride].object;
 }
@@ -394,7 +396,8 @@ static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi
 			 1 ) != 0 )
 	{
 		lwi_pose_body( checker, query, body );
-		lw_transform relative = lwi_relative( &query->world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
+		lw_transform relative = lwi_relative( &query->pose.world_from_body[body],
+			&checker->scene->shapes[shape].world_from_shape );
 		bound->current_pair = cached->pair;
 		bound->margin = lwi_environment_margin( checker, body, checker->scene->shapes[shape].object );
 		lwi_measure_cached_pair(
@@ -413,11 +416,11 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
 	bound.lowest = lwi_lowest_environment( checker );
-	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
+	lwi_bound_allow_rounding( &bound, 3 * query->pose.rounding, query->pose.stretch );
 	const lw_clearance* fixed = &checker->nearest_static.clearance;
 	bound.current_pair = STATIC_PAIR;
 	lwi_bound_offer( &bound, fixed->lower, fixed->upper );
-	lwi_cached_pair* cached = &query->nearest_environment;
+	lwi_cached_pair* cached = &query->cache.nearest_environment;
 	if ( !bound.done )
 	{
 		measure_cached_pair( checker, query, cached, &bound );
@@ -452,7 +455,7 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 	const lw_range range = { 0, limit, 0 };
 	choose_obstacles( checker, query, &range, false );
 	bool near;
-	double slack = row_of_gaps( checker, query, body, limit, query->gaps, &near );
+	double slack = row_of_gaps( checker, query, body, limit, query->scratch.gaps, &near );
 	if ( !near )
 	{
 		return 0;
@@ -462,10 +465,10 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 	uint32_t count = 0;
 	for ( uint32_t block = 0; block < block_count( checker, query ); ++block )
 	{
-		for ( uint32_t left = near_lanes( query, masks, query->gaps, block, rounded ); left != 0; left &= left - 1 )
+		for ( uint32_t left = near_lanes( query, masks, query->scratch.gaps, block, rounded ); left != 0; left &= left - 1 )
 		{
 			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
-			query->candidates[count++] = (lwi_candidate){ query->gaps[i], i };
+			query->scratch.candidates[count++] = (lwi_candidate){ query->scratch.gaps[i], i };
 		}
 	}
 	return count;
@@ -481,10 +484,10 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	bound.give_up_below = threshold->give_up_below;
 	choose_obstacles( checker, query, &threshold->range, false );
 	bool near;
-	double slack = row_of_gaps( checker, query, body, bound.cutoff, query->gaps, &near );
+	double slack = row_of_gaps( checker, query, body, bound.cutoff, query->scratch.gaps, &near );
 	if ( near ) // mostly it is not
 	{
-		uint32_t nearest = mask_row( checker, query, body, query->gaps );
+		uint32_t nearest = mask_row( checker, query, body, query->scratch.gaps );
 		measure_cached_pair( checker, query, cached, &bound );
 		if ( !bound.done )
 		{
@@ -520,19 +523,20 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 		bits &= fresh != NULL ? fresh[shape / LWI_WIDTH] : 0xffu;
 		if ( ( bits >> ( shape % LWI_WIDTH ) & 1 ) != 0 )
 		{
-			lw_transform relative = lwi_relative( &query->world_from_body[body], &scene->shapes[shape].world_from_shape );
+			lw_transform relative = lwi_relative( &query->pose.world_from_body[body],
+				&scene->shapes[shape].world_from_shape );
 			double gap = lwi_box_gap( checker->base->bodies[body].shape, scene->shapes[shape].shape, &relative ) -
 						 lwi_environment_margin( checker, body, scene->shapes[shape].object );
 			if ( gap < bound->cutoff )
 			{
-				query->candidates[count++] = (lwi_candidate){ lwi_round_down( gap ), body * stride + shape };
+				query->scratch.candidates[count++] = (lwi_candidate){ lwi_round_down( gap ), body * stride + shape };
 			}
 		}
 	}
-	lwi_heap_build( query->candidates, count );
+	lwi_heap_build( query->scratch.candidates, count );
 	while ( count > 0 && !bound->done )
 	{
-		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		lwi_candidate next = lwi_heap_pop( query->scratch.candidates, &count );
 		if ( next.gap >= bound->cutoff )
 		{
 			break;
@@ -556,7 +560,8 @@ lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, cons
 	query->search.failure = LW_OK;
 	for ( uint32_t first = 0; left > 0; )
 	{
-		uint32_t count = query->gap_capacity / stride < left ? query->gap_capacity / stride : left;
+		const size_t fits = query->capacity.gaps / stride;
+		uint32_t count = fits < left ? (uint32_t)fits : left;
 		search_static( checker, query, tree->bodies + first, count, fresh, prefetch, &bound );
 		first += count;
 		left -= count;

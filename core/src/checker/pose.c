@@ -14,13 +14,14 @@ static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body
 	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_checker_body* b = &checker->base->bodies[body];
 	const uint32_t cluster = tree->body_cluster[body];
-	lw_transform* pose = &query->world_from_body[body];
-	*pose = cluster == 0 ? lwi_multiply( &query->world_from_link[b->link], &b->link_from_shape )
-	                  : lwi_multiply( &query->world_from_link[tree->clusters[cluster].root_link], &tree->body_poses[tree->body_place[body]] );
+	lw_transform* pose = &query->pose.world_from_body[body];
+	*pose = cluster == 0 ? lwi_multiply( &query->pose.world_from_link[b->link], &b->link_from_shape )
+	                  : lwi_multiply( &query->pose.world_from_link[tree->clusters[cluster].root_link],
+	                  	&tree->body_poses[tree->body_place[body]] );
 	lw_vec3 center = lwi_transform( pose, lwi_load( b->shape->sphere_center ) );
-	query->body_center[3 * (size_t)body] = center.x;
-	query->body_center[3 * (size_t)body + 1] = center.y;
-	query->body_center[3 * (size_t)body + 2] = center.z;
+	query->pose.body_center[3 * (size_t)body] = center.x;
+	query->pose.body_center[3 * (size_t)body + 1] = center.y;
+	query->pose.body_center[3 * (size_t)body + 2] = center.z;
 }
 
 void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines )
@@ -29,10 +30,10 @@ void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double
 	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
 	{
 		const lwi_cluster_angle* angle = &tree->angles[i];
-		query->angles[i] = angle->multiplier * state[angle->variable] + angle->offset;
+		query->pose.angles[i] = angle->multiplier * state[angle->variable] + angle->offset;
 	}
 	// the padding behind the last angle holds angles of another time, or 0
-	query->search.kernels->sincos( query->angles, lwi_padded_clusters( tree ), cosines, sines );
+	query->search.kernels->sincos( query->pose.angles, lwi_padded_clusters( tree ), cosines, sines );
 }
 
 void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transform* above, const double* state, const double* cosines,
@@ -54,25 +55,26 @@ void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transfo
 void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index )
 {
 	const lwi_cluster* cluster = &checker->base->tree->clusters[index];
-	if ( query->sincos_stamp != query->state_stamp )
+	if ( query->pose.sincos_stamp != query->pose.state_stamp )
 	{
-		lwi_sincos_joints( checker, query, query->state, query->cosines, query->sines );
-		query->sincos_stamp = query->state_stamp;
+		lwi_sincos_joints( checker, query, query->pose.state, query->pose.cosines, query->pose.sines );
+		query->pose.sincos_stamp = query->pose.state_stamp;
 	}
 	// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
-	lwi_pose_under( checker, index, &query->world_from_link[cluster->parent_root], query->state, query->cosines, query->sines,
-		&query->world_from_link[cluster->root_link] );
+	lwi_pose_under( checker, index, &query->pose.world_from_link[cluster->parent_root], query->pose.state,
+		query->pose.cosines, query->pose.sines,
+		&query->pose.world_from_link[cluster->root_link] );
 	query->search.stats.links_posed++;
-	query->cluster_stamp[index] = query->state_stamp;
+	query->pose.cluster_stamp[index] = query->pose.state_stamp;
 }
 
 void lwi_pose_cluster_now( const lw_checker* checker, lw_query* query, uint32_t index )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
-	while ( query->cluster_stamp[index] != query->state_stamp )
+	while ( query->pose.cluster_stamp[index] != query->pose.state_stamp )
 	{
 		uint32_t highest = index; // cluster 0 always has the stamp of the state
-		while ( query->cluster_stamp[tree->clusters[highest].parent] != query->state_stamp )
+		while ( query->pose.cluster_stamp[tree->clusters[highest].parent] != query->pose.state_stamp )
 		{
 			highest = tree->clusters[highest].parent;
 		}
@@ -84,7 +86,7 @@ void lwi_pose_body_now( const lw_checker* checker, lw_query* query, uint32_t bod
 {
 	lwi_pose_cluster( checker, query, checker->base->tree->body_cluster[body] );
 	pose_body( checker, query, body );
-	query->body_stamp[body] = query->state_stamp;
+	query->pose.body_stamp[body] = query->pose.state_stamp;
 }
 
 void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
@@ -95,23 +97,23 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 	uint32_t frame = motion ? cluster->parent : index; // the cluster whose pose carries the sphere
 	lwi_pose_cluster( checker, query, frame );
 	const lw_sphere* local = motion ? &cluster->m : &cluster->r;
-	const lw_transform* pose = &query->world_from_link[motion ? cluster->parent_root : cluster->root_link];
+	const lw_transform* pose = &query->pose.world_from_link[motion ? cluster->parent_root : cluster->root_link];
 	lw_vec3 center = lwi_transform( pose, lwi_load( local->center ) );
-	double* out = query->spheres + 4 * (size_t)sphere;
+	double* out = query->pose.spheres + 4 * (size_t)sphere;
 	out[0] = center.x;
 	out[1] = center.y;
 	out[2] = center.z;
-	out[3] = local->radius + ( motion ? cluster->m_rounding : cluster->r_rounding ) + query->pose_rounding;
-	query->sphere_stamp[sphere] = query->state_stamp;
+	out[3] = local->radius + ( motion ? cluster->m_rounding : cluster->r_rounding ) + query->pose.sphere_rounding;
+	query->pose.sphere_stamp[sphere] = query->pose.state_stamp;
 }
 
 void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index )
 {
 	const lwi_cluster* cluster = &checker->base->tree->clusters[index];
 	const double* r = lwi_sphere( checker, query, 2 * index );
-	const lw_transform* pose = &query->world_from_link[cluster->root_link];
+	const lw_transform* pose = &query->pose.world_from_link[cluster->root_link];
 	double rounding = r[3] - cluster->r.radius; // each body lies within R: the enlargement of R is enough for it
-	float* out = query->blocks + (size_t)cluster->first_block * 4 * LWI_WIDTH;
+	float* out = query->pose.blocks + (size_t)cluster->first_block * 4 * LWI_WIDTH;
 	const uint32_t padded = lwi_padded( cluster->body_count );
 	for ( uint32_t i = 0; i < padded; ++i )
 	{
@@ -131,7 +133,7 @@ void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index
 			lane[3 * LWI_WIDTH] = (float)( radius * ( 1 + 0x1p-22 ) );
 		}
 	}
-	query->block_stamp[index] = query->state_stamp;
+	query->pose.block_stamp[index] = query->pose.state_stamp;
 }
 
 void lwi_pose_all( const lw_checker* checker, lw_query* query )
@@ -148,30 +150,31 @@ static void pose_static( const lw_checker* checker, lw_query* query )
 {
 	lwi_query_forget_checker( query );
 	const lw_robot* robot = checker->base->robot;
-	memcpy( query->state, checker->base->group.reference, robot->variable_count * sizeof( double ) );
-	memcpy( query->world_from_link, checker->base->group.reference_poses, robot->link_count * sizeof( lw_transform ) );
+	memcpy( query->pose.state, checker->base->group.reference, robot->variable_count * sizeof( double ) );
+	memcpy( query->pose.world_from_link, checker->base->group.reference_poses, robot->link_count * sizeof( lw_transform ) );
 	// stamps of another checker belong to other clusters
-	++query->state_stamp;
+	++query->pose.state_stamp;
 	for ( uint32_t i = 0; i < robot->body_count; ++i )
 	{
 		pose_body( checker, query, i ); // static ones stay there, the others are posed again by every state
 	}
 	// cluster 0 never moves: its data are stamped anew for every state
-	query->rounding =
-		lwi_motion_state_rounding( checker->base->motion, query->state, &query->stretch, &query->pose_rounding );
-	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
-	query->cluster_stamp[0] = query->state_stamp;
+	query->pose.rounding =
+		lwi_motion_state_rounding( checker->base->motion, query->pose.state, &query->pose.stretch,
+			&query->pose.sphere_rounding );
+	query->pose.sphere_rounding *= 4 * LWI_POSE_ROUNDING;
+	query->pose.cluster_stamp[0] = query->pose.state_stamp;
 	lwi_pose_sphere( checker, query, 0 );
 	lwi_pose_blocks( checker, query, 0 );
-	memset( query->motion_backoff, 0, checker->base->tree->cluster_count * sizeof( lwi_backoff ) );
-	query->bindings++;
-	query->posed = lw_checker_retain( checker );
-	query->release_posed = lw_checker_release;
+	memset( query->cache.motion_backoff, 0, checker->base->tree->cluster_count * sizeof( lwi_backoff ) );
+	query->pose.bindings++;
+	query->pose.checker = lw_checker_retain( checker );
+	query->pose.release = lw_checker_release;
 }
 
 void lwi_checker_bind( const lw_checker* checker, lw_query* query )
 {
-	if ( query->posed != checker )
+	if ( query->pose.checker != checker )
 	{
 		pose_static( checker, query );
 	}
@@ -230,23 +233,24 @@ static const double most_rounding = 1.0;
 static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
-	query->rounding =
-		lwi_motion_state_rounding( checker->base->motion, query->state, &query->stretch, &query->pose_rounding );
-	query->pose_rounding *= 4 * LWI_POSE_ROUNDING;
-	if ( !( query->rounding <= most_rounding ) || !quaternions_are_valid( tree, query->state ) )
+	query->pose.rounding =
+		lwi_motion_state_rounding( checker->base->motion, query->pose.state, &query->pose.stretch,
+			&query->pose.sphere_rounding );
+	query->pose.sphere_rounding *= 4 * LWI_POSE_ROUNDING;
+	if ( !( query->pose.rounding <= most_rounding ) || !quaternions_are_valid( tree, query->pose.state ) )
 	{
 		return false;
 	}
 	bool holds = tree->proves && query->search.def.hierarchy && within_ranges( checker, q );
-	query->hulls = holds && query->search.def.motion_hulls;
-	query->tables = holds && query->search.def.pair_tables;
-	query->covered = query->hulls || query->tables;
-	query->within =
+	query->pose.hulls = holds && query->search.def.motion_hulls;
+	query->pose.tables = holds && query->search.def.pair_tables;
+	query->pose.covered = query->pose.hulls || query->pose.tables;
+	query->pose.within =
 		within_box( checker->base->group.variable_count, checker->base->group.lower, q, checker->base->group.upper );
-	query->cluster_stamp[0] = query->sphere_stamp[0] = query->block_stamp[0] = query->state_stamp;
+	query->pose.cluster_stamp[0] = query->pose.sphere_stamp[0] = query->pose.block_stamp[0] = query->pose.state_stamp;
 	for ( uint32_t i = 0; i < tree->clusters[0].body_count; ++i )
 	{
-		query->body_stamp[tree->bodies[i]] = query->state_stamp;
+		query->pose.body_stamp[tree->bodies[i]] = query->pose.state_stamp;
 	}
 	return true;
 }
@@ -261,10 +265,10 @@ lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const do
 		}
 	}
 	lwi_checker_bind( checker, query );
-	++query->state_stamp;
+	++query->pose.state_stamp;
 	for ( uint32_t i = 0; i < checker->base->group.variable_count; ++i )
 	{
-		query->state[checker->base->group.variables[i]] = q[i];
+		query->pose.state[checker->base->group.variables[i]] = q[i];
 	}
 	if ( !begin_state( checker, query, q ) )
 	{

@@ -37,7 +37,7 @@ void lwi_pose_all( const lw_checker* checker, lw_query* query );
 /// Makes world_from_link of a cluster's root link valid.
 static inline void lwi_pose_cluster( const lw_checker* checker, lw_query* query, uint32_t cluster )
 {
-	if ( query->cluster_stamp[cluster] != query->state_stamp )
+	if ( query->pose.cluster_stamp[cluster] != query->pose.state_stamp )
 	{
 		lwi_pose_cluster_now( checker, query, cluster );
 	}
@@ -46,7 +46,7 @@ static inline void lwi_pose_cluster( const lw_checker* checker, lw_query* query,
 /// Makes world_from_body and body_center of a robot body valid.
 static inline void lwi_pose_body( const lw_checker* checker, lw_query* query, uint32_t body )
 {
-	if ( query->body_stamp[body] != query->state_stamp )
+	if ( query->pose.body_stamp[body] != query->pose.state_stamp )
 	{
 		lwi_pose_body_now( checker, query, body );
 	}
@@ -55,21 +55,21 @@ static inline void lwi_pose_body( const lw_checker* checker, lw_query* query, ui
 /// Sphere 2 * cluster (R) or 2 * cluster + 1 (M) in the world: x, y, z, radius, the rounding of poses included.
 static inline const double* lwi_sphere( const lw_checker* checker, lw_query* query, uint32_t sphere )
 {
-	if ( query->sphere_stamp[sphere] != query->state_stamp )
+	if ( query->pose.sphere_stamp[sphere] != query->pose.state_stamp )
 	{
 		lwi_pose_sphere( checker, query, sphere );
 	}
-	return query->spheres + 4 * (size_t)sphere;
+	return query->pose.spheres + 4 * (size_t)sphere;
 }
 
 /// The spheres of a cluster's bodies by LWI_WIDTH, [4][LWI_WIDTH] each, relative to the centre of the cluster's R.
 static inline const float* lwi_blocks( const lw_checker* checker, lw_query* query, uint32_t cluster )
 {
-	if ( query->block_stamp[cluster] != query->state_stamp )
+	if ( query->pose.block_stamp[cluster] != query->pose.state_stamp )
 	{
 		lwi_pose_blocks( checker, query, cluster );
 	}
-	return query->blocks + (size_t)checker->base->tree->clusters[cluster].first_block * 4 * LWI_WIDTH;
+	return query->pose.blocks + (size_t)checker->base->tree->clusters[cluster].first_block * 4 * LWI_WIDTH;
 }
 
 LW_EXTERN_C_END

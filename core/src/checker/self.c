@@ -18,7 +18,7 @@ static void search_self_pair( const lw_checker* checker, lw_query* query, uint32
 {
 	lwi_pose_body( checker, query, body_a );
 	lwi_pose_body( checker, query, body_b );
-	lw_transform relative = lwi_relative( &query->world_from_body[body_a], &query->world_from_body[body_b] );
+	lw_transform relative = lwi_relative( &query->pose.world_from_body[body_a], &query->pose.world_from_body[body_b] );
 	bound->margin = lwi_self_margin( checker->base, body_a, body_b );
 	search( &query->search, checker->base->bodies[body_a].shape, checker->base->bodies[body_b].shape, &relative, bound );
 }
@@ -31,13 +31,14 @@ static double body_spheres( const lw_checker* checker, lw_query* query )
 {
 	uint32_t bodies = lw_robot_body_count( checker->base->robot );
 	double reach = 0, largest = 0;
-	memcpy( query->origin, query->body_center, sizeof( query->origin ) );
+	memcpy( query->pose.origin, query->pose.body_center, sizeof( query->pose.origin ) );
 	for ( uint32_t i = 0; i < checker->base->body_block_count * LWI_WIDTH; ++i )
 	{
-		float* block = query->body_spheres + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
+		float* block = query->pose.body_spheres + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			double relative = i < bodies ? query->body_center[3 * (size_t)i + (size_t)axis] - query->origin[axis] : 0;
+			double relative = i < bodies ? query->pose.body_center[3 * (size_t)i + (size_t)axis] - query->pose.origin[axis]
+				: 0;
 			block[axis * LWI_WIDTH] = (float)relative;
 			reach = fmax( reach, fabs( relative ) );
 		}
@@ -59,15 +60,16 @@ static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* n
 	for ( uint32_t a = 0; a < bodies; ++a )
 	{
 		const uint8_t* mask = checker->base->self.mask + (size_t)a * blocks;
-		float* gaps = query->gaps + (size_t)a * stride;
-		const float* mine = query->body_spheres + 4 * (size_t)( a / LWI_WIDTH ) * LWI_WIDTH + a % LWI_WIDTH;
+		float* gaps = query->scratch.gaps + (size_t)a * stride;
+		const float* mine = query->pose.body_spheres + 4 * (size_t)( a / LWI_WIDTH ) * LWI_WIDTH + a % LWI_WIDTH;
 		const float sphere[4] = { mine[0], mine[LWI_WIDTH], mine[2 * LWI_WIDTH], mine[3 * LWI_WIDTH] };
 		for ( uint32_t block = 0; block < blocks; ++block )
 		{
 			float* row = gaps + block * LWI_WIDTH;
 			if ( mask[block] != 0 )
 			{
-				query->search.kernels->sphere_gap( query->body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere, INFINITY, row );
+				query->search.kernels->sphere_gap( query->pose.body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere,
+					INFINITY, row );
 				const float* listed = checker->base->bodies[a].self_row;
 				lwi_subtract_margins( row, listed != NULL ? listed + block * LWI_WIDTH : NULL, LWI_WIDTH );
 			}
@@ -94,7 +96,7 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
 	uint32_t nearest;
 	double slack = self_gaps( checker, query, &nearest );
-	if ( !( query->gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
+	if ( !( query->scratch.gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
 	{
 		return;
 	}
@@ -104,7 +106,7 @@ static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* 
 	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->cutoff + slack ), nearest );
 	while ( count > 0 && !bound->done )
 	{
-		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		lwi_candidate next = lwi_heap_pop( query->scratch.candidates, &count );
 		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
 		{
 			break;
@@ -161,12 +163,13 @@ static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t 
 /// @param margin that the separation is less by @param slice index into the tree's slices, or LW_INVALID_INDEX
 static float separation_now( const lw_checker* checker, const lw_query* query, float separation, double margin, uint32_t slice )
 {
-	if ( slice == LW_INVALID_INDEX || !query->tables )
+	if ( slice == LW_INVALID_INDEX || !query->pose.tables )
 	{
 		return separation;
 	}
 	float by_grid =
-		below( lwi_grid_at( &checker->base->tree->slices[slice], checker->base->tree->spacings, query->state ) - margin );
+		below( lwi_grid_at( &checker->base->tree->slices[slice], checker->base->tree->spacings,
+			query->pose.state ) - margin );
 	return by_grid > separation ? by_grid : separation;
 }
 
@@ -187,7 +190,7 @@ static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lw
 		double gap = gap_below( a, lwi_sphere( checker, query, 2 * pair->cluster_b ), pair->margin, bound->cutoff );
 		if ( gap < INFINITY )
 		{
-			query->candidates[count++] = cluster_pair( checker, i, below( gap ) );
+			query->scratch.candidates[count++] = cluster_pair( checker, i, below( gap ) );
 		}
 	}
 	query->search.stats.robot_tests += tree->pair_count;
@@ -204,9 +207,9 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 	{
 		const lwi_self_step* step = &tree->steps[i];
 		++tests;
-		float separation = query->tables ? step->separation : 0 - step->margin;
+		float separation = query->pose.tables ? step->separation : 0 - step->margin;
 		double gap = separation >= limit ? INFINITY : -INFINITY;
-		if ( gap < 0 && step->sphere_a != LW_INVALID_INDEX && ( query->hulls || step->pair != LW_INVALID_INDEX ) )
+		if ( gap < 0 && step->sphere_a != LW_INVALID_INDEX && ( query->pose.hulls || step->pair != LW_INVALID_INDEX ) )
 		{
 			const double* a = lwi_sphere( checker, query, step->sphere_a );
 			gap = gap_below( a, lwi_sphere( checker, query, step->sphere_b ), step->margin, limit );
@@ -222,7 +225,7 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 			float by_grid = separation_now( checker, query, separation, step->margin, slice );
 			if ( by_grid < limit )
 			{
-				query->candidates[count++] = cluster_pair( checker, step->pair, lower_bound( gap, by_grid ) );
+				query->scratch.candidates[count++] = cluster_pair( checker, step->pair, lower_bound( gap, by_grid ) );
 			}
 		}
 		++i;
@@ -236,18 +239,18 @@ static double proxy_spheres( const lw_checker* checker, lw_query* query, float* 
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_self_proxies* proxies = tree->proxies;
-	const double* origin = query->world_from_link[tree->clusters[0].root_link].t;
+	const double* origin = query->pose.world_from_link[tree->clusters[0].root_link].t;
 	double reach = 0;
 	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
 	{
-		if ( query->cluster_stamp[i] != query->state_stamp )
+		if ( query->pose.cluster_stamp[i] != query->pose.state_stamp )
 		{
 			lwi_pose_child( checker, query, i );
 		}
 	}
 	for ( uint32_t i = 0; i < proxies->count; ++i )
 	{
-		const lw_transform* pose = &query->world_from_link[tree->clusters[proxies->cluster[i]].root_link];
+		const lw_transform* pose = &query->pose.world_from_link[tree->clusters[proxies->cluster[i]].root_link];
 		lw_vec3 center = lwi_transform( pose, lwi_load( proxies->sphere[i].center ) );
 		const double relative[3] = { center.x - origin[0], center.y - origin[1], center.z - origin[2] };
 		float* lane = blocks + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
@@ -256,9 +259,9 @@ static double proxy_spheres( const lw_checker* checker, lw_query* query, float* 
 			lane[axis * LWI_WIDTH] = (float)relative[axis];
 			reach = fabs( relative[axis] ) > reach ? fabs( relative[axis] ) : reach;
 		}
-		lane[3 * LWI_WIDTH] = above( proxies->sphere[i].radius + query->pose_rounding );
+		lane[3 * LWI_WIDTH] = above( proxies->sphere[i].radius + query->pose.sphere_rounding );
 	}
-	return lwi_gap_slack( 2 * ( reach + proxies->largest_radius + query->pose_rounding ) );
+	return lwi_gap_slack( 2 * ( reach + proxies->largest_radius + query->pose.sphere_rounding ) );
 }
 
 /// Gap of two lanes of such blocks.
@@ -279,7 +282,7 @@ static double gap_of_lanes( const float* blocks, uint32_t a, uint32_t b )
 static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
 	const lwi_self_proxies* proxies = checker->base->tree->proxies;
-	if ( query->tables && proxies->separation >= bound->cutoff )
+	if ( query->pose.tables && proxies->separation >= bound->cutoff )
 	{
 		query->search.stats.robot_tests++;
 		return 0; // nothing needs to be posed
@@ -293,7 +296,7 @@ static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, con
 	{
 		uint32_t low = near[i] / 256, high = near[i] % 256;
 		const lwi_proxy_pair* pair = &proxies->pairs[low][high];
-		float separation = query->tables ? pair->separation : 0 - pair->margin;
+		float separation = query->pose.tables ? pair->separation : 0 - pair->margin;
 		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
 		if ( separation >= bound->cutoff || gap >= bound->cutoff )
 		{
@@ -302,7 +305,8 @@ static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, con
 		separation = separation_now( checker, query, separation, pair->margin, pair->slice );
 		if ( separation < bound->cutoff )
 		{
-			query->candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
+			query->scratch.candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ),
+				pair->candidate };
 		}
 	}
 	query->search.stats.robot_tests += proxies->pair_count;
@@ -313,7 +317,7 @@ static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, con
 static double cluster_spheres( const lw_checker* checker, lw_query* query, float* blocks )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
-	const double* origin = query->world_from_link[tree->clusters[0].root_link].t;
+	const double* origin = query->pose.world_from_link[tree->clusters[0].root_link].t;
 	double reach = 0, largest = 0;
 	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
 	{
@@ -354,7 +358,7 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 	{
 		return list_pairs( checker, query, bound );
 	}
-	uint16_t* near = (uint16_t*)(void*)query->gaps; // gaps has two floats at least per pair of clusters
+	uint16_t* near = (uint16_t*)(void*)query->scratch.gaps; // gaps has two floats at least per pair of clusters
 	float limit = above( bound->cutoff + (double)rows->largest_margin + slack );
 	uint32_t found = query->search.kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
@@ -363,7 +367,7 @@ static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lw
 		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)tree->pairs[index].margin;
 		if ( gap < bound->cutoff )
 		{
-			query->candidates[count++] = cluster_pair( checker, index, below( gap ) );
+			query->scratch.candidates[count++] = cluster_pair( checker, index, below( gap ) );
 		}
 	}
 	query->search.stats.robot_tests += tree->pair_count;
@@ -417,7 +421,7 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_clus
 	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
 	size_t index = pair->first + (size_t)rank_a * b->body_count + rank_b;
 	float separation = tree->separations[index];
-	if ( !query->tables && separation < INFINITY )
+	if ( !query->pose.tables && separation < INFINITY )
 	{
 		separation = 0 - pair->margin; // proved for other states than this one, or not to be used
 	}
@@ -431,7 +435,7 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_clus
 	separation = separation_now( checker, query, separation, margin, slice );
 	if ( separation < bound->cutoff )
 	{
-		lwi_heap_push( query->candidates, count,
+		lwi_heap_push( query->scratch.candidates, count,
 			body_pair( checker, body_a, body_b, lower_bound( gap - margin, separation ) ) );
 	}
 }
@@ -443,7 +447,8 @@ static void open_body( const lw_checker* checker, lw_query* query, const lwi_clu
 	const lwi_cluster_tree* tree = checker->base->tree;
 	uint32_t mine = of_a ? pair->cluster_a : pair->cluster_b, other = of_a ? pair->cluster_b : pair->cluster_a;
 	const lw_sphere* local = &tree->body_spheres[tree->clusters[mine].first_body + rank];
-	lw_vec3 center = lwi_transform( &query->world_from_link[tree->clusters[mine].root_link], lwi_load( local->center ) );
+	lw_vec3 center = lwi_transform( &query->pose.world_from_link[tree->clusters[mine].root_link],
+		lwi_load( local->center ) );
 	double rounding = lwi_sphere( checker, query, 2 * mine )[3] - tree->clusters[mine].r.radius;
 	const double sphere[4] = { center.x, center.y, center.z, local->radius + rounding };
 	probe p = make_probe( checker, query, other, sphere, pair->margin, bound );
@@ -493,9 +498,10 @@ static double body_gap_below( const lw_checker* checker, lw_query* query, uint32
 {
 	lwi_pose_body( checker, query, a );
 	lwi_pose_body( checker, query, b );
-	const double *center_a = query->body_center + 3 * (size_t)a, *center_b = query->body_center + 3 * (size_t)b;
+	const double *center_a = query->pose.body_center + 3 * (size_t)a, *center_b = query->pose.body_center + 3 * (size_t)b;
 	// poses of bodies are rounded as those of clusters are
-	double rounding = query->pose_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
+	double rounding = query->pose.sphere_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) +
+		fabs( center_a[2] ) +
 											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
 	const double sphere_a[4] = {
 		center_a[0], center_a[1], center_a[2], checker->base->bodies[a].shape->sphere_radius + rounding };
@@ -522,16 +528,17 @@ static bool pair_counts( const lw_checker* checker, uint32_t pair )
 /// or no.
 static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
-	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH, count = query->known_count;
+	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH, count = query->cache.known_count;
 	double gap[LWI_KNOWN_PAIRS];
-	query->known_looked = 0;
-	if ( query->covered || !query->search.def.warm_start || !( bound->range.max_d > nextafter( bound->range.min_d, INFINITY ) ) )
+	query->cache.known_looked = 0;
+	if ( query->pose.covered || !query->search.def.warm_start || !( bound->range.max_d > nextafter( bound->range.min_d,
+		INFINITY ) ) )
 	{
 		return;
 	}
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		const uint32_t pair = query->known_pairs[i];
+		const uint32_t pair = query->cache.known_pairs[i];
 		gap[i] = pair_counts( checker, pair ) ? body_gap_below( checker, query, pair / stride, pair % stride, bound->cutoff )
 			: INFINITY;
 	}
@@ -547,17 +554,17 @@ static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound
 			return;
 		}
 		gap[next] = INFINITY;
-		query->known_looked |= 1u << next;
-		bound->current_pair = query->known_pairs[next];
+		query->cache.known_looked |= 1u << next;
+		bound->current_pair = query->cache.known_pairs[next];
 		search_self_pair( checker, query, bound->current_pair / stride, bound->current_pair % stride, bound, lwi_search_first );
 	}
 }
 
 static bool was_measured_first( const lw_query* query, uint32_t pair )
 {
-	for ( uint32_t left = query->known_looked; left != 0; left &= left - 1 )
+	for ( uint32_t left = query->cache.known_looked; left != 0; left &= left - 1 )
 	{
-		if ( query->known_pairs[lwi_lowest_bit( left )] == pair )
+		if ( query->cache.known_pairs[lwi_lowest_bit( left )] == pair )
 		{
 			return true;
 		}
@@ -569,17 +576,17 @@ static bool was_measured_first( const lw_query* query, uint32_t pair )
 static void remember_pair( lw_query* query, uint32_t pair )
 {
 	uint32_t i = 0;
-	while ( i < query->known_count && query->known_pairs[i] != pair )
+	while ( i < query->cache.known_count && query->cache.known_pairs[i] != pair )
 	{
 		++i;
 	}
-	if ( i == query->known_count )
+	if ( i == query->cache.known_count )
 	{
-		query->known_count += i < LWI_KNOWN_PAIRS ? 1 : 0;
-		i = query->known_count - 1;
+		query->cache.known_count += i < LWI_KNOWN_PAIRS ? 1 : 0;
+		i = query->cache.known_count - 1;
 	}
-	memmove( query->known_pairs + 1, query->known_pairs, i * sizeof( uint32_t ) );
-	query->known_pairs[0] = pair;
+	memmove( query->cache.known_pairs + 1, query->cache.known_pairs, i * sizeof( uint32_t ) );
+	query->cache.known_pairs[0] = pair;
 }
 
 // --- by clusters, from the nearest on --------------------------------------------------------------------------------
@@ -592,7 +599,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
 	while ( count > 0 && !bound->done )
 	{
-		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		lwi_candidate next = lwi_heap_pop( query->scratch.candidates, &count );
 		if ( next.gap >= bound->cutoff )
 		{
 			break;
@@ -619,9 +626,9 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 		checker->base->tree->proxies != NULL && bound->cutoff < INFINITY; // without a bound nothing would be ruled out
 	uint32_t count = bound->done      ? 0
 					 : at_once        ? compare_proxies( checker, query, bound )
-					 : query->covered ? walk_steps( checker, query, bound )
+					 : query->pose.covered ? walk_steps( checker, query, bound )
 									  : walk_pairs( checker, query, bound );
-	lwi_heap_build( query->candidates, count );
+	lwi_heap_build( query->scratch.candidates, count );
 	search_candidates( checker, query, count, bound );
 	lwi_search_waiting( &query->search, bound );
 }
@@ -634,8 +641,8 @@ static void self_result( const lw_checker* checker, const lw_query* query, const
 	*out = lwi_bound_result( bound );
 	if ( out->upper < INFINITY )
 	{
-		out->point_a = lwi_transform( &query->world_from_body[body_a], bound->point_a );
-		out->point_b = lwi_transform( &query->world_from_body[body_a], bound->point_b );
+		out->point_a = lwi_transform( &query->pose.world_from_body[body_a], bound->point_a );
+		out->point_b = lwi_transform( &query->pose.world_from_body[body_a], bound->point_b );
 		out->a = checker->base->bodies[body_a].link;
 		out->b = checker->base->bodies[body_b].link;
 	}
@@ -650,7 +657,7 @@ static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi
 	{
 		lwi_pose_body( checker, query, a );
 		lwi_pose_body( checker, query, b );
-		lw_transform relative = lwi_relative( &query->world_from_body[a], &query->world_from_body[b] );
+		lw_transform relative = lwi_relative( &query->pose.world_from_body[a], &query->pose.world_from_body[b] );
 		bound->current_pair = cached->pair;
 		bound->margin = lwi_self_margin( checker->base, a, b );
 		lwi_measure_cached_pair(
@@ -668,9 +675,9 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
 	bound.lowest = lwi_lowest_self( checker->base );
-	lwi_bound_allow_rounding( &bound, 3 * query->rounding, query->stretch );
+	lwi_bound_allow_rounding( &bound, 3 * query->pose.rounding, query->pose.stretch );
 	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
-	lwi_cached_pair* cached = &query->nearest_self;
+	lwi_cached_pair* cached = &query->cache.nearest_self;
 	measure_cached_pair( checker, query, cached, &bound );
 	if ( !bound.done && query->search.def.hierarchy )
 	{
@@ -695,13 +702,13 @@ uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uin
 	const lwi_bound bound = { .cutoff = limit };
 	uint32_t count = 0;
 	const double* a = lwi_sphere( checker, query, 2 * pair->cluster_a );
-	if ( !( query->tables && pair->separation >= limit ) &&
+	if ( !( query->pose.tables && pair->separation >= limit ) &&
 		 gap_below( a, lwi_sphere( checker, query, 2 * pair->cluster_b ), pair->margin, limit ) < INFINITY )
 	{
 		lwi_candidate only = cluster_pair( checker, index, 0 );
 		if ( only.pair < LWI_OPEN )
 		{
-			query->candidates[count++] = only;
+			query->scratch.candidates[count++] = only;
 		}
 		else
 		{

@@ -56,15 +56,15 @@ static size_t lay_out( lwi_edge* e, void* memory )
 bool lwi_edge_begin( lwi_edge* edge )
 {
 	lw_query* query = edge->query;
-	if ( lay_out( edge, query->edge_scratch ) > query->edge_capacity )
+	if ( lay_out( edge, query->scratch.edge ) > query->capacity.edge_bytes )
 	{
 		return false;
 	}
 	lwi_checker_bind( edge->checker, query );
-	if ( edge->memory->bindings != query->bindings )
+	if ( edge->memory->bindings != query->pose.bindings )
 	{
 		memset( edge->memory, 0, sizeof( *edge->memory ) );
-		edge->memory->bindings = query->bindings;
+		edge->memory->bindings = query->pose.bindings;
 	}
 	for ( int i = 0; i < 2; ++i )
 	{
@@ -241,7 +241,7 @@ static const lw_transform* pose_at( lwi_edge* e, double t, uint32_t cluster )
 		return cluster_pose( e, t, cluster );
 	}
 	lwi_pose_cluster( e->checker, e->query, cluster );
-	return &e->query->world_from_link[e->checker->base->tree->clusters[cluster].root_link];
+	return &e->query->pose.world_from_link[e->checker->base->tree->clusters[cluster].root_link];
 }
 
 /// Pose of a cluster in the frame of one above it.
@@ -261,7 +261,7 @@ const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t cluster )
 {
 	const lw_checker* c = e->checker;
 	const lwi_cluster* clusters = c->base->tree->clusters;
-	const uint64_t stamp = e->query->state_stamp;
+	const uint64_t stamp = e->query->pose.state_stamp;
 	while ( e->velocities[cluster].stamp != stamp )
 	{
 		uint32_t next = cluster;
@@ -271,7 +271,7 @@ const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t cluster )
 		}
 		lwi_edge_velocity* velocity = &e->velocities[next];
 		lwi_pose_cluster( c, e->query, next );
-		const lw_transform* pose = &e->query->world_from_link[clusters[next].root_link];
+		const lw_transform* pose = &e->query->pose.world_from_link[clusters[next].root_link];
 		*velocity = (lwi_edge_velocity){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( clusters[next].r.center ) ) };
 		if ( next != 0 )
 		{
@@ -412,7 +412,7 @@ static double linear_bound( lwi_edge* e, uint32_t cluster, uint32_t ancestor, co
 		return INFINITY;
 	}
 	lwi_edge_linear_motion linear = lwi_edge_linear_motion_of( e, cluster, ancestor, rate, window ); // poses the cluster
-	const lw_transform* pose = &e->query->world_from_link[e->checker->base->tree->clusters[cluster].root_link];
+	const lw_transform* pose = &e->query->pose.world_from_link[e->checker->base->tree->clusters[cluster].root_link];
 	double length =
 		lwi_edge_linear_length( &linear, lwi_transform( pose, lwi_load( local->center ) ), local->radius, window.half );
 	double path = window.half * rate.path;
@@ -471,7 +471,7 @@ void lwi_edge_swept_poses( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_mo
 	if ( linear != NULL )
 	{
 		lwi_pose_body( c, e->query, body );
-		out->middle = e->query->world_from_body[body];
+		out->middle = e->query->pose.world_from_body[body];
 	}
 	else
 	{

@@ -225,7 +225,7 @@ const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* edge, uint32_t cluster
 static inline const lwi_edge_velocity* lwi_edge_velocity_of( lwi_edge* edge, uint32_t cluster )
 {
 	const lwi_edge_velocity* velocity = &edge->velocities[cluster];
-	return velocity->stamp == edge->query->state_stamp ? velocity : lwi_edge_velocity_now( edge, cluster );
+	return velocity->stamp == edge->query->pose.state_stamp ? velocity : lwi_edge_velocity_now( edge, cluster );
 }
 
 /// Bounds for a cluster's geometry over the whole edge, seen from a cluster above it. The cluster was measured.

@@ -391,7 +391,8 @@ static uint32_t tree_meets_obstacle( const interval_batch* batch, const operand*
 	return trees_meet( batch, &q, &first, lanes );
 }
 
-/// Obstacles that a cluster's sphere meets: the first of query->candidates, lanes in place of the gap. Returns their count.
+/// Obstacles that a cluster's sphere meets: the first of query->scratch.candidates, lanes in place of the gap. Returns
+/// their count.
 static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, bool near_only, query_sphere* out )
 {
 	const lw_checker* c = batch->e->checker;
@@ -412,7 +413,7 @@ static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, boo
 	// all that the sphere passes lies in one: 5 / 8 of the edge are left on the longer side of the fifth window's middle
 	double largest = margins != NULL ? c->margins->largest : 0;
 	double slack = lwi_scene_gaps( c->scene, blocks, batch->kernels, middle, s.radius + s.need + 0.625 * s.path + largest,
-		s.slack, batch->e->query->row, &any );
+		s.slack, batch->e->query->scratch.row, &any );
 	const float limit = lwi_round_up( s.slack + slack );
 	for ( uint32_t block = 0; any && block < blocks; ++block )
 	{
@@ -424,7 +425,7 @@ static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, boo
 		for ( ; mask != 0; mask &= mask - 1 )
 		{
 			uint32_t shape = block * LWI_WIDTH + lwi_lowest_bit( mask );
-			if ( batch->e->query->row[shape] >= limit )
+			if ( batch->e->query->scratch.row[shape] >= limit )
 			{
 				continue;
 			}
@@ -435,7 +436,7 @@ static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, boo
 			}
 			if ( lanes != 0 )
 			{
-				batch->e->query->candidates[count++] = (lwi_candidate){ (float)lanes, shape };
+				batch->e->query->scratch.candidates[count++] = (lwi_candidate){ (float)lanes, shape };
 			}
 		}
 	}
@@ -494,7 +495,8 @@ static void batch_environment( const interval_batch* batch )
 			( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) != 0 ? near_cluster( batch, i, near_only, &of_cluster ) : 0;
 		for ( uint32_t k = n->first_body; count > 0 && k < n->first_body + n->body_count; ++k )
 		{
-			uint32_t lanes = near_body( batch, k, e->query->candidates, count, n->body_count == 1 ? &of_cluster : NULL,
+			uint32_t lanes = near_body( batch, k, e->query->scratch.candidates, count, n->body_count == 1 ? &of_cluster
+				: NULL,
 				near_only );
 			if ( lanes != 0 )
 			{

@@ -47,10 +47,10 @@ bool lwi_edge_measure_clusters( lwi_edge* e, double t, double share )
 	{
 		return false;
 	}
-	lwi_motion_place( c->base->motion, e->motion, e->query->world_from_link );
+	lwi_motion_place( c->base->motion, e->motion, e->query->pose.world_from_link );
 	for ( uint32_t i = 1; i < c->base->tree->cluster_count; ++i )
 	{
-		lwi_motion_measure_body( c->base->motion, e->motion, i, e->query->world_from_link, share );
+		lwi_motion_measure_body( c->base->motion, e->motion, i, e->query->pose.world_from_link, share );
 	}
 	return true;
 }
@@ -135,7 +135,7 @@ static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
 	{
 		return true;
 	}
-	const lw_transform* pose = &e->query->world_from_link[n->root_link];
+	const lw_transform* pose = &e->query->pose.world_from_link[n->root_link];
 	for ( uint32_t i = n->first_body; i < n->first_body + n->body_count; ++i )
 	{
 		lwi_edge_pair pair = { .body_a = c->base->tree->bodies[i], .body_b = LW_INVALID_INDEX };
@@ -215,7 +215,7 @@ static uint32_t near_bodies( midpoint_pass* s, const lwi_cluster_pair* pair )
 	const uint32_t only = lwi_cluster_pair_candidate( c->base, c->base->tree, index );
 	if ( only < LWI_OPEN )
 	{
-		e->query->candidates[0].pair = only;
+		e->query->scratch.candidates[0].pair = only;
 		return 1;
 	}
 	double displacement = pair_displacement( s, pair, true );
@@ -234,10 +234,10 @@ static moving_proxy make_proxy( midpoint_pass* s, uint32_t cluster, const lw_sph
 {
 	lwi_edge* e = s->edge;
 	moving_proxy m = { .velocity = lwi_edge_velocity_of( e, cluster ) }; // poses the cluster
-	const lw_transform* pose = &e->query->world_from_link[e->checker->base->tree->clusters[cluster].root_link];
+	const lw_transform* pose = &e->query->pose.world_from_link[e->checker->base->tree->clusters[cluster].root_link];
 	m.center = lwi_transform( pose, lwi_load( sphere->center ) );
 	m.displacement = displacement_of( s, m.velocity, m.center );
-	m.radius = sphere->radius + e->query->pose_rounding;
+	m.radius = sphere->radius + e->query->pose.sphere_rounding;
 	return m;
 }
 
@@ -277,7 +277,7 @@ static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 	bool go_on = true; // tests of pairs leave the candidates unchanged
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
-		const uint32_t candidate = s->edge->query->candidates[i].pair;
+		const uint32_t candidate = s->edge->query->scratch.candidates[i].pair;
 		const uint32_t a = candidate / stride, b = candidate % stride;
 		if ( count > 1 && s->moves && !bodies_meet( s, a, b, pair->ancestor ) )
 		{
@@ -315,7 +315,7 @@ static double make_proxies( midpoint_pass* s, moving_proxy* all, float* blocks )
 {
 	lwi_edge* e = s->edge;
 	const lwi_cluster_tree* tree = e->checker->base->tree;
-	const lw_vec3 origin = lwi_load( e->query->world_from_link[tree->clusters[0].root_link].t );
+	const lw_vec3 origin = lwi_load( e->query->pose.world_from_link[tree->clusters[0].root_link].t );
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	double size = 0;
 	for ( uint32_t i = 0; i < tree->proxies->count; ++i )

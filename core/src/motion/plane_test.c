@@ -374,7 +374,7 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	lwi_edge_plane_result worst = LWI_EDGE_PROVED;
 	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
 	{
-		uint32_t index = e->query->candidates[i].pair;
+		uint32_t index = e->query->scratch.candidates[i].pair;
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
 		lwi_swept_poses_static( &fixed, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
 		s.any_key = fixed.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
@@ -453,7 +453,7 @@ static bool pair_stays_away( nearing* s, const lwi_edge_pair* pair, lwi_edge_win
 	if ( pair->ancestor != 0 )
 	{
 		lwi_pose_cluster( c, e->query, pair->ancestor );
-		s->n = lwi_unrotate( &e->query->world_from_link[c->base->tree->clusters[pair->ancestor].root_link], s->n );
+		s->n = lwi_unrotate( &e->query->pose.world_from_link[c->base->tree->clusters[pair->ancestor].root_link], s->n );
 	}
 	s->n = swapped ? lwi_scale( -1, s->n ) : s->n;
 	const lwi_motion_rate rate = swapped ? pair->rate_b : pair->rate_a;
@@ -473,13 +473,13 @@ static bool stays_away_from_scene( nearing* s, const lwi_edge_pair* pair, lwi_ed
 	bool away = true;
 	for ( uint32_t i = 0; i < count && away; ++i )
 	{
-		const lw_scene_shape_def* obstacle = &c->scene->shapes[e->query->candidates[i].pair];
+		const lw_scene_shape_def* obstacle = &c->scene->shapes[e->query->scratch.candidates[i].pair];
 		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
 		away = stays_away_from( s, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape, margin );
 	}
 	for ( uint32_t i = 0; i < count && away; ++i )
 	{
-		const uint32_t index = e->query->candidates[i].pair;
+		const uint32_t index = e->query->scratch.candidates[i].pair;
 		lwi_edge_plane* p = plane_of( e, obstacle_key( c, pair->body_a, index ) );
 		const lw_vec3 n = lwi_unrotate( &c->scene->shapes[index].world_from_shape, s->n );
 		p->near_known = true;

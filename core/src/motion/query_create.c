@@ -39,5 +39,5 @@ lw_status lw_query_create( const lw_query_def* def, const struct lw_scene* scene
 bool lw_query_fits( const lw_query* query, const lw_checker* checker )
 {
 	return query != NULL && checker != NULL && lwi_query_fits( query, checker ) &&
-		   query->edge_capacity >= lwi_edge_scratch_size( checker, 0 );
+		   query->capacity.edge_bytes >= lwi_edge_scratch_size( checker, 0 );
 }

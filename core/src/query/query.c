@@ -32,26 +32,27 @@ static size_t lay_out( lw_query* q, void* block )
 {
 	lwi_arena arena = lwi_arena_begin( block, sizeof( lw_query ) );
 	q->search.waiting = lwi_arena_take( &arena, LWI_MAX_WAITING, sizeof( lwi_waiting ) );
-	q->state = lwi_arena_take( &arena, q->variable_capacity, sizeof( double ) );
-	q->world_from_link = lwi_arena_take( &arena, q->link_capacity, sizeof( lw_transform ) );
-	q->cluster_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t ) );
-	q->sphere_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t[2] ) );
-	q->body_stamp = lwi_arena_take( &arena, q->body_capacity, sizeof( uint64_t ) );
-	q->angles = lwi_arena_take( &arena, lwi_padded( q->link_capacity ), sizeof( double ) );
-	q->cosines = lwi_arena_take( &arena, lwi_padded( q->link_capacity ), sizeof( double ) );
-	q->sines = lwi_arena_take( &arena, lwi_padded( q->link_capacity ), sizeof( double ) );
-	q->motion_backoff = lwi_arena_take( &arena, q->link_capacity, sizeof( lwi_backoff ) );
-	q->spheres = lwi_arena_take( &arena, q->link_capacity, sizeof( double[2][4] ) );
-	q->block_stamp = lwi_arena_take( &arena, q->link_capacity, sizeof( uint64_t ) );
+	q->pose.state = lwi_arena_take( &arena, q->capacity.variables, sizeof( double ) );
+	q->pose.world_from_link = lwi_arena_take( &arena, q->capacity.links, sizeof( lw_transform ) );
+	q->pose.cluster_stamp = lwi_arena_take( &arena, q->capacity.links, sizeof( uint64_t ) );
+	q->pose.sphere_stamp = lwi_arena_take( &arena, q->capacity.links, sizeof( uint64_t[2] ) );
+	q->pose.body_stamp = lwi_arena_take( &arena, q->capacity.bodies, sizeof( uint64_t ) );
+	q->pose.angles = lwi_arena_take( &arena, lwi_padded( q->capacity.links ), sizeof( double ) );
+	q->pose.cosines = lwi_arena_take( &arena, lwi_padded( q->capacity.links ), sizeof( double ) );
+	q->pose.sines = lwi_arena_take( &arena, lwi_padded( q->capacity.links ), sizeof( double ) );
+	q->cache.motion_backoff = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_backoff ) );
+	q->pose.spheres = lwi_arena_take( &arena, q->capacity.links, sizeof( double[2][4] ) );
+	q->pose.block_stamp = lwi_arena_take( &arena, q->capacity.links, sizeof( uint64_t ) );
 	// each cluster begins a block of its own
-	q->blocks = lwi_arena_take( &arena, q->body_capacity + LWI_WIDTH * (size_t)q->link_capacity, sizeof( float[4] ) );
-	q->world_from_body = lwi_arena_take( &arena, q->body_capacity, sizeof( lw_transform ) );
-	q->body_center = lwi_arena_take( &arena, q->body_capacity, sizeof( double[3] ) );
-	q->body_spheres = lwi_arena_take( &arena, 4 * (size_t)lwi_padded( q->body_capacity ), sizeof( float ) );
-	q->gaps = lwi_arena_take( &arena, q->gap_capacity, sizeof( float ) );
-	q->row = lwi_arena_take( &arena, lwi_padded( q->scene_capacity ), sizeof( float ) );
-	q->candidates = lwi_arena_take( &arena, q->gap_capacity, sizeof( lwi_candidate ) );
-	q->edge_scratch = lwi_arena_take( &arena, q->edge_capacity, 1 );
+	q->pose.blocks = lwi_arena_take( &arena, q->capacity.bodies + LWI_WIDTH * (size_t)q->capacity.links,
+		sizeof( float[4] ) );
+	q->pose.world_from_body = lwi_arena_take( &arena, q->capacity.bodies, sizeof( lw_transform ) );
+	q->pose.body_center = lwi_arena_take( &arena, q->capacity.bodies, sizeof( double[3] ) );
+	q->pose.body_spheres = lwi_arena_take( &arena, 4 * (size_t)lwi_padded( q->capacity.bodies ), sizeof( float ) );
+	q->scratch.gaps = lwi_arena_take( &arena, q->capacity.gaps, sizeof( float ) );
+	q->scratch.row = lwi_arena_take( &arena, lwi_padded( q->capacity.shapes ), sizeof( float ) );
+	q->scratch.candidates = lwi_arena_take( &arena, q->capacity.gaps, sizeof( lwi_candidate ) );
+	q->scratch.edge = lwi_arena_take( &arena, q->capacity.edge_bytes, 1 );
 	return arena.used;
 }
 
@@ -67,12 +68,7 @@ lw_status lwi_query_create( const lw_query_def* def, const lwi_query_sizes* size
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	lw_query measured = { .scene_capacity = sizes->shapes,
-		.variable_capacity = sizes->variables,
-		.link_capacity = sizes->links,
-		.body_capacity = sizes->bodies,
-		.gap_capacity = (uint32_t)sizes->gaps,
-		.edge_capacity = sizes->edge_bytes };
+	lw_query measured = { .capacity = *sizes };
 	const lw_allocator allocator = lwi_allocator_or_default( allocator_in );
 	const size_t bytes = lay_out( &measured, NULL );
 	lw_query* query = lwi_alloc_zero( &allocator, 1, bytes );
@@ -92,17 +88,18 @@ lw_status lwi_query_create( const lw_query_def* def, const lwi_query_sizes* size
 
 bool lwi_query_has_room( const lw_query* query, const lwi_query_sizes* sizes )
 {
-	return query->variable_capacity >= sizes->variables && query->link_capacity >= sizes->links &&
-		   query->body_capacity >= sizes->bodies && lwi_padded( query->scene_capacity ) >= lwi_padded( sizes->shapes ) &&
-		   query->gap_capacity >= sizes->gaps && query->edge_capacity >= sizes->edge_bytes;
+	const lwi_query_sizes* has = &query->capacity;
+	return has->variables >= sizes->variables && has->links >= sizes->links && has->bodies >= sizes->bodies &&
+		   lwi_padded( has->shapes ) >= lwi_padded( sizes->shapes ) && has->gaps >= sizes->gaps &&
+		   has->edge_bytes >= sizes->edge_bytes;
 }
 
 void lwi_query_forget_checker( lw_query* query )
 {
-	if ( query->posed != NULL )
+	if ( query->pose.checker != NULL )
 	{
-		query->release_posed( query->posed );
-		query->posed = NULL;
+		query->pose.release( query->pose.checker );
+		query->pose.checker = NULL;
 	}
 }
 
@@ -118,10 +115,10 @@ void lw_query_destroy( lw_query* query )
 
 void lw_query_reset( lw_query* query )
 {
-	query->nearest_environment.valid = false;
-	query->nearest_self.valid = false;
-	query->known_count = 0;
-	query->nearest_scene.valid = false;
+	query->cache.nearest_environment.valid = false;
+	query->cache.nearest_self.valid = false;
+	query->cache.known_count = 0;
+	query->cache.nearest_scene.valid = false;
 	memset( query->search.axis_cache, 0, sizeof( query->search.axis_cache ) );
 	lwi_query_forget_checker( query );
 }
@@ -146,11 +143,11 @@ uint32_t lwi_collect( lw_query* query, uint32_t entries, float limit, uint32_t s
 	uint32_t count = 0;
 	for ( uint32_t i = 0; i < entries; ++i )
 	{
-		if ( query->gaps[i] < limit && i != skip )
+		if ( query->scratch.gaps[i] < limit && i != skip )
 		{
-			query->candidates[count++] = (lwi_candidate){ query->gaps[i], i };
+			query->scratch.candidates[count++] = (lwi_candidate){ query->scratch.gaps[i], i };
 		}
 	}
-	lwi_heap_build( query->candidates, count );
+	lwi_heap_build( query->scratch.candidates, count );
 	return count;
 }

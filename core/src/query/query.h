@@ -19,50 +19,74 @@ typedef struct lwi_cached_pair
 	bool valid;
 } lwi_cached_pair;
 
-struct lw_query
+/// Numbers of items that a query has room for.
+typedef struct lwi_query_sizes
 {
-	lwi_search_memory search;
-	lw_allocator allocator;
+	uint32_t links, bodies, variables;
+	uint32_t shapes;   ///< of a scene
+	size_t gaps;       ///< places in the largest table of gaps; at most UINT32_MAX / 2
+	size_t edge_bytes; ///< scratch of edges
+} lwi_query_sizes;
 
-	// capacities, as created
-	uint32_t link_capacity, body_capacity, variable_capacity, scene_capacity;
-	uint32_t gap_capacity;        ///< floats in gaps
-	size_t edge_capacity;         ///< bytes in edge_scratch
-	uint32_t edge_count;          ///< edges checked so far, modulo 2^32
-
-	lw_checker* posed;            ///< whose static poses are in the arrays below (a reference); NULL = nobody's
-	void ( *release_posed )( lw_checker* posed ); ///< drops that reference
-	uint64_t bindings;            ///< how often another checker was posed: memory of an earlier one's bodies is void
-	bool covered;                 ///< the state is within the reach's ranges: its spheres and tables hold, flags choose
-	bool hulls, tables;           ///< which of the two hold: both only if covered
-	bool within;                  ///< the state is within the ranges for which the checker's near_mask holds
-	bool near;                    ///< the current call uses only that mask
-	double rounding, stretch;     ///< of forward kinematics in this state, see lwi_motion_state_rounding()
-	double pose_rounding;         ///< metres: centres of spheres, and of bodies, are less than half of that off
-	uint64_t state_stamp;         ///< stamp of the current state; data with this stamp is valid
-	uint64_t* cluster_stamp;         ///< [link_capacity] links of a cluster are posed
-	uint64_t sincos_stamp;          ///< of the three below
-	double *angles, *cosines, *sines; ///< [link_capacity, padded] of the joints above clusters, as far as they only turn
-	uint64_t* sphere_stamp;       ///< [2 * link_capacity]
-	uint64_t* body_stamp;         ///< [body_capacity]
-	lwi_backoff* motion_backoff;  ///< [link_capacity] of tests of clusters' spheres M against the scene
-	double* spheres;              ///< [2 * link_capacity][4] R and M of clusters, world
-	uint64_t* block_stamp;        ///< [link_capacity]
-	float* blocks;                ///< body spheres of clusters as [4][8], relative to the centre of the cluster's R
-	double* state;                ///< [variable_capacity] full state
-	lw_transform* world_from_link; ///< [link_capacity]
-	lw_transform* world_from_body; ///< [body_capacity]
-	double* body_center;          ///< [body_capacity][3] bounding spheres, world
-	float* body_spheres;          ///< blocks of [4][8] relative to `origin`, padded with r = -INFINITY
+/// The poses of one state, as far as they have been needed. Written by checker/pose.c (`near` by checker/environment.c);
+/// read by states and edges.
+typedef struct lwi_state_pose
+{
+	lw_checker* checker; ///< whose static poses are in the arrays below (a reference); NULL = nobody's
+	void ( *release )( lw_checker* checker ); ///< drops that reference
+	uint64_t bindings;   ///< how often another checker was posed: memory of an earlier one's bodies is void
+	bool covered;        ///< the state is within the reach's ranges: its spheres and tables hold, flags choose
+	bool hulls, tables;  ///< which of the two hold: both only if covered
+	bool within;         ///< the state is within the ranges for which the checker's near_mask holds
+	bool near;           ///< the current call uses only that mask
+	double rounding, stretch; ///< of forward kinematics in this state, see lwi_motion_state_rounding()
+	double sphere_rounding;   ///< metres: centres of spheres, and of bodies, are less than half of that off
+	uint64_t state_stamp;     ///< stamp of the current state; data with this stamp is valid
+	double* state;            ///< [variables] full state
+	lw_transform* world_from_link; ///< [links]
+	uint64_t* cluster_stamp;       ///< [links] links of a cluster are posed
+	uint64_t sincos_stamp;         ///< of the three below
+	double *angles, *cosines, *sines; ///< [links, padded] of the joints above clusters, as far as they only turn
+	uint64_t* sphere_stamp;        ///< [2 * links]
+	double* spheres;               ///< [2 * links][4] R and M of clusters, world
+	uint64_t* block_stamp;         ///< [links]
+	float* blocks;                 ///< body spheres of clusters as [4][8], relative to the centre of the cluster's R
+	uint64_t* body_stamp;          ///< [bodies]
+	lw_transform* world_from_body; ///< [bodies]
+	double* body_center;           ///< [bodies][3] bounding spheres, world
+	float* body_spheres;           ///< blocks of [4][8] relative to `origin`, padded with r = -INFINITY
 	double origin[3];
-	float* gaps;               ///< [gap_capacity]
-	float* row;                ///< [scene_capacity, padded] gaps of a cluster's sphere
-	lwi_candidate* candidates; ///< [gap_capacity]
+} lwi_state_pose;
+
+/// What earlier calls leave to later ones: only speed depends on it. Written by the searches that read it
+/// (checker/environment.c, checker/self.c, query/scene_distance.c), forgotten by lw_query_reset() and with the checker.
+typedef struct lwi_query_cache
+{
 	lwi_cached_pair nearest_environment, nearest_self, nearest_scene;
 	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
 	uint32_t known_count;
-	uint32_t known_looked; ///< bits: those measured first in the current state
-	void* edge_scratch;
+	uint32_t known_looked;       ///< bits: those measured first in the current state
+	lwi_backoff* motion_backoff; ///< [links] of tests of clusters' spheres M against the scene
+} lwi_query_cache;
+
+/// Arrays of one call: their contents are nobody's before and after it.
+typedef struct lwi_query_scratch
+{
+	float* gaps;               ///< [gaps]
+	float* row;                ///< [shapes, padded] gaps of a cluster's sphere
+	lwi_candidate* candidates; ///< [gaps]
+	void* edge;                ///< [edge_bytes] laid out by motion/
+} lwi_query_scratch;
+
+struct lw_query
+{
+	lwi_search_memory search; ///< of pairs of shapes: distance/
+	lwi_state_pose pose;
+	lwi_query_cache cache;
+	lwi_query_scratch scratch;
+	lwi_query_sizes capacity; ///< as created
+	uint32_t edge_count;      ///< edges checked so far, modulo 2^32
+	lw_allocator allocator;
 	size_t bytes;
 };
 
@@ -84,15 +108,6 @@ static inline void lwi_measure_cached_pair( lw_query* query, const lw_shape* a, 
 	cached->clearance = bound->floor;
 	bound->floor = floor < bound->floor ? floor : bound->floor;
 }
-
-/// Numbers of items that a query has room for.
-typedef struct lwi_query_sizes
-{
-	uint32_t links, bodies, variables;
-	uint32_t shapes;   ///< of a scene
-	size_t gaps;       ///< places in the largest table of bounds
-	size_t edge_bytes; ///< scratch of edges
-} lwi_query_sizes;
 
 /// As lw_query_create(), from numbers.
 lw_status lwi_query_create( const lw_query_def* def, const lwi_query_sizes* sizes, const lw_allocator* allocator,

@@ -13,21 +13,22 @@ static void search_scene( const lw_scene* scene, lw_query* query, const lw_shape
 	bool near;
 	double slack = lwi_scene_gaps( scene, scene->block_count, query->search.kernels, world_center, shape->sphere_radius,
 		bound->cutoff,
-		query->gaps, &near );
+		query->scratch.gaps, &near );
 	uint32_t count = 0;
 	float limit = lwi_round_up( bound->cutoff + slack );
 	for ( uint32_t i = 0; i < scene->shape_count; ++i )
 	{
-		if ( !( query->gaps[i] >= limit ) )
+		if ( !( query->scratch.gaps[i] >= limit ) )
 		{
-			float gap = query->gaps[i];
-			query->candidates[count++] = (lwi_candidate){ gap == gap ? gap : -INFINITY, i }; // overflowed: searched first
+			float gap = query->scratch.gaps[i];
+			const lwi_candidate candidate = { gap == gap ? gap : -INFINITY, i }; // overflowed: searched first
+			query->scratch.candidates[count++] = candidate;
 		}
 	}
-	lwi_heap_build( query->candidates, count );
+	lwi_heap_build( query->scratch.candidates, count );
 	while ( count > 0 && !bound->done )
 	{
-		lwi_candidate next = lwi_heap_pop( query->candidates, &count );
+		lwi_candidate next = lwi_heap_pop( query->scratch.candidates, &count );
 		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
 		{
 			break;
@@ -49,7 +50,7 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 	*out = lw_clearance_unknown();
 	lw_range wanted = range != NULL ? *range : lw_range_exact();
 	if ( scene == NULL || shape == NULL || world_from_shape == NULL || query == NULL || !lwi_range_is_valid( &wanted ) ||
-		 !lw_transform_is_valid( world_from_shape ) || query->scene_capacity < scene->shape_count )
+		 !lw_transform_is_valid( world_from_shape ) || query->capacity.shapes < scene->shape_count )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
@@ -61,7 +62,7 @@ lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const
 	query->search.failure = LW_OK;
 	lwi_bound bound;
 	lwi_bound_init( &bound, &wanted );
-	lwi_cached_pair* cached = &query->nearest_scene;
+	lwi_cached_pair* cached = &query->cache.nearest_scene;
 	if ( lwi_cached_pair_pays( query, cached, &bound ) && cached->pair < scene->shape_count )
 	{
 		const lw_scene_shape_def* obstacle = &scene->shapes[cached->pair];
