@@ -7,7 +7,7 @@
 // on joint vectors without OMPL. An edge is FREE, BLOCKED or UNDECIDED by the certificate; times are reported for free edges
 // and for the others. Edges are random ones near obstacles and anywhere, and those that RRT-Connect checks when it solves
 // the scenes' own problems: most of these are blocked. The edges of a scene follow each other, so that each query is warm,
-// as a planner's is.
+// as a planner's is. With LEEWAY_ZOO_DIR three robots of the zoo are measured, too (benchmarks/zoo).
 #include "support/bench_program.hpp"
 #include "peers/edge_judges.hpp"
 #include "support/edge_worlds.hpp"
@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 
 namespace
 {
@@ -256,18 +257,54 @@ private:
 	std::size_t m_refuted = 0, m_contradicted = 0;
 };
 
+/// A robot of the zoo, on which nothing was tuned, in scenes of MotionBenchMaker.
+/// @param files package, URDF and SRDF @param group empty: all joints @param family of the scenes, "fetch" or "panda"
+/// @param scenes such as "table_pick/0001", in which random free states are found
+void addZoo( EdgeWorlds& worlds, const std::string& name, const std::string& files, const std::string& group,
+	const std::string& family, const std::vector<std::string>& scenes )
+{
+	const std::string folder = std::string( std::getenv( "LEEWAY_ZOO_DIR" ) ) +
+							   "/example-robot-data/cmeel.prefix/share/example-robot-data/robots/";
+	const std::size_t slash = files.find( '/' ), comma = files.find( ',' );
+	const std::string package = folder + files.substr( 0, slash );
+	for ( const std::string& scene : scenes )
+	{
+		const std::string set = scene.substr( 0, scene.find( '/' ) ), number = scene.substr( scene.find( '/' ) + 1 );
+		Json source = { { "set", name }, { "name", name + "/" + scene },
+			{ "robot", package + "/urdf/" + files.substr( slash + 1, comma - slash - 1 ) + ".urdf" },
+			{ "srdf", package + "/srdf/" + files.substr( comma + 1 ) + ".srdf" },
+			{ "scene", "mbm/" + family + "/problems/" + set + "_" + family + "/scene" + number + ".yaml" } };
+		if ( !group.empty() )
+		{
+			source["group"] = group;
+		}
+		worlds.add( source );
+	}
+}
+
 int run( const Settings& settings )
 {
 	lw_reach_def reach = lw_reach_def_default();
 	reach.seconds = settings.budget;
 	EdgeWorlds worlds( settings.data, reach );
 	const std::vector<int> numbers = { 1, 13 };
-	const std::pair<std::string, std::function<void()>> subjects[] = {
+	std::vector<std::pair<std::string, std::function<void()>>> subjects = {
 		{ "armar3 right_arm", [&] { worlds.addArmar( "right_arm" ); } },
 		{ "armar3 torso_right_arm", [&] { worlds.addArmar( "torso_right_arm" ); } },
 		{ "fetch arm_with_torso", [&] { worlds.addMbm( "fetch", "arm_with_torso", numbers ); } },
 		{ "panda panda_arm", [&] { worlds.addMbm( "panda", "panda_arm", numbers ); } },
 	};
+	if ( std::getenv( "LEEWAY_ZOO_DIR" ) != nullptr )
+	{
+		const std::vector<std::string> most = { "bookshelf_small/0001", "box/0013", "table_pick/0001", "cage/0013" };
+		const std::vector<std::string> wide = { "bookshelf_small/0013", "table_pick/0001", "cage/0013" };
+		const auto zoo = [&]( const std::string& name, const std::string& files, const std::string& group,
+							 const std::string& family, const std::vector<std::string>& scenes )
+		{ subjects.emplace_back( name, [=, &worlds] { addZoo( worlds, name, files, group, family, scenes ); } ); };
+		zoo( "zoo ur5", "ur_description/ur5_gripper,ur5_gripper", "", "panda", most );
+		zoo( "zoo pr2 right_arm_and_torso", "pr2_description/pr2,pr2", "right_arm_and_torso", "fetch", wide );
+		zoo( "zoo baxter", "baxter_description/baxter,baxter_manipulation", "", "panda", most );
+	}
 	Json rows = Json::array();
 	std::size_t refuted = 0, contradicted = 0;
 	std::mt19937_64 random( settings.seed );
