@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Grids: no state of a cell is nearer than the cell says, cells say something, checkers look into the right one.
-#include "grid_probe.h"
+#include "checker/checker.h"
+#include "checker/clusters.h"
 #include "random_robot.hpp"
 #include "reach_attack.hpp"
+#include "reachability/reach.h"
 
 #include <cstdio>
 #include <numeric>
@@ -11,6 +13,74 @@ namespace
 {
 
 constexpr double ROUNDING = 1e-9; ///< metres: an attack may find this much below a cell
+
+/// A clearance grid of a reach, its axes unpacked.
+struct Grid
+{
+	const lwi_grid* from;
+	std::uint32_t link_a, link_b, dimension;
+	std::uint32_t variable[3], cells[3];
+	double lower[3], upper[3];
+	bool periodic[3];
+
+	explicit Grid( const lwi_grid& grid ) : from( &grid ), link_a( grid.link_a ), link_b( grid.link_b ),
+		dimension( grid.dimension )
+	{
+		for ( std::uint32_t i = 0; i < dimension; ++i )
+		{
+			variable[i] = grid.axes[i].variable;
+			cells[i] = 1u << grid.axes[i].bits;
+			lower[i] = grid.axes[i].lower;
+			upper[i] = grid.axes[i].upper;
+			periodic[i] = grid.axes[i].periodic;
+		}
+	}
+
+	/// The bound of the cell with these indices, metres.
+	double at( const std::uint32_t index[3] ) const
+	{
+		std::size_t cell = 0;
+		for ( std::uint32_t i = 0; i < dimension; ++i )
+		{
+			cell = ( cell << from->axes[i].bits ) + index[i];
+		}
+		return from->cells[cell] * LWI_GRID_STEP;
+	}
+};
+
+/// Links of the pair of bodies that a slice is of.
+void linksOfSlice( const lw_checker* checker, std::uint32_t slice, std::uint32_t* link_a, std::uint32_t* link_b )
+{
+	const lwi_cluster_tree* tree = checker->base->tree;
+	for ( std::uint32_t a = 0; a < tree->body_count; ++a )
+	{
+		for ( std::uint32_t b = 0; b < tree->body_count; ++b )
+		{
+			for ( std::uint32_t p = 0; p < tree->pair_count; ++p )
+			{
+				bool here =
+					tree->pairs[p].cluster_a == tree->body_cluster[a] && tree->pairs[p].cluster_b == tree->body_cluster[b];
+				if ( here && lwi_checker_slice( tree, p, a, b ) == &tree->slices[slice] )
+				{
+					*link_a = checker->base->bodies[a].link;
+					*link_b = checker->base->bodies[b].link;
+				}
+			}
+		}
+	}
+}
+
+double sliceAt( const lw_checker* checker, std::uint32_t slice, const double* q )
+{
+	const lwi_cluster_tree* tree = checker->base->tree;
+	return lwi_grid_at( &tree->slices[slice], tree->spacings, q );
+}
+
+double sliceAlong( const lw_checker* checker, std::uint32_t slice, const double* qa, const double* qb )
+{
+	const lwi_cluster_tree* tree = checker->base->tree;
+	return lwi_grid_along( &tree->slices[slice], tree->spacings, checker->base->robot, qa, qb, 0 );
+}
 
 CheckerPtr makeChecker( const lw_reach* reach, const State& reference, const std::vector<std::uint32_t>& group )
 {
@@ -63,7 +133,7 @@ RobotPtr randomRobotOf( SeededRng& rng, int round )
 }
 
 /// A state inside of a cell, on its border in some variables.
-void drawInCell( SeededRng& rng, const grid_probe& grid, const std::uint32_t index[3], State& q )
+void drawInCell( SeededRng& rng, const Grid& grid, const std::uint32_t index[3], State& q )
 {
 	for ( std::uint32_t i = 0; i < grid.dimension; ++i )
 	{
@@ -75,7 +145,7 @@ void drawInCell( SeededRng& rng, const grid_probe& grid, const std::uint32_t ind
 }
 
 /// The least distance in a cell: random states, then random steps from the best one.
-double attackCell( SeededRng& rng, PairAttacker& attacker, const grid_probe& grid, const std::uint32_t index[3], State q )
+double attackCell( SeededRng& rng, PairAttacker& attacker, const Grid& grid, const std::uint32_t index[3], State q )
 {
 	State best = q;
 	double least = INFINITY;
@@ -135,9 +205,9 @@ TEST( ClearanceGrids, NoStateIsNearerThanItsCellSays )
 		ReachPtr reach = makeReach( robot.get(), 1, 50 );
 		ASSERT_NE( reach, nullptr );
 		PairAttacker attacker( reach.get(), rng.engine()() );
-		for ( std::uint32_t c = 0; c < grid_probe_count( reach.get() ); ++c )
+		for ( std::uint32_t c = 0; c < reach->grid_count; ++c )
 		{
-			const grid_probe grid = grid_probe_get( reach.get(), c );
+			const Grid grid( reach->grids[c] );
 			++grids;
 			++dimensions[grid.dimension];
 			for ( int i = 0; i < 25; ++i )
@@ -147,7 +217,7 @@ TEST( ClearanceGrids, NoStateIsNearerThanItsCellSays )
 				{
 					index[k] = static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( grid.cells[k] ) - 1 ) );
 				}
-				double says = grid_probe_cell( reach.get(), c, index );
+				double says = grid.at( index );
 				if ( says <= 0 )
 				{
 					continue;
@@ -187,16 +257,16 @@ TEST( ClearanceGrids, CheckersLookIntoTheRightCell )
 			}
 		}
 		CheckerPtr checker = world.checker();
-		for ( std::uint32_t slice = 0; slice < slice_probe_count( checker.get() ); ++slice )
+		for ( std::uint32_t slice = 0; slice < checker->base->tree->slice_count; ++slice )
 		{
 			std::uint32_t a = 0, b = 0, c = 0;
-			slice_probe_links( checker.get(), slice, &a, &b );
-			while ( !( grid_probe_get( world.reach.get(), c ).link_a == std::max( a, b ) &&
-					   grid_probe_get( world.reach.get(), c ).link_b == std::min( a, b ) ) )
+			linksOfSlice( checker.get(), slice, &a, &b );
+			while ( !( world.reach->grids[c].link_a == std::max( a, b ) &&
+					   world.reach->grids[c].link_b == std::min( a, b ) ) )
 			{
-				ASSERT_LT( ++c, grid_probe_count( world.reach.get() ) );
+				ASSERT_LT( ++c, world.reach->grid_count );
 			}
-			const grid_probe grid = grid_probe_get( world.reach.get(), c );
+			const Grid grid( world.reach->grids[c] );
 			for ( int i = 0; i < 200; ++i )
 			{
 				State q = world.reference, drawn = world.attacker.randomState();
@@ -216,8 +286,8 @@ TEST( ClearanceGrids, CheckersLookIntoTheRightCell )
 					onBorder = onBorder || std::fabs( cell - std::round( cell ) ) < 1e-9L;
 					index[k] = static_cast<std::uint32_t>( std::min( std::floor( cell ), grid.cells[k] - 1.0L ) );
 				}
-				double says = grid_probe_cell( world.reach.get(), c, index ),
-					   got = slice_probe_at( checker.get(), slice, q.data() );
+				double says = grid.at( index ),
+					   got = sliceAt( checker.get(), slice, q.data() );
 				looked += !onBorder;
 				said += says > 0;
 				EXPECT_TRUE( onBorder || ( got <= says && got >= says * ( 1 - 1e-6 ) - 2e-9 ) ) << got << " " << says;
@@ -238,7 +308,7 @@ TEST( ClearanceGrids, NoStateOfAnEdgeSaysLessThanTheEdge )
 		world.group.resize( world.reference.size() );
 		std::iota( world.group.begin(), world.group.end(), 0u );
 		CheckerPtr checker = world.checker();
-		for ( std::uint32_t slice = 0; slice < slice_probe_count( checker.get() ); ++slice )
+		for ( std::uint32_t slice = 0; slice < checker->base->tree->slice_count; ++slice )
 		{
 			for ( int i = 0; i < 60; ++i )
 			{
@@ -249,13 +319,13 @@ TEST( ClearanceGrids, NoStateOfAnEdgeSaysLessThanTheEdge )
 					bool wraps = lw_robot_variable( world.robot.get(), v ).wraps; // over the seam, too
 					to[v] = wraps ? from[v] + rng.uniform( -3, 3 ) * length : from[v] + ( to[v] - from[v] ) * length;
 				}
-				double along = slice_probe_along( checker.get(), slice, from.data(), to.data() );
+				double along = sliceAlong( checker.get(), slice, from.data(), to.data() );
 				++edges;
 				said += along > 0;
 				for ( int k = 0; k <= 100; ++k )
 				{
 					lw_robot_interpolate( world.robot.get(), from.data(), to.data(), k / 100.0, q.data() );
-					EXPECT_GE( slice_probe_at( checker.get(), slice, q.data() ) + 1e-12, along ) << "at " << k;
+					EXPECT_GE( sliceAt( checker.get(), slice, q.data() ) + 1e-12, along ) << "at " << k;
 				}
 			}
 		}
@@ -285,9 +355,9 @@ TEST( ClearanceGrids, SayMostOfTheTruth )
 	ball( 2, 0.05, 0.2, 0 );
 	RobotPtr robot = model.create();
 	ReachPtr reach = makeReach( robot.get(), 20, 50 ); // it takes a small part of that
-	ASSERT_EQ( grid_probe_count( reach.get() ), 1u );
+	ASSERT_EQ( reach->grid_count, 1u );
 	CheckerPtr checker = makeChecker( reach.get(), { 0, 0 }, { 0, 1 } );
-	ASSERT_EQ( slice_probe_count( checker.get() ), 1u );
+	ASSERT_EQ( checker->base->tree->slice_count, 1u );
 	SeededRng rng;
 	int near = 0;
 	for ( int i = 0; i < 2000; ++i )
@@ -295,14 +365,14 @@ TEST( ClearanceGrids, SayMostOfTheTruth )
 		double q[2] = { rng.uniform( -3, 3 ), rng.uniform( -20, 20 ) };
 		double x = 0.2 + 0.15 * std::cos( q[0] ) + 0.2 * std::cos( q[0] + q[1] );
 		double y = 0.15 * std::sin( q[0] ) + 0.2 * std::sin( q[0] + q[1] ), distance = std::hypot( x, y ) - 0.15;
-		double says = slice_probe_at( checker.get(), 0, q );
+		double says = sliceAt( checker.get(), 0, q );
 		EXPECT_LE( says, std::max( distance, 0.0 ) );
 		EXPECT_GE( says, std::min( 0.5 * distance - 0.02, 0.06 ) ) << q[0] << " " << q[1];
 		near += says > 0 && says < 0.05;
 	}
 	EXPECT_GE( near, 50 );
 	double far[2] = { 0, 1e9 };
-	EXPECT_EQ( slice_probe_at( checker.get(), 0, far ), 0 ) << "turns that cannot be taken off exactly";
+	EXPECT_EQ( sliceAt( checker.get(), 0, far ), 0 ) << "turns that cannot be taken off exactly";
 }
 
 TEST( ClearanceGrids, WithoutATimeBudgetThereAreNone )
@@ -310,5 +380,5 @@ TEST( ClearanceGrids, WithoutATimeBudgetThereAreNone )
 	SeededRng rng;
 	RobotPtr robot = randomNeighbours( rng );
 	ReachPtr reach = makeReach( robot.get(), 0, 50 );
-	EXPECT_EQ( grid_probe_count( reach.get() ), 0u );
+	EXPECT_EQ( reach->grid_count, 0u );
 }

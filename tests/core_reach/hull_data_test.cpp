@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motion hulls of the shared robots: no vertex leaves a hull or a sphere at random states and at corners of the joint box.
 // The longer run of a million states is bench_reach's.
-#include "hull_probe.h"
+#include "hull_inside.hpp"
 #include "leeway/io/model.hpp"
 #include "seeded_rng.hpp"
 
@@ -98,7 +98,7 @@ TEST_P( MotionHullData, NoVertexLeavesHullOrSphere )
 	lw_reach_def def = lw_reach_def_default();
 	def.robot = robot.get();
 	lw_reach* reach = nullptr;
-	ASSERT_EQ( hull_probe_create( &def, nullptr, nullptr, &reach ), LW_OK );
+	ASSERT_EQ( createHulls( &def, nullptr, nullptr, &reach ), LW_OK );
 	std::uint32_t links = lw_robot_link_count( robot.get() );
 	std::vector<std::vector<lw_vec3>> points;
 	std::vector<std::vector<Plane>> planes( links );

@@ -11,7 +11,7 @@ void expectReduced( SeededRng& rng, const std::vector<double>& points, double to
 	std::vector<double> kept = points;
 	std::size_t count = points.size() / 3;
 	double outside = -1;
-	ASSERT_EQ( hull_probe_reduce( kept.data(), &count, tolerance, limit, nullptr, &outside ), LW_OK );
+	ASSERT_EQ( reducePoints( kept.data(), &count, tolerance, limit, nullptr, &outside ), LW_OK );
 	ASSERT_GE( count, 1u );
 	EXPECT_LE( count, std::max<std::size_t>( limit, 4 ) );
 	EXPECT_GE( outside, 0 );
@@ -75,7 +75,7 @@ TEST( ReducePoints, DegenerateSets )
 	}
 	std::size_t count = cube.size() / 3;
 	double outside;
-	ASSERT_EQ( hull_probe_reduce( cube.data(), &count, 0, 200, nullptr, &outside ), LW_OK );
+	ASSERT_EQ( reducePoints( cube.data(), &count, 0, 200, nullptr, &outside ), LW_OK );
 	EXPECT_EQ( count, 8u );
 	EXPECT_LT( outside, 1e-12 );
 }
@@ -96,7 +96,7 @@ TEST( ReducePoints, EveryFailingAllocationIsReported )
 		std::vector<double> copy = points;
 		std::size_t count = copy.size() / 3;
 		double outside;
-		lw_status status = hull_probe_reduce( copy.data(), &count, 0.01, 300, &allocator, &outside );
+		lw_status status = reducePoints( copy.data(), &count, 0.01, 300, &allocator, &outside );
 		EXPECT_EQ( counter.live, 0 );
 		if ( status == LW_OK )
 		{

@@ -20,11 +20,8 @@ TEST( MotionSweeps, TipsThatWereDroppedFaceEachOther )
 							b = slidingArm( model, "r", facing, turned, tip );
 		RobotPtr robot = model.create();
 		ReachPtr reach = build( robot.get(), 0.15 );
-		hull_probe_sweeps* made = nullptr;
-		ASSERT_EQ( hull_probe_sweeps_create( reach.get(), &made ), LW_OK );
-		const SweepsPtr sweeps( made );
-		double separation = 0;
-		ASSERT_EQ( hull_probe_separation( sweeps.get(), a, b, &separation ), LW_OK );
+		HullSweeps sweeps( reach.get() );
+		const double separation = sweeps.separation( a, b );
 		EXPECT_LE( separation, 0.3 - 2 * tip + rounding ) << "tips of " << tip << " m face each other";
 		apart += separation > 0;
 		dropped += lw_reach_get_node( reach.get(), 1 ).dilation > 1e-5;
@@ -48,16 +45,14 @@ TEST( MotionSweeps, NeverAboveTheDistanceOfAnyState )
 		RobotModel model = randomRobot( rng, options );
 		RobotPtr robot = model.create();
 		ReachPtr reach = build( robot.get() );
-		hull_probe_sweeps* made = nullptr;
-		ASSERT_EQ( hull_probe_sweeps_create( reach.get(), &made ), LW_OK );
-		SweepsPtr sweeps( made );
+		HullSweeps sweeps( reach.get() );
 		std::uint32_t count = lw_robot_link_count( robot.get() );
 		std::vector<double> separation( count * count, 0 );
 		for ( std::uint32_t a = 0; a < count; ++a )
 		{
 			for ( std::uint32_t b = 0; b < count; ++b )
 			{
-				ASSERT_EQ( hull_probe_separation( sweeps.get(), a, b, &separation[a * count + b] ), LW_OK );
+				separation[a * count + b] = sweeps.separation( a, b );
 				apart += separation[a * count + b] > 0 ? 1 : 0;
 			}
 		}
@@ -103,11 +98,8 @@ TEST( MotionSweeps, FingersInParallelPlanesStayApart )
 	}
 	RobotPtr robot = model.create();
 	ReachPtr reach = build( robot.get() );
-	hull_probe_sweeps* made = nullptr;
-	ASSERT_EQ( hull_probe_sweeps_create( reach.get(), &made ), LW_OK );
-	SweepsPtr sweeps( made );
-	double separation = 0;
-	ASSERT_EQ( hull_probe_separation( sweeps.get(), 1, 2, &separation ), LW_OK );
+	HullSweeps sweeps( reach.get() );
+	const double separation = sweeps.separation( 1, 2 );
 	EXPECT_LE( separation, 0.002 );
 	EXPECT_GT( separation, 0.0018 );
 }

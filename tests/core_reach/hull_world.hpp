@@ -4,7 +4,7 @@
 
 #include "checker_handles.hpp"
 #include "counting_allocator.hpp"
-#include "hull_probe.h"
+#include "hull_inside.hpp"
 #include "leeway/leeway.h"
 #include "random_robot.hpp"
 #include "simple_shapes.hpp"
@@ -16,12 +16,6 @@
 inline constexpr double inf = INFINITY;
 inline constexpr double rounding = 1e-12; ///< of the forward kinematics that place the points, metres
 
-struct SweepsReleaser
-{
-	void operator()( hull_probe_sweeps* sweeps ) const { hull_probe_sweeps_destroy( sweeps ); }
-};
-using SweepsPtr = std::unique_ptr<hull_probe_sweeps, SweepsReleaser>;
-
 inline ReachPtr build( const lw_robot* robot, double hullError = 0 )
 {
 	lw_reach_def def = lw_reach_def_default();
@@ -29,7 +23,7 @@ inline ReachPtr build( const lw_robot* robot, double hullError = 0 )
 	def.hull_error = hullError;
 	lw_reach* reach = nullptr;
 	lw_diag diag = {};
-	EXPECT_EQ( hull_probe_create( &def, nullptr, &diag, &reach ), LW_OK ) << diag.message;
+	EXPECT_EQ( createHulls( &def, nullptr, &diag, &reach ), LW_OK ) << diag.message;
 	return ReachPtr( reach );
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "counting_allocator.hpp"
-#include "pair_probe.h"
+#include "pair_inside.hpp"
 #include "random_robot.hpp"
 #include "reach_attack.hpp"
 #include "simple_shapes.hpp"

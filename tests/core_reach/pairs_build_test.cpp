@@ -167,8 +167,8 @@ TEST( ReachPairs, NoCellIsLostWhenAProofIsInterrupted )
 	for ( std::uint64_t budget : { 10u, 57u, 200u, 333u } )
 	{
 		double whole = 0, in_parts = 0;
-		const std::uint32_t height = pair_probe_open( reach.get(), 2, 0, budget, budget, &whole );
-		EXPECT_EQ( pair_probe_open( reach.get(), 2, 0, budget, 7, &in_parts ), height ) << budget;
+		const std::uint32_t height = openCells( reach.get(), 2, 0, budget, budget, &whole );
+		EXPECT_EQ( openCells( reach.get(), 2, 0, budget, 7, &in_parts ), height ) << budget;
 		EXPECT_EQ( in_parts, whole ) << budget;
 		open += height > 1;
 	}

@@ -76,10 +76,10 @@ TEST( ReachPairs, SubdivisionAloneFindsTheLeastDistance )
 		double truth = PlanarArm::truth( limits.first, limits.second );
 		RobotPtr robot = arm.model.create();
 		ReachPtr reach = makeReach( robot.get(), 0, 0 );
-		double separation = pair_probe_subdivide( reach.get(), arm.base, arm.tip, 0.9, 100, 1000000, &cells );
+		double separation = subdivide( reach.get(), arm.base, arm.tip, 0.9, 100, 1000000, &cells );
 		EXPECT_GE( separation, 0.8 * truth );
 		EXPECT_LE( separation, truth );
-		EXPECT_EQ( pair_probe_subdivide( reach.get(), arm.tip, arm.base, 0.9, 100, cells / 2, &cells ), 0.0 )
+		EXPECT_EQ( subdivide( reach.get(), arm.tip, arm.base, 0.9, 100, cells / 2, &cells ), 0.0 )
 			<< "half of the cells prove nothing";
 	}
 	// A wheel without limits: one place of the rim is nearest, wherever that is
@@ -93,7 +93,7 @@ TEST( ReachPairs, SubdivisionAloneFindsTheLeastDistance )
 		addBall( model, 1, 0.1, 0.5 * std::cos( angle ), 0.5 * std::sin( angle ) );
 		RobotPtr robot = model.create();
 		ReachPtr reach = makeReach( robot.get(), 0, 0 );
-		double separation = pair_probe_subdivide( reach.get(), 0, 1, 0.99, 100, 1000000, &cells );
+		double separation = subdivide( reach.get(), 0, 1, 0.99, 100, 1000000, &cells );
 		EXPECT_GE( separation, 0.95 * 0.3 ) << place;
 		EXPECT_LE( separation, 0.3 ) << place;
 	}

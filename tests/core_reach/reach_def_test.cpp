@@ -152,7 +152,7 @@ TEST( ReachDef, GivingUpDuringHullsIsReported )
 		CountingAllocator counter;
 		lw_allocator allocator = counter.get();
 		lw_reach* reach = nullptr;
-		EXPECT_EQ( hull_probe_create( &def, &allocator, nullptr, &reach ), LW_ERROR_CANCELLED );
+		EXPECT_EQ( createHulls( &def, &allocator, nullptr, &reach ), LW_ERROR_CANCELLED );
 		EXPECT_EQ( counter.live, 0 );
 	}
 }
@@ -173,7 +173,7 @@ TEST( ReachDef, EveryFailingAllocationOfTheHullsIsReported )
 		counter.left = allowed;
 		lw_allocator allocator = counter.get();
 		lw_reach* reach = nullptr;
-		lw_status status = hull_probe_create( &def, &allocator, nullptr, &reach );
+		lw_status status = createHulls( &def, &allocator, nullptr, &reach );
 		if ( status == LW_OK )
 		{
 			EXPECT_GT( allowed, 20 );
