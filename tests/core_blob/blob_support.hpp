@@ -2,8 +2,9 @@
 // Blobs in tests: bytes in a heap block of exactly their size, so that a sanitizer sees every read past the end.
 #pragma once
 
-#include "leeway/blob.h"
-#include "probe.h"
+#include "blob/blob.h"
+#include "random_reach.hpp"
+#include "reachability/reach.h"
 #include "seeded_rng.hpp"
 #include "shapes.hpp"
 
@@ -26,7 +27,7 @@ public:
 	}
 	unsigned char* begin() const { return m_memory.get() + m_offset; }
 	std::size_t size() const { return m_size; }
-	void seal() { probe_seal( begin(), m_size ); }
+	void seal() { lwi_blob_seal( begin(), m_size ); }
 	template <typename T> T get( std::size_t at ) const
 	{
 		T value;

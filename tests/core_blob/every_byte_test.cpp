@@ -26,7 +26,7 @@ protected:
 	{
 		addShapes();
 		makeRobot();
-		reach.reset( probe_random_reach( robot.get(), 5 ) );
+		reach.reset( randomReach( robot.get(), 5 ) );
 		std::vector<const lw_shape*> pointers;
 		for ( const ShapePtr& shape : shapes )
 		{
@@ -192,11 +192,10 @@ TEST_F( EveryByte, ChangedIsDamage )
 TEST_F( EveryByte, CutShortAndSealedIsRefused )
 {
 	QueryPtr query = makeQuery();
-	const probe_header fields = probe_header_fields();
-	for ( std::size_t size = fields.table; size < blob->size(); ++size )
+	for ( std::size_t size = LWI_BLOB_TABLE; size < blob->size(); ++size )
 	{
 		Bytes cut( blob->begin(), size );
-		cut.put( fields.size, std::uint64_t( size ) );
+		cut.put( LWI_BLOB_SIZE, std::uint64_t( size ) );
 		cut.seal();
 		readsSoundly( cut, query.get() ); // shapes may be whole where the reach is gone
 		ASSERT_FALSE( HasFailure() ) << size;
@@ -206,7 +205,7 @@ TEST_F( EveryByte, CutShortAndSealedIsRefused )
 TEST_F( EveryByte, ChangedAndSealedIsRefusedOrSound )
 {
 	QueryPtr query = makeQuery();
-	const std::size_t payload = probe_header_fields().table;
+	const std::size_t payload = LWI_BLOB_TABLE;
 	int accepted = 0, refused = 0;
 	for ( std::size_t at = payload; at < blob->size(); ++at )
 	{

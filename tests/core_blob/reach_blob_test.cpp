@@ -170,20 +170,20 @@ TEST( ReachBlob, TheSameComesBack )
 		RobotOptions options;
 		options.links = 1 + static_cast<std::uint32_t>( seed % 9 );
 		RobotPtr robot = makeRobot( options );
-		ReachPtr reach( probe_random_reach( robot.get(), seed ) );
+		ReachPtr reach( randomReach( robot.get(), seed ) );
 		Bytes blob = writeBlob( {}, reach.get() );
 		lw_status status = LW_OK;
 		lw_diag diag = {};
 		ReachPtr loaded = readReach( blob, robot.get(), &status, &diag );
 		ASSERT_EQ( status, LW_OK ) << diag.message;
-		const char* difference = probe_difference( reach.get(), loaded.get() );
+		const char* difference = reachDifference( reach.get(), loaded.get() );
 		EXPECT_EQ( difference, nullptr ) << difference;
 		EXPECT_TRUE( blob == writeBlob( {}, loaded.get() ) ) << "a second generation differs";
 		EXPECT_EQ( lw_reach_robot( loaded.get() ), robot.get() );
 		expectUsable( loaded.get() );
 		robot.reset(); // the reach holds it
 		expectUsable( loaded.get() );
-		grids += probe_grid_count( loaded.get() );
+		grids += loaded->grid_count;
 	}
 	EXPECT_GT( grids, 50u );
 }
@@ -191,8 +191,8 @@ TEST( ReachBlob, TheSameComesBack )
 TEST( ReachBlob, TheProbeSeesDifferences )
 {
 	RobotPtr robot = makeRobot();
-	ReachPtr a( probe_random_reach( robot.get(), 1 ) ), b( probe_random_reach( robot.get(), 2 ) );
-	EXPECT_NE( probe_difference( a.get(), b.get() ), nullptr );
+	ReachPtr a( randomReach( robot.get(), 1 ) ), b( randomReach( robot.get(), 2 ) );
+	EXPECT_NE( reachDifference( a.get(), b.get() ), nullptr );
 	EXPECT_FALSE( writeBlob( {}, a.get() ) == writeBlob( {}, b.get() ) );
 }
 
@@ -219,7 +219,7 @@ TEST( ReachBlob, AReachThatWasComputedComesBack )
 		Bytes blob = writeBlob( {}, reach.get() );
 		ReachPtr loaded = readReach( blob, robot.get(), &status, &diag );
 		ASSERT_EQ( status, LW_OK ) << diag.message;
-		const char* difference = probe_difference( reach.get(), loaded.get() );
+		const char* difference = reachDifference( reach.get(), loaded.get() );
 		EXPECT_EQ( difference, nullptr ) << difference;
 		expectUsable( loaded.get() );
 	}
@@ -228,7 +228,7 @@ TEST( ReachBlob, AReachThatWasComputedComesBack )
 TEST( ReachBlob, ShapesAndReachTogether )
 {
 	RobotPtr robot = makeRobot();
-	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	ReachPtr reach( randomReach( robot.get(), 5 ) );
 	std::vector<const lw_shape*> shapes;
 	for ( std::uint32_t i = 0; i < lw_robot_body_count( robot.get() ); ++i )
 	{
@@ -253,7 +253,7 @@ TEST( ReachBlob, ShapesAndReachTogether )
 TEST( ReachBlob, OtherRobotsAreStale )
 {
 	RobotPtr robot = makeRobot();
-	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	ReachPtr reach( randomReach( robot.get(), 5 ) );
 	Bytes blob = writeBlob( {}, reach.get() );
 	EXPECT_EQ( readStatus( blob, makeRobot().get() ), LW_OK ) << "an equal robot, built again";
 	RobotOptions others[5];
@@ -287,7 +287,7 @@ TEST( ReachBlob, TruncationAndFlippedBitsAreDamage )
 	RobotOptions options;
 	options.links = 4;
 	RobotPtr robot = makeRobot( options );
-	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	ReachPtr reach( randomReach( robot.get(), 5 ) );
 	Bytes blob = writeBlob( {}, reach.get() );
 	for ( std::size_t size = 0; size < blob.size(); ++size )
 	{
@@ -306,7 +306,7 @@ TEST( ReachBlob, TruncationAndFlippedBitsAreDamage )
 TEST( ReachBlob, EveryAllocationMayFail )
 {
 	RobotPtr robot = makeRobot();
-	ReachPtr reach( probe_random_reach( robot.get(), 6 ) );
+	ReachPtr reach( randomReach( robot.get(), 6 ) );
 	Bytes blob = writeBlob( {}, reach.get() );
 	lw_status status = LW_ERROR_OUT_OF_MEMORY;
 	std::size_t failures = 0;
@@ -331,10 +331,9 @@ TEST( ReachBlob, EveryAllocationMayFail )
 TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 {
 	RobotPtr robot = makeRobot();
-	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	ReachPtr reach( randomReach( robot.get(), 5 ) );
 	const Bytes blob = writeBlob( {}, reach.get() );
-	const probe_header fields = probe_header_fields();
-	const std::size_t begin = fields.table + fields.table_entry, numbers = begin + 16, counts = numbers + 16;
+	const std::size_t begin = LWI_BLOB_TABLE + LWI_BLOB_TABLE_ENTRY, numbers = begin + 16, counts = numbers + 16;
 	const std::size_t links = counts + 48, pairs = links + 124u * 7u, points = pairs + 44u * 21u;
 	const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 	ASSERT_EQ( blob.get<std::uint32_t>( counts + 8 ), 7u ) << "the places below are not right any more";
@@ -394,10 +393,9 @@ TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 TEST( ReachBlobNonsense, ImpossibleProofsUnderWayAreRefused )
 {
 	RobotPtr robot = makeRobot();
-	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	ReachPtr reach( randomReach( robot.get(), 5 ) );
 	const Bytes blob = writeBlob( {}, reach.get() );
-	const probe_header fields = probe_header_fields();
-	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
+	const std::size_t counts = LWI_BLOB_TABLE + LWI_BLOB_TABLE_ENTRY + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
 	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
 	const std::uint32_t count = blob.get<std::uint32_t>( counts + 16 );
 	const std::size_t efforts = evidence + 8u * lw_robot_variable_count( robot.get() ) * count,
@@ -442,16 +440,15 @@ TEST( ReachBlobNonsense, ImpossibleProofsUnderWayAreRefused )
 TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
 {
 	RobotPtr robot = makeRobot();
-	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	ReachPtr reach( randomReach( robot.get(), 5 ) );
 	const Bytes blob = writeBlob( {}, reach.get() );
-	const probe_header fields = probe_header_fields();
-	const std::size_t counts = fields.table + fields.table_entry + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
+	const std::size_t counts = LWI_BLOB_TABLE + LWI_BLOB_TABLE_ENTRY + 32, points = counts + 48 + 124u * 7u + 44u * 21u;
 	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
 	const std::uint32_t efforts = blob.get<std::uint32_t>( counts + 16 );
 	const std::size_t grids =
-		evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + probe_open_bytes( reach.get() );
+		evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + openBytes( reach.get() );
 	const std::uint32_t count = blob.get<std::uint32_t>( counts + 20 ), bits = blob.get<std::uint32_t>( grids + 8 );
-	ASSERT_EQ( count, probe_grid_count( reach.get() ) ) << "the places below are not right any more";
+	ASSERT_EQ( count, reach->grid_count ) << "the places below are not right any more";
 	ASSERT_GE( count, 2u );
 	auto refused = [&]( const char* what, std::size_t at, std::uint32_t value ) {
 		Bytes bytes( blob.begin(), blob.size() );
@@ -479,14 +476,13 @@ TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
 TEST( ReachBlobNonsense, CountsThatWrapAroundAreRefused )
 {
 	RobotPtr robot = makeRobot();
-	ReachPtr reach( probe_random_reach( robot.get(), 5 ) );
+	ReachPtr reach( randomReach( robot.get(), 5 ) );
 	const Bytes blob = writeBlob( {}, reach.get() );
-	const probe_header fields = probe_header_fields();
-	const std::size_t begin = fields.table + fields.table_entry, counts = begin + 32, missing = 16;
+	const std::size_t begin = LWI_BLOB_TABLE + LWI_BLOB_TABLE_ENTRY, counts = begin + 32, missing = 16;
 	const std::size_t size = counts + 44 + 124u * 7u + 44u * 21u - missing;
 	Bytes cut( blob.begin(), ( size + 7 ) / 8 * 8 );
-	cut.put( fields.size, std::uint64_t( cut.size() ) );
-	cut.put( fields.table + 8, std::uint64_t( size - begin ) );
+	cut.put( LWI_BLOB_SIZE, std::uint64_t( cut.size() ) );
+	cut.put( LWI_BLOB_TABLE + 8, std::uint64_t( size - begin ) );
 	cut.put( counts, ( std::uint64_t( 0 ) - missing ) / 24 );
 	cut.put( counts + 16, std::uint32_t( 0 ) );
 	cut.seal();
@@ -501,9 +497,9 @@ TEST( ReachBlobNonsense, RandomEditsNeverGiveAnUnusableReach )
 	int accepted = 0, refused = 0;
 	for ( std::uint64_t seed = 1; seed <= 4; ++seed )
 	{
-		ReachPtr reach( probe_random_reach( robot.get(), seed ) );
+		ReachPtr reach( randomReach( robot.get(), seed ) );
 		const Bytes blob = writeBlob( {}, reach.get() );
-		const std::size_t payload = probe_header_fields().table;
+		const std::size_t payload = LWI_BLOB_TABLE;
 		for ( int round = 0; round < 10000; ++round )
 		{
 			Bytes bytes( blob.begin(), blob.size() );

@@ -366,16 +366,17 @@ TEST( ShapeBlob, OtherVersionLayoutOrKeyIsStale )
 	std::vector<ShapePtr> shapes;
 	shapes.push_back( makePrimitive( LW_SHAPE_BOX, 1, 2, 3 ) );
 	const Bytes blob = writeBlob( shapes );
-	const probe_header fields = probe_header_fields();
 	struct Case
 	{
 		std::size_t byte;
 		const char* says;
 	};
 	for ( Case c :
-		{ Case{ fields.version, "version" }, Case{ fields.version + 3, "version" }, Case{ fields.layout, "byte order" },
-			Case{ fields.layout + 4, "layout" }, Case{ fields.layout + 6, "layout" }, Case{ fields.layout + 7, "layout" },
-			Case{ fields.key, "other contents" }, Case{ fields.key + 15, "other contents" } } )
+		{ Case{ LWI_BLOB_VERSION, "version" }, Case{ LWI_BLOB_VERSION + 3, "version" }, Case{ LWI_BLOB_LAYOUT,
+			"byte order" },
+			Case{ LWI_BLOB_LAYOUT + 4, "layout" }, Case{ LWI_BLOB_LAYOUT + 6, "layout" }, Case{ LWI_BLOB_LAYOUT + 7,
+				"layout" },
+			Case{ LWI_BLOB_KEY, "other contents" }, Case{ LWI_BLOB_KEY + 15, "other contents" } } )
 	{
 		Bytes other( blob.begin(), blob.size() );
 		other.begin()[c.byte] = static_cast<unsigned char>( other.begin()[c.byte] ^ 4 );
@@ -385,7 +386,7 @@ TEST( ShapeBlob, OtherVersionLayoutOrKeyIsStale )
 		EXPECT_EQ( readStatus( other, 1, &diag ), LW_ERROR_STALE ) << c.byte;
 		EXPECT_TRUE( mentions( diag, c.says ) && mentions( diag, "delete it and build again" ) ) << diag.message;
 		lw_blob_info info = {};
-		bool keyOnly = c.byte >= fields.key;
+		bool keyOnly = c.byte >= LWI_BLOB_KEY;
 		EXPECT_EQ( lw_blob_get_info( other.begin(), other.size(), &diag, &info ), keyOnly ? LW_OK : LW_ERROR_STALE );
 	}
 }
@@ -469,8 +470,7 @@ struct MeshBlob
 
 	explicit MeshBlob( const lw_shape* shape ) : bytes( writeBlob( { shape } ) ), info( lw_shape_get_info( shape ) )
 	{
-		const probe_header fields = probe_header_fields();
-		type = fields.table + fields.table_entry;
+		type = LWI_BLOB_TABLE + LWI_BLOB_TABLE_ENTRY;
 		dimensions = type + 4;
 		counts = dimensions + 24;
 		radius = counts + 36; // six counts, the root, solid or not, the excess
@@ -633,7 +633,6 @@ TEST( ShapeBlobNonsense, TablesThatMakeNoSenseAreRefused )
 	shapes.push_back( makePrimitive( LW_SHAPE_BOX, 1, 2, 3 ) );
 	shapes.push_back( makePrimitive( LW_SHAPE_SPHERE, 1 ) );
 	const Bytes blob = writeBlob( shapes );
-	const probe_header fields = probe_header_fields();
 	auto refused = [&]( std::size_t at, auto value, std::size_t count ) {
 		Bytes bytes( blob.begin(), blob.size() );
 		bytes.put( at, value );
@@ -642,29 +641,28 @@ TEST( ShapeBlobNonsense, TablesThatMakeNoSenseAreRefused )
 	};
 	for ( std::uint32_t sections : { 0u, 1u, 3u, 0xffffffffu } )
 	{
-		refused( fields.section_count, sections, 2 );
+		refused( LWI_BLOB_SECTION_COUNT, sections, 2 );
 	}
 	for ( std::uint32_t kind : { 0u, 2u, 3u, 0xffffffffu } )
 	{
-		refused( fields.table, kind, 2 );
+		refused( LWI_BLOB_TABLE, kind, 2 );
 	}
-	refused( fields.table + 4, std::uint32_t( 1 ), 2 );
+	refused( LWI_BLOB_TABLE + 4, std::uint32_t( 1 ), 2 );
 	for ( std::uint64_t size : { std::uint64_t( 0 ), std::uint64_t( 27 ), std::uint64_t( 29 ), std::uint64_t( 1000 ),
 			  UINT64_MAX, UINT64_MAX - 7 } )
 	{
-		refused( fields.table + 8, size, 2 );
-		refused( fields.table + fields.table_entry + 8, size, 2 );
+		refused( LWI_BLOB_TABLE + 8, size, 2 );
+		refused( LWI_BLOB_TABLE + LWI_BLOB_TABLE_ENTRY + 8, size, 2 );
 	}
 	for ( double dimension : { 0.0, -1.0, 2e9, std::numeric_limits<double>::quiet_NaN() } )
 	{
-		refused( fields.table + 2 * fields.table_entry + 4, dimension, 2 );
+		refused( LWI_BLOB_TABLE + 2 * LWI_BLOB_TABLE_ENTRY + 4, dimension, 2 );
 	}
 }
 
 // Sizes that wrap around, tables past the end, bytes that nothing asks for.
 TEST( ShapeBlobNonsense, SizesThatDoNotAddUpAreRefused )
 {
-	const probe_header fields = probe_header_fields();
 	auto expectDamaged = []( Bytes& bytes, const char* what ) {
 		bytes.seal();
 		lw_blob_info info = {};
@@ -679,13 +677,13 @@ TEST( ShapeBlobNonsense, SizesThatDoNotAddUpAreRefused )
 	};
 	const Bytes empty = writeBlob( std::vector<const lw_shape*>() );
 	Bytes noTable( empty.begin(), empty.size() );
-	noTable.put( fields.section_count, std::uint32_t( 1 ) );
+	noTable.put( LWI_BLOB_SECTION_COUNT, std::uint32_t( 1 ) );
 	expectDamaged( noTable, "a table past the end" );
-	Bytes wraps = extended( empty, fields.table_entry );
-	wraps.put( fields.size, std::uint64_t( wraps.size() ) );
-	wraps.put( fields.section_count, std::uint32_t( 1 ) );
-	wraps.put( fields.table, std::uint32_t( 1 ) );
-	wraps.put( fields.table + 8, UINT64_MAX );
+	Bytes wraps = extended( empty, LWI_BLOB_TABLE_ENTRY );
+	wraps.put( LWI_BLOB_SIZE, std::uint64_t( wraps.size() ) );
+	wraps.put( LWI_BLOB_SECTION_COUNT, std::uint32_t( 1 ) );
+	wraps.put( LWI_BLOB_TABLE, std::uint32_t( 1 ) );
+	wraps.put( LWI_BLOB_TABLE + 8, UINT64_MAX );
 	expectDamaged( wraps, "a size that rounds up to 0" );
 
 	SeededRng rng;
@@ -694,9 +692,9 @@ TEST( ShapeBlobNonsense, SizesThatDoNotAddUpAreRefused )
 	Bytes unsaid = extended( blob, 8 );
 	expectDamaged( unsaid, "more bytes than the header says" );
 	Bytes said = extended( blob, 8 );
-	said.put( fields.size, std::uint64_t( said.size() ) );
+	said.put( LWI_BLOB_SIZE, std::uint64_t( said.size() ) );
 	expectDamaged( said, "bytes behind the last section" );
-	said.put( fields.table + 8, said.get<std::uint64_t>( fields.table + 8 ) + 8 );
+	said.put( LWI_BLOB_TABLE + 8, said.get<std::uint64_t>( LWI_BLOB_TABLE + 8 ) + 8 );
 	expectDamaged( said, "bytes behind the last array" );
 }
 
@@ -768,7 +766,7 @@ TEST( ShapeBlobNonsense, RandomEditsNeverGiveAnUnsoundShape )
 	for ( const ShapePtr& shape : shapes )
 	{
 		const Bytes blob = writeBlob( { shape.get() } );
-		const std::size_t payload = probe_header_fields().table;
+		const std::size_t payload = LWI_BLOB_TABLE;
 		for ( int round = 0; round < 10000; ++round )
 		{
 			Bytes bytes( blob.begin(), blob.size() );

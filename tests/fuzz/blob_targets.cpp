@@ -4,10 +4,8 @@
 #include "fuzz.hpp"
 
 #include "cache/cache_file.hpp"
-#include "leeway/blob.h"
+#include "blob/blob.h"
 #include "leeway/io/cache.hpp"
-
-#include "probe.h"
 
 #include <cstring>
 
@@ -19,14 +17,12 @@ namespace
 
 namespace detail = leeway::io::detail;
 
-const probe_header header = probe_header_fields();
-
 lw_digest keyIn( const std::string& bytes )
 {
 	lw_digest key{};
-	if ( bytes.size() >= header.key + sizeof key )
+	if ( bytes.size() >= LWI_BLOB_KEY + sizeof key )
 	{
-		std::memcpy( &key, bytes.data() + header.key, sizeof key );
+		std::memcpy( &key, bytes.data() + LWI_BLOB_KEY, sizeof key );
 	}
 	return key;
 }
@@ -34,11 +30,11 @@ lw_digest keyIn( const std::string& bytes )
 /// The bytes as a blob whose header is about them.
 std::string sealed( std::string bytes )
 {
-	if ( bytes.size() >= header.table )
+	if ( bytes.size() >= LWI_BLOB_TABLE )
 	{
 		const std::uint64_t size = bytes.size();
-		std::memcpy( bytes.data() + header.size, &size, sizeof size );
-		probe_seal( bytes.data(), bytes.size() );
+		std::memcpy( bytes.data() + LWI_BLOB_SIZE, &size, sizeof size );
+		lwi_blob_seal( reinterpret_cast<unsigned char*>( bytes.data() ), bytes.size() );
 	}
 	return bytes;
 }
@@ -111,7 +107,7 @@ void reachBlob( Input input )
 	readReach( std::string( input ) );
 	std::string bytes( input );
 	// The robot's digest begins the section of a blob that holds nothing else
-	const std::size_t section = header.table + header.table_entry;
+	const std::size_t section = LWI_BLOB_TABLE + LWI_BLOB_TABLE_ENTRY;
 	const lw_digest robot = lw_robot_digest( fixedCoreRobot() );
 	if ( bytes.size() >= section + sizeof robot )
 	{

@@ -2,7 +2,7 @@
 // Seeds that are no text: written by the libraries that define their formats, or by this version of ours.
 #include "fuzz.hpp"
 
-#include "probe.h"
+#include "random_reach.hpp"
 
 #include "cache/cache_file.hpp"
 
@@ -251,7 +251,7 @@ void addBlobs( std::vector<Seed>& seeds )
 	seeds.push_back( { "shape_blob", "primitive", blobOf( { cylinder.get() }, nullptr ) } );
 
 	const leeway::Robot robot = leeway::io::buildRobot( fixedRobot() );
-	lw_reach* reach = probe_random_reach( robot.get(), 7 );
+	lw_reach* reach = randomReach( robot.get(), 7 );
 	expect( reach != nullptr, "a reach for a seed can be made" );
 	seeds.push_back( { "reach_blob", "random", blobOf( {}, reach ) } );
 	lw_reach_release( reach );
