@@ -212,7 +212,7 @@ CLI::App* addTune( CLI::App& app, TuneOptions& options )
 	        ->group( "Question" );
 	command
 	    ->add_option( "--edge-conservatism", options.edge_conservatism,
-	        "target: free motions with more millimetres above --min-d are not undecided; proposes the fastest" )
+	        "target: free motions with more millimetres above --min-d are decided; proposes the fastest" )
 	    ->type_name( "MM" )
 	    ->group( "Question" )
 	    ->excludes( time )
