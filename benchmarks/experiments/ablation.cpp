@@ -33,10 +33,6 @@ const Variant VARIANTS[] = {
     { "planes", []( lw_query_def& def ) { def.planes = false; } },
     { "all of these", []( lw_query_def& def )
         { def.transform_caching = def.motion_hulls = def.pair_tables = def.warm_start = def.planes = false; } },
-    { "these and nodes: all pairs",
-        []( lw_query_def& def ) {
-	        def.transform_caching = def.motion_hulls = def.pair_tables = def.warm_start = def.planes = def.hierarchy = false;
-        } },
 };
 enum
 {

@@ -90,10 +90,10 @@ public:
 	}
 
 	/// @return its number
-	std::size_t add( lw_check_flags flags, RangeOf range, bool hierarchy = true )
+	std::size_t add( lw_check_flags flags, RangeOf range, bool proofs = true )
 	{
 		lw_query_def def = lw_query_def_default();
-		def.hierarchy = hierarchy;
+		def.motion_hulls = def.pair_tables = proofs;
 		m_queries.push_back( leeway::makeQuery( m_checker, def ) );
 		lw_query* query = m_queries.back().get();
 		m_contenders.push_back( { "", [this, query, flags, range = std::move( range )]( const double* q )
@@ -110,10 +110,10 @@ public:
 		return m_contenders.size() - 1;
 	}
 
-	std::size_t add( lw_check_flags flags, const lw_range& range, bool hierarchy = true )
+	std::size_t add( lw_check_flags flags, const lw_range& range, bool proofs = true )
 	{
 		return add(
-		    flags, [range]( std::size_t ) { return range; }, hierarchy );
+		    flags, [range]( std::size_t ) { return range; }, proofs );
 	}
 
 	std::vector<Rounds> race( int passes, Progress& progress, const std::string& title ) const
@@ -181,13 +181,13 @@ const double FACTORS[] = { 0.2, 0.5, 0.9, 1.1, 1.5, 2, 5, 10, INFINITE };
 struct Asked
 {
 	lw_check_flags flags;
-	bool hierarchy;
+	bool proofs; ///< with motion hulls and pair tables
 	const char *name, *short_name;
 };
 
 const Asked ASKED[] = {
     { LW_CHECK_SELF, true, "self", "self" },
-    { LW_CHECK_SELF, false, "self, all pairs without hulls and tables", "self, all pairs" },
+    { LW_CHECK_SELF, false, "self, without hulls and tables", "self, without" },
     { LW_CHECK_ENVIRONMENT, true, "environment", "environment" },
 };
 
@@ -200,7 +200,7 @@ void addMaxD( const io::Problem& problem, const std::vector<std::vector<double>>
 	{
 		for ( const double max_d : MAX_D )
 		{
-			field.add( asked.flags, { 0, max_d, 0 }, asked.hierarchy );
+			field.add( asked.flags, { 0, max_d, 0 }, asked.proofs );
 		}
 	}
 	const std::vector<Rounds> rounds = field.race( passes, progress, "figure 9b, max_d" );
@@ -296,7 +296,7 @@ void addFactors( const io::Problem& problem, const std::vector<std::vector<doubl
 			    [&exact = exact, factor]( std::size_t i ) {
 				    return lw_range{ 0, factor * exact[i], 0 };
 			    },
-			    asked.hierarchy );
+			    asked.proofs );
 		}
 		PartProgress rest( part, 0.05, 1 );
 		const std::vector<Rounds> rounds = field.race( passes, rest, std::string( "figure 9b, " ) + asked.short_name );

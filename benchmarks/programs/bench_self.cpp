@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Self clearance: FCL and all pairs against motion hulls and pair tables, and a long count of answers that differ.
+// Self clearance: FCL and spheres alone against motion hulls and pair tables, and a long count of answers that differ.
 //
 // Groups of ARMAR-III, Fetch and Panda; rows of the ground truth tables and uniform states; ranges from a boolean check to
 // the exact distance. All contenders check the same pairs. Exit status 1 if any answer differs.
@@ -166,14 +166,14 @@ ConfigurationSet tableStates( const Settings& settings, const Subject& subject, 
 	return set;
 }
 
-/// A checker and a query of its own.
+/// A checker and a query of its own, with the proofs of the reach or by spheres alone.
 class Asker
 {
 public:
-	Asker( const leeway::io::Problem& problem, bool hierarchy ) : m_checker( problem.checker.get() )
+	Asker( const leeway::io::Problem& problem, bool proofs ) : m_checker( problem.checker.get() )
 	{
 		lw_query_def def = lw_query_def_default();
-		def.hierarchy = hierarchy;
+		def.motion_hulls = def.pair_tables = proofs;
 		m_query = leeway::makeQuery( m_checker, def );
 	}
 
@@ -205,14 +205,14 @@ Answer askFcl( FclPeer& fcl, const double* q, const Question& question )
 	return { value, value };
 }
 
-/// States whose answer by one contender differs from that of all pairs.
-std::size_t disagreements( const Run& all_pairs, const Run& other, double tolerance )
+/// States whose answer by one contender differs from that by spheres alone.
+std::size_t disagreements( const Run& spheres, const Run& other, double tolerance )
 {
 	std::size_t count = 0;
-	for ( std::size_t i = 0; i < all_pairs.answers.size(); ++i )
+	for ( std::size_t i = 0; i < spheres.answers.size(); ++i )
 	{
 		// without an answer (beyond max_d) both are max_d
-		count += !( std::abs( all_pairs.answers[i].upper - other.answers[i].upper ) <= tolerance );
+		count += !( std::abs( spheres.answers[i].upper - other.answers[i].upper ) <= tolerance );
 	}
 	return count;
 }
@@ -236,7 +236,7 @@ public:
 			fcl = std::make_unique<FclPeer>( tables.checker.get() );
 			m_agreed = m_agreed && fcl->selfPairs() == info.self_pairs;
 		}
-		m_all_pairs = std::make_unique<Asker>( tables, false );
+		m_spheres = std::make_unique<Asker>( tables, false );
 		m_hulls = std::make_unique<Asker>( hulls, true );
 		m_tables = std::make_unique<Asker>( tables, true );
 		ConfigurationSet random{ "uniform", "uniform within the limits", {} };
@@ -261,9 +261,9 @@ public:
 	static void printHeader()
 	{
 		std::printf(
-		    "\nself clearance, microseconds per state: mean and median; ratios of means, FCL and all pairs over tables\n" );
+		    "\nself clearance, microseconds per state: mean and median; ratios of means, FCL and spheres over tables\n" );
 		std::printf( "%-8s %-12s | %9s %8s | %8s %8s | %8s %8s | %8s %8s | %7s %8s\n", "set", "question", "FCL", "median",
-			"all pairs", "median", "hulls", "median", "tables", "median", "FCL x", "pairs x" );
+			"spheres", "median", "hulls", "median", "tables", "median", "FCL x", "spheres x" );
 	}
 
 	bool agreed() const { return m_agreed; }
@@ -278,7 +278,7 @@ private:
 		const auto by = [&question]( Asker& asker ) {
 			return [&asker, &question]( const double* q ) { return asker.answer( q, question ); };
 		};
-		std::vector<Contender> contenders = { { "all pairs", by( *m_all_pairs ) }, { "hulls", by( *m_hulls ) },
+		std::vector<Contender> contenders = { { "spheres", by( *m_spheres ) }, { "hulls", by( *m_hulls ) },
 			{ "tables", by( *m_tables ) } };
 		if ( fcl != nullptr )
 		{
@@ -309,7 +309,7 @@ private:
 		m_agreed = m_agreed && differ == 0;
 	}
 
-	/// Verdicts and intervals, tables against all pairs, one state after the other; every tenth leaves the limits.
+	/// Verdicts and intervals, tables against spheres alone, one state after the other; every tenth leaves the limits.
 	void countDisagreements( const Subject& subject, const char* group, const leeway::io::Problem& problem )
 	{
 		std::size_t differ = 0, contacts = 0;
@@ -323,7 +323,7 @@ private:
 			}
 			for ( const Question& question : { QUESTIONS[0], QUESTIONS[2], QUESTIONS[4] } )
 			{
-				const lw_clearance all = m_all_pairs->ask( q.data(), question ), got = m_tables->ask( q.data(), question );
+				const lw_clearance all = m_spheres->ask( q.data(), question ), got = m_tables->ask( q.data(), question );
 				const bool violation = all.kind == LW_CLEARANCE_VIOLATION;
 				const double lower = all.lower == got.lower ? 0 : std::abs( all.lower - got.lower );
 				differ += all.kind != got.kind || ( !violation && ( all.upper != got.upper || lower > 1e-12 ) );
@@ -342,7 +342,7 @@ private:
 
 	const Settings& m_settings;
 	std::mt19937_64 m_random;
-	std::unique_ptr<Asker> m_all_pairs, m_hulls, m_tables;
+	std::unique_ptr<Asker> m_spheres, m_hulls, m_tables;
 	Json m_rows = Json::array(), m_identity = Json::array();
 	Hash m_hash;
 	bool m_agreed = true;
@@ -392,7 +392,7 @@ int main( int argc, char** argv )
 {
 	Settings settings;
 	bool quick = false;
-	BenchProgram program( "bench_self", "Self clearance of robots: FCL, all pairs, motion hulls and pair tables." );
+	BenchProgram program( "bench_self", "Self clearance of robots: FCL, spheres alone, motion hulls and pair tables." );
 	program.option( "--data", settings.data, "folder with armar3 and mbm" );
 	program.option(
 	    "--robot", settings.robots, "URDF,SRDF,GROUP instead of the robots of the data folder; FCL is not asked" );

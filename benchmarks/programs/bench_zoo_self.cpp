@@ -188,11 +188,11 @@ public:
 	bool agreed() const { return m_agreed; }
 
 private:
-	/// All pairs one after the other have to give the same distances, to the last bit.
+	/// A query without proofs, planes and memory has to give the same distances, to the last bit.
 	void countDifferences( const lw_checker* checker, const ConfigurationSet& set, const std::vector<Answer>& answers )
 	{
 		lw_query_def def = lw_query_def_default();
-		def.hierarchy = false;
+		def.motion_hulls = def.pair_tables = def.planes = def.warm_start = false;
 		const leeway::Query query = leeway::makeQuery( checker, def );
 		m_differ = 0;
 		m_largest = 0;
@@ -231,7 +231,7 @@ private:
 		}
 		const auto each = [n]( std::uint64_t count ) { return static_cast<double>( count ) / n; };
 		const std::string note =
-		    m_differ == 0 ? "" : fmt::format( "  {} differ from all pairs, by {:.1e} m at the most", m_differ, m_largest );
+		    m_differ == 0 ? "" : fmt::format( "  {} differ without proofs, by {:.1e} m at the most", m_differ, m_largest );
 		std::printf(
 		    "%-26.26s %5zu %5u | %7.1f %7.1f %6.2f %6.1f | %8.1f %8.1f %8.1f | %7.1f %7.1f %7.1f %7.1f %7.1f | %8.1f | %s%s%s\n",
 		    subject.name.c_str(), subject.problem.variables.size(), info.self_pairs, subject.prepare_ms, 1e-3 * first,

@@ -115,7 +115,7 @@ TEST( AsBuilt, QueriesAllocateNothing )
 		for ( const leeway::Checker* checker : { &world.checker, &world.with_tables } )
 		{
 			lw_query_def def = lw_query_def_default();
-			def.hierarchy = seed % 3 != 0;
+			def.motion_hulls = def.pair_tables = seed % 3 != 0;
 			const leeway::Query query = leeway::makeQuery( checker->get(), def );
 			std::vector<double> a = world.home, b = a;
 			for ( int i = 0; i < 20; ++i )

@@ -76,7 +76,7 @@ TEST( Margins, EdgeEntersAMargin )
 		world.margins = randomMargins( rng, world );
 		Oracle oracle( world );
 		const CheckerPtr plain = world.build( nullptr, 1e9 ), tables = world.build( world.reach.get(), 0.2 );
-		const QueryPtr one = makeQuery( plain.get(), false ), other = makeQuery( tables.get() );
+		const QueryPtr one = makeQuery( plain.get() ), other = makeQuery( tables.get() );
 		// from a state that is free, if there is one nearby
 		State home = groupState( rng, world, 0 );
 		for ( int k = 0; k < 30 && ask( plain.get(), one.get(), home, ranges[4] ).verdict != LW_VERDICT_FREE; ++k )
@@ -149,7 +149,7 @@ TEST( Margins, EdgeByAGridEntersAMargin )
 		folds += lw_reach_get_pair( reach, 0, 2 ).separation == 0; // else tables prove all edges before a grid is asked
 		Oracle oracle( world );
 		const CheckerPtr tables = world.build( world.reach.get() );
-		const QueryPtr query = makeQuery( tables.get(), true );
+		const QueryPtr query = makeQuery( tables.get() );
 		for ( int k = 0; k < 40 && !HasFailure(); ++k )
 		{
 			const State from = groupState( rng, world, 0 );

@@ -62,11 +62,11 @@ TEST( Margins, StateIsNotDistanceLessMargin )
 		World world = randomWorld( rng, i % 2 == 0 );
 		world.margins = randomMargins( rng, world );
 		Oracle oracle( world );
-		// all pairs; with tables if there are any; with obstacles passed over
+		// without a reach; with tables if there are any; with obstacles passed over
 		const CheckerPtr plain = world.build( nullptr, 1e9 ), tables = world.build( world.reach.get(), 1e9 ),
 						 less = world.build( world.reach.get(), i % 3 == 0 ? inf : 0.1 );
-		const QueryPtr queries[] = { makeQuery( plain.get(), false, false ), makeQuery( tables.get() ),
-			makeQuery( tables.get(), false ), makeQuery( less.get() ), makeQuery( less.get(), true, false ) };
+		const QueryPtr queries[] = { makeQuery( plain.get(), false ), makeQuery( tables.get() ),
+			makeQueryWithoutReach( tables.get() ), makeQuery( less.get() ), makeQuery( less.get(), false ) };
 		const std::vector<std::pair<const lw_checker*, lw_query*>> all = { { plain.get(), queries[0].get() },
 			{ tables.get(), queries[1].get() }, { tables.get(), queries[2].get() }, { less.get(), queries[3].get() },
 			{ less.get(), queries[4].get() } };
@@ -153,9 +153,8 @@ TEST( Margins, PartOfARobotIsRuledOutByLessThanItsMargin )
 		Oracle oracle( world );
 		const CheckerPtr plain = world.build( nullptr, 1e9 ), tables = world.build( world.reach.get(), 1e9 );
 		EXPECT_EQ( lw_checker_get_info( tables.get() ).hierarchy, world.reach != nullptr );
-		const QueryPtr one = makeQuery( plain.get(), false, false );
-		const QueryPtr other =
-			makeQuery( tables.get(), true, false ); // a warm start would find the pair that the spheres hide
+		const QueryPtr one = makeQuery( plain.get(), false );
+		const QueryPtr other = makeQuery( tables.get(), false ); // a warm start would find the pair that spheres hide
 		for ( int k = 0; k < 4; ++k )
 		{
 			judgeState( world, oracle, { { plain.get(), one.get() }, { tables.get(), other.get() } },

@@ -3,6 +3,7 @@
 //
 // Parts that lie within each other, ball in shell, overlap with all their spheres and boxes: lower bounds show neither the
 // nearest part nor its place.
+#include "all_pairs.hpp"
 #include "checker_handles.hpp"
 #include "random_robot.hpp"
 
@@ -105,12 +106,13 @@ TEST( Order, FirstPairIsSearchedToItsEndBeforeANearerOne )
 	lw_checker* created = nullptr;
 	ASSERT_EQ( LW_OK, lw_checker_create( &def, nullptr, nullptr, &created ) );
 	const CheckerPtr checker( created );
-	const QueryPtr query = makeQuery( checker.get(), true, false ), all_pairs = makeQuery( checker.get(), false );
+	const QueryPtr query = makeQuery( checker.get(), false );
+	AllPairs all_pairs( checker.get() );
 	for ( int i = 0; i < 50; ++i )
 	{
 		const State q = { rng.uniform( -3, 3 ), rng.uniform( -0.01, 0.01 ) };
-		EXPECT_EQ( selfClearance( checker.get(), all_pairs.get(), q ).upper,
-			selfClearance( checker.get(), query.get(), q ).upper );
+		EXPECT_NEAR( all_pairs.state( q ).self.upper, selfClearance( checker.get(), query.get(), q ).upper,
+			ALL_PAIRS_ROUNDING );
 	}
 	const double leaves = static_cast<double>( lw_query_get_stats( query.get() ).leaf_tests ) / 50;
 	std::printf( "comparisons of leaves: %.0f within, %.0f beside, %.0f per state\n", leaves_within, leaves_beside, leaves );

@@ -161,8 +161,8 @@ inline CheckerPtr makeChecker( const lw_robot* robot, const lw_scene* scene, con
 /// Other histories must not matter.
 inline QueryPtr coldQuery( const lw_checker* checker )
 {
-	const bool hierarchy = true, warm_start = false;
-	return makeQuery( checker, hierarchy, warm_start );
+	const bool warm_start = false;
+	return makeQuery( checker, warm_start );
 }
 
 inline World randomWorld( SeededRng& rng )

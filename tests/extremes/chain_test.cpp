@@ -304,9 +304,9 @@ TEST( ExtremeChains, StateDiffersFromExactKinematics )
 			std::vector<double> q = chain.randomState( random );
 			const Tip tip( random, chain, q );
 			ASSERT_FALSE( HasFailure() );
-			for ( bool hierarchy : { true, false } )
+			for ( bool warm_start : { true, false } )
 			{
-				QueryPtr query = makeQuery( tip.checker.get(), hierarchy );
+				QueryPtr query = makeQuery( tip.checker.get(), warm_start );
 				for ( int i = 0; i < 3; ++i )
 				{
 					const Truth truth = truthOf( chain, tip, q );

@@ -519,7 +519,7 @@ void CoreWorld::addQuery()
 	def.simd = static_cast<lw_simd>( m_bytes.below( 4 ) );
 	def.transform_caching = m_bytes.oneIn( 2 );
 	def.warm_start = m_bytes.oneIn( 2 );
-	def.hierarchy = m_bytes.oneIn( 2 );
+	def.motion_hulls = def.pair_tables = m_bytes.oneIn( 2 );
 	def.spare_shapes = m_bytes.below( 3 );
 	def.spare_bodies = m_bytes.below( 3 );
 	lw_query* query = nullptr;

@@ -74,12 +74,9 @@ typedef struct lw_query_def
 	lw_simd simd;           ///< cap of the kernel level
 	bool transform_caching; ///< keep the transformed centre of the sphere that is not opened (section II.C of the paper)
 	bool warm_start;        ///< try the last witness pair first: changes the speed only
-	/// Checkers search groups of links that move as one, pose links only where needed, and use the spheres and tables of a
-	/// reach if they have one. False: all pairs in turn, with the same answers.
-	bool hierarchy;
 	/// The next three can be switched off to measure their benefit. Answers stay the same.
-	bool motion_hulls; ///< spheres M of the reach exclude subtrees of the robot; needs hierarchy
-	bool pair_tables;  ///< separations and grids of the reach exclude pairs of links; needs hierarchy
+	bool motion_hulls; ///< spheres M of the reach exclude subtrees of the robot
+	bool pair_tables;  ///< separations and grids of the reach exclude pairs of links
 	bool planes;       ///< boxes, planes and slabs between two shapes end searches earlier than spheres alone
 	/// Room for growth: shapes beyond those of the scene, bodies beyond those of the robot (bodies of attached objects
 	/// included). With 0 a query serves only checkers that are no larger.

@@ -339,12 +339,6 @@ static lw_status build( lwi_checker_base* b, const lw_checker_def* def, draft* d
 		return lwi_fail( diag, status, LW_INVALID_INDEX, "the reference state has a zero quaternion" );
 	}
 	status = fill_bodies( b, def, d, diag );
-	uint32_t bodies = lw_robot_body_count( b->robot );
-	if ( status == LW_OK && b->self.margins != NULL &&
-		 !lwi_self_margins_apply( b->self.margins, b->bodies, bodies, b->body_block_count * LWI_WIDTH ) )
-	{
-		return lwi_out_of_memory( diag, "margins" );
-	}
 	b->bytes += b->self.margins != NULL ? b->self.margins->bytes : 0;
 	status = status == LW_OK ? fill_self_pairs( b, d, diag ) : status;
 	return status == LW_OK ? build_tree( b, d, diag ) : status;

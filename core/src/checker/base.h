@@ -27,8 +27,6 @@ typedef struct lwi_checker_body
 	const lw_shape* shape; ///< the robot's; complete if the body moves, perhaps deferred if not
 	uint32_t link;
 	lw_transform link_from_shape;
-	double self_margin;    ///< its share of margins to other bodies, but for `self_row`
-	const float* self_row; ///< [body_block_count * LWI_WIDTH] listed margins less these shares, rounded up; NULL = none
 } lwi_checker_body;
 
 /// The variables that a planner moves, and the state of all others.

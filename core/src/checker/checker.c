@@ -33,8 +33,8 @@ lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spa
 		.shapes = scene_shapes + spare_shapes };
 	const size_t rows = (size_t)checker->base->moving_body_count + spare_bodies;
 	const size_t environment = ( rows > 0 ? rows : 1 ) * lwi_padded( sizes.shapes );
-	const size_t self = sizes.bodies * (size_t)lwi_padded( sizes.bodies );
-	sizes.gaps = environment > self ? environment : self;
+	const size_t self_pairs = sizes.bodies * (size_t)sizes.bodies / 2 + 1;
+	sizes.gaps = environment > self_pairs ? environment : self_pairs;
 	return sizes;
 }
 

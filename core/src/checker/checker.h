@@ -78,8 +78,7 @@ static inline double lwi_lowest_environment( const lw_checker* checker )
 /// Computes the static poses, unless the query holds this checker's poses already.
 void lwi_checker_bind( const lw_checker* checker, lw_query* query );
 
-/// Sets the state for the queries below. With a tree, and a query that uses it, each pose is computed at its first
-/// use, else all at once.
+/// Sets the state for the queries below. Each pose is computed at its first use.
 /// @param q group state. @return LW_OK or LW_ERROR_INVALID_ARGUMENT (non-finite, zero quaternion)
 lw_status lwi_checker_pose( const lw_checker* checker, lw_query* query, const double* q );
 

@@ -52,8 +52,7 @@ void lwi_cluster_tree_destroy( lwi_cluster_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->slices, t->slice_capacity * sizeof( lwi_grid_slice ) );
 	lwi_free( &allocator, t->spacings, t->spacing_count * sizeof( lwi_grid_spacing ) );
 	lwi_free( &allocator, t->pair_slices, t->separation_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, t->proxies, sizeof( lwi_self_proxies ) );
-	lwi_cluster_rows_destroy( t, &t->rows );
+	lwi_self_proxies_destroy( t, &t->proxies );
 	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
 	lwi_free( &allocator, t, sizeof( lwi_cluster_tree ) );
 }

@@ -94,8 +94,7 @@ typedef struct lwi_cluster_tree
 	uint32_t* pair_slices; ///< [separation_count] index into slices of the same pair, or LW_INVALID_INDEX; NULL: no slices
 	uint32_t step_count;
 	lwi_self_step* steps;      ///< [step_count]
-	lwi_self_proxies* proxies; ///< NULL: too many
-	lwi_cluster_rows rows;     ///< where there are no proxies
+	lwi_self_proxies proxies;
 } lwi_cluster_tree;
 
 /// Number of clusters, rounded up to whole vectors of doubles.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot against the scene: cluster by cluster, by subtrees where motion hulls are known; or all bodies at once.
-// Paper: Steinbach et al. 2006, section III.B. One running bound, nearest pair first, either way.
+// The robot against the scene: cluster by cluster, by subtrees where motion hulls are known.
+// Paper: Steinbach et al. 2006, section III.B. One running bound, nearest pair first.
 #include "checker/pose.h"
 #include "base/math_inline.h"
 #include "scene/scene.h"
@@ -122,46 +122,18 @@ static uint32_t mask_row( const lw_checker* checker, const lw_query* query, uint
 	return nearest;
 }
 
-// --- all pairs -------------------------------------------------------------------------------------------------------
-
-/// Gaps of all of some bodies, row by row in query->scratch.gaps. Returns the slack of all rows; *nearest is the least
-/// gap's index.
-static double environment_gaps( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
-	uint32_t* nearest )
+/// Searches a body's row of gaps, the nearest obstacle first.
+static void search_row( const lw_checker* checker, lw_query* query, uint32_t body, double slack, uint32_t nearest,
+	lwi_bound* bound )
 {
 	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
-	double slack = 0;
-	float least = INFINITY;
-	*nearest = 0;
-	for ( uint32_t row = 0; row < body_count; ++row )
-	{
-		float* gaps = query->scratch.gaps + (size_t)row * stride;
-		bool near;
-		double mine = row_of_gaps( checker, query, bodies[row], INFINITY, gaps, &near );
-		uint32_t in_row = mask_row( checker, query, bodies[row], gaps );
-		slack = mine > slack ? mine : slack;
-		if ( gaps[in_row] < least )
-		{
-			least = gaps[in_row];
-			*nearest = row * stride + in_row;
-		}
-	}
-	return slack;
-}
-
-/// Searches the rows of gaps of some bodies, the nearest pair first.
-static void search_rows( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count, double slack,
-	uint32_t nearest, lwi_bound* bound )
-{
-	uint32_t stride = checker->scene->block_count * LWI_WIDTH;
-	uint32_t entries = body_count * stride;
 	if ( !( query->scratch.gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
 	{
 		return;
 	}
-	bound->current_pair = bodies[nearest / stride] * stride + nearest % stride;
-	search_environment_pair( checker, query, bodies[nearest / stride], nearest % stride, bound );
-	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->cutoff + slack ), nearest );
+	bound->current_pair = body * stride + nearest;
+	search_environment_pair( checker, query, body, nearest, bound );
+	uint32_t count = bound->done ? 0 : lwi_collect( query, stride, lwi_round_up( bound->cutoff + slack ), nearest );
 	while ( count > 0 && !bound->done )
 	{
 		lwi_candidate next = lwi_heap_pop( query->scratch.candidates, &count );
@@ -169,20 +141,8 @@ static void search_rows( const lw_checker* checker, lw_query* query, const uint3
 		{
 			break;
 		}
-		uint32_t body = bodies[next.pair / stride];
-		bound->current_pair = body * stride + next.pair % stride;
-		search_environment_pair( checker, query, body, next.pair % stride, bound );
-	}
-}
-
-static void search_environment( const lw_checker* checker, lw_query* query, const uint32_t* bodies, uint32_t body_count,
-	lwi_bound* bound )
-{
-	if ( checker->scene != NULL && checker->scene->shape_count > 0 && body_count > 0 )
-	{
-		uint32_t nearest;
-		double slack = environment_gaps( checker, query, bodies, body_count, &nearest );
-		search_rows( checker, query, bodies, body_count, slack, nearest, bound );
+		bound->current_pair = body * stride + next.pair;
+		search_environment_pair( checker, query, body, next.pair, bound );
 	}
 }
 
@@ -425,14 +385,9 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	{
 		measure_cached_pair( checker, query, cached, &bound );
 	}
-	if ( !bound.done && query->search.def.hierarchy )
+	if ( !bound.done )
 	{
 		search_tree( checker, query, &bound );
-	}
-	else if ( !bound.done )
-	{
-		lwi_pose_all( checker, query );
-		search_environment( checker, query, checker->base->moving_bodies, checker->base->moving_body_count, &bound );
 	}
 	environment_result( checker, query, &bound, out );
 	if ( out->upper < INFINITY && bound.pair != STATIC_PAIR )
@@ -491,7 +446,7 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 		measure_cached_pair( checker, query, cached, &bound );
 		if ( !bound.done )
 		{
-			search_rows( checker, query, &body, 1, slack, nearest, &bound );
+			search_row( checker, query, body, slack, nearest, &bound );
 		}
 	}
 	environment_result( checker, query, &bound, out );

@@ -207,7 +207,6 @@ void lwi_self_margins_destroy( lwi_self_margins* m )
 	const lw_allocator allocator = m->allocator;
 	lwi_free( &allocator, m->link, m->link_count * sizeof( double ) );
 	lwi_free( &allocator, m->listed.pairs, m->listed.count * sizeof( lw_pair_margin ) );
-	lwi_free( &allocator, m->rows, m->row_bytes );
 	lwi_free( &allocator, m, sizeof( *m ) );
 }
 
@@ -272,48 +271,6 @@ bool lwi_self_margins_equal( const lwi_self_margins* x, const lwi_self_margins* 
 		equal = p->a == q->a && p->b == q->b && p->margin == q->margin;
 	}
 	return equal;
-}
-
-/// Excess of listed pairs' margins over the shares of two bodies.
-static void fill_self_row( const lwi_self_margins* m, const lwi_checker_body* mine, const lwi_checker_body* bodies,
-	uint32_t count, float* row )
-{
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		const lwi_checker_body* other = &bodies[i];
-		uint32_t low = mine->link < other->link ? mine->link : other->link;
-		uint32_t high = mine->link < other->link ? other->link : mine->link;
-		const lw_pair_margin* listed = find_pair( &m->listed, low, high );
-		row[i] = listed != NULL ? lwi_round_up( listed->margin - ( mine->self_margin + other->self_margin ) ) : 0;
-	}
-}
-
-bool lwi_self_margins_apply( lwi_self_margins* m, lwi_checker_body* bodies, uint32_t count, uint32_t row_size )
-{
-	size_t rows = 0;
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		bodies[i].self_margin = 0.5 * m->all + m->link[bodies[i].link];
-		rows += is_listed( &m->listed, bodies[i].link, true ) ? 1u : 0u;
-	}
-	m->rows = lwi_alloc_zero( &m->allocator, rows * row_size, sizeof( float ) );
-	if ( m->rows == NULL )
-	{
-		return false;
-	}
-	m->row_bytes = rows * row_size * sizeof( float );
-	m->bytes += m->row_bytes;
-	float* row = m->rows;
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		if ( is_listed( &m->listed, bodies[i].link, true ) )
-		{
-			fill_self_row( m, &bodies[i], bodies, count, row );
-			bodies[i].self_row = row;
-			row += row_size;
-		}
-	}
-	return true;
 }
 
 // --- links and objects -----------------------------------------------------------------------------------------------

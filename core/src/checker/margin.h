@@ -29,8 +29,6 @@ typedef struct lwi_self_margins
 	double* link; ///< [link_count]
 	lwi_listed_margins listed;
 	double largest; ///< of all pairs, or more
-	float* rows;    ///< rows of bodies in listed pairs; NULL before lwi_self_margins_apply()
-	size_t row_bytes;
 } lwi_self_margins;
 
 /// Between links and objects: each checker's own, because objects are its scene's.
@@ -53,16 +51,12 @@ typedef struct lwi_margins
 	size_t row_bytes;
 } lwi_margins;
 
-struct lwi_checker_body;
-
 /// Copies the margins of self pairs. *out_margins is NULL if all of them are 0.
 /// @return LW_ERROR_INVALID_ARGUMENT (diag names the entry), LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_self_margins_create( const lw_margins* def, const lw_robot* robot, const lw_allocator* allocator, lw_diag* diag,
 	lwi_self_margins** out_margins );
 void lwi_self_margins_destroy( lwi_self_margins* margins );                              ///< NULL is ignored
 bool lwi_self_margins_equal( const lwi_self_margins* x, const lwi_self_margins* y );     ///< either may be NULL
-/// Fills the shares and rows of bodies. @param row_size bodies, padded. @return false without memory
-bool lwi_self_margins_apply( lwi_self_margins* margins, struct lwi_checker_body* bodies, uint32_t count, uint32_t row_size );
 
 /// The margins of a checker with its base, scene and masks. *out_margins is NULL if all of them are 0.
 /// @return as above

@@ -321,12 +321,11 @@ static lw_status build_plan( plan* p, const lwi_checker_base* base, lw_diag* dia
 	p->step_count = 0;
 	plan_subtree( p, 0 );
 	fill_pairs( p, base );
-	if ( !lwi_checker_slices_create( base, t ) || !lwi_self_proxies_create( base, t, &t->proxies ) ||
-		 ( t->proxies == NULL && !lwi_cluster_rows_create( t, &t->rows ) ) )
+	if ( !lwi_checker_slices_create( base, t ) || !lwi_self_proxies_create( base, t, &t->proxies ) )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	t->bytes += t->proxies != NULL ? sizeof( lwi_self_proxies ) : lwi_cluster_rows_bytes( &t->rows );
+	t->bytes += t->proxies.bytes;
 	t->bytes += t->pair_count * sizeof( lwi_cluster_pair ) + t->separation_count * sizeof( float ) +
 				t->step_count * sizeof( lwi_self_step );
 	return LW_OK;

@@ -136,14 +136,6 @@ void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t index
 	query->pose.block_stamp[index] = query->pose.state_stamp;
 }
 
-void lwi_pose_all( const lw_checker* checker, lw_query* query )
-{
-	for ( uint32_t i = 0; i < checker->base->moving_body_count; ++i )
-	{
-		lwi_pose_body( checker, query, checker->base->moving_bodies[i] );
-	}
-}
-
 /// The static part of all states. The query keeps a reference to the checker, so that no other one can appear at the
 /// same address.
 static void pose_static( const lw_checker* checker, lw_query* query )
@@ -214,7 +206,7 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 {
 	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions,
 	// have no limits.
-	return checker->base->tree->proves && query->search.def.hierarchy && query->search.def.pair_tables &&
+	return checker->base->tree->proves && query->search.def.pair_tables &&
 		   within_ranges( checker, qa ) && within_ranges( checker, qb );
 }
 
@@ -241,7 +233,7 @@ static bool begin_state( const lw_checker* checker, lw_query* query, const doubl
 	{
 		return false;
 	}
-	bool holds = tree->proves && query->search.def.hierarchy && within_ranges( checker, q );
+	bool holds = tree->proves && within_ranges( checker, q );
 	query->pose.hulls = holds && query->search.def.motion_hulls;
 	query->pose.tables = holds && query->search.def.pair_tables;
 	query->pose.covered = query->pose.hulls || query->pose.tables;

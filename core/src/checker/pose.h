@@ -31,9 +31,6 @@ void lwi_pose_sphere( const lw_checker* checker, lw_query* query, uint32_t spher
 
 void lwi_pose_blocks( const lw_checker* checker, lw_query* query, uint32_t cluster );
 
-/// All poses, for callers that go through all pairs.
-void lwi_pose_all( const lw_checker* checker, lw_query* query );
-
 /// Makes world_from_link of a cluster's root link valid.
 static inline void lwi_pose_cluster( const lw_checker* checker, lw_query* query, uint32_t cluster )
 {

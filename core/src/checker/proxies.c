@@ -5,6 +5,7 @@
 #include "checker/base.h"
 #include "checker/pose.h"
 #include "checker/clusters.h"
+#include "base/arena.h"
 #include "base/math_inline.h"
 
 static void add_proxy( lwi_self_proxies* u, uint32_t cluster, const lw_sphere* sphere )
@@ -17,14 +18,15 @@ static void add_proxy( lwi_self_proxies* u, uint32_t cluster, const lw_sphere* s
 	u->count++;
 }
 
-/// @param low, high lower and higher proxy
+/// @param low, high lower and higher proxy; all proxies are there
 static void add_pair( lwi_self_proxies* u, uint32_t low, uint32_t high, lwi_proxy_pair pair )
 {
-	u->pairs[low][high] = pair;
-	u->mask[low][high / LWI_WIDTH] |= (uint8_t)( 1u << high % LWI_WIDTH );
+	uint8_t* mask = &u->mask[low * u->stride + high / LWI_WIDTH];
+	*mask = (uint8_t)( *mask | 1u << high % LWI_WIDTH );
 	u->largest_margin = fmax( u->largest_margin, (double)pair.margin );
 	u->separation = u->pair_count == 0 || pair.separation < u->separation ? pair.separation : u->separation;
-	u->pair_count++;
+	u->pair[low * u->count + high] = u->pair_count;
+	u->pairs[u->pair_count++] = pair;
 }
 
 /// One proxy per body, by their places in the tree.
@@ -56,13 +58,24 @@ static void fill_bodies( const lwi_checker_base* base, const lwi_cluster_tree* t
 	}
 }
 
+/// The proxy of a cluster that has bodies: they are in the order of clusters.
+static uint32_t proxy_of( const lwi_self_proxies* u, uint32_t cluster )
+{
+	uint32_t low = 0, high = u->count - 1;
+	while ( low < high )
+	{
+		uint32_t middle = ( low + high ) / 2;
+		low = u->cluster[middle] < cluster ? middle + 1 : low;
+		high = u->cluster[middle] < cluster ? high : middle;
+	}
+	return low;
+}
+
 /// One proxy per cluster that has bodies.
 static void fill_clusters( const lwi_checker_base* base, const lwi_cluster_tree* t, lwi_self_proxies* u )
 {
-	uint32_t of_cluster[LWI_MOST_PROXIES];
 	for ( uint32_t i = 0; i < t->cluster_count; ++i )
 	{
-		of_cluster[i] = u->count;
 		if ( t->clusters[i].body_count > 0 )
 		{
 			add_proxy( u, i, &t->clusters[i].r );
@@ -76,63 +89,64 @@ static void fill_clusters( const lwi_checker_base* base, const lwi_cluster_tree*
 			.candidate = lwi_cluster_pair_candidate( base, t, i ),
 			.ancestor = pair->ancestor,
 			.slice = lwi_cluster_pair_slice( t, pair ) };
-		add_pair( u, of_cluster[pair->cluster_a], of_cluster[pair->cluster_b], two );
+		add_pair( u, proxy_of( u, pair->cluster_a ), proxy_of( u, pair->cluster_b ), two );
 	}
 }
 
-bool lwi_self_proxies_create( const lwi_checker_base* base, const lwi_cluster_tree* t, lwi_self_proxies** out_proxies )
+/// Places the arrays of so many proxies and pairs behind each other. Returns their size.
+static size_t lay_out( lwi_self_proxies* u, uint32_t count, void* block )
 {
-	*out_proxies = NULL;
-	if ( t->pair_count == 0 || t->cluster_count > LWI_MOST_PROXIES )
+	lwi_arena arena = lwi_arena_begin( block, 0 );
+	u->cluster = lwi_arena_take( &arena, count, sizeof( uint32_t ) );
+	u->sphere = lwi_arena_take( &arena, count, sizeof( lw_sphere ) );
+	u->mask = lwi_arena_take( &arena, (size_t)count * u->stride, 1 );
+	u->pairs = lwi_arena_take( &arena, u->pair_capacity, sizeof( lwi_proxy_pair ) );
+	u->pair = lwi_arena_take( &arena, (size_t)count * count, sizeof( uint32_t ) );
+	return arena.used;
+}
+
+static uint32_t clusters_with_bodies( const lwi_cluster_tree* t )
+{
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < t->cluster_count; ++i )
+	{
+		count += t->clusters[i].body_count > 0 ? 1u : 0u;
+	}
+	return count;
+}
+
+bool lwi_self_proxies_create( const lwi_checker_base* base, const lwi_cluster_tree* t, lwi_self_proxies* u )
+{
+	*u = (lwi_self_proxies){ 0 };
+	u->few = t->cluster_count <= LWI_FEW_PROXIES;
+	const bool of_bodies = u->few && t->body_count <= LWI_FEW_PROXIES;
+	const uint32_t count = of_bodies ? t->body_count : clusters_with_bodies( t );
+	if ( t->pair_count == 0 || count > LWI_MOST_PROXIES )
 	{
 		return true;
 	}
-	lwi_self_proxies* u = lwi_alloc_zero( &t->allocator, 1, sizeof( lwi_self_proxies ) );
-	if ( u != NULL && t->body_count <= LWI_MOST_PROXIES )
+	u->stride = ( count + LWI_WIDTH - 1 ) / LWI_WIDTH;
+	u->pair_capacity = of_bodies ? base->self.pair_count : t->pair_count;
+	u->bytes = lay_out( u, count, NULL );
+	void* block = lwi_alloc_zero( &t->allocator, 1, u->bytes );
+	if ( block == NULL )
+	{
+		u->bytes = 0;
+		return false;
+	}
+	lay_out( u, count, block );
+	if ( of_bodies )
 	{
 		fill_bodies( base, t, u );
 	}
-	else if ( u != NULL )
+	else
 	{
 		fill_clusters( base, t, u );
-	}
-	*out_proxies = u;
-	return u != NULL;
-}
-
-bool lwi_cluster_rows_create( const lwi_cluster_tree* t, lwi_cluster_rows* out )
-{
-	*out = (lwi_cluster_rows){ 0 };
-	if ( t->pair_count == 0 || t->cluster_count > LWI_MOST_ROWS )
-	{
-		return true;
-	}
-	out->count = t->cluster_count;
-	out->stride = ( t->cluster_count + LWI_WIDTH - 1 ) / LWI_WIDTH;
-	out->mask = lwi_alloc_zero( &t->allocator, (size_t)out->count * out->stride, sizeof( uint8_t ) );
-	out->pair = lwi_alloc_zero( &t->allocator, (size_t)out->count * out->count, sizeof( uint32_t ) );
-	if ( out->mask == NULL || out->pair == NULL )
-	{
-		return false;
-	}
-	for ( uint32_t i = 0; i < t->pair_count; ++i )
-	{
-		const lwi_cluster_pair* pair = &t->pairs[i];
-		const uint32_t low = pair->cluster_a < pair->cluster_b ? pair->cluster_a : pair->cluster_b, high = pair->cluster_a + pair->cluster_b - low;
-		out->mask[low * out->stride + high / LWI_WIDTH] |= (uint8_t)( 1u << high % LWI_WIDTH );
-		out->pair[low * out->count + high] = i;
-		out->largest_margin = pair->margin > out->largest_margin ? pair->margin : out->largest_margin;
 	}
 	return true;
 }
 
-void lwi_cluster_rows_destroy( const lwi_cluster_tree* t, lwi_cluster_rows* rows )
+void lwi_self_proxies_destroy( const lwi_cluster_tree* t, lwi_self_proxies* u )
 {
-	lwi_free( &t->allocator, rows->mask, (size_t)rows->count * rows->stride );
-	lwi_free( &t->allocator, rows->pair, (size_t)rows->count * rows->count * sizeof( uint32_t ) );
-}
-
-size_t lwi_cluster_rows_bytes( const lwi_cluster_rows* rows )
-{
-	return rows->count * ( rows->stride + rows->count * sizeof( uint32_t ) );
+	lwi_free( &t->allocator, u->cluster, u->bytes ); // the first array begins the block
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The self query of a robot of few parts: all spheres against all at once, instead of step by step.
+// Proxies of self queries: spheres of bodies or clusters, all against all at once instead of step by step.
 #ifndef LEEWAY_CHECKER_PROXIES_H
 #define LEEWAY_CHECKER_PROXIES_H
 
@@ -13,8 +13,10 @@ struct lwi_cluster_tree;
 
 enum
 {
-	LWI_MOST_PROXIES = 24, ///< robots of more use steps: the number of pairs grows, and so does the share that steps rule out
-	LWI_PROXY_BLOCKS = LWI_MOST_PROXIES / LWI_WIDTH
+	LWI_FEW_PROXIES =
+		24, ///< robots of more use steps in states that a reach covers: steps rule out a growing share of pairs
+	LWI_MOST_PROXIES = 256, ///< pairs of the kernel are two bytes
+	LWI_PROXY_BLOCKS = LWI_FEW_PROXIES / LWI_WIDTH
 };
 
 /// Two proxies with something to check between them.
@@ -27,42 +29,38 @@ typedef struct lwi_proxy_pair
 	uint32_t slice;     ///< of a pair of bodies: index into the tree's slices, or LW_INVALID_INDEX
 } lwi_proxy_pair;
 
-/// The bodies, or for robots with too many of them the clusters.
+/// The bodies of a robot of at most LWI_FEW_PROXIES, else its clusters that have bodies.
 typedef struct lwi_self_proxies
 {
-	uint32_t count, pair_count;
-	uint32_t cluster[LWI_MOST_PROXIES];
-	lw_sphere sphere[LWI_MOST_PROXIES]; ///< frame of the cluster's `root_link`; includes the rounding of its centre
-	uint8_t mask[LWI_MOST_PROXIES][LWI_PROXY_BLOCKS]; ///< of proxy u: bit = this later proxy is to be checked against u
+	uint32_t count, stride; ///< proxies, and blocks of LWI_WIDTH of them; count = 0: nothing to check, or too many
+	uint32_t* cluster;      ///< [count]
+	lw_sphere* sphere;      ///< [count] frame of the cluster's `root_link`; includes the rounding of its centre
+	uint8_t* mask;          ///< [count][stride] bit = this later proxy is to be checked against the row's
+	uint32_t pair_count, pair_capacity;
+	lwi_proxy_pair* pairs; ///< [pair_count]
+	uint32_t* pair;        ///< [count][count] index into `pairs` of a proxy and a later one
 	double largest_margin, largest_radius;
-	float separation;                                         ///< least of all pairs
-	lwi_proxy_pair pairs[LWI_MOST_PROXIES][LWI_MOST_PROXIES]; ///< [u][v], u < v
+	float separation; ///< least of all pairs
+	bool few;         ///< the robot has at most LWI_FEW_PROXIES clusters: all spheres are tested at once in every state
+	size_t bytes;     ///< of the arrays
 } lwi_self_proxies;
 
-enum
+/// The pair of two proxies to be checked; low < high.
+static inline const lwi_proxy_pair* lwi_proxy_pair_of( const lwi_self_proxies* proxies, uint32_t low, uint32_t high )
 {
-	LWI_MOST_ROWS = 256 ///< pairs of the kernel are two bytes
-};
+	return &proxies->pairs[proxies->pair[low * proxies->count + high]];
+}
 
-/// Pairs of clusters to be checked, for robots of more clusters: tested eight at a time where nothing is proved of a state.
-typedef struct lwi_cluster_rows
+/// True for robots with few proxies, and pairs of them to check.
+static inline bool lwi_has_few_proxies( const lwi_self_proxies* proxies )
 {
-	uint32_t count, stride; ///< clusters, and blocks of them; count = 0: none, or too many
-	uint8_t* mask;          ///< [count][stride] bit = this later cluster is to be checked against the row's
-	uint32_t* pair;         ///< [count][count] index of the pair of a cluster and a later one
-	float largest_margin;
-} lwi_cluster_rows;
+	return proxies->few && proxies->count > 0;
+}
 
-/// For a tree with its pairs.
-/// @return false without memory
-bool lwi_cluster_rows_create( const struct lwi_cluster_tree* tree, lwi_cluster_rows* out_rows );
-void lwi_cluster_rows_destroy( const struct lwi_cluster_tree* tree, lwi_cluster_rows* rows );
-size_t lwi_cluster_rows_bytes( const lwi_cluster_rows* rows );
-
-/// For a tree with its pairs. *out_proxies is NULL if the robot has too many clusters, or nothing to check.
-/// @return false without memory
-bool lwi_self_proxies_create(
-	const struct lwi_checker_base* base, const struct lwi_cluster_tree* tree, lwi_self_proxies** out_proxies );
+/// For a tree with its pairs. @return false without memory
+bool lwi_self_proxies_create( const struct lwi_checker_base* base, const struct lwi_cluster_tree* tree,
+	lwi_self_proxies* out_proxies );
+void lwi_self_proxies_destroy( const struct lwi_cluster_tree* tree, lwi_self_proxies* proxies );
 
 LW_EXTERN_C_END
 

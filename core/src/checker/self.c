@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot against itself: by clusters, along the steps of the paper where motion hulls and tables are known; or all pairs
-// at once.
+// The robot against itself: all pairs of proxies at once, or along the steps of the paper where a reach proves something of
+// the state and the robot has many clusters.
 //
 // Paper: Steinbach et al. 2006, section IV. A step is passed over, with all pairs below it, if their proved separation or
 // the gap of two spheres reaches the running bound; both are lower bounds, so the answer is that of all pairs. The remaining
@@ -21,99 +21,6 @@ static void search_self_pair( const lw_checker* checker, lw_query* query, uint32
 	lw_transform relative = lwi_relative( &query->pose.world_from_body[body_a], &query->pose.world_from_body[body_b] );
 	bound->margin = lwi_self_margin( checker->base, body_a, body_b );
 	search( &query->search, checker->base->bodies[body_a].shape, checker->base->bodies[body_b].shape, &relative, bound );
-}
-
-// --- all pairs -------------------------------------------------------------------------------------------------------
-
-/// Bounding spheres of all bodies, enlarged by their shares of margins, in float about the first one. Returns the slack of
-/// gaps between them.
-static double body_spheres( const lw_checker* checker, lw_query* query )
-{
-	uint32_t bodies = lw_robot_body_count( checker->base->robot );
-	double reach = 0, largest = 0;
-	memcpy( query->pose.origin, query->pose.body_center, sizeof( query->pose.origin ) );
-	for ( uint32_t i = 0; i < checker->base->body_block_count * LWI_WIDTH; ++i )
-	{
-		float* block = query->pose.body_spheres + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
-		for ( int axis = 0; axis < 3; ++axis )
-		{
-			double relative = i < bodies ? query->pose.body_center[3 * (size_t)i + (size_t)axis] - query->pose.origin[axis]
-				: 0;
-			block[axis * LWI_WIDTH] = (float)relative;
-			reach = fmax( reach, fabs( relative ) );
-		}
-		double radius =
-			i < bodies ? checker->base->bodies[i].shape->sphere_radius + checker->base->bodies[i].self_margin : 0;
-		block[3 * LWI_WIDTH] = i < bodies ? lwi_round_up( radius ) : -INFINITY;
-		largest = fmax( largest, radius );
-	}
-	return lwi_gap_slack( 2 * ( reach + largest ) );
-}
-
-static double self_gaps( const lw_checker* checker, lw_query* query, uint32_t* nearest )
-{
-	double slack = body_spheres( checker, query );
-	uint32_t bodies = lw_robot_body_count( checker->base->robot );
-	uint32_t blocks = checker->base->body_block_count, stride = blocks * LWI_WIDTH;
-	float least = INFINITY;
-	*nearest = 0;
-	for ( uint32_t a = 0; a < bodies; ++a )
-	{
-		const uint8_t* mask = checker->base->self.mask + (size_t)a * blocks;
-		float* gaps = query->scratch.gaps + (size_t)a * stride;
-		const float* mine = query->pose.body_spheres + 4 * (size_t)( a / LWI_WIDTH ) * LWI_WIDTH + a % LWI_WIDTH;
-		const float sphere[4] = { mine[0], mine[LWI_WIDTH], mine[2 * LWI_WIDTH], mine[3 * LWI_WIDTH] };
-		for ( uint32_t block = 0; block < blocks; ++block )
-		{
-			float* row = gaps + block * LWI_WIDTH;
-			if ( mask[block] != 0 )
-			{
-				query->search.kernels->sphere_gap( query->pose.body_spheres + 4 * (size_t)block * LWI_WIDTH, sphere,
-					INFINITY, row );
-				const float* listed = checker->base->bodies[a].self_row;
-				lwi_subtract_margins( row, listed != NULL ? listed + block * LWI_WIDTH : NULL, LWI_WIDTH );
-			}
-			for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
-			{
-				if ( ( ( mask[block] >> lane ) & 1 ) == 0 )
-				{
-					row[lane] = INFINITY;
-				}
-				else if ( !( row[lane] >= least ) )
-				{
-					row[lane] = row[lane] == row[lane] ? row[lane] : -INFINITY; // overflowed: searched first
-					least = row[lane];
-					*nearest = a * stride + block * LWI_WIDTH + lane;
-				}
-			}
-		}
-	}
-	return slack;
-}
-
-static void search_self( const lw_checker* checker, lw_query* query, lwi_bound* bound )
-{
-	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
-	uint32_t nearest;
-	double slack = self_gaps( checker, query, &nearest );
-	if ( !( query->scratch.gaps[nearest] < lwi_round_up( bound->cutoff + slack ) ) )
-	{
-		return;
-	}
-	bound->current_pair = nearest;
-	search_self_pair( checker, query, nearest / stride, nearest % stride, bound, lwi_search );
-	uint32_t entries = lw_robot_body_count( checker->base->robot ) * stride;
-	uint32_t count = bound->done ? 0 : lwi_collect( query, entries, lwi_round_up( bound->cutoff + slack ), nearest );
-	while ( count > 0 && !bound->done )
-	{
-		lwi_candidate next = lwi_heap_pop( query->scratch.candidates, &count );
-		if ( next.gap >= lwi_round_up( bound->cutoff + slack ) )
-		{
-			break;
-		}
-		bound->current_pair = next.pair;
-		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound, lwi_search );
-	}
 }
 
 // --- by clusters -----------------------------------------------------------------------------------------------------
@@ -178,25 +85,6 @@ static lwi_candidate cluster_pair( const lw_checker* checker, uint32_t index, fl
 	return (lwi_candidate){ key, lwi_cluster_pair_candidate( checker->base, checker->base->tree, index ) };
 }
 
-/// All pairs of clusters by their R, one by one: without a bound nothing is ruled out.
-static uint32_t list_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
-{
-	const lwi_cluster_tree* tree = checker->base->tree;
-	uint32_t count = 0;
-	for ( uint32_t i = 0; i < tree->pair_count; ++i )
-	{
-		const lwi_cluster_pair* pair = &tree->pairs[i];
-		const double* a = lwi_sphere( checker, query, 2 * pair->cluster_a );
-		double gap = gap_below( a, lwi_sphere( checker, query, 2 * pair->cluster_b ), pair->margin, bound->cutoff );
-		if ( gap < INFINITY )
-		{
-			query->scratch.candidates[count++] = cluster_pair( checker, i, below( gap ) );
-		}
-	}
-	query->search.stats.robot_tests += tree->pair_count;
-	return count;
-}
-
 /// Walks the steps: pairs that no test rules out become candidates.
 static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
@@ -238,7 +126,7 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 static double proxy_spheres( const lw_checker* checker, lw_query* query, float* blocks )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
-	const lwi_self_proxies* proxies = tree->proxies;
+	const lwi_self_proxies* proxies = &tree->proxies;
 	const double* origin = query->pose.world_from_link[tree->clusters[0].root_link].t;
 	double reach = 0;
 	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
@@ -278,24 +166,34 @@ static double gap_of_lanes( const float* blocks, uint32_t a, uint32_t b )
 	return sqrt( square ) - (double)p[3 * LWI_WIDTH] - (double)q[3 * LWI_WIDTH];
 }
 
-/// Robots of few parts: all pairs of proxies by their spheres, eight at a time.
+/// Metres beyond which floats tell spheres apart no more.
+#define LARGEST_SLACK 0x1p40
+
+/// All pairs of proxies by their spheres, eight at a time: pairs that no test rules out become candidates.
 static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_self_proxies* proxies = checker->base->tree->proxies;
+	const lwi_self_proxies* proxies = &checker->base->tree->proxies;
 	if ( query->pose.tables && proxies->separation >= bound->cutoff )
 	{
 		query->search.stats.robot_tests++;
 		return 0; // nothing needs to be posed
 	}
-	float blocks[LWI_PROXY_BLOCKS * 4 * LWI_WIDTH] = { 0 };
-	uint16_t near[LWI_MOST_PROXIES * LWI_MOST_PROXIES / 2];
+	float blocks[4 * LWI_MOST_PROXIES];
+	memset( blocks, 0, sizeof( float[4][LWI_WIDTH] ) * proxies->stride );
 	double slack = proxy_spheres( checker, query, blocks );
+	if ( !( slack < LARGEST_SLACK ) )
+	{
+		return walk_steps( checker, query, bound );
+	}
+	uint16_t* near = (uint16_t*)(void*)query->scratch.gaps; // gaps has a float at least per pair of bodies
 	float limit = above( bound->cutoff + proxies->largest_margin + slack );
-	uint32_t found = query->search.kernels->sphere_pairs( blocks, proxies->count, proxies->mask[0], LWI_PROXY_BLOCKS, limit, near ), count = 0;
+	uint32_t found =
+		query->search.kernels->sphere_pairs( blocks, proxies->count, proxies->mask, proxies->stride, limit, near );
+	uint32_t count = 0;
 	for ( uint32_t i = 0; i < found; ++i )
 	{
 		uint32_t low = near[i] / 256, high = near[i] % 256;
-		const lwi_proxy_pair* pair = &proxies->pairs[low][high];
+		const lwi_proxy_pair* pair = lwi_proxy_pair_of( proxies, low, high );
 		float separation = query->pose.tables ? pair->separation : 0 - pair->margin;
 		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)pair->margin;
 		if ( separation >= bound->cutoff || gap >= bound->cutoff )
@@ -305,72 +203,11 @@ static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, con
 		separation = separation_now( checker, query, separation, pair->margin, pair->slice );
 		if ( separation < bound->cutoff )
 		{
-			query->scratch.candidates[count++] = (lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ),
-				pair->candidate };
+			query->scratch.candidates[count++] =
+				(lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
 		}
 	}
 	query->search.stats.robot_tests += proxies->pair_count;
-	return count;
-}
-
-/// The R of all clusters in blocks of [4][LWI_WIDTH], about the robot's root. Returns the slack of gaps between them.
-static double cluster_spheres( const lw_checker* checker, lw_query* query, float* blocks )
-{
-	const lwi_cluster_tree* tree = checker->base->tree;
-	const double* origin = query->pose.world_from_link[tree->clusters[0].root_link].t;
-	double reach = 0, largest = 0;
-	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
-	{
-		if ( tree->clusters[i].body_count == 0 )
-		{
-			continue;
-		}
-		const double* sphere = lwi_sphere( checker, query, 2 * i );
-		float* lane = blocks + 4 * (size_t)( i / LWI_WIDTH ) * LWI_WIDTH + i % LWI_WIDTH;
-		for ( int axis = 0; axis < 3; ++axis )
-		{
-			double relative = sphere[axis] - origin[axis];
-			lane[axis * LWI_WIDTH] = (float)relative;
-			reach = fabs( relative ) > reach ? fabs( relative ) : reach;
-		}
-		lane[3 * LWI_WIDTH] = above( sphere[3] );
-		largest = sphere[3] > largest ? sphere[3] : largest;
-	}
-	return lwi_gap_slack( 2 * ( reach + largest ) );
-}
-
-/// Metres beyond which spheres are compared in double.
-#define LARGEST_SLACK 0x1p40
-
-/// All pairs of clusters by their R, where nothing is proved of this state: pairs that the spheres do not rule out become
-/// candidates.
-static uint32_t walk_pairs( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
-{
-	const lwi_cluster_tree* tree = checker->base->tree;
-	const lwi_cluster_rows* rows = &tree->rows;
-	float blocks[4 * LWI_MOST_ROWS] = { 0 };
-	double slack = INFINITY;
-	if ( rows->count > 0 && bound->cutoff < INFINITY )
-	{
-		slack = cluster_spheres( checker, query, blocks );
-	}
-	if ( !( slack < LARGEST_SLACK ) )
-	{
-		return list_pairs( checker, query, bound );
-	}
-	uint16_t* near = (uint16_t*)(void*)query->scratch.gaps; // gaps has two floats at least per pair of clusters
-	float limit = above( bound->cutoff + (double)rows->largest_margin + slack );
-	uint32_t found = query->search.kernels->sphere_pairs( blocks, rows->count, rows->mask, rows->stride, limit, near ), count = 0;
-	for ( uint32_t i = 0; i < found; ++i )
-	{
-		uint32_t low = near[i] / 256, high = near[i] % 256, index = rows->pair[low * rows->count + high];
-		double gap = gap_of_lanes( blocks, low, high ) - slack - (double)tree->pairs[index].margin;
-		if ( gap < bound->cutoff )
-		{
-			query->scratch.candidates[count++] = cluster_pair( checker, index, below( gap ) );
-		}
-	}
-	query->search.stats.robot_tests += tree->pair_count;
 	return count;
 }
 
@@ -622,12 +459,12 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	measure_known( checker, query, bound );
-	bool at_once =
-		checker->base->tree->proxies != NULL && bound->cutoff < INFINITY; // without a bound nothing would be ruled out
-	uint32_t count = bound->done      ? 0
-					 : at_once        ? compare_proxies( checker, query, bound )
-					 : query->pose.covered ? walk_steps( checker, query, bound )
-									  : walk_pairs( checker, query, bound );
+	const lwi_self_proxies* proxies = &checker->base->tree->proxies;
+	// Without a bound nothing would be ruled out. Steps need a proof of the state, unless there are too many proxies.
+	bool at_once = bound->cutoff < INFINITY && proxies->count > 0 && ( proxies->few || !query->pose.covered );
+	uint32_t count = bound->done ? 0
+					 : at_once   ? compare_proxies( checker, query, bound )
+								 : walk_steps( checker, query, bound );
 	lwi_heap_build( query->scratch.candidates, count );
 	search_candidates( checker, query, count, bound );
 	lwi_search_waiting( &query->search, bound );
@@ -679,14 +516,9 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
 	lwi_cached_pair* cached = &query->cache.nearest_self;
 	measure_cached_pair( checker, query, cached, &bound );
-	if ( !bound.done && query->search.def.hierarchy )
+	if ( !bound.done )
 	{
 		search_tree( checker, query, &bound );
-	}
-	else if ( !bound.done )
-	{
-		lwi_pose_all( checker, query );
-		search_self( checker, query, &bound );
 	}
 	self_result( checker, query, &bound, bound.pair / stride, bound.pair % stride, out );
 	if ( out->upper < INFINITY )

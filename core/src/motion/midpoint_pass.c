@@ -318,9 +318,9 @@ static double make_proxies( midpoint_pass* s, moving_proxy* all, float* blocks )
 	const lw_vec3 origin = lwi_load( e->query->pose.world_from_link[tree->clusters[0].root_link].t );
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	double size = 0;
-	for ( uint32_t i = 0; i < tree->proxies->count; ++i )
+	for ( uint32_t i = 0; i < tree->proxies.count; ++i )
 	{
-		all[i] = make_proxy( s, tree->proxies->cluster[i], &tree->proxies->sphere[i] );
+		all[i] = make_proxy( s, tree->proxies.cluster[i], &tree->proxies.sphere[i] );
 		const lw_vec3 center = lwi_sub( all[i].center, origin ), displacement = all[i].displacement;
 		const double radius = all[i].radius +
 							  lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].velocity, root ), s->window.half );
@@ -341,23 +341,23 @@ static bool test_proxies( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lwi_cluster_tree* tree = e->checker->base->tree;
-	const lwi_self_proxies* proxies = tree->proxies;
+	const lwi_self_proxies* proxies = &tree->proxies;
 	if ( s->covered && lwi_edge_is_apart( e, proxies->separation ) )
 	{
 		return true;
 	}
 	lwi_edge_note_proof( e ); // for the bodies that are not near
 	float blocks[LWI_PROXY_BLOCKS * LWI_MOVING_ROWS * LWI_WIDTH] = { 0 };
-	moving_proxy all[LWI_MOST_PROXIES];
-	uint16_t near[LWI_MOST_PROXIES * LWI_MOST_PROXIES / 2];
+	moving_proxy all[LWI_FEW_PROXIES];
+	uint16_t near[LWI_FEW_PROXIES * LWI_FEW_PROXIES / 2];
 	const double slack = make_proxies( s, all, blocks );
 	const double reach = e->enough[1] + 4 * e->rounding[1] + proxies->largest_margin + slack;
-	const uint32_t count = e->query->search.kernels->moving_pairs( blocks, proxies->count, proxies->mask[0], LWI_PROXY_BLOCKS,
+	const uint32_t count = e->query->search.kernels->moving_pairs( blocks, proxies->count, proxies->mask, proxies->stride,
 		lwi_round_up( reach * ( 1 + 0x1p-21 ) ), near );
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const uint32_t a = near[i] / 256, b = near[i] % 256;
-		const lwi_proxy_pair* pair = &proxies->pairs[a][b];
+		const lwi_proxy_pair* pair = lwi_proxy_pair_of( proxies, a, b );
 		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation ) ) || !proxies_meet( s, &all[a], &all[b], pair->ancestor, (double)pair->margin ) )
 		{
 			continue;
@@ -402,7 +402,7 @@ static bool test_self( midpoint_pass* s )
 	}
 	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
 	s->moves = c->base->tree->can_batch && lwi_edge_rotates_little( e, s->window );
-	if ( c->base->tree->proxies != NULL && s->moves )
+	if ( lwi_has_few_proxies( &c->base->tree->proxies ) && s->moves )
 	{
 		return test_proxies( s );
 	}

@@ -19,7 +19,6 @@ lw_query_def lw_query_def_default( void )
 	def.simd = LW_SIMD_BEST;
 	def.transform_caching = true;
 	def.warm_start = true;
-	def.hierarchy = true;
 	def.motion_hulls = true;
 	def.pair_tables = true;
 	def.planes = true;
@@ -48,7 +47,6 @@ static size_t lay_out( lw_query* q, void* block )
 		sizeof( float[4] ) );
 	q->pose.world_from_body = lwi_arena_take( &arena, q->capacity.bodies, sizeof( lw_transform ) );
 	q->pose.body_center = lwi_arena_take( &arena, q->capacity.bodies, sizeof( double[3] ) );
-	q->pose.body_spheres = lwi_arena_take( &arena, 4 * (size_t)lwi_padded( q->capacity.bodies ), sizeof( float ) );
 	q->scratch.gaps = lwi_arena_take( &arena, q->capacity.gaps, sizeof( float ) );
 	q->scratch.row = lwi_arena_take( &arena, lwi_padded( q->capacity.shapes ), sizeof( float ) );
 	q->scratch.candidates = lwi_arena_take( &arena, q->capacity.gaps, sizeof( lwi_candidate ) );

@@ -54,8 +54,6 @@ typedef struct lwi_state_pose
 	uint64_t* body_stamp;          ///< [bodies]
 	lw_transform* world_from_body; ///< [bodies]
 	double* body_center;           ///< [bodies][3] bounding spheres, world
-	float* body_spheres;           ///< blocks of [4][8] relative to `origin`, padded with r = -INFINITY
-	double origin[3];
 } lwi_state_pose;
 
 /// What earlier calls leave to later ones: only speed depends on it. Written by the searches that read it
