@@ -28,9 +28,10 @@ enum
 /// Metres. Where paths between exact poses bend more than this, hardly any body is found to stay away.
 #define MAX_BEND 0.02
 
-/// Metres. A body that is displaced less and has no plane is measured at once: so little clearance is lost by motion that
-/// the distance decides, whatever keeps the hulls together.
+/// Metres, and triangles of both. Where no plane is found between dense meshes and the displacement is less, the distance is
+/// measured at once: so little clearance is lost by motion that it decides, whatever keeps the hulls together.
 #define SMALL_DISPLACEMENT 0.06
+#define DENSE 128u
 
 /// A pair during a window: two bodies, or a body and the obstacles one after the other.
 typedef struct plane_test
@@ -40,6 +41,7 @@ typedef struct plane_test
 	lwi_edge_window window;
 	const lwi_edge_linear_motion* linear; ///< of both bodies; NULL if one has none
 	double enough; ///< clearance that proves the pair, without margins
+	uint32_t listed; ///< see lwi_edge_plane_test()
 	bool close;    ///< the pair is within the edge's slack: every test of planes is worth its time
 	double bulge;  ///< metres: deviation of both paths from the lines between the poses
 
@@ -281,7 +283,8 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 		{
 			return LWI_EDGE_PROVED;
 		}
-		if ( !s->close && s->displacement < SMALL_DISPLACEMENT )
+		const bool dense = s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
+		if ( dense && s->displacement < SMALL_DISPLACEMENT && !s->close )
 		{
 			return LWI_EDGE_MEASURE;
 		}
@@ -353,8 +356,12 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
 	const lwi_edge_pair* pair = s.pair;
-	const double reach = s.enough + center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
-	const uint32_t count = lwi_checker_near_obstacles( c, e->query, pair->body_a, reach );
+	uint32_t count = s.listed;
+	if ( count == 0 )
+	{
+		const double reach = s.enough + center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
+		count = lwi_checker_near_obstacles( c, e->query, pair->body_a, reach );
+	}
 	if ( count == 0 )
 	{
 		return LWI_EDGE_PROVED;
@@ -394,7 +401,8 @@ static bool is_number( lw_vec3 v )
 	return v.x == v.x;
 }
 
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, uint8_t* skip )
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window,
+	uint32_t listed, uint8_t* skip )
 {
 	*skip = 0;
 	if ( !( window.half > 0 ) )
@@ -412,7 +420,7 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 						 : linear[1];
 		is_linear = is_number( linear[0].twist.angular ) && is_number( linear[1].twist.angular );
 	}
-	plane_test s = { .edge = e, .pair = pair, .window = window, .displacement = INFINITY };
+	plane_test s = { .edge = e, .pair = pair, .window = window, .listed = listed, .displacement = INFINITY };
 	s.close = lwi_edge_is_close( e, pair );
 	s.enough = lwi_edge_enough( e, pair );
 	s.linear = is_linear ? linear : NULL;
