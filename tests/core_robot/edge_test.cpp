@@ -153,6 +153,52 @@ TEST( Edge, ThinObstacleBetweenSamplesIsFound )
 	}
 }
 
+/// 200 triangles in a square about the origin. @param along the coordinate axes of its sides
+static lw_shape* grid( double size, int along_a, int along_b )
+{
+	constexpr std::uint32_t cells = 10;
+	std::vector<double> vertices;
+	std::vector<std::uint32_t> indices;
+	for ( std::uint32_t i = 0; i <= cells; ++i )
+	{
+		for ( std::uint32_t k = 0; k <= cells; ++k )
+		{
+			double v[3] = { 0, 0, 0 };
+			v[along_a] = size * ( static_cast<double>( i ) / cells - 0.5 );
+			v[along_b] = size * ( static_cast<double>( k ) / cells - 0.5 );
+			vertices.insert( vertices.end(), v, v + 3 );
+			const std::uint32_t at = i * ( cells + 1 ) + k;
+			if ( i < cells && k < cells )
+			{
+				indices.insert( indices.end(), { at, at + 1, at + cells + 1, at + 1, at + cells + 1, at + cells + 2 } );
+			}
+		}
+	}
+	return meshOf( vertices, indices );
+}
+
+// Dense meshes that move a few centimetres have a rule of their own: a distance instead of a search for a plane. A small one
+// passes through a large one, in contact neither at the middle nor at either end.
+TEST( Edge, DenseMeshThatIsPassedThroughIsFound )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 50; ++i )
+	{
+		World world;
+		slider( world, 1 );
+		const double x = ( i % 2 == 0 ? 1 : -1 ) * rng.uniform( 0.005, 0.04 ), half = rng.uniform( 0.045, 0.055 );
+		world.object( grid( 0.03, 1, 2 ), at( x, 0, 0 ) );
+		world.objects.erase( world.objects.begin() );
+		world.model.bodies.clear();
+		world.model.body( 1, grid( 0.004, 0, 2 ), lw_transform_identity() );
+		world.open();
+		lw_edge_def def = lw_edge_def_default();
+		def.slack = 1e-4;
+		const lw_edge_result r = world.edge( { -half }, { half }, def );
+		EXPECT_NE( r.verdict, LW_VERDICT_FREE ) << "mesh at " << x << ", half of the motion " << half;
+	}
+}
+
 // A turn that two slides all but undo in one half of the edge: a proof of that half says nothing of the other one. A small
 // ball in the way anywhere must be found, on the way there and back.
 TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
