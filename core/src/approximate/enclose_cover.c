@@ -258,31 +258,16 @@ typedef struct cover
 	lwi_array found;  ///< scratch
 } cover;
 
-static bool less( const gain* a, const gain* b )
+/// The larger gain first.
+static inline bool before( gain a, gain b )
 {
-	return a->value != b->value ? a->value < b->value : a->site > b->site;
+	return a.value != b.value ? a.value > b.value : a.site < b.site;
 }
 
-static void sift_down( gain* heap, size_t count, size_t at )
-{
-	for ( ;; )
-	{
-		size_t child = 2 * at + 1;
-		if ( child >= count )
-		{
-			return;
-		}
-		child += child + 1 < count && less( &heap[child], &heap[child + 1] ) ? 1 : 0;
-		if ( !less( &heap[at], &heap[child] ) )
-		{
-			return;
-		}
-		gain swap = heap[at];
-		heap[at] = heap[child];
-		heap[child] = swap;
-		at = child;
-	}
-}
+#define item gain
+#define NAME( x ) gains_##x
+#define BEFORE( a, b ) before( a, b )
+#include "base/heap_impl.h"
 
 static const uint32_t* pieces_of( const cover* c, uint32_t candidate, size_t* count )
 {
@@ -325,10 +310,7 @@ static bool make_heap( cover* c, const uint32_t* candidates, size_t count )
 			c->heap[c->heap_count++] = g;
 		}
 	}
-	for ( size_t i = c->heap_count / 2; ok && i-- > 0; )
-	{
-		sift_down( c->heap, c->heap_count, i );
-	}
+	gains_build( c->heap, ok ? c->heap_count : 0 );
 	return ok;
 }
 
@@ -362,7 +344,7 @@ static bool choose( cover* c )
 		{
 			c->heap[0] = c->heap[--c->heap_count];
 		}
-		sift_down( c->heap, c->heap_count, 0 );
+		gains_sift_down( c->heap, 0, c->heap_count );
 	}
 	return true;
 }

@@ -12,18 +12,8 @@
 // with twice the digits.
 #include "distance/convex_internal.h"
 #include "base/double_double.h"
+#include "distance/simplex.h"
 #include "distance/tri_tri.h"
-
-#define real double
-#define NAME( x ) x##_d
-#define FROM( x ) ( x )
-#define ADD( a, b ) ( ( a ) + ( b ) )
-#define SUB( a, b ) ( ( a ) - ( b ) )
-#define MUL( a, b ) ( ( a ) * ( b ) )
-#define DIV( a, b ) ( ( a ) / ( b ) )
-#define SIGN( a ) ( a )
-#define ALL_FACES 0
-#include "distance/convex_simplex_impl.h"
 
 enum
 {
@@ -225,7 +215,7 @@ static bool gjk( const lwi_pair* pair, double width, double stop_above, double s
 		++bounds->iterations;
 		w[simplex->count++] = next;
 		nearest_d nearest;
-		bool inside = nearest_to_origin_d( w, simplex->count, &nearest );
+		bool inside = nearest_to_origin_d( w, simplex->count, false, &nearest );
 		reduce( simplex, w, &nearest );
 		double before = bounds->upper;
 		offer_witness( pair, simplex, bounds );

@@ -19,7 +19,6 @@
 #define MUL( a, b ) lwi_dd_mul( a, b )
 #define DIV( a, b ) lwi_dd_div( a, b )
 #define SIGN( a ) ( ( a ).hi )
-#define ALL_FACES 1
 #include "distance/convex_simplex_impl.h"
 
 enum
@@ -82,7 +81,7 @@ static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, con
 	lwi_bounds* bounds )
 {
 	lw_vec3 a = { 0.0, 0.0, 0.0 }, b = { 0.0, 0.0, 0.0 };
-	vec_dd sum = { FROM( 0.0 ), FROM( 0.0 ), FROM( 0.0 ) };
+	vec_dd sum = { lwi_dd_from( 0.0 ), lwi_dd_from( 0.0 ), lwi_dd_from( 0.0 ) };
 	for ( int i = 0; i < simplex->count; ++i )
 	{
 		a = lwi_add_scaled( a, simplex->weight[i], simplex->a[i] );
@@ -111,7 +110,7 @@ void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width
 	while ( bounds->iterations++ < limit )
 	{
 		nearest_dd nearest;
-		bool inside = nearest_to_origin_dd( w, simplex->count, &nearest );
+		bool inside = nearest_to_origin_dd( w, simplex->count, true, &nearest );
 		reduce( simplex, w, &nearest );
 		lw_vec3 v = { nearest.v.x.hi, nearest.v.y.hi, nearest.v.z.hi };
 		// v to unit length first: its square may underflow

@@ -8,7 +8,7 @@
 // distance is tiny.
 //
 // The includer defines real (a number), NAME( x ) (a suffix for the type), FROM, ADD, SUB, MUL, DIV, SIGN (of a number: a
-// double to compare with 0), ALL_FACES (1: distrust the order in which points came).
+// double to compare with 0): distance/simplex.h for double, distance/convex_refine.c for double-double.
 
 typedef struct NAME( vec )
 {
@@ -25,7 +25,8 @@ typedef struct NAME( nearest )
 
 static inline NAME( vec ) NAME( sub )( NAME( vec ) a, NAME( vec ) b )
 {
-	return (NAME( vec )){ SUB( a.x, b.x ), SUB( a.y, b.y ), SUB( a.z, b.z ) };
+	const NAME( vec ) out = { SUB( a.x, b.x ), SUB( a.y, b.y ), SUB( a.z, b.z ) };
+	return out;
 }
 
 static inline real NAME( dot )( NAME( vec ) a, NAME( vec ) b )
@@ -35,14 +36,16 @@ static inline real NAME( dot )( NAME( vec ) a, NAME( vec ) b )
 
 static inline NAME( vec ) NAME( cross )( NAME( vec ) a, NAME( vec ) b )
 {
-	return (NAME( vec )){ SUB( MUL( a.y, b.z ), MUL( a.z, b.y ) ), SUB( MUL( a.z, b.x ), MUL( a.x, b.z ) ),
+	const NAME( vec ) out = { SUB( MUL( a.y, b.z ), MUL( a.z, b.y ) ), SUB( MUL( a.z, b.x ), MUL( a.x, b.z ) ),
 		SUB( MUL( a.x, b.y ), MUL( a.y, b.x ) ) };
+	return out;
 }
 
 /// a + s b
 static inline NAME( vec ) NAME( add_scaled )( NAME( vec ) a, real s, NAME( vec ) b )
 {
-	return (NAME( vec )){ ADD( a.x, MUL( s, b.x ) ), ADD( a.y, MUL( s, b.y ) ), ADD( a.z, MUL( s, b.z ) ) };
+	const NAME( vec ) out = { ADD( a.x, MUL( s, b.x ) ), ADD( a.y, MUL( s, b.y ) ), ADD( a.z, MUL( s, b.z ) ) };
+	return out;
 }
 
 /// Squared distance to about double precision: to compare lengths.
@@ -184,7 +187,7 @@ static real NAME( volume )( const NAME( vec )* w, const int faces[4][3] )
 
 /// Weight of vertex `apex` = height of the origin over the opposite face by the height of the apex. Faces that do not have
 /// the origin on the apex's side can hold the nearest point; without any, the origin is inside.
-static bool NAME( tetrahedron )( const NAME( vec )* w, NAME( nearest )* best )
+static bool NAME( tetrahedron )( const NAME( vec )* w, bool all_faces, NAME( nearest )* best )
 {
 	static const int faces[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
 	real weight[4];
@@ -194,7 +197,7 @@ static bool NAME( tetrahedron )( const NAME( vec )* w, NAME( nearest )* best )
 	real height = NAME( volume )( w, faces );
 	outside[3] = false;
 	// The last face is the old one, with the new point on the origin's side: it matters only if the origin may be inside
-	for ( int apex = 0; apex < ( inside || ALL_FACES ? 4 : 3 ); ++apex )
+	for ( int apex = 0; apex < ( inside || all_faces ? 4 : 3 ); ++apex )
 	{
 		int i = faces[apex][0], j = faces[apex][1], k = faces[apex][2];
 		NAME( turn )( w, &i, &j, &k );
@@ -212,7 +215,7 @@ static bool NAME( tetrahedron )( const NAME( vec )* w, NAME( nearest )* best )
 		{
 			best->weight[i] = DIV( weight[i], sum );
 		}
-		best->v = (NAME( vec )){ FROM( 0.0 ), FROM( 0.0 ), FROM( 0.0 ) };
+		best->v.x = best->v.y = best->v.z = FROM( 0.0 );
 		best->sq = FROM( 0.0 );
 		return true;
 	}
@@ -226,13 +229,14 @@ static bool NAME( tetrahedron )( const NAME( vec )* w, NAME( nearest )* best )
 	return false;
 }
 
+/// @param all_faces of four points: distrust the order in which they came
 /// @return true if the origin is inside (count 4 only)
-static bool NAME( nearest_to_origin )( const NAME( vec )* w, int count, NAME( nearest )* best )
+static inline bool NAME( nearest_to_origin )( const NAME( vec )* w, int count, bool all_faces, NAME( nearest )* best )
 {
 	best->sq = FROM( -1.0 );
 	if ( count == 4 )
 	{
-		return NAME( tetrahedron )( w, best );
+		return NAME( tetrahedron )( w, all_faces, best );
 	}
 	if ( count == 3 )
 	{
@@ -250,3 +254,12 @@ static bool NAME( nearest_to_origin )( const NAME( vec )* w, int count, NAME( ne
 	}
 	return false;
 }
+
+#undef real
+#undef NAME
+#undef FROM
+#undef ADD
+#undef SUB
+#undef MUL
+#undef DIV
+#undef SIGN

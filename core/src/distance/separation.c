@@ -7,21 +7,11 @@
 #include "distance/separation.h"
 
 #include "base/math_inline.h"
+#include "distance/simplex.h"
 #include "shape/support.h"
 
 #include <math.h>
 #include <string.h>
-
-#define real double
-#define NAME( x ) x##_s
-#define FROM( x ) ( x )
-#define ADD( a, b ) ( ( a ) + ( b ) )
-#define SUB( a, b ) ( ( a ) - ( b ) )
-#define MUL( a, b ) ( ( a ) * ( b ) )
-#define DIV( a, b ) ( ( a ) / ( b ) )
-#define SIGN( a ) ( a )
-#define ALL_FACES 1
-#include "distance/convex_simplex_impl.h"
 
 static float dot( const float a[3], const float b[3] )
 {
@@ -56,7 +46,7 @@ static bool normalize( float n[3] )
 }
 
 /// Keeps the points with weight.
-static int reduce( vec_s* w, int count, const nearest_s* nearest )
+static int reduce( vec_d* w, int count, const nearest_d* nearest )
 {
 	int kept = 0;
 	for ( int i = 0; i < count; ++i )
@@ -435,7 +425,7 @@ typedef struct gjk
 {
 	extremes a, b;
 	double need;
-	vec_s w[4];
+	vec_d w[4];
 	int count;
 	double upper; ///< of the distance of their hulls; 0 at first: the first good enough direction ends the search
 	lw_vec3 n;                 ///< unit, from a to b: the direction to try next
@@ -455,9 +445,9 @@ static lwi_separation separate_extremes( const lwi_kernels* kernels, gjk* s )
 			return LWI_APART;
 		}
 		lw_vec3 difference = lwi_sub( extreme_point( &s->b, s->which_b ), extreme_point( &s->a, s->which_a ) );
-		s->w[s->count++] = (vec_s){ difference.x, difference.y, difference.z };
-		nearest_s nearest;
-		if ( nearest_to_origin_s( s->w, s->count, &nearest ) )
+		s->w[s->count++] = (vec_d){ difference.x, difference.y, difference.z };
+		nearest_d nearest;
+		if ( nearest_to_origin_d( s->w, s->count, true, &nearest ) )
 		{
 			return LWI_MEET;
 		}
