@@ -21,17 +21,18 @@ struct lwi_checker_base;
 /// Links that the group cannot move against each other, e.g. a whole hand if the group is the arm.
 typedef struct lwi_cluster
 {
-	uint32_t parent;      ///< cluster; LW_INVALID_INDEX for cluster 0, which the group does not move
-	uint32_t end;         ///< clusters are in depth-first order: the subtree is [this cluster, end)
-	uint32_t root_link;         ///< the link nearest to the root
-	uint32_t parent_root;  ///< `root_link` of the parent
-	uint32_t parent_link; ///< parent link of `root_link`, in the parent cluster; LW_INVALID_INDEX for cluster 0
-	lw_transform parent_from_joint;    ///< frame of the parent's `root_link` to where the joint above this cluster begins
-	bool translates; ///< the parent_from_joint is a translation to the bit
+	uint32_t parent;                 ///< cluster; LW_INVALID_INDEX for cluster 0, which the group does not move
+	uint32_t end;                    ///< clusters are in depth-first order: the subtree is [this cluster, end)
+	uint32_t root_link;              ///< the link nearest to the root
+	uint32_t parent_root;            ///< `root_link` of the parent
+	uint32_t parent_link;            ///< parent link of `root_link`, in the parent cluster; LW_INVALID_INDEX for cluster 0
+	lw_transform parent_from_joint;  ///< from the parent's `root_link` to where the joint above this cluster begins
+	bool translates;                 ///< parent_from_joint is a translation to the bit
 	uint32_t first_body, body_count; ///< range of bodies
-	uint32_t first_block; ///< of LWI_WIDTH bodies, in the query
-	lw_sphere r;          ///< frame of `root_link`: contains all bodies of the cluster; radius < 0: there are none
-	lw_sphere m; ///< frame of the parent's `root_link`: contains the subtree's bodies in every state within the ranges
+	uint32_t first_block;            ///< of LWI_WIDTH bodies, in the query
+	lw_sphere r;                     ///< frame of `root_link`: contains the cluster's bodies; radius < 0: there are none
+	/// Frame of the parent's `root_link`: contains the subtree's bodies in every state within the ranges.
+	lw_sphere m;
 	double r_rounding, m_rounding; ///< rounding of their centres in the world, except for that of the poses
 } lwi_cluster;
 
@@ -116,7 +117,7 @@ lw_status lwi_cluster_tree_create( const struct lwi_checker_base* base, const bo
 	lwi_cluster_tree** out_tree );
 void lwi_cluster_tree_destroy( lwi_cluster_tree* tree, uint32_t variable_count ); ///< NULL is ignored
 
-/// How the clusters move along edges: one rigid_group per cluster, in their order. For a checker with its tree.
+/// How the clusters move along edges: one rigid group per cluster, in their order. For a checker with its tree.
 lw_status lwi_cluster_tree_motion( const struct lwi_checker_base* base, const bool* fixed_variables, lw_diag* diag,
 	lwi_motion_table** out_motion );
 

@@ -202,8 +202,8 @@ static size_t frame_at( lwi_edge* e, double t )
 	return frame;
 }
 
-/// World_from_root_link of a cluster at t. The one possible failure, a zero quaternion, was ruled out when the motion was
-/// measured.
+/// Pose of a cluster's root link in the world at t. The one possible failure, a zero quaternion, was ruled out when the
+/// motion was measured.
 static const lw_transform* cluster_pose( lwi_edge* e, double t, uint32_t cluster )
 {
 	const lw_checker* c = e->checker;

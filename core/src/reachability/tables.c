@@ -10,7 +10,7 @@
 // (6) mC_i = the children of i; M_l has the one child MR_l, so (7) mCC_i = the grandchildren and (8) mrC_i = the children.
 //
 // (9) takes rigid over grandchildren because the paper has no collision between neighbours at all. Here the robot says
-// which pairs are exempt, and a neighbour that is not exempt must be looked at. So r_i takes rigid over *children*: R_i
+// which pairs are exempt, and a neighbour that is not exempt must be measured. So r_i takes rigid over *children*: R_i
 // against M_c is R_i against R_c and all M below c, that is min( base_ic, rigid_id over the children d of c ). Where the
 // robot allows contact of i and c, or they are rigid, base_ic is +inf and (9) remains to the letter.
 
