@@ -60,7 +60,7 @@ void linksOfSlice( const lw_checker* checker, std::uint32_t slice, std::uint32_t
 			{
 				bool here =
 					tree->pairs[p].cluster_a == tree->body_cluster[a] && tree->pairs[p].cluster_b == tree->body_cluster[b];
-				if ( here && lwi_checker_slice( tree, p, a, b ) == &tree->slices[slice] )
+				if ( here && lwi_checker_slice( tree, p, a, b ) == &tree->grids.slices[slice] )
 				{
 					*link_a = checker->base->bodies[a].link;
 					*link_b = checker->base->bodies[b].link;
@@ -73,13 +73,13 @@ void linksOfSlice( const lw_checker* checker, std::uint32_t slice, std::uint32_t
 double sliceAt( const lw_checker* checker, std::uint32_t slice, const double* q )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
-	return lwi_grid_at( &tree->slices[slice], tree->spacings, q );
+	return lwi_grid_at( &tree->grids.slices[slice], tree->grids.spacings, q );
 }
 
 double sliceAlong( const lw_checker* checker, std::uint32_t slice, const double* qa, const double* qb )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
-	return lwi_grid_along( &tree->slices[slice], tree->spacings, checker->base->robot, qa, qb, 0 );
+	return lwi_grid_along( &tree->grids.slices[slice], tree->grids.spacings, checker->base->robot, qa, qb, 0 );
 }
 
 CheckerPtr makeChecker( const lw_reach* reach, const State& reference, const std::vector<std::uint32_t>& group )
@@ -257,7 +257,7 @@ TEST( ClearanceGrids, CheckersLookIntoTheRightCell )
 			}
 		}
 		CheckerPtr checker = world.checker();
-		for ( std::uint32_t slice = 0; slice < checker->base->tree->slice_count; ++slice )
+		for ( std::uint32_t slice = 0; slice < checker->base->tree->grids.slice_count; ++slice )
 		{
 			std::uint32_t a = 0, b = 0, c = 0;
 			linksOfSlice( checker.get(), slice, &a, &b );
@@ -308,7 +308,7 @@ TEST( ClearanceGrids, NoStateOfAnEdgeSaysLessThanTheEdge )
 		world.group.resize( world.reference.size() );
 		std::iota( world.group.begin(), world.group.end(), 0u );
 		CheckerPtr checker = world.checker();
-		for ( std::uint32_t slice = 0; slice < checker->base->tree->slice_count; ++slice )
+		for ( std::uint32_t slice = 0; slice < checker->base->tree->grids.slice_count; ++slice )
 		{
 			for ( int i = 0; i < 60; ++i )
 			{
@@ -357,7 +357,7 @@ TEST( ClearanceGrids, SayMostOfTheTruth )
 	ReachPtr reach = makeReach( robot.get(), 20, 50 ); // it takes a small part of that
 	ASSERT_EQ( reach->grid_count, 1u );
 	CheckerPtr checker = makeChecker( reach.get(), { 0, 0 }, { 0, 1 } );
-	ASSERT_EQ( checker->base->tree->slice_count, 1u );
+	ASSERT_EQ( checker->base->tree->grids.slice_count, 1u );
 	SeededRng rng;
 	int near = 0;
 	for ( int i = 0; i < 2000; ++i )

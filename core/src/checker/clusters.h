@@ -65,6 +65,15 @@ typedef struct lwi_self_step
 	uint32_t pair; ///< index into cluster_pairs of a step that is a pair of clusters; LW_INVALID_INDEX of one above such steps
 } lwi_self_step;
 
+/// Clearance grids of the reach as this group sees them. Made by checker/grid_lookup.c.
+typedef struct lwi_pair_grids
+{
+	uint32_t slice_count, slice_capacity, spacing_count;
+	lwi_grid_spacing* spacings; ///< [spacing_count] robot variables, as far as slices use them; NULL if there are none
+	lwi_grid_slice* slices;     ///< [slice_count] NULL if there are none
+	uint32_t* pair_slices; ///< [separation_count] index into slices of the same pair, or LW_INVALID_INDEX; NULL: no slices
+} lwi_pair_grids;
+
 typedef struct lwi_cluster_tree
 {
 	lw_allocator allocator;
@@ -89,10 +98,7 @@ typedef struct lwi_cluster_tree
 	lwi_cluster_pair* pairs; ///< [pair_count]
 	size_t separation_count;
 	float* separations;      ///< +INFINITY for pairs that are not to be checked
-	uint32_t slice_count, slice_capacity, spacing_count;
-	lwi_grid_spacing* spacings; ///< [spacing_count] robot variables, as far as slices use them; NULL if there are none
-	lwi_grid_slice* slices;   ///< [slice_count] NULL if there are none
-	uint32_t* pair_slices; ///< [separation_count] index into slices of the same pair, or LW_INVALID_INDEX; NULL: no slices
+	lwi_pair_grids grids;
 	uint32_t step_count;
 	lwi_self_step* steps;      ///< [step_count]
 	lwi_self_proxies proxies;
@@ -108,7 +114,7 @@ static inline uint32_t lwi_padded_clusters( const lwi_cluster_tree* tree )
 static inline uint32_t lwi_cluster_pair_slice( const lwi_cluster_tree* tree, const lwi_cluster_pair* pair )
 {
 	bool single = tree->clusters[pair->cluster_a].body_count == 1 && tree->clusters[pair->cluster_b].body_count == 1;
-	return single && tree->slice_count > 0 ? tree->pair_slices[pair->first] : LW_INVALID_INDEX;
+	return single && tree->grids.slice_count > 0 ? tree->grids.pair_slices[pair->first] : LW_INVALID_INDEX;
 }
 
 /// @param joint_moves [joint count] driven by a variable of the group

@@ -161,8 +161,9 @@ static size_t pair_index( const lwi_cluster_tree* t, const lwi_cluster_pair* pai
 
 const lwi_grid_slice* lwi_checker_slice( const lwi_cluster_tree* t, uint32_t pair, uint32_t body_a, uint32_t body_b )
 {
-	uint32_t slice = t->slice_count == 0 ? LW_INVALID_INDEX : t->pair_slices[pair_index( t, &t->pairs[pair], body_a, body_b )];
-	return slice == LW_INVALID_INDEX ? NULL : &t->slices[slice];
+	uint32_t slice = t->grids.slice_count == 0 ? LW_INVALID_INDEX
+											   : t->grids.pair_slices[pair_index( t, &t->pairs[pair], body_a, body_b )];
+	return slice == LW_INVALID_INDEX ? NULL : &t->grids.slices[slice];
 }
 
 /// The slice of two bodies if it can say more than their separation. @return false if there is none
@@ -182,7 +183,7 @@ static bool find_slice( const lwi_checker_base* base, const lwi_cluster_tree* t,
 /// Enters the slices of all pairs of bodies, or only counts them while there is no room for them yet.
 static void enter_slices( const lwi_checker_base* base, lwi_cluster_tree* t, const bool* in_group )
 {
-	t->slice_count = 0;
+	t->grids.slice_count = 0;
 	for ( uint32_t p = 0; p < t->pair_count; ++p )
 	{
 		const lwi_cluster_pair* pair = &t->pairs[p];
@@ -193,15 +194,15 @@ static void enter_slices( const lwi_checker_base* base, lwi_cluster_tree* t, con
 			uint32_t body_a = t->bodies[a->first_body + k / b->body_count], body_b = t->bodies[b->first_body + k % b->body_count];
 			bool found =
 				t->separations[pair->first + k] < INFINITY && find_slice( base, t, in_group, body_a, body_b, &slice );
-			if ( t->slices != NULL )
+			if ( t->grids.slices != NULL )
 			{
-				t->pair_slices[pair->first + k] = found ? t->slice_count : LW_INVALID_INDEX;
+				t->grids.pair_slices[pair->first + k] = found ? t->grids.slice_count : LW_INVALID_INDEX;
 			}
-			if ( t->slices != NULL && found )
+			if ( t->grids.slices != NULL && found )
 			{
-				t->slices[t->slice_count] = slice;
+				t->grids.slices[t->grids.slice_count] = slice;
 			}
-			t->slice_count += found ? 1u : 0u;
+			t->grids.slice_count += found ? 1u : 0u;
 		}
 	}
 }
@@ -214,7 +215,8 @@ static void fill_spacings( const lwi_checker_base* base, lwi_cluster_tree* t )
 		for ( uint32_t k = 0; k < base->reach->grids[i].dimension; ++k )
 		{
 			const lwi_grid_axis* axis = &base->reach->grids[i].axes[k];
-			t->spacings[axis->variable] = (lwi_grid_spacing){ axis->lower, 1 / ( axis->upper - axis->lower ), axis->periodic };
+			t->grids.spacings[axis->variable] =
+				(lwi_grid_spacing){ axis->lower, 1 / ( axis->upper - axis->lower ), axis->periodic };
 		}
 	}
 }
@@ -233,19 +235,19 @@ bool lwi_checker_slices_create( const lwi_checker_base* base, lwi_cluster_tree* 
 	}
 	enter_slices( base, t, in_group );
 	bool room = true;
-	if ( t->slice_count > 0 )
+	if ( t->grids.slice_count > 0 )
 	{
-		t->slice_capacity = t->slice_count;
-		t->slices = lwi_alloc_zero( &t->allocator, t->slice_count, sizeof( lwi_grid_slice ) );
-		t->pair_slices = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( uint32_t ) );
-		t->spacings = lwi_alloc_zero( &t->allocator, variables, sizeof( lwi_grid_spacing ) );
-		t->spacing_count = variables;
-		room = t->slices != NULL && t->pair_slices != NULL && t->spacings != NULL;
+		t->grids.slice_capacity = t->grids.slice_count;
+		t->grids.slices = lwi_alloc_zero( &t->allocator, t->grids.slice_count, sizeof( lwi_grid_slice ) );
+		t->grids.pair_slices = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( uint32_t ) );
+		t->grids.spacings = lwi_alloc_zero( &t->allocator, variables, sizeof( lwi_grid_spacing ) );
+		t->grids.spacing_count = variables;
+		room = t->grids.slices != NULL && t->grids.pair_slices != NULL && t->grids.spacings != NULL;
 		if ( room )
 		{
 			enter_slices( base, t, in_group );
 			fill_spacings( base, t );
-			t->bytes += t->slice_count * sizeof( lwi_grid_slice ) + t->separation_count * sizeof( uint32_t ) +
+			t->bytes += t->grids.slice_count * sizeof( lwi_grid_slice ) + t->separation_count * sizeof( uint32_t ) +
 						variables * sizeof( lwi_grid_spacing );
 		}
 	}

@@ -51,7 +51,7 @@ static void fill_bodies( const lwi_checker_base* base, const lwi_cluster_tree* t
 					.margin = lwi_round_up( lwi_self_margin( base, x, y ) ),
 					.candidate = x < y ? lwi_body_pair_id( base, x, y ) : lwi_body_pair_id( base, y, x ),
 					.ancestor = pair->ancestor,
-					.slice = t->slice_count > 0 ? t->pair_slices[pair->first + k] : LW_INVALID_INDEX };
+					.slice = t->grids.slice_count > 0 ? t->grids.pair_slices[pair->first + k] : LW_INVALID_INDEX };
 				add_pair( u, place_a, place_b, two );
 			}
 		}

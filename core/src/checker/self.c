@@ -75,7 +75,7 @@ static float separation_now( const lw_checker* checker, const lw_query* query, f
 		return separation;
 	}
 	float by_grid =
-		below( lwi_grid_at( &checker->base->tree->slices[slice], checker->base->tree->spacings,
+		below( lwi_grid_at( &checker->base->tree->grids.slices[slice], checker->base->tree->grids.spacings,
 			query->pose.state ) - margin );
 	return by_grid > separation ? by_grid : separation;
 }
@@ -268,7 +268,7 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_clus
 	}
 	uint32_t body_a = tree->bodies[a->first_body + rank_a], body_b = tree->bodies[b->first_body + rank_b];
 	double margin = lwi_self_margin( checker->base, body_a, body_b );
-	uint32_t slice = tree->slice_count > 0 ? tree->pair_slices[index] : LW_INVALID_INDEX;
+	uint32_t slice = tree->grids.slice_count > 0 ? tree->grids.pair_slices[index] : LW_INVALID_INDEX;
 	separation = separation_now( checker, query, separation, margin, slice );
 	if ( separation < bound->cutoff )
 	{

@@ -190,7 +190,7 @@ bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t bo
 	}
 	double margin = lwi_self_margin( c->base, body_a, body_b ), least = required_clearance( e );
 	double apart =
-		lwi_grid_along( slice, c->base->tree->spacings, c->base->robot, e->full_a, e->full_b, least + margin ) - margin;
+		lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->full_a, e->full_b, least + margin ) - margin;
 	if ( !( apart > least ) )
 	{
 		return false;
@@ -363,7 +363,7 @@ static bool test_proxies( midpoint_pass* s )
 		{
 			continue;
 		}
-		const lwi_grid_slice* slice = pair->slice != LW_INVALID_INDEX ? &tree->slices[pair->slice] : NULL;
+		const lwi_grid_slice* slice = pair->slice != LW_INVALID_INDEX ? &tree->grids.slices[pair->slice] : NULL;
 		if ( !( pair->candidate < LWI_OPEN ? test_bodies( s, pair->candidate, pair->ancestor, slice )
 										   : test_near_clusters( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
 			 !probe( s ) )
