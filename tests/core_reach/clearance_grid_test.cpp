@@ -56,10 +56,10 @@ void linksOfSlice( const lw_checker* checker, std::uint32_t slice, std::uint32_t
 	{
 		for ( std::uint32_t b = 0; b < tree->body_count; ++b )
 		{
-			for ( std::uint32_t p = 0; p < tree->pair_count; ++p )
+			for ( std::uint32_t p = 0; p < tree->self.pair_count; ++p )
 			{
 				bool here =
-					tree->pairs[p].cluster_a == tree->body_cluster[a] && tree->pairs[p].cluster_b == tree->body_cluster[b];
+					tree->self.pairs[p].cluster_a == tree->body_cluster[a] && tree->self.pairs[p].cluster_b == tree->body_cluster[b];
 				if ( here && lwi_checker_slice( tree, p, a, b ) == &tree->grids.slices[slice] )
 				{
 					*link_a = checker->base->bodies[a].link;

@@ -47,13 +47,13 @@ void lwi_cluster_tree_destroy( lwi_cluster_tree* t, uint32_t variable_count )
 	lwi_free( &allocator, t->body_cluster, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_place, t->body_count * sizeof( uint32_t ) );
 	lwi_free( &allocator, t->body_spheres, t->body_count * sizeof( lw_sphere ) );
-	lwi_free( &allocator, t->pairs, t->pair_count * sizeof( lwi_cluster_pair ) );
-	lwi_free( &allocator, t->separations, t->separation_count * sizeof( float ) );
+	lwi_free( &allocator, t->self.pairs, t->self.pair_count * sizeof( lwi_cluster_pair ) );
+	lwi_free( &allocator, t->self.separations, t->self.separation_count * sizeof( float ) );
 	lwi_free( &allocator, t->grids.slices, t->grids.slice_capacity * sizeof( lwi_grid_slice ) );
 	lwi_free( &allocator, t->grids.spacings, t->grids.spacing_count * sizeof( lwi_grid_spacing ) );
-	lwi_free( &allocator, t->grids.pair_slices, t->separation_count * sizeof( uint32_t ) );
-	lwi_self_proxies_destroy( t, &t->proxies );
-	lwi_free( &allocator, t->steps, t->step_count * sizeof( lwi_self_step ) );
+	lwi_free( &allocator, t->grids.pair_slices, t->self.separation_count * sizeof( uint32_t ) );
+	lwi_self_proxies_destroy( t, &t->self.proxies );
+	lwi_free( &allocator, t->self.steps, t->self.step_count * sizeof( lwi_self_step ) );
 	lwi_free( &allocator, t, sizeof( lwi_cluster_tree ) );
 }
 

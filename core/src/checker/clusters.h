@@ -65,6 +65,18 @@ typedef struct lwi_self_step
 	uint32_t pair; ///< index into cluster_pairs of a step that is a pair of clusters; LW_INVALID_INDEX of one above such steps
 } lwi_self_step;
 
+/// The pairs of clusters to check against each other, and the tests of a self query. Made by checker/plan.c.
+typedef struct lwi_self_plan
+{
+	uint32_t pair_count;
+	lwi_cluster_pair* pairs; ///< [pair_count]
+	size_t separation_count;
+	float* separations; ///< [separation_count] by pair; +INFINITY for pairs of bodies that are not to be checked
+	uint32_t step_count;
+	lwi_self_step* steps; ///< [step_count]
+	lwi_self_proxies proxies;
+} lwi_self_plan;
+
 /// Clearance grids of the reach as this group sees them. Made by checker/grid_lookup.c.
 typedef struct lwi_pair_grids
 {
@@ -94,14 +106,8 @@ typedef struct lwi_cluster_tree
 	uint32_t* body_place;     ///< [body_count] where a robot body is in `bodies`
 	lw_sphere* body_spheres;  ///< [body_count] by cluster: bounding spheres, frame of the cluster's `root_link`
 	lw_transform* body_poses; ///< [body_count] by cluster: root_link_from_shape, constant
-	uint32_t pair_count;
-	lwi_cluster_pair* pairs; ///< [pair_count]
-	size_t separation_count;
-	float* separations;      ///< +INFINITY for pairs that are not to be checked
+	lwi_self_plan self;
 	lwi_pair_grids grids;
-	uint32_t step_count;
-	lwi_self_step* steps;      ///< [step_count]
-	lwi_self_proxies proxies;
 } lwi_cluster_tree;
 
 /// Number of clusters, rounded up to whole vectors of doubles.

@@ -162,7 +162,7 @@ static size_t pair_index( const lwi_cluster_tree* t, const lwi_cluster_pair* pai
 const lwi_grid_slice* lwi_checker_slice( const lwi_cluster_tree* t, uint32_t pair, uint32_t body_a, uint32_t body_b )
 {
 	uint32_t slice = t->grids.slice_count == 0 ? LW_INVALID_INDEX
-											   : t->grids.pair_slices[pair_index( t, &t->pairs[pair], body_a, body_b )];
+											   : t->grids.pair_slices[pair_index( t, &t->self.pairs[pair], body_a, body_b )];
 	return slice == LW_INVALID_INDEX ? NULL : &t->grids.slices[slice];
 }
 
@@ -184,16 +184,16 @@ static bool find_slice( const lwi_checker_base* base, const lwi_cluster_tree* t,
 static void enter_slices( const lwi_checker_base* base, lwi_cluster_tree* t, const bool* in_group )
 {
 	t->grids.slice_count = 0;
-	for ( uint32_t p = 0; p < t->pair_count; ++p )
+	for ( uint32_t p = 0; p < t->self.pair_count; ++p )
 	{
-		const lwi_cluster_pair* pair = &t->pairs[p];
+		const lwi_cluster_pair* pair = &t->self.pairs[p];
 		const lwi_cluster *a = &t->clusters[pair->cluster_a], *b = &t->clusters[pair->cluster_b];
 		for ( size_t k = 0; k < (size_t)a->body_count * b->body_count; ++k )
 		{
 			lwi_grid_slice slice;
 			uint32_t body_a = t->bodies[a->first_body + k / b->body_count], body_b = t->bodies[b->first_body + k % b->body_count];
 			bool found =
-				t->separations[pair->first + k] < INFINITY && find_slice( base, t, in_group, body_a, body_b, &slice );
+				t->self.separations[pair->first + k] < INFINITY && find_slice( base, t, in_group, body_a, body_b, &slice );
 			if ( t->grids.slices != NULL )
 			{
 				t->grids.pair_slices[pair->first + k] = found ? t->grids.slice_count : LW_INVALID_INDEX;
@@ -239,7 +239,7 @@ bool lwi_checker_slices_create( const lwi_checker_base* base, lwi_cluster_tree* 
 	{
 		t->grids.slice_capacity = t->grids.slice_count;
 		t->grids.slices = lwi_alloc_zero( &t->allocator, t->grids.slice_count, sizeof( lwi_grid_slice ) );
-		t->grids.pair_slices = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( uint32_t ) );
+		t->grids.pair_slices = lwi_alloc_zero( &t->allocator, t->self.separation_count, sizeof( uint32_t ) );
 		t->grids.spacings = lwi_alloc_zero( &t->allocator, variables, sizeof( lwi_grid_spacing ) );
 		t->grids.spacing_count = variables;
 		room = t->grids.slices != NULL && t->grids.pair_slices != NULL && t->grids.spacings != NULL;
@@ -247,7 +247,7 @@ bool lwi_checker_slices_create( const lwi_checker_base* base, lwi_cluster_tree* 
 		{
 			enter_slices( base, t, in_group );
 			fill_spacings( base, t );
-			t->bytes += t->grids.slice_count * sizeof( lwi_grid_slice ) + t->separation_count * sizeof( uint32_t ) +
+			t->bytes += t->grids.slice_count * sizeof( lwi_grid_slice ) + t->self.separation_count * sizeof( uint32_t ) +
 						variables * sizeof( lwi_grid_spacing );
 		}
 	}

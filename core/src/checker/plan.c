@@ -81,8 +81,8 @@ static void find_pairs( plan* p, const lwi_checker_base* base )
 		share* forth = &p->direct[entry( p, a, b )];
 		if ( forth->count == 0 )
 		{
-			p->pairs[entry( p, least( a, b ), a < b ? b : a )] = t->pair_count++;
-			t->separation_count += (size_t)t->clusters[a].body_count * t->clusters[b].body_count;
+			p->pairs[entry( p, least( a, b ), a < b ? b : a )] = t->self.pair_count++;
+			t->self.separation_count += (size_t)t->clusters[a].body_count * t->clusters[b].body_count;
 		}
 		both.separation = both.separation < forth->separation ? both.separation : forth->separation;
 		both.margin = both.margin > forth->margin ? both.margin : forth->margin;
@@ -141,9 +141,9 @@ static void sum_up( plan* p )
 /// Writes a step, or only counts it while there is no list yet. Returns its index.
 static uint32_t emit( plan* p, lwi_self_step step )
 {
-	if ( p->tree->steps != NULL )
+	if ( p->tree->self.steps != NULL )
 	{
-		p->tree->steps[p->step_count] = step;
+		p->tree->self.steps[p->step_count] = step;
 	}
 	return p->step_count++;
 }
@@ -162,9 +162,9 @@ static uint32_t open( plan* p, share stands_for, uint32_t sphere_a, uint32_t sph
 
 static void close( plan* p, uint32_t step )
 {
-	if ( step != LW_INVALID_INDEX && p->tree->steps != NULL )
+	if ( step != LW_INVALID_INDEX && p->tree->self.steps != NULL )
 	{
-		p->tree->steps[step].skip = p->step_count;
+		p->tree->self.steps[step].skip = p->step_count;
 	}
 }
 
@@ -258,7 +258,7 @@ static void fill_pairs( const plan* p, const lwi_checker_base* base )
 			if ( index != LW_INVALID_INDEX )
 			{
 				share direct = p->direct[entry( p, a, b )];
-				t->pairs[index] =
+				t->self.pairs[index] =
 					(lwi_cluster_pair){ a, b, common_ancestor( t, a, b ), direct.separation, direct.margin, used };
 				used += (size_t)t->clusters[a].body_count * t->clusters[b].body_count;
 			}
@@ -266,7 +266,7 @@ static void fill_pairs( const plan* p, const lwi_checker_base* base )
 	}
 	for ( size_t i = 0; i < used; ++i )
 	{
-		t->separations[i] = INFINITY;
+		t->self.separations[i] = INFINITY;
 	}
 	uint32_t* rank = p->pairs + (size_t)t->cluster_count * t->cluster_count; // of a body within its cluster
 	for ( uint32_t cluster = 0; cluster < t->cluster_count; ++cluster )
@@ -285,15 +285,15 @@ static void fill_pairs( const plan* p, const lwi_checker_base* base )
 			a = b;
 			b = swap;
 		}
-		const lwi_cluster_pair* pair = &t->pairs[p->pairs[entry( p, t->body_cluster[a], t->body_cluster[b] )]];
-		t->separations[pair->first + (size_t)rank[a] * t->clusters[pair->cluster_b].body_count + rank[b]] =
+		const lwi_cluster_pair* pair = &t->self.pairs[p->pairs[entry( p, t->body_cluster[a], t->body_cluster[b] )]];
+		t->self.separations[pair->first + (size_t)rank[a] * t->clusters[pair->cluster_b].body_count + rank[b]] =
 			lwi_checker_separation( base, t, base->self.pairs[i].body_a, base->self.pairs[i].body_b );
 	}
 }
 
 uint32_t lwi_cluster_pair_candidate( const lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t index )
 {
-	const lwi_cluster_pair* pair = &tree->pairs[index];
+	const lwi_cluster_pair* pair = &tree->self.pairs[index];
 	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
 	if ( a->body_count != 1 || b->body_count != 1 )
 	{
@@ -309,25 +309,25 @@ static lw_status build_plan( plan* p, const lwi_checker_base* base, lw_diag* dia
 	find_pairs( p, base );
 	sum_up( p );
 	plan_subtree( p, 0 ); // counts
-	t->pairs = lwi_alloc_zero( &t->allocator, t->pair_count, sizeof( lwi_cluster_pair ) );
-	t->separations = lwi_alloc_zero( &t->allocator, t->separation_count, sizeof( float ) );
+	t->self.pairs = lwi_alloc_zero( &t->allocator, t->self.pair_count, sizeof( lwi_cluster_pair ) );
+	t->self.separations = lwi_alloc_zero( &t->allocator, t->self.separation_count, sizeof( float ) );
 	lwi_self_step* steps = lwi_alloc_zero( &t->allocator, p->step_count, sizeof( lwi_self_step ) );
-	t->steps = steps;
-	t->step_count = p->step_count;
-	if ( t->pairs == NULL || t->separations == NULL || steps == NULL )
+	t->self.steps = steps;
+	t->self.step_count = p->step_count;
+	if ( t->self.pairs == NULL || t->self.separations == NULL || steps == NULL )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
 	p->step_count = 0;
 	plan_subtree( p, 0 );
 	fill_pairs( p, base );
-	if ( !lwi_checker_slices_create( base, t ) || !lwi_self_proxies_create( base, t, &t->proxies ) )
+	if ( !lwi_checker_slices_create( base, t ) || !lwi_self_proxies_create( base, t, &t->self.proxies ) )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
-	t->bytes += t->proxies.bytes;
-	t->bytes += t->pair_count * sizeof( lwi_cluster_pair ) + t->separation_count * sizeof( float ) +
-				t->step_count * sizeof( lwi_self_step );
+	t->bytes += t->self.proxies.bytes;
+	t->bytes += t->self.pair_count * sizeof( lwi_cluster_pair ) + t->self.separation_count * sizeof( float ) +
+				t->self.step_count * sizeof( lwi_self_step );
 	return LW_OK;
 }
 

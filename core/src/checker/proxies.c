@@ -36,14 +36,14 @@ static void fill_bodies( const lwi_checker_base* base, const lwi_cluster_tree* t
 	{
 		add_proxy( u, t->body_cluster[t->bodies[place]], &t->body_spheres[place] );
 	}
-	for ( uint32_t i = 0; i < t->pair_count; ++i )
+	for ( uint32_t i = 0; i < t->self.pair_count; ++i )
 	{
-		const lwi_cluster_pair* pair = &t->pairs[i];
+		const lwi_cluster_pair* pair = &t->self.pairs[i];
 		const lwi_cluster *a = &t->clusters[pair->cluster_a], *b = &t->clusters[pair->cluster_b];
 		for ( uint32_t k = 0; k < a->body_count * b->body_count; ++k )
 		{
 			uint32_t place_a = a->first_body + k / b->body_count, place_b = b->first_body + k % b->body_count;
-			float separation = t->separations[pair->first + k];
+			float separation = t->self.separations[pair->first + k];
 			if ( separation < INFINITY )
 			{
 				uint32_t x = t->bodies[place_a], y = t->bodies[place_b];
@@ -81,9 +81,9 @@ static void fill_clusters( const lwi_checker_base* base, const lwi_cluster_tree*
 			add_proxy( u, i, &t->clusters[i].r );
 		}
 	}
-	for ( uint32_t i = 0; i < t->pair_count; ++i )
+	for ( uint32_t i = 0; i < t->self.pair_count; ++i )
 	{
-		const lwi_cluster_pair* pair = &t->pairs[i];
+		const lwi_cluster_pair* pair = &t->self.pairs[i];
 		const lwi_proxy_pair two = { .separation = pair->separation,
 			.margin = pair->margin,
 			.candidate = lwi_cluster_pair_candidate( base, t, i ),
@@ -121,12 +121,12 @@ bool lwi_self_proxies_create( const lwi_checker_base* base, const lwi_cluster_tr
 	u->few = t->cluster_count <= LWI_FEW_PROXIES;
 	const bool of_bodies = u->few && t->body_count <= LWI_FEW_PROXIES;
 	const uint32_t count = of_bodies ? t->body_count : clusters_with_bodies( t );
-	if ( t->pair_count == 0 || count > LWI_MOST_PROXIES )
+	if ( t->self.pair_count == 0 || count > LWI_MOST_PROXIES )
 	{
 		return true;
 	}
 	u->stride = ( count + LWI_WIDTH - 1 ) / LWI_WIDTH;
-	u->pair_capacity = of_bodies ? base->self.pair_count : t->pair_count;
+	u->pair_capacity = of_bodies ? base->self.pair_count : t->self.pair_count;
 	u->bytes = lay_out( u, count, NULL );
 	void* block = lwi_alloc_zero( &t->allocator, 1, u->bytes );
 	if ( block == NULL )

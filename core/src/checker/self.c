@@ -91,9 +91,9 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 	const lwi_cluster_tree* tree = checker->base->tree;
 	double limit = bound->cutoff;
 	uint32_t count = 0, tests = 0;
-	for ( uint32_t i = 0; i < tree->step_count; )
+	for ( uint32_t i = 0; i < tree->self.step_count; )
 	{
-		const lwi_self_step* step = &tree->steps[i];
+		const lwi_self_step* step = &tree->self.steps[i];
 		++tests;
 		float separation = query->pose.tables ? step->separation : 0 - step->margin;
 		double gap = separation >= limit ? INFINITY : -INFINITY;
@@ -109,7 +109,7 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 		}
 		if ( step->pair != LW_INVALID_INDEX )
 		{
-			uint32_t slice = lwi_cluster_pair_slice( tree, &tree->pairs[step->pair] );
+			uint32_t slice = lwi_cluster_pair_slice( tree, &tree->self.pairs[step->pair] );
 			float by_grid = separation_now( checker, query, separation, step->margin, slice );
 			if ( by_grid < limit )
 			{
@@ -126,7 +126,7 @@ static uint32_t walk_steps( const lw_checker* checker, lw_query* query, const lw
 static double proxy_spheres( const lw_checker* checker, lw_query* query, float* blocks )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
-	const lwi_self_proxies* proxies = &tree->proxies;
+	const lwi_self_proxies* proxies = &tree->self.proxies;
 	const double* origin = query->pose.world_from_link[tree->clusters[0].root_link].t;
 	double reach = 0;
 	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
@@ -172,7 +172,7 @@ static double gap_of_lanes( const float* blocks, uint32_t a, uint32_t b )
 /// All pairs of proxies by their spheres, eight at a time: pairs that no test rules out become candidates.
 static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
 {
-	const lwi_self_proxies* proxies = &checker->base->tree->proxies;
+	const lwi_self_proxies* proxies = &checker->base->tree->self.proxies;
 	if ( query->pose.tables && proxies->separation >= bound->cutoff )
 	{
 		query->search.stats.robot_tests++;
@@ -257,7 +257,7 @@ static void add_pair( const lw_checker* checker, lw_query* query, const lwi_clus
 	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
 	size_t index = pair->first + (size_t)rank_a * b->body_count + rank_b;
-	float separation = tree->separations[index];
+	float separation = tree->self.separations[index];
 	if ( !query->pose.tables && separation < INFINITY )
 	{
 		separation = 0 - pair->margin; // proved for other states than this one, or not to be used
@@ -443,7 +443,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 		}
 		if ( next.pair >= LWI_OPEN )
 		{
-			open_pair( checker, query, &checker->base->tree->pairs[next.pair - LWI_OPEN], bound, &count );
+			open_pair( checker, query, &checker->base->tree->self.pairs[next.pair - LWI_OPEN], bound, &count );
 			continue;
 		}
 		if ( was_measured_first( query, next.pair ) )
@@ -459,7 +459,7 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	measure_known( checker, query, bound );
-	const lwi_self_proxies* proxies = &checker->base->tree->proxies;
+	const lwi_self_proxies* proxies = &checker->base->tree->self.proxies;
 	// Without a bound nothing would be ruled out. Steps need a proof of the state, unless there are too many proxies.
 	bool at_once = bound->cutoff < INFINITY && proxies->count > 0 && ( proxies->few || !query->pose.covered );
 	uint32_t count = bound->done ? 0
@@ -530,7 +530,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 
 uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t index, double limit )
 {
-	const lwi_cluster_pair* pair = &checker->base->tree->pairs[index];
+	const lwi_cluster_pair* pair = &checker->base->tree->self.pairs[index];
 	const lwi_bound bound = { .cutoff = limit };
 	uint32_t count = 0;
 	const double* a = lwi_sphere( checker, query, 2 * pair->cluster_a );

@@ -566,9 +566,9 @@ static cluster_pair any_cluster_pair( const interval_batch* batch )
 			size = lwi_larger( size, size_of( &batch->clusters[i], rate.path ) + 2 * batch->tree->clusters[i].r.radius );
 		}
 	}
-	for ( uint32_t i = 0; e->checker->base->self.margins != NULL && i < batch->tree->pair_count; ++i )
+	for ( uint32_t i = 0; e->checker->base->self.margins != NULL && i < batch->tree->self.pair_count; ++i )
 	{
-		margin = lwi_larger( margin, (double)batch->tree->pairs[i].margin );
+		margin = lwi_larger( margin, (double)batch->tree->self.pairs[i].margin );
 	}
 	return (cluster_pair){ .reach = e->enough[1] + 2 * batch->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
 }
@@ -601,7 +601,7 @@ static uint32_t bodies_meet( const interval_batch* batch, const cluster_pair* c,
 static void add_self_pair( const interval_batch* batch, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
 	uint32_t body_a = batch->tree->bodies[a], body_b = batch->tree->bodies[b];
-	const uint32_t index = (uint32_t)( c->pair - batch->tree->pairs );
+	const uint32_t index = (uint32_t)( c->pair - batch->tree->self.pairs );
 	if ( c->covered &&
 		 lwi_edge_grid_proves( batch->e, lwi_checker_slice( batch->tree, index, body_a, body_b ), body_a, body_b ) )
 	{
@@ -628,7 +628,7 @@ static void batch_bodies( const interval_batch* batch, const cluster_pair* c, ui
 		for ( uint32_t k = 0; k < b->body_count && left != 0; ++k )
 		{
 			uint32_t met = 0;
-			if ( tree->separations[c->pair->first + (size_t)i * b->body_count + k] < INFINITY )
+			if ( tree->self.separations[c->pair->first + (size_t)i * b->body_count + k] < INFINITY )
 			{
 				met = bodies_meet( batch, c, place_a, b->first_body + k, left );
 			}
@@ -644,7 +644,7 @@ static void batch_self( const interval_batch* batch )
 {
 	lwi_edge* e = batch->e;
 	const lw_checker* c = e->checker;
-	const uint32_t count = batch->tree->pair_count;
+	const uint32_t count = batch->tree->self.pair_count;
 	if ( ( e->def->flags & LW_CHECK_SELF ) == 0 || count == 0 )
 	{
 		return;
@@ -653,7 +653,7 @@ static void batch_self( const interval_batch* batch )
 	const cluster_pair any = any_cluster_pair( batch ); // mostly that is all
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		const lwi_cluster_pair* pair = &batch->tree->pairs[i];
+		const lwi_cluster_pair* pair = &batch->tree->self.pairs[i];
 		if ( covered && lwi_edge_is_apart( e, pair->separation ) )
 		{
 			continue;

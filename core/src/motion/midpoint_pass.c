@@ -212,7 +212,7 @@ static uint32_t near_bodies( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const uint32_t index = (uint32_t)( pair - c->base->tree->pairs );
+	const uint32_t index = (uint32_t)( pair - c->base->tree->self.pairs );
 	const uint32_t only = lwi_cluster_pair_candidate( c->base, c->base->tree, index );
 	if ( only < LWI_OPEN )
 	{
@@ -284,7 +284,7 @@ static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 		{
 			continue;
 		}
-		const lwi_grid_slice* slice = lwi_checker_slice( c->base->tree, (uint32_t)( pair - c->base->tree->pairs ), a, b );
+		const lwi_grid_slice* slice = lwi_checker_slice( c->base->tree, (uint32_t)( pair - c->base->tree->self.pairs ), a, b );
 		go_on = test_bodies( s, candidate, pair->ancestor, slice );
 	}
 	return go_on;
@@ -319,9 +319,9 @@ static double make_proxies( midpoint_pass* s, moving_proxy* all, float* blocks )
 	const lw_vec3 origin = lwi_load( e->query->pose.world_from_link[tree->clusters[0].root_link].t );
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	double size = 0;
-	for ( uint32_t i = 0; i < tree->proxies.count; ++i )
+	for ( uint32_t i = 0; i < tree->self.proxies.count; ++i )
 	{
-		all[i] = make_proxy( s, tree->proxies.cluster[i], &tree->proxies.sphere[i] );
+		all[i] = make_proxy( s, tree->self.proxies.cluster[i], &tree->self.proxies.sphere[i] );
 		const lw_vec3 center = lwi_sub( all[i].center, origin ), displacement = all[i].displacement;
 		const double radius = all[i].radius +
 							  lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].velocity, root ), s->window.half );
@@ -342,7 +342,7 @@ static bool test_proxies( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lwi_cluster_tree* tree = e->checker->base->tree;
-	const lwi_self_proxies* proxies = &tree->proxies;
+	const lwi_self_proxies* proxies = &tree->self.proxies;
 	if ( s->covered && lwi_edge_is_apart( e, proxies->separation ) )
 	{
 		return true;
@@ -365,7 +365,7 @@ static bool test_proxies( midpoint_pass* s )
 		}
 		const lwi_grid_slice* slice = pair->slice != LW_INVALID_INDEX ? &tree->grids.slices[pair->slice] : NULL;
 		if ( !( pair->candidate < LWI_OPEN ? test_bodies( s, pair->candidate, pair->ancestor, slice )
-										   : test_near_clusters( s, &tree->pairs[pair->candidate - LWI_OPEN] ) ) ||
+										   : test_near_clusters( s, &tree->self.pairs[pair->candidate - LWI_OPEN] ) ) ||
 			 !probe( s ) )
 		{
 			return false;
@@ -396,21 +396,21 @@ static bool test_self( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const uint32_t count = ( e->def->flags & LW_CHECK_SELF ) != 0 ? c->base->tree->pair_count : 0;
+	const uint32_t count = ( e->def->flags & LW_CHECK_SELF ) != 0 ? c->base->tree->self.pair_count : 0;
 	if ( count == 0 )
 	{
 		return true;
 	}
 	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
 	s->moves = c->base->tree->can_batch && lwi_edge_rotates_little( e, s->window );
-	if ( lwi_has_few_proxies( &c->base->tree->proxies ) && s->moves )
+	if ( lwi_has_few_proxies( &c->base->tree->self.proxies ) && s->moves )
 	{
 		return test_proxies( s );
 	}
 	bool go_on = true;
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
-		go_on = test_clusters( s, &c->base->tree->pairs[i] ) && probe( s );
+		go_on = test_clusters( s, &c->base->tree->self.pairs[i] ) && probe( s );
 	}
 	return go_on;
 }
