@@ -15,6 +15,7 @@ namespace
 {
 
 constexpr double bound_tolerance = 1e-5;    // radians or metres: descriptions print 3.14159 for pi; such ends are used unchanged
+constexpr double unlimited = 1e300;         // metres, in place of infinite limits
 constexpr unsigned range_states = 16;       // random states at which speeds are measured
 constexpr double speed_step = 1e-4;         // radians or metres, for differences of poses
 constexpr double range_share = 0.5;         // of the reach that an edge in a random direction moves the fastest point
@@ -59,6 +60,18 @@ Space::Space( const lw_checker* checker, const std::vector<double>& lower, const
 		m_lower.push_back( low );
 		m_upper.push_back( high );
 	}
+}
+
+Space Space::ofLimits( const lw_checker* checker )
+{
+	std::vector<double> lower, upper;
+	for ( std::uint32_t i = 0; i < lw_checker_variable_count( checker ); ++i )
+	{
+		const lw_variable_info info = lw_robot_variable( lw_checker_robot( checker ), lw_checker_variable( checker, i ) );
+		lower.push_back( std::max( info.lower, -unlimited ) );
+		upper.push_back( std::min( info.upper, unlimited ) );
+	}
+	return Space( checker, lower, upper );
 }
 
 double Space::distance( const double* a, const double* b ) const

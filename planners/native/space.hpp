@@ -25,6 +25,9 @@ public:
 	/// @throws InputError as Planner
 	Space( const lw_checker* checker, const std::vector<double>& lower, const std::vector<double>& upper );
 
+	/// The joint limits; infinite ones are replaced by numbers beyond all use.
+	static Space ofLimits( const lw_checker* checker );
+
 	std::size_t size() const { return m_lower.size(); }
 	bool wraps( std::size_t i ) const { return m_wraps[i] != 0; }
 	bool anyWraps() const { return m_any_wraps; }
