@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whole planning problems: RRT-Connect on MotionBenchMaker's problems of Panda and Fetch, motions proved by certificates, or
-// sampled over leeway's states and over FCL's. Exit status 1 if a path of proved motions is refuted by a dense look.
+// Whole planning problems: MotionBenchMaker's of Panda and Fetch, and ARMAR-III's reaches. Rows: leeway's own planner, and OMPL's
+// RRT-Connect with motions proved by certificates, or sampled over leeway's states and over FCL's. Exit status 1 if a path of
+// proved motions is refuted by a dense look.
 //
-// All judges plan with the same planner and its defaults in the same space, problem by problem in turn, several runs each
-// with random numbers of their own. The time is the processor time of solve(), then that of a simplification by shortcuts.
+// All rows plan in the same space, problem by problem in turn, several runs each with random numbers of their own. The time is
+// the processor time of solve(), then that of a simplification: leeway's smoother, or OMPL's shortcuts.
 // The auditor checks every path afterwards (tests/support/edge_auditor.hpp), outside of its time.
 #include "support/bench_program.hpp"
 #include "edge_auditor.hpp"
@@ -13,6 +14,8 @@
 #include "support/race.hpp"
 
 #include "leeway/ompl/validity.hpp"
+#include "leeway/planners/ompl_planner.hpp"
+#include "leeway/planners/smooth.hpp"
 
 #include <ompl/base/DiscreteMotionValidator.h>
 #include <ompl/geometric/PathSimplifier.h>
@@ -22,6 +25,7 @@
 #include <ompl/util/RandomNumbers.h>
 
 #include <cstdio>
+#include <map>
 
 namespace ob = ::ompl::base;
 namespace og = ::ompl::geometric;
@@ -29,17 +33,11 @@ namespace og = ::ompl::geometric;
 namespace
 {
 
-struct Settings
-{
-	std::string data = LEEWAY_DATA_DIR, json, only;
-	int problems = 5, runs = 3;
-	double seconds = 5, budget = 1, range = 0;
-	std::uint64_t seed = 20260101;
-};
-
 enum class Judge
 {
-	CERTIFIED,
+	NATIVE,    ///< leeway's planner
+	CERTIFIED, ///< RRTConnect, OMPL's range unless --range is given
+	SUITED,    ///< RRTConnect, the range that suits the robot
 	STATES,   ///< OMPL's discrete validator over leeway's states
 	FCL,      ///< the same over FCL's
 	FCL_FINE, ///< and at 1/32 rad
@@ -47,7 +45,19 @@ enum class Judge
 };
 
 constexpr std::size_t JUDGES = static_cast<std::size_t>( Judge::COUNT );
-const char* const JUDGE_NAMES[JUDGES] = { "certified", "own states 1 %", "FCL 1 %", "FCL 1/32 rad" };
+const char* const JUDGE_NAMES[JUDGES] = { "leeway", "RRTConnect", "range by robot", "own states 1 %", "FCL 1 %",
+	"FCL 1/32 rad" };
+
+struct Settings
+{
+	std::string data = LEEWAY_DATA_DIR, json, only;
+	int problems = 5, runs = 3;
+	double seconds = 5, budget = 1, range = 0;
+	bool planners_only = false, native_only = false;
+	std::uint64_t seed = 20260101;
+
+	std::size_t rows() const { return native_only ? 1 : planners_only ? 3 : JUDGES; }
+};
 
 constexpr double FINE_STEP = 1.0 / 32; // radians: VAMP's resolution
 constexpr double FRACTION = 0.01;      // of the space's extent: OMPL's default
@@ -75,7 +85,7 @@ private:
 struct Planned
 {
 	bool solved = false, in_contact = false;
-	double plan_us = 0, simplify_us = 0, length = 0;
+	double plan_us = 0, simplify_us = 0, first_length = 0, length = 0;
 };
 
 /// One way to judge one problem.
@@ -87,7 +97,8 @@ public:
 	{
 		const ob::SpaceInformationPtr& si = m_setup.getSpaceInformation();
 		m_engine = leeway::ompl::install( si, entry.world.with_tables );
-		if ( judge != Judge::CERTIFIED )
+		m_native = judge == Judge::NATIVE;
+		if ( judge > Judge::SUITED )
 		{
 			si->setMotionValidator( std::make_shared<ob::DiscreteMotionValidator>( si ) );
 			si->setStateValidityCheckingResolution(
@@ -103,10 +114,15 @@ public:
 		si->getStateSpace()->enforceBounds( start.get() );
 		si->getStateSpace()->enforceBounds( goal.get() );
 		m_setup.setStartAndGoalStates( start, goal );
-		const auto planner = std::make_shared<og::RRTConnect>( si );
-		if ( range > 0 )
+		ob::PlannerPtr planner = std::make_shared<og::RRTConnect>( si );
+		if ( m_native )
 		{
-			planner->setRange( range );
+			planner = std::make_shared<leeway::planners::OmplPlanner>( si );
+		}
+		const double longest = judge == Judge::SUITED ? leeway::planners::geometricRange( *m_engine ) : range;
+		if ( longest > 0 )
+		{
+			planner->params().setParam( "range", std::to_string( longest ) );
 		}
 		m_setup.setPlanner( planner );
 		m_setup.setup();
@@ -129,7 +145,15 @@ public:
 			return out;
 		}
 		m_path = std::make_unique<og::PathGeometric>( m_setup.getSolutionPath() );
+		out.first_length = m_path->length();
 		start = threadMicroseconds();
+		if ( m_native )
+		{
+			smooth();
+			out.simplify_us = threadMicroseconds() - start;
+			out.length = m_path->length();
+			return out;
+		}
 		og::PathSimplifier simplifier( m_setup.getSpaceInformation() );
 		simplifier.reduceVertices( *m_path );
 		simplifier.shortcutPath( *m_path );
@@ -152,6 +176,26 @@ public:
 	}
 
 private:
+	void smooth()
+	{
+		leeway::planners::Path path;
+		for ( const std::vector<double>& point : this->path() )
+		{
+			path.dimension = point.size();
+			path.values.insert( path.values.end(), point.begin(), point.end() );
+		}
+		const leeway::ompl::Engine::Lease lease( *m_engine );
+		leeway::require( leeway::planners::smooth( lease.checker(), lease.query(), {}, {}, path ), "smoothing" );
+		m_path = std::make_unique<og::PathGeometric>( m_setup.getSpaceInformation() );
+		ob::ScopedState<> state( m_setup.getStateSpace() );
+		for ( std::size_t i = 0; i < path.count(); ++i )
+		{
+			m_engine->adapter().fromVector( path[i], state.get() );
+			m_path->append( state.get() );
+		}
+	}
+
+	bool m_native = false;
 	og::SimpleSetup m_setup;
 	std::shared_ptr<leeway::ompl::Engine> m_engine;
 	std::unique_ptr<og::PathGeometric> m_path;
@@ -162,7 +206,34 @@ private:
 struct Tally
 {
 	std::size_t runs = 0, solved = 0, in_contact = 0;
-	std::vector<double> plan, simplify, length;
+	std::vector<double> plan, simplify, first_length, length;
+
+	std::uint64_t hash = 0xcbf29ce484222325u; ///< of all states of all paths, FNV-1a over their bytes
+
+	void addPath( const std::vector<std::vector<double>>& path )
+	{
+		for ( const std::vector<double>& point : path )
+		{
+			for ( std::size_t i = 0; i < point.size() * sizeof( double ); ++i )
+			{
+				hash = ( hash ^ reinterpret_cast<const unsigned char*>( point.data() )[i] ) * 0x100000001b3u;
+			}
+		}
+	}
+
+	void add( const Tally& other )
+	{
+		runs += other.runs;
+		solved += other.solved;
+		in_contact += other.in_contact;
+		hash = hash * 31 + other.hash;
+		const auto append = []( std::vector<double>& to, const std::vector<double>& from )
+		{ to.insert( to.end(), from.begin(), from.end() ); };
+		append( plan, other.plan );
+		append( simplify, other.simplify );
+		append( first_length, other.first_length );
+		append( length, other.length );
+	}
 
 	void add( const Planned& planned )
 	{
@@ -173,6 +244,7 @@ struct Tally
 		{
 			plan.push_back( planned.plan_us );
 			simplify.push_back( planned.simplify_us );
+			first_length.push_back( planned.first_length );
 			length.push_back( planned.length );
 		}
 	}
@@ -202,18 +274,18 @@ bool planProblem(
 	EdgeAuditor auditor(
 	    world.robot.get(), world.scene.get(), world.variables, world.reference.data(), world.allowed );
 	std::vector<std::unique_ptr<Planning>> plannings;
-	for ( std::size_t j = 0; j < JUDGES; ++j )
+	for ( std::size_t j = 0; j < settings.rows(); ++j )
 	{
 		plannings.push_back(
 		    std::make_unique<Planning>( entry, judges, static_cast<Judge>( j ), settings.range ) );
 	}
-	if ( !plannings[0]->usable() || !judges.hasFcl() )
+	if ( !plannings[0]->usable() || ( settings.rows() == JUDGES && !judges.hasFcl() ) )
 	{
 		return false;
 	}
 	for ( int run = 0; run <= settings.runs; ++run )
 	{
-		for ( std::size_t j = 0; j < JUDGES; ++j )
+		for ( std::size_t j = 0; j < settings.rows(); ++j )
 		{
 			Planned planned = plannings[j]->run( settings.seconds );
 			if ( run == 0 )
@@ -222,28 +294,47 @@ bool planProblem(
 			}
 			planned.in_contact = planned.solved && inContact( auditor, world, plannings[j]->path() );
 			tallies[j].add( planned );
+			if ( planned.solved )
+			{
+				tallies[j].addPath( plannings[j]->path() );
+			}
 		}
 	}
 	return true;
 }
 
-Json report( const std::string& name, const Tallies& tallies )
+Json report( const std::string& name, const Tallies& tallies, std::size_t count )
 {
 	Json rows = Json::array();
-	for ( std::size_t j = 0; j < JUDGES; ++j )
+	for ( std::size_t j = 0; j < count; ++j )
 	{
 		const Tally& t = tallies[j];
 		const Summary plan = summarise( t.plan ), simplify = summarise( t.simplify ), ours = summarise( tallies[0].plan );
-		std::printf( "%-28s %-15s %4zu/%-4zu | %9.0f %9.0f %10.0f | %9.0f | %6.2f %6.2f | %7.2f | %4zu\n", name.c_str(),
+		std::printf( "%-28s %-15s %4zu/%-4zu | %9.0f %9.0f %10.0f | %9.0f | %6.2f %6.2f | %7.2f %7.2f | %4zu\n", name.c_str(),
 		    JUDGE_NAMES[j], t.solved, t.runs, plan.median, plan.mean, plan.p95, simplify.median,
-		    ours.median > 0 ? plan.median / ours.median : 0, ours.mean > 0 ? plan.mean / ours.mean : 0, median( t.length ),
+		    ours.median > 0 ? plan.median / ours.median : 0, ours.mean > 0 ? plan.mean / ours.mean : 0, median( t.first_length ),
+		    median( t.length ),
 		    t.in_contact );
 		rows.push_back( { { "problems", name }, { "judge", JUDGE_NAMES[j] }, { "runs", t.runs }, { "solved", t.solved },
-		    { "planning", toJson( plan ) }, { "simplification", toJson( simplify ) },
-		    { "length_median", median( t.length ) }, { "in_contact", t.in_contact } } );
+		    { "planning", toJson( plan ) }, { "simplification", toJson( simplify ) }, { "first_length_median", median( t.first_length ) },
+		    { "length_median", median( t.length ) },
+		    { "in_contact", t.in_contact }, { "paths_hash", std::to_string( t.hash ) } } );
 	}
 	std::fflush( stdout );
 	return rows;
+}
+
+/// The set of a problem: box_panda of "panda panda_arm/box_panda/1", armar3 planner of "armar3 planner/06".
+std::string setOf( const std::string& name )
+{
+	const std::size_t first = name.find( '/' ), last = name.rfind( '/' );
+	return first == last ? name.substr( 0, first ) : name.substr( first + 1, last - first - 1 );
+}
+
+/// panda of "box_panda", armar3 of "armar3 planner".
+std::string robotOf( const std::string& set )
+{
+	return set.find( ' ' ) != std::string::npos ? set.substr( 0, set.find( ' ' ) ) : set.substr( set.rfind( '_' ) + 1 );
 }
 
 int run( const Settings& settings )
@@ -257,20 +348,22 @@ int run( const Settings& settings )
 	std::iota( numbers.begin(), numbers.end(), 1 );
 	worlds.addMbm( "panda", "panda_arm", numbers );
 	worlds.addMbm( "fetch", "arm_with_torso", numbers );
-	std::printf( "microseconds of processor time; ratios to certified; solved of runs; paths in contact\n" );
-	std::printf( "%-28s %-15s %9s | %9s %9s %10s | %9s | %6s %6s | %7s | %s\n", "problems", "judge", "solved", "median",
-	    "mean", "p95", "simplify", "median", "mean", "length", "contact" );
+	worlds.addArmarProblems();
+	std::printf( "microseconds of processor time; ratios to leeway; solved of runs; paths in contact\n" );
+	std::printf( "%-28s %-15s %9s | %9s %9s %10s | %9s | %6s %6s | %7s %7s | %s\n", "problems", "judge", "solved", "median",
+	    "mean", "p95", "simplify", "median", "mean", "first", "length", "contact" );
 	const auto models = std::make_shared<FclModels>();
 	Json rows = Json::array();
 	std::size_t refuted = 0, left_out = 0;
+	std::map<std::string, Tallies> totals;
 	for ( std::size_t i = 0; i < worlds.size(); )
 	{
 		// "panda panda_arm/box_panda/1": all of one set together
 		const std::string& name = worlds.world( i ).name;
-		const std::string set = name.substr( name.find( '/' ) + 1, name.rfind( '/' ) - name.find( '/' ) - 1 );
+		const std::string set = setOf( name );
 		Tallies tallies;
 		std::size_t planned = 0;
-		for ( ; i < worlds.size() && worlds.world( i ).name.find( "/" + set + "/" ) != std::string::npos; ++i )
+		for ( ; i < worlds.size() && setOf( worlds.world( i ).name ) == set; ++i )
 		{
 			if ( set.find( settings.only ) != std::string::npos )
 			{
@@ -281,11 +374,23 @@ int run( const Settings& settings )
 		}
 		if ( planned > 0 )
 		{
-			refuted += tallies[0].in_contact;
-			for ( const Json& row : report( set, tallies ) )
+			refuted += tallies[0].in_contact + tallies[1].in_contact + tallies[2].in_contact;
+			Tallies& total = totals["all of " + robotOf( set )];
+			for ( std::size_t j = 0; j < settings.rows(); ++j )
+			{
+				total[j].add( tallies[j] );
+			}
+			for ( const Json& row : report( set, tallies, settings.rows() ) )
 			{
 				rows.push_back( row );
 			}
+		}
+	}
+	for ( const auto& [name, total] : totals )
+	{
+		for ( const Json& row : report( name, total, settings.rows() ) )
+		{
+			rows.push_back( row );
 		}
 	}
 	if ( rows.empty() )
@@ -314,6 +419,8 @@ int main( int argc, char** argv )
 	program.option( "--seconds", settings.seconds, "at most for a run", POSITIVE );
 	program.option( "--range", settings.range, "longest motion that the planner adds; 0 = OMPL's choice" );
 	program.option( "--budget", settings.budget, "seconds for pair proofs" );
+	program.flag( "--planners-only", settings.planners_only, "rows of proved motions only" );
+	program.flag( "--native-only", settings.native_only, "leeway's planner only" );
 	program.option( "--seed", settings.seed, "of the planners" );
 	program.option( "--json", settings.json, "result file" );
 	return program.run( argc, argv, [&] { return run( settings ); } );

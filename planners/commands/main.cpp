@@ -145,7 +145,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->type_name( "START" );
 	command->add_option( "--request", options.common.request, "file with start and goal; --start and --goal override it" )
 	    ->type_name( "Q.yaml" );
-	command->add_option( "--planner", options.planner, "a planner of OMPL (default: RRTConnect, then SBL for the second half of the time)" )
+	command->add_option( "--planner", options.planner, "Leeway, or a planner of OMPL (default: Leeway, then SBL for the second half of the time)" )
 	    ->type_name( "NAME" );
 	command
 	    ->add_option(

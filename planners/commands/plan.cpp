@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway plan: a request solved with OMPL, simplified, certified again, and audited.
+// leeway plan: a request solved, simplified, certified again, and audited.
 #include "setup/audit.hpp"
 #include "setup/ends.hpp"
 #include "text/names.hpp"
@@ -8,6 +8,8 @@
 
 #include "leeway/ik/goal_states.hpp"
 #include "leeway/ompl/validity.hpp"
+#include "leeway/planners/ompl_planner.hpp"
+#include "leeway/planners/smooth.hpp"
 
 #include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
@@ -33,6 +35,7 @@ namespace og = ::ompl::geometric;
 // Simplification ends when a round gains less than this share of the length, or after this many rounds.
 constexpr double simplify_gain = 0.02;
 constexpr int simplify_rounds = 10;
+constexpr unsigned smooth_tries = 4; // of leeway's own smoother
 constexpr unsigned int simplify_attempts = 30; // shortcuts tried per round
 
 using Points = std::vector<std::vector<double>>;
@@ -84,9 +87,10 @@ struct Solution
 	Edges edges;
 	Seconds seconds;
 	std::string planner;  // the last one that was tried
+	std::vector<std::string> tried; // all that share the time
 	unsigned threads = 1; // of the planner
 	std::map<std::string, std::string> parameters; // of the planner
-	::leeway::ompl::Counters counters;
+	::leeway::ompl::Counters counters; // of the engine, and of the native planner
 	std::vector<::leeway::ompl::UndecidedPair> undecided_pairs;
 	std::string undecided; // a sentence on them
 	ik::GoalStates goals; // of a pose goal
@@ -158,14 +162,40 @@ lw_edge_def edgeDef( const PlanOptions& options )
 
 // The planners that share the time. Trees that grow towards each other by long motions find most paths at once; where both ends are in narrow
 // places, many short motions do (b1, a quadruped with an arm: RRTConnect finds nothing in 30 s, SBL a path in 1.4 s).
-std::vector<std::string> plannersOf( const PlanOptions& options )
+// native: the group suits leeway's own planner, which supports no floating joints
+std::vector<std::string> plannersOf( const PlanOptions& options, bool native = true )
 {
 	if ( !options.planner.empty() )
 	{
 		return { options.planner };
 	}
-	return options.parameters.empty() && options.threads == 0 ? std::vector<std::string>{ "RRTConnect", "SBL" }
-	                                                          : std::vector<std::string>{ "RRTConnect" };
+	const std::string first = native ? "Leeway" : "RRTConnect";
+	return options.parameters.empty() && options.threads == 0 ? std::vector<std::string>{ first, "SBL" }
+	                                                          : std::vector<std::string>{ first };
+}
+
+// Length of the longest motion that suits the robot; 0 for spaces with rotations.
+double suitableRange( const ::leeway::ompl::Engine& engine )
+{
+	try
+	{
+		return planners::geometricRange( engine );
+	}
+	catch ( const planners::InputError& )
+	{
+		return 0;
+	}
+}
+
+// OMPL's planners take a fifth of the space's extent, whatever the robot: proofs of motions that long are mostly in vain.
+void setRange( ob::Planner& planner, double range, const std::vector<std::string>& parameters )
+{
+	const bool given = std::any_of( parameters.begin(), parameters.end(),
+	    []( const std::string& assignment ) { return assignment.rfind( "range=", 0 ) == 0; } );
+	if ( range > 0 && !given && planner.params().hasParam( "range" ) )
+	{
+		planner.params().setParam( "range", fmt::format( "{:.3g}", range ) );
+	}
 }
 
 // All edges once more, with a query of their own: nothing of the planner's is trusted.
@@ -196,6 +226,38 @@ Points pointsOf( const og::PathGeometric& path, const ::leeway::ompl::Engine& en
 		engine.adapter().toVector( path.getState( static_cast<unsigned int>( i ) ), points.back().data() );
 	}
 	return points;
+}
+
+void addCounters( ::leeway::ompl::Counters& sum, const ::leeway::ompl::Counters& more )
+{
+	sum.states += more.states;
+	sum.edges += more.edges;
+	sum.free += more.free;
+	sum.blocked += more.blocked;
+	sum.undecided += more.undecided;
+	sum.edge_queries += more.edge_queries;
+}
+
+// The path after proved shortcuts and cut corners.
+Points smoothed( const Workbench& bench, const Points& points, const lw_edge_def& def, std::uint64_t seed )
+{
+	planners::Path path;
+	path.dimension = points.front().size();
+	for ( const std::vector<double>& point : points )
+	{
+		path.values.insert( path.values.end(), point.begin(), point.end() );
+	}
+	planners::SmoothSettings settings;
+	settings.edge = def;
+	settings.seed = seed;
+	const Query query = makeQuery( bench.checker() );
+	require( planners::smooth( bench.checker(), query.get(), settings, {}, path ), "smoothing" );
+	Points out;
+	for ( std::size_t i = 0; i < path.count(); ++i )
+	{
+		out.emplace_back( path[i], path[i] + path.dimension );
+	}
+	return out;
 }
 
 double lengthOf( const Workbench& bench, const Points& points )
@@ -330,6 +392,7 @@ public:
 		}
 		m_si = std::make_shared<ob::SpaceInformation>( m_space );
 		m_engine = ::leeway::ompl::install( m_si, bench.problem().checker, judge );
+		m_range = suitableRange( *m_engine );
 		m_si->setup();
 		ensureProjection( m_space ); // after setup(), which registers the space's own
 	}
@@ -345,7 +408,8 @@ public:
 			goals->addState( state( goal ) );
 		}
 		definition->setGoal( goals );
-		const std::vector<std::string> names = plannersOf( m_options );
+		const std::vector<std::string> names = plannersOf( m_options, m_range > 0 );
+		solution.tried = names;
 		for ( std::size_t i = 0; i < names.size() && !solution.solved; ++i )
 		{
 			run( findPlanner( names[i] ), time / static_cast<double>( names.size() ), definition, solution );
@@ -354,7 +418,7 @@ public:
 		{
 			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
 		}
-		solution.counters = m_engine->counters();
+		addCounters( solution.counters, m_engine->counters() );
 		solution.undecided_pairs = m_engine->undecidedPairs();
 		solution.undecided = m_engine->describeUndecided();
 		return solution;
@@ -366,6 +430,7 @@ private:
 		solution.planner = entry.name;
 		definition->clearSolutionPaths(); // an approximate one of the planner before
 		const ob::PlannerPtr planner = entry.make( m_si );
+		setRange( *planner, m_range, m_options.parameters );
 		setParameters( *planner, m_options.parameters );
 		if ( entry.threads != nullptr )
 		{
@@ -385,6 +450,18 @@ private:
 			planner->params().getParams( solution.parameters ); // as set up: 0 may mean the planner's own choice
 			solution.status = planner->solve( ob::timedPlannerTerminationCondition( time ) ).asString();
 			solution.seconds.plan += now() - begin;
+		}
+		if ( const auto* native = dynamic_cast<const planners::OmplPlanner*>( planner.get() ) )
+		{
+			const planners::Statistics& work = native->statistics();
+			::leeway::ompl::Counters counters;
+			counters.states = work.states;
+			counters.edges = work.edges;
+			counters.free = work.free;
+			counters.blocked = work.blocked;
+			counters.undecided = work.undecided;
+			counters.edge_queries = work.edge_queries;
+			addCounters( solution.counters, counters );
 		}
 		// An approximate solution ends somewhere else: it is none.
 		solution.solved = definition->hasExactSolution();
@@ -415,10 +492,24 @@ private:
 		const double simplify_begin = now();
 		// a path that is not certified to begin with cannot get worse
 		const bool was_certified = solution.edges.all();
-		simplify( path, m_si,
-		    [&]( const og::PathGeometric& now )
-		    { return !was_certified || certify( m_bench, pointsOf( now, *m_engine ), def ).all(); } );
-		const Points shorter = pointsOf( path, *m_engine );
+		Points shorter;
+		if ( m_range > 0 )
+		{
+			// Within the slack a proof may depend on the edges before it: another seed makes other edges
+			unsigned tries = 0;
+			do
+			{
+				shorter = smoothed( m_bench, solution.points, def, m_options.seed + ( std::uint64_t( tries ) << 32 ) );
+			} while ( was_certified && !certify( m_bench, shorter, def ).all() && ++tries < smooth_tries );
+			shorter = tries < smooth_tries ? shorter : solution.points;
+		}
+		else
+		{
+			simplify( path, m_si,
+			    [&]( const og::PathGeometric& now )
+			    { return !was_certified || certify( m_bench, pointsOf( now, *m_engine ), def ).all(); } );
+			shorter = pointsOf( path, *m_engine );
+		}
 		solution.simplified = shorter != solution.points;
 		solution.points = shorter;
 		solution.edges = certify( m_bench, shorter, def );
@@ -432,6 +523,7 @@ private:
 	ob::StateSpacePtr m_space;
 	ob::SpaceInformationPtr m_si;
 	std::shared_ptr<const ::leeway::ompl::Engine> m_engine;
+	double m_range = 0; // suits the robot; 0: spaces with rotations
 };
 
 PathFile pathFile(
@@ -593,7 +685,8 @@ Solution solve( const PlanOptions& options, const Input& input, const Workbench&
 	}
 	catch ( const ::ompl::Exception& error )
 	{
-		throw io::Error( "command line", "--planner " + plannersOf( options ).front(), error.what(), "choose another planner" );
+		throw io::Error( "command line", "--planner " + ( options.planner.empty() ? "(default)" : options.planner ), error.what(),
+		    "choose another planner" );
 	}
 	catch ( const std::invalid_argument& error )
 	{
@@ -646,7 +739,7 @@ int runPlan( const PlanOptions& options )
 		tell(
 		    "leeway: no path found by {}: {} after {:.1f} s ({} and {} checked); try more --time, another --seed "
 		    "or --planner{}{}{}\n",
-		    listed( plannersOf( options ) ), solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
+		    listed( solution.tried ), solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
 		    counted( solution.counters.edges, "edge" ), options.common.min_d > 0 ? ", or a smaller --min-d" : "",
 		    solution.undecided.empty() ? "" : "; ", solution.undecided );
 		return exit_no;

@@ -27,7 +27,8 @@ Settings checked( const Settings& settings )
 	need( edge.min_d >= 0 && std::isfinite( edge.min_d ), "edge.min_d must be finite and at least 0" );
 	need( edge.slack > 0 && std::isfinite( edge.slack ), "edge.slack must be finite and above 0" );
 	need( settings.range >= 0 && std::isfinite( settings.range ), "range must be finite and at least 0" );
-	need( settings.sample_radius >= 0 && std::isfinite( settings.sample_radius ), "sample_radius must be finite and at least 0" );
+	need( settings.sample_radius >= 0 && std::isfinite( settings.sample_radius ),
+	    "sample_radius must be finite and at least 0" );
 	need( settings.most_nodes >= 2 && settings.most_nodes <= no_node, "most_nodes must be 2 to 2^32 - 1" );
 	return settings;
 }

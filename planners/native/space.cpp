@@ -14,7 +14,8 @@ namespace leeway::planners
 namespace
 {
 
-constexpr double bound_tolerance = 1e-5;    // radians or metres: descriptions print 3.14159 for pi; such ends are used unchanged
+// Radians or metres: descriptions print 3.14159 for pi; ends beyond a bound by less are used unchanged
+constexpr double bound_tolerance = 1e-5;
 constexpr double unlimited = 1e300;         // metres, in place of infinite limits
 constexpr unsigned range_states = 16;       // random states at which speeds are measured
 constexpr double speed_step = 1e-4;         // radians or metres, for differences of poses

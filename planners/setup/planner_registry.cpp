@@ -3,6 +3,7 @@
 #include "setup/planner_registry.hpp"
 
 #include "leeway/io/model.hpp"
+#include "leeway/planners/ompl_planner.hpp"
 
 #include <ompl/base/ProjectionEvaluator.h>
 #include <ompl/config.h>
@@ -116,6 +117,7 @@ bool isInRange( const std::string& value, const std::string& range )
 const std::vector<PlannerEntry>& planners()
 {
 	static const std::vector<PlannerEntry> entries = {
+	    { "Leeway", "first solution", make<planners::OmplPlanner> },
 	    { "RRTConnect", "first solution", make<og::RRTConnect> },
 	    { "RRT", "first solution", make<og::RRT> },
 	    { "LazyRRT", "first solution", make<og::LazyRRT> },

@@ -98,7 +98,7 @@ TEST_F( CliPlan, ParallelPlannersGetTheirNumber )
 	EXPECT_EQ( one.status, 0 ) << one.err;
 	const Outcome two = runModel( "plan", { "--request", "request.yaml", "--threads", "2" }, "blocked.yaml" );
 	EXPECT_EQ( two.status, 2 );
-	EXPECT_NE( two.err.find( "--threads: RRTConnect plans with one thread" ), std::string::npos ) << two.err;
+	EXPECT_NE( two.err.find( "--threads: Leeway plans with one thread" ), std::string::npos ) << two.err;
 	EXPECT_NE( two.err.find( "AnytimePathShortening" ), std::string::npos ) << two.err;
 }
 
@@ -125,7 +125,7 @@ TEST_F( CliPlan, OneRefusedPartDoesNotUndoAllShortcuts )
 	for ( int seed = 1; seed <= 20; ++seed )
 	{
 		const Outcome plan = runModel( "plan",
-		    { "--request", "request.yaml", "--planner-param", "intermediate_states=1", "--slack", "0.05", "--seed",
+		    { "--request", "request.yaml", "--planner", "RRTConnect", "--planner-param", "intermediate_states=1", "--slack", "0.05", "--seed",
 		        std::to_string( seed ), "--report", "r.json" },
 		    "blocked.yaml" );
 		ASSERT_EQ( plan.status, 0 ) << plan.err;
@@ -142,7 +142,7 @@ TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
 	const Outcome plan = runModel( "plan",
 	    { "--request", "request.yaml", "--time", "0.5", "--out", "path.yaml", "--report", "r.json" }, "blocked.yaml" );
 	EXPECT_EQ( plan.status, 1 ) << plan.err;
-	EXPECT_TRUE( contains( plan.err, "no path found by RRTConnect, SBL" ) ) << plan.err;
+	EXPECT_TRUE( contains( plan.err, "no path found by Leeway, SBL" ) ) << plan.err;
 	EXPECT_EQ( readFile( path( "path.yaml" ) ), "" );
 	EXPECT_FALSE( nlohmann::json::parse( readFile( path( "r.json" ) ) )["solved"] );
 }

@@ -2,15 +2,12 @@
 // Problems of the native planner in the small worlds of tests/ompl, and paths measured densely by exact queries.
 #pragma once
 
-#include "world.hpp"
+#include "planning.hpp"
 
 #include "leeway/planners/planner.hpp"
 
 namespace planners = leeway::planners;
 using planners::Outcome;
-
-// A limit for searches that have gone astray, far above the need of any, sanitizers included; none is asserted.
-constexpr double patience = 60;
 
 inline planners::Stop soon( double seconds = patience )
 {
@@ -51,7 +48,7 @@ struct Problem
 };
 
 /// Every edge at states at most 5 mm or 5 mrad apart, by exact clearances: nothing of edges or of the planner's metric.
-inline void audit( const leeway::Checker& checker, const planners::Path& path, double min_d = 0 )
+inline void audit( const leeway::Checker& checker, const planners::Path& path, double margin = 0 )
 {
 	const leeway::Query query = leeway::makeQuery( checker.get() );
 	const lw_robot* robot = lw_checker_robot( checker.get() );
@@ -74,9 +71,8 @@ inline void audit( const leeway::Checker& checker, const planners::Path& path, d
 				q[v] = between[lw_checker_variable( checker.get(), v )];
 			}
 			lw_state_result state;
-			ASSERT_EQ(
-			    lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &state ), LW_OK );
-			ASSERT_GT( std::min( state.environment.lower, state.self.lower ), min_d - 1e-9 )
+			ASSERT_EQ( lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &state ), LW_OK );
+			ASSERT_GT( std::min( state.environment.lower, state.self.lower ), margin - 1e-9 )
 			    << "edge " << i << " at " << k << "/" << count;
 		}
 	}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The planner as one of OMPL's.
+//
+//     leeway::ompl::install( si, checker );
+//     setup.setPlanner( std::make_shared<leeway::planners::OmplPlanner>( si ) );
+#pragma once
+
+#include "leeway/ompl/validity.hpp"
+#include "leeway/planners/planner.hpp"
+
+#include <ompl/base/Planner.h>
+#include <ompl/util/RandomNumbers.h>
+
+namespace leeway::planners
+{
+
+/// Planner under OMPL's interface: several starts and goals, goals that are sampled while it searches, approximate solutions, clear(),
+/// and solve() again. Samples lie in the bounds of the space. clear() takes a new seed from OMPL's random numbers.
+///
+/// States and edges go straight to the checker: they are in statistics(), not in Engine::counters() or Engine::refusals().
+class OmplPlanner : public ::ompl::base::Planner
+{
+public:
+	explicit OmplPlanner( const ::ompl::base::SpaceInformationPtr& si );
+	~OmplPlanner() override;
+
+	/// @throws ::ompl::Exception if the motion validator is not leeway's, if the space's curves are not straight edges, or if the
+	/// group has a floating joint; setup() throws the same
+	::ompl::base::PlannerStatus solve( const ::ompl::base::PlannerTerminationCondition& end ) override;
+	void clear() override;
+	void setup() override;
+	void getPlannerData( ::ompl::base::PlannerData& data ) const override;
+
+	/// Longest edge that a tree grows by; 0 = geometricRange(), which setup() fills in.
+	void setRange( double range );
+	double getRange() const { return m_range; }
+	const Statistics& statistics() const { return m_statistics; } ///< of all solve() since clear() or a new checker
+
+private:
+	class Goals;
+	const leeway::ompl::Engine& engine() const;
+	void makePlanner( const lw_checker* checker );
+	bool addStarts();
+	Outcome search( const leeway::ompl::Engine::Lease& lease, Goals& goals );
+	void addPath( const Path& path, bool approximate, double distance );
+	void freeStates();
+
+	std::unique_ptr<leeway::planners::Planner> m_planner;
+	const lw_checker* m_checker = nullptr; ///< of m_planner
+	Statistics m_statistics;
+	double m_range = 0;
+	::ompl::RNG m_rng;
+	mutable std::vector<::ompl::base::State*> m_states; ///< handed out by getPlannerData()
+};
+
+/// geometricRange() of a checker in the bounds of a space that fits it.
+/// @throws InputError for a space with rotations
+double geometricRange( const leeway::ompl::Engine& engine );
+
+} // namespace leeway::planners

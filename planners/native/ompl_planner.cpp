@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// OMPL's interface around the search: states to and from vectors, goals that come late, planner data.
+#include "leeway/planners/ompl_planner.hpp"
+
+#include <ompl/base/goals/GoalSampleableRegion.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/base/spaces/SO2StateSpace.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/util/Exception.h>
+
+#include <limits>
+
+namespace leeway::planners
+{
+
+namespace ob = ::ompl::base;
+namespace og = ::ompl::geometric;
+
+namespace
+{
+
+constexpr double half_turn = 3.14159265358979323846;
+
+struct Bounds
+{
+	std::vector<double> lower, upper;
+};
+
+/// Bounds of a space's numbers, in the order of the state vector.
+void collect( const ob::StateSpace& space, Bounds& bounds )
+{
+	if ( space.isCompound() )
+	{
+		const auto& compound = *space.as<ob::CompoundStateSpace>();
+		for ( unsigned i = 0; i < compound.getSubspaceCount(); ++i )
+		{
+			collect( *compound.getSubspace( i ), bounds );
+		}
+	}
+	else if ( const auto* vector = dynamic_cast<const ob::RealVectorStateSpace*>( &space ) )
+	{
+		const ob::RealVectorBounds& own = vector->getBounds();
+		bounds.lower.insert( bounds.lower.end(), own.low.begin(), own.low.end() );
+		bounds.upper.insert( bounds.upper.end(), own.high.begin(), own.high.end() );
+	}
+	else if ( dynamic_cast<const ob::SO2StateSpace*>( &space ) != nullptr )
+	{
+		bounds.lower.push_back( -half_turn );
+		bounds.upper.push_back( half_turn );
+	}
+	else
+	{
+		throw InputError( "leeway::planners: state space " + space.getName() +
+		                  ": only RealVector, SO2 and compounds of them are supported; plan with one of OMPL's planners" );
+	}
+}
+
+Bounds boundsOf( const leeway::ompl::Engine& engine )
+{
+	Bounds bounds;
+	collect( *engine.adapter().space(), bounds );
+	return bounds;
+}
+
+} // namespace
+
+double geometricRange( const leeway::ompl::Engine& engine )
+{
+	const Bounds bounds = boundsOf( engine );
+	return geometricRange( engine.checker().get(), bounds.lower.data(), bounds.upper.data() );
+}
+
+/// OMPL's goals: the first one is waited for; then one more whenever twice as much work was done as before the last.
+class OmplPlanner::Goals
+{
+public:
+	Goals( OmplPlanner& planner, const ob::PlannerTerminationCondition& end ) : m_planner( planner ), m_end( end ) {}
+
+	bool isOver() const { return m_end(); }
+
+	/// Adds the goals that are there, after waiting for the first one if none was used so far.
+	bool add()
+	{
+		const bool first = m_planner.pis_.getSampledGoalsCount() == 0;
+		const ob::State* state = first ? m_planner.pis_.nextGoal( m_end ) : m_planner.pis_.nextGoal();
+		if ( state == nullptr )
+		{
+			return false;
+		}
+		std::vector<double> q( m_planner.engine().adapter().size() );
+		m_planner.engine().adapter().toVector( state, q.data() );
+		m_planner.m_planner->addGoal( q.data() );
+		return true;
+	}
+
+	/// For Stop::poll: true if the search has to end, or to take a goal.
+	static bool poll( void* user )
+	{
+		Goals& goals = *static_cast<Goals*>( user );
+		goals.m_due = ++goals.m_polls >= goals.m_next && goals.m_planner.pis_.haveMoreGoalStates();
+		if ( goals.m_due )
+		{
+			goals.m_next = 2 * goals.m_polls;
+		}
+		return goals.m_due || goals.m_end();
+	}
+	bool isDue() const { return m_due; }
+
+private:
+	OmplPlanner& m_planner;
+	const ob::PlannerTerminationCondition& m_end;
+	std::uint64_t m_polls = 0, m_next = 16;
+	bool m_due = false;
+};
+
+OmplPlanner::OmplPlanner( const ob::SpaceInformationPtr& si ) : ob::Planner( si, "Leeway" )
+{
+	specs_.approximateSolutions = true;
+	specs_.directed = true;
+	specs_.recognizedGoal = ob::GOAL_SAMPLEABLE_REGION;
+	Planner::declareParam<double>( "range", this, &OmplPlanner::setRange, &OmplPlanner::getRange, "0.:1.:10000." );
+}
+
+OmplPlanner::~OmplPlanner()
+{
+	freeStates();
+}
+
+void OmplPlanner::freeStates()
+{
+	for ( ob::State* state : m_states )
+	{
+		si_->freeState( state );
+	}
+	m_states.clear();
+}
+
+const leeway::ompl::Engine& OmplPlanner::engine() const
+{
+	const auto* validator = dynamic_cast<const leeway::ompl::MotionValidator*>( si_->getMotionValidator().get() );
+	if ( validator == nullptr || !validator->engine()->adapter().straight() )
+	{
+		throw ::ompl::Exception( getName(), "the motion validator is not leeway's; call leeway::ompl::install() first" );
+	}
+	return *validator->engine();
+}
+
+void OmplPlanner::setRange( double range )
+{
+	m_range = range;
+	m_planner.reset();
+}
+
+void OmplPlanner::setup()
+{
+	Planner::setup();
+	try
+	{
+		const double suited = geometricRange( engine() ); // also refuses spaces that are not supported
+		m_range = m_range > 0 ? m_range : suited;
+	}
+	catch ( const InputError& error )
+	{
+		setup_ = false;
+		throw ::ompl::Exception( getName(), error.what() );
+	}
+}
+
+void OmplPlanner::clear()
+{
+	Planner::clear();
+	m_planner.reset();
+	m_statistics = {};
+	freeStates();
+}
+
+void OmplPlanner::makePlanner( const lw_checker* checker )
+{
+	const leeway::ompl::Options& options = engine().options();
+	Settings settings;
+	settings.edge.method = options.method;
+	settings.edge.flags = options.flags;
+	settings.edge.min_d = options.min_d;
+	settings.edge.slack = options.slack;
+	settings.edge.max_d = options.step;
+	settings.range = m_range;
+	settings.seed = static_cast<std::uint64_t>( m_rng.uniformInt( 0, std::numeric_limits<int>::max() ) );
+	Bounds bounds = boundsOf( engine() );
+	settings.lower = std::move( bounds.lower );
+	settings.upper = std::move( bounds.upper );
+	m_planner = std::make_unique<leeway::planners::Planner>( Checker::adopt( lw_checker_retain( checker ) ), settings );
+	m_checker = checker;
+	pis_.restart(); // all starts and goals are new to it
+}
+
+bool OmplPlanner::addStarts()
+{
+	std::vector<double> q( engine().adapter().size() );
+	while ( const ob::State* state = pis_.nextStart() )
+	{
+		engine().adapter().toVector( state, q.data() );
+		m_planner->addStart( q.data() );
+	}
+	return pis_.getSeenStartStatesCount() > 0;
+}
+
+Outcome OmplPlanner::search( const leeway::ompl::Engine::Lease& lease, Goals& goals )
+{
+	Stop stop;
+	stop.poll = Goals::poll;
+	stop.user = &goals;
+	Outcome outcome = m_planner->solve( lease.query(), stop );
+	while ( outcome == Outcome::CANCELLED && goals.isDue() && !goals.isOver() )
+	{
+		goals.add();
+		outcome = m_planner->solve( lease.query(), stop );
+	}
+	return outcome;
+}
+
+void OmplPlanner::addPath( const Path& path, bool approximate, double distance )
+{
+	auto result = std::make_shared<og::PathGeometric>( si_ );
+	ob::ScopedState<> state( si_ );
+	for ( std::size_t i = 0; i < path.count(); ++i )
+	{
+		engine().adapter().fromVector( path[i], state.get() );
+		result->append( state.get() );
+	}
+	pdef_->addSolutionPath( result, approximate, distance, getName() );
+}
+
+ob::PlannerStatus OmplPlanner::solve( const ob::PlannerTerminationCondition& end )
+{
+	checkValidity();
+	const auto* goal = dynamic_cast<const ob::GoalSampleableRegion*>( pdef_->getGoal().get() );
+	if ( goal == nullptr )
+	{
+		return ob::PlannerStatus::UNRECOGNIZED_GOAL_TYPE;
+	}
+	const leeway::ompl::Engine::Lease lease( engine() );
+	if ( !lease )
+	{
+		return ob::PlannerStatus::CRASH; // no memory for a query
+	}
+	if ( !m_planner || m_checker != lease.checker() ) // edges that were proved in an older scene prove nothing
+	{
+		makePlanner( lease.checker() );
+	}
+	if ( !addStarts() )
+	{
+		return ob::PlannerStatus::INVALID_START;
+	}
+	Goals goals( *this, end );
+	if ( !goal->couldSample() || ( pis_.getSampledGoalsCount() == 0 && !goals.add() ) )
+	{
+		return ob::PlannerStatus::INVALID_GOAL;
+	}
+	while ( goals.add() && pis_.getSampledGoalsCount() < goal->maxSampleCount() && pis_.getSampledGoalsCount() < 8 )
+	{
+	}
+	const Outcome outcome = search( lease, goals );
+	m_statistics = m_planner->statistics();
+	switch ( outcome )
+	{
+	case Outcome::SOLVED: addPath( m_planner->path(), false, 0 ); return ob::PlannerStatus::EXACT_SOLUTION;
+	case Outcome::NO_START: return ob::PlannerStatus::INVALID_START;
+	case Outcome::NO_GOAL: return ob::PlannerStatus::INVALID_GOAL;
+	case Outcome::FAILED: return ob::PlannerStatus::CRASH;
+	case Outcome::TIMED_OUT:
+	case Outcome::CANCELLED:
+	case Outcome::NODES_FULL: break;
+	}
+	double distance = 0;
+	const Path path = m_planner->approximatePath( &distance );
+	if ( path.count() == 0 )
+	{
+		return ob::PlannerStatus::TIMEOUT;
+	}
+	addPath( path, true, distance );
+	return ob::PlannerStatus::APPROXIMATE_SOLUTION;
+}
+
+void OmplPlanner::getPlannerData( ob::PlannerData& data ) const
+{
+	Planner::getPlannerData( data );
+	if ( !m_planner )
+	{
+		return;
+	}
+	struct Visit
+	{
+		const OmplPlanner& planner;
+		ob::PlannerData& data;
+		std::vector<ob::State*> nodes[2];
+	} visit{ *this, data, {} };
+	m_planner->visitNodes(
+	    []( void* user, bool of_goal, std::uint32_t parent, const double* q )
+	    {
+		    Visit& to = *static_cast<Visit*>( user );
+		    ob::State* state = to.planner.si_->allocState();
+		    to.planner.m_states.push_back( state );
+		    to.planner.engine().adapter().fromVector( q, state );
+		    std::vector<ob::State*>& nodes = to.nodes[of_goal];
+		    nodes.push_back( state );
+		    const int tag = of_goal ? 2 : 1;
+		    if ( parent == LW_INVALID_INDEX )
+		    {
+			    of_goal ? to.data.addGoalVertex( ob::PlannerDataVertex( state, tag ) )
+			            : to.data.addStartVertex( ob::PlannerDataVertex( state, tag ) );
+			    return;
+		    }
+		    const ob::PlannerDataVertex from( nodes[parent], tag ), here( state, tag );
+		    of_goal ? to.data.addEdge( here, from ) : to.data.addEdge( from, here );
+	    },
+	    &visit );
+}
+
+} // namespace leeway::planners

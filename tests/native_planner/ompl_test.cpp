@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The native planner behind OMPL's interface: the calls that OMPL's own tests and tools make.
+#include "planner_rig.hpp"
+
+
+#include "leeway/planners/ompl_planner.hpp"
+
+#include <ompl/base/DiscreteMotionValidator.h>
+#include <ompl/base/PlannerData.h>
+#include <ompl/base/goals/GoalLazySamples.h>
+#include <ompl/base/goals/GoalStates.h>
+#include <ompl/geometric/SimpleSetup.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/tools/benchmark/Benchmark.h>
+#include <ompl/util/Exception.h>
+
+#include <thread>
+
+namespace
+{
+
+using planners::OmplPlanner;
+
+/// A problem of OMPL with leeway's planner.
+struct OmplProblem
+{
+	Rig rig;
+	std::shared_ptr<ob::ProblemDefinition> definition;
+	std::shared_ptr<OmplPlanner> planner;
+
+	explicit OmplProblem( leeway::Checker checker )
+	    : rig( std::move( checker ), plannerOptions() ), definition( std::make_shared<ob::ProblemDefinition>( rig.si ) ),
+	      planner( std::make_shared<OmplPlanner>( rig.si ) )
+	{
+		planner->setProblemDefinition( definition );
+	}
+	explicit OmplProblem( const World& world ) : OmplProblem( world.make() )
+	{
+		definition->setStartAndGoalStates( state( world.start ), state( world.goal ) );
+	}
+	ob::ScopedState<> state( const std::vector<double>& q ) const
+	{
+		ob::ScopedState<> result( rig.space );
+		rig.engine->adapter().fromVector( q.data(), result.get() );
+		return result;
+	}
+	ob::PlannerStatus solve( double seconds = patience )
+	{
+		return planner->solve( ob::timedPlannerTerminationCondition( seconds ) );
+	}
+	og::PathGeometric path() const { return *definition->getSolutionPath()->as<og::PathGeometric>(); }
+};
+
+leeway::Checker closedGantry()
+{
+	return makeChecker( { slider( "rail x", 0, -1, 1 ), slider( "rail y", 1, -1, 1, makeBox( 0.1, 0.1, 0.1 ) ) },
+	    { { makeBox( 0.1, 3, 0.2 ), at( 0, 0, 0 ) } } );
+}
+
+TEST( NativeOmplPlanner, PathsAreFreeAllTheWay )
+{
+	for ( const char* name : { "Gantry", "Arm", "Cart", "Carrier" } )
+	{
+		SCOPED_TRACE( name );
+		solveAndAudit( worldOf( name ), []( const ob::SpaceInformationPtr& si ) -> ob::PlannerPtr
+		    { return std::make_shared<OmplPlanner>( si ); } );
+	}
+}
+
+TEST( NativeOmplPlanner, SolvesAgainAndAfterClear )
+{
+	OmplProblem setup( worldOf( "Arm" ) );
+	setup.planner->setup();
+	ASSERT_EQ( setup.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	const double first = setup.path().length();
+	EXPECT_EQ( setup.solve(), ob::PlannerStatus::EXACT_SOLUTION ) << "a second call";
+	setup.planner->clear();
+	setup.definition->clearSolutionPaths();
+	EXPECT_EQ( setup.planner->statistics().edges, 0u );
+	ASSERT_EQ( setup.solve(), ob::PlannerStatus::EXACT_SOLUTION ) << "after clear()";
+	EXPECT_NE( setup.path().length(), first ) << "clear() takes a new seed";
+}
+
+TEST( NativeOmplPlanner, TimeOutGivesAnApproximateSolution )
+{
+	OmplProblem setup( closedGantry() );
+	setup.definition->setStartAndGoalStates( setup.state( { -0.8, -0.8 } ), setup.state( { 0.8, -0.8 } ) );
+	EXPECT_EQ( setup.solve( 0.05 ), ob::PlannerStatus::APPROXIMATE_SOLUTION );
+	EXPECT_TRUE( setup.definition->hasApproximateSolution() );
+	EXPECT_FALSE( setup.definition->hasExactSolution() );
+	og::PathGeometric path = setup.path();
+	EXPECT_NEAR( setup.definition->getSolutionDifference(),
+	    setup.rig.space->distance( path.getStates().back(), setup.state( { 0.8, -0.8 } ).get() ), 1e-9 );
+	audit( setup.rig, path );
+}
+
+TEST( NativeOmplPlanner, SeveralStartsAndGoals )
+{
+	const World& world = worldOf( "Gantry" );
+	OmplProblem setup( world.make() );
+	setup.definition->addStartState( setup.state( world.inside ) ); // in collision
+	setup.definition->addStartState( setup.state( world.start ) );
+	auto goals = std::make_shared<ob::GoalStates>( setup.rig.si );
+	goals->addState( setup.state( world.inside ) );
+	goals->addState( setup.state( world.goal ) );
+	goals->addState( setup.state( { 0.8, 0.8 } ) );
+	setup.definition->setGoal( goals );
+	ASSERT_EQ( setup.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	audit( setup.rig, setup.path() );
+	EXPECT_TRUE( goals->isSatisfied( setup.path().getStates().back() ) );
+}
+
+TEST( NativeOmplPlanner, UnusableEndsHaveTheirStatus )
+{
+	const World& world = worldOf( "Gantry" );
+	OmplProblem start( world.make() ), goal( world.make() );
+	start.definition->setStartAndGoalStates( start.state( world.inside ), start.state( world.goal ) );
+	EXPECT_EQ( start.solve( 0.1 ), ob::PlannerStatus::INVALID_START );
+	goal.definition->setStartAndGoalStates( goal.state( world.start ), goal.state( world.inside ) );
+	EXPECT_EQ( goal.solve( 0.1 ), ob::PlannerStatus::INVALID_GOAL );
+}
+
+TEST( NativeOmplPlannerThread, GoalsOfASamplingThreadAreUsed )
+{
+	// the first goal is behind a wall; the second comes when the search is under way
+	OmplProblem setup( closedGantry() );
+	setup.definition->addStartState( setup.state( { -0.8, -0.8 } ) );
+	std::atomic<int> given{ 0 };
+	auto goals = std::make_shared<ob::GoalLazySamples>( setup.rig.si,
+	    [&]( const ob::GoalLazySamples*, ob::State* state )
+	    {
+		    const double behind[] = { 0.8, -0.8 }, reachable[] = { -0.8, 0.8 };
+		    std::this_thread::sleep_for( std::chrono::milliseconds( given == 0 ? 0 : 20 ) );
+		    setup.rig.engine->adapter().fromVector( given++ == 0 ? behind : reachable, state );
+		    return given < 3;
+	    } );
+	setup.definition->setGoal( goals );
+	EXPECT_EQ( setup.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	goals->stopSampling();
+	EXPECT_GE( given, 2 );
+}
+
+TEST( NativeOmplPlanner, PlannerDataIsTheTwoTrees )
+{
+	OmplProblem setup( worldOf( "Arm" ) );
+	ASSERT_EQ( setup.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	ob::PlannerData data( setup.rig.si );
+	setup.planner->getPlannerData( data );
+	const planners::Statistics& work = setup.planner->statistics();
+	EXPECT_EQ( data.numVertices(), work.start_nodes + work.goal_nodes );
+	EXPECT_EQ( data.numEdges(), data.numVertices() - 2 );
+	EXPECT_EQ( data.numStartVertices(), 1u );
+	EXPECT_EQ( data.numGoalVertices(), 1u );
+}
+
+TEST( NativeOmplPlanner, WorksInSimpleSetupAndBenchmark )
+{
+	const World& world = worldOf( "Gantry" );
+	const Rig rig( world.make(), plannerOptions() );
+	og::SimpleSetup setup( rig.si );
+	ob::ScopedState<> start( rig.space ), goal( rig.space );
+	rig.engine->adapter().fromVector( world.start.data(), start.get() );
+	rig.engine->adapter().fromVector( world.goal.data(), goal.get() );
+	setup.setStartAndGoalStates( start, goal );
+	setup.setPlanner( std::make_shared<OmplPlanner>( rig.si ) );
+	EXPECT_EQ( setup.solve( patience ), ob::PlannerStatus::EXACT_SOLUTION );
+	::ompl::tools::Benchmark benchmark( setup, "native" );
+	benchmark.addPlanner( std::make_shared<OmplPlanner>( rig.si ) );
+	benchmark.addPlanner( std::make_shared<og::RRTConnect>( rig.si ) );
+	::ompl::tools::Benchmark::Request request( patience, 4096, 5 );
+	request.displayProgress = false;
+	benchmark.benchmark( request );
+	const auto& results = benchmark.getRecordedExperimentData().planners;
+	ASSERT_EQ( results.size(), 2u );
+	for ( const auto& run : results[0].runs )
+	{
+		EXPECT_EQ( run.at( "solved BOOLEAN" ), "1" );
+	}
+}
+
+TEST( NativeOmplPlanner, NewSceneDropsOldTrees )
+{
+	OmplProblem setup( worldOf( "Gantry" ) );
+	ASSERT_EQ( setup.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	std::const_pointer_cast<leeway::ompl::Engine>( setup.rig.engine )->update( closedGantry() );
+	setup.definition->clearSolutionPaths();
+	EXPECT_NE( setup.solve( 0.05 ), ob::PlannerStatus::EXACT_SOLUTION ) << "a path of the scene before";
+}
+
+TEST( NativeOmplPlanner, RangeIsSetAndShown )
+{
+	OmplProblem setup( worldOf( "Arm" ) );
+	setup.planner->setup();
+	const double suited = setup.planner->getRange();
+	EXPECT_GT( suited, 0.1 );
+	EXPECT_TRUE( setup.planner->params().setParam( "range", "0.25" ) );
+	EXPECT_EQ( setup.planner->getRange(), 0.25 );
+	EXPECT_EQ( setup.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	og::PathGeometric path = setup.path();
+	for ( std::size_t i = 1; i + 2 < path.getStateCount(); ++i )
+	{
+		EXPECT_LE( setup.rig.space->distance( path.getState( unsigned( i ) ), path.getState( unsigned( i + 1 ) ) ), 0.75 );
+	}
+}
+
+TEST( NativeOmplPlanner, ForeignValidatorsAndFloatingJointsAreRefused )
+{
+	OmplProblem drone( worldOf( "Drone" ) );
+	EXPECT_THROW( drone.planner->setup(), ::ompl::Exception );
+	OmplProblem foreign( worldOf( "Arm" ) );
+	foreign.rig.si->setMotionValidator( std::make_shared<ob::DiscreteMotionValidator>( foreign.rig.si ) );
+	EXPECT_THROW( foreign.planner->setup(), ::ompl::Exception );
+}
+
+} // namespace
