@@ -169,6 +169,7 @@ TEST( NativeOmplPlanner, WorksInSimpleSetupAndBenchmark )
 	benchmark.addPlanner( std::make_shared<og::RRTConnect>( rig.si ) );
 	::ompl::tools::Benchmark::Request request( patience, 4096, 5 );
 	request.displayProgress = false;
+	request.saveConsoleOutput = false; // no file in the working folder
 	benchmark.benchmark( request );
 	const auto& results = benchmark.getRecordedExperimentData().planners;
 	ASSERT_EQ( results.size(), 2u );
