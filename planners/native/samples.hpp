@@ -13,7 +13,7 @@ namespace leeway::planners
 class Random
 {
 public:
-	explicit Random( std::uint64_t seed )
+	explicit Random( std::uint64_t seed ) : m_state{}
 	{
 		for ( std::uint64_t& word : m_state ) // splitmix64: no seed gives the state of zeros
 		{
