@@ -30,8 +30,11 @@ endforeach()
 
 if("ompl" IN_LIST COMPONENTS)
   set(first "${prefix}/${DOCDIR}/examples/first") # installed, with the documents
-  run("C++ example on the first example" "${WORK}/build/consumer_plan" "${first}/arm.urdf" "${first}/arm.srdf" "${first}/scene.yaml"
+  run("C++ example on the first example" "${WORK}/build/consumer_example" "${first}/arm.urdf" "${first}/arm.srdf" "${first}/scene.yaml"
     "${first}/request.yaml")
+endif()
+if("plan" IN_LIST COMPONENTS)
+  run("plan in C" "${WORK}/build/consumer_plan_c")
 endif()
 foreach(file LICENSE README.md core/docs/edges.md)
   if(NOT EXISTS "${prefix}/${DOCDIR}/${file}")
@@ -41,17 +44,23 @@ endforeach()
 
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} "${prefix}/${LIBDIR}/pkgconfig")
-  # without --static, as everybody asks: a static library must name its needs
-  execute_process(COMMAND "${PKG_CONFIG}" --cflags --libs "leeway = ${VERSION}" OUTPUT_VARIABLE flags
-    OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "pkg-config does not find leeway ${VERSION} in ${prefix}")
-  endif()
-  separate_arguments(flags UNIX_COMMAND "${flags}")
   set(sanitize)
   if(SANITIZE)
     set(sanitize "-fsanitize=${SANITIZE}")
   endif()
-  run("build by pkg-config" "${C_COMPILER}" -std=c11 ${sanitize} "${SOURCE}/core.c" -o "${WORK}/consumer_pkg_config" ${flags})
-  run("C program by pkg-config" "${WORK}/consumer_pkg_config")
+  function(run_by_pkg_config package source)
+    # without --static, as everybody asks: a static library must name its needs
+    execute_process(COMMAND "${PKG_CONFIG}" --cflags --libs "${package} = ${VERSION}" OUTPUT_VARIABLE flags
+      OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status)
+    if(NOT status EQUAL 0)
+      message(FATAL_ERROR "pkg-config does not find ${package} ${VERSION} in ${prefix}")
+    endif()
+    separate_arguments(flags UNIX_COMMAND "${flags}")
+    run("build by pkg-config ${package}" "${C_COMPILER}" -std=c11 ${sanitize} "${source}" -o "${WORK}/${package}_pkg_config" ${flags})
+    run("C program by pkg-config ${package}" "${WORK}/${package}_pkg_config")
+  endfunction()
+  run_by_pkg_config(leeway "${SOURCE}/core.c")
+  if("plan" IN_LIST COMPONENTS)
+    run_by_pkg_config(leeway-plan "${EXAMPLES}/03_plan/plan.c")
+  endif()
 endif()

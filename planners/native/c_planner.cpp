@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The planner for C: structs to settings and back, exceptions to statuses.
+#include "leeway/planners/planner.h"
+#include "leeway/planners/smooth.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+namespace
+{
+
+using namespace leeway::planners;
+
+constexpr std::uint32_t cookie = 0x506c616e; // "Plan"
+
+/// A status with its element, in C++'s way.
+struct Refusal
+{
+	lw_status status;
+	std::uint32_t index;
+	std::string message;
+};
+
+[[noreturn]] void refuse( const std::string& message, std::uint32_t index = LW_INVALID_INDEX )
+{
+	throw Refusal{ LW_ERROR_INVALID_ARGUMENT, index, message };
+}
+
+/// As much of the text as fits, in whole characters of UTF-8.
+void copyText( const std::string& text, char* out, std::size_t size )
+{
+	std::size_t length = std::min( text.size(), size - 1 );
+	while ( length < text.size() && length > 0 && ( text[length] & 0xc0 ) == 0x80 )
+	{
+		--length;
+	}
+	std::memcpy( out, text.data(), length );
+	out[length] = '\0';
+}
+
+lw_status told( lw_status status, std::uint32_t index, const char* message, lw_diag* diag )
+{
+	if ( diag != nullptr )
+	{
+		diag->status = status;
+		diag->index = index;
+		copyText( message, diag->message, sizeof diag->message );
+	}
+	return status;
+}
+
+bool isCancelled( void* user )
+{
+	const auto* cancel = static_cast<const lw_plan_cancel*>( user );
+	return __atomic_load_n( &cancel->requested, __ATOMIC_RELAXED ) != 0;
+}
+
+/// The time that is left of a call.
+class Clock
+{
+public:
+	explicit Clock( const lw_plan_def& def ) : m_def( def ), m_begin( std::chrono::steady_clock::now() ) {}
+	double passed() const { return std::chrono::duration<double>( std::chrono::steady_clock::now() - m_begin ).count(); }
+	Stop stop() const
+	{
+		Stop stop;
+		stop.seconds = m_def.seconds - passed(); // 0 or less ends the work at once
+		stop.poll = m_def.cancel != nullptr ? isCancelled : nullptr;
+		stop.user = const_cast<lw_plan_cancel*>( m_def.cancel ); // only read
+		return stop;
+	}
+
+private:
+	const lw_plan_def& m_def;
+	std::chrono::steady_clock::time_point m_begin;
+};
+
+void requireDef( const lw_plan_def* def )
+{
+	if ( def == nullptr || def->cookie != cookie )
+	{
+		throw Refusal{ LW_ERROR_INVALID_DEF, LW_INVALID_INDEX, "plan def was not made by lw_plan_def_default()" };
+	}
+	const auto need = []( bool condition, const char* message ) { condition ? void() : refuse( message ); };
+	need( def->checker != nullptr, "plan def: checker is NULL" );
+	need( def->start_count > 0 && def->starts != nullptr, "plan def: starts needs at least one state" );
+	need( def->goal_count > 0 && def->goals != nullptr, "plan def: goals needs at least one state" );
+	need( !std::isnan( def->seconds ), "plan def: seconds is not a number; give INFINITY for no limit" );
+	need( def->query == nullptr || lw_query_fits( def->query, def->checker ),
+	    "plan def: the query does not fit the checker; make one for it, or give NULL" );
+}
+
+Settings settingsOf( const lw_plan_def& def )
+{
+	const std::size_t size = lw_checker_variable_count( def.checker );
+	Settings settings;
+	settings.edge = def.edge;
+	settings.range = def.range;
+	settings.sample_radius = def.sample_radius;
+	settings.seed = def.seed;
+	settings.most_nodes = static_cast<std::size_t>( std::min<std::uint64_t>( def.most_nodes, SIZE_MAX ) );
+	def.lower != nullptr ? settings.lower.assign( def.lower, def.lower + size ) : void();
+	def.upper != nullptr ? settings.upper.assign( def.upper, def.upper + size ) : void();
+	return settings;
+}
+
+/// Adds each end; an unusable one is refused with its index.
+void addEnds( Planner& planner, const lw_plan_def& def )
+{
+	std::uint32_t index = 0;
+	try
+	{
+		for ( ; index < def.start_count; ++index )
+		{
+			planner.addStart( def.starts + index * planner.dimension() );
+		}
+		for ( index = 0; index < def.goal_count; ++index )
+		{
+			planner.addGoal( def.goals + index * planner.dimension() );
+		}
+	}
+	catch ( const InputError& error )
+	{
+		refuse( error.what(), index );
+	}
+}
+
+lw_plan_outcome outcomeOf( Outcome outcome )
+{
+	switch ( outcome )
+	{
+	case Outcome::SOLVED:
+		return LW_PLAN_SOLVED;
+	case Outcome::TIMED_OUT:
+		return LW_PLAN_TIMED_OUT;
+	case Outcome::CANCELLED:
+		return LW_PLAN_CANCELLED;
+	case Outcome::NODES_FULL:
+		return LW_PLAN_NODES_FULL;
+	case Outcome::NO_START:
+		return LW_PLAN_NO_START;
+	case Outcome::NO_GOAL:
+		return LW_PLAN_NO_GOAL;
+	case Outcome::FAILED:
+		break;
+	}
+	return LW_PLAN_UNKNOWN;
+}
+
+lw_plan_statistics statisticsOf( const Statistics& s )
+{
+	return { s.samples, s.states, s.states_free, s.edges, s.free, s.blocked, s.undecided, s.edge_queries, s.start_nodes,
+	    s.goal_nodes };
+}
+
+void requireOk( lw_status status, const char* work )
+{
+	if ( status != LW_OK )
+	{
+		throw Refusal{ status, LW_INVALID_INDEX, std::string( work ) + ": a check failed: " + lw_status_name( status ) };
+	}
+}
+
+void takePath(
+    const lw_plan_def& def, lw_query* query, const Clock& clock, Path path, Statistics& work, lw_plan_result& out )
+{
+	out.raw_length = length( def.checker, path );
+	if ( def.smooth )
+	{
+		SmoothSettings settings;
+		settings.edge = def.edge;
+		settings.seed = def.seed;
+		requireOk( smooth( def.checker, query, settings, clock.stop(), path, &work ), "smoothing" );
+	}
+	out.length = length( def.checker, path );
+	const std::size_t bytes = path.values.size() * sizeof( double );
+	out.states = static_cast<double*>( std::malloc( bytes ) );
+	if ( out.states == nullptr )
+	{
+		throw std::bad_alloc();
+	}
+	std::memcpy( out.states, path.values.data(), bytes );
+	out.state_count = static_cast<std::uint32_t>( path.count() );
+}
+
+void plan( const lw_plan_def& def, const Clock& clock, lw_plan_result& out )
+{
+	const leeway::Query own = def.query == nullptr ? leeway::makeQuery( def.checker ) : nullptr;
+	lw_query* query = def.query == nullptr ? own.get() : def.query;
+	Planner planner( leeway::Checker::adopt( lw_checker_retain( def.checker ) ), settingsOf( def ) );
+	addEnds( planner, def );
+	const Outcome outcome = planner.solve( query, clock.stop() );
+	Statistics work = planner.statistics();
+	out.statistics = statisticsOf( work );
+	requireOk( planner.failure(), "search" );
+	if ( outcome == Outcome::SOLVED )
+	{
+		takePath( def, query, clock, planner.path(), work, out );
+		out.statistics = statisticsOf( work );
+	}
+	else
+	{
+		const bool ends = outcome == Outcome::NO_START || outcome == Outcome::NO_GOAL;
+		copyText( ends ? planner.endProblem() : name( outcome ), out.message, sizeof out.message );
+	}
+	out.outcome = outcomeOf( outcome );
+}
+
+} // namespace
+
+extern "C" const char* lw_plan_outcome_name( lw_plan_outcome outcome )
+{
+	switch ( outcome )
+	{
+	case LW_PLAN_SOLVED:
+		return "SOLVED";
+	case LW_PLAN_TIMED_OUT:
+		return "TIMED_OUT";
+	case LW_PLAN_CANCELLED:
+		return "CANCELLED";
+	case LW_PLAN_NODES_FULL:
+		return "NODES_FULL";
+	case LW_PLAN_NO_START:
+		return "NO_START";
+	case LW_PLAN_NO_GOAL:
+		return "NO_GOAL";
+	case LW_PLAN_UNKNOWN:
+		break;
+	}
+	return "UNKNOWN";
+}
+
+extern "C" void lw_plan_request_cancel( lw_plan_cancel* cancel )
+{
+	__atomic_store_n( &cancel->requested, 1u, __ATOMIC_RELAXED );
+}
+
+extern "C" lw_plan_def lw_plan_def_default( void )
+{
+	const Settings settings;
+	lw_plan_def def = {};
+	def.edge = settings.edge;
+	def.sample_radius = settings.sample_radius;
+	def.seed = settings.seed;
+	def.most_nodes = settings.most_nodes;
+	def.seconds = HUGE_VAL;
+	def.smooth = true;
+	def.cookie = cookie;
+	return def;
+}
+
+extern "C" lw_status lw_plan( const lw_plan_def* def, lw_diag* diag, lw_plan_result* out )
+{
+	if ( out == nullptr )
+	{
+		return told( LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "plan: out is NULL", diag );
+	}
+	*out = {};
+	const auto failed = [&]( lw_status status, std::uint32_t index, const char* message )
+	{
+		std::free( out->states );
+		out->states = nullptr;
+		out->state_count = 0;
+		out->outcome = LW_PLAN_UNKNOWN;
+		copyText( message, out->message, sizeof out->message );
+		return told( status, index, message, diag );
+	};
+	try
+	{
+		requireDef( def );
+		out->variable_count = lw_checker_variable_count( def->checker );
+		const Clock clock( *def );
+		plan( *def, clock, *out );
+		out->seconds = clock.passed();
+		return told( LW_OK, LW_INVALID_INDEX, "", diag );
+	}
+	catch ( const Refusal& refusal )
+	{
+		return failed( refusal.status, refusal.index, refusal.message.c_str() );
+	}
+	catch ( const InputError& error )
+	{
+		return failed( LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, error.what() );
+	}
+	catch ( const leeway::CoreError& error )
+	{
+		return failed( error.status(), LW_INVALID_INDEX, error.what() );
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return failed( LW_ERROR_OUT_OF_MEMORY, LW_INVALID_INDEX, "plan: out of memory" );
+	}
+	catch ( const std::length_error& )
+	{
+		return failed( LW_ERROR_OUT_OF_MEMORY, LW_INVALID_INDEX, "plan: too many states for the memory" );
+	}
+	catch ( const std::exception& error )
+	{
+		return failed( LW_ERROR_UNSUPPORTED, LW_INVALID_INDEX, error.what() );
+	}
+}
+
+extern "C" void lw_plan_result_clear( lw_plan_result* result )
+{
+	if ( result != nullptr )
+	{
+		std::free( result->states );
+		*result = {};
+	}
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Paths in joint space for programs in C: a checker, starts and goals in; a path of proved edges out. The search and the
+// smoother are those of planner.hpp and smooth.hpp. The library behind it is C++ and needs neither files nor OMPL.
+//
+//     lw_plan_def def = lw_plan_def_default();
+//     def.checker = checker;
+//     def.starts = start, def.start_count = 1;
+//     def.goals = goal, def.goal_count = 1;
+//     def.seconds = 1;
+//     lw_plan_result result;
+//     if ( lw_plan( &def, &diag, &result ) == LW_OK && result.outcome == LW_PLAN_SOLVED ) { use( result.states ); }
+//     lw_plan_result_clear( &result );
+#ifndef LEEWAY_PLANNERS_PLANNER_H
+#define LEEWAY_PLANNERS_PLANNER_H
+
+#include "leeway/checker.h"
+
+LW_EXTERN_C_BEGIN
+
+/// How a search ended. Only SOLVED has a path; no other outcome states that there is none.
+typedef enum lw_plan_outcome
+{
+	LW_PLAN_UNKNOWN = 0,    ///< an error
+	LW_PLAN_SOLVED = 1,     ///< each edge of the path is FREE by lw_checker_edge()
+	LW_PLAN_TIMED_OUT = 2,  ///< lw_plan_def.seconds are over
+	LW_PLAN_CANCELLED = 3,  ///< lw_plan_def.cancel
+	LW_PLAN_NODES_FULL = 4, ///< lw_plan_def.most_nodes
+	LW_PLAN_NO_START = 5,   ///< no start is proved free
+	LW_PLAN_NO_GOAL = 6     ///< no goal is proved free
+} lw_plan_outcome;
+
+/// "SOLVED", "TIMED_OUT", ...; "UNKNOWN" for any other value. Static storage.
+LW_API const char* lw_plan_outcome_name( lw_plan_outcome outcome );
+
+/// A flag that ends a search. Zeroed: not requested. It belongs to the caller, and lives as long as the call that reads it.
+typedef struct lw_plan_cancel
+{
+	uint32_t requested;
+} lw_plan_cancel;
+
+/// Sets the flag. Any thread may call it, and a signal handler.
+LW_API void lw_plan_request_cancel( lw_plan_cancel* cancel );
+
+/// Counts of work.
+typedef struct lw_plan_statistics
+{
+	uint64_t samples, states, states_free;
+	uint64_t edges, free, blocked, undecided; ///< edges = free + blocked + undecided + errors; smoothing included
+	uint64_t edge_queries;                    ///< states at which edges measured distances
+	uint64_t start_nodes, goal_nodes;         ///< of the two trees
+} lw_plan_statistics;
+
+/// A problem. Make it with lw_plan_def_default(), which has no checker and no ends. All arrays belong to the caller and are
+/// read during the call only. n = lw_checker_variable_count(); metres and radians, in the order of the checker's variables.
+typedef struct lw_plan_def
+{
+	const lw_checker* checker; ///< robot, scene and group; floating joints are not supported
+	lw_query* query; ///< made for the checker (lw_query_fits()), used by this call alone; NULL = one is made and destroyed
+	const double* starts; ///< [start_count][n] alternatives, within the bounds; those that are not free are left out
+	uint32_t start_count; ///< at least 1
+	const double* goals;  ///< [goal_count][n] alternatives
+	uint32_t goal_count;  ///< at least 1
+	const double* lower;  ///< [n] bounds of samples and ends; NULL = joint limits. Entries of angles that wrap are not used
+	const double* upper;  ///< [n]
+	lw_edge_def edge;     ///< judge of states and motions; margins of the path are its min_d
+	double range;         ///< longest edge that a tree grows by, Euclidean, > 0; 0 = a length that suits the robot
+	double sample_radius; ///< samples lie within this many ranges of a node, 5; 0 = anywhere in the bounds
+	uint64_t seed;        ///< equal seeds give equal paths, unless time or a cancellation ends the search or the smoothing
+	uint64_t most_nodes;  ///< of both trees, 2 to 2^32 - 1; 2^20
+	double seconds;       ///< of the clock, for search and smoothing together; INFINITY
+	const lw_plan_cancel* cancel; ///< looked at between edges; NULL = none
+	bool smooth;                  ///< shortcuts and cut corners, each edge proved again; true
+	uint32_t cookie;
+} lw_plan_def;
+
+LW_API lw_plan_def lw_plan_def_default( void );
+
+enum
+{
+	LW_PLAN_MESSAGE = 2048 ///< bytes of lw_plan_result.message
+};
+
+/// An answer. lw_plan() fills it, whatever it returns; lw_plan_result_clear() frees the path.
+typedef struct lw_plan_result
+{
+	lw_plan_outcome outcome;
+	double*
+	    states; ///< [state_count][variable_count] first a start, last a goal, straight edges; owned by the result; NULL = no path
+	uint32_t state_count;    ///< 0 without a path, else at least 2
+	uint32_t variable_count; ///< n of the checker
+	double length;           ///< sum of Euclidean lengths of the edges, radians and metres alike
+	double raw_length;       ///< before smoothing
+	double seconds;          ///< of the clock, for the whole call
+	lw_plan_statistics statistics;
+	char message[LW_PLAN_MESSAGE]; ///< lines in UTF-8 on an outcome without a path, always terminated; empty if SOLVED
+} lw_plan_result;
+
+/// Searches a path, and smooths it. Each edge of the path is judged FREE by lw_checker_edge() with def->edge: proved for
+/// LW_EDGE_CERTIFIED, sampled for LW_EDGE_STEPS. Any number of threads may plan with one checker, each with its own query.
+/// @return LW_OK for every outcome but UNKNOWN; LW_ERROR_INVALID_DEF; LW_ERROR_INVALID_ARGUMENT (diag names the field, joint or
+/// end; diag.index is the index of the end); LW_ERROR_OUT_OF_MEMORY; or the status of a check that failed. No C++ exception
+/// leaves the call.
+LW_API lw_status lw_plan( const lw_plan_def* def, lw_diag* diag, lw_plan_result* out );
+
+/// Frees the path and zeroes the result. A zeroed result and NULL are fine.
+LW_API void lw_plan_result_clear( lw_plan_result* result );
+
+LW_EXTERN_C_END
+
+#endif
