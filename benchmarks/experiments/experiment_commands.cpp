@@ -60,12 +60,12 @@ ExperimentCommands::ExperimentCommands( CLI::App& app ) : m_all( allExperiments(
 		m_commands.push_back( command );
 	}
 	m_redraw = app.add_subcommand( "report", "The page and pictures of a result that was kept." );
-	m_redraw->add_option( "result", m_file, "a file of --json or --report" )->required();
+	m_redraw->add_option( "result", m_file, "a file of --json or --report, or of peers --json" )->required();
 	m_redraw->add_option( "folder", m_folder, "is made" )->required();
 	m_compare = app.add_subcommand( "compare",
 	    "What changed from one result to another, against their noise: quartiles that do not overlap, medians\n"
 	    "that differ by more than --threshold. Exit status: 0, 1 if something got worse, 2 error." );
-	m_compare->add_option( "before", m_before, "a file of --json or --report" )->required();
+	m_compare->add_option( "before", m_before, "a file of --json or --report, or of peers --json" )->required();
 	m_compare->add_option( "after", m_after, "another one" )->required();
 	m_compare->add_option( "--threshold", m_threshold, "percent: what is less is noise" )->capture_default_str();
 	m_compare->add_flag( "--absolute", m_absolute, "do not take off what all times have in common: for quiet machines" );

@@ -107,6 +107,11 @@ void compareRow( Comparison& out, const std::string& experiment, const Table& ta
 	for ( std::size_t i = 0; i < table.columns.size(); ++i )
 	{
 		const Column& column = table.columns[i];
+		const std::string *was = std::get_if<std::string>( &before[i] ), *is = std::get_if<std::string>( &after[i] );
+		if ( was != nullptr && is != nullptr && *was != *is ) // cells of the row's name are equal
+		{
+			out.notes.push_back( "other " + column.name + " in " + nameOf( table, before ) + ": " + *was + ", then " + *is );
+		}
 		if ( column.better == 0 || std::holds_alternative<std::string>( before[i] ) ||
 		     std::holds_alternative<std::string>( after[i] ) )
 		{

@@ -4,6 +4,8 @@
 
 #include "support/provenance.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -28,11 +30,45 @@ Json toJson( const Report& report )
 	return json;
 }
 
+namespace
+{
+
+/// Rows of `leeway-bench peers --json`: one table for each letter of their workloads.
+Report reportFromRows( const Json& json )
+{
+	Outcome outcome;
+	outcome.name = "peers";
+	outcome.title = "leeway and every peer at the same work";
+	for ( const Json& row : json.at( "rows" ) )
+	{
+		const std::string workload = row.at( "workload" );
+		const std::string id( 1, static_cast<char>( std::tolower( static_cast<unsigned char>( workload.at( 0 ) ) ) ) );
+		auto table =
+		    std::find_if( outcome.tables.begin(), outcome.tables.end(), [&]( const Table& t ) { return t.id == id; } );
+		if ( table == outcome.tables.end() )
+		{
+			outcome.tables.push_back( { id, "workloads " + id, "",
+			    { { "workload", "", 0 }, { "library", "", 0 }, { "mean", "us", -1 }, { "answers", "", 0 } }, {} } );
+			table = outcome.tables.end() - 1;
+		}
+		const double mean = row.at( "mean_us" );
+		table->rows.push_back( { workload, row.at( "library" ).get<std::string>(),
+		    Measure{ mean, mean, mean, row.at( "count" ) }, row.value( "answers_hash", "" ) } );
+	}
+	return { json.at( "provenance" ), { outcome } };
+}
+
+} // namespace
+
 Report reportFromJson( const Json& json )
 {
+	if ( json.is_object() && json.contains( "rows" ) && json.contains( "provenance" ) )
+	{
+		return reportFromRows( json );
+	}
 	if ( !json.is_object() || json.value( "format", "" ) != "leeway experiments 1" )
 	{
-		throw std::runtime_error( "it is no result of leeway-bench's experiments (--json, --report)" );
+		throw std::runtime_error( "it is no result of leeway-bench (--json, --report)" );
 	}
 	Report report;
 	report.provenance = json.at( "provenance" );

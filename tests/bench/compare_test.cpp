@@ -131,3 +131,20 @@ TEST( Compare, BusyMachineIsTakenForASlowerProgram )
 	EXPECT_NE( comparisonText( c, false ).find( "+10.0 %" ), std::string::npos );
 	EXPECT_EQ( compare( reportOf( before ), reportOf( after ), 3, true ).count( Change::WORSE ), 30u );
 }
+
+TEST( Compare, AnswersOfPeersThatDifferAreNotTold )
+{
+	const auto run = []( double mean, const char* hash )
+	{
+		const nlohmann::ordered_json row = { { "workload", "B arm self exact, free" }, { "library", "leeway" },
+		    { "mean_us", mean }, { "median_us", mean }, { "p95_us", mean }, { "answers_hash", hash }, { "count", 100 } };
+		return reportFromJson( { { "rows", { row } }, { "provenance", { { "simd", "AVX2" } } } } );
+	};
+	EXPECT_TRUE( compare( run( 10, "a1" ), run( 10, "a1" ), 3 ).notes.empty() );
+	const Comparison c = compare( run( 10, "a1" ), run( 12, "b2" ), 3 );
+	ASSERT_EQ( c.notes.size(), 1u );
+	EXPECT_EQ( c.notes[0], "other answers in B arm self exact, free, leeway: a1, then b2" );
+	ASSERT_EQ( c.differences.size(), 1u );
+	EXPECT_EQ( c.differences[0].change, Change::WORSE );
+	EXPECT_NEAR( c.differences[0].percent, 20, 1e-9 );
+}
