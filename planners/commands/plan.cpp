@@ -5,6 +5,7 @@
 #include "text/names.hpp"
 #include "text/path_file.hpp"
 #include "setup/planner_registry.hpp"
+#include "setup/stuck_report.hpp"
 
 #include "leeway/ik/goal_states.hpp"
 #include "leeway/ompl/validity.hpp"
@@ -90,9 +91,10 @@ struct Solution
 	std::vector<std::string> tried; // all that share the time
 	unsigned threads = 1; // of the planner
 	std::map<std::string, std::string> parameters; // of the planner
-	::leeway::ompl::Counters counters; // of the engine, and of the native planner
+	::leeway::ompl::Counters counters;             // of the engine
 	std::vector<::leeway::ompl::UndecidedPair> undecided_pairs;
 	std::string undecided; // a sentence on them
+	planners::Stuck stuck; // of leeway's own planner, if it was tried and nothing was solved
 	ik::GoalStates goals; // of a pose goal
 	double ik_seconds = 0;
 };
@@ -226,16 +228,6 @@ Points pointsOf( const og::PathGeometric& path, const ::leeway::ompl::Engine& en
 		engine.adapter().toVector( path.getState( static_cast<unsigned int>( i ) ), points.back().data() );
 	}
 	return points;
-}
-
-void addCounters( ::leeway::ompl::Counters& sum, const ::leeway::ompl::Counters& more )
-{
-	sum.states += more.states;
-	sum.edges += more.edges;
-	sum.free += more.free;
-	sum.blocked += more.blocked;
-	sum.undecided += more.undecided;
-	sum.edge_queries += more.edge_queries;
 }
 
 // The path after proved shortcuts and cut corners.
@@ -418,7 +410,11 @@ public:
 		{
 			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
 		}
-		addCounters( solution.counters, m_engine->counters() );
+		else if ( m_native )
+		{
+			solution.stuck = m_native->explain();
+		}
+		solution.counters = m_engine->counters();
 		solution.undecided_pairs = m_engine->undecidedPairs();
 		solution.undecided = m_engine->describeUndecided();
 		return solution;
@@ -451,18 +447,8 @@ private:
 			solution.status = planner->solve( ob::timedPlannerTerminationCondition( time ) ).asString();
 			solution.seconds.plan += now() - begin;
 		}
-		if ( const auto* native = dynamic_cast<const planners::OmplPlanner*>( planner.get() ) )
-		{
-			const planners::Statistics& work = native->statistics();
-			::leeway::ompl::Counters counters;
-			counters.states = work.states;
-			counters.edges = work.edges;
-			counters.free = work.free;
-			counters.blocked = work.blocked;
-			counters.undecided = work.undecided;
-			counters.edge_queries = work.edge_queries;
-			addCounters( solution.counters, counters );
-		}
+		const auto native = std::dynamic_pointer_cast<planners::OmplPlanner>( planner );
+		m_native = native ? native : m_native;
 		// An approximate solution ends somewhere else: it is none.
 		solution.solved = definition->hasExactSolution();
 	}
@@ -523,6 +509,7 @@ private:
 	ob::StateSpacePtr m_space;
 	ob::SpaceInformationPtr m_si;
 	std::shared_ptr<const ::leeway::ompl::Engine> m_engine;
+	std::shared_ptr<planners::OmplPlanner> m_native; // if it was tried
 	double m_range = 0; // suits the robot; 0: spaces with rotations
 };
 
@@ -597,6 +584,10 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 		    { "edges_blocked", solution.edges.blocked }, { "edges_undecided", solution.edges.undecided },
 		    { "proved_clearance",
 		        options.edge.validator == "certified" ? jsonNumber( solution.edges.lower_bound ) : Json( nullptr ) } };
+	}
+	if ( !solution.solved && !solution.stuck.ends[0].empty() )
+	{
+		json["stuck"] = toJson( bench, solution.stuck );
 	}
 	return json;
 }
@@ -694,6 +685,16 @@ Solution solve( const PlanOptions& options, const Input& input, const Workbench&
 	}
 }
 
+void tellNoPath( const PlanOptions& options, const Workbench& bench, const Solution& solution )
+{
+	const std::string reasons = stuckLines( bench, solution.stuck ); // with remedies
+	tell( "leeway: no path found by {}: {} after {:.1f} s ({} and {} checked){}{}{}{}\n{}", listed( solution.tried ),
+	    solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
+	    counted( solution.counters.edges, "edge" ), reasons.empty() ? "; try more --time, another --seed or --planner" : "",
+	    reasons.empty() && options.common.min_d > 0 ? ", or a smaller --min-d" : "", solution.undecided.empty() ? "" : "; ",
+	    solution.undecided, reasons );
+}
+
 } // namespace
 
 int runPlan( const PlanOptions& options )
@@ -736,12 +737,7 @@ int runPlan( const PlanOptions& options )
 	commitTogether( files );
 	if ( !solution.solved )
 	{
-		tell(
-		    "leeway: no path found by {}: {} after {:.1f} s ({} and {} checked); try more --time, another --seed "
-		    "or --planner{}{}{}\n",
-		    listed( solution.tried ), solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
-		    counted( solution.counters.edges, "edge" ), options.common.min_d > 0 ? ", or a smaller --min-d" : "",
-		    solution.undecided.empty() ? "" : "; ", solution.undecided );
+		tellNoPath( options, bench, solution );
 		return exit_no;
 	}
 	// The path itself goes to standard output if no file was named; the summary must not mix with it.

@@ -164,6 +164,19 @@ void requireOk( lw_status status, const char* work )
 	}
 }
 
+/// The caller's copy, made by malloc().
+double* copied( const std::vector<double>& values )
+{
+	const std::size_t bytes = values.size() * sizeof( double );
+	auto* copy = static_cast<double*>( std::malloc( std::max<std::size_t>( bytes, 1 ) ) );
+	if ( copy == nullptr )
+	{
+		throw std::bad_alloc();
+	}
+	std::memcpy( copy, values.data(), bytes );
+	return copy;
+}
+
 void takePath(
     const lw_plan_def& def, lw_query* query, const Clock& clock, Path path, Statistics& work, lw_plan_result& out )
 {
@@ -176,14 +189,39 @@ void takePath(
 		requireOk( smooth( def.checker, query, settings, clock.stop(), path, &work ), "smoothing" );
 	}
 	out.length = length( def.checker, path );
-	const std::size_t bytes = path.values.size() * sizeof( double );
-	out.states = static_cast<double*>( std::malloc( bytes ) );
-	if ( out.states == nullptr )
-	{
-		throw std::bad_alloc();
-	}
-	std::memcpy( out.states, path.values.data(), bytes );
+	out.states = copied( path.values );
 	out.state_count = static_cast<std::uint32_t>( path.count() );
+}
+
+/// Fills out.stuck. @return lines
+std::string explain( const lw_plan_def& def, const Planner& planner, lw_query* query, lw_plan_result& out )
+{
+	Stop stop;
+	stop.poll = def.cancel != nullptr ? isCancelled : nullptr;
+	stop.user = const_cast<lw_plan_cancel*>( def.cancel );
+	const Stuck stuck = planner.explain( query, stop );
+	lw_plan_stuck& to = out.stuck;
+	to.gap = stuck.gap;
+	to.not_free = stuck.not_free;
+	std::vector<double> travel;
+	for ( unsigned side = 0; side < 2; ++side )
+	{
+		const TreeGrowth& tree = stuck.trees[side];
+		to.trees[side] = { tree.nodes, tree.tries, tree.grown, tree.extent };
+		to.enclosed[side] = !stuck.ends[side].empty() && stuck.ends[side][0].enclosed;
+		for ( std::size_t i = 0; !stuck.ends[side].empty() && i < planner.dimension(); ++i )
+		{
+			travel.push_back( stuck.ends[side][0].down[i] );
+			travel.push_back( stuck.ends[side][0].up[i] );
+		}
+	}
+	to.travel = travel.size() == 4 * planner.dimension() ? copied( travel ) : nullptr; // both ends were looked at
+	for ( ; to.pair_count < std::min<std::size_t>( stuck.pairs.size(), LW_PLAN_PAIRS ); ++to.pair_count )
+	{
+		const BlockingPair& p = stuck.pairs[to.pair_count];
+		to.pairs[to.pair_count] = { p.a, p.b, p.self, p.blocked, p.undecided, p.states, p.clearance };
+	}
+	return describe( def.checker, stuck, { "seconds", "edge.min_d", "seed" } );
 }
 
 void plan( const lw_plan_def& def, const Clock& clock, lw_plan_result& out )
@@ -204,7 +242,9 @@ void plan( const lw_plan_def& def, const Clock& clock, lw_plan_result& out )
 	else
 	{
 		const bool ends = outcome == Outcome::NO_START || outcome == Outcome::NO_GOAL;
-		copyText( ends ? planner.endProblem() : name( outcome ), out.message, sizeof out.message );
+		const std::string problem = ends ? planner.endProblem() : name( outcome );
+		copyText(
+		    problem + "\n" + ( def.explain ? explain( def, planner, query, out ) : "" ), out.message, sizeof out.message );
 	}
 	out.outcome = outcomeOf( outcome );
 }
@@ -248,6 +288,7 @@ extern "C" lw_plan_def lw_plan_def_default( void )
 	def.most_nodes = settings.most_nodes;
 	def.seconds = HUGE_VAL;
 	def.smooth = true;
+	def.explain = true;
 	def.cookie = cookie;
 	return def;
 }
@@ -261,10 +302,7 @@ extern "C" lw_status lw_plan( const lw_plan_def* def, lw_diag* diag, lw_plan_res
 	*out = {};
 	const auto failed = [&]( lw_status status, std::uint32_t index, const char* message )
 	{
-		std::free( out->states );
-		out->states = nullptr;
-		out->state_count = 0;
-		out->outcome = LW_PLAN_UNKNOWN;
+		lw_plan_result_clear( out );
 		copyText( message, out->message, sizeof out->message );
 		return told( status, index, message, diag );
 	};
@@ -308,6 +346,7 @@ extern "C" void lw_plan_result_clear( lw_plan_result* result )
 	if ( result != nullptr )
 	{
 		std::free( result->states );
+		std::free( result->stuck.travel );
 		*result = {};
 	}
 }

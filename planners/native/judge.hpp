@@ -2,6 +2,8 @@
 // Answers of the checker for one search, counted, and the end of its time.
 #pragma once
 
+#include "blame.hpp"
+
 #include "leeway/planners/planner.hpp"
 
 #include <chrono>
@@ -51,8 +53,10 @@ private:
 class Judge
 {
 public:
-	Judge( const lw_checker* checker, lw_query* query, const lw_edge_def& def, Statistics& statistics )
-	    : m_checker( checker ), m_query( query ), m_def( def ), m_statistics( statistics )
+	/// @param blame takes edges and states that are not free; may be null
+	Judge(
+	    const lw_checker* checker, lw_query* query, const lw_edge_def& def, Statistics& statistics, Blame* blame = nullptr )
+	    : m_checker( checker ), m_query( query ), m_def( def ), m_statistics( statistics ), m_blame( blame )
 	{
 	}
 
@@ -62,6 +66,10 @@ public:
 		++m_statistics.states;
 		note( lw_checker_is_free( m_checker, m_query, q, m_def.flags, m_def.min_d, &free ) );
 		m_statistics.states_free += free;
+		if ( !free && m_blame != nullptr )
+		{
+			m_blame->state( q );
+		}
 		return free;
 	}
 
@@ -79,6 +87,10 @@ public:
 		m_statistics.free += result.verdict == LW_VERDICT_FREE;
 		m_statistics.blocked += result.verdict == LW_VERDICT_BLOCKED;
 		m_statistics.undecided += result.verdict == LW_VERDICT_UNDECIDED;
+		if ( result.verdict != LW_VERDICT_FREE && m_blame != nullptr )
+		{
+			m_blame->edge( result );
+		}
 		return result.verdict == LW_VERDICT_FREE;
 	}
 
@@ -91,6 +103,7 @@ private:
 	lw_query* m_query;
 	lw_edge_def m_def;
 	Statistics& m_statistics;
+	Blame* m_blame;
 	lw_status m_status = LW_OK;
 };
 

@@ -171,6 +171,7 @@ void OmplPlanner::clear()
 	Planner::clear();
 	m_planner.reset();
 	m_statistics = {};
+	m_counted.clear();
 	freeStates();
 }
 
@@ -190,6 +191,8 @@ void OmplPlanner::makePlanner( const lw_checker* checker )
 	settings.upper = std::move( bounds.upper );
 	m_planner = std::make_unique<leeway::planners::Planner>( Checker::adopt( lw_checker_retain( checker ) ), settings );
 	m_checker = checker;
+	m_statistics = {};
+	m_counted.clear();
 	pis_.restart(); // all starts and goals are new to it
 }
 
@@ -216,6 +219,37 @@ Outcome OmplPlanner::search( const leeway::ompl::Engine::Lease& lease, Goals& go
 		outcome = m_planner->solve( lease.query(), stop );
 	}
 	return outcome;
+}
+
+/// The work since the last call goes to the engine.
+void OmplPlanner::count( const leeway::ompl::Engine::Lease& lease )
+{
+	const Statistics &now = m_planner->statistics(), &before = m_statistics;
+	leeway::ompl::Counters work;
+	work.states = now.states - before.states;
+	work.edges = now.edges - before.edges;
+	work.free = now.free - before.free;
+	work.blocked = now.blocked - before.blocked;
+	work.undecided = now.undecided - before.undecided;
+	work.edge_queries = now.edge_queries - before.edge_queries;
+	lease.count( work );
+	const std::vector<BlockingPair>& pairs = m_planner->blockingPairs();
+	for ( std::size_t i = 0; i < pairs.size(); ++i ) // their order never changes
+	{
+		const std::uint64_t more = pairs[i].undecided - ( i < m_counted.size() ? m_counted[i].undecided : 0 );
+		if ( more > 0 )
+		{
+			lease.countUndecided( pairs[i].self, pairs[i].a, pairs[i].b, more, pairs[i].clearance );
+		}
+	}
+	m_counted = pairs;
+	m_statistics = now;
+}
+
+Stuck OmplPlanner::explain() const
+{
+	const leeway::ompl::Engine::Lease lease( engine() );
+	return m_planner && lease && lease.checker() == m_checker ? m_planner->explain( lease.query() ) : Stuck();
 }
 
 void OmplPlanner::addPath( const Path& path, bool approximate, double distance )
@@ -260,7 +294,7 @@ ob::PlannerStatus OmplPlanner::solve( const ob::PlannerTerminationCondition& end
 	{
 	}
 	const Outcome outcome = search( lease, goals );
-	m_statistics = m_planner->statistics();
+	count( lease );
 	switch ( outcome )
 	{
 	case Outcome::SOLVED: addPath( m_planner->path(), false, 0 ); return ob::PlannerStatus::EXACT_SOLUTION;

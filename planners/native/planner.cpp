@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The search: see planner.hpp.
+#include "explain.hpp"
 #include "judge.hpp"
 #include "samples.hpp"
 #include "space.hpp"
@@ -69,8 +70,9 @@ const char* name( Outcome outcome )
 struct Planner::Parts
 {
 	Parts( Checker given, const Settings& s )
-	    : checker( checkedChecker( std::move( given ) ) ), settings( checked( s ) ), space( checker.get(), s.lower, s.upper ),
-	      random( s.seed ), halton( space.size() + 1, s.seed ), trees{ Tree( space ), Tree( space ) }
+	    : checker( checkedChecker( std::move( given ) ) ), settings( checked( s ) ),
+	      space( checker.get(), s.lower, s.upper ), random( s.seed ),
+	      halton( space.size() + 1, s.seed ), trees{ Tree( space ), Tree( space ) }, blame( space.size() )
 	{
 		range = settings.range > 0 ? settings.range : geometricRange( checker.get(), space.lower(), space.upper() );
 		sample.resize( space.size() );
@@ -100,6 +102,10 @@ struct Planner::Parts
 	Tree trees[2]; ///< from starts, from goals
 	std::vector<double> ends[2]; ///< not yet checked
 	std::vector<std::uint32_t> roots[2];
+	std::vector<double> refused[2]; ///< ends that are not free
+	TreeGrowth growth[2];
+	double gap = HUGE_VAL; ///< least distance of a node to the other tree
+	Blame blame;
 	std::vector<double> sample, next, unit;
 	std::string problem;
 	Path path;
@@ -176,6 +182,7 @@ bool Planner::Parts::addEnds( Judge& judge, Deadline& deadline )
 			else
 			{
 				problem = std::string( side == 0 ? "a start" : "a goal" ) + " is not proved free at the clearance asked for";
+				refused[side].insert( refused[side].end(), q, q + space.size() );
 			}
 		}
 		ends[side].erase( ends[side].begin(), ends[side].begin() + static_cast<std::ptrdiff_t>( used ) );
@@ -191,6 +198,7 @@ bool Planner::Parts::joinStraight( Judge& judge, Deadline& deadline, std::size_t
 		for ( std::size_t g = s < first_start ? first_goal : 0; g < roots[1].size() && !deadline.over(); ++g )
 		{
 			const double *a = trees[0].state( roots[0][s] ), *b = trees[1].state( roots[1][g] );
+			gap = std::min( gap, space.distance( a, b ) );
 			if ( isLineFree( judge, a, b ) )
 			{
 				if ( space.partCount( a, b ) > 1 )
@@ -224,6 +232,7 @@ bool Planner::Parts::grow( Judge& judge )
 {
 	const unsigned side = trees[0].size() <= trees[1].size() ? 0 : 1;
 	Tree& tree = trees[side];
+	++growth[side].tries;
 	drawSample( tree );
 	const std::uint32_t near = tree.nearest( sample.data() );
 	const double distance = space.distance( tree.state( near ), sample.data() );
@@ -233,6 +242,7 @@ bool Planner::Parts::grow( Judge& judge )
 	{
 		return false;
 	}
+	++growth[side].grown;
 	return connect( judge, side, node );
 }
 
@@ -242,6 +252,7 @@ bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
 	Tree &tree = trees[side], &other = trees[1 - side];
 	const std::uint32_t goal = other.nearest( tree.state( node ) );
 	const double distance = space.distance( tree.state( node ), other.state( goal ) );
+	gap = std::min( gap, distance );
 	const auto steps = static_cast<unsigned>( std::max( 1.0, std::ceil( distance / std::min( range, longest_turn ) ) ) );
 	for ( unsigned step = 1; step < steps; ++step )
 	{
@@ -252,6 +263,7 @@ bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
 			return false;
 		}
 		node = added;
+		gap = std::min( gap, distance * ( steps - step ) / steps );
 	}
 	if ( !judge.isEdgeFree( tree.state( node ), other.state( goal ) ) )
 	{
@@ -300,7 +312,7 @@ Outcome Planner::Parts::solve( lw_query* query, const Stop& stop )
 		return Outcome::SOLVED;
 	}
 	lw_query_reset( query );
-	Judge judge( checker.get(), query, settings.edge, statistics );
+	Judge judge( checker.get(), query, settings.edge, statistics, &blame );
 	Deadline deadline( stop );
 	const std::size_t old_starts = roots[0].size(), old_goals = roots[1].size();
 	const auto ended = [&]( Outcome outcome )
@@ -402,6 +414,47 @@ Path Planner::approximatePath( double* distance ) const
 	return path;
 }
 
+const std::vector<BlockingPair>& Planner::blockingPairs() const
+{
+	return m_parts->blame.pairs();
+}
+
+Stuck Planner::explain( lw_query* query, const Stop& stop ) const
+{
+	constexpr std::size_t most_ends = 8;
+	const Parts& p = *m_parts;
+	Stop brief = stop;
+	brief.seconds = std::fmin( stop.seconds, 1 );
+	Deadline deadline( brief );
+	Stuck stuck;
+	stuck.gap = p.gap;
+	stuck.not_free = p.blame.count();
+	stuck.min_d = p.settings.edge.min_d;
+	for ( unsigned side = 0; side < 2; ++side )
+	{
+		stuck.trees[side] = p.growth[side];
+		stuck.trees[side].nodes = p.trees[side].size();
+		stuck.trees[side].extent = extent( p.space, p.trees[side] );
+		const auto add = [&]( const double* q )
+		{
+			if ( stuck.ends[side].size() < most_ends )
+			{
+				stuck.ends[side].push_back( measureRoom( p.checker.get(), query, p.settings.edge, p.space, q, deadline ) );
+			}
+		};
+		for ( const std::uint32_t root : p.roots[side] )
+		{
+			add( p.trees[side].state( root ) );
+		}
+		for ( std::size_t i = 0; i < p.refused[side].size(); i += p.space.size() )
+		{
+			add( p.refused[side].data() + i );
+		}
+	}
+	stuck.pairs = measurePairs( p.checker.get(), query, p.settings.edge, p.blame, deadline );
+	return stuck;
+}
+
 void Planner::clear()
 {
 	Parts& p = *m_parts;
@@ -410,9 +463,13 @@ void Planner::clear()
 		p.trees[side].clear();
 		p.ends[side].clear();
 		p.roots[side].clear();
+		p.refused[side].clear();
+		p.growth[side] = {};
 	}
 	p.path.values.clear();
 	p.problem.clear();
+	p.blame.clear();
+	p.gap = HUGE_VAL;
 	p.statistics = {};
 	p.failure = LW_OK;
 	p.random = Random( p.settings.seed );

@@ -144,7 +144,25 @@ TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
 	EXPECT_EQ( plan.status, 1 ) << plan.err;
 	EXPECT_TRUE( contains( plan.err, "no path found by Leeway, SBL" ) ) << plan.err;
 	EXPECT_EQ( readFile( path( "path.yaml" ) ), "" );
-	EXPECT_FALSE( nlohmann::json::parse( readFile( path( "r.json" ) ) )["solved"] );
+	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
+	EXPECT_FALSE( report["solved"] );
+	// the reasons: which pair, how far from each end
+	EXPECT_LE( std::count( plan.err.begin(), plan.err.end(), '\n' ), 8 ) << plan.err;
+	EXPECT_TRUE( contains( plan.err, "leeway:   trees: " ) && contains( plan.err, "leeway:   try " ) &&
+	             contains( plan.err, "more --time" ) )
+	    << plan.err;
+	const nlohmann::json stuck = report["stuck"];
+	ASSERT_GE( stuck["pairs"].size(), 1u );
+	EXPECT_EQ( stuck["pairs"][0]["second"], "post" );
+	EXPECT_TRUE( contains( plan.err, "in the way: " + stuck["pairs"][0]["first"].get<std::string>() + " - post " ) )
+	    << plan.err;
+	EXPECT_EQ( stuck["trees"][1]["of"], "goal" );
+	ASSERT_EQ( stuck["starts"].size(), 1u );
+	EXPECT_EQ( stuck["starts"][0]["travel"][1]["joint"], "elbow" );
+	EXPECT_GT( stuck["starts"][0]["travel"][1]["up"], 0 );
+	const Outcome solved = runModel( "plan", { "--request", "request.yaml", "--report", "s.json" } );
+	EXPECT_EQ( solved.status, 0 );
+	EXPECT_FALSE( nlohmann::json::parse( readFile( path( "s.json" ) ) ).contains( "stuck" ) );
 }
 
 TEST_F( CliPlan, APathThatTheAuditRejectsIsNotWritten )

@@ -188,6 +188,47 @@ TEST( NativeOmplPlanner, NewSceneDropsOldTrees )
 	EXPECT_NE( setup.solve( 0.05 ), ob::PlannerStatus::EXACT_SOLUTION ) << "a path of the scene before";
 }
 
+TEST( NativeOmplPlanner, WorkAndUndecidedPairsAreInTheEngine )
+{
+	// the straight way slides along a wall at a clearance that rounding decides; the search goes another way
+	const leeway::Checker slot =
+	    makeChecker( { slider( "rail x", 0, -1, 1 ), slider( "rail y", 1, -1, 1, makeBox( 0.1, 0.1, 0.1 ) ) },
+	        { { makeBox( 3, 0.1, 0.2 ), at( 0, -0.9, 0 ) } } );
+	OmplProblem setup( slot );
+	const double touching = -0.8 + min_d + 1e-9;
+	setup.definition->setStartAndGoalStates( setup.state( { -0.8, touching } ), setup.state( { 0.8, touching } ) );
+	setup.solve( 0.05 );
+	const planners::Statistics& work = setup.planner->statistics();
+	ASSERT_GT( work.undecided, 0u );
+	const leeway::ompl::Counters counted = setup.rig.engine->counters();
+	EXPECT_GE( counted.states, work.states ) << "OMPL asks for the ends itself, too";
+	EXPECT_EQ( counted.edges, work.edges );
+	EXPECT_EQ( counted.free, work.free );
+	EXPECT_EQ( counted.blocked, work.blocked );
+	EXPECT_EQ( counted.undecided, work.undecided );
+	EXPECT_EQ( counted.edge_queries, work.edge_queries );
+	ASSERT_EQ( setup.rig.engine->undecidedPairs().size(), 1u );
+	EXPECT_EQ( setup.rig.engine->undecidedPairs()[0].count, work.undecided );
+	EXPECT_NE(
+	    setup.rig.engine->describeUndecided().find( setup.rig.engine->undecidedPairs()[0].first ), std::string::npos );
+	// a second call adds its own work alone
+	setup.solve( 0.02 );
+	EXPECT_EQ( setup.rig.engine->counters().edges, setup.planner->statistics().edges );
+	EXPECT_EQ( setup.rig.engine->undecidedPairs()[0].count, setup.planner->statistics().undecided );
+}
+
+TEST( NativeOmplPlanner, FailuresAreExplained )
+{
+	OmplProblem setup( closedGantry() );
+	EXPECT_TRUE( setup.planner->explain().ends[0].empty() ) << "there was no search";
+	setup.definition->setStartAndGoalStates( setup.state( { -0.8, -0.8 } ), setup.state( { 0.8, -0.8 } ) );
+	setup.solve( 0.05 );
+	const planners::Stuck stuck = setup.planner->explain();
+	ASSERT_EQ( stuck.pairs.size(), 1u );
+	EXPECT_EQ( stuck.trees[0].nodes, setup.planner->statistics().start_nodes );
+	EXPECT_EQ( stuck.min_d, min_d );
+}
+
 TEST( NativeOmplPlanner, RangeIsSetAndShown )
 {
 	OmplProblem setup( worldOf( "Arm" ) );

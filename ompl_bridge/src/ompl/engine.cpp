@@ -251,19 +251,23 @@ Counters Engine::counters() const
 void Engine::noteUndecided( bool self, const lw_clearance& pair ) const
 {
 	const bool named = pair.kind != LW_CLEARANCE_UNKNOWN;
-	const std::uint32_t a = named ? pair.a : LW_INVALID_INDEX, b = named ? pair.b : LW_INVALID_INDEX;
+	addUndecided( self, named ? pair.a : LW_INVALID_INDEX, named ? pair.b : LW_INVALID_INDEX, 1, pair.upper );
+}
+
+void Engine::addUndecided( bool self, std::uint32_t a, std::uint32_t b, std::uint64_t times, double clearance ) const
+{
 	const std::lock_guard<std::mutex> lock( m_mutex );
 	const auto end = m_undecided.begin() + static_cast<std::ptrdiff_t>( m_undecided_count );
 	const auto found = std::find_if( m_undecided.begin(), end,
 		[=]( const UndecidedIds& p ) { return p.self == self && p.a == a && p.b == b; } );
 	if ( found != end )
 	{
-		++found->count;
-		found->clearance = std::min( found->clearance, pair.upper );
+		found->count += times;
+		found->clearance = std::min( found->clearance, clearance );
 	}
 	else if ( m_undecided_count < m_undecided.size() )
 	{
-		m_undecided[m_undecided_count++] = { self, a, b, 1, pair.upper };
+		m_undecided[m_undecided_count++] = { self, a, b, times, clearance };
 	}
 }
 
@@ -334,6 +338,22 @@ Engine::Lease::~Lease()
 	{
 		m_slot->busy.store( false, std::memory_order_release );
 	}
+}
+
+void Engine::Lease::count( const Counters& work ) const
+{
+	m_slot->states.add( work.states );
+	m_slot->edges.add( work.edges );
+	m_slot->free.add( work.free );
+	m_slot->blocked.add( work.blocked );
+	m_slot->undecided.add( work.undecided );
+	m_slot->edge_queries.add( work.edge_queries );
+}
+
+void Engine::Lease::countUndecided(
+    bool self, std::uint32_t a, std::uint32_t b, std::uint64_t times, double clearance ) const
+{
+	m_engine.addUndecided( self, a, b, times, clearance );
 }
 
 lw_query* Engine::Lease::query() const

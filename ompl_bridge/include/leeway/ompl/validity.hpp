@@ -191,7 +191,7 @@ public:
 	class Lease
 	{
 	public:
-		explicit Lease( const Engine& engine ) : m_slot( engine.acquire() ) {}
+		explicit Lease( const Engine& engine ) : m_engine( engine ), m_slot( engine.acquire() ) {}
 		~Lease();
 		Lease( const Lease& ) = delete;
 		Lease& operator=( const Lease& ) = delete;
@@ -201,10 +201,15 @@ public:
 		const lw_checker* checker() const; ///< the checker for the lifetime of this lease
 		double* a() const; ///< scratch state vectors of the adapter's size; null without a slot
 		double* b() const;
+		/// Adds work that was done with query() by calls of the core: for planners that judge motions without OMPL.
+		void count( const Counters& work ) const;
+		/// Adds `times` undecided motions of a pair to undecidedPairs(). LW_INVALID_INDEX: motions too long to check.
+		void countUndecided( bool self, std::uint32_t a, std::uint32_t b, std::uint64_t times, double clearance ) const;
 
 	private:
 		friend class StateValidityChecker;
 		friend class EdgeProver;
+		const Engine& m_engine;
 		Slot* m_slot;
 	};
 
@@ -217,6 +222,7 @@ private:
 	bool refresh( Slot& slot ) const; ///< the slot gets the snapshot of now; false if out of memory
 	Query makeQuery( const lw_checker* checker ) const; ///< null if out of memory
 	void noteUndecided( bool self, const lw_clearance& pair ) const; ///< allocates nothing
+	void addUndecided( bool self, std::uint32_t a, std::uint32_t b, std::uint64_t times, double clearance ) const;
 
 	struct UndecidedIds
 	{

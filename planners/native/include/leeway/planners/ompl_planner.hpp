@@ -17,7 +17,7 @@ namespace leeway::planners
 /// Planner under OMPL's interface: several starts and goals, goals that are sampled while it searches, approximate solutions, clear(),
 /// and solve() again. Samples lie in the bounds of the space. clear() takes a new seed from OMPL's random numbers.
 ///
-/// States and edges go straight to the checker: they are in statistics(), not in Engine::counters() or Engine::refusals().
+/// States and edges go straight to the checker; solve() adds them to Engine::counters() and Engine::undecidedPairs() at its end.
 class OmplPlanner : public ::ompl::base::Planner
 {
 public:
@@ -35,6 +35,8 @@ public:
 	void setRange( double range );
 	double getRange() const { return m_range; }
 	const Statistics& statistics() const { return m_statistics; } ///< of all solve() since clear() or a new checker
+	/// Planner::explain() of the last search; zeroed if there was none.
+	Stuck explain() const;
 
 private:
 	class Goals;
@@ -42,12 +44,14 @@ private:
 	void makePlanner( const lw_checker* checker );
 	bool addStarts();
 	Outcome search( const leeway::ompl::Engine::Lease& lease, Goals& goals );
+	void count( const leeway::ompl::Engine::Lease& lease );
 	void addPath( const Path& path, bool approximate, double distance );
 	void freeStates();
 
 	std::unique_ptr<leeway::planners::Planner> m_planner;
 	const lw_checker* m_checker = nullptr; ///< of m_planner
 	Statistics m_statistics;
+	std::vector<BlockingPair> m_counted; ///< pairs whose undecided edges are in the engine's counts
 	double m_range = 0;
 	::ompl::RNG m_rng;
 	mutable std::vector<::ompl::base::State*> m_states; ///< handed out by getPlannerData()

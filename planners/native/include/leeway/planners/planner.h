@@ -70,6 +70,7 @@ typedef struct lw_plan_def
 	double seconds;       ///< of the clock, for search and smoothing together; INFINITY
 	const lw_plan_cancel* cancel; ///< looked at between edges; NULL = none
 	bool smooth;                  ///< shortcuts and cut corners, each edge proved again; true
+	bool explain;                 ///< without a path, measure the reasons: up to a second after the end of the search; true
 	uint32_t cookie;
 } lw_plan_def;
 
@@ -77,10 +78,44 @@ LW_API lw_plan_def lw_plan_def_default( void );
 
 enum
 {
-	LW_PLAN_MESSAGE = 2048 ///< bytes of lw_plan_result.message
+	LW_PLAN_MESSAGE = 2048, ///< bytes of lw_plan_result.message
+	LW_PLAN_PAIRS = 8       ///< of lw_plan_stuck
 };
 
-/// An answer. lw_plan() fills it, whatever it returns; lw_plan_result_clear() frees the path.
+/// A pair that kept motions from being free.
+typedef struct lw_plan_pair
+{
+	uint32_t a, b;      ///< a link, and an object or another link; LW_INVALID_INDEX: motions too long to check
+	bool self;          ///< b is a link
+	uint64_t blocked;   ///< edges found at or below min_d at this pair
+	uint64_t undecided; ///< edges left undecided at this pair
+	uint64_t states;    ///< end states that were not free, of motions without an edge check: estimated from a part of them
+	double clearance;   ///< metres: the least that was seen
+} lw_plan_pair;
+
+/// Growth of a search tree.
+typedef struct lw_plan_tree
+{
+	uint64_t nodes;
+	uint64_t tries, grown; ///< samples towards which the tree was to grow, and did
+	double extent;         ///< Euclidean distance from an end to the farthest node of its tree
+} lw_plan_tree;
+
+/// Reasons of a search without a path; zeroed if SOLVED, or without lw_plan_def.explain.
+typedef struct lw_plan_stuck
+{
+	lw_plan_tree trees[2];             ///< of starts, of goals
+	double gap;                        ///< least distance between nodes of the two trees that were seen together
+	uint64_t not_free;                 ///< motions that were blocked or undecided, by an edge or by an end state
+	lw_plan_pair pairs[LW_PLAN_PAIRS]; ///< the most frequent first
+	uint32_t pair_count;               ///< at most LW_PLAN_PAIRS
+	/// [2][variable_count][2] proved free travel of each joint alone from the first start, then from the first goal, down and
+	/// up: radians or metres until the first state that is not free, or the bound. Owned by the result; NULL if not measured.
+	double* travel;
+	bool enclosed[2]; ///< of these ends: free, and no travel reaches 0.01
+} lw_plan_stuck;
+
+/// An answer. lw_plan() fills it, whatever it returns; lw_plan_result_clear() frees its arrays.
 typedef struct lw_plan_result
 {
 	lw_plan_outcome outcome;
@@ -92,6 +127,7 @@ typedef struct lw_plan_result
 	double raw_length;       ///< before smoothing
 	double seconds;          ///< of the clock, for the whole call
 	lw_plan_statistics statistics;
+	lw_plan_stuck stuck;
 	char message[LW_PLAN_MESSAGE]; ///< lines in UTF-8 on an outcome without a path, always terminated; empty if SOLVED
 } lw_plan_result;
 
@@ -102,7 +138,7 @@ typedef struct lw_plan_result
 /// leaves the call.
 LW_API lw_status lw_plan( const lw_plan_def* def, lw_diag* diag, lw_plan_result* out );
 
-/// Frees the path and zeroes the result. A zeroed result and NULL are fine.
+/// Frees the arrays and zeroes the result. A zeroed result and NULL are fine.
 LW_API void lw_plan_result_clear( lw_plan_result* result );
 
 LW_EXTERN_C_END

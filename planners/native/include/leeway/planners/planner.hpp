@@ -11,6 +11,7 @@
 #pragma once
 
 #include "leeway/handles.hpp"
+#include "leeway/planners/stuck.hpp"
 
 #include <atomic>
 #include <cmath>
@@ -129,6 +130,12 @@ public:
 	/// From a start to the node of its tree that is nearest to a goal, each edge judged FREE; empty if no start is free.
 	/// @param distance of its last state to that goal
 	Path approximatePath( double* distance ) const;
+
+	/// Pairs at which edges ended that were not FREE, in the order of their first time; of blocked end states there is no count.
+	const std::vector<BlockingPair>& blockingPairs() const;
+	/// After an outcome without a path: the reasons, measured now, in up to a second. It changes nothing of the search.
+	/// @param query as for solve()
+	Stuck explain( lw_query* query, const Stop& stop = {} ) const;
 
 	void clear(); ///< forgets ends, trees and path
 	const Statistics& statistics() const;
