@@ -3,6 +3,7 @@
 #include "report/report.hpp"
 
 #include "support/provenance.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -245,6 +246,10 @@ void writeTable( std::ostream& out, const Table& table )
 
 void writeClaims( std::ostream& out, const std::vector<const Outcome*>& outcomes, bool named )
 {
+	if ( std::all_of( outcomes.begin(), outcomes.end(), []( const Outcome* outcome ) { return outcome->claims.empty(); } ) )
+	{
+		return;
+	}
 	out << "<table><thead><tr>" << ( named ? "<th>experiment</th>" : "" )
 	    << "<th>source</th><th>what it says</th><th>what we see</th><th></th><th>what differs, and "
 	       "why</th></tr></thead><tbody>\n";
@@ -278,7 +283,11 @@ void writeProvenance( std::ostream& out, const Json& provenance )
 void writeOutcome( std::ostream& out, const Outcome& outcome, const std::map<std::string, std::string>& pictures )
 {
 	out << "<h2 id=\"" << escaped( outcome.name ) << "\">" << escaped( outcome.title ) << "</h2>\n<p>"
-	    << escaped( outcome.about ) << "</p>\n<p class=note>" << figure( outcome.seconds ) << " s</p>\n";
+	    << escaped( outcome.about ) << "</p>\n";
+	if ( outcome.seconds > 0 )
+	{
+		out << "<p class=note>" << figure( outcome.seconds ) << " s</p>\n";
+	}
 	writeClaims( out, { &outcome }, false );
 	for ( const Plot& plot : outcome.plots )
 	{
@@ -309,11 +318,9 @@ void writeOutcome( std::ostream& out, const Outcome& outcome, const std::map<std
 std::string htmlPage( const Report& report, const std::map<std::string, std::string>& pictures )
 {
 	std::ostringstream out;
-	out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>leeway: experiments</title>\n<style>"
-	    << STYLE
-	    << "</style></head><body>\n<h1>leeway: the trade measured</h1>\n<p>What was claimed, and what this run saw. Times "
-	       "are "
-	       "medians over passes with their quartiles; a verdict comes from the figures of this run.</p>\n";
+	out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" << escaped( report.title )
+	    << "</title>\n<style>" << STYLE << "</style></head><body>\n<h1>" << escaped( report.title ) << "</h1>\n<p>"
+	    << escaped( report.about ) << "</p>\n";
 	std::vector<const Outcome*> all;
 	for ( const Outcome& outcome : report.outcomes )
 	{
@@ -345,6 +352,27 @@ void draw( const Plot& plot, Picture picture, const std::string& file )
 }
 
 } // namespace
+
+void writePage( const Report& report, const std::string& file )
+{
+	if ( !hasGnuplot() )
+	{
+		throw std::runtime_error(
+		    file + ": there is no gnuplot to draw it; install it (Debian: apt-get install gnuplot-nox)" );
+	}
+	const TemporaryFolder folder;
+	std::map<std::string, std::string> pictures;
+	for ( const Outcome& outcome : report.outcomes )
+	{
+		for ( const Plot& plot : outcome.plots )
+		{
+			const std::string name = outcome.name + "-" + plot.id, picture = folder.path() / ( name + ".svg" );
+			draw( plot, Picture::SVG, picture );
+			pictures[name] = readFile( picture );
+		}
+	}
+	writeFile( file, htmlPage( report, pictures ) );
+}
 
 void writeReport( const Report& report, const std::string& folder )
 {

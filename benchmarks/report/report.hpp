@@ -13,6 +13,11 @@ struct Report
 {
 	nlohmann::ordered_json provenance; ///< commit, machine, settings: common to all outcomes
 	std::vector<Outcome> outcomes;
+	/// Of the page; not kept in JSON.
+	std::string title = "leeway: the trade measured";
+	std::string about =
+	    "What was claimed, and what this run saw. Times are medians over passes with their quartiles; a verdict comes "
+	    "from the figures of this run.";
 };
 
 nlohmann::ordered_json toJson( const Report& report );
@@ -41,6 +46,10 @@ std::string embeddedSvg( const std::string& svg, const std::string& prefix );
 
 /// The page. @param pictures SVG of each plot, by "<experiment>-<plot>"; of those that are missing the caption is there
 std::string htmlPage( const Report& report, const std::map<std::string, std::string>& pictures );
+
+/// The page with all pictures as one file.
+/// @throws std::runtime_error without gnuplot, or if something cannot be written or drawn
+void writePage( const Report& report, const std::string& file );
 
 /// index.html, result.json, and each plot as SVG and PNG into a folder, which is made.
 /// @throws std::runtime_error without gnuplot, or if something cannot be written or drawn

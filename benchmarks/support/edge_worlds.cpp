@@ -188,6 +188,10 @@ void EdgeWorlds::addMbm( const std::string& robot_name, const std::string& group
 			char digits[16];
 			std::snprintf( digits, sizeof digits, "%04d.yaml", number );
 			const std::string name = robot_name + " " + group;
+			if ( !std::filesystem::exists( path( folder + "/problems/" + set + "/request" + digits ) ) )
+			{
+				continue;
+			}
 			add( { { "set", name }, { "name", name + "/" + set + "/" + std::to_string( number ) },
 				{ "robot", folder + "/" + robot_name + ".urdf" }, { "srdf", folder + "/" + robot_name + ".srdf" },
 				{ "scene", folder + "/problems/" + set + "/scene" + digits },

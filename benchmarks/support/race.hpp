@@ -84,6 +84,14 @@ inline double threadMicroseconds()
 	return 1e6 * static_cast<double>( now.tv_sec ) + 1e-3 * static_cast<double>( now.tv_nsec );
 }
 
+/// The same of all threads: planners may use several.
+inline double processMicroseconds()
+{
+	timespec now;
+	clock_gettime( CLOCK_PROCESS_CPUTIME_ID, &now );
+	return 1e6 * static_cast<double>( now.tv_sec ) + 1e-3 * static_cast<double>( now.tv_nsec );
+}
+
 /// Median time between two successive readings of the clock.
 inline double clockMicroseconds()
 {

@@ -63,6 +63,7 @@ HOUSES = [
         ("support", "command lines, states, edges and worlds, interleaved timing, the origin of results"),
         ("report", "experiments and their rounds, pages and plots, comparison of two runs"),
         ("peers", "engines of other libraries, judges of answers, workloads for all engines"),
+        ("planning", "ways to plan, modules of other planners, their results as tables and a page"),
         ("experiments", "parts switched off, figures of the paper, speed against accuracy, plans"),
         ("programs", "one file for each program"),
     ]),
