@@ -7,6 +7,7 @@
 // the processor time of planning, then that of a simplification: leeway's smoother, OMPL's shortcuts, or the module's own.
 // The auditor checks every path afterwards (tests/support/edge_auditor.hpp), outside of its time.
 #include "edge_auditor.hpp"
+#include "planning/generated_problems.hpp"
 #include "planning/page.hpp"
 #include "planning/tally.hpp"
 #include "planning/ways.hpp"
@@ -24,7 +25,7 @@ namespace
 
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, json, html, only;
+	std::string data = LEEWAY_DATA_DIR, json, html, only, zoo;
 	std::vector<std::string> planners, ranges, modules;
 	int problems = 5, runs = 3;
 	double seconds = 5, budget = 1;
@@ -142,6 +143,7 @@ public:
 		json["problems"] = m_settings.problems;
 		json["runs"] = m_settings.runs;
 		json["seconds"] = m_settings.seconds;
+		json["generated"] = !m_settings.zoo.empty();
 		json["budget"] = m_settings.budget;
 		json["left_out"] = m_left_out;
 		for ( const WayKind& way : m_ways )
@@ -261,6 +263,30 @@ private:
 	std::size_t m_left_out = 0;
 };
 
+void addData( EdgeWorlds& worlds, const Settings& settings )
+{
+	requireData( settings.data, "mbm" );
+	std::vector<int> numbers( static_cast<std::size_t>( settings.problems ) );
+	std::iota( numbers.begin(), numbers.end(), 1 );
+	worlds.addMbm( "panda", "panda_arm", numbers );
+	worlds.addMbm( "fetch", "arm_with_torso", numbers );
+	worlds.addArmarProblems();
+}
+
+void addZoo( EdgeWorlds& worlds, const Settings& settings, const TemporaryFolder& files )
+{
+	const std::string robots = robotsOfZoo( settings.zoo );
+	for ( const ZooRobot& robot : zooRobots() )
+	{
+		// "ur5" and "table" are parts of the sets' names, as with the data's
+		if ( ( "table_" + robot.name + " shelf_" + robot.name + " cage_" + robot.name + " boxes_" + robot.name )
+		         .find( settings.only ) != std::string::npos )
+		{
+			addGeneratedProblems( worlds, robot, robots, settings.problems, settings.seed, files );
+		}
+	}
+}
+
 int run( const Settings& settings )
 {
 	::ompl::msg::setLogLevel( ::ompl::msg::LOG_NONE );
@@ -268,11 +294,8 @@ int run( const Settings& settings )
 	lw_reach_def reach = lw_reach_def_default();
 	reach.seconds = settings.budget;
 	EdgeWorlds worlds( settings.data, reach );
-	std::vector<int> numbers( static_cast<std::size_t>( settings.problems ) );
-	std::iota( numbers.begin(), numbers.end(), 1 );
-	worlds.addMbm( "panda", "panda_arm", numbers );
-	worlds.addMbm( "fetch", "arm_with_torso", numbers );
-	worlds.addArmarProblems();
+	const TemporaryFolder files;
+	settings.zoo.empty() ? addData( worlds, settings ) : addZoo( worlds, settings, files );
 	bench.run( worlds );
 	if ( bench.empty() )
 	{
@@ -292,6 +315,8 @@ int main( int argc, char** argv )
 	BenchProgram program(
 	    "bench_planning", "Planning problems end to end: leeway's planner, OMPL's, and modules of other libraries." );
 	program.option( "--data", settings.data, "folder of robots and scenes" );
+	program.option( "--zoo", settings.zoo,
+	    "folder of .ci/install.sh zoo: its robots in scenes made by seed, in place of the data's problems" );
 	program.option( "--only", settings.only, "only sets with this in their name, such as 'panda' or 'box_fetch'" );
 	program.option( "--problems", settings.problems, "of each set, if it has as many", { 1, 100 } );
 	program.option( "--runs", settings.runs, "of each problem", { 1 } );

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Robots that nobody prepared, in scenes made by seed: a table with objects, a shelf, a cage, random boxes.
+//
+// A robot is a URDF and the joints of an arm, without an SRDF: pairs of links that are in contact in more than half of some random
+// states are disabled, as are neighbours. Scenes are as large as the arm reaches. Start and goal are random free states at
+// least 5 mm from the scene.
+#pragma once
+
+#include "support/edge_worlds.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+struct ZooRobot
+{
+	std::string name;
+	std::string urdf;  ///< below the folder of the robots
+	std::string group; ///< joints joined by "+"
+};
+
+/// Eight arms of the package example-robot-data.
+const std::vector<ZooRobot>& zooRobots();
+
+/// @param zoo folder that .ci/install.sh zoo filled @return the folder of example-robot-data's robots
+/// @throws NoData if it is not there
+std::string robotsOfZoo( const std::string& zoo );
+
+/// Adds `count` problems of each kind of scene; their sets are named "table_ur5". Equal seeds give equal problems.
+/// @param files scenes and requests are written there; it must outlive the worlds
+void addGeneratedProblems( EdgeWorlds& worlds, const ZooRobot& robot, const std::string& robots, int count,
+    std::uint64_t seed, const TemporaryFolder& files );
