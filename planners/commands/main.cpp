@@ -152,10 +152,11 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	        "--time", options.time, "seconds for planning (default: the request's allowed_planning_time, else 60)" )
 	    ->type_name( "S" );
 	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )->type_name( "N" ) );
-	rare( command
-	          ->add_option( "--threads", options.threads,
-	              "threads of planners marked 'threads' in the list below (default: the planner's own choice)" )
-	          ->type_name( "N" ) );
+	rare(
+	    command
+	        ->add_option( "--threads", options.threads,
+	            "threads of Leeway (1), and of planners marked 'threads' in the list below (default: the planner's own choice)" )
+	        ->type_name( "N" ) );
 	rare( command
 	          ->add_option( "--planner-param", options.parameters,
 	              "a parameter of the planner, such as range=0.7; repeatable (an unknown name lists all)" )

@@ -90,6 +90,7 @@ struct Solution
 	std::string planner;  // the last one that was tried
 	std::vector<std::string> tried; // all that share the time
 	unsigned threads = 1; // of the planner
+	std::uint64_t path_seed = 0;                   // of the search among several that found the path
 	std::map<std::string, std::string> parameters; // of the planner
 	::leeway::ompl::Counters counters;             // of the engine
 	std::vector<::leeway::ompl::UndecidedPair> undecided_pairs;
@@ -172,8 +173,7 @@ std::vector<std::string> plannersOf( const PlanOptions& options, bool native = t
 		return { options.planner };
 	}
 	const std::string first = native ? "Leeway" : "RRTConnect";
-	return options.parameters.empty() && options.threads == 0 ? std::vector<std::string>{ first, "SBL" }
-	                                                          : std::vector<std::string>{ first };
+	return options.parameters.empty() ? std::vector<std::string>{ first, "SBL" } : std::vector<std::string>{ first };
 }
 
 // Length of the longest motion that suits the robot; 0 for spaces with rotations.
@@ -401,6 +401,7 @@ public:
 		}
 		definition->setGoal( goals );
 		const std::vector<std::string> names = plannersOf( m_options, m_range > 0 );
+		requireThreads( findPlanner( names.front() ), m_options.threads );
 		solution.tried = names;
 		for ( std::size_t i = 0; i < names.size() && !solution.solved; ++i )
 		{
@@ -426,6 +427,13 @@ private:
 		solution.planner = entry.name;
 		definition->clearSolutionPaths(); // an approximate one of the planner before
 		const ob::PlannerPtr planner = entry.make( m_si );
+		const auto native = std::dynamic_pointer_cast<planners::OmplPlanner>( planner );
+		m_native = native ? native : m_native;
+		if ( native )
+		{
+			native->setSeed( m_options.seed );
+		}
+		solution.threads = 1;
 		setRange( *planner, m_range, m_options.parameters );
 		setParameters( *planner, m_options.parameters );
 		if ( entry.threads != nullptr )
@@ -447,8 +455,7 @@ private:
 			solution.status = planner->solve( ob::timedPlannerTerminationCondition( time ) ).asString();
 			solution.seconds.plan += now() - begin;
 		}
-		const auto native = std::dynamic_pointer_cast<planners::OmplPlanner>( planner );
-		m_native = native ? native : m_native;
+		solution.path_seed = native ? native->seed() : m_options.seed;
 		// An approximate solution ends somewhere else: it is none.
 		solution.solved = definition->hasExactSolution();
 	}
@@ -485,7 +492,7 @@ private:
 			unsigned tries = 0;
 			do
 			{
-				shorter = smoothed( m_bench, solution.points, def, m_options.seed + ( std::uint64_t( tries ) << 32 ) );
+				shorter = smoothed( m_bench, solution.points, def, solution.path_seed + ( std::uint64_t( tries ) << 32 ) );
 			} while ( was_certified && !certify( m_bench, shorter, def ).all() && ++tries < smooth_tries );
 			shorter = tries < smooth_tries ? shorter : solution.points;
 		}
@@ -522,7 +529,7 @@ PathFile pathFile(
 	path.scene = input.scene ? input.scene->name : "";
 	path.planner = solution.planner;
 	path.validator = options.edge.validator;
-	path.seed = options.seed;
+	path.seed = solution.path_seed;
 	path.min_d = options.common.min_d;
 	path.slack = options.edge.slack;
 	path.length = audit.length;
@@ -551,6 +558,7 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 	json["planner"] = solution.planner;
 	json["validator"] = options.edge.validator;
 	json["seed"] = options.seed;
+	json["path_seed"] = solution.solved ? Json( solution.path_seed ) : Json( nullptr );
 	json["threads"] = solution.threads;
 	json["planner_params"] = solution.parameters;
 	json["min_d"] = options.common.min_d;
@@ -602,11 +610,10 @@ std::string summary( const PlanOptions& options, const Solution& solution )
 		    counted( solution.goals.states.size(), "state" ), solution.goals.searches, solution.ik_seconds,
 		    solution.goals.blocked );
 	}
-	text +=
-	    fmt::format( "planner     {} (seed {}{}): {:.3f} s planning, {:.3f} s simplifying; {} and {} checked\n",
-	        solution.planner, options.seed,
-	        solution.threads > 1 ? fmt::format( ", {} threads", solution.threads ) : "", solution.seconds.plan,
-	        solution.seconds.simplify, counted( solution.counters.states, "state" ), counted( solution.counters.edges, "edge" ) );
+	text += fmt::format( "planner     {} (seed {}{}): {:.3f} s planning, {:.3f} s simplifying; {} and {} checked\n",
+	    solution.planner, solution.path_seed, solution.threads > 1 ? fmt::format( ", {} threads", solution.threads ) : "",
+	    solution.seconds.plan, solution.seconds.simplify, counted( solution.counters.states, "state" ),
+	    counted( solution.counters.edges, "edge" ) );
 	text += fmt::format( "edges       {} of {} {}", solution.edges.free,
 	    solution.edges.free + solution.edges.blocked + solution.edges.undecided,
 	    certified ? "proved free" : "free at fixed steps (not a proof)" );

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The planner for C: structs to settings and back, exceptions to statuses.
 #include "leeway/planners/planner.h"
+#include "leeway/planners/portfolio.hpp"
 #include "leeway/planners/smooth.hpp"
 
 #include <algorithm>
@@ -108,18 +109,18 @@ Settings settingsOf( const lw_plan_def& def )
 }
 
 /// Adds each end; an unusable one is refused with its index.
-void addEnds( Planner& planner, const lw_plan_def& def )
+void addEnds( Portfolio& planner, const lw_plan_def& def )
 {
 	std::uint32_t index = 0;
 	try
 	{
 		for ( ; index < def.start_count; ++index )
 		{
-			planner.addStart( def.starts + index * planner.dimension() );
+			planner.addStart( def.starts + index * planner.best().dimension() );
 		}
 		for ( index = 0; index < def.goal_count; ++index )
 		{
-			planner.addGoal( def.goals + index * planner.dimension() );
+			planner.addGoal( def.goals + index * planner.best().dimension() );
 		}
 	}
 	catch ( const InputError& error )
@@ -185,7 +186,7 @@ void takePath(
 	{
 		SmoothSettings settings;
 		settings.edge = def.edge;
-		settings.seed = def.seed;
+		settings.seed = out.seed;
 		requireOk( smooth( def.checker, query, settings, clock.stop(), path, &work ), "smoothing" );
 	}
 	out.length = length( def.checker, path );
@@ -228,23 +229,24 @@ void plan( const lw_plan_def& def, const Clock& clock, lw_plan_result& out )
 {
 	const leeway::Query own = def.query == nullptr ? leeway::makeQuery( def.checker ) : nullptr;
 	lw_query* query = def.query == nullptr ? own.get() : def.query;
-	Planner planner( leeway::Checker::adopt( lw_checker_retain( def.checker ) ), settingsOf( def ) );
+	Portfolio planner( leeway::Checker::adopt( lw_checker_retain( def.checker ) ), settingsOf( def ), def.threads );
 	addEnds( planner, def );
 	const Outcome outcome = planner.solve( query, clock.stop() );
 	Statistics work = planner.statistics();
 	out.statistics = statisticsOf( work );
+	out.seed = planner.seed();
 	requireOk( planner.failure(), "search" );
 	if ( outcome == Outcome::SOLVED )
 	{
-		takePath( def, query, clock, planner.path(), work, out );
+		takePath( def, query, clock, planner.best().path(), work, out );
 		out.statistics = statisticsOf( work );
 	}
 	else
 	{
 		const bool ends = outcome == Outcome::NO_START || outcome == Outcome::NO_GOAL;
-		const std::string problem = ends ? planner.endProblem() : name( outcome );
-		copyText(
-		    problem + "\n" + ( def.explain ? explain( def, planner, query, out ) : "" ), out.message, sizeof out.message );
+		const std::string problem = ends ? planner.best().endProblem() : name( outcome );
+		copyText( problem + "\n" + ( def.explain ? explain( def, planner.best(), query, out ) : "" ), out.message,
+		    sizeof out.message );
 	}
 	out.outcome = outcomeOf( outcome );
 }
@@ -285,6 +287,7 @@ extern "C" lw_plan_def lw_plan_def_default( void )
 	def.edge = settings.edge;
 	def.sample_radius = settings.sample_radius;
 	def.seed = settings.seed;
+	def.threads = 1;
 	def.most_nodes = settings.most_nodes;
 	def.seconds = HUGE_VAL;
 	def.smooth = true;

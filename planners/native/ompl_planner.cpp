@@ -8,6 +8,7 @@
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/util/Exception.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace leeway::planners
@@ -119,6 +120,8 @@ OmplPlanner::OmplPlanner( const ob::SpaceInformationPtr& si ) : ob::Planner( si,
 	specs_.directed = true;
 	specs_.recognizedGoal = ob::GOAL_SAMPLEABLE_REGION;
 	Planner::declareParam<double>( "range", this, &OmplPlanner::setRange, &OmplPlanner::getRange, "0.:1.:10000." );
+	Planner::declareParam<unsigned>( "seed", this, &OmplPlanner::setSeed, &OmplPlanner::getSeed, "0:1:4294967295" );
+	Planner::declareParam<unsigned>( "threads", this, &OmplPlanner::setThreads, &OmplPlanner::getThreads, "1:1:64" );
 }
 
 OmplPlanner::~OmplPlanner()
@@ -149,6 +152,28 @@ void OmplPlanner::setRange( double range )
 {
 	m_range = range;
 	m_planner.reset();
+}
+
+void OmplPlanner::setThreads( unsigned threads )
+{
+	if ( threads < 1 || threads > Portfolio::most_threads )
+	{
+		throw ::ompl::Exception( getName(), "threads must be 1 to " + std::to_string( Portfolio::most_threads ) );
+	}
+	m_threads = threads;
+	m_planner.reset();
+}
+
+void OmplPlanner::setSeed( unsigned seed )
+{
+	m_seed = seed;
+	m_seed_given = true;
+	m_planner.reset();
+}
+
+std::uint64_t OmplPlanner::seed() const
+{
+	return m_planner ? m_planner->seed() : 0;
 }
 
 void OmplPlanner::setup()
@@ -185,11 +210,12 @@ void OmplPlanner::makePlanner( const lw_checker* checker )
 	settings.edge.slack = options.slack;
 	settings.edge.max_d = options.step;
 	settings.range = m_range;
-	settings.seed = static_cast<std::uint64_t>( m_rng.uniformInt( 0, std::numeric_limits<int>::max() ) );
+	settings.seed =
+	    m_seed_given ? m_seed : static_cast<std::uint64_t>( m_rng.uniformInt( 0, std::numeric_limits<int>::max() ) );
 	Bounds bounds = boundsOf( engine() );
 	settings.lower = std::move( bounds.lower );
 	settings.upper = std::move( bounds.upper );
-	m_planner = std::make_unique<leeway::planners::Planner>( Checker::adopt( lw_checker_retain( checker ) ), settings );
+	m_planner = std::make_unique<Portfolio>( Checker::adopt( lw_checker_retain( checker ) ), settings, m_threads );
 	m_checker = checker;
 	m_statistics = {};
 	m_counted.clear();
@@ -224,7 +250,7 @@ Outcome OmplPlanner::search( const leeway::ompl::Engine::Lease& lease, Goals& go
 /// The work since the last call goes to the engine.
 void OmplPlanner::count( const leeway::ompl::Engine::Lease& lease )
 {
-	const Statistics &now = m_planner->statistics(), &before = m_statistics;
+	const Statistics now = m_planner->statistics(), &before = m_statistics;
 	leeway::ompl::Counters work;
 	work.states = now.states - before.states;
 	work.edges = now.edges - before.edges;
@@ -233,23 +259,25 @@ void OmplPlanner::count( const leeway::ompl::Engine::Lease& lease )
 	work.undecided = now.undecided - before.undecided;
 	work.edge_queries = now.edge_queries - before.edge_queries;
 	lease.count( work );
-	const std::vector<BlockingPair>& pairs = m_planner->blockingPairs();
-	for ( std::size_t i = 0; i < pairs.size(); ++i ) // their order never changes
+	std::vector<BlockingPair> pairs = m_planner->blockingPairs();
+	for ( const BlockingPair& pair : pairs )
 	{
-		const std::uint64_t more = pairs[i].undecided - ( i < m_counted.size() ? m_counted[i].undecided : 0 );
+		const auto known = std::find_if( m_counted.begin(), m_counted.end(),
+		    [&]( const BlockingPair& p ) { return p.self == pair.self && p.a == pair.a && p.b == pair.b; } );
+		const std::uint64_t more = pair.undecided - ( known != m_counted.end() ? known->undecided : 0 );
 		if ( more > 0 )
 		{
-			lease.countUndecided( pairs[i].self, pairs[i].a, pairs[i].b, more, pairs[i].clearance );
+			lease.countUndecided( pair.self, pair.a, pair.b, more, pair.clearance );
 		}
 	}
-	m_counted = pairs;
+	m_counted = std::move( pairs );
 	m_statistics = now;
 }
 
 Stuck OmplPlanner::explain() const
 {
 	const leeway::ompl::Engine::Lease lease( engine() );
-	return m_planner && lease && lease.checker() == m_checker ? m_planner->explain( lease.query() ) : Stuck();
+	return m_planner && lease && lease.checker() == m_checker ? m_planner->best().explain( lease.query() ) : Stuck();
 }
 
 void OmplPlanner::addPath( const Path& path, bool approximate, double distance )
@@ -297,7 +325,9 @@ ob::PlannerStatus OmplPlanner::solve( const ob::PlannerTerminationCondition& end
 	count( lease );
 	switch ( outcome )
 	{
-	case Outcome::SOLVED: addPath( m_planner->path(), false, 0 ); return ob::PlannerStatus::EXACT_SOLUTION;
+	case Outcome::SOLVED:
+		addPath( m_planner->best().path(), false, 0 );
+		return ob::PlannerStatus::EXACT_SOLUTION;
 	case Outcome::NO_START: return ob::PlannerStatus::INVALID_START;
 	case Outcome::NO_GOAL: return ob::PlannerStatus::INVALID_GOAL;
 	case Outcome::FAILED: return ob::PlannerStatus::CRASH;
@@ -328,7 +358,7 @@ void OmplPlanner::getPlannerData( ob::PlannerData& data ) const
 		ob::PlannerData& data;
 		std::vector<ob::State*> nodes[2];
 	} visit{ *this, data, {} };
-	m_planner->visitNodes(
+	m_planner->best().visitNodes(
 	    []( void* user, bool of_goal, std::uint32_t parent, const double* q )
 	    {
 		    Visit& to = *static_cast<Visit*>( user );

@@ -11,10 +11,7 @@
 namespace leeway::planners
 {
 
-namespace
-{
-
-Settings checked( const Settings& settings )
+void requireUsable( const Settings& settings )
 {
 	const auto need = []( bool condition, const char* sentence )
 	{
@@ -31,8 +28,10 @@ Settings checked( const Settings& settings )
 	need( settings.sample_radius >= 0 && std::isfinite( settings.sample_radius ),
 	    "sample_radius must be finite and at least 0" );
 	need( settings.most_nodes >= 2 && settings.most_nodes <= no_node, "most_nodes must be 2 to 2^32 - 1" );
-	return settings;
 }
+
+namespace
+{
 
 /// Rough quantile of a bell curve with variance near 1 (Tukey's lambda, 0.14): directions of samples need no more.
 double normalQuantile( double u )
@@ -70,10 +69,10 @@ const char* name( Outcome outcome )
 struct Planner::Parts
 {
 	Parts( Checker given, const Settings& s )
-	    : checker( checkedChecker( std::move( given ) ) ), settings( checked( s ) ),
-	      space( checker.get(), s.lower, s.upper ), random( s.seed ),
-	      halton( space.size() + 1, s.seed ), trees{ Tree( space ), Tree( space ) }, blame( space.size() )
+	    : checker( checkedChecker( std::move( given ) ) ), settings( s ), space( checker.get(), s.lower, s.upper ),
+	      random( s.seed ), halton( space.size() + 1, s.seed ), trees{ Tree( space ), Tree( space ) }, blame( space.size() )
 	{
+		requireUsable( settings );
 		range = settings.range > 0 ? settings.range : geometricRange( checker.get(), space.lower(), space.upper() );
 		sample.resize( space.size() );
 		next.resize( space.size() );

@@ -117,7 +117,7 @@ bool isInRange( const std::string& value, const std::string& range )
 const std::vector<PlannerEntry>& planners()
 {
 	static const std::vector<PlannerEntry> entries = {
-	    { "Leeway", "first solution", make<planners::OmplPlanner> },
+	    { "Leeway", "first solution", make<planners::OmplPlanner>, "threads" },
 	    { "RRTConnect", "first solution", make<og::RRTConnect> },
 	    { "RRT", "first solution", make<og::RRT> },
 	    { "LazyRRT", "first solution", make<og::LazyRRT> },

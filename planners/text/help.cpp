@@ -174,8 +174,8 @@ kinematics finds up to eight free states that reach it, by --seed, and the plann
 
 Shortcuts simplify the path, and all its edges are checked once more; if one fails, the path before simplification is
 kept. The audit measures exact states so densely that near contact no robot point moves further than --resolution between
-two of them. A path that fails is not written. The same seed gives the same path, unless the planner uses threads or
-all of its time.)" };
+two of them. A path that fails is not written. The same seed gives the same path, unless the planner uses several
+threads or all of its time. Leeway searches with the seeds N, N + 1, ... side by side; the report names that of the path.)" };
 
 const HelpText audit_help = {
     R"(Measures a path densely, without using any certificate of the planner.

@@ -16,7 +16,7 @@ struct PathFile
 {
 	std::string file;
 	std::string robot, group, scene, planner, validator;
-	std::uint32_t seed = 0;
+	std::uint64_t seed = 0;
 	double min_d = 0, slack = 0;
 	double length = 0;                                       ///< joint space, the planner's metric
 	double environment = 0, self = 0;                        ///< least clearances that the audit measured

@@ -96,10 +96,31 @@ TEST_F( CliPlan, ParallelPlannersGetTheirNumber )
 	}
 	const Outcome one = runModel( "plan", { "--request", "request.yaml", "--threads", "1" }, "blocked.yaml" );
 	EXPECT_EQ( one.status, 0 ) << one.err;
-	const Outcome two = runModel( "plan", { "--request", "request.yaml", "--threads", "2" }, "blocked.yaml" );
+	const Outcome two =
+	    runModel( "plan", { "--request", "request.yaml", "--planner", "SBL", "--threads", "2" }, "blocked.yaml" );
 	EXPECT_EQ( two.status, 2 );
-	EXPECT_NE( two.err.find( "--threads: Leeway plans with one thread" ), std::string::npos ) << two.err;
+	EXPECT_NE( two.err.find( "--threads: SBL plans with one thread" ), std::string::npos ) << two.err;
 	EXPECT_NE( two.err.find( "AnytimePathShortening" ), std::string::npos ) << two.err;
+}
+
+TEST_F( CliPlan, TheSeedOfOneOfSeveralSearchesFindsItsPathAlone )
+{
+	for ( const int seed : { 1, 5, 9 } )
+	{
+		const Outcome plan = runModel( "plan",
+		    { "--request", "request.yaml", "--threads", "3", "--seed", std::to_string( seed ), "--report", "r.json" },
+		    "blocked.yaml" );
+		ASSERT_EQ( plan.status, 0 ) << plan.err;
+		const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
+		EXPECT_EQ( report["threads"], 3 );
+		EXPECT_EQ( report["seed"], seed );
+		const int winner = report["path_seed"];
+		EXPECT_GE( winner, seed );
+		EXPECT_LT( winner, seed + 3 );
+		const Outcome alone =
+		    runModel( "plan", { "--request", "request.yaml", "--seed", std::to_string( winner ) }, "blocked.yaml" );
+		EXPECT_EQ( alone.out, plan.out ) << "seed " << winner << " of " << seed;
+	}
 }
 
 TEST_F( CliPlan, ParametersReachThePlanner )

@@ -124,6 +124,22 @@ TEST( NativePlannerInC, TimeAndNodesEndTheSearch )
 	EXPECT_EQ( c.result.outcome, LW_PLAN_NODES_FULL );
 }
 
+TEST( NativePlannerInCThread, ItsSeedFindsThePathAlone )
+{
+	for ( std::uint64_t seed = 1; seed <= 20; ++seed )
+	{
+		CProblem side_by_side( worldOf( "Carrier" ) ), alone( worldOf( "Carrier" ) );
+		side_by_side.def.threads = 3;
+		side_by_side.def.seed = seed;
+		ASSERT_EQ( side_by_side.solve(), LW_OK );
+		alone.def.seed = side_by_side.result.seed;
+		EXPECT_LT( alone.def.seed - seed, 3u );
+		ASSERT_EQ( alone.solve(), LW_OK );
+		EXPECT_EQ( alone.path().values, side_by_side.path().values );
+		EXPECT_EQ( alone.result.seed, alone.def.seed );
+	}
+}
+
 TEST( NativePlannerInCThread, CancellationFromAnotherThreadEndsTheSearch )
 {
 	const leeway::Checker closed =
@@ -174,6 +190,10 @@ TEST( NativePlannerInC, BadInputHasAStatusAndAMessage )
 	refuses( "edge" );
 	with( []( lw_plan_def& d ) { d.most_nodes = 1; } );
 	refuses( "most_nodes" );
+	with( []( lw_plan_def& d ) { d.threads = 0; } );
+	refuses( "threads" );
+	with( []( lw_plan_def& d ) { d.threads = 65; } );
+	refuses( "threads" );
 	const double outside[] = { -0.8, -0.8, 0, 9 };
 	with( [&]( lw_plan_def& d ) { d.starts = outside, d.start_count = 2; } );
 	refuses( "rail y" );

@@ -140,6 +140,28 @@ TEST( NativeOmplPlannerThread, GoalsOfASamplingThreadAreUsed )
 	EXPECT_GE( given, 2 );
 }
 
+TEST( NativeOmplPlannerThread, SeedAndThreadsAreParameters )
+{
+	OmplProblem threads( worldOf( "Arm" ) ), alone( worldOf( "Arm" ) );
+	EXPECT_TRUE( threads.planner->params().setParam( "threads", "3" ) );
+	EXPECT_TRUE( threads.planner->params().setParam( "seed", "11" ) );
+	ASSERT_EQ( threads.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	audit( threads.rig, *threads.definition->getSolutionPath()->as<og::PathGeometric>() );
+	const std::uint64_t seed = threads.planner->seed();
+	EXPECT_GE( seed, 11u );
+	EXPECT_LT( seed, 14u );
+	EXPECT_EQ( threads.rig.engine->counters().edges, threads.planner->statistics().edges );
+	alone.planner->setSeed( static_cast<unsigned>( seed ) );
+	ASSERT_EQ( alone.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	EXPECT_EQ( alone.path().length(), threads.path().length() );
+	alone.planner->clear();
+	alone.definition->clearSolutionPaths();
+	const double first = threads.path().length();
+	ASSERT_EQ( alone.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	EXPECT_EQ( alone.path().length(), first ) << "clear() keeps a seed that was given";
+	EXPECT_THROW( alone.planner->setThreads( 65 ), ::ompl::Exception );
+}
+
 TEST( NativeOmplPlanner, PlannerDataIsTheTwoTrees )
 {
 	OmplProblem setup( worldOf( "Arm" ) );

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "leeway/ompl/validity.hpp"
-#include "leeway/planners/planner.hpp"
+#include "leeway/planners/portfolio.hpp"
 
 #include <ompl/base/Planner.h>
 #include <ompl/util/RandomNumbers.h>
@@ -15,7 +15,7 @@ namespace leeway::planners
 {
 
 /// Planner under OMPL's interface: several starts and goals, goals that are sampled while it searches, approximate solutions, clear(),
-/// and solve() again. Samples lie in the bounds of the space. clear() takes a new seed from OMPL's random numbers.
+/// and solve() again. Samples lie in the bounds of the space. clear() takes a new seed from OMPL's random numbers unless setSeed() gave one.
 ///
 /// States and edges go straight to the checker; solve() adds them to Engine::counters() and Engine::undecidedPairs() at its end.
 class OmplPlanner : public ::ompl::base::Planner
@@ -29,11 +29,19 @@ public:
 	::ompl::base::PlannerStatus solve( const ::ompl::base::PlannerTerminationCondition& end ) override;
 	void clear() override;
 	void setup() override;
-	void getPlannerData( ::ompl::base::PlannerData& data ) const override;
+	void getPlannerData(
+	    ::ompl::base::PlannerData& data ) const override; ///< of the search that found the path, or of the first
 
 	/// Longest edge that a tree grows by; 0 = geometricRange(), which setup() fills in.
 	void setRange( double range );
 	double getRange() const { return m_range; }
+	/// Searches side by side, 1 to 64: see Portfolio. One by default.
+	void setThreads( unsigned threads );
+	unsigned getThreads() const { return m_threads; }
+	/// Seed of the first search, in place of one from OMPL's random numbers.
+	void setSeed( unsigned seed );
+	unsigned getSeed() const { return m_seed; } ///< 0 before setSeed()
+	std::uint64_t seed() const; ///< of the search that found the path, or of the first; 0 before the first solve()
 	const Statistics& statistics() const { return m_statistics; } ///< of all solve() since clear() or a new checker
 	/// Planner::explain() of the last search; zeroed if there was none.
 	Stuck explain() const;
@@ -48,11 +56,13 @@ private:
 	void addPath( const Path& path, bool approximate, double distance );
 	void freeStates();
 
-	std::unique_ptr<leeway::planners::Planner> m_planner;
+	std::unique_ptr<Portfolio> m_planner;
 	const lw_checker* m_checker = nullptr; ///< of m_planner
 	Statistics m_statistics;
 	std::vector<BlockingPair> m_counted; ///< pairs whose undecided edges are in the engine's counts
 	double m_range = 0;
+	unsigned m_threads = 1, m_seed = 0;
+	bool m_seed_given = false;
 	::ompl::RNG m_rng;
 	mutable std::vector<::ompl::base::State*> m_states; ///< handed out by getPlannerData()
 };

@@ -65,7 +65,9 @@ typedef struct lw_plan_def
 	lw_edge_def edge;     ///< judge of states and motions; margins of the path are its min_d
 	double range;         ///< longest edge that a tree grows by, Euclidean, > 0; 0 = a length that suits the robot
 	double sample_radius; ///< samples lie within this many ranges of a node, 5; 0 = anywhere in the bounds
-	uint64_t seed;        ///< equal seeds give equal paths, unless time or a cancellation ends the search or the smoothing
+	uint64_t seed;        ///< equal seeds give equal paths, unless time or a cancellation ends the work, or threads > 1
+	uint32_t
+	    threads; ///< searches side by side with the seeds seed, seed + 1, ..., 1 to 64; the first path ends all: portfolio.hpp; 1
 	uint64_t most_nodes;  ///< of both trees, 2 to 2^32 - 1; 2^20
 	double seconds;       ///< of the clock, for search and smoothing together; INFINITY
 	const lw_plan_cancel* cancel; ///< looked at between edges; NULL = none
@@ -126,6 +128,7 @@ typedef struct lw_plan_result
 	double length;           ///< sum of Euclidean lengths of the edges, radians and metres alike
 	double raw_length;       ///< before smoothing
 	double seconds;          ///< of the clock, for the whole call
+	uint64_t seed;           ///< of the search that found the path: with it and threads = 1 the call gives the same path
 	lw_plan_statistics statistics;
 	lw_plan_stuck stuck;
 	char message[LW_PLAN_MESSAGE]; ///< lines in UTF-8 on an outcome without a path, always terminated; empty if SOLVED

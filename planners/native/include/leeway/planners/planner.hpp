@@ -65,6 +65,9 @@ struct Settings
 	std::vector<double> lower, upper;
 };
 
+/// @throws InputError for settings out of their domain
+void requireUsable( const Settings& settings );
+
 /// When a search or a smoothing ends. Looked at between two edges; an edge takes microseconds, seldom milliseconds.
 struct Stop
 {
