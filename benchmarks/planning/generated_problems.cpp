@@ -274,6 +274,18 @@ std::vector<io::DisabledPair> pairsOf( const io::RobotModel& model, const EdgeWo
 	return pairs;
 }
 
+/// With the group "arm".
+std::string srdfText( const io::RobotModel& model, const std::vector<io::DisabledPair>& pairs, const std::string& joints )
+{
+	std::string text = io::writeSrdf( model, pairs ).text, group = "  <group name=\"arm\">\n";
+	std::stringstream parts( joints );
+	for ( std::string joint; std::getline( parts, joint, '+' ); )
+	{
+		group += "    <joint name=\"" + joint + "\"/>\n";
+	}
+	return text.insert( text.rfind( "</robot>" ), group + "  </group>\n" );
+}
+
 std::string requestText(
     const EdgeWorld& world, const std::string& group, const std::vector<double>& start, const std::vector<double>& goal )
 {
@@ -384,21 +396,22 @@ Json generate(
 } // namespace
 
 void addGeneratedProblems( EdgeWorlds& worlds, const ZooRobot& robot, const std::string& robots, int count,
-    std::uint64_t seed, const TemporaryFolder& files )
+    std::uint64_t seed, const std::string& folder )
 {
 	// the robot alone: its reach, and the pairs that it always has in contact
 	lw_reach_def none = lw_reach_def_default();
 	none.seconds = 0;
 	EdgeWorlds drafts( robots, none );
-	const std::string base = ( files.path() / robot.name ).string();
+	const std::string base = ( fs::path( folder ) / robot.name ).string();
 	Json source = { { "set", robot.name }, { "name", robot.name + " arm/bare/0" },
 	    { "robot", ( fs::path( robots ) / robot.urdf ).string() }, { "group", robot.group } };
 	const EdgeWorld& bare = drafts.world( drafts.add( source ) );
 	Random random( seedOf( seed, robot.name, "bare", 0 ) );
 	const Reach reach = reachOf( bare, random );
 	const io::RobotModel model = io::loadRobot( source.at( "robot" ).get<std::string>(), "" );
-	writeFile( base + ".srdf", io::writeSrdf( model, pairsOf( model, bare, random ) ).text );
+	writeFile( base + ".srdf", srdfText( model, pairsOf( model, bare, random ), robot.group ) );
 	source["srdf"] = base + ".srdf";
+	source["group"] = "arm";
 	for ( const Kind& kind : KINDS )
 	{
 		for ( int number = 1; number <= count; ++number )

@@ -7,7 +7,6 @@
 #pragma once
 
 #include "support/edge_worlds.hpp"
-#include "support/temporary_folder.hpp"
 
 #include <cstdint>
 #include <string>
@@ -28,6 +27,6 @@ const std::vector<ZooRobot>& zooRobots();
 std::string robotsOfZoo( const std::string& zoo );
 
 /// Adds `count` problems of each kind of scene; their sets are named "table_ur5". Equal seeds give equal problems.
-/// @param files scenes and requests are written there; it must outlive the worlds
+/// @param folder the SRDF, scenes and requests are written there: leeway plan reads them
 void addGeneratedProblems( EdgeWorlds& worlds, const ZooRobot& robot, const std::string& robots, int count,
-    std::uint64_t seed, const TemporaryFolder& files );
+    std::uint64_t seed, const std::string& folder );

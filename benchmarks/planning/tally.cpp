@@ -27,6 +27,7 @@ void Tally::add( const Tally& other )
 	accepted += other.accepted;
 	problems += other.problems;
 	refused += other.refused;
+	unsolved.insert( unsolved.end(), other.unsolved.begin(), other.unsolved.end() );
 	hash = hash * 31 + other.hash;
 }
 
@@ -188,6 +189,11 @@ Json toJson( const SetResult& result, const std::vector<WayKind>& ways, bool spr
 		    { "first_length_median", median( t.column( &PlanRun::first_length ) ) },
 		    { "length_median", median( t.column( &PlanRun::length ) ) }, { "in_contact", t.inContact() },
 		    { "paths_hash", std::to_string( t.hash ) } };
+		row["direct"] = std::count_if( t.runs.begin(), t.runs.end(), []( const PlanRun& run ) { return run.direct; } );
+		if ( !spread && !t.unsolved.empty() )
+		{
+			row["unsolved"] = t.unsolved;
+		}
 		for ( const std::size_t r : partsOf( result, ways ) )
 		{
 			row["ratios"][ways[r].name] = { { "planning", pairedRatio( t, result.tallies[r], false ) },

@@ -13,8 +13,8 @@
 /// One run of a way on a problem.
 struct PlanRun
 {
-	std::size_t problem = 0; ///< equal numbers are equal problems, in all ways
-	bool solved = false, in_contact = false;
+	std::size_t problem = 0;                                 ///< equal numbers are equal problems, in all ways
+	bool solved = false, in_contact = false, direct = false; ///< direct: one straight edge
 	double plan_us = 0, simplify_us = 0, first_length = 0, length = 0;
 };
 
@@ -24,6 +24,7 @@ struct Tally
 	std::vector<PlanRun> runs;
 	std::size_t asked = 0, accepted = 0;      ///< problems, and those with no end that the way refuses
 	std::size_t problems = 0, refused = 0;    ///< of those that were planned; runs of a refused one are not solved
+	std::vector<std::string> unsolved;        ///< names of problems with a run that was not solved
 	std::uint64_t hash = 0xcbf29ce484222325u; ///< of all states of all paths, FNV-1a over their bytes
 
 	void addPath( const States& path );

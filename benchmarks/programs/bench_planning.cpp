@@ -9,14 +9,17 @@
 #include "edge_auditor.hpp"
 #include "planning/generated_problems.hpp"
 #include "planning/page.hpp"
+#include "planning/prefix_grid.hpp"
 #include "planning/tally.hpp"
 #include "planning/ways.hpp"
 #include "support/bench_program.hpp"
 #include "support/provenance.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <ompl/util/Console.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <numeric>
 
@@ -25,11 +28,11 @@ namespace
 
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, json, html, only, zoo;
+	std::string data = LEEWAY_DATA_DIR, json, html, only, zoo, files;
 	std::vector<std::string> planners, ranges, modules;
 	int problems = 5, runs = 3;
 	double seconds = 5, budget = 1;
-	bool planners_only = false, native_only = false;
+	bool planners_only = false, native_only = false, why = false;
 	std::uint64_t seed = 20260101;
 };
 
@@ -107,6 +110,7 @@ public:
 				if ( result.name.find( m_settings.only ) != std::string::npos )
 				{
 					planProblem( worlds.entry( i ), i, result );
+					explain( worlds.entry( i ), result.tallies[0] );
 				}
 			}
 			if ( !result.tallies[0].runs.empty() )
@@ -169,7 +173,7 @@ public:
 				}
 			}
 		}
-		writeResult( m_settings.json, { { "provenance", header() }, { "rows", rows } } );
+		writeResult( m_settings.json, { { "provenance", header() }, { "rows", rows }, { "unsolved", m_why } } );
 		if ( !m_settings.html.empty() )
 		{
 			writePlanningPage( m_settings.html, m_ways, m_totals, m_sets, header() );
@@ -216,9 +220,30 @@ private:
 				}
 				if ( run > 0 ) // the first run of each way warms memory and caches and is not counted
 				{
-					result.tallies[w].runs.push_back( out );
+					addRun( out, world.name, result.tallies[w] );
 				}
 			}
+		}
+	}
+
+	/// Looks for a reason if the problem is the last one that was not solved.
+	void explain( const EdgeWorldEntry& entry, const Tally& tally )
+	{
+		const std::string& name = entry.world.name;
+		if ( m_settings.why && !m_settings.zoo.empty() && !tally.unsolved.empty() && tally.unsolved.back() == name )
+		{
+			const std::string found = disconnectedPrefix( entry );
+			m_why[name] = found.empty() ? "unknown" : found;
+			std::printf( "%s: %s\n", name.c_str(), m_why[name].get<std::string>().c_str() );
+		}
+	}
+
+	static void addRun( const PlanRun& run, const std::string& problem, Tally& tally )
+	{
+		tally.runs.push_back( run );
+		if ( !run.solved && ( tally.unsolved.empty() || tally.unsolved.back() != problem ) )
+		{
+			tally.unsolved.push_back( problem );
 		}
 	}
 
@@ -229,6 +254,7 @@ private:
 		out.solved = planned.solved;
 		out.plan_us = planned.plan_us;
 		out.simplify_us = planned.simplify_us;
+		out.direct = planned.solved && planned.first.size() == 2;
 		if ( planned.solved && run > 0 )
 		{
 			out.first_length = lengthOf( world, planned.first );
@@ -261,6 +287,7 @@ private:
 	const std::shared_ptr<FclModels> m_models = std::make_shared<FclModels>();
 	std::vector<SetResult> m_sets, m_totals;
 	std::size_t m_left_out = 0;
+	Json m_why = Json::object(); ///< reasons by problem
 };
 
 void addData( EdgeWorlds& worlds, const Settings& settings )
@@ -273,7 +300,7 @@ void addData( EdgeWorlds& worlds, const Settings& settings )
 	worlds.addArmarProblems();
 }
 
-void addZoo( EdgeWorlds& worlds, const Settings& settings, const TemporaryFolder& files )
+void addZoo( EdgeWorlds& worlds, const Settings& settings, const std::string& folder )
 {
 	const std::string robots = robotsOfZoo( settings.zoo );
 	for ( const ZooRobot& robot : zooRobots() )
@@ -282,7 +309,7 @@ void addZoo( EdgeWorlds& worlds, const Settings& settings, const TemporaryFolder
 		if ( ( "table_" + robot.name + " shelf_" + robot.name + " cage_" + robot.name + " boxes_" + robot.name )
 		         .find( settings.only ) != std::string::npos )
 		{
-			addGeneratedProblems( worlds, robot, robots, settings.problems, settings.seed, files );
+			addGeneratedProblems( worlds, robot, robots, settings.problems, settings.seed, folder );
 		}
 	}
 }
@@ -294,8 +321,10 @@ int run( const Settings& settings )
 	lw_reach_def reach = lw_reach_def_default();
 	reach.seconds = settings.budget;
 	EdgeWorlds worlds( settings.data, reach );
-	const TemporaryFolder files;
-	settings.zoo.empty() ? addData( worlds, settings ) : addZoo( worlds, settings, files );
+	const TemporaryFolder temporary;
+	const std::string folder = settings.files.empty() ? temporary.path().string() : settings.files;
+	std::filesystem::create_directories( folder );
+	settings.zoo.empty() ? addData( worlds, settings ) : addZoo( worlds, settings, folder );
 	bench.run( worlds );
 	if ( bench.empty() )
 	{
@@ -317,6 +346,9 @@ int main( int argc, char** argv )
 	program.option( "--data", settings.data, "folder of robots and scenes" );
 	program.option( "--zoo", settings.zoo,
 	    "folder of .ci/install.sh zoo: its robots in scenes made by seed, in place of the data's problems" );
+	program.option( "--files", settings.files, "with --zoo: folder that keeps SRDFs, scenes and requests, for leeway plan" );
+	program.flag(
+	    "--why", settings.why, "with --zoo: grids of the first joints for problems that the first row does not solve" );
 	program.option( "--only", settings.only, "only sets with this in their name, such as 'panda' or 'box_fetch'" );
 	program.option( "--problems", settings.problems, "of each set, if it has as many", { 1, 100 } );
 	program.option( "--runs", settings.runs, "of each problem", { 1 } );

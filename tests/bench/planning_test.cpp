@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // bench_planning: ratios by problem, rows of planners and ranges, paths of modules, the page.
+#include "planning/generated_problems.hpp"
 #include "planning/page.hpp"
+#include "planning/prefix_grid.hpp"
 #include "planning/tally.hpp"
 #include "planning/ways.hpp"
 #include "report/report.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -112,6 +115,84 @@ TEST( PlanningModules, LongTurnIsAuditedTheShorterWay )
 	EXPECT_NEAR( lengthOf( entry.world, planned.path ), 6, 1e-12 ); // 0.28 if the auditor went through pi
 	entry.start.clear();
 	EXPECT_FALSE( makeModuleWay( kind, entry, "set" )->usable() );
+}
+
+/// An arm of three links, whose neighbours touch.
+void writeArm( const std::string& file )
+{
+	std::ofstream out( file );
+	out << R"(<robot name="small"><link name="l0"><collision><geometry><sphere radius="0.06"/></geometry></collision></link>)";
+	for ( int i = 1; i <= 3; ++i )
+	{
+		out << "<link name='l" << i
+		    << "'><collision><origin xyz='0 0 0.15'/><geometry><cylinder radius='0.04' length='0.3'/>"
+		    << "</geometry></collision></link><joint name='j" << i << "' type='revolute'><parent link='l" << i - 1
+		    << "'/><child link='l" << i << "'/><origin xyz='0 0 " << ( i > 1 ? 0.3 : 0 ) << "'/><axis xyz='"
+		    << ( i == 1 ? "0 0 1" : "0 1 0" ) << "'/><limit lower='-2.5' upper='2.5' effort='1' velocity='1'/></joint>";
+	}
+	out << "</robot>";
+}
+
+TEST( PlanningZoo, GeneratedEndIsNotFree )
+{
+	const TemporaryFolder robots, first, second;
+	writeArm( robots.path() / "small.urdf" );
+	lw_reach_def reach = lw_reach_def_default();
+	reach.seconds = 0;
+	EdgeWorlds worlds( robots.path(), reach ), again( robots.path(), reach );
+	const ZooRobot robot = { "small", "small.urdf", "j1+j2+j3" };
+	addGeneratedProblems( worlds, robot, robots.path(), 2, 7, first.path() );
+	addGeneratedProblems( again, robot, robots.path(), 2, 7, second.path() );
+	ASSERT_EQ( worlds.size(), 8u ); // table, shelf, cage, boxes
+	EXPECT_EQ( worlds.world( 2 ).name, "small arm/shelf_small/1" );
+	for ( std::size_t i = 0; i < worlds.size(); ++i )
+	{
+		const EdgeWorldEntry& entry = worlds.entry( i );
+		const leeway::Query query = leeway::makeQuery( entry.world.checker.get() );
+		ASSERT_EQ( entry.start.size(), 3u );
+		EXPECT_TRUE( entry.world.isFree( entry.start, query.get() ) ) << entry.world.name;
+		EXPECT_TRUE( entry.world.isFree( entry.goal, query.get() ) ) << entry.world.name;
+		EXPECT_EQ( entry.start, again.entry( i ).start ) << "a seed gives one problem";
+		EXPECT_NE( entry.start, entry.goal );
+		EXPECT_TRUE( i == 0 || entry.start != worlds.entry( i - 1 ).start ) << "problems are not all one";
+	}
+}
+
+TEST( PlanningZoo, WayAroundAWallIsTakenForNone )
+{
+	const TemporaryFolder files;
+	const std::string robot = ( files.path() / "small.urdf" ).string(), srdf = ( files.path() / "small.srdf" ).string();
+	writeArm( robot );
+	std::ofstream( srdf )
+	    << R"(<robot name="small"><group name="arm"><joint name="j1"/><joint name="j2"/><joint name="j3"/></group>
+<disable_collisions link1="l0" link2="l1" reason="Adjacent"/><disable_collisions link1="l1" link2="l2" reason="Adjacent"/>
+<disable_collisions link1="l2" link2="l3" reason="Adjacent"/></robot>)";
+	const std::string request = ( files.path() / "request.yaml" ).string();
+	// bent forward at j2 to one side of a wall, and to the other; under a lid the arm cannot stand up and turn
+	std::ofstream( request )
+	    << "group_name: arm\nstart_state: {joint_state: {name: [j1, j2, j3], position: [-0.6, 1.6, 0]}}\n"
+	    << "goal_constraints: [{joint_constraints: [{joint_name: j1, position: 0.6}, "
+	    << "{joint_name: j2, position: 1.6}, {joint_name: j3, position: 0}]}]\n";
+	lw_reach_def reach = lw_reach_def_default();
+	reach.seconds = 0;
+	for ( const bool high : { false, true } )
+	{
+		const std::string scene = ( files.path() / ( high ? "high.yaml" : "low.yaml" ) ).string();
+		std::ofstream out( scene );
+		out << "world:\n  collision_objects:\n    - {id: wall, primitives: [{type: box, dimensions: [0.5, 0.02, "
+		    << ( high ? 3 : 0.4 ) << "]}], primitive_poses: [{position: [0.35, 0, 0.3], orientation: [0, 0, 0, 1]}]}\n";
+		if ( high )
+		{
+			out << "    - {id: lid, primitives: [{type: box, dimensions: [3, 3, 0.02]}], primitive_poses: [{position: [0, 0, 0.55], "
+			    << "orientation: [0, 0, 0, 1]}]}\n";
+		}
+		out.close();
+		EdgeWorlds worlds( files.path(), reach );
+		worlds.add( { { "set", "s" }, { "name", "small arm/s/1" }, { "robot", robot }, { "srdf", srdf }, { "scene", scene },
+		    { "request", request }, { "group", "arm" } } );
+		const std::string found = disconnectedPrefix( worlds.entry( 0 ), 0.02 );
+		EXPECT_EQ( found.empty(), !high ) << found;
+	}
 }
 
 TEST( PlanningPage, PageNeedsAnotherFile )
