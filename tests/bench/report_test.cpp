@@ -82,9 +82,9 @@ TEST( Report, FileOfAnotherKindIsReadAsOne )
 {
 	const Folder folder;
 	fs::create_directories( folder.path() );
-	std::ofstream( folder / "peers.json" ) << R"({"rows": [], "provenance": {}})";
+	std::ofstream( folder / "planning.json" ) << R"({"rows": [{"problems": "box"}], "provenance": {}})";
 	std::ofstream( folder / "torn.json" ) << R"({"format": "leeway experiments 1", "prov)";
-	for ( const char* name : { "peers.json", "torn.json", "missing.json" } )
+	for ( const char* name : { "planning.json", "torn.json", "missing.json" } )
 	{
 		try
 		{
