@@ -151,6 +151,8 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->add_option(
 	        "--time", options.time, "seconds for planning (default: the request's allowed_planning_time, else 60)" )
 	    ->type_name( "S" );
+	rare( command->add_option( "--optimize", options.optimize, "seconds for shorter paths after the first (default 0)" )
+	          ->type_name( "S" ) );
 	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )->type_name( "N" ) );
 	rare(
 	    command
@@ -255,6 +257,10 @@ void validate( const CLI::App& chosen, const PlanOptions& options )
 	if ( chosen.get_option( "--time" )->count() > 0 )
 	{
 		requirePositive( "--time", options.time );
+	}
+	if ( chosen.get_option( "--optimize" )->count() > 0 )
+	{
+		requirePositive( "--optimize", options.optimize );
 	}
 	if ( chosen.get_option( "--threads" )->count() > 0 )
 	{

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway plan: a request solved, simplified, certified again, and audited.
+#include "commands/plan_solution.hpp"
 #include "setup/audit.hpp"
 #include "setup/ends.hpp"
-#include "text/names.hpp"
-#include "text/path_file.hpp"
 #include "setup/planner_registry.hpp"
-#include "setup/stuck_report.hpp"
+#include "text/names.hpp"
 
-#include "leeway/ik/goal_states.hpp"
-#include "leeway/ompl/validity.hpp"
 #include "leeway/planners/ompl_planner.hpp"
 #include "leeway/planners/smooth.hpp"
 
@@ -22,7 +19,6 @@
 
 #include <fmt/format.h>
 
-#include <map>
 #include <mutex>
 
 namespace leeway::cli
@@ -38,8 +34,6 @@ constexpr double simplify_gain = 0.02;
 constexpr int simplify_rounds = 10;
 constexpr unsigned smooth_tries = 4; // of leeway's own smoother
 constexpr unsigned int simplify_attempts = 30; // shortcuts tried per round
-
-using Points = std::vector<std::vector<double>>;
 
 // OMPL's own messages: silent, or notices with --verbose.
 class OmplMessages : public ::ompl::msg::OutputHandler
@@ -64,40 +58,6 @@ private:
 	Notices& m_notices;
 	bool m_verbose;
 	std::mutex m_mutex;
-};
-
-struct Seconds
-{
-	double plan = 0, simplify = 0, certify = 0, audit = 0;
-};
-
-struct Edges
-{
-	std::size_t free = 0, blocked = 0, undecided = 0;
-	double lower_bound = 0; // of all clearances along all edges, proved; 0 if not all are FREE
-	bool all() const { return blocked + undecided == 0; }
-};
-
-struct Solution
-{
-	bool solved = false, simplified = false;
-	std::string status;
-	Points points;
-	double raw_length = 0;
-	std::size_t raw_states = 0;
-	Edges edges;
-	Seconds seconds;
-	std::string planner;  // the last one that was tried
-	std::vector<std::string> tried; // all that share the time
-	unsigned threads = 1; // of the planner
-	std::uint64_t path_seed = 0;                   // of the search among several that found the path
-	std::map<std::string, std::string> parameters; // of the planner
-	::leeway::ompl::Counters counters;             // of the engine
-	std::vector<::leeway::ompl::UndecidedPair> undecided_pairs;
-	std::string undecided; // a sentence on them
-	planners::Stuck stuck; // of leeway's own planner, if it was tried and nothing was solved
-	ik::GoalStates goals; // of a pose goal
-	double ik_seconds = 0;
 };
 
 // An end of the request must be inside the limits and free, else no planner can help.
@@ -230,8 +190,7 @@ Points pointsOf( const og::PathGeometric& path, const ::leeway::ompl::Engine& en
 	return points;
 }
 
-// The path after proved shortcuts and cut corners.
-Points smoothed( const Workbench& bench, const Points& points, const lw_edge_def& def, std::uint64_t seed )
+planners::Path flat( const Points& points )
 {
 	planners::Path path;
 	path.dimension = points.front().size();
@@ -239,27 +198,29 @@ Points smoothed( const Workbench& bench, const Points& points, const lw_edge_def
 	{
 		path.values.insert( path.values.end(), point.begin(), point.end() );
 	}
+	return path;
+}
+
+Points pointsOf( const planners::Path& path )
+{
+	Points points;
+	for ( std::size_t i = 0; i < path.count(); ++i )
+	{
+		points.emplace_back( path[i], path[i] + path.dimension );
+	}
+	return points;
+}
+
+// The path after proved shortcuts and cut corners.
+Points smoothed( const Workbench& bench, const Points& points, const lw_edge_def& def, std::uint64_t seed )
+{
+	planners::Path path = flat( points );
 	planners::SmoothSettings settings;
 	settings.edge = def;
 	settings.seed = seed;
 	const Query query = makeQuery( bench.checker() );
 	require( planners::smooth( bench.checker(), query.get(), settings, {}, path ), "smoothing" );
-	Points out;
-	for ( std::size_t i = 0; i < path.count(); ++i )
-	{
-		out.emplace_back( path[i], path[i] + path.dimension );
-	}
-	return out;
-}
-
-double lengthOf( const Workbench& bench, const Points& points )
-{
-	double length = 0;
-	for ( std::size_t k = 0; k + 1 < points.size(); ++k )
-	{
-		length += jointDistance( bench, points[k], points[k + 1] );
-	}
-	return length;
+	return pointsOf( path );
 }
 
 // Shortcuts only: the path stays a chain of straight edges, each judged by the motion validator. Rounds are counted, not
@@ -410,6 +371,7 @@ public:
 		if ( solution.solved )
 		{
 			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
+			optimize( solution );
 		}
 		else if ( m_native )
 		{
@@ -509,6 +471,44 @@ private:
 		solution.seconds.simplify = now() - simplify_begin;
 	}
 
+	// Shorter paths from the start to any of the goals, for as long as was asked for.
+	void optimize( Solution& solution )
+	{
+		if ( !( m_options.optimize > 0 ) )
+		{
+			return;
+		}
+		if ( !( m_range > 0 ) )
+		{
+			throw io::Error( "command line", "--optimize", "group " + m_bench.problem().group + " has a floating joint",
+			    "leave it out, or name a planner that uses all the time (leeway plan --help-all)" );
+		}
+		const Progress progress( "looking for shorter paths" );
+		planners::OptimizeSettings settings;
+		settings.search = planners::settingsOf( *m_engine );
+		settings.search.edge = edgeDef( m_options );
+		settings.search.seed = solution.path_seed;
+		for ( const std::vector<double>& goal : m_goals )
+		{
+			settings.goals.insert( settings.goals.end(), goal.begin(), goal.end() );
+		}
+		planners::Stop stop;
+		stop.seconds = m_options.optimize;
+		planners::Path path = flat( solution.points );
+		const Query query = makeQuery( m_bench.checker() );
+		const double begin = now();
+		require(
+		    planners::optimize( m_bench.checker(), query.get(), settings, stop, path, &solution.shorter ), "--optimize" );
+		solution.seconds.optimize = now() - begin;
+		const Points points = pointsOf( path );
+		const Edges edges = certify( m_bench, points, settings.search.edge );
+		if ( edges.all() )
+		{
+			solution.points = points;
+			solution.edges = edges;
+		}
+	}
+
 	const PlanOptions& m_options;
 	const Workbench& m_bench;
 	const std::vector<double> m_start;
@@ -519,112 +519,6 @@ private:
 	std::shared_ptr<planners::OmplPlanner> m_native; // if it was tried
 	double m_range = 0; // suits the robot; 0: spaces with rotations
 };
-
-PathFile pathFile(
-    const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit )
-{
-	PathFile path;
-	path.robot = input.robot.name;
-	path.group = bench.problem().group;
-	path.scene = input.scene ? input.scene->name : "";
-	path.planner = solution.planner;
-	path.validator = options.edge.validator;
-	path.seed = solution.path_seed;
-	path.min_d = options.common.min_d;
-	path.slack = options.edge.slack;
-	path.length = audit.length;
-	path.environment = audit.environment.clearance.lower;
-	path.self = audit.self.clearance.lower;
-	const std::vector<double> full = bench.fullState( solution.points.front() );
-	for ( std::size_t i = 0; i < full.size(); ++i )
-	{
-		path.start_state.emplace_back( bench.variableNames()[i], full[i] );
-	}
-	path.joint_names = bench.problem().variable_names;
-	path.points = solution.points;
-	return path;
-}
-
-Json reportJson( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution )
-{
-	Json json;
-	const auto given = []( const std::string& text ) { return text.empty() ? Json( nullptr ) : Json( text ); };
-	json["request"] = given( options.common.request );
-	json["start"] = given( options.start );
-	json["goal"] = given( options.goal );
-	json["goal_poses"] = options.goal_poses;
-	json["robot"] = input.robot.name;
-	json["group"] = bench.problem().group;
-	json["planner"] = solution.planner;
-	json["validator"] = options.edge.validator;
-	json["seed"] = options.seed;
-	json["path_seed"] = solution.solved ? Json( solution.path_seed ) : Json( nullptr );
-	json["threads"] = solution.threads;
-	json["planner_params"] = solution.parameters;
-	json["min_d"] = options.common.min_d;
-	json["slack"] = options.edge.slack;
-	json["solved"] = solution.solved;
-	json["status"] = solution.status;
-	json["seconds"] = { { "load_robot", input.robot_seconds }, { "load_scene", input.scene_seconds },
-	    { "build_checker", bench.buildSeconds() }, { "plan", solution.seconds.plan },
-	    { "certify", solution.seconds.certify }, { "simplify", solution.seconds.simplify },
-	    { "audit", solution.seconds.audit } };
-	const ::leeway::ompl::Counters& c = solution.counters;
-	json["checks"] = { { "states", c.states }, { "edges", c.edges }, { "free", c.free }, { "blocked", c.blocked },
-	    { "undecided", c.undecided }, { "edge_queries", c.edge_queries } };
-	json["checks"]["undecided_pairs"] = Json::array();
-	for ( const ::leeway::ompl::UndecidedPair& pair : solution.undecided_pairs )
-	{
-		json["checks"]["undecided_pairs"].push_back( { { "first", pair.first }, { "second", pair.second },
-		    { "self", pair.self }, { "edges", pair.count }, { "clearance", jsonNumber( pair.clearance ) } } );
-	}
-	if ( solution.goals.searches > 0 )
-	{
-		json["seconds"]["inverse_kinematics"] = solution.ik_seconds;
-		json["goal_states"] = { { "found", solution.goals.states.size() }, { "searches", solution.goals.searches },
-		    { "reached", solution.goals.reached }, { "not_free", solution.goals.blocked } };
-	}
-	if ( solution.solved )
-	{
-		json["raw"] = { { "states", solution.raw_states }, { "length", solution.raw_length } };
-		json["path"] = { { "states", solution.points.size() }, { "length", lengthOf( bench, solution.points ) },
-		    { "simplified", solution.simplified }, { "edges_free", solution.edges.free },
-		    { "edges_blocked", solution.edges.blocked }, { "edges_undecided", solution.edges.undecided },
-		    { "proved_clearance",
-		        options.edge.validator == "certified" ? jsonNumber( solution.edges.lower_bound ) : Json( nullptr ) } };
-	}
-	if ( !solution.solved && !solution.stuck.ends[0].empty() )
-	{
-		json["stuck"] = toJson( bench, solution.stuck );
-	}
-	return json;
-}
-
-std::string summary( const PlanOptions& options, const Solution& solution )
-{
-	const bool certified = options.edge.validator == "certified";
-	std::string text;
-	if ( solution.goals.searches > 0 )
-	{
-		text = fmt::format( "goal        {} from {} searches, {:.4f} s of inverse kinematics; {} states not free\n",
-		    counted( solution.goals.states.size(), "state" ), solution.goals.searches, solution.ik_seconds,
-		    solution.goals.blocked );
-	}
-	text += fmt::format( "planner     {} (seed {}{}): {:.3f} s planning, {:.3f} s simplifying; {} and {} checked\n",
-	    solution.planner, solution.path_seed, solution.threads > 1 ? fmt::format( ", {} threads", solution.threads ) : "",
-	    solution.seconds.plan, solution.seconds.simplify, counted( solution.counters.states, "state" ),
-	    counted( solution.counters.edges, "edge" ) );
-	text += fmt::format( "edges       {} of {} {}", solution.edges.free,
-	    solution.edges.free + solution.edges.blocked + solution.edges.undecided,
-	    certified ? "proved free" : "free at fixed steps (not a proof)" );
-	if ( certified && solution.edges.all() )
-	{
-		text += fmt::format( ", clearance proved to be at least {:.6f} m", solution.edges.lower_bound );
-	}
-	text += solution.undecided.empty() ? "" : "; " + solution.undecided;
-	return text +
-	       fmt::format( "; before simplification {}, length {:.6g}\n", counted( solution.raw_states, "state" ), solution.raw_length );
-}
 
 double timeLimit( const PlanOptions& options, const io::Request& request )
 {
@@ -690,16 +584,6 @@ Solution solve( const PlanOptions& options, const Input& input, const Workbench&
 	{
 		throw io::Error( options.common.robot, "group " + bench.problem().group, error.what(), "correct the joint's limits" );
 	}
-}
-
-void tellNoPath( const PlanOptions& options, const Workbench& bench, const Solution& solution )
-{
-	const std::string reasons = stuckLines( bench, solution.stuck ); // with remedies
-	tell( "leeway: no path found by {}: {} after {:.1f} s ({} and {} checked){}{}{}{}\n{}", listed( solution.tried ),
-	    solution.status, solution.seconds.plan, counted( solution.counters.states, "state" ),
-	    counted( solution.counters.edges, "edge" ), reasons.empty() ? "; try more --time, another --seed or --planner" : "",
-	    reasons.empty() && options.common.min_d > 0 ? ", or a smaller --min-d" : "", solution.undecided.empty() ? "" : "; ",
-	    solution.undecided, reasons );
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The planner for C: structs to settings and back, exceptions to statuses.
+#include "leeway/planners/optimize.hpp"
 #include "leeway/planners/planner.h"
 #include "leeway/planners/portfolio.hpp"
 #include "leeway/planners/smooth.hpp"
@@ -89,6 +90,7 @@ void requireDef( const lw_plan_def* def )
 	need( def->checker != nullptr, "plan def: checker is NULL" );
 	need( def->start_count > 0 && def->starts != nullptr, "plan def: starts needs at least one state" );
 	need( def->goal_count > 0 && def->goals != nullptr, "plan def: goals needs at least one state" );
+	need( def->optimize_seconds >= 0, "plan def: optimize_seconds must be at least 0" );
 	need( !std::isnan( def->seconds ), "plan def: seconds is not a number; give INFINITY for no limit" );
 	need( def->query == nullptr || lw_query_fits( def->query, def->checker ),
 	    "plan def: the query does not fit the checker; make one for it, or give NULL" );
@@ -178,6 +180,42 @@ double* copied( const std::vector<double>& values )
 	return copy;
 }
 
+void addWork( Statistics& sum, const Statistics& more )
+{
+	sum.states += more.states;
+	sum.states_free += more.states_free;
+	sum.edges += more.edges;
+	sum.free += more.free;
+	sum.blocked += more.blocked;
+	sum.undecided += more.undecided;
+	sum.edge_queries += more.edge_queries;
+}
+
+void shorten(
+    const lw_plan_def& def, lw_query* query, const Clock& clock, Path& path, Statistics& work, lw_plan_result& out )
+{
+	const std::size_t size = path.dimension;
+	OptimizeSettings settings;
+	settings.search = settingsOf( def );
+	settings.search.seed = out.seed;
+	settings.most_samples = def.optimize_samples;
+	settings.starts.assign( def.starts, def.starts + def.start_count * size );
+	settings.goals.assign( def.goals, def.goals + def.goal_count * size );
+	Stop stop = clock.stop();
+	stop.seconds = std::min( stop.seconds, def.optimize_seconds );
+	OptimizeReport report;
+	requireOk( optimize( def.checker, query, settings, stop, path, &report ), "search for shorter paths" );
+	addWork( work, report.work );
+	std::vector<double> improvements;
+	for ( const Improvement& improvement : report.improvements )
+	{
+		improvements.push_back( improvement.seconds );
+		improvements.push_back( improvement.length );
+	}
+	out.improvements = copied( improvements );
+	out.improvement_count = static_cast<std::uint32_t>( report.improvements.size() );
+}
+
 void takePath(
     const lw_plan_def& def, lw_query* query, const Clock& clock, Path path, Statistics& work, lw_plan_result& out )
 {
@@ -188,6 +226,10 @@ void takePath(
 		settings.edge = def.edge;
 		settings.seed = out.seed;
 		requireOk( smooth( def.checker, query, settings, clock.stop(), path, &work ), "smoothing" );
+	}
+	if ( def.optimize_seconds > 0 )
+	{
+		shorten( def, query, clock, path, work, out );
 	}
 	out.length = length( def.checker, path );
 	out.states = copied( path.values );
@@ -291,6 +333,7 @@ extern "C" lw_plan_def lw_plan_def_default( void )
 	def.most_nodes = settings.most_nodes;
 	def.seconds = HUGE_VAL;
 	def.smooth = true;
+	def.optimize_samples = UINT64_MAX;
 	def.explain = true;
 	def.cookie = cookie;
 	return def;
@@ -350,6 +393,7 @@ extern "C" void lw_plan_result_clear( lw_plan_result* result )
 	{
 		std::free( result->states );
 		std::free( result->stuck.travel );
+		std::free( result->improvements );
 		*result = {};
 	}
 }

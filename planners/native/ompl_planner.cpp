@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // OMPL's interface around the search: states to and from vectors, goals that come late, planner data.
 #include "leeway/planners/ompl_planner.hpp"
+#include "leeway/planners/optimize.hpp"
 
 #include <ompl/base/goals/GoalSampleableRegion.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
@@ -65,6 +66,21 @@ Bounds boundsOf( const leeway::ompl::Engine& engine )
 
 } // namespace
 
+Settings settingsOf( const leeway::ompl::Engine& engine )
+{
+	const leeway::ompl::Options& options = engine.options();
+	Settings settings;
+	settings.edge.method = options.method;
+	settings.edge.flags = options.flags;
+	settings.edge.min_d = options.min_d;
+	settings.edge.slack = options.slack;
+	settings.edge.max_d = options.step;
+	Bounds bounds = boundsOf( engine );
+	settings.lower = std::move( bounds.lower );
+	settings.upper = std::move( bounds.upper );
+	return settings;
+}
+
 double geometricRange( const leeway::ompl::Engine& engine )
 {
 	const Bounds bounds = boundsOf( engine );
@@ -91,6 +107,7 @@ public:
 		std::vector<double> q( m_planner.engine().adapter().size() );
 		m_planner.engine().adapter().toVector( state, q.data() );
 		m_planner.m_planner->addGoal( q.data() );
+		m_planner.m_goals.insert( m_planner.m_goals.end(), q.begin(), q.end() );
 		return true;
 	}
 
@@ -107,6 +124,9 @@ public:
 	}
 	bool isDue() const { return m_due; }
 
+	/// For Stop::poll of work that takes no goals.
+	static bool pollEnd( void* user ) { return static_cast<Goals*>( user )->m_end(); }
+
 private:
 	OmplPlanner& m_planner;
 	const ob::PlannerTerminationCondition& m_end;
@@ -120,6 +140,7 @@ OmplPlanner::OmplPlanner( const ob::SpaceInformationPtr& si ) : ob::Planner( si,
 	specs_.directed = true;
 	specs_.recognizedGoal = ob::GOAL_SAMPLEABLE_REGION;
 	Planner::declareParam<double>( "range", this, &OmplPlanner::setRange, &OmplPlanner::getRange, "0.:1.:10000." );
+	Planner::declareParam<bool>( "optimize", this, &OmplPlanner::setOptimize, &OmplPlanner::getOptimize, "0,1" );
 	Planner::declareParam<unsigned>( "seed", this, &OmplPlanner::setSeed, &OmplPlanner::getSeed, "0:1:4294967295" );
 	Planner::declareParam<unsigned>( "threads", this, &OmplPlanner::setThreads, &OmplPlanner::getThreads, "1:1:64" );
 }
@@ -171,6 +192,12 @@ void OmplPlanner::setSeed( unsigned seed )
 	m_planner.reset();
 }
 
+void OmplPlanner::setOptimize( bool optimize )
+{
+	m_optimize = optimize;
+	specs_.optimizingPaths = optimize;
+}
+
 std::uint64_t OmplPlanner::seed() const
 {
 	return m_planner ? m_planner->seed() : 0;
@@ -202,23 +229,16 @@ void OmplPlanner::clear()
 
 void OmplPlanner::makePlanner( const lw_checker* checker )
 {
-	const leeway::ompl::Options& options = engine().options();
-	Settings settings;
-	settings.edge.method = options.method;
-	settings.edge.flags = options.flags;
-	settings.edge.min_d = options.min_d;
-	settings.edge.slack = options.slack;
-	settings.edge.max_d = options.step;
+	Settings settings = settingsOf( engine() );
 	settings.range = m_range;
 	settings.seed =
 	    m_seed_given ? m_seed : static_cast<std::uint64_t>( m_rng.uniformInt( 0, std::numeric_limits<int>::max() ) );
-	Bounds bounds = boundsOf( engine() );
-	settings.lower = std::move( bounds.lower );
-	settings.upper = std::move( bounds.upper );
 	m_planner = std::make_unique<Portfolio>( Checker::adopt( lw_checker_retain( checker ) ), settings, m_threads );
 	m_checker = checker;
 	m_statistics = {};
 	m_counted.clear();
+	m_starts.clear();
+	m_goals.clear();
 	pis_.restart(); // all starts and goals are new to it
 }
 
@@ -229,6 +249,7 @@ bool OmplPlanner::addStarts()
 	{
 		engine().adapter().toVector( state, q.data() );
 		m_planner->addStart( q.data() );
+		m_starts.insert( m_starts.end(), q.begin(), q.end() );
 	}
 	return pis_.getSeenStartStatesCount() > 0;
 }
@@ -247,10 +268,11 @@ Outcome OmplPlanner::search( const leeway::ompl::Engine::Lease& lease, Goals& go
 	return outcome;
 }
 
-/// The work since the last call goes to the engine.
-void OmplPlanner::count( const leeway::ompl::Engine::Lease& lease )
+namespace
 {
-	const Statistics now = m_planner->statistics(), &before = m_statistics;
+
+void countWork( const leeway::ompl::Engine::Lease& lease, const Statistics& now, const Statistics& before = {} )
+{
 	leeway::ompl::Counters work;
 	work.states = now.states - before.states;
 	work.edges = now.edges - before.edges;
@@ -259,6 +281,15 @@ void OmplPlanner::count( const leeway::ompl::Engine::Lease& lease )
 	work.undecided = now.undecided - before.undecided;
 	work.edge_queries = now.edge_queries - before.edge_queries;
 	lease.count( work );
+}
+
+} // namespace
+
+/// The work since the last call goes to the engine.
+void OmplPlanner::count( const leeway::ompl::Engine::Lease& lease )
+{
+	const Statistics now = m_planner->statistics();
+	countWork( lease, now, m_statistics );
 	std::vector<BlockingPair> pairs = m_planner->blockingPairs();
 	for ( const BlockingPair& pair : pairs )
 	{
@@ -290,6 +321,28 @@ void OmplPlanner::addPath( const Path& path, bool approximate, double distance )
 		result->append( state.get() );
 	}
 	pdef_->addSolutionPath( result, approximate, distance, getName() );
+}
+
+void OmplPlanner::addShortestPath( const leeway::ompl::Engine::Lease& lease, Goals& goals )
+{
+	Path path = m_planner->best().path();
+	if ( m_optimize )
+	{
+		OptimizeSettings settings;
+		settings.search = settingsOf( engine() );
+		settings.search.range = m_range;
+		settings.search.seed = m_planner->seed();
+		settings.starts = m_starts;
+		settings.goals = m_goals;
+		Stop stop;
+		stop.poll = Goals::pollEnd;
+		stop.user = &goals;
+		OptimizeReport report;
+		optimize(
+		    lease.checker(), lease.query(), settings, stop, path, &report ); // after a failure: the best path up to there
+		countWork( lease, report.work );
+	}
+	addPath( path, false, 0 );
 }
 
 ob::PlannerStatus OmplPlanner::solve( const ob::PlannerTerminationCondition& end )
@@ -326,7 +379,7 @@ ob::PlannerStatus OmplPlanner::solve( const ob::PlannerTerminationCondition& end
 	switch ( outcome )
 	{
 	case Outcome::SOLVED:
-		addPath( m_planner->best().path(), false, 0 );
+		addShortestPath( lease, goals );
 		return ob::PlannerStatus::EXACT_SOLUTION;
 	case Outcome::NO_START: return ob::PlannerStatus::INVALID_START;
 	case Outcome::NO_GOAL: return ob::PlannerStatus::INVALID_GOAL;

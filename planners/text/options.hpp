@@ -117,6 +117,7 @@ struct PlanOptions
 	std::string planner; ///< empty: Leeway, and SBL for the second half of the time
 	std::string out, report;
 	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
+	double optimize = 0; ///< seconds for shorter paths after the first
 	std::uint32_t seed = 1;
 	std::uint32_t threads = 0; ///< of the planner; 0 = its own choice
 	std::vector<std::string> parameters; ///< of the planner, NAME=VALUE

@@ -123,6 +123,31 @@ TEST_F( CliPlan, TheSeedOfOneOfSeveralSearchesFindsItsPathAlone )
 	}
 }
 
+TEST_F( CliPlan, OptimizeShortensAndReportsLengths )
+{
+	const std::vector<std::string> common = { "--request", "request.yaml", "--report", "r.json", "--no-simplify" };
+	std::vector<std::string> more = common;
+	more.insert( more.end(), { "--optimize", "0.3" } );
+	const Outcome first = runModel( "plan", common, "blocked.yaml" );
+	ASSERT_EQ( first.status, 0 ) << first.err;
+	const double length = nlohmann::json::parse( readFile( path( "r.json" ) ) )["path"]["length"];
+	const Outcome plan = runModel( "plan", more, "blocked.yaml" );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
+	const nlohmann::json lengths = report["optimize"]["lengths"];
+	ASSERT_GE( lengths.size(), 2u );
+	EXPECT_NEAR( lengths[0]["length"], length, 1e-9 );
+	for ( std::size_t i = 1; i < lengths.size(); ++i )
+	{
+		EXPECT_LT( lengths[i]["length"], lengths[i - 1]["length"] );
+	}
+	EXPECT_NEAR( report["path"]["length"], lengths.back()["length"], 1e-9 );
+	EXPECT_TRUE( report["audit"]["valid"] );
+	EXPECT_TRUE( contains( plan.err, "better path" ) ) << plan.err;
+	more.back() = "-1";
+	EXPECT_EQ( runModel( "plan", more, "blocked.yaml" ).status, 2 );
+}
+
 TEST_F( CliPlan, ParametersReachThePlanner )
 {
 	const Outcome plan = runModel( "plan",

@@ -77,6 +77,33 @@ TEST( NativePlannerInC, PathsAreThoseOfCpp )
 	}
 }
 
+TEST( NativePlannerInC, ShorterPathsAreReported )
+{
+	CProblem c( worldOf( "Carrier" ) ), again( worldOf( "Carrier" ) );
+	for ( CProblem* problem : { &c, &again } )
+	{
+		problem->def.optimize_seconds = patience;
+		problem->def.optimize_samples = 2000;
+		problem->def.smooth = false;
+		ASSERT_EQ( problem->solve(), LW_OK );
+		ASSERT_EQ( problem->result.outcome, LW_PLAN_SOLVED );
+	}
+	const lw_plan_result& result = c.result;
+	ASSERT_GE( result.improvement_count, 2u );
+	for ( std::uint32_t i = 1; i < result.improvement_count; ++i )
+	{
+		EXPECT_LT( result.improvements[2 * i + 1], result.improvements[2 * i - 1] );
+		EXPECT_GE( result.improvements[2 * i], result.improvements[2 * i - 2] );
+	}
+	EXPECT_EQ( result.improvements[2 * result.improvement_count - 1], result.length );
+	EXPECT_EQ( result.raw_length, result.improvements[1] );
+	audit( c.checker, c.path() );
+	EXPECT_EQ( c.path().values, again.path().values );
+	c.def.optimize_seconds = -1;
+	EXPECT_EQ( c.solve(), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_NE( std::string( c.diag.message ).find( "optimize_seconds" ), std::string::npos );
+}
+
 TEST( NativePlannerInC, QueryOfTheCallerGivesTheSamePath )
 {
 	CProblem own( worldOf( "Arm" ) ), given( worldOf( "Arm" ) );

@@ -251,6 +251,21 @@ TEST( NativeOmplPlanner, FailuresAreExplained )
 	EXPECT_EQ( stuck.min_d, min_d );
 }
 
+TEST( NativeOmplPlanner, OptimizesUntilItsEnd )
+{
+	OmplProblem plain( worldOf( "Carrier" ) ), shorter( worldOf( "Carrier" ) );
+	plain.planner->setSeed( 4 );
+	shorter.planner->setSeed( 4 );
+	EXPECT_TRUE( shorter.planner->params().setParam( "optimize", "1" ) );
+	EXPECT_TRUE( shorter.planner->getSpecs().optimizingPaths );
+	ASSERT_EQ( plain.solve(), ob::PlannerStatus::EXACT_SOLUTION );
+	ASSERT_EQ( shorter.solve( 0.3 ), ob::PlannerStatus::EXACT_SOLUTION );
+	og::PathGeometric path = shorter.path();
+	audit( shorter.rig, path );
+	EXPECT_LT( path.length(), plain.path().length() );
+	EXPECT_GT( shorter.rig.engine->counters().edges, plain.rig.engine->counters().edges );
+}
+
 TEST( NativeOmplPlanner, RangeIsSetAndShown )
 {
 	OmplProblem setup( worldOf( "Arm" ) );

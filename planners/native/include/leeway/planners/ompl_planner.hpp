@@ -41,6 +41,9 @@ public:
 	/// Seed of the first search, in place of one from OMPL's random numbers.
 	void setSeed( unsigned seed );
 	unsigned getSeed() const { return m_seed; } ///< 0 before setSeed()
+	/// After the first path, look for shorter ones until solve() has to end: optimize(). False by default.
+	void setOptimize( bool optimize );
+	bool getOptimize() const { return m_optimize; }
 	std::uint64_t seed() const; ///< of the search that found the path, or of the first; 0 before the first solve()
 	const Statistics& statistics() const { return m_statistics; } ///< of all solve() since clear() or a new checker
 	/// Planner::explain() of the last search; zeroed if there was none.
@@ -53,6 +56,7 @@ private:
 	bool addStarts();
 	Outcome search( const leeway::ompl::Engine::Lease& lease, Goals& goals );
 	void count( const leeway::ompl::Engine::Lease& lease );
+	void addShortestPath( const leeway::ompl::Engine::Lease& lease, Goals& goals );
 	void addPath( const Path& path, bool approximate, double distance );
 	void freeStates();
 
@@ -62,10 +66,15 @@ private:
 	std::vector<BlockingPair> m_counted; ///< pairs whose undecided edges are in the engine's counts
 	double m_range = 0;
 	unsigned m_threads = 1, m_seed = 0;
-	bool m_seed_given = false;
+	bool m_seed_given = false, m_optimize = false;
+	std::vector<double> m_starts, m_goals; ///< of m_planner
 	::ompl::RNG m_rng;
 	mutable std::vector<::ompl::base::State*> m_states; ///< handed out by getPlannerData()
 };
+
+/// Settings with the engine's judge of motions and the bounds of its space.
+/// @throws InputError for a space with rotations
+Settings settingsOf( const leeway::ompl::Engine& engine );
 
 /// geometricRange() of a checker in the bounds of a space that fits it.
 /// @throws InputError for a space with rotations

@@ -72,6 +72,9 @@ typedef struct lw_plan_def
 	double seconds;       ///< of the clock, for search and smoothing together; INFINITY
 	const lw_plan_cancel* cancel; ///< looked at between edges; NULL = none
 	bool smooth;                  ///< shortcuts and cut corners, each edge proved again; true
+	/// After the first path: shorter ones for so many seconds, as long as `seconds` lasts, or for so many samples: optimize.hpp. 0: no; 0
+	double optimize_seconds;
+	uint64_t optimize_samples;    ///< UINT64_MAX
 	bool explain;                 ///< without a path, measure the reasons: up to a second after the end of the search; true
 	uint32_t cookie;
 } lw_plan_def;
@@ -127,6 +130,10 @@ typedef struct lw_plan_result
 	uint32_t variable_count; ///< n of the checker
 	double length;           ///< sum of Euclidean lengths of the edges, radians and metres alike
 	double raw_length;       ///< before smoothing
+	/// [improvement_count][2] seconds since the search for shorter paths began, and length of the best path; first the path that it
+	/// began with. Owned by the result; NULL without optimize_seconds
+	double* improvements;
+	uint32_t improvement_count;
 	double seconds;          ///< of the clock, for the whole call
 	uint64_t seed;           ///< of the search that found the path: with it and threads = 1 the call gives the same path
 	lw_plan_statistics statistics;
