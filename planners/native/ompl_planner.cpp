@@ -87,7 +87,8 @@ double geometricRange( const leeway::ompl::Engine& engine )
 	return geometricRange( engine.checker().get(), bounds.lower.data(), bounds.upper.data() );
 }
 
-/// OMPL's goals: the first one is waited for; then one more whenever twice as much work was done as before the last.
+/// OMPL's goals: the first one is waited for; then one more whenever the work has grown by an eighth since the last. The hundredth comes
+/// after some ten thousand looks at the clock: of a region of which a small part can be reached, enough is drawn.
 class OmplPlanner::Goals
 {
 public:
@@ -118,7 +119,7 @@ public:
 		goals.m_due = ++goals.m_polls >= goals.m_next && goals.m_planner.pis_.haveMoreGoalStates();
 		if ( goals.m_due )
 		{
-			goals.m_next = 2 * goals.m_polls;
+			goals.m_next = goals.m_polls + std::max( first_wait, goals.m_polls / 8 );
 		}
 		return goals.m_due || goals.m_end();
 	}
@@ -130,7 +131,8 @@ public:
 private:
 	OmplPlanner& m_planner;
 	const ob::PlannerTerminationCondition& m_end;
-	std::uint64_t m_polls = 0, m_next = 16;
+	static constexpr std::uint64_t first_wait = 16;
+	std::uint64_t m_polls = 0, m_next = first_wait;
 	bool m_due = false;
 };
 

@@ -8,6 +8,7 @@
 #include <ompl/base/DiscreteMotionValidator.h>
 #include <ompl/base/PlannerData.h>
 #include <ompl/base/goals/GoalLazySamples.h>
+#include <ompl/base/goals/GoalRegion.h>
 #include <ompl/base/goals/GoalStates.h>
 #include <ompl/geometric/SimpleSetup.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
@@ -264,6 +265,69 @@ TEST( NativeOmplPlanner, OptimizesUntilItsEnd )
 	audit( shorter.rig, path );
 	EXPECT_LT( path.length(), plain.path().length() );
 	EXPECT_GT( shorter.rig.engine->counters().edges, plain.rig.engine->counters().edges );
+}
+
+/// A goal region that is drawn from only when somebody asks: right of the wall first, left of it after `unreachable` samples.
+class Strip : public ob::GoalSampleableRegion
+{
+public:
+	Strip( const OmplProblem& setup, unsigned unreachable )
+	    : ob::GoalSampleableRegion( setup.rig.si ), m_setup( setup ), m_unreachable( unreachable )
+	{
+		setThreshold( 1e-9 );
+	}
+	void sampleGoal( ob::State* state ) const override
+	{
+		const double y = 0.5 + 0.01 * ( m_count % 30 );
+		const double q[] = { m_count++ < m_unreachable ? 0.7 : -0.7, y };
+		m_setup.rig.engine->adapter().fromVector( q, state );
+	}
+	unsigned maxSampleCount() const override { return m_unreachable + 10; }
+	double distanceGoal( const ob::State* state ) const override
+	{
+		double q[2];
+		m_setup.rig.engine->adapter().toVector( state, q );
+		return std::max( { 0.0, 0.5 - q[1], q[1] - 0.8, std::fabs( std::fabs( q[0] ) - 0.7 ) } );
+	}
+	unsigned count() const { return m_count; }
+
+private:
+	const OmplProblem& m_setup;
+	unsigned m_unreachable;
+	mutable unsigned m_count = 0;
+};
+
+TEST( NativeOmplPlanner, RegionsAreSampledWhileTheSearchRuns )
+{
+	for ( const unsigned unreachable : { 0u, 5u, 40u } )
+	{
+		OmplProblem setup( closedGantry() );
+		setup.definition->addStartState( setup.state( { -0.8, -0.8 } ) );
+		const auto region = std::make_shared<Strip>( setup, unreachable );
+		setup.definition->setGoal( region );
+		int calls = 0; // an end that depends on no clock
+		const ob::PlannerTerminationCondition end( [&] { return ++calls > 20000; } );
+		ASSERT_EQ( setup.planner->solve( end ), ob::PlannerStatus::EXACT_SOLUTION )
+		    << unreachable << " samples behind the wall";
+		og::PathGeometric path = setup.path();
+		EXPECT_TRUE( region->isSatisfied( path.getStates().back() ) );
+		EXPECT_LT( setup.rig.space->distance( path.getStates().back(), setup.state( { -0.7, 0.65 } ).get() ), 0.2 );
+		EXPECT_GT( region->count(), unreachable );
+		audit( setup.rig, path );
+	}
+}
+
+TEST( NativeOmplPlanner, GoalsThatCannotBeSampledAreRefused )
+{
+	struct Half : ::ompl::base::GoalRegion
+	{
+		explicit Half( const ob::SpaceInformationPtr& si ) : ::ompl::base::GoalRegion( si ) {}
+		double distanceGoal( const ob::State* ) const override { return 1; }
+	};
+	OmplProblem setup( closedGantry() );
+	setup.definition->addStartState( setup.state( { -0.8, -0.8 } ) );
+	setup.definition->setGoal( std::make_shared<Half>( setup.rig.si ) );
+	EXPECT_EQ( setup.solve( 0.1 ), ob::PlannerStatus::UNRECOGNIZED_GOAL_TYPE );
 }
 
 TEST( NativeOmplPlanner, RangeIsSetAndShown )

@@ -17,6 +17,10 @@ namespace leeway::planners
 /// Planner under OMPL's interface: several starts and goals, goals that are sampled while it searches, approximate solutions, clear(),
 /// and solve() again. Samples lie in the bounds of the space. clear() takes a new seed from OMPL's random numbers unless setSeed() gave one.
 ///
+/// A goal that can be sampled (GoalSampleableRegion) need not be a list of states: the first sample is waited for, up to eight begin the
+/// search, and more are drawn while it runs, as many as the goal gives, one whenever the work has grown by an eighth. A path ends at a
+/// sample, bit for bit. Goals that cannot be sampled are UNRECOGNIZED_GOAL_TYPE. Any number of starts.
+///
 /// States and edges go straight to the checker; solve() adds them to Engine::counters() and Engine::undecidedPairs() at its end.
 class OmplPlanner : public ::ompl::base::Planner
 {
