@@ -317,6 +317,13 @@ void widen( ob::StateSpace& space, const ob::State& state )
 	}
 }
 
+// A line a second, with --verbose.
+void tellGrowth( const planners::Growth& growth, double seconds )
+{
+	tell( "leeway: planning: {:.0f} s, {} from the start, {} from the goal, least distance between them {:.3g}\n", seconds,
+	    counted( growth.start_nodes, "node" ), counted( growth.goal_nodes, "node" ), growth.gap );
+}
+
 class Planning
 {
 public:
@@ -394,6 +401,7 @@ private:
 		if ( native )
 		{
 			native->setSeed( m_options.seed );
+			m_options.common.verbose ? native->setProgress( tellGrowth ) : void();
 		}
 		solution.threads = 1;
 		setRange( *planner, m_range, m_options.parameters );
@@ -409,7 +417,11 @@ private:
 			solution.threads = static_cast<unsigned>( std::stoul( threads ) );
 		}
 		{
-			const Progress progress( fmt::format( "planning with {}", planner->getName() ) );
+			std::unique_ptr<Progress> progress;
+			if ( !native || !m_options.common.verbose ) // its lines would be mixed
+			{
+				progress = std::make_unique<Progress>( fmt::format( "planning with {}", planner->getName() ) );
+			}
 			const double begin = now();
 			planner->setProblemDefinition( definition );
 			planner->setup();

@@ -10,6 +10,7 @@
 #include <ompl/util/Exception.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 
 namespace leeway::planners
@@ -116,6 +117,7 @@ public:
 	static bool poll( void* user )
 	{
 		Goals& goals = *static_cast<Goals*>( user );
+		goals.report();
 		goals.m_due = ++goals.m_polls >= goals.m_next && goals.m_planner.pis_.haveMoreGoalStates();
 		if ( goals.m_due )
 		{
@@ -129,8 +131,20 @@ public:
 	static bool pollEnd( void* user ) { return static_cast<Goals*>( user )->m_end(); }
 
 private:
+	void report()
+	{
+		const double seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - m_begin ).count();
+		if ( m_planner.m_progress && seconds >= m_reported + m_planner.m_interval )
+		{
+			m_reported = seconds;
+			m_planner.m_progress( m_planner.m_planner->planner( 0 ).growth(), seconds );
+		}
+	}
+
 	OmplPlanner& m_planner;
 	const ob::PlannerTerminationCondition& m_end;
+	const std::chrono::steady_clock::time_point m_begin = std::chrono::steady_clock::now();
+	double m_reported = 0;
 	static constexpr std::uint64_t first_wait = 16;
 	std::uint64_t m_polls = 0, m_next = first_wait;
 	bool m_due = false;
@@ -192,6 +206,12 @@ void OmplPlanner::setSeed( unsigned seed )
 	m_seed = seed;
 	m_seed_given = true;
 	m_planner.reset();
+}
+
+void OmplPlanner::setProgress( std::function<void( const Growth&, double )> progress, double interval )
+{
+	m_progress = std::move( progress );
+	m_interval = interval;
 }
 
 void OmplPlanner::setOptimize( bool optimize )

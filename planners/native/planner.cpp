@@ -480,6 +480,11 @@ const Statistics& Planner::statistics() const
 	return m_parts->statistics;
 }
 
+Growth Planner::growth() const
+{
+	return { m_parts->trees[0].size(), m_parts->trees[1].size(), m_parts->gap };
+}
+
 double Planner::range() const
 {
 	return m_parts->range;

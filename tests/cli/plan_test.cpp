@@ -206,6 +206,9 @@ TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
 	ASSERT_EQ( stuck["starts"].size(), 1u );
 	EXPECT_EQ( stuck["starts"][0]["travel"][1]["joint"], "elbow" );
 	EXPECT_GT( stuck["starts"][0]["travel"][1]["up"], 0 );
+	const Outcome told = runModel(
+	    "plan", { "--request", "request.yaml", "--time", "1.3", "--planner", "Leeway", "--verbose" }, "blocked.yaml" );
+	EXPECT_TRUE( contains( told.err, "leeway: planning: 1 s, " ) ) << told.err;
 	const Outcome solved = runModel( "plan", { "--request", "request.yaml", "--report", "s.json" } );
 	EXPECT_EQ( solved.status, 0 );
 	EXPECT_FALSE( nlohmann::json::parse( readFile( path( "s.json" ) ) ).contains( "stuck" ) );

@@ -240,6 +240,34 @@ TEST( NativeOmplPlanner, WorkAndUndecidedPairsAreInTheEngine )
 	EXPECT_EQ( setup.rig.engine->undecidedPairs()[0].count, setup.planner->statistics().undecided );
 }
 
+TEST( NativeOmplPlanner, ProgressShowsTreesThatGrow )
+{
+	OmplProblem setup( closedGantry() );
+	setup.definition->setStartAndGoalStates( setup.state( { -0.8, -0.8 } ), setup.state( { 0.8, -0.8 } ) );
+	std::vector<planners::Growth> seen;
+	double last = 0;
+	setup.planner->setProgress(
+	    [&]( const planners::Growth& growth, double seconds )
+	    {
+		    EXPECT_GE( seconds, last + 1e-4 );
+		    last = seconds;
+		    seen.push_back( growth );
+	    },
+	    1e-4 );
+	int calls = 0;
+	setup.planner->solve( ob::PlannerTerminationCondition( [&] { return ++calls > 3000; } ) );
+	ASSERT_GE( seen.size(), 2u );
+	for ( std::size_t i = 1; i < seen.size(); ++i )
+	{
+		EXPECT_GE( seen[i].start_nodes, seen[i - 1].start_nodes );
+		EXPECT_GE( seen[i].goal_nodes, seen[i - 1].goal_nodes );
+		EXPECT_LE( seen[i].gap, seen[i - 1].gap );
+	}
+	EXPECT_LE( seen.back().start_nodes, setup.planner->statistics().start_nodes );
+	EXPECT_GT( seen.back().start_nodes, seen.front().start_nodes );
+	EXPECT_LE( setup.planner->explain().gap, seen.back().gap );
+}
+
 TEST( NativeOmplPlanner, FailuresAreExplained )
 {
 	OmplProblem setup( closedGantry() );

@@ -11,6 +11,8 @@
 #include <ompl/base/Planner.h>
 #include <ompl/util/RandomNumbers.h>
 
+#include <functional>
+
 namespace leeway::planners
 {
 
@@ -48,6 +50,8 @@ public:
 	/// After the first path, look for shorter ones until solve() has to end: optimize(). False by default.
 	void setOptimize( bool optimize );
 	bool getOptimize() const { return m_optimize; }
+	/// Called about every `interval` seconds of a search, on the thread of solve(), with its first search and the seconds so far.
+	void setProgress( std::function<void( const Growth& growth, double seconds )> progress, double interval = 1 );
 	std::uint64_t seed() const; ///< of the search that found the path, or of the first; 0 before the first solve()
 	const Statistics& statistics() const { return m_statistics; } ///< of all solve() since clear() or a new checker
 	/// Planner::explain() of the last search; zeroed if there was none.
@@ -71,6 +75,8 @@ private:
 	double m_range = 0;
 	unsigned m_threads = 1, m_seed = 0;
 	bool m_seed_given = false, m_optimize = false;
+	std::function<void( const Growth&, double )> m_progress;
+	double m_interval = 1;                 ///< seconds
 	std::vector<double> m_starts, m_goals; ///< of m_planner
 	::ompl::RNG m_rng;
 	mutable std::vector<::ompl::base::State*> m_states; ///< handed out by getPlannerData()

@@ -98,6 +98,13 @@ struct Statistics
 	std::uint64_t start_nodes = 0, goal_nodes = 0;
 };
 
+/// State of a search, for display.
+struct Growth
+{
+	std::size_t start_nodes = 0, goal_nodes = 0;
+	double gap = HUGE_VAL; ///< least distance between nodes of the two trees that were seen together
+};
+
 /// Length of the longest edge that suits the robot, in the metric of Planner::distance(): a motion of this length in a random
 /// direction moves the fastest point of the moving links by about half of the group's reach. Depends on the robot only.
 /// @param lower, upper [variable count] finite bounds
@@ -142,6 +149,7 @@ public:
 
 	void clear(); ///< forgets ends, trees and path
 	const Statistics& statistics() const;
+	Growth growth() const; ///< of now; from Stop::poll, too
 	double range() const; ///< in use
 	std::size_t dimension() const;
 	/// Euclidean, radians and metres alike; the shorter way for variables that wrap.

@@ -39,6 +39,8 @@ public:
 
 	/// The planner with the path after SOLVED; one that ended so after FAILED, NO_START and NO_GOAL; otherwise the first.
 	const Planner& best() const { return m_planners[m_winner]; }
+	/// One of them. While solve() runs, the calling thread may look at the first, from Stop::poll.
+	const Planner& planner( std::size_t k ) const { return m_planners[k]; }
 	std::uint64_t seed() const { return m_seed + m_winner; } ///< of best()
 	unsigned threads() const { return static_cast<unsigned>( m_planners.size() ); }
 	Statistics statistics() const;                   ///< sums
