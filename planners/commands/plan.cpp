@@ -380,9 +380,9 @@ public:
 			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
 			optimize( solution );
 		}
-		else if ( m_native )
+		else
 		{
-			solution.stuck = m_native->explain();
+			solution.stuck = m_native ? m_native->explain() : explainEnds();
 		}
 		solution.counters = m_engine->counters();
 		solution.undecided_pairs = m_engine->undecidedPairs();
@@ -481,6 +481,29 @@ private:
 		solution.points = shorter;
 		solution.edges = certify( m_bench, shorter, def );
 		solution.seconds.simplify = now() - simplify_begin;
+	}
+
+	// Free travel at the ends, and pairs in the way of the straight motions between them: of OMPL's planners nothing else is known.
+	planners::Stuck explainEnds() const
+	{
+		if ( !( m_range > 0 ) )
+		{
+			return {};
+		}
+		planners::Settings settings = planners::settingsOf( *m_engine );
+		settings.edge = edgeDef( m_options );
+		settings.most_nodes = 2; // the ends
+		planners::Planner planner( m_bench.problem().checker, settings );
+		planner.addStart( m_start.data() );
+		for ( const std::vector<double>& goal : m_goals )
+		{
+			planner.addGoal( goal.data() );
+		}
+		const Query query = makeQuery( m_bench.checker() );
+		planner.solve( query.get() );
+		planners::Stuck stuck = planner.explain( query.get() );
+		stuck.trees[0] = stuck.trees[1] = {};
+		return stuck;
 	}
 
 	// Shorter paths from the start to any of the goals, for as long as was asked for.

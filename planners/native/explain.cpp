@@ -299,7 +299,9 @@ std::string remedyLine( const lw_checker* checker, const Stuck& stuck, const Rem
 	{
 		all.push_back( std::string( "a smaller " ) + remedies.min_d );
 	}
-	if ( stuck.trees[0].nodes > 0 && stuck.trees[1].nodes > 0 )
+	const auto any_free = []( const std::vector<EndRoom>& rooms )
+	{ return std::any_of( rooms.begin(), rooms.end(), []( const EndRoom& room ) { return room.free; } ); };
+	if ( any_free( stuck.ends[0] ) && any_free( stuck.ends[1] ) )
 	{
 		all.push_back( std::string( "more " ) + remedies.time );
 		all.push_back( std::string( "another " ) + remedies.seed );

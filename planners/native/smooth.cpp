@@ -216,7 +216,8 @@ private:
 lw_status smooth( const lw_checker* checker, lw_query* query, const SmoothSettings& settings, const Stop& stop, Path& path,
     Statistics* statistics )
 {
-	if ( path.dimension != lw_checker_variable_count( checker ) || path.values.size() % path.dimension != 0 )
+	if ( path.dimension == 0 || path.dimension != lw_checker_variable_count( checker ) ||
+	     path.values.size() % path.dimension != 0 )
 	{
 		throw InputError( "leeway::planners: smooth: the path's dimension is not the checker's; give states of its group" );
 	}

@@ -39,6 +39,10 @@ Space::Space( const lw_checker* checker, const std::vector<double>& lower, const
 {
 	const lw_robot* robot = lw_checker_robot( checker );
 	const std::size_t size = lw_checker_variable_count( checker );
+	if ( size == 0 )
+	{
+		throw InputError( "leeway::planners: the checker's group has no variables; give one that a joint moves" );
+	}
 	if ( ( !lower.empty() && lower.size() != size ) || ( !upper.empty() && upper.size() != size ) )
 	{
 		throw InputError( "leeway::planners: Settings: lower and upper need " + std::to_string( size ) + " entries, or none" );

@@ -53,13 +53,16 @@ std::string stuckLines( const Workbench& bench, const planners::Stuck& stuck )
 
 Json toJson( const Workbench& bench, const planners::Stuck& stuck )
 {
-	Json json;
+	Json json = { { "trees", nullptr } }; // of leeway's own planner
 	const char* const sides[] = { "start", "goal" };
 	for ( unsigned side = 0; side < 2; ++side )
 	{
 		const planners::TreeGrowth& tree = stuck.trees[side];
-		json["trees"].push_back( { { "of", sides[side] }, { "nodes", tree.nodes }, { "tries", tree.tries },
-		    { "grown", tree.grown }, { "extent", tree.extent } } );
+		if ( stuck.trees[0].nodes > 0 )
+		{
+			json["trees"].push_back( { { "of", sides[side] }, { "nodes", tree.nodes }, { "tries", tree.tries },
+			    { "grown", tree.grown }, { "extent", tree.extent } } );
+		}
 		for ( const planners::EndRoom& room : stuck.ends[side] )
 		{
 			json[side == 0 ? "starts" : "goals"].push_back( endJson( bench, room ) );

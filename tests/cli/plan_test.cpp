@@ -206,6 +206,13 @@ TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
 	ASSERT_EQ( stuck["starts"].size(), 1u );
 	EXPECT_EQ( stuck["starts"][0]["travel"][1]["joint"], "elbow" );
 	EXPECT_GT( stuck["starts"][0]["travel"][1]["up"], 0 );
+	const Outcome foreign = runModel( "plan",
+	    { "--request", "request.yaml", "--time", "0.1", "--planner", "RRTConnect", "--report", "f.json" }, "blocked.yaml" );
+	EXPECT_EQ( foreign.status, 1 );
+	EXPECT_TRUE( contains( foreign.err, "leeway:   start: free travel" ) && contains( foreign.err, " - post 100 %" ) )
+	    << foreign.err;
+	EXPECT_FALSE( contains( foreign.err, "trees" ) ) << "they are not leeway's: " << foreign.err;
+	EXPECT_TRUE( nlohmann::json::parse( readFile( path( "f.json" ) ) )["stuck"]["trees"].is_null() );
 	const Outcome told = runModel(
 	    "plan", { "--request", "request.yaml", "--time", "1.3", "--planner", "Leeway", "--verbose" }, "blocked.yaml" );
 	EXPECT_TRUE( contains( told.err, "leeway: planning: 1 s, " ) ) << told.err;

@@ -239,6 +239,20 @@ TEST( NativePlannerInC, BadInputHasAStatusAndAMessage )
 	lw_plan_result_clear( nullptr );
 }
 
+TEST( NativePlannerInC, GroupsWithoutJointsAreRefused )
+{
+	CProblem c( worldOf( "Gantry" ) );
+	const leeway::Checker fixed = makeChecker( { hinge( "weld", LW_JOINT_FIXED, 0, 0.4 ) }, {} );
+	ASSERT_EQ( lw_checker_variable_count( fixed.get() ), 0u );
+	c.def.checker = fixed.get();
+	EXPECT_EQ( c.solve(), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_NE( std::string( c.diag.message ).find( "no variables" ), std::string::npos ) << c.diag.message;
+	EXPECT_THROW( planners::Planner( fixed, planners::Settings() ), planners::InputError );
+	const leeway::Query query = leeway::makeQuery( fixed.get() );
+	planners::Path empty;
+	EXPECT_THROW( planners::smooth( fixed.get(), query.get(), {}, {}, empty ), planners::InputError );
+}
+
 TEST( NativePlannerInC, FloatingJointsAreRefused )
 {
 	CProblem c( worldOf( "Drone" ) );

@@ -119,7 +119,8 @@ double geometricRange( const lw_checker* checker, const double* lower, const dou
 class Planner
 {
 public:
-	/// @throws InputError for settings out of their domain, a variable without finite bounds, or a floating joint in the group
+	/// @throws InputError for settings out of their domain, a group without variables, a variable without finite bounds, or a floating
+	/// joint in the group
 	Planner( Checker checker, const Settings& settings );
 	~Planner();
 	Planner( Planner&& ) noexcept;
