@@ -14,7 +14,7 @@ namespace io = leeway::io;
 namespace
 {
 
-constexpr double MOST_STATES[] = { 0, 0, 6e5, 3e6 }; // by the number of joints
+constexpr double MOST_STATES[] = { 0, 0, 2e6, 3e7 }; // by the number of joints
 
 std::string jointName( const EdgeWorld& world, std::size_t variable )
 {
@@ -101,14 +101,16 @@ public:
 		for ( const std::uint32_t variable : problem.variables )
 		{
 			const lw_variable_info info = lw_robot_variable( problem.robot.get(), variable );
-			Axis axis = { info.wraps ? -M_PI : info.lower, info.wraps ? M_PI : info.upper, 1, info.wraps };
+			Axis axis = { info.wraps ? -M_PI : info.lower, info.wraps ? M_PI : info.upper, 1, info.wraps, 1 };
 			volume *= axis.high - axis.low;
 			m_axes.push_back( axis );
 		}
 		m_step = std::pow( volume / most_states, 1.0 / static_cast<double>( m_axes.size() ) );
-		for ( Axis& axis : m_axes )
+		for ( std::size_t i = m_axes.size(); i-- > 0; )
 		{
-			axis.count = std::max<long>( 1, std::lround( ( axis.high - axis.low ) / m_step ) );
+			m_axes[i].count = std::max<long>( 1, std::lround( ( m_axes[i].high - m_axes[i].low ) / m_step ) );
+			m_axes[i].stride = m_size;
+			m_size *= static_cast<std::size_t>( m_axes[i].count );
 		}
 	}
 
@@ -117,33 +119,33 @@ public:
 	/// Do steps to neighbours, diagonal ones too, lead from one state to the other?
 	bool joins( const std::vector<double>& start, const std::vector<double>& goal )
 	{
-		std::set<std::vector<long>> goals;
-		for ( const std::vector<long>& cell : around( cellOf( goal ) ) )
+		const std::vector<std::size_t> goals = around( cellOf( goal ) );
+		std::vector<bool> seen( m_size );
+		std::deque<std::size_t> open;
+		const auto visit = [&]( std::size_t cell )
 		{
-			goals.insert( cell );
-		}
-		std::deque<std::vector<long>> open;
-		std::set<std::vector<long>> seen;
-		const auto visit = [&]( const std::vector<long>& cell )
-		{
-			if ( seen.insert( cell ).second && isFree( cell ) )
+			if ( !seen[cell] )
 			{
-				open.push_back( cell );
+				seen[cell] = true;
+				if ( isFree( cell ) )
+				{
+					open.push_back( cell );
+				}
 			}
 		};
-		for ( const std::vector<long>& cell : around( cellOf( start ) ) )
+		for ( const std::size_t cell : around( cellOf( start ) ) )
 		{
 			visit( cell );
 		}
 		while ( !open.empty() )
 		{
-			const std::vector<long> cell = open.front();
+			const std::size_t cell = open.front();
 			open.pop_front();
-			if ( goals.count( cell ) > 0 )
+			if ( std::find( goals.begin(), goals.end(), cell ) != goals.end() )
 			{
 				return true;
 			}
-			for ( const std::vector<long>& next : around( cell ) )
+			for ( const std::size_t next : around( cell ) )
 			{
 				visit( next );
 			}
@@ -157,38 +159,46 @@ private:
 		double low, high;
 		long count;
 		bool wraps;
+		std::size_t stride;
 	};
 
-	std::vector<long> cellOf( const std::vector<double>& q ) const
+	/// Cells are numbered with the last variable fastest.
+	std::size_t cellOf( const std::vector<double>& q ) const
 	{
-		std::vector<long> cell;
+		std::size_t cell = 0;
 		for ( std::size_t i = 0; i < q.size(); ++i )
 		{
 			const Axis& a = m_axes[i];
 			const double value = a.wraps ? std::remainder( q[i], 2 * M_PI ) : q[i];
 			const double at = ( value - a.low ) / ( a.high - a.low ) * static_cast<double>( a.count );
-			cell.push_back( std::min( a.count - 1, std::max<long>( 0, static_cast<long>( at ) ) ) );
+			cell = cell * static_cast<std::size_t>( a.count ) +
+			       static_cast<std::size_t>( std::min( a.count - 1, std::max<long>( 0, static_cast<long>( at ) ) ) );
 		}
 		return cell;
 	}
 
-	/// The cell itself and its neighbours.
-	std::vector<std::vector<long>> around( const std::vector<long>& cell ) const
+	/// The place of a cell along one variable.
+	long placeOf( std::size_t cell, std::size_t i ) const
 	{
-		std::vector<std::vector<long>> cells = { cell };
-		for ( std::size_t i = 0; i < cell.size(); ++i )
+		return static_cast<long>( cell / m_axes[i].stride ) % m_axes[i].count;
+	}
+
+	/// The cell itself and its neighbours.
+	std::vector<std::size_t> around( std::size_t cell ) const
+	{
+		std::vector<std::size_t> cells = { cell };
+		for ( std::size_t i = 0; i < m_axes.size(); ++i )
 		{
+			const Axis& a = m_axes[i];
+			const long place = placeOf( cell, i );
 			for ( std::size_t k = cells.size(); k-- > 0; )
 			{
 				for ( const long move : { -1, 1 } )
 				{
-					std::vector<long> next = cells[k];
-					next[i] += move;
-					const Axis& a = m_axes[i];
-					next[i] = a.wraps ? ( next[i] + a.count ) % a.count : next[i];
-					if ( next[i] >= 0 && next[i] < a.count )
+					const long next = a.wraps ? ( place + move + a.count ) % a.count : place + move;
+					if ( next >= 0 && next < a.count )
 					{
-						cells.push_back( next );
+						cells.push_back( cells[k] + static_cast<std::size_t>( next - place ) * a.stride );
 					}
 				}
 			}
@@ -196,14 +206,14 @@ private:
 		return cells;
 	}
 
-	bool isFree( const std::vector<long>& cell )
+	bool isFree( std::size_t cell )
 	{
 		std::vector<double> q;
-		for ( std::size_t i = 0; i < cell.size(); ++i )
+		for ( std::size_t i = 0; i < m_axes.size(); ++i )
 		{
 			const Axis& a = m_axes[i];
-			q.push_back(
-			    a.low + ( a.high - a.low ) * ( static_cast<double>( cell[i] ) + 0.5 ) / static_cast<double>( a.count ) );
+			q.push_back( a.low + ( a.high - a.low ) * ( static_cast<double>( placeOf( cell, i ) ) + 0.5 ) /
+			                         static_cast<double>( a.count ) );
 		}
 		const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
 		lw_state_result result;
@@ -216,6 +226,7 @@ private:
 	const io::Problem& m_problem;
 	leeway::Query m_query;
 	std::vector<Axis> m_axes;
+	std::size_t m_size = 1;
 	double m_step = 0;
 };
 

@@ -11,5 +11,5 @@
 
 /// @return empty if grids of two and three joints join the ends; else the joints and the step of the grid that does not, in degrees:
 /// "disconnected on a grid: shoulder_pan_joint, shoulder_lift_joint, 0.9 degrees"
-/// @param share of 600,000 states for two joints, and 3 million for three
+/// @param share of 2 million states for two joints, and 30 million for three
 std::string disconnectedPrefix( const EdgeWorldEntry& entry, double share = 1 );

@@ -190,7 +190,7 @@ TEST( PlanningZoo, WayAroundAWallIsTakenForNone )
 		EdgeWorlds worlds( files.path(), reach );
 		worlds.add( { { "set", "s" }, { "name", "small arm/s/1" }, { "robot", robot }, { "srdf", srdf }, { "scene", scene },
 		    { "request", request }, { "group", "arm" } } );
-		const std::string found = disconnectedPrefix( worlds.entry( 0 ), 0.02 );
+		const std::string found = disconnectedPrefix( worlds.entry( 0 ), 0.004 );
 		EXPECT_EQ( found.empty(), !high ) << found;
 	}
 }
