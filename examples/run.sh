@@ -58,6 +58,9 @@ cmake --build "$build" --parallel "$( nproc )" --target leeway examples
 heading "examples/01_core: the distance of two shapes"
 "$build/bin/01_clearance"
 
+heading "examples/03_plan: a path around a wall in C, without files"
+"$build/bin/03_plan"
+
 heading "write the kitchen"
 rm -rf "$demo"
 mkdir -p "$demo/paths" "$demo/motions"

@@ -136,6 +136,7 @@ namespace
 const char* const side_names[] = { "start", "goal" };
 constexpr double stuck_share = 0.25; // of the other tree's share of tries that grew, or of its extent
 constexpr double main_share = 0.5;   // of all motions that were not free: a pair worth a look of its own
+constexpr std::uint64_t least_evidence = 10; // such motions, before a remedy names a pair
 constexpr std::size_t shown_pairs = 4, shown_joints = 4;
 
 std::string shortNumber( double value )
@@ -271,7 +272,9 @@ std::string pairLine( const lw_checker* checker, const Stuck& stuck )
 		    static_cast<double>( stuck.pairs[i].count() ) / static_cast<double>( std::max( all, stuck.not_free ) );
 		text += ( i > 0 ? ", " : "in the way: " ) + pairName( checker, stuck.pairs[i] ) + " " + percent( share );
 	}
-	return text.empty() ? "" : text + " of " + std::to_string( stuck.not_free ) + " motions that were not free\n";
+	const std::string motions =
+	    stuck.not_free == 1 ? "one motion that was" : std::to_string( stuck.not_free ) + " motions that were";
+	return text.empty() ? "" : text + " of " + motions + " not free\n";
 }
 
 std::string remedyLine( const lw_checker* checker, const Stuck& stuck, const Remedies& remedies )
@@ -289,7 +292,7 @@ std::string remedyLine( const lw_checker* checker, const Stuck& stuck, const Rem
 		}
 	}
 	const bool main_pair =
-	    !stuck.pairs.empty() && stuck.pairs[0].a != LW_INVALID_INDEX &&
+	    stuck.not_free >= least_evidence && !stuck.pairs.empty() && stuck.pairs[0].a != LW_INVALID_INDEX &&
 	    static_cast<double>( stuck.pairs[0].count() ) >= main_share * static_cast<double>( stuck.not_free );
 	if ( main_pair )
 	{

@@ -211,6 +211,8 @@ TEST_F( CliPlan, NoPathIsANegativeAnswerAndLeavesNone )
 	EXPECT_EQ( foreign.status, 1 );
 	EXPECT_TRUE( contains( foreign.err, "leeway:   start: free travel" ) && contains( foreign.err, " - post 100 %" ) )
 	    << foreign.err;
+	EXPECT_TRUE( contains( foreign.err, " 100 % of one motion that was not free" ) ) << foreign.err;
+	EXPECT_FALSE( contains( foreign.err, "allow the contact" ) ) << "one motion is no evidence: " << foreign.err;
 	EXPECT_FALSE( contains( foreign.err, "trees" ) ) << "they are not leeway's: " << foreign.err;
 	EXPECT_TRUE( nlohmann::json::parse( readFile( path( "f.json" ) ) )["stuck"]["trees"].is_null() );
 	const Outcome told = runModel(
