@@ -58,11 +58,12 @@ public:
 				m_gain = std::max( m_gain / 2, least_gain );
 			}
 		}
-		return m_judge.status();
+		return status();
 	}
 
 private:
-	bool over() { return m_deadline.over() || m_judge.status() != LW_OK || m_report.samples >= m_settings.most_samples; }
+	lw_status status() const { return m_judge.status() != LW_OK ? m_judge.status() : m_smoothing; }
+	bool over() { return m_deadline.over() || status() != LW_OK || m_report.samples >= m_settings.most_samples; }
 
 	double lengthOf( const Path& path ) const
 	{
@@ -314,7 +315,7 @@ private:
 		Stop rest = m_stop;
 		rest.seconds = m_stop.seconds - passed();
 		const Path raw = m_found;
-		smooth( m_checker, m_query, smoothing, rest, m_found, &m_report.work );
+		m_smoothing = smooth( m_checker, m_query, smoothing, rest, m_found, &m_report.work );
 		for ( const Path* path : { static_cast<const Path*>( &m_found ), &raw } )
 		{
 			const double length = lengthOf( *path );
@@ -350,6 +351,7 @@ private:
 	OptimizeReport& m_report;
 	Space m_space;
 	Judge m_judge;
+	lw_status m_smoothing = LW_OK; ///< of the smoother, which has a judge of its own
 	Deadline m_deadline;
 	Random m_random;
 	Path& m_path;
