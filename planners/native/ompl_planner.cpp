@@ -133,8 +133,12 @@ public:
 private:
 	void report()
 	{
+		if ( !m_planner.m_progress )
+		{
+			return;
+		}
 		const double seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - m_begin ).count();
-		if ( m_planner.m_progress && seconds >= m_reported + m_planner.m_interval )
+		if ( seconds >= m_reported + m_planner.m_interval )
 		{
 			m_reported = seconds;
 			m_planner.m_progress( m_planner.m_planner->planner( 0 ).growth(), seconds );
