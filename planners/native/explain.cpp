@@ -150,7 +150,7 @@ std::string shortNumber( double value )
 std::string percent( double share )
 {
 	std::ostringstream text;
-	share >= 0.01 ? text << static_cast<int>( 100 * share + 0.5 ) << " %" : text << "below 1 %";
+	share >= 0.01 ? text << std::lround( 100 * share ) << " %" : text << "below 1 %";
 	return text.str();
 }
 
