@@ -3,10 +3,12 @@
 #pragma once
 
 #include "blame.hpp"
+#include "space.hpp"
 
 #include "leeway/planners/planner.hpp"
 
 #include <chrono>
+#include <vector>
 
 namespace leeway::planners
 {
@@ -73,6 +75,22 @@ public:
 		return free;
 	}
 
+	/// Looks at three states inside of an edge; it proves nothing. A state costs a fraction of an edge that is not free, and most
+	/// blocked edges with free ends are blocked at one of these.
+	bool seemsFree( const Space& space, const double* a, const double* b )
+	{
+		m_state.resize( space.size() );
+		for ( const double t : { 0.5, 0.25, 0.75 } )
+		{
+			space.between( a, b, t, m_state.data() );
+			if ( !isStateFree( m_state.data() ) )
+			{
+				return false;
+			}
+		}
+		return true;
+	}
+
 	bool isEdgeFree( const double* a, const double* b )
 	{
 		lw_edge_result result;
@@ -104,6 +122,7 @@ private:
 	lw_edge_def m_def;
 	Statistics& m_statistics;
 	Blame* m_blame;
+	std::vector<double> m_state;
 	lw_status m_status = LW_OK;
 };
 

@@ -33,6 +33,8 @@ void requireUsable( const Settings& settings )
 namespace
 {
 
+constexpr std::uint64_t least_free_per_failure = 8; // late proofs: with fewer, edges are proved at once
+
 /// Rough quantile of a bell curve with variance near 1 (Tukey's lambda, 0.14): directions of samples need no more.
 double normalQuantile( double u )
 {
@@ -86,6 +88,8 @@ struct Planner::Parts
 	bool grow( Judge& judge );
 	bool connect( Judge& judge, unsigned from, std::uint32_t node );
 	std::uint32_t extend( Judge& judge, Tree& tree, std::uint32_t near, const double* q );
+	bool proveBranch( Judge& judge, unsigned side, std::uint32_t node );
+	void findRoots( unsigned side );
 	void drawSample( const Tree& tree );
 	void drawUnit();
 	void finish( unsigned from, std::uint32_t a, std::uint32_t b );
@@ -106,6 +110,11 @@ struct Planner::Parts
 	double gap = HUGE_VAL; ///< least distance of a node to the other tree
 	Blame blame;
 	std::vector<double> sample, next, unit;
+	std::vector<std::uint32_t> branch;
+	struct
+	{
+		std::uint64_t free = 0, not_free = 0;
+	} late; ///< proofs that waited
 	std::string problem;
 	Path path;
 	Statistics statistics;
@@ -215,15 +224,63 @@ bool Planner::Parts::joinStraight( Judge& judge, Deadline& deadline, std::size_t
 	return false;
 }
 
-/// Adds q to the tree if it and the edge from `near` are free. @return no_node if not
+/// Adds q to the tree if it and some states before it are free. The proof of the edge waits until the tree grows from q or a path
+/// passes through it: most nodes stay leaves. Where obstacles are so thin that such proofs often fail, it waits no longer.
+/// @return no_node if not
 std::uint32_t Planner::Parts::extend( Judge& judge, Tree& tree, std::uint32_t near, const double* q )
 {
-	// The state alone costs a fraction of an edge, and most edges that fail have a blocked end
-	if ( !judge.isStateFree( q ) || !judge.isEdgeFree( tree.state( near ), q ) )
+	if ( !judge.isStateFree( q ) || !judge.seemsFree( space, tree.state( near ), q ) )
 	{
 		return no_node;
 	}
-	return tree.add( q, near );
+	const bool waits = late.not_free * least_free_per_failure <= late.free;
+	if ( !waits && !judge.isEdgeFree( tree.state( near ), q ) )
+	{
+		return no_node;
+	}
+	const std::uint32_t node = tree.add( q, near );
+	if ( !waits )
+	{
+		tree.setProved( node ); // `near` is proved, by grow() or by the step before: `waits` does not change between them
+	}
+	return node;
+}
+
+/// Proves all edges from the root to a node. An edge that is not FREE is removed with all nodes behind it: numbers of nodes change.
+bool Planner::Parts::proveBranch( Judge& judge, unsigned side, std::uint32_t node )
+{
+	Tree& tree = trees[side];
+	branch.clear();
+	for ( ; !tree.isProved( node ); node = tree.parent( node ) )
+	{
+		branch.push_back( node );
+	}
+	for ( ; !branch.empty(); branch.pop_back() )
+	{
+		const std::uint32_t below = branch.back();
+		if ( !judge.isEdgeFree( tree.state( tree.parent( below ) ), tree.state( below ) ) )
+		{
+			++late.not_free;
+			tree.cut( below );
+			findRoots( side );
+			return false;
+		}
+		++late.free;
+		tree.setProved( below );
+	}
+	return true;
+}
+
+void Planner::Parts::findRoots( unsigned side )
+{
+	roots[side].clear();
+	for ( std::uint32_t i = 0; i < trees[side].size(); ++i )
+	{
+		if ( trees[side].parent( i ) == no_node )
+		{
+			roots[side].push_back( i );
+		}
+	}
 }
 
 /// One edge of the smaller tree towards a sample, and the way from there to the other tree. @return true if they met
@@ -234,6 +291,10 @@ bool Planner::Parts::grow( Judge& judge )
 	++growth[side].tries;
 	drawSample( tree );
 	const std::uint32_t near = tree.nearest( sample.data() );
+	if ( !proveBranch( judge, side, near ) )
+	{
+		return false;
+	}
 	const double distance = space.distance( tree.state( near ), sample.data() );
 	space.between( tree.state( near ), sample.data(), std::min( 1.0, range / distance ), next.data() );
 	const std::uint32_t node = extend( judge, tree, near, next.data() );
@@ -264,7 +325,9 @@ bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
 		node = added;
 		gap = std::min( gap, distance * ( steps - step ) / steps );
 	}
-	if ( !judge.isEdgeFree( tree.state( node ), other.state( goal ) ) )
+	if ( !judge.seemsFree( space, tree.state( node ), other.state( goal ) ) ||
+	     !judge.isEdgeFree( tree.state( node ), other.state( goal ) ) || !proveBranch( judge, side, node ) ||
+	     !proveBranch( judge, 1 - side, goal ) )
 	{
 		return false;
 	}
@@ -400,12 +463,14 @@ Path Planner::approximatePath( double* distance ) const
 	*distance = HUGE_VAL;
 	for ( const std::uint32_t goal : p.roots[1] )
 	{
-		const std::uint32_t near = p.trees[0].size() > 0 ? p.trees[0].nearest( p.trees[1].state( goal ) ) : no_node;
-		const double far = near == no_node ? HUGE_VAL : p.space.distance( p.trees[0].state( near ), p.trees[1].state( goal ) );
-		if ( far < *distance )
+		for ( std::uint32_t i = 0; i < p.trees[0].size(); ++i )
 		{
-			best = near;
-			*distance = far;
+			const double far = p.space.distance( p.trees[0].state( i ), p.trees[1].state( goal ) );
+			if ( p.trees[0].isProved( i ) && far < *distance )
+			{
+				best = i;
+				*distance = far;
+			}
 		}
 	}
 	p.appendBranch( p.trees[0], best, path );
@@ -469,6 +534,7 @@ void Planner::clear()
 	p.problem.clear();
 	p.blame.clear();
 	p.gap = HUGE_VAL;
+	p.late = {};
 	p.statistics = {};
 	p.failure = LW_OK;
 	p.random = Random( p.settings.seed );

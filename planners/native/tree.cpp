@@ -90,6 +90,7 @@ Tree::Tree( const Space& space ) : m_dimension( space.size() ), m_target( space.
 	m_states.reserve( first_capacity * m_dimension );
 	m_blocks.reserve( first_capacity * m_dimension );
 	m_parent.reserve( first_capacity );
+	m_proved.reserve( first_capacity );
 }
 
 void Tree::clear()
@@ -97,11 +98,12 @@ void Tree::clear()
 	m_states.clear();
 	m_blocks.clear();
 	m_parent.clear();
+	m_proved.clear();
 }
 
-std::uint32_t Tree::add( const double* q, std::uint32_t parent )
+void Tree::copyToBlocks( std::size_t node )
 {
-	const std::size_t node = m_parent.size(), lane = node % lanes;
+	const std::size_t lane = node % lanes;
 	if ( lane == 0 )
 	{
 		m_blocks.resize( m_blocks.size() + lanes * m_dimension, far_away );
@@ -109,11 +111,45 @@ std::uint32_t Tree::add( const double* q, std::uint32_t parent )
 	float* block = m_blocks.data() + node / lanes * lanes * m_dimension;
 	for ( std::size_t i = 0; i < m_dimension; ++i )
 	{
-		block[i * lanes + lane] = static_cast<float>( q[i] );
+		block[i * lanes + lane] = static_cast<float>( m_states[node * m_dimension + i] );
 	}
+}
+
+std::uint32_t Tree::add( const double* q, std::uint32_t parent )
+{
+	const std::size_t node = m_parent.size();
 	m_states.insert( m_states.end(), q, q + m_dimension );
 	m_parent.push_back( parent );
+	m_proved.push_back( parent == no_node );
+	copyToBlocks( node );
 	return static_cast<std::uint32_t>( node );
+}
+
+void Tree::cut( std::uint32_t node )
+{
+	// Parents come before their children, so one pass finds all nodes below
+	m_number.resize( size() );
+	std::uint32_t kept = 0;
+	for ( std::uint32_t i = 0; i < size(); ++i )
+	{
+		const std::uint32_t above = m_parent[i] == no_node ? no_node : m_number[m_parent[i]];
+		const bool goes = i == node || ( m_parent[i] != no_node && above == no_node );
+		m_number[i] = goes ? no_node : kept;
+		if ( !goes )
+		{
+			std::copy_n( state( i ), m_dimension, m_states.begin() + static_cast<std::ptrdiff_t>( kept * m_dimension ) );
+			m_parent[kept] = above;
+			m_proved[kept++] = m_proved[i];
+		}
+	}
+	m_states.resize( kept * m_dimension );
+	m_parent.resize( kept );
+	m_proved.resize( kept );
+	m_blocks.clear();
+	for ( std::size_t i = 0; i < kept; ++i )
+	{
+		copyToBlocks( i );
+	}
 }
 
 std::uint32_t Tree::nearest( const double* q ) const

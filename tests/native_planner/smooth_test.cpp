@@ -72,6 +72,40 @@ TEST( NativeSmoother, EveryEdgeIsJudgedFree )
 	}
 }
 
+TEST( NativeSmoother, EveryNewEdgeIsJudged )
+{
+	// The first and the last edge cross closed walls, so that a kept piece of them that was not judged is not free either
+	const leeway::Checker checker =
+	    makeChecker( { slider( "rail x", 0, -1, 1 ), slider( "rail y", 1, -1, 1, makeBall( 0.02 ) ) },
+	        { { makeBox( 0.02, 4, 0.1 ), at( -0.8, 0, 0 ) }, { makeBox( 0.02, 4, 0.1 ), at( 0.8, 0, 0 ) } } );
+	const leeway::Query query = leeway::makeQuery( checker.get() );
+	const planners::Path path{ 2, { -0.95, 0, -0.1, 0, 0, 0.8, 0.1, 0, 0.95, 0 } };
+	const lw_edge_def def = lw_edge_def_default();
+	const auto isFree = [&]( const double* a, const double* b )
+	{
+		lw_edge_result edge;
+		EXPECT_EQ( lw_checker_edge( checker.get(), query.get(), a, b, &def, &edge ), LW_OK );
+		return edge.verdict == LW_VERDICT_FREE;
+	};
+	ASSERT_FALSE( isFree( path[0], path[1] ) );
+	ASSERT_FALSE( isFree( path[3], path[4] ) );
+	for ( std::uint64_t seed = 1; seed <= 50; ++seed )
+	{
+		planners::Path smoothed = path;
+		ASSERT_EQ( planners::smooth( checker.get(), query.get(), thorough( 0, seed ), {}, smoothed ), LW_OK );
+		for ( std::size_t i = 0; i + 1 < smoothed.count(); ++i )
+		{
+			bool given = false;
+			for ( std::size_t k = 0; k + 1 < path.count(); ++k )
+			{
+				given = given || ( stateOf( path, k ) == stateOf( smoothed, i ) &&
+				                     stateOf( path, k + 1 ) == stateOf( smoothed, i + 1 ) );
+			}
+			EXPECT_TRUE( given || isFree( smoothed[i], smoothed[i + 1] ) ) << "seed " << seed << ", edge " << i;
+		}
+	}
+}
+
 TEST( NativeSmoother, SameSeedSamePath )
 {
 	Problem problem( worldOf( "Carrier" ), withMargin( 0 ) );

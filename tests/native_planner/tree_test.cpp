@@ -59,6 +59,68 @@ TEST( NativeTree, EqualNodesGiveTheFirst )
 	EXPECT_EQ( tree.parent( 1 ), 0u );
 }
 
+TEST( NativeTree, CutTakesAllNodesBehindAndNoOthers )
+{
+	SeededRng rng;
+	const leeway::Checker checker = worldOf( "Gantry" ).make();
+	const planners::Space space( checker.get(), {}, {} );
+	planners::Tree tree( space );
+	// the oracle: each state with the states on its way to the root
+	std::vector<std::vector<std::vector<double>>> ways;
+	const auto wayOf = [&]( std::uint32_t node )
+	{
+		std::vector<std::vector<double>> way;
+		for ( ; node != planners::no_node; node = tree.parent( node ) )
+		{
+			way.emplace_back( tree.state( node ), tree.state( node ) + space.size() );
+		}
+		return way;
+	};
+	for ( int round = 0; round < 60; ++round )
+	{
+		for ( int i = 0; i < 12; ++i )
+		{
+			const double q[] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
+			const auto parent = static_cast<std::uint32_t>( rng.uniform( 0, 1 ) * static_cast<double>( tree.size() ) );
+			const std::uint32_t node = tree.add( q, tree.size() < 3 ? planners::no_node : parent );
+			ASSERT_EQ( tree.isProved( node ), tree.parent( node ) == planners::no_node );
+			if ( i % 2 == 0 && ( tree.parent( node ) == planners::no_node || tree.isProved( tree.parent( node ) ) ) )
+			{
+				tree.setProved( node );
+			}
+			ways.push_back( wayOf( node ) );
+		}
+		const auto victim = 3 + static_cast<std::uint32_t>( rng.uniform( 0, 1 ) * static_cast<double>( tree.size() - 3 ) );
+		const std::vector<double> gone = wayOf( victim ).front();
+		std::vector<bool> proved;
+		for ( std::uint32_t i = 0; i < tree.size(); ++i )
+		{
+			if ( std::find( ways[i].begin(), ways[i].end(), gone ) == ways[i].end() )
+			{
+				proved.push_back( tree.isProved( i ) );
+			}
+		}
+		tree.cut( victim );
+		ways.erase( std::remove_if( ways.begin(), ways.end(),
+		                [&]( const auto& way ) { return std::find( way.begin(), way.end(), gone ) != way.end(); } ),
+		    ways.end() );
+		ASSERT_EQ( tree.size(), ways.size() );
+		for ( std::uint32_t i = 0; i < tree.size(); ++i )
+		{
+			ASSERT_EQ( wayOf( i ), ways[i] );
+			ASSERT_EQ( tree.isProved( i ), proved[i] );
+			EXPECT_EQ( tree.nearest( tree.state( i ) ), i ) << "the blocks of the scan hold other nodes";
+		}
+		double least = inf;
+		for ( std::uint32_t i = 0; i < tree.size(); ++i )
+		{
+			least = std::min( least, space.distance( tree.state( i ), gone.data() ) );
+		}
+		EXPECT_NEAR( space.distance( tree.state( tree.nearest( gone.data() ) ), gone.data() ), least, 1e-5 )
+		    << "the blocks of the scan hold nodes that are gone";
+	}
+}
+
 TEST( NativeSamples, HaltonPointsFillTheSquare )
 {
 	// 100 points in 10 x 10 cells of the first two bases: random ones leave 37 cells empty

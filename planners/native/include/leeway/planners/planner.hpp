@@ -111,11 +111,12 @@ struct Growth
 double geometricRange( const lw_checker* checker, const double* lower, const double* upper );
 
 /// Bidirectional search. The smaller tree grows by one edge towards a sample; from the new node steps of equal length go towards
-/// the nearest node of the other tree until one fails. A straight edge from each start to each goal comes first. End states are
-/// checked before their edges.
+/// the nearest node of the other tree until one fails. A straight edge from each start to each goal comes first. The end of a new
+/// edge and three states inside of it are checked at once; the edge is proved when the tree grows from its end or a path passes
+/// through it. An edge that is not FREE is removed with all nodes behind it.
 ///
 /// Deterministic: equal checker, settings, ends and calls give equal paths, unless Stop ends the search. One thread per planner.
-/// Memory: 12 dimension + 4 bytes per node, doubled when full; nothing else is allocated during a search.
+/// Memory: 12 dimension + 9 bytes per node, doubled when full; nothing else is allocated during a search.
 class Planner
 {
 public:
@@ -138,7 +139,8 @@ public:
 
 	/// After SOLVED: from a start to a goal, each edge judged FREE. Otherwise empty.
 	const Path& path() const;
-	/// From a start to the node of its tree that is nearest to a goal, each edge judged FREE; empty if no start is free.
+	/// From a start to the node of its tree that is nearest to a goal of those with a proved way, each edge judged FREE; empty if no
+	/// start is free.
 	/// @param distance of its last state to that goal
 	Path approximatePath( double* distance ) const;
 
@@ -158,7 +160,7 @@ public:
 	const std::string& endProblem() const; ///< after NO_START and NO_GOAL: a sentence on the last end that cannot be used
 	lw_status failure() const;             ///< after FAILED
 
-	/// States of a tree for display: the start tree, then the goal tree.
+	/// States of a tree for display: the start tree, then the goal tree. Edges are not all proved: see Planner.
 	/// @param visit called for each node; parent = its index, or LW_INVALID_INDEX for ends
 	void visitNodes( void ( *visit )( void* user, bool of_goal, std::uint32_t parent, const double* q ), void* user ) const;
 
