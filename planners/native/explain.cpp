@@ -232,11 +232,9 @@ std::string stopper( const lw_checker* checker, const EndRoom& room, const char*
 std::string endLine( const lw_checker* checker, const std::vector<EndRoom>& rooms, unsigned side )
 {
 	const EndRoom* worst = nullptr;
-	std::size_t enclosed = 0;
 	const auto rank = []( const EndRoom& room ) { return room.free ? ( room.enclosed ? 1 : 2 ) : 0; };
 	for ( const EndRoom& room : rooms )
 	{
-		enclosed += room.free && room.enclosed;
 		worst = worst == nullptr || rank( room ) < rank( *worst ) ? &room : worst;
 	}
 	if ( worst == nullptr )
