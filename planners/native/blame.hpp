@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs that kept motions from being free: counted from results of edges, which name them anyway; of end states, which do not, a part
+// Pairs that kept motions from being free: counted from results of edges, which name them anyway; of states, which do not, a part
 // is kept, to be measured only if the search fails.
 #pragma once
 

@@ -18,7 +18,7 @@ Json pairJson( const Workbench& bench, const planners::BlockingPair& pair )
 	const bool named = pair.a != LW_INVALID_INDEX && middle != std::string::npos;
 	return { { "first", named ? name.substr( 0, middle ) : "" }, { "second", named ? name.substr( middle + 3 ) : "" },
 	    { "self", pair.self }, { "edges_blocked", pair.blocked }, { "edges_undecided", pair.undecided },
-	    { "end_states", pair.states }, { "clearance", jsonNumber( pair.clearance ) } };
+	    { "states", pair.states }, { "clearance", jsonNumber( pair.clearance ) } };
 }
 
 Json endJson( const Workbench& bench, const planners::EndRoom& room )

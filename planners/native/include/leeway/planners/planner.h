@@ -94,7 +94,7 @@ typedef struct lw_plan_pair
 	bool self;          ///< b is a link
 	uint64_t blocked;   ///< edges found at or below min_d at this pair
 	uint64_t undecided; ///< edges left undecided at this pair
-	uint64_t states;    ///< end states that were not free, of motions without an edge check: estimated from a part of them
+	uint64_t states;    ///< states that were not free, of motions without an edge check: estimated from a part of them
 	double clearance;   ///< metres: the least that was seen
 } lw_plan_pair;
 
@@ -110,8 +110,8 @@ typedef struct lw_plan_tree
 typedef struct lw_plan_stuck
 {
 	lw_plan_tree trees[2];             ///< of starts, of goals
-	double gap;                        ///< least distance between nodes of the two trees that were seen together
-	uint64_t not_free;                 ///< motions that were blocked or undecided, by an edge or by an end state
+	double gap;        ///< least distance between nodes of the two trees that were seen together; they may be gone since
+	uint64_t not_free; ///< motions that were blocked or undecided, by an edge or by a state
 	lw_plan_pair pairs[LW_PLAN_PAIRS]; ///< the most frequent first
 	uint32_t pair_count;               ///< at most LW_PLAN_PAIRS
 	/// [2][variable_count][2] proved free travel of each joint alone from the first start, then from the first goal, down and

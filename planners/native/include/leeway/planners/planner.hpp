@@ -101,8 +101,8 @@ struct Statistics
 /// State of a search, for display.
 struct Growth
 {
-	std::size_t start_nodes = 0, goal_nodes = 0;
-	double gap = HUGE_VAL; ///< least distance between nodes of the two trees that were seen together
+	std::size_t start_nodes = 0, goal_nodes = 0; ///< fewer than before if an edge was removed with the nodes behind it
+	double gap = HUGE_VAL; ///< least distance between nodes of the two trees that were seen together; they may be gone since
 };
 
 /// Length of the longest edge that suits the robot, in the metric of Planner::distance(): a motion of this length in a random
@@ -144,7 +144,7 @@ public:
 	/// @param distance of its last state to that goal
 	Path approximatePath( double* distance ) const;
 
-	/// Pairs at which edges ended that were not FREE, in the order of their first time; of blocked end states there is no count.
+	/// Pairs at which edges ended that were not FREE, in the order of their first time; of blocked states there is no count.
 	const std::vector<BlockingPair>& blockingPairs() const;
 	/// After an outcome without a path: the reasons, measured now, in up to a second. It changes nothing of the search.
 	/// @param query as for solve()

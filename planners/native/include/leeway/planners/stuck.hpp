@@ -22,7 +22,7 @@ struct BlockingPair
 	std::uint64_t blocked = 0;                                ///< edges with a state at or below min_d, found at this pair
 	std::uint64_t undecided = 0;                              ///< edges left undecided at this pair
 	std::uint64_t states =
-	    0; ///< end states that were not free, of motions that needed no edge check: estimated from a part of them
+	    0;                ///< states that were not free, of motions that needed no edge check: estimated from a part of them
 	double clearance = 0; ///< metres: the least that was seen
 	std::uint64_t count() const { return blocked + undecided + states; }
 };
@@ -49,9 +49,9 @@ constexpr double enclosed_travel = 0.01; ///< radians or metres
 struct Stuck
 {
 	TreeGrowth trees[2];             ///< of starts, of goals
-	double gap = HUGE_VAL;           ///< least distance between nodes of the two trees that were seen together
+	double gap = HUGE_VAL; ///< least distance between nodes of the two trees that were seen together; they may be gone since
 	std::vector<BlockingPair> pairs; ///< the most frequent first
-	std::uint64_t not_free = 0;      ///< motions that were blocked or undecided, by an edge or by an end state
+	std::uint64_t not_free = 0;      ///< motions that were blocked or undecided, by an edge or by a state
 	std::vector<EndRoom> ends[2];    ///< starts, goals; up to 8 each
 	double min_d = 0;                ///< of the search
 };
