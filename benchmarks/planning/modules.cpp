@@ -110,10 +110,16 @@ private:
 	std::string m_refusal;
 };
 
+#ifdef __SANITIZE_ADDRESS__ // which refuses RTLD_DEEPBIND
+constexpr int MODULE_FLAGS = RTLD_NOW | RTLD_LOCAL;
+#else
+constexpr int MODULE_FLAGS = RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND;
+#endif
+
 WayKind loadModule( const std::string& file )
 {
 	// Its own versions of libraries that this program has too stay its own. It stays loaded: its planner lives as long as we do.
-	void* module = dlopen( file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND );
+	void* module = dlopen( file.c_str(), MODULE_FLAGS );
 	void* symbol = module != nullptr ? dlsym( module, "leeway_planner_module" ) : nullptr;
 	if ( symbol == nullptr )
 	{
