@@ -243,6 +243,10 @@ typedef struct lw_edge_def
 	double alpha; ///< relative tolerance of the distances used, [0, 1)
 	/// Compute proved_until also if a violation is found early (t_last of OMPL's checkMotion). Costs extra states.
 	bool want_proved_until;
+	/// CERTIFIED: FREE holds for every motion r with |r_j(t) - q_j(t)| <= tolerance[j] at all t, q being the edge; what a
+	/// controller may deviate before it stops. [variable count of the group], radians and metres, finite, >= 0; 0 for
+	/// quaternions. NULL: 0. BLOCKED is about the edge itself. Read during the call only.
+	const double* tolerance;
 	uint32_t cookie;
 } lw_edge_def;
 
@@ -253,7 +257,8 @@ typedef struct lw_edge_result
 	/// CERTIFIED: FREE is a proof for every t in [0, 1]. BLOCKED comes with a colliding state, at t: its clearance is <=
 	/// min_d. UNDECIDED: the clearance of `pair` at t is at most (min_d + slack) / (1 - alpha), and the proof ended there
 	/// because the pair is too close to min_d or stays close for too long (close_windows). Allow the pair if it may touch,
-	/// or reduce min_d.
+	/// or reduce min_d. With a tolerance the clearance is larger by at most the distance that the pair's points may move
+	/// within it, and the remedy is a smaller tolerance.
 	/// STEPS: FREE means that all checked states are > min_d, and no more; core/docs/edges.md derives the use of max_d.
 	/// Both: UNDECIDED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it.
 	lw_verdict verdict;
@@ -261,7 +266,8 @@ typedef struct lw_edge_result
 	double proved_until; ///< all of [0, proved_until] is proved (STEPS: checked); 1 if FREE; 0 if not wanted
 	bool self;           ///< the pair below is a self pair
 	lw_clearance pair;   ///< the deciding clearance at t: a = link, b = object or link; UNKNOWN if FREE or too long
-	double lower_bound;  ///< CERTIFIED and FREE: a proved lower bound of all clearances along the edge, > min_d; else 0
+	double lower_bound;  ///< CERTIFIED and FREE: a proved lower bound of all clearances along the edge, > min_d; else 0. Of
+						 ///< all motions within the tolerance
 	uint32_t queries;    ///< states at which distances were measured
 } lw_edge_result;
 

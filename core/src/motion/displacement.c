@@ -31,6 +31,7 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
 	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
 	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
@@ -103,10 +104,23 @@ static void allow_rounding( lwi_edge* e, double of_poses )
 	{
 		// t itself is rounded too (2^-53 of the path), and so is the surplus (2^-53 of min_d, a few times).
 		// A quarter of the slack more, with which proofs hold, becomes lower_bound.
-		e->rounding[self] = ( 1 + self ) * of_poses + 0x1p-47 * ( e->longest + e->def->min_d );
+		e->rounding[self] = ( 1 + self ) * of_poses + 0x1p-47 * ( e->longest + e->def->min_d + e->tube );
 		e->slack[self] = lwi_larger( e->def->slack, 4 * e->rounding[self] );
 		e->enough[self] = e->def->min_d + e->rounding[self] + 0.25 * e->slack[self];
 	}
+}
+
+/// Hands the tolerances of the group's variables to the motion's bounds.
+static void tolerate( lwi_edge* e )
+{
+	const lw_checker* c = e->checker;
+	memset( e->tolerance, 0, c->base->robot->variable_count * sizeof( double ) );
+	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
+	{
+		e->tolerance[c->base->group.variables[i]] = e->def->tolerance[i];
+	}
+	lwi_motion_tolerate( c->base->motion, e->motion, e->tolerance );
+	e->tube = lwi_motion_largest_tube( e->motion );
 }
 
 bool lwi_edge_measure_motion( lwi_edge* e )
@@ -116,6 +130,14 @@ bool lwi_edge_measure_motion( lwi_edge* e )
 	e->apart = e->spare = INFINITY;
 	e->most_states = LW_EDGE_MOST_STATES;
 	if ( !lwi_motion_begin( c->base->motion, e->full_a, e->full_b, e->motion ) )
+	{
+		return false;
+	}
+	if ( e->def->tolerance != NULL )
+	{
+		tolerate( e );
+	}
+	if ( !isfinite( e->tube ) )
 	{
 		return false;
 	}
@@ -281,6 +303,7 @@ const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t cluster )
 				lwi_add( above->twist.linear, own.linear ) };
 			velocity->depth = above->depth + 1;
 			velocity->rates = lwi_motion_rates( c->base->motion, e->motion, next );
+			velocity->tubes = lwi_motion_tubes( c->base->motion, e->motion, next );
 		}
 	}
 	return &e->velocities[cluster];

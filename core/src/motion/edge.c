@@ -11,7 +11,7 @@ enum
 
 lw_edge_def lw_edge_def_default( void )
 {
-	return (lw_edge_def){ .method = LW_EDGE_CERTIFIED,
+	return ( lw_edge_def ){ .method = LW_EDGE_CERTIFIED,
 		.flags = LW_CHECK_BOTH,
 		.min_d = 0,
 		.slack = 1e-3,
@@ -19,6 +19,7 @@ lw_edge_def lw_edge_def_default( void )
 		.max_d = 0.01,
 		.alpha = 0.1,
 		.want_proved_until = false,
+		.tolerance = NULL,
 		.cookie = EDGE_COOKIE };
 }
 
@@ -122,8 +123,21 @@ static bool def_is_valid( const lw_edge_def* def )
 	bool flags = def->flags == LW_CHECK_ENVIRONMENT || def->flags == LW_CHECK_SELF || def->flags == LW_CHECK_BOTH;
 	bool margins = def->min_d >= 0 && def->min_d < INFINITY && def->alpha >= 0 && def->alpha < 1;
 	bool certified = def->method == LW_EDGE_CERTIFIED && def->slack > 0 && def->slack < INFINITY;
-	bool steps = def->method == LW_EDGE_STEPS && def->max_d > 0 && def->max_d < INFINITY;
+	bool steps = def->method == LW_EDGE_STEPS && def->max_d > 0 && def->max_d < INFINITY && def->tolerance == NULL;
 	return flags && margins && ( certified || steps );
+}
+
+static bool tolerance_is_valid( const lw_checker* checker, const double* tolerance )
+{
+	const lw_robot* robot = checker->base->robot;
+	bool valid = true;
+	for ( uint32_t i = 0; i < checker->base->group.variable_count; ++i )
+	{
+		const lw_variable_info* variable = &robot->variables[checker->base->group.variables[i]];
+		const bool quaternion = robot->joints[variable->joint].type == LW_JOINT_FLOATING && variable->component >= 3;
+		valid = valid && tolerance[i] >= 0 && tolerance[i] < INFINITY && ( tolerance[i] == 0 || !quaternion );
+	}
+	return valid;
 }
 
 lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
@@ -150,6 +164,10 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 		{
 			return LW_ERROR_INVALID_ARGUMENT;
 		}
+	}
+	if ( def->tolerance != NULL && !tolerance_is_valid( checker, def->tolerance ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .qa = qa, .qb = qb, .posed_t = NAN };
 	if ( !lwi_edge_begin( &e ) )

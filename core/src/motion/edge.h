@@ -33,6 +33,7 @@ typedef struct lwi_edge_pair
 	uint32_t body_a, body_b; ///< robot bodies; body_b = LW_INVALID_INDEX: the scene
 	uint32_t ancestor;       ///< cluster in whose frame both are given; 0 for the scene
 	lwi_motion_rate rate_a, rate_b;
+	double tube;         ///< metres: of both, see lwi_motion_tube_of()
 	uint32_t pair_cache; ///< index into `pair_cache`
 	uint8_t cells;   ///< of LWI_WIDTH, not proved by the interval batch
 	bool neighbours; ///< its spheres are always near: cells that the interval batch leaves open are no hint of a collision
@@ -113,6 +114,7 @@ typedef struct lwi_edge_velocity
 	lw_vec3 center;               ///< of its sphere
 	uint32_t depth;               ///< clusters above it
 	const lwi_motion_rate* rates; ///< [depth] of the whole edge, seen from the first, second, .. cluster above it
+	const double* tubes;          ///< [depth] likewise, metres; used if the edge has a tolerance
 } lwi_edge_velocity;
 
 /// Memory of an interval batch.
@@ -138,6 +140,7 @@ typedef struct lwi_edge
 	double* full_a; ///< [robot variable_count]
 	double* full_b;
 	double* full_t;
+	double* tolerance;             ///< [robot variable_count] of the full state; used if `tube` > 0
 	double* group_t;               ///< [variable_count]
 	lwi_edge_memory* memory;       ///< of this edge and the ones before
 	double* frame_t;               ///< [LWI_EDGE_FRAMES] states whose cluster poses are kept; NaN: unused
@@ -159,6 +162,7 @@ typedef struct lwi_edge
 	double enough[2];       ///< clearance that proves a pair without motion; margins excluded
 	uint32_t close;         ///< windows of pairs with less than slack[] that were not proved
 	double twist_error;     ///< see lwi_motion_twist_error()
+	double tube; ///< metres: no body is farther from its place on the edge, see lwi_motion_largest_tube(); 0: no tolerance
 	double spare;           ///< every proof holds with clearance min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
@@ -235,6 +239,15 @@ static inline lwi_motion_rate lwi_edge_rate( const lwi_edge_velocity* velocity, 
 	const uint32_t joints = velocity->depth - ancestor->depth;
 	const lwi_motion_rate still = { 0, 0 };
 	return joints > 0 ? velocity->rates[joints - 1] : still;
+}
+
+/// How far the points of a cluster may be from their places on the edge, seen from a cluster above it. The cluster was
+/// measured.
+static inline double lwi_edge_tube( const lwi_edge* edge, const lwi_edge_velocity* velocity,
+	const lwi_edge_velocity* ancestor )
+{
+	const uint32_t joints = velocity->depth - ancestor->depth;
+	return edge->tube > 0 && joints > 0 ? velocity->tubes[joints - 1] : 0;
 }
 
 /// Largest deviation of a cluster's point over half a window from the motion with its velocity in the middle.
@@ -320,12 +333,18 @@ static inline double lwi_edge_slack( const lwi_edge* edge, const lwi_edge_pair* 
 	return lwi_edge_is_close( edge, pair ) ? pair->slack : edge->slack[lwi_edge_pair_is_self( pair )];
 }
 
+/// Clearance on the edge that keeps all motions of the pair within the tolerance above min_d.
+static inline double lwi_edge_least( const lwi_edge* edge, const lwi_edge_pair* pair )
+{
+	return edge->def->min_d + pair->tube;
+}
+
 /// Clearance that proves a pair if it loses nothing by motion, margins not in it.
 static inline double lwi_edge_enough( const lwi_edge* edge, const lwi_edge_pair* pair )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
-	return lwi_edge_is_close( edge, pair ) ? edge->def->min_d + edge->rounding[self] + 0.25 * pair->slack
-										   : edge->enough[self];
+	return pair->tube + ( lwi_edge_is_close( edge, pair ) ? edge->def->min_d + edge->rounding[self] + 0.25 * pair->slack
+														  : edge->enough[self] );
 }
 
 /// Notes that something was proved by as much as edge->enough.
@@ -345,11 +364,12 @@ bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window, lwi_edge_le
 bool lwi_edge_midpoint_pairs( lwi_edge* edge, lwi_edge_level* level );
 
 /// True if a separation that holds along all of the edge, less margins, is at least the clearance of a certificate.
-bool lwi_edge_is_apart( lwi_edge* edge, float separation );
+/// @param tube metres: by which motions within the tolerance may reduce it
+bool lwi_edge_is_apart( lwi_edge* edge, float separation, double tube );
 
 /// True if the grid of two bodies proves all of the edge, both ends of which are covered, with as much clearance.
-/// @param slice NULL: there is none
-bool lwi_edge_grid_proves( lwi_edge* edge, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b );
+/// @param slice NULL: there is none @param tube as for lwi_edge_is_apart()
+bool lwi_edge_grid_proves( lwi_edge* edge, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b, double tube );
 
 /// Poses all clusters at t, and measures how they move, from there. @param share of the edge on the longer side of t
 /// @return false if that failed

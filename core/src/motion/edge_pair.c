@@ -32,11 +32,21 @@ static lwi_motion_rate rate_of( const lwi_edge* e, uint32_t body, uint32_t ances
 		c->base->motion, e->motion, c->base->tree->body_cluster[body], c->base->tree->clusters[ancestor].root_link );
 }
 
+static double tube_of( const lwi_edge* e, uint32_t body, uint32_t ancestor )
+{
+	const lw_checker* c = e->checker;
+	return lwi_motion_tube_of( c->base->motion, e->motion, c->base->tree->body_cluster[body],
+		c->base->tree->clusters[ancestor].root_link );
+}
+
 void lwi_edge_prepare_pair( lwi_edge* e, lwi_edge_pair* pair )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
 	pair->rate_a = rate_of( e, pair->body_a, pair->ancestor );
 	pair->rate_b = self ? rate_of( e, pair->body_b, pair->ancestor ) : (lwi_motion_rate){ 0, 0 };
+	pair->tube = e->tube > 0
+					 ? tube_of( e, pair->body_a, pair->ancestor ) + ( self ? tube_of( e, pair->body_b, pair->ancestor ) : 0 )
+					 : 0;
 	pair->pair_cache = ( pair_id( e->checker, pair ) * 2654435769u ) >> ( 32 - LWI_EDGE_CACHE_BITS );
 	pair->slack = e->slack[self];
 }
@@ -120,13 +130,13 @@ static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_wi
 static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window, lwi_edge_sample* s )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
-	const double min_d = e->def->min_d;
-	const lwi_threshold exact = { { min_d, min_d + e->slack[self], 0 }, 0, 0 };
+	const double least = lwi_edge_least( e, pair );
+	const lwi_threshold exact = { { e->def->min_d, least + e->slack[self], 0 }, 0, 0 };
 	if ( e->close >= e->def->close_windows || !ask( e, pair, &exact, &s->clearance ) )
 	{
 		return false;
 	}
-	const double room = s->clearance.lower - min_d - e->rounding[self];
+	const double room = s->clearance.lower - least - e->rounding[self];
 	double slack = 0.5 * room;
 	if ( e->runs )
 	{
@@ -135,7 +145,7 @@ static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window, l
 		{
 			return false;
 		}
-		slack = 0.25 * ( start.lower - min_d - e->rounding[self] );
+		slack = 0.25 * ( start.lower - least - e->rounding[self] );
 	}
 	if ( !( slack < room ) || !( slack > 4 * e->rounding[self] ) )
 	{
@@ -150,24 +160,25 @@ static void measure( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window win
 	lwi_edge_sample* s )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
-	const double min_d = e->def->min_d, slack = lwi_edge_slack( e, pair ), rounding = e->rounding[self];
+	const double min_d = e->def->min_d, least = lwi_edge_least( e, pair );
+	const double slack = lwi_edge_slack( e, pair ), rounding = e->rounding[self];
 	// without motion the verdict is that of the state, whose clearance may be just above min_d
 	const double alpha = window.half > 0 ? e->def->alpha : 0;
-	const lwi_threshold threshold = { { min_d, lwi_edge_enough( e, pair ) + loss, alpha }, min_d + slack,
-		may_give_up ? min_d + rounding + loss : 0 };
+	const lwi_threshold threshold = { { min_d, lwi_edge_enough( e, pair ) + loss, alpha }, least + slack,
+		may_give_up ? least + rounding + loss : 0 };
 	if ( !ask( e, pair, &threshold, &s->clearance ) )
 	{
 		return;
 	}
 	s->blocked = s->clearance.upper <= min_d;
 	const bool given_up = s->clearance.upper > threshold.give_up_above && s->clearance.upper < threshold.give_up_below;
-	s->low = !given_up && !( s->clearance.lower > min_d + slack ); // also if lower is not a number
+	s->low = !given_up && !( s->clearance.lower > least + slack ); // also if lower is not a number
 }
 
 /// Does the measured distance prove the window?
 static bool is_proved( lwi_edge* e, const lwi_edge_pair* pair, double loss, lwi_edge_sample* s )
 {
-	const double room = s->clearance.lower - e->def->min_d - e->rounding[lwi_edge_pair_is_self( pair )];
+	const double room = s->clearance.lower - lwi_edge_least( e, pair ) - e->rounding[lwi_edge_pair_is_self( pair )];
 	const double left = room * LWI_EDGE_INWARD - loss;
 	s->proved = left > 0;
 	if ( s->proved )
@@ -218,7 +229,8 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 		++e->close;
 		return s;
 	}
-	for ( double reach = 0.5 * loss; reach > HOPEFUL * ( s.clearance.upper - e->def->min_d ) && s.skip < 16; reach *= 0.5 )
+	const double room = s.clearance.upper - lwi_edge_least( e, pair );
+	for ( double reach = 0.5 * loss; reach > HOPEFUL * room && s.skip < 16; reach *= 0.5 )
 	{
 		++s.skip;
 	}

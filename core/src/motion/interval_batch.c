@@ -322,7 +322,9 @@ static query_sphere make_query_sphere( const interval_batch* batch, uint32_t clu
 	query_sphere s = { .radius = sphere->radius };
 	batch->kernels->batch_point( &batch->frames[cluster], sphere->center, scene->origin, batch->half, &s.at );
 	lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( batch->e, cluster ), lwi_edge_velocity_of( batch->e, 0 ) );
-	s.need = batch->e->enough[0] + batch->rounding + lwi_edge_bulge( batch->e, rate, batch->half ) + margin;
+	const double tube =
+		lwi_edge_tube( batch->e, lwi_edge_velocity_of( batch->e, cluster ), lwi_edge_velocity_of( batch->e, 0 ) );
+	s.need = batch->e->enough[0] + batch->rounding + lwi_edge_bulge( batch->e, rate, batch->half ) + tube + margin;
 	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, rate.path ) + scene->extent + 2 * sphere->radius ) );
 	s.reach = lwi_round_up( s.radius + s.need + s.slack );
 	s.path = rate.path;
@@ -486,7 +488,7 @@ static void batch_environment( const interval_batch* batch )
 	{
 		return;
 	}
-	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, e->enough[0] );
+	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, e->enough[0] + e->tube );
 	for ( uint32_t i = batch->tree->cluster_count; i-- > 1; )
 	{
 		const lwi_cluster* n = &batch->tree->clusters[i];
@@ -528,7 +530,8 @@ static cluster_pair make_cluster_pair( const interval_batch* batch, const lwi_cl
 	const lwi_edge_velocity *above = lwi_edge_velocity_of( e, pair->ancestor ), *root = lwi_edge_velocity_of( e, 0 );
 	const lwi_cluster *cluster_a = &batch->tree->clusters[pair->cluster_a], *cluster_b = &batch->tree->clusters[pair->cluster_b];
 	double bulge = lwi_edge_bulge( e, lwi_edge_rate( a, above ), batch->half ) +
-				   lwi_edge_bulge( e, lwi_edge_rate( b, above ), batch->half );
+				   lwi_edge_bulge( e, lwi_edge_rate( b, above ), batch->half ) + lwi_edge_tube( e, a, above ) +
+				   lwi_edge_tube( e, b, above );
 	double size = size_of( &batch->clusters[pair->cluster_a], lwi_edge_rate( a, root ).path ) +
 				  size_of( &batch->clusters[pair->cluster_b], lwi_edge_rate( b, root ).path ) +
 				  2 * ( cluster_a->r.radius + cluster_b->r.radius );
@@ -562,7 +565,8 @@ static cluster_pair any_cluster_pair( const interval_batch* batch )
 		lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( e, i ), root );
 		if ( batch->tree->clusters[i].body_count > 0 )
 		{
-			bulge = lwi_larger( bulge, lwi_edge_bulge( e, rate, batch->half ) );
+			const double tube = lwi_edge_tube( e, lwi_edge_velocity_of( e, i ), root );
+			bulge = lwi_larger( bulge, lwi_edge_bulge( e, rate, batch->half ) + tube );
 			size = lwi_larger( size, size_of( &batch->clusters[i], rate.path ) + 2 * batch->tree->clusters[i].r.radius );
 		}
 	}
@@ -602,8 +606,8 @@ static void add_self_pair( const interval_batch* batch, const cluster_pair* c, u
 {
 	uint32_t body_a = batch->tree->bodies[a], body_b = batch->tree->bodies[b];
 	const uint32_t index = (uint32_t)( c->pair - batch->tree->self.pairs );
-	if ( c->covered &&
-		 lwi_edge_grid_proves( batch->e, lwi_checker_slice( batch->tree, index, body_a, body_b ), body_a, body_b ) )
+	if ( c->covered && lwi_edge_grid_proves( batch->e, lwi_checker_slice( batch->tree, index, body_a, body_b ), body_a,
+						   body_b, 2 * batch->e->tube ) )
 	{
 		return;
 	}
@@ -654,7 +658,7 @@ static void batch_self( const interval_batch* batch )
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const lwi_cluster_pair* pair = &batch->tree->self.pairs[i];
-		if ( covered && lwi_edge_is_apart( e, pair->separation ) )
+		if ( covered && lwi_edge_is_apart( e, pair->separation, 2 * e->tube ) )
 		{
 			continue;
 		}

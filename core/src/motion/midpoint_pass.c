@@ -93,8 +93,21 @@ static double displacement_length( midpoint_pass* s, const lwi_edge_velocity* ve
 {
 	const lwi_motion_rate rate = lwi_edge_rate( velocity, lwi_edge_velocity_of( s->edge, 0 ) );
 	double path = s->window.half * rate.path,
-		   length = lwi_length( displacement_of( s, velocity, at ) ) + lwi_edge_bulge( s->edge, rate, s->window.half );
-	return ( length < path ? length : path ) * LWI_EDGE_OUTWARD; // no number without a twist
+		   length = lwi_length( displacement_of( s, velocity, at ) ) + lwi_edge_bulge( s->edge, rate, s->window.half ),
+		   tube = lwi_edge_tube( s->edge, velocity, lwi_edge_velocity_of( s->edge, 0 ) );
+	return ( ( length < path ? length : path ) + tube ) * LWI_EDGE_OUTWARD; // no number without a twist
+}
+
+/// How much the clearance of two clusters may lose by motions within the tolerance.
+static double pair_tube( lwi_edge* e, uint32_t cluster_a, uint32_t cluster_b, uint32_t ancestor )
+{
+	if ( !( e->tube > 0 ) )
+	{
+		return 0;
+	}
+	const lwi_edge_velocity* above = lwi_edge_velocity_of( e, ancestor );
+	return lwi_edge_tube( e, lwi_edge_velocity_of( e, cluster_a ), above ) +
+		   lwi_edge_tube( e, lwi_edge_velocity_of( e, cluster_b ), above );
 }
 
 /// How much the clearance of two clusters may lose by how they move in the middle, and with `whole` that of any of their
@@ -116,7 +129,7 @@ static double pair_displacement( midpoint_pass* s, const lwi_cluster_pair* pair,
 	double turns = whole ? around_a + around_b : 0;
 	double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
 	double length = ( half * ( lwi_distance( speed_a, speed_b ) + turns ) + bulge ) * LWI_EDGE_OUTWARD;
-	return length < path ? length : path;
+	return ( length < path ? length : path ) + pair_tube( e, pair->cluster_a, pair->cluster_b, pair->ancestor );
 }
 
 static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
@@ -171,26 +184,27 @@ static double required_clearance( const lwi_edge* e )
 	return e->def->min_d + 0.25 * e->def->slack;
 }
 
-bool lwi_edge_is_apart( lwi_edge* e, float separation )
+bool lwi_edge_is_apart( lwi_edge* e, float separation, double tube )
 {
-	if ( separation > required_clearance( e ) )
+	const double apart = (double)separation - tube;
+	if ( apart > required_clearance( e ) )
 	{
-		e->apart = lwi_smaller( e->apart, separation );
+		e->apart = lwi_smaller( e->apart, apart );
 		return true;
 	}
 	return false;
 }
 
-bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b )
+bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b, double tube )
 {
 	const lw_checker* c = e->checker;
 	if ( slice == NULL )
 	{
 		return false;
 	}
-	double margin = lwi_self_margin( c->base, body_a, body_b ), least = required_clearance( e );
+	double loss = lwi_self_margin( c->base, body_a, body_b ) + tube, least = required_clearance( e );
 	double apart =
-		lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->full_a, e->full_b, least + margin ) - margin;
+		lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->full_a, e->full_b, least + loss ) - loss;
 	if ( !( apart > least ) )
 	{
 		return false;
@@ -204,7 +218,10 @@ static bool test_bodies( midpoint_pass* s, uint32_t candidate, uint32_t ancestor
 {
 	const uint32_t stride = s->edge->checker->base->body_block_count * LWI_WIDTH;
 	lwi_edge_pair pair = { .body_a = candidate / stride, .body_b = candidate % stride, .ancestor = ancestor };
-	return ( s->covered && lwi_edge_grid_proves( s->edge, slice, pair.body_a, pair.body_b ) ) || test_edge_pair( s, pair );
+	const uint32_t* cluster = s->edge->checker->base->tree->body_cluster;
+	const double tube = pair_tube( s->edge, cluster[pair.body_a], cluster[pair.body_b], ancestor );
+	return ( s->covered && lwi_edge_grid_proves( s->edge, slice, pair.body_a, pair.body_b, tube ) ) ||
+		   test_edge_pair( s, pair );
 }
 
 /// Pairs of bodies of two clusters that may come near each other become candidates of the query. Returns their count.
@@ -255,7 +272,8 @@ static bool proxies_meet( const midpoint_pass* s, const moving_proxy* a, const m
 	const double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
 	const double closer = fabs( lwi_dot( d, displacement ) ) * LWI_EDGE_OUTWARD / length + bulge;
 	// the direction is off by the error of both centres, and so is the component of the ancestor's turn along it
-	const double reach = a->radius + b->radius + e->enough[1] + margin + 4 * e->rounding[1];
+	const double tube = lwi_edge_tube( e, a->velocity, above ) + lwi_edge_tube( e, b->velocity, above );
+	const double reach = a->radius + b->radius + e->enough[1] + margin + tube + 4 * e->rounding[1];
 	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
 }
 
@@ -294,7 +312,8 @@ static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 static bool test_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
 	lwi_edge* e = s->edge;
-	if ( s->covered && lwi_edge_is_apart( e, pair->separation ) )
+	const double tube = pair_tube( e, pair->cluster_a, pair->cluster_b, pair->ancestor );
+	if ( s->covered && lwi_edge_is_apart( e, pair->separation, tube ) )
 	{
 		return true;
 	}
@@ -324,7 +343,8 @@ static double make_proxies( midpoint_pass* s, moving_proxy* all, float* blocks )
 		all[i] = make_proxy( s, tree->self.proxies.cluster[i], &tree->self.proxies.sphere[i] );
 		const lw_vec3 center = lwi_sub( all[i].center, origin ), displacement = all[i].displacement;
 		const double radius = all[i].radius +
-							  lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].velocity, root ), s->window.half );
+							  lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].velocity, root ), s->window.half ) +
+							  lwi_edge_tube( e, all[i].velocity, root );
 		const double rows[LWI_MOVING_ROWS] = { center.x, center.y, center.z, radius * ( 1 + 0x1p-21 ), displacement.x,
 			displacement.y, displacement.z };
 		float* lane = blocks + (size_t)LWI_MOVING_ROWS * LWI_WIDTH * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
@@ -343,7 +363,7 @@ static bool test_proxies( midpoint_pass* s )
 	lwi_edge* e = s->edge;
 	const lwi_cluster_tree* tree = e->checker->base->tree;
 	const lwi_self_proxies* proxies = &tree->self.proxies;
-	if ( s->covered && lwi_edge_is_apart( e, proxies->separation ) )
+	if ( s->covered && lwi_edge_is_apart( e, proxies->separation, 2 * e->tube ) )
 	{
 		return true;
 	}
@@ -359,7 +379,8 @@ static bool test_proxies( midpoint_pass* s )
 	{
 		const uint32_t a = near[i] / 256, b = near[i] % 256;
 		const lwi_proxy_pair* pair = lwi_proxy_pair_of( proxies, a, b );
-		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation ) ) || !proxies_meet( s, &all[a], &all[b], pair->ancestor, (double)pair->margin ) )
+		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation, 2 * e->tube ) ) ||
+			 !proxies_meet( s, &all[a], &all[b], pair->ancestor, (double)pair->margin ) )
 		{
 			continue;
 		}

@@ -18,6 +18,7 @@ typedef struct motion_scratch
 	lw_transform* poses;       ///< [link_count] at the middle of the edge
 	double* state;             ///< [variable_count] the middle
 	lwi_motion_rate* rates;    ///< [entry_count] by the entry's joint and all joints between it and the body
+	double* tubes;             ///< [entry_count] likewise; used if whole.tube > 0
 	lwi_joint_motion* motions; ///< [moving_joint_count]
 	lwi_whole_motion whole;
 } motion_scratch;
@@ -29,6 +30,7 @@ static size_t lay_out_scratch( const lwi_motion_table* table, void* memory, moti
 	s->poses = lwi_arena_take( &arena, table->robot->link_count, sizeof( lw_transform ) );
 	s->state = lwi_arena_take( &arena, table->robot->variable_count, sizeof( double ) );
 	s->rates = lwi_arena_take( &arena, table->entry_count, sizeof( lwi_motion_rate ) );
+	s->tubes = lwi_arena_take( &arena, table->entry_count, sizeof( double ) );
 	s->motions = lwi_arena_take( &arena, table->moving_joint_count, sizeof( lwi_joint_motion ) );
 	return arena.used;
 }
@@ -109,6 +111,32 @@ static void measure( const lwi_motion_table* table, const motion_scratch* s, uin
 	}
 }
 
+/// How far the points of a body get from their places on the edge, by its first 1, 2, .. joints upwards: the path length of
+/// the straight motion from a state of the edge to one within the tolerance. The distance to an axis is that of measure() and
+/// what the tube of the joints below adds.
+static void measure_tube( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, lw_vec3 center,
+	double radius, double share )
+{
+	const lwi_motion_body* b = &table->bodies[body];
+	double tube = 0, path = 0, excess = s->whole.pose_rounding;
+	for ( uint32_t k = 0; k < b->entry_count; ++k )
+	{
+		const lwi_motion_entry* entry = &table->entries[b->first_entry + k];
+		const lwi_joint_motion* m = &s->motions[entry->moving_joint];
+		if ( m->tube_rotation > 0 )
+		{
+			const double any_state = k == 0 ? lwi_smaller( entry->axis_radius, b->first_axis_radius ) : entry->axis_radius;
+			const lw_vec3 offset = lwi_sub( center, m->origin );
+			const double away = m->any_axis ? lwi_length( offset ) : lwi_distance_to_axis( m->axis, offset );
+			tube += m->tube_rotation * lwi_smaller( away + radius + share * path + tube, any_state + excess );
+		}
+		tube += m->tube_translation;
+		excess += m->excess + m->tube_translation;
+		path = s->rates[b->first_entry + k].path;
+		s->tubes[b->first_entry + k] = tube * LWI_MOTION_OUTWARD;
+	}
+}
+
 /// Joints that move a body below an ancestor.
 static uint32_t joints_below( const lwi_motion_table* table, uint32_t body, uint32_t ancestor )
 {
@@ -135,6 +163,27 @@ void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint
 	const lwi_motion_body* b = &table->bodies[body];
 	lw_vec3 center = lwi_transform( &poses[b->link], b->center );
 	measure( table, s, body, center, b->radius + s->whole.pose_rounding, share );
+	if ( s->whole.tube > 0 )
+	{
+		measure_tube( table, s, body, center, b->radius + s->whole.pose_rounding, share );
+	}
+}
+
+double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
+{
+	const motion_scratch* s = scratch;
+	const uint32_t count = s->whole.tube > 0 ? joints_below( table, body, ancestor ) : 0;
+	return count == 0 ? 0 : s->tubes[table->bodies[body].first_entry + count - 1];
+}
+
+const double* lwi_motion_tubes( const lwi_motion_table* table, const void* scratch, uint32_t body )
+{
+	return scratch_of( scratch )->tubes + table->bodies[body].first_entry;
+}
+
+double lwi_motion_largest_tube( const void* scratch )
+{
+	return scratch_of( scratch )->whole.tube;
 }
 
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
@@ -242,6 +291,37 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 	w.twist_error = turns * ( 4 * w.rounding + ( LWI_MOTION_OUTWARD - 1 ) * length ) + ( LWI_MOTION_OUTWARD - 1 ) * shifts;
 	s->whole = w;
 	return isfinite( w.total ) && isfinite( w.rounding );
+}
+
+void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance )
+{
+	motion_scratch* s = scratch;
+	double tube = 0, turns = 0, excess = s->whole.pose_rounding;
+	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
+	{
+		const lwi_joint* joint = &table->robot->joints[table->moving_joints[i].joint];
+		const double* by = tolerance + joint->variable;
+		lwi_joint_motion* m = &s->motions[i];
+		switch ( joint->type )
+		{
+		case LW_JOINT_PLANAR:
+			m->tube_translation = lwi_length( lwi_v3( by[0], by[1], 0 ) );
+			m->tube_rotation = by[2];
+			break;
+		case LW_JOINT_FLOATING:
+			m->tube_translation = lwi_length( lwi_v3( by[0], by[1], by[2] ) );
+			break;
+		case LW_JOINT_PRISMATIC:
+			m->tube_translation = fabs( joint->multiplier ) * by[0];
+			break;
+		default:
+			m->tube_rotation = fabs( joint->multiplier ) * by[0];
+		}
+		tube += table->moving_joints[i].axis_radius * m->tube_rotation + m->tube_translation;
+		turns += m->tube_rotation;
+		excess += m->excess + m->tube_translation;
+	}
+	s->whole.tube = ( tube + ( turns > 0 ? excess * turns : 0 ) ) * LWI_MOTION_OUTWARD;
 }
 
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )

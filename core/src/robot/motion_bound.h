@@ -67,6 +67,9 @@ typedef struct lwi_motion_rate
 /// @param poses [link_count] world_from_link at that state, of the bodies' links and of the moving joints' children
 /// @param share of the edge, on the longer side of that state: 0.5 for its middle
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+/// Between begin and measure_body: bounds are asked for motions that differ from the edge at any time by at most this much.
+/// @param tolerance [variable_count] >= 0, finite; 0 for variables that are no joint values or shifts
+void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance );
 void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses );
 void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 	double share );
@@ -77,6 +80,13 @@ lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratc
 /// The same for every ancestor of one body: entry i is the motion by the first i + 1 moving joints above it.
 const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body );
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< path
+/// Metres: distance of a measured body's points from their places on the edge at the same time, for all motions within the
+/// tolerance, in the frame of `ancestor`. 0 without a tolerance.
+double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+/// The same for every ancestor of one body, as lwi_motion_rates().
+const double* lwi_motion_tubes( const lwi_motion_table* table, const void* scratch, uint32_t body );
+/// No less than that of any body, in the frame of any link above it; known before bodies are measured.
+double lwi_motion_largest_tube( const void* scratch );
 /// How fast the acceleration of its points changes at most, metres per cubed unit of t.
 double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 

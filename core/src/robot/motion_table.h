@@ -63,6 +63,7 @@ typedef struct lwi_joint_motion
 	double reach;         ///< largest distance of the shift from zero
 	double value;         ///< largest |angle|: its rounding is proportional to it
 	double speed;         ///< turn or shift with its sign; NaN for joints of several variables
+	double tube_rotation, tube_translation; ///< radians, metres: by which a motion in the tube may differ at any time
 	bool any_axis;        ///< of a floating joint
 	lw_vec3 axis, origin; ///< in the world, where the poses last taken over have it
 } lwi_joint_motion;
@@ -75,6 +76,7 @@ typedef struct lwi_whole_motion
 	double total;         ///< path length of any body over all of the edge, from axis radii
 	double turns;         ///< of all joints
 	double twist_error;   ///< of the velocity of any point, by twists
+	double tube;          ///< distance of any point of any body from its place on the edge, from axis radii
 } lwi_whole_motion;
 
 static inline bool lwi_joint_rotates( lw_joint_type type )
