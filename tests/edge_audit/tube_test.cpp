@@ -30,25 +30,11 @@ public:
 		std::vector<double> tolerance;
 		for ( const bool quaternion : m_quaternion )
 		{
-			tolerance.push_back( quaternion || m_rng.integer( 0, 4 ) == 0 ? 0 : m_rng.decade( -4, -1 ) );
+			tolerance.push_back( quaternion || m_rng.integer( 0, 4 ) == 0 ? 0 : m_rng.decade( -3, -1 ) );
 		}
-		lw_edge_def def = lw_edge_def_default();
-		def.min_d = m_rng.integer( 0, 1 ) ? 0 : 1e-3;
-		def.tolerance = tolerance.data();
 		for ( const bool with_tables : { false, true } )
 		{
-			lw_edge_result result;
-			ASSERT_EQ( lw_checker_edge( with_tables ? m_world.with_tables.get() : m_world.checker.get(),
-			               with_tables ? m_bench.tables.get() : m_bench.plain.get(), motion.from.data(), motion.to.data(), &def,
-			               &result ),
-			    LW_OK );
-			blocked += result.verdict == LW_VERDICT_BLOCKED;
-			undecided += result.verdict == LW_VERDICT_UNDECIDED;
-			if ( result.verdict == LW_VERDICT_FREE )
-			{
-				++free;
-				attack( motion, tolerance, def.min_d, result.lower_bound );
-			}
+			widen( motion, tolerance, with_tables );
 		}
 	}
 
@@ -56,6 +42,46 @@ public:
 	double nearest = INFINITY; ///< clearance of an attack less the bound that was proved
 
 private:
+	/// Attacks the widest tube of this shape that is still proved: a proof that forgets a part of it goes too far.
+	void widen( const Motion& motion, std::vector<double> tolerance, bool with_tables )
+	{
+		lw_edge_def def = lw_edge_def_default();
+		def.min_d = m_rng.integer( 0, 1 ) ? 0 : 1e-3;
+		std::vector<double> proved;
+		double lower_bound = 0, factor = 2;
+		for ( int i = 0; i < 12; ++i )
+		{
+			def.tolerance = tolerance.data();
+			lw_edge_result result;
+			ASSERT_EQ( lw_checker_edge( with_tables ? m_world.with_tables.get() : m_world.checker.get(),
+			               with_tables ? m_bench.tables.get() : m_bench.plain.get(), motion.from.data(), motion.to.data(), &def,
+			               &result ),
+			    LW_OK );
+			blocked += result.verdict == LW_VERDICT_BLOCKED;
+			undecided += result.verdict == LW_VERDICT_UNDECIDED;
+			const bool is_free = result.verdict == LW_VERDICT_FREE;
+			if ( is_free )
+			{
+				proved = tolerance;
+				lower_bound = result.lower_bound;
+			}
+			if ( result.verdict == LW_VERDICT_BLOCKED || ( is_free && proved[0] > 4 ) )
+			{
+				break;
+			}
+			factor = i > 4 ? std::sqrt( factor ) : factor;
+			for ( double& t : tolerance )
+			{
+				t *= is_free ? factor : 1 / factor;
+			}
+		}
+		if ( !proved.empty() )
+		{
+			++free;
+			attack( motion, proved, def.min_d, lower_bound );
+		}
+	}
+
 	std::vector<double> moved( std::vector<double> q, const std::vector<double>& tolerance, double inward )
 	{
 		for ( std::size_t i = 0; i < q.size(); ++i )
