@@ -34,6 +34,9 @@ extern "C"
 	double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, std::uint32_t body, std::uint32_t ancestor );
 	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	double lwi_motion_rounding( const void* scratch );
+	void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance );
+	double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+	double lwi_motion_largest_tube( const void* scratch );
 }
 
 namespace
@@ -280,6 +283,72 @@ lw_vec3 onLine( lw_vec3 a, lw_vec3 b, double s )
 }
 
 } // namespace
+
+// States beside an edge, each joint off by its tolerance at most. Bounds by the pose and by the axis radii each decide alone in
+// some rounds: a share of a million edges spoils the first.
+TEST( MotionBound, NoPointIsFartherFromItsPlaceOnTheEdgeThanTheTube )
+{
+	SeededRng rng;
+	std::vector<double> ratios;
+	for ( int i = 0; i < 1500; ++i )
+	{
+		RobotModel model = anyRobot( rng );
+		RobotPtr robot = model.create();
+		ASSERT_NE( robot, nullptr );
+		Motion motion( robot.get() );
+		const State a = randomState( rng, robot.get(), 0 ), b = rng.integer( 0, 1 ) ? randomState( rng, robot.get(), 0 ) : a;
+		State tolerance( a.size() );
+		const double scale = rng.decade( -3, 0.5 );
+		const bool few = rng.integer( 0, 1 ) == 1;
+		for ( std::size_t v = 0; v < a.size(); ++v )
+		{
+			const lw_variable_info info = lw_robot_variable( robot.get(), static_cast<std::uint32_t>( v ) );
+			const bool quaternion =
+			    lw_robot_joint_type( robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
+			tolerance[v] = quaternion || ( few && rng.integer( 0, 1 ) ) ? 0 : scale * rng.uniform( 0, 1 );
+		}
+		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
+		lwi_motion_tolerate( motion.table, motion.scratch, tolerance.data() );
+		const double measured = rng.uniform( 0, 1 );
+		const std::vector<lw_transform> pose = posesAt( robot.get(), a, b, measured );
+		lwi_motion_place( motion.table, motion.scratch, pose.data() );
+		const double share = rng.integer( 0, 2 ) == 0 ? 1e6 : std::max( measured, 1 - measured );
+		const double rounding = 4 * lwi_motion_rounding( motion.scratch );
+		for ( std::uint32_t body = 0; body < lw_robot_body_count( robot.get() ); ++body )
+		{
+			lwi_motion_measure_body( motion.table, motion.scratch, body, pose.data(), share );
+			const std::uint32_t ancestor = randomAncestor( rng, robot.get(), model.bodies[body].link );
+			const double tube = lwi_motion_tube_of( motion.table, motion.scratch, body, ancestor );
+			EXPECT_LE( tube, lwi_motion_largest_tube( motion.scratch ) );
+			double farthest = 0;
+			for ( int k = 0; k < 8; ++k )
+			{
+				const double t = k == 0 ? measured : rng.uniform( 0, 1 );
+				State q( a.size() ), beside;
+				lw_robot_interpolate( robot.get(), a.data(), b.data(), t, q.data() );
+				beside = q;
+				for ( std::size_t v = 0; v < q.size(); ++v )
+				{
+					beside[v] += tolerance[v] * ( rng.integer( 0, 1 ) ? 1 : -1 );
+				}
+				const std::vector<std::vector<lw_transform>> poses = { posesAt( robot.get(), q, q, 0 ),
+				    posesAt( robot.get(), beside, beside, 0 ) };
+				for ( const lw_vec3 p : model.bodyPoints[body] )
+				{
+					const std::vector<lw_vec3> way = wayOf( poses, ancestor, model.bodies[body], p );
+					farthest = std::max( farthest, distance( way[0], way[1] ) );
+				}
+			}
+			EXPECT_LE( farthest, tube + rounding ) << "robot " << i << ", body " << body;
+			if ( tube > 0 )
+			{
+				ratios.push_back( farthest / tube );
+			}
+		}
+	}
+	std::sort( ratios.begin(), ratios.end() );
+	EXPECT_GT( ratios[ratios.size() * 9 / 10], 0.8 ) << "the tubes are wide beyond use";
+}
 
 // Between two states of an edge, from where a point is at both and how fast its velocity can change: joints whose motions
 // cancel each other move little, which the path length does not see. Rates are measured anywhere on the edge.

@@ -321,7 +321,7 @@ void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const do
 		turns += m->tube_rotation;
 		excess += m->excess + m->tube_translation;
 	}
-	s->whole.tube = ( tube + ( turns > 0 ? excess * turns : 0 ) ) * LWI_MOTION_OUTWARD;
+	s->whole.tube = ( tube + ( turns > 0 ? excess * turns : 0 ) ) * LWI_MOTION_OUTWARD * LWI_MOTION_OUTWARD; // beyond its parts
 }
 
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
