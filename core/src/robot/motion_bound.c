@@ -111,9 +111,10 @@ static void measure( const lwi_motion_table* table, const motion_scratch* s, uin
 	}
 }
 
-/// How far the points of a body get from their places on the edge, by its first 1, 2, .. joints upwards: the path length of
-/// the straight motion from a state of the edge to one within the tolerance. The distance to an axis is that of measure() and
-/// what the tube of the joints below adds.
+/// How far the points of a body get from their places on the edge, by its first 1, 2, .. joints upwards. Let the joints change
+/// one after the other, the outermost first: those that have changed are isometries, and the points that the next one moves are
+/// at their places of the edge. So each adds its turn times the distance to its axis *on the edge*, that of measure(), and its
+/// shift, whatever the joints below do.
 static void measure_tube( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, lw_vec3 center,
 	double radius, double share )
 {
@@ -128,10 +129,10 @@ static void measure_tube( const lwi_motion_table* table, const motion_scratch* s
 			const double any_state = k == 0 ? lwi_smaller( entry->axis_radius, b->first_axis_radius ) : entry->axis_radius;
 			const lw_vec3 offset = lwi_sub( center, m->origin );
 			const double away = m->any_axis ? lwi_length( offset ) : lwi_distance_to_axis( m->axis, offset );
-			tube += m->tube_rotation * lwi_smaller( away + radius + share * path + tube, any_state + excess );
+			tube += m->tube_rotation * lwi_smaller( away + radius + share * path, any_state + excess );
 		}
 		tube += m->tube_translation;
-		excess += m->excess + m->tube_translation;
+		excess += m->excess;
 		path = s->rates[b->first_entry + k].path;
 		s->tubes[b->first_entry + k] = tube * LWI_MOTION_OUTWARD;
 	}
@@ -319,7 +320,7 @@ void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const do
 		}
 		tube += table->moving_joints[i].axis_radius * m->tube_rotation + m->tube_translation;
 		turns += m->tube_rotation;
-		excess += m->excess + m->tube_translation;
+		excess += m->excess;
 	}
 	s->whole.tube = ( tube + ( turns > 0 ? excess * turns : 0 ) ) * LWI_MOTION_OUTWARD * LWI_MOTION_OUTWARD; // beyond its parts
 }
