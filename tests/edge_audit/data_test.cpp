@@ -2,7 +2,7 @@
 // Edges of real robots in real scenes: a FREE that a dense look refutes, a BLOCKED that nobody can reproduce. The benchmark
 // audit_edges asks the same of 10^5 edges.
 #include "support/edge_worlds.hpp"
-#include "audit_fixture.hpp"
+#include "tube_bench.hpp"
 
 #include <gtest/gtest.h>
 
@@ -36,7 +36,37 @@ void judgeEdges( const EdgeWorlds& worlds, int count )
 	tally.expectVariety();
 }
 
+/// Tables are proved for longer here: tubes through them are asked for.
+void judgeTubes( EdgeWorlds& worlds, int count )
+{
+	SeededRng rng;
+	int free = 0;
+	for ( std::size_t i = 0; i < worlds.size(); ++i )
+	{
+		TubeBench bench( worlds.world( i ), rng );
+		for ( int k = 0; k < count; ++k )
+		{
+			bench.judge( k % 2 == 0 );
+		}
+		free += bench.free;
+		std::printf( "%s: %d free, %d blocked, %d undecided; nearest attack %.3g m above the bound\n",
+		    worlds.world( i ).name.c_str(), bench.free, bench.blocked, bench.undecided, bench.nearest );
+	}
+	EXPECT_GT( free, 5 );
+}
+
 } // namespace
+
+TEST( EdgeTubeData, MotionsWithinTheToleranceStayFreeOnRealRobots )
+{
+	lw_reach_def def = lw_reach_def_default();
+	def.seconds = 2;
+	def.hulls_only = unlessSanitized( 0, 1 ) == 1;
+	EdgeWorlds worlds( LEEWAY_DATA_DIR, def );
+	worlds.addMbm( "panda", "panda_arm", { 1 } );
+	worlds.addMbm( "fetch", "arm_with_torso", { 1 } );
+	judgeTubes( worlds, unlessSanitized( 6, 2 ) );
+}
 
 // One test, because the hulls and tables of this robot take most of the time.
 TEST( EdgeAuditData, ArmarReachesBendsAndDrivesInTheKitchen )
