@@ -32,6 +32,8 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->curve = lwi_arena_take( &arena,
+		( 2 * ( LW_CURVE_MOST_DEGREE + 1 ) + 3 ) * (size_t)c->base->group.variable_count + variables, sizeof( double ) );
 	e->group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
 	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
 	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
@@ -52,6 +54,12 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->levels[0].intervals = lwi_arena_take( &arena, e->interval_capacity, sizeof( lwi_open_interval ) );
 	e->levels[1].intervals = lwi_arena_take( &arena, e->interval_capacity, sizeof( lwi_open_interval ) );
 	return arena.used;
+}
+
+double* lwi_edge_curve_scratch( const lw_checker* checker, lw_query* query )
+{
+	lwi_edge edge = { .checker = checker };
+	return lay_out( &edge, query->scratch.edge ) > query->capacity.edge_bytes ? NULL : edge.curve;
 }
 
 bool lwi_edge_begin( lwi_edge* edge )

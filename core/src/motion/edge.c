@@ -140,6 +140,17 @@ static bool tolerance_is_valid( const lw_checker* checker, const double* toleran
 	return valid;
 }
 
+lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def )
+{
+	if ( def == NULL || def->cookie != EDGE_COOKIE )
+	{
+		return LW_ERROR_INVALID_DEF;
+	}
+	const bool valid = checker != NULL && def_is_valid( def ) &&
+					   ( def->tolerance == NULL || tolerance_is_valid( checker, def->tolerance ) );
+	return valid ? LW_OK : LW_ERROR_INVALID_ARGUMENT;
+}
+
 lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
 	const lw_edge_def* def, lw_edge_result* out )
 {
@@ -149,12 +160,12 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 	}
 	const lw_edge_result unknown = { .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
 	*out = unknown;
-	if ( def == NULL || def->cookie != EDGE_COOKIE )
+	lw_status status = lwi_edge_check_def( checker, def );
+	if ( status != LW_OK )
 	{
-		return LW_ERROR_INVALID_DEF;
+		return status;
 	}
-	if ( checker == NULL || query == NULL || qa == NULL || qb == NULL || !def_is_valid( def ) ||
-		 !lwi_query_fits( query, checker ) )
+	if ( query == NULL || qa == NULL || qb == NULL || !lwi_query_fits( query, checker ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
@@ -165,16 +176,12 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 			return LW_ERROR_INVALID_ARGUMENT;
 		}
 	}
-	if ( def->tolerance != NULL && !tolerance_is_valid( checker, def->tolerance ) )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
 	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .qa = qa, .qb = qb, .posed_t = NAN };
 	if ( !lwi_edge_begin( &e ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT; // a query that was made without a checker, or for a smaller one
 	}
-	lw_status status = def->method == LW_EDGE_CERTIFIED ? check_certified( &e ) : check_steps( &e );
+	status = def->method == LW_EDGE_CERTIFIED ? check_certified( &e ) : check_steps( &e );
 	if ( status != LW_OK )
 	{
 		status = e.failure != LW_OK ? e.failure : status;

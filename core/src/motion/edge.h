@@ -140,6 +140,7 @@ typedef struct lwi_edge
 	double* full_a; ///< [robot variable_count]
 	double* full_b;
 	double* full_t;
+	double* curve;                 ///< of lw_checker_curve(): no edge changes it
 	double* tolerance;             ///< [robot variable_count] of the full state; used if `tube` > 0
 	double* group_t;               ///< [variable_count]
 	lwi_edge_memory* memory;       ///< of this edge and the ones before
@@ -183,11 +184,20 @@ typedef struct lwi_edge_sample
 	lw_clearance clearance;
 } lwi_edge_sample;
 
+// --- motion/edge.c -------------------------------------------------------------------------------------------------------
+
+/// LW_OK, or the status of a def, or of a checker, that cannot be used.
+lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def );
+
 // --- motion/displacement.c ------------------------------------------------------------------------------------------------
 
 /// Bytes of scratch that edges of this checker need. @param spare_bodies that the robot may have beyond those it has, and as
 /// many links
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
+
+/// [2 (LW_CURVE_MOST_DEGREE + 1) + 3][group variables] + [robot variable_count] doubles that no edge changes. NULL if the
+/// query's scratch is too small.
+double* lwi_edge_curve_scratch( const lw_checker* checker, lw_query* query );
 
 /// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, query, qa and qb.
 /// @return false if the query's scratch is too small

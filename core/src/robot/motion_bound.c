@@ -294,35 +294,54 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 	return isfinite( w.total ) && isfinite( w.rounding );
 }
 
+/// The turn and the shift of a joint whose variables change by so much.
+static void change_of( const lwi_joint* joint, const double* change, double* rotation, double* translation )
+{
+	const double* by = change + joint->variable;
+	*rotation = *translation = 0;
+	switch ( joint->type )
+	{
+	case LW_JOINT_PLANAR:
+		*translation = lwi_length( lwi_v3( by[0], by[1], 0 ) );
+		*rotation = by[2];
+		break;
+	case LW_JOINT_FLOATING:
+		*translation = lwi_length( lwi_v3( by[0], by[1], by[2] ) );
+		break;
+	case LW_JOINT_PRISMATIC:
+		*translation = fabs( joint->multiplier ) * by[0];
+		break;
+	default:
+		*rotation = fabs( joint->multiplier ) * by[0];
+	}
+}
+
+double lwi_motion_moved_by( const lwi_motion_table* table, const double* by )
+{
+	double moved = 0;
+	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
+	{
+		double rotation, translation;
+		change_of( &table->robot->joints[table->moving_joints[i].joint], by, &rotation, &translation );
+		moved += ( rotation > 0 ? table->moving_joints[i].axis_radius * rotation : 0 ) + translation;
+	}
+	return moved * LWI_MOTION_OUTWARD;
+}
+
 void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance )
 {
 	motion_scratch* s = scratch;
-	double tube = 0, turns = 0, excess = s->whole.pose_rounding;
+	double turns = 0, excess = s->whole.pose_rounding;
 	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
-		const lwi_joint* joint = &table->robot->joints[table->moving_joints[i].joint];
-		const double* by = tolerance + joint->variable;
 		lwi_joint_motion* m = &s->motions[i];
-		switch ( joint->type )
-		{
-		case LW_JOINT_PLANAR:
-			m->tube_translation = lwi_length( lwi_v3( by[0], by[1], 0 ) );
-			m->tube_rotation = by[2];
-			break;
-		case LW_JOINT_FLOATING:
-			m->tube_translation = lwi_length( lwi_v3( by[0], by[1], by[2] ) );
-			break;
-		case LW_JOINT_PRISMATIC:
-			m->tube_translation = fabs( joint->multiplier ) * by[0];
-			break;
-		default:
-			m->tube_rotation = fabs( joint->multiplier ) * by[0];
-		}
-		tube += table->moving_joints[i].axis_radius * m->tube_rotation + m->tube_translation;
+		change_of( &table->robot->joints[table->moving_joints[i].joint], tolerance, &m->tube_rotation,
+			&m->tube_translation );
 		turns += m->tube_rotation;
 		excess += m->excess;
 	}
-	s->whole.tube = ( tube + ( turns > 0 ? excess * turns : 0 ) ) * LWI_MOTION_OUTWARD * LWI_MOTION_OUTWARD; // beyond its parts
+	s->whole.tube = lwi_motion_moved_by( table, tolerance ) + ( turns > 0 ? excess * turns : 0 );
+	s->whole.tube *= LWI_MOTION_OUTWARD * LWI_MOTION_OUTWARD; // beyond its parts
 }
 
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )

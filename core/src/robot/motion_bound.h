@@ -70,6 +70,9 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 /// Between begin and measure_body: bounds are asked for motions that differ from the edge at any time by at most this much.
 /// @param tolerance [variable_count] >= 0, finite; 0 for variables that are no joint values or shifts
 void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance );
+/// Metres: how far any point of any body moves at most if each variable changes by so much, as in lwi_motion_tolerate(); shifts
+/// of joints below are assumed in their middle.
+double lwi_motion_moved_by( const lwi_motion_table* table, const double* by );
 void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses );
 void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
 	double share );

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Polynomial motions, proved as chains of straight edges with a tolerance.
+//
+// A Bezier curve less its chord is the Bezier curve of the control points less those of the chord, so each joint stays within
+// the largest of these differences (Farin, Curves and Surfaces for CAGD, convex hull property). A piece of the curve is proved
+// by its chord with that tolerance, or halved: differences fall to a quarter. Derivation: core/docs/motions.md.
+#include "motion/edge.h"
+#include "base/math_inline.h"
+
+#include <string.h>
+
+enum
+{
+	MOST_DEPTH = 40 ///< of halving; ends of pieces are exact in double
+};
+
+/// Metres. The chord of a piece that deviates more is not asked for: it is halved at once.
+#define MOST_DEVIATION 0.1
+
+/// Share of the slack below which a deviation no longer changes a verdict.
+#define SMALL_DEVIATION 0.125
+
+typedef struct curve
+{
+	const lw_checker* checker;
+	lw_query* query;
+	const lw_edge_def* def;
+	lw_edge_result* out;
+	const double* points; ///< [degree + 1][count]
+	uint32_t degree, count;
+	// in the query's scratch
+	double *part, *row, *tolerance, *deviation, *full;
+	double* size; ///< of the rounding of control points; 0: the variable stays, such as a quaternion's, and nothing is rounded
+} curve;
+
+/// Part of the curve.
+typedef struct piece
+{
+	double a, b;
+} piece;
+
+// ---- control points --------------------------------------------------------------------------------------------------
+
+/// Replaces the control points of one variable by those of [0, s], or of [s, 1] (de Casteljau).
+static void cut( double* p, uint32_t degree, uint32_t stride, double s, bool keep_left )
+{
+	for ( uint32_t k = 1; k <= degree; ++k )
+	{
+		if ( keep_left )
+		{
+			for ( uint32_t i = degree; i >= k; --i )
+			{
+				p[i * stride] = ( 1 - s ) * p[( i - 1 ) * stride] + s * p[i * stride];
+			}
+		}
+		else
+		{
+			for ( uint32_t i = 0; i + k <= degree; ++i )
+			{
+				p[i * stride] = ( 1 - s ) * p[i * stride] + s * p[( i + 1 ) * stride];
+			}
+		}
+	}
+}
+
+/// Control points of a piece: c->part. Each is off by less than c->size, the joint's largest control point times 2^-46.
+static void cut_out( curve* c, piece p )
+{
+	memcpy( c->part, c->points, sizeof( double ) * ( c->degree + 1 ) * c->count );
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		if ( c->size[v] == 0 )
+		{
+			continue;
+		}
+		if ( p.b < 1 )
+		{
+			cut( c->part + v, c->degree, c->count, p.b, true );
+		}
+		if ( p.a > 0 )
+		{
+			cut( c->part + v, c->degree, c->count, p.a / p.b, false );
+		}
+	}
+}
+
+/// State of the curve at t.
+static const double* state_at( curve* c, double t )
+{
+	memcpy( c->row, c->points, sizeof( double ) * ( c->degree + 1 ) * c->count );
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		if ( c->size[v] != 0 )
+		{
+			cut( c->row + v, c->degree, c->count, t, true );
+		}
+	}
+	return c->row + c->degree * c->count;
+}
+
+// ---- pieces ----------------------------------------------------------------------------------------------------------
+
+/// How far each joint gets from the chord of c->part: c->deviation. @return false if the chord goes round the other way
+static bool measure_deviation( curve* c )
+{
+	const lw_robot* robot = c->checker->base->robot;
+	const uint32_t n = c->degree;
+	bool same_way = true;
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		const double first = c->part[v], last = c->part[n * c->count + v], way = last - first;
+		double most = 0;
+		for ( uint32_t i = 1; i < n; ++i )
+		{
+			most = lwi_larger( most, fabs( c->part[i * c->count + v] - ( first + way * i / n ) ) );
+		}
+		c->deviation[v] = c->size[v] != 0 ? most * LWI_EDGE_OUTWARD + c->size[v] : 0;
+		same_way = same_way && !( robot->variables[c->checker->base->group.variables[v]].wraps && fabs( way ) > 3 );
+	}
+	return same_way;
+}
+
+/// Metres: how far the deviation moves any point of the robot.
+static double moved_by_deviation( const curve* c )
+{
+	memset( c->full, 0, c->checker->base->robot->variable_count * sizeof( double ) );
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		c->full[c->checker->base->group.variables[v]] = c->deviation[v];
+	}
+	return lwi_motion_moved_by( c->checker->base->motion, c->full );
+}
+
+/// Is the curve's state at t above min_d? If not, that is the verdict. An undecided verdict never replaces a collision.
+static lw_status look_at( curve* c, double t, bool* out_free )
+{
+	const lw_range range = { c->def->min_d, nextafter( c->def->min_d, INFINITY ), 0 };
+	lw_state_result state;
+	const lw_status status =
+		lw_checker_state( c->checker, c->query, state_at( c, t ), c->def->flags, &range, true, &state );
+	++c->out->queries;
+	*out_free = status == LW_OK && state.verdict == LW_VERDICT_FREE;
+	if ( status == LW_OK && state.verdict == LW_VERDICT_BLOCKED )
+	{
+		const bool environment = state.environment.kind == LW_CLEARANCE_VIOLATION;
+		c->out->verdict = LW_VERDICT_BLOCKED;
+		c->out->t = t;
+		c->out->self = !environment;
+		c->out->pair = environment ? state.environment : state.self;
+	}
+	return status;
+}
+
+/// Asks for the chord of a piece.
+static lw_status ask_chord( curve* c, lw_edge_result* out )
+{
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		c->tolerance[v] = c->deviation[v] + ( c->def->tolerance != NULL ? c->def->tolerance[v] : 0 );
+	}
+	lw_edge_def def = *c->def;
+	def.tolerance = c->tolerance;
+	def.want_proved_until = false;
+	const lw_status status =
+		lw_checker_edge( c->checker, c->query, c->part, c->part + c->degree * c->count, &def, out );
+	c->out->queries += out->queries;
+	return status;
+}
+
+/// Fills in the verdict for a piece that halving does not help. The curve's own states are above min_d where it was looked at.
+static void give_up( curve* c, piece p, const lw_edge_result* chord )
+{
+	c->out->verdict = LW_VERDICT_UNDECIDED;
+	c->out->t = p.a + ( p.b - p.a ) * chord->t;
+	c->out->self = chord->self;
+	c->out->pair = chord->pair;
+}
+
+typedef enum answer
+{
+	PROVED,
+	HALVE,
+	ENDED ///< the verdict is filled in
+} answer;
+
+static lw_status prove_piece( curve* c, piece p, bool last, answer* out )
+{
+	*out = HALVE;
+	cut_out( c, p );
+	const bool same_way = measure_deviation( c );
+	const double moved = moved_by_deviation( c );
+	if ( !last && ( !same_way || moved > MOST_DEVIATION ) )
+	{
+		return LW_OK;
+	}
+	lw_edge_result chord = { .pair = lw_clearance_unknown() };
+	if ( !same_way )
+	{
+		give_up( c, p, &chord );
+		*out = ENDED;
+		return LW_OK;
+	}
+	lw_status status = ask_chord( c, &chord );
+	if ( status != LW_OK || chord.verdict == LW_VERDICT_FREE )
+	{
+		*out = PROVED;
+		c->out->lower_bound = lwi_smaller( c->out->lower_bound, chord.lower_bound );
+		return status;
+	}
+	bool is_free;
+	status = look_at( c, p.a + ( p.b - p.a ) * chord.t, &is_free );
+	if ( status != LW_OK || c->out->verdict == LW_VERDICT_BLOCKED )
+	{
+		*out = ENDED;
+	}
+	else if ( last || moved <= SMALL_DEVIATION * c->def->slack )
+	{
+		give_up( c, p, &chord );
+		*out = ENDED;
+	}
+	return status;
+}
+
+/// Left to right, so that everything before the piece that ended the proof is proved.
+static lw_status prove( curve* c )
+{
+	piece stack[MOST_DEPTH + 2];
+	int depth = 0;
+	stack[depth++] = (piece){ 0, 1 };
+	double proved = 0;
+	c->out->lower_bound = INFINITY;
+	while ( depth > 0 )
+	{
+		const piece p = stack[--depth];
+		const double middle = 0.5 * ( p.a + p.b );
+		const bool last = p.b - p.a < 0x1p-38 || c->out->queries >= LW_EDGE_MOST_STATES;
+		answer found;
+		const lw_status status = prove_piece( c, p, last, &found );
+		if ( status != LW_OK )
+		{
+			return status;
+		}
+		if ( found == ENDED )
+		{
+			c->out->lower_bound = 0;
+			c->out->proved_until = c->def->want_proved_until && proved < c->out->t ? proved : 0;
+			return LW_OK;
+		}
+		if ( found == PROVED )
+		{
+			proved = p.b;
+			continue;
+		}
+		stack[depth++] = (piece){ middle, p.b };
+		stack[depth++] = (piece){ p.a, middle };
+	}
+	c->out->verdict = LW_VERDICT_FREE;
+	c->out->t = c->out->proved_until = 1;
+	return LW_OK;
+}
+
+// ---- public ----------------------------------------------------------------------------------------------------------
+
+/// Finite control points; quaternions must stay.
+static bool points_are_valid( const curve* c )
+{
+	const lw_robot* robot = c->checker->base->robot;
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		const lw_variable_info* variable = &robot->variables[c->checker->base->group.variables[v]];
+		const bool quaternion = robot->joints[variable->joint].type == LW_JOINT_FLOATING && variable->component >= 3;
+		for ( uint32_t i = 0; i <= c->degree; ++i )
+		{
+			const double value = c->points[i * c->count + v];
+			if ( !isfinite( value ) || ( quaternion && value != c->points[v] ) )
+			{
+				return false;
+			}
+		}
+	}
+	return true;
+}
+
+static void begin( curve* c, double* scratch )
+{
+	const size_t points = (size_t)( c->degree + 1 ) * c->count;
+	c->part = scratch;
+	c->row = c->part + points;
+	c->tolerance = c->row + points;
+	c->deviation = c->tolerance + c->count;
+	c->size = c->deviation + c->count;
+	c->full = c->size + c->count;
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		double largest = 0;
+		bool moves = false;
+		for ( uint32_t i = 0; i <= c->degree; ++i )
+		{
+			const double value = c->points[i * c->count + v];
+			largest = lwi_larger( largest, fabs( value ) );
+			moves = moves || value != c->points[v];
+		}
+		c->size[v] = moves ? lwi_larger( 0x1p-46 * largest, 0x1p-1000 ) : 0;
+	}
+}
+
+lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
+	const lw_edge_def* def, lw_edge_result* out )
+{
+	if ( out == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	const lw_edge_result unknown = { .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
+	*out = unknown;
+	const lw_status status = lwi_edge_check_def( checker, def );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	if ( query == NULL || points == NULL || degree < 1 || degree > LW_CURVE_MOST_DEGREE ||
+		 def->method != LW_EDGE_CERTIFIED || !lwi_query_fits( query, checker ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	curve c = { .checker = checker, .query = query, .def = def, .out = out, .points = points, .degree = degree,
+		.count = checker->base->group.variable_count };
+	double* scratch = lwi_edge_curve_scratch( checker, query );
+	if ( scratch == NULL || !points_are_valid( &c ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	begin( &c, scratch );
+	const lw_status result = prove( &c );
+	if ( result != LW_OK )
+	{
+		const uint32_t queries = out->queries;
+		*out = unknown;
+		out->queries = queries;
+	}
+	return result;
+}

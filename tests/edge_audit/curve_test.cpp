@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Polynomial motions: a FREE curve, or a motion within its tolerance, that comes too near to something.
+#include "audit_fixture.hpp"
+#include "random_world.hpp"
+
+#include <gtest/gtest.h>
+
+namespace
+{
+
+using Points = std::vector<double>; ///< [degree + 1][size]
+
+struct Curve
+{
+	unsigned degree;
+	Points points;
+
+	/// By Bernstein polynomials, not by de Casteljau.
+	std::vector<double> at( double t ) const
+	{
+		const std::size_t size = points.size() / ( degree + 1 );
+		std::vector<double> q( size, 0.0 );
+		for ( unsigned i = 0; i <= degree; ++i )
+		{
+			double weight = std::pow( t, i ) * std::pow( 1 - t, degree - i );
+			for ( unsigned k = 0; k < i; ++k )
+			{
+				weight *= static_cast<double>( degree - k ) / ( k + 1 );
+			}
+			for ( std::size_t v = 0; v < size; ++v )
+			{
+				q[v] += weight * points[i * size + v];
+			}
+		}
+		return q;
+	}
+};
+
+struct CurveTally
+{
+	int free = 0, blocked = 0, undecided = 0;
+	std::uint64_t queries = 0, edge_queries = 0;
+};
+
+bool isQuaternion( const EdgeWorld& world, std::size_t i )
+{
+	const lw_variable_info info = lw_robot_variable( world.robot.get(), world.variables[i] );
+	return lw_robot_joint_type( world.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
+}
+
+/// From near the way of a motion, so that some are free.
+Curve randomCurve( const EdgeWorld& world, const Motion& motion, SeededRng& rng )
+{
+	Curve curve = { static_cast<unsigned>( rng.integer( 1, 7 ) ), {} };
+	const double bend = rng.decade( -3, 0 );
+	for ( unsigned i = 0; i <= curve.degree; ++i )
+	{
+		for ( std::size_t v = 0; v < world.size(); ++v )
+		{
+			const bool inside = i > 0 && i < curve.degree;
+			const double line = motion.from[v] + ( motion.to[v] - motion.from[v] ) * i / curve.degree;
+			const double value = line + ( inside ? bend * rng.uniform( -1, 1 ) : 0 );
+			curve.points.push_back( isQuaternion( world, v ) ? motion.from[v] : value );
+		}
+	}
+	return curve;
+}
+
+class CurveBench
+{
+public:
+	CurveBench( const EdgeWorld& world, SeededRng& rng ) : m_world( world ), m_bench( world ), m_rng( rng ) {}
+
+	void judge( CurveTally& tally )
+	{
+		const double lengths[] = { 0.1, 0.5, 2, 6 };
+		const Motion motion =
+			m_world.randomMotion( m_rng.integer( 0, 1 ), lengths[m_rng.integer( 0, 3 )], m_rng.engine(), m_bench.audit.get() );
+		const Curve curve = randomCurve( m_world, motion, m_rng );
+		std::vector<double> tolerance( m_world.size(), 0.0 );
+		for ( std::size_t v = 0; v < m_world.size() && m_rng.integer( 0, 1 ); ++v )
+		{
+			tolerance[v] = isQuaternion( m_world, v ) ? 0 : m_rng.decade( -4, -2 );
+		}
+		lw_edge_def def = lw_edge_def_default();
+		def.min_d = m_rng.integer( 0, 1 ) ? 0 : 1e-3;
+		def.want_proved_until = m_rng.integer( 0, 1 );
+		def.tolerance = m_rng.integer( 0, 1 ) ? tolerance.data() : nullptr;
+		lw_edge_result result;
+		ASSERT_EQ( lw_checker_curve( m_world.checker.get(), m_bench.plain.get(), curve.points.data(), curve.degree, &def, &result ),
+			LW_OK );
+		tally.free += result.verdict == LW_VERDICT_FREE;
+		tally.blocked += result.verdict == LW_VERDICT_BLOCKED;
+		tally.undecided += result.verdict == LW_VERDICT_UNDECIDED;
+		tally.queries += result.verdict == LW_VERDICT_FREE ? result.queries : 0;
+		if ( result.verdict == LW_VERDICT_BLOCKED )
+		{
+			EXPECT_LE( clearance( curve.at( result.t ) ), def.min_d + 1e-9 ) << m_world.name << ": BLOCKED at " << result.t;
+		}
+		attack( curve, def, result.proved_until, result.verdict == LW_VERDICT_FREE ? result.lower_bound : def.min_d );
+	}
+
+private:
+	double clearance( const std::vector<double>& q ) { return m_bench.auditor.clearance( m_world.full( q ).data() ); }
+
+	/// The least clearance of a dense row of states, looked at closer where it is least.
+	void attack( const Curve& curve, const lw_edge_def& def, double until, double bound )
+	{
+		const int steps = until > 0 ? 200 : 0;
+		double least = INFINITY, where = 0;
+		const auto look = [&]( double t, bool off )
+		{
+			std::vector<double> q = curve.at( t );
+			for ( std::size_t v = 0; v < q.size() && off && def.tolerance != nullptr; ++v )
+			{
+				q[v] += ( 1 - 1e-9 ) * def.tolerance[v] * ( m_rng.integer( 0, 1 ) ? 1 : -1 );
+			}
+			const double found = clearance( q );
+			where = found < least ? t : where;
+			least = std::min( least, found );
+		};
+		for ( int i = 0; i < steps; ++i )
+		{
+			look( until * i / ( steps - 1 ), i % 3 == 0 );
+		}
+		const double middle = where;
+		for ( int i = 0; i < steps; ++i )
+		{
+			look( std::clamp( middle + until * ( i / 100.0 - 1 ) / steps, 0.0, until ), i % 3 == 0 );
+		}
+		EXPECT_GT( least, def.min_d - 1e-9 ) << m_world.name << ": proved until " << until << ", too near at " << where;
+		EXPECT_GE( least, bound - 1e-9 ) << m_world.name;
+	}
+
+	const EdgeWorld& m_world;
+	AuditBench m_bench;
+	SeededRng& m_rng;
+};
+
+} // namespace
+
+TEST( Curve, VerdictsOnRandomCurvesSurviveADenseLook )
+{
+	SeededRng rng;
+	CurveTally tally;
+	for ( int i = 0; i < unlessSanitized( 80, 15 ); ++i )
+	{
+		RandomWorldOptions options;
+		options.margins = i % 3 == 0;
+		options.tables = 0;
+		const EdgeWorld world = randomWorld( rng.engine()(), options );
+		CurveBench bench( world, rng );
+		for ( int k = 0; k < 8; ++k )
+		{
+			bench.judge( tally );
+		}
+	}
+	std::printf( "%d free, %d blocked, %d undecided; %.1f states a free curve\n", tally.free, tally.blocked, tally.undecided,
+		static_cast<double>( tally.queries ) / std::max( 1, tally.free ) );
+	EXPECT_GT( tally.free, 20 );
+	EXPECT_GT( tally.blocked, unlessSanitized( 20, 1 ) );
+}
+
+// An arm that turns about z by more than half a turn: the shorter way between its ends is the other one.
+TEST( Curve, AContinuousJointTurnsAsFarAsItsControlPointsSay )
+{
+	RobotModel model;
+	model.link( "base" );
+	lw_joint_def& joint = model.joint( "arm", LW_JOINT_CONTINUOUS, 0 );
+	joint.axis[0] = joint.axis[1] = 0;
+	joint.axis[2] = 1;
+	lw_transform at = lw_transform_identity();
+	at.t[0] = 1;
+	const double radius[3] = { 0.1, 0, 0 };
+	lw_shape *ball = nullptr, *post = nullptr;
+	ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &ball ), LW_OK );
+	ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &post ), LW_OK );
+	model.body( 1, ball, at );
+	const RobotPtr robot = model.create();
+	const ShapePtr keep( post );
+	const char* name = "post";
+	lw_transform behind = lw_transform_identity();
+	behind.t[0] = -1; // at an angle of pi
+	const lw_scene_shape_def shape = { post, 0, behind };
+	lw_scene_def def = lw_scene_def_default();
+	def.object_names = &name;
+	def.object_count = 1;
+	def.shapes = &shape;
+	def.shape_count = 1;
+	lw_scene* made = nullptr;
+	ASSERT_EQ( lw_scene_create( &def, nullptr, nullptr, &made ), LW_OK );
+	const leeway::Scene scene = leeway::Scene::adopt( made );
+	lw_checker_def checker_def = lw_checker_def_default();
+	checker_def.robot = robot.get();
+	checker_def.scene = scene.get();
+	lw_checker* checked = nullptr;
+	ASSERT_EQ( lw_checker_create( &checker_def, nullptr, nullptr, &checked ), LW_OK );
+	const leeway::Checker checker = leeway::Checker::adopt( checked );
+	const leeway::Query query = leeway::makeQuery( checker.get() );
+	const lw_edge_def edge = lw_edge_def_default();
+	lw_edge_result result;
+	const double through[] = { 0.5, 5.8 }, round[] = { 0.5, -0.5 }, turns[] = { 0.5, 3, -3, 7, 0.6 };
+	ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), through, 1, &edge, &result ), LW_OK );
+	EXPECT_EQ( result.verdict, LW_VERDICT_BLOCKED );
+	EXPECT_NEAR( 0.5 + 5.3 * result.t, M_PI, 0.21 );
+	ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), round, 1, &edge, &result ), LW_OK );
+	EXPECT_EQ( result.verdict, LW_VERDICT_FREE );
+	ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), turns, 4, &edge, &result ), LW_OK );
+	EXPECT_EQ( result.verdict, LW_VERDICT_FREE ); // its largest value is 1.62
+	const double beyond[] = { 0.5, NAN };
+	EXPECT_EQ( lw_checker_curve( checker.get(), query.get(), beyond, 1, &edge, &result ), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_EQ( result.verdict, LW_VERDICT_UNKNOWN );
+	EXPECT_EQ( lw_checker_curve( checker.get(), query.get(), turns, 0, &edge, &result ), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_EQ( lw_checker_curve( checker.get(), query.get(), turns, 8, &edge, &result ), LW_ERROR_INVALID_ARGUMENT );
+}
