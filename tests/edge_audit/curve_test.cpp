@@ -49,10 +49,9 @@ bool isQuaternion( const EdgeWorld& world, std::size_t i )
 }
 
 /// From near the way of a motion, so that some are free.
-Curve randomCurve( const EdgeWorld& world, const Motion& motion, SeededRng& rng )
+Curve randomCurve( const EdgeWorld& world, const Motion& motion, double bend, SeededRng& rng )
 {
 	Curve curve = { static_cast<unsigned>( rng.integer( 1, 7 ) ), {} };
-	const double bend = rng.decade( -3, 0 );
 	for ( unsigned i = 0; i <= curve.degree; ++i )
 	{
 		for ( std::size_t v = 0; v < world.size(); ++v )
@@ -73,10 +72,10 @@ public:
 
 	void judge( CurveTally& tally )
 	{
+		m_last.points.clear();
 		const double lengths[] = { 0.1, 0.5, 2, 6 };
-		const Motion motion =
-			m_world.randomMotion( m_rng.integer( 0, 1 ), lengths[m_rng.integer( 0, 3 )], m_rng.engine(), m_bench.audit.get() );
-		const Curve curve = randomCurve( m_world, motion, m_rng );
+		const Motion motion = m_world.randomMotion(
+		    m_rng.integer( 0, 1 ), lengths[m_rng.integer( 0, 3 )], m_rng.engine(), m_bench.audit.get() );
 		std::vector<double> tolerance( m_world.size(), 0.0 );
 		for ( std::size_t v = 0; v < m_world.size() && m_rng.integer( 0, 1 ); ++v )
 		{
@@ -86,18 +85,37 @@ public:
 		def.min_d = m_rng.integer( 0, 1 ) ? 0 : 1e-3;
 		def.want_proved_until = m_rng.integer( 0, 1 );
 		def.tolerance = m_rng.integer( 0, 1 ) ? tolerance.data() : nullptr;
-		lw_edge_result result;
-		ASSERT_EQ( lw_checker_curve( m_world.checker.get(), m_bench.plain.get(), curve.points.data(), curve.degree, &def, &result ),
-			LW_OK );
-		tally.free += result.verdict == LW_VERDICT_FREE;
-		tally.blocked += result.verdict == LW_VERDICT_BLOCKED;
-		tally.undecided += result.verdict == LW_VERDICT_UNDECIDED;
-		tally.queries += result.verdict == LW_VERDICT_FREE ? result.queries : 0;
-		if ( result.verdict == LW_VERDICT_BLOCKED )
+		// the same curve, bent more and more: the last one that is proved leaves the least room
+		SeededRng same = m_rng;
+		for ( double bend = m_rng.decade( -3, -1 ); bend < 3; bend *= 1.5 )
 		{
-			EXPECT_LE( clearance( curve.at( result.t ) ), def.min_d + 1e-9 ) << m_world.name << ": BLOCKED at " << result.t;
+			m_rng = same;
+			const Curve curve = randomCurve( m_world, motion, bend, m_rng );
+			lw_edge_result result;
+			ASSERT_EQ( lw_checker_curve(
+			               m_world.checker.get(), m_bench.plain.get(), curve.points.data(), curve.degree, &def, &result ),
+			    LW_OK );
+			tally.free += result.verdict == LW_VERDICT_FREE;
+			tally.blocked += result.verdict == LW_VERDICT_BLOCKED;
+			tally.undecided += result.verdict == LW_VERDICT_UNDECIDED;
+			tally.queries += result.verdict == LW_VERDICT_FREE ? result.queries : 0;
+			if ( result.verdict == LW_VERDICT_BLOCKED )
+			{
+				EXPECT_LE( clearance( curve.at( result.t ) ), def.min_d + 1e-9 )
+				    << m_world.name << ": BLOCKED at " << result.t;
+			}
+			m_last = result.verdict == LW_VERDICT_FREE ? curve : m_last;
+			m_last_bound = result.verdict == LW_VERDICT_FREE ? result.lower_bound : m_last_bound;
+			if ( result.verdict != LW_VERDICT_FREE )
+			{
+				attack( curve, def, result.proved_until, def.min_d );
+				break;
+			}
 		}
-		attack( curve, def, result.proved_until, result.verdict == LW_VERDICT_FREE ? result.lower_bound : def.min_d );
+		if ( !m_last.points.empty() )
+		{
+			attack( m_last, def, 1, m_last_bound );
+		}
 	}
 
 private:
@@ -135,6 +153,8 @@ private:
 	const EdgeWorld& m_world;
 	AuditBench m_bench;
 	SeededRng& m_rng;
+	Curve m_last = { 0, {} };
+	double m_last_bound = 0;
 };
 
 } // namespace

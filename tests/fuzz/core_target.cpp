@@ -195,6 +195,29 @@ private:
 		    "an edge's parameters are in [0, 1]" );
 		expect( result.verdict != LW_VERDICT_FREE || def.method != LW_EDGE_CERTIFIED || result.lower_bound > def.min_d,
 		    "a free edge is proved beyond the margin" );
+		checkCurve( checker, query, qa, qb, def );
+	}
+
+	/// A curve between the same states, with a tolerance; takes no bytes, so that older inputs mean the same.
+	void checkCurve( const lw_checker* checker, lw_query* query, const std::vector<double>& qa,
+	    const std::vector<double>& qb, lw_edge_def def )
+	{
+		std::vector<double> points = qa, tolerance;
+		for ( std::size_t i = 0; i < qa.size(); ++i )
+		{
+			points.push_back( qa[i] + 0.75 * ( qb[i] - qa[i] ) );
+			tolerance.push_back( qa[i] == qb[i] ? 0 : std::fmod( qa[i], 0.015625 ) ); // negative ones are refused
+		}
+		points.insert( points.end(), qb.begin(), qb.end() );
+		def.tolerance = tolerance.data();
+		lw_edge_result result;
+		const lw_status status = lw_checker_curve( checker, query, points.data(), 2, &def, &result );
+		expect( ( status == LW_OK ) == ( result.verdict != LW_VERDICT_UNKNOWN ),
+		    "a curve has a verdict if and only if it is LW_OK" );
+		expect( status != LW_OK || ( result.t >= 0 && result.t <= 1 && result.proved_until <= result.t ),
+		    "a curve is proved until its violation at most" );
+		expect( result.verdict != LW_VERDICT_FREE || result.lower_bound > def.min_d,
+		    "a free curve is proved beyond the margin" );
 	}
 };
 

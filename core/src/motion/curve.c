@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Polynomial motions, proved as chains of straight edges with a tolerance.
 //
-// A Bezier curve less its chord is the Bezier curve of the control points less those of the chord, so each joint stays within
-// the largest of these differences (Farin, Curves and Surfaces for CAGD, convex hull property). A piece of the curve is proved
+// A Bezier curve less its chord is the Bezier curve of the control points less those of the chord (Farin, Curves and Surfaces
+// for CAGD), so each joint stays within a share of the largest of these differences. A piece of the curve is proved
 // by its chord with that tolerance, or halved: differences fall to a quarter. Derivation: core/docs/motions.md.
 #include "motion/edge.h"
 #include "base/math_inline.h"
@@ -106,6 +106,7 @@ static bool measure_deviation( curve* c )
 	const lw_robot* robot = c->checker->base->robot;
 	const uint32_t n = c->degree;
 	bool same_way = true;
+	const double share = 1 - ldexp( 1, 1 - (int)n ); // of Bernstein weights that are not of an end
 	for ( uint32_t v = 0; v < c->count; ++v )
 	{
 		const double first = c->part[v], last = c->part[n * c->count + v], way = last - first;
@@ -114,7 +115,7 @@ static bool measure_deviation( curve* c )
 		{
 			most = lwi_larger( most, fabs( c->part[i * c->count + v] - ( first + way * i / n ) ) );
 		}
-		c->deviation[v] = c->size[v] != 0 ? most * LWI_EDGE_OUTWARD + c->size[v] : 0;
+		c->deviation[v] = c->size[v] != 0 ? share * most * LWI_EDGE_OUTWARD + c->size[v] : 0;
 		same_way = same_way && !( robot->variables[c->checker->base->group.variables[v]].wraps && fabs( way ) > 3 );
 	}
 	return same_way;
