@@ -181,19 +181,51 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	return command;
 }
 
+/// One question at a time, and no option of the other one.
+void validate( const AuditOptions& options )
+{
+	const auto wrong = []( const char* element, const char* problem, const char* remedy )
+	{ throw io::Error( "command line", element, problem, remedy ); };
+	const bool path = !options.path.empty(), trajectory = !options.trajectory.empty();
+	if ( path == trajectory )
+	{
+		wrong( "--path", path ? "is given together with --trajectory" : "is missing", "give --path or --trajectory" );
+	}
+	if ( path && ( !options.tolerance.empty() || !options.joint_limits.empty() || options.interpolation != "auto" ) )
+	{
+		wrong( "--path", "a path has no times: --tolerance, --interpolation and --joint-limits are for --trajectory",
+		    "leave them out, or give a timed trajectory" );
+	}
+	const std::vector<std::string> known = { "auto", "linear", "cubic", "quintic" };
+	if ( std::find( known.begin(), known.end(), options.interpolation ) == known.end() )
+	{
+		wrong( "--interpolation", "is unknown", "give auto, linear, cubic or quintic" );
+	}
+}
+
 CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 {
-	CLI::App* command = app.add_subcommand( "audit", "measure a path densely, without certificates" );
+	CLI::App* command = app.add_subcommand( "audit", "measure a path densely; prove a trajectory" );
 	addHelp( *command, audit_help.summary, audit_help.details );
 	addCommonOptions( *command, options.common,
 	    { true, false, true, true, false, "planning group of the SRDF (default: the path file's)" } );
-	command->add_option( "--path", options.path, "the path" )->type_name( "path.yaml" )->required();
-	command->add_option( "--resolution", options.resolution, "metres: motion between measured states near contact (default 0.0001)" )->type_name( "M" );
-	command->add_option( "--time", options.time, "seconds: an audit that takes longer fails (default 60)" )
+	command->add_option( "--path", options.path, "a path, measured densely" )->type_name( "path.yaml" );
+	command->add_option( "--trajectory", options.trajectory, "a timed trajectory, proved as a controller drives it" )
+	    ->type_name( "FILE" );
+	command->add_option( "--tolerance", options.tolerance, "radians or metres off the trajectory, of all joints or JOINT=E" )
+	    ->type_name( "E" );
+	rare( command->add_option( "--interpolation", options.interpolation, "between points of a trajectory (default auto)" )
+	          ->type_name( "auto|linear|cubic|quintic" ) );
+	rare( command->add_option( "--joint-limits", options.joint_limits, "of a trajectory: velocities and accelerations" )
+	          ->type_name( "joint_limits.yaml" ) );
+	rare( command
+	          ->add_option( "--resolution", options.resolution,
+	              "of a path, metres between measured states near contact (default 0.0001)" )
+	          ->type_name( "M" ) );
+	command->add_option( "--time", options.time, "seconds: an audit of a path that takes longer fails (default 60)" )
 	    ->type_name( "S" );
 	command->add_option( "--report", options.report, "the audit as JSON" )->type_name( "report.json" );
-	command->add_option( "--profile", options.profile, "all measured clearances: s,edge,t,environment,self" )
-	    ->type_name( "FILE.csv" );
+	command->add_option( "--profile", options.profile, "measured clearances along it" )->type_name( "FILE.csv" );
 	return command;
 }
 
@@ -329,6 +361,11 @@ int dispatch( const CLI::App& app, Commands& commands )
 		return runTune( commands.tune );
 	}
 	validate( *chosen, commands.audit.common );
+	validate( commands.audit );
+	if ( !commands.audit.trajectory.empty() )
+	{
+		return runTrajectoryAudit( commands.audit );
+	}
 	requirePositive( "--resolution", commands.audit.resolution );
 	requirePositive( "--time", commands.audit.time );
 	return runAudit( commands.audit );

@@ -178,18 +178,28 @@ two of them. A path that fails is not written. The same seed gives the same path
 threads or all of its time. Leeway searches with the seeds N, N + 1, ... side by side; the report names that of the path.)" };
 
 const HelpText audit_help = {
-    R"(Measures a path densely, without using any certificate of the planner.
+    R"(Measures a path densely, without using any certificate of the planner; or proves a timed trajectory at all times.
 
 Example: leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
 
-Exit status 0: the path is valid; 1: not valid; 2: error.)",
-    R"(Between two measured states no robot point moves further than --resolution or a quarter of the clearance. The audit also
+Exit status 0: valid; 1: not valid; 2: error.)",
+    R"(A path. Between two measured states no robot point moves further than --resolution or a quarter of the clearance. The audit also
 checks joint limits and, with --request, that the path connects the request's start and goal. Joints outside the group have
 the values of the path file's start_state. --min-d defaults to the path file's. An audit that does not end within --time
 seconds reports its progress and an estimate of the full time; the path is then not valid.
 
 path.yaml: from leeway plan, with group, min_d, start_state, joint_names and points (a list of positions); or a MoveIt
-joint_trajectory.)" };
+joint_trajectory. --profile: s,edge,t,environment,self of all measured states.
+
+A trajectory. Between two points it is straight, cubic (velocities) or quintic (accelerations), as ROS 2's
+joint_trajectory_controller drives it; --interpolation auto chooses by the data of the points. Every segment is proved to keep all
+clearances above --min-d at all times, for all motions that stay within --tolerance of it; without one, that of the file's
+path_tolerance. Positions, velocities and accelerations are compared with the limits of the robot and of --joint-limits at all
+times. The report names the first violation: time, joint state, pair and clearance.
+
+FILE: trajectory_msgs/JointTrajectory, a FollowJointTrajectory goal, moveit_msgs/RobotTrajectory or DisplayTrajectory (several
+in a row) as YAML or JSON, or CSV with columns time, <joint>, and perhaps velocity:<joint> and acceleration:<joint>. --group
+defaults to the group with just its joints. --profile: time,environment,self, exact, every 10 ms.)" };
 
 const HelpText tune_help = {
     R"(Measures speed against accuracy on this robot in this scene, and proposes settings that meet a target.

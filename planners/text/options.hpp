@@ -130,6 +130,8 @@ struct AuditOptions
 {
 	CommonOptions common;
 	std::string path, report, profile;
+	std::string trajectory, joint_limits, interpolation = "auto";
+	std::vector<std::string> tolerance; ///< VALUE or JOINT=VALUE
 	double resolution = 1e-4;
 	double time = 60; ///< seconds
 };
@@ -187,6 +189,7 @@ int runCheck( const CheckOptions& options );
 int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
+int runTrajectoryAudit( const AuditOptions& options );
 int runTune( const TuneOptions& options );
 int runBench( int argc, char** argv ); ///< becomes leeway-bench; returns if that cannot be
 

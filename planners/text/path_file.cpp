@@ -5,13 +5,13 @@
 #include "leeway/io/keys.hpp"
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
+#include "text/yaml_values.hpp"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
 #include <iterator>
-#include <set>
 
 namespace leeway::cli
 {
@@ -54,49 +54,10 @@ template <typename Range, typename Write> std::string list( const Range& range, 
 	return out + "]";
 }
 
-double finite( const PathFile& path, const YAML::Node& node, const std::string& element )
-{
-	double value = NAN;
-	try
-	{
-		value = node.as<double>();
-	}
-	catch ( const YAML::Exception& )
-	{
-	}
-	if ( !std::isfinite( value ) )
-	{
-		throw io::Error( path.file, element, "is not a finite number", "give a finite number in radians or metres" );
-	}
-	return value;
-}
-
-std::vector<std::string> names( const PathFile& path, const YAML::Node& node, const std::string& element )
-{
-	std::vector<std::string> result;
-	std::set<std::string> seen;
-	if ( node.IsDefined() && node.IsSequence() ) // a key that is missing is no node at all
-	{
-		for ( const YAML::Node& name : node )
-		{
-			result.push_back( name.IsScalar() ? name.Scalar() : "" );
-			if ( result.back().empty() || !seen.insert( result.back() ).second )
-			{
-				throw io::Error( path.file, element, "has an empty or repeated name", "name every joint once" );
-			}
-		}
-	}
-	if ( result.empty() )
-	{
-		throw io::Error( path.file, element, "is missing or empty", "list the joint names" );
-	}
-	return result;
-}
-
 /// @param file_size bounds the numbers that are spelled out; by aliases of points there may be more
 void readPoints( PathFile& path, const YAML::Node& root, std::size_t file_size )
 {
-	path.joint_names = names( path, root["joint_names"], "joint_names" );
+	path.joint_names = nameList( path.file, root["joint_names"], "joint_names" );
 	const YAML::Node points = root["points"];
 	if ( !points.IsDefined() || !points.IsSequence() || points.size() == 0 )
 	{
@@ -109,41 +70,17 @@ void readPoints( PathFile& path, const YAML::Node& root, std::size_t file_size )
 	{
 		const std::string element = fmt::format( "points[{}].positions", i );
 		const YAML::Node positions = points[i].IsMap() ? points[i]["positions"] : points[i];
-		if ( !positions.IsDefined() || !positions.IsSequence() || positions.size() != path.joint_names.size() )
-		{
-			throw io::Error( path.file, element, fmt::format( "is not a list of {} numbers", path.joint_names.size() ),
-			    "give one position for every name in joint_names" );
-		}
-		std::vector<double> point;
-		for ( std::size_t k = 0; k < positions.size(); ++k )
-		{
-			point.push_back( finite( path, positions[k], fmt::format( "{}[{}]", element, k ) ) );
-		}
-		path.points.push_back( std::move( point ) );
+		path.points.push_back( numberList(
+		    path.file, positions, element, path.joint_names.size(), "give one position for every name in joint_names" ) );
 	}
 }
 
 void readStart( PathFile& path, const YAML::Node& root )
 {
-	const YAML::Node state = root["start_state"];
-	const YAML::Node joints =
-	    state.IsDefined() && state.IsMap() ? state["joint_state"] : YAML::Node( YAML::NodeType::Undefined );
-	if ( !joints.IsDefined() || !joints.IsMap() )
+	const YAML::Node joints = child( child( root, "start_state" ), "joint_state" );
+	if ( joints.IsDefined() && joints.IsMap() )
 	{
-		return;
-	}
-	const std::string element = "start_state.joint_state";
-	const std::vector<std::string> joint_names = names( path, joints["name"], element + ".name" );
-	const YAML::Node positions = joints["position"];
-	if ( !positions.IsDefined() || !positions.IsSequence() || positions.size() != joint_names.size() )
-	{
-		throw io::Error( path.file, element + ".position", fmt::format( "is not a list of {} numbers", joint_names.size() ),
-		    "give one position for every name" );
-	}
-	for ( std::size_t i = 0; i < joint_names.size(); ++i )
-	{
-		path.start_state.emplace_back(
-		    joint_names[i], finite( path, positions[i], fmt::format( "{}.position[{}]", element, i ) ) );
+		path.start_state = jointState( path.file, joints, "start_state.joint_state" );
 	}
 }
 
@@ -198,17 +135,9 @@ PathFile readPath( const std::string& file )
 {
 	PathFile path;
 	path.file = file;
-	const std::string bytes = io::readWholeFile( file );
-	YAML::Node root;
-	try
-	{
-		root = YAML::Load( bytes );
-	}
-	catch ( const YAML::Exception& error )
-	{
-		throw io::Error(
-		    file, fmt::format( "line {}", error.mark.line + 1 ), "is not valid YAML: " + error.msg, "correct the file" );
-	}
+	std::size_t bytes = 0;
+	const std::vector<YAML::Node> documents = loadYaml( file, &bytes );
+	const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
 	if ( !root.IsMap() )
 	{
 		throw io::Error(
@@ -229,7 +158,7 @@ PathFile readPath( const std::string& file )
 	{
 		if ( root[key].IsDefined() )
 		{
-			*value = finite( path, root[key], key );
+			*value = finiteValue( file, root[key], key );
 			if ( *value < 0 )
 			{
 				throw io::Error( file, key, "is negative", "give metres, 0 or more" );
@@ -238,7 +167,7 @@ PathFile readPath( const std::string& file )
 	}
 	readStart( path, root );
 	const YAML::Node trajectory = root["joint_trajectory"];
-	readPoints( path, trajectory.IsDefined() && trajectory.IsMap() ? trajectory : root, bytes.size() );
+	readPoints( path, trajectory.IsDefined() && trajectory.IsMap() ? trajectory : root, bytes );
 	return path;
 }
 

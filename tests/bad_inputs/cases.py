@@ -432,7 +432,7 @@ def option_cases():
         option("planner parameter no number", PLAN + " --planner-param range=wide", "wide"),
         option("time negative", PLAN + " --time -1", "--time"),
         option("seed zero", PLAN + " --seed 0", "--seed"),
-        option("threads for one that has none", PLAN + " --threads 4", "--threads|thread"),
+        option("threads for one that has none", PLAN + " --planner RRTConnect --threads 4", "--threads|thread"),
         option("resolution zero", AUDIT + " --resolution 0", "--resolution"),
         option("budget negative", f"pairs {MODEL} --budget -1", "--budget"),
         option("samples zero", f"pairs {MODEL} --samples 0 --budget 0", status=(0, 1, 2)),

@@ -4,6 +4,7 @@
 
 #include "text/csv.hpp"
 #include "text/path_file.hpp"
+#include "text/trajectory_file.hpp"
 
 #include <cmath>
 
@@ -152,6 +153,27 @@ void path( Input input )
 		    expect( second.points == first.points && second.joint_names == first.joint_names && second.min_d == first.min_d,
 		        "a path that was written is read again" );
 	    } );
+	for ( const std::string& name : { file, put( "input.csv", input ) } )
+	{
+		reads(
+		    [&]
+		    {
+			    for ( const leeway::cli::TrajectoryFile& trajectory : leeway::cli::readTrajectories( name ) )
+			    {
+				    double before = -1;
+				    for ( const leeway::cli::TrajectoryPoint& point : trajectory.points )
+				    {
+					    const std::size_t count = trajectory.joint_names.size();
+					    expect( point.positions.size() == count && point.velocities.size() % count == 0 &&
+					                point.accelerations.size() % count == 0,
+					        "a point of a trajectory has a value for each joint" );
+					    expect( point.time > before, "times of a trajectory increase" );
+					    before = point.time;
+				    }
+			    }
+		    } );
+	}
+	reads( [&] { leeway::cli::readJointLimits( file ); } );
 }
 
 } // namespace fuzz
