@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Timed trajectories: see trajectory.hpp. Control points of Hermite data: core/docs/motions.md, "What is driven".
+// Timed trajectories: see trajectory.hpp. Control points of Hermite data: core/docs/motions.md.
 #include "setup/trajectory.hpp"
 
 #include "leeway/handles.hpp"
