@@ -170,6 +170,10 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	rare( command->add_option( "--resolution", options.resolution, "metres: resolution of the audit (default 0.0001)" )
 	          ->type_name( "M" ) );
 	command->add_option( "--out", options.out, "the path; without it, standard output" )->type_name( "path.yaml" );
+	command->add_option( "--trajectory", options.trajectory, "the path, timed, proved as it is driven" )
+	    ->type_name( "FILE" );
+	rare( command->add_option( "--joint-limits", options.joint_limits, "of the trajectory: velocities and accelerations" )
+	          ->type_name( "joint_limits.yaml" ) );
 	command->add_option( "--report", options.report, "times, counts, clearances and the audit as JSON" )
 	    ->type_name( "report.json" );
 	std::string details = std::string( plan_help.details ) + "\n\nPlanners:\n";

@@ -3,6 +3,7 @@
 #include "commands/plan_solution.hpp"
 #include "setup/audit.hpp"
 #include "setup/ends.hpp"
+#include "setup/timed.hpp"
 #include "setup/planner_registry.hpp"
 #include "text/names.hpp"
 
@@ -621,17 +622,45 @@ Solution solve( const PlanOptions& options, const Input& input, const Workbench&
 	}
 }
 
+TrajectorySettings trajectorySettings( const PlanOptions& options, const JointLimits& limits )
+{
+	TrajectorySettings settings;
+	settings.edge.min_d = options.common.min_d;
+	settings.edge.flags = options.common.checkFlags();
+	settings.edge.slack = options.edge.slack;
+	settings.limits = limits;
+	return settings;
+}
+
+/// The trajectory that stops at the path's corners, proved as it is driven.
+TrajectoryAudit writeTrajectory( const Input& input, const Workbench& bench, const Solution& solution,
+    const MotionLimits& motion, const TrajectorySettings& settings, OutputFile& file )
+{
+	const std::vector<Segment> segments = stopAtCorners( bench, solution.points, motion );
+	file.text = robotTrajectory( bench, segments );
+	return auditTrajectory( bench, input.robot, {}, segments, settings );
+}
+
 } // namespace
 
 int runPlan( const PlanOptions& options )
 {
 	Notices notices( options.common.verbose );
 	requireThreads( findPlanner( plannersOf( options ).front() ), options.threads );
-	OutputFile out( "--out", options.out ), report( "--report", options.report );
+	JointLimits limits;
+	if ( !options.joint_limits.empty() )
+	{
+		limits = readJointLimits( options.joint_limits );
+		readsFile( "--joint-limits", options.joint_limits );
+	}
+	OutputFile out( "--out", options.out ), report( "--report", options.report ),
+	    timed( "--trajectory", options.trajectory );
 	Input input = loadInput( options.common, notices );
 	input.max_d = options.common.min_d + planning_horizon;
 	const PlanEnds ends = readEnds( options, input );
 	Workbench bench( input, ends.group, {}, notices );
+	const bool wants_trajectory = !options.trajectory.empty();
+	const MotionLimits motion = wants_trajectory ? motionLimits( bench, input.robot, limits, notices ) : MotionLimits();
 	Solution solution = solve( options, input, bench, ends, notices );
 
 	AuditSettings settings;
@@ -647,11 +676,24 @@ int runPlan( const PlanOptions& options )
 	}
 	const bool good = solution.solved && audit.valid && solution.edges.all();
 	std::vector<OutputFile*> files;
+	std::string driven;
+	bool is_driven_free = good;
+	if ( good && wants_trajectory )
+	{
+		const TrajectorySettings as_driven = trajectorySettings( options, limits );
+		const TrajectoryAudit proof = writeTrajectory( input, bench, solution, motion, as_driven, timed );
+		driven = describe( proof, bench, as_driven );
+		is_driven_free = proof.valid();
+		if ( is_driven_free )
+		{
+			files.push_back( &timed );
+		}
+	}
 	if ( !options.report.empty() )
 	{
 		Json json = reportJson( options, input, bench, solution );
 		json["audit"] = solution.solved ? toJson( audit, settings ) : Json( nullptr );
-		json["good"] = good;
+		json["good"] = good && is_driven_free;
 		report.text = jsonText( json );
 		files.push_back( &report );
 	}
@@ -667,14 +709,18 @@ int runPlan( const PlanOptions& options )
 		return exit_no;
 	}
 	// The path itself goes to standard output if no file was named; the summary must not mix with it.
-	const std::string text = summary( options, solution ) + describe( audit, settings, solution.points );
+	const std::string text = summary( options, solution ) + describe( audit, settings, solution.points ) + driven;
 	out.path().empty() ? tell( "{}", text ) : printOut( text );
 	if ( !good )
 	{
 		tell( "leeway: the path is not valid: {}; it is not written\n",
 		    audit.valid ? "not all of its edges are free" : "the audit found it not valid" );
 	}
-	return good ? exit_yes : exit_no;
+	if ( good && !is_driven_free )
+	{
+		tell( "leeway: the trajectory is not proved as it is driven; it is not written\n" );
+	}
+	return good && is_driven_free ? exit_yes : exit_no;
 }
 
 } // namespace leeway::cli

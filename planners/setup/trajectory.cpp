@@ -312,7 +312,8 @@ TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& r
 		lower_bound = std::min( lower_bound, result.lower_bound );
 		if ( result.verdict != LW_VERDICT_FREE )
 		{
-			audit.violation = violationOf( bench, segment, result, def.flags, files.front().file );
+			audit.violation =
+			    violationOf( bench, segment, result, def.flags, files.empty() ? "the path" : files.front().file );
 			break;
 		}
 	}

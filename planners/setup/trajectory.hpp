@@ -63,6 +63,7 @@ struct TrajectoryAudit
 std::vector<Segment> segmentsOf(
     const Workbench& bench, const std::vector<TrajectoryFile>& files, Interpolation interpolation );
 
+/// @param files of the segments; empty: they come from no file
 /// Proves all segments, and compares positions, velocities and accelerations with their limits at all times.
 /// @throws io::Error
 TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& robot,

@@ -156,10 +156,9 @@ the whole motion, and both upper columns are inf. The part [0, proved_until] is 
 states. --validator steps tests states at most --max-d of motion apart; its FREE is not a proof.)" };
 
 const HelpText plan_help = {
-    R"(Plans a path with a planner of OMPL, proves its edges and audits it. Only --robot and a goal are required.
+    R"(Plans a path, proves its edges and audits it. Only --robot and a goal (--goal shoulder=1.2,elbow=-0.4) are required.
 
-Example: leeway plan --robot arm.urdf --goal shoulder=1.2,elbow=-0.4 --out path.yaml
-  leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --min-d 0.005 --out path.yaml
+Example: leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
 
 Exit status 0: a path; 1: no path; 2: error, also if start or goal is not free, violates a limit or cannot be reached.)",
     R"(--start and --goal are joint=value,joint=value (names as for `leeway check`) or a group_state of the SRDF; they override the

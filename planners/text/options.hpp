@@ -115,7 +115,7 @@ struct PlanOptions
 	std::string start, goal; ///< joint=value,... or the name of a group_state; over those of the request
 	std::vector<std::string> goal_poses; ///< LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW
 	std::string planner; ///< empty: Leeway, and SBL for the second half of the time
-	std::string out, report;
+	std::string out, report, trajectory, joint_limits;
 	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
 	double optimize = 0; ///< seconds for shorter paths after the first
 	std::uint32_t seed = 1;

@@ -138,6 +138,31 @@ TEST_F( CliTrajectory, ProfileIsMeasuredOnTheCurve )
 	EXPECT_GT( table.number( 0, "environment" ), 0.01 );
 }
 
+TEST_F( CliTrajectory, PlannedTrajectoryStopsAtCornersAndKeepsItsLimits )
+{
+	write( "limits.yaml", "joint_limits:\n  elbow:\n    has_acceleration_limits: true\n    max_acceleration: 0.5\n" );
+	const Outcome plan = runModel( "plan",
+	    { "--request", "request.yaml", "--out", "path.yaml", "--trajectory", "t.json", "--min-d", "0.001", "--joint-limits",
+	        "limits.yaml" },
+	    "blocked.yaml" );
+	ASSERT_EQ( plan.status, 0 ) << plan.out << plan.err;
+	EXPECT_TRUE( contains( plan.err, "no acceleration limit of shoulder" ) ) << plan.err;
+	const nlohmann::json points = nlohmann::json::parse( readFile( path( "t.json" ) ) )["joint_trajectory"]["points"];
+	const Outcome audited = audit( { "t.json", "--min-d", "0.001", "--joint-limits", "limits.yaml" } );
+	EXPECT_EQ( audited.status, 0 ) << audited.out << audited.err;
+	EXPECT_TRUE( contains( audited.out, std::to_string( points.size() - 1 ) + " quintic" ) ) << audited.out;
+	for ( const nlohmann::json& point : points )
+	{
+		EXPECT_EQ( point["velocities"], nlohmann::json( { 0.0, 0.0 } ) );
+	}
+	// as fast as the limits allow: half of one of them is too little
+	write( "half.yaml",
+	    "joint_limits:\n  elbow:\n    has_velocity_limits: true\n    max_velocity: 0.5\n    has_acceleration_limits: "
+	    "true\n    max_acceleration: 0.25\n  shoulder:\n    has_velocity_limits: true\n    max_velocity: 0.5\n"
+	    "    has_acceleration_limits: true\n    max_acceleration: 0.5\n" );
+	EXPECT_EQ( audit( { "t.json", "--joint-limits", "half.yaml" } ).status, 1 );
+}
+
 TEST_F( CliTrajectory, BadFilesNameTheElementAndTheRemedy )
 {
 	const auto error = [&]( const std::string& file, const std::string& text )

@@ -176,9 +176,57 @@ TEST( Curve, VerdictsOnRandomCurvesSurviveADenseLook )
 		}
 	}
 	std::printf( "%d free, %d blocked, %d undecided; %.1f states a free curve\n", tally.free, tally.blocked, tally.undecided,
-		static_cast<double>( tally.queries ) / std::max( 1, tally.free ) );
+	    static_cast<double>( tally.queries ) / std::max( 1, tally.free ) );
 	EXPECT_GT( tally.free, 20 );
 	EXPECT_GT( tally.blocked, unlessSanitized( 20, 1 ) );
+}
+
+// Speed along a straight way is no deviation from it: a controller that stops at corners drives the edges that were proved.
+TEST( Curve, AMotionAlongItsChordIsProvedAsTheEdge )
+{
+	SeededRng rng;
+	int free = 0;
+	for ( int i = 0; i < 60; ++i )
+	{
+		RandomWorldOptions options;
+		options.tables = 0;
+		const EdgeWorld world = randomWorld( rng.engine()(), options );
+		AuditBench bench( world );
+		const Motion motion = world.randomMotion( false, 1, rng.engine(), bench.audit.get() );
+		bool straight = true;
+		for ( std::size_t v = 0; v < world.size(); ++v )
+		{
+			const bool wraps = lw_robot_variable( world.robot.get(), world.variables[v] ).wraps;
+			const bool round = wraps && std::abs( motion.to[v] - motion.from[v] ) > 3;
+			straight = straight && !round && !( isQuaternion( world, v ) && motion.to[v] != motion.from[v] );
+		}
+		Points points;
+		for ( const double share : { 0.0, 0.0, 0.0, 1.0, 1.0, 1.0 } ) // at rest at both ends
+		{
+			for ( std::size_t v = 0; v < world.size(); ++v )
+			{
+				points.push_back( motion.from[v] + share * ( motion.to[v] - motion.from[v] ) );
+			}
+		}
+		const lw_edge_def def = lw_edge_def_default();
+		lw_edge_result edge, curve;
+		ASSERT_EQ(
+		    lw_checker_edge( world.checker.get(), bench.plain.get(), motion.from.data(), motion.to.data(), &def, &edge ),
+		    LW_OK );
+		if ( straight && edge.verdict == LW_VERDICT_FREE )
+		{
+			++free;
+			lw_query_reset( bench.plain.get() );
+			ASSERT_EQ(
+			    lw_checker_edge( world.checker.get(), bench.plain.get(), motion.from.data(), motion.to.data(), &def, &edge ),
+			    LW_OK );
+			lw_query_reset( bench.plain.get() );
+			ASSERT_EQ( lw_checker_curve( world.checker.get(), bench.plain.get(), points.data(), 5, &def, &curve ), LW_OK );
+			EXPECT_EQ( curve.verdict, LW_VERDICT_FREE ) << world.name;
+			EXPECT_EQ( curve.queries, edge.queries ) << world.name;
+		}
+	}
+	EXPECT_GT( free, 10 );
 }
 
 // An arm that turns about z by more than half a turn: the shorter way between its ends is the other one.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Polynomial motions, proved as chains of straight edges with a tolerance.
 //
-// A Bezier curve less its chord is the Bezier curve of the control points less those of the chord (Farin, Curves and Surfaces
-// for CAGD), so each joint stays within a share of the largest of these differences. A piece of the curve is proved
+// A Bezier curve less a motion along its chord is the Bezier curve of the differences of their control points (Farin, Curves and
+// Surfaces for CAGD), so each joint stays within a share of the largest of these. A piece of the curve is proved
 // by its chord with that tolerance, or halved: differences fall to a quarter. Derivation: core/docs/motions.md.
 #include "motion/edge.h"
 #include "base/math_inline.h"
@@ -30,6 +30,7 @@ typedef struct curve
 	uint32_t degree, count;
 	// in the query's scratch
 	double *part, *row, *tolerance, *deviation, *full;
+	double along[LW_CURVE_MOST_DEGREE + 1];
 	double* size; ///< of the rounding of control points; 0: the variable stays, such as a quaternion's, and nothing is rounded
 } curve;
 
@@ -100,6 +101,28 @@ static const double* state_at( curve* c, double t )
 
 // ---- pieces ----------------------------------------------------------------------------------------------------------
 
+/// Where along the chord of c->part each control point is, 0 to 1: c->along. Any values are right; those of the nearest points make
+/// a motion along the chord, however it speeds up, deviate by nothing.
+static void place_along( curve* c )
+{
+	const uint32_t n = c->degree;
+	double square = 0, products[LW_CURVE_MOST_DEGREE + 1] = { 0 };
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		const double first = c->part[v], way = c->part[n * c->count + v] - first;
+		square += way * way;
+		for ( uint32_t i = 1; i < n; ++i )
+		{
+			products[i] += ( c->part[i * c->count + v] - first ) * way;
+		}
+	}
+	for ( uint32_t i = 0; i <= n; ++i )
+	{
+		const double share = i == 0 ? 0 : i == n ? 1 : products[i] / square;
+		c->along[i] = share > 0 ? lwi_smaller( share, 1 ) : 0; // also where nothing moves
+	}
+}
+
 /// How far each joint gets from the chord of c->part: c->deviation. @return false if the chord goes round the other way
 static bool measure_deviation( curve* c )
 {
@@ -107,18 +130,35 @@ static bool measure_deviation( curve* c )
 	const uint32_t n = c->degree;
 	bool same_way = true;
 	const double share = 1 - ldexp( 1, 1 - (int)n ); // of Bernstein weights that are not of an end
+	place_along( c );
 	for ( uint32_t v = 0; v < c->count; ++v )
 	{
-		const double first = c->part[v], last = c->part[n * c->count + v], way = last - first;
+		const double first = c->part[v], last = c->part[n * c->count + v];
+		const double way = last - first;
 		double most = 0;
 		for ( uint32_t i = 1; i < n; ++i )
 		{
-			most = lwi_larger( most, fabs( c->part[i * c->count + v] - ( first + way * i / n ) ) );
+			most = lwi_larger( most, fabs( c->part[i * c->count + v] - ( first + way * c->along[i] ) ) );
 		}
 		c->deviation[v] = c->size[v] != 0 ? share * most * LWI_EDGE_OUTWARD + c->size[v] : 0;
 		same_way = same_way && !( robot->variables[c->checker->base->group.variables[v]].wraps && fabs( way ) > 3 );
 	}
 	return same_way;
+}
+
+/// A parameter at which the piece is beside the chord's state at `share`.
+static double beside( const curve* c, piece p, double share )
+{
+	double low = 0, high = 1;
+	for ( int i = 0; i < 30; ++i )
+	{
+		double row[LW_CURVE_MOST_DEGREE + 1];
+		const double middle = 0.5 * ( low + high );
+		memcpy( row, c->along, sizeof( row ) );
+		cut( row, c->degree, 1, middle, true );
+		*( row[c->degree] < share ? &low : &high ) = middle;
+	}
+	return p.a + ( p.b - p.a ) * high;
 }
 
 /// Metres: how far the deviation moves any point of the robot.
@@ -172,7 +212,7 @@ static lw_status ask_chord( curve* c, lw_edge_result* out )
 static void give_up( curve* c, piece p, const lw_edge_result* chord )
 {
 	c->out->verdict = LW_VERDICT_UNDECIDED;
-	c->out->t = p.a + ( p.b - p.a ) * chord->t;
+	c->out->t = beside( c, p, chord->t );
 	c->out->self = chord->self;
 	c->out->pair = chord->pair;
 }
@@ -209,7 +249,7 @@ static lw_status prove_piece( curve* c, piece p, bool last, answer* out )
 		return status;
 	}
 	bool is_free;
-	status = look_at( c, p.a + ( p.b - p.a ) * chord.t, &is_free );
+	status = look_at( c, beside( c, p, chord.t ), &is_free );
 	if ( status != LW_OK || c->out->verdict == LW_VERDICT_BLOCKED )
 	{
 		*out = ENDED;
