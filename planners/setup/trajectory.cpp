@@ -115,6 +115,11 @@ struct Extremes
 void addExtremes( const std::vector<double>& points, double a, double b, double precision, Extremes& out )
 {
 	const std::size_t n = points.size() - 1;
+	if ( !std::all_of( points.begin(), points.end(), []( double value ) { return std::isfinite( value ); } ) )
+	{
+		out.most = HUGE_VAL; // an overflow keeps no limit
+		return;
+	}
 	const auto take = [&out]( double value, double at )
 	{
 		if ( value < out.least )
@@ -150,10 +155,11 @@ void addExtremes( const std::vector<double>& points, double a, double b, double 
 	addExtremes( right, middle, b, precision, out );
 }
 
+/// @param seconds 0: a state that is held, which has none
 std::vector<double> derivative( const std::vector<double>& points, double seconds )
 {
 	std::vector<double> out;
-	for ( std::size_t i = 0; i + 1 < points.size(); ++i )
+	for ( std::size_t i = 0; i + 1 < points.size() && seconds > 0; ++i )
 	{
 		out.push_back( static_cast<double>( points.size() - 1 ) * ( points[i + 1] - points[i] ) / seconds );
 	}
@@ -390,7 +396,7 @@ Json toJson( const TrajectoryAudit& audit, const Workbench& bench, const Traject
 	json["min_d"] = settings.edge.min_d;
 	const Violation& v = audit.violation;
 	json["verdict"] = v.verdict == LW_VERDICT_FREE ? "FREE" : v.verdict == LW_VERDICT_BLOCKED ? "BLOCKED" : "UNDECIDED";
-	json["lower_bound"] = audit.lower_bound;
+	json["lower_bound"] = jsonNumber( audit.lower_bound );
 	json["proof_seconds"] = audit.proof_seconds;
 	json["states"] = audit.states;
 	for ( std::size_t k = 0; k < settings.tolerance.size(); ++k )

@@ -127,6 +127,17 @@ TEST_F( CliTrajectory, AJumpBetweenTwoTrajectoriesIsTold )
 	EXPECT_TRUE( contains( outcome.out, "trajectory[1].joint_trajectory starts 0.1 away" ) ) << outcome.out;
 }
 
+TEST_F( CliTrajectory, OnePointIsAStateThatIsHeld )
+{
+	write( "t.csv", "time,shoulder,elbow,velocity:shoulder,velocity:elbow\n0,-0.6,0,0,0\n" );
+	EXPECT_EQ( audit( { "t.csv", "--profile", "p.csv" } ).status, 0 );
+	EXPECT_EQ( parseTable( readFile( path( "p.csv" ) ) ).rows.size(), 1u );
+	write( "t.csv", "time,shoulder,elbow\n0,0,0\n" );
+	EXPECT_EQ( report( { "t.csv" } )["verdict"], "BLOCKED" );
+	write( "t.csv", "time,shoulder,elbow,velocity:shoulder,velocity:elbow\n0,-0.6,0,1e308,0\n1e-300,-0.6,0,-1e308,0\n" );
+	EXPECT_NE( audit( { "t.csv" } ).status, 0 ); // beyond all numbers, but no hang
+}
+
 TEST_F( CliTrajectory, ProfileIsMeasuredOnTheCurve )
 {
 	write( "t.csv", swing );
