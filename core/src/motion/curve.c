@@ -15,7 +15,7 @@ enum
 };
 
 /// Metres. The chord of a piece that deviates more is not asked for: it is halved at once.
-#define MOST_DEVIATION 0.1
+#define MOST_DEVIATION 0.01
 
 /// Share of the slack below which a deviation no longer changes a verdict.
 #define SMALL_DEVIATION 0.125
