@@ -94,11 +94,12 @@ def cell(value):
     return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
-def write_csv(path, rows):
+def write_csv(path, rows, zoo):
+    """Files are named from the zoo's folder on, which is another one on each machine."""
     with open(path, "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([title for title, _ in COLUMNS] + ["reason"])
-        writer.writerows([[cell(row.get(key)) for _, key in COLUMNS] + [reason(row)] for row in rows])
+        writer.writerows([[cell(row.get(key)) for _, key in COLUMNS] + [reason(row).replace(f"{zoo}/", "")] for row in rows])
 
 
 def mood(key, value):

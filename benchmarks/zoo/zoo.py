@@ -167,7 +167,7 @@ def main():
     table = [rows[robot.name] for robot in robots]
     result = {"provenance": provenance(options, settings), "summary": page.summary(table), "rows": table}
     (settings.out / "zoo.json").write_text(json.dumps(result, indent=1))
-    page.write_csv(settings.out / "zoo.csv", table)
+    page.write_csv(settings.out / "zoo.csv", table, options.zoo)
     page.write_html(settings.out / "zoo.html", result)
     print(page.summary_text(result["summary"]))
     wrong = broken_expectations(table, options.expect) + crashes(table)
