@@ -242,10 +242,6 @@ std::vector<TrajectoryFile> readTrajectories( const std::string& file )
 	std::vector<TrajectoryFile> out;
 	for ( const YAML::Node& root : loadYaml( file, &bytes ) )
 	{
-		if ( root.IsNull() ) // after the last "---" of ros2 topic echo
-		{
-			continue;
-		}
 		if ( !root.IsMap() )
 		{
 			throw io::Error( file, "trajectory", "is not a YAML map",

@@ -4,9 +4,11 @@
 
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
+#include "text/csv.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -17,15 +19,36 @@ std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_byte
 {
 	const std::string bytes = io::readWholeFile( file );
 	*out_bytes = bytes.size();
-	try
+	std::vector<YAML::Node> documents;
+	std::size_t line = 0, begin_line = 0, begin = 0; // of the document
+	for ( std::size_t at = 0; at <= bytes.size(); ++line )
 	{
-		return YAML::LoadAll( bytes );
+		const std::size_t end = std::min( bytes.find( '\n', at ), bytes.size() );
+		const std::string text = trimmed( bytes.substr( at, end - at ) );
+		const bool last = end >= bytes.size();
+		if ( text == "---" || last )
+		{
+			// YAML::LoadAll() never returns from some malformed texts: documents are parted here
+			const std::string document = bytes.substr( begin, ( text == "---" ? at : end ) - begin );
+			try
+			{
+				documents.push_back( YAML::Load( document ) );
+			}
+			catch ( const YAML::Exception& error )
+			{
+				throw io::Error( file,
+				    fmt::format( "line {}", begin_line + static_cast<std::size_t>( error.mark.line + 1 ) ),
+				    "is not valid YAML: " + error.msg, "correct the file" );
+			}
+			begin = std::min( end + 1, bytes.size() );
+			begin_line = line + 1;
+		}
+		at = end + 1;
 	}
-	catch ( const YAML::Exception& error )
-	{
-		throw io::Error(
-		    file, fmt::format( "line {}", error.mark.line + 1 ), "is not valid YAML: " + error.msg, "correct the file" );
-	}
+	documents.erase(
+	    std::remove_if( documents.begin(), documents.end(), []( const YAML::Node& node ) { return node.IsNull(); } ),
+	    documents.end() );
+	return documents;
 }
 
 double finiteValue( const std::string& file, const YAML::Node& node, const std::string& element )

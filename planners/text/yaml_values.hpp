@@ -11,7 +11,7 @@
 namespace leeway::cli
 {
 
-/// All documents of a file. @param out_bytes its size @throws io::Error for text that is no YAML
+/// All documents of a file that are not empty, parted by lines "---". @param out_bytes its size @throws io::Error for text that is no YAML
 std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_bytes );
 
 /// @throws io::Error
