@@ -33,3 +33,71 @@ TEST( EdgeTube, MotionsWithinTheToleranceStayFree )
 	EXPECT_GT( free, 20 );
 	EXPECT_GT( undecided, unlessSanitized( 5, -1 ) );
 }
+
+// A ball on a telescope sweeps past a post 15 cm away, so far that spheres of eight windows at once decide. The telescope may be
+// 20 cm longer than it should be.
+TEST( EdgeTube, SpheresOfLongEdgesLeaveRoomForTheTube )
+{
+	for ( const bool post_is_link : { false, true } )
+	{
+		RobotModel model;
+		model.link( "base" );
+		const double up[3] = { 0, 0, 1 }, out[3] = { 1, 0, 0 };
+		for ( const double* axis : { up, out } )
+		{
+			const bool turns = axis == up;
+			lw_joint_def& joint =
+			    model.joint( turns ? "turn" : "telescope", turns ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, turns ? 0 : 1 );
+			std::copy( axis, axis + 3, joint.axis );
+			joint.lower = -4;
+			joint.upper = 4;
+		}
+		const double radius[3] = { 0.1, 0, 0 };
+		lw_shape *ball = nullptr, *post = nullptr;
+		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &ball ), LW_OK );
+		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &post ), LW_OK );
+		lw_transform at = lw_transform_identity();
+		at.t[0] = 1;
+		model.body( 2, ball, at );
+		at.t[0] = 1.35 * std::cos( 0.7 );
+		at.t[1] = 1.35 * std::sin( 0.7 );
+		const ShapePtr keep( post );
+		leeway::Scene scene;
+		if ( post_is_link )
+		{
+			lw_shape* own = nullptr;
+			ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &own ), LW_OK );
+			model.body( 0, own, at );
+		}
+		else
+		{
+			const char* name = "post";
+			const lw_scene_shape_def shape = { post, 0, at };
+			lw_scene_def def = lw_scene_def_default();
+			def.object_names = &name;
+			def.object_count = 1;
+			def.shapes = &shape;
+			def.shape_count = 1;
+			lw_scene* made = nullptr;
+			ASSERT_EQ( lw_scene_create( &def, nullptr, nullptr, &made ), LW_OK );
+			scene = leeway::Scene::adopt( made );
+		}
+		const RobotPtr robot = model.create();
+		lw_checker_def def = lw_checker_def_default();
+		def.robot = robot.get();
+		def.scene = scene.get();
+		lw_checker* checked = nullptr;
+		ASSERT_EQ( lw_checker_create( &def, nullptr, nullptr, &checked ), LW_OK );
+		const leeway::Checker checker = leeway::Checker::adopt( checked );
+		const leeway::Query query = leeway::makeQuery( checker.get() );
+		const double from[2] = { -1, 0 }, to[2] = { 2.2, 0 }, little[2] = { 0, 0.1 }, much[2] = { 0, 0.2 };
+		lw_edge_def edge = lw_edge_def_default();
+		lw_edge_result result;
+		edge.tolerance = little;
+		ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), from, to, &edge, &result ), LW_OK );
+		EXPECT_EQ( result.verdict, LW_VERDICT_FREE ) << post_is_link;
+		edge.tolerance = much;
+		ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), from, to, &edge, &result ), LW_OK );
+		EXPECT_EQ( result.verdict, LW_VERDICT_UNDECIDED ) << post_is_link;
+	}
+}
