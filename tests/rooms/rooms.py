@@ -54,6 +54,7 @@ HOUSES = [
         ("native", "the library leeway::planners: search trees of joint space, samples, path smoothing"),
         ("text", "options and their domains, notices and result files, names, tables, path files"),
         ("ik", "inverse kinematics: goal states from poses of links"),
+        ("python", "the package leeway of Python: arrays in and out"),
         ("setup", "robot, scene and checkers from options; states, ends of plans, OMPL's planners, audits"),
         ("pairs", "tables of link pairs, the SRDF made from them; reports on links and obstacles"),
         ("tune", "states and motions that are measured, the settings, the choice"),

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Certified clearance and collision checks of robots, and motion planning with proved paths.
+
+    robot = leeway.Robot( "arm.urdf", "arm.srdf" )
+    scene = leeway.Scene( "scene.yaml" )
+    checker = leeway.Checker( robot, scene, group="arm" )
+    lower, upper, pairs, witnesses = checker.clearance( q )     # q: float64 [n, dof]
+    plan = checker.plan( start, goal, seconds=1 )
+
+Units are metres and radians. Batches run without the interpreter's lock; threads= spreads them over cores and changes no bit of an
+answer. Unusable input raises leeway.Error, which is a ValueError; an error never reads as free.
+"""
+from ._core import (Checker, CoreError, Error, InputError, Margins, Outcome, Padding, Reach, Robot, Scene, Shape, Verdict, World,
+    __version__, distance)
+from .results import Clearances, Distance, LinkSpheres, Motions, Plan
+
+__all__ = ["Checker", "Clearances", "CoreError", "Distance", "Error", "InputError", "LinkSpheres", "Margins", "Motions", "Outcome",
+    "Padding", "Plan", "Reach", "Robot", "Scene", "Shape", "Verdict", "World", "__version__", "distance"]

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Arrays between NumPy and the library: arguments without a copy where NumPy allows it, results in memory that NumPy owns.
+#pragma once
+
+#include "leeway/math.h"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+#include <string>
+
+namespace leeway::python
+{
+
+namespace nb = nanobind;
+
+/// An argument as numbers of type T. NumPy arrays of this type in C order are not copied; anything else that NumPy can make an array of is
+/// converted. The memory lives as long as this object.
+template <typename T> struct Numbers
+{
+	nb::ndarray<const T, nb::c_contig, nb::device::cpu> array;
+	std::size_t dimensions() const { return array.ndim(); }
+	std::size_t shape( std::size_t i ) const { return array.shape( i ); }
+	std::size_t size() const { return array.size(); }
+	const T* data() const { return array.data(); }
+};
+using Doubles = Numbers<double>;
+using Indices = Numbers<std::uint32_t>;
+
+/// "(100, 6)"
+std::string shapeText( const Doubles& numbers );
+
+/// Rows of an argument: [n, width], or one row [width].
+struct Rows
+{
+	const double* data = nullptr;
+	std::size_t count = 0, width = 0;
+	bool single = false; ///< the argument was one row
+	const double* operator[]( std::size_t i ) const { return data + i * width; }
+};
+
+/// @param name of the argument, for the message @param unit of a row, such as "variables of the group"
+/// @throws nb::value_error for another shape
+Rows rowsOf( const Doubles& numbers, std::size_t width, const char* name, const char* unit );
+
+/// Numbers [size] of an argument. @throws nb::value_error for another shape
+const double* vectorOf( const Doubles& numbers, std::size_t size, const char* name, const char* unit );
+
+/// A pose: 4 x 4 matrix; or position [3]; or position and quaternion x, y, z, qx, qy, qz, qw [7].
+/// @throws nb::value_error for another shape, a matrix that is no rigid motion, or a number that is not finite
+lw_transform poseOf( const Doubles& numbers, const char* name );
+/// As poseOf(); None is the identity.
+lw_transform poseOrIdentity( const nb::object& pose, const char* name );
+/// Writes the 4 x 4 matrix of a transform.
+void writePose( const lw_transform& transform, double* out );
+
+/// A new NumPy array that owns its memory. T: double, std::int32_t, std::uint8_t or bool.
+template <typename T> struct NewArray
+{
+	explicit NewArray( std::initializer_list<std::size_t> shape );
+	T* data;
+	nb::object object;
+};
+
+/// A read-only NumPy array of memory that `owner` keeps alive.
+template <typename T> nb::object viewOf( const T* data, std::initializer_list<std::size_t> shape, nb::handle owner )
+{
+	return nb::cast( nb::ndarray<nb::numpy, const T>( data, shape.size(), shape.begin(), owner ), nb::rv_policy::reference );
+}
+
+/// The 4 x 4 matrix of a transform.
+nb::object poseArray( const lw_transform& transform );
+
+} // namespace leeway::python
+
+namespace nanobind::detail
+{
+
+template <typename T> struct type_caster<leeway::python::Numbers<T>>
+{
+	// cppcheck-suppress unknownMacro
+	NB_TYPE_CASTER( leeway::python::Numbers<T>, const_name( "numpy.typing.ArrayLike" ) )
+
+	template <typename Flags> bool from_python( handle source, Flags, cleanup_list* ) noexcept
+	{
+		if ( source.is_none() )
+		{
+			return false;
+		}
+		if ( try_cast( source, value.array, false ) )
+		{
+			return true;
+		}
+		try
+		{
+			const object converted = module_::import_( "numpy" ).attr( "ascontiguousarray" )(
+			    source, std::is_same_v<T, double> ? "float64" : "uint32" );
+			return try_cast( converted, value.array, false );
+		}
+		catch ( ... )
+		{
+			return false; // nanobind lists the types that the function takes
+		}
+	}
+	static handle from_cpp( const leeway::python::Numbers<T>&, rv_policy, cleanup_list* ) noexcept { return {}; }
+};
+
+} // namespace nanobind::detail

@@ -1,0 +1,433 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway.Checker and leeway.World: a robot in a scene, and scenes that change.
+#include "objects.hpp"
+
+#include "leeway/prepare.hpp"
+
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <limits>
+#include <set>
+
+namespace leeway::python
+{
+
+namespace
+{
+
+using namespace nb::literals;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+using Allowed = std::vector<std::pair<std::string, std::string>>;
+
+/// leeway.World: it makes checkers.
+struct PyWorld
+{
+	PyWorld( const PyRobot& robot, const io::ProblemOptions& options ) : world( *robot.model, options ) {}
+	io::World world;
+	PyChecker checker() const { return PyChecker( world.problem() ); }
+};
+
+void makeChecker( PyChecker* self, const PyRobot& robot, const PyScene* scene, const std::string& group,
+    const nb::object& reference, const Allowed& allowed, const nb::object& margins, const nb::object& padding,
+    const PyReach* reach, double min_d, double max_d )
+{
+	const io::ProblemOptions options =
+	    optionsOf( robot, scene, { group, reference, allowed, margins, padding, reach, min_d, max_d } );
+	const nb::gil_scoped_release unlocked;
+	new ( self ) PyChecker( std::make_shared<const io::Problem>( io::buildProblem( *robot.model, options ) ) );
+}
+
+void makeWorld( PyWorld* self, const PyRobot& robot, const PyScene* scene, const std::string& group,
+    const nb::object& reference, const Allowed& allowed, const nb::object& margins, const nb::object& padding,
+    const PyReach* reach, double min_d, double max_d )
+{
+	const io::ProblemOptions options =
+	    optionsOf( robot, scene, { group, reference, allowed, margins, padding, reach, min_d, max_d } );
+	const nb::gil_scoped_release unlocked;
+	new ( self ) PyWorld( robot, options );
+}
+
+nb::object limits( const PyChecker& checker, bool upper )
+{
+	const NewArray<double> out( { checker.variables() } );
+	for ( std::size_t i = 0; i < checker.variables(); ++i )
+	{
+		const lw_variable_info info = lw_robot_variable( lw_checker_robot( checker.get() ), checker.problem->variables[i] );
+		out.data[i] = upper ? info.upper : info.lower;
+	}
+	return out.object;
+}
+
+std::vector<std::string> linkNames( const PyChecker& checker )
+{
+	const lw_robot* robot = lw_checker_robot( checker.get() );
+	std::vector<std::string> names;
+	for ( std::uint32_t i = 0; i < lw_robot_link_count( robot ); ++i )
+	{
+		names.emplace_back( lw_robot_link_name( robot, i ) );
+	}
+	return names;
+}
+
+std::vector<std::string> objectNames( const PyChecker& checker )
+{
+	const lw_scene* scene = lw_checker_scene( checker.get() );
+	std::vector<std::string> names;
+	for ( std::uint32_t i = 0; scene != nullptr && i < lw_scene_object_count( scene ); ++i )
+	{
+		names.emplace_back( lw_scene_object_name( scene, i ) );
+	}
+	return names;
+}
+
+/// Names of links, then of objects; the last is empty, so that index -1 is no name.
+nb::object pairNames( const PyChecker& checker )
+{
+	std::vector<std::string> names = linkNames( checker );
+	for ( std::string& name : objectNames( checker ) )
+	{
+		names.push_back( std::move( name ) );
+	}
+	names.emplace_back();
+	return nb::module_::import_( "numpy" ).attr( "array" )( nb::cast( names ) );
+}
+
+nb::object reference( const PyChecker& checker )
+{
+	const NewArray<double> out( { checker.problem->reference.size() } );
+	std::copy( checker.problem->reference.begin(), checker.problem->reference.end(), out.data );
+	return out.object;
+}
+
+nb::object startState( const PyChecker& checker )
+{
+	const std::vector<double> state = io::startState( *checker.problem );
+	const NewArray<double> out( { state.size() } );
+	std::copy( state.begin(), state.end(), out.data );
+	return out.object;
+}
+
+nb::object fullState( const PyChecker& checker, const Doubles& q )
+{
+	const Rows rows = rowsOf( q, checker.variables(), "q", "variables of the group" );
+	const std::size_t width = lw_robot_variable_count( lw_checker_robot( checker.get() ) );
+	const NewArray<double> out = rows.single ? NewArray<double>( { width } ) : NewArray<double>( { rows.count, width } );
+	for ( std::size_t i = 0; i < rows.count; ++i )
+	{
+		lw_checker_full_state( checker.get(), rows[i], out.data + i * width );
+	}
+	return out.object;
+}
+
+nb::dict checkerInfo( const PyChecker& checker )
+{
+	const lw_checker_info info = lw_checker_get_info( checker.get() );
+	nb::dict out;
+	out["moving_bodies"] = info.moving_bodies;
+	out["static_bodies"] = info.static_bodies;
+	out["environment_pairs"] = info.environment_pairs;
+	out["self_pairs"] = info.self_pairs;
+	out["never_pairs"] = info.never_pairs;
+	out["near_shapes"] = info.near_shapes;
+	out["horizon"] = info.horizon;
+	out["environment_margin"] = info.environment_margin;
+	out["self_margin"] = info.self_margin;
+	out["bytes"] = info.bytes;
+	return out;
+}
+
+void prepareChecker( const PyChecker& checker, unsigned threads )
+{
+	lw_diag diag{};
+	lw_status status = LW_OK;
+	{
+		const nb::gil_scoped_release unlocked;
+		status = prepare( checker.get(), threads, &diag );
+	}
+	require( status, diag );
+}
+
+std::string checkerRepr( const PyChecker& checker )
+{
+	const lw_checker_info info = lw_checker_get_info( checker.get() );
+	const std::string group = checker.problem->group.empty() ? "all variables" : "group " + checker.problem->group;
+	return "<leeway.Checker of " + std::string( lw_robot_name( lw_checker_robot( checker.get() ) ) ) + ": " + group + ", " +
+	       std::to_string( checker.variables() ) + " variables, " + std::to_string( objectNames( checker ).size() ) +
+	       " objects, " + std::to_string( info.environment_pairs ) + " + " + std::to_string( info.self_pairs ) + " pairs>";
+}
+
+/// A value of an absent variable is an error.
+void requireVariables( const PyRobot& robot, const std::map<std::string, double>& values )
+{
+	std::set<std::string> names;
+	for ( std::uint32_t i = 0; i < lw_robot_variable_count( robot.robot.get() ); ++i )
+	{
+		names.insert( io::variableName( robot.robot.get(), i ) );
+	}
+	for ( const auto& [name, value] : values )
+	{
+		if ( names.count( name ) == 0 )
+		{
+			const std::string text =
+			    "reference: robot " + robot.model->name + " has no variable '" + name + "'; Robot.variables lists them";
+			throw nb::value_error( text.c_str() );
+		}
+	}
+}
+
+std::vector<double> stateOf( const nb::object& state, const PyWorld& world )
+{
+	if ( state.is_none() )
+	{
+		return {};
+	}
+	const Doubles numbers = nb::cast<Doubles>( state );
+	const std::size_t size = world.world.problem()->variables.size();
+	const double* q = vectorOf( numbers, size, "state", "variables of the group" );
+	return { q, q + size };
+}
+
+void bindWorldEdits( nb::class_<PyWorld>& type )
+{
+	using Names = std::vector<std::string>;
+	type.def(
+	    "move",
+	    []( PyWorld& w, const std::string& name, const nb::object& pose )
+	    {
+		    w.world.move( name, poseOrIdentity( pose, "pose" ) );
+		    return w.checker();
+	    },
+	    "name"_a, "pose"_a.none(), nb::sig( "def move(self, name: str, pose: numpy.typing.ArrayLike | None) -> Checker" ),
+	    "Gives an object another pose in the world." );
+	type.def(
+	    "add",
+	    []( PyWorld& w, const std::string& name, const nb::object& shapes, const nb::object& pose )
+	    {
+		    w.world.add( name, placedShapes( shapes ), poseOrIdentity( pose, "pose" ) );
+		    return w.checker();
+	    },
+	    "name"_a, "shapes"_a, "pose"_a = nb::none(),
+	    nb::sig( "def add(self, name: str, shapes: Shape | Sequence[Shape | tuple[Shape, numpy.typing.ArrayLike]], "
+	             "pose: numpy.typing.ArrayLike | None = None) -> Checker" ),
+	    "Adds an object: a Shape, or a list of Shape and (Shape, pose in the object), at a pose in the world." );
+	type.def(
+	    "remove",
+	    []( PyWorld& w, const std::string& name )
+	    {
+		    w.world.remove( name );
+		    return w.checker();
+	    },
+	    "name"_a, "Removes an object; an attached one is detached first." );
+	type.def(
+	    "attach",
+	    []( PyWorld& w, const std::string& name, const std::string& link, const Names& touch, const nb::object& state )
+	    {
+		    w.world.attach( name, link, touch, stateOf( state, w ) );
+		    return w.checker();
+	    },
+	    "name"_a, "link"_a, "touch_links"_a = Names(), "state"_a = nb::none(),
+	    nb::sig( "def attach(self, name: str, link: str, touch_links: Sequence[str] = [], "
+	             "state: numpy.typing.ArrayLike | None = None) -> Checker" ),
+	    "Attaches an object to a link at the pose that it has in this state of the group (None: the reference). It may touch the link\n"
+	    "and the touch links." );
+	type.def(
+	    "attach_at",
+	    []( PyWorld& w, const std::string& name, const std::string& link, const nb::object& pose, const Names& touch )
+	    {
+		    w.world.attachAt( name, link, touch, poseOrIdentity( pose, "pose" ) );
+		    return w.checker();
+	    },
+	    "name"_a, "link"_a, "pose"_a.none(), "touch_links"_a = Names(),
+	    nb::sig(
+	        "def attach_at(self, name: str, link: str, pose: numpy.typing.ArrayLike | None, touch_links: Sequence[str] = []) -> Checker" ),
+	    "Attaches an object at a pose in the link's frame." );
+	type.def(
+	    "detach",
+	    []( PyWorld& w, const std::string& name, const nb::object& state )
+	    {
+		    w.world.detach( name, stateOf( state, w ) );
+		    return w.checker();
+	    },
+	    "name"_a, "state"_a = nb::none(),
+	    nb::sig( "def detach(self, name: str, state: numpy.typing.ArrayLike | None = None) -> Checker" ),
+	    "Detaches an object; it stays at the pose that it has in this state of the group (None: the reference)." );
+	type.def(
+	    "allow",
+	    []( PyWorld& w, const std::string& link, const std::string& object, bool allowed )
+	    {
+		    w.world.allow( link, object, allowed );
+		    return w.checker();
+	    },
+	    "link"_a, "object"_a, "allowed"_a = true,
+	    "Allows or forbids contact of a link, or an attached object, with an object." );
+	type.def(
+	    "set_margins",
+	    []( PyWorld& w, const io::Margins& margins )
+	    {
+		    w.world.setMargins( margins );
+		    return w.checker();
+	    },
+	    "margins"_a, "Replaces all margins except padding." );
+}
+
+template <typename Class, typename Make> void bindMaker( Class& type, Make make, const char* doc )
+{
+	type.def( "__init__", make, "robot"_a, "scene"_a.none() = nb::none(), nb::kw_only(), "group"_a = "",
+	    "reference"_a = nb::none(), "allowed"_a = Allowed(), "margins"_a = nb::none(), "padding"_a = nb::none(),
+	    "reach"_a.none() = nb::none(), "min_d"_a = 0.0, "max_d"_a = infinity,
+	    nb::sig(
+	        "def __init__(self, robot: Robot, scene: Scene | None = None, *, group: str = '', "
+	        "reference: Mapping[str, float] | None = None, allowed: Sequence[tuple[str, str]] = [], "
+	        "margins: Margins | None = None, padding: Padding | None = None, reach: Reach | None = None, min_d: float = 0.0, "
+	        "max_d: float = float('inf')) -> None" ),
+	    doc );
+}
+
+void bindProperties( nb::class_<PyChecker>& type )
+{
+	type.def_prop_ro( "dof", &PyChecker::variables, "Number of variables of a state." );
+	type.def_prop_ro(
+	    "group", []( const PyChecker& c ) { return c.problem->group; }, "Name of the group; empty = all variables." );
+	type.def_prop_ro(
+	    "variables", []( const PyChecker& c ) { return c.problem->variable_names; }, "Names of a state's variables." );
+	type.def_prop_ro(
+	    "lower", []( const PyChecker& c ) { return limits( c, false ); },
+	    nb::sig( "def lower(self) -> numpy.typing.NDArray[numpy.float64]" ),
+	    "float64 [dof]: lower limits; -pi for endless joints." );
+	type.def_prop_ro(
+	    "upper", []( const PyChecker& c ) { return limits( c, true ); },
+	    nb::sig( "def upper(self) -> numpy.typing.NDArray[numpy.float64]" ),
+	    "float64 [dof]: upper limits; pi for endless joints." );
+	type.def_prop_ro( "links", &linkNames, "Names of the robot's links, attached objects included." );
+	type.def_prop_ro( "objects", &objectNames, "Names of the scene's objects." );
+	type.def_prop_ro( "names", &pairNames, nb::sig( "def names(self) -> numpy.typing.NDArray[numpy.str_]" ),
+	    "Names of links, then of objects, then \"\": names[pairs] are the names of the pairs of a result." );
+	type.def_prop_ro( "reference", &reference, nb::sig( "def reference(self) -> numpy.typing.NDArray[numpy.float64]" ),
+	    "float64 [robot variables]: values of the variables outside of the group." );
+	type.def_prop_ro( "start", &startState, nb::sig( "def start(self) -> numpy.typing.NDArray[numpy.float64]" ),
+	    "float64 [dof]: the group's variables in the scene's robot state." );
+	type.def_prop_ro(
+	    "notices", []( const PyChecker& c ) { return noticeLines( c.problem->notices ); },
+	    "Lines on input that was changed, assumed or ignored." );
+	type.def_prop_ro(
+	    "info", &checkerInfo, nb::sig( "def info(self) -> dict[str, float]" ), "Counts of bodies and pairs, and memory." );
+}
+
+} // namespace
+
+PyChecker::PyChecker( std::shared_ptr<const io::Problem> made )
+    : problem( std::move( made ) ), queries( std::make_shared<QueryPool>( problem->checker ) )
+{
+}
+
+Query QueryPool::take()
+{
+	{
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		if ( !m_free.empty() )
+		{
+			Query query = std::move( m_free.back() );
+			m_free.pop_back();
+			return query;
+		}
+	}
+	return makeQuery( m_checker.get() );
+}
+
+void QueryPool::giveBack( Query query )
+{
+	lw_query_reset( query.get() ); // it keeps no checker alive
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	m_free.push_back( std::move( query ) );
+}
+
+io::ProblemOptions optionsOf( const PyRobot& robot, const PyScene* scene, const ProblemArguments& arguments )
+{
+	io::ProblemOptions options;
+	options.group = arguments.group;
+	options.scene = scene != nullptr ? &scene->model : nullptr;
+	if ( !arguments.reference.is_none() )
+	{
+		options.overrides.values = nb::cast<std::map<std::string, double>>( arguments.reference );
+		requireVariables( robot, options.overrides.values );
+	}
+	options.allowed = arguments.allowed;
+	if ( !arguments.margins.is_none() )
+	{
+		options.margins = nb::cast<io::Margins>( arguments.margins );
+	}
+	if ( !arguments.padding.is_none() )
+	{
+		options.padding = nb::cast<io::Padding>( arguments.padding );
+	}
+	if ( arguments.reach != nullptr )
+	{
+		options.reach = arguments.reach->loaded.reach;
+	}
+	options.min_d = arguments.min_d;
+	options.max_d = arguments.max_d;
+	return options;
+}
+
+lw_check_flags checkFlags( const std::string& name )
+{
+	if ( name != "both" && name != "environment" && name != "self" )
+	{
+		const std::string text = "check: '" + name + "' is none of 'both', 'environment', 'self'";
+		throw nb::value_error( text.c_str() );
+	}
+	return name == "both" ? LW_CHECK_BOTH : name == "self" ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT;
+}
+
+void inBlocks( QueryPool& queries, std::size_t count, std::size_t block, unsigned threads,
+    const std::function<void( lw_query*, std::size_t, std::size_t )>& work )
+{
+	const unsigned most = threads > 0 ? threads : std::max( 1U, std::thread::hardware_concurrency() );
+	const nb::gil_scoped_release unlocked;
+	inParallel( ( count + block - 1 ) / block, most,
+	    [&]( std::size_t i )
+	    {
+		    const Lease query( queries );
+		    work( query.get(), i * block, std::min( count, ( i + 1 ) * block ) );
+	    } );
+}
+
+nb::object result( const char* type, const nb::tuple& values )
+{
+	return nb::module_::import_( "leeway.results" ).attr( type )( *values );
+}
+
+void bindCheckers( nb::module_& module )
+{
+	nb::class_<PyChecker> type( module, "Checker",
+	    "A group of a robot in a scene: a snapshot that any number of threads may use. All numbers are clearances (distance minus\n"
+	    "margin) in metres; lower <= clearance <= upper. An error raises and never reads as free." );
+	bindMaker( type, &makeChecker,
+	    "group: name in the SRDF, empty = all variables. reference: values of other variables by name. allowed: pairs of names that may\n"
+	    "touch. margins, padding: metres. reach: motion hulls and pair tables, which make checks faster and change no answer. min_d: only\n"
+	    "for notices. max_d: metres, the largest clearance of interest; it changes no answer.\nRaises InputError." );
+	bindProperties( type );
+	bindStates( type );
+	bindMotions( type );
+	bindPlans( module, type );
+	type.def( "full_state", &fullState, "q"_a,
+	    nb::sig( "def full_state(self, q: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]" ),
+	    "States of the whole robot for states of the group: float64 [n, dof] to [n, robot variables]." );
+	type.def( "prepare", &prepareChecker, "threads"_a = 0,
+	    "Builds the sphere trees that states within the limits can need, so that no later call has to. threads: 0 = one per core." );
+	type.def( "__repr__", &checkerRepr );
+
+	nb::class_<PyWorld> world( module, "World",
+	    "A robot in a scene that changes. Each change returns a new Checker; those before stay valid. Poses are those of object frames." );
+	bindMaker( world, &makeWorld, "Arguments as for Checker." );
+	world.def_prop_ro( "checker", &PyWorld::checker, "The checker of the world as it is now." );
+	bindWorldEdits( world );
+	world.def( "__repr__", []( const PyWorld& w ) { return "<leeway.World now " + checkerRepr( w.checker() ) + ">"; } );
+}
+
+} // namespace leeway::python
