@@ -192,87 +192,90 @@ std::vector<double> stateOf( const nb::object& state, const PyWorld& world )
 	return { q, q + size };
 }
 
+/// The checker after a change, which runs without the interpreter's lock.
+template <typename Change> PyChecker changed( PyWorld& world, const Change& change )
+{
+	const nb::gil_scoped_release unlocked;
+	change( world.world );
+	return world.checker();
+}
+
+using Names = std::vector<std::string>;
+
+PyChecker moveObject( PyWorld& world, const std::string& name, const nb::object& pose )
+{
+	const lw_transform to = poseOrIdentity( pose, "pose" );
+	return changed( world, [&]( io::World& w ) { w.move( name, to ); } );
+}
+
+PyChecker addObject( PyWorld& world, const std::string& name, const nb::object& shapes, const nb::object& pose )
+{
+	const std::vector<io::PlacedShape> placed = placedShapes( shapes );
+	const lw_transform at = poseOrIdentity( pose, "pose" );
+	return changed( world, [&]( io::World& w ) { w.add( name, placed, at ); } );
+}
+
+PyChecker removeObject( PyWorld& world, const std::string& name )
+{
+	return changed( world, [&]( io::World& w ) { w.remove( name ); } );
+}
+
+PyChecker attachObject(
+    PyWorld& world, const std::string& name, const std::string& link, const Names& touch, const nb::object& state )
+{
+	const std::vector<double> q = stateOf( state, world );
+	return changed( world, [&]( io::World& w ) { w.attach( name, link, touch, q ); } );
+}
+
+PyChecker attachObjectAt(
+    PyWorld& world, const std::string& name, const std::string& link, const nb::object& pose, const Names& touch )
+{
+	const lw_transform at = poseOrIdentity( pose, "pose" );
+	return changed( world, [&]( io::World& w ) { w.attachAt( name, link, touch, at ); } );
+}
+
+PyChecker detachObject( PyWorld& world, const std::string& name, const nb::object& state )
+{
+	const std::vector<double> q = stateOf( state, world );
+	return changed( world, [&]( io::World& w ) { w.detach( name, q ); } );
+}
+
+PyChecker allowContact( PyWorld& world, const std::string& link, const std::string& object, bool allowed )
+{
+	return changed( world, [&]( io::World& w ) { w.allow( link, object, allowed ); } );
+}
+
+PyChecker setMargins( PyWorld& world, const io::Margins& margins )
+{
+	return changed( world, [&]( io::World& w ) { w.setMargins( margins ); } );
+}
+
 void bindWorldEdits( nb::class_<PyWorld>& type )
 {
-	using Names = std::vector<std::string>;
-	type.def(
-	    "move",
-	    []( PyWorld& w, const std::string& name, const nb::object& pose )
-	    {
-		    w.world.move( name, poseOrIdentity( pose, "pose" ) );
-		    return w.checker();
-	    },
-	    "name"_a, "pose"_a.none(), nb::sig( "def move(self, name: str, pose: numpy.typing.ArrayLike | None) -> Checker" ),
+	type.def( "move", &moveObject, "name"_a, "pose"_a.none(),
+	    nb::sig( "def move(self, name: str, pose: numpy.typing.ArrayLike | None) -> Checker" ),
 	    "Gives an object another pose in the world." );
-	type.def(
-	    "add",
-	    []( PyWorld& w, const std::string& name, const nb::object& shapes, const nb::object& pose )
-	    {
-		    w.world.add( name, placedShapes( shapes ), poseOrIdentity( pose, "pose" ) );
-		    return w.checker();
-	    },
-	    "name"_a, "shapes"_a, "pose"_a = nb::none(),
+	type.def( "add", &addObject, "name"_a, "shapes"_a, "pose"_a = nb::none(),
 	    nb::sig( "def add(self, name: str, shapes: Shape | Sequence[Shape | tuple[Shape, numpy.typing.ArrayLike]], "
 	             "pose: numpy.typing.ArrayLike | None = None) -> Checker" ),
 	    "Adds an object: a Shape, or a list of Shape and (Shape, pose in the object), at a pose in the world." );
-	type.def(
-	    "remove",
-	    []( PyWorld& w, const std::string& name )
-	    {
-		    w.world.remove( name );
-		    return w.checker();
-	    },
-	    "name"_a, "Removes an object; an attached one is detached first." );
-	type.def(
-	    "attach",
-	    []( PyWorld& w, const std::string& name, const std::string& link, const Names& touch, const nb::object& state )
-	    {
-		    w.world.attach( name, link, touch, stateOf( state, w ) );
-		    return w.checker();
-	    },
-	    "name"_a, "link"_a, "touch_links"_a = Names(), "state"_a = nb::none(),
+	type.def( "remove", &removeObject, "name"_a, "Removes an object; an attached one is detached first." );
+	type.def( "attach", &attachObject, "name"_a, "link"_a, "touch_links"_a = Names(), "state"_a = nb::none(),
 	    nb::sig( "def attach(self, name: str, link: str, touch_links: Sequence[str] = [], "
 	             "state: numpy.typing.ArrayLike | None = None) -> Checker" ),
 	    "Attaches an object to a link at the pose that it has in this state of the group (None: the reference). It may touch the link\n"
 	    "and the touch links." );
-	type.def(
-	    "attach_at",
-	    []( PyWorld& w, const std::string& name, const std::string& link, const nb::object& pose, const Names& touch )
-	    {
-		    w.world.attachAt( name, link, touch, poseOrIdentity( pose, "pose" ) );
-		    return w.checker();
-	    },
-	    "name"_a, "link"_a, "pose"_a.none(), "touch_links"_a = Names(),
+	type.def( "attach_at", &attachObjectAt, "name"_a, "link"_a, "pose"_a.none(), "touch_links"_a = Names(),
 	    nb::sig(
-	        "def attach_at(self, name: str, link: str, pose: numpy.typing.ArrayLike | None, touch_links: Sequence[str] = []) -> Checker" ),
+	        "def attach_at(self, name: str, link: str, pose: numpy.typing.ArrayLike | None, touch_links: Sequence[str] = []) -> "
+	        "Checker" ),
 	    "Attaches an object at a pose in the link's frame." );
-	type.def(
-	    "detach",
-	    []( PyWorld& w, const std::string& name, const nb::object& state )
-	    {
-		    w.world.detach( name, stateOf( state, w ) );
-		    return w.checker();
-	    },
-	    "name"_a, "state"_a = nb::none(),
+	type.def( "detach", &detachObject, "name"_a, "state"_a = nb::none(),
 	    nb::sig( "def detach(self, name: str, state: numpy.typing.ArrayLike | None = None) -> Checker" ),
 	    "Detaches an object; it stays at the pose that it has in this state of the group (None: the reference)." );
-	type.def(
-	    "allow",
-	    []( PyWorld& w, const std::string& link, const std::string& object, bool allowed )
-	    {
-		    w.world.allow( link, object, allowed );
-		    return w.checker();
-	    },
-	    "link"_a, "object"_a, "allowed"_a = true,
+	type.def( "allow", &allowContact, "link"_a, "object"_a, "allowed"_a = true,
 	    "Allows or forbids contact of a link, or an attached object, with an object." );
-	type.def(
-	    "set_margins",
-	    []( PyWorld& w, const io::Margins& margins )
-	    {
-		    w.world.setMargins( margins );
-		    return w.checker();
-	    },
-	    "margins"_a, "Replaces all margins except padding." );
+	type.def( "set_margins", &setMargins, "margins"_a, "Replaces all margins except padding." );
 }
 
 template <typename Class, typename Make> void bindMaker( Class& type, Make make, const char* doc )
