@@ -63,6 +63,16 @@ nb::object limits( const PyChecker& checker, bool upper )
 	return out.object;
 }
 
+nb::object wraps( const PyChecker& checker )
+{
+	const NewArray<bool> out( { checker.variables() } );
+	for ( std::size_t i = 0; i < checker.variables(); ++i )
+	{
+		out.data[i] = lw_robot_variable( lw_checker_robot( checker.get() ), checker.problem->variables[i] ).wraps;
+	}
+	return out.object;
+}
+
 std::vector<std::string> linkNames( const PyChecker& checker )
 {
 	const lw_robot* robot = lw_checker_robot( checker.get() );
@@ -306,6 +316,8 @@ void bindProperties( nb::class_<PyChecker>& type )
 	    "upper", []( const PyChecker& c ) { return limits( c, true ); },
 	    nb::sig( "def upper(self) -> numpy.typing.NDArray[numpy.float64]" ),
 	    "float64 [dof]: upper limits; pi for endless joints." );
+	type.def_prop_ro( "wraps", &wraps, nb::sig( "def wraps(self) -> numpy.typing.NDArray[numpy.bool_]" ),
+	    "bool [dof]: endless joints, whose values wrap." );
 	type.def_prop_ro( "links", &linkNames, "Names of the robot's links, attached objects included." );
 	type.def_prop_ro( "objects", &objectNames, "Names of the scene's objects." );
 	type.def_prop_ro( "names", &pairNames, nb::sig( "def names(self) -> numpy.typing.NDArray[numpy.str_]" ),
