@@ -123,7 +123,7 @@ TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 		{
 			EXPECT_EQ( r.verdict, c.expected );
 		}
-		EXPECT_LE( r.queries, 2 * travel / c.slack + 2 + 2 * 1024 + 4 );
+		EXPECT_LE( r.queries, 2 * travel / c.slack + 2 + 2 * 1024 + 5 );
 		EXPECT_LE( lw_query_get_stats( world.query ).queries, 2 * r.queries ) << "a coarse look and an exact one per state";
 	}
 }
@@ -148,8 +148,33 @@ TEST( Edge, ThinObstacleBetweenSamplesIsFound )
 		lw_edge_result r = world.edge( { 0 }, { 1 }, def );
 		EXPECT_NE( r.verdict, LW_VERDICT_FREE );
 		EXPECT_NEAR( r.t, x, 1e-3 );
-		EXPECT_NEAR( r.proved_until, x, 2e-3 );
+		EXPECT_NEAR( r.proved_until, x, 0.03 * x );
 		EXPECT_LT( r.proved_until, x - 1e-4 );
+	}
+}
+
+// Two balls on a slider, one of which passes something within the slack where the other one, for a short while, is in contact.
+TEST( Edge, UndecidedEdgeNamesAStateWithoutAnyContact )
+{
+	const double where = 0.375; // the middle of a cell, and no state that is probed after an undecided proof
+	for ( const bool first : { false, true } )
+	{
+		World world;
+		slider( world, 1 );
+		world.objects.clear();
+		world.model.bodies.clear();
+		for ( const double y : { -1.0, 1.0 } )
+		{
+			world.model.body( 1, primitive( LW_SHAPE_SPHERE, 0.05, 0, 0 ), at( 0, y, 0 ) );
+			const bool touches = first == ( y < 0 );
+			world.object( primitive( LW_SHAPE_SPHERE, 0.01, 0, 0 ), at( where, y + ( touches ? 0.059 : 0.0601 ), 0 ) );
+		}
+		world.open();
+		lw_edge_def def = lw_edge_def_default();
+		def.close_windows = 0;
+		const lw_edge_result r = world.edge( { 0 }, { 1 }, def );
+		EXPECT_EQ( LW_VERDICT_BLOCKED, r.verdict );
+		EXPECT_NEAR( where, r.t, 0.02 );
 	}
 }
 

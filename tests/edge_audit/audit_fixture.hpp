@@ -37,6 +37,16 @@ struct AuditBench
 	{
 	}
 
+	/// The answer without tables of a query that was never asked before.
+	lw_edge_result ask( const Motion& motion, const lw_edge_def& def ) const
+	{
+		lw_edge_result result;
+		lw_query_reset( plain.get() );
+		EXPECT_EQ( LW_OK,
+		    lw_checker_edge( world.checker.get(), plain.get(), motion.from.data(), motion.to.data(), &def, &result ) );
+		return result;
+	}
+
 	void judge( const Motion& motion, SeededRng& rng, AuditTally& tally )
 	{
 		lw_edge_def def = lw_edge_def_default();

@@ -57,6 +57,101 @@ TEST( EdgeAudit, VerdictsWithMarginsSurviveADenseLook )
 	auditWorlds( unlessSanitized( 60, 20 ), true );
 }
 
+// An edge that was given up for one pair was UNDECIDED at states in which another pair was in contact.
+TEST( EdgeAudit, UndecidedEdgesNameAStateWithoutContact )
+{
+	SeededRng rng;
+	int undecided = 0;
+	for ( int i = 0; i < unlessSanitized( 80, 20 ); ++i )
+	{
+		const EdgeWorld world = randomWorld( rng.engine()(), worldOptions( false ) );
+		AuditBench bench( world );
+		lw_edge_def def = lw_edge_def_default();
+		def.slack = 0.1;
+		def.close_windows = 0;
+		def.want_proved_until = i % 2 == 0;
+		for ( int k = 0; k < 10; ++k )
+		{
+			const Motion motion = { world.randomState( rng.engine() ), world.randomState( rng.engine() ) };
+			const lw_edge_result r = bench.ask( motion, def );
+			EdgeTruth truth( world, bench.auditor, motion, def.min_d );
+			EXPECT_EQ( r.verdict == LW_VERDICT_UNDECIDED ? truth.refute( def, r ) : "", "" ) << world.name;
+			undecided += r.verdict == LW_VERDICT_UNDECIDED;
+		}
+	}
+	std::printf( "%d undecided\n", undecided );
+	EXPECT_GT( undecided, unlessSanitized( 50, 5 ) );
+}
+
+// The run from the start once took 1,600 times the states of the verdict.
+TEST( EdgeAudit, RunsCostAsMuchAsTheirVerdict )
+{
+	SeededRng rng;
+	unsigned partial = 0, states = 0, limit = 0;
+	for ( int i = 0; i < unlessSanitized( 150, 30 ); ++i )
+	{
+		const EdgeWorld world = randomWorld( rng.engine()(), worldOptions( false ) );
+		AuditBench bench( world );
+		for ( int k = 0; k < 10; ++k )
+		{
+			const Motion motion = { world.randomState( rng.engine() ), world.randomState( rng.engine() ) };
+			lw_edge_def def = lw_edge_def_default();
+			const lw_edge_result verdict = bench.ask( motion, def );
+			def.want_proved_until = true;
+			const lw_edge_result run = bench.ask( motion, def );
+			EXPECT_LE( run.queries, verdict.queries + std::max( verdict.queries, 32u ) + 1 ) << world.name;
+			states += run.verdict == LW_VERDICT_FREE ? 0 : run.queries;
+			limit += run.verdict == LW_VERDICT_FREE ? 0 : verdict.queries + std::max( verdict.queries, 8u );
+			EXPECT_TRUE( verdict.verdict != LW_VERDICT_BLOCKED || run.verdict == LW_VERDICT_BLOCKED ) << world.name;
+			partial += run.verdict != LW_VERDICT_FREE && run.proved_until > 0;
+		}
+	}
+	std::printf( "%u runs, %u states, at most %u\n", partial, states, limit );
+	EXPECT_LE( states, limit );
+	EXPECT_GT( partial, unlessSanitized( 200u, 20u ) );
+}
+
+// Earlier questions leave planes and nearest pairs in the query. They may decide whether a proof is found before it is given up,
+// but nothing else: no edge farther from everything than the slack is ever UNDECIDED, and no edge that collides is FREE.
+TEST( EdgeAudit, EarlierQuestionsChangeVerdictsWithinTheSlackOnly )
+{
+	SeededRng rng;
+	int within = 0, beyond = 0, changed = 0;
+	for ( int i = 0; i < unlessSanitized( 40, 8 ); ++i )
+	{
+		const EdgeWorld world = randomWorld( rng.engine()(), worldOptions( false ) );
+		AuditBench bench( world );
+		lw_edge_def def = lw_edge_def_default();
+		def.slack = 0.02;
+		def.close_windows = 4; // so few that pairs within the slack are mostly given up
+		std::vector<Motion> motions;
+		std::vector<lw_edge_result> first;
+		for ( int k = 0; k < 12; ++k )
+		{
+			motions.push_back( world.randomMotion( k % 2 == 0, k % 3 == 0 ? 2 : 0.3, rng.engine(), bench.audit.get() ) );
+			first.push_back( bench.ask( motions.back(), def ) );
+		}
+		for ( int k = 0; k < 60; ++k )
+		{
+			const std::size_t which = static_cast<std::size_t>( rng.integer( 0, 11 ) );
+			lw_edge_result again;
+			ASSERT_EQ( LW_OK, lw_checker_edge( world.checker.get(), bench.plain.get(), motions[which].from.data(),
+			                      motions[which].to.data(), &def, &again ) );
+			EdgeTruth truth( world, bench.auditor, motions[which], def.min_d );
+			EXPECT_EQ( truth.refute( def, again ), "" ) << world.name;
+			const bool near = truth.whole().least <= ( def.min_d + def.slack ) / ( 1 - def.alpha ) + EdgeTruth::rounding;
+			EXPECT_TRUE( near || again.verdict == LW_VERDICT_FREE ) << world.name << ": least " << truth.whole().least;
+			EXPECT_TRUE( near || first[which].verdict == LW_VERDICT_FREE ) << world.name;
+			within += near;
+			beyond += !near;
+			changed += again.verdict != first[which].verdict;
+		}
+	}
+	std::printf( "%d within the slack, %d beyond, %d verdicts changed\n", within, beyond, changed );
+	EXPECT_GT( within, 20 );
+	EXPECT_GT( beyond, 20 );
+}
+
 // An auditor that steps over contacts would agree with every certificate. A ball at the end of an arm sweeps past the tip of
 // a needle: contact is 0.25 mm of its way of 2 m, or misses it by a nanometre.
 TEST( EdgeAudit, TheAuditorFindsAContactOfAQuarterMillimetre )

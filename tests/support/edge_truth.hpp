@@ -97,6 +97,12 @@ private:
 			return;
 		}
 		m_reproduced = m_reproduced || ( blocked && d <= m_min_d );
+		if ( !blocked && m_auditor.clearance( state.data() ) < m_min_d - rounding )
+		{
+			std::snprintf( text, size, "UNDECIDED at t = %.17g, where the distance of another pair is %.9g m", r.t,
+			    m_auditor.clearance( state.data() ) );
+			return;
+		}
 		if ( r.proved_until > 0 )
 		{
 			const EdgeAuditor::Look part = look( r.proved_until );

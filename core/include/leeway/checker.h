@@ -241,7 +241,8 @@ typedef struct lw_edge_def
 	uint32_t close_windows; ///< CERTIFIED: how many time intervals may be halved for pairs within slack, 1,024; 0: none
 	double max_d; ///< metres, > 0, STEPS: bound of the motion of any robot point between two checked states
 	double alpha; ///< relative tolerance of the distances used, [0, 1)
-	/// Compute proved_until also if a violation is found early (t_last of OMPL's checkMotion). Costs extra states.
+	/// Compute proved_until also if a violation is found early (t_last of OMPL's checkMotion). Costs as many states again, or 8
+	/// if those are more; up to 32 while nothing is proved.
 	bool want_proved_until;
 	/// CERTIFIED: FREE holds for every motion r with |r_j(t) - q_j(t)| <= tolerance[j] at all t, q being the edge; what a
 	/// controller may deviate before it stops. [variable count of the group], radians and metres, finite, >= 0; 0 for
@@ -255,9 +256,10 @@ LW_API lw_edge_def lw_edge_def_default( void );
 typedef struct lw_edge_result
 {
 	/// CERTIFIED: FREE is a proof for every t in [0, 1]. BLOCKED comes with a colliding state, at t: its clearance is <=
-	/// min_d. UNDECIDED: the clearance of `pair` at t is at most (min_d + slack) / (1 - alpha), and the proof ended there
-	/// because the pair is too close to min_d or stays close for too long (close_windows). Allow the pair if it may touch,
-	/// or reduce min_d. With a tolerance the clearance is larger by at most the distance that the pair's points may move
+	/// min_d. UNDECIDED: at t all clearances are above min_d, that of `pair` is at most (min_d + slack) / (1 - alpha), and the
+	/// proof ended there because the pair is too close to min_d or stays close for too long (close_windows). Whether an edge
+	/// within that band is FREE or UNDECIDED, and one that collides BLOCKED or UNDECIDED, may depend on earlier calls with
+	/// this query (lw_query_reset() forgets them); nothing else does. Allow the pair if it may touch, or reduce min_d. With a tolerance the clearance is larger by at most the distance that the pair's points may move
 	/// within it, and the remedy is a smaller tolerance.
 	/// STEPS: FREE means that all checked states are > min_d, and no more; core/docs/edges.md derives the use of max_d.
 	/// Both: UNDECIDED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it.
@@ -274,8 +276,8 @@ typedef struct lw_edge_result
 /// Checks the straight edge from qa to qb (see lw_robot_interpolate): both ends and everything between.
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (verdict UNKNOWN)
 /// Cost: CERTIFIED: typically a handful of states. At most 2 V / slack + 2, where V bounds the motion of any robot point
-/// over the edge; plus 2 close_windows if pairs are within slack, plus 4 to search for a collision; never more than
-/// LW_EDGE_MOST_STATES. proved_until may cost as many again. STEPS: V / max_d states.
+/// over the edge; plus 2 close_windows if pairs are within slack, plus 5 to search for a collision; never more than
+/// LW_EDGE_MOST_STATES. proved_until: as many again, at least 8. STEPS: V / max_d states.
 /// Method: Schwarzer, Saha, Latombe 2005, with motion bounded by chords; formulas and proof in core/docs/edges.md.
 LW_API lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
 	const lw_edge_def* def, lw_edge_result* out );

@@ -124,10 +124,8 @@ static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_wi
 }
 
 /// Gives a pair that is within the edge's slack a smaller one: half of its room above min_d in the middle of the window.
-/// While the run from the start is proved, a quarter of its room at the start, so that the run does not follow the pair into
-/// the contact that ended the edge.
 /// @return false if the clearance in the middle is within that too
-static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window, lwi_edge_sample* s )
+static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_sample* s )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
 	const double least = lwi_edge_least( e, pair );
@@ -137,17 +135,8 @@ static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window, l
 		return false;
 	}
 	const double room = s->clearance.lower - least - e->rounding[self];
-	double slack = 0.5 * room;
-	if ( e->runs )
-	{
-		lw_clearance start;
-		if ( !lwi_edge_pose( e, 0 ) || !ask( e, pair, &exact, &start ) || !lwi_edge_pose( e, window.t ) )
-		{
-			return false;
-		}
-		slack = 0.25 * ( start.lower - least - e->rounding[self] );
-	}
-	if ( !( slack < room ) || !( slack > 4 * e->rounding[self] ) )
+	const double slack = 0.5 * room;
+	if ( !( slack > 4 * e->rounding[self] ) )
 	{
 		return false;
 	}
@@ -216,7 +205,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 		note_plane( e, pair );
 		return s;
 	}
-	if ( s.low && !s.blocked && tighten( e, pair, window, &s ) )
+	if ( s.low && !s.blocked && tighten( e, pair, &s ) )
 	{
 		s.low = false;
 		if ( is_proved( e, pair, loss, &s ) || ( prove_by_planes( e, pair, window, 0, &s ) && s.proved ) )
@@ -240,7 +229,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 bool lwi_edge_fail( lwi_edge* e, const lwi_edge_pair* pair, double t, const lwi_edge_sample* s )
 {
 	lw_edge_result* out = e->out;
-	if ( out->verdict != LW_VERDICT_BLOCKED || s->blocked )
+	if ( s->blocked || ( out->verdict != LW_VERDICT_BLOCKED && !e->runs ) )
 	{
 		out->verdict = s->blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_UNDECIDED;
 		out->t = t;

@@ -98,7 +98,17 @@ bool lwi_edge_probe( lwi_edge* e, uint32_t work )
 
 void lwi_edge_probe_undecided( lwi_edge* e )
 {
-	if ( e->out->verdict == LW_VERDICT_UNDECIDED && e->longest > 0 )
+	const lw_edge_result* out = e->out;
+	if ( out->verdict != LW_VERDICT_UNDECIDED )
+	{
+		return;
+	}
+	// the other pairs at t, of which most were proved by windows around other places or not yet looked at
+	if ( out->pair.kind != LW_CLEARANCE_UNKNOWN && !lwi_edge_state_is_free( e, out->t ) )
+	{
+		return;
+	}
+	if ( e->longest > 0 )
 	{
 		probe_states( e, CLOSE_LEVELS ); // a collision elsewhere is worth knowing
 	}

@@ -6,6 +6,15 @@
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
+enum
+{
+	RUN_STATES = 8,   ///< for proved_until, at least; as many as for the verdict if those are more
+	FIRST_STATES = 32 ///< the same while nothing is proved: an edge may begin within the slack, as grips do
+};
+
+/// A run ends where the next piece is a smaller share of the proved part.
+#define LEAST_GAIN 0.01
+
 // ---- one open interval -------------------------------------------------------------------------------------------------
 
 /// Part of an edge that is still to be proved.
@@ -178,13 +187,9 @@ static bool prove_by_batch( lwi_edge* e )
 
 bool lwi_edge_prove( lwi_edge* e )
 {
-	if ( !check_static( e ) )
-	{
-		return false;
-	}
 	// nothing moves: one state, the given one
 	const lwi_edge_window whole = e->longest > 0 ? (lwi_edge_window){ 0.5, 0.5 } : (lwi_edge_window){ 1, 0 };
-	if ( lwi_edge_measure_clusters( e, whole.t, whole.t ) &&
+	if ( check_static( e ) && lwi_edge_measure_clusters( e, whole.t, whole.t ) &&
 		 ( lwi_edge_has_batch( e ) ? prove_by_batch( e ) : prove_by_midpoint_pass( e, whole ) ) )
 	{
 		double proved = INFINITY; // nothing was to be measured
@@ -201,61 +206,75 @@ bool lwi_edge_prove( lwi_edge* e )
 
 // ---- from the left ---------------------------------------------------------------------------------------------------
 
-/// Extends the proof of one pair from the left as far as it goes, not beyond `until`. @return the end of the proved part
-static double prove_from_left( lwi_edge* e, lwi_edge_pair* pair, double until )
+/// A piece, and the first of e->levels[0] as the pairs that are not proved on it.
+typedef struct run_piece
 {
-	piece stack[LWI_EDGE_MAX_DEPTH + 2];
-	int depth = 0;
-	stack[depth++] = (piece){ 0, until };
-	while ( depth > 0 )
+	piece part;
+	uint32_t open;
+} run_piece;
+
+/// Measures the open pairs of a piece in its middle. Those that are not proved come first. @return false if one of them is
+/// too near there, so that nothing is proved from the middle on
+static bool measure_run_piece( lwi_edge* e, run_piece* p )
+{
+	lwi_open_interval* intervals = e->levels[0].intervals;
+	const lwi_edge_window window = window_of( p->part );
+	uint32_t open = 0;
+	bool high = true;
+	for ( uint32_t i = 0; i < p->open; ++i )
 	{
-		piece open = stack[--depth]; // everything left of it is proved
-		lwi_edge_window window = window_of( open );
-		lwi_edge_sample s = lwi_edge_measure( e, pair, window, false );
-		if ( s.proved )
-		{
-			continue;
-		}
+		lwi_edge_pair* pair = &e->pairs[intervals[i].pair];
+		const lwi_edge_sample s = high ? lwi_edge_measure( e, pair, window, false ) : ( lwi_edge_sample ){ 0 };
 		if ( s.blocked )
 		{
 			lwi_edge_fail( e, pair, window.t, &s );
 		}
-		// halve again, down to the width that a slack would prove
-		if ( e->failed || depth + 2 > LWI_EDGE_MAX_DEPTH ||
-			 !( e->longest * ( window.t - open.a ) > 0.5 * lwi_edge_slack( e, pair ) ) )
+		high = high && ( s.proved || !s.low );
+		if ( !s.proved )
 		{
-			return open.a;
+			const lwi_open_interval swap = intervals[open];
+			intervals[open++] = intervals[i];
+			intervals[i] = swap;
 		}
-		if ( s.low )
+	}
+	p->open = open;
+	return high;
+}
+
+/// Proves [0, until] for the pairs that a midpoint pass left open, left halves first. @param enough states, once something is proved @return the end of the proved part
+static double prove_from_left( lwi_edge* e, double until, uint32_t enough )
+{
+	run_piece stack[LWI_EDGE_MAX_DEPTH + 2];
+	int depth = 0;
+	double proved = 0;
+	stack[depth++] = ( run_piece ){ { 0.5 * until, until }, e->pair_count };
+	stack[depth++] = ( run_piece ){ { 0, 0.5 * until }, e->pair_count };
+	while ( depth > 0 && !e->failed )
+	{
+		run_piece p = stack[--depth]; // everything left of it is proved
+		const double middle = 0.5 * p.part.a + 0.5 * p.part.b;
+		const bool high = p.open == 0 || measure_run_piece( e, &p );
+		if ( p.open == 0 )
 		{
-			until = window.t; // nothing is proved from here on
-			depth = 0;
+			proved = p.part.b;
+			continue;
+		}
+		if ( e->out->queries >= ( proved > 0 ? enough : e->most_states ) || depth + 2 > LWI_EDGE_MAX_DEPTH ||
+			 middle - p.part.a < LEAST_GAIN * proved )
+		{
+			break;
+		}
+		if ( high )
+		{
+			stack[depth++] = ( run_piece ){ { middle, p.part.b }, p.open };
 		}
 		else
 		{
-			stack[depth++] = (piece){ window.t, open.b };
+			depth = 0; // nothing is proved from there on
 		}
-		stack[depth++] = (piece){ open.a, window.t };
+		stack[depth++] = ( run_piece ){ { p.part.a, high ? middle : nextafter( middle, 0 ) }, p.open };
 	}
-	return until;
-}
-
-/// A state that is not free, as far left before `until` as a search by eighths and six halvings finds: without it most pairs
-/// would be proved far beyond where another one ends the run.
-static double locate_failure( lwi_edge* e, double until )
-{
-	double free_t = 0, blocked_t = until;
-	for ( int i = 1; i < 8 && blocked_t == until; ++i )
-	{
-		double t = until * i / 8;
-		*( lwi_edge_state_is_free( e, t ) ? &free_t : &blocked_t ) = t;
-	}
-	for ( int i = 0; i < 6; ++i )
-	{
-		double t = 0.5 * free_t + 0.5 * blocked_t;
-		*( lwi_edge_state_is_free( e, t ) ? &free_t : &blocked_t ) = t;
-	}
-	return blocked_t;
+	return proved;
 }
 
 static bool run_midpoint_pass( lwi_edge* e, lwi_edge_window window )
@@ -270,18 +289,17 @@ double lwi_edge_proved_run( lwi_edge* e )
 	{
 		return 0;
 	}
+	const uint32_t states = e->out->queries;
 	e->runs = true;
 	e->close = 0;
-	e->most_states = e->out->queries + LW_EDGE_MOST_STATES;
-	double until = e->out->t > 0 ? nextafter( locate_failure( e, e->out->t ), 0 ) : 0;
+	const uint32_t enough = states + ( states > RUN_STATES ? states : RUN_STATES );
+	e->most_states = enough > states + FIRST_STATES ? enough : states + FIRST_STATES;
+	double until = lwi_edge_state_is_free( e, 0 ) ? nextafter( e->out->t, 0 ) : 0;
 	while ( until > 0 && !e->failed && !run_midpoint_pass( e, window_of( (piece){ 0, until } ) ) )
 	{
 		// something is too near at the middle already
-		until = e->longest * until > e->def->slack ? nextafter( 0.5 * until, 0 ) : 0;
+		until = e->out->queries < e->most_states ? nextafter( 0.5 * until, 0 ) : 0;
 	}
-	for ( uint32_t i = 0; i < e->pair_count && until > 0 && !e->failed; ++i )
-	{
-		until = lwi_smaller( until, prove_from_left( e, &e->pairs[i], until ) );
-	}
+	until = until > 0 ? prove_from_left( e, until, enough ) : 0;
 	return e->failed ? 0 : until;
 }
