@@ -13,7 +13,7 @@ from scikit_build_core.build import *  # noqa: F401,F403: all other hooks
 HERE = pathlib.Path(__file__).resolve().parent
 CLONE = HERE.parent.parent
 COPY = HERE / "_sources"
-PARTS = ["CMakeLists.txt", "LICENSE", "README.md", "core", "ompl_bridge", "planners", "benchmarks/README.md", "examples/first",
+PARTS = ["CMakeLists.txt", "LICENSE", "README.md", "core", "ompl_bridge", "planners", "benchmarks/README.md", "examples/first", "examples/python",
     "examples/kitchen/README.md"]
 
 

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The scripts of examples/python run and draw pictures that are not blank; the script of README.md runs."""
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from conftest import ROOT
+
+SCRIPTS = sorted((ROOT / "examples" / "python").glob("[0-9]*.py"))
+
+
+def run(arguments, folder):
+    environment = dict(os.environ, MPLBACKEND="Agg", MPLCONFIGDIR=str(folder), PYTHONWARNINGS="error::DeprecationWarning:leeway")
+    done = subprocess.run([sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True, timeout=240)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_examples_draw_their_picture(script, tmp_path):
+    image = pytest.importorskip("matplotlib.image") if not os.environ.get("LEEWAY_PYTHON_REFERENCE") else None
+    if script.stem == "03_world" and image is not None:
+        pytest.importorskip("toppra")
+    printed = run([script, tmp_path / "out.png"], tmp_path)
+    import matplotlib.image
+    pixels = matplotlib.image.imread(tmp_path / "out.png")
+    assert pixels.shape[0] > 200 and pixels[..., :3].std() > 0.05 and "out.png" in printed
+
+
+def test_three_examples_are_there():
+    assert [script.name[:2] for script in SCRIPTS] == ["01", "02", "03"]
+
+
+def test_script_of_the_readme_runs(tmp_path):
+    page = (ROOT / "planners" / "python" / "README.md").read_text()
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1).replace("examples/first", str(ROOT / "examples" / "first"))
+    printed = run(["-c", code], tmp_path)
+    assert "Plan(SOLVED" in printed and printed.strip().endswith("True")
