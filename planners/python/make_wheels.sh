@@ -10,6 +10,7 @@
 # of the tree, and runs the tests there. Needs .ci/install.sh core bridge python. LEEWAY_PYTHON_REFERENCE names the program
 # python_reference of a build folder; without it the tests that compare bits with C are left out, and the script says so.
 set -euo pipefail
+shopt -s inherit_errexit
 cd "$( dirname "${BASH_SOURCE[0]}" )/../.."
 out=build/wheels
 if [ "${1:-}" = --out ]; then

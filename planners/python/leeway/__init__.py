@@ -12,7 +12,7 @@ answer. Unusable input raises leeway.Error, which is a ValueError; an error neve
 """
 from ._core import (Checker, CoreError, Error, InputError, Margins, Outcome, Padding, Reach, Robot, Scene, Shape, Verdict, World,
     __version__, distance)
-from .results import Clearances, Distance, LinkSpheres, Motions, Plan
+from .results import Clearances, Distance, GoalStates, LinkSpheres, Motions, Plan
 
-__all__ = ["Checker", "Clearances", "CoreError", "Distance", "Error", "InputError", "LinkSpheres", "Margins", "Motions", "Outcome",
+__all__ = ["Checker", "Clearances", "CoreError", "Distance", "Error", "GoalStates", "InputError", "LinkSpheres", "Margins", "Motions", "Outcome",
     "Padding", "Plan", "Reach", "Robot", "Scene", "Shape", "Verdict", "World", "__version__", "distance"]

@@ -67,6 +67,15 @@ class LinkSpheres(NamedTuple):
     encloses: bool  #: proved
 
 
+class GoalStates(NamedTuple):
+    """States that reach a pose, each proved free."""
+    states: Array  #: float64 [k, dof]
+    message: str  #: the reason if there is none
+
+    def __repr__(self) -> str:
+        return f"GoalStates({len(self.states)} states{'; ' + self.message if self.message else ''})"
+
+
 class Plan(NamedTuple):
     """Result of a search. Only Outcome.SOLVED has a path; no other outcome says that there is none."""
     outcome: Outcome

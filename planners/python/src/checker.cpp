@@ -27,9 +27,12 @@ using Allowed = std::vector<std::pair<std::string, std::string>>;
 /// leeway.World: it makes checkers.
 struct PyWorld
 {
-	PyWorld( const PyRobot& robot, const io::ProblemOptions& options ) : world( *robot.model, options ) {}
+	PyWorld( const PyRobot& robot, const io::ProblemOptions& options ) : world( *robot.model, options ), model( robot.model )
+	{
+	}
 	io::World world;
-	PyChecker checker() const { return PyChecker( world.problem() ); }
+	std::shared_ptr<const io::RobotModel> model;
+	PyChecker checker() const { return PyChecker( world.problem(), model ); }
 };
 
 void makeChecker( PyChecker* self, const PyRobot& robot, const PyScene* scene, const std::string& group,
@@ -39,7 +42,7 @@ void makeChecker( PyChecker* self, const PyRobot& robot, const PyScene* scene, c
 	const io::ProblemOptions options =
 	    optionsOf( robot, scene, { group, reference, allowed, margins, padding, reach, min_d, max_d } );
 	const nb::gil_scoped_release unlocked;
-	new ( self ) PyChecker( std::make_shared<const io::Problem>( io::buildProblem( *robot.model, options ) ) );
+	new ( self ) PyChecker( std::make_shared<const io::Problem>( io::buildProblem( *robot.model, options ) ), robot.model );
 }
 
 void makeWorld( PyWorld* self, const PyRobot& robot, const PyScene* scene, const std::string& group,
@@ -335,8 +338,8 @@ void bindProperties( nb::class_<PyChecker>& type )
 
 } // namespace
 
-PyChecker::PyChecker( std::shared_ptr<const io::Problem> made )
-    : problem( std::move( made ) ), queries( std::make_shared<QueryPool>( problem->checker ) )
+PyChecker::PyChecker( std::shared_ptr<const io::Problem> made, std::shared_ptr<const io::RobotModel> robot )
+    : problem( std::move( made ) ), model( std::move( robot ) ), queries( std::make_shared<QueryPool>( problem->checker ) )
 {
 }
 
@@ -429,6 +432,7 @@ void bindCheckers( nb::module_& module )
 	bindProperties( type );
 	bindStates( type );
 	bindMotions( type );
+	bindGoals( type );
 	bindPlans( module, type );
 	type.def( "full_state", &fullState, "q"_a,
 	    nb::sig( "def full_state(self, q: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]" ),

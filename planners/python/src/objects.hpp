@@ -63,8 +63,9 @@ private:
 /// leeway.Checker: a snapshot, immutable.
 struct PyChecker
 {
-	explicit PyChecker( std::shared_ptr<const io::Problem> made );
+	PyChecker( std::shared_ptr<const io::Problem> made, std::shared_ptr<const io::RobotModel> robot );
 	std::shared_ptr<const io::Problem> problem;
+	std::shared_ptr<const io::RobotModel> model; ///< of `problem`
 	std::shared_ptr<QueryPool> queries;
 	const lw_checker* get() const { return problem->checker.get(); }
 	std::size_t variables() const { return problem->variables.size(); }
@@ -113,6 +114,7 @@ void bindScenes( nb::module_& module );
 void bindCheckers( nb::module_& module );
 void bindStates( nb::class_<PyChecker>& type );
 void bindMotions( nb::class_<PyChecker>& type );
+void bindGoals( nb::class_<PyChecker>& type );
 void bindPlans( nb::module_& module, nb::class_<PyChecker>& type );
 void bindReach( nb::module_& module );
 

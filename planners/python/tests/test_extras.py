@@ -12,7 +12,7 @@ from conftest import FIRST, ball_robot
 
 
 def package(name):
-    return importlib.import_module(name) if os.environ.get("LEEWAY_PYTHON_REFERENCE") else pytest.importorskip(name)
+    return importlib.import_module(name) if os.environ.get("LEEWAY_PYTHON_EXTRAS") else pytest.importorskip(name)
 
 
 @pytest.fixture

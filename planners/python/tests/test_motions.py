@@ -115,3 +115,23 @@ def test_plans_state_their_reasons(checker, states):
     assert again[0].path.tobytes() == again[1].path.tobytes() and again[0].seed == 5
     several = checker.plan(free[2], free[:6], threads=2, optimize_seconds=0.1, seconds=5)
     assert several.solved and several.length <= several.raw_length + 1e-9 and checker.path(several.path).all_free
+
+
+def test_goal_states_reach_their_pose_and_are_free(checker, robot, states):
+    q = states[checker.is_free(states, min_d=0.005)][0]
+    hand = robot.links.index("hand")
+    pose = robot.fk(checker.full_state(q))[hand]
+    found = checker.goal_states("hand", pose, min_d=0.005, count=4)
+    assert 1 <= len(found.states) <= 4 and found.message == ""
+    assert checker.is_free(found.states, min_d=0.005).all()
+    assert (found.states >= checker.lower).all() and (found.states <= checker.upper).all()
+    reached = robot.fk(checker.full_state(found.states))[:, hand]
+    assert (numpy.linalg.norm(reached[:, :3, 3] - pose[:3, 3], axis=1) <= 1e-4 + 1e-12).all()
+    turns = numpy.einsum("kij,il->kjl", reached[:, :3, :3], pose[:3, :3])
+    assert (numpy.trace(turns, axis1=1, axis2=2) >= 1 + 2 * numpy.cos(2e-3)).all()
+    assert checker.goal_states("hand", pose, min_d=0.005, count=4).states.tobytes() == found.states.tobytes()
+    assert checker.plan(checker.start, found.states, seconds=10).solved
+    far = checker.goal_states("hand", [9, 9, 9])
+    assert far.states.shape == (0, 4) and far.message
+    with pytest.raises(leeway.InputError, match="palm"):
+        checker.goal_states("palm", pose)
