@@ -6,8 +6,10 @@
 #   2. build-tsan: the tests that start threads, under the thread sanitizer
 #   3. build-fuzz: by clang, warnings are errors; every fuzz target for FUZZ_SECONDS (default 30, ten minutes of processor time in
 #                  all; 0 leaves the stage out). Longer runs are listed in tests/fuzz/README.md
-#   4. build:      release, warnings are errors; cppcheck over all sources; query tests at lower SIMD levels; last, all tests
+#   4. build:      release, warnings are errors; cppcheck over all sources; query tests at lower SIMD levels; kernels and answers on an emulated
+#                  64-bit ARM (build-arm64); last, all tests
 #
+# Longer runs before a release are tests/release.sh: packages, all of the core's tests on 64-bit ARM, other versions of OMPL.
 # clang-tidy, and a build of all of it by clang with its tests, are tests/lint.sh: another fifteen minutes, which are more
 # than CI has.
 #
@@ -58,11 +60,11 @@ configure()
 }
 
 # configure_sanitized FOLDER SANITIZERS: -O1 keeps line numbers true and builds fast; C++ under sanitizers takes half of that
-# time with -Og. Tests are found when they are run, because a program may need the runner below even to list its tests.
+# time with -Og. Plain char is unsigned, as on ARM. Tests are found when they are run, because a program may need the runner below even to list its tests.
 configure_sanitized()
 {
-	configure "$1" -DLEEWAY_SANITIZE="$2" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1" \
-		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-Og -g1" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF \
+	configure "$1" -DLEEWAY_SANITIZE="$2" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1 -funsigned-char" \
+		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-Og -g1 -funsigned-char" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF \
 		-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
 }
 
@@ -187,6 +189,7 @@ stage "release: build" build build
 stage "cppcheck" tests/lint.sh build cppcheck
 # The best level that this machine has is that of all tests below
 stage "release: query tests, at most SSE2 and scalar" at_levels 2 1
+stage "64-bit ARM: kernels and answers, emulated" tests/arm64/run.sh quick build/bin/print_answers
 for note in ${notes[@]+"${notes[@]}"}; do
 	heading "note: $note"
 done

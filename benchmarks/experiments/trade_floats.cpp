@@ -26,7 +26,7 @@ const Case CASES[] = {
     { "building and hand", 100.0, 0.1, 200.0 },
 };
 const char* const KERNELS[] = { "triangle - triangle", "point - triangle" };
-const char* const LEVELS[] = { "", "scalar", "SSE2", "AVX2" };
+const char* const LEVELS[] = { "", "scalar", "SSE2", "AVX2", "NEON" };
 
 /// Errors of the float gaps of one kind. A unit is 2^-24 of the size of the question, as simd/kernels.h defines it.
 struct FloatErrors
@@ -202,8 +202,12 @@ void addTradeFloats( const ExperimentSettings& settings, const TradeSettings& tr
 			share += 0.125;
 			FloatErrors worst{};
 			worst.worst = -1;
-			for ( int level = LW_SIMD_SCALAR; level <= lw_simd_available() && level <= LW_SIMD_AVX2; ++level )
+			for ( int level = LW_SIMD_SCALAR; level <= lw_simd_available(); ++level )
 			{
+				if ( !lw_simd_supported( static_cast<lw_simd>( level ) ) )
+				{
+					continue;
+				}
 				FloatErrors r = floatErrors(
 				    static_cast<lw_simd>( level ), kernel, c.extent_a, c.extent_b, c.apart, settings.seed, leaves );
 				r.worst += trade.inject == "float" ? 1.1 * r.promised : 0;

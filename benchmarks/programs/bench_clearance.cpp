@@ -352,9 +352,13 @@ bool compareVariants( const Settings& settings, const leeway::io::Problem& probl
 	def = lw_query_def_default();
 	def.warm_start = !def.warm_start;
 	switches.push_back( enter( def.warm_start ? "warm start" : "no warm start", problem, def ) );
-	static const char* const levels[] = { "", "level scalar", "level SSE2", "level AVX2" };
+	static const char* const levels[] = { "", "level scalar", "level SSE2", "level AVX2", "level NEON" };
 	for ( int level = LW_SIMD_SCALAR; level <= lw_simd_available(); ++level )
 	{
+		if ( !lw_simd_supported( static_cast<lw_simd>( level ) ) )
+		{
+			continue;
+		}
 		def = lw_query_def_default();
 		def.simd = static_cast<lw_simd>( level );
 		switches.push_back( enter( levels[level], problem, def ) );

@@ -15,7 +15,7 @@
 namespace
 {
 
-const char* const LEVELS[] = { "", "scalar", "SSE2", "AVX2" };
+const char* const LEVELS[] = { "", "scalar", "SSE2", "AVX2", "NEON" };
 
 /// Triangles of a few centimetres, a few centimetres apart: typical of the pairs that reach the leaves.
 std::vector<lw_vec3> randomTriangles( std::size_t count )
@@ -178,7 +178,7 @@ void registerAll()
 	static const char* const kernels[] = { "sphereGap", "leafGap", "triangleGap" };
 	for ( int level = LW_SIMD_SCALAR; level <= lw_simd_available(); ++level )
 	{
-		for ( int kernel = 0; kernel < 3; ++kernel )
+		for ( int kernel = 0; kernel < 3 && lw_simd_supported( static_cast<lw_simd>( level ) ); ++kernel )
 		{
 			const std::string name = std::string( kernels[kernel] ) + "/" + LEVELS[level];
 			benchmark::RegisterBenchmark( name.c_str(), filter, kernel, level );

@@ -97,6 +97,8 @@ const char* simdName( lw_simd level )
 		return "SSE2";
 	case LW_SIMD_AVX2:
 		return "AVX2";
+	case LW_SIMD_NEON:
+		return "NEON";
 	case LW_SIMD_BEST:
 		break;
 	}

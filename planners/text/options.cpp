@@ -79,8 +79,8 @@ void addQuestionOptions( CLI::App& app, CommonOptions& options, const CommonNeed
 	    ->type_name( "env|self|both" )
 	    ->group( question );
 	rare( app.add_option( "--simd", options.simd_name, "highest instruction set; it changes no answer (default best)" )
-	          ->check( CLI::IsMember( { "scalar", "sse2", "avx2", "best" } ).description( "" ) )
-	          ->type_name( "scalar|sse2|avx2|best" )
+	          ->check( CLI::IsMember( { "scalar", "sse2", "avx2", "neon", "best" } ).description( "" ) )
+	          ->type_name( "scalar|sse2|avx2|neon|best" )
 	          ->group( question ) );
 }
 
@@ -282,10 +282,11 @@ void validate( const CLI::App& app, CommonOptions& options )
 	const lw_simd wanted = options.simd_name == "scalar" ? LW_SIMD_SCALAR
 	                       : options.simd_name == "sse2" ? LW_SIMD_SSE2
 	                       : options.simd_name == "avx2" ? LW_SIMD_AVX2
+	                       : options.simd_name == "neon" ? LW_SIMD_NEON
 	                                                     : LW_SIMD_BEST;
 	if ( wanted != LW_SIMD_BEST )
 	{
-		if ( lw_simd_available() < wanted )
+		if ( !lw_simd_supported( wanted ) )
 		{
 			wrong( "--simd", fmt::format( "this machine or build has no {}", options.simd_name ), "use --simd best" );
 		}

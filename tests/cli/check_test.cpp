@@ -274,7 +274,7 @@ TEST_F( CliCheck, EveryInstructionSetGivesTheSameAnswer )
 	};
 	const std::string scalar = answers( "scalar" );
 	EXPECT_NE( scalar, "" );
-	for ( const char* simd : { "sse2", "avx2", "best" } )
+	for ( const char* simd : { "sse2", "avx2", "neon", "best" } )
 	{
 		const std::string other = answers( simd );
 		EXPECT_TRUE( other.empty() || other == scalar ) << simd << "\n" << other << scalar;

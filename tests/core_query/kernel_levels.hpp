@@ -12,7 +12,7 @@
 inline std::vector<const lwi_kernels*> kernelLevels()
 {
 	std::vector<const lwi_kernels*> tables;
-	for ( lw_simd level : { LW_SIMD_SCALAR, LW_SIMD_SSE2, LW_SIMD_AVX2 } )
+	for ( lw_simd level : { LW_SIMD_SCALAR, LW_SIMD_SSE2, LW_SIMD_AVX2, LW_SIMD_NEON } )
 	{
 		const lwi_kernels* table = lwi_kernels_get( level );
 		if ( table->level == level )

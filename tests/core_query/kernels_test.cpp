@@ -249,6 +249,33 @@ TEST( Kernels, LevelDiffersFromScalar )
 	}
 }
 
+// An instruction's own minimum hands on another operand than a comparison with a selection
+TEST( Kernels, LevelTakesAnotherOperandThanNoNumber )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 2000; ++i )
+	{
+		Input in = random_input( rng );
+		const auto at = static_cast<std::size_t>( rng.integer( 0, 2 ) ),
+		           lane = static_cast<std::size_t>( rng.integer( 0, 6 ) );
+		float* const places[] = { &in.sphere[at], &in.motion.t[at], &in.node.r[lane], &in.boxes.min[at][lane],
+		    &in.boxes.max[at][lane], &in.leaf.v[at][0][lane], &in.obbs.low[at][lane], &in.primitive.size[at] };
+		*places[rng.integer( 0, 7 )] = NAN;
+		const std::vector<float> want = outputs( &lwi_kernels_scalar, in );
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			const std::vector<float> got = outputs( table, in );
+			for ( std::size_t k = 0; k < want.size(); ++k )
+			{
+				const bool same = std::memcmp( &want[k], &got[k], sizeof( float ) ) == 0 ||
+				                  ( std::isnan( want[k] ) && std::isnan( got[k] ) );
+				ASSERT_TRUE( same ) << "level " << table->level << ", input " << i << ", output " << k << ": " << want[k]
+				                    << ", " << got[k];
+			}
+		}
+	}
+}
+
 // Poses have the same bits however they were asked for, so joints turned together must turn as one alone; and numerics.md
 // says how much
 TEST( Kernels, TurnsDifferFromOneAloneOrFromTheTruth )

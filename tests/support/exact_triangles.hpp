@@ -16,7 +16,11 @@
 namespace exact
 {
 using Wide = long double;
+#if LDBL_MANT_DIG == 113 // 64-bit ARM: a long double is a quad
+using Quad = Wide;
+#else
 __extension__ typedef __float128 Quad;
+#endif
 
 /// Half an ulp of 1.
 template <class R> struct Unit;
@@ -24,10 +28,12 @@ template <> struct Unit<Wide>
 {
 	static constexpr double roundoff = LDBL_EPSILON / 2;
 };
+#if LDBL_MANT_DIG != 113
 template <> struct Unit<Quad>
 {
 	static constexpr double roundoff = 0x1p-113;
 };
+#endif
 
 template <class R> struct Vec
 {
@@ -57,6 +63,7 @@ inline Wide squareRoot( Wide v )
 {
 	return std::sqrt( v );
 }
+#if LDBL_MANT_DIG != 113
 /// From the root in long double by two Newton steps, each of which doubles its digits.
 inline Quad squareRoot( Quad v )
 {
@@ -71,6 +78,7 @@ inline Quad squareRoot( Quad v )
 	}
 	return root;
 }
+#endif
 template <class R> inline R length( Vec<R> a )
 {
 	return squareRoot( dot( a, a ) );

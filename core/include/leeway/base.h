@@ -70,12 +70,17 @@ typedef enum lw_simd
 	LW_SIMD_BEST = 0, ///< the highest level that this machine and this build support
 	LW_SIMD_SCALAR = 1,
 	LW_SIMD_SSE2 = 2,
-	LW_SIMD_AVX2 = 3
+	LW_SIMD_AVX2 = 3,
+	LW_SIMD_NEON = 4 ///< 64-bit ARM
 } lw_simd;
 
 /// The highest level that this machine and this build support. The environment variable LW_CPU_MASK (a lw_simd value as a
 /// decimal number) lowers it, so that one binary can test every level.
 LW_API lw_simd lw_simd_available( void );
+
+/// @return true if this machine and this build have the level, and LW_CPU_MASK allows it; a query that asks for another level
+/// uses the next lower one. False for LW_SIMD_BEST.
+LW_API bool lw_simd_supported( lw_simd level );
 
 /// A 128-bit content hash: different contents give different values, but for chance. Not cryptographic.
 typedef struct lw_digest

@@ -5,6 +5,7 @@
 // Uniform random rotations: K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
 #include "base/arena.h"
 #include "base/math_inline.h"
+#include "base/sincos.h"
 #include "reachability/proof.h"
 
 #include <string.h>
@@ -362,10 +363,11 @@ static void random_quaternion( uint64_t* random, double q[4] )
 {
 	double u = lwi_random_in( random, 0, 1 );
 	double a = lwi_random_in( random, -LWI_PI, LWI_PI ), b = lwi_random_in( random, -LWI_PI, LWI_PI );
-	q[0] = sqrt( 1 - u ) * sin( a );
-	q[1] = sqrt( 1 - u ) * cos( a );
-	q[2] = sqrt( u ) * sin( b );
-	q[3] = sqrt( u ) * cos( b );
+	lwi_sincos of_a = lwi_sincos_of( a ), of_b = lwi_sincos_of( b );
+	q[0] = sqrt( 1 - u ) * of_a.s;
+	q[1] = sqrt( 1 - u ) * of_a.c;
+	q[2] = sqrt( u ) * of_b.s;
+	q[3] = sqrt( u ) * of_b.c;
 }
 
 void lwi_pair_analyser_random_state( const lwi_pair_analyser* p, uint64_t* random, const uint32_t* variables, uint32_t count, double* q )

@@ -16,6 +16,7 @@
 
 #include "distance/convex.h"
 #include "base/math_inline.h"
+#include "base/sincos.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -226,8 +227,8 @@ static void keep_extremes( hull_work* w, size_t max_points )
 	for ( size_t d = 0; d < directions; ++d )
 	{
 		double z = 1 - ( 2 * (double)d + 1 ) / (double)directions, r = sqrt( 1 - z * z );
-		double angle = 2.39996322972865332 * (double)d;
-		lw_vec3 n = lwi_v3( r * cos( angle ), r * sin( angle ), z );
+		lwi_sincos turn = lwi_sincos_of( 2.39996322972865332 * (double)d );
+		lw_vec3 n = lwi_v3( r * turn.c, r * turn.s, z );
 		size_t best = 0;
 		double most = -INFINITY;
 		for ( size_t i = 0; i < w->count; ++i )

@@ -9,6 +9,7 @@
 // ball too. Whole derivation with accumulation: core/docs/motion_hulls.md.
 #include "reachability/sweep.h"
 
+#include "base/sincos.h"
 #include "reachability/qhull.h"
 #include "shape/shape.h"
 #include "shape/sphere_fit.h"
@@ -193,15 +194,16 @@ static uint32_t circle_steps( double radius, double error, uint32_t most )
 
 static double polygon_excess( uint32_t steps )
 {
-	return 1 / cos( LWI_PI / steps ) - 1;
+	return 1 / lwi_sincos_of( LWI_PI / steps ).c - 1;
 }
 
 /// Corner i of the polygon of `steps` corners around the unit circle.
 static void corner( uint32_t i, uint32_t steps, double* out_c, double* out_s )
 {
 	double angle = LWI_TWO_PI * ( i + 0.5 ) / steps, grow = 1 + polygon_excess( steps );
-	*out_c = grow * cos( angle );
-	*out_s = grow * sin( angle );
+	lwi_sincos at = lwi_sincos_of( angle );
+	*out_c = grow * at.c;
+	*out_s = grow * at.s;
 }
 
 /// Even, so that the half of the meridian polygon with positive x makes the whole ball when it turns about z.
@@ -475,7 +477,8 @@ static turned_point about_axis( const lwi_joint* joint, lw_vec3 p )
 
 static lw_vec3 turned( const turned_point* t, double angle, double grow )
 {
-	return lwi_add_scaled( lwi_add_scaled( t->along, grow * cos( angle ), t->out ), grow * sin( angle ), t->side );
+	lwi_sincos turn = lwi_sincos_of( angle );
+	return lwi_add_scaled( lwi_add_scaled( t->along, grow * turn.c, t->out ), grow * turn.s, t->side );
 }
 
 /// out: in turned over a range, joint frame.
@@ -515,7 +518,7 @@ static lw_status sweep_turn( const lwi_hull_plan* plan, const lwi_joint* joint, 
 		{
 			push( out, turned( &p, range.upper, 1 ) );
 		}
-		double grow = 1 / cos( 0.5 * t.step ), first = t.ends ? range.lower : 0;
+		double grow = 1 / lwi_sincos_of( 0.5 * t.step ).c, first = t.ends ? range.lower : 0;
 		for ( uint32_t k = 0; k < t.steps; ++k )
 		{
 			push( out, turned( &p, first + ( k + 0.5 ) * t.step, grow ) );

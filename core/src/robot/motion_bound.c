@@ -7,6 +7,7 @@
 // limits.
 // Derivation: core/docs/edges.md. Rounding: core/docs/kinematics.md.
 #include "base/arena.h"
+#include "base/sincos.h"
 #include "robot/motion_table.h"
 #include "shape/shape.h"
 
@@ -461,7 +462,8 @@ void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32
 			double axis_radius = lwi_distance_to_axis( lwi_rotate( pose, lwi_load( joint->axis ) ), offset ) + b->radius;
 			axis_radius = up ? lwi_smaller( axis_radius, entry->axis_radius + excess ) : axis_radius; // these axis radii are of joints below
 			axis_radius = up && k == 0 ? lwi_smaller( axis_radius, b->first_axis_radius ) : axis_radius;
-			length += ( axis_radius + rounding ) * ( m.rotation < HALF_TURN ? 2 * sin( 0.5 * m.rotation ) : 2.0 );
+			length +=
+				( axis_radius + rounding ) * ( m.rotation < HALF_TURN ? 2 * lwi_sincos_of( 0.5 * m.rotation ).s : 2.0 );
 		}
 		length = ( length + m.translation ) * LWI_MOTION_OUTWARD;
 		excess = ( excess + m.excess ) * LWI_MOTION_OUTWARD;

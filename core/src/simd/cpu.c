@@ -4,29 +4,57 @@
 
 #include <stdlib.h>
 
-static lw_simd machine_level( void )
+/// The table of a level, or NULL if this build or this machine lacks it.
+static const lwi_kernels* machine_kernels( lw_simd level )
 {
+	switch ( level )
+	{
+	case LW_SIMD_SCALAR:
+		return &lwi_kernels_scalar;
 #if defined( __x86_64__ ) && defined( __GNUC__ )
-	__builtin_cpu_init();
-	return __builtin_cpu_supports( "avx2" ) ? LW_SIMD_AVX2 : LW_SIMD_SSE2;
-#else
-	return LW_SIMD_SCALAR;
+	case LW_SIMD_SSE2:
+		return &lwi_kernels_sse2;
+	case LW_SIMD_AVX2:
+		__builtin_cpu_init();
+		return __builtin_cpu_supports( "avx2" ) ? &lwi_kernels_avx2 : NULL;
+#elif defined( __aarch64__ ) && defined( __ARM_NEON )
+	case LW_SIMD_NEON:
+		return &lwi_kernels_neon;
 #endif
+	default:
+		return NULL;
+	}
+}
+
+/// The table of the highest level of at most `most`.
+static const lwi_kernels* highest( int most )
+{
+	const lwi_kernels* kernels = NULL;
+	for ( int level = most; kernels == NULL; --level )
+	{
+		kernels = level > (int)LW_SIMD_SCALAR ? machine_kernels( (lw_simd)level ) : &lwi_kernels_scalar;
+	}
+	return kernels;
 }
 
 lw_simd lw_simd_available( void )
 {
-	lw_simd level = machine_level();
+	int most = (int)LW_SIMD_NEON;
 	const char* text = getenv( "LW_CPU_MASK" );
 	if ( text != NULL )
 	{
 		long cap = strtol( text, NULL, 10 );
-		if ( cap >= (long)LW_SIMD_SCALAR && cap < (long)level )
+		if ( cap >= (long)LW_SIMD_SCALAR && cap < (long)most )
 		{
-			level = (lw_simd)cap;
+			most = (int)cap;
 		}
 	}
-	return level;
+	return highest( most )->level;
+}
+
+bool lw_simd_supported( lw_simd level )
+{
+	return level >= LW_SIMD_SCALAR && level <= lw_simd_available() && machine_kernels( level ) != NULL;
 }
 
 const lwi_kernels* lwi_kernels_get( lw_simd level )
@@ -36,15 +64,5 @@ const lwi_kernels* lwi_kernels_get( lw_simd level )
 	{
 		level = available;
 	}
-#if defined( __x86_64__ )
-	if ( level >= LW_SIMD_AVX2 )
-	{
-		return &lwi_kernels_avx2;
-	}
-	if ( level >= LW_SIMD_SSE2 )
-	{
-		return &lwi_kernels_sse2;
-	}
-#endif
-	return &lwi_kernels_scalar;
+	return highest( (int)level );
 }

@@ -153,6 +153,7 @@ const lwi_kernels* lwi_kernels_get( lw_simd level );
 extern const lwi_kernels lwi_kernels_scalar;
 extern const lwi_kernels lwi_kernels_sse2;
 extern const lwi_kernels lwi_kernels_avx2;
+extern const lwi_kernels lwi_kernels_neon;
 
 LW_EXTERN_C_END
 

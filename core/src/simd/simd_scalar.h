@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eight float lanes in plain C: defines the functions of simd/simd_sse2.h and simd/simd_avx2.h, and is the code for machines
-// without either.
+// Eight float lanes in plain C: defines the functions of simd/simd_sse2.h, simd/simd_avx2.h and simd/simd_neon.h, and is
+// the code for machines without any of these.
 #ifndef LEEWAY_SIMD_SIMD_SCALAR_H
 #define LEEWAY_SIMD_SIMD_SCALAR_H
 

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Eight float lanes as two NEON halves of AArch64. Same names and same bits as simd/simd_scalar.h: every operation is a
+// correctly rounded IEEE one (no FMA, no estimates; the build turns contraction off). vminq_f32() and vmaxq_f32() order zeros
+// and hand NaN on, so that min(a, b) is a comparison and a selection here.
+#ifndef LEEWAY_SIMD_SIMD_NEON_H
+#define LEEWAY_SIMD_SIMD_NEON_H
+
+#include <arm_neon.h>
+#include <stdint.h>
+
+typedef struct f8
+{
+	float32x4_t lo, hi;
+} f8;
+typedef struct m8
+{
+	uint32x4_t lo, hi; ///< all bits of a lane set or none
+} m8;
+
+#define LWI_F8_BINARY( name, intrinsic )                                                                                    \
+	static inline f8 name( f8 a, f8 b )                                                                                     \
+	{                                                                                                                       \
+		return ( f8 ){ intrinsic( a.lo, b.lo ), intrinsic( a.hi, b.hi ) };                                                  \
+	}
+#define LWI_M8_BINARY( name, operand, intrinsic )                                                                           \
+	static inline m8 name( operand a, operand b )                                                                           \
+	{                                                                                                                       \
+		return ( m8 ){ intrinsic( a.lo, b.lo ), intrinsic( a.hi, b.hi ) };                                                  \
+	}
+
+static inline f8 f8_load( const float* p )
+{
+	return ( f8 ){ vld1q_f32( p ), vld1q_f32( p + 4 ) };
+}
+static inline void f8_store( float* p, f8 a )
+{
+	vst1q_f32( p, a.lo );
+	vst1q_f32( p + 4, a.hi );
+}
+static inline f8 f8_set( float v )
+{
+	return ( f8 ){ vdupq_n_f32( v ), vdupq_n_f32( v ) };
+}
+LWI_F8_BINARY( f8_add, vaddq_f32 )
+LWI_F8_BINARY( f8_sub, vsubq_f32 )
+LWI_F8_BINARY( f8_mul, vmulq_f32 )
+LWI_F8_BINARY( f8_div, vdivq_f32 )
+static inline f8 f8_sqrt( f8 a )
+{
+	return ( f8 ){ vsqrtq_f32( a.lo ), vsqrtq_f32( a.hi ) };
+}
+static inline f8 f8_abs( f8 a )
+{
+	return ( f8 ){ vabsq_f32( a.lo ), vabsq_f32( a.hi ) };
+}
+LWI_M8_BINARY( f8_lt, f8, vcltq_f32 )
+LWI_M8_BINARY( f8_ge, f8, vcgeq_f32 )
+LWI_M8_BINARY( m8_and, m8, vandq_u32 )
+/// mask ? a : b
+static inline f8 f8_select( m8 mask, f8 a, f8 b )
+{
+	return ( f8 ){ vbslq_f32( mask.lo, a.lo, b.lo ), vbslq_f32( mask.hi, a.hi, b.hi ) };
+}
+static inline f8 f8_min( f8 a, f8 b )
+{
+	return f8_select( f8_lt( a, b ), a, b );
+}
+static inline f8 f8_max( f8 a, f8 b )
+{
+	return f8_select( f8_lt( b, a ), a, b );
+}
+/// Bit i = lane i.
+static inline uint32_t m8_bits( m8 a )
+{
+	static const uint32_t weights[8] = { 1, 2, 4, 8, 16, 32, 64, 128 };
+	const uint32x4_t lo = vandq_u32( a.lo, vld1q_u32( weights ) ), hi = vandq_u32( a.hi, vld1q_u32( weights + 4 ) );
+	return vaddvq_u32( vorrq_u32( lo, hi ) );
+}
+
+#undef LWI_F8_BINARY
+#undef LWI_M8_BINARY
+
+#endif
