@@ -35,8 +35,9 @@ public:
 	leeway::Scene sceneFromNothing() const;
 	leeway::Robot robotFromNothing() const; ///< with the attached objects, by one def
 	/// @param robot robotFromNothing(), or the edited one
-	leeway::Checker checkerFromNothing( const leeway::Robot& robot, const leeway::Scene& scene,
-		const leeway::Reach& tables ) const;
+	/// @param changes_of only what an earlier checker does not check; NULL: everything
+	leeway::Checker checkerFromNothing( const leeway::Robot& robot, const leeway::Scene& scene, const leeway::Reach& tables,
+	    const lw_checker* changes_of = nullptr ) const;
 	State randomGroupState( SeededRng& rng, double excess = 0 ) const;
 
 	RobotModel model;
@@ -251,7 +252,7 @@ inline std::vector<lw_link_object_pair> ChangingWorld::allowedPairs( const lw_ro
 }
 
 inline leeway::Checker ChangingWorld::checkerFromNothing( const leeway::Robot& of_robot, const leeway::Scene& of_scene,
-	const leeway::Reach& tables ) const
+    const leeway::Reach& tables, const lw_checker* changes_of ) const
 {
 	const std::vector<lw_link_object_pair> pairs = allowedPairs( of_robot.get(), of_scene.get() );
 	lw_checker_def def = lw_checker_def_default();
@@ -263,6 +264,8 @@ inline leeway::Checker ChangingWorld::checkerFromNothing( const leeway::Robot& o
 	def.allowed = pairs.data();
 	def.allowed_count = static_cast<std::uint32_t>( pairs.size() );
 	def.reach = tables.get();
+	def.previous = changes_of;
+	def.only_changes = changes_of != nullptr;
 	def.max_d = max_d;
 	Margins margins;
 	fillMargins( of_robot.get(), of_scene.get(), margins );

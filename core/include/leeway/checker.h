@@ -66,6 +66,11 @@ typedef struct lw_checker_def
 	/// parts (the robot and its group, if robot, reach, variables and reference are equal) and computes the rest:
 	/// microseconds instead of milliseconds. It changes no answer. No reference is taken; NULL = none.
 	const struct lw_checker* previous;
+	/// Leave out every pair that `previous` checks too, at the same place and with no smaller margin: the checker of the
+	/// changes. A state or motion that is FREE by `previous`, and FREE by this one with the same tolerance and min_d, is FREE
+	/// by a checker of everything; motions proved before are proved again at the cost of what moved, was added or attached.
+	/// Nothing is left out if the groups or references differ, or the bare robots. All answers are of the pairs that remain.
+	bool only_changes;
 	/// Called on the calling thread with up to 64 deferred shapes that are needed at once. It may make them by
 	/// lw_shape_complete() on any number of threads, and returns when they are done. Shapes that it does not make are then
 	/// made one by one. It changes no answer. NULL = none.
@@ -105,6 +110,7 @@ typedef struct lw_checker_edit_def
 	/// Otherwise these margins replace the old ones.
 	const lw_margins* margins;
 	double max_d; ///< as lw_checker_def::max_d; NaN = the same
+	bool only_changes; ///< as lw_checker_def::only_changes: pairs of `checker` itself are left out where they did not change
 	uint32_t cookie;
 } lw_checker_edit_def;
 

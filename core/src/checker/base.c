@@ -203,9 +203,23 @@ static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker
 	return status;
 }
 
+/// True if an earlier base has a pair too, with a margin that is no smaller.
+static bool is_known( const lwi_checker_base* b, const lwi_checker_base* known, uint32_t first, uint32_t second )
+{
+	if ( known == NULL || second >= lwi_checker_base_shared_bodies( known, b->robot ) )
+	{
+		return false;
+	}
+	const uint8_t* row = known->self.mask + (size_t)first * known->body_block_count;
+	return ( row[second / LWI_WIDTH] >> ( second % LWI_WIDTH ) & 1 ) != 0 &&
+		   lwi_self_margin( b, first, second ) <= lwi_self_margin( known, first, second );
+}
+
 /// Visits the self pairs; `pairs` NULL only counts. The group moves two links against each other if a joint of it lies on
 /// the way between them, that is, unless the nearest joint of the group above both is the same.
-static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, lwi_self_pair* pairs )
+/// @param known NULL, or the base whose pairs are left out
+static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, const lwi_checker_base* known,
+	lwi_self_pair* pairs )
 {
 	uint32_t bodies = lw_robot_body_count( b->robot ), count = 0;
 	for ( uint32_t first = 0; first < bodies; ++first )
@@ -213,7 +227,8 @@ static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, lwi_
 		for ( uint32_t second = first + 1; second < bodies; ++second )
 		{
 			uint32_t link_a = b->bodies[first].link, link_b = b->bodies[second].link;
-			if ( d->root_link[link_a] != d->root_link[link_b] && !lw_robot_pair_allowed( b->robot, link_a, link_b ) )
+			if ( d->root_link[link_a] != d->root_link[link_b] && !lw_robot_pair_allowed( b->robot, link_a, link_b ) &&
+				 !is_known( b, known, first, second ) )
 			{
 				if ( pairs != NULL )
 				{
@@ -226,9 +241,9 @@ static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, lwi_
 	return count;
 }
 
-static lw_status fill_self_pairs( lwi_checker_base* b, const draft* d, lw_diag* diag )
+static lw_status fill_self_pairs( lwi_checker_base* b, const lwi_checker_base* known, const draft* d, lw_diag* diag )
 {
-	uint32_t pairs = list_self_pairs( b, d, NULL );
+	uint32_t pairs = list_self_pairs( b, d, known, NULL );
 	b->self.pairs = lwi_alloc_zero( &b->allocator, pairs, sizeof( lwi_self_pair ) );
 	if ( b->self.pairs == NULL )
 	{
@@ -236,7 +251,7 @@ static lw_status fill_self_pairs( lwi_checker_base* b, const draft* d, lw_diag* 
 	}
 	b->self.pair_count = pairs;
 	b->bytes += pairs * sizeof( lwi_self_pair );
-	list_self_pairs( b, d, b->self.pairs );
+	list_self_pairs( b, d, known, b->self.pairs );
 	for ( uint32_t i = 0; i < pairs; ++i )
 	{
 		uint32_t second = b->self.pairs[i].body_b;
@@ -318,7 +333,8 @@ static double reference_value( const lwi_checker_base* b, const lw_checker_def* 
 	return by_default ? lwi_robot_default_value( b->robot, variable ) : def->reference[variable];
 }
 
-static lw_status build( lwi_checker_base* b, const lw_checker_def* def, draft* d, lw_diag* diag )
+static lw_status build( lwi_checker_base* b, const lw_checker_def* def, const lwi_checker_base* known, draft* d,
+	lw_diag* diag )
 {
 	if ( !allocate_tables( b ) || !draft_create( d, b->robot, &b->allocator ) )
 	{
@@ -340,12 +356,12 @@ static lw_status build( lwi_checker_base* b, const lw_checker_def* def, draft* d
 	}
 	status = fill_bodies( b, def, d, diag );
 	b->bytes += b->self.margins != NULL ? b->self.margins->bytes : 0;
-	status = status == LW_OK ? fill_self_pairs( b, d, diag ) : status;
+	status = status == LW_OK ? fill_self_pairs( b, known, d, diag ) : status;
 	return status == LW_OK ? build_tree( b, d, diag ) : status;
 }
 
-lw_status lwi_checker_base_create( const lw_checker_def* def, const lw_allocator* allocator, lwi_self_margins* margins,
-	lw_diag* diag, lwi_checker_base** out_base )
+lw_status lwi_checker_base_create( const lw_checker_def* def, const lwi_checker_base* known, const lw_allocator* allocator,
+	lwi_self_margins* margins, lw_diag* diag, lwi_checker_base** out_base )
 {
 	*out_base = NULL;
 	lwi_checker_base* b = lwi_alloc_zero( allocator, 1, sizeof( lwi_checker_base ) );
@@ -355,6 +371,7 @@ lw_status lwi_checker_base_create( const lw_checker_def* def, const lw_allocator
 		return lwi_out_of_memory( diag, "a checker" );
 	}
 	b->self.margins = margins;
+	b->only_changes = known != NULL;
 	atomic_init( &b->references, 1u );
 	b->allocator = *allocator;
 	b->robot = lw_robot_retain( def->robot );
@@ -363,7 +380,7 @@ lw_status lwi_checker_base_create( const lw_checker_def* def, const lw_allocator
 	draft d;
 	memset( &d, 0, sizeof( d ) );
 	d.allocator = &b->allocator;
-	lw_status status = build( b, def, &d, diag );
+	lw_status status = build( b, def, known, &d, diag );
 	draft_destroy( &d );
 	if ( status != LW_OK )
 	{
@@ -374,11 +391,10 @@ lw_status lwi_checker_base_create( const lw_checker_def* def, const lw_allocator
 	return LW_OK;
 }
 
-bool lwi_checker_base_fits( const lwi_checker_base* b, const lw_checker_def* def, const lwi_self_margins* margins )
+bool lwi_checker_base_moves_alike( const lwi_checker_base* b, const lw_checker_def* def )
 {
 	uint32_t count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
-	if ( b->robot != def->robot || b->reach != def->reach || b->group.variable_count != count ||
-		 !lwi_self_margins_equal( b->self.margins, margins ) )
+	if ( lw_robot_bare( b->robot ) != lw_robot_bare( def->robot ) || b->group.variable_count != count )
 	{
 		return false;
 	}
@@ -398,6 +414,17 @@ bool lwi_checker_base_fits( const lwi_checker_base* b, const lw_checker_def* def
 		}
 	}
 	return true;
+}
+
+uint32_t lwi_checker_base_shared_bodies( const lwi_checker_base* b, const lw_robot* robot )
+{
+	return lw_robot_body_count( b->robot == robot ? robot : lw_robot_bare( robot ) );
+}
+
+bool lwi_checker_base_fits( const lwi_checker_base* b, const lw_checker_def* def, const lwi_self_margins* margins )
+{
+	return b->robot == def->robot && b->reach == def->reach && !b->only_changes &&
+		   lwi_self_margins_equal( b->self.margins, margins ) && lwi_checker_base_moves_alike( b, def );
 }
 
 void lwi_checker_base_release( lwi_checker_base* b )

@@ -66,14 +66,20 @@ typedef struct lwi_checker_base
 	lwi_cluster_tree* tree;   ///< clusters of the robot, with their pairs' separations proved by the reach
 	lwi_motion_table* motion; ///< of the tree's clusters
 	lwi_envelope* envelopes;  ///< [cluster_count]
+	bool only_changes;        ///< some self pairs may be left out: no other checker's base
 } lwi_checker_base;
 
-/// For a def that was checked. @param margins the base's from now on, also after a failure. NULL = none
+/// For a def that was checked. @param known its self pairs are left out, see lw_checker_def::only_changes; NULL = none
+/// @param margins the base's from now on, also after a failure. NULL = none
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT, LW_ERROR_OUT_OF_MEMORY, the status of a deferred mesh that could not be made
-lw_status lwi_checker_base_create( const lw_checker_def* def, const lw_allocator* allocator, lwi_self_margins* margins,
-	lw_diag* diag, lwi_checker_base** out_base );
+lw_status lwi_checker_base_create( const lw_checker_def* def, const lwi_checker_base* known, const lw_allocator* allocator,
+	lwi_self_margins* margins, lw_diag* diag, lwi_checker_base** out_base );
 /// True if a base serves this def: the same robot, reach, group, reference and margins of self pairs.
 bool lwi_checker_base_fits( const lwi_checker_base* base, const lw_checker_def* def, const lwi_self_margins* margins );
+/// True if the links that two robots share have the same poses in all states: the same bare robot, group and reference.
+bool lwi_checker_base_moves_alike( const lwi_checker_base* base, const lw_checker_def* def );
+/// Bodies of this base that a robot has too, at the same places: the first ones of both.
+uint32_t lwi_checker_base_shared_bodies( const lwi_checker_base* base, const lw_robot* robot );
 void lwi_checker_base_release( lwi_checker_base* base ); ///< NULL is ignored
 
 /// Margin of two bodies.

@@ -158,6 +158,35 @@ static void fill_masks( lw_checker* c )
 	}
 }
 
+/// True if pairs of the earlier checker are left out.
+static bool knows( const lw_checker_def* def )
+{
+	return def->only_changes && def->previous != NULL && lwi_checker_base_moves_alike( def->previous->base, def );
+}
+
+/// Clears the masks of pairs that an earlier checker has too, at the same place and with a margin that is no smaller.
+/// @param source places of the scene's shapes in its scene, see lwi_match_scenes()
+static void leave_out_known( lw_checker* c, const lw_checker* known, const uint32_t* source )
+{
+	const uint32_t bodies = lwi_checker_base_shared_bodies( known->base, c->base->robot );
+	c->self_unchanged = c->base == known->base && !known->self_unchanged;
+	for ( uint32_t body = 0; body < bodies; ++body )
+	{
+		uint8_t* row = c->environment.mask + (size_t)body * c->environment.block_count;
+		const uint8_t* before = known->environment.mask + (size_t)body * known->environment.block_count;
+		for ( uint32_t shape = 0; c->scene != NULL && shape < c->scene->shape_count; ++shape )
+		{
+			const uint32_t at = source[shape];
+			if ( at != LW_INVALID_INDEX && ( before[at / LWI_WIDTH] >> ( at % LWI_WIDTH ) & 1 ) != 0 &&
+				 lwi_environment_margin( c, body, c->scene->shapes[shape].object ) <=
+					 lwi_environment_margin( known, body, known->scene->shapes[at].object ) )
+			{
+				row[shape / LWI_WIDTH] = (uint8_t)( row[shape / LWI_WIDTH] & ~( 1u << ( shape % LWI_WIDTH ) ) );
+			}
+		}
+	}
+}
+
 /// Summarises the masks per cluster, and counts the pairs.
 static void count_masks( lw_checker* c )
 {
@@ -281,7 +310,8 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 	}
 	else
 	{
-		status = lwi_checker_base_create( def, &c->allocator, self, diag, &c->base );
+		const bool leave_out = knows( def ) && !def->previous->self_unchanged;
+		status = lwi_checker_base_create( def, leave_out ? def->previous->base : NULL, &c->allocator, self, diag, &c->base );
 	}
 	if ( status != LW_OK )
 	{
@@ -297,7 +327,6 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 		memcpy( c->allowed, def->allowed, def->allowed_count * sizeof( lw_link_object_pair ) );
 	}
 	fill_masks( c );
-	count_masks( c );
 	status = lwi_margins_create( &def->margins, c, diag, &c->margins );
 	if ( status != LW_OK )
 	{
@@ -311,6 +340,11 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 		return lwi_out_of_memory( diag, "a checker" );
 	}
 	lwi_match_scenes( def->previous != NULL ? def->previous->scene : NULL, c->scene, reuse.source );
+	if ( knows( def ) )
+	{
+		leave_out_known( c, def->previous, reuse.source );
+	}
+	count_masks( c );
 	status = find_static( c, def, &reuse, diag );
 	if ( status == LW_OK )
 	{

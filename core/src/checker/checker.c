@@ -66,7 +66,8 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	bool violated = out->environment.kind == LW_CLEARANCE_VIOLATION;
 	if ( ask_self && !( violated && stop_at_first ) )
 	{
-		lwi_checker_self( checker, query, &wanted, &out->self );
+		checker->self_unchanged ? (void)( out->self = lwi_nothing_to_check() )
+								: lwi_checker_self( checker, query, &wanted, &out->self );
 		violated = violated || out->self.kind == LW_CLEARANCE_VIOLATION;
 	}
 	if ( query->search.failure != LW_OK )

@@ -54,6 +54,7 @@ struct lw_checker
 	lwi_environment_pairs environment;
 	lwi_culling culling;
 	lwi_static_pair nearest_static;
+	bool self_unchanged; ///< no self pair is to be checked: lw_checker_def::only_changes
 };
 
 /// Bits: does a cluster, or its subtree, have bodies to check against the scene?

@@ -331,6 +331,7 @@ lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, 
 	next.reach = c->base->reach;
 	next.max_d = isnan( def->max_d ) ? c->max_d : def->max_d;
 	next.previous = c;
+	next.only_changes = def->only_changes;
 	carried kept = { .allocator = lwi_allocator_or_default( allocator_in ) };
 	if ( !carried_create( &kept, c, &next, def->allowed_count ) )
 	{

@@ -649,7 +649,7 @@ static void batch_self( const interval_batch* batch )
 	lwi_edge* e = batch->e;
 	const lw_checker* c = e->checker;
 	const uint32_t count = batch->tree->self.pair_count;
-	if ( ( e->def->flags & LW_CHECK_SELF ) == 0 || count == 0 )
+	if ( ( e->def->flags & LW_CHECK_SELF ) == 0 || c->self_unchanged || count == 0 )
 	{
 		return;
 	}

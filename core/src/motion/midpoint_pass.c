@@ -417,7 +417,8 @@ static bool test_self( midpoint_pass* s )
 {
 	lwi_edge* e = s->edge;
 	const lw_checker* c = e->checker;
-	const uint32_t count = ( e->def->flags & LW_CHECK_SELF ) != 0 ? c->base->tree->self.pair_count : 0;
+	const bool asked = ( e->def->flags & LW_CHECK_SELF ) != 0 && !c->self_unchanged;
+	const uint32_t count = asked ? c->base->tree->self.pair_count : 0;
 	if ( count == 0 )
 	{
 		return true;
