@@ -54,9 +54,10 @@ add_licences()
 		# a merged /usr: the package may list either path
 		package=$( { dpkg-query --search "$( realpath "$library" )" "/lib/${library#*/lib/}" "/usr/lib/${library#*/lib/}" 2>/dev/null ||
 			true; } | sed -n '1s/:.*//p' )
-		if [ -n "$package" ] && [ -e "/usr/share/doc/$package/copyright" ]; then
-			cp "/usr/share/doc/$package/copyright" "$tree/leeway/licences/$package.txt"
-		fi
+		case "$package" in
+		libc6 | libgcc-s1 | libstdc++6) ;; # stay with the machine
+		*) cp "/usr/share/doc/${package:?no package of $library}/copyright" "$tree/leeway/licences/$package.txt" ;;
+		esac
 	done
 	rm "$wheel"
 	"$scratch/tools/bin/python" -m wheel pack --dest-dir "$( dirname "$wheel" )" "$tree" >/dev/null

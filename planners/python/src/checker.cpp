@@ -10,6 +10,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <chrono>
 #include <limits>
 #include <set>
 
@@ -405,13 +406,28 @@ lw_check_flags checkFlags( const std::string& name )
 void inBlocks( QueryPool& queries, std::size_t count, std::size_t block, unsigned threads,
     const std::function<void( lw_query*, std::size_t, std::size_t )>& work )
 {
+	using Clock = std::chrono::steady_clock;
+	constexpr auto pause = std::chrono::milliseconds( 50 );
 	const unsigned most = threads > 0 ? threads : std::max( 1U, std::thread::hardware_concurrency() );
+	const std::thread::id caller = std::this_thread::get_id();
+	Clock::time_point looked = Clock::now();
 	const nb::gil_scoped_release unlocked;
 	inParallel( ( count + block - 1 ) / block, most,
 	    [&]( std::size_t i )
 	    {
-		    const Lease query( queries );
-		    work( query.get(), i * block, std::min( count, ( i + 1 ) * block ) );
+		    {
+			    const Lease query( queries );
+			    work( query.get(), i * block, std::min( count, ( i + 1 ) * block ) );
+		    }
+		    if ( std::this_thread::get_id() == caller && Clock::now() - looked > pause )
+		    {
+			    const nb::gil_scoped_acquire locked;
+			    if ( PyErr_CheckSignals() != 0 ) // Ctrl-C ends the batch
+			    {
+				    throw nb::python_error();
+			    }
+			    looked = Clock::now();
+		    }
 	    } );
 }
 

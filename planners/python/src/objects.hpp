@@ -101,7 +101,7 @@ lw_check_flags checkFlags( const std::string& name );
 std::vector<std::string> noticeLines( const std::vector<io::Notice>& notices );
 
 /// Calls `work( query, begin, end )` for blocks of [0, count), on `threads` threads (0: one for each core), without the interpreter's lock.
-/// Each block begins with a query that was reset, so answers do not depend on threads or on earlier calls.
+/// Each block begins with a query that was reset, so answers do not depend on threads or on earlier calls. Ctrl-C ends it between blocks.
 void inBlocks( QueryPool& queries, std::size_t count, std::size_t block, unsigned threads,
     const std::function<void( lw_query*, std::size_t, std::size_t )>& work );
 

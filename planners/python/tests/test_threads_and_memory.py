@@ -2,12 +2,46 @@
 """Threads of Python share checkers, batches leave the interpreter to others, and objects give their memory back."""
 import concurrent.futures
 import gc
+import subprocess
+import sys
 import threading
 
 import numpy
+import pytest
 
 import leeway
 from conftest import FIRST
+
+
+INTERRUPTED = """
+import os, signal, sys, threading, time
+import numpy
+import leeway
+robot = leeway.Robot(sys.argv[1], sys.argv[2])
+scene = leeway.Scene()
+scene.add("wall", leeway.Shape.box(0.02, 9, 9), [0.2, 0, 0])
+checker = leeway.Checker(robot, scene, group="arm")
+q = numpy.random.default_rng(1).uniform(checker.lower, checker.upper, (2000, checker.dof))
+free = q[checker.is_free(q)]
+behind = numpy.tile(q, (500, 1))
+threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    if sys.argv[3] == "plan":
+        checker.plan(free[:1], free[1:2], optimize_seconds=1000)
+    else:
+        checker.clearance(behind, threads=int(sys.argv[4]))
+    time.sleep(5)
+    print("not interrupted")
+except KeyboardInterrupt:
+    print("interrupted", checker.clearance(q[0]))
+"""
+
+
+@pytest.mark.parametrize("work", [["plan"], ["clearance", "1"], ["clearance", "2"]])
+def test_ctrl_c_ends_batches_and_searches(work):
+    call = [sys.executable, "-c", INTERRUPTED, FIRST / "arm.urdf", FIRST / "arm.srdf", *work]
+    done = subprocess.run(call, capture_output=True, text=True, timeout=200)
+    assert done.stdout.startswith("interrupted Clearances"), done.stdout + done.stderr
 
 
 def resident():
