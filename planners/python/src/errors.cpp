@@ -22,7 +22,7 @@ Classes classes;
 
 PyObject* newClass( nb::module_& module, const char* name, const char* doc, const nb::handle& bases )
 {
-	const std::string full = std::string( "leeway." ) + name;
+	const std::string full = std::string( "leeway._core." ) + name;
 	PyObject* made = PyErr_NewExceptionWithDoc( full.c_str(), doc, bases.ptr(), nullptr );
 	if ( made == nullptr )
 	{

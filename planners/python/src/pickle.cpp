@@ -54,11 +54,12 @@ std::vector<Shape> shapesOf( const nb::bytes& blob )
 	lw_blob_info info{};
 	require( lw_blob_get_info( blob.data(), blob.size(), &diag, &info ), diag );
 	std::vector<lw_shape*> read( info.shape_count );
+	std::vector<Shape> shapes;
+	shapes.reserve( read.size() );
 	if ( info.shape_count > 0 )
 	{
 		require( lw_blob_read_shapes( blob.data(), blob.size(), key, nullptr, &diag, read.data(), info.shape_count ), diag );
 	}
-	std::vector<Shape> shapes;
 	for ( lw_shape* shape : read )
 	{
 		shapes.push_back( Shape::adopt( shape ) );
@@ -109,6 +110,7 @@ private:
 std::vector<io::PlacedShape> placedOf( const std::vector<PlacedState>& state, const std::vector<Shape>& shapes )
 {
 	std::vector<io::PlacedShape> out;
+	out.reserve( state.size() );
 	for ( const auto& [index, numbers] : state )
 	{
 		out.push_back( { shapes.at( index ), transformOf( numbers ) } );
@@ -130,6 +132,7 @@ using ObjectState = std::tuple<std::string, std::string, std::vector<PlacedState
 std::vector<NoticeState> noticeStates( const std::vector<io::Notice>& notices )
 {
 	std::vector<NoticeState> out;
+	out.reserve( notices.size() );
 	for ( const io::Notice& notice : notices )
 	{
 		out.emplace_back( notice.file, notice.element, notice.text );
@@ -140,6 +143,7 @@ std::vector<NoticeState> noticeStates( const std::vector<io::Notice>& notices )
 std::vector<io::Notice> noticesOf( const std::vector<NoticeState>& state )
 {
 	std::vector<io::Notice> out;
+	out.reserve( state.size() );
 	for ( const auto& [file, element, text] : state )
 	{
 		out.push_back( { file, element, text } );

@@ -293,6 +293,7 @@ std::string writeSrdf(
     const PyRobot& robot, const std::vector<std::pair<std::string, std::string>>& pairs, const std::string& reason )
 {
 	std::vector<io::DisabledPair> disabled;
+	disabled.reserve( pairs.size() );
 	for ( const auto& [a, b] : pairs )
 	{
 		disabled.push_back( { a, b, reason } );
@@ -386,6 +387,7 @@ PyRobot::PyRobot( io::RobotModel read )
 std::vector<std::string> noticeLines( const std::vector<io::Notice>& notices )
 {
 	std::vector<std::string> lines;
+	lines.reserve( notices.size() );
 	for ( const io::Notice& notice : notices )
 	{
 		lines.push_back( ( notice.file.empty() ? "" : notice.file + ": " ) + notice.element + ": " + notice.text );

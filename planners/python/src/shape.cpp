@@ -284,7 +284,7 @@ void bindShapes( nb::module_& module )
 	    "excess", []( const Shape& s ) { return lw_shape_get_info( s.get() ).excess; },
 	    "Metres, proved: no point of a simplified shape is farther from its original. 0 for others." );
 	type.def_prop_ro(
-	    "bytes", []( const Shape& s ) { return lw_shape_get_info( s.get() ).bytes; }, "Memory of the shape." );
+	    "memory", []( const Shape& s ) { return lw_shape_get_info( s.get() ).bytes; }, "Bytes that the shape holds." );
 	type.def_prop_ro(
 	    "digest", []( const Shape& s ) { return digestText( lw_shape_digest( s.get() ) ); },
 	    "32 hexadecimal digits: equal shapes have equal digests." );
