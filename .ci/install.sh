@@ -3,7 +3,7 @@
 # Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint, mutation, python and
 # the zoo's.
 #
-#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [arm64] [lint] [mutation] [python] [zoo] [zoo-tests]
+#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [lint] [mutation] [python] [zoo] [zoo-tests]
 #
 # mutation also makes a virtual environment with the Python tools of tests/mutation and tests/coverage.sh, in
 # $LEEWAY_MUTATION_DIR (build/mutation). python also makes a virtual environment with the tools of the Python package, in
@@ -15,7 +15,7 @@ set -euo pipefail
 
 usage()
 {
-	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [arm64] [lint] [mutation] [python] [zoo] [zoo-tests]"
+	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [lint] [mutation] [python] [zoo] [zoo-tests]"
 	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint, mutation, python and the zoo's."
 	echo "mutation also makes a virtual environment in \$LEEWAY_MUTATION_DIR (build/mutation)."
 	echo "python also makes a virtual environment in \$LEEWAY_PYTHON_DIR (build/python-tools)."
@@ -38,6 +38,8 @@ packages_of()
 	tests) echo python3 libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
 	# the cross compiler, and an emulator of the other machine
 	arm64) echo gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user cmake ninja-build ;;
+	# .deb files and their check, manual pages, completions in the shells that read them, the reference of the interfaces
+	packages) echo dpkg-dev file lintian help2man zsh fish bash-completion doxygen ;;
 	lint) echo git clang-tidy-14 clang-format-14 ;;
 	# llvm-cov lists the lines that a test executes
 	mutation) echo python3 python3-venv clang libclang-rt-14-dev llvm ninja-build ;;
@@ -69,7 +71,7 @@ for argument in "$@"; do
 	sets+=( "$argument" )
 done
 if [ "${#sets[@]}" -eq 0 ]; then
-	sets=( core bridge examples benchmarks tests arm64 )
+	sets=( core bridge examples benchmarks tests arm64 packages )
 fi
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

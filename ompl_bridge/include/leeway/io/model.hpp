@@ -74,7 +74,7 @@ constexpr std::uint64_t default_cache_limit = std::uint64_t( 1 ) << 30;
 
 struct LoadOptions
 {
-	/// Folders for package://<name>/<path>: each entry contains a folder <name>, is itself named <name>, or is
+	/// Folders for `package://NAME/PATH`: each entry contains a folder NAME, is itself named NAME, or is
 	/// "name=folder". Searched before ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders upwards from the file with the
 	/// URI.
 	std::vector<std::string> package_paths;

@@ -45,7 +45,7 @@ struct LinkSpheres
 std::vector<LinkSpheres> spherize( const RobotModel& model, const SpherizeOptions& options );
 
 /// The model's URDF with the collision geometry of these links replaced by their spheres; the rest of the text, comments
-/// included, is unchanged. Each <collision> carries a comment-free plain <sphere>, which any URDF reader knows. @throws
+/// included, is unchanged. Each `collision` element carries a comment-free plain `sphere`, which any URDF reader knows. @throws
 /// Error
 std::string writeSpheresUrdf( const RobotModel& model, const std::vector<LinkSpheres>& links );
 

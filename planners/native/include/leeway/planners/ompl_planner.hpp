@@ -30,7 +30,7 @@ public:
 	explicit OmplPlanner( const ::ompl::base::SpaceInformationPtr& si );
 	~OmplPlanner() override;
 
-	/// @throws ::ompl::Exception if the motion validator is not leeway's, if the space's curves are not straight edges, or if the
+	/// @throws %ompl::Exception if the motion validator is not leeway's, if the space's curves are not straight edges, or if the
 	/// group has a floating joint; setup() throws the same
 	::ompl::base::PlannerStatus solve( const ::ompl::base::PlannerTerminationCondition& end ) override;
 	void clear() override;

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Debian packages (build_debs.sh): libleeway0 has the shared libraries of the C interfaces, libleeway-dev headers, archives of the C++ parts and
+# documents, leeway the program. The place of python3-leeway is here: a component with the files that planners/python installs.
+if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  return()
+endif()
+foreach(part runtime:libleeway${LEEWAY_ABI} devel:libleeway-dev program:leeway)
+  string(REGEX REPLACE ":.*" "" component "${part}")
+  string(REGEX REPLACE ".*:" "" package "${part}")
+  install(FILES "${CMAKE_SOURCE_DIR}/planners/package/debian/copyright" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package}"
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES "${CMAKE_BINARY_DIR}/debian/changelog.gz" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package}"
+    COMPONENT ${component} EXCLUDE_FROM_ALL OPTIONAL)
+endforeach()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME leeway)
+set(CPACK_PACKAGE_CONTACT "The leeway developers <leeway@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "certified clearance of robot states and motions")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL runtime devel program)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_BINARY_DIR}/core" "${CMAKE_BINARY_DIR}/planners/native")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_NAME} built using CMake") # CPack's default: it leaves the first lines below as they are
+
+set(text "leeway measures and certifies the clearance of robots for motion planning:
+of a state, and of a whole motion. It works on the real meshes of robot and
+scene, and proves its answers.
+")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME libleeway${LEEWAY_ABI})
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/planners/package/debian/triggers")
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "certified clearance of robots, shared libraries
+${text}
+This package has the shared libraries of the C interfaces.")
+set(CPACK_DEBIAN_DEVEL_PACKAGE_NAME libleeway-dev)
+set(CPACK_DEBIAN_DEVEL_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEVEL_PACKAGE_DEPENDS "libleeway${LEEWAY_ABI} (= ${PROJECT_VERSION})")
+# For the C++ components io and ompl alone: a program in C needs none of these
+string(CONCAT CPACK_DEBIAN_DEVEL_PACKAGE_SUGGESTS "libompl-dev, libboost-serialization-dev, libboost-filesystem-dev, libboost-system-dev, "
+  "libeigen3-dev, zlib1g-dev, liburdfdom-dev, liburdfdom-headers-dev, libassimp-dev, libyaml-cpp-dev, libtinyxml2-dev, libfmt-dev, liblzf-dev, "
+  "liboctomap-dev, libpng-dev")
+set(CPACK_COMPONENT_DEVEL_DESCRIPTION "certified clearance of robots, development files
+${text}
+This package has headers, CMake and pkg-config files, archives of the C++
+parts, and the documents. The parts that read files and serve OMPL need the
+suggested packages.")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME leeway)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libleeway${LEEWAY_ABI} (= ${PROJECT_VERSION})")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "certified clearance of robots, program
+${text}
+This package has the program leeway, its manual pages and shell completions.")
+include(CPack)
