@@ -291,7 +291,7 @@ TEST( EdgeClose, RunsAreNotHeldUpByLinksThatAreNearByDesign )
 		EXPECT_FALSE( r.self );
 		const double contact = std::acos( ( 0.02 + 0.005 ) / 0.06 ); // radians, of the link's side, 20 mm from the axis
 		EXPECT_LT( 2 * r.proved_until, contact );
-		EXPECT_GT( 2 * r.proved_until, ( gap < 1e-4 ? 0.02 : 0.2 ) * contact ) << "gap " << gap;
+		EXPECT_GT( 2 * r.proved_until, ( gap < 1e-4 ? 0.02 : 0.1 ) * contact ) << "gap " << gap;
 	}
 }
 

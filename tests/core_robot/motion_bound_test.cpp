@@ -29,9 +29,7 @@ extern "C"
 		double coefficient, max;
 	};
 	lwi_chord_error lwi_chord_error_of( lwi_motion_rate rate, double h );
-	lwi_chord_error lwi_chord_error_through( lwi_motion_rate rate, double jerk, double h, double second );
 	double lwi_motion_between( double chord, lwi_chord_error error, double path );
-	double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, std::uint32_t body, std::uint32_t ancestor );
 	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	double lwi_motion_rounding( const void* scratch );
 	void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance );
@@ -271,17 +269,6 @@ double furthestBetween( double chord, lwi_motion_rate rate, double h )
 	return lwi_motion_between( chord, lwi_chord_error_of( rate, h ), h * rate.path );
 }
 
-double length( lw_vec3 v )
-{
-	return std::sqrt( v.x * v.x + v.y * v.y + v.z * v.z );
-}
-
-/// a + s ( b - a )
-lw_vec3 onLine( lw_vec3 a, lw_vec3 b, double s )
-{
-	return { a.x + s * ( b.x - a.x ), a.y + s * ( b.y - a.y ), a.z + s * ( b.z - a.z ) };
-}
-
 } // namespace
 
 // States beside an edge, each joint off by its tolerance at most. Bounds by the pose and by the axis radii each decide alone in
@@ -489,120 +476,6 @@ TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
 		EXPECT_LE( moved, bound );
 		EXPECT_GE( moved, 0.95 * bound ) << "rate " << rate_2;
 	}
-}
-
-// By as much as a parabola through three places is off, a point may be off the two lines between them, and a little more:
-// how much more depends on how its acceleration changes. Joints turn by up to a radian each.
-TEST( MotionBound, ThreePosesBoundThePathBetweenThem )
-{
-	constexpr int STEPS = 12; // of each half
-	SeededRng rng;
-	std::vector<double> ratios, gains;
-	for ( int i = 0; i < 500; ++i )
-	{
-		RobotModel model = anyRobot( rng );
-		RobotPtr robot = model.create();
-		ASSERT_NE( robot, nullptr );
-		Motion motion( robot.get() );
-		State a = randomState( rng, robot.get(), 0 ), b = randomState( rng, robot.get(), 0 );
-		lw_robot_interpolate( robot.get(), a.data(), b.data(), rng.decade( -2, -0.5 ), b.data() );
-		ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
-		const double h = rng.decade( -2, -0.31 ), from = rng.uniform( 0, 1 - 2 * h );
-		const std::vector<std::vector<lw_transform>> poses =
-			posesBetween( robot.get(), a, b, from, from + 2 * h, 2 * STEPS );
-		const double rounding = lwi_motion_rounding( motion.scratch );
-		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
-		{
-			const lw_body_def& def = model.bodies[body];
-			const std::uint32_t ancestor = randomAncestor( rng, robot.get(), def.link );
-			const lwi_motion_rate rate = lwi_motion_of( motion.table, motion.scratch, body, ancestor );
-			const double jerk = lwi_motion_jerk( motion.table, motion.scratch, body, ancestor );
-			for ( lw_vec3 p : model.bodyPoints[body] )
-			{
-				const std::vector<lw_vec3> at = wayOf( poses, ancestor, def, p );
-				const lw_vec3 x = at[0], y = at[STEPS], z = at[2 * STEPS];
-				const double second = length( { x.x - 2 * y.x + z.x, x.y - 2 * y.y + z.y, x.z - 2 * y.z + z.z } );
-				const lwi_chord_error error = lwi_chord_error_through( rate, jerk, h, second + 8 * rounding );
-				double furthest = 0;
-				for ( int k = 0; k <= 2 * STEPS; ++k )
-				{
-					const int half = k < STEPS ? 0 : STEPS;
-					const double s = static_cast<double>( k - half ) / STEPS;
-					const double off =
-						distance( at[static_cast<std::size_t>( k )], half == 0 ? onLine( x, y, s ) : onLine( y, z, s ) );
-					ASSERT_LE( off, s * ( 1 - s ) * error.coefficient + 4 * rounding )
-						<< "at the share " << s << " of a part of length " << h;
-					furthest = std::max( furthest, off );
-				}
-				ASSERT_LE( furthest, error.max + 4 * rounding );
-				if ( furthest > 1e-6 )
-				{
-					ratios.push_back( furthest / error.max );
-					gains.push_back( lwi_chord_error_of( rate, h ).max / error.max );
-				}
-			}
-		}
-	}
-	std::sort( ratios.begin(), ratios.end() );
-	std::sort( gains.begin(), gains.end() );
-	std::printf( "off / bulge: median %.3f, largest %.6f; by acceleration alone / bulge: median %.2f, largest %.1f\n",
-		ratios[ratios.size() / 2], ratios.back(), gains[gains.size() / 2], gains.back() );
-	ASSERT_GE( ratios.size(), 1000u );
-	EXPECT_GE( ratios.back(), 0.99 ) << "more is added than what the parabola is off";
-	EXPECT_GE( gains[gains.size() / 2], 1.2 ) << "hardly better than the acceleration alone";
-}
-
-// Joints about one axis add up to one that turns faster: all parts of the bound point in one direction, and it is exact
-TEST( MotionBound, JerkOfJointsAboutOneAxisIsThatOfOneJoint )
-{
-	SeededRng rng;
-	const double arm = 0.7, radius = 1e-9;
-	for ( int joints = 1; joints <= 5; ++joints )
-	{
-		RobotModel model;
-		model.link( "base" );
-		State a, b;
-		double turn = 0;
-		for ( int k = 0; k < joints; ++k )
-		{
-			model.joint( "turn_" + std::to_string( k ), LW_JOINT_REVOLUTE, static_cast<std::uint32_t>( k ) );
-			const double rate = rng.uniform( 0.02, 0.3 );
-			turn += rate;
-			a.push_back( -0.5 * rate );
-			b.push_back( 0.5 * rate );
-		}
-		lw_shape* ball = nullptr;
-		const double dimensions[3] = { radius, 0, 0 };
-		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, dimensions, nullptr, nullptr, &ball ), LW_OK );
-		lw_transform pose = lw_transform_identity();
-		pose.t[0] = arm;
-		model.body( static_cast<std::uint32_t>( joints ), ball, pose );
-		RobotPtr robot = model.create();
-		ASSERT_NE( robot, nullptr );
-		Motion motion( robot.get() );
-		ASSERT_TRUE( lwi_motion_measure( motion.table, a.data(), b.data(), motion.scratch ) );
-		const double jerk = lwi_motion_jerk( motion.table, motion.scratch, 0, LW_INVALID_INDEX );
-		EXPECT_GE( jerk, turn * turn * turn * arm );
-		EXPECT_LE( jerk, turn * turn * turn * arm * ( 1 + 1e-6 ) );
-	}
-}
-
-// x = u^3 is at -1, 0 and 1 where u itself is: all that keeps them apart in between is the jerk
-TEST( MotionBound, CubicLeavesItsPosesByItsJerk )
-{
-	const double jerk = 3, h = 0.4, far = jerk * h * h * h / 6;
-	const lwi_chord_error error = lwi_chord_error_through( { 100, 100 }, jerk, h, 0 );
-	double bend = 0, bulge = 0;
-	for ( double s = 0.001; s < 1; s += 0.001 ) // u = s - 1
-	{
-		const double u = s - 1, off = far * std::abs( u * u * u - u );
-		bend = std::max( bend, off / ( s * ( 1 - s ) ) );
-		bulge = std::max( bulge, off );
-	}
-	EXPECT_GE( error.coefficient, bend );
-	EXPECT_LE( error.coefficient, 1.01 * bend );
-	EXPECT_GE( error.max, bulge );
-	EXPECT_LE( error.max, 1.01 * bulge );
 }
 
 // One revolute joint and a body far from the centre of its sphere: the bound is the arc of the farthest vertex.

@@ -122,24 +122,6 @@ typedef enum lwi_separation
 lwi_separation lwi_separate_swept( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, double limit,
 	float direction[3], lwi_swept_plane* out );
 
-/// Searches for a direction along which a stays below b between its poses, too: at the share s of the
-/// path from pose to pose each point is within s ( 1 - s ) bend of the straight line. At either end of the path the distance
-/// may be as small as the limit.
-/// @param a at its middle pose, its left and its right one, or static @param b likewise
-/// @param direction where to begin: b's tree frame at its middle pose; where it ended, of length 1 to rounding if there is
-/// one
-/// @return true if there is one: on all of the path nothing of a is nearer to anything of b than the limit
-bool lwi_separate_bent( const lwi_kernels* kernels, const lwi_swept_poses* a, const lwi_swept_poses* b, double limit,
-	double bend, float direction[3] );
-
-/// Does a, on its bent path, stay below all of b that it could come near to?
-/// @param a at its middle pose, its left and its right one, or static @param b static
-/// @param n frame of the poses, of any length: along which
-/// @param reach metres: no point of a gets farther from the middle of its sphere, at the middle pose
-/// @return true if it does: on all of the path nothing of a is nearer to anything of b than the limit
-bool lwi_separate_near( const lwi_kernels* kernels, const lwi_swept_poses* a, const lwi_swept_poses* b, double limit,
-	double bend, lw_vec3 n, double reach );
-
 LW_EXTERN_C_END
 
 #endif

@@ -382,7 +382,7 @@ static lwi_edge_pose_triplet* triplet_of( lwi_edge* e, uint32_t cluster, uint32_
 		s->middle = pose_below( e, window.t, cluster, ancestor );
 		s->left = pose_below( e, window.t - window.half, cluster, ancestor );
 		s->right = pose_below( e, window.t + window.half, cluster, ancestor );
-		s->turn = s->second = -1;
+		s->turn = -1;
 	}
 	return s;
 }
@@ -394,44 +394,6 @@ static double chord_of( const lwi_edge* e, const lwi_edge_pose_triplet* s, const
 	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
 	double right = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->right, p ) ) );
 	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->motion );
-}
-
-/// Largest difference between the first and the second step of a point in a sphere, from left to middle to right.
-static double second_of( const lwi_edge* e, lwi_edge_pose_triplet* s, const lw_sphere* local )
-{
-	if ( s->second < 0 )
-	{
-		double sum = 0;
-		for ( int i = 0; i < 9; ++i )
-		{
-			const double d = s->left.r[i / 3][i % 3] - 2 * s->middle.r[i / 3][i % 3] + s->right.r[i / 3][i % 3];
-			sum += d * d;
-		}
-		s->second = sqrt( sum );
-		s->jerk = lwi_motion_jerk(
-			e->checker->base->motion, e->motion, s->cluster, e->checker->base->tree->clusters[s->ancestor].root_link );
-	}
-	const lw_vec3 p = lwi_load( local->center ), middle = lwi_transform( &s->middle, p );
-	const lw_vec3 first = lwi_sub( lwi_transform( &s->left, p ), middle ), then = lwi_sub( lwi_transform( &s->right, p ), middle );
-	return lwi_length( lwi_add( first, then ) ) + local->radius * s->second + 16 * lwi_motion_rounding( e->motion );
-}
-
-static lwi_chord_error chord_error_of( lwi_edge* e, uint32_t cluster, uint32_t ancestor, const lw_sphere* local, lwi_motion_rate rate,
-	lwi_edge_window window )
-{
-	if ( lwi_edge_is_linear( rate, window ) )
-	{
-		return lwi_chord_error_of( rate, window.half ); // so little that it does not pay to pose both ends
-	}
-	lwi_edge_pose_triplet* s = triplet_of( e, cluster, ancestor, window );
-	const double second = second_of( e, s, local );
-	return lwi_chord_error_through( rate, s->jerk, window.half, second );
-}
-
-lwi_chord_error lwi_edge_chord_error( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
-{
-	const lwi_cluster_tree* tree = e->checker->base->tree;
-	return chord_error_of( e, tree->body_cluster[body], ancestor, &tree->body_spheres[tree->body_place[body]], rate, window );
 }
 
 /// Largest distance of a sphere from its place at the middle, where a linear motion bounds it well; else INFINITY.
@@ -468,7 +430,7 @@ double lwi_edge_displacement( lwi_edge* e, uint32_t cluster, uint32_t ancestor, 
 		s->turn = lwi_larger( turn_between( &s->middle, &s->left ), turn_between( &s->middle, &s->right ) );
 	}
 	double chord = chord_of( e, s, local->center ) + local->radius * s->turn;
-	return lwi_motion_between( chord, chord_error_of( e, cluster, ancestor, local, rate, window ), window.half * rate.path );
+	return lwi_motion_between( chord, lwi_chord_error_of( rate, window.half ), window.half * rate.path );
 }
 
 double lwi_edge_point_displacement( lwi_edge* e, uint32_t cluster, uint32_t ancestor, const double local[3],
@@ -485,7 +447,7 @@ double lwi_edge_point_displacement( lwi_edge* e, uint32_t cluster, uint32_t ance
 		return by_velocity;
 	}
 	const double chord = chord_of( e, triplet_of( e, cluster, ancestor, window ), local );
-	return lwi_motion_between( chord, chord_error_of( e, cluster, ancestor, &point, rate, window ), window.half * rate.path );
+	return lwi_motion_between( chord, lwi_chord_error_of( rate, window.half ), window.half * rate.path );
 }
 
 void lwi_edge_swept_poses( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window,

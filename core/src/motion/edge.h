@@ -52,8 +52,6 @@ typedef struct lwi_edge_plane
 	bool swapped;       ///< they are given in the frame of the first of the two
 	uint8_t served;    ///< lanes of planes that served since the last new one came
 	uint8_t next;      ///< lane that goes for a new one, unless it served
-	bool near_known;   ///< the direction below is one
-	float near[3];     ///< along which the near obstacle was apart; tree frame of the static shape, towards the other one
 	lwi_planes8 planes;
 } lwi_edge_plane;
 
@@ -102,8 +100,6 @@ typedef struct lwi_edge_pose_triplet
 	lwi_edge_window window;
 	lw_transform middle, left, right;
 	double turn; ///< longer chord of the turns, of a point at distance 1; < 0: not yet computed
-	double second; ///< largest difference of the turns from left to middle and from middle to right; < 0: likewise
-	double jerk;   ///< see lwi_motion_jerk(); known if `second` is
 } lwi_edge_pose_triplet;
 
 /// Velocity of a cluster in the world at the posed state, and bounds of its change.
@@ -223,9 +219,6 @@ double lwi_edge_displacement( lwi_edge* edge, uint32_t cluster, uint32_t ancesto
 double lwi_edge_point_displacement( lwi_edge* edge, uint32_t cluster, uint32_t ancestor, const double local[3],
 	lwi_motion_rate rate, lwi_edge_window window );
 
-/// Largest distance of a body from the straight lines between its positions at the middle and both ends of a window.
-lwi_chord_error lwi_edge_chord_error( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window );
-
 /// First-order motion of a cluster over a window, in the frame of a cluster above it: its velocity at the middle;
 /// `bulge` bounds the deviation from it.
 typedef struct lwi_edge_linear_motion
@@ -297,10 +290,6 @@ static inline bool lwi_edge_rotates_little( const lwi_edge* edge, lwi_edge_windo
 /// @param skip number of levels below to skip, if the answer is CLOSER
 lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window,
 	uint32_t listed, uint8_t* skip );
-
-/// Is a pair proved during a window by the part of an obstacle that it may come near to? For hulls that meet.
-/// @param measured at the middle: its nearest points give the direction
-bool lwi_edge_near_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window, const lw_clearance* measured );
 
 // --- motion/edge_pair.c ---------------------------------------------------------------------------------------------------
 
@@ -406,9 +395,6 @@ bool lwi_edge_probe( lwi_edge* edge, uint32_t work );
 
 /// Probes whole states after a proof that was given up.
 void lwi_edge_probe_undecided( lwi_edge* edge );
-
-/// Probes the pairs at the edge's end, unless whole states were probed. @return false if there is a collision
-bool lwi_edge_probe_end( lwi_edge* edge );
 
 /// Probes the pairs of an interval batch in the middles of the cells that have most of them. @return false if there is a
 /// collision

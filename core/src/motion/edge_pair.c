@@ -198,13 +198,6 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 	{
 		return s;
 	}
-	if ( !s.blocked && lwi_edge_near_test( e, pair, window, &s.clearance ) )
-	{
-		s.proved = true;
-		s.low = false;
-		note_plane( e, pair );
-		return s;
-	}
 	if ( s.low && !s.blocked && tighten( e, pair, &s ) )
 	{
 		s.low = false;

@@ -13,16 +13,12 @@
 
 enum
 {
-	MOST_TESTS = 32, ///< of two spheres, for two trees whose roots meet
-	NEIGHBOURS = 2   ///< joints between two bodies, at most: their trees are not tested
+	NEIGHBOURS = 2 ///< joints between two bodies, at most: their spheres are always near
 };
 
 /// Metres per squared unit of t, and slacks.
 #define LEAST_CHANGE 2.5
 #define LEAST_SLACKS 64.0
-
-/// Share of reach and motion, the lengths that keep two spheres near besides their size: smaller spheres are not opened.
-#define LEAST_SPHERE 0.5
 
 typedef struct interval_batch
 {
@@ -37,21 +33,6 @@ typedef struct interval_batch
 	double half;               ///< width of half a window
 	double rounding;           ///< of places in the lanes, for one of two
 } interval_batch;
-
-/// A tree and its frame: moving in the lanes, or static.
-typedef struct operand
-{
-	const lw_shape* shape;
-	bool is_static;
-	float r[9], t[3];   ///< if static, from the origin of the lanes
-	lwi_batch_body body; ///< if not
-} operand;
-
-/// A float no smaller than a sum of three floats that are not negative was meant to be.
-static float above( float sum )
-{
-	return sum * ( 1 + 0x1p-21f );
-}
 
 /// @param pair with its bodies, ancestor and cells. The query is posed at the edge's middle
 static void add_pair( lwi_edge* e, lwi_edge_pair pair )
@@ -148,84 +129,6 @@ static double size_of( const lwi_batch_point* p, double path )
 	return (double)fabsf( p->p[0][0] ) + (double)fabsf( p->p[1][0] ) + (double)fabsf( p->p[2][0] ) + 2 * path;
 }
 
-// --- trees -----------------------------------------------------------------------------------------------------------
-
-static void operand_of_body( const interval_batch* batch, uint32_t place, const double origin[3], operand* s )
-{
-	const lwi_cluster_tree* tree = batch->tree;
-	const uint32_t body = tree->bodies[place];
-	const lw_transform* pose = &tree->body_poses[place];
-	s->shape = lwi_shape_now( batch->e->checker->base->bodies[body].shape );
-	s->is_static = false;
-	lw_vec3 at = lwi_transform( pose, lwi_load( s->shape->origin ) );
-	const double local[3] = { at.x, at.y, at.z };
-	batch->kernels->batch_body( &batch->frames[tree->body_cluster[body]], pose->r, local, origin, batch->half, &s->body );
-}
-
-static void operand_of_obstacle( const lw_scene_shape_def* obstacle, const double origin[3], operand* s )
-{
-	s->shape = lwi_shape_now( obstacle->shape );
-	s->is_static = true;
-	const lw_transform* pose = &obstacle->world_from_shape;
-	lw_vec3 at = lwi_transform( pose, lwi_load( s->shape->origin ) );
-	for ( int i = 0; i < 9; ++i )
-	{
-		s->r[i] = (float)pose->r[i / 3][i % 3];
-	}
-	s->t[0] = (float)( at.x - origin[0] );
-	s->t[1] = (float)( at.y - origin[1] );
-	s->t[2] = (float)( at.z - origin[2] );
-}
-
-/// A sphere in the lanes, perhaps of a tree.
-typedef struct lane_sphere
-{
-	lwi_batch_point at;
-	float radius;
-	lwi_ref ref;
-} lane_sphere;
-
-/// Two spheres, one of each tree, that meet in some lanes.
-typedef struct stack_entry
-{
-	uint8_t a, b; ///< among the spheres
-	uint8_t lanes;
-} stack_entry;
-
-/// A point of a tree in the lanes.
-static void point_in_lanes( const interval_batch* batch, const operand* s, const float local[3], lwi_batch_point* out )
-{
-	if ( !s->is_static )
-	{
-		batch->kernels->batch_move( &s->body, local, out );
-		return;
-	}
-	for ( int i = 0; i < 3; ++i )
-	{
-		const float p = s->t[i] + s->r[3 * i] * local[0] + s->r[3 * i + 1] * local[1] + s->r[3 * i + 2] * local[2];
-		for ( int l = 0; l < LWI_WIDTH; ++l )
-		{
-			out->p[i][l] = p;
-			out->displacement[i][l] = 0;
-		}
-	}
-}
-
-/// True if the spheres of a shape's tree contain all points at which another shape can touch it: those of a mesh declared
-/// solid leave its inside out, and only the sphere around it covers that.
-static bool has_tree( const lw_shape* shape )
-{
-	return !shape->primitive && !shape->closed && shape->deferred == NULL;
-}
-
-/// The sphere around a tree.
-static void root_of( const interval_batch* batch, const operand* s, lane_sphere* root )
-{
-	root->radius = s->shape->root_sphere[3];
-	root->ref = s->shape->root;
-	point_in_lanes( batch, s, s->shape->root_sphere, &root->at );
-}
-
 /// A box in the world, from the origin of the lanes.
 typedef struct box
 {
@@ -238,71 +141,6 @@ static box box_of( const lw_scene* scene, uint32_t shape )
 	const uint32_t lane = shape % LWI_WIDTH;
 	return (box){ { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] },
 		{ boxes->max[0][lane], boxes->max[1][lane], boxes->max[2][lane] } };
-}
-
-/// Test of two trees, or of a sphere and a tree.
-typedef struct tree_test
-{
-	const operand *a, *b;   ///< NULL: a sphere alone, or a box alone
-	const box* around; ///< b lies in it; NULL: no box is known
-	float reach;         ///< all but radii
-	float least;         ///< smaller spheres are not opened: their motion keeps them near
-} tree_test;
-
-/// Lanes in which they may come near, after tests of at most MOST_TESTS spheres. The larger sphere is opened.
-static uint32_t trees_meet( const interval_batch* batch, const tree_test* q, const lane_sphere* first, uint32_t lanes )
-{
-	lane_sphere spheres[2 + MOST_TESTS + LWI_WIDTH];
-	stack_entry stack[1 + MOST_TESTS + LWI_WIDTH] = { { 0, 1, (uint8_t)lanes } };
-	uint32_t height = 1, count = 2, met = 0;
-	spheres[0] = *first;
-	if ( q->b != NULL )
-	{
-		root_of( batch, q->b, &spheres[1] );
-	}
-	while ( height > 0 && met != lanes )
-	{
-		const stack_entry m = stack[--height];
-		const uint32_t left = m.lanes & ~met;
-		const lane_sphere *a = &spheres[m.a], *b = q->b != NULL ? &spheres[m.b] : NULL;
-		const bool inner_a = q->a != NULL && !lwi_ref_is_leaf( a->ref ) && a->radius > q->least;
-		const bool inner_b = b != NULL && !lwi_ref_is_leaf( b->ref ) && b->radius > q->least;
-		if ( left == 0 || count >= 2 + MOST_TESTS || ( !inner_a && !inner_b ) )
-		{
-			met |= left;
-			continue;
-		}
-		const bool open_a = inner_a && ( !inner_b || a->radius >= b->radius );
-		const operand* s = open_a ? q->a : q->b;
-		const lane_sphere* other = open_a ? b : a;
-		const lwi_node* node = &s->shape->nodes[open_a ? a->ref : b->ref];
-		for ( uint32_t k = 0; k < LWI_WIDTH && node->child[k] != LW_INVALID_INDEX; ++k )
-		{
-			lane_sphere* child = &spheres[count];
-			const float local[3] = { node->x[k], node->y[k], node->z[k] };
-			uint32_t near = left;
-			child->radius = node->r[k];
-			child->ref = node->child[k];
-			point_in_lanes( batch, s, local, &child->at );
-			if ( open_a && q->around != NULL )
-			{
-				near &= batch->kernels->batch_box( &child->at, q->around->min, q->around->max,
-					above( q->reach + child->radius ) );
-			}
-			if ( other != NULL && near != 0 )
-			{
-				near &= batch->kernels->batch_pair( &child->at, &other->at,
-					above( q->reach + child->radius + other->radius ) );
-			}
-			if ( near != 0 )
-			{
-				stack[height++] = (stack_entry){ (uint8_t)( open_a ? count : m.a ), (uint8_t)( open_a ? m.b : count ),
-					(uint8_t)near };
-				++count;
-			}
-		}
-	}
-	return met;
 }
 
 // --- the scene -------------------------------------------------------------------------------------------------------
@@ -365,34 +203,6 @@ static uint32_t meets_obstacle( const interval_batch* batch, const query_sphere*
 		margin != 0 ? lwi_round_up( (double)s->reach + margin ) : s->reach );
 }
 
-/// Lanes in which a body's tree, or a sphere alone, does not stay away from an obstacle's box and tree.
-/// @param body NULL: a sphere alone
-static uint32_t tree_meets_obstacle( const interval_batch* batch, const operand* body, const query_sphere* s, uint32_t shape,
-	double margin, uint32_t lanes )
-{
-	const lw_scene* scene = batch->e->checker->scene;
-	const box around = box_of( scene, shape );
-	const bool tree_a = body != NULL && has_tree( body->shape ), tree_b = has_tree( lwi_shape_now( scene->shapes[shape].shape ) );
-	if ( !tree_a && !tree_b )
-	{
-		return lanes;
-	}
-	operand obstacle;
-	lane_sphere first = { .at = s->at, .radius = lwi_round_up( s->radius ), .ref = tree_a ? body->shape->root : 0 };
-	tree_test q = { .a = tree_a ? body : NULL,
-		.around = &around,
-		.least = (float)( LEAST_SPHERE * ( s->need + batch->half * s->path ) ) };
-	double dilation = tree_a ? body->shape->radius : 0;
-	if ( tree_b )
-	{
-		operand_of_obstacle( &scene->shapes[shape], scene->origin, &obstacle );
-		q.b = &obstacle;
-		dilation += obstacle.shape->radius;
-	}
-	q.reach = lwi_round_up( s->need + s->slack + margin + dilation );
-	return trees_meet( batch, &q, &first, lanes );
-}
-
 /// Obstacles that a cluster's sphere meets: the first of query->scratch.candidates, lanes in place of the gap. Returns
 /// their count.
 static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, bool near_only, query_sphere* out )
@@ -432,10 +242,6 @@ static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, boo
 				continue;
 			}
 			uint32_t lanes = meets_obstacle( batch, &s, shape, margins != NULL ? (double)margins[shape] : 0 );
-			if ( lanes != 0 && !alone )
-			{
-				lanes = tree_meets_obstacle( batch, NULL, &s, shape, margins != NULL ? (double)margins[shape] : 0, lanes );
-			}
 			if ( lanes != 0 )
 			{
 				batch->e->query->scratch.candidates[count++] = (lwi_candidate){ (float)lanes, shape };
@@ -459,8 +265,6 @@ static uint32_t near_body( const interval_batch* batch, uint32_t place, const lw
 									   : make_query_sphere( batch, cluster, &batch->tree->body_spheres[place],
 											 m != NULL ? m->bodies[body] : 0 );
 	uint32_t met = 0;
-	bool made = false;
-	operand tree;
 	for ( uint32_t i = 0; i < count && met != 0xffu; ++i )
 	{
 		const uint32_t shape = obstacles[i].pair, lanes = (uint32_t)obstacles[i].gap & ~met;
@@ -468,14 +272,7 @@ static uint32_t near_body( const interval_batch* batch, uint32_t place, const lw
 		{
 			continue;
 		}
-		const double margin = row != NULL ? (double)row[shape] : 0;
-		uint32_t near = own != NULL ? lanes : meets_obstacle( batch, &s, shape, margin ) & lanes;
-		if ( near != 0 && !made )
-		{
-			operand_of_body( batch, place, c->scene->origin, &tree );
-			made = true;
-		}
-		met |= near != 0 ? tree_meets_obstacle( batch, &tree, &s, shape, margin, near ) : 0;
+		met |= own != NULL ? lanes : meets_obstacle( batch, &s, shape, row != NULL ? (double)row[shape] : 0 ) & lanes;
 	}
 	return met;
 }
@@ -520,7 +317,6 @@ typedef struct cluster_pair
 	bool covered; ///< grids may be used
 	bool neighbours;
 	double reach; ///< all but radii
-	double path;  ///< of both
 } cluster_pair;
 
 static cluster_pair make_cluster_pair( const interval_batch* batch, const lwi_cluster_pair* pair )
@@ -535,8 +331,7 @@ static cluster_pair make_cluster_pair( const interval_batch* batch, const lwi_cl
 	double size = size_of( &batch->clusters[pair->cluster_a], lwi_edge_rate( a, root ).path ) +
 				  size_of( &batch->clusters[pair->cluster_b], lwi_edge_rate( b, root ).path ) +
 				  2 * ( cluster_a->r.radius + cluster_b->r.radius );
-	return (cluster_pair){ .pair = pair,
-		.path = lwi_edge_rate( a, above ).path + lwi_edge_rate( b, above ).path,
+	return ( cluster_pair ){ .pair = pair,
 		.neighbours = a->depth + b->depth - 2 * above->depth <= NEIGHBOURS,
 		.reach = e->enough[1] + 2 * batch->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
 }
@@ -581,25 +376,8 @@ static cluster_pair any_cluster_pair( const interval_batch* batch )
 static uint32_t bodies_meet( const interval_batch* batch, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
 	const lw_sphere* spheres = batch->tree->body_spheres;
-	lanes &= points_meet( batch, c, body_point( batch, a ), spheres[a].radius, body_point( batch, b ), spheres[b].radius );
-	if ( lanes == 0 || c->neighbours )
-	{
-		return lanes;
-	}
-	operand operand_a, operand_b;
-	operand_of_body( batch, a, batch->origin, &operand_a );
-	operand_of_body( batch, b, batch->origin, &operand_b );
-	if ( !has_tree( operand_a.shape ) || !has_tree( operand_b.shape ) )
-	{
-		return lanes;
-	}
-	const tree_test q = { .a = &operand_a,
-		.b = &operand_b,
-		.reach = lwi_round_up( c->reach + operand_a.shape->radius + operand_b.shape->radius ),
-		.least = (float)( LEAST_SPHERE * ( c->reach + batch->half * c->path ) ) };
-	lane_sphere first;
-	root_of( batch, &operand_a, &first );
-	return trees_meet( batch, &q, &first, lanes );
+	return lanes &
+		   points_meet( batch, c, body_point( batch, a ), spheres[a].radius, body_point( batch, b ), spheres[b].radius );
 }
 
 static void add_self_pair( const interval_batch* batch, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )

@@ -17,16 +17,11 @@ enum
 	MAX_FAILURES = 6 ///< after so many, one in 2^6 tries
 };
 
-/// Keys of pairs of bodies, and of one body or obstacle with any partner; those of a body and an obstacle are below.
+/// Keys of pairs of bodies; those of a body and an obstacle are below.
 #define SELF_KEY 0x80000000u
-#define BODY_KEY 0xc0000000u
-#define OBSTACLE_KEY 0xe0000000u
 
 /// Metres. A body that bulges more than this between its poses has no plane near obstacles: halving the window is cheaper.
 #define MAX_BULGE 0.05
-
-/// Metres. Where paths between exact poses bend more than this, hardly any body is found to stay away.
-#define MAX_BEND 0.02
 
 /// Metres, and triangles of both. Where no plane is found between dense meshes and the displacement is less, the distance is
 /// measured at once: so little clearance is lost by motion that it decides, whatever keeps the hulls together.
@@ -46,22 +41,14 @@ typedef struct plane_test
 	double bulge;  ///< metres: deviation of both paths from the lines between the poses
 
 	lwi_swept_poses *a, *b;
-	bool swapped;      ///< b is the first of the two
-	uint32_t any_key; ///< of planes that keep anything away from b; 0: a new one costs no more than these
+	bool swapped;        ///< b is the first of the two
 	double displacement; ///< metres: largest one of a point from the middle; INFINITY if planes pay in any case
 } plane_test;
 
 /// How far both bodies of a pair get from straight lines between their poses, together.
-static lwi_chord_error chord_error_of( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
+static double poses_error( const lwi_edge_pair* pair, double half )
 {
-	lwi_chord_error error = lwi_edge_chord_error( e, pair->body_a, pair->ancestor, pair->rate_a, window );
-	if ( lwi_edge_pair_is_self( pair ) )
-	{
-		const lwi_chord_error other = lwi_edge_chord_error( e, pair->body_b, pair->ancestor, pair->rate_b, window );
-		error.coefficient += other.coefficient;
-		error.max += other.max;
-	}
-	return error;
+	return lwi_chord_error_of( pair->rate_a, half ).max + lwi_chord_error_of( pair->rate_b, half ).max;
 }
 
 /// From a's middle to the nearest point of the box around b, in b's tree frame.
@@ -88,7 +75,7 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 	if ( p->key != key + 1 )
 	{
 		p->key = key + 1;
-		p->begun = p->near_known = false;
+		p->begun = false;
 		p->edge = 0;
 	}
 	if ( p->edge != e->query->edge_count ) // skipping must not depend on other edges; planes may
@@ -164,43 +151,7 @@ static bool old_plane_holds( plane_test* s, lwi_edge_plane* p, double margin )
 		p->served = (uint8_t)( p->served | 1u << which );
 		return true;
 	}
-	if ( s->any_key == 0 )
-	{
-		return false;
-	}
-	// a plane that keeps one body away keeps its neighbours away
-	lwi_edge_plane* any = planes_of( s, s->any_key );
-	which = lwi_swept_apart_by( kernels, s->a, s->b, need, &any->planes, true );
-	if ( which < LWI_WIDTH )
-	{
-		any->served = (uint8_t)( any->served | 1u << which );
-		add_plane( p, lwi_plane_of_lane( &any->planes, which ) );
-		return true;
-	}
 	return false;
-}
-
-/// Does the pair stay away on the bent path between its exact poses?
-/// @param need clearance that proves it @param direction as for lwi_separate_bent()
-static bool stays_away( const plane_test* s, double need, float direction[3] )
-{
-	lwi_edge* e = s->edge;
-	const lwi_edge_pair* pair = s->pair;
-	const double bend = chord_error_of( e, pair, s->window ).coefficient;
-	if ( !( bend <= MAX_BEND ) )
-	{
-		return false;
-	}
-	lwi_swept_poses poses[2];
-	const lwi_swept_poses *a = &poses[0], *b = s->b;
-	lwi_edge_swept_poses( e, pair->body_a, pair->ancestor, pair->rate_a, s->window, NULL, &poses[0] );
-	if ( lwi_edge_pair_is_self( pair ) )
-	{
-		lwi_edge_swept_poses( e, pair->body_b, pair->ancestor, pair->rate_b, s->window, NULL, &poses[1] );
-		a = &poses[s->swapped ? 1 : 0];
-		b = &poses[s->swapped ? 0 : 1];
-	}
-	return lwi_separate_bent( e->query->search.kernels, a, b, need, bend, direction );
 }
 
 /// Largest displacement of the middle of a body's sphere within a window.
@@ -213,60 +164,10 @@ static double center_displacement( lwi_edge* e, uint32_t body, uint32_t ancestor
 		   LWI_EDGE_OUTWARD;
 }
 
-/// A moving shape against a static one, in the frame of the pair's ancestor.
-typedef struct nearing
-{
-	lwi_edge* edge;
-	lwi_swept_poses moving;
-	double enough; ///< clearance that proves it, without margins
-	double bend;   ///< of the path between its poses
-	double displacement; ///< metres: of the middle of its sphere
-	lw_vec3 n;     ///< towards the static shape, where they were measured to be nearest
-} nearing;
-
-/// Sets the moving shape and its displacement.
-static void set_out( nearing* s, uint32_t body, uint32_t ancestor, lwi_motion_rate rate, lwi_edge_window window )
-{
-	lwi_edge_swept_poses( s->edge, body, ancestor, rate, window, NULL, &s->moving );
-	s->displacement = center_displacement( s->edge, body, ancestor, rate, window );
-}
-
-/// @param need clearance that proves it
-static bool is_away( const nearing* s, const lwi_swept_poses* fixed, double need )
-{
-	const double reach = s->moving.shape->sphere_radius + s->displacement;
-	return lwi_separate_near( s->edge->query->search.kernels, &s->moving, fixed, need, s->bend, s->n, reach );
-}
-
-/// Does the near part of the obstacle stay apart along the direction of another time?
-static bool near_holds( const plane_test* s, const lwi_edge_plane* p, double need )
-{
-	lwi_edge* e = s->edge;
-	const lwi_edge_pair* pair = s->pair;
-	if ( !p->near_known || lwi_edge_pair_is_self( pair ) )
-	{
-		return false;
-	}
-	nearing near;
-	near.edge = e;
-	near.bend = chord_error_of( e, pair, s->window ).coefficient;
-	if ( !( near.bend <= MAX_BEND ) )
-	{
-		return false;
-	}
-	near.n = lwi_rotate( &s->b->middle, lwi_v3( (double)p->near[0], (double)p->near[1], (double)p->near[2] ) );
-	set_out( &near, pair->body_a, 0, pair->rate_a, s->window );
-	return is_away( &near, s->b, need );
-}
-
 /// A new plane. @param margin on top of the clearance
 static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, double margin )
 {
 	const double need = lwi_larger( s->enough + margin, 0 );
-	if ( near_holds( s, p, need ) )
-	{
-		return LWI_EDGE_PROVED;
-	}
 	if ( !s->close && !lwi_backoff_is_due( &p->backoff ) )
 	{
 		return LWI_EDGE_MEASURE;
@@ -279,10 +180,6 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 	lwi_separation whole = lwi_separate_swept( kernels, s->a, s->b, need + s->bulge, direction, &plane );
 	if ( whole != LWI_APART )
 	{
-		if ( whole != LWI_MEET && stays_away( s, need, direction ) )
-		{
-			return LWI_EDGE_PROVED;
-		}
 		const bool dense = s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
 		if ( dense && s->displacement < SMALL_DISPLACEMENT && !s->close )
 		{
@@ -302,10 +199,6 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 	}
 	lwi_backoff_succeeded( &p->backoff );
 	add_plane( p, plane );
-	if ( s->any_key != 0 )
-	{
-		add_plane( planes_of( s, s->any_key ), plane );
-	}
 	return found;
 }
 
@@ -315,10 +208,7 @@ static lwi_edge_plane_result test_self( plane_test s )
 	const lw_checker* c = e->checker;
 	const lwi_edge_pair* pair = s.pair;
 	uint32_t a = pair->body_a, b = pair->body_b, above = pair->ancestor;
-	const lwi_cluster_tree* tree = c->base->tree;
-	bool alone = tree->clusters[tree->body_cluster[a]].body_count == 1 && tree->clusters[tree->body_cluster[b]].body_count == 1;
 	s.swapped = pair->rate_a.path == 0; // the static shape has the plane
-	s.any_key = alone ? 0 : BODY_KEY | ( s.swapped ? a : b );
 	lwi_edge_plane* p = NULL;
 	// poses are seen from the ancestor, which is rounded too
 	double margin = lwi_self_margin( c->base, a, b ) + 4 * lwi_motion_rounding( e->motion );
@@ -384,7 +274,6 @@ static lwi_edge_plane_result test_scene( plane_test s )
 		uint32_t index = e->query->scratch.candidates[i].pair;
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
 		lwi_swept_poses_static( &fixed, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
-		s.any_key = fixed.shape->family == LWI_CONVEX ? 0 : OBSTACLE_KEY | index;
 		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
 		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, obstacle_key( c, pair->body_a, index ) ) : NULL;
 		if ( p == NULL || !old_plane_holds( &s, p, margin ) )
@@ -424,7 +313,7 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 	s.close = lwi_edge_is_close( e, pair );
 	s.enough = lwi_edge_enough( e, pair );
 	s.linear = is_linear ? linear : NULL;
-	s.bulge = is_linear ? linear[0].bulge + linear[1].bulge : chord_error_of( e, pair, window ).max;
+	s.bulge = is_linear ? linear[0].bulge + linear[1].bulge : poses_error( pair, window.half );
 	lwi_edge_plane_result result = self ? test_self( s ) : test_scene( s );
 	if ( result == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
 	{
@@ -435,82 +324,4 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 		return LWI_EDGE_CLOSER;
 	}
 	return result;
-}
-
-static bool stays_away_from( const nearing* s, const lw_shape* shape, const lw_transform* pose, double margin )
-{
-	if ( shape->deferred != NULL || shape->family == LWI_UNBOUNDED )
-	{
-		return false;
-	}
-	lwi_swept_poses fixed;
-	lwi_swept_poses_static( &fixed, shape, pose );
-	return is_away( s, &fixed, lwi_larger( s->enough + margin, 0 ) );
-}
-
-static bool pair_stays_away( nearing* s, const lwi_edge_pair* pair, lwi_edge_window window )
-{
-	lwi_edge* e = s->edge;
-	const lw_checker* c = e->checker;
-	const bool swapped = pair->rate_a.path == 0;
-	const uint32_t moving = swapped ? pair->body_b : pair->body_a, fixed = swapped ? pair->body_a : pair->body_b;
-	if ( !swapped && pair->rate_b.path != 0 )
-	{
-		return false; // both move
-	}
-	if ( pair->ancestor != 0 )
-	{
-		lwi_pose_cluster( c, e->query, pair->ancestor );
-		s->n = lwi_unrotate( &e->query->pose.world_from_link[c->base->tree->clusters[pair->ancestor].root_link], s->n );
-	}
-	s->n = swapped ? lwi_scale( -1, s->n ) : s->n;
-	const lwi_motion_rate rate = swapped ? pair->rate_b : pair->rate_a;
-	lwi_swept_poses still;
-	set_out( s, moving, pair->ancestor, rate, window );
-	lwi_edge_swept_poses( e, fixed, pair->ancestor, (lwi_motion_rate){ 0, 0 }, window, NULL, &still );
-	double margin = lwi_self_margin( c->base, pair->body_a, pair->body_b ) + 4 * lwi_motion_rounding( e->motion );
-	return stays_away_from( s, still.shape, &still.middle, margin );
-}
-
-static bool stays_away_from_scene( nearing* s, const lwi_edge_pair* pair, lwi_edge_window window )
-{
-	lwi_edge* e = s->edge;
-	const lw_checker* c = e->checker;
-	set_out( s, pair->body_a, 0, pair->rate_a, window );
-	uint32_t count = lwi_checker_near_obstacles( c, e->query, pair->body_a, s->enough + s->displacement );
-	bool away = true;
-	for ( uint32_t i = 0; i < count && away; ++i )
-	{
-		const lw_scene_shape_def* obstacle = &c->scene->shapes[e->query->scratch.candidates[i].pair];
-		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
-		away = stays_away_from( s, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape, margin );
-	}
-	for ( uint32_t i = 0; i < count && away; ++i )
-	{
-		const uint32_t index = e->query->scratch.candidates[i].pair;
-		lwi_edge_plane* p = plane_of( e, obstacle_key( c, pair->body_a, index ) );
-		const lw_vec3 n = lwi_unrotate( &c->scene->shapes[index].world_from_shape, s->n );
-		p->near_known = true;
-		p->near[0] = (float)n.x;
-		p->near[1] = (float)n.y;
-		p->near[2] = (float)n.z;
-	}
-	return away;
-}
-
-bool lwi_edge_near_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, const lw_clearance* measured )
-{
-	const bool self = lwi_edge_pair_is_self( pair );
-	nearing s = { .edge = e, .enough = lwi_edge_enough( e, pair ), .n = lwi_sub( measured->point_b, measured->point_a ) };
-	// along no direction they are farther from each other than they were measured to be
-	if ( !e->query->search.def.planes || !( measured->upper > s.enough && measured->upper < INFINITY ) )
-	{
-		return false;
-	}
-	s.bend = chord_error_of( e, pair, window ).coefficient;
-	if ( !( s.bend <= MAX_BEND ) )
-	{
-		return false;
-	}
-	return self ? pair_stays_away( &s, pair, window ) : stays_away_from_scene( &s, pair, window );
 }

@@ -131,11 +131,6 @@ static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
 	return true;
 }
 
-bool lwi_edge_probe_end( lwi_edge* e )
-{
-	return e->probed_levels > 0 || cell_is_free( e, LWI_WIDTH - 1, 1 );
-}
-
 bool lwi_edge_probe_cells( lwi_edge* e )
 {
 	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;

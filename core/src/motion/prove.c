@@ -167,7 +167,7 @@ static bool check_static( lwi_edge* e )
 static bool prove_by_midpoint_pass( lwi_edge* e, lwi_edge_window whole )
 {
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
-	if ( !lwi_edge_midpoint_pass( e, whole, first ) || !lwi_edge_probe_end( e ) )
+	if ( !lwi_edge_midpoint_pass( e, whole, first ) )
 	{
 		return false;
 	}
@@ -181,7 +181,7 @@ static bool prove_by_batch( lwi_edge* e )
 	lwi_edge_level *first = &e->levels[0], *next = &e->levels[1];
 	first->count = next->count = e->pair_count = 0;
 	lwi_edge_batch_pass( e );
-	return lwi_edge_probe_end( e ) && lwi_edge_probe_cells( e ) && lwi_edge_midpoint_pairs( e, first ) && lwi_edge_probe( e, 0 ) &&
+	return lwi_edge_probe_cells( e ) && lwi_edge_midpoint_pairs( e, first ) && lwi_edge_probe( e, 0 ) &&
 		   hand_down_cell( e, first->intervals, first->count, 1, 0, next ) && prove_levels( e, 1 );
 }
 

@@ -195,25 +195,6 @@ lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratc
 	return count == 0 ? (lwi_motion_rate){ 0, 0 } : s->rates[last];
 }
 
-/// A rotation at the rate w maps the motion below it, with derivatives v, a and j, to a motion with the third
-/// derivative w x (w x (w x x)) + 3 w x (w x v) + 3 w x a + j; |w x x| and |v| together are the path so far.
-double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
-{
-	const motion_scratch* s = scratch;
-	const lwi_motion_body* b = &table->bodies[body];
-	const uint32_t count = joints_below( table, body, ancestor );
-	lwi_motion_rate below = { 0 };
-	double jerk = 0;
-	for ( uint32_t k = 0; k < count; ++k )
-	{
-		const double turn = s->motions[table->entries[b->first_entry + k].moving_joint].rotation;
-		const lwi_motion_rate now = s->rates[b->first_entry + k];
-		jerk += turn * ( turn * ( now.path + 2 * below.path ) + 3 * below.change );
-		below = now;
-	}
-	return jerk * LWI_MOTION_OUTWARD;
-}
-
 lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose )
 {
 	const lwi_motion_body* b = &table->bodies[body];
@@ -377,17 +358,6 @@ lwi_chord_error lwi_chord_error_of( lwi_motion_rate rate, double h )
 {
 	const double most = lwi_smaller( 0.125 * h * rate.change, 0.5 * rate.path ) * h;
 	return (lwi_chord_error){ 0.5 * h * h * rate.change * LWI_MOTION_OUTWARD, most * LWI_MOTION_OUTWARD };
-}
-
-/// The parabola through three places is s (1 - s) second / 2 off the lines between them; the point is within h^3 jerk / 6
-/// times |u (u^2 - 1)| of it, u from -1 to 1 (interpolation of second order), which is at most 2 s (1 - s), and at most 2 /
-/// sqrt( 27 ).
-lwi_chord_error lwi_chord_error_through( lwi_motion_rate rate, double jerk, double h, double second )
-{
-	const lwi_chord_error whole = lwi_chord_error_of( rate, h );
-	const double beyond = h * h * h * jerk;
-	return (lwi_chord_error){ lwi_smaller( whole.coefficient, ( 0.5 * second + beyond / 3 ) * LWI_MOTION_OUTWARD ),
-		lwi_smaller( whole.max, ( 0.125 * second + 0.06416 * beyond ) * LWI_MOTION_OUTWARD ) };
 }
 
 /// Between s = 0 and 1 a point is at most max over s of s chord + s (1 - s) bend away from its place at 0.

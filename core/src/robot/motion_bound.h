@@ -90,8 +90,6 @@ double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, u
 const double* lwi_motion_tubes( const lwi_motion_table* table, const void* scratch, uint32_t body );
 /// No less than that of any body, in the frame of any link above it; known before bodies are measured.
 double lwi_motion_largest_tube( const void* scratch );
-/// How fast the acceleration of its points changes at most, metres per cubed unit of t.
-double lwi_motion_jerk( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 
 /// How far points get from the straight line between their places at both ends of a part of the edge.
 typedef struct lwi_chord_error
@@ -102,10 +100,6 @@ typedef struct lwi_chord_error
 
 /// @param h the part's length in t
 lwi_chord_error lwi_chord_error_of( lwi_motion_rate rate, double h );
-/// The same for both of two parts, one after the other and each h long.
-/// @param jerk see lwi_motion_jerk() @param second |a - 2 b + c| for places a, b, c of the points at the ends of both, or
-/// more
-lwi_chord_error lwi_chord_error_through( lwi_motion_rate rate, double jerk, double h, double second );
 
 /// Upper bound of the distance of a point from where it is at one end of a part of the edge, anywhere on the part.
 /// @param chord of its places at both ends, or more @param path along the part
