@@ -6,7 +6,7 @@ enumerators. Exit status 1 if they differ.
     abi.py [--write] NUMBER INCLUDE... -- LIBRARY...    NUMBER: LEEWAY_ABI; INCLUDE: folders of public headers; LIBRARY: shared libraries or
     archives
 
-A new function or enumerator is an addition: --write puts it into the list. A function that is gone, or a struct that has another layout,
+A new function or enumerator is an addition: --write (the target abi_list) puts it into the list. A function that is gone, or a struct that has another layout,
 breaks programs built before: raise LEEWAY_ABI in CMakeLists.txt, then --write (before the first release --write alone)."""
 import os
 import pathlib
@@ -83,7 +83,7 @@ def main():
     elif before == now:
         print(f"{len(now)} functions, members and values are those of {LIST.name}")
         return 0
-    print("additions: run this with --write. Anything gone or changed: raise LEEWAY_ABI in CMakeLists.txt first")
+    print("additions: cmake --build BUILD --target abi_list writes the list. Anything gone or changed: raise LEEWAY_ABI in CMakeLists.txt first")
     return 1
 
 
