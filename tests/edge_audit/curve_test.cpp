@@ -281,3 +281,57 @@ TEST( Curve, AContinuousJointTurnsAsFarAsItsControlPointsSay )
 	EXPECT_EQ( lw_checker_curve( checker.get(), query.get(), turns, 0, &edge, &result ), LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_EQ( lw_checker_curve( checker.get(), query.get(), turns, 8, &edge, &result ), LW_ERROR_INVALID_ARGUMENT );
 }
+
+// A ball on a rail that turns back a hair before or behind the face of a block: the whole motion is a deviation from its chord.
+TEST( Curve, BallTurnsBackBeyondTheProvedDeviation )
+{
+	SeededRng rng;
+	int free = 0;
+	for ( int i = 0; i < 600; ++i )
+	{
+		const double far = rng.uniform( 0.02, 1 ), gap = ( i % 2 == 0 ? 1 : -1 ) * rng.decade( -5, -2 );
+		RobotModel model;
+		model.link( "rail" );
+		lw_joint_def& joint = model.joint( "ball", LW_JOINT_PRISMATIC, 0 );
+		joint.axis[0] = 1;
+		joint.axis[1] = joint.axis[2] = 0;
+		joint.lower = -2;
+		joint.upper = 2;
+		const double radius[3] = { 0.1, 0, 0 }, size[3] = { 1, 1, 1 };
+		lw_shape *ball = nullptr, *block = nullptr;
+		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &ball ), LW_OK );
+		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_BOX, size, nullptr, nullptr, &block ), LW_OK );
+		model.body( 1, ball, lw_transform_identity() );
+		const RobotPtr robot = model.create();
+		const ShapePtr keep( block );
+		const char* name = "block";
+		lw_transform behind = lw_transform_identity();
+		behind.t[0] = far + gap + 0.1 + 0.5;
+		const lw_scene_shape_def shape = { block, 0, behind };
+		lw_scene_def def = lw_scene_def_default();
+		def.object_names = &name;
+		def.object_count = def.shape_count = 1;
+		def.shapes = &shape;
+		lw_scene* made = nullptr;
+		ASSERT_EQ( lw_scene_create( &def, nullptr, nullptr, &made ), LW_OK );
+		const leeway::Scene scene = leeway::Scene::adopt( made );
+		lw_checker_def checker_def = lw_checker_def_default();
+		checker_def.robot = robot.get();
+		checker_def.scene = scene.get();
+		lw_checker* checked = nullptr;
+		ASSERT_EQ( lw_checker_create( &checker_def, nullptr, nullptr, &checked ), LW_OK );
+		const leeway::Checker checker = leeway::Checker::adopt( checked );
+		const leeway::Query query = leeway::makeQuery( checker.get() );
+		const lw_edge_def edge = lw_edge_def_default();
+		lw_edge_result result;
+		// farthest at t, from the derivative of 3 a t (1 - t)^2 + 3 b t^2 (1 - t)
+		const double t = rng.uniform( 0.35, 0.65 ), b = -( 1 - t ) * ( 1 - 3 * t ) / ( t * ( 2 - 3 * t ) );
+		const double scale = far / ( 3 * t * ( 1 - t ) * ( 1 - t + b * t ) );
+		const double points[] = { 0, scale, b * scale, 0 };
+		ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), points, 3, &edge, &result ), LW_OK );
+		EXPECT_FALSE( gap < 0 && result.verdict == LW_VERDICT_FREE ) << "far " << far << ", gap " << gap;
+		EXPECT_TRUE( gap < edge.slack || result.verdict == LW_VERDICT_FREE ) << "far " << far << ", gap " << gap;
+		free += result.verdict == LW_VERDICT_FREE;
+	}
+	EXPECT_GT( free, 100 );
+}

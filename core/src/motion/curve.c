@@ -29,7 +29,7 @@ typedef struct curve
 	const double* points; ///< [degree + 1][count]
 	uint32_t degree, count;
 	// in the query's scratch
-	double *part, *row, *tolerance, *deviation, *full;
+	double *part, *row, *tolerance, *deviation, *offset, *full;
 	double along[LW_CURVE_MOST_DEGREE + 1];
 	double* size; ///< of the rounding of control points; 0: the variable stays, such as a quaternion's, and nothing is rounded
 } curve;
@@ -123,7 +123,9 @@ static void place_along( curve* c )
 	}
 }
 
-/// How far each joint gets from the chord of c->part: c->deviation. @return false if the chord goes round the other way
+/// Where the middle of each joint's differences from the chord of c->part is, c->offset, and how far they get from that,
+/// c->deviation: a line beside the chord is twice as near to a curve that bends to one side. @return false if the chord goes
+/// round the other way
 static bool measure_deviation( curve* c )
 {
 	const lw_robot* robot = c->checker->base->robot;
@@ -135,12 +137,16 @@ static bool measure_deviation( curve* c )
 	{
 		const double first = c->part[v], last = c->part[n * c->count + v];
 		const double way = last - first;
-		double most = 0;
+		double least = 0, most = 0;
 		for ( uint32_t i = 1; i < n; ++i )
 		{
-			most = lwi_larger( most, fabs( c->part[i * c->count + v] - ( first + way * c->along[i] ) ) );
+			const double difference = c->part[i * c->count + v] - ( first + way * c->along[i] );
+			least = lwi_smaller( least, difference );
+			most = lwi_larger( most, difference );
 		}
-		c->deviation[v] = c->size[v] != 0 ? share * most * LWI_EDGE_OUTWARD + c->size[v] : 0;
+		const bool moves = c->size[v] != 0;
+		c->offset[v] = moves ? 0.5 * share * ( most + least ) : 0;
+		c->deviation[v] = moves ? 0.5 * share * ( most - least ) * LWI_EDGE_OUTWARD + 2 * c->size[v] : 0;
 		same_way = same_way && !( robot->variables[c->checker->base->group.variables[v]].wraps && fabs( way ) > 3 );
 	}
 	return same_way;
@@ -192,18 +198,20 @@ static lw_status look_at( curve* c, double t, bool* out_free )
 	return status;
 }
 
-/// Asks for the chord of a piece.
-static lw_status ask_chord( curve* c, lw_edge_result* out )
+/// Asks for the line beside the chord of a piece. @param patient also if a pair is nearer to the tube than the slack: halving helps it no more
+static lw_status ask_chord( curve* c, bool patient, lw_edge_result* out )
 {
 	for ( uint32_t v = 0; v < c->count; ++v )
 	{
 		c->tolerance[v] = c->deviation[v] + ( c->def->tolerance != NULL ? c->def->tolerance[v] : 0 );
+		c->row[v] = c->part[v] + c->offset[v];
+		c->row[c->count + v] = c->part[c->degree * c->count + v] + c->offset[v];
 	}
 	lw_edge_def def = *c->def;
 	def.tolerance = c->tolerance;
 	def.want_proved_until = false;
-	const lw_status status =
-		lw_checker_edge( c->checker, c->query, c->part, c->part + c->degree * c->count, &def, out );
+	def.close_windows = patient ? def.close_windows : 0;
+	const lw_status status = lw_checker_edge( c->checker, c->query, c->row, c->row + c->count, &def, out );
 	c->out->queries += out->queries;
 	return status;
 }
@@ -241,7 +249,8 @@ static lw_status prove_piece( curve* c, piece p, bool last, answer* out )
 		*out = ENDED;
 		return LW_OK;
 	}
-	lw_status status = ask_chord( c, &chord );
+	const bool small = last || moved <= SMALL_DEVIATION * c->def->slack;
+	lw_status status = ask_chord( c, small, &chord );
 	if ( status != LW_OK || chord.verdict == LW_VERDICT_FREE )
 	{
 		*out = PROVED;
@@ -254,7 +263,7 @@ static lw_status prove_piece( curve* c, piece p, bool last, answer* out )
 	{
 		*out = ENDED;
 	}
-	else if ( last || moved <= SMALL_DEVIATION * c->def->slack )
+	else if ( small )
 	{
 		give_up( c, p, &chord );
 		*out = ENDED;
@@ -329,7 +338,8 @@ static void begin( curve* c, double* scratch )
 	c->row = c->part + points;
 	c->tolerance = c->row + points;
 	c->deviation = c->tolerance + c->count;
-	c->size = c->deviation + c->count;
+	c->offset = c->deviation + c->count;
+	c->size = c->offset + c->count;
 	c->full = c->size + c->count;
 	for ( uint32_t v = 0; v < c->count; ++v )
 	{

@@ -33,7 +33,7 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->curve = lwi_arena_take( &arena,
-		( 2 * ( LW_CURVE_MOST_DEGREE + 1 ) + 3 ) * (size_t)c->base->group.variable_count + variables, sizeof( double ) );
+		( 2 * ( LW_CURVE_MOST_DEGREE + 1 ) + 4 ) * (size_t)c->base->group.variable_count + variables, sizeof( double ) );
 	e->group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
 	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
 	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );

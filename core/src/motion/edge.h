@@ -191,7 +191,7 @@ lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def 
 /// many links
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
 
-/// [2 (LW_CURVE_MOST_DEGREE + 1) + 3][group variables] + [robot variable_count] doubles that no edge changes. NULL if the
+/// [2 (LW_CURVE_MOST_DEGREE + 1) + 4][group variables] + [robot variable_count] doubles that no edge changes. NULL if the
 /// query's scratch is too small.
 double* lwi_edge_curve_scratch( const lw_checker* checker, lw_query* query );
 
