@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds libleeway0, libleeway-dev and leeway as .deb files in FOLDER (build-deb), and checks them by lintian: errors end the run.
-# Packages: .ci/install.sh core bridge packages.
+# Builds libleeway0, libleeway-dev, leeway and python3-leeway as .deb files in FOLDER (build-deb), and checks them by lintian: errors end the run.
+# Needs .ci/install.sh core bridge packages python.
 #
 #   build_debs.sh [FOLDER]
 set -euo pipefail
@@ -10,6 +10,8 @@ build=${1:-build-deb}
 options=( -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DCMAKE_INSTALL_LIBDIR="lib/$( dpkg-architecture -qDEB_HOST_MULTIARCH )"
 	-DCMAKE_INSTALL_DOCDIR=share/doc/libleeway-dev -DBUILD_SHARED_LIBS=ON -DCMAKE_SKIP_INSTALL_RPATH=ON -DLEEWAY_BUILD_TESTS=OFF
 	-DLEEWAY_BUILD_EXAMPLES=OFF -DLEEWAY_BUILD_BENCHMARKS=OFF
+	-DLEEWAY_BUILD_PYTHON=ON -DPython_EXECUTABLE="$( realpath -s "${LEEWAY_PYTHON_DIR:-build/python-tools}" )/bin/python"
+	-DLEEWAY_PYTHON_INSTALL_DIR=lib/python3/dist-packages/leeway
 	"-DCMAKE_EXE_LINKER_FLAGS=-Wl,-z,relro,-z,now" "-DCMAKE_SHARED_LINKER_FLAGS=-Wl,-z,relro,-z,now" )
 if [ ! -e "$build/CMakeCache.txt" ]; then
 	options+=( -G Ninja )

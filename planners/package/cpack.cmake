@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Debian packages (build_debs.sh): libleeway0 has the shared libraries of the C interfaces, libleeway-dev headers, archives of the C++ parts and
-# documents, leeway the program. The place of python3-leeway is here: a component with the files that planners/python installs.
+# documents, leeway the program; python3-leeway the package of Python, for the machine's Python.
 if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux")
   return()
 endif()
-foreach(part runtime:libleeway${LEEWAY_ABI} devel:libleeway-dev program:leeway)
+set(LEEWAY_PACKAGES runtime:libleeway${LEEWAY_ABI} devel:libleeway-dev program:leeway)
+if(LEEWAY_BUILD_PYTHON)
+  list(APPEND LEEWAY_PACKAGES python:python3-leeway)
+endif()
+foreach(part IN LISTS LEEWAY_PACKAGES)
   string(REGEX REPLACE ":.*" "" component "${part}")
   string(REGEX REPLACE ".*:" "" package "${part}")
   install(FILES "${CMAKE_SOURCE_DIR}/planners/package/debian/copyright" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package}"
@@ -19,7 +23,7 @@ set(CPACK_PACKAGE_CONTACT "The leeway developers <leeway@example.org>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "certified clearance of robot states and motions")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL runtime devel program)
+string(REGEX REPLACE ":[^;]*" "" CPACK_COMPONENTS_ALL "${LEEWAY_PACKAGES}")
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -60,4 +64,17 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libleeway${LEEWAY_ABI} (= ${PROJECT_VE
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "certified clearance of robots, program
 ${text}
 This package has the program leeway, its manual pages and shell completions.")
+if(LEEWAY_BUILD_PYTHON) # the module is made for one version of Python
+  find_package(Python 3.9 REQUIRED COMPONENTS Interpreter)
+  math(EXPR next "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-leeway)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/planners/package/debian/python/postinst"
+    "${CMAKE_SOURCE_DIR}/planners/package/debian/python/prerm") # compiled files go with the package
+  string(CONCAT CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "libleeway${LEEWAY_ABI} (= ${PROJECT_VERSION}), "
+    "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next}~), python3-numpy")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "certified clearance of robots, package for Python
+${text}
+This package has the module leeway of Python 3: arrays of NumPy in and out.")
+endif()
 include(CPack)

@@ -40,6 +40,7 @@ scratch=$( mktemp )
 rm -rf "$root/srv/leeway" && mkdir -p "$root/srv/leeway"
 cp "$debs"/*.deb "$root/srv/leeway"
 cp -r tests/install/consumer examples "$root/srv/leeway"
+cp planners/python/README.md "$root/srv/leeway/python.md"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 
 step "apt-get update" inside apt-get -q update
@@ -49,6 +50,9 @@ step "install libleeway0 and leeway alone" inside sh -c 'apt-get -qy --no-instal
 step "run the program" inside leeway plan --robot /srv/leeway/examples/first/arm.urdf --srdf /srv/leeway/examples/first/arm.srdf \
 	--scene /srv/leeway/examples/first/scene.yaml --start left --goal right --min-d 0.01 --no-cache --out /tmp/path.yaml
 step "manual and completions are there" inside sh -c 'test -e /usr/share/bash-completion/completions/leeway && test -e /usr/share/fish/vendor_completions.d/leeway.fish && test -e /usr/share/zsh/vendor-completions/_leeway'
+
+step "install python3-leeway" inside sh -c 'apt-get -qy --no-install-recommends install /srv/leeway/python3-leeway_*.deb'
+step "plan in Python" inside sh -c 'cd /srv/leeway && sed -n "/^\`\`\`python/,/^\`\`\`$/p" python.md | grep -v "^\`\`\`" >/tmp/page.py && python3 /tmp/page.py | grep "SOLVED.*True"'
 
 step "install libleeway-dev and a compiler" inside sh -c 'apt-get -qy --no-install-recommends install /srv/leeway/libleeway-dev_*.deb gcc libc6-dev pkg-config'
 step "C by pkg-config: leeway" inside sh -c 'cd /tmp && cc -std=c11 /srv/leeway/consumer/core.c -o core $(pkg-config --cflags --libs leeway) && ./core && readelf -d core | grep -q "libleeway\.so\.0\]"'
@@ -64,7 +68,7 @@ done
 first=/srv/leeway/examples/first
 step "run the README's C++ with OMPL" inside /tmp/consumer/consumer_example "$first/arm.urdf" "$first/arm.srdf" "$first/scene.yaml" "$first/request.yaml"
 
-step "remove" inside apt-get -qy purge leeway libleeway-dev libleeway0
+step "remove" inside apt-get -qy purge leeway python3-leeway libleeway-dev libleeway0
 inside sh -c 'find / -xdev -not -path "/proc/*" -not -path "/srv/*" -not -path "/var/*" -not -path "/tmp/*" | sort' >"$scratch.after"
 left=$( comm -13 "$scratch.before" "$scratch.after" | grep -i leeway || true )
 if [ -n "$left" ]; then

@@ -36,12 +36,19 @@ struct PyWorld
 	PyChecker checker() const { return PyChecker( world.problem(), model ); }
 };
 
+/// Other threads may edit the scene once the interpreter's lock is released.
+std::unique_ptr<const io::SceneModel> copyOf( const PyScene* scene )
+{
+	return scene != nullptr ? std::make_unique<const io::SceneModel>( scene->model ) : nullptr;
+}
+
 void makeChecker( PyChecker* self, const PyRobot& robot, const PyScene* scene, const std::string& group,
     const nb::object& reference, const Allowed& allowed, const nb::object& margins, const nb::object& padding,
     const PyReach* reach, double min_d, double max_d )
 {
+	const std::unique_ptr<const io::SceneModel> copy = copyOf( scene );
 	const io::ProblemOptions options =
-	    optionsOf( robot, scene, { group, reference, allowed, margins, padding, reach, min_d, max_d } );
+	    optionsOf( robot, copy.get(), { group, reference, allowed, margins, padding, reach, min_d, max_d } );
 	const nb::gil_scoped_release unlocked;
 	new ( self ) PyChecker( std::make_shared<const io::Problem>( io::buildProblem( *robot.model, options ) ), robot.model );
 }
@@ -50,8 +57,9 @@ void makeWorld( PyWorld* self, const PyRobot& robot, const PyScene* scene, const
     const nb::object& reference, const Allowed& allowed, const nb::object& margins, const nb::object& padding,
     const PyReach* reach, double min_d, double max_d )
 {
+	const std::unique_ptr<const io::SceneModel> copy = copyOf( scene );
 	const io::ProblemOptions options =
-	    optionsOf( robot, scene, { group, reference, allowed, margins, padding, reach, min_d, max_d } );
+	    optionsOf( robot, copy.get(), { group, reference, allowed, margins, padding, reach, min_d, max_d } );
 	const nb::gil_scoped_release unlocked;
 	new ( self ) PyWorld( robot, options );
 }
@@ -365,11 +373,11 @@ void QueryPool::giveBack( Query query )
 	m_free.push_back( std::move( query ) );
 }
 
-io::ProblemOptions optionsOf( const PyRobot& robot, const PyScene* scene, const ProblemArguments& arguments )
+io::ProblemOptions optionsOf( const PyRobot& robot, const io::SceneModel* scene, const ProblemArguments& arguments )
 {
 	io::ProblemOptions options;
 	options.group = arguments.group;
-	options.scene = scene != nullptr ? &scene->model : nullptr;
+	options.scene = scene;
 	if ( !arguments.reference.is_none() )
 	{
 		options.overrides.values = nb::cast<std::map<std::string, double>>( arguments.reference );

@@ -89,7 +89,7 @@ struct ProblemArguments
 };
 
 /// Options of io::buildProblem(). @param scene may be null @throws nb::value_error, io::Error
-io::ProblemOptions optionsOf( const PyRobot& robot, const PyScene* scene, const ProblemArguments& arguments );
+io::ProblemOptions optionsOf( const PyRobot& robot, const io::SceneModel* scene, const ProblemArguments& arguments );
 
 /// Shapes of an object: a shape, or a list of (shape, pose). Poses are in the object's frame.
 std::vector<io::PlacedShape> placedShapes( const nb::object& shapes );

@@ -57,6 +57,22 @@ def test_threads_share_a_checker_and_get_the_same_bits(checker, states):
     assert set(answers) == {expected}
 
 
+def test_threads_edit_a_scene_while_checkers_are_made_of_it(robot):
+    scene = leeway.Scene()
+    for i in range(50):
+        scene.add(f"box {i}", leeway.Shape.box(0.1, 0.1, 0.1), [i, 0, 3])
+
+    def edit(k):
+        for i in range(50):
+            scene.add(f"{k} {i}", leeway.Shape.sphere(0.1), [i, 1, 3])
+            scene.remove(f"{k} {i}")
+
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        edits = [pool.submit(edit, k) for k in range(8)]
+        made = [pool.submit(leeway.Checker, robot, scene, group="arm") for _ in range(40)]
+        assert all(len(job.result().objects) >= 50 for job in made) and not any(job.result() for job in edits)
+
+
 def test_threads_plan_while_the_world_changes(robot, scene, states):
     world = leeway.World(robot, scene, group="arm")
     free = states[world.checker.is_free(states)]
