@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but lint, mutation, python and
+# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but release, lint, mutation, python and
 # the zoo's.
 #
-#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [lint] [mutation] [python] [zoo] [zoo-tests]
+#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [release] [lint] [mutation] [python] [zoo] [zoo-tests]
 #
 # mutation also makes a virtual environment with the Python tools of tests/mutation and tests/coverage.sh, in
 # $LEEWAY_MUTATION_DIR (build/mutation). python also makes a virtual environment with the tools of the Python package, in
@@ -15,8 +15,8 @@ set -euo pipefail
 
 usage()
 {
-	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [lint] [mutation] [python] [zoo] [zoo-tests]"
-	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but lint, mutation, python and the zoo's."
+	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [release] [lint] [mutation] [python] [zoo] [zoo-tests]"
+	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but release, lint, mutation, python and the zoo's."
 	echo "mutation also makes a virtual environment in \$LEEWAY_MUTATION_DIR (build/mutation)."
 	echo "python also makes a virtual environment in \$LEEWAY_PYTHON_DIR (build/python-tools)."
 	echo "zoo and zoo-tests also fetch robot descriptions into \$LEEWAY_ZOO_DIR (build/zoo)."
@@ -40,6 +40,7 @@ packages_of()
 	arm64) echo gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user cmake ninja-build ;;
 	# .deb files and their check, manual pages, completions in the shells that read them, the reference of the interfaces
 	packages) echo dpkg-dev file lintian help2man zsh fish bash-completion doxygen ;;
+	release) echo debootstrap ;;
 	lint) echo git clang-tidy-14 clang-format-14 ;;
 	# llvm-cov lists the lines that a test executes
 	mutation) echo python3 python3-venv clang libclang-rt-14-dev llvm ninja-build ;;

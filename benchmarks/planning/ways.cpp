@@ -5,6 +5,7 @@
 #include "support/race.hpp"
 
 #include "leeway/ompl/validity.hpp"
+#include "leeway/ompl/versions.hpp"
 #include "leeway/planners/ompl_planner.hpp"
 #include "leeway/planners/smooth.hpp"
 #include "setup/planner_registry.hpp"
@@ -171,7 +172,7 @@ private:
 	{
 		og::PathSimplifier simplifier( m_setup.getSpaceInformation() );
 		simplifier.reduceVertices( path );
-		simplifier.shortcutPath( path );
+		leeway::ompl::shortcutPath( simplifier, path, 0, 0 );
 		simplifier.reduceVertices( path );
 	}
 

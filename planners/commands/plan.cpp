@@ -7,6 +7,7 @@
 #include "setup/planner_registry.hpp"
 #include "text/names.hpp"
 
+#include "leeway/ompl/versions.hpp"
 #include "leeway/planners/ompl_planner.hpp"
 #include "leeway/planners/smooth.hpp"
 
@@ -244,7 +245,7 @@ void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si, const
 	for ( int round = 0; round < simplify_rounds && path.getStateCount() > 2; ++round )
 	{
 		attempt( [&] { simplifier.reduceVertices( path, simplify_attempts, simplify_attempts ); } );
-		attempt( [&] { simplifier.shortcutPath( path, simplify_attempts, simplify_attempts ); } );
+		attempt( [&] { ompl::shortcutPath( simplifier, path, simplify_attempts, simplify_attempts ); } );
 		attempt( [&] { simplifier.collapseCloseVertices( path ); } );
 		const double shorter = path.length();
 		if ( length - shorter < simplify_gain * length )

@@ -4,7 +4,7 @@
 # with those of this machine. Packages: .ci/install.sh arm64.
 #
 #   run.sh quick PROGRAM [FOLDER]   kernels at all levels, answers: two minutes. PROGRAM: print_answers of this machine's build
-#   run.sh all PROGRAM [FOLDER]     all tests of the core, an hour of processor time: long doubles have 113 bits there, by software
+#   run.sh all PROGRAM [FOLDER]     all tests of the core, some hours of processor time: long doubles have 113 bits there, by software
 #
 # FOLDER (build-arm64) keeps the packages and the build. Reaches come from this machine: see tests/levels/answers.cpp.
 set -euo pipefail
@@ -35,7 +35,7 @@ quick)
 	;;
 all)
 	cmake --build "$build" --parallel "$jobs"
-	select=( --exclude-regex '^(rooms|prose|mutation|install|as_built)|^AsBuilt' )
+	select=( --exclude-regex '^(rooms|prose|mutation|install|as_built|packages)|^AsBuilt' )
 	;;
 *)
 	echo "$usage" >&2
