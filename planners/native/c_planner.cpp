@@ -155,8 +155,8 @@ lw_plan_outcome outcomeOf( Outcome outcome )
 
 lw_plan_statistics statisticsOf( const Statistics& s )
 {
-	return { s.samples, s.states, s.states_free, s.edges, s.free, s.blocked, s.undecided, s.edge_queries, s.start_nodes,
-	    s.goal_nodes };
+	return { s.samples, s.states, s.states_free, s.looks, s.edges, s.free, s.blocked, s.undecided, s.edge_queries,
+	    s.start_nodes, s.goal_nodes };
 }
 
 void requireOk( lw_status status, const char* work )
@@ -184,6 +184,7 @@ void addWork( Statistics& sum, const Statistics& more )
 {
 	sum.states += more.states;
 	sum.states_free += more.states_free;
+	sum.looks += more.looks;
 	sum.edges += more.edges;
 	sum.free += more.free;
 	sum.blocked += more.blocked;

@@ -13,6 +13,8 @@ namespace leeway::planners
 namespace
 {
 
+constexpr int most_edges = 16;       // for one direction of a joint
+constexpr double least_gain = 0.005; // of the travel found so far, for one edge more
 constexpr double state_window = 0.1; // metres above min_d: clearances beyond are not measured
 
 /// The pair of a state that is not free. @return false if none was found
@@ -44,7 +46,8 @@ void sortByCount( std::vector<BlockingPair>& pairs )
 	    pairs.begin(), pairs.end(), []( const BlockingPair& x, const BlockingPair& y ) { return x.count() > y.count(); } );
 }
 
-/// One edge from q with variable i moved to its bound. @return free travel
+/// Edges from q with variable i moved to its bound: each goes on where the one before is proved to, which is short of the first state
+/// that is not free by a part of the way. @return free travel
 double measureTravel( const lw_checker* checker, lw_query* query, const lw_edge_def& def, const Space& space,
     const double* q, std::size_t i, bool up, Blame& blame )
 {
@@ -52,16 +55,33 @@ double measureTravel( const lw_checker* checker, lw_query* query, const lw_edge_
 	target[i] = space.wraps( i ) ? q[i] + ( up ? longest_turn : -longest_turn ) : up ? space.upper()[i] : space.lower()[i];
 	const double way = std::fabs( target[i] - q[i] );
 	space.normalise( target.data() );
-	lw_edge_result result;
-	if ( !( way > 0 ) || lw_checker_edge( checker, query, q, target.data(), &def, &result ) != LW_OK )
+	std::vector<double> from( q, q + space.size() );
+	double travel = 0;
+	for ( int edge = 0; way > 0 && edge < most_edges; ++edge )
 	{
-		return 0;
+		lw_edge_result result;
+		if ( lw_checker_edge( checker, query, from.data(), target.data(), &def, &result ) != LW_OK )
+		{
+			break;
+		}
+		if ( result.verdict == LW_VERDICT_FREE )
+		{
+			return way;
+		}
+		if ( edge == 0 )
+		{
+			blame.edge( result );
+		}
+		const double gain = result.proved_until * ( way - travel );
+		travel += gain;
+		if ( gain < least_gain * travel || gain <= 0 )
+		{
+			break;
+		}
+		from[i] = q[i] + ( up ? travel : -travel );
+		space.normalise( from.data() );
 	}
-	if ( result.verdict != LW_VERDICT_FREE )
-	{
-		blame.edge( result );
-	}
-	return way * result.proved_until;
+	return travel;
 }
 
 } // namespace

@@ -33,6 +33,9 @@ void requireUsable( const Settings& settings )
 namespace
 {
 
+constexpr unsigned lanes = 8;    // states that are looked at together
+constexpr unsigned quarters = 4; // of a step towards the other tree: states that are looked at
+constexpr unsigned steps_ahead = lanes / quarters;
 constexpr std::uint64_t least_free_per_failure = 8; // late proofs: with fewer, edges are proved at once
 
 /// Rough quantile of a bell curve with variance near 1 (Tukey's lambda, 0.14): directions of samples need no more.
@@ -78,6 +81,8 @@ struct Planner::Parts
 		range = settings.range > 0 ? settings.range : geometricRange( checker.get(), space.lower(), space.upper() );
 		sample.resize( space.size() );
 		next.resize( space.size() );
+		ahead.resize( lanes * space.size() );
+		ends_ahead.resize( lanes * space.size() );
 		unit.resize( space.size() + 1 );
 	}
 
@@ -87,7 +92,9 @@ struct Planner::Parts
 	bool isLineFree( Judge& judge, const double* a, const double* b );
 	bool grow( Judge& judge );
 	bool connect( Judge& judge, unsigned from, std::uint32_t node );
-	std::uint32_t extend( Judge& judge, Tree& tree, std::uint32_t near, const double* q );
+	bool seemsFree( Judge& judge, unsigned step, bool has_new_end );
+	void lookAhead( Judge& judge, const double* goal, unsigned step, unsigned steps );
+	std::uint32_t addNode( Judge& judge, Tree& tree, std::uint32_t near, const double* q );
 	bool proveBranch( Judge& judge, unsigned side, std::uint32_t node );
 	void findRoots( unsigned side );
 	void drawSample( const Tree& tree );
@@ -110,6 +117,12 @@ struct Planner::Parts
 	double gap = HUGE_VAL; ///< least distance of a node to the other tree
 	Blame blame;
 	std::vector<double> sample, next, unit;
+	std::vector<double> ends_ahead; ///< [lanes][variables] of the next edges from `nears`
+	std::uint32_t nears[lanes] = {}; ///< nodes from which these come
+	std::vector<double> ahead;      ///< [lanes][variables] the way from `from`, by quarters of steps
+	lw_verdict seen[lanes] = {};    ///< of these
+	std::vector<double> from;
+	std::uint64_t cuts = 0; ///< times that nodes went and others got new numbers
 	std::vector<std::uint32_t> branch;
 	struct
 	{
@@ -224,15 +237,41 @@ bool Planner::Parts::joinStraight( Judge& judge, Deadline& deadline, std::size_t
 	return false;
 }
 
-/// Adds q to the tree if it and some states before it are free. The proof of the edge waits until the tree grows from q or a path
+/// The next steps from `from` to a goal, by their quarters, in the lanes of vectors
+void Planner::Parts::lookAhead( Judge& judge, const double* goal, unsigned step, unsigned steps )
+{
+	const unsigned count = std::min( lanes, ( steps - step ) * quarters );
+	for ( unsigned i = 0; i < count; ++i )
+	{
+		space.between( from.data(), goal, ( step + ( i + 1.0 ) / quarters ) / steps, ahead.data() + i * space.size() );
+	}
+	judge.look( ahead.data(), count, false, seen );
+}
+
+/// Does one of these steps seem free? Its end is, if that is new.
+bool Planner::Parts::seemsFree( Judge& judge, unsigned step, bool has_new_end )
+{
+	const lw_verdict* mine = seen + step * quarters;
+	if ( std::find( mine, mine + quarters, LW_VERDICT_BLOCKED ) != mine + quarters )
+	{
+		return false;
+	}
+	for ( const unsigned i : { 3u, 1u, 0u, 2u } )
+	{
+		const double* q = ahead.data() + ( step * quarters + i ) * space.size();
+		if ( ( i == quarters - 1 ? has_new_end : !judge.looksDecide() ) && !judge.isFree( q, mine[i] ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+/// Adds q, which is free as some states before it are, to the tree. The proof of the edge waits until the tree grows from q or a path
 /// passes through it: most nodes stay leaves. Where obstacles are so thin that such proofs often fail, it waits no longer.
 /// @return no_node if not
-std::uint32_t Planner::Parts::extend( Judge& judge, Tree& tree, std::uint32_t near, const double* q )
+std::uint32_t Planner::Parts::addNode( Judge& judge, Tree& tree, std::uint32_t near, const double* q )
 {
-	if ( !judge.isStateFree( q ) || !judge.seemsFree( space, tree.state( near ), q ) )
-	{
-		return no_node;
-	}
 	const bool waits = late.not_free * least_free_per_failure <= late.free;
 	if ( !waits && !judge.isEdgeFree( tree.state( near ), q ) )
 	{
@@ -262,6 +301,7 @@ bool Planner::Parts::proveBranch( Judge& judge, unsigned side, std::uint32_t nod
 		{
 			++late.not_free;
 			tree.cut( below );
+			++cuts;
 			findRoots( side );
 			return false;
 		}
@@ -283,27 +323,44 @@ void Planner::Parts::findRoots( unsigned side )
 	}
 }
 
-/// One edge of the smaller tree towards a sample, and the way from there to the other tree. @return true if they met
+/// Samples of the smaller tree, as many as vectors have lanes: the ends of its edges towards them are looked at together. Those that are
+/// free become nodes, from which the way to the other tree is tried. @return true if they met
 bool Planner::Parts::grow( Judge& judge )
 {
 	const unsigned side = trees[0].size() <= trees[1].size() ? 0 : 1;
 	Tree& tree = trees[side];
-	++growth[side].tries;
-	drawSample( tree );
-	const std::uint32_t near = tree.nearest( sample.data() );
-	if ( !proveBranch( judge, side, near ) )
+	lw_verdict verdicts[lanes];
+	const auto count = judge.looksDecide() ? static_cast<unsigned>( std::min<std::size_t>( lanes, tree.size() ) ) : 1;
+	for ( unsigned i = 0; i < count; ++i )
 	{
-		return false;
+		drawSample( tree );
+		nears[i] = tree.nearest( sample.data() );
+		const double distance = space.distance( tree.state( nears[i] ), sample.data() );
+		space.between(
+		    tree.state( nears[i] ), sample.data(), std::min( 1.0, range / distance ), ends_ahead.data() + i * space.size() );
 	}
-	const double distance = space.distance( tree.state( near ), sample.data() );
-	space.between( tree.state( near ), sample.data(), std::min( 1.0, range / distance ), next.data() );
-	const std::uint32_t node = extend( judge, tree, near, next.data() );
-	if ( node == no_node )
+	growth[side].tries += count;
+	judge.look( ends_ahead.data(), count, false, verdicts );
+	const std::uint64_t before = cuts;
+	for ( unsigned i = 0; i < count && cuts == before; ++i )
 	{
-		return false;
+		const double* q = ends_ahead.data() + i * space.size();
+		if ( verdicts[i] == LW_VERDICT_BLOCKED || !proveBranch( judge, side, nears[i] ) || !judge.isFree( q, verdicts[i] ) )
+		{
+			continue;
+		}
+		const std::uint32_t node =
+		    judge.seemsFree( space, tree.state( nears[i] ), q ) ? addNode( judge, tree, nears[i], q ) : no_node;
+		if ( node != no_node )
+		{
+			++growth[side].grown;
+			if ( connect( judge, side, node ) )
+			{
+				return true;
+			}
+		}
 	}
-	++growth[side].grown;
-	return connect( judge, side, node );
+	return false;
 }
 
 /// Steps of equal length from a new node to the nearest node of the other tree, until one fails.
@@ -314,19 +371,30 @@ bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
 	const double distance = space.distance( tree.state( node ), other.state( goal ) );
 	gap = std::min( gap, distance );
 	const auto steps = static_cast<unsigned>( std::max( 1.0, std::ceil( distance / std::min( range, longest_turn ) ) ) );
-	for ( unsigned step = 1; step < steps; ++step )
+	from.assign( tree.state( node ), tree.state( node ) + space.size() );
+	for ( unsigned step = 0; step < steps; ++step )
 	{
-		space.between( tree.state( node ), other.state( goal ), 1.0 / ( steps - step + 1 ), next.data() );
-		const std::uint32_t added = extend( judge, tree, node, next.data() );
-		if ( added == no_node )
+		if ( step % steps_ahead == 0 )
+		{
+			lookAhead( judge, other.state( goal ), step, steps );
+		}
+		if ( !seemsFree( judge, step % steps_ahead, step + 1 < steps ) )
 		{
 			return false;
 		}
-		node = added;
-		gap = std::min( gap, distance * ( steps - step ) / steps );
+		if ( step + 1 == steps )
+		{
+			break;
+		}
+		const double* q = ahead.data() + ( step % steps_ahead + 1 ) * quarters * space.size() - space.size();
+		node = addNode( judge, tree, node, q );
+		if ( node == no_node )
+		{
+			return false;
+		}
+		gap = std::min( gap, distance * ( steps - step - 1 ) / steps );
 	}
-	if ( !judge.seemsFree( space, tree.state( node ), other.state( goal ) ) ||
-	     !judge.isEdgeFree( tree.state( node ), other.state( goal ) ) || !proveBranch( judge, side, node ) ||
+	if ( !judge.isEdgeFree( tree.state( node ), other.state( goal ) ) || !proveBranch( judge, side, node ) ||
 	     !proveBranch( judge, 1 - side, goal ) )
 	{
 		return false;

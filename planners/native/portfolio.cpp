@@ -254,6 +254,7 @@ Statistics Portfolio::statistics() const
 		sum.samples += s.samples;
 		sum.states += s.states;
 		sum.states_free += s.states_free;
+		sum.looks += s.looks;
 		sum.edges += s.edges;
 		sum.free += s.free;
 		sum.blocked += s.blocked;

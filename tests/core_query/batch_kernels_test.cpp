@@ -218,6 +218,65 @@ TEST( BatchKernels, LevelDiffersFromScalar )
 	}
 }
 
+TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 2000; ++i )
+	{
+		const Chain chain( rng );
+		const double t[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
+		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
+		const float middle[3] = { 0.1f, 0.2f, -0.3f }, half[3] = { 0.3f, 0.2f, 0.1f };
+		const lw_shape_type types[] = { LW_SHAPE_BOX, LW_SHAPE_CYLINDER, LW_SHAPE_CONE, LW_SHAPE_HALFSPACE, LW_SHAPE_PLANE };
+		const lwi_primitive primitive = { types[rng.integer( 0, 4 )],
+		    { static_cast<float>( rng.uniform( 0.1, 2 ) ), static_cast<float>( rng.uniform( 0.1, 2 ) ),
+		        static_cast<float>( rng.uniform( 0.1, 2 ) ) } };
+		lwi_box8 box;
+		lwi_points8 points[2];
+		lwi_node node;
+		for ( int k = 0; k < LWI_WIDTH; ++k )
+		{
+			for ( int axis = 0; axis < 3; ++axis )
+			{
+				box.min[axis][k] = static_cast<float>( rng.uniform( -3, 2 ) );
+				box.max[axis][k] = box.min[axis][k] + static_cast<float>( rng.uniform( 0, 1 ) );
+				points[0].at[axis][k] = static_cast<float>( rng.uniform( -1, 1 ) );
+				points[1].at[axis][k] = static_cast<float>( rng.uniform( -1, 1 ) );
+			}
+			node.x[k] = points[0].at[0][k];
+			node.y[k] = points[0].at[1][k];
+			node.z[k] = points[0].at[2][k];
+			node.r[k] = static_cast<float>( rng.uniform( 0, 1 ) );
+			node.child[k] = k < 6 ? 1u : LW_INVALID_INDEX;
+		}
+		struct Output
+		{
+			lwi_batch_point point;
+			lwi_lane_frame body;
+			lwi_lane_motion motion;
+			uint8_t boxes[LWI_WIDTH], children[LWI_WIDTH];
+			uint32_t slabs, points;
+		};
+		std::vector<Output> outputs;
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			Output o;
+			std::memset( &o, 0, sizeof( o ) );
+			const lwi_batch_frame frame = chain.lanes( table );
+			table->batch_point( &frame, t, t, 0, &o.point );
+			table->lane_boxes( &o.point, &box, 1, 0.7f, o.boxes );
+			table->lane_body( &frame, r, t, &o.body );
+			table->lane_relative( &o.body, r, t, &o.motion );
+			o.slabs = table->lane_slabs( &o.motion, middle, half, &primitive, 0.2f );
+			o.points = table->lane_points( &o.motion, points, 2, &primitive, 0x7fu );
+			table->lane_node( &o.motion, &node, &primitive, 0.1f, o.children );
+			EXPECT_EQ( 0, o.children[7] );
+			outputs.push_back( o );
+			ASSERT_EQ( 0, std::memcmp( &outputs[0], &o, sizeof( o ) ) ) << "level " << table->level << ", input " << i;
+		}
+	}
+}
+
 TEST( BatchKernels, PointsAreElsewhereOrMoveOtherwise )
 {
 	SeededRng rng;

@@ -68,6 +68,53 @@ TEST( EdgeTubeData, MotionsWithinTheToleranceStayFreeOnRealRobots )
 	judgeTubes( worlds, unlessSanitized( 6, 2 ) );
 }
 
+TEST( StatesData, LooksDifferFromStatesOnRealRobots )
+{
+	EdgeWorlds worlds( LEEWAY_DATA_DIR, reachDef() );
+	worlds.addMbm( "panda", "panda_arm", { 1, 2 } );
+	worlds.addMbm( "fetch", "arm_with_torso", { 1 } );
+	worlds.addArmar( "left_arm", { 8 } );
+	SeededRng rng;
+	std::size_t seen[4] = { 0 };
+	for ( std::size_t i = 0; i < worlds.size(); ++i )
+	{
+		const EdgeWorld& world = worlds.world( i );
+		const leeway::Query query = leeway::makeQuery( world.checker.get() );
+		for ( int k = 0; k < unlessSanitized( 200, 20 ); ++k )
+		{
+			const Motion motion = world.randomMotion( k % 2 == 0, k % 4 < 2 ? 0.3 : 2, rng.engine(), query.get() );
+			std::vector<double> q;
+			for ( int t = 0; t < 8; ++t )
+			{
+				for ( std::size_t v = 0; v < motion.from.size(); ++v )
+				{
+					q.push_back( motion.from[v] + t / 7.0 * ( motion.to[v] - motion.from[v] ) );
+				}
+			}
+			const lw_check_flags flags = k % 4 == 0 ? LW_CHECK_BOTH : LW_CHECK_ENVIRONMENT;
+			const double min_d = k % 3 == 0 ? 0.02 : 0;
+			lw_verdict verdicts[8];
+			bool many[8];
+			ASSERT_EQ(
+			    lw_checker_look( world.checker.get(), query.get(), q.data(), 8, flags, min_d, false, verdicts ), LW_OK );
+			ASSERT_EQ( lw_checker_states( world.checker.get(), query.get(), q.data(), 8, flags, min_d, many ), LW_OK );
+			for ( std::size_t t = 0; t < 8; ++t )
+			{
+				bool free = false;
+				const double* state = q.data() + t * motion.from.size();
+				ASSERT_EQ( lw_checker_is_free( world.checker.get(), query.get(), state, flags, min_d, &free ), LW_OK );
+				EXPECT_EQ( many[t], free ) << world.name;
+				EXPECT_TRUE( verdicts[t] != ( free ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) ) << world.name;
+				++seen[verdicts[t]];
+			}
+		}
+	}
+	std::printf( "free %zu, blocked %zu, undecided %zu\n", seen[LW_VERDICT_FREE], seen[LW_VERDICT_BLOCKED],
+	    seen[LW_VERDICT_UNDECIDED] );
+	EXPECT_GT( seen[LW_VERDICT_FREE], seen[LW_VERDICT_UNDECIDED] / 4 );
+	EXPECT_GT( seen[LW_VERDICT_BLOCKED], seen[LW_VERDICT_UNDECIDED] / 20 );
+}
+
 // One test, because the hulls and tables of this robot take most of the time.
 TEST( EdgeAuditData, ArmarReachesBendsAndDrivesInTheKitchen )
 {

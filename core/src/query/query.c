@@ -51,6 +51,9 @@ static size_t lay_out( lw_query* q, void* block )
 	q->scratch.row = lwi_arena_take( &arena, lwi_padded( q->capacity.shapes ), sizeof( float ) );
 	q->scratch.candidates = lwi_arena_take( &arena, q->capacity.gaps, sizeof( lwi_candidate ) );
 	q->scratch.edge = lwi_arena_take( &arena, q->capacity.edge_bytes, 1 );
+	q->scratch.lane_values = lwi_arena_take( &arena, q->capacity.links, sizeof( double[3][LWI_WIDTH] ) );
+	q->scratch.lane_frames = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_batch_frame ) );
+	q->scratch.lane_spheres = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_batch_point ) );
 	return arena.used;
 }
 

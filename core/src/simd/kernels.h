@@ -145,6 +145,24 @@ typedef struct lwi_kernels
 	uint32_t ( *batch_pair )( const lwi_batch_point* a, const lwi_batch_point* b, float reach );
 	/// One interval, many spheres: pairs that may come within `reach` > 0, likewise; the rest as sphere_pairs
 	uint32_t ( *moving_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near );
+
+	// States in lanes: checker/states.c
+
+	/// Boxes that a point comes nearer to than `reach` > 0: lanes, one byte a box
+	void ( *lane_boxes )( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach, uint8_t* near );
+	/// world_from_tree of a body: its frame in the frame of a cluster (r, t), and that in the world
+	void ( *lane_body )( const lwi_batch_frame* frame, const double r[3][3], const double t[3], lwi_lane_frame* out );
+	/// The body in the frame of something that stands still: its rows r and place t in the world
+	void ( *lane_relative )( const lwi_lane_frame* body, const double r[3][3], const double t[3], lwi_lane_motion* out );
+	/// Lanes in which a box of the tree's frame comes nearer than `limit` > 0 to a box or cylinder, by their faces
+	uint32_t ( *lane_slabs )( const lwi_lane_motion* motion, const float middle[3], const float half[3],
+		const lwi_primitive* primitive, float limit );
+	/// Lanes, of these, in which some point of some block is inside of a box, cylinder or half-space
+	uint32_t ( *lane_points )( const lwi_lane_motion* motion, const lwi_points8* points, uint32_t blocks,
+		const lwi_primitive* primitive, uint32_t lanes );
+	/// Spheres of a node whose distance to a primitive does not reach `limit`: lanes, one byte a child; 0 for pads
+	void ( *lane_node )( const lwi_lane_motion* motion, const lwi_node* node, const lwi_primitive* primitive, float limit,
+		uint8_t near[LWI_WIDTH] );
 } lwi_kernels;
 
 /// The table of a level; levels that this build or machine lacks give the next lower one.

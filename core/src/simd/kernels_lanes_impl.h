@@ -161,3 +161,156 @@ static uint32_t moving_pairs( const float* blocks, uint32_t count, const uint8_t
 	}
 	return found;
 }
+
+// --- states in lanes -------------------------------------------------------------------------------------------------
+
+static void lane_boxes( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach, uint8_t* near )
+{
+	const v3 p = v3_load( point->p );
+	const f8 zero = f8_set( 0.0f ), limit = f8_set( reach * reach );
+	for ( uint32_t i = 0; i < blocks * LWI_WIDTH; ++i )
+	{
+		const lwi_box8* block = &boxes[i / LWI_WIDTH];
+		const uint32_t k = i % LWI_WIDTH;
+		const f8 x =
+			f8_max( f8_max( f8_sub( p.x, f8_set( block->max[0][k] ) ), f8_sub( f8_set( block->min[0][k] ), p.x ) ), zero );
+		const f8 y =
+			f8_max( f8_max( f8_sub( p.y, f8_set( block->max[1][k] ) ), f8_sub( f8_set( block->min[1][k] ), p.y ) ), zero );
+		const f8 z =
+			f8_max( f8_max( f8_sub( p.z, f8_set( block->max[2][k] ) ), f8_sub( f8_set( block->min[2][k] ), p.z ) ), zero );
+		const f8 square = f8_add( f8_add( f8_mul( x, x ), f8_mul( y, y ) ), f8_mul( z, z ) );
+		near[i] = (uint8_t)( ~m8_bits( f8_ge( square, limit ) ) & 0xffu );
+	}
+}
+
+static void lane_body( const lwi_batch_frame* restrict frame, const double r[3][3], const double t[3],
+	lwi_lane_frame* restrict out )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			const double p0 = frame->r[3 * i][l], p1 = frame->r[3 * i + 1][l], p2 = frame->r[3 * i + 2][l];
+			out->r[3 * i][l] = p0 * r[0][0] + p1 * r[1][0] + p2 * r[2][0];
+			out->r[3 * i + 1][l] = p0 * r[0][1] + p1 * r[1][1] + p2 * r[2][1];
+			out->r[3 * i + 2][l] = p0 * r[0][2] + p1 * r[1][2] + p2 * r[2][2];
+			out->t[i][l] = p0 * t[0] + p1 * t[1] + p2 * t[2] + frame->t[i][l];
+		}
+	}
+}
+
+static void lane_relative( const lwi_lane_frame* restrict body, const double r[3][3], const double t[3],
+	lwi_lane_motion* restrict out )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		const double c0 = r[0][i], c1 = r[1][i], c2 = r[2][i]; // a row of the inverse
+		for ( int k = 0; k < 3; ++k )
+		{
+			for ( int l = 0; l < LWI_WIDTH; ++l )
+			{
+				out->r[3 * i + k][l] = (float)( c0 * body->r[k][l] + c1 * body->r[3 + k][l] + c2 * body->r[6 + k][l] );
+			}
+		}
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			out->t[i][l] =
+				(float)( c0 * ( body->t[0][l] - t[0] ) + c1 * ( body->t[1][l] - t[1] ) + c2 * ( body->t[2][l] - t[2] ) );
+		}
+	}
+}
+
+/// One point of a body, moved in each lane.
+static inline v3 lane_move( const lwi_lane_motion* m, float x, float y, float z )
+{
+	const f8 px = f8_set( x ), py = f8_set( y ), pz = f8_set( z );
+	v3 out;
+	f8* const d[3] = { &out.x, &out.y, &out.z };
+	for ( int i = 0; i < 3; ++i )
+	{
+		const f8 sum = f8_add( f8_mul( f8_load( m->r[3 * i] ), px ), f8_mul( f8_load( m->r[3 * i + 1] ), py ) );
+		*d[i] = f8_add( f8_add( sum, f8_mul( f8_load( m->r[3 * i + 2] ), pz ) ), f8_load( m->t[i] ) );
+	}
+	return out;
+}
+
+/// Distance of two boxes along three axes at least, squared, from what each reaches beyond the other.
+static inline f8 beyond( const f8 outside[3] )
+{
+	const f8 zero = f8_set( 0.0f ), x = f8_max( outside[0], zero ), y = f8_max( outside[1], zero ),
+			 z = f8_max( outside[2], zero );
+	return f8_add( f8_add( f8_mul( x, x ), f8_mul( y, y ) ), f8_mul( z, z ) );
+}
+
+static uint32_t lane_slabs( const lwi_lane_motion* motion, const float middle[3], const float half[3],
+	const lwi_primitive* primitive, float limit )
+{
+	const v3 at = lane_move( motion, middle[0], middle[1], middle[2] );
+	const f8 m[3] = { f8_abs( at.x ), f8_abs( at.y ), f8_abs( at.z ) };
+	const bool box = primitive->type == LW_SHAPE_BOX;
+	const float sizes[3] = { primitive->size[0], box ? primitive->size[1] : primitive->size[0],
+		box ? primitive->size[2] : primitive->size[1] };
+	f8 by_primitive[3], by_body[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		f8 reach = f8_set( sizes[i] ), along = f8_mul( f8_load( motion->r[i] ), at.x ), back = f8_set( half[i] );
+		for ( int k = 0; k < 3; ++k )
+		{
+			reach = f8_add( reach, f8_mul( f8_abs( f8_load( motion->r[3 * i + k] ) ), f8_set( half[k] ) ) );
+			back = f8_add( back, f8_mul( f8_abs( f8_load( motion->r[3 * k + i] ) ), f8_set( sizes[k] ) ) );
+		}
+		along = f8_add( along, f8_mul( f8_load( motion->r[3 + i] ), at.y ) );
+		along = f8_add( along, f8_mul( f8_load( motion->r[6 + i] ), at.z ) );
+		by_primitive[i] = f8_sub( m[i], reach );
+		by_body[i] = f8_sub( f8_abs( along ), back );
+	}
+	const f8 square = f8_max( beyond( by_primitive ), beyond( by_body ) );
+	return ~m8_bits( f8_ge( square, f8_set( limit * limit ) ) ) & 0xffu;
+}
+
+/// At most 0 inside of a box, cylinder or half-space.
+static inline f8 primitive_depth( v3 p, const lwi_primitive* primitive )
+{
+	if ( primitive->type == LW_SHAPE_HALFSPACE )
+	{
+		return p.z;
+	}
+	const f8 sx = f8_set( primitive->size[0] ), sy = f8_set( primitive->size[1] );
+	if ( primitive->type == LW_SHAPE_BOX )
+	{
+		const f8 z = f8_sub( f8_abs( p.z ), f8_set( primitive->size[2] ) );
+		return f8_max( f8_max( f8_sub( f8_abs( p.x ), sx ), f8_sub( f8_abs( p.y ), sy ) ), z );
+	}
+	const f8 radial = f8_sub( f8_add( f8_mul( p.x, p.x ), f8_mul( p.y, p.y ) ), f8_mul( sx, sx ) );
+	return f8_max( radial, f8_sub( f8_abs( p.z ), sy ) );
+}
+
+static uint32_t lane_points( const lwi_lane_motion* motion, const lwi_points8* points, uint32_t blocks,
+	const lwi_primitive* primitive, uint32_t lanes )
+{
+	const f8 zero = f8_set( 0.0f );
+	uint32_t inside = 0;
+	for ( uint32_t i = 0; i < blocks * LWI_WIDTH && ( lanes & ~inside ) != 0; ++i )
+	{
+		const lwi_points8* block = &points[i / LWI_WIDTH];
+		const uint32_t k = i % LWI_WIDTH;
+		const v3 p = lane_move( motion, block->at[0][k], block->at[1][k], block->at[2][k] );
+		inside |= m8_bits( f8_ge( zero, primitive_depth( p, primitive ) ) ) & 0xffu;
+	}
+	return inside & lanes;
+}
+
+static void lane_node( const lwi_lane_motion* motion, const lwi_node* node, const lwi_primitive* primitive, float limit,
+	uint8_t near[LWI_WIDTH] )
+{
+	for ( int k = 0; k < LWI_WIDTH; ++k )
+	{
+		near[k] = 0;
+		if ( node->child[k] != LW_INVALID_INDEX )
+		{
+			const v3 p = lane_move( motion, node->x[k], node->y[k], node->z[k] );
+			const f8 gap = f8_sub( primitive_distance( p, primitive ), f8_set( node->r[k] ) );
+			near[k] = (uint8_t)( ~m8_bits( f8_ge( gap, f8_set( limit ) ) ) & 0xffu );
+		}
+	}
+}

@@ -44,6 +44,18 @@ typedef struct lwi_batch_body
 	lwi_batch_point origin;
 } lwi_batch_body;
 
+/// A frame in the lanes at rest: p -> r p + t, in double.
+typedef struct lwi_lane_frame
+{
+	double r[9][LWI_WIDTH], t[3][LWI_WIDTH];
+} lwi_lane_frame;
+
+/// The same in float.
+typedef struct lwi_lane_motion
+{
+	float r[9][LWI_WIDTH], t[3][LWI_WIDTH];
+} lwi_lane_motion;
+
 enum
 {
 	LWI_MOVING_ROWS = 7 ///< of a block of moving spheres: centre, radius, displacement of the centre in half an interval

@@ -45,6 +45,7 @@ LW_API void lw_plan_request_cancel( lw_plan_cancel* cancel );
 typedef struct lw_plan_statistics
 {
 	uint64_t samples, states, states_free;
+	uint64_t looks; ///< states that were looked at, most of them inside of edges: lw_checker_look()
 	uint64_t edges, free, blocked, undecided; ///< edges = free + blocked + undecided + errors; smoothing included
 	uint64_t edge_queries;                    ///< states at which edges measured distances
 	uint64_t start_nodes, goal_nodes;         ///< of the two trees

@@ -93,6 +93,7 @@ const char* name( Outcome outcome );
 struct Statistics
 {
 	std::uint64_t samples = 0, states = 0, states_free = 0;
+	std::uint64_t looks = 0;                                       ///< states that were looked at: lw_checker_look()
 	std::uint64_t edges = 0, free = 0, blocked = 0, undecided = 0; ///< edges = free + blocked + undecided + errors
 	std::uint64_t edge_queries = 0;                                ///< states at which edges measured distances
 	std::uint64_t start_nodes = 0, goal_nodes = 0;

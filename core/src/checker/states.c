@@ -1,0 +1,644 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many states of one robot: eight at a time in the lanes of vectors, by spheres and points; those that are not decided so, one
+// by one.
+//
+// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024, has states of an edge in
+// the lanes, against spheres made by hand. Here the spheres are those of the meshes' trees, opened until they prove a lane free,
+// and vertices of the meshes inside of obstacles prove lanes blocked. Proof and rounding: core/docs/states.md.
+#include "checker/pose.h"
+#include "base/math_inline.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+enum
+{
+	MOST_NODES = 96, ///< of a body's tree that are opened against one obstacle
+	MOST_HEIGHT = 7 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
+};
+
+/// Metres: states with larger rounding of their poses are asked one by one.
+#define MOST_ROUNDING 1e-6
+
+typedef struct lane_states
+{
+	const lw_checker* checker;
+	lw_query* query;
+	const lwi_kernels* kernels;
+	const lwi_cluster_tree* tree;
+	const lwi_batch_frame* frames; ///< [clusters]
+	double enough;      ///< metres: at this distance and above a pair is proved, but for margins and the rounding of floats
+	double reach;       ///< metres: no point of the robot is farther from the world's origin
+	double scene_size;  ///< no coordinate of a body, or of an obstacle's box, from the scene's origin is larger
+	bool near_only;     ///< obstacles outside of near_mask are farther
+	bool covered;       ///< the reach's tables hold in all lanes
+	bool contact_only;  ///< nothing is proved free, and a lane in contact ends all
+	uint32_t left;      ///< lanes not known to be blocked
+	uint32_t unsure[2]; ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
+} lane_states;
+
+/// Bodies against the scene: the one at work.
+typedef struct lane_body
+{
+	uint32_t place, body;
+	const lw_shape* shape;
+	bool posed;          ///< `pose` is valid
+	lwi_lane_frame pose; ///< world_from_tree
+} lane_body;
+
+// --- poses -----------------------------------------------------------------------------------------------------------
+
+static bool within_box( uint32_t count, const double* lower, const double* q, const double* upper )
+{
+	bool within = true;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		within = within && q[i] >= lower[i] && q[i] <= upper[i];
+	}
+	return within;
+}
+
+/// Sets the values of the joints of one lane, and tells if ranges hold in all lanes. False if its poses round too much for lanes.
+static bool take_state( lane_states* s, const double* q, uint32_t lane, double* rounding )
+{
+	const lwi_checker_base* base = s->checker->base;
+	const uint32_t count = base->group.variable_count;
+	double stretch, reach = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		s->query->pose.state[base->group.variables[i]] = q[i];
+	}
+	*rounding = lwi_larger( *rounding, lwi_motion_state_rounding( base->motion, s->query->pose.state, &stretch, &reach ) );
+	s->reach = lwi_larger( s->reach, 2 * reach ); // twice: spheres and boxes reach beyond the bodies
+	s->covered = s->covered && within_box( count, s->tree->lower, q, s->tree->upper );
+	s->near_only = s->near_only && within_box( count, base->group.lower, q, base->group.upper );
+	for ( uint32_t i = 1; i < s->tree->cluster_count; ++i )
+	{
+		const lwi_batch_joint* joint = &s->tree->batch_joints[i];
+		s->query->scratch.lane_values[i * LWI_WIDTH + lane] =
+			joint->multiplier * s->query->pose.state[joint->variable] + joint->variable_offset;
+	}
+	return *rounding <= MOST_ROUNDING;
+}
+
+static void pose_lanes( const lane_states* s )
+{
+	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+	const lwi_cluster_tree* tree = s->tree;
+	const uint32_t count = tree->cluster_count * LWI_WIDTH;
+	double *values = s->query->scratch.lane_values, *cosines = values + count, *sines = cosines + count;
+	lwi_batch_frame* frames = s->query->scratch.lane_frames;
+	memset( values, 0, LWI_WIDTH * sizeof( double ) ); // cluster 0
+	s->kernels->sincos( values, count, cosines, sines );
+	memset( &frames[0], 0, sizeof( frames[0] ) );
+	const lw_transform* root = &s->checker->base->group.reference_poses[tree->clusters[0].root_link];
+	for ( int l = 0; l < LWI_WIDTH; ++l )
+	{
+		for ( int i = 0; i < 9; ++i )
+		{
+			frames[0].r[i][l] = root->r[i / 3][i % 3];
+		}
+		for ( int i = 0; i < 3; ++i )
+		{
+			frames[0].t[i][l] = root->t[i];
+		}
+	}
+	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
+	{
+		const lwi_batch_joint* joint = &tree->batch_joints[i];
+		const size_t at = (size_t)i * LWI_WIDTH;
+		s->kernels->batch_frame( &frames[tree->clusters[i].parent], joint, joint->rotates ? cosines + at : ones,
+			joint->rotates ? sines + at : zeros, joint->rotates ? zeros : values + at, 0, &frames[i] );
+	}
+}
+
+// --- the scene -------------------------------------------------------------------------------------------------------
+
+static void pose_body( const lane_states* s, lane_body* b )
+{
+	if ( !b->posed )
+	{
+		const lw_transform* pose = &s->tree->body_poses[b->place];
+		const lw_vec3 at = lwi_transform( pose, lwi_load( b->shape->origin ) );
+		const double t[3] = { at.x, at.y, at.z };
+		s->kernels->lane_body( &s->frames[s->tree->body_cluster[b->body]], pose->r, t, &b->pose );
+		b->posed = true;
+	}
+}
+
+/// The pose of one lane.
+static lwi_motion motion_of( const lwi_lane_motion* lanes, uint32_t lane )
+{
+	lwi_motion out;
+	for ( int i = 0; i < 9; ++i )
+	{
+		out.r[i] = lanes->r[i][lane];
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		out.t[i] = lanes->t[i][lane];
+	}
+	return out;
+}
+
+/// A body and a primitive that its sphere meets.
+typedef struct primitive_test
+{
+	const lw_shape* shape;  ///< the body's, with a tree
+	lwi_lane_motion motion; ///< primitive_from_tree
+	lwi_primitive primitive;
+	float limit;
+} primitive_test;
+
+/// Lanes, of these, in which an item of a leaf is near.
+static uint32_t leaf_meets( const lane_states* s, const primitive_test* q, lwi_ref ref, uint32_t lanes )
+{
+	const uint32_t index = lwi_ref_index( ref ), real = lwi_low_bits( lwi_ref_count( ref ) );
+	uint32_t met = 0;
+	for ( ; lanes != 0; lanes &= lanes - 1 )
+	{
+		const uint32_t lane = lwi_lowest_bit( lanes );
+		const lwi_motion motion = motion_of( &q->motion, lane );
+		float gap[LWI_WIDTH];
+		const uint32_t near =
+			q->shape->family == LWI_TRIANGLES
+				? s->kernels->leaf_primitive_gap( &q->shape->leaves[index], &motion, &q->primitive, q->limit, gap )
+				: s->kernels->node_primitive_gap( &q->shape->ball_leaves[index], &motion, &q->primitive, q->limit, gap );
+		met |= ( near & real ) != 0 ? 1u << lane : 0u;
+	}
+	return met;
+}
+
+/// Lanes in which the faces of the two boxes do not prove the body away from the primitive.
+static uint32_t boxes_meet( const lane_states* s, const primitive_test* q )
+{
+	float middle[3], half[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		middle[i] = (float)( 0.5 * ( q->shape->box_min[i] + q->shape->box_max[i] ) - q->shape->origin[i] );
+		half[i] = lwi_round_up( 0.5 * ( q->shape->box_max[i] - q->shape->box_min[i] ) );
+	}
+	return s->kernels->lane_slabs( &q->motion, middle, half, &q->primitive, q->limit );
+}
+
+/// Lanes, of these, in which some child of the tree's root is near.
+static uint32_t root_meets( const lane_states* s, const primitive_test* q, uint32_t lanes )
+{
+	uint8_t near[LWI_WIDTH];
+	if ( lwi_ref_is_leaf( q->shape->root ) )
+	{
+		return lanes;
+	}
+	s->kernels->lane_node( &q->motion, &q->shape->nodes[q->shape->root], &q->primitive, q->limit, near );
+	return lanes & ( near[0] | near[1] | near[2] | near[3] | near[4] | near[5] | near[6] | near[7] );
+}
+
+/// Lanes, of these, in which the tree does not prove the body away from the primitive.
+static uint32_t tree_meets( const lane_states* s, const primitive_test* q, uint32_t lanes )
+{
+	struct
+	{
+		lwi_ref ref;
+		uint32_t lanes;
+	} stack[MOST_HEIGHT];
+	uint32_t height = 1, opened = 0, met = 0;
+	stack[0].ref = q->shape->root;
+	stack[0].lanes = lanes;
+	while ( height > 0 && met != lanes )
+	{
+		const lwi_ref ref = stack[--height].ref;
+		const uint32_t left = stack[height].lanes & ~met;
+		if ( left == 0 )
+		{
+			continue;
+		}
+		if ( lwi_ref_is_leaf( ref ) || opened++ >= MOST_NODES )
+		{
+			met |= lwi_ref_is_leaf( ref ) ? leaf_meets( s, q, ref, left ) : left;
+			continue;
+		}
+		const lwi_node* node = &q->shape->nodes[ref];
+		uint8_t near[LWI_WIDTH];
+		s->kernels->lane_node( &q->motion, node, &q->primitive, q->limit, near );
+		for ( int k = 0; k < LWI_WIDTH; ++k )
+		{
+			if ( ( near[k] & left ) != 0 )
+			{
+				stack[height].ref = node->child[k];
+				stack[height++].lanes = near[k] & left;
+			}
+		}
+	}
+	return met;
+}
+
+/// Lanes, of these, in which a vertex of the body is inside of the primitive.
+static uint32_t points_inside( const lane_states* s, const primitive_test* q, const lwi_convex* convex, double slack,
+	uint32_t lanes )
+{
+	lwi_primitive inner = { .type = q->primitive.type };
+	const int sizes = inner.type == LW_SHAPE_BOX ? 3 : 2;
+	for ( int i = 0; i < sizes; ++i )
+	{
+		if ( !( convex->size[i] > slack ) )
+		{
+			return 0;
+		}
+		inner.size[i] = lwi_round_down( convex->size[i] - slack );
+	}
+	return s->kernels->lane_points( &q->motion, q->shape->extreme_points, q->shape->extreme_blocks, &inner, lanes );
+}
+
+/// True if trees of triangles or balls hold everything at which the primitive can touch the body: a solid body that the
+/// primitive could lie in wholly has more.
+static bool tree_is_all( const lw_shape* body, const lwi_convex* convex, lw_shape_type type )
+{
+	if ( body->primitive || ( body->family != LWI_TRIANGLES && body->family != LWI_BALLS ) )
+	{
+		return false;
+	}
+	const double longest = fmax( convex->size[0], convex->size[1] );
+	return !body->closed || type == LW_SHAPE_HALFSPACE || type == LW_SHAPE_PLANE ||
+		   ( type == LW_SHAPE_BOX ? fmax( longest, convex->size[2] ) : longest ) > body->sphere_radius;
+}
+
+/// A body against an obstacle that its sphere meets in these lanes.
+static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_t lanes )
+{
+	const lw_scene_shape_def* obstacle = &s->checker->scene->shapes[shape];
+	const lw_shape* solid = obstacle->shape;
+	if ( !solid->primitive || solid->type == LW_SHAPE_CONE || ( s->contact_only && solid->family != LWI_CONVEX ) )
+	{
+		s->unsure[0] |= lanes;
+		return;
+	}
+	pose_body( s, b );
+	const lwi_convex convex = lwi_convex_of_primitive( solid );
+	primitive_test q;
+	q.shape = b->shape;
+	s->kernels->lane_relative( &b->pose, obstacle->world_from_shape.r, obstacle->world_from_shape.t, &q.motion );
+	const bool bounded = solid->family == LWI_CONVEX;
+	const double* at = obstacle->world_from_shape.t;
+	const double slack = lwi_gap_slack( s->reach + fabs( at[0] ) + fabs( at[1] ) + fabs( at[2] ) +
+										2 * ( (double)b->shape->extent + ( bounded ? solid->sphere_radius : 0 ) ) );
+	const double dilation = b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0;
+	q.limit = lwi_round_up( s->enough + slack + dilation + lwi_environment_margin( s->checker, b->body, obstacle->object ) );
+	q.primitive.type = solid->type;
+	for ( int i = 0; i < 3; ++i )
+	{
+		q.primitive.size[i] = lwi_round_up( convex.size[i] );
+	}
+	lanes = bounded ? lanes & boxes_meet( s, &q ) : lanes;
+	const bool all = tree_is_all( b->shape, &convex, solid->type );
+	lanes = all && lanes != 0 ? root_meets( s, &q, lanes ) : lanes;
+	if ( lanes != 0 && b->shape->family == LWI_TRIANGLES && bounded )
+	{
+		const uint32_t blocked = points_inside( s, &q, &convex, slack, lanes );
+		s->left &= ~blocked;
+		lanes &= ~blocked;
+	}
+	lanes = s->contact_only ? 0 : lanes & ~s->unsure[0];
+	lanes = all && lanes != 0 ? tree_meets( s, &q, lanes ) : lanes;
+	s->unsure[0] |= lanes;
+}
+
+/// Lanes in which a point comes nearer than `reach` to a half-space or plane: boxes say nothing of these.
+static uint8_t meet_unbounded( const lw_scene* scene, const lwi_batch_point* point, uint32_t shape, double reach )
+{
+	const lw_transform* pose = &scene->shapes[shape].world_from_shape;
+	const bool both_sides = scene->shapes[shape].shape->type == LW_SHAPE_PLANE;
+	uint32_t lanes = 0;
+	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
+	{
+		double height = 0;
+		for ( int i = 0; i < 3; ++i )
+		{
+			height += pose->r[i][2] * ( (double)point->p[i][l] + scene->origin[i] - pose->t[i] );
+		}
+		lanes |= ( both_sides ? fabs( height ) : height ) >= reach ? 0u : 1u << l;
+	}
+	return (uint8_t)lanes;
+}
+
+/// Lanes in which a sphere of a cluster's frame comes near to obstacles: near[shape], in the query's row.
+static uint8_t* meet_boxes( const lane_states* s, uint32_t cluster, const lw_sphere* sphere, double margin )
+{
+	const lw_scene* scene = s->checker->scene;
+	const uint32_t blocks = s->near_only ? s->checker->culling.near_block_count : scene->block_count;
+	lwi_batch_point point;
+	uint8_t* near = (uint8_t*)s->query->scratch.row;
+	s->kernels->batch_point( &s->frames[cluster], sphere->center, scene->origin, 0, &point );
+	const double slack = lwi_gap_slack( 2 * ( s->scene_size + sphere->radius ) );
+	const double reach = sphere->radius + s->enough + margin + slack;
+	s->kernels->lane_boxes( &point, scene->boxes, blocks, lwi_round_up( reach ), near );
+	for ( uint32_t i = 0; i < scene->unbounded_count && scene->unbounded[i] < blocks * LWI_WIDTH; ++i )
+	{
+		near[scene->unbounded[i]] = meet_unbounded( scene, &point, scene->unbounded[i], reach );
+	}
+	return near;
+}
+
+static void body_environment( lane_states* s, uint32_t place )
+{
+	const lw_checker* c = s->checker;
+	lane_body b;
+	b.place = place;
+	b.body = s->tree->bodies[place];
+	b.posed = false;
+	b.shape = lwi_shape_now( c->base->bodies[b.body].shape );
+	const uint8_t* masks =
+		( s->near_only ? c->culling.near_mask : c->environment.mask ) + (size_t)b.body * c->scene->block_count;
+	const uint32_t blocks = s->near_only ? c->culling.near_block_count : c->scene->block_count;
+	const uint8_t* near = meet_boxes( s, s->tree->body_cluster[b.body], &s->tree->body_spheres[place],
+		c->margins != NULL ? c->margins->largest : 0 );
+	for ( uint32_t block = 0; block < blocks; ++block )
+	{
+		for ( uint32_t mask = masks[block]; mask != 0; mask &= mask - 1 )
+		{
+			const uint32_t shape = block * LWI_WIDTH + lwi_lowest_bit( mask ), lanes = near[shape] & s->left;
+			if ( lanes != 0 )
+			{
+				meet_obstacle( s, &b, shape, lanes );
+			}
+		}
+	}
+}
+
+/// True if the sphere of a cluster with several bodies meets some obstacle in some lane.
+static bool cluster_is_near( const lane_states* s, uint32_t cluster )
+{
+	const lw_checker* c = s->checker;
+	const uint32_t count = ( s->near_only ? c->culling.near_block_count : c->scene->block_count ) * LWI_WIDTH;
+	const uint8_t* near =
+		meet_boxes( s, cluster, &s->tree->clusters[cluster].r, c->margins != NULL ? c->margins->largest : 0 );
+	uint32_t lanes = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		lanes |= near[i];
+	}
+	return ( lanes & s->left ) != 0;
+}
+
+static void lanes_environment( lane_states* s )
+{
+	const lw_checker* c = s->checker;
+	if ( c->environment.pair_count == 0 )
+	{
+		return;
+	}
+	const uint32_t all = s->contact_only ? s->left : 0; // the first contact ends all
+	for ( uint32_t i = s->tree->cluster_count; i-- > 1 && s->left != 0 && ( all == 0 || s->left == all ); )
+	{
+		const lwi_cluster* cluster = &s->tree->clusters[i];
+		if ( ( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) == 0 ||
+			 ( cluster->body_count > 1 && !cluster_is_near( s, i ) ) )
+		{
+			continue;
+		}
+		for ( uint32_t k = 0; k < cluster->body_count && s->left != 0 && ( all == 0 || s->left == all ); ++k )
+		{
+			body_environment( s, cluster->first_body + k );
+		}
+	}
+}
+
+// --- the robot itself ------------------------------------------------------------------------------------------------
+
+/// Lanes, of these, in which a pair of bodies (numbers within their clusters) is not proved apart by a grid.
+static uint32_t grid_leaves( const lane_states* s, const double* q, const lwi_cluster_pair* pair, uint32_t rank_a,
+	uint32_t rank_b, uint32_t lanes )
+{
+	const lwi_cluster_tree* tree = s->tree;
+	const size_t index = pair->first + (size_t)rank_a * tree->clusters[pair->cluster_b].body_count + rank_b;
+	const uint32_t slice = s->covered && tree->grids.slice_count > 0 ? tree->grids.pair_slices[index] : LW_INVALID_INDEX;
+	const lwi_group* group = &s->checker->base->group;
+	uint32_t met = lanes;
+	for ( ; slice != LW_INVALID_INDEX && lanes != 0; lanes &= lanes - 1 )
+	{
+		const uint32_t lane = lwi_lowest_bit( lanes );
+		for ( uint32_t i = 0; i < group->variable_count; ++i )
+		{
+			s->query->pose.state[group->variables[i]] = q[(size_t)lane * group->variable_count + i];
+		}
+		const double apart = lwi_grid_at( &tree->grids.slices[slice], tree->grids.spacings, s->query->pose.state );
+		met &= apart - (double)pair->margin >= s->enough ? ~( 1u << lane ) : ~0u;
+	}
+	return met;
+}
+
+/// @param q [lanes][variables]
+static void meet_clusters( lane_states* s, const double* q, const lwi_cluster_pair* pair, uint32_t lanes )
+{
+	const lwi_cluster_tree* tree = s->tree;
+	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
+	const double* origin = s->checker->base->group.reference_poses[tree->clusters[0].root_link].t;
+	for ( uint32_t i = 0; i < a->body_count; ++i )
+	{
+		const lw_sphere* sphere_a = &tree->body_spheres[a->first_body + i];
+		lwi_batch_point point_a;
+		s->kernels->batch_point( &s->frames[pair->cluster_a], sphere_a->center, origin, 0, &point_a );
+		for ( uint32_t k = 0; k < b->body_count; ++k )
+		{
+			const float separation = tree->self.separations[pair->first + (size_t)i * b->body_count + k];
+			if ( separation == INFINITY || ( s->covered && (double)separation >= s->enough ) )
+			{
+				continue;
+			}
+			const lw_sphere* sphere_b = &tree->body_spheres[b->first_body + k];
+			lwi_batch_point point_b;
+			s->kernels->batch_point( &s->frames[pair->cluster_b], sphere_b->center, origin, 0, &point_b );
+			const double slack = lwi_gap_slack( 2 * ( 2 * s->reach + sphere_a->radius + sphere_b->radius ) );
+			uint32_t met =
+				lanes & ~s->unsure[1] &
+				s->kernels->batch_pair( &point_a, &point_b,
+					lwi_round_up( sphere_a->radius + sphere_b->radius + s->enough + (double)pair->margin + slack ) );
+			s->unsure[1] |= met != 0 ? grid_leaves( s, q, pair, i, k, met ) : 0;
+		}
+	}
+}
+
+static void lanes_self( lane_states* s, const double* q )
+{
+	const lwi_cluster_tree* tree = s->tree;
+	if ( tree->self.pair_count == 0 || ( s->covered && (double)tree->self.proxies.separation >= s->enough ) )
+	{
+		return;
+	}
+	const double* origin = s->checker->base->group.reference_poses[tree->clusters[0].root_link].t;
+	lwi_batch_point* points = s->query->scratch.lane_spheres;
+	double radius = 0;
+	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
+	{
+		if ( tree->clusters[i].body_count > 0 )
+		{
+			s->kernels->batch_point( &s->frames[i], tree->clusters[i].r.center, origin, 0, &points[i] );
+			radius = lwi_larger( radius, tree->clusters[i].r.radius );
+		}
+	}
+	const double slack = lwi_gap_slack( 4 * ( s->reach + radius ) );
+	for ( uint32_t i = 0; i < tree->self.pair_count && ( s->left & ~s->unsure[1] ) != 0; ++i )
+	{
+		const lwi_cluster_pair* pair = &tree->self.pairs[i];
+		if ( s->covered && (double)pair->separation >= s->enough )
+		{
+			continue;
+		}
+		const double radii = tree->clusters[pair->cluster_a].r.radius + tree->clusters[pair->cluster_b].r.radius;
+		const uint32_t lanes = s->left & ~s->unsure[1] &
+							   s->kernels->batch_pair( &points[pair->cluster_a], &points[pair->cluster_b],
+								   lwi_round_up( radii + s->enough + (double)pair->margin + slack ) );
+		if ( lanes != 0 )
+		{
+			meet_clusters( s, q, pair, lanes );
+		}
+	}
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Decides lanes of up to LWI_WIDTH states. @return false if lanes say nothing of them
+static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flags flags, double min_d )
+{
+	const lw_checker* c = s->checker;
+	const double above = nextafter( min_d, INFINITY );
+	s->left = lwi_low_bits( count );
+	s->unsure[0] = s->unsure[1] = 0;
+	s->covered = s->tree->proves && s->query->search.def.pair_tables;
+	s->near_only = above <= c->culling.horizon;
+	s->reach = 0;
+	double rounding = 0;
+	for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
+	{
+		if ( !take_state( s, q + (size_t)( lane < count ? lane : 0 ) * c->base->group.variable_count, lane, &rounding ) )
+		{
+			return false;
+		}
+	}
+	s->enough = above + 4 * rounding;
+	if ( c->scene != NULL )
+	{
+		const double* origin = c->scene->origin;
+		s->scene_size = s->reach + fabs( origin[0] ) + fabs( origin[1] ) + fabs( origin[2] ) + c->scene->extent;
+	}
+	pose_lanes( s );
+	if ( ( flags & LW_CHECK_ENVIRONMENT ) != 0 )
+	{
+		lanes_environment( s );
+	}
+	if ( ( flags & LW_CHECK_SELF ) != 0 && s->left != 0 )
+	{
+		lanes_self( s, q );
+	}
+	++s->query->pose.state_stamp; // pose.state is nobody's state
+	return true;
+}
+
+/// True if states can be in lanes: each joint has one variable, and the bodies that stand still are away from the scene.
+static bool has_lanes( const lw_checker* c, lw_check_flags flags, double min_d )
+{
+	return c->base->tree->can_batch &&
+		   ( ( flags & LW_CHECK_ENVIRONMENT ) == 0 || c->nearest_static.clearance.lower > min_d );
+}
+
+/// Up to LWI_WIDTH states: those left, and of them the unsure ones.
+static lane_states look_at( const lw_checker* c, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
+	double min_d, bool contact_only )
+{
+	lane_states s = { .checker = c,
+		.query = query,
+		.kernels = query->search.kernels,
+		.tree = c->base->tree,
+		.frames = query->scratch.lane_frames,
+		.contact_only = contact_only };
+	if ( !has_lanes( c, flags, min_d ) || !look( &s, q, count, flags, min_d ) )
+	{
+		s.left = lwi_low_bits( count );
+		s.unsure[0] = ( flags & LW_CHECK_ENVIRONMENT ) != 0 ? s.left : 0;
+		s.unsure[1] = ( flags & LW_CHECK_SELF ) != 0 ? s.left : 0;
+	}
+	return s;
+}
+
+/// LW_OK if these arguments can be used; the query is then bound to the checker.
+static lw_status begin( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
+	double min_d )
+{
+	const lw_range range = { min_d, nextafter( min_d, INFINITY ), 0 };
+	const uint32_t variables = checker != NULL ? checker->base->group.variable_count : 0;
+	if ( checker == NULL || query == NULL || ( q == NULL && variables > 0 && count > 0 ) || !lwi_range_is_valid( &range ) ||
+		 ( flags & LW_CHECK_BOTH ) == 0 || !lwi_query_fits( query, checker ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	for ( size_t i = 0; i < (size_t)count * variables; ++i )
+	{
+		if ( !isfinite( q[i] ) )
+		{
+			return LW_ERROR_INVALID_ARGUMENT;
+		}
+	}
+	lwi_checker_bind( checker, query );
+	return LW_OK;
+}
+
+lw_status lw_checker_look( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
+	double min_d, bool contact_only, lw_verdict* out )
+{
+	if ( out == NULL && count > 0 )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	const lw_status status = begin( checker, query, q, count, flags, min_d );
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		out[i] = status == LW_OK ? LW_VERDICT_UNDECIDED : LW_VERDICT_UNKNOWN;
+	}
+	bool stop = status != LW_OK;
+	for ( uint32_t start = 0; start < count && !stop; start += LWI_WIDTH )
+	{
+		const uint32_t some = count - start < LWI_WIDTH ? count - start : LWI_WIDTH;
+		const double* these = q + (size_t)start * checker->base->group.variable_count;
+		const lane_states s = look_at( checker, query, these, some, flags, min_d, contact_only );
+		for ( uint32_t lane = 0; lane < some; ++lane )
+		{
+			const uint32_t bit = 1u << lane;
+			const bool unsure = contact_only || ( ( s.unsure[0] | s.unsure[1] ) & bit ) != 0;
+			out[start + lane] = ( s.left & bit ) == 0 ? LW_VERDICT_BLOCKED : unsure ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE;
+		}
+		stop = contact_only && s.left != lwi_low_bits( some );
+	}
+	return status;
+}
+
+lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const double* q, uint32_t count,
+	lw_check_flags flags, double min_d, bool* out_free )
+{
+	if ( out_free == NULL && count > 0 )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	lw_status status = begin( checker, query, q, count, flags, min_d );
+	for ( uint32_t start = 0; start < count && status == LW_OK; start += LWI_WIDTH )
+	{
+		const uint32_t some = count - start < LWI_WIDTH ? count - start : LWI_WIDTH,
+					   variables = checker->base->group.variable_count;
+		const double* these = q + (size_t)start * variables;
+		const lane_states s = look_at( checker, query, these, some, flags, min_d, false );
+		for ( uint32_t lane = 0; lane < some && status == LW_OK; ++lane )
+		{
+			const uint32_t open = ( ( s.unsure[0] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_ENVIRONMENT : 0u ) |
+								  ( ( s.unsure[1] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_SELF : 0u );
+			out_free[start + lane] = ( s.left >> lane & 1 ) != 0;
+			if ( out_free[start + lane] && open != 0 )
+			{
+				status = lw_checker_is_free( checker, query, these + (size_t)lane * variables, (lw_check_flags)open, min_d,
+					&out_free[start + lane] );
+			}
+		}
+	}
+	if ( status != LW_OK && count > 0 )
+	{
+		memset( out_free, 0, count * sizeof( bool ) );
+	}
+	return status;
+}

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many states at once: looks and answers against one state at a time.
+#include "checker_handles.hpp"
+#include "one_joint.hpp"
+#include "random_world.hpp"
+#include "same_bits.hpp"
+#include "simple_shapes.hpp"
+
+#include <array>
+#include <limits>
+
+namespace
+{
+
+const double inf = std::numeric_limits<double>::infinity();
+
+/// States within and around the ranges of the group, and neighbours of these.
+std::vector<double> randomStates( SeededRng& rng, const EdgeWorld& world, std::uint32_t count )
+{
+	const std::size_t n = world.variables.size();
+	std::vector<double> out;
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		const State full = randomState( rng, world.robot.get() );
+		const bool near = i > 0 && rng.integer( 0, 1 );
+		for ( std::size_t k = 0; k < n; ++k )
+		{
+			const double other = near ? out[out.size() - n] + 0.05 * rng.uniform( -1, 1 ) : full[world.variables[k]];
+			out.push_back( rng.integer( 0, 30 ) > 0 ? other : other + rng.uniform( -1, 1 ) );
+		}
+	}
+	return out;
+}
+
+struct Counts
+{
+	std::size_t free = 0, blocked = 0, undecided = 0;
+};
+
+/// Every answer for these states against that for one state.
+void compare( const EdgeWorld& world, const lw_checker* checker, const std::vector<double>& q, double min_d, lw_check_flags flags, Counts& counts )
+{
+	const std::size_t n = world.variables.size();
+	const auto count = static_cast<std::uint32_t>( q.size() / n );
+	const QueryPtr many = makeQuery( checker ), single = makeQuery( checker );
+	std::vector<lw_verdict> looks( count ), contacts( count );
+	const std::unique_ptr<bool[]> free( new bool[count] );
+	ASSERT_EQ( LW_OK, lw_checker_look( checker, many.get(), q.data(), count, flags, min_d, false, looks.data() ) );
+	ASSERT_EQ( LW_OK, lw_checker_look( checker, many.get(), q.data(), count, flags, min_d, true, contacts.data() ) );
+	ASSERT_EQ( LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, free.get() ) );
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		const double* state = q.data() + i * n;
+		bool is_free = false;
+		lw_state_result exact;
+		ASSERT_EQ( LW_OK, lw_checker_is_free( checker, single.get(), state, flags, min_d, &is_free ) );
+		ASSERT_EQ( LW_OK, lw_checker_state( checker, single.get(), state, flags, nullptr, false, &exact ) );
+		const double least = std::min( exact.environment.upper, exact.self.kind == LW_CLEARANCE_UNKNOWN ? inf : exact.self.upper );
+		EXPECT_EQ( is_free, free[i] ) << world.name << ", state " << i;
+		EXPECT_TRUE( looks[i] != LW_VERDICT_FREE || is_free ) << world.name << ", state " << i;
+		EXPECT_TRUE( looks[i] != LW_VERDICT_BLOCKED || least <= 0 ) << world.name << ", state " << i << ": " << least;
+		EXPECT_NE( LW_VERDICT_FREE, contacts[i] );
+		EXPECT_TRUE( contacts[i] != LW_VERDICT_BLOCKED || least <= 0 ) << world.name << ", state " << i << ": " << least;
+		counts.free += looks[i] == LW_VERDICT_FREE;
+		counts.blocked += looks[i] == LW_VERDICT_BLOCKED;
+		counts.undecided += looks[i] == LW_VERDICT_UNDECIDED;
+	}
+}
+
+/// A slider along x with a body, beside a fixed obstacle.
+struct Slider : OneJoint
+{
+	Slider( lw_shape* body, lw_shape* obstacle, const lw_transform& at )
+	{
+		const double x[3] = { 1, 0, 0 };
+		lw_diag diag = {};
+		EXPECT_EQ( LW_OK, makeRobot( body, lw_transform_identity(), LW_JOINT_PRISMATIC, x, 2, &diag ) ) << diag.message;
+		makeChecker( obstacle, at );
+		lw_shape_release( body );
+		lw_shape_release( obstacle );
+	}
+	lw_verdict look( double x, double min_d = 0, lw_check_flags flags = LW_CHECK_BOTH ) const
+	{
+		const QueryPtr query = makeQuery( checker );
+		lw_verdict out = LW_VERDICT_UNKNOWN;
+		EXPECT_EQ( LW_OK, lw_checker_look( checker, query.get(), &x, 1, flags, min_d, false, &out ) );
+		return out;
+	}
+};
+
+lw_transform shifted( double x, double y = 0, double z = 0 )
+{
+	lw_transform t = lw_transform_identity();
+	t.t[0] = x;
+	t.t[1] = y;
+	t.t[2] = z;
+	return t;
+}
+
+/// A cube of half size h about the origin.
+lw_shape* cube( double h, bool solid )
+{
+	std::vector<double> v;
+	for ( int i = 0; i < 8; ++i )
+	{
+		v.insert( v.end(), { i & 1 ? h : -h, i & 2 ? h : -h, i & 4 ? h : -h } );
+	}
+	const std::vector<std::uint32_t> f = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	lw_mesh_def def = lw_mesh_def_default();
+	def.vertices = v.data();
+	def.vertex_count = 8;
+	def.indices = f.data();
+	def.triangle_count = 12;
+	def.solid = solid;
+	lw_shape* shape = nullptr;
+	lw_diag diag = {};
+	EXPECT_EQ( LW_OK, lw_shape_create_mesh( &def, nullptr, &diag, &shape ) ) << diag.message;
+	return shape;
+}
+
+} // namespace
+
+TEST( States, AnswersDifferFromThoseOfSingleStates )
+{
+	SeededRng rng;
+	Counts counts;
+	for ( int i = 0; i < 150; ++i )
+	{
+		RandomWorldOptions options;
+		options.margins = rng.integer( 0, 2 ) == 0;
+		const auto seed = static_cast<std::uint64_t>( rng.integer( 0, 1 << 30 ) );
+		const EdgeWorld world = randomWorld( seed, options );
+		for ( const lw_checker* checker : { world.checker.get(), world.with_tables.get() } )
+		{
+			const auto flags = static_cast<lw_check_flags>( rng.integer( 1, 3 ) );
+			const double min_d = rng.integer( 0, 1 ) ? 0 : rng.decade( -4, -1 );
+			const std::vector<double> q = randomStates( rng, world, static_cast<std::uint32_t>( rng.integer( 1, 27 ) ) );
+			compare( world, checker, q, min_d, flags, counts );
+		}
+	}
+	std::printf( "free %zu, blocked %zu, undecided %zu\n", counts.free, counts.blocked, counts.undecided );
+	EXPECT_GT( counts.free, counts.undecided / 8 );
+	EXPECT_GT( counts.blocked, 5u );
+}
+
+TEST( States, ContactIsFreeOrARoomOfMicrometresBlocked )
+{
+	SeededRng rng;
+	std::array<std::size_t, 4> seen{};
+	for ( int i = 0; i < 20000; ++i )
+	{
+		const int kind = rng.integer( 0, 2 );
+		const double gap = ( rng.integer( 0, 1 ) ? 1 : -1 ) * rng.decade( -8, -1 );
+		lw_shape* obstacle = kind == 0   ? primitive( LW_SHAPE_BOX, 0.4, 0.5, 0.6 )
+		                     : kind == 1 ? primitive( LW_SHAPE_CYLINDER, 0.2, 0.7 )
+		                                 : primitive( LW_SHAPE_HALFSPACE, 0 );
+		lw_transform at = lw_transform_identity();
+		const double face = kind == 2 ? 0 : 0.2;
+		if ( kind == 2 ) // its normal is x
+		{
+			const double r[3][3] = { { 0, 0, 1 }, { 0, 1, 0 }, { -1, 0, 0 } };
+			std::copy( &r[0][0], &r[0][0] + 9, &at.r[0][0] );
+		}
+		const Slider slider( cube( 0.1, rng.integer( 0, 1 ) != 0 ), obstacle, at );
+		const lw_verdict verdict = slider.look( face + 0.1 + gap );
+		seen[verdict]++;
+		EXPECT_TRUE( gap > 0 || verdict != LW_VERDICT_FREE ) << gap << ", obstacle " << kind;
+		EXPECT_TRUE( gap < 0 || verdict != LW_VERDICT_BLOCKED ) << gap << ", obstacle " << kind;
+		EXPECT_TRUE( gap < 1e-3 || verdict == LW_VERDICT_FREE ) << gap << ", obstacle " << kind;
+	}
+	EXPECT_GT( seen[LW_VERDICT_FREE], 1000u );
+	EXPECT_GT( seen[LW_VERDICT_BLOCKED], 1000u );
+}
+
+TEST( States, MarginIsForgotten )
+{
+	const Slider slider( cube( 0.1, false ), primitive( LW_SHAPE_BOX, 0.2, 0.3, 0.3 ), shifted( 0 ) );
+	EXPECT_EQ( LW_VERDICT_FREE, slider.look( 0.3, 0.05 ) );
+	EXPECT_NE( LW_VERDICT_FREE, slider.look( 0.3, 0.15 ) );
+	EXPECT_EQ( LW_VERDICT_BLOCKED, slider.look( 0.15 ) );
+}
+
+TEST( States, ObstacleInsideOfASolidLinkIsFree )
+{
+	const Slider solid( cube( 0.5, true ), primitive( LW_SHAPE_BOX, 0.1, 0.1, 0.1 ), shifted( 0 ) );
+	EXPECT_NE( LW_VERDICT_FREE, solid.look( 0 ) );
+	const Slider hollow( cube( 0.5, false ), primitive( LW_SHAPE_BOX, 0.1, 0.1, 0.1 ), shifted( 0 ) );
+	EXPECT_EQ( LW_VERDICT_FREE, hollow.look( 0 ) );
+}
+
+TEST( States, LinkInsideOfASolidObstacleIsFree )
+{
+	for ( const lw_shape_type type : { LW_SHAPE_BOX, LW_SHAPE_CYLINDER } )
+	{
+		const Slider inside( cube( 0.1, false ), primitive( type, 2, 2, 2 ), shifted( 0 ) );
+		EXPECT_EQ( LW_VERDICT_BLOCKED, inside.look( 0 ) );
+	}
+}
+
+TEST( States, BadStatesReadAsFree )
+{
+	const Slider slider( cube( 0.1, false ), primitive( LW_SHAPE_BOX, 0.2, 0.2, 0.2 ), shifted( 0 ) );
+	const QueryPtr query = makeQuery( slider.checker );
+	const double nan = std::numeric_limits<double>::quiet_NaN();
+	for ( const double bad : { nan, inf, -inf } )
+	{
+		const double q[3] = { 1, bad, 1 };
+		lw_verdict verdicts[3] = { LW_VERDICT_FREE, LW_VERDICT_FREE, LW_VERDICT_FREE };
+		bool free[3] = { true, true, true };
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_look( slider.checker, query.get(), q, 3, LW_CHECK_BOTH, 0, false, verdicts ) );
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( slider.checker, query.get(), q, 3, LW_CHECK_BOTH, 0, free ) );
+		for ( int i = 0; i < 3; ++i )
+		{
+			EXPECT_EQ( LW_VERDICT_UNKNOWN, verdicts[i] );
+			EXPECT_FALSE( free[i] );
+		}
+	}
+	const double q[1] = { 1e13 }; // its place rounds by millimetres
+	lw_verdict verdict = LW_VERDICT_FREE;
+	bool free = true;
+	EXPECT_EQ( LW_OK, lw_checker_look( slider.checker, query.get(), q, 1, LW_CHECK_BOTH, 0, false, &verdict ) );
+	EXPECT_EQ( LW_VERDICT_UNDECIDED, verdict );
+	EXPECT_EQ( LW_OK, lw_checker_states( slider.checker, query.get(), q, 0, LW_CHECK_BOTH, 0, nullptr ) );
+	const double one = 1;
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( slider.checker, query.get(), &one, 1, LW_CHECK_BOTH, 0, nullptr ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_look( slider.checker, query.get(), &one, 1, LW_CHECK_BOTH, 0, false, nullptr ) );
+	for ( const double bad : { nan, -1.0, inf } )
+	{
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( slider.checker, query.get(), &one, 1, LW_CHECK_BOTH, bad, &free ) );
+	}
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+		lw_checker_states( slider.checker, query.get(), &one, 1, static_cast<lw_check_flags>( 0 ), 0, &free ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( nullptr, query.get(), &one, 1, LW_CHECK_BOTH, 0, &free ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( slider.checker, nullptr, &one, 1, LW_CHECK_BOTH, 0, &free ) );
+	EXPECT_FALSE( free );
+}
+
+TEST( States, BaseInContactIsForgotten )
+{
+	// the base stands within 1 cm of the scene; the slider is far away
+	RobotModel model;
+	model.link( "base" );
+	model.body( 0, cube( 0.1, false ), lw_transform_identity() );
+	model.joint( "arm", LW_JOINT_PRISMATIC, 0 );
+	model.body( 1, cube( 0.1, false ), shifted( 0, 5 ) );
+	const RobotPtr robot = model.create();
+	const ShapePtr box( primitive( LW_SHAPE_BOX, 0.2, 0.2, 0.2 ) );
+	const char* name = "box";
+	const lw_scene_shape_def placed = { box.get(), 0, shifted( 0.21 ) };
+	lw_scene_def scene_def = lw_scene_def_default();
+	scene_def.object_names = &name;
+	scene_def.object_count = 1;
+	scene_def.shapes = &placed;
+	scene_def.shape_count = 1;
+	lw_scene* scene = nullptr;
+	ASSERT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
+	const ScenePtr owner( scene );
+	lw_checker_def def = lw_checker_def_default();
+	def.robot = robot.get();
+	def.scene = scene;
+	lw_checker* checker = nullptr;
+	ASSERT_EQ( LW_OK, lw_checker_create( &def, nullptr, nullptr, &checker ) );
+	const CheckerPtr checked( checker );
+	const QueryPtr query = makeQuery( checker );
+	const double q = 0.5;
+	lw_verdict verdict;
+	ASSERT_EQ( LW_OK, lw_checker_look( checker, query.get(), &q, 1, LW_CHECK_BOTH, 0.005, false, &verdict ) );
+	EXPECT_EQ( LW_VERDICT_FREE, verdict );
+	ASSERT_EQ( LW_OK, lw_checker_look( checker, query.get(), &q, 1, LW_CHECK_BOTH, 0.02, false, &verdict ) );
+	EXPECT_NE( LW_VERDICT_FREE, verdict );
+}
+
+TEST( States, LooksLeaveTraces )
+{
+	SeededRng rng;
+	for ( int i = 0; i < 30; ++i )
+	{
+		const EdgeWorld world = randomWorld( static_cast<std::uint64_t>( rng.integer( 0, 1 << 30 ) ) );
+		const lw_checker* checker = world.with_tables.get();
+		const QueryPtr looked = makeQuery( checker, false ), fresh = makeQuery( checker, false );
+		const std::size_t n = world.variables.size();
+		const std::vector<double> q = randomStates( rng, world, 16 );
+		std::vector<lw_verdict> verdicts( 16 );
+		for ( std::uint32_t k = 0; k < 16; ++k )
+		{
+			lw_state_result a, b;
+			ASSERT_EQ( LW_OK, lw_checker_look( checker, looked.get(), q.data(), 16, LW_CHECK_BOTH, 0, k % 2 != 0, verdicts.data() ) );
+			ASSERT_EQ( LW_OK, lw_checker_state( checker, looked.get(), q.data() + k * n, LW_CHECK_BOTH, nullptr, false, &a ) );
+			ASSERT_EQ( LW_OK, lw_checker_state( checker, fresh.get(), q.data() + k * n, LW_CHECK_BOTH, nullptr, false, &b ) );
+			EXPECT_TRUE( sameBits( a.environment.lower, b.environment.lower ) && sameBits( a.environment.upper, b.environment.upper ) &&
+						 sameBits( a.self.lower, b.self.lower ) && sameBits( a.self.upper, b.self.upper ) )
+				<< world.name << ", state " << k;
+		}
+	}
+}
