@@ -127,7 +127,7 @@ TEST( ReachPairs, ContactInTheMarginOutsideTheLimitsIsNoNever )
 	addJoint( model, "slider", LW_JOINT_PRISMATIC, 1, 1, -0.8 + 5e-7, 0 );
 	addBall( model, 2, 0.1 );
 	RobotPtr robot = model.create();
-	ReachPtr reach = makeReach( robot.get(), 0.5 );
+	ReachPtr reach = makeReach( robot.get(), 30 );
 	lw_reach_pair pair = pairOf( reach, 0, 2 );
 	EXPECT_EQ( pair.kind, LW_PAIR_CHECK );
 	EXPECT_GT( pair.closest, 0.0 );

@@ -290,7 +290,8 @@ static void measure_default( work* w, lwi_pair_analyser* analyser, lw_transform*
 	{
 		const lwi_active* active = &w->list.active[i];
 		active->effort->flags |= seen[i].contacts > 0 ? (uint32_t)LWI_EFFORT_DEFAULT : 0u;
-		if ( seen[i].sample != LW_INVALID_INDEX )
+		// an earlier run that had no time for samples may have searched nearer
+		if ( seen[i].sample != LW_INVALID_INDEX && seen[i].closest < active->pair->closest )
 		{
 			active->pair->closest = seen[i].closest;
 			memcpy( active->state, analyser->state, state_bytes( w ) );
