@@ -108,7 +108,7 @@ TEST( ReachPairs, ContactInACornerOfTheBoxIsFound )
 	RobotPtr robot = arm.model.create();
 	for ( std::uint32_t samples : { 0u, 20u } )
 	{
-		ReachPtr reach = makeReach( robot.get(), 0.5, samples );
+		ReachPtr reach = makeReach( robot.get(), 30, samples );
 		lw_reach_pair pair = pairOf( reach, arm.base, arm.tip );
 		EXPECT_EQ( pair.kind, LW_PAIR_CHECK );
 		EXPECT_EQ( pair.separation, 0.0 );
