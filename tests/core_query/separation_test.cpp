@@ -396,7 +396,7 @@ TEST( Separation, KnownPlaneThatHoldsIsPassedOver )
 		}
 		Ready ready_a( a.places ), ready_b( b.places );
 		const uint32_t which =
-			std::min( lwi_swept_apart_by( &kernels(), &ready_a.poses, &ready_b.poses, limit, &planes, false ), 4u );
+		    std::min( lwi_swept_apart_by( &kernels(), &ready_a.poses, &ready_b.poses, limit, &planes ), 4u );
 		const double rounding = ( limit + dilation( a ) + dilation( b ) ) * 0x1p-20 + 128 * u * size;
 		for ( uint32_t k = 0; k < 4; ++k )
 		{

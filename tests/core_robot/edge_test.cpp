@@ -202,8 +202,7 @@ static lw_shape* grid( double size, int along_a, int along_b )
 	return meshOf( vertices, indices );
 }
 
-// Dense meshes that move a few centimetres have a rule of their own: a distance instead of a search for a plane. A small one
-// passes through a large one, in contact neither at the middle nor at either end.
+// A small dense mesh passes through a large one, in contact neither at the middle nor at either end.
 TEST( Edge, DenseMeshThatIsPassedThroughIsFound )
 {
 	SeededRng rng;

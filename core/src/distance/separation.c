@@ -490,7 +490,7 @@ static bool hulls_stay_below( const lwi_kernels* kernels, lwi_swept_poses* a, lw
 }
 
 uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, double limit,
-	const lwi_planes8* known, bool only_boxes )
+	const lwi_planes8* known )
 {
 	const plane_query q = plane_query_of( a, b, limit );
 	const bool stands = b->count == 1;
@@ -498,9 +498,9 @@ uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi
 	if ( stands )
 	{
 		uint32_t clear = planes_clear( kernels, a, b, &q, known, room );
-		if ( clear != 0 || only_boxes )
+		if ( clear != 0 )
 		{
-			return clear != 0 ? lwi_lowest_bit( clear ) : LWI_WIDTH;
+			return lwi_lowest_bit( clear );
 		}
 	}
 	make_swept_poses( a );

@@ -104,9 +104,8 @@ static inline lwi_swept_plane lwi_plane_of_lane( const lwi_planes8* planes, uint
 
 /// Planes of other times, in the same frame: one that separates these too, or LWI_WIDTH.
 /// @param limit metres, >= 0: nothing of a, at any of its poses, is then nearer to anything of b than that
-/// @param only_boxes where b is static test only the box around a: finds fewer planes, far more quickly
 uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi_swept_poses* b, double limit,
-	const lwi_planes8* known, bool only_boxes );
+	const lwi_planes8* known );
 
 typedef enum lwi_separation
 {

@@ -277,17 +277,6 @@ static bool proxies_meet( const midpoint_pass* s, const moving_proxy* a, const m
 	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
 }
 
-/// Do two bodies come near each other? Their spheres are no proxies. Without this test edges of 0.5 rad of ARMAR-III's torso
-/// and arm take 11 % more time.
-static bool bodies_meet( midpoint_pass* s, uint32_t a, uint32_t b, uint32_t ancestor )
-{
-	const lw_checker* c = s->edge->checker;
-	const lwi_cluster_tree* tree = c->base->tree;
-	const lw_sphere *of_a = &tree->body_spheres[tree->body_place[a]], *of_b = &tree->body_spheres[tree->body_place[b]];
-	const moving_proxy proxy_a = make_proxy( s, tree->body_cluster[a], of_a ), proxy_b = make_proxy( s, tree->body_cluster[b], of_b );
-	return proxies_meet( s, &proxy_a, &proxy_b, ancestor, lwi_self_margin( c->base, a, b ) );
-}
-
 /// The bodies of two clusters whose spheres come near each other.
 static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
@@ -298,10 +287,6 @@ static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 	{
 		const uint32_t candidate = s->edge->query->scratch.candidates[i].pair;
 		const uint32_t a = candidate / stride, b = candidate % stride;
-		if ( count > 1 && s->moves && !bodies_meet( s, a, b, pair->ancestor ) )
-		{
-			continue;
-		}
 		const lwi_grid_slice* slice = lwi_checker_slice( c->base->tree, (uint32_t)( pair - c->base->tree->self.pairs ), a, b );
 		go_on = test_bodies( s, candidate, pair->ancestor, slice );
 	}

@@ -23,11 +23,6 @@ enum
 /// Metres. A body that bulges more than this between its poses has no plane near obstacles: halving the window is cheaper.
 #define MAX_BULGE 0.05
 
-/// Metres, and triangles of both. Where no plane is found between dense meshes and the displacement is less, the distance is
-/// measured at once: so little clearance is lost by motion that it decides, whatever keeps the hulls together.
-#define SMALL_DISPLACEMENT 0.06
-#define DENSE 128u
-
 /// A pair during a window: two bodies, or a body and the obstacles one after the other.
 typedef struct plane_test
 {
@@ -41,8 +36,7 @@ typedef struct plane_test
 	double bulge;  ///< metres: deviation of both paths from the lines between the poses
 
 	lwi_swept_poses *a, *b;
-	bool swapped;        ///< b is the first of the two
-	double displacement; ///< metres: largest one of a point from the middle; INFINITY if planes pay in any case
+	bool swapped; ///< b is the first of the two
 } plane_test;
 
 /// How far both bodies of a pair get from straight lines between their poses, together.
@@ -145,7 +139,7 @@ static bool old_plane_holds( plane_test* s, lwi_edge_plane* p, double margin )
 {
 	const double need = lwi_larger( s->enough + s->bulge + margin, 0 );
 	const lwi_kernels* kernels = s->edge->query->search.kernels;
-	uint32_t which = lwi_swept_apart_by( kernels, s->a, s->b, need, &p->planes, false );
+	uint32_t which = lwi_swept_apart_by( kernels, s->a, s->b, need, &p->planes );
 	if ( which < LWI_WIDTH )
 	{
 		p->served = (uint8_t)( p->served | 1u << which );
@@ -180,11 +174,6 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 	lwi_separation whole = lwi_separate_swept( kernels, s->a, s->b, need + s->bulge, direction, &plane );
 	if ( whole != LWI_APART )
 	{
-		const bool dense = s->a->shape->item_count > DENSE && s->b->shape->item_count > DENSE;
-		if ( dense && s->displacement < SMALL_DISPLACEMENT && !s->close )
-		{
-			return LWI_EDGE_MEASURE;
-		}
 		// is it the window that is too wide, or are their hulls too near?
 		lwi_swept_poses middle_a, middle_b;
 		lwi_swept_poses_static( &middle_a, s->a->shape, &s->a->middle );
@@ -266,7 +255,6 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	poses.cloud = &cloud;
 	s.a = &poses;
 	s.b = &fixed;
-	s.displacement = s.window.half * pair->rate_a.path;
 	lwi_edge_swept_poses( e, pair->body_a, 0, pair->rate_a, s.window, s.linear, &poses );
 	lwi_edge_plane_result worst = LWI_EDGE_PROVED;
 	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
@@ -309,7 +297,7 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 						 : linear[1];
 		is_linear = is_number( linear[0].twist.angular ) && is_number( linear[1].twist.angular );
 	}
-	plane_test s = { .edge = e, .pair = pair, .window = window, .listed = listed, .displacement = INFINITY };
+	plane_test s = { .edge = e, .pair = pair, .window = window, .listed = listed };
 	s.close = lwi_edge_is_close( e, pair );
 	s.enough = lwi_edge_enough( e, pair );
 	s.linear = is_linear ? linear : NULL;
