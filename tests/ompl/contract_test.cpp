@@ -266,7 +266,7 @@ TEST( CheckerSpecs, MarginsCountForStatesMotionsAndCosts )
 	std::pair<ob::State*, double> last( nullptr, 0 );
 	EXPECT_FALSE( rig.si->checkMotion( from.get(), to.get(), last ) );
 	EXPECT_LE( last.second, 1.15 / 1.25 );
-	EXPECT_GT( last.second, 1.05 / 1.25 );
+	EXPECT_GT( last.second, 1.0 / 1.25 );
 }
 
 TEST( CheckerSpecs, OnlyTheRequestedPartCounts )
