@@ -190,15 +190,12 @@ TEST( BatchKernels, LevelDiffersFromScalar )
 		const Chain chain( rng );
 		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) },
 					 origin[3] = { 1, -2, 0.5 };
-		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
-		const float point[3] = { 0.1f, static_cast<float>( local[0] ), -0.3f }, min[3] = { -1, -1, -1 },
-					max[3] = { 0, 0, 1 };
+		const float min[3] = { -1, -1, -1 }, max[3] = { 0, 0, 1 };
 		const lwi_batch_point other = random_point( rng, 2 );
 		struct Output
 		{
 			lwi_batch_frame frame;
-			lwi_batch_body body;
-			lwi_batch_point point, moved;
+			lwi_batch_point point;
 			uint32_t box, pair;
 		};
 		std::vector<Output> outputs;
@@ -208,10 +205,8 @@ TEST( BatchKernels, LevelDiffersFromScalar )
 			std::memset( &o, 0, sizeof( o ) );
 			o.frame = chain.lanes( table );
 			table->batch_point( &o.frame, local, origin, 0.0625, &o.point );
-			table->batch_body( &o.frame, r, local, origin, 0.0625, &o.body );
-			table->batch_move( &o.body, point, &o.moved );
-			o.box = table->batch_box( &o.moved, min, max, 0.5f );
-			o.pair = table->batch_pair( &o.moved, &other, 1.0f );
+			o.box = table->batch_box( &o.point, min, max, 0.5f );
+			o.pair = table->batch_pair( &o.point, &other, 1.0f );
 			outputs.push_back( o );
 			ASSERT_EQ( 0, std::memcmp( &outputs[0], &o, sizeof( o ) ) ) << "level " << table->level << ", input " << i;
 		}
@@ -287,27 +282,32 @@ TEST( BatchKernels, PointsAreElsewhereOrMoveOtherwise )
 		const lwi_batch_frame frame = chain.lanes( &lwi_kernels_scalar );
 		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) },
 					 origin[3] = { 1, -2, 0.5 };
-		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
+		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },
+		             still[3][3] = { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 1, 0 } };
 		const float inner[3] = { 0.25f, -0.5f, 0.125f };
-		lwi_batch_point point, moved;
-		lwi_batch_body body;
+		lwi_batch_point point;
+		lwi_lane_frame body;
+		lwi_lane_motion moved;
 		lwi_kernels_scalar.batch_point( &frame, local, origin, static_cast<double>( half ), &point );
-		lwi_kernels_scalar.batch_body( &frame, r, local, origin, static_cast<double>( half ), &body );
-		lwi_kernels_scalar.batch_move( &body, inner, &moved );
+		lwi_kernels_scalar.lane_body( &frame, r, local, &body );
+		lwi_kernels_scalar.lane_relative( &body, still, origin, &moved );
 		const Vector at{ local[0], local[1], local[2] }, in{ local[0] + 0.5L, local[1] + 0.25L, local[2] + 0.125L };
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
 			const real t = ( l + 0.5L ) / LWI_WIDTH, h = 1e-5L;
-			for ( const auto& [lanes, p] : { std::pair( &point, at ), std::pair( &moved, in ) } )
+			const Vector now = chain.at( at, t ), before = chain.at( at, t - h ), after = chain.at( at, t + h ),
+			             other = chain.at( in, t );
+			for ( size_t axis = 0; axis < 3; ++axis )
 			{
-				const Vector now = chain.at( p, t ), before = chain.at( p, t - h ), after = chain.at( p, t + h );
-				for ( size_t axis = 0; axis < 3; ++axis )
-				{
-					EXPECT_NEAR( static_cast<double>( now[axis] ) - origin[axis], static_cast<double>( lanes->p[axis][l] ),
-						4e-6 );
-					EXPECT_NEAR( static_cast<double>( half * ( after[axis] - before[axis] ) / ( 2 * h ) ),
-						static_cast<double>( lanes->displacement[axis][l] ), 4e-6 );
-				}
+				EXPECT_NEAR(
+				    static_cast<double>( now[axis] ) - origin[axis], static_cast<double>( point.p[axis][l] ), 4e-6 );
+				EXPECT_NEAR( static_cast<double>( half * ( after[axis] - before[axis] ) / ( 2 * h ) ),
+				    static_cast<double>( point.displacement[axis][l] ), 4e-6 );
+				const size_t row = 3 * axis, world = ( axis + 1 ) % 3; // where this axis of the frame at rest points
+				EXPECT_NEAR( static_cast<double>( other[world] ) - origin[world],
+				    static_cast<double>( moved.r[row][l] * inner[0] + moved.r[row + 1][l] * inner[1] +
+				                         moved.r[row + 2][l] * inner[2] + moved.t[axis][l] ),
+				    4e-6 );
 			}
 		}
 	}

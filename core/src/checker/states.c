@@ -525,7 +525,7 @@ static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flag
 	{
 		lanes_environment( s );
 	}
-	if ( ( flags & LW_CHECK_SELF ) != 0 && s->left != 0 )
+	if ( ( flags & LW_CHECK_SELF ) != 0 && !c->self_unchanged && s->left != 0 )
 	{
 		lanes_self( s, q );
 	}

@@ -135,11 +135,6 @@ typedef struct lwi_kernels
 	/// A point of a frame, from an origin in the world. @param half width of half a window in t
 	void ( *batch_point )( const lwi_batch_frame* frame, const double local[3], const double origin[3], double half,
 		lwi_batch_point* out );
-	/// A frame in a frame: frame_from_body r, local
-	void ( *batch_body )( const lwi_batch_frame* frame, const double r[3][3], const double local[3], const double origin[3],
-		double half, lwi_batch_body* out );
-	/// A point of a body
-	void ( *batch_move )( const lwi_batch_body* body, const float local[3], lwi_batch_point* out );
 	/// Lanes in which a point may come within `reach` > 0 of a box or of another point, except for changes of velocity
 	uint32_t ( *batch_box )( const lwi_batch_point* point, const float min[3], const float max[3], float reach );
 	uint32_t ( *batch_pair )( const lwi_batch_point* a, const lwi_batch_point* b, float reach );

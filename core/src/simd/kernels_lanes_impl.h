@@ -65,37 +65,6 @@ static void batch_point( const lwi_batch_frame* restrict frame, const double loc
 	}
 }
 
-static void batch_body( const lwi_batch_frame* restrict frame, const double r[3][3], const double local[3],
-	const double origin[3], double half, lwi_batch_body* restrict out )
-{
-	for ( int i = 0; i < 3; ++i )
-	{
-		for ( int l = 0; l < LWI_WIDTH; ++l )
-		{
-			const double p0 = frame->r[3 * i][l], p1 = frame->r[3 * i + 1][l], p2 = frame->r[3 * i + 2][l];
-			out->r[3 * i][l] = (float)( p0 * r[0][0] + p1 * r[1][0] + p2 * r[2][0] );
-			out->r[3 * i + 1][l] = (float)( p0 * r[0][1] + p1 * r[1][1] + p2 * r[2][1] );
-			out->r[3 * i + 2][l] = (float)( p0 * r[0][2] + p1 * r[1][2] + p2 * r[2][2] );
-			out->turn[i][l] = (float)( half * frame->angular[i][l] );
-		}
-	}
-	batch_point( frame, local, origin, half, &out->origin );
-}
-
-static void batch_move( const lwi_batch_body* body, const float local[3], lwi_batch_point* out )
-{
-	f8 x = f8_set( local[0] ), y = f8_set( local[1] ), z = f8_set( local[2] );
-	v3 along, turn = v3_load( body->turn );
-	f8* const d[3] = { &along.x, &along.y, &along.z };
-	for ( int i = 0; i < 3; ++i )
-	{
-		f8 sum = f8_add( f8_mul( f8_load( body->r[3 * i] ), x ), f8_mul( f8_load( body->r[3 * i + 1] ), y ) );
-		*d[i] = f8_add( sum, f8_mul( f8_load( body->r[3 * i + 2] ), z ) );
-	}
-	v3_store( out->p, v3_add( v3_load( body->origin.p ), along ) );
-	v3_store( out->displacement, v3_add( v3_load( body->origin.displacement ), v3_cross( turn, along ) ) );
-}
-
 /// Lanes in which two things do not stay apart: d from one to the other at the middle, along which the gap shrinks by at
 /// most |d . displacement| / |d|. They do if |d| >= reach and |d|^2 - |d . displacement| >= reach |d|.
 static inline uint32_t batch_meet( v3 d, v3 displacement, f8 reach )

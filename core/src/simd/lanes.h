@@ -36,14 +36,6 @@ typedef struct lwi_batch_point
 	float p[3][LWI_WIDTH], displacement[3][LWI_WIDTH];
 } lwi_batch_point;
 
-/// The frame of a shape's tree in the lanes.
-typedef struct lwi_batch_body
-{
-	float r[9][LWI_WIDTH];
-	float turn[3][LWI_WIDTH]; ///< in half a window
-	lwi_batch_point origin;
-} lwi_batch_body;
-
 /// A frame in the lanes at rest: p -> r p + t, in double.
 typedef struct lwi_lane_frame
 {
