@@ -117,7 +117,12 @@ nb::object isFree( const PyChecker& checker, const Doubles& q, double min_d, con
 	inBlocks( *checker.queries, rows.count, block_of_states, threads,
 	    [&]( lw_query* query, std::size_t begin, std::size_t end )
 	    {
-		    for ( std::size_t i = begin; i < end; ++i )
+		    const auto count = static_cast<std::uint32_t>( end - begin );
+		    if ( lw_checker_states( checker.get(), query, rows[begin], count, flags, min_d, free.data + begin ) == LW_OK )
+		    {
+			    return;
+		    }
+		    for ( std::size_t i = begin; i < end; ++i ) // one of these is bad
 		    {
 			    const lw_status status = lw_checker_is_free( checker.get(), query, rows[i], flags, min_d, free.data + i );
 			    if ( status != LW_OK )
