@@ -105,9 +105,16 @@ public:
 		return verdict == LW_VERDICT_FREE || ( verdict == LW_VERDICT_UNDECIDED && isStateFree( q ) );
 	}
 
-	/// False near meshes, or near the robot itself: looks then leave so much to the proofs of edges that states inside of them are
-	/// checked first. A state costs a fraction of an edge that is not free.
+	/// False near meshes, or near the robot itself: looks then leave most states undecided.
 	bool looksDecide() const { return m_looked > warm_up && decideMost(); }
+
+	/// True where looks leave much to the proofs of edges: states inside of them are then checked first. A state costs a fraction of
+	/// an edge that is not free.
+	bool needsStates() const
+	{
+		return !looksDecide() ||
+		       ( m_statistics.blocked + m_statistics.undecided ) * least_free_per_failure > m_statistics.free;
+	}
 
 	/// Looks at states inside of an edge; it proves nothing. Most blocked edges with free ends are found so.
 	bool seemsFree( const Space& space, const double* a, const double* b )
@@ -125,7 +132,7 @@ public:
 		}
 		for ( const unsigned i : { 3u, 1u, 5u } )
 		{
-			if ( !looksDecide() && !isFree( m_state.data() + i * space.size(), verdicts[i] ) )
+			if ( needsStates() && !isFree( m_state.data() + i * space.size(), verdicts[i] ) )
 			{
 				return false;
 			}
@@ -158,7 +165,7 @@ public:
 
 private:
 	static constexpr unsigned inner = 7; ///< states inside of an edge
-	static constexpr std::uint64_t warm_up = 16, rest = 32;
+	static constexpr std::uint64_t warm_up = 16, rest = 32, least_free_per_failure = 4;
 	bool decideMost() const { return 2 * m_left <= m_looked; }
 	void note( lw_status status ) { m_status = m_status == LW_OK ? status : m_status; }
 

@@ -259,7 +259,7 @@ bool Planner::Parts::seemsFree( Judge& judge, unsigned step, bool has_new_end )
 	for ( const unsigned i : { 3u, 1u, 0u, 2u } )
 	{
 		const double* q = ahead.data() + ( step * quarters + i ) * space.size();
-		if ( ( i == quarters - 1 ? has_new_end : !judge.looksDecide() ) && !judge.isFree( q, mine[i] ) )
+		if ( ( i == quarters - 1 ? has_new_end : judge.needsStates() ) && !judge.isFree( q, mine[i] ) )
 		{
 			return false;
 		}
