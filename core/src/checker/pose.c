@@ -187,19 +187,9 @@ static bool quaternions_are_valid( const lwi_cluster_tree* tree, const double* s
 	return true;
 }
 
-static bool within_box( uint32_t count, const double* lower, const double* q, const double* upper )
-{
-	bool within = true;
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		within = within && q[i] >= lower[i] && q[i] <= upper[i];
-	}
-	return within;
-}
-
 static bool within_ranges( const lw_checker* checker, const double* q )
 {
-	return within_box( checker->base->group.variable_count, checker->base->tree->lower, q, checker->base->tree->upper );
+	return lwi_within_box( checker->base->group.variable_count, checker->base->tree->lower, q, checker->base->tree->upper );
 }
 
 bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb )
@@ -213,8 +203,9 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const double* qb, double limit )
 {
 	return limit <= checker->culling.horizon &&
-		   within_box( checker->base->group.variable_count, checker->base->group.lower, qa, checker->base->group.upper ) &&
-		   within_box( checker->base->group.variable_count, checker->base->group.lower, qb, checker->base->group.upper );
+		   lwi_within_box( checker->base->group.variable_count, checker->base->group.lower, qa,
+			   checker->base->group.upper ) &&
+		   lwi_within_box( checker->base->group.variable_count, checker->base->group.lower, qb, checker->base->group.upper );
 }
 
 /// Metres: a state with larger rounding of its poses is invalid. Shifts of 1e12 m, or angles of 1e13 radians times a mimic
@@ -238,7 +229,7 @@ static bool begin_state( const lw_checker* checker, lw_query* query, const doubl
 	query->pose.tables = holds && query->search.def.pair_tables;
 	query->pose.covered = query->pose.hulls || query->pose.tables;
 	query->pose.within =
-		within_box( checker->base->group.variable_count, checker->base->group.lower, q, checker->base->group.upper );
+		lwi_within_box( checker->base->group.variable_count, checker->base->group.lower, q, checker->base->group.upper );
 	query->pose.cluster_stamp[0] = query->pose.sphere_stamp[0] = query->pose.block_stamp[0] = query->pose.state_stamp;
 	for ( uint32_t i = 0; i < tree->clusters[0].body_count; ++i )
 	{

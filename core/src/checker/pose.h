@@ -23,6 +23,17 @@ void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double
 void lwi_pose_under( const lw_checker* checker, uint32_t cluster, const lw_transform* above, const double* state, const double* cosines,
 	const double* sines, lw_transform* out );
 
+/// True if lower <= q <= upper in each variable.
+static inline bool lwi_within_box( uint32_t count, const double* lower, const double* q, const double* upper )
+{
+	bool within = true;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		within = within && q[i] >= lower[i] && q[i] <= upper[i];
+	}
+	return within;
+}
+
 /// A cluster other than 0 whose parent is posed.
 void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t cluster );
 void lwi_pose_cluster_now( const lw_checker* checker, lw_query* query, uint32_t cluster );

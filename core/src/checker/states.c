@@ -48,16 +48,6 @@ typedef struct lane_body
 
 // --- poses -----------------------------------------------------------------------------------------------------------
 
-static bool within_box( uint32_t count, const double* lower, const double* q, const double* upper )
-{
-	bool within = true;
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		within = within && q[i] >= lower[i] && q[i] <= upper[i];
-	}
-	return within;
-}
-
 /// Sets the values of the joints of one lane, and tells if ranges hold in all lanes. False if its poses round too much for lanes.
 static bool take_state( lane_states* s, const double* q, uint32_t lane, double* rounding )
 {
@@ -70,8 +60,8 @@ static bool take_state( lane_states* s, const double* q, uint32_t lane, double* 
 	}
 	*rounding = lwi_larger( *rounding, lwi_motion_state_rounding( base->motion, s->query->pose.state, &stretch, &reach ) );
 	s->reach = lwi_larger( s->reach, 2 * reach ); // twice: spheres and boxes reach beyond the bodies
-	s->covered = s->covered && within_box( count, s->tree->lower, q, s->tree->upper );
-	s->near_only = s->near_only && within_box( count, base->group.lower, q, base->group.upper );
+	s->covered = s->covered && lwi_within_box( count, s->tree->lower, q, s->tree->upper );
+	s->near_only = s->near_only && lwi_within_box( count, base->group.lower, q, base->group.upper );
 	for ( uint32_t i = 1; i < s->tree->cluster_count; ++i )
 	{
 		const lwi_batch_joint* joint = &s->tree->batch_joints[i];
