@@ -74,7 +74,7 @@ struct Slider : OneJoint
 	{
 		const double x[3] = { 1, 0, 0 };
 		lw_diag diag = {};
-		EXPECT_EQ( LW_OK, makeRobot( body, lw_transform_identity(), LW_JOINT_PRISMATIC, x, 2, &diag ) ) << diag.message;
+		EXPECT_EQ( LW_OK, makeRobot( body, lw_transform_identity(), LW_JOINT_PRISMATIC, x, 4, &diag ) ) << diag.message;
 		makeChecker( obstacle, at );
 		lw_shape_release( body );
 		lw_shape_release( obstacle );
@@ -150,12 +150,13 @@ TEST( States, ContactIsFreeOrARoomOfMicrometresBlocked )
 	for ( int i = 0; i < 20000; ++i )
 	{
 		const int kind = rng.integer( 0, 2 );
-		const double gap = ( rng.integer( 0, 1 ) ? 1 : -1 ) * rng.decade( -8, -1 );
+		const double gap = ( rng.integer( 0, 1 ) ? 1 : -1 ) * rng.decade( -9, -1 );
 		lw_shape* obstacle = kind == 0   ? primitive( LW_SHAPE_BOX, 0.4, 0.5, 0.6 )
 		                     : kind == 1 ? primitive( LW_SHAPE_CYLINDER, 0.2, 0.7 )
 		                                 : primitive( LW_SHAPE_HALFSPACE, 0 );
 		lw_transform at = lw_transform_identity();
-		const double face = kind == 2 ? 0 : 0.2;
+		at.t[0] = rng.uniform( -1, 1 );
+		const double face = at.t[0] + ( kind == 2 ? 0 : 0.2 );
 		if ( kind == 2 ) // its normal is x
 		{
 			const double r[3][3] = { { 0, 0, 1 }, { 0, 1, 0 }, { -1, 0, 0 } };
@@ -178,6 +179,50 @@ TEST( States, MarginIsForgotten )
 	EXPECT_EQ( LW_VERDICT_FREE, slider.look( 0.3, 0.05 ) );
 	EXPECT_NE( LW_VERDICT_FREE, slider.look( 0.3, 0.15 ) );
 	EXPECT_EQ( LW_VERDICT_BLOCKED, slider.look( 0.15 ) );
+}
+
+TEST( States, MarginOfAPairIsForgotten )
+{
+	// two cubes on rails of their own, and a box 5 cm before the first
+	RobotModel model;
+	model.link( "base" );
+	for ( const char* name : { "left", "right" } )
+	{
+		lw_joint_def& joint = model.joint( name, LW_JOINT_PRISMATIC, 0 );
+		joint.axis[0] = 1;
+		joint.axis[2] = 0;
+		model.body( joint.child, cube( 0.1, false ), lw_transform_identity() );
+	}
+	const RobotPtr robot = model.create();
+	const ShapePtr box( primitive( LW_SHAPE_BOX, 0.2, 0.3, 0.3 ) );
+	const char* name = "box";
+	const lw_scene_shape_def placed = { box.get(), 0, shifted( -0.25 ) };
+	lw_scene_def scene_def = lw_scene_def_default();
+	scene_def.object_names = &name;
+	scene_def.object_count = 1;
+	scene_def.shapes = &placed;
+	scene_def.shape_count = 1;
+	lw_scene* scene = nullptr;
+	ASSERT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
+	const ScenePtr owner( scene );
+	for ( const double margin : { 0.03, 0.07 } )
+	{
+		lw_checker_def def = lw_checker_def_default();
+		def.robot = robot.get();
+		def.scene = scene;
+		def.margins.environment = def.margins.self = margin;
+		lw_checker* checker = nullptr;
+		ASSERT_EQ( LW_OK, lw_checker_create( &def, nullptr, nullptr, &checker ) );
+		const CheckerPtr checked( checker );
+		const QueryPtr query = makeQuery( checker );
+		for ( const lw_check_flags flags : { LW_CHECK_ENVIRONMENT, LW_CHECK_SELF } )
+		{
+			const double q[2] = { 0, 0.4 }; // spheres 5.4 cm apart
+			lw_verdict verdict;
+			ASSERT_EQ( LW_OK, lw_checker_look( checker, query.get(), q, 1, flags, 0, false, &verdict ) );
+			EXPECT_EQ( margin < 0.05, verdict == LW_VERDICT_FREE ) << margin << ", flags " << flags;
+		}
+	}
 }
 
 TEST( States, ObstacleInsideOfASolidLinkIsFree )
