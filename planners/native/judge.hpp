@@ -130,14 +130,8 @@ public:
 		{
 			return false;
 		}
-		for ( const unsigned i : { 3u, 1u, 5u } )
-		{
-			if ( needsStates() && !isFree( m_state.data() + i * space.size(), verdicts[i] ) )
-			{
-				return false;
-			}
-		}
-		return m_status == LW_OK;
+		const auto free = [&]( unsigned i ) { return isFree( m_state.data() + i * space.size(), verdicts[i] ); };
+		return ( !needsStates() || ( free( 3 ) && free( 1 ) && free( 5 ) ) ) && m_status == LW_OK;
 	}
 
 	bool isEdgeFree( const double* a, const double* b )

@@ -33,8 +33,8 @@ void requireUsable( const Settings& settings )
 namespace
 {
 
-constexpr unsigned lanes = 8;    // states that are looked at together
-constexpr unsigned quarters = 4; // of a step towards the other tree: states that are looked at
+constexpr unsigned lanes = 8;    // states per lw_checker_look()
+constexpr unsigned quarters = 4; // states checked per step towards the other tree
 constexpr unsigned steps_ahead = lanes / quarters;
 constexpr std::uint64_t least_free_per_failure = 8; // late proofs: with fewer, edges are proved at once
 
@@ -237,7 +237,7 @@ bool Planner::Parts::joinStraight( Judge& judge, Deadline& deadline, std::size_t
 	return false;
 }
 
-/// The next steps from `from` to a goal, by their quarters, in the lanes of vectors
+/// The next steps from `from` to a goal, by their quarters, in one look.
 void Planner::Parts::lookAhead( Judge& judge, const double* goal, unsigned step, unsigned steps )
 {
 	const unsigned count = std::min( lanes, ( steps - step ) * quarters );
@@ -323,8 +323,8 @@ void Planner::Parts::findRoots( unsigned side )
 	}
 }
 
-/// Samples of the smaller tree, as many as vectors have lanes: the ends of its edges towards them are looked at together. Those that are
-/// free become nodes, from which the way to the other tree is tried. @return true if they met
+/// Draws up to `lanes` samples near the smaller tree and checks the ends of its edges towards them in one look. Free ends become nodes;
+/// each node then tries to reach the other tree. @return true if the trees met
 bool Planner::Parts::grow( Judge& judge )
 {
 	const unsigned side = trees[0].size() <= trees[1].size() ? 0 : 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A path made a trajectory that stops at its corners: the straight edges that were proved are what is driven.
+// Time parametrisation of a path, with a stop at each corner: the robot drives the proved straight edges.
 #pragma once
 
 #include "setup/trajectory.hpp"

@@ -8,7 +8,7 @@
 namespace
 {
 
-/// Every checker is asked with a query of its own.
+/// Each checker has its own query.
 struct Asked
 {
 	leeway::Checker checker;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Polynomial motions: a FREE curve, or a motion within its tolerance, that comes too near to something.
 #include "audit_fixture.hpp"
+#include "one_obstacle.hpp"
 #include "random_world.hpp"
 
 #include <gtest/gtest.h>
@@ -246,24 +247,10 @@ TEST( Curve, AContinuousJointTurnsAsFarAsItsControlPointsSay )
 	model.body( 1, ball, at );
 	const RobotPtr robot = model.create();
 	const ShapePtr keep( post );
-	const char* name = "post";
 	lw_transform behind = lw_transform_identity();
 	behind.t[0] = -1; // at an angle of pi
-	const lw_scene_shape_def shape = { post, 0, behind };
-	lw_scene_def def = lw_scene_def_default();
-	def.object_names = &name;
-	def.object_count = 1;
-	def.shapes = &shape;
-	def.shape_count = 1;
-	lw_scene* made = nullptr;
-	ASSERT_EQ( lw_scene_create( &def, nullptr, nullptr, &made ), LW_OK );
-	const leeway::Scene scene = leeway::Scene::adopt( made );
-	lw_checker_def checker_def = lw_checker_def_default();
-	checker_def.robot = robot.get();
-	checker_def.scene = scene.get();
-	lw_checker* checked = nullptr;
-	ASSERT_EQ( lw_checker_create( &checker_def, nullptr, nullptr, &checked ), LW_OK );
-	const leeway::Checker checker = leeway::Checker::adopt( checked );
+	const leeway::Scene scene = oneObstacle( post, behind );
+	const leeway::Checker checker = checkerOf( robot.get(), scene.get() );
 	const leeway::Query query = leeway::makeQuery( checker.get() );
 	const lw_edge_def edge = lw_edge_def_default();
 	lw_edge_result result;
@@ -304,23 +291,10 @@ TEST( Curve, BallTurnsBackBeyondTheProvedDeviation )
 		model.body( 1, ball, lw_transform_identity() );
 		const RobotPtr robot = model.create();
 		const ShapePtr keep( block );
-		const char* name = "block";
 		lw_transform behind = lw_transform_identity();
 		behind.t[0] = far + gap + 0.1 + 0.5;
-		const lw_scene_shape_def shape = { block, 0, behind };
-		lw_scene_def def = lw_scene_def_default();
-		def.object_names = &name;
-		def.object_count = def.shape_count = 1;
-		def.shapes = &shape;
-		lw_scene* made = nullptr;
-		ASSERT_EQ( lw_scene_create( &def, nullptr, nullptr, &made ), LW_OK );
-		const leeway::Scene scene = leeway::Scene::adopt( made );
-		lw_checker_def checker_def = lw_checker_def_default();
-		checker_def.robot = robot.get();
-		checker_def.scene = scene.get();
-		lw_checker* checked = nullptr;
-		ASSERT_EQ( lw_checker_create( &checker_def, nullptr, nullptr, &checked ), LW_OK );
-		const leeway::Checker checker = leeway::Checker::adopt( checked );
+		const leeway::Scene scene = oneObstacle( block, behind );
+		const leeway::Checker checker = checkerOf( robot.get(), scene.get() );
 		const leeway::Query query = leeway::makeQuery( checker.get() );
 		const lw_edge_def edge = lw_edge_def_default();
 		lw_edge_result result;

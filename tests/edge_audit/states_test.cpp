@@ -2,6 +2,7 @@
 // Many states at once: looks and answers against one state at a time.
 #include "checker_handles.hpp"
 #include "one_joint.hpp"
+#include "one_obstacle.hpp"
 #include "random_world.hpp"
 #include "same_bits.hpp"
 #include "simple_shapes.hpp"
@@ -195,31 +196,16 @@ TEST( States, MarginOfAPairIsForgotten )
 	}
 	const RobotPtr robot = model.create();
 	const ShapePtr box( primitive( LW_SHAPE_BOX, 0.2, 0.3, 0.3 ) );
-	const char* name = "box";
-	const lw_scene_shape_def placed = { box.get(), 0, shifted( -0.25 ) };
-	lw_scene_def scene_def = lw_scene_def_default();
-	scene_def.object_names = &name;
-	scene_def.object_count = 1;
-	scene_def.shapes = &placed;
-	scene_def.shape_count = 1;
-	lw_scene* scene = nullptr;
-	ASSERT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
-	const ScenePtr owner( scene );
+	const leeway::Scene scene = oneObstacle( box.get(), shifted( -0.25 ) );
 	for ( const double margin : { 0.03, 0.07 } )
 	{
-		lw_checker_def def = lw_checker_def_default();
-		def.robot = robot.get();
-		def.scene = scene;
-		def.margins.environment = def.margins.self = margin;
-		lw_checker* checker = nullptr;
-		ASSERT_EQ( LW_OK, lw_checker_create( &def, nullptr, nullptr, &checker ) );
-		const CheckerPtr checked( checker );
-		const QueryPtr query = makeQuery( checker );
+		const leeway::Checker checker = checkerOf( robot.get(), scene.get(), margin );
+		const QueryPtr query = makeQuery( checker.get() );
 		for ( const lw_check_flags flags : { LW_CHECK_ENVIRONMENT, LW_CHECK_SELF } )
 		{
 			const double q[2] = { 0, 0.4 }; // spheres 5.4 cm apart
 			lw_verdict verdict;
-			ASSERT_EQ( LW_OK, lw_checker_look( checker, query.get(), q, 1, flags, 0, false, &verdict ) );
+			ASSERT_EQ( LW_OK, lw_checker_look( checker.get(), query.get(), q, 1, flags, 0, false, &verdict ) );
 			EXPECT_EQ( margin < 0.05, verdict == LW_VERDICT_FREE ) << margin << ", flags " << flags;
 		}
 	}
@@ -290,28 +276,14 @@ TEST( States, BaseInContactIsForgotten )
 	model.body( 1, cube( 0.1, false ), shifted( 0, 5 ) );
 	const RobotPtr robot = model.create();
 	const ShapePtr box( primitive( LW_SHAPE_BOX, 0.2, 0.2, 0.2 ) );
-	const char* name = "box";
-	const lw_scene_shape_def placed = { box.get(), 0, shifted( 0.21 ) };
-	lw_scene_def scene_def = lw_scene_def_default();
-	scene_def.object_names = &name;
-	scene_def.object_count = 1;
-	scene_def.shapes = &placed;
-	scene_def.shape_count = 1;
-	lw_scene* scene = nullptr;
-	ASSERT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
-	const ScenePtr owner( scene );
-	lw_checker_def def = lw_checker_def_default();
-	def.robot = robot.get();
-	def.scene = scene;
-	lw_checker* checker = nullptr;
-	ASSERT_EQ( LW_OK, lw_checker_create( &def, nullptr, nullptr, &checker ) );
-	const CheckerPtr checked( checker );
-	const QueryPtr query = makeQuery( checker );
+	const leeway::Scene scene = oneObstacle( box.get(), shifted( 0.21 ) );
+	const leeway::Checker checker = checkerOf( robot.get(), scene.get() );
+	const QueryPtr query = makeQuery( checker.get() );
 	const double q = 0.5;
 	lw_verdict verdict;
-	ASSERT_EQ( LW_OK, lw_checker_look( checker, query.get(), &q, 1, LW_CHECK_BOTH, 0.005, false, &verdict ) );
+	ASSERT_EQ( LW_OK, lw_checker_look( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.005, false, &verdict ) );
 	EXPECT_EQ( LW_VERDICT_FREE, verdict );
-	ASSERT_EQ( LW_OK, lw_checker_look( checker, query.get(), &q, 1, LW_CHECK_BOTH, 0.02, false, &verdict ) );
+	ASSERT_EQ( LW_OK, lw_checker_look( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.02, false, &verdict ) );
 	EXPECT_NE( LW_VERDICT_FREE, verdict );
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tolerances of edges: a FREE tube in which a motion comes too near to something.
+#include "one_obstacle.hpp"
 #include "random_world.hpp"
 #include "tube_bench.hpp"
 
@@ -71,24 +72,10 @@ TEST( EdgeTube, SpheresOfLongEdgesLeaveRoomForTheTube )
 		}
 		else
 		{
-			const char* name = "post";
-			const lw_scene_shape_def shape = { post, 0, at };
-			lw_scene_def def = lw_scene_def_default();
-			def.object_names = &name;
-			def.object_count = 1;
-			def.shapes = &shape;
-			def.shape_count = 1;
-			lw_scene* made = nullptr;
-			ASSERT_EQ( lw_scene_create( &def, nullptr, nullptr, &made ), LW_OK );
-			scene = leeway::Scene::adopt( made );
+			scene = oneObstacle( post, at );
 		}
 		const RobotPtr robot = model.create();
-		lw_checker_def def = lw_checker_def_default();
-		def.robot = robot.get();
-		def.scene = scene.get();
-		lw_checker* checked = nullptr;
-		ASSERT_EQ( lw_checker_create( &def, nullptr, nullptr, &checked ), LW_OK );
-		const leeway::Checker checker = leeway::Checker::adopt( checked );
+		const leeway::Checker checker = checkerOf( robot.get(), scene.get() );
 		const leeway::Query query = leeway::makeQuery( checker.get() );
 		const double from[2] = { -1, 0 }, to[2] = { 2.2, 0 }, little[2] = { 0, 0.1 }, much[2] = { 0, 0.2 };
 		lw_edge_def edge = lw_edge_def_default();

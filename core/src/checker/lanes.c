@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The joints of a checker's tree in the form that interval batches read.
-#include "checker/clusters.h"
+// The joints of a checker's tree in the form that lanes read, and the poses of its clusters in the lanes.
+#include "checker/pose.h"
 
-#include "checker/checker.h"
 #include "base/math_inline.h"
+
+#include <string.h>
 
 /// parent_from_joint.r times the turn about a unit axis a by an angle: r a a^T + cos (r - r a a^T) + sin r [a]x (Rodrigues).
 static lwi_batch_joint batch_joint( const lwi_joint* joint, const lw_transform* parent_from_joint )
@@ -40,5 +41,53 @@ void lwi_checker_fill_batch_joints( lwi_cluster_tree* t, const lw_robot* robot )
 			return;
 		}
 		t->batch_joints[i] = batch_joint( joint, &t->clusters[i].parent_from_joint );
+	}
+}
+
+static void broadcast( double value, double out[LWI_WIDTH] )
+{
+	for ( int l = 0; l < LWI_WIDTH; ++l )
+	{
+		out[l] = value;
+	}
+}
+
+void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* speeds )
+{
+	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+	const lwi_cluster_tree* tree = checker->base->tree;
+	const lwi_kernels* kernels = query->search.kernels;
+	const uint32_t count = tree->cluster_count * LWI_WIDTH;
+	double *values = query->scratch.lane_values, *cosines = values + count, *sines = cosines + count;
+	lwi_batch_frame* frames = query->scratch.lane_frames;
+	broadcast( 0, values ); // cluster 0
+	kernels->sincos( values, count, cosines, sines );
+	memset( &frames[0], 0, sizeof( frames[0] ) );
+	const lw_transform* root = &checker->base->group.reference_poses[tree->clusters[0].root_link];
+	for ( int i = 0; i < 9; ++i )
+	{
+		broadcast( root->r[i / 3][i % 3], frames[0].r[i] );
+		broadcast( root->t[i % 3], frames[0].t[i % 3] );
+	}
+	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
+	{
+		const lwi_batch_joint* joint = &tree->batch_joints[i];
+		const size_t at = (size_t)i * LWI_WIDTH;
+		kernels->batch_frame( &frames[tree->clusters[i].parent], joint, joint->rotates ? cosines + at : ones,
+			joint->rotates ? sines + at : zeros, joint->rotates ? zeros : values + at, speeds != NULL ? speeds[i] : 0,
+			&frames[i] );
+	}
+}
+
+void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, const double origin[3], double half )
+{
+	const lwi_cluster_tree* tree = checker->base->tree;
+	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
+	{
+		if ( tree->clusters[i].body_count > 0 )
+		{
+			query->search.kernels->batch_point( &query->scratch.lane_frames[i], tree->clusters[i].r.center, origin, half,
+				&query->scratch.lane_spheres[i] );
+		}
 	}
 }

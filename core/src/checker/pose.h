@@ -80,6 +80,14 @@ static inline const float* lwi_blocks( const lw_checker* checker, lw_query* quer
 	return query->pose.blocks + (size_t)checker->base->tree->clusters[cluster].first_block * 4 * LWI_WIDTH;
 }
 
+// --- in the lanes: query->scratch ------------------------------------------------------------------------------------
+
+/// Frames of all clusters, for a tree that can_batch. lane_values has the values of the joints above clusters other than 0.
+/// @param speeds [clusters] of these joints, per unit of t; NULL: at rest
+void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* speeds );
+/// Then the centres of the clusters' spheres R, from an origin in the world. @param half width of half a window in t
+void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, const double origin[3], double half );
+
 LW_EXTERN_C_END
 
 #endif

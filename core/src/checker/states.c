@@ -17,7 +17,7 @@ enum
 	MOST_HEIGHT = 7 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
 };
 
-/// Metres: states with larger rounding of their poses are asked one by one.
+/// Metres of pose rounding; beyond, lw_checker_look() says UNDECIDED.
 #define MOST_ROUNDING 1e-6
 
 typedef struct lane_states
@@ -33,6 +33,7 @@ typedef struct lane_states
 	bool near_only;     ///< obstacles outside of near_mask are farther
 	bool covered;       ///< the reach's tables hold in all lanes
 	bool contact_only;  ///< nothing is proved free, and a lane in contact ends all
+	uint32_t all;       ///< lanes with states
 	uint32_t left;      ///< lanes not known to be blocked
 	uint32_t unsure[2]; ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
 } lane_states;
@@ -69,37 +70,6 @@ static bool take_state( lane_states* s, const double* q, uint32_t lane, double* 
 			joint->multiplier * s->query->pose.state[joint->variable] + joint->variable_offset;
 	}
 	return *rounding <= MOST_ROUNDING;
-}
-
-static void pose_lanes( const lane_states* s )
-{
-	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
-	const lwi_cluster_tree* tree = s->tree;
-	const uint32_t count = tree->cluster_count * LWI_WIDTH;
-	double *values = s->query->scratch.lane_values, *cosines = values + count, *sines = cosines + count;
-	lwi_batch_frame* frames = s->query->scratch.lane_frames;
-	memset( values, 0, LWI_WIDTH * sizeof( double ) ); // cluster 0
-	s->kernels->sincos( values, count, cosines, sines );
-	memset( &frames[0], 0, sizeof( frames[0] ) );
-	const lw_transform* root = &s->checker->base->group.reference_poses[tree->clusters[0].root_link];
-	for ( int l = 0; l < LWI_WIDTH; ++l )
-	{
-		for ( int i = 0; i < 9; ++i )
-		{
-			frames[0].r[i][l] = root->r[i / 3][i % 3];
-		}
-		for ( int i = 0; i < 3; ++i )
-		{
-			frames[0].t[i][l] = root->t[i];
-		}
-	}
-	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
-	{
-		const lwi_batch_joint* joint = &tree->batch_joints[i];
-		const size_t at = (size_t)i * LWI_WIDTH;
-		s->kernels->batch_frame( &frames[tree->clusters[i].parent], joint, joint->rotates ? cosines + at : ones,
-			joint->rotates ? sines + at : zeros, joint->rotates ? zeros : values + at, 0, &frames[i] );
-	}
 }
 
 // --- the scene -------------------------------------------------------------------------------------------------------
@@ -310,16 +280,23 @@ static uint8_t meet_unbounded( const lw_scene* scene, const lwi_batch_point* poi
 	return (uint8_t)lanes;
 }
 
+/// Number of blocks of the obstacles in use.
+static uint32_t block_count( const lane_states* s )
+{
+	return s->near_only ? s->checker->culling.near_block_count : s->checker->scene->block_count;
+}
+
 /// Lanes in which a sphere of a cluster's frame comes near to obstacles: near[shape], in the query's row.
-static uint8_t* meet_boxes( const lane_states* s, uint32_t cluster, const lw_sphere* sphere, double margin )
+static uint8_t* meet_boxes( const lane_states* s, uint32_t cluster, const lw_sphere* sphere )
 {
 	const lw_scene* scene = s->checker->scene;
-	const uint32_t blocks = s->near_only ? s->checker->culling.near_block_count : scene->block_count;
+	const lwi_margins* m = s->checker->margins;
+	const uint32_t blocks = block_count( s );
 	lwi_batch_point point;
 	uint8_t* near = (uint8_t*)s->query->scratch.row;
 	s->kernels->batch_point( &s->frames[cluster], sphere->center, scene->origin, 0, &point );
 	const double slack = lwi_gap_slack( 2 * ( s->scene_size + sphere->radius ) );
-	const double reach = sphere->radius + s->enough + margin + slack;
+	const double reach = sphere->radius + s->enough + ( m != NULL ? m->largest : 0 ) + slack;
 	s->kernels->lane_boxes( &point, scene->boxes, blocks, lwi_round_up( reach ), near );
 	for ( uint32_t i = 0; i < scene->unbounded_count && scene->unbounded[i] < blocks * LWI_WIDTH; ++i )
 	{
@@ -338,10 +315,8 @@ static void body_environment( lane_states* s, uint32_t place )
 	b.shape = lwi_shape_now( c->base->bodies[b.body].shape );
 	const uint8_t* masks =
 		( s->near_only ? c->culling.near_mask : c->environment.mask ) + (size_t)b.body * c->scene->block_count;
-	const uint32_t blocks = s->near_only ? c->culling.near_block_count : c->scene->block_count;
-	const uint8_t* near = meet_boxes( s, s->tree->body_cluster[b.body], &s->tree->body_spheres[place],
-		c->margins != NULL ? c->margins->largest : 0 );
-	for ( uint32_t block = 0; block < blocks; ++block )
+	const uint8_t* near = meet_boxes( s, s->tree->body_cluster[b.body], &s->tree->body_spheres[place] );
+	for ( uint32_t block = 0; block < block_count( s ); ++block )
 	{
 		for ( uint32_t mask = masks[block]; mask != 0; mask &= mask - 1 )
 		{
@@ -357,16 +332,19 @@ static void body_environment( lane_states* s, uint32_t place )
 /// True if the sphere of a cluster with several bodies meets some obstacle in some lane.
 static bool cluster_is_near( const lane_states* s, uint32_t cluster )
 {
-	const lw_checker* c = s->checker;
-	const uint32_t count = ( s->near_only ? c->culling.near_block_count : c->scene->block_count ) * LWI_WIDTH;
-	const uint8_t* near =
-		meet_boxes( s, cluster, &s->tree->clusters[cluster].r, c->margins != NULL ? c->margins->largest : 0 );
+	const uint8_t* near = meet_boxes( s, cluster, &s->tree->clusters[cluster].r );
 	uint32_t lanes = 0;
-	for ( uint32_t i = 0; i < count; ++i )
+	for ( uint32_t i = 0; i < block_count( s ) * LWI_WIDTH; ++i )
 	{
 		lanes |= near[i];
 	}
 	return ( lanes & s->left ) != 0;
+}
+
+/// False once all lanes are blocked; one is enough where only contact is looked for.
+static bool goes_on( const lane_states* s )
+{
+	return s->contact_only ? s->left == s->all : s->left != 0;
 }
 
 static void lanes_environment( lane_states* s )
@@ -376,8 +354,7 @@ static void lanes_environment( lane_states* s )
 	{
 		return;
 	}
-	const uint32_t all = s->contact_only ? s->left : 0; // the first contact ends all
-	for ( uint32_t i = s->tree->cluster_count; i-- > 1 && s->left != 0 && ( all == 0 || s->left == all ); )
+	for ( uint32_t i = s->tree->cluster_count; i-- > 1 && goes_on( s ); )
 	{
 		const lwi_cluster* cluster = &s->tree->clusters[i];
 		if ( ( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) == 0 ||
@@ -385,7 +362,7 @@ static void lanes_environment( lane_states* s )
 		{
 			continue;
 		}
-		for ( uint32_t k = 0; k < cluster->body_count && s->left != 0 && ( all == 0 || s->left == all ); ++k )
+		for ( uint32_t k = 0; k < cluster->body_count && goes_on( s ); ++k )
 		{
 			body_environment( s, cluster->first_body + k );
 		}
@@ -455,15 +432,12 @@ static void lanes_self( lane_states* s, const double* q )
 		return;
 	}
 	const double* origin = s->checker->base->group.reference_poses[tree->clusters[0].root_link].t;
-	lwi_batch_point* points = s->query->scratch.lane_spheres;
-	double radius = 0;
+	const lwi_batch_point* points = s->query->scratch.lane_spheres;
+	lwi_pose_lane_spheres( s->checker, s->query, origin, 0 );
+	double radius = 0; // that of a cluster without bodies is below
 	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
 	{
-		if ( tree->clusters[i].body_count > 0 )
-		{
-			s->kernels->batch_point( &s->frames[i], tree->clusters[i].r.center, origin, 0, &points[i] );
-			radius = lwi_larger( radius, tree->clusters[i].r.radius );
-		}
+		radius = lwi_larger( radius, tree->clusters[i].r.radius );
 	}
 	const double slack = lwi_gap_slack( 4 * ( s->reach + radius ) );
 	for ( uint32_t i = 0; i < tree->self.pair_count && ( s->left & ~s->unsure[1] ) != 0; ++i )
@@ -491,8 +465,6 @@ static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flag
 {
 	const lw_checker* c = s->checker;
 	const double above = nextafter( min_d, INFINITY );
-	s->left = lwi_low_bits( count );
-	s->unsure[0] = s->unsure[1] = 0;
 	s->covered = s->tree->proves && s->query->search.def.pair_tables;
 	s->near_only = above <= c->culling.horizon;
 	s->reach = 0;
@@ -510,7 +482,7 @@ static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flag
 		const double* origin = c->scene->origin;
 		s->scene_size = s->reach + fabs( origin[0] ) + fabs( origin[1] ) + fabs( origin[2] ) + c->scene->extent;
 	}
-	pose_lanes( s );
+	lwi_pose_lanes( c, s->query, NULL );
 	if ( ( flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{
 		lanes_environment( s );
@@ -539,12 +511,13 @@ static lane_states look_at( const lw_checker* c, lw_query* query, const double* 
 		.kernels = query->search.kernels,
 		.tree = c->base->tree,
 		.frames = query->scratch.lane_frames,
-		.contact_only = contact_only };
+		.contact_only = contact_only,
+		.all = lwi_low_bits( count ),
+		.left = lwi_low_bits( count ) };
 	if ( !has_lanes( c, flags, min_d ) || !look( &s, q, count, flags, min_d ) )
 	{
-		s.left = lwi_low_bits( count );
-		s.unsure[0] = ( flags & LW_CHECK_ENVIRONMENT ) != 0 ? s.left : 0;
-		s.unsure[1] = ( flags & LW_CHECK_SELF ) != 0 ? s.left : 0;
+		s.unsure[0] = ( flags & LW_CHECK_ENVIRONMENT ) != 0 ? s.all : 0;
+		s.unsure[1] = ( flags & LW_CHECK_SELF ) != 0 ? s.all : 0;
 	}
 	return s;
 }
@@ -595,7 +568,7 @@ lw_status lw_checker_look( const lw_checker* checker, lw_query* query, const dou
 			const bool unsure = contact_only || ( ( s.unsure[0] | s.unsure[1] ) & bit ) != 0;
 			out[start + lane] = ( s.left & bit ) == 0 ? LW_VERDICT_BLOCKED : unsure ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE;
 		}
-		stop = contact_only && s.left != lwi_low_bits( some );
+		stop = contact_only && s.left != s.all;
 	}
 	return status;
 }

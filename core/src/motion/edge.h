@@ -113,15 +113,12 @@ typedef struct lwi_edge_velocity
 	const double* tubes;          ///< [depth] likewise, metres; used if the edge has a tolerance
 } lwi_edge_velocity;
 
-/// Memory of an interval batch.
+/// Memory of an interval batch, beside the query's lanes.
 typedef struct lwi_edge_batch
 {
-	lwi_batch_frame* frames;   ///< [clusters]
-	lwi_batch_point* bodies;   ///< [bodies]
-	bool* known;               ///< [bodies]
-	lwi_batch_point* clusters; ///< [clusters]
-	double* values;            ///< [3][clusters][LWI_WIDTH] of joints, their cosines, their sines
-	double* speeds;            ///< [clusters]
+	lwi_batch_point* bodies; ///< [bodies]
+	bool* known;             ///< [bodies]
+	double* speeds;          ///< [clusters]
 } lwi_edge_batch;
 
 typedef struct lwi_edge

@@ -25,10 +25,10 @@ typedef struct interval_batch
 	lwi_edge* e;
 	const lwi_kernels* kernels;
 	const lwi_cluster_tree* tree;
-	lwi_batch_frame* frames;   ///< [clusters]
+	const lwi_batch_frame* frames; ///< [clusters]
 	lwi_batch_point* bodies;   ///< [bodies] by place: middles of their spheres, from `origin`
 	bool* known;               ///< [bodies] those whose `bodies` entry is valid
-	lwi_batch_point* clusters; ///< [clusters] the same for those of clusters
+	const lwi_batch_point* clusters; ///< [clusters] the same for those of clusters
 	double origin[3];          ///< origin of the coordinates in which the robot's own spheres are compared
 	double half;               ///< width of half a window
 	double rounding;           ///< of places in the lanes, for one of two
@@ -42,14 +42,6 @@ static void add_pair( lwi_edge* e, lwi_edge_pair pair )
 }
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------
-
-static void broadcast( double value, double out[LWI_WIDTH] )
-{
-	for ( int l = 0; l < LWI_WIDTH; ++l )
-	{
-		out[l] = value;
-	}
-}
 
 /// Values of the joints above all clusters. They go uniformly, from where the interpolation starts.
 static void values_of( const interval_batch* batch, double* values, double* speeds )
@@ -67,46 +59,14 @@ static void values_of( const interval_batch* batch, double* values, double* spee
 	}
 }
 
-static void pose_frames( interval_batch* batch )
+/// Frames, and middles of the spheres of all clusters.
+static void pose_lanes( interval_batch* batch )
 {
-	const lwi_cluster_tree* tree = batch->tree;
-	const lwi_edge_batch* memory = &batch->e->batch;
-	const uint32_t clusters = tree->cluster_count;
-	double *values = memory->values, *cosines = values + clusters * LWI_WIDTH, *sines = cosines + clusters * LWI_WIDTH;
-	values_of( batch, values, memory->speeds );
-	broadcast( 0, values ); // cluster 0
-	batch->kernels->sincos( values, clusters * LWI_WIDTH, cosines, sines );
-	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
-	memset( &batch->frames[0], 0, sizeof( batch->frames[0] ) );
-	const lw_transform* root = &batch->e->checker->base->group.reference_poses[tree->clusters[0].root_link];
-	for ( int i = 0; i < 9; ++i )
-	{
-		broadcast( root->r[i / 3][i % 3], batch->frames[0].r[i] );
-		broadcast( root->t[i % 3], batch->frames[0].t[i % 3] );
-	}
-	for ( uint32_t i = 1; i < clusters; ++i )
-	{
-		const lwi_batch_joint* joint = &tree->batch_joints[i];
-		const size_t at = (size_t)i * LWI_WIDTH;
-		const lwi_batch_frame* above = &batch->frames[tree->clusters[i].parent];
-		batch->kernels->batch_frame( above, joint, joint->rotates ? cosines + at : ones, joint->rotates ? sines + at : zeros,
-			joint->rotates ? zeros : values + at, memory->speeds[i], &batch->frames[i] );
-	}
-}
-
-/// Middles of the spheres of all clusters.
-static void pose_spheres( interval_batch* batch )
-{
-	const lwi_cluster_tree* tree = batch->tree;
-	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
-	{
-		if ( tree->clusters[i].body_count > 0 )
-		{
-			batch->kernels->batch_point( &batch->frames[i], tree->clusters[i].r.center, batch->origin, batch->half,
-				&batch->clusters[i] );
-		}
-	}
-	memset( batch->known, 0, tree->body_count * sizeof( bool ) );
+	const lwi_edge* e = batch->e;
+	values_of( batch, e->query->scratch.lane_values, e->batch.speeds );
+	lwi_pose_lanes( e->checker, e->query, e->batch.speeds );
+	lwi_pose_lane_spheres( e->checker, e->query, batch->origin, batch->half );
+	memset( batch->known, 0, batch->tree->body_count * sizeof( bool ) );
 }
 
 /// The same for a body, by its place.
@@ -483,15 +443,14 @@ void lwi_edge_batch_pass( lwi_edge* e )
 	interval_batch batch = { .e = e,
 		.kernels = e->query->search.kernels,
 		.tree = c->base->tree,
-		.frames = e->batch.frames,
+		.frames = e->query->scratch.lane_frames,
 		.bodies = e->batch.bodies,
 		.known = e->batch.known,
-		.clusters = e->batch.clusters,
+		.clusters = e->query->scratch.lane_spheres,
 		.half = 0.5 / LWI_WIDTH,
 		.rounding = rounding };
 	memcpy( batch.origin, c->base->group.reference_poses[c->base->tree->clusters[0].root_link].t, sizeof( batch.origin ) );
-	pose_frames( &batch );
-	pose_spheres( &batch );
+	pose_lanes( &batch );
 	lwi_edge_note_proof( e );
 	batch_environment( &batch );
 	batch_self( &batch );

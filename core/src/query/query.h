@@ -74,7 +74,7 @@ typedef struct lwi_query_scratch
 	float* row;                ///< [shapes, padded] gaps of a cluster's sphere
 	lwi_candidate* candidates; ///< [gaps]
 	void* edge;                ///< [edge_bytes] laid out by motion/
-	// of states in lanes, checker/states.c
+	// of lanes, checker/lanes.c
 	double* lane_values;           ///< [3][links][LWI_WIDTH] values of joints, cosines, sines
 	lwi_batch_frame* lane_frames;  ///< [links] of clusters
 	lwi_batch_point* lane_spheres; ///< [links] of clusters' spheres
