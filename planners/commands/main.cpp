@@ -195,10 +195,21 @@ void validate( const AuditOptions& options )
 	{
 		wrong( "--path", path ? "is given together with --trajectory" : "is missing", "give --path or --trajectory" );
 	}
-	if ( path && ( !options.tolerance.empty() || !options.joint_limits.empty() || options.interpolation != "auto" ) )
+	const bool blend = options.corner_blend != 0;
+	if ( path && ( !options.joint_limits.empty() || options.interpolation != "auto" ) )
 	{
-		wrong( "--path", "a path has no times: --tolerance, --interpolation and --joint-limits are for --trajectory",
+		wrong( "--path", "a path has no times: --interpolation and --joint-limits are for --trajectory",
 		    "leave them out, or give a timed trajectory" );
+	}
+	if ( path && !blend && !options.tolerance.empty() )
+	{
+		wrong(
+		    "--tolerance", "states of a path are measured, not proved", "add --corner-blend, or give a timed trajectory" );
+	}
+	if ( trajectory && blend )
+	{
+		wrong( "--corner-blend", "a timed trajectory is driven as it is, without rounding its corners",
+		    "give the path that is yet to be timed, by --path" );
 	}
 	const std::vector<std::string> known = { "auto", "linear", "cubic", "quintic" };
 	if ( std::find( known.begin(), known.end(), options.interpolation ) == known.end() )
@@ -216,8 +227,12 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	command->add_option( "--path", options.path, "a path, measured densely" )->type_name( "path.yaml" );
 	command->add_option( "--trajectory", options.trajectory, "a timed trajectory, proved as a controller drives it" )
 	    ->type_name( "FILE" );
-	command->add_option( "--tolerance", options.tolerance, "radians or metres off the trajectory, of all joints or JOINT=E" )
+	command->add_option( "--tolerance", options.tolerance, "radians or metres off the motion, of all joints or JOINT=E" )
 	    ->type_name( "E" );
+	command
+	    ->add_option( "--corner-blend", options.corner_blend,
+	        "of a path: prove it with every rounding of its corners by up to R (MoveIt's TOTG: 0.1)" )
+	    ->type_name( "R" );
 	rare( command->add_option( "--interpolation", options.interpolation, "between points of a trajectory (default auto)" )
 	          ->type_name( "auto|linear|cubic|quintic" ) );
 	rare( command->add_option( "--joint-limits", options.joint_limits, "of a trajectory: velocities and accelerations" )
@@ -372,6 +387,10 @@ int dispatch( const CLI::App& app, Commands& commands )
 	}
 	requirePositive( "--resolution", commands.audit.resolution );
 	requirePositive( "--time", commands.audit.time );
+	if ( chosen->get_option( "--corner-blend" )->count() > 0 )
+	{
+		requirePositive( "--corner-blend", commands.audit.corner_blend );
+	}
 	return runAudit( commands.audit );
 }
 

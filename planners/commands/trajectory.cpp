@@ -2,7 +2,6 @@
 // leeway audit --trajectory: a timed trajectory, proved as a controller drives it.
 #include "leeway/handles.hpp"
 #include "setup/trajectory.hpp"
-#include "text/csv.hpp"
 #include "text/names.hpp"
 
 #include <fmt/format.h>
@@ -43,47 +42,6 @@ std::string groupOf( const AuditOptions& options, const io::RobotModel& robot, c
 	}
 	throw io::Error( file.file, file.at( "joint_names" ), "no group of the SRDF has just these joints",
 	    names.empty() ? "give the SRDF with their group" : "name the group by --group: " + listed( names ) );
-}
-
-std::vector<double> tolerances( const AuditOptions& options, const Workbench& bench, const TrajectoryFile& file )
-{
-	const std::vector<std::string>& names = bench.problem().variable_names;
-	std::vector<double> out( names.size(), 0.0 );
-	const auto set = [&]( const std::string& name, double value, const std::string& source, const std::string& element )
-	{
-		const auto found = std::find( names.begin(), names.end(), name );
-		if ( found == names.end() )
-		{
-			throw io::Error(
-			    source, element, fmt::format( "joint '{}' is not in the group", name ), useOneOf( name, names ) );
-		}
-		if ( !( value >= 0 ) )
-		{
-			throw io::Error( source, element, "is negative", "give radians or metres, 0 or more" );
-		}
-		out[static_cast<std::size_t>( found - names.begin() )] = value;
-	};
-	for ( const auto& [name, value] : file.path_tolerance )
-	{
-		set( name, value, file.file, "path_tolerance of " + name );
-	}
-	for ( const std::string& text : options.tolerance )
-	{
-		const std::size_t at = text.rfind( '=' );
-		const std::optional<double> value = finiteNumber( at == std::string::npos ? text : text.substr( at + 1 ) );
-		if ( !value || !( *value >= 0 ) )
-		{
-			throw io::Error( "command line", "--tolerance " + text, "is no number of 0 or more",
-			    "give radians or metres for all joints, or JOINT=VALUE" );
-		}
-		for ( const std::string& name :
-		    at == std::string::npos ? names : std::vector<std::string>{ trimmed( text.substr( 0, at ) ) } )
-		{
-			set( name, *value, "command line", "--tolerance " + text );
-		}
-	}
-	const bool any = std::any_of( out.begin(), out.end(), []( double value ) { return value > 0; } );
-	return any ? out : std::vector<double>();
 }
 
 Interpolation interpolationOf( const std::string& name )
@@ -158,7 +116,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
 	settings.interpolation = interpolationOf( options.interpolation );
-	settings.tolerance = tolerances( options, bench, files.front() );
+	settings.tolerance = tolerances( bench, files.front().file, files.front().path_tolerance, options.tolerance );
 	const std::vector<Segment> segments = segmentsOf( bench, files, settings.interpolation );
 	const TrajectoryAudit audit = auditTrajectory( bench, input.robot, files, segments, settings );
 	std::vector<OutputFile*> out;

@@ -3,6 +3,7 @@
 #include "setup/trajectory.hpp"
 
 #include "leeway/handles.hpp"
+#include "text/csv.hpp"
 #include "text/names.hpp"
 
 #include <fmt/format.h>
@@ -270,6 +271,48 @@ Violation violationOf( const Workbench& bench, const Segment& segment, const lw_
 }
 
 } // namespace
+
+std::vector<double> tolerances( const Workbench& bench, const std::string& file,
+    const std::map<std::string, double>& of_goal, const std::vector<std::string>& given )
+{
+	const std::vector<std::string>& names = bench.problem().variable_names;
+	std::vector<double> out( names.size(), 0.0 );
+	const auto set = [&]( const std::string& name, double value, const std::string& source, const std::string& element )
+	{
+		const auto found = std::find( names.begin(), names.end(), name );
+		if ( found == names.end() )
+		{
+			throw io::Error(
+			    source, element, fmt::format( "joint '{}' is not in the group", name ), useOneOf( name, names ) );
+		}
+		if ( !( value >= 0 ) )
+		{
+			throw io::Error( source, element, "is negative", "give radians or metres, 0 or more" );
+		}
+		out[static_cast<std::size_t>( found - names.begin() )] = value;
+	};
+	for ( const auto& [name, value] : of_goal )
+	{
+		set( name, value, file, "path_tolerance of " + name );
+	}
+	for ( const std::string& text : given )
+	{
+		const std::size_t at = text.rfind( '=' );
+		const std::optional<double> value = finiteNumber( at == std::string::npos ? text : text.substr( at + 1 ) );
+		if ( !value || !( *value >= 0 ) )
+		{
+			throw io::Error( "command line", "--tolerance " + text, "is no number of 0 or more",
+			    "give radians or metres for all joints, or JOINT=VALUE" );
+		}
+		for ( const std::string& name :
+		    at == std::string::npos ? names : std::vector<std::string>{ trimmed( text.substr( 0, at ) ) } )
+		{
+			set( name, *value, "command line", "--tolerance " + text );
+		}
+	}
+	const bool any = std::any_of( out.begin(), out.end(), []( double value ) { return value > 0; } );
+	return any ? out : std::vector<double>();
+}
 
 std::vector<Segment> segmentsOf(
     const Workbench& bench, const std::vector<TrajectoryFile>& files, Interpolation interpolation )

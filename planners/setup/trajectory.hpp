@@ -6,6 +6,7 @@
 #include "setup/setup.hpp"
 #include "text/trajectory_file.hpp"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,11 @@ struct TrajectoryAudit
 	std::uint64_t states = 0;
 	bool valid() const { return violation.verdict == LW_VERDICT_FREE && problems.empty(); }
 };
+
+/// Tolerances of the group's variables, empty if all are 0: those of a goal in `file`, then those of the command line, "E" or "JOINT=E".
+/// @throws io::Error
+std::vector<double> tolerances( const Workbench& bench, const std::string& file,
+    const std::map<std::string, double>& of_goal, const std::vector<std::string>& given );
 
 /// Segments of all trajectories in the order of the group's variables.
 /// @throws io::Error for a joint that is missing or too many, and for data that the interpolation needs and the file lacks

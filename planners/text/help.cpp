@@ -187,6 +187,10 @@ checks joint limits and, with --request, that the path connects the request's st
 the values of the path file's start_state. --min-d defaults to the path file's. An audit that does not end within --time
 seconds reports its progress and an estimate of the full time; the path is then not valid.
 
+--corner-blend R proves the path, and every rounding of its corners that stays within R of them (joint space, Euclidean), for all motions
+within --tolerance of it: the arcs of MoveIt's TOTG with its path_tolerance R = 0.1 among them. Where that fails, it names the corner,
+a colliding state, and the largest R that is proved there.
+
 path.yaml: from leeway plan, with group, min_d, start_state, joint_names and points (a list of positions); or a MoveIt
 joint_trajectory. --profile: s,edge,t,environment,self of all measured states.
 

@@ -198,3 +198,36 @@ TEST_F( CliTrajectory, BadFilesNameTheElementAndTheRemedy )
 	EXPECT_EQ( both.status, 2 );
 	EXPECT_TRUE( contains( both.err, "--trajectory" ) ) << both.err;
 }
+
+// The elbow folds while the shoulder waits, then the shoulder turns past the post, then the arm stretches again.
+TEST_F( CliTrajectory, RoundedCornersOfAFreePathMeetThePost )
+{
+	const std::string points =
+	    "joint_names: [shoulder, elbow]\npoints:\n"
+	    "  - positions: [-1, 0]\n  - positions: [-1, 2.4]\n  - positions: [1, 2.4]\n  - positions: [1, 0]\n";
+	write( "p.yaml", points );
+	const auto audited = [&]( std::vector<std::string> more )
+	{
+		more.insert( more.begin(), { "--path", "p.yaml" } );
+		return runModel( "audit", more, "blocked.yaml" );
+	};
+	ASSERT_EQ( audited( {} ).status, 0 );
+	const Outcome narrow = audited( { "--corner-blend", "0.05" } );
+	EXPECT_EQ( narrow.status, 0 ) << narrow.out << narrow.err;
+	EXPECT_TRUE( contains( narrow.out, "2 corners by up to 0.05: FREE" ) ) << narrow.out;
+	const Outcome wide = audited( { "--corner-blend", "1.5", "--report", "r.json" } );
+	EXPECT_EQ( wide.status, 1 ) << wide.out << wide.err;
+	const nlohmann::json found = nlohmann::json::parse( readFile( this->path( "r.json" ) ) )["roundings"];
+	EXPECT_EQ( found["verdict"], "BLOCKED" );
+	EXPECT_EQ( found["point"], 1 );
+	EXPECT_EQ( found["pair"][1], "post" );
+	EXPECT_GT( found["free_radius"], 0.05 );
+	const double shoulder = found["state"]["shoulder"], elbow = found["state"]["elbow"];
+	write( "states.csv", "shoulder,elbow\n" + std::to_string( shoulder ) + "," + std::to_string( elbow ) + "\n" );
+	EXPECT_EQ( runModel( "check", { "--states", "states.csv" }, "blocked.yaml" ).status, 1 );
+	// a tolerance that reaches the post
+	EXPECT_EQ( audited( { "--corner-blend", "0.05", "--tolerance", "shoulder=1" } ).status, 1 );
+	EXPECT_EQ( audited( { "--tolerance", "0.1" } ).status, 2 );
+	EXPECT_EQ( audited( { "--corner-blend", "-1" } ).status, 2 );
+	EXPECT_EQ( audit( { "t.csv", "--corner-blend", "0.1" } ).status, 2 );
+}

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Roundings of a path's corners, proved: time parametrisation drives an arc or a blend where a planner left a corner.
+#pragma once
+
+#include "leeway/leeway.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace leeway::cli
+{
+
+/// Verdict on a path and all of its roundings.
+struct RoundingProof
+{
+	lw_verdict verdict = LW_VERDICT_UNKNOWN;
+	double lower_bound = 0; ///< FREE: metres, proved, of all clearances on the path and its roundings; else 0
+	/// Not FREE: the first place that failed, the rounding of points[corner] or, with `on_edge`, the edge that leads there.
+	std::size_t corner = 0;
+	bool on_edge = false;
+	std::vector<double>
+	    q; ///< BLOCKED: a state of the path or of a rounding, in collision; UNDECIDED: one near which the proof ended
+	bool self = false;                          ///< of the pair below
+	lw_clearance pair = lw_clearance_unknown(); ///< of q; UNDECIDED: near q
+	double free_radius =
+	    0; ///< not FREE at a corner: largest radius found by bisection whose roundings of this corner are FREE
+	std::size_t corners = 0;
+	std::uint64_t queries = 0;
+};
+
+/// Proves the straight path through `points`, and every curve that follows it except around corners, where it
+///   - leaves one edge and joins the next at most l from the corner, l = min( L1 / 2, L2 / 2, 2 radius / sin( angle / 2 ) ),
+///   - bends to one side in between, in the plane of both edges,
+///   - and passes the corner's bisector at most min( radius, l tan( angle / 4 ) ) from the corner.
+/// L1, L2 are the lengths of the two edges, `angle` is between their directions, all Euclidean in the group's variables. Among
+/// them are the circular arcs of Kunz and Stilman's time parametrisation (TOTG) and parabolas that stay as near to the corner.
+/// Proof: core/docs/motions.md.
+/// @param points group states; angles are plain numbers. Quaternions must not change
+/// @param radius radians or metres, > 0: distance of a corner from its rounding (MoveIt's path_tolerance)
+/// @param def min_d, slack, tolerance and flags: FREE holds for all motions within the tolerance of a rounding
+/// @return LW_OK, or the status of lw_checker_curve()
+lw_status proveRoundings( const lw_checker* checker, lw_query* query, const std::vector<std::vector<double>>& points,
+    double radius, const lw_edge_def& def, RoundingProof& out );
+
+} // namespace leeway::cli
