@@ -373,6 +373,12 @@ void QueryPool::giveBack( Query query )
 	m_free.push_back( std::move( query ) );
 }
 
+void refusePickle( const nb::object& )
+{
+	throw nb::type_error( "a Checker, World or Reach is not pickled: pickle the Robot and the Scene, and make it of these "
+	                      "once in each process, such as leeway.Checker(robot, scene, group=...)" );
+}
+
 io::ProblemOptions optionsOf( const PyRobot& robot, const io::SceneModel* scene, const ProblemArguments& arguments )
 {
 	io::ProblemOptions options;
@@ -464,12 +470,14 @@ void bindCheckers( nb::module_& module )
 	type.def( "prepare", &prepareChecker, "threads"_a = 0,
 	    "Builds the sphere trees that states within the limits can need, so that no later call has to. threads: 0 = one per core." );
 	type.def( "__repr__", &checkerRepr );
+	type.def( "__reduce__", &refusePickle );
 
 	nb::class_<PyWorld> world( module, "World",
 	    "A robot in a scene that changes. Each change returns a new Checker; those before stay valid. Poses are those of object frames." );
 	bindMaker( world, &makeWorld, "Arguments as for Checker." );
 	world.def_prop_ro( "checker", &PyWorld::checker, "The checker of the world as it is now." );
 	bindWorldEdits( world );
+	world.def( "__reduce__", &refusePickle );
 	world.def( "__repr__", []( const PyWorld& w ) { return "<leeway.World now " + checkerRepr( w.checker() ) + ">"; } );
 }
 

@@ -79,6 +79,7 @@ void bindReach( nb::module_& module )
 	    "info", &reachInfo, nb::sig( "def info(self) -> dict[str, int]" ), "Counts of pairs by the state of their proofs." );
 	type.def_prop_ro(
 	    "notices", []( const PyReach& r ) { return noticeLines( r.loaded.notices ); }, "Lines on the cache." );
+	type.def( "__reduce__", &refusePickle );
 	type.def( "__repr__",
 	    []( const PyReach& r )
 	    {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Beside other packages: toppra, OMPL's Python, trimesh, yourdfpy. ctest has them all; elsewhere a test whose package is missing is
-skipped."""
+"""Beside other packages: toppra, OMPL's Python, trimesh, yourdfpy, Open3D. ctest has all but Open3D, whose wheel has 400 MB; elsewhere a
+test whose package is missing is skipped."""
 import importlib
 import os
 
@@ -91,3 +91,33 @@ def test_models_of_yourdfpy_have_the_same_kinematics(robot, rng):
     poses = robot.fk(q)
     for i, link in enumerate(robot.links):
         numpy.testing.assert_allclose(poses[i], model.get_transform(link, robot.root_link), atol=1e-9)
+
+
+def ball_cloud(rng):
+    points = rng.normal(size=(2000, 3))
+    return points / numpy.linalg.norm(points, axis=1)[:, None]
+
+
+def check_cloud(points, truth):
+    found = leeway.distance(leeway.Shape.points(points, 0.05), [4, 0, 0], leeway.Shape.sphere(0.5), None)
+    assert abs(found.upper - (numpy.linalg.norm(truth + [4, 0, 0], axis=1).min() - 0.55)) < 1e-9
+
+
+def test_point_clouds_in_single_precision_and_in_columns_keep_their_distances(rng):
+    truth = ball_cloud(rng)
+    check_cloud(truth, truth)
+    check_cloud(numpy.asfortranarray(truth), truth)
+    rounded = truth.astype(numpy.float32)
+    check_cloud(rounded, rounded.astype(float))
+
+
+def test_clouds_and_meshes_of_open3d_keep_their_distances(rng):
+    open3d = pytest.importorskip("open3d")
+    truth = ball_cloud(rng)
+    check_cloud(open3d.geometry.PointCloud(open3d.utility.Vector3dVector(truth)).points, truth)
+    tensors = open3d.t.geometry.PointCloud(open3d.core.Tensor(truth.astype(numpy.float32)))
+    check_cloud(tensors.point.positions.numpy(), truth.astype(numpy.float32).astype(float))
+    ball = open3d.geometry.TriangleMesh.create_sphere(0.5)
+    shape = leeway.Shape.mesh(ball.vertices, ball.triangles, solid=True)
+    found = leeway.distance(shape, [2, 0, 0], leeway.Shape.sphere(0.5), None)
+    assert 1 - 1e-9 <= found.upper <= 1.01 and len(shape.triangles) == len(ball.triangles)

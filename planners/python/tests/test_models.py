@@ -113,6 +113,13 @@ def test_pickles_of_robots_and_scenes_give_the_same_answers(robot, scene, checke
         leeway.Robot.__new__(leeway.Robot).__setstate__((b"",))
 
 
+def test_checkers_refuse_pickling_with_a_remedy(robot, scene, checker):
+    for held in (checker, leeway.World(robot, scene, group="arm"), leeway.Reach(robot, seconds=0.05)):
+        for copying in (pickle.dumps, copy.copy, copy.deepcopy):
+            with pytest.raises(TypeError, match="pickle the Robot and the Scene"):
+                copying(held)
+
+
 def test_robots_are_read_from_files_and_text(robot):
     text = leeway.Robot((FIRST / "arm.urdf").read_text(), (FIRST / "arm.srdf").read_text())
     assert text.digest == robot.digest and text.groups == robot.groups
