@@ -3,17 +3,20 @@
 # Runs before a release; too long, or with too many needs, for tests/run.sh, which comes first. Root is needed for the bare system. Each stage runs
 # although one before it failed; the last lines list all stages with their seconds, for core/docs/release.md.
 #
-#   release.sh [STAGE ...]        stages: arm64 packages wheels ompl (default: all)
+#   release.sh [STAGE ...]        stages: arm64 python-arm64 python-threads colcon packages wheels ompl (default: all)
 #
 #   arm64     all tests of the core, emulated, and digests of answers against this machine's
+#   python-arm64    the Python module cross-compiled, its tests emulated, digests of answers against this machine's
+#   python-threads  tests of the Python package that start threads, under the thread sanitizer
+#   colcon    package.xml in a workspace of ROS, and a program that finds it there
 #   packages  .deb files, lintian, install, use and removal in a bare Debian 12
-#   wheels    planners/python/make_wheels.sh
+#   wheels    planners/python/make_wheels.sh with each interpreter of LEEWAY_PYTHONS (separated by blanks; default /usr/bin/python3)
 #   ompl      shim, planners and their tests with each prefix of LEEWAY_OMPL_PREFIXES (separated by blanks); fails if there is none
 set -uo pipefail
 cd "$( dirname "${BASH_SOURCE[0]}" )/.."
 exec </dev/null
 stages=( "$@" )
-[ "$#" -gt 0 ] || stages=( arm64 packages wheels ompl )
+[ "$#" -gt 0 ] || stages=( arm64 python-arm64 python-threads colcon packages wheels ompl )
 rows=() failed=0
 
 run()
@@ -39,6 +42,34 @@ packages()
 {
 	planners/package/build_debs.sh && tests/packages/try_debs.sh build-deb
 }
+# python_package FOLDER OPTIONS...: the module in a build folder
+python_package()
+{
+	cmake -S . -B "$1" -G Ninja -DLEEWAY_BUILD_PYTHON=ON -DPython_EXECUTABLE="$( realpath -s "${LEEWAY_PYTHON_DIR:-build/python-tools}" )/bin/python" \
+		-DLEEWAY_BUILD_OMPL=OFF -DLEEWAY_BUILD_EXAMPLES=OFF -DLEEWAY_BUILD_BENCHMARKS=OFF "${@:2}" >/dev/null &&
+		cmake --build "$1" --parallel "${JOBS:-$( nproc )}" --target leeway_python leeway_python_files
+}
+python_arm64()
+{
+	python_package build-python -DCMAKE_BUILD_TYPE=Release -DLEEWAY_BUILD_TESTS=OFF && tests/arm64/python.sh build-python/python
+}
+# The interpreter is not built with the sanitizer: its library is loaded first, at addresses that are not random.
+python_threads()
+{
+	local tools
+	tools=$( realpath -s "${LEEWAY_PYTHON_DIR:-build/python-tools}" )/bin
+	python_package build-python-tsan -DLEEWAY_SANITIZE=thread -DLEEWAY_BUILD_TESTS=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+		-DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-Og -g1" &&
+		env LD_PRELOAD="$( realpath "$( gcc -print-file-name=libtsan.so )" )" TSAN_OPTIONS="exitcode=66 halt_on_error=1" PYTHONDONTWRITEBYTECODE=1 \
+			PYTHONPATH=build-python-tsan/python setarch -R "$tools/python" -m pytest -q -p no:cacheprovider \
+			-k "thread and not bits_of_c" planners/python/tests/test_{threads_and_memory,states,worlds}.py
+}
+wheels()
+{
+	local pythons
+	read -r -a pythons <<<"${LEEWAY_PYTHONS:-/usr/bin/python3}"
+	planners/python/make_wheels.sh "${pythons[@]}"
+}
 ompl()
 {
 	local prefix status=0
@@ -55,10 +86,11 @@ ompl()
 .ci/install.sh core bridge tests arm64 packages python release || exit 1
 for stage in "${stages[@]}"; do
 	case "$stage" in
-	arm64 | packages | ompl) run "$stage" "$stage" ;;
-	wheels) run wheels planners/python/make_wheels.sh ;;
+	arm64 | packages | wheels | ompl) run "$stage" "$stage" ;;
+	python-arm64 | python-threads) run "$stage" "${stage//-/_}" ;;
+	colcon) run colcon tests/packages/try_colcon.sh ;;
 	*)
-		echo "$0: there is no stage $stage; stages are arm64, packages, wheels, ompl" >&2
+		echo "$0: there is no stage $stage; stages are arm64, python-arm64, python-threads, colcon, packages, wheels, ompl" >&2
 		exit 2
 		;;
 	esac

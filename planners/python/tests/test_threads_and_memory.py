@@ -15,6 +15,7 @@ from conftest import FIRST
 
 INTERRUPTED = """
 import os, signal, sys, threading, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background of a shell ignore it
 import numpy
 import leeway
 robot = leeway.Robot(sys.argv[1], sys.argv[2])

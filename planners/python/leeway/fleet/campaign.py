@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Campaigns as TOML files: reading, defaults, and messages that name the place of a mistake.
+
+    name = "labels"
+    seed = 1
+    [robots.panda]
+    urdf = "panda.urdf"
+    srdf = "panda.srdf"
+    group = "panda_arm"
+    [scenes.shelf]
+    file = "shelf.yaml"
+    [[work]]
+    kind = "states"
+    robots = ["panda"]
+    scenes = ["shelf"]
+    rows = 1000000
+"""
+from __future__ import annotations
+
+import glob
+import hashlib
+import math
+import pathlib
+from typing import Any, NamedTuple
+
+from .errors import FleetError
+
+try:
+    import tomllib
+except ImportError:  # Python 3.10 and before
+    import tomli as tomllib
+
+__all__ = ["Campaign", "Option", "checked", "digest_of_file", "files_of", "load_campaign"]
+
+SHARD_ROWS = 65536
+
+
+class Option(NamedTuple):
+    """An entry of a table: its type, default (REQUIRED: none), least value, and choices."""
+    type: type
+    default: Any
+    least: float | None = None
+    choices: tuple = ()
+
+
+REQUIRED = object()
+TOP = {"name": Option(str, REQUIRED), "seed": Option(int, 1, 0), "shard_rows": Option(int, SHARD_ROWS, 1), "robots": Option(dict, REQUIRED),
+    "scenes": Option(dict, {}), "work": Option(list, REQUIRED)}
+ROBOT = {"urdf": Option(str, REQUIRED), "srdf": Option(str, ""), "group": Option(str, ""), "packages": Option(list, []),
+    "reference": Option(dict, {}), "spheres": Option(str, "")}
+SCENE = {"file": Option(str, ""), "generator": Option(str, ""), "count": Option(int, 1, 1), "seed": Option(int, 1, 0),
+    "parameters": Option(dict, {}), "packages": Option(list, [])}
+WORK = {"kind": Option(str, REQUIRED), "robots": Option(list, []), "scenes": Option(list, [])}
+
+
+class Campaign(NamedTuple):
+    file: pathlib.Path
+    folder: pathlib.Path  #: paths are relative to it
+    values: dict[str, Any]  #: of the file, with all defaults
+
+
+def _fits(value: Any, option: Option) -> bool:
+    if option.type is float:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and not math.isnan(value)
+    return isinstance(value, option.type) and not (option.type is int and isinstance(value, bool))
+
+
+def checked(file, element: str, values: dict[str, Any], options: dict[str, Option]) -> dict[str, Any]:
+    """The values with their defaults. Raises FleetError for an entry that is missing, unknown, or of another type."""
+    for name in values:
+        if name not in options:
+            raise FleetError(file, f"{element}.{name}".lstrip("."), "is no known entry", f"known are {', '.join(options)}")
+    out = {}
+    for name, option in options.items():
+        place = f"{element}.{name}".lstrip(".")
+        if name not in values:
+            if option.default is REQUIRED:
+                raise FleetError(file, place, "is missing", f"add it, a {option.type.__name__}")
+            out[name] = option.default
+            continue
+        value = values[name]
+        if not _fits(value, option):
+            raise FleetError(file, place, f"is {value!r}", f"give a {option.type.__name__}")
+        if option.least is not None and value < option.least:
+            raise FleetError(file, place, f"is {value}", f"give at least {option.least}")
+        if option.choices and value not in option.choices:
+            raise FleetError(file, place, f"is {value!r}", f"give one of {', '.join(map(str, option.choices))}")
+        out[name] = float(value) if option.type is float else value
+    return out
+
+
+def _named(file, element: str, names: list[str], known: dict[str, Any]) -> None:
+    for name in names:
+        if name not in known:
+            raise FleetError(file, element, f"names {name!r}, which the campaign does not have", f"it has {', '.join(known) or 'none'}")
+
+
+def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
+    """Reads a campaign. kinds: name to kind; each has `options`."""
+    path = pathlib.Path(file)
+    try:
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FleetError(path, "", error.strerror or str(error), "give the path of a campaign's TOML file") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FleetError(path, "", str(error), "correct the TOML") from None
+    top = checked(path, "", values, TOP)
+    top["robots"] = {name: checked(path, f"robots.{name}", dict(robot), ROBOT) for name, robot in top["robots"].items()}
+    top["scenes"] = {name: checked(path, f"scenes.{name}", dict(scene), SCENE) for name, scene in top["scenes"].items()}
+    for name, scene in top["scenes"].items():
+        if bool(scene["file"]) == bool(scene["generator"]):
+            raise FleetError(path, f"scenes.{name}", "has both or none of file and generator", "give one of them")
+    work = []
+    for i, given in enumerate(top["work"]):
+        element = f"work[{i}]"
+        kind = given.get("kind")
+        if kind not in kinds:
+            raise FleetError(path, f"{element}.kind", f"is {kind!r}", f"give one of {', '.join(kinds)}")
+        entry = checked(path, element, given, {**WORK, **kinds[kind].options})
+        entry["robots"] = entry["robots"] or list(top["robots"])
+        _named(path, f"{element}.robots", entry["robots"], top["robots"])
+        _named(path, f"{element}.scenes", entry["scenes"], top["scenes"])
+        work.append(entry)
+    if not work:
+        raise FleetError(path, "work", "is empty", "add a [[work]] table")
+    top["work"] = work
+    return Campaign(path, path.resolve().parent, top)
+
+
+def digest_of_file(path) -> str:
+    """SHA-256, 64 hexadecimal digits."""
+    digest = hashlib.sha256()
+    with open(path, "rb") as file:
+        for chunk in iter(lambda: file.read(1 << 20), b""):
+            digest.update(chunk)
+    return digest.hexdigest()
+
+
+def files_of(campaign: Campaign, element: str, patterns: list[str]) -> list[str]:
+    """Files that patterns such as "paths/*.csv" name, relative to the campaign, each pattern's in order of their names."""
+    found = []
+    for pattern in patterns:
+        some = sorted(glob.glob(pattern, root_dir=campaign.folder, recursive=True)) if not pathlib.Path(pattern).is_absolute() else sorted(glob.glob(pattern))
+        if not some:
+            raise FleetError(campaign.file, element, f"{pattern!r} names no file", f"paths are relative to {campaign.folder}")
+        found += some
+    return found

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The plan of a campaign: all that its rows are a function of, and how they are cut into shards."""
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import pathlib
+from typing import Any, Iterator, NamedTuple
+
+from .._core import Scene
+from .._core import version as leeway_version
+from .campaign import Campaign, digest_of_file, files_of, load_campaign
+from .errors import FleetError
+from .kinds import Kind, Part
+from .registry import KINDS
+from .worlds import Worlds, robot_of, scene_digest
+
+__all__ = ["FORMAT", "Segment", "Shard", "make_plan", "parts_of", "segments_of", "shards_of"]
+
+FORMAT = 1  # of manifests and of rows; a change of either's meaning is a new number
+
+
+class Shard(NamedTuple):
+    index: int
+    part: Part
+    begin: int  #: block
+    end: int
+    name: str  #: file below the results
+
+
+class Segment(NamedTuple):
+    """Rows of one scene in a shard."""
+    scene: int
+    begin: int
+    end: int
+    block: int  #: number in the part of the block that `begin` is the first row of
+
+
+def _canonical(values: Any) -> str:
+    return json.dumps(values, sort_keys=True, separators=(",", ":"))
+
+
+def _plain(values: Any) -> Any:
+    """JSON has no infinity: "inf" stands for it."""
+    if isinstance(values, dict):
+        return {name: _plain(value) for name, value in values.items()}
+    if isinstance(values, list):
+        return [_plain(value) for value in values]
+    return "inf" if values == math.inf else values
+
+
+def _inputs(campaign: Campaign) -> dict[str, Any]:
+    """Digests of the files."""
+    values, folder = campaign.values, campaign.folder
+    robots = {name: robot_of(folder, entry).digest for name, entry in values["robots"].items()}
+    scenes = {name: scene_digest(Scene(str(folder / entry["file"]), packages=[str(folder / p) for p in entry["packages"]]))
+        for name, entry in values["scenes"].items() if entry["file"]}
+    files = {}
+    for name, entry in values["scenes"].items():
+        for parameter in ("scene", "request"):
+            if isinstance(entry["parameters"].get(parameter), str):
+                files[entry["parameters"][parameter]] = ""
+    for work in values["work"]:
+        for found in files_of(campaign, "work.files", work.get("files", [])):
+            files[found] = ""
+    for robot in values["robots"].values():
+        if robot["spheres"]:
+            files[robot["spheres"]] = ""
+    for name in files:
+        try:
+            files[name] = digest_of_file(folder / name)
+        except OSError as error:
+            raise FleetError(folder / name, "", error.strerror or str(error), f"correct its path in {campaign.file}") from None
+    return {"robots": robots, "scenes": scenes, "files": files}
+
+
+def make_plan(file) -> tuple[dict[str, Any], pathlib.Path]:
+    """(plan, folder that its paths are relative to). The plan is plain JSON."""
+    campaign = load_campaign(file, KINDS)
+    plan: dict[str, Any] = {"format": FORMAT, "leeway": leeway_version, "campaign": _plain(campaign.values), "inputs": _inputs(campaign), "parts": []}
+    plan["id"] = ""
+    worlds = Worlds(plan, campaign.folder)
+    for i, entry in enumerate(campaign.values["work"]):
+        kind = KINDS[entry["kind"]]
+        scenes = [[name, k] for name in entry["scenes"] for k in range(campaign.values["scenes"][name]["count"])] or [["", 0]]
+        options = _plain({name: entry[name] for name in kind.options})
+        for robot in entry["robots"]:
+            extra = kind.prepare(campaign, f"work[{i}]", entry)
+            rows = kind.count(entry, extra, worlds, robot)
+            plan["parts"].append(Part(len(plan["parts"]), i, entry["kind"], robot, scenes, rows, options, extra)._asdict())
+    plan["id"] = hashlib.sha256(_canonical(plan).encode()).hexdigest()
+    return plan, campaign.folder
+
+
+def parts_of(plan: dict[str, Any]) -> list[Part]:
+    return [Part(**part) for part in plan["parts"]]
+
+
+def blocks_per_scene(part: Part) -> int:
+    return math.ceil(part.rows / KINDS[part.kind].block)
+
+
+def shards_of(plan: dict[str, Any]) -> list[Shard]:
+    """All shards: whole blocks, about shard_rows rows each."""
+    out = []
+    for part in parts_of(plan):
+        blocks = blocks_per_scene(part) * len(part.scenes)
+        per_shard = max(1, math.ceil(plan["campaign"]["shard_rows"] / KINDS[part.kind].block))
+        for k, begin in enumerate(range(0, blocks, per_shard)):
+            name = f"{part.index:02d}-{part.kind}-{part.robot}/{k:06d}.parquet"
+            out.append(Shard(len(out), part, begin, min(blocks, begin + per_shard), name))
+    return out
+
+
+def segments_of(part: Part, begin: int, end: int) -> Iterator[Segment]:
+    """Blocks begin to end, cut where scenes begin."""
+    each, block = blocks_per_scene(part), KINDS[part.kind].block
+    while begin < end:
+        scene, first = divmod(begin, each)
+        count = min(end - begin, each - first)
+        yield Segment(scene, first * block, min(part.rows, (first + count) * block), begin)
+        begin += count
+
+
+def blocks_of(part: Part, begin: int, end: int) -> list[tuple[int, slice]]:
+    """(number, rows in the shard) of each block."""
+    size, out, row = KINDS[part.kind].block, [], 0
+    for segment in segments_of(part, begin, end):
+        for k, first in enumerate(range(segment.begin, segment.end, size)):
+            count = min(size, segment.end - first)
+            out.append((segment.block + k, slice(row, row + count)))
+            row += count
+    return out
+
+
+def rows_in(shard: Shard) -> int:
+    return sum(segment.end - segment.begin for segment in segments_of(shard.part, shard.begin, shard.end))

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs a campaign: a Dask graph of shards. Whatever dies, a run after it goes on with the shards that are not there."""
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import pathlib
+import shutil
+import sys
+import time
+from typing import Any, Iterator, NamedTuple
+
+from .errors import FleetError
+from .estimate import Estimate, estimate
+from .manifest import content_digest, locked, read_manifest, sound_records, start_manifest, write_manifest
+from .plan import make_plan, rows_in, shards_of
+from .shard import make_shard
+from .worlds import Worlds
+
+__all__ = ["Summary", "run", "status"]
+
+MANIFEST_SECONDS = 2.0  # between two manifests while shards come in
+WINDOW = 8  # shards per worker that wait at the scheduler
+DEATHS = 10  # workers that a shard may take with it before it counts as failed
+
+
+class Summary(NamedTuple):
+    """End of a run."""
+    folder: pathlib.Path
+    shards: int  #: of the campaign
+    done: int  #: with a record
+    made: int  #: by this run
+    rows: int  #: made by this run
+    seconds: float
+    processor_seconds: float
+    content: str  #: digest of all rows that are there
+    failures: list[str]
+
+    @property
+    def complete(self) -> bool:
+        return self.done == self.shards
+
+    def __repr__(self) -> str:
+        state = "complete" if self.complete else f"{self.shards - self.done} shards are missing"
+        lines = [f"{self.done} of {self.shards} shards in {self.folder}, {state}", f"this run: {self.made} shards, {self.rows} rows, {self.seconds:.1f} s, "
+            f"{self.processor_seconds:.1f} s of processor time", f"content {self.content}", *self.failures]
+        return "\n".join(lines)
+
+
+class Progress:
+    """A bar with the time that is left, on standard error."""
+
+    def __init__(self, expected: float, quiet: bool):
+        self.expected, self.quiet = max(expected, 1e-9), quiet
+        self.begin = self.told = time.monotonic()
+        self.live = sys.stderr.isatty()
+
+    def step(self, cost: float, text: str, last: bool = False) -> None:
+        now = time.monotonic()
+        if self.quiet or (not last and now - self.told < (0.2 if self.live else 10)):
+            return
+        self.told, share = now, min(1.0, cost / self.expected)
+        left = (now - self.begin) * (1 - share) / share if share > 0 else float("nan")
+        bar = "#" * round(30 * share)
+        sys.stderr.write(f"{chr(13) if self.live else ''}[{bar:<30}] {100 * share:5.1f} %  {text}  {_clock(now - self.begin)} gone, {_clock(left)} left"
+            + ("" if self.live and not last else "\n"))
+        sys.stderr.flush()
+
+
+def _clock(seconds: float) -> str:
+    if not seconds < 1e8:
+        return "?"
+    return f"{int(seconds) // 3600}:{int(seconds) // 60 % 60:02d}:{int(seconds) % 60:02d}"
+
+
+@contextlib.contextmanager
+def _client(workers: int, scheduler: str) -> Iterator[Any]:
+    """A client of the scheduler at this address, or of a cluster of processes on this machine."""
+    import dask
+    import distributed
+    with dask.config.set({"distributed.scheduler.allowed-failures": DEATHS, "distributed.logging.distributed": "critical",
+            "distributed.worker.daemon": True, "distributed.admin.tick.limit": "1h"}):
+        if scheduler:
+            with distributed.Client(scheduler) as client:
+                yield client
+            return
+        with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0",
+                silence_logs=logging.CRITICAL) as cluster, distributed.Client(cluster) as client:
+            yield client
+
+
+def _by_dask(client, plan: dict[str, Any], base: pathlib.Path, folder: pathlib.Path, missing: list[int]) -> Iterator[tuple[int, Any]]:
+    """(index, (record, seconds) or an exception) of each shard as it is done. Only a window of shards is known to the scheduler."""
+    import distributed
+    waiting = iter(missing)
+    work = distributed.as_completed()
+    of_key: dict[str, int] = {}
+
+    def more() -> None:
+        index = next(waiting, None)
+        if index is not None:
+            future = client.submit(make_shard, plan["id"], str(base), str(folder), index, key=f"shard-{plan['id'][:16]}-{index}", pure=False, retries=0)
+            of_key[future.key] = index
+            work.add(future)
+
+    for _ in range(WINDOW * max(1, len(client.scheduler_info()["workers"]))):
+        more()
+    for future in work:
+        index = of_key.pop(future.key)
+        error = future.exception()
+        yield index, error if error is not None else future.result()
+        future.release()
+        more()
+
+
+def _here(plan: dict[str, Any], base: pathlib.Path, folder: pathlib.Path, missing: list[int]) -> Iterator[tuple[int, Any]]:
+    """The same in this process, without Dask."""
+    for index in missing:
+        try:
+            yield index, make_shard(plan["id"], str(base), str(folder), index)
+        except Exception as error:  # as a worker reports it
+            yield index, error
+
+
+def _remove_leavings(folder: pathlib.Path) -> None:
+    """Half-written files of runs that were killed."""
+    for path in folder.glob("**/.*.part"):
+        path.unlink(missing_ok=True)
+
+
+def _note(folder: pathlib.Path, summary: Summary, workers: int, begin: float) -> None:
+    """A line for `report`; no part of the results' digests."""
+    line = {"begin": begin, "seconds": summary.seconds, "processor_seconds": summary.processor_seconds, "workers": workers, "shards": summary.made,
+        "rows": summary.rows, "complete": summary.complete}
+    with open(folder / "runs.jsonl", "a") as file:
+        file.write(json.dumps(line) + "\n")
+
+
+def _work(plan, base, folder, records, missing, work, costs: Estimate | None, quiet: bool):
+    """Takes shards as they are done. Returns (made, rows, processor seconds, failures)."""
+    shards = shards_of(plan)
+    cost = [rows_in(s) * (costs.per_row[s.part.index] if costs else 1.0) for s in shards]
+    progress = Progress(sum(cost[i] for i in missing), quiet)
+    made = rows = 0
+    done = processor = 0.0
+    failures: list[str] = []
+    written = time.monotonic()
+    try:
+        for index, found in work:
+            if isinstance(found, BaseException):
+                failures.append(f"{shards[index].name}: {type(found).__name__}: {found}")
+                if isinstance(found, FleetError):  # a disk or a file: more shards would say the same
+                    break
+                continue
+            records[index], seconds = found
+            made, rows, processor, done = made + 1, rows + records[index]["rows"], processor + seconds, done + cost[index]
+            progress.step(done, f"{len(records)} of {len(shards)} shards", made == len(missing))
+            if time.monotonic() - written > MANIFEST_SECONDS:
+                write_manifest(folder, plan, records)
+                written = time.monotonic()
+    finally:
+        if made:
+            write_manifest(folder, plan, records)
+    return made, rows, processor, failures
+
+
+def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: bool = False, quiet: bool = False, trust: bool = False):
+    """Runs a campaign's shards that are not there yet. Returns a Summary; with dry_run an Estimate, and nothing is written.
+
+    campaign: path of a TOML file. out: folder of the results (default: beside the campaign, named like it). workers: processes of a local
+    Dask cluster; 0 = this process, without Dask. scheduler: address of a Dask scheduler instead, whose workers see both folders under the
+    same paths. trust: files that are recorded are not read again first.
+    """
+    plan, base = make_plan(campaign)
+    folder = pathlib.Path(out) if out is not None else base / (pathlib.Path(campaign).stem + ".fleet")
+    folder = folder.resolve()
+    worlds = Worlds.of(plan, base)
+    if dry_run:
+        return estimate(plan, worlds, folder)
+    with locked(folder):
+        records = start_manifest(folder, plan)
+        if not trust:
+            records, faults = sound_records(folder, records)
+            for name, fault in faults.items():
+                print(f"{folder / name}: {fault}; it is made again", file=sys.stderr)
+                (folder / name).unlink(missing_ok=True)
+        _remove_leavings(folder)
+        count = len(shards_of(plan))
+        missing = [i for i in range(count) if i not in records]
+        begin, clock = time.time(), time.monotonic()
+        result: tuple = (0, 0, 0.0, [])
+        if missing:
+            costs = None if quiet else estimate(plan, worlds, folder, missing)
+            if costs is not None:
+                print(costs.text(workers), file=sys.stderr)
+                if costs.bytes > shutil.disk_usage(folder).free:
+                    print("the results may not fit on this disk", file=sys.stderr)
+            with _client(workers, scheduler) if workers or scheduler else contextlib.nullcontext() as client:
+                clock = time.monotonic()
+                work = _here(plan, base, folder, missing) if client is None else _by_dask(client, plan, base, folder, missing)
+                result = _work(plan, base, folder, records, missing, work, costs, quiet)
+        made, rows, processor, failures = result
+        summary = Summary(folder, count, len(records), made, rows, time.monotonic() - clock, processor, content_digest(records), failures)
+        _note(folder, summary, workers, begin)
+    return summary
+
+
+def status(folder) -> Summary:
+    """The shards that are there, by the manifest."""
+    plan, records = read_manifest(folder)
+    return Summary(pathlib.Path(folder), len(shards_of(plan)), len(records), 0, 0, 0.0, 0.0, content_digest(records), [])

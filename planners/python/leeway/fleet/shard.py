@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One shard: its rows made, written whole or not at all, and looked at again."""
+from __future__ import annotations
+
+import atexit
+import contextlib
+import hashlib
+import io
+import json
+import os
+import pathlib
+import time
+from typing import Any
+
+import pyarrow.parquet
+
+from .errors import FleetError
+from .plan import Shard, blocks_of, rows_in, segments_of, shards_of
+from .registry import KINDS
+from .tables import columns_of, concatenate, content_of, table_of, write_table
+from .worlds import Worlds
+
+__all__ = ["adopt", "make_rows", "make_shard", "shard_bytes", "write_atomically"]
+
+
+def write_atomically(path: pathlib.Path, data: bytes) -> None:
+    """The file has all of the data or is not there, whatever ends this process or machine."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with open(part, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            part.unlink()
+        raise FleetError(path, "", f"cannot be written: {error.strerror or error}",
+            "make room or give another --out, then run the campaign again: it goes on where it was") from None
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def make_rows(plan: dict[str, Any], worlds: Worlds, shard: Shard):
+    """(columns, their values, measured values) of a shard."""
+    part, kind = shard.part, KINDS[shard.part.kind]
+    made = [kind.make(part, worlds, s.scene, s.begin, s.end) for s in segments_of(part, shard.begin, shard.end)]
+    columns = kind.columns(part, worlds)
+    return columns, concatenate(columns, [rows.values for rows in made]), concatenate(kind.measured(part), [rows.measured for rows in made])
+
+
+def _content(shard: Shard, columns, values) -> str:
+    return content_of(f"{shard.part.index}", columns, values, blocks_of(shard.part, shard.begin, shard.end))
+
+
+def _metadata(plan: dict[str, Any], shard: Shard, content: str) -> dict[str, Any]:
+    return {"format": plan["format"], "leeway": plan["leeway"], "manifest": plan["id"], "campaign": plan["campaign"]["name"],
+        "seed": plan["campaign"]["seed"], "part": shard.part.index, "kind": shard.part.kind, "robot": shard.part.robot,
+        "scenes": shard.part.scenes, "options": shard.part.options, "blocks": [shard.begin, shard.end], "shard": shard.index, "content": content}
+
+
+def shard_bytes(plan: dict[str, Any], worlds: Worlds, shard: Shard):
+    """(Parquet file, its record, the Parquet file of measured times or None)."""
+    columns, values, measured = make_rows(plan, worlds, shard)
+    content = _content(shard, columns, values)
+    metadata = _metadata(plan, shard, content)
+    out = io.BytesIO()
+    write_table(table_of(columns, values, metadata), out)
+    data = out.getvalue()
+    times = None
+    if measured:
+        out = io.BytesIO()
+        write_table(table_of(KINDS[shard.part.kind].measured(shard.part), measured, {**metadata, "measured": True}), out)
+        times = out.getvalue()
+    return data, _record(shard, data, content), times
+
+
+def _record(shard: Shard, data: bytes, content: str) -> dict[str, Any]:
+    return {"index": shard.index, "file": shard.name, "rows": rows_in(shard), "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(),
+        "content": content}
+
+
+def adopt(plan: dict[str, Any], worlds: Worlds, folder: pathlib.Path, shard: Shard):
+    """The record of a whole file of this shard that a run before wrote and did not record, or None."""
+    path = folder / shard.name
+    try:
+        data = path.read_bytes()
+        table = pyarrow.parquet.read_table(io.BytesIO(data))
+        metadata = json.loads((table.schema.metadata or {})[b"leeway"])
+        columns = KINDS[shard.part.kind].columns(shard.part, worlds)
+        values = columns_of(columns, table)
+        content = _content(shard, columns, values)
+    except (OSError, KeyError, ValueError, IndexError, pyarrow.ArrowException):
+        return None
+    expected = _metadata(plan, shard, content)
+    again = io.BytesIO()
+    write_table(table_of(columns, values, expected), again)
+    return _record(shard, data, content) if metadata == expected and again.getvalue() == data else None
+
+
+def _started(identity: str, base: str, folder: pathlib.Path) -> tuple[Worlds, list[Shard]]:
+    """The worlds and shards of a plan, once in each process."""
+    if identity not in _STARTED:
+        plan = json.loads((folder / "manifest.json").read_text())["plan"]
+        if plan["id"] != identity:
+            raise FleetError(folder / "manifest.json", "", "is of another campaign", "let one run at a time work in this folder")
+        _STARTED.clear()
+        _STARTED[identity] = Worlds.of(plan, base), shards_of(plan)
+    return _STARTED[identity]
+
+
+_STARTED: dict[str, tuple[Worlds, list[Shard]]] = {}
+atexit.register(_STARTED.clear)
+
+
+def make_shard(identity: str, base: str, folder: str, index: int) -> tuple[dict[str, Any], float]:
+    """Makes one shard's file, on any machine that has both folders. Returns its record and the processor time, seconds.
+
+    identity: of the plan in the folder's manifest.
+    """
+    begin, out = time.process_time(), pathlib.Path(folder)
+    worlds, shards = _started(identity, base, out)
+    plan, shard = worlds.plan, shards[index]
+    record = adopt(plan, worlds, out, shard) if (out / shard.name).exists() else None
+    if record is None:
+        data, record, times = shard_bytes(plan, worlds, shard)
+        if times is not None:
+            write_atomically((out / shard.name).with_suffix(".times.parquet"), times)
+        write_atomically(out / shard.name, data)
+    return record, time.process_time() - begin

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Rows of results: columns with units, digests that do not depend on how rows are cut into files, Parquet files with equal bytes.
+
+The digest of a block of rows is the SHA-256 of its address and its columns. The digest of many blocks is the sum of theirs modulo 2^256:
+any order, any cut into files gives the same. Sums find faults, not forgers.
+"""
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any, NamedTuple
+
+import numpy
+import pyarrow
+import pyarrow.parquet
+
+__all__ = ["Column", "Words", "add_digests", "block_digest", "concatenate", "columns_of", "content_of", "table_of", "write_table"]
+
+MODULUS = 1 << 256
+
+
+class Column(NamedTuple):
+    name: str
+    type: str  #: "double", "int32", "int64", "uint8", "bool", "string", "list"; list: of doubles
+    unit: str  #: "m", "rad", "s", "1"; "" for names
+    text: str
+
+
+class Words(NamedTuple):
+    """Strings by index into a list of names."""
+    indices: numpy.ndarray
+    names: list[str]
+
+    def __len__(self) -> int:
+        return len(self.indices)
+
+    def __getitem__(self, rows: slice) -> "Words":
+        return Words(self.indices[rows], self.names)
+
+    def strings(self) -> list[str]:
+        return numpy.asarray(self.names, object)[self.indices].tolist()
+
+
+TYPES = {"double": pyarrow.float64(), "int32": pyarrow.int32(), "int64": pyarrow.int64(), "uint8": pyarrow.uint8(), "bool": pyarrow.bool_(),
+    "string": pyarrow.dictionary(pyarrow.int32(), pyarrow.string()), "list": pyarrow.list_(pyarrow.float64())}
+NUMPY = {"double": "<f8", "int32": "<i4", "int64": "<i8", "uint8": "u1", "bool": "?"}
+
+
+def _bytes_of(column: Column, values: Any) -> bytes:
+    if column.type == "string":
+        return "\n".join(values.strings()).encode()
+    if column.type == "list":
+        sizes = numpy.array([len(row) for row in values], "<i8")
+        return sizes.tobytes() + b"".join(numpy.ascontiguousarray(row, "<f8").tobytes() for row in values)
+    return numpy.ascontiguousarray(values, NUMPY[column.type]).tobytes()
+
+
+def block_digest(address: str, columns: list[Column], values: dict[str, Any], rows: slice) -> int:
+    """The number of a block of rows. address: part and block."""
+    digest = hashlib.sha256(address.encode())
+    for column in columns:
+        part = _bytes_of(column, values[column.name][rows])
+        digest.update(f"\n{column.name}:{column.type}:{len(part)}\n".encode())
+        digest.update(part)
+    return int.from_bytes(digest.digest(), "big")
+
+
+def add_digests(numbers) -> str:
+    """64 hexadecimal digits of the sum; of numbers or of such digits."""
+    return f"{sum(int(n, 16) if isinstance(n, str) else n for n in numbers) % MODULUS:064x}"
+
+
+def concatenate(columns: list[Column], pieces: list[dict[str, Any]]) -> dict[str, Any]:
+    """One piece of several."""
+    out = {}
+    for column in columns:
+        values = [piece[column.name] for piece in pieces]
+        if column.type == "string":
+            names: dict[str, int] = {}
+            indices = []
+            for words in values:
+                place = numpy.array([names.setdefault(name, len(names)) for name in words.names], "<i4")
+                indices.append(place[words.indices])
+            out[column.name] = Words(numpy.concatenate(indices), list(names))
+        elif column.type == "list":
+            out[column.name] = [row for value in values for row in value]
+        else:
+            out[column.name] = numpy.concatenate(values)
+    return out
+
+
+def _compact(words: Words) -> Words:
+    """The same strings; names in the order of their first use, and no others."""
+    used, first, place = numpy.unique(words.indices, return_index=True, return_inverse=True)
+    order = numpy.argsort(first)
+    rank = numpy.empty(len(used), "<i4")
+    rank[order] = numpy.arange(len(used))
+    return Words(rank[place], [words.names[used[k]] for k in order])
+
+
+def _array(column: Column, values: Any) -> pyarrow.Array:
+    if column.type == "string":
+        words = _compact(values)
+        return pyarrow.DictionaryArray.from_arrays(pyarrow.array(words.indices.astype("<i4")), pyarrow.array(words.names, pyarrow.string()))
+    if column.type == "list":
+        return pyarrow.array([numpy.asarray(row, "<f8").ravel() for row in values], TYPES["list"])
+    return pyarrow.array(numpy.ascontiguousarray(values, NUMPY[column.type]), TYPES[column.type], from_pandas=False)
+
+
+def table_of(columns: list[Column], values: dict[str, Any], metadata: dict[str, Any]) -> pyarrow.Table:
+    """A table with units and descriptions of its columns, and metadata as JSON under the key "leeway"."""
+    fields = [pyarrow.field(c.name, TYPES[c.type], False, {"unit": c.unit, "text": c.text}) for c in columns]
+    schema = pyarrow.schema(fields, {"leeway": json.dumps(metadata, sort_keys=True)})
+    return pyarrow.Table.from_arrays([_array(c, values[c.name]) for c in columns], schema=schema)
+
+
+def write_table(table: pyarrow.Table, file) -> None:
+    """Equal tables give equal bytes with one version of pyarrow: no dates, no choice by time."""
+    words = [field.name for field in table.schema if pyarrow.types.is_dictionary(field.type)]
+    pyarrow.parquet.write_table(table, file, version="2.6", data_page_version="1.0", compression="zstd", compression_level=1,
+        use_dictionary=words, write_statistics=True, row_group_size=1 << 18, use_deprecated_int96_timestamps=False)
+
+
+def columns_of(columns: list[Column], table: pyarrow.Table) -> dict[str, Any]:
+    """The arrays of a table that table_of() made."""
+    out: dict[str, Any] = {}
+    for column in columns:
+        chunk = table.column(column.name).combine_chunks()
+        if column.type == "string":
+            if isinstance(chunk, pyarrow.ChunkedArray):
+                chunk = chunk.unify_dictionaries().combine_chunks() if chunk.num_chunks else pyarrow.array([], TYPES["string"])
+            out[column.name] = Words(chunk.indices.to_numpy(zero_copy_only=False), chunk.dictionary.to_pylist())
+        elif column.type == "list":
+            out[column.name] = [numpy.asarray(row, "<f8") for row in chunk.to_pylist()]
+        else:
+            out[column.name] = chunk.to_numpy(zero_copy_only=False)
+    return out
+
+
+def content_of(address: str, columns: list[Column], values: dict[str, Any], blocks: list[tuple[int, slice]]) -> str:
+    """The digest of blocks: (number, rows) of each."""
+    return add_digests(block_digest(f"{address}/{number}", columns, values, rows) for number, rows in blocks)
