@@ -190,10 +190,11 @@ void validate( const AuditOptions& options )
 {
 	const auto wrong = []( const char* element, const char* problem, const char* remedy )
 	{ throw io::Error( "command line", element, problem, remedy ); };
-	const bool path = !options.path.empty(), trajectory = !options.trajectory.empty();
-	if ( path == trajectory )
+	const bool path = !options.path.empty(), trajectory = !options.trajectory.empty(), steps = !options.steps.empty();
+	if ( path + trajectory + steps != 1 )
 	{
-		wrong( "--path", path ? "is given together with --trajectory" : "is missing", "give --path or --trajectory" );
+		wrong( "--path", path || trajectory ? "is one of several questions: --path, --trajectory, --steps" : "is missing",
+		    "give one of --path, --trajectory and --steps" );
 	}
 	const bool blend = options.corner_blend != 0;
 	if ( path && ( !options.joint_limits.empty() || options.interpolation != "auto" ) )
@@ -206,7 +207,7 @@ void validate( const AuditOptions& options )
 		wrong(
 		    "--tolerance", "states of a path are measured, not proved", "add --corner-blend, or give a timed trajectory" );
 	}
-	if ( trajectory && blend )
+	if ( !path && blend )
 	{
 		wrong( "--corner-blend", "a timed trajectory is driven as it is, without rounding its corners",
 		    "give the path that is yet to be timed, by --path" );
@@ -227,6 +228,8 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	command->add_option( "--path", options.path, "a path, measured densely" )->type_name( "path.yaml" );
 	command->add_option( "--trajectory", options.trajectory, "a timed trajectory, proved as a controller drives it" )
 	    ->type_name( "FILE" );
+	command->add_option( "--steps", options.steps, "several trajectories, with objects attached and released in between" )
+	    ->type_name( "steps.yaml" );
 	command->add_option( "--tolerance", options.tolerance, "radians or metres off the motion, of all joints or JOINT=E" )
 	    ->type_name( "E" );
 	command
@@ -381,7 +384,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 	}
 	validate( *chosen, commands.audit.common );
 	validate( commands.audit );
-	if ( !commands.audit.trajectory.empty() )
+	if ( commands.audit.path.empty() )
 	{
 		return runTrajectoryAudit( commands.audit );
 	}

@@ -639,7 +639,7 @@ TrajectoryAudit writeTrajectory( const Input& input, const Workbench& bench, con
 {
 	const std::vector<Segment> segments = stopAtCorners( bench, solution.points, motion );
 	file.text = robotTrajectory( bench, segments );
-	return auditTrajectory( bench, input.robot, {}, segments, settings );
+	return auditTrajectory( bench, input.robot, "the path", segments, settings );
 }
 
 } // namespace
@@ -683,7 +683,7 @@ int runPlan( const PlanOptions& options )
 	{
 		const TrajectorySettings as_driven = trajectorySettings( options, limits );
 		const TrajectoryAudit proof = writeTrajectory( input, bench, solution, motion, as_driven, timed );
-		driven = describe( proof, bench, as_driven );
+		driven = describe( proof );
 		is_driven_free = proof.valid();
 		if ( is_driven_free )
 		{

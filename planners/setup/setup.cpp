@@ -252,10 +252,8 @@ Workbench::Workbench( const Input& input, std::string group, const Values& value
 	build( m_values );
 }
 
-void Workbench::build( const Values& values )
+io::ProblemOptions Workbench::options( const Values& values ) const
 {
-	Progress progress( "building the checker" );
-	const double start = now();
 	io::ProblemOptions options;
 	options.group = m_group;
 	options.scene = m_input.scene ? &*m_input.scene : nullptr;
@@ -269,6 +267,26 @@ void Workbench::build( const Values& values )
 	options.min_d = m_input.min_d;
 	options.max_d = m_input.max_d;
 	options.notice_enclosed = !m_built;
+	return options;
+}
+
+std::unique_ptr<io::World> Workbench::makeWorld() const
+{
+	return std::make_unique<io::World>( m_input.robot, options( m_values ) );
+}
+
+void Workbench::adopt( const io::Problem& problem )
+{
+	m_query.reset();
+	m_problem = problem;
+	m_query = makeQuery( m_problem.checker.get() );
+}
+
+void Workbench::build( const Values& values )
+{
+	Progress progress( "building the checker" );
+	const double start = now();
+	io::ProblemOptions options = this->options( values );
 	ReachProgress reach_progress( progress );
 	if ( options.find_reach )
 	{

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "leeway/io/model.hpp"
+#include "leeway/io/world.hpp"
 #include "text/options.hpp"
 #include "text/output.hpp"
 
@@ -85,6 +86,11 @@ public:
 	/// @return true if it had to be rebuilt
 	bool use( const std::vector<double>& full );
 
+	/// A world that changes, of the same group and files. Its reference are the values of this bench.
+	std::unique_ptr<io::World> makeWorld() const;
+	/// Questions are about another snapshot of the same group from now on.
+	void adopt( const io::Problem& problem );
+
 	/// The group's part of a full state.
 	std::vector<double> groupState( const std::vector<double>& full ) const;
 	/// The full state of a group state.
@@ -97,6 +103,7 @@ public:
 	bool inGroup( std::uint32_t variable ) const { return m_in_group[variable]; }
 
 private:
+	io::ProblemOptions options( const Values& values ) const;
 	void build( const Values& values );
 	const Input& m_input;
 	std::string m_group;

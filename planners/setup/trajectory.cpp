@@ -17,8 +17,6 @@ namespace leeway::cli
 namespace
 {
 
-constexpr double gap_tolerance = 1e-3; // radians or metres between the end of a trajectory and the start of the next
-
 // ---- segments --------------------------------------------------------------------------------------------------------
 
 /// Columns of the group's variables.
@@ -259,6 +257,7 @@ Violation violationOf( const Workbench& bench, const Segment& segment, const lw_
 	out.verdict = result.verdict;
 	out.time = segment.begin + segment.seconds * result.t;
 	out.q = valueOf( segment, bench.problem().variable_names.size(), result.t );
+	out.names = bench.problem().variable_names;
 	out.self = result.self;
 	out.pair = result.self ? nameSelf( bench.checker(), result.pair ) : nameEnvironment( bench.checker(), result.pair );
 	if ( result.verdict == LW_VERDICT_BLOCKED )
@@ -315,38 +314,36 @@ std::vector<double> tolerances( const Workbench& bench, const std::string& file,
 }
 
 std::vector<Segment> segmentsOf(
-    const Workbench& bench, const std::vector<TrajectoryFile>& files, Interpolation interpolation )
+    const Workbench& bench, const TrajectoryFile& file, Interpolation interpolation, double begin )
 {
 	std::vector<Segment> segments;
-	double begin = 0;
-	for ( const TrajectoryFile& file : files )
+	const std::vector<std::size_t> columns = columnsOf( bench, file );
+	for ( std::size_t i = 0; i + 1 < file.points.size(); ++i )
 	{
-		const std::vector<std::size_t> columns = columnsOf( bench, file );
-		const double first = file.points.front().time;
-		for ( std::size_t i = 0; i + 1 < file.points.size(); ++i )
-		{
-			segments.push_back( segmentOf( file, i, columns, degreeOf( file, i, interpolation ) ) );
-			segments.back().begin = begin + file.points[i].time - first;
-		}
-		if ( file.points.size() == 1 ) // one state that is held
-		{
-			TrajectoryFile held = file;
-			held.points.push_back( held.points.front() );
-			segments.push_back( segmentOf( held, 0, columns, 1 ) );
-			segments.back().begin = begin;
-		}
-		begin += file.points.back().time - first;
+		segments.push_back( segmentOf( file, i, columns, degreeOf( file, i, interpolation ) ) );
+		segments.back().begin = begin + file.points[i].time - file.points.front().time;
+	}
+	if ( file.points.size() == 1 ) // one state that is held
+	{
+		TrajectoryFile held = file;
+		held.points.push_back( held.points.front() );
+		segments.push_back( segmentOf( held, 0, columns, 1 ) );
+		segments.back().begin = begin;
 	}
 	return segments;
 }
 
-TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& robot,
-    const std::vector<TrajectoryFile>& files, const std::vector<Segment>& segments, const TrajectorySettings& settings )
+TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& robot, const std::string& file,
+    const std::vector<Segment>& segments, const TrajectorySettings& settings )
 {
 	TrajectoryAudit audit;
 	audit.segments = segments.size();
 	audit.duration = segments.back().begin + segments.back().seconds;
-	const std::size_t count = bench.problem().variable_names.size();
+	audit.min_d = settings.edge.min_d;
+	for ( std::size_t v = 0; v < settings.tolerance.size(); ++v )
+	{
+		audit.tolerance[bench.problem().variable_names[v]] = settings.tolerance[v];
+	}
 	lw_edge_def def = settings.edge;
 	def.tolerance = settings.tolerance.empty() ? nullptr : settings.tolerance.data();
 	double lower_bound = HUGE_VAL;
@@ -361,30 +358,33 @@ TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& r
 		lower_bound = std::min( lower_bound, result.lower_bound );
 		if ( result.verdict != LW_VERDICT_FREE )
 		{
-			audit.violation =
-			    violationOf( bench, segment, result, def.flags, files.empty() ? "the path" : files.front().file );
+			audit.violation = violationOf( bench, segment, result, def.flags, file );
 			break;
 		}
 	}
 	audit.proof_seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 	audit.lower_bound = audit.violation.verdict == LW_VERDICT_FREE ? lower_bound : 0;
-	std::size_t next = 0;
-	for ( std::size_t f = 0; f + 1 < files.size(); ++f )
-	{
-		next += std::max<std::size_t>( 1, files[f].points.size() - 1 );
-		const std::vector<double> end = valueOf( segments[next - 1], count, 1 );
-		for ( std::size_t v = 0; v < count; ++v )
-		{
-			const double gap = std::abs( end[v] - segments[next].points[v] );
-			if ( gap > gap_tolerance )
-			{
-				audit.problems.push_back( fmt::format( "{} starts {:.6g} away from the end of the one before (joint {})",
-				    files[f + 1].element, gap, bench.problem().variable_names[v] ) );
-			}
-		}
-	}
 	checkLimits( bench, robot, segments, settings.limits, audit.problems );
 	return audit;
+}
+
+void append( TrajectoryAudit& whole, const TrajectoryAudit& next )
+{
+	const bool first = whole.segments == 0, was_free = whole.violation.verdict == LW_VERDICT_FREE;
+	const bool is_free = was_free && next.violation.verdict == LW_VERDICT_FREE;
+	whole.segments += next.segments;
+	for ( std::size_t degree = 0; degree < std::size( whole.by_degree ); ++degree )
+	{
+		whole.by_degree[degree] += next.by_degree[degree];
+	}
+	whole.duration = next.duration;
+	whole.violation = was_free ? next.violation : whole.violation;
+	whole.lower_bound = !is_free ? 0 : first ? next.lower_bound : std::min( whole.lower_bound, next.lower_bound );
+	whole.problems.insert( whole.problems.end(), next.problems.begin(), next.problems.end() );
+	whole.min_d = next.min_d;
+	whole.tolerance.insert( next.tolerance.begin(), next.tolerance.end() );
+	whole.proof_seconds += next.proof_seconds;
+	whole.states += next.states;
 }
 
 std::vector<double> stateAt( const std::vector<Segment>& segments, double time )
@@ -399,17 +399,17 @@ std::vector<double> stateAt( const std::vector<Segment>& segments, double time )
 	return valueOf( segment, segment.points.size() / ( segment.degree + 1 ), t );
 }
 
-std::string describe( const TrajectoryAudit& audit, const Workbench& bench, const TrajectorySettings& settings )
+std::string describe( const TrajectoryAudit& audit )
 {
 	std::string out = fmt::format( "trajectory  {}, {:.4f} s: {} linear, {} cubic, {} quintic\n",
 	    counted( audit.segments, "segment" ), audit.duration, audit.by_degree[1], audit.by_degree[3], audit.by_degree[5] );
 	out += fmt::format( "proof       {:.6f} s, {} states{}\n", audit.proof_seconds, audit.states,
-	    settings.tolerance.empty() ? "" : ", for all motions within the tolerance" );
+	    audit.tolerance.empty() ? "" : ", for all motions within the tolerance" );
 	const Violation& v = audit.violation;
 	if ( v.verdict == LW_VERDICT_FREE )
 	{
 		out += fmt::format(
-		    "clearance   at least {:.6g} m at all times, proved; --min-d {:g} m\n", audit.lower_bound, settings.edge.min_d );
+		    "clearance   at least {:.6g} m at all times, proved; --min-d {:g} m\n", audit.lower_bound, audit.min_d );
 	}
 	else
 	{
@@ -418,7 +418,7 @@ std::string describe( const TrajectoryAudit& audit, const Workbench& bench, cons
 		    v.self ? "self" : "environment", v.pair.least(), v.pair.marginText() );
 		for ( std::size_t k = 0; k < v.q.size(); ++k )
 		{
-			out += fmt::format( "{}{} {:.6g}", k == 0 ? "state       " : ", ", bench.problem().variable_names[k], v.q[k] );
+			out += fmt::format( "{}{} {:.6g}", k == 0 ? "state       " : ", ", v.names[k], v.q[k] );
 		}
 		out += v.q.empty() ? "" : "\n";
 	}
@@ -429,22 +429,22 @@ std::string describe( const TrajectoryAudit& audit, const Workbench& bench, cons
 	return out + ( audit.valid() ? "valid\n" : "not valid\n" );
 }
 
-Json toJson( const TrajectoryAudit& audit, const Workbench& bench, const TrajectorySettings& settings )
+Json toJson( const TrajectoryAudit& audit )
 {
 	Json json;
 	json["valid"] = audit.valid();
 	json["segments"] = {
 	    { "linear", audit.by_degree[1] }, { "cubic", audit.by_degree[3] }, { "quintic", audit.by_degree[5] } };
 	json["duration"] = audit.duration;
-	json["min_d"] = settings.edge.min_d;
+	json["min_d"] = audit.min_d;
 	const Violation& v = audit.violation;
 	json["verdict"] = v.verdict == LW_VERDICT_FREE ? "FREE" : v.verdict == LW_VERDICT_BLOCKED ? "BLOCKED" : "UNDECIDED";
 	json["lower_bound"] = jsonNumber( audit.lower_bound );
 	json["proof_seconds"] = audit.proof_seconds;
 	json["states"] = audit.states;
-	for ( std::size_t k = 0; k < settings.tolerance.size(); ++k )
+	for ( const auto& [name, value] : audit.tolerance )
 	{
-		json["tolerance"][bench.problem().variable_names[k]] = settings.tolerance[k];
+		json["tolerance"][name] = value;
 	}
 	if ( v.verdict != LW_VERDICT_FREE )
 	{
@@ -455,7 +455,7 @@ Json toJson( const TrajectoryAudit& audit, const Workbench& bench, const Traject
 		out["clearance"] = jsonNumber( v.pair.least() );
 		for ( std::size_t k = 0; k < v.q.size(); ++k )
 		{
-			out["state"][bench.problem().variable_names[k]] = v.q[k];
+			out["state"][v.names[k]] = v.q[k];
 		}
 	}
 	json["problems"] = audit.problems;

@@ -43,6 +43,7 @@ struct Violation
 	lw_verdict verdict = LW_VERDICT_FREE;
 	double time = 0;       ///< seconds
 	std::vector<double> q; ///< group state
+	std::vector<std::string> names; ///< of its variables
 	bool self = false;
 	Named pair;
 };
@@ -54,6 +55,8 @@ struct TrajectoryAudit
 	Violation violation;               ///< FREE: there is none
 	double lower_bound = 0;            ///< metres, proved, of all clearances at all times; 0 if not FREE
 	std::vector<std::string> problems; ///< joint limits and gaps, sentences
+	double min_d = 0;
+	std::map<std::string, double> tolerance; ///< by variable; empty: none
 	double proof_seconds = 0;
 	std::uint64_t states = 0;
 	bool valid() const { return violation.verdict == LW_VERDICT_FREE && problems.empty(); }
@@ -64,22 +67,24 @@ struct TrajectoryAudit
 std::vector<double> tolerances( const Workbench& bench, const std::string& file,
     const std::map<std::string, double>& of_goal, const std::vector<std::string>& given );
 
-/// Segments of all trajectories in the order of the group's variables.
+/// Segments of a trajectory in the order of the group's variables.
+/// @param begin seconds of the trajectories before it
 /// @throws io::Error for a joint that is missing or too many, and for data that the interpolation needs and the file lacks
 std::vector<Segment> segmentsOf(
-    const Workbench& bench, const std::vector<TrajectoryFile>& files, Interpolation interpolation );
+    const Workbench& bench, const TrajectoryFile& file, Interpolation interpolation, double begin );
 
-/// @param files of the segments; empty: they come from no file
 /// Proves all segments, and compares positions, velocities and accelerations with their limits at all times.
-/// @throws io::Error
-TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& robot,
-    const std::vector<TrajectoryFile>& files, const std::vector<Segment>& segments, const TrajectorySettings& settings );
+/// @param file of the segments, for errors @throws io::Error
+TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& robot, const std::string& file,
+    const std::vector<Segment>& segments, const TrajectorySettings& settings );
+/// Adds the audit of a trajectory that is driven after those before.
+void append( TrajectoryAudit& whole, const TrajectoryAudit& next );
 
 /// Group state at a time of all trajectories.
 std::vector<double> stateAt( const std::vector<Segment>& segments, double time );
 
 /// Lines for people.
-std::string describe( const TrajectoryAudit& audit, const Workbench& bench, const TrajectorySettings& settings );
-Json toJson( const TrajectoryAudit& audit, const Workbench& bench, const TrajectorySettings& settings );
+std::string describe( const TrajectoryAudit& audit );
+Json toJson( const TrajectoryAudit& audit );
 
 } // namespace leeway::cli

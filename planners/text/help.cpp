@@ -202,7 +202,8 @@ times. The report names the first violation: time, joint state, pair and clearan
 
 FILE: trajectory_msgs/JointTrajectory, a FollowJointTrajectory goal, moveit_msgs/RobotTrajectory or DisplayTrajectory (several
 in a row) as YAML or JSON, or CSV with columns time, <joint>, and perhaps velocity:<joint> and acceleration:<joint>. --group
-defaults to the group with just its joints. --profile: time,environment,self, exact, every 10 ms.)" };
+defaults to the group with just its joints. --steps has several, and changes of the world: a list steps of trajectory: FILE; attach: OBJECT,
+link: LINK, touch_links: [LINK, ...]; release: OBJECT; allow: [LINK, OBJECT]; forbid: [LINK, OBJECT]. --profile: time,environment,self, exact, every 10 ms.)" };
 
 const HelpText tune_help = {
     R"(Measures speed against accuracy on this robot in this scene, and proposes settings that meet a target.

@@ -130,7 +130,7 @@ struct AuditOptions
 {
 	CommonOptions common;
 	std::string path, report, profile;
-	std::string trajectory, joint_limits, interpolation = "auto";
+	std::string trajectory, steps, joint_limits, interpolation = "auto";
 	std::vector<std::string> tolerance; ///< VALUE or JOINT=VALUE
 	double corner_blend = 0;            ///< radians or metres; 0: roundings of a path's corners are not proved
 	double resolution = 1e-4;
