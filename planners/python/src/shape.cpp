@@ -229,6 +229,45 @@ nb::tuple enclosingSpheres( const Shape& shape, double excess, std::uint32_t cou
 	return nb::make_tuple( out.object, about );
 }
 
+/// The report of lw_spheres_check().
+nb::dict checkSpheres( const nb::object& shapes, const Doubles& spheres, double close_holes )
+{
+	const std::vector<io::PlacedShape> placed = placedShapes( shapes );
+	const double* data = tableOf( spheres, 4, "spheres" );
+	std::vector<const lw_shape*> parts;
+	std::vector<lw_transform> poses;
+	for ( const io::PlacedShape& part : placed )
+	{
+		parts.push_back( part.shape.get() );
+		poses.push_back( part.pose );
+	}
+	lw_geometry_def body{};
+	body.shapes = parts.data();
+	body.body_from_shape = poses.data();
+	body.shape_count = static_cast<std::uint32_t>( parts.size() );
+	body.close_holes = close_holes;
+	lw_diag diag{};
+	lw_spheres_report report{};
+	lw_status status = LW_OK;
+	{
+		const nb::gil_scoped_release unlocked;
+		status = lw_spheres_check( &body, data, static_cast<std::uint32_t>( spheres.shape( 0 ) ), nullptr, &diag, &report );
+	}
+	require( status, diag );
+	const NewArray<double> place( { 3 } );
+	place.data[0] = report.uncovered_at.x;
+	place.data[1] = report.uncovered_at.y;
+	place.data[2] = report.uncovered_at.z;
+	nb::dict about;
+	about["encloses"] = report.encloses;
+	about["uncovered"] = report.uncovered;
+	about["uncovered_at"] = place.object;
+	about["excess"] = report.excess;
+	about["excess_attained"] = report.excess_attained;
+	about["open_shells"] = report.open_shells;
+	return about;
+}
+
 void bindMakers( nb::class_<Shape>& type )
 {
 	type.def_static( "mesh", &meshShape, "vertices"_a, "triangles"_a, nb::kw_only(), "solid"_a = false,
@@ -298,6 +337,13 @@ void bindShapes( nb::module_& module )
 	type.def( "__getstate__", &shapeState );
 	type.def(
 	    "__setstate__", []( Shape& shape, const nb::bytes& bytes ) { new ( &shape ) Shape( shapeFromState( bytes ) ); } );
+	module.def( "check_spheres", &checkSpheres, "shapes"_a, "spheres"_a, nb::kw_only(), "close_holes"_a = 0.0,
+	    nb::sig( "def check_spheres(shapes: Shape | Sequence[Shape | tuple[Shape, numpy.typing.ArrayLike]], "
+	             "spheres: numpy.typing.ArrayLike, *, close_holes: float = 0.0) -> dict[str, object]" ),
+	    "Do any spheres enclose a body? shapes: a Shape, or a list of Shape and (Shape, pose). spheres: float64 [n, 4], x, y, z and\n"
+	    "radius, metres, in the frame of the body. close_holes: metres, the widest hole of a shell that counts as closed. Returns\n"
+	    "encloses (proved); uncovered: metres from all spheres to a part of the body at uncovered_at; excess: no point of a sphere is\n"
+	    "farther from the body, proved; excess_attained: measured; open_shells." );
 	module.def( "distance", &shapeDistance, "a"_a, "pose_a"_a.none(), "b"_a, "pose_b"_a.none(),
 	    nb::sig(
 	        "def distance(a: Shape, pose_a: numpy.typing.ArrayLike | None, b: Shape, pose_b: numpy.typing.ArrayLike | None) -> "

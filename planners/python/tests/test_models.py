@@ -90,6 +90,17 @@ def test_simpler_shapes_and_spheres_enclose_their_original(rng):
     assert (numpy.linalg.norm(corners[:, None] - balls[None, :, :3], axis=2) <= balls[:, 3] + 1e-12).any(axis=1).all()
 
 
+def test_given_spheres_are_proved_or_refuted():
+    cube = [(leeway.Shape.mesh(CUBE, FACES), [0, 0, 1])]
+    whole = leeway.check_spheres(cube, [[0.5, 0.5, 1.5, 0.867]])
+    assert whole["encloses"] and whole["uncovered"] == 0 and 0.366 < whole["excess_attained"] <= whole["excess"] < 0.3671
+    part = leeway.check_spheres(cube, [[0.5, 0.5, 1.5, 0.8]])
+    assert not part["encloses"] and 0 < part["uncovered"] <= numpy.sqrt(0.75) - 0.8 + 1e-9
+    assert numpy.linalg.norm(part["uncovered_at"] - [0.5, 0.5, 1.5]) > 0.8
+    with pytest.raises(leeway.CoreError):
+        leeway.check_spheres(cube, [[0, 0, 0, -1]])
+
+
 def test_pickles_of_shapes_keep_every_bit():
     for shape in shapes():
         again = pickle.loads(pickle.dumps(shape))

@@ -14,6 +14,7 @@ from .campaign import Campaign, digest_of_file, files_of, load_campaign
 from .errors import FleetError
 from .kinds import Kind, Part
 from .registry import KINDS
+from .scenes import check_generator
 from .worlds import Worlds, robot_of, scene_digest
 
 __all__ = ["FORMAT", "Segment", "Shard", "make_plan", "parts_of", "segments_of", "shards_of"]
@@ -78,6 +79,9 @@ def _inputs(campaign: Campaign) -> dict[str, Any]:
 def make_plan(file) -> tuple[dict[str, Any], pathlib.Path]:
     """(plan, folder that its paths are relative to). The plan is plain JSON."""
     campaign = load_campaign(file, KINDS)
+    for name, scene in campaign.values["scenes"].items():
+        if scene["generator"]:
+            check_generator(name, scene)
     plan: dict[str, Any] = {"format": FORMAT, "leeway": leeway_version, "campaign": _plain(campaign.values), "inputs": _inputs(campaign), "parts": []}
     plan["id"] = ""
     worlds = Worlds(plan, campaign.folder)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from .kinds import Edges, Kind, States
+from .plans import Audits, Plans
+from .spheres import Spheres
+from .trajectories import Trajectories
 
 __all__ = ["KINDS"]
 
-KINDS: dict[str, Kind] = {"states": States(), "edges": Edges()}
+KINDS: dict[str, Kind] = {"states": States(), "edges": Edges(), "trajectories": Trajectories(), "plans": Plans(), "audit": Audits(), "spheres": Spheres()}

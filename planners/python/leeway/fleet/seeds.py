@@ -49,7 +49,6 @@ class stream_of:
         """One of low, ..., high."""
         return low + min(int(self.uniform() * (high - low + 1)), high - low)
 
-    def normal(self, size: int) -> numpy.ndarray:
-        """By Box and Muller, 1958."""
-        u = self.uniform(size=(2, size))
-        return numpy.sqrt(-2 * numpy.log(1 - u[0])) * numpy.cos(2 * numpy.pi * u[1])
+    def choice_sign(self) -> int:
+        """-1 or 1."""
+        return 2 * self.integer(0, 1) - 1

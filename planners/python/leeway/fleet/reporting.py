@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tables and plots of a campaign's results, as one HTML page."""
+from __future__ import annotations
+
+import base64
+import html
+import io
+import json
+import pathlib
+from typing import Any, NamedTuple
+
+import numpy
+import pandas
+import pyarrow.parquet
+
+from .._core import Verdict
+from .manifest import content_digest, read_manifest
+from .plan import Part, parts_of, rows_in, shards_of
+from .registry import KINDS
+
+__all__ = ["Report", "frame_of", "report"]
+
+MOST_ROWS = 2_000_000  # that a plot looks at
+NAMES = {int(v): v.name for v in (Verdict.FREE, Verdict.BLOCKED, Verdict.UNDECIDED)}
+
+
+class Report(NamedTuple):
+    page: pathlib.Path
+    tables: dict[str, pandas.DataFrame]  #: part to its figures
+    contradictions: int  #: rows of all parts that a dense look refutes
+
+    def __repr__(self) -> str:
+        lines = [f"{name}\n{table.to_string(index=False)}\n" for name, table in self.tables.items()]
+        return "\n".join([*lines, f"{self.contradictions} contradictions; page {self.page}"])
+
+
+def frame_of(folder, part: Part, columns: list[str] | None = None, times: bool = False, most: int | None = None) -> pandas.DataFrame:
+    """Rows of a part, those of finished shards; times: measured columns in place of the others."""
+    plan, records = read_manifest(folder)
+    frames, count = [], 0
+    for shard in shards_of(plan):
+        path = pathlib.Path(folder) / shard.name
+        if shard.part.index != part.index or shard.index not in records or (most is not None and count >= most):
+            continue
+        frames.append(pyarrow.parquet.read_table(path.with_suffix(".times.parquet") if times else path, columns=columns).to_pandas())
+        count += rows_in(shard)
+    return pandas.concat(frames, ignore_index=True) if frames else pandas.DataFrame()
+
+
+def _scene_names(part: Part) -> list[str]:
+    return [name for name, _ in part.scenes]
+
+
+def _by_scene(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
+    names = numpy.array(_scene_names(part), object)
+    return frame.assign(scenes=[name or "no obstacles" for name in names[frame["scene"]]])
+
+
+def _states(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
+    least = part.options["min_d"]
+    grouped = _by_scene(part, frame.assign(free=frame["lower"] > least, width=frame["upper"] - frame["lower"])).groupby("scenes")
+    return grouped.agg(states=("free", "size"), free=("free", "mean"), median_clearance=("upper", "median"), widest_interval=("width", "max")).reset_index()
+
+
+def _verdicts(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
+    frame = _by_scene(part, frame)
+    out = frame.groupby(["scenes", frame["verdict"].map(NAMES)]).size().unstack(fill_value=0)
+    for name in ("audited", "contradiction"):
+        if name in frame:
+            out[name] = frame.groupby("scenes")[name].sum()
+    return out.reset_index()
+
+
+def _plans(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
+    frame = _by_scene(part, frame.assign(solved=frame["outcome"] == "SOLVED"))
+    grouped = frame.groupby(["scenes", frame["planner"].astype(str)], observed=True)
+    return grouped.agg(plans=("solved", "size"), solved=("solved", "sum"), median_length=("length", "median"), median_ms=("ms", "median"),
+        p95_ms=("ms", lambda x: x.quantile(0.95)), least_clearance=("least", "min"), contradiction=("contradiction", "sum")).reset_index()
+
+
+def _audit(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
+    frame = _by_scene(part, frame.assign(contact=frame["least"] <= 0, proved=frame["verdict"] == int(Verdict.FREE)))
+    return frame.groupby("scenes").agg(paths=("contact", "size"), proved_free=("proved", "sum"), in_contact=("contact", "sum"),
+        longest_contact=("contact_share", "max"), least_clearance=("least", "min"), contradiction=("contradiction", "sum")).reset_index()
+
+
+def _spheres(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
+    return frame[["link", "shapes", "spheres", "encloses", "uncovered", "excess"]]
+
+
+TABLES = {"states": _states, "edges": _verdicts, "trajectories": _verdicts, "plans": _plans, "audit": _audit, "spheres": _spheres}
+PLOTTED = {"states": ("upper", "clearance, m"), "edges": ("least", "least clearance of audited edges, m"), "trajectories": ("least", "least clearance of audited trajectories, m"),
+    "plans": ("length", "length of paths, rad or m"), "audit": ("least", "least clearance of paths, m"), "spheres": ("uncovered", "part of a link outside of all spheres, m")}
+
+
+def _plot(part: Part, frame: pandas.DataFrame) -> str:
+    """A histogram as an image in the page."""
+    from matplotlib.figure import Figure
+    column, label = PLOTTED[part.kind]
+    values = frame[column].to_numpy() if column in frame else numpy.empty(0)
+    values = values[numpy.isfinite(values)]
+    if not len(values):
+        return ""
+    figure = Figure(figsize=(6, 2.4), dpi=110, layout="constrained")
+    axes = figure.add_subplot()
+    axes.hist(values, bins=60, color="#36707a")
+    axes.set(xlabel=label, ylabel="rows")
+    out = io.BytesIO()
+    figure.savefig(out, format="png")
+    return f'<img alt="{html.escape(label)}" src="data:image/png;base64,{base64.b64encode(out.getvalue()).decode()}">'
+
+
+def _part(folder, part: Part) -> tuple[pandas.DataFrame, str, int]:
+    kind = KINDS[part.kind]
+    frame = frame_of(folder, part, most=MOST_ROWS)
+    if not len(frame):
+        return pandas.DataFrame({"rows": [0]}), "", 0
+    if kind.measured(part):
+        frame["ms"] = 1e3 * frame_of(folder, part, times=True, most=MOST_ROWS)["seconds"]
+    contradictions = int(frame["contradiction"].sum()) if "contradiction" in frame else 0
+    return TABLES[part.kind](part, frame), _plot(part, frame), contradictions
+
+
+def _runs(folder: pathlib.Path) -> str:
+    try:
+        lines = [json.loads(line) for line in (folder / "runs.jsonl").read_text().splitlines()]
+    except OSError:
+        return ""
+    rows = [{"workers": r["workers"], "shards": r["shards"], "rows": r["rows"], "seconds": round(r["seconds"], 1),
+        "rows_a_second": round(r["rows"] / max(r["seconds"], 1e-9)), "processor_us_a_row": round(1e6 * r["processor_seconds"] / max(r["rows"], 1), 2)} for r in lines]
+    return "<h2>Runs</h2>" + pandas.DataFrame(rows).to_html(index=False)
+
+
+STYLE = "body{font:15px sans-serif;margin:2em auto;max-width:60em}table{border-collapse:collapse}td,th{padding:.2em .7em;text-align:right;border-bottom:1px solid #ccc}"
+
+
+def report(folder, page=None) -> Report:
+    """Writes a page (default: report.html in the folder). Plots and tables of a part look at its first two million rows."""
+    folder = pathlib.Path(folder)
+    plan, records = read_manifest(folder)
+    tables, contradictions = {}, 0
+    total = len(shards_of(plan))
+    text: list[Any] = [f"<!doctype html><meta charset=utf-8><title>{html.escape(plan['campaign']['name'])}</title><style>{STYLE}</style>",
+        f"<h1>{html.escape(plan['campaign']['name'])}</h1><p>leeway {plan['leeway']}, seed {plan['campaign']['seed']}; {len(records)} of {total} shards, "
+        f"{sum(r['rows'] for r in records.values())} rows; content <code>{content_digest(records)}</code></p>"]
+    for part in parts_of(plan):
+        table, plot, wrong = _part(folder, part)
+        name = f"{part.index:02d} {part.kind}, {part.robot}"
+        tables[name] = table
+        contradictions += wrong
+        text.append(f"<h2>{html.escape(name)}</h2>{table.to_html(index=False, float_format=lambda x: f'{x:.5g}')}{plot}")
+    text.append(_runs(folder))
+    text.append(f"<p>{contradictions} contradictions.</p>")
+    out = pathlib.Path(page) if page is not None else folder / "report.html"
+    out.write_text("\n".join(text), encoding="utf-8")
+    return Report(out, tables, contradictions)
