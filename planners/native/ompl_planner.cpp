@@ -76,6 +76,7 @@ Settings settingsOf( const leeway::ompl::Engine& engine )
 	settings.edge.min_d = options.min_d;
 	settings.edge.slack = options.slack;
 	settings.edge.max_d = options.step;
+	settings.edge.tolerance = options.tolerance.empty() ? nullptr : options.tolerance.data(); // the engine's
 	Bounds bounds = boundsOf( engine );
 	settings.lower = std::move( bounds.lower );
 	settings.upper = std::move( bounds.upper );

@@ -291,7 +291,8 @@ TEST( EdgeClose, RunsAreNotHeldUpByLinksThatAreNearByDesign )
 		EXPECT_FALSE( r.self );
 		const double contact = std::acos( ( 0.02 + 0.005 ) / 0.06 ); // radians, of the link's side, 20 mm from the axis
 		EXPECT_LT( 2 * r.proved_until, contact );
-		EXPECT_GT( 2 * r.proved_until, ( gap < 1e-4 ? 0.02 : 0.1 ) * contact ) << "gap " << gap;
+		// the verdict takes 3 to 5 states, so the run has 8: it gets as far as they do in windows as short as the near pair needs
+		EXPECT_GT( 2 * r.proved_until, ( gap < 1e-4 ? 0.025 : gap < 5e-4 ? 0.1 : 0.15 ) * contact ) << "gap " << gap;
 	}
 }
 

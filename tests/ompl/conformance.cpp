@@ -338,6 +338,7 @@ TEST_P( Conformance, LastValidOfAnInvalidEndIsNotTheEnd )
 
 TEST_P( Conformance, MotionsWithoutLengthAreTheirState )
 {
+	PROMISED( still );
 	ob::State *s = state(), *last = state();
 	for ( int i = 0; i < 100; ++i )
 	{

@@ -32,6 +32,7 @@ struct Exceptions
 	const char* whole_motion = nullptr; ///< nothing of a motion found valid is invalid, nor before the last valid state
 	const char* again = nullptr;        ///< the motion from the start to the last valid state is valid
 	const char* same_clearance = nullptr; ///< clearance() is the same number whatever was asked before
+	const char* still = nullptr;          ///< the motion from a valid state to itself is valid
 	const char* thread_counts = nullptr; ///< the motion counters lose nothing when threads share the validator
 };
 

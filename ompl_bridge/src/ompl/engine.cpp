@@ -37,7 +37,28 @@ Options checkedOptions( const Options& options )
 	requireOption( options.step > 0 && std::isfinite( options.step ), "step must be finite and above 0" );
 	requireOption( options.method == LW_EDGE_CERTIFIED || options.method == LW_EDGE_STEPS, "unknown edge method" );
 	requireOption( options.flags >= LW_CHECK_ENVIRONMENT && options.flags <= LW_CHECK_BOTH, "unknown choice of clearances" );
+	requireOption(
+	    options.tolerance.empty() || options.method == LW_EDGE_CERTIFIED, "tolerance needs the method CERTIFIED" );
 	return options;
+}
+
+/// The core refuses a tolerance that is wrong with each motion, and a motion that is refused is not valid.
+void checkTolerance( const std::vector<double>& tolerance, const lw_checker* checker )
+{
+	if ( tolerance.empty() )
+	{
+		return;
+	}
+	requireOption(
+	    tolerance.size() == lw_checker_variable_count( checker ), "tolerance must have a number for each variable" );
+	const lw_robot* robot = lw_checker_robot( checker );
+	for ( std::uint32_t i = 0; i < tolerance.size(); ++i )
+	{
+		const lw_variable_info info = lw_robot_variable( robot, lw_checker_variable( checker, i ) );
+		const bool quaternion = lw_robot_joint_type( robot, info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
+		requireOption( tolerance[i] >= 0 && std::isfinite( tolerance[i] ), "tolerance must be finite and at least 0" );
+		requireOption( !quaternion || tolerance[i] == 0, "tolerance of quaternions must be 0" );
+	}
 }
 
 Checker checkedChecker( Checker checker )
@@ -83,6 +104,7 @@ Engine::Engine( const ::ompl::base::StateSpacePtr& space, Checker checker, const
 	: m_checker( checkedChecker( std::move( checker ) ) ), m_options( checkedOptions( options ) ),
 	  m_adapter( space, m_checker ), m_id( next_engine_id.fetch_add( 1, std::memory_order_relaxed ) )
 {
+	checkTolerance( m_options.tolerance, m_checker.get() );
 	// the first slot is made here, so that a machine without memory for even one says so at once
 	Slot* slot = makeSlot();
 	if ( slot == nullptr )

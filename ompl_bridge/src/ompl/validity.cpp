@@ -147,13 +147,20 @@ MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared
 	m_def.min_d = options.min_d;
 	m_def.slack = options.slack;
 	m_def.max_d = options.step;
+	m_def.tolerance = options.tolerance.empty() ? nullptr : options.tolerance.data(); // the engine's
 
-	// An edge with all clearances above (min_d + slack) / (1 - alpha) is never undecided (core/docs/edges.md): the run is
-	// proved at that margin, and a millionth more for the rounding of the state at its end. proveRun() treats motions that
-	// begin nearer than that.
+	// An edge with all clearances above (min_d + T + slack) / (1 - alpha), T the tube of a pair, is never undecided
+	// (core/docs/edges.md, motions.md): the run is proved at that margin, and a millionth more for the rounding of the state at
+	// its end. Tubes grow as their tolerances do. proveRun() treats motions that begin nearer than that.
 	m_last_def = m_def;
 	m_last_def.want_proved_until = true;
-	m_last_def.min_d = ( m_def.min_d + m_def.slack ) / ( 1 - m_def.alpha ) * ( 1 + 1e-6 );
+	const double growth = ( 1 + 1e-6 ) / ( 1 - m_def.alpha );
+	m_last_def.min_d = ( m_def.min_d + m_def.slack ) * growth;
+	for ( const double tolerance : options.tolerance )
+	{
+		m_last_tolerance.push_back( tolerance * growth );
+	}
+	m_last_def.tolerance = m_last_tolerance.empty() ? nullptr : m_last_tolerance.data();
 }
 
 ProvedMotion MotionValidator::prove( const EdgeProver& prover, const lw_edge_def& def ) const

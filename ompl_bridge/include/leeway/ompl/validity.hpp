@@ -43,6 +43,10 @@ struct Options
 	lw_edge_method method = LW_EDGE_CERTIFIED;
 	double step = 0.01;   ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
 	lw_check_flags flags = LW_CHECK_BOTH;
+	/// Radians and metres, [size of the state vector] or empty: a valid motion is free for every motion within the tolerance of
+	/// it, variable by variable, such as a controller may drive before it stops (lw_edge_def::tolerance). 0 for quaternions. Method
+	/// CERTIFIED. States and costs know nothing of it: a valid state from which no motion is valid is too near to something.
+	std::vector<double> tolerance;
 	/// install() makes the deferred meshes that states within the limits can need, on all cores (leeway::prepare()):
 	/// milliseconds once, instead of delays while a planner runs.
 	bool prepare = true;
@@ -284,7 +288,7 @@ public:
 	/// state by itself; or s1 if that check fails. lastValid.second in [0, 1) is its place. lastValid.first may alias s1 or
 	/// s2. On success neither field is changed.
 	///
-	/// Certified: the proved part ends before the first clearance of (min_d + slack) / 0.9 or less. So a later check of the
+	/// Certified: the proved part ends before the first clearance of (min_d + slack) / 0.9 or less, without a tolerance. So a later check of the
 	/// motion from s1 to the last valid state never refuses: planners such as KPIECE1 keep that motion as an edge without
 	/// checking it. If s1 itself is nearer than that, the proved part ends later, and the motion to its end is proved in
 	/// both directions before it is returned (two to ten proofs more).
@@ -307,6 +311,7 @@ private:
 	bool count( bool valid ) const;
 	std::shared_ptr<const Engine> m_engine;
 	lw_edge_def m_def;
+	std::vector<double> m_last_tolerance; ///< of m_last_def
 	lw_edge_def m_last_def; ///< for the run up to the last valid state
 };
 
