@@ -386,3 +386,36 @@ TEST( SphereTree, ValidationSeesDamage )
 	}
 	EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
 }
+
+TEST( SphereTree, EveryLevelContainsTheShape )
+{
+	const Soup soup = torus( 40, 1.0, 0.3 );
+	const ShapePtr shape = makeMesh( soup );
+	const std::uint32_t depth = lw_shape_get_info( shape.get() ).depth;
+	ASSERT_GE( depth, 2U );
+	std::uint32_t before = 0;
+	for ( std::uint32_t level = 0; level <= depth; ++level )
+	{
+		const std::uint32_t count = lw_shape_level_spheres( shape.get(), level, nullptr, 0 );
+		EXPECT_GT( count, before ) << "deeper levels have more spheres";
+		std::vector<double> spheres( 4 * count );
+		EXPECT_EQ( lw_shape_level_spheres( shape.get(), level, spheres.data(), count ), count );
+		for ( const Point& p : soup.vertices )
+		{
+			bool inside = false;
+			for ( std::uint32_t i = 0; i < count; ++i )
+			{
+				const double* s = &spheres[4 * i];
+				inside = inside || distance( p, { s[0], s[1], s[2] } ) <= s[3] * ( 1 + 1e-12 );
+			}
+			EXPECT_TRUE( inside ) << "level " << level;
+		}
+		before = count;
+	}
+	EXPECT_EQ( lw_shape_level_spheres( shape.get(), depth + 5, nullptr, 0 ), before );
+	EXPECT_EQ( lw_shape_level_spheres( nullptr, 0, nullptr, 0 ), 0U );
+	double guard[5] = { 0, 0, 0, 0, -1 }; // more spheres than room
+	EXPECT_EQ( lw_shape_level_spheres( shape.get(), depth, guard, 1 ), before );
+	EXPECT_EQ( guard[4], -1 );
+	EXPECT_GT( guard[3], 0 );
+}

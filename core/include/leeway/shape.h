@@ -182,6 +182,14 @@ LW_API const double* lw_shape_radii( const lw_shape* shape );
 /// Triangles of a mesh: [triangle_count][3], owned by the shape; NULL for others. Makes a deferred mesh; NULL if that fails.
 LW_API const uint32_t* lw_shape_triangles( const lw_shape* shape );
 
+/// Spheres of one level of the sphere tree, shape frame. Level 0 is the bounding sphere. Level k holds the spheres of all nodes at
+/// depth k, and those of leaves above it, so that each level contains the shape. Primitives have level 0 only, and return it for
+/// every level. Deeper levels than lw_shape_info.depth equal the deepest one. Makes a deferred mesh.
+/// @param out_spheres [capacity][4]: centre x, y, z and radius, metres; nullable with capacity 0
+/// @return number of spheres of the level; it may exceed capacity: the first `capacity` are written. 0 for NULL, for half-spaces
+/// and planes, and if a deferred mesh cannot be made
+LW_API uint32_t lw_shape_level_spheres( const lw_shape* shape, uint32_t level, double* out_spheres, uint32_t capacity );
+
 /// Checks the tree's invariants: every node sphere contains all the geometry under it, every triangle is in a leaf.
 /// @return LW_OK; LW_ERROR_BAD_GEOMETRY with the first offending node in diag (a bug of this library);
 /// LW_ERROR_INVALID_ARGUMENT for NULL; LW_ERROR_OUT_OF_MEMORY (it allocates one mark per triangle)
