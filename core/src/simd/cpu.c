@@ -20,6 +20,9 @@ static const lwi_kernels* machine_kernels( lw_simd level )
 #elif defined( __aarch64__ ) && defined( __ARM_NEON )
 	case LW_SIMD_NEON:
 		return &lwi_kernels_neon;
+#elif defined( __wasm_simd128__ ) && defined( __SSE2__ ) // Emscripten compiles SSE2 to WebAssembly's vectors
+	case LW_SIMD_SSE2:
+		return &lwi_kernels_sse2;
 #endif
 	default:
 		return NULL;
