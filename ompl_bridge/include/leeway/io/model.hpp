@@ -355,6 +355,7 @@ struct Problem
 	std::vector<uint32_t> variables;         ///< robot variables of a state vector
 	std::vector<std::string> variable_names; ///< of those, e.g. joint names
 	std::vector<double> reference;           ///< [robot variable_count]
+	std::vector<lw_link_object_pair> allowed; ///< links and objects of `scene` that may touch
 	/// Pose of each object (SceneObject::pose): in the planning frame; of attached objects in the frame of their link.
 	std::map<std::string, lw_transform> object_poses;
 	/// By name: the planning frame (also under the empty name, and as "world" unless a link or frame has that name) and the

@@ -448,7 +448,7 @@ void noticeStaticContact(
 void createChecker( const RobotModel& model, const SceneModel* scene, const Contacts& contacts,
     const ProblemOptions& options, Problem& problem )
 {
-	std::vector<lw_link_object_pair> allowed;
+	std::vector<lw_link_object_pair>& allowed = problem.allowed;
 	for ( const auto& [link, object] : contacts.link_objects )
 	{
 		allowed.push_back( { lw_robot_find_link( problem.robot.get(), link.c_str() ),

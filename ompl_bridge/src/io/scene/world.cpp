@@ -219,7 +219,8 @@ Checker World::State::next( const std::vector<lw_scene_change>& changes, Robot r
 		    diag, object, "correct the change" );
 		next_problem->scene = Scene::adopt( scene );
 	}
-	const std::vector<lw_link_object_pair> pairs = allowedPairs( *next_problem, next_bodies );
+	next_problem->allowed = allowedPairs( *next_problem, next_bodies );
+	const std::vector<lw_link_object_pair>& pairs = next_problem->allowed;
 	const std::optional<detail::BoundMargins> bound = bind( *next_problem, next_bodies );
 	const lw_margins given = bound ? bound->def() : lw_margins{};
 	lw_checker_edit_def def = lw_checker_edit_def_default();
