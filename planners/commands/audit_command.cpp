@@ -2,6 +2,7 @@
 // leeway audit: an independent look at a path file.
 #include "leeway/handles.hpp"
 #include "setup/audit.hpp"
+#include "setup/motion_files.hpp"
 #include "setup/roundings.hpp"
 #include "setup/trajectory.hpp"
 #include "text/names.hpp"
@@ -9,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -17,69 +17,6 @@ namespace leeway::cli
 {
 namespace
 {
-
-// The joints outside of the group, as the path says; names that the robot lacks are told.
-Values startValues( const PathFile& path, const io::RobotModel& robot, Notices& notices )
-{
-	Values values;
-	for ( const std::pair<std::string, double>& entry : path.start_state )
-	{
-		const std::string& name = entry.first;
-		const std::string joint_name = name.substr( 0, name.find( '/' ) );
-		const bool known = std::any_of( robot.joints.begin(), robot.joints.end(),
-		    [&]( const io::JointModel& joint ) {
-			    return joint.type != LW_JOINT_FIXED && joint.mimic.empty() &&
-			           ( joint.name == name || joint.name == joint_name );
-		    } );
-		if ( known )
-		{
-			values[name] = entry.second;
-		}
-		else
-		{
-			notices.add( "unused joints",
-			    fmt::format( "{}: start_state: joint '{}': the robot cannot move it; it is ignored", path.file, name ) );
-		}
-	}
-	return values;
-}
-
-// The points as states of the group, in its order.
-std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbench& bench )
-{
-	const std::vector<std::string>& wanted = bench.problem().variable_names;
-	std::vector<std::size_t> column;
-	for ( const std::string& name : wanted )
-	{
-		const auto found = std::find( path.joint_names.begin(), path.joint_names.end(), name );
-		if ( found == path.joint_names.end() )
-		{
-			throw io::Error( path.file, "joint_names",
-			    fmt::format( "lacks joint '{}' of group '{}'", name, bench.problem().group ),
-			    "audit with the group the path was planned for (--group)" );
-		}
-		column.push_back( static_cast<std::size_t>( found - path.joint_names.begin() ) );
-	}
-	for ( const std::string& name : path.joint_names )
-	{
-		if ( std::find( wanted.begin(), wanted.end(), name ) == wanted.end() )
-		{
-			throw io::Error( path.file, "joint_names",
-			    fmt::format( "joint '{}' is not in group '{}'", name, bench.problem().group ),
-			    "audit with the group the path was planned for (--group)" );
-		}
-	}
-	std::vector<std::vector<double>> points;
-	for ( const std::vector<double>& point : path.points )
-	{
-		points.emplace_back();
-		for ( std::size_t k : column )
-		{
-			points.back().push_back( point[k] );
-		}
-	}
-	return points;
-}
 
 // ---- roundings of corners --------------------------------------------------------------------------------------------
 
@@ -208,12 +145,7 @@ int runAudit( const AuditOptions& options )
 		notices.add( "the path",
 		    fmt::format( "{}: it was planned for robot '{}', this is '{}'", path.file, path.robot, input.robot.name ) );
 	}
-	if ( options.common.group.empty() && !path.group.empty() && input.robot.findGroup( path.group ) == nullptr )
-	{
-		throw io::Error( path.file, "group", fmt::format( "the robot has no group '{}'", path.group ),
-		    "give the SRDF that defines it, or name another one by --group" );
-	}
-	const std::string group = options.common.group.empty() ? path.group : options.common.group;
+	const std::string group = groupOf( path, options.common.group, input.robot );
 	Workbench bench( input, group, startValues( path, input.robot, notices ), notices );
 	const std::vector<std::vector<double>> points = groupPoints( path, bench );
 

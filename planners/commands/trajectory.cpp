@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway audit --trajectory, --steps: timed trajectories, proved as a controller drives them, in a world that changes in between.
 #include "leeway/handles.hpp"
+#include "setup/motion_files.hpp"
 #include "setup/stage.hpp"
 #include "setup/trajectory.hpp"
 #include "text/names.hpp"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace leeway::cli
 {
@@ -19,32 +19,6 @@ namespace
 constexpr double profile_step = 0.01;          // seconds
 constexpr std::size_t most_samples = 1u << 17; // of a profile
 constexpr double gap_tolerance = 1e-3;         // radians or metres between the end of a trajectory and the start of the next
-
-/// The group of --group, else the one with just these joints; "" if these are all joints.
-std::string groupOf( const AuditOptions& options, const io::RobotModel& robot, const TrajectoryFile& file )
-{
-	const std::set<std::string> wanted( file.joint_names.begin(), file.joint_names.end() );
-	if ( !options.common.group.empty() )
-	{
-		return options.common.group;
-	}
-	std::vector<std::string> names;
-	for ( const io::Group& group : robot.groups )
-	{
-		names.push_back( group.name );
-		if ( std::set<std::string>( group.joints.begin(), group.joints.end() ) == wanted )
-		{
-			return group.name;
-		}
-	}
-	const std::vector<std::string> all = variableNames( robot );
-	if ( std::set<std::string>( all.begin(), all.end() ) == wanted )
-	{
-		return "";
-	}
-	throw io::Error( file.file, file.at( "joint_names" ), "no group of the SRDF has just these joints",
-	    names.empty() ? "give the SRDF with their group" : "name the group by --group: " + listed( names ) );
-}
 
 Interpolation interpolationOf( const std::string& name )
 {
@@ -170,7 +144,7 @@ public:
 
 	void drive( const TrajectoryFile& file )
 	{
-		const std::string group = groupOf( m_options, m_input.robot, file );
+		const std::string group = groupOf( file, m_options.common.group, m_input.robot );
 		const Workbench& bench = m_stage.use( group );
 		if ( file.points.front().time > 0 )
 		{
@@ -250,7 +224,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
 	settings.interpolation = interpolationOf( options.interpolation );
-	const std::string group = groupOf( options, input.robot, firstOf( acts ) );
+	const std::string group = groupOf( firstOf( acts ), options.common.group, input.robot );
 	Stage stage( input, notices, startValues( acts, input.robot, notices ) );
 	stage.use( group );
 	Driver driver( options, input, stage, notices, settings );
