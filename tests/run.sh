@@ -65,7 +65,7 @@ configure_sanitized()
 {
 	configure "$1" -DLEEWAY_SANITIZE="$2" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1 -funsigned-char" \
 		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-Og -g1 -funsigned-char" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF \
-		-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
+		-DLEEWAY_BUILD_VIEW=OFF -DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
 }
 
 # build FOLDER [TARGETS]
@@ -128,6 +128,9 @@ runner=( env )
 
 stage "install missing packages" .ci/install.sh
 stage "tools of the Python package" .ci/install.sh python
+stage "tools of the page" .ci/install.sh view
+LEEWAY_VIEW_DIR=$( realpath "${LEEWAY_VIEW_DIR:-build/view-tools}" )
+export LEEWAY_VIEW_DIR
 heading "robots of the zoo"
 if ! .ci/install.sh zoo-tests; then
 	notes+=( "the zoo's robots could not be fetched from the package index: the tests labelled zoo fail, all others run" )
@@ -176,14 +179,14 @@ elif ! printf 'int LLVMFuzzerTestOneInput( const char* d, unsigned long n ); int
 else
 	stage "fuzz: configure" configure build-fuzz -DLEEWAY_BUILD_FUZZERS=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo \
 		-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1" \
-		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF \
+		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF -DLEEWAY_BUILD_VIEW=OFF \
 		-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
 	stage "fuzz: build" build build-fuzz fuzzers
 	# The seed is fixed, so that a change that breaks nothing is not blamed for the finds of another day.
 	stage "fuzz: each target for ${FUZZ_SECONDS:-30} s" env JOBS="$jobs" SEED=1 tests/fuzz/run.sh "${FUZZ_SECONDS:-30}"
 fi
 
-stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release -DLEEWAY_BUILD_PYTHON=ON \
+stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release -DLEEWAY_BUILD_PYTHON=ON -DLEEWAY_BUILD_VIEW=ON \
 	-DPython_EXECUTABLE="$( realpath -s "${LEEWAY_PYTHON_DIR:-build/python-tools}" )/bin/python"
 stage "release: build" build build
 stage "cppcheck" tests/lint.sh build cppcheck

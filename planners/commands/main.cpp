@@ -33,6 +33,7 @@ struct Commands
 	PlanOptions plan;
 	AuditOptions audit;
 	TuneOptions tune;
+	ViewOptions view;
 };
 
 CLI::App* addCache( CLI::App& app, CacheOptions& options )
@@ -286,6 +287,39 @@ CLI::App* addTune( CLI::App& app, TuneOptions& options )
 	return command;
 }
 
+CLI::App* addView( CLI::App& app, ViewOptions& options )
+{
+	CLI::App* command = app.add_subcommand( "view", "show robot, scene, motion and clearances in one HTML page" );
+	addHelp( *command, view_help.summary, view_help.details );
+	addCommonOptions( *command, options.common, { true, false, true, true, true } );
+	CLI::Option* path = command->add_option( "--path", options.path, "a path of leeway plan" )->type_name( "path.yaml" );
+	CLI::Option* trajectory = command->add_option( "--trajectory", options.trajectory, "a timed trajectory" )
+	                              ->type_name( "FILE" )
+	                              ->excludes( path );
+	command->add_option( "--states", options.states, "a table of states" )
+	    ->type_name( "states.csv" )
+	    ->excludes( path )
+	    ->excludes( trajectory );
+	command->add_option( "--out", options.out, "the page" )->type_name( "page.html" );
+	rare(
+	    command
+	        ->add_option( "--triangles", options.triangles, "largest number of triangles shown of one mesh (default 5000)" )
+	        ->type_name( "N" ) );
+	rare( command->add_flag( "--stored", options.stored, "stored clearances only: no engine in the page" ) );
+	addPictureOptions( *command, options.picture );
+	return command;
+}
+
+void validate( const CLI::App& chosen, const ViewOptions& options )
+{
+	if ( options.out.empty() && options.picture.file.empty() )
+	{
+		throw io::Error( "command line", "--out", "is missing", "give --out page.html, or --png picture.png" );
+	}
+	requirePositive( "--triangles", options.triangles );
+	validate( chosen, options.picture );
+}
+
 void validate( const CLI::App& chosen, const SpherizeOptions& options )
 {
 	requireNotNegative( "--close-holes", options.close_holes );
@@ -322,13 +356,31 @@ void validate( const CLI::App& chosen, const PlanOptions& options )
 	}
 }
 
+int dispatchAudit( const CLI::App& chosen, AuditOptions& options )
+{
+	validate( chosen, options.common );
+	validate( options );
+	if ( options.path.empty() )
+	{
+		return runTrajectoryAudit( options );
+	}
+	requirePositive( "--resolution", options.resolution );
+	requirePositive( "--time", options.time );
+	if ( chosen.get_option( "--corner-blend" )->count() > 0 )
+	{
+		requirePositive( "--corner-blend", options.corner_blend );
+	}
+	return runAudit( options );
+}
+
 int dispatch( const CLI::App& app, Commands& commands )
 {
 	const CLI::App* chosen = app.get_subcommands().front();
 	const std::string name = chosen->get_name();
 	std::vector<std::string> given;
 	for ( const CommonOptions* common : { &commands.info.common, &commands.pairs.common, &commands.spherize.common,
-	          &commands.check.common, &commands.edge.common, &commands.plan.common, &commands.audit.common, &commands.tune.common } )
+	          &commands.check.common, &commands.edge.common, &commands.plan.common, &commands.audit.common,
+	          &commands.tune.common, &commands.view.common } )
 	{
 		given.insert( given.end(), common->input_limits.begin(), common->input_limits.end() ); // of one: the chosen
 	}
@@ -382,19 +434,13 @@ int dispatch( const CLI::App& app, Commands& commands )
 		validate( *chosen, commands.tune );
 		return runTune( commands.tune );
 	}
-	validate( *chosen, commands.audit.common );
-	validate( commands.audit );
-	if ( commands.audit.path.empty() )
+	if ( name == "view" )
 	{
-		return runTrajectoryAudit( commands.audit );
+		validate( *chosen, commands.view.common );
+		validate( *chosen, commands.view );
+		return runView( commands.view );
 	}
-	requirePositive( "--resolution", commands.audit.resolution );
-	requirePositive( "--time", commands.audit.time );
-	if ( chosen->get_option( "--corner-blend" )->count() > 0 )
-	{
-		requirePositive( "--corner-blend", commands.audit.corner_blend );
-	}
-	return runAudit( commands.audit );
+	return dispatchAudit( *chosen, commands.audit );
 }
 
 // Error text for the first word of the command line; empty if it is a subcommand or an option.
@@ -476,6 +522,7 @@ int main( int argc, char** argv )
 	addPlan( app, commands.plan );
 	addAudit( app, commands.audit );
 	addTune( app, commands.tune );
+	addView( app, commands.view );
 	app.add_subcommand( "bench", "benchmarks against other libraries (runs leeway-bench)" );
 	if ( argc > 1 && std::string( argv[1] ) == "bench" )
 	{

@@ -39,14 +39,13 @@ const char* const about =
 Examples:
   leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
   leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf
-  leeway cache --limit 200
   leeway spherize --robot arm.urdf --srdf arm.srdf --excess 10 --out spheres
   leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
   leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
   leeway tune --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --error 5
-  leeway bench peers --quick --json peers.json)";
+  leeway view --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml --out page.html)";
 
 const char* const footer =
     R"(Help of one subcommand: leeway SUBCOMMAND --help; with all options and file formats: leeway SUBCOMMAND --help-all.
@@ -227,5 +226,23 @@ A target is for states (--time-per-state: the most accurate setting within it; -
 Work is counted, not timed: the same seed gives the same fronts and, for the same rate, the same proposal. The rate is the
 time of counted work on this machine, measured and printed to two digits; only --time-per-state depends on it. --rate
 fixes it.)" };
+
+const HelpText view_help = {
+    R"(Writes one HTML page that any browser opens from disk, without a network: robot, obstacles, a motion with its clearances,
+joint sliders with the clearance of each state.
+
+Example: leeway view --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml --out page.html)",
+    R"(Without --path, --trajectory and --states the page shows the start state: that of the request, else 0. Paths and trajectories are
+measured at 400 places, at their corners, and around their smallest clearances. --trajectory takes the files of `leeway audit`, --states
+the tables of `leeway check`.
+
+The page holds collision geometry, its shapes and the engine (WebAssembly): the clearance of a state moved by hand is computed in the page
+and equals that of `leeway check`. --stored leaves the engine's shapes out: the page is smaller, and shows the stored clearances only.
+A mesh has at most --triangles triangles on the page; it states which meshes are simplified, and by how much. Motion hulls are on the page
+if the cache has them or --cache makes them. Names of links, objects and files are never read as HTML.
+
+--png draws the page by a headless Chromium ($LEEWAY_BROWSER, or one in PATH). --camera AZIMUTH,ELEVATION[,DISTANCE]: degrees from the x
+axis, degrees above the horizon, metres from the robot's middle. --at: the place of the motion in seconds, share or number of the state,
+or least: the smallest clearance.)" };
 
 } // namespace leeway::cli

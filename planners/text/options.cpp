@@ -187,6 +187,22 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options )
 	    ->group( question );
 }
 
+void addPictureOptions( CLI::App& app, PictureOptions& options )
+{
+	const std::string picture = "Picture";
+	app.add_option( "--png", options.file, "a picture of the page, drawn by Chromium" )
+	    ->type_name( "out.png" )
+	    ->group( picture );
+	rare( app.add_option( "--camera", options.camera, "degrees from x, degrees above the horizon, metres (default: chosen)" )
+	          ->type_name( "AZ,EL[,D]" )
+	          ->group( picture ) );
+	rare( app.add_option( "--at", options.at, "place of the motion: seconds, share, number, or least (default: its start)" )
+	          ->type_name( "PLACE" )
+	          ->group( picture ) );
+	rare( app.add_option( "--width", options.width, "pixels (default 1280)" )->type_name( "N" )->group( picture ) );
+	rare( app.add_option( "--height", options.height, "pixels (default 800)" )->type_name( "N" )->group( picture ) );
+}
+
 void requirePositive( const std::string& option, double value )
 {
 	if ( !( value > 0 ) || !std::isfinite( value ) )
@@ -350,6 +366,52 @@ void validate( const CLI::App& app, TuneOptions& options )
 	}
 	requirePositive( "--states", options.states );
 	requirePositive( "--edges", options.edges );
+}
+
+void validate( const CLI::App& app, const PictureOptions& options )
+{
+	for ( const char* option : { "--camera", "--at", "--width", "--height" } )
+	{
+		if ( options.file.empty() && given( app, option ) )
+		{
+			wrong( option, "is about a picture, and none is asked for", "add --png out.png, or leave it out" );
+		}
+	}
+	const auto is_number = []( const std::string& text )
+	{
+		double value = 0;
+		const auto [end, error] = std::from_chars( text.data(), text.data() + text.size(), value );
+		return error == std::errc() && end == text.data() + text.size() && std::isfinite( value );
+	};
+	std::size_t begin = 0, parts = 0;
+	for ( bool more = !options.camera.empty(); more; ++parts )
+	{
+		const std::size_t comma = options.camera.find( ',', begin );
+		more = comma != std::string::npos;
+		if ( !is_number( options.camera.substr( begin, comma - begin ) ) )
+		{
+			wrong( "--camera", options.camera + " is no list of numbers",
+			    "give AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE" );
+		}
+		begin = comma + 1;
+	}
+	if ( parts == 1 || parts > 3 )
+	{
+		wrong( "--camera", options.camera + " has not two or three numbers",
+		    "give AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE" );
+	}
+	if ( !options.at.empty() && options.at != "least" && !is_number( options.at ) )
+	{
+		wrong( "--at", options.at + " is no number", "give a place of the motion, or least" );
+	}
+	constexpr unsigned most_pixels = 16384;
+	for ( const auto& [option, pixels] : { std::pair( "--width", options.width ), std::pair( "--height", options.height ) } )
+	{
+		if ( pixels < 64 || pixels > most_pixels )
+		{
+			wrong( option, fmt::format( "{} is not between 64 and {}", pixels, most_pixels ), "give pixels" );
+		}
+	}
 }
 
 double stepLength( const CommonOptions& common )

@@ -137,6 +137,24 @@ struct AuditOptions
 	double time = 60; ///< seconds
 };
 
+/// Of a picture of a page.
+struct PictureOptions
+{
+	std::string file;   ///< PNG
+	std::string camera; ///< AZIMUTH,ELEVATION[,DISTANCE]: degrees, degrees, metres; empty: chosen by the page
+	std::string at;     ///< place of the motion, or "least"; empty: its start
+	unsigned width = 1280, height = 800;
+};
+
+struct ViewOptions
+{
+	CommonOptions common;
+	std::string path, trajectory, states, out;
+	PictureOptions picture;
+	std::uint32_t triangles = 5000; ///< shown of one mesh
+	bool stored = false;
+};
+
 struct TuneOptions
 {
 	CommonOptions common;
@@ -163,6 +181,7 @@ struct CommonNeeds
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );
 void addEdgeOptions( CLI::App& app, EdgeOptions& options );
+void addPictureOptions( CLI::App& app, PictureOptions& options );
 
 /// After parsing: fills the *_given flags, rejects values out of their domain, applies --simd.
 /// @throws io::Error
@@ -172,6 +191,7 @@ io::Limits inputLimits( const std::vector<std::string>& given );
 void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& common );
 
 void validate( const CLI::App& app, TuneOptions& options );
+void validate( const CLI::App& app, const PictureOptions& options );
 
 /// @throws io::Error unless value is finite and > 0
 void requirePositive( const std::string& option, double value );
@@ -192,6 +212,7 @@ int runPlan( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
 int runTrajectoryAudit( const AuditOptions& options );
 int runTune( const TuneOptions& options );
+int runView( const ViewOptions& options );
 int runBench( int argc, char** argv ); ///< becomes leeway-bench; returns if that cannot be
 
 } // namespace leeway::cli

@@ -57,6 +57,7 @@ HOUSES = [
         ("python", "the package leeway of Python: arrays in and out"),
         ("setup", "robot, scene and checkers from options; states, ends of plans, OMPL's planners, audits"),
         ("pairs", "tables of link pairs, the SRDF made from them; reports on links and obstacles"),
+        ("view", "one HTML page of robot, scene, motion and clearances; pictures of it"),
         ("tune", "states and motions that are measured, the settings, the choice"),
         ("commands", "the main function, and one file for each subcommand"),
     ]),

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page of `leeway view`, and pictures of it.
+#pragma once
+
+#include "text/options.hpp"
+#include "view/content.hpp"
+
+#include <string>
+
+namespace leeway::cli
+{
+
+/// Why this build writes no pages; empty if it does.
+std::string viewProblem();
+
+/// @throws io::Error if this build writes no pages
+void requireView( const std::string& option );
+
+/// The page as HTML.
+/// @throws io::Error, CoreError
+std::string pageHtml( const PageInput& page );
+
+/// Draws a page by a headless Chromium. @param html of pageHtml()
+/// @throws io::Error if no browser is found ($LEEWAY_BROWSER, chromium, google-chrome), or it draws nothing
+std::string pagePicture( const std::string& html, const PictureOptions& options );
+
+} // namespace leeway::cli

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The picture: robot, obstacles, overlays, camera. It is drawn when something changed, and not otherwise.
+import { BufferAttribute, BufferGeometry, Box3, Color, DirectionalLight, DoubleSide, GridHelper, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh,
+	MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Spherical, Vector2, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Shapes, balls, matrixOf, meshGeometry } from "./geometry.js";
+import { linkPoses } from "./kinematics.js";
+
+const UP = new Vector3(0, 0, 1);
+
+function solid(options = {}) {
+	return new MeshLambertMaterial({ flatShading: true, side: DoubleSide, ...options });
+}
+
+function glass(opacity) {
+	return new MeshLambertMaterial({ transparent: true, opacity, depthWrite: false });
+}
+
+export class Stage {
+	constructor(canvas, model, bytes) {
+		this.model = model;
+		this.bytes = bytes;
+		this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+		this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+		this.scene = new Scene();
+		this.camera = new PerspectiveCamera(40, 1, 0.01, 200);
+		this.camera.up.copy(UP);
+		this.controls = new OrbitControls(this.camera, canvas);
+		this.controls.addEventListener("change", () => this.request());
+		this.frames = 0;
+		this.materials = { robot: solid(), obstacle: solid(), touching: solid(), chosen: solid(), tree: glass(0.22), hull: glass(0.1), spheres: glass(0.4) };
+		this.light = new DirectionalLight(0xffffff, 1.3);
+		const sky = new HemisphereLight(0xffffff, 0x7d838c, 1.9);
+		sky.position.copy(UP);
+		this.scene.add(sky, this.light, this.light.target);
+		this.shapes = new Shapes(model.shapes, bytes);
+		this.visible = { robot: true, obstacles: true, witness: true, hulls: false, spheres: false, level: -1, through: false };
+		this.build();
+	}
+
+	build() {
+		const { model } = this;
+		this.links = model.links.map(() => {
+			const link = { frame: new Group(), bodies: new Group(), tree: new Group(), hulls: new Group(), spheres: new Group() };
+			link.frame.matrixAutoUpdate = false;
+			link.frame.add(link.bodies, link.tree, link.hulls, link.spheres);
+			this.scene.add(link.frame);
+			return link;
+		});
+		for (const body of model.bodies) {
+			this.place(this.links[body.link].bodies, this.shapes.object(body.shape, this.materials.robot), body.pose, { link: body.link });
+		}
+		this.obstacles = new Group();
+		this.scene.add(this.obstacles);
+		for (const placed of model.placed) {
+			this.place(this.obstacles, this.shapes.object(placed.shape, this.materials.obstacle), placed.pose, { object: placed.object });
+		}
+		for (const hull of model.hulls) {
+			const object = new Mesh(meshGeometry(hull.mesh, this.bytes), this.materials.hull);
+			object.userData = { hull: hull.link };
+			this.links[hull.parent].hulls.add(object);
+		}
+		for (const set of model.spheres) {
+			this.links[set.link].spheres.add(balls(new Float32Array(this.bytes, set.data, 4 * set.count), this.materials.spheres));
+		}
+		this.witness = new Group();
+		this.scene.add(this.witness);
+		this.makeWitness();
+		this.show("robot", true);
+	}
+
+	place(group, object, pose, owner) {
+		if (object !== null) {
+			object.matrixAutoUpdate = false;
+			object.matrix.copy(matrixOf(pose));
+			object.userData = owner;
+			group.add(object);
+		}
+	}
+
+	makeWitness() {
+		const line = new BufferGeometry();
+		line.setAttribute("position", new BufferAttribute(new Float32Array(6), 3));
+		this.line_material = new LineBasicMaterial({ depthTest: false, transparent: true });
+		this.dot_material = new MeshBasicMaterial({ depthTest: false, transparent: true });
+		this.line = new LineSegments(line, this.line_material);
+		this.line.frustumCulled = false;
+		this.dots = [0, 1].map(() => new Mesh(new SphereGeometry(1, 16, 10), this.dot_material));
+		this.line.renderOrder = 2;
+		this.witness.add(this.line, ...this.dots);
+		this.dots.forEach((dot) => { dot.renderOrder = 3; });
+	}
+
+	/// Colours of the page's style.
+	recolour() {
+		const style = getComputedStyle(document.documentElement), colour = (name) => new Color(style.getPropertyValue(name).trim());
+		this.scene.background = colour("--stage");
+		this.materials.robot.color = colour("--robot");
+		this.materials.obstacle.color = colour("--obstacle");
+		this.materials.touching.color = colour("--danger");
+		this.materials.chosen.color = colour("--accent");
+		this.materials.tree.color = colour("--accent");
+		this.materials.hull.color = colour("--accent");
+		this.materials.spheres.color = colour("--accent");
+		this.line_material.color = colour("--ink");
+		this.dot_material.color = colour("--ink");
+		this.grid?.removeFromParent();
+		this.grid = new GridHelper(8, 16, colour("--grid"), colour("--grid"));
+		this.grid.rotation.x = Math.PI / 2;
+		this.grid.position.z = this.floor ?? 0;
+		this.scene.add(this.grid);
+		this.request();
+	}
+
+	pose(q) {
+		linkPoses(this.model, q).forEach((pose, i) => {
+			this.links[i].frame.matrix.copy(matrixOf(pose));
+			this.links[i].frame.matrixWorldNeedsUpdate = true;
+		});
+		this.request();
+	}
+
+	/// @param touching pairs in contact; chosen: { links, objects } to emphasise
+	paint(touching, chosen) {
+		const red_links = new Set(), red_objects = new Set();
+		for (const [self, a, b] of touching) {
+			red_links.add(a);
+			(self ? red_links : red_objects).add(b);
+		}
+		const material = (is_red, is_chosen, plain) => (is_red ? this.materials.touching : is_chosen ? this.materials.chosen : plain);
+		this.links.forEach((link, i) => link.bodies.children.forEach((body) => {
+			body.material = material(red_links.has(i), chosen.links.includes(i), this.materials.robot);
+		}));
+		for (const body of this.obstacles.children) {
+			const i = body.userData.object;
+			body.material = material(red_objects.has(i), chosen.objects.includes(i), this.materials.obstacle);
+		}
+		this.request();
+	}
+
+	/// Motion hulls of one link, or of all.
+	onlyHull(link) {
+		const hulls = this.links.flatMap((entry) => entry.hulls.children), has = hulls.some((hull) => hull.userData.hull === link);
+		hulls.forEach((hull) => { hull.visible = !has || hull.userData.hull === link; });
+	}
+
+	/// The nearest pair's points; null: none.
+	showWitness(pair) {
+		this.pair = pair;
+		if (pair !== null) {
+			this.line.geometry.attributes.position.array.set([...pair.from, ...pair.to]);
+			this.line.geometry.attributes.position.needsUpdate = true;
+			this.dots[0].position.set(...pair.from);
+			this.dots[1].position.set(...pair.to);
+		}
+		this.request();
+	}
+
+	show(name, value) {
+		this.visible[name] = value;
+		for (const link of this.links) {
+			link.bodies.visible = this.visible.robot;
+			link.hulls.visible = this.visible.hulls;
+			link.spheres.visible = this.visible.spheres;
+		}
+		this.obstacles.visible = this.visible.obstacles;
+		this.materials.obstacle.transparent = this.visible.through;
+		this.materials.obstacle.opacity = this.visible.through ? 0.28 : 1;
+		this.materials.obstacle.depthWrite = !this.visible.through;
+		this.materials.obstacle.needsUpdate = true;
+		if (name === "level") {
+			this.showLevel(value);
+		}
+		this.request();
+	}
+
+	showLevel(level) {
+		for (const link of this.links) {
+			link.tree.clear();
+		}
+		for (const body of level < 0 ? [] : this.model.bodies) {
+			this.place(this.links[body.link].tree, this.shapes.level(body.shape, level, this.materials.tree), body.pose, {});
+		}
+	}
+
+	robotBox() {
+		const box = new Box3();
+		this.scene.updateMatrixWorld(true);
+		this.links.forEach((link) => link.bodies.children.forEach((body) => box.expandByObject(body)));
+		return box.isEmpty() ? new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 1)) : box;
+	}
+
+	/// The robot fills a good part of the picture, seen from a side from which few obstacles hide it.
+	frame(view = null) {
+		const box = this.robotBox(), center = box.getCenter(new Vector3()), radius = box.getSize(new Vector3()).length() / 2;
+		this.floor = Math.min(0, box.min.z);
+		if (this.grid) {
+			this.grid.position.z = this.floor;
+		}
+		const narrow = Math.min(1, this.camera.aspect), distance = 1.12 * radius / Math.sin(this.camera.fov * Math.PI / 360) / narrow;
+		const direction = view === null ? this.openDirection(center, distance) : directionOf(view.azimuth, view.elevation);
+		this.controls.target.copy(center);
+		this.camera.position.copy(center).addScaledVector(direction, view?.distance ?? distance);
+		this.controls.update();
+		this.request();
+	}
+
+	openDirection(center, distance) {
+		const targets = this.links.filter((link) => link.bodies.children.length > 0).map((link) => new Vector3().setFromMatrixPosition(link.frame.matrixWorld));
+		const some = targets.filter((_, i) => i % Math.ceil(targets.length / 4) === 0), ray = new Raycaster();
+		let best = null, fewest = Infinity;
+		for (let i = 0; i < 12; ++i) {
+			// From the front right, alternating to both sides
+			const azimuth = -55 + (i % 2 ? 1 : -1) * 30 * Math.ceil(i / 2), direction = directionOf(azimuth, 24);
+			const hidden = some.concat([center]).filter((target) => {
+				const from = center.clone().addScaledVector(direction, distance), to = target.clone().sub(from);
+				ray.far = to.length() - 0.05;
+				ray.set(from, to.normalize());
+				return ray.intersectObjects(this.obstacles.children, false).length > 0;
+			}).length;
+			if (hidden < fewest) {
+				[best, fewest] = [direction, hidden];
+			}
+			if (hidden === 0) {
+				break;
+			}
+		}
+		return best;
+	}
+
+	/// Turns and zooms by keys: degrees and a factor.
+	orbit(azimuth, elevation, zoom = 1) {
+		const offset = this.camera.position.clone().sub(this.controls.target);
+		const angles = new Spherical().setFromCartesianCoords(offset.x, offset.z, -offset.y);
+		angles.theta += azimuth * Math.PI / 180;
+		angles.phi = Math.min(Math.PI - 0.05, Math.max(0.05, angles.phi - elevation * Math.PI / 180));
+		angles.radius *= zoom;
+		const turned = new Vector3().setFromSpherical(angles);
+		this.camera.position.copy(this.controls.target).add(new Vector3(turned.x, -turned.z, turned.y));
+		this.controls.update();
+		this.request();
+	}
+
+	/// The link or object under a point of the canvas; null if there is none.
+	pick(x, y) {
+		const ray = new Raycaster();
+		ray.setFromCamera(new Vector2(x, y), this.camera);
+		const groups = this.links.filter((link) => link.bodies.visible).map((link) => link.bodies);
+		const hits = ray.intersectObjects(this.obstacles.visible && !this.visible.through ? [...groups, this.obstacles] : groups, true);
+		return hits.length > 0 ? hits[0].object.userData : null;
+	}
+
+	resize() {
+		const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
+		if (width > 0 && height > 0) {
+			this.renderer.setSize(width, height, false);
+			this.camera.aspect = width / height;
+			this.camera.updateProjectionMatrix();
+			this.request();
+		}
+	}
+
+	request() {
+		if (!this.asked) {
+			this.asked = true;
+			requestAnimationFrame(() => {
+				this.asked = false;
+				this.draw();
+			});
+		}
+	}
+
+	draw() {
+		const shown = this.pair !== null && this.pair !== undefined && this.visible.witness;
+		this.witness.visible = shown;
+		for (const dot of this.dots) {
+			dot.scale.setScalar(0.006 * dot.position.distanceTo(this.camera.position));
+		}
+		// From above the left shoulder of the viewer
+		this.light.position.copy(this.camera.position).add(new Vector3(-0.5, 0.6, 0).applyQuaternion(this.camera.quaternion)
+			.multiplyScalar(this.camera.position.distanceTo(this.controls.target)));
+		this.light.target.position.copy(this.controls.target);
+		this.renderer.render(this.scene, this.camera);
+		++this.frames;
+		this.onDraw?.(shown ? this.onScreen(this.pair) : null);
+	}
+
+	/// The middle of a pair's points on the canvas, in pixels; null behind the camera.
+	onScreen(pair) {
+		const middle = new Vector3(...pair.from).add(new Vector3(...pair.to)).multiplyScalar(0.5).project(this.camera);
+		const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
+		return middle.z < 1 ? { x: (middle.x + 1) / 2 * width, y: (1 - middle.y) / 2 * height } : null;
+	}
+}
+
+/// Degrees from the x axis, and above the horizon.
+function directionOf(azimuth, elevation) {
+	const a = azimuth * Math.PI / 180, e = elevation * Math.PI / 180;
+	return new Vector3(Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e));
+}

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace leeway::cli
+{
+namespace
+{
+
+constexpr std::size_t equal_steps = 400;   // of a motion
+constexpr std::size_t most_corners = 1600; // beyond these, corners between the equal steps are left out
+constexpr int refinements = 12;            // halvings around the least clearance
+constexpr std::size_t refined_minima = 8;  // the lowest local minima
+
+using StateAt = std::function<std::vector<double>( double )>;
+
+ViewStep measured(
+    const Workbench& bench, double at, const std::vector<double>& q, lw_check_flags flags, const std::string& file )
+{
+	ViewStep step;
+	step.at = at;
+	step.q = q;
+	step.result = measure( bench, q, flags, nullptr, file, "a state of the motion" );
+	return step;
+}
+
+/// Searches between the neighbours of a local minimum for a smaller clearance, by golden section; the best step found.
+ViewStep refined( const Workbench& bench, const StateAt& state_at, double low, double high, ViewStep best,
+    lw_check_flags flags, const std::string& file )
+{
+	constexpr double golden = 0.381966011250105;
+	for ( int i = 0; i < refinements; ++i )
+	{
+		const bool right = high - best.at > best.at - low;
+		const double at = right ? best.at + golden * ( high - best.at ) : best.at - golden * ( best.at - low );
+		ViewStep step = measured( bench, at, state_at( at ), flags, file );
+		const bool better = leastClearance( step.result ) < leastClearance( best.result );
+		( better == right ? low : high ) = better ? best.at : at;
+		if ( better )
+		{
+			best = std::move( step );
+		}
+	}
+	return best;
+}
+
+/// Adds the minima between steps.
+void refine( const Workbench& bench, const StateAt& state_at, lw_check_flags flags, const std::string& file,
+    std::vector<ViewStep>& steps )
+{
+	std::vector<std::size_t> minima;
+	const auto clearance = [&]( std::size_t i ) { return leastClearance( steps[i].result ); };
+	for ( std::size_t i = 0; i < steps.size(); ++i )
+	{
+		const bool low = ( i == 0 || clearance( i ) <= clearance( i - 1 ) ) &&
+		                 ( i + 1 == steps.size() || clearance( i ) <= clearance( i + 1 ) );
+		if ( low && std::isfinite( clearance( i ) ) && steps.size() > 1 )
+		{
+			minima.push_back( i );
+		}
+	}
+	std::stable_sort(
+	    minima.begin(), minima.end(), [&]( std::size_t a, std::size_t b ) { return clearance( a ) < clearance( b ); } );
+	minima.resize( std::min( minima.size(), refined_minima ) );
+	std::vector<ViewStep> found;
+	for ( const std::size_t i : minima )
+	{
+		const double low = steps[i == 0 ? 0 : i - 1].at, high = steps[std::min( i + 1, steps.size() - 1 )].at;
+		ViewStep best = refined( bench, state_at, low, high, steps[i], flags, file );
+		if ( best.at != steps[i].at )
+		{
+			found.push_back( std::move( best ) );
+		}
+	}
+	steps.insert( steps.end(), found.begin(), found.end() );
+	std::stable_sort( steps.begin(), steps.end(), []( const ViewStep& a, const ViewStep& b ) { return a.at < b.at; } );
+}
+
+/// Equal steps from 0 to `end`, and the corners.
+ViewMotion sampled( const Workbench& bench, const StateAt& state_at, double end, std::vector<double> corners, StepUnit unit,
+    lw_check_flags flags, const std::string& file )
+{
+	std::vector<double> places;
+	for ( std::size_t i = 0; i <= equal_steps; ++i )
+	{
+		places.push_back( end * static_cast<double>( i ) / static_cast<double>( equal_steps ) );
+	}
+	if ( corners.size() <= most_corners )
+	{
+		places.insert( places.end(), corners.begin(), corners.end() );
+	}
+	std::sort( places.begin(), places.end() );
+	places.erase( std::unique( places.begin(), places.end() ), places.end() );
+	ViewMotion motion;
+	motion.unit = unit;
+	Progress progress( "measuring the motion for the page", places.size() );
+	for ( const double place : places )
+	{
+		motion.steps.push_back( measured( bench, place, state_at( place ), flags, file ) );
+		progress.step( motion.steps.size() );
+	}
+	refine( bench, state_at, flags, file, motion.steps );
+	return motion;
+}
+
+double length( const Workbench& bench, const std::vector<double>& a, const std::vector<double>& b )
+{
+	double sum = 0;
+	for ( std::size_t i = 0; i < a.size(); ++i )
+	{
+		const bool wraps = lw_robot_variable( bench.robot(), bench.problem().variables[i] ).wraps;
+		const double d = wraps ? std::remainder( b[i] - a[i], 2 * M_PI ) : b[i] - a[i];
+		sum += d * d;
+	}
+	return std::sqrt( sum );
+}
+
+} // namespace
+
+double leastClearance( const lw_state_result& result )
+{
+	double least = std::numeric_limits<double>::infinity();
+	for ( const lw_clearance* c : { &result.environment, &result.self } )
+	{
+		const bool asked = c->kind != LW_CLEARANCE_UNKNOWN;
+		least = asked ? std::min( least, std::isfinite( c->upper ) && c->upper <= 0 ? c->upper : c->lower ) : least;
+	}
+	return least;
+}
+
+ViewMotion motionOfPath(
+    const Workbench& bench, const std::vector<std::vector<double>>& points, lw_check_flags flags, const std::string& file )
+{
+	std::vector<double> begin = { 0 };
+	for ( std::size_t i = 0; i + 1 < points.size(); ++i )
+	{
+		begin.push_back( begin.back() + length( bench, points[i], points[i + 1] ) );
+	}
+	const double whole = begin.back();
+	if ( !( whole > 0 ) )
+	{
+		return motionOfStates( bench, { points.front() }, {}, flags, file );
+	}
+	for ( double& place : begin )
+	{
+		place /= whole;
+	}
+	const StateAt state_at = [&]( double place )
+	{
+		const auto next = std::upper_bound( begin.begin() + 1, begin.end() - 1, place );
+		const std::size_t i = static_cast<std::size_t>( next - begin.begin() ) - 1;
+		const double span = begin[i + 1] - begin[i], t = span > 0 ? std::clamp( ( place - begin[i] ) / span, 0.0, 1.0 ) : 0;
+		std::vector<double> full( bench.variableNames().size() );
+		const std::vector<double> from = bench.fullState( points[i] ), to = bench.fullState( points[i + 1] );
+		lw_robot_interpolate( bench.robot(), from.data(), to.data(), t, full.data() );
+		return bench.groupState( full );
+	};
+	return sampled( bench, state_at, 1, begin, StepUnit::share, flags, file );
+}
+
+ViewMotion motionOfTrajectory(
+    const Workbench& bench, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file )
+{
+	std::vector<double> corners;
+	for ( const Segment& segment : segments )
+	{
+		corners.push_back( segment.begin );
+	}
+	const double end = segments.back().begin + segments.back().seconds;
+	return sampled(
+	    bench, [&]( double time ) { return stateAt( segments, time ); }, end, corners, StepUnit::seconds, flags, file );
+}
+
+ViewMotion motionOfStates( const Workbench& bench, const std::vector<std::vector<double>>& states,
+    const std::vector<std::string>& labels, lw_check_flags flags, const std::string& file )
+{
+	ViewMotion motion;
+	motion.unit = states.size() > 1 ? StepUnit::state : StepUnit::none;
+	for ( std::size_t i = 0; i < states.size(); ++i )
+	{
+		motion.steps.push_back( measured( bench, static_cast<double>( i ), states[i], flags, file ) );
+		motion.steps.back().label = i < labels.size() ? labels[i] : "";
+	}
+	return motion;
+}
+
+std::size_t leastStep( const ViewMotion& motion )
+{
+	std::size_t best = 0;
+	for ( std::size_t i = 1; i < motion.steps.size(); ++i )
+	{
+		best = leastClearance( motion.steps[i].result ) < leastClearance( motion.steps[best].result ) ? i : best;
+	}
+	return best;
+}
+
+} // namespace leeway::cli

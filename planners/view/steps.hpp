@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Measured states along a motion, as the page plays them.
+#pragma once
+
+#include "setup/setup.hpp"
+#include "setup/trajectory.hpp"
+
+#include <string>
+#include <vector>
+
+namespace leeway::cli
+{
+
+/// A state with its exact clearances.
+struct ViewStep
+{
+	double at = 0; ///< seconds; of an untimed path the share of its length, 0 to 1; of a list the number of its state
+	std::vector<double> q; ///< group state
+	lw_state_result result = {};
+	std::string label; ///< of a list of states; else empty
+};
+
+enum class StepUnit
+{
+	none,    ///< one state, no motion
+	seconds, ///< a trajectory
+	share,   ///< a path without times
+	state    ///< a list of states
+};
+
+struct ViewMotion
+{
+	StepUnit unit = StepUnit::none;
+	std::vector<ViewStep> steps;
+};
+
+/// States of a path at equal distances and at its corners, and more around the least clearances.
+/// @param points group states, at least one @param file for errors @throws io::Error
+ViewMotion motionOfPath(
+    const Workbench& bench, const std::vector<std::vector<double>>& points, lw_check_flags flags, const std::string& file );
+
+/// States of a trajectory at equal times and at the ends of its segments, and more around the least clearances.
+ViewMotion motionOfTrajectory(
+    const Workbench& bench, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file );
+
+/// States one by one. @param labels [states] or empty
+ViewMotion motionOfStates( const Workbench& bench, const std::vector<std::vector<double>>& states,
+    const std::vector<std::string>& labels, lw_check_flags flags, const std::string& file );
+
+/// The step with the least of both clearances.
+std::size_t leastStep( const ViewMotion& motion );
+
+/// The least known clearance of a state: that of Named::least().
+double leastClearance( const lw_state_result& result );
+
+} // namespace leeway::cli

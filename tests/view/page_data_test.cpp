@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway view: options, and the data of the page. The page itself is tested in a browser (tests/view).
+#include "cli_fixture.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+class CliView : public Cli
+{
+protected:
+	Outcome view( std::vector<std::string> more, const std::string& scene = "scene.yaml" ) const
+	{
+		return runModel( "view", more, scene );
+	}
+	/// The JSON of a page.
+	nlohmann::json model( const std::string& page ) const
+	{
+		const std::string text = readFile( path( page ) ), begin = "<script type=\"application/json\" id=\"model\">";
+		const std::size_t at = text.find( begin ) + begin.size();
+		return nlohmann::json::parse( text.substr( at, text.find( "</script>", at ) - at ) );
+	}
+};
+
+#if !defined( LEEWAY_HAS_VIEW )
+
+TEST_F( CliView, TheMissingToolsAreNamed )
+{
+	const Outcome outcome = view( { "--out", "page.html" } );
+	EXPECT_EQ( outcome.status, 2 );
+	EXPECT_TRUE( contains( outcome.err, "LEEWAY_BUILD_VIEW=ON" ) ) << outcome.err;
+	EXPECT_EQ( readFile( path( "page.html" ) ), "" );
+}
+
+#else
+
+TEST_F( CliView, UnusableOptionsAreNamedWithTheirRemedy )
+{
+	const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
+	    { {}, "--out: is missing; give --out page.html" },
+	    { { "--out", "p.html", "--camera", "1,2" }, "--camera: is about a picture" },
+	    { { "--png", "p.png", "--camera", "1" }, "--camera: 1 has not two or three numbers" },
+	    { { "--png", "p.png", "--camera", "1,two" }, "--camera: 1,two is no list of numbers" },
+	    { { "--png", "p.png", "--camera", "1,2,3,4" }, "has not two or three numbers" },
+	    { { "--png", "p.png", "--at", "soon" }, "--at: soon is no number" },
+	    { { "--png", "p.png", "--width", "3" }, "--width: 3 is not between" },
+	    { { "--out", "p.html", "--triangles", "0" }, "--triangles: 0 is not" },
+	    { { "--out", "p.html", "--path", "none.yaml" }, "none.yaml" },
+	    { { "--out", "p.html", "--path", "a", "--states", "b" }, "excludes" },
+	    { { "--out", "arm.urdf" }, "arm.urdf" },
+	};
+	for ( const auto& [arguments, message] : wrong )
+	{
+		const Outcome outcome = view( arguments );
+		EXPECT_EQ( outcome.status, 2 ) << message;
+		EXPECT_TRUE( contains( outcome.err, message ) ) << outcome.err << message;
+		EXPECT_EQ( readFile( path( "p.html" ) ), "" );
+	}
+}
+
+TEST_F( CliView, TheSmallestClearanceOfAMotionIsFoundBetweenItsSteps )
+{
+	// The straight way passes the post: its smallest clearance is in the middle, and between two of the equal steps
+	write( "t.csv", "time,shoulder,elbow\n0,-0.5003,0\n1,-0.3,0\n2.3,-0.5,0\n" );
+	ASSERT_EQ( view( { "--trajectory", "t.csv", "--out", "page.html" }, "blocked.yaml" ).status, 0 );
+	const nlohmann::json motion = model( "page.html" )["motion"];
+	EXPECT_EQ( motion["unit"], "seconds" );
+	const nlohmann::json least = motion["steps"][motion["least"].get<std::size_t>()];
+	EXPECT_NEAR( least["at"].get<double>(), 1, 1e-3 );
+	EXPECT_EQ( motion["steps"].back()["at"], 2.3 );
+	double smallest = HUGE_VAL;
+	for ( const nlohmann::json& step : motion["steps"] )
+	{
+		smallest = std::min( smallest, step["environment"][0].get<double>() );
+	}
+	EXPECT_EQ( least["environment"][0], smallest );
+}
+
+TEST_F( CliView, APageListsItsSimplifiedMeshes )
+{
+	ASSERT_EQ( view( { "--triangles", "8", "--out", "coarse.html" } ).status, 0 );
+	ASSERT_EQ( view( { "--out", "whole.html", "--stored" } ).status, 0 );
+	EXPECT_TRUE( contains( model( "coarse.html" )["omitted"].dump(), "link fore: " ) ) << model( "coarse.html" )["omitted"];
+	EXPECT_TRUE( contains( model( "coarse.html" )["omitted"].dump(), "of 12 triangles are shown" ) )
+	    << model( "coarse.html" )["omitted"];
+	EXPECT_FALSE( contains( model( "whole.html" )["omitted"].dump(), "triangles are shown" ) )
+	    << model( "whole.html" )["omitted"];
+	EXPECT_LT( readFile( path( "whole.html" ) ).size(), readFile( path( "coarse.html" ) ).size() )
+	    << "no engine data in a stored page";
+}
+
+TEST_F( CliView, StatesThatMoveOtherJointsAreRefused )
+{
+	write( "states.csv", "shoulder,elbow\n0.1,0.2\n0.3,0.2\n0.3,0.4\n" );
+	ASSERT_EQ( view( { "--states", "states.csv", "--out", "page.html" } ).status, 0 );
+	EXPECT_EQ( model( "page.html" )["motion"]["steps"].size(), 3U );
+	EXPECT_EQ( model( "page.html" )["motion"]["steps"][1]["q"][0], 0.3 );
+	const Outcome outcome = view( { "--states", "states.csv", "--group", "shoulder_only", "--out", "other.html" } );
+	EXPECT_EQ( outcome.status, 2 );
+	EXPECT_TRUE( contains( outcome.err, "states.csv: line 4: moves a joint outside of the group" ) ) << outcome.err;
+}
+
+#endif

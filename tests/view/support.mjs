@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files, runs of the program, and pages in a browser, for the tests of pages.
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { Browser } from "./browser.mjs";
+
+export const folder = mkdtempSync(join(tmpdir(), "leeway-view-test-"));
+process.on("exit", () => rmSync(folder, { recursive: true, force: true }));
+
+export const file = (name) => join(folder, name);
+export const read = (name) => readFileSync(file(name), "utf8");
+
+export function write(name, text) {
+	writeFileSync(file(name), text);
+	return file(name);
+}
+
+/// Runs the program; it must end with one of these statuses.
+export function leeway(args, statuses = [0], environment = {}) {
+	const run = spawnSync(process.env.LEEWAY_PROGRAM, args, { cwd: folder, encoding: "utf8", env: { ...process.env, ...environment } });
+	assert.ok(statuses.includes(run.status), `leeway ${args.join(" ")}: status ${run.status}: ${run.stderr}`);
+	return run;
+}
+
+const example = (name) => join(process.env.LEEWAY_EXAMPLE, name);
+export const DESK = ["--robot", example("arm.urdf"), "--srdf", example("arm.srdf"), "--scene", example("scene.yaml")];
+export const DESK_REQUEST = example("request.yaml");
+
+/// A page of the desk with a planned path.
+export function deskPage(more = []) {
+	leeway(["plan", ...DESK, "--request", DESK_REQUEST, "--out", "path.yaml"]);
+	leeway(["view", ...DESK, "--path", "path.yaml", "--out", "page.html", ...more]);
+	return file("page.html");
+}
+
+/// Opens a page, runs the check, and closes all. The page must have no errors and must ask for nothing but itself.
+export async function withPage(page, options, check) {
+	const browser = new Browser();
+	try {
+		const tab = await browser.open(page, options);
+		tab.state = await tab.ready();
+		await check(tab);
+		assert.deepEqual(tab.errors, [], "errors of the page");
+		assert.deepEqual(tab.requests.filter((url) => !url.startsWith("file://") && !url.startsWith("data:")), [], "requests of the page");
+		assert.equal(tab.requests.filter((url) => url.startsWith("file://")).length, 1, `files that were asked for: ${tab.requests.filter((url) => url.startsWith("file://"))}`);
+	} finally {
+		await browser.close();
+	}
+}
+
+/// Numbers in [0, 1) from a seed that is printed; $LEEWAY_TEST_SEED sets another.
+export function random() {
+	let state = Number(process.env.LEEWAY_TEST_SEED ?? 20061) >>> 0;
+	console.log(`seed ${state}`);
+	return () => { // Mulberry32
+		state = (state + 0x6d2b79f5) >>> 0;
+		let t = Math.imul(state ^ (state >>> 15), 1 | state);
+		t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+		return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+	};
+}
+
+/// The rows of a table as objects.
+export function table(text) {
+	const [header, ...rows] = text.trim().split("\n").filter((line) => !line.startsWith("#")).map((line) => line.split(",").map((cell) => cell.trim()));
+	return rows.map((row) => Object.fromEntries(header.map((name, i) => [name, row[i]])));
+}
+
+/// Mean colours of the canvas in a coarse grid, [rows][columns][3].
+export const GRID = `(() => {
+	const small = document.createElement("canvas"), columns = 24, rows = 16;
+	[small.width, small.height] = [columns, rows];
+	const context = small.getContext("2d");
+	context.imageSmoothingQuality = "high";
+	context.drawImage(document.getElementById("canvas"), 0, 0, columns, rows);
+	const data = context.getImageData(0, 0, columns, rows).data;
+	return Array.from({ length: rows }, (_, y) => Array.from({ length: columns }, (_, x) => Array.from(data.slice(4 * (y * columns + x), 4 * (y * columns + x) + 3))));
+})()`;
+
+/// Number of cells of two grids whose colours differ by more than `most` of 255.
+export function differing(a, b, most = 24) {
+	return a.flat().filter((cell, i) => cell.some((value, k) => Math.abs(value - b.flat()[i][k]) > most)).length;
+}
+
+/// Moves a slider as a hand would.
+export const SLIDE = `(id, value) => { const s = document.getElementById(id); s.value = value; s.dispatchEvent(new Event("input", { bubbles: true })); return Number(s.value); }`;

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pages of leeway view in a headless Chromium: node view_test.mjs NAME. Each test is named for the fact that it holds.
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { readFileSync, statSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { blindDistance, legibility } from "./legible.mjs";
+import { DESK, DESK_REQUEST, GRID, SLIDE, deskPage, differing, file, leeway, random, read, table, withPage, write } from "./support.mjs";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const text = (tab, id) => tab.value(`document.getElementById("${id}").textContent`);
+const row = (tab, kind) => tab.value(`document.querySelector("#row-${kind} .value").textContent`);
+/// The page's own form of a length.
+const shown = (metres) => (Math.abs(metres) < 1 ? `${(1000 * metres).toFixed(2)} mm` : `${metres.toFixed(4)} m`);
+/// As the reports have it: below a margin the attained value.
+const stated = (lower, upper) => (Number(upper) <= 0 ? Number(upper) : Number(lower));
+
+async function compareWithCheck(tab, model, states, answers) {
+	const names = await tab.value("leeway.model.variables.map((v) => v.name)");
+	const rows = table(answers);
+	for (const [i, state] of states.entries()) {
+		for (const [name, value] of Object.entries(state)) {
+			const kept = await tab.value(`(${SLIDE})("joint-${names.indexOf(name)}", ${value})`);
+			assert.equal(kept, value, "the slider keeps the value");
+		}
+		for (const [kind, lower, upper, first] of [["environment", "env_lower", "env_upper", "env_link"], ["self", "self_lower", "self_upper", "self_link1"]]) {
+			const expected = rows[i][first] === "" ? "none in range" : shown(stated(rows[i][lower], rows[i][upper]));
+			const found = await row(tab, kind), within_margin = Number(rows[i][upper]) <= 0 && Number(rows[i][lower]) < Number(rows[i][upper]);
+			// Within a margin any pair may be found first: only the sign is the same
+			assert.ok(within_margin ? /^at most -?[\d.]+ mm$/.test(found) && Number(found.match(/-?[\d.]+/)[0]) <= 0 : found === expected,
+				`${kind} of state ${i}: ${found}, expected ${expected}: ${JSON.stringify(state)}`);
+		}
+	}
+}
+
+/// Random states within the limits of the sliders, as the page has them.
+async function randomStates(tab, count) {
+	const next = random();
+	const sliders = await tab.value(`leeway.model.variables.map((v, i) => { const s = document.getElementById("joint-" + i); return v.group ? [v.name, Number(s.min), Number(s.max)] : null; }).filter((s) => s)`);
+	return Array.from({ length: count }, () => Object.fromEntries(sliders.map(([name, low, high]) => [name, Number((low + next() * (high - low)).toFixed(6))])));
+}
+
+function csv(states) {
+	return `${Object.keys(states[0]).join(",")}\n${states.map((state) => Object.values(state).join(",")).join("\n")}\n`;
+}
+
+async function liveAgainstCheck(page, model, count) {
+	await withPage(page, {}, async (tab) => {
+		assert.equal(tab.state, "live");
+		const states = await randomStates(tab, count);
+		write("states.csv", csv(states));
+		const answers = leeway(["check", ...model, "--states", "states.csv"], [0, 1]).stdout;
+		await compareWithCheck(tab, model, states, answers);
+		const q = await tab.value("leeway.groupState()");
+		const milliseconds = await tab.value(`(() => { const q = ${JSON.stringify(q)}, begin = performance.now(); for (let i = 0; i < 200; ++i) { leeway.engine.measure(q, 3, 0, false); } return (performance.now() - begin) / 200; })()`);
+		const native = table(answers).map((r) => Number(r.microseconds)).sort((a, b) => a - b)[count / 2];
+		console.log(`${(1000 * milliseconds).toFixed(1)} microseconds per state in the page; leeway check: median ${native} microseconds`);
+	});
+}
+
+const tests = {
+	async APageLoadsWithoutErrorsAndAsksForNothing() {
+		const page = deskPage();
+		assert.ok(!/(src|href)="(?!data:)/.test(readFileSync(page, "utf8").replace(/<script type="module">[^]*<\/script>/, "")), "no address in the page");
+		for (const width of [1280, 390]) {
+			await withPage(page, { width, height: 844, touch: width < 600 }, async (tab) => {
+				assert.equal(await text(tab, "title"), "desk_arm");
+				assert.equal(await tab.value("document.documentElement.scrollWidth <= innerWidth"), true, `${width} pixels: nothing is cut off`);
+				// The policy of the page stops a request that a script would make
+				assert.equal(await tab.value(`fetch("https://example.org/").then(() => "sent", () => "refused")`), "refused");
+				tab.errors = tab.errors.filter((error) => !error.includes("example.org"));
+				tab.requests = tab.requests.filter((url) => !url.includes("example.org"));
+			});
+		}
+	},
+
+	async SlidersAndKeysMoveTheRobot() {
+		await withPage(deskPage(), {}, async (tab) => {
+			const look = async () => {
+				await tab.picture();
+				return tab.value(GRID);
+			};
+			let before = await look();
+			const changes = async (what, act) => {
+				await act();
+				const after = await look();
+				assert.ok(differing(before, after, 8) > 0, `${what} changes no pixel`);
+				before = after;
+			};
+			await changes("a joint's slider", () => tab.value(`(${SLIDE})("joint-0", -1)`));
+			await changes("the time slider", () => tab.value(`(${SLIDE})("time", 0.7)`));
+			await tab.value(`document.getElementById("time").focus()`);
+			await changes("M, the smallest clearance", () => tab.key("m"));
+			assert.equal(await text(tab, "clearance"), await tab.value(`document.querySelector("#least .value").textContent`));
+			const at = await text(tab, "time-text");
+			await tab.key(".");
+			assert.notEqual(await text(tab, "time-text"), at, "a full stop goes on by a step");
+			await tab.value(`document.getElementById("canvas").focus()`);
+			await changes("an arrow key", async () => { for (let i = 0; i < 4; ++i) { await tab.key("ArrowLeft"); } });
+			await changes("minus", async () => { for (let i = 0; i < 4; ++i) { await tab.key("-"); } });
+			await tab.key(" ");
+			await tab.until(`leeway.at > 0.45 || leeway.playing === undefined`, "the motion plays");
+			await tab.key(" ");
+			assert.equal(await text(tab, "play"), "Play");
+			await tab.value(`document.querySelector("#joint-list input").focus()`);
+			const value = await tab.value("leeway.q[0]");
+			await tab.key("ArrowRight");
+			assert.ok(await tab.value(`leeway.q[0] > ${value}`), "an arrow key moves a focussed slider");
+			assert.ok(await tab.value(`[...document.querySelectorAll("button, input, select, summary")].every((e) => e.tabIndex >= 0)`), "all can be reached by Tab");
+		});
+	},
+
+	async AClickChoosesAPair() {
+		await withPage(deskPage(), {}, async (tab) => {
+			const { x, y } = await tab.middle("#row-self");
+			await tab.click(x, y);
+			assert.equal(await tab.value(`document.getElementById("row-self").getAttribute("aria-pressed")`), "true");
+			const pair = await tab.value("leeway.answer.self");
+			assert.deepEqual(await tab.value("leeway.stage.pair.from"), pair.from, "the line joins the chosen pair");
+			assert.deepEqual(await tab.value("leeway.stage.links.map((l, i) => l.bodies.children.some((b) => b.material === leeway.stage.materials.chosen) ? i : -1).filter((i) => i >= 0)"), [pair.a, pair.b].sort((a, b) => a - b));
+			// A click on the picture of the smallest clearance in the chart
+			const minimum = await tab.middle("#chart .minimum");
+			await tab.click(minimum.x, minimum.y);
+			const least = await tab.value("leeway.steps[leeway.model.motion.least].at");
+			assert.ok(Math.abs(await tab.value("leeway.at") - least) < 0.02, "the chart goes where it is clicked");
+			await tab.value(`document.getElementById("pairs").open = true`);
+			const first = await tab.middle("#pair-list button");
+			await tab.click(first.x, first.y);
+			assert.equal(await tab.value("leeway.at"), await tab.value("leeway.steps[leeway.model.motion.pairs[0].step].at"));
+		});
+	},
+
+	async ATouchChoosesALink() {
+		await withPage(deskPage(), { width: 390, height: 844, touch: true }, async (tab) => {
+			const { x, y } = await tab.value(`(() => { const box = leeway.stage.links[0].bodies.children[0]; box.geometry.computeBoundingSphere();
+				const p = box.geometry.boundingSphere.center.clone().applyMatrix4(box.matrixWorld).project(leeway.stage.camera), r = document.getElementById("canvas").getBoundingClientRect();
+				return { x: r.x + (p.x + 1) / 2 * r.width, y: r.y + (1 - p.y) / 2 * r.height }; })()`);
+			await tab.tap(x, y);
+			await tab.until(`!document.getElementById("picked").hidden`, "a touched link is chosen");
+			assert.match(await text(tab, "picked"), /^Chosen: (link|object) \w+/);
+			const { x: px, y: py } = await tab.middle("#least");
+			await tab.tap(px, py);
+			await tab.until(`leeway.at === leeway.steps[leeway.model.motion.least].at`, "a touch goes to the smallest clearance");
+		});
+	},
+
+	async LiveClearancesAreThoseOfCheck() {
+		await liveAgainstCheck(deskPage(), [...DESK, "--group", "arm"], 100);
+		write("margins.yaml", "environment: 0.01\nlinks: {hand: 0.02}\nself: 0.005\n");
+		const model = [...DESK, "--group", "arm", "--margins", file("margins.yaml"), "--allow", "turret:desk"];
+		leeway(["view", ...model, "--out", "margins.html"]);
+		await liveAgainstCheck(file("margins.html"), model, 30);
+	},
+
+	async StoredClearancesAreThoseOfCheck() {
+		write("states.csv", "yaw,shoulder,elbow,wrist\n0,0.4,0.3,0\n0.5,0.2,0.9,-0.4\n-0.7,0.9,0.2,0.8\n");
+		const model = [...DESK, "--group", "arm"];
+		leeway(["view", ...model, "--states", "states.csv", "--stored", "--out", "stored.html"]);
+		const rows = table(leeway(["check", ...model, "--states", "states.csv"], [0, 1]).stdout);
+		await withPage(file("stored.html"), {}, async (tab) => {
+			assert.equal(tab.state, "stored");
+			for (const i of [0, 2, 1]) {
+				await tab.value(`(${SLIDE})("time", ${i})`);
+				assert.equal(await row(tab, "environment"), shown(stated(rows[i].env_lower, rows[i].env_upper)));
+				assert.equal(await row(tab, "self"), shown(stated(rows[i].self_lower, rows[i].self_upper)));
+			}
+			await tab.value(`(${SLIDE})("joint-0", 0.123)`);
+			assert.equal(await text(tab, "clearance"), "–", "a state moved by hand has no stored clearance");
+			assert.equal(await text(tab, "verdict"), "not measured");
+		});
+	},
+
+	async HostileNamesStayText() {
+		const names = ["</script><script>window.hacked=1</script>", "<img src=x onerror=window.hacked=2>", "<!--<script>", "'\"><svg onload=window.hacked=3>", "a&lt;b\u2028c"];
+		const xml = (name) => name.replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);
+		const mesh = "m&lt;<b>'.obj";
+		write(mesh, "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n");
+		const collision = (i) => `<collision><origin xyz="0 0 ${0.3 * i}"/><geometry>${i === 0 ? `<mesh filename="${xml(file(mesh))}"/>` : `<box size="0.1 0.1 0.1"/>`}</geometry></collision>`;
+		const links = names.map((name, i) => `<link name="${xml(name)}">${collision(i)}</link>`).join("");
+		const joints = names.slice(1).map((name, i) => `<joint name="${xml(`j${name}`)}" type="revolute"><parent link="${xml(names[i])}"/><child link="${xml(name)}"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>`).join("");
+		write("<b>hostile.urdf", `<robot name="${xml(names[0])}">${links}${joints}</robot>`);
+		write("scene.yaml", `name: ${JSON.stringify(names[1])}\nworld:\n  collision_objects:\n${names.map((name, i) => `    - id: ${JSON.stringify(`o${name}`)}\n      primitives: [{type: box, dimensions: [0.1, 0.1, 0.1]}]\n      primitive_poses: [{position: [1, ${i}, 0.2], orientation: [0, 0, 0, 1]}]\n`).join("")}`);
+		leeway(["view", "--robot", "<b>hostile.urdf", "--scene", "scene.yaml", "--out", "hostile.html"]);
+		await withPage(file("hostile.html"), {}, async (tab) => {
+			assert.equal(await tab.value("typeof window.hacked"), "undefined");
+			assert.equal(await tab.value(`document.querySelectorAll("img, script[src], b, #panel svg:not(#chart)").length`), 0, "no element of a name");
+			assert.equal(await text(tab, "title"), names[0]);
+			assert.deepEqual(await tab.value("leeway.model.links"), names);
+			assert.deepEqual(await tab.value("leeway.model.objects"), names.map((name) => `o${name}`));
+			assert.ok((await text(tab, "joint-list")).includes(`j${names[1]}`));
+			assert.ok((await text(tab, "notes")).includes("<b>hostile.urdf"));
+			// Injected by hand, a script does not run either
+			await tab.value(`document.body.append(Object.assign(document.createElement("script"), { textContent: "window.hacked = 4" }))`);
+			assert.equal(await tab.value("typeof window.hacked"), "undefined", "the policy refuses scripts that are not the page's own");
+			tab.errors = tab.errors.filter((error) => !/Content Security Policy/.test(error));
+		});
+	},
+
+	async ContactIsRedAndNamed() {
+		write("states.csv", "yaw,shoulder,elbow,wrist\n0,0.4,0.3,0\n");
+		leeway(["view", ...DESK, "--group", "arm", "--out", "contact.html"]);
+		leeway(["view", ...DESK, "--group", "arm", "--out", "stored.html", "--stored", "--states", join(process.env.LEEWAY_EXAMPLE, "states.csv")]);
+		const rows = table(leeway(["check", ...DESK, "--group", "arm", "--states", join(process.env.LEEWAY_EXAMPLE, "states.csv")], [1]).stdout);
+		const red = (tab) => tab.value(`[...leeway.stage.links.flatMap((l, i) => l.bodies.children.map((b) => [b, leeway.model.links[i]])), ...leeway.stage.obstacles.children.map((b) => [b, leeway.model.objects[b.userData.object]])]
+			.filter(([b]) => b.material === leeway.stage.materials.touching).map(([, name]) => name)`);
+		await withPage(file("stored.html"), {}, async (tab) => {
+			for (const [i, { env_upper, env_link, env_object, self_upper, self_link1, self_link2 }] of rows.entries()) {
+				await tab.value(`(${SLIDE})("time", ${i})`);
+				const names = new Set(await red(tab)), contact = [[env_upper, env_link, env_object], [self_upper, self_link1, self_link2]].filter(([upper]) => Number(upper) <= 0);
+				for (const [, a, b] of contact) {
+					assert.ok(names.has(a) && names.has(b), `${a} and ${b} are red in state ${i}: ${[...names]}`);
+				}
+				assert.equal(names.size > 0, contact.length > 0, `state ${i}: ${[...names]}`);
+				assert.equal(await text(tab, "verdict"), contact.length > 0 ? "▲ in contact" : "● free");
+			}
+		});
+		await withPage(file("contact.html"), {}, async (tab) => {
+			const state = table(readFileSync(join(process.env.LEEWAY_EXAMPLE, "states.csv"), "utf8"))[3], names = await tab.value("leeway.model.variables.map((v) => v.name)");
+			for (const [name, value] of Object.entries(state)) {
+				await tab.value(`(${SLIDE})("joint-${names.indexOf(name)}", ${value})`);
+			}
+			assert.ok((await red(tab)).includes("lamp"), "found by the engine in the page");
+		});
+	},
+
+	async JointsOfEveryTypeMoveAsInTheEngine() {
+		const joint = (name, type, parent, child, inside) => `<joint name="${name}" type="${type}"><parent link="${parent}"/><child link="${child}"/><origin xyz="0.3 0.1 0.2" rpy="0.4 -0.3 0.9"/>${inside}</joint>`;
+		const chain = [["turn", "revolute", `<axis xyz="1 2 -0.5"/><limit lower="-2" upper="2" effort="1" velocity="1"/>`], ["wheel", "continuous", `<axis xyz="0 1 0"/>`],
+			["slide", "prismatic", `<axis xyz="0 3 4"/><limit lower="-0.5" upper="0.5" effort="1" velocity="1"/>`], ["plate", "planar", `<axis xyz="1 1 1"/>`], ["float", "floating", ""],
+			["follow", "revolute", `<axis xyz="0 0 -1"/><mimic joint="turn" multiplier="-1.5" offset="0.2"/><limit lower="-4" upper="4" effort="1" velocity="1"/>`]];
+		const ball = `<collision><origin xyz="0.05 0.02 -0.04"/><geometry><sphere radius="0.01"/></geometry></collision>`;
+		const links = Array.from({ length: chain.length + 1 }, (_, i) => `<link name="l${i}">${ball}</link>`).join("");
+		write("all.urdf", `<robot name="all">${links}${chain.map(([name, type, inside], i) => joint(name, type, `l${i}`, `l${i + 1}`, inside)).join("")}</robot>`);
+		leeway(["view", "--robot", "all.urdf", "--out", "all.html"]);
+		await withPage(file("all.html"), {}, async (tab) => {
+			const seen = new Set(), next = random();
+			for (let i = 0; i < 300; ++i) {
+				const q = await tab.value("leeway.q.length");
+				const state = Array.from({ length: q }, () => Number((2 * next() - 1).toFixed(4)));
+				const worst = await tab.value(`(() => { leeway.q = ${JSON.stringify(state)}; leeway.update(null); const c = leeway.answer.self, m = (i) => leeway.stage.links[i].frame.matrix.elements;
+					const off = (i, p) => { const e = m(i), b = [0.05, 0.02, -0.04]; return Math.hypot(...[0, 1, 2].map((k) => e[k] * b[0] + e[4 + k] * b[1] + e[8 + k] * b[2] + e[12 + k] - p[k])); };
+					return [c.a, c.b, off(c.a, c.from), off(c.b, c.to), c.upper]; })()`);
+				const radius = worst[4] > 0 ? [worst[2], worst[3]] : [0.01, 0.01];
+				radius.forEach((r) => assert.ok(Math.abs(r - 0.01) < 1e-9, `links ${worst[0]}, ${worst[1]} of state ${JSON.stringify(state)}: ${worst}`));
+				seen.add(worst[0]).add(worst[1]);
+			}
+			assert.equal(seen.size, chain.length + 1, `each link was compared: ${[...seen]}`);
+		});
+	},
+
+	async TextIsLegible() {
+		await withPage(deskPage(), {}, async (tab) => {
+			await tab.value(`document.querySelectorAll("details").forEach((d) => { d.open = true; })`);
+			for (const theme of ["light", "dark"]) {
+				await tab.value(`leeway.theme("${theme}")`);
+				const poor = (await tab.value(legibility)).filter(({ ratio, needed }) => ratio < needed);
+				assert.deepEqual(poor, [], `${theme}: contrast of text`);
+				const colours = await tab.value(`Object.fromEntries(["--danger", "--robot", "--obstacle", "--accent"].map((n) => [n, getComputedStyle(document.documentElement).getPropertyValue(n).trim()]))`);
+				for (const plain of ["--robot", "--obstacle"]) {
+					const distance = blindDistance(colours["--danger"], colours[plain]);
+					assert.ok(distance > 15, `${theme}: contact and ${plain.slice(2)} differ by ${distance.toFixed(1)} only for the colour-blind`);
+				}
+			}
+		});
+	},
+
+	async ThePictureIsTheExpectedOne() {
+		const expected = join(here, "expected.json");
+		await withPage(deskPage(), { hash: "#at=least&theme=light&camera=-60,25,2" }, async (tab) => {
+			await tab.picture();
+			const grid = await tab.value(GRID);
+			if (process.env.LEEWAY_WRITE_EXPECTED) {
+				writeFileSync(expected, `${JSON.stringify(grid).replaceAll("]],", "]],\n")}\n`);
+			}
+			const stored = JSON.parse(readFileSync(expected, "utf8")), count = differing(grid, stored);
+			assert.ok(count <= 6, `${count} of ${grid.flat().length} cells differ from tests/view/expected.json`);
+			await tab.value(`(${SLIDE})("joint-0", -2)`);
+			await tab.picture();
+			assert.ok(differing(await tab.value(GRID), stored) > 6, "another state looks otherwise");
+		});
+	},
+
+	async PngNeedsNoPage() {
+		leeway(["view", ...DESK, "--png", "out.png", "--camera", "-60,25,2", "--width", "640", "--height", "400"]);
+		const png = readFileSync(file("out.png"));
+		assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [640, 400]);
+		assert.ok(png.length > 8000, `${png.length} bytes: an empty picture`);
+		const none = leeway(["view", ...DESK, "--png", "none.png"], [2], { LEEWAY_BROWSER: "", PATH: "/nowhere" });
+		assert.match(none.stderr, /--png: no Chromium was found.*; install one/);
+		assert.throws(() => statSync(file("none.png")));
+	},
+
+	async ArmarAnswersAsCheckDoes() {
+		const data = process.env.LEEWAY_DATA_DIR, model = ["--robot", join(data, "armar3/armar3.urdf"), "--srdf", join(data, "armar3/armar3.srdf"), "--scene", join(data, "kit_kitchen/scene.yaml")];
+		leeway(["view", ...model, "--out", "armar.html"]);
+		await liveAgainstCheck(file("armar.html"), model, 40);
+	},
+
+	async TheKitchenIsSmallerThan15Megabytes() {
+		assert.equal(spawnSync(process.env.LEEWAY_KITCHEN, [file("demo")]).status, 0);
+		const model = ["--robot", "demo/robot.urdf", "--srdf", "demo/robot.srdf", "--scene", "demo/scene.yaml"];
+		leeway(["plan", ...model, "--request", "demo/reach/04_table.yaml", "--out", "path.yaml"]);
+		leeway(["view", ...model, "--path", "path.yaml", "--out", "kitchen.html"]);
+		const megabytes = statSync(file("kitchen.html")).size / 1e6;
+		assert.ok(megabytes < 15, `${megabytes} MB`);
+		await withPage(file("kitchen.html"), {}, async (tab) => {
+			assert.equal(tab.state, "live");
+			const stepped = await tab.value("leeway.steps[5]"), at = stepped.at;
+			await tab.value(`(${SLIDE})("time", ${at})`);
+			assert.equal(await row(tab, "environment"), shown(stated(stepped.environment[0], stepped.environment[1])));
+			const frames = await tab.value(`new Promise((done) => { const begin = performance.now(), first = leeway.stage.frames; leeway.play(true); setTimeout(() => { leeway.play(false); done(1000 * (leeway.stage.frames - first) / (performance.now() - begin)); }, 3000); })`);
+			console.log(`${megabytes.toFixed(1)} MB; first picture after ${await tab.value("document.documentElement.dataset.picture")} ms; ${frames.toFixed(1)} frames per second in software`);
+			assert.ok(read("kitchen.html").includes("triangles are shown"), "the page says what it simplifies");
+		});
+	},
+};
+
+const name = process.argv[2];
+if (tests[name] === undefined) {
+	console.log(`no test ${name}; there are ${Object.keys(tests).join(", ")}`);
+	process.exit(2);
+}
+await tests[name]();
+console.log(`${name}: passed`);
