@@ -393,32 +393,50 @@ static uint32_t grid_leaves( const lane_states* s, const double* q, const lwi_cl
 	return met;
 }
 
+/// The sphere of a body, given by its place, from the place of the standing links.
+static const lwi_batch_point* body_point( const lane_states* s, uint32_t cluster, uint32_t place )
+{
+	lwi_batch_point* point = &s->query->scratch.lane_bodies[place];
+	if ( !s->query->scratch.lane_body_is_posed[place] )
+	{
+		const double* origin = s->checker->base->group.reference_poses[s->tree->clusters[0].root_link].t;
+		s->kernels->batch_point( &s->frames[cluster], s->tree->body_spheres[place].center, origin, 0, point );
+		s->query->scratch.lane_body_is_posed[place] = true;
+	}
+	return point;
+}
+
+/// Lanes in which two spheres may be nearer than the pair's margin allows.
+static uint32_t spheres_meet( const lane_states* s, const lwi_cluster_pair* pair, const lwi_batch_point* a, double radius_a,
+	const lwi_batch_point* b, double radius_b )
+{
+	const double slack = lwi_gap_slack( 2 * ( 2 * s->reach + radius_a + radius_b ) );
+	return s->kernels->batch_pair( a, b, lwi_round_up( radius_a + radius_b + s->enough + (double)pair->margin + slack ) );
+}
+
 /// @param q [lanes][variables]
 static void meet_clusters( lane_states* s, const double* q, const lwi_cluster_pair* pair, uint32_t lanes )
 {
 	const lwi_cluster_tree* tree = s->tree;
 	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
-	const double* origin = s->checker->base->group.reference_poses[tree->clusters[0].root_link].t;
 	for ( uint32_t i = 0; i < a->body_count; ++i )
 	{
-		const lw_sphere* sphere_a = &tree->body_spheres[a->first_body + i];
-		lwi_batch_point point_a;
-		s->kernels->batch_point( &s->frames[pair->cluster_a], sphere_a->center, origin, 0, &point_a );
-		for ( uint32_t k = 0; k < b->body_count; ++k )
+		const uint32_t place_a = a->first_body + i;
+		const double radius_a = tree->body_spheres[place_a].radius;
+		const lwi_batch_point* point_a = body_point( s, pair->cluster_a, place_a );
+		const uint32_t near = lanes & spheres_meet( s, pair, point_a, radius_a,
+										  &s->query->scratch.lane_spheres[pair->cluster_b], b->r.radius );
+		for ( uint32_t k = 0; k < b->body_count && near != 0; ++k )
 		{
 			const float separation = tree->self.separations[pair->first + (size_t)i * b->body_count + k];
 			if ( separation == INFINITY || ( s->covered && (double)separation >= s->enough ) )
 			{
 				continue;
 			}
-			const lw_sphere* sphere_b = &tree->body_spheres[b->first_body + k];
-			lwi_batch_point point_b;
-			s->kernels->batch_point( &s->frames[pair->cluster_b], sphere_b->center, origin, 0, &point_b );
-			const double slack = lwi_gap_slack( 2 * ( 2 * s->reach + sphere_a->radius + sphere_b->radius ) );
-			uint32_t met =
-				lanes & ~s->unsure[1] &
-				s->kernels->batch_pair( &point_a, &point_b,
-					lwi_round_up( sphere_a->radius + sphere_b->radius + s->enough + (double)pair->margin + slack ) );
+			const uint32_t place_b = b->first_body + k;
+			const uint32_t met = near & ~s->unsure[1] &
+								 spheres_meet( s, pair, point_a, radius_a, body_point( s, pair->cluster_b, place_b ),
+									 tree->body_spheres[place_b].radius );
 			s->unsure[1] |= met != 0 ? grid_leaves( s, q, pair, i, k, met ) : 0;
 		}
 	}
@@ -434,12 +452,7 @@ static void lanes_self( lane_states* s, const double* q )
 	const double* origin = s->checker->base->group.reference_poses[tree->clusters[0].root_link].t;
 	const lwi_batch_point* points = s->query->scratch.lane_spheres;
 	lwi_pose_lane_spheres( s->checker, s->query, origin, 0 );
-	double radius = 0; // that of a cluster without bodies is below
-	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
-	{
-		radius = lwi_larger( radius, tree->clusters[i].r.radius );
-	}
-	const double slack = lwi_gap_slack( 4 * ( s->reach + radius ) );
+	memset( s->query->scratch.lane_body_is_posed, 0, lw_robot_body_count( s->checker->base->robot ) * sizeof( bool ) );
 	for ( uint32_t i = 0; i < tree->self.pair_count && ( s->left & ~s->unsure[1] ) != 0; ++i )
 	{
 		const lwi_cluster_pair* pair = &tree->self.pairs[i];
@@ -447,10 +460,9 @@ static void lanes_self( lane_states* s, const double* q )
 		{
 			continue;
 		}
-		const double radii = tree->clusters[pair->cluster_a].r.radius + tree->clusters[pair->cluster_b].r.radius;
 		const uint32_t lanes = s->left & ~s->unsure[1] &
-							   s->kernels->batch_pair( &points[pair->cluster_a], &points[pair->cluster_b],
-								   lwi_round_up( radii + s->enough + (double)pair->margin + slack ) );
+							   spheres_meet( s, pair, &points[pair->cluster_a], tree->clusters[pair->cluster_a].r.radius,
+								   &points[pair->cluster_b], tree->clusters[pair->cluster_b].r.radius );
 		if ( lanes != 0 )
 		{
 			meet_clusters( s, q, pair, lanes );

@@ -78,6 +78,8 @@ typedef struct lwi_query_scratch
 	double* lane_values;           ///< [3][links][LWI_WIDTH] values of joints, cosines, sines
 	lwi_batch_frame* lane_frames;  ///< [links] of clusters
 	lwi_batch_point* lane_spheres; ///< [links] of clusters' spheres
+	lwi_batch_point* lane_bodies;  ///< [bodies] of bodies' spheres, by their places in the tree, where posed
+	bool* lane_body_is_posed;      ///< [bodies]
 } lwi_query_scratch;
 
 struct lw_query
