@@ -18,8 +18,10 @@
 
 #include <ompl/util/Console.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <numeric>
 
@@ -28,15 +30,15 @@ namespace
 
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, json, html, only, zoo, files;
-	std::vector<std::string> planners, ranges, modules;
+	std::string data = LEEWAY_DATA_DIR, json, html, only, zoo, files, paths;
+	std::vector<std::string> planners, ranges, modules, rows;
 	int problems = 5, runs = 3;
 	double seconds = 5, budget = 1;
 	bool planners_only = false, native_only = false, why = false;
 	std::uint64_t seed = 20260101;
 };
 
-std::vector<WayKind> waysOf( const Settings& settings )
+std::vector<WayKind> allWays( const Settings& settings )
 {
 	if ( settings.native_only )
 	{
@@ -49,6 +51,21 @@ std::vector<WayKind> waysOf( const Settings& settings )
 		append( sampledWays() );
 	}
 	append( moduleWays( settings.modules ) );
+	return ways;
+}
+
+/// The first row stays: its judge says which problems are planned.
+std::vector<WayKind> waysOf( const Settings& settings )
+{
+	std::vector<WayKind> ways;
+	for ( WayKind& way : allWays( settings ) )
+	{
+		const auto named = [&]( const std::string& row ) { return way.name.find( row ) != std::string::npos; };
+		if ( ways.empty() || settings.rows.empty() || std::any_of( settings.rows.begin(), settings.rows.end(), named ) )
+		{
+			ways.push_back( std::move( way ) );
+		}
+	}
 	return ways;
 }
 
@@ -95,6 +112,14 @@ public:
 		for ( const WayKind& way : m_ways )
 		{
 			m_needs_fcl = m_needs_fcl || way.motions == Motions::FCL || way.motions == Motions::FCL_FINE;
+		}
+		if ( !settings.paths.empty() )
+		{
+			m_paths.open( settings.paths );
+			if ( !m_paths )
+			{
+				throw std::runtime_error( settings.paths + ": cannot be written; give another --paths" );
+			}
 		}
 	}
 
@@ -215,7 +240,7 @@ private:
 				out.problem = number;
 				if ( ways[w]->usable() )
 				{
-					out = planned( *ways[w], world, auditor, run, result.tallies[w] );
+					out = planned( *ways[w], world, auditor, run, result.tallies[w], m_ways[w].name );
 					out.problem = number;
 				}
 				if ( run > 0 ) // the first run of each way warms memory and caches and is not counted
@@ -247,7 +272,24 @@ private:
 		}
 	}
 
-	PlanRun planned( Way& way, const EdgeWorld& world, EdgeAuditor& auditor, int run, Tally& tally ) const
+	/// A line of --paths.
+	void keep( const EdgeWorld& world, const std::string& way, int run, const Planned& planned, const PlanRun& out )
+	{
+		if ( !m_paths.is_open() )
+		{
+			return;
+		}
+		Json line = { { "problem", world.name }, { "way", way }, { "run", run }, { "plan_us", out.plan_us },
+		    { "simplify_us", out.simplify_us }, { "in_contact", out.in_contact }, { "path", planned.path } };
+		for ( const std::uint32_t variable : world.variables )
+		{
+			const lw_variable_info info = lw_robot_variable( world.robot.get(), variable );
+			line["joints"].push_back( lw_robot_joint_name( world.robot.get(), info.joint ) );
+		}
+		m_paths << line.dump() << '\n' << std::flush;
+	}
+
+	PlanRun planned( Way& way, const EdgeWorld& world, EdgeAuditor& auditor, int run, Tally& tally, const std::string& name )
 	{
 		const Planned planned = way.run( m_settings.seconds, seedOf( m_settings, world.name, run ) );
 		PlanRun out;
@@ -261,6 +303,7 @@ private:
 			out.length = lengthOf( world, planned.path );
 			out.in_contact = inContact( auditor, world, planned.path );
 			tally.addPath( planned.path );
+			keep( world, name, run, planned, out );
 		}
 		return out;
 	}
@@ -288,6 +331,7 @@ private:
 	std::vector<SetResult> m_sets, m_totals;
 	std::size_t m_left_out = 0;
 	Json m_why = Json::object(); ///< reasons by problem
+	std::ofstream m_paths;       ///< open with --paths
 };
 
 void addData( EdgeWorlds& worlds, const Settings& settings )
@@ -356,6 +400,8 @@ int main( int argc, char** argv )
 	program.option( "--planner", settings.planners, "'leeway' or one of OMPL's, such as BKPIECE1; again for more" );
 	program.option( "--range", settings.ranges,
 	    "longest motion that these planners add: a number, 'robot' (suits the robot) or 'default'; again for more" );
+	program.option( "--row", settings.rows, "only rows with this in their name, and the first one; again for more" );
+	program.option( "--paths", settings.paths, "file for every path, a line of JSON each: python -m leeway.fleet referee" );
 	program.option( "--module", settings.modules, "planner of another library; those beside the program are found" );
 	program.option( "--budget", settings.budget, "seconds for pair proofs" );
 	program.flag(

@@ -30,7 +30,7 @@ link="-L/usr/aarch64-linux-gnu/lib -L$libraries -Wl,-rpath-link,$libraries"
 options=( -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=-Wno-psabi -isystem $LEEWAY_SYSROOT/configuration" "-DCMAKE_MODULE_LINKER_FLAGS=$link"
 	"-DCMAKE_SHARED_LINKER_FLAGS=$link" -DLEEWAY_BUILD_PYTHON=ON -DLEEWAY_BUILD_OMPL=OFF -DLEEWAY_BUILD_EXAMPLES=OFF
 	-DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_TESTS=OFF "-DPython_EXECUTABLE=$tools/python"
-	"-DPython_INCLUDE_DIR=$LEEWAY_SYSROOT/usr/include/python3.11" -DPython_SOABI=cpython-311-aarch64-linux-gnu )
+	"-DPython_INCLUDE_DIR=$LEEWAY_SYSROOT/usr/include/python3.11" -DSKBUILD_SOABI=cpython-311-aarch64-linux-gnu )
 if [ ! -e "$build/CMakeCache.txt" ]; then
 	options+=( -G Ninja --toolchain tests/arm64/toolchain.cmake )
 fi

@@ -28,6 +28,7 @@ int main( int, char** argv )
 END
 arm=$PWD/examples/first/arm
 cd "$folder"
+export MAKEFLAGS=${MAKEFLAGS:--j${JOBS:-$( nproc )}} # colcon's own -l waits where other programs run
 tools/bin/colcon build --event-handlers console_cohesion- --cmake-args -DCMAKE_BUILD_TYPE=Release -DLEEWAY_BUILD_TESTS=OFF \
 	-DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF
 set +u # colcon's script reads variables that are not set

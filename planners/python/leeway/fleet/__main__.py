@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""python -m leeway.fleet run campaign.toml, status, verify, report. Exit status: 0 done; 1 not complete, a fault, a contradiction; 2 bad input."""
+"""python -m leeway.fleet run campaign.toml, status, verify, report, referee. Exit status: 0 done; 1 not complete, a fault, a contradiction; 2 bad input."""
 from __future__ import annotations
 
 import argparse
@@ -24,6 +24,7 @@ def _parser() -> argparse.ArgumentParser:
     verify.add_argument("--campaign", help="TOML file, for --remake")
     verify.add_argument("--remake", type=int, default=0, help="random shards to make again and compare")
     report = commands.add_parser("report", help="tables and plots")
+    commands.add_parser("referee", help="paths of several planners on the same problems, audited on the meshes; its own --help")
     report.add_argument("--page", help="HTML file (default: report.html in the folder)")
     for command in (status, verify, report):
         command.add_argument("folder", help="folder of the results")
@@ -53,7 +54,11 @@ def _execute(a: argparse.Namespace) -> int:
 
 
 def main(arguments=None) -> int:
+    arguments = sys.argv[1:] if arguments is None else arguments
     try:
+        if arguments[:1] == ["referee"]:
+            from .referee import main as referee
+            return referee(arguments[1:])
         return _execute(_parser().parse_args(arguments))
     except Error as error:
         print(error, file=sys.stderr)

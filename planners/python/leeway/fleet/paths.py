@@ -19,7 +19,7 @@ import numpy
 
 from .errors import FleetError
 
-__all__ = ["PathData", "read_joints", "read_paths"]
+__all__ = ["PathData", "read_joints", "read_paths", "read_states"]
 
 
 class PathData(NamedTuple):
@@ -149,15 +149,29 @@ def read_paths(file, variables: list[str]) -> list[PathData]:
     return found
 
 
+def read_states(file) -> dict[str, float]:
+    """The start state of a MoveIt motion plan request, by joint."""
+    state = _request(pathlib.Path(file), "start_state")["start_state"]["joint_state"]
+    return {name: float(value) for name, value in zip(state["name"], state["position"])}
+
+
+def _request(file: pathlib.Path, element: str) -> dict[str, Any]:
+    try:
+        request = _parsed(file)
+        request["start_state"]["joint_state"]["name"], request["start_state"]["joint_state"]["position"]
+        return request
+    except OSError as error:
+        raise FleetError(file, element, error.strerror or str(error), "correct the path") from None
+    except Exception as error:  # of whichever parser
+        raise FleetError(file, element, f"is no request with a start state: {error!r}", "give a start_state with a joint_state") from None
+
+
 def read_joints(file, element: str, variables: list[str]) -> tuple[numpy.ndarray, numpy.ndarray]:
     """(start, goal) of a MoveIt motion plan request whose goal is given by joints."""
     file = pathlib.Path(file)
+    request, start = _request(file, element), read_states(file)
     try:
-        request = _parsed(file)
-        start = dict(zip(request["start_state"]["joint_state"]["name"], request["start_state"]["joint_state"]["position"]))
         goal = {entry["joint_name"]: entry["position"] for entry in request["goal_constraints"][0]["joint_constraints"]}
         return numpy.array([start[name] for name in variables], float), numpy.array([goal.get(name, start[name]) for name in variables], float)
-    except OSError as error:
-        raise FleetError(file, element, error.strerror or str(error), "correct the path") from None
     except (KeyError, IndexError, TypeError, ValueError) as error:
-        raise FleetError(file, element, f"is no request with joint constraints: {error!r}", "give a start_state and joint_constraints") from None
+        raise FleetError(file, element, f"is no request with joint constraints: {error!r}", "give joint_constraints for the group") from None

@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The referee: paths of several planners on the same problems, audited on the real meshes, as one page.
+
+    bench_planning --row leeway --row "own states" --row VAMP --module vamp.so --paths paths.jsonl
+    python -m leeway.fleet referee paths.jsonl --data ../shared/data --out referee
+
+Each line of the file is a path with its problem, planner, times and joints. The audit proves or refutes its edges by a checker and looks at
+dense states; how far a path is in contact is a share of its length. Who planned a path plays no part.
+"""
+from __future__ import annotations
+
+import base64
+import html
+import json
+import pathlib
+import subprocess
+import sys
+from typing import Any, NamedTuple
+
+import numpy
+import pandas
+
+from .._core import Checker, Robot, Scene, Verdict
+from .errors import FleetError
+from .paths import read_states
+from .plans import look_at_path
+
+__all__ = ["Case", "Refereed", "case_of", "judge", "referee"]
+
+STEP = 0.01  # radians or metres of a joint between dense states
+WORST = 3  # pictures
+
+
+class Case(NamedTuple):
+    """Files of a problem."""
+    robot: str
+    set: str
+    urdf: pathlib.Path
+    srdf: pathlib.Path
+    scene: pathlib.Path
+    request: pathlib.Path
+
+
+class Refereed(NamedTuple):
+    page: pathlib.Path
+    paths: pandas.DataFrame
+    table: pandas.DataFrame
+
+    @property
+    def contradictions(self) -> int:
+        """Paths that are proved free and have a dense state in contact."""
+        return int(self.paths["contradiction"].sum())
+
+    def __repr__(self) -> str:
+        return f"{self.table.to_string(index=False)}\n\n{len(self.paths)} paths, {self.contradictions} contradictions; page {self.page}"
+
+
+def case_of(problem: str, data: pathlib.Path) -> Case:
+    """"panda panda_arm/box_panda/1" of MotionBenchMaker's problems, or "armar3 planner/06" of ARMAR-III's reaches."""
+    robot, _, rest = problem.partition(" ")
+    parts = rest.split("/")
+    if robot == "armar3" and len(parts) == 2:
+        folder = data / "armar3"
+        return Case(robot, "reaches", folder / "armar3.urdf", folder / "armar3.srdf", data / "kit_kitchen" / "scene_cluttered.yaml",
+            folder / "reach" / f"{parts[1]}.yaml")
+    if len(parts) == 3:
+        folder = data / "mbm" / robot
+        place = folder / "problems" / parts[1]
+        number = f"{int(parts[2]):04d}.yaml"
+        return Case(robot, parts[1], folder / f"{robot}.urdf", folder / f"{robot}.srdf", place / f"scene{number}", place / f"request{number}")
+    raise FleetError(data, problem, "is no problem that the referee knows", "give lines of bench_planning --paths without --zoo")
+
+
+def _group_of(robot: Robot, joints: list[str], problem: str) -> str:
+    for name, members in robot.groups.items():
+        if sorted(members) == sorted(joints):
+            return name
+    raise FleetError(problem, "joints", f"are those of no group: {', '.join(joints)}", "give the robot's SRDF")
+
+
+class _Court:
+    """Robots and checkers of the problem that is judged."""
+
+    def __init__(self, data: pathlib.Path):
+        self.data, self.robots, self.last = data, {}, ("", None)
+
+    def checker(self, problem: str, joints: list[str]) -> Checker:
+        if self.last[0] != problem:
+            case = case_of(problem, self.data)
+            if case.robot not in self.robots:
+                self.robots[case.robot] = Robot(case.urdf, case.srdf, packages=[str(self.data)])
+            robot = self.robots[case.robot]
+            start = read_states(case.request)
+            reference = {name: value for name, value in start.items() if name in robot.variables}
+            group = _group_of(robot, joints, problem)
+            self.last = (problem, Checker(robot, Scene(case.scene, packages=[str(self.data)]), group=group, reference=reference))
+        return self.last[1]
+
+
+def judge(checker: Checker, path: numpy.ndarray, step: float = STEP) -> dict[str, Any]:
+    """Verdict, least clearance and share of the length in contact of a path."""
+    found = checker.path(path, slack=1e-4)
+    blocked = numpy.flatnonzero(found.verdicts == int(Verdict.BLOCKED))
+    least, edge, t, share = look_at_path(checker, path, "both", step)
+    free = found.all_free
+    pair = found.pairs[blocked[0]] if len(blocked) else [-1, -1]
+    touching = len(blocked) > 0 and bool((found.clearance[blocked] <= 0).any())
+    return {"proved": free, "contact": touching or least <= 0, "share": share, "least": least, "edge": edge, "t": t,
+        "pair": " and ".join(checker.names[pair]) if len(blocked) else "", "contradiction": free and least <= 0}
+
+
+def _lines(file: pathlib.Path) -> list[dict[str, Any]]:
+    try:
+        return [json.loads(line) for line in file.read_text().splitlines() if line.strip()]
+    except OSError as error:
+        raise FleetError(file, "", error.strerror or str(error), "give the file of bench_planning --paths") from None
+    except ValueError as error:
+        raise FleetError(file, "", f"is no JSON a line: {error}", "give the file of bench_planning --paths") from None
+
+
+def _judge_all(file: pathlib.Path, data: pathlib.Path) -> pandas.DataFrame:
+    court, rows = _Court(data), []
+    for line in sorted(_lines(file), key=lambda line: line["problem"]):
+        case = case_of(line["problem"], data)
+        checker = court.checker(line["problem"], line["joints"])
+        order = [line["joints"].index(name) for name in checker.variables]
+        path = numpy.array(line["path"], float)[:, order]
+        rows.append({"robot": case.robot, "set": case.set, "planner": line["way"], "problem": line["problem"], "run": line["run"],
+            "ms": 1e-3 * (line["plan_us"] + line["simplify_us"]), "other_auditor": line.get("in_contact"), **judge(checker, path), "path": path.tolist(),
+            "joints": checker.variables, "group": checker.group})
+    return pandas.DataFrame(rows)
+
+
+def _table(paths: pandas.DataFrame) -> pandas.DataFrame:
+    together = pandas.concat([paths.assign(set="all"), paths])
+    grouped = together.groupby(["robot", "set", "planner"], sort=False)
+    out = grouped.agg(paths=("contact", "size"), in_contact=("contact", "sum"), percent=("contact", lambda x: round(100 * x.mean(), 1)),
+        worst_percent_of_length=("share", lambda x: round(100 * x.max(), 1)), proved_free=("proved", "sum"), median_ms=("ms", lambda x: round(x.median(), 2)))
+    return out.reset_index()
+
+
+def _bars(table: pandas.DataFrame) -> str:
+    """Shares in contact by robot and planner, as an image in the page."""
+    import io
+
+    from matplotlib.figure import Figure
+    whole = table[table["set"] == "all"].pivot(index="robot", columns="planner", values="percent")
+    figure = Figure(figsize=(7.5, 3), dpi=110, layout="constrained")
+    axes = figure.add_subplot()
+    width = 0.8 / max(1, len(whole.columns))
+    for k, planner in enumerate(whole.columns):
+        at = numpy.arange(len(whole)) + (k - (len(whole.columns) - 1) / 2) * width
+        bars = axes.bar(at, whole[planner].fillna(0), width * 0.95, label=planner)
+        axes.bar_label(bars, [f"{v:.0f}" if v == v else "" for v in whole[planner]], fontsize=8)
+    axes.set_xticks(range(len(whole)), whole.index)
+    axes.set(ylabel="paths in contact, %")
+    axes.legend(fontsize=8)
+    out = io.BytesIO()
+    figure.savefig(out, format="png")
+    return f'<img alt="share of paths in contact" src="data:image/png;base64,{base64.b64encode(out.getvalue()).decode()}">'
+
+
+def _files_of(row, start: dict[str, float], name: pathlib.Path) -> tuple[pathlib.Path, pathlib.Path]:
+    """(path, table of the one state that is in contact for certain or has the least clearance)."""
+    path, table = name.with_suffix(".yaml"), name.with_suffix(".csv")
+    state = ", ".join(f'"{joint}": {value!r}' for joint, value in start.items())
+    points = "\n".join(f"  - [{', '.join(map(repr, point))}]" for point in row.path)
+    path.write_text(f"start_state: {{{state}}}\njoint_names: [{', '.join(row.joints)}]\npoints:\n{points}\n")
+    a, b = row.path[row.edge], row.path[row.edge + 1]
+    worst = {**start, **{joint: x + row.t * (y - x) for joint, x, y in zip(row.joints, a, b)}}
+    table.write_text(",".join(worst) + "\n" + ",".join(map(repr, worst.values())) + "\n")
+    return path, table
+
+
+def _view(program: str, case: Case, data: pathlib.Path, group: str, motion: list, page: pathlib.Path, picture: pathlib.Path | None) -> str:
+    """Calls `leeway view`. Returns the reason if it fails."""
+    if not program:
+        return "--program names no leeway"
+    call = [program, "view", "--robot", case.urdf, "--srdf", case.srdf, "--scene", case.scene, "--group", group, "--package-path", data, *motion,
+        "--out", page, *(["--png", picture] if picture else [])]
+    try:
+        done = subprocess.run([str(part) for part in call], capture_output=True, text=True)
+    except OSError as error:
+        return f"{program}: {error.strerror}"
+    return "" if done.returncode == 0 else (done.stderr.strip().splitlines() or ["no message"])[-1]
+
+
+def _pictures(paths: pandas.DataFrame, data: pathlib.Path, out: pathlib.Path, program: str) -> str:
+    """The worst cases: files, a page of `leeway view` each, and a picture of the worst state."""
+    touching = paths[paths["contact"]].sort_values("share", ascending=False, kind="stable").drop_duplicates(["robot", "planner"]).head(WORST)
+    text = []
+    for k, row in enumerate(touching.itertuples()):
+        case, name = case_of(row.problem, data), out / f"worst_{k + 1}"
+        path, table = _files_of(row, read_states(case.request), name)
+        picture = name.with_suffix(".png")
+        reason = _view(program, case, data, row.group, ["--path", path], name.with_suffix(".html"), None)
+        reason = reason or _view(program, case, data, row.group, ["--states", table], out / f"worst_{k + 1}_state.html", picture)
+        caption = html.escape(f"{row.planner}, {row.problem}: in contact on {100 * row.share:.1f} % of its length ({row.pair})")
+        if reason:
+            text.append(f"<p>{caption}. No picture: {html.escape(reason)}; the path is {path.name}, its worst state {table.name}.</p>")
+            continue
+        image = base64.b64encode(picture.read_bytes()).decode()
+        text.append(f'<figure><a href="{name.name}.html"><img width=720 alt="{caption}" src="data:image/png;base64,{image}"></a><figcaption>{caption}</figcaption></figure>')
+    return "\n".join(text)
+
+
+STYLE = "body{font:15px sans-serif;margin:2em auto;max-width:62em}table{border-collapse:collapse}td,th{padding:.2em .7em;text-align:right;border-bottom:1px solid #ccc}"
+
+
+def referee(file, data, out, program: str = "") -> Refereed:
+    """Audits the paths of bench_planning --paths. data: the folder of robots and scenes. program: `leeway`, for pictures. Writes paths.csv
+    and index.html into `out`."""
+    file, data, out = pathlib.Path(file), pathlib.Path(data).resolve(), pathlib.Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    paths = _judge_all(file, data)
+    table = _table(paths)
+    paths.drop(columns=["path", "joints"]).to_csv(out / "paths.csv", index=False)
+    other = paths[paths["other_auditor"].notna()]
+    agree = int((other["other_auditor"].astype(bool) == other["contact"]).sum())
+    page = out / "index.html"
+    page.write_text("\n".join([f"<!doctype html><meta charset=utf-8><title>Referee</title><style>{STYLE}</style><h1>Paths on the real meshes</h1>",
+        f"<p>{len(paths)} paths on {paths['problem'].nunique()} problems. In contact: an edge is refuted by a state, or dense states "
+        f"({STEP} rad or m of a joint apart, finer where it is narrow) touch something. bench_planning's own auditor, which shares nothing with the "
+        f"checker, says the same of {agree} of {len(other)}. {int(paths['contradiction'].sum())} paths are proved free and touch something.</p>",
+        _bars(table), table[table["set"] == "all"].drop(columns="set").to_html(index=False), "<h2>Worst cases</h2>", _pictures(paths, data, out, program),
+        "<h2>By set</h2>", table[table["set"] != "all"].to_html(index=False)]), encoding="utf-8")
+    return Refereed(page, paths, table)
+
+
+def main(arguments: list[str]) -> int:
+    import argparse
+    parser = argparse.ArgumentParser(prog="python -m leeway.fleet referee", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("paths", help="file of bench_planning --paths")
+    parser.add_argument("--data", required=True, help="folder of robots and scenes")
+    parser.add_argument("--out", default="referee", help="folder of the page")
+    parser.add_argument("--program", default="", help="leeway, for pictures of the worst cases")
+    a = parser.parse_args(arguments)
+    found = referee(a.paths, a.data, a.out, a.program)
+    print(found)
+    return 1 if found.contradictions else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
