@@ -54,7 +54,7 @@ std::vector<WayKind> allWays( const Settings& settings )
 	return ways;
 }
 
-/// The first row stays: its judge says which problems are planned.
+/// The first row stays: its judge selects the problems.
 std::vector<WayKind> waysOf( const Settings& settings )
 {
 	std::vector<WayKind> ways;

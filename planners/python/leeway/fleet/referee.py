@@ -5,7 +5,7 @@
     python -m leeway.fleet referee paths.jsonl --data ../shared/data --out referee
 
 Each line of the file is a path with its problem, planner, times and joints. The audit proves or refutes its edges by a checker and looks at
-dense states; how far a path is in contact is a share of its length. Who planned a path plays no part.
+dense states; the length in contact is given as a share of the path's. The name of the planner plays no part.
 """
 from __future__ import annotations
 
