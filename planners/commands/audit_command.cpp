@@ -7,6 +7,7 @@
 #include "setup/trajectory.hpp"
 #include "text/names.hpp"
 #include "text/path_file.hpp"
+#include "view/page.hpp"
 
 #include <fmt/format.h>
 
@@ -139,6 +140,7 @@ int runAudit( const AuditOptions& options )
 	const PathFile path = readPath( options.path );
 	readsFile( "--path", options.path );
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
+	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
 	if ( !path.robot.empty() && path.robot != input.robot.name )
 	{
@@ -184,6 +186,14 @@ int runAudit( const AuditOptions& options )
 	{
 		profile_file.text = profileCsv( audit );
 		files.push_back( &profile_file );
+	}
+	if ( view.isWanted() )
+	{
+		PageInput page = { input, bench, motionOfPath( bench, points, settings.flags, path.file ), settings.flags };
+		page.min_d = settings.min_d;
+		page.source = options.path;
+		page.notes = audit.problems;
+		view.write( page, files );
 	}
 	commitTogether( files );
 	printOut( describe( audit, settings, points ) + ( corners ? describe( *corners, bench ) : "" ) );

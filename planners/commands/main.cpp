@@ -80,6 +80,7 @@ CLI::App* addPairs( CLI::App& app, PairsOptions& options )
 	    ->type_name( "N" );
 	command->add_option( "--out", options.out, "the new SRDF" )->type_name( "new.srdf" );
 	command->add_option( "--json", options.json, "all pairs and findings as JSON" )->type_name( "FILE" );
+	addViewOption( *command, options.view );
 	return command;
 }
 
@@ -104,6 +105,7 @@ CLI::App* addSpherize( CLI::App& app, SpherizeOptions& options )
 	            options.time ) )
 	    ->type_name( "S" );
 	command->add_option( "--out", options.out, "folder for the results" )->type_name( "FOLDER" )->required();
+	addViewOption( *command, options.view );
 	return command;
 }
 
@@ -177,6 +179,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	          ->type_name( "joint_limits.yaml" ) );
 	command->add_option( "--report", options.report, "times, counts, clearances and the audit as JSON" )
 	    ->type_name( "report.json" );
+	addViewOption( *command, options.view );
 	std::string details = std::string( plan_help.details ) + "\n\nPlanners:\n";
 	for ( const PlannerEntry& entry : planners() )
 	{
@@ -212,6 +215,11 @@ void validate( const AuditOptions& options )
 	{
 		wrong( "--corner-blend", "a timed trajectory is driven as it is, without rounding its corners",
 		    "give the path that is yet to be timed, by --path" );
+	}
+	if ( steps && !options.view.empty() )
+	{
+		wrong( "--view", "a page has one world, and --steps change it",
+		    "leave it out, or give one trajectory by --trajectory" );
 	}
 	const std::vector<std::string> known = { "auto", "linear", "cubic", "quintic" };
 	if ( std::find( known.begin(), known.end(), options.interpolation ) == known.end() )
@@ -249,6 +257,7 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	    ->type_name( "S" );
 	command->add_option( "--report", options.report, "the audit as JSON" )->type_name( "report.json" );
 	command->add_option( "--profile", options.profile, "measured clearances along it" )->type_name( "FILE.csv" );
+	addViewOption( *command, options.view );
 	return command;
 }
 
@@ -284,6 +293,7 @@ CLI::App* addTune( CLI::App& app, TuneOptions& options )
 	          ->type_name( "R" ) );
 	command->add_option( "--csv", options.csv, "all settings as CSV" )->type_name( "FILE.csv" );
 	command->add_option( "--json", options.json, "all settings and the proposal as JSON" )->type_name( "FILE" );
+	addViewOption( *command, options.view );
 	return command;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway pairs: the links that can ever meet, findings about an SRDF, and a new SRDF with proofs as reasons.
 #include "pairs/new_srdf.hpp"
+#include "view/page.hpp"
 
 #include <fmt/format.h>
 
@@ -226,6 +227,45 @@ Json toJson( const PairTable& table, const io::RobotModel& model, const lw_robot
 	return json;
 }
 
+/// States in contact, findings first, with their pairs marked: the SRDF allows some of them.
+PageInput contactPage( const Input& input, const Workbench& bench, const PairTable& table )
+{
+	constexpr std::size_t most_states = 100;
+	std::vector<std::vector<double>> states;
+	std::vector<std::string> labels;
+	std::vector<lwv_pair> marked;
+	std::size_t contacts = 0;
+	for ( const bool findings : { true, false } )
+	{
+		for ( const PairRow& row : table.rows() )
+		{
+			const bool touches =
+			    !table.evidenceState( row ).empty() && ( row.pair.closest <= 0 || !row.contact_state.empty() );
+			if ( !touches || ( row.opinion == Opinion::FINDING ) != findings || ++contacts > most_states )
+			{
+				continue;
+			}
+			states.push_back( bench.groupState( table.evidenceState( row ) ) );
+			labels.push_back(
+			    fmt::format( "{} in contact{}", pairText( row ), findings ? ": the SRDF disables this pair" : "" ) );
+			marked.push_back( { true, row.link_a, row.link_b } );
+		}
+	}
+	if ( states.empty() )
+	{
+		states.push_back( io::startState( bench.problem() ) );
+	}
+	PageInput page = {
+	    input, bench, motionOfStates( bench, states, labels, LW_CHECK_SELF, input.robot_file ), LW_CHECK_SELF };
+	for ( std::size_t i = 0; i < marked.size(); ++i )
+	{
+		page.motion.steps[i].marked = { marked[i] };
+	}
+	page.notes = {
+	    fmt::format( "pairs of links with a state in contact: {}; {} are on this page", contacts, marked.size() ) };
+	return page;
+}
+
 io::LoadedReach findReach( const PairsOptions& options, const Robot& robot, Notices& notices )
 {
 	io::ReachOptions reach;
@@ -247,6 +287,7 @@ int runPairs( const PairsOptions& options )
 {
 	Notices notices( options.common.verbose );
 	OutputFile out( "--out", options.out ), json_file( "--json", options.json );
+	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
 	const Robot robot = io::buildRobot( input.robot );
 	const io::LoadedReach reach = findReach( options, robot, notices );
@@ -306,6 +347,11 @@ int runPairs( const PairsOptions& options )
 	{
 		json_file.text = jsonText( json );
 		files.push_back( &json_file );
+	}
+	if ( view.isWanted() )
+	{
+		const Workbench bench( input, "", {}, notices );
+		view.write( contactPage( input, bench, table ), files );
 	}
 	commitTogether( files );
 	printOut( text );

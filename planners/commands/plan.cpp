@@ -642,6 +642,15 @@ TrajectoryAudit writeTrajectory( const Input& input, const Workbench& bench, con
 	return auditTrajectory( bench, input.robot, "the path", segments, settings );
 }
 
+AuditSettings auditSettings( const PlanOptions& options )
+{
+	AuditSettings settings;
+	settings.min_d = options.common.min_d;
+	settings.resolution = options.resolution;
+	settings.flags = options.common.checkFlags();
+	return settings;
+}
+
 } // namespace
 
 int runPlan( const PlanOptions& options )
@@ -656,6 +665,7 @@ int runPlan( const PlanOptions& options )
 	}
 	OutputFile out( "--out", options.out ), report( "--report", options.report ),
 	    timed( "--trajectory", options.trajectory );
+	ViewFile view( options.view );
 	Input input = loadInput( options.common, notices );
 	input.max_d = options.common.min_d + planning_horizon;
 	const PlanEnds ends = readEnds( options, input );
@@ -663,11 +673,7 @@ int runPlan( const PlanOptions& options )
 	const bool wants_trajectory = !options.trajectory.empty();
 	const MotionLimits motion = wants_trajectory ? motionLimits( bench, input.robot, limits, notices ) : MotionLimits();
 	Solution solution = solve( options, input, bench, ends, notices );
-
-	AuditSettings settings;
-	settings.min_d = options.common.min_d;
-	settings.resolution = options.resolution;
-	settings.flags = options.common.checkFlags();
+	const AuditSettings settings = auditSettings( options );
 	Audit audit;
 	if ( solution.solved )
 	{
@@ -702,6 +708,10 @@ int runPlan( const PlanOptions& options )
 	{
 		out.text = writePath( pathFile( options, input, bench, solution, audit ) );
 		files.push_back( &out );
+	}
+	if ( view.isWanted() )
+	{
+		view.write( planPage( options, input, bench, solution, audit ), files );
 	}
 	commitTogether( files );
 	if ( !solution.solved )

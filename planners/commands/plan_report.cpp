@@ -108,6 +108,23 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 	return json;
 }
 
+PageInput planPage(
+    const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit )
+{
+	const lw_check_flags flags = options.common.checkFlags();
+	const std::string& file = input.request->file;
+	PageInput page = { input, bench,
+	    solution.solved ? motionOfPath( bench, solution.points, flags, file )
+	                    : motionOfStates( bench, { io::startState( bench.problem() ) }, {}, flags, file ),
+	    flags };
+	page.min_d = options.common.min_d;
+	page.source = options.out;
+	page.notes = audit.problems;
+	page.notes.push_back( solution.solved ? fmt::format( "planned by {}", solution.planner )
+	                                      : fmt::format( "no path was found: {}", solution.status ) );
+	return page;
+}
+
 std::string summary( const PlanOptions& options, const Solution& solution )
 {
 	const bool certified = options.edge.validator == "certified";

@@ -6,6 +6,7 @@
 #include "setup/json.hpp"
 #include "text/options.hpp"
 #include "text/path_file.hpp"
+#include "view/page.hpp"
 
 #include "leeway/ik/goal_states.hpp"
 #include "leeway/ompl/validity.hpp"
@@ -61,6 +62,9 @@ double lengthOf( const Workbench& bench, const Points& points );
 PathFile pathFile(
     const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit );
 Json reportJson( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution );
+/// The path, or the start of a plan without one, on a page.
+PageInput planPage(
+    const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit );
 /// Lines on a plan with a path.
 std::string summary( const PlanOptions& options, const Solution& solution );
 /// Prints lines on a plan without one.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway spherize: enclosing spheres of the links, for programs that know only spheres.
 #include "setup/json.hpp"
+#include "view/page.hpp"
 
 #include "leeway/io/spheres.hpp"
 
@@ -133,6 +134,7 @@ int runSpherize( const SpherizeOptions& options )
 {
 	Notices notices( options.common.verbose );
 	OutputFolder folder( options.out );
+	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
 	const std::string stem = ( fs::path( options.out ) / fs::path( options.common.robot ).stem() ).string() + "_spheres";
 	OutputFile urdf( "--out", stem + ".urdf" ), srdf( "--out", stem + ".srdf" ), yaml( "--out", stem + ".yml" ), report( "--out", stem + ".json" );
@@ -175,7 +177,16 @@ int runSpherize( const SpherizeOptions& options )
 	text += fmt::format( "{} spheres around {} links, proved to enclose them and to reach at most {:.3f} mm beyond; "
 	                     "{:.2f} s\n",
 	    count, links.size(), 1000 * excess, seconds );
-	const std::vector<OutputFile*> files = { &urdf, &srdf, &yaml, &report };
+	std::vector<OutputFile*> files = { &urdf, &srdf, &yaml, &report };
+	if ( view.isWanted() )
+	{
+		const Workbench bench( input, "", {}, notices );
+		PageInput page = { input, bench,
+		    motionOfStates( bench, { io::startState( bench.problem() ) }, {}, LW_CHECK_BOTH, options.common.robot ) };
+		page.spheres = links;
+		page.notes = notices.all();
+		view.write( page, files );
+	}
 	commitTogether( files );
 	folder.keep();
 	for ( const OutputFile* file : files )

@@ -5,6 +5,7 @@
 #include "setup/stage.hpp"
 #include "setup/trajectory.hpp"
 #include "text/names.hpp"
+#include "view/page.hpp"
 
 #include <fmt/format.h>
 
@@ -164,6 +165,7 @@ public:
 			profile += profileOf( bench, segments, m_settings.edge.flags, file.file );
 		}
 		append( whole, audit );
+		keep( segments, group );
 		m_stage.moved( stateAt( segments, whole.duration ) );
 		told += fmt::format( "step        {:.4f} to {:.4f} s, {}: {}, {}\n", begin, whole.duration,
 		    group.empty() ? "all joints" : group, file.file, verdictName( audit.violation.verdict ) );
@@ -177,11 +179,26 @@ public:
 	TrajectoryAudit whole;
 	std::string profile = "time,environment,self\n", told;
 	Json steps = Json::array();
+	std::vector<Segment> all; ///< of a page
+	std::string shown_group;
 
 private:
 	static const char* verdictName( lw_verdict verdict )
 	{
 		return verdict == LW_VERDICT_FREE ? "FREE" : verdict == LW_VERDICT_BLOCKED ? "BLOCKED" : "UNDECIDED";
+	}
+
+	/// For a page, which has one group.
+	void keep( const std::vector<Segment>& segments, const std::string& group )
+	{
+		if ( !m_options.view.empty() && !all.empty() && group != shown_group )
+		{
+			throw io::Error( "command line", "--view",
+			    fmt::format( "the trajectories are of the groups '{}' and '{}', and a page has one", shown_group, group ),
+			    "name a group with all joints by --group, or leave it out" );
+		}
+		shown_group = group;
+		all.insert( all.end(), segments.begin(), segments.end() );
 	}
 
 	/// A jump from where the last motion of a joint ended.
@@ -220,6 +237,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 		readsFile( "--joint-limits", options.joint_limits );
 	}
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
+	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
@@ -259,6 +277,16 @@ int runTrajectoryAudit( const AuditOptions& options )
 	{
 		profile_file.text = driver.profile;
 		out.push_back( &profile_file );
+	}
+	if ( view.isWanted() )
+	{
+		const Workbench& bench = stage.use( driver.shown_group );
+		PageInput page = { input, bench, motionOfTrajectory( bench, driver.all, settings.edge.flags, options.trajectory ),
+		    settings.edge.flags };
+		page.min_d = settings.edge.min_d;
+		page.source = options.trajectory;
+		page.notes = driver.whole.problems;
+		view.write( page, out );
 	}
 	commitTogether( out );
 	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole ) );

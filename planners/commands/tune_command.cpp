@@ -2,6 +2,7 @@
 // leeway tune: measures the trade of speed for accuracy on the user's scene, and proposes a setting.
 #include "setup/json.hpp"
 #include "tune/tune.hpp"
+#include "view/page.hpp"
 
 #include <fmt/format.h>
 
@@ -198,6 +199,7 @@ int runTune( const TuneOptions& options )
 {
 	Notices notices( options.common.verbose );
 	OutputFile csv( "--csv", options.csv ), json( "--json", options.json );
+	ViewFile view( options.view );
 	const TuneSettings settings = settingsOf( options );
 	Input input = loadInput( options.common, notices );
 	input.max_d = std::max( settings.max_d, settings.min_d + planning_horizon );
@@ -225,6 +227,20 @@ int runTune( const TuneOptions& options )
 	{
 		json.text = jsonText( toJson( settings, samples, rows, proposal, rate ) );
 		files.push_back( &json );
+	}
+	if ( view.isWanted() )
+	{
+		constexpr std::size_t most_states = 200; // of a page
+		const std::size_t shown = std::min( samples.states.size(), most_states );
+		const std::vector<std::vector<double>> states(
+		    samples.states.begin(), samples.states.begin() + static_cast<std::ptrdiff_t>( shown ) );
+		PageInput page = {
+		    input, bench, motionOfStates( bench, states, {}, settings.flags, input.robot_file ), settings.flags };
+		page.min_d = settings.min_d;
+		page.notes = { fmt::format( "the first {} of {} random states of leeway tune, seed {}", shown, samples.states.size(),
+		                   settings.seed ),
+		    describe( settings, proposal, rate ) };
+		view.write( page, files );
 	}
 	commitTogether( files );
 	return proposal.met ? exit_yes : exit_no;

@@ -187,6 +187,11 @@ void addEdgeOptions( CLI::App& app, EdgeOptions& options )
 	    ->group( question );
 }
 
+void addViewOption( CLI::App& app, std::string& file )
+{
+	rare( app.add_option( "--view", file, "the result as a page for browsers; see leeway view" )->type_name( "page.html" ) );
+}
+
 void addPictureOptions( CLI::App& app, PictureOptions& options )
 {
 	const std::string picture = "Picture";

@@ -74,7 +74,7 @@ struct PairsOptions
 	std::uint32_t samples = 0;
 	std::uint64_t seed = 0;
 	std::uint32_t never_after = 0;
-	std::string out, json;
+	std::string out, json, view;
 };
 
 struct CacheOptions
@@ -91,7 +91,7 @@ struct SpherizeOptions
 	std::uint32_t spheres = 0;
 	double close_holes = 0; ///< millimetres
 	double time = 30;       ///< seconds for the whole robot
-	std::string out;
+	std::string out, view;
 };
 
 struct CheckOptions
@@ -115,7 +115,7 @@ struct PlanOptions
 	std::string start, goal; ///< joint=value,... or the name of a group_state; over those of the request
 	std::vector<std::string> goal_poses; ///< LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW
 	std::string planner; ///< empty: Leeway, and SBL for the second half of the time
-	std::string out, report, trajectory, joint_limits;
+	std::string out, report, trajectory, joint_limits, view;
 	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
 	double optimize = 0; ///< seconds for shorter paths after the first
 	std::uint32_t seed = 1;
@@ -129,7 +129,7 @@ struct PlanOptions
 struct AuditOptions
 {
 	CommonOptions common;
-	std::string path, report, profile;
+	std::string path, report, profile, view;
 	std::string trajectory, steps, joint_limits, interpolation = "auto";
 	std::vector<std::string> tolerance; ///< VALUE or JOINT=VALUE
 	double corner_blend = 0;            ///< radians or metres; 0: roundings of a path's corners are not proved
@@ -164,7 +164,7 @@ struct TuneOptions
 	double rate = 0; ///< of the machine; 0: measure it
 	std::uint32_t states = 400, edges = 100;
 	std::uint64_t seed = 1;
-	std::string csv, json;
+	std::string csv, json, view;
 };
 
 /// Option flags that differ between subcommands.
@@ -181,6 +181,8 @@ struct CommonNeeds
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );
 void addEdgeOptions( CLI::App& app, EdgeOptions& options );
+/// --view: the page of a result.
+void addViewOption( CLI::App& app, std::string& file );
 void addPictureOptions( CLI::App& app, PictureOptions& options );
 
 /// After parsing: fills the *_given flags, rejects values out of their domain, applies --simd.

@@ -153,6 +153,10 @@ Json motionJson( const PageInput& page )
 		{
 			json["touching"] = touching;
 		}
+		for ( const lwv_pair& pair : step.marked )
+		{
+			json["marked"].push_back( { pair.self ? 1 : 0, pair.a, pair.b } );
+		}
 		if ( !step.label.empty() )
 		{
 			json["label"] = step.label;

@@ -39,6 +39,21 @@ void requireView( const std::string& option )
 	}
 }
 
+ViewFile::ViewFile( const std::string& path )
+{
+	if ( !path.empty() )
+	{
+		requireView( "--view" );
+		m_file.emplace( "--view", path );
+	}
+}
+
+void ViewFile::write( const PageInput& page, std::vector<OutputFile*>& files )
+{
+	m_file->text = pageHtml( page );
+	files.push_back( &*m_file );
+}
+
 std::string pageHtml( const PageInput& page )
 {
 	requireView( "view" );

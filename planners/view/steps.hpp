@@ -4,6 +4,7 @@
 
 #include "setup/setup.hpp"
 #include "setup/trajectory.hpp"
+#include "view/engine/touching.h"
 
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ struct ViewStep
 	double at = 0; ///< seconds; of an untimed path the share of its length, 0 to 1; of a list the number of its state
 	std::vector<double> q; ///< group state
 	lw_state_result result = {};
+	std::vector<lwv_pair> marked = {}; ///< pairs in contact that the checker allows
 	std::string label; ///< of a list of states; else empty
 };
 

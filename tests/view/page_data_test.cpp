@@ -89,6 +89,32 @@ TEST_F( CliView, APageListsItsSimplifiedMeshes )
 	    << "no engine data in a stored page";
 }
 
+TEST_F( CliView, EverySubcommandWritesAPageOfItsResult )
+{
+	const Outcome plan = runModel( "plan", { "--start", "shoulder=-0.6", "--goal", "shoulder=-0.2", "--out", "path.yaml",
+	                                           "--trajectory", "t.yaml", "--view", "plan.html" } );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_EQ( model( "plan.html" )["motion"]["unit"], "share" );
+	ASSERT_EQ( runModel( "audit", { "--path", "path.yaml", "--view", "audit.html" } ).status, 0 );
+	EXPECT_EQ( model( "audit.html" )["motion"], model( "plan.html" )["motion"].patch( nlohmann::json::parse(
+	                                                R"([{"op": "replace", "path": "/source", "value": "path.yaml"}])" ) ) );
+	ASSERT_EQ( runModel( "audit", { "--trajectory", "t.yaml", "--view", "timed.html" } ).status, 0 );
+	EXPECT_EQ( model( "timed.html" )["motion"]["unit"], "seconds" );
+	const auto with = [&]( const std::string& command, std::vector<std::string> more )
+	{
+		more.insert( more.begin(), { command, "--robot", "arm.urdf", "--srdf", "arm.srdf" } );
+		return run( more );
+	};
+	ASSERT_EQ( with( "spherize", { "--excess", "30", "--out", "spheres", "--view", "spheres.html" } ).status, 0 );
+	EXPECT_EQ( model( "spheres.html" )["spheres"].size(), 3U );
+	ASSERT_EQ(
+	    with( "tune", { "--scene", "scene.yaml", "--states", "20", "--edges", "5", "--view", "tune.html" } ).status, 0 );
+	EXPECT_EQ( model( "tune.html" )["motion"]["steps"].size(), 20U );
+	EXPECT_NE( with( "pairs", { "--budget", "0", "--view", "pairs.html" } ).status, 2 );
+	EXPECT_EQ( model( "pairs.html" )["what"], 2 ) << "links against links";
+	EXPECT_EQ( run( { "audit", "--robot", "arm.urdf", "--steps", "s.yaml", "--view", "p.html" } ).status, 2 );
+}
+
 TEST_F( CliView, StatesThatMoveOtherJointsAreRefused )
 {
 	write( "states.csv", "shoulder,elbow\n0.1,0.2\n0.3,0.2\n0.3,0.4\n" );

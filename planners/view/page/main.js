@@ -43,9 +43,9 @@ class Page {
 		} else {
 			note = "a state moved by hand";
 		}
-		this.answer = answer;
+		this.answer = { ...answer, touching: [...answer.touching, ...(step?.marked ?? [])] };
 		this.stage.pose(this.q);
-		showAnswer(this.model, answer, step?.label ?? note);
+		showAnswer(this.model, this.answer, step?.label ?? note);
 		this.showPair();
 	}
 

@@ -34,7 +34,7 @@ export class Stage {
 		sky.position.copy(UP);
 		this.scene.add(sky, this.light, this.light.target);
 		this.shapes = new Shapes(model.shapes, bytes);
-		this.visible = { robot: true, obstacles: true, witness: true, hulls: false, spheres: false, level: -1, through: false };
+		this.visible = { robot: true, obstacles: true, witness: true, hulls: false, spheres: model.spheres.length > 0, level: -1, through: false };
 		this.build();
 	}
 
