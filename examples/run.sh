@@ -108,6 +108,9 @@ if [ -e "$demo/paths/$pictured.yaml" ]; then
 	picture "$demo/still.glb" "$demo/kitchen.png" --resolution 1200,780 --ssao --tone-mapping --depth-peeling \
 		--camera-position 4.9,2.15,1.3 --camera-focal-point 2.2,0.98,-1.75
 fi
+if [ -e "$demo/paths/$pictured.yaml" ]; then
+	"$build/bin/leeway" view "${model[@]}" --path "$demo/paths/$pictured.yaml" --out "$demo/kitchen.html" || echo "no page is written"
+fi
 # the reach of each arm from the shoulder, its forearm from the elbow, its hand from the wrist: hulls right, spheres left
 hulls=( "$build/bin/kitchen_hulls" --robot "$demo/robot.urdf" --colours "$demo/colours.yaml" )
 hulls+=( --still "$demo/motion_hulls.glb" )
@@ -123,7 +126,7 @@ done
 picture "$demo/motion_hulls.glb" "$demo/motion_hulls.png" --resolution 1200,830 \
 	--camera-position 3.4,1.7,-0.75 --camera-focal-point 0,0.96,0
 
-heading "done: $demo/kitchen.png, $demo/motion_hulls.png, $demo/motions/*.glb, $demo/paths/*.yaml"
+heading "done: $demo/kitchen.png, $demo/kitchen.html, $demo/motion_hulls.png, $demo/motions/*.glb, $demo/paths/*.yaml"
 if [ "$failed" -ne 0 ]; then
 	echo "$failed failed" >&2
 	exit 1

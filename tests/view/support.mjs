@@ -71,6 +71,7 @@ export function table(text) {
 
 /// Mean colours of the canvas in a coarse grid, [rows][columns][3].
 export const GRID = `(() => {
+	leeway.stage.draw(); // the picture is there until the end of this task
 	const small = document.createElement("canvas"), columns = 24, rows = 16;
 	[small.width, small.height] = [columns, rows];
 	const context = small.getContext("2d");

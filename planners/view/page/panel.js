@@ -22,7 +22,7 @@ export function verdictOf(answer, min_d) {
 function fillRow(row, model, kind, clearance) {
 	row.replaceChildren(element("span", kind === "self" ? "Between links" : "To obstacles", { class: "kind" }));
 	const known = clearance !== null && clearance.a >= 0 && clearance.b >= 0 && clearance.upper !== null;
-	row.append(element("span", clearance === null ? "not asked" : known ? statement(clearance) : "none in range", { class: "value" }));
+	row.append(element("span", clearance === null ? "not asked" : known ? statement(clearance) : kind === "environment" && model.placed.length === 0 ? "no obstacles" : "none in range", { class: "value" }));
 	row.append(element("span", known ? pairNames(model, kind, clearance.a, clearance.b) : "", { class: "pair" }));
 	if (known && clearance.margin > 0) {
 		row.append(element("span", `distance ${length(clearance.upper + clearance.margin)}, less the margin of ${length(clearance.margin)}`, { class: "kind" }));

@@ -7,6 +7,10 @@ import { Shapes, balls, matrixOf, meshGeometry } from "./geometry.js";
 import { linkPoses } from "./kinematics.js";
 
 const UP = new Vector3(0, 0, 1);
+const SLOW = 50;          // milliseconds per frame from which moving pictures become coarser
+const CONTINUOUS = 700;   // milliseconds between two frames of one movement, at most
+const STILL = 250;        // milliseconds after which a picture is drawn in full again
+const COARSEST = 0.35;    // share of the full resolution
 
 function solid(options = {}) {
 	return new MeshLambertMaterial({ flatShading: true, side: DoubleSide, ...options });
@@ -20,8 +24,10 @@ export class Stage {
 	constructor(canvas, model, bytes) {
 		this.model = model;
 		this.bytes = bytes;
-		this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
-		this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+		this.renderer = new WebGLRenderer({ canvas, antialias: true });
+		this.full = Math.min(2, window.devicePixelRatio || 1);
+		this.renderer.setPixelRatio(this.full);
+		Object.assign(this, { drawn: -Infinity, pace: 0, moving: 1, shown: 1 });
 		this.scene = new Scene();
 		this.camera = new PerspectiveCamera(40, 1, 0.01, 200);
 		this.camera.up.copy(UP);
@@ -270,11 +276,40 @@ export class Stage {
 		}
 	}
 
+	/// Sets the share of the full resolution.
+	sharpness(share) {
+		if (share !== this.shown) {
+			this.shown = share;
+			this.renderer.setPixelRatio(this.full * share);
+		}
+	}
+
+	/// Where frames take long (no graphics card, large meshes) a movement is drawn coarser; the still picture is drawn in full.
+	adapt(now) {
+		const time = now - this.drawn, continuous = time < CONTINUOUS && !this.resting;
+		this.drawn = now;
+		this.pace = continuous ? 0.6 * this.pace + 0.4 * time : 0;
+		if (this.pace > SLOW && this.moving > COARSEST) {
+			this.moving = Math.max(COARSEST, 0.7 * this.moving);
+			this.pace = 0;
+		}
+		this.sharpness(continuous ? this.moving : 1);
+		clearTimeout(this.rest);
+		if (this.shown < 1) {
+			this.rest = setTimeout(() => {
+				this.resting = true;
+				this.draw();
+				this.resting = false;
+			}, STILL);
+		}
+	}
+
 	draw() {
+		this.adapt(performance.now());
 		const shown = this.pair !== null && this.pair !== undefined && this.visible.witness;
 		this.witness.visible = shown;
 		for (const dot of this.dots) {
-			dot.scale.setScalar(0.006 * dot.position.distanceTo(this.camera.position));
+			dot.scale.setScalar(0.0045 * dot.position.distanceTo(this.camera.position));
 		}
 		// From above the left shoulder of the viewer
 		this.light.position.copy(this.camera.position).add(new Vector3(-0.5, 0.6, 0).applyQuaternion(this.camera.quaternion)
