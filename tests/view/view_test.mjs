@@ -172,7 +172,7 @@ const tests = {
 	},
 
 	async HostileNamesStayText() {
-		const names = ["</script><script>window.hacked=1</script>", "<img src=x onerror=window.hacked=2>", "<!--<script>", "'\"><svg onload=window.hacked=3>", "a&lt;b\u2028c"];
+		const names = ["</script><script>window.hacked=1</script>", "<img src=x onerror=window.hacked=2>", "<!--<script>", "'\"><svg onload=window.hacked=3>", "a&lt;b\u2028c", "</script x", "<!--<script x"];
 		const xml = (name) => name.replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);
 		const mesh = "m&lt;<b>'.obj";
 		write(mesh, "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n");
