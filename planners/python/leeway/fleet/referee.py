@@ -97,16 +97,26 @@ class _Court:
         return self.last[1]
 
 
+def _toward(checker: Checker, a: numpy.ndarray, b: numpy.ndarray) -> numpy.ndarray:
+    """From a to b, the shorter way for endless joints."""
+    return numpy.where(checker.wraps, numpy.remainder(b - a + numpy.pi, 2 * numpy.pi) - numpy.pi, b - a)
+
+
 def judge(checker: Checker, path: numpy.ndarray, step: float = STEP) -> dict[str, Any]:
     """Verdict, least clearance and share of the length in contact of a path."""
     found = checker.path(path, slack=1e-4)
     blocked = numpy.flatnonzero(found.verdicts == int(Verdict.BLOCKED))
     least, edge, t, share = look_at_path(checker, path, "both", step)
     free = found.all_free
-    pair = found.pairs[blocked[0]] if len(blocked) else [-1, -1]
+    pair = checker.clearance(_worst_state(checker, path, {"edge": edge, "t": t})).pairs
     touching = len(blocked) > 0 and bool((found.clearance[blocked] <= 0).any())
     return {"proved": free, "contact": touching or least <= 0, "share": share, "least": least, "edge": edge, "t": t,
-        "pair": " and ".join(checker.names[pair]) if len(blocked) else "", "contradiction": free and least <= 0}
+        "pair": " and ".join(checker.names[pair]), "contradiction": free and least <= 0}
+
+
+def _worst_state(checker: Checker, path: numpy.ndarray, found: dict[str, Any]) -> list[float]:
+    a, b = path[found["edge"]], path[found["edge"] + 1]
+    return (a + found["t"] * _toward(checker, a, b)).tolist()
 
 
 def _lines(file: pathlib.Path) -> list[dict[str, Any]]:
@@ -125,9 +135,10 @@ def _judge_all(file: pathlib.Path, data: pathlib.Path) -> pandas.DataFrame:
         checker = court.checker(line["problem"], line["joints"])
         order = [line["joints"].index(name) for name in checker.variables]
         path = numpy.array(line["path"], float)[:, order]
+        found = judge(checker, path)
         rows.append({"robot": case.robot, "set": case.set, "planner": line["way"], "problem": line["problem"], "run": line["run"],
-            "ms": 1e-3 * (line["plan_us"] + line["simplify_us"]), "other_auditor": line.get("in_contact"), **judge(checker, path), "path": path.tolist(),
-            "joints": checker.variables, "group": checker.group})
+            "ms": 1e-3 * (line["plan_us"] + line["simplify_us"]), "other_auditor": line.get("in_contact"), **found, "path": path.tolist(),
+            "joints": checker.variables, "group": checker.group, "worst": _worst_state(checker, path, found)})
     return pandas.DataFrame(rows)
 
 
@@ -166,8 +177,7 @@ def _files_of(row, start: dict[str, float], name: pathlib.Path) -> tuple[pathlib
     state = ", ".join(f'"{joint}": {value!r}' for joint, value in start.items())
     points = "\n".join(f"  - [{', '.join(map(repr, point))}]" for point in row.path)
     path.write_text(f"start_state: {{{state}}}\njoint_names: [{', '.join(row.joints)}]\npoints:\n{points}\n")
-    a, b = row.path[row.edge], row.path[row.edge + 1]
-    worst = {**start, **{joint: x + row.t * (y - x) for joint, x, y in zip(row.joints, a, b)}}
+    worst = {**start, **dict(zip(row.joints, row.worst))}
     table.write_text(",".join(worst) + "\n" + ",".join(map(repr, worst.values())) + "\n")
     return path, table
 
@@ -208,13 +218,14 @@ STYLE = "body{font:15px sans-serif;margin:2em auto;max-width:62em}table{border-c
 
 
 def referee(file, data, out, program: str = "") -> Refereed:
-    """Audits the paths of bench_planning --paths. data: the folder of robots and scenes. program: `leeway`, for pictures. Writes paths.csv
+    """Audits the paths of bench_planning --paths. data: the folder of robots and scenes. program: `leeway`, for pictures. Writes paths.csv, table.csv
     and index.html into `out`."""
     file, data, out = pathlib.Path(file), pathlib.Path(data).resolve(), pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
     paths = _judge_all(file, data)
     table = _table(paths)
-    paths.drop(columns=["path", "joints"]).to_csv(out / "paths.csv", index=False)
+    paths.drop(columns=["path", "joints", "worst"]).to_csv(out / "paths.csv", index=False)
+    table.to_csv(out / "table.csv", index=False)
     other = paths[paths["other_auditor"].notna()]
     agree = int((other["other_auditor"].astype(bool) == other["contact"]).sum())
     page = out / "index.html"

@@ -85,7 +85,7 @@ def _client(workers: int, scheduler: str) -> Iterator[Any]:
             with distributed.Client(scheduler) as client:
                 yield client
             return
-        with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0",
+        with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
                 silence_logs=logging.CRITICAL) as cluster, distributed.Client(cluster) as client:
             yield client
 
@@ -198,6 +198,8 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
                     print("the results may not fit on this disk", file=sys.stderr)
             with _client(workers, scheduler) if workers or scheduler else contextlib.nullcontext() as client:
                 clock = time.monotonic()
+                if client is not None and not quiet:
+                    print(f"dashboard {client.dashboard_link}", file=sys.stderr)
                 work = _here(plan, base, folder, missing) if client is None else _by_dask(client, plan, base, folder, missing)
                 result = _work(plan, base, folder, records, missing, work, costs, quiet)
         made, rows, processor, failures = result
