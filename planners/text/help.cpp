@@ -241,8 +241,8 @@ and equals that of `leeway check`. --stored leaves the engine's shapes out: the 
 A mesh has at most --triangles triangles on the page; it states which meshes are simplified, and by how much. Motion hulls are on the page
 if the cache has them or --cache makes them. Names of links, objects and files are never read as HTML.
 
-plan, audit, pairs, spherize and tune write such a page of their results by --view: the path, a trajectory, states in contact, enclosing
-spheres, the measured states.
+plan, audit, pairs, spherize and tune have an option of the name of this subcommand, which writes such a page of their results: the path,
+a trajectory, states in contact, enclosing spheres, the measured states.
 
 --png draws the page by a headless Chromium ($LEEWAY_BROWSER, or one in PATH). --camera AZIMUTH,ELEVATION[,DISTANCE]: degrees from the x
 axis, degrees above the horizon, metres from the robot's middle. --at: the place of the motion in seconds, share or number of the state,

@@ -53,15 +53,22 @@ else()
     leeway_view_missing("the engine in the page" "emcc was not found (Debian: apt-get install emscripten)")
   else()
     set(engine "${CMAKE_CURRENT_BINARY_DIR}/view/engine.wasm")
-    file(GLOB core CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/core/src/*/*.c" "${CMAKE_SOURCE_DIR}/core/src/*/*.h" "${CMAKE_SOURCE_DIR}/core/include/leeway/*.h")
-    set(core_sources ${core})
-    list(FILTER core_sources INCLUDE REGEX "/(base|simd|shape|distance|robot|scene|query|reachability|checker|motion|blob)/[^/]*\\.c$")
     # No contraction, as everywhere: the answers are those of the program. SSE2 intrinsics become WebAssembly's vectors
-    add_custom_command(OUTPUT "${engine}" COMMAND "${LEEWAY_EMCC}" -O3 -msimd128 -msse2 -std=gnu11 -ffp-contract=off -fno-math-errno
-      -DLEEWAY_HULLS=0 "-I${CMAKE_SOURCE_DIR}/core/include" "-I${CMAKE_SOURCE_DIR}/core/src" "-I${CMAKE_BINARY_DIR}/core/include"
-      ${core_sources} "${view}/engine/engine.c" "${view}/engine/touching.c"
-      -sALLOW_MEMORY_GROWTH=1 -sSTANDALONE_WASM=1 --no-entry -o "${engine}"
-      DEPENDS ${core} "${view}/engine/engine.c" "${view}/engine/touching.c" "${view}/engine/touching.h" COMMENT "The engine as WebAssembly" VERBATIM)
+    set(flags -O3 -msimd128 -msse2 -std=gnu11 -ffp-contract=off -fno-math-errno -DLEEWAY_HULLS=0 "-I${CMAKE_SOURCE_DIR}/core/include"
+      "-I${CMAKE_SOURCE_DIR}/core/src" "-I${CMAKE_BINARY_DIR}/core/include")
+    file(GLOB headers CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/core/src/*/*.h" "${CMAKE_SOURCE_DIR}/core/include/leeway/*.h")
+    # An object for each room: after a change of one file only its room is compiled again
+    set(objects "")
+    foreach(room base simd shape distance robot scene query reachability checker motion blob)
+      file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/core/src/${room}/*.c")
+      set(object "${CMAKE_CURRENT_BINARY_DIR}/view/${room}.o")
+      add_custom_command(OUTPUT "${object}" COMMAND "${LEEWAY_EMCC}" -r ${flags} ${sources} -o "${object}" DEPENDS ${sources} ${headers}
+        COMMENT "WebAssembly: ${room}" VERBATIM)
+      list(APPEND objects "${object}")
+    endforeach()
+    set(own "${view}/engine/engine.c" "${view}/engine/touching.c")
+    add_custom_command(OUTPUT "${engine}" COMMAND "${LEEWAY_EMCC}" ${flags} ${own} ${objects} -sALLOW_MEMORY_GROWTH=1 -sSTANDALONE_WASM=1
+      --no-entry -o "${engine}" DEPENDS ${objects} ${own} "${view}/engine/touching.h" ${headers} COMMENT "WebAssembly: the engine" VERBATIM)
   endif()
   file(GLOB page CONFIGURE_DEPENDS "${view}/page/*")
   add_custom_command(OUTPUT "${made}" "${CMAKE_CURRENT_BINARY_DIR}/view/page.html"
