@@ -228,6 +228,26 @@ rows = 1
         campaign((tmp_path / "kinds.toml").read_text().replace(ROBOT, "").replace("min_d = 0.002", "min_d = 3.0, tries = 2"))
 
 
+def test_a_scene_that_cannot_be_made_stops_no_other_work(spheres, tmp_path):
+    request = {"start_state": {"joint_state": {"name": ["yaw", "shoulder", "elbow", "wrist"], "position": [0.0] * 4}}, "goal_constraints": [{"joint_constraints": []}]}
+    (tmp_path / "request.json").write_text(json.dumps(request))
+    file = tmp_path / "kinds.toml"
+    file.write_text(ROBOT + f"""
+[scenes.v]
+generator = "variations"
+parameters = {{scene = "{FIRST}/scene.yaml", request = "request.json", robot = "arm", min_d = 3.0, tries = 2}}
+[[work]]
+kind = "states"
+scenes = ["v"]
+rows = 10
+[[work]]
+kind = "states"
+rows = 10
+""")
+    found = run(file, tmp_path / "out", workers=0, quiet=True)
+    assert found.done == 1 and found.shards == 2 and len(found.failures) == 1 and "no feasible variation" in found.failures[0]
+
+
 def test_reports_hold_every_part(campaign, spheres, tmp_path):
     _, folder = campaign(GENERATED + """
 [[work]]

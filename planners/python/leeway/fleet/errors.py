@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .._core import Error
 
-__all__ = ["FleetError"]
+__all__ = ["DiskError", "FleetError"]
 
 
 class FleetError(Error):
@@ -16,3 +16,7 @@ class FleetError(Error):
 
     def __reduce__(self):
         return type(self), (self.file, self.element, self.problem, self.remedy)
+
+
+class DiskError(FleetError):
+    """A result cannot be written: the next one could not either."""

@@ -2,6 +2,8 @@
 """Runs a campaign: a Dask graph of shards. Whatever dies, a run after it goes on with the shards that are not there."""
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import contextlib
 import json
 import logging
@@ -11,7 +13,7 @@ import sys
 import time
 from typing import Any, Iterator, NamedTuple
 
-from .errors import FleetError
+from .errors import DiskError, FleetError
 from .estimate import Estimate, estimate
 from .manifest import content_digest, locked, read_manifest, sound_records, start_manifest, write_manifest
 from .plan import make_plan, rows_in, shards_of
@@ -46,6 +48,10 @@ class Summary(NamedTuple):
         lines = [f"{self.done} of {self.shards} shards in {self.folder}, {state}", f"this run: {self.made} shards, {self.rows} rows, {self.seconds:.1f} s, "
             f"{self.processor_seconds:.1f} s of processor time", f"content {self.content}", *self.failures]
         return "\n".join(lines)
+
+
+class SchedulerGone(FleetError):
+    """The connection to the scheduler is lost."""
 
 
 class Progress:
@@ -108,10 +114,14 @@ def _by_dask(client, plan: dict[str, Any], base: pathlib.Path, folder: pathlib.P
         more()
     for future in work:
         index = of_key.pop(future.key)
-        error = future.exception()
-        yield index, error if error is not None else future.result()
-        future.release()
-        more()
+        try:
+            error = future.exception()
+            yield index, error if error is not None else future.result()
+            future.release()
+            more()
+        except (asyncio.CancelledError, concurrent.futures.CancelledError, OSError) as error:
+            yield index, SchedulerGone(client.scheduler.address if client.scheduler else "scheduler", "", f"the connection is lost: {type(error).__name__}",
+                "start the scheduler again, then the campaign: it goes on where it was")
 
 
 def _here(plan: dict[str, Any], base: pathlib.Path, folder: pathlib.Path, missing: list[int]) -> Iterator[tuple[int, Any]]:
@@ -150,7 +160,7 @@ def _work(plan, base, folder, records, missing, work, costs: Estimate | None, qu
         for index, found in work:
             if isinstance(found, BaseException):
                 failures.append(f"{shards[index].name}: {type(found).__name__}: {found}")
-                if isinstance(found, FleetError):  # a disk or a file: more shards would say the same
+                if isinstance(found, (DiskError, SchedulerGone)):
                     break
                 continue
             records[index], seconds = found

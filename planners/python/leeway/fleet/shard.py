@@ -14,7 +14,7 @@ from typing import Any
 
 import pyarrow.parquet
 
-from .errors import FleetError
+from .errors import DiskError, FleetError
 from .plan import Shard, blocks_of, rows_in, segments_of, shards_of
 from .registry import KINDS
 from .tables import columns_of, concatenate, content_of, table_of, write_table
@@ -36,7 +36,7 @@ def write_atomically(path: pathlib.Path, data: bytes) -> None:
     except OSError as error:
         with contextlib.suppress(OSError):
             part.unlink()
-        raise FleetError(path, "", f"cannot be written: {error.strerror or error}",
+        raise DiskError(path, "", f"cannot be written: {error.strerror or error}",
             "make room or give another --out, then run the campaign again: it goes on where it was") from None
     folder = os.open(path.parent, os.O_RDONLY)
     try:
