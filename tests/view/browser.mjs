@@ -13,10 +13,11 @@ const ARGUMENTS = ["--headless=new", "--remote-debugging-pipe", "--use-angle=swi
 	"--disable-extensions", "--disable-background-networking", "--disable-component-update", "--force-color-profile=srgb", "--disable-dev-shm-usage"];
 
 export class Browser {
-	constructor(program = process.env.LEEWAY_BROWSER || "chromium") {
+	/// @param more arguments beside those that all pages get
+	constructor(more = [], program = process.env.LEEWAY_BROWSER || "chromium") {
 		this.profile = mkdtempSync(join(tmpdir(), "leeway-browser-"));
 		const root = process.getuid?.() === 0 ? ["--no-sandbox"] : [];
-		this.process = spawn(program, [...ARGUMENTS, ...root, `--user-data-dir=${this.profile}`], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+		this.process = spawn(program, [...ARGUMENTS, ...more, ...root, `--user-data-dir=${this.profile}`], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
 		this.process.on("error", (error) => this.fail(new Error(`${program} does not start: ${error.message}`)));
 		this.process.on("exit", (code) => this.fail(new Error(`${program} ended with status ${code}`)));
 		this.process.stdio[3].on("error", () => {});

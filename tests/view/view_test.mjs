@@ -5,6 +5,7 @@ import { spawnSync } from "node:child_process";
 import { readFileSync, statSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { Browser } from "./browser.mjs";
 import { blindDistance, legibility } from "./legible.mjs";
 import { DESK, DESK_REQUEST, GRID, SLIDE, deskPage, differing, file, leeway, random, read, table, withPage, write } from "./support.mjs";
 
@@ -151,6 +152,11 @@ const tests = {
 		const model = [...DESK, "--group", "arm", "--margins", file("margins.yaml"), "--allow", "turret:desk"];
 		leeway(["view", ...model, "--out", "margins.html"]);
 		await liveAgainstCheck(file("margins.html"), model, 30);
+		await withPage(file("margins.html"), {}, async (tab) => {
+			const [margin, ball] = await tab.value("[leeway.stage.pair.margin, leeway.stage.ball.visible ? leeway.stage.ball.scale.x : 0]");
+			assert.ok(margin > 0 && ball === margin, `the ball shows the margin: ${ball}, ${margin}`);
+			assert.match(await text(tab, "now"), /less the margin of \d+\.\d\d mm/);
+		});
 	},
 
 	async StoredClearancesAreThoseOfCheck() {
@@ -279,6 +285,18 @@ const tests = {
 			await tab.picture();
 			assert.ok(differing(await tab.value(GRID), stored) > 6, "another state looks otherwise");
 		});
+	},
+
+	async WithoutGraphicsAPageSaysSo() {
+		const page = deskPage(), browser = new Browser(["--disable-3d-apis"]);
+		try {
+			const tab = await browser.open(page);
+			assert.equal(await tab.ready(), "failed");
+			assert.equal(await text(tab, "problem"), "This browser shows no 3D pictures: its WebGL is off.");
+			assert.equal(await tab.value(`document.getElementById("problem").checkVisibility()`), true);
+		} finally {
+			await browser.close();
+		}
 	},
 
 	async PngNeedsNoPage() {

@@ -34,7 +34,7 @@ export class Stage {
 		this.controls = new OrbitControls(this.camera, canvas);
 		this.controls.addEventListener("change", () => this.request());
 		this.frames = 0;
-		this.materials = { robot: solid(), obstacle: solid(), touching: solid(), chosen: solid(), tree: glass(0.22), hull: glass(0.1), spheres: glass(0.4) };
+		this.materials = { robot: solid(), obstacle: solid(), touching: solid(), chosen: solid(), tree: glass(0.22), hull: glass(0.1), spheres: glass(0.4), margin: glass(0.25) };
 		this.light = new DirectionalLight(0xffffff, 1.3);
 		const sky = new HemisphereLight(0xffffff, 0x7d838c, 1.9);
 		sky.position.copy(UP);
@@ -93,7 +93,8 @@ export class Stage {
 		this.line.frustumCulled = false;
 		this.dots = [0, 1].map(() => new Mesh(new SphereGeometry(1, 16, 10), this.dot_material));
 		this.line.renderOrder = 2;
-		this.witness.add(this.line, ...this.dots);
+		this.ball = new Mesh(new SphereGeometry(1, 32, 20), this.materials.margin);
+		this.witness.add(this.line, this.ball, ...this.dots);
 		this.dots.forEach((dot) => { dot.renderOrder = 3; });
 	}
 
@@ -108,6 +109,7 @@ export class Stage {
 		this.materials.tree.color = colour("--accent");
 		this.materials.hull.color = colour("--accent");
 		this.materials.spheres.color = colour("--accent");
+		this.materials.margin.color = colour("--danger");
 		this.line_material.color = colour("--ink");
 		this.dot_material.color = colour("--ink");
 		this.grid?.removeFromParent();
@@ -150,7 +152,7 @@ export class Stage {
 		hulls.forEach((hull) => { hull.visible = !has || hull.userData.hull === link; });
 	}
 
-	/// The nearest pair's points; null: none.
+	/// The nearest pair's points, and a ball of its margin around the second; null: none.
 	showWitness(pair) {
 		this.pair = pair;
 		if (pair !== null) {
@@ -158,6 +160,9 @@ export class Stage {
 			this.line.geometry.attributes.position.needsUpdate = true;
 			this.dots[0].position.set(...pair.from);
 			this.dots[1].position.set(...pair.to);
+			this.ball.visible = pair.margin > 0;
+			this.ball.position.set(...pair.to);
+			this.ball.scale.setScalar(pair.margin || 1);
 		}
 		this.request();
 	}
