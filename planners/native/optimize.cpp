@@ -187,10 +187,10 @@ private:
 	/// Near a node of the tree, or in an ellipsoid; of joints that wrap, the ways around the other side too.
 	void drawSample( const CostTree& tree )
 	{
-		if ( m_settings.search.sample_radius > 0 && m_random.uniform() < m_settings.local_share )
+		if ( m_random.uniform() < m_settings.local_share )
 		{
 			const double* center = tree.state( static_cast<std::uint32_t>( m_random.below( tree.size() ) ) );
-			drawBall( m_settings.search.sample_radius * m_range );
+			drawBall( m_settings.local_radius * m_range );
 			for ( std::size_t i = 0; i < m_space.size(); ++i )
 			{
 				m_sample[i] += center[i];
@@ -383,6 +383,7 @@ lw_status optimize( const lw_checker* checker, lw_query* query, const OptimizeSe
 	    "the path has a value that is not finite" );
 	need( settings.starts.size() % size == 0 && settings.goals.size() % size == 0, "starts and goals need whole states" );
 	need( settings.local_share >= 0 && settings.local_share <= 1, "local_share must be 0 to 1" );
+	need( settings.local_radius > 0 && std::isfinite( settings.local_radius ), "local_radius must be finite and above 0" );
 	need( std::isfinite( stop.seconds ) || stop.cancel != nullptr || stop.poll != nullptr ||
 	          settings.most_samples < UINT64_MAX,
 	    "give a time, a sample limit, or a way to cancel it: it does not end by itself" );

@@ -223,6 +223,9 @@ TEST( NativeOptimizer, UnusableInputIsRefused )
 	bad.local_share = nan_value;
 	EXPECT_THROW( run( bad, {}, path ), planners::InputError );
 	bad = limited( 10 );
+	bad.local_radius = 0;
+	EXPECT_THROW( run( bad, {}, path ), planners::InputError );
+	bad = limited( 10 );
 	bad.search.edge.min_d = -1;
 	EXPECT_THROW( run( bad, {}, path ), planners::InputError );
 	bad = limited( 10 );

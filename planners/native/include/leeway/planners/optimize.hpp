@@ -19,11 +19,11 @@ namespace leeway::planners
 
 struct OptimizeSettings
 {
-	/// Judge, range, seed and bounds, as for Planner; most_nodes and samples are not used.
+	/// Judge, range, seed and bounds, as for Planner; most_nodes, samples and sample_radius are not used.
 	Settings search;
 	std::uint64_t most_samples = UINT64_MAX; ///< of all searches together; a limit that gives equal seeds equal paths
-	double local_share =
-	    0.5; ///< [0, 1] of the samples that lie near a node (Settings::sample_radius); the others lie anywhere in the informed set
+	double local_share = 0.5; ///< [0, 1] of the samples that lie near a node; the others lie anywhere in the informed set
+	double local_radius = 5;  ///< ranges within which these lie; the search's own sample_radius is not used
 	/// States after one another: the path may begin at any of the starts, and end at any of the goals. Its own ends are always
 	/// among them; those that are not proved free are left out.
 	std::vector<double> starts, goals;

@@ -59,7 +59,7 @@ struct Settings
 	Samples samples = Samples::RANDOM;
 	/// Samples lie within this many ranges of a random node of the tree that grows; 0 = anywhere in the bounds. In narrow places
 	/// far samples ask for the same few blocked directions again and again.
-	double sample_radius = 5;
+	double sample_radius = 6.5;
 	std::size_t most_nodes = 1 << 20; ///< of both trees; solve() ends with NODES_FULL
 	/// Bounds of the samples and of all ends, one per variable; empty = joint limits. Entries of variables that wrap are not used.
 	std::vector<double> lower, upper;
