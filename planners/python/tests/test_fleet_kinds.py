@@ -228,6 +228,34 @@ rows = 1
         campaign((tmp_path / "kinds.toml").read_text().replace(ROBOT, "").replace("min_d = 0.002", "min_d = 3.0, tries = 2"))
 
 
+def test_goals_of_variations_follow_their_object(campaign, robot, checker, states, spheres, tmp_path):
+    free = states[checker.is_free(states, min_d=0.03)]
+    joints = [{"joint_name": name, "position": float(value)} for name, value in zip(checker.variables, free[1])]
+    request = {"start_state": {"joint_state": {"name": checker.variables, "position": free[0].tolist()}}, "goal_constraints": [{"joint_constraints": joints}]}
+    (tmp_path / "request.json").write_text(json.dumps(request))
+    frame, _ = campaign(f"""
+[scenes.v]
+generator = "variations"
+count = 3
+parameters = {{scene = "{FIRST}/scene.yaml", request = "request.json", robot = "arm", goal_link = "hand", goal_object = "mug", base_turn = 0.3, object_turn = 0.0,
+    object_shift = 0.0, base_shift = 0.0}}
+[[work]]
+kind = "plans"
+scenes = ["v"]
+rows = 1
+""".replace(",\n   ", ","))
+    from leeway.fleet.plan import make_plan
+    from leeway.fleet.worlds import Worlds
+    plan, base = make_plan(tmp_path / "kinds.toml")
+    nominal, place = leeway.Scene(FIRST / "scene.yaml"), robot.links.index("hand")
+    before = numpy.linalg.inv(nominal.shapes("mug")[0][1]) @ robot.fk(checker.full_state(free[1]))[place]
+    for k in range(3):
+        goal = frame["goal"][k]
+        after = numpy.linalg.inv(Worlds(plan, base).problem("v", k)[0].shapes("mug")[0][1]) @ robot.fk(checker.full_state(goal))[place]
+        numpy.testing.assert_allclose(after, before, atol=2e-3)
+        assert abs(goal - free[1]).max() > 1e-3 and frame["outcome"][k] == "SOLVED"
+
+
 def test_a_scene_that_cannot_be_made_stops_no_other_work(spheres, tmp_path):
     request = {"start_state": {"joint_state": {"name": ["yaw", "shoulder", "elbow", "wrist"], "position": [0.0] * 4}}, "goal_constraints": [{"joint_constraints": []}]}
     (tmp_path / "request.json").write_text(json.dumps(request))

@@ -64,6 +64,25 @@ def test_a_path_is_judged_by_its_joints_not_their_order(data, tmp_path):
     assert (first["least"] == second["least"]).all() and (first["contact"] == second["contact"]).all()
 
 
+def test_reaches_of_a_folder_are_planned_and_judged(tmp_path, checker, states):
+    from leeway.fleet.reaches import plan_reaches
+    if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
+        pytest.importorskip("ompl")
+    folder = tmp_path / "demo"
+    (folder / "reach").mkdir(parents=True)
+    for name, source in (("robot.urdf", "arm.urdf"), ("robot.srdf", "arm.srdf"), ("scene.yaml", "scene.yaml")):
+        shutil.copy(FIRST / source, folder / name)
+    free = states[checker.is_free(states, min_d=0.02)]
+    joints = [{"joint_name": name, "position": float(value)} for name, value in zip(checker.variables, free[1])]
+    (folder / "reach" / "01_there.yaml").write_text(json.dumps({"group_name": "arm", "goal_constraints": [{"joint_constraints": joints}],
+        "start_state": {"joint_state": {"name": checker.variables, "position": free[0].tolist()}}}))
+    counts = plan_reaches(folder, tmp_path / "paths.jsonl", runs=2, seconds=10)
+    assert counts["leeway"] == [2, 2] and list(counts) == ["leeway", "OMPL, sampled at its default"]
+    found = referee(tmp_path / "paths.jsonl", folder, tmp_path / "out")
+    assert found.paths["proved"][found.paths["planner"] == "leeway"].all() and set(found.paths["robot"]) == {"kitchen"}
+    assert (found.paths["contact"] != found.paths["proved"]).all() and "own auditor" not in found.page.read_text()
+
+
 def test_faults_of_its_input_are_located(data, tmp_path, capsys):
     folder, file = data
     with pytest.raises(FleetError, match="is no problem that the referee knows"):

@@ -19,7 +19,7 @@ import numpy
 
 from .errors import FleetError
 
-__all__ = ["PathData", "read_joints", "read_paths", "read_states"]
+__all__ = ["PathData", "read_group", "read_joints", "read_paths", "read_states"]
 
 
 class PathData(NamedTuple):
@@ -153,6 +153,11 @@ def read_states(file) -> dict[str, float]:
     """The start state of a MoveIt motion plan request, by joint."""
     state = _request(pathlib.Path(file), "start_state")["start_state"]["joint_state"]
     return {name: float(value) for name, value in zip(state["name"], state["position"])}
+
+
+def read_group(file) -> str:
+    """The group of a MoveIt motion plan request."""
+    return str(_request(pathlib.Path(file), "group_name").get("group_name", ""))
 
 
 def _request(file: pathlib.Path, element: str) -> dict[str, Any]:

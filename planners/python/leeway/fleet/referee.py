@@ -56,13 +56,16 @@ class Refereed(NamedTuple):
 
 
 def case_of(problem: str, data: pathlib.Path) -> Case:
-    """"panda panda_arm/box_panda/1" of MotionBenchMaker's problems, or "armar3 planner/06" of ARMAR-III's reaches."""
+    """"panda panda_arm/box_panda/1" of MotionBenchMaker's problems, "armar3 planner/06" of ARMAR-III's reaches, or "kitchen 04_table" of
+    leeway.fleet.reaches."""
     robot, _, rest = problem.partition(" ")
     parts = rest.split("/")
     if robot == "armar3" and len(parts) == 2:
         folder = data / "armar3"
         return Case(robot, "reaches", folder / "armar3.urdf", folder / "armar3.srdf", data / "kit_kitchen" / "scene_cluttered.yaml",
             folder / "reach" / f"{parts[1]}.yaml")
+    if len(parts) == 1 and (data / "reach" / f"{rest}.yaml").exists():
+        return Case(robot, "reaches", data / "robot.urdf", data / "robot.srdf", data / "scene.yaml", data / "reach" / f"{rest}.yaml")
     if len(parts) == 3:
         folder = data / "mbm" / robot
         place = folder / "problems" / parts[1]
@@ -228,11 +231,11 @@ def referee(file, data, out, program: str = "") -> Refereed:
     table.to_csv(out / "table.csv", index=False)
     other = paths[paths["other_auditor"].notna()]
     agree = int((other["other_auditor"].astype(bool) == other["contact"]).sum())
+    second = f"bench_planning's own auditor, which shares nothing with the checker, says the same of {agree} of {len(other)}. " if len(other) else ""
     page = out / "index.html"
     page.write_text("\n".join([f"<!doctype html><meta charset=utf-8><title>Referee</title><style>{STYLE}</style><h1>Paths on the real meshes</h1>",
         f"<p>{len(paths)} paths on {paths['problem'].nunique()} problems. In contact: an edge is refuted by a state, or dense states "
-        f"({STEP} rad or m of a joint apart, finer where it is narrow) touch something. bench_planning's own auditor, which shares nothing with the "
-        f"checker, says the same of {agree} of {len(other)}. {int(paths['contradiction'].sum())} paths are proved free and touch something.</p>",
+        f"({STEP} rad or m of a joint apart, finer where it is narrow) touch something. {second}{int(paths['contradiction'].sum())} paths are proved free and touch something.</p>",
         _bars(table), table[table["set"] == "all"].drop(columns="set").to_html(index=False), "<h2>Worst cases</h2>", _pictures(paths, data, out, program),
         "<h2>By set</h2>", table[table["set"] != "all"].to_html(index=False)]), encoding="utf-8")
     return Refereed(page, paths, table)

@@ -127,29 +127,44 @@ def _moved(scene: Scene, name: str, motion: numpy.ndarray) -> None:
     scene.add(name, placed, None)
 
 
+def _reached(checker, parameters, goal: numpy.ndarray, robot, motions: dict[str, numpy.ndarray], attempt: int, min_d: float):
+    """States in which the goal's link stands to its object (without one: to the world) as in the nominal problem; the nominal goal if no link is given."""
+    link = parameters.get("goal_link")
+    if link is None:
+        return [goal]
+    nominal = robot.fk(checker.full_state(goal)[:len(robot.variables)])[robot.links.index(link)]
+    found = checker.goal_states(link, motions[parameters.get("goal_object", "")] @ nominal, count=4, seed=1 + attempt, min_d=min_d)
+    return list(found.states)
+
+
 def _variation(worlds, name, drawn, stream, parameters) -> tuple[Scene, Any]:
     """Poses of objects and of the base sampled until start and goal are free and a path between them is proved."""
-    file = f"scenes.{name}"
-    robot = parameters["robot"]
+    file, robot = f"scenes.{name}", parameters["robot"]
     if robot not in worlds.plan["campaign"]["robots"]:
         raise FleetError("campaign", f"{file}.parameters.robot", f"is {robot!r}", "name a robot of the campaign")
     nominal = Scene(str(worlds.folder / parameters["scene"]))
+    for key, known in (("goal_link", worlds.robot(robot).links), ("goal_object", nominal.objects)):
+        if key in parameters and parameters[key] not in known:
+            raise FleetError("campaign", f"{file}.parameters.{key}", f"is {parameters[key]!r}", f"give one of {', '.join(known)}")
     variables = worlds.checker_of(robot, Scene()).variables
     start, goal = read_joints(worlds.folder / parameters["request"], f"{file}.request", variables)
-    for _ in range(int(drawn("tries"))):
+    min_d = drawn("min_d")
+    for attempt in range(int(drawn("tries"))):
         scene = pickle.loads(pickle.dumps(nominal))
         far, turn = drawn("base_shift"), drawn("base_turn")
         base = numpy.linalg.inv(turned(turn * stream.uniform(-1, 1), *(far * stream.uniform(-1, 1, size=2)), 0.0))
+        motions = {"": base}
         for each in nominal.objects:
             centre = numpy.mean([pose[:3, 3] for _, pose in nominal.shapes(each)], axis=0)
             about = turned(0, *centre) @ turned(drawn("object_turn") * stream.uniform(-1, 1)) @ turned(0, *-centre)
-            shift = turned(0, *(drawn("object_shift") * stream.uniform(-1, 1, size=2)), 0.0)
-            _moved(scene, each, base @ shift @ about)
+            motions[each] = base @ turned(0, *(drawn("object_shift") * stream.uniform(-1, 1, size=2)), 0.0) @ about
+            _moved(scene, each, motions[each])
         checker = worlds.checker_of(robot, scene)
-        if checker.is_free(numpy.array([start, goal]), min_d=drawn("min_d")).all():
-            plan = checker.plan(start, goal, min_d=drawn("min_d"), most_nodes=int(drawn("most_nodes")), smooth=False)
-            if plan.solved:
-                return scene, (robot, start, goal)
+        if not checker.is_free(start, min_d=min_d):
+            continue
+        for end in _reached(checker, parameters, goal, worlds.robot(robot), motions, attempt, min_d):
+            if checker.is_free(end, min_d=min_d) and checker.plan(start, end, min_d=min_d, most_nodes=int(drawn("most_nodes")), smooth=False).solved:
+                return scene, (robot, start, numpy.asarray(end))
     raise FleetError("campaign", file, f"has no feasible variation in {int(drawn('tries'))} tries", "give smaller shifts and turns, or more tries")
 
 
@@ -161,8 +176,9 @@ def check_generator(name: str, entry: dict[str, Any]) -> None:
     if entry["generator"] not in GENERATORS:
         raise FleetError("campaign", f"scenes.{name}.generator", f"is {entry['generator']!r}", f"give one of {', '.join(GENERATORS)}")
     make, ranges = GENERATORS[entry["generator"]]
-    texts = ("scene", "request", "robot") if make is _variation else ()
-    for key in texts:
+    needed = ("scene", "request", "robot") if make is _variation else ()
+    texts = (*needed, "goal_link", "goal_object") if make is _variation else ()
+    for key in needed:
         if not isinstance(entry["parameters"].get(key), str):
             raise FleetError("campaign", f"scenes.{name}.parameters.{key}", "is missing", "variations need scene, request and robot")
     for key, value in entry["parameters"].items():

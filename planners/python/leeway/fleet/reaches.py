@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Paths for the referee on a folder with one robot, one scene and many requests, as examples/kitchen's kitchen_demo writes them.
+
+    build/bin/kitchen_demo demo
+    python -m leeway.fleet.reaches demo paths.jsonl              # leeway, and OMPL's RRTConnect with its default sampled motions
+    python -m leeway.fleet referee paths.jsonl --data demo
+"""
+from __future__ import annotations
+
+import json
+import pathlib
+import sys
+import time
+
+import numpy
+
+from .._core import Checker, Robot, Scene
+from .paths import read_group, read_joints, read_states
+
+__all__ = ["plan_reaches"]
+
+SAMPLED = "OMPL, sampled at its default"
+
+
+def _by_leeway(checker: Checker, start, goal, seed: int, seconds: float):
+    found = checker.plan(start, goal, seed=seed, seconds=seconds)
+    return found.path
+
+
+def _by_ompl(checker: Checker, start, goal, seed: int, seconds: float):
+    """RRTConnect and OMPL's simplification; states are checked by leeway, motions at OMPL's default resolution."""
+    from ompl import geometric, util
+
+    from .. import ompl as bridge
+    util.setLogLevel(util.LOG_NONE)
+    setup = geometric.SimpleSetup(bridge.state_space(checker))
+    information = setup.getSpaceInformation()
+    information.setStateValidityChecker(bridge.StateValidityChecker(information, checker))
+    ends = [information.getStateSpace().allocState() for _ in range(2)]
+    for state, q in zip(ends, (start, goal)):
+        bridge.from_array(checker, q, state)
+    setup.setStartAndGoalStates(*ends)
+    setup.setPlanner(geometric.RRTConnect(information))
+    solved = setup.solve(seconds)
+    if not solved or not setup.haveExactSolutionPath():
+        return None
+    setup.simplifySolution()
+    path = setup.getSolutionPath()
+    return numpy.array([bridge.to_array(checker, path.getState(i)) for i in range(path.getStateCount())])
+
+
+def plan_reaches(folder, out, runs: int = 3, seconds: float = 20.0) -> dict[str, list[int]]:
+    """Writes a line for each path: folder has robot.urdf, robot.srdf, scene.yaml and reach/*.yaml. Returns solved and asked runs by planner."""
+    folder = pathlib.Path(folder)
+    robot, scene = Robot(folder / "robot.urdf", folder / "robot.srdf"), Scene(folder / "scene.yaml")
+    counts: dict[str, list[int]] = {}
+    with open(out, "w") as file:
+        for request in sorted((folder / "reach").glob("*.yaml")):
+            reference = {name: value for name, value in read_states(request).items() if name in robot.variables}
+            checker = Checker(robot, scene, group=read_group(request), reference=reference)
+            start, goal = read_joints(request, "", checker.variables)
+            for run in range(1, runs + 1):
+                for name, plan in (("leeway", _by_leeway), (SAMPLED, _by_ompl)):
+                    clock = time.process_time()
+                    path = plan(checker, start, goal, run, seconds)
+                    spent = time.process_time() - clock
+                    count = counts.setdefault(name, [0, 0])
+                    count[1] += 1
+                    if path is not None:
+                        count[0] += 1
+                        file.write(json.dumps({"problem": f"kitchen {request.stem}", "way": name, "run": run, "plan_us": 1e6 * spent, "simplify_us": 0.0,
+                            "path": path.tolist(), "joints": checker.variables}) + "\n")
+    return counts
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit("usage: python -m leeway.fleet.reaches FOLDER PATHS.jsonl")
+    for planner, (solved, asked) in plan_reaches(sys.argv[1], sys.argv[2]).items():
+        print(f"{planner}: {solved} of {asked} runs solved")
