@@ -123,6 +123,7 @@ Json closestPairs( const ViewMotion& motion )
 	}
 	constexpr std::size_t most_pairs = 40;
 	std::vector<std::pair<std::pair<double, std::size_t>, std::tuple<int, std::uint32_t, std::uint32_t>>> sorted;
+	sorted.reserve( least.size() );
 	for ( const auto& [pair, place] : least )
 	{
 		sorted.emplace_back( place, pair );

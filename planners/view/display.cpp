@@ -178,7 +178,7 @@ void addToHull( const std::vector<Point>& v, std::uint32_t point, double slack, 
 
 DisplayMesh displayMesh( const lw_shape* shape, std::size_t budget )
 {
-	const DisplayMesh whole = wholeMesh( shape );
+	DisplayMesh whole = wholeMesh( shape );
 	if ( whole.triangles.size() <= budget )
 	{
 		return whole;

@@ -92,6 +92,7 @@ std::string findBrowser()
 bool runQuietly( const std::vector<std::string>& command )
 {
 	std::vector<char*> arguments;
+	arguments.reserve( command.size() + 1 );
 	for ( const std::string& word : command )
 	{
 		arguments.push_back( const_cast<char*>( word.c_str() ) );
@@ -145,7 +146,7 @@ std::string pagePicture( const std::string& html, const PictureOptions& options 
 	const Progress progress( "drawing the picture" );
 	const bool drawn = runQuietly( command );
 	std::ifstream file( png, std::ios::binary );
-	const std::string bytes( std::istreambuf_iterator<char>( file ), {} );
+	std::string bytes( std::istreambuf_iterator<char>( file ), {} );
 	if ( !drawn || bytes.empty() )
 	{
 		throw io::Error( options.file, "the picture", fmt::format( "{} drew none", browser ),

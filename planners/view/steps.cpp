@@ -166,6 +166,7 @@ ViewMotion motionOfTrajectory(
     const Workbench& bench, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file )
 {
 	std::vector<double> corners;
+	corners.reserve( segments.size() );
 	for ( const Segment& segment : segments )
 	{
 		corners.push_back( segment.begin );

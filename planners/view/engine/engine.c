@@ -134,7 +134,7 @@ static bool read_shapes( const void* blob, size_t size )
 	world.shape_count = whole();
 	lw_diag diag = { 0 };
 	lw_digest key = { 0 };
-	world.shapes = list( world.shape_count, sizeof *world.shapes ); // robot and scene keep references of their own
+	world.shapes = list( world.shape_count, sizeof( void* ) ); // robot and scene keep references of their own
 	return !failed( lw_blob_read_shapes( blob, size, key, NULL, &diag, world.shapes, world.shape_count ), "shapes", &diag );
 }
 
