@@ -6,7 +6,7 @@ import { Engine } from "./engine.js";
 import { between } from "./kinematics.js";
 import { makeChoices, makeJoints, makeNotes, pairNames, showAnswer } from "./panel.js";
 import { Stage } from "./stage.js";
-import { clearanceOf, element, length, place } from "./text.js";
+import { clearanceOf, element, length, place, stated, statement } from "./text.js";
 
 const $ = (id) => document.getElementById(id), SECONDS_OF_PLAY = 8; // of a motion without times
 const UNKNOWN = { environment: null, self: null, touching: [] };
@@ -43,7 +43,7 @@ class Page {
 		} else {
 			note = "a state moved by hand";
 		}
-		this.answer = { ...answer, touching: [...answer.touching, ...(step?.marked ?? [])] };
+		this.answer = { ...answer, touching: step?.marked ?? answer.touching }; // a list of contacts marks one pair at a time
 		this.stage.pose(this.q);
 		showAnswer(this.model, this.answer, step?.label ?? note);
 		this.showPair();
@@ -151,8 +151,8 @@ class Page {
 		Object.assign($("time"), { min: this.steps[0].at, max: this.steps.at(-1).at, step: motion.unit === "state" ? 1 : "any" });
 		$("time").addEventListener("input", () => this.go(Number($("time").value)));
 		$("play").addEventListener("click", () => this.play());
-		const value = Math.min(...["environment", "self"].map((kind) => clearanceOf(least[kind])?.upper ?? Infinity));
-		$("least").append(element("span", "Smallest clearance", { class: "pair" }), element("span", length(value), { class: "value" }),
+		const nearest = ["environment", "self"].map((kind) => clearanceOf(least[kind])).filter((c) => c !== null).sort((a, b) => stated(a) - stated(b))[0];
+		$("least").append(element("span", "Smallest clearance", { class: "pair" }), element("span", nearest === undefined ? "–" : statement(nearest), { class: "value" }),
 			element("span", `at ${place(least.at, motion.unit)}`, { class: "kind" }));
 		$("least").addEventListener("click", () => this.go(least.at));
 		for (const pair of motion.pairs) {
@@ -259,6 +259,7 @@ class Page {
 		this.startAt = Number.isFinite(at) ? at : this.steps[0].at;
 		if (given.has("picture")) {
 			document.body.dataset.picture = "";
+			this.stage.still = true;
 		}
 		for (const name of ["hulls", "spheres", "through"]) {
 			if (given.has(name)) {

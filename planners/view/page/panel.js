@@ -7,15 +7,16 @@ export function pairNames(model, kind, a, b) {
 	return kind === "self" ? `${link(a)} – ${link(b)}` : `${link(a)} – ${model.objects[b] ?? "–"}`;
 }
 
-/// "Free", "Below the required clearance" or "In contact".
+/// Free, too close, within a margin, in contact, or not decided.
 export function verdictOf(answer, min_d) {
 	const values = [answer.environment, answer.self].filter((c) => c !== null);
 	if (values.length === 0) {
 		return { text: "not measured", bad: false };
 	}
 	const least = Math.min(...values.map((c) => c.lower)), attained = Math.min(...values.map((c) => c.upper ?? Infinity));
+	const distance = Math.min(...values.map((c) => (c.upper === null ? Infinity : c.upper + c.margin)));
 	return least > min_d ? { text: "● free", bad: false }
-		: attained <= 0 ? { text: "▲ in contact", bad: true }
+		: distance <= 0 ? { text: "▲ in contact", bad: true } : attained <= 0 ? { text: "▲ in the margin", bad: true }
 			: attained <= min_d ? { text: "▲ too close", bad: true } : { text: "◆ not decided", bad: true };
 }
 
@@ -35,6 +36,7 @@ export function showAnswer(model, answer, note) {
 	const asked = [answer.environment, answer.self].filter((c) => c !== null).sort((a, b) => stated(a) - stated(b));
 	const verdict = verdictOf(answer, model.min_d);
 	$("clearance").textContent = asked.length > 0 ? statement(asked[0]) : "–";
+	$("clearance").classList.toggle("long", $("clearance").textContent.length > 12);
 	$("verdict").textContent = verdict.text;
 	$("verdict").classList.toggle("bad", verdict.bad);
 	$("verdict-note").textContent = [model.min_d > 0 ? `required: more than ${length(model.min_d)}` : "", note].filter((t) => t !== "").join("; ");

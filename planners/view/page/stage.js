@@ -8,7 +8,8 @@ import { linkPoses } from "./kinematics.js";
 
 const UP = new Vector3(0, 0, 1);
 const SLOW = 50;          // milliseconds per frame from which moving pictures become coarser
-const CONTINUOUS = 700;   // milliseconds between two frames of one movement, at most
+const CONTINUOUS = 1500;  // milliseconds between two frames of one movement, at most
+const BEGIN = 6;          // frames of a movement before it becomes coarser
 const STILL = 250;        // milliseconds after which a picture is drawn in full again
 const COARSEST = 0.35;    // share of the full resolution
 
@@ -27,7 +28,7 @@ export class Stage {
 		this.renderer = new WebGLRenderer({ canvas, antialias: true });
 		this.full = Math.min(2, window.devicePixelRatio || 1);
 		this.renderer.setPixelRatio(this.full);
-		Object.assign(this, { drawn: -Infinity, pace: 0, moving: 1, shown: 1 });
+		Object.assign(this, { drawn: -Infinity, run: 0, pace: 0, moving: 1, shown: 1, still: false });
 		this.scene = new Scene();
 		this.camera = new PerspectiveCamera(40, 1, 0.01, 200);
 		this.camera.up.copy(UP);
@@ -291,14 +292,15 @@ export class Stage {
 
 	/// Where frames take long (no graphics card, large meshes) a movement is drawn coarser; the still picture is drawn in full.
 	adapt(now) {
-		const time = now - this.drawn, continuous = time < CONTINUOUS && !this.resting;
+		const time = now - this.drawn, continuous = time < CONTINUOUS && !this.resting && !this.still;
 		this.drawn = now;
+		this.run = continuous ? this.run + 1 : 0;
 		this.pace = continuous ? 0.6 * this.pace + 0.4 * time : 0;
-		if (this.pace > SLOW && this.moving > COARSEST) {
+		if (this.run > BEGIN && this.pace > SLOW && this.moving > COARSEST) {
 			this.moving = Math.max(COARSEST, 0.7 * this.moving);
 			this.pace = 0;
 		}
-		this.sharpness(continuous ? this.moving : 1);
+		this.sharpness(this.run > BEGIN ? this.moving : 1);
 		clearTimeout(this.rest);
 		if (this.shown < 1) {
 			this.rest = setTimeout(() => {
