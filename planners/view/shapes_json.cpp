@@ -108,6 +108,11 @@ Json oneShape( const lw_shape* shape, const std::string& owner, std::size_t budg
 	}
 	else
 	{
+		if ( !std::isfinite( info.sphere_radius ) )
+		{
+			content.omitted.push_back(
+			    fmt::format( "{}: it has no end; a square of 20 m is drawn", owner ) ); // page/geometry.js
+		}
 		json = { { "type", lw_shape_type_name( info.type ) },
 		    { "dimensions", { info.dimensions[0], info.dimensions[1], info.dimensions[2] } } };
 	}

@@ -89,6 +89,15 @@ TEST_F( CliView, APageListsItsSimplifiedMeshes )
 	    << "no engine data in a stored page";
 }
 
+TEST_F( CliView, APageListsPlanesThatItCannotDrawWhole )
+{
+	write( "plane.yaml",
+	    "name: plane\nworld:\n  collision_objects:\n    - id: ground\n      planes: [{coef: [0, 0, 1, 3]}]\n      plane_poses: [{position: [0, 0, 0]}]\n" );
+	ASSERT_EQ( view( { "--out", "page.html" }, "plane.yaml" ).status, 0 );
+	EXPECT_EQ( model( "page.html" )["omitted"][0], "object ground: it has no end; a square of 20 m is drawn" );
+	EXPECT_EQ( model( "page.html" )["shapes"].back()["levels"].size(), 0U ) << "no sphere contains it";
+}
+
 TEST_F( CliView, EverySubcommandWritesAPageOfItsResult )
 {
 	const Outcome plan = runModel( "plan", { "--start", "shoulder=-0.6", "--goal", "shoulder=-0.2", "--out", "path.yaml",
