@@ -198,7 +198,7 @@ TEST( ClearanceGrids, NoStateIsNearerThanItsCellSays )
 	SeededRng rng;
 	int grids = 0, cells = 0, tight = 0, near = 0;
 	std::uint32_t dimensions[4] = { 0, 0, 0, 0 };
-	// A slow machine makes fewer grids of a robot in its second: it goes on to more robots
+	// A slow machine makes fewer grids of a robot in its second: it goes on to more robots, here and below
 	const auto few = [&]
 	{ return grids < 30 || dimensions[1] < 3 || dimensions[2] < 5 || dimensions[3] < 3 || cells < 300; };
 	for ( int round = 0; round < 24 || ( round < 240 && few() ); ++round )
@@ -248,7 +248,7 @@ TEST( ClearanceGrids, CheckersLookIntoTheRightCell )
 {
 	SeededRng rng;
 	int looked = 0, said = 0;
-	for ( int round = 0; round < 8; ++round )
+	for ( int round = 0; round < 8 || ( round < 80 && ( looked < 1000 || said < 300 ) ); ++round )
 	{
 		RobotWithGrids world( rng, round );
 		for ( std::uint32_t v = 0; v < world.reference.size(); ++v )
@@ -305,7 +305,7 @@ TEST( ClearanceGrids, NoStateOfAnEdgeSaysLessThanTheEdge )
 {
 	SeededRng rng;
 	int edges = 0, said = 0;
-	for ( int round = 0; round < 8; ++round )
+	for ( int round = 0; round < 8 || ( round < 80 && ( edges < 500 || said < 100 ) ); ++round )
 	{
 		RobotWithGrids world( rng, round );
 		world.group.resize( world.reference.size() );
