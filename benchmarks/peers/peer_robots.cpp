@@ -11,7 +11,7 @@
 namespace
 {
 
-constexpr double MARGIN = 0.01, NEAR = 0.05, RESOLUTION = 0.01, LENGTH = 0.5;
+constexpr double MARGIN = 0.01, NEAR = 0.05, RESOLUTION = 0.01;
 
 const Question QUESTIONS[] = { { "exact" }, { "alpha 0.05", 0.05 }, { "alpha 0.3", 0.3 },
     { "margin 10 mm", 0, true, MARGIN }, { "boolean", 0, true, 0 } };
@@ -66,15 +66,18 @@ public:
 
 	void runEdges( std::mt19937_64& random )
 	{
-		for ( const bool near : { true, false } )
+		for ( const double length : m_settings.lengths )
 		{
-			m_edges.clear();
-			for ( std::size_t i = 0; i < m_settings.states; ++i )
+			for ( const bool near : { true, false } )
 			{
-				Place* place = placeOf( i );
-				m_edges.push_back( { place, place->world->randomMotion( near, LENGTH, random, place->judges->spare() ) } );
+				m_edges.clear();
+				for ( std::size_t i = 0; i < m_settings.states; ++i )
+				{
+					Place* place = placeOf( i );
+					m_edges.push_back( { place, place->world->randomMotion( near, length, random, place->judges->spare() ) } );
+				}
+				askEdges( near ? "near" : "anywhere", length );
 			}
-			askEdges( near ? "near" : "anywhere" );
 		}
 	}
 
@@ -226,7 +229,7 @@ private:
 	}
 
 	/// Answers are 1 for "not free". Sampling may miss a collision; only its word that there is one can contradict a proof.
-	void askEdges( const char* set )
+	void askEdges( const char* set, double length )
 	{
 		std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> found; // edge and peer: a state in collision
 		const std::vector<Asked> asked = askedOf(
@@ -235,7 +238,7 @@ private:
 			    const Edge& edge = m_edges[numberOf( n )];
 			    const lw_edge_def def = lw_edge_def_default();
 			    lw_edge_result result;
-			    return single( edge.place->judges->byCertificate( edge.motion, true, def, result ) ? 0 : 1 );
+			    return single( edge.place->judges->byCertificate( edge.motion, m_settings.tables, def, result ) ? 0 : 1 );
 		    },
 		    false, true,
 		    [this, &found]( std::size_t p, const double* n )
@@ -268,9 +271,9 @@ private:
 		    } );
 		const std::vector<double> free_to_all( m_edges.size(), 1.0 );
 		trial.run( m_edges.size(), m_settings.repetitions, free_to_all );
-		char text[96];
-		std::snprintf(
-		    text, sizeof text, "C %s edges of %g rad, sampled at 1 %% by peers, %s", m_name.c_str(), LENGTH, set );
+		char text[160];
+		std::snprintf( text, sizeof text, "C %s edges of %g rad, sampled at 1 %% by peers%s, %s", m_name.c_str(), length,
+		    m_settings.tables ? "" : ", no tables", set );
 		std::vector<double> verdicts;
 		for ( std::size_t i = 0; i < m_edges.size(); ++i )
 		{

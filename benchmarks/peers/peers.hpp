@@ -20,6 +20,8 @@ struct PeersSettings
 	int repetitions = 3;
 	std::uint64_t seed = 20260101;
 	double budget = 2; ///< seconds for pair proofs
+	bool tables = true;                 ///< of pairs and motion hulls, for edges
+	std::vector<double> lengths{ 0.5 }; ///< of edges, radians
 	bool quick = false;
 };
 

@@ -33,6 +33,11 @@ void addPeers( CLI::App& app, PeersSettings& settings )
 	    ->check( CLI::Range( 1, 1000 ) );
 	peers.add_option( "--budget", settings.budget, "seconds for leeway's proofs of pairs, per robot" )
 	    ->capture_default_str();
+	peers.add_option( "--lengths", settings.lengths, "of the edges of C, radians" )
+	    ->delimiter( ',' )
+	    ->capture_default_str()
+	    ->check( CLI::PositiveNumber );
+	peers.add_flag( "!--no-tables", settings.tables, "edges of C are proved without motion hulls and tables of pairs" );
 	peers.add_option( "--seed", settings.seed, "of states and edges" )->capture_default_str();
 	peers.add_option( "--peer", settings.modules, "a module with another library's engine (benchmarks/README.md)" );
 	peers.add_option( "--json", settings.json, "write rows and provenance to this file" );
