@@ -24,7 +24,7 @@ using State = std::vector<double>;
 
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, json, only;
+	std::string data = LEEWAY_DATA_DIR, json, only, robot, scene;
 	std::size_t motions = 2000;
 	unsigned threads = 1, states = 200;
 	double budget = 2, minutes = 1e9;
@@ -264,7 +264,8 @@ public:
 	explicit Audit( const Settings& settings )
 	    : m_settings( settings ), m_worlds( settings.data, reachDef( settings.budget ) )
 	{
-		const auto wanted = [&]( const std::string& set ) { return set.find( settings.only ) != std::string::npos; };
+		const auto wanted = [&]( const std::string& set )
+		{ return settings.robot.empty() && set.find( settings.only ) != std::string::npos; };
 		for ( const char* group : { "right_arm", "torso_right_arm" } )
 		{
 			addSet( wanted( std::string( "armar3 " ) + group ), [&] { m_worlds.addArmar( group, { 1, 7 } ); } );
@@ -273,6 +274,27 @@ public:
 		addSet( wanted( "panda panda_arm" ), [&] { m_worlds.addMbm( "panda", "panda_arm", { 1 } ); } );
 		addSet( wanted( "random robots" ),
 		    [&] { m_worlds.addRandom( settings.seed, std::max<std::size_t>( 20, settings.motions / 2000 ) ); } );
+		if ( !settings.robot.empty() )
+		{
+			const std::size_t first = settings.robot.find( ',' ), second = settings.robot.find( ',', first + 1 );
+			if ( second == std::string::npos )
+			{
+				throw std::runtime_error( "--robot " + settings.robot + ": give URDF,SRDF,GROUP; GROUP may be empty" );
+			}
+			const std::string name = settings.robot.substr( 0, first ), group = settings.robot.substr( second + 1 );
+			Json source = { { "set", name.substr( name.rfind( '/' ) + 1 ) }, { "name", name }, { "robot", name },
+			    { "srdf", settings.robot.substr( first + 1, second - first - 1 ) } };
+			if ( !group.empty() )
+			{
+				source["group"] = group;
+			}
+			if ( !settings.scene.empty() )
+			{
+				source["scene"] = settings.scene;
+			}
+			m_sets.clear();
+			addSet( true, [&] { m_worlds.add( source ); } );
+		}
 		if ( m_sets.empty() )
 		{
 			throw std::runtime_error( "--only " + settings.only + ": no set of worlds has that in its name" );
@@ -405,6 +427,8 @@ int main( int argc, char** argv )
 	    "audit_motions", "Who calls a curve, a motion near an edge, or a rounded corner free that is not?" );
 	program.option( "--data", settings.data, "folder of robots and scenes" );
 	program.option( "--only", settings.only, "only sets of worlds with this in their name, such as 'panda' or 'random'" );
+	program.option( "--robot", settings.robot, "URDF,SRDF,GROUP: this robot instead; no GROUP is all joints" );
+	program.inputFile( "--scene", settings.scene, "with --robot: planning scene" );
 	program.option( "--count", settings.motions, "how many motions to judge" );
 	program.option( "--states", settings.states, "of each free one that are attacked", { 1 } );
 	program.option( "--minutes", settings.minutes, "after which no more are judged", POSITIVE );

@@ -130,7 +130,6 @@ static void tolerate( lwi_edge* e )
 bool lwi_edge_measure_motion( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	e->query->edge_count++;
 	e->apart = e->spare = INFINITY;
 	e->most_states = LW_EDGE_MOST_STATES;
 	if ( !lwi_motion_begin( c->base->motion, e->full_a, e->full_b, e->motion ) )

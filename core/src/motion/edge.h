@@ -37,7 +37,6 @@ typedef struct lwi_edge_pair
 	uint32_t pair_cache; ///< index into `pair_cache`
 	uint8_t cells;   ///< of LWI_WIDTH, not proved by the interval batch
 	bool neighbours; ///< its spheres are always near: cells that the interval batch leaves open are no hint of a collision
-	uint32_t listed; ///< obstacles near it, the first of query->candidates, for its next measurement only; 0: not listed
 	double slack;    ///< metres: the edge's, or less once a clearance was found to be within that, see lwi_edge_slack()
 } lwi_edge_pair;
 
@@ -46,8 +45,6 @@ typedef struct lwi_edge_pair
 typedef struct lwi_edge_plane
 {
 	uint32_t key;      ///< of the pair; 0: empty
-	uint32_t edge;     ///< lwi_query::edge_count of the two below
-	lwi_backoff backoff; ///< of searches for a new one; a failure: their hulls were too near at one time
 	bool begun;        ///< there are some
 	bool swapped;       ///< they are given in the frame of the first of the two
 	uint8_t served;    ///< lanes of planes that served since the last new one came
@@ -283,10 +280,9 @@ static inline bool lwi_edge_rotates_little( const lwi_edge* edge, lwi_edge_windo
 // --- motion/plane_test.c --------------------------------------------------------------------------------------------------
 
 /// Searches for planes that prove a pair during a window, at whose middle the query is posed.
-/// @param listed obstacles near the body that are the first of query->candidates; 0: not listed
 /// @param skip number of levels below to skip, if the answer is CLOSER
 lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window,
-	uint32_t listed, uint8_t* skip );
+	uint8_t* skip );
 
 // --- motion/edge_pair.c ---------------------------------------------------------------------------------------------------
 

@@ -105,10 +105,9 @@ static void note_plane( lwi_edge* e, const lwi_edge_pair* pair )
 /// Proves a pair during the window by planes, if there are any. In the shortest windows a distance proves every pair that is
 /// not given up, so there a window that is too wide for planes is measured.
 /// @return false if it is to be measured
-static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, uint32_t listed,
-	lwi_edge_sample* out )
+static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, lwi_edge_sample* out )
 {
-	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window, listed, &out->skip );
+	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window, &out->skip );
 	const bool shortest = !( e->longest * window.half > lwi_edge_slack( e, pair ) );
 	if ( by == LWI_EDGE_MEASURE || ( shortest && by == LWI_EDGE_CLOSER ) )
 	{
@@ -185,9 +184,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 	{
 		return s;
 	}
-	const uint32_t listed = pair->listed; // any measurement replaces the list
-	pair->listed = 0;
-	if ( prove_by_planes( e, pair, window, listed, &s ) )
+	if ( prove_by_planes( e, pair, window, &s ) )
 	{
 		e->close += close && !s.proved;
 		return s;
@@ -201,7 +198,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 	if ( s.low && !s.blocked && tighten( e, pair, &s ) )
 	{
 		s.low = false;
-		if ( is_proved( e, pair, loss, &s ) || ( prove_by_planes( e, pair, window, 0, &s ) && s.proved ) )
+		if ( is_proved( e, pair, loss, &s ) || ( prove_by_planes( e, pair, window, &s ) && s.proved ) )
 		{
 			return s;
 		}

@@ -158,8 +158,8 @@ static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
 			lw_vec3 middle = lwi_transform( pose, lwi_load( c->base->tree->body_spheres[i].center ) );
 			reach = e->enough[0] + displacement_length( s, velocity, middle );
 		}
-		pair.listed = lwi_checker_near_obstacles( c, e->query, pair.body_a, reach );
-		if ( pair.listed > 0 && !test_edge_pair( s, pair ) )
+		const bool near = lwi_checker_near_obstacles( c, e->query, pair.body_a, reach ) > 0;
+		if ( near && !test_edge_pair( s, pair ) )
 		{
 			return false;
 		}

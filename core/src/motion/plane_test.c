@@ -12,11 +12,6 @@
 
 #include <string.h>
 
-enum
-{
-	MAX_FAILURES = 6 ///< after so many, one in 2^6 tries
-};
-
 /// Keys of pairs of bodies; those of a body and an obstacle are below.
 #define SELF_KEY 0x80000000u
 
@@ -30,9 +25,7 @@ typedef struct plane_test
 	const lwi_edge_pair* pair;
 	lwi_edge_window window;
 	const lwi_edge_linear_motion* linear; ///< of both bodies; NULL if one has none
-	double enough; ///< clearance that proves the pair, without margins
-	uint32_t listed; ///< see lwi_edge_plane_test()
-	bool close;    ///< the pair is within the edge's slack: every test of planes is worth its time
+	double enough;                        ///< clearance that proves the pair, without margins
 	double bulge;  ///< metres: deviation of both paths from the lines between the poses
 
 	lwi_swept_poses *a, *b;
@@ -70,12 +63,6 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
 	{
 		p->key = key + 1;
 		p->begun = false;
-		p->edge = 0;
-	}
-	if ( p->edge != e->query->edge_count ) // skipping must not depend on other edges; planes may
-	{
-		p->edge = e->query->edge_count;
-		p->backoff = (lwi_backoff){ 0 };
 	}
 	return p;
 }
@@ -162,10 +149,6 @@ static double center_displacement( lwi_edge* e, uint32_t body, uint32_t ancestor
 static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, double margin )
 {
 	const double need = lwi_larger( s->enough + margin, 0 );
-	if ( !s->close && !lwi_backoff_is_due( &p->backoff ) )
-	{
-		return LWI_EDGE_MEASURE;
-	}
 	const lwi_kernels* kernels = s->edge->query->search.kernels;
 	float direction[3];
 	direction_between( s->a, s->b, direction );
@@ -181,13 +164,10 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 		lwi_separation middle = lwi_separate_swept( kernels, &middle_a, &middle_b, need, direction, &plane );
 		found = middle == LWI_APART ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
 	}
-	if ( found == LWI_EDGE_MEASURE )
+	if ( found != LWI_EDGE_MEASURE )
 	{
-		lwi_backoff_failed( &p->backoff, MAX_FAILURES, 0 );
-		return found;
+		add_plane( p, plane );
 	}
-	lwi_backoff_succeeded( &p->backoff );
-	add_plane( p, plane );
 	return found;
 }
 
@@ -235,12 +215,8 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
 	const lwi_edge_pair* pair = s.pair;
-	uint32_t count = s.listed;
-	if ( count == 0 )
-	{
-		const double reach = s.enough + center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
-		count = lwi_checker_near_obstacles( c, e->query, pair->body_a, reach );
-	}
+	const double reach = s.enough + center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
+	const uint32_t count = lwi_checker_near_obstacles( c, e->query, pair->body_a, reach );
 	if ( count == 0 )
 	{
 		return LWI_EDGE_PROVED;
@@ -278,8 +254,7 @@ static bool is_number( lw_vec3 v )
 	return v.x == v.x;
 }
 
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window,
-	uint32_t listed, uint8_t* skip )
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, uint8_t* skip )
 {
 	*skip = 0;
 	if ( !( window.half > 0 ) )
@@ -297,8 +272,7 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 						 : linear[1];
 		is_linear = is_number( linear[0].twist.angular ) && is_number( linear[1].twist.angular );
 	}
-	plane_test s = { .edge = e, .pair = pair, .window = window, .listed = listed };
-	s.close = lwi_edge_is_close( e, pair );
+	plane_test s = { .edge = e, .pair = pair, .window = window };
 	s.enough = lwi_edge_enough( e, pair );
 	s.linear = is_linear ? linear : NULL;
 	s.bulge = is_linear ? linear[0].bulge + linear[1].bulge : poses_error( pair, window.half );

@@ -89,7 +89,6 @@ struct lw_query
 	lwi_query_cache cache;
 	lwi_query_scratch scratch;
 	lwi_query_sizes capacity; ///< as created
-	uint32_t edge_count;      ///< edges checked so far, modulo 2^32
 	lw_allocator allocator;
 	size_t bytes;
 };
