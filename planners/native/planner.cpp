@@ -36,6 +36,7 @@ namespace
 constexpr unsigned lanes = 8;    // states per lw_checker_look()
 constexpr unsigned quarters = 4; // states checked per step towards the other tree
 constexpr unsigned steps_ahead = lanes / quarters;
+constexpr std::uint64_t early_samples = 64;          // half of these lie anywhere: they solve easy problems
 constexpr std::uint64_t least_free_per_failure = 8; // late proofs: with fewer, edges are proved at once
 
 /// Rough quantile of a bell curve with variance near 1 (Tukey's lambda, 0.14): directions of samples need no more.
@@ -148,12 +149,13 @@ void Planner::Parts::drawUnit()
 	}
 }
 
-/// A sample of the bounds, or of the ball around a random node of the tree, cut to the bounds.
+/// A sample of the bounds, or of the ball around a random node of the tree, cut to the bounds. Half of the early ones are of the bounds.
 void Planner::Parts::drawSample( const Tree& tree )
 {
 	++statistics.samples;
 	drawUnit();
-	if ( !( settings.sample_radius > 0 ) )
+	const bool anywhere = statistics.samples <= early_samples && random.uniform() < 0.5;
+	if ( anywhere || !( settings.sample_radius > 0 ) )
 	{
 		for ( std::size_t i = 0; i < space.size(); ++i )
 		{

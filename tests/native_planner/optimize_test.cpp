@@ -84,7 +84,9 @@ Path around( Problem& problem )
 
 TEST( NativeOptimizer, ComesNearTheShortestPathAroundAWall )
 {
-	for ( std::uint64_t seed = 1; seed <= 3; ++seed )
+	constexpr std::uint64_t seeds = 9;
+	double sum = 0; // over 24 seeds the excess was 0.2 to 2.5 %, in the mean 1.1 %
+	for ( std::uint64_t seed = 1; seed <= seeds; ++seed )
 	{
 		Problem problem( wallWorld(), searchSettings( seed, 0 ) );
 		Path path = around( problem );
@@ -92,8 +94,10 @@ TEST( NativeOptimizer, ComesNearTheShortestPathAroundAWall )
 		    planners::optimize( problem.checker.get(), problem.query.get(), limited( 30000, seed ), {}, path ), LW_OK );
 		const double length = planners::length( problem.checker.get(), path );
 		EXPECT_GT( length, shortest_around ) << "through the wall";
-		EXPECT_LT( length, 1.02 * shortest_around ) << "seed " << seed;
+		EXPECT_LT( length, 1.04 * shortest_around ) << "seed " << seed;
+		sum += length;
 	}
+	EXPECT_LT( sum, 1.015 * seeds * shortest_around );
 }
 
 TEST( NativeOptimizer, SamplesFillTheEllipsoidOfShorterPaths )

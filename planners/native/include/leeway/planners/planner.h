@@ -65,7 +65,7 @@ typedef struct lw_plan_def
 	const double* upper;  ///< [n]
 	lw_edge_def edge;     ///< judge of states and motions; margins of the path are its min_d
 	double range;         ///< longest edge that a tree grows by, Euclidean, > 0; 0 = a length that suits the robot
-	double sample_radius; ///< samples lie within this many ranges of a node, 6.5; 0 = anywhere in the bounds
+	double sample_radius; ///< samples lie within this many ranges of a node, 6.5; 0 = anywhere in the bounds, as half of the first 64
 	uint64_t seed;        ///< equal seeds give equal paths, unless time or a cancellation ends the work, or threads > 1
 	uint32_t
 	    threads; ///< searches side by side with the seeds seed, seed + 1, ..., 1 to 64; the first path ends all: portfolio.hpp; 1
