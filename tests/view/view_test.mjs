@@ -114,6 +114,24 @@ const tests = {
 		});
 	},
 
+	async ANewSizeIsDrawnBeforeItIsShown() {
+		await withPage(deskPage(), {}, async (tab) => {
+			// Observers run in the order of their making, before the frame is shown: this one after that of the page
+			const drawn = await tab.value(`new Promise((resolve) => {
+				const stage = document.getElementById("stage");
+				let before = null;
+				new ResizeObserver(() => {
+					if (before !== null) {
+						resolve(leeway.stage.frames - before);
+						return;
+					}
+					setTimeout(() => { before = leeway.stage.frames; stage.style.height = "300px"; }, 300);
+				}).observe(stage);
+			})`);
+			assert.ok(drawn > 0, "a picture of a new size is empty for a frame");
+		});
+	},
+
 	async AClickChoosesAPair() {
 		await withPage(deskPage(), {}, async (tab) => {
 			const { x, y } = await tab.middle("#row-self");

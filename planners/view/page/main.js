@@ -224,6 +224,7 @@ class Page {
 		document.addEventListener("keydown", (event) => this.key(event));
 		new ResizeObserver(() => {
 			this.stage.resize();
+			this.stage.draw(); // at once: a new size clears the canvas, and the next frame comes after this one is shown
 			this.chart?.draw();
 		}).observe($("stage"));
 		this.stage.onDraw = (at) => this.placeTag(at);
