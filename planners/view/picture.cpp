@@ -136,6 +136,7 @@ std::string pagePicture( const std::string& html, const PictureOptions& options 
 	const std::string address = fmt::format( "file://{}#picture=1{}{}{}{}", page.string(),
 	    options.camera.empty() ? "" : "&camera=", options.camera, options.at.empty() ? "" : "&at=", options.at );
 	std::vector<std::string> command = { browser, "--headless=new", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+	    "--disable-dev-shm-usage", // containers have little of it
 	    "--hide-scrollbars", "--no-first-run", "--disable-extensions", "--user-data-dir=" + ( folder / "profile" ).string(),
 	    fmt::format( "--window-size={},{}", options.width, options.height ), "--virtual-time-budget=15000",
 	    "--screenshot=" + png.string(), address };
