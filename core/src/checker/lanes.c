@@ -79,15 +79,35 @@ void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* s
 	}
 }
 
-void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, const double origin[3], double half )
+/// World place of the standing links: origin of the coordinates in which the robot's own spheres are compared.
+static const double* origin_of( const lw_checker* checker )
+{
+	return checker->base->group.reference_poses[checker->base->tree->clusters[0].root_link].t;
+}
+
+void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, double half )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
+	memset( query->scratch.lane_body_is_posed, 0, tree->body_count * sizeof( bool ) );
 	for ( uint32_t i = 0; i < tree->cluster_count; ++i )
 	{
 		if ( tree->clusters[i].body_count > 0 )
 		{
-			query->search.kernels->batch_point( &query->scratch.lane_frames[i], tree->clusters[i].r.center, origin, half,
-				&query->scratch.lane_spheres[i] );
+			query->search.kernels->batch_point( &query->scratch.lane_frames[i], tree->clusters[i].r.center,
+				origin_of( checker ), half, &query->scratch.lane_spheres[i] );
 		}
 	}
+}
+
+const lwi_batch_point* lwi_lane_body( const lw_checker* checker, lw_query* query, uint32_t place, double half )
+{
+	const lwi_cluster_tree* tree = checker->base->tree;
+	lwi_batch_point* point = &query->scratch.lane_bodies[place];
+	if ( !query->scratch.lane_body_is_posed[place] )
+	{
+		const lwi_batch_frame* frame = &query->scratch.lane_frames[tree->body_cluster[tree->bodies[place]]];
+		query->search.kernels->batch_point( frame, tree->body_spheres[place].center, origin_of( checker ), half, point );
+		query->scratch.lane_body_is_posed[place] = true;
+	}
+	return point;
 }

@@ -85,8 +85,11 @@ static inline const float* lwi_blocks( const lw_checker* checker, lw_query* quer
 /// Frames of all clusters, for a tree that can_batch. lane_values has the values of the joints above clusters other than 0.
 /// @param speeds [clusters] of these joints, per unit of t; NULL: at rest
 void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* speeds );
-/// Then the centres of the clusters' spheres R, from an origin in the world. @param half width of half a window in t
-void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, const double origin[3], double half );
+/// Then the centres of the clusters' spheres R, from the place of the standing links. Spheres of bodies are no longer posed.
+/// @param half width of half a window in t
+void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, double half );
+/// The centre of a body's sphere likewise, by its place in the tree; posed at the first call. @param half as there
+const lwi_batch_point* lwi_lane_body( const lw_checker* checker, lw_query* query, uint32_t place, double half );
 
 LW_EXTERN_C_END
 

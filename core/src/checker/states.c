@@ -393,19 +393,6 @@ static uint32_t grid_leaves( const lane_states* s, const double* q, const lwi_cl
 	return met;
 }
 
-/// The sphere of a body, given by its place, from the place of the standing links.
-static const lwi_batch_point* body_point( const lane_states* s, uint32_t cluster, uint32_t place )
-{
-	lwi_batch_point* point = &s->query->scratch.lane_bodies[place];
-	if ( !s->query->scratch.lane_body_is_posed[place] )
-	{
-		const double* origin = s->checker->base->group.reference_poses[s->tree->clusters[0].root_link].t;
-		s->kernels->batch_point( &s->frames[cluster], s->tree->body_spheres[place].center, origin, 0, point );
-		s->query->scratch.lane_body_is_posed[place] = true;
-	}
-	return point;
-}
-
 /// Lanes in which two spheres may be nearer than the pair's margin allows.
 static uint32_t spheres_meet( const lane_states* s, const lwi_cluster_pair* pair, const lwi_batch_point* a, double radius_a,
 	const lwi_batch_point* b, double radius_b )
@@ -423,7 +410,7 @@ static void meet_clusters( lane_states* s, const double* q, const lwi_cluster_pa
 	{
 		const uint32_t place_a = a->first_body + i;
 		const double radius_a = tree->body_spheres[place_a].radius;
-		const lwi_batch_point* point_a = body_point( s, pair->cluster_a, place_a );
+		const lwi_batch_point* point_a = lwi_lane_body( s->checker, s->query, place_a, 0 );
 		const uint32_t near = lanes & spheres_meet( s, pair, point_a, radius_a,
 										  &s->query->scratch.lane_spheres[pair->cluster_b], b->r.radius );
 		for ( uint32_t k = 0; k < b->body_count && near != 0; ++k )
@@ -435,7 +422,7 @@ static void meet_clusters( lane_states* s, const double* q, const lwi_cluster_pa
 			}
 			const uint32_t place_b = b->first_body + k;
 			const uint32_t met = near & ~s->unsure[1] &
-								 spheres_meet( s, pair, point_a, radius_a, body_point( s, pair->cluster_b, place_b ),
+								 spheres_meet( s, pair, point_a, radius_a, lwi_lane_body( s->checker, s->query, place_b, 0 ),
 									 tree->body_spheres[place_b].radius );
 			s->unsure[1] |= met != 0 ? grid_leaves( s, q, pair, i, k, met ) : 0;
 		}
@@ -449,10 +436,8 @@ static void lanes_self( lane_states* s, const double* q )
 	{
 		return;
 	}
-	const double* origin = s->checker->base->group.reference_poses[tree->clusters[0].root_link].t;
 	const lwi_batch_point* points = s->query->scratch.lane_spheres;
-	lwi_pose_lane_spheres( s->checker, s->query, origin, 0 );
-	memset( s->query->scratch.lane_body_is_posed, 0, lw_robot_body_count( s->checker->base->robot ) * sizeof( bool ) );
+	lwi_pose_lane_spheres( s->checker, s->query, 0 );
 	for ( uint32_t i = 0; i < tree->self.pair_count && ( s->left & ~s->unsure[1] ) != 0; ++i )
 	{
 		const lwi_cluster_pair* pair = &tree->self.pairs[i];

@@ -41,9 +41,7 @@ static size_t lay_out( lwi_edge* e, void* memory )
 		lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_clusters( c->base->tree ), sizeof( double ) );
 	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( bool ) );
 	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
-	e->batch.bodies = lwi_arena_take( &arena, c->base->tree->body_count, sizeof( lwi_batch_point ) );
-	e->batch.known = lwi_arena_take( &arena, c->base->tree->body_count, sizeof( bool ) );
-	e->batch.speeds = lwi_arena_take( &arena, clusters, sizeof( double ) );
+	e->speeds = lwi_arena_take( &arena, clusters, sizeof( double ) );
 	e->pair_capacity = c->base->moving_body_count + c->base->self.pair_count;
 	e->interval_capacity = 4 * e->pair_capacity + SPARE_INTERVALS;
 	e->pairs = lwi_arena_take( &arena, e->pair_capacity, sizeof( lwi_edge_pair ) );

@@ -110,14 +110,6 @@ typedef struct lwi_edge_velocity
 	const double* tubes;          ///< [depth] likewise, metres; used if the edge has a tolerance
 } lwi_edge_velocity;
 
-/// Memory of an interval batch, beside the query's lanes.
-typedef struct lwi_edge_batch
-{
-	lwi_batch_point* bodies; ///< [bodies]
-	bool* known;             ///< [bodies]
-	double* speeds;          ///< [clusters]
-} lwi_edge_batch;
-
 typedef struct lwi_edge
 {
 	const lw_checker* checker;
@@ -140,7 +132,7 @@ typedef struct lwi_edge
 	lwi_edge_velocity* velocities; ///< [clusters]
 	bool* frame_known;             ///< [LWI_EDGE_FRAMES][clusters]
 	lw_transform* frame_poses;     ///< [LWI_EDGE_FRAMES][clusters] world_from_root_link
-	lwi_edge_batch batch;
+	double* speeds;                ///< [clusters] of an interval batch
 	lwi_edge_pose_triplet triplets[2]; ///< the last two computed
 	int last_triplet;
 	lwi_edge_pair* pairs;  ///< [pair_capacity]

@@ -26,10 +26,7 @@ typedef struct interval_batch
 	const lwi_kernels* kernels;
 	const lwi_cluster_tree* tree;
 	const lwi_batch_frame* frames; ///< [clusters]
-	lwi_batch_point* bodies;   ///< [bodies] by place: middles of their spheres, from `origin`
-	bool* known;               ///< [bodies] those whose `bodies` entry is valid
-	const lwi_batch_point* clusters; ///< [clusters] the same for those of clusters
-	double origin[3];          ///< origin of the coordinates in which the robot's own spheres are compared
+	const lwi_batch_point* clusters; ///< [clusters] middles of their spheres
 	double half;               ///< width of half a window
 	double rounding;           ///< of places in the lanes, for one of two
 } interval_batch;
@@ -63,24 +60,15 @@ static void values_of( const interval_batch* batch, double* values, double* spee
 static void pose_lanes( interval_batch* batch )
 {
 	const lwi_edge* e = batch->e;
-	values_of( batch, e->query->scratch.lane_values, e->batch.speeds );
-	lwi_pose_lanes( e->checker, e->query, e->batch.speeds );
-	lwi_pose_lane_spheres( e->checker, e->query, batch->origin, batch->half );
-	memset( batch->known, 0, batch->tree->body_count * sizeof( bool ) );
+	values_of( batch, e->query->scratch.lane_values, e->speeds );
+	lwi_pose_lanes( e->checker, e->query, e->speeds );
+	lwi_pose_lane_spheres( e->checker, e->query, batch->half );
 }
 
 /// The same for a body, by its place.
 static const lwi_batch_point* body_point( const interval_batch* batch, uint32_t place )
 {
-	const lwi_cluster_tree* tree = batch->tree;
-	if ( !batch->known[place] )
-	{
-		const lwi_batch_frame* frame = &batch->frames[tree->body_cluster[tree->bodies[place]]];
-		batch->kernels->batch_point( frame, tree->body_spheres[place].center, batch->origin, batch->half,
-			&batch->bodies[place] );
-		batch->known[place] = true;
-	}
-	return &batch->bodies[place];
+	return lwi_lane_body( batch->e->checker, batch->e->query, place, batch->half );
 }
 
 /// No coordinate of a point in the lanes is larger, nor its displacement. @param path of the point along all of the edge
@@ -444,12 +432,9 @@ void lwi_edge_batch_pass( lwi_edge* e )
 		.kernels = e->query->search.kernels,
 		.tree = c->base->tree,
 		.frames = e->query->scratch.lane_frames,
-		.bodies = e->batch.bodies,
-		.known = e->batch.known,
 		.clusters = e->query->scratch.lane_spheres,
 		.half = 0.5 / LWI_WIDTH,
 		.rounding = rounding };
-	memcpy( batch.origin, c->base->group.reference_poses[c->base->tree->clusters[0].root_link].t, sizeof( batch.origin ) );
 	pose_lanes( &batch );
 	lwi_edge_note_proof( e );
 	batch_environment( &batch );
