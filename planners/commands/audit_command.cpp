@@ -34,11 +34,11 @@ std::vector<std::vector<double>> unwrapped( const Workbench& bench, std::vector<
 {
 	for ( std::size_t v = 0; v < bench.problem().variables.size(); ++v )
 	{
-		const bool wraps = lw_robot_variable( bench.robot(), bench.problem().variables[v] ).wraps;
-		for ( std::size_t i = 1; wraps && i < points.size(); ++i )
+		for ( std::size_t i = 1; i < points.size(); ++i )
 		{
-			const double way = points[i][v] - points[i - 1][v], shorter = std::remainder( way, 2 * M_PI );
-			points[i][v] = shorter == way ? points[i][v] : points[i - 1][v] + shorter;
+			const double from = points[i - 1][v];
+			const double shorter = shorterWay( bench.robot(), bench.problem().variables[v], from, points[i][v] );
+			points[i][v] = shorter == points[i][v] - from ? points[i][v] : from + shorter;
 		}
 	}
 	return points;

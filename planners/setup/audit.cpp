@@ -90,11 +90,6 @@ private:
 	std::vector<Ball> m_balls;
 };
 
-double variableDistance( const lw_robot* robot, std::uint32_t variable, double a, double b )
-{
-	return lw_robot_variable( robot, variable ).wraps ? std::remainder( b - a, 2 * M_PI ) : b - a;
-}
-
 // One audit in progress.
 class Auditor
 {
@@ -147,7 +142,7 @@ private:
 		double sum = 0;
 		for ( std::uint32_t i = 0; i < a.size(); ++i )
 		{
-			sum += std::abs( variableDistance( m_bench.robot(), i, a[i], b[i] ) );
+			sum += std::abs( shorterWay( m_bench.robot(), i, a[i], b[i] ) );
 		}
 		return sum;
 	}
@@ -347,12 +342,17 @@ Json leastJson( const AuditLeast& least, double between )
 
 } // namespace
 
+double shorterWay( const lw_robot* robot, std::uint32_t variable, double a, double b )
+{
+	return lw_robot_variable( robot, variable ).wraps ? std::remainder( b - a, 2 * M_PI ) : b - a;
+}
+
 double jointDistance( const Workbench& bench, const std::vector<double>& a, const std::vector<double>& b )
 {
 	double sum = 0;
 	for ( std::size_t i = 0; i < a.size(); ++i )
 	{
-		const double difference = variableDistance( bench.robot(), bench.problem().variables[i], a[i], b[i] );
+		const double difference = shorterWay( bench.robot(), bench.problem().variables[i], a[i], b[i] );
 		sum += difference * difference;
 	}
 	return std::sqrt( sum );

@@ -56,6 +56,9 @@ struct Audit
 	double seconds = 0;
 };
 
+/// From one value of a variable to another, as edges go: the shorter way around, for a joint that wraps.
+/// @param variable of the robot
+double shorterWay( const lw_robot* robot, std::uint32_t variable, double a, double b );
 /// Distance of two group states, Euclidean; the shorter way for variables that wrap.
 double jointDistance( const Workbench& bench, const std::vector<double>& a, const std::vector<double>& b );
 

@@ -73,10 +73,10 @@ Values startValues( const PathFile& path, const io::RobotModel& robot, Notices& 
 
 Values startValues( const TrajectoryFile& file, const io::RobotModel& robot, Notices& notices )
 {
+	const std::vector<std::string> known = variableNames( robot );
 	Values values;
 	for ( const auto& [name, value] : file.start_state )
 	{
-		const std::vector<std::string> known = variableNames( robot );
 		if ( std::find( known.begin(), known.end(), name ) != known.end() )
 		{
 			values[name] = value;

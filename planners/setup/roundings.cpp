@@ -18,7 +18,7 @@ using State = std::vector<double>;
 using Triangle = std::array<State, 3>;
 
 constexpr std::size_t most_questions = 4096; // per corner; each is the proof of an edge
-constexpr double smallest_height = 1e-3;     // of the radius: lower triangles are asked for patiently, and not cut
+constexpr double smallest_height = 1e-3;     // of the radius: lower triangles are not cut; close_windows bounds their proofs
 constexpr int bisections = 6;
 constexpr double outward = 1 + 0x1p-40, rounding = 0x1p-44; // of tolerances, far above a dozen roundings
 
@@ -289,7 +289,7 @@ lw_status proveRoundings( const lw_checker* checker, lw_query* query, const std:
 	out.corners = kept.size() > 2 ? kept.size() - 2 : 0;
 	Prover prover( checker, query, def, out );
 	lw_status status = LW_OK;
-	// all edges before all roundings: a path that collides is told as that
+	// All edges come before all roundings: the verdict on a path that collides names one of its edges
 	for ( std::size_t i = kept.size() > 1 ? 1 : 0; i < kept.size() && status == LW_OK && out.verdict == LW_VERDICT_FREE;
 	      ++i )
 	{

@@ -2,6 +2,7 @@
 // Trajectories that stop at corners: see timed.hpp.
 #include "setup/timed.hpp"
 
+#include "setup/audit.hpp"
 #include "setup/json.hpp"
 #include "text/names.hpp"
 
@@ -79,9 +80,8 @@ std::vector<Segment> stopAtCorners(
 		double seconds = 0;
 		for ( std::size_t v = 0; v < names.size(); ++v )
 		{
-			const bool wraps = lw_robot_variable( bench.robot(), bench.variable( names[v] ) ).wraps;
-			const double way = to[v] - from[v], shorter = wraps ? std::remainder( way, 2 * M_PI ) : way;
-			to[v] = shorter == way ? to[v] : from[v] + shorter;
+			const double shorter = shorterWay( bench.robot(), bench.problem().variables[v], from[v], to[v] );
+			to[v] = shorter == to[v] - from[v] ? to[v] : from[v] + shorter;
 			seconds = std::max( { seconds, most_speed * std::abs( shorter ) / limits.velocity[v],
 			    std::sqrt( most_pull * std::abs( shorter ) / limits.acceleration[v] ) } );
 		}

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/steps.hpp"
 
+#include "setup/audit.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -107,18 +109,6 @@ ViewMotion sampled( const Workbench& bench, const StateAt& state_at, double end,
 	return motion;
 }
 
-double length( const Workbench& bench, const std::vector<double>& a, const std::vector<double>& b )
-{
-	double sum = 0;
-	for ( std::size_t i = 0; i < a.size(); ++i )
-	{
-		const bool wraps = lw_robot_variable( bench.robot(), bench.problem().variables[i] ).wraps;
-		const double d = wraps ? std::remainder( b[i] - a[i], 2 * M_PI ) : b[i] - a[i];
-		sum += d * d;
-	}
-	return std::sqrt( sum );
-}
-
 } // namespace
 
 double leastClearance( const lw_state_result& result )
@@ -138,7 +128,7 @@ ViewMotion motionOfPath(
 	std::vector<double> begin = { 0 };
 	for ( std::size_t i = 0; i + 1 < points.size(); ++i )
 	{
-		begin.push_back( begin.back() + length( bench, points[i], points[i + 1] ) );
+		begin.push_back( begin.back() + jointDistance( bench, points[i], points[i + 1] ) );
 	}
 	const double whole = begin.back();
 	if ( !( whole > 0 ) )

@@ -19,7 +19,7 @@ enum
 };
 
 /// Writes the pairs whose clearance is at most min_d, nearest or first found first.
-/// @param q group state @param flags which pairs are looked at @param out [LWV_MOST_PAIRS]
+/// @param q group state @param flags pairs with the scene, with other links, or both @param out [LWV_MOST_PAIRS]
 /// @return their number; 0 also if the state cannot be measured or memory is too small
 /// Cost: for each pair with an object an edit of the checker and a query; for pairs of links a distance for each pair that may meet.
 uint32_t lwv_touching( const lw_checker* checker, const double* q, lw_check_flags flags, double min_d, lwv_pair* out );
