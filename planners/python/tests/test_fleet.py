@@ -163,6 +163,35 @@ def dask_setup(worker):
     assert files(tmp_path / "out") == files(expected) and distributed is not None
 
 
+def test_a_worker_goes_on_while_it_writes(expected, tmp_path):
+    """The first shard is written only when the rows of another one are there."""
+    file = tmp_path / "small.toml"
+    file.write_text(SMALL)
+    (tmp_path / "slow.py").write_text(f"""
+import pathlib, time
+from leeway.fleet import shard
+write, make, token = shard.write_atomically, shard.make_rows, pathlib.Path({str(tmp_path / 'token')!r})
+def slow(path, data):
+    if path.name == "000000.parquet" and "states" in path.parent.name:
+        end = time.monotonic() + 60
+        while not token.exists():
+            assert time.monotonic() < end, "no other shard was made"
+            time.sleep(0.01)
+    write(path, data)
+def make_rows(plan, worlds, piece):
+    made = make(plan, worlds, piece)
+    if piece.index:
+        token.touch()
+    return made
+def dask_setup(worker):
+    shard.write_atomically, shard.make_rows = slow, make_rows
+""")
+    env = {**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}", "DASK_DISTRIBUTED__WORKER__PRELOAD": "slow"}
+    done = command("run", file, "--out", tmp_path / "out", "--workers", 1, "--quiet", env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    out, _ = done.communicate(timeout=200)
+    assert done.returncode == 0 and files(tmp_path / "out") == files(expected), out
+
+
 @pytest.fixture
 def cluster(tmp_path):
     """A scheduler and a worker as on other machines: (address, processes)."""
@@ -255,7 +284,7 @@ def test_rows_made_again_are_compared(small, tmp_path):
     path = out / records[0]["file"]
     table = pyarrow.parquet.read_table(path)
     lie = table.set_column(table.schema.get_field_index("lower"), table.schema.field("lower"), pyarrow.array(table.column("lower").to_numpy() + 1))
-    tables.write_table(lie, path)
+    path.write_bytes(tables.file_of(lie))
     records[0]["sha256"] = campaigns.digest_of_file(path)
     manifest.write_manifest(out, plan, records)
     assert verify(out).sound and verify(out, small, remake=6).different == [records[0]["file"]]

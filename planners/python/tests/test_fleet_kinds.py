@@ -178,11 +178,11 @@ check = "environment"
 
 
 def test_generated_scenes_differ_and_repeat(campaign, spheres, tmp_path):
-    from leeway.fleet.plan import make_plan
+    from leeway.fleet.plan import worlds_of
     from leeway.fleet.worlds import Worlds, scene_digest
     frame, _ = campaign(GENERATED)
     assert frame.groupby("scene")["lower"].apply(lambda x: (x > 0).mean()).between(0.02, 0.998).all()
-    plan, base = make_plan(tmp_path / "kinds.toml")
+    plan, base = worlds_of(tmp_path / "kinds.toml").plan, tmp_path
     digests = [[scene_digest(Worlds(plan, base).problem(name, k)[0]) for name in "sk" for k in range(3)] for _ in range(2)]
     assert digests[0] == digests[1] and len(set(digests[0])) == 6
     names = Worlds(plan, base).problem("k", 1)[0].objects
@@ -215,9 +215,9 @@ rows = 1
 """)
     assert len(frame) == 4 and set(frame["outcome"]) == {"SOLVED"}
     assert all((row == start).all() for row in frame["start"]) and all((row == goal).all() for row in frame["goal"])
-    from leeway.fleet.plan import make_plan
+    from leeway.fleet.plan import worlds_of
     from leeway.fleet.worlds import Worlds
-    plan, base = make_plan(tmp_path / "kinds.toml")
+    plan, base = worlds_of(tmp_path / "kinds.toml").plan, tmp_path
     nominal, varied = leeway.Scene(FIRST / "scene.yaml"), Worlds(plan, base).problem("v", 2)[0]
     assert sorted(varied.objects) == sorted(nominal.objects)
     name = nominal.objects[0]
@@ -244,9 +244,9 @@ kind = "plans"
 scenes = ["v"]
 rows = 1
 """.replace(",\n   ", ","))
-    from leeway.fleet.plan import make_plan
+    from leeway.fleet.plan import worlds_of
     from leeway.fleet.worlds import Worlds
-    plan, base = make_plan(tmp_path / "kinds.toml")
+    plan, base = worlds_of(tmp_path / "kinds.toml").plan, tmp_path
     nominal, place = leeway.Scene(FIRST / "scene.yaml"), robot.links.index("hand")
     before = numpy.linalg.inv(nominal.shapes("mug")[0][1]) @ robot.fk(checker.full_state(free[1]))[place]
     for k in range(3):

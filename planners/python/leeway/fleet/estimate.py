@@ -17,6 +17,7 @@ __all__ = ["Estimate", "estimate"]
 
 SAMPLES = 3  # blocks of a part, at most
 SECONDS = 2.0  # for a part, about
+ENOUGH = 10  # shards for each worker
 
 
 class Estimate(NamedTuple):
@@ -37,6 +38,8 @@ class Estimate(NamedTuple):
         lines = [f"{'part':<40} {'rows':>12} {'us a row':>10} {'ms a scene':>11} {'hours of a processor':>21}"]
         for name, n, cost, scene, scenes in zip(self.names, self.rows, self.per_row, self.per_scene, self.scenes):
             lines.append(f"{name:<40} {n:>12} {1e6 * cost:>10.1f} {1e3 * scene:>11.1f} {(n * cost + scenes * scene) / 3600:>21.4f}")
+        if workers > 1 and self.shards < workers * ENOUGH:
+            lines.append(f"{self.shards} shards for {workers} workers: some will have no work at the end; a smaller shard_rows makes more shards")
         lines.append(f"{self.shards} shards, about {self.bytes / 1e6:.1f} MB ({self.free / 1e9:.1f} GB are free), "
             f"{self.seconds / max(1, workers) / 3600:.4f} h by {max(1, workers)} workers")
         return "\n".join(lines)

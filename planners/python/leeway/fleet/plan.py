@@ -5,19 +5,17 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import pathlib
 from typing import Any, Iterator, NamedTuple
 
-from .._core import Scene
 from .._core import version as leeway_version
 from .campaign import Campaign, digest_of_file, files_of, load_campaign
 from .errors import FleetError
 from .kinds import Kind, Part
 from .registry import KINDS
 from .scenes import check_generator
-from .worlds import Worlds, robot_of, scene_digest
+from .worlds import Worlds, scene_digest
 
-__all__ = ["FORMAT", "Segment", "Shard", "make_plan", "parts_of", "segments_of", "shards_of"]
+__all__ = ["FORMAT", "Segment", "Shard", "parts_of", "segments_of", "shards_of", "worlds_of"]
 
 FORMAT = 1  # of manifests and of rows; a change of either's meaning is a new number
 
@@ -51,12 +49,11 @@ def _plain(values: Any) -> Any:
     return "inf" if values == math.inf else values
 
 
-def _inputs(campaign: Campaign) -> dict[str, Any]:
+def _inputs(campaign: Campaign, worlds: Worlds) -> dict[str, Any]:
     """Digests of the files."""
     values, folder = campaign.values, campaign.folder
-    robots = {name: robot_of(folder, entry).digest for name, entry in values["robots"].items()}
-    scenes = {name: scene_digest(Scene(str(folder / entry["file"]), packages=[str(folder / p) for p in entry["packages"]]))
-        for name, entry in values["scenes"].items() if entry["file"]}
+    robots = {name: worlds.robot(name).digest for name in values["robots"]}
+    scenes = {name: scene_digest(worlds.problem(name, 0)[0]) for name, entry in values["scenes"].items() if entry["file"]}
     files = {}
     for name, entry in values["scenes"].items():
         for parameter in ("scene", "request"):
@@ -76,15 +73,16 @@ def _inputs(campaign: Campaign) -> dict[str, Any]:
     return {"robots": robots, "scenes": scenes, "files": files}
 
 
-def make_plan(file) -> tuple[dict[str, Any], pathlib.Path]:
-    """(plan, folder that its paths are relative to). The plan is plain JSON."""
+def worlds_of(file) -> Worlds:
+    """The worlds of a campaign: their plan is plain JSON, and paths in it are relative to their folder."""
     campaign = load_campaign(file, KINDS)
     for name, scene in campaign.values["scenes"].items():
         if scene["generator"]:
             check_generator(name, scene)
-    plan: dict[str, Any] = {"format": FORMAT, "leeway": leeway_version, "campaign": _plain(campaign.values), "inputs": _inputs(campaign), "parts": []}
-    plan["id"] = ""
+    plan: dict[str, Any] = {"format": FORMAT, "leeway": leeway_version, "campaign": _plain(campaign.values), "inputs": {"robots": {}, "scenes": {}},
+        "parts": [], "id": ""}
     worlds = Worlds(plan, campaign.folder)
+    plan["inputs"] = _inputs(campaign, worlds)
     for i, entry in enumerate(campaign.values["work"]):
         kind = KINDS[entry["kind"]]
         scenes = [[name, k] for name in entry["scenes"] for k in range(campaign.values["scenes"][name]["count"])] or [["", 0]]
@@ -94,7 +92,7 @@ def make_plan(file) -> tuple[dict[str, Any], pathlib.Path]:
             rows = kind.count(entry, extra, worlds, robot)
             plan["parts"].append(Part(len(plan["parts"]), i, entry["kind"], robot, scenes, rows, options, extra)._asdict())
     plan["id"] = hashlib.sha256(_canonical(plan).encode()).hexdigest()
-    return plan, campaign.folder
+    return worlds
 
 
 def parts_of(plan: dict[str, Any]) -> list[Part]:

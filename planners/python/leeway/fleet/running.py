@@ -16,15 +16,22 @@ from typing import Any, Iterator, NamedTuple
 from .errors import DiskError, FleetError
 from .estimate import Estimate, estimate
 from .manifest import content_digest, locked, read_manifest, sound_records, start_manifest, write_manifest
-from .plan import make_plan, rows_in, shards_of
-from .shard import make_shard
+from .plan import rows_in, shards_of, worlds_of
+from .shard import make_shard, make_shard_aside, start
 from .worlds import Worlds
 
 __all__ = ["Summary", "run", "status"]
 
-MANIFEST_SECONDS = 2.0  # between two manifests while shards come in
+MANIFEST_SECONDS = 2.0  # between two manifests while shards come in, at least
+MANIFEST_SHARE = 0.02  # of the time that writing manifests may take
 WINDOW = 8  # shards per worker that wait at the scheduler
 DEATHS = 10  # workers that a shard may take with it before it counts as failed
+KEPT = 1 << 30  # bytes of free memory that workers keep: without it the pages of each shard's arrays are fetched again
+DASK = {"distributed.scheduler.allowed-failures": DEATHS, "distributed.logging.distributed": "critical", "distributed.worker.daemon": True,
+    "distributed.admin.tick.limit": "1h", "distributed.admin.tick.interval": "1s", "distributed.admin.system-monitor.interval": "2s",
+    "distributed.worker.memory.monitor-interval": "1s", "distributed.worker.profile.enabled": False,  # with their defaults 4 % of a core
+    "distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": KEPT, "MALLOC_MMAP_THRESHOLD_": KEPT, "OMP_NUM_THREADS": 1,
+        "MKL_NUM_THREADS": 1, "OPENBLAS_NUM_THREADS": 1}}
 
 
 class Summary(NamedTuple):
@@ -85,8 +92,7 @@ def _client(workers: int, scheduler: str) -> Iterator[Any]:
     """A client of the scheduler at this address, or of a cluster of processes on this machine."""
     import dask
     import distributed
-    with dask.config.set({"distributed.scheduler.allowed-failures": DEATHS, "distributed.logging.distributed": "critical",
-            "distributed.worker.daemon": True, "distributed.admin.tick.limit": "1h"}):
+    with dask.config.set(DASK):
         if scheduler:
             with distributed.Client(scheduler) as client:
                 yield client
@@ -106,7 +112,7 @@ def _by_dask(client, plan: dict[str, Any], base: pathlib.Path, folder: pathlib.P
     def more() -> None:
         index = next(waiting, None)
         if index is not None:
-            future = client.submit(make_shard, plan["id"], str(base), str(folder), index, key=f"shard-{plan['id'][:16]}-{index}", pure=False, retries=0)
+            future = client.submit(make_shard_aside, plan["id"], str(base), str(folder), index, key=f"shard-{plan['id'][:16]}-{index}", pure=False, retries=0)
             of_key[future.key] = index
             work.add(future)
 
@@ -124,11 +130,12 @@ def _by_dask(client, plan: dict[str, Any], base: pathlib.Path, folder: pathlib.P
                 "start the scheduler again, then the campaign: it goes on where it was")
 
 
-def _here(plan: dict[str, Any], base: pathlib.Path, folder: pathlib.Path, missing: list[int]) -> Iterator[tuple[int, Any]]:
+def _here(worlds: Worlds, folder: pathlib.Path, missing: list[int]) -> Iterator[tuple[int, Any]]:
     """The same in this process, without Dask."""
+    start(worlds)
     for index in missing:
         try:
-            yield index, make_shard(plan["id"], str(base), str(folder), index)
+            yield index, make_shard(worlds.plan["id"], str(worlds.folder), str(folder), index)
         except Exception as error:  # as a worker reports it
             yield index, error
 
@@ -155,7 +162,7 @@ def _work(plan, base, folder, records, missing, work, costs: Estimate | None, qu
     made = rows = 0
     done = processor = 0.0
     failures: list[str] = []
-    written = time.monotonic()
+    due = time.monotonic() + MANIFEST_SECONDS
     try:
         for index, found in work:
             if isinstance(found, BaseException):
@@ -166,9 +173,10 @@ def _work(plan, base, folder, records, missing, work, costs: Estimate | None, qu
             records[index], seconds = found
             made, rows, processor, done = made + 1, rows + records[index]["rows"], processor + seconds, done + cost[index]
             progress.step(done, f"{len(records)} of {len(shards)} shards", made == len(missing))
-            if time.monotonic() - written > MANIFEST_SECONDS:
+            before = time.monotonic()
+            if before > due:
                 write_manifest(folder, plan, records)
-                written = time.monotonic()
+                due = time.monotonic() + max(MANIFEST_SECONDS, (time.monotonic() - before) / MANIFEST_SHARE)
     finally:
         if made:
             write_manifest(folder, plan, records)
@@ -182,10 +190,10 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
     Dask cluster; 0 = this process, without Dask. scheduler: address of a Dask scheduler instead, whose workers see both folders under the
     same paths. trust: files that are recorded are not read again first.
     """
-    plan, base = make_plan(campaign)
+    worlds = worlds_of(campaign)
+    plan, base = worlds.plan, worlds.folder
     folder = pathlib.Path(out) if out is not None else base / (pathlib.Path(campaign).stem + ".fleet")
     folder = folder.resolve()
-    worlds = Worlds.of(plan, base)
     if dry_run:
         return estimate(plan, worlds, folder)
     with locked(folder):
@@ -210,7 +218,7 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
                 clock = time.monotonic()
                 if client is not None and not quiet:
                     print(f"dashboard {client.dashboard_link}", file=sys.stderr)
-                work = _here(plan, base, folder, missing) if client is None else _by_dask(client, plan, base, folder, missing)
+                work = _here(worlds, folder, missing) if client is None else _by_dask(client, plan, base, folder, missing)
                 result = _work(plan, base, folder, records, missing, work, costs, quiet)
         made, rows, processor, failures = result
         summary = Summary(folder, count, len(records), made, rows, time.monotonic() - clock, processor, content_digest(records), failures)

@@ -9,21 +9,25 @@ import io
 import json
 import os
 import pathlib
+import platform
+import threading
 import time
-from typing import Any
+from typing import Any, Callable
 
 import pyarrow.parquet
 
 from .errors import DiskError, FleetError
 from .plan import Shard, blocks_of, rows_in, segments_of, shards_of
 from .registry import KINDS
-from .tables import columns_of, concatenate, content_of, table_of, write_table
+from .tables import columns_of, concatenate, content_of, file_of, table_of
 from .worlds import Worlds
 
-__all__ = ["adopt", "make_rows", "make_shard", "shard_bytes", "write_atomically"]
+__all__ = ["adopt", "make_rows", "make_shard", "make_shard_aside", "shard_bytes", "start", "write_atomically"]
+
+MOST_WRITES = 2  # shards of a process that are encoded and written at a time; the next one's rows wait
 
 
-def write_atomically(path: pathlib.Path, data: bytes) -> None:
+def write_atomically(path: pathlib.Path, data) -> None:
     """The file has all of the data or is not there, whatever ends this process or machine."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
@@ -63,23 +67,20 @@ def _metadata(plan: dict[str, Any], shard: Shard, content: str) -> dict[str, Any
         "scenes": shard.part.scenes, "options": shard.part.options, "blocks": [shard.begin, shard.end], "shard": shard.index, "content": content}
 
 
-def shard_bytes(plan: dict[str, Any], worlds: Worlds, shard: Shard):
-    """(Parquet file, its record, the Parquet file of measured times or None)."""
+def shard_bytes(plan: dict[str, Any], worlds: Worlds, shard: Shard, computed: Callable[[], None] = lambda: None):
+    """(Parquet file, its record, the Parquet file of measured times or None). computed: called when the rows are there, before they are encoded."""
     columns, values, measured = make_rows(plan, worlds, shard)
+    computed()
     content = _content(shard, columns, values)
     metadata = _metadata(plan, shard, content)
-    out = io.BytesIO()
-    write_table(table_of(columns, values, metadata), out)
-    data = out.getvalue()
+    data = file_of(table_of(columns, values, metadata))
     times = None
     if measured:
-        out = io.BytesIO()
-        write_table(table_of(KINDS[shard.part.kind].measured(shard.part), measured, {**metadata, "measured": True}), out)
-        times = out.getvalue()
+        times = file_of(table_of(KINDS[shard.part.kind].measured(shard.part), measured, {**metadata, "measured": True}))
     return data, _record(shard, data, content), times
 
 
-def _record(shard: Shard, data: bytes, content: str) -> dict[str, Any]:
+def _record(shard: Shard, data, content: str) -> dict[str, Any]:
     return {"index": shard.index, "file": shard.name, "rows": rows_in(shard), "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(),
         "content": content}
 
@@ -97,38 +98,71 @@ def adopt(plan: dict[str, Any], worlds: Worlds, folder: pathlib.Path, shard: Sha
     except (OSError, KeyError, ValueError, IndexError, pyarrow.ArrowException):
         return None
     expected = _metadata(plan, shard, content)
-    again = io.BytesIO()
-    write_table(table_of(columns, values, expected), again)
-    return _record(shard, data, content) if metadata == expected and again.getvalue() == data else None
+    return _record(shard, data, content) if metadata == expected and file_of(table_of(columns, values, expected)) == data else None
+
+
+_STARTED: dict[str, tuple[Worlds, list[Shard]]] = {}  # of the one plan that this process works on
+_STARTING = threading.RLock()
+_SPENT = [0.0]
+_WRITES = threading.BoundedSemaphore(MOST_WRITES)
+atexit.register(_STARTED.clear)  # before the interpreter takes the module of the worlds down
+
+
+def start(worlds: Worlds) -> None:
+    """From now on this process makes shards of the plan of these worlds."""
+    _STARTED.clear()
+    _STARTED[worlds.plan["id"]] = worlds, shards_of(worlds.plan)
+    _spent()
+
+
+def _spent() -> float:
+    """Processor time of this process since the last call, seconds: a sum over shards counts nothing twice, though they overlap."""
+    with _STARTING:
+        now, before = time.process_time(), _SPENT[0]
+        _SPENT[0] = now
+    return now - before
 
 
 def _started(identity: str, base: str, folder: pathlib.Path) -> tuple[Worlds, list[Shard]]:
     """The worlds and shards of a plan, once in each process."""
-    if identity not in _STARTED:
-        plan = json.loads((folder / "manifest.json").read_text())["plan"]
-        if plan["id"] != identity:
-            raise FleetError(folder / "manifest.json", "", "is of another campaign", "let one run at a time work in this folder")
-        _STARTED.clear()
-        _STARTED[identity] = Worlds.of(plan, base), shards_of(plan)
-    return _STARTED[identity]
+    with _STARTING:
+        if identity not in _STARTED:
+            path = folder / "manifest.json"
+            try:
+                plan = json.loads(path.read_text())["plan"]
+            except OSError as error:
+                raise FleetError(path, "", f"{error.strerror or error}, for a worker on {platform.node()}",
+                    "give an --out folder and a campaign that all workers see under the same paths") from None
+            if plan["id"] != identity:
+                raise FleetError(path, "", "is of another campaign", "let one run at a time work in this folder")
+            start(Worlds(plan, base))
+        return _STARTED[identity]
 
 
-_STARTED: dict[str, tuple[Worlds, list[Shard]]] = {}
-atexit.register(_STARTED.clear)
+def make_shard(identity: str, base: str, folder: str, index: int, computed: Callable[[], None] = lambda: None) -> tuple[dict[str, Any], float]:
+    """Makes one shard's file, on any machine that has both folders. Returns its record and the processor time of this process since
+    the last one, seconds.
 
-
-def make_shard(identity: str, base: str, folder: str, index: int) -> tuple[dict[str, Any], float]:
-    """Makes one shard's file, on any machine that has both folders. Returns its record and the processor time, seconds.
-
-    identity: of the plan in the folder's manifest.
+    identity: of the plan in the folder's manifest. computed: called when the rows are there, before they are encoded and written.
     """
-    begin, out = time.process_time(), pathlib.Path(folder)
+    out = pathlib.Path(folder)
     worlds, shards = _started(identity, base, out)
     plan, shard = worlds.plan, shards[index]
     record = adopt(plan, worlds, out, shard) if (out / shard.name).exists() else None
     if record is None:
-        data, record, times = shard_bytes(plan, worlds, shard)
+        data, record, times = shard_bytes(plan, worlds, shard, computed)
         if times is not None:
             write_atomically((out / shard.name).with_suffix(".times.parquet"), times)
         write_atomically(out / shard.name, data)
-    return record, time.process_time() - begin
+    return record, _spent()
+
+
+def make_shard_aside(identity: str, base: str, folder: str, index: int) -> tuple[dict[str, Any], float]:
+    """make_shard() for a worker of Dask, which begins the next shard while this one is encoded and written."""
+    with contextlib.ExitStack() as writing:
+        def computed() -> None:
+            writing.enter_context(_WRITES)
+            distributed.secede()
+
+        import distributed
+        return make_shard(identity, base, folder, index, computed)

@@ -14,7 +14,7 @@ import numpy
 import pyarrow
 import pyarrow.parquet
 
-__all__ = ["Column", "Words", "add_digests", "block_digest", "concatenate", "columns_of", "content_of", "table_of", "write_table"]
+__all__ = ["Column", "Words", "add_digests", "block_digest", "concatenate", "columns_of", "content_of", "file_of", "table_of"]
 
 MODULUS = 1 << 256
 
@@ -46,13 +46,14 @@ TYPES = {"double": pyarrow.float64(), "int32": pyarrow.int32(), "int64": pyarrow
 NUMPY = {"double": "<f8", "int32": "<i4", "int64": "<i8", "uint8": "u1", "bool": "?"}
 
 
-def _bytes_of(column: Column, values: Any) -> bytes:
+def _bytes_of(column: Column, values: Any):
+    """Bytes, or an array of them."""
     if column.type == "string":
         return "\n".join(values.strings()).encode()
     if column.type == "list":
         sizes = numpy.array([len(row) for row in values], "<i8")
         return sizes.tobytes() + b"".join(numpy.ascontiguousarray(row, "<f8").tobytes() for row in values)
-    return numpy.ascontiguousarray(values, NUMPY[column.type]).tobytes()
+    return numpy.ascontiguousarray(values, NUMPY[column.type]).view("u1")
 
 
 def block_digest(address: str, columns: list[Column], values: dict[str, Any], rows: slice) -> int:
@@ -91,20 +92,38 @@ def concatenate(columns: list[Column], pieces: list[dict[str, Any]]) -> dict[str
 
 def _compact(words: Words) -> Words:
     """The same strings; names in the order of their first use, and no others."""
-    used, first, place = numpy.unique(words.indices, return_index=True, return_inverse=True)
-    order = numpy.argsort(first)
-    rank = numpy.empty(len(used), "<i4")
-    rank[order] = numpy.arange(len(used))
-    return Words(rank[place], [words.names[used[k]] for k in order])
+    count = len(words.indices)
+    first = numpy.full(len(words.names), count)
+    first[words.indices[::-1]] = numpy.arange(count)[::-1]  # the last of equal indices stays, which is the first use
+    order = numpy.argsort(first, kind="stable")[:numpy.count_nonzero(first < count)]
+    rank = numpy.empty(len(words.names), "<i4")
+    rank[order] = numpy.arange(len(order))
+    return Words(rank[words.indices], [words.names[k] for k in order])
+
+
+def _plain_array(type_of: pyarrow.DataType, *parts) -> pyarrow.Array:
+    """An array around its buffers; pyarrow.array() would import pandas first."""
+    count = len(parts[0]) if len(parts) == 1 else len(parts[0]) - 1
+    bits = numpy.packbits(parts[0], bitorder="little") if pyarrow.types.is_boolean(type_of) else None
+    buffers = [pyarrow.py_buffer(part) for part in ([bits] if bits is not None else parts)]
+    return pyarrow.Array.from_buffers(type_of, count, [None, *buffers])
+
+
+def _ends(sizes: list[int]) -> numpy.ndarray:
+    return numpy.concatenate([[0], numpy.cumsum(sizes, dtype="<i8")]).astype("<i4")
 
 
 def _array(column: Column, values: Any) -> pyarrow.Array:
     if column.type == "string":
         words = _compact(values)
-        return pyarrow.DictionaryArray.from_arrays(pyarrow.array(words.indices.astype("<i4")), pyarrow.array(words.names, pyarrow.string()))
+        names = [name.encode() for name in words.names]
+        return pyarrow.DictionaryArray.from_arrays(_plain_array(pyarrow.int32(), words.indices),
+            _plain_array(pyarrow.string(), _ends([len(name) for name in names]), b"".join(names)))
     if column.type == "list":
-        return pyarrow.array([numpy.asarray(row, "<f8").ravel() for row in values], TYPES["list"])
-    return pyarrow.array(numpy.ascontiguousarray(values, NUMPY[column.type]), TYPES[column.type], from_pandas=False)
+        rows = [numpy.asarray(row, "<f8").ravel() for row in values]
+        flat = _plain_array(pyarrow.float64(), numpy.concatenate([*rows, numpy.empty(0)]))
+        return pyarrow.ListArray.from_arrays(_plain_array(pyarrow.int32(), _ends([len(row) for row in rows])), flat, TYPES["list"])
+    return _plain_array(TYPES[column.type], numpy.ascontiguousarray(values, NUMPY[column.type]))
 
 
 def table_of(columns: list[Column], values: dict[str, Any], metadata: dict[str, Any]) -> pyarrow.Table:
@@ -114,11 +133,13 @@ def table_of(columns: list[Column], values: dict[str, Any], metadata: dict[str, 
     return pyarrow.Table.from_arrays([_array(c, values[c.name]) for c in columns], schema=schema)
 
 
-def write_table(table: pyarrow.Table, file) -> None:
-    """Equal tables give equal bytes with one version of pyarrow: no dates, no choice by time."""
+def file_of(table: pyarrow.Table) -> pyarrow.Buffer:
+    """A Parquet file. Equal tables give equal bytes with one version of pyarrow: no dates, no choice by time."""
     words = [field.name for field in table.schema if pyarrow.types.is_dictionary(field.type)]
-    pyarrow.parquet.write_table(table, file, version="2.6", data_page_version="1.0", compression="zstd", compression_level=1,
+    out = pyarrow.BufferOutputStream()
+    pyarrow.parquet.write_table(table, out, version="2.6", data_page_version="1.0", compression="zstd", compression_level=1,
         use_dictionary=words, write_statistics=True, row_group_size=1 << 18, use_deprecated_int96_timestamps=False)
+    return out.getvalue()
 
 
 def columns_of(columns: list[Column], table: pyarrow.Table) -> dict[str, Any]:

@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 from .errors import FleetError
 from .manifest import read_manifest, sound_records
-from .plan import make_plan, shards_of
+from .plan import shards_of, worlds_of
 from .seeds import stream_of
 from .shard import shard_bytes
-from .worlds import Worlds
 
 __all__ = ["Verified", "verify"]
 
@@ -41,10 +40,10 @@ def verify(folder, campaign=None, remake: int = 0, seed: int = 1) -> Verified:
     if remake:
         if campaign is None:
             raise FleetError(folder, "", "shards cannot be made again without their campaign", "give its TOML file")
-        now, base = make_plan(campaign)
-        if now["id"] != plan["id"]:
+        worlds = worlds_of(campaign)
+        if worlds.plan["id"] != plan["id"]:
             raise FleetError(campaign, "", "is another campaign than the manifest's", "give the campaign that made these results")
-        worlds, random, left = Worlds.of(plan, base), stream_of("verify", seed), sorted(sound)
+        random, left = stream_of("verify", seed), sorted(sound)
         chosen = [left.pop(random.integer(0, len(left) - 1)) for _ in range(min(remake, len(left)))]
         different = [shards[i].name for i in chosen if shard_bytes(plan, worlds, shards[i])[0] != (folder / shards[i].name).read_bytes()]
     return Verified(len(shards), len(shards) - len(records), faults, len(chosen), different)

@@ -2,11 +2,11 @@
 """Robots, scenes and checkers of a campaign, made once in each process from the files and seeds that its plan names."""
 from __future__ import annotations
 
-import atexit
 import collections
 import hashlib
 import pathlib
-from typing import Any
+import threading
+from typing import Any, Callable
 
 import numpy
 
@@ -34,45 +34,41 @@ def scene_digest(scene: Scene) -> str:
     return digest.hexdigest()
 
 
-class Worlds:
-    """Robots, scenes and checkers of a plan: functions of the plan and of the campaign's files."""
+def _kept(cache: collections.OrderedDict, key: tuple, make: Callable[[], Any]) -> Any:
+    """The entry of the key, made if it is not there; the entry that was added first leaves a full cache."""
+    if key not in cache:
+        cache[key] = make()
+        if len(cache) > MOST_CHECKERS:
+            cache.popitem(last=False)
+    return cache[key]
 
-    _of_plans: dict[str, "Worlds"] = {}
-    atexit.register(_of_plans.clear)  # before the interpreter takes the module down
+
+class Worlds:
+    """Robots, scenes and checkers of a plan: functions of the plan and of the campaign's files. Threads may share them."""
 
     def __init__(self, plan: dict[str, Any], folder):
         self.plan, self.folder = plan, pathlib.Path(folder)
         self._robots: dict[str, Robot] = {}
         self._scenes: collections.OrderedDict = collections.OrderedDict()
         self._checkers: collections.OrderedDict = collections.OrderedDict()
-
-    @classmethod
-    def of(cls, plan: dict[str, Any], folder) -> "Worlds":
-        """This process's worlds of a plan."""
-        if plan["id"] not in cls._of_plans:
-            cls._of_plans.clear()
-            cls._of_plans[plan["id"]] = cls(plan, folder)
-        return cls._of_plans[plan["id"]]
+        self._lock = threading.RLock()
 
     def robot(self, name: str) -> Robot:
-        if name not in self._robots:
-            entry = self.plan["campaign"]["robots"][name]
-            robot = robot_of(self.folder, entry)
-            expected = self.plan["inputs"]["robots"].get(name, robot.digest)
-            if robot.digest != expected:
-                raise FleetError(self.folder / entry["urdf"], "", "is another robot than the manifest's",
-                    "put the old files back, or give another --out folder")
-            self._robots[name] = robot
-        return self._robots[name]
+        with self._lock:
+            if name not in self._robots:
+                entry = self.plan["campaign"]["robots"][name]
+                robot = robot_of(self.folder, entry)
+                expected = self.plan["inputs"]["robots"].get(name, robot.digest)
+                if robot.digest != expected:
+                    raise FleetError(self.folder / entry["urdf"], "", "is another robot than the manifest's",
+                        "put the old files back, or give another --out folder")
+                self._robots[name] = robot
+            return self._robots[name]
 
     def problem(self, name: str, instance: int) -> tuple[Scene, Any]:
         """A scene, and the start and goal of its nominal problem, or None."""
-        key = (name, instance)
-        if key not in self._scenes:
-            self._scenes[key] = self._make_scene(name, instance)
-            if len(self._scenes) > MOST_CHECKERS:
-                self._scenes.popitem(last=False)
-        return self._scenes[key]
+        with self._lock:
+            return _kept(self._scenes, (name, instance), lambda: self._make_scene(name, instance))
 
     def _make_scene(self, name: str, instance: int) -> tuple[Scene, Any]:
         if not name:
@@ -92,9 +88,5 @@ class Worlds:
         return Checker(self.robot(robot), scene, group=entry["group"], reference=entry["reference"] or None)
 
     def checker(self, robot: str, name: str, instance: int) -> Checker:
-        key = (robot, name, instance)
-        if key not in self._checkers:
-            self._checkers[key] = self.checker_of(robot, self.problem(name, instance)[0])
-            if len(self._checkers) > MOST_CHECKERS:
-                self._checkers.popitem(last=False)
-        return self._checkers[key]
+        with self._lock:
+            return _kept(self._checkers, (robot, name, instance), lambda: self.checker_of(robot, self.problem(name, instance)[0]))
