@@ -60,32 +60,34 @@ def from_array(checker: Checker, q: numpy.ndarray, state: base.State) -> None:
 
 
 class StateValidityChecker(base.StateValidityChecker):
-    """Valid: every clearance is proved above min_d (metres)."""
+    """Valid: every clearance is proved above min_d (metres). `count`: states that were checked."""
 
-    def __init__(self, si: base.SpaceInformation, checker: Checker, min_d: float = 0.0):
+    def __init__(self, si: base.SpaceInformation, checker: Checker, min_d: float = 0.0, check: str = "both"):
         super().__init__(si)
-        self.checker, self.min_d = checker, min_d
+        self.checker, self.min_d, self.check, self.count = checker, min_d, check, 0
 
     def isValid(self, state: base.State) -> bool:
-        return bool(self.checker.is_free(to_array(self.checker, state), min_d=self.min_d))
+        self.count += 1
+        return bool(self.checker.is_free(to_array(self.checker, state), min_d=self.min_d, check=self.check))
 
     def clearance(self, state: base.State) -> float:
-        return float(self.checker.clearance(to_array(self.checker, state), witnesses=False).lower)
+        return float(self.checker.clearance(to_array(self.checker, state), check=self.check, witnesses=False).lower)
 
 
 class MotionValidator(base.MotionValidator):
-    """Valid: the whole straight edge is proved FREE; no resolution."""
+    """Valid: the whole straight edge is proved FREE; no resolution. `count`: edges that were checked."""
 
-    def __init__(self, si: base.SpaceInformation, checker: Checker, min_d: float = 0.0, slack: float = 1e-3):
+    def __init__(self, si: base.SpaceInformation, checker: Checker, min_d: float = 0.0, slack: float = 1e-3, check: str = "both"):
         super().__init__(si)
-        self.checker, self.min_d, self.slack = checker, min_d, slack
+        self.checker, self.min_d, self.slack, self.check, self.count = checker, min_d, slack, check, 0
 
     def checkMotion(self, a: base.State, b: base.State) -> bool:
-        found = self.checker.edges(to_array(self.checker, a), to_array(self.checker, b), min_d=self.min_d, slack=self.slack)
+        self.count += 1
+        found = self.checker.edges(to_array(self.checker, a), to_array(self.checker, b), min_d=self.min_d, slack=self.slack, check=self.check)
         return found.all_free
 
 
-def install(si: base.SpaceInformation, checker: Checker, *, min_d: float = 0.0, slack: float = 1e-3) -> None:
+def install(si: base.SpaceInformation, checker: Checker, *, min_d: float = 0.0, slack: float = 1e-3, check: str = "both") -> None:
     """Sets both validity checkers of a space made by state_space()."""
-    si.setStateValidityChecker(StateValidityChecker(si, checker, min_d))
-    si.setMotionValidator(MotionValidator(si, checker, min_d, slack))
+    si.setStateValidityChecker(StateValidityChecker(si, checker, min_d, check))
+    si.setMotionValidator(MotionValidator(si, checker, min_d, slack, check))

@@ -295,8 +295,8 @@ def test_other_manifests_are_refused_with_a_remedy(small, tmp_path):
     run(small, out, workers=0, quiet=True)
     path = out / "manifest.json"
     good = path.read_text()
-    path.write_text(good.replace('"format": 1', '"format": 99'))
-    with pytest.raises(FleetError, match="is 99, and this version of leeway knows 1; go on with leeway"):
+    path.write_text(good.replace('"format": 2', '"format": 99'))
+    with pytest.raises(FleetError, match="is 99, and this version of leeway knows 2; go on with leeway"):
         run(small, out, workers=0, quiet=True)
     path.write_text(good.replace(f'"leeway": "{leeway.__version__}"', '"leeway": "9.9.9"'))
     with pytest.raises(FleetError, match="is 9.9.9.*go on with leeway 9.9.9, or give another --out"):

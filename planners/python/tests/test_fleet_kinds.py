@@ -68,6 +68,65 @@ def test_plans_are_proved_and_looked_at(campaign, checker, spheres):
     assert lengths["a"] <= lengths["b"] and frame_of(folder, parts_of(read_manifest(folder)[0])[0], times=True)["seconds"].gt(0).all()
 
 
+OTHERS = """[[work]]
+kind = "plans"
+scenes = ["desk"]
+rows = 5
+most_nodes = 300
+planners = [{name = "leeway"}, {name = "connect", algorithm = "RRTConnect"}, {name = "coarse", algorithm = "RRTConnect", motions = "sampled", resolution = 0.3},
+    {name = "star", algorithm = "RRTstar", motions = "sampled"}, {name = "bit", algorithm = "BITstar", range = 0.0}]
+"""
+
+
+def test_planners_of_ompl_take_part(campaign, checker, spheres, tmp_path):
+    if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
+        pytest.importorskip("ompl")
+    text = OTHERS.replace("\n    ", " ")
+    frame, folder = campaign(text)
+    by = frame.set_index(["planner", "problem"])
+    assert not frame["contradiction"].any() and (frame["outcome"] == "SOLVED").mean() > 0.7
+    for name in ("connect", "bit"):
+        solved = by.loc[name][by.loc[name]["outcome"] == "SOLVED"]
+        assert len(solved) and solved["proved"].all() and not solved["contact"].any() and (solved["edge_checks"] > 0).all()
+    assert (by.loc["coarse"]["edge_checks"] == 0).all() and (by.loc["coarse"]["state_checks"] > 0).all() and (by.loc["star"]["samples"] == 301).all()
+    for row in frame[frame["outcome"] == "SOLVED"].itertuples():
+        path = numpy.reshape(row.path, (-1, checker.dof))
+        assert abs(path[0] - row.start).max() < 1e-9 and abs(path[-1] - row.goal).max() < 1e-9
+        assert row.proved == checker.path(path).all_free and row.contact == (row.least <= 0)
+    assert read_manifest(folder)[0]["parts"][0]["extra"]["versions"]["ompl"]
+    assert report(folder).tables["00 plans, arm"].set_index("planner")["proved"]["leeway"] == 5
+
+
+def test_plans_of_ompl_do_not_depend_on_plans_before_them(checker, states):
+    if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
+        pytest.importorskip("ompl")
+    from leeway.fleet.planners import OMPL, plan_by_ompl
+    free = states[checker.is_free(states, min_d=0.01)]
+    for algorithm in OMPL:
+        first = [plan_by_ompl(checker, free[k], free[k + 1], 1 + k, algorithm=algorithm, iterations=200) for k in range(3)]
+        again = [plan_by_ompl(checker, free[k], free[k + 1], 1 + k, algorithm=algorithm, iterations=200) for k in reversed(range(3))][::-1]
+        for a, b in zip(first, again):
+            assert (a.path is None) == (b.path is None) and a.samples == b.samples and a.state_checks == b.state_checks, algorithm
+            assert a.path is None or (a.path.shape == b.path.shape and (a.path == b.path).all()), algorithm
+    astray = plan_by_ompl(checker, free[0], free[1], 1, algorithm="AORRTC", iterations=200)  # OMPL 2.0.1 calls this solved
+    assert astray.path is None or abs(astray.path[-1] - free[1]).max() < 1e-9
+
+
+def test_planners_that_cannot_be_are_refused(campaign, spheres, monkeypatch):
+    from leeway.fleet import planners
+    for text, message in (('{name = "a", algorithm = "PRM"}', r"planners\[0\].algorithm: is 'PRM'; give one of leeway, RRTConnect"),
+            ('{name = "a", motions = "sampled"}', "leeway's planner proves its motions; give an algorithm"),
+            ('{name = "a", algorithm = "KPIECE1"}', r"cannot be 'proved' with KPIECE1.*give motions = .sampled"),
+            ('{name = "a", algorithm = "FMT", range = 1}', "range: is no option of FMT"),
+            ('{name = "a", algorithm = "RRT", optimize_samples = 9}', "is no option of RRT; leave it out"),
+            ('{name = "a"}, {name = "a", smooth = false}', "'a' is there twice"), ('"RRTConnect"', r"planners\[0\]: is 'RRTConnect'; give a table")):
+        with pytest.raises(FleetError, match=message):
+            campaign(f'[[work]]\nkind = "plans"\nplanners = [{text}]\n')
+    monkeypatch.setattr(planners, "_version", lambda: None)
+    with pytest.raises(FleetError, match="RRT is OMPL's, and its Python package is not there; pip install ompl"):
+        campaign('[[work]]\nkind = "plans"\nplanners = [{name = "a", algorithm = "RRT"}]\n')
+
+
 def write_paths(folder, checker, path):
     """The same path in each format; joints in another order where they are named."""
     names = checker.variables

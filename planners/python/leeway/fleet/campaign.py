@@ -67,6 +67,8 @@ def _fits(value: Any, option: Option) -> bool:
 
 def checked(file, element: str, values: dict[str, Any], options: dict[str, Option]) -> dict[str, Any]:
     """The values with their defaults. Raises FleetError for an entry that is missing, unknown, or of another type."""
+    if not isinstance(values, dict):
+        raise FleetError(file, element, f"is {values!r}", f"give a table with some of {', '.join(options)}")
     for name in values:
         if name not in options:
             raise FleetError(file, f"{element}.{name}".lstrip("."), "is no known entry", f"known are {', '.join(options)}")
@@ -105,8 +107,8 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise FleetError(path, "", str(error), "correct the TOML") from None
     top = checked(path, "", values, TOP)
-    top["robots"] = {name: checked(path, f"robots.{name}", dict(robot), ROBOT) for name, robot in top["robots"].items()}
-    top["scenes"] = {name: checked(path, f"scenes.{name}", dict(scene), SCENE) for name, scene in top["scenes"].items()}
+    top["robots"] = {name: checked(path, f"robots.{name}", robot, ROBOT) for name, robot in top["robots"].items()}
+    top["scenes"] = {name: checked(path, f"scenes.{name}", scene, SCENE) for name, scene in top["scenes"].items()}
     for name, scene in top["scenes"].items():
         if bool(scene["file"]) == bool(scene["generator"]):
             raise FleetError(path, f"scenes.{name}", "has both or none of file and generator", "give one of them")

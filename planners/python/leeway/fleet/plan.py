@@ -17,7 +17,7 @@ from .worlds import Worlds, scene_digest
 
 __all__ = ["FORMAT", "Segment", "Shard", "parts_of", "segments_of", "shards_of", "worlds_of"]
 
-FORMAT = 1  # of manifests and of rows; a change of either's meaning is a new number
+FORMAT = 2  # of manifests and of rows; a change of either's meaning is a new number
 
 
 class Shard(NamedTuple):

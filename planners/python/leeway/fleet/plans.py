@@ -13,6 +13,7 @@ from .errors import FleetError
 from .kinds import CHECKS, Kind, Part, Rows, address_of, bounded, named_pairs, pair_columns, worst
 from .looks import least_clearance
 from .paths import read_paths
+from .planners import PLANNER, check_planners, length_of, plan_by
 from .seeds import stream_of
 from .tables import Column, Words
 from .worlds import Worlds
@@ -20,7 +21,6 @@ from .worlds import Worlds
 __all__ = ["Audits", "Plans", "look_at_path"]
 
 TRIES = 2000  # random states in search of a free one
-PLANNER = {"name": Option(str, REQUIRED), "range": Option(float, 0.0, 0), "smooth": Option(bool, True), "optimize_samples": Option(int, 0, 0)}
 
 
 def look_at_path(checker: Checker, path: numpy.ndarray, check: str, step: float) -> tuple[float, int, float, float]:
@@ -50,8 +50,8 @@ class Plans(Kind):
         "most_nodes": Option(int, 20000, 1), "audit_step": Option(float, 0.01, 1e-6)}
 
     def prepare(self, campaign, element: str, entry: dict[str, Any]) -> dict[str, Any]:
-        planners = [checked(campaign.file, f"{element}.planners[{i}]", dict(given), PLANNER) for i, given in enumerate(entry["planners"])]
-        return {"planners": planners}
+        planners = [checked(campaign.file, f"{element}.planners[{i}]", given, PLANNER) for i, given in enumerate(entry["planners"])]
+        return {"planners": planners, "versions": check_planners(campaign.file, f"{element}.planners", planners)}
 
     def count(self, entry, extra, worlds, robot) -> int:
         return entry["rows"] * len(extra["planners"])
@@ -61,11 +61,14 @@ class Plans(Kind):
         return [Column("scene", "int32", "", "index into the part's scenes"), Column("problem", "int64", "", "number in the scene"),
             Column("planner", "string", "", "of the campaign"), Column("outcome", "string", "", "of leeway.Outcome; only SOLVED has a path"),
             Column("length", "double", "rad or m", "Euclidean, of the path"), Column("raw_length", "double", "rad or m", "before smoothing"),
-            Column("samples", "int64", "1", "that the search drew"), Column("edge_checks", "int64", "1", "proofs that the search asked for"),
+            Column("samples", "int64", "1", "that the search drew; of OMPL's planners iterations"),
+            Column("edge_checks", "int64", "1", "proofs that the search asked for; 0 with sampled motions"),
+            Column("state_checks", "int64", "1", "states that a planner of OMPL asked for; 0 of leeway's"),
             Column("start", "list", "rad or m", "state of the group"), Column("goal", "list", "rad or m", "state of the group"),
             Column("path", "list", "rad or m", "states of the group one after the other"),
             Column("least", "double", "m", "least clearance of dense states; NaN without a path"),
-            Column("contradiction", "bool", "", "a dense state is at min_d or nearer")]
+            Column("contact", "bool", "", "a dense state is at min_d or nearer"), Column("proved", "bool", "", "all edges of the path are proved FREE"),
+            Column("contradiction", "bool", "", "a dense state refutes a proof")]
 
     def measured(self, part: Part) -> list[Column]:
         return [Column("seconds", "double", "s", "processor time of the search and smoothing")]
@@ -94,8 +97,9 @@ class Plans(Kind):
         for name in ("planner", "outcome"):
             words = sorted(set(values[name]))
             values[name] = Words(numpy.array([words.index(word) for word in values[name]], "<i4"), words)
-        for name in ("scene", "problem", "length", "raw_length", "samples", "edge_checks", "least", "contradiction"):
-            values[name] = numpy.array(values[name])
+        for column in self.columns(part, worlds):
+            if column.type not in ("string", "list"):
+                values[column.name] = numpy.array(values[column.name])
         return Rows(values, {"seconds": numpy.array([row["seconds"] for row in rows])})
 
     def _row(self, part: Part, worlds: Worlds, checker: Checker, scene: int, row: int, o: dict[str, Any]) -> dict[str, Any]:
@@ -103,19 +107,20 @@ class Plans(Kind):
         planner = part.extra["planners"][which]
         start, goal = self._ends(part, worlds, checker, scene, problem)
         out = {"scene": scene, "problem": problem, "planner": planner["name"], "outcome": Outcome.NO_START.name, "length": numpy.nan,
-            "raw_length": numpy.nan, "samples": 0, "edge_checks": 0, "start": [] if start is None else start, "goal": [] if goal is None else goal,
-            "path": [], "least": numpy.nan, "contradiction": False, "seconds": numpy.nan}
+            "raw_length": numpy.nan, "samples": 0, "edge_checks": 0, "state_checks": 0, "start": [] if start is None else start,
+            "goal": [] if goal is None else goal, "path": [], "least": numpy.nan, "contact": False, "proved": False, "contradiction": False,
+            "seconds": numpy.nan}
         if start is None or goal is None:
             return out
         clock = time.process_time()
-        found = checker.plan(start, goal, min_d=o["min_d"], slack=o["slack"], check=o["check"], seed=1 + problem, most_nodes=o["most_nodes"],
-            range=planner["range"], smooth=planner["smooth"], optimize_seconds=1e9 if planner["optimize_samples"] else 0.0,
-            optimize_samples=max(1, planner["optimize_samples"]))
-        out.update(seconds=time.process_time() - clock, outcome=Outcome(found.outcome).name, samples=found.statistics["samples"],
-            edge_checks=found.statistics["edges"])
+        found = plan_by(planner, part.extra["versions"], checker, start, goal, 1 + problem, o)
+        out.update(seconds=time.process_time() - clock, outcome=found.outcome, samples=found.samples, edge_checks=found.edge_checks,
+            state_checks=found.state_checks)
         if found.path is not None:
             least = look_at_path(checker, found.path, o["check"], o["audit_step"])[0]
-            out.update(length=found.length, raw_length=found.raw_length, path=found.path.ravel(), least=least, contradiction=least <= o["min_d"])
+            contact, proved = least <= o["min_d"], checker.path(found.path, min_d=o["min_d"], slack=o["slack"], check=o["check"]).all_free
+            out.update(length=length_of(checker, found.path), raw_length=found.raw_length, path=found.path.ravel(), least=least, contact=contact,
+                proved=proved, contradiction=contact and (proved or planner["algorithm"] == "leeway"))
         return out
 
 

@@ -12,10 +12,9 @@ import pathlib
 import sys
 import time
 
-import numpy
-
 from .._core import Checker, Robot, Scene
 from .paths import read_group, read_joints, read_states
+from .planners import plan_by_ompl
 
 __all__ = ["plan_reaches"]
 
@@ -29,24 +28,7 @@ def _by_leeway(checker: Checker, start, goal, seed: int, seconds: float):
 
 def _by_ompl(checker: Checker, start, goal, seed: int, seconds: float):
     """RRTConnect and OMPL's simplification; states are checked by leeway, motions at OMPL's default resolution."""
-    from ompl import geometric, util
-
-    from .. import ompl as bridge
-    util.setLogLevel(util.LOG_NONE)
-    setup = geometric.SimpleSetup(bridge.state_space(checker))
-    information = setup.getSpaceInformation()
-    information.setStateValidityChecker(bridge.StateValidityChecker(information, checker))
-    ends = [information.getStateSpace().allocState() for _ in range(2)]
-    for state, q in zip(ends, (start, goal)):
-        bridge.from_array(checker, q, state)
-    setup.setStartAndGoalStates(*ends)
-    setup.setPlanner(geometric.RRTConnect(information))
-    solved = setup.solve(seconds)
-    if not solved or not setup.haveExactSolutionPath():
-        return None
-    setup.simplifySolution()
-    path = setup.getSolutionPath()
-    return numpy.array([bridge.to_array(checker, path.getState(i)) for i in range(path.getStateCount())])
+    return plan_by_ompl(checker, start, goal, seed, seconds=seconds).path
 
 
 def plan_reaches(folder, out, runs: int = 3, seconds: float = 20.0) -> dict[str, list[int]]:

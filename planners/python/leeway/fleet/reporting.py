@@ -75,7 +75,7 @@ def _plans(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
     frame = _by_scene(part, frame.assign(solved=frame["outcome"] == "SOLVED"))
     grouped = frame.groupby(["scenes", frame["planner"].astype(str)], observed=True)
     return grouped.agg(plans=("solved", "size"), solved=("solved", "sum"), median_length=("length", "median"), median_ms=("ms", "median"),
-        p95_ms=("ms", lambda x: x.quantile(0.95)), least_clearance=("least", "min"), contradiction=("contradiction", "sum")).reset_index()
+        p95_ms=("ms", lambda x: x.quantile(0.95)), in_contact=("contact", "sum"), proved=("proved", "sum"), least_clearance=("least", "min"), contradiction=("contradiction", "sum")).reset_index()
 
 
 def _audit(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
