@@ -20,13 +20,11 @@ typedef struct lw_reach_def
 	/// longest chain. It sets the resolution at which joints are sampled. 0 = 1 % of the robot's longest chain.
 	double hull_error;
 	/// Radians or metres: joint ranges are widened by this, so that they cover states on a limit or beyond it by rounding.
-	/// covered.
 	double limit_margin;
 	/// Seconds, >= 0: time budget of all steps after the motion hulls: samples, hulls of pairs, search for contact,
 	/// clearance grids and proofs by subdivision. With less time more pairs remain to be checked; no answer becomes wrong,
 	/// and lw_reach_continue() goes on from there. 0 = samples, hulls of pairs and the search run to their end, without
 	/// grids and subdivision: such a build repeats bit for bit.
-	/// build repeats bit for bit.
 	double seconds;
 	bool hulls_only;  ///< make no proofs: every pair that is not rigid, adjacent or allowed remains to be checked
 	uint32_t samples; ///< random states at which all pairs are measured first; pairs found in contact need no proof

@@ -44,7 +44,8 @@ typedef struct lwi_edge_pair
 /// alternate.
 typedef struct lwi_edge_plane
 {
-	uint32_t key;      ///< of the pair; 0: empty
+	uint64_t key;       ///< of the two hulls; 0: empty
+	lwi_backoff pieces; ///< of tests of their pieces
 	bool begun;        ///< there are some
 	bool swapped;       ///< they are given in the frame of the first of the two
 	uint8_t served;    ///< lanes of planes that served since the last new one came
@@ -281,6 +282,9 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* 
 /// Measures a pair at window.t, no further than needed to prove the window and a little more.
 /// @param may_give_up a distance too small for that ends it
 lwi_edge_sample lwi_edge_measure( lwi_edge* edge, lwi_edge_pair* pair, lwi_edge_window window, bool may_give_up );
+
+/// How much the clearance of a pair may lose within a window, from its middle.
+double lwi_edge_loss( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window );
 
 /// False for cells of a level that an interval batch has proved for a pair.
 static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t cell, int level )

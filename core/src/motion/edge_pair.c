@@ -51,8 +51,7 @@ void lwi_edge_prepare_pair( lwi_edge* e, lwi_edge_pair* pair )
 	pair->slack = e->slack[self];
 }
 
-/// How much the clearance of a pair may lose within a window.
-static double loss_of( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
+double lwi_edge_loss( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
 {
 	const lw_checker* c = e->checker;
 	double loss = lwi_edge_displacement(
@@ -189,7 +188,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 		e->close += close && !s.proved;
 		return s;
 	}
-	const double loss = loss_of( e, pair, window );
+	const double loss = lwi_edge_loss( e, pair, window );
 	measure( e, pair, window, may_give_up, loss, &s );
 	if ( e->failed || is_proved( e, pair, loss, &s ) )
 	{

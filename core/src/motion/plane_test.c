@@ -13,7 +13,7 @@
 #include <string.h>
 
 /// Keys of pairs of bodies; those of a body and an obstacle are below.
-#define SELF_KEY 0x80000000u
+#define SELF_KEY ( (uint64_t)1 << 62 )
 
 /// Metres. A body that bulges more than this between its poses has no plane near obstacles: halving the window is cheaper.
 #define MAX_BULGE 0.05
@@ -56,21 +56,33 @@ static void direction_between( const lwi_swept_poses* a, const lwi_swept_poses* 
 	}
 }
 
-static lwi_edge_plane* plane_of( lwi_edge* e, uint32_t key )
+static lwi_edge_plane* plane_of( lwi_edge* e, uint64_t key )
 {
-	lwi_edge_plane* p = &e->memory->planes[( key * 2654435769u ) >> ( 32 - LWI_EDGE_CACHE_BITS )];
+	lwi_edge_plane* p = &e->memory->planes[( key * 0x9e3779b97f4a7c15u ) >> ( 64 - LWI_EDGE_CACHE_BITS )];
 	if ( p->key != key + 1 )
 	{
 		p->key = key + 1;
 		p->begun = false;
+		p->pieces = ( lwi_backoff ){ 0 };
 	}
 	return p;
 }
 
-/// The key of a body and an obstacle.
-static uint32_t obstacle_key( const lw_checker* c, uint32_t body, uint32_t obstacle )
+/// The key of a body and an obstacle. The lowest byte names pieces, see key_of_pieces().
+static uint64_t obstacle_key( const lw_checker* c, uint32_t body, uint32_t obstacle )
 {
-	return body * c->scene->block_count * LWI_WIDTH + obstacle;
+	return ( (uint64_t)body * c->scene->block_count * LWI_WIDTH + obstacle ) << 8;
+}
+
+static uint64_t self_key( const lw_checker* c, uint32_t a, uint32_t b )
+{
+	return SELF_KEY | (uint64_t)lwi_body_pair_id( c->base, a, b ) << 8;
+}
+
+/// @param a, b indices of pieces; LWI_WIDTH: the whole
+static uint64_t key_of_pieces( uint64_t whole, uint32_t a, uint32_t b )
+{
+	return whole + 1 + a * ( LWI_WIDTH + 1 ) + b;
 }
 
 /// True if the shapes admit plane tests.
@@ -99,7 +111,7 @@ static void begin_planes( lwi_edge_plane* p, const lw_shape* b, bool swapped )
 }
 
 /// Planes of b, in its frame.
-static lwi_edge_plane* planes_of( const plane_test* s, uint32_t key )
+static lwi_edge_plane* planes_of( const plane_test* s, uint64_t key )
 {
 	lwi_edge_plane* p = plane_of( s->edge, key );
 	if ( !p->begun || p->swapped != s->swapped ) // planes of the other frame prove nothing here
@@ -145,31 +157,189 @@ static double center_displacement( lwi_edge* e, uint32_t body, uint32_t ancestor
 		   LWI_EDGE_OUTWARD;
 }
 
-/// A new plane. @param margin on top of the clearance
-static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, double margin )
+/// Searches for a new plane for all of the window, and adds it. @param margin on top of the clearance @param direction
+/// where the search ended
+static bool new_plane_holds( plane_test* s, lwi_edge_plane* p, double margin, float direction[3] )
 {
 	const double need = lwi_larger( s->enough + margin, 0 );
-	const lwi_kernels* kernels = s->edge->query->search.kernels;
-	float direction[3];
-	direction_between( s->a, s->b, direction );
 	lwi_swept_plane plane;
-	lwi_edge_plane_result found = LWI_EDGE_PROVED;
-	lwi_separation whole = lwi_separate_swept( kernels, s->a, s->b, need + s->bulge, direction, &plane );
-	if ( whole != LWI_APART )
+	direction_between( s->a, s->b, direction );
+	if ( lwi_separate_swept( s->edge->query->search.kernels, s->a, s->b, need + s->bulge, direction, &plane ) != LWI_APART )
 	{
-		// is it the window that is too wide, or are their hulls too near?
-		lwi_swept_poses middle_a, middle_b;
-		lwi_swept_poses_static( &middle_a, s->a->shape, &s->a->middle );
-		lwi_swept_poses_static( &middle_b, s->b->shape, &s->b->middle );
-		lwi_separation middle = lwi_separate_swept( kernels, &middle_a, &middle_b, need, direction, &plane );
-		found = middle == LWI_APART ? LWI_EDGE_CLOSER : LWI_EDGE_MEASURE;
+		return false;
 	}
-	if ( found != LWI_EDGE_MEASURE )
-	{
-		add_plane( p, plane );
-	}
-	return found;
+	add_plane( p, plane );
+	return true;
 }
+
+/// A new plane, or else: is it the window that is too wide, or are the hulls too near in its middle?
+static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, double margin )
+{
+	float direction[3];
+	if ( new_plane_holds( s, p, margin, direction ) )
+	{
+		return LWI_EDGE_PROVED;
+	}
+	const double need = lwi_larger( s->enough + margin, 0 );
+	lwi_swept_plane plane;
+	lwi_swept_poses middle_a, middle_b;
+	lwi_swept_poses_static( &middle_a, s->a->shape, &s->a->middle );
+	lwi_swept_poses_static( &middle_b, s->b->shape, &s->b->middle );
+	if ( lwi_separate_swept( s->edge->query->search.kernels, &middle_a, &middle_b, need, direction, &plane ) != LWI_APART )
+	{
+		return LWI_EDGE_MEASURE;
+	}
+	add_plane( p, plane );
+	return LWI_EDGE_CLOSER;
+}
+
+// ---- pieces ----------------------------------------------------------------------------------------------------------
+
+enum
+{
+	PIECES_MOST_FAILURES = 5 ///< in a row: then one test in 2^5 of a pair looks at its pieces
+};
+
+/// A piece of a body or of an obstacle at the poses of the whole.
+typedef struct piece
+{
+	lwi_swept_poses poses;
+	lwi_cloud cloud;
+} piece;
+
+static void take_piece( piece* out, const lwi_swept_poses* whole, uint32_t index )
+{
+	out->poses = *whole;
+	out->poses.shape = &whole->shape->pieces[index];
+	out->poses.boxed = false;
+	out->poses.cloud = whole->cloud != NULL ? &out->cloud : NULL;
+	out->cloud.made = false;
+}
+
+/// Lower bound of the distance of a point to a shape, both in its frame: by its sphere and its box.
+static double distance_to_bounds( const lw_shape* shape, lw_vec3 point )
+{
+	const double p[3] = { point.x, point.y, point.z };
+	double sum = 0;
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double d = lwi_larger( lwi_larger( shape->box_min[k] - p[k], p[k] - shape->box_max[k] ), 0 );
+		sum += d * d;
+	}
+	return lwi_larger( sqrt( sum ), lwi_distance( point, lwi_load( shape->sphere_center ) ) - shape->sphere_radius );
+}
+
+/// Is there a plane between the two for all of the window? @param margin on top of the clearance
+static bool are_apart( plane_test* s, uint64_t key, double margin )
+{
+	float direction[3];
+	lwi_edge_plane* p = planes_of( s, key );
+	return old_plane_holds( s, p, margin ) || new_plane_holds( s, p, margin, direction );
+}
+
+/// Pieces of a that may come too near to b, nearest first. @param places of a's pieces' spheres in b's frame
+static uint32_t near_pieces( const plane_test* s, double reach, lw_vec3 places[LWI_WIDTH], uint32_t order[LWI_WIDTH] )
+{
+	const lw_shape *a = s->a->shape, *b = s->b->shape;
+	const lw_transform b_from_a = lwi_relative( &s->b->middle, &s->a->middle );
+	double gaps[LWI_WIDTH];
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < a->piece_count; ++i )
+	{
+		places[i] = lwi_transform( &b_from_a, lwi_load( a->pieces[i].sphere_center ) );
+		gaps[i] = distance_to_bounds( b, places[i] ) - a->pieces[i].sphere_radius;
+		if ( gaps[i] > reach )
+		{
+			continue;
+		}
+		uint32_t at = count++;
+		for ( ; at > 0 && gaps[order[at - 1]] > gaps[i]; --at )
+		{
+			order[at] = order[at - 1];
+		}
+		order[at] = i;
+	}
+	return count;
+}
+
+/// One piece of a, or all of it, against b's pieces. @param place of its sphere in b's frame
+static bool is_apart_from_pieces( plane_test* s, uint64_t key, uint32_t index, lw_vec3 place, double reach, double margin )
+{
+	lwi_swept_poses* whole = s->b;
+	piece part;
+	bool apart = true;
+	reach += s->a->shape->sphere_radius;
+	for ( uint32_t i = 0; i < whole->shape->piece_count && apart; ++i )
+	{
+		if ( !( distance_to_bounds( &whole->shape->pieces[i], place ) > reach ) )
+		{
+			take_piece( &part, whole, i );
+			s->b = &part.poses;
+			apart = are_apart( s, key_of_pieces( key, index, i ), margin );
+		}
+	}
+	s->b = whole;
+	return apart;
+}
+
+/// All of a's pieces against b, or against b's pieces if that fails.
+static bool each_is_apart( plane_test* s, uint64_t key, bool split_b, double margin )
+{
+	lwi_swept_poses* whole = s->a;
+	const double reach = s->enough + margin + lwi_edge_loss( s->edge, s->pair, s->window );
+	lw_vec3 places[LWI_WIDTH];
+	uint32_t order[LWI_WIDTH];
+	const uint32_t count = near_pieces( s, reach, places, order );
+	piece part;
+	bool apart = true;
+	for ( uint32_t i = 0; i < count && apart; ++i )
+	{
+		const uint32_t index = order[i];
+		take_piece( &part, whole, index );
+		s->a = &part.poses;
+		apart = are_apart( s, key_of_pieces( key, index, LWI_WIDTH ), margin ) ||
+				( split_b && is_apart_from_pieces( s, key, index, places[index], reach, margin ) );
+	}
+	s->a = whole;
+	return apart;
+}
+
+/// Planes between the pieces of two shapes whose hulls are too near. Everything of a shape is in one of its pieces.
+/// Obstacles stay whole: most are convex.
+/// @param key of the two shapes
+static bool pieces_are_apart( plane_test* s, uint64_t key, double margin )
+{
+	const bool split_a = s->a->shape->piece_count > 0;
+	const bool split_b = s->b->shape->piece_count > 0 && lwi_edge_pair_is_self( s->pair );
+	lwi_backoff* backoff = &planes_of( s, key )->pieces;
+	if ( !( split_a || split_b ) || !lwi_backoff_is_due( backoff ) )
+	{
+		return false;
+	}
+	const lw_transform b_from_a = lwi_relative( &s->b->middle, &s->a->middle );
+	const lw_vec3 place = lwi_transform( &b_from_a, lwi_load( s->a->shape->sphere_center ) );
+	const bool apart = split_a ? each_is_apart( s, key, split_b, margin )
+							   : is_apart_from_pieces( s, key, LWI_WIDTH, place,
+									 s->enough + margin + lwi_edge_loss( s->edge, s->pair, s->window ), margin );
+	if ( apart )
+	{
+		lwi_backoff_succeeded( backoff );
+	}
+	else
+	{
+		lwi_backoff_failed( backoff, PIECES_MOST_FAILURES, 1 );
+	}
+	return apart;
+}
+
+/// New planes between the hulls of two shapes, or else between those of their pieces.
+static lwi_edge_plane_result find_planes( plane_test* s, lwi_edge_plane* p, uint64_t key, double margin )
+{
+	const lwi_edge_plane_result found = find_plane( s, p, margin );
+	return found == LWI_EDGE_MEASURE && pieces_are_apart( s, key, margin ) ? LWI_EDGE_PROVED : found;
+}
+
+// ---- pairs -----------------------------------------------------------------------------------------------------------
 
 static lwi_edge_plane_result test_self( plane_test s )
 {
@@ -194,7 +364,7 @@ static lwi_edge_plane_result test_self( plane_test s )
 		lwi_edge_swept_poses( e, a, above, pair->rate_a, s.window, s.linear != NULL ? &s.linear[0] : NULL, &poses[0] );
 		lwi_edge_swept_poses( e, b, above, pair->rate_b, s.window, s.linear != NULL ? &s.linear[1] : NULL, &poses[1] );
 		planes = has_planes( &s );
-		p = planes ? planes_of( &s, SELF_KEY | lwi_body_pair_id( c->base, a, b ) ) : NULL;
+		p = planes ? planes_of( &s, self_key( c, a, b ) ) : NULL;
 		if ( planes && old_plane_holds( &s, p, margin ) )
 		{
 			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
@@ -206,7 +376,7 @@ static lwi_edge_plane_result test_self( plane_test s )
 	{
 		return LWI_EDGE_PROVED;
 	}
-	return planes ? find_plane( &s, p, margin ) : LWI_EDGE_MEASURE;
+	return planes ? find_planes( &s, p, self_key( c, a, b ), margin ) : LWI_EDGE_MEASURE;
 }
 
 /// All obstacles that are near the body's sphere.
@@ -239,10 +409,11 @@ static lwi_edge_plane_result test_scene( plane_test s )
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
 		lwi_swept_poses_static( &fixed, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
 		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
-		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, obstacle_key( c, pair->body_a, index ) ) : NULL;
+		const uint64_t key = obstacle_key( c, pair->body_a, index );
+		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, key ) : NULL;
 		if ( p == NULL || !old_plane_holds( &s, p, margin ) )
 		{
-			lwi_edge_plane_result now = p == NULL ? LWI_EDGE_MEASURE : find_plane( &s, p, margin );
+			lwi_edge_plane_result now = p == NULL ? LWI_EDGE_MEASURE : find_planes( &s, p, key, margin );
 			worst = now > worst ? now : worst;
 		}
 	}

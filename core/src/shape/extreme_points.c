@@ -77,15 +77,17 @@ static lwi_points8* vertices_of( const lw_shape* shape, size_t size )
 	return points;
 }
 
-/// Fills `found` and returns the number of points. @param vertices NULL: searches the tree
-static uint32_t find_points( const lw_shape* shape, const lwi_points8* vertices, float found[POINTS][3] )
+/// Fills `found` and returns the number of points. @param vertices NULL: searches the tree @param coarse along a third of
+/// the directions: there are many pieces, and each is small
+static uint32_t find_points( const lw_shape* shape, const lwi_points8* vertices, bool coarse, float found[POINTS][3] )
 {
 	const lwi_kernels* kernels = lwi_kernels_get( lw_simd_available() );
 	const uint32_t blocks = blocks_of( shape->vertex_count );
 	float point[3];
 	memcpy( point, shape->root_sphere, sizeof( point ) );
+	const uint32_t directions = coarse ? AXES + SPIRAL : AXES + SPIRAL + TILTS;
 	uint32_t count = 0;
-	for ( uint32_t i = 0; i < AXES + SPIRAL + TILTS && count < POINTS; ++i )
+	for ( uint32_t i = 0; i < directions && count < POINTS; i += coarse && i >= AXES ? 2 : 1 )
 	{
 		float n[3], high;
 		direction_of( i, n );
@@ -109,20 +111,25 @@ static uint32_t find_points( const lw_shape* shape, const lwi_points8* vertices,
 	return count;
 }
 
-lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag )
+static lw_status out_of_memory( lw_diag* diag )
+{
+	return lwi_out_of_memory( diag, "a sphere tree" );
+}
+
+static lw_status find_own_points( lw_shape* shape, bool is_piece, lw_diag* diag )
 {
 	float found[POINTS][3];
 	size_t size = blocks_of( shape->vertex_count ) * sizeof( lwi_points8 );
 	lwi_points8* vertices = NULL;
-	if ( shape->family == LWI_TRIANGLES && shape->vertex_count <= FEW_VERTICES )
+	if ( shape->family == LWI_TRIANGLES && !is_piece && shape->vertex_count <= FEW_VERTICES )
 	{
 		vertices = vertices_of( shape, size );
 		if ( vertices == NULL )
 		{
-			return lwi_out_of_memory( diag, "a sphere tree" );
+			return out_of_memory( diag );
 		}
 	}
-	uint32_t count = find_points( shape, vertices, found );
+	uint32_t count = find_points( shape, vertices, is_piece, found );
 	if ( vertices != NULL )
 	{
 		lwi_free( &shape->allocator, vertices, size );
@@ -131,7 +138,7 @@ lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag )
 	shape->extreme_points = lwi_alloc( &shape->allocator, shape->extreme_blocks * sizeof( lwi_points8 ) );
 	if ( shape->extreme_points == NULL )
 	{
-		return lwi_out_of_memory( diag, "a sphere tree" );
+		return out_of_memory( diag );
 	}
 	for ( uint32_t i = 0; i < shape->extreme_blocks * LWI_WIDTH; ++i )
 	{
@@ -140,6 +147,102 @@ lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag )
 			shape->extreme_points[i / LWI_WIDTH].at[k][i % LWI_WIDTH] = found[i < count ? i : 0][k];
 		}
 	}
-	shape->bytes += shape->extreme_blocks * sizeof( lwi_points8 );
 	return LW_OK;
+}
+
+/// How far a piece reaches along an axis, tree frame, rounded outward: corners in double are off by half a unit of floats.
+static double reach_of( const lw_shape* piece, int axis, float sign )
+{
+	float n[3] = { 0, 0, 0 }, point[3] = { piece->root_sphere[0], piece->root_sphere[1], piece->root_sphere[2] };
+	n[axis] = sign;
+	return (double)lwi_support( lwi_kernels_get( lw_simd_available() ), piece, n, point ) + 0x1p-23 * (double)piece->extent +
+		   piece->radius;
+}
+
+/// What is below one child of the root.
+static lw_shape piece_of( const lw_shape* shape, uint32_t child )
+{
+	const lwi_node* node = &shape->nodes[shape->root];
+	lw_shape piece = *shape;
+	piece.root = node->child[child];
+	const float sphere[4] = { node->x[child], node->y[child], node->z[child], node->r[child] };
+	memcpy( piece.root_sphere, sphere, sizeof( sphere ) );
+	piece.sphere_radius = (double)sphere[3] + shape->radius;
+	piece.vertices = NULL;
+	piece.indices = NULL;
+	piece.vertex_count = piece.item_count = piece.extreme_blocks = piece.part_count = 0;
+	piece.extreme_points = NULL;
+	for ( int k = 0; k < 3; ++k )
+	{
+		piece.sphere_center[k] = (double)sphere[k] + shape->origin[k];
+		piece.box_min[k] = shape->origin[k] - reach_of( &piece, k, -1 );
+		piece.box_max[k] = shape->origin[k] + reach_of( &piece, k, 1 );
+	}
+	return piece;
+}
+
+static uint32_t children_of( const lwi_node* node )
+{
+	uint32_t count = 0;
+	while ( count < LWI_WIDTH && node->child[count] != LW_INVALID_INDEX )
+	{
+		++count;
+	}
+	return count;
+}
+
+/// Nothing can be inside of a mesh that is not solid; a solid one is more than its surface, so its pieces prove nothing.
+static lw_status find_pieces( lw_shape* shape, lw_diag* diag )
+{
+	if ( shape->type != LW_SHAPE_MESH || shape->closed || shape->item_count < LWI_DENSE_MESH ||
+		 lwi_ref_is_leaf( shape->root ) )
+	{
+		return LW_OK;
+	}
+	const uint32_t count = children_of( &shape->nodes[shape->root] );
+	lw_shape* pieces = lwi_alloc( &shape->allocator, count * sizeof( lw_shape ) );
+	if ( pieces == NULL )
+	{
+		return out_of_memory( diag );
+	}
+	memset( pieces, 0, count * sizeof( lw_shape ) );
+	lw_status status = LW_OK;
+	for ( uint32_t i = 0; i < count && status == LW_OK; ++i )
+	{
+		pieces[i] = piece_of( shape, i );
+		status = find_own_points( &pieces[i], true, diag );
+		shape->bytes += sizeof( lw_shape ) + pieces[i].extreme_blocks * sizeof( lwi_points8 );
+	}
+	shape->pieces = pieces;
+	shape->piece_count = count;
+	return status;
+}
+
+lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag )
+{
+	lw_status status = find_own_points( shape, false, diag );
+	shape->bytes += shape->extreme_blocks * sizeof( lwi_points8 );
+	return status == LW_OK ? find_pieces( shape, diag ) : status;
+}
+
+static void free_points( const lw_allocator* allocator, lw_shape* shape )
+{
+	if ( shape->extreme_points != NULL )
+	{
+		lwi_free( allocator, shape->extreme_points, shape->extreme_blocks * sizeof( lwi_points8 ) );
+	}
+}
+
+void lwi_shape_free_extreme_points( lw_shape* shape )
+{
+	const lw_allocator allocator = shape->allocator;
+	free_points( &allocator, shape );
+	for ( uint32_t i = 0; i < shape->piece_count; ++i )
+	{
+		free_points( &allocator, &shape->pieces[i] );
+	}
+	if ( shape->pieces != NULL )
+	{
+		lwi_free( &allocator, shape->pieces, shape->piece_count * sizeof( lw_shape ) );
+	}
 }

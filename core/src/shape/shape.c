@@ -74,10 +74,7 @@ static void free_shape( lw_shape* shape )
 	{
 		lwi_free( &allocator, shape->obbs, shape->node_count * sizeof( lwi_obb8 ) );
 	}
-	if ( shape->extreme_points != NULL )
-	{
-		lwi_free( &allocator, shape->extreme_points, shape->extreme_blocks * sizeof( *shape->extreme_points ) );
-	}
+	lwi_shape_free_extreme_points( shape );
 	lwi_free( &allocator, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
 	lwi_free( &allocator, shape->ball_leaves, shape->leaf_count * sizeof( lwi_ball_leaf ) );
 	lwi_free( &allocator, shape->box_leaves, shape->leaf_count * sizeof( lwi_box_leaf ) );

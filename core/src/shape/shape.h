@@ -19,8 +19,9 @@ LW_EXTERN_C_BEGIN
 
 enum
 {
-	LWI_MAX_PARTS = 16, ///< connected parts of a mesh that are known one by one
-	LWI_EXTREME_BLOCKS = 8 ///< of the extreme points of a shape, at most
+	LWI_MAX_PARTS = 16,     ///< connected parts of a mesh that are known one by one
+	LWI_EXTREME_BLOCKS = 8, ///< of the extreme points of a shape, at most
+	LWI_DENSE_MESH = 256 ///< triangles from which a mesh has pieces: searches of fewer take no longer than planes of pieces
 };
 
 /// Flags of lw_shape.components, below the number of the component.
@@ -112,6 +113,11 @@ struct lw_shape
 	lwi_box_leaf* box_leaves;   ///< of boxes
 	uint32_t extreme_blocks; ///< vertices of a bounded shape far along some directions, inside its convex hull; tree frame
 	lwi_points8* extreme_points;
+
+	/// What is below each child of the root, of a dense mesh that is not solid: their hulls are apart where the whole's are
+	/// not. A piece shares the whole's arrays and frame; root, sphere, box and extreme points are its own; it has no items.
+	uint32_t piece_count; ///< 0: no pieces
+	lw_shape* pieces;     ///< [piece_count]
 	size_t bytes;
 };
 
@@ -220,9 +226,11 @@ void lwi_shape_finish( lw_shape* shape );
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_shape_find_obbs( lw_shape* shape, lw_diag* diag );
 
-/// The extreme points of a bounded shape whose tree, if it has one, is valid.
+/// The extreme points of a bounded shape whose tree, if it has one, is valid, and its pieces.
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag );
+
+void lwi_shape_free_extreme_points( lw_shape* shape ); ///< and its pieces
 
 /// All steps, for a shape whose vertices, indices, radii and counts are set.
 lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );
