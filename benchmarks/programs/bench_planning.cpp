@@ -339,9 +339,12 @@ void addData( EdgeWorlds& worlds, const Settings& settings )
 	requireData( settings.data, "mbm" );
 	std::vector<int> numbers( static_cast<std::size_t>( settings.problems ) );
 	std::iota( numbers.begin(), numbers.end(), 1 );
-	worlds.addMbm( "panda", "panda_arm", numbers );
-	worlds.addMbm( "fetch", "arm_with_torso", numbers );
-	worlds.addArmarProblems();
+	worlds.addMbm( "panda", "panda_arm", numbers, settings.only );
+	worlds.addMbm( "fetch", "arm_with_torso", numbers, settings.only );
+	if ( std::string( "armar3 planner" ).find( settings.only ) != std::string::npos )
+	{
+		worlds.addArmarProblems();
+	}
 }
 
 void addZoo( EdgeWorlds& worlds, const Settings& settings, const std::string& folder )

@@ -172,13 +172,17 @@ void EdgeWorlds::addArmarProblems()
 	}
 }
 
-void EdgeWorlds::addMbm( const std::string& robot_name, const std::string& group, const std::vector<int>& numbers )
+void EdgeWorlds::addMbm(
+    const std::string& robot_name, const std::string& group, const std::vector<int>& numbers, const std::string& only )
 {
 	const std::string folder = "mbm/" + robot_name;
 	std::vector<std::string> sets;
 	for ( const auto& item : std::filesystem::directory_iterator( path( folder + "/problems" ) ) )
 	{
-		sets.push_back( item.path().filename() );
+		if ( item.path().filename().string().find( only ) != std::string::npos )
+		{
+			sets.push_back( item.path().filename() );
+		}
 	}
 	std::sort( sets.begin(), sets.end() );
 	for ( const std::string& set : sets )

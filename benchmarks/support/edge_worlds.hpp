@@ -36,8 +36,9 @@ public:
 	void addArmar( const std::string& group, const std::vector<int>& problems = {} );
 	/// ARMAR-III's reach problems, each with its own group.
 	void addArmarProblems();
-	/// Scenes of MotionBenchMaker: of each of the robot's problem sets those of these numbers that are there.
-	void addMbm( const std::string& robot, const std::string& group, const std::vector<int>& numbers );
+	/// Scenes of MotionBenchMaker: of each of the robot's problem sets with `only` in its name those of these numbers that are there.
+	void addMbm(
+	    const std::string& robot, const std::string& group, const std::vector<int>& numbers, const std::string& only = "" );
 	void addRandom( std::uint64_t seed, std::size_t count );
 	/// From its source; a world that is there already is not made again. @return its index
 	/// @throws leeway::io::Error, std::runtime_error

@@ -347,22 +347,30 @@ MISTAKES = {
     'kind = "states"': ('kind = "stats"', r"work\[0\].kind: is 'stats'; give one of states, edges"),
     "rows = 2000": ("rows = 0", r"work\[0\].rows: is 0; give at least 1"),
     "audit = 0.1": ("audits = 0.1", r"work\[1\].audits: is no known entry; known are"),
-    "seed = 5": ('seed = "5"', "seed: is '5'; give a int"),
+    "seed = 5": ('seed = "5"', "seed: is '5'; give a whole number"),
     'scenes = ["desk"]\nrows = 2000': ('scenes = ["table"]\nrows = 2000', r"work\[0\].scenes: names 'table'.*it has desk"),
-    'group = "arm"': ('group = "leg"', "leg"),
     "[robots.arm]": ("[robots.arm", "TOML"),
     f'file = "{FIRST}/scene.yaml"': ('count = 3', "has both or none of file and generator"),
+    f'urdf = "{FIRST}/arm.urdf"': ('urdf = "none.urdf"', r"small.toml: robots.arm: .*none.urdf: no such file; check the path"),
+    f'srdf = "{FIRST}/arm.srdf"': ('srdf = 3', "robots.arm.srdf: is 3; give text in quotes"),
+    "audit_step = 0.05": ("audit_step = inf", r"work\[1\].audit_step: is inf; give a number"),
+    "rows = 600": ("rows = 600\nslack = 0", r"work\[1\].slack: is 0; give at least 1e-09"),
+    'kind = "edges"': ('kind = "edges"\nrobots = ["arm", "arm"]', "names 'arm' twice"),
 }
+OF_ROBOT = {'group = "leg"': r"small.toml: robots.arm.group: .*group leg: there is no such group; use one of arm",
+    'group = "arm"\nreference = {yaw = "a"}': "robots.arm.reference.yaw: is 'a'; give a number",
+    'group = "arm"\nreference = {yawn = 1}': "robots.arm.reference.yawn: is no variable of the robot; give some of yaw",
+    'group = "arm"\npackages = [1]': r"robots.arm.packages\[0\]: is 1; give text in quotes",
+    f'group = "arm"\n[robots."../arm"]\nurdf = "{FIRST}/arm.urdf"': r"\.\./arm: is no name of a robot"}
 
 
-@pytest.mark.parametrize("place", MISTAKES)
-def test_mistakes_in_campaigns_are_located(small, tmp_path, place):
-    wrong, message = MISTAKES[place]
+@pytest.mark.parametrize(("place", "wrong", "message"), [(place, *pair) for place, pair in MISTAKES.items()] + [('group = "arm"', *pair) for pair in OF_ROBOT.items()])
+def test_mistakes_in_campaigns_are_located(small, tmp_path, place, wrong, message):
     assert place in SMALL
     small.write_text(SMALL.replace(place, wrong))
-    with pytest.raises(leeway.Error, match=message):
-        found = run(small, tmp_path / "out", workers=0, quiet=True)
-        raise leeway.Error("; ".join(found.failures))
+    with pytest.raises(FleetError, match=message):
+        run(small, tmp_path / "out", workers=0, quiet=True)
+    assert not (tmp_path / "out").exists()
 
 
 def test_status_and_exit_codes(small, tmp_path, expected):

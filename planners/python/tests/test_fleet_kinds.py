@@ -161,6 +161,18 @@ def test_somebodys_paths_are_audited_in_every_format(campaign, checker, states, 
     assert bad["verdict"] == int(leeway.Verdict.BLOCKED) and bad["least"] == 0 and 0 < bad["contact_share"] < 1 and bad["edge"] in (0, 1) and bad["first"]
 
 
+def test_a_file_of_paths_that_changed_is_refused(checker, states, spheres, tmp_path):
+    from leeway.fleet.plan import worlds_of
+    from leeway.fleet.worlds import Worlds
+    numpy.save(tmp_path / "a.npy", states[:2])
+    (tmp_path / "kinds.toml").write_text(ROBOT + '[[work]]\nkind = "audit"\nfiles = ["a.npy"]\n')
+    worlds = worlds_of(tmp_path / "kinds.toml")
+    assert (worlds.paths("a.npy", checker.variables)[0].positions == states[:2]).all()
+    numpy.save(tmp_path / "a.npy", states[2:4])
+    with pytest.raises(FleetError, match="a.npy: is another file than the manifest's; put the old file back"):
+        Worlds(worlds.plan, tmp_path).paths("a.npy", checker.variables)
+
+
 def test_faulty_files_of_paths_are_located(checker, tmp_path):
     names = checker.variables
     cases = {"a.csv": ("x,y\n1,2\n", "has no joint"), "b.csv": (",".join(names) + "\n1,2,3,x\n", "is no table of numbers"), "c.txt": ("1 2\n3 4\n", "shape"),
@@ -251,7 +263,8 @@ def test_generated_scenes_differ_and_repeat(campaign, spheres, tmp_path):
 
 def test_generators_refuse_other_parameters(campaign, spheres):
     for text, message in (("generator = 'cellar'", "give one of shelves"), ("generator = 'shelves'\nparameters = {boards = 'many'}", "give a number or"),
-            ("generator = 'kitchen'\nparameters = {wine = 3}", "give a number or"), ("generator = 'variations'", "variations need scene")):
+            ("generator = 'kitchen'\nparameters = {wine = 3}", "wine: is no known parameter; known are"),
+            ("generator = 'kitchen'\nparameters = {items = [9, 2]}", "give a number or"), ("generator = 'variations'", "variations need scene")):
         with pytest.raises(FleetError, match=message):
             campaign(f"[scenes.x]\n{text}\n[[work]]\nkind = 'states'\nscenes = ['x']\nrows = 5\n")
 

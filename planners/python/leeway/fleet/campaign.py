@@ -21,6 +21,7 @@ import glob
 import hashlib
 import math
 import pathlib
+import re
 from typing import Any, NamedTuple
 
 from .errors import FleetError
@@ -30,26 +31,29 @@ try:
 except ImportError:  # Python 3.10 and before
     import tomli as tomllib
 
-__all__ = ["Campaign", "Option", "checked", "digest_of_file", "files_of", "load_campaign"]
+__all__ = ["Campaign", "Option", "checked", "digest_of_file", "files_of", "load_campaign", "shown"]
 
 SHARD_ROWS = 65536
 
 
 class Option(NamedTuple):
-    """An entry of a table: its type, default (REQUIRED: none), least value, and choices."""
+    """An entry of a table: its type, default (REQUIRED: none), least value, choices, greatest value, type of a list's or a table's entries."""
     type: type
     default: Any
     least: float | None = None
     choices: tuple = ()
+    most: float | None = None
+    of: type = str
 
 
 REQUIRED = object()
-TOP = {"name": Option(str, REQUIRED), "seed": Option(int, 1, 0), "shard_rows": Option(int, SHARD_ROWS, 1), "robots": Option(dict, REQUIRED),
-    "scenes": Option(dict, {}), "work": Option(list, REQUIRED)}
+KINDS_OF_VALUES = {str: "text in quotes", int: "a whole number", float: "a number", bool: "true or false", list: "a list", dict: "a table"}
+TOP = {"name": Option(str, REQUIRED), "seed": Option(int, 1, 0), "shard_rows": Option(int, SHARD_ROWS, 1), "robots": Option(dict, REQUIRED, of=dict),
+    "scenes": Option(dict, {}, of=dict), "work": Option(list, REQUIRED, of=dict)}
 ROBOT = {"urdf": Option(str, REQUIRED), "srdf": Option(str, ""), "group": Option(str, ""), "packages": Option(list, []),
-    "reference": Option(dict, {}), "spheres": Option(str, "")}
+    "reference": Option(dict, {}, of=float), "spheres": Option(str, "")}
 SCENE = {"file": Option(str, ""), "generator": Option(str, ""), "count": Option(int, 1, 1), "seed": Option(int, 1, 0),
-    "parameters": Option(dict, {}), "packages": Option(list, [])}
+    "parameters": Option(dict, {}, of=object), "packages": Option(list, [])}
 WORK = {"kind": Option(str, REQUIRED), "robots": Option(list, []), "scenes": Option(list, [])}
 
 
@@ -59,16 +63,36 @@ class Campaign(NamedTuple):
     values: dict[str, Any]  #: of the file, with all defaults
 
 
-def _fits(value: Any, option: Option) -> bool:
-    if option.type is float:
-        return isinstance(value, (int, float)) and not isinstance(value, bool) and not math.isnan(value)
-    return isinstance(value, option.type) and not (option.type is int and isinstance(value, bool))
+def _fits(value: Any, wanted: type, infinite: bool = False) -> bool:
+    if wanted is float:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and (math.isfinite(value) or (infinite and value == math.inf))
+    return isinstance(value, wanted) and not (wanted is int and isinstance(value, bool))
+
+
+def shown(value: Any) -> str:
+    """A value for a message, cut to a line."""
+    text = repr(value)
+    return text if len(text) < 60 else f"{text[:56]} ..."
+
+
+def _check_value(file, place: str, value: Any, option: Option) -> None:
+    if not _fits(value, option.type, option.default == math.inf):
+        raise FleetError(file, place, f"is {shown(value)}", f"give {KINDS_OF_VALUES[option.type]}")
+    if option.least is not None and value < option.least:
+        raise FleetError(file, place, f"is {value}", f"give at least {option.least}")
+    if option.most is not None and value > option.most:
+        raise FleetError(file, place, f"is {value}", f"give at most {option.most}")
+    if option.choices and value not in option.choices:
+        raise FleetError(file, place, f"is {shown(value)}", f"give one of {', '.join(map(str, option.choices))}")
+    inside = [(f"{place}[{i}]", entry) for i, entry in enumerate(value)] if option.type is list else []
+    inside = [(f"{place}.{name}", entry) for name, entry in value.items()] if option.type is dict else inside
+    for where, entry in inside:
+        if not _fits(entry, option.of):
+            raise FleetError(file, where, f"is {shown(entry)}", f"give {KINDS_OF_VALUES[option.of]}")
 
 
 def checked(file, element: str, values: dict[str, Any], options: dict[str, Option]) -> dict[str, Any]:
     """The values with their defaults. Raises FleetError for an entry that is missing, unknown, or of another type."""
-    if not isinstance(values, dict):
-        raise FleetError(file, element, f"is {values!r}", f"give a table with some of {', '.join(options)}")
     for name in values:
         if name not in options:
             raise FleetError(file, f"{element}.{name}".lstrip("."), "is no known entry", f"known are {', '.join(options)}")
@@ -77,17 +101,11 @@ def checked(file, element: str, values: dict[str, Any], options: dict[str, Optio
         place = f"{element}.{name}".lstrip(".")
         if name not in values:
             if option.default is REQUIRED:
-                raise FleetError(file, place, "is missing", f"add it, a {option.type.__name__}")
+                raise FleetError(file, place, "is missing", f"add it: {KINDS_OF_VALUES[option.type]}")
             out[name] = option.default
             continue
-        value = values[name]
-        if not _fits(value, option):
-            raise FleetError(file, place, f"is {value!r}", f"give a {option.type.__name__}")
-        if option.least is not None and value < option.least:
-            raise FleetError(file, place, f"is {value}", f"give at least {option.least}")
-        if option.choices and value not in option.choices:
-            raise FleetError(file, place, f"is {value!r}", f"give one of {', '.join(map(str, option.choices))}")
-        out[name] = float(value) if option.type is float else value
+        _check_value(file, place, values[name], option)
+        out[name] = float(values[name]) if option.type is float else values[name]
     return out
 
 
@@ -95,6 +113,8 @@ def _named(file, element: str, names: list[str], known: dict[str, Any]) -> None:
     for name in names:
         if name not in known:
             raise FleetError(file, element, f"names {name!r}, which the campaign does not have", f"it has {', '.join(known) or 'none'}")
+        if names.count(name) > 1:
+            raise FleetError(file, element, f"names {name!r} twice: the same rows", "name it once")
 
 
 def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
@@ -109,6 +129,9 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
     top = checked(path, "", values, TOP)
     top["robots"] = {name: checked(path, f"robots.{name}", robot, ROBOT) for name, robot in top["robots"].items()}
     top["scenes"] = {name: checked(path, f"scenes.{name}", scene, SCENE) for name, scene in top["scenes"].items()}
+    for name in [*top["robots"], *top["scenes"]]:
+        if not re.fullmatch(r"\w[\w.-]*", name):
+            raise FleetError(path, name, "is no name of a robot or scene: it is a part of files' names", "give letters, digits, -, _ and .")
     for name, scene in top["scenes"].items():
         if bool(scene["file"]) == bool(scene["generator"]):
             raise FleetError(path, f"scenes.{name}", "has both or none of file and generator", "give one of them")

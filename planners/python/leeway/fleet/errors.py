@@ -2,9 +2,12 @@
 """Errors of campaigns: each names file, element and remedy."""
 from __future__ import annotations
 
+import contextlib
+from typing import Iterator
+
 from .._core import Error
 
-__all__ = ["DiskError", "FleetError"]
+__all__ = ["DiskError", "FleetError", "named"]
 
 
 class FleetError(Error):
@@ -16,6 +19,18 @@ class FleetError(Error):
 
     def __reduce__(self):
         return type(self), (self.file, self.element, self.problem, self.remedy)
+
+
+@contextlib.contextmanager
+def named(file, element: str) -> Iterator[None]:
+    """Faults of the library get the campaign's file and element before them."""
+    try:
+        yield
+    except FleetError:
+        raise
+    except (ValueError, RuntimeError) as error:  # leeway.Error is a ValueError, and so are faults of arguments
+        problem, _, remedy = str(error).rpartition("; ")
+        raise FleetError(file, element, problem or remedy, remedy if problem else "correct it") from None
 
 
 class DiskError(FleetError):

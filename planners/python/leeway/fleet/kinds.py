@@ -106,7 +106,7 @@ def address_of(part: Part, worlds: Worlds, scene: int) -> tuple:
 
 class States(Kind):
     """Certified clearances of uniform random states."""
-    options = {"rows": Option(int, 1000, 1), **CHECKS, "max_d": Option(float, INFINITY, 0), "alpha": Option(float, 0.0, 0),
+    options = {"rows": Option(int, 1000, 1), **CHECKS, "max_d": Option(float, INFINITY, 0), "alpha": Option(float, 0.0, 0, (), 0.99),
         "witnesses": Option(bool, True)}
 
     def columns(self, part: Part, worlds: Worlds) -> list[Column]:
@@ -131,8 +131,8 @@ class States(Kind):
 class Edges(Kind):
     """Verdicts of straight edges, and dense looks at a share of them."""
     block = 16
-    options = {"rows": Option(int, 1000, 1), **CHECKS, "slack": Option(float, 1e-3, 0), "length": Option(float, 0.0, 0),
-        "proved_until": Option(bool, False), "audit": Option(float, 0.0, 0), "audit_step": Option(float, 0.01, 1e-6)}
+    options = {"rows": Option(int, 1000, 1), **CHECKS, "slack": Option(float, 1e-3, 1e-9), "length": Option(float, 0.0, 0),
+        "proved_until": Option(bool, False), "audit": Option(float, 0.0, 0, (), 1), "audit_step": Option(float, 0.01, 1e-6)}
 
     def columns(self, part: Part, worlds: Worlds) -> list[Column]:
         checker = worlds.checker(part.robot, *part.scenes[0])

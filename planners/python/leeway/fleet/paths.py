@@ -143,6 +143,10 @@ def read_paths(file, variables: list[str]) -> list[PathData]:
             raise FleetError(file, "", f"ends in {file.suffix!r}", f"give one of .txt, {', '.join(READERS)}")
     except OSError as error:
         raise FleetError(file, "", error.strerror or str(error), "correct the path") from None
+    except ValueError as error:
+        if isinstance(error, FleetError):
+            raise
+        raise FleetError(file, "", f"is no table of numbers: {error}", "correct the file") from None
     for path in found:
         if len(path.positions) < 2 or not numpy.isfinite(path.positions).all():
             raise FleetError(file, path.name, "has fewer than two states, or a number that is not finite", "correct the file")

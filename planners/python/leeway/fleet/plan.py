@@ -9,7 +9,7 @@ from typing import Any, Iterator, NamedTuple
 
 from .._core import version as leeway_version
 from .campaign import Campaign, digest_of_file, files_of, load_campaign
-from .errors import FleetError
+from .errors import FleetError, named
 from .kinds import Kind, Part
 from .registry import KINDS
 from .scenes import check_generator
@@ -52,15 +52,26 @@ def _plain(values: Any) -> Any:
 def _inputs(campaign: Campaign, worlds: Worlds) -> dict[str, Any]:
     """Digests of the files."""
     values, folder = campaign.values, campaign.folder
-    robots = {name: worlds.robot(name).digest for name in values["robots"]}
-    scenes = {name: scene_digest(worlds.problem(name, 0)[0]) for name, entry in values["scenes"].items() if entry["file"]}
-    files = {}
+    robots, scenes, files = {}, {}, {}
+    for name, entry in values["robots"].items():
+        with named(campaign.file, f"robots.{name}"):
+            robots[name] = worlds.robot(name).digest
+        for variable in entry["reference"]:
+            if variable not in worlds.robot(name).variables:
+                raise FleetError(campaign.file, f"robots.{name}.reference.{variable}", "is no variable of the robot",
+                    f"give some of {', '.join(worlds.robot(name).variables)}")
+        with named(campaign.file, f"robots.{name}.group"):
+            worlds.checker(name, "", 0)
+    for name, entry in values["scenes"].items():
+        if entry["file"]:
+            with named(campaign.file, f"scenes.{name}"):
+                scenes[name] = scene_digest(worlds.problem(name, 0)[0])
     for name, entry in values["scenes"].items():
         for parameter in ("scene", "request"):
             if isinstance(entry["parameters"].get(parameter), str):
                 files[entry["parameters"][parameter]] = ""
-    for work in values["work"]:
-        for found in files_of(campaign, "work.files", work.get("files", [])):
+    for i, work in enumerate(values["work"]):
+        for found in files_of(campaign, f"work[{i}].files", work.get("files", [])):
             files[found] = ""
     for robot in values["robots"].values():
         if robot["spheres"]:
@@ -78,7 +89,7 @@ def worlds_of(file) -> Worlds:
     campaign = load_campaign(file, KINDS)
     for name, scene in campaign.values["scenes"].items():
         if scene["generator"]:
-            check_generator(name, scene)
+            check_generator(campaign.file, name, scene)
     plan: dict[str, Any] = {"format": FORMAT, "leeway": leeway_version, "campaign": _plain(campaign.values), "inputs": {"robots": {}, "scenes": {}},
         "parts": [], "id": ""}
     worlds = Worlds(plan, campaign.folder)
@@ -90,7 +101,10 @@ def worlds_of(file) -> Worlds:
         for robot in entry["robots"]:
             extra = kind.prepare(campaign, f"work[{i}]", entry)
             rows = kind.count(entry, extra, worlds, robot)
-            plan["parts"].append(Part(len(plan["parts"]), i, entry["kind"], robot, scenes, rows, options, extra)._asdict())
+            part = Part(len(plan["parts"]), i, entry["kind"], robot, scenes, rows, options, extra)
+            with named(campaign.file, f"work[{i}]"):
+                kind.columns(part._replace(scenes=[["", 0]]), worlds)  # refuses robots that it cannot work on
+            plan["parts"].append(part._asdict())
     plan["id"] = hashlib.sha256(_canonical(plan).encode()).hexdigest()
     return worlds
 

@@ -54,6 +54,8 @@ def _version() -> str | None:
 
 def check_planners(file, element: str, planners: list[dict[str, Any]]) -> dict[str, str]:
     """Versions of packages that the planners need. Raises FleetError for options that do not go together."""
+    if not planners:
+        raise FleetError(file, element, "is empty", "give { name = \"leeway\" }")
     names = [planner["name"] for planner in planners]
     needed: dict[str, str] = {}
     for i, planner in enumerate(planners):

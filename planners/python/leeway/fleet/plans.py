@@ -12,7 +12,6 @@ from .campaign import REQUIRED, Option, checked, files_of
 from .errors import FleetError
 from .kinds import CHECKS, Kind, Part, Rows, address_of, bounded, named_pairs, pair_columns, worst
 from .looks import least_clearance
-from .paths import read_paths
 from .planners import PLANNER, check_planners, length_of, plan_by
 from .seeds import stream_of
 from .tables import Column, Words
@@ -46,7 +45,7 @@ def look_at_path(checker: Checker, path: numpy.ndarray, check: str, step: float)
 class Plans(Kind):
     """Planning problems between random free states, or a scene's nominal one, each by every planner; dense looks at the paths."""
     block = 4
-    options = {"rows": Option(int, 10, 1), **CHECKS, "slack": Option(float, 1e-3, 0), "planners": Option(list, [{"name": "leeway"}]),
+    options = {"rows": Option(int, 10, 1), **CHECKS, "slack": Option(float, 1e-3, 1e-9), "planners": Option(list, [{"name": "leeway"}], of=dict),
         "most_nodes": Option(int, 20000, 1), "audit_step": Option(float, 0.01, 1e-6)}
 
     def prepare(self, campaign, element: str, entry: dict[str, Any]) -> dict[str, Any]:
@@ -127,7 +126,7 @@ class Plans(Kind):
 class Audits(Kind):
     """Somebody's paths: proofs of their edges, and dense looks. A row is a path."""
     block = 4
-    options = {"files": Option(list, REQUIRED), **CHECKS, "slack": Option(float, 1e-4, 0), "audit_step": Option(float, 0.01, 1e-6)}
+    options = {"files": Option(list, REQUIRED), **CHECKS, "slack": Option(float, 1e-4, 1e-9), "audit_step": Option(float, 0.01, 1e-6)}
 
     def prepare(self, campaign, element: str, entry: dict[str, Any]) -> dict[str, Any]:
         if len(entry["robots"]) != 1:
@@ -137,7 +136,7 @@ class Audits(Kind):
     def count(self, entry, extra, worlds, robot) -> int:
         checker = worlds.checker_of(robot, worlds.problem("", 0)[0])
         extra["paths"] = [[file, i, path.name] for file in extra["files"]
-            for i, path in enumerate(read_paths(worlds.folder / file, checker.variables))]
+            for i, path in enumerate(worlds.paths(file, checker.variables))]
         return len(extra["paths"])
 
     def columns(self, part: Part, worlds: Worlds) -> list[Column]:
@@ -154,7 +153,7 @@ class Audits(Kind):
         checker, o = worlds.checker(part.robot, *part.scenes[scene]), part.options
         rows = []
         for file, index, name in part.extra["paths"][begin:end]:
-            path = read_paths(worlds.folder / file, checker.variables)[index].positions
+            path = worlds.paths(file, checker.variables)[index].positions
             found = checker.path(path, min_d=o["min_d"], slack=o["slack"], check=o["check"])
             verdict = worst(found.verdicts)
             edge = int(numpy.flatnonzero(found.verdicts == verdict)[0]) if verdict != int(Verdict.FREE) else -1

@@ -25,6 +25,7 @@ __all__ = ["Summary", "run", "status"]
 MANIFEST_SECONDS = 2.0  # between two manifests while shards come in, at least
 MANIFEST_SHARE = 0.02  # of the time that writing manifests may take
 WINDOW = 8  # shards per worker that wait at the scheduler
+TOLD = 5  # failures
 DEATHS = 10  # workers that a shard may take with it before it counts as failed
 KEPT = 1 << 30  # bytes of free memory that workers keep: without it the pages of each shard's arrays are fetched again
 DASK = {"distributed.scheduler.allowed-failures": DEATHS, "distributed.logging.distributed": "critical", "distributed.worker.daemon": True,
@@ -53,7 +54,9 @@ class Summary(NamedTuple):
     def __repr__(self) -> str:
         state = "complete" if self.complete else f"{self.shards - self.done} shards are missing"
         lines = [f"{self.done} of {self.shards} shards in {self.folder}, {state}", f"this run: {self.made} shards, {self.rows} rows, {self.seconds:.1f} s, "
-            f"{self.processor_seconds:.1f} s of processor time", f"content {self.content}", *self.failures]
+            f"{self.processor_seconds:.1f} s of processor time", f"content {self.content}", *self.failures[:TOLD]]
+        if len(self.failures) > TOLD:
+            lines.append(f"and {len(self.failures) - TOLD} other shards failed")
         return "\n".join(lines)
 
 

@@ -13,7 +13,8 @@ from typing import Any
 import numpy
 
 from .._core import Scene, Shape
-from .errors import FleetError
+from .campaign import shown
+from .errors import FleetError, named
 from .paths import read_joints
 from .seeds import stream_of
 
@@ -171,22 +172,27 @@ def _variation(worlds, name, drawn, stream, parameters) -> tuple[Scene, Any]:
 GENERATORS = {"shelves": (_shelves, SHELVES), "kitchen": (_kitchen, KITCHEN), "variations": (_variation, VARIATION)}
 
 
-def check_generator(name: str, entry: dict[str, Any]) -> None:
+def _is_range(value: Any) -> bool:
+    numbers = value if isinstance(value, list) else [value]
+    fits = len(numbers) in (1, 2) and all(isinstance(n, (int, float)) and not isinstance(n, bool) and math.isfinite(n) for n in numbers)
+    return fits and numbers[0] <= numbers[-1] and isinstance(value, list) == (len(numbers) == 2)
+
+
+def check_generator(file, name: str, entry: dict[str, Any]) -> None:
     """Raises FleetError for a generator or a parameter that is not known."""
     if entry["generator"] not in GENERATORS:
-        raise FleetError("campaign", f"scenes.{name}.generator", f"is {entry['generator']!r}", f"give one of {', '.join(GENERATORS)}")
+        raise FleetError(file, f"scenes.{name}.generator", f"is {entry['generator']!r}", f"give one of {', '.join(GENERATORS)}")
     make, ranges = GENERATORS[entry["generator"]]
     needed = ("scene", "request", "robot") if make is _variation else ()
     texts = (*needed, "goal_link", "goal_object") if make is _variation else ()
     for key in needed:
         if not isinstance(entry["parameters"].get(key), str):
-            raise FleetError("campaign", f"scenes.{name}.parameters.{key}", "is missing", "variations need scene, request and robot")
+            raise FleetError(file, f"scenes.{name}.parameters.{key}", "is missing", "variations need scene, request and robot")
     for key, value in entry["parameters"].items():
-        numbers = value if isinstance(value, list) else [value]
-        fits = key in ranges and len(numbers) in (1, 2) and all(isinstance(n, (int, float)) for n in numbers)
-        if key not in texts and not fits:
-            raise FleetError("campaign", f"scenes.{name}.parameters.{key}", f"is {value!r}",
-                f"give a number or [low, high] for one of {', '.join([*ranges, *texts])}")
+        if key not in ranges and key not in texts:
+            raise FleetError(file, f"scenes.{name}.parameters.{key}", "is no known parameter", f"known are {', '.join([*ranges, *texts])}")
+        if not (isinstance(value, str) if key in texts else _is_range(value)):
+            raise FleetError(file, f"scenes.{name}.parameters.{key}", f"is {shown(value)}", "give text in quotes" if key in texts else "give a number or [low, high]")
 
 
 def generate(worlds, name: str, entry: dict[str, Any], instance: int) -> tuple[Scene, Any]:
@@ -194,6 +200,7 @@ def generate(worlds, name: str, entry: dict[str, Any], instance: int) -> tuple[S
     make, ranges = GENERATORS[entry["generator"]]
     stream = stream_of(entry["seed"], entry["generator"], name, instance)
     drawn = _drawer(stream, {**ranges, **entry["parameters"]})
-    if make is _variation:
-        return _variation(worlds, name, drawn, stream, entry["parameters"])
-    return make(worlds, name, drawn, stream)
+    with named("campaign", f"scenes.{name}, number {instance}"):
+        if make is _variation:
+            return _variation(worlds, name, drawn, stream, entry["parameters"])
+        return make(worlds, name, drawn, stream)

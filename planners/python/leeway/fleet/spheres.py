@@ -44,13 +44,20 @@ def _of_table(value: Any, file) -> dict[str, numpy.ndarray]:
         raise FleetError(file, "", f"is no table of spheres: {error!r}", "give {link: [[x, y, z, radius], ...]}") from None
 
 
+def _parsed(file, parse) -> Any:
+    try:
+        return parse(file.read_text())
+    except Exception as error:  # yaml's are no ValueErrors
+        raise FleetError(file, "", f"cannot be read: {error}".replace("\n", " "), "give a spherised URDF, cuRobo's YAML, or JSON") from None
+
+
 def read_spheres(file) -> dict[str, numpy.ndarray]:
     """float64 [n, 4] by link, in its frame: of a URDF, of cuRobo's YAML, or of JSON {link: [[x, y, z, radius], ...]}."""
     if file.suffix == ".json":
-        return _of_table(json.loads(file.read_text()), file)
+        return _of_table(_parsed(file, json.loads), file)
     if file.suffix in (".yaml", ".yml"):
         import yaml
-        return _of_table(yaml.safe_load(file.read_text()), file)
+        return _of_table(_parsed(file, yaml.safe_load), file)
     return _of_urdf(Robot(file), file)
 
 
@@ -59,10 +66,13 @@ class Spheres(Kind):
     block = 1
     options = {"close_holes": Option(float, 0.002, 0)}
 
+    def prepare(self, campaign, element: str, entry: dict[str, Any]) -> dict[str, Any]:
+        for robot in entry["robots"]:
+            if not campaign.values["robots"][robot]["spheres"]:
+                raise FleetError(campaign.file, f"robots.{robot}.spheres", "is missing", "give a spherised URDF, cuRobo's YAML, or JSON")
+        return {}
+
     def count(self, entry, extra, worlds, robot) -> int:
-        given = worlds.plan["campaign"]["robots"][robot]["spheres"]
-        if not given:
-            raise FleetError("campaign", f"robots.{robot}.spheres", "is missing", "give a spherised URDF, cuRobo's YAML, or JSON")
         extra["links"] = [link for link, placed in worlds.robot(robot).collision.items() if placed]
         return len(extra["links"])
 

@@ -11,7 +11,7 @@ from .campaign import Option, files_of
 from .errors import FleetError
 from .kinds import CHECKS, Kind, Part, Rows, address_of, bounded, named_pairs, pair_columns, worst
 from .looks import least_clearance
-from .paths import PathData, read_paths
+from .paths import PathData
 from .seeds import key_of, rows_of
 from .tables import Column, Words
 from .worlds import Worlds
@@ -40,8 +40,8 @@ def states_at(path: PathData, times: numpy.ndarray) -> numpy.ndarray:
 class Trajectories(Kind):
     """Proofs of timed trajectories at all times. Without files: random ones of cubic pieces, at rest at both ends. A row is a trajectory."""
     block = 4
-    options = {"rows": Option(int, 100, 1), "files": Option(list, []), **CHECKS, "slack": Option(float, 1e-3, 0), "pieces": Option(int, 4, 1),
-        "length": Option(float, 1.0, 1e-6), "speed": Option(float, 1.0, 1e-6), "audit": Option(float, 0.0, 0), "audit_step": Option(float, 0.01, 1e-6)}
+    options = {"rows": Option(int, 100, 1), "files": Option(list, []), **CHECKS, "slack": Option(float, 1e-3, 1e-9), "pieces": Option(int, 4, 1),
+        "length": Option(float, 1.0, 1e-6), "speed": Option(float, 1.0, 1e-6), "audit": Option(float, 0.0, 0, (), 1), "audit_step": Option(float, 0.01, 1e-6)}
 
     def prepare(self, campaign, element: str, entry: dict[str, Any]) -> dict[str, Any]:
         if entry["files"] and len(entry["robots"]) != 1:
@@ -54,7 +54,7 @@ class Trajectories(Kind):
             return entry["rows"]
         checker = worlds.checker_of(robot, worlds.problem("", 0)[0])
         for file in extra["files"]:
-            for i, path in enumerate(read_paths(worlds.folder / file, checker.variables)):
+            for i, path in enumerate(worlds.paths(file, checker.variables)):
                 if path.times is None or len(path.times) != len(path.positions) or not (numpy.diff(path.times) > 0).all():
                     raise FleetError(worlds.folder / file, path.name, "has no rising times", "give a trajectory, or the kind audit")
                 extra["paths"].append([file, i, path.name])
@@ -110,7 +110,7 @@ class Trajectories(Kind):
         checker, given = worlds.checker(part.robot, *part.scenes[scene]), part.extra["paths"]
         numbers = rows_of(key_of(*address_of(part, worlds, scene)), begin, end, (part.options["pieces"] + 1) * checker.dof + 1)
         if given:
-            paths = [read_paths(worlds.folder / file, checker.variables)[index] for file, index, _ in given[begin:end]]
+            paths = [worlds.paths(file, checker.variables)[index] for file, index, _ in given[begin:end]]
         else:
             paths = [self._random(part, checker, row) for row in numbers]
         rows = [self._row(part, checker, scene, path, row[-1] < part.options["audit"]) for path, row in zip(paths, numbers)]

@@ -11,7 +11,9 @@ from typing import Any, Callable
 import numpy
 
 from .._core import Checker, Robot, Scene
+from .campaign import digest_of_file
 from .errors import FleetError
+from .paths import PathData, read_paths
 from .scenes import generate
 
 __all__ = ["Worlds", "robot_of", "scene_digest"]
@@ -51,6 +53,7 @@ class Worlds:
         self._robots: dict[str, Robot] = {}
         self._scenes: collections.OrderedDict = collections.OrderedDict()
         self._checkers: collections.OrderedDict = collections.OrderedDict()
+        self._paths: collections.OrderedDict = collections.OrderedDict()
         self._lock = threading.RLock()
 
     def robot(self, name: str) -> Robot:
@@ -82,6 +85,17 @@ class Worlds:
             raise FleetError(self.folder / entry["file"], "", "is another scene than the manifest's",
                 "put the old files back, or give another --out folder")
         return scene, None
+
+    def paths(self, file: str, variables: list[str]) -> list[PathData]:
+        """Somebody's paths, for these variables."""
+        with self._lock:
+            return _kept(self._paths, (file, *variables), lambda: self._read_paths(file, variables))
+
+    def _read_paths(self, file: str, variables: list[str]) -> list[PathData]:
+        expected = self.plan["inputs"].get("files", {}).get(file)
+        if expected is not None and digest_of_file(self.folder / file) != expected:
+            raise FleetError(self.folder / file, "", "is another file than the manifest's", "put the old file back, or give another --out folder")
+        return read_paths(self.folder / file, variables)
 
     def checker_of(self, robot: str, scene: Scene) -> Checker:
         entry = self.plan["campaign"]["robots"][robot]
