@@ -46,6 +46,7 @@ typedef struct lwi_edge_plane
 {
 	uint64_t key;       ///< of the two hulls; 0: empty
 	lwi_backoff pieces; ///< of tests of their pieces
+	bool split;         ///< planes of pieces proved the pair last time, and those of the whole did not
 	bool begun;        ///< there are some
 	bool swapped;       ///< they are given in the frame of the first of the two
 	uint8_t served;    ///< lanes of planes that served since the last new one came

@@ -64,6 +64,7 @@ static lwi_edge_plane* plane_of( lwi_edge* e, uint64_t key )
 		p->key = key + 1;
 		p->begun = false;
 		p->pieces = ( lwi_backoff ){ 0 };
+		p->split = false;
 	}
 	return p;
 }
@@ -335,8 +336,15 @@ static bool pieces_are_apart( plane_test* s, uint64_t key, double margin )
 /// New planes between the hulls of two shapes, or else between those of their pieces.
 static lwi_edge_plane_result find_planes( plane_test* s, lwi_edge_plane* p, uint64_t key, double margin )
 {
+	const bool split = p->split;
+	p->split = false;
 	const lwi_edge_plane_result found = find_plane( s, p, margin );
-	return found == LWI_EDGE_MEASURE && pieces_are_apart( s, key, margin ) ? LWI_EDGE_PROVED : found;
+	if ( found == LWI_EDGE_MEASURE && !split && pieces_are_apart( s, key, margin ) )
+	{
+		p->split = true;
+		return LWI_EDGE_PROVED;
+	}
+	return found;
 }
 
 // ---- pairs -----------------------------------------------------------------------------------------------------------
@@ -365,7 +373,8 @@ static lwi_edge_plane_result test_self( plane_test s )
 		lwi_edge_swept_poses( e, b, above, pair->rate_b, s.window, s.linear != NULL ? &s.linear[1] : NULL, &poses[1] );
 		planes = has_planes( &s );
 		p = planes ? planes_of( &s, self_key( c, a, b ) ) : NULL;
-		if ( planes && old_plane_holds( &s, p, margin ) )
+		if ( planes &&
+			 ( ( p->split && pieces_are_apart( &s, self_key( c, a, b ), margin ) ) || old_plane_holds( &s, p, margin ) ) )
 		{
 			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
 		}
@@ -411,7 +420,7 @@ static lwi_edge_plane_result test_scene( plane_test s )
 		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
 		const uint64_t key = obstacle_key( c, pair->body_a, index );
 		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, key ) : NULL;
-		if ( p == NULL || !old_plane_holds( &s, p, margin ) )
+		if ( p == NULL || !( ( p->split && pieces_are_apart( &s, key, margin ) ) || old_plane_holds( &s, p, margin ) ) )
 		{
 			lwi_edge_plane_result now = p == NULL ? LWI_EDGE_MEASURE : find_planes( &s, p, key, margin );
 			worst = now > worst ? now : worst;
