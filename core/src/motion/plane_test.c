@@ -312,7 +312,7 @@ static bool pieces_are_apart( plane_test* s, uint64_t key, double margin )
 {
 	const bool split_a = s->a->shape->piece_count > 0;
 	const bool split_b = s->b->shape->piece_count > 0 && lwi_edge_pair_is_self( s->pair );
-	lwi_backoff* backoff = &planes_of( s, key )->pieces;
+	lwi_backoff* backoff = &planes_of( s, key )->pieces; // or of a piece's planes, once these take its place
 	if ( !( split_a || split_b ) || !lwi_backoff_is_due( backoff ) )
 	{
 		return false;
@@ -333,15 +333,24 @@ static bool pieces_are_apart( plane_test* s, uint64_t key, double margin )
 	return apart;
 }
 
-/// New planes between the hulls of two shapes, or else between those of their pieces.
-static lwi_edge_plane_result find_planes( plane_test* s, lwi_edge_plane* p, uint64_t key, double margin )
+/// Planes of other times: of the pieces first where these proved the pair last. The pieces' planes may take the place of the
+/// whole's, so those are looked up again.
+static bool known_planes_hold( plane_test* s, uint64_t key, double margin )
 {
+	return ( planes_of( s, key )->split && pieces_are_apart( s, key, margin ) ) ||
+		   old_plane_holds( s, planes_of( s, key ), margin );
+}
+
+/// New planes between the hulls of two shapes, or else between those of their pieces.
+static lwi_edge_plane_result find_planes( plane_test* s, uint64_t key, double margin )
+{
+	lwi_edge_plane* p = planes_of( s, key );
 	const bool split = p->split;
 	p->split = false;
 	const lwi_edge_plane_result found = find_plane( s, p, margin );
 	if ( found == LWI_EDGE_MEASURE && !split && pieces_are_apart( s, key, margin ) )
 	{
-		p->split = true;
+		planes_of( s, key )->split = true;
 		return LWI_EDGE_PROVED;
 	}
 	return found;
@@ -356,7 +365,7 @@ static lwi_edge_plane_result test_self( plane_test s )
 	const lwi_edge_pair* pair = s.pair;
 	uint32_t a = pair->body_a, b = pair->body_b, above = pair->ancestor;
 	s.swapped = pair->rate_a.path == 0; // the static shape has the plane
-	lwi_edge_plane* p = NULL;
+	const uint64_t key = self_key( c, a, b );
 	// poses are seen from the ancestor, which is rounded too
 	double margin = lwi_self_margin( c->base, a, b ) + 4 * lwi_motion_rounding( e->motion );
 	bool planes = s.bulge < MAX_BULGE;
@@ -372,9 +381,7 @@ static lwi_edge_plane_result test_self( plane_test s )
 		lwi_edge_swept_poses( e, a, above, pair->rate_a, s.window, s.linear != NULL ? &s.linear[0] : NULL, &poses[0] );
 		lwi_edge_swept_poses( e, b, above, pair->rate_b, s.window, s.linear != NULL ? &s.linear[1] : NULL, &poses[1] );
 		planes = has_planes( &s );
-		p = planes ? planes_of( &s, self_key( c, a, b ) ) : NULL;
-		if ( planes &&
-			 ( ( p->split && pieces_are_apart( &s, self_key( c, a, b ), margin ) ) || old_plane_holds( &s, p, margin ) ) )
+		if ( planes && known_planes_hold( &s, key, margin ) )
 		{
 			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
 		}
@@ -385,7 +392,7 @@ static lwi_edge_plane_result test_self( plane_test s )
 	{
 		return LWI_EDGE_PROVED;
 	}
-	return planes ? find_planes( &s, p, self_key( c, a, b ), margin ) : LWI_EDGE_MEASURE;
+	return planes ? find_planes( &s, key, margin ) : LWI_EDGE_MEASURE;
 }
 
 /// All obstacles that are near the body's sphere.
@@ -419,10 +426,10 @@ static lwi_edge_plane_result test_scene( plane_test s )
 		lwi_swept_poses_static( &fixed, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
 		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
 		const uint64_t key = obstacle_key( c, pair->body_a, index );
-		lwi_edge_plane* p = has_planes( &s ) ? planes_of( &s, key ) : NULL;
-		if ( p == NULL || !( ( p->split && pieces_are_apart( &s, key, margin ) ) || old_plane_holds( &s, p, margin ) ) )
+		const bool planes = has_planes( &s );
+		if ( !planes || !known_planes_hold( &s, key, margin ) )
 		{
-			lwi_edge_plane_result now = p == NULL ? LWI_EDGE_MEASURE : find_planes( &s, p, key, margin );
+			lwi_edge_plane_result now = planes ? find_planes( &s, key, margin ) : LWI_EDGE_MEASURE;
 			worst = now > worst ? now : worst;
 		}
 	}
