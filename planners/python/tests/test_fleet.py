@@ -192,19 +192,28 @@ def dask_setup(worker):
     assert done.returncode == 0 and files(tmp_path / "out") == files(expected), out
 
 
-@pytest.fixture
-def cluster(tmp_path):
-    """A scheduler and a worker as on other machines: (address, processes)."""
-    address_file = tmp_path / "address.json"
+def start_scheduler(folder):
+    """(process, address)"""
+    address_file = folder / "address.json"
     scheduler = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
         "--scheduler-file", address_file], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     for _ in range(600):
         if address_file.exists() and address_file.read_text().rstrip().endswith("}"):
             break
         time.sleep(0.1)
-    address = json.loads(address_file.read_text())["address"]
-    worker = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", "1", "--no-dashboard",
+    return scheduler, json.loads(address_file.read_text())["address"]
+
+
+def start_worker(address, threads=1):
+    return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", str(threads), "--no-dashboard",
         "--death-timeout", "20"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler and a worker as on other machines: (address, processes)."""
+    scheduler, address = start_scheduler(tmp_path)
+    worker = start_worker(address)
     yield address, scheduler, worker
     for process in (worker, scheduler):
         process.kill()
@@ -216,6 +225,29 @@ def test_a_scheduler_of_ones_own_does_the_work(expected, small, tmp_path, cluste
     out, _ = done.communicate(timeout=200)
     assert done.returncode == 0, out
     assert files(tmp_path / "out") == files(expected)
+
+
+def test_workers_that_join_late_get_work(expected, small, tmp_path):
+    """A scheduler without a worker is waited for; two workers by hand come later, one with two threads."""
+    scheduler, address = start_scheduler(tmp_path)
+    run_ = command("run", small, "--out", tmp_path / "out", "--scheduler", address, "--quiet", stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    told = run_.stderr.readline()
+    workers = [start_worker(address, threads) for threads in (1, 2)]
+    out, err = run_.communicate(timeout=200)
+    for process in (*workers, scheduler):
+        process.kill()
+        process.wait()
+    assert "has no workers yet" in told and run_.returncode == 0, told + out + err
+    assert files(tmp_path / "out") == files(expected)
+
+
+def test_workers_and_schedulers_that_cannot_be_are_refused(small, tmp_path):
+    for options, message in (({"workers": -3}, "workers: is -3"), ({"scheduler": "nonsense"}, "nonsense: cannot be reached.*address that dask scheduler prints")):
+        with pytest.raises(FleetError, match=message):
+            run(small, tmp_path / "out", quiet=True, **options)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FleetError, match="file: cannot hold results: .*; give another --out"):
+        run(small, tmp_path / "file", workers=0, quiet=True)
 
 
 def test_the_death_of_a_scheduler_is_told_and_loses_nothing(expected, small, tmp_path, cluster):

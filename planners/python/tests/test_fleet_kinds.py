@@ -15,6 +15,8 @@ from conftest import FIRST
 if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
     for name in ("distributed", "pyarrow", "pandas", "matplotlib"):
         pytest.importorskip(name)
+import pyarrow.parquet
+
 from leeway.fleet import FleetError, run
 from leeway.fleet.manifest import read_manifest
 from leeway.fleet.paths import read_paths
@@ -259,6 +261,38 @@ def test_generated_scenes_differ_and_repeat(campaign, spheres, tmp_path):
     names = Worlds(plan, base).problem("k", 1)[0].objects
     assert sum(name.startswith("item") for name in names) == 5 and "cupboard board" in names
     assert len(set(frame["second"])) > 8
+
+
+def test_a_file_names_only_its_own_scenes(spheres, tmp_path):
+    """A hundred thousand scenes would fill each file's metadata, and the manifest."""
+    (tmp_path / "kinds.toml").write_text(ROBOT.replace('seed = 3', 'seed = 3\nshard_rows = 256') + """[scenes.s]
+generator = "shelves"
+count = 3
+[[work]]
+kind = "states"
+scenes = ["desk", "s"]
+rows = 300
+""")
+    assert run(tmp_path / "kinds.toml", tmp_path / "out", workers=0, quiet=True).complete
+    plan, records = read_manifest(tmp_path / "out")
+    assert plan["parts"][0]["scenes"] == [["desk", 1], ["s", 3]] and len(records) == 8
+    for record in records.values():
+        table = pyarrow.parquet.read_table(tmp_path / "out" / record["file"])
+        metadata = json.loads(table.schema.metadata[b"leeway"])
+        scenes = [[["desk", 0], ["s", 0], ["s", 1], ["s", 2]][i] for i in table.column("scene").unique().to_pylist()]
+        assert metadata["scenes"] == scenes and metadata["first_scene"] == table.column("scene")[0].as_py()
+
+
+def test_contradictions_are_counted_in_all_rows(campaign, spheres, monkeypatch):
+    from leeway.fleet import reporting, tables
+    _, folder = campaign('[[work]]\nkind = "edges"\nscenes = ["desk"]\nrows = 64\naudit = 1.0\naudit_step = 0.1\n')
+    path = next(folder.rglob("*.parquet"))
+    table = pyarrow.parquet.read_table(path)
+    lies = pyarrow.array([i == 63 for i in range(64)])
+    path.write_bytes(tables.file_of(table.set_column(table.schema.get_field_index("contradiction"), table.schema.field("contradiction"), lies)))
+    honest = reporting.frame_of
+    monkeypatch.setattr(reporting, "frame_of", lambda *a, most=None, **k: honest(*a, **k).head(most and 10))
+    assert report(folder).contradictions == 1
 
 
 def test_generators_refuse_other_parameters(campaign, spheres):

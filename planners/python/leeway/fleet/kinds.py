@@ -110,7 +110,7 @@ class States(Kind):
         "witnesses": Option(bool, True)}
 
     def columns(self, part: Part, worlds: Worlds) -> list[Column]:
-        checker = worlds.checker(part.robot, *part.scenes[0])
+        checker = worlds.checker(part.robot, "", 0)
         bounded(checker, part.robot)
         return [Column("scene", "int32", "", "index into the part's scenes"), *state_columns("q", checker, "state"),
             Column("lower", "double", "m", "proved: every clearance is at least this"),
@@ -135,7 +135,7 @@ class Edges(Kind):
         "proved_until": Option(bool, False), "audit": Option(float, 0.0, 0, (), 1), "audit_step": Option(float, 0.01, 1e-6)}
 
     def columns(self, part: Part, worlds: Worlds) -> list[Column]:
-        checker = worlds.checker(part.robot, *part.scenes[0])
+        checker = worlds.checker(part.robot, "", 0)
         bounded(checker, part.robot)
         looked = [Column("audited", "bool", "", "dense states were looked at"),
             Column("least", "double", "m", "the least clearance that they had; NaN if none were looked at"),

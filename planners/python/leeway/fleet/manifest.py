@@ -93,8 +93,12 @@ def sound_records(folder: pathlib.Path, records: dict[int, dict[str, Any]]) -> t
 @contextlib.contextmanager
 def locked(folder: pathlib.Path) -> Iterator[None]:
     """One run at a time in a folder. The lock goes with the process."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / ".lock", "w") as file:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = open(folder / ".lock", "w")
+    except OSError as error:
+        raise FleetError(folder, "", f"cannot hold results: {error.strerror or error}", "give another --out folder") from None
+    with lock as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:

@@ -96,21 +96,22 @@ def worlds_of(file) -> Worlds:
     plan["inputs"] = _inputs(campaign, worlds)
     for i, entry in enumerate(campaign.values["work"]):
         kind = KINDS[entry["kind"]]
-        scenes = [[name, k] for name in entry["scenes"] for k in range(campaign.values["scenes"][name]["count"])] or [["", 0]]
+        scenes = [[name, campaign.values["scenes"][name]["count"]] for name in entry["scenes"]] or [["", 1]]
         options = _plain({name: entry[name] for name in kind.options})
         for robot in entry["robots"]:
             extra = kind.prepare(campaign, f"work[{i}]", entry)
             rows = kind.count(entry, extra, worlds, robot)
             part = Part(len(plan["parts"]), i, entry["kind"], robot, scenes, rows, options, extra)
             with named(campaign.file, f"work[{i}]"):
-                kind.columns(part._replace(scenes=[["", 0]]), worlds)  # refuses robots that it cannot work on
+                kind.columns(part, worlds)  # refuses robots that it cannot work on
             plan["parts"].append(part._asdict())
     plan["id"] = hashlib.sha256(_canonical(plan).encode()).hexdigest()
     return worlds
 
 
 def parts_of(plan: dict[str, Any]) -> list[Part]:
-    return [Part(**part) for part in plan["parts"]]
+    """The parts. A plan has names and counts of scenes in place of each scene: there may be a million of them."""
+    return [Part(**{**part, "scenes": [[name, k] for name, count in part["scenes"] for k in range(count)]}) for part in plan["parts"]]
 
 
 def blocks_per_scene(part: Part) -> int:

@@ -56,7 +56,7 @@ class Plans(Kind):
         return entry["rows"] * len(extra["planners"])
 
     def columns(self, part: Part, worlds: Worlds) -> list[Column]:
-        bounded(worlds.checker(part.robot, *part.scenes[0]), part.robot)
+        bounded(worlds.checker(part.robot, "", 0), part.robot)
         return [Column("scene", "int32", "", "index into the part's scenes"), Column("problem", "int64", "", "number in the scene"),
             Column("planner", "string", "", "of the campaign"), Column("outcome", "string", "", "of leeway.Outcome; only SOLVED has a path"),
             Column("length", "double", "rad or m", "Euclidean, of the path"), Column("raw_length", "double", "rad or m", "before smoothing"),

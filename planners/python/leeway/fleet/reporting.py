@@ -14,6 +14,7 @@ import pandas
 import pyarrow.parquet
 
 from .._core import Verdict
+from .errors import DiskError
 from .manifest import content_digest, read_manifest
 from .plan import Part, parts_of, rows_in, shards_of
 from .registry import KINDS
@@ -117,7 +118,7 @@ def _part(folder, part: Part) -> tuple[pandas.DataFrame, str, int]:
         return pandas.DataFrame({"rows": [0]}), "", 0
     if kind.measured(part):
         frame["ms"] = 1e3 * frame_of(folder, part, times=True, most=MOST_ROWS)["seconds"]
-    contradictions = int(frame["contradiction"].sum()) if "contradiction" in frame else 0
+    contradictions = int(frame_of(folder, part, ["contradiction"])["contradiction"].sum()) if "contradiction" in frame else 0  # of all rows
     return TABLES[part.kind](part, frame), _plot(part, frame), contradictions
 
 
@@ -135,7 +136,8 @@ STYLE = "body{font:15px sans-serif;margin:2em auto;max-width:60em}table{border-c
 
 
 def report(folder, page=None) -> Report:
-    """Writes a page (default: report.html in the folder). Plots and tables of a part look at its first two million rows."""
+    """Writes a page (default: report.html in the folder). Plots and tables of a part look at its first two million rows,
+    contradictions are counted in all."""
     folder = pathlib.Path(folder)
     plan, records = read_manifest(folder)
     tables, contradictions = {}, 0
@@ -152,5 +154,8 @@ def report(folder, page=None) -> Report:
     text.append(_runs(folder))
     text.append(f"<p>{contradictions} contradictions.</p>")
     out = pathlib.Path(page) if page is not None else folder / "report.html"
-    out.write_text("\n".join(text), encoding="utf-8")
+    try:
+        out.write_text("\n".join(text), encoding="utf-8")
+    except OSError as error:
+        raise DiskError(out, "", f"cannot be written: {error.strerror or error}", "give another --page") from None
     return Report(out, tables, contradictions)

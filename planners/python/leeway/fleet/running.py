@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import contextlib
+import itertools
 import json
 import logging
+import math
 import pathlib
 import shutil
 import sys
@@ -25,7 +27,10 @@ __all__ = ["Summary", "run", "status"]
 MANIFEST_SECONDS = 2.0  # between two manifests while shards come in, at least
 MANIFEST_SHARE = 0.02  # of the time that writing manifests may take
 WINDOW = 8  # shards per worker that wait at the scheduler
+LEAST_WINDOW = 512  # shards that wait in any case: workers may join
+WORKERS_SECONDS = 5.0  # between two counts of the workers
 TOLD = 5  # failures
+CONNECT_SECONDS = 20
 DEATHS = 10  # workers that a shard may take with it before it counts as failed
 KEPT = 1 << 30  # bytes of free memory that workers keep: without it the pages of each shard's arrays are fetched again
 DASK = {"distributed.scheduler.allowed-failures": DEATHS, "distributed.logging.distributed": "critical", "distributed.worker.daemon": True,
@@ -97,7 +102,11 @@ def _client(workers: int, scheduler: str) -> Iterator[Any]:
     import distributed
     with dask.config.set(DASK):
         if scheduler:
-            with distributed.Client(scheduler) as client:
+            try:
+                client = distributed.Client(scheduler, timeout=CONNECT_SECONDS)
+            except (OSError, ValueError, TimeoutError) as error:
+                raise SchedulerGone(scheduler, "", f"cannot be reached: {error or type(error).__name__}", "give --scheduler the address that dask scheduler prints") from None
+            with client:
                 yield client
             return
         with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
@@ -111,16 +120,22 @@ def _by_dask(client, plan: dict[str, Any], base: pathlib.Path, folder: pathlib.P
     waiting = iter(missing)
     work = distributed.as_completed()
     of_key: dict[str, int] = {}
+    window, asked = 0, -math.inf
 
     def more() -> None:
-        index = next(waiting, None)
-        if index is not None:
+        """Fills the window, which grows when workers join."""
+        nonlocal window, asked
+        if time.monotonic() - asked > WORKERS_SECONDS:
+            window = max(LEAST_WINDOW, WINDOW * len(client.scheduler_info(n_workers=-1)["workers"]))
+            asked = time.monotonic()
+        for index in itertools.islice(waiting, window - len(of_key)):
             future = client.submit(make_shard_aside, plan["id"], str(base), str(folder), index, key=f"shard-{plan['id'][:16]}-{index}", pure=False, retries=0)
             of_key[future.key] = index
             work.add(future)
 
-    for _ in range(WINDOW * max(1, len(client.scheduler_info()["workers"]))):
-        more()
+    if not client.scheduler_info()["workers"]:
+        print(f"{client.scheduler.address} has no workers yet; waiting for them", file=sys.stderr)
+    more()
     for future in work:
         index = of_key.pop(future.key)
         try:
@@ -193,6 +208,8 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
     Dask cluster; 0 = this process, without Dask. scheduler: address of a Dask scheduler instead, whose workers see both folders under the
     same paths. trust: files that are recorded are not read again first.
     """
+    if workers < 0:
+        raise FleetError("run", "workers", f"is {workers}", "give a number of processes; 0 works in this one")
     worlds = worlds_of(campaign)
     plan, base = worlds.plan, worlds.folder
     folder = pathlib.Path(out) if out is not None else base / (pathlib.Path(campaign).stem + ".fleet")

@@ -62,9 +62,11 @@ def _content(shard: Shard, columns, values) -> str:
 
 
 def _metadata(plan: dict[str, Any], shard: Shard, content: str) -> dict[str, Any]:
+    used = [segment.scene for segment in segments_of(shard.part, shard.begin, shard.end)]
     return {"format": plan["format"], "leeway": plan["leeway"], "manifest": plan["id"], "campaign": plan["campaign"]["name"],
         "seed": plan["campaign"]["seed"], "part": shard.part.index, "kind": shard.part.kind, "robot": shard.part.robot,
-        "scenes": shard.part.scenes, "options": shard.part.options, "blocks": [shard.begin, shard.end], "shard": shard.index, "content": content}
+        "first_scene": used[0], "scenes": shard.part.scenes[used[0]:used[-1] + 1], "options": shard.part.options,
+        "blocks": [shard.begin, shard.end], "shard": shard.index, "content": content}
 
 
 def shard_bytes(plan: dict[str, Any], worlds: Worlds, shard: Shard, computed: Callable[[], None] = lambda: None):

@@ -61,7 +61,7 @@ class Trajectories(Kind):
         return len(extra["paths"])
 
     def columns(self, part: Part, worlds: Worlds) -> list[Column]:
-        checker = worlds.checker(part.robot, *part.scenes[0])
+        checker = worlds.checker(part.robot, "", 0)
         if not part.extra["paths"]:
             bounded(checker, part.robot)
         return [Column("scene", "int32", "", "index into the part's scenes"), Column("file", "string", "", "of the trajectory; empty if random"),

@@ -37,11 +37,12 @@ def scene_digest(scene: Scene) -> str:
 
 
 def _kept(cache: collections.OrderedDict, key: tuple, make: Callable[[], Any]) -> Any:
-    """The entry of the key, made if it is not there; the entry that was added first leaves a full cache."""
+    """The entry of the key, made if it is not there; the one that nobody asked for the longest leaves a full cache."""
     if key not in cache:
         cache[key] = make()
         if len(cache) > MOST_CHECKERS:
             cache.popitem(last=False)
+    cache.move_to_end(key)
     return cache[key]
 
 
