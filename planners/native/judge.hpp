@@ -52,6 +52,21 @@ private:
 	Outcome m_outcome = Outcome::SOLVED;
 };
 
+constexpr unsigned lanes = 8; ///< states of a look
+
+/// A state after a look.
+struct Seen
+{
+	lw_verdict verdict;
+	lw_check_flags open; ///< tests that remain, if UNDECIDED
+	bool near;           ///< so near to the scene that a look does not decide it
+};
+
+inline bool anyBlocked( const Seen* seen, unsigned count )
+{
+	return std::any_of( seen, seen + count, []( const Seen& s ) { return s.verdict == LW_VERDICT_BLOCKED; } );
+}
+
 /// After an error every answer is "not free".
 class Judge
 {
@@ -63,50 +78,70 @@ public:
 	{
 	}
 
-	bool isStateFree( const double* q )
+	bool isStateFree( const double* q ) { return isStateFree( q, m_def.flags ); }
+
+	/// @param flags the tests that the state has to pass
+	bool isStateFree( const double* q, lw_check_flags flags )
 	{
 		bool free = false;
 		++m_statistics.states;
-		note( lw_checker_is_free( m_checker, m_query, q, m_def.flags, m_def.min_d, &free ) );
+		note( lw_checker_is_free( m_checker, m_query, q, flags, m_def.min_d, &free ) );
 		m_statistics.states_free += free;
-		if ( !free && m_blame != nullptr )
+		if ( !free )
 		{
-			m_blame->state( q );
+			blame( q );
 		}
 		return free;
 	}
 
 	/// A quick look at states, in the lanes of vectors; where it decides few of them, only now and then.
-	/// @param q [count][variables] @param verdicts [count] @param contact_only looks for contact alone; the first ends the look
-	void look( const double* q, unsigned count, bool contact_only, lw_verdict* verdicts )
+	/// @param q [count][variables], count <= lanes @param contact_only looks for contact alone; the first ends the look
+	/// @param seen [count]
+	void look( const double* q, unsigned count, bool contact_only, Seen* seen )
 	{
-		std::fill_n( verdicts, count, LW_VERDICT_UNDECIDED );
-		if ( m_looked > warm_up && !decideMost() && m_skipped++ % rest != 0 )
+		std::fill_n( seen, count, Seen{ LW_VERDICT_UNDECIDED, m_def.flags, false } );
+		if ( m_looked > warm_up && !decideSome() && m_skipped++ % rest != 0 )
 		{
 			return;
 		}
 		contact_only = contact_only && looksDecide();
 		m_statistics.looks += count;
-		note( lw_checker_look( m_checker, m_query, q, count, m_def.flags, m_def.min_d, contact_only, verdicts ) );
+		lw_verdict verdicts[lanes];
+		lw_check_flags open[lanes];
+		note( lw_checker_look( m_checker, m_query, q, count, m_def.flags, m_def.min_d, contact_only, verdicts, open ) );
 		for ( unsigned i = 0; i < count; ++i )
 		{
+			seen[i] = { verdicts[i], open[i], !contact_only && ( open[i] & LW_CHECK_ENVIRONMENT ) != 0 };
 			m_looked += !contact_only;
-			m_left += !contact_only && verdicts[i] == LW_VERDICT_UNDECIDED;
-			if ( verdicts[i] == LW_VERDICT_BLOCKED && m_blame != nullptr )
+			m_left += !contact_only && verdicts[i] == LW_VERDICT_UNDECIDED && !( seen[i].near && fewNearAreFree() );
+			if ( verdicts[i] == LW_VERDICT_BLOCKED )
 			{
-				m_blame->state( q + i * lw_checker_variable_count( m_checker ) );
+				blame( q + i * lw_checker_variable_count( m_checker ) );
 			}
 		}
 	}
 
-	/// Is a state free at which a look was taken?
-	bool isFree( const double* q, lw_verdict verdict )
+	/// Is a state free at which a look was taken? Near the scene most are not: once few were, only now and then one is checked.
+	bool isFree( const double* q, const Seen& seen )
 	{
-		return verdict == LW_VERDICT_FREE || ( verdict == LW_VERDICT_UNDECIDED && isStateFree( q ) );
+		if ( seen.verdict != LW_VERDICT_UNDECIDED )
+		{
+			return seen.verdict == LW_VERDICT_FREE;
+		}
+		if ( seen.near && fewNearAreFree() && m_near_skipped++ % near_rest != 0 )
+		{
+			++m_statistics.passed_over;
+			blame( q );
+			return false;
+		}
+		const bool free = isStateFree( q, seen.open );
+		m_near += seen.near;
+		m_near_free += seen.near && free;
+		return free;
 	}
 
 	/// False near meshes, or near the robot itself: looks then leave most states undecided.
-	bool looksDecide() const { return m_looked > warm_up && decideMost(); }
+	bool looksDecide() const { return m_looked > warm_up && decideSome(); }
 
 	/// True where looks leave much to the proofs of edges: states inside of them are then checked first. A state costs a fraction of
 	/// an edge that is not free.
@@ -124,13 +159,13 @@ public:
 		{
 			space.between( a, b, ( i + 1.0 ) / ( inner + 1 ), m_state.data() + i * space.size() );
 		}
-		lw_verdict verdicts[inner];
-		look( m_state.data(), inner, true, verdicts );
-		if ( std::find( verdicts, verdicts + inner, LW_VERDICT_BLOCKED ) != verdicts + inner )
+		Seen seen[inner];
+		look( m_state.data(), inner, true, seen );
+		if ( anyBlocked( seen, inner ) )
 		{
 			return false;
 		}
-		const auto free = [&]( unsigned i ) { return isFree( m_state.data() + i * space.size(), verdicts[i] ); };
+		const auto free = [&]( unsigned i ) { return isFree( m_state.data() + i * space.size(), seen[i] ); };
 		return ( !needsStates() || ( free( 3 ) && free( 1 ) && free( 5 ) ) ) && m_status == LW_OK;
 	}
 
@@ -158,9 +193,18 @@ public:
 	lw_status status() const { return m_status; }
 
 private:
-	static constexpr unsigned inner = 7; ///< states inside of an edge
-	static constexpr std::uint64_t warm_up = 16, rest = 32, least_free_per_failure = 4;
-	bool decideMost() const { return 2 * m_left <= m_looked; }
+	static constexpr unsigned inner = lanes - 1; ///< states inside of an edge
+	static constexpr std::uint64_t warm_up = 6, rest = 32, least_free_per_failure = 4;
+	static constexpr std::uint64_t near_rest = 16; ///< of so many near states one is checked while few are free
+	bool decideSome() const { return m_left * 5 <= m_looked * 4; }
+	bool fewNearAreFree() const { return m_near >= 8 && m_near >= 8 * m_near_free; }
+	void blame( const double* q )
+	{
+		if ( m_blame != nullptr )
+		{
+			m_blame->state( q );
+		}
+	}
 	void note( lw_status status ) { m_status = m_status == LW_OK ? status : m_status; }
 
 	const lw_checker* m_checker;
@@ -170,6 +214,7 @@ private:
 	Blame* m_blame;
 	std::vector<double> m_state;
 	std::uint64_t m_looked = 0, m_left = 0, m_skipped = 0; ///< states of full looks, those left undecided; looks not taken
+	std::uint64_t m_near = 0, m_near_free = 0, m_near_skipped = 0; ///< states near the scene: checked, free, skipped
 	lw_status m_status = LW_OK;
 };
 

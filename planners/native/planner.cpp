@@ -7,6 +7,7 @@
 #include "tree.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace leeway::planners
 {
@@ -33,17 +34,43 @@ void requireUsable( const Settings& settings )
 namespace
 {
 
-constexpr unsigned lanes = 8;    // states per lw_checker_look()
 constexpr unsigned quarters = 4; // states checked per step towards the other tree
 constexpr unsigned steps_ahead = lanes / quarters;
 constexpr std::uint64_t early_samples = 64;          // half of these lie anywhere: they solve easy problems
-constexpr std::uint64_t least_free_per_failure = 8; // late proofs: with fewer, edges are proved at once
+constexpr unsigned waiting_edges = 4;                // not proved yet, in a row, before a node from which a tree grows
+constexpr std::uint64_t least_free_per_failure = 4;  // late proofs: with fewer, edges are proved at once
 
 /// Rough quantile of a bell curve with variance near 1 (Tukey's lambda, 0.14): directions of samples need no more.
-double normalQuantile( double u )
+double tukeyQuantile( double u )
 {
 	u = std::clamp( u, 1e-9, 1 - 1e-9 );
 	return ( std::pow( u, 0.14 ) - std::pow( 1 - u, 0.14 ) ) / 0.1975;
+}
+
+constexpr std::size_t quantile_parts = 512,
+                      quantile_tail = 16; // of a table of quantiles; parts at each end are computed anew
+
+std::array<double, quantile_parts + 1> quantileTable()
+{
+	std::array<double, quantile_parts + 1> table{};
+	double part = 0;
+	for ( double& value : table )
+	{
+		value = tukeyQuantile( part / quantile_parts );
+		++part;
+	}
+	return table;
+}
+
+/// The same by linear interpolation, but for the tails. @param u in [0, 1)
+double normalQuantile( double u )
+{
+	static const std::array<double, quantile_parts + 1> table = quantileTable();
+	const double at = u * quantile_parts;
+	const auto i = static_cast<std::size_t>( at );
+	return i < quantile_tail || i >= quantile_parts - quantile_tail
+	           ? tukeyQuantile( u )
+	           : table[i] + ( at - static_cast<double>( i ) ) * ( table[i + 1] - table[i] );
 }
 
 Checker checkedChecker( Checker checker )
@@ -95,7 +122,9 @@ struct Planner::Parts
 	bool connect( Judge& judge, unsigned from, std::uint32_t node );
 	bool seemsFree( Judge& judge, unsigned step, bool has_new_end );
 	void lookAhead( Judge& judge, const double* goal, unsigned step, unsigned steps );
+	bool proofsWait() const { return late.not_free * least_free_per_failure <= late.free; }
 	std::uint32_t addNode( Judge& judge, Tree& tree, std::uint32_t near, const double* q );
+	std::uint32_t provedFor( const Tree& tree, std::uint32_t node ) const;
 	bool proveBranch( Judge& judge, unsigned side, std::uint32_t node );
 	void findRoots( unsigned side );
 	void drawSample( const Tree& tree );
@@ -121,7 +150,7 @@ struct Planner::Parts
 	std::vector<double> ends_ahead; ///< [lanes][variables] of the next edges from `nears`
 	std::uint32_t nears[lanes] = {}; ///< nodes from which these come
 	std::vector<double> ahead;      ///< [lanes][variables] the way from `from`, by quarters of steps
-	lw_verdict seen[lanes] = {};    ///< of these
+	Seen seen[lanes] = {};          ///< of these
 	std::vector<double> from;
 	std::uint64_t cuts = 0; ///< times that nodes went and others got new numbers
 	std::vector<std::uint32_t> branch;
@@ -181,12 +210,14 @@ void Planner::Parts::drawSample( const Tree& tree )
 
 bool Planner::Parts::isLineFree( Judge& judge, const double* a, const double* b )
 {
+	const auto free = [&]( const double* p, const double* q )
+	{ return judge.seemsFree( space, p, q ) && judge.isEdgeFree( p, q ); };
 	if ( space.partCount( a, b ) == 1 )
 	{
-		return judge.isEdgeFree( a, b );
+		return free( a, b );
 	}
 	space.between( a, b, 0.5, next.data() );
-	return judge.isEdgeFree( a, next.data() ) && judge.isEdgeFree( next.data(), b );
+	return free( a, next.data() ) && free( next.data(), b );
 }
 
 /// New ends that are free become roots. @return false if the deadline is over
@@ -253,8 +284,8 @@ void Planner::Parts::lookAhead( Judge& judge, const double* goal, unsigned step,
 /// Does one of these steps seem free? Its end is, if that is new.
 bool Planner::Parts::seemsFree( Judge& judge, unsigned step, bool has_new_end )
 {
-	const lw_verdict* mine = seen + step * quarters;
-	if ( std::find( mine, mine + quarters, LW_VERDICT_BLOCKED ) != mine + quarters )
+	const Seen* mine = seen + step * quarters;
+	if ( anyBlocked( mine, quarters ) )
 	{
 		return false;
 	}
@@ -269,20 +300,31 @@ bool Planner::Parts::seemsFree( Judge& judge, unsigned step, bool has_new_end )
 	return true;
 }
 
-/// Adds q, which is free as some states before it are, to the tree. The proof of the edge waits until the tree grows from q or a path
-/// passes through it: most nodes stay leaves. Where obstacles are so thin that such proofs often fail, it waits no longer.
+/// Adds q, which is free as some states before it are, to the tree. The proof of the edge waits until the tree grows from a node
+/// `waiting_edges` further on, or a path passes through it: most nodes stay leaves. Where obstacles are so thin that such proofs often
+/// fail, it waits no longer.
 /// @return no_node if not
 std::uint32_t Planner::Parts::addNode( Judge& judge, Tree& tree, std::uint32_t near, const double* q )
 {
-	const bool waits = late.not_free * least_free_per_failure <= late.free;
-	if ( !waits && !judge.isEdgeFree( tree.state( near ), q ) )
+	if ( !proofsWait() && !judge.isEdgeFree( tree.state( near ), q ) )
 	{
 		return no_node;
 	}
 	const std::uint32_t node = tree.add( q, near );
-	if ( !waits )
+	if ( !proofsWait() )
 	{
-		tree.setProved( node ); // `near` is proved, by grow() or by the step before: `waits` does not change between them
+		tree.setProved(
+		    node ); // `near` is proved, by grow() or by the step before; a failed proof in between ends the loop of grow()
+	}
+	return node;
+}
+
+/// The node whose branch is to be proved before the tree grows from `node`: while proofs wait, an ancestor.
+std::uint32_t Planner::Parts::provedFor( const Tree& tree, std::uint32_t node ) const
+{
+	for ( unsigned k = 0; k < waiting_edges && proofsWait() && tree.parent( node ) != no_node; ++k )
+	{
+		node = tree.parent( node );
 	}
 	return node;
 }
@@ -331,7 +373,7 @@ bool Planner::Parts::grow( Judge& judge )
 {
 	const unsigned side = trees[0].size() <= trees[1].size() ? 0 : 1;
 	Tree& tree = trees[side];
-	lw_verdict verdicts[lanes];
+	Seen ends_seen[lanes];
 	const auto count = judge.looksDecide() ? static_cast<unsigned>( std::min<std::size_t>( lanes, tree.size() ) ) : 1;
 	for ( unsigned i = 0; i < count; ++i )
 	{
@@ -342,12 +384,13 @@ bool Planner::Parts::grow( Judge& judge )
 		    tree.state( nears[i] ), sample.data(), std::min( 1.0, range / distance ), ends_ahead.data() + i * space.size() );
 	}
 	growth[side].tries += count;
-	judge.look( ends_ahead.data(), count, false, verdicts );
+	judge.look( ends_ahead.data(), count, false, ends_seen );
 	const std::uint64_t before = cuts;
 	for ( unsigned i = 0; i < count && cuts == before; ++i )
 	{
 		const double* q = ends_ahead.data() + i * space.size();
-		if ( verdicts[i] == LW_VERDICT_BLOCKED || !proveBranch( judge, side, nears[i] ) || !judge.isFree( q, verdicts[i] ) )
+		if ( ends_seen[i].verdict == LW_VERDICT_BLOCKED || !proveBranch( judge, side, provedFor( tree, nears[i] ) ) ||
+		     !judge.isFree( q, ends_seen[i] ) )
 		{
 			continue;
 		}

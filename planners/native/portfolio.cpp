@@ -255,6 +255,7 @@ Statistics Portfolio::statistics() const
 		sum.states += s.states;
 		sum.states_free += s.states_free;
 		sum.looks += s.looks;
+		sum.passed_over += s.passed_over;
 		sum.edges += s.edges;
 		sum.free += s.free;
 		sum.blocked += s.blocked;

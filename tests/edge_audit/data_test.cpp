@@ -96,7 +96,8 @@ TEST( StatesData, LooksDifferFromStatesOnRealRobots )
 			lw_verdict verdicts[8];
 			bool many[8];
 			ASSERT_EQ(
-			    lw_checker_look( world.checker.get(), query.get(), q.data(), 8, flags, min_d, false, verdicts ), LW_OK );
+			    lw_checker_look( world.checker.get(), query.get(), q.data(), 8, flags, min_d, false, verdicts, nullptr ),
+			    LW_OK );
 			ASSERT_EQ( lw_checker_states( world.checker.get(), query.get(), q.data(), 8, flags, min_d, many ), LW_OK );
 			for ( std::size_t t = 0; t < 8; ++t )
 			{

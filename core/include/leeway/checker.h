@@ -230,9 +230,11 @@ LW_API lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query,
 /// @param contact_only nothing is proved free, which is quicker, and the first state in contact with the scene ends the call: a look
 /// at an edge before its proof
 /// @param out [count] FREE and BLOCKED are those of lw_checker_state(). UNDECIDED: ask lw_checker_is_free()
+/// @param open [count] tests that remain for lw_checker_is_free(), of UNDECIDED states: a state that passes them is free; 0 for others.
+/// May be NULL
 /// @return as lw_checker_state(); after an error all are UNKNOWN
 LW_API lw_status lw_checker_look( const lw_checker* checker, lw_query* query, const double* q, uint32_t count,
-	lw_check_flags flags, double min_d, bool contact_only, lw_verdict* out );
+	lw_check_flags flags, double min_d, bool contact_only, lw_verdict* out, lw_check_flags* open );
 
 /// lw_checker_is_free() of many states: lw_checker_look(), and one by one those that it leaves undecided.
 /// @param out_free [count]

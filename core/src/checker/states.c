@@ -519,6 +519,21 @@ static lane_states look_at( const lw_checker* c, lw_query* query, const double* 
 	return s;
 }
 
+/// Tests that a lane leaves undecided.
+static lw_check_flags open_tests( const lane_states* s, uint32_t lane )
+{
+	return (lw_check_flags)( ( ( s->unsure[0] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_ENVIRONMENT : 0u ) |
+							 ( ( s->unsure[1] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_SELF : 0u ) );
+}
+
+static void set_open( lw_check_flags* open, uint32_t i, lw_check_flags flags )
+{
+	if ( open != NULL )
+	{
+		open[i] = flags;
+	}
+}
+
 /// LW_OK if these arguments can be used; the query is then bound to the checker.
 static lw_status begin( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
 	double min_d )
@@ -542,7 +557,7 @@ static lw_status begin( const lw_checker* checker, lw_query* query, const double
 }
 
 lw_status lw_checker_look( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
-	double min_d, bool contact_only, lw_verdict* out )
+	double min_d, bool contact_only, lw_verdict* out, lw_check_flags* open )
 {
 	if ( out == NULL && count > 0 )
 	{
@@ -552,6 +567,7 @@ lw_status lw_checker_look( const lw_checker* checker, lw_query* query, const dou
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		out[i] = status == LW_OK ? LW_VERDICT_UNDECIDED : LW_VERDICT_UNKNOWN;
+		set_open( open, i, flags );
 	}
 	bool stop = status != LW_OK;
 	for ( uint32_t start = 0; start < count && !stop; start += LWI_WIDTH )
@@ -561,9 +577,10 @@ lw_status lw_checker_look( const lw_checker* checker, lw_query* query, const dou
 		const lane_states s = look_at( checker, query, these, some, flags, min_d, contact_only );
 		for ( uint32_t lane = 0; lane < some; ++lane )
 		{
-			const uint32_t bit = 1u << lane;
-			const bool unsure = contact_only || ( ( s.unsure[0] | s.unsure[1] ) & bit ) != 0;
-			out[start + lane] = ( s.left & bit ) == 0 ? LW_VERDICT_BLOCKED : unsure ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE;
+			const lw_check_flags unsure = contact_only ? flags : open_tests( &s, lane );
+			const bool left = ( s.left >> lane & 1 ) != 0;
+			out[start + lane] = !left ? LW_VERDICT_BLOCKED : unsure != 0 ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE;
+			set_open( open, start + lane, left ? unsure : 0 );
 		}
 		stop = contact_only && s.left != s.all;
 	}
@@ -586,12 +603,11 @@ lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const d
 		const lane_states s = look_at( checker, query, these, some, flags, min_d, false );
 		for ( uint32_t lane = 0; lane < some && status == LW_OK; ++lane )
 		{
-			const uint32_t open = ( ( s.unsure[0] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_ENVIRONMENT : 0u ) |
-								  ( ( s.unsure[1] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_SELF : 0u );
+			const lw_check_flags open = open_tests( &s, lane );
 			out_free[start + lane] = ( s.left >> lane & 1 ) != 0;
 			if ( out_free[start + lane] && open != 0 )
 			{
-				status = lw_checker_is_free( checker, query, these + (size_t)lane * variables, (lw_check_flags)open, min_d,
+				status = lw_checker_is_free( checker, query, these + (size_t)lane * variables, open, min_d,
 					&out_free[start + lane] );
 			}
 		}

@@ -98,6 +98,8 @@ struct Statistics
 	std::uint64_t edges = 0, free = 0, blocked = 0, undecided = 0; ///< edges = free + blocked + undecided + errors
 	std::uint64_t edge_queries = 0;                                ///< states at which edges measured distances
 	std::uint64_t start_nodes = 0, goal_nodes = 0;
+	std::uint64_t passed_over =
+	    0; ///< states that a look left undecided next to the scene, not used: few of their kind were free
 };
 
 /// State of a search, for display.
@@ -114,7 +116,7 @@ double geometricRange( const lw_checker* checker, const double* lower, const dou
 
 /// Bidirectional search. The smaller tree grows by one edge towards a sample; from the new node steps of equal length go towards
 /// the nearest node of the other tree until one fails. A straight edge from each start to each goal comes first. The end of a new
-/// edge and three states inside of it are checked at once; the edge is proved when the tree grows from its end or a path passes
+/// edge and states inside of it are checked at once; the edge is proved when the tree has grown four edges beyond it or a path passes
 /// through it. An edge that is not FREE is removed with all nodes behind it.
 ///
 /// Deterministic: equal checker, settings, ends and calls give equal paths, unless Stop ends the search. One thread per planner.
