@@ -389,7 +389,7 @@ MISTAKES = {
     "rows = 600": ("rows = 600\nslack = 0", r"work\[1\].slack: is 0; give at least 1e-09"),
     'kind = "edges"': ('kind = "edges"\nrobots = ["arm", "arm"]', "names 'arm' twice"),
 }
-OF_ROBOT = {'group = "leg"': r"small.toml: robots.arm.group: .*group leg: there is no such group; use one of arm",
+OF_ROBOT = {'group = "leg"': r"small.toml: robots.arm.group: is 'leg'; the SRDF has arm, gripper; give one of its groups, or leave the entry out",
     'group = "arm"\nreference = {yaw = "a"}': "robots.arm.reference.yaw: is 'a'; give a number",
     'group = "arm"\nreference = {yawn = 1}': "robots.arm.reference.yawn: is no variable of the robot; give some of yaw",
     'group = "arm"\npackages = [1]': r"robots.arm.packages\[0\]: is 1; give text in quotes",

@@ -60,6 +60,11 @@ def _inputs(campaign: Campaign, worlds: Worlds) -> dict[str, Any]:
             if variable not in worlds.robot(name).variables:
                 raise FleetError(campaign.file, f"robots.{name}.reference.{variable}", "is no variable of the robot",
                     f"give some of {', '.join(worlds.robot(name).variables)}")
+        groups = worlds.robot(name).groups
+        for group in entry["group"].split("+") if entry["group"] else []:
+            if group not in groups:
+                raise FleetError(campaign.file, f"robots.{name}.group", f"is {entry['group']!r}; the SRDF has {', '.join(groups) or 'no groups'}",
+                    "give one of its groups, or leave the entry out for all variables")
         with named(campaign.file, f"robots.{name}.group"):
             worlds.checker(name, "", 0)
     for name, entry in values["scenes"].items():
