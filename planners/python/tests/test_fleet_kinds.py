@@ -67,6 +67,7 @@ def test_plans_are_proved_and_looked_at(campaign, checker, spheres):
         assert checker.path(path).all_free and (path[0] == row.start).all() and (path[-1] == row.goal).all()
         assert row.least > 0 and row.length <= row.raw_length + 1e-12
     lengths = frame.groupby("planner", observed=True)["length"].sum()
+    assert len(pyarrow.parquet.read_table(folder / "00-plans-arm")) == 12  # without the files of times
     assert lengths["a"] <= lengths["b"] and frame_of(folder, parts_of(read_manifest(folder)[0])[0], times=True)["seconds"].gt(0).all()
 
 

@@ -18,6 +18,7 @@ from .errors import DiskError
 from .manifest import content_digest, read_manifest
 from .plan import Part, parts_of, rows_in, shards_of
 from .registry import KINDS
+from .shard import times_of
 
 __all__ = ["Report", "frame_of", "report"]
 
@@ -43,7 +44,7 @@ def frame_of(folder, part: Part, columns: list[str] | None = None, times: bool =
         path = pathlib.Path(folder) / shard.name
         if shard.part.index != part.index or shard.index not in records or (most is not None and count >= most):
             continue
-        frames.append(pyarrow.parquet.read_table(path.with_suffix(".times.parquet") if times else path, columns=columns).to_pandas())
+        frames.append(pyarrow.parquet.read_table(times_of(path) if times else path, columns=columns).to_pandas())
         count += rows_in(shard)
     return pandas.concat(frames, ignore_index=True) if frames else pandas.DataFrame()
 

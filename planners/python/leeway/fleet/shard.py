@@ -22,7 +22,7 @@ from .registry import KINDS
 from .tables import columns_of, concatenate, content_of, file_of, table_of
 from .worlds import Worlds
 
-__all__ = ["adopt", "make_rows", "make_shard", "make_shard_aside", "shard_bytes", "start", "write_atomically"]
+__all__ = ["adopt", "make_rows", "make_shard", "make_shard_aside", "shard_bytes", "start", "times_of", "write_atomically"]
 
 MOST_WRITES = 2  # shards of a process that are encoded and written at a time; the next one's rows wait
 
@@ -47,6 +47,11 @@ def write_atomically(path: pathlib.Path, data) -> None:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def times_of(path: pathlib.Path) -> pathlib.Path:
+    """The file of a shard's measured times. Readers of Parquet folders pass over names that begin with _."""
+    return path.with_name(f"_{path.stem}.times.parquet")
 
 
 def make_rows(plan: dict[str, Any], worlds: Worlds, shard: Shard):
@@ -154,7 +159,7 @@ def make_shard(identity: str, base: str, folder: str, index: int, computed: Call
     if record is None:
         data, record, times = shard_bytes(plan, worlds, shard, computed)
         if times is not None:
-            write_atomically((out / shard.name).with_suffix(".times.parquet"), times)
+            write_atomically(times_of(out / shard.name), times)
         write_atomically(out / shard.name, data)
     return record, _spent()
 
