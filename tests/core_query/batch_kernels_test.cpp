@@ -95,7 +95,8 @@ struct Chain
 	}
 
 	/// Lanes at the middles of eight windows of [0, 1].
-	lwi_batch_frame lanes( const lwi_kernels* kernels ) const
+	/// @param moves false: without twists, which are then zeros
+	lwi_batch_frame lanes( const lwi_kernels* kernels, bool moves = true ) const
 	{
 		lwi_batch_frame frame;
 		std::memset( &frame, 0, sizeof( frame ) );
@@ -115,7 +116,15 @@ struct Chain
 				value[l] = j.rotates ? 0 : v;
 			}
 			lwi_batch_frame next;
-			kernels->batch_frame( &frame, &joint, c, s, value, static_cast<double>( j.speed ), &next );
+			std::memset( &next, 0, sizeof( next ) );
+			if ( moves )
+			{
+				kernels->batch_frame( &frame, &joint, c, s, value, static_cast<double>( j.speed ), &next );
+			}
+			else
+			{
+				kernels->lane_frame( &frame, &joint, c, s, value, &next );
+			}
 			frame = next;
 		}
 		return frame;
@@ -257,8 +266,15 @@ TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
 		{
 			Output o;
 			std::memset( &o, 0, sizeof( o ) );
-			const lwi_batch_frame frame = chain.lanes( table );
+			const lwi_batch_frame frame = chain.lanes( table, false ), moving = chain.lanes( table );
+			EXPECT_EQ( 0, std::memcmp( frame.r, moving.r, sizeof( frame.r ) ) ) << "input " << i;
+			EXPECT_EQ( 0, std::memcmp( frame.t, moving.t, sizeof( frame.t ) ) ) << "input " << i;
+			lwi_batch_point also;
+			table->batch_point( &moving, t, t, 0.125, &also );
 			table->batch_point( &frame, t, t, 0, &o.point );
+			EXPECT_EQ( 0, std::memcmp( o.point.p, also.p, sizeof( also.p ) ) ) << "input " << i;
+			EXPECT_TRUE( std::all_of(
+			    &o.point.displacement[0][0], &o.point.displacement[0][0] + 24, []( float d ) { return d == 0; } ) );
 			table->lane_boxes( &o.point, &box, 1, 0.7f, o.boxes );
 			table->lane_body( &frame, r, t, &o.body );
 			table->lane_relative( &o.body, r, t, &o.motion );

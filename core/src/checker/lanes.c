@@ -73,9 +73,17 @@ void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* s
 	{
 		const lwi_batch_joint* joint = &tree->batch_joints[i];
 		const size_t at = (size_t)i * LWI_WIDTH;
-		kernels->batch_frame( &frames[tree->clusters[i].parent], joint, joint->rotates ? cosines + at : ones,
-			joint->rotates ? sines + at : zeros, joint->rotates ? zeros : values + at, speeds != NULL ? speeds[i] : 0,
-			&frames[i] );
+		const double *cosine = joint->rotates ? cosines + at : ones, *sine = joint->rotates ? sines + at : zeros;
+		const double* value = joint->rotates ? zeros : values + at;
+		const lwi_batch_frame* above = &frames[tree->clusters[i].parent];
+		if ( speeds != NULL )
+		{
+			kernels->batch_frame( above, joint, cosine, sine, value, speeds[i], &frames[i] );
+		}
+		else
+		{
+			kernels->lane_frame( above, joint, cosine, sine, value, &frames[i] );
+		}
 	}
 }
 

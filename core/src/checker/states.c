@@ -49,27 +49,46 @@ typedef struct lane_body
 
 // --- poses -----------------------------------------------------------------------------------------------------------
 
-/// Sets the values of the joints of one lane, and tells if ranges hold in all lanes. False if its poses round too much for lanes.
-static bool take_state( lane_states* s, const double* q, uint32_t lane, double* rounding )
+/// Bounds of the states in the lanes, and if ranges hold for all of them. False if poses round too much for lanes.
+static bool bound_states( lane_states* s, const double* q, uint32_t count, double* rounding )
 {
 	const lwi_checker_base* base = s->checker->base;
-	const uint32_t count = base->group.variable_count;
-	double stretch, reach = 0;
-	for ( uint32_t i = 0; i < count; ++i )
+	const uint32_t variables = base->group.variable_count;
+	double stretch, reach;
+	for ( uint32_t i = 0; i < variables; ++i )
 	{
-		s->query->pose.state[base->group.variables[i]] = q[i];
+		double low = q[i], high = q[i];
+		for ( uint32_t lane = 1; lane < count; ++lane )
+		{
+			const double value = q[(size_t)lane * variables + i];
+			low = lwi_smaller( low, value );
+			high = lwi_larger( high, value );
+		}
+		s->covered = s->covered && low >= s->tree->lower[i] && high <= s->tree->upper[i];
+		s->near_only = s->near_only && low >= base->group.lower[i] && high <= base->group.upper[i];
+		// rounding and reach grow with the size of each value
+		s->query->pose.state[base->group.variables[i]] = lwi_larger( -low, high );
 	}
-	*rounding = lwi_larger( *rounding, lwi_motion_state_rounding( base->motion, s->query->pose.state, &stretch, &reach ) );
-	s->reach = lwi_larger( s->reach, 2 * reach ); // twice: spheres and boxes reach beyond the bodies
-	s->covered = s->covered && lwi_within_box( count, s->tree->lower, q, s->tree->upper );
-	s->near_only = s->near_only && lwi_within_box( count, base->group.lower, q, base->group.upper );
+	*rounding = lwi_motion_state_rounding( base->motion, s->query->pose.state, &stretch, &reach );
+	s->reach = 2 * reach; // twice: spheres and boxes reach beyond the bodies
+	return *rounding <= MOST_ROUNDING;
+}
+
+/// Sets the values of the joints of one lane.
+static void take_state( const lane_states* s, const double* q, uint32_t lane )
+{
+	const lwi_checker_base* base = s->checker->base;
+	double* state = s->query->pose.state;
+	for ( uint32_t i = 0; i < base->group.variable_count; ++i )
+	{
+		state[base->group.variables[i]] = q[i];
+	}
 	for ( uint32_t i = 1; i < s->tree->cluster_count; ++i )
 	{
 		const lwi_batch_joint* joint = &s->tree->batch_joints[i];
 		s->query->scratch.lane_values[i * LWI_WIDTH + lane] =
-			joint->multiplier * s->query->pose.state[joint->variable] + joint->variable_offset;
+			joint->multiplier * state[joint->variable] + joint->variable_offset;
 	}
-	return *rounding <= MOST_ROUNDING;
 }
 
 // --- the scene -------------------------------------------------------------------------------------------------------
@@ -464,14 +483,15 @@ static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flag
 	const double above = nextafter( min_d, INFINITY );
 	s->covered = s->tree->proves && s->query->search.def.pair_tables;
 	s->near_only = above <= c->culling.horizon;
-	s->reach = 0;
-	double rounding = 0;
+	double rounding;
+	++s->query->pose.state_stamp; // pose.state is nobody's state
+	if ( !bound_states( s, q, count, &rounding ) )
+	{
+		return false;
+	}
 	for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
 	{
-		if ( !take_state( s, q + (size_t)( lane < count ? lane : 0 ) * c->base->group.variable_count, lane, &rounding ) )
-		{
-			return false;
-		}
+		take_state( s, q + (size_t)( lane < count ? lane : 0 ) * c->base->group.variable_count, lane );
 	}
 	s->enough = above + 4 * rounding;
 	if ( c->scene != NULL )
@@ -488,7 +508,6 @@ static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flag
 	{
 		lanes_self( s, q );
 	}
-	++s->query->pose.state_stamp; // pose.state is nobody's state
 	return true;
 }
 

@@ -132,7 +132,7 @@ typedef struct lwi_kernels
 	/// @param speed how fast it turns or shifts, per unit of t
 	void ( *batch_frame )( const lwi_batch_frame* above, const lwi_batch_joint* joint, const double* cosine,
 		const double* sine, const double* value, double speed, lwi_batch_frame* out );
-	/// A point of a frame, from an origin in the world. @param half width of half a window in t
+	/// A point of a frame, from an origin in the world. @param half width of half a window in t; 0: twists are not read
 	void ( *batch_point )( const lwi_batch_frame* frame, const double local[3], const double origin[3], double half,
 		lwi_batch_point* out );
 	/// Lanes in which a point may come within `reach` > 0 of a box or of another point, except for changes of velocity
@@ -143,6 +143,9 @@ typedef struct lwi_kernels
 
 	// States in lanes: checker/states.c
 
+	/// batch_frame() without twists
+	void ( *lane_frame )( const lwi_batch_frame* above, const lwi_batch_joint* joint, const double* cosine,
+		const double* sine, const double* value, lwi_batch_frame* out );
 	/// Boxes that a point comes nearer to than `reach` > 0: lanes, one byte a box
 	void ( *lane_boxes )( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach, uint8_t* near );
 	/// world_from_tree of a body: its frame in the frame of a cluster (r, t), and that in the world

@@ -2,13 +2,11 @@
 // Kernels of interval batches (simd/lanes.h), a part of simd/kernels_impl.h. Those in double are plain loops over lanes, which
 // compilers turn into vector instructions.
 
-static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_joint* restrict joint,
-	const double* restrict cosine, const double* restrict sine, const double* restrict value, double speed,
-	lwi_batch_frame* restrict out )
+static void lane_frame( const lwi_batch_frame* restrict above, const lwi_batch_joint* restrict joint,
+	const double* restrict cosine, const double* restrict sine, const double* restrict value, lwi_batch_frame* restrict out )
 {
 	const double *still = joint->still, *by_cosine = joint->cosine, *by_sine = joint->sine;
 	const double *offset = joint->offset, *along = joint->along;
-	const double turning = joint->rotates ? speed : 0, shifting = joint->rotates ? 0 : speed;
 	for ( int l = 0; l < LWI_WIDTH; ++l )
 	{
 		const double c = cosine[l], s = sine[l], v = value[l];
@@ -22,20 +20,33 @@ static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_
 		out->r[0][l] = p0 * b0 + p1 * b3 + p2 * b6;
 		out->r[1][l] = p0 * b1 + p1 * b4 + p2 * b7;
 		out->r[2][l] = p0 * b2 + p1 * b5 + p2 * b8;
-		const double t0 = p0 * x + p1 * y + p2 * z + above->t[0][l], a0 = p0 * along[0] + p1 * along[1] + p2 * along[2];
+		out->t[0][l] = p0 * x + p1 * y + p2 * z + above->t[0][l];
 		p0 = above->r[3][l], p1 = above->r[4][l], p2 = above->r[5][l];
 		out->r[3][l] = p0 * b0 + p1 * b3 + p2 * b6;
 		out->r[4][l] = p0 * b1 + p1 * b4 + p2 * b7;
 		out->r[5][l] = p0 * b2 + p1 * b5 + p2 * b8;
-		const double t1 = p0 * x + p1 * y + p2 * z + above->t[1][l], a1 = p0 * along[0] + p1 * along[1] + p2 * along[2];
+		out->t[1][l] = p0 * x + p1 * y + p2 * z + above->t[1][l];
 		p0 = above->r[6][l], p1 = above->r[7][l], p2 = above->r[8][l];
 		out->r[6][l] = p0 * b0 + p1 * b3 + p2 * b6;
 		out->r[7][l] = p0 * b1 + p1 * b4 + p2 * b7;
 		out->r[8][l] = p0 * b2 + p1 * b5 + p2 * b8;
-		const double t2 = p0 * x + p1 * y + p2 * z + above->t[2][l], a2 = p0 * along[0] + p1 * along[1] + p2 * along[2];
-		out->t[0][l] = t0;
-		out->t[1][l] = t1;
-		out->t[2][l] = t2;
+		out->t[2][l] = p0 * x + p1 * y + p2 * z + above->t[2][l];
+	}
+}
+
+static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_joint* restrict joint,
+	const double* restrict cosine, const double* restrict sine, const double* restrict value, double speed,
+	lwi_batch_frame* restrict out )
+{
+	lane_frame( above, joint, cosine, sine, value, out );
+	const double* along = joint->along;
+	const double turning = joint->rotates ? speed : 0, shifting = joint->rotates ? 0 : speed;
+	for ( int l = 0; l < LWI_WIDTH; ++l )
+	{
+		const double a0 = above->r[0][l] * along[0] + above->r[1][l] * along[1] + above->r[2][l] * along[2];
+		const double a1 = above->r[3][l] * along[0] + above->r[4][l] * along[1] + above->r[5][l] * along[2];
+		const double a2 = above->r[6][l] * along[0] + above->r[7][l] * along[1] + above->r[8][l] * along[2];
+		const double t0 = out->t[0][l], t1 = out->t[1][l], t2 = out->t[2][l];
 		const double w0 = turning * a0, w1 = turning * a1, w2 = turning * a2;
 		out->angular[0][l] = above->angular[0][l] + w0;
 		out->angular[1][l] = above->angular[1][l] + w1;
@@ -46,8 +57,8 @@ static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_
 	}
 }
 
-static void batch_point( const lwi_batch_frame* restrict frame, const double local[3], const double origin[3], double half,
-	lwi_batch_point* restrict out )
+static inline void point_of( const lwi_batch_frame* restrict frame, const double local[3], const double origin[3],
+	double half, bool moves, lwi_batch_point* restrict out )
 {
 	const double x = local[0], y = local[1], z = local[2], o0 = origin[0], o1 = origin[1], o2 = origin[2];
 	for ( int l = 0; l < LWI_WIDTH; ++l )
@@ -55,13 +66,31 @@ static void batch_point( const lwi_batch_frame* restrict frame, const double loc
 		const double p0 = frame->r[0][l] * x + frame->r[1][l] * y + frame->r[2][l] * z + frame->t[0][l];
 		const double p1 = frame->r[3][l] * x + frame->r[4][l] * y + frame->r[5][l] * z + frame->t[1][l];
 		const double p2 = frame->r[6][l] * x + frame->r[7][l] * y + frame->r[8][l] * z + frame->t[2][l];
-		const double w0 = frame->angular[0][l], w1 = frame->angular[1][l], w2 = frame->angular[2][l];
 		out->p[0][l] = (float)( p0 - o0 );
 		out->p[1][l] = (float)( p1 - o1 );
 		out->p[2][l] = (float)( p2 - o2 );
+		if ( !moves )
+		{
+			out->displacement[0][l] = out->displacement[1][l] = out->displacement[2][l] = 0;
+			continue;
+		}
+		const double w0 = frame->angular[0][l], w1 = frame->angular[1][l], w2 = frame->angular[2][l];
 		out->displacement[0][l] = (float)( half * ( frame->linear[0][l] + ( w1 * p2 - w2 * p1 ) ) );
 		out->displacement[1][l] = (float)( half * ( frame->linear[1][l] + ( w2 * p0 - w0 * p2 ) ) );
 		out->displacement[2][l] = (float)( half * ( frame->linear[2][l] + ( w0 * p1 - w1 * p0 ) ) );
+	}
+}
+
+static void batch_point( const lwi_batch_frame* frame, const double local[3], const double origin[3], double half,
+	lwi_batch_point* out )
+{
+	if ( half > 0 )
+	{
+		point_of( frame, local, origin, half, true, out );
+	}
+	else
+	{
+		point_of( frame, local, origin, 0, false, out );
 	}
 }
 
