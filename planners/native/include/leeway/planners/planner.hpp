@@ -53,7 +53,8 @@ struct Settings
 	/// The judge of motions: method, margin, slack, clearances (leeway/checker.h). With LW_EDGE_CERTIFIED each edge of a path is
 	/// proved; with LW_EDGE_STEPS it is only sampled.
 	lw_edge_def edge = lw_edge_def_default();
-	/// Longest edge that a tree grows by, in the metric of Planner::distance(), > 0; 0 = geometricRange().
+	/// Longest edge that a tree grows by, in the metric of Planner::distance(), > 0; 0 = geometricRange(). Edges towards the first 64
+	/// samples may be 1.5 times as long.
 	double range = 0;
 	std::uint64_t seed = 1;
 	Samples samples = Samples::RANDOM;
