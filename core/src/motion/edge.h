@@ -151,7 +151,7 @@ typedef struct lwi_edge
 	double spare;           ///< every proof holds with clearance min_d + spare at least
 	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
 	double posed_t;         ///< the state the query is posed at; NaN if none
-	int probed_levels;      ///< levels of halving at which whole states were tested for a collision
+	bool probed;            ///< whole states were tested for a collision
 	uint32_t most_states;   ///< out->queries at which the proof is given up
 	bool runs;              ///< the run from the start is being proved: slacks follow the room there
 	bool failed;            ///< a state could not be posed or measured

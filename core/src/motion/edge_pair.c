@@ -7,9 +7,6 @@
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
-/// Levels are skipped while the motion in a cell would be more than this share of the current clearance.
-#define HOPEFUL 0.7
-
 // ---- pairs -----------------------------------------------------------------------------------------------------------
 
 /// Names a pair, for its place among the nearest pairs and for the memory of the last failure.
@@ -208,7 +205,8 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 		return s;
 	}
 	const double room = s.clearance.upper - lwi_edge_least( e, pair );
-	for ( double reach = 0.5 * loss; reach > HOPEFUL * room && s.skip < 16; reach *= 0.5 )
+	for ( double reach = 0.5 * loss; reach > room && s.skip < 16;
+		  reach *= 0.5 ) // no clearance like this one proves such a cell
 	{
 		++s.skip;
 	}

@@ -16,9 +16,8 @@ enum
 	NEIGHBOURS = 2 ///< joints between two bodies, at most: their spheres are always near
 };
 
-/// Metres per squared unit of t, and slacks.
+/// Metres per squared unit of t: planes prove straighter edges at once.
 #define LEAST_CHANGE 2.5
-#define LEAST_SLACKS 64.0
 
 typedef struct interval_batch
 {
@@ -420,8 +419,8 @@ static bool is_bent( lwi_edge* e )
 
 bool lwi_edge_has_batch( lwi_edge* e )
 {
-	return e->checker->base->tree->can_batch && e->longest > LEAST_SLACKS * e->def->slack &&
-		   lwi_edge_rotates_little( e, (lwi_edge_window){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
+	return e->checker->base->tree->can_batch && e->longest > LWI_WIDTH * e->def->slack &&
+		   lwi_edge_rotates_little( e, ( lwi_edge_window ){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
 }
 
 void lwi_edge_batch_pass( lwi_edge* e )

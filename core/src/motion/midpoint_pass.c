@@ -8,12 +8,6 @@
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
-enum
-{
-	FEW_CELLS = 3, ///< of an interval batch: a pair that has fewer is measured there first
-	MOST_SKIP = 3  ///< of a pair, in the count of cells
-};
-
 /// Data of a midpoint pass.
 typedef struct midpoint_pass
 {
@@ -58,8 +52,8 @@ bool lwi_edge_measure_clusters( lwi_edge* e, double t, double share )
 /// Probes whole states if many pairs are unproved. @return false if there is a collision
 static bool probe( midpoint_pass* s )
 {
-	const int before = s->edge->probed_levels;
-	return lwi_edge_probe( s->edge, s->work ) && ( s->edge->probed_levels == before || pose_all( s->edge, s->window.t ) );
+	const bool before = s->edge->probed;
+	return lwi_edge_probe( s->edge, s->work ) && ( s->edge->probed == before || pose_all( s->edge, s->window.t ) );
 }
 
 /// Measures a pair of the midpoint pass; an unproved one is added to the pairs. @return false if the proof ends here
@@ -77,7 +71,7 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 		s->level->intervals[s->level->count++] = (lwi_open_interval){ 0, e->pair_count, sample.skip, true };
 		pair.cells = 0xff;
 		e->pairs[e->pair_count++] = pair;
-		s->work += 1u << ( sample.skip < MOST_SKIP ? sample.skip : MOST_SKIP );
+		s->work += 1u << sample.skip;
 	}
 	return true;
 }
@@ -437,19 +431,10 @@ bool lwi_edge_midpoint_pairs( lwi_edge* e, lwi_edge_level* level )
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		lwi_edge_pair* pair = &e->pairs[i];
-		lwi_edge_sample sample = { .skip = LWI_BATCH_LEVEL - 1 };
-		uint32_t cells = 0;
-		for ( uint32_t left = pair->cells; left != 0; left &= left - 1 )
+		const lwi_edge_sample sample = lwi_edge_measure( e, pair, whole, true );
+		if ( !sample.proved && sample.low )
 		{
-			++cells;
-		}
-		if ( cells >= FEW_CELLS )
-		{
-			sample = lwi_edge_measure( e, pair, whole, true );
-			if ( !sample.proved && sample.low )
-			{
-				return lwi_edge_fail( e, pair, whole.t, &sample );
-			}
+			return lwi_edge_fail( e, pair, whole.t, &sample );
 		}
 		if ( !sample.proved )
 		{

@@ -8,11 +8,9 @@
 
 enum
 {
-	PROBE_WORK = 8,     ///< open cells from which whole states are probed, two levels of halving at first
-	PROBE_LEVELS = 4,   ///< of halving at most, each of the others for twice the work
-	CLOSE_LEVELS = 2,   ///< of halving, for pairs within the slack and after a proof that was given up
+	PROBE_WORK = 8,     ///< open cells from which whole states are probed
 	WORK_PER_PROBE = 6, ///< open cells of an interval batch, for each cell that is probed
-	MOST_PROBES = 20    ///< states of all probes before a proof is given up, poses of the middle again among them
+	MOST_PROBES = 14    ///< states of all probes before a proof is given up, poses of the middle again among them
 };
 
 bool lwi_edge_state_is_free( lwi_edge* e, double t )
@@ -54,25 +52,19 @@ static bool has_room( const lwi_edge* e )
 
 // ---- whole states ----------------------------------------------------------------------------------------------------
 
-/// Probes whole states: the end, then between both ends in halving order, except for states probed before.
-/// @param levels of halving, 1 is the middle
-static bool probe_states( lwi_edge* e, int levels )
+/// Probes whole states once: the end, the middle and both quarters.
+static bool probe_states( lwi_edge* e )
 {
-	if ( e->probed_levels == 0 && !lwi_edge_state_is_free( e, 1 ) )
+	const double places[] = { 1, 0.5, 0.25, 0.75 };
+	const int count = e->probed ? 0 : (int)( sizeof( places ) / sizeof( *places ) );
+	e->probed = true;
+	for ( int i = 0; i < count; ++i )
 	{
-		return false;
-	}
-	for ( int level = e->probed_levels + 1; level <= levels; ++level )
-	{
-		for ( int i = 1; i < 1 << level; i += 2 )
+		if ( !lwi_edge_state_is_free( e, places[i] ) )
 		{
-			if ( !lwi_edge_state_is_free( e, ldexp( i, -level ) ) )
-			{
-				return false;
-			}
+			return false;
 		}
 	}
-	e->probed_levels = levels;
 	return true;
 }
 
@@ -84,16 +76,8 @@ bool lwi_edge_probe( lwi_edge* e, uint32_t work )
 	{
 		return true; // the run ends before a collision that is known
 	}
-	int levels = e->probed_levels;
-	if ( work >= PROBE_WORK && has_room( e ) )
-	{
-		while ( levels < PROBE_LEVELS && work >= (uint32_t)PROBE_WORK << levels )
-		{
-			levels += levels == 0 ? 2 : 1;
-		}
-	}
-	levels = levels < CLOSE_LEVELS && e->close > 0 ? CLOSE_LEVELS : levels;
-	return levels == e->probed_levels || probe_states( e, levels );
+	const bool worth = ( work >= PROBE_WORK && has_room( e ) ) || e->close > 0;
+	return !worth || e->probed || probe_states( e );
 }
 
 void lwi_edge_probe_undecided( lwi_edge* e )
@@ -110,7 +94,7 @@ void lwi_edge_probe_undecided( lwi_edge* e )
 	}
 	if ( e->longest > 0 )
 	{
-		probe_states( e, CLOSE_LEVELS ); // a collision elsewhere is worth knowing
+		probe_states( e ); // a collision elsewhere is worth knowing
 	}
 }
 
