@@ -37,7 +37,6 @@ namespace
 constexpr unsigned quarters = 4; // states checked per step towards the other tree
 constexpr unsigned steps_ahead = lanes / quarters;
 constexpr std::uint64_t early_samples = 64;          // half of these lie anywhere: they solve easy problems
-constexpr double early_ranges = 1.5;                 // length of edges towards these, and of steps after them
 constexpr unsigned waiting_edges = 4;                // not proved yet, in a row, before a node from which a tree grows
 constexpr std::uint64_t least_free_per_failure = 4;  // late proofs: with fewer, edges are proved at once
 
@@ -123,7 +122,6 @@ struct Planner::Parts
 	bool connect( Judge& judge, unsigned from, std::uint32_t node );
 	bool seemsFree( Judge& judge, unsigned step, bool has_new_end );
 	void lookAhead( Judge& judge, const double* goal, unsigned step, unsigned steps );
-	double longestEdge() const { return statistics.samples <= early_samples ? early_ranges * range : range; }
 	bool proofsWait() const { return late.not_free * least_free_per_failure <= late.free; }
 	std::uint32_t addNode( Judge& judge, Tree& tree, std::uint32_t near, const double* q );
 	std::uint32_t provedFor( const Tree& tree, std::uint32_t node ) const;
@@ -382,8 +380,8 @@ bool Planner::Parts::grow( Judge& judge )
 		drawSample( tree );
 		nears[i] = tree.nearest( sample.data() );
 		const double distance = space.distance( tree.state( nears[i] ), sample.data() );
-		space.between( tree.state( nears[i] ), sample.data(), std::min( 1.0, longestEdge() / distance ),
-		    ends_ahead.data() + i * space.size() );
+		space.between(
+		    tree.state( nears[i] ), sample.data(), std::min( 1.0, range / distance ), ends_ahead.data() + i * space.size() );
 	}
 	growth[side].tries += count;
 	judge.look( ends_ahead.data(), count, false, ends_seen );
@@ -417,8 +415,7 @@ bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
 	const std::uint32_t goal = other.nearest( tree.state( node ) );
 	const double distance = space.distance( tree.state( node ), other.state( goal ) );
 	gap = std::min( gap, distance );
-	const auto steps =
-	    static_cast<unsigned>( std::max( 1.0, std::ceil( distance / std::min( longestEdge(), longest_turn ) ) ) );
+	const auto steps = static_cast<unsigned>( std::max( 1.0, std::ceil( distance / std::min( range, longest_turn ) ) ) );
 	from.assign( tree.state( node ), tree.state( node ) + space.size() );
 	for ( unsigned step = 0; step < steps; ++step )
 	{

@@ -53,8 +53,7 @@ struct Settings
 	/// The judge of motions: method, margin, slack, clearances (leeway/checker.h). With LW_EDGE_CERTIFIED each edge of a path is
 	/// proved; with LW_EDGE_STEPS it is only sampled.
 	lw_edge_def edge = lw_edge_def_default();
-	/// Longest edge that a tree grows by, in the metric of Planner::distance(), > 0; 0 = geometricRange(). Edges towards the first 64
-	/// samples may be 1.5 times as long.
+	/// Longest edge that a tree grows by, in the metric of Planner::distance(), > 0; 0 = geometricRange().
 	double range = 0;
 	std::uint64_t seed = 1;
 	Samples samples = Samples::RANDOM;
@@ -100,7 +99,7 @@ struct Statistics
 	std::uint64_t edge_queries = 0;                                ///< states at which edges measured distances
 	std::uint64_t start_nodes = 0, goal_nodes = 0;
 	std::uint64_t passed_over =
-	    0; ///< states that a look left undecided next to the scene, not used: few of their kind were free
+	    0; ///< states near the scene that a look left undecided, not used: few of their kind were free
 };
 
 /// State of a search, for display.
