@@ -17,6 +17,7 @@
 #include "support/temporary_folder.hpp"
 
 #include <ompl/util/Console.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -334,13 +335,38 @@ private:
 	std::ofstream m_paths;       ///< open with --paths
 };
 
+/// The group that the first request of a robot's problems names.
+std::string groupOf( const std::filesystem::path& problems )
+{
+	for ( const auto& item : std::filesystem::recursive_directory_iterator( problems ) )
+	{
+		if ( item.path().filename() == "request0001.yaml" )
+		{
+			return YAML::LoadFile( item.path().string() )["group_name"].as<std::string>();
+		}
+	}
+	throw std::runtime_error( problems.string() + ": no set has a request0001.yaml; unpack MotionBenchMaker's problems here" );
+}
+
+/// Every robot of the folder mbm: NAME/NAME.urdf, NAME.srdf and the sets of NAME/problems.
 void addData( EdgeWorlds& worlds, const Settings& settings )
 {
 	requireData( settings.data, "mbm" );
 	std::vector<int> numbers( static_cast<std::size_t>( settings.problems ) );
 	std::iota( numbers.begin(), numbers.end(), 1 );
-	worlds.addMbm( "panda", "panda_arm", numbers, settings.only );
-	worlds.addMbm( "fetch", "arm_with_torso", numbers, settings.only );
+	std::vector<std::filesystem::path> robots;
+	for ( const auto& item : std::filesystem::directory_iterator( settings.data + "/mbm" ) )
+	{
+		if ( std::filesystem::is_directory( item.path() / "problems" ) )
+		{
+			robots.push_back( item.path() );
+		}
+	}
+	std::sort( robots.begin(), robots.end() );
+	for ( const std::filesystem::path& robot : robots )
+	{
+		worlds.addMbm( robot.filename().string(), groupOf( robot / "problems" ), numbers, settings.only );
+	}
 	if ( std::string( "armar3 planner" ).find( settings.only ) != std::string::npos )
 	{
 		worlds.addArmarProblems();
