@@ -13,12 +13,23 @@
 
 enum
 {
-	MOST_NODES = 96, ///< of a body's tree that are opened against one obstacle
+	MOST_NODES = 96,   ///< of a body's tree that are opened against one obstacle
+	MOST_WAITING = 24, ///< trees that wait until all bodies were looked at for contact; more are opened at once
 	MOST_HEIGHT = 7 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
 };
 
 /// Metres of pose rounding; beyond, lw_checker_look() says UNDECIDED.
 #define MOST_ROUNDING 1e-6
+
+/// A body and a primitive that its sphere meets.
+typedef struct primitive_test
+{
+	const lw_shape* shape;  ///< the body's, with a tree
+	lwi_lane_motion motion; ///< primitive_from_tree
+	lwi_primitive primitive;
+	float limit;
+	uint32_t lanes; ///< in which the tree is to be opened
+} primitive_test;
 
 typedef struct lane_states
 {
@@ -36,6 +47,8 @@ typedef struct lane_states
 	uint32_t all;       ///< lanes with states
 	uint32_t left;      ///< lanes not known to be blocked
 	uint32_t unsure[2]; ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
+	primitive_test* waiting; ///< [MOST_WAITING + 1], the last for a test that does not wait
+	uint32_t waiting_count;
 } lane_states;
 
 /// Bodies against the scene: the one at work.
@@ -119,15 +132,6 @@ static lwi_motion motion_of( const lwi_lane_motion* lanes, uint32_t lane )
 	}
 	return out;
 }
-
-/// A body and a primitive that its sphere meets.
-typedef struct primitive_test
-{
-	const lw_shape* shape;  ///< the body's, with a tree
-	lwi_lane_motion motion; ///< primitive_from_tree
-	lwi_primitive primitive;
-	float limit;
-} primitive_test;
 
 /// Lanes, of these, in which an item of a leaf is near.
 static uint32_t leaf_meets( const lane_states* s, const primitive_test* q, lwi_ref ref, uint32_t lanes )
@@ -253,32 +257,38 @@ static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_
 	}
 	pose_body( s, b );
 	const lwi_convex convex = lwi_convex_of_primitive( solid );
-	primitive_test q;
-	q.shape = b->shape;
-	s->kernels->lane_relative( &b->pose, obstacle->world_from_shape.r, obstacle->world_from_shape.t, &q.motion );
+	primitive_test* q = &s->waiting[s->waiting_count];
+	q->shape = b->shape;
+	s->kernels->lane_relative( &b->pose, obstacle->world_from_shape.r, obstacle->world_from_shape.t, &q->motion );
 	const bool bounded = solid->family == LWI_CONVEX;
 	const double* at = obstacle->world_from_shape.t;
 	const double slack = lwi_gap_slack( s->reach + fabs( at[0] ) + fabs( at[1] ) + fabs( at[2] ) +
 										2 * ( (double)b->shape->extent + ( bounded ? solid->sphere_radius : 0 ) ) );
 	const double dilation = b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0;
-	q.limit = lwi_round_up( s->enough + slack + dilation + lwi_environment_margin( s->checker, b->body, obstacle->object ) );
-	q.primitive.type = solid->type;
+	q->limit =
+		lwi_round_up( s->enough + slack + dilation + lwi_environment_margin( s->checker, b->body, obstacle->object ) );
+	q->primitive.type = solid->type;
 	for ( int i = 0; i < 3; ++i )
 	{
-		q.primitive.size[i] = lwi_round_up( convex.size[i] );
+		q->primitive.size[i] = lwi_round_up( convex.size[i] );
 	}
-	lanes = bounded ? lanes & boxes_meet( s, &q ) : lanes;
+	lanes = bounded ? lanes & boxes_meet( s, q ) : lanes;
 	const bool all = tree_is_all( b->shape, &convex, solid->type );
-	lanes = all && lanes != 0 ? root_meets( s, &q, lanes ) : lanes;
+	lanes = all && lanes != 0 ? root_meets( s, q, lanes ) : lanes;
 	if ( lanes != 0 && b->shape->family == LWI_TRIANGLES && bounded )
 	{
-		const uint32_t blocked = points_inside( s, &q, &convex, slack, lanes );
+		const uint32_t blocked = points_inside( s, q, &convex, slack, lanes );
 		s->left &= ~blocked;
 		lanes &= ~blocked;
 	}
 	lanes = s->contact_only ? 0 : lanes & ~s->unsure[0];
-	lanes = all && lanes != 0 ? tree_meets( s, &q, lanes ) : lanes;
-	s->unsure[0] |= lanes;
+	if ( all && lanes != 0 && s->waiting_count < MOST_WAITING )
+	{
+		q->lanes = lanes;
+		++s->waiting_count;
+		return;
+	}
+	s->unsure[0] |= all && lanes != 0 ? tree_meets( s, q, lanes ) : lanes;
 }
 
 /// Lanes in which a point comes nearer than `reach` to a half-space or plane: boxes say nothing of these.
@@ -385,6 +395,12 @@ static void lanes_environment( lane_states* s )
 		{
 			body_environment( s, cluster->first_body + k );
 		}
+	}
+	// most lanes in contact are known by now: their trees are not opened
+	for ( uint32_t i = 0; i < s->waiting_count; ++i )
+	{
+		const uint32_t lanes = s->waiting[i].lanes & s->left & ~s->unsure[0];
+		s->unsure[0] |= lanes != 0 ? tree_meets( s, &s->waiting[i], lanes ) : 0;
 	}
 }
 
@@ -502,7 +518,10 @@ static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flag
 	lwi_pose_lanes( c, s->query, NULL );
 	if ( ( flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{
+		primitive_test waiting[MOST_WAITING + 1];
+		s->waiting = waiting;
 		lanes_environment( s );
+		s->waiting = NULL;
 	}
 	if ( ( flags & LW_CHECK_SELF ) != 0 && !c->self_unchanged && s->left != 0 )
 	{
