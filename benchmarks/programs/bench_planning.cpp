@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whole planning problems: MotionBenchMaker's of Panda and Fetch, and ARMAR-III's reaches. Rows: leeway's own planner, OMPL's
+// Whole planning problems: MotionBenchMaker's of each robot of the data, and ARMAR-III's reaches. Rows: leeway's own planner, OMPL's
 // with motions proved by certificates, or sampled over leeway's states and over FCL's, and modules of other libraries. Exit
 // status 1 if a path of proved motions is refuted by a dense look.
 //
@@ -348,6 +348,21 @@ std::string groupOf( const std::filesystem::path& problems )
 	throw std::runtime_error( problems.string() + ": no set has a request0001.yaml; unpack MotionBenchMaker's problems here" );
 }
 
+/// ARMAR-III's reaches, which a folder of MotionBenchMaker's robots alone does not have.
+void addArmar( EdgeWorlds& worlds, const Settings& settings )
+{
+	if ( std::string( "armar3 planner" ).find( settings.only ) == std::string::npos )
+	{
+		return;
+	}
+	if ( settings.only.empty() && !std::filesystem::exists( settings.data + "/armar3" ) )
+	{
+		std::fprintf( stderr, "bench_planning: without ARMAR-III: %s has no folder armar3\n", settings.data.c_str() );
+		return;
+	}
+	worlds.addArmarProblems();
+}
+
 /// Every robot of the folder mbm: NAME/NAME.urdf, NAME.srdf and the sets of NAME/problems.
 void addData( EdgeWorlds& worlds, const Settings& settings )
 {
@@ -357,7 +372,8 @@ void addData( EdgeWorlds& worlds, const Settings& settings )
 	std::vector<std::filesystem::path> robots;
 	for ( const auto& item : std::filesystem::directory_iterator( settings.data + "/mbm" ) )
 	{
-		if ( std::filesystem::is_directory( item.path() / "problems" ) )
+		const std::filesystem::path problems = item.path() / "problems";
+		if ( std::filesystem::is_directory( problems ) && !std::filesystem::is_empty( problems ) )
 		{
 			robots.push_back( item.path() );
 		}
@@ -367,10 +383,7 @@ void addData( EdgeWorlds& worlds, const Settings& settings )
 	{
 		worlds.addMbm( robot.filename().string(), groupOf( robot / "problems" ), numbers, settings.only );
 	}
-	if ( std::string( "armar3 planner" ).find( settings.only ) != std::string::npos )
-	{
-		worlds.addArmarProblems();
-	}
+	addArmar( worlds, settings );
 }
 
 void addZoo( EdgeWorlds& worlds, const Settings& settings, const std::string& folder )
