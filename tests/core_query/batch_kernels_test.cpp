@@ -107,9 +107,10 @@ struct Chain
 		for ( const Joint& j : joints )
 		{
 			const lwi_batch_joint joint = batch_joint_of( j );
-			double c[LWI_WIDTH], s[LWI_WIDTH], value[LWI_WIDTH];
+			double c[LWI_WIDTH], s[LWI_WIDTH], value[LWI_WIDTH], speeds[LWI_WIDTH];
 			for ( int l = 0; l < LWI_WIDTH; ++l )
 			{
+				speeds[l] = static_cast<double>( j.speed );
 				const double v = static_cast<double>( j.start + ( l + 0.5L ) / LWI_WIDTH * j.speed );
 				c[l] = j.rotates ? std::cos( v ) : 1;
 				s[l] = j.rotates ? std::sin( v ) : 0;
@@ -119,7 +120,7 @@ struct Chain
 			std::memset( &next, 0, sizeof( next ) );
 			if ( moves )
 			{
-				kernels->batch_frame( &frame, &joint, c, s, value, static_cast<double>( j.speed ), &next );
+				kernels->batch_frame( &frame, &joint, c, s, value, speeds, &next );
 			}
 			else
 			{

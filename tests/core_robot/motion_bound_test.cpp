@@ -16,6 +16,11 @@ extern "C"
 	size_t lwi_motion_scratch_size( const lwi_motion_table* table );
 	bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
 	bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+	struct lwi_motion_ranges
+	{
+		const double *least, *most, *speed, *change;
+	};
+	bool lwi_motion_begin_curve( const lwi_motion_table* table, const lwi_motion_ranges* ranges, void* scratch );
 	struct lwi_motion_rate
 	{
 		double path, change;
@@ -389,6 +394,150 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 	ASSERT_GE( ratios.size(), 1000u );
 	EXPECT_GE( ratios[ratios.size() / 2], 0.5 );
 	EXPECT_GE( gains.back(), 5 ) << "never any better than the path length";
+}
+
+namespace
+{
+
+/// A random curve of all variables but quaternions, and its ranges: values from control points, derivatives from a dense row.
+struct RandomCurve
+{
+	int degree;
+	std::vector<State> points;
+	State least, most, speed, change;
+
+	RandomCurve( SeededRng& rng, const lw_robot* robot ) : degree( rng.integer( 1, 7 ) )
+	{
+		const State a = randomState( rng, robot, 0 );
+		const double bend = rng.decade( -2, 0.5 );
+		points.assign( static_cast<std::size_t>( degree ) + 1, a );
+		for ( std::size_t v = 0; v < a.size(); ++v )
+		{
+			const lw_variable_info info = lw_robot_variable( robot, static_cast<std::uint32_t>( v ) );
+			const bool quaternion = lw_robot_joint_type( robot, info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
+			const bool stays = quaternion || rng.integer( 0, 3 ) == 0;
+			for ( std::size_t i = 1; i < points.size(); ++i )
+			{
+				points[i][v] += stays ? 0 : bend * rng.uniform( -1, 1 );
+			}
+		}
+		least = most = a;
+		speed = change = State( a.size(), 0.0 );
+		for ( std::size_t v = 0; v < a.size(); ++v )
+		{
+			for ( const State& p : points )
+			{
+				least[v] = std::min( least[v], p[v] );
+				most[v] = std::max( most[v], p[v] );
+			}
+			for ( int k = 0; k <= 300 && least[v] < most[v]; ++k )
+			{
+				speed[v] = std::max( speed[v], 1.001 * std::abs( derivative( v, k / 300.0, 1 ) ) );
+				change[v] = std::max( change[v], 1.001 * std::abs( derivative( v, k / 300.0, 2 ) ) );
+			}
+		}
+	}
+
+	State at( double t ) const
+	{
+		State q( least.size() );
+		for ( std::size_t v = 0; v < q.size(); ++v )
+		{
+			q[v] = least[v] < most[v] ? derivative( v, t, 0 ) : least[v];
+		}
+		return q;
+	}
+
+	/// By Newton's form: the k-th forward differences times binomials.
+	double derivative( std::size_t v, double t, int order ) const
+	{
+		if ( order > degree )
+		{
+			return 0;
+		}
+		std::vector<double> p;
+		for ( const State& point : points )
+		{
+			p.push_back( point[v] );
+		}
+		double factor = 1;
+		for ( int k = 0; k < order; ++k )
+		{
+			factor *= degree - k;
+			for ( std::size_t i = 0; i + 1 < p.size(); ++i )
+			{
+				p[i] = p[i + 1] - p[i];
+			}
+			p.pop_back();
+		}
+		const int n = degree - order;
+		double sum = 0, binomial = 1;
+		for ( int i = 0; i <= n; ++i )
+		{
+			sum += binomial * std::pow( t, i ) * std::pow( 1 - t, n - i ) * p[static_cast<std::size_t>( i )];
+			binomial *= static_cast<double>( n - i ) / ( i + 1 );
+		}
+		return factor * sum;
+	}
+
+	lwi_motion_ranges ranges() const { return { least.data(), most.data(), speed.data(), change.data() }; }
+};
+
+} // namespace
+
+// Three places of a point, equally far apart in t: their second difference is at most the squared step times the acceleration.
+// Joints of a curve speed up and slow down, which a straight edge's do not.
+TEST( MotionBound, NoPointOfACurveSpeedsUpMoreThanTheBound )
+{
+	SeededRng rng;
+	std::vector<double> ratios;
+	double fastest = 0;
+	for ( int i = 0; i < 1500; ++i )
+	{
+		RobotModel model = anyRobot( rng );
+		RobotPtr robot = model.create();
+		ASSERT_NE( robot, nullptr );
+		Motion motion( robot.get() );
+		const RandomCurve curve( rng, robot.get() );
+		const lwi_motion_ranges ranges = curve.ranges();
+		ASSERT_TRUE( lwi_motion_begin_curve( motion.table, &ranges, motion.scratch ) );
+		const double measured = rng.uniform( 0, 1 ), step = rng.decade( -2.5, -0.5 ), from = rng.uniform( 0, 1 - 2 * step );
+		const auto poses = [&]( double t )
+		{
+			const State q = curve.at( t );
+			return posesAt( robot.get(), q, q, 0 );
+		};
+		const std::vector<std::vector<lw_transform>> three = {
+		    poses( from ), poses( from + step ), poses( from + 2 * step ) };
+		const std::vector<lw_transform> reference = poses( measured );
+		lwi_motion_place( motion.table, motion.scratch, reference.data() );
+		const double share = rng.integer( 0, 2 ) == 0 ? 1e6 : std::max( measured, 1 - measured );
+		const double rounding = 8 * lwi_motion_rounding( motion.scratch );
+		for ( std::uint32_t body = 0; body < model.bodies.size(); ++body )
+		{
+			const std::uint32_t ancestor = randomAncestor( rng, robot.get(), model.bodies[body].link );
+			lwi_motion_measure_body( motion.table, motion.scratch, body, reference.data(), share );
+			const lwi_motion_rate rate = lwi_motion_of( motion.table, motion.scratch, body, ancestor );
+			for ( const lw_vec3 p : model.bodyPoints[body] )
+			{
+				const std::vector<lw_vec3> x = wayOf( three, ancestor, model.bodies[body], p );
+				const lw_vec3 mean = { 0.5 * ( x[0].x + x[2].x ), 0.5 * ( x[0].y + x[2].y ), 0.5 * ( x[0].z + x[2].z ) };
+				const double second = 2 * distance( mean, x[1] ), way = distance( x[0], x[1] );
+				ASSERT_LE( second, step * step * rate.change + rounding ) << "robot " << i << ", degree " << curve.degree;
+				ASSERT_LE( way, step * rate.path + rounding ) << "robot " << i << ", degree " << curve.degree;
+				fastest = std::max( fastest, rate.path > 0 ? way / ( step * rate.path ) : 0 );
+				if ( second > 1e-9 )
+				{
+					ratios.push_back( second / ( step * step * rate.change ) );
+				}
+			}
+		}
+	}
+	std::sort( ratios.begin(), ratios.end() );
+	ASSERT_GE( ratios.size(), 1000u );
+	std::printf( "second difference / bound: median %.3f, largest %.6f\n", ratios[ratios.size() / 2], ratios.back() );
+	EXPECT_GT( ratios.back(), 0.9 );
+	EXPECT_GT( fastest, 0.9 );
 }
 
 // A speed limit for the whole edge, measured from a pose near an end: from there points get twice as far as from the middle.

@@ -86,6 +86,9 @@ public:
 		def.min_d = m_rng.integer( 0, 1 ) ? 0 : 1e-3;
 		def.want_proved_until = m_rng.integer( 0, 1 );
 		def.tolerance = m_rng.integer( 0, 1 ) ? tolerance.data() : nullptr;
+		const bool tables = m_rng.integer( 0, 1 ) == 1;
+		const lw_checker* checker = tables ? m_world.with_tables.get() : m_world.checker.get();
+		lw_query* query = tables ? m_bench.tables.get() : m_bench.plain.get();
 		// the same curve, bent more and more: the last one that is proved leaves the least room
 		SeededRng same = m_rng;
 		for ( double bend = m_rng.decade( -3, -1 ); bend < 3; bend *= 1.5 )
@@ -93,9 +96,7 @@ public:
 			m_rng = same;
 			const Curve curve = randomCurve( m_world, motion, bend, m_rng );
 			lw_edge_result result;
-			ASSERT_EQ( lw_checker_curve(
-			               m_world.checker.get(), m_bench.plain.get(), curve.points.data(), curve.degree, &def, &result ),
-			    LW_OK );
+			ASSERT_EQ( lw_checker_curve( checker, query, curve.points.data(), curve.degree, &def, &result ), LW_OK );
 			tally.free += result.verdict == LW_VERDICT_FREE;
 			tally.blocked += result.verdict == LW_VERDICT_BLOCKED;
 			tally.undecided += result.verdict == LW_VERDICT_UNDECIDED;
@@ -168,7 +169,7 @@ TEST( Curve, VerdictsOnRandomCurvesSurviveADenseLook )
 	{
 		RandomWorldOptions options;
 		options.margins = i % 3 == 0;
-		options.tables = 0;
+		options.tables = 0.5;
 		const EdgeWorld world = randomWorld( rng.engine()(), options );
 		CurveBench bench( world, rng );
 		for ( int k = 0; k < 8; ++k )
@@ -308,4 +309,133 @@ TEST( Curve, BallTurnsBackBeyondTheProvedDeviation )
 		free += result.verdict == LW_VERDICT_FREE;
 	}
 	EXPECT_GT( free, 100 );
+}
+
+namespace
+{
+
+lw_shape* ballOf( double radius )
+{
+	const double size[3] = { radius, 0, 0 };
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, size, nullptr, nullptr, &shape ), LW_OK );
+	return shape;
+}
+
+lw_transform along( double x, double z )
+{
+	lw_transform at = lw_transform_identity();
+	at.t[0] = x;
+	at.t[2] = z;
+	return at;
+}
+
+void addJoint( RobotModel& model, const char* name, lw_joint_type type, std::uint32_t parent, int axis, double limit )
+{
+	lw_joint_def& joint = model.joint( name, type, parent );
+	for ( int k = 0; k < 3; ++k )
+	{
+		joint.axis[k] = k == axis ? 1 : 0;
+	}
+	joint.lower = -limit;
+	joint.upper = limit;
+}
+
+} // namespace
+
+// A ball leaves a post that it touches, faster than in the mean, while an arm turns so far that spheres of eight windows at once
+// decide. With the mean speed the first window would begin a centimetre farther away.
+TEST( Curve, EachOfEightWindowsHasItsOwnSpeed )
+{
+	for ( const double gap : { -0.002, 0.002 } )
+	{
+		RobotModel model;
+		model.link( "base" );
+		addJoint( model, "slide", LW_JOINT_PRISMATIC, 0, 0, 4 );
+		addJoint( model, "arm", LW_JOINT_REVOLUTE, 0, 2, 4 );
+		model.body( 1, ballOf( 0.1 ), lw_transform_identity() );
+		model.body( 2, ballOf( 0.1 ), along( 1, 5 ) );
+		const RobotPtr robot = model.create();
+		const ShapePtr post( ballOf( 0.1 ) );
+		const leeway::Scene scene = oneObstacle( post.get(), along( 0.2 + gap, 0 ) );
+		const leeway::Checker checker = checkerOf( robot.get(), scene.get() );
+		const leeway::Query query = leeway::makeQuery( checker.get() );
+		const double points[] = { 0, -1.6, -0.19, -0.5333, -0.19, 0.5333, 0, 1.6 };
+		const lw_edge_def edge = lw_edge_def_default();
+		lw_edge_result result;
+		ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), points, 3, &edge, &result ), LW_OK );
+		EXPECT_EQ( result.verdict, gap < 0 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << gap;
+	}
+}
+
+namespace
+{
+
+/// A ball on a slide of 10 cm to both sides, on a joint that hardly turns, and a post of the robot.
+struct SlideAndPost
+{
+	RobotPtr robot;
+	leeway::Reach reach;
+	leeway::Checker checker;
+	leeway::Query query;
+
+	SlideAndPost( double post, double seconds )
+	{
+		RobotModel model;
+		model.link( "base" );
+		addJoint( model, "turn", LW_JOINT_REVOLUTE, 0, 2, 0.01 );
+		addJoint( model, "slide", LW_JOINT_PRISMATIC, 1, 0, 0.1 );
+		model.body( 2, ballOf( 0.1 ), lw_transform_identity() );
+		model.body( 0, ballOf( 0.1 ), along( post, 0 ) );
+		robot = model.create();
+		lw_reach_def def = lw_reach_def_default();
+		def.robot = robot.get();
+		def.seconds = seconds;
+		lw_reach* made = nullptr;
+		lw_diag diag = {};
+		leeway::require( lw_reach_create( &def, nullptr, &diag, &made ), diag );
+		reach = leeway::Reach::adopt( made );
+		lw_checker_def checker_def = lw_checker_def_default();
+		checker_def.robot = robot.get();
+		checker_def.reach = made;
+		lw_checker* kept = nullptr;
+		leeway::require( lw_checker_create( &checker_def, nullptr, &diag, &kept ), diag );
+		checker = leeway::Checker::adopt( kept );
+		query = leeway::makeQuery( checker.get() );
+	}
+
+	/// @param values of the slide at the control points
+	lw_verdict verdict( const std::vector<double>& values ) const
+	{
+		Points points;
+		for ( const double value : values )
+		{
+			points.push_back( 0 );
+			points.push_back( value );
+		}
+		const lw_edge_def edge = lw_edge_def_default();
+		lw_edge_result result;
+		EXPECT_EQ( lw_checker_curve( checker.get(), query.get(), points.data(),
+		               static_cast<std::uint32_t>( values.size() - 1 ), &edge, &result ),
+		    LW_OK );
+		return result.verdict;
+	}
+};
+
+} // namespace
+
+// Tables of the reach end at the limits. Between its ends a curve may leave them, and a slide that does meets the post.
+TEST( Curve, TablesEndWhereItLeavesTheLimits )
+{
+	const SlideAndPost world( 0.31, 0 );
+	EXPECT_EQ( world.verdict( { 0.09, 0.09, 0.08, 0.09 } ), LW_VERDICT_FREE );
+	EXPECT_EQ( world.verdict( { 0.09, 0.13, 0.13, 0.09 } ), LW_VERDICT_BLOCKED );
+}
+
+// Grids know the chord. This one is a single state, 4 cm away from the post that the curve meets.
+TEST( Curve, GridsOfTheChordLeaveRoomForTheWayBesideIt )
+{
+	const SlideAndPost world( 0.29, 1 );
+	EXPECT_EQ( world.verdict( { 0.05, 0.08, 0.08, 0.08, 0.08, 0.05 } ), LW_VERDICT_FREE );
+	EXPECT_EQ( world.verdict( { 0.05, 0.0999, 0.0999, 0.0999, 0.0999, 0.05 } ), LW_VERDICT_BLOCKED );
 }

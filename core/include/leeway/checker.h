@@ -316,12 +316,12 @@ enum
 /// Angles are plain numbers: a continuous joint turns as far as its control points say. Quaternions must be the same in all.
 /// @param points [degree + 1][lw_checker_variable_count()], finite; read during the call only
 /// @param degree 1 to LW_CURVE_MOST_DEGREE
-/// @param def as for lw_checker_edge(), CERTIFIED only. With want_proved_until the proved part costs nothing more
+/// @param def as for lw_checker_edge(), CERTIFIED only
 /// @param out as for lw_checker_edge(). BLOCKED: the curve's own state at t. UNDECIDED: the clearance of `pair` is that at a
 /// state which differs from the curve's at t by less than slack / 8 of motion. `pair` UNKNOWN: too long
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (verdict UNKNOWN)
-/// Cost: that of edges, one for each piece whose deviation from its chord the clearance allows.
-/// Method: pieces proved as edges with a tolerance; proof in core/docs/motions.md.
+/// Cost: of an edge, more with the bend: 1.2 to 2.1 times that of the chord at 2 to 10 % (core/docs/lab/motions.md).
+/// Method: edges whose joints speed up and slow down; proof in core/docs/motions.md.
 LW_API lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
 	const lw_edge_def* def, lw_edge_result* out );
 

@@ -78,7 +78,7 @@ void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* s
 		const lwi_batch_frame* above = &frames[tree->clusters[i].parent];
 		if ( speeds != NULL )
 		{
-			kernels->batch_frame( above, joint, cosine, sine, value, speeds[i], &frames[i] );
+			kernels->batch_frame( above, joint, cosine, sine, value, speeds + at, &frames[i] );
 		}
 		else
 		{

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Polynomial motions, proved as chains of straight edges with a tolerance.
+// Polynomial motions, proved as edges that bend, in pieces.
 //
-// A Bezier curve less a motion along its chord is the Bezier curve of the differences of their control points (Farin, Curves and
-// Surfaces for CAGD), so each joint stays within a share of the largest of these. A piece of the curve is proved
-// by its chord with that tolerance, or halved: differences fall to a quarter. Derivation: core/docs/motions.md.
+// The prover of edges takes values, speeds and their bounds from control points (Farin, Curves and Surfaces for CAGD). A Bezier
+// curve less a motion along its chord is the Bezier curve of the differences of their control points, so each joint stays within
+// a share of the largest of these: a piece that hardly leaves its chord is proved by that. Derivation: core/docs/motions.md.
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
@@ -14,10 +14,10 @@ enum
 	MOST_DEPTH = 40 ///< of halving; ends of pieces are exact in double
 };
 
-/// Metres. The chord of a piece that deviates more is not asked for: it is halved at once.
-#define MOST_DEVIATION 0.01
+/// Metres. A piece that bends more is halved at once. Measured: core/docs/lab/motions.md.
+#define MOST_BEND 0.15
 
-/// Share of the slack below which a deviation no longer changes a verdict.
+/// Share of the slack below which a deviation from the chord changes no verdict: the chord is asked for, whose speed is even.
 #define SMALL_DEVIATION 0.125
 
 typedef struct curve
@@ -29,7 +29,7 @@ typedef struct curve
 	const double* points; ///< [degree + 1][count]
 	uint32_t degree, count;
 	// in the query's scratch
-	double *part, *row, *tolerance, *deviation, *offset, *full;
+	double *part, *row, *tolerance, *deviation, *full;
 	double along[LW_CURVE_MOST_DEGREE + 1];
 	double* size; ///< of the rounding of control points; 0: the variable stays, such as a quaternion's, and nothing is rounded
 } curve;
@@ -123,9 +123,7 @@ static void place_along( curve* c )
 	}
 }
 
-/// Where the middle of each joint's differences from the chord of c->part is, c->offset, and how far they get from that,
-/// c->deviation: a line beside the chord is twice as near to a curve that bends to one side. @return false if the chord goes
-/// round the other way
+/// How far each joint gets from the chord of c->part: c->deviation. @return false if the chord goes round the other way
 static bool measure_deviation( curve* c )
 {
 	const lw_robot* robot = c->checker->base->robot;
@@ -137,16 +135,12 @@ static bool measure_deviation( curve* c )
 	{
 		const double first = c->part[v], last = c->part[n * c->count + v];
 		const double way = last - first;
-		double least = 0, most = 0;
+		double most = 0;
 		for ( uint32_t i = 1; i < n; ++i )
 		{
-			const double difference = c->part[i * c->count + v] - ( first + way * c->along[i] );
-			least = lwi_smaller( least, difference );
-			most = lwi_larger( most, difference );
+			most = lwi_larger( most, fabs( c->part[i * c->count + v] - ( first + way * c->along[i] ) ) );
 		}
-		const bool moves = c->size[v] != 0;
-		c->offset[v] = moves ? 0.5 * share * ( most + least ) : 0;
-		c->deviation[v] = moves ? 0.5 * share * ( most - least ) * LWI_EDGE_OUTWARD + 2 * c->size[v] : 0;
+		c->deviation[v] = c->size[v] != 0 ? share * most * LWI_EDGE_OUTWARD + 2 * c->size[v] : 0;
 		same_way = same_way && !( robot->variables[c->checker->base->group.variables[v]].wraps && fabs( way ) > 3 );
 	}
 	return same_way;
@@ -178,6 +172,26 @@ static double moved_by_deviation( const curve* c )
 	return lwi_motion_moved_by( c->checker->base->motion, c->full );
 }
 
+/// Metres: how far any point of the robot gets from uniform motion between the ends of c->part, by the bound of its second derivative
+/// that the proof has.
+static double bend_of( const curve* c )
+{
+	const uint32_t n = c->degree;
+	memset( c->full, 0, c->checker->base->robot->variable_count * sizeof( double ) );
+	for ( uint32_t v = 0; v < c->count; ++v )
+	{
+		const double* p = c->part + v;
+		double most = 0;
+		for ( uint32_t i = 2; i <= n && c->size[v] != 0; ++i )
+		{
+			const double second = p[i * c->count] - 2 * p[( i - 1 ) * c->count] + p[( i - 2 ) * c->count];
+			most = lwi_larger( most, fabs( second ) );
+		}
+		c->full[c->checker->base->group.variables[v]] = 0.125 * n * ( n - 1 ) * most;
+	}
+	return lwi_motion_moved_by( c->checker->base->motion, c->full );
+}
+
 /// Is the curve's state at t above min_d? If not, that is the verdict. An undecided verdict never replaces a collision.
 static lw_status look_at( curve* c, double t, bool* out_free )
 {
@@ -198,77 +212,71 @@ static lw_status look_at( curve* c, double t, bool* out_free )
 	return status;
 }
 
-/// Asks for the line beside the chord of a piece. @param patient also if a pair is nearer to the tube than the slack: halving helps it no more
-static lw_status ask_chord( curve* c, bool patient, lw_edge_result* out )
+/// Asks for a piece, c->part, or for its chord. The rounding of its control points is added to the tolerance.
+/// @param chord with a tolerance larger by the deviation
+static lw_status ask( curve* c, bool chord, bool same_way, lw_edge_result* out )
 {
+	lw_edge_def def = *c->def;
 	for ( uint32_t v = 0; v < c->count; ++v )
 	{
-		c->tolerance[v] = c->deviation[v] + ( c->def->tolerance != NULL ? c->def->tolerance[v] : 0 );
-		c->row[v] = c->part[v] + c->offset[v];
-		c->row[c->count + v] = c->part[c->degree * c->count + v] + c->offset[v];
+		const double wider = chord ? c->deviation[v] : 2 * c->size[v];
+		c->tolerance[v] = wider + ( c->def->tolerance != NULL ? c->def->tolerance[v] : 0 );
 	}
-	lw_edge_def def = *c->def;
 	def.tolerance = c->tolerance;
-	def.want_proved_until = false;
-	def.close_windows = patient ? def.close_windows : 0;
-	const lw_status status = lw_checker_edge( c->checker, c->query, c->row, c->row + c->count, &def, out );
+	def.want_proved_until = c->def->want_proved_until && !chord; // that has another t
+	const lwi_edge_bend bend = { c->part, c->degree, c->deviation, same_way };
+	const lw_status status =
+		chord ? lw_checker_edge( c->checker, c->query, c->part, c->part + c->degree * c->count, &def, out )
+			  : lwi_edge_along( c->checker, c->query, &bend, &def, out );
 	c->out->queries += out->queries;
 	return status;
-}
-
-/// Fills in the verdict for a piece that halving does not help. The curve's own states are above min_d where it was looked at.
-static void give_up( curve* c, piece p, const lw_edge_result* chord )
-{
-	c->out->verdict = LW_VERDICT_UNDECIDED;
-	c->out->t = beside( c, p, chord->t );
-	c->out->self = chord->self;
-	c->out->pair = chord->pair;
 }
 
 typedef enum answer
 {
 	PROVED,
 	HALVE,
-	ENDED ///< the verdict is filled in
+	ENDED ///< the verdict is filled in, but for proved_until
 } answer;
 
-static lw_status prove_piece( curve* c, piece p, bool last, answer* out )
+/// The verdict where the proof of a piece ended, at t: that of the curve's own state, or undecided.
+static lw_status end_at( curve* c, double t, const lw_edge_result* found )
+{
+	bool is_free;
+	const lw_status status = look_at( c, t, &is_free );
+	if ( status == LW_OK && c->out->verdict != LW_VERDICT_BLOCKED )
+	{
+		c->out->verdict = LW_VERDICT_UNDECIDED;
+		c->out->t = t;
+		c->out->self = found->self;
+		c->out->pair = found->pair;
+	}
+	return status;
+}
+
+/// @param proved where the proved part of the curve ends
+static lw_status prove_piece( curve* c, piece p, bool last, double* proved, answer* out )
 {
 	*out = HALVE;
 	cut_out( c, p );
 	const bool same_way = measure_deviation( c );
-	const double moved = moved_by_deviation( c );
-	if ( !last && ( !same_way || moved > MOST_DEVIATION ) )
+	const bool chord = same_way && moved_by_deviation( c ) <= SMALL_DEVIATION * c->def->slack;
+	if ( !last && !chord && bend_of( c ) > MOST_BEND )
 	{
 		return LW_OK;
 	}
-	lw_edge_result chord = { .pair = lw_clearance_unknown() };
-	if ( !same_way )
-	{
-		give_up( c, p, &chord );
-		*out = ENDED;
-		return LW_OK;
-	}
-	const bool small = last || moved <= SMALL_DEVIATION * c->def->slack;
-	lw_status status = ask_chord( c, small, &chord );
-	if ( status != LW_OK || chord.verdict == LW_VERDICT_FREE )
+	lw_edge_result found = { .pair = lw_clearance_unknown() };
+	const lw_status status = ask( c, chord, same_way, &found );
+	if ( status != LW_OK || found.verdict == LW_VERDICT_FREE )
 	{
 		*out = PROVED;
-		c->out->lower_bound = lwi_smaller( c->out->lower_bound, chord.lower_bound );
+		*proved = p.b;
+		c->out->lower_bound = lwi_smaller( c->out->lower_bound, found.lower_bound );
 		return status;
 	}
-	bool is_free;
-	status = look_at( c, beside( c, p, chord.t ), &is_free );
-	if ( status != LW_OK || c->out->verdict == LW_VERDICT_BLOCKED )
-	{
-		*out = ENDED;
-	}
-	else if ( small )
-	{
-		give_up( c, p, &chord );
-		*out = ENDED;
-	}
-	return status;
+	*out = ENDED;
+	*proved = p.a + ( p.b - p.a ) * ( chord ? 0 : found.proved_until ) * LWI_EDGE_INWARD;
+	return end_at( c, chord ? beside( c, p, found.t ) : p.a + ( p.b - p.a ) * found.t, &found );
 }
 
 /// Left to right, so that everything before the piece that ended the proof is proved.
@@ -285,7 +293,7 @@ static lw_status prove( curve* c )
 		const double middle = 0.5 * ( p.a + p.b );
 		const bool last = p.b - p.a < 0x1p-38 || c->out->queries >= LW_EDGE_MOST_STATES;
 		answer found;
-		const lw_status status = prove_piece( c, p, last, &found );
+		const lw_status status = prove_piece( c, p, last, &proved, &found );
 		if ( status != LW_OK )
 		{
 			return status;
@@ -298,7 +306,6 @@ static lw_status prove( curve* c )
 		}
 		if ( found == PROVED )
 		{
-			proved = p.b;
 			continue;
 		}
 		stack[depth++] = (piece){ middle, p.b };
@@ -338,8 +345,7 @@ static void begin( curve* c, double* scratch )
 	c->row = c->part + points;
 	c->tolerance = c->row + points;
 	c->deviation = c->tolerance + c->count;
-	c->offset = c->deviation + c->count;
-	c->size = c->offset + c->count;
+	c->size = c->deviation + c->count;
 	c->full = c->size + c->count;
 	for ( uint32_t v = 0; v < c->count; ++v )
 	{

@@ -151,6 +151,25 @@ lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def 
 	return valid ? LW_OK : LW_ERROR_INVALID_ARGUMENT;
 }
 
+/// Fills in the verdict of an edge whose inputs are set.
+static lw_status check( lwi_edge* e )
+{
+	e->posed_t = e->speed_t = NAN;
+	if ( !lwi_edge_begin( e ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT; // a query that was made without a checker, or for a smaller one
+	}
+	lw_status status = e->def->method == LW_EDGE_CERTIFIED ? check_certified( e ) : check_steps( e );
+	if ( status != LW_OK )
+	{
+		status = e->failure != LW_OK ? e->failure : status;
+		const uint32_t queries = e->out->queries;
+		*e->out = ( lw_edge_result ){ .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
+		e->out->queries = queries;
+	}
+	return status;
+}
+
 lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
 	const lw_edge_def* def, lw_edge_result* out )
 {
@@ -160,7 +179,7 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 	}
 	const lw_edge_result unknown = { .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
 	*out = unknown;
-	lw_status status = lwi_edge_check_def( checker, def );
+	const lw_status status = lwi_edge_check_def( checker, def );
 	if ( status != LW_OK )
 	{
 		return status;
@@ -176,18 +195,17 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 			return LW_ERROR_INVALID_ARGUMENT;
 		}
 	}
-	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .qa = qa, .qb = qb, .posed_t = NAN };
-	if ( !lwi_edge_begin( &e ) )
-	{
-		return LW_ERROR_INVALID_ARGUMENT; // a query that was made without a checker, or for a smaller one
-	}
-	status = def->method == LW_EDGE_CERTIFIED ? check_certified( &e ) : check_steps( &e );
-	if ( status != LW_OK )
-	{
-		status = e.failure != LW_OK ? e.failure : status;
-		uint32_t queries = out->queries;
-		*out = unknown;
-		out->queries = queries;
-	}
-	return status;
+	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .qa = qa, .qb = qb };
+	return check( &e );
+}
+
+lw_status lwi_edge_along( const lw_checker* checker, lw_query* query, const lwi_edge_bend* bend, const lw_edge_def* def,
+	lw_edge_result* out )
+{
+	const lw_edge_result unknown = { .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
+	const double* last = bend->points + (size_t)bend->degree * checker->base->group.variable_count;
+	*out = unknown;
+	lwi_edge e =
+		{ .checker = checker, .query = query, .def = def, .out = out, .qa = bend->points, .qb = last, .bend = bend };
+	return check( &e );
 }

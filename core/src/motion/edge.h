@@ -112,6 +112,15 @@ typedef struct lwi_edge_velocity
 	const double* tubes;          ///< [depth] likewise, metres; used if the edge has a tolerance
 } lwi_edge_velocity;
 
+/// A Bezier curve, or a piece of one, in place of the straight motion.
+typedef struct lwi_edge_bend
+{
+	const double* points; ///< [degree + 1][group variables]
+	uint32_t degree;
+	const double* deviation; ///< [group variables] from the chord, see curve.c
+	bool same_way;           ///< the chord, too, turns all joints as the numbers say
+} lwi_edge_bend;
+
 typedef struct lwi_edge
 {
 	const lw_checker* checker;
@@ -120,6 +129,11 @@ typedef struct lwi_edge
 	lw_edge_result* out;
 	const double* qa;
 	const double* qb;
+	const lwi_edge_bend* bend; ///< NULL: straight from qa to qb, else these are its ends
+	double* ranges[4];         ///< [robot variable_count] of lwi_motion_ranges; used along curves
+	double* speed_now;         ///< [robot variable_count] derivative at speed_t, likewise
+	double speed_t;            ///< of the speeds in `motion`
+	double chord_tube;         ///< metres: no body is farther from its place on the chord of the curve; 0: straight
 	void* motion;   ///< scratch of the motion table
 	double* full_a; ///< [robot variable_count]
 	double* full_b;
@@ -134,7 +148,7 @@ typedef struct lwi_edge
 	lwi_edge_velocity* velocities; ///< [clusters]
 	bool* frame_known;             ///< [LWI_EDGE_FRAMES][clusters]
 	lw_transform* frame_poses;     ///< [LWI_EDGE_FRAMES][clusters] world_from_root_link
-	double* speeds;                ///< [clusters] of an interval batch
+	double* speeds;                ///< [clusters][LWI_WIDTH] of an interval batch
 	lwi_edge_pose_triplet triplets[2]; ///< the last two computed
 	int last_triplet;
 	lwi_edge_pair* pairs;  ///< [pair_capacity]
@@ -173,6 +187,10 @@ typedef struct lwi_edge_sample
 /// LW_OK, or the status of a def, or of a checker, that cannot be used.
 lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def );
 
+/// lw_checker_edge() along a curve, whose control points are finite. @param def valid, certified
+lw_status lwi_edge_along( const lw_checker* checker, lw_query* query, const lwi_edge_bend* bend, const lw_edge_def* def,
+	lw_edge_result* out );
+
 // --- motion/displacement.c ------------------------------------------------------------------------------------------------
 
 /// Bytes of scratch that edges of this checker need. @param spare_bodies that the robot may have beyond those it has, and as
@@ -192,6 +210,15 @@ bool lwi_edge_measure_motion( lwi_edge* edge );
 
 /// The state at t; the ends are the given states themselves.
 const double* lwi_edge_state( lwi_edge* edge, double t );
+
+/// The full state of a curve at t, and its derivative: `state`, edge->speed_now.
+void lwi_edge_bend_at( lwi_edge* edge, double t, double* state );
+
+/// Do the tables of the reach hold along the whole edge?
+bool lwi_edge_is_covered( const lwi_edge* edge );
+
+/// lwi_checker_stays_near() for the whole edge.
+bool lwi_edge_stays_near( const lwi_edge* edge, double limit );
 
 /// Poses the query at t. @return false if that failed; edge->failed is set
 bool lwi_edge_pose( lwi_edge* edge, double t );

@@ -39,19 +39,45 @@ static void add_pair( lwi_edge* e, lwi_edge_pair pair )
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------
 
-/// Values of the joints above all clusters. They go uniformly, from where the interpolation starts.
+/// Values and speeds of the joint above a cluster, which go uniformly, from where the interpolation starts.
+static void straight_values( const lwi_edge* e, uint32_t cluster, double values[LWI_WIDTH], double speeds[LWI_WIDTH] )
+{
+	const lwi_batch_joint* joint = &e->checker->base->tree->batch_joints[cluster];
+	const double start = joint->multiplier * e->full_a[joint->variable] + joint->variable_offset;
+	const double speed = lwi_motion_speed( e->checker->base->motion, e->motion, cluster );
+	for ( int l = 0; l < LWI_WIDTH; ++l )
+	{
+		values[l] = start + ( ( l + 0.5 ) / LWI_WIDTH ) * speed;
+		speeds[l] = speed;
+	}
+}
+
+/// Those of all joints along a curve.
+static void curved_values( const interval_batch* batch, double* values, double* speeds )
+{
+	lwi_edge* e = batch->e;
+	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
+	{
+		lwi_edge_bend_at( e, ( l + 0.5 ) / LWI_WIDTH, e->full_t );
+		for ( uint32_t i = 1; i < batch->tree->cluster_count; ++i )
+		{
+			const lwi_batch_joint* joint = &batch->tree->batch_joints[i];
+			values[i * LWI_WIDTH + l] = joint->multiplier * e->full_t[joint->variable] + joint->variable_offset;
+			speeds[i * LWI_WIDTH + l] = joint->multiplier * e->speed_now[joint->variable];
+		}
+	}
+}
+
 static void values_of( const interval_batch* batch, double* values, double* speeds )
 {
-	const lwi_edge* e = batch->e;
+	if ( batch->e->bend != NULL )
+	{
+		curved_values( batch, values, speeds );
+		return;
+	}
 	for ( uint32_t i = 1; i < batch->tree->cluster_count; ++i )
 	{
-		const lwi_batch_joint* joint = &batch->tree->batch_joints[i];
-		const double start = joint->multiplier * e->full_a[joint->variable] + joint->variable_offset;
-		speeds[i] = lwi_motion_speed( e->checker->base->motion, e->motion, i );
-		for ( int l = 0; l < LWI_WIDTH; ++l )
-		{
-			values[i * LWI_WIDTH + (uint32_t)l] = start + ( ( l + 0.5 ) / LWI_WIDTH ) * speeds[i];
-		}
+		straight_values( batch->e, i, values + i * LWI_WIDTH, speeds + i * LWI_WIDTH );
 	}
 }
 
@@ -232,7 +258,7 @@ static void batch_environment( const interval_batch* batch )
 	{
 		return;
 	}
-	const bool near_only = lwi_checker_stays_near( c, e->qa, e->qb, e->enough[0] + e->tube );
+	const bool near_only = lwi_edge_stays_near( e, e->enough[0] + e->tube );
 	for ( uint32_t i = batch->tree->cluster_count; i-- > 1; )
 	{
 		const lwi_cluster* n = &batch->tree->clusters[i];
@@ -378,7 +404,7 @@ static void batch_self( const interval_batch* batch )
 	{
 		return;
 	}
-	const bool covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
+	const bool covered = lwi_edge_is_covered( e );
 	const cluster_pair any = any_cluster_pair( batch ); // mostly that is all
 	for ( uint32_t i = 0; i < count; ++i )
 	{

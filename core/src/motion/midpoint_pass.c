@@ -192,11 +192,12 @@ bool lwi_edge_is_apart( lwi_edge* e, float separation, double tube )
 bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b, double tube )
 {
 	const lw_checker* c = e->checker;
-	if ( slice == NULL )
+	if ( slice == NULL || !( e->chord_tube < INFINITY ) )
 	{
 		return false;
 	}
-	double loss = lwi_self_margin( c->base, body_a, body_b ) + tube, least = required_clearance( e );
+	// the grid knows the chord of a curve
+	double loss = lwi_self_margin( c->base, body_a, body_b ) + tube + 2 * e->chord_tube, least = required_clearance( e );
 	double apart =
 		lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->full_a, e->full_b, least + loss ) - loss;
 	if ( !( apart > least ) )
@@ -402,7 +403,7 @@ static bool test_self( midpoint_pass* s )
 	{
 		return true;
 	}
-	s->covered = lwi_checker_covers( c, e->query, e->qa, e->qb );
+	s->covered = lwi_edge_is_covered( e );
 	s->moves = c->base->tree->can_batch && lwi_edge_rotates_little( e, s->window );
 	if ( lwi_has_few_proxies( &c->base->tree->self.proxies ) && s->moves )
 	{

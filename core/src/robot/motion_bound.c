@@ -78,14 +78,65 @@ static lwi_joint_motion motion_of( const lw_robot* robot, const lwi_motion_entry
 	return m;
 }
 
+/// The larger absolute value of two.
+static double farther( double a, double b )
+{
+	return lwi_larger( fabs( a ), fabs( b ) );
+}
+
+/// The motion of a joint whose variables stay in ranges. Quaternions stay.
+static lwi_joint_motion motion_within( const lw_robot* robot, const lwi_motion_entry* entry, const lwi_motion_ranges* r )
+{
+	const lwi_joint* joint = &robot->joints[entry->joint];
+	const double *low = r->least + joint->variable, *high = r->most + joint->variable;
+	const double *speed = r->speed + joint->variable, *change = r->change + joint->variable;
+	const double factor = fabs( joint->multiplier );
+	lwi_joint_motion m = { 0 };
+	if ( joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS )
+	{
+		m.rotation = factor * speed[0];
+		m.turn_change = factor * change[0];
+		m.value = 4 * factor * ( farther( low[0], high[0] ) + 1 ) + fabs( joint->offset );
+		return m;
+	}
+	if ( joint->type == LW_JOINT_PRISMATIC )
+	{
+		const double va = joint->multiplier * low[0] + joint->offset, vb = joint->multiplier * high[0] + joint->offset;
+		m.translation = factor * speed[0];
+		m.shift_change = factor * change[0];
+		m.excess = farther( va - entry->center[0], vb - entry->center[0] );
+		m.reach = farther( va, vb );
+		return m;
+	}
+	const bool planar = joint->type == LW_JOINT_PLANAR;
+	double away[3] = { 0 }, reach[3] = { 0 }, by[3] = { 0 }, more[3] = { 0 };
+	for ( int i = 0; i < ( planar ? 2 : 3 ); ++i )
+	{
+		away[i] = farther( low[i] - entry->center[i], high[i] - entry->center[i] );
+		reach[i] = farther( low[i], high[i] );
+		by[i] = speed[i];
+		more[i] = change[i];
+	}
+	m.speed = NAN;
+	m.any_axis = !planar;
+	m.rotation = planar ? speed[2] : 0;
+	m.turn_change = planar ? change[2] : 0;
+	m.translation = lwi_length( lwi_load( by ) );
+	m.shift_change = lwi_length( lwi_load( more ) );
+	m.excess = lwi_length( lwi_load( away ) );
+	m.reach = lwi_length( lwi_load( reach ) );
+	m.value = planar ? 4 * ( farther( low[2], high[2] ) + 1 ) : 4;
+	return m;
+}
+
 /// Bounds along the whole edge for the points of a body, by its first 1, 2, .. joints upwards: path length, and acceleration
 /// per squared unit of t. Both are sums over the joints so far; every partial sum is kept.
 ///
 /// In the child frame of joint j its axis is fixed, and a point moves only by the joints between j and the body: from
 /// its place in the poses by at most `share` of their path length. So its distance to the axis is at most (distance of the
 /// centre in the poses) + radius + share (path length below j), and at most the axis radius, enlarged by how far the shifts
-/// below get from where the axis radii assume them. A rotation turns the velocities below it (Coriolis, twice) and its own;
-/// shifts are at constant speed.
+/// below get from where the axis radii assume them. A rotation turns the velocities below it (Coriolis, twice) and its own.
+/// Along curves its speed changes, too, and so does that of shifts.
 static void measure( const lwi_motion_table* table, const motion_scratch* s, uint32_t body, lw_vec3 center, double radius,
 	double share )
 {
@@ -104,9 +155,14 @@ static void measure( const lwi_motion_table* table, const motion_scratch* s, uin
 			const double arc = lwi_smaller( ( away + radius ) * m->rotation + ( share * m->rotation ) * path,
 				( any_state + excess ) * m->rotation );
 			change += m->rotation * ( 2 * path + arc );
+			if ( m->turn_change > 0 )
+			{
+				change += lwi_smaller( away + radius + share * path, any_state + excess ) * m->turn_change;
+			}
 			path += arc;
 		}
 		path += m->translation;
+		change += m->shift_change;
 		excess += m->excess;
 		s->rates[b->first_entry + k] = (lwi_motion_rate){ path * LWI_MOTION_OUTWARD, change * LWI_MOTION_OUTWARD };
 	}
@@ -247,20 +303,22 @@ size_t lwi_motion_scratch_spare( uint32_t links )
 /// Distances to axes are at most a body's chain with all its shifts, and so are those to joints' origins: roundings are
 /// bounded for all bodies at once (core/docs/kinematics.md: 64 u per joint and metre of chain). So is the longest path, by
 /// the largest axis radii.
-bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
+static bool begin( const lwi_motion_table* table, const double* qa, const double* qb, const lwi_motion_ranges* ranges,
+	motion_scratch* s )
 {
-	motion_scratch* s = scratch;
-	lay_out_scratch( table, scratch, s );
+	lay_out_scratch( table, s, s );
 	double length = table->farthest, angles = 0, excess = 0;
 	double turns = 0, shifts = 0;
 	lwi_whole_motion w = { 0 };
 	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
-		lwi_joint_motion m = motion_of( table->robot, &table->moving_joints[i], qa, qb );
+		const lwi_motion_entry* entry = &table->moving_joints[i];
+		lwi_joint_motion m =
+			ranges != NULL ? motion_within( table->robot, entry, ranges ) : motion_of( table->robot, entry, qa, qb );
 		length += m.reach;
 		excess += m.excess;
-		angles += lwi_joint_rotates( table->robot->joints[table->moving_joints[i].joint].type ) ? m.value : 0;
-		w.total += table->moving_joints[i].axis_radius * m.rotation + m.translation;
+		angles += lwi_joint_rotates( table->robot->joints[entry->joint].type ) ? m.value : 0;
+		w.total += entry->axis_radius * m.rotation + m.translation;
 		turns += m.rotation;
 		shifts += m.translation;
 		s->motions[i] = m;
@@ -274,6 +332,27 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 	w.twist_error = turns * ( 4 * w.rounding + ( LWI_MOTION_OUTWARD - 1 ) * length ) + ( LWI_MOTION_OUTWARD - 1 ) * shifts;
 	s->whole = w;
 	return isfinite( w.total ) && isfinite( w.rounding );
+}
+
+bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )
+{
+	return begin( table, qa, qb, NULL, scratch );
+}
+
+bool lwi_motion_begin_curve( const lwi_motion_table* table, const lwi_motion_ranges* ranges, void* scratch )
+{
+	return begin( table, NULL, NULL, ranges, scratch );
+}
+
+void lwi_motion_set_speeds( const lwi_motion_table* table, void* scratch, const double* speeds )
+{
+	const motion_scratch* s = scratch;
+	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
+	{
+		const lwi_joint* joint = &table->robot->joints[table->moving_joints[i].joint];
+		const bool several = joint->type == LW_JOINT_PLANAR || joint->type == LW_JOINT_FLOATING;
+		s->motions[i].speed = several ? (double)NAN : joint->multiplier * speeds[joint->variable];
+	}
 }
 
 /// The turn and the shift of a joint whose variables change by so much.
@@ -310,20 +389,31 @@ double lwi_motion_moved_by( const lwi_motion_table* table, const double* by )
 	return moved * LWI_MOTION_OUTWARD;
 }
 
+double lwi_motion_any_tube( const lwi_motion_table* table, const void* scratch, const double* tolerance )
+{
+	const motion_scratch* s = scratch;
+	double turns = 0, excess = s->whole.pose_rounding;
+	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
+	{
+		double rotation, translation;
+		change_of( &table->robot->joints[table->moving_joints[i].joint], tolerance, &rotation, &translation );
+		turns += rotation;
+		excess += s->motions[i].excess;
+	}
+	const double tube = lwi_motion_moved_by( table, tolerance ) + ( turns > 0 ? excess * turns : 0 );
+	return tube * LWI_MOTION_OUTWARD * LWI_MOTION_OUTWARD; // beyond its parts
+}
+
 void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance )
 {
 	motion_scratch* s = scratch;
-	double turns = 0, excess = s->whole.pose_rounding;
 	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
 		lwi_joint_motion* m = &s->motions[i];
 		change_of( &table->robot->joints[table->moving_joints[i].joint], tolerance, &m->tube_rotation,
 			&m->tube_translation );
-		turns += m->tube_rotation;
-		excess += m->excess;
 	}
-	s->whole.tube = lwi_motion_moved_by( table, tolerance ) + ( turns > 0 ? excess * turns : 0 );
-	s->whole.tube *= LWI_MOTION_OUTWARD * LWI_MOTION_OUTWARD; // beyond its parts
+	s->whole.tube = lwi_motion_any_tube( table, scratch, tolerance );
 }
 
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )

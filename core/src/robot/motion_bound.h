@@ -67,6 +67,22 @@ typedef struct lwi_motion_rate
 /// @param poses [link_count] world_from_link at that state, of the bodies' links and of the moving joints' children
 /// @param share of the edge, on the longer side of that state: 0.5 for its middle
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
+/// Ranges of the variables along a curve over t in [0, 1], and of their derivatives: [variable_count] each. Those that do not
+/// move have least = most, and 0.
+typedef struct lwi_motion_ranges
+{
+	const double *least, *most;
+	const double *speed, *change; ///< no smaller than the absolute first and second derivative
+} lwi_motion_ranges;
+
+/// lwi_motion_begin() for a curve, whose angles do not wrap and whose quaternions stay. `share` of lwi_motion_measure_body()
+/// is then of t.
+bool lwi_motion_begin_curve( const lwi_motion_table* table, const lwi_motion_ranges* ranges, void* scratch );
+/// The speeds of twists, once begun. @param speeds [variable_count] derivatives of the variables
+void lwi_motion_set_speeds( const lwi_motion_table* table, void* scratch, const double* speeds );
+/// Metres: how far any point of any body is at most from its place on the motion that was begun, for motions within a tolerance.
+double lwi_motion_any_tube( const lwi_motion_table* table, const void* scratch, const double* tolerance );
+
 /// Between begin and measure_body: bounds are asked for motions that differ from the edge at any time by at most this much.
 /// @param tolerance [variable_count] >= 0, finite; 0 for variables that are no joint values or shifts
 void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance );

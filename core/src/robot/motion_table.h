@@ -62,6 +62,8 @@ typedef struct lwi_joint_motion
 	double excess;        ///< largest distance of the shift from the centre that the axis radii assume
 	double reach;         ///< largest distance of the shift from zero
 	double value;         ///< largest |angle|: its rounding is proportional to it
+	double turn_change;   ///< largest change of the turn's speed, radians per squared unit of t; 0 on a straight edge
+	double shift_change;  ///< of the shift's, metres
 	double speed;         ///< turn or shift with its sign; NaN for joints of several variables
 	double tube_rotation, tube_translation; ///< radians, metres: by which a motion in the tube may differ at any time
 	bool any_axis;        ///< of a floating joint

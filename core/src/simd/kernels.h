@@ -129,9 +129,9 @@ typedef struct lwi_kernels
 
 	/// The frame behind a joint. @param value of a joint that shifts, else zeros @param cosine, sine 1 and 0 of one that
 	/// does
-	/// @param speed how fast it turns or shifts, per unit of t
+	/// @param speed how fast it turns or shifts, per unit of t, in each lane
 	void ( *batch_frame )( const lwi_batch_frame* above, const lwi_batch_joint* joint, const double* cosine,
-		const double* sine, const double* value, double speed, lwi_batch_frame* out );
+		const double* sine, const double* value, const double* speed, lwi_batch_frame* out );
 	/// A point of a frame, from an origin in the world. @param half width of half a window in t; 0: twists are not read
 	void ( *batch_point )( const lwi_batch_frame* frame, const double local[3], const double origin[3], double half,
 		lwi_batch_point* out );

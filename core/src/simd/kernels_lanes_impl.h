@@ -35,18 +35,19 @@ static void lane_frame( const lwi_batch_frame* restrict above, const lwi_batch_j
 }
 
 static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_joint* restrict joint,
-	const double* restrict cosine, const double* restrict sine, const double* restrict value, double speed,
+	const double* restrict cosine, const double* restrict sine, const double* restrict value, const double* restrict speed,
 	lwi_batch_frame* restrict out )
 {
 	lane_frame( above, joint, cosine, sine, value, out );
 	const double* along = joint->along;
-	const double turning = joint->rotates ? speed : 0, shifting = joint->rotates ? 0 : speed;
+	const double turns = joint->rotates ? 1 : 0, shifts = joint->rotates ? 0 : 1;
 	for ( int l = 0; l < LWI_WIDTH; ++l )
 	{
 		const double a0 = above->r[0][l] * along[0] + above->r[1][l] * along[1] + above->r[2][l] * along[2];
 		const double a1 = above->r[3][l] * along[0] + above->r[4][l] * along[1] + above->r[5][l] * along[2];
 		const double a2 = above->r[6][l] * along[0] + above->r[7][l] * along[1] + above->r[8][l] * along[2];
 		const double t0 = out->t[0][l], t1 = out->t[1][l], t2 = out->t[2][l];
+		const double turning = turns * speed[l], shifting = shifts * speed[l];
 		const double w0 = turning * a0, w1 = turning * a1, w2 = turning * a2;
 		out->angular[0][l] = above->angular[0][l] + w0;
 		out->angular[1][l] = above->angular[1][l] + w1;
