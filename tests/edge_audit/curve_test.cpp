@@ -439,3 +439,42 @@ TEST( Curve, GridsOfTheChordLeaveRoomForTheWayBesideIt )
 	EXPECT_EQ( world.verdict( { 0.05, 0.08, 0.08, 0.08, 0.08, 0.05 } ), LW_VERDICT_FREE );
 	EXPECT_EQ( world.verdict( { 0.05, 0.0999, 0.0999, 0.0999, 0.0999, 0.05 } ), LW_VERDICT_BLOCKED );
 }
+
+// Obstacles that a robot cannot come near within its limits are left out of rows of spheres. Between its ends a curve may leave the
+// limits: a slide that does meets such an obstacle, while an arm turns so far that there are such rows.
+TEST( Curve, ObstaclesBeyondTheLimitsAreMetWhereItLeavesThem )
+{
+	RobotModel model;
+	model.link( "base" );
+	addJoint( model, "slide", LW_JOINT_PRISMATIC, 0, 0, 0.1 );
+	addJoint( model, "arm", LW_JOINT_REVOLUTE, 0, 2, 4 );
+	model.body( 1, ballOf( 0.1 ), lw_transform_identity() );
+	model.body( 2, ballOf( 0.1 ), along( 1, 5 ) );
+	const RobotPtr robot = model.create();
+	const ShapePtr post( ballOf( 0.1 ) );
+	const leeway::Scene scene = oneObstacle( post.get(), along( 0.4, 0 ) );
+	lw_reach_def reach_def = lw_reach_def_default();
+	reach_def.robot = robot.get();
+	reach_def.seconds = 0;
+	lw_reach* made = nullptr;
+	lw_diag diag = {};
+	leeway::require( lw_reach_create( &reach_def, nullptr, &diag, &made ), diag );
+	const leeway::Reach reach = leeway::Reach::adopt( made );
+	lw_checker_def def = lw_checker_def_default();
+	def.robot = robot.get();
+	def.scene = scene.get();
+	def.reach = made;
+	def.max_d = 0.05;
+	lw_checker* kept = nullptr;
+	leeway::require( lw_checker_create( &def, nullptr, &diag, &kept ), diag );
+	const leeway::Checker checker = leeway::Checker::adopt( kept );
+	const leeway::Query query = leeway::makeQuery( checker.get() );
+	for ( const double bend : { 0.1, 0.19 } )
+	{
+		const double points[] = { 0.09, -1.6, 0.09 + bend, -0.5333, 0.09 + bend, 0.5333, 0.09, 1.6 };
+		const lw_edge_def edge = lw_edge_def_default();
+		lw_edge_result result;
+		ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), points, 3, &edge, &result ), LW_OK );
+		EXPECT_EQ( result.verdict, bend > 0.15 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << bend; // 0.2 is reached
+	}
+}
