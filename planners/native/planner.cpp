@@ -82,6 +82,18 @@ Checker checkedChecker( Checker checker )
 	return checker;
 }
 
+/// Samples of a ball that is larger than the bounds would nearly all be cut to them: three quarters of the bounds' diagonal.
+double largestRadius( const Space& space )
+{
+	double square = 0;
+	for ( std::size_t i = 0; i < space.size(); ++i )
+	{
+		const double side = space.upper()[i] - space.lower()[i];
+		square += side * side;
+	}
+	return 0.75 * std::sqrt( square );
+}
+
 } // namespace
 
 const char* name( Outcome outcome )
@@ -107,6 +119,7 @@ struct Planner::Parts
 	{
 		requireUsable( settings );
 		range = settings.range > 0 ? settings.range : geometricRange( checker.get(), space.lower(), space.upper() );
+		sample_radius = std::min( settings.sample_radius * range, largestRadius( space ) );
 		sample.resize( space.size() );
 		next.resize( space.size() );
 		ahead.resize( lanes * space.size() );
@@ -136,7 +149,7 @@ struct Planner::Parts
 	Checker checker;
 	Settings settings;
 	Space space;
-	double range;
+	double range, sample_radius; ///< in the metric of the space
 	Random random;
 	Halton halton;
 	Tree trees[2]; ///< from starts, from goals
@@ -199,8 +212,8 @@ void Planner::Parts::drawSample( const Tree& tree )
 		square += sample[i] * sample[i];
 	}
 	const double* center = tree.state( static_cast<std::uint32_t>( random.below( tree.size() ) ) );
-	const double radius = settings.sample_radius * range *
-	                      std::pow( unit[space.size()], 1 / static_cast<double>( space.size() ) ) / std::sqrt( square );
+	const double radius =
+	    sample_radius * std::pow( unit[space.size()], 1 / static_cast<double>( space.size() ) ) / std::sqrt( square );
 	for ( std::size_t i = 0; i < space.size(); ++i )
 	{
 		sample[i] = center[i] + ( square > 0 ? radius * sample[i] : 0 );

@@ -205,6 +205,30 @@ TEST( NativePlanner, UnusableTimesEndAtOnce )
 	}
 }
 
+// With two joints a ball of 6.5 ranges is larger than the square of the bounds: nearly all samples would be cut to its edges.
+TEST( NativePlanner, SamplesOfTwoJointsAreNotAllAtTheBounds )
+{
+	const auto walls = []
+	{
+		std::vector<Obstacle> out;
+		out.push_back( { makeBox( 0.1, 1.2, 0.2 ), at( 0, -0.68, 0 ) } );
+		out.push_back( { makeBox( 0.1, 1.2, 0.2 ), at( 0, 0.68, 0 ) } );
+		return out;
+	};
+	for ( std::uint64_t seed = 1; seed <= 10; ++seed )
+	{
+		Settings settings = withSeed( seed );
+		settings.most_nodes = 20000;
+		Problem problem(
+		    makeChecker( { slider( "rail x", 0, -1, 1 ), slider( "rail y", 1, -1, 1, makeBox( 0.1, 0.1, 0.1 ) ) }, walls() ),
+		    settings );
+		const double start[] = { -0.8, -0.8 }, goal[] = { 0.8, -0.8 };
+		problem.planner.addStart( start );
+		problem.planner.addGoal( goal );
+		EXPECT_EQ( problem.solve(), Outcome::SOLVED ) << "seed " << seed;
+	}
+}
+
 TEST( NativePlanner, NodesAreLimited )
 {
 	const World& world = worldOf( "Gantry" );

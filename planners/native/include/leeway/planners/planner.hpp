@@ -57,9 +57,9 @@ struct Settings
 	double range = 0;
 	std::uint64_t seed = 1;
 	Samples samples = Samples::RANDOM;
-	/// Samples lie within this many ranges of a random node of the tree that grows; 0 = anywhere in the bounds. In narrow places
-	/// far samples ask for the same few blocked directions again and again. Half of the first 64 samples lie anywhere: they solve
-	/// easy problems.
+	/// Samples lie within this many ranges of a random node of the tree that grows, and within 3/4 of the bounds' diagonal; 0 =
+	/// anywhere in the bounds. In narrow places far samples ask for the same few blocked directions again and again. Half of the
+	/// first 64 samples lie anywhere: they solve easy problems.
 	double sample_radius = 6.5;
 	std::size_t most_nodes = 1 << 20; ///< of both trees; solve() ends with NODES_FULL
 	/// Bounds of the samples and of all ends, one per variable; empty = joint limits. Entries of variables that wrap are not used.
