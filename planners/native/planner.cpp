@@ -319,15 +319,16 @@ bool Planner::Parts::seemsFree( Judge& judge, unsigned step, bool has_new_end )
 /// @return no_node if not
 std::uint32_t Planner::Parts::addNode( Judge& judge, Tree& tree, std::uint32_t near, const double* q )
 {
-	if ( !proofsWait() && !judge.isEdgeFree( tree.state( near ), q ) )
+	const bool waits = proofsWait();
+	if ( !waits && !judge.isEdgeFree( tree.state( near ), q ) )
 	{
 		return no_node;
 	}
 	const std::uint32_t node = tree.add( q, near );
-	if ( !proofsWait() )
+	if ( !waits )
 	{
-		tree.setProved(
-		    node ); // `near` is proved, by grow() or by the step before; a failed proof in between ends the loop of grow()
+		// `near` is proved, by grow() or by the step before; a failed proof in between ends the loop of grow()
+		tree.setProved( node );
 	}
 	return node;
 }

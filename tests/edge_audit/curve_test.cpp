@@ -371,11 +371,31 @@ TEST( Curve, EachOfEightWindowsHasItsOwnSpeed )
 namespace
 {
 
+/// @param seconds for tables of pairs
+leeway::Checker checkerWithReach(
+    const lw_robot* robot, const lw_scene* scene, double seconds, double max_d = lw_checker_def_default().max_d )
+{
+	lw_reach_def reach_def = lw_reach_def_default();
+	reach_def.robot = robot;
+	reach_def.seconds = seconds;
+	lw_reach* made = nullptr;
+	lw_diag diag = {};
+	leeway::require( lw_reach_create( &reach_def, nullptr, &diag, &made ), diag );
+	const leeway::Reach reach = leeway::Reach::adopt( made );
+	lw_checker_def def = lw_checker_def_default();
+	def.robot = robot;
+	def.scene = scene;
+	def.reach = made;
+	def.max_d = max_d;
+	lw_checker* checker = nullptr;
+	leeway::require( lw_checker_create( &def, nullptr, &diag, &checker ), diag );
+	return leeway::Checker::adopt( checker );
+}
+
 /// A ball on a slide of 10 cm to both sides, on a joint that hardly turns, and a post of the robot.
 struct SlideAndPost
 {
 	RobotPtr robot;
-	leeway::Reach reach;
 	leeway::Checker checker;
 	leeway::Query query;
 
@@ -388,19 +408,7 @@ struct SlideAndPost
 		model.body( 2, ballOf( 0.1 ), lw_transform_identity() );
 		model.body( 0, ballOf( 0.1 ), along( post, 0 ) );
 		robot = model.create();
-		lw_reach_def def = lw_reach_def_default();
-		def.robot = robot.get();
-		def.seconds = seconds;
-		lw_reach* made = nullptr;
-		lw_diag diag = {};
-		leeway::require( lw_reach_create( &def, nullptr, &diag, &made ), diag );
-		reach = leeway::Reach::adopt( made );
-		lw_checker_def checker_def = lw_checker_def_default();
-		checker_def.robot = robot.get();
-		checker_def.reach = made;
-		lw_checker* kept = nullptr;
-		leeway::require( lw_checker_create( &checker_def, nullptr, &diag, &kept ), diag );
-		checker = leeway::Checker::adopt( kept );
+		checker = checkerWithReach( robot.get(), nullptr, seconds );
 		query = leeway::makeQuery( checker.get() );
 	}
 
@@ -453,21 +461,7 @@ TEST( Curve, ObstaclesBeyondTheLimitsAreMetWhereItLeavesThem )
 	const RobotPtr robot = model.create();
 	const ShapePtr post( ballOf( 0.1 ) );
 	const leeway::Scene scene = oneObstacle( post.get(), along( 0.4, 0 ) );
-	lw_reach_def reach_def = lw_reach_def_default();
-	reach_def.robot = robot.get();
-	reach_def.seconds = 0;
-	lw_reach* made = nullptr;
-	lw_diag diag = {};
-	leeway::require( lw_reach_create( &reach_def, nullptr, &diag, &made ), diag );
-	const leeway::Reach reach = leeway::Reach::adopt( made );
-	lw_checker_def def = lw_checker_def_default();
-	def.robot = robot.get();
-	def.scene = scene.get();
-	def.reach = made;
-	def.max_d = 0.05;
-	lw_checker* kept = nullptr;
-	leeway::require( lw_checker_create( &def, nullptr, &diag, &kept ), diag );
-	const leeway::Checker checker = leeway::Checker::adopt( kept );
+	const leeway::Checker checker = checkerWithReach( robot.get(), scene.get(), 0, 0.05 );
 	const leeway::Query query = leeway::makeQuery( checker.get() );
 	for ( const double bend : { 0.1, 0.19 } )
 	{

@@ -17,7 +17,8 @@ enum
 /// Metres. A piece that bends more is halved at once. Measured: core/docs/lab/motions.md.
 #define MOST_BEND 0.15
 
-/// Share of the slack below which a deviation from the chord changes no verdict: the chord is asked for, whose speed is even.
+/// Share of the slack. A curve that deviates less from its chord is proved by the chord's edge: the verdict is the same, and the
+/// edge's joints have constant speeds.
 #define SMALL_DEVIATION 0.125
 
 typedef struct curve
@@ -180,14 +181,8 @@ static double bend_of( const curve* c )
 	memset( c->full, 0, c->checker->base->robot->variable_count * sizeof( double ) );
 	for ( uint32_t v = 0; v < c->count; ++v )
 	{
-		const double* p = c->part + v;
-		double most = 0;
-		for ( uint32_t i = 2; i <= n && c->size[v] != 0; ++i )
-		{
-			const double second = p[i * c->count] - 2 * p[( i - 1 ) * c->count] + p[( i - 2 ) * c->count];
-			most = lwi_larger( most, fabs( second ) );
-		}
-		c->full[c->checker->base->group.variables[v]] = 0.125 * n * ( n - 1 ) * most;
+		const double second = lwi_edge_second_difference( c->part + v, n, c->count );
+		c->full[c->checker->base->group.variables[v]] = 0.125 * n * ( n - 1 ) * second;
 	}
 	return lwi_motion_moved_by( c->checker->base->motion, c->full );
 }
@@ -368,8 +363,7 @@ lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const do
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	const lw_edge_result unknown = { .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
-	*out = unknown;
+	*out = lwi_edge_unknown( 0 );
 	const lw_status status = lwi_edge_check_def( checker, def );
 	if ( status != LW_OK )
 	{
@@ -391,9 +385,7 @@ lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const do
 	const lw_status result = prove( &c );
 	if ( result != LW_OK )
 	{
-		const uint32_t queries = out->queries;
-		*out = unknown;
-		out->queries = queries;
+		*out = lwi_edge_unknown( out->queries );
 	}
 	return result;
 }

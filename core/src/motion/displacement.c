@@ -130,21 +130,30 @@ static void tolerate( lwi_edge* e )
 	e->tube = lwi_motion_largest_tube( e->motion );
 }
 
+double lwi_edge_second_difference( const double* points, uint32_t degree, uint32_t stride )
+{
+	double most = 0;
+	for ( uint32_t k = 2; k <= degree; ++k )
+	{
+		const double *p = points + k * stride, *before = p - stride;
+		most = lwi_larger( most, fabs( ( p[0] - before[0] ) - ( before[0] - *( before - stride ) ) ) );
+	}
+	return most;
+}
+
 /// Ranges of a curve's values and derivatives, by their control points: first and second differences. A second difference of
 /// rounded differences is off by two of their roundings.
 static void bound_variable( const lwi_edge_bend* bend, uint32_t count, uint32_t i, double* out[4], uint32_t v )
 {
 	const double* p = bend->points + i;
 	const double n = bend->degree;
-	double least = p[0], most = p[0], first = 0, second = 0, before = 0;
+	const double second = lwi_edge_second_difference( p, bend->degree, count );
+	double least = p[0], most = p[0], first = 0;
 	for ( uint32_t k = 1; k <= bend->degree; ++k )
 	{
-		const double difference = p[k * count] - p[( k - 1 ) * count];
 		least = lwi_smaller( least, p[k * count] );
 		most = lwi_larger( most, p[k * count] );
-		first = lwi_larger( first, fabs( difference ) );
-		second = k > 1 ? lwi_larger( second, fabs( difference - before ) ) : 0;
-		before = difference;
+		first = lwi_larger( first, fabs( p[k * count] - p[( k - 1 ) * count] ) );
 	}
 	out[0][v] = least;
 	out[1][v] = most;

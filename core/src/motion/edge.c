@@ -151,6 +151,11 @@ lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def 
 	return valid ? LW_OK : LW_ERROR_INVALID_ARGUMENT;
 }
 
+lw_edge_result lwi_edge_unknown( uint32_t queries )
+{
+	return (lw_edge_result){ .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown(), .queries = queries };
+}
+
 /// Fills in the verdict of an edge whose inputs are set.
 static lw_status check( lwi_edge* e )
 {
@@ -163,9 +168,7 @@ static lw_status check( lwi_edge* e )
 	if ( status != LW_OK )
 	{
 		status = e->failure != LW_OK ? e->failure : status;
-		const uint32_t queries = e->out->queries;
-		*e->out = ( lw_edge_result ){ .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
-		e->out->queries = queries;
+		*e->out = lwi_edge_unknown( e->out->queries );
 	}
 	return status;
 }
@@ -177,8 +180,7 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	const lw_edge_result unknown = { .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
-	*out = unknown;
+	*out = lwi_edge_unknown( 0 );
 	const lw_status status = lwi_edge_check_def( checker, def );
 	if ( status != LW_OK )
 	{
@@ -202,9 +204,8 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 lw_status lwi_edge_along( const lw_checker* checker, lw_query* query, const lwi_edge_bend* bend, const lw_edge_def* def,
 	lw_edge_result* out )
 {
-	const lw_edge_result unknown = { .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown() };
 	const double* last = bend->points + (size_t)bend->degree * checker->base->group.variable_count;
-	*out = unknown;
+	*out = lwi_edge_unknown( 0 );
 	lwi_edge e =
 		{ .checker = checker, .query = query, .def = def, .out = out, .qa = bend->points, .qb = last, .bend = bend };
 	return check( &e );

@@ -184,6 +184,9 @@ typedef struct lwi_edge_sample
 
 // --- motion/edge.c -------------------------------------------------------------------------------------------------------
 
+/// The result of a call that fails, after so many queries.
+lw_edge_result lwi_edge_unknown( uint32_t queries );
+
 /// LW_OK, or the status of a def, or of a checker, that cannot be used.
 lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def );
 
@@ -213,6 +216,10 @@ const double* lwi_edge_state( lwi_edge* edge, double t );
 
 /// The full state of a curve at t, and its derivative: `state`, edge->speed_now.
 void lwi_edge_bend_at( lwi_edge* edge, double t, double* state );
+
+/// Largest absolute second difference of a variable's control points, [degree + 1] so many numbers apart. Each is off by the
+/// roundings of two first differences.
+double lwi_edge_second_difference( const double* points, uint32_t degree, uint32_t stride );
 
 /// Do the tables of the reach hold along the whole edge?
 bool lwi_edge_is_covered( const lwi_edge* edge );

@@ -205,8 +205,8 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 		return s;
 	}
 	const double room = s.clearance.upper - lwi_edge_least( e, pair );
-	for ( double reach = 0.5 * loss; reach > room && s.skip < 16;
-		  reach *= 0.5 ) // no clearance like this one proves such a cell
+	// no clearance like this one proves a cell with more motion than the room
+	for ( double reach = 0.5 * loss; reach > room && s.skip < 16; reach *= 0.5 )
 	{
 		++s.skip;
 	}

@@ -56,16 +56,13 @@ static bool has_room( const lwi_edge* e )
 static bool probe_states( lwi_edge* e )
 {
 	const double places[] = { 1, 0.5, 0.25, 0.75 };
-	const int count = e->probed ? 0 : (int)( sizeof( places ) / sizeof( *places ) );
-	e->probed = true;
-	for ( int i = 0; i < count; ++i )
+	bool free = true;
+	for ( uint32_t i = 0; i < sizeof( places ) / sizeof( *places ) && free && !e->probed; ++i )
 	{
-		if ( !lwi_edge_state_is_free( e, places[i] ) )
-		{
-			return false;
-		}
+		free = lwi_edge_state_is_free( e, places[i] );
 	}
-	return true;
+	e->probed = true;
+	return free;
 }
 
 /// The more pairs are unproved, the more likely is a collision somewhere, and the more a proof would cost. Near contact it
@@ -77,7 +74,7 @@ bool lwi_edge_probe( lwi_edge* e, uint32_t work )
 		return true; // the run ends before a collision that is known
 	}
 	const bool worth = ( work >= PROBE_WORK && has_room( e ) ) || e->close > 0;
-	return !worth || e->probed || probe_states( e );
+	return !worth || probe_states( e );
 }
 
 void lwi_edge_probe_undecided( lwi_edge* e )

@@ -98,8 +98,7 @@ struct Statistics
 	std::uint64_t edges = 0, free = 0, blocked = 0, undecided = 0; ///< edges = free + blocked + undecided + errors
 	std::uint64_t edge_queries = 0;                                ///< states at which edges measured distances
 	std::uint64_t start_nodes = 0, goal_nodes = 0;
-	std::uint64_t passed_over =
-	    0; ///< states near the scene that a look left undecided, not used: few of their kind were free
+	std::uint64_t passed_over = 0; ///< states near the scene, undecided by a look, not used since few like them were free
 };
 
 /// State of a search, for display.
