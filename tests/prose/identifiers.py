@@ -17,7 +17,6 @@ History is left out: the changelog may name what was removed. Names of other pro
 import argparse
 import pathlib
 import re
-import subprocess
 import sys
 
 SKIPPED_PAGES = {"core/docs/CHANGELOG.md"}
@@ -41,8 +40,10 @@ WORD = re.compile(r"[A-Za-z_*][\w*]*")
 
 
 def repository_files(root):
-    names = subprocess.run(["git", "ls-files", "-z"], cwd=root, check=True, capture_output=True).stdout.decode().split("\0")
-    return [name for name in names if name and (root / name).is_file()]
+    """All files but those of builds, caches and git."""
+    paths = (path.relative_to(root) for path in root.rglob("*") if path.is_file())
+    return sorted(path.as_posix() for path in paths
+                  if not any(part.startswith("build") or part in ("__pycache__", ".git", "out") for part in path.parts[:-1]))
 
 
 def looks_like_code(text):

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The search for stale names, on a small repository of known names."""
 import pathlib
-import subprocess
 import tempfile
 import unittest
 
@@ -23,8 +22,6 @@ class Names(unittest.TestCase):
         for name, text in FILES.items():
             (root / name).parent.mkdir(parents=True, exist_ok=True)
             (root / name).write_text(text)
-        subprocess.run(["git", "init", "--quiet"], cwd=root, check=True)
-        subprocess.run(["git", "add", "."], cwd=root, check=True)
         self.sources = identifiers.Sources(root, identifiers.repository_files(root))
 
     def unknown(self, text):
