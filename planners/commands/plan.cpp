@@ -10,6 +10,7 @@
 #include "leeway/ompl/versions.hpp"
 #include "leeway/planners/ompl_planner.hpp"
 #include "leeway/planners/smooth.hpp"
+#include "leeway/planners/unwrap.hpp"
 
 #include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
@@ -444,10 +445,18 @@ private:
 		return result;
 	}
 
+	// The same path from the numbers of the start on, without jumps.
+	Points unwrapped( const Points& points ) const
+	{
+		planners::Path path = flat( points );
+		planners::unwrap( m_bench.checker(), m_start.data(), path );
+		return pointsOf( path );
+	}
+
 	void finish( og::PathGeometric& path, Solution& solution )
 	{
 		const lw_edge_def def = edgeDef( m_options );
-		solution.points = pointsOf( path, *m_engine );
+		solution.points = unwrapped( pointsOf( path, *m_engine ) );
 		solution.raw_states = solution.points.size();
 		solution.raw_length = lengthOf( m_bench, solution.points );
 		const double begin = now();
@@ -468,7 +477,7 @@ private:
 			unsigned tries = 0;
 			do
 			{
-				shorter = smoothed( m_bench, solution.points, def, solution.path_seed + ( std::uint64_t( tries ) << 32 ) );
+				shorter = unwrapped( smoothed( m_bench, solution.points, def, solution.path_seed + ( std::uint64_t( tries ) << 32 ) ) );
 			} while ( was_certified && !certify( m_bench, shorter, def ).all() && ++tries < smooth_tries );
 			shorter = tries < smooth_tries ? shorter : solution.points;
 		}
@@ -477,7 +486,7 @@ private:
 			simplify( path, m_si,
 			    [&]( const og::PathGeometric& now )
 			    { return !was_certified || certify( m_bench, pointsOf( now, *m_engine ), def ).all(); } );
-			shorter = pointsOf( path, *m_engine );
+			shorter = unwrapped( pointsOf( path, *m_engine ) );
 		}
 		solution.simplified = shorter != solution.points;
 		solution.points = shorter;
@@ -537,7 +546,7 @@ private:
 		require(
 		    planners::optimize( m_bench.checker(), query.get(), settings, stop, path, &solution.shorter ), "--optimize" );
 		solution.seconds.optimize = now() - begin;
-		const Points points = pointsOf( path );
+		const Points points = unwrapped( pointsOf( path ) );
 		const Edges edges = certify( m_bench, points, settings.search.edge );
 		if ( edges.all() )
 		{

@@ -4,6 +4,7 @@
 #include "leeway/planners/planner.h"
 #include "leeway/planners/portfolio.hpp"
 #include "leeway/planners/smooth.hpp"
+#include "leeway/planners/unwrap.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -217,24 +218,65 @@ void shorten(
 	out.improvement_count = static_cast<std::uint32_t>( report.improvements.size() );
 }
 
-void takePath(
-    const lw_plan_def& def, lw_query* query, const Clock& clock, Path path, Statistics& work, lw_plan_result& out )
+/// The start that the path begins with: the nearest one, whose angles may be whole turns away.
+const double* startOf( const lw_plan_def& def, const Path& path )
 {
-	out.raw_length = length( def.checker, path );
+	const std::size_t size = path.dimension;
+	const double* nearest = def.starts;
+	double least = HUGE_VAL;
+	for ( std::uint32_t i = 0; i < def.start_count; ++i )
+	{
+		Path step{ size, { path.values.begin(), path.values.begin() + static_cast<std::ptrdiff_t>( size ) } };
+		const double* start = def.starts + i * size;
+		step.values.insert( step.values.end(), start, start + size );
+		const double distance = length( def.checker, step );
+		nearest = distance < least ? start : nearest;
+		least = std::min( least, distance );
+	}
+	return nearest;
+}
+
+/// The path smoothed and shortened, from the numbers of its start on. @return true if its edges, as numbers, are free
+bool finish( const lw_plan_def& def, lw_query* query, const Clock& clock, std::uint64_t seed, Path& path, Statistics& work,
+    lw_plan_result& out )
+{
 	if ( def.smooth )
 	{
 		SmoothSettings settings;
 		settings.edge = def.edge;
-		settings.seed = out.seed;
+		settings.seed = seed;
 		requireOk( smooth( def.checker, query, settings, clock.stop(), path, &work ), "smoothing" );
 	}
-	if ( def.optimize_seconds > 0 )
+	if ( def.optimize_seconds > 0 && out.improvements == nullptr )
 	{
 		shorten( def, query, clock, path, work, out );
 	}
-	out.length = length( def.checker, path );
-	out.states = copied( path.values );
-	out.state_count = static_cast<std::uint32_t>( path.count() );
+	bool free = true;
+	if ( unwrap( def.checker, startOf( def, path ), path ) )
+	{
+		requireOk( areFree( def.checker, query, def.edge, path, free, &work ), "proof of the path" );
+	}
+	return free;
+}
+
+/// @return false if no path could be proved again as the numbers that are returned, which takes a clearance within a rounding of the slack
+bool takePath(
+    const lw_plan_def& def, lw_query* query, const Clock& clock, const Path& raw, Statistics& work, lw_plan_result& out )
+{
+	constexpr std::uint64_t tries = 4;
+	out.raw_length = length( def.checker, raw );
+	for ( std::uint64_t i = 0; i < tries; ++i )
+	{
+		Path path = raw;
+		if ( finish( def, query, clock, out.seed + ( i << 32 ), path, work, out ) )
+		{
+			out.length = length( def.checker, path );
+			out.states = copied( path.values );
+			out.state_count = static_cast<std::uint32_t>( path.count() );
+			return true;
+		}
+	}
+	return false;
 }
 
 /// Fills out.stuck. @return lines
@@ -274,17 +316,22 @@ void plan( const lw_plan_def& def, const Clock& clock, lw_plan_result& out )
 	lw_query* query = def.query == nullptr ? own.get() : def.query;
 	Portfolio planner( leeway::Checker::adopt( lw_checker_retain( def.checker ) ), settingsOf( def ), def.threads );
 	addEnds( planner, def );
-	const Outcome outcome = planner.solve( query, clock.stop() );
+	Outcome outcome = planner.solve( query, clock.stop() );
 	Statistics work = planner.statistics();
 	out.statistics = statisticsOf( work );
 	out.seed = planner.seed();
 	requireOk( planner.failure(), "search" );
 	if ( outcome == Outcome::SOLVED )
 	{
-		takePath( def, query, clock, planner.best().path(), work, out );
+		outcome = takePath( def, query, clock, planner.best().path(), work, out ) ? outcome : Outcome::FAILED;
 		out.statistics = statisticsOf( work );
 	}
-	else
+	if ( outcome == Outcome::FAILED )
+	{
+		copyText( "a path was found, but its edges are not proved with the numbers of the start: its clearance is within the slack; try another seed",
+		    out.message, sizeof out.message );
+	}
+	else if ( outcome != Outcome::SOLVED )
 	{
 		const bool ends = outcome == Outcome::NO_START || outcome == Outcome::NO_GOAL;
 		const std::string problem = ends ? planner.best().endProblem() : name( outcome );

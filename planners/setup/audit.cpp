@@ -14,8 +14,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 
 namespace leeway::cli
 {
@@ -29,6 +31,8 @@ constexpr double step_share = 0.25;
 // point's motion equals its arc to 1 - x / (2 sin(x / 2)) = 0.05 %, covered by arc_over_chord.
 constexpr double joint_travel_per_step = 0.1;
 constexpr double arc_over_chord = 1.001;
+// Roundings of the ends in other programs' files, radians or metres.
+constexpr double end_tolerance = 1e-9;
 // More problems than this are only counted.
 constexpr std::size_t problems_named = 5;
 
@@ -367,25 +371,47 @@ Audit auditPath( const Workbench& bench, const std::vector<std::vector<double>>&
 void auditEnds(
     const Workbench& bench, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit )
 {
-	// Ends are compared as a planner keeps them: angles that wrap may come back a turn and some roundings away.
-	constexpr double tolerance = 1e-9;
 	const auto add = [&audit]( const std::string& problem )
 	{
 		audit.valid = false;
 		audit.problems.push_back( problem );
 	};
-	const auto compare = [&]( const char* name, const std::vector<double>& wanted, const std::vector<double>& given )
+	// The robot stands at the start's numbers: from there a controller without wrap-around drives whole turns that nobody proved.
+	const std::vector<double> first = bench.fullState( points.front() );
+	std::map<std::uint32_t, std::array<double, 3>> rotations; // by joint: products of both quaternions, which may differ in sign and length
+	for ( const auto& [name, wanted] : request.start.values )
 	{
-		const double difference = jointDistance( bench, wanted, given );
-		if ( !( difference <= tolerance ) )
+		const std::uint32_t variable = bench.variable( name );
+		if ( variable == LW_INVALID_INDEX )
 		{
-			add( fmt::format( "the path's {} is {:.3g} (joint space) away from the request's", name, difference ) );
+			continue;
 		}
-	};
-	compare( "start", io::startState( bench.problem() ), points.front() );
+		const double given = first[variable];
+		const lw_variable_info info = lw_robot_variable( bench.robot(), variable );
+		if ( info.component >= 3 )
+		{
+			std::array<double, 3>& products = rotations[info.joint];
+			products = { products[0] + given * wanted, products[1] + given * given, products[2] + wanted * wanted };
+		}
+		else if ( !( std::fabs( given - wanted ) <= end_tolerance ) )
+		{
+			add( fmt::format( "the path begins with joint {} at {:.17g}, and the request's start has {:.17g}", name, given, wanted ) );
+		}
+	}
+	for ( const auto& [joint, products] : rotations )
+	{
+		if ( !( std::fabs( products[0] ) >= ( 1 - end_tolerance ) * std::sqrt( products[1] * products[2] ) ) )
+		{
+			add( fmt::format( "the path begins with another rotation of joint {} than the request's start", lw_robot_joint_name( bench.robot(), joint ) ) );
+		}
+	}
 	if ( !request.hasPoseGoal() )
 	{
-		compare( "goal", io::goalState( bench.problem(), request ), points.back() );
+		const double difference = jointDistance( bench, io::goalState( bench.problem(), request ), points.back() );
+		if ( !( difference <= end_tolerance ) )
+		{
+			add( fmt::format( "the path's goal is {:.3g} (joint space) away from the request's", difference ) );
+		}
 		return;
 	}
 	for ( const std::string& violation : ik::goalViolations( bench.problem(), request, points.back().data() ) )

@@ -71,7 +71,8 @@ double jointDistance( const Workbench& bench, const std::vector<double>& a, cons
 Audit auditPath( const Workbench& bench, const std::vector<std::vector<double>>& points, const AuditSettings& settings,
     const std::string& file );
 
-/// Adds to the audit's problems if the path does not run from the request's start to its goal.
+/// Adds to the audit's problems if the path does not begin at the request's start, as numbers (a whole turn away is elsewhere), with all
+/// joints that the request names, or does not end at its goal, where angles that wrap may be whole turns away.
 void auditEnds(
     const Workbench& bench, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit );
 

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
+
 class CliEnds : public Cli
 {
 protected:
@@ -213,4 +215,48 @@ TEST_F( CliEnds, AllowedNamesThatAreNotThereAreErrorsThatListNearOnes )
 		EXPECT_EQ( outcome.status, 2 ) << text;
 		EXPECT_TRUE( contains( outcome.err, word ) ) << text << ": " << outcome.err;
 	}
+}
+
+// ---- joints without limits -------------------------------------------------------------------------------------------
+
+TEST_F( CliEnds, PathsAndTrajectoriesBeginAtTheNumbersOfTheStartNotAWholeTurnAway )
+{
+	edit( "arm.urdf", "<joint name=\"shoulder\" type=\"revolute\">", "<joint name=\"shoulder\" type=\"continuous\">" );
+	edit( "request.yaml", "position: [-1, ", "position: [5.25, " ); // -1 and a turn
+	for ( const char* planner : { "Leeway", "RRTConnect" } )
+	{
+		SCOPED_TRACE( planner );
+		const std::vector<std::string> model = { "--robot", "arm.urdf", "--srdf", "arm.srdf", "--scene", "blocked.yaml", "--request",
+		    "request.yaml" };
+		const Outcome outcome = run( std::vector<std::string>{ "plan" } + model +
+		                             std::vector<std::string>{ "--planner", planner, "--out", "path.yaml", "--trajectory", "timed.yaml" } );
+		ASSERT_EQ( outcome.status, 0 ) << outcome.err;
+		const YAML::Node points = pathFile()["points"];
+		EXPECT_EQ( points[0]["positions"][0].as<double>(), 5.25 );
+		double before = 5.25;
+		for ( const YAML::Node& at : points )
+		{
+			const double now = at["positions"][0].as<double>();
+			EXPECT_LE( std::fabs( now - before ), 3.2 ) << "a jump";
+			before = now;
+		}
+		EXPECT_NEAR( std::remainder( before - 1, 2 * M_PI ), 0, 1e-9 );
+		const YAML::Node timed = YAML::LoadFile( path( "timed.yaml" ) )["joint_trajectory"]["points"];
+		EXPECT_EQ( timed[0]["positions"][0].as<double>(), 5.25 );
+		EXPECT_NEAR( timed[timed.size() - 1]["positions"][0].as<double>(), before, 1e-9 );
+		const Outcome audit = run( std::vector<std::string>{ "audit", "--path", "path.yaml" } + model );
+		EXPECT_EQ( audit.status, 0 ) << audit.out << audit.err;
+	}
+}
+
+TEST_F( CliEnds, AnAuditRefusesAPathThatBeginsAWholeTurnFromTheStart )
+{
+	edit( "arm.urdf", "<joint name=\"shoulder\" type=\"revolute\">", "<joint name=\"shoulder\" type=\"continuous\">" );
+	const std::vector<std::string> model = { "--robot", "arm.urdf", "--srdf", "arm.srdf", "--scene", "blocked.yaml", "--request",
+	    "request.yaml" };
+	ASSERT_EQ( run( std::vector<std::string>{ "plan", "--out", "path.yaml" } + model ).status, 0 );
+	edit( "request.yaml", "position: [-1, ", "position: [5.283185307179586, " );
+	const Outcome audit = run( std::vector<std::string>{ "audit", "--path", "path.yaml" } + model );
+	EXPECT_EQ( audit.status, 1 );
+	EXPECT_TRUE( contains( audit.out, "joint shoulder at -1" ) && contains( audit.out, "5.28318530717958" ) ) << audit.out;
 }

@@ -4,6 +4,7 @@
 
 #include "leeway/planners/planner.h"
 #include "leeway/planners/smooth.hpp"
+#include "leeway/planners/unwrap.hpp"
 
 #include <cstring>
 #include <thread>
@@ -64,6 +65,7 @@ TEST( NativePlannerInC, PathsAreThoseOfCpp )
 		smoothing.edge = settings.edge;
 		smoothing.seed = 5;
 		ASSERT_EQ( planners::smooth( c.checker.get(), cpp.query.get(), smoothing, {}, path ), LW_OK );
+		planners::unwrap( c.checker.get(), c.world.start.data(), path );
 		EXPECT_EQ( c.path().values, path.values );
 		EXPECT_EQ( c.result.length, planners::length( c.checker.get(), path ) );
 		EXPECT_LE( c.result.length, c.result.raw_length );
@@ -73,7 +75,9 @@ TEST( NativePlannerInC, PathsAreThoseOfCpp )
 		audit( c.checker, c.path(), 0.004 );
 		c.def.smooth = false;
 		ASSERT_EQ( c.solve(), LW_OK );
-		EXPECT_EQ( c.path().values, cpp.planner.path().values ) << "not smoothed";
+		path = cpp.planner.path();
+		planners::unwrap( c.checker.get(), c.world.start.data(), path );
+		EXPECT_EQ( c.path().values, path.values ) << "not smoothed";
 	}
 }
 

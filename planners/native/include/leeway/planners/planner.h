@@ -20,7 +20,7 @@ LW_EXTERN_C_BEGIN
 /// How a search ended. Only SOLVED has a path; no other outcome states that there is none.
 typedef enum lw_plan_outcome
 {
-	LW_PLAN_UNKNOWN = 0,    ///< an error
+	LW_PLAN_UNKNOWN = 0,    ///< an error, or a path whose clearance is within the slack: see lw_plan_result.message
 	LW_PLAN_SOLVED = 1,     ///< each edge of the path is FREE by lw_checker_edge()
 	LW_PLAN_TIMED_OUT = 2,  ///< lw_plan_def.seconds are over
 	LW_PLAN_CANCELLED = 3,  ///< lw_plan_def.cancel
@@ -125,8 +125,10 @@ typedef struct lw_plan_stuck
 typedef struct lw_plan_result
 {
 	lw_plan_outcome outcome;
-	double*
-	    states; ///< [state_count][variable_count] first a start, last a goal, straight edges; owned by the result; NULL = no path
+	/// [state_count][variable_count] first a start, bit for bit, then straight edges to a goal. Angles that wrap go on without jumps, by
+	/// at most half a turn from state to state, so the last may be whole turns away from the goal: a controller without wrap-around
+	/// drives what was proved. Owned by the result; NULL = no path
+	double* states;
 	uint32_t state_count;    ///< 0 without a path, else at least 2
 	uint32_t variable_count; ///< n of the checker
 	double length;           ///< sum of Euclidean lengths of the edges, radians and metres alike

@@ -141,6 +141,7 @@ public:
 	Outcome solve( lw_query* query, const Stop& stop = {} );
 
 	/// After SOLVED: from a start to a goal, each edge judged FREE. Otherwise empty.
+	/// Angles that wrap are in [-pi, pi]: unwrap() makes a path that a controller may drive.
 	const Path& path() const;
 	/// From a start to the node of its tree that is nearest to a goal of those with a proved way, each edge judged FREE; empty if no
 	/// start is free.
