@@ -25,6 +25,14 @@
 #define SAMPLING_SHARE 0.01
 #define REDUCTION_SHARE 0.001
 
+/// Nor is a large hull held to the tolerance of a small robot, or the points of a sweep would grow with its size: shares of the same
+/// radii, below which no tolerance goes. A point takes 223 steps of a full turn at most. The excess stays what was lost.
+#define LEAST_SAMPLING_SHARE 1e-4
+#define LEAST_REDUCTION_SHARE 1e-5
+
+/// Metres: a shift over a wider range has limits that mean none.
+#define WIDEST_SHIFT 1000.0
+
 enum
 {
 	BALL_STEPS_MIN = 8, ///< corners of the polygons that stand for circles
@@ -115,7 +123,7 @@ lw_status lwi_hull_reduce( const lwi_hull_plan* plan, double share, lwi_hull* hu
 	{
 		radius = fmax( radius, lwi_distance( point_of( hull, 0 ), point_of( hull, i ) ) );
 	}
-	double tolerance = share * fmin( plan->reduction, REDUCTION_SHARE * radius ), outside;
+	double tolerance = share * lwi_clamp( plan->reduction, LEAST_REDUCTION_SHARE * radius, REDUCTION_SHARE * radius ), outside;
 	lw_status status =
 		lwi_reduce_points( hull->points, &hull->count, tolerance, plan->max_points, &plan->allocator, &outside );
 	if ( status == LW_OK )
@@ -490,7 +498,7 @@ static lw_status sweep_turn( const lwi_hull_plan* plan, const lwi_joint* joint, 
 	{
 		largest = fmax( largest, about_axis( joint, point_of( in, i ) ).radius );
 	}
-	double error = fmin( plan->sampling, SAMPLING_SHARE * largest );
+	double error = lwi_clamp( plan->sampling, LEAST_SAMPLING_SHARE * largest, SAMPLING_SHARE * largest );
 	size_t total = 0;
 	for ( size_t i = 0; i < in->count; ++i )
 	{
@@ -614,7 +622,7 @@ static lw_status sweep_joint( const lwi_hull_plan* plan, const lwi_joint* joint,
 	int shifts = shifts_of( plan, joint, directions, ranges );
 	for ( int k = 0; k < shifts; ++k )
 	{
-		out->unbounded = out->unbounded || !isfinite( ranges[k].lower ) || !isfinite( ranges[k].upper );
+		out->unbounded = out->unbounded || !( ranges[k].upper - ranges[k].lower <= WIDEST_SHIFT );
 	}
 	lw_status status = LW_OK;
 	if ( out->unbounded )
