@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
 
 namespace leeway::python
@@ -16,6 +17,12 @@ namespace
 [[noreturn]] void refuse( const std::string& text )
 {
 	throw nb::value_error( text.c_str() );
+}
+
+/// str( object ) of Python.
+std::string textOf( const nb::object& object )
+{
+	return nb::str( nb::handle( object ) ).c_str();
 }
 
 } // namespace
@@ -39,6 +46,53 @@ Rows rowsOf( const Doubles& numbers, std::size_t width, const char* name, const 
 		        ",) nor (n, " + std::to_string( width ) + "): " + std::to_string( width ) + " " + unit );
 	}
 	return { numbers.data(), single ? 1 : numbers.shape( 0 ), width, single };
+}
+
+bool isMasked( nb::handle source )
+{
+	return std::strstr( Py_TYPE( source.ptr() )->tp_name, "MaskedArray" ) != nullptr;
+}
+
+Indices indicesOf( nb::handle source, const char* name, const char* unit )
+{
+	const nb::module_ numpy = nb::module_::import_( "numpy" );
+	Indices indices;
+	nb::object given;
+	try
+	{
+		given = numpy.attr( "asarray" )( source );
+	}
+	catch ( const nb::python_error& )
+	{
+		refuse( std::string( name ) + ": is no array of integers" );
+	}
+	if ( isMasked( source ) )
+	{
+		refuse( std::string( name ) + ": is a masked array, whose mask would be lost; give .compressed() or .filled()" );
+	}
+	if ( nb::cast<std::size_t>( given.attr( "size" ) ) > 0 )
+	{
+		const nb::object type = given.attr( "dtype" );
+		const std::string kind = textOf( type.attr( "kind" ) );
+		if ( kind != "i" && kind != "u" )
+		{
+			refuse( std::string( name ) + ": numbers of type " + textOf( type ) + " are no indices of " + unit +
+			        "; give integers" );
+		}
+		for ( const char* extreme : { "min", "max" } )
+		{
+			const nb::object value = nb::int_( given.attr( extreme )() );
+			if ( value < nb::int_( 0 ) || value > nb::int_( std::numeric_limits<std::uint32_t>::max() ) )
+			{
+				refuse( std::string( name ) + ": " + textOf( value ) + " is no index of " + unit + "; they are counted from 0" );
+			}
+		}
+	}
+	if ( !nb::try_cast( numpy.attr( "ascontiguousarray" )( given, "uint32" ), indices.array, false ) )
+	{
+		refuse( std::string( name ) + ": is no array of integers" );
+	}
+	return indices;
 }
 
 const double* vectorOf( const Doubles& numbers, std::size_t size, const char* name, const char* unit )

@@ -17,8 +17,8 @@ namespace leeway::python
 
 namespace nb = nanobind;
 
-/// An argument as numbers of type T. NumPy arrays of this type in C order are not copied; anything else that NumPy can make an array of is
-/// converted. The memory lives as long as this object.
+/// An argument as numbers of type T. NumPy arrays of this type in C order are not copied; of anything else that NumPy can make an array of,
+/// real numbers are converted. Complex numbers, texts and masked arrays are refused. The memory lives as long as this object.
 template <typename T> struct Numbers
 {
 	nb::ndarray<const T, nb::c_contig, nb::device::cpu> array;
@@ -29,6 +29,15 @@ template <typename T> struct Numbers
 };
 using Doubles = Numbers<double>;
 using Indices = Numbers<std::uint32_t>;
+
+/// A masked array of NumPy's. By its name: an import for each argument costs more than a small question.
+bool isMasked( nb::handle source );
+
+/// Integers of an argument, each in [0, 2^32). Nothing is rounded or wrapped: numbers of another type than integers are refused. The core refuses those
+/// that are beyond its tables.
+/// @param name of the argument @param unit of which they are indices, such as "vertices"
+/// @throws nb::value_error that names the argument and the first number that is wrong
+Indices indicesOf( nb::handle source, const char* name, const char* unit );
 
 /// "(100, 6)"
 std::string shapeText( const Doubles& numbers );
@@ -90,15 +99,21 @@ template <typename T> struct type_caster<leeway::python::Numbers<T>>
 		{
 			return false;
 		}
+		if ( leeway::python::isMasked( source ) )
+		{
+			return false; // its mask would be lost
+		}
 		if ( try_cast( source, value.array, false ) )
 		{
 			return true;
 		}
 		try
 		{
-			const object converted = module_::import_( "numpy" ).attr( "ascontiguousarray" )(
-			    source, std::is_same_v<T, double> ? "float64" : "uint32" );
-			return try_cast( converted, value.array, false );
+			const module_ numpy = module_::import_( "numpy" );
+			const object given = numpy.attr( "asarray" )( source );
+			const object real = numpy.attr( "can_cast" )( given.attr( "dtype" ), std::is_same_v<T, double> ? "float64" : "uint32", "same_kind" );
+			return cast<bool>( real ) &&
+			       try_cast( numpy.attr( "ascontiguousarray" )( given, std::is_same_v<T, double> ? "float64" : "uint32" ), value.array, false );
 		}
 		catch ( ... )
 		{

@@ -28,12 +28,13 @@ const double* tableOf( const Doubles& numbers, std::size_t width, const char* na
 	return numbers.data();
 }
 
-Shape meshShape( const Doubles& vertices, const Indices& triangles, bool solid, const Doubles& scale, double weld )
+Shape meshShape( const Doubles& vertices, const nb::object& corners, bool solid, const Doubles& scale, double weld )
 {
 	lw_mesh_def def = lw_mesh_def_default();
 	def.vertices = tableOf( vertices, 3, "vertices" );
 	def.vertex_count = static_cast<std::uint32_t>( vertices.shape( 0 ) );
-	if ( triangles.dimensions() != 2 || triangles.shape( 1 ) != 3 )
+	const Indices triangles = indicesOf( corners, "triangles", "vertices" );
+	if ( triangles.dimensions() != 2 || triangles.shape( 1 ) != 3 || triangles.shape( 0 ) > std::numeric_limits<std::uint32_t>::max() )
 	{
 		throw nb::value_error( "triangles: the shape is not (n, 3)" );
 	}
@@ -272,7 +273,9 @@ void bindMakers( nb::class_<Shape>& type )
 {
 	type.def_static( "mesh", &meshShape, "vertices"_a, "triangles"_a, nb::kw_only(), "solid"_a = false,
 	    "scale"_a = nb::make_tuple( 1.0, 1.0, 1.0 ), "weld"_a = 0.0,
-	    "A triangle mesh. vertices: float64 [n, 3], metres. triangles: uint32 [m, 3]. solid: a point inside touches it; the mesh must\n"
+	    nb::sig( "def mesh(vertices: numpy.typing.ArrayLike, triangles: numpy.typing.ArrayLike, *, solid: bool = False, "
+	             "scale: numpy.typing.ArrayLike = (1.0, 1.0, 1.0), weld: float = 0.0) -> Shape" ),
+	    "A triangle mesh. vertices: float64 [n, 3], metres. triangles: integers [m, 3] below n. solid: a point inside touches it; the mesh must\n"
 	    "be closed then. scale: three factors. weld: metres, vertices closer than this may be merged. The core copies the arrays." );
 	type.def_static( "points", &pointsShape, "points"_a, "radius"_a,
 	    "A point cloud: float64 [n, 3], metres; each point is the centre of a ball of `radius` metres." );
