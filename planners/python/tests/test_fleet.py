@@ -22,8 +22,9 @@ if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
 import pyarrow.parquet
 
 from leeway.fleet import FleetError, run, status, verify
-from leeway.fleet import campaign as campaigns
 from leeway.fleet import manifest, seeds, shard, tables
+from leeway.fleet.files import digest_of_file
+from leeway.fleet.plan import identity_of
 
 SMALL = f"""
 name = "small"
@@ -317,7 +318,7 @@ def test_rows_made_again_are_compared(small, tmp_path):
     table = pyarrow.parquet.read_table(path)
     lie = table.set_column(table.schema.get_field_index("lower"), table.schema.field("lower"), pyarrow.array(table.column("lower").to_numpy() + 1))
     path.write_bytes(tables.file_of(lie))
-    records[0]["sha256"] = campaigns.digest_of_file(path)
+    records[0]["sha256"] = digest_of_file(path)
     manifest.write_manifest(out, plan, records)
     assert verify(out).sound and verify(out, small, remake=6).different == [records[0]["file"]]
 
@@ -330,7 +331,10 @@ def test_other_manifests_are_refused_with_a_remedy(small, tmp_path):
     path.write_text(good.replace('"format": 2', '"format": 99'))
     with pytest.raises(FleetError, match="is 99, and this version of leeway knows 2; go on with leeway"):
         run(small, out, workers=0, quiet=True)
-    path.write_text(good.replace(f'"leeway": "{leeway.__version__}"', '"leeway": "9.9.9"'))
+    path.write_text(good)
+    _, records = manifest.read_manifest(out)
+    plan = {**json.loads(good)["plan"], "leeway": "9.9.9"}
+    manifest.write_manifest(out, {**plan, "id": identity_of(plan)}, records)
     with pytest.raises(FleetError, match="is 9.9.9.*go on with leeway 9.9.9, or give another --out"):
         run(small, out, workers=0, quiet=True)
     path.write_text(good[:100])
@@ -380,6 +384,7 @@ MISTAKES = {
     "rows = 2000": ("rows = 0", r"work\[0\].rows: is 0; give at least 1"),
     "audit = 0.1": ("audits = 0.1", r"work\[1\].audits: is no known entry; known are"),
     "seed = 5": ('seed = "5"', "seed: is '5'; give a whole number"),
+    'scenes = ["desk"]\nrows = 2000\n': ('rows = 2000\n', r"work\[0\].scenes: is missing, and the campaign has desk.*name the scenes"),
     'scenes = ["desk"]\nrows = 2000': ('scenes = ["table"]\nrows = 2000', r"work\[0\].scenes: names 'table'.*it has desk"),
     "[robots.arm]": ("[robots.arm", "TOML"),
     f'file = "{FIRST}/scene.yaml"': ('count = 3', "has both or none of file and generator"),

@@ -18,7 +18,8 @@ if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
 import pyarrow.parquet
 
 from leeway.fleet import FleetError, run
-from leeway.fleet.manifest import read_manifest
+from leeway.fleet.files import digest_of_file
+from leeway.fleet.manifest import read_manifest, write_manifest
 from leeway.fleet.paths import read_paths
 from leeway.fleet.plan import parts_of
 from leeway.fleet.reporting import frame_of, report
@@ -124,10 +125,10 @@ def test_planners_that_cannot_be_are_refused(campaign, spheres, monkeypatch):
             ('{name = "a", algorithm = "RRT", optimize_samples = 9}', "is no option of RRT; leave it out"),
             ('{name = "a"}, {name = "a", smooth = false}', "'a' is there twice"), ('"RRTConnect"', r"planners\[0\]: is 'RRTConnect'; give a table")):
         with pytest.raises(FleetError, match=message):
-            campaign(f'[[work]]\nkind = "plans"\nplanners = [{text}]\n')
+            campaign(f'[[work]]\nkind = "plans"\nscenes = ["desk"]\nplanners = [{text}]\n')
     monkeypatch.setattr(planners, "_version", lambda: None)
     with pytest.raises(FleetError, match="RRT is OMPL's, and its Python package is not there; pip install ompl"):
-        campaign('[[work]]\nkind = "plans"\nplanners = [{name = "a", algorithm = "RRT"}]\n')
+        campaign('[[work]]\nkind = "plans"\nscenes = ["desk"]\nplanners = [{name = "a", algorithm = "RRT"}]\n')
 
 
 def write_paths(folder, checker, path):
@@ -168,7 +169,7 @@ def test_a_file_of_paths_that_changed_is_refused(checker, states, spheres, tmp_p
     from leeway.fleet.plan import worlds_of
     from leeway.fleet.worlds import Worlds
     numpy.save(tmp_path / "a.npy", states[:2])
-    (tmp_path / "kinds.toml").write_text(ROBOT + '[[work]]\nkind = "audit"\nfiles = ["a.npy"]\n')
+    (tmp_path / "kinds.toml").write_text(ROBOT + '[[work]]\nkind = "audit"\nscenes = ["desk"]\nfiles = ["a.npy"]\n')
     worlds = worlds_of(tmp_path / "kinds.toml")
     assert (worlds.paths("a.npy", checker.variables)[0].positions == states[:2]).all()
     numpy.save(tmp_path / "a.npy", states[2:4])
@@ -291,8 +292,12 @@ def test_contradictions_are_counted_in_all_rows(campaign, spheres, monkeypatch):
     table = pyarrow.parquet.read_table(path)
     lies = pyarrow.array([i == 63 for i in range(64)])
     path.write_bytes(tables.file_of(table.set_column(table.schema.get_field_index("contradiction"), table.schema.field("contradiction"), lies)))
-    honest = reporting.frame_of
-    monkeypatch.setattr(reporting, "frame_of", lambda *a, most=None, **k: honest(*a, **k).head(most and 10))
+    assert report(folder).faults == {"00-edges-arm/000000.parquet": "its bytes are not the recorded ones"} and report(folder).contradictions == 0
+    plan, records = read_manifest(folder)
+    records[0]["sha256"] = digest_of_file(path)
+    write_manifest(folder, plan, records)
+    honest = reporting._frame
+    monkeypatch.setattr(reporting, "_frame", lambda *a, most=None, **k: honest(*a, **k).head(most and 10))
     assert report(folder).contradictions == 1
 
 
@@ -377,6 +382,7 @@ scenes = ["v"]
 rows = 10
 [[work]]
 kind = "states"
+scenes = []
 rows = 10
 """)
     found = run(file, tmp_path / "out", workers=0, quiet=True)
@@ -396,6 +402,7 @@ scenes = ["desk"]
 rows = 3
 [[work]]
 kind = "trajectories"
+scenes = []
 rows = 8
 [[work]]
 kind = "spheres"

@@ -50,7 +50,7 @@ def _execute(a: argparse.Namespace) -> int:
     from .reporting import report
     found = report(a.folder, a.page)
     print(found)
-    return 0 if not found.contradictions else 1
+    return 0 if not found.contradictions and not found.faults else 1
 
 
 def main(arguments=None) -> int:
@@ -63,6 +63,9 @@ def main(arguments=None) -> int:
     except Error as error:
         print(error, file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("interrupted; run the same command again, it goes on where it was", file=sys.stderr)
+        return 130
 
 
 if __name__ == "__main__":

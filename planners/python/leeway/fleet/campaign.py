@@ -18,7 +18,6 @@
 from __future__ import annotations
 
 import glob
-import hashlib
 import math
 import pathlib
 import re
@@ -31,9 +30,10 @@ try:
 except ImportError:  # Python 3.10 and before
     import tomli as tomllib
 
-__all__ = ["Campaign", "Option", "checked", "digest_of_file", "files_of", "load_campaign", "shown"]
+__all__ = ["Campaign", "Option", "checked", "files_of", "load_campaign", "shown"]
 
 SHARD_ROWS = 65536
+ROBOT_NAME = re.compile(r"\w[\w.-]*")  # of robots and scenes: a part of files' names
 
 
 class Option(NamedTuple):
@@ -130,7 +130,7 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
     top["robots"] = {name: checked(path, f"robots.{name}", robot, ROBOT) for name, robot in top["robots"].items()}
     top["scenes"] = {name: checked(path, f"scenes.{name}", scene, SCENE) for name, scene in top["scenes"].items()}
     for name in [*top["robots"], *top["scenes"]]:
-        if not re.fullmatch(r"\w[\w.-]*", name):
+        if not ROBOT_NAME.fullmatch(name):
             raise FleetError(path, name, "is no name of a robot or scene: it is a part of files' names", "give letters, digits, -, _ and .")
     for name, scene in top["scenes"].items():
         if bool(scene["file"]) == bool(scene["generator"]):
@@ -142,6 +142,9 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
         if kind not in kinds:
             raise FleetError(path, f"{element}.kind", f"is {kind!r}", f"give one of {', '.join(kinds)}")
         entry = checked(path, element, given, {**WORK, **kinds[kind].options})
+        if "scenes" not in given and top["scenes"] and kinds[kind].in_scenes:
+            raise FleetError(path, f"{element}.scenes", f"is missing, and the campaign has {', '.join(top['scenes'])}: the rows would be of a world without obstacles",
+                "name the scenes, or write scenes = [] for no obstacles")
         entry["robots"] = entry["robots"] or list(top["robots"])
         _named(path, f"{element}.robots", entry["robots"], top["robots"])
         _named(path, f"{element}.scenes", entry["scenes"], top["scenes"])
@@ -150,15 +153,6 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
         raise FleetError(path, "work", "is empty", "add a [[work]] table")
     top["work"] = work
     return Campaign(path, path.resolve().parent, top)
-
-
-def digest_of_file(path) -> str:
-    """SHA-256, 64 hexadecimal digits."""
-    digest = hashlib.sha256()
-    with open(path, "rb") as file:
-        for chunk in iter(lambda: file.read(1 << 20), b""):
-            digest.update(chunk)
-    return digest.hexdigest()
 
 
 def files_of(campaign: Campaign, element: str, patterns: list[str]) -> list[str]:

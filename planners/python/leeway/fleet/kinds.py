@@ -41,6 +41,7 @@ class Rows(NamedTuple):
 
 class Kind:
     block = 256  #: rows that are worked on together
+    in_scenes = True  #: its rows depend on obstacles
     options: dict[str, Option] = {}
 
     def prepare(self, campaign, element: str, entry: dict[str, Any]) -> dict[str, Any]:

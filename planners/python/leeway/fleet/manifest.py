@@ -5,18 +5,23 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import json
+import os
 import pathlib
+import re
 from typing import Any, Iterator
 
-from .campaign import digest_of_file
+from .campaign import shown
 from .errors import FleetError
-from .plan import FORMAT
+from .files import digest_of_file, is_inside, read_regular
+from .plan import FORMAT, check_plan, rows_in, shards_of
 from .shard import write_atomically
 from .tables import add_digests
 
 __all__ = ["content_digest", "locked", "read_manifest", "sound_records", "start_manifest", "write_manifest"]
 
 NAME = "manifest.json"
+REMEDY = "move it away and run the campaign again: whole files are kept"
+HASH = re.compile("[0-9a-f]{64}")
 
 
 def write_manifest(folder: pathlib.Path, plan: dict[str, Any], records: dict[int, dict[str, Any]]) -> None:
@@ -33,17 +38,43 @@ def read_manifest(folder) -> tuple[dict[str, Any], dict[int, dict[str, Any]]]:
     """(plan, records by index)."""
     path = pathlib.Path(folder) / NAME
     try:
-        manifest = json.loads(path.read_text())
-        plan = manifest["plan"]
-        version, records = plan["format"], {record["index"]: record for record in manifest["shards"]}
+        manifest = json.loads(read_regular(path).decode())
+        plan, shards, content = manifest["plan"], manifest["shards"], manifest["content"]
+        version = plan["format"]
     except OSError as error:
         raise FleetError(path, "", error.strerror or str(error), "give the folder of a campaign's results") from None
-    except (ValueError, KeyError, TypeError):
-        raise FleetError(path, "", "is no manifest of a campaign", "move it away and run the campaign again: whole files are kept") from None
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise FleetError(path, "", "is no manifest of a campaign", REMEDY) from None
     if version != FORMAT:
         raise FleetError(path, "plan.format", f"is {version}, and this version of leeway knows {FORMAT}",
             f"go on with leeway {plan.get('leeway', 'of the time')}, or give another --out folder")
+    check_plan(path, plan)
+    records = _checked_records(path, plan, shards)
+    if content != content_digest(records):
+        raise FleetError(path, "content", "is not the digest of the shards: the file was changed", REMEDY)
     return plan, records
+
+
+def _checked_records(path: pathlib.Path, plan: dict[str, Any], given: Any) -> dict[int, dict[str, Any]]:
+    """The records, each of a shard of the plan: names and rows are computed, never believed."""
+    shards, records = shards_of(plan), {}
+    if not isinstance(given, list):
+        raise FleetError(path, "shards", "is no list", REMEDY)
+    for i, record in enumerate(given):
+        index = record.get("index") if isinstance(record, dict) else None
+        if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < len(shards) or index in records:
+            raise FleetError(path, f"shards[{i}].index", f"is {shown(index)}; the plan has {len(shards)} shards, each once", REMEDY)
+        expected = {"index": index, "file": shards[index].name, "rows": rows_in(shards[index])}
+        for name, value in expected.items():
+            if record.get(name) != value or isinstance(record.get(name), bool):
+                raise FleetError(path, f"shards[{i}].{name}", f"is {shown(record.get(name))}, and shard {index} has {value}", REMEDY)
+        for name in ("sha256", "content"):
+            if not isinstance(record.get(name), str) or not HASH.fullmatch(record[name]):
+                raise FleetError(path, f"shards[{i}].{name}", f"is {shown(record.get(name))}, no digest", REMEDY)
+        if not isinstance(record.get("bytes"), int) or isinstance(record["bytes"], bool) or set(record) != {*expected, "bytes", "sha256", "content"}:
+            raise FleetError(path, f"shards[{i}]", "is no record of a shard", REMEDY)
+        records[index] = record
+    return records
 
 
 def _difference(old: Any, new: Any, place: str = "") -> str:
@@ -61,7 +92,7 @@ def _difference(old: Any, new: Any, place: str = "") -> str:
 
 def start_manifest(folder: pathlib.Path, plan: dict[str, Any]) -> dict[int, dict[str, Any]]:
     """The records of runs before; a new manifest if there is none. Raises FleetError if the folder is another campaign's."""
-    if not (folder / NAME).exists():
+    if not os.path.lexists(folder / NAME):
         write_manifest(folder, plan, {})
         return {}
     old, records = read_manifest(folder)
@@ -78,6 +109,8 @@ def sound_records(folder: pathlib.Path, records: dict[int, dict[str, Any]]) -> t
     """(records whose files have the recorded bytes, the other files with their fault)."""
     sound, faults = {}, {}
     for index, record in records.items():
+        if not is_inside(folder, record["file"]):
+            raise FleetError(folder / record["file"], "", "is reached through a link, which may lead anywhere", "replace the link by its folder")
         try:
             digest = digest_of_file(folder / record["file"])
         except OSError as error:
@@ -95,7 +128,7 @@ def locked(folder: pathlib.Path) -> Iterator[None]:
     """One run at a time in a folder. The lock goes with the process."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = open(folder / ".lock", "w")
+        lock = os.fdopen(os.open(folder / ".lock", os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o666), "w")
     except OSError as error:
         raise FleetError(folder, "", f"cannot hold results: {error.strerror or error}", "give another --out folder") from None
     with lock as file:

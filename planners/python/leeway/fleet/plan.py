@@ -8,15 +8,17 @@ import math
 from typing import Any, Iterator, NamedTuple
 
 from .._core import version as leeway_version
-from .campaign import Campaign, digest_of_file, files_of, load_campaign
+from .campaign import ROBOT_NAME, Campaign, files_of, load_campaign
 from .errors import FleetError, named
+from .files import digest_of_file
 from .kinds import Kind, Part
 from .registry import KINDS
 from .scenes import check_generator
 from .worlds import Worlds, scene_digest
 
-__all__ = ["FORMAT", "Segment", "Shard", "parts_of", "segments_of", "shards_of", "worlds_of"]
+__all__ = ["FORMAT", "Segment", "Shard", "check_plan", "identity_of", "parts_of", "segments_of", "shards_of", "worlds_of"]
 
+MOST_SHARDS = MOST_SCENES = 10_000_000  # of a campaign
 FORMAT = 2  # of manifests and of rows; a change of either's meaning is a new number
 
 
@@ -110,8 +112,46 @@ def worlds_of(file) -> Worlds:
             with named(campaign.file, f"work[{i}]"):
                 kind.columns(part, worlds)  # refuses robots that it cannot work on
             plan["parts"].append(part._asdict())
-    plan["id"] = hashlib.sha256(_canonical(plan).encode()).hexdigest()
+    plan["id"] = identity_of(plan)
+    check_plan(campaign.file, plan)
     return worlds
+
+
+def identity_of(plan: dict[str, Any]) -> str:
+    """The digest of a plan, its entry `id`."""
+    return hashlib.sha256(_canonical({**plan, "id": ""}).encode()).hexdigest()
+
+
+def check_plan(file, plan: Any) -> None:
+    """Raises FleetError for a plan that was damaged or forged, or that is too large to list: names of files and numbers of rows follow from it."""
+    def is_count(value: Any, least: int) -> bool:
+        return isinstance(value, int) and not isinstance(value, bool) and value >= least
+
+    def require(holds: bool, element: str, problem: str, remedy: str = "move the folder away and run the campaign again") -> None:
+        if not holds:
+            raise FleetError(file, element, problem, remedy)
+
+    try:
+        require(plan["id"] == identity_of(plan), "plan.id", "is not the digest of the plan: the file was changed")
+        per_shard, shards, scenes = plan["campaign"]["shard_rows"], 0, 0
+        require(is_count(per_shard, 1) and isinstance(plan["campaign"]["name"], str) and isinstance(plan["leeway"], str), "plan.campaign", "is none")
+        for i, part in enumerate(plan["parts"]):
+            element = f"plan.parts[{i}]"
+            require(set(part) == set(Part._fields) and part["index"] == i and is_count(part["work"], 0), element, "is no part")
+            require(part["kind"] in KINDS, f"{element}.kind", f"is {part['kind']!r}, which this version of leeway does not know")
+            require(isinstance(part["robot"], str) and ROBOT_NAME.fullmatch(part["robot"]) is not None, f"{element}.robot", "is no name of a robot")
+            require(is_count(part["rows"], 0) and all(is_count(count, 1) and isinstance(name, str) for name, count in part["scenes"]), element, "has no counts")
+            require(isinstance(part["options"], dict) and isinstance(part["extra"], dict), element, "is no part")
+            worlds = sum(count for _, count in part["scenes"])
+            block = KINDS[part["kind"]].block
+            shards += math.ceil(math.ceil(part["rows"] / block) * worlds / max(1, math.ceil(per_shard / block)))
+            scenes += worlds
+            require(shards <= MOST_SHARDS, "shard_rows", f"of {per_shard} make more than {MOST_SHARDS} files", "give more rows to a shard, or fewer rows")
+            require(scenes <= MOST_SCENES, "scenes", f"are more than {MOST_SCENES}", "cut the campaign into several")
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError) as error:
+        if isinstance(error, FleetError):
+            raise
+        raise FleetError(file, "plan", "is no plan of a campaign", "move the folder away and run the campaign again") from None
 
 
 def parts_of(plan: dict[str, Any]) -> list[Part]:

@@ -11,17 +11,20 @@ from typing import Any, NamedTuple
 
 import numpy
 import pandas
+import pyarrow
 import pyarrow.parquet
 
 from .._core import Verdict
-from .errors import DiskError
-from .manifest import content_digest, read_manifest
+from .errors import FleetError
+from .files import open_regular, read_regular
+from .manifest import content_digest, read_manifest, sound_records
 from .plan import Part, parts_of, rows_in, shards_of
 from .registry import KINDS
-from .shard import times_of
+from .shard import times_of, write_atomically
 
 __all__ = ["Report", "frame_of", "report"]
 
+AGAIN = "move the file away and run the campaign again"
 MOST_ROWS = 2_000_000  # that a plot looks at
 NAMES = {int(v): v.name for v in (Verdict.FREE, Verdict.BLOCKED, Verdict.UNDECIDED)}
 
@@ -30,21 +33,45 @@ class Report(NamedTuple):
     page: pathlib.Path
     tables: dict[str, pandas.DataFrame]  #: part to its figures
     contradictions: int  #: rows of all parts that a dense look refutes
+    missing: int  #: shards that were not made yet
+    faults: dict[str, str]  #: file to fault: its rows are left out
 
     def __repr__(self) -> str:
         lines = [f"{name}\n{table.to_string(index=False)}\n" for name, table in self.tables.items()]
-        return "\n".join([*lines, f"{self.contradictions} contradictions; page {self.page}"])
+        return "\n".join([*lines, *self.holes(), f"{self.contradictions} contradictions; page {self.page}"])
+
+    def holes(self) -> list[str]:
+        """Lines on rows that the figures lack."""
+        missing = [f"{self.missing} shards are missing"] if self.missing else []
+        return missing + [f"{name}: {fault}; its rows are left out" for name, fault in self.faults.items()]
 
 
 def frame_of(folder, part: Part, columns: list[str] | None = None, times: bool = False, most: int | None = None) -> pandas.DataFrame:
-    """Rows of a part, those of finished shards; times: measured columns in place of the others."""
+    """Rows of a part, those of finished shards; times: measured columns in place of the others. Raises FleetError for a file that is not the
+    recorded one, or no table of this part."""
     plan, records = read_manifest(folder)
+    shards = shards_of(plan)
+    sound, faults = sound_records(pathlib.Path(folder), {i: record for i, record in records.items() if shards[i].part.index == part.index})
+    for name, fault in faults.items():
+        raise FleetError(pathlib.Path(folder) / name, "", fault, "run the campaign again: it makes the file again")
+    return _frame(pathlib.Path(folder), plan, part, set(sound), columns, times, most)
+
+
+def _frame(folder: pathlib.Path, plan: dict[str, Any], part: Part, whole: set[int], columns: list[str] | None = None, times: bool = False,
+        most: int | None = None) -> pandas.DataFrame:
     frames, count = [], 0
     for shard in shards_of(plan):
-        path = pathlib.Path(folder) / shard.name
-        if shard.part.index != part.index or shard.index not in records or (most is not None and count >= most):
+        if shard.part.index != part.index or shard.index not in whole or (most is not None and count >= most):
             continue
-        frames.append(pyarrow.parquet.read_table(times_of(path) if times else path, columns=columns).to_pandas())
+        path = times_of(folder / shard.name) if times else folder / shard.name
+        try:
+            with open_regular(path) as file:
+                frame = pyarrow.parquet.read_table(file, columns=columns).to_pandas()
+        except (OSError, ValueError, KeyError, pyarrow.ArrowException) as error:
+            raise FleetError(path, "", f"is no table of this campaign: {str(error).splitlines()[0] if str(error) else type(error).__name__}", AGAIN) from None
+        if len(frame) != rows_in(shard):
+            raise FleetError(path, "", f"has {len(frame)} rows, and the shard has {rows_in(shard)}", AGAIN)
+        frames.append(frame)
         count += rows_in(shard)
     return pandas.concat(frames, ignore_index=True) if frames else pandas.DataFrame()
 
@@ -112,22 +139,28 @@ def _plot(part: Part, frame: pandas.DataFrame) -> str:
     return f'<img alt="{html.escape(label)}" src="data:image/png;base64,{base64.b64encode(out.getvalue()).decode()}">'
 
 
-def _part(folder, part: Part) -> tuple[pandas.DataFrame, str, int]:
-    kind = KINDS[part.kind]
-    frame = frame_of(folder, part, most=MOST_ROWS)
+def _part(folder: pathlib.Path, plan: dict[str, Any], part: Part, whole: set[int]) -> tuple[pandas.DataFrame, str, int]:
+    frame = _frame(folder, plan, part, whole, most=MOST_ROWS)
     if not len(frame):
         return pandas.DataFrame({"rows": [0]}), "", 0
-    if kind.measured(part):
-        frame["ms"] = 1e3 * frame_of(folder, part, times=True, most=MOST_ROWS)["seconds"]
-    contradictions = int(frame_of(folder, part, ["contradiction"])["contradiction"].sum()) if "contradiction" in frame else 0  # of all rows
-    return TABLES[part.kind](part, frame), _plot(part, frame), contradictions
+    try:
+        if KINDS[part.kind].measured(part):
+            frame["ms"] = 1e3 * _frame(folder, plan, part, whole, times=True, most=MOST_ROWS)["seconds"]
+        contradictions = int(_frame(folder, plan, part, whole, ["contradiction"])["contradiction"].sum()) if "contradiction" in frame else 0  # of all rows
+        return TABLES[part.kind](part, frame), _plot(part, frame), contradictions
+    except FleetError:
+        raise
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:  # columns of another schema
+        raise FleetError(folder, f"part {part.index:02d} {part.kind}, {part.robot}", f"its files are no tables of this campaign: {error}", AGAIN) from None
 
 
 def _runs(folder: pathlib.Path) -> str:
     try:
-        lines = [json.loads(line) for line in (folder / "runs.jsonl").read_text().splitlines()]
-    except OSError:
+        lines = [json.loads(line) for line in read_regular(folder / "runs.jsonl").decode().splitlines()]
+    except (OSError, ValueError):
         return ""
+    fields = {"workers", "shards", "rows", "seconds", "processor_seconds"}
+    lines = [r for r in lines if isinstance(r, dict) and all(isinstance(r.get(name), (int, float)) for name in fields)]
     rows = [{"workers": r["workers"], "shards": r["shards"], "rows": r["rows"], "seconds": round(r["seconds"], 1),
         "rows_a_second": round(r["rows"] / max(r["seconds"], 1e-9)), "processor_us_a_row": round(1e6 * r["processor_seconds"] / max(r["rows"], 1), 2)} for r in lines]
     return "<h2>Runs</h2>" + pandas.DataFrame(rows).to_html(index=False)
@@ -138,25 +171,25 @@ STYLE = "body{font:15px sans-serif;margin:2em auto;max-width:60em}table{border-c
 
 def report(folder, page=None) -> Report:
     """Writes a page (default: report.html in the folder). Plots and tables of a part look at its first two million rows,
-    contradictions are counted in all."""
+    contradictions are counted in all. Files that are not the recorded ones are named and left out."""
     folder = pathlib.Path(folder)
     plan, records = read_manifest(folder)
+    sound, faults = sound_records(folder, records)
     tables, contradictions = {}, 0
     total = len(shards_of(plan))
     text: list[Any] = [f"<!doctype html><meta charset=utf-8><title>{html.escape(plan['campaign']['name'])}</title><style>{STYLE}</style>",
         f"<h1>{html.escape(plan['campaign']['name'])}</h1><p>leeway {plan['leeway']}, seed {plan['campaign']['seed']}; {len(records)} of {total} shards, "
         f"{sum(r['rows'] for r in records.values())} rows; content <code>{content_digest(records)}</code></p>"]
     for part in parts_of(plan):
-        table, plot, wrong = _part(folder, part)
+        table, plot, wrong = _part(folder, plan, part, set(sound))
         name = f"{part.index:02d} {part.kind}, {part.robot}"
         tables[name] = table
         contradictions += wrong
         text.append(f"<h2>{html.escape(name)}</h2>{table.to_html(index=False, float_format=lambda x: f'{x:.5g}')}{plot}")
     text.append(_runs(folder))
-    text.append(f"<p>{contradictions} contradictions.</p>")
     out = pathlib.Path(page) if page is not None else folder / "report.html"
-    try:
-        out.write_text("\n".join(text), encoding="utf-8")
-    except OSError as error:
-        raise DiskError(out, "", f"cannot be written: {error.strerror or error}", "give another --page") from None
-    return Report(out, tables, contradictions)
+    found = Report(out, tables, contradictions, total - len(records), faults)
+    text += [f"<p><strong>{html.escape(line)}</strong></p>" for line in found.holes()]
+    text.append(f"<p>{contradictions} contradictions.</p>")
+    write_atomically(out, "\n".join(text).encode())
+    return found

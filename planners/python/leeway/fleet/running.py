@@ -17,6 +17,7 @@ from typing import Any, Iterator, NamedTuple
 
 from .errors import DiskError, FleetError
 from .estimate import Estimate, estimate
+from .files import append_line
 from .manifest import content_digest, locked, read_manifest, sound_records, start_manifest, write_manifest
 from .plan import rows_in, shards_of, worlds_of
 from .shard import make_shard, make_shard_aside, start
@@ -158,6 +159,13 @@ def _here(worlds: Worlds, folder: pathlib.Path, missing: list[int]) -> Iterator[
             yield index, error
 
 
+def _remove(path: pathlib.Path) -> None:
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise FleetError(path, "", f"cannot be replaced: {error.strerror or error}", "move it away and run the campaign again") from None
+
+
 def _remove_leavings(folder: pathlib.Path) -> None:
     """Half-written files of runs that were killed."""
     for path in folder.glob("**/.*.part"):
@@ -168,8 +176,10 @@ def _note(folder: pathlib.Path, summary: Summary, workers: int, begin: float) ->
     """A line for `report`; no part of the results' digests."""
     line = {"begin": begin, "seconds": summary.seconds, "processor_seconds": summary.processor_seconds, "workers": workers, "shards": summary.made,
         "rows": summary.rows, "complete": summary.complete}
-    with open(folder / "runs.jsonl", "a") as file:
-        file.write(json.dumps(line) + "\n")
+    try:
+        append_line(folder / "runs.jsonl", json.dumps(line))
+    except OSError as error:
+        print(f"{folder / 'runs.jsonl'}: {error.strerror or error}; this run is not noted", file=sys.stderr)
 
 
 def _work(plan, base, folder, records, missing, work, costs: Estimate | None, quiet: bool):
@@ -222,7 +232,7 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
             records, faults = sound_records(folder, records)
             for name, fault in faults.items():
                 print(f"{folder / name}: {fault}; it is made again", file=sys.stderr)
-                (folder / name).unlink(missing_ok=True)
+                _remove(folder / name)
         _remove_leavings(folder)
         count = len(shards_of(plan))
         missing = [i for i in range(count) if i not in records]

@@ -17,7 +17,8 @@ from typing import Any, Callable
 import pyarrow.parquet
 
 from .errors import DiskError, FleetError
-from .plan import Shard, blocks_of, rows_in, segments_of, shards_of
+from .files import is_inside, read_regular
+from .plan import Shard, blocks_of, check_plan, rows_in, segments_of, shards_of
 from .registry import KINDS
 from .tables import columns_of, concatenate, content_of, file_of, table_of
 from .worlds import Worlds
@@ -96,7 +97,7 @@ def adopt(plan: dict[str, Any], worlds: Worlds, folder: pathlib.Path, shard: Sha
     """The record of a whole file of this shard that a run before wrote and did not record, or None."""
     path = folder / shard.name
     try:
-        data = path.read_bytes()
+        data = read_regular(path)
         table = pyarrow.parquet.read_table(io.BytesIO(data))
         metadata = json.loads((table.schema.metadata or {})[b"leeway"])
         columns = KINDS[shard.part.kind].columns(shard.part, worlds)
@@ -136,10 +137,11 @@ def _started(identity: str, base: str, folder: pathlib.Path) -> tuple[Worlds, li
         if identity not in _STARTED:
             path = folder / "manifest.json"
             try:
-                plan = json.loads(path.read_text())["plan"]
+                plan = json.loads(read_regular(path).decode())["plan"]
             except OSError as error:
                 raise FleetError(path, "", f"{error.strerror or error}, for a worker on {platform.node()}",
                     "give an --out folder and a campaign that all workers see under the same paths") from None
+            check_plan(path, plan)
             if plan["id"] != identity:
                 raise FleetError(path, "", "is of another campaign", "let one run at a time work in this folder")
             start(Worlds(plan, base))
@@ -155,6 +157,8 @@ def make_shard(identity: str, base: str, folder: str, index: int, computed: Call
     out = pathlib.Path(folder)
     worlds, shards = _started(identity, base, out)
     plan, shard = worlds.plan, shards[index]
+    if not is_inside(out, shard.name):
+        raise FleetError(out / shard.name, "", "is reached through a link, which may lead anywhere", "replace the link by its folder")
     record = adopt(plan, worlds, out, shard) if (out / shard.name).exists() else None
     if record is None:
         data, record, times = shard_bytes(plan, worlds, shard, computed)

@@ -63,6 +63,8 @@ def read_spheres(file) -> dict[str, numpy.ndarray]:
 
 class Spheres(Kind):
     """A row is a link with collision geometry. The robot's entry names its spheres."""
+
+    in_scenes = False
     block = 1
     options = {"close_holes": Option(float, 0.002, 0)}
 

@@ -11,7 +11,7 @@ from typing import Any, Callable
 import numpy
 
 from .._core import Checker, Robot, Scene
-from .campaign import digest_of_file
+from .files import digest_of_file
 from .errors import FleetError
 from .paths import PathData, read_paths
 from .scenes import generate
