@@ -150,6 +150,11 @@ int runAudit( const AuditOptions& options )
 	const std::string group = groupOf( path, options.common.group, input.robot );
 	Workbench bench( input, group, startValues( path, input.robot, notices ), notices );
 	const std::vector<std::vector<double>> points = groupPoints( path, bench );
+	notices.add( "keys of the path", path.notices );
+	for ( const std::string& violation : limitViolations( bench, bench.problem().reference ) )
+	{
+		notices.add( "joint limits", fmt::format( "{}: start_state: {}", path.file, violation ) );
+	}
 
 	AuditSettings settings;
 	settings.min_d = options.common.min_d_given ? options.common.min_d : path.min_d;

@@ -568,7 +568,11 @@ private:
 
 double timeLimit( const PlanOptions& options, const io::Request& request )
 {
-	return options.time > 0 ? options.time : request.allowed_planning_time > 0 ? request.allowed_planning_time : 60;
+	constexpr double most = 1e9; // seconds: OMPL counts nanoseconds in 64 bits
+	const double wanted = options.time > 0                    ? options.time
+	                      : request.allowed_planning_time > 0 ? request.allowed_planning_time
+	                                                          : 60;
+	return std::min( wanted, most );
 }
 
 ik::GoalStates solvePoses( const PlanOptions& options, const Input& input, const Workbench& bench, const PlanEnds& ends )

@@ -135,6 +135,15 @@ std::vector<std::string> tolerancesFor( const AuditOptions& options, const Workb
 	return out;
 }
 
+/// Joints that the motion does not move stand where the file says, inside of their limits or not.
+void noteLimits( const Workbench& bench, const std::string& file, Notices& notices )
+{
+	for ( const std::string& violation : limitViolations( bench, bench.problem().reference ) )
+	{
+		notices.add( "joint limits", fmt::format( "{}: start state: {}", file, violation ) );
+	}
+}
+
 class Driver
 {
 public:
@@ -155,11 +164,13 @@ public:
 			        "not proved",
 			        file.file, file.at( "points[0].time_from_start" ), file.points.front().time ) );
 		}
+		m_notices.add( "fields of the trajectory", file.notices );
 		m_settings.tolerance = tolerances( bench, file.file, file.path_tolerance, tolerancesFor( m_options, bench ) );
 		const double begin = whole.duration;
 		const std::vector<Segment> segments = segmentsOf( bench, file, m_settings.interpolation, begin );
 		TrajectoryAudit audit = auditTrajectory( bench, m_input.robot, file.file, segments, m_settings );
 		addGaps( bench, segments, file, audit );
+		compareStart( bench, segments, file, audit );
 		if ( !m_options.profile.empty() )
 		{
 			profile += profileOf( bench, segments, m_settings.edge.flags, file.file );
@@ -217,6 +228,24 @@ private:
 		}
 	}
 
+	/// A controller jumps from where the robot stands to a first point at time 0.
+	static void compareStart(
+	    const Workbench& bench, const std::vector<Segment>& segments, const TrajectoryFile& file, TrajectoryAudit& audit )
+	{
+		const std::vector<std::string>& names = bench.problem().variable_names;
+		for ( const auto& [name, value] : file.start_state )
+		{
+			const auto found = std::find( names.begin(), names.end(), name );
+			const double first =
+			    found == names.end() ? value : segments.front().points[static_cast<std::size_t>( found - names.begin() )];
+			if ( file.points.front().time == 0 && !( std::abs( first - value ) <= gap_tolerance ) )
+			{
+				audit.problems.push_back( fmt::format( "{} begins with joint {} at {:.6g}, and its start state has {:.6g}",
+				    file.element.empty() ? file.file : file.element, name, first, value ) );
+			}
+		}
+	}
+
 	const AuditOptions& m_options;
 	const Input& m_input;
 	Stage& m_stage;
@@ -244,7 +273,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 	settings.interpolation = interpolationOf( options.interpolation );
 	const std::string group = groupOf( firstOf( acts ), options.common.group, input.robot );
 	Stage stage( input, notices, startValues( acts, input.robot, notices ) );
-	stage.use( group );
+	noteLimits( stage.use( group ), firstOf( acts ).file, notices );
 	Driver driver( options, input, stage, notices, settings );
 	for ( const Act& act : acts )
 	{

@@ -71,7 +71,8 @@ private:
 bool unwrap( const lw_checker* checker, const double* start, Path& path )
 {
 	const Equivalents equivalents( checker );
-	const std::vector<double> before( path.values.begin(), path.values.begin() + static_cast<std::ptrdiff_t>( path.dimension ) );
+	const std::vector<double> before(
+	    path.values.begin(), path.values.begin() + static_cast<std::ptrdiff_t>( path.dimension ) );
 	std::vector<double> first = before;
 	equivalents.follow( start, first.data() );
 	double off = 0;
@@ -109,7 +110,9 @@ lw_status areFree( const lw_checker* checker, lw_query* query, const lw_edge_def
 		if ( statistics != nullptr )
 		{
 			++statistics->edges;
-			++( free ? statistics->free : result.verdict == LW_VERDICT_BLOCKED ? statistics->blocked : statistics->undecided );
+			++( free                                   ? statistics->free
+			    : result.verdict == LW_VERDICT_BLOCKED ? statistics->blocked
+			                                           : statistics->undecided );
 			statistics->edge_queries += result.queries;
 		}
 	}

@@ -51,6 +51,16 @@ unsigned degreeOf( const TrajectoryFile& file, std::size_t i, Interpolation inte
 	const TrajectoryPoint &a = file.points[i], &b = file.points[i + 1];
 	const bool velocities = !a.velocities.empty() && !b.velocities.empty();
 	const bool accelerations = velocities && !a.accelerations.empty() && !b.accelerations.empty();
+	for ( const std::size_t k : { i, i + 1 } )
+	{
+		if ( interpolation == Interpolation::automatic && file.points[k].velocities.empty() &&
+		     !file.points[k].accelerations.empty() )
+		{
+			throw io::Error( file.file, file.at( fmt::format( "points[{}]", k ) ),
+			    "has accelerations and no velocities: ROS's joint_trajectory_controller does not say what it drives then",
+			    "add the velocities, remove the accelerations, or choose --interpolation linear" );
+		}
+	}
 	switch ( interpolation )
 	{
 	case Interpolation::linear:
@@ -292,7 +302,20 @@ std::vector<double> tolerances( const Workbench& bench, const std::string& file,
 	};
 	for ( const auto& [name, value] : of_goal )
 	{
-		set( name, value, file, "path_tolerance of " + name );
+		const bool is_given = std::any_of( given.begin(), given.end(),
+		    [&, &joint = name]( const std::string& text )
+		    { return text.find( '=' ) == std::string::npos || trimmed( text.substr( 0, text.rfind( '=' ) ) ) == joint; } );
+		if ( value > 0 )
+		{
+			set( name, value, file, "path_tolerance of " + name );
+		}
+		else if ( !is_given ) // as control_msgs/JointTolerance says
+		{
+			throw io::Error( file, "path_tolerance of " + name,
+			    value < 0 ? fmt::format( "{:g} lets the controller deviate as far as it likes", value )
+			              : "0 stands for the controller's own tolerance, which the file does not say",
+			    fmt::format( "give it by --tolerance {}=RADIANS", name ) );
+		}
 	}
 	for ( const std::string& text : given )
 	{

@@ -5,11 +5,13 @@
 #include "leeway/io/keys.hpp"
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
+#include "text/messages.hpp"
 #include "text/yaml_values.hpp"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -77,15 +79,37 @@ void readPoints( PathFile& path, const YAML::Node& root, std::size_t file_size )
 
 void readStart( PathFile& path, const YAML::Node& root )
 {
-	const YAML::Node joints = child( child( root, "start_state" ), "joint_state" );
+	const YAML::Node state = child( root, "start_state" ), joints = child( state, "joint_state" );
+	checkFields( path.file, "start_state", state, Message::robot_state, path.notices );
+	checkFields( path.file, "start_state.joint_state", joints, Message::joint_state, path.notices );
 	if ( joints.IsDefined() && joints.IsMap() )
 	{
 		path.start_state = jointState( path.file, joints, "start_state.joint_state" );
 	}
 }
 
+/// A MoveIt trajectory as a path: its times and speeds are not those of straight edges.
+void readMessage( PathFile& path, const YAML::Node& root, const YAML::Node& trajectory )
+{
+	std::vector<std::string> keys;
+	for ( const auto& entry : root )
+	{
+		keys.push_back( entry.first.IsScalar() ? entry.first.Scalar() : "" );
+	}
+	checkFields( path.file, "", root, Message::robot_trajectory, path.notices, keys );
+	checkFields( path.file, "joint_trajectory", trajectory, Message::joint_trajectory, path.notices );
+	const YAML::Node first = child( trajectory, "points" ).IsDefined() && trajectory["points"].IsSequence()
+	                             ? trajectory["points"][0]
+	                             : YAML::Node();
+	if ( child( first, "velocities" ).IsDefined() || child( first, "time_from_start" ).IsDefined() )
+	{
+		path.notices.push_back( { path.file, "joint_trajectory.points",
+		    "times, velocities and accelerations are not used: a path has straight edges; audit --trajectory proves the motion in time" } );
+	}
+}
+
 /// Other programs may add keys, but min_D would be a path without its margin.
-void refuseMisspelt( const PathFile& path, const YAML::Node& root )
+void refuseMisspelt( PathFile& path, const YAML::Node& root )
 {
 	const std::vector<std::string> known = { "robot", "group", "scene", "planner", "seed", "validator", "min_d", "slack",
 	    "length", "clearance", "start_state", "joint_names", "points", "joint_trajectory" };
@@ -97,6 +121,11 @@ void refuseMisspelt( const PathFile& path, const YAML::Node& root )
 		{
 			throw io::Error( path.file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ),
 			    fmt::format( "this key is not known: is {} meant?", meant ), fmt::format( "write {}, or remove it", meant ) );
+		}
+		if ( std::find( known.begin(), known.end(), key ) == known.end() )
+		{
+			path.notices.push_back(
+			    { path.file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ), "is not used" } );
 		}
 	}
 }
@@ -167,6 +196,10 @@ PathFile readPath( const std::string& file )
 	}
 	readStart( path, root );
 	const YAML::Node trajectory = root["joint_trajectory"];
+	if ( trajectory.IsDefined() )
+	{
+		readMessage( path, root, trajectory );
+	}
 	readPoints( path, trajectory.IsDefined() && trajectory.IsMap() ? trajectory : root, bytes );
 	return path;
 }

@@ -2,6 +2,8 @@
 // Paths as YAML, written by `plan` and read by `audit`.
 #pragma once
 
+#include "leeway/io/model.hpp"
+
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -23,6 +25,7 @@ struct PathFile
 	std::vector<std::pair<std::string, double>> start_state; ///< every variable of the robot
 	std::vector<std::string> joint_names;                    ///< variables of the points
 	std::vector<std::vector<double>> points;
+	std::vector<io::Notice> notices; ///< keys that are not used
 };
 
 std::string writePath( const PathFile& path );

@@ -5,6 +5,7 @@
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 #include "text/csv.hpp"
+#include "text/messages.hpp"
 #include "text/yaml_values.hpp"
 
 #include <fmt/format.h>
@@ -19,18 +20,36 @@ namespace
 
 // ---- YAML and JSON ---------------------------------------------------------------------------------------------------
 
-double secondsOf( const TrajectoryFile& t, const YAML::Node& node, const std::string& element )
+/// A whole number in [0, limit) of a message's time, under its name in ROS 2 or in ROS 1; 0 if neither is there.
+double wholeNumber( const TrajectoryFile& t, const YAML::Node& node, const char* name, const char* old_name, double limit,
+    const std::string& element )
 {
-	if ( node.IsDefined() && node.IsMap() )
+	const YAML::Node value = node[name], old_value = node[old_name];
+	if ( value.IsDefined() && old_value.IsDefined() )
 	{
-		const YAML::Node seconds = node["sec"].IsDefined() ? node["sec"] : node["secs"];
-		const YAML::Node nanoseconds = node["nanosec"].IsDefined() ? node["nanosec"] : node["nsecs"];
-		const double whole = seconds.IsDefined() ? finiteValue( t.file, seconds, element + ".sec" ) : 0;
-		const double part = nanoseconds.IsDefined() ? finiteValue( t.file, nanoseconds, element + ".nanosec" ) : 0;
-		if ( seconds.IsDefined() || nanoseconds.IsDefined() )
-		{
-			return whole + 1e-9 * part;
-		}
+		throw io::Error( t.file, element, fmt::format( "has both {} and {}", name, old_name ), "remove one of them" );
+	}
+	if ( !value.IsDefined() && !old_value.IsDefined() )
+	{
+		return 0;
+	}
+	const std::string place = fmt::format( "{}.{}", element, value.IsDefined() ? name : old_name );
+	const double number = finiteValue( t.file, value.IsDefined() ? value : old_value, place );
+	if ( !( number >= 0 && number < limit && number == std::floor( number ) ) )
+	{
+		throw io::Error( t.file, place, fmt::format( "{:.17g} is no whole number from 0 to {:.0f}", number, limit - 1 ),
+		    "give whole seconds and the nanoseconds beyond them, or all seconds as one number" );
+	}
+	return number;
+}
+
+double secondsOf( TrajectoryFile& t, const YAML::Node& node, const std::string& element )
+{
+	if ( node.IsDefined() && node.IsMap() && node.size() > 0 )
+	{
+		checkFields( t.file, element, node, Message::duration, t.notices );
+		return wholeNumber( t, node, "sec", "secs", 0x1p31, element ) +
+		       1e-9 * wholeNumber( t, node, "nanosec", "nsecs", 1e9, element );
 	}
 	if ( !node.IsDefined() || !node.IsScalar() )
 	{
@@ -55,12 +74,27 @@ void requireTimes( const TrajectoryFile& t )
 	}
 }
 
-TrajectoryFile readJointTrajectory(
-    const std::string& file, const std::string& element, const YAML::Node& node, std::size_t bytes )
+/// A motion between two points uses what both of them have, as ROS's joint_trajectory_controller does.
+void noticeMixed( TrajectoryFile& t, const char* name, std::vector<double> TrajectoryPoint::*member )
+{
+	for ( std::size_t i = 0; i + 1 < t.points.size(); ++i )
+	{
+		if ( ( t.points[i].*member ).empty() != ( t.points[i + 1].*member ).empty() )
+		{
+			const std::size_t with = ( t.points[i].*member ).empty() ? i + 1 : i;
+			t.notices.push_back( { t.file, t.at( fmt::format( "points[{}].{}", with, name ) ),
+			    fmt::format( "are not used between points[{}] and points[{}], of which one has none", i, i + 1 ) } );
+		}
+	}
+}
+
+TrajectoryFile readJointTrajectory( const std::string& file, const std::string& element, const YAML::Node& node,
+    std::size_t bytes, const std::vector<std::string>& more = {} )
 {
 	TrajectoryFile t;
 	t.file = file;
 	t.element = element;
+	checkFields( file, element, node, Message::joint_trajectory, t.notices, more );
 	t.joint_names = nameList( file, child( node, "joint_names" ), t.at( "joint_names" ) );
 	const YAML::Node points = child( node, "points" );
 	if ( !points.IsDefined() || !points.IsSequence() || points.size() == 0 )
@@ -73,6 +107,7 @@ TrajectoryFile readJointTrajectory(
 	for ( std::size_t i = 0; i < points.size(); ++i )
 	{
 		const std::string at = t.at( fmt::format( "points[{}]", i ) );
+		checkFields( file, at, points[i], Message::joint_trajectory_point, t.notices );
 		const auto list = [&]( const char* key, bool needed )
 		{
 			const YAML::Node values = child( points[i], key );
@@ -89,35 +124,62 @@ TrajectoryFile readJointTrajectory(
 		t.points.push_back( std::move( point ) );
 	}
 	requireTimes( t );
+	noticeMixed( t, "velocities", &TrajectoryPoint::velocities );
+	noticeMixed( t, "accelerations", &TrajectoryPoint::accelerations );
 	return t;
 }
 
-TrajectoryFile readRobotTrajectory(
-    const std::string& file, const std::string& element, const YAML::Node& node, std::size_t bytes )
+/// Keys that MoveIt's files and paths of our own may have beside a trajectory.
+const std::vector<std::string> start_keys = { "trajectory_start", "start_state" };
+
+TrajectoryFile readRobotTrajectory( const std::string& file, const std::string& element, const YAML::Node& node,
+    std::size_t bytes, const std::vector<std::string>& more = {} )
 {
 	const std::string prefix = element.empty() ? "" : element + ".";
-	const YAML::Node several = child( child( node, "multi_dof_joint_trajectory" ), "joint_names" );
-	if ( several.IsDefined() && several.IsSequence() && several.size() > 0 )
-	{
-		throw io::Error( file, prefix + "multi_dof_joint_trajectory", "motions of planar and floating joints are not read",
-		    "give their variables as joints of joint_trajectory (base/x, base/y, base/theta)" );
-	}
-	return readJointTrajectory( file, prefix + "joint_trajectory", child( node, "joint_trajectory" ), bytes );
+	std::vector<io::Notice> notices;
+	checkFields( file, element, node, Message::robot_trajectory, notices, more );
+	TrajectoryFile t = readJointTrajectory( file, prefix + "joint_trajectory", child( node, "joint_trajectory" ), bytes );
+	t.notices.insert( t.notices.begin(), notices.begin(), notices.end() );
+	return t;
 }
 
 void readTolerances( TrajectoryFile& t, const YAML::Node& root )
 {
 	const YAML::Node list = child( root, "path_tolerance" );
+	if ( list.IsDefined() && !list.IsNull() && !list.IsSequence() )
+	{
+		throw io::Error( t.file, "path_tolerance", "is no list", "list a name and a position for each joint" );
+	}
 	for ( std::size_t i = 0; list.IsDefined() && list.IsSequence() && i < list.size(); ++i )
 	{
 		const std::string element = fmt::format( "path_tolerance[{}]", i );
+		checkFields( t.file, element, list[i], Message::joint_tolerance, t.notices );
 		const YAML::Node name = child( list[i], "name" ), position = child( list[i], "position" );
 		if ( !name.IsDefined() || !name.IsScalar() )
 		{
 			throw io::Error( t.file, element + ".name", "is missing", "name the joint" );
 		}
 		const double value = position.IsDefined() ? finiteValue( t.file, position, element + ".position" ) : 0;
-		t.path_tolerance[name.Scalar()] = value;
+		if ( !t.path_tolerance.emplace( name.Scalar(), value ).second )
+		{
+			throw io::Error(
+			    t.file, element + ".name", fmt::format( "joint '{}' is there twice", name.Scalar() ), "remove one of them" );
+		}
+	}
+}
+
+void readStart( const YAML::Node& root, TrajectoryFile& t )
+{
+	for ( const std::string& key : start_keys )
+	{
+		const YAML::Node state = child( root, key.c_str() ), joints = child( state, "joint_state" );
+		checkFields( t.file, key, state, Message::robot_state, t.notices );
+		checkFields( t.file, key + ".joint_state", joints, Message::joint_state, t.notices );
+		const YAML::Node names = child( joints, "name" );
+		if ( joints.IsDefined() && joints.IsMap() && !( names.IsDefined() && names.IsSequence() && names.size() == 0 ) )
+		{
+			t.start_state = jointState( t.file, joints, key + ".joint_state" );
+		}
 	}
 }
 
@@ -125,37 +187,35 @@ void readDocument( const std::string& file, const YAML::Node& root, std::size_t 
 {
 	const std::size_t first = out.size();
 	const YAML::Node trajectory = child( root, "trajectory" );
-	if ( trajectory.IsDefined() && trajectory.IsSequence() ) // DisplayTrajectory
+	std::vector<io::Notice> notices;
+	if ( trajectory.IsDefined() && ( trajectory.IsSequence() || child( trajectory, "joint_trajectory" ).IsDefined() ) )
 	{
-		for ( std::size_t i = 0; i < trajectory.size(); ++i )
+		checkFields( file, "", root, Message::display_trajectory, notices, start_keys );
+		for ( std::size_t i = 0; i < ( trajectory.IsSequence() ? trajectory.size() : 1 ); ++i )
 		{
-			out.push_back( readRobotTrajectory( file, fmt::format( "trajectory[{}]", i ), trajectory[i], bytes ) );
+			out.push_back( trajectory.IsSequence()
+			                   ? readRobotTrajectory( file, fmt::format( "trajectory[{}]", i ), trajectory[i], bytes )
+			                   : readRobotTrajectory( file, "trajectory", trajectory, bytes ) );
 		}
-	}
-	else if ( trajectory.IsDefined() && child( trajectory, "joint_trajectory" ).IsDefined() )
-	{
-		out.push_back( readRobotTrajectory( file, "trajectory", trajectory, bytes ) );
 	}
 	else if ( trajectory.IsDefined() )
 	{
+		checkFields( file, "", root, Message::follow_joint_trajectory_goal, notices, start_keys );
 		out.push_back( readJointTrajectory( file, "trajectory", trajectory, bytes ) );
 		readTolerances( out.back(), root );
 	}
 	else if ( child( root, "joint_trajectory" ).IsDefined() )
 	{
-		out.push_back( readRobotTrajectory( file, "", root, bytes ) );
+		out.push_back( readRobotTrajectory( file, "", root, bytes, start_keys ) );
 	}
 	else
 	{
-		out.push_back( readJointTrajectory( file, "", root, bytes ) );
+		out.push_back( readJointTrajectory( file, "", root, bytes, start_keys ) );
 	}
-	for ( const char* key : { "trajectory_start", "start_state" } )
+	if ( out.size() > first )
 	{
-		const YAML::Node joints = child( child( root, key ), "joint_state" );
-		if ( joints.IsDefined() && joints.IsMap() && out.size() > first )
-		{
-			out[first].start_state = jointState( file, joints, std::string( key ) + ".joint_state" );
-		}
+		readStart( root, out[first] );
+		out[first].notices.insert( out[first].notices.begin(), notices.begin(), notices.end() );
 	}
 }
 

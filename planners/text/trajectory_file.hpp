@@ -2,6 +2,8 @@
 // Timed trajectories as files: ROS's and MoveIt's messages as YAML or JSON, and CSV.
 #pragma once
 
+#include "leeway/io/model.hpp"
+
 #include <map>
 #include <string>
 #include <utility>
@@ -23,7 +25,8 @@ struct TrajectoryFile
 	std::vector<std::string> joint_names;
 	std::vector<TrajectoryPoint> points;                     ///< at least one; times increase
 	std::vector<std::pair<std::string, double>> start_state; ///< of MoveIt's trajectory_start, or a path file's start_state
-	std::map<std::string, double> path_tolerance;            ///< of a FollowJointTrajectory goal, by joint
+	std::map<std::string, double> path_tolerance; ///< of a FollowJointTrajectory goal, by joint; as JointTolerance has it
+	std::vector<io::Notice> notices;              ///< fields that have no say
 
 	std::string at( const std::string& inside ) const { return element.empty() ? inside : element + "." + inside; }
 };

@@ -2,6 +2,7 @@
 // Values of a YAML file: see yaml_values.hpp.
 #include "text/yaml_values.hpp"
 
+#include "leeway/io/keys.hpp"
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 #include "text/csv.hpp"
@@ -33,6 +34,7 @@ std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_byte
 			try
 			{
 				documents.push_back( YAML::Load( document ) );
+				io::requireSoundDocument( file, documents.back(), document.size(), begin_line );
 			}
 			catch ( const YAML::Exception& error )
 			{
@@ -51,6 +53,9 @@ std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_byte
 	return documents;
 }
 
+/// No robot moves as far, as fast or as long; products of a few such numbers are finite.
+constexpr double largest_number = 1e15;
+
 double finiteValue( const std::string& file, const YAML::Node& node, const std::string& element )
 {
 	double value = NAN;
@@ -64,6 +69,11 @@ double finiteValue( const std::string& file, const YAML::Node& node, const std::
 	if ( !std::isfinite( value ) )
 	{
 		throw io::Error( file, element, "is not a finite number", "give a finite number in radians or metres" );
+	}
+	if ( std::fabs( value ) > largest_number )
+	{
+		throw io::Error(
+		    file, element, fmt::format( "{:g} is beyond {:g}", value, largest_number ), "give radians, metres or seconds" );
 	}
 	return value;
 }

@@ -16,19 +16,21 @@ struct Meter
 
 	lw_allocator get()
 	{
-		return { []( void* user, std::size_t size, std::size_t align ) -> void* {
-					auto* self = static_cast<Meter*>( user );
-					self->total += size;
-					return self->total > self->most ? nullptr : std::aligned_alloc( align, ( size + align - 1 ) / align * align );
-				},
-			[]( void*, void* memory, std::size_t ) { std::free( memory ); }, this };
+		return { []( void* user, std::size_t size, std::size_t align ) -> void*
+		    {
+			    auto* self = static_cast<Meter*>( user );
+			    self->total += size;
+			    return self->total > self->most ? nullptr
+			                                    : std::aligned_alloc( align, ( size + align - 1 ) / align * align );
+		    },
+		    []( void*, void* memory, std::size_t ) { std::free( memory ); }, this };
 	}
 };
 
 constexpr std::size_t bytes_per_link = std::size_t( 256 ) << 20;
 
-const lw_joint_type types[] = { LW_JOINT_FIXED, LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC, LW_JOINT_PLANAR,
-	LW_JOINT_FLOATING };
+const lw_joint_type types[] = {
+    LW_JOINT_FIXED, LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC, LW_JOINT_PLANAR, LW_JOINT_FLOATING };
 constexpr int type_count = 6;
 
 /// Joints of these types below each other, with ranges of 1e-9 to 1e12, some of which follow the first one.
@@ -51,7 +53,8 @@ RobotModel chainOf( SeededRng& rng, const std::vector<lw_joint_type>& order )
 			j.position_lower[k] = -j.position_upper[k];
 		}
 		const bool single = order[i] == LW_JOINT_REVOLUTE || order[i] == LW_JOINT_PRISMATIC;
-		if ( i > 0 && single && rng.integer( 0, 3 ) == 0 && ( order[0] == LW_JOINT_REVOLUTE || order[0] == LW_JOINT_PRISMATIC ) )
+		if ( i > 0 && single && rng.integer( 0, 3 ) == 0 &&
+		     ( order[0] == LW_JOINT_REVOLUTE || order[0] == LW_JOINT_PRISMATIC ) )
 		{
 			j.mimic = 0;
 			j.mimic_multiplier = rng.uniform( -2, 2 );
@@ -97,15 +100,18 @@ void expectInside( SeededRng& rng, const RobotModel& model, const lw_reach* reac
 		for ( std::uint32_t node : chainUp( robot, link ) )
 		{
 			const std::uint32_t joint = lw_robot_link_joint( robot, node );
-			const lw_transform parent = joint == LW_INVALID_INDEX ? lw_transform_identity() : pose[lw_robot_joint_parent( robot, joint )];
+			const lw_transform parent =
+			    joint == LW_INVALID_INDEX ? lw_transform_identity() : pose[lw_robot_joint_parent( robot, joint )];
 			const lw_reach_node n = lw_reach_get_node( reach, node );
 			const lw_vec3 along = direction( rng );
 			const double most = support( lw_reach_hull_points( reach, node ), n.hull_point_count, along ) + n.dilation;
 			for ( lw_vec3 p : linkPoints( model, link ) )
 			{
 				const lw_vec3 world = apply( pose[link], p ), at = applyInverse( parent, world );
-				const double lost = 1e-14 * ( 100 + std::hypot( world.x, world.y, world.z ) + std::hypot( at.x, at.y, at.z ) );
-				EXPECT_TRUE( std::isinf( n.m.radius ) || dot( along, at ) <= most + lost ) << "node " << node << ", link " << link;
+				const double lost =
+				    1e-14 * ( 100 + std::hypot( world.x, world.y, world.z ) + std::hypot( at.x, at.y, at.z ) );
+				EXPECT_TRUE( std::isinf( n.m.radius ) || dot( along, at ) <= most + lost )
+				    << "node " << node << ", link " << link;
 				EXPECT_LE( distance( n.m.center, at ), n.m.radius + lost ) << "node " << node << ", link " << link;
 			}
 		}
@@ -129,7 +135,7 @@ TEST( MotionHullLimits, WorkIsBoundedAndNothingLeavesTheHullsWhateverTheLimitsAr
 		lw_reach* made = nullptr;
 		lw_diag diag = {};
 		ASSERT_EQ( createHulls( &def, &allocator, &diag, &made ), LW_OK )
-			<< diag.message << ": joint types " << testing::PrintToString( order ) << " took " << meter.total << " bytes";
+		    << diag.message << ": joint types " << testing::PrintToString( order ) << " took " << meter.total << " bytes";
 		const ReachPtr reach( made );
 		for ( int s = 0; s < 20 && !HasFailure(); ++s )
 		{

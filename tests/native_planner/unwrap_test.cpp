@@ -15,11 +15,13 @@ constexpr double pi = 3.14159265358979323846;
 
 bool wraps( const leeway::Checker& checker, std::size_t v )
 {
-	return lw_robot_variable( lw_checker_robot( checker.get() ), lw_checker_variable( checker.get(), std::uint32_t( v ) ) ).wraps;
+	return lw_robot_variable( lw_checker_robot( checker.get() ), lw_checker_variable( checker.get(), std::uint32_t( v ) ) )
+	    .wraps;
 }
 
 /// The path from `start` to `goal` by lw_plan(), flat.
-planners::Path planned( const leeway::Checker& checker, const std::vector<double>& start, const std::vector<double>& goal, bool smooth )
+planners::Path planned(
+    const leeway::Checker& checker, const std::vector<double>& start, const std::vector<double>& goal, bool smooth )
 {
 	lw_plan_def def = lw_plan_def_default();
 	def.checker = checker.get();
@@ -57,12 +59,14 @@ TEST( NativePlannerUnwrap, PathsBeginAtTheNumbersOfTheStartAndDoNotJump )
 				turned += std::fabs( start[v] - world.start[v] ) > 1;
 			}
 			const planners::Path path = planned( checker, start, goal, round % 2 == 0 );
-			ASSERT_EQ( std::memcmp( path[0], start.data(), start.size() * sizeof( double ) ), 0 ) << "not the start, bit for bit";
+			ASSERT_EQ( std::memcmp( path[0], start.data(), start.size() * sizeof( double ) ), 0 )
+			    << "not the start, bit for bit";
 			for ( std::size_t i = 1; i < path.count(); ++i )
 			{
 				for ( std::size_t v = 0; v < start.size(); ++v )
 				{
-					ASSERT_TRUE( !wraps( checker, v ) || std::fabs( path[i][v] - path[i - 1][v] ) <= pi ) << "jumps at " << i;
+					ASSERT_TRUE( !wraps( checker, v ) || std::fabs( path[i][v] - path[i - 1][v] ) <= pi )
+					    << "jumps at " << i;
 				}
 			}
 			for ( std::size_t v = 0; v < start.size(); ++v )

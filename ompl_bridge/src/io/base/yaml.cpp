@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <set>
+#include <map>
 #include <sstream>
 #include <yaml-cpp/eventhandler.h>
 
@@ -28,13 +28,16 @@ class DocumentCheck
 {
 public:
 	/// Each node takes a character, or follows from one, unless an alias repeats it.
-	DocumentCheck( const std::string& file, std::size_t text_size ) : m_file( file ), m_spelled_out( 2 * text_size + 2 ) {}
+	DocumentCheck( const std::string& file, std::size_t text_size, std::size_t first_line )
+	    : m_file( file ), m_spelled_out( 2 * text_size + 2 ), m_first_line( first_line )
+	{
+	}
 
 	void visit( const YAML::Node& node, unsigned depth = 0 )
 	{
 		if ( depth > currentLimits().nesting )
 		{
-			throw Error( m_file, fmt::format( "line {}", node.Mark().line + 1 ),
+			throw Error( m_file, fmt::format( "line {}", lineOf( node ) ),
 			    fmt::format( "is nested too deeply (the limit nesting is {}), or contains itself", currentLimits().nesting ),
 			    "give a MoveIt message in YAML" );
 		}
@@ -58,21 +61,28 @@ public:
 private:
 	void visitMap( const YAML::Node& node, unsigned depth )
 	{
-		std::set<std::string> keys;
+		std::map<std::string, std::size_t> keys; // to their lines
 		for ( const auto& entry : node )
 		{
-			std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-			if ( entry.first.IsScalar() && !keys.insert( key ).second )
+			const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+			const auto [first, fresh] = keys.emplace( key, lineOf( entry.first ) );
+			if ( entry.first.IsScalar() && !fresh )
 			{
-				throw Error( m_file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ), "the key is there twice",
-				    "remove one of them" );
+				throw Error( m_file, fmt::format( "{} (line {})", key, lineOf( entry.first ) ),
+				    fmt::format( "the key is there twice, in line {} too", first->second ), "remove one of them" );
 			}
 			visit( entry.second, depth + 1 );
 		}
 	}
 
+	std::size_t lineOf( const YAML::Node& node ) const
+	{
+		return m_first_line + static_cast<std::size_t>( node.Mark().line + 1 );
+	}
+
 	const std::string& m_file;
 	std::uint64_t m_spelled_out, m_nodes = 0;
+	std::size_t m_first_line;
 };
 
 } // namespace
@@ -144,7 +154,7 @@ YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
 			throw Error( file, "", "holds several YAML documents", "keep one" );
 		}
 		root.m_node = YAML::Load( text );
-		DocumentCheck( file, text.size() ).visit( root.m_node );
+		requireSoundDocument( file, root.m_node, text.size() );
 	}
 	catch ( const YAML::Exception& e )
 	{
@@ -246,6 +256,23 @@ void YamlNode::refuseUnknownKeys( const std::vector<std::string>& known ) const
 			refuseMisspelt( key, known );
 			( *this )[key.c_str()].fail( "this key is not known", fmt::format( "use {}", joinNames( known ) ) );
 		}
+	}
+}
+
+void YamlNode::noticeUnused( const std::vector<std::string>& keys, const std::string& why ) const
+{
+	std::vector<std::string> unused;
+	for ( const std::string& key : keys )
+	{
+		const YamlNode value = ( *this )[key.c_str()];
+		if ( value.defined() && !saysNothing( value.m_node ) )
+		{
+			unused.push_back( key );
+		}
+	}
+	if ( !unused.empty() )
+	{
+		notice( fmt::format( "not used: {}: {}", joinNames( unused ), why ) );
 	}
 }
 
@@ -553,3 +580,24 @@ JointState readJointState( const YamlNode& state )
 }
 
 } // namespace leeway::io::detail
+
+void leeway::io::requireSoundDocument(
+    const std::string& file, const YAML::Node& root, std::size_t text_size, std::size_t first_line )
+{
+	detail::DocumentCheck( file, text_size, first_line ).visit( root );
+}
+
+bool leeway::io::saysNothing( const YAML::Node& value )
+{
+	if ( value.IsMap() )
+	{
+		return std::all_of( value.begin(), value.end(), []( const auto& entry ) { return saysNothing( entry.second ); } );
+	}
+	if ( value.IsSequence() )
+	{
+		return std::all_of(
+		    value.begin(), value.end(), []( const YAML::Node& entry ) { return entry.IsScalar() && saysNothing( entry ); } );
+	}
+	const std::string text = value.IsDefined() && value.IsScalar() ? value.Scalar() : "";
+	return text.empty() || text == "false" || text == "False" || text.find_first_not_of( "0." ) == std::string::npos;
+}

@@ -52,6 +52,9 @@ public:
 	/// leeway_
 	void noticeUnknownKeys( const std::vector<std::string>& known ) const;
 
+	/// One notice for those of these keys that hold something else than zeros, empty texts and empty lists.
+	void noticeUnused( const std::vector<std::string>& keys, const std::string& why ) const;
+
 	double number() const;    ///< a finite number
 	std::string text() const; ///< a scalar
 	std::string textOr( const char* fallback ) const;

@@ -61,7 +61,7 @@ TEST_F( CliTrajectory, EveryFormatGivesTheSameVerdict )
 	write( "t.csv", swing );
 	nlohmann::json expected = report( { "t.csv" } );
 	expected.erase( "proof_seconds" );
-	const std::string ros2 = with( R"({"sec": 0, "nanosec": 0})", R"({"sec": 2, "nanosec": 1000000000})" );
+	const std::string ros2 = with( R"({"sec": 0, "nanosec": 0})", R"({"sec": 3, "nanosec": 0})" );
 	const std::string ros1 = with( R"({"secs": 0, "nsecs": 0})", R"({"secs": 3, "nsecs": 0})" );
 	const std::string messages[] = { ros2, ros1, with( "0.0", "3" ), R"({"joint_trajectory": )" + ros2 + "}",
 	    R"({"trajectory": )" + ros2 + "}", R"({"trajectory": {"joint_trajectory": )" + ros2 + "}}",

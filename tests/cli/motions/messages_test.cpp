@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Each field of the messages that files of motions and problems hold: a value other than the default changes the answer, is an error or is
+// named in a notice. Definitions as ROS 2 and MoveIt 2 have them, written down here and not taken from the readers.
+#include "cli_fixture.hpp"
+
+#include <nlohmann/json.hpp>
+
+using Json = nlohmann::json;
+
+namespace
+{
+
+/// A field, by JSON pointer, with a value that is not its default.
+struct FieldCase
+{
+	const char* at;
+	const char* value;
+};
+
+const char* const point =
+    R"({"positions": [-0.6, 0], "velocities": [], "accelerations": [], "effort": [], "time_from_start": {"sec": 0, "nanosec": 0}})";
+
+Json trajectory()
+{
+	Json out = Json::parse(
+	    R"({"header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}, "joint_names": ["shoulder", "elbow"]})" );
+	out["points"] = { Json::parse( point ), Json::parse( point ) };
+	out["points"][1]["positions"][0] = -0.5;
+	out["points"][1]["time_from_start"]["sec"] = 1;
+	return out;
+}
+
+const char* const multi_dof = R"({"header": {"frame_id": ""}, "joint_names": [], "points": []})";
+
+Json robotState()
+{
+	return Json::parse(
+	    R"({"joint_state": {"header": {"frame_id": ""}, "name": ["shoulder", "elbow"], "position": [-0.6, 0], "velocity": [], "effort": []},
+		"multi_dof_joint_state": {"header": {"frame_id": ""}, "joint_names": [], "transforms": [], "twist": [], "wrench": []},
+		"attached_collision_objects": [], "is_diff": false})" );
+}
+
+Json displayTrajectory()
+{
+	return { { "model_id", "" },
+	    { "trajectory", Json::array( { { { "joint_trajectory", trajectory() },
+	                        { "multi_dof_joint_trajectory", Json::parse( multi_dof ) } } } ) },
+	    { "trajectory_start", robotState() } };
+}
+
+const char* const tolerance = R"({"name": "shoulder", "position": 0.01, "velocity": 0, "acceleration": 0})";
+
+Json goal()
+{
+	return { { "trajectory", trajectory() }, { "multi_dof_trajectory", Json::parse( multi_dof ) },
+	    { "path_tolerance", { Json::parse( tolerance ) } }, { "component_path_tolerance", Json::array() },
+	    { "goal_tolerance", Json::array() }, { "component_goal_tolerance", Json::array() },
+	    { "goal_time_tolerance", { { "sec", 0 }, { "nanosec", 0 } } } };
+}
+
+const char* const pole =
+    R"([{"link_name": "fore", "object": {"id": "pole", "primitives": [{"type": 1, "dimensions": [0.02, 0.02, 2]}],
+	"primitive_poses": [{"position": {"x": 0.4, "y": 0, "z": 0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}]}, "touch_links": ["tool"]}])";
+
+const FieldCase in_trajectory[] = {
+    { "/header/stamp/sec", "5" },
+    { "/header/stamp/nanosec", "5" },
+    { "/header/frame_id", "\"world\"" },
+    { "/joint_names", R"(["shoulder", "tool_joint"])" },
+    { "/points/0/positions", "[0, 0]" },
+    { "/points/1/positions", "[0.9, 0]" },
+    { "/points/1/velocities", "[0.1, 0]" },
+    { "/points/1/accelerations", "[0.1, 0]" },
+    { "/points/1/effort", "[1, 1]" },
+    { "/points/1/time_from_start/sec", "2" },
+    { "/points/1/time_from_start/nanosec", "500000000" },
+    { "/points/0/time_from_start/nanosec", "7" },
+};
+const FieldCase in_display[] = {
+    { "/model_id", "\"other\"" },
+    { "/trajectory/0/multi_dof_joint_trajectory/joint_names", R"(["base"])" },
+    { "/trajectory/0/multi_dof_joint_trajectory/points", R"([{"transforms": []}])" },
+    { "/trajectory_start/joint_state/position", "[0.3, 0]" },
+    { "/trajectory_start/joint_state/name", R"(["shoulder", "shoulder"])" },
+    { "/trajectory_start/joint_state/velocity", "[1, 0]" },
+    { "/trajectory_start/joint_state/effort", "[1, 0]" },
+    { "/trajectory_start/joint_state/header/frame_id", "\"world\"" },
+    { "/trajectory_start/multi_dof_joint_state/transforms",
+        R"([{"translation": {"x": 1, "y": 0, "z": 0}, "rotation": {"x": 0, "y": 0, "z": 0, "w": 1}}])" },
+    { "/trajectory_start/multi_dof_joint_state/transforms", R"([{"translation": [0, 0, 0], "rotation": [0, 0, 1, 0]}])" },
+    { "/trajectory_start/attached_collision_objects", pole },
+    { "/trajectory_start/is_diff", "true" },
+};
+const FieldCase in_goal[] = {
+    { "/multi_dof_trajectory/joint_names", R"(["base"])" },
+    { "/multi_dof_trajectory/points", R"([{"transforms": []}])" },
+    { "/path_tolerance/0/name", "\"elbow\"" },
+    { "/path_tolerance/0/position", "0.5" },
+    { "/path_tolerance/0/velocity", "0.1" },
+    { "/path_tolerance/0/acceleration", "0.1" },
+    { "/component_path_tolerance", R"([{"joint_name": "base", "position": 0.1}])" },
+    { "/goal_tolerance", R"([{"name": "shoulder", "position": 0.1}])" },
+    { "/component_goal_tolerance", R"([{"joint_name": "base", "position": 0.1}])" },
+    { "/goal_time_tolerance/sec", "3" },
+    { "/goal_time_tolerance/nanosec", "3" },
+};
+
+/// Of a MotionPlanRequest.
+const FieldCase in_request[] = {
+    { "/workspace_parameters",
+        R"({"header": {"frame_id": "base"}, "min_corner": {"x": -1, "y": -1, "z": -1}, "max_corner": {"x": 1, "y": 1, "z": 1}})" },
+    { "/start_state/joint_state/position", "[-0.9, 0]" },
+    { "/start_state/joint_state/name", R"(["elbow", "shoulder"])" },
+    { "/start_state/attached_collision_objects", pole },
+    { "/start_state/multi_dof_joint_state", R"({"joint_names": ["base"], "transforms": [{}]})" },
+    { "/goal_constraints/0/joint_constraints/0/position", "0.9" },
+    { "/goal_constraints/0/joint_constraints/0/joint_name", "\"elbow\"" },
+    { "/goal_constraints/0/position_constraints", R"([{"link_name": "tool"}])" },
+    { "/goal_constraints/0/orientation_constraints", R"([{"link_name": "tool"}])" },
+    { "/goal_constraints/0/visibility_constraints", R"([{"target_radius": 1}])" },
+    { "/path_constraints", R"({"joint_constraints": [{"joint_name": "elbow", "position": 0}]})" },
+    { "/trajectory_constraints", R"({"constraints": [{"name": "x"}]})" },
+    { "/group_name", "\"shoulder_only\"" },
+};
+
+void set( Json& json, const FieldCase& field, const std::string& prefix = "" )
+{
+	json[Json::json_pointer( prefix + field.at )] = Json::parse( field.value );
+}
+
+/// The last name in a pointer that is no index.
+std::string fieldName( const std::string& pointer )
+{
+	std::string rest = pointer;
+	while ( rest.find_last_of( '/' ) + 1 < rest.size() && std::isdigit( rest[rest.find_last_of( '/' ) + 1] ) )
+	{
+		rest.erase( rest.find_last_of( '/' ) );
+	}
+	return rest.substr( rest.find_last_of( '/' ) + 1 );
+}
+
+/// Of an audit, without times of the clock.
+Json reportOf( const std::string& text )
+{
+	Json json = Json::parse( text )["audit"];
+	for ( const char* clock : { "proof_seconds", "seconds" } )
+	{
+		json.erase( clock );
+	}
+	return json;
+}
+
+} // namespace
+
+class CliMessages : public Cli
+{
+protected:
+	struct Answer
+	{
+		int status = 0;
+		std::string err;
+		Json report;
+		bool operator==( const Answer& other ) const
+		{
+			return status == other.status && err == other.err && report == other.report;
+		}
+	};
+	Answer audit( const Json& message ) const
+	{
+		write( "t.json", message.dump() );
+		const Outcome outcome = runModel( "audit", { "--trajectory", "t.json", "--report", "r.json" }, "blocked.yaml" );
+		return { outcome.status, outcome.err, outcome.status == 2 ? Json() : reportOf( readFile( path( "r.json" ) ) ) };
+	}
+	/// Sets each field alone in a valid message.
+	template <std::size_t N> void walk( const Json& valid, const FieldCase ( &fields )[N], const std::string& prefix ) const
+	{
+		const Answer before = audit( valid );
+		ASSERT_EQ( before.status, 0 ) << before.err;
+		for ( const FieldCase& field : fields )
+		{
+			Json message = valid;
+			set( message, field, prefix );
+			const Answer after = audit( message );
+			const std::string at = prefix + field.at;
+			EXPECT_FALSE( after == before ) << at << " is dropped silently";
+			const bool named = contains( after.err, fieldName( at ) ) || contains( at, "header" ) ||
+			                   contains( at, "multi_dof" ) || contains( at, "goal_time" );
+			EXPECT_TRUE( after.report != before.report || named ) << at << ": " << after.err;
+		}
+	}
+};
+
+TEST_F( CliMessages, NoFieldOfATrajectoryIsDroppedSilently )
+{
+	walk( trajectory(), in_trajectory, "" );
+	walk( displayTrajectory(), in_trajectory, "/trajectory/0/joint_trajectory" );
+	walk( goal(), in_trajectory, "/trajectory" );
+}
+
+TEST_F( CliMessages, NoFieldOfADisplayTrajectoryIsDroppedSilently )
+{
+	walk( displayTrajectory(), in_display, "" );
+}
+
+TEST_F( CliMessages, TheJointBetweenWorldAndRobotMayStandAtTheIdentity )
+{
+	Json message = displayTrajectory();
+	const Answer before = audit( message );
+	for ( const char* transform : { R"([{"translation": [0, 0, 0], "rotation": [0, 0, 0, 1]}])",
+	          R"([{"translation": {"x": 0, "y": 0, "z": 0}, "rotation": {"x": 0, "y": 0, "z": 0, "w": 1}}])" } )
+	{
+		message["trajectory_start"]["multi_dof_joint_state"]["joint_names"] = { "virtual_joint" };
+		message["trajectory_start"]["multi_dof_joint_state"]["transforms"] = Json::parse( transform );
+		EXPECT_TRUE( audit( message ) == before ) << transform << audit( message ).err;
+	}
+}
+
+TEST_F( CliMessages, NoFieldOfAControllersGoalIsDroppedSilently )
+{
+	walk( goal(), in_goal, "" );
+}
+
+TEST_F( CliMessages, NoFieldOfARequestIsDroppedSilently )
+{
+	Json valid = Json::parse(
+	    R"({"group_name": "arm", "start_state": {"joint_state": {"name": ["shoulder", "elbow"], "position": [-1, 0]}},
+		"goal_constraints": [{"joint_constraints": [{"joint_name": "shoulder", "position": 1}, {"joint_name": "elbow", "position": 0}]}]})" );
+	const auto plan = [&]( const Json& request )
+	{
+		write( "q.json", request.dump() );
+		const Outcome outcome = runModel( "plan", { "--request", "q.json", "--out", "p.yaml" } );
+		return std::make_pair( outcome.err, outcome.status == 0 ? readFile( path( "p.yaml" ) ) : "" );
+	};
+	const auto before = plan( valid );
+	ASSERT_NE( before.second, "" ) << before.first;
+	for ( const FieldCase& field : in_request )
+	{
+		Json request = valid;
+		set( request, field );
+		const auto after = plan( request );
+		const bool same_state = std::string( field.at ) == "/start_state/joint_state/name";
+		EXPECT_TRUE( after != before || same_state ) << field.at << " is dropped silently";
+	}
+}
+
+TEST_F( CliMessages, MisspeltFieldsAreNamedWithTheFieldThatIsMeant )
+{
+	for ( const auto& [pointer, wrong, meant] : { std::tuple( "/points/0", "velocites", "velocities" ),
+	          std::tuple( "/points/1", "time_from_strat", "time_from_start" ),
+	          std::tuple( "/points/0", "postions", "positions" ), std::tuple( "", "joint_name", "joint_names" ),
+	          std::tuple( "/points/0/time_from_start", "nanosecs", "nanosec" ) } )
+	{
+		Json message = trajectory();
+		message[Json::json_pointer( pointer )][wrong] = Json::array();
+		const Answer answer = audit( message );
+		EXPECT_EQ( answer.status, 2 ) << wrong;
+		EXPECT_TRUE( contains( answer.err, wrong ) && contains( answer.err, std::string( "is " ) + meant + " meant?" ) )
+		    << answer.err;
+	}
+}
+
+TEST_F( CliMessages, OddTimesAndNumbersAreLocatedErrors )
+{
+	const auto expect = [&]( const std::string& at, const char* value, const std::string& word )
+	{
+		Json message = trajectory();
+		message[Json::json_pointer( at )] = Json::parse( value );
+		const Answer answer = audit( message );
+		EXPECT_EQ( answer.status, 2 ) << at << " " << value;
+		EXPECT_TRUE( contains( answer.err, word ) && !contains( answer.err, "internal" ) )
+		    << at << " " << value << ": " << answer.err;
+	};
+	for ( const char* time :
+	    { R"({"sec": 1, "nanosec": 2000000000})", R"({"sec": -1, "nanosec": 0})", R"({"sec": 1, "nanosec": -1})",
+	        R"({"sec": 1.5})", R"({"sec": 18446744073709551616})", R"({"sec": 1, "nanosec": 0.5})",
+	        R"({"sec": 1, "secs": 2})", R"({"nanosec": 1, "nsecs": 1})", R"({"second": 1})", "\"soon\"", "-1", "1e300" } )
+	{
+		expect( "/points/1/time_from_start", time, "points[1].time_from_start" );
+	}
+	for ( const char* number : { "1e308", "-1e308", "1e16", "\"x\"", "null" } )
+	{
+		expect( "/points/1/positions/0", number, "points[1].positions[0]" );
+	}
+	expect( "/points/1/velocities", "[1e308, 0]", "points[1].velocities[0]" );
+}
+
+TEST_F( CliMessages, KeysThatAreThereTwiceAreErrorsWithBothLines )
+{
+	write( "t.yaml",
+	    "joint_names: [shoulder, elbow]\npoints:\n- positions: [-0.6, 0]\n  time_from_start: 0\n- positions: [-0.5, 0]\n"
+	    "  time_from_start: 1\n  positions: [0.9, 0]\n" );
+	write( "p.yaml", "joint_names: [shoulder, elbow]\nmin_d: 0.5\npoints: [[0, 0], [0.1, 0]]\nmin_d: 0\n" );
+	write( "l.yaml", "joint_limits:\n  shoulder: {has_velocity_limits: true, max_velocity: 1,\n    max_velocity: 9}\n" );
+	write( "s.yaml", "- attach: wall\n  link: fore\n  link: upper\n" );
+	for ( const auto& [option, file, key, lines] :
+	    { std::tuple( "--trajectory", "t.yaml", "positions", std::pair( "line 7", "line 5" ) ),
+	        std::tuple( "--path", "p.yaml", "min_d", std::pair( "line 4", "line 2" ) ),
+	        std::tuple( "--steps", "s.yaml", "link", std::pair( "line 3", "line 2" ) ) } )
+	{
+		const Outcome outcome = runModel( "audit", { option, file } );
+		EXPECT_EQ( outcome.status, 2 ) << file;
+		EXPECT_TRUE( contains( outcome.err, file ) && contains( outcome.err, key ) && contains( outcome.err, lines.first ) &&
+		             contains( outcome.err, lines.second ) )
+		    << outcome.err;
+	}
+	write( "t.json", trajectory().dump() );
+	EXPECT_EQ( runModel( "audit", { "--trajectory", "t.json", "--joint-limits", "l.yaml" } ).status, 2 );
+	edit( "t.json", R"("joint_names")", R"("joint_names": ["elbow", "shoulder"], "joint_names")" );
+	const Outcome twice = runModel( "audit", { "--trajectory", "t.json" } );
+	EXPECT_TRUE( twice.status == 2 && contains( twice.err, "joint_names" ) && contains( twice.err, "twice" ) ) << twice.err;
+	edit( "request.yaml", "allowed_planning_time: 30\n", "allowed_planning_time: 30\nallowed_planning_time: 1\n" );
+	const Outcome request = runModel( "plan", { "--request", "request.yaml" } );
+	EXPECT_TRUE( request.status == 2 && contains( request.err, "line 3" ) && contains( request.err, "line 4" ) )
+	    << request.err;
+}
+
+TEST_F( CliMessages, MeaningsThatRosHasAreNotReplacedByOthers )
+{
+	Json accelerated = trajectory();
+	accelerated["points"][0]["accelerations"] = accelerated["points"][1]["accelerations"] = { 0.1, 0 };
+	EXPECT_TRUE( contains( audit( accelerated ).err, "accelerations and no velocities" ) );
+	for ( const auto& [value, word] :
+	    { std::pair( 0.0, "controller's own tolerance" ), std::pair( -1.0, "deviate as far as it likes" ) } )
+	{
+		Json message = goal();
+		message["path_tolerance"][0]["position"] = value;
+		const Answer answer = audit( message );
+		EXPECT_TRUE( answer.status == 2 && contains( answer.err, word ) && contains( answer.err, "--tolerance shoulder" ) )
+		    << answer.err;
+		EXPECT_EQ(
+		    runModel( "audit", { "--trajectory", "t.json", "--tolerance", "shoulder=0.01" }, "blocked.yaml" ).status, 0 );
+	}
+	Json away = displayTrajectory();
+	away["trajectory_start"]["joint_state"]["position"] = { 0.3, 0 };
+	const Answer answer = audit( away );
+	EXPECT_EQ( answer.status, 1 );
+	EXPECT_TRUE( contains( answer.report.dump(), "begins with joint shoulder at -0.6, and its start state has 0.3" ) )
+	    << answer.report.dump();
+	Json beyond = trajectory();
+	beyond["trajectory_start"] = robotState();
+	beyond["trajectory_start"]["joint_state"]["position"] = { -0.6, 9 };
+	EXPECT_TRUE( contains( audit( beyond ).err, "elbow" ) );
+}
+
+TEST_F( CliMessages, APathFileWithAnAttachedObjectIsRefused )
+{
+	ASSERT_EQ( runModel( "plan", { "--goal", "shoulder=0.5", "--out", "p.yaml" } ).status, 0 );
+	edit( "p.yaml", "start_state:\n",
+	    std::string( "start_state:\n  attached_collision_objects: " ) + Json::parse( pole ).dump() + "\n" );
+	const Outcome outcome = runModel( "audit", { "--path", "p.yaml" } );
+	EXPECT_EQ( outcome.status, 2 );
+	EXPECT_TRUE( contains( outcome.err, "attached_collision_objects" ) && contains( outcome.err, "--scene" ) )
+	    << outcome.err;
+}
+
+TEST_F( CliMessages, APlanWithMoreTimeThanTheClockCountsIsSolved )
+{
+	EXPECT_EQ(
+	    runModel( "plan", { "--request", "request.yaml", "--time", "1e300", "--planner", "RRTConnect" }, "blocked.yaml" )
+	        .status,
+	    0 );
+}
