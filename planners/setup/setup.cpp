@@ -323,6 +323,17 @@ void Workbench::build( const Values& values )
 	}
 }
 
+void Workbench::proveTables( const io::ReachOptions& reach ) const
+{
+	Progress progress( "proving which links never meet" );
+	ReachProgress reach_progress( progress );
+	io::ProblemOptions options = this->options( m_values );
+	options.reach = Reach();
+	options.find_reach = reach;
+	reach_progress.attach( options.find_reach->def );
+	m_notices.add( "the cache", io::buildProblem( m_input.robot, options ).reach.notices );
+}
+
 bool Workbench::use( const std::vector<double>& full )
 {
 	bool same = true;

@@ -81,6 +81,9 @@ public:
 	/// Motion hulls and pair tables that the checker uses; empty without a cache.
 	const io::LoadedReach& reach() const { return m_reach; }
 
+	/// Builds or continues motion hulls and pair tables for later runs, in the cache; the checker keeps those that it has.
+	void proveTables( const io::ReachOptions& options ) const;
+
 	/// Makes the checker stand for the variables outside of the group as the full state has them.
 	/// @param full [robot variable_count]
 	/// @return true if it had to be rebuilt
