@@ -344,23 +344,31 @@ void addJoint( RobotModel& model, const char* name, lw_joint_type type, std::uin
 } // namespace
 
 // A ball leaves a post that it touches, faster than in the mean, while an arm turns so far that spheres of eight windows at once
-// decide. With the mean speed the first window would begin a centimetre farther away.
+// decide. With the mean speed the first window would begin a centimetre farther away. The ball may follow a joint, faster than it or the
+// other way round.
 TEST( Curve, EachOfEightWindowsHasItsOwnSpeed )
 {
-	for ( const double gap : { -0.002, 0.002 } )
+	for ( const auto& [gap, multiplier] : { std::pair( -0.002, 0.0 ), std::pair( 0.002, 0.0 ), std::pair( -0.002, 4.0 ), std::pair( 0.002, 4.0 ), std::pair( -0.002, -4.0 ) } )
 	{
 		RobotModel model;
 		model.link( "base" );
 		addJoint( model, "slide", LW_JOINT_PRISMATIC, 0, 0, 4 );
 		addJoint( model, "arm", LW_JOINT_REVOLUTE, 0, 2, 4 );
-		model.body( 1, ballOf( 0.1 ), lw_transform_identity() );
+		if ( multiplier != 0 )
+		{
+			addJoint( model, "follower", LW_JOINT_PRISMATIC, 0, 0, 16 );
+			model.joints.back().mimic = 0;
+			model.joints.back().mimic_multiplier = multiplier;
+		}
+		model.body( multiplier != 0 ? 3 : 1, ballOf( 0.1 ), lw_transform_identity() );
 		model.body( 2, ballOf( 0.1 ), along( 1, 5 ) );
+		const double share = multiplier != 0 ? 1 / multiplier : 1;
 		const RobotPtr robot = model.create();
 		const ShapePtr post( ballOf( 0.1 ) );
 		const leeway::Scene scene = oneObstacle( post.get(), along( 0.2 + gap, 0 ) );
 		const leeway::Checker checker = checkerOf( robot.get(), scene.get() );
 		const leeway::Query query = leeway::makeQuery( checker.get() );
-		const double points[] = { 0, -1.6, -0.19, -0.5333, -0.19, 0.5333, 0, 1.6 };
+		const double points[] = { 0, -1.6, -0.19 * share, -0.5333, -0.19 * share, 0.5333, 0, 1.6 };
 		const lw_edge_def edge = lw_edge_def_default();
 		lw_edge_result result;
 		ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), points, 3, &edge, &result ), LW_OK );
@@ -440,6 +448,42 @@ TEST( Curve, TablesEndWhereItLeavesTheLimits )
 	EXPECT_EQ( world.verdict( { 0.09, 0.13, 0.13, 0.09 } ), LW_VERDICT_BLOCKED );
 }
 
+// .. whichever of the inner control points is outside of them.
+TEST( Curve, TablesEndWhereAnySingleControlPointLeavesTheLimits )
+{
+	const SlideAndPost world( 0.31, 0 );
+	for ( std::size_t degree = 2; degree <= 6; ++degree )
+	{
+		for ( std::size_t out = 1; out < degree; ++out )
+		{
+			std::vector<double> values( degree + 1, 0.09 );
+			values[out] = 0.2; // its weight is 0.3 at least where it is largest: 0.12 is reached, and the post is met at 0.11
+			EXPECT_EQ( world.verdict( values ), LW_VERDICT_BLOCKED ) << "point " << out << " of degree " << degree;
+		}
+	}
+}
+
+// A grid has a value for each state: that of one lane proves no other.
+TEST( Curve, GridsAreLookedUpForEachStateOfALook )
+{
+	const SlideAndPost world( 0.29, 1 );
+	for ( int first = 0; first < 8; ++first )
+	{
+		double q[16];
+		bool free[8];
+		for ( int i = 0; i < 8; ++i )
+		{
+			q[2 * i] = 0;
+			q[2 * i + 1] = i < first ? -0.0999 : 0.0999; // 0.19 m away from the post, and 1 cm in it
+		}
+		ASSERT_EQ( lw_checker_states( world.checker.get(), world.query.get(), q, 8, LW_CHECK_SELF, 0, free ), LW_OK );
+		for ( int i = 0; i < 8; ++i )
+		{
+			EXPECT_EQ( free[i], i < first ) << "state " << i << " of " << first;
+		}
+	}
+}
+
 // Grids know the chord. This one is a single state, 4 cm away from the post that the curve meets.
 TEST( Curve, GridsOfTheChordLeaveRoomForTheWayBesideIt )
 {
@@ -463,12 +507,57 @@ TEST( Curve, ObstaclesBeyondTheLimitsAreMetWhereItLeavesThem )
 	const leeway::Scene scene = oneObstacle( post.get(), along( 0.4, 0 ) );
 	const leeway::Checker checker = checkerWithReach( robot.get(), scene.get(), 0, 0.05 );
 	const leeway::Query query = leeway::makeQuery( checker.get() );
-	for ( const double bend : { 0.1, 0.19 } )
+	for ( const auto& [first, second] : { std::pair( 0.1, 0.1 ), std::pair( 0.19, 0.19 ), std::pair( 0.3, 0.0 ), std::pair( 0.0, 0.3 ) } )
 	{
-		const double points[] = { 0.09, -1.6, 0.09 + bend, -0.5333, 0.09 + bend, 0.5333, 0.09, 1.6 };
+		const double points[] = { 0.09, -1.6, 0.09 + first, -0.5333, 0.09 + second, 0.5333, 0.09, 1.6 };
 		const lw_edge_def edge = lw_edge_def_default();
 		lw_edge_result result;
 		ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), points, 3, &edge, &result ), LW_OK );
-		EXPECT_EQ( result.verdict, bend > 0.15 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << bend; // 0.2 is reached
+		EXPECT_EQ( result.verdict, first + second > 0.25 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << first << ", " << second; // 0.2 is reached
+	}
+	// a tolerance that leads beyond the limits
+	for ( const double tolerance : { 0.03, 0.13 } )
+	{
+		const double a[] = { 0.09, -1.6 }, b[] = { 0.09, 1.6 }, tolerances[] = { tolerance, 0 };
+		lw_edge_def edge = lw_edge_def_default();
+		edge.tolerance = tolerances;
+		lw_edge_result result;
+		ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), a, b, &edge, &result ), LW_OK );
+		EXPECT_EQ( result.verdict == LW_VERDICT_FREE, tolerance < 0.1 ) << tolerance;
+	}
+}
+
+// A ball turns away from one that hardly moves and that it touches at first: each has its own turn.
+TEST( Curve, TwoBodiesOfAShortEdgeHaveTheirOwnTurns )
+{
+	for ( const double gap : { -0.002, 0.002 } )
+	{
+		for ( const bool swapped : { false, true } )
+		{
+			RobotModel model;
+			model.link( "base" );
+			const std::uint32_t slide = swapped ? 2 : 1, turn = swapped ? 1 : 2;
+			if ( swapped )
+			{
+				addJoint( model, "turn", LW_JOINT_REVOLUTE, 0, 2, 4 );
+			}
+			addJoint( model, "slide", LW_JOINT_PRISMATIC, 0, 0, 4 );
+			if ( !swapped )
+			{
+				addJoint( model, "turn", LW_JOINT_REVOLUTE, 0, 2, 4 );
+			}
+			lw_transform beside = along( 1, 0 );
+			beside.t[1] = -0.2 - gap;
+			model.body( slide, ballOf( 0.1 ), beside );
+			model.body( turn, ballOf( 0.1 ), along( 1, 0 ) );
+			const RobotPtr robot = model.create();
+			const leeway::Checker checker = checkerOf( robot.get(), nullptr );
+			const leeway::Query query = leeway::makeQuery( checker.get() );
+			const double a[] = { 0, 0 }, b[] = { swapped ? 0.15 : 1e-5, swapped ? 1e-5 : 0.15 };
+			const lw_edge_def edge = lw_edge_def_default();
+			lw_edge_result result;
+			ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), a, b, &edge, &result ), LW_OK );
+			EXPECT_EQ( result.verdict, gap < 0 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << gap << swapped;
+		}
 	}
 }

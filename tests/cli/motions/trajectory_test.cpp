@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 class CliTrajectory : public Cli
@@ -230,4 +231,48 @@ TEST_F( CliTrajectory, RoundedCornersOfAFreePathMeetThePost )
 	EXPECT_EQ( audited( { "--tolerance", "0.1" } ).status, 2 );
 	EXPECT_EQ( audited( { "--corner-blend", "-1" } ).status, 2 );
 	EXPECT_EQ( audit( { "t.csv", "--corner-blend", "0.1" } ).status, 2 );
+}
+
+TEST_F( CliTrajectory, QuinticsKeepTheSignsOfTheirAccelerations )
+{
+	// half of s^2 (1 - s)^3 and of s^3 (1 - s)^2 times 4 s^2: 0.2 rad farther at 0.8 s and at 1.2 s
+	const std::string header = "time,shoulder,elbow,velocity:shoulder,velocity:elbow,acceleration:shoulder,acceleration:elbow\n";
+	for ( const auto& [start, end, time] : { std::tuple( -2.9, 0.0, "0.8000" ), std::tuple( 0.0, -2.9, "1.2000" ) } )
+	{
+		for ( const double sign : { 1.0, -1.0 } )
+		{
+			write( "t.csv", header + "0,-1.9,0,0,0," + std::to_string( sign * start ) + ",0\n2,-1.9,0,0,0," + std::to_string( sign * end ) + ",0\n" );
+			const std::string out = audit( { "t.csv" } ).out;
+			EXPECT_EQ( contains( out, "joint shoulder: position of -2.1" ) && contains( out, std::string( time ) + " s is below its limit -2" ), sign > 0 ) << out;
+		}
+	}
+}
+
+TEST_F( CliTrajectory, LengthsOfAGroupWrapTheGroupsOwnJoints )
+{
+	edit( "arm.srdf", "</robot>", "<group name=\"last\"><joint name=\"elbow\"/></group></robot>" );
+	edit( "arm.urdf", "<joint name=\"elbow\" type=\"revolute\">", "<joint name=\"elbow\" type=\"continuous\">" );
+	edit( "arm.urdf", "multiplier=\"0.5\"", "multiplier=\"1\"" );
+	write( "p.yaml", "group: last\njoint_names: [elbow]\npoints: [[3], [-3]]\n" );
+	runModel( "audit", { "--path", "p.yaml", "--report", "r.json" } );
+	const nlohmann::json report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
+	EXPECT_NEAR( report["audit"]["length"].get<double>(), 2 * M_PI - 6, 1e-9 );
+}
+
+TEST_F( CliTrajectory, BoundsBetweenStatesCountTheMotionOfBothBodies )
+{
+	write( "rail.urdf", "<robot name='rail'><link name='base'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><link name='cart'>"
+		"<collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><joint name='rail' type='prismatic'><parent link='base'/><child link='cart'/>"
+		"<axis xyz='1 0 0'/><limit lower='0' upper='2' effort='1' velocity='1'/></joint></robot>" );
+	write( "p.yaml", "joint_names: [rail]\npoints: [[1], [0.3]]\n" );
+	const Outcome outcome = run( { "audit", "--robot", "rail.urdf", "--path", "p.yaml", "--report", "r.json", "--profile", "p.csv" } );
+	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
+	const Table samples = parseTable( readFile( path( "p.csv" ) ) );
+	double expected = 9;
+	for ( std::size_t i = 1; i < samples.rows.size(); ++i )
+	{
+		const double moved = 1.001 * 0.7 * ( samples.number( i, "t" ) - samples.number( i - 1, "t" ) );
+		expected = std::min( expected, ( samples.number( i - 1, "self" ) + samples.number( i, "self" ) - 2 * moved ) / 2 );
+	}
+	EXPECT_NEAR( nlohmann::json::parse( readFile( path( "r.json" ) ) )["audit"]["self"]["between_states"].get<double>(), expected, 1e-9 );
 }
