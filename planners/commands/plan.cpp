@@ -668,6 +668,17 @@ void tellWhatIsNotWritten( const Audit& audit, bool good, bool is_driven_free )
 	}
 }
 
+/// Tables only save work: a plan that finds none in the cache takes less time without them than they take.
+std::optional<io::ReachOptions> laterTables( Input& input )
+{
+	const std::optional<io::ReachOptions> tables = input.reach;
+	if ( input.reach )
+	{
+		input.reach->build = false;
+	}
+	return tables;
+}
+
 /// For later runs, when the answer is written.
 void proveTables( const Workbench& bench, const io::ReachOptions& tables )
 {
@@ -677,6 +688,13 @@ void proveTables( const Workbench& bench, const io::ReachOptions& tables )
 		tell( "leeway: the answer is complete; now proving for later runs which links never meet (--no-cache declines)\n" );
 		bench.proveTables( tables );
 	}
+}
+
+std::string reportText( Json json, Json audit, bool good )
+{
+	json["audit"] = std::move( audit );
+	json["good"] = good;
+	return jsonText( json );
 }
 
 AuditSettings auditSettings( const PlanOptions& options )
@@ -705,12 +723,7 @@ int runPlan( const PlanOptions& options )
 	ViewFile view( options.view );
 	Input input = loadInput( options.common, notices );
 	input.max_d = options.common.min_d + planning_horizon;
-	// Tables only save work: a plan that finds none in the cache takes less time without them than they take
-	const std::optional<io::ReachOptions> tables = input.reach;
-	if ( input.reach )
-	{
-		input.reach->build = false;
-	}
+	const std::optional<io::ReachOptions> tables = laterTables( input );
 	const PlanEnds ends = readEnds( options, input );
 	Workbench bench( input, ends.group, {}, notices );
 	const bool wants_trajectory = !options.trajectory.empty();
@@ -741,10 +754,8 @@ int runPlan( const PlanOptions& options )
 	}
 	if ( !options.report.empty() )
 	{
-		Json json = reportJson( options, input, bench, solution );
-		json["audit"] = solution.solved ? toJson( audit, settings ) : Json( nullptr );
-		json["good"] = good && is_driven_free;
-		report.text = jsonText( json );
+		report.text = reportText( reportJson( options, input, bench, solution ),
+		    solution.solved ? toJson( audit, settings ) : Json( nullptr ), good && is_driven_free );
 		files.push_back( &report );
 	}
 	if ( good )

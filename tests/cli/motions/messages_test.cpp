@@ -107,8 +107,6 @@ const FieldCase in_goal[] = {
 
 /// Of a MotionPlanRequest.
 const FieldCase in_request[] = {
-    { "/workspace_parameters",
-        R"({"header": {"frame_id": "base"}, "min_corner": {"x": -1, "y": -1, "z": -1}, "max_corner": {"x": 1, "y": 1, "z": 1}})" },
     { "/start_state/joint_state/position", "[-0.9, 0]" },
     { "/start_state/joint_state/name", R"(["elbow", "shoulder"])" },
     { "/start_state/attached_collision_objects", pole },

@@ -118,8 +118,7 @@ Request loadRequest( const std::string& file )
 	    "trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name",
 	    "num_planning_attempts", "allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor",
 	    "cartesian_speed_limited_link", "max_cartesian_speed" } );
-	root.noticeUnused(
-	    { "workspace_parameters", "reference_trajectories", "cartesian_speed_limited_link", "max_cartesian_speed" },
+	root.noticeUnused( { "reference_trajectories", "cartesian_speed_limited_link", "max_cartesian_speed" },
 	    "planning keeps to joint limits and the given problem" );
 	request.group = root["group_name"].textOr( "" );
 	request.planner_id = root["planner_id"].textOr( "" );
