@@ -372,62 +372,6 @@ TEST( BatchKernels, MeetingBodiesAreHeldToStayApart )
 	EXPECT_GE( tight, 500u ); // some come as near as they may
 }
 
-TEST( BatchKernels, MovingSpheresThatMeetAreLeftOut )
-{
-	SeededRng rng;
-	size_t met = 0, apart = 0, tight = 0;
-	for ( int i = 0; i < 3000; ++i )
-	{
-		const uint32_t count = static_cast<uint32_t>( rng.integer( 1, 24 ) );
-		const double scale = rng.decade( -6, 6 );
-		float blocks[3][LWI_MOVING_ROWS][LWI_WIDTH] = {};
-		uint8_t mask[24][3] = {};
-		lwi_batch_point points[24]; // lane 0 of each
-		for ( uint32_t k = 0; k < count; ++k )
-		{
-			points[k] = random_point( rng, scale );
-			for ( int axis = 0; axis < 3; ++axis )
-			{
-				blocks[k / 8][axis][k % 8] = points[k].p[axis][0];
-				blocks[k / 8][4 + axis][k % 8] = points[k].displacement[axis][0];
-			}
-			blocks[k / 8][3][k % 8] = static_cast<float>( scale * rng.uniform( 0, 0.3 ) );
-			for ( uint32_t other = k + 1; other < count; ++other )
-			{
-				mask[k][other / 8] |= static_cast<uint8_t>( rng.integer( 0, 3 ) > 0 ? 1u << other % 8 : 0u );
-			}
-		}
-		const float reach = static_cast<float>( scale * rng.uniform( 1e-6, 0.3 ) );
-		const std::vector<uint16_t> first = pairsByAllLevels( &lwi_kernels::moving_pairs, blocks[0][0], count, mask, reach );
-		ASSERT_FALSE( HasFailure() );
-		for ( uint32_t a = 0; a < count; ++a )
-		{
-			for ( uint32_t b = a + 1; b < count; ++b )
-			{
-				const bool asked = ( mask[a][b / 8] >> b % 8 & 1 ) != 0;
-				const bool named = std::find( first.begin(), first.end(), 256 * a + b ) != first.end();
-				ASSERT_TRUE( asked || !named );
-				double least = INFINITY;
-				for ( int k = -20; k <= 20; ++k )
-				{
-					least = std::min( least, distance_at( points[a], 0, k / 20.0, nullptr, nullptr, &points[b] ) );
-				}
-				const double all = static_cast<double>( reach ) + static_cast<double>( blocks[a / 8][3][a % 8] ) +
-								   static_cast<double>( blocks[b / 8][3][b % 8] );
-				met += named ? 1u : 0u;
-				if ( asked && !named )
-				{
-					ASSERT_GE( least, all - lwi_gap_slack( 8 * scale ) ) << "input " << i;
-					++apart;
-					tight += least < 1.05 * all ? 1u : 0u;
-				}
-			}
-		}
-	}
-	EXPECT_GE( std::min( met, apart ), 10000u );
-	EXPECT_GE( tight, 100u ); // some come as near as they may
-}
-
 TEST( BatchKernels, NoNumberReadsAsApart )
 {
 	SeededRng rng;
@@ -443,13 +387,6 @@ TEST( BatchKernels, NoNumberReadsAsApart )
 		{
 			EXPECT_EQ( 0xffu, table->batch_box( &a, min, max, 1.0f ) ) << bad;
 			EXPECT_EQ( 0xffu, table->batch_pair( &a, &b, 1.0f ) ) << bad;
-		}
-		const float pair[LWI_MOVING_ROWS][LWI_WIDTH] = { { 0, 9 }, {}, {}, { 1, 1 }, { bad, 0 } };
-		const uint8_t second[2] = { 2, 0 };
-		for ( const lwi_kernels* table : kernelLevels() )
-		{
-			uint16_t near[1];
-			EXPECT_EQ( 1u, table->moving_pairs( pair[0], 2, second, 1, 1.0f, near ) ) << bad;
 		}
 		std::fill( a.p[1], a.p[1] + LWI_WIDTH, NAN );
 		EXPECT_EQ( 0xffu, lwi_kernels_scalar.batch_box( &a, min, max, 1.0f ) );

@@ -37,7 +37,8 @@ bool pairsLeft( const lw_checker* checker, lw_query* query, const double* qa, co
 	e.qb = qb;
 	e.posed_t = NAN;
 	lwi_edge_begin( &e );
-	if ( !lwi_edge_measure_motion( &e ) || !lwi_edge_measure_clusters( &e, 0.5, 0.5 ) || !lwi_edge_has_batch( &e ) )
+	if ( lwi_path_begin( &e, 0, 0 ) != LWI_PATH_READY || !lwi_edge_measure_clusters( &e, 0.5, 0.5 ) ||
+	     !lwi_edge_has_batch( &e ) )
 	{
 		return false;
 	}

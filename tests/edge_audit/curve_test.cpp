@@ -183,8 +183,8 @@ TEST( Curve, VerdictsOnRandomCurvesSurviveADenseLook )
 	EXPECT_GT( tally.blocked, unlessSanitized( 20, 1 ) );
 }
 
-// Speed along a straight way is no deviation from it: a controller that stops at corners drives the edges that were proved.
-TEST( Curve, AMotionAlongItsChordIsProvedAsTheEdge )
+// A controller that stops at corners drives the edges that were proved.
+TEST( Curve, AMotionAlongAFreeEdgeIsFree )
 {
 	SeededRng rng;
 	int free = 0;
@@ -225,7 +225,6 @@ TEST( Curve, AMotionAlongItsChordIsProvedAsTheEdge )
 			lw_query_reset( bench.plain.get() );
 			ASSERT_EQ( lw_checker_curve( world.checker.get(), bench.plain.get(), points.data(), 5, &def, &curve ), LW_OK );
 			EXPECT_EQ( curve.verdict, LW_VERDICT_FREE ) << world.name;
-			EXPECT_EQ( curve.queries, edge.queries ) << world.name;
 		}
 	}
 	EXPECT_GT( free, 10 );

@@ -51,12 +51,6 @@ static inline const lwi_proxy_pair* lwi_proxy_pair_of( const lwi_self_proxies* p
 	return &proxies->pairs[proxies->pair[low * proxies->count + high]];
 }
 
-/// True for robots with few proxies, and pairs of them to check.
-static inline bool lwi_has_few_proxies( const lwi_self_proxies* proxies )
-{
-	return proxies->few && proxies->count > 0;
-}
-
 /// For a tree with its pairs. @return false without memory
 bool lwi_self_proxies_create( const struct lwi_checker_base* base, const struct lwi_cluster_tree* tree,
 	lwi_self_proxies* out_proxies );

@@ -11,300 +11,6 @@
 
 #include <string.h>
 
-enum
-{
-	SPARE_INTERVALS = 1024 ///< places on a level beyond four per pair
-};
-
-// ---- scratch ---------------------------------------------------------------------------------------------------------
-
-/// Lays the scratch out from `memory`; returns its size. Called with NULL to measure, then to place.
-static size_t lay_out( lwi_edge* e, void* memory )
-{
-	lwi_arena arena = lwi_arena_begin( memory, 0 );
-	const lw_checker* c = e->checker;
-	const size_t clusters = c->base->tree->cluster_count;
-	uint32_t variables = c->base->robot->variable_count;
-	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
-	e->velocities = lwi_arena_take( &arena, clusters, sizeof( lwi_edge_velocity ) );
-	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->base->motion ), 1 );
-	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->curve = lwi_arena_take( &arena,
-		( 2 * ( LW_CURVE_MOST_DEGREE + 1 ) + 4 ) * (size_t)c->base->group.variable_count + variables, sizeof( double ) );
-	for ( int i = 0; i < 4; ++i )
-	{
-		e->ranges[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
-	}
-	e->speed_now = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
-	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
-	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
-	e->frame_sincos =
-		lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_clusters( c->base->tree ), sizeof( double ) );
-	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( bool ) );
-	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
-	e->speeds = lwi_arena_take( &arena, clusters * LWI_WIDTH, sizeof( double ) );
-	e->pair_capacity = c->base->moving_body_count + c->base->self.pair_count;
-	e->interval_capacity = 4 * e->pair_capacity + SPARE_INTERVALS;
-	e->pairs = lwi_arena_take( &arena, e->pair_capacity, sizeof( lwi_edge_pair ) );
-	e->levels[0].intervals = lwi_arena_take( &arena, e->interval_capacity, sizeof( lwi_open_interval ) );
-	e->levels[1].intervals = lwi_arena_take( &arena, e->interval_capacity, sizeof( lwi_open_interval ) );
-	return arena.used;
-}
-
-double* lwi_edge_curve_scratch( const lw_checker* checker, lw_query* query )
-{
-	lwi_edge edge = { .checker = checker };
-	return lay_out( &edge, query->scratch.edge ) > query->capacity.edge_bytes ? NULL : edge.curve;
-}
-
-bool lwi_edge_begin( lwi_edge* edge )
-{
-	lw_query* query = edge->query;
-	if ( lay_out( edge, query->scratch.edge ) > query->capacity.edge_bytes )
-	{
-		return false;
-	}
-	lwi_checker_bind( edge->checker, query );
-	if ( edge->memory->bindings != query->pose.bindings )
-	{
-		memset( edge->memory, 0, sizeof( *edge->memory ) );
-		edge->memory->bindings = query->pose.bindings;
-	}
-	for ( int i = 0; i < 2; ++i )
-	{
-		edge->triplets[i].cluster = LW_INVALID_INDEX;
-	}
-	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
-	{
-		edge->frame_t[i] = NAN;
-	}
-	for ( uint32_t i = 0; i < edge->checker->base->tree->cluster_count; ++i )
-	{
-		edge->velocities[i].stamp = 0; // no state has it
-	}
-	lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
-	lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
-	return true;
-}
-
-size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
-{
-	lwi_edge edge = { .checker = checker };
-	// Each more may move, and meet all others: the memory of lay_out() for as many pairs, and its rounding of five arrays
-	size_t pairs = spare_bodies * ( 1 + (size_t)checker->base->robot->body_count + spare_bodies );
-	size_t more = pairs * ( sizeof( lwi_edge_pair ) + 2 * 4 * sizeof( lwi_open_interval ) ) + 5 * LWI_ALIGNMENT +
-				  spare_bodies * ( sizeof( lwi_batch_point ) + sizeof( bool ) + LWI_WIDTH * sizeof( double ) ) +
-				  lwi_motion_scratch_spare( spare_bodies );
-	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );
-}
-
-// ---- states ----------------------------------------------------------------------------------------------------------
-
-/// Sets the rounding that pairs allow for. @param of_poses metres, of poses and states
-static void allow_rounding( lwi_edge* e, double of_poses )
-{
-	for ( int self = 0; self < 2; ++self )
-	{
-		// t itself is rounded too (2^-53 of the path), and so is the surplus (2^-53 of min_d, a few times).
-		// A quarter of the slack more, with which proofs hold, becomes lower_bound.
-		e->rounding[self] = ( 1 + self ) * of_poses + 0x1p-47 * ( e->longest + e->def->min_d + e->tube );
-		e->slack[self] = lwi_larger( e->def->slack, 4 * e->rounding[self] );
-		e->enough[self] = e->def->min_d + e->rounding[self] + 0.25 * e->slack[self];
-	}
-}
-
-/// Hands the tolerances of the group's variables to the motion's bounds.
-static void tolerate( lwi_edge* e )
-{
-	const lw_checker* c = e->checker;
-	memset( e->tolerance, 0, c->base->robot->variable_count * sizeof( double ) );
-	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
-	{
-		e->tolerance[c->base->group.variables[i]] = e->def->tolerance[i];
-	}
-	lwi_motion_tolerate( c->base->motion, e->motion, e->tolerance );
-	e->tube = lwi_motion_largest_tube( e->motion );
-}
-
-double lwi_edge_second_difference( const double* points, uint32_t degree, uint32_t stride )
-{
-	double most = 0;
-	for ( uint32_t k = 2; k <= degree; ++k )
-	{
-		const double *p = points + k * stride, *before = p - stride;
-		most = lwi_larger( most, fabs( ( p[0] - before[0] ) - ( before[0] - *( before - stride ) ) ) );
-	}
-	return most;
-}
-
-/// Ranges of a curve's values and derivatives, by their control points: first and second differences. A second difference of
-/// rounded differences is off by two of their roundings.
-static void bound_variable( const lwi_edge_bend* bend, uint32_t count, uint32_t i, double* out[4], uint32_t v )
-{
-	const double* p = bend->points + i;
-	const double n = bend->degree;
-	const double second = lwi_edge_second_difference( p, bend->degree, count );
-	double least = p[0], most = p[0], first = 0;
-	for ( uint32_t k = 1; k <= bend->degree; ++k )
-	{
-		least = lwi_smaller( least, p[k * count] );
-		most = lwi_larger( most, p[k * count] );
-		first = lwi_larger( first, fabs( p[k * count] - p[( k - 1 ) * count] ) );
-	}
-	out[0][v] = least;
-	out[1][v] = most;
-	out[2][v] = n * first * LWI_EDGE_OUTWARD;
-	out[3][v] = n * ( n - 1 ) * ( second + 0x1p-50 * first ) * LWI_EDGE_OUTWARD;
-}
-
-static bool begin_curve( lwi_edge* e )
-{
-	const lw_checker* c = e->checker;
-	const size_t bytes = c->base->robot->variable_count * sizeof( double );
-	memcpy( e->ranges[0], e->full_a, bytes );
-	memcpy( e->ranges[1], e->full_a, bytes );
-	memset( e->ranges[2], 0, bytes );
-	memset( e->ranges[3], 0, bytes );
-	memset( e->tolerance, 0, bytes );
-	memset( e->speed_now, 0, bytes );
-	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
-	{
-		bound_variable( e->bend, c->base->group.variable_count, i, e->ranges, c->base->group.variables[i] );
-		e->tolerance[c->base->group.variables[i]] = e->bend->deviation[i];
-	}
-	const lwi_motion_ranges ranges = { e->ranges[0], e->ranges[1], e->ranges[2], e->ranges[3] };
-	if ( !lwi_motion_begin_curve( c->base->motion, &ranges, e->motion ) )
-	{
-		return false;
-	}
-	e->chord_tube = e->bend->same_way ? lwi_motion_any_tube( c->base->motion, e->motion, e->tolerance ) : INFINITY;
-	return true;
-}
-
-bool lwi_edge_measure_motion( lwi_edge* e )
-{
-	const lw_checker* c = e->checker;
-	e->apart = e->spare = INFINITY;
-	e->most_states = LW_EDGE_MOST_STATES;
-	if ( e->bend != NULL ? !begin_curve( e ) : !lwi_motion_begin( c->base->motion, e->full_a, e->full_b, e->motion ) )
-	{
-		return false;
-	}
-	if ( e->def->tolerance != NULL )
-	{
-		tolerate( e );
-	}
-	if ( !isfinite( e->tube ) )
-	{
-		return false;
-	}
-	e->static_rounding = lwi_motion_rounding( e->motion );
-	e->longest = lwi_motion_total( e->motion );
-	e->twist_error = lwi_motion_twist_error( e->motion );
-	allow_rounding( e, e->static_rounding );
-	return true;
-}
-
-/// Bernstein polynomials of some degree at t.
-static void bernstein( uint32_t degree, double t, double out[LW_CURVE_MOST_DEGREE + 1] )
-{
-	out[0] = 1;
-	for ( uint32_t k = 1; k <= degree; ++k )
-	{
-		out[k] = t * out[k - 1];
-		for ( uint32_t i = k - 1; i > 0; --i )
-		{
-			out[i] = ( 1 - t ) * out[i] + t * out[i - 1];
-		}
-		out[0] *= 1 - t;
-	}
-}
-
-void lwi_edge_bend_at( lwi_edge* e, double t, double* state )
-{
-	const lw_checker* c = e->checker;
-	const uint32_t count = c->base->group.variable_count, degree = e->bend->degree;
-	double weights[LW_CURVE_MOST_DEGREE + 1], of_differences[LW_CURVE_MOST_DEGREE + 1];
-	bernstein( degree, t, weights );
-	bernstein( degree - 1, t, of_differences );
-	memcpy( state, e->full_a, c->base->robot->variable_count * sizeof( double ) );
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		const double* p = e->bend->points + i;
-		const uint32_t v = c->base->group.variables[i];
-		double value = weights[0] * p[0], speed = 0;
-		for ( uint32_t k = 1; k <= degree; ++k )
-		{
-			value += weights[k] * p[k * count];
-			speed += of_differences[k - 1] * ( p[k * count] - p[( k - 1 ) * count] );
-		}
-		state[v] = e->ranges[0][v] < e->ranges[1][v] ? value : p[0]; // quaternions stay as they are given
-		e->speed_now[v] = degree * speed;
-	}
-}
-
-/// The full state at t. All but the group's variables are those of both ends.
-static void interpolate( lwi_edge* e, double t, double* state )
-{
-	const lw_checker* c = e->checker;
-	if ( e->bend != NULL )
-	{
-		lwi_edge_bend_at( e, t, state );
-		return;
-	}
-	if ( c->base->tree->floating_count > 0 )
-	{
-		lw_robot_interpolate( c->base->robot, e->full_a, e->full_b, t, state );
-		return;
-	}
-	memcpy( state, e->full_a, c->base->robot->variable_count * sizeof( double ) );
-	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
-	{
-		uint32_t v = c->base->group.variables[i];
-		state[v] = lwi_interpolate_variable( &c->base->robot->variables[v], e->qa[i], e->qb[i], t );
-	}
-}
-
-const double* lwi_edge_state( lwi_edge* e, double t )
-{
-	if ( t == 0 || t == 1 )
-	{
-		return t == 0 ? e->qa : e->qb;
-	}
-	interpolate( e, t, e->full_t );
-	for ( uint32_t i = 0; i < e->checker->base->group.variable_count; ++i )
-	{
-		e->group_t[i] = e->full_t[e->checker->base->group.variables[i]];
-	}
-	return e->group_t;
-}
-
-bool lwi_edge_is_covered( const lwi_edge* e )
-{
-	bool covered = lwi_checker_covers( e->checker, e->query, e->qa, e->qb );
-	for ( uint32_t i = 1; covered && e->bend != NULL && i < e->bend->degree; ++i )
-	{
-		const double* point = e->bend->points + (size_t)i * e->checker->base->group.variable_count;
-		covered = lwi_checker_covers( e->checker, e->query, point, point );
-	}
-	return covered;
-}
-
-bool lwi_edge_stays_near( const lwi_edge* e, double limit )
-{
-	bool near = lwi_checker_stays_near( e->checker, e->qa, e->qb, limit );
-	for ( uint32_t i = 1; near && e->bend != NULL && i < e->bend->degree; ++i )
-	{
-		const double* point = e->bend->points + (size_t)i * e->checker->base->group.variable_count;
-		near = lwi_checker_stays_near( e->checker, point, point, limit );
-	}
-	return near;
-}
-
 bool lwi_edge_pose( lwi_edge* e, double t )
 {
 	if ( t == e->posed_t )
@@ -312,7 +18,7 @@ bool lwi_edge_pose( lwi_edge* e, double t )
 		return true;
 	}
 	e->posed_t = NAN;
-	if ( lwi_checker_pose( e->checker, e->query, lwi_edge_state( e, t ) ) != LW_OK )
+	if ( lwi_checker_pose( e->checker, e->query, lwi_path_state( e, t ) ) != LW_OK )
 	{
 		e->failed = true;
 		return false;
@@ -323,6 +29,23 @@ bool lwi_edge_pose( lwi_edge* e, double t )
 }
 
 // ---- poses of clusters ----------------------------------------------------------------------------------------------
+
+void lwi_edge_forget_poses( lwi_edge* e )
+{
+	e->posed_t = NAN;
+	for ( int i = 0; i < 2; ++i )
+	{
+		e->triplets[i].cluster = LW_INVALID_INDEX;
+	}
+	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
+	{
+		e->frame_t[i] = NAN;
+	}
+	for ( uint32_t i = 0; i < e->checker->base->tree->cluster_count; ++i )
+	{
+		e->velocities[i].stamp = 0; // no state has it
+	}
+}
 
 /// The place of a state's poses: by a multiplicative hash, so that neighbours on all levels get along (Knuth, TAOCP 6.4).
 static size_t frame_at( lwi_edge* e, double t )
@@ -342,7 +65,7 @@ static size_t frame_at( lwi_edge* e, double t )
 		}
 		else
 		{
-			interpolate( e, t, state );
+			lwi_path_full_state( e, t, state );
 		}
 		double* cosines = e->frame_sincos + 2 * frame * lwi_padded_clusters( e->checker->base->tree );
 		lwi_sincos_joints( e->checker, e->query, state, cosines, cosines + lwi_padded_clusters( e->checker->base->tree ) );
@@ -410,9 +133,9 @@ const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t cluster )
 	const lw_checker* c = e->checker;
 	const lwi_cluster* clusters = c->base->tree->clusters;
 	const uint64_t stamp = e->query->pose.state_stamp;
-	if ( e->bend != NULL && e->speed_t != e->posed_t )
+	if ( lwi_path_is_curve( e ) && e->speed_t != e->posed_t )
 	{
-		lwi_edge_bend_at( e, e->posed_t, e->full_t );
+		lwi_path_curve_at( e, e->posed_t, e->full_t );
 		lwi_motion_set_speeds( c->base->motion, e->motion, e->speed_now );
 		e->speed_t = e->posed_t;
 	}

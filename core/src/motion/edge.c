@@ -2,11 +2,15 @@
 // Edges: certified validation by clearance against motion bounds, and the classic check at fixed steps.
 // Proofs, cost and rounding: core/docs/edges.md.
 #include "motion/edge.h"
+#include "base/arena.h"
 #include "base/math_inline.h"
+
+#include <string.h>
 
 enum
 {
-	EDGE_COOKIE = 0x6c774564 // "lwEd"
+	EDGE_COOKIE = 0x6c774564, // "lwEd"
+	SPARE_WINDOWS = 1024      ///< places on the list of windows beyond four per pair
 };
 
 lw_edge_def lw_edge_def_default( void )
@@ -23,12 +27,83 @@ lw_edge_def lw_edge_def_default( void )
 		.cookie = EDGE_COOKIE };
 }
 
+// ---- scratch ---------------------------------------------------------------------------------------------------------
+
+/// Lays the scratch out from `memory`; returns its size. Called with NULL to measure, then to place.
+static size_t lay_out( lwi_edge* e, void* memory )
+{
+	lwi_arena arena = lwi_arena_begin( memory, 0 );
+	const lw_checker* c = e->checker;
+	const size_t clusters = c->base->tree->cluster_count;
+	uint32_t variables = c->base->robot->variable_count;
+	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
+	e->velocities = lwi_arena_take( &arena, clusters, sizeof( lwi_edge_velocity ) );
+	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->base->motion ), 1 );
+	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->curve.part =
+		lwi_arena_take( &arena, ( LW_CURVE_MOST_DEGREE + 1 ) * (size_t)c->base->group.variable_count, sizeof( double ) );
+	e->curve.size = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
+	for ( int i = 0; i < 4; ++i )
+	{
+		e->ranges[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
+	}
+	e->speed_now = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
+	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
+	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
+	e->frame_sincos =
+		lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_clusters( c->base->tree ), sizeof( double ) );
+	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( bool ) );
+	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
+	e->speeds = lwi_arena_take( &arena, clusters * LWI_WIDTH, sizeof( double ) );
+	e->pair_capacity = c->base->moving_body_count + c->base->self.pair_count;
+	e->work.capacity = 4 * e->pair_capacity + SPARE_WINDOWS;
+	e->pairs = lwi_arena_take( &arena, e->pair_capacity, sizeof( lwi_edge_pair ) );
+	e->work.windows = lwi_arena_take( &arena, e->work.capacity, sizeof( lwi_open_window ) );
+	return arena.used;
+}
+
+bool lwi_edge_begin( lwi_edge* edge )
+{
+	lw_query* query = edge->query;
+	if ( lay_out( edge, query->scratch.edge ) > query->capacity.edge_bytes )
+	{
+		return false;
+	}
+	lwi_checker_bind( edge->checker, query );
+	if ( edge->memory->bindings != query->pose.bindings )
+	{
+		memset( edge->memory, 0, sizeof( *edge->memory ) );
+		edge->memory->bindings = query->pose.bindings;
+	}
+	edge->apart = edge->spare = INFINITY;
+	lwi_edge_forget_poses( edge );
+	if ( !lwi_path_is_curve( edge ) )
+	{
+		lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
+		lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
+	}
+	return true;
+}
+
+size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
+{
+	lwi_edge edge = { .checker = checker };
+	// Each more may move, and meet all others: the memory of lay_out() for as many pairs, and its rounding of five arrays
+	size_t pairs = spare_bodies * ( 1 + (size_t)checker->base->robot->body_count + spare_bodies );
+	size_t more = pairs * ( sizeof( lwi_edge_pair ) + 4 * sizeof( lwi_open_window ) ) + 5 * LWI_ALIGNMENT +
+				  spare_bodies * ( sizeof( lwi_batch_point ) + sizeof( bool ) + LWI_WIDTH * sizeof( double ) ) +
+				  lwi_motion_scratch_spare( spare_bodies );
+	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );
+}
+
+// ---- certified -------------------------------------------------------------------------------------------------------
+
 static lw_status check_certified( lwi_edge* e )
 {
-	if ( !lwi_edge_measure_motion( e ) )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
 	bool free_edge = lwi_edge_prove( e );
 	if ( e->failed )
 	{
@@ -43,6 +118,13 @@ static lw_status check_certified( lwi_edge* e )
 	}
 	e->out->lower_bound = 0;
 	e->out->proved_until = e->def->want_proved_until ? lwi_edge_proved_run( e ) : 0;
+	if ( lwi_path_is_curve( e ) )
+	{
+		const double start = e->curve.start, width = e->curve.end - e->curve.start;
+		const double proved = start + width * e->out->proved_until * LWI_EDGE_INWARD;
+		e->out->t = start + width * e->out->t;
+		e->out->proved_until = e->def->want_proved_until && proved < e->out->t ? proved : 0;
+	}
 	return e->failed ? LW_ERROR_INVALID_ARGUMENT : LW_OK;
 }
 
@@ -140,7 +222,7 @@ static bool tolerance_is_valid( const lw_checker* checker, const double* toleran
 	return valid;
 }
 
-lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def )
+static lw_status check_def( const lw_checker* checker, const lw_edge_def* def )
 {
 	if ( def == NULL || def->cookie != EDGE_COOKIE )
 	{
@@ -151,15 +233,14 @@ lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def 
 	return valid ? LW_OK : LW_ERROR_INVALID_ARGUMENT;
 }
 
-lw_edge_result lwi_edge_unknown( uint32_t queries )
+static lw_edge_result unknown( uint32_t queries )
 {
-	return (lw_edge_result){ .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown(), .queries = queries };
+	return ( lw_edge_result ){ .verdict = LW_VERDICT_UNKNOWN, .pair = lw_clearance_unknown(), .queries = queries };
 }
 
 /// Fills in the verdict of an edge whose inputs are set.
 static lw_status check( lwi_edge* e )
 {
-	e->posed_t = e->speed_t = NAN;
 	if ( !lwi_edge_begin( e ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT; // a query that was made without a checker, or for a smaller one
@@ -168,7 +249,7 @@ static lw_status check( lwi_edge* e )
 	if ( status != LW_OK )
 	{
 		status = e->failure != LW_OK ? e->failure : status;
-		*e->out = lwi_edge_unknown( e->out->queries );
+		*e->out = unknown( e->out->queries );
 	}
 	return status;
 }
@@ -180,8 +261,8 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	*out = lwi_edge_unknown( 0 );
-	const lw_status status = lwi_edge_check_def( checker, def );
+	*out = unknown( 0 );
+	const lw_status status = check_def( checker, def );
 	if ( status != LW_OK )
 	{
 		return status;
@@ -201,12 +282,49 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 	return check( &e );
 }
 
-lw_status lwi_edge_along( const lw_checker* checker, lw_query* query, const lwi_edge_bend* bend, const lw_edge_def* def,
-	lw_edge_result* out )
+/// Finite control points; quaternions must stay.
+static bool points_are_valid( const lwi_edge* e )
 {
-	const double* last = bend->points + (size_t)bend->degree * checker->base->group.variable_count;
-	*out = lwi_edge_unknown( 0 );
-	lwi_edge e =
-		{ .checker = checker, .query = query, .def = def, .out = out, .qa = bend->points, .qb = last, .bend = bend };
-	return check( &e );
+	const lw_robot* robot = e->checker->base->robot;
+	const uint32_t count = e->checker->base->group.variable_count;
+	for ( uint32_t v = 0; v < count; ++v )
+	{
+		const lw_variable_info* variable = &robot->variables[e->checker->base->group.variables[v]];
+		const bool quaternion = robot->joints[variable->joint].type == LW_JOINT_FLOATING && variable->component >= 3;
+		for ( uint32_t i = 0; i <= e->curve.degree; ++i )
+		{
+			const double value = e->curve.points[i * count + v];
+			if ( !isfinite( value ) || ( quaternion && value != e->curve.points[v] ) )
+			{
+				return false;
+			}
+		}
+	}
+	return true;
+}
+
+lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
+	const lw_edge_def* def, lw_edge_result* out )
+{
+	if ( out == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	*out = unknown( 0 );
+	const lw_status status = check_def( checker, def );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	if ( query == NULL || points == NULL || degree < 1 || degree > LW_CURVE_MOST_DEGREE ||
+		 def->method != LW_EDGE_CERTIFIED || !lwi_query_fits( query, checker ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	lwi_edge e = { .checker = checker,
+		.query = query,
+		.def = def,
+		.out = out,
+		.curve = { .points = points, .degree = degree } };
+	return points_are_valid( &e ) ? check( &e ) : LW_ERROR_INVALID_ARGUMENT;
 }

@@ -70,21 +70,24 @@ typedef enum lwi_edge_plane_result
 	LWI_EDGE_MEASURE  ///< nothing is known
 } lwi_edge_plane_result;
 
-/// A cell that is not proved for a pair.
-typedef struct lwi_open_interval
+/// A window that is not proved for a pair: [cell, cell + 1] / 2^level of the part that is searched.
+typedef struct lwi_open_window
 {
-	uint64_t cell; ///< [cell, cell + 1] / 2^level
-	uint32_t pair;
-	uint8_t skip;  ///< levels to pass through without a sample
-	bool open;     ///< not proved yet
-} lwi_open_interval;
+	uint64_t cell;
+	uint32_t pair; ///< LW_INVALID_INDEX: everything, in a first window
+	uint8_t level;
+	uint8_t skip; ///< halvings before the next measurement
+} lwi_open_window;
 
-/// The open intervals of one level, by cell.
-typedef struct lwi_edge_level
+/// All windows that are not proved. Only motion/work.c changes it.
+typedef struct lwi_work
 {
-	lwi_open_interval* intervals; ///< [interval_capacity]
-	uint32_t count;
-} lwi_edge_level;
+	lwi_open_window* windows; ///< [capacity] first windows, leftmost last; from `head` to `tail` those of pairs, by cell
+	uint32_t capacity, first_count, head, tail;
+	double end;        ///< of the searched part, [0, end] of the path
+	double end_proved; ///< all but the open windows is proved up to here
+	bool from_left;    ///< the leftmost window is next; else the widest
+} lwi_work;
 
 /// Part of the edge: |u - t| <= half.
 typedef struct lwi_edge_window
@@ -112,14 +115,28 @@ typedef struct lwi_edge_velocity
 	const double* tubes;          ///< [depth] likewise, metres; used if the edge has a tolerance
 } lwi_edge_velocity;
 
-/// A Bezier curve, or a piece of one, in place of the straight motion.
-typedef struct lwi_edge_bend
+/// A Bezier curve in place of the straight motion, and the piece of it that is proved.
+typedef struct lwi_edge_curve
 {
-	const double* points; ///< [degree + 1][group variables]
-	uint32_t degree;
-	const double* deviation; ///< [group variables] from the chord, see curve.c
-	bool same_way;           ///< the chord, too, turns all joints as the numbers say
-} lwi_edge_bend;
+	const double* points; ///< [degree + 1][group variables] of the whole curve
+	uint32_t degree;      ///< 0: straight
+	double start, end;    ///< of the piece
+	double* part;         ///< [degree + 1][group variables] its control points
+	double* size;         ///< [group variables] of their rounding; 0: the variable stays, such as a quaternion's
+} lwi_edge_curve;
+
+enum
+{
+	LWI_PATH_MOST_DEPTH = 38, ///< of halving a curve; ends of pieces are exact in double
+	LWI_RUN_STATES = 8,       ///< for proved_until, at least; as many as for the verdict if those are more
+	LWI_FIRST_STATES = 32     ///< the same while nothing is proved: an edge may begin within the slack, as grips do
+};
+
+/// A run ends where the next window is a smaller share of the proved part.
+#define LWI_LEAST_GAIN 0.01
+
+/// Metres. A piece of a curve that bends more is halved at once. Measured: core/docs/lab/motions.md.
+#define LWI_MOST_BEND 0.15
 
 typedef struct lwi_edge
 {
@@ -129,17 +146,15 @@ typedef struct lwi_edge
 	lw_edge_result* out;
 	const double* qa;
 	const double* qb;
-	const lwi_edge_bend* bend; ///< NULL: straight from qa to qb, else these are its ends
+	lwi_edge_curve curve;      ///< qa and qb are the ends of its piece
 	double* ranges[4];         ///< [robot variable_count] of lwi_motion_ranges; used along curves
 	double* speed_now;         ///< [robot variable_count] derivative at speed_t, likewise
 	double speed_t;            ///< of the speeds in `motion`
-	double chord_tube;         ///< metres: no body is farther from its place on the chord of the curve; 0: straight
 	void* motion;   ///< scratch of the motion table
 	double* full_a; ///< [robot variable_count]
 	double* full_b;
 	double* full_t;
-	double* curve;                 ///< of lw_checker_curve(): no edge changes it
-	double* tolerance;             ///< [robot variable_count] of the full state; used if `tube` > 0
+	double* tolerance;             ///< [robot variable_count] of the full state; bounds of a tolerance around the path
 	double* group_t;               ///< [variable_count]
 	lwi_edge_memory* memory;       ///< of this edge and the ones before
 	double* frame_t;               ///< [LWI_EDGE_FRAMES] states whose cluster poses are kept; NaN: unused
@@ -152,8 +167,8 @@ typedef struct lwi_edge
 	lwi_edge_pose_triplet triplets[2]; ///< the last two computed
 	int last_triplet;
 	lwi_edge_pair* pairs;  ///< [pair_capacity]
-	lwi_edge_level levels[2];
-	uint32_t pair_count, pair_capacity, interval_capacity;
+	lwi_work work;
+	uint32_t pair_count, pair_capacity;
 	double longest;         ///< V: the largest path length of a cluster along the edge
 	double static_rounding; ///< of the poses of static bodies
 	double rounding[2];     ///< subtracted from a lower bound of a pair's clearance; [1] of a self pair
@@ -167,7 +182,6 @@ typedef struct lwi_edge
 	double posed_t;         ///< the state the query is posed at; NaN if none
 	bool probed;            ///< whole states were tested for a collision
 	uint32_t most_states;   ///< out->queries at which the proof is given up
-	bool runs;              ///< the run from the start is being proved: slacks follow the room there
 	bool failed;            ///< a state could not be posed or measured
 	lw_status failure;      ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
@@ -184,48 +198,49 @@ typedef struct lwi_edge_sample
 
 // --- motion/edge.c -------------------------------------------------------------------------------------------------------
 
-/// The result of a call that fails, after so many queries.
-lw_edge_result lwi_edge_unknown( uint32_t queries );
-
-/// LW_OK, or the status of a def, or of a checker, that cannot be used.
-lw_status lwi_edge_check_def( const lw_checker* checker, const lw_edge_def* def );
-
-/// lw_checker_edge() along a curve, whose control points are finite. @param def valid, certified
-lw_status lwi_edge_along( const lw_checker* checker, lw_query* query, const lwi_edge_bend* bend, const lw_edge_def* def,
-	lw_edge_result* out );
-
-// --- motion/displacement.c ------------------------------------------------------------------------------------------------
-
 /// Bytes of scratch that edges of this checker need. @param spare_bodies that the robot may have beyond those it has, and as
 /// many links
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
 
-/// [2 (LW_CURVE_MOST_DEGREE + 1) + 4][group variables] + [robot variable_count] doubles that no edge changes. NULL if the
-/// query's scratch is too small.
-double* lwi_edge_curve_scratch( const lw_checker* checker, lw_query* query );
-
-/// Lays the scratch of the query out and fills the full states of both ends. `edge` has its checker, query, qa and qb.
-/// @return false if the query's scratch is too small
+/// Lays the scratch of the query out. @return false if it is too small
 bool lwi_edge_begin( lwi_edge* edge );
 
-/// Measures the motion of the edge. @return false for an edge that cannot be measured
-bool lwi_edge_measure_motion( lwi_edge* edge );
+// --- motion/path.c --------------------------------------------------------------------------------------------------------
 
-/// The state at t; the ends are the given states themselves.
-const double* lwi_edge_state( lwi_edge* edge, double t );
+typedef enum lwi_path_result
+{
+	LWI_PATH_READY,
+	LWI_PATH_BENT,  ///< a piece that bends so much that its halves are to be begun
+	LWI_PATH_FAILED ///< it cannot be measured
+} lwi_path_result;
+
+/// Begins [cell, cell + 1] / 2^level of a curve, or a straight edge (0, 0): ends, bounds of its motion, rounding.
+lwi_path_result lwi_path_begin( lwi_edge* edge, uint64_t cell, uint8_t level );
+
+static inline bool lwi_path_is_curve( const lwi_edge* edge )
+{
+	return edge->curve.degree > 0;
+}
+
+/// The group's variables at t; the ends are the given states themselves.
+const double* lwi_path_state( lwi_edge* edge, double t );
+
+/// The full state at t. All but the group's variables are those of both ends.
+void lwi_path_full_state( lwi_edge* edge, double t, double* state );
 
 /// The full state of a curve at t, and its derivative: `state`, edge->speed_now.
-void lwi_edge_bend_at( lwi_edge* edge, double t, double* state );
+void lwi_path_curve_at( lwi_edge* edge, double t, double* state );
 
-/// Largest absolute second difference of a variable's control points, [degree + 1] so many numbers apart. Each is off by the
-/// roundings of two first differences.
-double lwi_edge_second_difference( const double* points, uint32_t degree, uint32_t stride );
+/// Do the tables of the reach hold along all of the path?
+bool lwi_path_is_covered( const lwi_edge* edge );
 
-/// Do the tables of the reach hold along the whole edge?
-bool lwi_edge_is_covered( const lwi_edge* edge );
+/// lwi_checker_stays_near() for all of the path.
+bool lwi_path_stays_near( const lwi_edge* edge, double limit );
 
-/// lwi_checker_stays_near() for the whole edge.
-bool lwi_edge_stays_near( const lwi_edge* edge, double limit );
+// --- motion/displacement.c ------------------------------------------------------------------------------------------------
+
+/// Forgets poses and velocities: of another path.
+void lwi_edge_forget_poses( lwi_edge* edge );
 
 /// Poses the query at t. @return false if that failed; edge->failed is set
 bool lwi_edge_pose( lwi_edge* edge, double t );
@@ -330,14 +345,14 @@ static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t ce
 					  : ( cells >> ( cell >> -finer ) & 1 ) != 0;
 }
 
-/// Is a pair above min_d at t? Only a collision, which ends the proof, is false.
-bool lwi_edge_pair_is_free( lwi_edge* edge, const lwi_edge_pair* pair, double t );
-
 /// The verdict for a sample that ends the proof; always false. An undecided verdict never replaces a collision found elsewhere.
 bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_pair* pair, double t, const lwi_edge_sample* sample );
 
 /// Lower bound of the static bodies' clearance; +infinity if the query does not cover them.
 double lwi_edge_static_lower( const lwi_edge* edge );
+
+/// Are the static bodies above min_d? If not, that is the verdict.
+bool lwi_edge_static_is_free( lwi_edge* edge );
 
 static inline bool lwi_edge_pair_is_self( const lwi_edge_pair* pair )
 {
@@ -379,12 +394,9 @@ void lwi_edge_prepare_pair( lwi_edge* edge, lwi_edge_pair* pair );
 // --- motion/midpoint_pass.c -----------------------------------------------------------------------------------------------
 
 /// Measures everything at window.t, at which clusters were measured, clusters first. Unproved pairs are added to edge->pairs
-/// and, as an open interval, cell 0, to `level`. With many unproved pairs whole states are probed.
+/// and to the list of windows. With many of them whole states are probed.
 /// @return false if the proof ends here: something is blocked or undecided
-bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window, lwi_edge_level* level );
-
-/// Measures the pairs of an interval batch at the edge's middle, and continues like lwi_edge_midpoint_pass().
-bool lwi_edge_midpoint_pairs( lwi_edge* edge, lwi_edge_level* level );
+bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window );
 
 /// True if a separation that holds along all of the edge, less margins, is at least the clearance of a certificate.
 /// @param tube metres: by which motions within the tolerance may reduce it
@@ -420,13 +432,15 @@ bool lwi_edge_probe( lwi_edge* edge, uint32_t work );
 /// Probes whole states after a proof that was given up.
 void lwi_edge_probe_undecided( lwi_edge* edge );
 
-/// Probes the pairs of an interval batch in the middles of the cells that have most of them. @return false if there is a
-/// collision
-bool lwi_edge_probe_cells( lwi_edge* edge );
+// --- motion/work.c ------------------------------------------------------------------------------------------------------
 
-// --- motion/prove.c ----------------------------------------------------------------------------------------------------
+/// Empties the list, but for one first window. @param from_left the leftmost window is always next
+void lwi_work_begin( lwi_edge* edge, double end, bool from_left );
 
-/// Proves all pairs on [0, 1] and lowers out->lower_bound, or sets the verdict. @return true if the edge is free
+/// Adds a pair that a first window leaves open: its halves are next. @param skip halvings before the next measurement
+void lwi_work_add( lwi_edge* edge, uint32_t pair, uint8_t skip );
+
+/// Proves all pairs on the whole path and lowers out->lower_bound, or sets the verdict. @return true if it is free
 bool lwi_edge_prove( lwi_edge* edge );
 
 /// The right end of the run that is proved for every pair from t = 0, before the failure at out->t.

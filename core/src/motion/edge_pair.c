@@ -216,7 +216,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 bool lwi_edge_fail( lwi_edge* e, const lwi_edge_pair* pair, double t, const lwi_edge_sample* s )
 {
 	lw_edge_result* out = e->out;
-	if ( s->blocked || ( out->verdict != LW_VERDICT_BLOCKED && !e->runs ) )
+	if ( s->blocked || ( out->verdict != LW_VERDICT_BLOCKED && !e->work.from_left ) )
 	{
 		out->verdict = s->blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_UNDECIDED;
 		out->t = t;
@@ -226,25 +226,21 @@ bool lwi_edge_fail( lwi_edge* e, const lwi_edge_pair* pair, double t, const lwi_
 	return false;
 }
 
-bool lwi_edge_pair_is_free( lwi_edge* e, const lwi_edge_pair* pair, double t )
-{
-	double min_d = e->def->min_d;
-	lwi_edge_sample s = { .clearance = lw_clearance_unknown() };
-	const lwi_threshold collision = { { min_d, nextafter( min_d, INFINITY ), 0 }, 0, 0 };
-	if ( !lwi_edge_pose( e, t ) )
-	{
-		return false;
-	}
-	if ( !ask( e, pair, &collision, &s.clearance ) )
-	{
-		return false;
-	}
-	s.blocked = s.clearance.upper <= min_d;
-	return !s.blocked || lwi_edge_fail( e, pair, t, &s );
-}
-
 double lwi_edge_static_lower( const lwi_edge* e )
 {
 	bool asked = ( e->def->flags & LW_CHECK_ENVIRONMENT ) != 0;
 	return asked ? e->checker->nearest_static.clearance.lower - e->static_rounding : INFINITY;
+}
+
+bool lwi_edge_static_is_free( lwi_edge* e )
+{
+	if ( lwi_edge_static_lower( e ) > e->def->min_d )
+	{
+		return true;
+	}
+	const lw_clearance* fixed = &e->checker->nearest_static.clearance;
+	e->out->verdict = fixed->upper <= e->def->min_d ? LW_VERDICT_BLOCKED : LW_VERDICT_UNDECIDED;
+	e->out->t = 0;
+	e->out->pair = *fixed;
+	return false;
 }

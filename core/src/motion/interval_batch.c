@@ -58,7 +58,7 @@ static void curved_values( const interval_batch* batch, double* values, double* 
 	lwi_edge* e = batch->e;
 	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
 	{
-		lwi_edge_bend_at( e, ( l + 0.5 ) / LWI_WIDTH, e->full_t );
+		lwi_path_curve_at( e, ( l + 0.5 ) / LWI_WIDTH, e->full_t );
 		for ( uint32_t i = 1; i < batch->tree->cluster_count; ++i )
 		{
 			const lwi_batch_joint* joint = &batch->tree->batch_joints[i];
@@ -70,7 +70,7 @@ static void curved_values( const interval_batch* batch, double* values, double* 
 
 static void values_of( const interval_batch* batch, double* values, double* speeds )
 {
-	if ( batch->e->bend != NULL )
+	if ( lwi_path_is_curve( batch->e ) )
 	{
 		curved_values( batch, values, speeds );
 		return;
@@ -258,7 +258,7 @@ static void batch_environment( const interval_batch* batch )
 	{
 		return;
 	}
-	const bool near_only = lwi_edge_stays_near( e, e->enough[0] + e->tube );
+	const bool near_only = lwi_path_stays_near( e, e->enough[0] + e->tube );
 	for ( uint32_t i = batch->tree->cluster_count; i-- > 1; )
 	{
 		const lwi_cluster* n = &batch->tree->clusters[i];
@@ -404,7 +404,7 @@ static void batch_self( const interval_batch* batch )
 	{
 		return;
 	}
-	const bool covered = lwi_edge_is_covered( e );
+	const bool covered = lwi_path_is_covered( e );
 	const cluster_pair any = any_cluster_pair( batch ); // mostly that is all
 	for ( uint32_t i = 0; i < count; ++i )
 	{

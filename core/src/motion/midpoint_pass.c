@@ -13,10 +13,8 @@ typedef struct midpoint_pass
 {
 	lwi_edge* edge;
 	lwi_edge_window window;
-	lwi_edge_level* level;
 	uint32_t work; ///< remaining work: cells on which pairs have to be measured
-	bool covered; ///< the whole edge by the reach
-	bool moves;   ///< all clusters have a twist, and turn so little that the bounds for moving proxies hold
+	bool covered;  ///< the whole edge by the reach
 } midpoint_pass;
 
 /// Poses all clusters.
@@ -68,7 +66,7 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 	}
 	if ( !sample.proved )
 	{
-		s->level->intervals[s->level->count++] = (lwi_open_interval){ 0, e->pair_count, sample.skip, true };
+		lwi_work_add( e, e->pair_count, sample.skip );
 		pair.cells = 0xff;
 		e->pairs[e->pair_count++] = pair;
 		s->work += 1u << sample.skip;
@@ -192,12 +190,11 @@ bool lwi_edge_is_apart( lwi_edge* e, float separation, double tube )
 bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b, double tube )
 {
 	const lw_checker* c = e->checker;
-	if ( slice == NULL || !( e->chord_tube < INFINITY ) )
+	if ( slice == NULL || lwi_path_is_curve( e ) ) // grids know straight edges
 	{
 		return false;
 	}
-	// the grid knows the chord of a curve
-	double loss = lwi_self_margin( c->base, body_a, body_b ) + tube + 2 * e->chord_tube, least = required_clearance( e );
+	double loss = lwi_self_margin( c->base, body_a, body_b ) + tube, least = required_clearance( e );
 	double apart =
 		lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->full_a, e->full_b, least + loss ) - loss;
 	if ( !( apart > least ) )
@@ -235,43 +232,6 @@ static uint32_t near_bodies( midpoint_pass* s, const lwi_cluster_pair* pair )
 	return lwi_checker_near_pairs( c, e->query, index, e->enough[1] + displacement * LWI_EDGE_OUTWARD );
 }
 
-/// A sphere of the robot in the middle of the window, and how its velocity takes it on until the end.
-typedef struct moving_proxy
-{
-	const lwi_edge_velocity* velocity;
-	lw_vec3 center, displacement;
-	double radius; ///< includes the rounding of its centre
-} moving_proxy;
-
-static moving_proxy make_proxy( midpoint_pass* s, uint32_t cluster, const lw_sphere* sphere )
-{
-	lwi_edge* e = s->edge;
-	moving_proxy m = { .velocity = lwi_edge_velocity_of( e, cluster ) }; // poses the cluster
-	const lw_transform* pose = &e->query->pose.world_from_link[e->checker->base->tree->clusters[cluster].root_link];
-	m.center = lwi_transform( pose, lwi_load( sphere->center ) );
-	m.displacement = displacement_of( s, m.velocity, m.center );
-	m.radius = sphere->radius + e->query->pose.sphere_rounding;
-	return m;
-}
-
-/// Do two proxies come near each other, by their velocities in the frame of their ancestor? The test of interval batches, in
-/// double.
-static bool proxies_meet( const midpoint_pass* s, const moving_proxy* a, const moving_proxy* b, uint32_t ancestor,
-	double margin )
-{
-	const lwi_edge* e = s->edge;
-	const lwi_edge_velocity* above = &e->velocities[ancestor];
-	const lwi_motion_rate rate_a = lwi_edge_rate( a->velocity, above ), rate_b = lwi_edge_rate( b->velocity, above );
-	const lw_vec3 d = lwi_sub( a->center, b->center ), displacement = lwi_sub( a->displacement, b->displacement );
-	const double half = s->window.half, length = lwi_length( d ), path = half * ( rate_a.path + rate_b.path ) * LWI_EDGE_OUTWARD;
-	const double bulge = lwi_edge_bulge( e, rate_a, half ) + lwi_edge_bulge( e, rate_b, half );
-	const double closer = fabs( lwi_dot( d, displacement ) ) * LWI_EDGE_OUTWARD / length + bulge;
-	// the direction is off by the error of both centres, and so is the component of the ancestor's turn along it
-	const double tube = lwi_edge_tube( e, a->velocity, above ) + lwi_edge_tube( e, b->velocity, above );
-	const double reach = a->radius + b->radius + e->enough[1] + margin + tube + 4 * e->rounding[1];
-	return !( length * LWI_EDGE_INWARD >= reach + ( closer < path ? closer : path ) );
-}
-
 /// The bodies of two clusters whose spheres come near each other.
 static bool test_near_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 {
@@ -302,79 +262,6 @@ static bool test_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 		   test_near_clusters( s, pair );
 }
 
-// ---- proxies --------------------------------------------------------------------------------------------------------
-
-static double size_of( lw_vec3 v )
-{
-	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
-}
-
-/// All proxies, and in blocks of [LWI_MOVING_ROWS][LWI_WIDTH] floats, about the robot's root, their bulges in the radii.
-/// Returns the slack of gaps between them.
-static double make_proxies( midpoint_pass* s, moving_proxy* all, float* blocks )
-{
-	lwi_edge* e = s->edge;
-	const lwi_cluster_tree* tree = e->checker->base->tree;
-	const lw_vec3 origin = lwi_load( e->query->pose.world_from_link[tree->clusters[0].root_link].t );
-	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
-	double size = 0;
-	for ( uint32_t i = 0; i < tree->self.proxies.count; ++i )
-	{
-		all[i] = make_proxy( s, tree->self.proxies.cluster[i], &tree->self.proxies.sphere[i] );
-		const lw_vec3 center = lwi_sub( all[i].center, origin ), displacement = all[i].displacement;
-		const double radius = all[i].radius +
-							  lwi_edge_bulge( s->edge, lwi_edge_rate( all[i].velocity, root ), s->window.half ) +
-							  lwi_edge_tube( e, all[i].velocity, root );
-		const double rows[LWI_MOVING_ROWS] = { center.x, center.y, center.z, radius * ( 1 + 0x1p-21 ), displacement.x,
-			displacement.y, displacement.z };
-		float* lane = blocks + (size_t)LWI_MOVING_ROWS * LWI_WIDTH * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
-		for ( int row = 0; row < LWI_MOVING_ROWS; ++row )
-		{
-			lane[row * LWI_WIDTH] = (float)rows[row];
-		}
-		size = lwi_larger( size, size_of( center ) + size_of( displacement ) + 2 * radius );
-	}
-	return lwi_gap_slack( 4 * size );
-}
-
-/// All pairs of proxies at once, by their spheres.
-static bool test_proxies( midpoint_pass* s )
-{
-	lwi_edge* e = s->edge;
-	const lwi_cluster_tree* tree = e->checker->base->tree;
-	const lwi_self_proxies* proxies = &tree->self.proxies;
-	if ( s->covered && lwi_edge_is_apart( e, proxies->separation, 2 * e->tube ) )
-	{
-		return true;
-	}
-	lwi_edge_note_proof( e ); // for the bodies that are not near
-	float blocks[LWI_PROXY_BLOCKS * LWI_MOVING_ROWS * LWI_WIDTH] = { 0 };
-	moving_proxy all[LWI_FEW_PROXIES];
-	uint16_t near[LWI_FEW_PROXIES * LWI_FEW_PROXIES / 2];
-	const double slack = make_proxies( s, all, blocks );
-	const double reach = e->enough[1] + 4 * e->rounding[1] + proxies->largest_margin + slack;
-	const uint32_t count = e->query->search.kernels->moving_pairs( blocks, proxies->count, proxies->mask, proxies->stride,
-		lwi_round_up( reach * ( 1 + 0x1p-21 ) ), near );
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		const uint32_t a = near[i] / 256, b = near[i] % 256;
-		const lwi_proxy_pair* pair = lwi_proxy_pair_of( proxies, a, b );
-		if ( ( s->covered && lwi_edge_is_apart( e, pair->separation, 2 * e->tube ) ) ||
-			 !proxies_meet( s, &all[a], &all[b], pair->ancestor, (double)pair->margin ) )
-		{
-			continue;
-		}
-		const lwi_grid_slice* slice = pair->slice != LW_INVALID_INDEX ? &tree->grids.slices[pair->slice] : NULL;
-		if ( !( pair->candidate < LWI_OPEN ? test_bodies( s, pair->candidate, pair->ancestor, slice )
-										   : test_near_clusters( s, &tree->self.pairs[pair->candidate - LWI_OPEN] ) ) ||
-			 !probe( s ) )
-		{
-			return false;
-		}
-	}
-	return true;
-}
-
 // ---- all -------------------------------------------------------------------------------------------------------------
 
 static bool test_environment( midpoint_pass* s )
@@ -403,12 +290,7 @@ static bool test_self( midpoint_pass* s )
 	{
 		return true;
 	}
-	s->covered = lwi_edge_is_covered( e );
-	s->moves = c->base->tree->can_batch && lwi_edge_rotates_little( e, s->window );
-	if ( lwi_has_few_proxies( &c->base->tree->self.proxies ) && s->moves )
-	{
-		return test_proxies( s );
-	}
+	s->covered = lwi_path_is_covered( e );
 	bool go_on = true;
 	for ( uint32_t i = 0; go_on && i < count; ++i )
 	{
@@ -417,33 +299,8 @@ static bool test_self( midpoint_pass* s )
 	return go_on;
 }
 
-bool lwi_edge_midpoint_pass( lwi_edge* e, lwi_edge_window window, lwi_edge_level* level )
+bool lwi_edge_midpoint_pass( lwi_edge* e, lwi_edge_window window )
 {
-	midpoint_pass s = { .edge = e, .window = window, .level = level };
-	level->count = e->pair_count = 0;
-	return test_environment( &s ) && test_self( &s );
+	midpoint_pass s = { .edge = e, .window = window };
+	return test_environment( &s ) && test_self( &s ) && lwi_edge_probe( e, 0 );
 }
-
-bool lwi_edge_midpoint_pairs( lwi_edge* e, lwi_edge_level* level )
-{
-	const lwi_edge_window whole = { 0.5, 0.5 };
-	const uint32_t count = e->pair_count;
-	uint32_t kept = 0;
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		lwi_edge_pair* pair = &e->pairs[i];
-		const lwi_edge_sample sample = lwi_edge_measure( e, pair, whole, true );
-		if ( !sample.proved && sample.low )
-		{
-			return lwi_edge_fail( e, pair, whole.t, &sample );
-		}
-		if ( !sample.proved )
-		{
-			level->intervals[level->count++] = (lwi_open_interval){ 0, kept, sample.skip, true };
-			e->pairs[kept++] = *pair;
-		}
-	}
-	e->pair_count = kept;
-	return true;
-}
-

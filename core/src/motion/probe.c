@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Probes: single states of an edge tested for a collision, of the whole robot or of pairs.
+// Probes: single states of an edge tested for a collision.
 //
 // A collision ends a proof; a free state proves nothing. Most edges of a planner that are not free end here, long before a
 // proof would come to their collision. Policy and count of states: core/docs/edges.md.
@@ -8,9 +8,8 @@
 
 enum
 {
-	PROBE_WORK = 8,     ///< open cells from which whole states are probed
-	WORK_PER_PROBE = 6, ///< open cells of an interval batch, for each cell that is probed
-	MOST_PROBES = 14    ///< states of all probes before a proof is given up, poses of the middle again among them
+	PROBE_WORK = 8,  ///< open cells from which whole states are probed
+	MOST_PROBES = 14 ///< states of all probes before a proof is given up, poses of the middle again among them
 };
 
 bool lwi_edge_state_is_free( lwi_edge* e, double t )
@@ -20,7 +19,7 @@ bool lwi_edge_state_is_free( lwi_edge* e, double t )
 	lw_state_result state;
 	e->out->queries += t == e->posed_t ? 0 : 1;
 	e->posed_t = NAN;
-	if ( lw_checker_state( e->checker, e->query, lwi_edge_state( e, t ), e->def->flags, &range, true, &state ) != LW_OK )
+	if ( lw_checker_state( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, &range, true, &state ) != LW_OK )
 	{
 		e->failed = true;
 		e->failure = e->query->search.failure;
@@ -69,7 +68,7 @@ static bool probe_states( lwi_edge* e )
 /// takes many windows, and most edges that need one are blocked.
 bool lwi_edge_probe( lwi_edge* e, uint32_t work )
 {
-	if ( e->runs )
+	if ( e->work.from_left )
 	{
 		return true; // the run ends before a collision that is known
 	}
@@ -93,51 +92,4 @@ void lwi_edge_probe_undecided( lwi_edge* e )
 	{
 		probe_states( e ); // a collision elsewhere is worth knowing
 	}
-}
-
-// ---- pairs -----------------------------------------------------------------------------------------------------------
-
-/// Are the pairs that are open in a cell of an interval batch free at t? Pairs of neighbours, which are always open, do not
-/// count.
-static bool cell_is_free( lwi_edge* e, uint32_t cell, double t )
-{
-	for ( uint32_t i = 0; i < e->pair_count; ++i )
-	{
-		if ( !e->pairs[i].neighbours && ( e->pairs[i].cells >> cell & 1 ) != 0 &&
-			 !lwi_edge_pair_is_free( e, &e->pairs[i], t ) )
-		{
-			return false;
-		}
-	}
-	return true;
-}
-
-bool lwi_edge_probe_cells( lwi_edge* e )
-{
-	uint32_t counts[LWI_WIDTH] = { 0 }, work = 0;
-	for ( uint32_t i = 0; i < e->pair_count; ++i )
-	{
-		for ( uint32_t left = e->pairs[i].neighbours ? 0 : e->pairs[i].cells; left != 0; left &= left - 1, ++work )
-		{
-			++counts[lwi_lowest_bit( left )];
-		}
-	}
-	for ( uint32_t probes = has_room( e ) ? work / WORK_PER_PROBE : 0; probes > 0; --probes )
-	{
-		uint32_t most = 0;
-		for ( uint32_t cell = 1; cell < LWI_WIDTH; ++cell )
-		{
-			most = counts[cell] > counts[most] ? cell : most;
-		}
-		if ( counts[most] == 0 )
-		{
-			break;
-		}
-		if ( !cell_is_free( e, most, ( most + 0.5 ) / LWI_WIDTH ) )
-		{
-			return false;
-		}
-		counts[most] = 0;
-	}
-	return true;
 }

@@ -138,8 +138,6 @@ typedef struct lwi_kernels
 	/// Lanes in which a point may come within `reach` > 0 of a box or of another point, except for changes of velocity
 	uint32_t ( *batch_box )( const lwi_batch_point* point, const float min[3], const float max[3], float reach );
 	uint32_t ( *batch_pair )( const lwi_batch_point* a, const lwi_batch_point* b, float reach );
-	/// One interval, many spheres: pairs that may come within `reach` > 0, likewise; the rest as sphere_pairs
-	uint32_t ( *moving_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near );
 
 	// States in lanes: checker/states.c
 

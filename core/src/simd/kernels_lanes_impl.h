@@ -125,42 +125,6 @@ static uint32_t batch_pair( const lwi_batch_point* a, const lwi_batch_point* b, 
 		v3_sub( v3_load( a->displacement ), v3_load( b->displacement ) ), f8_set( reach ) );
 }
 
-/// Eight centres, or ways, of a block of moving spheres.
-static inline v3 moving_rows( const float* rows )
-{
-	return ( v3 ){ f8_load( rows ), f8_load( rows + LWI_WIDTH ), f8_load( rows + 2 * LWI_WIDTH ) };
-}
-
-static uint32_t moving_pairs( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float reach, uint16_t* near )
-{
-	const size_t size = (size_t)LWI_MOVING_ROWS * LWI_WIDTH;
-	uint32_t found = 0;
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		const float* mine = blocks + size * ( i / LWI_WIDTH ) + i % LWI_WIDTH;
-		const float center[3] = { mine[0], mine[LWI_WIDTH], mine[2 * LWI_WIDTH] };
-		const float displacement[3] = { mine[4 * LWI_WIDTH], mine[5 * LWI_WIDTH], mine[6 * LWI_WIDTH] };
-		const f8 radius = f8_set( mine[3 * LWI_WIDTH] + reach );
-		for ( uint32_t block = i / LWI_WIDTH; block * LWI_WIDTH < count; ++block )
-		{
-			uint32_t lanes = mask[i * stride + block];
-			if ( lanes == 0 )
-			{
-				continue;
-			}
-			const float* other = blocks + size * block;
-			const f8 apart = f8_add( radius, f8_load( other + 3 * LWI_WIDTH ) );
-			lanes &= batch_meet( v3_sub( moving_rows( other ), v3_set( center ) ),
-				v3_sub( moving_rows( other + 4 * LWI_WIDTH ), v3_set( displacement ) ), apart );
-			for ( ; lanes != 0; lanes &= lanes - 1 )
-			{
-				near[found++] = (uint16_t)( 256 * i + LWI_WIDTH * block + lwi_lowest_bit( lanes ) );
-			}
-		}
-	}
-	return found;
-}
-
 // --- states in lanes -------------------------------------------------------------------------------------------------
 
 static void lane_boxes( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach, uint8_t* near )

@@ -48,9 +48,4 @@ typedef struct lwi_lane_motion
 	float r[9][LWI_WIDTH], t[3][LWI_WIDTH];
 } lwi_lane_motion;
 
-enum
-{
-	LWI_MOVING_ROWS = 7 ///< of a block of moving spheres: centre, radius, displacement of the centre in half an interval
-};
-
 #endif
