@@ -33,19 +33,20 @@ bool pairsLeft( const lw_checker* checker, lw_query* query, const double* qa, co
 	e.query = query;
 	e.def = &def;
 	e.out = &out;
-	e.qa = qa;
-	e.qb = qb;
-	e.posed_t = NAN;
+	e.path.qa = qa;
+	e.path.qb = qb;
+	e.poses.posed_t = NAN;
 	lwi_edge_begin( &e );
-	if ( lwi_path_begin( &e, 0, 0 ) != LWI_PATH_READY || !lwi_edge_measure_clusters( &e, 0.5, 0.5 ) ||
-	     !lwi_edge_has_batch( &e ) )
+	const bool ready = lwi_path_begin( &e, 0, 0 ) == LWI_PATH_READY;
+	lwi_edge_begin_pairs( &e );
+	if ( !ready || !lwi_edge_measure_clusters( &e, 0.5, 0.5 ) || !lwi_edge_has_batch( &e ) )
 	{
 		return false;
 	}
 	lwi_edge_batch_pass( &e );
-	for ( std::uint32_t i = 0; i < e.pair_count; ++i )
+	for ( std::uint32_t i = 0; i < e.pairs.count; ++i )
 	{
-		left->push_back( { e.pairs[i].body_a, e.pairs[i].body_b, e.pairs[i].cells } );
+		left->push_back( { e.pairs.all[i].body_a, e.pairs.all[i].body_b, e.pairs.all[i].cells } );
 	}
 	return true;
 }

@@ -101,17 +101,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 /// True if `separation` of the self pairs holds in both states and everywhere between them, and the query may use it.
 bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const double* qa, const double* qb );
 
-/// True if no obstacle outside of near_mask comes nearer than `limit` in both states and everywhere between them.
-bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const double* qb, double limit );
-
 // --- parts of the robot, at the posed state --------------------------------------------------------------------------
-
-/// A range with a band of useless results: the first distance found inside the band ends the search.
-typedef struct lwi_threshold
-{
-	lw_range range;
-	double give_up_above, give_up_below; ///< out->upper between them: UNDECIDED, lower 0; never if below <= above
-} lwi_threshold;
 
 /// False if all bodies of a cluster are `limit` or farther from the scene by their common sphere.
 bool lwi_checker_cluster_is_near( const lw_checker* checker, lw_query* query, uint32_t cluster, double limit );
@@ -122,7 +112,7 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 /// Clearance of one body to the scene: nearest obstacle first, one running bound, allowed objects skipped. out->a = link,
 /// out->b = object. FAR if nothing is to be checked.
 /// @param cached its nearest pair of the last time; written if one was found
-void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
+void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lw_range* range,
 	struct lwi_cached_pair* cached, lw_clearance* out );
 
 /// The pairs of bodies of a pair of clusters (index into the tree's pairs) that spheres and separations do not prove `limit`
@@ -133,7 +123,7 @@ uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uin
 bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit );
 
 /// Clearance of one pair of bodies. out->a, out->b = links.
-void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
+void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lw_range* range,
 	struct lwi_cached_pair* cached, lw_clearance* out );
 
 // ---------------------------------------------------------------------------------------------------------------------

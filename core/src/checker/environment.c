@@ -429,15 +429,13 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 	return count;
 }
 
-void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lwi_threshold* threshold,
+void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lw_range* range,
 	lwi_cached_pair* cached, lw_clearance* out )
 {
 	lwi_bound bound;
-	lwi_bound_init( &bound, &threshold->range );
+	lwi_bound_init( &bound, range );
 	bound.lowest = lwi_lowest_environment( checker );
-	bound.give_up_above = threshold->give_up_above;
-	bound.give_up_below = threshold->give_up_below;
-	choose_obstacles( checker, query, &threshold->range, false );
+	choose_obstacles( checker, query, range, false );
 	bool near;
 	double slack = row_of_gaps( checker, query, body, bound.cutoff, query->scratch.gaps, &near );
 	if ( near ) // mostly it is not

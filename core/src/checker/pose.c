@@ -200,14 +200,6 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 		   within_ranges( checker, qa ) && within_ranges( checker, qb );
 }
 
-bool lwi_checker_stays_near( const lw_checker* checker, const double* qa, const double* qb, double limit )
-{
-	return limit <= checker->culling.horizon &&
-		   lwi_within_box( checker->base->group.variable_count, checker->base->group.lower, qa,
-			   checker->base->group.upper ) &&
-		   lwi_within_box( checker->base->group.variable_count, checker->base->group.lower, qb, checker->base->group.upper );
-}
-
 /// Metres: a state with larger rounding of its poses is invalid. Shifts of 1e12 m, or angles of 1e13 radians times a mimic
 /// joint's factor.
 static const double most_rounding = 1.0;

@@ -555,15 +555,13 @@ bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint3
 	return body_gap_below( checker, query, body_a, body_b, limit ) < INFINITY;
 }
 
-void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lwi_threshold* threshold,
+void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lw_range* range,
 	lwi_cached_pair* cached, lw_clearance* out )
 {
 	uint32_t stride = checker->base->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
 	lwi_bound bound;
-	lwi_bound_init( &bound, &threshold->range );
+	lwi_bound_init( &bound, range );
 	bound.lowest = lwi_lowest_self( checker->base );
-	bound.give_up_above = threshold->give_up_above;
-	bound.give_up_below = threshold->give_up_below;
 	if ( body_gap_below( checker, query, a, b, bound.cutoff ) < INFINITY )
 	{
 		if ( cached->pair == id )

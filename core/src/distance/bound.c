@@ -54,7 +54,7 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 		return false;
 	}
 	bound->upper = upper;
-	bound->done = upper <= bound->range.min_d || ( upper > bound->give_up_above && upper < bound->give_up_below );
+	bound->done = upper <= bound->range.min_d;
 	// Within alpha of the best is good enough, but not at or below min_d while the best is above: the verdict needs that.
 	double cutoff = ( 1 - bound->range.alpha ) * upper;
 	double min_d = bound->range.min_d;

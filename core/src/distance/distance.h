@@ -18,8 +18,7 @@ typedef struct lwi_bound
 	lw_range range;
 	double upper; ///< least clearance measured so far; +inf before the first below max_d
 	double cutoff; ///< pairs proved to be this far or farther are not opened; never grows
-	double floor; ///< least certified lower bound of all pairs measured in double
-	double give_up_above, give_up_below; ///< a distance between them ends the search: then only `upper` holds; default: none
+	double floor;  ///< least certified lower bound of all pairs measured in double
 	bool done;    ///< upper <= min_d, given up, or failed: the search is over
 	bool failed;  ///< a deferred mesh could not be made: no answer
 	double lowest; ///< no clearance is below it: minus the largest margin

@@ -13,37 +13,42 @@
 
 bool lwi_edge_pose( lwi_edge* e, double t )
 {
-	if ( t == e->posed_t )
+	if ( t == e->poses.posed_t )
 	{
 		return true;
 	}
-	e->posed_t = NAN;
+	e->poses.posed_t = NAN;
 	if ( lwi_checker_pose( e->checker, e->query, lwi_path_state( e, t ) ) != LW_OK )
 	{
 		e->failed = true;
 		return false;
 	}
-	e->posed_t = t;
+	e->poses.posed_t = t;
 	++e->out->queries;
 	return true;
 }
 
 // ---- poses of clusters ----------------------------------------------------------------------------------------------
 
+void lwi_edge_set_posed( lwi_edge* e, double t )
+{
+	e->poses.posed_t = t;
+}
+
 void lwi_edge_forget_poses( lwi_edge* e )
 {
-	e->posed_t = NAN;
+	e->poses.posed_t = e->poses.speed_t = NAN;
 	for ( int i = 0; i < 2; ++i )
 	{
-		e->triplets[i].cluster = LW_INVALID_INDEX;
+		e->poses.triplets[i].cluster = LW_INVALID_INDEX;
 	}
 	for ( int i = 0; i < LWI_EDGE_FRAMES; ++i )
 	{
-		e->frame_t[i] = NAN;
+		e->poses.frame_t[i] = NAN;
 	}
 	for ( uint32_t i = 0; i < e->checker->base->tree->cluster_count; ++i )
 	{
-		e->velocities[i].stamp = 0; // no state has it
+		e->poses.velocities[i].stamp = 0; // no state has it
 	}
 }
 
@@ -53,21 +58,21 @@ static size_t frame_at( lwi_edge* e, double t )
 	uint64_t bits;
 	memcpy( &bits, &t, sizeof( bits ) );
 	size_t frame = (size_t)( ( bits * 0x9e3779b97f4a7c15u ) >> ( 64 - LWI_EDGE_FRAME_BITS ) );
-	if ( e->frame_t[frame] != t )
+	if ( e->poses.frame_t[frame] != t )
 	{
 		size_t clusters = e->checker->base->tree->cluster_count, variables = e->checker->base->robot->variable_count;
-		e->frame_t[frame] = t;
-		memset( e->frame_known + frame * clusters, 0, clusters * sizeof( bool ) );
-		double* state = e->frame_states + frame * variables;
+		e->poses.frame_t[frame] = t;
+		memset( e->poses.frame_known + frame * clusters, 0, clusters * sizeof( bool ) );
+		double* state = e->poses.frame_states + frame * variables;
 		if ( t == 0 || t == 1 )
 		{
-			memcpy( state, t == 0 ? e->full_a : e->full_b, variables * sizeof( double ) );
+			memcpy( state, t == 0 ? e->path.full_a : e->path.full_b, variables * sizeof( double ) );
 		}
 		else
 		{
 			lwi_path_full_state( e, t, state );
 		}
-		double* cosines = e->frame_sincos + 2 * frame * lwi_padded_clusters( e->checker->base->tree );
+		double* cosines = e->poses.frame_sincos + 2 * frame * lwi_padded_clusters( e->checker->base->tree );
 		lwi_sincos_joints( e->checker, e->query, state, cosines, cosines + lwi_padded_clusters( e->checker->base->tree ) );
 	}
 	return frame;
@@ -84,11 +89,11 @@ static const lw_transform* cluster_pose( lwi_edge* e, double t, uint32_t cluster
 		return &c->base->group.reference_poses[clusters[0].root_link];
 	}
 	size_t frame = frame_at( e, t );
-	const double* state = e->frame_states + frame * c->base->robot->variable_count;
-	bool* known = e->frame_known + frame * c->base->tree->cluster_count;
-	lw_transform* poses = e->frame_poses + frame * c->base->tree->cluster_count;
+	const double* state = e->poses.frame_states + frame * c->base->robot->variable_count;
+	bool* known = e->poses.frame_known + frame * c->base->tree->cluster_count;
+	lw_transform* poses = e->poses.frame_poses + frame * c->base->tree->cluster_count;
 	const size_t padded = lwi_padded_clusters( c->base->tree );
-	const double* cosines = e->frame_sincos + 2 * frame * padded;
+	const double* cosines = e->poses.frame_sincos + 2 * frame * padded;
 	while ( !known[cluster] )
 	{
 		uint32_t next = cluster;
@@ -107,7 +112,7 @@ static const lw_transform* cluster_pose( lwi_edge* e, double t, uint32_t cluster
 /// The query's own pose where it is at t.
 static const lw_transform* pose_at( lwi_edge* e, double t, uint32_t cluster )
 {
-	if ( t != e->posed_t )
+	if ( t != e->poses.posed_t )
 	{
 		return cluster_pose( e, t, cluster );
 	}
@@ -124,49 +129,45 @@ static lw_transform pose_below( lwi_edge* e, double t, uint32_t cluster, uint32_
 
 // ---- linear motions --------------------------------------------------------------------------------------------------
 
-/// Metres. Where paths bend more than this, a body's poses at the window's ends bound its motion better than its velocity
-/// in the middle.
-#define MAX_LINEAR_BULGE 0.004
-
 const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* e, uint32_t cluster )
 {
 	const lw_checker* c = e->checker;
 	const lwi_cluster* clusters = c->base->tree->clusters;
 	const uint64_t stamp = e->query->pose.state_stamp;
-	if ( lwi_path_is_curve( e ) && e->speed_t != e->posed_t )
+	if ( lwi_path_is_curve( e ) && e->poses.speed_t != e->poses.posed_t )
 	{
-		lwi_path_curve_at( e, e->posed_t, e->full_t );
-		lwi_motion_set_speeds( c->base->motion, e->motion, e->speed_now );
-		e->speed_t = e->posed_t;
+		lwi_path_curve_at( e, e->poses.posed_t, e->path.full_t );
+		lwi_motion_set_speeds( c->base->motion, e->path.motion, e->path.speed_now );
+		e->poses.speed_t = e->poses.posed_t;
 	}
-	while ( e->velocities[cluster].stamp != stamp )
+	while ( e->poses.velocities[cluster].stamp != stamp )
 	{
 		uint32_t next = cluster;
-		while ( next != 0 && e->velocities[clusters[next].parent].stamp != stamp )
+		while ( next != 0 && e->poses.velocities[clusters[next].parent].stamp != stamp )
 		{
 			next = clusters[next].parent;
 		}
-		lwi_edge_velocity* velocity = &e->velocities[next];
+		lwi_edge_velocity* velocity = &e->poses.velocities[next];
 		lwi_pose_cluster( c, e->query, next );
 		const lw_transform* pose = &e->query->pose.world_from_link[clusters[next].root_link];
 		*velocity = (lwi_edge_velocity){ .stamp = stamp, .center = lwi_transform( pose, lwi_load( clusters[next].r.center ) ) };
 		if ( next != 0 )
 		{
-			lwi_twist own = lwi_motion_twist( c->base->motion, e->motion, next, pose );
-			const lwi_edge_velocity* above = &e->velocities[clusters[next].parent];
+			lwi_twist own = lwi_motion_twist( c->base->motion, e->path.motion, next, pose );
+			const lwi_edge_velocity* above = &e->poses.velocities[clusters[next].parent];
 			velocity->twist = (lwi_twist){ lwi_add( above->twist.angular, own.angular ),
 				lwi_add( above->twist.linear, own.linear ) };
 			velocity->depth = above->depth + 1;
-			velocity->rates = lwi_motion_rates( c->base->motion, e->motion, next );
-			velocity->tubes = lwi_motion_tubes( c->base->motion, e->motion, next );
+			velocity->rates = lwi_motion_rates( c->base->motion, e->path.motion, next );
+			velocity->tubes = lwi_motion_tubes( c->base->motion, e->path.motion, next );
 		}
 	}
-	return &e->velocities[cluster];
+	return &e->poses.velocities[cluster];
 }
 
 bool lwi_edge_is_linear( lwi_motion_rate rate, lwi_edge_window window )
 {
-	return 0.5 * window.half * window.half * rate.change <= MAX_LINEAR_BULGE;
+	return 0.5 * window.half * window.half * rate.change <= LWI_MOST_LINEAR_BULGE;
 }
 
 lwi_edge_linear_motion lwi_edge_linear_motion_of( lwi_edge* e, uint32_t cluster, uint32_t ancestor, lwi_motion_rate rate,
@@ -215,12 +216,12 @@ static bool is_triplet( const lwi_edge_pose_triplet* s, uint32_t cluster, uint32
 /// kept.
 static lwi_edge_pose_triplet* triplet_of( lwi_edge* e, uint32_t cluster, uint32_t ancestor, lwi_edge_window window )
 {
-	if ( is_triplet( &e->triplets[e->last_triplet], cluster, ancestor, window ) )
+	if ( is_triplet( &e->poses.triplets[e->poses.last_triplet], cluster, ancestor, window ) )
 	{
-		return &e->triplets[e->last_triplet];
+		return &e->poses.triplets[e->poses.last_triplet];
 	}
-	e->last_triplet = 1 - e->last_triplet;
-	lwi_edge_pose_triplet* s = &e->triplets[e->last_triplet];
+	e->poses.last_triplet = 1 - e->poses.last_triplet;
+	lwi_edge_pose_triplet* s = &e->poses.triplets[e->poses.last_triplet];
 	if ( !is_triplet( s, cluster, ancestor, window ) )
 	{
 		s->cluster = cluster;
@@ -240,7 +241,7 @@ static double chord_of( const lwi_edge* e, const lwi_edge_pose_triplet* s, const
 	lw_vec3 p = lwi_load( local ), middle = lwi_transform( &s->middle, p );
 	double left = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->left, p ) ) );
 	double right = lwi_length_sq( lwi_sub( middle, lwi_transform( &s->right, p ) ) );
-	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->motion );
+	return sqrt( lwi_larger( left, right ) ) + 8 * lwi_motion_rounding( e->path.motion );
 }
 
 /// Largest distance of a sphere from its place at the middle, where a linear motion bounds it well; else INFINITY.

@@ -37,31 +37,31 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	const size_t clusters = c->base->tree->cluster_count;
 	uint32_t variables = c->base->robot->variable_count;
 	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
-	e->velocities = lwi_arena_take( &arena, clusters, sizeof( lwi_edge_velocity ) );
-	e->motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->base->motion ), 1 );
-	e->full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->curve.part =
+	e->poses.velocities = lwi_arena_take( &arena, clusters, sizeof( lwi_edge_velocity ) );
+	e->path.motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->base->motion ), 1 );
+	e->path.full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->path.full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->path.full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->path.tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->path.curve.part =
 		lwi_arena_take( &arena, ( LW_CURVE_MOST_DEGREE + 1 ) * (size_t)c->base->group.variable_count, sizeof( double ) );
-	e->curve.size = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
+	e->path.curve.size = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
 	for ( int i = 0; i < 4; ++i )
 	{
-		e->ranges[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
+		e->path.ranges[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
 	}
-	e->speed_now = lwi_arena_take( &arena, variables, sizeof( double ) );
-	e->group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
-	e->frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
-	e->frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
-	e->frame_sincos =
+	e->path.speed_now = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->path.group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
+	e->poses.frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
+	e->poses.frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
+	e->poses.frame_sincos =
 		lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_clusters( c->base->tree ), sizeof( double ) );
-	e->frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( bool ) );
-	e->frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
-	e->speeds = lwi_arena_take( &arena, clusters * LWI_WIDTH, sizeof( double ) );
-	e->pair_capacity = c->base->moving_body_count + c->base->self.pair_count;
-	e->work.capacity = 4 * e->pair_capacity + SPARE_WINDOWS;
-	e->pairs = lwi_arena_take( &arena, e->pair_capacity, sizeof( lwi_edge_pair ) );
+	e->poses.frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( bool ) );
+	e->poses.frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
+	e->lane_speeds = lwi_arena_take( &arena, clusters * LWI_WIDTH, sizeof( double ) );
+	e->pairs.capacity = c->base->moving_body_count + c->base->self.pair_count;
+	e->work.capacity = 4 * e->pairs.capacity + SPARE_WINDOWS;
+	e->pairs.all = lwi_arena_take( &arena, e->pairs.capacity, sizeof( lwi_edge_pair ) );
 	e->work.windows = lwi_arena_take( &arena, e->work.capacity, sizeof( lwi_open_window ) );
 	return arena.used;
 }
@@ -79,12 +79,12 @@ bool lwi_edge_begin( lwi_edge* edge )
 		memset( edge->memory, 0, sizeof( *edge->memory ) );
 		edge->memory->bindings = query->pose.bindings;
 	}
-	edge->apart = edge->spare = INFINITY;
+	edge->pairs.apart = edge->pairs.spare = INFINITY;
 	lwi_edge_forget_poses( edge );
 	if ( !lwi_path_is_curve( edge ) )
 	{
-		lw_checker_full_state( edge->checker, edge->qa, edge->full_a );
-		lw_checker_full_state( edge->checker, edge->qb, edge->full_b );
+		lw_checker_full_state( edge->checker, edge->path.qa, edge->path.full_a );
+		lw_checker_full_state( edge->checker, edge->path.qb, edge->path.full_b );
 	}
 	return true;
 }
@@ -120,7 +120,7 @@ static lw_status check_certified( lwi_edge* e )
 	e->out->proved_until = e->def->want_proved_until ? lwi_edge_proved_run( e ) : 0;
 	if ( lwi_path_is_curve( e ) )
 	{
-		const double start = e->curve.start, width = e->curve.end - e->curve.start;
+		const double start = e->path.curve.start, width = e->path.curve.end - e->path.curve.start;
 		const double proved = start + width * e->out->proved_until * LWI_EDGE_INWARD;
 		e->out->t = start + width * e->out->t;
 		e->out->proved_until = e->def->want_proved_until && proved < e->out->t ? proved : 0;
@@ -158,14 +158,14 @@ static bool check_steps_in_order( lwi_edge* e, uint32_t n )
 static lw_status check_steps( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	if ( !lwi_motion_measure( c->base->motion, e->full_a, e->full_b, e->motion ) )
+	if ( !lwi_motion_measure( c->base->motion, e->path.full_a, e->path.full_b, e->path.motion ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	double furthest = 0;
 	for ( uint32_t i = 1; i < c->base->tree->cluster_count; ++i )
 	{
-		double length = lwi_motion_bound( c->base->motion, e->motion, i, LW_INVALID_INDEX );
+		double length = lwi_motion_bound( c->base->motion, e->path.motion, i, LW_INVALID_INDEX );
 		furthest = c->base->tree->clusters[i].body_count > 0 ? lwi_larger( furthest, length ) : furthest;
 	}
 	double steps = ceil( furthest / e->def->max_d );
@@ -278,7 +278,7 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 			return LW_ERROR_INVALID_ARGUMENT;
 		}
 	}
-	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .qa = qa, .qb = qb };
+	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .path = { .qa = qa, .qb = qb } };
 	return check( &e );
 }
 
@@ -291,10 +291,10 @@ static bool points_are_valid( const lwi_edge* e )
 	{
 		const lw_variable_info* variable = &robot->variables[e->checker->base->group.variables[v]];
 		const bool quaternion = robot->joints[variable->joint].type == LW_JOINT_FLOATING && variable->component >= 3;
-		for ( uint32_t i = 0; i <= e->curve.degree; ++i )
+		for ( uint32_t i = 0; i <= e->path.curve.degree; ++i )
 		{
-			const double value = e->curve.points[i * count + v];
-			if ( !isfinite( value ) || ( quaternion && value != e->curve.points[v] ) )
+			const double value = e->path.curve.points[i * count + v];
+			if ( !isfinite( value ) || ( quaternion && value != e->path.curve.points[v] ) )
 			{
 				return false;
 			}
@@ -325,6 +325,6 @@ lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const do
 		.query = query,
 		.def = def,
 		.out = out,
-		.curve = { .points = points, .degree = degree } };
+		.path = { .curve = { .points = points, .degree = degree } } };
 	return points_are_valid( &e ) ? check( &e ) : LW_ERROR_INVALID_ARGUMENT;
 }

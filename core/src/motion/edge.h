@@ -9,6 +9,7 @@
 
 #include "checker/checker.h"
 #include "checker/clusters.h"
+#include "motion/tuned.h"
 #include "query/query.h"
 #include "distance/separation.h"
 
@@ -17,9 +18,12 @@ LW_EXTERN_C_BEGIN
 enum
 {
 	LWI_EDGE_MAX_DEPTH = 64, ///< of halving: log2( V / slack ) + 2, and the slack in use is at least 2^-46 V
-	LWI_EDGE_CACHE_BITS = 10, LWI_EDGE_CACHE = 1 << LWI_EDGE_CACHE_BITS, ///< places for nearest pairs, by a hash
-	LWI_BATCH_LEVEL = 3, ///< of halving, at which cells are the LWI_WIDTH lanes of an interval batch
-	LWI_EDGE_FRAME_BITS = 6, LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
+	LWI_EDGE_CACHE_BITS = 10,
+	LWI_EDGE_CACHE = 1 << LWI_EDGE_CACHE_BITS, ///< places for nearest pairs, by a hash
+	LWI_PATH_MOST_DEPTH = 38,                  ///< of halving a curve; ends of pieces are exact in double
+	LWI_BATCH_LEVEL = 3,                       ///< of halving, at which cells are the LWI_WIDTH lanes of an interval batch
+	LWI_EDGE_FRAME_BITS = 2,
+	LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
 /// Shrinks a surplus of clearance, 2^-40 relative: far above its dozen roundings, far below any slack.
@@ -35,8 +39,7 @@ typedef struct lwi_edge_pair
 	lwi_motion_rate rate_a, rate_b;
 	double tube;         ///< metres: of both, see lwi_motion_tube_of()
 	uint32_t pair_cache; ///< index into `pair_cache`
-	uint8_t cells;   ///< of LWI_WIDTH, not proved by the interval batch
-	bool neighbours; ///< its spheres are always near: cells that the interval batch leaves open are no hint of a collision
+	uint8_t cells;       ///< of LWI_WIDTH, not proved by the interval batch
 	double slack;    ///< metres: the edge's, or less once a clearance was found to be within that, see lwi_edge_slack()
 } lwi_edge_pair;
 
@@ -76,7 +79,7 @@ typedef struct lwi_open_window
 	uint64_t cell;
 	uint32_t pair; ///< LW_INVALID_INDEX: everything, in a first window
 	uint8_t level;
-	uint8_t skip; ///< halvings before the next measurement
+	bool measured; ///< its halves are next
 } lwi_open_window;
 
 /// All windows that are not proved. Only motion/work.c changes it.
@@ -87,6 +90,8 @@ typedef struct lwi_work
 	double end;        ///< of the searched part, [0, end] of the path
 	double end_proved; ///< all but the open windows is proved up to here
 	bool from_left;    ///< the leftmost window is next; else the widest
+	bool probed;       ///< whole states were tested for a collision
+	uint32_t most_states; ///< out->queries at which the proof is given up
 } lwi_work;
 
 /// Part of the edge: |u - t| <= half.
@@ -125,65 +130,67 @@ typedef struct lwi_edge_curve
 	double* size;         ///< [group variables] of their rounding; 0: the variable stays, such as a quaternion's
 } lwi_edge_curve;
 
-enum
+/// The path that is proved: a straight edge, or a piece of a curve, its tolerance and bounds of the motion along it. Owner:
+/// motion/path.c.
+typedef struct lwi_path
 {
-	LWI_PATH_MOST_DEPTH = 38, ///< of halving a curve; ends of pieces are exact in double
-	LWI_RUN_STATES = 8,       ///< for proved_until, at least; as many as for the verdict if those are more
-	LWI_FIRST_STATES = 32     ///< the same while nothing is proved: an edge may begin within the slack, as grips do
-};
+	const double *qa, *qb; ///< [group variables] ends
+	lwi_edge_curve curve;
+	double *full_a, *full_b;  ///< [robot variable_count] ends
+	double *full_t, *group_t; ///< scratch for a state
+	double* tolerance;        ///< [robot variable_count] scratch: around the path
+	double* ranges[4];        ///< [robot variable_count] scratch of lwi_motion_ranges
+	double* speed_now;        ///< [robot variable_count] derivative of a curve, see lwi_path_curve_at()
+	void* motion;             ///< scratch of the motion table
+	double longest;           ///< metres, V: the largest path length of a cluster
+	double twist_error;       ///< see lwi_motion_twist_error()
+	double tube; ///< metres: no body is farther from its place on the path, see lwi_motion_largest_tube(); 0: no tolerance
+	double static_rounding; ///< metres: of the poses of static bodies, the largest of all pieces
+} lwi_path;
 
-/// A run ends where the next window is a smaller share of the proved part.
-#define LWI_LEAST_GAIN 0.01
+/// Where clusters are at states of the path, and how they move there. Owner: motion/displacement.c.
+typedef struct lwi_edge_poses
+{
+	double posed_t;                    ///< the state the query is posed at; NaN if none
+	double speed_t;                    ///< the state of a curve whose speeds the motion table has
+	lwi_edge_velocity* velocities;     ///< [clusters]
+	lwi_edge_pose_triplet triplets[2]; ///< the last two computed
+	int last_triplet;
+	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose cluster poses are kept; NaN: unused
+	double* frame_states;      ///< [LWI_EDGE_FRAMES][robot variable_count]
+	double* frame_sincos;      ///< [LWI_EDGE_FRAMES][2][clusters, padded] cosines and sines of the joints above clusters
+	bool* frame_known;         ///< [LWI_EDGE_FRAMES][clusters]
+	lw_transform* frame_poses; ///< [LWI_EDGE_FRAMES][clusters] world_from_root_link
+} lwi_edge_poses;
 
-/// Metres. A piece of a curve that bends more is halved at once. Measured: core/docs/lab/motions.md.
-#define LWI_MOST_BEND 0.15
+/// Pairs that spheres left open, what proves them, and the least that did. Owner: motion/edge_pair.c.
+typedef struct lwi_edge_pairs
+{
+	lwi_edge_pair* all; ///< [capacity]
+	uint32_t count, capacity;
+	double rounding[2]; ///< metres: subtracted from a lower bound of a pair's clearance; [1] of a self pair
+	double slack[2];    ///< metres: the def's, unless rounding is coarser
+	double enough[2];   ///< metres: clearance that proves a pair without motion; margins excluded
+	uint32_t close;     ///< windows of pairs with less than slack[] that were not proved
+	double spare;       ///< metres: every proof holds with clearance min_d + spare at least
+	double apart;       ///< metres: least separation of the pairs that tables prove; +inf if there are none
+} lwi_edge_pairs;
 
+/// A question, and all that its proof needs. Each part is written by its owner only.
 typedef struct lwi_edge
 {
 	const lw_checker* checker;
 	lw_query* query;
 	const lw_edge_def* def;
 	lw_edge_result* out;
-	const double* qa;
-	const double* qb;
-	lwi_edge_curve curve;      ///< qa and qb are the ends of its piece
-	double* ranges[4];         ///< [robot variable_count] of lwi_motion_ranges; used along curves
-	double* speed_now;         ///< [robot variable_count] derivative at speed_t, likewise
-	double speed_t;            ///< of the speeds in `motion`
-	void* motion;   ///< scratch of the motion table
-	double* full_a; ///< [robot variable_count]
-	double* full_b;
-	double* full_t;
-	double* tolerance;             ///< [robot variable_count] of the full state; bounds of a tolerance around the path
-	double* group_t;               ///< [variable_count]
-	lwi_edge_memory* memory;       ///< of this edge and the ones before
-	double* frame_t;               ///< [LWI_EDGE_FRAMES] states whose cluster poses are kept; NaN: unused
-	double* frame_states;          ///< [LWI_EDGE_FRAMES][robot variable_count]
-	double* frame_sincos;          ///< [LWI_EDGE_FRAMES][2][clusters, padded] cosines and sines of the joints above clusters
-	lwi_edge_velocity* velocities; ///< [clusters]
-	bool* frame_known;             ///< [LWI_EDGE_FRAMES][clusters]
-	lw_transform* frame_poses;     ///< [LWI_EDGE_FRAMES][clusters] world_from_root_link
-	double* speeds;                ///< [clusters][LWI_WIDTH] of an interval batch
-	lwi_edge_pose_triplet triplets[2]; ///< the last two computed
-	int last_triplet;
-	lwi_edge_pair* pairs;  ///< [pair_capacity]
+	lwi_path path;
+	lwi_edge_poses poses;
+	lwi_edge_pairs pairs;
 	lwi_work work;
-	uint32_t pair_count, pair_capacity;
-	double longest;         ///< V: the largest path length of a cluster along the edge
-	double static_rounding; ///< of the poses of static bodies
-	double rounding[2];     ///< subtracted from a lower bound of a pair's clearance; [1] of a self pair
-	double slack[2];        ///< the def's, unless rounding is coarser
-	double enough[2];       ///< clearance that proves a pair without motion; margins excluded
-	uint32_t close;         ///< windows of pairs with less than slack[] that were not proved
-	double twist_error;     ///< see lwi_motion_twist_error()
-	double tube; ///< metres: no body is farther from its place on the edge, see lwi_motion_largest_tube(); 0: no tolerance
-	double spare;           ///< every proof holds with clearance min_d + spare at least
-	double apart;           ///< least separation of the pairs that need no proof; +inf if there are none
-	double posed_t;         ///< the state the query is posed at; NaN if none
-	bool probed;            ///< whole states were tested for a collision
-	uint32_t most_states;   ///< out->queries at which the proof is given up
-	bool failed;            ///< a state could not be posed or measured
-	lw_status failure;      ///< why, if it was not the state: a deferred mesh
+	lwi_edge_memory* memory; ///< of this edge and the ones before. Owner: motion/plane_test.c
+	double* lane_speeds;     ///< [clusters][LWI_WIDTH] scratch of motion/interval_batch.c
+	bool failed;             ///< a state could not be posed or measured
+	lw_status failure;       ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
 
 /// Result of one measurement of a pair.
@@ -192,7 +199,6 @@ typedef struct lwi_edge_sample
 	bool proved;  ///< on all of the window
 	bool low;     ///< to be undecided: the clearance is within the pair's least slack, or the edge's states are used up
 	bool blocked;
-	uint8_t skip; ///< levels below to skip for the pair: their cells would be too wide
 	lw_clearance clearance;
 } lwi_edge_sample;
 
@@ -219,7 +225,7 @@ lwi_path_result lwi_path_begin( lwi_edge* edge, uint64_t cell, uint8_t level );
 
 static inline bool lwi_path_is_curve( const lwi_edge* edge )
 {
-	return edge->curve.degree > 0;
+	return edge->path.curve.degree > 0;
 }
 
 /// The group's variables at t; the ends are the given states themselves.
@@ -228,19 +234,19 @@ const double* lwi_path_state( lwi_edge* edge, double t );
 /// The full state at t. All but the group's variables are those of both ends.
 void lwi_path_full_state( lwi_edge* edge, double t, double* state );
 
-/// The full state of a curve at t, and its derivative: `state`, edge->speed_now.
+/// The full state of a curve at t, and its derivative: `state`, edge->path.speed_now.
 void lwi_path_curve_at( lwi_edge* edge, double t, double* state );
 
 /// Do the tables of the reach hold along all of the path?
 bool lwi_path_is_covered( const lwi_edge* edge );
 
-/// lwi_checker_stays_near() for all of the path.
-bool lwi_path_stays_near( const lwi_edge* edge, double limit );
-
 // --- motion/displacement.c ------------------------------------------------------------------------------------------------
 
 /// Forgets poses and velocities: of another path.
 void lwi_edge_forget_poses( lwi_edge* edge );
+
+/// Tells at which state somebody else has posed the query; NaN: at none.
+void lwi_edge_set_posed( lwi_edge* edge, double t );
 
 /// Poses the query at t. @return false if that failed; edge->failed is set
 bool lwi_edge_pose( lwi_edge* edge, double t );
@@ -269,7 +275,7 @@ const lwi_edge_velocity* lwi_edge_velocity_now( lwi_edge* edge, uint32_t cluster
 
 static inline const lwi_edge_velocity* lwi_edge_velocity_of( lwi_edge* edge, uint32_t cluster )
 {
-	const lwi_edge_velocity* velocity = &edge->velocities[cluster];
+	const lwi_edge_velocity* velocity = &edge->poses.velocities[cluster];
 	return velocity->stamp == edge->query->pose.state_stamp ? velocity : lwi_edge_velocity_now( edge, cluster );
 }
 
@@ -287,13 +293,13 @@ static inline double lwi_edge_tube( const lwi_edge* edge, const lwi_edge_velocit
 	const lwi_edge_velocity* ancestor )
 {
 	const uint32_t joints = velocity->depth - ancestor->depth;
-	return edge->tube > 0 && joints > 0 ? velocity->tubes[joints - 1] : 0;
+	return edge->path.tube > 0 && joints > 0 ? velocity->tubes[joints - 1] : 0;
 }
 
 /// Largest deviation of a cluster's point over half a window from the motion with its velocity in the middle.
 static inline double lwi_edge_bulge( const lwi_edge* edge, lwi_motion_rate rate, double half )
 {
-	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->twist_error ) * half * LWI_EDGE_OUTWARD : 0;
+	return rate.path > 0 ? ( 0.5 * half * rate.change + edge->path.twist_error ) * half * LWI_EDGE_OUTWARD : 0;
 }
 
 /// The linear motion in a window at whose middle the query is posed.
@@ -317,21 +323,18 @@ void lwi_edge_swept_poses( lwi_edge* edge, uint32_t body, uint32_t ancestor, lwi
 
 static inline bool lwi_edge_rotates_little( const lwi_edge* edge, lwi_edge_window window )
 {
-	return lwi_motion_rotation( edge->motion ) * window.half <= LWI_EDGE_MOST_ROTATION;
+	return lwi_motion_rotation( edge->path.motion ) * window.half <= LWI_EDGE_MOST_ROTATION;
 }
 
 // --- motion/plane_test.c --------------------------------------------------------------------------------------------------
 
 /// Searches for planes that prove a pair during a window, at whose middle the query is posed.
-/// @param skip number of levels below to skip, if the answer is CLOSER
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window,
-	uint8_t* skip );
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window );
 
 // --- motion/edge_pair.c ---------------------------------------------------------------------------------------------------
 
 /// Measures a pair at window.t, no further than needed to prove the window and a little more.
-/// @param may_give_up a distance too small for that ends it
-lwi_edge_sample lwi_edge_measure( lwi_edge* edge, lwi_edge_pair* pair, lwi_edge_window window, bool may_give_up );
+lwi_edge_sample lwi_edge_measure( lwi_edge* edge, lwi_edge_pair* pair, lwi_edge_window window );
 
 /// How much the clearance of a pair may lose within a window, from its middle.
 double lwi_edge_loss( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window );
@@ -362,13 +365,13 @@ static inline bool lwi_edge_pair_is_self( const lwi_edge_pair* pair )
 /// True if the pair has a slack of its own, and the edge has not used up def->close_windows.
 static inline bool lwi_edge_is_close( const lwi_edge* edge, const lwi_edge_pair* pair )
 {
-	return pair->slack < edge->slack[lwi_edge_pair_is_self( pair )] && edge->close < edge->def->close_windows;
+	return pair->slack < edge->pairs.slack[lwi_edge_pair_is_self( pair )] && edge->pairs.close < edge->def->close_windows;
 }
 
 /// The slack of a pair: the edge's, or the smaller one that its own clearance allows.
 static inline double lwi_edge_slack( const lwi_edge* edge, const lwi_edge_pair* pair )
 {
-	return lwi_edge_is_close( edge, pair ) ? pair->slack : edge->slack[lwi_edge_pair_is_self( pair )];
+	return lwi_edge_is_close( edge, pair ) ? pair->slack : edge->pairs.slack[lwi_edge_pair_is_self( pair )];
 }
 
 /// Clearance on the edge that keeps all motions of the pair within the tolerance above min_d.
@@ -381,22 +384,22 @@ static inline double lwi_edge_least( const lwi_edge* edge, const lwi_edge_pair* 
 static inline double lwi_edge_enough( const lwi_edge* edge, const lwi_edge_pair* pair )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
-	return pair->tube + ( lwi_edge_is_close( edge, pair ) ? edge->def->min_d + edge->rounding[self] + 0.25 * pair->slack
-														  : edge->enough[self] );
+	return pair->tube + ( lwi_edge_is_close( edge, pair )
+								? edge->def->min_d + edge->pairs.rounding[self] + LWI_SLACK_SHARE * pair->slack
+								: edge->pairs.enough[self] );
 }
 
-/// Notes that something was proved by as much as edge->enough.
+/// Notes that something was proved by as much as edge->pairs.enough.
 void lwi_edge_note_proof( lwi_edge* edge );
+
+/// No pairs, and what proves one along the path that was begun: its rounding, slack and clearance.
+void lwi_edge_begin_pairs( lwi_edge* edge );
 
 /// Fills in the fields of a pair other than its bodies, their ancestor and its cells.
 void lwi_edge_prepare_pair( lwi_edge* edge, lwi_edge_pair* pair );
 
-// --- motion/midpoint_pass.c -----------------------------------------------------------------------------------------------
-
-/// Measures everything at window.t, at which clusters were measured, clusters first. Unproved pairs are added to edge->pairs
-/// and to the list of windows. With many of them whole states are probed.
-/// @return false if the proof ends here: something is blocked or undecided
-bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window );
+/// Returns its index.
+uint32_t lwi_edge_add_pair( lwi_edge* edge, const lwi_edge_pair* pair );
 
 /// True if a separation that holds along all of the edge, less margins, is at least the clearance of a certificate.
 /// @param tube metres: by which motions within the tolerance may reduce it
@@ -405,6 +408,13 @@ bool lwi_edge_is_apart( lwi_edge* edge, float separation, double tube );
 /// True if the grid of two bodies proves all of the edge, both ends of which are covered, with as much clearance.
 /// @param slice NULL: there is none @param tube as for lwi_edge_is_apart()
 bool lwi_edge_grid_proves( lwi_edge* edge, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b, double tube );
+
+// --- motion/midpoint_pass.c -----------------------------------------------------------------------------------------------
+
+/// Measures everything at window.t, at which clusters were measured, clusters first. Unproved pairs are added to edge->pairs.all
+/// and to the list of windows. With many of them whole states are probed.
+/// @return false if the proof ends here: something is blocked or undecided
+bool lwi_edge_midpoint_pass( lwi_edge* edge, lwi_edge_window window );
 
 /// Poses all clusters at t, and measures how they move, from there. @param share of the edge on the longer side of t
 /// @return false if that failed
@@ -419,26 +429,21 @@ bool lwi_edge_has_batch( lwi_edge* edge );
 /// were measured.
 void lwi_edge_batch_pass( lwi_edge* edge );
 
-// --- motion/probe.c -------------------------------------------------------------------------------------------------------
-
-/// Is the whole robot above min_d at t? Nearest pair first. A failure is reported; an undecided verdict never replaces a collision found
-/// elsewhere.
-bool lwi_edge_state_is_free( lwi_edge* edge, double t );
-
-/// Probes whole states where a proof would cost much: with many open cells, or pairs within the slack.
-/// @param work open cells so far @return false if there is a collision
-bool lwi_edge_probe( lwi_edge* edge, uint32_t work );
-
-/// Probes whole states after a proof that was given up.
-void lwi_edge_probe_undecided( lwi_edge* edge );
-
 // --- motion/work.c ------------------------------------------------------------------------------------------------------
 
 /// Empties the list, but for one first window. @param from_left the leftmost window is always next
 void lwi_work_begin( lwi_edge* edge, double end, bool from_left );
 
-/// Adds a pair that a first window leaves open: its halves are next. @param skip halvings before the next measurement
-void lwi_work_add( lwi_edge* edge, uint32_t pair, uint8_t skip );
+/// Adds a pair that a first window leaves open: its halves are next.
+void lwi_work_add( lwi_edge* edge, uint32_t pair );
+
+/// Is the whole robot above min_d at t? Nearest pair first. A failure is reported; an undecided verdict never replaces a collision
+/// found elsewhere.
+bool lwi_edge_state_is_free( lwi_edge* edge, double t );
+
+/// Probes whole states where a proof would cost much: with many open cells, or pairs within the slack.
+/// @param work open cells so far @return false if there is a collision
+bool lwi_edge_probe( lwi_edge* edge, uint32_t work );
 
 /// Proves all pairs on the whole path and lowers out->lower_bound, or sets the verdict. @return true if it is free
 bool lwi_edge_prove( lwi_edge* edge );

@@ -25,14 +25,14 @@ static const lw_sphere* sphere_of( const lw_checker* c, uint32_t body )
 static lwi_motion_rate rate_of( const lwi_edge* e, uint32_t body, uint32_t ancestor )
 {
 	const lw_checker* c = e->checker;
-	return lwi_motion_of(
-		c->base->motion, e->motion, c->base->tree->body_cluster[body], c->base->tree->clusters[ancestor].root_link );
+	return lwi_motion_of( c->base->motion, e->path.motion, c->base->tree->body_cluster[body],
+		c->base->tree->clusters[ancestor].root_link );
 }
 
 static double tube_of( const lwi_edge* e, uint32_t body, uint32_t ancestor )
 {
 	const lw_checker* c = e->checker;
-	return lwi_motion_tube_of( c->base->motion, e->motion, c->base->tree->body_cluster[body],
+	return lwi_motion_tube_of( c->base->motion, e->path.motion, c->base->tree->body_cluster[body],
 		c->base->tree->clusters[ancestor].root_link );
 }
 
@@ -41,11 +41,32 @@ void lwi_edge_prepare_pair( lwi_edge* e, lwi_edge_pair* pair )
 	const bool self = lwi_edge_pair_is_self( pair );
 	pair->rate_a = rate_of( e, pair->body_a, pair->ancestor );
 	pair->rate_b = self ? rate_of( e, pair->body_b, pair->ancestor ) : (lwi_motion_rate){ 0, 0 };
-	pair->tube = e->tube > 0
+	pair->tube = e->path.tube > 0
 					 ? tube_of( e, pair->body_a, pair->ancestor ) + ( self ? tube_of( e, pair->body_b, pair->ancestor ) : 0 )
 					 : 0;
 	pair->pair_cache = ( pair_id( e->checker, pair ) * 2654435769u ) >> ( 32 - LWI_EDGE_CACHE_BITS );
-	pair->slack = e->slack[self];
+	pair->slack = e->pairs.slack[self];
+}
+
+uint32_t lwi_edge_add_pair( lwi_edge* e, const lwi_edge_pair* pair )
+{
+	e->pairs.all[e->pairs.count] = *pair;
+	return e->pairs.count++;
+}
+
+void lwi_edge_begin_pairs( lwi_edge* e )
+{
+	const double of_poses = lwi_motion_rounding( e->path.motion );
+	for ( int self = 0; self < 2; ++self )
+	{
+		// t itself is rounded too (2^-53 of the path), and so is the surplus (2^-53 of min_d, a few times).
+		// A quarter of the slack more, with which proofs hold, becomes lower_bound.
+		e->pairs.rounding[self] = ( 1 + self ) * of_poses + 0x1p-47 * ( e->path.longest + e->def->min_d + e->path.tube );
+		e->pairs.slack[self] = lwi_larger( e->def->slack, 4 * e->pairs.rounding[self] );
+		e->pairs.enough[self] = e->def->min_d + e->pairs.rounding[self] + LWI_SLACK_SHARE * e->pairs.slack[self];
+	}
+	e->pairs.close = 0;
+	e->pairs.count = 0;
 }
 
 double lwi_edge_loss( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
@@ -64,23 +85,61 @@ double lwi_edge_loss( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window wi
 /// The least clearance, on top of min_d, that anything was proved with.
 static void note_proof( lwi_edge* e, double spare )
 {
-	e->spare = spare < e->spare ? spare : e->spare;
+	e->pairs.spare = spare < e->pairs.spare ? spare : e->pairs.spare;
+}
+
+// ---- tables ----------------------------------------------------------------------------------------------------------
+
+/// The clearance that a certificate of a pair aims at.
+static double required_clearance( const lwi_edge* e )
+{
+	return e->def->min_d + LWI_SLACK_SHARE * e->def->slack;
+}
+
+bool lwi_edge_is_apart( lwi_edge* e, float separation, double tube )
+{
+	const double apart = (double)separation - tube;
+	if ( apart > required_clearance( e ) )
+	{
+		e->pairs.apart = lwi_smaller( e->pairs.apart, apart );
+		return true;
+	}
+	return false;
+}
+
+bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b, double tube )
+{
+	const lw_checker* c = e->checker;
+	if ( slice == NULL || lwi_path_is_curve( e ) ) // grids know straight edges
+	{
+		return false;
+	}
+	double loss = lwi_self_margin( c->base, body_a, body_b ) + tube, least = required_clearance( e );
+	double apart = lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->path.full_a, e->path.full_b,
+					   least + loss ) -
+				   loss;
+	if ( !( apart > least ) )
+	{
+		return false;
+	}
+	e->pairs.apart = lwi_smaller( e->pairs.apart, apart );
+	return true;
 }
 
 // ---- samples ---------------------------------------------------------------------------------------------------------
 
 /// Clearance of a pair at the posed state. @return false if there is no answer
-static bool ask( lwi_edge* e, const lwi_edge_pair* pair, const lwi_threshold* threshold, lw_clearance* out )
+static bool ask( lwi_edge* e, const lwi_edge_pair* pair, const lw_range* range, lw_clearance* out )
 {
 	uint32_t id = pair_id( e->checker, pair );
 	e->query->search.failure = LW_OK;
 	if ( lwi_edge_pair_is_self( pair ) )
 	{
-		lwi_checker_body_pair( e->checker, e->query, id, threshold, &e->memory->pair_cache[pair->pair_cache], out );
+		lwi_checker_body_pair( e->checker, e->query, id, range, &e->memory->pair_cache[pair->pair_cache], out );
 	}
 	else
 	{
-		lwi_checker_body_environment( e->checker, e->query, id, threshold, &e->memory->pair_cache[pair->pair_cache], out );
+		lwi_checker_body_environment( e->checker, e->query, id, range, &e->memory->pair_cache[pair->pair_cache], out );
 	}
 	e->failure = e->query->search.failure;
 	e->failed = e->failed || e->failure != LW_OK;
@@ -89,13 +148,13 @@ static bool ask( lwi_edge* e, const lwi_edge_pair* pair, const lwi_threshold* th
 
 void lwi_edge_note_proof( lwi_edge* e )
 {
-	note_proof( e, 0.25 * e->def->slack * LWI_EDGE_INWARD );
+	note_proof( e, LWI_SLACK_SHARE * e->def->slack * LWI_EDGE_INWARD );
 }
 
 /// The same by as much as lwi_edge_enough().
 static void note_plane( lwi_edge* e, const lwi_edge_pair* pair )
 {
-	note_proof( e, 0.25 * lwi_smaller( e->def->slack, lwi_edge_slack( e, pair ) ) * LWI_EDGE_INWARD );
+	note_proof( e, LWI_SLACK_SHARE * lwi_smaller( e->def->slack, lwi_edge_slack( e, pair ) ) * LWI_EDGE_INWARD );
 }
 
 /// Proves a pair during the window by planes, if there are any. In the shortest windows a distance proves every pair that is
@@ -103,8 +162,8 @@ static void note_plane( lwi_edge* e, const lwi_edge_pair* pair )
 /// @return false if it is to be measured
 static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, lwi_edge_sample* out )
 {
-	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window, &out->skip );
-	const bool shortest = !( e->longest * window.half > lwi_edge_slack( e, pair ) );
+	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window );
+	const bool shortest = !( e->path.longest * window.half > lwi_edge_slack( e, pair ) );
 	if ( by == LWI_EDGE_MEASURE || ( shortest && by == LWI_EDGE_CLOSER ) )
 	{
 		return false;
@@ -124,14 +183,14 @@ static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_sample* s )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
 	const double least = lwi_edge_least( e, pair );
-	const lwi_threshold exact = { { e->def->min_d, least + e->slack[self], 0 }, 0, 0 };
-	if ( e->close >= e->def->close_windows || !ask( e, pair, &exact, &s->clearance ) )
+	const lw_range exact = { e->def->min_d, least + e->pairs.slack[self], 0 };
+	if ( e->pairs.close >= e->def->close_windows || !ask( e, pair, &exact, &s->clearance ) )
 	{
 		return false;
 	}
-	const double room = s->clearance.lower - least - e->rounding[self];
+	const double room = s->clearance.lower - least - e->pairs.rounding[self];
 	const double slack = 0.5 * room;
-	if ( !( slack > 4 * e->rounding[self] ) )
+	if ( !( slack > 4 * e->pairs.rounding[self] ) )
 	{
 		return false;
 	}
@@ -139,30 +198,26 @@ static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_sample* s )
 	return true;
 }
 
-/// Measures the distance of a pair at the middle of a window, and compares it with the motion.
-static void measure( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, bool may_give_up, double loss,
-	lwi_edge_sample* s )
+/// Measures the distance of a pair at the middle of a window, as far as the motion asks for.
+static void measure( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, double loss, lwi_edge_sample* s )
 {
-	const bool self = lwi_edge_pair_is_self( pair );
-	const double min_d = e->def->min_d, least = lwi_edge_least( e, pair );
-	const double slack = lwi_edge_slack( e, pair ), rounding = e->rounding[self];
+	const double min_d = e->def->min_d;
 	// without motion the verdict is that of the state, whose clearance may be just above min_d
 	const double alpha = window.half > 0 ? e->def->alpha : 0;
-	const lwi_threshold threshold = { { min_d, lwi_edge_enough( e, pair ) + loss, alpha }, least + slack,
-		may_give_up ? least + rounding + loss : 0 };
-	if ( !ask( e, pair, &threshold, &s->clearance ) )
+	const lw_range range = { min_d, lwi_edge_enough( e, pair ) + loss, alpha };
+	if ( !ask( e, pair, &range, &s->clearance ) )
 	{
 		return;
 	}
 	s->blocked = s->clearance.upper <= min_d;
-	const bool given_up = s->clearance.upper > threshold.give_up_above && s->clearance.upper < threshold.give_up_below;
-	s->low = !given_up && !( s->clearance.lower > least + slack ); // also if lower is not a number
+	// also if lower is not a number
+	s->low = !( s->clearance.lower > lwi_edge_least( e, pair ) + lwi_edge_slack( e, pair ) );
 }
 
 /// Does the measured distance prove the window?
 static bool is_proved( lwi_edge* e, const lwi_edge_pair* pair, double loss, lwi_edge_sample* s )
 {
-	const double room = s->clearance.lower - lwi_edge_least( e, pair ) - e->rounding[lwi_edge_pair_is_self( pair )];
+	const double room = s->clearance.lower - lwi_edge_least( e, pair ) - e->pairs.rounding[lwi_edge_pair_is_self( pair )];
 	const double left = room * LWI_EDGE_INWARD - loss;
 	s->proved = left > 0;
 	if ( s->proved )
@@ -172,21 +227,21 @@ static bool is_proved( lwi_edge* e, const lwi_edge_pair* pair, double loss, lwi_
 	return s->proved;
 }
 
-lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window, bool may_give_up )
+lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window )
 {
 	lwi_edge_sample s = { .low = true, .clearance = lw_clearance_unknown() };
 	const bool close = lwi_edge_is_close( e, pair );
-	if ( e->out->queries >= e->most_states || !lwi_edge_pose( e, window.t ) )
+	if ( e->out->queries >= e->work.most_states || !lwi_edge_pose( e, window.t ) )
 	{
 		return s;
 	}
 	if ( prove_by_planes( e, pair, window, &s ) )
 	{
-		e->close += close && !s.proved;
+		e->pairs.close += close && !s.proved;
 		return s;
 	}
 	const double loss = lwi_edge_loss( e, pair, window );
-	measure( e, pair, window, may_give_up, loss, &s );
+	measure( e, pair, window, loss, &s );
 	if ( e->failed || is_proved( e, pair, loss, &s ) )
 	{
 		return s;
@@ -199,17 +254,7 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 			return s;
 		}
 	}
-	if ( pair->slack < e->slack[lwi_edge_pair_is_self( pair )] )
-	{
-		++e->close;
-		return s;
-	}
-	const double room = s.clearance.upper - lwi_edge_least( e, pair );
-	// no clearance like this one proves a cell with more motion than the room
-	for ( double reach = 0.5 * loss; reach > room && s.skip < 16; reach *= 0.5 )
-	{
-		++s.skip;
-	}
+	e->pairs.close += pair->slack < e->pairs.slack[lwi_edge_pair_is_self( pair )];
 	return s;
 }
 
@@ -229,7 +274,7 @@ bool lwi_edge_fail( lwi_edge* e, const lwi_edge_pair* pair, double t, const lwi_
 double lwi_edge_static_lower( const lwi_edge* e )
 {
 	bool asked = ( e->def->flags & LW_CHECK_ENVIRONMENT ) != 0;
-	return asked ? e->checker->nearest_static.clearance.lower - e->static_rounding : INFINITY;
+	return asked ? e->checker->nearest_static.clearance.lower - e->path.static_rounding : INFINITY;
 }
 
 bool lwi_edge_static_is_free( lwi_edge* e )

@@ -11,14 +11,6 @@
 
 #include <string.h>
 
-enum
-{
-	NEIGHBOURS = 2 ///< joints between two bodies, at most: their spheres are always near
-};
-
-/// Metres per squared unit of t: planes prove straighter edges at once.
-#define LEAST_CHANGE 2.5
-
 typedef struct interval_batch
 {
 	lwi_edge* e;
@@ -30,11 +22,10 @@ typedef struct interval_batch
 	double rounding;           ///< of places in the lanes, for one of two
 } interval_batch;
 
-/// @param pair with its bodies, ancestor and cells. The query is posed at the edge's middle
 static void add_pair( lwi_edge* e, lwi_edge_pair pair )
 {
 	lwi_edge_prepare_pair( e, &pair );
-	e->pairs[e->pair_count++] = pair;
+	lwi_work_add( e, lwi_edge_add_pair( e, &pair ) );
 }
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------
@@ -43,8 +34,8 @@ static void add_pair( lwi_edge* e, lwi_edge_pair pair )
 static void straight_values( const lwi_edge* e, uint32_t cluster, double values[LWI_WIDTH], double speeds[LWI_WIDTH] )
 {
 	const lwi_batch_joint* joint = &e->checker->base->tree->batch_joints[cluster];
-	const double start = joint->multiplier * e->full_a[joint->variable] + joint->variable_offset;
-	const double speed = lwi_motion_speed( e->checker->base->motion, e->motion, cluster );
+	const double start = joint->multiplier * e->path.full_a[joint->variable] + joint->variable_offset;
+	const double speed = lwi_motion_speed( e->checker->base->motion, e->path.motion, cluster );
 	for ( int l = 0; l < LWI_WIDTH; ++l )
 	{
 		values[l] = start + ( ( l + 0.5 ) / LWI_WIDTH ) * speed;
@@ -58,12 +49,12 @@ static void curved_values( const interval_batch* batch, double* values, double* 
 	lwi_edge* e = batch->e;
 	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
 	{
-		lwi_path_curve_at( e, ( l + 0.5 ) / LWI_WIDTH, e->full_t );
+		lwi_path_curve_at( e, ( l + 0.5 ) / LWI_WIDTH, e->path.full_t );
 		for ( uint32_t i = 1; i < batch->tree->cluster_count; ++i )
 		{
 			const lwi_batch_joint* joint = &batch->tree->batch_joints[i];
-			values[i * LWI_WIDTH + l] = joint->multiplier * e->full_t[joint->variable] + joint->variable_offset;
-			speeds[i * LWI_WIDTH + l] = joint->multiplier * e->speed_now[joint->variable];
+			values[i * LWI_WIDTH + l] = joint->multiplier * e->path.full_t[joint->variable] + joint->variable_offset;
+			speeds[i * LWI_WIDTH + l] = joint->multiplier * e->path.speed_now[joint->variable];
 		}
 	}
 }
@@ -85,8 +76,8 @@ static void values_of( const interval_batch* batch, double* values, double* spee
 static void pose_lanes( interval_batch* batch )
 {
 	const lwi_edge* e = batch->e;
-	values_of( batch, e->query->scratch.lane_values, e->speeds );
-	lwi_pose_lanes( e->checker, e->query, e->speeds );
+	values_of( batch, e->query->scratch.lane_values, e->lane_speeds );
+	lwi_pose_lanes( e->checker, e->query, e->lane_speeds );
 	lwi_pose_lane_spheres( e->checker, e->query, batch->half );
 }
 
@@ -135,7 +126,7 @@ static query_sphere make_query_sphere( const interval_batch* batch, uint32_t clu
 	lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( batch->e, cluster ), lwi_edge_velocity_of( batch->e, 0 ) );
 	const double tube =
 		lwi_edge_tube( batch->e, lwi_edge_velocity_of( batch->e, cluster ), lwi_edge_velocity_of( batch->e, 0 ) );
-	s.need = batch->e->enough[0] + batch->rounding + lwi_edge_bulge( batch->e, rate, batch->half ) + tube + margin;
+	s.need = batch->e->pairs.enough[0] + batch->rounding + lwi_edge_bulge( batch->e, rate, batch->half ) + tube + margin;
 	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, rate.path ) + scene->extent + 2 * sphere->radius ) );
 	s.reach = lwi_round_up( s.radius + s.need + s.slack );
 	s.path = rate.path;
@@ -178,7 +169,7 @@ static uint32_t meets_obstacle( const interval_batch* batch, const query_sphere*
 
 /// Obstacles that a cluster's sphere meets: the first of query->scratch.candidates, lanes in place of the gap. Returns
 /// their count.
-static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, bool near_only, query_sphere* out )
+static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, query_sphere* out )
 {
 	const lw_checker* c = batch->e->checker;
 	const lwi_cluster* n = &batch->tree->clusters[cluster];
@@ -189,8 +180,8 @@ static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, boo
 		: alone   ? m->bodies[batch->tree->bodies[n->first_body]]
 				  : m->clusters[2 * cluster] );
 	const float* margins = m == NULL ? NULL : alone ? m->body_row[batch->tree->bodies[n->first_body]] : m->objects;
-	const uint8_t* masks = near_only ? c->culling.near_mask : c->environment.mask;
-	const uint32_t blocks = near_only ? c->culling.near_block_count : c->scene->block_count;
+	const uint8_t* masks = c->environment.mask;
+	const uint32_t blocks = c->scene->block_count;
 	const double middle[3] = { (double)s.at.p[0][4] + c->scene->origin[0], (double)s.at.p[1][4] + c->scene->origin[1],
 		(double)s.at.p[2][4] + c->scene->origin[2] };
 	uint32_t count = 0;
@@ -227,12 +218,12 @@ static uint32_t near_cluster( const interval_batch* batch, uint32_t cluster, boo
 
 /// Lanes in which a body is near some of these obstacles. @param own its query sphere, if the obstacles were found near that
 static uint32_t near_body( const interval_batch* batch, uint32_t place, const lwi_candidate* obstacles, uint32_t count,
-	const query_sphere* own, bool near_only )
+	const query_sphere* own )
 {
 	const lw_checker* c = batch->e->checker;
 	const lwi_margins* m = c->margins;
 	const uint32_t body = batch->tree->bodies[place], cluster = batch->tree->body_cluster[body];
-	const uint8_t* mask = ( near_only ? c->culling.near_mask : c->environment.mask ) + (size_t)body * c->scene->block_count;
+	const uint8_t* mask = c->environment.mask + (size_t)body * c->scene->block_count;
 	const float* row = m != NULL ? m->body_row[body] : NULL;
 	const query_sphere s = own != NULL ? *own
 									   : make_query_sphere( batch, cluster, &batch->tree->body_spheres[place],
@@ -258,18 +249,16 @@ static void batch_environment( const interval_batch* batch )
 	{
 		return;
 	}
-	const bool near_only = lwi_path_stays_near( e, e->enough[0] + e->tube );
 	for ( uint32_t i = batch->tree->cluster_count; i-- > 1; )
 	{
 		const lwi_cluster* n = &batch->tree->clusters[i];
 		query_sphere of_cluster;
 		uint32_t count =
-			( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) != 0 ? near_cluster( batch, i, near_only, &of_cluster ) : 0;
+			( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) != 0 ? near_cluster( batch, i, &of_cluster ) : 0;
 		for ( uint32_t k = n->first_body; count > 0 && k < n->first_body + n->body_count; ++k )
 		{
-			uint32_t lanes = near_body( batch, k, e->query->scratch.candidates, count, n->body_count == 1 ? &of_cluster
-				: NULL,
-				near_only );
+			uint32_t lanes =
+				near_body( batch, k, e->query->scratch.candidates, count, n->body_count == 1 ? &of_cluster : NULL );
 			if ( lanes != 0 )
 			{
 				lwi_edge_pair pair = { .body_a = batch->tree->bodies[k],
@@ -288,7 +277,6 @@ typedef struct cluster_pair
 {
 	const lwi_cluster_pair* pair;
 	bool covered; ///< grids may be used
-	bool neighbours;
 	double reach; ///< all but radii
 } cluster_pair;
 
@@ -305,8 +293,7 @@ static cluster_pair make_cluster_pair( const interval_batch* batch, const lwi_cl
 				  size_of( &batch->clusters[pair->cluster_b], lwi_edge_rate( b, root ).path ) +
 				  2 * ( cluster_a->r.radius + cluster_b->r.radius );
 	return ( cluster_pair ){ .pair = pair,
-		.neighbours = a->depth + b->depth - 2 * above->depth <= NEIGHBOURS,
-		.reach = e->enough[1] + 2 * batch->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
+		.reach = e->pairs.enough[1] + 2 * batch->rounding + bulge + (double)pair->margin + lwi_gap_slack( 2 * size ) };
 }
 
 static uint32_t points_meet( const interval_batch* batch, const cluster_pair* c, const lwi_batch_point* a, double radius_a,
@@ -322,29 +309,6 @@ static uint32_t clusters_meet( const interval_batch* batch, const cluster_pair* 
 		clusters[pair->cluster_b].r.radius );
 }
 
-/// Parameters shared by all pairs of clusters.
-static cluster_pair any_cluster_pair( const interval_batch* batch )
-{
-	lwi_edge* e = batch->e;
-	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
-	double bulge = 0, size = 0, margin = 0;
-	for ( uint32_t i = 0; i < batch->tree->cluster_count; ++i )
-	{
-		lwi_motion_rate rate = lwi_edge_rate( lwi_edge_velocity_of( e, i ), root );
-		if ( batch->tree->clusters[i].body_count > 0 )
-		{
-			const double tube = lwi_edge_tube( e, lwi_edge_velocity_of( e, i ), root );
-			bulge = lwi_larger( bulge, lwi_edge_bulge( e, rate, batch->half ) + tube );
-			size = lwi_larger( size, size_of( &batch->clusters[i], rate.path ) + 2 * batch->tree->clusters[i].r.radius );
-		}
-	}
-	for ( uint32_t i = 0; e->checker->base->self.margins != NULL && i < batch->tree->self.pair_count; ++i )
-	{
-		margin = lwi_larger( margin, (double)batch->tree->self.pairs[i].margin );
-	}
-	return (cluster_pair){ .reach = e->enough[1] + 2 * batch->rounding + 2 * bulge + margin + lwi_gap_slack( 4 * size ) };
-}
-
 /// Lanes in which two bodies, given by their places, do not stay apart.
 static uint32_t bodies_meet( const interval_batch* batch, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
@@ -358,14 +322,13 @@ static void add_self_pair( const interval_batch* batch, const cluster_pair* c, u
 	uint32_t body_a = batch->tree->bodies[a], body_b = batch->tree->bodies[b];
 	const uint32_t index = (uint32_t)( c->pair - batch->tree->self.pairs );
 	if ( c->covered && lwi_edge_grid_proves( batch->e, lwi_checker_slice( batch->tree, index, body_a, body_b ), body_a,
-						   body_b, 2 * batch->e->tube ) )
+						   body_b, 2 * batch->e->path.tube ) )
 	{
 		return;
 	}
 	lwi_edge_pair pair = { .body_a = body_a < body_b ? body_a : body_b,
 		.body_b = body_a < body_b ? body_b : body_a,
 		.ancestor = c->pair->ancestor,
-		.neighbours = c->neighbours,
 		.cells = (uint8_t)lanes };
 	add_pair( batch->e, pair );
 }
@@ -405,22 +368,16 @@ static void batch_self( const interval_batch* batch )
 		return;
 	}
 	const bool covered = lwi_path_is_covered( e );
-	const cluster_pair any = any_cluster_pair( batch ); // mostly that is all
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const lwi_cluster_pair* pair = &batch->tree->self.pairs[i];
-		if ( covered && lwi_edge_is_apart( e, pair->separation, 2 * e->tube ) )
+		if ( covered && lwi_edge_is_apart( e, pair->separation, 2 * e->path.tube ) )
 		{
 			continue;
 		}
-		cluster_pair two = any;
-		uint32_t lanes = clusters_meet( batch, &two, pair );
-		if ( lanes != 0 )
-		{
-			two = make_cluster_pair( batch, pair );
-			two.covered = covered;
-			lanes = clusters_meet( batch, &two, pair );
-		}
+		cluster_pair two = make_cluster_pair( batch, pair );
+		two.covered = covered;
+		const uint32_t lanes = clusters_meet( batch, &two, pair );
 		if ( lanes != 0 )
 		{
 			batch_bodies( batch, &two, lanes );
@@ -435,7 +392,7 @@ static bool is_bent( lwi_edge* e )
 	const lwi_edge_velocity* root = lwi_edge_velocity_of( e, 0 );
 	for ( uint32_t i = 1; i < e->checker->base->tree->cluster_count; ++i )
 	{
-		if ( lwi_edge_rate( lwi_edge_velocity_of( e, i ), root ).change > LEAST_CHANGE )
+		if ( lwi_edge_rate( lwi_edge_velocity_of( e, i ), root ).change > LWI_LEAST_CHANGE )
 		{
 			return true;
 		}
@@ -445,14 +402,14 @@ static bool is_bent( lwi_edge* e )
 
 bool lwi_edge_has_batch( lwi_edge* e )
 {
-	return e->checker->base->tree->can_batch && e->longest > LWI_WIDTH * e->def->slack &&
+	return e->checker->base->tree->can_batch && e->path.longest > LWI_WIDTH * e->def->slack &&
 		   lwi_edge_rotates_little( e, ( lwi_edge_window ){ 0.5, 0.5 / LWI_WIDTH } ) && is_bent( e );
 }
 
 void lwi_edge_batch_pass( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	const double rounding = 2 * lwi_motion_rounding( e->motion );
+	const double rounding = 2 * lwi_motion_rounding( e->path.motion );
 	interval_batch batch = { .e = e,
 		.kernels = e->query->search.kernels,
 		.tree = c->base->tree,

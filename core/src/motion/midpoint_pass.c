@@ -13,7 +13,6 @@ typedef struct midpoint_pass
 {
 	lwi_edge* edge;
 	lwi_edge_window window;
-	uint32_t work; ///< remaining work: cells on which pairs have to be measured
 	bool covered;  ///< the whole edge by the reach
 } midpoint_pass;
 
@@ -39,10 +38,10 @@ bool lwi_edge_measure_clusters( lwi_edge* e, double t, double share )
 	{
 		return false;
 	}
-	lwi_motion_place( c->base->motion, e->motion, e->query->pose.world_from_link );
+	lwi_motion_place( c->base->motion, e->path.motion, e->query->pose.world_from_link );
 	for ( uint32_t i = 1; i < c->base->tree->cluster_count; ++i )
 	{
-		lwi_motion_measure_body( c->base->motion, e->motion, i, e->query->pose.world_from_link, share );
+		lwi_motion_measure_body( c->base->motion, e->path.motion, i, e->query->pose.world_from_link, share );
 	}
 	return true;
 }
@@ -50,8 +49,9 @@ bool lwi_edge_measure_clusters( lwi_edge* e, double t, double share )
 /// Probes whole states if many pairs are unproved. @return false if there is a collision
 static bool probe( midpoint_pass* s )
 {
-	const bool before = s->edge->probed;
-	return lwi_edge_probe( s->edge, s->work ) && ( s->edge->probed == before || pose_all( s->edge, s->window.t ) );
+	const bool before = s->edge->work.probed;
+	return lwi_edge_probe( s->edge, s->edge->pairs.count ) &&
+		   ( s->edge->work.probed == before || pose_all( s->edge, s->window.t ) );
 }
 
 /// Measures a pair of the midpoint pass; an unproved one is added to the pairs. @return false if the proof ends here
@@ -59,17 +59,15 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 {
 	lwi_edge* e = s->edge;
 	lwi_edge_prepare_pair( e, &pair );
-	lwi_edge_sample sample = lwi_edge_measure( e, &pair, s->window, true );
+	lwi_edge_sample sample = lwi_edge_measure( e, &pair, s->window );
 	if ( !sample.proved && sample.low )
 	{
 		return lwi_edge_fail( e, &pair, s->window.t, &sample );
 	}
 	if ( !sample.proved )
 	{
-		lwi_work_add( e, e->pair_count, sample.skip );
 		pair.cells = 0xff;
-		e->pairs[e->pair_count++] = pair;
-		s->work += 1u << sample.skip;
+		lwi_work_add( e, lwi_edge_add_pair( e, &pair ) );
 	}
 	return true;
 }
@@ -93,7 +91,7 @@ static double displacement_length( midpoint_pass* s, const lwi_edge_velocity* ve
 /// How much the clearance of two clusters may lose by motions within the tolerance.
 static double pair_tube( lwi_edge* e, uint32_t cluster_a, uint32_t cluster_b, uint32_t ancestor )
 {
-	if ( !( e->tube > 0 ) )
+	if ( !( e->path.tube > 0 ) )
 	{
 		return 0;
 	}
@@ -134,7 +132,7 @@ static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
 		return true;
 	}
 	const lwi_edge_velocity* velocity = lwi_edge_velocity_of( e, cluster ); // poses the cluster
-	const double limit = e->enough[0] + displacement_length( s, velocity, velocity->center );
+	const double limit = e->pairs.enough[0] + displacement_length( s, velocity, velocity->center );
 	lwi_edge_note_proof( e ); // for the bodies that are not near
 	if ( n->body_count > 1 && !lwi_checker_cluster_is_near( c, e->query, cluster, limit ) )
 	{
@@ -148,7 +146,7 @@ static bool test_cluster_environment( midpoint_pass* s, uint32_t cluster )
 		if ( n->body_count > 1 )
 		{
 			lw_vec3 middle = lwi_transform( pose, lwi_load( c->base->tree->body_spheres[i].center ) );
-			reach = e->enough[0] + displacement_length( s, velocity, middle );
+			reach = e->pairs.enough[0] + displacement_length( s, velocity, middle );
 		}
 		const bool near = lwi_checker_near_obstacles( c, e->query, pair.body_a, reach ) > 0;
 		if ( near && !test_edge_pair( s, pair ) )
@@ -168,41 +166,6 @@ static bool spheres_meet( const midpoint_pass* s, const lwi_cluster_pair* pair, 
 	double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
 	double reach = ( limit + a[3] + b[3] + (double)pair->margin ) * ( 1 + LWI_POSE_ROUNDING );
 	return !( x * x + y * y + z * z > reach * fabs( reach ) );
-}
-
-/// The clearance that a certificate of a pair aims at.
-static double required_clearance( const lwi_edge* e )
-{
-	return e->def->min_d + 0.25 * e->def->slack;
-}
-
-bool lwi_edge_is_apart( lwi_edge* e, float separation, double tube )
-{
-	const double apart = (double)separation - tube;
-	if ( apart > required_clearance( e ) )
-	{
-		e->apart = lwi_smaller( e->apart, apart );
-		return true;
-	}
-	return false;
-}
-
-bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t body_a, uint32_t body_b, double tube )
-{
-	const lw_checker* c = e->checker;
-	if ( slice == NULL || lwi_path_is_curve( e ) ) // grids know straight edges
-	{
-		return false;
-	}
-	double loss = lwi_self_margin( c->base, body_a, body_b ) + tube, least = required_clearance( e );
-	double apart =
-		lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->full_a, e->full_b, least + loss ) - loss;
-	if ( !( apart > least ) )
-	{
-		return false;
-	}
-	e->apart = lwi_smaller( e->apart, apart );
-	return true;
 }
 
 /// Two bodies that may come near each other. @param slice as for lwi_edge_grid_proves()
@@ -229,7 +192,7 @@ static uint32_t near_bodies( midpoint_pass* s, const lwi_cluster_pair* pair )
 		return 1;
 	}
 	double displacement = pair_displacement( s, pair, true );
-	return lwi_checker_near_pairs( c, e->query, index, e->enough[1] + displacement * LWI_EDGE_OUTWARD );
+	return lwi_checker_near_pairs( c, e->query, index, e->pairs.enough[1] + displacement * LWI_EDGE_OUTWARD );
 }
 
 /// The bodies of two clusters whose spheres come near each other.
@@ -258,7 +221,7 @@ static bool test_clusters( midpoint_pass* s, const lwi_cluster_pair* pair )
 		return true;
 	}
 	lwi_edge_note_proof( e );
-	return !spheres_meet( s, pair, e->enough[1] + pair_displacement( s, pair, false ) * LWI_EDGE_OUTWARD ) ||
+	return !spheres_meet( s, pair, e->pairs.enough[1] + pair_displacement( s, pair, false ) * LWI_EDGE_OUTWARD ) ||
 		   test_near_clusters( s, pair );
 }
 

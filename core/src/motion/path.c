@@ -10,31 +10,18 @@
 
 // ---- bounds -----------------------------------------------------------------------------------------------------------
 
-/// Sets the rounding that pairs allow for. @param of_poses metres, of poses and states
-static void allow_rounding( lwi_edge* e, double of_poses )
-{
-	for ( int self = 0; self < 2; ++self )
-	{
-		// t itself is rounded too (2^-53 of the path), and so is the surplus (2^-53 of min_d, a few times).
-		// A quarter of the slack more, with which proofs hold, becomes lower_bound.
-		e->rounding[self] = ( 1 + self ) * of_poses + 0x1p-47 * ( e->longest + e->def->min_d + e->tube );
-		e->slack[self] = lwi_larger( e->def->slack, 4 * e->rounding[self] );
-		e->enough[self] = e->def->min_d + e->rounding[self] + 0.25 * e->slack[self];
-	}
-}
-
 /// Hands the tolerances of the group's variables to the motion's bounds. Rounded control points are within a tolerance, too.
 static void tolerate( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	memset( e->tolerance, 0, c->base->robot->variable_count * sizeof( double ) );
+	memset( e->path.tolerance, 0, c->base->robot->variable_count * sizeof( double ) );
 	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
 	{
-		e->tolerance[c->base->group.variables[i]] =
-			( e->def->tolerance != NULL ? e->def->tolerance[i] : 0 ) + ( lwi_path_is_curve( e ) ? 2 * e->curve.size[i] : 0 );
+		e->path.tolerance[c->base->group.variables[i]] = ( e->def->tolerance != NULL ? e->def->tolerance[i] : 0 ) +
+														 ( lwi_path_is_curve( e ) ? 2 * e->path.curve.size[i] : 0 );
 	}
-	lwi_motion_tolerate( c->base->motion, e->motion, e->tolerance );
-	e->tube = lwi_motion_largest_tube( e->motion );
+	lwi_motion_tolerate( c->base->motion, e->path.motion, e->path.tolerance );
+	e->path.tube = lwi_motion_largest_tube( e->path.motion );
 }
 
 /// Largest absolute second difference of a variable's control points, so many numbers apart. Each is off by the roundings of
@@ -74,24 +61,25 @@ static bool begin_curve( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
 	const size_t bytes = c->base->robot->variable_count * sizeof( double );
-	memcpy( e->ranges[0], e->full_a, bytes );
-	memcpy( e->ranges[1], e->full_a, bytes );
-	memset( e->ranges[2], 0, bytes );
-	memset( e->ranges[3], 0, bytes );
-	memset( e->speed_now, 0, bytes );
+	memcpy( e->path.ranges[0], e->path.full_a, bytes );
+	memcpy( e->path.ranges[1], e->path.full_a, bytes );
+	memset( e->path.ranges[2], 0, bytes );
+	memset( e->path.ranges[3], 0, bytes );
+	memset( e->path.speed_now, 0, bytes );
 	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
 	{
-		bound_variable( &e->curve, c->base->group.variable_count, i, e->ranges, c->base->group.variables[i] );
+		bound_variable( &e->path.curve, c->base->group.variable_count, i, e->path.ranges, c->base->group.variables[i] );
 	}
-	const lwi_motion_ranges ranges = { e->ranges[0], e->ranges[1], e->ranges[2], e->ranges[3] };
-	return lwi_motion_begin_curve( c->base->motion, &ranges, e->motion );
+	const lwi_motion_ranges ranges = { e->path.ranges[0], e->path.ranges[1], e->path.ranges[2], e->path.ranges[3] };
+	return lwi_motion_begin_curve( c->base->motion, &ranges, e->path.motion );
 }
 
 /// @return false for a motion that cannot be measured
 static bool measure_motion( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	if ( lwi_path_is_curve( e ) ? !begin_curve( e ) : !lwi_motion_begin( c->base->motion, e->full_a, e->full_b, e->motion ) )
+	if ( lwi_path_is_curve( e ) ? !begin_curve( e )
+								: !lwi_motion_begin( c->base->motion, e->path.full_a, e->path.full_b, e->path.motion ) )
 	{
 		return false;
 	}
@@ -99,15 +87,13 @@ static bool measure_motion( lwi_edge* e )
 	{
 		tolerate( e );
 	}
-	if ( !isfinite( e->tube ) )
+	if ( !isfinite( e->path.tube ) )
 	{
 		return false;
 	}
-	const double rounding = lwi_motion_rounding( e->motion );
-	e->static_rounding = lwi_larger( e->static_rounding, rounding );
-	e->longest = lwi_motion_total( e->motion );
-	e->twist_error = lwi_motion_twist_error( e->motion );
-	allow_rounding( e, rounding );
+	e->path.static_rounding = lwi_larger( e->path.static_rounding, lwi_motion_rounding( e->path.motion ) );
+	e->path.longest = lwi_motion_total( e->path.motion );
+	e->path.twist_error = lwi_motion_twist_error( e->path.motion );
 	return true;
 }
 
@@ -161,13 +147,14 @@ static void cut_out( lwi_edge_curve* c, uint32_t count )
 static double bend_of( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	const uint32_t n = e->curve.degree, count = c->base->group.variable_count;
-	memset( e->tolerance, 0, c->base->robot->variable_count * sizeof( double ) );
+	const uint32_t n = e->path.curve.degree, count = c->base->group.variable_count;
+	memset( e->path.tolerance, 0, c->base->robot->variable_count * sizeof( double ) );
 	for ( uint32_t v = 0; v < count; ++v )
 	{
-		e->tolerance[c->base->group.variables[v]] = 0.125 * n * ( n - 1 ) * second_difference( e->curve.part + v, n, count );
+		e->path.tolerance[c->base->group.variables[v]] =
+			0.125 * n * ( n - 1 ) * second_difference( e->path.curve.part + v, n, count );
 	}
-	return lwi_motion_moved_by( c->base->motion, e->tolerance );
+	return lwi_motion_moved_by( c->base->motion, e->path.tolerance );
 }
 
 /// How far control points of pieces are off, at most.
@@ -193,27 +180,22 @@ lwi_path_result lwi_path_begin( lwi_edge* e, uint64_t cell, uint8_t level )
 	{
 		const double width = ldexp( 1, -(int)level );
 		const uint32_t count = e->checker->base->group.variable_count;
-		e->curve.start = (double)cell * width;
-		e->curve.end = (double)( cell + 1 ) * width;
+		e->path.curve.start = (double)cell * width;
+		e->path.curve.end = (double)( cell + 1 ) * width;
 		if ( level == 0 )
 		{
-			size_curve( &e->curve, count );
+			size_curve( &e->path.curve, count );
 		}
-		cut_out( &e->curve, count );
+		cut_out( &e->path.curve, count );
 		if ( level < LWI_PATH_MOST_DEPTH && e->out->queries < LW_EDGE_MOST_STATES && bend_of( e ) > LWI_MOST_BEND )
 		{
 			return LWI_PATH_BENT;
 		}
-		e->qa = e->curve.part;
-		e->qb = e->curve.part + (size_t)e->curve.degree * count;
+		e->path.qa = e->path.curve.part;
+		e->path.qb = e->path.curve.part + (size_t)e->path.curve.degree * count;
 	}
-	lwi_edge_forget_poses( e );
-	e->speed_t = NAN;
-	e->close = 0;
-	e->probed = false;
-	e->most_states = e->out->queries + LW_EDGE_MOST_STATES;
-	lw_checker_full_state( e->checker, e->qa, e->full_a );
-	lw_checker_full_state( e->checker, e->qb, e->full_b );
+	lw_checker_full_state( e->checker, e->path.qa, e->path.full_a );
+	lw_checker_full_state( e->checker, e->path.qb, e->path.full_b );
 	return measure_motion( e ) ? LWI_PATH_READY : LWI_PATH_FAILED;
 }
 
@@ -237,14 +219,14 @@ static void bernstein( uint32_t degree, double t, double out[LW_CURVE_MOST_DEGRE
 void lwi_path_curve_at( lwi_edge* e, double t, double* state )
 {
 	const lw_checker* c = e->checker;
-	const uint32_t count = c->base->group.variable_count, degree = e->curve.degree;
+	const uint32_t count = c->base->group.variable_count, degree = e->path.curve.degree;
 	double weights[LW_CURVE_MOST_DEGREE + 1], of_differences[LW_CURVE_MOST_DEGREE + 1];
 	bernstein( degree, t, weights );
 	bernstein( degree - 1, t, of_differences );
-	memcpy( state, e->full_a, c->base->robot->variable_count * sizeof( double ) );
+	memcpy( state, e->path.full_a, c->base->robot->variable_count * sizeof( double ) );
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		const double* p = e->curve.part + i;
+		const double* p = e->path.curve.part + i;
 		const uint32_t v = c->base->group.variables[i];
 		double value = weights[0] * p[0], speed = 0;
 		for ( uint32_t k = 1; k <= degree; ++k )
@@ -252,8 +234,8 @@ void lwi_path_curve_at( lwi_edge* e, double t, double* state )
 			value += weights[k] * p[k * count];
 			speed += of_differences[k - 1] * ( p[k * count] - p[( k - 1 ) * count] );
 		}
-		state[v] = e->ranges[0][v] < e->ranges[1][v] ? value : p[0]; // quaternions stay as they are given
-		e->speed_now[v] = degree * speed;
+		state[v] = e->path.ranges[0][v] < e->path.ranges[1][v] ? value : p[0]; // quaternions stay as they are given
+		e->path.speed_now[v] = degree * speed;
 	}
 }
 
@@ -268,14 +250,14 @@ void lwi_path_full_state( lwi_edge* e, double t, double* state )
 	}
 	if ( c->base->tree->floating_count > 0 )
 	{
-		lw_robot_interpolate( c->base->robot, e->full_a, e->full_b, t, state );
+		lw_robot_interpolate( c->base->robot, e->path.full_a, e->path.full_b, t, state );
 		return;
 	}
-	memcpy( state, e->full_a, c->base->robot->variable_count * sizeof( double ) );
+	memcpy( state, e->path.full_a, c->base->robot->variable_count * sizeof( double ) );
 	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
 	{
 		uint32_t v = c->base->group.variables[i];
-		state[v] = lwi_interpolate_variable( &c->base->robot->variables[v], e->qa[i], e->qb[i], t );
+		state[v] = lwi_interpolate_variable( &c->base->robot->variables[v], e->path.qa[i], e->path.qb[i], t );
 	}
 }
 
@@ -283,34 +265,23 @@ const double* lwi_path_state( lwi_edge* e, double t )
 {
 	if ( t == 0 || t == 1 )
 	{
-		return t == 0 ? e->qa : e->qb;
+		return t == 0 ? e->path.qa : e->path.qb;
 	}
-	lwi_path_full_state( e, t, e->full_t );
+	lwi_path_full_state( e, t, e->path.full_t );
 	for ( uint32_t i = 0; i < e->checker->base->group.variable_count; ++i )
 	{
-		e->group_t[i] = e->full_t[e->checker->base->group.variables[i]];
+		e->path.group_t[i] = e->path.full_t[e->checker->base->group.variables[i]];
 	}
-	return e->group_t;
+	return e->path.group_t;
 }
 
 bool lwi_path_is_covered( const lwi_edge* e )
 {
-	bool covered = lwi_checker_covers( e->checker, e->query, e->qa, e->qb );
-	for ( uint32_t i = 1; covered && i < e->curve.degree; ++i )
+	bool covered = lwi_checker_covers( e->checker, e->query, e->path.qa, e->path.qb );
+	for ( uint32_t i = 1; covered && i < e->path.curve.degree; ++i )
 	{
-		const double* point = e->curve.part + (size_t)i * e->checker->base->group.variable_count;
+		const double* point = e->path.curve.part + (size_t)i * e->checker->base->group.variable_count;
 		covered = lwi_checker_covers( e->checker, e->query, point, point );
 	}
 	return covered;
-}
-
-bool lwi_path_stays_near( const lwi_edge* e, double limit )
-{
-	bool near = lwi_checker_stays_near( e->checker, e->qa, e->qb, limit );
-	for ( uint32_t i = 1; near && i < e->curve.degree; ++i )
-	{
-		const double* point = e->curve.part + (size_t)i * e->checker->base->group.variable_count;
-		near = lwi_checker_stays_near( e->checker, point, point, limit );
-	}
-	return near;
 }

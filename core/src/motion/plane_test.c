@@ -15,9 +15,6 @@
 /// Keys of pairs of bodies; those of a body and an obstacle are below.
 #define SELF_KEY ( (uint64_t)1 << 62 )
 
-/// Metres. A body that bulges more than this between its poses has no plane near obstacles: halving the window is cheaper.
-#define MAX_BULGE 0.05
-
 /// A pair during a window: two bodies, or a body and the obstacles one after the other.
 typedef struct plane_test
 {
@@ -196,11 +193,6 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 
 // ---- pieces ----------------------------------------------------------------------------------------------------------
 
-enum
-{
-	PIECES_MOST_FAILURES = 5 ///< in a row: then one test in 2^5 of a pair looks at its pieces
-};
-
 /// A piece of a body or of an obstacle at the poses of the whole.
 typedef struct piece
 {
@@ -328,7 +320,7 @@ static bool pieces_are_apart( plane_test* s, uint64_t key, double margin )
 	}
 	else
 	{
-		lwi_backoff_failed( backoff, PIECES_MOST_FAILURES, 1 );
+		lwi_backoff_failed( backoff, LWI_PIECES_MOST_FAILURES, 1 );
 	}
 	return apart;
 }
@@ -367,8 +359,8 @@ static lwi_edge_plane_result test_self( plane_test s )
 	s.swapped = pair->rate_a.path == 0; // the static shape has the plane
 	const uint64_t key = self_key( c, a, b );
 	// poses are seen from the ancestor, which is rounded too
-	double margin = lwi_self_margin( c->base, a, b ) + 4 * lwi_motion_rounding( e->motion );
-	bool planes = s.bulge < MAX_BULGE;
+	double margin = lwi_self_margin( c->base, a, b ) + 4 * lwi_motion_rounding( e->path.motion );
+	bool planes = s.bulge < LWI_MOST_BULGE;
 	lwi_cloud clouds[2];
 	clouds[0].made = clouds[1].made = false;
 	lwi_swept_poses poses[2];
@@ -407,7 +399,7 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	{
 		return LWI_EDGE_PROVED;
 	}
-	if ( !( s.bulge < MAX_BULGE ) )
+	if ( !( s.bulge < LWI_MOST_BULGE ) )
 	{
 		return LWI_EDGE_MEASURE;
 	}
@@ -441,9 +433,8 @@ static bool is_number( lw_vec3 v )
 	return v.x == v.x;
 }
 
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, uint8_t* skip )
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
 {
-	*skip = 0;
 	if ( !( window.half > 0 ) )
 	{
 		return LWI_EDGE_MEASURE;
@@ -464,12 +455,8 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 	s.linear = is_linear ? linear : NULL;
 	s.bulge = is_linear ? linear[0].bulge + linear[1].bulge : poses_error( pair, window.half );
 	lwi_edge_plane_result result = self ? test_self( s ) : test_scene( s );
-	if ( result == LWI_EDGE_MEASURE && s.bulge >= MAX_BULGE )
+	if ( result == LWI_EDGE_MEASURE && s.bulge >= LWI_MOST_BULGE )
 	{
-		for ( double next = 0.25 * s.bulge; !( next < MAX_BULGE ) && *skip < 16; next *= 0.25 )
-		{
-			++*skip;
-		}
 		return LWI_EDGE_CLOSER;
 	}
 	return result;

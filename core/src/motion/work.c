@@ -11,7 +11,8 @@
 
 enum
 {
-	SPARE = LWI_EDGE_MAX_DEPTH + 4 ///< places for one window's halves of all levels
+	SPARE = LWI_EDGE_MAX_DEPTH + 4, ///< places for one window's halves of all levels
+	MOST_PROBES = 14 ///< states of all probes before a proof is given up, poses of the middle again among them
 };
 
 // ---- the list --------------------------------------------------------------------------------------------------------
@@ -34,16 +35,16 @@ void lwi_work_begin( lwi_edge* e, double end, bool from_left )
 	w->head = w->tail = 1;
 }
 
-void lwi_work_add( lwi_edge* e, uint32_t pair, uint8_t skip )
+void lwi_work_add( lwi_edge* e, uint32_t pair )
 {
-	e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = pair, .skip = (uint8_t)( skip + 1 ) };
+	e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = pair, .measured = true };
 }
 
 /// Adds half of a window, unless an interval batch has proved it. @param right 1: the right half
 static void add_half( lwi_edge* e, const lwi_open_window* from, uint32_t right )
 {
-	const lwi_open_window half = { 2 * from->cell + right, from->pair, (uint8_t)( from->level + 1 ), from->skip };
-	if ( lwi_edge_cell_is_open( &e->pairs[half.pair], half.cell, half.level ) )
+	const lwi_open_window half = { 2 * from->cell + right, from->pair, (uint8_t)( from->level + 1 ), false };
+	if ( lwi_edge_cell_is_open( &e->pairs.all[half.pair], half.cell, half.level ) )
 	{
 		e->work.windows[e->work.tail++] = half;
 	}
@@ -113,6 +114,90 @@ static void halve( lwi_edge* e, uint32_t at, uint32_t count, uint32_t open, bool
 	}
 }
 
+// ---- probes -------------------------------------------------------------------------------------------------------------
+//
+// A collision ends a proof; a free state proves nothing. Most edges of a planner that are not free end here, long before a proof
+// would come to their collision.
+
+bool lwi_edge_state_is_free( lwi_edge* e, double t )
+{
+	// an empty range of interest: is it above min_d or not
+	lw_range range = { e->def->min_d, nextafter( e->def->min_d, INFINITY ), 0 };
+	lw_state_result state;
+	e->out->queries += t == e->poses.posed_t ? 0 : 1;
+	lwi_edge_set_posed( e, NAN );
+	if ( lw_checker_state( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, &range, true, &state ) != LW_OK )
+	{
+		e->failed = true;
+		e->failure = e->query->search.failure;
+		return false;
+	}
+	lwi_edge_set_posed( e, t ); // lw_checker_state has posed the query
+	lw_edge_result* out = e->out;
+	if ( state.verdict == LW_VERDICT_BLOCKED || ( state.verdict != LW_VERDICT_FREE && out->verdict != LW_VERDICT_BLOCKED ) )
+	{
+		bool environment = state.environment.kind == LW_CLEARANCE_VIOLATION ||
+						   ( state.environment.kind == LW_CLEARANCE_UNDECIDED && state.self.kind != LW_CLEARANCE_VIOLATION );
+		out->verdict = state.verdict;
+		out->t = t;
+		out->self = !environment;
+		out->pair = environment ? state.environment : state.self;
+	}
+	return state.verdict == LW_VERDICT_FREE;
+}
+
+/// States of a proof are fewer than 2^k of at least V / slack; 2 V / slack + 2 are promised.
+static bool has_room( const lwi_edge* e )
+{
+	int k;
+	double cells = e->path.longest / e->def->slack;
+	frexp( cells, &k );
+	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_PROBES;
+}
+
+/// Probes whole states once: the end, the middle and both quarters.
+static bool probe_states( lwi_edge* e )
+{
+	const double places[] = { 1, 0.5, 0.25, 0.75 };
+	bool free = true;
+	for ( uint32_t i = 0; i < sizeof( places ) / sizeof( *places ) && free && !e->work.probed; ++i )
+	{
+		free = lwi_edge_state_is_free( e, places[i] );
+	}
+	e->work.probed = true;
+	return free;
+}
+
+/// The more pairs are unproved, the more likely is a collision somewhere, and the more a proof would cost. Near contact it
+/// takes many windows, and most edges that need one are blocked.
+bool lwi_edge_probe( lwi_edge* e, uint32_t work )
+{
+	if ( e->work.from_left )
+	{
+		return true; // the run ends before a collision that is known
+	}
+	const bool worth = ( work >= LWI_PROBE_WORK && has_room( e ) ) || e->pairs.close > 0;
+	return !worth || probe_states( e );
+}
+
+static void probe_undecided( lwi_edge* e )
+{
+	const lw_edge_result* out = e->out;
+	if ( out->verdict != LW_VERDICT_UNDECIDED )
+	{
+		return;
+	}
+	// the other pairs at t, of which most were proved by windows around other places or not yet looked at
+	if ( out->pair.kind != LW_CLEARANCE_UNKNOWN && !lwi_edge_state_is_free( e, out->t ) )
+	{
+		return;
+	}
+	if ( e->path.longest > 0 )
+	{
+		probe_states( e ); // a collision elsewhere is worth knowing
+	}
+}
+
 // ---- measuring -------------------------------------------------------------------------------------------------------
 
 /// Measures the windows of one cell; those that are not proved come first. @param open their number
@@ -124,20 +209,15 @@ static bool measure_cell( lwi_edge* e, lwi_open_window* windows, uint32_t count,
 	*open = 0;
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		lwi_open_window w = windows[i];
-		if ( w.skip > 0 )
+		const lwi_open_window w = windows[i];
+		if ( high && !w.measured )
 		{
-			--w.skip;
-		}
-		else if ( high )
-		{
-			lwi_edge_pair* pair = &e->pairs[w.pair];
-			const lwi_edge_sample s = lwi_edge_measure( e, pair, window, !e->work.from_left );
+			lwi_edge_pair* pair = &e->pairs.all[w.pair];
+			const lwi_edge_sample s = lwi_edge_measure( e, pair, window );
 			if ( !s.proved && s.low )
 			{
 				high = lwi_edge_fail( e, pair, window.t, &s );
 			}
-			w.skip = e->work.from_left ? 0 : s.skip;
 			if ( s.proved )
 			{
 				continue;
@@ -154,10 +234,10 @@ static bool begin_first( lwi_edge* e )
 {
 	lwi_work* w = &e->work;
 	w->head = w->tail = w->first_count;
-	e->pair_count = 0;
+	lwi_edge_begin_pairs( e );
 	// nothing moves: one state, the given one
 	const lwi_edge_window all =
-		e->longest > 0 ? ( lwi_edge_window ){ 0.5 * w->end, 0.5 * w->end } : ( lwi_edge_window ){ 1, 0 };
+		e->path.longest > 0 ? ( lwi_edge_window ){ 0.5 * w->end, 0.5 * w->end } : ( lwi_edge_window ){ 1, 0 };
 	if ( !lwi_edge_measure_clusters( e, all.t, lwi_larger( all.t, 1 - all.t ) ) )
 	{
 		return false;
@@ -167,16 +247,7 @@ static bool begin_first( lwi_edge* e )
 		return lwi_edge_midpoint_pass( e, all );
 	}
 	lwi_edge_batch_pass( e );
-	uint32_t cells = 0;
-	for ( uint32_t i = 0; i < e->pair_count; ++i )
-	{
-		lwi_work_add( e, i, 0 );
-		for ( uint32_t left = e->pairs[i].neighbours ? 0 : e->pairs[i].cells; left != 0; left &= left - 1 )
-		{
-			++cells;
-		}
-	}
-	return lwi_edge_probe( e, cells );
+	return lwi_edge_probe( e, e->pairs.count );
 }
 
 /// Takes the first windows from the left, once everything before is proved. @return false if the search ends
@@ -184,13 +255,20 @@ static bool take_first( lwi_edge* e )
 {
 	lwi_work* w = &e->work;
 	const lwi_open_window first = w->windows[--w->first_count];
-	const lwi_path_result begun = w->from_left ? LWI_PATH_READY : lwi_path_begin( e, first.cell, first.level );
+	lwi_path_result begun = LWI_PATH_READY;
+	if ( !w->from_left )
+	{
+		begun = lwi_path_begin( e, first.cell, first.level );
+		lwi_edge_forget_poses( e );
+		w->probed = false;
+		w->most_states = e->out->queries + LW_EDGE_MOST_STATES;
+	}
 	if ( begun == LWI_PATH_BENT )
 	{
 		for ( uint32_t right = 2; right-- > 0; )
 		{
 			w->windows[w->first_count++] =
-				( lwi_open_window ){ 2 * first.cell + right, first.pair, (uint8_t)( first.level + 1 ), 0 };
+				( lwi_open_window ){ 2 * first.cell + right, first.pair, (uint8_t)( first.level + 1 ), false };
 		}
 		w->head = w->tail = w->first_count;
 		return true;
@@ -201,7 +279,7 @@ static bool take_first( lwi_edge* e )
 		return true;
 	}
 	++w->first_count; // it is open
-	if ( e->failed || !w->from_left || e->out->queries >= e->most_states )
+	if ( e->failed || !w->from_left || e->out->queries >= e->work.most_states )
 	{
 		return false;
 	}
@@ -226,7 +304,7 @@ static bool step( lwi_edge* e )
 	if ( cell.level > LWI_EDGE_MAX_DEPTH )
 	{
 		const lwi_edge_sample given_up = { .clearance = lw_clearance_unknown() };
-		return lwi_edge_fail( e, &e->pairs[cell.pair], window.t - window.half, &given_up );
+		return lwi_edge_fail( e, &e->pairs.all[cell.pair], window.t - window.half, &given_up );
 	}
 	const bool high = measure_cell( e, w->windows + at, count, &open );
 	if ( e->failed || ( !high && !w->from_left ) || at + 3 * open > w->capacity )
@@ -263,15 +341,15 @@ bool lwi_edge_prove( lwi_edge* e )
 	if ( go_on )
 	{
 		double proved = INFINITY; // nothing was to be measured
-		if ( e->spare < INFINITY )
+		if ( e->pairs.spare < INFINITY )
 		{
-			proved = lwi_larger( nextafter( e->def->min_d + e->spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
+			proved = lwi_larger( nextafter( e->def->min_d + e->pairs.spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
 		}
-		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->apart ), proved );
+		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->pairs.apart ), proved );
 	}
 	else if ( !e->failed )
 	{
-		lwi_edge_probe_undecided( e );
+		probe_undecided( e );
 	}
 	return go_on;
 }
@@ -299,7 +377,7 @@ static bool is_enough( const lwi_edge* e, double proved, uint32_t enough )
 {
 	const lwi_work* w = &e->work;
 	const bool measured = w->head < w->tail;
-	return e->out->queries >= ( proved > 0 ? enough : e->most_states ) ||
+	return e->out->queries >= ( proved > 0 ? enough : e->work.most_states ) ||
 		   ( measured && 2 * place_of( e, &w->windows[w->tail - 1] ).half < LWI_LEAST_GAIN * proved );
 }
 
@@ -311,8 +389,7 @@ double lwi_edge_proved_run( lwi_edge* e )
 	}
 	const uint32_t states = e->out->queries;
 	const uint32_t enough = states + ( states > LWI_RUN_STATES ? states : LWI_RUN_STATES );
-	e->close = 0;
-	e->most_states = enough > states + LWI_FIRST_STATES ? enough : states + LWI_FIRST_STATES;
+	e->work.most_states = enough > states + LWI_FIRST_STATES ? enough : states + LWI_FIRST_STATES;
 	lwi_work_begin( e, 0, true );
 	const double until = lwi_edge_state_is_free( e, 0 ) ? nextafter( e->out->t, 0 ) : 0;
 	lwi_work_begin( e, until, true );
