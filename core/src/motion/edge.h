@@ -79,7 +79,7 @@ typedef struct lwi_open_window
 	uint64_t cell;
 	uint32_t pair; ///< LW_INVALID_INDEX: everything, in a first window
 	uint8_t level;
-	bool measured; ///< its halves are next
+	uint8_t skip; ///< halvings before the next measurement: the windows would be too wide
 } lwi_open_window;
 
 /// All windows that are not proved. Only motion/work.c changes it.
@@ -199,6 +199,7 @@ typedef struct lwi_edge_sample
 	bool proved;  ///< on all of the window
 	bool low;     ///< to be undecided: the clearance is within the pair's least slack, or the edge's states are used up
 	bool blocked;
+	uint8_t skip; ///< levels below to skip for the pair: their cells would be too wide
 	lw_clearance clearance;
 } lwi_edge_sample;
 
@@ -329,7 +330,9 @@ static inline bool lwi_edge_rotates_little( const lwi_edge* edge, lwi_edge_windo
 // --- motion/plane_test.c --------------------------------------------------------------------------------------------------
 
 /// Searches for planes that prove a pair during a window, at whose middle the query is posed.
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window );
+/// @param skip number of levels below to skip, if the answer is CLOSER
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, lwi_edge_window window,
+	uint8_t* skip );
 
 // --- motion/edge_pair.c ---------------------------------------------------------------------------------------------------
 
@@ -434,8 +437,8 @@ void lwi_edge_batch_pass( lwi_edge* edge );
 /// Empties the list, but for one first window. @param from_left the leftmost window is always next
 void lwi_work_begin( lwi_edge* edge, double end, bool from_left );
 
-/// Adds a pair that a first window leaves open: its halves are next.
-void lwi_work_add( lwi_edge* edge, uint32_t pair );
+/// Adds a pair that a first window leaves open: its halves are next. @param skip levels below that
+void lwi_work_add( lwi_edge* edge, uint32_t pair, uint8_t skip );
 
 /// Is the whole robot above min_d at t? Nearest pair first. A failure is reported; an undecided verdict never replaces a collision
 /// found elsewhere.

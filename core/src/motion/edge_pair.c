@@ -162,7 +162,7 @@ static void note_plane( lwi_edge* e, const lwi_edge_pair* pair )
 /// @return false if it is to be measured
 static bool prove_by_planes( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, lwi_edge_sample* out )
 {
-	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window );
+	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, window, &out->skip );
 	const bool shortest = !( e->path.longest * window.half > lwi_edge_slack( e, pair ) );
 	if ( by == LWI_EDGE_MEASURE || ( shortest && by == LWI_EDGE_CLOSER ) )
 	{
@@ -254,7 +254,17 @@ lwi_edge_sample lwi_edge_measure( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 			return s;
 		}
 	}
-	e->pairs.close += pair->slack < e->pairs.slack[lwi_edge_pair_is_self( pair )];
+	if ( pair->slack < e->pairs.slack[lwi_edge_pair_is_self( pair )] )
+	{
+		++e->pairs.close;
+		return s;
+	}
+	const double room = s.clearance.upper - lwi_edge_least( e, pair );
+	// no clearance like this one proves a cell with more motion than the room
+	for ( double reach = 0.5 * loss; reach > room && s.skip < LWI_EDGE_MAX_DEPTH; reach *= 0.5 )
+	{
+		++s.skip;
+	}
 	return s;
 }
 

@@ -25,7 +25,7 @@ typedef struct interval_batch
 static void add_pair( lwi_edge* e, lwi_edge_pair pair )
 {
 	lwi_edge_prepare_pair( e, &pair );
-	lwi_work_add( e, lwi_edge_add_pair( e, &pair ) );
+	lwi_work_add( e, lwi_edge_add_pair( e, &pair ), 0 );
 }
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------

@@ -67,7 +67,7 @@ static bool test_edge_pair( midpoint_pass* s, lwi_edge_pair pair )
 	if ( !sample.proved )
 	{
 		pair.cells = 0xff;
-		lwi_work_add( e, lwi_edge_add_pair( e, &pair ) );
+		lwi_work_add( e, lwi_edge_add_pair( e, &pair ), sample.skip );
 	}
 	return true;
 }

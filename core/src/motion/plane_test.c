@@ -433,8 +433,9 @@ static bool is_number( lw_vec3 v )
 	return v.x == v.x;
 }
 
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window )
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, uint8_t* skip )
 {
+	*skip = 0;
 	if ( !( window.half > 0 ) )
 	{
 		return LWI_EDGE_MEASURE;
@@ -457,6 +458,10 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 	lwi_edge_plane_result result = self ? test_self( s ) : test_scene( s );
 	if ( result == LWI_EDGE_MEASURE && s.bulge >= LWI_MOST_BULGE )
 	{
+		for ( double next = 0.25 * s.bulge; !( next < LWI_MOST_BULGE ) && *skip < LWI_EDGE_MAX_DEPTH; next *= 0.25 )
+		{
+			++*skip;
+		}
 		return LWI_EDGE_CLOSER;
 	}
 	return result;

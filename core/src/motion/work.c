@@ -35,15 +35,15 @@ void lwi_work_begin( lwi_edge* e, double end, bool from_left )
 	w->head = w->tail = 1;
 }
 
-void lwi_work_add( lwi_edge* e, uint32_t pair )
+void lwi_work_add( lwi_edge* e, uint32_t pair, uint8_t skip )
 {
-	e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = pair, .measured = true };
+	e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = pair, .skip = (uint8_t)( skip + 1 ) };
 }
 
 /// Adds half of a window, unless an interval batch has proved it. @param right 1: the right half
 static void add_half( lwi_edge* e, const lwi_open_window* from, uint32_t right )
 {
-	const lwi_open_window half = { 2 * from->cell + right, from->pair, (uint8_t)( from->level + 1 ), false };
+	const lwi_open_window half = { 2 * from->cell + right, from->pair, (uint8_t)( from->level + 1 ), from->skip };
 	if ( lwi_edge_cell_is_open( &e->pairs.all[half.pair], half.cell, half.level ) )
 	{
 		e->work.windows[e->work.tail++] = half;
@@ -209,8 +209,12 @@ static bool measure_cell( lwi_edge* e, lwi_open_window* windows, uint32_t count,
 	*open = 0;
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		const lwi_open_window w = windows[i];
-		if ( high && !w.measured )
+		lwi_open_window w = windows[i];
+		if ( w.skip > 0 )
+		{
+			--w.skip;
+		}
+		else if ( high )
 		{
 			lwi_edge_pair* pair = &e->pairs.all[w.pair];
 			const lwi_edge_sample s = lwi_edge_measure( e, pair, window );
@@ -218,6 +222,7 @@ static bool measure_cell( lwi_edge* e, lwi_open_window* windows, uint32_t count,
 			{
 				high = lwi_edge_fail( e, pair, window.t, &s );
 			}
+			w.skip = e->work.from_left ? 0 : s.skip;
 			if ( s.proved )
 			{
 				continue;
@@ -268,7 +273,7 @@ static bool take_first( lwi_edge* e )
 		for ( uint32_t right = 2; right-- > 0; )
 		{
 			w->windows[w->first_count++] =
-				( lwi_open_window ){ 2 * first.cell + right, first.pair, (uint8_t)( first.level + 1 ), false };
+				( lwi_open_window ){ 2 * first.cell + right, first.pair, (uint8_t)( first.level + 1 ), 0 };
 		}
 		w->head = w->tail = w->first_count;
 		return true;
