@@ -87,10 +87,10 @@ typedef struct lwi_work
 {
 	lwi_open_window* windows; ///< [capacity] first windows, leftmost last; from `head` to `tail` those of pairs, by cell
 	uint32_t capacity, first_count, head, tail;
-	double end;        ///< of the searched part, [0, end] of the path
-	double end_proved; ///< all but the open windows is proved up to here
-	bool from_left;    ///< the leftmost window is next; else the widest
-	bool probed;       ///< whole states were tested for a collision
+	double end;           ///< of the searched part, [0, end] of the path
+	double end_proved;    ///< all but the open windows is proved up to here
+	bool from_left;       ///< the leftmost window is next; else the widest
+	bool probed;          ///< whole states were tested for a collision
 	uint32_t most_states; ///< out->queries at which the proof is given up
 } lwi_work;
 

@@ -13,7 +13,7 @@ typedef struct midpoint_pass
 {
 	lwi_edge* edge;
 	lwi_edge_window window;
-	bool covered;  ///< the whole edge by the reach
+	bool covered; ///< the whole edge by the reach
 } midpoint_pass;
 
 /// Poses all clusters.

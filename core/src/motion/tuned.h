@@ -1,5 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Numbers of the prover that are measured, not derived. Proofs hold for any of them; their time and their number change.
+//
+// Time of free edges with half of it, and with twice as much, over time with it, geometric means over 8 to 15 robots
+// (core/docs/lab/edges.md):
+//
+//	number                    half   double
+//	LWI_MOST_LINEAR_BULGE     1.02   1.00
+//	LWI_MOST_BULGE            0.99   1.00
+//	LWI_LEAST_CHANGE          1.01   1.03   (blocked: 1.15)
+//	LWI_PROBE_WORK            1.01   1.00   (blocked: 0.99, 1.02; measured in cells)
+//	LWI_PIECES_MOST_FAILURES  1.00   1.01   (2 and 7)
+//	LWI_MOST_BEND             0.99   1.00   (0.08 m and 0.2 m, curves)
+//
+// The others are not measured: they set how long a run goes on, and how much of the slack a proof keeps.
 #ifndef LEEWAY_MOTION_TUNED_H
 #define LEEWAY_MOTION_TUNED_H
 
