@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Folders of results that somebody tampered with: nothing outside of them is read, written or deleted, nothing hangs, each fault is named.
 
-Each case changes a whole folder by one class of damage; every command of leeway.fleet then runs on it in a process of its own. Ten seconds
-are a sign of life, not a measurement.
+Each case changes a whole folder by one class of damage; every command of leeway.fleet then runs on it in a process of its own. A minute
+is a sign of life, not a measurement.
 """
 import hashlib
 import json
@@ -133,7 +133,7 @@ for folder in sys.argv[1:]:
     os.chdir(folder)
     for arguments in (["status", "out"], ["verify", "out"], ["report", "out"], ["run", "c.toml", "--out", "out", "--workers", "0", "--quiet"]):
         out, err = io.StringIO(), io.StringIO()
-        faulthandler.dump_traceback_later(10, exit=True)
+        faulthandler.dump_traceback_later(60, exit=True)
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             try:
                 status = main(arguments)

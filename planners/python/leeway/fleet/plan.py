@@ -18,7 +18,7 @@ from .worlds import Worlds, scene_digest
 
 __all__ = ["FORMAT", "Segment", "Shard", "check_plan", "identity_of", "parts_of", "segments_of", "shards_of", "worlds_of"]
 
-MOST_SHARDS = MOST_SCENES = 10_000_000  # of a campaign
+MOST_SHARDS, MOST_SCENES = 500_000, 2_000_000  # of a campaign: listing them takes seconds
 FORMAT = 2  # of manifests and of rows; a change of either's meaning is a new number
 
 
