@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Folders of results that somebody tampered with: nothing outside of them is read, written or deleted, nothing hangs, each fault is named.
 
-Each case changes a whole folder by one class of damage; every command of leeway.fleet then runs on it in a process of its own. A minute
+Each case changes a whole folder by one class of damage; every command of leeway.fleet then runs on it, many folders in one process. A minute
 is a sign of life, not a measurement.
 """
 import hashlib
