@@ -176,3 +176,10 @@ def test_tampered_folders_are_refused_and_nothing_outside_is_touched(made, tmp_p
         assert everything_outside(pathlib.Path(place)) == before[place], f"{name}: a file outside was changed"
         assert name in HARMLESS or told[name]["verify"] or told[name]["report"], f"{name}: accepted"
         assert name in HARMLESS or "manifest" not in name or told[name]["status"] == 2, f"{name}: status says {told[name]['status']}"
+
+
+@pytest.mark.parametrize("fake", sorted(FAKES.keys() - {"empty", "noise"}))
+def test_a_campaign_that_is_no_regular_file_is_refused_and_not_waited_for(tmp_path, fake):
+    FAKES[fake](tmp_path / "c.toml")
+    done = subprocess.run([sys.executable, "-m", "leeway.fleet", "run", "c.toml", "--workers", "0"], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2 and "c.toml" in done.stderr and "; give the path" in done.stderr and "Traceback" not in done.stderr, done.stderr

@@ -24,6 +24,7 @@ import re
 from typing import Any, NamedTuple
 
 from .errors import FleetError
+from .files import read_regular
 
 try:
     import tomllib
@@ -33,6 +34,7 @@ except ImportError:  # Python 3.10 and before
 __all__ = ["Campaign", "Option", "checked", "files_of", "load_campaign", "shown"]
 
 SHARD_ROWS = 65536
+MOST_BYTES = 1 << 24  # of a campaign file
 ROBOT_NAME = re.compile(r"\w[\w.-]*")  # of robots and scenes: a part of files' names
 
 
@@ -121,7 +123,7 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
     """Reads a campaign. kinds: name to kind; each has `options`."""
     path = pathlib.Path(file)
     try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
+        values = tomllib.loads(read_regular(path, MOST_BYTES).decode())
     except OSError as error:
         raise FleetError(path, "", error.strerror or str(error), "give the path of a campaign's TOML file") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

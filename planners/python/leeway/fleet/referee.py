@@ -22,6 +22,7 @@ import pandas
 
 from .._core import Checker, Robot, Scene, Verdict
 from .errors import FleetError
+from .files import read_regular
 from .paths import read_states
 from .plans import look_at_path
 
@@ -124,7 +125,7 @@ def _worst_state(checker: Checker, path: numpy.ndarray, found: dict[str, Any]) -
 
 def _lines(file: pathlib.Path) -> list[dict[str, Any]]:
     try:
-        return [json.loads(line) for line in file.read_text().splitlines() if line.strip()]
+        return [json.loads(line) for line in read_regular(file).decode().splitlines() if line.strip()]
     except OSError as error:
         raise FleetError(file, "", error.strerror or str(error), "give the file of bench_planning --paths") from None
     except ValueError as error:
