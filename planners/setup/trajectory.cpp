@@ -57,8 +57,8 @@ unsigned degreeOf( const TrajectoryFile& file, std::size_t i, Interpolation inte
 		     !file.points[k].accelerations.empty() )
 		{
 			throw io::Error( file.file, file.at( fmt::format( "points[{}]", k ) ),
-			    "has accelerations and no velocities: ROS's joint_trajectory_controller does not say what it drives then",
-			    "add the velocities, remove the accelerations, or choose --interpolation linear" );
+			    "has accelerations and no velocities: ROS's joint_trajectory_controller does not interpolate such points",
+			    "add the velocities, or remove the accelerations" );
 		}
 	}
 	switch ( interpolation )

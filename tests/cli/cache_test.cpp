@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <fstream>
 #include <tuple>
 
@@ -173,6 +175,24 @@ TEST_F( Cache, DamagedFilesAreToldAndReplaced )
 		std::ofstream( file, std::ios::binary ) << "";
 		EXPECT_TRUE( contains( check().err, "built anew" ) ) << ending << " empty";
 		EXPECT_FALSE( contains( check().err, "notice" ) ) << ending << " replaced";
+	}
+}
+
+TEST_F( Cache, EntriesThatAreNoRegularFilesAreReplacedAndNotWaitedFor )
+{
+	const std::string plain = withoutTime( check() );
+	for ( const char* ending : { ".tree", ".reach" } )
+	{
+		const fs::path file = only( ending );
+		for ( const bool link : { false, true } )
+		{
+			fs::remove( file );
+			ASSERT_EQ( link ? ::symlink( "/dev/zero", file.c_str() ) : ::mkfifo( file.c_str(), 0600 ), 0 );
+			const Outcome outcome = check();
+			EXPECT_EQ( withoutTime( outcome ), plain ) << outcome.err;
+			EXPECT_TRUE( contains( outcome.err, "no regular file" ) ) << outcome.err;
+			EXPECT_TRUE( fs::is_regular_file( fs::symlink_status( file ) ) ) << ending << " is not replaced";
+		}
 	}
 }
 

@@ -147,8 +147,14 @@ bool readCacheFile( const std::string& file, lw_digest key, std::vector<Notice>&
     const std::function<lw_status( CacheFile&, lw_diag& )>& use )
 {
 	std::error_code error;
-	if ( !std::filesystem::exists( file, error ) )
+	const std::filesystem::file_status entry = std::filesystem::symlink_status( file, error );
+	if ( !std::filesystem::exists( entry ) )
 	{
+		return false;
+	}
+	if ( !std::filesystem::is_regular_file( entry ) ) // reading a pipe would wait, and a link may lead to a device
+	{
+		notices.push_back( { file, "cache", "not used (it is no regular file): built anew, to replace it" } );
 		return false;
 	}
 	std::string reason;
