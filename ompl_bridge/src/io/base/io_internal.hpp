@@ -133,8 +133,8 @@ private:
 	std::map<MeshKey, Known> m_meshes;
 };
 
-/// URDF without SRDF.
-RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options );
+/// A URDF without SRDF, or an MJCF: told apart by the root element.
+RobotModel readRobot( const std::string& file, const LoadOptions& options );
 
 /// Adds groups, allowed pairs, virtual joint and states of an SRDF to a model.
 /// @param strict as LoadOptions::strict

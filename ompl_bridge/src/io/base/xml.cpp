@@ -66,6 +66,25 @@ std::string parserText( const tinyxml2::XMLDocument& document )
 	}
 }
 
+/// Roots of formats that are not read where a <robot> is wanted.
+struct OtherFormat
+{
+	const char *root, *what, *remedy;
+};
+constexpr OtherFormat other_formats[] = {
+	{ "mujoco", "an MJCF model", "give it as the robot (--robot)" },
+	{ "mujocoinclude", "a part of an MJCF model", "give the file that includes it" },
+	{ "sdf", "an SDF model or world of Gazebo", "give the URDF that it was made from, or convert it to one (sdformat_urdf)" },
+	{ "COLLADA", "a COLLADA mesh", "name it as the mesh of a URDF" },
+};
+
+/// The kind of a USD file by its first bytes; nullptr for other files. (usdz is a zip archive.)
+const char* usdKind( const std::string& content )
+{
+	const auto begins = [&]( const char* with ) { return content.compare( 0, std::strlen( with ), with ) == 0; };
+	return begins( "#usda" ) ? "text" : begins( "PXR-USDC" ) ? "binary" : begins( "PK\x03\x04" ) ? "or another zip archive" : nullptr;
+}
+
 } // namespace
 
 std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content )
@@ -105,24 +124,43 @@ std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string
 	return std::nullopt;
 }
 
-XmlFile::XmlFile( const std::string& file, const char* kind ) : m_path( file )
+XmlFile::XmlFile( const std::string& file ) : m_path( file )
 {
-	if ( const std::optional<XmlProblem> problem = parseXml( m_doc, readFile( file ) ) )
+	std::string content = readFile( file );
+	if ( const char* usd = usdKind( content ) )
+	{
+		throw Error( file, "", fmt::format( "this is a USD stage ({})", usd ), "export it as a URDF or MJCF, with the program that made it" );
+	}
+	if ( const std::optional<XmlProblem> problem = parseXml( m_doc, std::move( content ) ) )
 	{
 		throw Error( file, fmt::format( "line {}", problem->line ), problem->text, "correct the file at that line" );
 	}
+}
+
+XmlFile::XmlFile( const std::string& file, const char* kind ) : XmlFile( file )
+{
+	requireRobot( kind );
+}
+
+void XmlFile::requireRobot( const char* kind ) const
+{
 	if ( m_doc.RootElement() == nullptr || std::strcmp( m_doc.RootElement()->Name(), "robot" ) != 0 )
 	{
-		std::string name = m_doc.RootElement() != nullptr ? m_doc.RootElement()->Name() : "nothing";
-		throw Error( file, fmt::format( "<{}>", name ), fmt::format( "the root element of a {} is <robot>", kind ),
-		    fmt::format( "give a {} file", kind ) );
+		const std::string name = m_doc.RootElement() != nullptr ? m_doc.RootElement()->Name() : "nothing";
+		const auto known = std::find_if( std::begin( other_formats ), std::end( other_formats ),
+		    [&]( const OtherFormat& format ) { return name == format.root; } );
+		const bool named = known != std::end( other_formats );
+		throw Error( m_path, fmt::format( "<{}>", name ),
+		    named ? fmt::format( "this is {}, and the root element of a {} is <robot>", known->what, kind )
+		          : fmt::format( "the root element of a {} is <robot>", kind ),
+		    named ? known->remedy : fmt::format( "give a {} file", kind ) );
 	}
 	// An expanded file may still declare the xacro namespace; only elements and values that xacro replaces mark a xacro file
 	if ( const tinyxml2::XMLElement* xacro = findXacro( root() ) )
 	{
 		fail( *xacro, fmt::format( "<{}>", xacro->Name() ), "this is a xacro file",
 		    fmt::format(
-		        "run xacro first: xacro {} > robot.{}", file, std::strcmp( kind, "URDF" ) == 0 ? "urdf" : "srdf" ) );
+		        "run xacro first: xacro {} > robot.{}", m_path, std::strcmp( kind, "URDF" ) == 0 ? "urdf" : "srdf" ) );
 	}
 }
 

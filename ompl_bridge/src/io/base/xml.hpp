@@ -54,12 +54,16 @@ struct XmlProblem
 /// @return the first problem, if there is one
 std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content );
 
-/// An XML file whose root is <robot>.
+/// An XML file.
 class XmlFile
 {
 public:
-	/// @param kind "URDF" or "SRDF", for messages. @throws Error
+	/// The root is <robot>, and nothing is left for xacro. @param kind "URDF" or "SRDF", for messages. @throws Error
 	XmlFile( const std::string& file, const char* kind );
+	/// Any root. @throws Error
+	explicit XmlFile( const std::string& file );
+	/// The first constructor's checks. @throws Error that names the format of the file, as far as it is known, and the remedy
+	void requireRobot( const char* kind ) const;
 
 	const std::string& path() const { return m_path; }
 	const tinyxml2::XMLElement& root() const { return *m_doc.RootElement(); }

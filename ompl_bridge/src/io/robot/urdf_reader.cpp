@@ -6,6 +6,7 @@
 // mean something (capsules), forgets the order of the file and prints to the console. So this reader checks the document
 // first, removes the parts that urdfdom need not see, and puts urdfdom's output into the error or a notice.
 #include "shape/geometry_loader.hpp"
+#include "mjcf/robot.hpp"
 #include "robot/plausibility.hpp"
 #include "base/xml.hpp"
 
@@ -668,10 +669,10 @@ void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const Load
 
 } // namespace
 
-RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
+RobotModel readUrdf( XmlFile& xml, const LoadOptions& options )
 {
 	RobotModel model;
-	XmlFile xml( urdf_file, "URDF" );
+	xml.requireRobot( "URDF" );
 	if ( options.use_visual )
 	{
 		useVisual( xml, model.report.notices );
@@ -682,7 +683,7 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 	checkJoints( xml, links );
 	checkSolid( xml, options, links );
 
-	model.urdf_file = urdf_file;
+	model.urdf_file = xml.path();
 	urdf::ModelInterfaceSharedPtr urdf = parseByUrdfdom( xml, model.report.notices );
 	model.name = urdf->getName();
 	model.root_link = urdf->getRoot()->name;
@@ -696,6 +697,14 @@ RobotModel readUrdf( const std::string& urdf_file, const LoadOptions& options )
 	noticeOddLimits( model, model.report.notices );
 	readLinks( xml, *urdf, options, model );
 	return model;
+}
+
+RobotModel readRobot( const std::string& file, const LoadOptions& options )
+{
+	auto xml = std::make_unique<XmlFile>( file );
+	const XMLElement* root = xml->document().RootElement();
+	const bool mjcf = root != nullptr && std::strcmp( root->Name(), "mujoco" ) == 0;
+	return mjcf ? readMjcf( std::move( xml ), options ) : readUrdf( *xml, options );
 }
 
 } // namespace detail
@@ -722,7 +731,7 @@ void noticePackagePaths( const LoadOptions& options, std::vector<Notice>& notice
 
 RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
 {
-	RobotModel model = detail::readUrdf( urdf_file, options );
+	RobotModel model = detail::readRobot( urdf_file, options );
 	noticePackagePaths( options, model.report.notices );
 	detail::noticeOddSizes( model, model.report.notices );
 	if ( !srdf_file.empty() )

@@ -100,7 +100,7 @@ Articulation readArticulation( const std::string& urdf_file, const std::string& 
     const std::map<std::string, double>& values, const ShapeLoader::Place& place, const LoadOptions& options )
 {
 	Articulation articulation;
-	articulation.model = readUrdf( urdf_file, options );
+	articulation.model = readRobot( urdf_file, options );
 	RobotModel& model = articulation.model;
 	articulation.name = name.empty() ? model.name : name;
 	articulation.pose = lw_transform_identity();

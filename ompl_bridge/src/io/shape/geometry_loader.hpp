@@ -20,6 +20,8 @@ public:
 	/// used several times at one scale becomes one shape.
 	Shape solidMesh( const Place& place, const std::string& uri, const std::array<double, 3>& scale );
 	Shape solidInlineMesh( const Place& place, const TriangleSoup& soup );
+	/// A closed surface that was computed. @param source for the report: "convex hull of mesh hand" @param file it came from, or empty
+	Shape solidSurface( const Place& place, const std::string& source, const std::string& file, const TriangleSoup& soup );
 	/// @param radius metres, >= 0, of the ball around each point
 	Shape pointCloud( const Place& place, const std::string& uri, double radius );
 	/// An empty handle, with a notice, if the map has nothing that is occupied.

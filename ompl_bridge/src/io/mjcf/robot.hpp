@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// MJCF as a robot.
+#pragma once
+
+#include "mjcf/geoms.hpp"
+
+namespace leeway::io::detail
+{
+
+/// A robot model of an MJCF file: its root link is the world. @param xml whose root is <mujoco> @throws Error
+RobotModel readMjcf( std::unique_ptr<XmlFile> xml, const LoadOptions& options );
+
+namespace mjcf
+{
+
+/// A joint of MuJoCo as joints of a model: three for a ball, of which each has its component.
+struct JointNames
+{
+	std::vector<std::string> names;
+};
+JointNames namesOf( const Joint& joint );
+
+/// Links and joints of a body, behind those of its parent; shapes are not yet there.
+/// @param coupled joints that follow others, or are fixed, by name
+struct Coupling
+{
+	std::string driver; ///< empty: fixed
+	double multiplier = 0, offset = 0; ///< value = multiplier * driver's value + offset
+};
+using Couplings = std::map<std::string, Coupling>;
+/// Joints of <equality> that follow others linearly; notices about all that it cannot hold. @throws Error
+Couplings readCouplings( const Document& document, const Defaults& defaults, const Tree& tree, std::vector<Notice>& notices );
+/// Adds the link of each body, and the joints between.
+void addLinks( const Document& document, const Tree& tree, const Couplings& couplings, RobotModel& model );
+
+/// Geoms of <pair>, by the two names, sorted.
+using GeomPairs = std::set<std::pair<std::string, std::string>>;
+GeomPairs readGeomPairs( const Document& document, const Tree& tree );
+/// Pairs of links that MuJoCo does not check, each with its reason. @throws Error
+void addPairs( const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs, RobotModel& model );
+
+/// Groups (all, and one for each tree of bodies that moves, if there are several) and the states of keyframes and qpos0.
+void addStates( const Document& document, const Tree& tree, RobotModel& model );
+
+} // namespace mjcf
+} // namespace leeway::io::detail
