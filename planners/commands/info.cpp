@@ -266,7 +266,7 @@ std::string checkerText( const Workbench& bench, const PairCounts& pairs, const 
 	    pairs.all, pairs.checked, pairs.rigid, pairs.disabled, pairs.still );
 	for ( const auto& [reason, count] : pairs.reasons )
 	{
-		text += fmt::format( "  disabled in the SRDF: {}, reason {}\n", counted( count, "pair" ), reason );
+		text += fmt::format( "  disabled: {}, reason {}\n", counted( count, "pair" ), reason );
 	}
 	if ( hasMargins( bench.checker() ) )
 	{

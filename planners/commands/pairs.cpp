@@ -288,7 +288,9 @@ int runPairs( const PairsOptions& options )
 	Notices notices( options.common.verbose );
 	OutputFile out( "--out", options.out ), json_file( "--json", options.json );
 	ViewFile view( options.view );
-	const Input input = loadInput( options.common, notices );
+	CommonOptions common = options.common;
+	common.strict = common.strict || common.srdf.empty(); // the table is about all pairs
+	const Input input = loadInput( common, notices );
 	const Robot robot = io::buildRobot( input.robot );
 	const io::LoadedReach reach = findReach( options, robot, notices );
 	requireReach( reach, options.common.robot );

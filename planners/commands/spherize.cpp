@@ -135,7 +135,9 @@ int runSpherize( const SpherizeOptions& options )
 	Notices notices( options.common.verbose );
 	OutputFolder folder( options.out );
 	ViewFile view( options.view );
-	const Input input = loadInput( options.common, notices );
+	CommonOptions common = options.common;
+	common.strict = common.strict || common.srdf.empty(); // the table is about all pairs
+	const Input input = loadInput( common, notices );
 	const std::string stem = ( fs::path( options.out ) / fs::path( options.common.robot ).stem() ).string() + "_spheres";
 	OutputFile urdf( "--out", stem + ".urdf" ), srdf( "--out", stem + ".srdf" ), yaml( "--out", stem + ".yml" ), report( "--out", stem + ".json" );
 	io::SpherizeOptions how;

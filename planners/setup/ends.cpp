@@ -67,7 +67,7 @@ End parseValues( const std::string& option, const std::string& text, const io::R
 const io::GroupState& findState(
     const std::string& option, const std::string& name, const std::string& group, const io::RobotModel& robot )
 {
-	if ( robot.srdf_file.empty() )
+	if ( robot.srdf_file.empty() && robot.group_states.empty() )
 	{
 		wrong( option, fmt::format( "'{}' names a state, and there is no SRDF", name ), "give --srdf, or write joint=value,joint=value" );
 	}
@@ -90,7 +90,7 @@ End valuesOf( const std::string& option, const io::GroupState& state, const io::
 		}
 		if ( found->second.size() != names.size() )
 		{
-			throw io::Error( robot.srdf_file, fmt::format( "group_state {} (for {}), joint {}", state.name, option, joint.name ),
+			throw io::Error( robot.srdf_file.empty() ? robot.urdf_file : robot.srdf_file, fmt::format( "group_state {} (for {}), joint {}", state.name, option, joint.name ),
 			    fmt::format( "has {}, the joint {}", counted( found->second.size(), "value" ), counted( names.size(), "value" ) ),
 			    "give one for each of " + listed( names ) );
 		}

@@ -158,7 +158,12 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		input.robot_seconds = now() - start;
 	}
 	notices.add( "the robot", input.robot.report.notices );
-	if ( options.srdf.empty() )
+	if ( options.srdf.empty() && !options.group.empty() && input.robot.groups.empty() )
+	{
+		throw io::Error( "command line", "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ),
+		    "add --srdf FILE, or leave it out: then all joints can move" );
+	}
+	if ( options.srdf.empty() && input.robot.disabled.empty() )
 	{
 		notices.add(
 		    "the robot", { { options.robot, "no SRDF",

@@ -121,7 +121,7 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 {
 	const std::string model = "Model";
 	CLI::Option* robot =
-	    app.add_option( "--robot", options.robot, "robot description" )->type_name( "R.urdf" )->group( model );
+	    app.add_option( "--robot", options.robot, "robot description: URDF or MJCF" )->type_name( "R.urdf|R.xml" )->group( model );
 	if ( needs.robot )
 	{
 		robot->required();
@@ -294,11 +294,6 @@ void validate( const CLI::App& app, CommonOptions& options )
 	{
 		wrong(
 		    "--alpha", fmt::format( "{} is outside of [0, 1)", options.alpha ), "give for instance 0.1 for ten per cent" );
-	}
-	if ( options.srdf.empty() && !options.group.empty() && !options.robot.empty() )
-	{
-		wrong( "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ),
-		    "add --srdf FILE, or leave it out: then all joints can move" );
 	}
 	const lw_simd wanted = options.simd_name == "scalar" ? LW_SIMD_SCALAR
 	                       : options.simd_name == "sse2" ? LW_SIMD_SSE2

@@ -59,6 +59,7 @@ const std::vector<Target>& targets()
 	    { "octomap", octomap, text, "octomap" },
 	    { "height_map", heightMap, text, "height_map" },
 	    { "urdf", urdf, text, "urdf" },
+	    { "mjcf", mjcf, text, "mjcf" },
 	    { "srdf", srdf, text, "srdf" },
 	    { "scene", scene, text, "scene" },
 	    { "request", request, text, "request" },

@@ -46,6 +46,26 @@ void urdf( Input input )
 	    } );
 }
 
+void mjcf( Input input )
+{
+	putMeshes();
+	putOnce( "part.xml", "<x><body name=\"p\"><geom size=\"1\"/></body></x>" );
+	const std::string file = put( "input.xml", "<mujoco>" + std::string( input ) + "</mujoco>" );
+	reads(
+	    [&]
+	    {
+		    io::LoadOptions options;
+		    options.use_visual = input.size() % 2 == 0;
+		    const io::RobotModel model = io::loadRobot( file, "", options );
+		    const io::Problem problem = io::buildProblem( model, {} );
+		    useProblem( problem );
+		    for ( const io::GroupState& state : model.group_states )
+		    {
+			    expect( model.findGroup( state.group ) != nullptr, "a state has its group" );
+		    }
+	    } );
+}
+
 void srdf( Input input )
 {
 	const io::RobotModel& plain = fixedRobot();

@@ -18,8 +18,8 @@ import mujoco
 import numpy
 
 POSE_LIMIT = 1e-9
-TYPES = {"sphere": mujoco.mjtGeom.mjGEOM_SPHERE, "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE, "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
-         "box": mujoco.mjtGeom.mjGEOM_BOX}
+TYPES = {"sphere": int(mujoco.mjtGeom.mjGEOM_SPHERE), "capsule": int(mujoco.mjtGeom.mjGEOM_CAPSULE), "cylinder": int(mujoco.mjtGeom.mjGEOM_CYLINDER),
+         "box": int(mujoco.mjtGeom.mjGEOM_BOX)}
 
 
 class Subject:
@@ -30,7 +30,7 @@ class Subject:
         self.shapes = collections.defaultdict(list)
         lines = iter(text.splitlines())
         for line in lines:
-            words = line.split(" ")
+            words = line.split("\t")
             if words[0] == "end":
                 break
             if words[0] == "variable":
@@ -38,16 +38,15 @@ class Subject:
             elif words[0] == "mimic":
                 self.mimics[words[1]] = (words[2], float(words[3]), float(words[4]))
             elif words[0] == "link":
-                self.links.append(line[5:])
+                self.links.append(words[1])
             elif words[0] == "allowed":
-                self.allowed[frozenset(words[1:3])] = " ".join(words[3:])
+                self.allowed[frozenset(words[1:3])] = words[3]
             elif words[0] == "notice":
-                self.notices.append(line[7:])
+                self.notices.append(words[1])
             elif words[0] == "shape":
-                count = int(words[6])
-                pose = [float(w) for w in words[7:]]
-                vertices = numpy.array([[float(w) for w in next(lines).split()] for _ in range(count)])
-                self.shapes[words[1]].append((words[2], [float(w) for w in words[3:6]], pose, vertices))
+                kind, *numbers = words[2].split(" ")
+                vertices = numpy.array([[float(w) for w in next(lines).split()] for _ in range(int(numbers[3]))])
+                self.shapes[words[1]].append((kind, [float(w) for w in numbers[:3]], [float(w) for w in numbers[4:]], vertices))
         self.poses = [[float(w) for w in line.split()] for line in lines]
 
 
@@ -96,14 +95,14 @@ def random_states(model, subject, count, rng):
         values = {}
         for joint in range(model.njnt):
             name, at = joint_name(model, joint), model.jnt_qposadr[joint]
-            if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE:
+            if model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_FREE):
                 first = index[name + "/trans_x"]
                 turn = rng.normal(size=4)
                 q[first:first + 3] = rng.uniform(-2, 2, 3)
                 q[first + 3:first + 7] = turn / numpy.linalg.norm(turn)
                 qpos[at:at + 3] = q[first:first + 3]
                 qpos[at + 3:at + 7] = q[[first + 6, first + 3, first + 4, first + 5]]
-            elif model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_BALL:
+            elif model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_BALL):
                 qpos[at:at + 4] = quaternion_of([q[index[name + part]] for part in ("_x", "_y", "_z")])
             elif name in index:
                 qpos[at] = values[name] = q[index[name]]
@@ -117,7 +116,7 @@ def random_states(model, subject, count, rng):
                 qpos[model.jnt_qposadr[joint]] = values[name]
         for row in range(model.neq):
             # a joint that an equality holds at a constant
-            if model.eq_type[row] == mujoco.mjtEq.mjEQ_JOINT and model.eq_active0[row]:
+            if model.eq_type[row] == int(mujoco.mjtEq.mjEQ_JOINT) and model.eq_active0[row]:
                 joint = model.eq_obj1id[row]
                 if joint_name(model, joint) not in index and joint_name(model, joint) not in subject.mimics:
                     at = model.jnt_qposadr[joint]
@@ -141,7 +140,7 @@ def compare_poses(model, data, subject, states, worst):
 
 def collides(model, geom):
     paired = geom in model.pair_geom1 or geom in model.pair_geom2
-    return (model.geom_contype[geom] or model.geom_conaffinity[geom] or paired) and model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE
+    return (model.geom_contype[geom] or model.geom_conaffinity[geom] or paired) and model.geom_type[geom] != int(mujoco.mjtGeom.mjGEOM_PLANE)
 
 
 def local_frame(model, geom):
@@ -162,7 +161,7 @@ def compare_shapes(model, subject, worst):
     compared = 0
     for body in range(model.nbody):
         geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and collides(model, g)]
-        spheres = [g for g in geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE]
+        spheres = [g for g in geoms if model.geom_type[g] == int(mujoco.mjtGeom.mjGEOM_SPHERE)]
         shapes = list(subject.shapes[body_name(model, body)])
         if len(spheres) > 1:
             centres = sorted(tuple(model.geom_pos[g]) + (model.geom_size[g][0],) for g in spheres)
@@ -179,7 +178,7 @@ def compare_shapes(model, subject, worst):
             turn, centre = local_frame(model, geom)
             ours = numpy.array(pose[:9]).reshape(3, 3)
             if kind in TYPES:
-                ellipsoid = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_ELLIPSOID and kind == "sphere"
+                ellipsoid = model.geom_type[geom] == int(mujoco.mjtGeom.mjGEOM_ELLIPSOID) and kind == "sphere"
                 if TYPES[kind] != model.geom_type[geom] and not ellipsoid:
                     return f"body {body_name(model, body)}: geom {geom} became a {kind}"
                 size = model.geom_size[geom]
@@ -197,21 +196,21 @@ def compare_shapes(model, subject, worst):
 def compare_mesh(model, geom, points, turn, centre, worst):
     """Farthest points along 26 directions."""
     kind = model.geom_type[geom]
-    if kind == mujoco.mjtGeom.mjGEOM_MESH:
+    if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
         mesh = model.geom_dataid[geom]
         first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
         theirs = model.mesh_vert[first:first + count].astype(float) @ turn.T + centre
         size = max(numpy.abs(theirs).max(), 1e-3)
         worst["hull"] = max(worst["hull"], numpy.abs(supports(points) - supports(theirs)).max() / size)
-    elif kind == mujoco.mjtGeom.mjGEOM_HFIELD:
+    elif kind == int(mujoco.mjtGeom.mjGEOM_HFIELD):
         field = model.geom_dataid[geom]
         rows, columns, size = model.hfield_nrow[field], model.hfield_ncol[field], model.hfield_size[field]
         first = model.hfield_adr[field]
         heights = model.hfield_data[first:first + rows * columns].reshape(rows, columns) * size[2]
         x, y = numpy.meshgrid(numpy.linspace(-size[0], size[0], columns), numpy.linspace(-size[1], size[1], rows))
         theirs = numpy.stack([x.ravel(), y.ravel(), heights.ravel()], axis=1) @ turn.T + centre
-        top = points[:rows * columns]
-        worst["hull"] = max(worst["hull"], max(numpy.abs(theirs - p).max(axis=1).min() for p in top[::max(1, len(top) // 200)]) / numpy.abs(size).max())
+        farthest = max(numpy.abs(points - p).max(axis=1).min() for p in theirs[::max(1, len(theirs) // 200)])
+        worst["hull"] = max(worst["hull"], farthest / numpy.abs(size).max())
     else:
         size = model.geom_size[geom]
         # what an ellipsoid reaches along d is |size * d|: ours contains it, and exceeds it by less than a hundredth
@@ -231,7 +230,7 @@ def pairs_of(model):
     for geom in range(model.ngeom):
         if collides(model, geom):
             by_body[model.geom_bodyid[geom]].append(geom)
-    family = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT
+    family = not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
     for a in by_body:
         for b in by_body:
             if a >= b or weld[a] == weld[b]:

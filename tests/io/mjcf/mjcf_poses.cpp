@@ -24,11 +24,12 @@ void printPose( const lw_transform& pose )
 	std::printf( " %.17g %.17g %.17g\n", pose.t[0], pose.t[1], pose.t[2] );
 }
 
+/// Fields are separated by tabs, numbers of a field by blanks.
 /// One line: link, type, dimensions, solid, pose; then the vertices, if it is a mesh.
 void printShape( const std::string& link, const PlacedShape& placed )
 {
 	const lw_shape_info info = lw_shape_get_info( placed.shape.get() );
-	std::printf( "shape %s %s %.17g %.17g %.17g %u", link.c_str(), lw_shape_type_name( info.type ), info.dimensions[0], info.dimensions[1],
+	std::printf( "shape\t%s\t%s %.17g %.17g %.17g %u", link.c_str(), lw_shape_type_name( info.type ), info.dimensions[0], info.dimensions[1],
 	    info.dimensions[2], info.vertex_count );
 	printPose( placed.pose );
 	const double* vertices = lw_shape_vertices( placed.shape.get() );
@@ -45,28 +46,28 @@ void printModel( const RobotModel& model )
 	{
 		for ( const std::string& name : variableNames( joint ) )
 		{
-			std::printf( "variable %s %.17g %.17g %d\n", name.c_str(), joint.lower, joint.upper, static_cast<int>( joint.type ) );
+			std::printf( "variable\t%s\t%.17g\t%.17g\t%d\n", name.c_str(), joint.lower, joint.upper, static_cast<int>( joint.type ) );
 		}
 		if ( !joint.mimic.empty() )
 		{
-			std::printf( "mimic %s %s %.17g %.17g\n", joint.name.c_str(), joint.mimic.c_str(), joint.mimic_multiplier, joint.mimic_offset );
+			std::printf( "mimic\t%s\t%s\t%.17g\t%.17g\n", joint.name.c_str(), joint.mimic.c_str(), joint.mimic_multiplier, joint.mimic_offset );
 		}
 	}
 	for ( const LinkModel& link : model.links )
 	{
-		std::printf( "link %s\n", link.name.c_str() );
+		std::printf( "link\t%s\n", link.name.c_str() );
 	}
 	for ( const DisabledPair& pair : model.disabled )
 	{
-		std::printf( "allowed %s %s %s\n", pair.link1.c_str(), pair.link2.c_str(), pair.reason.c_str() );
+		std::printf( "allowed\t%s\t%s\t%s\n", pair.link1.c_str(), pair.link2.c_str(), pair.reason.c_str() );
 	}
 	for ( const GroupState& state : model.group_states )
 	{
-		std::printf( "state %s %zu\n", state.name.c_str(), state.joints.size() );
+		std::printf( "state\t%s\t%zu\n", state.name.c_str(), state.joints.size() );
 	}
 	for ( const Notice& notice : model.report.notices )
 	{
-		std::printf( "notice %s: %s\n", notice.element.c_str(), notice.text.c_str() );
+		std::printf( "notice\t%s: %s\n", notice.element.c_str(), notice.text.c_str() );
 	}
 	for ( const LinkModel& link : model.links )
 	{

@@ -119,12 +119,12 @@ const Group& RobotModel::useGroup( const std::string& group ) const
 	if ( found == nullptr )
 	{
 		throw Error( srdf_file.empty() ? urdf_file : srdf_file, "group " + group, "there is no such group",
-		    srdf_file.empty() ? "give an SRDF that defines it, or name no group: then all joints can move"
+		    groups.empty() && srdf_file.empty() ? "give an SRDF that defines it, or name no group: then all joints can move"
 		                      : "use one of " + usableGroups( *this ) );
 	}
 	if ( !found->defect.empty() )
 	{
-		throw Error( srdf_file, "group " + group, "cannot be used: " + found->defect,
+		throw Error( srdf_file.empty() ? urdf_file : srdf_file, "group " + group, "cannot be used: " + found->defect,
 		    "correct the SRDF, or use one of " + usableGroups( *this ) );
 	}
 	return *found;
@@ -153,7 +153,7 @@ const GroupState& RobotModel::useGroupState( const std::string& group, const std
 	if ( found == nullptr )
 	{
 		throw Error( file, "group_state " + state, group.empty() ? "there is no such state" : fmt::format( "group {} has no such state", group ),
-		    srdf_file.empty() ? "give an SRDF that defines it" : "use one of " + detail::joinNames( names ) );
+		    names.empty() ? "give an SRDF that defines it" : "use one of " + detail::joinNames( names ) );
 	}
 	if ( !found->defect.empty() )
 	{

@@ -140,6 +140,13 @@ RobotModel readRobot( const std::string& file, const LoadOptions& options );
 /// @param strict as LoadOptions::strict
 void readSrdf( const std::string& srdf_file, bool strict, RobotModel& model );
 
+/// A half-space or plane. A link that is fixed to the root may have one: the core knows it as an obstacle, not as part of a robot.
+inline bool isUnbounded( const PlacedShape& placed )
+{
+	const lw_shape_type type = lw_shape_peek_info( placed.shape.get() ).type;
+	return type == LW_SHAPE_HALFSPACE || type == LW_SHAPE_PLANE;
+}
+
 /// The core's robot for a model. @param allowed names of links whose contact is allowed @throws Error
 Robot createRobot( const RobotModel& model, const std::vector<std::pair<std::string, std::string>>& allowed );
 

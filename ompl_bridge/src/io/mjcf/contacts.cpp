@@ -24,6 +24,7 @@ class PairWriter
 public:
 	PairWriter( const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs, RobotModel& model );
 	void write();
+	void writePlane( const PlaneLink& plane );
 
 private:
 	void readExcluded();
@@ -148,6 +149,29 @@ void PairWriter::write()
 	}
 }
 
+/// What is fixed to the world does not collide with its planes.
+void PairWriter::writePlane( const PlaneLink& plane )
+{
+	for ( std::size_t i = 0; i < m_tree.bodies.size(); ++i )
+	{
+		const Body& body = m_tree.bodies[i];
+		const auto meets = [&]( const Geom& geom ) { return geom.type != GeomType::PLANE && geom.meets( *plane.geom ); };
+		const bool masked = std::none_of( body.geoms.begin(), body.geoms.end(), meets );
+		const auto excluded = m_excluded.find( std::minmax( i, plane.body ) );
+		if ( body.geoms.empty() || isPaired( i, plane.body ) )
+		{
+			continue;
+		}
+		if ( body.weld == 0 || excluded != m_excluded.end() || masked )
+		{
+			m_model.disabled.push_back( { plane.link, body.name,
+			    body.weld == 0                  ? "fixed to the world in the MJCF"
+			    : excluded != m_excluded.end() ? fmt::format( "excluded in the MJCF (line {})", excluded->second )
+			                                   : std::string( "contype and conaffinity in the MJCF" ) } );
+		}
+	}
+}
+
 } // namespace
 
 GeomPairs readGeomPairs( const Document& document, const Tree& tree )
@@ -176,9 +200,12 @@ GeomPairs readGeomPairs( const Document& document, const Tree& tree )
 	return pairs;
 }
 
-void addPairs( const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs, RobotModel& model )
+void addPairs( const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs,
+    const std::vector<PlaneLink>& planes, RobotModel& model )
 {
-	PairWriter( document, compiler, tree, pairs, model ).write();
+	PairWriter writer( document, compiler, tree, pairs, model );
+	writer.write();
+	std::for_each( planes.begin(), planes.end(), [&]( const PlaneLink& plane ) { writer.writePlane( plane ); } );
 }
 
 } // namespace leeway::io::detail::mjcf

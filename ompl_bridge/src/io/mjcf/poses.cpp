@@ -181,7 +181,7 @@ lw_transform Poses::ofClass( const XMLElement& element, const std::string& what,
 lw_transform Poses::between( const XMLElement& carrier, const std::string& what, double& length ) const
 {
 	const std::vector<double> ends = m_document.numbers( carrier, what, "fromto", 6, 6 );
-	Vector along = { ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2] };
+	Vector along = { ends[0] - ends[3], ends[1] - ends[4], ends[2] - ends[5] }; // as MuJoCo has it, not as its page says
 	length = std::hypot( along[0], along[1], along[2] );
 	if ( !normalise( along ) )
 	{

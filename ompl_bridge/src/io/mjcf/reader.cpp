@@ -29,10 +29,12 @@ public:
 		}
 	}
 	void read( const Tree& tree );
+	std::vector<PlaneLink> planes;
 
 private:
 	bool collides( const Geom& geom ) const { return geom.collides() || m_paired.count( geom.name ) != 0; }
 	void readBody( const Body& body );
+	void addPlane( const Body& body, const Geom& geom, const std::string& what );
 	void addShapes( const Body& body, bool visual, LinkModel& link );
 	void notices( const Tree& tree );
 
@@ -41,8 +43,31 @@ private:
 	GeomShapes& m_shapes;
 	RobotModel& m_model;
 	std::set<std::string> m_paired; ///< geoms of a <pair>
-	std::vector<std::string> m_hidden, m_used, m_planes, m_margins;
+	const Body* m_bodies = nullptr; ///< the first
+	std::vector<std::string> m_hidden, m_used, m_margins;
 };
+
+/// A link of its own, which becomes an obstacle of each problem.
+void ShapeReader::addPlane( const Body& body, const Geom& geom, const std::string& what )
+{
+	const auto taken = [&]( const std::string& name )
+	{ return std::any_of( m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& link ) { return link.name == name; } ); };
+	LinkModel link;
+	link.name = geom.name.empty() ? "plane" : geom.name;
+	while ( taken( link.name ) )
+	{
+		link.name += '_';
+	}
+	link.collision.push_back( m_shapes.plane( geom, what, link.name ) );
+	JointModel joint;
+	joint.name = link.name + "/fixed";
+	joint.parent = body.name;
+	joint.child = link.name;
+	joint.parent_from_joint = lw_transform_identity();
+	planes.push_back( { link.name, static_cast<std::size_t>( &body - m_bodies ), &geom } );
+	m_model.joints.push_back( joint );
+	m_model.links.push_back( std::move( link ) );
+}
 
 /// @param visual geoms that collide with nothing instead of the others
 void ShapeReader::addShapes( const Body& body, bool visual, LinkModel& link )
@@ -61,7 +86,7 @@ void ShapeReader::addShapes( const Body& body, bool visual, LinkModel& link )
 			{
 				m_document.fail( *geom.element, what, "a plane moves", "put it into <worldbody>, or use a box" );
 			}
-			m_planes.push_back( geom.name.empty() ? fmt::format( "line {}", geom.element->GetLineNum() ) : geom.name );
+			addPlane( body, geom, what );
 		}
 		if ( !wanted( geom ) )
 		{
@@ -86,22 +111,20 @@ void ShapeReader::addShapes( const Body& body, bool visual, LinkModel& link )
 
 void ShapeReader::readBody( const Body& body )
 {
-	LinkModel& link = *std::find_if( m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& l ) { return l.name == body.name; } );
+	LinkModel link; // planes add links
 	addShapes( body, false, link );
 	const bool visual = std::any_of( body.geoms.begin(), body.geoms.end(), [&]( const Geom& geom ) { return !collides( geom ); } );
-	if ( !link.collision.empty() || !visual )
-	{
-		return;
-	}
-	if ( m_options.use_visual )
+	if ( link.collision.empty() && visual && m_options.use_visual )
 	{
 		addShapes( body, true, link );
 		m_used.push_back( body.name );
 	}
-	else
+	else if ( link.collision.empty() && visual )
 	{
 		m_hidden.push_back( body.name );
 	}
+	std::find_if( m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& l ) { return l.name == body.name; } )->collision =
+	    std::move( link.collision );
 }
 
 void ShapeReader::notices( const Tree& tree )
@@ -115,10 +138,6 @@ void ShapeReader::notices( const Tree& tree )
 	if ( !m_hidden.empty() )
 	{
 		say( "<geom>", fmt::format( "bodies of which all geoms collide with nothing (contype and conaffinity 0) are not checked: {}", joinNames( m_hidden ) ) );
-	}
-	if ( !m_planes.empty() )
-	{
-		say( "<geom>", fmt::format( "a plane has no end and is no part of a robot; not checked: {}. A scene can have it (planes: [{{coef: [a, b, c, d]}}])", joinNames( m_planes ) ) );
 	}
 	if ( !m_margins.empty() )
 	{
@@ -141,6 +160,7 @@ void ShapeReader::notices( const Tree& tree )
 
 void ShapeReader::read( const Tree& tree )
 {
+	m_bodies = tree.bodies.data();
 	for ( const Body& body : tree.bodies )
 	{
 		readBody( body );
@@ -204,8 +224,10 @@ RobotModel readMjcf( std::unique_ptr<XmlFile> xml, const LoadOptions& options )
 	checkSolid( options, model );
 	const GeomPairs pairs = readGeomPairs( document, tree );
 	GeomShapes shapes( document, compiler, defaults, options, model.report );
-	ShapeReader( document, options, pairs, shapes, model ).read( tree );
-	addPairs( document, compiler, tree, pairs, model );
+	ShapeReader reader( document, options, pairs, shapes, model );
+	reader.read( tree );
+	checkLimit( &Limits::links, model.links.size(), "links", document.path(), "<mujoco>" );
+	addPairs( document, compiler, tree, pairs, reader.planes, model );
 	addStates( document, tree, model );
 	return model;
 }

@@ -36,8 +36,16 @@ void addLinks( const Document& document, const Tree& tree, const Couplings& coup
 /// Geoms of <pair>, by the two names, sorted.
 using GeomPairs = std::set<std::pair<std::string, std::string>>;
 GeomPairs readGeomPairs( const Document& document, const Tree& tree );
+/// A link that has nothing but a plane of the world or of a body that is fixed to it.
+struct PlaneLink
+{
+	std::string link;
+	std::size_t body = 0;
+	const Geom* geom = nullptr;
+};
 /// Pairs of links that MuJoCo does not check, each with its reason. @throws Error
-void addPairs( const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs, RobotModel& model );
+void addPairs( const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs,
+    const std::vector<PlaneLink>& planes, RobotModel& model );
 
 /// Groups (all, and one for each tree of bodies that moves, if there are several) and the states of keyframes and qpos0.
 void addStates( const Document& document, const Tree& tree, RobotModel& model );

@@ -68,7 +68,7 @@ public:
 	lw_transform own( const XMLElement& element, const std::string& what ) const;
 	/// pos and orientation of a geom. @throws Error
 	lw_transform ofClass( const XMLElement& element, const std::string& what, const std::string& child_class ) const;
-	/// A frame in the middle between the ends of fromto, z from the first to the second. @param length between the ends, metres
+	/// A frame in the middle between the ends of fromto, z from the second to the first. @param length between the ends, metres
 	lw_transform between( const XMLElement& carrier, const std::string& what, double& length ) const;
 	/// Angles about the axes of `eulerseq`. @param euler three numbers
 	lw_transform turn( const std::vector<double>& position, const std::vector<double>& euler ) const;

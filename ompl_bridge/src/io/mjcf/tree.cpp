@@ -148,7 +148,7 @@ void TreeReader::readReplicas( const XMLElement& e, const Place& place )
 	const std::vector<double> euler = e.Attribute( "euler" ) != nullptr ? m_document.numbers( e, what, "euler", 3, 3 ) : zero;
 	const lw_transform turn = m_poses.turn( zero, euler );
 	const std::string separator = m_document.optionalText( e, what, "sep" );
-	const std::size_t digits = std::to_string( count - 1 ).size();
+	const std::size_t digits = std::to_string( count ).size();
 	Place inner = place;
 	for ( std::int64_t i = 0; i < count; ++i )
 	{

@@ -40,6 +40,10 @@ void RobotBuilder::addLink( const std::string& name, const std::vector<PlacedSha
 	m_names.push_back( name.c_str() );
 	for ( const PlacedShape& shape : shapes )
 	{
+		if ( isUnbounded( shape ) )
+		{
+			continue; // buildProblem() makes an obstacle of it
+		}
 		m_bodies.push_back( { shape.shape.get(), index, shape.pose } );
 	}
 }

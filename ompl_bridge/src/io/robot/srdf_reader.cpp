@@ -415,6 +415,9 @@ void SrdfReader::readGroups()
 	defineGroups();
 	for ( const std::string& name : m_group_order )
 	{
+		// of the same name, the SRDF's group counts and not the MJCF's
+		m_model.groups.erase( std::remove_if( m_model.groups.begin(), m_model.groups.end(),
+		                          [&]( const Group& known ) { return known.name == name; } ), m_model.groups.end() );
 		m_model.groups.push_back( group( name ) );
 	}
 }
@@ -508,7 +511,11 @@ void SrdfReader::readDisabledDefaults( std::set<std::pair<std::string, std::stri
 
 void SrdfReader::readPairs()
 {
-	std::set<std::pair<std::string, std::string>> disabled;
+	std::set<std::pair<std::string, std::string>> disabled; // an MJCF has pairs of its own
+	for ( const DisabledPair& pair : m_model.disabled )
+	{
+		disabled.insert( std::minmax( pair.link1, pair.link2 ) );
+	}
 	readDisabled( disabled );
 	readDisabledDefaults( disabled );
 	if ( !m_unknown.empty() )

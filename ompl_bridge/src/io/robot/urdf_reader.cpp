@@ -7,6 +7,7 @@
 // first, removes the parts that urdfdom need not see, and puts urdfdom's output into the error or a notice.
 #include "shape/geometry_loader.hpp"
 #include "mjcf/robot.hpp"
+#include "robot/neighbours.hpp"
 #include "robot/plausibility.hpp"
 #include "base/xml.hpp"
 
@@ -737,6 +738,10 @@ RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file
 	if ( !srdf_file.empty() )
 	{
 		detail::readSrdf( srdf_file, options.strict, model );
+	}
+	else if ( !options.strict )
+	{
+		detail::allowNeighbours( model );
 	}
 	return model;
 }

@@ -57,6 +57,27 @@ void setValues( const std::map<std::string, double>& values, const std::string& 
 	}
 }
 
+/// As an MJCF places its bodies: zero may put free ones into each other.
+void setInitial( Articulation& articulation )
+{
+	const std::vector<GroupState>& states = articulation.model.group_states;
+	const auto initial = std::find_if( states.begin(), states.end(), []( const GroupState& state ) { return state.name == "qpos0"; } );
+	for ( const JointModel& joint : articulation.model.joints )
+	{
+		const std::vector<std::string> names = io::variableNames( joint );
+		if ( initial == states.end() || names.empty() || initial->joints.count( joint.name ) == 0 )
+		{
+			continue;
+		}
+		std::map<std::string, double> values;
+		for ( std::size_t i = 0; i < names.size(); ++i )
+		{
+			values[names[i]] = initial->joints.at( joint.name ).at( i );
+		}
+		setValues( values, articulation.model.urdf_file, "qpos0", articulation );
+	}
+}
+
 /// Where the links are in the articulation's frame.
 std::vector<lw_transform> linkPoses( const Articulation& articulation, const std::string& file )
 {
@@ -106,6 +127,7 @@ Articulation readArticulation( const std::string& urdf_file, const std::string& 
 	articulation.pose = lw_transform_identity();
 	articulation.robot = createRobot( model, {} );
 	articulation.values = zeroState( articulation.robot.get() );
+	setInitial( articulation );
 	setValues( values, place.file, place.element, articulation );
 	noticeLimits( articulation, place, model.report.notices );
 	for ( const LinkModel& link : model.links )

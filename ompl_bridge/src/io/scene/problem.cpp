@@ -525,6 +525,40 @@ void noticeGoalJoints( const Request& request, const lw_robot* robot, std::vecto
 	}
 }
 
+/// The scene with the half-spaces of the robot's own links (the ground of an MJCF), each an object with the name of its link;
+/// nothing if the robot has none.
+std::optional<SceneModel> withGround( const RobotModel& model, const SceneModel* scene )
+{
+	std::vector<SceneObject> ground;
+	for ( const LinkModel& link : model.links )
+	{
+		SceneObject object;
+		object.name = link.name;
+		object.frame = link.name;
+		std::copy_if( link.collision.begin(), link.collision.end(), std::back_inserter( object.shapes ), detail::isUnbounded );
+		if ( !object.shapes.empty() )
+		{
+			ground.push_back( std::move( object ) );
+		}
+	}
+	if ( ground.empty() )
+	{
+		return std::nullopt;
+	}
+	SceneModel with = scene != nullptr ? *scene : SceneModel();
+	with.file = scene != nullptr ? with.file : model.urdf_file;
+	for ( SceneObject& object : ground )
+	{
+		const bool taken = std::any_of( with.objects.begin(), with.objects.end(), [&]( const SceneObject& other ) { return other.name == object.name; } );
+		if ( taken )
+		{
+			throw Error( with.file, "object " + object.name, fmt::format( "{} has a plane of this name", model.urdf_file ), "rename the object" );
+		}
+		with.objects.push_back( std::move( object ) );
+	}
+	return with;
+}
+
 } // namespace
 
 Robot buildRobot( const RobotModel& model )
@@ -548,7 +582,8 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	problem.reference.resize( lw_robot_variable_count( bare ) );
 	lw_robot_default_state( bare, problem.reference.data() );
 	StateWriter writer( model, bare, problem.reference );
-	const SceneModel* scene = options.scene;
+	const std::optional<SceneModel> grounded = withGround( model, options.scene );
+	const SceneModel* scene = grounded ? &*grounded : options.scene;
 	if ( scene != nullptr )
 	{
 		writer.apply( scene->state, scene->file, "robot_state", problem.notices );

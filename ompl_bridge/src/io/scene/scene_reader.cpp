@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <set>
 
 namespace leeway::io
@@ -683,13 +684,28 @@ void readUrdfScene( const std::string& file, const LoadOptions& options, SceneMo
 	scene.articulations.push_back( std::move( articulation ) );
 }
 
+/// Whether the file begins as XML does. Its errors are left to the readers.
+bool isXml( const std::string& file )
+{
+	if ( lower( std::filesystem::path( file ).extension().string() ) == ".urdf" )
+	{
+		return true;
+	}
+	std::ifstream stream( file, std::ios::binary );
+	char first = ' ';
+	while ( stream && ( first == ' ' || first == '\t' || first == '\r' || first == '\n' ) && stream.get( first ) )
+	{
+	}
+	return first == '<';
+}
+
 } // namespace
 
 SceneModel loadScene( const std::string& file, const LoadOptions& options )
 {
 	SceneModel scene;
 	scene.file = file;
-	if ( lower( std::filesystem::path( file ).extension().string() ) == ".urdf" )
+	if ( isXml( file ) )
 	{
 		readUrdfScene( file, options, scene );
 	}
